@@ -1,0 +1,3847 @@
+/* pbw.h - v0.1.0 - exact Delaunay and regular triangulation in 2D and 3D - MIT-0
+
+   QUICK START
+   In one source file, define PBW_IMPLEMENTATION before the include; in all others, only include.
+
+       #define PBW_IMPLEMENTATION
+       #include "pbw.h"
+       #include <stdio.h>
+
+       int main(void) {
+           double points[] = { 0,0,0,  1,0,0,  0,1,0,  0,0,1,  1,1,1 };   // five points in space
+           pbw_mesh mesh = {0};
+           pbw_status status = pbw_triangulate(3, points, NULL, 5, NULL, &mesh);
+           if (status != PBW_OK) { printf("%s\n", pbw_status_string(status)); return 1; }
+           for (size_t i = 0; i < mesh.simplex_count; i++) {
+               const pbw_index *corner = mesh.simplices + 4 * i;
+               printf("%u %u %u %u\n", corner[0], corner[1], corner[2], corner[3]);
+           }
+           pbw_free(&mesh);
+           return 0;
+       }
+
+   Build:  cc -O2 quickstart.c -lpthread
+
+   CONTENTS  (search for the marks)
+     >>interface    types and functions
+     >>platform     compilers, clocks, floating-point state
+     >>memory       the one allocator hook, growth, limits
+     >>exact        integers of just enough width
+     >>predicates   signs: filter, exact stage, perturbation
+     >>order        Hilbert keys, sorting, duplicates, insertion levels
+     >>mesh         the simplex record, ghosts, invariants
+     >>walk         point location
+     >>cavity       find, carve, refill
+     >>build        seed simplex, levels, serial insertion
+     >>output       compaction, canonical order, ids
+     >>check        the exact verdict on a finished mesh
+     >>hash         one number for a triangulation
+     >>api          argument checks, defaults, status texts
+     >>history      versions
+     >>license      MIT No Attribution
+
+   DOES      Delaunay triangulations (weights NULL) and regular triangulations (weights given) of points in
+             the plane and in space: simplices, neighbours, one incident simplex for each point, duplicates,
+             hidden points; an exact check and a hash of the result; exact predicates.
+   DOES NOT  constraints, periodic domains, meshing of solids, dimensions above 3.
+
+   PROMISES  (and the test that guards each)
+     exact       every sign is the true sign for every finite double; no epsilon anywhere   tests/test_predicates.c
+     one answer  the triangulation is a function of the set of (weighted) points alone      tests/test_answer.c
+     never exits no assert, abort, exit or print on your input; failures are statuses       tests/test_api.c
+     re-entrant  no globals, no init call; many builds at once                              tests/test_api.c
+     bounded     no recursion; a 256 KiB stack is enough                                    tests/test_resources.c
+
+   CONVENTIONS
+            3            A simplex has dim+1 corners; neighbor i is across the facet opposite to corner i.
+           /|\           3D: det[b-a, c-a, d-a] > 0 for corners a b c d: seen from d, the corners a b c turn
+          / | \              counter-clockwise.  (Shewchuk's orient3d has the opposite sign.)
+         0--+--2         2D: corners turn counter-clockwise.
+          \ | /          Hull: neighbor PBW_NONE.
+           \|/           Power distance of x to a point p with weight w: |x-p|^2 - w.  A larger weight wins more.
+            1
+     Ties.  More than dim+1 points on one empty sphere leave the Delaunay triangulation undecided. Then the
+     lift |p|^2 - w of each point is raised by a symbolic amount, infinitesimal against everything finite; the
+     amounts are ordered by the lexicographic (x, y, z) order of the points, and the largest point's amount
+     dominates (Devillers and Teillaud 2011, "Perturbations for Delaunay and weighted Delaunay 3D
+     triangulations").  Orientations are never perturbed, so there are no flat simplices.
+     Duplicates.  Of points at one place the one with the largest weight stays; ties keep the lowest index;
+     -0.0 equals 0.0.  The others are listed in mesh.canonical.
+     Hidden points (weights only).  A point whose power cell is empty is no vertex; mesh.incident says PBW_NONE.
+
+   CONFIGURATION MACROS
+     PBW_IMPLEMENTATION   in one source file: compile the implementation there
+     PBW_STATIC           everywhere: make every function static (several private copies in one program)
+     PBWDEF               everywhere: your own linkage for the public functions
+     PBW_WIDE             where PBW_IMPLEMENTATION is: 64-bit links, up to 4.29e9 simplices instead of 1.07e9,
+                          for 16 more bytes a simplex while building
+     PBW_NO_SIMD          where PBW_IMPLEMENTATION is: scalar code only; the same answers, slower
+*/
+#ifndef PBW_H
+#define PBW_H
+/* ------------------------------------------------------------------------------------------------------
+   >>interface
+   ------------------------------------------------------------------------------------------------------ */
+#include <stddef.h>
+#include <stdint.h>
+
+#define PBW_VERSION_MAJOR 0
+#define PBW_VERSION_MINOR 1
+#define PBW_VERSION_PATCH 0
+#define PBW_VERSION (PBW_VERSION_MAJOR * 10000 + PBW_VERSION_MINOR * 100 + PBW_VERSION_PATCH)
+
+#ifndef PBWDEF
+#if defined(PBW_STATIC) && defined(__GNUC__)
+#define PBWDEF static __attribute__((unused))
+#elif defined(PBW_STATIC)
+#define PBWDEF static
+#else
+#define PBWDEF extern
+#endif
+#endif
+
+#ifdef __cplusplus
+extern "C" {
+#endif
+
+typedef uint32_t pbw_index;                /* a point or a simplex */
+#define PBW_NONE ((pbw_index)-1)           /* no such: outside the hull, not a vertex */
+
+typedef enum pbw_status {                  /* every function that can fail returns one; 0 is success */
+    PBW_OK = 0,
+    PBW_DEGENERATE,                        /* the points span less than dim dimensions: no simplices */
+    PBW_CANCELLED,                         /* the progress callback said stop */
+    PBW_ERROR_ARGUMENT,                    /* NULL, bad dim, bad stride, bad thread count, bad flag */
+    PBW_ERROR_NOT_FINITE,                  /* a coordinate or weight is NaN or infinite */
+    PBW_ERROR_TOO_LARGE,                   /* more points or simplices than an index can number */
+    PBW_ERROR_MEMORY,                      /* out of memory, or over options.memory_limit */
+    PBW_ERROR_THREAD,                      /* no thread could be started */
+    PBW_ERROR_FP_MODE,                     /* the arithmetic of this thread is not IEEE 754 double */
+    PBW_ERROR_BACKEND                      /* the backend failed or does not fit this version */
+} pbw_status;
+
+typedef enum pbw_stage { PBW_STAGE_ORDER, PBW_STAGE_BUILD, PBW_STAGE_OUTPUT, PBW_STAGE_CHECK } pbw_stage;
+
+typedef struct pbw_mesh pbw_mesh;
+typedef struct pbw_backend pbw_backend;
+
+#define PBW_ANY_ORDER    1u                /* skip the canonical order of simplices: faster, still deterministic
+                                              on one thread, but not the same arrays for all thread counts */
+#define PBW_NO_NEIGHBORS 2u                /* leave mesh.neighbors NULL */
+
+typedef struct pbw_options {               /* NULL or all zero = best defaults */
+    int      threads;                      /* 0 = one per core, 1 = start none; at most 256 */
+    unsigned flags;                        /* PBW_ANY_ORDER | PBW_NO_NEIGHBORS */
+    size_t   stride, weight_stride;        /* bytes from one point / weight to the next, 0 = packed */
+    size_t   memory_limit;                 /* bytes held at once, 0 = no limit; over it: PBW_ERROR_MEMORY */
+    /* The one allocator: ptr NULL allocates, new_size 0 frees, else resizes as realloc does (NULL = failed and
+       the old block stays).  old_size is what was asked for.  Blocks must be aligned as malloc's are.  It may
+       be called from several threads at once unless threads is 1.  NULL = realloc and free. */
+    void *(*resize)(void *user, void *ptr, size_t old_size, size_t new_size);
+    /* The caller's job system: calls task(arg, i) once for each i in 0..tasks-1, in any order, on any thread, and
+       returns when all have returned.  Tasks never wait on each other.  NULL = our own threads. */
+    void  (*run)(void *user, int tasks, void (*task)(void *arg, int i), void *arg);
+    /* Called on the caller's thread at least ten times a second; done runs from 0 to 1 in each stage.  A nonzero
+       answer ends the call with PBW_CANCELLED within 100 ms. */
+    int   (*progress)(void *user, pbw_stage stage, double done);
+    void *resize_user, *run_user, *progress_user;
+    const pbw_backend *backend;            /* NULL = this CPU */
+} pbw_options;
+
+typedef struct pbw_statistics {            /* of the build that filled a mesh */
+    double order_seconds, build_seconds, output_seconds;
+    size_t peak_bytes;                     /* most memory held through options.resize at one time */
+    size_t walk_steps;                     /* simplices visited by point location */
+    size_t conflict_tests, exact_tests;    /* sphere tests made; those that the filter left to exact stages */
+    size_t created;                        /* simplices created, ghosts included */
+} pbw_statistics;
+
+struct pbw_mesh {                          /* start from {0}; read, do not write; pbw_free when done */
+    int dim;                               /* 2 or 3; a simplex has dim+1 corners */
+    size_t point_count, simplex_count;
+    const pbw_index *simplices;            /* simplex_count*(dim+1) ids of the caller's points, positively oriented;
+                                              the first corner comes first on the Hilbert curve */
+    const pbw_index *neighbors;            /* same shape; entry i is across from corner i, PBW_NONE on the hull */
+    const pbw_index *incident;             /* per point: the first simplex that has it, PBW_NONE if it is no vertex */
+    const pbw_index *canonical;            /* per point: itself, or the point that it duplicates */
+    size_t duplicate_count, hidden_count;  /* why a point may be no vertex */
+    const double *points, *weights;        /* the library's own packed copies, in the caller's order; weights NULL
+                                              if none were given */
+    pbw_statistics statistics;
+    void *memory;                          /* private */
+};
+
+/* Triangulates count points; weights NULL = Delaunay, else regular.
+   points: dim coordinates each, read in place, not kept.  mesh: overwritten (an earlier result in it is not
+   freed); on any status but PBW_OK and PBW_DEGENERATE it is left empty.  PBW_DEGENERATE: no simplices, but
+   canonical, incident (all PBW_NONE), points and duplicate_count are filled.
+   Holds at most 530 (3D) or 140 (2D) bytes a point while it runs on uniform points, the result included, which is 260
+   (3D) or 90 (2D). */
+PBWDEF pbw_status pbw_triangulate(int dim, const double *points, const double *weights, size_t count,
+                                  const pbw_options *options, pbw_mesh *mesh);
+/* The same for floats: the exact triangulation of those float values. */
+PBWDEF pbw_status pbw_triangulatef(int dim, const float *points, const float *weights, size_t count,
+                                   const pbw_options *options, pbw_mesh *mesh);
+/* Frees what a mesh holds and zeroes it; fine on {0}, fine twice. */
+PBWDEF void pbw_free(pbw_mesh *mesh);
+
+typedef struct pbw_report {                /* what pbw_check found */
+    int valid;                             /* 1: the mesh is the triangulation that pbw_triangulate promises */
+    const char *what;                      /* the first fault in words, "" if valid; never freed */
+    pbw_index simplex, facet;              /* where, PBW_NONE if it belongs to no simplex */
+    pbw_index point;                       /* the point concerned, PBW_NONE if none */
+    size_t vertex_count, facet_count, hull_facet_count;   /* counted until the first fault */
+} pbw_report;
+
+/* Checks a mesh in O(n), exactly and independently of how it was built: indices, orientation, adjacency, local
+   regularity of each facet under the tie rule, closure and convexity of the hull, single cover (hence Euler's
+   relation), duplicates and hidden points.  Needs mesh->neighbors.  A faulty mesh is no error: the status is PBW_OK and
+   report->valid is 0.  A mesh of PBW_DEGENERATE points is checked for being so. */
+PBWDEF pbw_status pbw_check(const pbw_mesh *mesh, const pbw_options *options, pbw_report *report);
+
+/* Equal for two meshes if and only if (up to 2^-64 chance) they are the same triangulation of the same points:
+   independent of the order of points and simplices, of ids, and of float or double input.  0 for an empty mesh. */
+PBWDEF uint64_t pbw_hash(const pbw_mesh *mesh);
+
+/* Exact signs -1, 0, +1 for all finite doubles, in every rounding mode; no setup, any thread.
+   orient: +1 if the simplex is positively oriented (see CONVENTIONS).
+   incircle, insphere: +1 if p is inside the circle / sphere through the corners of a positively oriented simplex;
+   the sign flips with the orientation.  power2, power3: the same with weights, w[i] for corner i and last for p:
+   +1 if p is below the lifted plane through the corners, that is, in conflict with the simplex. */
+PBWDEF int pbw_orient2(const double a[2], const double b[2], const double c[2]);
+PBWDEF int pbw_orient3(const double a[3], const double b[3], const double c[3], const double d[3]);
+PBWDEF int pbw_incircle(const double a[2], const double b[2], const double c[2], const double p[2]);
+PBWDEF int pbw_insphere(const double a[3], const double b[3], const double c[3], const double d[3],
+                        const double p[3]);
+PBWDEF int pbw_power2(const double a[2], const double b[2], const double c[2], const double p[2], const double w[4]);
+PBWDEF int pbw_power3(const double a[3], const double b[3], const double c[3], const double d[3], const double p[3],
+                      const double w[5]);
+
+PBWDEF const char *pbw_status_string(pbw_status status);    /* never NULL, never freed */
+PBWDEF int pbw_version(void);              /* differs from PBW_VERSION if header and implementation do */
+
+#ifdef __cplusplus
+}
+#endif
+#endif /* PBW_H */
+
+/* Interface ends here; what follows is for those who want to know how it works. */
+
+#if defined(PBW_IMPLEMENTATION) && !defined(PBW__IMPLEMENTED)
+#define PBW__IMPLEMENTED
+/* ------------------------------------------------------------------------------------------------------
+   >>platform     Compilers, clocks, floating-point state.
+   In: whatever the user compiles with.  Out: IEEE 754 double arithmetic, rounded to nearest, with no product
+   fused into a sum unless we say so; or a compile error; or PBW_ERROR_FP_MODE.
+   ------------------------------------------------------------------------------------------------------ */
+#ifdef __FAST_MATH__
+#error "pbw.h is exact only with IEEE arithmetic: compile without -ffast-math"
+#endif
+
+#include <float.h>
+#include <math.h>                                    /* HUGE_VAL only: nothing to link */
+#include <stdlib.h>
+#include <string.h>
+#ifdef _WIN32
+#include <windows.h>
+#else
+#include <sys/time.h>
+#endif
+#if defined(__SSE2__)
+#include <immintrin.h>
+#endif
+
+/* Contraction must be off for both compilers; each ignores the other's pragma.  (gcc 12 fuses even so, in vector
+   code of the form a*b +- c*d under -mfma: `make asm` looks for that in the predicates.) */
+#if defined(__clang__)
+#pragma STDC FP_CONTRACT OFF
+#elif defined(__GNUC__)
+#pragma GCC push_options
+#pragma GCC optimize("fp-contract=off")
+#elif defined(_MSC_VER)
+#pragma fp_contract(off)
+#endif
+
+#if defined(__GNUC__)
+#define PBW__INLINE static inline __attribute__((always_inline, unused))
+#define PBW__NOINLINE __attribute__((noinline))
+#define PBW__UNUSED __attribute__((unused))
+#define PBW__LIKELY(x) __builtin_expect(!!(x), 1)
+#define PBW__UNLIKELY(x) __builtin_expect(!!(x), 0)
+#else
+#define PBW__INLINE static inline
+#define PBW__NOINLINE
+#define PBW__UNUSED
+#define PBW__LIKELY(x) (x)
+#define PBW__UNLIKELY(x) (x)
+#endif
+
+/* Four facets are tested at once where the compiler has vectors of four doubles, in functions compiled for the
+   instruction set and chosen when a build starts.  PBW_NO_SIMD leaves the scalar code only, with the same answers. */
+#if !defined(PBW_NO_SIMD) && defined(__x86_64__) && defined(__has_builtin)
+#if __has_builtin(__builtin_shufflevector)
+#define PBW__LANES 4
+typedef double pbw__lanes __attribute__((vector_size(32)));
+typedef double pbw__half_lanes __attribute__((vector_size(16), aligned(8)));
+#endif
+#endif
+
+#define PBW__EPSILON 1.1102230246251565e-16          /* u = 2^-53: half an ulp of 1 */
+
+static double pbw__seconds(void)                     /* wall clock, for statistics and progress only */
+{
+#ifdef _WIN32
+    LARGE_INTEGER count, rate;
+    QueryPerformanceCounter(&count);
+    QueryPerformanceFrequency(&rate);
+    return (double)count.QuadPart / (double)rate.QuadPart;
+#else
+    struct timeval now;
+    gettimeofday(&now, NULL);
+    return (double)now.tv_sec + 1e-6 * (double)now.tv_usec;
+#endif
+}
+
+/* The rounding mode, flush-to-zero and denormals-are-zero bits of this thread.  A program linked with -ffast-math
+   starts with them set, whatever we were compiled with, so we set what we need and put it back. */
+typedef struct pbw__fp { unsigned long state; } pbw__fp;
+
+static pbw__fp pbw__fp_enter(void)
+{
+    pbw__fp fp = { 0 };
+#if defined(__SSE2__)
+    unsigned state = _mm_getcsr();
+    fp.state = state;
+    _mm_setcsr((state | 0x1f80u) & ~0xe040u);        /* exceptions masked; round to nearest; no FTZ, no DAZ */
+#elif defined(__aarch64__) && defined(__GNUC__)
+    unsigned long state;
+    __asm__ __volatile__("mrs %0, fpcr" : "=r"(state));
+    fp.state = state;
+    __asm__ __volatile__("msr fpcr, %0" : : "r"(state & ~0x01c09f00ul) : "memory");
+#endif
+    return fp;
+}
+
+static void pbw__fp_leave(pbw__fp fp)
+{
+#if defined(__SSE2__)
+    _mm_setcsr((unsigned)fp.state);
+#elif defined(__aarch64__) && defined(__GNUC__)
+    __asm__ __volatile__("msr fpcr, %0" : : "r"(fp.state) : "memory");
+#else
+    (void)fp;
+#endif
+}
+
+/* Identities that hold only in IEEE double arithmetic to nearest even with denormals: each line fails under one of
+   x87 excess precision, directed rounding, flushing, reassociation. */
+static int pbw__fp_is_exact(void)
+{
+    volatile double one = 1.0, u = PBW__EPSILON, tiny = DBL_MIN, big = 9007199254740992.0, third = 3.0;
+    volatile double up = one + u, down = one - 0.5 * u, odd = (one + 2 * u) + u, minus = -one - u;
+    volatile double half = 0.5 * tiny, back = half * 2.0, kept = (big + one) - big,
+                    rest = (one / third) * third - one;
+    return up == one && down == one && odd == one + 4 * u && minus == -one    /* nearest, ties to even */
+        && half > 0.0 && back == tiny                                         /* denormals are kept */
+        && kept == 0.0 && rest == 0.0;                                        /* no excess precision */
+}
+/* ------------------------------------------------------------------------------------------------------
+   >>memory      The one allocator hook, and the count of what is held through it.
+   In: options.resize or NULL, options.memory_limit.  Out: blocks, or NULL for out of memory or over the limit.
+   Holds: used = sum of the sizes of live blocks <= peak; with a limit, peak <= limit.
+   ------------------------------------------------------------------------------------------------------ */
+typedef struct pbw__memory {
+    void *(*resize)(void *user, void *ptr, size_t old_size, size_t new_size);
+    void *user;
+    size_t limit, used, peak;
+} pbw__memory;
+
+static void *pbw__default_resize(void *user, void *ptr, size_t old_size, size_t new_size)
+{
+    (void)user;
+    (void)old_size;
+    if (new_size == 0) {
+        free(ptr);
+        return NULL;
+    }
+    return realloc(ptr, new_size);
+}
+
+/* count*size bytes in place of an old block of old_count*size; NULL leaves the old block as it was. */
+static void *pbw__resize(pbw__memory *memory, void *ptr, size_t old_count, size_t count, size_t size)
+{
+    size_t old_bytes = old_count * size, bytes;
+    void *block;
+    if (count > (size_t)-1 / 2 / size) {
+        return NULL;
+    }
+    bytes = count * size;
+    if (memory->limit != 0 && bytes > old_bytes && bytes - old_bytes > memory->limit - memory->used) {
+        return NULL;
+    }
+    block = memory->resize(memory->user, ptr, old_bytes, bytes);
+    if (block != NULL || bytes == 0) {
+        memory->used = memory->used - old_bytes + bytes;
+        if (memory->used > memory->peak) {
+            memory->peak = memory->used;
+        }
+    }
+    return block;
+}
+
+static void *pbw__allocate(pbw__memory *memory, size_t count, size_t size)
+{
+    return pbw__resize(memory, NULL, 0, count == 0 ? 1 : count, size);
+}
+
+static void pbw__release(pbw__memory *memory, void *ptr, size_t count, size_t size)
+{
+    if (ptr != NULL) {
+        (void)pbw__resize(memory, ptr, count == 0 ? 1 : count, 0, size);
+    }
+}
+/* ------------------------------------------------------------------------------------------------------
+   >>exact     Integers of just enough width, and the one determinant that is computed with them.
+   In: finite doubles, read as mantissa * 2^exponent.  Out: the exact sign of an orientation or power determinant.
+   Uses integer arithmetic only, so it is right in every rounding mode, with and without flush-to-zero.
+
+   A number is a row of digits in radix R = 2^58: value = sum digit[i] R^i with 0 <= digit[i] < R below the top one,
+   which is signed.  A product of two digits takes 116 bits of a 128-bit column, so whole columns are summed before
+   one carry is taken, signs need no cases, and the shortest numbers (a difference of ordinary coordinates is one
+   digit) cost a few multiplications.  Without __int128 the radix is 2^26 and the column has 64 bits.
+   Right shifts of negative columns must be arithmetic: all compilers that we know of do it, tests/ would see others.
+
+   Widths.  A finite double is a multiple of 2^-1074 below 2^1024.  In that unit differences are < 2^2099, 2x2 minors
+   < 2^4199, 3x3 minors < 2^6302, lifts |u|^2 - dw (unit 2^-2148) < 2^4201, so
+      digits held    12 differences of 37, 6 minors of 73, 4 minors of 109, 4 lifts of 73, 4 weights of 55, and
+                     the last sum of 183 digits: 2013 digits, 117,000 bits, 17 KiB;
+      column         at most 4 terms of 73 products below 2^116, and a carry: below 2^125
+                     (radix 2^26: 4 terms of 162 products below 2^52: below 2^62).
+   ------------------------------------------------------------------------------------------------------ */
+#if defined(__SIZEOF_INT128__)
+typedef int64_t pbw__digit;
+__extension__ typedef __int128 pbw__column;
+__extension__ typedef unsigned __int128 pbw__wrapped;
+#define PBW__DIGIT_BITS 58
+#else
+typedef int32_t pbw__digit;
+typedef int64_t pbw__column;
+typedef uint64_t pbw__wrapped;
+#define PBW__DIGIT_BITS 26
+#endif
+#define PBW__POOL (125000 / PBW__DIGIT_BITS)
+
+typedef struct pbw__integer {
+    pbw__digit *digit;
+    int length;                                      /* 0: zero; else digit[length-1] is not 0 */
+} pbw__integer;
+
+typedef struct pbw__product {                        /* factor[0] * factor[1], to be added or subtracted */
+    const pbw__integer *factor[2];
+    int negative;
+} pbw__product;
+
+/* value = mantissa * 2^exponent; the exponent is returned, |mantissa| < 2^53. */
+PBW__INLINE int pbw__decode(double value, int64_t *mantissa)
+{
+    uint64_t bits;
+    int64_t minus;
+    int field;
+    memcpy(&bits, &value, sizeof bits);
+    field = (int)(bits >> 52 & 2047);
+    minus = -(int64_t)(bits >> 63);                  /* -1 or 0: no branch on a random sign */
+    *mantissa = (int64_t)((bits & 0xfffffffffffff) | (uint64_t)(field != 0) << 52);
+    *mantissa = (*mantissa ^ minus) - minus;
+    return (field != 0 ? field : 1) - 1075;
+}
+
+/* The number in length digits at digit: drops leading zeros, also those of a negative number (top -1). */
+static pbw__integer pbw__trimmed(pbw__digit *digit, int length)
+{
+    pbw__integer result;
+    while (length > 1 && digit[length - 1] == -1) {
+        digit[length - 2] -= (pbw__digit)1 << PBW__DIGIT_BITS;
+        length--;
+    }
+    while (length > 0 && digit[length - 1] == 0) {
+        length--;
+    }
+    result.digit = digit;
+    result.length = length;
+    return result;
+}
+
+/* a - b in units of 2^unit; the lowest bit of both is worth at least one unit. */
+static pbw__integer pbw__exact_difference(double a, double b, int unit, pbw__digit **pool)
+{
+    pbw__digit *digit = *pool;
+    pbw__integer result;
+    pbw__column carry = 0;
+    int i, length = 0, side;
+    for (side = 0; side < 2; side++) {
+        int64_t mantissa;
+        int shift = pbw__decode(side == 0 ? a : b, &mantissa) - unit;
+        int negative = (mantissa < 0) != side, at, room;
+        uint64_t rest = (uint64_t)(mantissa < 0 ? -mantissa : mantissa);
+        if (rest == 0) {
+            continue;
+        }
+        at = shift / PBW__DIGIT_BITS;
+        room = PBW__DIGIT_BITS - shift % PBW__DIGIT_BITS;
+        while (rest != 0) {                          /* the piece of the mantissa that falls into digit at */
+            pbw__digit piece = (pbw__digit)((rest & (((uint64_t)1 << room) - 1)) << (PBW__DIGIT_BITS - room));
+            while (length <= at) {
+                digit[length++] = 0;
+            }
+            digit[at] += negative ? -piece : piece;
+            rest >>= room;
+            room = PBW__DIGIT_BITS;
+            at++;
+        }
+    }
+    for (i = 0; i < length; i++) {
+        carry += digit[i];
+        digit[i] = (pbw__digit)(carry & (((pbw__column)1 << PBW__DIGIT_BITS) - 1));
+        carry >>= PBW__DIGIT_BITS;
+    }
+    digit[length++] = (pbw__digit)carry;
+    result = pbw__trimmed(digit, length);
+    *pool += result.length;
+    return result;
+}
+
+/* The sum of count products, column by column. */
+static pbw__integer pbw__exact_sum(const pbw__product *product, int count, pbw__digit **pool)
+{
+    pbw__digit *digit = *pool;
+    pbw__integer result;
+    pbw__column column = 0;
+    int i, j, k, length = 0;
+    for (j = 0; j < count; j++) {
+        int both = product[j].factor[0]->length + product[j].factor[1]->length;
+        length = both > length ? both : length;
+    }
+    for (k = 0; k < length; k++) {
+        for (j = 0; j < count; j++) {
+            const pbw__integer *a = product[j].factor[0], *b = product[j].factor[1];
+            pbw__column sum = 0;
+            int last = k < a->length ? k : a->length - 1;
+            for (i = k < b->length ? 0 : k - b->length + 1; i <= last; i++) {
+                sum += (pbw__column)a->digit[i] * b->digit[k - i];
+            }
+            column += product[j].negative ? -sum : sum;
+        }
+        digit[k] = (pbw__digit)(column & (((pbw__column)1 << PBW__DIGIT_BITS) - 1));
+        column >>= PBW__DIGIT_BITS;
+    }
+    digit[length++] = (pbw__digit)column;
+    result = pbw__trimmed(digit, length);
+    *pool += result.length;
+    return result;
+}
+
+static int pbw__exact_sign(const pbw__integer *a)
+{
+    return a->length == 0 ? 0 : a->digit[a->length - 1] < 0 ? -1 : 1;
+}
+
+/* Records as in >>predicates: dim coordinates, then the weight.  count is dim or dim+1, the rows are row[i] - origin.
+   count = dim:    sign of det[rows].
+   count = dim+1:  sign of sum_i lift_i * orientation_i; orientation[i], the sign of the orientation of the simplex
+                   row[0..dim] with corner i replaced by the origin, is stored too.
+   Minors are built up by columns x, y, z, lift: minor[set] is the determinant of the rows in the set and of as many
+   first columns, expanded by its last column. */
+static PBW__NOINLINE int pbw__exact_determinant(int dim, int count, const double *const *row, const double *origin,
+                                                int *orientation)
+{
+    pbw__digit pool[PBW__POOL], *top = pool, one_digit = 1;
+    pbw__integer entry[4][4], minor[16], one;
+    pbw__product term[4];
+    int unit = 1024, sign = 0, missing = 0, i, j, k, set;
+    one.digit = &one_digit;
+    one.length = 1;
+    for (i = 0; i <= count; i++) {                   /* the largest unit that divides all coordinates ... */
+        const double *point = i < count ? row[i] : origin;
+        for (j = 0; j < dim + (count > dim); j++) {
+            int64_t mantissa;
+            int exponent = pbw__decode(point[j], &mantissa);
+            if (j == dim) {                          /* ... and whose square divides all weights */
+                exponent = (exponent - (exponent & 1)) / 2;
+            }
+            if (mantissa != 0 && exponent < unit) {
+                unit = exponent;
+            }
+        }
+    }
+    for (i = 0; i < count; i++) {
+        for (j = 0; j < dim; j++) {
+            entry[i][j] = pbw__exact_difference(row[i][j], origin[j], unit, &top);
+            term[j].factor[0] = term[j].factor[1] = &entry[i][j];
+            term[j].negative = 0;
+        }
+        if (count > dim) {
+            pbw__integer weight = pbw__exact_difference(row[i][dim], origin[dim], 2 * unit, &top);
+            term[dim].factor[0] = &weight;
+            term[dim].factor[1] = &one;
+            term[dim].negative = 1;
+            entry[i][dim] = pbw__exact_sum(term, dim + 1, &top);
+        }
+    }
+    minor[0] = one;
+    for (set = 1; set < 1 << count; set++) {
+        for (i = k = 0; i < count; i++) {
+            k += set >> i & 1;
+        }
+        for (i = j = 0; i < count; i++) {
+            if (set >> i & 1) {
+                term[j].factor[0] = &entry[i][k - 1];
+                term[j].factor[1] = &minor[set ^ (1 << i)];
+                j++;
+                term[j - 1].negative = (k - j) & 1;
+            } else {
+                missing = i;
+            }
+        }
+        minor[set] = k == 1 ? *term[0].factor[0] : pbw__exact_sum(term, k, &top);
+        sign = pbw__exact_sign(&minor[set]);
+        if (k == dim && count > dim) {
+            orientation[missing] = missing % 2 == 0 ? sign : -sign;
+        }
+    }
+    return dim == 2 ? sign : -sign;                  /* of the set of all rows */
+}
+/* ------------------------------------------------------------------------------------------------------
+   >>predicates   Signs: filter, integers, pairs of doubles, exact determinant; and the verdict on ties.
+   In: records of the kernel, {x, y, w} in the plane and {x, y, z, w} in space; w = 0 without weights; all finite.
+   Out: exact signs, and for each positive simplex and point the one perturbed answer: in conflict or not.
+
+   Every predicate is a determinant of rows row[i] - origin; the origin is the last point of the call:
+      orient   dim rows:    the orientation of the simplex (row[0] .. row[dim-1], origin)
+      power    dim+1 rows:  sum_i lift_i * orientation_i, where lift_i = |row[i] - origin|^2 - (w[i] - w[origin]) and
+                            orientation_i is that of the simplex row[0..dim] with corner i replaced by the origin:
+                            +1 for an origin in conflict with a positive simplex
+   Stages, cheapest first; each but the last may leave the sign open.  mx, my, mz are the largest |x|, |y|, |z| and ml
+   the largest |row - origin|^2 + |dw| of this very test: no bound depends on the rest of the input.
+
+      filter      plain doubles and a bound; any rounding mode, with and without flush-to-zero
+      integers    for differences that fit one digit of >>exact in a common unit: nearly all that a filter leaves
+                  open, so true zeros mostly end here; nothing is rounded, so again any mode
+      pairs       unevaluated sums of two doubles, 93 correct bits; only where rounding is known to be to nearest
+      >>exact     all finite doubles
+   ------------------------------------------------------------------------------------------------------ */
+/* What a build knows of its records.  inverse_unit is 0 if they have no common grid, else a power of two: coordinates
+   are multiples of the unit and weights of its square, and they differ by less than 2^bits units and 4^bits unit^2.
+   A NULL grid means a call from outside: nothing is known, not even the rounding mode. */
+typedef struct pbw__grid {
+    double inverse_unit;
+    int bits;
+} pbw__grid;
+
+#define PBW__OPEN 2                                  /* a stage's answer if it does not know the sign */
+
+PBW__INLINE double pbw__larger(double a, double b)
+{
+    return a > b ? a : b;
+}
+
+PBW__INLINE double pbw__size(double a)
+{
+    return pbw__larger(a, -a);
+}
+
+PBW__INLINE double pbw__largest(double a, double b, double c, double d)
+{
+    return pbw__larger(pbw__larger(pbw__size(a), pbw__size(b)), pbw__larger(pbw__size(c), pbw__size(d)));
+}
+
+/* The sign of a value computed with an error below bound.  low is the least of mx, my, mz; high the largest, or ml.
+   In this range nothing overflows (6 high^3 and 24 high^2.5 are below 1e301).  An underflow, or a denormal read as 0,
+   costs less than 2^-1020, beside terms bounded by products of maxima above 1e-250: a relative 2^-189, for which
+   every bound has room.  NaN is open. */
+PBW__INLINE int pbw__certain(double value, double bound, double low, double high)
+{
+    if (low > 1e-50 && high < 1e100) {
+        if (value > bound) {
+            return 1;
+        }
+        if (value < -bound) {
+            return -1;
+        }
+    }
+    return PBW__OPEN;
+}
+
+/* ---- filter
+   Each operation errs by a factor 1 + d, |d| <= e = 2^-52 = DBL_EPSILON in every rounding mode.  Count the factors on
+   a product of the expanded determinant (Higham 2002, section 3.1): to first order the error is at most their number
+   times e times the sum of the absolute products.  Fused operations have fewer factors and do no harm.
+
+                factors on a product                                  sum of products    bound / e
+      orient2   2 differences, product, sum                      4    2 mx my               8
+      orient3   4, difference, product, 2 sums                   8    6 mx my mz           48
+      power2    lift 2+1+1+1, minor 4, product, 2 sums          12    6 mx my ml           72
+      power3    lift 2+1+2+1, minor 8, product, 2 sums          17    24 mx my mz ml      408
+   and one percent for higher orders and for the rounding of the bound itself. */
+PBW__INLINE int pbw__filter_orient2(const double *a, const double *b, const double *c)
+{
+    double x0 = a[0] - c[0], y0 = a[1] - c[1];
+    double x1 = b[0] - c[0], y1 = b[1] - c[1];
+    double mx = pbw__largest(x0, x1, x1, x1), my = pbw__largest(y0, y1, y1, y1);
+    double det = x0 * y1 - x1 * y0;
+    return pbw__certain(det, 8.1 * DBL_EPSILON * mx * my, mx < my ? mx : my, pbw__larger(mx, my));
+}
+
+PBW__INLINE int pbw__filter_orient3(const double *a, const double *b, const double *c, const double *d)
+{
+    double x0 = a[0] - d[0], y0 = a[1] - d[1], z0 = a[2] - d[2];
+    double x1 = b[0] - d[0], y1 = b[1] - d[1], z1 = b[2] - d[2];
+    double x2 = c[0] - d[0], y2 = c[1] - d[1], z2 = c[2] - d[2];
+    double mx = pbw__largest(x0, x1, x2, x2), my = pbw__largest(y0, y1, y2, y2), mz = pbw__largest(z0, z1, z2, z2);
+    double low = mx < my ? mx : my, high = pbw__larger(mx, my);
+    double det = z1 * (x0 * y2 - x2 * y0) - z0 * (x1 * y2 - x2 * y1) - z2 * (x0 * y1 - x1 * y0);
+    return pbw__certain(det, 48.5 * DBL_EPSILON * mx * my * mz, low < mz ? low : mz, pbw__larger(high, mz));
+}
+
+PBW__INLINE int pbw__filter_power2(const double *a, const double *b, const double *c, const double *p)
+{
+    double x0 = a[0] - p[0], y0 = a[1] - p[1], w0 = a[2] - p[2], l0 = x0 * x0 + y0 * y0;
+    double x1 = b[0] - p[0], y1 = b[1] - p[1], w1 = b[2] - p[2], l1 = x1 * x1 + y1 * y1;
+    double x2 = c[0] - p[0], y2 = c[1] - p[1], w2 = c[2] - p[2], l2 = x2 * x2 + y2 * y2;
+    double mx = pbw__largest(x0, x1, x2, x2), my = pbw__largest(y0, y1, y2, y2);
+    double ml = pbw__larger(pbw__larger(l0 + pbw__size(w0), l1 + pbw__size(w1)), l2 + pbw__size(w2));
+    double det = (l0 - w0) * (x1 * y2 - x2 * y1) - (l1 - w1) * (x0 * y2 - x2 * y0)
+               + (l2 - w2) * (x0 * y1 - x1 * y0);
+    return pbw__certain(det, 72.8 * DBL_EPSILON * mx * my * ml, mx < my ? mx : my, ml);
+}
+
+PBW__INLINE int pbw__filter_power3(const double *a, const double *b, const double *c, const double *d,
+                                   const double *p)
+{
+    double x0 = a[0] - p[0], y0 = a[1] - p[1], z0 = a[2] - p[2], w0 = a[3] - p[3], l0 = x0 * x0 + y0 * y0 + z0 * z0;
+    double x1 = b[0] - p[0], y1 = b[1] - p[1], z1 = b[2] - p[2], w1 = b[3] - p[3], l1 = x1 * x1 + y1 * y1 + z1 * z1;
+    double x2 = c[0] - p[0], y2 = c[1] - p[1], z2 = c[2] - p[2], w2 = c[3] - p[3], l2 = x2 * x2 + y2 * y2 + z2 * z2;
+    double x3 = d[0] - p[0], y3 = d[1] - p[1], z3 = d[2] - p[2], w3 = d[3] - p[3], l3 = x3 * x3 + y3 * y3 + z3 * z3;
+    double mx = pbw__largest(x0, x1, x2, x3), my = pbw__largest(y0, y1, y2, y3), mz = pbw__largest(z0, z1, z2, z3);
+    double ml = pbw__largest(l0 + pbw__size(w0), l1 + pbw__size(w1), l2 + pbw__size(w2), l3 + pbw__size(w3));
+    double s01 = x0 * y1 - x1 * y0, s02 = x0 * y2 - x2 * y0, s03 = x0 * y3 - x3 * y0;
+    double s12 = x1 * y2 - x2 * y1, s13 = x1 * y3 - x3 * y1, s23 = x2 * y3 - x3 * y2;
+    double det = ((l0 - w0) * (z1 * s23 - z2 * s13 + z3 * s12) - (l1 - w1) * (z0 * s23 - z2 * s03 + z3 * s02))
+               + ((l2 - w2) * (z0 * s13 - z1 * s03 + z3 * s01) - (l3 - w3) * (z0 * s12 - z1 * s02 + z2 * s01));
+    double low = mx < my ? mx : my;
+    return pbw__certain(det, 412.0 * DBL_EPSILON * mx * my * mz * ml, low < mz ? low : mz, ml);
+}
+
+/* ---- integers
+   R is the radix of >>exact, 2^58 (2^26 without __int128).  With |x|, |y|, |z| <= R and |dw| <= R^2:
+   |cross| <= 2 R^2, |minor| <= 3 sqrt(3) R^3 (Hadamard), |lift| <= 4 R^2.  So top digits are at most 2 R, 5.2 R and
+   4 R, and a column of the last sum, of 4 rows with at most two products each, stays below 2^123 (2^59).
+   Rows are small if |x| < 2^24 (2^11) and |dw| < 2^48 (2^22), as near points of a lattice are.  Then cross is below
+   2^49 (2^23) and lift below 2^50 (2^24): single digits. */
+#define PBW__SMALL (PBW__DIGIT_BITS == 58 ? 24 : 11)
+
+typedef struct pbw__rows {
+    pbw__digit x[4], y[4], z[4];                     /* in the plane z is 0 */
+    pbw__column w[4], spread;                        /* spread < 2^PBW__SMALL: small */
+} pbw__rows;
+
+/* floor(mantissa * 2^shift) modulo 2^64; bits below 1 are remembered in lost. */
+PBW__INLINE uint64_t pbw__shifted(int64_t mantissa, int shift, uint64_t *lost)
+{
+    if (shift >= 0) {
+        return shift < 64 ? (uint64_t)mantissa << shift : 0;
+    }
+    shift = shift > -63 ? -shift : 63;
+    *lost |= (uint64_t)mantissa << (64 - shift);
+    return (uint64_t)(mantissa >> shift);
+}
+
+/* The least e with |x| < 2^e; for a denormal -1022. */
+PBW__INLINE int pbw__exponent(double x)
+{
+    uint64_t bits;
+    memcpy(&bits, &x, sizeof bits);
+    return (int)(bits >> 52 & 2047) - 1022;
+}
+
+/* The rows in the unit of the grid, else in the finest unit in which they fit; 0 if some bit is finer still.
+   Without a grid, coordinates are read modulo 2^64 and weights modulo 2^128 (2^64): their differences are smaller. */
+PBW__INLINE int pbw__read_rows(int dim, int count, const double *const *row, const double *origin,
+                               const pbw__grid *grid, pbw__rows *rows)
+{
+    pbw__digit *axis[3] = { rows->x, rows->y, rows->z };
+    uint64_t start[3] = { 0, 0, 0 }, lost = 0;
+    int64_t mantissa;
+    int i, k, unit;
+    rows->spread = 0;
+    if (grid != NULL && grid->inverse_unit != 0.0 && grid->bits <= PBW__DIGIT_BITS) {
+        unit = 1 - pbw__exponent(grid->inverse_unit);
+        for (i = 0; i < count; i++) {
+            for (k = 0; k < dim; k++) {              /* exact: a multiple of the unit, less than 2^53 of them */
+                axis[k][i] = (pbw__digit)((row[i][k] - origin[k]) * grid->inverse_unit);
+                rows->spread |= axis[k][i] < 0 ? -axis[k][i] : axis[k][i];
+            }
+        }
+    } else {
+        double largest = 0.0, heaviest = 0.0;
+        for (i = 0; i < count; i++) {
+            for (k = 0; k < dim; k++) {
+                largest = pbw__larger(largest, pbw__size(row[i][k] - origin[k]));
+            }
+            if (count > dim) {
+                heaviest = pbw__larger(heaviest, pbw__size(row[i][dim] - origin[dim]));
+            }
+        }
+        if (!(largest > 1e-150 && largest < 1e150 && heaviest < 1e300)) {
+            return 0;
+        }
+        unit = pbw__exponent(largest);
+        k = (pbw__exponent(heaviest) + 2049) / 2 - 1024;     /* half of it, rounded up */
+        unit = (k > unit ? k : unit) - PBW__DIGIT_BITS;
+        for (i = count; i >= 0; i--) {
+            for (k = 0; k < dim; k++) {
+                int exponent = pbw__decode(i < count ? row[i][k] : origin[k], &mantissa);
+                uint64_t value = pbw__shifted(mantissa, exponent - unit, &lost);
+                if (i == count) {
+                    start[k] = value;
+                } else {
+                    axis[k][i] = (pbw__digit)(int64_t)(value - start[k]);
+                }
+            }
+        }
+        rows->spread = (pbw__column)1 << PBW__SMALL;
+    }
+    for (i = 0; i < count; i++) {
+        if (dim == 2) {
+            rows->z[i] = 0;
+        }
+        rows->w[i] = 0;                              /* compared as bits: equal weights need no work, in any mode */
+        if (count > dim && memcmp(&row[i][dim], &origin[dim], sizeof(double)) != 0) {
+            pbw__wrapped value[2];
+            for (k = 0; k < 2; k++) {
+                int shift = pbw__decode(k == 0 ? row[i][dim] : origin[dim], &mantissa) - 2 * unit;
+                uint64_t low = pbw__shifted(mantissa, shift, &lost), ignored = 0;
+                value[k] = (pbw__wrapped)pbw__shifted(mantissa, shift - 64, &ignored) << 32 << 32 | low;
+            }
+            rows->w[i] = (pbw__column)(value[0] - value[1]);
+            rows->spread |= (rows->w[i] < 0 ? -rows->w[i] : rows->w[i]) >> PBW__SMALL;
+        }
+    }
+    return lost == 0;
+}
+
+PBW__INLINE pbw__column pbw__times(pbw__digit a, pbw__digit b)
+{
+    return (pbw__column)a * b;
+}
+
+/* a = high R + low, 0 <= low < R; of small numbers low is all and high 0. */
+PBW__INLINE pbw__digit pbw__low(int small, pbw__column a)
+{
+    return (pbw__digit)(small ? a : a & (((pbw__column)1 << PBW__DIGIT_BITS) - 1));
+}
+
+PBW__INLINE pbw__digit pbw__high(int small, pbw__column a)
+{
+    return small ? 0 : (pbw__digit)(a >> PBW__DIGIT_BITS);
+}
+
+PBW__INLINE pbw__column pbw__cross(const pbw__rows *u, int i, int j)
+{
+    return pbw__times(u->x[i], u->y[j]) - pbw__times(u->x[j], u->y[i]);
+}
+
+/* Stores high R + low as digits, the top one signed; returns the sign. */
+PBW__INLINE int pbw__carry(pbw__column low, pbw__column high, pbw__digit *digit)
+{
+    high += pbw__high(0, low);
+    digit[0] = pbw__low(0, low);
+    digit[1] = pbw__low(0, high);
+    digit[2] = pbw__high(0, high);
+    return digit[2] < 0 ? -1 : (digit[0] | digit[1] | digit[2]) != 0;
+}
+
+PBW__INLINE int pbw__minor(int small, const pbw__rows *u, int i, int j, int k, pbw__digit *digit)
+{
+    pbw__column a = pbw__cross(u, j, k), b = pbw__cross(u, i, k), c = pbw__cross(u, i, j);
+    return pbw__carry(pbw__times(u->z[i], pbw__low(small, a)) - pbw__times(u->z[j], pbw__low(small, b))
+                                                              + pbw__times(u->z[k], pbw__low(small, c)),
+                      pbw__times(u->z[i], pbw__high(small, a)) - pbw__times(u->z[j], pbw__high(small, b))
+                                                               + pbw__times(u->z[k], pbw__high(small, c)), digit);
+}
+
+PBW__INLINE int pbw__integer_power(int dim, int small, const pbw__rows *u, int *orientation)
+{
+    pbw__digit minor[4][3];
+    pbw__column column[4] = { 0, 0, 0, 0 };
+    int i;
+    if (dim == 2) {
+        orientation[0] = pbw__carry(pbw__cross(u, 1, 2), 0, minor[0]);
+        orientation[1] = -pbw__carry(pbw__cross(u, 0, 2), 0, minor[1]);
+        orientation[2] = pbw__carry(pbw__cross(u, 0, 1), 0, minor[2]);
+    } else {
+        orientation[0] = pbw__minor(small, u, 1, 2, 3, minor[0]);
+        orientation[1] = -pbw__minor(small, u, 0, 2, 3, minor[1]);
+        orientation[2] = pbw__minor(small, u, 0, 1, 3, minor[2]);
+        orientation[3] = -pbw__minor(small, u, 0, 1, 2, minor[3]);
+    }
+    for (i = 0; i <= dim; i++) {
+        pbw__digit x = u->x[i], y = u->y[i], z = u->z[i], low, high;
+        pbw__column lift = pbw__times(x, x) + pbw__times(y, y) + pbw__times(z, z) - u->w[i];
+        lift = i % 2 == 0 ? lift : -lift;
+        low = pbw__low(small, lift);
+        high = pbw__high(small, lift);
+        column[0] += pbw__times(low, minor[i][0]);
+        column[1] += pbw__times(low, minor[i][1]) + pbw__times(high, minor[i][0]);
+        column[2] += pbw__times(low, minor[i][2]) + pbw__times(high, minor[i][1]);
+        column[3] += pbw__times(high, minor[i][2]);
+    }
+    for (i = 0; i < 3; i++) {
+        column[i + 1] += column[i] >> PBW__DIGIT_BITS;
+        column[i] = pbw__low(0, column[i]);
+    }
+    return column[3] < 0 ? -1 : (column[0] | column[1] | column[2] | column[3]) != 0;
+}
+
+PBW__INLINE int pbw__integers_of(int dim, int count, const double *const *row, const double *origin,
+                                 const pbw__grid *grid, int *orientation)
+{
+    pbw__rows u;
+    pbw__digit det[3];
+    if (!pbw__read_rows(dim, count, row, origin, grid, &u)) {
+        return PBW__OPEN;
+    }
+    if (count > dim) {
+        return u.spread >> PBW__SMALL == 0 ? pbw__integer_power(dim, 1, &u, orientation)
+                                           : pbw__integer_power(dim, 0, &u, orientation);
+    }
+    return dim == 2 ? pbw__carry(pbw__cross(&u, 0, 1), 0, det) : -pbw__minor(0, &u, 0, 1, 2, det);
+}
+
+static int pbw__integers(int dim, int count, const double *const *row, const double *origin, const pbw__grid *grid,
+                         int *orientation)
+{
+    return dim == 2 ? pbw__integers_of(2, count, row, origin, grid, orientation)
+                    : pbw__integers_of(3, count, row, origin, grid, orientation);
+}
+
+/* ---- pairs
+   Pair arithmetic (Lange and Rump 2020, "Faithfully rounded floating-point computations", ACM TOMS 46(3)): head and
+   tail without renormalisation.  Let a quantity x be at most m, a sum of absolute products, and |tail| <= K u m,
+   |head + tail - x| <= E u^2 m, u = 2^-53.  Two-sum (Knuth 1969) and two-product (Dekker 1971) are exact, so
+
+      a * b   K = 1 + Ka + Kb,      E = Ea + Eb + Ka Kb + 3 (Ka + Kb) + 1     tail: e + (ha tb + ta hb), no ta tb
+      a + b   K = 1 + max(Ka, Kb),  E = max(Ea, Eb) + 2 max(Ka, Kb) + 1       tail: e + (ta + tb);  m = ma + mb
+
+   to leading order, and step by step
+
+                              K    E                              K    E
+      difference of doubles   1    0      |u|^2 - dw, plane       5   24
+      product of two          3    8      |u|^2 - dw, space       6   35
+      cross                   4   15      bound of orient2:   15 *  2 =   30 u^2 mx my
+      z cross                 6   35
+      minor, sum of 3         8   63      bound of orient3:   63 *  6 =  378 u^2 mx my mz
+      lift cross             10   87
+      sum of 3               12  131      bound of power2:   131 *  6 =  786 u^2 mx my ml
+      lift minor             15  189
+      sum of 4               17  253      bound of power3:   253 * 24 = 6072 u^2 mx my mz ml
+   and one percent for the rest.
+
+   One value here must not be fused into a sum, the head of a product.  Where there are fused operations it is made by
+   one that adds 0.0, which is no multiplication for a compiler (-0.0 + 0.0 is not -0.0), so that neither clang's
+   -ffp-contract=fast, which overrides all pragmas, nor gcc's vfmaddsub can touch it.  Other fusions only save a
+   rounding, which the bounds allow. */
+#ifndef PBW__FMA
+#if defined(__GNUC__) && (defined(__FMA__) || defined(__ARM_FEATURE_FMA) || defined(__FP_FAST_FMA))
+#define PBW__FMA 1
+#else
+#define PBW__FMA 0
+#endif
+#endif
+
+typedef struct pbw__pair {
+    double head, tail;
+} pbw__pair;
+
+PBW__INLINE pbw__pair pbw__pair_plus(pbw__pair a, pbw__pair b)
+{
+    pbw__pair result;
+    double other;
+    result.head = a.head + b.head;
+    other = result.head - a.head;
+    result.tail = ((a.head - (result.head - other)) + (b.head - other)) + (a.tail + b.tail);
+    return result;
+}
+
+PBW__INLINE pbw__pair pbw__pair_minus(pbw__pair a, pbw__pair b)
+{
+    b.head = -b.head;
+    b.tail = -b.tail;
+    return pbw__pair_plus(a, b);
+}
+
+PBW__INLINE pbw__pair pbw__pair_difference(double a, double b)
+{
+    pbw__pair x = { a, 0.0 }, y = { b, 0.0 };
+    return pbw__pair_minus(x, y);
+}
+
+PBW__INLINE pbw__pair pbw__pair_times(pbw__pair a, pbw__pair b)
+{
+    pbw__pair result;
+    double error;
+#if PBW__FMA
+    result.head = __builtin_fma(a.head, b.head, 0.0);
+    error = __builtin_fma(a.head, b.head, -result.head);
+#else
+    double ca = 134217729.0 * a.head, ha = ca - (ca - a.head), ta = a.head - ha;     /* 2^27 + 1, halves of 26 bits */
+    double cb = 134217729.0 * b.head, hb = cb - (cb - b.head), tb = b.head - hb;
+    result.head = a.head * b.head;
+    error = ta * tb - (((result.head - ha * hb) - ta * hb) - ha * tb);
+#endif
+    result.tail = error + (a.head * b.tail + a.tail * b.head);
+    return result;
+}
+
+/* a0 b0 - a1 b1 + a2 b2, of minors by rows or of lifts with minors. */
+PBW__INLINE pbw__pair pbw__pair_sum(pbw__pair a0, pbw__pair b0, pbw__pair a1, pbw__pair b1,
+                                    pbw__pair a2, pbw__pair b2)
+{
+    return pbw__pair_plus(pbw__pair_minus(pbw__pair_times(a0, b0), pbw__pair_times(a1, b1)), pbw__pair_times(a2, b2));
+}
+
+PBW__INLINE pbw__pair pbw__pair_cross(pbw__pair (*u)[4], int i, int j)
+{
+    return pbw__pair_minus(pbw__pair_times(u[0][i], u[1][j]), pbw__pair_times(u[0][j], u[1][i]));
+}
+
+PBW__INLINE pbw__pair pbw__pair_minor(pbw__pair (*u)[4], int i, int j, int k)
+{
+    return pbw__pair_sum(u[2][i], pbw__pair_cross(u, j, k), u[2][j], pbw__pair_cross(u, i, k),
+                         u[2][k], pbw__pair_cross(u, i, j));
+}
+
+static int pbw__pairs(int dim, int count, const double *const *row, const double *origin)
+{
+    pbw__pair u[3][4], lift[4], det;                 /* u[axis][row] */
+    double low = 1e100, high = 0.0, size = PBW__EPSILON * PBW__EPSILON;
+    int i, k;
+    for (k = 0; k < dim; k++) {
+        double largest = 0.0;
+        for (i = 0; i < count; i++) {
+            u[k][i] = pbw__pair_difference(row[i][k], origin[k]);
+            largest = pbw__larger(largest, pbw__size(u[k][i].head));
+        }
+        low = largest < low ? largest : low;
+        high = pbw__larger(high, largest);
+        size *= largest;
+    }
+    if (count == dim) {
+        det = dim == 2 ? pbw__pair_cross(u, 0, 1) : pbw__pair_minor(u, 0, 2, 1);
+        return pbw__certain(det.head + det.tail, (dim == 2 ? 31.0 : 382.0) * size, low, high);
+    }
+    high = 0.0;
+    for (i = 0; i < count; i++) {
+        pbw__pair weight = pbw__pair_difference(row[i][dim], origin[dim]);
+        lift[i] = pbw__pair_plus(pbw__pair_times(u[0][i], u[0][i]), pbw__pair_times(u[1][i], u[1][i]));
+        if (dim == 3) {
+            lift[i] = pbw__pair_plus(lift[i], pbw__pair_times(u[2][i], u[2][i]));
+        }
+        high = pbw__larger(high, lift[i].head + pbw__size(weight.head));
+        lift[i] = pbw__pair_minus(lift[i], weight);
+    }
+    size *= high;
+    if (dim == 2) {
+        det = pbw__pair_sum(lift[0], pbw__pair_cross(u, 1, 2), lift[1], pbw__pair_cross(u, 0, 2),
+                            lift[2], pbw__pair_cross(u, 0, 1));
+        return pbw__certain(det.head + det.tail, 794.0 * size, low, high);
+    }
+    det = pbw__pair_plus(pbw__pair_minus(pbw__pair_times(lift[0], pbw__pair_minor(u, 1, 2, 3)),
+                                         pbw__pair_times(lift[1], pbw__pair_minor(u, 0, 2, 3))),
+                         pbw__pair_minus(pbw__pair_times(lift[2], pbw__pair_minor(u, 0, 1, 3)),
+                                         pbw__pair_times(lift[3], pbw__pair_minor(u, 0, 1, 2))));
+    return pbw__certain(det.head + det.tail, 6133.0 * size, low, high);
+}
+
+/* ---- the ladder below the filter; orientation is filled where the sign of a power determinant is 0 */
+static PBW__NOINLINE int pbw__undecided(int dim, int count, const double *const *row, const double *origin,
+                                        const pbw__grid *grid, int *orientation)
+{
+    int sign = pbw__integers(dim, count, row, origin, grid, orientation);
+    if (sign == PBW__OPEN && grid != NULL) {
+        sign = pbw__pairs(dim, count, row, origin);
+    }
+    return sign == PBW__OPEN ? pbw__exact_determinant(dim, count, row, origin, orientation) : sign;
+}
+
+/* The perturbed verdict on a positive simplex and a point at a place of its own: 1 for conflict.
+   Lifts are raised by infinitesimals, that of the lexicographically largest point dominating (Devillers and Teillaud
+   2011).  In sum_i lift_i * orientation_i corner i's own lift has the coefficient orientation_i, and p's own has
+   -sum_i orientation_i, minus the orientation of the simplex: negative.  So where the true sum is 0, the largest
+   point that has a coefficient decides by its sign, and if that is p the answer is no.  There always is one, p at the
+   latest; it is unique, since the places differ; and weights change lifts only, so they add no other case. */
+static PBW__NOINLINE int pbw__conflict(int dim, const double *const *row, const double *p, const pbw__grid *grid)
+{
+    int orientation[4], i, k, verdict = 0, sign = pbw__undecided(dim, dim + 1, row, p, grid, orientation);
+    const double *largest = p;
+    if (sign != 0) {
+        return sign > 0;
+    }
+    for (i = 0; i <= dim; i++) {
+        if (orientation[i] != 0) {
+            for (k = 0; k < dim - 1 && row[i][k] == largest[k]; k++) {
+            }
+            if (row[i][k] > largest[k]) {
+                largest = row[i];
+                verdict = orientation[i] > 0;
+            }
+        }
+    }
+    return verdict;
+}
+
+static int pbw__orient2(const double *a, const double *b, const double *c, const pbw__grid *grid)
+{
+    const double *row[2] = { a, b };
+    int sign = pbw__filter_orient2(a, b, c);
+    return PBW__LIKELY(sign != PBW__OPEN) ? sign : pbw__undecided(2, 2, row, c, grid, NULL);
+}
+
+static int pbw__orient3(const double *a, const double *b, const double *c, const double *d, const pbw__grid *grid)
+{
+    const double *row[3] = { a, b, c };
+    int sign = pbw__filter_orient3(a, b, c, d);
+    return PBW__LIKELY(sign != PBW__OPEN) ? sign : pbw__undecided(3, 3, row, d, grid, NULL);
+}
+
+static int pbw__power2(const double *a, const double *b, const double *c, const double *p, const pbw__grid *grid)
+{
+    const double *row[3] = { a, b, c };
+    int orientation[3], sign = pbw__filter_power2(a, b, c, p);
+    return PBW__LIKELY(sign != PBW__OPEN) ? sign : pbw__undecided(2, 3, row, p, grid, orientation);
+}
+
+static int pbw__power3(const double *a, const double *b, const double *c, const double *d, const double *p,
+                       const pbw__grid *grid)
+{
+    const double *row[4] = { a, b, c, d };
+    int orientation[4], sign = pbw__filter_power3(a, b, c, d, p);
+    return PBW__LIKELY(sign != PBW__OPEN) ? sign : pbw__undecided(3, 4, row, p, grid, orientation);
+}
+
+static int pbw__conflict2(const double *a, const double *b, const double *c, const double *p, const pbw__grid *grid)
+{
+    const double *row[3] = { a, b, c };
+    int sign = pbw__filter_power2(a, b, c, p);
+    return PBW__LIKELY(sign != PBW__OPEN) ? sign > 0 : pbw__conflict(2, row, p, grid);
+}
+
+static int pbw__conflict3(const double *a, const double *b, const double *c, const double *d, const double *p,
+                          const pbw__grid *grid)
+{
+    const double *row[4] = { a, b, c, d };
+    int sign = pbw__filter_power3(a, b, c, d, p);
+    return PBW__LIKELY(sign != PBW__OPEN) ? sign > 0 : pbw__conflict(3, row, p, grid);
+}
+
+/* The coarsest grid that holds count records of dim coordinates and a weight, if differences are below 2^53 units, so
+   that doubles hold them.  One pass, given up when the grid gets too fine: at once for random doubles. */
+static void pbw__grid_scan(const double *records, size_t count, int dim, pbw__grid *grid)
+{
+    double low[4] = { 0, 0, 0, 0 }, high[4] = { 0, 0, 0, 0 }, span = 0.0, inverse = 0.0, limit = 1.0;
+    int unit = 501, bits = 0, k;
+    size_t i;
+    grid->inverse_unit = 0.0;
+    grid->bits = 0;
+    for (i = 0; i < count; i++) {
+        const double *q = records + i * (size_t)(dim + 1);
+        int old = unit;
+        for (k = 0; k <= dim; k++) {
+            int64_t mantissa;
+            int exponent = pbw__decode(q[k], &mantissa), finest = k < dim ? unit : 2 * unit;
+            low[k] = i == 0 || q[k] < low[k] ? q[k] : low[k];
+            high[k] = i == 0 || q[k] > high[k] ? q[k] : high[k];
+            if (mantissa != 0 && exponent < finest
+                && (finest - exponent > 52 || (mantissa & (((int64_t)1 << (finest - exponent)) - 1)) != 0)) {
+                while (mantissa % 2 == 0) {          /* off the grid: the lowest bit makes a finer one */
+                    mantissa /= 2;
+                    exponent++;
+                }
+                unit = k < dim ? exponent : (exponent - (exponent & 1)) / 2;
+            }
+        }
+        if (unit != old || i + 1 == count) {
+            uint64_t pattern = (uint64_t)(1023 - unit) << 52;
+            if (unit < -500 || unit > 500) {
+                return;
+            }
+            memcpy(&inverse, &pattern, sizeof inverse);
+            for (span = 0.0, k = 0; k < dim; k++) {
+                span = pbw__larger(span, (high[k] - low[k]) * inverse);
+            }
+            if (!(span < 9007199254740992.0)) {
+                return;
+            }
+        }
+    }
+    while (bits < 54 && !(span < limit && (high[dim] - low[dim]) * inverse * inverse < limit * limit)) {
+        limit *= 2.0;
+        bits++;
+    }
+    if (bits < 54) {
+        grid->inverse_unit = inverse;
+        grid->bits = bits;
+    }
+}
+
+/* ---- for callers from outside */
+PBWDEF int pbw_orient2(const double a[2], const double b[2], const double c[2])
+{
+    return pbw__orient2(a, b, c, NULL);
+}
+
+PBWDEF int pbw_orient3(const double a[3], const double b[3], const double c[3], const double d[3])
+{
+    return pbw__orient3(a, b, c, d, NULL);
+}
+
+/* point[0..dim+1], the last one p, and their weights or NULL, as records. */
+static int pbw__power(int dim, const double *const *point, const double *weight)
+{
+    double q[5][4];
+    int i, k;
+    for (i = 0; i < dim + 2; i++) {
+        for (k = 0; k < dim; k++) {
+            q[i][k] = point[i][k];
+        }
+        q[i][dim] = weight != NULL ? weight[i] : 0.0;
+    }
+    return dim == 2 ? pbw__power2(q[0], q[1], q[2], q[3], NULL) : pbw__power3(q[0], q[1], q[2], q[3], q[4], NULL);
+}
+
+PBWDEF int pbw_power2(const double a[2], const double b[2], const double c[2], const double p[2], const double w[4])
+{
+    const double *point[4] = { a, b, c, p };
+    return pbw__power(2, point, w);
+}
+
+PBWDEF int pbw_incircle(const double a[2], const double b[2], const double c[2], const double p[2])
+{
+    return pbw_power2(a, b, c, p, NULL);
+}
+
+PBWDEF int pbw_power3(const double a[3], const double b[3], const double c[3], const double d[3], const double p[3],
+                      const double w[5])
+{
+    const double *point[5] = { a, b, c, d, p };
+    return pbw__power(3, point, w);
+}
+
+PBWDEF int pbw_insphere(const double a[3], const double b[3], const double c[3], const double d[3], const double p[3])
+{
+    return pbw_power3(a, b, c, d, p, NULL);
+}
+/* ------------------------------------------------------------------------------------------------------
+   >>order        Points in the order of a Hilbert curve, duplicates set aside.
+   In: the caller's points and weights.  Out: vertex records 1..vertex_count along the curve (record 0 stands for
+   the ghost vertex and is zero), the caller's id of each, and for each point the one that it duplicates.
+   Holds: the order of the records depends on the coordinates alone; a vertex number is a rank on the curve.
+
+   Points in one cell of the curve's grid form a run.  Short runs are put into lexicographic order; long ones get
+   keys of their own from a grid over their own bounding box, and so on, so that clusters of any scale keep an order.
+   A grid over a tight box separates its extremes: each nesting divides the extent by 2^bits, and doubles span 2^2098,
+   which bounds the depth.
+   ------------------------------------------------------------------------------------------------------ */
+typedef struct pbw__input {
+    int dim, is_float;
+    size_t count, stride, weight_stride;
+    const char *points, *weights;
+} pbw__input;
+
+/* What lasts for one call: memory, progress. */
+typedef struct pbw__context {
+    pbw__memory memory;
+    int (*progress)(void *user, pbw_stage stage, double done);
+    void *progress_user;
+    pbw_stage stage;
+    double last_report, last_done;
+    int cancelled;
+} pbw__context;
+
+typedef struct pbw__vertices {
+    int dim, weighted;
+    size_t count;                                    /* vertices, the ghost not counted */
+    size_t point_count, duplicate_count;
+    double *record;                                  /* (count+1)*(dim+1): coordinates, weight */
+    pbw_index *id;                                   /* count+1: the caller's number of each vertex */
+    pbw_index *canonical;                            /* point_count */
+} pbw__vertices;
+
+#define PBW__TICK ((size_t)1 << 16)                  /* items between looks at the clock in streaming loops: < 2 ms */
+
+/* Reports progress if 20 ms have passed, or at the ends of a stage; 1 = the caller wants to stop. */
+static int pbw__report(pbw__context *context, double done)
+{
+    double now;
+    if (context->progress == NULL || context->cancelled) {
+        return context->cancelled;
+    }
+    now = pbw__seconds();
+    if (now - context->last_report < 0.02 && now >= context->last_report && done > 0.0 && done < 1.0) {
+        return 0;
+    }
+    context->last_report = now;
+    if (done > context->last_done || done <= 0.0) {
+        context->last_done = done;
+    }
+    if (context->progress(context->progress_user, context->stage, context->last_done) != 0) {
+        context->cancelled = 1;
+    }
+    return context->cancelled;
+}
+
+static int pbw__enter_stage(pbw__context *context, pbw_stage stage)
+{
+    context->stage = stage;
+    context->last_done = 0.0;
+    return pbw__report(context, 0.0);
+}
+
+/* Coordinates and weight of point i; adding zero turns -0.0 into 0.0.  memcpy, for strides of any alignment. */
+PBW__INLINE void pbw__fetch(const pbw__input *input, size_t i, double *record)
+{
+    const char *point = input->points + i * input->stride;
+    int k;
+    record[input->dim] = 0.0;
+    if (input->is_float) {
+        float f[3];
+        memcpy(f, point, (size_t)input->dim * sizeof(float));
+        for (k = 0; k < input->dim; k++) {
+            record[k] = (double)f[k] + 0.0;
+        }
+        if (input->weights != NULL) {
+            memcpy(f, input->weights + i * input->weight_stride, sizeof(float));
+            record[input->dim] = (double)f[0] + 0.0;
+        }
+    } else {
+        memcpy(record, point, (size_t)input->dim * sizeof(double));
+        for (k = 0; k < input->dim; k++) {
+            record[k] += 0.0;
+        }
+        if (input->weights != NULL) {
+            memcpy(record + input->dim, input->weights + i * input->weight_stride, sizeof(double));
+            record[input->dim] += 0.0;
+        }
+    }
+}
+
+/* Hilbert curve, as an automaton (Hamilton & Rau-Chaplin 2008, "Compact Hilbert indices"): entry [state][octant],
+   where bit k of the octant is the next bit of coordinate k, holds next state * 2^dim + next digit of the key. */
+static const unsigned char pbw__hilbert2[4][4] = {
+    { 4, 11, 1, 2 }, { 0, 5, 15, 6 }, { 10, 3, 9, 12 }, { 14, 13, 7, 8 }
+};
+static const unsigned char pbw__hilbert3[12][8] = {
+    { 8, 23, 25, 38, 43, 44, 26, 37 },  { 24, 51, 63, 52, 1, 2, 70, 69 },   { 76, 39, 75, 80, 5, 6, 66, 65 },
+    { 0, 9, 83, 10, 95, 78, 84, 77 },   { 22, 7, 21, 60, 49, 88, 50, 59 },  { 58, 85, 3, 4, 57, 86, 72, 55 },
+    { 90, 89, 45, 46, 11, 32, 12, 87 }, { 36, 13, 71, 14, 35, 74, 40, 73 }, { 62, 81, 15, 16, 61, 82, 92, 91 },
+    { 94, 93, 41, 42, 31, 20, 56, 19 }, { 18, 27, 17, 64, 53, 28, 54, 47 }, { 68, 67, 29, 34, 79, 48, 30, 33 }
+};
+
+/* A box and its cubic grid of 2^bits cells along the longest side, in coordinates scaled by 1, or by 1/2 where the
+   longest side would overflow. */
+typedef struct pbw__box {
+    double low[3], high[3], scale, extent;
+    int bits;
+} pbw__box;
+
+static void pbw__box_reset(pbw__box *box, int bits)
+{
+    int k;
+    for (k = 0; k < 3; k++) {
+        box->low[k] = DBL_MAX;
+        box->high[k] = -DBL_MAX;
+    }
+    box->bits = bits;
+}
+
+PBW__INLINE void pbw__box_add(pbw__box *box, const double *x, int dim)
+{
+    int k;
+    for (k = 0; k < dim; k++) {
+        box->low[k] = x[k] < box->low[k] ? x[k] : box->low[k];
+        box->high[k] = x[k] > box->high[k] ? x[k] : box->high[k];
+    }
+}
+
+/* extent > 0 unless all points are equal; then the lowest and the highest point of the longest side get different
+   cells. */
+static void pbw__box_close(pbw__box *box, int dim)
+{
+    int k;
+    for (box->scale = 1.0; ; box->scale = 0.5) {
+        box->extent = 0.0;
+        for (k = 0; k < dim; k++) {
+            double side = box->scale * box->high[k] - box->scale * box->low[k];
+            box->extent = side > box->extent ? side : box->extent;
+        }
+        if (box->extent <= DBL_MAX) {
+            return;
+        }
+    }
+}
+
+PBW__INLINE uint64_t pbw__hilbert_key(const pbw__box *box, const double *x, int dim)
+{
+    uint32_t cell[3] = { 0, 0, 0 }, last = ((uint32_t)1 << box->bits) - 1;
+    uint64_t key = 0;
+    unsigned state = 0;
+    int k, bit;
+    for (k = 0; k < dim; k++) {
+        double t = (box->scale * x[k] - box->scale * box->low[k]) / box->extent * (double)(last + 1);
+        cell[k] = t < (double)last ? (uint32_t)t : last;
+    }
+    for (bit = box->bits - 1; bit >= 0; bit--) {
+        unsigned octant = ((cell[0] >> bit) & 1) | (((cell[1] >> bit) & 1) << 1), step;
+        if (dim == 3) {
+            step = pbw__hilbert3[state][octant | (((cell[2] >> bit) & 1) << 2)];
+            key = key << 3 | (step & 7);
+            state = step >> 3;
+        } else {
+            step = pbw__hilbert2[state][octant];
+            key = key << 2 | (step & 3);
+            state = step >> 2;
+        }
+    }
+    return key;
+}
+
+/* Least-significant-digit radix sort of a[0..count) on bits low..low+bits-1; stable.  Returns where the result
+   is, a or b; NULL if cancelled. */
+static uint64_t *pbw__sort_keys(pbw__context *context, uint64_t *a, uint64_t *b, size_t count, int low, int bits)
+{
+    uint32_t start[2048];
+    int passes = (bits + 10) / 11, digit = count < 4096 ? 8 : (bits + passes - 1) / passes, shift;
+    for (shift = low; shift < low + bits; shift += digit) {
+        size_t size = (size_t)1 << digit, mask = size - 1, i, end;
+        uint32_t sum = 0;
+        uint64_t *swap;
+        memset(start, 0, size * sizeof(start[0]));
+        for (i = 0; i < count; i = end) {
+            for (end = i + PBW__TICK < count ? i + PBW__TICK : count; i < end; i++) {
+                start[(a[i] >> shift) & mask]++;
+            }
+            if (count > PBW__TICK && pbw__report(context, 0.5)) {
+                return NULL;
+            }
+        }
+        for (i = 0; i < size; i++) {
+            uint32_t here = start[i];
+            start[i] = sum;
+            sum += here;
+        }
+        for (i = 0; i < count; i = end) {
+            for (end = i + PBW__TICK < count ? i + PBW__TICK : count; i < end; i++) {
+                b[start[(a[i] >> shift) & mask]++] = a[i];
+            }
+            if (count > PBW__TICK && pbw__report(context, 0.5)) {
+                return NULL;
+            }
+        }
+        swap = a;
+        a = b;
+        b = swap;
+    }
+    return a;
+}
+
+/* Order of points within a cell: lexicographic, then the larger weight, then the lower index. */
+static int pbw__comes_before(const double *x, size_t i, const double *y, size_t j, int dim)
+{
+    int k;
+    for (k = 0; k < dim; k++) {
+        if (x[k] != y[k]) {
+            return x[k] < y[k];
+        }
+    }
+    return x[dim] != y[dim] ? x[dim] > y[dim] : i < j;
+}
+
+PBW__INLINE int pbw__same_place(const double *x, const double *y, int dim)
+{
+    return x[0] == y[0] && x[1] == y[1] && (dim == 2 || x[2] == y[2]);
+}
+
+#define PBW__SHORT_RUN 12
+#define PBW__RUN_DEPTH 400                           /* > 2098 / 6, see the banner; 6 is the fewest bits of a grid */
+
+/* Puts each run of equal keys in keys[0..count) into order; keys hold key << index_bits | index. */
+static int pbw__order_runs(pbw__context *context, const pbw__input *input, uint64_t *keys, uint64_t *spare,
+                           size_t count, int index_bits, int bits)
+{
+    size_t end_of[PBW__RUN_DEPTH];
+    const uint64_t index_mask = ((uint64_t)1 << index_bits) - 1;
+    size_t i = 0, j, steps = 0;
+    int depth = 0, dim = input->dim;
+    end_of[0] = count;
+    while (i < count) {
+        size_t run_end = i + 1, limit = end_of[depth];
+        while (run_end < limit && (keys[run_end] >> index_bits) == (keys[i] >> index_bits)) {
+            run_end++;
+        }
+        steps += run_end - i;
+        if (steps > PBW__TICK) {
+            steps = 0;
+            if (pbw__report(context, 0.7)) {
+                return 0;
+            }
+        }
+        if (run_end - i > PBW__SHORT_RUN) {
+            pbw__box box;
+            pbw__box_reset(&box, bits);
+            for (j = i; j < run_end; j++) {
+                double x[4];
+                pbw__fetch(input, (size_t)(keys[j] & index_mask), x);
+                pbw__box_add(&box, x, dim);
+            }
+            pbw__box_close(&box, dim);
+            if (box.extent > 0.0) {
+                uint64_t *sorted;
+                for (j = i; j < run_end; j++) {
+                    double x[4];
+                    pbw__fetch(input, (size_t)(keys[j] & index_mask), x);
+                    keys[j] = pbw__hilbert_key(&box, x, dim) << index_bits | (keys[j] & index_mask);
+                }
+                sorted = pbw__sort_keys(context, keys + i, spare, run_end - i, index_bits, bits * dim);
+                if (sorted == NULL) {
+                    return 0;
+                }
+                if (sorted != keys + i) {
+                    memcpy(keys + i, sorted, (run_end - i) * sizeof(keys[0]));
+                }
+                end_of[++depth] = run_end;           /* look at the same place again, for runs in the run */
+                continue;
+            }
+        } else if (run_end - i > 1) {
+            for (j = i + 1; j < run_end; j++) {
+                uint64_t moving = keys[j];
+                double x[4], y[4];
+                size_t hole = j;
+                pbw__fetch(input, (size_t)(moving & index_mask), x);
+                for (; hole > i; hole--) {
+                    pbw__fetch(input, (size_t)(keys[hole - 1] & index_mask), y);
+                    if (!pbw__comes_before(x, (size_t)(moving & index_mask), y, (size_t)(keys[hole - 1] & index_mask),
+                                           dim)) {
+                        break;
+                    }
+                    keys[hole] = keys[hole - 1];
+                }
+                keys[hole] = moving;
+            }
+        }
+        i = run_end;
+        while (depth > 0 && i == end_of[depth]) {
+            depth--;
+        }
+    }
+    return 1;
+}
+
+/* Of the points at one place keeps the first in the order of pbw__comes_before, whatever their order now. */
+static int pbw__gather(pbw__context *context, const pbw__input *input, const uint64_t *keys, uint64_t index_mask,
+                       pbw__vertices *vertices)
+{
+    size_t i, step = (size_t)vertices->dim + 1;
+    double *last = vertices->record;
+    memset(last, 0, step * sizeof(double));
+    vertices->id[0] = PBW_NONE;
+    for (i = 0; i < input->count; i++) {
+        size_t index = (size_t)(keys[i] & index_mask), r = vertices->count;
+        double *next = last + step;
+        if ((i & (PBW__TICK - 1)) == 0 && pbw__report(context, 0.8 + 0.2 * (double)i / (double)input->count)) {
+            return 0;
+        }
+        pbw__fetch(input, index, next);
+        vertices->canonical[index] = (pbw_index)index;
+        if (r > 0 && pbw__same_place(next, last, vertices->dim)) {
+            vertices->duplicate_count++;
+            vertices->canonical[index] = vertices->id[r];
+            if (pbw__comes_before(next, index, last, vertices->id[r], vertices->dim)) {
+                memcpy(last, next, step * sizeof(double));
+                vertices->canonical[index] = (pbw_index)index;
+                vertices->canonical[vertices->id[r]] = (pbw_index)index;
+                vertices->id[r] = (pbw_index)index;
+            }
+        } else {
+            vertices->id[++vertices->count] = (pbw_index)index;
+            last = next;
+        }
+    }
+    if (vertices->duplicate_count > 0) {             /* a winner may itself have been replaced later */
+        for (i = 0; i < input->count; i++) {
+            pbw_index root = (pbw_index)i, at = (pbw_index)i;
+            while (vertices->canonical[root] != root) {
+                root = vertices->canonical[root];
+            }
+            while (at != root) {                     /* all of the path points at its end now: linear in total */
+                pbw_index next = vertices->canonical[at];
+                vertices->canonical[at] = root;
+                at = next;
+            }
+        }
+    }
+    return 1;
+}
+
+static void pbw__vertices_free(pbw__context *context, pbw__vertices *vertices)
+{
+    size_t records = vertices->point_count + 1;
+    pbw__release(&context->memory, vertices->record, records * ((size_t)vertices->dim + 1), sizeof(double));
+    pbw__release(&context->memory, vertices->id, records, sizeof(pbw_index));
+    pbw__release(&context->memory, vertices->canonical, vertices->point_count, sizeof(pbw_index));
+    vertices->record = NULL;
+    vertices->id = NULL;
+    vertices->canonical = NULL;
+}
+
+/* PBW_OK, or an error with nothing held.  input->count >= 1 and < 2^32 - 1. */
+static pbw_status pbw__order(pbw__context *context, const pbw__input *input, pbw__vertices *vertices)
+{
+    pbw__memory *memory = &context->memory;
+    size_t count = input->count, i;
+    int dim = input->dim, index_bits = 1, bits;
+    uint64_t *keys, *spare, *sorted;
+    pbw__box box;
+    pbw_status status = PBW_OK;
+
+    while (index_bits < 32 && ((uint64_t)count - 1) >> index_bits != 0) {
+        index_bits++;
+    }
+    bits = (index_bits + dim - 1) / dim + 4;         /* 2^(4 dim) cells a point: runs are rare in uniform data */
+    bits = bits > (64 - index_bits) / dim ? (64 - index_bits) / dim : bits;
+
+    memset(vertices, 0, sizeof(*vertices));
+    vertices->dim = dim;
+    vertices->weighted = input->weights != NULL;
+    vertices->point_count = count;
+    pbw__box_reset(&box, bits);
+    for (i = 0; i < count; i++) {
+        double x[4];
+        int k;
+        if ((i & (PBW__TICK - 1)) == 0 && pbw__report(context, 0.1 * (double)i / (double)count)) {
+            return PBW_CANCELLED;
+        }
+        pbw__fetch(input, i, x);
+        for (k = 0; k <= dim; k++) {
+            if (!(x[k] - x[k] == 0.0)) {
+                return PBW_ERROR_NOT_FINITE;
+            }
+        }
+        pbw__box_add(&box, x, dim);
+    }
+    pbw__box_close(&box, dim);
+    box.extent = box.extent > 0.0 ? box.extent : 1.0;
+
+    keys = (uint64_t *)pbw__allocate(memory, count, sizeof(uint64_t));
+    spare = (uint64_t *)pbw__allocate(memory, count, sizeof(uint64_t));
+    vertices->canonical = (pbw_index *)pbw__allocate(memory, count, sizeof(pbw_index));
+    vertices->id = (pbw_index *)pbw__allocate(memory, count + 1, sizeof(pbw_index));
+    vertices->record = (double *)pbw__allocate(memory, (count + 1) * ((size_t)dim + 1), sizeof(double));
+    if (keys == NULL || spare == NULL || vertices->canonical == NULL || vertices->id == NULL
+        || vertices->record == NULL) {
+        status = PBW_ERROR_MEMORY;
+        goto done;
+    }
+    for (i = 0; i < count; i++) {
+        double x[4];
+        if ((i & (PBW__TICK - 1)) == 0 && pbw__report(context, 0.1 + 0.2 * (double)i / (double)count)) {
+            break;
+        }
+        pbw__fetch(input, i, x);
+        keys[i] = pbw__hilbert_key(&box, x, dim) << index_bits | (uint64_t)i;
+    }
+    sorted = context->cancelled ? NULL : pbw__sort_keys(context, keys, spare, count, index_bits, bits * dim);
+    if (sorted == spare) {
+        spare = keys;
+        keys = sorted;
+    }
+    if (sorted == NULL || !pbw__order_runs(context, input, keys, spare, count, index_bits, bits)
+        || !pbw__gather(context, input, keys, ((uint64_t)1 << index_bits) - 1, vertices)) {
+        status = PBW_CANCELLED;
+    }
+done:
+    pbw__release(memory, keys, count, sizeof(uint64_t));
+    pbw__release(memory, spare, count, sizeof(uint64_t));
+    if (status != PBW_OK) {
+        pbw__vertices_free(context, vertices);
+    }
+    return status;
+}
+/* ------------------------------------------------------------------------------------------------------
+   >>mesh         The triangulation while it is built.
+   A simplex is one record: the vertices of its corners v[] and, across from each corner, a link n[] to the neighbour:
+   4*simplex + the number of the neighbour's corner across the shared facet.  So one link gives the neighbour, its far
+   vertex, and the place of the link back.  In 3D a record is 32 bytes, half a cache line; in 2D 24.
+
+   Vertex 0 is the ghost vertex at infinity: each facet of the hull carries a ghost simplex, so that every facet has
+   two sides and the hull needs no cases of its own.
+
+   Holds, between insertions:
+     - every link's link back is itself; the two simplices have the facet's vertices in common;
+     - finite simplices are positively oriented, ghost simplices are as if the ghost vertex lay far outside their
+     facet;
+     - the ghost vertex is in the last corner;
+     - no vertex inserted so far is in conflict with a simplex (>>predicates has the rule for ties);
+     - all marks are 0; a free record has v[0] = PBW_NONE and v[1] = the next free one.
+   ------------------------------------------------------------------------------------------------------ */
+#ifdef PBW_WIDE
+typedef uint64_t pbw__link;
+#define PBW__SIMPLEX_LIMIT ((size_t)PBW_NONE - 1)
+#else
+typedef uint32_t pbw__link;
+#define PBW__SIMPLEX_LIMIT ((size_t)1 << 30)
+#endif
+#ifdef PBW_SIMPLEX_LIMIT                             /* for tests: a limit that small inputs reach */
+#undef PBW__SIMPLEX_LIMIT
+#define PBW__SIMPLEX_LIMIT ((size_t)PBW_SIMPLEX_LIMIT)
+#endif
+
+#define PBW__GHOST 0u
+
+typedef struct pbw__simplex2 { pbw_index v[3]; pbw__link n[3]; } pbw__simplex2;
+typedef struct pbw__simplex3 { pbw_index v[4]; pbw__link n[4]; } pbw__simplex3;
+
+/* A simplex of the cavity: its corners, and their local numbers (3D). */
+typedef struct pbw__carved { pbw_index v[4], local[4]; } pbw__carved;
+
+/* A facet of the cavity's boundary: the link across it, and where it is seen from, 4*place in the carved list +
+   facet. 2D: the edge's ends, as seen from inside. */
+typedef struct pbw__facet { pbw__link beyond; pbw_index from, to; } pbw__facet;
+
+/* What the cavity search knows of a vertex: its place relative to the new point, and its lift. */
+typedef struct pbw__row { double x, y, z, lift; } pbw__row;
+
+/* The vertices met in one insertion, numbered from 0, the ghost, upwards.  A hash finds the number of a vertex:
+   entries are vertex << 32 | stamp, and a new stamp empties the table. */
+typedef struct pbw__locals {
+    pbw__row *row;                                   /* by local number */
+    uint64_t *slot_key;
+    pbw_index *slot_local;
+    size_t count;
+    double height;                                   /* largest |x|^2 + |weight difference| of a row */
+    uint32_t stamp, mask;                            /* mask = slots - 1 */
+    int shift;                                       /* 32 - log2(slots) */
+} pbw__locals;
+
+typedef struct pbw__edge { uint64_t key; pbw__link link; } pbw__edge;
+
+/* One thread's view of a triangulation, with the scratch memory of one insertion. */
+typedef struct pbw__kernel {
+    pbw__context *context;
+    const double *record;                            /* vertex records, (dim+1) doubles each */
+    const pbw__grid *grid;
+    int weighted;                                    /* 0: every vertex becomes one, none is hidden */
+    pbw__simplex2 *s2;                               /* one of the two, by dimension */
+    pbw__simplex3 *s3;
+    unsigned char *mark;                             /* per simplex: 1 = in the cavity of this insertion */
+    size_t count, capacity, mark_capacity;           /* records used, held; marks held */
+    size_t free_count;                               /* free records among the used */
+    pbw_index free_list, last;                       /* first free record; a simplex of the last star */
+
+    pbw_index *cavity;                               /* simplices in conflict */
+    pbw__carved *carved;                             /* 3D: the same, what the refill needs of them */
+    pbw__facet *facet;                               /* the boundary of the cavity */
+    pbw__link *stack;                                /* 2D: links still to look through */
+    size_t cavity_count, facet_count, stack_count;
+    size_t cavity_capacity, carved_capacity, facet_capacity, stack_capacity;
+    int (*carve3)(struct pbw__kernel *kernel, pbw_index t, const double *p);    /* for this CPU */
+
+    pbw__locals locals;                              /* 3D */
+    pbw__link *edge;                                 /* 3D: by pairs of local numbers below PBW__EDGE_LOCALS */
+    pbw__edge *wide_edge;                            /* the same as a hash, for more local vertices */
+    size_t wide_mask;
+    pbw_statistics statistics;
+} pbw__kernel;
+
+#define PBW__EDGE_LOCALS 64
+#define PBW__LOCALS_BYTES                                                                                            \
+    (sizeof(uint64_t) + sizeof(pbw_index) + sizeof(pbw__row) / 2) /* a hash slot; half are used */
+
+PBW__INLINE pbw_index *pbw__corners(const pbw__kernel *kernel, size_t t)
+{
+    return kernel->s3 != NULL ? kernel->s3[t].v : kernel->s2[t].v;
+}
+
+/* Room for `needed` items in an array of the kernel; grows by half. */
+static int pbw__grow(pbw__kernel *kernel, void *array, size_t *capacity, size_t needed, size_t size)
+{
+    void *old, *block;
+    size_t bigger = *capacity + *capacity / 2;
+    if (needed <= *capacity) {
+        return 1;
+    }
+    bigger = bigger > needed ? bigger : needed;
+    memcpy(&old, array, sizeof(old));
+    block = pbw__resize(&kernel->context->memory, old, *capacity, bigger, size);
+    if (block == NULL) {
+        return 0;
+    }
+    memcpy(array, &block, sizeof(block));
+    *capacity = bigger;
+    return 1;
+}
+
+/* Records for `needed` simplices in all; grows by a quarter. */
+static PBW__NOINLINE pbw_status pbw__reserve(pbw__kernel *kernel, size_t needed)
+{
+    pbw__memory *memory = &kernel->context->memory;
+    size_t size = kernel->s3 != NULL ? sizeof(pbw__simplex3) : sizeof(pbw__simplex2), bigger;
+    void *records = kernel->s3 != NULL ? (void *)kernel->s3 : (void *)kernel->s2;
+    unsigned char *mark;
+    if (needed > PBW__SIMPLEX_LIMIT) {
+        return PBW_ERROR_TOO_LARGE;
+    }
+    bigger = kernel->capacity + kernel->capacity / 4;
+    bigger = bigger > needed ? bigger : needed;
+    bigger = bigger < PBW__SIMPLEX_LIMIT ? bigger : PBW__SIMPLEX_LIMIT;
+    mark = (unsigned char *)pbw__resize(memory, kernel->mark, kernel->mark_capacity, bigger, 1);
+    if (mark == NULL) {
+        return PBW_ERROR_MEMORY;
+    }
+    kernel->mark = mark;
+    kernel->mark_capacity = bigger;
+    records = pbw__resize(memory, records, kernel->capacity, bigger, size);
+    if (records == NULL) {
+        return PBW_ERROR_MEMORY;
+    }
+    kernel->s2 = kernel->s2 != NULL ? (pbw__simplex2 *)records : NULL;
+    kernel->s3 = kernel->s3 != NULL ? (pbw__simplex3 *)records : NULL;
+    kernel->capacity = bigger;
+    return PBW_OK;
+}
+/* ------------------------------------------------------------------------------------------------------
+   >>walk         Where a point lies.
+   In: a point that is no vertex, a simplex to start from.  Out: a simplex in conflict with the point, or for weighted
+   points that are hidden, none.
+
+   A visibility walk (Devillers, Pion & Teillaud 2002, "Walking in a triangulation"): step through a facet that has
+   the point strictly on its far side.  It ends, because in a Delaunay or regular triangulation the relation "in front
+   of, seen from a fixed point" has no cycle (Edelsbrunner 1990, "An acyclicity theorem for cell complexes in d
+   dimensions"), and every step is taken on an exact sign.  Of several such facets the one with the most negative
+   volume is taken: the path is shorter.  The four orientations S_i also give the sphere test, sum(lift_i * S_i), so
+   the walk stops at the first simplex that is certainly in conflict; its neighbourhood is the cavity's all the same.
+
+   Errors.  With coordinates relative to the point, S_i is a sum of 6 products of 3 factors.  A product carries 3
+   rounded translations, 2 multiplications, 1 + 2 additions: |error| <= 8u/(1-8u) * 6 m^3 < 5.4e-15 m^3, m the largest
+   |coordinate|.  2D: 2 products, 2 translations, 1 multiplication, 1 addition: < 4u * 2 m^2 < 9e-16 m^2. An underflow
+   adds at most 2^-1074 a product, which m > 1e-90 (2D: 1e-140) makes irrelevant.  Outside the range where nothing
+   overflows the bound is infinite: no determinant exceeds it, infinity included.
+   ------------------------------------------------------------------------------------------------------ */
+#define PBW__ORIENT2_ERROR 9e-16
+#define PBW__ORIENT3_ERROR 5.4e-15
+#define PBW__CIRCLE_ERROR 9e-15                      /* derived in >>cavity */
+#define PBW__SPHERE_ERROR 5.2e-14
+
+/* Corners of facet i in the order that makes (p, a, b, c) positive for p inside; a ghost stays last. */
+static const unsigned char pbw__facet_corners[4][3] = { { 1, 2, 3 }, { 2, 0, 3 }, { 0, 1, 3 }, { 0, 2, 1 } };
+
+PBW__INLINE double pbw__det3(const double *a, const double *b, const double *c)
+{
+    return a[0] * (b[1] * c[2] - b[2] * c[1]) - a[1] * (b[0] * c[2] - b[2] * c[0])
+         + a[2] * (b[0] * c[1] - b[1] * c[0]);
+}
+
+PBW__INLINE const double *pbw__record2(const pbw__kernel *kernel, pbw_index v)
+{
+    return kernel->record + (size_t)v * 3;
+}
+PBW__INLINE const double *pbw__record3(const pbw__kernel *kernel, pbw_index v)
+{
+    return kernel->record + (size_t)v * 4;
+}
+
+/* The exact verdict on any simplex, ghosts included.  A ghost with the point in its facet's plane is in conflict
+   exactly when the finite simplex behind the facet is. */
+static PBW__NOINLINE int pbw__in_conflict3(pbw__kernel *kernel, pbw_index t, const double *p)
+{
+    const pbw__simplex3 *s = kernel->s3 + t;
+    kernel->statistics.exact_tests++;
+    if (s->v[3] == PBW__GHOST) {
+        int side = pbw__orient3(pbw__record3(kernel, s->v[0]), pbw__record3(kernel, s->v[1]),
+                                pbw__record3(kernel, s->v[2]), p, kernel->grid);
+        if (side != 0) {
+            return side > 0;
+        }
+        s = kernel->s3 + (s->n[3] >> 2);
+    }
+    return pbw__conflict3(pbw__record3(kernel, s->v[0]), pbw__record3(kernel, s->v[1]), pbw__record3(kernel, s->v[2]),
+                          pbw__record3(kernel, s->v[3]), p, kernel->grid);
+}
+
+static PBW__NOINLINE int pbw__in_conflict2(pbw__kernel *kernel, pbw_index t, const double *p)
+{
+    const pbw__simplex2 *s = kernel->s2 + t;
+    kernel->statistics.exact_tests++;
+    if (s->v[2] == PBW__GHOST) {
+        int side = pbw__orient2(pbw__record2(kernel, s->v[0]), pbw__record2(kernel, s->v[1]), p, kernel->grid);
+        if (side != 0) {
+            return side > 0;
+        }
+        s = kernel->s2 + (s->n[2] >> 2);
+    }
+    return pbw__conflict2(pbw__record2(kernel, s->v[0]), pbw__record2(kernel, s->v[1]), pbw__record2(kernel, s->v[2]),
+                          p, kernel->grid);
+}
+
+/* A simplex in conflict with p, or PBW_NONE if p is hidden. */
+static pbw_index pbw__locate3(pbw__kernel *kernel, pbw_index t, const double *p)
+{
+    if (kernel->s3[t].v[3] == PBW__GHOST) {
+        t = (pbw_index)(kernel->s3[t].n[3] >> 2);
+    }
+    for (;;) {
+        const pbw__simplex3 *s = kernel->s3 + t;
+        double u[4][3], side[4], size = 0.0, bound, lowest, power = 0.0, height = 0.0;
+        int i, k, exit = 0;
+        kernel->statistics.walk_steps++;
+        if (s->v[3] == PBW__GHOST) {
+            return t;
+        }
+        for (i = 0; i < 4; i++) {
+            const double *v = pbw__record3(kernel, s->v[i]);
+            for (k = 0; k < 3; k++) {
+                u[i][k] = v[k] - p[k];
+                size = pbw__larger(size, pbw__size(u[i][k]));
+            }
+        }
+        for (i = 0; i < 4; i++) {
+            const unsigned char *corner = pbw__facet_corners[i];
+            const double *v = pbw__record3(kernel, s->v[i]);
+            double square = u[i][0] * u[i][0] + u[i][1] * u[i][1] + u[i][2] * u[i][2], weight = v[3] - p[3];
+            side[i] = pbw__det3(u[corner[0]], u[corner[1]], u[corner[2]]);
+            power += (square - weight) * side[i];
+            height = pbw__larger(height, square + pbw__size(weight));
+        }
+        if (height > 1e-55 && height < 1e60 && power > 0.0
+            && power * power > PBW__SPHERE_ERROR * PBW__SPHERE_ERROR * height * height * height * height * height) {
+            return t;
+        }
+        bound = size > 1e-90 && size < 1e90 ? PBW__ORIENT3_ERROR * size * size * size : HUGE_VAL;
+        lowest = side[0];
+        for (i = 1; i < 4; i++) {
+            if (side[i] < lowest) {
+                lowest = side[i];
+                exit = i;
+            }
+        }
+        if (!(lowest < -bound)) {
+            for (exit = 0; exit < 4; exit++) {
+                const unsigned char *corner = pbw__facet_corners[exit];
+                if (!(side[exit] > bound)
+                    && pbw__orient3(p, pbw__record3(kernel, s->v[corner[0]]), pbw__record3(kernel, s->v[corner[1]]),
+                                    pbw__record3(kernel, s->v[corner[2]]), kernel->grid) < 0) {
+                    break;
+                }
+            }
+            if (exit == 4) {                         /* inside; only a weighted point can then be out of conflict */
+                return !kernel->weighted || pbw__in_conflict3(kernel, t, p) ? t : PBW_NONE;
+            }
+        }
+        t = (pbw_index)(s->n[exit] >> 2);
+    }
+}
+
+static pbw_index pbw__locate2(pbw__kernel *kernel, pbw_index t, const double *p)
+{
+    if (kernel->s2[t].v[2] == PBW__GHOST) {
+        t = (pbw_index)(kernel->s2[t].n[2] >> 2);
+    }
+    for (;;) {
+        const pbw__simplex2 *s = kernel->s2 + t;
+        double u[3][2], side[3], size = 0.0, bound, lowest;
+        int i, exit = 0;
+        kernel->statistics.walk_steps++;
+        if (s->v[2] == PBW__GHOST) {
+            return t;
+        }
+        for (i = 0; i < 3; i++) {
+            const double *v = pbw__record2(kernel, s->v[i]);
+            u[i][0] = v[0] - p[0];
+            u[i][1] = v[1] - p[1];
+            size = pbw__larger(size, pbw__larger(pbw__size(u[i][0]), pbw__size(u[i][1])));
+        }
+        bound = size > 1e-140 && size < 1e140 ? PBW__ORIENT2_ERROR * size * size : HUGE_VAL;
+        for (i = 0; i < 3; i++) {
+            const double *a = u[i == 2 ? 0 : i + 1], *b = u[i == 0 ? 2 : i - 1];
+            side[i] = a[0] * b[1] - a[1] * b[0];
+        }
+        lowest = side[0];
+        for (i = 1; i < 3; i++) {
+            if (side[i] < lowest) {
+                lowest = side[i];
+                exit = i;
+            }
+        }
+        if (!(lowest < -bound)) {
+            for (exit = 0; exit < 3; exit++) {
+                if (!(side[exit] > bound)
+                    && pbw__orient2(pbw__record2(kernel, s->v[exit == 2 ? 0 : exit + 1]),
+                                    pbw__record2(kernel, s->v[exit == 0 ? 2 : exit - 1]), p, kernel->grid) < 0) {
+                    break;
+                }
+            }
+            if (exit == 3) {
+                return !kernel->weighted || pbw__in_conflict2(kernel, t, p) ? t : PBW_NONE;
+            }
+        }
+        t = (pbw_index)(s->n[exit] >> 2);
+    }
+}
+/* ------------------------------------------------------------------------------------------------------
+   >>cavity       Carve every simplex in conflict with the point, refill with the point's star.
+   In: a simplex in conflict.  Out: the star of the new vertex.   (Bowyer 1981, Watson 1981)
+   Holds before and after: the invariants of >>mesh.
+
+   3D.  The search takes one simplex of the cavity after the other and tests its four neighbours at once.  The
+   neighbour across facet i is this simplex with corner i replaced by the far vertex o: with rows (x, y, z, lift)
+   relative to the point, det(rows, row i replaced by o's) > 0 exactly if it is in conflict.  Expanded along row i
+   this is a dot product of o's row with four cofactors, and the cofactors of the four facets share their 2x2 minors.
+   A ghost vertex has the row (0, 0, 0, W), any W > 0: the same determinant is then W times the orientation that a
+   ghost's conflict asks for. Vertices met in one insertion get local numbers, so that each is fetched and translated
+   once and the star can be sewn together through a small table indexed by pairs of them.
+
+   Errors.  The determinant is a sum of 24 products of x, y, z and a lift.  A product carries 3 rounded translations;
+   in the lift 2 translations, 1 multiplication, 2 additions and for the weight 2 subtractions; 3 multiplications; 1 +
+   2 + 3 additions of the expansion: 19 roundings.  So |error| <= 19u/(1-19u) * 24 h^(3/2) h < 5.1e-14 h^(5/2) where h
+   bounds |x|^2 + |weight difference| of the rows.  h itself is computed with 5 roundings and raised to 5/2: 5.2e-14
+   covers that.  Compared as det^2 > (5.2e-14)^2 h^5, all multiplications, which is free of overflow and of harmful
+   underflow for 1e-55 < h < 1e60. 2D: 6 products of x, y and a lift; 2 translations; lift 2 + 1 + 1 + 2; 2
+   multiplications; 1 + 2 additions: 13 roundings, 13u * 6 h^2 < 8.7e-15 h^2; 9e-15 with the roundings of h; 1e-140 <
+   h < 1e140. Everything the bound leaves open goes to >>predicates.
+   ------------------------------------------------------------------------------------------------------ */
+PBW__INLINE uint32_t pbw__slot_of(const pbw__locals *locals, pbw_index v)
+{
+    return (v * 0x9e3779b1u) >> locals->shift;
+}
+
+/* Memory for the local numbering, in one block. */
+static int pbw__locals_create(pbw__kernel *kernel, pbw__locals *locals, size_t slots)
+{
+    locals->row = (pbw__row *)pbw__allocate(&kernel->context->memory, slots, PBW__LOCALS_BYTES);
+    if (locals->row == NULL) {
+        return 0;
+    }
+    locals->slot_key = (uint64_t *)(void *)(locals->row + slots / 2);
+    locals->slot_local = (pbw_index *)(void *)(locals->slot_key + slots);
+    locals->mask = (uint32_t)(slots - 1);
+    for (locals->shift = 32; slots > 1; slots /= 2) {
+        locals->shift--;
+    }
+    memset(locals->slot_key, 0, ((size_t)locals->mask + 1) * sizeof(uint64_t));
+    return 1;
+}
+
+/* Twice the room; the vertices of this insertion keep their numbers. */
+static PBW__NOINLINE int pbw__locals_grow(pbw__kernel *kernel)
+{
+    pbw__locals *old = &kernel->locals, bigger = *old;
+    size_t slots = (size_t)old->mask + 1, i;
+    if (!pbw__locals_create(kernel, &bigger, 2 * slots)) {
+        return 0;
+    }
+    memcpy(bigger.row, old->row, old->count * sizeof(pbw__row));
+    for (i = 0; i < slots; i++) {
+        if ((uint32_t)old->slot_key[i] == old->stamp) {
+            uint32_t slot = pbw__slot_of(&bigger, (pbw_index)(old->slot_key[i] >> 32));
+            while (bigger.slot_key[slot] != 0) {
+                slot = (slot + 1) & bigger.mask;
+            }
+            bigger.slot_key[slot] = old->slot_key[i];
+            bigger.slot_local[slot] = old->slot_local[i];
+        }
+    }
+    pbw__release(&kernel->context->memory, old->row, slots, PBW__LOCALS_BYTES);
+    *old = bigger;
+    return 1;
+}
+
+/* The local number of v; a vertex not met before is translated to p. */
+PBW__INLINE pbw_index pbw__local3(pbw__locals *locals, const double *records, pbw_index v, const double *p)
+{
+    uint64_t key = (uint64_t)v << 32 | locals->stamp;
+    uint32_t slot = pbw__slot_of(locals, v);
+    while (locals->slot_key[slot] != key) {
+        if ((uint32_t)locals->slot_key[slot] != locals->stamp) {
+            const double *record = records + (size_t)v * 4;
+            pbw__row *row = locals->row + locals->count;
+            double weight = record[3] - p[3], square;
+            row->x = record[0] - p[0];
+            row->y = record[1] - p[1];
+            row->z = record[2] - p[2];
+            square = row->x * row->x + row->y * row->y + row->z * row->z;
+            row->lift = square - weight;
+            locals->height = pbw__larger(locals->height, square + pbw__size(weight));
+            locals->slot_key[slot] = key;
+            locals->slot_local[slot] = (pbw_index)locals->count;
+            return (pbw_index)locals->count++;
+        }
+        slot = (slot + 1) & locals->mask;
+    }
+    return locals->slot_local[slot];
+}
+
+/* Starts the numbering for a new insertion.  The ghost gets number 0; its row (0, 0, 0, W) waits for W. */
+PBW__INLINE void pbw__locals_begin(pbw__locals *locals)
+{
+    uint32_t slot = pbw__slot_of(locals, PBW__GHOST);
+    if (++locals->stamp == 0) {
+        memset(locals->slot_key, 0, ((size_t)locals->mask + 1) * sizeof(uint64_t));
+        locals->stamp = 1;
+    }
+    locals->slot_key[slot] = (uint64_t)PBW__GHOST << 32 | locals->stamp;
+    locals->slot_local[slot] = 0;
+    locals->row[0].x = locals->row[0].y = locals->row[0].z = 0.0;
+    locals->height = 0.0;
+    locals->count = 1;
+}
+
+/* Room for `needed` items in each of the lists of cavity and boundary. */
+static PBW__NOINLINE int pbw__grow_lists(pbw__kernel *kernel, size_t needed)
+{
+    size_t old = kernel->cavity_capacity, cavity = old, carved = old, facet = old;
+    int grown = pbw__grow(kernel, &kernel->cavity, &cavity, needed, sizeof(pbw_index));
+    grown = grown && (kernel->s3 == NULL || pbw__grow(kernel, &kernel->carved, &carved, needed, sizeof(pbw__carved)));
+    grown = grown && pbw__grow(kernel, &kernel->facet, &facet, needed, sizeof(pbw__facet));
+    kernel->cavity_capacity = cavity;
+    kernel->carved_capacity = carved;
+    kernel->facet_capacity = facet;
+    return grown;
+}
+
+/* det(rows, row i replaced by far[i]) for i = 0..3: far[i] against the cofactors of (a, b, c), the corners of facet i
+   in the order of pbw__facet_corners, which makes the four alike. */
+PBW__INLINE void pbw__facet_tests(const pbw__row *const *row, const pbw__row *const *far, double *det)
+{
+    int i;
+    for (i = 0; i < 4; i++) {
+        const unsigned char *corner = pbw__facet_corners[i];
+        const pbw__row *o = far[i], *a = row[corner[0]], *b = row[corner[1]], *c = row[corner[2]];
+        double xy = b->x * c->y - b->y * c->x, xz = b->x * c->z - b->z * c->x, yz = b->y * c->z - b->z * c->y;
+        double xl = b->x * c->lift - b->lift * c->x, yl = b->y * c->lift - b->lift * c->y;
+        double zl = b->z * c->lift - b->lift * c->z;
+        det[i] = o->x * (a->y * zl - a->z * yl + a->lift * yz) - o->y * (a->x * zl - a->z * xl + a->lift * xz)
+               + o->z * (a->x * yl - a->y * xl + a->lift * xy) - o->lift * (a->x * yz - a->y * xz + a->z * xy);
+    }
+}
+
+#ifdef PBW__LANES
+/* Columns of four rows: lane i holds row i. */
+#define PBW__TRANSPOSE(row, c0, c1, c2, c3)                                                                          \
+    do {                                                                                                             \
+        pbw__lanes t0 = PBW__JOIN(&(row)[0]->x, &(row)[2]->x), t1 = PBW__JOIN(&(row)[1]->x, &(row)[3]->x);           \
+        pbw__lanes t2 = PBW__JOIN(&(row)[0]->z, &(row)[2]->z), t3 = PBW__JOIN(&(row)[1]->z, &(row)[3]->z);           \
+        c0 = __builtin_shufflevector(t0, t1, 0, 4, 2, 6), c1 = __builtin_shufflevector(t0, t1, 1, 5, 3, 7);          \
+        c2 = __builtin_shufflevector(t2, t3, 0, 4, 2, 6), c3 = __builtin_shufflevector(t2, t3, 1, 5, 3, 7);          \
+    } while (0)
+#define PBW__JOIN(p, q) __builtin_shufflevector(*(const pbw__half_lanes *)(const void *)(p), \
+                                                *(const pbw__half_lanes *)(const void *)(q), 0, 1, 2, 3)
+#define PBW__CORNER_A(x) __builtin_shufflevector(x, x, 1, 2, 0, 0)       /* pbw__facet_corners by columns */
+#define PBW__CORNER_B(x) __builtin_shufflevector(x, x, 2, 0, 1, 2)
+#define PBW__CORNER_C(x) __builtin_shufflevector(x, x, 3, 3, 3, 1)
+
+/* The same, a facet in each lane. */
+PBW__INLINE void pbw__facet_tests_lanes(const pbw__row *const *row, const pbw__row *const *far, double *det)
+{
+    pbw__lanes x, y, z, l, ox, oy, oz, ol, ax, ay, az, al, bx, by, bz, bl, cx, cy, cz, cl, xy, xz, yz, xl, yl, zl,
+        result;
+    PBW__TRANSPOSE(row, x, y, z, l);
+    PBW__TRANSPOSE(far, ox, oy, oz, ol);
+    ax = PBW__CORNER_A(x), ay = PBW__CORNER_A(y), az = PBW__CORNER_A(z), al = PBW__CORNER_A(l);
+    bx = PBW__CORNER_B(x), by = PBW__CORNER_B(y), bz = PBW__CORNER_B(z), bl = PBW__CORNER_B(l);
+    cx = PBW__CORNER_C(x), cy = PBW__CORNER_C(y), cz = PBW__CORNER_C(z), cl = PBW__CORNER_C(l);
+    xy = bx * cy - by * cx, xz = bx * cz - bz * cx, yz = by * cz - bz * cy;
+    xl = bx * cl - bl * cx, yl = by * cl - bl * cy, zl = bz * cl - bl * cz;
+    result = ox * (ay * zl - az * yl + al * yz) - oy * (ax * zl - az * xl + al * xz)
+           + oz * (ax * yl - ay * xl + al * xy) - ol * (ax * yz - ay * xz + az * xy);
+    memcpy(det, &result, sizeof(result));
+}
+#endif
+
+/* Finds the cavity of p from t, a simplex in conflict.  Appending to the two lists takes no branch: a neighbour is
+   written to both, and the counts move by the verdicts, which no branch predictor could guess.  The height of the
+   bound is that of all vertices met so far. */
+PBW__INLINE int pbw__carve3_body(pbw__kernel *kernel, pbw_index t, const double *p, int lanes)
+{
+    const pbw__simplex3 *s3 = kernel->s3;
+    const double *records = kernel->record;
+    unsigned char *mark = kernel->mark;
+    pbw_index *cavity = kernel->cavity;
+    pbw__facet *facet = kernel->facet;
+    pbw__carved *carved = kernel->carved;
+    size_t capacity = kernel->cavity_capacity, i, cavity_count = 1, facet_count = 0;
+    pbw__locals locals = kernel->locals;
+    cavity[0] = t;
+    mark[t] = 1;
+    pbw__locals_begin(&locals);
+    for (i = 0; i < cavity_count; i++) {
+        const pbw__simplex3 *s;
+        const pbw__row *row[4], *far[4];
+        pbw_index local[4], far_local[4];
+        double det[4], height, limit;
+        unsigned k;
+        if (PBW__UNLIKELY((locals.count + 8) * 2 > locals.mask)) {
+            kernel->locals = locals;
+            if (!pbw__locals_grow(kernel)) {
+                return 0;
+            }
+            locals = kernel->locals;
+        }
+        if (PBW__UNLIKELY(cavity_count + 4 > capacity || facet_count + 4 > capacity)) {
+            if (!pbw__grow_lists(kernel, (cavity_count > facet_count ? cavity_count : facet_count) + 4)) {
+                return 0;
+            }
+            cavity = kernel->cavity;
+            facet = kernel->facet;
+            carved = kernel->carved;
+            capacity = kernel->cavity_capacity;
+        }
+        s = s3 + cavity[i];
+        for (k = 0; k < 4; k++) {
+            carved[i].v[k] = s->v[k];
+            carved[i].local[k] = local[k] = pbw__local3(&locals, records, s->v[k], p);
+        }
+        if (i == 0) { /* W: a height of this neighbourhood, so that it fits the bound */
+            locals.row[0].lift = locals.height;
+        }
+        for (k = 0; k < 4; k++) {
+            pbw__link link = s->n[k];
+            far_local[k] = pbw__local3(&locals, records, s3[link >> 2].v[link & 3], p);
+        }
+        for (k = 0; k < 4; k++) {
+            row[k] = locals.row + local[k];
+            far[k] = locals.row + far_local[k];
+        }
+#ifdef PBW__LANES
+        if (lanes) {
+            pbw__facet_tests_lanes(row, far, det);
+        } else
+#endif
+        {
+            (void)lanes;
+            pbw__facet_tests(row, far, det);
+        }
+        height = locals.height;
+        limit = height > 1e-55 && height < 1e60
+              ? PBW__SPHERE_ERROR * PBW__SPHERE_ERROR * height * height * height * height * height : HUGE_VAL;
+        for (k = 0; k < 4; k++) {
+            pbw__link link = s->n[k];
+            pbw_index o = (pbw_index)(link >> 2);
+            double square = det[k] * pbw__size(det[k]);
+            unsigned unmarked = mark[o] ^ 1u, inside = square > limit;
+            if (PBW__UNLIKELY(!inside & !(square < -limit)) && unmarked) {
+                inside = (unsigned)pbw__in_conflict3(kernel, o, p);
+            }
+            inside &= unmarked;
+            mark[o] = (unsigned char)(mark[o] | inside);
+            cavity[cavity_count] = o;
+            cavity_count += inside;
+            facet[facet_count].beyond = link;
+            facet[facet_count].from = (pbw_index)i << 2 | k;
+            facet_count += unmarked ^ inside;
+        }
+    }
+    kernel->locals = locals;
+    kernel->statistics.conflict_tests += 4 * cavity_count;
+    kernel->cavity_count = cavity_count;
+    kernel->facet_count = facet_count;
+    return 1;
+}
+
+static int pbw__carve3_scalar(pbw__kernel *kernel, pbw_index t, const double *p)
+{
+    return pbw__carve3_body(kernel, t, p, 0);
+}
+
+#ifdef PBW__LANES
+__attribute__((target("avx2"))) static int pbw__carve3_avx2(pbw__kernel *kernel, pbw_index t, const double *p)
+{
+    return pbw__carve3_body(kernel, t, p, 1);
+}
+#endif
+
+/* Records for `needed` more simplices than the cavity has; extends the cavity's list of slots by them. */
+static pbw_status pbw__take_slots(pbw__kernel *kernel, size_t needed)
+{
+    size_t fresh = needed > kernel->cavity_count ? needed - kernel->cavity_count : 0, i;
+    if (fresh > kernel->free_count && kernel->count + fresh - kernel->free_count > kernel->capacity) {
+        pbw_status status = pbw__reserve(kernel, kernel->count + fresh - kernel->free_count);
+        if (status != PBW_OK) {
+            return status;
+        }
+    }
+    if (needed > kernel->cavity_capacity && !pbw__grow_lists(kernel, needed)) {
+        return PBW_ERROR_MEMORY;
+    }
+    for (i = kernel->cavity_count; i < needed; i++) {
+        if (kernel->free_count > 0) {
+            pbw_index *corners = pbw__corners(kernel, kernel->free_list);
+            kernel->cavity[i] = kernel->free_list;
+            kernel->free_list = corners[1];
+            kernel->free_count--;
+        } else {
+            kernel->mark[kernel->count] = 0;
+            kernel->cavity[i] = (pbw_index)kernel->count++;
+        }
+    }
+    for (i = 0; i < kernel->cavity_count; i++) {
+        kernel->mark[kernel->cavity[i]] = 0;
+        if (i >= needed) {
+            pbw_index *corners = pbw__corners(kernel, kernel->cavity[i]);
+            corners[0] = PBW_NONE;
+            corners[1] = kernel->free_list;
+            kernel->free_list = kernel->cavity[i];
+            kernel->free_count++;
+        }
+    }
+    kernel->statistics.created += needed;
+    kernel->last = kernel->cavity[needed - 1];
+    return PBW_OK;
+}
+
+/* The edge table: which facet of the star lies behind the directed edge (a, b) of the cavity's boundary.  Each
+   directed edge belongs to one facet of the boundary.  Up to PBW__EDGE_LOCALS local numbers it is a square array,
+   else a hash. */
+PBW__INLINE pbw__link *pbw__edge_place(pbw__kernel *kernel, int wide, pbw_index a, pbw_index b)
+{
+    if (!wide) {
+        return kernel->edge + a * PBW__EDGE_LOCALS + b;
+    } else {
+        uint64_t key = ((uint64_t)a << 32 | b) + 1;
+        size_t slot = (size_t)((key * 0x9e3779b97f4a7c15u) >> 32) & kernel->wide_mask;
+        while (kernel->wide_edge[slot].key != key && kernel->wide_edge[slot].key != 0) {
+            slot = (slot + 1) & kernel->wide_mask;
+        }
+        kernel->wide_edge[slot].key = key;
+        return &kernel->wide_edge[slot].link;
+    }
+}
+
+PBW__INLINE void pbw__sew3(pbw__kernel *kernel, int wide, pbw_index vertex)
+{
+    pbw__simplex3 *s3 = kernel->s3;
+    size_t i;
+    for (i = 0; i < kernel->facet_count; i++) {
+        const pbw__facet *facet = kernel->facet + i;
+        const pbw_index *local = kernel->carved[facet->from >> 2].local;
+        const unsigned char *corner = pbw__facet_corners[facet->from & 3];
+        pbw__link base = (pbw__link)kernel->cavity[i] << 2;
+        *pbw__edge_place(kernel, wide, local[corner[1]], local[corner[2]]) = base | 1;
+        *pbw__edge_place(kernel, wide, local[corner[2]], local[corner[0]]) = base | 2;
+        *pbw__edge_place(kernel, wide, local[corner[0]], local[corner[1]]) = base | 3;
+    }
+    for (i = 0; i < kernel->facet_count; i++) {
+        const pbw__facet *facet = kernel->facet + i;
+        const pbw__carved *carved = kernel->carved + (facet->from >> 2);
+        const unsigned char *corner = pbw__facet_corners[facet->from & 3];
+        pbw__simplex3 *s = s3 + kernel->cavity[i];
+        s->v[0] = vertex;
+        s->v[1] = carved->v[corner[0]];
+        s->v[2] = carved->v[corner[1]];
+        s->v[3] = carved->v[corner[2]];
+        s->n[0] = facet->beyond;
+        s->n[1] = *pbw__edge_place(kernel, wide, carved->local[corner[2]], carved->local[corner[1]]);
+        s->n[2] = *pbw__edge_place(kernel, wide, carved->local[corner[0]], carved->local[corner[2]]);
+        s->n[3] = *pbw__edge_place(kernel, wide, carved->local[corner[1]], carved->local[corner[0]]);
+        s3[facet->beyond >> 2].n[facet->beyond & 3] = (pbw__link)kernel->cavity[i] << 2;
+    }
+}
+
+/* Joins the vertex to each facet of the cavity's boundary. */
+static pbw_status pbw__refill3(pbw__kernel *kernel, pbw_index vertex)
+{
+    pbw_status status = pbw__take_slots(kernel, kernel->facet_count);
+    if (status != PBW_OK) {
+        return status;
+    }
+    if (kernel->locals.count <= PBW__EDGE_LOCALS) {
+        pbw__sew3(kernel, 0, vertex);
+    } else {
+        size_t slots = kernel->wide_mask + 1, old = kernel->wide_edge != NULL ? slots : 0;
+        while (slots < 6 * kernel->facet_count) {    /* 3 edges a facet, at most half full */
+            slots *= 2;
+        }
+        if (old != slots) {
+            if (!pbw__grow(kernel, &kernel->wide_edge, &old, slots, sizeof(pbw__edge))) {
+                return PBW_ERROR_MEMORY;
+            }
+            kernel->wide_mask = old - 1;
+        }
+        memset(kernel->wide_edge, 0, slots * sizeof(pbw__edge));
+        pbw__sew3(kernel, 1, vertex);
+    }
+    return PBW_OK;
+}
+
+/* det of rows (x, y, lift) of the corners relative to p: > 0 if the triangle is in conflict.  Returns the verdict. */
+PBW__INLINE int pbw__test2(pbw__kernel *kernel, pbw_index t, const double *p)
+{
+    const pbw__simplex2 *s = kernel->s2 + t;
+    const double *a = pbw__record2(kernel, s->v[0]), *b = pbw__record2(kernel, s->v[1]),
+                 *c = pbw__record2(kernel, s->v[2]);
+    double ax = a[0] - p[0], ay = a[1] - p[1], bx = b[0] - p[0], by = b[1] - p[1], limit;
+    kernel->statistics.conflict_tests++;
+    if (s->v[2] != PBW__GHOST) {
+        double cx = c[0] - p[0], cy = c[1] - p[1], aw = a[2] - p[2], bw = b[2] - p[2], cw = c[2] - p[2];
+        double a2 = ax * ax + ay * ay, b2 = bx * bx + by * by, c2 = cx * cx + cy * cy;
+        double det =
+            (a2 - aw) * (bx * cy - by * cx) + (b2 - bw) * (cx * ay - cy * ax) + (c2 - cw) * (ax * by - ay * bx);
+        double height = pbw__larger(pbw__larger(a2 + pbw__size(aw), b2 + pbw__size(bw)), c2 + pbw__size(cw));
+        limit = height > 1e-140 && height < 1e140 ? PBW__CIRCLE_ERROR * height * height : HUGE_VAL;
+        if (det > limit || det < -limit) {
+            return det > 0.0;
+        }
+    } else {
+        double side = ax * by - ay * bx;
+        double size =
+            pbw__larger(pbw__larger(pbw__size(ax), pbw__size(ay)), pbw__larger(pbw__size(bx), pbw__size(by)));
+        limit = size > 1e-140 && size < 1e140 ? PBW__ORIENT2_ERROR * size * size : HUGE_VAL;
+        if (side > limit || side < -limit) {
+            return side > 0.0;
+        }
+    }
+    return pbw__in_conflict2(kernel, t, p);
+}
+
+/* 2D.  A depth-first search that looks through the edges of each triangle counter-clockwise meets the boundary in
+   cyclic order, so the star needs no table: each new triangle borders the one before.  An edge between two triangles
+   of the cavity that is not the way one was reached is met twice and skipped. */
+static int pbw__carve2(pbw__kernel *kernel, pbw_index t, const double *p)
+{
+    pbw__simplex2 *s2 = kernel->s2;
+    int k;
+    kernel->cavity[0] = t;
+    kernel->cavity_count = 1;
+    kernel->facet_count = 0;
+    kernel->mark[t] = 1;
+    for (k = 0; k < 3; k++) {
+        kernel->stack[k] = s2[t].n[2 - k];
+    }
+    kernel->stack_count = 3;
+    while (kernel->stack_count > 0) {
+        pbw__link link = kernel->stack[--kernel->stack_count];
+        pbw_index o = (pbw_index)(link >> 2);
+        unsigned via = (unsigned)(link & 3), left = via == 2 ? 0 : via + 1, right = via == 0 ? 2 : via - 1;
+        if (kernel->mark[o]) {
+            continue;
+        }
+        if (pbw__test2(kernel, o, p)) {
+            if ((kernel->cavity_count == kernel->cavity_capacity
+                 && !pbw__grow_lists(kernel, kernel->cavity_count + 1))
+                || !pbw__grow(kernel, &kernel->stack, &kernel->stack_capacity, kernel->stack_count + 2,
+                              sizeof(pbw__link))) {
+                return 0;
+            }
+            kernel->mark[o] = 1;
+            kernel->cavity[kernel->cavity_count++] = o;
+            kernel->stack[kernel->stack_count++] = s2[o].n[right];
+            kernel->stack[kernel->stack_count++] = s2[o].n[left];
+        } else {
+            pbw__facet *facet;
+            if (kernel->facet_count == kernel->facet_capacity && !pbw__grow_lists(kernel, kernel->facet_count + 1)) {
+                return 0;
+            }
+            facet = kernel->facet + kernel->facet_count++;
+            facet->from = s2[o].v[right];
+            facet->to = s2[o].v[left];
+            facet->beyond = link;
+        }
+    }
+    return 1;
+}
+
+static pbw_status pbw__refill2(pbw__kernel *kernel, pbw_index vertex)
+{
+    size_t count = kernel->facet_count, i;
+    pbw_status status = pbw__take_slots(kernel, count);
+    pbw__simplex2 *s2 = kernel->s2;                  /* taken now: the records may have moved */
+    if (status != PBW_OK) {
+        return status;
+    }
+    for (i = 0; i < count; i++) {
+        const pbw__facet *facet = kernel->facet + i;
+        pbw_index before = kernel->cavity[i == 0 ? count - 1 : i - 1],
+                  after = kernel->cavity[i + 1 == count ? 0 : i + 1];
+        pbw__simplex2 *s = s2 + kernel->cavity[i];
+        /* Corner numbers in (vertex, from, to), turned once if `from` is the ghost. */
+        unsigned turn = facet->from == PBW__GHOST, from = turn ? 2 : 1, to = turn ? 0 : 2;
+        /* Across from `to` lies the triangle before, which ends where we begin: its corner across from us is its
+           `from`. */
+        unsigned before_from = kernel->facet[i == 0 ? count - 1 : i - 1].from == PBW__GHOST ? 2 : 1;
+        unsigned after_to = facet->to == PBW__GHOST ? 0 : 2;
+        s->v[turn] = vertex;
+        s->v[from] = facet->from;
+        s->v[to] = facet->to;
+        s->n[turn] = facet->beyond;
+        s->n[to] = (pbw__link)before << 2 | before_from;
+        s->n[from] = (pbw__link)after << 2 | after_to;
+        s2[facet->beyond >> 2].n[facet->beyond & 3] = (pbw__link)kernel->cavity[i] << 2 | turn;
+    }
+    return PBW_OK;
+}
+/* ------------------------------------------------------------------------------------------------------
+   >>build        All vertices into one triangulation, on one thread.
+   In: vertices along the Hilbert curve.  Out: a kernel with their triangulation, or PBW_DEGENERATE.
+
+   Insertion order: level l holds the ranks divisible by 8^l (2D: 4^l) that no higher level holds; levels go from
+   coarse to fine, along the curve, alternately forwards and backwards.  Coarse levels keep the cavities small, as the
+   random rounds of Amenta, Choi & Rote 2003 ("Incremental constructions con BRIO") do, but need no shuffle and no
+   second sort; within a level the next point lies near the last one, so the walk is short and the caches warm.
+   ------------------------------------------------------------------------------------------------------ */
+typedef struct pbw__sequence {
+    size_t count, stride, rank, ratio;
+    int backwards;
+} pbw__sequence;
+
+static void pbw__sequence_start(pbw__sequence *sequence, size_t count, int dim)
+{
+    sequence->count = count;
+    sequence->ratio = dim == 3 ? 8 : 4;
+    sequence->stride = 1;
+    while (count / sequence->stride >= sequence->ratio) {
+        sequence->stride *= sequence->ratio;
+    }
+    sequence->rank = 0;
+    sequence->backwards = 0;
+}
+
+/* The next vertex of the order, or 0 after the last. */
+static pbw_index pbw__sequence_next(pbw__sequence *sequence)
+{
+    for (;;) {
+        size_t rank = sequence->rank, coarser = sequence->stride * sequence->ratio;
+        if (rank < sequence->count) {                /* a step below rank 0 wraps to a huge number */
+            sequence->rank = sequence->backwards ? rank - sequence->stride : rank + sequence->stride;
+            if ((rank & (coarser - 1)) != 0 || coarser > sequence->count) {
+                return (pbw_index)rank + 1;
+            }
+            continue;
+        }
+        if (sequence->stride == 1) {
+            return 0;
+        }
+        sequence->stride /= sequence->ratio;
+        sequence->backwards = !sequence->backwards;
+        sequence->rank = sequence->backwards ? (sequence->count - 1) / sequence->stride * sequence->stride : 0;
+    }
+}
+
+/* Whether the points a, b, c of space lie on a line: all three projections do. */
+static int pbw__collinear3(const double *a, const double *b, const double *c, const pbw__grid *grid)
+{
+    int k;
+    for (k = 0; k < 3; k++) {
+        double pa[3], pb[3], pc[3];
+        int i = k == 0 ? 1 : 0, j = k == 2 ? 1 : 2;
+        pa[0] = a[i], pa[1] = a[j], pa[2] = 0.0;
+        pb[0] = b[i], pb[1] = b[j], pb[2] = 0.0;
+        pc[0] = c[i], pc[1] = c[j], pc[2] = 0.0;
+        if (pbw__orient2(pa, pb, pc, grid) != 0) {
+            return 0;
+        }
+    }
+    return 1;
+}
+
+/* The first dim+1 vertices of the order that span the space, positively oriented.  Vertices are at different places,
+   so any two will do.  Linear: once a vertex is passed over, it lies in the span of the seeds. */
+static pbw_status pbw__seeds(pbw__kernel *kernel, size_t count, int dim, pbw_index *seed)
+{
+    pbw__sequence sequence;
+    pbw_index v;
+    size_t looked = 0;
+    int found = 0;
+    pbw__sequence_start(&sequence, count, dim);
+    while ((v = pbw__sequence_next(&sequence)) != 0) {
+        int fits = 1, side = 0;
+        if ((++looked & 255) == 0 && pbw__report(kernel->context, 0.0)) {
+            return PBW_CANCELLED;
+        }
+        if (found == dim) {
+            side = dim == 3 ? pbw__orient3(pbw__record3(kernel, seed[0]), pbw__record3(kernel, seed[1]),
+                                           pbw__record3(kernel, seed[2]), pbw__record3(kernel, v), kernel->grid)
+                            : pbw__orient2(pbw__record2(kernel, seed[0]), pbw__record2(kernel, seed[1]),
+                                           pbw__record2(kernel, v), kernel->grid);
+            fits = side != 0;
+        } else if (found == 2) {
+            fits = !pbw__collinear3(pbw__record3(kernel, seed[0]), pbw__record3(kernel, seed[1]),
+                                    pbw__record3(kernel, v), kernel->grid);
+        }
+        if (fits) {
+            seed[found++] = v;
+            if (found == dim + 1) {
+                if (side < 0) {
+                    pbw_index swap = seed[0];
+                    seed[0] = seed[1];
+                    seed[1] = swap;
+                }
+                return PBW_OK;
+            }
+        }
+    }
+    return PBW_DEGENERATE;
+}
+
+/* The simplex of the seeds and a ghost on each of its facets. */
+static void pbw__first_star(pbw__kernel *kernel, int dim, const pbw_index *seed)
+{
+    int i, j, k;
+    for (i = 0; i <= dim; i++) {
+        pbw__corners(kernel, 0)[i] = seed[i];
+    }
+    for (i = 0; i <= dim; i++) {
+        pbw_index *ghost = pbw__corners(kernel, (size_t)i + 1);
+        for (k = 0; k < dim; k++) { /* the facet across from corner i, with its outer side positive */
+            ghost[k] = seed[dim == 3 ? pbw__facet_corners[i][k] : (i + 2 - k) % 3];
+        }
+        ghost[dim] = PBW__GHOST;
+    }
+    kernel->count = (size_t)dim + 2;
+    for (i = 0; i <= dim + 1; i++) {                 /* two simplices share the facet that lacks one corner of each */
+        for (k = 0; k <= dim; k++) {
+            pbw_index *mine = pbw__corners(kernel, (size_t)i);
+            for (j = 0; j <= dim + 1; j++) {
+                int far, lacking = 0, at = 0;
+                for (far = 0; far <= dim && j != i; far++) {
+                    int m, shared = 0;
+                    for (m = 0; m <= dim; m++) {
+                        shared |= m != k && mine[m] == pbw__corners(kernel, (size_t)j)[far];
+                    }
+                    lacking += !shared;
+                    at = shared ? at : far;
+                }
+                if (lacking == 1) {
+                    pbw__link link = (pbw__link)j << 2 | (pbw__link)at;
+                    if (dim == 3) {
+                        kernel->s3[i].n[k] = link;
+                    } else {
+                        kernel->s2[i].n[k] = link;
+                    }
+                }
+            }
+        }
+    }
+    memset(kernel->mark, 0, kernel->count);
+    kernel->last = 0;
+}
+
+/* One vertex into the triangulation; a hidden one changes nothing. */
+static pbw_status pbw__insert(pbw__kernel *kernel, int dim, pbw_index vertex)
+{
+    const double *p = kernel->record + (size_t)vertex * ((size_t)dim + 1);
+    pbw_index t = dim == 3 ? pbw__locate3(kernel, kernel->last, p) : pbw__locate2(kernel, kernel->last, p);
+    if (t == PBW_NONE) {
+        return PBW_OK;
+    }
+    if (dim == 3) {
+        return kernel->carve3(kernel, t, p) ? pbw__refill3(kernel, vertex) : PBW_ERROR_MEMORY;
+    }
+    return pbw__carve2(kernel, t, p) ? pbw__refill2(kernel, vertex) : PBW_ERROR_MEMORY;
+}
+
+static void pbw__kernel_free(pbw__kernel *kernel)
+{
+    pbw__memory *memory = &kernel->context->memory;
+    pbw__release(memory, kernel->s2, kernel->capacity, sizeof(pbw__simplex2));
+    pbw__release(memory, kernel->s3, kernel->capacity, sizeof(pbw__simplex3));
+    pbw__release(memory, kernel->mark, kernel->mark_capacity, 1);
+    pbw__release(memory, kernel->cavity, kernel->cavity_capacity, sizeof(pbw_index));
+    pbw__release(memory, kernel->carved, kernel->carved_capacity, sizeof(pbw__carved));
+    pbw__release(memory, kernel->facet, kernel->facet_capacity, sizeof(pbw__facet));
+    pbw__release(memory, kernel->stack, kernel->stack_capacity, sizeof(pbw__link));
+    pbw__release(memory, kernel->locals.row, (size_t)kernel->locals.mask + 1, PBW__LOCALS_BYTES);
+    pbw__release(memory, kernel->edge, PBW__EDGE_LOCALS * PBW__EDGE_LOCALS, sizeof(pbw__link));
+    pbw__release(memory, kernel->wide_edge, kernel->wide_mask + 1, sizeof(pbw__edge));
+}
+
+/* Allocates for a triangulation of count vertices; on failure the kernel can and must still be freed. */
+static pbw_status pbw__kernel_create(pbw__kernel *kernel, pbw__context *context, const pbw__vertices *vertices,
+                                     const pbw__grid *grid)
+{
+    pbw__memory *memory = &context->memory;
+    int dim = vertices->dim;
+    memset(kernel, 0, sizeof(*kernel));
+    kernel->context = context;
+    kernel->record = vertices->record;
+    kernel->grid = grid;
+    kernel->weighted = vertices->weighted;
+    kernel->wide_mask = 511;
+    /* 2D: 2 count - 2 with ghosts.  3D: 6.77 count for uniform points; more is found by growing. */
+    kernel->capacity = dim == 3 ? vertices->count * 7 + 16 : vertices->count * 2 + 8;
+    kernel->capacity = kernel->capacity < PBW__SIMPLEX_LIMIT ? kernel->capacity : PBW__SIMPLEX_LIMIT;
+    kernel->cavity_capacity = kernel->carved_capacity = kernel->facet_capacity = kernel->stack_capacity = 64;
+    kernel->carve3 = pbw__carve3_scalar;
+#ifdef PBW__LANES
+    if (__builtin_cpu_supports("avx2")) {
+        kernel->carve3 = pbw__carve3_avx2;
+    }
+#endif
+    kernel->mark_capacity = kernel->capacity;
+    kernel->mark = (unsigned char *)pbw__allocate(memory, kernel->capacity, 1);
+    kernel->cavity = (pbw_index *)pbw__allocate(memory, 64, sizeof(pbw_index));
+    kernel->facet = (pbw__facet *)pbw__allocate(memory, 64, sizeof(pbw__facet));
+    if (dim == 3) {
+        kernel->s3 = (pbw__simplex3 *)pbw__allocate(memory, kernel->capacity, sizeof(pbw__simplex3));
+        kernel->carved = (pbw__carved *)pbw__allocate(memory, 64, sizeof(pbw__carved));
+        kernel->edge = (pbw__link *)pbw__allocate(memory, PBW__EDGE_LOCALS * PBW__EDGE_LOCALS, sizeof(pbw__link));
+        return pbw__locals_create(kernel, &kernel->locals, 256) && kernel->s3 != NULL && kernel->edge != NULL
+                    && kernel->mark != NULL && kernel->carved != NULL && kernel->cavity != NULL
+                    && kernel->facet != NULL
+                 ? PBW_OK
+                 : PBW_ERROR_MEMORY;
+    }
+    kernel->s2 = (pbw__simplex2 *)pbw__allocate(memory, kernel->capacity, sizeof(pbw__simplex2));
+    kernel->stack = (pbw__link *)pbw__allocate(memory, 64, sizeof(pbw__link));
+    return kernel->s2 != NULL && kernel->stack != NULL && kernel->mark != NULL && kernel->cavity != NULL
+        && kernel->facet != NULL ? PBW_OK : PBW_ERROR_MEMORY;
+}
+
+/* PBW_OK, PBW_DEGENERATE or an error; the kernel is the caller's to free in every case. */
+static pbw_status pbw__build(pbw__kernel *kernel, pbw__context *context, const pbw__vertices *vertices,
+                             const pbw__grid *grid)
+{
+    pbw__sequence sequence;
+    pbw_index seed[4] = { 0, 0, 0, 0 }, vertex;
+    size_t done = 0, work, reported = 0;
+    int dim = vertices->dim;
+    pbw_status status = pbw__kernel_create(kernel, context, vertices, grid);
+    if (status == PBW_OK) {
+        status = pbw__seeds(kernel, vertices->count, dim, seed);
+    }
+    if (status != PBW_OK) {
+        return status;
+    }
+    pbw__first_star(kernel, dim, seed);
+    pbw__sequence_start(&sequence, vertices->count, dim);
+    while ((vertex = pbw__sequence_next(&sequence)) != 0) {
+        if (vertex == seed[0] || vertex == seed[1] || vertex == seed[2] || (dim == 3 && vertex == seed[3])) {
+            continue;
+        }
+        status = pbw__insert(kernel, dim, vertex);
+        if (status != PBW_OK) {
+            return status;
+        }
+        done++;
+        /* An exact test of extreme exponents may take 0.2 ms, a new simplex takes 0.1 us. */
+        work = kernel->statistics.created + kernel->statistics.walk_steps + 64 * kernel->statistics.exact_tests;
+        if (work - reported > 4096) {
+            reported = work;
+            if (pbw__report(context, (double)done / (double)vertices->count)) {
+                return PBW_CANCELLED;
+            }
+        }
+    }
+    return PBW_OK;
+}
+/* ------------------------------------------------------------------------------------------------------
+   >>output       From the kernel's records to the caller's arrays.
+   In: a finished triangulation of ranks.  Out: simplices and neighbours in canonical order, with the caller's ids;
+   the first simplex of each point.
+
+   Canonical form of a simplex: by an even permutation of the corners, the lowest rank comes first and the lowest of
+   the rest second (2D: the lowest first).  Canonical order: by the ranks of the corners, first to last.  So the
+   simplices follow the Hilbert curve, and any method that finds the triangulation can produce the same arrays.
+   ------------------------------------------------------------------------------------------------------ */
+
+PBW__INLINE pbw_index pbw__lowest(const pbw_index *v, int dim)
+{
+    pbw_index a = v[0] < v[1] ? v[0] : v[1], b = dim == 3 && v[3] < v[2] ? v[3] : v[2];
+    return a < b ? a : b;
+}
+
+/* The even permutation of the canonical form: corner k of the output is corner order[k] of the record. */
+PBW__INLINE void pbw__canonical_order(const pbw_index *v, int dim, unsigned *order)
+{
+    unsigned low = 0, k;
+    for (k = 1; k <= (unsigned)dim; k++) {
+        low = v[k] < v[low] ? k : low;
+    }
+    order[0] = low;
+    if (dim == 2) {
+        order[1] = low == 2 ? 0 : low + 1;
+        order[2] = low == 0 ? 2 : low - 1;
+    } else {
+        const unsigned char *rest = pbw__facet_corners[low];
+        unsigned second = v[rest[1]] < v[rest[0]];
+        second = v[rest[2]] < v[rest[second]] ? 2 : second;
+        order[1] = rest[second];
+        order[2] = rest[second == 2 ? 0 : second + 1];
+        order[3] = rest[second == 0 ? 2 : second - 1];
+    }
+}
+
+/* Ranks of the second and third corner of the canonical form: with the first corner they name a simplex. */
+PBW__INLINE uint64_t pbw__canonical_key(const pbw_index *v, int dim)
+{
+    unsigned order[4];
+    pbw__canonical_order(v, dim, order);
+    return (uint64_t)v[order[1]] << 32 | v[order[2]];
+}
+
+typedef struct pbw__item { uint64_t key; pbw_index simplex; } pbw__item;
+
+static void pbw__sift(pbw__item *heap, size_t root, size_t count)
+{
+    pbw__item item = heap[root];
+    size_t child;
+    while ((child = 2 * root + 1) < count) {
+        child += child + 1 < count && heap[child + 1].key > heap[child].key;
+        if (heap[child].key <= item.key) {
+            break;
+        }
+        heap[root] = heap[child];
+        root = child;
+    }
+    heap[root] = item;
+}
+
+/* Insertion sort for the usual handful, heap sort for the hub of a fan. */
+static void pbw__sort_items(pbw__item *item, size_t count)
+{
+    size_t i;
+    if (count > 48) {
+        for (i = count / 2; i-- > 0; ) {
+            pbw__sift(item, i, count);
+        }
+        for (i = count; i-- > 1; ) {
+            pbw__item last = item[i];
+            item[i] = item[0];
+            item[0] = last;
+            pbw__sift(item, 0, i);
+        }
+        return;
+    }
+    for (i = 1; i < count; i++) {
+        pbw__item moving = item[i];
+        size_t hole = i;
+        for (; hole > 0 && item[hole - 1].key > moving.key; hole--) {
+            item[hole] = item[hole - 1];
+        }
+        item[hole] = moving;
+    }
+}
+
+/* What becomes of the records: their order in the output, and each one's number there. */
+typedef struct pbw__numbering {
+    size_t simplex_count, record_count;
+    pbw_index *list;                                 /* per simplex of the output: its record */
+    pbw_index *number; /* per record: its number in the output, PBW_NONE for ghosts and free ones */
+} pbw__numbering;
+
+PBW__INLINE int pbw__is_finite(const pbw__kernel *kernel, size_t t, int dim)
+{
+    const pbw_index *v = pbw__corners(kernel, t);
+    return v[0] != PBW_NONE && v[dim] != PBW__GHOST;
+}
+
+static pbw_status pbw__number(pbw__context *context, const pbw__kernel *kernel, size_t vertex_count, int dim,
+                              int any_order, pbw__numbering *numbering)
+{
+    pbw__memory *memory = &context->memory;
+    pbw_index *start = (pbw_index *)pbw__allocate(memory, vertex_count + 2, sizeof(pbw_index));   /* by first rank */
+    pbw__item *item = NULL;
+    size_t t, v, items = 0, sum = 0;
+    pbw_status status = PBW_ERROR_MEMORY;
+
+    numbering->record_count = kernel->count;
+    numbering->number = (pbw_index *)pbw__allocate(memory, kernel->count, sizeof(pbw_index));
+    if (start == NULL || numbering->number == NULL) {
+        goto done;
+    }
+    memset(start, 0, (vertex_count + 2) * sizeof(pbw_index));
+    for (t = 0; t < kernel->count; t++) {
+        numbering->number[t] = PBW_NONE;
+        if (pbw__is_finite(kernel, t, dim)) {
+            start[pbw__lowest(pbw__corners(kernel, t), dim)]++;
+            numbering->simplex_count++;
+        }
+        if ((t & (PBW__TICK - 1)) == 0 && pbw__report(context, 0.1 * (double)t / (double)kernel->count)) {
+            goto done;
+        }
+    }
+    numbering->list = (pbw_index *)pbw__allocate(memory, numbering->simplex_count, sizeof(pbw_index));
+    if (numbering->list == NULL) {
+        goto done;
+    }
+    for (v = 0; v <= vertex_count + 1; v++) {
+        size_t here = start[v];
+        items = here > items ? here : items;
+        start[v] = (pbw_index)sum;
+        sum += here;
+    }
+    item = (pbw__item *)pbw__allocate(memory, items, sizeof(pbw__item));
+    if (item == NULL) {
+        goto done;
+    }
+    for (t = 0, sum = 0; t < kernel->count; t++) {
+        if (pbw__is_finite(kernel, t, dim)) {
+            numbering->list[any_order ? sum++ : start[pbw__lowest(pbw__corners(kernel, t), dim)]++] = (pbw_index)t;
+        }
+        if ((t & (PBW__TICK - 1)) == 0 && pbw__report(context, 0.1 + 0.1 * (double)t / (double)kernel->count)) {
+            goto done;
+        }
+    }
+    for (v = 1, t = 0; v <= vertex_count && !any_order; v++) {   /* start[v] is now the end of v's part of the list */
+        size_t count = start[v] - t, i;
+        for (i = 0; i < count; i++) {
+            item[i].simplex = numbering->list[t + i];
+            item[i].key = pbw__canonical_key(pbw__corners(kernel, item[i].simplex), dim);
+        }
+        pbw__sort_items(item, count);
+        for (i = 0; i < count; i++) {
+            numbering->list[t + i] = item[i].simplex;
+        }
+        t += count;
+        if ((v & 4095) == 0 && pbw__report(context, 0.2 + 0.3 * (double)v / (double)vertex_count)) {
+            goto done;
+        }
+    }
+    for (t = 0; t < numbering->simplex_count; t++) {
+        numbering->number[numbering->list[t]] = (pbw_index)t;
+        if ((t & (PBW__TICK - 1)) == 0
+            && pbw__report(context, 0.5 + 0.1 * (double)t / (double)numbering->simplex_count)) {
+            goto done;
+        }
+    }
+    status = PBW_OK;
+done:
+    pbw__release(memory, item, items, sizeof(pbw__item));
+    pbw__release(memory, start, vertex_count + 2, sizeof(pbw_index));
+    return context->cancelled ? PBW_CANCELLED : status;
+}
+
+/* Fills simplices and neighbors (unless NULL), and first[rank], which comes in as PBW_NONE everywhere, with the first
+   simplex of each vertex. */
+PBW__INLINE pbw_status pbw__emit_body(pbw__context *context, const pbw__kernel *kernel,
+                                      const pbw__numbering *numbering, const pbw_index *id, int dim,
+                                      pbw_index *simplices, pbw_index *neighbors, pbw_index *first)
+{
+    size_t i, corners = (size_t)dim + 1, k;
+    for (i = 0; i < numbering->simplex_count; i++) {
+        size_t t = numbering->list[i];
+        const pbw_index *v = dim == 3 ? kernel->s3[t].v : kernel->s2[t].v;
+        const pbw__link *n = dim == 3 ? kernel->s3[t].n : kernel->s2[t].n;
+        unsigned order[4];
+        pbw__canonical_order(v, dim, order);
+        for (k = 0; k < corners; k++) {
+            pbw_index rank = v[order[k]];
+            simplices[i * corners + k] = id[rank];
+            first[rank] = first[rank] < (pbw_index)i ? first[rank] : (pbw_index)i;
+            if (neighbors != NULL) {
+                neighbors[i * corners + k] = numbering->number[n[order[k]] >> 2];
+            }
+        }
+        if ((i & (PBW__TICK - 1)) == 0
+            && pbw__report(context, 0.6 + 0.4 * (double)i / (double)numbering->simplex_count)) {
+            return PBW_CANCELLED;
+        }
+    }
+    return PBW_OK;
+}
+
+static pbw_status pbw__emit(pbw__context *context, const pbw__kernel *kernel, const pbw__numbering *numbering,
+                            const pbw_index *id, int dim, pbw_index *simplices, pbw_index *neighbors,
+                            pbw_index *first)
+{
+    return dim == 3 ? pbw__emit_body(context, kernel, numbering, id, 3, simplices, neighbors, first)
+                    : pbw__emit_body(context, kernel, numbering, id, 2, simplices, neighbors, first);
+}
+/* ------------------------------------------------------------------------------------------------------
+   >>check        The exact verdict on a finished mesh.
+   In: the public arrays of a mesh.  Out: a report; the first fault has a name and a place.
+   Shared with the construction: the exact signs, the allocator, and the keys of the Hilbert curve and their sort,
+   with which points are listed that no simplex has.  Expected linear time: three passes over points and simplices,
+   and walks to hidden points in the order of the curve.  Memory: dim+1 doubles a point, 16 bytes a hidden point.
+
+   What is tested, and why it is enough.  Write d for the dimension.
+
+   Simplices, facets.  Each simplex is positively oriented.  Each facet has no neighbour, then it is a hull facet;
+   or two simplices share it, each names the other once, and their far corners are on opposite sides: that is a
+   parity, as both are positive.  For a point x on no facet let N(x) be the number of simplices that hold x.  On
+   the way through a shared facet one simplex is left and one is entered; so N changes at hull facets only, by one
+   for each.
+
+   Hull, cover.  Let o be the point a + e(b-a) + e^2(c-a) + ..., e infinitesimal, in simplex 0 = a b c ...: it is
+   strictly inside, and in no fixed hyperplane at all.  Tested: each hull facet has o strictly on its inner side,
+   and N(o) = 1.  A generic ray from o leaves one simplex for nothing at each hull facet that it meets: there N
+   falls by one.  It never rises, and is 0 at last; so the ray meets exactly N(o) = 1 hull facets.  Hence the hull
+   facets bound a body K that is star-shaped about o, and N is 1 in K and 0 outside: the simplices tile K, once.
+
+   Convexity.  Two hull facets that follow each other around a ridge, found by turning about it through the
+   simplices, induce opposite orientations on it and both have o inside; so, seen from o, they leave it to
+   different sides: no facet folds back onto its neighbour, not even in its plane.  Tested: the far corner of one
+   is not strictly outside the other.  Cut K by the plane through o and two of its points x, y in general
+   position: the section is a polygon, star-shaped about o; its corners lie on ridges only and have angles of at
+   most pi.  So it is convex and holds the segment xy; by continuity, K is convex.  (Mehlhorn et al. 1999,
+   "Checking geometric programs or verification of geometric structures", test polytopes in this way.  The
+   simplices inside spare us the theorems on immersed locally convex surfaces, van Heijenoort 1952.)  Euler's
+   relation is a consequence, and so is that no two vertices are at one place: the star of either would cover the
+   part of K around it.
+
+   Regularity.  Let F be the function on K that is affine on each simplex and equals the lift |p|^2 - w at the
+   vertices, the lifts perturbed (finitely many signs are concerned, so one small positive perturbation serves
+   all).  Tested: across each shared facet the far corner lies strictly above the hyperplane of the lifted
+   simplex.  So F is convex along each segment that avoids the faces of dimension d-2, by continuity it is convex,
+   and it bends strictly at each facet: it is the lower hull of the lifted vertices, and the simplices are the
+   regular triangulation of the vertices (Edelsbrunner and Shah 1996, "Incremental topological flipping works for
+   regular triangulations").
+
+   Other points.  A duplicate has the place of its canonical point and no better right to be it.  Any other point
+   that is no vertex must lie in K and have its lift above F, else it would be a vertex.  F is continuous, so any
+   one simplex that has the point inside or on its boundary decides, be it on a shared facet or on the hull.  The
+   walk there crosses facets between the simplex and the point only, and in a regular triangulation such a walk
+   never comes back (Edelsbrunner 1990, "An acyclicity theorem for cell complexes in d dimensions"), so it ends.
+   These points are pairwise at different places: those of equal hash are compared; and at no vertex: they are
+   compared with the corners of their simplex.
+   ------------------------------------------------------------------------------------------------------ */
+typedef struct pbw__check {
+    const pbw_mesh *mesh;
+    pbw_report *report;
+    pbw__context *context;
+    double *record;                                  /* of all points: coordinates, weight */
+    pbw__grid grid;
+    const double *basis[4];                          /* corners of simplex 0; degenerate: independent points */
+    int dim, rank;                                   /* points in the basis */
+    size_t cover_count;                              /* simplices that hold o */
+    size_t duplicate_count, other_count, listed;     /* others are canonical, but no vertices */
+    uint64_t *by_hash, *other;                       /* each other point, as sort key << 32 | point */
+    pbw__box box;                                    /* of the others */
+    pbw_index hint;                                  /* where the last walk ended */
+    pbw_status status;
+} pbw__check;
+
+typedef int pbw__check_range(pbw__check *check, size_t from, size_t to);     /* 0 = a fault was found */
+
+static int pbw__fault(pbw__check *check, const char *what, size_t simplex, int facet, size_t point)
+{
+    check->report->what = what;
+    check->report->simplex = (pbw_index)simplex;
+    check->report->facet = (pbw_index)facet;
+    check->report->point = (pbw_index)point;
+    return 0;
+}
+
+/* Runs a pass in pieces short enough for progress; 0 = stop: a fault, or cancelled. */
+static int pbw__check_pass(pbw__check *check, pbw__check_range *range, size_t count, double begin, double end)
+{
+    size_t from, to;
+    for (from = 0; from < count; from = to) {
+        to = count - from < 1024 ? count : from + 1024;
+        if (pbw__report(check->context, begin + (end - begin) * (double)from / (double)count)
+            || !range(check, from, to)) {
+            return 0;
+        }
+    }
+    return 1;
+}
+
+/* The dimension is an argument of what is called for each simplex, so that the compiler can count on it. */
+PBW__INLINE const double *pbw__check_record(const pbw__check *check, int dim, size_t point)
+{
+    return check->record + point * (size_t)(dim + 1);
+}
+
+PBW__INLINE void pbw__check_corners(const pbw__check *check, int dim, size_t simplex, const double **x)
+{
+    int i;
+    for (i = 0; i <= dim; i++) {
+        x[i] = pbw__check_record(check, dim, check->mesh->simplices[simplex * (size_t)(dim + 1) + (size_t)i]);
+    }
+}
+
+PBW__INLINE int pbw__check_orient(const pbw__check *check, int dim, const double *const *x)
+{
+    return dim == 2 ? pbw__orient2(x[0], x[1], x[2], &check->grid)
+                    : pbw__orient3(x[0], x[1], x[2], x[3], &check->grid);
+}
+
+/* The same with p in place of corner i. */
+static int pbw__check_side(const pbw__check *check, const double **x, int i, const double *p)
+{
+    const double *corner = x[i];
+    int sign;
+    x[i] = p;
+    sign = pbw__check_orient(check, check->dim, x);
+    x[i] = corner;
+    return sign;
+}
+
+PBW__INLINE int pbw__check_conflict(const pbw__check *check, int dim, const double *const *x, const double *p)
+{
+    return dim == 2 ? pbw__conflict2(x[0], x[1], x[2], p, &check->grid)
+                    : pbw__conflict3(x[0], x[1], x[2], x[3], p, &check->grid);
+}
+
+/* Is o on the inner side of a facet of the simplex x?  The orientation with o is affine in o, so its sign is that of
+   the first nonzero one among those with a, b, c, ... */
+static int pbw__check_faces_inside(const pbw__check *check, const double **x, int facet)
+{
+    int sign = 0, i;
+    for (i = 0; i <= check->dim && sign == 0; i++) {
+        sign = pbw__check_side(check, x, facet, check->basis[i]);
+    }
+    return sign > 0;
+}
+
+/* Does the simplex x hold o?  o is infinitely close to a, which must be in the closed box. */
+PBW__INLINE int pbw__check_covers(const pbw__check *check, int dim, const double **x)
+{
+    const double *a = check->basis[0];
+    int i, k, covers = 1;
+    for (k = 0; k < dim; k++) {
+        int below = 0, above = 0;
+        for (i = 0; i <= dim; i++) {
+            below |= x[i][k] <= a[k];
+            above |= x[i][k] >= a[k];
+        }
+        if (!(below && above)) {
+            return 0;
+        }
+    }
+    for (i = 0; i <= dim && covers; i++) {
+        covers = pbw__check_faces_inside(check, x, i);
+    }
+    return covers;
+}
+
+static int pbw__check_points(pbw__check *check, size_t from, size_t to)
+{
+    const pbw_mesh *mesh = check->mesh;
+    const double *w = mesh->weights;
+    size_t p, dim = (size_t)check->dim;
+    for (p = from; p < to; p++) {
+        double *x = check->record + p * (dim + 1);
+        size_t kept = mesh->canonical[p], first = mesh->incident[p], k;
+        for (k = 0; k <= dim; k++) {
+            x[k] = (k < dim ? mesh->points[p * dim + k] : w != NULL ? w[p] : 0.0) + 0.0;
+            if (!(x[k] - x[k] == 0.0)) {
+                return pbw__fault(check, "a coordinate or weight is not finite", PBW_NONE, -1, p);
+            }
+        }
+        if (kept >= mesh->point_count || mesh->canonical[kept] != kept) {
+            return pbw__fault(check, "the canonical point is none", PBW_NONE, -1, p);
+        }
+        if (kept != p) {
+            if (!pbw__same_place(mesh->points + dim * p, mesh->points + dim * kept, check->dim)) {
+                return pbw__fault(check, "a duplicate is not where its canonical point is", PBW_NONE, -1, p);
+            }
+            if (w != NULL && w[p] != w[kept] ? w[p] > w[kept] : p < kept) {
+                return pbw__fault(check, "a duplicate has the better right to be canonical", PBW_NONE, -1, p);
+            }
+            if (first != PBW_NONE) {
+                return pbw__fault(check, "a duplicate is a vertex", first, -1, p);
+            }
+            check->duplicate_count++;
+        } else if (first != PBW_NONE) {
+            for (k = 0; k <= dim && first < mesh->simplex_count; k++) {
+                if (mesh->simplices[first * (dim + 1) + k] == p) {
+                    break;
+                }
+            }
+            if (k > dim || first >= mesh->simplex_count) {
+                return pbw__fault(check, "the incident simplex of a vertex does not have it", first, -1, p);
+            }
+            check->report->vertex_count++;
+        } else {
+            check->other_count++;
+        }
+    }
+    return 1;
+}
+
+/* Have v without corner i and u without corner j the same vertices, and does v with u[j] for v[i] become u by an odd
+   permutation?  Then u[j] and v[i] are on opposite sides of the facet, given that v and u are positively oriented.
+   The parity is that of the facet's vertices, and of the ways of i and j to the end. */
+PBW__INLINE int pbw__check_facets_match(const pbw_index *v, int i, const pbw_index *u, int j, int dim)
+{
+    int place[3], found = 0, odd = (i + j) & 1, k, m;
+    for (k = 0; k < dim; k++) {
+        pbw_index vertex = v[k + (k >= i)];
+        place[k] = 0;
+        for (m = 0; m <= dim; m++) {
+            int here = u[m] == vertex && m != j;
+            place[k] += here ? m : 0;
+            found += here;
+        }
+        for (m = 0; m < k; m++) {
+            odd ^= place[m] > place[k];
+        }
+    }
+    return odd && found == dim;
+}
+
+/* One facet of simplex s, whose corners are known to be right; each facet between two simplices is compared and
+   tested once, from the higher of the two. */
+PBW__INLINE int pbw__check_facet(pbw__check *check, int dim, size_t s, int i, const pbw_index *v, const double **x)
+{
+    const pbw_mesh *mesh = check->mesh;
+    const size_t corners = (size_t)dim + 1;
+    const pbw_index t = mesh->neighbors[s * corners + (size_t)i], *u, *back;
+    int links = 0, j = 0, m;
+    if (t == PBW_NONE) {
+        check->report->hull_facet_count++;
+        check->report->facet_count++;
+        return pbw__check_faces_inside(check, x, i)
+            || pbw__fault(check, "a hull facet faces inward", s, i, PBW_NONE);
+    }
+    if (t >= mesh->simplex_count || t == s) {
+        return pbw__fault(check, "a neighbor is no other simplex", s, i, PBW_NONE);
+    }
+    u = mesh->simplices + t * corners;
+    back = mesh->neighbors + t * corners;
+    for (m = 0; m <= dim; m++) {
+        links += back[m] == s;
+        j = back[m] == s ? m : j;
+    }
+    if (links != 1) {
+        return pbw__fault(check, "a neighbor does not name the simplex once", s, i, PBW_NONE);
+    }
+    if (t > s) {
+        return 1;
+    }
+    check->report->facet_count++;
+    if (!pbw__check_facets_match(v, i, u, j, dim)) {
+        return pbw__fault(check, "neighbors do not share the facet from opposite sides", s, i, PBW_NONE);
+    }
+    if (pbw__check_conflict(check, dim, x, pbw__check_record(check, dim, u[j]))) {
+        return pbw__fault(check, "the corner across a facet is in conflict", s, i, u[j]);
+    }
+    return 1;
+}
+
+PBW__INLINE int pbw__check_simplex(pbw__check *check, int dim, size_t s)
+{
+    const pbw_mesh *mesh = check->mesh;
+    const pbw_index *v = mesh->simplices + s * (size_t)(dim + 1);
+    const double *x[4];
+    int i, sound = 1;
+    for (i = 0; i <= dim; i++) {
+        if (v[i] >= mesh->point_count) {
+            return pbw__fault(check, "a corner is no point", s, -1, v[i]);
+        }
+        if (mesh->incident[v[i]] > s) {              /* PBW_NONE is; that it has v[i] is known */
+            return pbw__fault(check, "the incident simplex of a corner is not the first that has it", s, -1, v[i]);
+        }
+    }
+    pbw__check_corners(check, dim, s, x);
+    i = pbw__check_orient(check, dim, x);
+    if (i <= 0) {
+        return pbw__fault(check, i < 0 ? "a simplex is negatively oriented" : "a simplex is flat", s, -1, PBW_NONE);
+    }
+    if (pbw__check_covers(check, dim, x) && ++check->cover_count > 1) {
+        return pbw__fault(check, "two simplices overlap, the first of the mesh and this", s, -1, PBW_NONE);
+    }
+    for (i = 0; i <= dim && sound; i++) {
+        sound = pbw__check_facet(check, dim, s, i, v, x);
+    }
+    return sound;
+}
+
+static int pbw__check_simplices(pbw__check *check, size_t from, size_t to)
+{
+    int sound = 1;
+    for (; from < to && sound; from++) {
+        sound = check->dim == 2 ? pbw__check_simplex(check, 2, from) : pbw__check_simplex(check, 3, from);
+    }
+    return sound;
+}
+
+/* Around each ridge of a hull facet: from simplex to simplex, `in` across from the facet by which the ridge's next
+   simplex was entered, `out` across from the one by which it is left.  Each simplex around a ridge has one
+   predecessor and one successor there, so the way from a hull facet cannot close: it ends at another. */
+static int pbw__check_hull(pbw__check *check, size_t from, size_t to)
+{
+    const pbw_mesh *mesh = check->mesh;
+    const pbw_index *v = mesh->simplices, *n = mesh->neighbors;
+    size_t corners = (size_t)check->dim + 1, s, i, k;
+    for (s = from; s < to; s++) {
+        for (i = 0; i < corners; i++) {
+            for (k = 0; k < corners && n[s * corners + i] == PBW_NONE; k++) {
+                size_t t = s, in = i, out = k, far;
+                const double *x[4];
+                if (k == i) {
+                    continue;
+                }
+                while (n[t * corners + out] != PBW_NONE) {
+                    size_t next = n[t * corners + out], entry = 0, exit = 0;
+                    while (n[next * corners + entry] != t) {
+                        entry++;
+                    }
+                    while (v[next * corners + exit] != v[t * corners + in]) {
+                        exit++;
+                    }
+                    t = next;
+                    in = entry;
+                    out = exit;
+                }
+                if (t < s) {
+                    continue;                        /* seen from the other side */
+                }
+                far = v[t * corners + in];
+                pbw__check_corners(check, check->dim, s, x);
+                if (pbw__check_side(check, x, (int)i, pbw__check_record(check, check->dim, far)) < 0) {
+                    return pbw__fault(check, "the hull is not convex", s, (int)i, far);
+                }
+            }
+        }
+    }
+    return 1;
+}
+
+/* Visibility walk to each of the other points. */
+static int pbw__check_hidden(pbw__check *check, size_t from, size_t to)
+{
+    const int dim = check->dim;
+    for (; from < to; from++) {
+        size_t point = (uint32_t)check->other[from];
+        const double *p = pbw__check_record(check, dim, point), *x[4];
+        pbw_index here = check->hint, last = here;
+        int i = 0;
+        while (i <= dim) {
+            const pbw_index *next = check->mesh->neighbors + here * (size_t)(dim + 1);
+            pbw__check_corners(check, dim, here, x);
+            for (i = 0; i <= dim && (next[i] == last || pbw__check_side(check, x, i, p) >= 0); i++) {
+                continue;
+            }
+            if (i <= dim) {
+                if (next[i] == PBW_NONE) {
+                    return pbw__fault(check, "a point outside the hull is no vertex", here, i, point);
+                }
+                last = here;
+                here = next[i];
+            }
+        }
+        check->hint = here;
+        for (i = 0; i <= dim; i++) {
+            if (pbw__same_place(p, x[i], dim)) {
+                return pbw__fault(check, "a point at a vertex is no duplicate of it", here, -1, point);
+            }
+        }
+        if (pbw__check_conflict(check, dim, x, p)) {
+            return pbw__fault(check, "a point that is no vertex is not hidden", here, -1, point);
+        }
+    }
+    return 1;
+}
+
+/* No simplices: all points lie in the hyperplane of the first that are independent, if there are dim of them. */
+static int pbw__check_flat(pbw__check *check, size_t from, size_t to)
+{
+    const double **a = check->basis;
+    size_t p;
+    for (p = from; p < to; p++) {
+        const double *x = pbw__check_record(check, check->dim, p);
+        if (check->rank == check->dim) {
+            a[check->dim] = x;
+            if (pbw__check_orient(check, check->dim, a) != 0) {
+                return pbw__fault(check, "the points span a simplex but there is none", PBW_NONE, -1, p);
+            }
+        } else if (check->rank == 0 || (check->rank == 1 && !pbw__same_place(a[0], x, check->dim))
+                   || (check->rank == 2 && !pbw__collinear3(a[0], a[1], x, &check->grid))) {
+            a[check->rank++] = x;
+        }
+    }
+    return 1;
+}
+
+/* Mixes 64 bits: the bijection of splitmix64 (Steele, Lea and Flood 2014, "Fast splittable pseudorandom number
+   generators"). */
+PBW__INLINE uint64_t pbw__mix(uint64_t x)
+{
+    x = (x ^ (x >> 30)) * UINT64_C(0xbf58476d1ce4e5b9);
+    x = (x ^ (x >> 27)) * UINT64_C(0x94d049bb133111eb);
+    return x ^ (x >> 31);
+}
+
+/* Hash of count doubles, going on from another; equal for -0.0 and 0.0 in every floating-point mode. */
+PBW__INLINE uint64_t pbw__hash_doubles(uint64_t hash, const double *x, int count)
+{
+    int k;
+    for (k = 0; k < count; k++) {
+        uint64_t bits;
+        memcpy(&bits, x + k, sizeof(bits));
+        hash = pbw__mix(hash + UINT64_C(0x9e3779b97f4a7c15) + (bits << 1 == 0 ? 0 : bits));
+    }
+    return hash;
+}
+
+/* Lists the points that are neither duplicates nor vertices, by the hash of their place. */
+static int pbw__check_gather(pbw__check *check, size_t from, size_t to)
+{
+    size_t p;
+    for (p = from; p < to; p++) {
+        if (check->mesh->canonical[p] == p && check->mesh->incident[p] == PBW_NONE) {
+            const double *x = pbw__check_record(check, check->dim, p);
+            uint64_t hash = pbw__hash_doubles(0, x, check->dim);
+            check->by_hash[check->listed++] = (hash & ~(uint64_t)UINT32_MAX) | (uint64_t)p;
+            pbw__box_add(&check->box, x, check->dim);
+        }
+    }
+    return 1;
+}
+
+/* Points of equal hash must be at different places; then lists the points by the keys of the Hilbert curve. */
+static int pbw__check_apart(pbw__check *check, size_t from, size_t to)
+{
+    const uint64_t *key = check->by_hash;
+    size_t k, m;
+    for (k = from; k < to; k++) {
+        const double *x = pbw__check_record(check, check->dim, (uint32_t)key[k]);
+        for (m = k + 1; m < check->listed && key[m] >> 32 == key[k] >> 32; m++) {
+            uint32_t p = (uint32_t)key[m];
+            if (pbw__same_place(x, pbw__check_record(check, check->dim, p), check->dim)) {
+                return pbw__fault(check, "two points at one place are no duplicates", PBW_NONE, -1, p);
+            }
+        }
+        check->other[k] = pbw__hilbert_key(&check->box, x, check->dim) << 32 | (uint32_t)key[k];
+    }
+    return 1;
+}
+
+/* 0 = stop: a fault, cancelled, or out of memory. */
+static int pbw__check_others(pbw__check *check)
+{
+    pbw__memory *memory = &check->context->memory;
+    size_t count = check->other_count;
+    uint64_t *keys = (uint64_t *)pbw__allocate(memory, count, sizeof(uint64_t));
+    uint64_t *spare = (uint64_t *)pbw__allocate(memory, count, sizeof(uint64_t));
+    int bits = check->dim == 2 ? 16 : 10, going = 0;
+    if (keys == NULL || spare == NULL) {
+        check->status = PBW_ERROR_MEMORY;
+    } else {
+        pbw__box_reset(&check->box, bits);
+        check->by_hash = keys;
+        going = pbw__check_pass(check, pbw__check_gather, check->mesh->point_count, 0.9, 0.92)
+            && (check->by_hash = pbw__sort_keys(check->context, keys, spare, count, 32, 32)) != NULL;
+        if (going) {
+            pbw__box_close(&check->box, check->dim);
+            check->box.extent = check->box.extent > 0.0 ? check->box.extent : 1.0;
+            check->other = check->by_hash == keys ? spare : keys;
+            going = pbw__check_pass(check, pbw__check_apart, count, 0.92, 0.94);
+        }
+        if (going && check->mesh->simplex_count > 0) {
+            check->other = pbw__sort_keys(check->context, check->other, check->by_hash, count, 32, bits * check->dim);
+            going = check->other != NULL && pbw__check_pass(check, pbw__check_hidden, count, 0.94, 1.0);
+        }
+    }
+    pbw__release(memory, keys, count, sizeof(uint64_t));
+    pbw__release(memory, spare, count, sizeof(uint64_t));
+    return going;
+}
+
+static int pbw__check_all(pbw__check *check)
+{
+    const pbw_mesh *mesh = check->mesh;
+    size_t points = mesh->point_count, simplices = mesh->simplex_count;
+    int i;
+    if (!pbw__check_pass(check, pbw__check_points, points, 0.0, 0.1)) {
+        return 0;
+    }
+    if (check->duplicate_count != mesh->duplicate_count) {
+        return pbw__fault(check, "duplicate_count is wrong", PBW_NONE, -1, PBW_NONE);
+    }
+    if (mesh->hidden_count != (simplices > 0 ? check->other_count : 0)) {
+        return pbw__fault(check, "hidden_count is wrong", PBW_NONE, -1, PBW_NONE);
+    }
+    pbw__grid_scan(check->record, points, check->dim, &check->grid);
+    if (simplices == 0) {
+        return pbw__check_pass(check, pbw__check_flat, points, 0.1, 0.9) && pbw__check_others(check);
+    }
+    for (i = 0; i <= check->dim; i++) {
+        check->basis[i] = pbw__check_record(check, check->dim, mesh->simplices[i] < points ? mesh->simplices[i] : 0);
+    }
+    return pbw__check_pass(check, pbw__check_simplices, simplices, 0.1, 0.85)
+        && pbw__check_pass(check, pbw__check_hull, simplices, 0.85, 0.9)
+        && (check->other_count == 0 || pbw__check_others(check));
+}
+
+PBWDEF pbw_status pbw_check(const pbw_mesh *mesh, const pbw_options *options, pbw_report *report)
+{
+    pbw__context context;
+    pbw__check check;
+    pbw__fp fp;
+    size_t doubles;
+    if (report == NULL) {
+        return PBW_ERROR_ARGUMENT;
+    }
+    memset(report, 0, sizeof(*report));
+    report->what = "";
+    report->simplex = report->facet = report->point = PBW_NONE;
+    if (mesh == NULL || (mesh->dim != 2 && mesh->dim != 3)
+        || (mesh->point_count > 0 && (mesh->points == NULL || mesh->incident == NULL || mesh->canonical == NULL))
+        || (mesh->simplex_count > 0 && (mesh->simplices == NULL || mesh->neighbors == NULL))) {
+        return PBW_ERROR_ARGUMENT;
+    }
+    if (mesh->point_count >= PBW_NONE || mesh->simplex_count >= PBW_NONE) {
+        return PBW_ERROR_TOO_LARGE;
+    }
+    memset(&context, 0, sizeof(context));
+    memset(&check, 0, sizeof(check));
+    context.memory.resize = pbw__default_resize;
+    if (options != NULL) {
+        if (options->resize != NULL) {
+            context.memory.resize = options->resize;
+            context.memory.user = options->resize_user;
+        }
+        context.memory.limit = options->memory_limit;
+        context.progress = options->progress;
+        context.progress_user = options->progress_user;
+    }
+    check.mesh = mesh;
+    check.report = report;
+    check.context = &context;
+    check.dim = mesh->dim;
+
+    fp = pbw__fp_enter();
+    doubles = mesh->point_count * (size_t)(mesh->dim + 1);
+    check.record = (double *)pbw__allocate(&context.memory, doubles, sizeof(double));
+    if (!pbw__fp_is_exact()) {
+        check.status = PBW_ERROR_FP_MODE;
+    } else if (check.record == NULL) {
+        check.status = PBW_ERROR_MEMORY;
+    } else {
+        pbw__enter_stage(&context, PBW_STAGE_CHECK);
+        report->valid = pbw__check_all(&check) && !pbw__report(&context, 1.0);
+    }
+    pbw__release(&context.memory, check.record, doubles, sizeof(double));
+    pbw__fp_leave(fp);
+    return context.cancelled ? PBW_CANCELLED : check.status;
+}
+/* ------------------------------------------------------------------------------------------------------
+   >>hash         One number for a triangulation.
+   In: a mesh.  Out: 64 bits that depend on the set of its simplices, each a set of points, on the set of its
+   points that are no duplicates, hidden ones included, and on the dimension; a point is its coordinates and its
+   weight, 0 where there are no weights.  So all weights 0 and no weights give one number.  Sums make it
+   independent of order; the mixing before each sum makes equal sums of different sets a matter of chance.
+   ------------------------------------------------------------------------------------------------------ */
+static uint64_t pbw__hash_point(const pbw_mesh *mesh, size_t p)
+{
+    static const double none = 0.0;
+    uint64_t place = pbw__hash_doubles((uint64_t)mesh->dim, mesh->points + p * (size_t)mesh->dim, mesh->dim);
+    return pbw__hash_doubles(place, mesh->weights != NULL ? mesh->weights + p : &none, 1);
+}
+
+PBWDEF uint64_t pbw_hash(const pbw_mesh *mesh)
+{
+    uint64_t points = 0, simplices = 0;
+    size_t p, s, corners;
+    if (mesh == NULL || mesh->point_count == 0) {
+        return 0;
+    }
+    corners = (size_t)mesh->dim + 1;
+    for (p = 0; p < mesh->point_count; p++) {
+        if (mesh->canonical[p] == p) {
+            points += pbw__hash_point(mesh, p);      /* mixed well enough to be summed */
+        }
+    }
+    for (s = 0; s < mesh->simplex_count; s++) {
+        uint64_t sum = 0;
+        for (p = 0; p < corners; p++) {
+            sum += pbw__hash_point(mesh, mesh->simplices[s * corners + p]);
+        }
+        simplices += pbw__mix(sum);
+    }
+    return pbw__mix(points + pbw__mix(simplices));
+}
+/* ------------------------------------------------------------------------------------------------------
+   >>api          The front door: argument checks, defaults, the stages in order, status texts.
+   ------------------------------------------------------------------------------------------------------ */
+/* What a mesh holds; lives behind mesh->memory. */
+typedef struct pbw__owned {
+    pbw__memory memory;
+    size_t simplices, neighbors, incident, canonical, points, weights;      /* items in each array */
+} pbw__owned;
+
+PBWDEF const char *pbw_status_string(pbw_status status)
+{
+    switch (status) {
+    case PBW_OK: return "success";
+    case PBW_DEGENERATE: return "the points do not span the space: there are no simplices";
+    case PBW_CANCELLED: return "cancelled by the progress callback";
+    case PBW_ERROR_ARGUMENT: return "bad argument: NULL, dimension, stride, thread count or flag";
+    case PBW_ERROR_NOT_FINITE: return "a coordinate or weight is not a finite number";
+    case PBW_ERROR_TOO_LARGE: return "too many points or simplices for the index type";
+    case PBW_ERROR_MEMORY: return "out of memory, or over the memory limit";
+    case PBW_ERROR_THREAD: return "no thread could be started";
+    case PBW_ERROR_FP_MODE: return "floating-point arithmetic is not IEEE 754 double, rounded to nearest";
+    case PBW_ERROR_BACKEND: return "the backend failed or does not fit this version";
+    }
+    return "unknown status";
+}
+
+PBWDEF int pbw_version(void)
+{
+    return PBW_VERSION;
+}
+
+static void pbw__memory_start(pbw__memory *memory, const pbw_options *options)
+{
+    memset(memory, 0, sizeof(*memory));
+    memory->resize = options->resize != NULL ? options->resize : pbw__default_resize;
+    memory->user = options->resize_user;
+    memory->limit = options->memory_limit;
+}
+
+PBWDEF void pbw_free(pbw_mesh *mesh)
+{
+    if (mesh != NULL && mesh->memory != NULL) {
+        pbw__owned *owned = (pbw__owned *)mesh->memory;
+        pbw__memory memory = owned->memory;
+        pbw__release(&memory, (void *)(uintptr_t)mesh->simplices, owned->simplices, sizeof(pbw_index));
+        pbw__release(&memory, (void *)(uintptr_t)mesh->neighbors, owned->neighbors, sizeof(pbw_index));
+        pbw__release(&memory, (void *)(uintptr_t)mesh->incident, owned->incident, sizeof(pbw_index));
+        pbw__release(&memory, (void *)(uintptr_t)mesh->canonical, owned->canonical, sizeof(pbw_index));
+        pbw__release(&memory, (void *)(uintptr_t)mesh->points, owned->points, sizeof(double));
+        pbw__release(&memory, (void *)(uintptr_t)mesh->weights, owned->weights, sizeof(double));
+        pbw__release(&memory, owned, 1, sizeof(pbw__owned));
+    }
+    if (mesh != NULL) {
+        memset(mesh, 0, sizeof(*mesh));
+    }
+}
+
+/* The mesh's copy of the input, in the caller's order. */
+static pbw_status pbw__keep_points(pbw__context *context, const pbw__input *input, pbw__owned *owned, pbw_mesh *mesh)
+{
+    size_t count = input->count, i;
+    int dim = input->dim, k;
+    double *points = (double *)pbw__allocate(&context->memory, count * (size_t)dim, sizeof(double)), *weights = NULL;
+    mesh->points = points;
+    owned->points = count * (size_t)dim;
+    if (input->weights != NULL) {
+        mesh->weights = weights = (double *)pbw__allocate(&context->memory, count, sizeof(double));
+        owned->weights = count;
+    }
+    if (points == NULL || (input->weights != NULL && weights == NULL)) {
+        return PBW_ERROR_MEMORY;
+    }
+    for (i = 0; i < count; i++) {
+        double record[4];
+        pbw__fetch(input, i, record);
+        for (k = 0; k < dim; k++) {
+            points[i * (size_t)dim + (size_t)k] = record[k];
+        }
+        if (weights != NULL) {
+            weights[i] = record[dim];
+        }
+        if ((i & (PBW__TICK - 1)) == 0 && pbw__report(context, 0.95)) {
+            return PBW_CANCELLED;
+        }
+    }
+    return PBW_OK;
+}
+
+/* The kernel's triangulation as the mesh's arrays; mesh->incident comes in as PBW_NONE everywhere. */
+static pbw_status pbw__output(pbw__context *context, pbw__kernel *kernel, pbw__vertices *vertices, unsigned flags,
+                              pbw__owned *owned, pbw_mesh *mesh)
+{
+    pbw__memory *memory = &context->memory;
+    pbw__numbering numbering;
+    pbw_index *simplices, *neighbors = NULL, *incident = (pbw_index *)(uintptr_t)mesh->incident, *first = NULL;
+    int dim = vertices->dim;
+    size_t corners = (size_t)dim + 1, v, visible = 0;
+    pbw_status status;
+
+    memset(&numbering, 0, sizeof(numbering));
+    status = pbw__number(context, kernel, vertices->count, dim, (flags & PBW_ANY_ORDER) != 0, &numbering);
+    if (status == PBW_OK) {
+        owned->simplices = numbering.simplex_count * corners;
+        mesh->simplices = simplices = (pbw_index *)pbw__allocate(memory, owned->simplices, sizeof(pbw_index));
+        if ((flags & PBW_NO_NEIGHBORS) == 0) {
+            owned->neighbors = owned->simplices;
+            mesh->neighbors = neighbors = (pbw_index *)pbw__allocate(memory, owned->neighbors, sizeof(pbw_index));
+        }
+        first = (pbw_index *)pbw__allocate(memory, vertices->count + 1, sizeof(pbw_index));
+        if (simplices == NULL || first == NULL || (neighbors == NULL && owned->neighbors != 0)) {
+            status = PBW_ERROR_MEMORY;
+        } else {
+            memset(first, 0xff, (vertices->count + 1) * sizeof(pbw_index));          /* PBW_NONE */
+            status = pbw__emit(context, kernel, &numbering, vertices->id, dim, simplices, neighbors, first);
+        }
+        for (v = 1; v <= vertices->count && status == PBW_OK; v++) {
+            incident[vertices->id[v]] = first[v];
+            visible += first[v] != PBW_NONE;
+        }
+        mesh->simplex_count = numbering.simplex_count;
+        mesh->hidden_count = vertices->count - visible;
+    }
+    pbw__release(memory, first, vertices->count + 1, sizeof(pbw_index));
+    pbw__release(memory, numbering.list, numbering.simplex_count, sizeof(pbw_index));
+    pbw__release(memory, numbering.number, numbering.record_count, sizeof(pbw_index));
+    return status;
+}
+
+/* Notes the time that a stage took; of a good one, reports the end. */
+static pbw_status pbw__leave_stage(pbw__context *context, pbw_status status, double *start, double *seconds)
+{
+    double now = pbw__seconds();
+    *seconds = now - *start;
+    *start = now;
+    return (status == PBW_OK || status == PBW_DEGENERATE) && pbw__report(context, 1.0) ? PBW_CANCELLED : status;
+}
+
+static pbw_status pbw__run(pbw__context *context, const pbw__input *input, unsigned flags, pbw_mesh *mesh)
+{
+    pbw__memory *memory = &context->memory;
+    pbw__owned *owned = (pbw__owned *)pbw__allocate(memory, 1, sizeof(pbw__owned));
+    pbw__vertices vertices;
+    pbw__kernel kernel;
+    pbw__grid grid;
+    double start = pbw__seconds();
+    pbw_status status;
+    size_t i;
+
+    if (owned == NULL) {
+        return PBW_ERROR_MEMORY;
+    }
+    memset(owned, 0, sizeof(*owned));
+    memset(&vertices, 0, sizeof(vertices));
+    memset(&kernel, 0, sizeof(kernel));
+    kernel.context = context;
+    mesh->memory = owned;
+    mesh->dim = input->dim;
+    mesh->point_count = input->count;
+    if (input->count == 0) {
+        owned->memory = *memory;
+        return PBW_DEGENERATE;
+    }
+    status = pbw__enter_stage(context, PBW_STAGE_ORDER) ? PBW_CANCELLED : pbw__order(context, input, &vertices);
+    if (status == PBW_OK) {
+        mesh->duplicate_count = vertices.duplicate_count;
+        status = pbw__leave_stage(context, status, &start, &mesh->statistics.order_seconds);
+    }
+    if (status == PBW_OK) {
+        pbw__grid_scan(vertices.record + input->dim + 1, vertices.count, input->dim, &grid);
+        status = pbw__enter_stage(context, PBW_STAGE_BUILD) ? PBW_CANCELLED
+               : pbw__build(&kernel, context, &vertices, &grid);
+        status = pbw__leave_stage(context, status, &start, &mesh->statistics.build_seconds);
+        pbw__release(memory, vertices.record, (vertices.point_count + 1) * ((size_t)input->dim + 1), sizeof(double));
+        vertices.record = NULL;                      /* the output needs ranks only */
+    }
+    if (status == PBW_OK || status == PBW_DEGENERATE) {
+        pbw_index *incident = (pbw_index *)pbw__allocate(memory, input->count, sizeof(pbw_index));
+        mesh->incident = incident;
+        owned->incident = input->count;
+        for (i = 0; i < input->count && incident != NULL; i++) {
+            incident[i] = PBW_NONE;
+        }
+        if (incident == NULL) {
+            status = PBW_ERROR_MEMORY;
+        } else if (pbw__enter_stage(context, PBW_STAGE_OUTPUT)) {
+            status = PBW_CANCELLED;
+        } else if (status == PBW_OK) {
+            status = pbw__output(context, &kernel, &vertices, flags, owned, mesh);
+        }
+    }
+    if (status == PBW_OK || status == PBW_DEGENERATE) {
+        pbw_status kept;
+        mesh->canonical = vertices.canonical;
+        owned->canonical = input->count;
+        vertices.canonical = NULL;
+        kept = pbw__keep_points(context, input, owned, mesh);
+        status = pbw__leave_stage(context, kept != PBW_OK ? kept : status, &start, &mesh->statistics.output_seconds);
+    }
+    kernel.statistics.order_seconds = mesh->statistics.order_seconds;
+    kernel.statistics.build_seconds = mesh->statistics.build_seconds;
+    kernel.statistics.output_seconds = mesh->statistics.output_seconds;
+    kernel.statistics.peak_bytes = memory->peak;
+    mesh->statistics = kernel.statistics;
+    pbw__kernel_free(&kernel);
+    pbw__vertices_free(context, &vertices);
+    owned->memory = *memory;
+    return status;
+}
+
+static pbw_status pbw__triangulate(int dim, int is_float, const void *points, const void *weights, size_t count,
+                                   const pbw_options *options, pbw_mesh *mesh)
+{
+    const size_t size = is_float ? sizeof(float) : sizeof(double);
+    pbw_options defaults;
+    pbw__context context;
+    pbw__input input;
+    pbw__fp fp;
+    pbw_status status;
+
+    if (mesh == NULL) {
+        return PBW_ERROR_ARGUMENT;
+    }
+    memset(mesh, 0, sizeof(*mesh));
+    memset(&defaults, 0, sizeof(defaults));
+    options = options != NULL ? options : &defaults;
+    if ((dim != 2 && dim != 3) || (points == NULL && count != 0) || options->threads < 0 || options->threads > 256
+        || (options->flags & ~(PBW_ANY_ORDER | PBW_NO_NEIGHBORS)) != 0
+        || (options->stride != 0 && options->stride < (size_t)dim * size)
+        || (options->weight_stride != 0 && options->weight_stride < size)) {
+        return PBW_ERROR_ARGUMENT;
+    }
+    if (options->backend != NULL) {
+        return PBW_ERROR_BACKEND;                    /* this version knows of none */
+    }
+    input.dim = dim;
+    input.is_float = is_float;
+    input.count = count;
+    input.stride = options->stride != 0 ? options->stride : (size_t)dim * size;
+    input.weight_stride = options->weight_stride != 0 ? options->weight_stride : size;
+    input.points = (const char *)points;
+    input.weights = (const char *)weights;
+    if (count >= PBW_NONE || count > (size_t)-1 / input.stride || count > (size_t)-1 / input.weight_stride
+        || count > (size_t)-1 / (8 * sizeof(pbw__simplex3))) {
+        return PBW_ERROR_TOO_LARGE;
+    }
+    memset(&context, 0, sizeof(context));
+    pbw__memory_start(&context.memory, options);
+    context.progress = options->progress;
+    context.progress_user = options->progress_user;
+
+    fp = pbw__fp_enter();
+    status = pbw__fp_is_exact() ? pbw__run(&context, &input, options->flags, mesh) : PBW_ERROR_FP_MODE;
+    pbw__fp_leave(fp);
+    if (status != PBW_OK && status != PBW_DEGENERATE) {
+        pbw_free(mesh);
+    }
+    return status;
+}
+
+PBWDEF pbw_status pbw_triangulate(int dim, const double *points, const double *weights, size_t count,
+                                  const pbw_options *options, pbw_mesh *mesh)
+{
+    return pbw__triangulate(dim, 0, points, weights, count, options, mesh);
+}
+
+PBWDEF pbw_status pbw_triangulatef(int dim, const float *points, const float *weights, size_t count,
+                                   const pbw_options *options, pbw_mesh *mesh)
+{
+    return pbw__triangulate(dim, 1, points, weights, count, options, mesh);
+}
+
+#if defined(__GNUC__) && !defined(__clang__)
+#pragma GCC pop_options
+#endif
+
+/* ------------------------------------------------------------------------------------------------------
+   >>history
+   0.1.0   2026-11-21   First version: 2D and 3D, weights, exact, one thread; check and hash.
+   ------------------------------------------------------------------------------------------------------ */
+#endif /* PBW_IMPLEMENTATION */
+
+/* ------------------------------------------------------------------------------------------------------
+   >>license      MIT No Attribution
+
+   Permission is hereby granted, free of charge, to any person obtaining a copy of this software and associated
+   documentation files (the "Software"), to deal in the Software without restriction, including without limitation the
+   rights to use, copy, modify, merge, publish, distribute, sublicense, and/or sell copies of the Software, and to
+   permit persons to whom the Software is furnished to do so.
+
+   THE SOFTWARE IS PROVIDED "AS IS", WITHOUT WARRANTY OF ANY KIND, EXPRESS OR IMPLIED, INCLUDING BUT NOT LIMITED TO
+   THE WARRANTIES OF MERCHANTABILITY, FITNESS FOR A PARTICULAR PURPOSE AND NONINFRINGEMENT. IN NO EVENT SHALL THE
+   AUTHORS OR COPYRIGHT HOLDERS BE LIABLE FOR ANY CLAIM, DAMAGES OR OTHER LIABILITY, WHETHER IN AN ACTION OF CONTRACT,
+   TORT OR OTHERWISE, ARISING FROM, OUT OF OR IN CONNECTION WITH THE SOFTWARE OR THE USE OR OTHER DEALINGS IN THE
+   SOFTWARE.
+   ------------------------------------------------------------------------------------------------------ */
