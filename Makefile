@@ -1,0 +1,113 @@
+# Makefile of pbw: `make help` lists the targets.  Needs GNU make, a C compiler and pthreads; CGAL, clang, valgrind
+# and C++ are used where they are.  CC, CXX, CFLAGS, CXXFLAGS come from the environment or the command line; -j sets
+# how many jobs run at once (as many as there are processors), B the folder for all that is built.
+B = build
+CFLAGS ?= -O2
+CXXFLAGS ?= -O2
+COUNT =
+TIME = 60
+
+WARN = -Wall -Wextra -Wpedantic -Wconversion -Wsign-conversion -Wshadow -Werror
+C = $(CC) -std=c99 $(CFLAGS) $(WARN) -I.
+LIBS = -lpthread -lm
+TESTS = $(patsubst tests/%.c,%,$(wildcard tests/test_*.c))
+EXAMPLES = $(patsubst examples/%.c,%,$(wildcard examples/*.c))
+EXPECTED = $(patsubst examples/expected/%.txt,%,$(wildcard examples/expected/*.txt))
+FUZZERS = $(patsubst tests/%.c,%,$(wildcard tests/fuzz_*.c))
+HEADERS = pbw.h $(wildcard tests/*.h examples/*.h)
+SCRIPTS = $(filter packaging hashes examples asm oracle,$(patsubst tests/%.sh,%,$(wildcard tests/*.sh)))
+export CC CXX
+
+ifeq ($(MAKELEVEL),0)
+MAKEFLAGS += -j$(shell getconf _NPROCESSORS_ONLN 2>/dev/null || echo 2)
+endif
+
+.PHONY: all demo examples test programs oracle asan ubsan tsan valgrind fuzz fuzz-long asm names clean help FORCE
+.DELETE_ON_ERROR:
+.SECONDARY:
+
+all: $(EXAMPLES:%=$B/%)
+
+help:
+	@echo 'make             builds the examples into $B/, the pbw program among them'
+	@echo 'make demo        makes, checks and draws triangulations with them'
+	@echo 'make examples    runs the examples and compares what they print with examples/expected'
+	@echo 'make test        all tests; the last line is `N passed, N failed, N skipped`'
+	@echo 'make bench       compares speed and memory with rivals that are installed (bench/bench.mk)'
+	@echo 'make oracle      compares with CGAL            make names   names, warnings, copies, documentation'
+	@echo 'make asm         looks for fused operations    make clean   removes $B/'
+	@echo 'make asan ubsan tsan valgrind                  the test programs under sanitizers'
+	@echo 'make fuzz        fuzzers, TIME=60 each         make fuzz-long  ten million random small inputs'
+	@echo 'CC=clang CXX=clang++ CFLAGS=-O3 B=build/clang  for any of them;  COUNT=n random inputs in tests'
+
+# Programs
+$B/libpbw.a: pbw.h
+	@mkdir -p $B
+	printf '#define PBW_IMPLEMENTATION\n#include "pbw.h"\n' > $B/libpbw.c
+	$C -c $B/libpbw.c -o $B/libpbw.o
+	rm -f $@ && ar rcs $@ $B/libpbw.o
+
+$(EXAMPLES:%=$B/%): $B/%: examples/%.c $(HEADERS)
+	@mkdir -p $B
+	$C $< -o $@ $(LIBS)
+
+$(TESTS:%=$B/%): $B/%: tests/%.c $(HEADERS) $B/libpbw.a
+	$C $< -o $@ $B/libpbw.a $(LIBS)
+
+$B/oracle_cgal: tests/oracle_cgal.cpp $(HEADERS) $B/libpbw.a
+	$(CXX) -std=c++17 -frounding-math $(CXXFLAGS) $< -o $@ $B/libpbw.a -lgmp -lmpfr $(LIBS)
+
+# Tests: each writes $B/NAME.log, which ends with its counts
+$(TESTS:%=$B/%.log): $B/%.log: $B/% FORCE
+	@sh tests/run.sh $@ ./$< $(COUNT:%=--count %)
+
+$(SCRIPTS:%=$B/%.log): $B/%.log: tests/%.sh FORCE
+	@mkdir -p $B
+	+@sh tests/run.sh $@ sh $< $B
+
+$B/examples.log: $(EXPECTED:%=$B/%)
+$B/oracle.log: $B/libpbw.a
+
+# One that does not compile is a failure, and the others still run.
+test: LOGS = $(TESTS:%=$B/%.log) $(SCRIPTS:%=$B/%.log)
+programs: LOGS = $(TESTS:%=$B/%.log)
+examples: LOGS = $B/examples.log
+oracle: LOGS = $B/oracle.log
+asm: LOGS = $B/asm.log
+names: LOGS = $B/packaging.log
+fuzz-long: LOGS = $(foreach seed,1 2 3 4 5 6 7 8,$B/fuzz.$(seed).log)
+test programs examples oracle asm names fuzz-long:
+	@rm -f $(LOGS)
+	@$(MAKE) --no-print-directory -k $(LOGS) || true
+	@sh tests/run.sh --total $(LOGS)
+
+demo: all
+	sh examples/demo.sh $B
+
+asan ubsan tsan: %:
+	@$(MAKE) --no-print-directory B=$B/$* CFLAGS='-O1 -g -fno-omit-frame-pointer -fsanitize=$(SANITIZE_$*)' programs
+SANITIZE_asan = address
+SANITIZE_ubsan = undefined -fno-sanitize-recover=all
+SANITIZE_tsan = thread
+
+valgrind: $B/test_api $B/test_resources
+	valgrind -q --leak-check=full --error-exitcode=9 ./$B/test_api
+	valgrind -q --leak-check=full --error-exitcode=9 ./$B/test_resources --filter 'every allocation fails: 3D'
+
+fuzz: $(FUZZERS:%=$B/%.fuzz)
+$(FUZZERS:%=$B/%.fuzz): $B/%.fuzz: tests/%.c $(HEADERS) FORCE
+	@mkdir -p $B/corpus/$* tests/corpus
+	@if clang -std=c99 -g -O1 -I. -fsanitize=fuzzer,address,undefined $< -o $B/$* $(LIBS) 2> $B/$*.log; then \
+	    ./$B/$* -max_total_time=$(TIME) -max_len=4096 -print_final_stats=1 $B/corpus/$* tests/corpus; \
+	else $C -DFUZZ_MAIN $< -o $B/$* $(LIBS) && ./$B/$* --count 200000; fi
+
+$B/fuzz.%.log: $B/fuzz_random FORCE
+	@sh tests/run.sh $@ ./$< --count 1250000 --seed $*
+$B/fuzz_random: tests/fuzz_triangulate.c $(HEADERS)
+	@mkdir -p $B
+	$C -DFUZZ_MAIN $< -o $@ $(LIBS)
+
+clean:
+	rm -rf $B
+
+-include bench/bench.mk

@@ -1,0 +1,197 @@
+/* fuzz_io.c: bytes read as a file of every format, and what must hold afterwards.
+       clang -g -O1 -I. -fsanitize=fuzzer,address,undefined tests/fuzz_io.c -o fuzz_io -lm
+       ./fuzz_io tests/corpus/io
+       cc -O2 -I. -DFUZZ_MAIN tests/fuzz_io.c -o fuzz_io -lm && ./fuzz_io --count 1000000 --seed 1
+       ./fuzz_io FILE ...      (FUZZ_MAIN too) reads these files */
+#if defined(PBW_FUZZ_MAIN) && !defined(FUZZ_MAIN)
+#define FUZZ_MAIN
+#endif
+#include <stdio.h>
+#include <stdlib.h>
+#include <string.h>
+
+static size_t held, peak;
+
+/* Blocks know their size, so that what is held can be counted; while a block is resized both sizes are. */
+static void *count_realloc(void *ptr, size_t size)
+{
+    size_t *old = ptr == NULL ? NULL : (size_t *)ptr - 2, before = old == NULL ? 0 : old[0];
+    size_t *block = (size_t *)malloc(size + 2 * sizeof(size_t));
+    if (block == NULL) {
+        return NULL;
+    }
+    held += size;
+    peak = held > peak ? held : peak;
+    block[0] = size;
+    if (old != NULL) {
+        memcpy(block + 2, ptr, before < size ? before : size);
+        held -= before;
+        free(old);
+    }
+    return block + 2;
+}
+
+static void count_free(void *ptr)
+{
+    if (ptr != NULL) {
+        held -= *((size_t *)ptr - 2);
+        free((size_t *)ptr - 2);
+    }
+}
+
+#define PBWIO_REALLOC(ptr, size) count_realloc(ptr, size)
+#define PBWIO_FREE(ptr) count_free(ptr)
+#define PBW_IO_IMPLEMENTATION
+#include "../examples/pbw_io.h"
+#include "io_samples.h"
+#include "test.h"
+
+int LLVMFuzzerTestOneInput(const unsigned char *data, size_t size);
+
+/* What is wrong with the outcome of a reader, NULL if nothing is. */
+static const char *judge(const pbwio_cloud *cloud, pbwio_status status, const pbwio_error *error, size_t size)
+{
+    size_t i;
+    if (peak > 8 * size + 65536) {
+        return "too much memory";
+    }
+    if (status != PBWIO_OK) {
+        size_t length = strlen(error->text);
+        return held != 0 ? "memory held after a failure"
+             : cloud->count != 0 || cloud->points != NULL || cloud->triangles != NULL ? "not empty after a failure"
+             : length == 0 || length >= sizeof error->text || strchr(error->text, '\n') != NULL ? "no proper message"
+             : strncmp(error->text, "fuzz:", 5) != 0 ? "a message without the name of the file" : NULL;
+    }
+    if (cloud->dim < 2 || cloud->dim > 3 || cloud->count == 0) {
+        return "no points, and no failure";
+    }
+    for (i = 0; i < cloud->count * (size_t)cloud->dim; i++) {
+        if (!pbwio__finite(cloud->points[i])) {
+            return "a coordinate that is not finite";
+        }
+    }
+    for (i = 0; cloud->weights != NULL && i < cloud->count; i++) {
+        if (!pbwio__finite(cloud->weights[i])) {
+            return "a weight that is not finite";
+        }
+    }
+    for (i = 0; i < 3 * cloud->triangle_count; i++) {
+        if (cloud->triangles[i] >= cloud->count) {
+            return "a triangle with a point that is none";
+        }
+    }
+    return NULL;
+}
+
+int LLVMFuzzerTestOneInput(const unsigned char *data, size_t size)
+{
+    static const char *const columns[] = { NULL, NULL, "2,1", "x,y", "1,2,3" };
+    static const char *const weights[] = { NULL, NULL, NULL, "4", "w" };
+    int format;
+    for (format = PBWIO_AUTO; format <= PBWIO_CSV; format++) {
+        pbwio_options options;
+        pbwio_cloud cloud;
+        pbwio_error error;
+        pbwio_status status;
+        const char *fault;
+        memset(&options, 0, sizeof options);
+        options.format = (pbwio_format)format;
+        options.columns = columns[size % 5];
+        options.weight = weights[size / 5 % 5];
+        options.dim = size % 7 == 6 ? 2 : size % 7 == 5 ? 3 : 0;
+        held = peak = 0;
+        status = pbwio_read_memory("fuzz", data, size, &options, &cloud, &error);
+        fault = judge(&cloud, status, &error, size);
+        pbwio_free(&cloud);
+        if (fault != NULL || held != 0) {
+            printf("format %d: %s\n", format, fault != NULL ? fault : "memory held at the end");
+            fflush(stdout);
+            abort();
+        }
+    }
+    return 0;
+}
+
+#ifdef FUZZ_MAIN
+enum { MOST = 4096 };
+
+static uint64_t state;
+
+static size_t below(size_t n)
+{
+    state ^= state << 13;
+    state ^= state >> 7;
+    state ^= state << 17;
+    return (size_t)(state % n);
+}
+
+/* One change: a bit, a byte, a piece cut out, doubled, or a word put in. */
+static size_t mutate(unsigned char *bytes, size_t size)
+{
+    static const char *const words[] = {
+        "0", "-1", "1e999", "nan", "4294967295", "4294967296", "18446744073709551616", "1e-400", " ", "\n", "\r\n",
+        "#", "\\\n", ",", ";", "\"", "v ", "f ", "element vertex 99999999\n", "property list uchar int x\n",
+        "end_header\n", "vertex ", "endloop\n", "OFF\n", "-", "/", "0x1p3", "1.", ".", "999999999999999999"
+    };
+    size_t kind = below(6), at = below(size + 1), length = 1 + below(1 + below(32)), grow;
+    const char *word = words[below(sizeof words / sizeof words[0])];
+    if (kind <= 1 && at < size) {
+        bytes[at] = (unsigned char)(kind == 0 ? bytes[at] ^ 1u << below(8) : below(256));
+    } else if (kind == 2) {
+        length = length < size - at ? length : size - at;
+        memmove(bytes + at, bytes + at + length, size - at - length);
+        size -= length;
+    } else if (kind >= 3) {
+        grow = kind == 3 ? (length < size - at ? length : size - at) : strlen(word);
+        if (size + grow <= MOST) {
+            memmove(bytes + at + grow, bytes + at, size - at);
+            if (kind > 3) {
+                memcpy(bytes + at, word, grow);
+            }
+            size += grow;
+        }
+    }
+    return size;
+}
+
+int main(int argc, char **argv)
+{
+    static unsigned char bytes[1 << 20];
+    static char buffer[1024];
+    unsigned char *copy;
+    long n;
+    int i;
+    if (argc > 1 && argv[1][0] != '-') {
+        for (i = 1; i < argc; i++) {
+            FILE *file = fopen(argv[i], "rb");
+            if (file != NULL) {
+                LLVMFuzzerTestOneInput(bytes, fread(bytes, 1, sizeof bytes, file));
+                fclose(file);
+            }
+        }
+        return 0;
+    }
+    test_start(argc, argv, 200000);
+    state = test_seed * 0x9e3779b97f4a7c15u + 1;
+    if (test_begin("readers: %ld broken files, seed %llu", test_count, (unsigned long long)test_seed)) {
+        for (n = 0; n < test_count; n++) {
+            io_sample s = io_get_sample((int)below(IO_SAMPLES), buffer);
+            size_t size = s.size, changes = 1 + below(6);
+            memcpy(bytes, s.data, size);
+            while (changes-- > 0) {
+                size = mutate(bytes, size);
+            }
+            copy = (unsigned char *)malloc(size);                    /* of that very size, for the sanitizers */
+            if (copy != NULL || size == 0) {
+                if (size != 0) {
+                    memcpy(copy, bytes, size);
+                }
+                CHECK(LLVMFuzzerTestOneInput(copy, size) == 0);
+            }
+            free(copy);
+        }
+        test_end();
+    }
+    return test_finish();
+}
+#endif

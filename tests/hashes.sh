@@ -1,0 +1,46 @@
+#!/bin/sh
+# hashes.sh: the same arrays, byte for byte, however pbw.h is compiled.  Run from the root.
+CC=${CC:-cc} work=${1:-build}/hashes
+passed=0 failed=0 skipped=0
+rm -rf "$work" && mkdir -p "$work" || exit 2
+
+make_one() {   # make_one NAME COMPILER FLAGS...: in the background
+    name=$1
+    shift
+    { "$@" -std=c99 tests/hashes.c -o "$work/$name" -lpthread -lm > "$work/$name.err" 2>&1 &&
+        "./$work/$name" > "$work/$name.txt" 2> "$work/$name.err"; } &
+}
+
+make_one reference $CC -O2
+make_one O0 $CC -O0
+make_one O3_native $CC -O3 -march=native
+make_one contracted $CC -O2 -march=native -ffp-contract=fast         # see below
+make_one wide $CC -O2 -DPBW_WIDE
+make_one scalar $CC -O2 -DPBW_NO_SIMD
+wait
+for compiler in gcc clang; do
+    if ! command -v $compiler > /dev/null; then
+        skipped=$((skipped + 1))
+        echo "skipped $compiler: not installed"
+    elif [ "$compiler" != "$CC" ]; then
+        make_one ${compiler}_O2 $compiler -O2
+        make_one ${compiler}_native $compiler -O3 -march=native
+        make_one ${compiler}_contracted $compiler -O2 -march=native -ffp-contract=fast
+    fi
+done
+wait
+for errors in "$work"/*.err; do
+    name=${errors%.err}
+    if [ -s "$name.txt" ] && cmp -s "$work/reference.txt" "$name.txt"; then
+        passed=$((passed + 1))
+    elif [ -s "$name.txt" ] && [ "${name%contracted}" != "$name" ] && ! grep -qv ': 8 0 0 0 ' "$name.txt"; then
+        passed=$((passed + 1))      # clang's fast overrides our pragma: PBW_ERROR_FP_MODE for all, as it should be
+    else
+        failed=$((failed + 1))
+        echo "FAILED $(basename "$name"): $(diff "$work/reference.txt" "$name.txt" 2>&1 | grep -c '^>') lines differ"
+        head -n 5 "$errors"
+        diff "$work/reference.txt" "$name.txt" 2>&1 | head -n 4
+    fi
+done
+echo "$passed passed, $failed failed, $skipped skipped"
+[ "$failed" = 0 ]

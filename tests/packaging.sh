@@ -1,0 +1,169 @@
+#!/bin/sh
+# packaging.sh: what a user of pbw.h relies on before calling it: compilers and standards without a warning, names,
+# copies, contents list, versions, the programs in the documentation.  Run from the root; CC, CXX as in the Makefile.
+CC=${CC:-cc} CXX=${CXX:-c++} work=${1:-build}/packaging
+warn="-Wall -Wextra -Wpedantic -Wconversion -Wsign-conversion -Wshadow -Werror"
+passed=0 failed=0 skipped=0
+rm -rf "$work" && mkdir -p "$work" || exit 2
+
+check() {   # check NAME COMMAND...
+    name=$1
+    shift
+    if "$@" > "$work/out" 2>&1; then
+        passed=$((passed + 1))
+    else
+        failed=$((failed + 1))
+        echo "FAILED $name"
+        head -n 8 "$work/out" | sed 's/^/    /'
+    fi
+}
+skip() { skipped=$((skipped + 1)); echo "skipped $1"; }
+same() { diff "$1" "$2" && [ -s "$1" ]; }
+refuses() { message=$1; shift; ! "$@" > "$work/refused" 2>&1 && grep "$message" "$work/refused"; }
+
+printf '#include "pbw.h"\n' > "$work/interface.c"
+printf '#define PBW_IMPLEMENTATION\n#include "pbw.h"\n' > "$work/whole.c"
+cat > "$work/static.c" << 'END'
+#define PBW_STATIC
+#define PBW_IMPLEMENTATION
+#include "pbw.h"
+#include "pbw.h"
+#define PBW_IMPLEMENTATION
+#include "pbw.h"
+unsigned long COPY(void);
+unsigned long COPY(void)
+{
+    static const double points[15] = { 0, 0, 0, 1, 0, 0, 0, 1, 0, 0, 0, 1, 1, 1, 1 };
+    pbw_mesh mesh;
+    pbw_status status = pbw_triangulate(3, points, NULL, 5, NULL, &mesh);
+    unsigned long count = (unsigned long)mesh.simplex_count;
+    pbw_free(&mesh);
+    return status == PBW_OK ? count : 0;
+}
+END
+printf 'unsigned long f(void);\nunsigned long g(void);\nint main(void) { return !(f() == 2 && g() == 2); }\n' \
+    > "$work/copies.c"
+printf '#include "pbw.h"\nint main() { return pbw_version() != PBW_VERSION || *pbw_status_string(PBW_OK) == 0; }\n' \
+    > "$work/caller.c"
+cp "$work/interface.c" "$work/interface.cpp"
+cp "$work/whole.c" "$work/whole.cpp"
+cp "$work/static.c" "$work/static.cpp"
+cp "$work/caller.c" "$work/caller.cpp"
+
+# Compilers and standards: no warning, of the interface alone and with everything.
+compilers=
+for compiler in "$CC" gcc clang; do
+    case " $compilers " in *" $compiler "*) continue ;; esac
+    if command -v "${compiler%% *}" > /dev/null; then
+        compilers="$compilers $compiler"
+    else
+        skip "$compiler: not installed"
+    fi
+done
+for compiler in $compilers; do
+    case $compiler in
+    gcc) plus=g++ ;;
+    clang) plus=clang++ ;;
+    *) plus=$CXX ;;
+    esac
+    for file in interface whole static; do
+        for std in c99 c11; do
+            check "$compiler -std=$std: $file" $compiler -std=$std $warn -I. -DCOPY=f -fsyntax-only "$work/$file.c"
+        done
+        for std in c++11 c++17; do
+            if command -v "${plus%% *}" > /dev/null; then
+                check "$plus -std=$std: $file" $plus -std=$std $warn -I. -DCOPY=f -fsyntax-only "$work/$file.cpp"
+            else
+                skip "$plus: not installed"
+            fi
+        done
+    done
+    check "$compiler: PBW_WIDE" $compiler -std=c99 $warn -I. -DPBW_WIDE -fsyntax-only "$work/whole.c"
+    check "$compiler -O3: no warning from the optimiser" \
+        $compiler -std=c99 -O3 $warn -I. -c "$work/whole.c" -o "$work/o3.o"
+    check "$compiler: -ffast-math is refused" \
+        refuses ffast-math $compiler -ffast-math -I. -fsyntax-only "$work/whole.c"
+done
+
+# Copies and callers.
+check "two PBW_STATIC copies compile" sh -c \
+    "$CC -O1 -I. -DCOPY=f -c $work/static.c -o $work/f.o && $CC -O1 -I. -DCOPY=g -c $work/static.c -o $work/g.o"
+check "two PBW_STATIC copies link" $CC "$work/copies.c" "$work/f.o" "$work/g.o" -o "$work/copies" -lpthread
+check "two PBW_STATIC copies work" "./$work/copies"
+check "the implementation compiles" $CC -O1 -fno-pie -I. -c "$work/whole.c" -o "$work/whole.o"
+check "C++ calls C: compiles" $CXX -I. -c "$work/caller.cpp" -o "$work/caller.o"
+check "C++ calls C: links" $CXX -no-pie "$work/caller.o" "$work/whole.o" -o "$work/caller" -lpthread
+check "versions of header and implementation agree" "./$work/caller"
+if command -v nm > /dev/null; then
+    nm -g "$work/whole.o" | awk 'NF == 3 { print $3 }' | sed 's/^_//' > "$work/exported"
+    check "exports pbw_ names only" sh -c "! grep -v '^pbw_[a-z]' $work/exported && [ -s $work/exported ]"
+    nm -g "$work/f.o" | awk 'NF == 3 { print $3 }' | sed 's/^_//' > "$work/exported"
+    check "PBW_STATIC exports nothing" [ "$(cat "$work/exported")" = f ]
+    check "no writable globals" sh -c "! nm $work/whole.o | grep -E ' [bBcCdDgGsS] '"
+else
+    skip "exported names: no nm"
+fi
+
+# Macros: only PBW_ ones are left behind.
+sed -n 's/^ *# *include <\(.*\)>.*/\1/p' pbw.h | sort -u | while read -r header; do
+    printf '#if __has_include(<%s>)\n#include <%s>\n#endif\n' "$header" "$header"
+done > "$work/system.c"
+for file in interface whole; do
+    $CC -dM -E "$work/system.c" | sort > "$work/before" 2> /dev/null
+    cat "$work/system.c" "$work/$file.c" > "$work/both.c"
+    $CC -I. -dM -E "$work/both.c" | sort > "$work/after"
+    check "defines only PBW macros: $file" sh -c \
+        "comm -13 $work/before $work/after > $work/new && [ -s $work/new ] && ! grep -v '^#define PBW' $work/new"
+done
+
+# Text: contents and rooms, versions, the quick start.
+sed -n 's/^     >>\([a-z]*\) .*/\1/p' pbw.h > "$work/contents"
+sed -n 's/^   >>\([a-z]*\).*/\1/p' pbw.h > "$work/rooms"
+check "the contents list names the rooms, in order" same "$work/contents" "$work/rooms"
+title=$(sed -n '1s/.* - v\([0-9.]*\) - .*/\1/p' pbw.h)
+macros=$(sed -n 's/^#define PBW_VERSION_[MP][A-Z]* \([0-9]*\)$/\1/p' pbw.h | paste -s -d . -)
+history=$(sed -n '/^   >>history/,/^   >>license/s/^   \([0-9][0-9.]*\)  .*/\1/p' pbw.h | head -n 1)
+check "versions agree: title $title, macros $macros, history $history" \
+    [ "$title,$macros,$history" = "$title,$title,$title" ]
+tag=$(git describe --tags --exact-match 2> /dev/null)
+if [ -n "$tag" ]; then
+    check "the tag $tag is the version" [ "$tag" = "v$title" ]
+fi
+check "includes no stdio.h, and never prints, exits or aborts" sh -c \
+    "! sed '1,/^ \*\//d' pbw.h | grep -nE '# *include <stdio|\\<(printf|puts|exit|abort|assert|longjmp)\\> *\\('"
+check "no line of pbw.h is over 118 columns" sh -c "! awk 'length > 118 { print FNR }' pbw.h | grep ."
+check "every promise names a test that is there" sh -c \
+    "for t in \$(sed -n '/PROMISES/,/CONVENTIONS/s/.* \(tests\/[a-z_.]*\)\$/\1/p' pbw.h); do ls \$t || exit 1; done"
+sed -n '/^   QUICK START/,/^   Build:/s/^       //p' pbw.h > "$work/quickstart.c"
+check "the quick start compiles" $CC -O1 -I. "$work/quickstart.c" -o "$work/quickstart" -lpthread
+"./$work/quickstart" > "$work/printed" 2>&1
+check "the quick start prints two tetrahedra" sh -c "[ \$(grep -cE '^([0-4] ){3}[0-4]\$' $work/printed) = 2 ]"
+if [ -f README.md ]; then
+    awk '/^```c$/ { inside = 1; text = ""; next }
+         /^```/ && inside { inside = 0; if (text ~ /int main/) { printf "%s", text; exit } }
+         inside { text = text $0 "\n" }' README.md > "$work/readme.c"
+    check "README: its first program compiles" $CC -O1 -I. "$work/readme.c" -o "$work/readme" -lpthread -lm
+    check "README: its first program runs" "./$work/readme"
+else
+    skip "README: there is none"
+fi
+check "the root holds nothing that should be elsewhere" sh -c \
+    "! ls | grep -vxE 'pbw\\.h|pbw_cuda\\.cu|examples|tests|bench|Makefile|README\\.md|build'"
+
+# Other machines, where their compilers and libraries are installed.
+printf '#include <stdlib.h>\nint main(void) { return 0; }\n' > "$work/empty.c"
+for other in "$CC -m32" aarch64-linux-gnu-gcc arm-linux-gnueabihf-gcc s390x-linux-gnu-gcc x86_64-w64-mingw32-gcc; do
+    if $other "$work/empty.c" -o "$work/empty" > /dev/null 2>&1; then
+        check "$other: no warning" $other -std=c99 -O1 $warn -I. -c "$work/whole.c" -o "$work/other.o"
+    else
+        skip "$other: not installed"
+    fi
+done
+if $CC -m32 "$work/empty.c" -o "$work/empty" > /dev/null 2>&1; then
+    check "-m32: the quick start compiles" \
+        $CC -m32 -msse2 -mfpmath=sse -O1 -I. "$work/quickstart.c" -o "$work/quick32" -lpthread
+    check "-m32: the quick start prints the same" sh -c "./$work/quick32 | cmp - $work/printed"
+fi
+
+echo "$passed passed, $failed failed, $skipped skipped"
+[ "$failed" = 0 ]

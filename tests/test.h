@@ -1,0 +1,124 @@
+/* test.h: checks, counters and options of every test program; C99 and C++.
+
+       int main(int argc, char **argv)
+       {
+           test_start(argc, argv, 1000);
+           if (test_begin("sum of %d", 2)) {
+               CHECK(1 + 1 == 2);
+               CHECK_EQUAL(1 + 1, 2);
+               test_end();
+           }
+           return test_finish();
+       }
+
+   A test is what lies between test_begin and test_end; it passes if all of its checks hold.  The last line of the
+   output is `N passed, N failed, N skipped`, and the exit status is 1 if a test failed.  Checks are for one thread.
+   Options: --filter TEXT (only tests whose name has it), --seed N, --count N (random cases), --verbose. */
+#ifndef TEST_H
+#define TEST_H
+
+#include <stdarg.h>
+#include <stdint.h>
+#include <stdio.h>
+#include <stdlib.h>
+#include <string.h>
+
+#if defined(__GNUC__)
+#define TEST_UNUSED __attribute__((unused))
+#else
+#define TEST_UNUSED
+#endif
+
+static uint64_t test_seed = 1;                  /* --seed */
+static long test_count;                         /* --count, else what test_start was given */
+static const char *test_filter = "";
+static int test_verbose;
+static char test_name[160];
+static long test_passed, test_failed, test_skipped, test_faults, test_checks;
+
+#define CHECK(condition) test_check((condition) ? 1 : 0, __FILE__, __LINE__, #condition)
+#define CHECK_EQUAL(a, b) test_check_equal((long long)(a), (long long)(b), __FILE__, __LINE__, #a " == " #b)
+
+/* A line of detail, for tests that have something to report. */
+TEST_UNUSED static void test_say(const char *format, ...)
+{
+    va_list arguments;
+    va_start(arguments, format);
+    printf("    ");
+    vprintf(format, arguments);
+    printf("\n");
+    va_end(arguments);
+}
+
+TEST_UNUSED static int test_check(int holds, const char *file, int line, const char *text)
+{
+    test_checks++;
+    if (!holds && test_faults++ < 5) {
+        printf("FAILED %s\n    %s:%d: %s\n", test_name, file, line, text);
+    }
+    return holds;
+}
+
+TEST_UNUSED static int test_check_equal(long long a, long long b, const char *file, int line, const char *text)
+{
+    int holds = test_check(a == b, file, line, text);
+    if (!holds && test_faults <= 5) {
+        test_say("%lld, %lld", a, b);
+    }
+    return holds;
+}
+
+TEST_UNUSED static int test_begin(const char *format, ...)
+{
+    va_list arguments;
+    va_start(arguments, format);
+    vsnprintf(test_name, sizeof test_name, format, arguments);
+    va_end(arguments);
+    test_faults = test_checks = 0;
+    return strstr(test_name, test_filter) != NULL;
+}
+
+TEST_UNUSED static void test_end(void)
+{
+    *(test_faults != 0 ? &test_failed : &test_passed) += 1;
+    if (test_faults != 0 || test_verbose) {
+        printf("%s %s: %ld checks, %ld faults\n", test_faults != 0 ? "FAILED" : "passed", test_name, test_checks,
+               test_faults);
+    }
+    fflush(stdout);
+}
+
+/* In place of test_end, for a test that cannot run here. */
+TEST_UNUSED static void test_skip(const char *why)
+{
+    test_skipped++;
+    printf("skipped %s: %s\n", test_name, why);
+}
+
+TEST_UNUSED static void test_start(int argc, char **argv, long count)
+{
+    int i;
+    test_count = count;
+    for (i = 1; i < argc; i++) {
+        if (strcmp(argv[i], "--verbose") == 0) {
+            test_verbose = 1;
+        } else if (strcmp(argv[i], "--filter") == 0 && i + 1 < argc) {
+            test_filter = argv[++i];
+        } else if (strcmp(argv[i], "--seed") == 0 && i + 1 < argc) {
+            test_seed = strtoull(argv[++i], NULL, 0);
+        } else if (strcmp(argv[i], "--count") == 0 && i + 1 < argc) {
+            test_count = atol(argv[++i]);
+        } else {
+            fprintf(stderr, "usage: %s [--filter TEXT] [--seed N] [--count N] [--verbose]\n", argv[0]);
+            exit(2);
+        }
+    }
+}
+
+TEST_UNUSED static int test_finish(void)
+{
+    printf("%ld passed, %ld failed, %ld skipped\n", test_passed, test_failed, test_skipped);
+    return test_failed != 0;
+}
+
+#endif

@@ -1,0 +1,964 @@
+/* test_io.c: examples/pbw_io.h and examples/pbw_picture.h: numbers, every reader on good and on broken files, every
+   writer read back, full disks, memory that runs out; and the program build/pbw where it has been built. */
+#define _GNU_SOURCE
+#include <locale.h>
+#include <pthread.h>
+#include <signal.h>
+#include <stdio.h>
+#include <stdlib.h>
+#include <string.h>
+#include <sys/resource.h>
+#include <sys/stat.h>
+#include <sys/wait.h>
+#include <unistd.h>
+
+static size_t held, peak, fail_at, requests;
+
+/* Counts what is held, both sizes while a block is resized; refuses request number fail_at and all after it. */
+static void *count_realloc(void *ptr, size_t size)
+{
+    size_t *old = ptr == NULL ? NULL : (size_t *)ptr - 2, *block;
+    if (fail_at != 0 && ++requests >= fail_at) {
+        return NULL;
+    }
+    block = (size_t *)malloc(size + 2 * sizeof(size_t));
+    held += size;
+    peak = held > peak ? held : peak;
+    block[0] = size;
+    if (old != NULL) {
+        memcpy(block + 2, ptr, old[0] < size ? old[0] : size);
+        held -= old[0];
+        free(old);
+    }
+    return block + 2;
+}
+
+static void count_free(void *ptr)
+{
+    if (ptr != NULL) {
+        held -= *((size_t *)ptr - 2);
+        free((size_t *)ptr - 2);
+    }
+}
+
+#define PBW_IMPLEMENTATION
+#include "../pbw.h"
+#define PBWIO_REALLOC(ptr, size) count_realloc(ptr, size)
+#define PBWIO_FREE(ptr) count_free(ptr)
+#define PBW_IO_IMPLEMENTATION
+#include "../examples/pbw_io.h"
+#define PBW_PICTURE_IMPLEMENTATION
+#include "../examples/pbw_picture.h"
+#include "io_samples.h"
+#include "test.h"
+
+static char folder[64];
+
+static uint64_t next_random(void)
+{
+    static uint64_t state;
+    state = state == 0 ? test_seed * 0x9e3779b97f4a7c15u + 1 : state;
+    state ^= state << 13;
+    state ^= state >> 7;
+    state ^= state << 17;
+    return state;
+}
+
+static double unit_random(void)
+{
+    return (double)(next_random() >> 11) * 0x1p-53;
+}
+
+/* ---- numbers ---- */
+
+static int reads_as(const char *text, double expected)
+{
+    double value = 0;
+    return pbwio__number(text, text + strlen(text), &value) && memcmp(&value, &expected, sizeof value) == 0;
+}
+
+static void test_numbers(void)
+{
+    static const char *const good[] = {
+        "0", "-0", "+1", "1.", ".5", "-.5e1", "1e22", "1e23", "9007199254740993", "9007199254740992.5",
+        "123456789012345678", "0.1", "2.2250738585072011e-308", "2.2250738585072012e-308", "4.9406564584124654e-324",
+        "2.4703282292062327e-324", "2.4703282292062328e-324", "1.7976931348623157e308", "1.7976931348623158e308",
+        "1e-400", "-1e-99999999999999999999", "0e99999999999999999999", "1e+5", "8.5E-3",
+        "0.000000000000000000000000000000000000000000001e45",
+        "17976931348623157000000000000000000000000000000000000000000000000000000000000000000000000000000000000000000"
+    };
+    static const char *const bad[] = {
+        "", "-", "+", ".", "e5", "1e", "1e+", "1.2.3", "1,5", "0x10", "nan", "inf", "-inf", "1e309", "1.8e308", "1 2",
+        "--1", "1e5.0", "1f", "\xc2\xa0" "1"
+    };
+    char text[64], *longer = (char *)malloc(5000);
+    double value;
+    size_t i, k;
+    for (i = 0; i < sizeof good / sizeof *good; i++) {
+        if (!CHECK(reads_as(good[i], strtod(good[i], NULL)))) {
+            test_say("%s", good[i]);
+        }
+    }
+    for (i = 0; i < sizeof bad / sizeof *bad; i++) {
+        if (!CHECK(!pbwio__number(bad[i], bad[i] + strlen(bad[i]), &value))) {
+            test_say("%s", bad[i]);
+        }
+    }
+    CHECK(reads_as("1d3", 1000) && reads_as("1D-3", 0.001));
+    /* half-way between two doubles, then a one thousands of digits later */
+    memset(longer, '0', 5000);
+    memcpy(longer, "9007199254740993.", 17);
+    longer[4998] = 0;
+    CHECK(reads_as(longer, 9007199254740992.0));
+    longer[4997] = '1';
+    CHECK(reads_as(longer, 9007199254740994.0));
+    memset(longer, '7', 4990);
+    strcpy(longer + 4990, "e-4980");
+    CHECK(reads_as(longer, strtod(longer, NULL)));
+    free(longer);
+    for (i = 0; i < 200000; i++) {                    /* any bits, written and read; and decimals against strtod */
+        uint64_t bits = next_random();
+        memcpy(&value, &bits, sizeof value);
+        if (pbwio__finite(value)) {
+            text[pbwio__print_number(text, value)] = 0;
+            CHECK(reads_as(text, value));
+            snprintf(text, sizeof text, "%.*e", (int)(bits % 22), value);
+            CHECK(!pbwio__finite(strtod(text, NULL)) || reads_as(text, strtod(text, NULL)));
+        }
+        k = (size_t)(next_random() % 25);
+        snprintf(text, sizeof text, "%llu.%0*llue%d", (unsigned long long)(bits >> (bits & 63)), (int)k,
+                 (unsigned long long)(bits % 1000000007u), (int)(bits % 61) - 30);
+        CHECK(reads_as(text, strtod(text, NULL)));
+    }
+    text[pbwio__print_number(text, 0.1)] = 0;
+    CHECK(strcmp(text, "0.1") == 0);
+}
+
+/* ---- readers ---- */
+
+typedef struct bad_file {
+    const char *name, *text, *columns, *weight;
+    int dim;
+    const char *message;
+} bad_file;
+
+static const bad_file bad_files[] = {
+    { "a.xyz", "", NULL, NULL, 0, "a.xyz: the file is empty" },
+    { "a.xyz", "# only\n\n", NULL, NULL, 0, "a.xyz: the file has no points" },
+    { "a.xyz", "x y z\n", NULL, NULL, 0, "a.xyz: the file has no points" },
+    { "a.xyz", "1 2 3\n4 5\n", NULL, NULL, 0, "a.xyz:2: 2 columns where 3 are needed" },
+    { "a.xyz", "1 2 3\n4 5 six\n", NULL, NULL, 0, "a.xyz:2: column 3, \"six\", is not a finite number" },
+    { "a.xyz", "1 2 3\r\n\r\n4 nan 6\r\n", NULL, NULL, 0, "a.xyz:3: column 2, \"nan\", is not a finite number" },
+    { "a.xyz", "1 2 3\n1e999 0 0", NULL, NULL, 0, "a.xyz:2: column 1, \"1e999\", is not a finite number" },
+    { "a.ply", "ply\nformat ascii 1.0\nelement vertex 1\nproperty int x\nproperty int y\nelement vertex 1\n"
+      "property int x\nproperty int y\nend_header\n1 2\n1 2\n", NULL, NULL, 0,
+      "a.ply:10: element \"vertex\" comes twice" },
+    { "a.xyz", "5\n6\n", NULL, NULL, 0, "a.xyz:2: 1 coordinates where 2 are needed" },
+    { "a.xyz", "1 2\n", NULL, NULL, 3, "a.xyz:1: 2 coordinates where 3 are needed" },
+    { "a.xyz", "1 2 3\n", NULL, "4", 0, "a.xyz:1: column 4 is asked for, there are 3" },
+    { "a.xyz", "1 2 3\n", "1,9", NULL, 0, "a.xyz:1: column 9 is asked for, there are 3" },
+    { "a.xyz", "1 2 3\n", "1,,3", NULL, 0, "a.xyz:1: there is no column \"\"" },
+    { "a.xyz", "1 2 3\n", "1", NULL, 0, "a.xyz:1: 1 coordinates where 2 are needed" },
+    { "a.xyz", "1 2 3\n", NULL, NULL, 7, "a.xyz: dimension 7 is not 2 or 3" },
+    { "a.csv", "1,2,3\n4,,6\n", NULL, NULL, 0, "a.csv:2: column 2, \"\", is not a finite number" },
+    { "a.csv", "1,5;2,5\n", NULL, NULL, 0, "a.csv:1: column 1, \"1,5\", is not a finite number" },
+    { "a.csv", "x,y,z\n1,2,3\n", NULL, "mass", 0, "a.csv:2: there is no column \"mass\"" },
+    { "a.csv", "east,north\n1,2\n", "east,up", NULL, 0, "a.csv:2: there is no column \"up\"" },
+    { "a.txt", "1 2 3\r4 5 6\r", NULL, NULL, 0, "a.txt: lines end with CR alone: convert them to LF or CR LF" },
+    { "a.txt", "\x1f\x8b\x08 and so on", NULL, NULL, 0, "a.txt: the file is compressed: unpack it first" },
+    { "a.txt", "\xff\xfe" "1", NULL, NULL, 0, "a.txt: the file is UTF-16 text: save it as UTF-8" },
+    { "a.txt", "1 2 3\n\x1b[2J\x07 5 6\n", NULL, NULL, 0, "a.txt:2: column 1, \"?[2J?\", is not a finite number" },
+    { "a.vtu", "1 2 3\n", NULL, NULL, 0, "a.vtu: this format is written, not read" },
+    { "a.obj", "v 0 0 0\nv 1 0\n", NULL, NULL, 0, "a.obj:2: 2 columns where 3 are needed" },
+    { "a.obj", "v 0 0 0\nf 1 1 2\n", NULL, NULL, 0, "a.obj:2: a face has point 2, there are 1" },
+    { "a.obj", "v 0 0 0\nf -1 -1 -2\n", NULL, NULL, 0, "a.obj:2: a face has point -2, there are 1" },
+    { "a.obj", "v 0 0 0\nf 1 0 1\n", NULL, NULL, 0, "a.obj:2: \"0\" is no corner of a face" },
+    { "a.obj", "v 0 0 0\nf 1 x/2 1\n", NULL, NULL, 0, "a.obj:2: \"x/2\" is no corner of a face" },
+    { "a.obj", "v 0 0 0\nf 1 1\n", NULL, NULL, 0, "a.obj:2: a face of 2 corners" },
+    { "a.obj", "vn 0 0 1\nf 1 2 3\n", NULL, NULL, 0, "a.obj:2: a face has point 1, there are 0" },
+    { "a.obj", "v 0 0 0\n", "1,name", NULL, 0, "a.obj: byte 0: there is no column \"name\"" },
+    { "a.off", "OFF\n", NULL, NULL, 0, "a.off:1: the line ends where the number of points should be" },
+    { "a.off", "4OFF\n1 0 0\n", NULL, NULL, 0, "a.off:1: files of kind \"4OFF\" are not read" },
+    { "a.off", "OFF BINARY\n1 0 0\n", NULL, NULL, 0, "a.off:1: binary OFF is not read" },
+    { "a.off", "OFF\n3 1 0\n0.000 0 0\n1.000 0 0\n", NULL, NULL, 0, "a.off:4: the file ends after 2 of 3 points" },
+    { "a.off", "OFF\n1 1 0\n0 0 0\n", NULL, NULL, 0, "a.off:3: the file ends after 0 of 1 faces" },
+    { "a.off", "OFF\n1 1 0\n0 0 0\n3 0 0 1\n", NULL, NULL, 0, "a.off:4: a face has point 1, there are 1 (from 0)" },
+    { "a.off", "OFF\n1 1 0\n0 0 0\n3 0 0\n", NULL, NULL, 0, "a.off:4: the line ends where the corner should be" },
+    { "a.off", "OFF\n4000000000 1 0\n0 0 0\n", NULL, NULL, 0,
+      "a.off:2: 4000000000 points are announced, 6 bytes follow" },
+    { "a.off", "OFF\n-3 1 0\n", NULL, NULL, 0, "a.off:2: \"-3\" is not a number of points" },
+    { "a.node", "2 3 0 0\n0 0 0 0\n2 1 1 1\n", NULL, NULL, 0, "a.node:3: point number 2 where 1 is due" },
+    { "a.node", "1 4 0 0\n0 0 0 0 0\n", NULL, NULL, 0, "a.node:1: dimension 4, 0 attributes, 0 markers" },
+    { "a.node", "2 3 0 0\n1 0.0000 0.0000 0\n", NULL, NULL, 0, "a.node:2: the file ends after 1 of 2 points" },
+    { "a.node", "999999999999 3 0 0\n", NULL, NULL, 0,
+      "a.node:1: 999999999999 points are announced, 0 bytes follow" },
+    { "a.node", "1 3\n", NULL, NULL, 0, "a.node:1: the line ends where the number of attributes should be" },
+    { "a.stl", "solid\nvertex 0 0 0\nvertex 0 0 0\nendloop\n", NULL, NULL, 0, "a.stl:4: a facet of 2 corners" },
+    { "a.stl", "solid\nvertex 0 0 0\n", NULL, NULL, 0, "a.stl:2: the file ends inside a facet" },
+    { "a.stl", "what\n", NULL, NULL, 0, "a.stl: the file has no points" },
+    { "a.ply", "plyx\n", NULL, NULL, 0, "a.ply:1: the first line is not \"ply\"" },
+    { "a.ply", "ply\nformat ascii 1.0\n", NULL, NULL, 0, "a.ply:2: the header has no end_header" },
+    { "a.ply", "ply\nformat ebcdic 1.0\nend_header\n", NULL, NULL, 0, "a.ply:3: the header has no known format" },
+    { "a.ply", "ply\nformat ascii 1.0\nelement vertex 9\nproperty float x\nproperty float y\nend_header\n1 2\n",
+      NULL, NULL, 0, "a.ply:6: 9 points are announced, 4 bytes follow" },
+    { "a.ply", "ply\nformat ascii 1.0\nelement vertex 1\nproperty text x\nend_header\n", NULL, NULL, 0,
+      "a.ply:4: \"text\" is not a type" },
+    { "a.ply", "ply\nformat ascii 1.0\nelement vertex 2\nproperty float x\nproperty float y\nend_header\n"
+      "1 2\n1 two\n", NULL, NULL, 0, "a.ply:8: \"two\" is not a finite number" },
+    { "a.ply", "ply\nformat ascii 1.0\nelement vertex many\nend_header\n", NULL, NULL, 0,
+      "a.ply:3: \"many\" is not a number of elements" },
+    { "a.ply", "ply\nformat binary_little_endian 1.0\nelement vertex 1\nproperty float x\nproperty float y\n"
+      "end_header\n12345", NULL, NULL, 0, "a.ply: byte 98: 1 points are announced, 5 bytes follow" },
+    { "a.ply", "ply\nformat binary_big_endian 1.0\nelement vertex 1\nproperty float x\nproperty float y\n"
+      "end_header\n\x7f\xc0zzabcd", NULL, NULL, 0, "a.ply: byte 99: a value is not a finite number" },
+    { "a.ply", "ply\nformat ascii 1.0\nelement vertex 1\nproperty float x\nproperty float y\nelement face 1\n"
+      "property list uchar int vertex_indices\nend_header\n1 2\n3 0 0 1\n", NULL, NULL, 0,
+      "a.ply:10: a face has point 1, there are 1 (from 0)" },
+    { "a.ply", "ply\nformat ascii 1.0\nwhatever\nend_header\n", NULL, NULL, 0,
+      "a.ply:3: \"whatever\" is no header line" }
+};
+
+static void test_bad_files(void)
+{
+    size_t i;
+    for (i = 0; i < sizeof bad_files / sizeof bad_files[0]; i++) {
+        const bad_file *f = &bad_files[i];
+        pbwio_options options = { PBWIO_AUTO, f->dim, f->columns, f->weight };
+        pbwio_cloud cloud;
+        pbwio_error error;
+        pbwio_status status = pbwio_read_memory(f->name, f->text, strlen(f->text), &options, &cloud, &error);
+        CHECK(status != PBWIO_OK && cloud.count == 0 && cloud.points == NULL && held == 0);
+        if (!CHECK(strcmp(error.text, f->message) == 0)) {
+            test_say("is:     %s", error.text);
+            test_say("should: %s", f->message);
+        }
+        CHECK(pbwio_read_memory(f->name, f->text, strlen(f->text), &options, &cloud, NULL) == status);
+    }
+}
+
+static void check_sample(const io_sample *s, const char *name)
+{
+    pbwio_cloud cloud;
+    pbwio_error error;
+    double sum = 0;
+    size_t i;
+    error.text[0] = 0;
+    peak = 0;
+    if (!CHECK(pbwio_read_memory(name, s->data, s->size, NULL, &cloud, &error) == PBWIO_OK)) {
+        test_say("%s: %s", s->name, error.text);
+        return;
+    }
+    for (i = 0; i < cloud.count * (size_t)cloud.dim; i++) {
+        sum += cloud.points[i];
+    }
+    if (!CHECK(cloud.dim == s->dim && cloud.count == s->points && cloud.triangle_count == s->triangles
+               && sum <= s->sum && sum >= s->sum && peak <= 8 * s->size + 65536)) {
+        test_say("%s: %d, %zu, %zu, %g", s->name, cloud.dim, cloud.count, cloud.triangle_count, sum);
+    }
+    pbwio_free(&cloud);
+    pbwio_free(&cloud);
+    CHECK(held == 0 && cloud.count == 0);
+}
+
+static void test_samples(void)
+{
+    char buffer[1024], name[64];
+    int i;
+    for (i = 0; i < IO_SAMPLES; i++) {
+        io_sample s = io_get_sample(i, buffer);
+        check_sample(&s, s.name);
+        if (strstr(s.name, "bare.off") == NULL && strstr(s.name, ".node") == NULL) {
+            snprintf(name, sizeof name, "%d.unknown", i);            /* the content decides */
+            check_sample(&s, name);
+        }
+    }
+}
+
+static void test_choices(void)
+{
+    static const char table[] = "id;Mass;north;east;up\n1;0.5;10;20;30\n2;0.25;11;21;31\n";
+    static const char node[] = "2 2 2 1\n1 3 4 5 6 0\n2 7 8 9 10 1\n";
+    char buffer[1024];
+    io_sample ply = io_get_sample(IO_TEXT_SAMPLES + 1, buffer), obj = io_get_sample(7, buffer + 512);
+    pbwio_options o = { PBWIO_AUTO, 0, "east,north", "mass" };
+    pbwio_cloud c;
+    CHECK(pbwio_read_memory("a.csv", table, sizeof table - 1, &o, &c, NULL) == PBWIO_OK);
+    CHECK(c.dim == 2 && c.points[0] > 19 && c.points[1] < 11 && c.weights[1] < 0.3 && c.weights[0] > 0.4);
+    pbwio_free(&c);
+    o.columns = "4,3,5";
+    o.weight = "2";
+    CHECK(pbwio_read_memory("a.csv", table, sizeof table - 1, &o, &c, NULL) == PBWIO_OK);
+    CHECK(c.dim == 3 && c.points[2] > 29 && c.points[5] > 30 && c.weights[0] > 0.4);
+    pbwio_free(&c);
+    o.columns = NULL;
+    o.weight = "1";
+    CHECK(pbwio_read_memory("a.csv", table, sizeof table - 1, &o, &c, NULL) == PBWIO_OK);
+    CHECK(c.dim == 3 && c.points[0] < 1 && c.points[1] > 9 && c.weights[1] > 1);
+    pbwio_free(&c);
+    o.weight = "4";
+    CHECK(pbwio_read_memory("a.node", node, sizeof node - 1, &o, &c, NULL) == PBWIO_OK);
+    CHECK(c.dim == 2 && c.points[2] > 6 && c.weights[0] > 5 && c.weights[1] > 9);
+    pbwio_free(&c);
+    o.weight = NULL;
+    o.columns = "z,x";
+    CHECK(pbwio_read_memory("a.ply", ply.data, ply.size, &o, &c, NULL) == PBWIO_OK);
+    CHECK(c.dim == 2 && c.points[0] < -2 && c.points[4] > 299 && c.triangle_count == 1 && c.triangles[2] == 2);
+    pbwio_free(&c);
+    o.columns = "tags,y";
+    CHECK(pbwio_read_memory("a.ply", ply.data, ply.size, &o, &c, NULL) == PBWIO_ERROR_FORMAT);
+    o.columns = NULL;
+    o.dim = 2;
+    CHECK(pbwio_read_memory("a.obj", obj.data, obj.size, &o, &c, NULL) == PBWIO_OK && c.dim == 2);
+    CHECK(c.triangles[0] == 0 && c.triangles[1] == 2 && c.triangles[2] == 1);
+    pbwio_free(&c);
+    CHECK(pbwio_read_memory(NULL, "", 0, NULL, &c, NULL) == PBWIO_ERROR_ARGUMENT);
+    CHECK(pbwio_read_memory("a", NULL, 1, NULL, &c, NULL) == PBWIO_ERROR_ARGUMENT);
+    CHECK(pbwio_read("/no/such/file.xyz", NULL, &c, NULL) == PBWIO_ERROR_FILE);
+}
+
+/* Reads broken content in a block of its very size; whatever happens must happen properly. */
+static void read_broken(const io_sample *s, const char *data, size_t size)
+{
+    char *copy = (char *)malloc(size + (size == 0));
+    pbwio_cloud cloud;
+    pbwio_error error;
+    pbwio_status status;
+    size_t i;
+    memcpy(copy, data, size);
+    peak = 0;
+    error.text[0] = 0;
+    status = pbwio_read_memory(s->name, copy, size, NULL, &cloud, &error);
+    CHECK(peak <= 8 * size + 65536);
+    CHECK((status == PBWIO_OK) == (error.text[0] == 0) && (status == PBWIO_OK) == (cloud.count != 0));
+    CHECK(status == PBWIO_OK || strncmp(error.text, s->name, strlen(s->name)) == 0);
+    for (i = 0; i < cloud.count * (size_t)cloud.dim; i++) {
+        CHECK(pbwio__finite(cloud.points[i]));
+    }
+    for (i = 0; i < 3 * cloud.triangle_count; i++) {
+        CHECK(cloud.triangles[i] < cloud.count);
+    }
+    pbwio_free(&cloud);
+    CHECK(held == 0);
+    free(copy);
+}
+
+static void test_truncations(void)
+{
+    char buffer[1024];
+    size_t size;
+    int i;
+    for (i = 0; i < IO_SAMPLES; i++) {
+        io_sample s = io_get_sample(i, buffer);
+        for (size = 0; size < s.size; size++) {
+            read_broken(&s, s.data, size);
+        }
+    }
+}
+
+static void test_flips(void)
+{
+    char buffer[1024], copy[1024];
+    size_t bit;
+    int i;
+    for (i = 0; i < IO_SAMPLES; i++) {
+        io_sample s = io_get_sample(i, buffer);
+        for (bit = 0; bit < 8 * s.size; bit++) {
+            memcpy(copy, s.data, s.size);
+            copy[bit / 8] = (char)(copy[bit / 8] ^ 1 << bit % 8);
+            read_broken(&s, copy, s.size);
+        }
+    }
+}
+
+static void test_no_memory(void)
+{
+    char buffer[1024];
+    size_t k;
+    int i;
+    for (i = 0; i < IO_SAMPLES; i++) {
+        io_sample s = io_get_sample(i, buffer);
+        for (k = 1; k < 8; k++) {
+            pbwio_cloud cloud;
+            pbwio_status status;
+            fail_at = k;
+            requests = 0;
+            status = pbwio_read_memory(s.name, s.data, s.size, NULL, &cloud, NULL);
+            fail_at = 0;
+            CHECK(status == PBWIO_OK || (status == PBWIO_ERROR_MEMORY && held == 0 && cloud.points == NULL));
+            CHECK(status != PBWIO_OK || k > 1);
+            pbwio_free(&cloud);
+            CHECK(held == 0);
+        }
+    }
+}
+
+/* A line of a megabyte, a table of many columns, a polygon of many corners, a PLY of many properties. */
+static void test_long(void)
+{
+    size_t size = 1 << 20, i;
+    char *text = (char *)malloc(size + 64);
+    pbwio_cloud cloud;
+    pbwio_error error;
+    io_sample s;
+    memset(&s, 0, sizeof s);
+    s.data = text;
+    memset(text, ' ', size);
+    memcpy(text, "1 2 3", 5);
+    memcpy(text + size - 8, "4\n5 6 7\n", 8);
+    CHECK(pbwio_read_memory("a.xyz", text, size, NULL, &cloud, &error) == PBWIO_OK && cloud.count == 2);
+    pbwio_free(&cloud);
+    memset(text, '9', size);
+    memcpy(text + size - 5, " 2 3\n", 5);
+    CHECK(pbwio_read_memory("a.xyz", text, size, NULL, &cloud, &error) == PBWIO_ERROR_FORMAT);
+    CHECK(strcmp(error.text, "a.xyz:1: column 1, \"999999999999999999999999...\", is not a finite number") == 0);
+    for (i = 0; i < size; i += 2) {
+        memcpy(text + i, "1 ", 2);
+    }
+    text[size - 1] = '\n';
+    CHECK(pbwio_read_memory("a.xyz", text, size, NULL, &cloud, &error) == PBWIO_OK && cloud.count == 1);
+    pbwio_free(&cloud);
+    memcpy(text, "v 0 0 0\nf ", 10);
+    s.name = "a.obj";
+    read_broken(&s, text, size);
+    for (i = 0; i + 20 < size; i += 20) {
+        memcpy(text + i, "property uchar p\n   ", 20);
+    }
+    memcpy(text, "ply\nelement vertex 1", 20);
+    s.name = "a.ply";
+    read_broken(&s, text, i);
+    CHECK(pbwio_read_memory("a.ply", text, i, NULL, &cloud, &error) == PBWIO_ERROR_FORMAT);
+    memset(text, '\n', size);
+    s.name = "a.xyz";
+    read_broken(&s, text, size);
+    memset(text, 0, size);
+    read_broken(&s, text, size);
+    s.name = "a.obj";
+    read_broken(&s, text, size);
+    s.name = "a.stl";
+    read_broken(&s, text, size);
+    free(text);
+}
+
+static void *all_samples(void *unused)
+{
+    (void)unused;
+    test_samples();
+    return NULL;
+}
+
+static void test_stack(void)
+{
+    pthread_attr_t attributes;
+    pthread_t thread;
+    pthread_attr_init(&attributes);
+    if (CHECK(pthread_attr_setstacksize(&attributes, 65536) == 0)
+        && CHECK(pthread_create(&thread, &attributes, all_samples, NULL) == 0)) {
+        pthread_join(thread, NULL);
+    }
+    pthread_attr_destroy(&attributes);
+}
+
+/* ---- writers ---- */
+
+static const char *in_folder(const char *name)
+{
+    static char path[160];
+    snprintf(path, sizeof path, "%s/%s", folder, name);
+    return path;
+}
+
+static char *read_all(const char *name, size_t *size)
+{
+    FILE *file = fopen(in_folder(name), "rb");
+    char *data = (char *)calloc(1, 1 << 20);
+    *size = file == NULL ? 0 : fread(data, 1, (1 << 20) - 1, file);
+    if (file != NULL) {
+        fclose(file);
+        unlink(in_folder(name));
+    }
+    return data;
+}
+
+/* count points, the last a duplicate of the first; weighted ones with some that are hidden. */
+static void make_mesh(int dim, int weighted, size_t count, pbw_mesh *mesh)
+{
+    double *points = (double *)malloc((size_t)dim * count * sizeof *points);
+    double *weights = (double *)malloc(count * sizeof *weights);
+    size_t i;
+    for (i = 0; i < (size_t)dim * count; i++) {
+        points[i] = i % 7 == 0 ? (double)(next_random() % 100) / 8 - 5 : 10 * unit_random() - 5;
+    }
+    memcpy(points + (size_t)dim * (count - 1), points, (size_t)dim * sizeof *points);
+    for (i = 0; i < count; i++) {
+        weights[i] = 20 * unit_random();
+    }
+    CHECK(pbw_triangulate(dim, points, weighted ? weights : NULL, count, NULL, mesh) == PBW_OK);
+    free(points);
+    free(weights);
+}
+
+static void write_it(const char *name, const pbw_mesh *mesh, unsigned flags, const unsigned char *keep)
+{
+    pbwio_output output = { PBWIO_AUTO, flags, keep, NULL, NULL };
+    pbwio_error error;
+    struct stat info;
+    if (!CHECK(pbwio_write(in_folder(name), mesh, &output, &error) == PBWIO_OK)) {
+        test_say("%s", error.text);
+    }
+    CHECK(held == 0 && stat(in_folder(name), &info) == 0);
+}
+
+/* The next numbers of a text, after an optional word. */
+static const char *scan(const char *at, const char *word, int count, double *out)
+{
+    int i;
+    at = at != NULL && word != NULL ? strstr(at, word) : at;
+    at = at != NULL && word != NULL ? at + strlen(word) : at;
+    for (i = 0; i < count && at != NULL; i++) {
+        size_t length;
+        at += strspn(at, " \n");
+        length = strcspn(at, " \n<");
+        at = pbwio__number(at, at + length, &out[i]) ? at + length : NULL;
+    }
+    return at;
+}
+
+static int same_number(double a, double b)
+{
+    return a <= b && a >= b;
+}
+
+static void check_points(const char *name, const pbw_mesh *mesh, const char *weight)
+{
+    pbwio_options options = { PBWIO_AUTO, 0, NULL, weight };
+    pbwio_cloud cloud;
+    pbwio_error error;
+    if (!CHECK(pbwio_read(in_folder(name), &options, &cloud, &error) == PBWIO_OK)) {
+        test_say("%s", error.text);
+        return;
+    }
+    CHECK(cloud.dim == mesh->dim && cloud.count == mesh->point_count);
+    CHECK(memcmp(cloud.points, mesh->points, cloud.count * (size_t)cloud.dim * sizeof(double)) == 0);
+    CHECK(weight == NULL || memcmp(cloud.weights, mesh->weights, cloud.count * sizeof(double)) == 0);
+    pbwio_free(&cloud);
+    unlink(in_folder(name));
+}
+
+static size_t kept_count(const pbw_mesh *mesh, const unsigned char *keep, size_t *hull)
+{
+    size_t corners = (size_t)mesh->dim + 1, count = 0, i;
+    for (i = *hull = 0; i < corners * mesh->simplex_count; i++) {
+        if (keep == NULL || keep[i / corners]) {
+            pbw_index n = mesh->neighbors[i];
+            count += i % corners == 0;
+            *hull += n == PBW_NONE || (keep != NULL && !keep[n]);
+        }
+    }
+    return count;
+}
+
+/* A surface that was written: closed, outward, and around the volume of the simplices. */
+static void check_surface(const char *name, const pbw_mesh *mesh, const unsigned char *keep)
+{
+    pbwio_cloud c;
+    size_t i, j, hull, count = kept_count(mesh, keep, &hull);
+    double inside = 0, around = 0, tolerance = strstr(name, ".stl") != NULL && name[0] != 't' ? 1e-3 : 1e-8;
+    if (!CHECK(pbwio_read(in_folder(name), NULL, &c, NULL) == PBWIO_OK)) {
+        return;
+    }
+    CHECK(c.dim == 3 && c.triangle_count == (mesh->dim == 3 ? hull : count));
+    for (i = 0; i < c.triangle_count; i++) {
+        const double *p = c.points + 3 * c.triangles[3 * i], *q = c.points + 3 * c.triangles[3 * i + 1];
+        const double *r = c.points + 3 * c.triangles[3 * i + 2];
+        around += mesh->dim == 3 ? (p[0] * (q[1] * r[2] - q[2] * r[1]) - p[1] * (q[0] * r[2] - q[2] * r[0])
+                                    + p[2] * (q[0] * r[1] - q[1] * r[0]))
+                                 : (q[0] - p[0]) * (r[1] - p[1]) - (q[1] - p[1]) * (r[0] - p[0]);
+    }
+    for (i = 0; i < mesh->simplex_count; i++) {
+        inside += keep == NULL || keep[i] ? pbwpic__size(mesh, i) : 0;
+    }
+    CHECK(fabs(inside - around) <= tolerance * inside && inside > 0);
+    for (i = 0; i < 3 * c.triangle_count && mesh->dim == 3 && strstr(name, ".stl") == NULL && keep == NULL; i++) {
+        pbw_index a = c.triangles[i], b = c.triangles[i % 3 == 2 ? i - 2 : i + 1];
+        int found = 0;
+        for (j = 0; j < 3 * c.triangle_count; j++) {
+            found += c.triangles[j] == b && c.triangles[j % 3 == 2 ? j - 2 : j + 1] == a;
+        }
+        CHECK(found == 1);
+    }
+    for (i = 0; i < c.count && strstr(name, ".stl") == NULL; i++) {  /* no point that is on no triangle */
+        for (j = 0; j < 3 * c.triangle_count && c.triangles[j] != i; j++) {
+        }
+        CHECK(j < 3 * c.triangle_count);
+    }
+    pbwio_free(&c);
+    unlink(in_folder(name));
+}
+
+/* Ids of simplices in a text: number columns before and after the ids are skipped. */
+static void check_ids(const char *at, const pbw_mesh *mesh, int before, int base, int after)
+{
+    int corners = mesh->dim + 1, k;
+    size_t i;
+    double row[8];
+    for (i = 0; i < mesh->simplex_count && at != NULL; i++) {
+        at = scan(at, NULL, before + corners + after, row);
+        for (k = 0; k < corners && at != NULL; k++) {
+            CHECK(same_number(row[before + k], mesh->simplices[i * (size_t)corners + (size_t)k] + (double)base));
+        }
+    }
+    CHECK(at != NULL);
+}
+
+/* The arrays of a binary .vtu, by the offsets in their tags. */
+static void check_vtu(const pbw_mesh *mesh)
+{
+    static const char *const names[] = { "id", "points", "connectivity", "offsets", "types", "quality" };
+    size_t size, i, a, n = (size_t)mesh->dim + 1;
+    char *data = read_all("a.vtu", &size), *raw = strstr(data, "<AppendedData encoding=\"raw\">\n_"), tag[64];
+    double offset;
+    CHECK(raw != NULL && strstr(data, "</VTKFile>") == NULL);        /* zeros come first */
+    for (a = 0; a < 6 && raw != NULL; a++) {
+        const char *at;
+        uint64_t bytes, want[6];
+        want[0] = 4 * mesh->point_count;
+        want[1] = 24 * mesh->point_count;
+        want[2] = 4 * n * mesh->simplex_count;
+        want[3] = want[5] = 8 * mesh->simplex_count;
+        want[4] = mesh->simplex_count;
+        snprintf(tag, sizeof tag, "Name=\"%s\"", names[a]);
+        at = strstr(data, tag);
+        at = at == NULL ? NULL : strstr(at, "offset=\"");
+        if (!CHECK(at != NULL)) {
+            break;
+        }
+        offset = (double)atol(at + 8);
+        at = raw + 31 + (size_t)offset;
+        memcpy(&bytes, at, 8);
+        at += 8;
+        CHECK(bytes == want[a] && (size_t)(at - data) + bytes <= size);
+        CHECK(a != 2 || memcmp(at, mesh->simplices, bytes) == 0);
+        for (i = 0; a == 1 && i < mesh->point_count; i++) {
+            double p[3];
+            memcpy(p, at + 24 * i, sizeof p);
+            CHECK(memcmp(p, mesh->points + (size_t)mesh->dim * i, (size_t)mesh->dim * sizeof(double)) == 0);
+        }
+        for (i = 0; a == 3 && i < mesh->simplex_count; i++) {
+            int64_t end;
+            memcpy(&end, at + 8 * i, 8);
+            CHECK(end == (int64_t)((i + 1) * n));
+        }
+        for (i = 0; a >= 4 && i < mesh->simplex_count; i++) {
+            double quality = 0.5;
+            if (a == 5) {
+                memcpy(&quality, at + 8 * i, 8);
+            }
+            CHECK(a == 5 ? quality > 0 && quality <= 1 : at[i] == (mesh->dim == 3 ? 10 : 5));
+        }
+    }
+    free(data);
+}
+
+static void test_formats(int dim, int weighted)
+{
+    static const char *const surfaces[] = { "a.obj", "a.ply", "a.stl", "t.ply", "t.stl" };
+    pbw_mesh mesh;
+    char *data;
+    size_t size, i, hull, count, n = (size_t)dim + 1;
+    double row[8];
+    const char *at;
+    unsigned char *keep;
+    memset(&mesh, 0, sizeof mesh);
+    make_mesh(dim, weighted, 300, &mesh);
+    keep = (unsigned char *)malloc(mesh.simplex_count);
+    for (i = 0; i < mesh.simplex_count; i++) {
+        keep[i] = mesh.points[(size_t)dim * mesh.simplices[n * i]] < 0;
+    }
+    count = kept_count(&mesh, NULL, &hull);
+    write_it("a.xyz", &mesh, 0, NULL);
+    check_points("a.xyz", &mesh, weighted ? (dim == 3 ? "4" : "3") : NULL);
+    write_it("a.csv", &mesh, 0, NULL);
+    check_points("a.csv", &mesh, weighted ? "weight" : NULL);
+    write_it("a.node", &mesh, 0, NULL);
+    check_points("a.node", &mesh, weighted ? (dim == 3 ? "4" : "3") : NULL);
+    for (i = 0; i < 5; i++) {
+        write_it(surfaces[i], &mesh, surfaces[i][0] == 't' ? PBWIO_TEXT : 0, NULL);
+        check_surface(surfaces[i], &mesh, NULL);
+        write_it(surfaces[i], &mesh, surfaces[i][0] == 't' ? PBWIO_TEXT : 0, keep);
+        check_surface(surfaces[i], &mesh, keep);
+    }
+    write_it("a.vtu", &mesh, 0, NULL);
+    check_vtu(&mesh);
+    write_it("t.vtu", &mesh, PBWIO_TEXT, NULL);
+    data = read_all("t.vtu", &size);
+    at = strstr(data, "Name=\"connectivity\"");
+    check_ids(at == NULL ? NULL : strchr(at, '>') + 1, &mesh, 0, 0, 0);
+    free(data);
+    write_it("a.ele", &mesh, 0, NULL);
+    data = read_all("a.ele", &size);
+    at = scan(data, NULL, 3, row);
+    CHECK(same_number(row[0], (double)count) && same_number(row[1], (double)n));
+    check_ids(at, &mesh, 1, 0, 0);
+    free(data);
+    write_it("a.neigh", &mesh, 0, NULL);
+    data = read_all("a.neigh", &size);
+    at = scan(data, NULL, 2, row);
+    for (i = 0; i < n * mesh.simplex_count && at != NULL; i++) {
+        at = scan(at, NULL, i % n == 0 ? 2 : 1, row);
+        CHECK(same_number(row[i % n == 0], mesh.neighbors[i] == PBW_NONE ? -1.0 : (double)mesh.neighbors[i]));
+    }
+    free(data);
+    write_it("a.mesh", &mesh, 0, NULL);
+    data = read_all("a.mesh", &size);
+    at = scan(data, "Vertices", 1, row);
+    CHECK(at != NULL && same_number(row[0], (double)mesh.point_count));
+    at = scan(at, NULL, dim, row);
+    CHECK(memcmp(row, mesh.points, (size_t)dim * sizeof(double)) == 0);
+    scan(data, dim == 3 ? "Triangles" : "Edges", 1, row);
+    CHECK(same_number(row[0], (double)hull));
+    at = scan(data, dim == 3 ? "Tetrahedra" : "Triangles", 1, row);
+    CHECK(same_number(row[0], (double)count));
+    check_ids(at, &mesh, 0, 1, 1);
+    free(data);
+    write_it("t.msh", &mesh, PBWIO_TEXT, NULL);
+    data = read_all("t.msh", &size);
+    at = scan(data, "$Elements", 8, row);
+    CHECK(at != NULL && same_number(row[1], (double)(count + hull)) && same_number(row[7], (double)hull));
+    for (i = 0; i < hull; i++) {
+        at = scan(at, NULL, dim + 1, row);
+    }
+    at = scan(at, NULL, 4, row);
+    CHECK(at != NULL && same_number(row[0], dim) && same_number(row[2], dim == 3 ? 4 : 2));
+    check_ids(at, &mesh, 1, 1, 0);
+    free(data);
+    write_it("n.node", &mesh, PBWIO_NO_ORPHANS, NULL);
+    data = read_all("n.node", &size);
+    scan(data, NULL, 1, row);
+    CHECK(same_number(row[0], (double)(mesh.point_count - mesh.duplicate_count - mesh.hidden_count)));
+    CHECK(mesh.duplicate_count > 0 && (mesh.hidden_count > 0) == (weighted != 0));
+    free(data);
+    write_it("k.ele", &mesh, PBWIO_NO_ORPHANS, keep);
+    data = read_all("k.ele", &size);
+    scan(data, NULL, 1, row);
+    CHECK(same_number(row[0], (double)kept_count(&mesh, keep, &hull)));
+    free(data);
+    if (system("command -v gmsh > /dev/null 2>&1") == 0) {           /* what Gmsh itself says */
+        char command[256];
+        write_it("a.msh", &mesh, PBWIO_NO_ORPHANS, NULL);
+        snprintf(command, sizeof command, "gmsh -check %s > %s/log 2>&1 && ! grep -E '^(Error|Warning)' %s/log",
+                 in_folder("a.msh"), folder, folder);
+        CHECK(system(command) == 0);
+        unlink(in_folder("a.msh"));
+        unlink(in_folder("log"));
+    }
+    free(keep);
+    pbw_free(&mesh);
+}
+
+static void test_refusals(void)
+{
+    pbw_mesh mesh;
+    pbw_options options;
+    pbwio_error error;
+    static const double points[] = { 0, 0, 0, 1, 0, 0, 0, 1, 0, 0, 0, 1 };
+    memset(&mesh, 0, sizeof mesh);
+    memset(&options, 0, sizeof options);
+    CHECK(pbwio_write("a.vtu", &mesh, NULL, &error) == PBWIO_ERROR_ARGUMENT);
+    options.flags = PBW_NO_NEIGHBORS;
+    CHECK(pbw_triangulate(3, points, NULL, 4, &options, &mesh) == PBW_OK);
+    CHECK(pbwio_write(NULL, &mesh, NULL, &error) == PBWIO_ERROR_ARGUMENT);
+    CHECK(pbwio_write("a.what", &mesh, NULL, &error) == PBWIO_ERROR_ARGUMENT);
+    CHECK(strcmp(error.text, "a.what: no format of that name is written") == 0);
+    CHECK(pbwio_write("a.obj", &mesh, NULL, &error) == PBWIO_ERROR_ARGUMENT);
+    CHECK(strcmp(error.text, "a.obj: this format needs neighbors, the mesh has none") == 0);
+    CHECK(pbwpic_write("a.svg", &mesh, NULL, &error) == PBWIO_ERROR_ARGUMENT);
+    CHECK(pbwio_write("/no/such/folder/a.vtu", &mesh, NULL, &error) == PBWIO_ERROR_FILE);
+    CHECK(strcmp(error.text, "/no/such/folder/a.vtu: No such file or directory") == 0);
+    write_it("a.mesh", &mesh, 0, NULL);
+    unlink(in_folder("a.mesh"));
+    pbw_free(&mesh);
+}
+
+/* A file-size limit stands for a full disk: the old file stays, and nothing else. */
+static void test_full_disk(void)
+{
+    static const pbwio_format formats[] = { PBWIO_VTU, PBWIO_MSH, PBWIO_STL, PBWIO_OBJ, PBWIO_CSV };
+    struct rlimit old, small;
+    struct stat info;
+    pbw_mesh mesh;
+    pbwio_error error;
+    size_t i, k;
+    FILE *file = fopen(in_folder("a.out"), "w");
+    memset(&mesh, 0, sizeof mesh);
+    make_mesh(3, 0, 3000, &mesh);
+    CHECK(file != NULL && fputs("old", file) >= 0 && fclose(file) == 0);
+    signal(SIGXFSZ, SIG_IGN);
+    getrlimit(RLIMIT_FSIZE, &old);
+    small = old;
+    for (i = 0; i < 6; i++) {
+        pbwio_output output = { formats[i % 5], 0, NULL, NULL, NULL };
+        pbwio_status status;
+        small.rlim_cur = i < 3 ? 5000 : 1;
+        setrlimit(RLIMIT_FSIZE, &small);
+        status = i < 5 ? pbwio_write(in_folder("a.out"), &mesh, &output, &error)
+                       : pbwpic_write(in_folder("a.out"), &mesh, NULL, &error);
+        setrlimit(RLIMIT_FSIZE, &old);
+        CHECK(status == PBWIO_ERROR_FILE && strstr(error.text, "File too large") != NULL);
+        CHECK(stat(in_folder("a.out"), &info) == 0 && info.st_size == 3);
+        CHECK(stat(in_folder("a.out.part"), &info) != 0);
+    }
+    unlink(in_folder("a.out"));
+    if (access("/dev/full", W_OK) == 0) {
+        pbwio_output output = { PBWIO_VTU, 0, NULL, NULL, NULL };
+        CHECK(pbwio_write("/dev/full", &mesh, &output, &error) == PBWIO_ERROR_FILE);
+        CHECK(strcmp(error.text, "/dev/full: No space left on device") == 0);
+        CHECK(stat("/dev/full", &info) == 0 && S_ISCHR(info.st_mode) && stat("/dev/full.part", &info) != 0);
+    }
+    for (k = 1; k < 4; k++) {
+        pbwio_output output = { PBWIO_OBJ, PBWIO_NO_ORPHANS, NULL, NULL, NULL };
+        pbwio_status status;
+        fail_at = k;
+        requests = 0;
+        status = pbwio_write(in_folder("a.out"), &mesh, &output, &error);
+        fail_at = 0;
+        CHECK(status == PBWIO_ERROR_MEMORY && held == 0 && stat(in_folder("a.out"), &info) != 0);
+    }
+    pbw_free(&mesh);
+}
+
+static void test_pictures(void)
+{
+    int dim;
+    for (dim = 2; dim <= 3; dim++) {
+        pbw_mesh mesh;
+        size_t size, paths = 0;
+        char *data, *at;
+        memset(&mesh, 0, sizeof mesh);
+        make_mesh(dim, 0, 200, &mesh);
+        CHECK(pbwpic_write(in_folder("a.svg"), &mesh, NULL, NULL) == PBWIO_OK);
+        data = read_all("a.svg", &size);
+        for (at = data; (at = strstr(at, "<path ")) != NULL; at++) {
+            paths++;
+        }
+        CHECK(strncmp(data, "<svg ", 5) == 0 && strcmp(data + size - 7, "</svg>\n") == 0);
+        CHECK(dim == 2 ? paths == mesh.simplex_count : paths > 20 && paths < mesh.simplex_count);
+        free(data);
+        pbw_free(&mesh);
+    }
+}
+
+/* The program examples/pbw.c: exit status and last line for right and wrong uses. */
+static void test_program(void)
+{
+    static const struct { const char *arguments, *says; int status; } uses[] = {
+        { "--help", "exit status: 0 done, 1 failure, 2 wrong usage", 0 },
+        { "", "pbw: one input or --generate is needed; see --help", 2 },
+        { "a.xyz b.xyz", "pbw: more than one input: b.xyz", 2 },
+        { "--frobnicate a.xyz", "pbw: unknown option --frobnicate", 2 },
+        { "a.xyz -o a.what", "pbw: no proper value for -o", 2 },
+        { "a.xyz -o", "pbw: no proper value for -o", 2 },
+        { "a.xyz --dim 4", "pbw: no proper value for --dim", 2 },
+        { "a.xyz --cut 1,2,3", "pbw: no proper value for --cut", 2 },
+        { "--generate nothing 5", "pbw: no proper value for --generate", 2 },
+        { "/no/such.xyz", "pbw: /no/such.xyz: No such file or directory", 1 },
+        { "--generate uniform 2", "pbw: the points do not span the space: there are no simplices", 1 },
+        { "--generate uniform 50000 --memory-limit 1M", "pbw: out of memory, or over the memory limit", 1 },
+        { "--generate uniform 100 --inside", "pbw: --inside needs a model with faces in 3D", 1 },
+        { "--generate uniform 100 -o /no/such/a.vtu", "pbw: /no/such/a.vtu: No such file or directory", 1 },
+        { "--generate lattice 27 --quiet -o FOLDER/a.node -o FOLDER/a.svg", "", 0 },
+        { "FOLDER/a.node --quiet --any-order --no-check --threads 1 -o FOLDER/b.csv", "", 0 },
+        { "- --dim 2 --weights z --quiet -o FOLDER/c.obj < FOLDER/b.csv", "", 0 },
+        { "--generate uniform 3000000 -o FOLDER/a.vtu", "pbw: cancelled", 1 }
+    };
+    char command[512], line[256], last[256], arguments[256];
+    const char *from;
+    size_t i;
+    if (access("build/pbw", X_OK) != 0) {
+        test_skip("there is no build/pbw");
+        return;
+    }
+    for (i = 0; i < sizeof uses / sizeof uses[0]; i++) {
+        FILE *pipe;
+        int status;
+        arguments[0] = last[0] = 0;
+        for (from = uses[i].arguments; *from != 0; from++) {
+            int here = strncmp(from, "FOLDER", 6) == 0;
+            snprintf(arguments + strlen(arguments), sizeof arguments - strlen(arguments), here ? "%s" : "%.1s",
+                     here ? folder : from);
+            from += here ? 5 : 0;
+        }
+        snprintf(command, sizeof command, "%s build/pbw %s 2>&1", strstr(uses[i].says, "cancelled") == NULL ? ""
+                 : "timeout --preserve-status -s INT 0.3", arguments);
+        pipe = popen(command, "r");
+        while (pipe != NULL && fgets(line, sizeof line, pipe) != NULL) {
+            line[strcspn(line, "\n")] = 0;
+            strcpy(last, line);
+        }
+        status = pipe == NULL ? -1 : pclose(pipe);
+        if (!CHECK(WIFEXITED(status) && WEXITSTATUS(status) == uses[i].status && strcmp(last, uses[i].says) == 0)) {
+            test_say("%s: %d, %s", uses[i].arguments, status, last);
+        }
+    }
+    for (i = 0; i < 4; i++) {
+        static const char *const names[] = { "a.node", "a.svg", "b.csv", "c.obj" };
+        CHECK(unlink(in_folder(names[i])) == 0);
+    }
+    CHECK(access(in_folder("a.vtu"), F_OK) != 0 && access(in_folder("a.vtu.part"), F_OK) != 0);
+    test_end();
+}
+
+/* With a comma as decimal point nothing may change. */
+static void test_locale(void)
+{
+    static const char *const names[] = { "de_DE.UTF-8", "de_DE.utf8", "de_DE", "fr_FR.UTF-8", "fr_FR.utf8", "fr_FR" };
+    size_t i = 0;
+    while (i < 6 && setlocale(LC_ALL, names[i]) == NULL) {
+        i++;
+    }
+    if (i == 6) {
+        test_skip("no locale with a decimal comma is installed");
+        return;
+    }
+    test_samples();
+    test_bad_files();
+    test_formats(3, 1);
+    setlocale(LC_ALL, "C");
+    test_end();
+}
+
+int main(int argc, char **argv)
+{
+    static const struct { const char *name; void (*run)(void); } tests[] = {
+        { "numbers are read and written exactly", test_numbers }, { "good files", test_samples },
+        { "columns, weights and dimensions", test_choices }, { "bad files", test_bad_files },
+        { "every truncation", test_truncations }, { "every flipped bit", test_flips },
+        { "memory runs out", test_no_memory }, { "long lines", test_long }, { "a small stack", test_stack },
+        { "what writers refuse", test_refusals }, { "a full disk", test_full_disk }, { "pictures", test_pictures }
+    };
+    size_t i;
+    test_start(argc, argv, 0);
+    strcpy(folder, "/tmp/pbw-test-XXXXXX");
+    if (mkdtemp(folder) == NULL) {
+        return 1;
+    }
+    for (i = 0; i < sizeof tests / sizeof tests[0]; i++) {
+        if (test_begin("%s", tests[i].name)) {
+            tests[i].run();
+            test_end();
+        }
+    }
+    for (i = 0; i < 4; i++) {
+        if (test_begin("every format, %zuD%s", 2 + i / 2, i % 2 ? ", weighted" : "")) {
+            test_formats(2 + (int)i / 2, (int)i % 2);
+            test_end();
+        }
+    }
+    if (test_begin("the program")) {
+        test_program();
+    }
+    if (test_begin("another locale")) {
+        test_locale();
+    }
+    rmdir(folder);
+    return test_finish();
+}

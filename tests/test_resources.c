@@ -1,0 +1,408 @@
+/* test_resources.c: memory that runs out at any time, memory limits and ceilings, cancelling at any time, small
+   stacks, quadratic outputs. */
+#if defined(__linux__) || defined(__APPLE__)
+#define _GNU_SOURCE
+#endif
+#include "../pbw.h"
+#include "meshes.h"
+#include "meter.h"
+#include "test.h"
+
+static pbw_options metered(meter *m, int threads)
+{
+    pbw_options options;
+    memset(&options, 0, sizeof options);
+    options.threads = threads;
+    options.resize = meter_resize;
+    options.resize_user = m;
+    return options;
+}
+
+static void check_empty(const meter *m)
+{
+    CHECK_EQUAL(m->blocks, 0);
+    CHECK_EQUAL(m->bytes, 0);
+    CHECK_EQUAL(m->faults, 0);
+}
+
+/* --- failing allocations --- */
+
+static long survived;
+
+/* Refuses the k-th request, for every k until nothing is refused any more. */
+static void check_refusals(const zoo_input *in, int threads, int fail_all_after)
+{
+    pbw_mesh right;
+    pbw_status expected = meshes_make(in, NULL, &right), status;
+    long k;
+    for (k = 1; k < 100000; k++) {
+        meter m;
+        pbw_mesh mesh;
+        pbw_options options;
+        meter_start(&m, k, fail_all_after);
+        options = metered(&m, threads);
+        status = meshes_make(in, &options, &mesh);
+        if (m.refused == 0) {
+            CHECK_EQUAL(status, expected);
+            CHECK(meshes_equal(&mesh, &right));
+            pbw_free(&mesh);
+            check_empty(&m);
+            break;
+        }
+        survived += m.refused;
+        if (status == expected) {                     /* it may do without, say keep a block it wanted to shrink */
+            CHECK(meshes_equal(&mesh, &right));
+            pbw_free(&mesh);
+        } else {
+            CHECK_EQUAL(status, PBW_ERROR_MEMORY);
+            CHECK(meshes_is_empty(&mesh));
+        }
+        check_empty(&m);
+        if (test_faults > 0) {
+            test_say("%d threads: request %ld refused%s", threads, k, fail_all_after ? ", and all later" : "");
+            break;
+        }
+    }
+    for (k = 1; k < 100000 && (expected == PBW_OK || expected == PBW_DEGENERATE); k++) {
+        meter m;
+        pbw_report report;
+        pbw_options options;
+        meter_start(&m, k, fail_all_after);
+        options = metered(&m, threads);
+        memset(&report, 0, sizeof report);
+        status = pbw_check(&right, &options, &report);
+        survived += m.refused;
+        check_empty(&m);
+        if (m.refused == 0) {
+            CHECK(status == PBW_OK && report.valid);
+            break;
+        }
+        CHECK_EQUAL(status, PBW_ERROR_MEMORY);
+    }
+    pbw_free(&right);
+}
+
+static void test_refusals(void)
+{
+    zoo animals;
+    size_t i;
+    zoo_fill(&animals);
+    zoo_kind(&animals, 2, INPUT_UNIFORM, 2000);
+    zoo_kind(&animals, 3, INPUT_UNIFORM, 2000);
+    zoo_kind(&animals, 3, INPUT_MOMENT, 300);
+    for (i = 0; i < animals.count; i++) {
+        const zoo_input *in = animals.items + i;
+        if ((in->count <= 130 || i + 3 >= animals.count) && test_begin("every allocation fails: %s", in->name)) {
+            check_refusals(in, 1, 0);
+            check_refusals(in, 1, 1);
+            if (i % 8 == 0 || i + 3 >= animals.count) {
+                check_refusals(in, 3, 0);
+                check_refusals(in, 3, 1);
+            }
+            test_end();
+        }
+    }
+    if (test_verbose) {
+        test_say("%ld refused allocations survived", survived);
+    }
+    zoo_free(&animals);
+}
+
+/* --- how much is held --- */
+
+static void test_ceilings(void)
+{
+    size_t n = 200000;
+    double *points = (double *)zoo_grow(NULL, n * 3 * sizeof *points);
+    double *weights = (double *)zoo_grow(NULL, n * sizeof *weights);
+    int dim, threads, weighted;
+    for (dim = 2; dim <= 3; dim++) {
+        for (threads = 1; threads <= 4; threads += 3) {
+            for (weighted = 0; weighted <= 1; weighted++) {
+                double documented = dim == 2 ? 110 : 300, each;
+                meter m;
+                pbw_mesh mesh;
+                pbw_options options;
+                if (!test_begin("bytes a point: %dD, %d threads%s", dim, threads, weighted ? ", weighted" : "")) {
+                    continue;
+                }
+                meter_start(&m, 0, 0);
+                options = metered(&m, threads);
+                input_fill(INPUT_UNIFORM, dim, n, test_seed, points);
+                input_fill_weights(INPUT_WEIGHTS_SMALL, dim, n, test_seed, points, weights);
+                CHECK_EQUAL(pbw_triangulate(dim, points, weighted ? weights : NULL, n, &options, &mesh), PBW_OK);
+                each = (double)m.peak / (double)n;
+                printf("    %dD, %d threads%s: %.1f bytes a point held at once, %.1f in the result\n", dim, threads,
+                       weighted ? ", weighted" : "", each, (double)m.bytes / (double)n);
+                CHECK(each <= documented);
+                CHECK_EQUAL(mesh.statistics.peak_bytes, m.peak);
+                pbw_free(&mesh);
+                check_empty(&m);
+                test_end();
+            }
+        }
+    }
+    free(points);
+    free(weights);
+}
+
+static void test_limits(void)
+{
+    static const int kinds[4] = { INPUT_UNIFORM, INPUT_LATTICE, INPUT_CLUSTERS, INPUT_MOMENT };
+    double points[3 * 1500];
+    int i, threads;
+    size_t n = 1500;
+    for (i = 0; i < 8; i++) {
+        int dim = 2 + i % 2, kind = kinds[i / 2];
+        if (test_begin("memory limit: %dD %s", dim, input_name(kind))) {
+            n = kind == INPUT_MOMENT ? 200 : 1500;
+            input_fill(kind, dim, n, test_seed, points);
+            for (threads = 1; threads <= 4; threads += 3) {
+                meter m;
+                pbw_mesh mesh;
+                pbw_status status;
+                pbw_options options;
+                size_t enough, limit;
+                meter_start(&m, 0, 0);
+                options = metered(&m, threads);
+                CHECK_EQUAL(pbw_triangulate(dim, points, NULL, n, &options, &mesh), PBW_OK);
+                enough = m.peak;
+                pbw_free(&mesh);
+                for (limit = 1; limit < 4 * enough; limit += limit / 5 + 1) {
+                    meter_start(&m, 0, 0);
+                    options = metered(&m, threads);
+                    options.memory_limit = limit;
+                    status = pbw_triangulate(dim, points, NULL, n, &options, &mesh);
+                    CHECK(status == PBW_ERROR_MEMORY ? limit < enough && meshes_is_empty(&mesh) : status == PBW_OK);
+                    CHECK(m.peak <= limit && mesh.statistics.peak_bytes <= limit);
+                    pbw_free(&mesh);
+                    check_empty(&m);
+                }
+            }
+            test_end();
+        }
+    }
+}
+
+static void test_quadratic(void)
+{
+    size_t n = 2000;
+    double *points = (double *)zoo_grow(NULL, n * 3 * sizeof *points);
+    if (test_begin("quadratic output: 2000 points of the moment curve")) {
+        meter m;
+        pbw_mesh mesh;
+        pbw_options options;
+        input_fill(INPUT_MOMENT, 3, n, test_seed, points);
+        meter_start(&m, 0, 0);
+        options = metered(&m, 1);
+        CHECK_EQUAL(pbw_triangulate(3, points, NULL, n, &options, &mesh), PBW_OK);
+        CHECK_EQUAL(mesh.simplex_count, (n - 2) * (n - 3) / 2);
+        pbw_free(&mesh);
+        check_empty(&m);
+        options.memory_limit = m.peak / 3;
+        CHECK_EQUAL(pbw_triangulate(3, points, NULL, n, &options, &mesh), PBW_ERROR_MEMORY);
+        CHECK(meshes_is_empty(&mesh));
+        check_empty(&m);
+        test_end();
+    }
+    free(points);
+}
+
+/* --- progress --- */
+
+typedef struct watch {
+    pthread_t caller;
+    long calls, cancel_at, wrong;
+    int stages;                         /* bits of the stages seen */
+    pbw_stage stage;
+    double done;
+} watch;
+
+static int watch_progress(void *user, pbw_stage stage, double done)
+{
+    watch *w = (watch *)user;
+    int first = !(w->stages >> stage & 1);
+    w->calls++;
+    w->wrong += !pthread_equal(pthread_self(), w->caller);
+    w->wrong += !(done >= 0 && done <= 1);
+    if (first) {
+        w->wrong += w->stages >> stage != 0 || done != 0;        /* in order, each from 0 ... */
+        w->wrong += w->stages != 0 && w->done != 1;              /* ... to 1 */
+    } else {
+        w->wrong += stage != w->stage || done < w->done;
+    }
+    w->stages |= 1 << stage;
+    w->stage = stage;
+    w->done = done;
+    return w->calls == w->cancel_at;
+}
+
+/* Cancels at the k-th call, for every k until the build or check is through. */
+static void check_cancelling(const zoo_input *in, int threads, int checking)
+{
+    pbw_mesh right;
+    pbw_status expected = meshes_make(in, NULL, &right), status;
+    long k;
+    for (k = 1; k < 1000; k++) {
+        meter m;
+        watch w;
+        pbw_mesh mesh;
+        pbw_report report;
+        pbw_options options;
+        meter_start(&m, 0, 0);
+        memset(&w, 0, sizeof w);
+        w.caller = pthread_self();
+        w.cancel_at = k;
+        options = metered(&m, threads);
+        options.progress = watch_progress;
+        options.progress_user = &w;
+        memset(&mesh, 0, sizeof mesh);
+        status = checking ? pbw_check(&right, &options, &report) : meshes_make(in, &options, &mesh);
+        CHECK_EQUAL(w.wrong, 0);
+        if (w.calls < k) {
+            CHECK_EQUAL(status, checking ? PBW_OK : expected);
+            CHECK(w.calls == 0 || w.done == 1);
+            CHECK(checking || meshes_equal(&mesh, &right));
+            CHECK_EQUAL(w.stages, checking ? 1 << PBW_STAGE_CHECK
+                                           : 1 << PBW_STAGE_ORDER | 1 << PBW_STAGE_BUILD | 1 << PBW_STAGE_OUTPUT);
+            pbw_free(&mesh);
+            check_empty(&m);
+            break;
+        }
+        CHECK_EQUAL(w.calls, k);                      /* never called again */
+        CHECK_EQUAL(status, PBW_CANCELLED);
+        CHECK(checking || meshes_is_empty(&mesh));
+        check_empty(&m);
+        if (test_faults > 0) {
+            test_say("%d threads, %s, cancelled at call %ld", threads, checking ? "check" : "build", k);
+            break;
+        }
+    }
+    if (test_verbose) {
+        test_say("%ld calls", k - 1);
+    }
+    pbw_free(&right);
+}
+
+static void test_progress(void)
+{
+    zoo animals;
+    size_t i;
+    zoo_fill(&animals);
+    zoo_kind(&animals, 2, INPUT_UNIFORM, 100000);
+    zoo_kind(&animals, 3, INPUT_UNIFORM, 50000);
+    zoo_kind(&animals, 3, INPUT_SPHERE, 30000);
+    for (i = 0; i < animals.count; i++) {
+        const zoo_input *in = animals.items + i;
+        if (in->finite && in->count > 0 && (i % 8 == 0 || i + 3 >= animals.count)
+            && test_begin("cancelled: %s", in->name)) {
+            check_cancelling(in, 1, 0);
+            check_cancelling(in, 3, 0);
+            check_cancelling(in, 1, 1);
+            test_end();
+        }
+    }
+    zoo_free(&animals);
+}
+
+/* --- a small stack --- */
+
+#define STACK_BYTES ((size_t)256 * 1024)
+
+typedef struct stack_job {
+    const zoo *animals;
+    long wrong;
+} stack_job;
+
+static void *run_on_small_stack(void *argument)
+{
+    stack_job *job = (stack_job *)argument;
+    size_t i;
+    for (i = 0; i < job->animals->count; i++) {
+        pbw_mesh mesh;
+        pbw_report report;
+        pbw_options options;
+        memset(&options, 0, sizeof options);
+        options.threads = i % 4 == 0 ? 3 : 1;
+        if (meshes_make(job->animals->items + i, &options, &mesh) <= PBW_DEGENERATE) {
+            job->wrong += pbw_check(&mesh, &options, &report) != PBW_OK || !report.valid;
+            (void)pbw_hash(&mesh);
+        } else {
+            job->wrong += job->animals->items[i].finite;
+        }
+        pbw_free(&mesh);
+    }
+    return NULL;
+}
+
+static void test_stack(void)
+{
+    zoo animals;
+    stack_job job;
+    pthread_t thread;
+    pthread_attr_t attributes;
+    size_t used = 0, start;
+    unsigned char *block;
+    int i;
+    if (!test_begin("all on a stack of 256 KiB")) {
+        return;
+    }
+    zoo_fill(&animals);
+    zoo_kind(&animals, 3, INPUT_MOMENT, 700);
+    zoo_kind(&animals, 3, INPUT_SPHERE, 20000);
+    zoo_kind(&animals, 3, INPUT_LATTICE, 20000);
+    zoo_new(&animals, 2, "many on a line, one off it");
+    for (i = 0; i < 100000; i++) {
+        zoo_add(&animals, i, 3.0 * i, 0);
+    }
+    zoo_add(&animals, 5, 5, 0);
+    zoo_new(&animals, 3, "many on a line");
+    for (i = 0; i < 100000; i++) {
+        zoo_add(&animals, i, -i, 2.0 * i);
+    }
+    zoo_new(&animals, 2, "many on a circle");
+    zoo_ring(&animals, 100000, 1, 0);
+    zoo_new(&animals, 3, "many at one place");
+    for (i = 0; i < 100000; i++) {
+        zoo_add(&animals, 1, 2, 3);
+    }
+    job.animals = &animals;
+    job.wrong = 0;
+    block = (unsigned char *)zoo_grow(NULL, 2 * STACK_BYTES + 65536);
+    memset(block, 0x5c, 2 * STACK_BYTES + 65536);
+    start = 65536 - (uintptr_t)block % 65536;
+    pthread_attr_init(&attributes);
+#if defined(__SANITIZE_ADDRESS__) || defined(__SANITIZE_THREAD__)
+    pthread_attr_setstacksize(&attributes, 4 * STACK_BYTES);     /* their frames are larger */
+#else
+    CHECK(pthread_attr_setstack(&attributes, block + start + STACK_BYTES, STACK_BYTES) == 0);
+#endif
+    if (CHECK(pthread_create(&thread, &attributes, run_on_small_stack, &job) == 0)) {
+        pthread_join(thread, NULL);
+        CHECK_EQUAL(job.wrong, 0);
+        while (used < 2 * STACK_BYTES && block[used] == 0x5c) {
+            used++;
+        }
+        used = start + 2 * STACK_BYTES - used;
+        CHECK(used < STACK_BYTES);
+        if (test_verbose) {
+            test_say("%zu bytes of it used", used);
+        }
+    }
+    pthread_attr_destroy(&attributes);
+    free(block);
+    zoo_free(&animals);
+    test_end();
+}
+
+int main(int argc, char **argv)
+{
+    test_start(argc, argv, 0);
+    test_refusals();
+    test_ceilings();
+    test_limits();
+    test_quadratic();
+    test_progress();
+    test_stack();
+    return test_finish();
+}
