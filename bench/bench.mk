@@ -1,0 +1,57 @@
+# bench.mk: make bench, included by the Makefile.
+#   make bench                        ten minutes, up to 1e6 points
+#   make bench ARGS=--quick           a minute;  bench/bench.c has the method, build/bench --help the options
+#   make bench BENCH_FLAGS="-O3 -march=native"
+# Rivals are linked where a program that uses them compiles and links; the probes run only if bench is asked for.
+BENCH_FLAGS ?= -O3
+BENCH_WARN = -Wall -Wextra -Wpedantic -Wconversion -Wsign-conversion -Wshadow
+BENCH_C = $(CC) -std=c99 $(BENCH_FLAGS) $(BENCH_WARN)
+BENCH_CXX = $(CXX) -std=c++17 $(BENCH_FLAGS) $(BENCH_WARN) -DNDEBUG
+BENCH_INPUTS = pbw.h bench/bench.h bench/bench.mk tests/inputs.h
+
+ifneq ($(filter bench build/bench,$(MAKECMDGOALS)),)
+# $(call bench_has,includes,libraries): yes or nothing
+bench_has = $(shell printf '$(foreach h,$(1),\043include <$(h)>\n)int main() { return 0; }\n' | \
+    $(CXX) -std=c++17 -x c++ -DTETLIBRARY - -o /dev/null $(2) 2>/dev/null && echo yes)
+
+ifeq ($(call bench_has,CGAL/Exact_predicates_inexact_constructions_kernel.h,-lgmp -lmpfr),yes)
+BENCH_OBJECTS += build/rival_cgal.o
+BENCH_USES += -DBENCH_CGAL
+BENCH_LIBS += -lgmp -lmpfr
+ifeq ($(call bench_has,tbb/global_control.h tbb/scalable_allocator.h,-ltbb -ltbbmalloc),yes)
+BENCH_USES += -DBENCH_TBB
+BENCH_LIBS += -ltbb -ltbbmalloc
+build/rival_cgal.o: BENCH_CXX += -DCGAL_LINKED_WITH_TBB
+endif
+endif
+ifeq ($(call bench_has,tetgen.h,-ltet),yes)
+BENCH_OBJECTS += build/rival_tetgen.o
+BENCH_USES += -DBENCH_TETGEN
+BENCH_LIBS += -ltet
+endif
+ifeq ($(call bench_has,libqhull_r/libqhull_r.h,-lqhull_r),yes)
+BENCH_OBJECTS += build/rival_qhull.o
+BENCH_USES += -DBENCH_QHULL
+BENCH_LIBS += -lqhull_r
+endif
+endif
+
+# C++ links if there is a rival in it; without one a C compiler is all that is needed.
+build/bench: build/bench.o $(BENCH_OBJECTS)
+	$(if $(BENCH_OBJECTS),$(CXX),$(CC)) $(BENCH_FLAGS) $^ -o $@ $(BENCH_LIBS) -lpthread -lm
+
+build/bench.o: bench/bench.c $(BENCH_INPUTS)
+	@mkdir -p build
+	$(BENCH_C) $(BENCH_USES) -DBENCH_FLAGS='"$(BENCH_FLAGS)"' -c $< -o $@
+
+build/rival_%.o: bench/rival_%.cpp bench/bench.h bench/bench.mk
+	@mkdir -p build
+	$(BENCH_CXX) -c $< -o $@
+
+build/rival_%.o: bench/rival_%.c bench/bench.h bench/bench.mk
+	@mkdir -p build
+	$(BENCH_C) -c $< -o $@
+
+.PHONY: bench
+bench: build/bench
+	./build/bench $(ARGS)
