@@ -195,8 +195,8 @@ typedef struct pbw_report {                /* what pbw_check found */
 
 /* Checks a mesh in O(n), exactly and independently of how it was built: indices, orientation, adjacency, local
    regularity of each facet under the tie rule, closure and convexity of the hull, single cover (hence Euler's
-   relation), duplicates and hidden points.  Needs mesh->neighbors.  A faulty mesh is no error: the status is PBW_OK and
-   report->valid is 0.  A mesh of PBW_DEGENERATE points is checked for being so. */
+   relation), duplicates and hidden points.  Needs mesh->neighbors.  A faulty mesh is no error: the status is PBW_OK
+   and report->valid is 0.  A mesh of PBW_DEGENERATE points is checked for being so. */
 PBWDEF pbw_status pbw_check(const pbw_mesh *mesh, const pbw_options *options, pbw_report *report);
 
 /* Equal for two meshes if and only if (up to 2^-64 chance) they are the same triangulation of the same points:
@@ -791,7 +791,7 @@ PBW__INLINE int pbw__read_rows(int dim, int count, const double *const *row, con
                 heaviest = pbw__larger(heaviest, pbw__size(row[i][dim] - origin[dim]));
             }
         }
-        if (!(largest > 1e-150 && largest < 1e150 && heaviest < 1e300)) {
+        if (!(largest > 1e-150)) {                   /* then neither largest nor heaviest suffers from flushing */
             return 0;
         }
         unit = pbw__exponent(largest);

@@ -7,8 +7,8 @@ out=$1/demo
 mkdir -p "$out"
 
 echo "== a knotted rope in 3D: surface and interior points; the tetrahedra inside, cut open"
-"$bin/model" "$out/knot.obj"
-"$bin/pbw" "$out/knot.obj" --inside --no-orphans -o "$out/knot.vtu" -o "$out/knot.svg"
+"$bin/model" "$out/knot.obj" 0.5
+"$bin/pbw" "$out/knot.obj" --inside --no-orphans -o "$out/knot.vtu" -o "$out/cut.svg"
 
 echo "== the same, seen from above: the plane triangulation of its shadow"
 "$bin/model" "$out/small.obj" 0.08
@@ -20,5 +20,5 @@ echo "== a ball, cut open"
 echo "== a sunflower"
 "$bin/pbw" --generate spiral 4000 --dim 2 -o "$out/sunflower.svg"
 
-echo "pictures (any browser): $out/knot.svg $out/shadow.svg $out/ball.svg $out/sunflower.svg"
+echo "pictures (any browser): $out/cut.svg $out/shadow.svg $out/ball.svg $out/sunflower.svg"
 echo "mesh (ParaView): $out/knot.vtu"

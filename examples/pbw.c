@@ -32,7 +32,7 @@ static const char help[] =
     "  --weights COLUMN      regular triangulation with the weights of that column\n"
     "  --generate KIND N     N points instead of an input: uniform gauss ball sphere lattice clusters lines\n"
     "                        spiral plane anisotropic moment\n"
-    "  --seed S              for --generate; default 1\n"
+    "  --seed S              for --generate, up to 1000000; default 1\n"
     "  --threads N           default: all cores\n"
     "  --memory-limit SIZE   such as 500M or 4G: fail rather than use more for the triangulation\n"
     "  --any-order           skip the canonical order of simplices\n"
@@ -201,9 +201,9 @@ static int sort_into_columns(columns *grid, const pbwio_cloud *model)
     size_t i, x, y, total = 0;
     double high[2] = { -DBL_MAX, -DBL_MAX }, least[2], most[2];
     int k, pass;
+    memset(grid, 0, sizeof *grid);
     grid->side = (size_t)fmin(1024, sqrt((double)model->triangle_count / 2) + 1);
     grid->first = (size_t *)calloc(grid->side * grid->side + 1, sizeof *grid->first);
-    grid->list = NULL;
     grid->low[0] = grid->low[1] = DBL_MAX;
     for (i = 0; i < model->count; i++) {
         for (k = 0; k < 2; k++) {
@@ -276,7 +276,7 @@ static unsigned char *find_inside(const pbw_mesh *mesh, const pbwio_cloud *model
 
 typedef struct job {
     const char *input, *output[MOST_OUTPUTS], *generate;
-    int outputs, dim, kind, quiet, check, inside;
+    int outputs, kind, terminal, on[6];              /* on: the switches below */
     size_t count;
     uint64_t seed;
     pbwio_options read;
@@ -317,85 +317,89 @@ static int whole(const char *text, double least, double most, double *out)      
     return end != text && *end == 0 && *out >= least && *out <= most && *out == floor(*out);
 }
 
+static int find(const char *const *names, const char *name)          /* -1: it is not there */
+{
+    int i;
+    for (i = 0; names[i] != NULL; i++) {
+        if (strcmp(names[i], name) == 0) {
+            return i;
+        }
+    }
+    return -1;
+}
+
+enum { QUIET, NO_CHECK, ANY_ORDER, INSIDE, NO_ORPHANS, TEXT };
+static const char *const switches[] = { "--quiet", "--no-check", "--any-order", "--inside", "--no-orphans", "--text",
+                                        NULL };
+
+enum { O, DIM, COLUMNS, WEIGHTS, THREADS, MEMORY_LIMIT, SEED, EYE, UP, CUT, GENERATE };
+static const char *const settings[] = { "-o", "--dim", "--columns", "--weights", "--threads", "--memory-limit",
+                                        "--seed", "--eye", "--up", "--cut", "--generate", NULL };
+
+/* The setting of that number; returns whether the value is proper.  more: the argument after the value or NULL. */
+static int set(job *j, int setting, const char *value, const char *more)
+{
+    const char *dot = strrchr(value, '.');
+    pbwio_format format = pbwio_format_of(value);
+    double n = 0;
+    int fine = 1;
+    switch (setting) {
+        case O:
+            j->output[j->outputs % MOST_OUTPUTS] = value;
+            return ++j->outputs <= MOST_OUTPUTS && (format != PBWIO_AUTO || (dot != NULL && strcmp(dot, ".svg") == 0))
+                && format != PBWIO_OFF;
+        case DIM: fine = whole(value, 2, 3, &n); j->read.dim = (int)n; break;
+        case COLUMNS: j->read.columns = value; break;
+        case WEIGHTS: j->read.weight = value; break;
+        case THREADS: fine = whole(value, 0, 256, &n); j->build.threads = (int)n; break;
+        case MEMORY_LIMIT:
+            fine = whole(value, 1, (double)((size_t)-1 / 2), &n);
+            j->build.memory_limit = (size_t)n;
+            break;
+        case SEED: fine = whole(value, 0, 1e6, &n); j->seed = (uint64_t)n; break;
+        case EYE: return numbers(value, 3, j->picture.eye);
+        case UP: return numbers(value, 3, j->picture.up);
+        case CUT: return numbers(value, 4, j->picture.cut);
+        default:
+            j->generate = value;
+            j->kind = find(kinds, value);
+            fine = j->kind >= 0 && more != NULL && whole(more, 1, 4e9, &n);
+            j->count = (size_t)n;
+    }
+    return fine;
+}
+
 /* Fills the job; returns 0, or the exit status plus one. */
 static int parse(int argc, char **argv, job *j)
 {
-    double number;
-    int i, fine;
+    int i, k;
     for (i = 1; i < argc; i++) {
-        const char *a = argv[i], *value = i + 1 < argc ? argv[i + 1] : "";
-        if (strcmp(a, "--help") == 0) {
+        if (strcmp(argv[i], "--help") == 0) {
             fputs(help, stdout);
             return 1;
-        } else if (strcmp(a, "--version") == 0) {
+        } else if (strcmp(argv[i], "--version") == 0) {
             printf("pbw %d.%d.%d\n", PBW_VERSION_MAJOR, PBW_VERSION_MINOR, PBW_VERSION_PATCH);
             return 1;
-        } else if (strcmp(a, "--quiet") == 0) {
-            j->quiet = 1;
-        } else if (strcmp(a, "--no-check") == 0) {
-            j->check = 0;
-        } else if (strcmp(a, "--any-order") == 0) {
-            j->build.flags |= PBW_ANY_ORDER;
-        } else if (strcmp(a, "--inside") == 0) {
-            j->inside = 1;
-        } else if (strcmp(a, "--no-orphans") == 0) {
-            j->write.flags |= PBWIO_NO_ORPHANS;
-        } else if (strcmp(a, "--text") == 0) {
-            j->write.flags |= PBWIO_TEXT;
-        } else if (*a != '-' || a[1] == 0) {
-            if (j->input != NULL) {
-                return 1 + complain("more than one input: ", a);
+        } else if ((k = find(switches, argv[i])) >= 0) {
+            j->on[k] = 1;
+        } else if ((k = find(settings, argv[i])) >= 0) {
+            if (i + 1 >= argc || !set(j, k, argv[i + 1], argv[i + 2 < argc ? i + 2 : argc])) {
+                return 1 + complain("no proper value for ", argv[i]);
             }
-            j->input = a;
+            i += k == GENERATE ? 2 : 1;
+        } else if (argv[i][0] == '-' && argv[i][1] != 0) {
+            return 1 + complain("unknown option ", argv[i]);
+        } else if (j->input != NULL) {
+            return 1 + complain("more than one input: ", argv[i]);
         } else {
-            fine = i + 1 < argc;
-            i++;
-            if (strcmp(a, "-o") == 0) {
-                const char *dot = strrchr(value, '.');
-                pbwio_format format = pbwio_format_of(value);
-                fine = fine && j->outputs < MOST_OUTPUTS && ((dot != NULL && strcmp(dot, ".svg") == 0)
-                       || (format != PBWIO_AUTO && format != PBWIO_OFF));
-                j->output[j->outputs++ % MOST_OUTPUTS] = value;
-            } else if (strcmp(a, "--dim") == 0) {
-                fine = fine && whole(value, 2, 3, &number);
-                j->dim = fine ? (int)number : 0;
-            } else if (strcmp(a, "--columns") == 0) {
-                j->read.columns = value;
-            } else if (strcmp(a, "--weights") == 0) {
-                j->read.weight = value;
-            } else if (strcmp(a, "--threads") == 0) {
-                fine = fine && whole(value, 0, 256, &number);
-                j->build.threads = fine ? (int)number : 0;
-            } else if (strcmp(a, "--memory-limit") == 0) {
-                fine = fine && whole(value, 1, 1e18, &number);
-                j->build.memory_limit = fine ? (size_t)number : 0;
-            } else if (strcmp(a, "--seed") == 0) {
-                fine = fine && whole(value, 0, 9e15, &number);
-                j->seed = fine ? (uint64_t)number : 0;
-            } else if (strcmp(a, "--eye") == 0) {
-                fine = fine && numbers(value, 3, j->picture.eye);
-            } else if (strcmp(a, "--up") == 0) {
-                fine = fine && numbers(value, 3, j->picture.up);
-            } else if (strcmp(a, "--cut") == 0) {
-                fine = fine && numbers(value, 4, j->picture.cut);
-            } else if (strcmp(a, "--generate") == 0) {
-                for (j->kind = 0; kinds[j->kind] != NULL && strcmp(kinds[j->kind], value) != 0; j->kind++) {
-                }
-                i++;
-                fine = i < argc && kinds[j->kind] != NULL && whole(argv[i], 1, 4e9, &number);
-                j->count = fine ? (size_t)number : 0;
-                j->generate = value;
-            } else {
-                return 1 + complain("unknown option ", a);
-            }
-            if (!fine) {
-                return 1 + complain("no proper value for ", a);
-            }
+            j->input = argv[i];
         }
     }
     if ((j->input == NULL) == (j->generate == NULL)) {
         return 1 + complain("one input or --generate is needed; see --help", "");
     }
+    j->build.flags = j->on[ANY_ORDER] ? PBW_ANY_ORDER : 0;
+    j->write.flags = (j->on[NO_ORPHANS] ? PBWIO_NO_ORPHANS : 0) | (j->on[TEXT] ? PBWIO_TEXT : 0);
     return 0;
 }
 
@@ -406,8 +410,24 @@ static int fail(const char *what)
     return FAILURE;
 }
 
+static int fail_with(const job *j, pbw_status status)
+{
+    fputs(j->terminal ? "\r\033[K" : "", stderr);                   /* the bar */
+    return fail(status == PBW_CANCELLED ? "cancelled" : pbw_status_string(status));
+}
+
+/* A line of the report. */
+static void tell(const job *j, const char *what, double seconds, const char *more)
+{
+    fputs(j->terminal ? "\r\033[K" : "", stderr);
+    if (!j->on[QUIET]) {
+        printf("%-9s %8.3f s%s%s\n", what, seconds, *more != 0 ? "   " : "", more);
+        fflush(stdout);
+    }
+}
+
 /* Writes all outputs; returns the exit status. */
-static int write_all(job *j, const pbw_mesh *mesh)
+static int write_all(const job *j, const pbw_mesh *mesh)
 {
     int i;
     for (i = 0; i < j->outputs; i++) {
@@ -416,106 +436,94 @@ static int write_all(job *j, const pbw_mesh *mesh)
         pbwio_status status = pbwio_format_of(j->output[i]) != PBWIO_AUTO
             ? pbwio_write(j->output[i], mesh, &j->write, &error)
             : pbwpic_write(j->output[i], mesh, &j->picture, &error);
-        if (status != PBWIO_OK) {
-            return fail(error.text);
+        if (status != PBWIO_OK || interrupted) {
+            return fail(status != PBWIO_OK ? error.text : "cancelled");
         }
-        if (!j->quiet) {
-            printf("write     %8.3f s   %s\n", now() - start, j->output[i]);
-        }
-        if (interrupted) {
-            return fail("cancelled");
-        }
+        tell(j, "write", now() - start, j->output[i]);
     }
     return 0;
 }
 
+/* Leaves z out if all points have the same. */
+static void flatten(pbwio_cloud *cloud)
+{
+    size_t i;
+    for (i = 0; i < cloud->count; i++) {
+        if (cloud->points[3 * i + 2] < cloud->points[2] || cloud->points[3 * i + 2] > cloud->points[2]) {
+            return;
+        }
+    }
+    for (i = 0; i < cloud->count; i++) {
+        memmove(cloud->points + 2 * i, cloud->points + 3 * i, 2 * sizeof(double));
+    }
+    cloud->dim = 2;
+}
+
 static int run(job *j, pbwio_cloud *cloud, pbw_mesh *mesh)
 {
-    double start = now(), seconds;
-    size_t i, hull = 0;
-    int flat = 1;
+    double start = now();
+    size_t i, hull = 0, kept = 0;
+    unsigned char *inside;
     pbw_status status;
+    pbw_report report;
     pbwio_error error;
-    if (j->generate != NULL) {
-        if (!generate(j->kind, j->dim == 2 ? 2 : 3, j->count, j->seed, cloud)) {
-            return fail("out of memory");
-        }
-    } else if (pbwio_read(j->input, &j->read, cloud, &error) != PBWIO_OK) {
+    if (j->generate != NULL && !generate(j->kind, j->read.dim == 2 ? 2 : 3, j->count, j->seed, cloud)) {
+        return fail("out of memory");
+    }
+    if (j->generate == NULL && pbwio_read(j->input, &j->read, cloud, &error) != PBWIO_OK) {
         return fail(error.text);
     }
-    for (i = 1; i < cloud->count && cloud->dim == 3 && flat; i++) {
-        flat = !(cloud->points[3 * i + 2] < cloud->points[2]) && !(cloud->points[3 * i + 2] > cloud->points[2]);
+    if (j->read.dim == 0 && cloud->dim == 3) {
+        flatten(cloud);
     }
-    if (j->dim == 0 && flat && cloud->dim == 3) {
-        for (i = 0; i < cloud->count; i++) {
-            memmove(cloud->points + 2 * i, cloud->points + 3 * i, 2 * sizeof(double));
-        }
-        cloud->dim = 2;
-        cloud->triangle_count = 0;
+    if (!j->on[QUIET]) {
+        printf("%zu points in %dD%s, %zu faces\n", cloud->count, cloud->dim,
+               cloud->weights != NULL ? ", weighted" : "", cloud->triangle_count);
     }
-    seconds = now() - start;
-    if (!j->quiet) {
-        printf("%zu points in %dD%s", cloud->count, cloud->dim, cloud->weights != NULL ? ", weighted" : "");
-        printf(cloud->triangle_count != 0 ? ", %zu triangles\n" : "\n", cloud->triangle_count);
-        printf("read      %8.3f s\n", seconds);
-        fflush(stdout);
-    }
+    tell(j, "read", now() - start, "");
     status = interrupted ? PBW_CANCELLED
            : pbw_triangulate(cloud->dim, cloud->points, cloud->weights, cloud->count, &j->build, mesh);
-    if (*(int *)j->build.progress_user) {
-        fprintf(stderr, "\r%60s\r", "");
-    }
     if (status != PBW_OK) {
-        return fail(status == PBW_CANCELLED ? "cancelled" : pbw_status_string(status));
+        return fail_with(j, status);
+    }
+    tell(j, "order", mesh->statistics.order_seconds, "");
+    tell(j, "build", mesh->statistics.build_seconds, "");
+    tell(j, "output", mesh->statistics.output_seconds, "");
+    if (!j->on[NO_CHECK]) {
+        start = now();
+        status = pbw_check(mesh, &j->build, &report);
+        if (status != PBW_OK) {
+            return fail_with(j, status);
+        }
+        tell(j, "check", now() - start, report.valid ? "valid" : report.what);
+        if (!report.valid) {
+            return fail("the result is wrong: please report this");
+        }
     }
     for (i = 0; i < mesh->simplex_count * (size_t)(mesh->dim + 1); i++) {
         hull += mesh->neighbors[i] == PBW_NONE;
     }
-    if (!j->quiet) {
-        printf("order     %8.3f s\nbuild     %8.3f s\noutput    %8.3f s\n", mesh->statistics.order_seconds,
-               mesh->statistics.build_seconds, mesh->statistics.output_seconds);
-    }
-    if (j->check) {
-        pbw_report report;
-        start = now();
-        status = pbw_check(mesh, &j->build, &report);
-        if (*(int *)j->build.progress_user) {
-            fprintf(stderr, "\r%60s\r", "");
-        }
-        if (status != PBW_OK) {
-            return fail(status == PBW_CANCELLED ? "cancelled" : pbw_status_string(status));
-        }
-        if (!report.valid) {
-            fprintf(stderr, "pbw: the result is wrong, please report this: %s (simplex %lu)\n", report.what,
-                    (unsigned long)report.simplex);
-            return FAILURE;
-        }
-        if (!j->quiet) {
-            printf("check     %8.3f s   valid\n", now() - start);
-        }
-    }
-    if (!j->quiet) {
+    if (!j->on[QUIET]) {
         printf("%zu %s, %zu on the hull, %zu duplicates, %zu hidden points\n", mesh->simplex_count,
                mesh->dim == 3 ? "tetrahedra" : "triangles", hull, mesh->duplicate_count, mesh->hidden_count);
         printf("peak memory %.0f bytes a point, hash %016llx\n",
                (double)mesh->statistics.peak_bytes / (double)mesh->point_count, (unsigned long long)pbw_hash(mesh));
     }
-    if (j->inside) {
-        unsigned char *inside;
+    if (j->on[INSIDE]) {
         if (mesh->dim != 3 || cloud->triangle_count == 0) {
             return fail("--inside needs a model with faces in 3D");
         }
+        start = now();
         inside = find_inside(mesh, cloud);
         if (inside == NULL) {
             return fail("out of memory");
         }
-        for (i = hull = 0; i < mesh->simplex_count; i++) {
-            hull += inside[i];
-        }
-        if (!j->quiet) {
-            printf("%zu tetrahedra inside the surface\n", hull);
+        for (i = 0; i < mesh->simplex_count; i++) {
+            kept += inside[i];
         }
         j->write.keep = j->picture.keep = inside;
+        snprintf(error.text, sizeof error.text, "%zu tetrahedra", kept);
+        tell(j, "inside", now() - start, error.text);
     }
     return write_all(j, mesh);
 }
@@ -525,20 +533,18 @@ int main(int argc, char **argv)
     job j;
     pbwio_cloud cloud;
     pbw_mesh mesh;
-    int status, terminal;
+    int status;
     memset(&j, 0, sizeof j);
     memset(&cloud, 0, sizeof cloud);
     memset(&mesh, 0, sizeof mesh);
-    j.check = 1;
     j.seed = 1;
     status = parse(argc, argv, &j);
     if (status != 0) {
         return status - 1;
     }
-    terminal = !j.quiet && isatty(2);
-    j.read.dim = j.dim;
+    j.terminal = !j.on[QUIET] && isatty(2);
     j.build.progress = on_progress;
-    j.build.progress_user = &terminal;
+    j.build.progress_user = &j.terminal;
     signal(SIGINT, on_interrupt);
     status = run(&j, &cloud, &mesh);
     free((void *)j.write.keep);

@@ -1,7 +1,7 @@
 /* pbw_io.h - v0.1.0 - reads point clouds and models, writes meshes - MIT-0
 
    QUICK START
-   In one source file, define PBWIO_IMPLEMENTATION before the include; in all others, only include.
+   In one source file, define PBW_IO_IMPLEMENTATION before the include; in all others, only include.
 
        #define PBW_IMPLEMENTATION
        #include "pbw.h"
@@ -64,7 +64,9 @@
 */
 #ifndef PBW_IO_H
 #define PBW_IO_H
+#ifndef PBW_H
 #include "pbw.h"
+#endif
 #include <stdio.h>
 
 #ifndef PBWIODEF
@@ -343,7 +345,7 @@ static int pbwio__lay_out(char text[40], int minus, const char *digits, int coun
 /* Writes x in the fewest digits from 15 to 17 that read back the same; returns the length. */
 static int pbwio__print_number(char text[40], double x)
 {
-    char raw[40], digits[18], shorter[40];
+    char raw[40], digits[18] = "", shorter[40];
     int count = 0, length, exponent, i, other;
     double back;
     if (!(x - x <= 0)) {                                             /* values of the user may be so */
@@ -1936,7 +1938,8 @@ PBWIODEF pbwio_status pbwio_write(const char *path, const pbw_mesh *mesh, const 
     w->id_size = format == PBWIO_MSH ? 8 : 4;
     w->corners = (size_t)mesh->dim + 1;
     w->text = (output->flags & PBWIO_TEXT) != 0
-           || !(format == PBWIO_VTU || format == PBWIO_MSH || format == PBWIO_PLY || format == PBWIO_STL);
+           || !(format == PBWIO_VTU || format == PBWIO_MSH || format == PBWIO_PLY
+                || (format == PBWIO_STL && pbwio__little_endian()));         /* STL has no other byte order */
     if (format == PBWIO_NEIGH && output->keep != NULL) {
         w->number = (pbw_index *)PBWIO_REALLOC(NULL, (mesh->simplex_count + 1) * sizeof *w->number);
         failed = w->number == NULL;

@@ -13,7 +13,9 @@
 */
 #ifndef PBW_PICTURE_H
 #define PBW_PICTURE_H
+#ifndef PBW_IO_H
 #include "pbw_io.h"
+#endif
 
 #ifndef PBWPICDEF
 #define PBWPICDEF extern

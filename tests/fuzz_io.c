@@ -1,7 +1,7 @@
 /* fuzz_io.c: bytes read as a file of every format, and what must hold afterwards.
-       clang -g -O1 -I. -fsanitize=fuzzer,address,undefined tests/fuzz_io.c -o fuzz_io -lm
+       clang -g -O1 -fsanitize=fuzzer,address,undefined tests/fuzz_io.c -o fuzz_io -lm
        ./fuzz_io tests/corpus/io
-       cc -O2 -I. -DFUZZ_MAIN tests/fuzz_io.c -o fuzz_io -lm && ./fuzz_io --count 1000000 --seed 1
+       cc -O2 -DFUZZ_MAIN tests/fuzz_io.c -o fuzz_io -lm && ./fuzz_io --count 1000000 --seed 1
        ./fuzz_io FILE ...      (FUZZ_MAIN too) reads these files */
 #if defined(PBW_FUZZ_MAIN) && !defined(FUZZ_MAIN)
 #define FUZZ_MAIN
@@ -42,6 +42,7 @@ static void count_free(void *ptr)
 #define PBWIO_REALLOC(ptr, size) count_realloc(ptr, size)
 #define PBWIO_FREE(ptr) count_free(ptr)
 #define PBW_IO_IMPLEMENTATION
+#include "../pbw.h"
 #include "../examples/pbw_io.h"
 #include "io_samples.h"
 #include "test.h"

@@ -26,6 +26,7 @@ static const io_sample io_text_samples[] = {
     IO_TEXT("tetrahedron.obj", "# model\nmtllib a.mtl\nv 0 0 0\nv 1 0 0 1\nv 0 1 0 .5 .5 .5\nv 0 0 1\n"
             "vn 0 0 1\nvt 0 0\no thing\nf 1/1/1 3//1 2/1\nf 1 2 4\nf -4 -1 -2\nf 2 3 \\\n 4\n", 3, 4, 4, 3),
     IO_TEXT("quad.obj", "v 0 0 1\nv 1 0 1\nv 1 1 1\nv 0 1 1\nf 1 2 3 4\n", 3, 4, 2, 8),
+    IO_TEXT("windows.obj", "v 0 0 1\r\nv 1 0 \\\r\n1\r\nv 1 1 1\r\nf 1 2 \\\r\n 3\r\n", 3, 3, 1, 6),
     IO_TEXT("square.off", "OFF # comment\n4 1 4\n0 0 0\n1 0 0\n1 1 0\n\n0 1 0\n4 0 1 2 3 255 0 0\n", 3, 4, 2, 4),
     IO_TEXT("colours.off", "COFF\n3 1 0\n0 0 0 255 0 0 255\n1 0 0 0 255 0 255\n0 1 0 0 0 255 255\n3 0 1 2\n",
             3, 3, 1, 2),

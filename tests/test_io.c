@@ -1,5 +1,5 @@
 /* test_io.c: examples/pbw_io.h and examples/pbw_picture.h: numbers, every reader on good and on broken files, every
-   writer read back, full disks, memory that runs out; and the program build/pbw where it has been built. */
+   writer read back, full disks, memory that runs out; and the program pbw, if it lies beside this one. */
 #define _GNU_SOURCE
 #include <locale.h>
 #include <pthread.h>
@@ -41,7 +41,6 @@ static void count_free(void *ptr)
     }
 }
 
-#define PBW_IMPLEMENTATION
 #include "../pbw.h"
 #define PBWIO_REALLOC(ptr, size) count_realloc(ptr, size)
 #define PBWIO_FREE(ptr) count_free(ptr)
@@ -52,7 +51,7 @@ static void count_free(void *ptr)
 #include "io_samples.h"
 #include "test.h"
 
-static char folder[64];
+static char folder[64], program[256];
 
 static uint64_t next_random(void)
 {
@@ -89,7 +88,7 @@ static void test_numbers(void)
     };
     static const char *const bad[] = {
         "", "-", "+", ".", "e5", "1e", "1e+", "1.2.3", "1,5", "0x10", "nan", "inf", "-inf", "1e309", "1.8e308", "1 2",
-        "--1", "1e5.0", "1f", "\xc2\xa0" "1"
+        "--1", "1e5.0", "1f", "\xc2\xa0 1"
     };
     char text[64], *longer = (char *)malloc(5000);
     double value;
@@ -450,11 +449,14 @@ static void test_stack(void)
 {
     pthread_attr_t attributes;
     pthread_t thread;
+    int started;
     pthread_attr_init(&attributes);
-    if (CHECK(pthread_attr_setstacksize(&attributes, 65536) == 0)
-        && CHECK(pthread_create(&thread, &attributes, all_samples, NULL) == 0)) {
+    CHECK(pthread_attr_setstacksize(&attributes, 65536) == 0);
+    started = pthread_create(&thread, &attributes, all_samples, NULL) == 0;
+    if (started) {
         pthread_join(thread, NULL);
     }
+    CHECK(started);
     pthread_attr_destroy(&attributes);
 }
 
@@ -743,7 +745,7 @@ static void test_formats(int dim, int weighted)
     CHECK(same_number(row[0], (double)kept_count(&mesh, keep, &hull)));
     free(data);
     if (system("command -v gmsh > /dev/null 2>&1") == 0) {           /* what Gmsh itself says */
-        char command[256];
+        char command[512];
         write_it("a.msh", &mesh, PBWIO_NO_ORPHANS, NULL);
         snprintf(command, sizeof command, "gmsh -check %s > %s/log 2>&1 && ! grep -E '^(Error|Warning)' %s/log",
                  in_folder("a.msh"), folder, folder);
@@ -870,11 +872,11 @@ static void test_program(void)
         { "- --dim 2 --weights z --quiet -o FOLDER/c.obj < FOLDER/b.csv", "", 0 },
         { "--generate uniform 3000000 -o FOLDER/a.vtu", "pbw: cancelled", 1 }
     };
-    char command[512], line[256], last[256], arguments[256];
+    char command[1024], line[256], last[256], arguments[256];
     const char *from;
     size_t i;
-    if (access("build/pbw", X_OK) != 0) {
-        test_skip("there is no build/pbw");
+    if (access(program, X_OK) != 0) {
+        test_skip("there is no program pbw beside this one");
         return;
     }
     for (i = 0; i < sizeof uses / sizeof uses[0]; i++) {
@@ -887,8 +889,8 @@ static void test_program(void)
                      here ? folder : from);
             from += here ? 5 : 0;
         }
-        snprintf(command, sizeof command, "%s build/pbw %s 2>&1", strstr(uses[i].says, "cancelled") == NULL ? ""
-                 : "timeout --preserve-status -s INT 0.3", arguments);
+        snprintf(command, sizeof command, "%s %s %s 2>&1", strstr(uses[i].says, "cancelled") == NULL ? ""
+                 : "timeout --preserve-status -s INT 0.3", program, arguments);
         pipe = popen(command, "r");
         while (pipe != NULL && fgets(line, sizeof line, pipe) != NULL) {
             line[strcspn(line, "\n")] = 0;
@@ -937,6 +939,8 @@ int main(int argc, char **argv)
     };
     size_t i;
     test_start(argc, argv, 0);
+    snprintf(program, sizeof program, "%.*spbw", (int)(strrchr(argv[0], '/') == NULL ? 0
+             : strrchr(argv[0], '/') + 1 - argv[0]), argv[0]);
     strcpy(folder, "/tmp/pbw-test-XXXXXX");
     if (mkdtemp(folder) == NULL) {
         return 1;
