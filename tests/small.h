@@ -94,7 +94,7 @@ static inline void small_decode(small_input *in, const unsigned char *data, size
     in->count = (int)(small_take(&bytes) % (in->dim == 2 ? 14 : 12));
     in->count += in->count == 11 ? (int)(small_take(&bytes) % (SMALL_POINTS - 14)) : 0;
     if (grid == 7 || grid == 15) {                    /* long integers are slow: few points, and not often */
-        in->count = in->count > 8 ? 8 : in->count;
+        in->count = in->count > 7 ? 7 : in->count;
         grid -= small_take(&bytes) % 4 != 0 ? 4 : 0;
     }
     for (i = 0; i < in->count; i++) {

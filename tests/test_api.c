@@ -483,10 +483,14 @@ static void test_modes(void)
     if (test_begin("denormals flushed and read as zero: right, and left as it was")) {
         unsigned state = _mm_getcsr();
         _mm_setcsr(state | 0x8040u);
-        check_in_mode(&animals, hashes);
-        CHECK_EQUAL(_mm_getcsr() & 0xffc0u, (state | 0x8040u) & 0xffc0u);
-        _mm_setcsr(state);
-        test_end();
+        if ((_mm_getcsr() & 0x8040u) == 0x8040u) {
+            check_in_mode(&animals, hashes);
+            CHECK_EQUAL(_mm_getcsr() & 0xffc0u, (state | 0x8040u) & 0xffc0u);
+            _mm_setcsr(state);
+            test_end();
+        } else {
+            test_skip("this machine, or valgrind, has no such mode");
+        }
     }
     if (test_begin("traps on overflow, invalid and division by zero: none is raised")) {
         unsigned state = _mm_getcsr();

@@ -643,7 +643,7 @@ static void test_raised(long calls)
                         CHECK(conflict(&p, NULL) == (raised > 0));
                     }
                 }
-                CHECK(ties > calls / 50);
+                CHECK(ties >= calls / 200);
                 test_end();
             }
         }
@@ -1008,7 +1008,7 @@ int main(int argc, char **argv)
     test_conventions();
     test_families(test_count);
     test_reach();
-    test_attack(test_count / 100);
+    test_attack(test_count / 100 + 512);
     test_modes(test_count / 40);
     test_raised(test_count / 40);
     test_circuits(test_count / 40);
