@@ -276,14 +276,12 @@ PBWDEF int pbw_version(void);              /* differs from PBW_VERSION if header
 #define PBW__UNLIKELY(x) (x)
 #endif
 
-/* Four facets are tested at once where the compiler has vectors of four doubles, in functions compiled for the
-   instruction set and chosen when a build starts.  PBW_NO_SIMD leaves the scalar code only, with the same answers. */
-#if !defined(PBW_NO_SIMD) && defined(__x86_64__) && defined(__has_builtin)
-#if __has_builtin(__builtin_shufflevector)
-#define PBW__LANES 4
-typedef double pbw__lanes __attribute__((vector_size(32)));
-typedef double pbw__half_lanes __attribute__((vector_size(16), aligned(8)));
-#endif
+/* Four facets are tested at once in functions compiled for the instruction set and chosen when a build starts.
+   PBW_NO_SIMD leaves the scalar code only, with the same answers. */
+#if !defined(PBW_NO_SIMD) && defined(__x86_64__) && defined(__GNUC__)
+#define PBW__X86
+#define PBW__AVX2 __attribute__((target("avx2,fma")))
+#define PBW__AVX2_INLINE static inline __attribute__((target("avx2,fma"), always_inline, unused))
 #endif
 
 #define PBW__EPSILON 1.1102230246251565e-16          /* u = 2^-53: half an ulp of 1 */
@@ -1680,9 +1678,9 @@ done:
 }
 /* ------------------------------------------------------------------------------------------------------
    >>mesh         The triangulation while it is built.
-   A simplex is one record: the vertices of its corners v[] and, across from each corner, a link n[] to the neighbour:
-   4*simplex + the number of the neighbour's corner across the shared facet.  So one link gives the neighbour, its far
-   vertex, and the place of the link back.  In 3D a record is 32 bytes, half a cache line; in 2D 24.
+   Simplex t has the vertices corner[4*t + i] and, across from each, link[4*t + i]: 4*neighbour + the number of the
+   neighbour's corner across the shared facet.  So corner[link] is the far vertex, link[link] the link back, each one
+   load.  In 3D that is 32 bytes a simplex; in 2D the fourth entries are not used.
 
    Vertex 0 is the ghost vertex at infinity: each facet of the hull carries a ghost simplex, so that every facet has
    two sides and the hull needs no cases of its own.
@@ -1693,7 +1691,7 @@ done:
      facet;
      - the ghost vertex is in the last corner;
      - no vertex inserted so far is in conflict with a simplex (>>predicates has the rule for ties);
-     - all marks are 0; a free record has v[0] = PBW_NONE and v[1] = the next free one.
+     - all marks are 0; a free simplex has PBW_NONE in corner 0 and the next free one in corner 1.
    ------------------------------------------------------------------------------------------------------ */
 #ifdef PBW_WIDE
 typedef uint64_t pbw__link;
@@ -1709,9 +1707,6 @@ typedef uint32_t pbw__link;
 
 #define PBW__GHOST 0u
 
-typedef struct pbw__simplex2 { pbw_index v[3]; pbw__link n[3]; } pbw__simplex2;
-typedef struct pbw__simplex3 { pbw_index v[4]; pbw__link n[4]; } pbw__simplex3;
-
 /* A simplex of the cavity: its corners, and their local numbers (3D). */
 typedef struct pbw__carved { pbw_index v[4], local[4]; } pbw__carved;
 
@@ -1719,106 +1714,105 @@ typedef struct pbw__carved { pbw_index v[4], local[4]; } pbw__carved;
    facet. 2D: the edge's ends, as seen from inside. */
 typedef struct pbw__facet { pbw__link beyond; pbw_index from, to; } pbw__facet;
 
-/* What the cavity search knows of a vertex: its place relative to the new point, and its lift. */
-typedef struct pbw__row { double x, y, z, lift; } pbw__row;
+/* The vertices of one cavity are numbered from 0 in the order of meeting them, by a hash of 256 slots: a slot is in
+   use if the upper bits of its tag are the stamp of this insertion, the lower 6 are the number.  Larger cavities do
+   without numbers. */
+typedef struct pbw__slot { pbw_index vertex; uint32_t tag; } pbw__slot;
+#define PBW__SLOTS 256
+#define PBW__LOCALS 64
 
-/* The vertices met in one insertion, numbered from 0, the ghost, upwards.  A hash finds the number of a vertex:
-   entries are vertex << 32 | stamp, and a new stamp empties the table. */
-typedef struct pbw__locals {
-    pbw__row *row;                                   /* by local number */
-    uint64_t *slot_key;
-    pbw_index *slot_local;
-    size_t count;
-    double height;                                   /* largest |x|^2 + |weight difference| of a row */
-    uint32_t stamp, mask;                            /* mask = slots - 1 */
-    int shift;                                       /* 32 - log2(slots) */
-} pbw__locals;
+/* The facet of the new star behind a directed edge of the cavity's boundary. */
+typedef struct pbw__edge { pbw_index from, to; pbw__link link; } pbw__edge;
 
-typedef struct pbw__edge { uint64_t key; pbw__link link; } pbw__edge;
+/* The simplices, shared by all threads: each takes slots from it in blocks. */
+typedef struct pbw__store {
+    pbw_index *corner;
+    pbw__link *link;
+    unsigned char *mark;                             /* per simplex: 1 = in the cavity of an insertion */
+    size_t corner_capacity, link_capacity, mark_capacity, capacity;      /* simplices held; the least of the three */
+    size_t count;                                    /* slots given out */
+} pbw__store;
 
 /* One thread's view of a triangulation, with the scratch memory of one insertion. */
 typedef struct pbw__kernel {
     pbw__context *context;
+    pbw__store *store;
     const double *record;                            /* vertex records, (dim+1) doubles each */
     const pbw__grid *grid;
-    int weighted;                                    /* 0: every vertex becomes one, none is hidden */
-    pbw__simplex2 *s2;                               /* one of the two, by dimension */
-    pbw__simplex3 *s3;
-    unsigned char *mark;                             /* per simplex: 1 = in the cavity of this insertion */
-    size_t count, capacity, mark_capacity;           /* records used, held; marks held */
-    size_t free_count;                               /* free records among the used */
-    pbw_index free_list, last;                       /* first free record; a simplex of the last star */
+    int dim, weighted;                               /* not weighted: every vertex becomes one, none is hidden */
+    pbw_index *corner;                               /* the store's arrays */
+    pbw__link *link;
+    unsigned char *mark;
+    size_t fresh, fresh_end;                         /* slots of ours that were never used */
+    size_t free_count;                               /* free ones among the used */
+    pbw_index free_list, last;                       /* first free simplex; one of the last star */
 
-    pbw_index *cavity;                               /* simplices in conflict */
+    pbw_index *cavity;                               /* simplices in conflict; then the slots of the star */
     pbw__carved *carved;                             /* 3D: the same, what the refill needs of them */
     pbw__facet *facet;                               /* the boundary of the cavity */
     pbw__link *stack;                                /* 2D: links still to look through */
-    size_t cavity_count, facet_count, stack_count;
+    size_t cavity_count, facet_count;
     size_t cavity_capacity, carved_capacity, facet_capacity, stack_capacity;
-    int (*carve3)(struct pbw__kernel *kernel, pbw_index t, const double *p);    /* for this CPU */
+    /* One vertex into the triangulation, for this dimension and this CPU; a hidden one changes nothing. */
+    pbw_status (*insert)(struct pbw__kernel *kernel, pbw_index vertex);
 
-    pbw__locals locals;                              /* 3D */
-    pbw__link *edge;                                 /* 3D: by pairs of local numbers below PBW__EDGE_LOCALS */
-    pbw__edge *wide_edge;                            /* the same as a hash, for more local vertices */
-    size_t wide_mask;
+    pbw__slot *slot;                                 /* 3D */
+    uint32_t stamp, local_count;
+    pbw__link *edge;                                 /* 3D: by pairs of local numbers */
+    pbw__edge *wide_edge;                            /* the same as a hash of pairs of vertices */
+    size_t wide_capacity;
     pbw_statistics statistics;
 } pbw__kernel;
 
-#define PBW__EDGE_LOCALS 64
-#define PBW__LOCALS_BYTES                                                                                            \
-    (sizeof(uint64_t) + sizeof(pbw_index) + sizeof(pbw__row) / 2) /* a hash slot; half are used */
-
-PBW__INLINE pbw_index *pbw__corners(const pbw__kernel *kernel, size_t t)
-{
-    return kernel->s3 != NULL ? kernel->s3[t].v : kernel->s2[t].v;
-}
-
-/* Room for `needed` items in an array of the kernel; grows by half. */
-static int pbw__grow(pbw__kernel *kernel, void *array, size_t *capacity, size_t needed, size_t size)
+static int pbw__resize_array(pbw__memory *memory, void *array, size_t *capacity, size_t wanted, size_t size)
 {
     void *old, *block;
-    size_t bigger = *capacity + *capacity / 2;
-    if (needed <= *capacity) {
-        return 1;
-    }
-    bigger = bigger > needed ? bigger : needed;
     memcpy(&old, array, sizeof(old));
-    block = pbw__resize(&kernel->context->memory, old, *capacity, bigger, size);
+    block = pbw__resize(memory, old, *capacity, wanted, size);
     if (block == NULL) {
         return 0;
     }
     memcpy(array, &block, sizeof(block));
-    *capacity = bigger;
+    *capacity = wanted;
     return 1;
 }
 
-/* Records for `needed` simplices in all; grows by a quarter. */
-static PBW__NOINLINE pbw_status pbw__reserve(pbw__kernel *kernel, size_t needed)
+/* Room for `needed` items in a scratch array of the kernel; grows by half. */
+static int pbw__grow(pbw__kernel *kernel, void *array, size_t *capacity, size_t needed, size_t size)
 {
-    pbw__memory *memory = &kernel->context->memory;
-    size_t size = kernel->s3 != NULL ? sizeof(pbw__simplex3) : sizeof(pbw__simplex2), bigger;
-    void *records = kernel->s3 != NULL ? (void *)kernel->s3 : (void *)kernel->s2;
-    unsigned char *mark;
+    size_t bigger = *capacity + *capacity / 2;
+    return needed <= *capacity || pbw__resize_array(&kernel->context->memory, array, capacity,
+                                                    bigger > needed ? bigger : needed, size);
+}
+
+/* Room for `needed` simplices in all. */
+static PBW__NOINLINE pbw_status pbw__store_reserve(pbw__memory *memory, pbw__store *store, size_t needed)
+{
     if (needed > PBW__SIMPLEX_LIMIT) {
         return PBW_ERROR_TOO_LARGE;
     }
-    bigger = kernel->capacity + kernel->capacity / 4;
-    bigger = bigger > needed ? bigger : needed;
-    bigger = bigger < PBW__SIMPLEX_LIMIT ? bigger : PBW__SIMPLEX_LIMIT;
-    mark = (unsigned char *)pbw__resize(memory, kernel->mark, kernel->mark_capacity, bigger, 1);
-    if (mark == NULL) {
+    if (!pbw__resize_array(memory, &store->corner, &store->corner_capacity, 4 * needed, sizeof(pbw_index))
+        || !pbw__resize_array(memory, &store->link, &store->link_capacity, 4 * needed, sizeof(pbw__link))
+        || !pbw__resize_array(memory, &store->mark, &store->mark_capacity, needed, 1)) {
         return PBW_ERROR_MEMORY;
     }
-    kernel->mark = mark;
-    kernel->mark_capacity = bigger;
-    records = pbw__resize(memory, records, kernel->capacity, bigger, size);
-    if (records == NULL) {
-        return PBW_ERROR_MEMORY;
-    }
-    kernel->s2 = kernel->s2 != NULL ? (pbw__simplex2 *)records : NULL;
-    kernel->s3 = kernel->s3 != NULL ? (pbw__simplex3 *)records : NULL;
-    kernel->capacity = bigger;
+    store->capacity = needed;
     return PBW_OK;
+}
+
+static void pbw__store_free(pbw__memory *memory, pbw__store *store)
+{
+    pbw__release(memory, store->corner, store->corner_capacity, sizeof(pbw_index));
+    pbw__release(memory, store->link, store->link_capacity, sizeof(pbw__link));
+    pbw__release(memory, store->mark, store->mark_capacity, 1);
+    memset(store, 0, sizeof(*store));
+}
+
+PBW__INLINE void pbw__kernel_attach(pbw__kernel *kernel)
+{
+    kernel->corner = kernel->store->corner;
+    kernel->link = kernel->store->link;
+    kernel->mark = kernel->store->mark;
 }
 /* ------------------------------------------------------------------------------------------------------
    >>walk         Where a point lies.
@@ -1834,9 +1828,10 @@ static PBW__NOINLINE pbw_status pbw__reserve(pbw__kernel *kernel, size_t needed)
 
    Errors.  With coordinates relative to the point, S_i is a sum of 6 products of 3 factors.  A product carries 3
    rounded translations, 2 multiplications, 1 + 2 additions: |error| <= 8u/(1-8u) * 6 m^3 < 5.4e-15 m^3, m the largest
-   |coordinate|.  2D: 2 products, 2 translations, 1 multiplication, 1 addition: < 4u * 2 m^2 < 9e-16 m^2. An underflow
-   adds at most 2^-1074 a product, which m > 1e-90 (2D: 1e-140) makes irrelevant.  Outside the range where nothing
-   overflows the bound is infinite: no determinant exceeds it, infinity included.
+   |coordinate|, so m^2 <= h of >>cavity.  Compared as S^2 > (5.4e-15)^2 h^3; h is computed with 3 roundings, which the
+   next digit of the constant covers, and raised to 1e-55 if it is less.  2D: 2 products, 2 translations, 1
+   multiplication, 1 addition: < 4u * 2 m^2 < 9e-16 m^2.  An underflow adds at most 2^-1074 a product, far below
+   the bounds.  Where something overflows the bound is infinite, or a comparison with it false.
    ------------------------------------------------------------------------------------------------------ */
 #define PBW__ORIENT2_ERROR 9e-16
 #define PBW__ORIENT3_ERROR 5.4e-15
@@ -1861,114 +1856,237 @@ PBW__INLINE const double *pbw__record3(const pbw__kernel *kernel, pbw_index v)
     return kernel->record + (size_t)v * 4;
 }
 
+/* The row (x, y, z, lift) of a vertex relative to p, zero for the ghost; returns its height. */
+PBW__INLINE double pbw__row3(const pbw__kernel *kernel, pbw_index v, const double *p, double *row)
+{
+    const double *record = pbw__record3(kernel, v);
+    double square, weight = record[3] - p[3];
+    if (v == PBW__GHOST) {
+        row[0] = row[1] = row[2] = row[3] = 0.0;
+        return 0.0;
+    }
+    row[0] = record[0] - p[0];
+    row[1] = record[1] - p[1];
+    row[2] = record[2] - p[2];
+    square = row[0] * row[0] + row[1] * row[1] + row[2] * row[2];
+    row[3] = square - weight;
+    return square + pbw__size(weight);
+}
+
+#ifdef PBW__X86
+/* Four rows by columns, a vertex in each lane.  Lanes of the ghost are zero and marked. */
+typedef struct pbw__rows3 { __m256d x, y, z, lift, height, ghost; } pbw__rows3;
+typedef struct pbw__point3 { __m256d x, y, z, weight; } pbw__point3;
+
+#define PBW__CORNER_A(x) _mm256_permute4x64_pd(x, 0x09)   /* corners 1 2 0 0: pbw__facet_corners by columns */
+#define PBW__CORNER_B(x) _mm256_permute4x64_pd(x, 0x92)   /* 2 0 1 2 */
+#define PBW__CORNER_C(x) _mm256_permute4x64_pd(x, 0x7f)   /* 3 3 3 1 */
+#define PBW__JOIN(a, b) _mm256_insertf128_pd(_mm256_castpd128_pd256(_mm_loadu_pd(a)), _mm_loadu_pd(b), 1)
+
+PBW__AVX2_INLINE pbw__point3 pbw__point3_of(const double *p)
+{
+    pbw__point3 point;
+    point.x = _mm256_set1_pd(p[0]);
+    point.y = _mm256_set1_pd(p[1]);
+    point.z = _mm256_set1_pd(p[2]);
+    point.weight = _mm256_set1_pd(p[3]);
+    return point;
+}
+
+PBW__AVX2_INLINE pbw__rows3 pbw__rows3_of(const double *record, pbw_index v0, pbw_index v1, pbw_index v2,
+                                          pbw_index v3, const pbw__point3 *p)
+{
+    const double *a = record + 4 * (size_t)v0, *b = record + 4 * (size_t)v1, *c = record + 4 * (size_t)v2,
+                 *d = record + 4 * (size_t)v3;
+    const __m256d sign = _mm256_set1_pd(-0.0);
+    __m256d ac = PBW__JOIN(a, c), bd = PBW__JOIN(b, d), ac2 = PBW__JOIN(a + 2, c + 2), bd2 = PBW__JOIN(b + 2, d + 2);
+    __m256d weight, square, ghost;
+    pbw__rows3 rows;
+    __m128i v = _mm_set_epi32((int)v3, (int)v2, (int)v1, (int)v0);
+    ghost = _mm256_castsi256_pd(_mm256_cvtepi32_epi64(_mm_cmpeq_epi32(v, _mm_setzero_si128())));
+    rows.x = _mm256_andnot_pd(ghost, _mm256_unpacklo_pd(ac, bd) - p->x);
+    rows.y = _mm256_andnot_pd(ghost, _mm256_unpackhi_pd(ac, bd) - p->y);
+    rows.z = _mm256_andnot_pd(ghost, _mm256_unpacklo_pd(ac2, bd2) - p->z);
+    weight = _mm256_andnot_pd(ghost, _mm256_unpackhi_pd(ac2, bd2) - p->weight);
+    square = _mm256_fmadd_pd(rows.z, rows.z, _mm256_fmadd_pd(rows.y, rows.y, rows.x * rows.x));
+    rows.lift = square - weight;
+    rows.height = square + _mm256_andnot_pd(sign, weight);
+    rows.ghost = ghost;
+    return rows;
+}
+
+/* The largest lane, in all lanes. */
+PBW__AVX2_INLINE __m256d pbw__highest(__m256d x)
+{
+    x = _mm256_max_pd(x, _mm256_permute_pd(x, 5));
+    return _mm256_max_pd(x, _mm256_permute2f128_pd(x, x, 1));
+}
+#endif
+
 /* The exact verdict on any simplex, ghosts included.  A ghost with the point in its facet's plane is in conflict
    exactly when the finite simplex behind the facet is. */
 static PBW__NOINLINE int pbw__in_conflict3(pbw__kernel *kernel, pbw_index t, const double *p)
 {
-    const pbw__simplex3 *s = kernel->s3 + t;
+    const pbw_index *v = kernel->corner + 4 * (size_t)t;
     kernel->statistics.exact_tests++;
-    if (s->v[3] == PBW__GHOST) {
-        int side = pbw__orient3(pbw__record3(kernel, s->v[0]), pbw__record3(kernel, s->v[1]),
-                                pbw__record3(kernel, s->v[2]), p, kernel->grid);
+    if (v[3] == PBW__GHOST) {
+        int side = pbw__orient3(pbw__record3(kernel, v[0]), pbw__record3(kernel, v[1]), pbw__record3(kernel, v[2]), p,
+                                kernel->grid);
         if (side != 0) {
             return side > 0;
         }
-        s = kernel->s3 + (s->n[3] >> 2);
+        v = kernel->corner + (kernel->link[4 * (size_t)t + 3] & ~(pbw__link)3);
     }
-    return pbw__conflict3(pbw__record3(kernel, s->v[0]), pbw__record3(kernel, s->v[1]), pbw__record3(kernel, s->v[2]),
-                          pbw__record3(kernel, s->v[3]), p, kernel->grid);
+    return pbw__conflict3(pbw__record3(kernel, v[0]), pbw__record3(kernel, v[1]), pbw__record3(kernel, v[2]),
+                          pbw__record3(kernel, v[3]), p, kernel->grid);
 }
 
 static PBW__NOINLINE int pbw__in_conflict2(pbw__kernel *kernel, pbw_index t, const double *p)
 {
-    const pbw__simplex2 *s = kernel->s2 + t;
+    const pbw_index *v = kernel->corner + 4 * (size_t)t;
     kernel->statistics.exact_tests++;
-    if (s->v[2] == PBW__GHOST) {
-        int side = pbw__orient2(pbw__record2(kernel, s->v[0]), pbw__record2(kernel, s->v[1]), p, kernel->grid);
+    if (v[2] == PBW__GHOST) {
+        int side = pbw__orient2(pbw__record2(kernel, v[0]), pbw__record2(kernel, v[1]), p, kernel->grid);
         if (side != 0) {
             return side > 0;
         }
-        s = kernel->s2 + (s->n[2] >> 2);
+        v = kernel->corner + (kernel->link[4 * (size_t)t + 2] & ~(pbw__link)3);
     }
-    return pbw__conflict2(pbw__record2(kernel, s->v[0]), pbw__record2(kernel, s->v[1]), pbw__record2(kernel, s->v[2]),
-                          p, kernel->grid);
+    return pbw__conflict2(pbw__record2(kernel, v[0]), pbw__record2(kernel, v[1]), pbw__record2(kernel, v[2]), p,
+                          kernel->grid);
+}
+
+/* The first facet of a finite simplex that has p strictly outside, exactly; 4 if there is none.  Facets in `inner`
+   are known to have it inside. */
+static PBW__NOINLINE unsigned pbw__exit3(const pbw__kernel *kernel, pbw_index t, const double *p, unsigned inner)
+{
+    const pbw_index *v = kernel->corner + 4 * (size_t)t;
+    unsigned i;
+    for (i = 0; i < 4; i++) {
+        const unsigned char *corner = pbw__facet_corners[i];
+        if ((inner >> i & 1) == 0
+            && pbw__orient3(p, pbw__record3(kernel, v[corner[0]]), pbw__record3(kernel, v[corner[1]]),
+                            pbw__record3(kernel, v[corner[2]]), kernel->grid) < 0) {
+            break;
+        }
+    }
+    return i;
+}
+
+/* The walk starts at a finite simplex: across from the ghost vertex, if need be. */
+PBW__INLINE pbw_index pbw__walk_start(const pbw__kernel *kernel, pbw_index t, int dim)
+{
+    size_t last = 4 * (size_t)t + (size_t)dim;
+    return kernel->corner[last] == PBW__GHOST ? (pbw_index)(kernel->link[last] >> 2) : t;
 }
 
 /* A simplex in conflict with p, or PBW_NONE if p is hidden. */
-static pbw_index pbw__locate3(pbw__kernel *kernel, pbw_index t, const double *p)
+static pbw_index pbw__locate3_scalar(pbw__kernel *kernel, pbw_index t, const double *p)
 {
-    if (kernel->s3[t].v[3] == PBW__GHOST) {
-        t = (pbw_index)(kernel->s3[t].n[3] >> 2);
-    }
+    t = pbw__walk_start(kernel, t, 3);
     for (;;) {
-        const pbw__simplex3 *s = kernel->s3 + t;
-        double u[4][3], side[4], size = 0.0, bound, lowest, power = 0.0, height = 0.0;
-        int i, k, exit = 0;
+        const pbw_index *v = kernel->corner + 4 * (size_t)t;
+        double u[4][4], side[4], bound, lowest = 0.0, power = 0.0, height = 1e-55;
+        unsigned i, exit = 4, inner = 0;
         kernel->statistics.walk_steps++;
-        if (s->v[3] == PBW__GHOST) {
+        if (v[3] == PBW__GHOST) {
             return t;
         }
         for (i = 0; i < 4; i++) {
-            const double *v = pbw__record3(kernel, s->v[i]);
-            for (k = 0; k < 3; k++) {
-                u[i][k] = v[k] - p[k];
-                size = pbw__larger(size, pbw__size(u[i][k]));
-            }
+            height = pbw__larger(height, pbw__row3(kernel, v[i], p, u[i]));
         }
+        bound = height * height * height * (PBW__ORIENT3_ERROR * PBW__ORIENT3_ERROR);
         for (i = 0; i < 4; i++) {
             const unsigned char *corner = pbw__facet_corners[i];
-            const double *v = pbw__record3(kernel, s->v[i]);
-            double square = u[i][0] * u[i][0] + u[i][1] * u[i][1] + u[i][2] * u[i][2], weight = v[3] - p[3];
             side[i] = pbw__det3(u[corner[0]], u[corner[1]], u[corner[2]]);
-            power += (square - weight) * side[i];
-            height = pbw__larger(height, square + pbw__size(weight));
-        }
-        if (height > 1e-55 && height < 1e60 && power > 0.0
-            && power * power > PBW__SPHERE_ERROR * PBW__SPHERE_ERROR * height * height * height * height * height) {
-            return t;
-        }
-        bound = size > 1e-90 && size < 1e90 ? PBW__ORIENT3_ERROR * size * size * size : HUGE_VAL;
-        lowest = side[0];
-        for (i = 1; i < 4; i++) {
-            if (side[i] < lowest) {
-                lowest = side[i];
-                exit = i;
-            }
-        }
-        if (!(lowest < -bound)) {
-            for (exit = 0; exit < 4; exit++) {
-                const unsigned char *corner = pbw__facet_corners[exit];
-                if (!(side[exit] > bound)
-                    && pbw__orient3(p, pbw__record3(kernel, s->v[corner[0]]), pbw__record3(kernel, s->v[corner[1]]),
-                                    pbw__record3(kernel, s->v[corner[2]]), kernel->grid) < 0) {
-                    break;
+            power += u[i][3] * side[i];
+            if (side[i] * side[i] > bound) {
+                inner |= (unsigned)(side[i] > 0.0) << i;
+                if (side[i] < lowest) {
+                    lowest = side[i];
+                    exit = i;
                 }
             }
+        }
+        if (power > 0.0 && power * power > height * height * (height * height) * height
+                                               * (PBW__SPHERE_ERROR * PBW__SPHERE_ERROR)) {
+            return t;
+        }
+        if (exit == 4) {
+            exit = pbw__exit3(kernel, t, p, inner);
             if (exit == 4) {                         /* inside; only a weighted point can then be out of conflict */
                 return !kernel->weighted || pbw__in_conflict3(kernel, t, p) ? t : PBW_NONE;
             }
         }
-        t = (pbw_index)(s->n[exit] >> 2);
+        t = (pbw_index)(kernel->link[4 * (size_t)t + exit] >> 2);
     }
 }
 
+#ifdef PBW__X86
+/* The same, a facet in each lane. */
+PBW__AVX2_INLINE pbw_index pbw__locate3_avx2(pbw__kernel *kernel, pbw_index t, const double *p)
+{
+    const pbw__point3 point = pbw__point3_of(p);
+    t = pbw__walk_start(kernel, t, 3);
+    for (;;) {
+        const pbw_index *v = kernel->corner + 4 * (size_t)t;
+        __m256d ax, ay, az, bx, by, bz, cx, cy, cz, side, lowest, power, h, square, bound, limit;
+        pbw__rows3 r;
+        unsigned outer, exit;
+        kernel->statistics.walk_steps++;
+        if (v[3] == PBW__GHOST) {
+            return t;
+        }
+        r = pbw__rows3_of(kernel->record, v[0], v[1], v[2], v[3], &point);
+        ax = PBW__CORNER_A(r.x), ay = PBW__CORNER_A(r.y), az = PBW__CORNER_A(r.z);
+        bx = PBW__CORNER_B(r.x), by = PBW__CORNER_B(r.y), bz = PBW__CORNER_B(r.z);
+        cx = PBW__CORNER_C(r.x), cy = PBW__CORNER_C(r.y), cz = PBW__CORNER_C(r.z);
+        side = ax * _mm256_fmsub_pd(by, cz, bz * cy);
+        side = _mm256_fnmadd_pd(ay, _mm256_fmsub_pd(bx, cz, bz * cx), side);
+        side = _mm256_fmadd_pd(az, _mm256_fmsub_pd(bx, cy, by * cx), side);
+        power = r.lift * side;
+        power = power + _mm256_permute_pd(power, 5);
+        power = power + _mm256_permute2f128_pd(power, power, 1);
+        h = _mm256_max_pd(pbw__highest(r.height), _mm256_set1_pd(1e-55));
+        square = h * h;
+        bound = square * h * _mm256_set1_pd(PBW__ORIENT3_ERROR * PBW__ORIENT3_ERROR);
+        limit = square * square * h * _mm256_set1_pd(PBW__SPHERE_ERROR * PBW__SPHERE_ERROR);
+        if (_mm256_cvtsd_f64(power) > 0.0 && _mm256_cvtsd_f64(power * power) > _mm256_cvtsd_f64(limit)) {
+            return t;
+        }
+        lowest = _mm256_min_pd(side, _mm256_permute_pd(side, 5));
+        lowest = _mm256_min_pd(lowest, _mm256_permute2f128_pd(lowest, lowest, 1));
+        outer = (unsigned)_mm256_movemask_pd(_mm256_cmp_pd(side, lowest, _CMP_EQ_OQ));
+        exit = (unsigned)__builtin_ctz(outer | 16u);
+        if (PBW__UNLIKELY(!(_mm256_cvtsd_f64(lowest) < 0.0
+                            && _mm256_cvtsd_f64(lowest * lowest) > _mm256_cvtsd_f64(bound)))) {
+            unsigned inner = (unsigned)_mm256_movemask_pd(_mm256_cmp_pd(side * side, bound, _CMP_GT_OQ));
+            inner &= (unsigned)_mm256_movemask_pd(side) ^ 15u;
+            exit = pbw__exit3(kernel, t, p, inner);
+            if (exit == 4) {
+                return !kernel->weighted || pbw__in_conflict3(kernel, t, p) ? t : PBW_NONE;
+            }
+        }
+        t = (pbw_index)(kernel->link[4 * (size_t)t + exit] >> 2);
+    }
+}
+#endif
+
 static pbw_index pbw__locate2(pbw__kernel *kernel, pbw_index t, const double *p)
 {
-    if (kernel->s2[t].v[2] == PBW__GHOST) {
-        t = (pbw_index)(kernel->s2[t].n[2] >> 2);
-    }
+    t = pbw__walk_start(kernel, t, 2);
     for (;;) {
-        const pbw__simplex2 *s = kernel->s2 + t;
+        const pbw_index *v = kernel->corner + 4 * (size_t)t;
         double u[3][2], side[3], size = 0.0, bound, lowest;
         int i, exit = 0;
         kernel->statistics.walk_steps++;
-        if (s->v[2] == PBW__GHOST) {
+        if (v[2] == PBW__GHOST) {
             return t;
         }
         for (i = 0; i < 3; i++) {
-            const double *v = pbw__record2(kernel, s->v[i]);
-            u[i][0] = v[0] - p[0];
-            u[i][1] = v[1] - p[1];
+            const double *record = pbw__record2(kernel, v[i]);
+            u[i][0] = record[0] - p[0];
+            u[i][1] = record[1] - p[1];
             size = pbw__larger(size, pbw__larger(pbw__size(u[i][0]), pbw__size(u[i][1])));
         }
         bound = size > 1e-140 && size < 1e140 ? PBW__ORIENT2_ERROR * size * size : HUGE_VAL;
@@ -1986,8 +2104,8 @@ static pbw_index pbw__locate2(pbw__kernel *kernel, pbw_index t, const double *p)
         if (!(lowest < -bound)) {
             for (exit = 0; exit < 3; exit++) {
                 if (!(side[exit] > bound)
-                    && pbw__orient2(pbw__record2(kernel, s->v[exit == 2 ? 0 : exit + 1]),
-                                    pbw__record2(kernel, s->v[exit == 0 ? 2 : exit - 1]), p, kernel->grid) < 0) {
+                    && pbw__orient2(pbw__record2(kernel, v[exit == 2 ? 0 : exit + 1]),
+                                    pbw__record2(kernel, v[exit == 0 ? 2 : exit - 1]), p, kernel->grid) < 0) {
                     break;
                 }
             }
@@ -1995,7 +2113,7 @@ static pbw_index pbw__locate2(pbw__kernel *kernel, pbw_index t, const double *p)
                 return !kernel->weighted || pbw__in_conflict2(kernel, t, p) ? t : PBW_NONE;
             }
         }
-        t = (pbw_index)(s->n[exit] >> 2);
+        t = (pbw_index)(kernel->link[4 * (size_t)t + (size_t)exit] >> 2);
     }
 }
 /* ------------------------------------------------------------------------------------------------------
@@ -2008,390 +2126,414 @@ static pbw_index pbw__locate2(pbw__kernel *kernel, pbw_index t, const double *p)
    relative to the point, det(rows, row i replaced by o's) > 0 exactly if it is in conflict.  Expanded along row i
    this is a dot product of o's row with four cofactors, and the cofactors of the four facets share their 2x2 minors.
    A ghost vertex has the row (0, 0, 0, W), any W > 0: the same determinant is then W times the orientation that a
-   ghost's conflict asks for. Vertices met in one insertion get local numbers, so that each is fetched and translated
-   once and the star can be sewn together through a small table indexed by pairs of them.
+   ghost's conflict asks for; W is the height of the simplex, so that it fits the bound.  Vertices of the cavity get
+   local numbers, so that the star can be sewn together through a small table indexed by pairs of them.
 
    Errors.  The determinant is a sum of 24 products of x, y, z and a lift.  A product carries 3 rounded translations;
    in the lift 2 translations, 1 multiplication, 2 additions and for the weight 2 subtractions; 3 multiplications; 1 +
    2 + 3 additions of the expansion: 19 roundings.  So |error| <= 19u/(1-19u) * 24 h^(3/2) h < 5.1e-14 h^(5/2) where h
    bounds |x|^2 + |weight difference| of the rows.  h itself is computed with 5 roundings and raised to 5/2: 5.2e-14
-   covers that.  Compared as det^2 > (5.2e-14)^2 h^5, all multiplications, which is free of overflow and of harmful
-   underflow for 1e-55 < h < 1e60. 2D: 6 products of x, y and a lift; 2 translations; lift 2 + 1 + 1 + 2; 2
-   multiplications; 1 + 2 additions: 13 roundings, 13u * 6 h^2 < 8.7e-15 h^2; 9e-15 with the roundings of h; 1e-140 <
-   h < 1e140. Everything the bound leaves open goes to >>predicates.
+   covers that; a fused multiplication and addition saves a rounding.  Compared as det^2 > (5.2e-14)^2 h^5, h raised to
+   1e-55 if it is less, so that what underflows is far below the bound; above 4e61 the product h^5, computed first, is
+   infinite and nothing exceeds it.
+   2D: 6 products of x, y and a lift; 2 translations; lift 2 + 1 + 1 + 2; 2 multiplications; 1 + 2 additions: 13
+   roundings, 13u * 6 h^2 < 8.7e-15 h^2; 9e-15 with the roundings of h; h raised to 1e-140.  Everything the bound
+   leaves open goes to >>predicates.
    ------------------------------------------------------------------------------------------------------ */
-PBW__INLINE uint32_t pbw__slot_of(const pbw__locals *locals, pbw_index v)
+/* The local number of a vertex, taken without a branch on whether it is new, which no predictor could guess. */
+PBW__INLINE uint32_t pbw__local(pbw__slot *slot, uint32_t stamp, uint32_t *count, pbw_index v)
 {
-    return (v * 0x9e3779b1u) >> locals->shift;
-}
-
-/* Memory for the local numbering, in one block. */
-static int pbw__locals_create(pbw__kernel *kernel, pbw__locals *locals, size_t slots)
-{
-    locals->row = (pbw__row *)pbw__allocate(&kernel->context->memory, slots, PBW__LOCALS_BYTES);
-    if (locals->row == NULL) {
-        return 0;
+    uint32_t at = (v * 0x9e3779b1u) >> 24, tag, number;
+    while (PBW__UNLIKELY((slot[at].tag / PBW__LOCALS == stamp) & (slot[at].vertex != v))) {
+        at = (at + 1) % PBW__SLOTS;
     }
-    locals->slot_key = (uint64_t *)(void *)(locals->row + slots / 2);
-    locals->slot_local = (pbw_index *)(void *)(locals->slot_key + slots);
-    locals->mask = (uint32_t)(slots - 1);
-    for (locals->shift = 32; slots > 1; slots /= 2) {
-        locals->shift--;
-    }
-    memset(locals->slot_key, 0, ((size_t)locals->mask + 1) * sizeof(uint64_t));
-    return 1;
-}
-
-/* Twice the room; the vertices of this insertion keep their numbers. */
-static PBW__NOINLINE int pbw__locals_grow(pbw__kernel *kernel)
-{
-    pbw__locals *old = &kernel->locals, bigger = *old;
-    size_t slots = (size_t)old->mask + 1, i;
-    if (!pbw__locals_create(kernel, &bigger, 2 * slots)) {
-        return 0;
-    }
-    memcpy(bigger.row, old->row, old->count * sizeof(pbw__row));
-    for (i = 0; i < slots; i++) {
-        if ((uint32_t)old->slot_key[i] == old->stamp) {
-            uint32_t slot = pbw__slot_of(&bigger, (pbw_index)(old->slot_key[i] >> 32));
-            while (bigger.slot_key[slot] != 0) {
-                slot = (slot + 1) & bigger.mask;
-            }
-            bigger.slot_key[slot] = old->slot_key[i];
-            bigger.slot_local[slot] = old->slot_local[i];
-        }
-    }
-    pbw__release(&kernel->context->memory, old->row, slots, PBW__LOCALS_BYTES);
-    *old = bigger;
-    return 1;
-}
-
-/* The local number of v; a vertex not met before is translated to p. */
-PBW__INLINE pbw_index pbw__local3(pbw__locals *locals, const double *records, pbw_index v, const double *p)
-{
-    uint64_t key = (uint64_t)v << 32 | locals->stamp;
-    uint32_t slot = pbw__slot_of(locals, v);
-    while (locals->slot_key[slot] != key) {
-        if ((uint32_t)locals->slot_key[slot] != locals->stamp) {
-            const double *record = records + (size_t)v * 4;
-            pbw__row *row = locals->row + locals->count;
-            double weight = record[3] - p[3], square;
-            row->x = record[0] - p[0];
-            row->y = record[1] - p[1];
-            row->z = record[2] - p[2];
-            square = row->x * row->x + row->y * row->y + row->z * row->z;
-            row->lift = square - weight;
-            locals->height = pbw__larger(locals->height, square + pbw__size(weight));
-            locals->slot_key[slot] = key;
-            locals->slot_local[slot] = (pbw_index)locals->count;
-            return (pbw_index)locals->count++;
-        }
-        slot = (slot + 1) & locals->mask;
-    }
-    return locals->slot_local[slot];
-}
-
-/* Starts the numbering for a new insertion.  The ghost gets number 0; its row (0, 0, 0, W) waits for W. */
-PBW__INLINE void pbw__locals_begin(pbw__locals *locals)
-{
-    uint32_t slot = pbw__slot_of(locals, PBW__GHOST);
-    if (++locals->stamp == 0) {
-        memset(locals->slot_key, 0, ((size_t)locals->mask + 1) * sizeof(uint64_t));
-        locals->stamp = 1;
-    }
-    locals->slot_key[slot] = (uint64_t)PBW__GHOST << 32 | locals->stamp;
-    locals->slot_local[slot] = 0;
-    locals->row[0].x = locals->row[0].y = locals->row[0].z = 0.0;
-    locals->height = 0.0;
-    locals->count = 1;
+    tag = slot[at].tag;
+    number = tag / PBW__LOCALS == stamp ? tag % PBW__LOCALS : *count;
+    *count += tag / PBW__LOCALS != stamp;
+    slot[at].vertex = v;
+    slot[at].tag = stamp * PBW__LOCALS + number;
+    return number;
 }
 
 /* Room for `needed` items in each of the lists of cavity and boundary. */
 static PBW__NOINLINE int pbw__grow_lists(pbw__kernel *kernel, size_t needed)
 {
-    size_t old = kernel->cavity_capacity, cavity = old, carved = old, facet = old;
-    int grown = pbw__grow(kernel, &kernel->cavity, &cavity, needed, sizeof(pbw_index));
-    grown = grown && (kernel->s3 == NULL || pbw__grow(kernel, &kernel->carved, &carved, needed, sizeof(pbw__carved)));
-    grown = grown && pbw__grow(kernel, &kernel->facet, &facet, needed, sizeof(pbw__facet));
-    kernel->cavity_capacity = cavity;
-    kernel->carved_capacity = carved;
-    kernel->facet_capacity = facet;
-    return grown;
+    return pbw__grow(kernel, &kernel->cavity, &kernel->cavity_capacity, needed, sizeof(pbw_index))
+        && (kernel->dim == 2
+            || pbw__grow(kernel, &kernel->carved, &kernel->carved_capacity, needed, sizeof(pbw__carved)))
+        && pbw__grow(kernel, &kernel->facet, &kernel->facet_capacity, needed, sizeof(pbw__facet));
 }
 
-/* det(rows, row i replaced by far[i]) for i = 0..3: far[i] against the cofactors of (a, b, c), the corners of facet i
-   in the order of pbw__facet_corners, which makes the four alike. */
-PBW__INLINE void pbw__facet_tests(const pbw__row *const *row, const pbw__row *const *far, double *det)
+/* The state of a search: a copy of what it needs of the kernel, which the compiler can keep in registers. */
+typedef struct pbw__search {
+    const pbw_index *corner;
+    const pbw__link *link;
+    unsigned char *mark;
+    pbw_index *cavity;
+    pbw__carved *carved;
+    pbw__facet *facet;
+    pbw__slot *slot;
+    size_t cavity_count, facet_count, capacity;
+    uint32_t stamp, local_count;
+} pbw__search;
+
+PBW__INLINE void pbw__search_begin(pbw__kernel *kernel, pbw__search *search, pbw_index t)
 {
-    int i;
-    for (i = 0; i < 4; i++) {
-        const unsigned char *corner = pbw__facet_corners[i];
-        const pbw__row *o = far[i], *a = row[corner[0]], *b = row[corner[1]], *c = row[corner[2]];
-        double xy = b->x * c->y - b->y * c->x, xz = b->x * c->z - b->z * c->x, yz = b->y * c->z - b->z * c->y;
-        double xl = b->x * c->lift - b->lift * c->x, yl = b->y * c->lift - b->lift * c->y;
-        double zl = b->z * c->lift - b->lift * c->z;
-        det[i] = o->x * (a->y * zl - a->z * yl + a->lift * yz) - o->y * (a->x * zl - a->z * xl + a->lift * xz)
-               + o->z * (a->x * yl - a->y * xl + a->lift * xy) - o->lift * (a->x * yz - a->y * xz + a->z * xy);
+    if (PBW__UNLIKELY(++kernel->stamp == 1u << 26)) {
+        memset(kernel->slot, 0, PBW__SLOTS * sizeof(pbw__slot));
+        kernel->stamp = 1;
     }
+    search->corner = kernel->corner;
+    search->link = kernel->link;
+    search->mark = kernel->mark;
+    search->cavity = kernel->cavity;
+    search->carved = kernel->carved;
+    search->facet = kernel->facet;
+    search->slot = kernel->slot;
+    search->cavity_count = 1;
+    search->facet_count = 0;
+    search->capacity = kernel->carved_capacity;
+    search->stamp = kernel->stamp;
+    search->local_count = 0;
+    search->cavity[0] = t;
+    search->mark[t] = 1;
 }
 
-#ifdef PBW__LANES
-/* Columns of four rows: lane i holds row i. */
-#define PBW__TRANSPOSE(row, c0, c1, c2, c3)                                                                          \
-    do {                                                                                                             \
-        pbw__lanes t0 = PBW__JOIN(&(row)[0]->x, &(row)[2]->x), t1 = PBW__JOIN(&(row)[1]->x, &(row)[3]->x);           \
-        pbw__lanes t2 = PBW__JOIN(&(row)[0]->z, &(row)[2]->z), t3 = PBW__JOIN(&(row)[1]->z, &(row)[3]->z);           \
-        c0 = __builtin_shufflevector(t0, t1, 0, 4, 2, 6), c1 = __builtin_shufflevector(t0, t1, 1, 5, 3, 7);          \
-        c2 = __builtin_shufflevector(t2, t3, 0, 4, 2, 6), c3 = __builtin_shufflevector(t2, t3, 1, 5, 3, 7);          \
-    } while (0)
-#define PBW__JOIN(p, q) __builtin_shufflevector(*(const pbw__half_lanes *)(const void *)(p), \
-                                                *(const pbw__half_lanes *)(const void *)(q), 0, 1, 2, 3)
-#define PBW__CORNER_A(x) __builtin_shufflevector(x, x, 1, 2, 0, 0)       /* pbw__facet_corners by columns */
-#define PBW__CORNER_B(x) __builtin_shufflevector(x, x, 2, 0, 1, 2)
-#define PBW__CORNER_C(x) __builtin_shufflevector(x, x, 3, 3, 3, 1)
-
-/* The same, a facet in each lane. */
-PBW__INLINE void pbw__facet_tests_lanes(const pbw__row *const *row, const pbw__row *const *far, double *det)
+PBW__INLINE void pbw__search_end(pbw__kernel *kernel, const pbw__search *search)
 {
-    pbw__lanes x, y, z, l, ox, oy, oz, ol, ax, ay, az, al, bx, by, bz, bl, cx, cy, cz, cl, xy, xz, yz, xl, yl, zl,
-        result;
-    PBW__TRANSPOSE(row, x, y, z, l);
-    PBW__TRANSPOSE(far, ox, oy, oz, ol);
-    ax = PBW__CORNER_A(x), ay = PBW__CORNER_A(y), az = PBW__CORNER_A(z), al = PBW__CORNER_A(l);
-    bx = PBW__CORNER_B(x), by = PBW__CORNER_B(y), bz = PBW__CORNER_B(z), bl = PBW__CORNER_B(l);
-    cx = PBW__CORNER_C(x), cy = PBW__CORNER_C(y), cz = PBW__CORNER_C(z), cl = PBW__CORNER_C(l);
-    xy = bx * cy - by * cx, xz = bx * cz - bz * cx, yz = by * cz - bz * cy;
-    xl = bx * cl - bl * cx, yl = by * cl - bl * cy, zl = bz * cl - bl * cz;
-    result = ox * (ay * zl - az * yl + al * yz) - oy * (ax * zl - az * xl + al * xz)
-           + oz * (ax * yl - ay * xl + al * xy) - ol * (ax * yz - ay * xz + az * xy);
-    memcpy(det, &result, sizeof(result));
+    kernel->cavity_count = search->cavity_count;
+    kernel->facet_count = search->facet_count;
+    kernel->local_count = search->local_count;
 }
-#endif
 
-/* Finds the cavity of p from t, a simplex in conflict.  Appending to the two lists takes no branch: a neighbour is
-   written to both, and the counts move by the verdicts, which no branch predictor could guess.  The height of the
-   bound is that of all vertices met so far. */
-PBW__INLINE int pbw__carve3_body(pbw__kernel *kernel, pbw_index t, const double *p, int lanes)
+/* Before the neighbours of the i-th simplex of the cavity are looked at: room in the lists, local numbers. */
+PBW__INLINE int pbw__search_next(pbw__kernel *kernel, pbw__search *search, size_t i)
 {
-    const pbw__simplex3 *s3 = kernel->s3;
-    const double *records = kernel->record;
-    unsigned char *mark = kernel->mark;
-    pbw_index *cavity = kernel->cavity;
-    pbw__facet *facet = kernel->facet;
-    pbw__carved *carved = kernel->carved;
-    size_t capacity = kernel->cavity_capacity, i, cavity_count = 1, facet_count = 0;
-    pbw__locals locals = kernel->locals;
-    cavity[0] = t;
-    mark[t] = 1;
-    pbw__locals_begin(&locals);
-    for (i = 0; i < cavity_count; i++) {
-        const pbw__simplex3 *s;
-        const pbw__row *row[4], *far[4];
-        pbw_index local[4], far_local[4];
-        double det[4], height, limit;
-        unsigned k;
-        if (PBW__UNLIKELY((locals.count + 8) * 2 > locals.mask)) {
-            kernel->locals = locals;
-            if (!pbw__locals_grow(kernel)) {
-                return 0;
-            }
-            locals = kernel->locals;
+    const pbw_index *v = search->corner + 4 * (size_t)search->cavity[i];
+    size_t longer = search->cavity_count > search->facet_count ? search->cavity_count : search->facet_count;
+    pbw__carved *carved;
+    if (PBW__UNLIKELY(longer + 4 > search->capacity)) {
+        if (!pbw__grow_lists(kernel, longer + 4)) {
+            return 0;
         }
-        if (PBW__UNLIKELY(cavity_count + 4 > capacity || facet_count + 4 > capacity)) {
-            if (!pbw__grow_lists(kernel, (cavity_count > facet_count ? cavity_count : facet_count) + 4)) {
-                return 0;
-            }
-            cavity = kernel->cavity;
-            facet = kernel->facet;
-            carved = kernel->carved;
-            capacity = kernel->cavity_capacity;
-        }
-        s = s3 + cavity[i];
-        for (k = 0; k < 4; k++) {
-            carved[i].v[k] = s->v[k];
-            carved[i].local[k] = local[k] = pbw__local3(&locals, records, s->v[k], p);
-        }
-        if (i == 0) { /* W: a height of this neighbourhood, so that it fits the bound */
-            locals.row[0].lift = locals.height;
-        }
-        for (k = 0; k < 4; k++) {
-            pbw__link link = s->n[k];
-            far_local[k] = pbw__local3(&locals, records, s3[link >> 2].v[link & 3], p);
-        }
-        for (k = 0; k < 4; k++) {
-            row[k] = locals.row + local[k];
-            far[k] = locals.row + far_local[k];
-        }
-#ifdef PBW__LANES
-        if (lanes) {
-            pbw__facet_tests_lanes(row, far, det);
-        } else
-#endif
-        {
-            (void)lanes;
-            pbw__facet_tests(row, far, det);
-        }
-        height = locals.height;
-        limit = height > 1e-55 && height < 1e60
-              ? PBW__SPHERE_ERROR * PBW__SPHERE_ERROR * height * height * height * height * height : HUGE_VAL;
-        for (k = 0; k < 4; k++) {
-            pbw__link link = s->n[k];
-            pbw_index o = (pbw_index)(link >> 2);
-            double square = det[k] * pbw__size(det[k]);
-            unsigned unmarked = mark[o] ^ 1u, inside = square > limit;
-            if (PBW__UNLIKELY(!inside & !(square < -limit)) && unmarked) {
-                inside = (unsigned)pbw__in_conflict3(kernel, o, p);
-            }
-            inside &= unmarked;
-            mark[o] = (unsigned char)(mark[o] | inside);
-            cavity[cavity_count] = o;
-            cavity_count += inside;
-            facet[facet_count].beyond = link;
-            facet[facet_count].from = (pbw_index)i << 2 | k;
-            facet_count += unmarked ^ inside;
-        }
+        search->cavity = kernel->cavity;
+        search->carved = kernel->carved;
+        search->facet = kernel->facet;
+        search->capacity = kernel->carved_capacity;
     }
-    kernel->locals = locals;
-    kernel->statistics.conflict_tests += 4 * cavity_count;
-    kernel->cavity_count = cavity_count;
-    kernel->facet_count = facet_count;
+    carved = search->carved + i;
+    memcpy(carved->v, v, sizeof(carved->v));
+    if (PBW__LIKELY(search->local_count <= PBW__LOCALS - 4)) {
+        carved->local[0] = pbw__local(search->slot, search->stamp, &search->local_count, v[0]);
+        carved->local[1] = pbw__local(search->slot, search->stamp, &search->local_count, v[1]);
+        carved->local[2] = pbw__local(search->slot, search->stamp, &search->local_count, v[2]);
+        carved->local[3] = pbw__local(search->slot, search->stamp, &search->local_count, v[3]);
+    }
     return 1;
 }
 
-static int pbw__carve3_scalar(pbw__kernel *kernel, pbw_index t, const double *p)
+/* The neighbour across facet k of the i-th simplex, in conflict or not, to the list where it belongs.  Written to
+   both without a branch; the counts move by the verdicts, which no predictor could guess. */
+PBW__INLINE void pbw__search_sort(pbw__search *search, size_t i, unsigned k, pbw__link link, unsigned inside)
 {
-    return pbw__carve3_body(kernel, t, p, 0);
+    pbw_index o = (pbw_index)(link >> 2);
+    unsigned fresh = search->mark[o] ^ 1u;
+    inside &= fresh;
+    search->mark[o] = (unsigned char)(fresh ^ 1u ^ inside);
+    search->cavity[search->cavity_count] = o;
+    search->cavity_count += inside;
+    search->facet[search->facet_count].beyond = link;
+    search->facet[search->facet_count].from = (pbw_index)i * 4 | k;
+    search->facet_count += fresh ^ inside;
 }
 
-#ifdef PBW__LANES
-__attribute__((target("avx2"))) static int pbw__carve3_avx2(pbw__kernel *kernel, pbw_index t, const double *p)
+/* Neighbours that the filter left open (bits of `certain` not set): the exact verdicts. */
+static PBW__NOINLINE unsigned pbw__search_exact(pbw__kernel *kernel, const pbw__link *link, unsigned certain,
+                                                unsigned inside, const double *p)
 {
-    return pbw__carve3_body(kernel, t, p, 1);
+    unsigned k;
+    inside &= certain;
+    for (k = 0; k < 4; k++) {
+        pbw_index o = (pbw_index)(link[k] >> 2);
+        if ((certain >> k & 1) == 0 && !kernel->mark[o]) {
+            inside |= (unsigned)pbw__in_conflict3(kernel, o, p) << k;
+        }
+    }
+    return inside;
+}
+
+/* Finds the cavity of p from t, a simplex in conflict. */
+static int pbw__carve3_scalar(pbw__kernel *kernel, pbw_index t, const double *p)
+{
+    pbw__search search;
+    size_t i;
+    pbw__search_begin(kernel, &search, t);
+    for (i = 0; i < search.cavity_count; i++) {
+        const pbw__link *link = search.link + 4 * (size_t)search.cavity[i];
+        const pbw_index *v = search.corner + 4 * (size_t)search.cavity[i];
+        double row[5][4], height = 0.0;
+        unsigned k;
+        if (!pbw__search_next(kernel, &search, i)) {
+            return 0;
+        }
+        for (k = 0; k < 4; k++) {
+            height = pbw__larger(height, pbw__row3(kernel, v[k], p, row[k]));
+        }
+        row[3][3] = v[3] == PBW__GHOST ? height : row[3][3];
+        for (k = 0; k < 4; k++) {
+            const unsigned char *corner = pbw__facet_corners[k];
+            const double *o = row[4], *a = row[corner[0]], *b = row[corner[1]], *c = row[corner[2]];
+            pbw_index far = search.corner[link[k]];
+            double h, det, limit, xy, xz, yz, xl, yl, zl;
+            unsigned inside;
+            if (search.mark[link[k] >> 2]) {
+                continue;
+            }
+            h = pbw__larger(pbw__larger(height, pbw__row3(kernel, far, p, row[4])), 1e-55);
+            row[4][3] = far == PBW__GHOST ? height : row[4][3];
+            xy = b[0] * c[1] - b[1] * c[0], xz = b[0] * c[2] - b[2] * c[0], yz = b[1] * c[2] - b[2] * c[1];
+            xl = b[0] * c[3] - b[3] * c[0], yl = b[1] * c[3] - b[3] * c[1], zl = b[2] * c[3] - b[3] * c[2];
+            det = o[0] * (a[1] * zl - a[2] * yl + a[3] * yz) - o[1] * (a[0] * zl - a[2] * xl + a[3] * xz)
+                + o[2] * (a[0] * yl - a[1] * xl + a[3] * xy) - o[3] * (a[0] * yz - a[1] * xz + a[2] * xy);
+            limit = h * h * (h * h) * h * (PBW__SPHERE_ERROR * PBW__SPHERE_ERROR);
+            inside = det > 0.0;
+            if (PBW__UNLIKELY(!(det * det > limit))) {
+                inside = (unsigned)pbw__in_conflict3(kernel, (pbw_index)(link[k] >> 2), p);
+            }
+            pbw__search_sort(&search, i, k, link[k], inside);
+        }
+    }
+    pbw__search_end(kernel, &search);
+    return 1;
+}
+
+#ifdef PBW__X86
+/* The same, a facet in each lane. */
+PBW__AVX2 static int pbw__carve3_avx2(pbw__kernel *kernel, pbw_index t, const double *p)
+{
+    const pbw__point3 point = pbw__point3_of(p);
+    const pbw_index *corner = kernel->corner;
+    pbw__search search;
+    size_t i;
+    pbw__search_begin(kernel, &search, t);
+    for (i = 0; i < search.cavity_count; i++) {
+        const pbw_index *v = corner + 4 * (size_t)search.cavity[i];
+        const pbw__link *link = search.link + 4 * (size_t)search.cavity[i];
+        pbw_index far0 = corner[link[0]], far1 = corner[link[1]], far2 = corner[link[2]], far3 = corner[link[3]];
+        pbw__rows3 r, o;
+        __m256d height, ax, ay, az, al, bx, by, bz, bl, cx, cy, cz, cl, xy, xz, yz, xl, yl, zl, det, h, limit;
+        unsigned certain, inside;
+        if (PBW__UNLIKELY(!pbw__search_next(kernel, &search, i))) {
+            return 0;
+        }
+        r = pbw__rows3_of(kernel->record, v[0], v[1], v[2], v[3], &point);
+        o = pbw__rows3_of(kernel->record, far0, far1, far2, far3, &point);
+        height = pbw__highest(r.height);
+        r.lift = _mm256_or_pd(r.lift, _mm256_and_pd(r.ghost, height));
+        o.lift = _mm256_or_pd(o.lift, _mm256_and_pd(o.ghost, height));
+        ax = PBW__CORNER_A(r.x), ay = PBW__CORNER_A(r.y), az = PBW__CORNER_A(r.z), al = PBW__CORNER_A(r.lift);
+        bx = PBW__CORNER_B(r.x), by = PBW__CORNER_B(r.y), bz = PBW__CORNER_B(r.z), bl = PBW__CORNER_B(r.lift);
+        cx = PBW__CORNER_C(r.x), cy = PBW__CORNER_C(r.y), cz = PBW__CORNER_C(r.z), cl = PBW__CORNER_C(r.lift);
+        xy = _mm256_fmsub_pd(bx, cy, by * cx), xz = _mm256_fmsub_pd(bx, cz, bz * cx);
+        yz = _mm256_fmsub_pd(by, cz, bz * cy), xl = _mm256_fmsub_pd(bx, cl, bl * cx);
+        yl = _mm256_fmsub_pd(by, cl, bl * cy), zl = _mm256_fmsub_pd(bz, cl, bl * cz);
+        det = o.x * _mm256_fmadd_pd(al, yz, _mm256_fmsub_pd(ay, zl, az * yl));
+        det = _mm256_fnmadd_pd(o.y, _mm256_fmadd_pd(al, xz, _mm256_fmsub_pd(ax, zl, az * xl)), det);
+        det = _mm256_fmadd_pd(o.z, _mm256_fmadd_pd(al, xy, _mm256_fmsub_pd(ax, yl, ay * xl)), det);
+        det = _mm256_fnmadd_pd(o.lift, _mm256_fmadd_pd(az, xy, _mm256_fmsub_pd(ax, yz, ay * xz)), det);
+        h = _mm256_max_pd(_mm256_max_pd(height, o.height), _mm256_set1_pd(1e-55));
+        limit = h * h;
+        limit = limit * limit * h * _mm256_set1_pd(PBW__SPHERE_ERROR * PBW__SPHERE_ERROR);
+        certain = (unsigned)_mm256_movemask_pd(_mm256_cmp_pd(det * det, limit, _CMP_GT_OQ));
+        inside = (unsigned)_mm256_movemask_pd(det) ^ 15u;
+        if (PBW__UNLIKELY(certain != 15)) {
+            inside = pbw__search_exact(kernel, link, certain, inside, p);
+        }
+        pbw__search_sort(&search, i, 0, link[0], inside & 1);
+        pbw__search_sort(&search, i, 1, link[1], inside >> 1 & 1);
+        pbw__search_sort(&search, i, 2, link[2], inside >> 2 & 1);
+        pbw__search_sort(&search, i, 3, link[3], inside >> 3);
+    }
+    pbw__search_end(kernel, &search);
+    return 1;
 }
 #endif
 
-/* Records for `needed` more simplices than the cavity has; extends the cavity's list of slots by them. */
-static pbw_status pbw__take_slots(pbw__kernel *kernel, size_t needed)
+/* Fresh slots for `needed` more simplices: all that there is room for, by a quarter more room. */
+static PBW__NOINLINE pbw_status pbw__more_slots(pbw__kernel *kernel, size_t needed)
 {
-    size_t fresh = needed > kernel->cavity_count ? needed - kernel->cavity_count : 0, i;
-    if (fresh > kernel->free_count && kernel->count + fresh - kernel->free_count > kernel->capacity) {
-        pbw_status status = pbw__reserve(kernel, kernel->count + fresh - kernel->free_count);
+    pbw__store *store = kernel->store;
+    size_t bigger = store->capacity + store->capacity / 4, least = kernel->fresh + needed;
+    pbw_status status;
+    bigger = bigger > least ? bigger : least;
+    bigger = bigger < PBW__SIMPLEX_LIMIT ? bigger : PBW__SIMPLEX_LIMIT;
+    status = pbw__store_reserve(&kernel->context->memory, store, bigger > least ? bigger : least);
+    pbw__kernel_attach(kernel);
+    kernel->fresh_end = status == PBW_OK ? store->capacity : kernel->fresh_end;
+    return status;
+}
+
+/* The slots of the star: those of the cavity, then others; cavity slots too many become free. */
+PBW__INLINE pbw_status pbw__take_slots(pbw__kernel *kernel, size_t needed)
+{
+    size_t have = kernel->cavity_count, i;
+    pbw_index *cavity;
+    if (PBW__UNLIKELY(needed > have + kernel->free_count + (kernel->fresh_end - kernel->fresh))) {
+        pbw_status status = pbw__more_slots(kernel, needed - have - kernel->free_count);
         if (status != PBW_OK) {
             return status;
         }
     }
-    if (needed > kernel->cavity_capacity && !pbw__grow_lists(kernel, needed)) {
+    if (PBW__UNLIKELY(needed > kernel->cavity_capacity) && !pbw__grow_lists(kernel, needed)) {
         return PBW_ERROR_MEMORY;
     }
-    for (i = kernel->cavity_count; i < needed; i++) {
+    cavity = kernel->cavity;
+    for (i = 0; i < have; i++) {
+        kernel->mark[cavity[i]] = 0;
+    }
+    for (i = have; i < needed; i++) {
         if (kernel->free_count > 0) {
-            pbw_index *corners = pbw__corners(kernel, kernel->free_list);
-            kernel->cavity[i] = kernel->free_list;
-            kernel->free_list = corners[1];
+            cavity[i] = kernel->free_list;
+            kernel->free_list = kernel->corner[4 * (size_t)cavity[i] + 1];
             kernel->free_count--;
         } else {
-            kernel->mark[kernel->count] = 0;
-            kernel->cavity[i] = (pbw_index)kernel->count++;
+            kernel->mark[kernel->fresh] = 0;
+            cavity[i] = (pbw_index)kernel->fresh++;
         }
     }
-    for (i = 0; i < kernel->cavity_count; i++) {
-        kernel->mark[kernel->cavity[i]] = 0;
-        if (i >= needed) {
-            pbw_index *corners = pbw__corners(kernel, kernel->cavity[i]);
-            corners[0] = PBW_NONE;
-            corners[1] = kernel->free_list;
-            kernel->free_list = kernel->cavity[i];
-            kernel->free_count++;
-        }
+    for (i = needed; i < have; i++) {
+        pbw_index *corner = kernel->corner + 4 * (size_t)cavity[i];
+        corner[0] = PBW_NONE;
+        corner[1] = kernel->free_list;
+        kernel->free_list = cavity[i];
+        kernel->free_count++;
     }
     kernel->statistics.created += needed;
-    kernel->last = kernel->cavity[needed - 1];
+    kernel->last = cavity[needed - 1];
     return PBW_OK;
 }
 
-/* The edge table: which facet of the star lies behind the directed edge (a, b) of the cavity's boundary.  Each
-   directed edge belongs to one facet of the boundary.  Up to PBW__EDGE_LOCALS local numbers it is a square array,
-   else a hash. */
-PBW__INLINE pbw__link *pbw__edge_place(pbw__kernel *kernel, int wide, pbw_index a, pbw_index b)
+/* The entry of a directed edge in the hash of a large cavity.  Each directed edge belongs to one facet of the
+   boundary. */
+PBW__INLINE pbw__link *pbw__wide_edge(pbw__kernel *kernel, size_t mask, pbw_index from, pbw_index to)
 {
-    if (!wide) {
-        return kernel->edge + a * PBW__EDGE_LOCALS + b;
-    } else {
-        uint64_t key = ((uint64_t)a << 32 | b) + 1;
-        size_t slot = (size_t)((key * 0x9e3779b97f4a7c15u) >> 32) & kernel->wide_mask;
-        while (kernel->wide_edge[slot].key != key && kernel->wide_edge[slot].key != 0) {
-            slot = (slot + 1) & kernel->wide_mask;
-        }
-        kernel->wide_edge[slot].key = key;
-        return &kernel->wide_edge[slot].link;
+    uint64_t key = (uint64_t)from << 32 | to;
+    size_t at = (size_t)((key * 0x9e3779b97f4a7c15u) >> 32) & mask;
+    pbw__edge *edge = kernel->wide_edge + at;
+    while (edge->from != edge->to && (edge->from != from || edge->to != to)) {
+        at = (at + 1) & mask;
+        edge = kernel->wide_edge + at;
     }
+    edge->from = from;
+    edge->to = to;
+    return &edge->link;
 }
 
-PBW__INLINE void pbw__sew3(pbw__kernel *kernel, int wide, pbw_index vertex)
+static PBW__NOINLINE pbw_status pbw__sew3_wide(pbw__kernel *kernel)
 {
-    pbw__simplex3 *s3 = kernel->s3;
-    size_t i;
+    size_t slots = 256, i;
+    unsigned k;
+    while (slots < 6 * kernel->facet_count) {        /* 3 edges a facet, at most half full */
+        slots *= 2;
+    }
+    if (slots > kernel->wide_capacity
+        && !pbw__resize_array(&kernel->context->memory, &kernel->wide_edge, &kernel->wide_capacity, slots,
+                              sizeof(pbw__edge))) {
+        return PBW_ERROR_MEMORY;
+    }
+    memset(kernel->wide_edge, 0, slots * sizeof(pbw__edge));     /* from == to: empty */
     for (i = 0; i < kernel->facet_count; i++) {
-        const pbw__facet *facet = kernel->facet + i;
-        const pbw_index *local = kernel->carved[facet->from >> 2].local;
-        const unsigned char *corner = pbw__facet_corners[facet->from & 3];
-        pbw__link base = (pbw__link)kernel->cavity[i] << 2;
-        *pbw__edge_place(kernel, wide, local[corner[1]], local[corner[2]]) = base | 1;
-        *pbw__edge_place(kernel, wide, local[corner[2]], local[corner[0]]) = base | 2;
-        *pbw__edge_place(kernel, wide, local[corner[0]], local[corner[1]]) = base | 3;
+        const pbw_index *v = kernel->corner + 4 * (size_t)kernel->cavity[i];
+        for (k = 1; k < 4; k++) {
+            *pbw__wide_edge(kernel, slots - 1, v[k == 3 ? 1 : k + 1], v[k == 1 ? 3 : k - 1]) =
+                (pbw__link)kernel->cavity[i] * 4 + k;
+        }
     }
     for (i = 0; i < kernel->facet_count; i++) {
-        const pbw__facet *facet = kernel->facet + i;
-        const pbw__carved *carved = kernel->carved + (facet->from >> 2);
-        const unsigned char *corner = pbw__facet_corners[facet->from & 3];
-        pbw__simplex3 *s = s3 + kernel->cavity[i];
-        s->v[0] = vertex;
-        s->v[1] = carved->v[corner[0]];
-        s->v[2] = carved->v[corner[1]];
-        s->v[3] = carved->v[corner[2]];
-        s->n[0] = facet->beyond;
-        s->n[1] = *pbw__edge_place(kernel, wide, carved->local[corner[2]], carved->local[corner[1]]);
-        s->n[2] = *pbw__edge_place(kernel, wide, carved->local[corner[0]], carved->local[corner[2]]);
-        s->n[3] = *pbw__edge_place(kernel, wide, carved->local[corner[1]], carved->local[corner[0]]);
-        s3[facet->beyond >> 2].n[facet->beyond & 3] = (pbw__link)kernel->cavity[i] << 2;
+        const pbw_index *v = kernel->corner + 4 * (size_t)kernel->cavity[i];
+        for (k = 1; k < 4; k++) {
+            kernel->link[4 * (size_t)kernel->cavity[i] + k] =
+                *pbw__wide_edge(kernel, slots - 1, v[k == 1 ? 3 : k - 1], v[k == 3 ? 1 : k + 1]);
+        }
     }
+    return PBW_OK;
 }
 
 /* Joins the vertex to each facet of the cavity's boundary. */
-static pbw_status pbw__refill3(pbw__kernel *kernel, pbw_index vertex)
+PBW__INLINE pbw_status pbw__refill3(pbw__kernel *kernel, pbw_index vertex)
 {
     pbw_status status = pbw__take_slots(kernel, kernel->facet_count);
-    if (status != PBW_OK) {
+    const int wide = kernel->local_count > PBW__LOCALS - 4;
+    pbw__link *edge = kernel->edge;
+    size_t i, count = kernel->facet_count;
+    if (PBW__UNLIKELY(status != PBW_OK)) {
         return status;
     }
-    if (kernel->locals.count <= PBW__EDGE_LOCALS) {
-        pbw__sew3(kernel, 0, vertex);
-    } else {
-        size_t slots = kernel->wide_mask + 1, old = kernel->wide_edge != NULL ? slots : 0;
-        while (slots < 6 * kernel->facet_count) {    /* 3 edges a facet, at most half full */
-            slots *= 2;
+    for (i = 0; i < count; i++) {
+        const pbw__facet *facet = kernel->facet + i;
+        const pbw__carved *carved = kernel->carved + (facet->from >> 2);
+        const unsigned char *corner = pbw__facet_corners[facet->from & 3];
+        size_t t = kernel->cavity[i];
+        pbw_index *v = kernel->corner + 4 * t, a = carved->local[corner[0]], b = carved->local[corner[1]],
+                  c = carved->local[corner[2]];
+        v[0] = vertex;
+        v[1] = carved->v[corner[0]];
+        v[2] = carved->v[corner[1]];
+        v[3] = carved->v[corner[2]];
+        kernel->link[4 * t] = facet->beyond;
+        kernel->link[facet->beyond] = (pbw__link)t * 4;
+        if (PBW__LIKELY(!wide)) {
+            edge[b * PBW__LOCALS + c] = (pbw__link)t * 4 + 1;
+            edge[c * PBW__LOCALS + a] = (pbw__link)t * 4 + 2;
+            edge[a * PBW__LOCALS + b] = (pbw__link)t * 4 + 3;
         }
-        if (old != slots) {
-            if (!pbw__grow(kernel, &kernel->wide_edge, &old, slots, sizeof(pbw__edge))) {
-                return PBW_ERROR_MEMORY;
-            }
-            kernel->wide_mask = old - 1;
-        }
-        memset(kernel->wide_edge, 0, slots * sizeof(pbw__edge));
-        pbw__sew3(kernel, 1, vertex);
+    }
+    if (PBW__UNLIKELY(wide)) {
+        return pbw__sew3_wide(kernel);
+    }
+    for (i = 0; i < count; i++) {
+        const pbw__facet *facet = kernel->facet + i;
+        const pbw_index *local = kernel->carved[facet->from >> 2].local;
+        const unsigned char *corner = pbw__facet_corners[facet->from & 3];
+        pbw__link *link = kernel->link + 4 * (size_t)kernel->cavity[i];
+        pbw_index a = local[corner[0]], b = local[corner[1]], c = local[corner[2]];
+        link[1] = edge[c * PBW__LOCALS + b];
+        link[2] = edge[a * PBW__LOCALS + c];
+        link[3] = edge[b * PBW__LOCALS + a];
     }
     return PBW_OK;
 }
+
+static pbw_status pbw__insert3_scalar(pbw__kernel *kernel, pbw_index vertex)
+{
+    const double *p = pbw__record3(kernel, vertex);
+    pbw_index t = pbw__locate3_scalar(kernel, kernel->last, p);
+    if (t == PBW_NONE) {
+        return PBW_OK;
+    }
+    return pbw__carve3_scalar(kernel, t, p) ? pbw__refill3(kernel, vertex) : PBW_ERROR_MEMORY;
+}
+
+#ifdef PBW__X86
+PBW__AVX2 static pbw_status pbw__insert3_avx2(pbw__kernel *kernel, pbw_index vertex)
+{
+    const double *p = pbw__record3(kernel, vertex);
+    pbw_index t = pbw__locate3_avx2(kernel, kernel->last, p);
+    if (t == PBW_NONE) {
+        return PBW_OK;
+    }
+    return pbw__carve3_avx2(kernel, t, p) ? pbw__refill3(kernel, vertex) : PBW_ERROR_MEMORY;
+}
+#endif
 
 /* det of rows (x, y, lift) of the corners relative to p: > 0 if the triangle is in conflict.  Returns the verdict. */
 PBW__INLINE int pbw__test2(pbw__kernel *kernel, pbw_index t, const double *p)
 {
-    const pbw__simplex2 *s = kernel->s2 + t;
-    const double *a = pbw__record2(kernel, s->v[0]), *b = pbw__record2(kernel, s->v[1]),
-                 *c = pbw__record2(kernel, s->v[2]);
+    const pbw_index *v = kernel->corner + 4 * (size_t)t;
+    const double *a = pbw__record2(kernel, v[0]), *b = pbw__record2(kernel, v[1]), *c = pbw__record2(kernel, v[2]);
     double ax = a[0] - p[0], ay = a[1] - p[1], bx = b[0] - p[0], by = b[1] - p[1], limit;
     kernel->statistics.conflict_tests++;
-    if (s->v[2] != PBW__GHOST) {
+    if (v[2] != PBW__GHOST) {
         double cx = c[0] - p[0], cy = c[1] - p[1], aw = a[2] - p[2], bw = b[2] - p[2], cw = c[2] - p[2];
         double a2 = ax * ax + ay * ay, b2 = bx * bx + by * by, c2 = cx * cx + cy * cy;
         double det =
@@ -2418,18 +2560,19 @@ PBW__INLINE int pbw__test2(pbw__kernel *kernel, pbw_index t, const double *p)
    of the cavity that is not the way one was reached is met twice and skipped. */
 static int pbw__carve2(pbw__kernel *kernel, pbw_index t, const double *p)
 {
-    pbw__simplex2 *s2 = kernel->s2;
+    const pbw_index *corner = kernel->corner;
+    const pbw__link *links = kernel->link;
+    size_t stack_count = 3;
     int k;
     kernel->cavity[0] = t;
     kernel->cavity_count = 1;
     kernel->facet_count = 0;
     kernel->mark[t] = 1;
     for (k = 0; k < 3; k++) {
-        kernel->stack[k] = s2[t].n[2 - k];
+        kernel->stack[k] = links[4 * (size_t)t + 2 - (size_t)k];
     }
-    kernel->stack_count = 3;
-    while (kernel->stack_count > 0) {
-        pbw__link link = kernel->stack[--kernel->stack_count];
+    while (stack_count > 0) {
+        pbw__link link = kernel->stack[--stack_count];
         pbw_index o = (pbw_index)(link >> 2);
         unsigned via = (unsigned)(link & 3), left = via == 2 ? 0 : via + 1, right = via == 0 ? 2 : via - 1;
         if (kernel->mark[o]) {
@@ -2438,22 +2581,22 @@ static int pbw__carve2(pbw__kernel *kernel, pbw_index t, const double *p)
         if (pbw__test2(kernel, o, p)) {
             if ((kernel->cavity_count == kernel->cavity_capacity
                  && !pbw__grow_lists(kernel, kernel->cavity_count + 1))
-                || !pbw__grow(kernel, &kernel->stack, &kernel->stack_capacity, kernel->stack_count + 2,
+                || !pbw__grow(kernel, &kernel->stack, &kernel->stack_capacity, stack_count + 2,
                               sizeof(pbw__link))) {
                 return 0;
             }
             kernel->mark[o] = 1;
             kernel->cavity[kernel->cavity_count++] = o;
-            kernel->stack[kernel->stack_count++] = s2[o].n[right];
-            kernel->stack[kernel->stack_count++] = s2[o].n[left];
+            kernel->stack[stack_count++] = links[4 * (size_t)o + right];
+            kernel->stack[stack_count++] = links[4 * (size_t)o + left];
         } else {
             pbw__facet *facet;
             if (kernel->facet_count == kernel->facet_capacity && !pbw__grow_lists(kernel, kernel->facet_count + 1)) {
                 return 0;
             }
             facet = kernel->facet + kernel->facet_count++;
-            facet->from = s2[o].v[right];
-            facet->to = s2[o].v[left];
+            facet->from = corner[4 * (size_t)o + right];
+            facet->to = corner[4 * (size_t)o + left];
             facet->beyond = link;
         }
     }
@@ -2464,7 +2607,6 @@ static pbw_status pbw__refill2(pbw__kernel *kernel, pbw_index vertex)
 {
     size_t count = kernel->facet_count, i;
     pbw_status status = pbw__take_slots(kernel, count);
-    pbw__simplex2 *s2 = kernel->s2;                  /* taken now: the records may have moved */
     if (status != PBW_OK) {
         return status;
     }
@@ -2472,22 +2614,33 @@ static pbw_status pbw__refill2(pbw__kernel *kernel, pbw_index vertex)
         const pbw__facet *facet = kernel->facet + i;
         pbw_index before = kernel->cavity[i == 0 ? count - 1 : i - 1],
                   after = kernel->cavity[i + 1 == count ? 0 : i + 1];
-        pbw__simplex2 *s = s2 + kernel->cavity[i];
+        pbw_index *v = kernel->corner + 4 * (size_t)kernel->cavity[i];
+        pbw__link *n = kernel->link + 4 * (size_t)kernel->cavity[i];
         /* Corner numbers in (vertex, from, to), turned once if `from` is the ghost. */
         unsigned turn = facet->from == PBW__GHOST, from = turn ? 2 : 1, to = turn ? 0 : 2;
         /* Across from `to` lies the triangle before, which ends where we begin: its corner across from us is its
            `from`. */
         unsigned before_from = kernel->facet[i == 0 ? count - 1 : i - 1].from == PBW__GHOST ? 2 : 1;
         unsigned after_to = facet->to == PBW__GHOST ? 0 : 2;
-        s->v[turn] = vertex;
-        s->v[from] = facet->from;
-        s->v[to] = facet->to;
-        s->n[turn] = facet->beyond;
-        s->n[to] = (pbw__link)before << 2 | before_from;
-        s->n[from] = (pbw__link)after << 2 | after_to;
-        s2[facet->beyond >> 2].n[facet->beyond & 3] = (pbw__link)kernel->cavity[i] << 2 | turn;
+        v[turn] = vertex;
+        v[from] = facet->from;
+        v[to] = facet->to;
+        n[turn] = facet->beyond;
+        n[to] = (pbw__link)before << 2 | before_from;
+        n[from] = (pbw__link)after << 2 | after_to;
+        kernel->link[facet->beyond] = (pbw__link)kernel->cavity[i] << 2 | turn;
     }
     return PBW_OK;
+}
+
+static pbw_status pbw__insert2(pbw__kernel *kernel, pbw_index vertex)
+{
+    const double *p = pbw__record2(kernel, vertex);
+    pbw_index t = pbw__locate2(kernel, kernel->last, p);
+    if (t == PBW_NONE) {
+        return PBW_OK;
+    }
+    return pbw__carve2(kernel, t, p) ? pbw__refill2(kernel, vertex) : PBW_ERROR_MEMORY;
 }
 /* ------------------------------------------------------------------------------------------------------
    >>build        All vertices into one triangulation, on one thread.
@@ -2597,137 +2750,116 @@ static void pbw__first_star(pbw__kernel *kernel, int dim, const pbw_index *seed)
 {
     int i, j, k;
     for (i = 0; i <= dim; i++) {
-        pbw__corners(kernel, 0)[i] = seed[i];
+        kernel->corner[i] = seed[i];
     }
     for (i = 0; i <= dim; i++) {
-        pbw_index *ghost = pbw__corners(kernel, (size_t)i + 1);
+        pbw_index *ghost = kernel->corner + 4 * (i + 1);
         for (k = 0; k < dim; k++) { /* the facet across from corner i, with its outer side positive */
             ghost[k] = seed[dim == 3 ? pbw__facet_corners[i][k] : (i + 2 - k) % 3];
         }
         ghost[dim] = PBW__GHOST;
     }
-    kernel->count = (size_t)dim + 2;
+    kernel->fresh = (size_t)dim + 2;
     for (i = 0; i <= dim + 1; i++) {                 /* two simplices share the facet that lacks one corner of each */
         for (k = 0; k <= dim; k++) {
-            pbw_index *mine = pbw__corners(kernel, (size_t)i);
+            const pbw_index *mine = kernel->corner + 4 * i;
             for (j = 0; j <= dim + 1; j++) {
                 int far, lacking = 0, at = 0;
                 for (far = 0; far <= dim && j != i; far++) {
                     int m, shared = 0;
                     for (m = 0; m <= dim; m++) {
-                        shared |= m != k && mine[m] == pbw__corners(kernel, (size_t)j)[far];
+                        shared |= m != k && mine[m] == kernel->corner[4 * j + far];
                     }
                     lacking += !shared;
                     at = shared ? at : far;
                 }
                 if (lacking == 1) {
-                    pbw__link link = (pbw__link)j << 2 | (pbw__link)at;
-                    if (dim == 3) {
-                        kernel->s3[i].n[k] = link;
-                    } else {
-                        kernel->s2[i].n[k] = link;
-                    }
+                    kernel->link[4 * i + k] = (pbw__link)(4 * j + at);
                 }
             }
         }
     }
-    memset(kernel->mark, 0, kernel->count);
+    memset(kernel->mark, 0, kernel->fresh);
     kernel->last = 0;
-}
-
-/* One vertex into the triangulation; a hidden one changes nothing. */
-static pbw_status pbw__insert(pbw__kernel *kernel, int dim, pbw_index vertex)
-{
-    const double *p = kernel->record + (size_t)vertex * ((size_t)dim + 1);
-    pbw_index t = dim == 3 ? pbw__locate3(kernel, kernel->last, p) : pbw__locate2(kernel, kernel->last, p);
-    if (t == PBW_NONE) {
-        return PBW_OK;
-    }
-    if (dim == 3) {
-        return kernel->carve3(kernel, t, p) ? pbw__refill3(kernel, vertex) : PBW_ERROR_MEMORY;
-    }
-    return pbw__carve2(kernel, t, p) ? pbw__refill2(kernel, vertex) : PBW_ERROR_MEMORY;
 }
 
 static void pbw__kernel_free(pbw__kernel *kernel)
 {
     pbw__memory *memory = &kernel->context->memory;
-    pbw__release(memory, kernel->s2, kernel->capacity, sizeof(pbw__simplex2));
-    pbw__release(memory, kernel->s3, kernel->capacity, sizeof(pbw__simplex3));
-    pbw__release(memory, kernel->mark, kernel->mark_capacity, 1);
     pbw__release(memory, kernel->cavity, kernel->cavity_capacity, sizeof(pbw_index));
     pbw__release(memory, kernel->carved, kernel->carved_capacity, sizeof(pbw__carved));
     pbw__release(memory, kernel->facet, kernel->facet_capacity, sizeof(pbw__facet));
     pbw__release(memory, kernel->stack, kernel->stack_capacity, sizeof(pbw__link));
-    pbw__release(memory, kernel->locals.row, (size_t)kernel->locals.mask + 1, PBW__LOCALS_BYTES);
-    pbw__release(memory, kernel->edge, PBW__EDGE_LOCALS * PBW__EDGE_LOCALS, sizeof(pbw__link));
-    pbw__release(memory, kernel->wide_edge, kernel->wide_mask + 1, sizeof(pbw__edge));
+    pbw__release(memory, kernel->slot, PBW__SLOTS, sizeof(pbw__slot));
+    pbw__release(memory, kernel->edge, PBW__LOCALS * PBW__LOCALS, sizeof(pbw__link));
+    pbw__release(memory, kernel->wide_edge, kernel->wide_capacity, sizeof(pbw__edge));
 }
 
-/* Allocates for a triangulation of count vertices; on failure the kernel can and must still be freed. */
-static pbw_status pbw__kernel_create(pbw__kernel *kernel, pbw__context *context, const pbw__vertices *vertices,
-                                     const pbw__grid *grid)
+/* Scratch memory for one thread; on failure the kernel can and must still be freed. */
+static pbw_status pbw__kernel_create(pbw__kernel *kernel, pbw__context *context, pbw__store *store,
+                                     const pbw__vertices *vertices, const pbw__grid *grid)
 {
     pbw__memory *memory = &context->memory;
     int dim = vertices->dim;
     memset(kernel, 0, sizeof(*kernel));
     kernel->context = context;
+    kernel->store = store;
     kernel->record = vertices->record;
     kernel->grid = grid;
+    kernel->dim = dim;
     kernel->weighted = vertices->weighted;
-    kernel->wide_mask = 511;
-    /* 2D: 2 count - 2 with ghosts.  3D: 6.77 count for uniform points; more is found by growing. */
-    kernel->capacity = dim == 3 ? vertices->count * 7 + 16 : vertices->count * 2 + 8;
-    kernel->capacity = kernel->capacity < PBW__SIMPLEX_LIMIT ? kernel->capacity : PBW__SIMPLEX_LIMIT;
-    kernel->cavity_capacity = kernel->carved_capacity = kernel->facet_capacity = kernel->stack_capacity = 64;
-    kernel->carve3 = pbw__carve3_scalar;
-#ifdef PBW__LANES
-    if (__builtin_cpu_supports("avx2")) {
-        kernel->carve3 = pbw__carve3_avx2;
+    kernel->insert = dim == 2 ? pbw__insert2 : pbw__insert3_scalar;
+#ifdef PBW__X86
+    if (dim == 3 && __builtin_cpu_supports("avx2") && __builtin_cpu_supports("fma")) {
+        kernel->insert = pbw__insert3_avx2;
     }
 #endif
-    kernel->mark_capacity = kernel->capacity;
-    kernel->mark = (unsigned char *)pbw__allocate(memory, kernel->capacity, 1);
-    kernel->cavity = (pbw_index *)pbw__allocate(memory, 64, sizeof(pbw_index));
-    kernel->facet = (pbw__facet *)pbw__allocate(memory, 64, sizeof(pbw__facet));
-    if (dim == 3) {
-        kernel->s3 = (pbw__simplex3 *)pbw__allocate(memory, kernel->capacity, sizeof(pbw__simplex3));
-        kernel->carved = (pbw__carved *)pbw__allocate(memory, 64, sizeof(pbw__carved));
-        kernel->edge = (pbw__link *)pbw__allocate(memory, PBW__EDGE_LOCALS * PBW__EDGE_LOCALS, sizeof(pbw__link));
-        return pbw__locals_create(kernel, &kernel->locals, 256) && kernel->s3 != NULL && kernel->edge != NULL
-                    && kernel->mark != NULL && kernel->carved != NULL && kernel->cavity != NULL
-                    && kernel->facet != NULL
-                 ? PBW_OK
-                 : PBW_ERROR_MEMORY;
+    pbw__kernel_attach(kernel);
+    if (!pbw__grow_lists(kernel, 64)) {
+        return PBW_ERROR_MEMORY;
     }
-    kernel->s2 = (pbw__simplex2 *)pbw__allocate(memory, kernel->capacity, sizeof(pbw__simplex2));
-    kernel->stack = (pbw__link *)pbw__allocate(memory, 64, sizeof(pbw__link));
-    return kernel->s2 != NULL && kernel->stack != NULL && kernel->mark != NULL && kernel->cavity != NULL
-        && kernel->facet != NULL ? PBW_OK : PBW_ERROR_MEMORY;
+    if (dim == 2) {
+        return pbw__grow(kernel, &kernel->stack, &kernel->stack_capacity, 64, sizeof(pbw__link)) ? PBW_OK
+                                                                                                  : PBW_ERROR_MEMORY;
+    }
+    kernel->slot = (pbw__slot *)pbw__allocate(memory, PBW__SLOTS, sizeof(pbw__slot));
+    kernel->edge = (pbw__link *)pbw__allocate(memory, PBW__LOCALS * PBW__LOCALS, sizeof(pbw__link));
+    if (kernel->slot == NULL || kernel->edge == NULL) {
+        return PBW_ERROR_MEMORY;
+    }
+    memset(kernel->slot, 0, PBW__SLOTS * sizeof(pbw__slot));
+    return PBW_OK;
 }
 
-/* PBW_OK, PBW_DEGENERATE or an error; the kernel is the caller's to free in every case. */
-static pbw_status pbw__build(pbw__kernel *kernel, pbw__context *context, const pbw__vertices *vertices,
-                             const pbw__grid *grid)
+/* PBW_OK, PBW_DEGENERATE or an error; kernel and store are the caller's to free in every case. */
+static pbw_status pbw__build(pbw__kernel *kernel, pbw__context *context, pbw__store *store,
+                             const pbw__vertices *vertices, const pbw__grid *grid)
 {
+    /* 2D: 2 count - 2 with ghosts.  3D: 6.77 count for uniform points; more is found by growing. */
+    size_t room = vertices->dim == 3 ? vertices->count * 7 + 16 : vertices->count * 2 + 8;
     pbw__sequence sequence;
     pbw_index seed[4] = { 0, 0, 0, 0 }, vertex;
     size_t done = 0, work, reported = 0;
     int dim = vertices->dim;
-    pbw_status status = pbw__kernel_create(kernel, context, vertices, grid);
+    pbw_status status = pbw__store_reserve(&context->memory, store,
+                                           room < PBW__SIMPLEX_LIMIT ? room : PBW__SIMPLEX_LIMIT);
+    if (status == PBW_OK) {
+        status = pbw__kernel_create(kernel, context, store, vertices, grid);
+    }
     if (status == PBW_OK) {
         status = pbw__seeds(kernel, vertices->count, dim, seed);
     }
     if (status != PBW_OK) {
         return status;
     }
+    kernel->fresh_end = store->capacity;
     pbw__first_star(kernel, dim, seed);
     pbw__sequence_start(&sequence, vertices->count, dim);
     while ((vertex = pbw__sequence_next(&sequence)) != 0) {
         if (vertex == seed[0] || vertex == seed[1] || vertex == seed[2] || (dim == 3 && vertex == seed[3])) {
             continue;
         }
-        status = pbw__insert(kernel, dim, vertex);
+        status = kernel->insert(kernel, vertex);
         if (status != PBW_OK) {
             return status;
         }
@@ -2741,6 +2873,7 @@ static pbw_status pbw__build(pbw__kernel *kernel, pbw__context *context, const p
             }
         }
     }
+    store->count = kernel->fresh;
     return PBW_OK;
 }
 /* ------------------------------------------------------------------------------------------------------
@@ -2840,7 +2973,7 @@ typedef struct pbw__numbering {
 
 PBW__INLINE int pbw__is_finite(const pbw__kernel *kernel, size_t t, int dim)
 {
-    const pbw_index *v = pbw__corners(kernel, t);
+    const pbw_index *v = (kernel->corner + 4 * (t));
     return v[0] != PBW_NONE && v[dim] != PBW__GHOST;
 }
 
@@ -2853,19 +2986,19 @@ static pbw_status pbw__number(pbw__context *context, const pbw__kernel *kernel, 
     size_t t, v, items = 0, sum = 0;
     pbw_status status = PBW_ERROR_MEMORY;
 
-    numbering->record_count = kernel->count;
-    numbering->number = (pbw_index *)pbw__allocate(memory, kernel->count, sizeof(pbw_index));
+    numbering->record_count = kernel->store->count;
+    numbering->number = (pbw_index *)pbw__allocate(memory, kernel->store->count, sizeof(pbw_index));
     if (start == NULL || numbering->number == NULL) {
         goto done;
     }
     memset(start, 0, (vertex_count + 2) * sizeof(pbw_index));
-    for (t = 0; t < kernel->count; t++) {
+    for (t = 0; t < kernel->store->count; t++) {
         numbering->number[t] = PBW_NONE;
         if (pbw__is_finite(kernel, t, dim)) {
-            start[pbw__lowest(pbw__corners(kernel, t), dim)]++;
+            start[pbw__lowest((kernel->corner + 4 * (t)), dim)]++;
             numbering->simplex_count++;
         }
-        if ((t & (PBW__TICK - 1)) == 0 && pbw__report(context, 0.1 * (double)t / (double)kernel->count)) {
+        if ((t & (PBW__TICK - 1)) == 0 && pbw__report(context, 0.1 * (double)t / (double)kernel->store->count)) {
             goto done;
         }
     }
@@ -2883,11 +3016,11 @@ static pbw_status pbw__number(pbw__context *context, const pbw__kernel *kernel, 
     if (item == NULL) {
         goto done;
     }
-    for (t = 0, sum = 0; t < kernel->count; t++) {
+    for (t = 0, sum = 0; t < kernel->store->count; t++) {
         if (pbw__is_finite(kernel, t, dim)) {
-            numbering->list[any_order ? sum++ : start[pbw__lowest(pbw__corners(kernel, t), dim)]++] = (pbw_index)t;
+            numbering->list[any_order ? sum++ : start[pbw__lowest((kernel->corner + 4 * (t)), dim)]++] = (pbw_index)t;
         }
-        if ((t & (PBW__TICK - 1)) == 0 && pbw__report(context, 0.1 + 0.1 * (double)t / (double)kernel->count)) {
+        if ((t & (PBW__TICK - 1)) == 0 && pbw__report(context, 0.1 + 0.1 * (double)t / (double)kernel->store->count)) {
             goto done;
         }
     }
@@ -2895,7 +3028,7 @@ static pbw_status pbw__number(pbw__context *context, const pbw__kernel *kernel, 
         size_t count = start[v] - t, i;
         for (i = 0; i < count; i++) {
             item[i].simplex = numbering->list[t + i];
-            item[i].key = pbw__canonical_key(pbw__corners(kernel, item[i].simplex), dim);
+            item[i].key = pbw__canonical_key((kernel->corner + 4 * (size_t)item[i].simplex), dim);
         }
         pbw__sort_items(item, count);
         for (i = 0; i < count; i++) {
@@ -2929,8 +3062,8 @@ PBW__INLINE pbw_status pbw__emit_body(pbw__context *context, const pbw__kernel *
     size_t i, corners = (size_t)dim + 1, k;
     for (i = 0; i < numbering->simplex_count; i++) {
         size_t t = numbering->list[i];
-        const pbw_index *v = dim == 3 ? kernel->s3[t].v : kernel->s2[t].v;
-        const pbw__link *n = dim == 3 ? kernel->s3[t].n : kernel->s2[t].n;
+        const pbw_index *v = kernel->corner + 4 * t;
+        const pbw__link *n = kernel->link + 4 * t;
         unsigned order[4];
         pbw__canonical_order(v, dim, order);
         for (k = 0; k < corners; k++) {
@@ -3695,6 +3828,7 @@ static pbw_status pbw__run(pbw__context *context, const pbw__input *input, unsig
     pbw__memory *memory = &context->memory;
     pbw__owned *owned = (pbw__owned *)pbw__allocate(memory, 1, sizeof(pbw__owned));
     pbw__vertices vertices;
+    pbw__store store;
     pbw__kernel kernel;
     pbw__grid grid;
     double start = pbw__seconds();
@@ -3706,6 +3840,7 @@ static pbw_status pbw__run(pbw__context *context, const pbw__input *input, unsig
     }
     memset(owned, 0, sizeof(*owned));
     memset(&vertices, 0, sizeof(vertices));
+    memset(&store, 0, sizeof(store));
     memset(&kernel, 0, sizeof(kernel));
     kernel.context = context;
     mesh->memory = owned;
@@ -3723,7 +3858,7 @@ static pbw_status pbw__run(pbw__context *context, const pbw__input *input, unsig
     if (status == PBW_OK) {
         pbw__grid_scan(vertices.record + input->dim + 1, vertices.count, input->dim, &grid);
         status = pbw__enter_stage(context, PBW_STAGE_BUILD) ? PBW_CANCELLED
-               : pbw__build(&kernel, context, &vertices, &grid);
+               : pbw__build(&kernel, context, &store, &vertices, &grid);
         status = pbw__leave_stage(context, status, &start, &mesh->statistics.build_seconds);
         pbw__release(memory, vertices.record, (vertices.point_count + 1) * ((size_t)input->dim + 1), sizeof(double));
         vertices.record = NULL;                      /* the output needs ranks only */
@@ -3757,6 +3892,7 @@ static pbw_status pbw__run(pbw__context *context, const pbw__input *input, unsig
     kernel.statistics.peak_bytes = memory->peak;
     mesh->statistics = kernel.statistics;
     pbw__kernel_free(&kernel);
+    pbw__store_free(memory, &store);
     pbw__vertices_free(context, &vertices);
     owned->memory = *memory;
     return status;
@@ -3795,7 +3931,7 @@ static pbw_status pbw__triangulate(int dim, int is_float, const void *points, co
     input.points = (const char *)points;
     input.weights = (const char *)weights;
     if (count >= PBW_NONE || count > (size_t)-1 / input.stride || count > (size_t)-1 / input.weight_stride
-        || count > (size_t)-1 / (8 * sizeof(pbw__simplex3))) {
+        || count > (size_t)-1 / 256) {
         return PBW_ERROR_TOO_LARGE;
     }
     memset(&context, 0, sizeof(context));
