@@ -280,8 +280,8 @@ PBWDEF int pbw_version(void);              /* differs from PBW_VERSION if header
    PBW_NO_SIMD leaves the scalar code only, with the same answers. */
 #if !defined(PBW_NO_SIMD) && defined(__x86_64__) && defined(__GNUC__)
 #define PBW__X86
-#define PBW__AVX2 __attribute__((target("avx2,fma")))
-#define PBW__AVX2_INLINE static inline __attribute__((target("avx2,fma"), always_inline, unused))
+#define PBW__AVX2 __attribute__((target("avx2,fma,bmi,bmi2,popcnt")))
+#define PBW__AVX2_INLINE static inline __attribute__((target("avx2,fma,bmi,bmi2,popcnt"), always_inline, unused))
 #endif
 
 #define PBW__EPSILON 1.1102230246251565e-16          /* u = 2^-53: half an ulp of 1 */
@@ -1710,16 +1710,11 @@ typedef uint32_t pbw__link;
 /* A simplex of the cavity: its corners, and their local numbers (3D). */
 typedef struct pbw__carved { pbw_index v[4], local[4]; } pbw__carved;
 
-/* A facet of the cavity's boundary: the link across it, and where it is seen from, 4*place in the carved list +
-   facet. 2D: the edge's ends, as seen from inside. */
-typedef struct pbw__facet { pbw__link beyond; pbw_index from, to; } pbw__facet;
-
-/* The vertices of one cavity are numbered from 0 in the order of meeting them, by a hash of 256 slots: a slot is in
-   use if the upper bits of its tag are the stamp of this insertion, the lower 6 are the number.  Larger cavities do
-   without numbers. */
-typedef struct pbw__slot { pbw_index vertex; uint32_t tag; } pbw__slot;
+/* The vertices of one cavity are numbered from 0 in the order of meeting them, by a hash: a slot holds vertex << 32 |
+   stamp << 6 | number, and is empty if the stamp is not that of this insertion.  Larger cavities do without. */
 #define PBW__SLOTS 256
 #define PBW__LOCALS 64
+#define PBW__STAMPS (1u << 26)
 
 /* The facet of the new star behind a directed edge of the cavity's boundary. */
 typedef struct pbw__edge { pbw_index from, to; pbw__link link; } pbw__edge;
@@ -1748,17 +1743,20 @@ typedef struct pbw__kernel {
     pbw_index free_list, last;                       /* first free simplex; one of the last star */
 
     pbw_index *cavity;                               /* simplices in conflict; then the slots of the star */
-    pbw__carved *carved;                             /* 3D: the same, what the refill needs of them */
-    pbw__facet *facet;                               /* the boundary of the cavity */
+    pbw_index *parent;                               /* 3D: for each, place in the cavity * 4 + facet it was met from */
+    pbw__carved *carved;                             /* 3D: what the refill needs of them */
+    pbw__link *beyond;                               /* the boundary of the cavity: the link across each facet */
+    pbw_index *from;                                 /* 3D: where it is seen from, 4 * place in the cavity + facet */
     pbw__link *stack;                                /* 2D: links still to look through */
     size_t cavity_count, facet_count;
-    size_t cavity_capacity, carved_capacity, facet_capacity, stack_capacity;
+    size_t cavity_capacity, parent_capacity, carved_capacity, beyond_capacity, from_capacity, stack_capacity;
     /* One vertex into the triangulation, for this dimension and this CPU; a hidden one changes nothing. */
     pbw_status (*insert)(struct pbw__kernel *kernel, pbw_index vertex);
 
-    pbw__slot *slot;                                 /* 3D */
+    uint64_t *slot;                                  /* 3D: local numbers */
     uint32_t stamp, local_count;
     pbw__link *edge;                                 /* 3D: by pairs of local numbers */
+    pbw_index back[4 * 2 * PBW__LOCALS];             /* places in it; at most 2 * 64 - 4 facets have 64 vertices */
     pbw__edge *wide_edge;                            /* the same as a hash of pairs of vertices */
     size_t wide_capacity;
     pbw_statistics statistics;
@@ -2140,18 +2138,19 @@ static pbw_index pbw__locate2(pbw__kernel *kernel, pbw_index t, const double *p)
    roundings, 13u * 6 h^2 < 8.7e-15 h^2; 9e-15 with the roundings of h; h raised to 1e-140.  Everything the bound
    leaves open goes to >>predicates.
    ------------------------------------------------------------------------------------------------------ */
-/* The local number of a vertex, taken without a branch on whether it is new, which no predictor could guess. */
-PBW__INLINE uint32_t pbw__local(pbw__slot *slot, uint32_t stamp, uint32_t *count, pbw_index v)
+/* The local number of a vertex.  Whether it is new takes no branch: no predictor could guess it. */
+PBW__INLINE uint32_t pbw__local(uint64_t *slot, uint32_t stamp, uint32_t *count, pbw_index v)
 {
-    uint32_t at = (v * 0x9e3779b1u) >> 24, tag, number;
-    while (PBW__UNLIKELY((slot[at].tag / PBW__LOCALS == stamp) & (slot[at].vertex != v))) {
+    uint64_t key = (uint64_t)v << 32 | stamp, found;
+    uint32_t at = (v * 0x9e3779b1u) >> 24, number, old;
+    for (found = slot[at] ^ key; PBW__UNLIKELY(((uint32_t)found < PBW__LOCALS) & (found >> 32 != 0));
+         found = slot[at] ^ key) {
         at = (at + 1) % PBW__SLOTS;
     }
-    tag = slot[at].tag;
-    number = tag / PBW__LOCALS == stamp ? tag % PBW__LOCALS : *count;
-    *count += tag / PBW__LOCALS != stamp;
-    slot[at].vertex = v;
-    slot[at].tag = stamp * PBW__LOCALS + number;
+    old = (uint32_t)found < PBW__LOCALS;
+    number = old ? (uint32_t)found : *count;
+    *count += old ^ 1u;
+    slot[at] = key | number;
     return number;
 }
 
@@ -2160,8 +2159,10 @@ static PBW__NOINLINE int pbw__grow_lists(pbw__kernel *kernel, size_t needed)
 {
     return pbw__grow(kernel, &kernel->cavity, &kernel->cavity_capacity, needed, sizeof(pbw_index))
         && (kernel->dim == 2
-            || pbw__grow(kernel, &kernel->carved, &kernel->carved_capacity, needed, sizeof(pbw__carved)))
-        && pbw__grow(kernel, &kernel->facet, &kernel->facet_capacity, needed, sizeof(pbw__facet));
+            || (pbw__grow(kernel, &kernel->carved, &kernel->carved_capacity, needed, sizeof(pbw__carved))
+                && pbw__grow(kernel, &kernel->parent, &kernel->parent_capacity, needed, sizeof(pbw_index))))
+        && (kernel->dim == 2 || pbw__grow(kernel, &kernel->from, &kernel->from_capacity, needed, sizeof(pbw_index)))
+        && pbw__grow(kernel, &kernel->beyond, &kernel->beyond_capacity, needed, sizeof(pbw__link));
 }
 
 /* The state of a search: a copy of what it needs of the kernel, which the compiler can keep in registers. */
@@ -2171,16 +2172,17 @@ typedef struct pbw__search {
     unsigned char *mark;
     pbw_index *cavity;
     pbw__carved *carved;
-    pbw__facet *facet;
-    pbw__slot *slot;
+    pbw__link *beyond;
+    pbw_index *from, *parent;
+    uint64_t *slot;
     size_t cavity_count, facet_count, capacity;
     uint32_t stamp, local_count;
 } pbw__search;
 
 PBW__INLINE void pbw__search_begin(pbw__kernel *kernel, pbw__search *search, pbw_index t)
 {
-    if (PBW__UNLIKELY(++kernel->stamp == 1u << 26)) {
-        memset(kernel->slot, 0, PBW__SLOTS * sizeof(pbw__slot));
+    if (PBW__UNLIKELY(++kernel->stamp == PBW__STAMPS)) {
+        memset(kernel->slot, 0, PBW__SLOTS * sizeof(uint64_t));
         kernel->stamp = 1;
     }
     search->corner = kernel->corner;
@@ -2188,13 +2190,15 @@ PBW__INLINE void pbw__search_begin(pbw__kernel *kernel, pbw__search *search, pbw
     search->mark = kernel->mark;
     search->cavity = kernel->cavity;
     search->carved = kernel->carved;
-    search->facet = kernel->facet;
+    search->beyond = kernel->beyond;
+    search->from = kernel->from;
+    search->parent = kernel->parent;
     search->slot = kernel->slot;
     search->cavity_count = 1;
     search->facet_count = 0;
-    search->capacity = kernel->carved_capacity;
-    search->stamp = kernel->stamp;
-    search->local_count = 0;
+    search->capacity = kernel->beyond_capacity;      /* the last of the lists to grow */
+    search->stamp = kernel->stamp * PBW__LOCALS;
+    search->local_count = 1;                         /* number 0 stands for none */
     search->cavity[0] = t;
     search->mark[t] = 1;
 }
@@ -2206,22 +2210,28 @@ PBW__INLINE void pbw__search_end(pbw__kernel *kernel, const pbw__search *search)
     kernel->local_count = search->local_count;
 }
 
-/* Before the neighbours of the i-th simplex of the cavity are looked at: room in the lists, local numbers. */
-PBW__INLINE int pbw__search_next(pbw__kernel *kernel, pbw__search *search, size_t i)
+/* Room to look at the neighbours of one more simplex: four more may be written to each list. */
+PBW__INLINE int pbw__search_room(pbw__kernel *kernel, pbw__search *search)
 {
-    const pbw_index *v = search->corner + 4 * (size_t)search->cavity[i];
-    size_t longer = search->cavity_count > search->facet_count ? search->cavity_count : search->facet_count;
-    pbw__carved *carved;
-    if (PBW__UNLIKELY(longer + 4 > search->capacity)) {
-        if (!pbw__grow_lists(kernel, longer + 4)) {
+    if (PBW__UNLIKELY(search->cavity_count + search->facet_count + 8 > search->capacity)) {
+        if (!pbw__grow_lists(kernel, search->cavity_count + search->facet_count + 8)) {
             return 0;
         }
         search->cavity = kernel->cavity;
         search->carved = kernel->carved;
-        search->facet = kernel->facet;
-        search->capacity = kernel->carved_capacity;
+        search->beyond = kernel->beyond;
+        search->from = kernel->from;
+        search->parent = kernel->parent;
+        search->capacity = kernel->beyond_capacity;
     }
-    carved = search->carved + i;
+    return 1;
+}
+
+/* Notes the corners of the i-th simplex of the cavity, and numbers them. */
+PBW__INLINE void pbw__search_number(pbw__search *search, size_t i)
+{
+    const pbw_index *v = search->corner + 4 * (size_t)search->cavity[i];
+    pbw__carved *carved = search->carved + i;
     memcpy(carved->v, v, sizeof(carved->v));
     if (PBW__LIKELY(search->local_count <= PBW__LOCALS - 4)) {
         carved->local[0] = pbw__local(search->slot, search->stamp, &search->local_count, v[0]);
@@ -2229,7 +2239,6 @@ PBW__INLINE int pbw__search_next(pbw__kernel *kernel, pbw__search *search, size_
         carved->local[2] = pbw__local(search->slot, search->stamp, &search->local_count, v[2]);
         carved->local[3] = pbw__local(search->slot, search->stamp, &search->local_count, v[3]);
     }
-    return 1;
 }
 
 /* The neighbour across facet k of the i-th simplex, in conflict or not, to the list where it belongs.  Written to
@@ -2242,10 +2251,80 @@ PBW__INLINE void pbw__search_sort(pbw__search *search, size_t i, unsigned k, pbw
     search->mark[o] = (unsigned char)(fresh ^ 1u ^ inside);
     search->cavity[search->cavity_count] = o;
     search->cavity_count += inside;
-    search->facet[search->facet_count].beyond = link;
-    search->facet[search->facet_count].from = (pbw_index)i * 4 | k;
+    search->beyond[search->facet_count] = link;
+    search->from[search->facet_count] = (pbw_index)i * 4 | k;
     search->facet_count += fresh ^ inside;
 }
+
+#if defined(PBW__X86) && !defined(PBW_WIDE)
+/* Shuffles that bring the lanes of a set of four to the front. */
+#define PBW__LANE(i) 4 * i, 4 * i + 1, 4 * i + 2, 4 * i + 3
+static const unsigned char pbw__front[16][16] = {
+    { 0 }, { PBW__LANE(0) }, { PBW__LANE(1) }, { PBW__LANE(0), PBW__LANE(1) }, { PBW__LANE(2) },
+    { PBW__LANE(0), PBW__LANE(2) }, { PBW__LANE(1), PBW__LANE(2) }, { PBW__LANE(0), PBW__LANE(1), PBW__LANE(2) },
+    { PBW__LANE(3) }, { PBW__LANE(0), PBW__LANE(3) }, { PBW__LANE(1), PBW__LANE(3) },
+    { PBW__LANE(0), PBW__LANE(1), PBW__LANE(3) }, { PBW__LANE(2), PBW__LANE(3) },
+    { PBW__LANE(0), PBW__LANE(2), PBW__LANE(3) }, { PBW__LANE(1), PBW__LANE(2), PBW__LANE(3) },
+    { PBW__LANE(0), PBW__LANE(1), PBW__LANE(2), PBW__LANE(3) }
+};
+
+#define PBW__LOAD4(x) _mm_loadu_si128((const __m128i *)(const void *)(x))
+#define PBW__STORE4(x, y) _mm_storeu_si128((__m128i *)(void *)(x), y)
+
+/* pbw__search_number, from the numbers of the simplex that the i-th was met from: it has all its corners but one. */
+PBW__AVX2_INLINE void pbw__search_number4(pbw__search *search, size_t i)
+{
+    pbw__carved *carved = search->carved + i;
+    if (PBW__UNLIKELY(i == 0) || PBW__UNLIKELY(search->local_count >= PBW__LOCALS)) {
+        pbw__search_number(search, i);
+    } else {
+        const pbw__carved *parent = search->carved + (search->parent[i] >> 2);
+        pbw__link link = search->link[4 * search->cavity[search->parent[i] >> 2] + (search->parent[i] & 3)];
+        const __m128i v = PBW__LOAD4(search->corner + (link & ~3u));
+        const __m128i old = PBW__LOAD4(parent->v), number = PBW__LOAD4(parent->local);
+        __m128i local = _mm_and_si128(_mm_cmpeq_epi32(v, _mm_shuffle_epi32(old, 0x00)),
+                                      _mm_shuffle_epi32(number, 0x00));
+        uint32_t fresh = pbw__local(search->slot, search->stamp, &search->local_count, search->corner[link]);
+        local = _mm_or_si128(local, _mm_and_si128(_mm_cmpeq_epi32(v, _mm_shuffle_epi32(old, 0x55)),
+                                                  _mm_shuffle_epi32(number, 0x55)));
+        local = _mm_or_si128(local, _mm_and_si128(_mm_cmpeq_epi32(v, _mm_shuffle_epi32(old, 0xaa)),
+                                                  _mm_shuffle_epi32(number, 0xaa)));
+        local = _mm_or_si128(local, _mm_and_si128(_mm_cmpeq_epi32(v, _mm_shuffle_epi32(old, 0xff)),
+                                                  _mm_shuffle_epi32(number, 0xff)));
+        local = _mm_or_si128(local, _mm_and_si128(_mm_cmpeq_epi32(local, _mm_setzero_si128()),
+                                                  _mm_set1_epi32((int)fresh)));
+        PBW__STORE4(carved->v, v);
+        PBW__STORE4(carved->local, local);
+    }
+}
+
+/* The same for all four neighbours, which are different simplices: two simplices share at most one facet. */
+PBW__AVX2_INLINE void pbw__search_sort4(pbw__search *search, size_t i, const pbw__link *link, unsigned inside)
+{
+    unsigned char *mark = search->mark;
+    pbw_index o0 = link[0] >> 2, o1 = link[1] >> 2, o2 = link[2] >> 2, o3 = link[3] >> 2;
+    unsigned marked = mark[o0] + 2u * mark[o1] + 4u * (mark[o2] + 2u * mark[o3]), outside;
+    const __m128i links = _mm_loadu_si128((const __m128i *)(const void *)link);
+    const __m128i from = _mm_add_epi32(_mm_set1_epi32((int)(4 * i)), _mm_setr_epi32(0, 1, 2, 3));
+    __m128i front;
+    outside = 15u & ~(inside | marked);
+    inside &= ~marked;
+    marked |= inside;
+    mark[o0] = marked & 1;
+    mark[o1] = marked >> 1 & 1;
+    mark[o2] = marked >> 2 & 1;
+    mark[o3] = (unsigned char)(marked >> 3);
+    front = _mm_loadu_si128((const __m128i *)(const void *)pbw__front[inside]);
+    _mm_storeu_si128((__m128i *)(void *)(search->cavity + search->cavity_count),
+                     _mm_shuffle_epi8(_mm_srli_epi32(links, 2), front));
+    _mm_storeu_si128((__m128i *)(void *)(search->parent + search->cavity_count), _mm_shuffle_epi8(from, front));
+    search->cavity_count += (unsigned)__builtin_popcount(inside);
+    front = _mm_loadu_si128((const __m128i *)(const void *)pbw__front[outside]);
+    _mm_storeu_si128((__m128i *)(void *)(search->beyond + search->facet_count), _mm_shuffle_epi8(links, front));
+    _mm_storeu_si128((__m128i *)(void *)(search->from + search->facet_count), _mm_shuffle_epi8(from, front));
+    search->facet_count += (unsigned)__builtin_popcount(outside);
+}
+#endif
 
 /* Neighbours that the filter left open (bits of `certain` not set): the exact verdicts. */
 static PBW__NOINLINE unsigned pbw__search_exact(pbw__kernel *kernel, const pbw__link *link, unsigned certain,
@@ -2273,9 +2352,10 @@ static int pbw__carve3_scalar(pbw__kernel *kernel, pbw_index t, const double *p)
         const pbw_index *v = search.corner + 4 * (size_t)search.cavity[i];
         double row[5][4], height = 0.0;
         unsigned k;
-        if (!pbw__search_next(kernel, &search, i)) {
+        if (!pbw__search_room(kernel, &search)) {
             return 0;
         }
+        pbw__search_number(&search, i);
         for (k = 0; k < 4; k++) {
             height = pbw__larger(height, pbw__row3(kernel, v[k], p, row[k]));
         }
@@ -2323,9 +2403,14 @@ PBW__AVX2 static int pbw__carve3_avx2(pbw__kernel *kernel, pbw_index t, const do
         pbw__rows3 r, o;
         __m256d height, ax, ay, az, al, bx, by, bz, bl, cx, cy, cz, cl, xy, xz, yz, xl, yl, zl, det, h, limit;
         unsigned certain, inside;
-        if (PBW__UNLIKELY(!pbw__search_next(kernel, &search, i))) {
+        if (PBW__UNLIKELY(!pbw__search_room(kernel, &search))) {
             return 0;
         }
+#ifdef PBW_WIDE
+        pbw__search_number(&search, i);
+#else
+        pbw__search_number4(&search, i);
+#endif
         r = pbw__rows3_of(kernel->record, v[0], v[1], v[2], v[3], &point);
         o = pbw__rows3_of(kernel->record, far0, far1, far2, far3, &point);
         height = pbw__highest(r.height);
@@ -2349,10 +2434,14 @@ PBW__AVX2 static int pbw__carve3_avx2(pbw__kernel *kernel, pbw_index t, const do
         if (PBW__UNLIKELY(certain != 15)) {
             inside = pbw__search_exact(kernel, link, certain, inside, p);
         }
+#ifdef PBW_WIDE
         pbw__search_sort(&search, i, 0, link[0], inside & 1);
         pbw__search_sort(&search, i, 1, link[1], inside >> 1 & 1);
         pbw__search_sort(&search, i, 2, link[2], inside >> 2 & 1);
         pbw__search_sort(&search, i, 3, link[3], inside >> 3);
+#else
+        pbw__search_sort4(&search, i, link, inside);
+#endif
     }
     pbw__search_end(kernel, &search);
     return 1;
@@ -2459,50 +2548,106 @@ static PBW__NOINLINE pbw_status pbw__sew3_wide(pbw__kernel *kernel)
     return PBW_OK;
 }
 
-/* Joins the vertex to each facet of the cavity's boundary. */
+/* Joins the vertex to each facet of the cavity's boundary: a simplex each, the vertex first. */
 PBW__INLINE pbw_status pbw__refill3(pbw__kernel *kernel, pbw_index vertex)
 {
     pbw_status status = pbw__take_slots(kernel, kernel->facet_count);
-    const int wide = kernel->local_count > PBW__LOCALS - 4;
-    pbw__link *edge = kernel->edge;
+    size_t i, count = kernel->facet_count;
+    unsigned k;
+    if (PBW__UNLIKELY(status != PBW_OK)) {
+        return status;
+    }
+    for (i = 0; i < count; i++) {
+        const pbw__carved *carved = kernel->carved + (kernel->from[i] >> 2);
+        const unsigned char *corner = pbw__facet_corners[kernel->from[i] & 3];
+        pbw__link base = (pbw__link)kernel->cavity[i] * 4, beyond = kernel->beyond[i];
+        kernel->corner[base] = vertex;
+        kernel->link[base] = beyond;
+        kernel->link[beyond] = base;
+        for (k = 0; k < 3; k++) {
+            kernel->corner[base + k + 1] = carved->v[corner[k]];
+        }
+    }
+    if (PBW__UNLIKELY(kernel->local_count > PBW__LOCALS - 4)) {
+        return pbw__sew3_wide(kernel);
+    }
+    for (i = 0; i < count; i++) {
+        const pbw_index *local = kernel->carved[kernel->from[i] >> 2].local;
+        const unsigned char *corner = pbw__facet_corners[kernel->from[i] & 3];
+        pbw__link base = (pbw__link)kernel->cavity[i] * 4;
+        kernel->edge[local[corner[1]] * PBW__LOCALS + local[corner[2]]] = base + 1;
+        kernel->edge[local[corner[2]] * PBW__LOCALS + local[corner[0]]] = base + 2;
+        kernel->edge[local[corner[0]] * PBW__LOCALS + local[corner[1]]] = base + 3;
+    }
+    for (i = 0; i < count; i++) {
+        const pbw_index *local = kernel->carved[kernel->from[i] >> 2].local;
+        const unsigned char *corner = pbw__facet_corners[kernel->from[i] & 3];
+        pbw__link *link = kernel->link + (pbw__link)kernel->cavity[i] * 4;
+        link[1] = kernel->edge[local[corner[2]] * PBW__LOCALS + local[corner[1]]];
+        link[2] = kernel->edge[local[corner[0]] * PBW__LOCALS + local[corner[2]]];
+        link[3] = kernel->edge[local[corner[1]] * PBW__LOCALS + local[corner[0]]];
+    }
+    return PBW_OK;
+}
+
+#if defined(PBW__X86) && !defined(PBW_WIDE)
+/* pbw__facet_corners as shuffles that leave lane 0 to the new vertex. */
+static const unsigned char pbw__facet_lanes[4][16] = {
+    { PBW__LANE(0), PBW__LANE(1), PBW__LANE(2), PBW__LANE(3) },
+    { PBW__LANE(0), PBW__LANE(2), PBW__LANE(0), PBW__LANE(3) },
+    { PBW__LANE(0), PBW__LANE(0), PBW__LANE(1), PBW__LANE(3) },
+    { PBW__LANE(0), PBW__LANE(0), PBW__LANE(2), PBW__LANE(1) }
+};
+
+/* The same, a simplex in one vector. */
+PBW__AVX2_INLINE pbw_status pbw__refill3_avx2(pbw__kernel *kernel, pbw_index vertex)
+{
+    pbw_status status = pbw__take_slots(kernel, kernel->facet_count);
+    const __m128i new_corner = _mm_set1_epi32((int)vertex);
+    pbw__carved *carved = kernel->carved;
+    pbw_index *corners = kernel->corner;
+    const pbw_index *cavity = kernel->cavity, *from = kernel->from;
+    const pbw__link *beyond = kernel->beyond;
+    pbw__link *links = kernel->link, *edge = kernel->edge;
     size_t i, count = kernel->facet_count;
     if (PBW__UNLIKELY(status != PBW_OK)) {
         return status;
     }
     for (i = 0; i < count; i++) {
-        const pbw__facet *facet = kernel->facet + i;
-        const pbw__carved *carved = kernel->carved + (facet->from >> 2);
-        const unsigned char *corner = pbw__facet_corners[facet->from & 3];
-        size_t t = kernel->cavity[i];
-        pbw_index *v = kernel->corner + 4 * t, a = carved->local[corner[0]], b = carved->local[corner[1]],
-                  c = carved->local[corner[2]];
-        v[0] = vertex;
-        v[1] = carved->v[corner[0]];
-        v[2] = carved->v[corner[1]];
-        v[3] = carved->v[corner[2]];
-        kernel->link[4 * t] = facet->beyond;
-        kernel->link[facet->beyond] = (pbw__link)t * 4;
-        if (PBW__LIKELY(!wide)) {
-            edge[b * PBW__LOCALS + c] = (pbw__link)t * 4 + 1;
-            edge[c * PBW__LOCALS + a] = (pbw__link)t * 4 + 2;
-            edge[a * PBW__LOCALS + b] = (pbw__link)t * 4 + 3;
-        }
+        const pbw__carved *inside = carved + (from[i] >> 2);
+        const __m128i lanes = PBW__LOAD4(pbw__facet_lanes[from[i] & 3]);
+        pbw__link base = cavity[i] * 4;
+        PBW__STORE4(corners + base, _mm_blend_epi32(_mm_shuffle_epi8(PBW__LOAD4(inside->v), lanes), new_corner, 1));
+        links[base] = beyond[i];
+        links[beyond[i]] = base;
     }
-    if (PBW__UNLIKELY(wide)) {
+    if (PBW__UNLIKELY(kernel->local_count > PBW__LOCALS - 4)) {
         return pbw__sew3_wide(kernel);
     }
     for (i = 0; i < count; i++) {
-        const pbw__facet *facet = kernel->facet + i;
-        const pbw_index *local = kernel->carved[facet->from >> 2].local;
-        const unsigned char *corner = pbw__facet_corners[facet->from & 3];
-        pbw__link *link = kernel->link + 4 * (size_t)kernel->cavity[i];
-        pbw_index a = local[corner[0]], b = local[corner[1]], c = local[corner[2]];
-        link[1] = edge[c * PBW__LOCALS + b];
-        link[2] = edge[a * PBW__LOCALS + c];
-        link[3] = edge[b * PBW__LOCALS + a];
+        const __m128i lanes = PBW__LOAD4(pbw__facet_lanes[from[i] & 3]);
+        const __m128i local = _mm_shuffle_epi8(PBW__LOAD4(carved[from[i] >> 2].local), lanes);
+        const __m128i next = _mm_shuffle_epi32(local, 0x78), last = _mm_shuffle_epi32(local, 0x9c);
+        const __m128i there = _mm_add_epi32(_mm_slli_epi32(next, 6), last);
+        uint64_t low = (uint64_t)_mm_cvtsi128_si64(there), high = (uint64_t)_mm_extract_epi64(there, 1);
+        pbw__link base = cavity[i] * 4;
+        PBW__STORE4(kernel->back + 4 * i, _mm_add_epi32(_mm_slli_epi32(last, 6), next));
+        edge[low >> 32] = base + 1;
+        edge[(uint32_t)high] = base + 2;
+        edge[high >> 32] = base + 3;
+    }
+    for (i = 0; i < count; i++) {
+        const pbw_index *back = kernel->back + 4 * i;
+        pbw__link *link = links + cavity[i] * 4;
+        link[1] = edge[back[1]];
+        link[2] = edge[back[2]];
+        link[3] = edge[back[3]];
     }
     return PBW_OK;
 }
+#else
+#define pbw__refill3_avx2 pbw__refill3
+#endif
 
 static pbw_status pbw__insert3_scalar(pbw__kernel *kernel, pbw_index vertex)
 {
@@ -2522,7 +2667,7 @@ PBW__AVX2 static pbw_status pbw__insert3_avx2(pbw__kernel *kernel, pbw_index ver
     if (t == PBW_NONE) {
         return PBW_OK;
     }
-    return pbw__carve3_avx2(kernel, t, p) ? pbw__refill3(kernel, vertex) : PBW_ERROR_MEMORY;
+    return pbw__carve3_avx2(kernel, t, p) ? pbw__refill3_avx2(kernel, vertex) : PBW_ERROR_MEMORY;
 }
 #endif
 
@@ -2590,45 +2735,49 @@ static int pbw__carve2(pbw__kernel *kernel, pbw_index t, const double *p)
             kernel->stack[stack_count++] = links[4 * (size_t)o + right];
             kernel->stack[stack_count++] = links[4 * (size_t)o + left];
         } else {
-            pbw__facet *facet;
-            if (kernel->facet_count == kernel->facet_capacity && !pbw__grow_lists(kernel, kernel->facet_count + 1)) {
+            if (kernel->facet_count + 1 >= kernel->beyond_capacity
+                && !pbw__grow_lists(kernel, kernel->facet_count + 2)) {
                 return 0;
             }
-            facet = kernel->facet + kernel->facet_count++;
-            facet->from = corner[4 * (size_t)o + right];
-            facet->to = corner[4 * (size_t)o + left];
-            facet->beyond = link;
+            kernel->beyond[kernel->facet_count++] = link;
         }
     }
     return 1;
 }
 
+/* The first vertex, counter-clockwise from inside, of the edge of the boundary that a link crosses. */
+PBW__INLINE pbw_index pbw__edge_start(const pbw__kernel *kernel, pbw__link beyond)
+{
+    return kernel->corner[(beyond & 3) == 0 ? beyond + 2 : beyond - 1];
+}
+
 static pbw_status pbw__refill2(pbw__kernel *kernel, pbw_index vertex)
 {
     size_t count = kernel->facet_count, i;
+    pbw_index last_start = pbw__edge_start(kernel, kernel->beyond[count - 1]);
     pbw_status status = pbw__take_slots(kernel, count);
     if (status != PBW_OK) {
         return status;
     }
+    kernel->beyond[count] = kernel->beyond[0];
     for (i = 0; i < count; i++) {
-        const pbw__facet *facet = kernel->facet + i;
-        pbw_index before = kernel->cavity[i == 0 ? count - 1 : i - 1],
-                  after = kernel->cavity[i + 1 == count ? 0 : i + 1];
-        pbw_index *v = kernel->corner + 4 * (size_t)kernel->cavity[i];
-        pbw__link *n = kernel->link + 4 * (size_t)kernel->cavity[i];
-        /* Corner numbers in (vertex, from, to), turned once if `from` is the ghost. */
-        unsigned turn = facet->from == PBW__GHOST, from = turn ? 2 : 1, to = turn ? 0 : 2;
-        /* Across from `to` lies the triangle before, which ends where we begin: its corner across from us is its
-           `from`. */
-        unsigned before_from = kernel->facet[i == 0 ? count - 1 : i - 1].from == PBW__GHOST ? 2 : 1;
-        unsigned after_to = facet->to == PBW__GHOST ? 0 : 2;
+        pbw__link beyond = kernel->beyond[i], base = (pbw__link)kernel->cavity[i] << 2;
+        pbw_index *v = kernel->corner + base;
+        pbw__link *n = kernel->link + base;
+        pbw_index start = pbw__edge_start(kernel, beyond), end = pbw__edge_start(kernel, kernel->beyond[i + 1]);
+        /* Corner numbers in (vertex, start, end), turned once if `start` is the ghost. */
+        unsigned turn = start == PBW__GHOST, from = turn ? 2 : 1, to = turn ? 0 : 2;
+        /* Across from `end` lies the triangle before, which ends where we begin: its corner across from us is its
+           `start`. */
+        unsigned before_from = last_start == PBW__GHOST ? 2 : 1, after_to = end == PBW__GHOST ? 0 : 2;
         v[turn] = vertex;
-        v[from] = facet->from;
-        v[to] = facet->to;
-        n[turn] = facet->beyond;
-        n[to] = (pbw__link)before << 2 | before_from;
-        n[from] = (pbw__link)after << 2 | after_to;
-        kernel->link[facet->beyond] = (pbw__link)kernel->cavity[i] << 2 | turn;
+        v[from] = start;
+        v[to] = end;
+        n[turn] = beyond;
+        n[to] = (pbw__link)kernel->cavity[i == 0 ? count - 1 : i - 1] << 2 | before_from;
+        n[from] = (pbw__link)kernel->cavity[i + 1 == count ? 0 : i + 1] << 2 | after_to;
+        kernel->link[beyond] = base | turn;
+        last_start = start;
     }
     return PBW_OK;
 }
@@ -2787,10 +2936,12 @@ static void pbw__kernel_free(pbw__kernel *kernel)
 {
     pbw__memory *memory = &kernel->context->memory;
     pbw__release(memory, kernel->cavity, kernel->cavity_capacity, sizeof(pbw_index));
+    pbw__release(memory, kernel->parent, kernel->parent_capacity, sizeof(pbw_index));
     pbw__release(memory, kernel->carved, kernel->carved_capacity, sizeof(pbw__carved));
-    pbw__release(memory, kernel->facet, kernel->facet_capacity, sizeof(pbw__facet));
+    pbw__release(memory, kernel->beyond, kernel->beyond_capacity, sizeof(pbw__link));
+    pbw__release(memory, kernel->from, kernel->from_capacity, sizeof(pbw_index));
     pbw__release(memory, kernel->stack, kernel->stack_capacity, sizeof(pbw__link));
-    pbw__release(memory, kernel->slot, PBW__SLOTS, sizeof(pbw__slot));
+    pbw__release(memory, kernel->slot, PBW__SLOTS, sizeof(uint64_t));
     pbw__release(memory, kernel->edge, PBW__LOCALS * PBW__LOCALS, sizeof(pbw__link));
     pbw__release(memory, kernel->wide_edge, kernel->wide_capacity, sizeof(pbw__edge));
 }
@@ -2810,7 +2961,8 @@ static pbw_status pbw__kernel_create(pbw__kernel *kernel, pbw__context *context,
     kernel->weighted = vertices->weighted;
     kernel->insert = dim == 2 ? pbw__insert2 : pbw__insert3_scalar;
 #ifdef PBW__X86
-    if (dim == 3 && __builtin_cpu_supports("avx2") && __builtin_cpu_supports("fma")) {
+    if (dim == 3 && __builtin_cpu_supports("avx2") && __builtin_cpu_supports("fma")
+        && __builtin_cpu_supports("bmi2") && __builtin_cpu_supports("popcnt")) {
         kernel->insert = pbw__insert3_avx2;
     }
 #endif
@@ -2822,12 +2974,12 @@ static pbw_status pbw__kernel_create(pbw__kernel *kernel, pbw__context *context,
         return pbw__grow(kernel, &kernel->stack, &kernel->stack_capacity, 64, sizeof(pbw__link)) ? PBW_OK
                                                                                                   : PBW_ERROR_MEMORY;
     }
-    kernel->slot = (pbw__slot *)pbw__allocate(memory, PBW__SLOTS, sizeof(pbw__slot));
+    kernel->slot = (uint64_t *)pbw__allocate(memory, PBW__SLOTS, sizeof(uint64_t));
     kernel->edge = (pbw__link *)pbw__allocate(memory, PBW__LOCALS * PBW__LOCALS, sizeof(pbw__link));
     if (kernel->slot == NULL || kernel->edge == NULL) {
         return PBW_ERROR_MEMORY;
     }
-    memset(kernel->slot, 0, PBW__SLOTS * sizeof(pbw__slot));
+    memset(kernel->slot, 0, PBW__SLOTS * sizeof(uint64_t));
     return PBW_OK;
 }
 
