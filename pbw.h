@@ -247,6 +247,12 @@ PBWDEF int pbw_version(void);              /* differs from PBW_VERSION if header
 #else
 #include <sys/time.h>
 #endif
+#ifdef __linux__
+#include <sys/mman.h>
+#ifndef __cplusplus
+extern int madvise(void *address, size_t length, int advice);    /* strict C modes hide it */
+#endif
+#endif
 #if defined(__SSE2__)
 #include <immintrin.h>
 #endif
@@ -268,12 +274,14 @@ PBWDEF int pbw_version(void);              /* differs from PBW_VERSION if header
 #define PBW__UNUSED __attribute__((unused))
 #define PBW__LIKELY(x) __builtin_expect(!!(x), 1)
 #define PBW__UNLIKELY(x) __builtin_expect(!!(x), 0)
+#define PBW__PREFETCH(address) __builtin_prefetch(address)
 #else
 #define PBW__INLINE static inline
 #define PBW__NOINLINE
 #define PBW__UNUSED
 #define PBW__LIKELY(x) (x)
 #define PBW__UNLIKELY(x) (x)
+#define PBW__PREFETCH(address) ((void)0)
 #endif
 
 /* Four facets are tested at once in functions compiled for the instruction set and chosen when a build starts.
@@ -354,15 +362,41 @@ typedef struct pbw__memory {
     size_t limit, used, peak;
 } pbw__memory;
 
+#define PBW__LARGE ((size_t)1 << 20)
+
+/* Has the pages of a large block made at once, in huge pages if there are any: met one by one, page by page, they
+   cost as much as a quarter of a build.  Advice only: it may fail. */
+static void pbw__populate(void *block, size_t from, size_t to)
+{
+#ifdef __linux__
+    const size_t page = 4096;
+    size_t skip = (page - ((size_t)(uintptr_t)block + from) % page) % page;
+    if (to >= PBW__LARGE && to - PBW__LARGE >= from) {
+        char *start = (char *)block + from + skip;
+        size_t length = (to - from - skip) / page * page;
+        (void)madvise(start, length, 14);            /* MADV_HUGEPAGE */
+        (void)madvise(start, length, 23);            /* MADV_POPULATE_WRITE, since Linux 5.14 */
+    }
+#else
+    (void)block;
+    (void)from;
+    (void)to;
+#endif
+}
+
 static void *pbw__default_resize(void *user, void *ptr, size_t old_size, size_t new_size)
 {
+    void *block;
     (void)user;
-    (void)old_size;
     if (new_size == 0) {
         free(ptr);
         return NULL;
     }
-    return realloc(ptr, new_size);
+    block = realloc(ptr, new_size);
+    if (block != NULL) {
+        pbw__populate(block, old_size, new_size);
+    }
+    return block;
 }
 
 /* count*size bytes in place of an old block of old_count*size; NULL leaves the old block as it was. */
@@ -2705,7 +2739,6 @@ PBW__INLINE int pbw__test2(pbw__kernel *kernel, pbw_index t, const double *p)
    of the cavity that is not the way one was reached is met twice and skipped. */
 static int pbw__carve2(pbw__kernel *kernel, pbw_index t, const double *p)
 {
-    const pbw_index *corner = kernel->corner;
     const pbw__link *links = kernel->link;
     size_t stack_count = 3;
     int k;
@@ -3029,50 +3062,18 @@ static pbw_status pbw__build(pbw__kernel *kernel, pbw__context *context, pbw__st
     return PBW_OK;
 }
 /* ------------------------------------------------------------------------------------------------------
-   >>output       From the kernel's records to the caller's arrays.
+   >>output       From the store's simplices to the caller's arrays, in place.
    In: a finished triangulation of ranks.  Out: simplices and neighbours in canonical order, with the caller's ids;
    the first simplex of each point.
 
    Canonical form of a simplex: by an even permutation of the corners, the lowest rank comes first and the lowest of
    the rest second (2D: the lowest first).  Canonical order: by the ranks of the corners, first to last.  So the
    simplices follow the Hilbert curve, and any method that finds the triangulation can produce the same arrays.
+
+   The store's arrays become the caller's: a copy beside them would be the peak of the memory.  Four passes: turn each
+   simplex into its canonical form and put it into the list of its lowest rank; number the simplices list by list;
+   translate corners and links; move each simplex to its place.
    ------------------------------------------------------------------------------------------------------ */
-
-PBW__INLINE pbw_index pbw__lowest(const pbw_index *v, int dim)
-{
-    pbw_index a = v[0] < v[1] ? v[0] : v[1], b = dim == 3 && v[3] < v[2] ? v[3] : v[2];
-    return a < b ? a : b;
-}
-
-/* The even permutation of the canonical form: corner k of the output is corner order[k] of the record. */
-PBW__INLINE void pbw__canonical_order(const pbw_index *v, int dim, unsigned *order)
-{
-    unsigned low = 0, k;
-    for (k = 1; k <= (unsigned)dim; k++) {
-        low = v[k] < v[low] ? k : low;
-    }
-    order[0] = low;
-    if (dim == 2) {
-        order[1] = low == 2 ? 0 : low + 1;
-        order[2] = low == 0 ? 2 : low - 1;
-    } else {
-        const unsigned char *rest = pbw__facet_corners[low];
-        unsigned second = v[rest[1]] < v[rest[0]];
-        second = v[rest[2]] < v[rest[second]] ? 2 : second;
-        order[1] = rest[second];
-        order[2] = rest[second == 2 ? 0 : second + 1];
-        order[3] = rest[second == 0 ? 2 : second - 1];
-    }
-}
-
-/* Ranks of the second and third corner of the canonical form: with the first corner they name a simplex. */
-PBW__INLINE uint64_t pbw__canonical_key(const pbw_index *v, int dim)
-{
-    unsigned order[4];
-    pbw__canonical_order(v, dim, order);
-    return (uint64_t)v[order[1]] << 32 | v[order[2]];
-}
-
 typedef struct pbw__item { uint64_t key; pbw_index simplex; } pbw__item;
 
 static void pbw__sift(pbw__item *heap, size_t root, size_t count)
@@ -3116,130 +3117,214 @@ static void pbw__sort_items(pbw__item *item, size_t count)
     }
 }
 
-/* What becomes of the records: their order in the output, and each one's number there. */
-typedef struct pbw__numbering {
-    size_t simplex_count, record_count;
-    pbw_index *list;                                 /* per simplex of the output: its record */
-    pbw_index *number; /* per record: its number in the output, PBW_NONE for ghosts and free ones */
-} pbw__numbering;
+typedef struct pbw__emission {
+    pbw__context *context;
+    pbw_index *corner;
+    pbw__link *link;                                 /* NULL: not wanted */
+    size_t slot_count, simplex_count, vertex_count;
+    int dim, any_order;
+    const pbw_index *id;                             /* of each rank */
+    pbw_index *number;                               /* per slot: the next of its list; then its place in the output */
+    pbw_index *head;                                 /* per rank: the first of its list; then its first simplex */
+    pbw__item *item;
+    size_t item_capacity;
+} pbw__emission;
 
-PBW__INLINE int pbw__is_finite(const pbw__kernel *kernel, size_t t, int dim)
+/* The canonical form of four corners, and of their links with them. */
+PBW__INLINE void pbw__canonical_form(pbw_index *v, pbw__link *n, int dim)
 {
-    const pbw_index *v = (kernel->corner + 4 * (t));
-    return v[0] != PBW_NONE && v[dim] != PBW__GHOST;
+    pbw_index corner[4];
+    pbw__link link[4];
+    unsigned order[4], low = v[1] < v[0], k;
+    memcpy(corner, v, sizeof(corner));
+    if (dim == 2) {
+        low = v[2] < v[low] ? 2 : low;
+        order[0] = low;
+        order[1] = low == 2 ? 0 : low + 1;
+        order[2] = low == 0 ? 2 : low - 1;
+    } else {
+        unsigned high = 2 + (v[3] < v[2]), second;
+        const unsigned char *rest;
+        low = v[high] < v[low] ? high : low;
+        rest = pbw__facet_corners[low];
+        second = v[rest[1]] < v[rest[0]];
+        second = v[rest[2]] < v[rest[second]] ? 2 : second;
+        order[0] = low;
+        order[1] = rest[second];
+        order[2] = rest[second == 2 ? 0 : second + 1];
+        order[3] = rest[second == 0 ? 2 : second - 1];
+    }
+    for (k = 0; k <= (unsigned)dim; k++) {
+        v[k] = corner[order[k]];
+    }
+    if (n != NULL) {
+        memcpy(link, n, sizeof(link));
+        for (k = 0; k <= (unsigned)dim; k++) {
+            n[k] = link[order[k]];
+        }
+    }
 }
 
-static pbw_status pbw__number(pbw__context *context, const pbw__kernel *kernel, size_t vertex_count, int dim,
-                              int any_order, pbw__numbering *numbering)
+static PBW__NOINLINE void pbw__emit_lists(pbw__emission *emission, size_t from, size_t to, int dim)
 {
-    pbw__memory *memory = &context->memory;
-    pbw_index *start = (pbw_index *)pbw__allocate(memory, vertex_count + 2, sizeof(pbw_index));   /* by first rank */
-    pbw__item *item = NULL;
-    size_t t, v, items = 0, sum = 0;
-    pbw_status status = PBW_ERROR_MEMORY;
-
-    numbering->record_count = kernel->store->count;
-    numbering->number = (pbw_index *)pbw__allocate(memory, kernel->store->count, sizeof(pbw_index));
-    if (start == NULL || numbering->number == NULL) {
-        goto done;
-    }
-    memset(start, 0, (vertex_count + 2) * sizeof(pbw_index));
-    for (t = 0; t < kernel->store->count; t++) {
-        numbering->number[t] = PBW_NONE;
-        if (pbw__is_finite(kernel, t, dim)) {
-            start[pbw__lowest((kernel->corner + 4 * (t)), dim)]++;
-            numbering->simplex_count++;
+    size_t t;
+    for (t = from; t < to; t++) {
+        pbw_index *v = emission->corner + 4 * t;
+        if (v[0] == PBW_NONE || v[dim] == PBW__GHOST) {
+            emission->number[t] = PBW_NONE;
+            continue;
         }
-        if ((t & (PBW__TICK - 1)) == 0 && pbw__report(context, 0.1 * (double)t / (double)kernel->store->count)) {
-            goto done;
-        }
+        pbw__canonical_form(v, emission->link != NULL ? emission->link + 4 * t : NULL, dim);
+        emission->number[t] = emission->head[v[0]];
+        emission->head[v[0]] = (pbw_index)t;
+        emission->simplex_count++;
     }
-    numbering->list = (pbw_index *)pbw__allocate(memory, numbering->simplex_count, sizeof(pbw_index));
-    if (numbering->list == NULL) {
-        goto done;
-    }
-    for (v = 0; v <= vertex_count + 1; v++) {
-        size_t here = start[v];
-        items = here > items ? here : items;
-        start[v] = (pbw_index)sum;
-        sum += here;
-    }
-    item = (pbw__item *)pbw__allocate(memory, items, sizeof(pbw__item));
-    if (item == NULL) {
-        goto done;
-    }
-    for (t = 0, sum = 0; t < kernel->store->count; t++) {
-        if (pbw__is_finite(kernel, t, dim)) {
-            numbering->list[any_order ? sum++ : start[pbw__lowest((kernel->corner + 4 * (t)), dim)]++] = (pbw_index)t;
-        }
-        if ((t & (PBW__TICK - 1)) == 0 && pbw__report(context, 0.1 + 0.1 * (double)t / (double)kernel->store->count)) {
-            goto done;
-        }
-    }
-    for (v = 1, t = 0; v <= vertex_count && !any_order; v++) {   /* start[v] is now the end of v's part of the list */
-        size_t count = start[v] - t, i;
-        for (i = 0; i < count; i++) {
-            item[i].simplex = numbering->list[t + i];
-            item[i].key = pbw__canonical_key((kernel->corner + 4 * (size_t)item[i].simplex), dim);
-        }
-        pbw__sort_items(item, count);
-        for (i = 0; i < count; i++) {
-            numbering->list[t + i] = item[i].simplex;
-        }
-        t += count;
-        if ((v & 4095) == 0 && pbw__report(context, 0.2 + 0.3 * (double)v / (double)vertex_count)) {
-            goto done;
-        }
-    }
-    for (t = 0; t < numbering->simplex_count; t++) {
-        numbering->number[numbering->list[t]] = (pbw_index)t;
-        if ((t & (PBW__TICK - 1)) == 0
-            && pbw__report(context, 0.5 + 0.1 * (double)t / (double)numbering->simplex_count)) {
-            goto done;
-        }
-    }
-    status = PBW_OK;
-done:
-    pbw__release(memory, item, items, sizeof(pbw__item));
-    pbw__release(memory, start, vertex_count + 2, sizeof(pbw_index));
-    return context->cancelled ? PBW_CANCELLED : status;
 }
 
-/* Fills simplices and neighbors (unless NULL), and first[rank], which comes in as PBW_NONE everywhere, with the first
-   simplex of each vertex. */
-PBW__INLINE pbw_status pbw__emit_body(pbw__context *context, const pbw__kernel *kernel,
-                                      const pbw__numbering *numbering, const pbw_index *id, int dim,
-                                      pbw_index *simplices, pbw_index *neighbors, pbw_index *first)
+/* Numbers the simplices of the lists of some ranks from `next` on; returns the number after the last. */
+static PBW__NOINLINE pbw_status pbw__emit_numbers(pbw__emission *emission, size_t from, size_t to, size_t *next)
 {
-    size_t i, corners = (size_t)dim + 1, k;
-    for (i = 0; i < numbering->simplex_count; i++) {
-        size_t t = numbering->list[i];
-        const pbw_index *v = kernel->corner + 4 * t;
-        const pbw__link *n = kernel->link + 4 * t;
-        unsigned order[4];
-        pbw__canonical_order(v, dim, order);
-        for (k = 0; k < corners; k++) {
-            pbw_index rank = v[order[k]];
-            simplices[i * corners + k] = id[rank];
-            first[rank] = first[rank] < (pbw_index)i ? first[rank] : (pbw_index)i;
-            if (neighbors != NULL) {
-                neighbors[i * corners + k] = numbering->number[n[order[k]] >> 2];
+    size_t v, i, count;
+    for (v = from; v < to; v++) {
+        pbw_index t = emission->head[v];
+        for (count = 0; t != PBW_NONE; count++) {
+            const pbw_index *corner = emission->corner + 4 * (size_t)t;
+            if (PBW__UNLIKELY(count == emission->item_capacity)
+                && !pbw__resize_array(&emission->context->memory, &emission->item, &emission->item_capacity,
+                                      2 * count, sizeof(pbw__item))) {
+                return PBW_ERROR_MEMORY;
             }
+            emission->item[count].key = (uint64_t)corner[1] << 32 | corner[2];
+            emission->item[count].simplex = t;
+            t = emission->number[t];
         }
-        if ((i & (PBW__TICK - 1)) == 0
-            && pbw__report(context, 0.6 + 0.4 * (double)i / (double)numbering->simplex_count)) {
-            return PBW_CANCELLED;
+        if (!emission->any_order) {
+            pbw__sort_items(emission->item, count);
+        }
+        for (i = 0; i < count; i++) {
+            emission->number[emission->item[i].simplex] = (pbw_index)(*next)++;
         }
     }
     return PBW_OK;
 }
 
-static pbw_status pbw__emit(pbw__context *context, const pbw__kernel *kernel, const pbw__numbering *numbering,
-                            const pbw_index *id, int dim, pbw_index *simplices, pbw_index *neighbors,
-                            pbw_index *first)
+static PBW__NOINLINE void pbw__emit_ids(pbw__emission *emission, size_t from, size_t to, int dim)
 {
-    return dim == 3 ? pbw__emit_body(context, kernel, numbering, id, 3, simplices, neighbors, first)
-                    : pbw__emit_body(context, kernel, numbering, id, 2, simplices, neighbors, first);
+    const pbw_index *number = emission->number, *id = emission->id;
+    pbw_index *first = emission->head;
+    size_t t, k;
+    for (t = from; t < to; t++) {
+        pbw_index *v = emission->corner + 4 * t;
+        pbw__link *n = emission->link + 4 * t;
+        if (number[t] == PBW_NONE) {
+            continue;
+        }
+        for (k = 0; k <= (size_t)dim; k++) {
+            first[v[k]] = first[v[k]] < number[t] ? first[v[k]] : number[t];
+            v[k] = id[v[k]];
+        }
+        for (k = 0; k <= (size_t)dim && emission->link != NULL; k++) {
+            n[k] = number[n[k] >> 2];
+        }
+    }
+}
+
+/* Moves each simplex to its place, in the order of the places: what lies there changes places with what belongs there.
+   Along the curve the simplices were created in a few streams, and so they are read; a walk along the cycles of the
+   permutation would miss the cache at each step. */
+static PBW__NOINLINE void pbw__emit_moves(pbw__emission *emission, pbw_index *place)
+{
+    pbw_index *number = emission->number;
+    size_t t, i;
+    for (t = 0; t < emission->slot_count; t++) {
+        if (number[t] != PBW_NONE) {
+            place[number[t]] = (pbw_index)t;
+        }
+    }
+    for (i = 0; i < emission->simplex_count; i++) {
+        size_t at = place[i];
+        struct { pbw_index v[4]; pbw__link n[4]; } here, there;      /* all read before any is written */
+        memcpy(here.v, emission->corner + 4 * i, sizeof(here.v));
+        memcpy(there.v, emission->corner + 4 * at, sizeof(here.v));
+        if (emission->link != NULL) {
+            memcpy(here.n, emission->link + 4 * i, sizeof(here.n));
+            memcpy(there.n, emission->link + 4 * at, sizeof(here.n));
+            memcpy(emission->link + 4 * i, there.n, sizeof(here.n));
+            memcpy(emission->link + 4 * at, here.n, sizeof(here.n));
+        }
+        memcpy(emission->corner + 4 * i, there.v, sizeof(here.v));
+        memcpy(emission->corner + 4 * at, here.v, sizeof(here.v));
+        if (number[i] != PBW_NONE) {
+            place[number[i]] = (pbw_index)at;
+        }
+        number[at] = number[i];
+    }
+}
+
+/* Four entries a simplex to dim+1 packed ones. */
+static void pbw__emit_packed(pbw__emission *emission, pbw_index *packed)
+{
+    size_t t, k, corners = (size_t)emission->dim + 1;
+    for (t = 0; t < emission->simplex_count && corners != 4; t++) {
+        for (k = 0; k < corners; k++) {
+            emission->corner[corners * t + k] = emission->corner[4 * t + k];
+        }
+    }
+    if (packed != NULL && (corners != 4 || sizeof(pbw__link) != sizeof(pbw_index))) {
+        for (t = 0; t < emission->simplex_count; t++) {
+            for (k = 0; k < corners; k++) {
+                packed[corners * t + k] = (pbw_index)emission->link[4 * t + k];
+            }
+        }
+    }
+}
+
+static pbw_status pbw__emit(pbw__emission *emission)
+{
+    pbw__context *context = emission->context;
+    size_t from, to, next = 0, count = emission->slot_count;
+    for (from = 0; from < count; from = to) {
+        to = count - from < PBW__TICK ? count : from + PBW__TICK;
+        if (pbw__report(context, 0.25 * (double)from / (double)count)) {
+            return PBW_CANCELLED;
+        }
+        if (emission->dim == 3) {
+            pbw__emit_lists(emission, from, to, 3);
+        } else {
+            pbw__emit_lists(emission, from, to, 2);
+        }
+    }
+    for (from = 1; from <= emission->vertex_count; from = to) {
+        to = emission->vertex_count + 1 - from < 4096 ? emission->vertex_count + 1 : from + 4096;
+        if (pbw__report(context, 0.25 + 0.25 * (double)from / (double)emission->vertex_count)) {
+            return PBW_CANCELLED;
+        }
+        if (pbw__emit_numbers(emission, from, to, &next) != PBW_OK) {
+            return PBW_ERROR_MEMORY;
+        }
+    }
+    memset(emission->head, 0xff, (emission->vertex_count + 1) * sizeof(pbw_index));
+    for (from = 0; from < count; from = to) {
+        to = count - from < PBW__TICK ? count : from + PBW__TICK;
+        if (pbw__report(context, 0.5 + 0.25 * (double)from / (double)count)) {
+            return PBW_CANCELLED;
+        }
+        if (emission->dim == 3) {
+            pbw__emit_ids(emission, from, to, 3);
+        } else {
+            pbw__emit_ids(emission, from, to, 2);
+        }
+    }
+    {
+        pbw_index *place = (pbw_index *)pbw__allocate(&context->memory, emission->simplex_count, sizeof(pbw_index));
+        if (place == NULL) {
+            return PBW_ERROR_MEMORY;
+        }
+        pbw__emit_moves(emission, place);
+        pbw__release(&context->memory, place, emission->simplex_count, sizeof(pbw_index));
+    }
+    pbw__emit_packed(emission, emission->link != NULL ? (pbw_index *)(void *)emission->link : NULL);
+    return PBW_OK;
 }
 /* ------------------------------------------------------------------------------------------------------
    >>check        The exact verdict on a finished mesh.
@@ -3926,44 +4011,64 @@ static pbw_status pbw__keep_points(pbw__context *context, const pbw__input *inpu
     return PBW_OK;
 }
 
-/* The kernel's triangulation as the mesh's arrays; mesh->incident comes in as PBW_NONE everywhere. */
-static pbw_status pbw__output(pbw__context *context, pbw__kernel *kernel, pbw__vertices *vertices, unsigned flags,
+/* The store's triangulation as the mesh's arrays; mesh->incident comes in as PBW_NONE everywhere. */
+static pbw_status pbw__output(pbw__context *context, pbw__store *store, pbw__vertices *vertices, unsigned flags,
                               pbw__owned *owned, pbw_mesh *mesh)
 {
     pbw__memory *memory = &context->memory;
-    pbw__numbering numbering;
-    pbw_index *simplices, *neighbors = NULL, *incident = (pbw_index *)(uintptr_t)mesh->incident, *first = NULL;
-    int dim = vertices->dim;
-    size_t corners = (size_t)dim + 1, v, visible = 0;
-    pbw_status status;
+    pbw__emission emission;
+    pbw_index *incident = (pbw_index *)(uintptr_t)mesh->incident;
+    size_t v, visible = 0, entries, links;
+    pbw_status status = PBW_ERROR_MEMORY;
 
-    memset(&numbering, 0, sizeof(numbering));
-    status = pbw__number(context, kernel, vertices->count, dim, (flags & PBW_ANY_ORDER) != 0, &numbering);
-    if (status == PBW_OK) {
-        owned->simplices = numbering.simplex_count * corners;
-        mesh->simplices = simplices = (pbw_index *)pbw__allocate(memory, owned->simplices, sizeof(pbw_index));
-        if ((flags & PBW_NO_NEIGHBORS) == 0) {
-            owned->neighbors = owned->simplices;
-            mesh->neighbors = neighbors = (pbw_index *)pbw__allocate(memory, owned->neighbors, sizeof(pbw_index));
-        }
-        first = (pbw_index *)pbw__allocate(memory, vertices->count + 1, sizeof(pbw_index));
-        if (simplices == NULL || first == NULL || (neighbors == NULL && owned->neighbors != 0)) {
-            status = PBW_ERROR_MEMORY;
-        } else {
-            memset(first, 0xff, (vertices->count + 1) * sizeof(pbw_index));          /* PBW_NONE */
-            status = pbw__emit(context, kernel, &numbering, vertices->id, dim, simplices, neighbors, first);
-        }
-        for (v = 1; v <= vertices->count && status == PBW_OK; v++) {
-            incident[vertices->id[v]] = first[v];
-            visible += first[v] != PBW_NONE;
-        }
-        mesh->simplex_count = numbering.simplex_count;
-        mesh->hidden_count = vertices->count - visible;
+    pbw__release(memory, store->mark, store->mark_capacity, 1);
+    store->mark = NULL;
+    if ((flags & PBW_NO_NEIGHBORS) != 0) {
+        pbw__release(memory, store->link, store->link_capacity, sizeof(pbw__link));
+        store->link = NULL;
     }
-    pbw__release(memory, first, vertices->count + 1, sizeof(pbw_index));
-    pbw__release(memory, numbering.list, numbering.simplex_count, sizeof(pbw_index));
-    pbw__release(memory, numbering.number, numbering.record_count, sizeof(pbw_index));
-    return status;
+    memset(&emission, 0, sizeof(emission));
+    emission.context = context;
+    emission.corner = store->corner;
+    emission.link = store->link;
+    emission.slot_count = store->count;
+    emission.vertex_count = vertices->count;
+    emission.dim = vertices->dim;
+    emission.any_order = (flags & PBW_ANY_ORDER) != 0;
+    emission.id = vertices->id;
+    emission.number = (pbw_index *)pbw__allocate(memory, store->count, sizeof(pbw_index));
+    emission.head = (pbw_index *)pbw__allocate(memory, vertices->count + 1, sizeof(pbw_index));
+    emission.item_capacity = 256;
+    emission.item = (pbw__item *)pbw__allocate(memory, emission.item_capacity, sizeof(pbw__item));
+    if (emission.number != NULL && emission.head != NULL && emission.item != NULL) {
+        memset(emission.head, 0xff, (vertices->count + 1) * sizeof(pbw_index));      /* PBW_NONE */
+        status = pbw__emit(&emission);
+        for (v = 1; v <= vertices->count && status == PBW_OK; v++) {
+            incident[vertices->id[v]] = emission.head[v];
+            visible += emission.head[v] != PBW_NONE;
+        }
+    }
+    pbw__release(memory, emission.number, store->count, sizeof(pbw_index));
+    pbw__release(memory, emission.head, vertices->count + 1, sizeof(pbw_index));
+    pbw__release(memory, emission.item, emission.item_capacity, sizeof(pbw__item));
+    if (status != PBW_OK) {
+        return status;
+    }
+    mesh->simplex_count = emission.simplex_count;
+    mesh->hidden_count = vertices->count - visible;
+    entries = emission.simplex_count * ((size_t)vertices->dim + 1);
+    links = store->link_capacity * (sizeof(pbw__link) / sizeof(pbw_index));
+    if (!pbw__resize_array(memory, &store->corner, &store->corner_capacity, entries, sizeof(pbw_index))
+        || (store->link != NULL && !pbw__resize_array(memory, &store->link, &links, entries, sizeof(pbw_index)))) {
+        return PBW_ERROR_MEMORY;
+    }
+    mesh->simplices = store->corner;
+    mesh->neighbors = (pbw_index *)(void *)store->link;
+    owned->simplices = entries;
+    owned->neighbors = store->link != NULL ? entries : 0;
+    store->corner = NULL;
+    store->link = NULL;
+    return PBW_OK;
 }
 
 /* Notes the time that a stage took; of a good one, reports the end. */
@@ -4027,7 +4132,7 @@ static pbw_status pbw__run(pbw__context *context, const pbw__input *input, unsig
         } else if (pbw__enter_stage(context, PBW_STAGE_OUTPUT)) {
             status = PBW_CANCELLED;
         } else if (status == PBW_OK) {
-            status = pbw__output(context, &kernel, &vertices, flags, owned, mesh);
+            status = pbw__output(context, &store, &vertices, flags, owned, mesh);
         }
     }
     if (status == PBW_OK || status == PBW_DEGENERATE) {
