@@ -1719,13 +1719,18 @@ done:
    Vertex 0 is the ghost vertex at infinity: each facet of the hull carries a ghost simplex, so that every facet has
    two sides and the hull needs no cases of its own.
 
+   Each run of ranks has a region of slots: a star takes the slots of its cavity, and what it needs more from the
+   region of its vertex.  Ranks follow the Hilbert curve; so what is close in space is close in memory, whenever it was
+   made, and the output finds the simplices nearly in order.  Past the regions lies the tail, for regions that are
+   full.
+
    Holds, between insertions:
      - every link's link back is itself; the two simplices have the facet's vertices in common;
      - finite simplices are positively oriented, ghost simplices are as if the ghost vertex lay far outside their
      facet;
      - the ghost vertex is in the last corner;
      - no vertex inserted so far is in conflict with a simplex (>>predicates has the rule for ties);
-     - all marks are 0; a free simplex has PBW_NONE in corner 0 and the next free one in corner 1.
+     - all marks are 0; a free slot that was used has PBW_NONE in corner 0 and the next one in corner 1.
    ------------------------------------------------------------------------------------------------------ */
 #ifdef PBW_WIDE
 typedef uint64_t pbw__link;
@@ -1753,14 +1758,18 @@ typedef struct pbw__carved { pbw_index v[4], local[4]; } pbw__carved;
 /* The facet of the new star behind a directed edge of the cavity's boundary. */
 typedef struct pbw__edge { pbw_index from, to; pbw__link link; } pbw__edge;
 
-/* The simplices, shared by all threads: each takes slots from it in blocks. */
+/* The simplices, shared by all threads. */
 typedef struct pbw__store {
     pbw_index *corner;
     pbw__link *link;
     unsigned char *mark;                             /* per simplex: 1 = in the cavity of an insertion */
     size_t corner_capacity, link_capacity, mark_capacity, capacity;      /* simplices held; the least of the three */
-    size_t count;                                    /* slots given out */
+    size_t count;                                    /* slots given to regions and threads */
+    pbw_index *region;                               /* per region: its first slot that was never used */
+    size_t region_count, region_slots;               /* slots from region_slots on are the tail */
+    uint32_t regions_a_rank;                         /* times 2^32 */
 } pbw__store;
+#define PBW__REGION 4096                             /* slots of a region: 128 KB, a part of a second-level cache */
 
 /* One thread's view of a triangulation, with the scratch memory of one insertion. */
 typedef struct pbw__kernel {
@@ -1772,9 +1781,11 @@ typedef struct pbw__kernel {
     pbw_index *corner;                               /* the store's arrays */
     pbw__link *link;
     unsigned char *mark;
-    size_t fresh, fresh_end;                         /* slots of ours that were never used */
-    size_t free_count;                               /* free ones among the used */
-    pbw_index free_list, last;                       /* first free simplex; one of the last star */
+    size_t fresh, fresh_end;                         /* slots of this region that were never used */
+    size_t tail, tail_end;                           /* slots of the tail that were never used */
+    size_t region;                                   /* of the last vertex */
+    size_t free_count;
+    pbw_index free_list, last;                       /* slots that became free; a simplex of the last star */
 
     pbw_index *cavity;                               /* simplices in conflict; then the slots of the star */
     pbw_index *parent;                               /* 3D: for each, place in the cavity * 4 + facet it was met from */
@@ -1832,8 +1843,33 @@ static PBW__NOINLINE pbw_status pbw__store_reserve(pbw__memory *memory, pbw__sto
     return PBW_OK;
 }
 
+/* The slot after the last of a region. */
+PBW__INLINE size_t pbw__region_end(const pbw__store *store, size_t region)
+{
+    size_t end = (region + 1) * PBW__REGION;
+    return end < store->region_slots ? end : store->region_slots;
+}
+
+/* Regions with `each` slots a vertex, and a tail. */
+static pbw_status pbw__store_create(pbw__memory *memory, pbw__store *store, size_t vertices, double each)
+{
+    size_t slots = (size_t)((double)(vertices + 1) * each) + 16, tail = 64 + vertices / 32, r;
+    pbw_status status;
+    store->regions_a_rank = (uint32_t)(4294967296.0 * each / (double)PBW__REGION);
+    store->region_slots = slots < PBW__SIMPLEX_LIMIT ? slots : PBW__SIMPLEX_LIMIT;
+    store->region_count = (size_t)((uint64_t)vertices * store->regions_a_rank >> 32) + 1;
+    store->region = (pbw_index *)pbw__allocate(memory, store->region_count, sizeof(pbw_index));
+    slots = store->region_slots + tail < PBW__SIMPLEX_LIMIT ? store->region_slots + tail : PBW__SIMPLEX_LIMIT;
+    status = store->region != NULL ? pbw__store_reserve(memory, store, slots) : PBW_ERROR_MEMORY;
+    for (r = 0; r < store->region_count && status == PBW_OK; r++) {
+        store->region[r] = (pbw_index)pbw__region_end(store, r - 1);
+    }
+    return status;
+}
+
 static void pbw__store_free(pbw__memory *memory, pbw__store *store)
 {
+    pbw__release(memory, store->region, store->region_count, sizeof(pbw_index));
     pbw__release(memory, store->corner, store->corner_capacity, sizeof(pbw_index));
     pbw__release(memory, store->link, store->link_capacity, sizeof(pbw__link));
     pbw__release(memory, store->mark, store->mark_capacity, 1);
@@ -2482,27 +2518,53 @@ PBW__AVX2 static int pbw__carve3_avx2(pbw__kernel *kernel, pbw_index t, const do
 }
 #endif
 
-/* Fresh slots for `needed` more simplices: all that there is room for, by a quarter more room. */
-static PBW__NOINLINE pbw_status pbw__more_slots(pbw__kernel *kernel, size_t needed)
+/* The region of the next vertex becomes the one that slots are taken from. */
+PBW__INLINE void pbw__enter_region(pbw__kernel *kernel, pbw_index vertex)
+{
+    size_t region = (size_t)((uint64_t)vertex * kernel->store->regions_a_rank >> 32);
+    if (region != kernel->region) {
+        kernel->store->region[kernel->region] = (pbw_index)kernel->fresh;
+        kernel->region = region;
+        kernel->fresh = kernel->store->region[region];
+        kernel->fresh_end = pbw__region_end(kernel->store, region);
+    }
+}
+
+/* Room in the tail for `needed` simplices: an eighth more room than there was. */
+static PBW__NOINLINE pbw_status pbw__more_tail(pbw__kernel *kernel, size_t needed)
 {
     pbw__store *store = kernel->store;
-    size_t bigger = store->capacity + store->capacity / 4, least = kernel->fresh + needed;
+    size_t bigger = store->capacity + store->capacity / 8, least = kernel->tail + needed;
     pbw_status status;
-    bigger = bigger > least ? bigger : least;
     bigger = bigger < PBW__SIMPLEX_LIMIT ? bigger : PBW__SIMPLEX_LIMIT;
     status = pbw__store_reserve(&kernel->context->memory, store, bigger > least ? bigger : least);
     pbw__kernel_attach(kernel);
-    kernel->fresh_end = status == PBW_OK ? store->capacity : kernel->fresh_end;
+    kernel->tail_end = status == PBW_OK ? store->capacity : kernel->tail_end;
     return status;
 }
 
-/* The slots of the star: those of the cavity, then others; cavity slots too many become free. */
-PBW__INLINE pbw_status pbw__take_slots(pbw__kernel *kernel, size_t needed)
+/* Slots beyond those of the cavity and the free ones: from the region, else from the tail. */
+static PBW__NOINLINE pbw_index pbw__take_slot(pbw__kernel *kernel)
 {
-    size_t have = kernel->cavity_count, i;
+    pbw_index t;
+    if (kernel->free_count > 0) {
+        t = kernel->free_list;
+        kernel->free_list = kernel->corner[4 * (size_t)t + 1];
+        kernel->free_count--;
+    } else {
+        t = (pbw_index)kernel->tail++;
+        kernel->mark[t] = 0;
+    }
+    return t;
+}
+
+/* The slots of the star: those of the cavity first; cavity slots too many become free. */
+PBW__INLINE pbw_status pbw__take_slots(pbw__kernel *kernel)
+{
+    size_t have = kernel->cavity_count, needed = kernel->facet_count, i;
     pbw_index *cavity;
-    if (PBW__UNLIKELY(needed > have + kernel->free_count + (kernel->fresh_end - kernel->fresh))) {
-        pbw_status status = pbw__more_slots(kernel, needed - have - kernel->free_count);
+    if (PBW__UNLIKELY(needed > kernel->tail_end - kernel->tail)) {
+        pbw_status status = pbw__more_tail(kernel, needed);
         if (status != PBW_OK) {
             return status;
         }
@@ -2515,13 +2577,11 @@ PBW__INLINE pbw_status pbw__take_slots(pbw__kernel *kernel, size_t needed)
         kernel->mark[cavity[i]] = 0;
     }
     for (i = have; i < needed; i++) {
-        if (kernel->free_count > 0) {
-            cavity[i] = kernel->free_list;
-            kernel->free_list = kernel->corner[4 * (size_t)cavity[i] + 1];
-            kernel->free_count--;
-        } else {
+        if (PBW__LIKELY(kernel->fresh < kernel->fresh_end)) {
             kernel->mark[kernel->fresh] = 0;
             cavity[i] = (pbw_index)kernel->fresh++;
+        } else {
+            cavity[i] = pbw__take_slot(kernel);
         }
     }
     for (i = needed; i < have; i++) {
@@ -2585,7 +2645,7 @@ static PBW__NOINLINE pbw_status pbw__sew3_wide(pbw__kernel *kernel)
 /* Joins the vertex to each facet of the cavity's boundary: a simplex each, the vertex first. */
 PBW__INLINE pbw_status pbw__refill3(pbw__kernel *kernel, pbw_index vertex)
 {
-    pbw_status status = pbw__take_slots(kernel, kernel->facet_count);
+    pbw_status status = pbw__take_slots(kernel);
     size_t i, count = kernel->facet_count;
     unsigned k;
     if (PBW__UNLIKELY(status != PBW_OK)) {
@@ -2636,7 +2696,7 @@ static const unsigned char pbw__facet_lanes[4][16] = {
 /* The same, a simplex in one vector. */
 PBW__AVX2_INLINE pbw_status pbw__refill3_avx2(pbw__kernel *kernel, pbw_index vertex)
 {
-    pbw_status status = pbw__take_slots(kernel, kernel->facet_count);
+    pbw_status status = pbw__take_slots(kernel);
     const __m128i new_corner = _mm_set1_epi32((int)vertex);
     pbw__carved *carved = kernel->carved;
     pbw_index *corners = kernel->corner;
@@ -2650,8 +2710,9 @@ PBW__AVX2_INLINE pbw_status pbw__refill3_avx2(pbw__kernel *kernel, pbw_index ver
     for (i = 0; i < count; i++) {
         const pbw__carved *inside = carved + (from[i] >> 2);
         const __m128i lanes = PBW__LOAD4(pbw__facet_lanes[from[i] & 3]);
+        const __m128i v = _mm_blend_epi32(_mm_shuffle_epi8(PBW__LOAD4(inside->v), lanes), new_corner, 1);
         pbw__link base = cavity[i] * 4;
-        PBW__STORE4(corners + base, _mm_blend_epi32(_mm_shuffle_epi8(PBW__LOAD4(inside->v), lanes), new_corner, 1));
+        PBW__STORE4(corners + base, v);
         links[base] = beyond[i];
         links[beyond[i]] = base;
     }
@@ -2686,7 +2747,9 @@ PBW__AVX2_INLINE pbw_status pbw__refill3_avx2(pbw__kernel *kernel, pbw_index ver
 static pbw_status pbw__insert3_scalar(pbw__kernel *kernel, pbw_index vertex)
 {
     const double *p = pbw__record3(kernel, vertex);
-    pbw_index t = pbw__locate3_scalar(kernel, kernel->last, p);
+    pbw_index t;
+    pbw__enter_region(kernel, vertex);
+    t = pbw__locate3_scalar(kernel, kernel->last, p);
     if (t == PBW_NONE) {
         return PBW_OK;
     }
@@ -2697,7 +2760,9 @@ static pbw_status pbw__insert3_scalar(pbw__kernel *kernel, pbw_index vertex)
 PBW__AVX2 static pbw_status pbw__insert3_avx2(pbw__kernel *kernel, pbw_index vertex)
 {
     const double *p = pbw__record3(kernel, vertex);
-    pbw_index t = pbw__locate3_avx2(kernel, kernel->last, p);
+    pbw_index t;
+    pbw__enter_region(kernel, vertex);
+    t = pbw__locate3_avx2(kernel, kernel->last, p);
     if (t == PBW_NONE) {
         return PBW_OK;
     }
@@ -2788,7 +2853,7 @@ static pbw_status pbw__refill2(pbw__kernel *kernel, pbw_index vertex)
 {
     size_t count = kernel->facet_count, i;
     pbw_index last_start = pbw__edge_start(kernel, kernel->beyond[count - 1]);
-    pbw_status status = pbw__take_slots(kernel, count);
+    pbw_status status = pbw__take_slots(kernel);
     if (status != PBW_OK) {
         return status;
     }
@@ -2818,7 +2883,9 @@ static pbw_status pbw__refill2(pbw__kernel *kernel, pbw_index vertex)
 static pbw_status pbw__insert2(pbw__kernel *kernel, pbw_index vertex)
 {
     const double *p = pbw__record2(kernel, vertex);
-    pbw_index t = pbw__locate2(kernel, kernel->last, p);
+    pbw_index t;
+    pbw__enter_region(kernel, vertex);
+    t = pbw__locate2(kernel, kernel->last, p);
     if (t == PBW_NONE) {
         return PBW_OK;
     }
@@ -2930,39 +2997,40 @@ static pbw_status pbw__seeds(pbw__kernel *kernel, size_t count, int dim, pbw_ind
 /* The simplex of the seeds and a ghost on each of its facets. */
 static void pbw__first_star(pbw__kernel *kernel, int dim, const pbw_index *seed)
 {
-    int i, j, k;
+    pbw_index slot[5] = { 0, 0, 0, 0, 0 }, v[5][4];
+    int i, j, k, far;
     for (i = 0; i <= dim; i++) {
-        kernel->corner[i] = seed[i];
-    }
-    for (i = 0; i <= dim; i++) {
-        pbw_index *ghost = kernel->corner + 4 * (i + 1);
-        for (k = 0; k < dim; k++) { /* the facet across from corner i, with its outer side positive */
-            ghost[k] = seed[dim == 3 ? pbw__facet_corners[i][k] : (i + 2 - k) % 3];
+        v[0][i] = seed[i];
+        for (k = 0; k < dim; k++) {                  /* the facet across from corner i, with its outer side positive */
+            v[i + 1][k] = seed[dim == 3 ? pbw__facet_corners[i][k] : (i + 2 - k) % 3];
         }
-        ghost[dim] = PBW__GHOST;
+        v[i + 1][dim] = PBW__GHOST;
     }
-    kernel->fresh = (size_t)dim + 2;
+    for (i = 0; i <= dim + 1; i++) {
+        slot[i] = pbw__take_slot(kernel);
+        for (k = 0; k <= dim; k++) {
+            kernel->corner[4 * (size_t)slot[i] + (size_t)k] = v[i][k];
+        }
+    }
     for (i = 0; i <= dim + 1; i++) {                 /* two simplices share the facet that lacks one corner of each */
         for (k = 0; k <= dim; k++) {
-            const pbw_index *mine = kernel->corner + 4 * i;
             for (j = 0; j <= dim + 1; j++) {
-                int far, lacking = 0, at = 0;
+                int lacking = 0, at = 0;
                 for (far = 0; far <= dim && j != i; far++) {
                     int m, shared = 0;
                     for (m = 0; m <= dim; m++) {
-                        shared |= m != k && mine[m] == kernel->corner[4 * j + far];
+                        shared |= m != k && v[i][m] == v[j][far];
                     }
                     lacking += !shared;
                     at = shared ? at : far;
                 }
                 if (lacking == 1) {
-                    kernel->link[4 * i + k] = (pbw__link)(4 * j + at);
+                    kernel->link[4 * (size_t)slot[i] + (size_t)k] = (pbw__link)slot[j] * 4 + (pbw__link)at;
                 }
             }
         }
     }
-    memset(kernel->mark, 0, kernel->fresh);
-    kernel->last = 0;
+    kernel->last = slot[0];
 }
 
 static void pbw__kernel_free(pbw__kernel *kernel)
@@ -3020,14 +3088,13 @@ static pbw_status pbw__kernel_create(pbw__kernel *kernel, pbw__context *context,
 static pbw_status pbw__build(pbw__kernel *kernel, pbw__context *context, pbw__store *store,
                              const pbw__vertices *vertices, const pbw__grid *grid)
 {
-    /* 2D: 2 count - 2 with ghosts.  3D: 6.77 count for uniform points; more is found by growing. */
-    size_t room = vertices->dim == 3 ? vertices->count * 7 + 16 : vertices->count * 2 + 8;
+    /* 2D: 2 count - 2 simplices, ghosts included.  3D: 6.77 count for uniform points. */
+    const double each = vertices->dim == 3 ? 7.0 : 2.0625;
     pbw__sequence sequence;
     pbw_index seed[4] = { 0, 0, 0, 0 }, vertex;
-    size_t done = 0, work, reported = 0;
+    size_t done = 0, work, reported = 0, r;
     int dim = vertices->dim;
-    pbw_status status = pbw__store_reserve(&context->memory, store,
-                                           room < PBW__SIMPLEX_LIMIT ? room : PBW__SIMPLEX_LIMIT);
+    pbw_status status = pbw__store_create(&context->memory, store, vertices->count, each);
     if (status == PBW_OK) {
         status = pbw__kernel_create(kernel, context, store, vertices, grid);
     }
@@ -3037,7 +3104,9 @@ static pbw_status pbw__build(pbw__kernel *kernel, pbw__context *context, pbw__st
     if (status != PBW_OK) {
         return status;
     }
-    kernel->fresh_end = store->capacity;
+    kernel->fresh_end = pbw__region_end(store, 0);
+    kernel->tail = store->region_slots;
+    kernel->tail_end = store->capacity;
     pbw__first_star(kernel, dim, seed);
     pbw__sequence_start(&sequence, vertices->count, dim);
     while ((vertex = pbw__sequence_next(&sequence)) != 0) {
@@ -3058,7 +3127,14 @@ static pbw_status pbw__build(pbw__kernel *kernel, pbw__context *context, pbw__st
             }
         }
     }
-    store->count = kernel->fresh;
+    store->region[kernel->region] = (pbw_index)kernel->fresh;
+    store->count = kernel->tail;
+    for (r = 0; r < store->region_count; r++) {
+        size_t t, end = pbw__region_end(store, r);
+        for (t = store->region[r]; t < end; t++) {
+            store->corner[4 * t] = PBW_NONE;
+        }
+    }
     return PBW_OK;
 }
 /* ------------------------------------------------------------------------------------------------------
