@@ -2543,11 +2543,14 @@ static PBW__NOINLINE pbw_status pbw__more_tail(pbw__kernel *kernel, size_t neede
     return status;
 }
 
-/* Slots beyond those of the cavity and the free ones: from the region, else from the tail. */
+/* A slot that the caller knows to be there. */
 static PBW__NOINLINE pbw_index pbw__take_slot(pbw__kernel *kernel)
 {
     pbw_index t;
-    if (kernel->free_count > 0) {
+    if (kernel->fresh < kernel->fresh_end) {
+        t = (pbw_index)kernel->fresh++;
+        kernel->mark[t] = 0;
+    } else if (kernel->free_count > 0) {
         t = kernel->free_list;
         kernel->free_list = kernel->corner[4 * (size_t)t + 1];
         kernel->free_count--;
@@ -2562,9 +2565,10 @@ static PBW__NOINLINE pbw_index pbw__take_slot(pbw__kernel *kernel)
 PBW__INLINE pbw_status pbw__take_slots(pbw__kernel *kernel)
 {
     size_t have = kernel->cavity_count, needed = kernel->facet_count, i;
+    size_t room = have + (kernel->fresh_end - kernel->fresh) + kernel->free_count + (kernel->tail_end - kernel->tail);
     pbw_index *cavity;
-    if (PBW__UNLIKELY(needed > kernel->tail_end - kernel->tail)) {
-        pbw_status status = pbw__more_tail(kernel, needed);
+    if (PBW__UNLIKELY(needed > room)) {
+        pbw_status status = pbw__more_tail(kernel, needed - room + (kernel->tail_end - kernel->tail));
         if (status != PBW_OK) {
             return status;
         }
