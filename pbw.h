@@ -26,6 +26,7 @@
      >>interface    types and functions
      >>platform     compilers, clocks, floating-point state
      >>memory       the one allocator hook, growth, limits
+     >>threads      tasks, progress
      >>exact        integers of just enough width
      >>predicates   signs: filter, exact stage, perturbation
      >>order        Hilbert keys, sorting, duplicates, insertion levels
@@ -33,6 +34,7 @@
      >>walk         point location
      >>cavity       find, carve, refill
      >>build        seed simplex, levels, serial insertion
+     >>parallel     a level by many threads at once
      >>output       compaction, canonical order, ids
      >>check        the exact verdict on a finished mesh
      >>hash         one number for a triangulation
@@ -247,6 +249,11 @@ PBWDEF int pbw_version(void);              /* differs from PBW_VERSION if header
 #else
 #include <sys/time.h>
 #endif
+#if !defined(PBW_NO_THREADS) && !defined(_WIN32) && defined(__GNUC__)
+#include <pthread.h>
+#include <unistd.h>
+#define PBW__THREADS 256                             /* at most */
+#endif
 #ifdef __linux__
 #include <sys/mman.h>
 #ifndef __cplusplus
@@ -290,6 +297,17 @@ extern int madvise(void *address, size_t length, int advice);    /* strict C mod
 #define PBW__X86
 #define PBW__AVX2 __attribute__((target("avx2,fma,bmi,bmi2,popcnt")))
 #define PBW__AVX2_INLINE static inline __attribute__((target("avx2,fma,bmi,bmi2,popcnt"), always_inline, unused))
+#endif
+
+/* Words that several threads may touch at once; in relaxed order, see >>threads and >>parallel. */
+#ifdef PBW__THREADS
+#define PBW__LOAD(x) __atomic_load_n(x, __ATOMIC_RELAXED)
+#define PBW__STORE(x, y) __atomic_store_n(x, y, __ATOMIC_RELAXED)
+#define PBW__ADD(x, y) __atomic_fetch_add(x, y, __ATOMIC_RELAXED)
+#else
+#define PBW__LOAD(x) (*(x))
+#define PBW__STORE(x, y) ((void)(*(x) = (y)))
+#define PBW__ADD(x, y) ((*(x) += (y)) - (y))
 #endif
 
 #define PBW__EPSILON 1.1102230246251565e-16          /* u = 2^-53: half an ulp of 1 */
@@ -399,24 +417,34 @@ static void *pbw__default_resize(void *user, void *ptr, size_t old_size, size_t 
     return block;
 }
 
-/* count*size bytes in place of an old block of old_count*size; NULL leaves the old block as it was. */
+static void pbw__memory_start(pbw__memory *memory, const pbw_options *options)
+{
+    memset(memory, 0, sizeof(*memory));
+    memory->resize = options->resize != NULL ? options->resize : pbw__default_resize;
+    memory->user = options->resize_user;
+    memory->limit = options->memory_limit;
+}
+
+/* count*size bytes in place of an old block of old_count*size; NULL leaves the old block as it was.  Any thread. */
 static void *pbw__resize(pbw__memory *memory, void *ptr, size_t old_count, size_t count, size_t size)
 {
-    size_t old_bytes = old_count * size, bytes;
+    size_t old_bytes = old_count * size, bytes, grown, used;
     void *block;
     if (count > (size_t)-1 / 2 / size) {
         return NULL;
     }
     bytes = count * size;
-    if (memory->limit != 0 && bytes > old_bytes && bytes - old_bytes > memory->limit - memory->used) {
+    grown = bytes - old_bytes;                       /* modulo 2^64, if it shrinks */
+    used = PBW__ADD(&memory->used, grown) + grown;
+    if (memory->limit != 0 && bytes > old_bytes && used > memory->limit) {
+        (void)PBW__ADD(&memory->used, (size_t)0 - grown);
         return NULL;
     }
     block = memory->resize(memory->user, ptr, old_bytes, bytes);
-    if (block != NULL || bytes == 0) {
-        memory->used = memory->used - old_bytes + bytes;
-        if (memory->used > memory->peak) {
-            memory->peak = memory->used;
-        }
+    if (block == NULL && bytes != 0) {
+        (void)PBW__ADD(&memory->used, (size_t)0 - grown);
+    } else if (used > PBW__LOAD(&memory->peak)) {
+        PBW__STORE(&memory->peak, used);             /* of two threads at once one may lose: the peak is a report */
     }
     return block;
 }
@@ -431,6 +459,257 @@ static void pbw__release(pbw__memory *memory, void *ptr, size_t count, size_t si
     if (ptr != NULL) {
         (void)pbw__resize(memory, ptr, count == 0 ? 1 : count, 0, size);
     }
+}
+/* ------------------------------------------------------------------------------------------------------
+   >>threads      One call's memory, progress and team of threads.
+   In: options.threads, run, progress.  Out: pbw__for, which runs tasks that do not wait on each other, here, on our
+   threads or on the caller's; and the caller's answers to progress.
+   Holds: between two calls of pbw__for no task runs, and what tasks wrote is seen by all that follows (the mutex, or
+   the promise of options.run, orders it).  While tasks run, `cancelled` is the only word that one thread writes and
+   another reads; it is only ever set, and a late view of it costs time only, so relaxed order serves.
+   ------------------------------------------------------------------------------------------------------ */
+typedef struct pbw__context {
+    pbw__memory memory;
+    int (*progress)(void *user, pbw_stage stage, double done);
+    void *progress_user;
+    pbw_stage stage;
+    double last_report, last_done;
+    int cancelled;
+    int threads;                                     /* that take part, the caller's among them */
+    void (*run)(void *user, int tasks, void (*task)(void *arg, int i), void *arg);
+    void *run_user;
+#ifdef PBW__THREADS
+    pthread_t caller;
+    struct pbw__team *team;                          /* NULL: not started */
+#endif
+} pbw__context;
+
+#define PBW__TICK ((size_t)1 << 16)                  /* items between looks at the clock in streaming loops: < 2 ms */
+
+/* Reports progress if 20 ms have passed, or at the ends of a stage; 1 = the caller wants to stop.  On other threads
+   than the caller's it only tells what he said. */
+static int pbw__report(pbw__context *context, double done)
+{
+    double now;
+    int cancelled = PBW__LOAD(&context->cancelled);
+    if (context->progress == NULL || cancelled) {
+        return cancelled;
+    }
+#ifdef PBW__THREADS
+    if (!pthread_equal(pthread_self(), context->caller)) {
+        return 0;
+    }
+#endif
+    now = pbw__seconds();
+    if (now - context->last_report < 0.02 && now >= context->last_report && done > 0.0 && done < 1.0) {
+        return 0;
+    }
+    context->last_report = now;
+    if (done > context->last_done || done <= 0.0) {
+        context->last_done = done;
+    }
+    if (context->progress(context->progress_user, context->stage, context->last_done) != 0) {
+        PBW__STORE(&context->cancelled, 1);
+        return 1;
+    }
+    return 0;
+}
+
+static int pbw__enter_stage(pbw__context *context, pbw_stage stage)
+{
+    context->stage = stage;
+    context->last_done = 0.0;
+    return pbw__report(context, 0.0);
+}
+
+typedef void pbw__task(void *arg, int i);
+
+/* A task as options.run gets it: any thread may run it, in any floating-point mode. */
+typedef struct pbw__guarded { pbw__task *task; void *arg; } pbw__guarded;
+
+static void pbw__run_guarded(void *arg, int i)
+{
+    const pbw__guarded *guarded = (const pbw__guarded *)arg;
+    pbw__fp fp = pbw__fp_enter();
+    guarded->task(guarded->arg, i);
+    pbw__fp_leave(fp);
+}
+
+#ifdef PBW__THREADS
+typedef struct pbw__team {
+    pthread_mutex_t mutex;
+    pthread_cond_t wake, done;
+    pbw__task *task;
+    void *arg;
+    int tasks, next, running, stop;
+    int count;                                       /* threads started */
+    pthread_t thread[PBW__THREADS];
+} pbw__team;
+
+/* Takes tasks until none is left; the mutex is held on the way in and out. */
+static void pbw__work(pbw__team *team)
+{
+    while (team->next < team->tasks) {
+        int i = team->next++;
+        team->running++;
+        pthread_mutex_unlock(&team->mutex);
+        team->task(team->arg, i);
+        pthread_mutex_lock(&team->mutex);
+        if (--team->running == 0 && team->next == team->tasks) {
+            pthread_cond_signal(&team->done);
+        }
+    }
+}
+
+static void *pbw__thread(void *arg)
+{
+    pbw__team *team = (pbw__team *)arg;
+    pbw__fp fp = pbw__fp_enter();
+    pthread_mutex_lock(&team->mutex);
+    while (!team->stop) {
+        pbw__work(team);
+        if (!team->stop) {
+            pthread_cond_wait(&team->wake, &team->mutex);
+        }
+    }
+    pthread_mutex_unlock(&team->mutex);
+    pbw__fp_leave(fp);
+    return NULL;
+}
+
+/* Starts the threads.  Fewer than asked for will do; with none the tasks run here. */
+static void pbw__team_start(pbw__context *context)
+{
+    pbw__team *team = (pbw__team *)pbw__allocate(&context->memory, 1, sizeof(pbw__team));
+    pthread_attr_t attributes;
+    if (team == NULL) {
+        context->threads = 1;
+        return;
+    }
+    memset(team, 0, sizeof(*team));
+    pthread_mutex_init(&team->mutex, NULL);
+    pthread_cond_init(&team->wake, NULL);
+    pthread_cond_init(&team->done, NULL);
+    pthread_attr_init(&attributes);
+    pthread_attr_setstacksize(&attributes, 256 * 1024);
+    while (team->count + 1 < context->threads
+           && pthread_create(&team->thread[team->count], &attributes, pbw__thread, team) == 0) {
+        team->count++;
+    }
+    pthread_attr_destroy(&attributes);
+    context->threads = team->count + 1;
+    context->team = team;
+}
+
+static void pbw__team_stop(pbw__context *context)
+{
+    pbw__team *team = context->team;
+    int i;
+    if (team == NULL) {
+        return;
+    }
+    pthread_mutex_lock(&team->mutex);
+    team->stop = 1;
+    pthread_cond_broadcast(&team->wake);
+    pthread_mutex_unlock(&team->mutex);
+    for (i = 0; i < team->count; i++) {
+        pthread_join(team->thread[i], NULL);
+    }
+    pthread_cond_destroy(&team->wake);
+    pthread_cond_destroy(&team->done);
+    pthread_mutex_destroy(&team->mutex);
+    pbw__release(&context->memory, team, 1, sizeof(pbw__team));
+    context->team = NULL;
+}
+#else
+#define pbw__team_stop(context) ((void)(context))
+#endif
+
+/* task(arg, i) for i = 0..tasks-1, on as many threads as there are; returns when all have returned. */
+static void pbw__for(pbw__context *context, int tasks, pbw__task *task, void *arg)
+{
+    int i;
+    if (context->run != NULL && tasks > 1 && context->threads > 1) {
+        pbw__guarded guarded;
+        guarded.task = task;
+        guarded.arg = arg;
+        context->run(context->run_user, tasks, pbw__run_guarded, &guarded);
+        return;
+    }
+#ifdef PBW__THREADS
+    if (tasks > 1 && context->threads > 1 && context->team == NULL) {
+        pbw__team_start(context);
+    }
+    if (tasks > 1 && context->threads > 1) {
+        pbw__team *team = context->team;
+        pthread_mutex_lock(&team->mutex);
+        team->task = task;
+        team->arg = arg;
+        team->next = 0;
+        team->tasks = tasks;
+        pthread_cond_broadcast(&team->wake);
+        pbw__work(team);
+        while (team->running > 0) {                  /* the caller's thread is the one to report */
+            struct timeval now;
+            struct timespec until;
+            gettimeofday(&now, NULL);
+            until.tv_sec = now.tv_sec + (now.tv_usec >= 950000);
+            until.tv_nsec = (now.tv_usec + 50000) % 1000000 * 1000;
+            pthread_cond_timedwait(&team->done, &team->mutex, &until);
+            pthread_mutex_unlock(&team->mutex);
+            (void)pbw__report(context, context->last_done);
+            pthread_mutex_lock(&team->mutex);
+        }
+        team->tasks = team->next = 0;
+        pthread_mutex_unlock(&team->mutex);
+        return;
+    }
+#endif
+    for (i = 0; i < tasks; i++) {
+        task(arg, i);
+    }
+}
+
+/* Threads for a call on `count` points: few points are done before a thread has started. */
+static int pbw__thread_count(int asked, size_t count)
+{
+    size_t threads = (size_t)asked, most = count / 8192 + 1;
+#ifdef PBW__THREADS
+    if (asked == 0) {
+        long cores = sysconf(_SC_NPROCESSORS_ONLN);
+        threads = cores < 1 ? 1 : cores < PBW__THREADS ? (size_t)cores : PBW__THREADS;
+    }
+#else
+    most = 1;
+#endif
+    return (int)(threads < most ? threads : most);
+}
+
+static void pbw__context_start(pbw__context *context, const pbw_options *options, size_t count)
+{
+    memset(context, 0, sizeof(*context));
+    pbw__memory_start(&context->memory, options);
+    context->progress = options->progress;
+    context->progress_user = options->progress_user;
+    context->threads = pbw__thread_count(options->threads, count);
+    context->run = options->run;
+    context->run_user = options->run_user;
+#ifdef PBW__THREADS
+    context->caller = pthread_self();
+#endif
+}
+
+/* Tasks to cut `count` items into, each of at least `least`. */
+static PBW__UNUSED int pbw__tasks(const pbw__context *context, size_t count, size_t least)
+{
+    size_t most = context->threads > 1 ? (size_t)context->threads * 4 : 1, tasks = count / least;
+    return (int)(tasks < 1 ? 1 : tasks < most ? tasks : most);
+}
+
+/* Where the i-th of `tasks` shares of `count` items begins. */
+PBW__INLINE size_t pbw__share(size_t count, int i, int tasks)
+{
+    return count / (size_t)tasks * (size_t)i + count % (size_t)tasks * (size_t)i / (size_t)tasks;
 }
 /* ------------------------------------------------------------------------------------------------------
    >>exact     Integers of just enough width, and the one determinant that is computed with them.
@@ -1292,16 +1571,6 @@ typedef struct pbw__input {
     const char *points, *weights;
 } pbw__input;
 
-/* What lasts for one call: memory, progress. */
-typedef struct pbw__context {
-    pbw__memory memory;
-    int (*progress)(void *user, pbw_stage stage, double done);
-    void *progress_user;
-    pbw_stage stage;
-    double last_report, last_done;
-    int cancelled;
-} pbw__context;
-
 typedef struct pbw__vertices {
     int dim, weighted;
     size_t count;                                    /* vertices, the ghost not counted */
@@ -1310,36 +1579,6 @@ typedef struct pbw__vertices {
     pbw_index *id;                                   /* count+1: the caller's number of each vertex */
     pbw_index *canonical;                            /* point_count */
 } pbw__vertices;
-
-#define PBW__TICK ((size_t)1 << 16)                  /* items between looks at the clock in streaming loops: < 2 ms */
-
-/* Reports progress if 20 ms have passed, or at the ends of a stage; 1 = the caller wants to stop. */
-static int pbw__report(pbw__context *context, double done)
-{
-    double now;
-    if (context->progress == NULL || context->cancelled) {
-        return context->cancelled;
-    }
-    now = pbw__seconds();
-    if (now - context->last_report < 0.02 && now >= context->last_report && done > 0.0 && done < 1.0) {
-        return 0;
-    }
-    context->last_report = now;
-    if (done > context->last_done || done <= 0.0) {
-        context->last_done = done;
-    }
-    if (context->progress(context->progress_user, context->stage, context->last_done) != 0) {
-        context->cancelled = 1;
-    }
-    return context->cancelled;
-}
-
-static int pbw__enter_stage(pbw__context *context, pbw_stage stage)
-{
-    context->stage = stage;
-    context->last_done = 0.0;
-    return pbw__report(context, 0.0);
-}
 
 /* Coordinates and weight of point i; adding zero turns -0.0 into 0.0.  memcpy, for strides of any alignment. */
 PBW__INLINE void pbw__fetch(const pbw__input *input, size_t i, double *record)
@@ -1745,6 +1984,8 @@ typedef uint32_t pbw__link;
 #endif
 
 #define PBW__GHOST 0u
+#define PBW__LEFT ((pbw_status)15)                   /* not inserted: for the next round of >>parallel */
+#define PBW__FOREIGN (PBW_NONE - 1)                  /* a walk's answer: it would lead out of our cells */
 
 /* A simplex of the cavity: its corners, and their local numbers (3D). */
 typedef struct pbw__carved { pbw_index v[4], local[4]; } pbw__carved;
@@ -1766,10 +2007,11 @@ typedef struct pbw__store {
     size_t corner_capacity, link_capacity, mark_capacity, capacity;      /* simplices held; the least of the three */
     size_t count;                                    /* slots given to regions and threads */
     pbw_index *region;                               /* per region: its first slot that was never used */
+    pbw_index *hint;                                 /* per region: a simplex of one of its vertices, or PBW_NONE */
     size_t region_count, region_slots;               /* slots from region_slots on are the tail */
-    uint32_t regions_a_rank;                         /* times 2^32 */
+    size_t slots_each;                               /* of a region */
+    int cell_bits;                                   /* vertex >> cell_bits is the number of its region */
 } pbw__store;
-#define PBW__REGION 4096                             /* slots of a region: 128 KB, a part of a second-level cache */
 
 /* One thread's view of a triangulation, with the scratch memory of one insertion. */
 typedef struct pbw__kernel {
@@ -1783,9 +2025,17 @@ typedef struct pbw__kernel {
     unsigned char *mark;
     size_t fresh, fresh_end;                         /* slots of this region that were never used */
     size_t tail, tail_end;                           /* slots of the tail that were never used */
-    size_t region;                                   /* of the last vertex */
+    size_t region;                                   /* of the last vertex; (size_t)-1: none yet */
     size_t free_count;
-    pbw_index free_list, last;                       /* slots that became free; a simplex of the last star */
+    pbw_index free_list;                             /* slots that became free */
+    pbw_index last, last_entered;                    /* a simplex of the last star; what it was in the last region */
+
+    const uint8_t *owner;                            /* >>parallel: whose each cell is; NULL: all are ours */
+    uint8_t me;
+    int no_room;                                     /* the store has no more blocks */
+    pbw_index *left;                                 /* vertices left for the next round */
+    size_t left_count, left_capacity, done, reported;
+    pbw_status status;
 
     pbw_index *cavity;                               /* simplices in conflict; then the slots of the star */
     pbw_index *parent;                               /* 3D: for each, place in the cavity * 4 + facet it was met from */
@@ -1846,30 +2096,38 @@ static PBW__NOINLINE pbw_status pbw__store_reserve(pbw__memory *memory, pbw__sto
 /* The slot after the last of a region. */
 PBW__INLINE size_t pbw__region_end(const pbw__store *store, size_t region)
 {
-    size_t end = (region + 1) * PBW__REGION;
+    size_t end = (region + 1) * store->slots_each;
     return end < store->region_slots ? end : store->region_slots;
 }
 
-/* Regions with `each` slots a vertex, and a tail. */
-static pbw_status pbw__store_create(pbw__memory *memory, pbw__store *store, size_t vertices, double each)
+/* Regions and a tail.  A region holds the vertices' simplices in about 110 KB, a part of a second-level cache: 6.77 a
+   vertex of uniform points in space, 2 in the plane, ghosts included, and some room. */
+static pbw_status pbw__store_create(pbw__memory *memory, pbw__store *store, size_t vertices, int dim)
 {
-    size_t slots = (size_t)((double)(vertices + 1) * each) + 16, tail = 64 + vertices / 32, r;
+    size_t slots, tail = 64 + vertices / 32, r;
     pbw_status status;
-    store->regions_a_rank = (uint32_t)(4294967296.0 * each / (double)PBW__REGION);
+    store->cell_bits = dim == 3 ? 9 : 11;
+    store->slots_each = dim == 3 ? 7 * 512 : 33 * 128;
+    slots = (size_t)((uint64_t)(vertices + 1) * store->slots_each >> store->cell_bits) + 16;
     store->region_slots = slots < PBW__SIMPLEX_LIMIT ? slots : PBW__SIMPLEX_LIMIT;
-    store->region_count = (size_t)((uint64_t)vertices * store->regions_a_rank >> 32) + 1;
+    store->region_count = (vertices >> store->cell_bits) + 1;
     store->region = (pbw_index *)pbw__allocate(memory, store->region_count, sizeof(pbw_index));
+    store->hint = (pbw_index *)pbw__allocate(memory, store->region_count, sizeof(pbw_index));
     slots = store->region_slots + tail < PBW__SIMPLEX_LIMIT ? store->region_slots + tail : PBW__SIMPLEX_LIMIT;
-    status = store->region != NULL ? pbw__store_reserve(memory, store, slots) : PBW_ERROR_MEMORY;
+    status = store->region != NULL && store->hint != NULL ? pbw__store_reserve(memory, store, slots)
+                                                          : PBW_ERROR_MEMORY;
     for (r = 0; r < store->region_count && status == PBW_OK; r++) {
         store->region[r] = (pbw_index)pbw__region_end(store, r - 1);
+        store->hint[r] = PBW_NONE;
     }
+    store->count = store->region_slots;
     return status;
 }
 
 static void pbw__store_free(pbw__memory *memory, pbw__store *store)
 {
     pbw__release(memory, store->region, store->region_count, sizeof(pbw_index));
+    pbw__release(memory, store->hint, store->region_count, sizeof(pbw_index));
     pbw__release(memory, store->corner, store->corner_capacity, sizeof(pbw_index));
     pbw__release(memory, store->link, store->link_capacity, sizeof(pbw__link));
     pbw__release(memory, store->mark, store->mark_capacity, 1);
@@ -2041,6 +2299,19 @@ static PBW__NOINLINE unsigned pbw__exit3(const pbw__kernel *kernel, pbw_index t,
     return i;
 }
 
+/* Whether we own a vertex of a facet: then what is behind it stays while we look at it, see >>parallel. */
+static int pbw__may_cross(const pbw__kernel *kernel, pbw_index t, unsigned facet)
+{
+    const pbw_index *v = kernel->corner + 4 * (size_t)t;
+    unsigned k;
+    for (k = 0; k <= (unsigned)kernel->dim; k++) {
+        if (k != facet && v[k] != PBW__GHOST && kernel->owner[v[k] >> kernel->store->cell_bits] == kernel->me) {
+            return 1;
+        }
+    }
+    return 0;
+}
+
 /* The walk starts at a finite simplex: across from the ghost vertex, if need be. */
 PBW__INLINE pbw_index pbw__walk_start(const pbw__kernel *kernel, pbw_index t, int dim)
 {
@@ -2085,6 +2356,9 @@ static pbw_index pbw__locate3_scalar(pbw__kernel *kernel, pbw_index t, const dou
             if (exit == 4) {                         /* inside; only a weighted point can then be out of conflict */
                 return !kernel->weighted || pbw__in_conflict3(kernel, t, p) ? t : PBW_NONE;
             }
+        }
+        if (PBW__UNLIKELY(kernel->owner != NULL) && !pbw__may_cross(kernel, t, exit)) {
+            return PBW__FOREIGN;
         }
         t = (pbw_index)(kernel->link[4 * (size_t)t + exit] >> 2);
     }
@@ -2135,6 +2409,9 @@ PBW__AVX2_INLINE pbw_index pbw__locate3_avx2(pbw__kernel *kernel, pbw_index t, c
                 return !kernel->weighted || pbw__in_conflict3(kernel, t, p) ? t : PBW_NONE;
             }
         }
+        if (PBW__UNLIKELY(kernel->owner != NULL) && !pbw__may_cross(kernel, t, exit)) {
+            return PBW__FOREIGN;
+        }
         t = (pbw_index)(kernel->link[4 * (size_t)t + exit] >> 2);
     }
 }
@@ -2181,6 +2458,9 @@ static pbw_index pbw__locate2(pbw__kernel *kernel, pbw_index t, const double *p)
                 return !kernel->weighted || pbw__in_conflict2(kernel, t, p) ? t : PBW_NONE;
             }
         }
+        if (PBW__UNLIKELY(kernel->owner != NULL) && !pbw__may_cross(kernel, t, (unsigned)exit)) {
+            return PBW__FOREIGN;
+        }
         t = (pbw_index)(kernel->link[4 * (size_t)t + (size_t)exit] >> 2);
     }
 }
@@ -2208,6 +2488,28 @@ static pbw_index pbw__locate2(pbw__kernel *kernel, pbw_index t, const double *p)
    roundings, 13u * 6 h^2 < 8.7e-15 h^2; 9e-15 with the roundings of h; h raised to 1e-140.  Everything the bound
    leaves open goes to >>predicates.
    ------------------------------------------------------------------------------------------------------ */
+/* Whether we own a vertex; the ghost is everybody's. */
+PBW__INLINE int pbw__owns(const pbw__kernel *kernel, pbw_index v)
+{
+    return v == PBW__GHOST || kernel->owner[v >> kernel->store->cell_bits] == kernel->me;
+}
+
+PBW__INLINE int pbw__owns_all(const pbw__kernel *kernel, const pbw_index *v)
+{
+    return pbw__owns(kernel, v[0]) && pbw__owns(kernel, v[1]) && pbw__owns(kernel, v[2])
+        && (kernel->dim == 2 || pbw__owns(kernel, v[3]));
+}
+
+/* Takes back the marks of a cavity that will not be. */
+static PBW__NOINLINE pbw_status pbw__leave_cavity(pbw__kernel *kernel, size_t count)
+{
+    size_t i;
+    for (i = 0; i < count; i++) {
+        kernel->mark[kernel->cavity[i]] = 0;
+    }
+    return PBW__LEFT;
+}
+
 /* The local number of a vertex.  Whether it is new takes no branch: no predictor could guess it. */
 PBW__INLINE uint32_t pbw__local(uint64_t *slot, uint32_t stamp, uint32_t *count, pbw_index v)
 {
@@ -2412,7 +2714,7 @@ static PBW__NOINLINE unsigned pbw__search_exact(pbw__kernel *kernel, const pbw__
 }
 
 /* Finds the cavity of p from t, a simplex in conflict. */
-static int pbw__carve3_scalar(pbw__kernel *kernel, pbw_index t, const double *p)
+static pbw_status pbw__carve3_scalar(pbw__kernel *kernel, pbw_index t, const double *p)
 {
     pbw__search search;
     size_t i;
@@ -2423,7 +2725,10 @@ static int pbw__carve3_scalar(pbw__kernel *kernel, pbw_index t, const double *p)
         double row[5][4], height = 0.0;
         unsigned k;
         if (!pbw__search_room(kernel, &search)) {
-            return 0;
+            return PBW_ERROR_MEMORY;
+        }
+        if (kernel->owner != NULL && i > 0 && !pbw__owns_all(kernel, v)) {
+            return pbw__leave_cavity(kernel, search.cavity_count);
         }
         pbw__search_number(&search, i);
         for (k = 0; k < 4; k++) {
@@ -2454,12 +2759,12 @@ static int pbw__carve3_scalar(pbw__kernel *kernel, pbw_index t, const double *p)
         }
     }
     pbw__search_end(kernel, &search);
-    return 1;
+    return PBW_OK;
 }
 
 #ifdef PBW__X86
 /* The same, a facet in each lane. */
-PBW__AVX2 static int pbw__carve3_avx2(pbw__kernel *kernel, pbw_index t, const double *p)
+PBW__AVX2 static pbw_status pbw__carve3_avx2(pbw__kernel *kernel, pbw_index t, const double *p)
 {
     const pbw__point3 point = pbw__point3_of(p);
     const pbw_index *corner = kernel->corner;
@@ -2474,7 +2779,10 @@ PBW__AVX2 static int pbw__carve3_avx2(pbw__kernel *kernel, pbw_index t, const do
         __m256d height, ax, ay, az, al, bx, by, bz, bl, cx, cy, cz, cl, xy, xz, yz, xl, yl, zl, det, h, limit;
         unsigned certain, inside;
         if (PBW__UNLIKELY(!pbw__search_room(kernel, &search))) {
-            return 0;
+            return PBW_ERROR_MEMORY;
+        }
+        if (PBW__UNLIKELY(kernel->owner != NULL) && i > 0 && !pbw__owns_all(kernel, v)) {
+            return pbw__leave_cavity(kernel, search.cavity_count);
         }
 #ifdef PBW_WIDE
         pbw__search_number(&search, i);
@@ -2514,33 +2822,71 @@ PBW__AVX2 static int pbw__carve3_avx2(pbw__kernel *kernel, pbw_index t, const do
 #endif
     }
     pbw__search_end(kernel, &search);
-    return 1;
+    return PBW_OK;
 }
 #endif
 
-/* The region of the next vertex becomes the one that slots are taken from. */
-PBW__INLINE void pbw__enter_region(pbw__kernel *kernel, pbw_index vertex)
+static void pbw__leave_region(pbw__kernel *kernel)
 {
-    size_t region = (size_t)((uint64_t)vertex * kernel->store->regions_a_rank >> 32);
-    if (region != kernel->region) {
-        kernel->store->region[kernel->region] = (pbw_index)kernel->fresh;
-        kernel->region = region;
-        kernel->fresh = kernel->store->region[region];
-        kernel->fresh_end = pbw__region_end(kernel->store, region);
+    pbw__store *store = kernel->store;
+    if (kernel->region != (size_t)-1) {
+        store->region[kernel->region] = (pbw_index)kernel->fresh;
+        if (kernel->last != kernel->last_entered) {
+            store->hint[kernel->region] = kernel->last;
+        }
+        kernel->region = (size_t)-1;
     }
+    kernel->fresh = kernel->fresh_end = 0;
 }
 
-/* Room in the tail for `needed` simplices: an eighth more room than there was. */
+/* The region of the next vertex becomes the one that slots are taken from. */
+static PBW__NOINLINE void pbw__enter_region(pbw__kernel *kernel, size_t region)
+{
+    pbw__store *store = kernel->store;
+    pbw_index hint;
+    pbw__leave_region(kernel);
+    kernel->region = region;
+    kernel->fresh = store->region[region];
+    kernel->fresh_end = pbw__region_end(store, region);
+    hint = store->hint[region];
+    if (kernel->owner != NULL && hint != PBW_NONE && kernel->corner[4 * (size_t)hint] != PBW_NONE) {
+        kernel->last = hint;                         /* the way from the last vertex may lead abroad */
+    }
+    kernel->last_entered = kernel->last;
+}
+
+/* Room in the tail for `needed` simplices: a block of what there is; alone, we can make more, by an eighth. */
 static PBW__NOINLINE pbw_status pbw__more_tail(pbw__kernel *kernel, size_t needed)
 {
     pbw__store *store = kernel->store;
-    size_t bigger = store->capacity + store->capacity / 8, least = kernel->tail + needed;
-    pbw_status status;
-    bigger = bigger < PBW__SIMPLEX_LIMIT ? bigger : PBW__SIMPLEX_LIMIT;
-    status = pbw__store_reserve(&kernel->context->memory, store, bigger > least ? bigger : least);
-    pbw__kernel_attach(kernel);
-    kernel->tail_end = status == PBW_OK ? store->capacity : kernel->tail_end;
-    return status;
+    size_t block = needed > 1024 ? needed : 1024, from, t;
+    pbw_status status = PBW_OK;
+    if (kernel->owner == NULL && store->capacity - store->count < block) {
+        size_t bigger = store->capacity + store->capacity / 8, least = store->count + needed;
+        bigger = bigger < PBW__SIMPLEX_LIMIT ? bigger : PBW__SIMPLEX_LIMIT;
+        status = store->capacity >= least && store->capacity == PBW__SIMPLEX_LIMIT ? PBW_OK
+               : pbw__store_reserve(&kernel->context->memory, store, bigger > least ? bigger : least);
+        pbw__kernel_attach(kernel);
+        if (status != PBW_OK) {
+            return status;
+        }
+        block = block < store->capacity - store->count ? block : store->capacity - store->count;
+    }
+    from = PBW__ADD(&store->count, block);
+    if (from > store->capacity || store->capacity - from < block) {
+        kernel->no_room = 1;                         /* at the end of the round there will be more */
+        return PBW__LEFT;
+    }
+    for (t = kernel->tail; t < kernel->tail_end; t++) {
+        kernel->corner[4 * t] = PBW_NONE;
+        kernel->corner[4 * t + 1] = kernel->free_list;
+        kernel->mark[t] = 0;
+        kernel->free_list = (pbw_index)t;
+        kernel->free_count++;
+    }
+    kernel->tail = from;
+    kernel->tail_end = from + block;
+    return PBW_OK;
 }
 
 /* A slot that the caller knows to be there. */
@@ -2568,8 +2914,9 @@ PBW__INLINE pbw_status pbw__take_slots(pbw__kernel *kernel)
     size_t room = have + (kernel->fresh_end - kernel->fresh) + kernel->free_count + (kernel->tail_end - kernel->tail);
     pbw_index *cavity;
     if (PBW__UNLIKELY(needed > room)) {
-        pbw_status status = pbw__more_tail(kernel, needed - room + (kernel->tail_end - kernel->tail));
+        pbw_status status = pbw__more_tail(kernel, needed - room);
         if (status != PBW_OK) {
+            (void)pbw__leave_cavity(kernel, have);
             return status;
         }
     }
@@ -2748,29 +3095,46 @@ PBW__AVX2_INLINE pbw_status pbw__refill3_avx2(pbw__kernel *kernel, pbw_index ver
 #define pbw__refill3_avx2 pbw__refill3
 #endif
 
+/* Where the walk to a vertex starts. */
+PBW__INLINE pbw_index pbw__insert_start(pbw__kernel *kernel, pbw_index vertex)
+{
+    size_t region = vertex >> kernel->store->cell_bits;
+    if (PBW__UNLIKELY(region != kernel->region)) {
+        pbw__enter_region(kernel, region);
+    }
+    return kernel->last != PBW_NONE ? kernel->last : PBW__FOREIGN;
+}
+
+PBW__INLINE int pbw__may_carve(const pbw__kernel *kernel, pbw_index t)
+{
+    return pbw__owns_all(kernel, kernel->corner + 4 * (size_t)t);
+}
+
 static pbw_status pbw__insert3_scalar(pbw__kernel *kernel, pbw_index vertex)
 {
     const double *p = pbw__record3(kernel, vertex);
-    pbw_index t;
-    pbw__enter_region(kernel, vertex);
-    t = pbw__locate3_scalar(kernel, kernel->last, p);
-    if (t == PBW_NONE) {
-        return PBW_OK;
+    pbw_index t = pbw__insert_start(kernel, vertex);
+    pbw_status status;
+    t = t != PBW__FOREIGN ? pbw__locate3_scalar(kernel, t, p) : t;
+    if (PBW__UNLIKELY(t >= PBW__FOREIGN) || PBW__UNLIKELY(kernel->owner != NULL && !pbw__may_carve(kernel, t))) {
+        return t == PBW_NONE ? PBW_OK : PBW__LEFT;   /* hidden, or not ours */
     }
-    return pbw__carve3_scalar(kernel, t, p) ? pbw__refill3(kernel, vertex) : PBW_ERROR_MEMORY;
+    status = pbw__carve3_scalar(kernel, t, p);
+    return status == PBW_OK ? pbw__refill3(kernel, vertex) : status;
 }
 
 #ifdef PBW__X86
 PBW__AVX2 static pbw_status pbw__insert3_avx2(pbw__kernel *kernel, pbw_index vertex)
 {
     const double *p = pbw__record3(kernel, vertex);
-    pbw_index t;
-    pbw__enter_region(kernel, vertex);
-    t = pbw__locate3_avx2(kernel, kernel->last, p);
-    if (t == PBW_NONE) {
-        return PBW_OK;
+    pbw_index t = pbw__insert_start(kernel, vertex);
+    pbw_status status;
+    t = t != PBW__FOREIGN ? pbw__locate3_avx2(kernel, t, p) : t;
+    if (PBW__UNLIKELY(t >= PBW__FOREIGN) || PBW__UNLIKELY(kernel->owner != NULL && !pbw__may_carve(kernel, t))) {
+        return t == PBW_NONE ? PBW_OK : PBW__LEFT;   /* hidden, or not ours */
     }
-    return pbw__carve3_avx2(kernel, t, p) ? pbw__refill3_avx2(kernel, vertex) : PBW_ERROR_MEMORY;
+    status = pbw__carve3_avx2(kernel, t, p);
+    return status == PBW_OK ? pbw__refill3_avx2(kernel, vertex) : status;
 }
 #endif
 
@@ -2806,7 +3170,7 @@ PBW__INLINE int pbw__test2(pbw__kernel *kernel, pbw_index t, const double *p)
 /* 2D.  A depth-first search that looks through the edges of each triangle counter-clockwise meets the boundary in
    cyclic order, so the star needs no table: each new triangle borders the one before.  An edge between two triangles
    of the cavity that is not the way one was reached is met twice and skipped. */
-static int pbw__carve2(pbw__kernel *kernel, pbw_index t, const double *p)
+static pbw_status pbw__carve2(pbw__kernel *kernel, pbw_index t, const double *p)
 {
     const pbw__link *links = kernel->link;
     size_t stack_count = 3;
@@ -2826,11 +3190,14 @@ static int pbw__carve2(pbw__kernel *kernel, pbw_index t, const double *p)
             continue;
         }
         if (pbw__test2(kernel, o, p)) {
+            if (kernel->owner != NULL && !pbw__owns_all(kernel, kernel->corner + 4 * (size_t)o)) {
+                return pbw__leave_cavity(kernel, kernel->cavity_count);
+            }
             if ((kernel->cavity_count == kernel->cavity_capacity
                  && !pbw__grow_lists(kernel, kernel->cavity_count + 1))
                 || !pbw__grow(kernel, &kernel->stack, &kernel->stack_capacity, stack_count + 2,
                               sizeof(pbw__link))) {
-                return 0;
+                return PBW_ERROR_MEMORY;
             }
             kernel->mark[o] = 1;
             kernel->cavity[kernel->cavity_count++] = o;
@@ -2839,12 +3206,12 @@ static int pbw__carve2(pbw__kernel *kernel, pbw_index t, const double *p)
         } else {
             if (kernel->facet_count + 1 >= kernel->beyond_capacity
                 && !pbw__grow_lists(kernel, kernel->facet_count + 2)) {
-                return 0;
+                return PBW_ERROR_MEMORY;
             }
             kernel->beyond[kernel->facet_count++] = link;
         }
     }
-    return 1;
+    return PBW_OK;
 }
 
 /* The first vertex, counter-clockwise from inside, of the edge of the boundary that a link crosses. */
@@ -2887,13 +3254,14 @@ static pbw_status pbw__refill2(pbw__kernel *kernel, pbw_index vertex)
 static pbw_status pbw__insert2(pbw__kernel *kernel, pbw_index vertex)
 {
     const double *p = pbw__record2(kernel, vertex);
-    pbw_index t;
-    pbw__enter_region(kernel, vertex);
-    t = pbw__locate2(kernel, kernel->last, p);
-    if (t == PBW_NONE) {
-        return PBW_OK;
+    pbw_index t = pbw__insert_start(kernel, vertex);
+    pbw_status status;
+    t = t != PBW__FOREIGN ? pbw__locate2(kernel, t, p) : t;
+    if (PBW__UNLIKELY(t >= PBW__FOREIGN) || PBW__UNLIKELY(kernel->owner != NULL && !pbw__may_carve(kernel, t))) {
+        return t == PBW_NONE ? PBW_OK : PBW__LEFT;   /* hidden, or not ours */
     }
-    return pbw__carve2(kernel, t, p) ? pbw__refill2(kernel, vertex) : PBW_ERROR_MEMORY;
+    status = pbw__carve2(kernel, t, p);
+    return status == PBW_OK ? pbw__refill2(kernel, vertex) : status;
 }
 /* ------------------------------------------------------------------------------------------------------
    >>build        All vertices into one triangulation, on one thread.
@@ -2999,7 +3367,7 @@ static pbw_status pbw__seeds(pbw__kernel *kernel, size_t count, int dim, pbw_ind
 }
 
 /* The simplex of the seeds and a ghost on each of its facets. */
-static void pbw__first_star(pbw__kernel *kernel, int dim, const pbw_index *seed)
+static pbw_status pbw__first_star(pbw__kernel *kernel, int dim, const pbw_index *seed)
 {
     pbw_index slot[5] = { 0, 0, 0, 0, 0 }, v[5][4];
     int i, j, k, far;
@@ -3009,6 +3377,9 @@ static void pbw__first_star(pbw__kernel *kernel, int dim, const pbw_index *seed)
             v[i + 1][k] = seed[dim == 3 ? pbw__facet_corners[i][k] : (i + 2 - k) % 3];
         }
         v[i + 1][dim] = PBW__GHOST;
+    }
+    if (pbw__more_tail(kernel, (size_t)dim + 2) != PBW_OK) {
+        return PBW_ERROR_MEMORY;
     }
     for (i = 0; i <= dim + 1; i++) {
         slot[i] = pbw__take_slot(kernel);
@@ -3035,6 +3406,7 @@ static void pbw__first_star(pbw__kernel *kernel, int dim, const pbw_index *seed)
         }
     }
     kernel->last = slot[0];
+    return PBW_OK;
 }
 
 static void pbw__kernel_free(pbw__kernel *kernel)
@@ -3064,6 +3436,8 @@ static pbw_status pbw__kernel_create(pbw__kernel *kernel, pbw__context *context,
     kernel->grid = grid;
     kernel->dim = dim;
     kernel->weighted = vertices->weighted;
+    kernel->region = (size_t)-1;
+    kernel->last = kernel->last_entered = PBW_NONE;
     kernel->insert = dim == 2 ? pbw__insert2 : pbw__insert3_scalar;
 #ifdef PBW__X86
     if (dim == 3 && __builtin_cpu_supports("avx2") && __builtin_cpu_supports("fma")
@@ -3087,59 +3461,496 @@ static pbw_status pbw__kernel_create(pbw__kernel *kernel, pbw__context *context,
     memset(kernel->slot, 0, PBW__SLOTS * sizeof(uint64_t));
     return PBW_OK;
 }
+/* ------------------------------------------------------------------------------------------------------
+   >>parallel     One level of vertices by many threads at once.
+   In: a triangulation, the vertices to insert.  Out: the triangulation with them.   (Marot, Pellerin & Remacle 2019,
+   "One machine, one minute, three billion tetrahedra", from whom the rule of ownership is)
 
-/* PBW_OK, PBW_DEGENERATE or an error; kernel and store are the caller's to free in every case. */
-static pbw_status pbw__build(pbw__kernel *kernel, pbw__context *context, pbw__store *store,
-                             const pbw__vertices *vertices, const pbw__grid *grid)
+   Vertices are owned in cells, the runs of ranks of >>mesh's regions; each cell has one owner, a task.  A task
+     - inserts vertices it owns;
+     - deletes a simplex only if it owns all its finite vertices;
+     - walks from one simplex to another only through a facet of which it owns a vertex.
+   Where a vertex would need more, it is left for the next round, which has other borders; no task ever waits.
+
+   Why no word is written by one task while another reads or writes it.  (a) A simplex with a vertex of mine is deleted
+   by nobody else.  So the corners of simplices that I walk through, and of neighbours of simplices that I delete
+   (which share a facet with them, so a vertex of mine), do not change under me.  (b) I write a link of a simplex that
+   stays only across a facet that it shares with one of my cavity, all of whose vertices are mine; another would read
+   it only to walk through that facet, which has no vertex of his, or to delete the simplex.  (c) The mark of a simplex
+   is touched by the tasks that have a cavity next to it.  A simplex has two facets of the same owners only if that is
+   one owner: two facets share an edge, and of its two ends one at least is a finite vertex, owned by one task.  (In 2D
+   two edges may share the ghost vertex only; there a mark is written only when the simplex joins a cavity, and read
+   otherwise.)  (d) A slot belongs to the task that took it from a region of its cells, from its free list, or in a
+   block of the tail; counters of the store are changed atomically, with relaxed order: they number slots, and what is
+   in the slots is handed over at the end of a round (>>threads).
+
+   Why it ends.  A round that leaves more than seven tenths of its vertices is the last of its level; what is left then,
+   or is too little to be worth a round, is inserted by one thread, which owns everything.
+
+   The first round cuts the curve into equal runs: the vertices of a task follow each other.  The vertices left lie
+   along the borders.  The next rounds split the cells by planes, oblique so that they cross those borders, into parts
+   with equal shares of what is left.
+   ------------------------------------------------------------------------------------------------------ */
+#define PBW__PARTS 256
+#define PBW__LEAST_PART ((size_t)2048)               /* vertices of a part, below which borders are everything */
+
+typedef struct pbw__item { uint64_t key; pbw_index simplex; } pbw__item;
+
+typedef struct pbw__build {
+    pbw__context *context;
+    pbw__store *store;
+    const pbw__vertices *vertices;
+    pbw__kernel *kernel[PBW__PARTS];                 /* one for each task */
+    int kernel_count, parts, rounds;
+    uint8_t *owner;                                  /* per cell */
+    size_t stride, coarser;                          /* the level: ranks divisible by stride, not by coarser */
+    int backwards;
+    pbw_index seed[4];
+    pbw_index *left, *sorted;                        /* vertices left; the same by owner */
+    size_t left_count, left_capacity, sorted_capacity, start[PBW__PARTS + 1];
+    size_t done;
+    float *place;                                    /* per cell: oblique coordinates */
+    pbw__item *cell;                                 /* key = vertices left, simplex = cell */
+} pbw__build;
+
+static void pbw__level_begin(pbw__build *build, int part)
 {
-    /* 2D: 2 count - 2 simplices, ghosts included.  3D: 6.77 count for uniform points. */
-    const double each = vertices->dim == 3 ? 7.0 : 2.0625;
-    pbw__sequence sequence;
-    pbw_index seed[4] = { 0, 0, 0, 0 }, vertex;
-    size_t done = 0, work, reported = 0, r;
-    int dim = vertices->dim;
-    pbw_status status = pbw__store_create(&context->memory, store, vertices->count, each);
-    if (status == PBW_OK) {
-        status = pbw__kernel_create(kernel, context, store, vertices, grid);
+    pbw__kernel *kernel = build->kernel[part];
+    size_t c;
+    kernel->owner = build->owner;
+    kernel->me = (uint8_t)part;
+    kernel->region = (size_t)-1;
+    kernel->last = PBW_NONE;
+    kernel->left_count = 0;
+    kernel->no_room = 0;
+    kernel->status = PBW_OK;
+    for (c = 0; c < build->store->region_count && kernel->last == PBW_NONE; c++) {
+        kernel->last = build->owner[c] == part ? build->store->hint[c] : PBW_NONE;
     }
-    if (status == PBW_OK) {
-        status = pbw__seeds(kernel, vertices->count, dim, seed);
+}
+
+/* Inserts a vertex, or leaves it for later; 0 = stop. */
+static int pbw__level_insert(pbw__build *build, pbw__kernel *kernel, pbw_index v)
+{
+    size_t work;
+    pbw_status status;
+    if (v == build->seed[0] || v == build->seed[1] || v == build->seed[2] || v == build->seed[3]) {
+        return 1;
+    }
+    status = kernel->insert(kernel, v);
+    if (status == PBW__LEFT) {
+        if (!pbw__grow(kernel, &kernel->left, &kernel->left_capacity, kernel->left_count + 1, sizeof(pbw_index))) {
+            kernel->status = PBW_ERROR_MEMORY;
+            return 0;
+        }
+        kernel->left[kernel->left_count++] = v;
+    } else if (status != PBW_OK) {
+        kernel->status = status;
+        return 0;
+    }
+    kernel->done++;
+    /* An exact test of extreme exponents may take 0.2 ms, a new simplex takes 0.1 us. */
+    work = kernel->statistics.created + kernel->statistics.walk_steps + 64 * kernel->statistics.exact_tests;
+    if (work - kernel->reported > 4096) {
+        double done = (double)build->done + (double)kernel->done * (double)(kernel->owner != NULL ? build->parts : 1);
+        kernel->reported = work;
+        if (pbw__report(build->context, done / (double)build->vertices->count)) {
+            kernel->status = PBW_CANCELLED;
+            return 0;
+        }
+    }
+    return 1;
+}
+
+/* The vertices of the level among the ranks from, ..., to - 1 (from 0). */
+static void pbw__level_ranks(pbw__build *build, pbw__kernel *kernel, size_t from, size_t to)
+{
+    size_t stride = build->stride, coarser = build->coarser, first = (from + stride - 1) / stride * stride, rank;
+    if (first >= to) {
+        return;
+    }
+    rank = build->backwards ? (to - 1) / stride * stride : first;
+    for (;;) {
+        if ((rank & (coarser - 1)) != 0 || coarser > build->vertices->count) {
+            if (!pbw__level_insert(build, kernel, (pbw_index)rank + 1)) {
+                return;
+            }
+        }
+        if (build->backwards ? rank == first : to - rank <= stride) {
+            return;
+        }
+        rank = build->backwards ? rank - stride : rank + stride;
+    }
+}
+
+/* The first slot of the part, as vertices. */
+PBW__INLINE size_t pbw__part_begin(const pbw__build *build, int part)
+{
+    size_t cell = pbw__share(build->store->region_count, part, build->parts);
+    size_t v = cell << build->store->cell_bits;
+    return part == build->parts ? build->vertices->count : v == 0 ? 0 : v - 1;   /* as a rank from 0 */
+}
+
+static void pbw__first_round(void *arg, int part)
+{
+    pbw__build *build = (pbw__build *)arg;
+    pbw__level_begin(build, part);
+    pbw__level_ranks(build, build->kernel[part], pbw__part_begin(build, part), pbw__part_begin(build, part + 1));
+    pbw__leave_region(build->kernel[part]);
+}
+
+static void pbw__next_round(void *arg, int part)
+{
+    pbw__build *build = (pbw__build *)arg;
+    size_t i;
+    pbw__level_begin(build, part);
+    for (i = build->start[part]; i < build->start[part + 1]; i++) {
+        if (!pbw__level_insert(build, build->kernel[part], build->sorted[i])) {
+            break;
+        }
+    }
+    pbw__leave_region(build->kernel[part]);
+}
+
+/* Hints of this round: simplices with a vertex of the owner of their cell. */
+static void pbw__check_hints(pbw__build *build)
+{
+    pbw__store *store = build->store;
+    size_t c, dim = (size_t)build->vertices->dim, k;
+    for (c = 0; c < store->region_count; c++) {
+        pbw_index t = store->hint[c];
+        int touches = 0;
+        for (k = 0; k <= dim && t != PBW_NONE && store->corner[4 * (size_t)t] != PBW_NONE; k++) {
+            pbw_index v = store->corner[4 * (size_t)t + k];
+            touches |= v != PBW__GHOST && build->owner[v >> store->cell_bits] == build->owner[c];
+        }
+        store->hint[c] = touches ? t : PBW_NONE;
+    }
+}
+
+/* Splits cells cell[from..to) among the parts low..high-1: each gets its share of what is left. */
+static void pbw__split_cells(pbw__build *build, size_t from, size_t to, int low, int high)
+{
+    while (high - low > 1) {
+        size_t bin[256], i, j, total = 0, sum = 0, wanted;
+        float least[3], most[3], scale;
+        int axis = 0, middle = low + (high - low) / 2, cut = 0, k;
+        for (k = 0; k < 3; k++) {
+            least[k] = FLT_MAX;
+            most[k] = -FLT_MAX;
+        }
+        for (i = from; i < to; i++) {
+            const float *place = build->place + 3 * (size_t)build->cell[i].simplex;
+            for (k = 0; k < 3; k++) {
+                least[k] = place[k] < least[k] ? place[k] : least[k];
+                most[k] = place[k] > most[k] ? place[k] : most[k];
+            }
+        }
+        for (k = 1; k < 3; k++) {
+            axis = most[k] - least[k] > most[axis] - least[axis] ? k : axis;
+        }
+        scale = most[axis] > least[axis] ? 255.0f / (most[axis] - least[axis]) : 0.0f;
+        memset(bin, 0, sizeof(bin));
+        for (i = from; i < to; i++) {                /* a cell with nothing left counts too, lest parts get no cells */
+            float x = (build->place[3 * (size_t)build->cell[i].simplex + (size_t)axis] - least[axis]) * scale;
+            bin[(int)x] += (size_t)build->cell[i].key * 16 + 1;
+            total += (size_t)build->cell[i].key * 16 + 1;
+        }
+        wanted = total / (size_t)(high - low) * (size_t)(middle - low);
+        while (cut < 255 && sum + bin[cut] / 2 < wanted) {
+            sum += bin[cut++];
+        }
+        for (i = j = from; i < to; i++) {
+            float x = (build->place[3 * (size_t)build->cell[i].simplex + (size_t)axis] - least[axis]) * scale;
+            if ((int)x < cut) {
+                pbw__item swap = build->cell[i];
+                build->cell[i] = build->cell[j];
+                build->cell[j++] = swap;
+            }
+        }
+        pbw__split_cells(build, from, j, low, middle);       /* depth: log2 of the number of parts */
+        from = j;
+        low = middle;
+    }
+    for (; from < to; from++) {
+        build->owner[build->cell[from].simplex] = (uint8_t)low;
+    }
+}
+
+/* Owners for the vertices left, and these in order of owner. */
+static int pbw__new_parts(pbw__build *build, int round)
+{
+    static const float basis[2][9] = { { 0.73f, 0.52f, 0.44f, -0.58f, 0.81f, 0.08f, -0.36f, -0.26f, 0.89f },
+                                       { 0.44f, -0.37f, 0.82f, 0.61f, 0.79f, 0.03f, -0.66f, 0.49f, 0.57f } };
+    const pbw__vertices *vertices = build->vertices;
+    const float *oblique = basis[round & 1];
+    size_t cells = build->store->region_count, c, i, dim = (size_t)vertices->dim, k;
+    double low[3] = { 0, 0, 0 }, high[3] = { 0, 0, 0 };
+    int bits = build->store->cell_bits, part;
+    if (build->left_count > build->sorted_capacity
+        && !pbw__resize_array(&build->context->memory, &build->sorted, &build->sorted_capacity, build->left_count,
+                              sizeof(pbw_index))) {
+        return 0;
+    }
+    for (i = 0; i < 2 * cells; i++) {                /* the middle vertex of each cell stands for it */
+        size_t v = ((i % cells) << bits) + ((size_t)1 << (bits - 1));
+        const double *x = vertices->record + (v <= vertices->count ? v : vertices->count) * (dim + 1);
+        double unit[3] = { 0, 0, 0 };
+        for (k = 0; k < dim; k++) {
+            if (i < cells) {
+                low[k] = i == 0 || x[k] < low[k] ? x[k] : low[k];
+                high[k] = i == 0 || x[k] > high[k] ? x[k] : high[k];
+            } else if (high[k] > low[k]) {           /* halves: the difference of two doubles may overflow */
+                unit[k] = (x[k] / 2 - low[k] / 2) / (high[k] / 2 - low[k] / 2);
+            }
+        }
+        for (k = 0; k < 3 && i >= cells; k++) {
+            build->place[3 * (i - cells) + k] = oblique[3 * k] * (float)unit[0] + oblique[3 * k + 1] * (float)unit[1]
+                                              + oblique[3 * k + 2] * (float)unit[2];
+        }
+    }
+    for (c = 0; c < cells; c++) {
+        build->cell[c].simplex = (pbw_index)c;
+        build->cell[c].key = 0;
+    }
+    for (i = 0; i < build->left_count; i++) {
+        build->cell[build->left[i] >> bits].key++;
+    }
+    pbw__split_cells(build, 0, cells, 0, build->parts);
+    memset(build->start, 0, sizeof(build->start));
+    for (i = 0; i < build->left_count; i++) {
+        build->start[build->owner[build->left[i] >> bits] + 1]++;
+    }
+    for (part = 0; part < build->parts; part++) {
+        build->start[part + 1] += build->start[part];
+    }
+    for (i = 0; i < build->left_count; i++) {
+        build->sorted[build->start[build->owner[build->left[i] >> bits]]++] = build->left[i];
+    }
+    for (part = build->parts; part > 0; part--) {
+        build->start[part] = build->start[part - 1];
+    }
+    build->start[0] = 0;
+    return 1;
+}
+
+/* After a round: collects the vertices left, finds room if some task had none. */
+static pbw_status pbw__end_round(pbw__build *build)
+{
+    pbw__store *store = build->store;
+    size_t count = 0;
+    int part, no_room = 0;
+    pbw_status status = PBW_OK;
+    for (part = 0; part < build->parts; part++) {
+        pbw__kernel *kernel = build->kernel[part];
+        count += kernel->left_count;
+        no_room |= kernel->no_room;
+        status = status != PBW_OK ? status : kernel->status;
+        build->done += kernel->done - kernel->left_count;
+        kernel->done = 0;
     }
     if (status != PBW_OK) {
         return status;
     }
-    kernel->fresh_end = pbw__region_end(store, 0);
-    kernel->tail = store->region_slots;
-    kernel->tail_end = store->capacity;
-    pbw__first_star(kernel, dim, seed);
-    pbw__sequence_start(&sequence, vertices->count, dim);
-    while ((vertex = pbw__sequence_next(&sequence)) != 0) {
-        if (vertex == seed[0] || vertex == seed[1] || vertex == seed[2] || (dim == 3 && vertex == seed[3])) {
-            continue;
+    if (count > build->left_capacity
+        && !pbw__resize_array(&build->context->memory, &build->left, &build->left_capacity, count,
+                              sizeof(pbw_index))) {
+        return PBW_ERROR_MEMORY;
+    }
+    build->left_count = 0;
+    for (part = 0; part < build->parts; part++) {
+        pbw__kernel *kernel = build->kernel[part];
+        if (kernel->left_count > 0) {
+            memcpy(build->left + build->left_count, kernel->left, kernel->left_count * sizeof(pbw_index));
         }
-        status = kernel->insert(kernel, vertex);
-        if (status != PBW_OK) {
-            return status;
-        }
-        done++;
-        /* An exact test of extreme exponents may take 0.2 ms, a new simplex takes 0.1 us. */
-        work = kernel->statistics.created + kernel->statistics.walk_steps + 64 * kernel->statistics.exact_tests;
-        if (work - reported > 4096) {
-            reported = work;
-            if (pbw__report(context, (double)done / (double)vertices->count)) {
-                return PBW_CANCELLED;
-            }
+        build->left_count += kernel->left_count;
+    }
+    store->count = store->count < store->capacity ? store->count : store->capacity;
+    if (no_room) {
+        size_t bigger = store->capacity + store->capacity / 8 + 65536;
+        status = pbw__store_reserve(&build->context->memory, store,
+                                    bigger < PBW__SIMPLEX_LIMIT ? bigger : PBW__SIMPLEX_LIMIT);
+        for (part = 0; part < build->kernel_count; part++) {
+            pbw__kernel_attach(build->kernel[part]);
         }
     }
-    store->region[kernel->region] = (pbw_index)kernel->fresh;
-    store->count = kernel->tail;
+    return status;
+}
+
+/* One level by rounds. */
+static pbw_status pbw__level_parallel(pbw__build *build)
+{
+    pbw__store *store = build->store;
+    size_t c, before = (size_t)-1;
+    int round = 0, part;
+    pbw_status status;
+    for (part = 0; part < build->parts; part++) {
+        size_t end = pbw__share(store->region_count, part + 1, build->parts);
+        for (c = pbw__share(store->region_count, part, build->parts); c < end; c++) {
+            build->owner[c] = (uint8_t)part;
+        }
+    }
+    do {
+        pbw__check_hints(build);
+        pbw__for(build->context, build->parts, round == 0 ? pbw__first_round : pbw__next_round, build);
+        status = pbw__end_round(build);
+        round++;
+        if (status != PBW_OK || build->left_count * 10 > before / 10 * 7 * 10
+            || build->left_count < 64 * (size_t)build->parts) {
+            break;
+        }
+        before = build->left_count;
+        status = pbw__new_parts(build, round) ? PBW_OK : PBW_ERROR_MEMORY;
+    } while (status == PBW_OK);
+    build->rounds += round;
+    return status;
+}
+
+/* All slots that hold nothing are made to say so. */
+static void pbw__close_store(pbw__build *build)
+{
+    pbw__store *store = build->store;
+    size_t r, t;
+    int i;
     for (r = 0; r < store->region_count; r++) {
-        size_t t, end = pbw__region_end(store, r);
+        size_t end = pbw__region_end(store, r);
         for (t = store->region[r]; t < end; t++) {
             store->corner[4 * t] = PBW_NONE;
         }
     }
+    for (i = 0; i < build->kernel_count; i++) {
+        for (t = build->kernel[i]->tail; t < build->kernel[i]->tail_end; t++) {
+            store->corner[4 * t] = PBW_NONE;
+        }
+    }
+    store->count = store->count < store->capacity ? store->count : store->capacity;
+}
+
+static void pbw__build_free(pbw__build *build)
+{
+    pbw__memory *memory = &build->context->memory;
+    size_t cells = build->store->region_count;
+    int i;
+    for (i = 0; i < build->kernel_count; i++) {
+        pbw__kernel_free(build->kernel[i]);
+        pbw__release(memory, build->kernel[i], 1, sizeof(pbw__kernel));
+    }
+    pbw__release(memory, build->left, build->left_capacity, sizeof(pbw_index));
+    pbw__release(memory, build->sorted, build->sorted_capacity, sizeof(pbw_index));
+    pbw__release(memory, build->owner, cells, 1);
+    pbw__release(memory, build->place, 3 * cells, sizeof(float));
+    pbw__release(memory, build->cell, cells, sizeof(pbw__item));
+}
+
+/* Kernels for `count` tasks. */
+static pbw_status pbw__more_kernels(pbw__build *build, const pbw__grid *grid, int count)
+{
+    while (build->kernel_count < count) {
+        pbw__kernel *kernel = (pbw__kernel *)pbw__allocate(&build->context->memory, 1, sizeof(pbw__kernel));
+        if (kernel == NULL) {
+            return PBW_ERROR_MEMORY;
+        }
+        build->kernel[build->kernel_count++] = kernel;
+        if (pbw__kernel_create(kernel, build->context, build->store, build->vertices, grid) != PBW_OK) {
+            return PBW_ERROR_MEMORY;
+        }
+    }
     return PBW_OK;
+}
+
+/* Work for one thread: all that is left of a level, or the level. */
+static pbw_status pbw__level_serial(pbw__build *build, int all)
+{
+    pbw__kernel *kernel = build->kernel[0];
+    const pbw_index *corner = build->store->corner;
+    size_t i;
+    kernel->owner = NULL;
+    kernel->status = PBW_OK;
+    kernel->last = kernel->last != PBW_NONE && corner[4 * (size_t)kernel->last] != PBW_NONE ? kernel->last : PBW_NONE;
+    for (i = 0; i < build->store->region_count && kernel->last == PBW_NONE; i++) {
+        pbw_index hint = build->store->hint[i];
+        kernel->last = hint != PBW_NONE && corner[4 * (size_t)hint] != PBW_NONE ? hint : PBW_NONE;
+    }
+    if (all) {
+        pbw__level_ranks(build, kernel, 0, build->vertices->count);
+    }
+    for (i = 0; !all && i < build->left_count && pbw__level_insert(build, kernel, build->left[i]); i++) {
+    }
+    pbw__leave_region(kernel);
+    build->done += kernel->done;
+    kernel->done = 0;
+    return kernel->status;
+}
+
+/* Room for the work of several tasks. */
+static pbw_status pbw__build_parts(pbw__build *build, const pbw__grid *grid)
+{
+    pbw__memory *memory = &build->context->memory;
+    size_t cells = build->store->region_count;
+    if (build->owner == NULL) {
+        build->owner = (uint8_t *)pbw__allocate(memory, cells, 1);
+        build->place = (float *)pbw__allocate(memory, 3 * cells, sizeof(float));
+        build->cell = (pbw__item *)pbw__allocate(memory, cells, sizeof(pbw__item));
+    }
+    return build->owner != NULL && build->place != NULL && build->cell != NULL
+         ? pbw__more_kernels(build, grid, build->parts) : PBW_ERROR_MEMORY;
+}
+
+/* PBW_OK, PBW_DEGENERATE or an error; the store is the caller's to free in every case. */
+static pbw_status pbw__build_all(pbw__context *context, pbw__store *store, const pbw__vertices *vertices,
+                                 const pbw__grid *grid, pbw_statistics *statistics)
+{
+    pbw__build build;
+    size_t ratio = vertices->dim == 3 ? 8 : 4, parts;
+    pbw_status status;
+    int i;
+    memset(&build, 0, sizeof(build));
+    build.context = context;
+    build.store = store;
+    build.vertices = vertices;
+    status = pbw__store_create(&context->memory, store, vertices->count, vertices->dim);
+    if (status == PBW_OK) {
+        status = pbw__more_kernels(&build, grid, 1);
+    }
+    if (status == PBW_OK) {
+        status = pbw__seeds(build.kernel[0], vertices->count, vertices->dim, build.seed);
+    }
+    if (status == PBW_OK) {
+        status = pbw__first_star(build.kernel[0], vertices->dim, build.seed);
+    }
+    for (build.stride = 1; vertices->count / build.stride >= ratio; build.stride *= ratio) {
+    }
+    while (status == PBW_OK && build.stride > 0) {
+        build.coarser = build.stride * ratio;
+        parts = vertices->count / build.stride / PBW__LEAST_PART;
+        parts = parts < store->region_count / 4 ? parts : store->region_count / 4;
+        build.parts = (size_t)context->threads < parts ? context->threads : (int)parts;
+        if (build.parts > 1) {
+            status = pbw__build_parts(&build, grid);
+            if (status == PBW_OK) {
+                pbw__leave_region(build.kernel[0]);
+                status = pbw__level_parallel(&build);
+            }
+            if (status == PBW_OK) {
+                status = pbw__level_serial(&build, 0);
+            }
+        } else {
+            status = pbw__level_serial(&build, 1);
+        }
+        build.stride = build.stride > 1 ? build.stride / ratio : 0;
+        build.backwards = !build.backwards;
+    }
+    for (i = 0; i < build.kernel_count; i++) {
+        statistics->walk_steps += build.kernel[i]->statistics.walk_steps;
+        statistics->conflict_tests += build.kernel[i]->statistics.conflict_tests;
+        statistics->exact_tests += build.kernel[i]->statistics.exact_tests;
+        statistics->created += build.kernel[i]->statistics.created;
+    }
+    if (status == PBW_OK) {
+        pbw__close_store(&build);
+    }
+    pbw__build_free(&build);
+    return status;
 }
 /* ------------------------------------------------------------------------------------------------------
    >>output       From the store's simplices to the caller's arrays, in place.
@@ -3154,8 +3965,6 @@ static pbw_status pbw__build(pbw__kernel *kernel, pbw__context *context, pbw__st
    simplex into its canonical form and put it into the list of its lowest rank; number the simplices list by list;
    translate corners and links; move each simplex to its place.
    ------------------------------------------------------------------------------------------------------ */
-typedef struct pbw__item { uint64_t key; pbw_index simplex; } pbw__item;
-
 static void pbw__sift(pbw__item *heap, size_t root, size_t count)
 {
     pbw__item item = heap[root];
@@ -3917,6 +4726,7 @@ static int pbw__check_all(pbw__check *check)
 
 PBWDEF pbw_status pbw_check(const pbw_mesh *mesh, const pbw_options *options, pbw_report *report)
 {
+    pbw_options defaults;
     pbw__context context;
     pbw__check check;
     pbw__fp fp;
@@ -3935,18 +4745,9 @@ PBWDEF pbw_status pbw_check(const pbw_mesh *mesh, const pbw_options *options, pb
     if (mesh->point_count >= PBW_NONE || mesh->simplex_count >= PBW_NONE) {
         return PBW_ERROR_TOO_LARGE;
     }
-    memset(&context, 0, sizeof(context));
+    memset(&defaults, 0, sizeof(defaults));
     memset(&check, 0, sizeof(check));
-    context.memory.resize = pbw__default_resize;
-    if (options != NULL) {
-        if (options->resize != NULL) {
-            context.memory.resize = options->resize;
-            context.memory.user = options->resize_user;
-        }
-        context.memory.limit = options->memory_limit;
-        context.progress = options->progress;
-        context.progress_user = options->progress_user;
-    }
+    pbw__context_start(&context, options != NULL ? options : &defaults, mesh->point_count);
     check.mesh = mesh;
     check.report = report;
     check.context = &context;
@@ -3964,6 +4765,7 @@ PBWDEF pbw_status pbw_check(const pbw_mesh *mesh, const pbw_options *options, pb
         report->valid = pbw__check_all(&check) && !pbw__report(&context, 1.0);
     }
     pbw__release(&context.memory, check.record, doubles, sizeof(double));
+    pbw__team_stop(&context);
     pbw__fp_leave(fp);
     return context.cancelled ? PBW_CANCELLED : check.status;
 }
@@ -4032,14 +4834,6 @@ PBWDEF const char *pbw_status_string(pbw_status status)
 PBWDEF int pbw_version(void)
 {
     return PBW_VERSION;
-}
-
-static void pbw__memory_start(pbw__memory *memory, const pbw_options *options)
-{
-    memset(memory, 0, sizeof(*memory));
-    memory->resize = options->resize != NULL ? options->resize : pbw__default_resize;
-    memory->user = options->resize_user;
-    memory->limit = options->memory_limit;
 }
 
 PBWDEF void pbw_free(pbw_mesh *mesh)
@@ -4166,7 +4960,6 @@ static pbw_status pbw__run(pbw__context *context, const pbw__input *input, unsig
     pbw__owned *owned = (pbw__owned *)pbw__allocate(memory, 1, sizeof(pbw__owned));
     pbw__vertices vertices;
     pbw__store store;
-    pbw__kernel kernel;
     pbw__grid grid;
     double start = pbw__seconds();
     pbw_status status;
@@ -4178,8 +4971,6 @@ static pbw_status pbw__run(pbw__context *context, const pbw__input *input, unsig
     memset(owned, 0, sizeof(*owned));
     memset(&vertices, 0, sizeof(vertices));
     memset(&store, 0, sizeof(store));
-    memset(&kernel, 0, sizeof(kernel));
-    kernel.context = context;
     mesh->memory = owned;
     mesh->dim = input->dim;
     mesh->point_count = input->count;
@@ -4195,7 +4986,7 @@ static pbw_status pbw__run(pbw__context *context, const pbw__input *input, unsig
     if (status == PBW_OK) {
         pbw__grid_scan(vertices.record + input->dim + 1, vertices.count, input->dim, &grid);
         status = pbw__enter_stage(context, PBW_STAGE_BUILD) ? PBW_CANCELLED
-               : pbw__build(&kernel, context, &store, &vertices, &grid);
+               : pbw__build_all(context, &store, &vertices, &grid, &mesh->statistics);
         status = pbw__leave_stage(context, status, &start, &mesh->statistics.build_seconds);
         pbw__release(memory, vertices.record, (vertices.point_count + 1) * ((size_t)input->dim + 1), sizeof(double));
         vertices.record = NULL;                      /* the output needs ranks only */
@@ -4223,14 +5014,10 @@ static pbw_status pbw__run(pbw__context *context, const pbw__input *input, unsig
         kept = pbw__keep_points(context, input, owned, mesh);
         status = pbw__leave_stage(context, kept != PBW_OK ? kept : status, &start, &mesh->statistics.output_seconds);
     }
-    kernel.statistics.order_seconds = mesh->statistics.order_seconds;
-    kernel.statistics.build_seconds = mesh->statistics.build_seconds;
-    kernel.statistics.output_seconds = mesh->statistics.output_seconds;
-    kernel.statistics.peak_bytes = memory->peak;
-    mesh->statistics = kernel.statistics;
-    pbw__kernel_free(&kernel);
+    mesh->statistics.peak_bytes = memory->peak;
     pbw__store_free(memory, &store);
     pbw__vertices_free(context, &vertices);
+    pbw__team_stop(context);
     owned->memory = *memory;
     return status;
 }
@@ -4271,11 +5058,7 @@ static pbw_status pbw__triangulate(int dim, int is_float, const void *points, co
         || count > (size_t)-1 / 256) {
         return PBW_ERROR_TOO_LARGE;
     }
-    memset(&context, 0, sizeof(context));
-    pbw__memory_start(&context.memory, options);
-    context.progress = options->progress;
-    context.progress_user = options->progress_user;
-
+    pbw__context_start(&context, options, count);
     fp = pbw__fp_enter();
     status = pbw__fp_is_exact() ? pbw__run(&context, &input, options->flags, mesh) : PBW_ERROR_FP_MODE;
     pbw__fp_leave(fp);
