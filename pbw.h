@@ -700,7 +700,7 @@ static void pbw__context_start(pbw__context *context, const pbw_options *options
 }
 
 /* Tasks to cut `count` items into, each of at least `least`. */
-static PBW__UNUSED int pbw__tasks(const pbw__context *context, size_t count, size_t least)
+static int pbw__tasks(const pbw__context *context, size_t count, size_t least)
 {
     size_t most = context->threads > 1 ? (size_t)context->threads * 4 : 1, tasks = count / least;
     return (int)(tasks < 1 ? 1 : tasks < most ? tasks : most);
@@ -1688,44 +1688,99 @@ PBW__INLINE uint64_t pbw__hilbert_key(const pbw__box *box, const double *x, int 
     return key;
 }
 
-/* Least-significant-digit radix sort of a[0..count) on bits low..low+bits-1; stable.  Returns where the result
-   is, a or b; NULL if cancelled. */
+/* One pass of a radix sort, by shares: count the digits of each share, then move its keys behind those of equal or
+   lower digits before it. */
+typedef struct pbw__sorting {
+    pbw__context *context;
+    uint64_t *a, *b;
+    uint32_t *start;                                 /* 2048 a task */
+    size_t count;
+    int shift, digit, tasks;
+} pbw__sorting;
+#define PBW__DIGITS 2048
+
+static void pbw__count_digits(void *arg, int task)
+{
+    const pbw__sorting *sorting = (const pbw__sorting *)arg;
+    const uint64_t *a = sorting->a, mask = ((uint64_t)1 << sorting->digit) - 1;
+    uint32_t *start = sorting->start + (size_t)task * PBW__DIGITS;
+    size_t i = pbw__share(sorting->count, task, sorting->tasks), to = pbw__share(sorting->count, task + 1, sorting->tasks),
+           end;
+    memset(start, 0, ((size_t)mask + 1) * sizeof(start[0]));
+    for (; i < to; i = end) {
+        for (end = to - i < PBW__TICK ? to : i + PBW__TICK; i < end; i++) {
+            start[(a[i] >> sorting->shift) & mask]++;
+        }
+        if (sorting->count > PBW__TICK && pbw__report(sorting->context, 0.5)) {
+            return;
+        }
+    }
+}
+
+static void pbw__move_keys(void *arg, int task)
+{
+    const pbw__sorting *sorting = (const pbw__sorting *)arg;
+    const uint64_t *a = sorting->a, mask = ((uint64_t)1 << sorting->digit) - 1;
+    uint64_t *b = sorting->b;
+    uint32_t *start = sorting->start + (size_t)task * PBW__DIGITS;
+    size_t i = pbw__share(sorting->count, task, sorting->tasks), to = pbw__share(sorting->count, task + 1, sorting->tasks),
+           end;
+    for (; i < to; i = end) {
+        for (end = to - i < PBW__TICK ? to : i + PBW__TICK; i < end; i++) {
+            b[start[(a[i] >> sorting->shift) & mask]++] = a[i];
+        }
+        if (sorting->count > PBW__TICK && pbw__report(sorting->context, 0.5)) {
+            return;
+        }
+    }
+}
+
+/* Sorts a[0..count) by the bits from `low` on, with the help of b[0..count); returns where the result is, or NULL if
+   cancelled.  start: PBW__DIGITS words a task. */
+static uint64_t *pbw__sort_by(pbw__context *context, uint64_t *a, uint64_t *b, size_t count, int low, int bits,
+                              uint32_t *start, int tasks)
+{
+    int passes = (bits + 10) / 11, digit = count < 4096 ? 8 : (bits + passes - 1) / passes, task;
+    pbw__sorting sorting;
+    sorting.context = context;
+    sorting.a = a;
+    sorting.b = b;
+    sorting.start = start;
+    sorting.count = count;
+    sorting.digit = digit;
+    sorting.tasks = tasks;
+    for (sorting.shift = low; sorting.shift < low + bits; sorting.shift += digit) {
+        size_t size = (size_t)1 << digit, i;
+        uint32_t sum = 0;
+        uint64_t *swap = sorting.a;
+        pbw__for(context, tasks, pbw__count_digits, &sorting);
+        for (i = 0; i < size; i++) {
+            for (task = 0; task < tasks; task++) {
+                uint32_t here = start[(size_t)task * PBW__DIGITS + i];
+                start[(size_t)task * PBW__DIGITS + i] = sum;
+                sum += here;
+            }
+        }
+        if (PBW__LOAD(&context->cancelled)) {
+            return NULL;
+        }
+        pbw__for(context, tasks, pbw__move_keys, &sorting);
+        if (PBW__LOAD(&context->cancelled)) {
+            return NULL;
+        }
+        sorting.a = sorting.b;
+        sorting.b = swap;
+    }
+    return sorting.a;
+}
+
+/* The same on this thread alone. */
 static uint64_t *pbw__sort_keys(pbw__context *context, uint64_t *a, uint64_t *b, size_t count, int low, int bits)
 {
-    uint32_t start[2048];
-    int passes = (bits + 10) / 11, digit = count < 4096 ? 8 : (bits + passes - 1) / passes, shift;
-    for (shift = low; shift < low + bits; shift += digit) {
-        size_t size = (size_t)1 << digit, mask = size - 1, i, end;
-        uint32_t sum = 0;
-        uint64_t *swap;
-        memset(start, 0, size * sizeof(start[0]));
-        for (i = 0; i < count; i = end) {
-            for (end = i + PBW__TICK < count ? i + PBW__TICK : count; i < end; i++) {
-                start[(a[i] >> shift) & mask]++;
-            }
-            if (count > PBW__TICK && pbw__report(context, 0.5)) {
-                return NULL;
-            }
-        }
-        for (i = 0; i < size; i++) {
-            uint32_t here = start[i];
-            start[i] = sum;
-            sum += here;
-        }
-        for (i = 0; i < count; i = end) {
-            for (end = i + PBW__TICK < count ? i + PBW__TICK : count; i < end; i++) {
-                b[start[(a[i] >> shift) & mask]++] = a[i];
-            }
-            if (count > PBW__TICK && pbw__report(context, 0.5)) {
-                return NULL;
-            }
-        }
-        swap = a;
-        a = b;
-        b = swap;
-    }
-    return a;
+    uint32_t start[PBW__DIGITS];
+    return pbw__sort_by(context, a, b, count, low, bits, start, 1);
 }
+
 
 /* Order of points within a cell: lexicographic, then the larger weight, then the lower index. */
 static int pbw__comes_before(const double *x, size_t i, const double *y, size_t j, int dim)
@@ -1819,50 +1874,132 @@ static int pbw__order_runs(pbw__context *context, const pbw__input *input, uint6
     return 1;
 }
 
-/* Of the points at one place keeps the first in the order of pbw__comes_before, whatever their order now. */
-static int pbw__gather(pbw__context *context, const pbw__input *input, const uint64_t *keys, uint64_t index_mask,
-                       pbw__vertices *vertices)
+/* The work of >>order, by shares.  Shares of the sorted keys begin where a run begins. */
+typedef struct pbw__ordering {
+    pbw__context *context;
+    const pbw__input *input;
+    pbw__vertices *vertices;
+    uint64_t *keys, *spare;
+    uint32_t *start;
+    size_t *from;                                    /* per task, and the end: where its share begins */
+    size_t *unique;                                  /* per task: vertices in it */
+    pbw__box *boxes, box;                            /* per task; all */
+    int tasks, index_bits, bits, not_finite;
+} pbw__ordering;
+
+/* The box of a share of the points. */
+static void pbw__order_box(void *arg, int task)
 {
-    size_t i, step = (size_t)vertices->dim + 1;
-    double *last = vertices->record;
-    memset(last, 0, step * sizeof(double));
-    vertices->id[0] = PBW_NONE;
-    for (i = 0; i < input->count; i++) {
-        size_t index = (size_t)(keys[i] & index_mask), r = vertices->count;
-        double *next = last + step;
-        if ((i & (PBW__TICK - 1)) == 0 && pbw__report(context, 0.8 + 0.2 * (double)i / (double)input->count)) {
-            return 0;
+    pbw__ordering *ordering = (pbw__ordering *)arg;
+    const pbw__input *input = ordering->input;
+    size_t i, to = pbw__share(input->count, task + 1, ordering->tasks);
+    pbw__box box;
+    pbw__box_reset(&box, ordering->bits);
+    for (i = pbw__share(input->count, task, ordering->tasks); i < to; i++) {
+        double x[4];
+        int k;
+        if ((i & (PBW__TICK - 1)) == 0 && pbw__report(ordering->context, 0.1 * (double)i / (double)input->count)) {
+            break;
+        }
+        pbw__fetch(input, i, x);
+        for (k = 0; k <= input->dim; k++) {
+            if (!(x[k] - x[k] == 0.0)) {
+                PBW__STORE(&ordering->not_finite, 1);
+                return;
+            }
+        }
+        pbw__box_add(&box, x, input->dim);
+    }
+    ordering->boxes[task] = box;
+}
+
+static void pbw__order_keys(void *arg, int task)
+{
+    pbw__ordering *ordering = (pbw__ordering *)arg;
+    const pbw__input *input = ordering->input;
+    size_t i, to = pbw__share(input->count, task + 1, ordering->tasks);
+    for (i = pbw__share(input->count, task, ordering->tasks); i < to; i++) {
+        double x[4];
+        if ((i & (PBW__TICK - 1)) == 0
+            && pbw__report(ordering->context, 0.1 + 0.2 * (double)i / (double)input->count)) {
+            return;
+        }
+        pbw__fetch(input, i, x);
+        ordering->keys[i] = pbw__hilbert_key(&ordering->box, x, input->dim) << ordering->index_bits | (uint64_t)i;
+    }
+}
+
+/* Puts the runs of a share into order, then its points into the records as if no point of another share were a
+   duplicate.  Of the points at one place keeps the first in the order of pbw__comes_before, whatever their order
+   now. */
+static void pbw__order_gather(void *arg, int task)
+{
+    pbw__ordering *ordering = (pbw__ordering *)arg;
+    const pbw__input *input = ordering->input;
+    pbw__vertices *vertices = ordering->vertices;
+    const uint64_t index_mask = ((uint64_t)1 << ordering->index_bits) - 1, *keys = ordering->keys;
+    size_t from = ordering->from[task], to = ordering->from[task + 1], step = (size_t)input->dim + 1, r = from, i;
+    double *last = vertices->record + from * step;
+    ordering->unique[task] = 0;
+    if (!pbw__order_runs(ordering->context, input, ordering->keys + from, ordering->spare + from, to - from,
+                         ordering->index_bits, ordering->bits)) {
+        return;
+    }
+    for (i = from; i < to; i++) {
+        size_t index = (size_t)(keys[i] & index_mask);
+        double *next = r > from ? last + step : vertices->record + (from + 1) * step;
+        if ((i & (PBW__TICK - 1)) == 0
+            && pbw__report(ordering->context, 0.8 + 0.2 * (double)i / (double)input->count)) {
+            return;
         }
         pbw__fetch(input, index, next);
         vertices->canonical[index] = (pbw_index)index;
-        if (r > 0 && pbw__same_place(next, last, vertices->dim)) {
-            vertices->duplicate_count++;
+        if (r > from && pbw__same_place(next, last, input->dim)) {
             vertices->canonical[index] = vertices->id[r];
-            if (pbw__comes_before(next, index, last, vertices->id[r], vertices->dim)) {
+            if (pbw__comes_before(next, index, last, vertices->id[r], input->dim)) {
                 memcpy(last, next, step * sizeof(double));
                 vertices->canonical[index] = (pbw_index)index;
                 vertices->canonical[vertices->id[r]] = (pbw_index)index;
                 vertices->id[r] = (pbw_index)index;
             }
         } else {
-            vertices->id[++vertices->count] = (pbw_index)index;
+            vertices->id[++r] = (pbw_index)index;
             last = next;
         }
     }
-    if (vertices->duplicate_count > 0) {             /* a winner may itself have been replaced later */
-        for (i = 0; i < input->count; i++) {
-            pbw_index root = (pbw_index)i, at = (pbw_index)i;
-            while (vertices->canonical[root] != root) {
-                root = vertices->canonical[root];
-            }
-            while (at != root) {                     /* all of the path points at its end now: linear in total */
-                pbw_index next = vertices->canonical[at];
-                vertices->canonical[at] = root;
-                at = next;
-            }
+    ordering->unique[task] = r - from;
+}
+
+/* Closes the gaps that duplicates have left; all of them get the one that stays as their canonical point. */
+static void pbw__order_duplicates(pbw__ordering *ordering)
+{
+    pbw__vertices *vertices = ordering->vertices;
+    size_t step = (size_t)ordering->input->dim + 1, i;
+    int task;
+    for (task = 0; task < ordering->tasks; task++) {
+        size_t from = ordering->from[task] + 1, unique = ordering->unique[task];
+        if (from != vertices->count + 1 && unique > 0) {
+            memmove(vertices->record + (vertices->count + 1) * step, vertices->record + from * step,
+                    unique * step * sizeof(double));
+            memmove(vertices->id + vertices->count + 1, vertices->id + from, unique * sizeof(pbw_index));
+        }
+        vertices->count += unique;
+    }
+    vertices->duplicate_count = ordering->input->count - vertices->count;
+    for (i = 0; i < ordering->input->count && vertices->duplicate_count > 0; i++) {
+        pbw_index root = (pbw_index)i, at = (pbw_index)i;        /* a winner may itself have been replaced later */
+        if ((i & (PBW__TICK - 1)) == 0 && pbw__report(ordering->context, 0.99)) {
+            return;
+        }
+        while (vertices->canonical[root] != root) {
+            root = vertices->canonical[root];
+        }
+        while (at != root) {                         /* all of the path points at its end now: linear in total */
+            pbw_index next = vertices->canonical[at];
+            vertices->canonical[at] = root;
+            at = next;
         }
     }
-    return 1;
 }
 
 static void pbw__vertices_free(pbw__context *context, pbw__vertices *vertices)
@@ -1880,70 +2017,95 @@ static void pbw__vertices_free(pbw__context *context, pbw__vertices *vertices)
 static pbw_status pbw__order(pbw__context *context, const pbw__input *input, pbw__vertices *vertices)
 {
     pbw__memory *memory = &context->memory;
-    size_t count = input->count, i;
-    int dim = input->dim, index_bits = 1, bits;
-    uint64_t *keys, *spare, *sorted;
-    pbw__box box;
-    pbw_status status = PBW_OK;
+    size_t count = input->count, step = (size_t)input->dim + 1, i;
+    int dim = input->dim, task, tasks = pbw__tasks(context, count, 16384);
+    uint64_t *sorted = NULL;
+    pbw__ordering ordering;
+    pbw_status status = PBW_ERROR_MEMORY;
 
-    while (index_bits < 32 && ((uint64_t)count - 1) >> index_bits != 0) {
-        index_bits++;
+    memset(&ordering, 0, sizeof(ordering));
+    ordering.context = context;
+    ordering.input = input;
+    ordering.vertices = vertices;
+    ordering.tasks = tasks;
+    ordering.index_bits = 1;
+    while (ordering.index_bits < 32 && ((uint64_t)count - 1) >> ordering.index_bits != 0) {
+        ordering.index_bits++;
     }
-    bits = (index_bits + dim - 1) / dim + 4;         /* 2^(4 dim) cells a point: runs are rare in uniform data */
-    bits = bits > (64 - index_bits) / dim ? (64 - index_bits) / dim : bits;
-
+    /* 2^(4 dim) cells a point: runs are rare in uniform data */
+    ordering.bits = (ordering.index_bits + dim - 1) / dim + 4;
+    if (ordering.bits > (64 - ordering.index_bits) / dim) {
+        ordering.bits = (64 - ordering.index_bits) / dim;
+    }
     memset(vertices, 0, sizeof(*vertices));
     vertices->dim = dim;
     vertices->weighted = input->weights != NULL;
     vertices->point_count = count;
-    pbw__box_reset(&box, bits);
-    for (i = 0; i < count; i++) {
-        double x[4];
-        int k;
-        if ((i & (PBW__TICK - 1)) == 0 && pbw__report(context, 0.1 * (double)i / (double)count)) {
-            return PBW_CANCELLED;
-        }
-        pbw__fetch(input, i, x);
-        for (k = 0; k <= dim; k++) {
-            if (!(x[k] - x[k] == 0.0)) {
-                return PBW_ERROR_NOT_FINITE;
-            }
-        }
-        pbw__box_add(&box, x, dim);
-    }
-    pbw__box_close(&box, dim);
-    box.extent = box.extent > 0.0 ? box.extent : 1.0;
 
-    keys = (uint64_t *)pbw__allocate(memory, count, sizeof(uint64_t));
-    spare = (uint64_t *)pbw__allocate(memory, count, sizeof(uint64_t));
-    vertices->canonical = (pbw_index *)pbw__allocate(memory, count, sizeof(pbw_index));
-    vertices->id = (pbw_index *)pbw__allocate(memory, count + 1, sizeof(pbw_index));
-    vertices->record = (double *)pbw__allocate(memory, (count + 1) * ((size_t)dim + 1), sizeof(double));
-    if (keys == NULL || spare == NULL || vertices->canonical == NULL || vertices->id == NULL
-        || vertices->record == NULL) {
-        status = PBW_ERROR_MEMORY;
+    ordering.boxes = (pbw__box *)pbw__allocate(memory, (size_t)tasks, sizeof(pbw__box));
+    ordering.from = (size_t *)pbw__allocate(memory, 2 * (size_t)tasks + 1, sizeof(size_t));
+    ordering.start = (uint32_t *)pbw__allocate(memory, (size_t)tasks * PBW__DIGITS, sizeof(uint32_t));
+    if (ordering.boxes == NULL || ordering.from == NULL || ordering.start == NULL) {
         goto done;
     }
-    for (i = 0; i < count; i++) {
-        double x[4];
-        if ((i & (PBW__TICK - 1)) == 0 && pbw__report(context, 0.1 + 0.2 * (double)i / (double)count)) {
-            break;
+    ordering.unique = ordering.from + tasks + 1;
+    pbw__for(context, tasks, pbw__order_box, &ordering);
+    if (PBW__LOAD(&context->cancelled) || ordering.not_finite) {
+        status = ordering.not_finite ? PBW_ERROR_NOT_FINITE : PBW_CANCELLED;
+        goto done;
+    }
+    ordering.box = ordering.boxes[0];
+    for (task = 1; task < tasks; task++) {
+        pbw__box_add(&ordering.box, ordering.boxes[task].low, dim);
+        pbw__box_add(&ordering.box, ordering.boxes[task].high, dim);
+    }
+    pbw__box_close(&ordering.box, dim);
+    ordering.box.extent = ordering.box.extent > 0.0 ? ordering.box.extent : 1.0;
+
+    ordering.keys = (uint64_t *)pbw__allocate(memory, count, sizeof(uint64_t));
+    ordering.spare = (uint64_t *)pbw__allocate(memory, count, sizeof(uint64_t));
+    vertices->canonical = (pbw_index *)pbw__allocate(memory, count, sizeof(pbw_index));
+    vertices->id = (pbw_index *)pbw__allocate(memory, count + 1, sizeof(pbw_index));
+    vertices->record = (double *)pbw__allocate(memory, (count + 1) * step, sizeof(double));
+    if (ordering.keys == NULL || ordering.spare == NULL || vertices->canonical == NULL || vertices->id == NULL
+        || vertices->record == NULL) {
+        goto done;
+    }
+    status = PBW_CANCELLED;
+    pbw__for(context, tasks, pbw__order_keys, &ordering);
+    if (!PBW__LOAD(&context->cancelled)) {
+        sorted = pbw__sort_by(context, ordering.keys, ordering.spare, count, ordering.index_bits, ordering.bits * dim,
+                              ordering.start, tasks);
+    }
+    if (sorted == NULL) {
+        goto done;
+    }
+    if (sorted == ordering.spare) {
+        ordering.spare = ordering.keys;
+        ordering.keys = sorted;
+    }
+    ordering.from[0] = 0;
+    for (task = 1; task <= tasks; task++) {
+        i = pbw__share(count, task, tasks);
+        i = i > ordering.from[task - 1] ? i : ordering.from[task - 1];
+        while (i > 0 && i < count && sorted[i] >> ordering.index_bits == sorted[i - 1] >> ordering.index_bits) {
+            i++;
         }
-        pbw__fetch(input, i, x);
-        keys[i] = pbw__hilbert_key(&box, x, dim) << index_bits | (uint64_t)i;
+        ordering.from[task] = i;
     }
-    sorted = context->cancelled ? NULL : pbw__sort_keys(context, keys, spare, count, index_bits, bits * dim);
-    if (sorted == spare) {
-        spare = keys;
-        keys = sorted;
-    }
-    if (sorted == NULL || !pbw__order_runs(context, input, keys, spare, count, index_bits, bits)
-        || !pbw__gather(context, input, keys, ((uint64_t)1 << index_bits) - 1, vertices)) {
-        status = PBW_CANCELLED;
+    memset(vertices->record, 0, step * sizeof(double));
+    vertices->id[0] = PBW_NONE;
+    pbw__for(context, tasks, pbw__order_gather, &ordering);
+    if (!PBW__LOAD(&context->cancelled)) {
+        pbw__order_duplicates(&ordering);
+        status = PBW__LOAD(&context->cancelled) ? PBW_CANCELLED : PBW_OK;
     }
 done:
-    pbw__release(memory, keys, count, sizeof(uint64_t));
-    pbw__release(memory, spare, count, sizeof(uint64_t));
+    pbw__release(memory, ordering.boxes, (size_t)tasks, sizeof(pbw__box));
+    pbw__release(memory, ordering.from, 2 * (size_t)tasks + 1, sizeof(size_t));
+    pbw__release(memory, ordering.start, (size_t)tasks * PBW__DIGITS, sizeof(uint32_t));
+    pbw__release(memory, ordering.keys, count, sizeof(uint64_t));
+    pbw__release(memory, ordering.spare, count, sizeof(uint64_t));
     if (status != PBW_OK) {
         pbw__vertices_free(context, vertices);
     }
