@@ -2461,17 +2461,29 @@ static PBW__NOINLINE unsigned pbw__exit3(const pbw__kernel *kernel, pbw_index t,
     return i;
 }
 
-/* Whether we own a vertex of a facet: then what is behind it stays while we look at it, see >>parallel. */
+/* >>parallel: whether we own a vertex, may delete a simplex, may cross a facet.  The ghost is nobody's in 3D,
+   everybody's in 2D. */
+PBW__INLINE int pbw__owns(const pbw__kernel *kernel, pbw_index v)
+{
+    return v != PBW__GHOST && kernel->owner[v >> kernel->store->cell_bits] == kernel->me;
+}
+
+PBW__INLINE int pbw__may_delete(const pbw__kernel *kernel, pbw_index t)
+{
+    const pbw_index *v = kernel->corner + 4 * (size_t)t;
+    int count = pbw__owns(kernel, v[0]) + pbw__owns(kernel, v[1]) + pbw__owns(kernel, v[2]);
+    return count + (kernel->dim == 3 ? pbw__owns(kernel, v[3]) : v[2] == PBW__GHOST) >= 3;
+}
+
 static int pbw__may_cross(const pbw__kernel *kernel, pbw_index t, unsigned facet)
 {
     const pbw_index *v = kernel->corner + 4 * (size_t)t;
+    int count = 0;
     unsigned k;
     for (k = 0; k <= (unsigned)kernel->dim; k++) {
-        if (k != facet && v[k] != PBW__GHOST && kernel->owner[v[k] >> kernel->store->cell_bits] == kernel->me) {
-            return 1;
-        }
+        count += k != facet && pbw__owns(kernel, v[k]);
     }
-    return 0;
+    return count >= kernel->dim - 1;
 }
 
 /* The walk starts at a finite simplex: across from the ghost vertex, if need be. */
@@ -2650,18 +2662,6 @@ static pbw_index pbw__locate2(pbw__kernel *kernel, pbw_index t, const double *p)
    roundings, 13u * 6 h^2 < 8.7e-15 h^2; 9e-15 with the roundings of h; h raised to 1e-140.  Everything the bound
    leaves open goes to >>predicates.
    ------------------------------------------------------------------------------------------------------ */
-/* Whether we own a vertex; the ghost is everybody's. */
-PBW__INLINE int pbw__owns(const pbw__kernel *kernel, pbw_index v)
-{
-    return v == PBW__GHOST || kernel->owner[v >> kernel->store->cell_bits] == kernel->me;
-}
-
-PBW__INLINE int pbw__owns_all(const pbw__kernel *kernel, const pbw_index *v)
-{
-    return pbw__owns(kernel, v[0]) && pbw__owns(kernel, v[1]) && pbw__owns(kernel, v[2])
-        && (kernel->dim == 2 || pbw__owns(kernel, v[3]));
-}
-
 /* Takes back the marks of a cavity that will not be. */
 static PBW__NOINLINE pbw_status pbw__leave_cavity(pbw__kernel *kernel, size_t count)
 {
@@ -2712,6 +2712,17 @@ typedef struct pbw__search {
     size_t cavity_count, facet_count, capacity;
     uint32_t stamp, local_count;
 } pbw__search;
+
+/* Whether we may delete those of the neighbours that are in conflict. */
+static PBW__NOINLINE int pbw__may_delete_all(const pbw__kernel *kernel, const pbw__link *link, unsigned inside)
+{
+    for (; inside != 0; link++, inside >>= 1) {
+        if ((inside & 1) != 0 && !pbw__may_delete(kernel, (pbw_index)(*link >> 2))) {
+            return 0;
+        }
+    }
+    return 1;
+}
 
 PBW__INLINE void pbw__search_begin(pbw__kernel *kernel, pbw__search *search, pbw_index t)
 {
@@ -2780,9 +2791,9 @@ PBW__INLINE void pbw__search_number(pbw__search *search, size_t i)
 PBW__INLINE void pbw__search_sort(pbw__search *search, size_t i, unsigned k, pbw__link link, unsigned inside)
 {
     pbw_index o = (pbw_index)(link >> 2);
-    unsigned fresh = search->mark[o] ^ 1u;
+    unsigned fresh = PBW__LOAD(search->mark + o) ^ 1u;
     inside &= fresh;
-    search->mark[o] = (unsigned char)(fresh ^ 1u ^ inside);
+    PBW__STORE(search->mark + o, (unsigned char)(fresh ^ 1u ^ inside));
     search->cavity[search->cavity_count] = o;
     search->cavity_count += inside;
     search->beyond[search->facet_count] = link;
@@ -2837,17 +2848,18 @@ PBW__AVX2_INLINE void pbw__search_sort4(pbw__search *search, size_t i, const pbw
 {
     unsigned char *mark = search->mark;
     pbw_index o0 = link[0] >> 2, o1 = link[1] >> 2, o2 = link[2] >> 2, o3 = link[3] >> 2;
-    unsigned marked = mark[o0] + 2u * mark[o1] + 4u * (mark[o2] + 2u * mark[o3]), outside;
+    unsigned marked = PBW__LOAD(mark + o0) + 2u * PBW__LOAD(mark + o1)
+                    + 4u * (PBW__LOAD(mark + o2) + 2u * PBW__LOAD(mark + o3)), outside;
     const __m128i links = _mm_loadu_si128((const __m128i *)(const void *)link);
     const __m128i from = _mm_add_epi32(_mm_set1_epi32((int)(4 * i)), _mm_setr_epi32(0, 1, 2, 3));
     __m128i front;
     outside = 15u & ~(inside | marked);
     inside &= ~marked;
     marked |= inside;
-    mark[o0] = marked & 1;
-    mark[o1] = marked >> 1 & 1;
-    mark[o2] = marked >> 2 & 1;
-    mark[o3] = (unsigned char)(marked >> 3);
+    PBW__STORE(mark + o0, (unsigned char)(marked & 1));
+    PBW__STORE(mark + o1, (unsigned char)(marked >> 1 & 1));
+    PBW__STORE(mark + o2, (unsigned char)(marked >> 2 & 1));
+    PBW__STORE(mark + o3, (unsigned char)(marked >> 3));
     front = _mm_loadu_si128((const __m128i *)(const void *)pbw__front[inside]);
     _mm_storeu_si128((__m128i *)(void *)(search->cavity + search->cavity_count),
                      _mm_shuffle_epi8(_mm_srli_epi32(links, 2), front));
@@ -2868,7 +2880,7 @@ static PBW__NOINLINE unsigned pbw__search_exact(pbw__kernel *kernel, const pbw__
     inside &= certain;
     for (k = 0; k < 4; k++) {
         pbw_index o = (pbw_index)(link[k] >> 2);
-        if ((certain >> k & 1) == 0 && !kernel->mark[o]) {
+        if ((certain >> k & 1) == 0 && !PBW__LOAD(kernel->mark + o)) {
             inside |= (unsigned)pbw__in_conflict3(kernel, o, p) << k;
         }
     }
@@ -2889,9 +2901,6 @@ static pbw_status pbw__carve3_scalar(pbw__kernel *kernel, pbw_index t, const dou
         if (!pbw__search_room(kernel, &search)) {
             return PBW_ERROR_MEMORY;
         }
-        if (kernel->owner != NULL && i > 0 && !pbw__owns_all(kernel, v)) {
-            return pbw__leave_cavity(kernel, search.cavity_count);
-        }
         pbw__search_number(&search, i);
         for (k = 0; k < 4; k++) {
             height = pbw__larger(height, pbw__row3(kernel, v[k], p, row[k]));
@@ -2903,7 +2912,7 @@ static pbw_status pbw__carve3_scalar(pbw__kernel *kernel, pbw_index t, const dou
             pbw_index far = search.corner[link[k]];
             double h, det, limit, xy, xz, yz, xl, yl, zl;
             unsigned inside;
-            if (search.mark[link[k] >> 2]) {
+            if (PBW__LOAD(search.mark + (link[k] >> 2))) {
                 continue;
             }
             h = pbw__larger(pbw__larger(height, pbw__row3(kernel, far, p, row[4])), 1e-55);
@@ -2916,6 +2925,9 @@ static pbw_status pbw__carve3_scalar(pbw__kernel *kernel, pbw_index t, const dou
             inside = det > 0.0;
             if (PBW__UNLIKELY(!(det * det > limit))) {
                 inside = (unsigned)pbw__in_conflict3(kernel, (pbw_index)(link[k] >> 2), p);
+            }
+            if (inside && kernel->owner != NULL && !pbw__may_delete(kernel, (pbw_index)(link[k] >> 2))) {
+                return pbw__leave_cavity(kernel, search.cavity_count);
             }
             pbw__search_sort(&search, i, k, link[k], inside);
         }
@@ -2942,9 +2954,6 @@ PBW__AVX2 static pbw_status pbw__carve3_avx2(pbw__kernel *kernel, pbw_index t, c
         unsigned certain, inside;
         if (PBW__UNLIKELY(!pbw__search_room(kernel, &search))) {
             return PBW_ERROR_MEMORY;
-        }
-        if (PBW__UNLIKELY(kernel->owner != NULL) && i > 0 && !pbw__owns_all(kernel, v)) {
-            return pbw__leave_cavity(kernel, search.cavity_count);
         }
 #ifdef PBW_WIDE
         pbw__search_number(&search, i);
@@ -2973,6 +2982,9 @@ PBW__AVX2 static pbw_status pbw__carve3_avx2(pbw__kernel *kernel, pbw_index t, c
         inside = (unsigned)_mm256_movemask_pd(det) ^ 15u;
         if (PBW__UNLIKELY(certain != 15)) {
             inside = pbw__search_exact(kernel, link, certain, inside, p);
+        }
+        if (PBW__UNLIKELY(kernel->owner != NULL) && !pbw__may_delete_all(kernel, link, inside)) {
+            return pbw__leave_cavity(kernel, search.cavity_count);
         }
 #ifdef PBW_WIDE
         pbw__search_sort(&search, i, 0, link[0], inside & 1);
@@ -3011,8 +3023,8 @@ static PBW__NOINLINE void pbw__enter_region(pbw__kernel *kernel, size_t region)
     kernel->fresh = store->region[region];
     kernel->fresh_end = pbw__region_end(store, region);
     hint = store->hint[region];
-    if (kernel->owner != NULL && hint != PBW_NONE && kernel->corner[4 * (size_t)hint] != PBW_NONE) {
-        kernel->last = hint;                         /* the way from the last vertex may lead abroad */
+    if (hint != PBW_NONE && kernel->corner[4 * (size_t)hint] != PBW_NONE) {
+        kernel->last = hint;                         /* the way from the last vertex may be long, or lead abroad */
     }
     kernel->last_entered = kernel->last;
 }
@@ -3267,18 +3279,13 @@ PBW__INLINE pbw_index pbw__insert_start(pbw__kernel *kernel, pbw_index vertex)
     return kernel->last != PBW_NONE ? kernel->last : PBW__FOREIGN;
 }
 
-PBW__INLINE int pbw__may_carve(const pbw__kernel *kernel, pbw_index t)
-{
-    return pbw__owns_all(kernel, kernel->corner + 4 * (size_t)t);
-}
-
 static pbw_status pbw__insert3_scalar(pbw__kernel *kernel, pbw_index vertex)
 {
     const double *p = pbw__record3(kernel, vertex);
     pbw_index t = pbw__insert_start(kernel, vertex);
     pbw_status status;
     t = t != PBW__FOREIGN ? pbw__locate3_scalar(kernel, t, p) : t;
-    if (PBW__UNLIKELY(t >= PBW__FOREIGN) || PBW__UNLIKELY(kernel->owner != NULL && !pbw__may_carve(kernel, t))) {
+    if (PBW__UNLIKELY(t >= PBW__FOREIGN) || PBW__UNLIKELY(kernel->owner != NULL && !pbw__may_delete(kernel, t))) {
         return t == PBW_NONE ? PBW_OK : PBW__LEFT;   /* hidden, or not ours */
     }
     status = pbw__carve3_scalar(kernel, t, p);
@@ -3292,7 +3299,7 @@ PBW__AVX2 static pbw_status pbw__insert3_avx2(pbw__kernel *kernel, pbw_index ver
     pbw_index t = pbw__insert_start(kernel, vertex);
     pbw_status status;
     t = t != PBW__FOREIGN ? pbw__locate3_avx2(kernel, t, p) : t;
-    if (PBW__UNLIKELY(t >= PBW__FOREIGN) || PBW__UNLIKELY(kernel->owner != NULL && !pbw__may_carve(kernel, t))) {
+    if (PBW__UNLIKELY(t >= PBW__FOREIGN) || PBW__UNLIKELY(kernel->owner != NULL && !pbw__may_delete(kernel, t))) {
         return t == PBW_NONE ? PBW_OK : PBW__LEFT;   /* hidden, or not ours */
     }
     status = pbw__carve3_avx2(kernel, t, p);
@@ -3352,7 +3359,7 @@ static pbw_status pbw__carve2(pbw__kernel *kernel, pbw_index t, const double *p)
             continue;
         }
         if (pbw__test2(kernel, o, p)) {
-            if (kernel->owner != NULL && !pbw__owns_all(kernel, kernel->corner + 4 * (size_t)o)) {
+            if (kernel->owner != NULL && !pbw__may_delete(kernel, o)) {
                 return pbw__leave_cavity(kernel, kernel->cavity_count);
             }
             if ((kernel->cavity_count == kernel->cavity_capacity
@@ -3419,7 +3426,7 @@ static pbw_status pbw__insert2(pbw__kernel *kernel, pbw_index vertex)
     pbw_index t = pbw__insert_start(kernel, vertex);
     pbw_status status;
     t = t != PBW__FOREIGN ? pbw__locate2(kernel, t, p) : t;
-    if (PBW__UNLIKELY(t >= PBW__FOREIGN) || PBW__UNLIKELY(kernel->owner != NULL && !pbw__may_carve(kernel, t))) {
+    if (PBW__UNLIKELY(t >= PBW__FOREIGN) || PBW__UNLIKELY(kernel->owner != NULL && !pbw__may_delete(kernel, t))) {
         return t == PBW_NONE ? PBW_OK : PBW__LEFT;   /* hidden, or not ours */
     }
     status = pbw__carve2(kernel, t, p);
@@ -3628,26 +3635,33 @@ static pbw_status pbw__kernel_create(pbw__kernel *kernel, pbw__context *context,
    In: a triangulation, the vertices to insert.  Out: the triangulation with them.   (Marot, Pellerin & Remacle 2019,
    "One machine, one minute, three billion tetrahedra", from whom the rule of ownership is)
 
-   Vertices are owned in cells, the runs of ranks of >>mesh's regions; each cell has one owner, a task.  A task
-     - inserts vertices it owns;
-     - deletes a simplex only if it owns all its finite vertices;
-     - walks from one simplex to another only through a facet of which it owns a vertex.
-   Where a vertex would need more, it is left for the next round, which has other borders; no task ever waits.
+   Vertices are owned in cells, the runs of ranks of >>mesh's regions; each cell has one owner, a task.  A task inserts
+   vertices that it owns; in 3D it
+     - deletes a simplex only if it owns three of its vertices,
+     - walks through a facet only if it owns two of its vertices;
+   in 2D it deletes a triangle only if it owns all its finite vertices, and walks through an edge if it owns one of its
+   ends.  The ghost is nobody's in 3D.  Where a vertex would need more, it is left for the next round, which has other
+   borders; no task ever waits.
 
-   Why no word is written by one task while another reads or writes it.  (a) A simplex with a vertex of mine is deleted
-   by nobody else.  So the corners of simplices that I walk through, and of neighbours of simplices that I delete
-   (which share a facet with them, so a vertex of mine), do not change under me.  (b) I write a link of a simplex that
-   stays only across a facet that it shares with one of my cavity, all of whose vertices are mine; another would read
-   it only to walk through that facet, which has no vertex of his, or to delete the simplex.  (c) The mark of a simplex
-   is touched by the tasks that have a cavity next to it.  A simplex has two facets of the same owners only if that is
-   one owner: two facets share an edge, and of its two ends one at least is a finite vertex, owned by one task.  (In 2D
-   two edges may share the ghost vertex only; there a mark is written only when the simplex joins a cavity, and read
-   otherwise.)  (d) A slot belongs to the task that took it from a region of its cells, from its free list, or in a
-   block of the tail; counters of the store are changed atomically, with relaxed order: they number slots, and what is
-   in the slots is handed over at the end of a round (>>threads).
+   Why no word is written by one task while another reads or writes it, in 3D.  Call a simplex mine if I own two of its
+   vertices: nobody else then owns three, so nobody else deletes it, and its corners do not change under me.
+     (a) What I read is mine.  A facet of a simplex that I may delete has two vertices of mine, so the neighbour behind
+     it is mine; a facet that I walk through too.
+     (b) I write a link across a facet that my cavity has with a simplex outside it.  Two vertices of that facet are
+     mine, so nobody else may walk through it, nor delete one of the simplices on its sides.  For the same reason the
+     links that I read do not change.
+     (c) A mark is set only on a simplex that its setter may delete: so nobody else looks at it (b).  Others stay 0;
+     two tasks may write that same 0, therefore marks are read and written atomically, in relaxed order.
+     (d) A slot belongs to the task that took it from a region of its cells, from its free list, or in a block of the
+     tail.  The count of these is atomic, in relaxed order: it numbers slots, and what the slots hold is handed over at
+     the end of a round (>>threads).
+   In 2D call a triangle mine if I own one of its vertices: nobody else then owns all of them.  Both ends of an edge of
+   a triangle that I may delete are mine or the ghost, and one at least is finite; the rest is the same.  Two tasks may
+   share an edge's ghost end only, and a mark is written only when its triangle joins a cavity.
 
-   Why it ends.  A round that leaves more than seven tenths of its vertices is the last of its level; what is left then,
-   or is too little to be worth a round, is inserted by one thread, which owns everything.
+   Why it ends.  A round that leaves more than seven tenths of its vertices is the last of its level.  What is left then,
+   or is too little to be worth a round, is inserted by one thread, which owns everything, before the next level begins:
+   vertices near the hull are among it, and cavities there would grow from level to level without them.
 
    The first round cuts the curve into equal runs: the vertices of a task follow each other.  The vertices left lie
    along the borders.  The next rounds split the cells by planes, oblique so that they cross those borders, into parts
@@ -3781,12 +3795,12 @@ static void pbw__check_hints(pbw__build *build)
     size_t c, dim = (size_t)build->vertices->dim, k;
     for (c = 0; c < store->region_count; c++) {
         pbw_index t = store->hint[c];
-        int touches = 0;
+        int count = 0;
         for (k = 0; k <= dim && t != PBW_NONE && store->corner[4 * (size_t)t] != PBW_NONE; k++) {
             pbw_index v = store->corner[4 * (size_t)t + k];
-            touches |= v != PBW__GHOST && build->owner[v >> store->cell_bits] == build->owner[c];
+            count += v != PBW__GHOST && build->owner[v >> store->cell_bits] == build->owner[c];
         }
-        store->hint[c] = touches ? t : PBW_NONE;
+        store->hint[c] = count + 1 >= (int)dim ? t : PBW_NONE;
     }
 }
 
