@@ -2177,6 +2177,7 @@ typedef struct pbw__store {
 
 /* One thread's view of a triangulation, with the scratch memory of one insertion. */
 typedef struct pbw__kernel {
+    char apart[128];                                 /* from what another thread writes */
     pbw__context *context;
     pbw__store *store;
     const double *record;                            /* vertex records, (dim+1) doubles each */
@@ -2217,6 +2218,7 @@ typedef struct pbw__kernel {
     pbw__edge *wide_edge;                            /* the same as a hash of pairs of vertices */
     size_t wide_capacity;
     pbw_statistics statistics;
+    char apart_too[128];
 } pbw__kernel;
 
 static int pbw__resize_array(pbw__memory *memory, void *array, size_t *capacity, size_t wanted, size_t size)
