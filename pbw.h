@@ -304,10 +304,23 @@ extern int madvise(void *address, size_t length, int advice);    /* strict C mod
 #define PBW__LOAD(x) __atomic_load_n(x, __ATOMIC_RELAXED)
 #define PBW__STORE(x, y) __atomic_store_n(x, y, __ATOMIC_RELAXED)
 #define PBW__ADD(x, y) __atomic_fetch_add(x, y, __ATOMIC_RELAXED)
+#define PBW__SWAP(x, y) __atomic_exchange_n(x, y, __ATOMIC_RELAXED)
+#define PBW__REPLACE(x, old, y) __atomic_compare_exchange_n(x, old, y, 1, __ATOMIC_RELAXED, __ATOMIC_RELAXED)
 #else
 #define PBW__LOAD(x) (*(x))
 #define PBW__STORE(x, y) ((void)(*(x) = (y)))
 #define PBW__ADD(x, y) ((*(x) += (y)) - (y))
+#define PBW__SWAP(x, y) pbw__swap(x, y)
+#define PBW__REPLACE(x, old, y) (*(x) = (y), 1)
+#endif
+
+#ifndef PBW__THREADS
+PBW__INLINE pbw_index pbw__swap(pbw_index *x, pbw_index y)
+{
+    pbw_index old = *x;
+    *x = y;
+    return old;
+}
 #endif
 
 #define PBW__EPSILON 1.1102230246251565e-16          /* u = 2^-53: half an ulp of 1 */
@@ -380,41 +393,15 @@ typedef struct pbw__memory {
     size_t limit, used, peak;
 } pbw__memory;
 
-#define PBW__LARGE ((size_t)1 << 20)
-
-/* Has the pages of a large block made at once, in huge pages if there are any: met one by one, page by page, they
-   cost as much as a quarter of a build.  Advice only: it may fail. */
-static void pbw__populate(void *block, size_t from, size_t to)
-{
-#ifdef __linux__
-    const size_t page = 4096;
-    size_t skip = (page - ((size_t)(uintptr_t)block + from) % page) % page;
-    if (to >= PBW__LARGE && to - PBW__LARGE >= from) {
-        char *start = (char *)block + from + skip;
-        size_t length = (to - from - skip) / page * page;
-        (void)madvise(start, length, 14);            /* MADV_HUGEPAGE */
-        (void)madvise(start, length, 23);            /* MADV_POPULATE_WRITE, since Linux 5.14 */
-    }
-#else
-    (void)block;
-    (void)from;
-    (void)to;
-#endif
-}
-
 static void *pbw__default_resize(void *user, void *ptr, size_t old_size, size_t new_size)
 {
-    void *block;
     (void)user;
+    (void)old_size;
     if (new_size == 0) {
         free(ptr);
         return NULL;
     }
-    block = realloc(ptr, new_size);
-    if (block != NULL) {
-        pbw__populate(block, old_size, new_size);
-    }
-    return block;
+    return realloc(ptr, new_size);
 }
 
 static void pbw__memory_start(pbw__memory *memory, const pbw_options *options)
@@ -711,6 +698,49 @@ PBW__INLINE size_t pbw__share(size_t count, int i, int tasks)
 {
     return count / (size_t)tasks * (size_t)i + count % (size_t)tasks * (size_t)i / (size_t)tasks;
 }
+/* Bytes of a large block, whose pages are made at once, in huge pages if there are any: met one by one, page by page,
+   they cost as much as a quarter of a build.  Advice only: it may fail.  The caller's allocator is left alone. */
+typedef struct pbw__pages { char *start; size_t length; int tasks; } pbw__pages;
+
+static void pbw__make_pages(void *arg, int task)
+{
+#ifdef __linux__
+    const pbw__pages *pages = (const pbw__pages *)arg;
+    const size_t page = 4096;
+    size_t from = pbw__share(pages->length / page, task, pages->tasks) * page;
+    size_t to = pbw__share(pages->length / page, task + 1, pages->tasks) * page;
+    (void)madvise(pages->start + from, to - from, 23);           /* MADV_POPULATE_WRITE, since Linux 5.14 */
+#else
+    (void)arg;
+    (void)task;
+#endif
+}
+
+static void pbw__populate(pbw__context *context, void *block, size_t from, size_t to)
+{
+    const size_t page = 4096, large = (size_t)1 << 20;
+    size_t skip = (page - ((size_t)(uintptr_t)block + from) % page) % page;
+    pbw__pages pages;
+    if (block == NULL || to < large || to - large < from || context->memory.resize != pbw__default_resize) {
+        return;
+    }
+    pages.start = (char *)block + from + skip;
+    pages.length = (to - from - skip) / page * page;
+    pages.tasks = pbw__tasks(context, pages.length, 4 * large);
+#ifdef __linux__
+    (void)madvise(pages.start, pages.length, 14);    /* MADV_HUGEPAGE */
+#endif
+    pbw__for(context, pages.tasks, pbw__make_pages, &pages);
+}
+
+/* pbw__allocate for arrays of the size of the input. */
+static void *pbw__allocate_large(pbw__context *context, size_t count, size_t size)
+{
+    void *block = pbw__allocate(&context->memory, count, size);
+    pbw__populate(context, block, 0, count * size);
+    return block;
+}
+
 /* ------------------------------------------------------------------------------------------------------
    >>exact     Integers of just enough width, and the one determinant that is computed with them.
    In: finite doubles, read as mantissa * 2^exponent.  Out: the exact sign of an orientation or power determinant.
@@ -2062,11 +2092,11 @@ static pbw_status pbw__order(pbw__context *context, const pbw__input *input, pbw
     pbw__box_close(&ordering.box, dim);
     ordering.box.extent = ordering.box.extent > 0.0 ? ordering.box.extent : 1.0;
 
-    ordering.keys = (uint64_t *)pbw__allocate(memory, count, sizeof(uint64_t));
-    ordering.spare = (uint64_t *)pbw__allocate(memory, count, sizeof(uint64_t));
-    vertices->canonical = (pbw_index *)pbw__allocate(memory, count, sizeof(pbw_index));
-    vertices->id = (pbw_index *)pbw__allocate(memory, count + 1, sizeof(pbw_index));
-    vertices->record = (double *)pbw__allocate(memory, (count + 1) * step, sizeof(double));
+    ordering.keys = (uint64_t *)pbw__allocate_large(context, count, sizeof(uint64_t));
+    ordering.spare = (uint64_t *)pbw__allocate_large(context, count, sizeof(uint64_t));
+    vertices->canonical = (pbw_index *)pbw__allocate_large(context, count, sizeof(pbw_index));
+    vertices->id = (pbw_index *)pbw__allocate_large(context, count + 1, sizeof(pbw_index));
+    vertices->record = (double *)pbw__allocate_large(context, (count + 1) * step, sizeof(double));
     if (ordering.keys == NULL || ordering.spare == NULL || vertices->canonical == NULL || vertices->id == NULL
         || vertices->record == NULL) {
         goto done;
@@ -2243,8 +2273,10 @@ static int pbw__grow(pbw__kernel *kernel, void *array, size_t *capacity, size_t 
 }
 
 /* Room for `needed` simplices in all. */
-static PBW__NOINLINE pbw_status pbw__store_reserve(pbw__memory *memory, pbw__store *store, size_t needed)
+static PBW__NOINLINE pbw_status pbw__store_reserve(pbw__context *context, pbw__store *store, size_t needed)
 {
+    pbw__memory *memory = &context->memory;
+    size_t old = store->capacity;
     if (needed > PBW__SIMPLEX_LIMIT) {
         return PBW_ERROR_TOO_LARGE;
     }
@@ -2253,6 +2285,9 @@ static PBW__NOINLINE pbw_status pbw__store_reserve(pbw__memory *memory, pbw__sto
         || !pbw__resize_array(memory, &store->mark, &store->mark_capacity, needed, 1)) {
         return PBW_ERROR_MEMORY;
     }
+    pbw__populate(context, store->corner, 4 * old * sizeof(pbw_index), 4 * needed * sizeof(pbw_index));
+    pbw__populate(context, store->link, 4 * old * sizeof(pbw__link), 4 * needed * sizeof(pbw__link));
+    pbw__populate(context, store->mark, old, needed);
     store->capacity = needed;
     return PBW_OK;
 }
@@ -2266,8 +2301,9 @@ PBW__INLINE size_t pbw__region_end(const pbw__store *store, size_t region)
 
 /* Regions and a tail.  A region holds the vertices' simplices in about 110 KB, a part of a second-level cache: 6.77 a
    vertex of uniform points in space, 2 in the plane, ghosts included, and some room. */
-static pbw_status pbw__store_create(pbw__memory *memory, pbw__store *store, size_t vertices, int dim)
+static pbw_status pbw__store_create(pbw__context *context, pbw__store *store, size_t vertices, int dim)
 {
+    pbw__memory *memory = &context->memory;
     size_t slots, tail = 64 + vertices / 32, r;
     pbw_status status;
     store->cell_bits = dim == 3 ? 9 : 11;
@@ -2278,7 +2314,7 @@ static pbw_status pbw__store_create(pbw__memory *memory, pbw__store *store, size
     store->region = (pbw_index *)pbw__allocate(memory, store->region_count, sizeof(pbw_index));
     store->hint = (pbw_index *)pbw__allocate(memory, store->region_count, sizeof(pbw_index));
     slots = store->region_slots + tail < PBW__SIMPLEX_LIMIT ? store->region_slots + tail : PBW__SIMPLEX_LIMIT;
-    status = store->region != NULL && store->hint != NULL ? pbw__store_reserve(memory, store, slots)
+    status = store->region != NULL && store->hint != NULL ? pbw__store_reserve(context, store, slots)
                                                           : PBW_ERROR_MEMORY;
     for (r = 0; r < store->region_count && status == PBW_OK; r++) {
         store->region[r] = (pbw_index)pbw__region_end(store, r - 1);
@@ -3041,7 +3077,7 @@ static PBW__NOINLINE pbw_status pbw__more_tail(pbw__kernel *kernel, size_t neede
         size_t bigger = store->capacity + store->capacity / 8, least = store->count + needed;
         bigger = bigger < PBW__SIMPLEX_LIMIT ? bigger : PBW__SIMPLEX_LIMIT;
         status = store->capacity >= least && store->capacity == PBW__SIMPLEX_LIMIT ? PBW_OK
-               : pbw__store_reserve(&kernel->context->memory, store, bigger > least ? bigger : least);
+               : pbw__store_reserve(kernel->context, store, bigger > least ? bigger : least);
         pbw__kernel_attach(kernel);
         if (status != PBW_OK) {
             return status;
@@ -3946,7 +3982,7 @@ static pbw_status pbw__end_round(pbw__build *build)
     store->count = store->count < store->capacity ? store->count : store->capacity;
     if (no_room) {
         size_t bigger = store->capacity + store->capacity / 8 + 65536;
-        status = pbw__store_reserve(&build->context->memory, store,
+        status = pbw__store_reserve(build->context, store,
                                     bigger < PBW__SIMPLEX_LIMIT ? bigger : PBW__SIMPLEX_LIMIT);
         for (part = 0; part < build->kernel_count; part++) {
             pbw__kernel_attach(build->kernel[part]);
@@ -4086,7 +4122,7 @@ static pbw_status pbw__build_all(pbw__context *context, pbw__store *store, const
     build.context = context;
     build.store = store;
     build.vertices = vertices;
-    status = pbw__store_create(&context->memory, store, vertices->count, vertices->dim);
+    status = pbw__store_create(context, store, vertices->count, vertices->dim);
     if (status == PBW_OK) {
         status = pbw__more_kernels(&build, grid, 1);
     }
@@ -4188,14 +4224,26 @@ typedef struct pbw__emission {
     pbw__context *context;
     pbw_index *corner;
     pbw__link *link;                                 /* NULL: not wanted */
-    size_t slot_count, simplex_count, vertex_count;
-    int dim, any_order;
+    size_t slot_count, simplex_count, vertex_count, visible;
+    int dim, any_order, tasks, failed;
     const pbw_index *id;                             /* of each rank */
     pbw_index *number;                               /* per slot: the next of its list; then its place in the output */
+    pbw_index *place;                                /* per simplex of the output: its slot; PBW_NONE once it is there */
     pbw_index *head;                                 /* per rank: the first of its list; then its first simplex */
-    pbw__item *item;
-    size_t item_capacity;
+    pbw_index *block;                                /* per PBW__BLOCK ranks: simplices; then the number of the first */
+    pbw_index *incident;                             /* per point of the caller */
+    size_t from, to;                                 /* packing: the simplices of this step */
 } pbw__emission;
+#define PBW__BLOCK 4096
+
+/* From one task's share of `count` items to the next, in steps that look at the clock. */
+PBW__INLINE int pbw__emit_step(pbw__emission *emission, size_t count, int task, double begin, size_t *from, size_t *to)
+{
+    size_t end = pbw__share(count, task + 1, emission->tasks);
+    *from = *to == 0 ? pbw__share(count, task, emission->tasks) : *to;
+    *to = end - *from < PBW__TICK ? end : *from + PBW__TICK;
+    return *from < end && !pbw__report(emission->context, begin + 0.25 * (double)*from / (double)count);
+}
 
 /* The canonical form of four corners, and of their links with them. */
 PBW__INLINE void pbw__canonical_form(pbw_index *v, pbw__link *n, int dim)
@@ -4232,165 +4280,291 @@ PBW__INLINE void pbw__canonical_form(pbw_index *v, pbw__link *n, int dim)
     }
 }
 
-static PBW__NOINLINE void pbw__emit_lists(pbw__emission *emission, size_t from, size_t to, int dim)
+/* Pass 1.  Alone, a task needs no atomic exchange. */
+PBW__INLINE void pbw__emit_lists(pbw__emission *emission, int task, int dim, int alone)
 {
-    size_t t;
-    for (t = from; t < to; t++) {
-        pbw_index *v = emission->corner + 4 * t;
-        if (v[0] == PBW_NONE || v[dim] == PBW__GHOST) {
-            emission->number[t] = PBW_NONE;
-            continue;
-        }
-        pbw__canonical_form(v, emission->link != NULL ? emission->link + 4 * t : NULL, dim);
-        emission->number[t] = emission->head[v[0]];
-        emission->head[v[0]] = (pbw_index)t;
-        emission->simplex_count++;
-    }
-}
-
-/* Numbers the simplices of the lists of some ranks from `next` on; returns the number after the last. */
-static PBW__NOINLINE pbw_status pbw__emit_numbers(pbw__emission *emission, size_t from, size_t to, size_t *next)
-{
-    size_t v, i, count;
-    for (v = from; v < to; v++) {
-        pbw_index t = emission->head[v];
-        for (count = 0; t != PBW_NONE; count++) {
-            const pbw_index *corner = emission->corner + 4 * (size_t)t;
-            if (PBW__UNLIKELY(count == emission->item_capacity)
-                && !pbw__resize_array(&emission->context->memory, &emission->item, &emission->item_capacity,
-                                      2 * count, sizeof(pbw__item))) {
-                return PBW_ERROR_MEMORY;
+    size_t from, to = 0, t, block = 0;
+    pbw_index count = 0;
+    while (pbw__emit_step(emission, emission->slot_count, task, 0.0, &from, &to)) {
+        for (t = from; t < to; t++) {
+            pbw_index *v = emission->corner + 4 * t;
+            if (v[0] == PBW_NONE || v[dim] == PBW__GHOST) {
+                emission->number[t] = PBW_NONE;
+                continue;
             }
-            emission->item[count].key = (uint64_t)corner[1] << 32 | corner[2];
-            emission->item[count].simplex = t;
-            t = emission->number[t];
-        }
-        if (!emission->any_order) {
-            pbw__sort_items(emission->item, count);
-        }
-        for (i = 0; i < count; i++) {
-            emission->number[emission->item[i].simplex] = (pbw_index)(*next)++;
+            pbw__canonical_form(v, emission->link != NULL ? emission->link + 4 * t : NULL, dim);
+            if (v[0] / PBW__BLOCK != block) {
+                (void)PBW__ADD(emission->block + block, count);
+                block = v[0] / PBW__BLOCK;
+                count = 0;
+            }
+            count++;
+            if (alone) {
+                emission->number[t] = emission->head[v[0]];
+                emission->head[v[0]] = (pbw_index)t;
+            } else {
+                emission->number[t] = PBW__SWAP(emission->head + v[0], (pbw_index)t);
+            }
         }
     }
-    return PBW_OK;
+    (void)PBW__ADD(emission->block + block, count);
 }
 
-static PBW__NOINLINE void pbw__emit_ids(pbw__emission *emission, size_t from, size_t to, int dim)
+static void pbw__emit_pass1(void *arg, int task)
+{
+    pbw__emission *emission = (pbw__emission *)arg;
+    if (emission->dim == 3) {
+        if (emission->tasks == 1) {
+            pbw__emit_lists(emission, task, 3, 1);
+        } else {
+            pbw__emit_lists(emission, task, 3, 0);
+        }
+    } else {
+        pbw__emit_lists(emission, task, 2, 0);
+    }
+}
+
+/* Pass 2: numbers, for the lists of a share of the blocks of ranks.  The lists end as PBW_NONE everywhere. */
+static void pbw__emit_pass2(void *arg, int task)
+{
+    pbw__emission *emission = (pbw__emission *)arg;
+    size_t blocks = emission->vertex_count / PBW__BLOCK + 1, b, v, i, count, capacity = 64;
+    size_t end = pbw__share(blocks, task + 1, emission->tasks);
+    pbw__item *item = (pbw__item *)pbw__allocate(&emission->context->memory, capacity, sizeof(pbw__item));
+    for (b = pbw__share(blocks, task, emission->tasks); b < end && item != NULL; b++) {
+        pbw_index next = emission->block[b];
+        size_t last = (b + 1) * PBW__BLOCK <= emission->vertex_count ? (b + 1) * PBW__BLOCK
+                                                                     : emission->vertex_count + 1;
+        if (pbw__report(emission->context, 0.25 + 0.25 * (double)b / (double)blocks)) {
+            break;
+        }
+        for (v = b * PBW__BLOCK; v < last; v++) {
+            pbw_index t = emission->head[v];
+            emission->head[v] = PBW_NONE;
+            for (count = 0; t != PBW_NONE; count++) {
+                const pbw_index *corner = emission->corner + 4 * (size_t)t;
+                if (PBW__UNLIKELY(count == capacity)
+                    && !pbw__resize_array(&emission->context->memory, &item, &capacity, 2 * count,
+                                          sizeof(pbw__item))) {
+                    PBW__STORE(&emission->failed, 1);
+                    break;
+                }
+                item[count].key = (uint64_t)corner[1] << 32 | corner[2];
+                item[count].simplex = t;
+                t = emission->number[t];
+            }
+            if (!emission->any_order) {
+                pbw__sort_items(item, count);
+            }
+            for (i = 0; i < count; i++) {
+                emission->number[item[i].simplex] = next++;
+            }
+        }
+    }
+    if (item == NULL) {
+        PBW__STORE(&emission->failed, 1);
+    }
+    pbw__release(&emission->context->memory, item, capacity, sizeof(pbw__item));
+}
+
+/* Pass 3: ids for ranks, places for slots; the first simplex of each rank. */
+PBW__INLINE void pbw__emit_ids(pbw__emission *emission, int task, int dim)
 {
     const pbw_index *number = emission->number, *id = emission->id;
-    pbw_index *first = emission->head;
-    size_t t, k;
-    for (t = from; t < to; t++) {
-        pbw_index *v = emission->corner + 4 * t;
-        pbw__link *n = emission->link + 4 * t;
-        if (number[t] == PBW_NONE) {
-            continue;
-        }
-        for (k = 0; k <= (size_t)dim; k++) {
-            first[v[k]] = first[v[k]] < number[t] ? first[v[k]] : number[t];
-            v[k] = id[v[k]];
-        }
-        for (k = 0; k <= (size_t)dim && emission->link != NULL; k++) {
-            n[k] = number[n[k] >> 2];
-        }
-    }
-}
-
-/* Moves each simplex to its place, in the order of the places: what lies there changes places with what belongs there.
-   Along the curve the simplices were created in a few streams, and so they are read; a walk along the cycles of the
-   permutation would miss the cache at each step. */
-static PBW__NOINLINE void pbw__emit_moves(pbw__emission *emission, pbw_index *place)
-{
-    pbw_index *number = emission->number;
-    size_t t, i;
-    for (t = 0; t < emission->slot_count; t++) {
-        if (number[t] != PBW_NONE) {
-            place[number[t]] = (pbw_index)t;
-        }
-    }
-    for (i = 0; i < emission->simplex_count; i++) {
-        size_t at = place[i];
-        struct { pbw_index v[4]; pbw__link n[4]; } here, there;      /* all read before any is written */
-        memcpy(here.v, emission->corner + 4 * i, sizeof(here.v));
-        memcpy(there.v, emission->corner + 4 * at, sizeof(here.v));
-        if (emission->link != NULL) {
-            memcpy(here.n, emission->link + 4 * i, sizeof(here.n));
-            memcpy(there.n, emission->link + 4 * at, sizeof(here.n));
-            memcpy(emission->link + 4 * i, there.n, sizeof(here.n));
-            memcpy(emission->link + 4 * at, here.n, sizeof(here.n));
-        }
-        memcpy(emission->corner + 4 * i, there.v, sizeof(here.v));
-        memcpy(emission->corner + 4 * at, here.v, sizeof(here.v));
-        if (number[i] != PBW_NONE) {
-            place[number[i]] = (pbw_index)at;
-        }
-        number[at] = number[i];
-    }
-}
-
-/* Four entries a simplex to dim+1 packed ones. */
-static void pbw__emit_packed(pbw__emission *emission, pbw_index *packed)
-{
-    size_t t, k, corners = (size_t)emission->dim + 1;
-    for (t = 0; t < emission->simplex_count && corners != 4; t++) {
-        for (k = 0; k < corners; k++) {
-            emission->corner[corners * t + k] = emission->corner[4 * t + k];
-        }
-    }
-    if (packed != NULL && (corners != 4 || sizeof(pbw__link) != sizeof(pbw_index))) {
-        for (t = 0; t < emission->simplex_count; t++) {
-            for (k = 0; k < corners; k++) {
-                packed[corners * t + k] = (pbw_index)emission->link[4 * t + k];
+    size_t from, to = 0, t, k;
+    while (pbw__emit_step(emission, emission->slot_count, task, 0.5, &from, &to)) {
+        for (t = from; t < to; t++) {
+            pbw_index *v = emission->corner + 4 * t, here = number[t];
+            pbw__link *n = emission->link + 4 * t;
+            if (here == PBW_NONE) {
+                continue;
+            }
+            emission->place[here] = (pbw_index)t;
+            for (k = 0; k <= (size_t)dim; k++) {
+                pbw_index *first = emission->head + v[k], old = PBW__LOAD(first);
+                while (here < old && !PBW__REPLACE(first, &old, here)) {
+                }
+                v[k] = id[v[k]];
+            }
+            for (k = 0; k <= (size_t)dim && emission->link != NULL; k++) {
+                n[k] = number[n[k] >> 2];
             }
         }
     }
+}
+
+static void pbw__emit_pass3(void *arg, int task)
+{
+    pbw__emission *emission = (pbw__emission *)arg;
+    if (emission->dim == 3) {
+        pbw__emit_ids(emission, task, 3);
+    } else {
+        pbw__emit_ids(emission, task, 2);
+    }
+}
+
+/* Pass 4: each simplex to its place.  A place that holds nothing is filled, which empties another one, and so on, until
+   that one is beyond the output: such paths are disjoint.  Several are followed in turns, so that what a step needs is
+   in the cache when its turn comes. */
+#define PBW__PATHS 16
+static void pbw__emit_pass4(void *arg, int task)
+{
+    pbw__emission *emission = (pbw__emission *)arg;
+    const size_t count = emission->simplex_count, end = pbw__share(count, task + 1, emission->tasks);
+    size_t next = pbw__share(count, task, emission->tasks), at[PBW__PATHS], active = PBW__PATHS, p, steps = 0;
+    for (p = 0; p < PBW__PATHS; p++) {
+        at[p] = count;
+    }
+    while (active > 0) {
+        active = 0;
+        for (p = 0; p < PBW__PATHS; p++) {
+            size_t to = at[p], from;
+            if (to >= count) {
+                while (next < end && emission->number[next] != PBW_NONE) {
+                    next++;
+                }
+                if (next == end) {
+                    continue;
+                }
+                to = next++;
+            }
+            active++;
+            from = emission->place[to];
+            emission->place[to] = PBW_NONE;
+            memcpy(emission->corner + 4 * to, emission->corner + 4 * from, 4 * sizeof(pbw_index));
+            if (emission->link != NULL) {
+                memcpy(emission->link + 4 * to, emission->link + 4 * from, 4 * sizeof(pbw__link));
+            }
+            at[p] = from;
+            if (from < count) {
+                PBW__PREFETCH(emission->corner + 4 * (size_t)emission->place[from]);
+                PBW__PREFETCH(emission->link + 4 * (size_t)emission->place[from]);
+            }
+        }
+        if ((++steps & 4095) == 0 && pbw__report(emission->context, 0.75 + 0.2 * (double)next / (double)count)) {
+            return;
+        }
+    }
+}
+
+/* What is left are cycles, few if slots were left over. */
+static void pbw__emit_cycles(pbw__emission *emission)
+{
+    const size_t count = emission->simplex_count;
+    size_t start, to, from;
+    for (start = 0; start < count; start++) {
+        pbw_index v[4];
+        pbw__link n[4] = { 0, 0, 0, 0 };
+        if ((start & (PBW__TICK - 1)) == 0 && pbw__report(emission->context, 0.95)) {
+            return;
+        }
+        if (emission->place[start] == PBW_NONE || emission->place[start] == start) {
+            continue;
+        }
+        memcpy(v, emission->corner + 4 * start, sizeof(v));
+        if (emission->link != NULL) {
+            memcpy(n, emission->link + 4 * start, sizeof(n));
+        }
+        for (to = start; (from = emission->place[to]) != start; to = from) {
+            memcpy(emission->corner + 4 * to, emission->corner + 4 * from, sizeof(v));
+            if (emission->link != NULL) {
+                memcpy(emission->link + 4 * to, emission->link + 4 * from, sizeof(n));
+            }
+            emission->place[to] = PBW_NONE;
+        }
+        memcpy(emission->corner + 4 * to, v, sizeof(v));
+        if (emission->link != NULL) {
+            memcpy(emission->link + 4 * to, n, sizeof(n));
+        }
+        emission->place[to] = PBW_NONE;
+    }
+}
+
+/* Four entries a simplex to dim+1 packed ones, links to indices.  Packed entries may lie where others are still to be
+   read; so a step goes as far as what it writes stays in front of what it reads. */
+static void pbw__emit_pass5(void *arg, int task)
+{
+    pbw__emission *emission = (pbw__emission *)arg;
+    pbw_index *packed = (pbw_index *)(void *)emission->link;
+    size_t corners = (size_t)emission->dim + 1, k, count = emission->to - emission->from;
+    size_t t = emission->from + pbw__share(count, task, emission->tasks);
+    size_t end = emission->from + pbw__share(count, task + 1, emission->tasks);
+    for (; t < end; t++) {
+        for (k = 0; k < corners; k++) {
+            pbw_index v = emission->corner[4 * t + k];
+            emission->corner[corners * t + k] = v;
+            if (packed != NULL) {
+                pbw_index n = (pbw_index)emission->link[4 * t + k];
+                packed[corners * t + k] = n;
+            }
+        }
+    }
+}
+
+/* The first simplex of each vertex, by the caller's ids. */
+static void pbw__emit_pass6(void *arg, int task)
+{
+    pbw__emission *emission = (pbw__emission *)arg;
+    size_t v = 1 + pbw__share(emission->vertex_count, task, emission->tasks), visible = 0;
+    size_t end = 1 + pbw__share(emission->vertex_count, task + 1, emission->tasks);
+    for (; v < end; v++) {
+        emission->incident[emission->id[v]] = emission->head[v];
+        visible += emission->head[v] != PBW_NONE;
+    }
+    (void)PBW__ADD(&emission->visible, visible);
 }
 
 static pbw_status pbw__emit(pbw__emission *emission)
 {
     pbw__context *context = emission->context;
-    size_t from, to, next = 0, count = emission->slot_count;
-    for (from = 0; from < count; from = to) {
-        to = count - from < PBW__TICK ? count : from + PBW__TICK;
-        if (pbw__report(context, 0.25 * (double)from / (double)count)) {
-            return PBW_CANCELLED;
-        }
-        if (emission->dim == 3) {
-            pbw__emit_lists(emission, from, to, 3);
-        } else {
-            pbw__emit_lists(emission, from, to, 2);
+    size_t blocks = emission->vertex_count / PBW__BLOCK + 1, b, sum = 0;
+    int tasks = emission->tasks;
+    pbw__for(context, tasks, pbw__emit_pass1, emission);
+    for (b = 0; b < blocks; b++) {
+        pbw_index here = emission->block[b];
+        emission->block[b] = (pbw_index)sum;
+        sum += here;
+    }
+    emission->simplex_count = sum;
+    if (PBW__LOAD(&context->cancelled)) {
+        return PBW_CANCELLED;
+    }
+    pbw__for(context, tasks, pbw__emit_pass2, emission);
+    if (PBW__LOAD(&context->cancelled) || emission->failed) {
+        return emission->failed ? PBW_ERROR_MEMORY : PBW_CANCELLED;
+    }
+    emission->place = (pbw_index *)pbw__allocate_large(context, sum, sizeof(pbw_index));
+    if (emission->place == NULL) {
+        return PBW_ERROR_MEMORY;
+    }
+    pbw__for(context, tasks, pbw__emit_pass3, emission);
+    if (!PBW__LOAD(&context->cancelled)) {
+        pbw__for(context, tasks, pbw__emit_pass4, emission);
+    }
+    if (!PBW__LOAD(&context->cancelled)) {
+        pbw__emit_cycles(emission);
+    }
+    pbw__release(&context->memory, emission->place, sum, sizeof(pbw_index));
+    if (PBW__LOAD(&context->cancelled)) {
+        return PBW_CANCELLED;
+    }
+    if (emission->dim == 2 || sizeof(pbw__link) != sizeof(pbw_index)) {
+        for (emission->to = 0; emission->to < sum; ) {
+            emission->from = emission->to;
+            emission->to += tasks == 1 ? PBW__TICK : emission->to / 3;
+            if (emission->to < PBW__TICK) {          /* too few for the others */
+                emission->to = PBW__TICK;
+                emission->tasks = 1;
+            }
+            emission->to = emission->to < sum ? emission->to : sum;
+            pbw__for(context, emission->tasks, pbw__emit_pass5, emission);
+            emission->tasks = tasks;
+            if (pbw__report(context, 0.97)) {
+                return PBW_CANCELLED;
+            }
         }
     }
-    for (from = 1; from <= emission->vertex_count; from = to) {
-        to = emission->vertex_count + 1 - from < 4096 ? emission->vertex_count + 1 : from + 4096;
-        if (pbw__report(context, 0.25 + 0.25 * (double)from / (double)emission->vertex_count)) {
-            return PBW_CANCELLED;
-        }
-        if (pbw__emit_numbers(emission, from, to, &next) != PBW_OK) {
-            return PBW_ERROR_MEMORY;
-        }
-    }
-    memset(emission->head, 0xff, (emission->vertex_count + 1) * sizeof(pbw_index));
-    for (from = 0; from < count; from = to) {
-        to = count - from < PBW__TICK ? count : from + PBW__TICK;
-        if (pbw__report(context, 0.5 + 0.25 * (double)from / (double)count)) {
-            return PBW_CANCELLED;
-        }
-        if (emission->dim == 3) {
-            pbw__emit_ids(emission, from, to, 3);
-        } else {
-            pbw__emit_ids(emission, from, to, 2);
-        }
-    }
-    {
-        pbw_index *place = (pbw_index *)pbw__allocate(&context->memory, emission->simplex_count, sizeof(pbw_index));
-        if (place == NULL) {
-            return PBW_ERROR_MEMORY;
-        }
-        pbw__emit_moves(emission, place);
-        pbw__release(&context->memory, place, emission->simplex_count, sizeof(pbw_index));
-    }
-    pbw__emit_packed(emission, emission->link != NULL ? (pbw_index *)(void *)emission->link : NULL);
+    pbw__for(context, tasks, pbw__emit_pass6, emission);
     return PBW_OK;
 }
 /* ------------------------------------------------------------------------------------------------------
@@ -5033,34 +5207,51 @@ PBWDEF void pbw_free(pbw_mesh *mesh)
 }
 
 /* The mesh's copy of the input, in the caller's order. */
-static pbw_status pbw__keep_points(pbw__context *context, const pbw__input *input, pbw__owned *owned, pbw_mesh *mesh)
+typedef struct pbw__copying {
+    pbw__context *context;
+    const pbw__input *input;
+    double *points, *weights;
+    int tasks;
+} pbw__copying;
+
+static void pbw__copy_points(void *arg, int task)
 {
-    size_t count = input->count, i;
-    int dim = input->dim, k;
-    double *points = (double *)pbw__allocate(&context->memory, count * (size_t)dim, sizeof(double)), *weights = NULL;
-    mesh->points = points;
-    owned->points = count * (size_t)dim;
-    if (input->weights != NULL) {
-        mesh->weights = weights = (double *)pbw__allocate(&context->memory, count, sizeof(double));
-        owned->weights = count;
-    }
-    if (points == NULL || (input->weights != NULL && weights == NULL)) {
-        return PBW_ERROR_MEMORY;
-    }
-    for (i = 0; i < count; i++) {
+    const pbw__copying *copying = (const pbw__copying *)arg;
+    const pbw__input *input = copying->input;
+    size_t dim = (size_t)input->dim, k, i, end = pbw__share(input->count, task + 1, copying->tasks);
+    for (i = pbw__share(input->count, task, copying->tasks); i < end; i++) {
         double record[4];
         pbw__fetch(input, i, record);
         for (k = 0; k < dim; k++) {
-            points[i * (size_t)dim + (size_t)k] = record[k];
+            copying->points[i * dim + k] = record[k];
         }
-        if (weights != NULL) {
-            weights[i] = record[dim];
+        if (copying->weights != NULL) {
+            copying->weights[i] = record[dim];
         }
-        if ((i & (PBW__TICK - 1)) == 0 && pbw__report(context, 0.95)) {
-            return PBW_CANCELLED;
+        if ((i & (PBW__TICK - 1)) == 0 && pbw__report(copying->context, 0.98)) {
+            return;
         }
     }
-    return PBW_OK;
+}
+
+static pbw_status pbw__keep_points(pbw__context *context, const pbw__input *input, pbw__owned *owned, pbw_mesh *mesh)
+{
+    pbw__copying copying;
+    copying.context = context;
+    copying.input = input;
+    copying.tasks = pbw__tasks(context, input->count, 65536);
+    copying.weights = NULL;
+    owned->points = input->count * (size_t)input->dim;
+    mesh->points = copying.points = (double *)pbw__allocate_large(context, owned->points, sizeof(double));
+    if (input->weights != NULL) {
+        owned->weights = input->count;
+        mesh->weights = copying.weights = (double *)pbw__allocate_large(context, input->count, sizeof(double));
+    }
+    if (copying.points == NULL || (input->weights != NULL && copying.weights == NULL)) {
+        return PBW_ERROR_MEMORY;
+    }
+    pbw__for(context, copying.tasks, pbw__copy_points, &copying);
+    return PBW__LOAD(&context->cancelled) ? PBW_CANCELLED : PBW_OK;
 }
 
 /* The store's triangulation as the mesh's arrays; mesh->incident comes in as PBW_NONE everywhere. */
@@ -5069,8 +5260,7 @@ static pbw_status pbw__output(pbw__context *context, pbw__store *store, pbw__ver
 {
     pbw__memory *memory = &context->memory;
     pbw__emission emission;
-    pbw_index *incident = (pbw_index *)(uintptr_t)mesh->incident;
-    size_t v, visible = 0, entries, links;
+    size_t blocks = vertices->count / PBW__BLOCK + 1, entries, links;
     pbw_status status = PBW_ERROR_MEMORY;
 
     pbw__release(memory, store->mark, store->mark_capacity, 1);
@@ -5088,26 +5278,24 @@ static pbw_status pbw__output(pbw__context *context, pbw__store *store, pbw__ver
     emission.dim = vertices->dim;
     emission.any_order = (flags & PBW_ANY_ORDER) != 0;
     emission.id = vertices->id;
-    emission.number = (pbw_index *)pbw__allocate(memory, store->count, sizeof(pbw_index));
-    emission.head = (pbw_index *)pbw__allocate(memory, vertices->count + 1, sizeof(pbw_index));
-    emission.item_capacity = 256;
-    emission.item = (pbw__item *)pbw__allocate(memory, emission.item_capacity, sizeof(pbw__item));
-    if (emission.number != NULL && emission.head != NULL && emission.item != NULL) {
+    emission.incident = (pbw_index *)(uintptr_t)mesh->incident;
+    emission.tasks = pbw__tasks(context, vertices->count, 16384);
+    emission.number = (pbw_index *)pbw__allocate_large(context, store->count, sizeof(pbw_index));
+    emission.head = (pbw_index *)pbw__allocate_large(context, vertices->count + 1, sizeof(pbw_index));
+    emission.block = (pbw_index *)pbw__allocate(memory, blocks, sizeof(pbw_index));
+    if (emission.number != NULL && emission.head != NULL && emission.block != NULL) {
         memset(emission.head, 0xff, (vertices->count + 1) * sizeof(pbw_index));      /* PBW_NONE */
+        memset(emission.block, 0, blocks * sizeof(pbw_index));
         status = pbw__emit(&emission);
-        for (v = 1; v <= vertices->count && status == PBW_OK; v++) {
-            incident[vertices->id[v]] = emission.head[v];
-            visible += emission.head[v] != PBW_NONE;
-        }
     }
     pbw__release(memory, emission.number, store->count, sizeof(pbw_index));
     pbw__release(memory, emission.head, vertices->count + 1, sizeof(pbw_index));
-    pbw__release(memory, emission.item, emission.item_capacity, sizeof(pbw__item));
+    pbw__release(memory, emission.block, blocks, sizeof(pbw_index));
     if (status != PBW_OK) {
         return status;
     }
     mesh->simplex_count = emission.simplex_count;
-    mesh->hidden_count = vertices->count - visible;
+    mesh->hidden_count = vertices->count - emission.visible;
     entries = emission.simplex_count * ((size_t)vertices->dim + 1);
     links = store->link_capacity * (sizeof(pbw__link) / sizeof(pbw_index));
     if (!pbw__resize_array(memory, &store->corner, &store->corner_capacity, entries, sizeof(pbw_index))
@@ -5141,7 +5329,6 @@ static pbw_status pbw__run(pbw__context *context, const pbw__input *input, unsig
     pbw__grid grid;
     double start = pbw__seconds();
     pbw_status status;
-    size_t i;
 
     if (owned == NULL) {
         return PBW_ERROR_MEMORY;
@@ -5170,11 +5357,11 @@ static pbw_status pbw__run(pbw__context *context, const pbw__input *input, unsig
         vertices.record = NULL;                      /* the output needs ranks only */
     }
     if (status == PBW_OK || status == PBW_DEGENERATE) {
-        pbw_index *incident = (pbw_index *)pbw__allocate(memory, input->count, sizeof(pbw_index));
+        pbw_index *incident = (pbw_index *)pbw__allocate_large(context, input->count, sizeof(pbw_index));
         mesh->incident = incident;
         owned->incident = input->count;
-        for (i = 0; i < input->count && incident != NULL; i++) {
-            incident[i] = PBW_NONE;
+        if (incident != NULL) {
+            memset(incident, 0xff, input->count * sizeof(pbw_index));            /* PBW_NONE */
         }
         if (incident == NULL) {
             status = PBW_ERROR_MEMORY;
