@@ -3585,8 +3585,12 @@ static pbw_status pbw__first_star(pbw__kernel *kernel, int dim, const pbw_index 
         }
         v[i + 1][dim] = PBW__GHOST;
     }
-    if (pbw__more_tail(kernel, (size_t)dim + 2) != PBW_OK) {
-        return PBW_ERROR_MEMORY;
+    pbw__enter_region(kernel, seed[0] >> kernel->store->cell_bits);
+    if (kernel->fresh_end - kernel->fresh < (size_t)dim + 2) {
+        pbw_status status = pbw__more_tail(kernel, (size_t)dim + 2);
+        if (status != PBW_OK) {
+            return status;
+        }
     }
     for (i = 0; i <= dim + 1; i++) {
         slot[i] = pbw__take_slot(kernel);
@@ -3627,6 +3631,7 @@ static void pbw__kernel_free(pbw__kernel *kernel)
     pbw__release(memory, kernel->stack, kernel->stack_capacity, sizeof(pbw__link));
     pbw__release(memory, kernel->slot, PBW__SLOTS, sizeof(uint64_t));
     pbw__release(memory, kernel->edge, PBW__LOCALS * PBW__LOCALS, sizeof(pbw__link));
+    pbw__release(memory, kernel->left, kernel->left_capacity, sizeof(pbw_index));
     pbw__release(memory, kernel->wide_edge, kernel->wide_capacity, sizeof(pbw__edge));
 }
 
@@ -4319,6 +4324,8 @@ static void pbw__emit_pass1(void *arg, int task)
         } else {
             pbw__emit_lists(emission, task, 3, 0);
         }
+    } else if (emission->tasks == 1) {
+        pbw__emit_lists(emission, task, 2, 1);
     } else {
         pbw__emit_lists(emission, task, 2, 0);
     }
