@@ -3773,7 +3773,8 @@ static int pbw__level_insert(pbw__build *build, pbw__kernel *kernel, pbw_index v
     if (work - kernel->reported > 4096) {
         double done = (double)build->done + (double)kernel->done * (double)(kernel->owner != NULL ? build->parts : 1);
         kernel->reported = work;
-        if (pbw__report(build->context, done / (double)build->vertices->count)) {
+        done /= (double)build->vertices->count;      /* a guess: other parts may be slower */
+        if (pbw__report(build->context, done < 0.999 ? done : 0.999)) {
             kernel->status = PBW_CANCELLED;
             return 0;
         }
