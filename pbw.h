@@ -4181,9 +4181,9 @@ static pbw_status pbw__build_all(pbw__context *context, pbw__store *store, const
    the rest second (2D: the lowest first).  Canonical order: by the ranks of the corners, first to last.  So the
    simplices follow the Hilbert curve, and any method that finds the triangulation can produce the same arrays.
 
-   The store's arrays become the caller's: a copy beside them would be the peak of the memory.  Four passes: turn each
-   simplex into its canonical form and put it into the list of its lowest rank; number the simplices list by list;
-   translate corners and links; move each simplex to its place.
+   The store's arrays become the caller's: a copy beside them would be the peak of the memory.  Passes: put each simplex
+   into the list of its lowest rank; sort and number the simplices list by list; translate each where it is; move each
+   to its place.
    ------------------------------------------------------------------------------------------------------ */
 static void pbw__sift(pbw__item *heap, size_t root, size_t count)
 {
@@ -4235,7 +4235,7 @@ typedef struct pbw__emission {
     const pbw_index *id;                             /* of each rank */
     pbw_index *number;                               /* per slot: the next of its list; then its place in the output */
     pbw_index *place;                                /* per simplex of the output: its slot; PBW_NONE once it is there */
-    pbw_index *head;                                 /* per rank: the first of its list; then its first simplex */
+    pbw_index *head, *first;                         /* per rank: the first of its list; its first simplex: one array */
     pbw_index *block;                                /* per PBW__BLOCK ranks: simplices; then the number of the first */
     pbw_index *incident;                             /* per point of the caller */
     size_t from, to;                                 /* packing: the simplices of this step */
@@ -4251,39 +4251,20 @@ PBW__INLINE int pbw__emit_step(pbw__emission *emission, size_t count, int task, 
     return *from < end && !pbw__report(emission->context, begin + 0.25 * (double)*from / (double)count);
 }
 
-/* The canonical form of four corners, and of their links with them. */
-PBW__INLINE void pbw__canonical_form(pbw_index *v, pbw__link *n, int dim)
+/* The even permutation of the canonical form: corner k of the output is corner (order >> 2k) & 3 here.  Looked up by
+   which of the pairs (0,1) (0,2) (0,3) (1,2) (1,3) (2,3), in 2D (0,1) (0,2) (1,2), are descending: no branches. */
+PBW__INLINE unsigned pbw__canonical_order(const pbw_index *v, int dim)
 {
-    pbw_index corner[4];
-    pbw__link link[4];
-    unsigned order[4], low = v[1] < v[0], k;
-    memcpy(corner, v, sizeof(corner));
+    static const unsigned char space[64] = {
+        228, 177, 0, 201, 0, 0, 0, 201, 120, 0, 210, 54, 0, 0, 0, 54, 0, 0, 0, 0, 0, 0, 0, 0, 120, 0, 210, 0, 0, 0, 78,
+        78, 228, 177, 0, 0, 0, 45, 0, 45, 0, 0, 0, 0, 0, 0, 0, 0, 156, 0, 0, 0, 99, 135, 0, 135, 156, 0, 0, 0, 99, 0,
+        27, 27 };
+    static const unsigned char plane[8] = { 36, 9, 0, 9, 36, 0, 18, 18 };
     if (dim == 2) {
-        low = v[2] < v[low] ? 2 : low;
-        order[0] = low;
-        order[1] = low == 2 ? 0 : low + 1;
-        order[2] = low == 0 ? 2 : low - 1;
-    } else {
-        unsigned high = 2 + (v[3] < v[2]), second;
-        const unsigned char *rest;
-        low = v[high] < v[low] ? high : low;
-        rest = pbw__facet_corners[low];
-        second = v[rest[1]] < v[rest[0]];
-        second = v[rest[2]] < v[rest[second]] ? 2 : second;
-        order[0] = low;
-        order[1] = rest[second];
-        order[2] = rest[second == 2 ? 0 : second + 1];
-        order[3] = rest[second == 0 ? 2 : second - 1];
+        return plane[(v[0] > v[1]) | (v[0] > v[2]) << 1 | (v[1] > v[2]) << 2];
     }
-    for (k = 0; k <= (unsigned)dim; k++) {
-        v[k] = corner[order[k]];
-    }
-    if (n != NULL) {
-        memcpy(link, n, sizeof(link));
-        for (k = 0; k <= (unsigned)dim; k++) {
-            n[k] = link[order[k]];
-        }
-    }
+    return space[(v[0] > v[1]) | (v[0] > v[2]) << 1 | (v[0] > v[3]) << 2 | (v[1] > v[2]) << 3 | (v[1] > v[3]) << 4
+                 | (v[2] > v[3]) << 5];
 }
 
 /* Pass 1.  Alone, a task needs no atomic exchange. */
@@ -4293,23 +4274,26 @@ PBW__INLINE void pbw__emit_lists(pbw__emission *emission, int task, int dim, int
     pbw_index count = 0;
     while (pbw__emit_step(emission, emission->slot_count, task, 0.0, &from, &to)) {
         for (t = from; t < to; t++) {
-            pbw_index *v = emission->corner + 4 * t;
+            const pbw_index *v = emission->corner + 4 * t;
+            pbw_index low;
             if (v[0] == PBW_NONE || v[dim] == PBW__GHOST) {
                 emission->number[t] = PBW_NONE;
                 continue;
             }
-            pbw__canonical_form(v, emission->link != NULL ? emission->link + 4 * t : NULL, dim);
-            if (v[0] / PBW__BLOCK != block) {
+            low = v[0] < v[1] ? v[0] : v[1];
+            low = v[2] < low ? v[2] : low;
+            low = dim == 3 && v[3] < low ? v[3] : low;
+            if (low / PBW__BLOCK != block) {
                 (void)PBW__ADD(emission->block + block, count);
-                block = v[0] / PBW__BLOCK;
+                block = low / PBW__BLOCK;
                 count = 0;
             }
             count++;
             if (alone) {
-                emission->number[t] = emission->head[v[0]];
-                emission->head[v[0]] = (pbw_index)t;
+                emission->number[t] = emission->head[low];
+                emission->head[low] = (pbw_index)t;
             } else {
-                emission->number[t] = PBW__SWAP(emission->head + v[0], (pbw_index)t);
+                emission->number[t] = PBW__SWAP(emission->head + low, (pbw_index)t);
             }
         }
     }
@@ -4332,10 +4316,9 @@ static void pbw__emit_pass1(void *arg, int task)
     }
 }
 
-/* Pass 2: numbers, for the lists of a share of the blocks of ranks.  The lists end as PBW_NONE everywhere. */
-static void pbw__emit_pass2(void *arg, int task)
+/* Pass 2: numbers, for the lists of a share of the blocks of ranks. */
+PBW__INLINE void pbw__emit_numbers(pbw__emission *emission, int task, int dim)
 {
-    pbw__emission *emission = (pbw__emission *)arg;
     size_t blocks = emission->vertex_count / PBW__BLOCK + 1, b, v, i, count, capacity = 64;
     size_t end = pbw__share(blocks, task + 1, emission->tasks);
     pbw__item *item = (pbw__item *)pbw__allocate(&emission->context->memory, capacity, sizeof(pbw__item));
@@ -4347,17 +4330,21 @@ static void pbw__emit_pass2(void *arg, int task)
             break;
         }
         for (v = b * PBW__BLOCK; v < last; v++) {
-            pbw_index t = emission->head[v];
-            emission->head[v] = PBW_NONE;
+            pbw_index t = emission->head[v], soon = v + 8 < last ? emission->head[v + 8] : PBW_NONE;
+            if (soon != PBW_NONE) {
+                PBW__PREFETCH(emission->corner + 4 * (size_t)soon);
+                PBW__PREFETCH(emission->number + soon);
+            }
             for (count = 0; t != PBW_NONE; count++) {
                 const pbw_index *corner = emission->corner + 4 * (size_t)t;
+                unsigned order = pbw__canonical_order(corner, dim);
                 if (PBW__UNLIKELY(count == capacity)
                     && !pbw__resize_array(&emission->context->memory, &item, &capacity, 2 * count,
                                           sizeof(pbw__item))) {
                     PBW__STORE(&emission->failed, 1);
                     break;
                 }
-                item[count].key = (uint64_t)corner[1] << 32 | corner[2];
+                item[count].key = (uint64_t)corner[order >> 2 & 3] << 32 | corner[order >> 4 & 3];
                 item[count].simplex = t;
                 t = emission->number[t];
             }
@@ -4375,27 +4362,44 @@ static void pbw__emit_pass2(void *arg, int task)
     pbw__release(&emission->context->memory, item, capacity, sizeof(pbw__item));
 }
 
-/* Pass 3: ids for ranks, places for slots; the first simplex of each rank. */
-PBW__INLINE void pbw__emit_ids(pbw__emission *emission, int task, int dim)
+static void pbw__emit_pass2(void *arg, int task)
 {
-    const pbw_index *number = emission->number, *id = emission->id;
-    size_t from, to = 0, t, k;
+    pbw__emission *emission = (pbw__emission *)arg;
+    if (emission->dim == 3) {
+        pbw__emit_numbers(emission, task, 3);
+    } else {
+        pbw__emit_numbers(emission, task, 2);
+    }
+}
+
+/* Pass 3: each simplex, in its slot, in canonical form, with ids for ranks and places for slots.  The lists are gone:
+   their heads are now the first simplices of the ranks. */
+PBW__INLINE void pbw__emit_forms(pbw__emission *emission, int task, int dim)
+{
+    const pbw_index *number = emission->number;
+    size_t from, to = 0, t;
     while (pbw__emit_step(emission, emission->slot_count, task, 0.5, &from, &to)) {
         for (t = from; t < to; t++) {
-            pbw_index *v = emission->corner + 4 * t, here = number[t];
-            pbw__link *n = emission->link + 4 * t;
+            pbw_index *corner = emission->corner + 4 * t, here = number[t], v[4];
+            pbw__link *link = emission->link + 4 * t, n[4];
+            unsigned order, k;
             if (here == PBW_NONE) {
                 continue;
             }
             emission->place[here] = (pbw_index)t;
-            for (k = 0; k <= (size_t)dim; k++) {
-                pbw_index *first = emission->head + v[k], old = PBW__LOAD(first);
+            memcpy(v, corner, sizeof(v));
+            order = pbw__canonical_order(v, dim);
+            for (k = 0; k <= (unsigned)dim; k++) {
+                pbw_index rank = v[order >> 2 * k & 3], *first = emission->first + rank, old = PBW__LOAD(first);
                 while (here < old && !PBW__REPLACE(first, &old, here)) {
                 }
-                v[k] = id[v[k]];
+                corner[k] = emission->id[rank];
             }
-            for (k = 0; k <= (size_t)dim && emission->link != NULL; k++) {
-                n[k] = number[n[k] >> 2];
+            if (emission->link != NULL) {
+                memcpy(n, link, sizeof(n));
+                for (k = 0; k <= (unsigned)dim; k++) {
+                    link[k] = number[n[order >> 2 * k & 3] >> 2];
+                }
             }
         }
     }
@@ -4405,9 +4409,17 @@ static void pbw__emit_pass3(void *arg, int task)
 {
     pbw__emission *emission = (pbw__emission *)arg;
     if (emission->dim == 3) {
-        pbw__emit_ids(emission, task, 3);
+        pbw__emit_forms(emission, task, 3);
     } else {
-        pbw__emit_ids(emission, task, 2);
+        pbw__emit_forms(emission, task, 2);
+    }
+}
+
+PBW__INLINE void pbw__emit_move(pbw__emission *emission, size_t to, size_t from)
+{
+    memcpy(emission->corner + 4 * to, emission->corner + 4 * from, 4 * sizeof(pbw_index));
+    if (emission->link != NULL) {
+        memcpy(emission->link + 4 * to, emission->link + 4 * from, 4 * sizeof(pbw__link));
     }
 }
 
@@ -4420,6 +4432,7 @@ static void pbw__emit_pass4(void *arg, int task)
     pbw__emission *emission = (pbw__emission *)arg;
     const size_t count = emission->simplex_count, end = pbw__share(count, task + 1, emission->tasks);
     size_t next = pbw__share(count, task, emission->tasks), at[PBW__PATHS], active = PBW__PATHS, p, steps = 0;
+    pbw_index *place = emission->place;
     for (p = 0; p < PBW__PATHS; p++) {
         at[p] = count;
     }
@@ -4437,16 +4450,13 @@ static void pbw__emit_pass4(void *arg, int task)
                 to = next++;
             }
             active++;
-            from = emission->place[to];
-            emission->place[to] = PBW_NONE;
-            memcpy(emission->corner + 4 * to, emission->corner + 4 * from, 4 * sizeof(pbw_index));
-            if (emission->link != NULL) {
-                memcpy(emission->link + 4 * to, emission->link + 4 * from, 4 * sizeof(pbw__link));
-            }
+            from = place[to];
+            place[to] = PBW_NONE;
+            pbw__emit_move(emission, to, from);
             at[p] = from;
             if (from < count) {
-                PBW__PREFETCH(emission->corner + 4 * (size_t)emission->place[from]);
-                PBW__PREFETCH(emission->link + 4 * (size_t)emission->place[from]);
+                PBW__PREFETCH(emission->corner + 4 * (size_t)place[from]);
+                PBW__PREFETCH(emission->link + 4 * (size_t)place[from]);
             }
         }
         if ((++steps & 4095) == 0 && pbw__report(emission->context, 0.75 + 0.2 * (double)next / (double)count)) {
@@ -4474,10 +4484,7 @@ static void pbw__emit_cycles(pbw__emission *emission)
             memcpy(n, emission->link + 4 * start, sizeof(n));
         }
         for (to = start; (from = emission->place[to]) != start; to = from) {
-            memcpy(emission->corner + 4 * to, emission->corner + 4 * from, sizeof(v));
-            if (emission->link != NULL) {
-                memcpy(emission->link + 4 * to, emission->link + 4 * from, sizeof(n));
-            }
+            pbw__emit_move(emission, to, from);
             emission->place[to] = PBW_NONE;
         }
         memcpy(emission->corner + 4 * to, v, sizeof(v));
@@ -4516,8 +4523,8 @@ static void pbw__emit_pass6(void *arg, int task)
     size_t v = 1 + pbw__share(emission->vertex_count, task, emission->tasks), visible = 0;
     size_t end = 1 + pbw__share(emission->vertex_count, task + 1, emission->tasks);
     for (; v < end; v++) {
-        emission->incident[emission->id[v]] = emission->head[v];
-        visible += emission->head[v] != PBW_NONE;
+        emission->incident[emission->id[v]] = emission->first[v];
+        visible += emission->first[v] != PBW_NONE;
     }
     (void)PBW__ADD(&emission->visible, visible);
 }
@@ -4545,6 +4552,7 @@ static pbw_status pbw__emit(pbw__emission *emission)
     if (emission->place == NULL) {
         return PBW_ERROR_MEMORY;
     }
+    memset(emission->first, 0xff, (emission->vertex_count + 1) * sizeof(pbw_index));     /* PBW_NONE */
     pbw__for(context, tasks, pbw__emit_pass3, emission);
     if (!PBW__LOAD(&context->cancelled)) {
         pbw__for(context, tasks, pbw__emit_pass4, emission);
@@ -5290,6 +5298,7 @@ static pbw_status pbw__output(pbw__context *context, pbw__store *store, pbw__ver
     emission.tasks = pbw__tasks(context, vertices->count, 16384);
     emission.number = (pbw_index *)pbw__allocate_large(context, store->count, sizeof(pbw_index));
     emission.head = (pbw_index *)pbw__allocate_large(context, vertices->count + 1, sizeof(pbw_index));
+    emission.first = emission.head;
     emission.block = (pbw_index *)pbw__allocate(memory, blocks, sizeof(pbw_index));
     if (emission.number != NULL && emission.head != NULL && emission.block != NULL) {
         memset(emission.head, 0xff, (vertices->count + 1) * sizeof(pbw_index));      /* PBW_NONE */
