@@ -3848,11 +3848,12 @@ static void pbw__check_hints(pbw__build *build)
     }
 }
 
+#define PBW__BINS 32
 /* Splits cells cell[from..to) among the parts low..high-1: each gets its share of what is left. */
 static void pbw__split_cells(pbw__build *build, size_t from, size_t to, int low, int high)
 {
     while (high - low > 1) {
-        size_t bin[256], i, j, total = 0, sum = 0, wanted;
+        size_t bin[PBW__BINS], i, j, total = 0, sum = 0, wanted, lightest = (size_t)-1;
         float least[3], most[3], scale;
         int axis = 0, middle = low + (high - low) / 2, cut = 0, k;
         for (k = 0; k < 3; k++) {
@@ -3869,16 +3870,22 @@ static void pbw__split_cells(pbw__build *build, size_t from, size_t to, int low,
         for (k = 1; k < 3; k++) {
             axis = most[k] - least[k] > most[axis] - least[axis] ? k : axis;
         }
-        scale = most[axis] > least[axis] ? 255.0f / (most[axis] - least[axis]) : 0.0f;
+        scale = most[axis] > least[axis] ? (float)(PBW__BINS - 1) / (most[axis] - least[axis]) : 0.0f;
         memset(bin, 0, sizeof(bin));
         for (i = from; i < to; i++) {                /* a cell with nothing left counts too, lest parts get no cells */
             float x = (build->place[3 * (size_t)build->cell[i].simplex + (size_t)axis] - least[axis]) * scale;
             bin[(int)x] += (size_t)build->cell[i].key * 16 + 1;
             total += (size_t)build->cell[i].key * 16 + 1;
         }
+        /* What is left lies along the borders of before: not through the middle of it, but where there is little. */
         wanted = total / (size_t)(high - low) * (size_t)(middle - low);
-        while (cut < 255 && sum + bin[cut] / 2 < wanted) {
-            sum += bin[cut++];
+        for (k = 1; k < PBW__BINS; k++) {
+            size_t light = bin[k - 1] + bin[k];
+            sum += bin[k - 1];
+            if (sum + total / 6 >= wanted && sum <= wanted + total / 6 && light < lightest) {
+                lightest = light;
+                cut = k;
+            }
         }
         for (i = j = from; i < to; i++) {
             float x = (build->place[3 * (size_t)build->cell[i].simplex + (size_t)axis] - least[axis]) * scale;
@@ -3900,10 +3907,8 @@ static void pbw__split_cells(pbw__build *build, size_t from, size_t to, int low,
 /* Owners for the vertices left, and these in order of owner. */
 static int pbw__new_parts(pbw__build *build, int round)
 {
-    static const float basis[2][9] = { { 0.73f, 0.52f, 0.44f, -0.58f, 0.81f, 0.08f, -0.36f, -0.26f, 0.89f },
-                                       { 0.44f, -0.37f, 0.82f, 0.61f, 0.79f, 0.03f, -0.66f, 0.49f, 0.57f } };
+    static const float basis[9] = { 0.73f, 0.52f, 0.44f, -0.58f, 0.81f, 0.08f, -0.36f, -0.26f, 0.89f };
     const pbw__vertices *vertices = build->vertices;
-    const float *oblique = basis[round & 1];
     size_t cells = build->store->region_count, c, i, dim = (size_t)vertices->dim, k;
     double low[3] = { 0, 0, 0 }, high[3] = { 0, 0, 0 };
     int bits = build->store->cell_bits, part;
@@ -3924,9 +3929,11 @@ static int pbw__new_parts(pbw__build *build, int round)
                 unit[k] = (x[k] / 2 - low[k] / 2) / (high[k] / 2 - low[k] / 2);
             }
         }
-        for (k = 0; k < 3 && i >= cells; k++) {
-            build->place[3 * (i - cells) + k] = oblique[3 * k] * (float)unit[0] + oblique[3 * k + 1] * (float)unit[1]
-                                              + oblique[3 * k + 2] * (float)unit[2];
+        for (k = 0; k < 3 && i >= cells; k++) {      /* other axes each round */
+            const float *axis = basis + 3 * k;
+            build->place[3 * (i - cells) + k] = axis[round % 3] * (float)unit[0]
+                                              + axis[(round + 1) % 3] * (float)unit[1]
+                                              + axis[(round + 2) % 3] * (float)unit[2];
         }
     }
     for (c = 0; c < cells; c++) {
