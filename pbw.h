@@ -2299,15 +2299,18 @@ PBW__INLINE size_t pbw__region_end(const pbw__store *store, size_t region)
     return end < store->region_slots ? end : store->region_slots;
 }
 
-/* Regions and a tail.  A region holds the vertices' simplices in about 110 KB, a part of a second-level cache: 6.77 a
-   vertex of uniform points in space, 2 in the plane, ghosts included, and some room. */
+/* Regions and a tail.  A region has slots for 7 simplices a vertex in space, 2 1/16 in the plane: uniform points need
+   6.77 and 2, ghosts included.  There are at most 65536 regions, lest rounds of >>parallel, which look at each, take
+   long; with less than 128 ranks (2D: 512) too many would be full while others are not. */
 static pbw_status pbw__store_create(pbw__context *context, pbw__store *store, size_t vertices, int dim)
 {
     pbw__memory *memory = &context->memory;
     size_t slots, tail = 64 + vertices / 32, r;
     pbw_status status;
-    store->cell_bits = dim == 3 ? 9 : 11;
-    store->slots_each = dim == 3 ? 7 * 512 : 33 * 128;
+    for (store->cell_bits = dim == 3 ? 7 : 9; vertices >> store->cell_bits >= 65536; ) {
+        store->cell_bits++;
+    }
+    store->slots_each = ((size_t)1 << store->cell_bits) / 16 * (dim == 3 ? 112 : 33);
     slots = (size_t)((uint64_t)(vertices + 1) * store->slots_each >> store->cell_bits) + 16;
     store->region_slots = slots < PBW__SIMPLEX_LIMIT ? slots : PBW__SIMPLEX_LIMIT;
     store->region_count = (vertices >> store->cell_bits) + 1;
