@@ -26,16 +26,16 @@
      >>interface    types and functions
      >>platform     compilers, clocks, floating-point state
      >>memory       the one allocator hook, growth, limits
-     >>threads      tasks, progress
+     >>threads      one call's team of threads, tasks, progress
      >>exact        integers of just enough width
      >>predicates   signs: filter, exact stage, perturbation
      >>order        Hilbert keys, sorting, duplicates, insertion levels
-     >>mesh         the simplex record, ghosts, invariants
+     >>mesh         simplices, ghosts, slots, invariants
      >>walk         point location
      >>cavity       find, carve, refill
-     >>build        seed simplex, levels, serial insertion
-     >>parallel     a level by many threads at once
-     >>output       compaction, canonical order, ids
+     >>build        insertion order, seed simplex
+     >>parallel     levels, by many threads or by one
+     >>output       canonical order, ids, in place
      >>check        the exact verdict on a finished mesh
      >>hash         one number for a triangulation
      >>api          argument checks, defaults, status texts
@@ -78,6 +78,7 @@
      PBW_WIDE             where PBW_IMPLEMENTATION is: 64-bit links, up to 4.29e9 simplices instead of 1.07e9,
                           for 16 more bytes a simplex while building
      PBW_NO_SIMD          where PBW_IMPLEMENTATION is: scalar code only; the same answers, slower
+     PBW_NO_THREADS       where PBW_IMPLEMENTATION is: every call runs on the caller's thread, nothing to link
 */
 #ifndef PBW_H
 #define PBW_H
@@ -177,8 +178,8 @@ struct pbw_mesh {                          /* start from {0}; read, do not write
    points: dim coordinates each, read in place, not kept.  mesh: overwritten (an earlier result in it is not
    freed); on any status but PBW_OK and PBW_DEGENERATE it is left empty.  PBW_DEGENERATE: no simplices, but
    canonical, incident (all PBW_NONE), points and duplicate_count are filled.
-   Holds at most 530 (3D) or 140 (2D) bytes a point while it runs on uniform points, the result included, which is 260
-   (3D) or 90 (2D). */
+   Holds at most 300 (3D) or 105 (2D) bytes a point while it runs on uniform points, the result included, which is 260
+   (3D) or 85 (2D), and 0.2 MB a thread. */
 PBWDEF pbw_status pbw_triangulate(int dim, const double *points, const double *weights, size_t count,
                                   const pbw_options *options, pbw_mesh *mesh);
 /* The same for floats: the exact triangulation of those float values. */
@@ -1734,8 +1735,8 @@ static void pbw__count_digits(void *arg, int task)
     const pbw__sorting *sorting = (const pbw__sorting *)arg;
     const uint64_t *a = sorting->a, mask = ((uint64_t)1 << sorting->digit) - 1;
     uint32_t *start = sorting->start + (size_t)task * PBW__DIGITS;
-    size_t i = pbw__share(sorting->count, task, sorting->tasks), to = pbw__share(sorting->count, task + 1, sorting->tasks),
-           end;
+    size_t i = pbw__share(sorting->count, task, sorting->tasks);
+    size_t to = pbw__share(sorting->count, task + 1, sorting->tasks), end;
     memset(start, 0, ((size_t)mask + 1) * sizeof(start[0]));
     for (; i < to; i = end) {
         for (end = to - i < PBW__TICK ? to : i + PBW__TICK; i < end; i++) {
@@ -1753,8 +1754,8 @@ static void pbw__move_keys(void *arg, int task)
     const uint64_t *a = sorting->a, mask = ((uint64_t)1 << sorting->digit) - 1;
     uint64_t *b = sorting->b;
     uint32_t *start = sorting->start + (size_t)task * PBW__DIGITS;
-    size_t i = pbw__share(sorting->count, task, sorting->tasks), to = pbw__share(sorting->count, task + 1, sorting->tasks),
-           end;
+    size_t i = pbw__share(sorting->count, task, sorting->tasks);
+    size_t to = pbw__share(sorting->count, task + 1, sorting->tasks), end;
     for (; i < to; i = end) {
         for (end = to - i < PBW__TICK ? to : i + PBW__TICK; i < end; i++) {
             b[start[(a[i] >> sorting->shift) & mask]++] = a[i];
@@ -2151,8 +2152,8 @@ done:
    two sides and the hull needs no cases of its own.
 
    Each run of ranks has a region of slots: a star takes the slots of its cavity, and what it needs more from the
-   region of its vertex.  Ranks follow the Hilbert curve; so what is close in space is close in memory, whenever it was
-   made, and the output finds the simplices nearly in order.  Past the regions lies the tail, for regions that are
+   region of its vertex.  Ranks follow the Hilbert curve; so what is close in space is close in memory, whenever it
+   was made, and the output finds the simplices nearly in order.  Past the regions lies the tail, for regions that are
    full.
 
    Holds, between insertions:
@@ -2231,7 +2232,7 @@ typedef struct pbw__kernel {
     pbw_status status;
 
     pbw_index *cavity;                               /* simplices in conflict; then the slots of the star */
-    pbw_index *parent;                               /* 3D: for each, place in the cavity * 4 + facet it was met from */
+    pbw_index *parent;                               /* 3D: where each was met: 4 * place in the cavity + facet */
     pbw__carved *carved;                             /* 3D: what the refill needs of them */
     pbw__link *beyond;                               /* the boundary of the cavity: the link across each facet */
     pbw_index *from;                                 /* 3D: where it is seen from, 4 * place in the cavity + facet */
@@ -2357,10 +2358,10 @@ PBW__INLINE void pbw__kernel_attach(pbw__kernel *kernel)
 
    Errors.  With coordinates relative to the point, S_i is a sum of 6 products of 3 factors.  A product carries 3
    rounded translations, 2 multiplications, 1 + 2 additions: |error| <= 8u/(1-8u) * 6 m^3 < 5.4e-15 m^3, m the largest
-   |coordinate|, so m^2 <= h of >>cavity.  Compared as S^2 > (5.4e-15)^2 h^3; h is computed with 3 roundings, which the
-   next digit of the constant covers, and raised to 1e-55 if it is less.  2D: 2 products, 2 translations, 1
-   multiplication, 1 addition: < 4u * 2 m^2 < 9e-16 m^2.  An underflow adds at most 2^-1074 a product, far below
-   the bounds.  Where something overflows the bound is infinite, or a comparison with it false.
+   |coordinate|, so m^2 <= h of >>cavity.  Compared as S^2 > (5.4e-15)^2 h^3; h is computed with 3 roundings, which
+   the next digit of the constant covers, and raised to 1e-55 if it is less.  2D: 2 products, 2 translations, 1
+   multiplication, 1 addition: < 4u * 2 m^2 < 9e-16 m^2.  An underflow adds at most 2^-1074 a product, far below the
+   bounds.  Where something overflows the bound is infinite, or a comparison with it false.
    ------------------------------------------------------------------------------------------------------ */
 #define PBW__ORIENT2_ERROR 9e-16
 #define PBW__ORIENT3_ERROR 5.4e-15
@@ -2696,12 +2697,11 @@ static pbw_index pbw__locate2(pbw__kernel *kernel, pbw_index t, const double *p)
    in the lift 2 translations, 1 multiplication, 2 additions and for the weight 2 subtractions; 3 multiplications; 1 +
    2 + 3 additions of the expansion: 19 roundings.  So |error| <= 19u/(1-19u) * 24 h^(3/2) h < 5.1e-14 h^(5/2) where h
    bounds |x|^2 + |weight difference| of the rows.  h itself is computed with 5 roundings and raised to 5/2: 5.2e-14
-   covers that; a fused multiplication and addition saves a rounding.  Compared as det^2 > (5.2e-14)^2 h^5, h raised to
-   1e-55 if it is less, so that what underflows is far below the bound; above 4e61 the product h^5, computed first, is
-   infinite and nothing exceeds it.
-   2D: 6 products of x, y and a lift; 2 translations; lift 2 + 1 + 1 + 2; 2 multiplications; 1 + 2 additions: 13
-   roundings, 13u * 6 h^2 < 8.7e-15 h^2; 9e-15 with the roundings of h; h raised to 1e-140.  Everything the bound
-   leaves open goes to >>predicates.
+   covers that; a fused multiplication and addition saves a rounding.  Compared as det^2 > (5.2e-14)^2 h^5, h raised
+   to 1e-55 if it is less, so that what underflows is far below the bound; above 4e61 the product h^5, computed first,
+   is infinite and nothing exceeds it. 2D: 6 products of x, y and a lift; 2 translations; lift 2 + 1 + 1 + 2; 2
+   multiplications; 1 + 2 additions: 13 roundings, 13u * 6 h^2 < 8.7e-15 h^2; 9e-15 with the roundings of h; h raised
+   to 1e-140.  Everything the bound leaves open goes to >>predicates.
    ------------------------------------------------------------------------------------------------------ */
 /* Takes back the marks of a cavity that will not be. */
 static PBW__NOINLINE pbw_status pbw__leave_cavity(pbw__kernel *kernel, size_t count)
@@ -2754,6 +2754,7 @@ typedef struct pbw__search {
     uint32_t stamp, local_count;
 } pbw__search;
 
+#ifdef PBW__X86
 /* Whether we may delete those of the neighbours that are in conflict. */
 static PBW__NOINLINE int pbw__may_delete_all(const pbw__kernel *kernel, const pbw__link *link, unsigned inside)
 {
@@ -2764,6 +2765,7 @@ static PBW__NOINLINE int pbw__may_delete_all(const pbw__kernel *kernel, const pb
     }
     return 1;
 }
+#endif
 
 PBW__INLINE void pbw__search_begin(pbw__kernel *kernel, pbw__search *search, pbw_index t)
 {
@@ -2913,6 +2915,7 @@ PBW__AVX2_INLINE void pbw__search_sort4(pbw__search *search, size_t i, const pbw
 }
 #endif
 
+#ifdef PBW__X86
 /* Neighbours that the filter left open (bits of `certain` not set): the exact verdicts. */
 static PBW__NOINLINE unsigned pbw__search_exact(pbw__kernel *kernel, const pbw__link *link, unsigned certain,
                                                 unsigned inside, const double *p)
@@ -2927,6 +2930,7 @@ static PBW__NOINLINE unsigned pbw__search_exact(pbw__kernel *kernel, const pbw__
     }
     return inside;
 }
+#endif
 
 /* Finds the cavity of p from t, a simplex in conflict. */
 static pbw_status pbw__carve3_scalar(pbw__kernel *kernel, pbw_index t, const double *p)
@@ -3583,7 +3587,7 @@ static pbw_status pbw__first_star(pbw__kernel *kernel, int dim, const pbw_index 
     int i, j, k, far;
     for (i = 0; i <= dim; i++) {
         v[0][i] = seed[i];
-        for (k = 0; k < dim; k++) {                  /* the facet across from corner i, with its outer side positive */
+        for (k = 0; k < dim; k++) {                  /* the facet across from corner i, outside positive */
             v[i + 1][k] = seed[dim == 3 ? pbw__facet_corners[i][k] : (i + 2 - k) % 3];
         }
         v[i + 1][dim] = PBW__GHOST;
@@ -3681,33 +3685,33 @@ static pbw_status pbw__kernel_create(pbw__kernel *kernel, pbw__context *context,
    In: a triangulation, the vertices to insert.  Out: the triangulation with them.   (Marot, Pellerin & Remacle 2019,
    "One machine, one minute, three billion tetrahedra", from whom the rule of ownership is)
 
-   Vertices are owned in cells, the runs of ranks of >>mesh's regions; each cell has one owner, a task.  A task inserts
-   vertices that it owns; in 3D it
+   Vertices are owned in cells, the runs of ranks of >>mesh's regions; each cell has one owner, a task.  A task
+   inserts vertices that it owns; in 3D it
      - deletes a simplex only if it owns three of its vertices,
      - walks through a facet only if it owns two of its vertices;
-   in 2D it deletes a triangle only if it owns all its finite vertices, and walks through an edge if it owns one of its
-   ends.  The ghost is nobody's in 3D.  Where a vertex would need more, it is left for the next round, which has other
-   borders; no task ever waits.
+   in 2D it deletes a triangle only if it owns all its finite vertices, and walks through an edge if it owns one of
+   its ends.  The ghost is nobody's in 3D.  Where a vertex would need more, it is left for the next round, which has
+   other borders; no task ever waits.
 
-   Why no word is written by one task while another reads or writes it, in 3D.  Call a simplex mine if I own two of its
-   vertices: nobody else then owns three, so nobody else deletes it, and its corners do not change under me.
-     (a) What I read is mine.  A facet of a simplex that I may delete has two vertices of mine, so the neighbour behind
-     it is mine; a facet that I walk through too.
+   Why no word is written by one task while another reads or writes it, in 3D.  Call a simplex mine if I own two of
+   its vertices: nobody else then owns three, so nobody else deletes it, and its corners do not change under me.
+     (a) What I read is mine.  A facet of a simplex that I may delete has two vertices of mine, so the neighbour
+     behind it is mine; a facet that I walk through too.
      (b) I write a link across a facet that my cavity has with a simplex outside it.  Two vertices of that facet are
      mine, so nobody else may walk through it, nor delete one of the simplices on its sides.  For the same reason the
      links that I read do not change.
      (c) A mark is set only on a simplex that its setter may delete: so nobody else looks at it (b).  Others stay 0;
      two tasks may write that same 0, therefore marks are read and written atomically, in relaxed order.
      (d) A slot belongs to the task that took it from a region of its cells, from its free list, or in a block of the
-     tail.  The count of these is atomic, in relaxed order: it numbers slots, and what the slots hold is handed over at
-     the end of a round (>>threads).
-   In 2D call a triangle mine if I own one of its vertices: nobody else then owns all of them.  Both ends of an edge of
-   a triangle that I may delete are mine or the ghost, and one at least is finite; the rest is the same.  Two tasks may
-   share an edge's ghost end only, and a mark is written only when its triangle joins a cavity.
+     tail.  The count of these is atomic, in relaxed order: it numbers slots, and what the slots hold is handed over
+     at the end of a round (>>threads).
+   In 2D call a triangle mine if I own one of its vertices: nobody else then owns all of them.  Both ends of an edge
+   of a triangle that I may delete are mine or the ghost, and one at least is finite; the rest is the same.  Two tasks
+   may share an edge's ghost end only, and a mark is written only when its triangle joins a cavity.
 
-   Why it ends.  A round that leaves more than seven tenths of its vertices is the last of its level.  What is left then,
-   or is too little to be worth a round, is inserted by one thread, which owns everything, before the next level begins:
-   vertices near the hull are among it, and cavities there would grow from level to level without them.
+   Why it ends.  A round that leaves more than seven tenths of its vertices is the last of its level.  What is left
+   then, or is too little to be worth a round, is inserted by one thread, which owns everything, before the next level
+   begins: vertices near the hull are among it, and cavities there would grow from level to level without them.
 
    The first round cuts the curve into equal runs: the vertices of a task follow each other.  The vertices left lie
    along the borders.  The next rounds split the cells by planes, oblique so that they cross those borders, into parts
@@ -3806,7 +3810,7 @@ static void pbw__level_ranks(pbw__build *build, pbw__kernel *kernel, size_t from
     }
 }
 
-/* The first slot of the part, as vertices. */
+/* The first rank, from 0, of a part of the first round. */
 PBW__INLINE size_t pbw__part_begin(const pbw__build *build, int part)
 {
     size_t cell = pbw__share(build->store->region_count, part, build->parts);
@@ -3852,18 +3856,32 @@ static void pbw__check_hints(pbw__build *build)
 }
 
 #define PBW__BINS 32
-/* Splits cells cell[from..to) among the parts low..high-1: each gets its share of what is left. */
-static void pbw__split_cells(pbw__build *build, size_t from, size_t to, int low, int high)
+/* Gives the cells to the parts: halves of the parts get halves of what is left, and so on. */
+static void pbw__split_cells(pbw__build *build)
 {
-    while (high - low > 1) {
+    struct { size_t from, to; int low, high; } todo[16], now;    /* depth: log2 of the number of parts */
+    int depth = 1;
+    todo[0].from = 0;
+    todo[0].to = build->store->region_count;
+    todo[0].low = 0;
+    todo[0].high = build->parts;
+    while (depth > 0) {
         size_t bin[PBW__BINS], i, j, total = 0, sum = 0, wanted, lightest = (size_t)-1;
         float least[3], most[3], scale;
-        int axis = 0, middle = low + (high - low) / 2, cut = 0, k;
+        int axis = 0, middle, cut = 0, k;
+        now = todo[--depth];
+        if (now.high - now.low == 1) {
+            for (i = now.from; i < now.to; i++) {
+                build->owner[build->cell[i].simplex] = (uint8_t)now.low;
+            }
+            continue;
+        }
+        middle = now.low + (now.high - now.low) / 2;
         for (k = 0; k < 3; k++) {
             least[k] = FLT_MAX;
             most[k] = -FLT_MAX;
         }
-        for (i = from; i < to; i++) {
+        for (i = now.from; i < now.to; i++) {
             const float *place = build->place + 3 * (size_t)build->cell[i].simplex;
             for (k = 0; k < 3; k++) {
                 least[k] = place[k] < least[k] ? place[k] : least[k];
@@ -3875,13 +3893,13 @@ static void pbw__split_cells(pbw__build *build, size_t from, size_t to, int low,
         }
         scale = most[axis] > least[axis] ? (float)(PBW__BINS - 1) / (most[axis] - least[axis]) : 0.0f;
         memset(bin, 0, sizeof(bin));
-        for (i = from; i < to; i++) {                /* a cell with nothing left counts too, lest parts get no cells */
+        for (i = now.from; i < now.to; i++) {        /* cells with nothing left count too, a little */
             float x = (build->place[3 * (size_t)build->cell[i].simplex + (size_t)axis] - least[axis]) * scale;
             bin[(int)x] += (size_t)build->cell[i].key * 16 + 1;
             total += (size_t)build->cell[i].key * 16 + 1;
         }
         /* What is left lies along the borders of before: not through the middle of it, but where there is little. */
-        wanted = total / (size_t)(high - low) * (size_t)(middle - low);
+        wanted = total / (size_t)(now.high - now.low) * (size_t)(middle - now.low);
         for (k = 1; k < PBW__BINS; k++) {
             size_t light = bin[k - 1] + bin[k];
             sum += bin[k - 1];
@@ -3890,7 +3908,7 @@ static void pbw__split_cells(pbw__build *build, size_t from, size_t to, int low,
                 cut = k;
             }
         }
-        for (i = j = from; i < to; i++) {
+        for (i = j = now.from; i < now.to; i++) {
             float x = (build->place[3 * (size_t)build->cell[i].simplex + (size_t)axis] - least[axis]) * scale;
             if ((int)x < cut) {
                 pbw__item swap = build->cell[i];
@@ -3898,12 +3916,12 @@ static void pbw__split_cells(pbw__build *build, size_t from, size_t to, int low,
                 build->cell[j++] = swap;
             }
         }
-        pbw__split_cells(build, from, j, low, middle);       /* depth: log2 of the number of parts */
-        from = j;
-        low = middle;
-    }
-    for (; from < to; from++) {
-        build->owner[build->cell[from].simplex] = (uint8_t)low;
+        todo[depth] = now;
+        todo[depth].to = j;
+        todo[depth++].high = middle;
+        todo[depth] = now;
+        todo[depth].from = j;
+        todo[depth++].low = middle;
     }
 }
 
@@ -3946,7 +3964,7 @@ static int pbw__new_parts(pbw__build *build, int round)
     for (i = 0; i < build->left_count; i++) {
         build->cell[build->left[i] >> bits].key++;
     }
-    pbw__split_cells(build, 0, cells, 0, build->parts);
+    pbw__split_cells(build);
     memset(build->start, 0, sizeof(build->start));
     for (i = 0; i < build->left_count; i++) {
         build->start[build->owner[build->left[i] >> bits] + 1]++;
@@ -4191,9 +4209,9 @@ static pbw_status pbw__build_all(pbw__context *context, pbw__store *store, const
    the rest second (2D: the lowest first).  Canonical order: by the ranks of the corners, first to last.  So the
    simplices follow the Hilbert curve, and any method that finds the triangulation can produce the same arrays.
 
-   The store's arrays become the caller's: a copy beside them would be the peak of the memory.  Passes: put each simplex
-   into the list of its lowest rank; sort and number the simplices list by list; translate each where it is; move each
-   to its place.
+   The store's arrays become the caller's: a copy beside them would be the peak of the memory.  Passes: put each
+   simplex into the list of its lowest rank; sort and number the simplices list by list; translate each where it is;
+   move each to its place.
    ------------------------------------------------------------------------------------------------------ */
 static void pbw__sift(pbw__item *heap, size_t root, size_t count)
 {
@@ -4243,17 +4261,18 @@ typedef struct pbw__emission {
     size_t slot_count, simplex_count, vertex_count, visible;
     int dim, any_order, tasks, failed;
     const pbw_index *id;                             /* of each rank */
-    pbw_index *number;                               /* per slot: the next of its list; then its place in the output */
-    pbw_index *place;                                /* per simplex of the output: its slot; PBW_NONE once it is there */
-    pbw_index *head, *first;                         /* per rank: the first of its list; its first simplex: one array */
-    pbw_index *block;                                /* per PBW__BLOCK ranks: simplices; then the number of the first */
+    pbw_index *number;                               /* per slot: the next of its list; then its place */
+    pbw_index *place;                                /* per simplex of the output: its slot; PBW_NONE: done */
+    pbw_index *head, *first;                         /* per rank: first of its list; first simplex (one array) */
+    pbw_index *block;                                /* per PBW__BLOCK ranks: simplices; then the first one */
     pbw_index *incident;                             /* per point of the caller */
     size_t from, to;                                 /* packing: the simplices of this step */
 } pbw__emission;
 #define PBW__BLOCK 4096
 
 /* From one task's share of `count` items to the next, in steps that look at the clock. */
-PBW__INLINE int pbw__emit_step(pbw__emission *emission, size_t count, int task, double begin, size_t *from, size_t *to)
+PBW__INLINE int pbw__emit_step(pbw__emission *emission, size_t count, int task, double begin, size_t *from,
+                               size_t *to)
 {
     size_t end = pbw__share(count, task + 1, emission->tasks);
     *from = *to == 0 ? pbw__share(count, task, emission->tasks) : *to;
@@ -4266,9 +4285,10 @@ PBW__INLINE int pbw__emit_step(pbw__emission *emission, size_t count, int task, 
 PBW__INLINE unsigned pbw__canonical_order(const pbw_index *v, int dim)
 {
     static const unsigned char space[64] = {
-        228, 177, 0, 201, 0, 0, 0, 201, 120, 0, 210, 54, 0, 0, 0, 54, 0, 0, 0, 0, 0, 0, 0, 0, 120, 0, 210, 0, 0, 0, 78,
-        78, 228, 177, 0, 0, 0, 45, 0, 45, 0, 0, 0, 0, 0, 0, 0, 0, 156, 0, 0, 0, 99, 135, 0, 135, 156, 0, 0, 0, 99, 0,
-        27, 27 };
+        228, 177, 0, 201, 0, 0, 0, 201, 120, 0, 210, 54, 0, 0, 0, 54,
+        0, 0, 0, 0, 0, 0, 0, 0, 120, 0, 210, 0, 0, 0, 78, 78,
+        228, 177, 0, 0, 0, 45, 0, 45, 0, 0, 0, 0, 0, 0, 0, 0,
+        156, 0, 0, 0, 99, 135, 0, 135, 156, 0, 0, 0, 99, 0, 27, 27 };
     static const unsigned char plane[8] = { 36, 9, 0, 9, 36, 0, 18, 18 };
     if (dim == 2) {
         return plane[(v[0] > v[1]) | (v[0] > v[2]) << 1 | (v[1] > v[2]) << 2];
@@ -4433,9 +4453,9 @@ PBW__INLINE void pbw__emit_move(pbw__emission *emission, size_t to, size_t from)
     }
 }
 
-/* Pass 4: each simplex to its place.  A place that holds nothing is filled, which empties another one, and so on, until
-   that one is beyond the output: such paths are disjoint.  Several are followed in turns, so that what a step needs is
-   in the cache when its turn comes. */
+/* Pass 4: each simplex to its place.  A place that holds nothing is filled, which empties another one, and so on,
+   until that one is beyond the output: such paths are disjoint.  Several are followed in turns, so that what a step
+   needs is in the cache when its turn comes. */
 #define PBW__PATHS 16
 static void pbw__emit_pass4(void *arg, int task)
 {
