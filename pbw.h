@@ -2297,7 +2297,7 @@ static PBW__NOINLINE pbw_status pbw__store_reserve(pbw__context *context, pbw__s
 PBW__INLINE size_t pbw__region_end(const pbw__store *store, size_t region)
 {
     size_t end = (region + 1) * store->slots_each;
-    return end < store->region_slots ? end : store->region_slots;
+    return end < store->region_slots && region + 1 < store->region_count ? end : store->region_slots;
 }
 
 /* Regions and a tail.  A region has slots for 7 simplices a vertex in space, 2 1/16 in the plane: uniform points need
@@ -2321,7 +2321,7 @@ static pbw_status pbw__store_create(pbw__context *context, pbw__store *store, si
     status = store->region != NULL && store->hint != NULL ? pbw__store_reserve(context, store, slots)
                                                           : PBW_ERROR_MEMORY;
     for (r = 0; r < store->region_count && status == PBW_OK; r++) {
-        store->region[r] = (pbw_index)pbw__region_end(store, r - 1);
+        store->region[r] = (pbw_index)(r > 0 ? pbw__region_end(store, r - 1) : 0);
         store->hint[r] = PBW_NONE;
     }
     store->count = store->region_slots;
