@@ -58,14 +58,16 @@ int main(int argc, char **argv)
         return 1;
     }
     for (size_t i = 0; i < facets; i++) {
-        const double *a = points + 3 * hull[3 * i], *b = points + 3 * hull[3 * i + 1], *c = points + 3 * hull[3 * i + 2];
-        const double u[3] = { b[0] - a[0], b[1] - a[1], b[2] - a[2] }, v[3] = { c[0] - a[0], c[1] - a[1], c[2] - a[2] };
+        const pbw_index *h = hull + 3 * i;
+        const double *a = points + 3 * h[0], *b = points + 3 * h[1], *c = points + 3 * h[2];
+        const double u[3] = { b[0] - a[0], b[1] - a[1], b[2] - a[2] };
+        const double v[3] = { c[0] - a[0], c[1] - a[1], c[2] - a[2] };
         const double n[3] = { u[1] * v[2] - u[2] * v[1], u[2] * v[0] - u[0] * v[2], u[0] * v[1] - u[1] * v[0] };
         area += sqrt(n[0] * n[0] + n[1] * n[1] + n[2] * n[2]) / 2;
         volume += (n[0] * a[0] + n[1] * a[1] + n[2] * a[2]) / 6;
         for (int k = 0; k < 3; k++) {
-            vertices += !on_hull[hull[3 * i + (size_t)k]];
-            on_hull[hull[3 * i + (size_t)k]] = 1;
+            vertices += !on_hull[h[k]];
+            on_hull[h[k]] = 1;
         }
     }
     printf("%zu facets, %zu vertices; facets = 2 vertices - 4: %s\n", facets, vertices,

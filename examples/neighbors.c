@@ -1,8 +1,8 @@
 /* neighbors.c: the nearest neighbour of every point, found among its Delaunay neighbours.
    cc -O2 -I. examples/neighbors.c -o neighbors -lpthread -lm
-   The ball around a point that reaches to its nearest neighbour is empty, so the two share a Delaunay edge: O(n) after
-   the triangulation, instead of O(n^2).  Prints expected/neighbors.txt; the limit of the share of mutual pairs is
-   16/27 = 0.5926 for random points in space. */
+   The ball around a point that reaches to its nearest neighbour is empty, so the two share a Delaunay edge: O(n)
+   after the triangulation, instead of O(n^2).  Prints expected/neighbors.txt; the limit of the share of mutual pairs
+   is 16/27 = 0.5926 for random points in space. */
 #define PBW_IMPLEMENTATION
 #include "pbw.h"
 #include <stdio.h>
@@ -20,8 +20,9 @@ static double distance2(const double *p, const double *q)
 static void improve(const double *points, pbw_index *nearest, pbw_index i, pbw_index j)
 {
     if (nearest[i] != PBW_NONE) {
-        double now = distance2(points + 3 * i, points + 3 * nearest[i]), then = distance2(points + 3 * i, points + 3 * j);
-        if (then > now || (then >= now && j >= nearest[i])) {
+        double old = distance2(points + 3 * i, points + 3 * nearest[i]);
+        double other = distance2(points + 3 * i, points + 3 * j);
+        if (other > old || (other >= old && j >= nearest[i])) {
             return;
         }
     }
@@ -74,10 +75,12 @@ int main(void)
     }
     for (pbw_index i = 0; i < CHECKED; i++) {
         pbw_index best = PBW_NONE;
+        double least = 0;
         for (pbw_index j = 0; j < COUNT; j++) {
-            if (j != i && (best == PBW_NONE ||
-                           distance2(points + 3 * i, points + 3 * j) < distance2(points + 3 * i, points + 3 * best))) {
-                best = j;
+            if (j != i) {
+                double d = distance2(points + 3 * i, points + 3 * j);
+                best = best == PBW_NONE || d < least ? j : best;
+                least = best == j ? d : least;
             }
         }
         right += best == nearest[i];

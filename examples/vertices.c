@@ -36,7 +36,8 @@ static void set_normals(const pbw_index *indices, size_t triangles)
     for (size_t i = 0; i < triangles; i++) {
         const pbw_index *c = indices + 3 * i;
         const float *a = vertices[c[0]].position, *b = vertices[c[1]].position, *d = vertices[c[2]].position;
-        const float u[3] = { b[0] - a[0], b[1] - a[1], b[2] - a[2] }, v[3] = { d[0] - a[0], d[1] - a[1], d[2] - a[2] };
+        const float u[3] = { b[0] - a[0], b[1] - a[1], b[2] - a[2] };
+        const float v[3] = { d[0] - a[0], d[1] - a[1], d[2] - a[2] };
         for (int k = 0; k < 3; k++) {
             float *n = vertices[c[k]].normal;
             n[0] += u[1] * v[2] - u[2] * v[1];

@@ -1,7 +1,7 @@
 /* weights.c: a ball that grows among 2000 others until it has swallowed its neighbours.
    cc -O2 -I. examples/weights.c -o weights -lpthread -lm
-   A point with weight radius^2 is a ball, and its cell is where |x - p|^2 - weight is less than for all others.  A point
-   whose cell is empty is hidden: mesh.incident is PBW_NONE.  Prints the counts of expected/weights.txt. */
+   A point with weight radius^2 is a ball, and its cell is where |x - p|^2 - weight is less than for all others.  A
+   point whose cell is empty is hidden: mesh.incident is PBW_NONE.  Prints the counts of expected/weights.txt. */
 #define PBW_IMPLEMENTATION
 #include "pbw.h"
 #include <stdio.h>
