@@ -1,6 +1,6 @@
 #!/bin/sh
-# examples.sh FOLDER: runs the examples there that have a file in examples/expected, and compares what they print; then
-# looks into the models and pictures that some of them write.
+# examples.sh FOLDER: runs the examples there that have a file in examples/expected, and compares what they print;
+# then looks into the models and pictures that some of them write.
 bin=$1 work=$1/examples
 passed=0 failed=0 skipped=0
 rm -rf "$work" && mkdir -p "$work" || exit 2
@@ -48,7 +48,8 @@ done
 check "terrain writes a picture" "./$bin/terrain" "$work/terrain.pgm"
 check "terrain: of the size it says" [ "$(head -n 2 "$work/terrain.pgm" | tail -n 1),$(wc -c < "$work/terrain.pgm" |
     tr -d ' ')" = "720 480,345615" ]
-awk 'BEGIN { printf "P6\n# grey\n40 30\n255\n"; for (i = 0; i < 3600; i++) printf "%c", 48 + i % 75 }' > "$work/in.ppm"
+awk 'BEGIN { printf "P6\n# grey\n40 30\n255\n"; for (i = 0; i < 3600; i++) printf "%c", 48 + i % 75 }' \
+    > "$work/in.ppm"
 check "lowpoly reads a PPM file" "./$bin/lowpoly" "$work/in.ppm" "$work/lowpoly.svg"
 triangles=$(sed -n 's/.* \([0-9]*\) triangles.*/\1/p' "$work/out")
 check "lowpoly: a path for each triangle" [ "$(grep -c '<path d=.*fill=.*/>' "$work/lowpoly.svg")" = "$triangles" ]
