@@ -12,10 +12,11 @@ C = $(CC) -std=c99 $(CFLAGS) $(WARN) -I.
 LIBS = -lpthread -lm
 TESTS = $(patsubst tests/%.c,%,$(wildcard tests/test_*.c))
 EXAMPLES = $(patsubst examples/%.c,%,$(wildcard examples/*.c))
+EXAMPLES_CXX = $(if $(shell command -v $(firstword $(CXX))),$(patsubst examples/%.cpp,%,$(wildcard examples/*.cpp)))
 EXPECTED = $(patsubst examples/expected/%.txt,%,$(wildcard examples/expected/*.txt))
 FUZZERS = $(patsubst tests/%.c,%,$(wildcard tests/fuzz_*.c))
 HEADERS = pbw.h $(wildcard tests/*.h examples/*.h)
-SCRIPTS = $(filter packaging hashes examples asm oracle,$(patsubst tests/%.sh,%,$(wildcard tests/*.sh)))
+SCRIPTS = $(filter packaging hashes examples asm oracle cmake python,$(patsubst tests/%.sh,%,$(wildcard tests/*.sh)))
 export CC CXX
 
 ifeq ($(MAKELEVEL),0)
@@ -26,7 +27,7 @@ endif
 .DELETE_ON_ERROR:
 .SECONDARY:
 
-all: $(EXAMPLES:%=$B/%)
+all: $(EXAMPLES:%=$B/%) $(EXAMPLES_CXX:%=$B/%) $B/libpbw_python.so
 
 help:
 	@echo 'make             builds the examples into $B/, the pbw program among them'
@@ -51,6 +52,14 @@ $(EXAMPLES:%=$B/%): $B/%: examples/%.c $(HEADERS)
 	@mkdir -p $B
 	$C $< -o $@ $(LIBS)
 
+$(EXAMPLES_CXX:%=$B/%): $B/%: examples/%.cpp pbw.h
+	@mkdir -p $B
+	$(CXX) -std=c++11 $(CXXFLAGS) $(WARN) -I. $< -o $@ $(LIBS)
+
+$B/libpbw_python.so: examples/python/pbw_python.c pbw.h
+	@mkdir -p $B
+	$C -fPIC -shared $< -o $@ $(LIBS)
+
 $(TESTS:%=$B/%): $B/%: tests/%.c $(HEADERS) $B/libpbw.a
 	$C $< -o $@ $B/libpbw.a $(LIBS)
 
@@ -65,7 +74,8 @@ $(SCRIPTS:%=$B/%.log): $B/%.log: tests/%.sh FORCE
 	@mkdir -p $B
 	+@sh tests/run.sh $@ sh $< $B
 
-$B/examples.log: $(EXPECTED:%=$B/%)
+$B/examples.log: $(patsubst %,$B/%,$(filter $(EXAMPLES) $(EXAMPLES_CXX),$(EXPECTED)))
+$B/python.log: $B/libpbw_python.so
 $B/oracle.log: $B/libpbw.a
 
 # One that does not compile is a failure, and the others still run.

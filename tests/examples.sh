@@ -1,15 +1,59 @@
 #!/bin/sh
-# examples.sh FOLDER: runs the examples there that have a file in examples/expected, and compares what they print.
-passed=0 failed=0
-for expected in examples/expected/*.txt; do
-    name=$(basename "$expected" .txt)
-    if "./$1/$name" 2> "$1/$name.errors" | cmp -s - "$expected"; then
+# examples.sh FOLDER: runs the examples there that have a file in examples/expected, and compares what they print;
+# then looks into the models and pictures that some of them write.
+bin=$1 work=$1/examples
+passed=0 failed=0 skipped=0
+rm -rf "$work" && mkdir -p "$work" || exit 2
+
+check() {   # check NAME COMMAND...
+    name=$1
+    shift
+    if "$@" > "$work/out" 2>&1; then
         passed=$((passed + 1))
     else
         failed=$((failed + 1))
-        echo "FAILED examples/$name.c"
-        "./$1/$name" 2>&1 | diff - "$expected" | head -n 6
+        echo "FAILED $name"
+        head -n 6 "$work/out" | sed 's/^/    /'
+    fi
+}
+
+prints() {   # prints PROGRAM FILE
+    "$1" > "$work/printed" 2> "$work/errors"
+    diff "$work/printed" "$2"
+}
+
+# Every edge of an OBJ model is there once each way: its surface is closed and turned outward, or inward, all over.
+closed() {
+    awk '$1 == "f" { facets++; for (k = 2; k <= 4; k++) { b = k < 4 ? k + 1 : 2; edge[$k " " $b]++ } }
+         END { if (facets < 4) { print facets " facets"; exit 1 }
+               for (e in edge) { split(e, end, " ")
+                   if (edge[e] != 1 || edge[end[2] " " end[1]] != 1) { print "edge " e; exit 1 } } }' "$1"
+}
+
+for expected in examples/expected/*.txt; do
+    name=$(basename "$expected" .txt)
+    if [ -f "examples/$name.cpp" ] && ! command -v ${CXX:-c++} > /dev/null; then
+        skipped=$((skipped + 1))
+        echo "skipped examples/$name.cpp: no C++ compiler"
+    else
+        check "examples/$name" prints "./$bin/$name" "$expected"
     fi
 done
-echo "$passed passed, $failed failed, 0 skipped"
+
+for model in hull alpha; do
+    check "$model writes an OBJ model" "./$bin/$model" "$work/$model.obj"
+    check "$model: a closed surface" closed "$work/$model.obj"
+    check "$model: no space left is an error" sh -c "[ ! -e /dev/full ] || ! ./$bin/$model /dev/full"
+done
+check "terrain writes a picture" "./$bin/terrain" "$work/terrain.pgm"
+check "terrain: of the size it says" [ "$(head -n 2 "$work/terrain.pgm" | tail -n 1),$(wc -c < "$work/terrain.pgm" |
+    tr -d ' ')" = "720 480,345615" ]
+awk 'BEGIN { printf "P6\n# grey\n40 30\n255\n"; for (i = 0; i < 3600; i++) printf "%c", 48 + i % 75 }' \
+    > "$work/in.ppm"
+check "lowpoly reads a PPM file" "./$bin/lowpoly" "$work/in.ppm" "$work/lowpoly.svg"
+triangles=$(sed -n 's/.* \([0-9]*\) triangles.*/\1/p' "$work/out")
+check "lowpoly: a path for each triangle" [ "$(grep -c '<path d=.*fill=.*/>' "$work/lowpoly.svg")" = "$triangles" ]
+head -c 1000 "$work/in.ppm" > "$work/short.ppm"
+check "lowpoly refuses a short file" sh -c "! ./$bin/lowpoly $work/short.ppm $work/short.svg"
+echo "$passed passed, $failed failed, $skipped skipped"
 [ "$failed" = 0 ]

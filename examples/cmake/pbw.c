@@ -1,0 +1,2 @@
+#define PBW_IMPLEMENTATION
+#include "pbw.h"

@@ -1,0 +1,466 @@
+"""python.py: pbw.py against exact arithmetic, SciPy's documentation, and SciPy itself; see python.sh."""
+import doctest
+import itertools
+import os
+import pickle
+import re
+import signal
+import sys
+import threading
+import traceback
+import types
+import unittest.mock
+from fractions import Fraction
+
+import numpy as np
+
+import pbw
+
+try:
+    import scipy.spatial
+except ImportError:
+    scipy = None
+
+tests = []
+
+
+class Skip(Exception):
+    pass
+
+
+def test(function):
+    tests.append(function)
+    return function
+
+
+def with_scipy(function):
+    function.needs_scipy = True
+    return test(function)
+
+
+def check(condition, *what):
+    if not condition:
+        raise AssertionError(*what)
+
+
+def equal(a, b):
+    check(np.array_equal(a, b), a, b)
+
+
+def raises(kind, function, *arguments, **named):
+    try:
+        function(*arguments, **named)
+    except kind as e:
+        return e
+    raise AssertionError("no %s" % kind.__name__)
+
+
+def sets(rows):
+    """Rows as a set of sorted tuples; none may be there twice."""
+    result = {tuple(sorted(row)) for row in rows.tolist()}
+    check(len(result) == len(rows), "twice")
+    return result
+
+
+def determinant(rows):
+    if len(rows) == 1:
+        return rows[0][0]
+    return sum((-1) ** k * x * determinant([r[:k] + r[k + 1:] for r in rows[1:]]) for k, x in enumerate(rows[0]))
+
+
+def orient(corners):
+    p = [[Fraction(x) for x in corner] for corner in np.asarray(corners).tolist()]
+    return determinant([[x - y for x, y in zip(q, p[0])] for q in p[1:]])
+
+
+def conflict(corners, weights, q, w):
+    """Positive if q with weight w is in conflict with a positively oriented simplex."""
+    q = [Fraction(x) for x in np.asarray(q).tolist()]
+    rows = []
+    for corner, weight in zip(np.asarray(corners).tolist(), weights):
+        r = [Fraction(x) - y for x, y in zip(corner, q)]
+        rows.append(r + [sum(x * x for x in r) - Fraction(float(weight)) + Fraction(float(w))])
+    return determinant(rows) * (1 if len(q) == 2 else -1)
+
+
+def inputs(dim, count=60):
+    """Points in general position, on a lattice, with duplicates, on a circle or sphere."""
+    rng = np.random.default_rng(dim)
+    lattice = np.array(list(itertools.product(range(4), repeat=dim)), float)
+    yield rng.random((count, dim))
+    yield lattice
+    yield np.concatenate([lattice[::2], lattice[::3], lattice])
+    sphere = [p for p in itertools.product(range(-5, 6), repeat=dim) if sum(x * x for x in p) in (25, 0)]
+    yield np.array(sphere, float)
+    yield np.ldexp(rng.random((count, dim)), rng.integers(-200, 0, (count, dim)))
+
+
+def structure(tri):
+    """Orientation, neighbours, one simplex for each point."""
+    for t, (corners, neighbors) in enumerate(zip(tri.simplices.tolist(), tri.neighbors.tolist())):
+        check(orient(tri.points[corners]) > 0)
+        for k, n in enumerate(neighbors):
+            if n >= 0:
+                facet = set(corners[:k] + corners[k + 1:])
+                check(facet == set(tri.simplices[n]) - {int(tri.simplices[n][list(tri.neighbors[n]).index(t)])})
+    for p, t in enumerate(tri.vertex_to_simplex.tolist()):
+        check(t < 0 or p in tri.simplices[t] or p in tri.coplanar[:, 0])
+
+
+@test
+def delaunay_in_exact_arithmetic():
+    for dim in (2, 3):
+        for points in inputs(dim, 30):
+            tri = pbw.Delaunay(points)
+            structure(tri)
+            for corners in tri.simplices[:60]:
+                for q in points[:60]:
+                    check(conflict(points[corners], [0] * (dim + 1), q, 0) <= 0)
+
+
+@test
+def regular_in_exact_arithmetic():
+    for dim in (2, 3):
+        rng = np.random.default_rng(dim)
+        points, weights = rng.random((40, dim)), rng.random(40) / 10
+        tri = pbw.Delaunay(points, weights=weights)
+        structure(tri)
+        check(len(tri.hidden) > 0 and len(tri.hidden) + len(np.unique(tri.simplices)) == 40)
+        check((tri.vertex_to_simplex[tri.hidden] == -1).all())
+        for corners in tri.simplices:
+            for q, w in zip(points, weights):
+                check(conflict(points[corners], weights[corners], q, w) <= 0)
+        distance = tri.plane_distance(points)
+        for i, q in enumerate(points):
+            for t, corners in enumerate(tri.simplices):
+                exact = conflict(points[corners], weights[corners], q, 0)
+                check(abs(distance[i, t]) < 1e-12 or (exact > 0) == (distance[i, t] > 0))
+        equal(pbw.Delaunay(points, weights=np.full(40, 3.0)).simplices, pbw.Delaunay(points).simplices)
+
+
+@test
+def find_simplex_in_exact_arithmetic():
+    for dim in (2, 3):
+        for points in inputs(dim, 30):
+            tri = pbw.Delaunay(points)
+            rng = np.random.default_rng(7)
+            some = points[tri.simplices[rng.integers(0, tri.nsimplex, 20)]]
+            queries = np.concatenate([points, some[:, :2].mean(axis=1), some[:, :3].mean(axis=1), some.mean(axis=1),
+                                      points[:10] * 1.5 - 0.25, points + 0.5])[:300]
+            found = tri.find_simplex(queries)
+            equal(found, tri.find_simplex(queries, bruteforce=True))
+            equal(found[::-1], [int(tri.find_simplex(q)) for q in queries[::-1]])
+            for q, t in list(zip(queries, found.tolist()))[::7]:
+                has = [s for s, c in enumerate(tri.simplices[:t + 1 if t >= 0 else None])
+                       if all(orient(np.where(np.arange(dim + 1)[:, None] == k, q, points[c])) >= 0
+                              for k in range(dim + 1))]
+                check(has == ([t] if t >= 0 else []), has, t)
+
+
+@test
+def find_simplex_shapes_and_strange_queries():
+    tri = pbw.Delaunay(np.random.default_rng(1).random((500, 2)))
+    q = np.random.default_rng(2).random((4, 50, 2))
+    equal(tri.find_simplex(q).shape, (4, 50))
+    equal(tri.find_simplex(q).ravel(), tri.find_simplex(q.reshape(-1, 2)))
+    equal(tri.find_simplex(q), pbw.tsearch(tri, q))
+    check(tri.find_simplex(q[0, 0]).shape == () and tri.find_simplex(q[:0]).shape == (0, 50))
+    equal(tri.find_simplex(np.full((200, 2), np.nan)), np.full(200, -1))
+    equal(tri.find_simplex([[np.inf, 0], [0, -np.inf], [1e308, -1e308], [0.5, 0.5]])[:3], [-1, -1, -1])
+    mixed = np.where(np.arange(400)[:, None] % 3 == 0, np.nan, q.reshape(-1, 2)[np.arange(400) % 200])
+    equal(tri.find_simplex(mixed)[1::3], tri.find_simplex(mixed[1::3]))
+    raises(ValueError, tri.find_simplex, [1.0, 2.0, 3.0])
+    raises(ValueError, tri.find_simplex, 1.0)
+    square = pbw.Delaunay([[0, 0], [1, 0], [0, 1], [1, 1]])
+    outside = [[0.5, -1e-9], [1 + 1e-9, 0.5], [0.5, -1e-3]]
+    for bruteforce in (False, True):
+        equal(square.find_simplex(outside, bruteforce), [-1, -1, -1])
+        near = square.find_simplex(outside, bruteforce, tol=1e-6)
+        check((near[:2] >= 0).all() and near[2] == -1)
+
+
+@test
+def barycentric_coordinates():
+    for dim in (2, 3):
+        tri = pbw.Delaunay(np.random.default_rng(3).random((300, dim)))
+        q = np.random.default_rng(4).random((200, dim)) * 0.5 + 0.25
+        t = tri.transform[tri.find_simplex(q)]
+        b = np.einsum("ijk,ik->ij", t[:, :dim], q - t[:, dim])
+        b = np.column_stack([b, 1 - b.sum(axis=1)])
+        check((b > -1e-12).all())
+        thin = pbw.Delaunay(np.vstack([np.zeros(dim), np.eye(dim)[:-1], np.full(dim, 1e-14)]))
+        check(np.isnan(thin.transform[:, :dim]).all() and not np.isnan(thin.equations).any())
+        check(np.allclose(np.einsum("ij,ijk->ik", b, tri.points[tri.simplices[tri.find_simplex(q)]]), q))
+
+
+@test
+def hull_and_neighbors():
+    for dim in (2, 3):
+        for points in inputs(dim):
+            tri = pbw.Delaunay(points)
+            for facet in tri.convex_hull[:40]:
+                check(all(orient([*points[facet], q]) * (1 if dim == 2 else -1) >= 0 for q in points[:60]))
+            indptr, indices = tri.vertex_neighbor_vertices
+            for p in range(len(points)):
+                star = tri.simplices[(tri.simplices == p).any(axis=1)]
+                equal(indices[indptr[p]:indptr[p + 1]], [v for v in np.unique(star) if v != p])
+
+
+@test
+def lattice_is_tiled():
+    for dim, simplex in ((2, 2), (3, 6)):
+        points = np.array(list(itertools.product(range(9), repeat=dim)), float)
+        corner = points[pbw.Delaunay(points).simplices]
+        volumes = np.linalg.det(corner[:, 1:] - corner[:, :1]) / simplex
+        check((volumes > 0).all() and np.isclose(volumes.sum(), 8 ** dim))
+
+
+@test
+def documented_examples():
+    """Those of SciPy's reference and tutorial, told so that the order of simplices does not matter."""
+    points = np.array([[0, 0], [0, 1.1], [1, 0], [1, 1]])
+    tri = pbw.Delaunay(points)
+    check(sets(tri.simplices) == {(0, 2, 3), (0, 1, 3)} and tri.simplices.dtype == np.int32)
+    one = [t for t in (0, 1) if 1 in tri.simplices[t]][0]
+    equal(sorted(tri.neighbors[one]), [-1, -1, 1 - one])
+    equal(points[tri.simplices[one][list(tri.neighbors[one]).index(1 - one)]], [0, 1.1])
+    p = np.array([(0.1, 0.2), (1.5, 0.5), (0.5, 1.05)])
+    equal(tri.find_simplex(p), [one, -1, one])
+    b = tri.transform[one, :2].dot(np.transpose(p - tri.transform[one, 2]))
+    b = np.c_[np.transpose(b), 1 - b.sum(axis=0)][:, [list(tri.simplices[one]).index(v) for v in (3, 1, 0)]]
+    check(np.allclose(b, [[0.1, 0.09090909, 0.80909091], [1.5, -0.90909091, 0.40909091], [0.5, 0.5, 0]]), b)
+
+    tri = pbw.Delaunay(np.array([[0, 0], [0, 1], [1, 0], [1, 1], [1, 1]]))
+    equal(np.unique(tri.simplices.ravel()), [0, 1, 2, 3])
+    equal(tri.coplanar[:, [0, 2]], [[4, 3]])
+    check(3 in tri.simplices[tri.coplanar[0, 1]] and tri.vertex_to_simplex[4] == tri.vertex_to_simplex[3])
+
+
+@test
+def bad_arguments():
+    good = np.random.default_rng(5).random((10, 3))
+    bad = good.copy()
+    bad[3, 1] = np.nan
+    for points in (bad, np.where(np.isnan(bad), np.inf, bad), good[0], good[:, :1], np.zeros((9, 4)), good[None],
+                   np.ma.masked_array(good, np.isnan(bad))):
+        raises(ValueError, pbw.Delaunay, points)
+    raises(ValueError, pbw.Delaunay, good, weights=[1.0])
+    raises(ValueError, pbw.Delaunay, good, weights=np.full(10, np.nan))
+    raises(ValueError, pbw.Delaunay, good, threads=-1)
+    raises(ValueError, pbw.Delaunay, good, furthest_site=True)
+    for flat in (np.zeros((10, 3)), good[:3], np.zeros((0, 2)), good * [1, 1, 0]):
+        raises(pbw.QhullError, pbw.Delaunay, flat)
+    check(issubclass(pbw.QhullError, RuntimeError))
+
+
+@test
+def kinds_of_arrays():
+    points = np.random.default_rng(6).integers(0, 100, (200, 2))
+    want = pbw.Delaunay(points.astype(float)).simplices
+    for same in (points, points.tolist(), points.astype(np.float32), np.asfortranarray(points.astype(float)),
+                 np.repeat(points, 2, axis=0)[::2], np.hstack([points, points])[:, :2]):
+        equal(pbw.Delaunay(same).simplices, want)
+    tri = pbw.Delaunay(points)
+    raises(ValueError, tri.simplices.__setitem__, (0, 0), 1)
+    found = tri.find_simplex(points[:5] + 0.25)
+    tri.simplices = tri.simplices[:2]  # as people do who look at a part of it
+    equal(tri.find_simplex(points[:5] + 0.25), found)
+    points[:] = 0                      # the triangulation has its own
+    equal(pickle.loads(pickle.dumps(tri)).find_simplex([[50, 50]]), tri.find_simplex([[50, 50]]))
+    for name in ("float32", "float64"):
+        points = np.random.default_rng(7).random((500, 3)).astype(name)
+        equal(pbw.Delaunay(points).simplices, pbw.Delaunay(points.astype(float)).simplices)
+
+
+@test
+def points_added():
+    points = np.random.default_rng(8).random((300, 3))
+    tri = pbw.Delaunay(points[:100], incremental=True)
+    before = len(tri.convex_hull)
+    tri.add_points(points[100:])
+    equal(tri.simplices, pbw.Delaunay(points).simplices)
+    equal(tri.points, points)
+    check(before != len(tri.convex_hull))
+    tri.add_points(points[:50] / 2, restart=True)
+    equal(tri.simplices, pbw.Delaunay(np.concatenate([points, points[:50] / 2])).simplices)
+    tri.close()
+    raises(RuntimeError, tri.add_points, points)
+    raises(RuntimeError, pbw.Delaunay(points).add_points, points)
+
+
+@test
+def progress_and_interruption():
+    points = np.random.default_rng(9).random((100000, 3))
+    calls = []
+    tri = pbw.Delaunay(points, progress=lambda stage, done: calls.append((stage, done)))
+    check(calls and {stage for stage, _ in calls} <= {"order", "build", "output"})
+    check(all(0 <= done <= 1 for _, done in calls))
+
+    def stop(stage, done):
+        if stage == "build":
+            raise KeyError("enough")
+
+    raises(KeyError, pbw.Delaunay, points, progress=stop)
+    reached = []
+
+    def interrupt(stage, done):
+        if not reached:
+            os.kill(os.getpid(), signal.SIGINT)
+        reached.append(stage)
+
+    raises(KeyboardInterrupt, pbw.Delaunay, points, progress=interrupt)
+    check(reached and "output" not in reached, reached)
+    equal(pbw.Delaunay(points).simplices, tri.simplices)
+
+
+@test
+def several_at_once():
+    points = [np.random.default_rng(k).random((20000, 3)) for k in range(4)]
+    want = [pbw.Delaunay(p).simplices for p in points]
+    got = [None] * 4
+
+    def work(k):
+        got[k] = pbw.Delaunay(points[k]).simplices
+
+    threads = [threading.Thread(target=work, args=(k,)) for k in range(4)]
+    for thread in threads:
+        thread.start()
+    for thread in threads:
+        thread.join()
+    for a, b in zip(want, got):
+        equal(a, b)
+    equal(pbw.Delaunay(points[0], threads=1).simplices, pbw.Delaunay(points[0], threads=3).simplices)
+
+
+def run_examples(text):
+    """The code of a docstring, with our Delaunay for SciPy's; what is printed that has one answer is compared."""
+    stand_in = types.ModuleType("scipy.spatial")
+    stand_in.Delaunay, stand_in.tsearch, stand_in.delaunay_plot_2d = pbw.Delaunay, pbw.tsearch, lambda tri: None
+    plot = unittest.mock.MagicMock()
+    with unittest.mock.patch.dict(sys.modules, {"scipy.spatial": stand_in, "matplotlib": plot,
+                                                "matplotlib.pyplot": plot}):
+        names = {"np": np}
+        examples = doctest.DocTestParser().get_examples(text)
+        for example in examples:
+            exec(compile(example.source, example.source, "exec"), names)
+    check(any("Delaunay(" in e.source for e in examples))
+    return names
+
+
+@with_scipy
+def scipy_docstrings():
+    names = run_examples(scipy.spatial.Delaunay.__doc__)
+    check(isinstance(names["tri"], pbw.Delaunay) and names["b"].shape == (2, 3))
+    names = run_examples(scipy.spatial.tsearch.__doc__)
+    check(isinstance(names["tri"], pbw.Delaunay))
+
+
+@with_scipy
+def scipy_tests_of_its_own():
+    """Those that ask for neither Qhull's order of simplices, nor more than three dimensions, nor its options."""
+    try:
+        from scipy.spatial.tests import test_qhull
+    except ImportError as e:
+        raise Skip(e)
+    utilities, rows = test_qhull.TestUtilities(), test_qhull.TestVertexNeighborVertices()
+    delaunay = test_qhull.TestDelaunay()
+    with unittest.mock.patch.object(test_qhull.qhull, "Delaunay", pbw.Delaunay):
+        for run in (utilities.test_plane_distance, rows.test_triangle, rows.test_rectangle, rows.test_complicated,
+                    delaunay.test_masked_array_fails, delaunay.test_array_with_nans_fails,
+                    delaunay.test_duplicate_points, delaunay.test_pathological, delaunay.test_coplanar):
+            run()
+        names = [name for name in test_qhull.INCREMENTAL_DATASETS if not re.search("[4-9]d", name)]
+        check(len(names) > 5)
+        for name in names:
+            delaunay.test_incremental(name)
+
+
+@with_scipy
+def scipy_gives_the_same():
+    for dim in (2, 3):
+        for seed in range(3):
+            rng = np.random.default_rng(seed)
+            points, q = rng.random((600, dim)), rng.random((1000, dim)) * 1.2 - 0.1
+            ours, theirs = pbw.Delaunay(points), scipy.spatial.Delaunay(points)
+            check(sets(ours.simplices) == sets(theirs.simplices))
+            check(sets(ours.convex_hull) == sets(theirs.convex_hull))
+            equal(ours.coplanar.shape, theirs.coplanar.shape)
+            equal([ours.ndim, ours.npoints, ours.nsimplex], [theirs.ndim, theirs.npoints, theirs.nsimplex])
+            equal([ours.min_bound, ours.max_bound], [theirs.min_bound, theirs.max_bound])
+            for name in ("simplices", "neighbors", "convex_hull", "coplanar", "vertex_to_simplex", "transform",
+                         "equations"):
+                a, b = getattr(ours, name), getattr(theirs, name)
+                check(a.dtype == b.dtype and a.shape == b.shape, name, a.dtype, b.dtype, a.shape, b.shape)
+            a, b = ours.vertex_neighbor_vertices, theirs.vertex_neighbor_vertices
+            equal(a[0], b[0])
+            check(a[1].dtype == b[1].dtype)
+            for p in range(len(points)):
+                equal(a[1][a[0][p]:a[0][p + 1]], np.sort(b[1][b[0][p]:b[0][p + 1]]))
+            # simplex by simplex: which of theirs is ours, and at which of its corners each of our corners is
+            order = np.argsort(ours.simplices, axis=1)
+            rows = {row: t for t, row in enumerate(map(tuple, np.sort(theirs.simplices, axis=1).tolist()))}
+            same = np.array([rows[r] for r in map(tuple, np.take_along_axis(ours.simplices, order, 1).tolist())])
+            back = np.argsort(same)
+            corner = np.argsort(theirs.simplices[same], axis=1)
+            a, b = np.take_along_axis(ours.neighbors, order, 1), np.take_along_axis(theirs.neighbors[same], corner, 1)
+            equal(np.where(a >= 0, same[a], -1), b)
+            a, b = ours.find_simplex(q), theirs.find_simplex(q)
+            equal(np.where(a >= 0, same[a], -1), b)
+            a, b = np.linalg.det(ours.transform[back][:, :dim]), np.linalg.det(theirs.transform[:, :dim])
+            check(np.allclose(np.abs(a), np.abs(b), rtol=1e-5))
+            a, b = ours.plane_distance(q)[:, back], theirs.plane_distance(q)
+            check((np.sign(a) == np.sign(b))[(np.abs(a) > 1e-9) & (np.abs(b) > 1e-9)].all())
+            check(((theirs.equations[:, -2] < 0) == (ours.equations[:, -2] < 0)).all())
+
+
+@with_scipy
+def scipy_reports_the_same_duplicates():
+    rng = np.random.default_rng(11)
+    for dim in (2, 3):
+        points = rng.random((200, dim))
+        points = np.concatenate([points, points[:50]])
+        ours, theirs = pbw.Delaunay(points), scipy.spatial.Delaunay(points)
+        pairs = {tuple(sorted(row)) for row in theirs.coplanar[:, [0, 2]].tolist()}
+        check(sets(ours.coplanar[:, [0, 2]]) == pairs)
+        for p, t, v in ours.coplanar:
+            check(v in ours.simplices[t] and ours.vertex_to_simplex[p] == t)
+
+
+@with_scipy
+def scipy_interpolates_the_same():
+    import scipy.interpolate
+    rng = np.random.default_rng(12)
+    points, values, q = rng.random((400, 3)), rng.random(400), rng.random((500, 3))
+    tri = pbw.Delaunay(points)
+    t = tri.find_simplex(q)
+    x = tri.transform[t]
+    b = np.einsum("ijk,ik->ij", x[:, :3], q - x[:, 3])
+    mine = (np.column_stack([b, 1 - b.sum(axis=1)]) * values[tri.simplices[t]]).sum(axis=1)
+    check(np.allclose(np.where(t >= 0, mine, np.nan), scipy.interpolate.LinearNDInterpolator(points, values)(q),
+                      equal_nan=True))
+
+
+def main():
+    passed = failed = skipped = 0
+    for function in tests:
+        name = function.__name__.replace("_", " ")
+        if scipy is None and hasattr(function, "needs_scipy"):
+            skipped += 1
+            print("skipped %s: no SciPy" % name)
+            continue
+        try:
+            function()
+            passed += 1
+        except Skip as e:
+            skipped += 1
+            print("skipped %s: %s" % (name, e))
+        except Exception:
+            failed += 1
+            print("FAILED %s" % name)
+            print(re.sub("(?m)^", "    ", traceback.format_exc()[-1500:]))
+    print("%d passed, %d failed, %d skipped" % (passed, failed, skipped))
+    return failed > 0
+
+
+if __name__ == "__main__":
+    sys.exit(main())
