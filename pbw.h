@@ -1493,6 +1493,18 @@ static int pbw__conflict3(const double *a, const double *b, const double *c, con
     return PBW__LIKELY(sign != PBW__OPEN) ? sign > 0 : pbw__conflict(3, row, p, grid);
 }
 
+/* Whether the points a, b, c of space lie on a line: all three projections do. */
+static int pbw__collinear3(const double *a, const double *b, const double *c, const pbw__grid *grid)
+{
+    int collinear = 1, k;
+    for (k = 0; k < 3 && collinear; k++) {
+        int i = (k + 1) % 3, j = (k + 2) % 3;
+        double pa[2] = { a[i], a[j] }, pb[2] = { b[i], b[j] }, pc[2] = { c[i], c[j] };
+        collinear = pbw__orient2(pa, pb, pc, grid) == 0;
+    }
+    return collinear;
+}
+
 /* The coarsest grid that holds count records of dim coordinates and a weight, if differences are below 2^53 units, so
    that doubles hold them.  One pass, given up when the grid gets too fine: at once for random doubles. */
 static void pbw__grid_scan(const double *records, size_t count, int dim, pbw__grid *grid)
@@ -3527,23 +3539,6 @@ static pbw_index pbw__sequence_next(pbw__sequence *sequence)
         sequence->backwards = !sequence->backwards;
         sequence->rank = sequence->backwards ? (sequence->count - 1) / sequence->stride * sequence->stride : 0;
     }
-}
-
-/* Whether the points a, b, c of space lie on a line: all three projections do. */
-static int pbw__collinear3(const double *a, const double *b, const double *c, const pbw__grid *grid)
-{
-    int k;
-    for (k = 0; k < 3; k++) {
-        double pa[3], pb[3], pc[3];
-        int i = k == 0 ? 1 : 0, j = k == 2 ? 1 : 2;
-        pa[0] = a[i], pa[1] = a[j], pa[2] = 0.0;
-        pb[0] = b[i], pb[1] = b[j], pb[2] = 0.0;
-        pc[0] = c[i], pc[1] = c[j], pc[2] = 0.0;
-        if (pbw__orient2(pa, pb, pc, grid) != 0) {
-            return 0;
-        }
-    }
-    return 1;
 }
 
 /* The first dim+1 vertices of the order that span the space, positively oriented.  Vertices are at different places,
