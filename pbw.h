@@ -237,8 +237,9 @@ PBWDEF int pbw_version(void);              /* differs from PBW_VERSION if header
    In: whatever the user compiles with.  Out: IEEE 754 double arithmetic, rounded to nearest, with no product
    fused into a sum unless we say so; or a compile error; or PBW_ERROR_FP_MODE.
    ------------------------------------------------------------------------------------------------------ */
-#ifdef __FAST_MATH__
-#error "pbw.h is exact only with IEEE arithmetic: compile without -ffast-math"
+#if defined(__FAST_MATH__) || defined(__ASSOCIATIVE_MATH__) || defined(__RECIPROCAL_MATH__) \
+    || defined(__NO_SIGNED_ZEROS__) || (defined(__FINITE_MATH_ONLY__) && __FINITE_MATH_ONLY__) || defined(_M_FP_FAST)
+#error "pbw.h is exact only with IEEE arithmetic: compile without -ffast-math and without any part of it"
 #endif
 
 #include <float.h>
@@ -372,16 +373,20 @@ static void pbw__fp_leave(pbw__fp fp)
 }
 
 /* Identities that hold only in IEEE double arithmetic to nearest even with denormals: each line fails under one of
-   x87 excess precision, directed rounding, flushing, reassociation. */
+   the modes that it names.  Clang has no macro for parts of -ffast-math, so they too are found out here: what is read
+   from volatiles is unknown to the compiler, and what is done with it is as free as in the predicates. */
 static int pbw__fp_is_exact(void)
 {
-    volatile double one = 1.0, u = PBW__EPSILON, tiny = DBL_MIN, big = 9007199254740992.0, third = 3.0;
-    volatile double up = one + u, down = one - 0.5 * u, odd = (one + 2 * u) + u, minus = -one - u;
-    volatile double half = 0.5 * tiny, back = half * 2.0, kept = (big + one) - big,
-                    rest = (one / third) * third - one;
-    return up == one && down == one && odd == one + 4 * u && minus == -one    /* nearest, ties to even */
-        && half > 0.0 && back == tiny                                         /* denormals are kept */
-        && kept == 0.0 && rest == 0.0;                                        /* no excess precision */
+    volatile double given[] = { 1.0, PBW__EPSILON, DBL_MIN, 9007199254740991.0, 3.0, 5.0, -0.0, HUGE_VAL };
+    double one = given[0], u = given[1], tiny = given[2], big = given[3], three = given[4], five = given[5];
+    double zero = given[6], infinite = given[7], half = 0.5 * tiny, some = one / three, more = five / three;
+    return one + u == one && one - 0.5 * u == one            /* rounding other than to nearest even */
+        && (one + 2 * u) + u == one + 4 * u && -one - u == -one
+        && half > 0.0 && half * 2.0 == tiny                  /* flushed denormals */
+        && (big + 2.0) - big == one                          /* reassociation, excess precision, float constants */
+        && some == 1.0 / 3.0 && more == 5.0 / 3.0            /* products with reciprocals */
+        && one / (zero + 0.0) > 0.0                          /* zeros without a sign */
+        && !(infinite - infinite == 0.0);                    /* finite numbers only */
 }
 /* ------------------------------------------------------------------------------------------------------
    >>memory      The one allocator hook, and the count of what is held through it.
@@ -1486,6 +1491,18 @@ static int pbw__conflict3(const double *a, const double *b, const double *c, con
     const double *row[4] = { a, b, c, d };
     int sign = pbw__filter_power3(a, b, c, d, p);
     return PBW__LIKELY(sign != PBW__OPEN) ? sign > 0 : pbw__conflict(3, row, p, grid);
+}
+
+/* Whether the points a, b, c of space lie on a line: all three projections do. */
+static int pbw__collinear3(const double *a, const double *b, const double *c, const pbw__grid *grid)
+{
+    int collinear = 1, k;
+    for (k = 0; k < 3 && collinear; k++) {
+        int i = (k + 1) % 3, j = (k + 2) % 3;
+        double pa[2] = { a[i], a[j] }, pb[2] = { b[i], b[j] }, pc[2] = { c[i], c[j] };
+        collinear = pbw__orient2(pa, pb, pc, grid) == 0;
+    }
+    return collinear;
 }
 
 /* The coarsest grid that holds count records of dim coordinates and a weight, if differences are below 2^53 units, so
@@ -3522,23 +3539,6 @@ static pbw_index pbw__sequence_next(pbw__sequence *sequence)
         sequence->backwards = !sequence->backwards;
         sequence->rank = sequence->backwards ? (sequence->count - 1) / sequence->stride * sequence->stride : 0;
     }
-}
-
-/* Whether the points a, b, c of space lie on a line: all three projections do. */
-static int pbw__collinear3(const double *a, const double *b, const double *c, const pbw__grid *grid)
-{
-    int k;
-    for (k = 0; k < 3; k++) {
-        double pa[3], pb[3], pc[3];
-        int i = k == 0 ? 1 : 0, j = k == 2 ? 1 : 2;
-        pa[0] = a[i], pa[1] = a[j], pa[2] = 0.0;
-        pb[0] = b[i], pb[1] = b[j], pb[2] = 0.0;
-        pc[0] = c[i], pc[1] = c[j], pc[2] = 0.0;
-        if (pbw__orient2(pa, pb, pc, grid) != 0) {
-            return 0;
-        }
-    }
-    return 1;
 }
 
 /* The first dim+1 vertices of the order that span the space, positively oriented.  Vertices are at different places,

@@ -19,7 +19,13 @@ check() {   # check NAME COMMAND...
 }
 skip() { skipped=$((skipped + 1)); echo "skipped $1"; }
 same() { diff "$1" "$2" && [ -s "$1" ]; }
-refuses() { message=$1; shift; ! "$@" > "$work/refused" 2>&1 && grep "$message" "$work/refused"; }
+declines() {   # declines COMPILER FLAGS...: does not compile and says why, or answers PBW_ERROR_FP_MODE
+    if "$@" -I. "$work/mode.c" -o "$work/mode" -lpthread 2> "$work/refused"; then
+        "./$work/mode"
+    else
+        grep 'exact only with IEEE arithmetic' "$work/refused"
+    fi
+}
 
 printf '#include "pbw.h"\n' > "$work/interface.c"
 printf '#define PBW_IMPLEMENTATION\n#include "pbw.h"\n' > "$work/whole.c"
@@ -45,6 +51,19 @@ printf 'unsigned long f(void);\nunsigned long g(void);\nint main(void) { return 
     > "$work/copies.c"
 printf '#include "pbw.h"\nint main() { return pbw_version() != PBW_VERSION || *pbw_status_string(PBW_OK) == 0; }\n' \
     > "$work/caller.c"
+printf 'int main(int n, char **v) { return 1 / (v[0][0] + 0.5 * n) == 0; }\n' > "$work/double.c"
+cat > "$work/mode.c" << 'END'
+#define PBW_IMPLEMENTATION
+#include "pbw.h"
+int main(void)
+{
+    static const double points[12] = { 0, 0, 0, 1, 0, 0, 0, 1, 0, 0, 0, 1 };
+    pbw_mesh mesh;
+    pbw_status status = pbw_triangulate(3, points, NULL, 4, NULL, &mesh);
+    pbw_free(&mesh);
+    return status != PBW_ERROR_FP_MODE;
+}
+END
 cp "$work/interface.c" "$work/interface.cpp"
 cp "$work/whole.c" "$work/whole.cpp"
 cp "$work/static.c" "$work/static.cpp"
@@ -81,8 +100,13 @@ for compiler in $compilers; do
     check "$compiler: PBW_WIDE" $compiler -std=c99 $warn -I. -DPBW_WIDE -fsyntax-only "$work/whole.c"
     check "$compiler -O3: no warning from the optimiser" \
         $compiler -std=c99 -O3 $warn -I. -c "$work/whole.c" -o "$work/o3.o"
-    check "$compiler: -ffast-math is refused" \
-        refuses ffast-math $compiler -ffast-math -I. -fsyntax-only "$work/whole.c"
+    for flags in -ffast-math -Ofast -funsafe-math-optimizations -freciprocal-math -fno-signed-zeros \
+        -ffinite-math-only -fsingle-precision-constant -mfpmath=387 \
+        "-fassociative-math -fno-signed-zeros -fno-trapping-math"; do
+        if $compiler -O2 $flags -Werror "$work/double.c" -o "$work/double" 2> /dev/null; then    # it has the flag
+            check "$compiler: $flags is refused" declines $compiler -O2 $flags
+        fi
+    done
 done
 
 # Copies and callers.
