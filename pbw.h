@@ -2231,6 +2231,7 @@ typedef struct pbw__kernel {
     const double *record;                            /* vertex records, (dim+1) doubles each */
     const pbw__grid *grid;
     int dim, weighted;                               /* not weighted: every vertex becomes one, none is hidden */
+    double exact_height;                             /* below it the filters make no error, see >>cavity */
     pbw_index *corner;                               /* the store's arrays */
     pbw__link *link;
     unsigned char *mark;
@@ -2384,6 +2385,7 @@ PBW__INLINE void pbw__kernel_attach(pbw__kernel *kernel)
 #define PBW__ORIENT3_ERROR 5.4e-15
 #define PBW__CIRCLE_ERROR 9e-15                      /* derived in >>cavity */
 #define PBW__SPHERE_ERROR 5.2e-14
+#define PBW__EXACT_HEIGHT 6.5e5                      /* in units of a grid, squared */
 
 /* Corners of facet i in the order that makes (p, a, b, c) positive for p inside; a ghost stays last. */
 static const unsigned char pbw__facet_corners[4][3] = { { 1, 2, 3 }, { 2, 0, 3 }, { 0, 1, 3 }, { 0, 2, 1 } };
@@ -2605,7 +2607,7 @@ PBW__AVX2_INLINE pbw_index pbw__locate3_avx2(pbw__kernel *kernel, pbw_index t, c
     t = pbw__walk_start(kernel, t, 3);
     for (;;) {
         const pbw_index *v = kernel->corner + 4 * (size_t)t;
-        __m256d ax, ay, az, bx, by, bz, cx, cy, cz, side, lowest, power, h, square, bound, limit;
+        __m256d ax, ay, az, bx, by, bz, cx, cy, cz, side, lowest, power, h, square, rounded, bound, limit;
         pbw__rows3 r;
         unsigned outer, exit;
         kernel->statistics.walk_steps++;
@@ -2624,8 +2626,9 @@ PBW__AVX2_INLINE pbw_index pbw__locate3_avx2(pbw__kernel *kernel, pbw_index t, c
         power = power + _mm256_permute2f128_pd(power, power, 1);
         h = _mm256_max_pd(pbw__highest(r.height), _mm256_set1_pd(1e-55));
         square = h * h;
-        bound = square * h * _mm256_set1_pd(PBW__ORIENT3_ERROR * PBW__ORIENT3_ERROR);
-        limit = square * square * h * _mm256_set1_pd(PBW__SPHERE_ERROR * PBW__SPHERE_ERROR);
+        rounded = _mm256_cmp_pd(h, _mm256_set1_pd(kernel->exact_height), _CMP_GE_OQ);
+        bound = _mm256_and_pd(rounded, square * h * _mm256_set1_pd(PBW__ORIENT3_ERROR * PBW__ORIENT3_ERROR));
+        limit = _mm256_and_pd(rounded, square * square * h * _mm256_set1_pd(PBW__SPHERE_ERROR * PBW__SPHERE_ERROR));
         if (_mm256_cvtsd_f64(power) > 0.0 && _mm256_cvtsd_f64(power * power) > _mm256_cvtsd_f64(limit)) {
             return t;
         }
@@ -2637,7 +2640,7 @@ PBW__AVX2_INLINE pbw_index pbw__locate3_avx2(pbw__kernel *kernel, pbw_index t, c
                             && _mm256_cvtsd_f64(lowest * lowest) > _mm256_cvtsd_f64(bound)))) {
             unsigned inner = (unsigned)_mm256_movemask_pd(_mm256_cmp_pd(side * side, bound, _CMP_GT_OQ));
             inner &= (unsigned)_mm256_movemask_pd(side) ^ 15u;
-            exit = pbw__exit3(kernel, t, p, inner);
+            exit = _mm256_movemask_pd(rounded) == 0 ? 4 : pbw__exit3(kernel, t, p, inner);
             if (exit == 4) {
                 return !kernel->weighted || pbw__in_conflict3(kernel, t, p) ? t : PBW_NONE;
             }
@@ -2716,9 +2719,15 @@ static pbw_index pbw__locate2(pbw__kernel *kernel, pbw_index t, const double *p)
    bounds |x|^2 + |weight difference| of the rows.  h itself is computed with 5 roundings and raised to 5/2: 5.2e-14
    covers that; a fused multiplication and addition saves a rounding.  Compared as det^2 > (5.2e-14)^2 h^5, h raised
    to 1e-55 if it is less, so that what underflows is far below the bound; above 4e61 the product h^5, computed first,
-   is infinite and nothing exceeds it. 2D: 6 products of x, y and a lift; 2 translations; lift 2 + 1 + 1 + 2; 2
-   multiplications; 1 + 2 additions: 13 roundings, 13u * 6 h^2 < 8.7e-15 h^2; 9e-15 with the roundings of h; h raised
-   to 1e-140.  Everything the bound leaves open goes to >>predicates.
+   is infinite and nothing exceeds it.
+   2D: 6 products of x, y and a lift; 2 translations; lift 2 + 1 + 1 + 2; 2 multiplications; 1 + 2 additions: 13
+   roundings, 13u * 6 h^2 < 8.7e-15 h^2; 9e-15 with the roundings of h; h raised to 1e-140.  Everything the bound
+   leaves open goes to >>predicates.
+
+   Small grids.  Where all coordinates are multiples of a unit and all weights of its square (>>predicates has the
+   grid), the rows and all partial results are integers in that unit, none larger than the sum of the absolute
+   products, 24 H^(5/2) for a height of H units^2.  With H < 6.5e5 that is below 2^53: nothing is rounded, the sign is
+   the sign, and zero is a tie.  Lattices and coarse scans live on this.
    ------------------------------------------------------------------------------------------------------ */
 /* Takes back the marks of a cavity that will not be. */
 static PBW__NOINLINE pbw_status pbw__leave_cavity(pbw__kernel *kernel, size_t count)
@@ -2933,16 +2942,44 @@ PBW__AVX2_INLINE void pbw__search_sort4(pbw__search *search, size_t i, const pbw
 #endif
 
 #ifdef PBW__X86
-/* Neighbours that the filter left open (bits of `certain` not set): the exact verdicts. */
+/* The verdict on a finite simplex whose determinant is zero, with a height at which nothing is rounded: the rule of
+   pbw__conflict in >>predicates. */
+static int pbw__tied3(const pbw__kernel *kernel, pbw_index t, const double *p)
+{
+    const pbw_index *v = kernel->corner + 4 * (size_t)t;
+    const double *largest = p;
+    double u[4][4];
+    int verdict = 0, i;
+    for (i = 0; i < 4; i++) {
+        (void)pbw__row3(kernel, v[i], p, u[i]);
+    }
+    for (i = 0; i < 4; i++) {
+        const double *x = pbw__record3(kernel, v[i]);
+        const unsigned char *corner = pbw__facet_corners[i];
+        if (x[0] > largest[0] || (x[0] == largest[0] && (x[1] > largest[1]
+                                                         || (x[1] == largest[1] && x[2] > largest[2])))) {
+            double side = pbw__det3(u[corner[0]], u[corner[1]], u[corner[2]]);
+            if (side != 0.0) {
+                largest = x;
+                verdict = side > 0.0;
+            }
+        }
+    }
+    return verdict;
+}
+
+/* Neighbours that the filter left open (bits of `certain` not set): the exact verdicts.  Those without the bit in
+   `rounded` are ties. */
 static PBW__NOINLINE unsigned pbw__search_exact(pbw__kernel *kernel, const pbw__link *link, unsigned certain,
-                                                unsigned inside, const double *p)
+                                                unsigned inside, unsigned rounded, const double *p)
 {
     unsigned k;
     inside &= certain;
     for (k = 0; k < 4; k++) {
         pbw_index o = (pbw_index)(link[k] >> 2);
         if ((certain >> k & 1) == 0 && !PBW__LOAD(kernel->mark + o)) {
-            inside |= (unsigned)pbw__in_conflict3(kernel, o, p) << k;
+            int tied = (rounded >> k & 1) == 0 && kernel->corner[4 * (size_t)o + 3] != PBW__GHOST;
+            inside |= (unsigned)(tied ? pbw__tied3(kernel, o, p) : pbw__in_conflict3(kernel, o, p)) << k;
         }
     }
     return inside;
@@ -3003,6 +3040,7 @@ static pbw_status pbw__carve3_scalar(pbw__kernel *kernel, pbw_index t, const dou
 PBW__AVX2 static pbw_status pbw__carve3_avx2(pbw__kernel *kernel, pbw_index t, const double *p)
 {
     const pbw__point3 point = pbw__point3_of(p);
+    const __m256d exact_height = _mm256_set1_pd(kernel->exact_height);
     const pbw_index *corner = kernel->corner;
     pbw__search search;
     size_t i;
@@ -3012,7 +3050,7 @@ PBW__AVX2 static pbw_status pbw__carve3_avx2(pbw__kernel *kernel, pbw_index t, c
         const pbw__link *link = search.link + 4 * (size_t)search.cavity[i];
         pbw_index far0 = corner[link[0]], far1 = corner[link[1]], far2 = corner[link[2]], far3 = corner[link[3]];
         pbw__rows3 r, o;
-        __m256d height, ax, ay, az, al, bx, by, bz, bl, cx, cy, cz, cl, xy, xz, yz, xl, yl, zl, det, h, limit;
+        __m256d height, ax, ay, az, al, bx, by, bz, bl, cx, cy, cz, cl, xy, xz, yz, xl, yl, zl, det, h, limit, rounded;
         unsigned certain, inside;
         if (PBW__UNLIKELY(!pbw__search_room(kernel, &search))) {
             return PBW_ERROR_MEMORY;
@@ -3039,11 +3077,12 @@ PBW__AVX2 static pbw_status pbw__carve3_avx2(pbw__kernel *kernel, pbw_index t, c
         det = _mm256_fnmadd_pd(o.lift, _mm256_fmadd_pd(az, xy, _mm256_fmsub_pd(ax, yz, ay * xz)), det);
         h = _mm256_max_pd(_mm256_max_pd(height, o.height), _mm256_set1_pd(1e-55));
         limit = h * h;
-        limit = limit * limit * h * _mm256_set1_pd(PBW__SPHERE_ERROR * PBW__SPHERE_ERROR);
+        rounded = _mm256_cmp_pd(h, exact_height, _CMP_GE_OQ);
+        limit = _mm256_and_pd(rounded, limit * limit * h * _mm256_set1_pd(PBW__SPHERE_ERROR * PBW__SPHERE_ERROR));
         certain = (unsigned)_mm256_movemask_pd(_mm256_cmp_pd(det * det, limit, _CMP_GT_OQ));
         inside = (unsigned)_mm256_movemask_pd(det) ^ 15u;
         if (PBW__UNLIKELY(certain != 15)) {
-            inside = pbw__search_exact(kernel, link, certain, inside, p);
+            inside = pbw__search_exact(kernel, link, certain, inside, (unsigned)_mm256_movemask_pd(rounded), p);
         }
         if (PBW__UNLIKELY(kernel->owner != NULL) && !pbw__may_delete_all(kernel, link, inside)) {
             return pbw__leave_cavity(kernel, search.cavity_count);
@@ -3655,6 +3694,9 @@ static pbw_status pbw__kernel_create(pbw__kernel *kernel, pbw__context *context,
     kernel->grid = grid;
     kernel->dim = dim;
     kernel->weighted = vertices->weighted;
+    /* Within 2^+-100 no power up to the tenth of a unit underflows or overflows. */
+    kernel->exact_height = grid->inverse_unit > 1e-30 && grid->inverse_unit < 1e30
+                         ? PBW__EXACT_HEIGHT / (grid->inverse_unit * grid->inverse_unit) : 0.0;
     kernel->region = (size_t)-1;
     kernel->last = kernel->last_entered = PBW_NONE;
     kernel->insert = dim == 2 ? pbw__insert2 : pbw__insert3_scalar;
