@@ -1506,46 +1506,103 @@ static int pbw__collinear3(const double *a, const double *b, const double *c, co
 }
 
 /* The coarsest grid that holds count records of dim coordinates and a weight, if differences are below 2^53 units, so
-   that doubles hold them.  One pass, given up when the grid gets too fine: at once for random doubles. */
-static void pbw__grid_scan(const double *records, size_t count, int dim, pbw__grid *grid)
+   that doubles hold them.  One pass, by shares, given up where the grid gets too fine: at once for random doubles. */
+typedef struct pbw__grid_share { int unit; double low[4], high[4]; } pbw__grid_share;
+typedef struct pbw__grid_scanning {
+    pbw__context *context;
+    const double *records;
+    size_t count;
+    int dim, tasks;
+    pbw__grid_share *share;
+} pbw__grid_scanning;
+
+/* 1 / unit and the longest side in units; 0 if that is too long for a grid. */
+static int pbw__grid_span(const pbw__grid_share *share, int dim, double *inverse, double *span)
 {
-    double low[4] = { 0, 0, 0, 0 }, high[4] = { 0, 0, 0, 0 }, span = 0.0, inverse = 0.0, limit = 1.0;
-    int unit = 501, bits = 0, k;
-    size_t i;
-    grid->inverse_unit = 0.0;
-    grid->bits = 0;
-    for (i = 0; i < count; i++) {
-        const double *q = records + i * (size_t)(dim + 1);
-        int old = unit;
+    uint64_t pattern = (uint64_t)(1023 - share->unit) << 52;
+    int k;
+    if (share->unit < -500 || share->unit > 500) {
+        return 0;
+    }
+    memcpy(inverse, &pattern, sizeof(pattern));
+    for (*span = 0.0, k = 0; k < dim; k++) {
+        *span = pbw__larger(*span, (share->high[k] - share->low[k]) * *inverse);
+    }
+    return *span < 9007199254740992.0;
+}
+
+static void pbw__scan_grid(void *arg, int task)
+{
+    const pbw__grid_scanning *scanning = (const pbw__grid_scanning *)arg;
+    pbw__grid_share share;
+    size_t i = pbw__share(scanning->count, task, scanning->tasks);
+    size_t end = pbw__share(scanning->count, task + 1, scanning->tasks);
+    int dim = scanning->dim, k;
+    share.unit = 501;
+    for (k = 0; k < 4; k++) {
+        share.low[k] = DBL_MAX;
+        share.high[k] = -DBL_MAX;
+    }
+    for (; i < end; i++) {
+        const double *q = scanning->records + i * (size_t)(dim + 1);
+        int old = share.unit;
+        double inverse, span;
         for (k = 0; k <= dim; k++) {
             int64_t mantissa;
-            int exponent = pbw__decode(q[k], &mantissa), finest = k < dim ? unit : 2 * unit;
-            low[k] = i == 0 || q[k] < low[k] ? q[k] : low[k];
-            high[k] = i == 0 || q[k] > high[k] ? q[k] : high[k];
+            int exponent = pbw__decode(q[k], &mantissa), finest = k < dim ? share.unit : 2 * share.unit;
+            share.low[k] = q[k] < share.low[k] ? q[k] : share.low[k];
+            share.high[k] = q[k] > share.high[k] ? q[k] : share.high[k];
             if (mantissa != 0 && exponent < finest
                 && (finest - exponent > 52 || (mantissa & (((int64_t)1 << (finest - exponent)) - 1)) != 0)) {
                 while (mantissa % 2 == 0) {          /* off the grid: the lowest bit makes a finer one */
                     mantissa /= 2;
                     exponent++;
                 }
-                unit = k < dim ? exponent : (exponent - (exponent & 1)) / 2;
+                share.unit = k < dim ? exponent : (exponent - (exponent & 1)) / 2;
             }
         }
-        if (unit != old || i + 1 == count) {
-            uint64_t pattern = (uint64_t)(1023 - unit) << 52;
-            if (unit < -500 || unit > 500) {
-                return;
-            }
-            memcpy(&inverse, &pattern, sizeof inverse);
-            for (span = 0.0, k = 0; k < dim; k++) {
-                span = pbw__larger(span, (high[k] - low[k]) * inverse);
-            }
-            if (!(span < 9007199254740992.0)) {
-                return;
-            }
+        if (share.unit != old && !pbw__grid_span(&share, dim, &inverse, &span)) {
+            share.unit = -501;                       /* there is none: no need to look further */
+            break;
+        }
+        if ((i & (PBW__TICK - 1)) == 0 && pbw__report(scanning->context, 0.01)) {
+            break;
         }
     }
-    while (bits < 54 && !(span < limit && (high[dim] - low[dim]) * inverse * inverse < limit * limit)) {
+    scanning->share[task] = share;
+}
+
+static void pbw__grid_scan(pbw__context *context, const double *records, size_t count, int dim, pbw__grid *grid)
+{
+    pbw__grid_scanning scanning;
+    pbw__grid_share shares[64], all;
+    double inverse = 0.0, span = 0.0, limit = 1.0;
+    int bits = 0, task, k;
+    grid->inverse_unit = 0.0;
+    grid->bits = 0;
+    if (count == 0) {
+        return;
+    }
+    scanning.context = context;
+    scanning.records = records;
+    scanning.count = count;
+    scanning.dim = dim;
+    scanning.tasks = pbw__tasks(context, count, 65536);
+    scanning.tasks = scanning.tasks < 64 ? scanning.tasks : 64;
+    scanning.share = shares;
+    pbw__for(context, scanning.tasks, pbw__scan_grid, &scanning);
+    all = shares[0];
+    for (task = 1; task < scanning.tasks; task++) {
+        all.unit = shares[task].unit < all.unit ? shares[task].unit : all.unit;
+        for (k = 0; k <= dim; k++) {
+            all.low[k] = shares[task].low[k] < all.low[k] ? shares[task].low[k] : all.low[k];
+            all.high[k] = shares[task].high[k] > all.high[k] ? shares[task].high[k] : all.high[k];
+        }
+    }
+    if (!pbw__grid_span(&all, dim, &inverse, &span)) {
+        return;
+    }
+    while (bits < 54 && !(span < limit && (all.high[dim] - all.low[dim]) * inverse * inverse < limit * limit)) {
         limit *= 2.0;
         bits++;
     }
@@ -5152,7 +5209,7 @@ static int pbw__check_all(pbw__check *check)
     if (mesh->hidden_count != (simplices > 0 ? check->other_count : 0)) {
         return pbw__fault(check, "hidden_count is wrong", PBW_NONE, -1, PBW_NONE);
     }
-    pbw__grid_scan(check->record, points, check->dim, &check->grid);
+    pbw__grid_scan(check->context, check->record, points, check->dim, &check->grid);
     if (simplices == 0) {
         return pbw__check_pass(check, pbw__check_flat, points, 0.1, 0.9) && pbw__check_others(check);
     }
@@ -5438,7 +5495,7 @@ static pbw_status pbw__run(pbw__context *context, const pbw__input *input, unsig
         status = pbw__leave_stage(context, status, &start, &mesh->statistics.order_seconds);
     }
     if (status == PBW_OK) {
-        pbw__grid_scan(vertices.record + input->dim + 1, vertices.count, input->dim, &grid);
+        pbw__grid_scan(context, vertices.record + input->dim + 1, vertices.count, input->dim, &grid);
         status = pbw__enter_stage(context, PBW_STAGE_BUILD) ? PBW_CANCELLED
                : pbw__build_all(context, &store, &vertices, &grid, &mesh->statistics);
         status = pbw__leave_stage(context, status, &start, &mesh->statistics.build_seconds);

@@ -10,6 +10,8 @@
 #include "../pbw.h"
 #include "oracle.h"
 #include "test.h"
+
+static pbw__context alone;                           /* one thread, no progress */
 #include <fenv.h>
 #include <math.h>
 #include <time.h>
@@ -362,7 +364,7 @@ static void find_grid(const points *p, pbw__grid *grid)
     for (i = 0; i < dim + 2; i++) {
         memcpy(records + i * (dim + 1), p->at[i], (size_t)(dim + 1) * sizeof *records);
     }
-    pbw__grid_scan(records, (size_t)dim + 2, dim, grid);
+    pbw__grid_scan(&alone, records, (size_t)dim + 2, dim, grid);
 }
 
 /* orientation: filled by integer stages, and by the exact one, if power. */
@@ -887,7 +889,7 @@ static void test_grids(long calls)
                     span = fmax(span, high[k] - low[k]);
                 }
                 heaviest = high[dim] - low[dim];
-                pbw__grid_scan(records, (size_t)n, dim, &grid);
+                pbw__grid_scan(&alone, records, (size_t)n, dim, &grid);
                 CHECK(grid.inverse_unit != 0 && grid.inverse_unit == ldexp(1, -ilogb(1 / grid.inverse_unit)));
                 CHECK(span * grid.inverse_unit < ldexp(1, grid.bits));
                 CHECK(heaviest * grid.inverse_unit * grid.inverse_unit < ldexp(1, 2 * grid.bits));
@@ -915,23 +917,23 @@ static void test_grids(long calls)
             } else {
                 records[below(40) * 4] = (0.5 + unit_random()) * 0x1p-30;
             }
-            pbw__grid_scan(records, 40, 3, &grid);
+            pbw__grid_scan(&alone, records, 40, 3, &grid);
             CHECK(grid.inverse_unit == 0 && grid.bits == 0);
         }
         for (j = 0; j < 8; j++) {                          /* 2^53 units are too many */
             records[j] = j == 0 ? 4503599627370497.0 : j == 4 ? -4503599627370495.0 : 0;
         }
-        pbw__grid_scan(records, 2, 3, &grid);
+        pbw__grid_scan(&alone, records, 2, 3, &grid);
         CHECK(grid.inverse_unit == 0);
         records[0] -= 1;
-        pbw__grid_scan(records, 2, 3, &grid);
+        pbw__grid_scan(&alone, records, 2, 3, &grid);
         CHECK(grid.inverse_unit == 1 && grid.bits == 53);
         for (j = 0; j < 160; j++) {
             records[j] = j % 2 == 0 ? 0.0 : -0.0;
         }
-        pbw__grid_scan(records, 40, 3, &grid);
+        pbw__grid_scan(&alone, records, 40, 3, &grid);
         CHECK(grid.inverse_unit == 0);
-        pbw__grid_scan(records, 0, 3, &grid);
+        pbw__grid_scan(&alone, records, 0, 3, &grid);
         CHECK(grid.inverse_unit == 0);
         test_end();
     }
