@@ -461,6 +461,17 @@ static void pbw__release(pbw__memory *memory, void *ptr, size_t count, size_t si
    the promise of options.run, orders it).  While tasks run, `cancelled` is the only word that one thread writes and
    another reads; it is only ever set, and a late view of it costs time only, so relaxed order serves.
    ------------------------------------------------------------------------------------------------------ */
+/* Items below which a further thread, task or part does not pay.  PBW_SMALL_SHARES is for tests: then few points make
+   many.  PBW_PAUSE() is too: a place where threads may be held up. */
+#ifdef PBW_SMALL_SHARES
+#define PBW__SMALLER(items) ((items) / 1024 + 1)
+#else
+#define PBW__SMALLER(items) (items)
+#endif
+#ifndef PBW_PAUSE
+#define PBW_PAUSE() ((void)0)
+#endif
+
 typedef struct pbw__context {
     pbw__memory memory;
     int (*progress)(void *user, pbw_stage stage, double done);
@@ -546,7 +557,9 @@ static void pbw__work(pbw__team *team)
         int i = team->next++;
         team->running++;
         pthread_mutex_unlock(&team->mutex);
+        PBW_PAUSE();
         team->task(team->arg, i);
+        PBW_PAUSE();
         pthread_mutex_lock(&team->mutex);
         if (--team->running == 0 && team->next == team->tasks) {
             pthread_cond_signal(&team->done);
@@ -666,7 +679,7 @@ static void pbw__for(pbw__context *context, int tasks, pbw__task *task, void *ar
 /* Threads for a call on `count` points: few points are done before a thread has started. */
 static int pbw__thread_count(int asked, size_t count)
 {
-    size_t threads = (size_t)asked, most = count / 8192 + 1;
+    size_t threads = (size_t)asked, most = count / PBW__SMALLER(8192) + 1;
 #ifdef PBW__THREADS
     if (asked == 0) {
         long cores = sysconf(_SC_NPROCESSORS_ONLN);
@@ -695,7 +708,7 @@ static void pbw__context_start(pbw__context *context, const pbw_options *options
 /* Tasks to cut `count` items into, each of at least `least`. */
 static int pbw__tasks(const pbw__context *context, size_t count, size_t least)
 {
-    size_t most = context->threads > 1 ? (size_t)context->threads * 4 : 1, tasks = count / least;
+    size_t most = context->threads > 1 ? (size_t)context->threads * 4 : 1, tasks = count / PBW__SMALLER(least);
     return (int)(tasks < 1 ? 1 : tasks < most ? tasks : most);
 }
 
@@ -3204,11 +3217,14 @@ static PBW__NOINLINE pbw_status pbw__more_tail(pbw__kernel *kernel, size_t neede
         }
         block = block < store->capacity - store->count ? block : store->capacity - store->count;
     }
-    from = PBW__ADD(&store->count, block);
-    if (from > store->capacity || store->capacity - from < block) {
-        kernel->no_room = 1;                         /* at the end of the round there will be more */
-        return PBW__LEFT;
-    }
+    from = PBW__LOAD(&store->count);
+    do {
+        PBW_PAUSE();
+        if (store->capacity - from < block) {
+            kernel->no_room = 1;                     /* at the end of the round there will be more */
+            return PBW__LEFT;
+        }
+    } while (!PBW__REPLACE(&store->count, &from, from + block));
     for (t = kernel->tail; t < kernel->tail_end; t++) {
         kernel->corner[4 * t] = PBW_NONE;
         kernel->corner[4 * t + 1] = kernel->free_list;
@@ -3218,6 +3234,9 @@ static PBW__NOINLINE pbw_status pbw__more_tail(pbw__kernel *kernel, size_t neede
     }
     kernel->tail = from;
     kernel->tail_end = from + block;
+    for (t = from; t < from + block; t++) {
+        kernel->corner[4 * t] = PBW_NONE;
+    }
     return PBW_OK;
 }
 
@@ -3817,7 +3836,7 @@ static pbw_status pbw__kernel_create(pbw__kernel *kernel, pbw__context *context,
    with equal shares of what is left.
    ------------------------------------------------------------------------------------------------------ */
 #define PBW__PARTS 256
-#define PBW__LEAST_PART ((size_t)2048)               /* vertices of a part, below which borders are everything */
+#define PBW__LEAST_PART ((size_t)PBW__SMALLER(2048)) /* vertices of a part, below which borders are everything */
 
 typedef struct pbw__item { uint64_t key; pbw_index simplex; } pbw__item;
 
@@ -3842,6 +3861,7 @@ static void pbw__level_begin(pbw__build *build, int part)
 {
     pbw__kernel *kernel = build->kernel[part];
     size_t c;
+    pbw__kernel_attach(kernel);                      /* the store may have moved */
     kernel->owner = build->owner;
     kernel->me = (uint8_t)part;
     kernel->region = (size_t)-1;
@@ -3869,6 +3889,7 @@ static int pbw__level_insert(pbw__build *build, pbw__kernel *kernel, pbw_index v
             return 0;
         }
         kernel->left[kernel->left_count++] = v;
+        PBW_PAUSE();
     } else if (status != PBW_OK) {
         kernel->status = status;
         return 0;
@@ -4112,14 +4133,10 @@ static pbw_status pbw__end_round(pbw__build *build)
         }
         build->left_count += kernel->left_count;
     }
-    store->count = store->count < store->capacity ? store->count : store->capacity;
     if (no_room) {
         size_t bigger = store->capacity + store->capacity / 8 + 65536;
         status = pbw__store_reserve(build->context, store,
                                     bigger < PBW__SIMPLEX_LIMIT ? bigger : PBW__SIMPLEX_LIMIT);
-        for (part = 0; part < build->kernel_count; part++) {
-            pbw__kernel_attach(build->kernel[part]);
-        }
     }
     return status;
 }
@@ -4158,19 +4175,12 @@ static void pbw__close_store(pbw__build *build)
 {
     pbw__store *store = build->store;
     size_t r, t;
-    int i;
     for (r = 0; r < store->region_count; r++) {
         size_t end = pbw__region_end(store, r);
         for (t = store->region[r]; t < end; t++) {
             store->corner[4 * t] = PBW_NONE;
         }
     }
-    for (i = 0; i < build->kernel_count; i++) {
-        for (t = build->kernel[i]->tail; t < build->kernel[i]->tail_end; t++) {
-            store->corner[4 * t] = PBW_NONE;
-        }
-    }
-    store->count = store->count < store->capacity ? store->count : store->capacity;
 }
 
 static void pbw__build_free(pbw__build *build)
@@ -4209,14 +4219,21 @@ static pbw_status pbw__more_kernels(pbw__build *build, const pbw__grid *grid, in
 static pbw_status pbw__level_serial(pbw__build *build, int all)
 {
     pbw__kernel *kernel = build->kernel[0];
-    const pbw_index *corner = build->store->corner;
-    size_t i;
+    const pbw__store *store = build->store;
+    const pbw_index *corner = store->corner;
+    size_t i, r;
+    pbw__kernel_attach(kernel);
     kernel->owner = NULL;
     kernel->status = PBW_OK;
+    /* Any simplex will do as a start, best the last one: there is always one among the used slots of the regions, as
+       the simplices of the seeds, or what replaced them, are there, unless all regions are full. */
     kernel->last = kernel->last != PBW_NONE && corner[4 * (size_t)kernel->last] != PBW_NONE ? kernel->last : PBW_NONE;
-    for (i = 0; i < build->store->region_count && kernel->last == PBW_NONE; i++) {
-        pbw_index hint = build->store->hint[i];
-        kernel->last = hint != PBW_NONE && corner[4 * (size_t)hint] != PBW_NONE ? hint : PBW_NONE;
+    for (r = 0; r <= store->region_count && kernel->last == PBW_NONE; r++) {
+        size_t end = r < store->region_count ? store->region[r] : store->count;
+        i = r < store->region_count ? r > 0 ? pbw__region_end(store, r - 1) : 0 : store->region_slots;
+        for (; i < end && kernel->last == PBW_NONE; i++) {
+            kernel->last = corner[4 * i] != PBW_NONE ? (pbw_index)i : PBW_NONE;
+        }
     }
     if (all) {
         pbw__level_ranks(build, kernel, 0, build->vertices->count);
@@ -4270,7 +4287,7 @@ static pbw_status pbw__build_all(pbw__context *context, pbw__store *store, const
     while (status == PBW_OK && build.stride > 0) {
         build.coarser = build.stride * ratio;
         parts = vertices->count / build.stride / PBW__LEAST_PART;
-        parts = parts < store->region_count / 4 ? parts : store->region_count / 4;
+        parts = parts < store->region_count / PBW__SMALLER(4) ? parts : store->region_count / PBW__SMALLER(4);
         build.parts = (size_t)context->threads < parts ? context->threads : (int)parts;
         if (build.parts > 1) {
             status = pbw__build_parts(&build, grid);

@@ -1,0 +1,292 @@
+/* test_threads.c: the same bytes from any number of threads, whoever runs them and however they are held up; failures
+   in the middle of the work. */
+#include <pthread.h>
+#include <stddef.h>
+
+/* Hooks of pbw.h for this test: threads wait at random, and can be refused. */
+static void pause_a_while(void);
+static int create_thread(pthread_t *thread, const pthread_attr_t *attributes, void *(*start)(void *), void *arg);
+static long threads_allowed = -1;                    /* that may still be created; -1 = any number */
+#define PBW_PAUSE() pause_a_while()
+#define PBW_SMALL_SHARES
+#define PBW_STATIC
+#define PBW_IMPLEMENTATION
+#define pthread_create create_thread
+#include "../pbw.h"
+#undef pthread_create
+#include "meshes.h"
+#include "meter.h"
+#include "test.h"
+
+#include <sched.h>
+
+static void pause_a_while(void)
+{
+    static long calls;
+    long call = __atomic_fetch_add(&calls, 1, __ATOMIC_RELAXED), i;
+    uint64_t random = (uint64_t)call * UINT64_C(0x9e3779b97f4a7c15) >> 56;
+    for (i = 0; i < (long)(random & 7); i++) {
+        sched_yield();
+    }
+}
+
+static int create_thread(pthread_t *thread, const pthread_attr_t *attributes, void *(*start)(void *), void *arg)
+{
+    if (threads_allowed == 0) {
+        return 11;                                   /* EAGAIN */
+    }
+    threads_allowed -= threads_allowed > 0;
+    return pthread_create(thread, attributes, start, arg);
+}
+
+typedef struct points { int dim; size_t count; double *x, *w; } points;
+
+static points points_make(int kind, int dim, size_t count, int weights)
+{
+    points p;
+    p.dim = dim;
+    p.count = count;
+    p.x = (double *)malloc(count * (size_t)dim * sizeof(double));
+    p.w = weights != INPUT_WEIGHTS_ZERO ? (double *)malloc(count * sizeof(double)) : NULL;
+    if (p.x == NULL || (weights != INPUT_WEIGHTS_ZERO && p.w == NULL)) {
+        abort();
+    }
+    input_fill(kind, dim, count, test_seed, p.x);
+    if (p.w != NULL) {
+        input_fill_weights(weights, dim, count, test_seed, p.x, p.w);
+    }
+    return p;
+}
+
+static void points_free(points *p)
+{
+    free(p->x);
+    free(p->w);
+}
+
+/* Builds with the options, on an allocator that counts, and compares with the right mesh. */
+static void compare(const points *p, pbw_options options, const pbw_mesh *right)
+{
+    meter m;
+    pbw_mesh mesh;
+    meter_start(&m, 0, 0);
+    options.resize = meter_resize;
+    options.resize_user = &m;
+    CHECK_EQUAL(pbw_triangulate(p->dim, p->x, p->w, p->count, &options, &mesh), PBW_OK);
+    CHECK(meshes_equal(&mesh, right));
+    CHECK(pbw_hash(&mesh) == pbw_hash(right));
+    pbw_free(&mesh);
+    CHECK(m.blocks == 0 && m.bytes == 0 && m.faults == 0);
+}
+
+static pbw_options with_threads(int threads)
+{
+    pbw_options options;
+    memset(&options, 0, sizeof options);
+    options.threads = threads;
+    return options;
+}
+
+/* Job systems of a caller: backwards on one thread, and a thread for each task. */
+typedef struct job { void (*task)(void *, int); void *arg; int i; } job;
+
+static void run_backwards(void *user, int tasks, void (*task)(void *arg, int i), void *arg)
+{
+    ++*(long *)user;
+    while (tasks-- > 0) {
+        task(arg, tasks);
+    }
+}
+
+static void *run_job(void *arg)
+{
+    const job *j = (const job *)arg;
+    j->task(j->arg, j->i);
+    return NULL;
+}
+
+static void run_on_threads(void *user, int tasks, void (*task)(void *arg, int i), void *arg)
+{
+    static const int most = 64;
+    pthread_t thread[64];
+    job jobs[64];
+    int i, first;
+    ++*(long *)user;
+    for (first = 0; first < tasks; first += most) {
+        int count = tasks - first < most ? tasks - first : most;
+        for (i = 0; i < count; i++) {
+            jobs[i].task = task;
+            jobs[i].arg = arg;
+            jobs[i].i = first + i;
+            if (pthread_create(&thread[i], NULL, run_job, &jobs[i]) != 0) {
+                abort();
+            }
+        }
+        for (i = 0; i < count; i++) {
+            pthread_join(thread[i], NULL);
+        }
+    }
+}
+
+static void test_same_bytes(size_t count)
+{
+    static const int threads[] = { 2, 3, 4, 7, 8, 16, 64, 256 };
+    static const int weights[] = { INPUT_WEIGHTS_ZERO, INPUT_WEIGHTS_HIDING, INPUT_WEIGHTS_LEVELS };
+    int dim, kind;
+    size_t w, t;
+    for (dim = 2; dim <= 3; dim++) {
+        for (kind = 0; kind < INPUT_KINDS; kind++) {
+            for (w = 0; w < sizeof weights / sizeof weights[0]; w++) {
+                size_t n = kind == INPUT_MOMENT ? 300 : count;
+                points p;
+                pbw_mesh right;
+                if (!test_begin("same bytes: %dD %s, weights %d", dim, input_name(kind), weights[w])) {
+                    continue;
+                }
+                p = points_make(kind, dim, n, weights[w]);
+                memcpy(p.x + (n - 1) * (size_t)dim, p.x, (size_t)dim * sizeof(double));     /* a duplicate */
+                pbw_options one = with_threads(1);
+                CHECK_EQUAL(pbw_triangulate(dim, p.x, p.w, n, &one, &right), PBW_OK);
+                CHECK(meshes_fault(&right) == NULL);
+                for (t = 0; t < sizeof threads / sizeof threads[0]; t++) {
+                    compare(&p, with_threads(threads[t]), &right);
+                }
+                pbw_free(&right);
+                points_free(&p);
+                test_end();
+            }
+        }
+    }
+}
+
+static void test_job_systems(size_t count)
+{
+    int dim;
+    for (dim = 2; dim <= 3; dim++) {
+        if (test_begin("job systems: %dD", dim)) {
+            points p = points_make(INPUT_GAUSS, dim, count, INPUT_WEIGHTS_SMALL);
+            pbw_options options = with_threads(1);
+            pbw_mesh right;
+            long calls = 0;
+            CHECK_EQUAL(pbw_triangulate(dim, p.x, p.w, p.count, &options, &right), PBW_OK);
+            options.threads = 5;
+            options.run = run_backwards;
+            options.run_user = &calls;
+            compare(&p, options, &right);
+            options.run = run_on_threads;
+            compare(&p, options, &right);
+            CHECK(calls > 10);                       /* it was asked to */
+            pbw_free(&right);
+            points_free(&p);
+            test_end();
+        }
+    }
+}
+
+static void test_refused_threads(size_t count)
+{
+    long allowed;
+    if (test_begin("fewer threads than asked for")) {
+        points p = points_make(INPUT_BALL, 3, count, INPUT_WEIGHTS_ZERO);
+        pbw_options one = with_threads(1);
+        pbw_mesh right;
+        CHECK_EQUAL(pbw_triangulate(3, p.x, NULL, p.count, &one, &right), PBW_OK);
+        for (allowed = 0; allowed < 4; allowed++) {
+            threads_allowed = allowed;
+            compare(&p, with_threads(8), &right);
+        }
+        threads_allowed = -1;
+        pbw_free(&right);
+        points_free(&p);
+        test_end();
+    }
+}
+
+static void test_failing_memory(size_t count)
+{
+    int dim;
+    for (dim = 2; dim <= 3; dim++) {
+        if (test_begin("every allocation fails on four threads: %dD", dim)) {
+            points p = points_make(INPUT_UNIFORM, dim, count, INPUT_WEIGHTS_HIDING);
+            long k, refused = 1, done = 0;
+            for (k = 1; refused > 0 && k < 2000; k++) {
+                meter m;
+                pbw_mesh mesh;
+                pbw_options options = with_threads(4);
+                pbw_status status;
+                meter_start(&m, k, (int)(k & 1));
+                options.resize = meter_resize;
+                options.resize_user = &m;
+                status = pbw_triangulate(dim, p.x, p.w, p.count, &options, &mesh);
+                refused = m.refused;
+                /* Without the team of threads the work is done on one. */
+                CHECK(status == PBW_ERROR_MEMORY || status == PBW_OK);
+                CHECK(status == PBW_OK || (refused > 0 && meshes_is_empty(&mesh)));
+                done += status == PBW_ERROR_MEMORY;
+                pbw_free(&mesh);
+                CHECK(m.blocks == 0 && m.bytes == 0 && m.faults == 0);
+            }
+            CHECK(done > 20);
+            points_free(&p);
+            test_end();
+        }
+    }
+}
+
+/* Many builds at once, each with threads of its own. */
+typedef struct builder { const points *p; const pbw_mesh *right; long wrong; } builder;
+
+static void *build_some(void *arg)
+{
+    builder *b = (builder *)arg;
+    int i;
+    for (i = 0; i < 4; i++) {
+        pbw_options options = with_threads(2 + i);
+        pbw_mesh mesh;
+        b->wrong += pbw_triangulate(b->p->dim, b->p->x, b->p->w, b->p->count, &options, &mesh) != PBW_OK
+                 || !meshes_equal(&mesh, b->right);
+        pbw_free(&mesh);
+    }
+    return NULL;
+}
+
+static void test_many_builds(size_t count)
+{
+    if (test_begin("many builds at once")) {
+        points p = points_make(INPUT_CLUSTERS, 3, count, INPUT_WEIGHTS_ZERO);
+        pbw_options one = with_threads(1);
+        pbw_mesh right;
+        pthread_t thread[6];
+        builder builders[6];
+        int i;
+        CHECK_EQUAL(pbw_triangulate(3, p.x, NULL, p.count, &one, &right), PBW_OK);
+        for (i = 0; i < 6; i++) {
+            builders[i].p = &p;
+            builders[i].right = &right;
+            builders[i].wrong = 0;
+            if (pthread_create(&thread[i], NULL, build_some, &builders[i]) != 0) {
+                abort();
+            }
+        }
+        for (i = 0; i < 6; i++) {
+            pthread_join(thread[i], NULL);
+            CHECK_EQUAL(builders[i].wrong, 0);
+        }
+        pbw_free(&right);
+        points_free(&p);
+        test_end();
+    }
+}
+
+int main(int argc, char **argv)
+{
+    size_t count;
+    test_start(argc, argv, 6000);
+    count = (size_t)test_count;
+    test_same_bytes(count);
+    test_job_systems(count);
+    test_refused_threads(count);
+    test_failing_memory(count / 2);
+    test_many_builds(count);
+    return test_finish();
+}
