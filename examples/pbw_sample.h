@@ -811,9 +811,9 @@ PBWSAMPLEDEF pbwsample_status pbwsample_inside(const pbwsample_model *model, con
 /* ------------------------------------------------------------------------------------------------------
    Poisson sets.
    Darts are thrown at pieces: triangles, cut at their longest edge, or boxes, cut in eight (White, Cline and Egbert
-   2007, "Poisson disk point sets by hierarchical dart throwing"; Cline et al. 2009, "Dart throwing on surfaces").  A
-   dart that is in no ball becomes a sample, the centre of a ball.  A piece that lies in one ball is done, any other is
-   cut; when no piece is left, there is no room left.  Rounds go over all pieces once, in random order, so that the
+   2007, "Poisson disk point sets by hierarchical dart throwing"; Cline et al. 2009, "Dart throwing on surfaces").
+   A dart that is in no ball becomes a sample, the centre of a ball.  A piece that lies in one ball is done, any other
+   is cut; when no piece is left, there is no room left.  Rounds go over all pieces once, in random order, so that the
    gaps are filled from wide to narrow: the last samples are those that are missed least.
 
    Balls are looked up in a hashed grid, one for each power of two of radii: a ball is listed in all the cells that it
@@ -1394,7 +1394,7 @@ static void pbwsample__fill(pbwsample__work *w)
     }
 }
 
-/* Maximal sets on large smooth surfaces have 0.69 samples a squared radius, in large volumes 0.66 a cubed one, and the
+/* Maximal sets on large smooth surfaces have 0.69 samples a squared radius, in large volumes 0.66 a cubed one; the
    search for a count starts somewhat below.  It ends with a few samples too many, of which the last are left out. */
 static void pbwsample__search(pbwsample__work *w, double content)
 {
@@ -1402,7 +1402,7 @@ static void pbwsample__search(pbwsample__work *w, double content)
     int attempt;
     w->radius = w->options->radius;
     if (w->options->count > 0) {
-        w->radius = pow((w->solid ? 0.63 : 0.675) * content / (1.01 * wanted + 1), power);
+        w->radius = pow((w->solid ? 0.64 : 0.685) * content / (1.01 * wanted + 1), power);
     }
     for (attempt = 1;; attempt++) {
         double found;
@@ -1415,7 +1415,7 @@ static void pbwsample__search(pbwsample__work *w, double content)
         if (w->status != PBWSAMPLE_OK || wanted == 0) {
             return;
         }
-        if (found >= wanted && (found <= 1.06 * wanted + 2 || attempt > 4)) {
+        if (found >= wanted && (found <= 1.04 * wanted + 2 || attempt > 4)) {
             w->set->count = w->fixed + w->options->count;
             return;
         }
