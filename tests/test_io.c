@@ -849,6 +849,17 @@ static void test_pictures(void)
     }
 }
 
+/* Copies a text of at most 255 letters with the name of the folder for FOLDER. */
+static void fill_in(const char *from, char to[256])
+{
+    to[0] = 0;
+    for (; *from != 0; from++) {
+        int here = strncmp(from, "FOLDER", 6) == 0;
+        snprintf(to + strlen(to), 256 - strlen(to), here ? "%s" : "%.1s", here ? folder : from);
+        from += here ? 5 : 0;
+    }
+}
+
 /* The program examples/pbw.c: exit status and last line for right and wrong uses. */
 static void test_program(void)
 {
@@ -870,10 +881,44 @@ static void test_program(void)
         { "--generate lattice 27 --quiet -o FOLDER/a.node -o FOLDER/a.svg", "", 0 },
         { "FOLDER/a.node --quiet --any-order --no-check --threads 1 -o FOLDER/b.csv", "", 0 },
         { "- --dim 2 --weights z --quiet -o FOLDER/c.obj < FOLDER/b.csv", "", 0 },
+        { "mesh --help", "exit status: 0 done, 1 failure, 2 wrong usage", 0 },
+        { "sample --help", "exit status: 0 done, 1 failure, 2 wrong usage", 0 },
+        { "view --help", "exit status: 0 done, 1 failure, 2 wrong usage", 0 },
+        { "check --help", "exit status: 0 done, 1 failure, 2 wrong usage", 0 },
+        { "convert --help", "exit status: 0 done, 1 failure, 2 wrong usage", 0 },
+        { "bench --help", "exit status: 0 done, 1 failure, 2 wrong usage", 0 },
+        { "mesh --generate lattice 27 --quiet -o FOLDER/d.obj", "", 0 },
+        { "sample", "pbw: a model is needed; see pbw sample --help", 2 },
+        { "sample --dim 2 a.obj", "pbw: unknown option --dim", 2 },
+        { "sample --count 5 --radius 1 a.obj", "pbw: --count and --radius exclude each other", 2 },
+        { "sample --uniform --radius 1 a.obj", "pbw: --uniform goes with neither --radius nor --fill", 2 },
+        { "sample --radius 0 a.obj", "pbw: no proper value for --radius", 2 },
+        { "sample --fill water a.obj", "pbw: no proper value for --fill", 2 },
+        { "sample a.obj -o a.vtu", "pbw: no proper value for -o", 2 },
+        { "sample FOLDER/a.node", "pbw: a model with faces is needed", 1 },
+        { "sample FOLDER/d.obj --quiet --radius 1e-9", "pbw: more samples than an index can number", 1 },
+        { "sample FOLDER/d.obj --quiet --count 500 --text -o FOLDER/e.ply", "", 0 },
+        { "sample FOLDER/d.obj --quiet --count 500 --uniform --facet-normals -o FOLDER/e.csv", "", 0 },
+        { "sample FOLDER/d.obj --quiet --radius 0.4 --thin --fill poisson -o FOLDER/f.xyz", "", 0 },
+        { "sample FOLDER/d.obj --quiet --radius 0.4 --fill lattice -o FOLDER/f.xyz", "", 0 },
+        { "mesh FOLDER/f.xyz --quiet --inside --surface FOLDER/d.obj -o FOLDER/f.stl", "", 0 },
+        { "mesh FOLDER/f.xyz --quiet --inside", "pbw: --inside needs a model with faces in 3D", 1 },
+        { "convert FOLDER/e.ply", "pbw: an output is needed; see pbw convert --help", 2 },
+        { "convert FOLDER/e.ply FOLDER/e.vtu", "pbw: this format is not written: FOLDER/e.vtu", 2 },
+        { "convert FOLDER/e.ply FOLDER/e.stl", "pbw: FOLDER/e.stl: there are no triangles", 1 },
+        { "convert FOLDER/e.ply FOLDER/e.obj --quiet", "", 0 },
+        { "convert FOLDER/d.obj FOLDER/d.off FOLDER/d.stl -o FOLDER/d.ply --quiet", "", 0 },
+        { "check FOLDER/d.ply --quiet", "", 0 },
+        { "check FOLDER/d.stl --quiet --threads 1", "", 0 },
+        { "check FOLDER/e.obj --quiet", "", 0 },
+        { "check", "pbw: one input or --generate is needed; see --help", 2 },
+        { "view FOLDER/f.xyz -o a.vtu", "pbw: no proper value for -o", 2 },
+        { "bench --generate uniform 2", "pbw: the points do not span the space: there are no simplices", 1 },
         { "--generate uniform 3000000 -o FOLDER/a.vtu", "pbw: cancelled", 1 }
     };
-    char command[1024], line[256], last[256], arguments[256];
-    const char *from;
+    static const char *const files[] = { "a.node", "a.svg", "b.csv", "c.obj", "d.obj", "d.off", "d.ply", "d.stl",
+                                         "e.ply", "e.csv", "e.obj", "f.xyz", "f.stl" };
+    char command[1024], line[256], last[256], arguments[256], says[256];
     size_t i;
     if (access(program, X_OK) != 0) {
         test_skip("there is no program pbw beside this one");
@@ -882,28 +927,23 @@ static void test_program(void)
     for (i = 0; i < sizeof uses / sizeof uses[0]; i++) {
         FILE *pipe;
         int status;
-        arguments[0] = last[0] = 0;
-        for (from = uses[i].arguments; *from != 0; from++) {
-            int here = strncmp(from, "FOLDER", 6) == 0;
-            snprintf(arguments + strlen(arguments), sizeof arguments - strlen(arguments), here ? "%s" : "%.1s",
-                     here ? folder : from);
-            from += here ? 5 : 0;
-        }
+        last[0] = 0;
+        fill_in(uses[i].arguments, arguments);
+        fill_in(uses[i].says, says);
         snprintf(command, sizeof command, "%s %s %s 2>&1", strstr(uses[i].says, "cancelled") == NULL ? ""
-                 : "timeout --preserve-status -s INT 0.3", program, arguments);
+                 : "timeout --foreground --preserve-status -s INT 0.3", program, arguments);
         pipe = popen(command, "r");
         while (pipe != NULL && fgets(line, sizeof line, pipe) != NULL) {
             line[strcspn(line, "\n")] = 0;
             strcpy(last, line);
         }
         status = pipe == NULL ? -1 : pclose(pipe);
-        if (!CHECK(WIFEXITED(status) && WEXITSTATUS(status) == uses[i].status && strcmp(last, uses[i].says) == 0)) {
+        if (!CHECK(WIFEXITED(status) && WEXITSTATUS(status) == uses[i].status && strcmp(last, says) == 0)) {
             test_say("%s: %d, %s", uses[i].arguments, status, last);
         }
     }
-    for (i = 0; i < 4; i++) {
-        static const char *const names[] = { "a.node", "a.svg", "b.csv", "c.obj" };
-        CHECK(unlink(in_folder(names[i])) == 0);
+    for (i = 0; i < sizeof files / sizeof files[0]; i++) {
+        CHECK(unlink(in_folder(files[i])) == 0);
     }
     CHECK(access(in_folder("a.vtu"), F_OK) != 0 && access(in_folder("a.vtu.part"), F_OK) != 0);
     test_end();
