@@ -7,8 +7,8 @@
 
 static const double turn = 6.283185307179586;
 
-/* The point at parameter t along the rope, at angle a around it.  The axis is the (2,3) torus knot; it lies on a torus,
-   whose normal and the tangent give a frame that closes after one round. */
+/* The point at parameter t along the rope, at angle a around it.  The axis is the (2,3) torus knot; it lies on a
+   torus, whose normal and the tangent give a frame that closes after one round. */
 static void rope(double t, double a, double out[3])
 {
     double big = 2 + 0.98 * cos(3 * t), u[3], n[3], v[3], b[3], length, radius;

@@ -77,27 +77,33 @@ static char *pbwmodel__load(const char *path, size_t *size)          /* NULL: ca
     return data;
 }
 
-/* Makes of an .obj file one whose points are the normals and whose faces have the normals' ids. */
+/* Makes of an .obj file one whose points are the normals and whose faces have the normals' ids.  A corner without one
+   makes it a bad file. */
 static void pbwmodel__turn_to_normals(char *text, size_t size)
 {
-    size_t i, begin;
-    for (i = 0; i < size; i++) {
+    size_t i = 0, begin;
+    while (i < size) {
         int face = i + 1 < size && text[i] == 'f' && (text[i + 1] == ' ' || text[i + 1] == '\t');
-        if (i + 2 < size && text[i] == 'v' && text[i + 1] == 'n') {
+        if (i + 1 < size && text[i] == 'v' && text[i + 1] == 'n') {
             text[i + 1] = ' ';
         } else if (!face && text[i] != '\n') {
             text[i] = '#';
         }
-        for (i++; i < size && text[i] != '\n'; i++) {                /* of a/b/c or a//c leave c */
-            for (begin = i; face && i < size && text[i] != ' ' && text[i] != '\t' && text[i] != '\n'; i++) {
-                if (text[i] == '/') {
+        i += face ? 1 : 0;
+        while (i < size && text[i] != '\n') {
+            int slashes = 0;
+            for (begin = i; face && i < size && strchr(" \t\r\n", text[i]) == NULL; i++) {
+                if (text[i] == '/') {                                /* of a/b/c or a//c leave c */
                     memset(text + begin, ' ', i + 1 - begin);
+                    slashes++;
                 }
             }
-            if (i < size && text[i] == '\n') {
-                break;
+            if (i > begin && slashes != 2) {
+                text[begin] = 'x';
             }
+            i += i < size && text[i] != '\n';
         }
+        i++;
     }
 }
 

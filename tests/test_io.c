@@ -48,6 +48,8 @@ static void count_free(void *ptr)
 #include "../examples/pbw_io.h"
 #define PBW_PICTURE_IMPLEMENTATION
 #include "../examples/pbw_picture.h"
+#define PBW_MODEL_IMPLEMENTATION
+#include "../examples/pbw_model.h"
 #include "io_samples.h"
 #include "test.h"
 
@@ -849,6 +851,76 @@ static void test_pictures(void)
     }
 }
 
+/* Models with normals: what is written is read, and the forms of faces in .obj. */
+static void test_models(void)
+{
+    static const double points[12] = { 0, 0, 0, 1, 0, 0.1, 1, 1, 1e-300, 0, 1, 1.0 / 3 };
+    static const double normals[12] = { 0, 0, 1, 0, 1, 0, 1, 0, 0, 0.6, 0.8, 0 };
+    static const pbw_index triangles[6] = { 0, 1, 2, 0, 2, 3 }, turned[6] = { 1, 0, 3, 1, 3, 2 };
+    static const struct { const char *name; int faces, normals; } files[] = {
+        { "m.ply", 1, 1 }, { "m.obj", 1, 1 }, { "m.off", 1, 0 }, { "m.stl", 1, 0 }, { "m.xyz", 0, 0 },
+        { "m.csv", 0, 1 }
+    };
+    static const char *const texts[] = {             /* of the last three some faces have no normals */
+        "v 0 0 0\nvn 0 0 1\nv 1 0 0\nvn 0 1 0\nv 1 1 0\nv 0 1 0\nvn 1 0 0\nvn 0 0.6 0.8\n"
+        "f 1/7/2 2/7/1 3/7/4 4/7/3\n",
+        "v 0 0 0\nv 1 0 0\nv 1 1 0\nv 0 1 0\nvn 0 0 1\nvn 0 1 0\nvn 1 0 0\nvn 0 1 1\r\nf 1//-3\t2//-4 3//-1\r\n"
+        "f 1//2 3//4 4//3 \n",
+        "v 0 0 0\nv 1 0 0\nv 1 1 0\nv 0 1 0\nvn 0 0 1\nvn 0 1 0\nf 1//1 2 3//1\nf 1//1 3//1 4//1\n",
+        "v 0 0 0\nv 1 0 0\nv 1 1 0\nv 0 1 0\nvn 0 0 1\nf 1/1 2/1 3/1\nf 1/1 3/1 4/1\n",
+        "v 0 0 0\nv 1 0 0\nv 1 1 0\nv 0 1 0\nf 1 2 3 4\n"
+    };
+    pbwmodel_content content;
+    pbwio_cloud cloud, read;
+    pbwio_error error;
+    size_t i, j;
+    memset(&content, 0, sizeof content);
+    content.dim = 3;
+    content.point_count = 4;
+    content.triangle_count = 2;
+    content.points = points;
+    content.normals = normals;
+    content.triangles = triangles;
+    for (i = 0; i < 2 * sizeof files / sizeof files[0]; i++) {
+        const char *path = in_folder(files[i / 2].name);
+        CHECK_EQUAL(pbwmodel_write(path, &content, i % 2 ? PBWIO_TEXT : 0, &error), PBWIO_OK);
+        if (!CHECK_EQUAL(pbwio_read(path, NULL, &cloud, &error), PBWIO_OK)) {
+            test_say("%s", error.text);
+            continue;
+        }
+        CHECK_EQUAL(cloud.triangle_count, files[i / 2].faces ? 2 : 0);
+        if (strcmp(files[i / 2].name, "m.stl") != 0) {
+            CHECK(cloud.count == 4 && memcmp(cloud.points, points, sizeof points) == 0);
+            CHECK(!files[i / 2].faces || memcmp(cloud.triangles, triangles, sizeof triangles) == 0);
+        }
+        CHECK_EQUAL(pbwmodel_read_normals(path, &cloud, &read), files[i / 2].normals);
+        CHECK(!files[i / 2].normals || (read.count == 4 && memcmp(read.points, normals, sizeof normals) == 0));
+        CHECK(!files[i / 2].normals || !files[i / 2].faces
+              || (read.triangle_count == 2 && memcmp(read.triangles, triangles, sizeof triangles) == 0));
+        pbwio_free(&read);
+        pbwio_free(&cloud);
+        CHECK(unlink(path) == 0);
+    }
+    for (i = 0; i < sizeof texts / sizeof texts[0]; i++) {
+        const char *path = in_folder("n.obj");
+        FILE *file = fopen(path, "wb");
+        CHECK(file != NULL && fputs(texts[i], file) >= 0 && fclose(file) == 0);
+        CHECK_EQUAL(pbwio_read(path, NULL, &cloud, &error), PBWIO_OK);
+        CHECK_EQUAL(pbwmodel_read_normals(path, &cloud, &read), i < 2);
+        for (j = 0; j < 6 && i < 2; j++) {
+            CHECK_EQUAL(read.triangles[j], turned[j]);
+        }
+        CHECK(i > 1 || (read.count == 4 && read.points[2] > 0 && read.points[4] > 0 && read.points[6] > 0));
+        pbwio_free(&read);
+        pbwio_free(&cloud);
+        CHECK(unlink(path) == 0);
+    }
+    CHECK_EQUAL(pbwmodel_write(in_folder("m.vtu"), &content, 0, &error), PBWIO_ERROR_ARGUMENT);
+    CHECK_EQUAL(pbwmodel_write("/no/such/m.ply", &content, 0, &error), PBWIO_ERROR_FILE);
+    content.triangle_count = 0;
+    CHECK_EQUAL(pbwmodel_write(in_folder("m.stl"), &content, 0, &error), PBWIO_ERROR_ARGUMENT);
+}
+
 /* Copies a text of at most 255 letters with the name of the folder for FOLDER. */
 static void fill_in(const char *from, char to[256])
 {
@@ -975,7 +1047,8 @@ int main(int argc, char **argv)
         { "columns, weights and dimensions", test_choices }, { "bad files", test_bad_files },
         { "every truncation", test_truncations }, { "every flipped bit", test_flips },
         { "memory runs out", test_no_memory }, { "long lines", test_long }, { "a small stack", test_stack },
-        { "what writers refuse", test_refusals }, { "a full disk", test_full_disk }, { "pictures", test_pictures }
+        { "what writers refuse", test_refusals }, { "a full disk", test_full_disk }, { "pictures", test_pictures },
+        { "models with normals", test_models }
     };
     size_t i;
     test_start(argc, argv, 0);
