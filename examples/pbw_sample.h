@@ -28,9 +28,9 @@
    PROMISES  (tests/test_sample.c guards them)
      same        a set is a function of the model and of the options: random numbers are a function of the seed and of
                  a counter (Salmon et al. 2011, "Parallel random numbers: as easy as 1, 2, 3")
-     apart       of two samples of a Poisson set, neither lies in the ball of radius times options.size of the earlier
-     maximal     by radius, every point of the surface lies in the ball of a sample, up to one part in 2^20 of the
-                 radius; every point inside a volume within 1.25 radii of one
+     apart       a sample of a Poisson set lies in no ball of an earlier one, with radius times options.size there
+     maximal     sets by radius: every point of the surface lies in the ball of a sample, up to one part in 2^20 of
+                 the radius; every point inside a volume within 1.25 radii of one
      exact       as many as options.count asks for
      any model   facets without area, unused points, open and crowded edges, triangle soup: they are handled where
                  that has a meaning and a status names them where not
