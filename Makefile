@@ -31,7 +31,7 @@ all: $(EXAMPLES:%=$B/%) $(EXAMPLES_CXX:%=$B/%) $B/libpbw_python.so
 
 help:
 	@echo 'make             builds the examples into $B/, the pbw program among them'
-	@echo 'make demo        makes, checks and draws triangulations with them'
+	@echo 'make demo        makes a model, samples, triangulates, proves, draws and writes it'
 	@echo 'make examples    runs the examples and compares what they print with examples/expected'
 	@echo 'make test        all tests; the last line is `N passed, N failed, N skipped`'
 	@echo 'make bench       compares speed and memory with rivals that are installed (bench/bench.mk)'
@@ -76,6 +76,7 @@ $(SCRIPTS:%=$B/%.log): $B/%.log: tests/%.sh FORCE
 
 $B/examples.log: $(patsubst %,$B/%,$(filter $(EXAMPLES) $(EXAMPLES_CXX),$(EXPECTED)))
 $B/python.log: $B/libpbw_python.so
+$B/test_io.log: $B/pbw
 $B/oracle.log: $B/libpbw.a
 
 # One that does not compile is a failure, and the others still run.
@@ -91,7 +92,7 @@ test programs examples oracle asm names fuzz-long:
 	@$(MAKE) --no-print-directory -k $(LOGS) || true
 	@sh tests/run.sh --total $(LOGS)
 
-demo: all
+demo: $B/pbw $B/model
 	sh examples/demo.sh $B
 
 asan ubsan tsan: %:

@@ -1,15 +1,15 @@
-/* model.c: a closed surface to try things on: a rope of three strands, tied into a trefoil knot, with points inside.
+/* model.c: a closed surface to try things on: a rope of three strands, tied into a trefoil knot.
    cc -O2 -I. examples/model.c -o model -lm;  ./model knot.obj [detail]
-   Writes knot.obj: 83326 points, 64800 triangles (for detail 1). */
+   Writes knot.obj: 32400 points, 64800 triangles (for detail 1). */
 #include <math.h>
 #include <stdio.h>
 #include <stdlib.h>
 
 static const double turn = 6.283185307179586;
 
-/* The point at parameter t along the rope, at angle a around it, depth 0 (axis) to 1 (surface).  The axis is the
-   (2,3) torus knot; it lies on a torus, whose normal and the tangent give a frame that closes after one round. */
-static void rope(double t, double a, double depth, double out[3])
+/* The point at parameter t along the rope, at angle a around it.  The axis is the (2,3) torus knot; it lies on a
+   torus, whose normal and the tangent give a frame that closes after one round. */
+static void rope(double t, double a, double out[3])
 {
     double big = 2 + 0.98 * cos(3 * t), u[3], n[3], v[3], b[3], length, radius;
     int k;
@@ -30,7 +30,7 @@ static void rope(double t, double a, double depth, double out[3])
     v[1] = b[2] * u[0] - b[0] * u[2];
     v[2] = b[0] * u[1] - b[1] * u[0];
     length = sqrt(v[0] * v[0] + v[1] * v[1] + v[2] * v[2]);
-    radius = depth * (0.47 + 0.065 * depth * cos(3 * a + 14 * t) + 0.012 * depth * cos(36 * t) * cos(6 * a));
+    radius = 0.47 + 0.065 * cos(3 * a + 14 * t) + 0.012 * cos(36 * t) * cos(6 * a);
     out[0] = big * cos(2 * t);
     out[1] = big * sin(2 * t);
     out[2] = 1.1 * sin(3 * t);
@@ -39,46 +39,34 @@ static void rope(double t, double a, double depth, double out[3])
     }
 }
 
-/* Layers from the surface inwards, each coarser than the last: rings of points, every second ring turned by half a
-   step, so that the triangles between them are nearly regular. */
+/* Rings of points around the rope, every second one turned by half a step, so that the triangles between them are
+   nearly regular. */
 int main(int argc, char **argv)
 {
-    double detail = argc > 2 ? atof(argv[2]) : 1, depth = 1, p[3];
-    long rings = 2 * lround(300 * sqrt(detail)), sides = lround(54 * sqrt(detail)), i, j, layer;
+    double detail = argc > 2 ? atof(argv[2]) : 1, p[3];
+    long rings = 2 * lround(300 * sqrt(detail)), sides = lround(54 * sqrt(detail)), i, j;
     FILE *file = argc > 1 ? fopen(argv[1], "w") : NULL;
-    long triangles = 0, points = 0;
     if (file == NULL || !(detail > 0.01 && detail < 1000)) {
-        fprintf(stderr, "usage: model file.obj [detail, 1 = 83326 points]\n");
+        fprintf(stderr, "usage: model file.obj [detail, 1 = 64800 triangles]\n");
         return 2;
     }
-    for (layer = 0; depth > 0; layer++) {
-        double step = turn * 0.47 / (double)sides * pow(1.16, (double)layer);       /* from point to point */
-        long around = layer == 0 ? sides : lround(turn * 0.47 * depth / step);
-        long along = layer == 0 ? rings : 2 * lround((double)rings * pow(1.16, (double)-layer) / 2);
-        around = around < 1 ? 1 : around;
-        for (i = 0; i < along; i++) {
-            for (j = 0; j < around; j++) {
-                rope(turn * ((double)i + 0.37 * (double)layer) / (double)along,
-                     turn * ((double)j + 0.5 * (double)(i & 1) + 0.3 * (double)layer) / (double)around, depth, p);
-                fprintf(file, "v %.9g %.9g %.9g\n", p[0], p[1], p[2]);
-                points++;
-            }
+    for (i = 0; i < rings; i++) {
+        for (j = 0; j < sides; j++) {
+            rope(turn * (double)i / (double)rings, turn * ((double)j + 0.5 * (double)(i & 1)) / (double)sides, p);
+            fprintf(file, "v %.9g %.9g %.9g\n", p[0], p[1], p[2]);
         }
-        depth = around == 1 ? 0 : depth - 0.9 * step / 0.47;
-        depth = depth < 0.4 * step / 0.47 && depth > 0 ? 1e-9 : depth;
     }
     for (i = 0; i < rings; i++) {
         for (j = 0; j < sides; j++) {
             long a = i * sides + j, b = i * sides + (j + 1) % sides, next = (i + 1) % rings * sides;
             long c = next + (j + (i & 1)) % sides, d = next + (j + 1 + (i & 1)) % sides;
             fprintf(file, "f %ld %ld %ld\nf %ld %ld %ld\n", a + 1, b + 1, c + 1, b + 1, d + 1, c + 1);
-            triangles += 2;
         }
     }
     if (ferror(file) | fclose(file)) {
         perror(argv[1]);
         return 1;
     }
-    printf("%s: %ld points, %ld triangles\n", argv[1], points, triangles);
+    printf("%s: %ld points, %ld triangles\n", argv[1], rings * sides, 2 * rings * sides);
     return 0;
 }

@@ -1,12 +1,17 @@
-/* pbw.c: triangulates a file of points or a model, checks the result, writes it and draws it.
+/* pbw.c: samples models, triangulates points, checks, writes, shows and measures.
    cc -O2 -I. examples/pbw.c -o pbw -lpthread -lm
-   ./pbw model.obj -o model.vtu -o model.svg;  ./pbw --help lists the rest. */
+   ./pbw model.obj -o model.vtu -o model.svg;  ./pbw --help lists the commands. */
 #define PBW_IMPLEMENTATION
 #include "pbw.h"
 #define PBW_IO_IMPLEMENTATION
 #include "pbw_io.h"
+#define PBW_MODEL_IMPLEMENTATION
+#include "pbw_model.h"
 #define PBW_PICTURE_IMPLEMENTATION
 #include "pbw_picture.h"
+#define PBW_SAMPLE_IMPLEMENTATION
+#include "pbw_sample.h"
+#include "pbw_generate.h"
 #include <signal.h>
 #ifdef _WIN32
 #include <io.h>
@@ -18,271 +23,122 @@
 
 enum { MOST_OUTPUTS = 32, FAILURE = 1, USAGE = 2 };
 
-static const char help[] =
-    "usage: pbw [options] input [-o output]...\n"
+/* ---- the commands and their options ---- */
+
+enum { MESH = 1, SAMPLE = 2, VIEW = 4, CHECK = 8, CONVERT = 16, BENCH = 32, ALL = 63 };
+
+static const char *const help[] = {
+    "usage: pbw [mesh] [options] input [-o output]...\n"
     "\n"
     "Exact Delaunay triangulation of the points of a file, or with --weights the regular one.\n"
     "\n"
     "input:   .obj .ply .stl .off .node, tables (.xyz .csv .txt ...); - is the standard input\n"
     "output:  .vtu .msh .mesh .node .ele .neigh (simplices), .obj .ply .stl (hull), .xyz .csv (points),\n"
-    "         .svg (picture); any number of them\n"
+    "         .svg (picture), .html (page to look around in); any number of them\n"
     "\n"
-    "  --dim 2|3             dimension; default 3, or 2 for files of two columns or of one z\n"
-    "  --columns X,Y[,Z]     which columns, by number from 1 or by name\n"
-    "  --weights COLUMN      regular triangulation with the weights of that column\n"
-    "  --generate KIND N     N points instead of an input: uniform gauss ball sphere lattice clusters lines\n"
-    "                        spiral plane anisotropic moment\n"
-    "  --seed S              for --generate, up to 1000000; default 1\n"
-    "  --threads N           default: all cores\n"
-    "  --memory-limit SIZE   such as 500M or 4G: fail rather than use more for the triangulation\n"
     "  --any-order           skip the canonical order of simplices\n"
     "  --no-check            skip the exact check of the result\n"
-    "  --inside              output only what is inside the closed surface of the model\n"
+    "  --inside              output only what is inside the surface of the model\n"
+    "  --surface MODEL       the model for --inside, if it is not the input\n"
     "  --no-orphans          leave points that are corners of nothing out of the output\n"
-    "  --text                text instead of binary output\n"
     "  --eye X,Y,Z           pictures: direction to the viewer\n"
     "  --up X,Y,Z            pictures: upwards; default 0,0,1\n"
-    "  --cut A,B,C,D         pictures: cut away Ax+By+Cz > D, D from -1 to 1; D = 1 cuts nothing\n"
-    "  --quiet               print errors only\n"
-    "  --help, --version\n"
+    "  --cut A,B,C,D         pictures: cut away Ax+By+Cz > D, D from -1 to 1; D = 1 cuts nothing\n",
+
+    "usage: pbw sample [options] model -o output...\n"
     "\n"
-    "exit status: 0 done, 1 failure, 2 wrong usage\n";
+    "Points spread evenly over the surface of a model, none closer to another than a radius, with normals.\n"
+    "\n"
+    "input:   .obj .ply .stl .off with faces\n"
+    "output:  .ply .obj .off .xyz .csv; any number of them\n"
+    "\n"
+    "  --count N             that many on the surface; default 20000\n"
+    "  --radius R            instead: that distance apart, as many as there is room for\n"
+    "  --uniform             independent random points instead, with --count\n"
+    "  --fill lattice|poisson    add points inside, as far apart: a jittered lattice or blue noise\n"
+    "  --thin                sides of a sheet thinner than the radius do not keep points apart\n"
+    "  --facet-normals       normals of the faces, not interpolated ones\n",
 
-static volatile sig_atomic_t interrupted;
+    "usage: pbw view [options] input [-o page.html]\n"
+    "\n"
+    "A page to look around in the triangulation of a file, for any browser; default: input.html.\n"
+    "\n"
+    "  --points              the points only\n"
+    "  --inside              only what is inside the surface of the model\n"
+    "  --surface MODEL       the model for --inside, if it is not the input\n",
 
-static void on_interrupt(int number)                 /* the first stops the work, a second one the program */
-{
-    interrupted = 1;
-    signal(number, SIG_DFL);
-}
+    "usage: pbw check [options] input\n"
+    "\n"
+    "Tells what is wrong with a model's surface, and proves the triangulation of its points.\n"
+    "The exit status is 1 if edges are open, crowded or turned, or the triangulation is wrong.\n"
+    "\n",
 
-static double now(void)
-{
-#ifdef _WIN32
-    return (double)GetTickCount64() * 1e-3;
-#else
-    struct timeval time;
-    gettimeofday(&time, NULL);
-    return (double)time.tv_sec + 1e-6 * (double)time.tv_usec;
-#endif
-}
+    "usage: pbw convert [options] input output...\n"
+    "\n"
+    "Points, normals and faces from one format to another.\n"
+    "\n"
+    "input:   as for pbw mesh\n"
+    "output:  .obj .ply .off .stl with faces, .xyz .csv without\n"
+    "\n",
 
-/* A bar on the terminal; user: whether there is one. */
-static int on_progress(void *user, pbw_stage stage, double done)
-{
-    static const char *const names[] = { "order", "build", "output", "check" };
-    int length = (int)(40 * done);
-    if (*(int *)user) {
-        fprintf(stderr, "\r%-6s [%.*s%*s] %3.0f %%", names[stage], length, "########################################",
-                40 - length, "", 100 * done);
-    }
-    return interrupted;
-}
+    "usage: pbw bench [options] [input]\n"
+    "\n"
+    "Times of the triangulation by number of threads, best of three; default: --generate uniform 1000000.\n"
+    "\n"
+};
 
-/* ---- points without a file ---- */
+static const struct { const char *text; unsigned commands; } shared_help[] = {
+    { "  --dim 2|3             dimension; default 3, or 2 for files of two columns or of one z\n", ALL & ~SAMPLE },
+    { "  --columns X,Y[,Z]     which columns, by number from 1 or by name\n", ALL & ~SAMPLE },
+    { "  --weights COLUMN      regular triangulation with the weights of that column\n",
+      MESH | VIEW | CHECK | BENCH },
+    { "  --generate KIND N     N points instead of an input: uniform gauss ball sphere lattice clusters lines\n"
+      "                        spiral plane anisotropic moment\n", ALL & ~SAMPLE },
+    { "  --seed S              of random numbers, up to 1000000; default 1\n", ALL },
+    { "  --threads N           default: all cores\n", MESH | VIEW | CHECK | BENCH },
+    { "  --memory-limit SIZE   such as 500M or 4G: fail rather than use more for the triangulation\n",
+      MESH | VIEW | CHECK | BENCH },
+    { "  --text                text instead of binary output\n", MESH | SAMPLE | CONVERT },
+    { "  --quiet               print errors only\n", ALL }
+};
 
-static uint64_t random_state;
+static const char *const commands[] = { "mesh", "sample", "view", "check", "convert", "bench", NULL };
+static const char *const command_help[] = {
+    "triangulate points; also without its name", "spread points over a model", "write a page to look at",
+    "find faults in a model and its triangulation", "from one format to another", "measure"
+};
 
-static double mixed(uint64_t z)                      /* splitmix64 (Steele, Lea and Flood 2014), to [0, 1) */
-{
-    z *= 0x9e3779b97f4a7c15u;
-    z = (z ^ z >> 30) * 0xbf58476d1ce4e5b9u;
-    z = (z ^ z >> 27) * 0x94d049bb133111ebu;
-    return (double)((z ^ z >> 31) >> 11) * 0x1p-53;
-}
+enum { QUIET, NO_CHECK, ANY_ORDER, INSIDE, NO_ORPHANS, TEXT, UNIFORM, THIN, FACET_NORMALS, POINTS, SWITCHES };
+static const char *const switches[] = { "--quiet", "--no-check", "--any-order", "--inside", "--no-orphans", "--text",
+                                        "--uniform", "--thin", "--facet-normals", "--points", NULL };
+static const unsigned switch_commands[] = { ALL, MESH | VIEW, MESH, MESH | VIEW, MESH, MESH | SAMPLE | CONVERT,
+                                            SAMPLE, SAMPLE, SAMPLE, VIEW };
 
-static double uniform(void)
-{
-    return mixed(++random_state);
-}
+enum { O, DIM, COLUMNS, WEIGHTS, THREADS, MEMORY_LIMIT, SEED, EYE, UP, CUT, GENERATE, COUNT, RADIUS, FILL, SURFACE };
+static const char *const settings[] = { "-o", "--dim", "--columns", "--weights", "--threads", "--memory-limit",
+                                        "--seed", "--eye", "--up", "--cut", "--generate", "--count", "--radius",
+                                        "--fill", "--surface", NULL };
+static const unsigned setting_commands[] = {
+    MESH | SAMPLE | VIEW | CONVERT, ALL & ~SAMPLE, ALL & ~SAMPLE, MESH | VIEW | CHECK | BENCH,
+    MESH | VIEW | CHECK | BENCH, MESH | VIEW | CHECK | BENCH, ALL, MESH, MESH, MESH, ALL & ~SAMPLE, SAMPLE, SAMPLE,
+    SAMPLE, MESH | VIEW
+};
 
-static double gauss(void)                            /* nearly: the sum of twelve uniform ones */
-{
-    double sum = -6;
-    int i;
-    for (i = 0; i < 12; i++) {
-        sum += uniform();
-    }
-    return sum;
-}
-
-static const char *const kinds[] = { "uniform", "gauss", "ball", "sphere", "lattice", "clusters", "lines", "spiral",
-                                     "plane", "anisotropic", "moment", NULL };
-
-static void generate_point(int kind, int dim, size_t i, size_t count, double *p)
-{
-    double t = ((double)i + 0.5) / (double)count, length = 2, turn = 6.283185307179586;
-    uint64_t few = i % 32, many = i % (1 + (size_t)sqrt((double)count));
-    size_t side = (size_t)ceil(pow((double)count, 1.0 / dim) - 1e-9), rest = i;
-    int k;
-    for (k = 0; k < dim; k++) {
-        p[k] = kind == 1 || kind == 5 ? gauss() : uniform();
-    }
-    if (kind == 2 || kind == 3) {                    /* ball, sphere */
-        while (!(length <= 1 && length > 1e-6)) {
-            for (k = 0, length = 0; k < dim; k++) {
-                p[k] = 2 * uniform() - 1;
-                length += p[k] * p[k];
-            }
-        }
-        for (k = 0; k < dim; k++) {
-            p[k] /= kind == 3 ? sqrt(length) : 1;
-        }
-    } else if (kind == 4) {                          /* lattice */
-        for (k = 0; k < dim; k++, rest /= side) {
-            p[k] = (double)(rest % side);
-        }
-    } else if (kind == 5) {                          /* 32 clusters, from wide to narrow */
-        for (k = 0; k < dim; k++) {
-            p[k] = mixed(1 + 3 * few + (uint64_t)k) + p[k] * 0.1 / (double)(1 + few * few);
-        }
-    } else if (kind == 6) {                          /* as many lines, along the axes, as points on each */
-        for (k = 0; k < dim; k++) {
-            p[k] = (uint64_t)k == many % (uint64_t)dim ? p[k] : mixed(1 + 3 * many + (uint64_t)k);
-        }
-    } else if (kind == 7) {                          /* a sunflower; in 3D bent to a bowl */
-        p[dim - 1] = t;
-        p[0] = sqrt(t) * cos(turn * 0.3819660112501051 * (double)i);
-        p[1] = sqrt(t) * sin(turn * 0.3819660112501051 * (double)i);
-    } else if (kind == 8 || kind == 9) {             /* plane, anisotropic */
-        p[dim - 1] *= kind == 8 ? 1e-9 : 1e-3;
-        p[0] *= kind == 9 ? 1e3 : 1;
-    } else if (kind == 10) {                         /* moment curve: in 3D every two points share a simplex */
-        for (k = 0; k < dim; k++) {
-            p[k] = pow(t, k + 1);
-        }
-    }
-}
-
-static int generate(int kind, int dim, size_t count, uint64_t seed, pbwio_cloud *cloud)
-{
-    size_t i;
-    memset(cloud, 0, sizeof *cloud);
-    if (count < (size_t)-1 / 32) {
-        cloud->points = (double *)malloc((count + 1) * (size_t)dim * sizeof(double));
-    }
-    if (cloud->points == NULL) {
-        return 0;
-    }
-    random_state = seed << 40;
-    cloud->dim = dim;
-    cloud->count = count;
-    for (i = 0; i < count; i++) {
-        generate_point(kind, dim, i, count, cloud->points + i * (size_t)dim);
-    }
-    return 1;
-}
-
-/* ---- inside and outside ---- */
-
-/* The side of the line through projected points a and b that p is on; on the line, one that depends on the points
-   only, so that the triangles at an edge agree. */
-static int side(const double *points, pbw_index a, pbw_index b, const double *p)
-{
-    int sign = a < b ? pbw_orient2(points + 3 * (size_t)a, points + 3 * (size_t)b, p)
-                     : -pbw_orient2(points + 3 * (size_t)b, points + 3 * (size_t)a, p);
-    return sign != 0 ? sign : a < b ? 1 : -1;
-}
-
-typedef struct columns {                             /* a grid over x and y; which triangles are over each cell */
-    size_t side, *first;                             /* first[c] to first[c+1] in list are those over cell c */
-    pbw_index *list;
-    double low[2], scale[2];
-} columns;
-
-static size_t cell_of(const columns *grid, double x, int axis)
-{
-    double at = (x - grid->low[axis]) * grid->scale[axis];
-    return at < 0 ? 0 : at >= (double)grid->side ? grid->side - 1 : (size_t)at;
-}
-
-static int sort_into_columns(columns *grid, const pbwio_cloud *model)
-{
-    size_t i, x, y, total = 0;
-    double high[2] = { -DBL_MAX, -DBL_MAX }, least[2], most[2];
-    int k, pass;
-    memset(grid, 0, sizeof *grid);
-    grid->side = (size_t)fmin(1024, sqrt((double)model->triangle_count / 2) + 1);
-    grid->first = (size_t *)calloc(grid->side * grid->side + 1, sizeof *grid->first);
-    grid->low[0] = grid->low[1] = DBL_MAX;
-    for (i = 0; i < model->count; i++) {
-        for (k = 0; k < 2; k++) {
-            grid->low[k] = fmin(grid->low[k], model->points[3 * i + (size_t)k]);
-            high[k] = fmax(high[k], model->points[3 * i + (size_t)k]);
-            grid->scale[k] = (double)grid->side / (high[k] > grid->low[k] ? high[k] - grid->low[k] : 1);
-        }
-    }
-    for (pass = 0; pass < 2 && grid->first != NULL; pass++) {        /* count, then fill from the back */
-        for (i = 0; i < model->triangle_count; i++) {
-            const pbw_index *t = model->triangles + 3 * i;
-            for (k = 0; k < 2; k++) {
-                const double *p = model->points + k;
-                least[k] = fmin(p[3 * (size_t)t[0]], fmin(p[3 * (size_t)t[1]], p[3 * (size_t)t[2]]));
-                most[k] = fmax(p[3 * (size_t)t[0]], fmax(p[3 * (size_t)t[1]], p[3 * (size_t)t[2]]));
-            }
-            for (y = cell_of(grid, least[1], 1); y <= cell_of(grid, most[1], 1); y++) {
-                for (x = cell_of(grid, least[0], 0); x <= cell_of(grid, most[0], 0); x++) {
-                    if (pass == 0) {
-                        grid->first[y * grid->side + x]++;
-                    } else {
-                        grid->list[--grid->first[y * grid->side + x]] = (pbw_index)i;
-                    }
-                }
-            }
-        }
-        for (i = 0; pass == 0 && i <= grid->side * grid->side; i++) {
-            grid->first[i] = total += grid->first[i];
-        }
-        if (pass == 0 && (grid->list = (pbw_index *)malloc((total + 1) * sizeof *grid->list)) == NULL) {
-            return 0;
-        }
-    }
-    return grid->first != NULL;
-}
-
-/* Marks the simplices whose centre is inside the closed surface: a ray upwards leaves it an odd number of times. */
-static unsigned char *find_inside(const pbw_mesh *mesh, const pbwio_cloud *model)
-{
-    unsigned char *inside = (unsigned char *)calloc(mesh->simplex_count + 1, 1);
-    const double *q = model->points;
-    columns grid;
-    size_t i, j, cell;
-    int found = sort_into_columns(&grid, model);
-    for (i = 0; i < mesh->simplex_count && found && inside != NULL; i++) {
-        double p[3] = { 0, 0, 0 };
-        for (j = 0; j < 12; j++) {
-            p[j % 3] += 0.25 * mesh->points[3 * (size_t)mesh->simplices[4 * i + j / 3] + j % 3];
-        }
-        cell = cell_of(&grid, p[1], 1) * grid.side + cell_of(&grid, p[0], 0);
-        for (j = grid.first[cell]; j < grid.first[cell + 1]; j++) {
-            const pbw_index *t = model->triangles + 3 * (size_t)grid.list[j];
-            int turn = side(q, t[0], t[1], p);
-            if (side(q, t[1], t[2], p) == turn && side(q, t[2], t[0], p) == turn) {
-                const double *a = q + 3 * (size_t)t[0], *b = q + 3 * (size_t)t[1], *c = q + 3 * (size_t)t[2];
-                inside[i] = (unsigned char)(inside[i] ^ (pbw_orient3(a, b, c, p) * turn < 0));
-            }
-        }
-    }
-    free(grid.first);
-    free(grid.list);
-    if (!found) {
-        free(inside);
-        inside = NULL;
-    }
-    return inside;
-}
-
-/* ---- the program ---- */
+static const char *const fills[] = { "lattice", "poisson", NULL };
 
 typedef struct job {
-    const char *input, *output[MOST_OUTPUTS], *generate;
-    int outputs, kind, terminal, on[6];              /* on: the switches below */
-    size_t count;
-    uint64_t seed;
+    unsigned command;                                /* one of the bits above */
+    const char *input, *output[MOST_OUTPUTS], *generate, *surface;
+    int outputs, kind, fill, terminal, on[SWITCHES];
+    size_t count;                                    /* of --generate */
     pbwio_options read;
     pbwio_output write;
     pbwpic_options picture;
     pbw_options build;
+    pbwsample_options sample;
+    pbwio_cloud cloud, normals, surface_cloud;       /* what is read and made */
+    pbwsample_set samples;
+    pbw_mesh mesh;
 } job;
 
 static int complain(const char *what, const char *detail)
@@ -328,26 +184,35 @@ static int find(const char *const *names, const char *name)          /* -1: it i
     return -1;
 }
 
-enum { QUIET, NO_CHECK, ANY_ORDER, INSIDE, NO_ORPHANS, TEXT };
-static const char *const switches[] = { "--quiet", "--no-check", "--any-order", "--inside", "--no-orphans", "--text",
-                                        NULL };
+static int has_ending(const char *path, const char *ending)
+{
+    const char *dot = strrchr(path, '.');
+    return dot != NULL && strcmp(dot, ending) == 0;
+}
 
-enum { O, DIM, COLUMNS, WEIGHTS, THREADS, MEMORY_LIMIT, SEED, EYE, UP, CUT, GENERATE };
-static const char *const settings[] = { "-o", "--dim", "--columns", "--weights", "--threads", "--memory-limit",
-                                        "--seed", "--eye", "--up", "--cut", "--generate", NULL };
+/* Whether the command can write such a file. */
+static int add_output(job *j, const char *path)
+{
+    pbwio_format format = pbwio_format_of(path);
+    j->output[j->outputs % MOST_OUTPUTS] = path;
+    if (++j->outputs > MOST_OUTPUTS || j->command & (CHECK | BENCH)) {
+        return 0;
+    }
+    if (j->command & (SAMPLE | CONVERT)) {
+        return format != PBWIO_AUTO && format <= PBWIO_CSV && format != PBWIO_NODE
+            && !(j->command == SAMPLE && format == PBWIO_STL);
+    }
+    return has_ending(path, ".html") || (j->command == MESH && ((format != PBWIO_AUTO && format != PBWIO_OFF)
+                                                                || has_ending(path, ".svg")));
+}
 
 /* The setting of that number; returns whether the value is proper.  more: the argument after the value or NULL. */
 static int set(job *j, int setting, const char *value, const char *more)
 {
-    const char *dot = strrchr(value, '.');
-    pbwio_format format = pbwio_format_of(value);
     double n = 0;
     int fine = 1;
     switch (setting) {
-        case O:
-            j->output[j->outputs % MOST_OUTPUTS] = value;
-            return ++j->outputs <= MOST_OUTPUTS && (format != PBWIO_AUTO || (dot != NULL && strcmp(dot, ".svg") == 0))
-                && format != PBWIO_OFF;
+        case O: return add_output(j, value);
         case DIM: fine = whole(value, 2, 3, &n); j->read.dim = (int)n; break;
         case COLUMNS: j->read.columns = value; break;
         case WEIGHTS: j->read.weight = value; break;
@@ -356,64 +221,141 @@ static int set(job *j, int setting, const char *value, const char *more)
             fine = whole(value, 1, (double)((size_t)-1 / 2), &n);
             j->build.memory_limit = (size_t)n;
             break;
-        case SEED: fine = whole(value, 0, 1e6, &n); j->seed = (uint64_t)n; break;
+        case SEED: fine = whole(value, 0, 1e6, &n); j->sample.seed = (uint64_t)n; break;
         case EYE: return numbers(value, 3, j->picture.eye);
         case UP: return numbers(value, 3, j->picture.up);
         case CUT: return numbers(value, 4, j->picture.cut);
+        case COUNT: fine = whole(value, 1, 4e9, &n); j->sample.count = (size_t)n; break;
+        case RADIUS: return numbers(value, 1, &j->sample.radius) && j->sample.radius > 0;
+        case FILL: j->fill = find(fills, value) + 1; return j->fill > 0;
+        case SURFACE: j->surface = value; break;
         default:
             j->generate = value;
-            j->kind = find(kinds, value);
+            j->kind = find(pbwgen_kinds, value);
             fine = j->kind >= 0 && more != NULL && whole(more, 1, 4e9, &n);
             j->count = (size_t)n;
     }
     return fine;
 }
 
+static void print_help(unsigned command, int all)
+{
+    size_t i, which = 0;
+    while (command >> which != 1) {
+        which++;
+    }
+    fputs(help[which], stdout);
+    for (i = 0; i < sizeof shared_help / sizeof shared_help[0]; i++) {
+        fputs(shared_help[i].commands & command ? shared_help[i].text : "", stdout);
+    }
+    puts("  --help, --version");
+    for (i = 0; all && commands[i] != NULL; i++) {
+        printf("%s  pbw %-8s --help   %s\n", i == 0 ? "\ncommands:\n" : "", commands[i], command_help[i]);
+    }
+    puts("\nexit status: 0 done, 1 failure, 2 wrong usage");
+}
+
 /* Fills the job; returns 0, or the exit status plus one. */
 static int parse(int argc, char **argv, job *j)
 {
-    int i, k;
-    for (i = 1; i < argc; i++) {
+    int i = 1, k, named = argc > 1 ? find(commands, argv[1]) : -1;
+    j->command = named >= 0 ? 1u << named : MESH;
+    for (i += named >= 0; i < argc; i++) {
         if (strcmp(argv[i], "--help") == 0) {
-            fputs(help, stdout);
+            print_help(j->command, named < 0);
             return 1;
         } else if (strcmp(argv[i], "--version") == 0) {
             printf("pbw %d.%d.%d\n", PBW_VERSION_MAJOR, PBW_VERSION_MINOR, PBW_VERSION_PATCH);
             return 1;
-        } else if ((k = find(switches, argv[i])) >= 0) {
+        } else if ((k = find(switches, argv[i])) >= 0 && switch_commands[k] & j->command) {
             j->on[k] = 1;
-        } else if ((k = find(settings, argv[i])) >= 0) {
+        } else if ((k = find(settings, argv[i])) >= 0 && setting_commands[k] & j->command) {
             if (i + 1 >= argc || !set(j, k, argv[i + 1], argv[i + 2 < argc ? i + 2 : argc])) {
                 return 1 + complain("no proper value for ", argv[i]);
             }
             i += k == GENERATE ? 2 : 1;
         } else if (argv[i][0] == '-' && argv[i][1] != 0) {
             return 1 + complain("unknown option ", argv[i]);
+        } else if (j->command == CONVERT && (j->input != NULL || j->generate != NULL)) {
+            if (!add_output(j, argv[i])) {
+                return 1 + complain("this format is not written: ", argv[i]);
+            }
         } else if (j->input != NULL) {
             return 1 + complain("more than one input: ", argv[i]);
         } else {
             j->input = argv[i];
         }
     }
+    if (j->command == BENCH && j->input == NULL && j->generate == NULL) {
+        j->generate = pbwgen_kinds[0];
+        j->count = 1000000;
+    }
     if ((j->input == NULL) == (j->generate == NULL)) {
-        return 1 + complain("one input or --generate is needed; see --help", "");
+        return 1 + complain(j->command == SAMPLE ? "a model is needed; see pbw sample --help"
+                            : "one input or --generate is needed; see --help", "");
+    }
+    if (j->command == CONVERT && j->outputs == 0) {
+        return 1 + complain("an output is needed; see pbw convert --help", "");
+    }
+    if (j->sample.count > 0 && j->sample.radius > 0) {
+        return 1 + complain("--count and --radius exclude each other", "");
+    }
+    if (j->on[UNIFORM] && (j->sample.radius > 0 || j->fill > 0)) {
+        return 1 + complain("--uniform goes with neither --radius nor --fill", "");
     }
     j->build.flags = j->on[ANY_ORDER] ? PBW_ANY_ORDER : 0;
     j->write.flags = (j->on[NO_ORPHANS] ? PBWIO_NO_ORPHANS : 0) | (j->on[TEXT] ? PBWIO_TEXT : 0);
     return 0;
 }
 
-static int fail(const char *what)
+/* ---- the terminal ---- */
+
+static volatile sig_atomic_t interrupted;
+
+static void on_interrupt(int number)                 /* the first stops the work, a second one the program */
 {
-    fflush(stdout);
-    fprintf(stderr, "pbw: %s\n", what);
-    return FAILURE;
+    interrupted = 1;
+    signal(number, SIG_DFL);
 }
 
-static int fail_with(const job *j, pbw_status status)
+static double now(void)
 {
-    fputs(j->terminal ? "\r\033[K" : "", stderr);                   /* the bar */
-    return fail(status == PBW_CANCELLED ? "cancelled" : pbw_status_string(status));
+#ifdef _WIN32
+    return (double)GetTickCount64() * 1e-3;
+#else
+    struct timeval time;
+    gettimeofday(&time, NULL);
+    return (double)time.tv_sec + 1e-6 * (double)time.tv_usec;
+#endif
+}
+
+/* A bar on the terminal, if there is one. */
+static int draw_bar(const job *j, const char *name, double done)
+{
+    int length = (int)(40 * done);
+    if (j->terminal) {
+        fprintf(stderr, "\r%-6s [%.*s%*s] %3.0f %%", name, length, "########################################",
+                40 - length, "", 100 * done);
+    }
+    return interrupted;
+}
+
+static int on_progress(void *user, pbw_stage stage, double done)
+{
+    static const char *const names[] = { "order", "build", "output", "check" };
+    return draw_bar((const job *)user, names[stage], done);
+}
+
+static int on_sampled(void *user, double done)
+{
+    return draw_bar((const job *)user, "sample", done);
+}
+
+static int fail(const job *j, const char *what)
+{
+    fflush(stdout);
+    fprintf(stderr, "%spbw: %s\n", j->terminal ? "\r\033[K" : "", what);       /* in place of the bar */
+    return FAILURE;
 }
 
 /* A line of the report. */
@@ -426,23 +368,7 @@ static void tell(const job *j, const char *what, double seconds, const char *mor
     }
 }
 
-/* Writes all outputs; returns the exit status. */
-static int write_all(const job *j, const pbw_mesh *mesh)
-{
-    int i;
-    for (i = 0; i < j->outputs; i++) {
-        double start = now();
-        pbwio_error error;
-        pbwio_status status = pbwio_format_of(j->output[i]) != PBWIO_AUTO
-            ? pbwio_write(j->output[i], mesh, &j->write, &error)
-            : pbwpic_write(j->output[i], mesh, &j->picture, &error);
-        if (status != PBWIO_OK || interrupted) {
-            return fail(status != PBWIO_OK ? error.text : "cancelled");
-        }
-        tell(j, "write", now() - start, j->output[i]);
-    }
-    return 0;
-}
+/* ---- steps; each returns 0 or the exit status ---- */
 
 /* Leaves z out if all points have the same. */
 static void flatten(pbwio_cloud *cloud)
@@ -459,96 +385,395 @@ static void flatten(pbwio_cloud *cloud)
     cloud->dim = 2;
 }
 
-static int run(job *j, pbwio_cloud *cloud, pbw_mesh *mesh)
+static int load(job *j)
 {
     double start = now();
-    size_t i, hull = 0, kept = 0;
-    unsigned char *inside;
-    pbw_status status;
-    pbw_report report;
     pbwio_error error;
-    if (j->generate != NULL && !generate(j->kind, j->read.dim == 2 ? 2 : 3, j->count, j->seed, cloud)) {
-        return fail("out of memory");
+    if (j->generate != NULL) {
+        if (!pbwgen_points(j->kind, j->read.dim == 2 ? 2 : 3, j->count, j->sample.seed, &j->cloud)) {
+            return fail(j, "out of memory");
+        }
+    } else if (pbwio_read(j->input, &j->read, &j->cloud, &error) != PBWIO_OK) {
+        return fail(j, error.text);
     }
-    if (j->generate == NULL && pbwio_read(j->input, &j->read, cloud, &error) != PBWIO_OK) {
-        return fail(error.text);
-    }
-    if (j->read.dim == 0 && cloud->dim == 3) {
-        flatten(cloud);
+    if (j->read.dim == 0 && j->cloud.dim == 3 && j->command & (MESH | VIEW | CHECK | BENCH)) {
+        flatten(&j->cloud);
     }
     if (!j->on[QUIET]) {
-        printf("%zu points in %dD%s, %zu faces\n", cloud->count, cloud->dim,
-               cloud->weights != NULL ? ", weighted" : "", cloud->triangle_count);
+        printf("%zu points in %dD%s, %zu faces\n", j->cloud.count, j->cloud.dim,
+               j->cloud.weights != NULL ? ", weighted" : "", j->cloud.triangle_count);
     }
     tell(j, "read", now() - start, "");
-    status = interrupted ? PBW_CANCELLED
-           : pbw_triangulate(cloud->dim, cloud->points, cloud->weights, cloud->count, &j->build, mesh);
+    return interrupted ? fail(j, "cancelled") : 0;
+}
+
+static int build(job *j)
+{
+    pbw_status status = pbw_triangulate(j->cloud.dim, j->cloud.points, j->cloud.weights, j->cloud.count, &j->build,
+                                        &j->mesh);
     if (status != PBW_OK) {
-        return fail_with(j, status);
+        return fail(j, status == PBW_CANCELLED ? "cancelled" : pbw_status_string(status));
     }
-    tell(j, "order", mesh->statistics.order_seconds, "");
-    tell(j, "build", mesh->statistics.build_seconds, "");
-    tell(j, "output", mesh->statistics.output_seconds, "");
-    if (!j->on[NO_CHECK]) {
-        start = now();
-        status = pbw_check(mesh, &j->build, &report);
-        if (status != PBW_OK) {
-            return fail_with(j, status);
-        }
-        tell(j, "check", now() - start, report.valid ? "valid" : report.what);
-        if (!report.valid) {
-            return fail("the result is wrong: please report this");
-        }
+    tell(j, "order", j->mesh.statistics.order_seconds, "");
+    tell(j, "build", j->mesh.statistics.build_seconds, "");
+    tell(j, "output", j->mesh.statistics.output_seconds, "");
+    return 0;
+}
+
+static int check(job *j)
+{
+    double start = now();
+    pbw_report report;
+    pbw_status status = pbw_check(&j->mesh, &j->build, &report);
+    if (status != PBW_OK) {
+        return fail(j, status == PBW_CANCELLED ? "cancelled" : pbw_status_string(status));
     }
-    for (i = 0; i < mesh->simplex_count * (size_t)(mesh->dim + 1); i++) {
-        hull += mesh->neighbors[i] == PBW_NONE;
+    tell(j, "check", now() - start, report.valid ? "valid" : report.what);
+    return report.valid ? 0 : fail(j, "the result is wrong: please report this");
+}
+
+static void describe(const job *j)
+{
+    size_t i, hull = 0;
+    for (i = 0; i < j->mesh.simplex_count * (size_t)(j->mesh.dim + 1); i++) {
+        hull += j->mesh.neighbors[i] == PBW_NONE;
     }
     if (!j->on[QUIET]) {
-        printf("%zu %s, %zu on the hull, %zu duplicates, %zu hidden points\n", mesh->simplex_count,
-               mesh->dim == 3 ? "tetrahedra" : "triangles", hull, mesh->duplicate_count, mesh->hidden_count);
+        printf("%zu %s, %zu on the hull, %zu duplicates, %zu hidden points\n", j->mesh.simplex_count,
+               j->mesh.dim == 3 ? "tetrahedra" : "triangles", hull, j->mesh.duplicate_count, j->mesh.hidden_count);
         printf("peak memory %.0f bytes a point, hash %016llx\n",
-               (double)mesh->statistics.peak_bytes / (double)mesh->point_count, (unsigned long long)pbw_hash(mesh));
+               (double)j->mesh.statistics.peak_bytes / (double)j->mesh.point_count,
+               (unsigned long long)pbw_hash(&j->mesh));
     }
-    if (j->on[INSIDE]) {
-        if (mesh->dim != 3 || cloud->triangle_count == 0) {
-            return fail("--inside needs a model with faces in 3D");
+}
+
+static pbwsample_model model_of(const pbwio_cloud *cloud)
+{
+    pbwsample_model model;
+    memset(&model, 0, sizeof model);
+    model.points = cloud->points;
+    model.point_count = cloud->count;
+    model.triangles = cloud->triangles;
+    model.triangle_count = cloud->triangle_count;
+    return model;
+}
+
+/* Marks the tetrahedra whose centre is inside the surface. */
+static int mark_inside(job *j)
+{
+    const pbwio_cloud *surface = &j->cloud;
+    pbwsample_model model;
+    pbwsample_status status = PBWSAMPLE_ERROR_MEMORY;
+    pbwio_error error;
+    double start = now(), *centre;
+    unsigned char *inside;
+    size_t i, k, kept = 0;
+    if (j->surface != NULL) {
+        if (pbwio_read(j->surface, NULL, &j->surface_cloud, &error) != PBWIO_OK) {
+            return fail(j, error.text);
         }
+        surface = &j->surface_cloud;
+    }
+    if (j->mesh.dim != 3 || surface->dim != 3 || surface->triangle_count == 0) {
+        return fail(j, "--inside needs a model with faces in 3D");
+    }
+    model = model_of(surface);
+    centre = (double *)calloc(j->mesh.simplex_count + 1, 3 * sizeof *centre);
+    j->write.keep = j->picture.keep = inside = (unsigned char *)calloc(j->mesh.simplex_count + 1, 1);
+    for (i = 0; i < j->mesh.simplex_count && centre != NULL; i++) {
+        for (k = 0; k < 12; k++) {
+            centre[3 * i + k % 3] += 0.25 * j->mesh.points[3 * (size_t)j->mesh.simplices[4 * i + k / 3] + k % 3];
+        }
+    }
+    if (centre != NULL && inside != NULL) {
+        status = pbwsample_inside(&model, centre, j->mesh.simplex_count, inside);
+    }
+    free(centre);
+    if (status != PBWSAMPLE_OK) {
+        return fail(j, pbwsample_status_string(status));
+    }
+    for (i = 0; i < j->mesh.simplex_count; i++) {
+        kept += inside[i];
+    }
+    snprintf(error.text, sizeof error.text, "%zu tetrahedra", kept);
+    tell(j, "inside", now() - start, error.text);
+    return 0;
+}
+
+/* Without the viewer a page cannot be written. */
+static pbwio_status write_page(const job *j, const char *path, pbwio_error *error)
+{
+    (void)j;
+    snprintf(error->text, sizeof error->text, "%.400s: built without pbw_view.h", path);
+    return PBWIO_ERROR_ARGUMENT;
+}
+
+static int write_mesh(const job *j)
+{
+    int i;
+    for (i = 0; i < j->outputs; i++) {
+        double start = now();
+        pbwio_error error;
+        const char *path = j->output[i];
+        pbwio_status status = has_ending(path, ".html") ? write_page(j, path, &error)
+            : has_ending(path, ".svg") ? pbwpic_write(path, &j->mesh, &j->picture, &error)
+            : pbwio_write(path, &j->mesh, &j->write, &error);
+        if (status != PBWIO_OK || interrupted) {
+            return fail(j, status != PBWIO_OK ? error.text : "cancelled");
+        }
+        tell(j, "write", now() - start, path);
+    }
+    return 0;
+}
+
+static int write_model(const job *j, const pbwmodel_content *content)
+{
+    int i;
+    for (i = 0; i < j->outputs; i++) {
+        double start = now();
+        pbwio_error error;
+        if (pbwmodel_write(j->output[i], content, j->write.flags, &error) != PBWIO_OK || interrupted) {
+            return fail(j, interrupted ? "cancelled" : error.text);
+        }
+        tell(j, "write", now() - start, j->output[i]);
+    }
+    return 0;
+}
+
+/* Faults of a surface, by number; returns whether it has an inside. */
+static int describe_surface(job *j, const pbwsample_model *model)
+{
+    double start = now();
+    pbwsample_report report;
+    pbwsample_status status = pbwsample_inspect(model, &report);
+    char text[256] = "";
+    if (status != PBWSAMPLE_OK) {
+        tell(j, "surface", now() - start, pbwsample_status_string(status));
+        return 0;
+    }
+    snprintf(text, sizeof text, report.closed ? "closed" : "%zu open, %zu crowded, %zu turned edges",
+             report.open_edges, report.crowded_edges, report.turned_edges);
+    tell(j, "surface", now() - start, text);
+    if (!j->on[QUIET]) {
+        printf("area %g, volume %g, %zu flat faces, %zu unused and %zu duplicate points\n", report.area,
+               report.volume, report.flat_triangles, report.unused_points, report.duplicate_points);
+    }
+    return report.closed;
+}
+
+/* ---- commands ---- */
+
+static int run_mesh(job *j)
+{
+    int status = load(j);
+    status = status != 0 ? status : build(j);
+    status = status != 0 || j->on[NO_CHECK] ? status : check(j);
+    if (status == 0) {
+        describe(j);
+    }
+    status = status != 0 || !j->on[INSIDE] ? status : mark_inside(j);
+    return status != 0 ? status : write_mesh(j);
+}
+
+static int run_view(job *j)
+{
+    static char path[1024];
+    if (j->outputs == 0) {
+        const char *input = j->input != NULL && strcmp(j->input, "-") != 0 ? j->input : "pbw";
+        const char *slash = strrchr(input, '/'), *dot = strrchr(input, '.');
+        int length = dot != NULL && (slash == NULL || dot > slash) ? (int)(dot - input) : (int)strlen(input);
+        snprintf(path, sizeof path, "%.*s.html", length < 1000 ? length : 1000, input);
+        j->output[j->outputs++] = path;
+    }
+    if (j->on[POINTS]) {
+        int status = load(j);
+        j->mesh.dim = j->cloud.dim;
+        j->mesh.points = j->cloud.points;
+        j->mesh.point_count = j->cloud.count;
+        status = status != 0 ? status : write_mesh(j);
+        memset(&j->mesh, 0, sizeof j->mesh);         /* the points are the cloud's */
+        return status;
+    }
+    return run_mesh(j);
+}
+
+static int run_sample(job *j)
+{
+    pbwsample_model model;
+    pbwsample_status status;
+    pbwmodel_content content;
+    char text[128];
+    double start;
+    size_t surface;
+    int failed;
+    j->read.dim = 3;
+    failed = load(j);
+    if (failed) {
+        return failed;
+    }
+    model = model_of(&j->cloud);
+    if (model.triangle_count == 0) {
+        return fail(j, "a model with faces is needed");
+    }
+    if (pbwmodel_read_normals(j->input, &j->cloud, &j->normals)) {
+        model.normals = j->normals.points;
+        model.normal_count = j->normals.count;
+        model.normal_ids = j->normals.triangles;
+    }
+    describe_surface(j, &model);
+    j->sample.count = j->sample.count == 0 && !(j->sample.radius > 0) ? 20000 : j->sample.count;
+    j->sample.flags = PBWSAMPLE_NORMALS | (j->on[THIN] ? PBWSAMPLE_THIN : 0)
+                    | (j->on[FACET_NORMALS] ? PBWSAMPLE_FACET_NORMALS : 0);
+    start = now();
+    status = j->on[UNIFORM] ? pbwsample_uniform(&model, &j->sample, &j->samples)
+                            : pbwsample_poisson(&model, &j->sample, &j->samples);
+    surface = j->samples.count;
+    if (status == PBWSAMPLE_OK) {
+        snprintf(text, sizeof text, "%zu points", surface);
+        if (!j->on[UNIFORM]) {
+            snprintf(text, sizeof text, "%zu points, none closer than %g", surface, j->samples.radius);
+        }
+        tell(j, "sample", now() - start, text);
+    }
+    if (status == PBWSAMPLE_OK && j->fill > 0) {
         start = now();
-        inside = find_inside(mesh, cloud);
-        if (inside == NULL) {
-            return fail("out of memory");
+        j->sample.count = 0;
+        j->sample.radius = 0;
+        j->sample.flags |= j->fill == 1 ? PBWSAMPLE_LATTICE : 0;
+        status = pbwsample_volume(&model, &j->sample, &j->samples);
+        snprintf(text, sizeof text, "%zu points inside", j->samples.count - surface);
+        if (status == PBWSAMPLE_OK) {
+            tell(j, "fill", now() - start, text);
         }
-        for (i = 0; i < mesh->simplex_count; i++) {
-            kept += inside[i];
-        }
-        j->write.keep = j->picture.keep = inside;
-        snprintf(error.text, sizeof error.text, "%zu tetrahedra", kept);
-        tell(j, "inside", now() - start, error.text);
     }
-    return write_all(j, mesh);
+    if (status != PBWSAMPLE_OK) {
+        return fail(j, pbwsample_status_string(status));
+    }
+    memset(&content, 0, sizeof content);
+    content.dim = 3;
+    content.points = j->samples.points;
+    content.point_count = j->samples.count;
+    content.normals = j->fill > 0 ? NULL : j->samples.normals;       /* there are none inside */
+    return write_model(j, &content);
+}
+
+static int run_check(job *j)
+{
+    int status = load(j), closed = 1;
+    if (status == 0 && j->cloud.triangle_count > 0 && j->cloud.dim == 3) {
+        pbwsample_model model = model_of(&j->cloud);
+        closed = describe_surface(j, &model);
+    }
+    status = status != 0 ? status : build(j);
+    status = status != 0 ? status : check(j);
+    if (status == 0) {
+        describe(j);
+    }
+    return status != 0 ? status : closed ? 0 : fail(j, "the surface has faults");
+}
+
+static int run_convert(job *j)
+{
+    pbwmodel_content content;
+    int failed = load(j);
+    double *normals = NULL;
+    size_t i;
+    if (failed) {
+        return failed;
+    }
+    memset(&content, 0, sizeof content);
+    content.dim = j->cloud.dim;
+    content.points = j->cloud.points;
+    content.point_count = j->cloud.count;
+    content.triangles = j->cloud.triangles;
+    content.triangle_count = j->cloud.triangle_count;
+    if (j->input != NULL && pbwmodel_read_normals(j->input, &j->cloud, &j->normals)) {
+        normals = (double *)calloc(j->cloud.count, 3 * sizeof *normals);
+        for (i = 0; normals != NULL && i < 3 * j->cloud.triangle_count; i++) {     /* one a point: the last */
+            memcpy(normals + 3 * (size_t)j->cloud.triangles[i],
+                   j->normals.points + 3 * (size_t)j->normals.triangles[i], 3 * sizeof *normals);
+        }
+        content.normals = j->cloud.triangle_count > 0 ? normals : j->normals.points;
+    }
+    failed = write_model(j, &content);
+    free(normals);
+    return failed;
+}
+
+static int run_bench(job *j)
+{
+    int status = load(j), run, threads, most = j->build.threads;
+    uint64_t hash = 0;
+    if (most == 0) {
+#ifdef _SC_NPROCESSORS_ONLN
+        most = (int)sysconf(_SC_NPROCESSORS_ONLN);
+#endif
+        most = most < 1 ? 1 : most > 256 ? 256 : most;
+    }
+    if (status == 0) {
+        printf("threads   seconds   M points/s   bytes/point   simplices   hash\n");
+    }
+    for (threads = 1; status == 0; threads = 2 * threads < most ? 2 * threads : most) {
+        double best = DBL_MAX;
+        for (run = 0; run < 3 && status == 0; run++) {
+            double start = now();
+            pbw_status built;
+            pbw_free(&j->mesh);
+            j->build.threads = threads;
+            built = pbw_triangulate(j->cloud.dim, j->cloud.points, j->cloud.weights, j->cloud.count, &j->build,
+                                    &j->mesh);
+            best = now() - start < best ? now() - start : best;
+            if (built != PBW_OK) {
+                status = fail(j, built == PBW_CANCELLED ? "cancelled" : pbw_status_string(built));
+            }
+        }
+        if (status == 0) {
+            uint64_t found = pbw_hash(&j->mesh);
+            fputs(j->terminal ? "\r\033[K" : "", stderr);
+            printf("%7d %9.3f %12.3f %13.0f %11zu   %016llx\n", threads, best, (double)j->cloud.count / best * 1e-6,
+                   (double)j->mesh.statistics.peak_bytes / (double)j->cloud.count, j->mesh.simplex_count,
+                   (unsigned long long)found);
+            fflush(stdout);
+            if (threads > 1 && found != hash) {
+                status = fail(j, "the result is wrong: please report this");
+            }
+            hash = found;
+        }
+        if (threads == most) {
+            break;
+        }
+    }
+    return status != 0 ? status : check(j);
 }
 
 int main(int argc, char **argv)
 {
     job j;
-    pbwio_cloud cloud;
-    pbw_mesh mesh;
     int status;
     memset(&j, 0, sizeof j);
-    memset(&cloud, 0, sizeof cloud);
-    memset(&mesh, 0, sizeof mesh);
-    j.seed = 1;
+    j.sample.seed = 1;
     status = parse(argc, argv, &j);
     if (status != 0) {
         return status - 1;
     }
     j.terminal = !j.on[QUIET] && isatty(2);
     j.build.progress = on_progress;
-    j.build.progress_user = &j.terminal;
+    j.sample.progress = on_sampled;
+    j.build.progress_user = j.sample.progress_user = &j;
     signal(SIGINT, on_interrupt);
-    status = run(&j, &cloud, &mesh);
+    switch (j.command) {
+        case SAMPLE: status = run_sample(&j); break;
+        case VIEW: status = run_view(&j); break;
+        case CHECK: status = run_check(&j); break;
+        case CONVERT: status = run_convert(&j); break;
+        case BENCH: status = run_bench(&j); break;
+        default: status = run_mesh(&j);
+    }
     free((void *)j.write.keep);
-    pbw_free(&mesh);
-    pbwio_free(&cloud);
+    pbw_free(&j.mesh);
+    pbwio_free(&j.cloud);
+    pbwio_free(&j.normals);
+    pbwio_free(&j.surface_cloud);
+    pbwsample_free(&j.samples);
     return status;
 }

@@ -48,6 +48,8 @@ static void count_free(void *ptr)
 #include "../examples/pbw_io.h"
 #define PBW_PICTURE_IMPLEMENTATION
 #include "../examples/pbw_picture.h"
+#define PBW_MODEL_IMPLEMENTATION
+#include "../examples/pbw_model.h"
 #include "io_samples.h"
 #include "test.h"
 
@@ -849,6 +851,87 @@ static void test_pictures(void)
     }
 }
 
+/* Models with normals: what is written is read, and the forms of faces in .obj. */
+static void test_models(void)
+{
+    static const double points[12] = { 0, 0, 0, 1, 0, 0.1, 1, 1, 1e-300, 0, 1, 1.0 / 3 };
+    static const double normals[12] = { 0, 0, 1, 0, 1, 0, 1, 0, 0, 0.6, 0.8, 0 };
+    static const pbw_index triangles[6] = { 0, 1, 2, 0, 2, 3 }, turned[6] = { 1, 0, 3, 1, 3, 2 };
+    static const struct { const char *name; int faces, normals; } files[] = {
+        { "m.ply", 1, 1 }, { "m.obj", 1, 1 }, { "m.off", 1, 0 }, { "m.stl", 1, 0 }, { "m.xyz", 0, 0 },
+        { "m.csv", 0, 1 }
+    };
+    static const char *const texts[] = {             /* of the last three some faces have no normals */
+        "v 0 0 0\nvn 0 0 1\nv 1 0 0\nvn 0 1 0\nv 1 1 0\nv 0 1 0\nvn 1 0 0\nvn 0 0.6 0.8\n"
+        "f 1/7/2 2/7/1 3/7/4 4/7/3\n",
+        "v 0 0 0\nv 1 0 0\nv 1 1 0\nv 0 1 0\nvn 0 0 1\nvn 0 1 0\nvn 1 0 0\nvn 0 1 1\r\nf 1//-3\t2//-4 3//-1\r\n"
+        "f 1//2 3//4 4//3 \n",
+        "v 0 0 0\nv 1 0 0\nv 1 1 0\nv 0 1 0\nvn 0 0 1\nvn 0 1 0\nf 1//1 2 3//1\nf 1//1 3//1 4//1\n",
+        "v 0 0 0\nv 1 0 0\nv 1 1 0\nv 0 1 0\nvn 0 0 1\nf 1/1 2/1 3/1\nf 1/1 3/1 4/1\n",
+        "v 0 0 0\nv 1 0 0\nv 1 1 0\nv 0 1 0\nf 1 2 3 4\n"
+    };
+    pbwmodel_content content;
+    pbwio_cloud cloud, read;
+    pbwio_error error;
+    size_t i, j;
+    memset(&content, 0, sizeof content);
+    content.dim = 3;
+    content.point_count = 4;
+    content.triangle_count = 2;
+    content.points = points;
+    content.normals = normals;
+    content.triangles = triangles;
+    for (i = 0; i < 2 * sizeof files / sizeof files[0]; i++) {
+        const char *path = in_folder(files[i / 2].name);
+        CHECK_EQUAL(pbwmodel_write(path, &content, i % 2 ? PBWIO_TEXT : 0, &error), PBWIO_OK);
+        if (!CHECK_EQUAL(pbwio_read(path, NULL, &cloud, &error), PBWIO_OK)) {
+            test_say("%s", error.text);
+            continue;
+        }
+        CHECK_EQUAL(cloud.triangle_count, files[i / 2].faces ? 2 : 0);
+        if (strcmp(files[i / 2].name, "m.stl") != 0) {
+            CHECK(cloud.count == 4 && memcmp(cloud.points, points, sizeof points) == 0);
+            CHECK(!files[i / 2].faces || memcmp(cloud.triangles, triangles, sizeof triangles) == 0);
+        }
+        CHECK_EQUAL(pbwmodel_read_normals(path, &cloud, &read), files[i / 2].normals);
+        CHECK(!files[i / 2].normals || (read.count == 4 && memcmp(read.points, normals, sizeof normals) == 0));
+        CHECK(!files[i / 2].normals || !files[i / 2].faces
+              || (read.triangle_count == 2 && memcmp(read.triangles, triangles, sizeof triangles) == 0));
+        pbwio_free(&read);
+        pbwio_free(&cloud);
+        CHECK(unlink(path) == 0);
+    }
+    for (i = 0; i < sizeof texts / sizeof texts[0]; i++) {
+        const char *path = in_folder("n.obj");
+        FILE *file = fopen(path, "wb");
+        CHECK(file != NULL && fputs(texts[i], file) >= 0 && fclose(file) == 0);
+        CHECK_EQUAL(pbwio_read(path, NULL, &cloud, &error), PBWIO_OK);
+        CHECK_EQUAL(pbwmodel_read_normals(path, &cloud, &read), i < 2);
+        for (j = 0; j < 6 && i < 2; j++) {
+            CHECK_EQUAL(read.triangles[j], turned[j]);
+        }
+        CHECK(i > 1 || (read.count == 4 && read.points[2] > 0 && read.points[4] > 0 && read.points[6] > 0));
+        pbwio_free(&read);
+        pbwio_free(&cloud);
+        CHECK(unlink(path) == 0);
+    }
+    CHECK_EQUAL(pbwmodel_write(in_folder("m.vtu"), &content, 0, &error), PBWIO_ERROR_ARGUMENT);
+    CHECK_EQUAL(pbwmodel_write("/no/such/m.ply", &content, 0, &error), PBWIO_ERROR_FILE);
+    content.triangle_count = 0;
+    CHECK_EQUAL(pbwmodel_write(in_folder("m.stl"), &content, 0, &error), PBWIO_ERROR_ARGUMENT);
+}
+
+/* Copies a text of at most 255 letters with the name of the folder for FOLDER. */
+static void fill_in(const char *from, char to[256])
+{
+    to[0] = 0;
+    for (; *from != 0; from++) {
+        int here = strncmp(from, "FOLDER", 6) == 0;
+        snprintf(to + strlen(to), 256 - strlen(to), here ? "%s" : "%.1s", here ? folder : from);
+        from += here ? 5 : 0;
+    }
+}
+
 /* The program examples/pbw.c: exit status and last line for right and wrong uses. */
 static void test_program(void)
 {
@@ -870,10 +953,44 @@ static void test_program(void)
         { "--generate lattice 27 --quiet -o FOLDER/a.node -o FOLDER/a.svg", "", 0 },
         { "FOLDER/a.node --quiet --any-order --no-check --threads 1 -o FOLDER/b.csv", "", 0 },
         { "- --dim 2 --weights z --quiet -o FOLDER/c.obj < FOLDER/b.csv", "", 0 },
+        { "mesh --help", "exit status: 0 done, 1 failure, 2 wrong usage", 0 },
+        { "sample --help", "exit status: 0 done, 1 failure, 2 wrong usage", 0 },
+        { "view --help", "exit status: 0 done, 1 failure, 2 wrong usage", 0 },
+        { "check --help", "exit status: 0 done, 1 failure, 2 wrong usage", 0 },
+        { "convert --help", "exit status: 0 done, 1 failure, 2 wrong usage", 0 },
+        { "bench --help", "exit status: 0 done, 1 failure, 2 wrong usage", 0 },
+        { "mesh --generate lattice 27 --quiet -o FOLDER/d.obj", "", 0 },
+        { "sample", "pbw: a model is needed; see pbw sample --help", 2 },
+        { "sample --dim 2 a.obj", "pbw: unknown option --dim", 2 },
+        { "sample --count 5 --radius 1 a.obj", "pbw: --count and --radius exclude each other", 2 },
+        { "sample --uniform --radius 1 a.obj", "pbw: --uniform goes with neither --radius nor --fill", 2 },
+        { "sample --radius 0 a.obj", "pbw: no proper value for --radius", 2 },
+        { "sample --fill water a.obj", "pbw: no proper value for --fill", 2 },
+        { "sample a.obj -o a.vtu", "pbw: no proper value for -o", 2 },
+        { "sample FOLDER/a.node", "pbw: a model with faces is needed", 1 },
+        { "sample FOLDER/d.obj --quiet --radius 1e-9", "pbw: more samples than an index can number", 1 },
+        { "sample FOLDER/d.obj --quiet --count 500 --text -o FOLDER/e.ply", "", 0 },
+        { "sample FOLDER/d.obj --quiet --count 500 --uniform --facet-normals -o FOLDER/e.csv", "", 0 },
+        { "sample FOLDER/d.obj --quiet --radius 0.4 --thin --fill poisson -o FOLDER/f.xyz", "", 0 },
+        { "sample FOLDER/d.obj --quiet --radius 0.4 --fill lattice -o FOLDER/f.xyz", "", 0 },
+        { "mesh FOLDER/f.xyz --quiet --inside --surface FOLDER/d.obj -o FOLDER/f.stl", "", 0 },
+        { "mesh FOLDER/f.xyz --quiet --inside", "pbw: --inside needs a model with faces in 3D", 1 },
+        { "convert FOLDER/e.ply", "pbw: an output is needed; see pbw convert --help", 2 },
+        { "convert FOLDER/e.ply FOLDER/e.vtu", "pbw: this format is not written: FOLDER/e.vtu", 2 },
+        { "convert FOLDER/e.ply FOLDER/e.stl", "pbw: FOLDER/e.stl: there are no triangles", 1 },
+        { "convert FOLDER/e.ply FOLDER/e.obj --quiet", "", 0 },
+        { "convert FOLDER/d.obj FOLDER/d.off FOLDER/d.stl -o FOLDER/d.ply --quiet", "", 0 },
+        { "check FOLDER/d.ply --quiet", "", 0 },
+        { "check FOLDER/d.stl --quiet --threads 1", "", 0 },
+        { "check FOLDER/e.obj --quiet", "", 0 },
+        { "check", "pbw: one input or --generate is needed; see --help", 2 },
+        { "view FOLDER/f.xyz -o a.vtu", "pbw: no proper value for -o", 2 },
+        { "bench --generate uniform 2", "pbw: the points do not span the space: there are no simplices", 1 },
         { "--generate uniform 3000000 -o FOLDER/a.vtu", "pbw: cancelled", 1 }
     };
-    char command[1024], line[256], last[256], arguments[256];
-    const char *from;
+    static const char *const files[] = { "a.node", "a.svg", "b.csv", "c.obj", "d.obj", "d.off", "d.ply", "d.stl",
+                                         "e.ply", "e.csv", "e.obj", "f.xyz", "f.stl" };
+    char command[1024], line[256], last[256], arguments[256], says[256];
     size_t i;
     if (access(program, X_OK) != 0) {
         test_skip("there is no program pbw beside this one");
@@ -882,28 +999,23 @@ static void test_program(void)
     for (i = 0; i < sizeof uses / sizeof uses[0]; i++) {
         FILE *pipe;
         int status;
-        arguments[0] = last[0] = 0;
-        for (from = uses[i].arguments; *from != 0; from++) {
-            int here = strncmp(from, "FOLDER", 6) == 0;
-            snprintf(arguments + strlen(arguments), sizeof arguments - strlen(arguments), here ? "%s" : "%.1s",
-                     here ? folder : from);
-            from += here ? 5 : 0;
-        }
+        last[0] = 0;
+        fill_in(uses[i].arguments, arguments);
+        fill_in(uses[i].says, says);
         snprintf(command, sizeof command, "%s %s %s 2>&1", strstr(uses[i].says, "cancelled") == NULL ? ""
-                 : "timeout --preserve-status -s INT 0.3", program, arguments);
+                 : "timeout --foreground --preserve-status -s INT 0.3", program, arguments);
         pipe = popen(command, "r");
         while (pipe != NULL && fgets(line, sizeof line, pipe) != NULL) {
             line[strcspn(line, "\n")] = 0;
             strcpy(last, line);
         }
         status = pipe == NULL ? -1 : pclose(pipe);
-        if (!CHECK(WIFEXITED(status) && WEXITSTATUS(status) == uses[i].status && strcmp(last, uses[i].says) == 0)) {
+        if (!CHECK(WIFEXITED(status) && WEXITSTATUS(status) == uses[i].status && strcmp(last, says) == 0)) {
             test_say("%s: %d, %s", uses[i].arguments, status, last);
         }
     }
-    for (i = 0; i < 4; i++) {
-        static const char *const names[] = { "a.node", "a.svg", "b.csv", "c.obj" };
-        CHECK(unlink(in_folder(names[i])) == 0);
+    for (i = 0; i < sizeof files / sizeof files[0]; i++) {
+        CHECK(unlink(in_folder(files[i])) == 0);
     }
     CHECK(access(in_folder("a.vtu"), F_OK) != 0 && access(in_folder("a.vtu.part"), F_OK) != 0);
     test_end();
@@ -935,7 +1047,8 @@ int main(int argc, char **argv)
         { "columns, weights and dimensions", test_choices }, { "bad files", test_bad_files },
         { "every truncation", test_truncations }, { "every flipped bit", test_flips },
         { "memory runs out", test_no_memory }, { "long lines", test_long }, { "a small stack", test_stack },
-        { "what writers refuse", test_refusals }, { "a full disk", test_full_disk }, { "pictures", test_pictures }
+        { "what writers refuse", test_refusals }, { "a full disk", test_full_disk }, { "pictures", test_pictures },
+        { "models with normals", test_models }
     };
     size_t i;
     test_start(argc, argv, 0);

@@ -1,0 +1,106 @@
+/* pbw_generate.h - v0.1.0 - points in many patterns, for trials - MIT-0
+
+   Include it where pbw.h is included; every function is static.
+
+       pbwio_cloud cloud;
+       pbwgen_points(3, 3, 1000000, 1, &cloud);      // number in pbwgen_kinds, dimension, count, seed
+*/
+#ifndef PBW_GENERATE_H
+#define PBW_GENERATE_H
+#include "pbw_io.h"
+#include <math.h>
+#include <stdlib.h>
+#include <string.h>
+
+static double pbwgen__mixed(uint64_t z)                      /* splitmix64 (Steele, Lea and Flood 2014), to [0, 1) */
+{
+    z *= 0x9e3779b97f4a7c15u;
+    z = (z ^ z >> 30) * 0xbf58476d1ce4e5b9u;
+    z = (z ^ z >> 27) * 0x94d049bb133111ebu;
+    return (double)((z ^ z >> 31) >> 11) / 9007199254740992.0;
+}
+
+static double pbwgen__uniform(uint64_t *state)
+{
+    return pbwgen__mixed(++*state);
+}
+
+static double pbwgen__gauss(uint64_t *state)                         /* nearly: the sum of twelve uniform ones */
+{
+    double sum = -6;
+    int i;
+    for (i = 0; i < 12; i++) {
+        sum += pbwgen__uniform(state);
+    }
+    return sum;
+}
+
+static const char *const pbwgen_kinds[] = { "uniform", "gauss", "ball", "sphere", "lattice", "clusters", "lines",
+                                            "spiral", "plane", "anisotropic", "moment", NULL };
+
+static void pbwgen__point(int kind, int dim, size_t i, size_t count, uint64_t *state, double *p)
+{
+    double t = ((double)i + 0.5) / (double)count, length = 2, turn = 6.283185307179586;
+    uint64_t few = i % 32, many = i % (1 + (size_t)sqrt((double)count));
+    size_t side = (size_t)ceil(pow((double)count, 1.0 / dim) - 1e-9), rest = i;
+    int k;
+    for (k = 0; k < dim; k++) {
+        p[k] = kind == 1 || kind == 5 ? pbwgen__gauss(state) : pbwgen__uniform(state);
+    }
+    if (kind == 2 || kind == 3) {                    /* ball, sphere */
+        while (!(length <= 1 && length > 1e-6)) {
+            for (k = 0, length = 0; k < dim; k++) {
+                p[k] = 2 * pbwgen__uniform(state) - 1;
+                length += p[k] * p[k];
+            }
+        }
+        for (k = 0; k < dim; k++) {
+            p[k] /= kind == 3 ? sqrt(length) : 1;
+        }
+    } else if (kind == 4) {                          /* lattice */
+        for (k = 0; k < dim; k++, rest /= side) {
+            p[k] = (double)(rest % side);
+        }
+    } else if (kind == 5) {                          /* 32 clusters, from wide to narrow */
+        for (k = 0; k < dim; k++) {
+            p[k] = pbwgen__mixed(1 + 3 * few + (uint64_t)k) + p[k] * 0.1 / (double)(1 + few * few);
+        }
+    } else if (kind == 6) {                          /* as many lines, along the axes, as points on each */
+        for (k = 0; k < dim; k++) {
+            p[k] = (uint64_t)k == many % (uint64_t)dim ? p[k] : pbwgen__mixed(1 + 3 * many + (uint64_t)k);
+        }
+    } else if (kind == 7) {                          /* a sunflower; in 3D bent to a bowl */
+        p[dim - 1] = t;
+        p[0] = sqrt(t) * cos(turn * 0.3819660112501051 * (double)i);
+        p[1] = sqrt(t) * sin(turn * 0.3819660112501051 * (double)i);
+    } else if (kind == 8 || kind == 9) {             /* plane, anisotropic */
+        p[dim - 1] *= kind == 8 ? 1e-9 : 1e-3;
+        p[0] *= kind == 9 ? 1e3 : 1;
+    } else if (kind == 10) {                         /* moment curve: in 3D every two points share a simplex */
+        for (k = 0; k < dim; k++) {
+            p[k] = pow(t, k + 1);
+        }
+    }
+}
+
+/* Returns whether there was memory for them; pbwio_free when done. */
+static int pbwgen_points(int kind, int dim, size_t count, uint64_t seed, pbwio_cloud *cloud)
+{
+    uint64_t state = seed << 40;
+    size_t i;
+    memset(cloud, 0, sizeof *cloud);
+    if (count < (size_t)-1 / 32) {
+        cloud->points = (double *)malloc((count + 1) * (size_t)dim * sizeof(double));
+    }
+    if (cloud->points == NULL) {
+        return 0;
+    }
+    cloud->dim = dim;
+    cloud->count = count;
+    for (i = 0; i < count; i++) {
+        pbwgen__point(kind, dim, i, count, &state, cloud->points + i * (size_t)dim);
+    }
+    return 1;
+}
+
+#endif

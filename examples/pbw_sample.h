@@ -1,0 +1,1521 @@
+/* pbw_sample.h - v0.1.0 - points on and in triangulated surfaces - MIT-0
+
+   QUICK START
+   In one source file, define PBW_SAMPLE_IMPLEMENTATION before the include; in all others, only include.
+   Needs pbw.h, with its implementation in some source file.
+
+       pbwsample_model model = {0};
+       pbwsample_options options = {0};
+       pbwsample_set set = {0};
+       model.points = points;        model.point_count = n;                 // of any model, such as a pbwio_cloud
+       model.triangles = triangles;  model.triangle_count = m;
+       options.count = 20000;
+       pbwsample_poisson(&model, &options, &set);                           // on the surface
+       options.count = 0;
+       pbwsample_volume(&model, &options, &set);                            // and inside, as dense
+       pbw_triangulate(3, set.points, NULL, set.count, NULL, &mesh);
+       pbwsample_free(&set);
+
+   WHAT                      how                                                       promise
+     pbwsample_uniform       independent, as dense as options.size asks                the same for every options.run
+     pbwsample_poisson       blue noise: no two closer than a radius                   maximal (by radius), or the
+                                                                                       exact count
+     pbwsample_volume        the same inside a closed surface, away from what the      same
+                             set holds already; or a jittered lattice
+     pbwsample_inspect       open edges, wrong turns, ... of a surface by number
+     pbwsample_inside        which points are inside
+
+   PROMISES  (tests/test_sample.c guards them)
+     same        a set is a function of the model and of the options: random numbers are a function of the seed and of
+                 a counter (Salmon et al. 2011, "Parallel random numbers: as easy as 1, 2, 3")
+     apart       a sample of a Poisson set lies in no ball of an earlier one, with radius times options.size there
+     maximal     sets by radius: every point of the surface lies in the ball of a sample, up to one part in 2^20 of
+                 the radius; every point inside a volume within 1.25 radii of one
+     exact       as many as options.count asks for
+     any model   facets without area, unused points, open and crowded edges, triangle soup: they are handled where
+                 that has a meaning and a status names them where not
+     quiet       no globals, nothing printed, no exit
+     bounded     memory: about 40 bytes a triangle, and for each sample 65 if uniform or in a lattice, 400 in a
+                 Poisson set of a surface, 3500 of a volume
+
+   CONFIGURATION MACROS
+     PBW_SAMPLE_IMPLEMENTATION   in one source file: compile the implementation there
+     PBWSAMPLEDEF                everywhere: your own linkage for the functions, for example static
+     PBWSAMPLE_REALLOC(ptr, n)   where PBW_SAMPLE_IMPLEMENTATION is: your own realloc
+     PBWSAMPLE_FREE(ptr)         where PBW_SAMPLE_IMPLEMENTATION is: your own free
+*/
+#ifndef PBW_SAMPLE_H
+#define PBW_SAMPLE_H
+#ifndef PBW_H
+#include "pbw.h"
+#endif
+
+#ifndef PBWSAMPLEDEF
+#define PBWSAMPLEDEF extern
+#endif
+
+#ifdef __cplusplus
+extern "C" {
+#endif
+
+typedef enum pbwsample_status {
+    PBWSAMPLE_OK = 0,
+    PBWSAMPLE_CANCELLED,               /* the progress callback said stop */
+    PBWSAMPLE_ERROR_ARGUMENT,          /* NULL, an id out of range, not one of count and radius, a size <= 0 */
+    PBWSAMPLE_ERROR_SURFACE,           /* no facet has an area, or coordinates are not finite or too large */
+    PBWSAMPLE_ERROR_VOLUME,            /* nothing is inside */
+    PBWSAMPLE_ERROR_TOO_LARGE,         /* more samples than an index can number */
+    PBWSAMPLE_ERROR_MEMORY
+} pbwsample_status;
+
+typedef struct pbwsample_model {       /* a surface; the arrays are the caller's */
+    size_t point_count, triangle_count, normal_count;
+    const double *points;              /* 3 coordinates each */
+    const pbw_index *triangles;        /* 3 ids of points each */
+    const double *normals;             /* 3 coordinates each, of any length; NULL = they are computed */
+    const pbw_index *normal_ids;       /* 3 ids of normals for each triangle; NULL = those of its points */
+} pbwsample_model;
+
+#define PBWSAMPLE_NORMALS       1u     /* fill set.normals */
+#define PBWSAMPLE_FACET_NORMALS 2u     /* with those of the facets, not with interpolated ones */
+#define PBWSAMPLE_THIN          4u     /* Poisson: samples whose facets look away from each other may be close */
+#define PBWSAMPLE_LATTICE       8u     /* volume: a body-centred lattice instead of blue noise */
+
+typedef struct pbwsample_options {     /* all zero = best defaults, but for count and radius */
+    uint64_t seed;
+    size_t count;                      /* exactly so many samples, or 0: as many as there is room for with */
+    double radius;                     /* this distance between samples; 0 for a volume: that of the set */
+    double (*size)(void *user, const double point[3]);     /* the radius there is this times as large; NULL = 1 */
+    unsigned flags;
+    double jitter;                     /* lattice: how far points may move, in cells; 0 = 0.1, < 0: none */
+    /* The caller's job system as in pbw_options, for pbwsample_uniform; NULL = on this thread. */
+    void (*run)(void *user, int tasks, void (*task)(void *arg, int i), void *arg);
+    int (*progress)(void *user, double done);              /* Poisson: a nonzero answer ends the call */
+    void *size_user, *run_user, *progress_user;
+} pbwsample_options;
+
+typedef struct pbwsample_set {         /* start from {0}; pbwsample_free when done */
+    size_t count;
+    double radius;                     /* Poisson: the distance kept; 0 = none is */
+    double *points;                    /* 3 coordinates each */
+    double *normals;                   /* 3 each, of length 1, zero inside; NULL unless asked for */
+    pbw_index *triangles;              /* which one each lies on, PBW_NONE inside */
+    double *places;                    /* 2 each: a point is (1 - u - v) a + u b + v c; zero inside */
+} pbwsample_set;
+
+typedef struct pbwsample_report {      /* edges are counted with points at one place taken for one */
+    size_t duplicate_points, unused_points, flat_triangles;     /* flat: no area */
+    size_t open_edges, crowded_edges, turned_edges;     /* of 1 triangle, more than 2, 2 that run along it alike */
+    int closed;                        /* none of those edges: there is an inside */
+    double area, volume;               /* volume: less than zero if the facets look inwards */
+} pbwsample_report;
+
+/* Fill an empty set; on failure it is left empty.
+   The three functions need finite coordinates; samples keep to the surface within rounding. */
+PBWSAMPLEDEF pbwsample_status pbwsample_uniform(const pbwsample_model *model, const pbwsample_options *options,
+                                                pbwsample_set *set);
+PBWSAMPLEDEF pbwsample_status pbwsample_poisson(const pbwsample_model *model, const pbwsample_options *options,
+                                                pbwsample_set *set);
+/* Adds points inside to a set, which on failure is as before. */
+PBWSAMPLEDEF pbwsample_status pbwsample_volume(const pbwsample_model *model, const pbwsample_options *options,
+                                               pbwsample_set *set);
+/* inside[i] = 1 if point i is: a ray leaves the surface an odd number of times.  Exact for a closed surface; of an
+   open one, two of three rays along the axes must say so.  A point on the surface may count as either. */
+PBWSAMPLEDEF pbwsample_status pbwsample_inside(const pbwsample_model *model, const double *points, size_t count,
+                                               unsigned char *inside);
+PBWSAMPLEDEF pbwsample_status pbwsample_inspect(const pbwsample_model *model, pbwsample_report *report);
+/* Frees what a set holds and zeroes it; fine on {0}, fine twice. */
+PBWSAMPLEDEF void pbwsample_free(pbwsample_set *set);
+PBWSAMPLEDEF const char *pbwsample_status_string(pbwsample_status status);    /* never NULL, never freed */
+
+#ifdef __cplusplus
+}
+#endif
+#endif /* PBW_SAMPLE_H */
+
+#if defined(PBW_SAMPLE_IMPLEMENTATION) && !defined(PBWSAMPLE__IMPLEMENTED)
+#define PBWSAMPLE__IMPLEMENTED
+
+#include <float.h>
+#include <math.h>
+#include <stdlib.h>
+#include <string.h>
+
+#ifndef PBWSAMPLE_REALLOC
+#define PBWSAMPLE_REALLOC(ptr, size) realloc(ptr, size)
+#define PBWSAMPLE_FREE(ptr) free(ptr)
+#endif
+
+/* ------------------------------------------------------------------------------------------------------
+   Random numbers, memory, a hash table.
+   ------------------------------------------------------------------------------------------------------ */
+
+/* Number i of the stream of that key: splitmix64 (Steele, Lea and Flood 2014, "Fast splittable pseudorandom number
+   generators"), whose state is a counter. */
+static uint64_t pbwsample__random(uint64_t key, uint64_t i)
+{
+    uint64_t z = key + (i + 1) * 0x9e3779b97f4a7c15u;
+    z = (z ^ z >> 30) * 0xbf58476d1ce4e5b9u;
+    z = (z ^ z >> 27) * 0x94d049bb133111ebu;
+    return z ^ z >> 31;
+}
+
+static double pbwsample__low_half(uint64_t bits)                     /* inside (0, 1) */
+{
+    return ((double)(bits & 0xffffffffu) + 0.5) / 4294967296.0;
+}
+
+/* A block with room for need items at least, or NULL, and then the old one stays. */
+static void *pbwsample__grow(void *block, size_t *capacity, size_t need, size_t item)
+{
+    size_t next = *capacity + *capacity / 2 > need ? *capacity + *capacity / 2 : need;
+    void *grown = block;
+    if (need > *capacity || block == NULL) {
+        grown = next < (size_t)-1 / 2 / item ? PBWSAMPLE_REALLOC(block, (next + 1) * item) : NULL;
+        *capacity = grown != NULL ? next : *capacity;
+    }
+    return grown;
+}
+
+static void *pbwsample__zeros(size_t count, size_t item)
+{
+    size_t none = 0;
+    void *block = pbwsample__grow(NULL, &none, count, item);
+    if (block != NULL) {
+        memset(block, 0, (count + 1) * item);
+    }
+    return block;
+}
+
+#define PBWSAMPLE__NO_KEY ((uint64_t)-1)
+
+typedef struct pbwsample__slot { uint64_t key; pbw_index value; } pbwsample__slot;
+typedef struct pbwsample__table { pbwsample__slot *slots; size_t used; int bits; } pbwsample__table;
+
+/* The slot that has the key, or the free one for it; linear probing. */
+static pbwsample__slot *pbwsample__slot_of(const pbwsample__table *table, uint64_t key)
+{
+    size_t mask = ((size_t)1 << table->bits) - 1, at = (size_t)((key ^ key >> 29) * 0x9e3779b97f4a7c15u >> 32) & mask;
+    while (table->slots[at].key != key && table->slots[at].key != PBWSAMPLE__NO_KEY) {
+        at = (at + 1) & mask;
+    }
+    return table->slots + at;
+}
+
+/* The value of the key, PBW_NONE if it is new; NULL = out of memory. */
+static pbw_index *pbwsample__enter(pbwsample__table *table, uint64_t key)
+{
+    pbwsample__slot *slot;
+    if (table->slots == NULL || 2 * table->used >= (size_t)1 << table->bits) {
+        pbwsample__table larger = *table;
+        size_t i, count = (size_t)1 << (larger.bits = table->slots == NULL ? 10 : table->bits + 1), none = 0;
+        larger.slots = (pbwsample__slot *)pbwsample__grow(NULL, &none, count, sizeof *larger.slots);
+        if (larger.slots == NULL) {
+            return NULL;
+        }
+        memset(larger.slots, 0xff, count * sizeof *larger.slots);    /* PBWSAMPLE__NO_KEY, PBW_NONE */
+        for (i = 0; table->slots != NULL && i < (size_t)1 << table->bits; i++) {
+            if (table->slots[i].key != PBWSAMPLE__NO_KEY) {
+                *pbwsample__slot_of(&larger, table->slots[i].key) = table->slots[i];
+            }
+        }
+        PBWSAMPLE_FREE(table->slots);
+        *table = larger;
+    }
+    slot = pbwsample__slot_of(table, key);
+    if (slot->key != key) {
+        slot->key = key;
+        table->used++;
+    }
+    return &slot->value;
+}
+
+/* ------------------------------------------------------------------------------------------------------
+   The surface: areas, edges, normals.
+   ------------------------------------------------------------------------------------------------------ */
+
+static double pbwsample__dot(const double a[3], const double b[3])
+{
+    return a[0] * b[0] + a[1] * b[1] + a[2] * b[2];
+}
+
+static double pbwsample__square(const double a[3], const double b[3])
+{
+    double x = a[0] - b[0], y = a[1] - b[1], z = a[2] - b[2];
+    return x * x + y * y + z * z;
+}
+
+static const double *pbwsample__corner(const pbwsample_model *model, size_t triangle, size_t corner)
+{
+    return model->points + 3 * (size_t)model->triangles[3 * triangle + corner];
+}
+
+/* The normal of a facet, as long as twice its area. */
+static void pbwsample__facet_normal(const pbwsample_model *model, size_t triangle, double n[3])
+{
+    const double *a = pbwsample__corner(model, triangle, 0), *b = pbwsample__corner(model, triangle, 1);
+    const double *c = pbwsample__corner(model, triangle, 2);
+    int i;
+    for (i = 0; i < 3; i++) {
+        int j = (i + 1) % 3, k = (i + 2) % 3;
+        n[i] = (b[j] - a[j]) * (c[k] - a[k]) - (b[k] - a[k]) * (c[j] - a[j]);
+    }
+}
+
+static double pbwsample__area(const pbwsample_model *model, size_t triangle)
+{
+    double n[3];
+    pbwsample__facet_normal(model, triangle, n);
+    return 0.5 * sqrt(pbwsample__dot(n, n));
+}
+
+/* The volume within, positive if the facets look outwards; measured from the first corner, for accuracy. */
+static double pbwsample__volume_of(const pbwsample_model *model)
+{
+    double sum = 0, n[3], from[3];
+    size_t i;
+    int k;
+    for (i = 0; i < model->triangle_count; i++) {
+        pbwsample__facet_normal(model, i, n);
+        for (k = 0; k < 3; k++) {
+            from[k] = pbwsample__corner(model, i, 0)[k] - pbwsample__corner(model, 0, 0)[k];
+        }
+        sum += pbwsample__dot(from, n) / 6;
+    }
+    return sum;
+}
+
+static pbwsample_status pbwsample__check_model(const pbwsample_model *model)
+{
+    size_t i;
+    double total = 0;
+    if (model == NULL || model->points == NULL || model->triangles == NULL || model->point_count >= PBW_NONE
+        || model->triangle_count >= PBW_NONE / 3) {
+        return PBWSAMPLE_ERROR_ARGUMENT;
+    }
+    for (i = 0; i < 3 * model->triangle_count; i++) {
+        if (model->triangles[i] >= model->point_count
+            || (model->normals != NULL && (model->normal_ids != NULL ? model->normal_ids[i] : model->triangles[i])
+                                          >= model->normal_count)) {
+            return PBWSAMPLE_ERROR_ARGUMENT;
+        }
+    }
+    for (i = 0; i < model->triangle_count; i++) {
+        total += pbwsample__area(model, i);
+    }
+    return total > 0 && total <= DBL_MAX ? PBWSAMPLE_OK : PBWSAMPLE_ERROR_SURFACE;
+}
+
+/* For each point the first one at its place; NULL = out of memory. */
+static pbw_index *pbwsample__weld(const pbwsample_model *model)
+{
+    pbwsample__table table = { NULL, 0, 0 };
+    pbw_index *first = (pbw_index *)pbwsample__zeros(model->point_count, sizeof *first), *value;
+    size_t i;
+    int k;
+    for (i = 0; i < model->point_count && first != NULL; i++) {
+        const double *p = model->points + 3 * i;
+        uint64_t key = 1;
+        for (k = 0; k < 3; k++) {
+            double x = p[k] + 0.0;                                   /* -0.0 becomes 0.0 */
+            uint64_t bits;
+            memcpy(&bits, &x, sizeof bits);
+            key = pbwsample__random(key, bits);
+        }
+        do {
+            key = pbwsample__random(key, 0) >> 1;                    /* another one, if its place was another */
+            value = pbwsample__enter(&table, key);
+        } while (value != NULL && *value != PBW_NONE && pbwsample__square(p, model->points + 3 * (size_t)*value) > 0);
+        if (value == NULL) {
+            PBWSAMPLE_FREE(first);
+            first = NULL;
+        } else {
+            *value = *value == PBW_NONE ? (pbw_index)i : *value;
+            first[i] = *value;
+        }
+    }
+    PBWSAMPLE_FREE(table.slots);
+    return first;
+}
+
+PBWSAMPLEDEF pbwsample_status pbwsample_inspect(const pbwsample_model *model, pbwsample_report *report)
+{
+    pbwsample_status status = pbwsample__check_model(model);
+    pbwsample__table edges = { NULL, 0, 0 };
+    pbw_index *first = status == PBWSAMPLE_OK ? pbwsample__weld(model) : NULL, *value;
+    unsigned char *used = status == PBWSAMPLE_OK ? (unsigned char *)pbwsample__zeros(model->point_count, 1) : NULL;
+    size_t i, k, slots;
+    if (report == NULL || status != PBWSAMPLE_OK) {
+        PBWSAMPLE_FREE(first);
+        PBWSAMPLE_FREE(used);
+        return status != PBWSAMPLE_OK ? status : PBWSAMPLE_ERROR_ARGUMENT;
+    }
+    memset(report, 0, sizeof *report);
+    status = first == NULL || used == NULL ? PBWSAMPLE_ERROR_MEMORY : PBWSAMPLE_OK;
+    for (i = 0; i < model->triangle_count && status == PBWSAMPLE_OK; i++) {
+        const pbw_index *t = model->triangles + 3 * i;
+        double area = pbwsample__area(model, i);
+        report->area += area;
+        report->flat_triangles += !(area > 0);
+        for (k = 0; k < 3 && status == PBWSAMPLE_OK; k++) {
+            pbw_index a = first[t[k]], b = first[t[(k + 1) % 3]];
+            used[t[k]] = 1;
+            if (a != b) {                            /* value: how often there, and 65536 times how often back */
+                value = pbwsample__enter(&edges, a < b ? (uint64_t)a << 32 | b : (uint64_t)b << 32 | a);
+                if (value == NULL) {
+                    status = PBWSAMPLE_ERROR_MEMORY;
+                } else {
+                    unsigned shift = a < b ? 0 : 16;
+                    *value = *value == PBW_NONE ? 0 : *value;
+                    *value += (*value >> shift & 0xffff) < 3 ? 1u << shift : 0;
+                }
+            }
+        }
+    }
+    for (i = 0; i < model->point_count && status == PBWSAMPLE_OK; i++) {
+        report->duplicate_points += first[i] != i;
+        report->unused_points += !used[i];
+    }
+    slots = edges.slots != NULL ? (size_t)1 << edges.bits : 0;
+    for (i = 0; i < slots && status == PBWSAMPLE_OK; i++) {
+        if (edges.slots[i].key != PBWSAMPLE__NO_KEY) {
+            unsigned there = edges.slots[i].value & 0xffff, back = edges.slots[i].value >> 16;
+            report->open_edges += there + back == 1;
+            report->crowded_edges += there + back > 2;
+            report->turned_edges += there + back == 2 && there != back;
+        }
+    }
+    if (status == PBWSAMPLE_OK) {
+        report->volume = pbwsample__volume_of(model);
+        report->closed = report->open_edges + report->crowded_edges + report->turned_edges == 0;
+    }
+    PBWSAMPLE_FREE(edges.slots);
+    PBWSAMPLE_FREE(first);
+    PBWSAMPLE_FREE(used);
+    return status;
+}
+
+/* Normals of the points: of the facets around, weighted with their angles there (Thuermer and Wuethrich 1998,
+   "Computing vertex normals from polygonal facets"); NULL = out of memory. */
+static double *pbwsample__point_normals(const pbwsample_model *model)
+{
+    pbw_index *first = pbwsample__weld(model);
+    double *normals = (double *)pbwsample__zeros(3 * model->point_count, sizeof *normals);
+    double n[3], p[3], q[3], length, angle;
+    size_t i, j, k;
+    if (first == NULL || normals == NULL) {
+        PBWSAMPLE_FREE(first);
+        PBWSAMPLE_FREE(normals);
+        return NULL;
+    }
+    for (i = 0; i < model->triangle_count; i++) {
+        pbwsample__facet_normal(model, i, n);
+        length = sqrt(pbwsample__dot(n, n));
+        for (j = 0; j < 3 && length > 0; j++) {
+            for (k = 0; k < 3; k++) {
+                p[k] = pbwsample__corner(model, i, (j + 1) % 3)[k] - pbwsample__corner(model, i, j)[k];
+                q[k] = pbwsample__corner(model, i, (j + 2) % 3)[k] - pbwsample__corner(model, i, j)[k];
+            }
+            angle = atan2(length, pbwsample__dot(p, q));
+            for (k = 0; k < 3; k++) {
+                normals[3 * (size_t)first[model->triangles[3 * i + j]] + k] += angle * n[k] / length;
+            }
+        }
+    }
+    for (i = model->point_count; i-- > 0;) {                         /* first[i] <= i: it is still whole */
+        if (first[i] != i) {
+            memcpy(normals + 3 * i, normals + 3 * (size_t)first[i], 3 * sizeof *normals);
+        }
+    }
+    PBWSAMPLE_FREE(first);
+    return normals;
+}
+
+/* The normals of samples begin to end - 1, from those of the model's points. */
+static void pbwsample__set_normals(const pbwsample_model *model, unsigned flags, const double *normals,
+                                   const pbw_index *ids, pbwsample_set *set, size_t begin, size_t end)
+{
+    size_t i, j, k;
+    for (i = begin; i < end; i++) {
+        size_t t = set->triangles[i];
+        double *n = set->normals + 3 * i, u = set->places[2 * i], v = set->places[2 * i + 1], weight[3], length = 0;
+        n[0] = n[1] = n[2] = 0;
+        if (t == PBW_NONE) {
+            continue;
+        }
+        weight[0] = 1 - u - v;
+        weight[1] = u;
+        weight[2] = v;
+        for (j = 0; j < 3 && !(flags & PBWSAMPLE_FACET_NORMALS); j++) {
+            const double *corner = normals + 3 * (size_t)ids[3 * t + j];
+            length = sqrt(pbwsample__dot(corner, corner));
+            for (k = 0; k < 3; k++) {
+                n[k] += length > 0 ? weight[j] * corner[k] / length : 0;
+            }
+        }
+        length = sqrt(pbwsample__dot(n, n));
+        if (!(length > 1e-6 && length <= DBL_MAX)) {                 /* none given, or they cancel */
+            pbwsample__facet_normal(model, t, n);
+            length = sqrt(pbwsample__dot(n, n));
+        }
+        for (k = 0; k < 3; k++) {
+            n[k] /= length;
+        }
+    }
+}
+
+/* Makes room for capacity samples; returns whether there is. */
+static int pbwsample__reserve(pbwsample_set *set, size_t *capacity, size_t need, unsigned flags)
+{
+    size_t room[4];
+    void *block;
+    int i;
+    for (i = 0; i < 4; i++) {
+        static const size_t items[] = { 3, 2, 3, 1 };
+        size_t item = i < 3 ? items[i] * sizeof(double) : sizeof(pbw_index);
+        void *old = i == 0 ? (void *)set->points : i == 1 ? (void *)set->places : i == 2 ? (void *)set->normals
+                  : (void *)set->triangles;
+        room[i] = *capacity;
+        if (i == 2 && !(flags & PBWSAMPLE_NORMALS)) {
+            continue;
+        }
+        block = pbwsample__grow(old, &room[i], need, item);
+        if (block == NULL) {
+            return 0;
+        }
+        set->points = i == 0 ? (double *)block : set->points;
+        set->places = i == 1 ? (double *)block : set->places;
+        set->normals = i == 2 ? (double *)block : set->normals;
+        set->triangles = i == 3 ? (pbw_index *)block : set->triangles;
+    }
+    *capacity = room[0];
+    return 1;
+}
+
+PBWSAMPLEDEF void pbwsample_free(pbwsample_set *set)
+{
+    if (set != NULL) {
+        PBWSAMPLE_FREE(set->points);
+        PBWSAMPLE_FREE(set->normals);
+        PBWSAMPLE_FREE(set->triangles);
+        PBWSAMPLE_FREE(set->places);
+        memset(set, 0, sizeof *set);
+    }
+}
+
+PBWSAMPLEDEF const char *pbwsample_status_string(pbwsample_status status)
+{
+    static const char *const texts[] = {
+        "done", "cancelled", "an argument is wrong: NULL, an id out of range, no count or radius, a size of 0",
+        "the surface has no area that can be measured", "the surface encloses nothing",
+        "more samples than an index can number", "out of memory"
+    };
+    return (size_t)status < sizeof texts / sizeof texts[0] ? texts[status] : "unknown status";
+}
+
+/* ------------------------------------------------------------------------------------------------------
+   Uniform samples.
+   Sample i is a function of the seed and of i: which task makes it does not matter.  Its triangle is found in the
+   running sum of the weights through a table of as many equal steps as there are triangles (Chen and Asau 1974, "On
+   generating random variates from an empirical distribution"), its place by folding the unit square.
+   ------------------------------------------------------------------------------------------------------ */
+#define PBWSAMPLE__BLOCK 65536
+
+typedef struct pbwsample__uniform_work {
+    const pbwsample_model *model;
+    pbwsample_set *set;
+    uint64_t key;
+    unsigned flags;
+    const double *normals;
+    const pbw_index *ids;
+    double *sums;                              /* the weight of each triangle and of all before */
+    pbw_index *guide;                          /* the first triangle of each step */
+} pbwsample__uniform_work;
+
+static void pbwsample__uniform_task(void *arg, int task)
+{
+    const pbwsample__uniform_work *w = (const pbwsample__uniform_work *)arg;
+    size_t triangles = w->model->triangle_count, i, k, begin = (size_t)task * PBWSAMPLE__BLOCK;
+    size_t end = w->set->count - begin < PBWSAMPLE__BLOCK ? w->set->count : begin + PBWSAMPLE__BLOCK;
+    for (i = begin; i < end; i++) {
+        uint64_t bits = pbwsample__random(w->key, 2 * i + 1);
+        double at = (double)(pbwsample__random(w->key, 2 * i) >> 11) / 9007199254740992.0;
+        double u = pbwsample__low_half(bits), v = pbwsample__low_half(bits >> 32);
+        size_t t = w->guide[(size_t)(at * (double)triangles)];
+        const double *a, *b, *c;
+        while (w->sums[t] <= at * w->sums[triangles - 1]) {
+            t++;
+        }
+        if (u + v > 1) {
+            u = 1 - u;
+            v = 1 - v;
+        }
+        a = pbwsample__corner(w->model, t, 0);
+        b = pbwsample__corner(w->model, t, 1);
+        c = pbwsample__corner(w->model, t, 2);
+        for (k = 0; k < 3; k++) {
+            w->set->points[3 * i + k] = a[k] + u * (b[k] - a[k]) + v * (c[k] - a[k]);
+        }
+        w->set->triangles[i] = (pbw_index)t;
+        w->set->places[2 * i] = u;
+        w->set->places[2 * i + 1] = v;
+    }
+    if (w->flags & PBWSAMPLE_NORMALS) {
+        pbwsample__set_normals(w->model, w->flags, w->normals, w->ids, w->set, begin, end);
+    }
+}
+
+/* The size that the callback gives for the middle of a triangle; 0 if it is not proper. */
+static double pbwsample__size_at(const pbwsample_options *options, const double p[3])
+{
+    double size = options->size != NULL ? options->size(options->size_user, p) : 1;
+    return size > 0 && size <= DBL_MAX ? size : 0;
+}
+
+/* The weights: areas over squared sizes. */
+static pbwsample_status pbwsample__weigh(pbwsample__uniform_work *w, const pbwsample_options *options)
+{
+    size_t i, k, step = 0, triangles = w->model->triangle_count;
+    double sum = 0, size, middle[3];
+    for (i = 0; i < triangles; i++) {
+        for (k = 0; k < 3; k++) {
+            middle[k] = (pbwsample__corner(w->model, i, 0)[k] + pbwsample__corner(w->model, i, 1)[k]
+                         + pbwsample__corner(w->model, i, 2)[k]) / 3;
+        }
+        size = pbwsample__size_at(options, middle);
+        if (!(size > 0)) {
+            return PBWSAMPLE_ERROR_ARGUMENT;
+        }
+        w->sums[i] = sum += pbwsample__area(w->model, i) / (size * size);
+    }
+    for (i = 0; i < triangles; i++) {
+        while (step < triangles && w->sums[i] > sum * ((double)step / (double)triangles)) {
+            w->guide[step++] = (pbw_index)i;
+        }
+    }
+    return sum > 0 && sum <= DBL_MAX ? PBWSAMPLE_OK : PBWSAMPLE_ERROR_SURFACE;
+}
+
+PBWSAMPLEDEF pbwsample_status pbwsample_uniform(const pbwsample_model *model, const pbwsample_options *options,
+                                                pbwsample_set *set)
+{
+    pbwsample__uniform_work w;
+    size_t capacity = 0;
+    double *made = NULL;
+    int i, tasks;
+    pbwsample_status status = pbwsample__check_model(model);
+    if (set == NULL || options == NULL || options->count == 0 || status != PBWSAMPLE_OK) {
+        return status != PBWSAMPLE_OK ? status : PBWSAMPLE_ERROR_ARGUMENT;
+    }
+    memset(set, 0, sizeof *set);
+    if (options->count >= PBW_NONE) {
+        return PBWSAMPLE_ERROR_TOO_LARGE;
+    }
+    w.model = model;
+    w.set = set;
+    w.key = pbwsample__random(0, options->seed);
+    w.flags = options->flags;
+    w.sums = (double *)pbwsample__zeros(model->triangle_count, sizeof *w.sums);
+    w.guide = (pbw_index *)pbwsample__zeros(model->triangle_count, sizeof *w.guide);
+    if (options->flags & PBWSAMPLE_NORMALS && model->normals == NULL) {
+        made = pbwsample__point_normals(model);
+    }
+    w.normals = model->normals != NULL ? model->normals : made;
+    w.ids = model->normals != NULL && model->normal_ids != NULL ? model->normal_ids : model->triangles;
+    if (w.sums == NULL || w.guide == NULL || (options->flags & PBWSAMPLE_NORMALS && w.normals == NULL)
+        || !pbwsample__reserve(set, &capacity, options->count, options->flags)) {
+        status = PBWSAMPLE_ERROR_MEMORY;
+    } else {
+        status = pbwsample__weigh(&w, options);
+    }
+    if (status == PBWSAMPLE_OK) {
+        set->count = options->count;
+        tasks = (int)((set->count + PBWSAMPLE__BLOCK - 1) / PBWSAMPLE__BLOCK);
+        if (options->run != NULL) {
+            options->run(options->run_user, tasks, pbwsample__uniform_task, &w);
+        } else {
+            for (i = 0; i < tasks; i++) {
+                pbwsample__uniform_task(&w, i);
+            }
+        }
+    } else {
+        pbwsample_free(set);
+    }
+    PBWSAMPLE_FREE(made);
+    PBWSAMPLE_FREE(w.sums);
+    PBWSAMPLE_FREE(w.guide);
+    return status;
+}
+
+/* ------------------------------------------------------------------------------------------------------
+   Inside and outside.
+   A ray from the point along an axis crosses the surface an odd number of times, if the point is inside.  Every sign
+   is exact, and the point counts as moved by (e, e^2) within the plane across the ray, e infinitesimal, so that the
+   ray meets no corner and no edge.
+   ------------------------------------------------------------------------------------------------------ */
+
+typedef struct pbwsample__columns {            /* a grid across an axis; which triangles are over each cell */
+    const pbwsample_model *model;
+    int axis;
+    size_t side, *first;                       /* first[c] to first[c+1] in list are those over cell c */
+    pbw_index *list;
+    double low[2], scale[2];
+} pbwsample__columns;
+
+static size_t pbwsample__column(const pbwsample__columns *grid, double x, int k)
+{
+    double at = (x - grid->low[k]) * grid->scale[k];
+    return at > 0 ? at >= (double)grid->side ? grid->side - 1 : (size_t)at : 0;
+}
+
+static void pbwsample__span(const pbwsample_model *model, size_t triangle, int axis, double *least, double *most)
+{
+    double a = pbwsample__corner(model, triangle, 0)[axis], b = pbwsample__corner(model, triangle, 1)[axis];
+    double c = pbwsample__corner(model, triangle, 2)[axis];
+    *least = a < b ? a < c ? a : c : b < c ? b : c;
+    *most = a > b ? a > c ? a : c : b > c ? b : c;
+}
+
+static int pbwsample__make_columns(pbwsample__columns *grid, const pbwsample_model *model, int axis)
+{
+    size_t i, x, y, total = 0, none = 0, range[2][2];
+    double low, high, most[2];
+    int k, pass;
+    memset(grid, 0, sizeof *grid);
+    grid->model = model;
+    grid->axis = axis;
+    grid->side = (size_t)sqrt((double)model->triangle_count / 2) + 1;
+    grid->side = grid->side < 1024 ? grid->side : 1024;
+    for (k = 0; k < 2; k++) {
+        for (i = 0; i < model->triangle_count; i++) {
+            pbwsample__span(model, i, (axis + 1 + k) % 3, &low, &high);
+            grid->low[k] = i == 0 || low < grid->low[k] ? low : grid->low[k];
+            most[k] = i == 0 || high > most[k] ? high : most[k];
+        }
+        grid->scale[k] = most[k] > grid->low[k] ? (double)grid->side / (most[k] - grid->low[k]) : 0;
+    }
+    grid->first = (size_t *)pbwsample__zeros(grid->side * grid->side, sizeof *grid->first);
+    for (pass = 0; pass < 2 && grid->first != NULL; pass++) {        /* count, then fill from the back */
+        for (i = 0; i < model->triangle_count; i++) {
+            for (k = 0; k < 2; k++) {
+                pbwsample__span(model, i, (axis + 1 + k) % 3, &low, &high);
+                range[k][0] = pbwsample__column(grid, low, k);
+                range[k][1] = pbwsample__column(grid, high, k);
+            }
+            for (y = range[1][0]; y <= range[1][1]; y++) {
+                for (x = range[0][0]; x <= range[0][1]; x++) {
+                    if (pass == 0) {
+                        grid->first[y * grid->side + x]++;
+                    } else {
+                        grid->list[--grid->first[y * grid->side + x]] = (pbw_index)i;
+                    }
+                }
+            }
+        }
+        for (i = 0; pass == 0 && i <= grid->side * grid->side; i++) {
+            grid->first[i] = total += grid->first[i];
+        }
+        if (pass == 0) {
+            grid->list = (pbw_index *)pbwsample__grow(NULL, &none, total, sizeof *grid->list);
+            if (grid->list == NULL) {
+                return 0;
+            }
+        }
+    }
+    return grid->first != NULL;
+}
+
+static void pbwsample__free_columns(pbwsample__columns *grid)
+{
+    PBWSAMPLE_FREE(grid->first);
+    PBWSAMPLE_FREE(grid->list);
+    grid->first = NULL;
+    grid->list = NULL;
+}
+
+/* The side of the line from a to b that the moved point is on, in the plane of x and y; 0 only if a and b are at one
+   place there.  The derivatives of orient2 by the move are a.y - b.y for e and b.x - a.x for e^2. */
+static int pbwsample__side(const double a[2], const double b[2], const double p[2])
+{
+    int sign = pbw_orient2(a, b, p);
+    return sign != 0 ? sign : a[1] > b[1] ? 1 : a[1] < b[1] ? -1 : (b[0] > a[0]) - (b[0] < a[0]);
+}
+
+/* Whether the ray upwards along the axis crosses the surface an odd number of times. */
+static int pbwsample__odd(const pbwsample__columns *grid, const double p[3])
+{
+    int u = (grid->axis + 1) % 3, v = (grid->axis + 2) % 3, turn, odd = 0;
+    size_t cell = pbwsample__column(grid, p[v], 1) * grid->side + pbwsample__column(grid, p[u], 0), i, j;
+    double corner[3][2], q[2];
+    q[0] = p[u];
+    q[1] = p[v];
+    for (i = grid->first[cell]; i < grid->first[cell + 1]; i++) {
+        size_t t = grid->list[i];
+        for (j = 0; j < 3; j++) {
+            corner[j][0] = pbwsample__corner(grid->model, t, j)[u];
+            corner[j][1] = pbwsample__corner(grid->model, t, j)[v];
+        }
+        turn = pbwsample__side(corner[0], corner[1], q);
+        if (pbwsample__side(corner[1], corner[2], q) == turn && pbwsample__side(corner[2], corner[0], q) == turn) {
+            odd ^= pbw_orient3(pbwsample__corner(grid->model, t, 0), pbwsample__corner(grid->model, t, 1),
+                               pbwsample__corner(grid->model, t, 2), p) * turn < 0;
+        }
+    }
+    return odd;
+}
+
+/* One axis for a closed surface, three for any other; returns how many, 0 = out of memory. */
+static int pbwsample__make_rays(pbwsample__columns grid[3], const pbwsample_model *model)
+{
+    pbwsample_report report;
+    int i, axes = pbwsample_inspect(model, &report) != PBWSAMPLE_OK ? 0 : report.closed ? 1 : 3;
+    memset(grid, 0, 3 * sizeof *grid);
+    for (i = 0; i < axes; i++) {
+        if (!pbwsample__make_columns(grid + i, model, 2 - i)) {
+            axes = 0;
+        }
+    }
+    for (i = 0; i < 3 && axes == 0; i++) {
+        pbwsample__free_columns(grid + i);
+    }
+    return axes;
+}
+
+static int pbwsample__is_inside(const pbwsample__columns *grid, int axes, const double p[3])
+{
+    int votes = pbwsample__odd(grid, p);
+    if (axes == 3) {
+        votes = (votes + pbwsample__odd(grid + 1, p) + pbwsample__odd(grid + 2, p)) / 2;
+    }
+    return votes;
+}
+
+PBWSAMPLEDEF pbwsample_status pbwsample_inside(const pbwsample_model *model, const double *points, size_t count,
+                                               unsigned char *inside)
+{
+    pbwsample__columns grid[3];
+    size_t i;
+    int axes;
+    pbwsample_status status = pbwsample__check_model(model);
+    if (status != PBWSAMPLE_OK || points == NULL || inside == NULL) {
+        return status != PBWSAMPLE_OK ? status : PBWSAMPLE_ERROR_ARGUMENT;
+    }
+    axes = pbwsample__make_rays(grid, model);
+    for (i = 0; i < count && axes > 0; i++) {
+        inside[i] = (unsigned char)pbwsample__is_inside(grid, axes, points + 3 * i);
+    }
+    for (i = 0; i < (size_t)axes; i++) {
+        pbwsample__free_columns(grid + i);
+    }
+    return axes > 0 ? PBWSAMPLE_OK : PBWSAMPLE_ERROR_MEMORY;
+}
+
+/* ------------------------------------------------------------------------------------------------------
+   Poisson sets.
+   Darts are thrown at pieces: triangles, cut at their longest edge, or boxes, cut in eight (White, Cline and Egbert
+   2007, "Poisson disk point sets by hierarchical dart throwing"; Cline et al. 2009, "Dart throwing on surfaces").
+   A dart that is in no ball becomes a sample, the centre of a ball.  A piece that lies in one ball is done, any other
+   is cut; when no piece is left, there is no room left.  Rounds go over all pieces once, in random order, so that the
+   gaps are filled from wide to narrow: the last samples are those that are missed least.
+
+   Balls are looked up in a hashed grid, one for each power of two of radii: a ball is listed in all the cells that it
+   may touch, eight or so, so that a point looks into one cell.  A ball that has the whole piece in it has the dart in
+   it too, so that one look finds both; the other balls that it comes across tell which parts of the piece are done.
+   ------------------------------------------------------------------------------------------------------ */
+#define PBWSAMPLE__ONE 2147483648u             /* coordinates in a piece count in units of 2^-31 of the whole */
+#define PBWSAMPLE__LISTED 15
+#define PBWSAMPLE__CUTS 5                      /* cuts to find out whether several balls cover a part */
+#define PBWSAMPLE__NEAR 32                     /* balls that are tried for the parts of a piece */
+#define PBWSAMPLE__SHUFFLED 512                /* pieces whose order is drawn at once: few, for the cache's sake */
+
+typedef struct pbwsample__piece {
+    pbw_index triangle;                        /* PBW_NONE: a box */
+    uint32_t at[6];                            /* triangle: u and v of three corners; box: x y z of the low corner,
+                                                  the side, and 1 if it is known to be inside */
+} pbwsample__piece;
+
+typedef struct pbwsample__pieces { pbwsample__piece *list; size_t count, capacity; } pbwsample__pieces;
+typedef struct pbwsample__ball { double at[3], r; } pbwsample__ball;
+typedef struct pbwsample__chunk { pbw_index ids[PBWSAMPLE__LISTED], next; } pbwsample__chunk;
+
+typedef struct pbwsample__work {
+    const pbwsample_model *model;
+    const pbwsample_options *options;
+    pbwsample_status status;
+    pbwsample_set *set;
+    size_t capacity, fixed;                    /* of the set; its samples that were there before */
+    double radius, low[3], high[3], unit;      /* of the boxes */
+    uint64_t key, drawn;
+    int solid, axes;
+    pbwsample__columns rays[3];
+    pbwsample__pieces pieces, next, stack;
+    pbwsample__ball *balls;
+    pbwsample__chunk *chunks;
+    pbwsample__table cells;
+    size_t ball_capacity, chunk_count, chunk_capacity;
+    pbwsample__ball near[PBWSAMPLE__NEAR];     /* those around the last dart */
+    int near_count;
+    int levels, level[64];                     /* those in use; at level l cells have the side 2^(l+1) radius */
+    double scale[64];                          /* one over the side */
+} pbwsample__work;
+
+static uint64_t pbwsample__draw(pbwsample__work *w)
+{
+    return pbwsample__random(w->key, w->drawn++);
+}
+
+static double pbwsample__radius_at(pbwsample__work *w, const double p[3])
+{
+    double size = pbwsample__size_at(w->options, p);
+    if (!(size > 1 / 2147483648.0 && size < 2147483648.0)) {
+        w->status = PBWSAMPLE_ERROR_ARGUMENT;
+        size = 1;
+    }
+    return w->radius * size;
+}
+
+static uint64_t pbwsample__cell_key(int level, int64_t x, int64_t y, int64_t z)
+{
+    const uint64_t mask = 0x7ffff;             /* cells that are as far apart as this may share a list: no harm */
+    return (uint64_t)(level + 32) << 57 | ((uint64_t)x & mask) << 38 | ((uint64_t)y & mask) << 19
+         | ((uint64_t)z & mask);
+}
+
+/* Lists ball number id, which is at p. */
+static void pbwsample__list_ball(pbwsample__work *w, size_t id, const double p[3], double r)
+{
+    int level, i, k;
+    int64_t from[3], to[3], x, y, z;
+    void *block = pbwsample__grow(w->balls, &w->ball_capacity, id + 1, sizeof *w->balls);
+    if (block == NULL) {
+        w->status = PBWSAMPLE_ERROR_MEMORY;
+        return;
+    }
+    w->balls = (pbwsample__ball *)block;
+    memcpy(w->balls[id].at, p, sizeof w->balls[id].at);
+    w->balls[id].r = r;
+    level = frexp(r / w->radius, &level) > 0.5 ? level : level - 1;  /* the least that has 2^level radius >= r */
+    for (i = 0; i < w->levels && w->level[i] != level; i++) { }
+    if (i == w->levels) {
+        w->level[w->levels] = level;
+        w->scale[w->levels++] = 1 / ldexp(w->radius, level + 1);
+    }
+    for (k = 0; k < 3; k++) {
+        from[k] = (int64_t)floor((p[k] - r - w->low[k]) * w->scale[i]);
+        to[k] = (int64_t)floor((p[k] + r - w->low[k]) * w->scale[i]);
+    }
+    for (z = from[2]; z <= to[2]; z++) {
+        for (y = from[1]; y <= to[1]; y++) {
+            for (x = from[0]; x <= to[0]; x++) {
+                pbw_index *value = pbwsample__enter(&w->cells, pbwsample__cell_key(level, x, y, z));
+                pbwsample__chunk *chunk = value != NULL && *value != PBW_NONE ? w->chunks + *value : NULL;
+                if (value != NULL && (chunk == NULL || chunk->ids[PBWSAMPLE__LISTED - 1] != PBW_NONE)) {
+                    block = pbwsample__grow(w->chunks, &w->chunk_capacity, w->chunk_count + 1, sizeof *chunk);
+                    if (block != NULL && w->chunk_count < PBW_NONE) {
+                        w->chunks = (pbwsample__chunk *)block;
+                        chunk = w->chunks + w->chunk_count;
+                        memset(chunk, 0xff, sizeof *chunk);          /* PBW_NONE in all of it */
+                        chunk->next = *value;
+                        *value = (pbw_index)w->chunk_count++;
+                    }
+                }
+                if (value == NULL || block == NULL) {
+                    w->status = PBWSAMPLE_ERROR_MEMORY;
+                    return;
+                }
+                for (k = 0; chunk->ids[k] != PBW_NONE; k++) { }
+                chunk->ids[k] = (pbw_index)id;
+            }
+        }
+    }
+}
+
+/* Whether two triangles look away from each other. */
+static int pbwsample__opposed(const pbwsample_model *model, pbw_index a, pbw_index b)
+{
+    double n[3], m[3];
+    if (a == PBW_NONE || b == PBW_NONE) {
+        return 0;
+    }
+    pbwsample__facet_normal(model, a, n);
+    pbwsample__facet_normal(model, b, m);
+    return pbwsample__dot(n, m) < 0;
+}
+
+/* Gathers in w->near the balls within a distance of p, as far as the cell of p lists them.  Returns the radius of one
+   that p is in, 0 if there is none.  Few branches depend on where p is. */
+static double pbwsample__look(pbwsample__work *w, const double p[3], double distance, pbw_index triangle)
+{
+    double radius = 0;
+    int level, i, count = 0;
+    for (level = 0; level < w->levels; level++) {
+        double scale = w->scale[level];
+        pbw_index at = pbwsample__slot_of(&w->cells, pbwsample__cell_key(w->level[level],
+            (int64_t)((p[0] - w->low[0]) * scale), (int64_t)((p[1] - w->low[1]) * scale),
+            (int64_t)((p[2] - w->low[2]) * scale)))->value;
+        while (at != PBW_NONE) {
+            const pbwsample__chunk *chunk = w->chunks + at;
+            for (i = 0; i < PBWSAMPLE__LISTED && chunk->ids[i] != PBW_NONE; i++) {
+                const pbwsample__ball *ball = w->balls + chunk->ids[i];
+                double square = pbwsample__square(ball->at, p), reach = ball->r + distance;
+                int hit = square < ball->r * ball->r;
+                if (w->options->flags & PBWSAMPLE_THIN && square < reach * reach
+                    && pbwsample__opposed(w->model, triangle, w->set->triangles[chunk->ids[i]])) {
+                    continue;
+                }
+                w->near[count] = *ball;
+                radius = hit ? ball->r : radius;
+                count += (square < reach * reach) & (count < PBWSAMPLE__NEAR - 1);
+            }
+            at = chunk->next;
+        }
+    }
+    w->near_count = count;
+    return radius;
+}
+
+/* Bit i is set if p is in ball i of w->near. */
+static uint32_t pbwsample__mask(const pbwsample__work *w, const double p[3])
+{
+    uint32_t mask = 0;
+    int i;
+    for (i = 0; i < w->near_count; i++) {
+        const pbwsample__ball *ball = w->near + i;
+        mask |= (uint32_t)(pbwsample__square(ball->at, p) <= ball->r * ball->r) << i;
+    }
+    return mask;
+}
+
+static void pbwsample__add_sample(pbwsample__work *w, const double p[3], pbw_index triangle, double u, double v)
+{
+    pbwsample_set *set = w->set;
+    size_t i = set->count;
+    if (i + 1 >= PBW_NONE) {
+        w->status = PBWSAMPLE_ERROR_TOO_LARGE;
+    } else if (!pbwsample__reserve(set, &w->capacity, i + 1, set->normals != NULL ? PBWSAMPLE_NORMALS : 0)) {
+        w->status = PBWSAMPLE_ERROR_MEMORY;
+    } else {
+        memcpy(set->points + 3 * i, p, 3 * sizeof *p);
+        set->triangles[i] = triangle;
+        set->places[2 * i] = u;
+        set->places[2 * i + 1] = v;
+        if (set->normals != NULL) {
+            memset(set->normals + 3 * i, 0, 3 * sizeof *set->normals);
+        }
+        set->count++;
+    }
+}
+
+/* The corners of a piece, where places in it count from; returns how many they are. */
+static int pbwsample__corners(const pbwsample__work *w, const pbwsample__piece *piece, double corner[8][3])
+{
+    int i, k;
+    if (piece->triangle == PBW_NONE) {
+        for (i = 0; i < 24; i++) {
+            k = i % 3;
+            corner[i / 3][k] = w->low[k] + w->unit * ((double)piece->at[k] + (i / 3 >> k & 1) * (double)piece->at[3]);
+        }
+        return 8;
+    }
+    for (i = 0; i < 3; i++) {
+        const double *a = pbwsample__corner(w->model, piece->triangle, 0);
+        const double *b = pbwsample__corner(w->model, piece->triangle, 1);
+        const double *c = pbwsample__corner(w->model, piece->triangle, 2);
+        double u = (double)piece->at[2 * i] / PBWSAMPLE__ONE, v = (double)piece->at[2 * i + 1] / PBWSAMPLE__ONE;
+        for (k = 0; k < 3; k++) {
+            corner[i][k] = a[k] + u * (b[k] - a[k]) + v * (c[k] - a[k]);
+        }
+    }
+    return 3;
+}
+
+/* The longest edge of a triangle by the number of the corner across, 3 = the diagonal of a box; its square. */
+static int pbwsample__longest(double (*corner)[3], int corners, double *square)
+{
+    double edge[3];
+    int i;
+    if (corners == 8) {
+        *square = pbwsample__square(corner[0], corner[7]);
+        return 3;
+    }
+    for (i = 0; i < 3; i++) {
+        edge[i] = pbwsample__square(corner[(i + 1) % 3], corner[(i + 2) % 3]);
+    }
+    i = edge[0] >= edge[1] ? edge[0] >= edge[2] ? 0 : 2 : edge[1] >= edge[2] ? 1 : 2;
+    *square = edge[i];
+    return i;
+}
+
+static void pbwsample__push(pbwsample__work *w, pbwsample__pieces *pieces, const pbwsample__piece *piece)
+{
+    void *block = pbwsample__grow(pieces->list, &pieces->capacity, pieces->count + 1, sizeof *pieces->list);
+    if (block == NULL) {
+        w->status = PBWSAMPLE_ERROR_MEMORY;
+    } else {
+        pieces->list = (pbwsample__piece *)block;
+        pieces->list[pieces->count++] = *piece;
+    }
+}
+
+/* Whether the box of some triangle meets the box with those corners. */
+static int pbwsample__touches(const pbwsample__columns *grid, double (*corner)[3])
+{
+    size_t x, y, i, begin[2], end[2];
+    int k, axis = grid->axis;
+    double least, most;
+    for (k = 0; k < 2; k++) {
+        begin[k] = pbwsample__column(grid, corner[0][(axis + 1 + k) % 3], k);
+        end[k] = pbwsample__column(grid, corner[7][(axis + 1 + k) % 3], k);
+    }
+    for (y = begin[1]; y <= end[1]; y++) {
+        for (x = begin[0]; x <= end[0]; x++) {
+            for (i = grid->first[y * grid->side + x]; i < grid->first[y * grid->side + x + 1]; i++) {
+                for (k = 0; k < 3; k++) {
+                    pbwsample__span(grid->model, grid->list[i], (axis + k) % 3, &least, &most);
+                    if (least > corner[7][(axis + k) % 3] || most < corner[0][(axis + k) % 3]) {
+                        break;
+                    }
+                }
+                if (k == 3) {
+                    return 1;
+                }
+            }
+        }
+    }
+    return 0;
+}
+
+/* Whether something of a box may be inside; notes if all of it is. */
+static int pbwsample__is_needed(const pbwsample__work *w, pbwsample__piece *box)
+{
+    double corner[8][3], middle[3];
+    int k;
+    if (!box->at[4]) {
+        pbwsample__corners(w, box, corner);
+        if (pbwsample__touches(w->rays, corner)) {
+            return 1;
+        }
+        for (k = 0; k < 3; k++) {
+            middle[k] = 0.5 * (corner[0][k] + corner[7][k]);
+        }
+        box->at[4] = (uint32_t)pbwsample__is_inside(w->rays, w->axes, middle);
+    }
+    return box->at[4] != 0;
+}
+
+/* Cuts a triangle at the edge across from corner number longest, or a box in eight, of which those outside are left
+   out.  Returns how many parts there are; a piece of one unit has none. */
+static int pbwsample__cut(const pbwsample__work *w, const pbwsample__piece *piece, int longest,
+                          pbwsample__piece part[8])
+{
+    int i, k, a = (longest + 1) % 3, b = (longest + 2) % 3, count = 0;
+    uint32_t middle[2];
+    if (longest == 3) {
+        for (i = 0; i < 8 && piece->at[3] > 1; i++) {
+            part[count] = *piece;
+            part[count].at[3] /= 2;
+            for (k = 0; k < 3; k++) {
+                part[count].at[k] += i >> k & 1 ? part[count].at[3] : 0;
+            }
+            count += pbwsample__is_needed(w, part + count);
+        }
+        return count;
+    }
+    for (k = 0; k < 2; k++) {
+        middle[k] = (uint32_t)(((uint64_t)piece->at[2 * a + k] + piece->at[2 * b + k]) / 2);
+    }
+    if (memcmp(middle, piece->at + 2 * a, sizeof middle) == 0
+        || memcmp(middle, piece->at + 2 * b, sizeof middle) == 0) {
+        return 0;
+    }
+    part[0] = part[1] = *piece;
+    memcpy(part[0].at + 2 * a, middle, sizeof middle);
+    memcpy(part[1].at + 2 * b, middle, sizeof middle);
+    return 2;
+}
+
+/* A random point of a piece, and where in it. */
+static void pbwsample__throw(pbwsample__work *w, double (*corner)[3], int corners, double p[3], double part[3])
+{
+    uint64_t bits = pbwsample__draw(w);
+    int k;
+    part[0] = pbwsample__low_half(bits);
+    part[1] = pbwsample__low_half(bits >> 32);
+    if (corners == 8) {
+        part[2] = pbwsample__low_half(pbwsample__draw(w));
+        for (k = 0; k < 3; k++) {
+            p[k] = corner[0][k] + part[k] * (corner[7][k] - corner[0][k]);
+        }
+        return;
+    }
+    if (part[0] + part[1] > 1) {
+        part[0] = 1 - part[0];
+        part[1] = 1 - part[1];
+    }
+    for (k = 0; k < 3; k++) {
+        p[k] = corner[0][k] + part[0] * (corner[1][k] - corner[0][k]) + part[1] * (corner[2][k] - corner[0][k]);
+    }
+}
+
+/* What is left of a triangle without parts that lie in one ball of w->near, if a few cuts find them: nothing, or the
+   smallest part that has all of it; of the whole piece, what is left of either half.  Returns how many that are.
+   mask: of the corners.  A corner in no ball is no matter of cutting. */
+static int pbwsample__rest(const pbwsample__work *w, const pbwsample__piece *piece, double (*corner)[3],
+                           const uint32_t mask[3], int cuts, pbwsample__piece left[2])
+{
+    pbwsample__piece part[8], rest[2];
+    double half[3][3], middle[3], square;
+    uint32_t half_mask[3], middle_mask;
+    int i, k, longest, a, b, count = 0, whole = cuts == PBWSAMPLE__CUTS;
+    if ((mask[0] & mask[1] & mask[2]) != 0) {
+        return 0;
+    }
+    left[0] = *piece;
+    if (cuts == 0 || (!whole && (mask[0] == 0 || mask[1] == 0 || mask[2] == 0))) {
+        return 1;
+    }
+    longest = pbwsample__longest(corner, 3, &square);
+    if (pbwsample__cut(w, piece, longest, part) == 0) {
+        return 0;
+    }
+    a = (longest + 1) % 3;
+    b = (longest + 2) % 3;
+    for (k = 0; k < 3; k++) {
+        middle[k] = 0.5 * (corner[a][k] + corner[b][k]);
+    }
+    middle_mask = pbwsample__mask(w, middle);
+    for (i = 0; i < 2; i++) {
+        memcpy(half, corner, sizeof half);
+        memcpy(half_mask, mask, sizeof half_mask);
+        memcpy(half[i == 0 ? a : b], middle, sizeof middle);
+        half_mask[i == 0 ? a : b] = middle_mask;
+        if (pbwsample__rest(w, part + i, half, half_mask, cuts - 1, rest) > 0) {
+            count++;
+            left[whole ? count - 1 : 0] = count == 1 || whole ? rest[0] : *piece;
+        }
+    }
+    return whole ? count : count > 0;
+}
+
+/* One dart at a piece; what is left of it goes to the next round in parts. */
+static void pbwsample__visit(pbwsample__work *w, const pbwsample__piece *piece)
+{
+    pbwsample__piece part[8];
+    double corner[8][3], p[3], at[3], place[2] = { 0, 0 }, square, r, hit;
+    uint32_t mask[8], all = PBW_NONE;
+    int i, count, corners = pbwsample__corners(w, piece, corner);
+    int longest = pbwsample__longest(corner, corners, &square);
+    pbwsample__throw(w, corner, corners, p, at);
+    hit = pbwsample__look(w, p, sqrt(square), piece->triangle);
+    r = hit > 0 ? hit : pbwsample__radius_at(w, p);
+    if (!(hit > 0) && (corners == 3 || piece->at[4] || pbwsample__is_inside(w->rays, w->axes, p))) {
+        for (i = 0; i < 2 && corners == 3; i++) {
+            place[i] = ((1 - at[0] - at[1]) * piece->at[i] + at[0] * piece->at[2 + i] + at[1] * piece->at[4 + i])
+                     / PBWSAMPLE__ONE;
+        }
+        pbwsample__add_sample(w, p, piece->triangle, place[0], place[1]);
+        if (w->status == PBWSAMPLE_OK) {
+            pbwsample__list_ball(w, w->set->count - 1, p, r);
+        }
+        if (w->status != PBWSAMPLE_OK) {
+            return;
+        }
+        w->near[0] = w->balls[w->set->count - 1];                    /* likely enough for all of it */
+        w->near_count = 1;
+    }
+    for (i = 0; i < corners; i++) {
+        all &= mask[i] = pbwsample__mask(w, corner[i]);
+    }
+    if (all != 0 || square < r * r * (corners == 8 ? 1 / 16.0 : 1 / 1099511627776.0)) {
+        return;
+    }
+    count = corners == 3 ? pbwsample__rest(w, piece, corner, mask, PBWSAMPLE__CUTS, part)
+                         : pbwsample__cut(w, piece, longest, part);
+    for (i = 0; i < count; i++) {
+        pbwsample__push(w, &w->next, part + i);
+    }
+}
+
+static int pbwsample__compare(const void *a, const void *b)
+{
+    const pbwsample__slot *x = (const pbwsample__slot *)a, *y = (const pbwsample__slot *)b;
+    return x->key != y->key ? x->key < y->key ? -1 : 1 : (x->value > y->value) - (x->value < y->value);
+}
+
+/* The triangles along a Z-order curve: pieces are near those that they follow.  NULL = out of memory. */
+static pbwsample__slot *pbwsample__in_order(const pbwsample__work *w, double extent)
+{
+    pbwsample__slot *order = (pbwsample__slot *)pbwsample__zeros(w->model->triangle_count, sizeof *order);
+    size_t i;
+    int k, bit;
+    for (i = 0; i < w->model->triangle_count && order != NULL; i++) {
+        order[i].value = (pbw_index)i;
+        for (k = 0; k < 3; k++) {
+            uint32_t at = (uint32_t)((pbwsample__corner(w->model, i, 0)[k] - w->low[k]) / extent * 2097151);
+            for (bit = 0; bit < 21; bit++) {
+                order[i].key |= (uint64_t)(at >> bit & 1) << (3 * bit + k);
+            }
+        }
+    }
+    if (order != NULL) {
+        qsort(order, w->model->triangle_count, sizeof *order, pbwsample__compare);
+    }
+    return order;
+}
+
+/* Cuts the whole of the surface or volume to pieces that fit into a ball, or lattice cells. */
+static void pbwsample__begin(pbwsample__work *w, double side)
+{
+    pbwsample__piece piece, part[8];
+    double corner[8][3], middle[3], square, r, extent = 0;
+    pbwsample__slot *order;
+    size_t t;
+    int i, k, corners, longest, lattice = w->solid && w->options->flags & PBWSAMPLE_LATTICE;
+    w->pieces.count = w->stack.count = 0;
+    for (k = 0; k < 3; k++) {
+        extent = w->high[k] - w->low[k] > extent ? w->high[k] - w->low[k] : extent;
+    }
+    for (i = 1; ldexp(side, i) <= extent; i++) { }
+    w->unit = ldexp(side, i) / PBWSAMPLE__ONE;
+    order = w->solid ? NULL : pbwsample__in_order(w, extent);
+    w->status = !w->solid && order == NULL ? PBWSAMPLE_ERROR_MEMORY : w->status;
+    for (t = 0; t < (w->solid ? 1 : w->model->triangle_count) && w->status == PBWSAMPLE_OK; t++) {
+        memset(&piece, 0, sizeof piece);
+        if (w->solid) {
+            piece.triangle = PBW_NONE;
+            piece.at[3] = PBWSAMPLE__ONE;
+        } else if (pbwsample__area(w->model, order[t].value) > 0) {
+            piece.triangle = order[t].value;
+            piece.at[2] = piece.at[5] = PBWSAMPLE__ONE;
+        } else {
+            continue;
+        }
+        pbwsample__push(w, &w->stack, &piece);
+        while (w->stack.count > 0 && w->status == PBWSAMPLE_OK) {
+            piece = w->stack.list[--w->stack.count];
+            corners = pbwsample__corners(w, &piece, corner);
+            for (k = 0; k < 3; k++) {
+                middle[k] = corners == 8 ? 0.5 * (corner[0][k] + corner[7][k])
+                          : (corner[0][k] + corner[1][k] + corner[2][k]) / 3;
+            }
+            r = pbwsample__radius_at(w, middle);
+            longest = pbwsample__longest(corner, corners, &square);
+            if (lattice ? w->unit * piece.at[3] * w->radius > 1.01 * side * r : square > 2 * r * r) {
+                for (i = pbwsample__cut(w, &piece, longest, part); i > 0; i--) {
+                    pbwsample__push(w, &w->stack, part + i - 1);
+                }
+            } else {
+                pbwsample__push(w, &w->pieces, &piece);
+            }
+        }
+    }
+    PBWSAMPLE_FREE(order);
+}
+
+/* A random order within stretches of the list. */
+static void pbwsample__shuffle(pbwsample__work *w)
+{
+    size_t begin, i, j, count;
+    for (begin = 0; begin < w->pieces.count; begin += PBWSAMPLE__SHUFFLED) {
+        pbwsample__piece *list = w->pieces.list + begin, swap;
+        count = w->pieces.count - begin < PBWSAMPLE__SHUFFLED ? w->pieces.count - begin : PBWSAMPLE__SHUFFLED;
+        for (i = count; i > 1; i--) {
+            j = (size_t)((pbwsample__draw(w) >> 32) * i >> 32);
+            swap = list[j];
+            list[j] = list[i - 1];
+            list[i - 1] = swap;
+        }
+    }
+}
+
+/* Tells now and then that piece i is next, of a round that takes half of what is left to do.  A nonzero answer ends
+   the work. */
+static void pbwsample__tell(pbwsample__work *w, size_t i, int round)
+{
+    if (i % 1024 == 0 && w->options->progress != NULL) {
+        double done = 1 - ldexp(1 - 0.5 * (double)i / (double)w->pieces.count, 1 - round);
+        w->status = w->options->progress(w->options->progress_user, done) != 0 ? PBWSAMPLE_CANCELLED : w->status;
+    }
+}
+
+/* A body-centred lattice (two points a cell), whose cells follow the size: its points are 0.87 sides apart.  Points
+   in balls are left out. */
+static void pbwsample__lattice(pbwsample__work *w)
+{
+    double jitter = w->options->jitter > 0 ? w->options->jitter : w->options->jitter < 0 ? 0 : 0.1, p[3];
+    size_t i;
+    int half, k;
+    for (i = 0; i < w->pieces.count && w->status == PBWSAMPLE_OK; i++) {
+        const pbwsample__piece *cell = w->pieces.list + i;
+        pbwsample__tell(w, i, 1);
+        for (half = 0; half < 2; half++) {
+            for (k = 0; k < 3; k++) {
+                double move = jitter * (pbwsample__low_half(pbwsample__draw(w)) - 0.5);
+                p[k] = w->low[k] + w->unit * ((double)cell->at[k] + (0.5 * half + move) * (double)cell->at[3]);
+            }
+            if (pbwsample__is_inside(w->rays, w->axes, p)
+                && !(pbwsample__look(w, p, 0, PBW_NONE) > 0)) {
+                pbwsample__add_sample(w, p, PBW_NONE, 0, 0);
+            }
+        }
+    }
+}
+
+/* One set with the present radius. */
+static void pbwsample__fill(pbwsample__work *w)
+{
+    int lattice = w->solid && w->options->flags & PBWSAMPLE_LATTICE, round;
+    double side = w->radius * (lattice ? 1.4 : 0.577);               /* 1.4: as dense as blue noise;  1/sqrt 3 */
+    size_t i;
+    w->set->count = w->fixed;
+    w->drawn = w->chunk_count = w->cells.used = 0;
+    w->levels = 0;
+    PBWSAMPLE_FREE(w->cells.slots);
+    memset(&w->cells, 0, sizeof w->cells);
+    if (pbwsample__enter(&w->cells, 0) == NULL) {                    /* so that there are slots to look into */
+        w->status = PBWSAMPLE_ERROR_MEMORY;
+    }
+    for (i = 0; i < w->fixed && w->status == PBWSAMPLE_OK; i++) {
+        pbwsample__list_ball(w, i, w->set->points + 3 * i, pbwsample__radius_at(w, w->set->points + 3 * i));
+    }
+    pbwsample__begin(w, side);
+    if (lattice) {
+        pbwsample__lattice(w);
+        return;
+    }
+    for (round = 1; w->pieces.count > 0 && w->status == PBWSAMPLE_OK; round++) {
+        pbwsample__pieces swap = w->pieces;
+        pbwsample__shuffle(w);
+        w->next.count = 0;
+        for (i = 0; i < w->pieces.count && w->status == PBWSAMPLE_OK; i++) {
+            pbwsample__tell(w, i, round);
+            pbwsample__visit(w, w->pieces.list + i);
+        }
+        w->pieces = w->next;
+        w->next = swap;
+    }
+}
+
+/* Maximal sets on large smooth surfaces have 0.69 samples a squared radius, in large volumes 0.66 a cubed one; the
+   search for a count starts somewhat below.  It ends with a few samples too many, of which the last are left out. */
+static void pbwsample__search(pbwsample__work *w, double content)
+{
+    double power = w->solid ? 1.0 / 3 : 0.5, wanted = (double)w->options->count;
+    int attempt;
+    w->radius = w->options->radius;
+    if (w->options->count > 0) {
+        w->radius = pow((w->solid ? 0.64 : 0.685) * content / (1.01 * wanted + 1), power);
+    }
+    for (attempt = 1;; attempt++) {
+        double found;
+        if (!(w->radius > 0 && content / pow(w->radius, 1 / power) < PBW_NONE)) {
+            w->status = PBWSAMPLE_ERROR_TOO_LARGE;
+        } else {
+            pbwsample__fill(w);
+        }
+        found = (double)(w->set->count - w->fixed);
+        if (w->status != PBWSAMPLE_OK || wanted == 0) {
+            return;
+        }
+        if (found >= wanted && (found <= 1.04 * wanted + 2 || attempt > 4)) {
+            w->set->count = w->fixed + w->options->count;
+            return;
+        }
+        w->radius *= attempt > 4 ? 0.9 : pow((found + 0.5) / (1.015 * wanted + 1), power);
+    }
+}
+
+static pbwsample_status pbwsample__poisson(const pbwsample_model *model, const pbwsample_options *options,
+                                           pbwsample_set *set, int solid)
+{
+    pbwsample__work work, *w = &work;
+    double *made = NULL, content = 0;
+    size_t i;
+    int k;
+    memset(w, 0, sizeof *w);
+    w->model = model;
+    w->options = options;
+    w->set = set;
+    w->solid = solid;
+    w->capacity = w->fixed = set->count;
+    w->key = pbwsample__random(1 + (uint64_t)solid, options->seed);
+    for (i = 0; i < model->triangle_count; i++) {
+        content += solid ? 0 : pbwsample__area(model, i);
+        for (k = 0; k < 3; k++) {
+            double least, most;
+            pbwsample__span(model, i, k, &least, &most);
+            w->low[k] = i == 0 || least < w->low[k] ? least : w->low[k];
+            w->high[k] = i == 0 || most > w->high[k] ? most : w->high[k];
+        }
+    }
+    if (solid) {
+        content = fabs(pbwsample__volume_of(model));
+        w->axes = pbwsample__make_rays(w->rays, model);
+        w->status = w->axes == 0 ? PBWSAMPLE_ERROR_MEMORY : content > 0 ? PBWSAMPLE_OK : PBWSAMPLE_ERROR_VOLUME;
+    } else if (options->flags & PBWSAMPLE_NORMALS && pbwsample__reserve(set, &w->capacity, 0, options->flags)) {
+        made = model->normals == NULL ? pbwsample__point_normals(model) : NULL;
+        w->status = model->normals == NULL && made == NULL ? PBWSAMPLE_ERROR_MEMORY : PBWSAMPLE_OK;
+    }
+    if (w->status == PBWSAMPLE_OK) {
+        pbwsample__search(w, content);
+    }
+    if (w->status == PBWSAMPLE_OK && set->count == 0) {
+        w->status = PBWSAMPLE_ERROR_VOLUME;
+    }
+    if (w->status == PBWSAMPLE_OK && !solid && set->normals != NULL) {
+        pbwsample__set_normals(model, options->flags, made != NULL ? made : model->normals,
+                               made == NULL && model->normal_ids != NULL ? model->normal_ids : model->triangles,
+                               set, 0, set->count);
+    }
+    if (w->status != PBWSAMPLE_OK) {
+        set->count = w->fixed;
+    } else if (!solid || !(options->flags & PBWSAMPLE_LATTICE)) {
+        set->radius = w->radius;
+    }
+    for (k = 0; k < w->axes; k++) {
+        pbwsample__free_columns(w->rays + k);
+    }
+    PBWSAMPLE_FREE(made);
+    PBWSAMPLE_FREE(w->pieces.list);
+    PBWSAMPLE_FREE(w->next.list);
+    PBWSAMPLE_FREE(w->stack.list);
+    PBWSAMPLE_FREE(w->balls);
+    PBWSAMPLE_FREE(w->chunks);
+    PBWSAMPLE_FREE(w->cells.slots);
+    return w->status;
+}
+
+PBWSAMPLEDEF pbwsample_status pbwsample_poisson(const pbwsample_model *model, const pbwsample_options *options,
+                                                pbwsample_set *set)
+{
+    pbwsample_status status = pbwsample__check_model(model);
+    if (status == PBWSAMPLE_OK && (options == NULL || set == NULL || (options->count > 0) == (options->radius > 0))) {
+        status = PBWSAMPLE_ERROR_ARGUMENT;
+    }
+    if (status == PBWSAMPLE_OK) {
+        memset(set, 0, sizeof *set);
+        status = options->count >= PBW_NONE ? PBWSAMPLE_ERROR_TOO_LARGE : pbwsample__poisson(model, options, set, 0);
+    }
+    if (status != PBWSAMPLE_OK && set != NULL && options != NULL) {
+        pbwsample_free(set);
+    }
+    return status;
+}
+
+PBWSAMPLEDEF pbwsample_status pbwsample_volume(const pbwsample_model *model, const pbwsample_options *options,
+                                               pbwsample_set *set)
+{
+    pbwsample_status status = pbwsample__check_model(model);
+    pbwsample_options copy;
+    if (status != PBWSAMPLE_OK || options == NULL || set == NULL) {
+        return status != PBWSAMPLE_OK ? status : PBWSAMPLE_ERROR_ARGUMENT;
+    }
+    copy = *options;
+    copy.radius = copy.count == 0 && !(copy.radius > 0) ? set->radius : copy.radius;
+    if ((copy.count > 0) == (copy.radius > 0) || (copy.count > 0 && copy.flags & PBWSAMPLE_LATTICE)) {
+        return PBWSAMPLE_ERROR_ARGUMENT;
+    }
+    return copy.count >= PBW_NONE ? PBWSAMPLE_ERROR_TOO_LARGE : pbwsample__poisson(model, &copy, set, 1);
+}
+
+#endif /* PBW_SAMPLE_IMPLEMENTATION */
