@@ -890,7 +890,7 @@ static void test_program(void)
             from += here ? 5 : 0;
         }
         snprintf(command, sizeof command, "%s %s %s 2>&1", strstr(uses[i].says, "cancelled") == NULL ? ""
-                 : "timeout --preserve-status -s INT 0.3", program, arguments);
+                 : "timeout --foreground --preserve-status -s INT 0.3", program, arguments);    /* one signal */
         pipe = popen(command, "r");
         while (pipe != NULL && fgets(line, sizeof line, pipe) != NULL) {
             line[strcspn(line, "\n")] = 0;
