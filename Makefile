@@ -74,6 +74,7 @@ $(SCRIPTS:%=$B/%.log): $B/%.log: tests/%.sh FORCE
 	@mkdir -p $B
 	+@sh tests/run.sh $@ sh $< $B
 
+$B/test_io.log: $B/pbw
 $B/examples.log: $(patsubst %,$B/%,$(filter $(EXAMPLES) $(EXAMPLES_CXX),$(EXPECTED)))
 $B/python.log: $B/libpbw_python.so
 $B/test_io.log: $B/pbw

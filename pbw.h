@@ -4527,7 +4527,7 @@ PBW__INLINE void pbw__emit_forms(pbw__emission *emission, int task, int dim)
     while (pbw__emit_step(emission, emission->slot_count, task, 0.5, &from, &to)) {
         for (t = from; t < to; t++) {
             pbw_index *corner = emission->corner + 4 * t, here = number[t], v[4];
-            pbw__link *link = emission->link + 4 * t, n[4];
+            pbw__link n[4];
             unsigned order, k;
             if (here == PBW_NONE) {
                 continue;
@@ -4542,6 +4542,7 @@ PBW__INLINE void pbw__emit_forms(pbw__emission *emission, int task, int dim)
                 corner[k] = emission->id[rank];
             }
             if (emission->link != NULL) {
+                pbw__link *link = emission->link + 4 * t;
                 memcpy(n, link, sizeof(n));
                 for (k = 0; k <= (unsigned)dim; k++) {
                     link[k] = number[n[order >> 2 * k & 3] >> 2];
@@ -4600,9 +4601,11 @@ static void pbw__emit_pass4(void *arg, int task)
             place[to] = PBW_NONE;
             pbw__emit_move(emission, to, from);
             at[p] = from;
-            if (from < count) {
+            if (from < count && place[from] != PBW_NONE) {
                 PBW__PREFETCH(emission->corner + 4 * (size_t)place[from]);
-                PBW__PREFETCH(emission->link + 4 * (size_t)place[from]);
+                if (emission->link != NULL) {
+                    PBW__PREFETCH(emission->link + 4 * (size_t)place[from]);
+                }
             }
         }
         if ((++steps & 4095) == 0 && pbw__report(emission->context, 0.75 + 0.2 * (double)next / (double)count)) {
@@ -4793,7 +4796,7 @@ typedef struct pbw__check {
     pbw_status status;
 } pbw__check;
 
-typedef int pbw__check_range(pbw__check *check, size_t from, size_t to);     /* 0 = a fault was found */
+typedef int pbw__check_range(pbw__check *check, size_t from, size_t to);     /* 0 = a fault, or cancelled */
 
 static int pbw__fault(pbw__check *check, const char *what, size_t simplex, int facet, size_t point)
 {
@@ -5036,7 +5039,7 @@ static int pbw__check_hull(pbw__check *check, size_t from, size_t to)
 {
     const pbw_mesh *mesh = check->mesh;
     const pbw_index *v = mesh->simplices, *n = mesh->neighbors;
-    size_t corners = (size_t)check->dim + 1, s, i, k;
+    size_t corners = (size_t)check->dim + 1, steps = 0, s, i, k;
     for (s = from; s < to; s++) {
         for (i = 0; i < corners; i++) {
             for (k = 0; k < corners && n[s * corners + i] == PBW_NONE; k++) {
@@ -5047,6 +5050,9 @@ static int pbw__check_hull(pbw__check *check, size_t from, size_t to)
                 }
                 while (n[t * corners + out] != PBW_NONE) {
                     size_t next = n[t * corners + out], entry = 0, exit = 0;
+                    if ((++steps & (PBW__TICK - 1)) == 0 && pbw__report(check->context, 0.85)) {
+                        return 0;                    /* a single ridge may have them all */
+                    }
                     while (n[next * corners + entry] != t) {
                         entry++;
                     }
@@ -5075,6 +5081,7 @@ static int pbw__check_hull(pbw__check *check, size_t from, size_t to)
 static int pbw__check_hidden(pbw__check *check, size_t from, size_t to)
 {
     const int dim = check->dim;
+    size_t steps = 0;
     for (; from < to; from++) {
         size_t point = (uint32_t)check->other[from];
         const double *p = pbw__check_record(check, dim, point), *x[4];
@@ -5082,6 +5089,9 @@ static int pbw__check_hidden(pbw__check *check, size_t from, size_t to)
         int i = 0;
         while (i <= dim) {
             const pbw_index *next = check->mesh->neighbors + here * (size_t)(dim + 1);
+            if ((++steps & 1023) == 0 && pbw__report(check->context, 0.94)) {
+                return 0;
+            }
             pbw__check_corners(check, dim, here, x);
             for (i = 0; i <= dim && (next[i] == last || pbw__check_side(check, x, i, p) >= 0); i++) {
                 continue;

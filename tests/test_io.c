@@ -1003,7 +1003,7 @@ static void test_program(void)
         fill_in(uses[i].arguments, arguments);
         fill_in(uses[i].says, says);
         snprintf(command, sizeof command, "%s %s %s 2>&1", strstr(uses[i].says, "cancelled") == NULL ? ""
-                 : "timeout --foreground --preserve-status -s INT 0.3", program, arguments);
+                 : "timeout --foreground --preserve-status -s INT 0.3", program, arguments);    /* one signal */
         pipe = popen(command, "r");
         while (pipe != NULL && fgets(line, sizeof line, pipe) != NULL) {
             line[strcspn(line, "\n")] = 0;
