@@ -77,7 +77,6 @@ $(SCRIPTS:%=$B/%.log): $B/%.log: tests/%.sh FORCE
 $B/test_io.log: $B/pbw
 $B/examples.log: $(patsubst %,$B/%,$(filter $(EXAMPLES) $(EXAMPLES_CXX),$(EXPECTED)))
 $B/python.log: $B/libpbw_python.so
-$B/test_io.log: $B/pbw
 $B/oracle.log: $B/libpbw.a
 
 # One that does not compile is a failure, and the others still run.

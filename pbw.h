@@ -295,7 +295,7 @@ extern int madvise(void *address, size_t length, int advice);    /* strict C mod
 
 /* Four facets are tested at once in functions compiled for the instruction set and chosen when a build starts.
    PBW_NO_SIMD leaves the scalar code only, with the same answers. */
-#if !defined(PBW_NO_SIMD) && defined(__x86_64__) && defined(__GNUC__)
+#if !defined(PBW_NO_SIMD) && defined(__x86_64__) && defined(__GNUC__) && !(defined(PBW__FMA) && PBW__FMA == 0)
 #define PBW__X86
 #define PBW__AVX2 __attribute__((target("avx2,fma,bmi,bmi2,popcnt")))
 #define PBW__AVX2_INLINE static inline __attribute__((target("avx2,fma,bmi,bmi2,popcnt"), always_inline, unused))
@@ -385,6 +385,7 @@ static int pbw__fp_is_exact(void)
         && half > 0.0 && half * 2.0 == tiny                  /* flushed denormals */
         && (big + 2.0) - big == one                          /* reassociation, excess precision, float constants */
         && some == 1.0 / 3.0 && more == 5.0 / 3.0            /* products with reciprocals */
+        && some * three - one == 0.0                         /* fused operations: clang's fast overrides our pragma */
         && one / (zero + 0.0) > 0.0                          /* zeros without a sign */
         && !(infinite - infinite == 0.0);                    /* finite numbers only */
 }
@@ -3120,7 +3121,8 @@ PBW__AVX2 static pbw_status pbw__carve3_avx2(pbw__kernel *kernel, pbw_index t, c
         const pbw__link *link = search.link + 4 * (size_t)search.cavity[i];
         pbw_index far0 = corner[link[0]], far1 = corner[link[1]], far2 = corner[link[2]], far3 = corner[link[3]];
         pbw__rows3 r, o;
-        __m256d height, ax, ay, az, al, bx, by, bz, bl, cx, cy, cz, cl, xy, xz, yz, xl, yl, zl, det, h, limit, rounded;
+        __m256d height, ax, ay, az, al, bx, by, bz, bl, cx, cy, cz, cl, xy, xz, yz, xl, yl, zl, det, h, limit;
+        __m256d rounded;
         unsigned certain, inside;
         if (PBW__UNLIKELY(!pbw__search_room(kernel, &search))) {
             return PBW_ERROR_MEMORY;

@@ -35,7 +35,9 @@ static int create_thread(pthread_t *thread, const pthread_attr_t *attributes, vo
     if (threads_allowed == 0) {
         return 11;                                   /* EAGAIN */
     }
-    threads_allowed -= threads_allowed > 0;
+    if (threads_allowed > 0) {
+        threads_allowed--;
+    }
     return pthread_create(thread, attributes, start, arg);
 }
 
