@@ -131,10 +131,11 @@ typedef struct pbw_backend pbw_backend;
 #define PBW_ANY_ORDER    1u                /* skip the canonical order of simplices: faster, still deterministic
                                               on one thread, but not the same arrays for all thread counts */
 #define PBW_NO_NEIGHBORS 2u                /* leave mesh.neighbors NULL */
+#define PBW_BACKEND_OR_CPU 4u              /* where options.backend cannot work, use the CPU */
 
 typedef struct pbw_options {               /* NULL or all zero = best defaults */
     int      threads;                      /* 0 = one per core, 1 = start none; at most 256 */
-    unsigned flags;                        /* PBW_ANY_ORDER | PBW_NO_NEIGHBORS */
+    unsigned flags;                        /* PBW_ANY_ORDER | PBW_NO_NEIGHBORS | PBW_BACKEND_OR_CPU */
     size_t   stride, weight_stride;        /* bytes from one point / weight to the next, 0 = packed */
     size_t   memory_limit;                 /* bytes held at once, 0 = no limit; over it: PBW_ERROR_MEMORY */
     /* The one allocator: ptr NULL allocates, new_size 0 frees, else resizes as realloc does (NULL = failed and
@@ -149,6 +150,8 @@ typedef struct pbw_options {               /* NULL or all zero = best defaults *
     int   (*progress)(void *user, pbw_stage stage, double done);
     void *resize_user, *run_user, *progress_user;
     const pbw_backend *backend;            /* NULL = this CPU */
+    char    *message;                      /* where a backend says in words what was missing; NULL = nowhere */
+    size_t   message_size;                 /* its bytes; the text is cut to fit and ends with a 0 */
 } pbw_options;
 
 typedef struct pbw_statistics {            /* of the build that filled a mesh */
@@ -157,6 +160,7 @@ typedef struct pbw_statistics {            /* of the build that filled a mesh */
     size_t walk_steps;                     /* simplices visited by point location */
     size_t conflict_tests, exact_tests;    /* sphere tests made; those that the filter left to exact stages */
     size_t created;                        /* simplices created, ghosts included */
+    int by_backend;                        /* 1: options.backend built this, 0: the CPU */
 } pbw_statistics;
 
 struct pbw_mesh {                          /* start from {0}; read, do not write; pbw_free when done */
@@ -187,6 +191,36 @@ PBWDEF pbw_status pbw_triangulatef(int dim, const float *points, const float *we
                                    const pbw_options *options, pbw_mesh *mesh);
 /* Frees what a mesh holds and zeroes it; fine on {0}, fine twice. */
 PBWDEF void pbw_free(pbw_mesh *mesh);
+
+/* A backend computes the same arrays elsewhere: pbw_cuda.cu has one for NVIDIA GPUs.  Where it fails, and that is no
+   matter of the input, the call ends with PBW_ERROR_BACKEND, or is left to the CPU under PBW_BACKEND_OR_CPU; an input
+   that the backend declines always is.  To write one: fill a pbw_backend; its triangulate gets a job, fills it and
+   returns PBW_OK, or a status and, by say, the reason. */
+typedef struct pbw_job pbw_job;
+struct pbw_job {
+    int dim, is_float, threads;            /* arguments checked; is_float: points and weights are floats */
+    unsigned flags;
+    size_t count, stride, weight_stride;   /* bytes; count is at least 1 */
+    const void *points, *weights;          /* weights NULL = Delaunay */
+    /* Copies points and weights into the mesh, packed and as doubles, -0.0 as 0.0: kept_points, kept_weights.  To be
+       called at most once, when it suits; if not, it is done in the end. */
+    pbw_status (*keep)(pbw_job *job);
+    /* Allocates simplices, neighbors (not with PBW_NO_NEIGHBORS), incident and canonical, once. */
+    pbw_status (*reserve)(pbw_job *job, size_t simplex_count);
+    int  (*report)(pbw_job *job, pbw_stage stage, double done);       /* progress; nonzero: return PBW_CANCELLED */
+    void (*say)(pbw_job *job, const char *text);                      /* into options.message */
+    const double *kept_points, *kept_weights;
+    pbw_index *simplices, *neighbors, *incident, *canonical;          /* to be filled as in pbw_mesh */
+    size_t duplicate_count, hidden_count;                             /* to be set */
+    int declined;                          /* set to 1 and return PBW_ERROR_BACKEND: this input is for the CPU */
+    void *context;                         /* private */
+};
+
+struct pbw_backend {
+    int version;                           /* PBW_VERSION of the header that it was compiled with */
+    pbw_status (*triangulate)(const pbw_backend *backend, pbw_job *job);
+    void *user;                            /* the backend's own */
+};
 
 typedef struct pbw_report {                /* what pbw_check found */
     int valid;                             /* 1: the mesh is the triangulation that pbw_triangulate promises */
@@ -222,6 +256,25 @@ PBWDEF int pbw_power3(const double a[3], const double b[3], const double c[3], c
 
 PBWDEF const char *pbw_status_string(pbw_status status);    /* never NULL, never freed */
 PBWDEF int pbw_version(void);              /* differs from PBW_VERSION if header and implementation do */
+
+/* In pbw_cuda.cu, for programs that link it. */
+extern const pbw_backend *pbw_cuda_backend(int device);     /* NULL for a number that no device can have */
+
+typedef struct pbw_cuda_mesh {             /* start from {0}; arrays on the device, as in pbw_mesh */
+    int dim;
+    size_t point_count, simplex_count, duplicate_count, hidden_count;
+    pbw_index *simplices, *neighbors, *incident, *canonical;
+    float milliseconds[8];                 /* on the device: order, boxes, near, far, count, simplices, neighbors, all */
+    size_t stars[3];                       /* that each rung was given */
+} pbw_cuda_mesh;
+
+/* Triangulates packed points on the current device (floats if is_float), in the order of stream (a cudaStream_t; NULL
+   is the default stream), and returns when the counts are known; the arrays are complete in the order of the stream.
+   PBW_ERROR_BACKEND if this input is for the CPU; a text goes to message if that is not NULL. */
+extern pbw_status pbw_cuda_triangulate(int dim, int is_float, const void *points, const void *weights, size_t count,
+                                       unsigned flags, void *stream, pbw_cuda_mesh *mesh, char *message,
+                                       size_t message_size);
+extern void pbw_cuda_free(pbw_cuda_mesh *mesh, void *stream);
 
 #ifdef __cplusplus
 }
@@ -277,15 +330,18 @@ extern int madvise(void *address, size_t length, int advice);    /* strict C mod
 #pragma fp_contract(off)
 #endif
 
+#ifndef PBW__DEVICE                                  /* pbw_cuda.cu compiles the predicates for the GPU too */
+#define PBW__DEVICE
+#endif
 #if defined(__GNUC__)
-#define PBW__INLINE static inline __attribute__((always_inline, unused))
+#define PBW__INLINE PBW__DEVICE static inline __attribute__((always_inline, unused))
 #define PBW__NOINLINE __attribute__((noinline))
 #define PBW__UNUSED __attribute__((unused))
 #define PBW__LIKELY(x) __builtin_expect(!!(x), 1)
 #define PBW__UNLIKELY(x) __builtin_expect(!!(x), 0)
 #define PBW__PREFETCH(address) __builtin_prefetch(address)
 #else
-#define PBW__INLINE static inline
+#define PBW__INLINE PBW__DEVICE static inline
 #define PBW__NOINLINE
 #define PBW__UNUSED
 #define PBW__LIKELY(x) (x)
@@ -803,13 +859,19 @@ typedef struct pbw__product {                        /* factor[0] * factor[1], t
     int negative;
 } pbw__product;
 
+PBW__INLINE uint64_t pbw__bits(double value)
+{
+    uint64_t bits;
+    memcpy(&bits, &value, sizeof bits);
+    return bits;
+}
+
 /* value = mantissa * 2^exponent; the exponent is returned, |mantissa| < 2^53. */
 PBW__INLINE int pbw__decode(double value, int64_t *mantissa)
 {
-    uint64_t bits;
+    uint64_t bits = pbw__bits(value);
     int64_t minus;
     int field;
-    memcpy(&bits, &value, sizeof bits);
     field = (int)(bits >> 52 & 2047);
     minus = -(int64_t)(bits >> 63);                  /* -1 or 0: no branch on a random sign */
     *mantissa = (int64_t)((bits & 0xfffffffffffff) | (uint64_t)(field != 0) << 52);
@@ -818,7 +880,7 @@ PBW__INLINE int pbw__decode(double value, int64_t *mantissa)
 }
 
 /* The number in length digits at digit: drops leading zeros, also those of a negative number (top -1). */
-static pbw__integer pbw__trimmed(pbw__digit *digit, int length)
+PBW__DEVICE static pbw__integer pbw__trimmed(pbw__digit *digit, int length)
 {
     pbw__integer result;
     while (length > 1 && digit[length - 1] == -1) {
@@ -834,7 +896,7 @@ static pbw__integer pbw__trimmed(pbw__digit *digit, int length)
 }
 
 /* a - b in units of 2^unit; the lowest bit of both is worth at least one unit. */
-static pbw__integer pbw__exact_difference(double a, double b, int unit, pbw__digit **pool)
+PBW__DEVICE static pbw__integer pbw__exact_difference(double a, double b, int unit, pbw__digit **pool)
 {
     pbw__digit *digit = *pool;
     pbw__integer result;
@@ -873,7 +935,7 @@ static pbw__integer pbw__exact_difference(double a, double b, int unit, pbw__dig
 }
 
 /* The sum of count products, column by column. */
-static pbw__integer pbw__exact_sum(const pbw__product *product, int count, pbw__digit **pool)
+PBW__DEVICE static pbw__integer pbw__exact_sum(const pbw__product *product, int count, pbw__digit **pool)
 {
     pbw__digit *digit = *pool;
     pbw__integer result;
@@ -902,19 +964,20 @@ static pbw__integer pbw__exact_sum(const pbw__product *product, int count, pbw__
     return result;
 }
 
-static int pbw__exact_sign(const pbw__integer *a)
+PBW__DEVICE static int pbw__exact_sign(const pbw__integer *a)
 {
     return a->length == 0 ? 0 : a->digit[a->length - 1] < 0 ? -1 : 1;
 }
 
 /* The sign of a predicate, see >>predicates: an orientation if count is dim, a power determinant if it is dim+1.
+   pool: room for PBW__POOL digits.
    Then orientation[i] is stored too: that of the simplex row[0..dim] with corner i replaced by the origin.
    Minors are built up by columns x, y, z, lift: minor[set] is the determinant of the rows row[i] - origin in the set
    and of as many first columns, expanded by its last column. */
-static PBW__NOINLINE int pbw__exact_determinant(int dim, int count, const double *const *row, const double *origin,
-                                                int *orientation)
+PBW__DEVICE static int pbw__exact_determinant_in(pbw__digit *pool, int dim, int count, const double *const *row,
+                                                 const double *origin, int *orientation)
 {
-    pbw__digit pool[PBW__POOL], *top = pool, one_digit = 1;
+    pbw__digit *top = pool, one_digit = 1;
     pbw__integer entry[4][4], minor[16], one;
     pbw__product term[4];
     int unit = 1024, sign = 0, missing = 0, i, j, k, set;
@@ -971,6 +1034,13 @@ static PBW__NOINLINE int pbw__exact_determinant(int dim, int count, const double
         }
     }
     return dim == 2 ? sign : -sign;                  /* of the set of all rows */
+}
+
+static PBW__NOINLINE int pbw__exact_determinant(int dim, int count, const double *const *row, const double *origin,
+                                                int *orientation)
+{
+    pbw__digit pool[PBW__POOL];
+    return pbw__exact_determinant_in(pool, dim, count, row, origin, orientation);
 }
 /* ------------------------------------------------------------------------------------------------------
    >>predicates   Signs: filter, integers, pairs of doubles, exact determinant; and the verdict on ties.
@@ -1122,9 +1192,7 @@ PBW__INLINE uint64_t pbw__shifted(int64_t mantissa, int shift, uint64_t *lost)
 /* The least e with |x| < 2^e; for a denormal -1022. */
 PBW__INLINE int pbw__exponent(double x)
 {
-    uint64_t bits;
-    memcpy(&bits, &x, sizeof bits);
-    return (int)(bits >> 52 & 2047) - 1022;
+    return (int)(pbw__bits(x) >> 52 & 2047) - 1022;
 }
 
 /* The rows in the unit of the grid, else in the finest unit in which they fit; 0 if some bit is finer still.
@@ -1179,7 +1247,7 @@ PBW__INLINE int pbw__read_rows(int dim, int count, const double *const *row, con
             rows->z[i] = 0;
         }
         rows->w[i] = 0;                              /* compared as bits: equal weights need no work, in any mode */
-        if (count > dim && memcmp(&row[i][dim], &origin[dim], sizeof(double)) != 0) {
+        if (count > dim && pbw__bits(row[i][dim]) != pbw__bits(origin[dim])) {
             pbw__wrapped value[2];
             for (k = 0; k < 2; k++) {
                 int shift = pbw__decode(k == 0 ? row[i][dim] : origin[dim], &mantissa) - 2 * unit;
@@ -1281,8 +1349,8 @@ PBW__INLINE int pbw__integers_of(int dim, int count, const double *const *row, c
     return dim == 2 ? pbw__carry(pbw__cross(&u, 0, 1), 0, det) : -pbw__minor(0, &u, 0, 1, 2, det);
 }
 
-static int pbw__integers(int dim, int count, const double *const *row, const double *origin, const pbw__grid *grid,
-                         int *orientation)
+PBW__DEVICE static int pbw__integers(int dim, int count, const double *const *row, const double *origin,
+                                     const pbw__grid *grid, int *orientation)
 {
     return dim == 2 ? pbw__integers_of(2, count, row, origin, grid, orientation)
                     : pbw__integers_of(3, count, row, origin, grid, orientation);
@@ -1315,7 +1383,8 @@ static int pbw__integers(int dim, int count, const double *const *row, const dou
    -ffp-contract=fast, which overrides all pragmas, nor gcc's vfmaddsub can touch it.  Other fusions only save a
    rounding, which the bounds allow. */
 #ifndef PBW__FMA
-#if defined(__GNUC__) && (defined(__FMA__) || defined(__ARM_FEATURE_FMA) || defined(__FP_FAST_FMA))
+#if defined(__GNUC__) && (defined(__FMA__) || defined(__ARM_FEATURE_FMA) || defined(__FP_FAST_FMA) \
+                          || defined(__CUDA_ARCH__))
 #define PBW__FMA 1
 #else
 #define PBW__FMA 0
@@ -1384,7 +1453,7 @@ PBW__INLINE pbw__pair pbw__pair_minor(pbw__pair (*u)[4], int i, int j, int k)
                          u[2][k], pbw__pair_cross(u, i, j));
 }
 
-static int pbw__pairs(int dim, int count, const double *const *row, const double *origin)
+PBW__DEVICE static int pbw__pairs(int dim, int count, const double *const *row, const double *origin)
 {
     pbw__pair u[3][4], lift[4], det;                 /* u[axis][row] */
     double low = 1e100, high = 0.0, size = PBW__EPSILON * PBW__EPSILON;
@@ -1437,19 +1506,16 @@ static PBW__NOINLINE int pbw__undecided(int dim, int count, const double *const 
     return sign == PBW__OPEN ? pbw__exact_determinant(dim, count, row, origin, orientation) : sign;
 }
 
-/* The perturbed verdict on a positive simplex and a point at a place of its own: 1 for conflict.
+/* The verdict on a tie, a power determinant of 0.
    Lifts are raised by infinitesimals, that of the lexicographically largest point dominating (Devillers and Teillaud
    2011).  In sum_i lift_i * orientation_i corner i's own lift has the coefficient orientation_i, and p's own has
-   -sum_i orientation_i, minus the orientation of the simplex: negative.  So where the true sum is 0, the largest
-   point that has a coefficient decides by its sign, and if that is p the answer is no.  There always is one, p at the
-   latest; it is unique, since the places differ; and weights change lifts only, so they add no other case. */
-static PBW__NOINLINE int pbw__conflict(int dim, const double *const *row, const double *p, const pbw__grid *grid)
+   -sum_i orientation_i, minus the orientation of the simplex: negative.  So the largest point that has a coefficient
+   decides by its sign, and if that is p the answer is no.  There always is one, p at the latest; it is unique, since
+   the places differ; and weights change lifts only, so they add no other case. */
+PBW__DEVICE static int pbw__tie(int dim, const double *const *row, const double *p, const int *orientation)
 {
-    int orientation[4], i, k, verdict = 0, sign = pbw__undecided(dim, dim + 1, row, p, grid, orientation);
     const double *largest = p;
-    if (sign != 0) {
-        return sign > 0;
-    }
+    int i, k, verdict = 0;
     for (i = 0; i <= dim; i++) {
         if (orientation[i] != 0) {
             for (k = 0; k < dim - 1 && row[i][k] == largest[k]; k++) {
@@ -1461,6 +1527,13 @@ static PBW__NOINLINE int pbw__conflict(int dim, const double *const *row, const 
         }
     }
     return verdict;
+}
+
+/* The perturbed verdict on a positive simplex and a point at a place of its own: 1 for conflict. */
+static PBW__NOINLINE int pbw__conflict(int dim, const double *const *row, const double *p, const pbw__grid *grid)
+{
+    int orientation[4], sign = pbw__undecided(dim, dim + 1, row, p, grid, orientation);
+    return sign != 0 ? sign > 0 : pbw__tie(dim, row, p, orientation);
 }
 
 static int pbw__orient2(const double *a, const double *b, const double *c, const pbw__grid *grid)
@@ -5562,6 +5635,125 @@ static pbw_status pbw__run(pbw__context *context, const pbw__input *input, unsig
     return status;
 }
 
+/* ---- backends: what a job's functions work on */
+typedef struct pbw__dispatch {
+    pbw__context *context;
+    const pbw__input *input;
+    const pbw_options *options;
+    pbw__owned *owned;
+    pbw_mesh *mesh;
+} pbw__dispatch;
+
+static pbw_status pbw__job_keep(pbw_job *job)
+{
+    pbw__dispatch *dispatch = (pbw__dispatch *)job->context;
+    pbw_status status = pbw__keep_points(dispatch->context, dispatch->input, dispatch->owned, dispatch->mesh);
+    job->kept_points = dispatch->mesh->points;
+    job->kept_weights = dispatch->mesh->weights;
+    return status;
+}
+
+static pbw_status pbw__job_reserve(pbw_job *job, size_t simplex_count)
+{
+    pbw__dispatch *dispatch = (pbw__dispatch *)job->context;
+    pbw__memory *memory = &dispatch->context->memory;
+    pbw__owned *owned = dispatch->owned;
+    pbw_mesh *mesh = dispatch->mesh;
+    size_t corners = (size_t)job->dim + 1, none = (job->flags & PBW_NO_NEIGHBORS) != 0;
+    if (simplex_count >= PBW_NONE) {
+        return PBW_ERROR_TOO_LARGE;
+    }
+    mesh->simplex_count = simplex_count;
+    owned->simplices = simplex_count * corners;
+    owned->neighbors = none ? 0 : owned->simplices;
+    owned->incident = owned->canonical = job->count;
+    mesh->simplices = job->simplices = (pbw_index *)pbw__allocate(memory, owned->simplices, sizeof(pbw_index));
+    if (!none) {
+        mesh->neighbors = job->neighbors = (pbw_index *)pbw__allocate(memory, owned->neighbors, sizeof(pbw_index));
+    }
+    mesh->incident = job->incident = (pbw_index *)pbw__allocate(memory, owned->incident, sizeof(pbw_index));
+    mesh->canonical = job->canonical = (pbw_index *)pbw__allocate(memory, owned->canonical, sizeof(pbw_index));
+    return job->simplices != NULL && (none || job->neighbors != NULL) && job->incident != NULL
+        && job->canonical != NULL ? PBW_OK : PBW_ERROR_MEMORY;
+}
+
+static int pbw__job_report(pbw_job *job, pbw_stage stage, double done)
+{
+    pbw__context *context = ((pbw__dispatch *)job->context)->context;
+    return (stage != context->stage && pbw__enter_stage(context, stage)) || pbw__report(context, done);
+}
+
+static void pbw__job_say(pbw_job *job, const char *text)
+{
+    const pbw_options *options = ((pbw__dispatch *)job->context)->options;
+    size_t length = strlen(text);
+    if (options->message != NULL && options->message_size > 0) {
+        length = length < options->message_size ? length : options->message_size - 1;
+        memcpy(options->message, text, length);
+        options->message[length] = '\0';
+    }
+}
+
+/* Sets *declined if the input is for the CPU. */
+static pbw_status pbw__run_backend(pbw__context *context, const pbw__input *input, const pbw_options *options,
+                                   pbw_mesh *mesh, int *declined)
+{
+    pbw__owned *owned = (pbw__owned *)pbw__allocate(&context->memory, 1, sizeof(pbw__owned));
+    pbw__dispatch dispatch;
+    pbw_job job;
+    double start = pbw__seconds();
+    pbw_status status;
+    if (owned == NULL) {
+        return PBW_ERROR_MEMORY;
+    }
+    memset(owned, 0, sizeof(*owned));
+    mesh->memory = owned;
+    mesh->dim = input->dim;
+    mesh->point_count = input->count;
+    dispatch.context = context;
+    dispatch.input = input;
+    dispatch.options = options;
+    dispatch.owned = owned;
+    dispatch.mesh = mesh;
+    memset(&job, 0, sizeof(job));
+    job.dim = input->dim;
+    job.is_float = input->is_float;
+    job.threads = options->threads;
+    job.flags = options->flags;
+    job.count = input->count;
+    job.stride = input->stride;
+    job.weight_stride = input->weight_stride;
+    job.points = input->points;
+    job.weights = input->weights;
+    job.keep = pbw__job_keep;
+    job.reserve = pbw__job_reserve;
+    job.report = pbw__job_report;
+    job.say = pbw__job_say;
+    job.context = &dispatch;
+    if (options->backend->version != PBW_VERSION || options->backend->triangulate == NULL) {
+        pbw__job_say(&job, "the backend was compiled with another version of pbw.h");
+        status = PBW_ERROR_BACKEND;
+    } else {
+        status = pbw__enter_stage(context, PBW_STAGE_ORDER) ? PBW_CANCELLED
+               : options->backend->triangulate(options->backend, &job);
+    }
+    if (status == PBW_OK && job.kept_points == NULL) {
+        status = pbw__job_keep(&job);
+    }
+    if (status == PBW_OK && (pbw__report(context, 1.0) || pbw__job_report(&job, PBW_STAGE_OUTPUT, 1.0))) {
+        status = PBW_CANCELLED;
+    }
+    pbw__team_stop(context);
+    *declined = job.declined;
+    mesh->duplicate_count = job.duplicate_count;
+    mesh->hidden_count = job.hidden_count;
+    mesh->statistics.by_backend = 1;
+    mesh->statistics.build_seconds = pbw__seconds() - start;
+    mesh->statistics.peak_bytes = context->memory.peak;
+    owned->memory = context->memory;
+    return status;
+}
+
 static pbw_status pbw__triangulate(int dim, int is_float, const void *points, const void *weights, size_t count,
                                    const pbw_options *options, pbw_mesh *mesh)
 {
@@ -5571,6 +5763,7 @@ static pbw_status pbw__triangulate(int dim, int is_float, const void *points, co
     pbw__input input;
     pbw__fp fp;
     pbw_status status;
+    int on_cpu, declined = 0;
 
     if (mesh == NULL) {
         return PBW_ERROR_ARGUMENT;
@@ -5579,13 +5772,10 @@ static pbw_status pbw__triangulate(int dim, int is_float, const void *points, co
     memset(&defaults, 0, sizeof(defaults));
     options = options != NULL ? options : &defaults;
     if ((dim != 2 && dim != 3) || (points == NULL && count != 0) || options->threads < 0 || options->threads > 256
-        || (options->flags & ~(PBW_ANY_ORDER | PBW_NO_NEIGHBORS)) != 0
+        || (options->flags & ~(PBW_ANY_ORDER | PBW_NO_NEIGHBORS | PBW_BACKEND_OR_CPU)) != 0
         || (options->stride != 0 && options->stride < (size_t)dim * size)
         || (options->weight_stride != 0 && options->weight_stride < size)) {
         return PBW_ERROR_ARGUMENT;
-    }
-    if (options->backend != NULL) {
-        return PBW_ERROR_BACKEND;                    /* this version knows of none */
     }
     input.dim = dim;
     input.is_float = is_float;
@@ -5598,9 +5788,22 @@ static pbw_status pbw__triangulate(int dim, int is_float, const void *points, co
         || count > (size_t)-1 / 256) {
         return PBW_ERROR_TOO_LARGE;
     }
-    pbw__context_start(&context, options, count);
     fp = pbw__fp_enter();
-    status = pbw__fp_is_exact() ? pbw__run(&context, &input, options->flags, mesh) : PBW_ERROR_FP_MODE;
+    status = pbw__fp_is_exact() ? PBW_ERROR_BACKEND : PBW_ERROR_FP_MODE;
+    for (on_cpu = options->backend == NULL || count == 0; status == PBW_ERROR_BACKEND; on_cpu = 1) {
+        pbw__context_start(&context, options, count);
+        if (on_cpu) {
+            status = pbw__run(&context, &input, options->flags, mesh);
+        } else {
+            status = pbw__run_backend(&context, &input, options, mesh, &declined);
+            if (status == PBW_ERROR_BACKEND && !declined && (options->flags & PBW_BACKEND_OR_CPU) == 0) {
+                break;
+            }
+            if (status == PBW_ERROR_BACKEND) {
+                pbw_free(mesh);
+            }
+        }
+    }
     pbw__fp_leave(fp);
     if (status != PBW_OK && status != PBW_DEGENERATE) {
         pbw_free(mesh);

@@ -1,0 +1,2740 @@
+/* pbw_cuda.cu - the triangulation of pbw.h on an NVIDIA GPU - MIT-0
+
+   Build:  nvcc -O3 -c pbw_cuda.cu        (compute capability 7.0 or later; CUDA 11.7 or later)
+   Use:    options.backend = pbw_cuda_backend(0);   or   pbw_cuda_triangulate for points on the device.
+
+   The result equals that of the CPU byte for byte, because it is a function of the points alone (see CONVENTIONS in
+   pbw.h) and every sign that it depends on is exact.
+
+   CERTIFIED LOCAL STARS.  The star of a vertex v is built by inserting points near v into a triangulation of which
+   only the simplices around v are kept: those in conflict with the new point are replaced by the fan from the point
+   to their border, as in Bowyer-Watson.  When no other point of the input is in conflict with any simplex of the
+   star, each of them belongs to the one perturbed triangulation, and together they surround v: the star is certified,
+   it is the star of v in the result.  So stars are independent of each other, and need not be repaired or agreed on.
+   The result is read off: each simplex is written by its lowest vertex, neighbours are found through the star of the
+   lowest vertex of the facet between them.
+
+     first rung    8 lanes a star; candidates from a list of groups of points near v; certified if the spheres of the
+                   star lie within the box that the list covers.  About 97 of 100 stars of uniform points.
+     second rung   a warp a star; candidates from a search of the box tree, pruned by the spheres, which certifies by
+                   its end.  Hull stars, sparse places, larger stars.
+     third rung    the same with room for 1000 vertices and with the last exact stage of pbw.h.  A handful.
+     the CPU       takes the whole input if a star does not fit any rung, if the work would be quadratic (points on a
+                   sphere: each of its spheres touches all points), or if the points are few.
+
+   CONTENTS
+     >>device    types, tiles of lanes, what a call holds
+     >>curve     points in the order of the Hilbert curve, duplicates set aside
+     >>tree      groups of 8 points, boxes of 32 boxes
+     >>sphere    the float form of a conflict test and its bound; the exact test
+     >>star      one star: insertion, storing
+     >>near      the first rung
+     >>far       the second and third rung
+     >>cells     simplices, neighbours, incident simplices
+     >>run       the stages in order
+     >>entry     the backend, and the entry for points on the device
+*/
+#include <cuda_runtime.h>
+
+#define PBW_STATIC
+#define PBW_NO_SIMD
+#define PBW_IMPLEMENTATION
+#define PBW__DEVICE __host__ __device__
+#include "pbw.h"
+
+#include <cub/device/device_radix_sort.cuh>
+#include <cub/device/device_scan.cuh>
+#include <stdarg.h>
+#include <stdio.h>
+#include <chrono>
+#include <thread>
+
+#ifndef PBW_CUDA_FEW
+#define PBW_CUDA_FEW 1024                            /* fewer points are quicker on the CPU */
+#endif
+
+namespace {
+
+/* ------------------------------------------------------------------------------------------------------
+   >>device       Types, tiles of lanes.
+   A tile is 8 or 32 neighbouring lanes of a warp that work on one star.  The tiles of a warp run in lockstep: every
+   collective is on the full warp, tiles with nothing to do pass through it.  (Sub-warp masks are legal, but tiles
+   then drift apart, and the instruction cache thrashes.)
+   ------------------------------------------------------------------------------------------------------ */
+const unsigned all_lanes = 0xffffffffu;
+const uint32_t none = 0xffffffffu;                   /* no point; as a vertex of a star: the vertex at infinity */
+const uint32_t hidden = 0xfffffffeu;                 /* as the place of a star: the vertex has none */
+
+struct alignas(32) record {                          /* as pbw.h keeps them: {x, y, w, 0} or {x, y, z, w} */
+    double c[4];
+};
+
+/* Of 8 points or 32 boxes, in units of the space, rounded outward; weight: the largest, relative to the heaviest. */
+struct alignas(16) box {
+    float low[3], high[3], weight, unused;
+};
+
+const int tree_levels = 7;                           /* 8 * 32^6 points are more than an index can number */
+struct tree {
+    const box *level[tree_levels];                   /* level[0]: groups of 8 points */
+    uint32_t size[tree_levels];
+    int levels;                                      /* level[levels-1] has at most 32 boxes */
+};
+
+/* The points in the order of the curve.  A coordinate in units of the space is (x - low) * unit, from 0 to 2; the unit
+   is a power of two, so that scaling rounds nothing. */
+struct space {
+    const record *point;
+    uint32_t count;
+    double low[3], unit, heaviest;
+    float high[3];                                   /* the end of the box of all points, in units */
+    pbw__grid grid;
+};
+
+struct queue {                                       /* vertices for the next rung, in no order */
+    uint32_t *vertex, *count;
+};
+
+/* The finished stars: a star is a head (triangles << 16 | vertices), its vertices, and its triangles as 3 numbers of
+   vertices in 10 bits each (2D: edges, 2 numbers), padded to 16 bytes. */
+struct store {
+    uint32_t *word;
+    unsigned long long *used;                        /* units of 16 bytes asked for: more than capacity if too small */
+    unsigned long long capacity;
+    uint32_t *place;                                 /* of each vertex: the unit where its star begins */
+    uint32_t *owned;                                 /* of each vertex: simplices of which it is the lowest vertex */
+};
+
+template <int T> __device__ inline unsigned tile_ballot(bool value)
+{
+    unsigned vote = __ballot_sync(all_lanes, value);
+    return T == 32 ? vote : vote >> (threadIdx.x & 31 & ~(T - 1)) & ((1u << (T & 31)) - 1);
+}
+
+template <int T> __device__ inline unsigned lanes_below()
+{
+    return (1u << (threadIdx.x & (T - 1))) - 1;
+}
+
+template <int T, typename V> __device__ inline V tile_read(V value, int lane)
+{
+    return __shfl_sync(all_lanes, value, lane, T);
+}
+
+template <int T> __device__ inline float tile_min(float value)
+{
+    for (int step = T / 2; step > 0; step /= 2) {
+        value = fminf(value, __shfl_xor_sync(all_lanes, value, step));
+    }
+    return value;
+}
+
+template <int T> __device__ inline uint32_t tile_min(uint32_t value)
+{
+    for (int step = T / 2; step > 0; step /= 2) {
+        uint32_t other = __shfl_xor_sync(all_lanes, value, step);
+        value = other < value ? other : value;
+    }
+    return value;
+}
+
+/* The largest value of any tile: the common end of a loop. */
+template <int T> __device__ inline int warp_max(int value)
+{
+    for (int step = T; step < 32; step *= 2) {
+        int other = __shfl_xor_sync(all_lanes, value, step);
+        value = other > value ? other : value;
+    }
+    return value;
+}
+
+__device__ inline bool any(bool value)
+{
+    return __any_sync(all_lanes, value) != 0;
+}
+
+__device__ inline size_t thread_number()
+{
+    return (size_t)blockIdx.x * blockDim.x + threadIdx.x;
+}
+
+/* Doubles as integers of the same order, for atomic minima and maxima. */
+__device__ inline unsigned long long ordered(double value)
+{
+    unsigned long long bits = (unsigned long long)__double_as_longlong(value);
+    return bits >> 63 != 0 ? ~bits : bits | 1ull << 63;
+}
+
+double unordered(unsigned long long bits)
+{
+    double value;
+    bits = bits >> 63 != 0 ? bits & ~(1ull << 63) : ~bits;
+    memcpy(&value, &bits, sizeof value);
+    return value;
+}
+
+/* ------------------------------------------------------------------------------------------------------
+   >>curve        Points in the order of the Hilbert curve, duplicates set aside.
+   In: packed points and weights.  Out: records by rank, the caller's id of each rank, and for each point the one that
+   it duplicates, all as >>order of pbw.h has them: the same keys, and short runs of equal keys put into lexicographic
+   order.  Long runs, which get keys of their own there, are left to the CPU.
+   ------------------------------------------------------------------------------------------------------ */
+const int short_run = 12;
+
+struct input {
+    const void *points, *weights;
+    size_t count;
+    int dim, is_float;
+};
+
+struct survey {                                      /* what one pass over the points finds */
+    unsigned long long low[4], high[4];              /* of x, y, z and the weight, ordered */
+    int unit;                                        /* exponent of the common grid, see pbw__grid */
+    uint32_t bad, long_runs, duplicates;
+};
+
+struct curve {                                       /* the automaton of pbw.h, where kernels can read it */
+    unsigned char plane[4][4], space[12][8];
+};
+
+__device__ inline void fetch(const input &in, size_t i, double *c)
+{
+    c[in.dim] = 0.0;
+    for (int k = 0; k < in.dim; k++) {
+        size_t at = i * (size_t)in.dim + (size_t)k;
+        c[k] = (in.is_float ? (double)((const float *)in.points)[at] : ((const double *)in.points)[at]) + 0.0;
+    }
+    if (in.weights != NULL) {
+        c[in.dim] = (in.is_float ? (double)((const float *)in.weights)[i] : ((const double *)in.weights)[i]) + 0.0;
+    }
+}
+
+__device__ inline int lowest_bit(double value)       /* its exponent; 1024 of zero */
+{
+    int64_t mantissa;
+    int exponent = pbw__decode(value, &mantissa);
+    return mantissa == 0 ? 1024 : exponent + __ffsll((long long)mantissa) - 1;
+}
+
+__global__ void survey_kernel(input in, survey *out)
+{
+    unsigned long long low[4], high[4];
+    int unit = 1024, dim = in.dim;
+    bool bad = false;
+    for (int k = 0; k < 4; k++) {
+        low[k] = ~0ull;
+        high[k] = 0;
+    }
+    for (size_t i = thread_number(); i < in.count; i += (size_t)gridDim.x * blockDim.x) {
+        double c[4];
+        fetch(in, i, c);
+        for (int k = 0; k <= dim; k++) {
+            unsigned long long value = ordered(c[k]);
+            int exponent = lowest_bit(c[k]);
+            bad = bad || !(c[k] - c[k] == 0.0);
+            low[k] = value < low[k] ? value : low[k];
+            high[k] = value > high[k] ? value : high[k];
+            exponent = k == dim && exponent != 1024 ? (exponent - (exponent & 1)) / 2 : exponent;
+            unit = exponent < unit ? exponent : unit;
+        }
+    }
+    for (int step = 16; step > 0; step /= 2) {
+        for (int k = 0; k <= dim; k++) {
+            unsigned long long l = __shfl_xor_sync(all_lanes, low[k], step), h = __shfl_xor_sync(all_lanes, high[k], step);
+            low[k] = l < low[k] ? l : low[k];
+            high[k] = h > high[k] ? h : high[k];
+        }
+        int u = __shfl_xor_sync(all_lanes, unit, step);
+        unit = u < unit ? u : unit;
+    }
+    bad = any(bad);
+    if ((threadIdx.x & 31) == 0) {
+        for (int k = 0; k <= dim; k++) {
+            atomicMin(&out->low[k], low[k]);
+            atomicMax(&out->high[k], high[k]);
+        }
+        atomicMin(&out->unit, unit);
+        if (bad) {
+            atomicOr(&out->bad, 1u);
+        }
+    }
+}
+
+/* As pbw__hilbert_key, with the index below it. */
+__global__ void key_kernel(input in, pbw__box domain, const __grid_constant__ curve automaton, int index_bits,
+                           uint64_t *key)
+{
+    size_t i = thread_number();
+    if (i < in.count) {
+        double c[4];
+        uint32_t cell[3] = { 0, 0, 0 }, last = (1u << domain.bits) - 1;
+        uint64_t digits = 0;
+        unsigned state = 0;
+        fetch(in, i, c);
+        for (int k = 0; k < in.dim; k++) {
+            double t = __dmul_rn(__dsub_rn(__dmul_rn(domain.scale, c[k]), __dmul_rn(domain.scale, domain.low[k]))
+                                 / domain.extent, (double)(last + 1));
+            cell[k] = t < (double)last ? (uint32_t)t : last;
+        }
+        for (int bit = domain.bits - 1; bit >= 0; bit--) {
+            unsigned octant = (cell[0] >> bit & 1) | (cell[1] >> bit & 1) << 1;
+            if (in.dim == 3) {
+                unsigned step = automaton.space[state][octant | (cell[2] >> bit & 1) << 2];
+                digits = digits << 3 | (step & 7);
+                state = step >> 3;
+            } else {
+                unsigned step = automaton.plane[state][octant];
+                digits = digits << 2 | (step & 3);
+                state = step >> 2;
+            }
+        }
+        key[i] = digits << index_bits | i;
+    }
+}
+
+__device__ bool comes_before(const double *x, uint64_t i, const double *y, uint64_t j, int dim)
+{
+    for (int k = 0; k < dim; k++) {
+        if (x[k] != y[k]) {
+            return x[k] < y[k];
+        }
+    }
+    return x[dim] != y[dim] ? x[dim] > y[dim] : i < j;
+}
+
+/* The first of each short run puts it into order: lexicographic, then the larger weight, then the lower index. */
+__global__ void run_kernel(input in, int index_bits, uint64_t *key, survey *out)
+{
+    size_t i = thread_number(), end = i + 1;
+    const uint64_t mask = ((uint64_t)1 << index_bits) - 1;
+    if (i >= in.count || (i > 0 && key[i - 1] >> index_bits == key[i] >> index_bits)) {
+        return;
+    }
+    while (end < in.count && end - i <= short_run && key[end] >> index_bits == key[i] >> index_bits) {
+        end++;
+    }
+    if (end - i > short_run) {
+        atomicAdd(&out->long_runs, 1u);
+        return;
+    }
+    for (size_t j = i + 1; j < end; j++) {
+        uint64_t moving = key[j];
+        double x[4], y[4];
+        size_t hole = j;
+        fetch(in, (size_t)(moving & mask), x);
+        for (; hole > i; hole--) {
+            fetch(in, (size_t)(key[hole - 1] & mask), y);
+            if (!comes_before(x, moving & mask, y, key[hole - 1] & mask, in.dim)) {
+                break;
+            }
+            key[hole] = key[hole - 1];
+        }
+        key[hole] = moving;
+    }
+}
+
+__device__ bool same_place(const double *x, const double *y, int dim)
+{
+    return x[0] == y[0] && x[1] == y[1] && (dim == 2 || x[2] == y[2]);
+}
+
+/* first[i] = 1 if the i-th point on the curve lies at a place of its own; the best of a place comes first. */
+__global__ void place_kernel(input in, int index_bits, const uint64_t *key, uint32_t *first, uint32_t *canonical,
+                             survey *out)
+{
+    size_t i = thread_number();
+    const uint64_t mask = ((uint64_t)1 << index_bits) - 1;
+    bool repeats = false;
+    if (i < in.count) {
+        double x[4], y[4];
+        size_t root = i;
+        fetch(in, (size_t)(key[i] & mask), x);
+        while (root > 0 && key[root - 1] >> index_bits == key[i] >> index_bits) {
+            fetch(in, (size_t)(key[root - 1] & mask), y);
+            if (!same_place(x, y, in.dim)) {
+                break;
+            }
+            root--;
+        }
+        repeats = root != i;
+        first[i] = !repeats;
+        canonical[key[i] & mask] = (uint32_t)(key[root] & mask);
+    }
+    unsigned vote = __ballot_sync(all_lanes, repeats);
+    if ((threadIdx.x & 31) == 0 && vote != 0) {
+        atomicAdd(&out->duplicates, (uint32_t)__popc(vote));
+    }
+}
+
+/* rank: of each point on the curve the number of firsts before it, or NULL if there are no duplicates. */
+__global__ void gather_kernel(input in, int index_bits, const uint64_t *key, const uint32_t *first, const uint32_t *rank,
+                              record *point, uint32_t *id)
+{
+    size_t i = thread_number();
+    if (i < in.count && (rank == NULL || first[i] != 0)) {
+        size_t index = (size_t)(key[i] & (((uint64_t)1 << index_bits) - 1)), at = rank == NULL ? i : rank[i];
+        record r;
+        r.c[3] = 0.0;
+        fetch(in, index, r.c);
+        point[at] = r;
+        id[at] = (uint32_t)index;
+    }
+}
+
+/* ------------------------------------------------------------------------------------------------------
+   >>tree         Groups of 8 points, boxes of 32 boxes; for each group the list of groups near it.
+   In: a space.  Out: a tree, of which a node's children are neighbours in memory, so that a warp looks at all of them
+   at once; and lists.
+   ------------------------------------------------------------------------------------------------------ */
+const int group_size = 8, list_size = 192;
+
+struct near_list {
+    uint32_t length;                                 /* 0: none, the stars of the group go to the second rung */
+    float reach, start;                              /* the list covers the group's box grown by reach; start: a radius
+                                                        of about 33 points */
+};
+
+__device__ inline double in_units(const space &s, const record &r, int k)
+{
+    return (r.c[k] - s.low[k]) * s.unit;
+}
+
+__global__ void group_kernel(const __grid_constant__ space s, int dim, box *out, uint32_t size)
+{
+    size_t g = thread_number();
+    if (g < size) {
+        box b = { { 4.0f, 4.0f, 4.0f }, { -4.0f, -4.0f, -4.0f }, -HUGE_VALF, 0.0f };
+        uint32_t first = (uint32_t)g * group_size, end = first + group_size < s.count ? first + group_size : s.count;
+        for (uint32_t i = first; i < end; i++) {
+            record r = s.point[i];
+            for (int k = 0; k < dim; k++) {
+                double t = in_units(s, r, k);
+                b.low[k] = fminf(b.low[k], __double2float_rd(t));
+                b.high[k] = fmaxf(b.high[k], __double2float_ru(t));
+            }
+            b.weight = fmaxf(b.weight, __double2float_ru((r.c[dim] - s.heaviest) * (s.unit * s.unit)));
+        }
+        if (dim == 2) {
+            b.low[2] = b.high[2] = 0.0f;
+        }
+        out[g] = b;
+    }
+}
+
+__global__ void box_kernel(const box *child, uint32_t children, box *out, uint32_t size)
+{
+    size_t g = thread_number();
+    if (g < size) {
+        box b = child[g * 32];
+        uint32_t end = (uint32_t)g * 32 + 32 < children ? (uint32_t)g * 32 + 32 : children;
+        for (uint32_t i = (uint32_t)g * 32 + 1; i < end; i++) {
+            box c = child[i];
+            for (int k = 0; k < 3; k++) {
+                b.low[k] = fminf(b.low[k], c.low[k]);
+                b.high[k] = fmaxf(b.high[k], c.high[k]);
+            }
+            b.weight = fmaxf(b.weight, c.weight);
+        }
+        out[g] = b;
+    }
+}
+
+const int stack_size = 32 * tree_levels;             /* each level leaves at most 31 siblings of the node in hand */
+
+/* A warp a group.  s: the side of a cube (square) that holds 64 points here, by the box of 8 groups; the reach starts
+   as a part of it and shrinks until the list fits. */
+__global__ void list_kernel(const __grid_constant__ tree t, int dim, uint32_t *list, near_list *info)
+{
+    __shared__ uint32_t shared[4][list_size + stack_size];
+    int lane = (int)threadIdx.x & 31;
+    uint32_t g = blockIdx.x * (blockDim.x / 32) + threadIdx.x / 32, *found = shared[threadIdx.x / 32];
+    uint32_t *stack = found + list_size;
+    if (g >= t.size[0]) {
+        return;
+    }
+    box own = t.level[0][g], around = own;
+    uint32_t first = g & ~7u;
+    int length = 0;
+    for (uint32_t i = first; i < first + 8 && i < t.size[0]; i++) {
+        box b = t.level[0][i];
+        for (int k = 0; k < 3; k++) {
+            around.low[k] = fminf(around.low[k], b.low[k]);
+            around.high[k] = fmaxf(around.high[k], b.high[k]);
+        }
+    }
+    float x = around.high[0] - around.low[0], y = around.high[1] - around.low[1], z = around.high[2] - around.low[2];
+    float longest = fmaxf(x, fmaxf(y, z));
+    float side = fmaxf(dim == 3 ? cbrtf(x * y * z) : sqrtf(x * y), 0.08f * longest);
+    float reach = (dim == 3 ? 0.65f : 0.40f) * side, lo[3], hi[3];
+    for (int round = 0; round < 12; round++) {
+        int depth = 0;
+        length = 0;
+        for (int k = 0; k < 3; k++) {
+            lo[k] = own.low[k] - reach;
+            hi[k] = own.high[k] + reach;
+        }
+        int level = t.levels - 1;
+        uint32_t from = 0;
+        for (;;) {
+            uint32_t node = from + (uint32_t)lane;
+            bool touches = false;
+            if (node < t.size[level]) {
+                box b = t.level[level][node];
+                touches = b.low[0] <= hi[0] && b.high[0] >= lo[0] && b.low[1] <= hi[1] && b.high[1] >= lo[1]
+                       && b.low[2] <= hi[2] && b.high[2] >= lo[2];
+            }
+            unsigned vote = __ballot_sync(all_lanes, touches);
+            int at = __popc(vote & lanes_below<32>());
+            if (level == 0) {
+                if (touches && length + at < list_size) {
+                    found[length + at] = node;
+                }
+                length += __popc(vote);
+            } else {
+                if (touches) {
+                    stack[depth + at] = (uint32_t)level << 29 | node;
+                }
+                depth += __popc(vote);
+            }
+            __syncwarp();
+            if (depth == 0 || length > list_size) {
+                break;
+            }
+            uint32_t top = stack[--depth];
+            __syncwarp();
+            level = (int)(top >> 29) - 1;
+            from = (top & 0x1fffffffu) * 32;
+        }
+        if (length > list_size) {
+            reach *= 0.75f;
+        } else if (length < 24 && round < 3 && (uint32_t)length < t.size[0]) {
+            reach *= 1.4f;
+        } else {
+            break;
+        }
+    }
+    length = length > list_size ? 0 : length;
+    uint32_t key[list_size / 32], value[list_size / 32];    /* nearest centre first, by counting */
+    for (int i = 0; i < list_size / 32; i++) {
+        key[i] = none;
+        if (i * 32 + lane < length) {
+            box b = t.level[0][value[i] = found[i * 32 + lane]];
+            float d = 0.0f;
+            for (int k = 0; k < 3; k++) {
+                float c = b.low[k] + b.high[k] - (own.low[k] + own.high[k]);
+                d = fmaf(c, c, d);
+            }
+            key[i] = value[i] == g ? 0 : (__float_as_uint(d) & ~255u) + (uint32_t)(i * 32 + lane);
+        }
+    }
+    __syncwarp();
+    for (int i = 0; i < list_size / 32; i++) {
+        if (i * 32 + lane < length) {
+            found[i * 32 + lane] = key[i];
+        }
+    }
+    __syncwarp();
+    uint32_t before[list_size / 32] = { 0 };
+    for (int j = 0; j < length; j++) {
+        uint32_t other = found[j];
+        for (int i = 0; i < list_size / 32; i++) {
+            before[i] += other < key[i];
+        }
+    }
+    for (int i = 0; i < list_size / 32; i++) {
+        if (i * 32 + lane < length) {
+            list[(size_t)g * list_size + before[i]] = value[i];
+        }
+    }
+    if (lane == 0) {
+        near_list n = { (uint32_t)length, reach, (dim == 3 ? 0.5f : 0.32f) * side };
+        info[g] = n;
+    }
+}
+
+/* ------------------------------------------------------------------------------------------------------
+   >>sphere       The float form of a conflict test and its bound; the exact test.
+   Everything is relative to the star's vertex v and in units of the space: a = (a' - v') unit.  For a simplex
+   (v, a, b, c) with D = a . (b x c) > 0 and lifts l = |a|^2 - (w_a - w_v) the point p is in conflict if and only if
+
+       l_p - q . p < 0,     q = N / D,     N = l_a (b x c) + l_b (c x a) + l_c (a x b):
+
+   q is twice the centre of the (ortho)sphere.  For an infinite simplex on the facet (v, a, b) it is -q . p < 0 with
+   q = (a x b) / |a x b|.  In the plane D = a x b, N = l_a b' - l_b a' with a' = a turned by a right angle.
+   A sphere is four floats: q, and Q, a size that carries the error of q; Q < 0 marks an infinite simplex.  Let
+   u = 2^-53, f = 2^-24, A = |a|, L_a = |a|^2 + |w_a - w_v| and so on.
+
+     D    3 factors for differences, 5 for products and sums, terms at most 1.16 ABC (the permanent of a matrix with rows
+          of norm 1 is at most 6/3^1.5):                                     error at most  10 u ABC
+     N    lifts 6 factors, crosses 4, product and sums 3, terms at most sqrt 2 E,
+          E = L_a BC + L_b AC + L_c AB:                                      error at most  19 u E
+     q    if D > 2^-48 ABC > 20 u ABC the true D is at least half of it:     error at most  40 u (E + |q| ABC) / D
+          rounded to float: f |q| more.
+     test lift, p, q rounded to floats; 4 sums:                              error at most  8 f (L_p + |q| P) more
+          (a float p is off by f P, that is f |q| P in q . p; a lift by f L_p; each fused step rounds a partial sum of at
+          most L_p + |q| P).
+
+   With Q = |q| + 2^-27 (E + |q| ABC) / D the bound 2^-20 (L_p + Q P) = 16 f (L_p + |q| P) + 2^-47 P (...) holds all
+   that.  Q is infinite if nothing is known; then, and for P below 2^-50, where squares might underflow, the test says
+   open.  In the plane and for infinite simplices there are fewer factors.
+   ------------------------------------------------------------------------------------------------------ */
+const float slack = 9.5367431640625e-7f;             /* 2^-20 */
+const int open_sign = PBW__OPEN;
+
+struct place {                                       /* relative to v, in units */
+    double x[3], w;
+};
+
+struct probe {                                       /* the same in floats */
+    float x[3], lift, load, size;                    /* load: L_p; size: P, or infinity */
+};
+
+template <int DIM> __device__ inline place relative(const space &s, const record &v, const record &p)
+{
+    place r;
+    for (int k = 0; k < 3; k++) {
+        r.x[k] = k < DIM ? (p.c[k] - v.c[k]) * s.unit : 0.0;
+    }
+    r.w = (p.c[DIM] - v.c[DIM]) * (s.unit * s.unit);
+    return r;
+}
+
+template <int DIM> __device__ inline double square(const double *x)
+{
+    return DIM == 3 ? x[0] * x[0] + x[1] * x[1] + x[2] * x[2] : x[0] * x[0] + x[1] * x[1];
+}
+
+template <int DIM, bool WEIGHTED> __device__ inline probe probe_of(const place &p)
+{
+    probe r;
+    double l = square<DIM>(p.x);
+    for (int k = 0; k < 3; k++) {
+        r.x[k] = (float)p.x[k];
+    }
+    r.load = (float)l;
+    r.lift = WEIGHTED ? (float)(l - p.w) : r.load;
+    r.size = r.load > 7.9e-31f ? sqrtf(r.load) : HUGE_VALF;
+    r.load = WEIGHTED ? r.load + fabsf((float)p.w) : r.load;
+    return r;
+}
+
+/* 1: in conflict, 0: not, open_sign. */
+__device__ inline int side(float4 q, const probe &p)
+{
+    bool infinite = q.w < 0.0f;
+    float s = infinite ? 0.0f : p.lift;
+    s = fmaf(-q.x, p.x[0], fmaf(-q.y, p.x[1], fmaf(-q.z, p.x[2], s)));
+    float e = slack * fmaf(fabsf(q.w), p.size, infinite ? 0.0f : p.load);
+    return s > e ? 0 : s < -e ? 1 : open_sign;
+}
+
+__device__ inline float4 unknown_sphere(bool infinite)
+{
+    return make_float4(0.0f, 0.0f, 0.0f, infinite ? -HUGE_VALF : HUGE_VALF);
+}
+
+__device__ inline float4 sphere_of(const double *n, double d, double e, double product)
+{
+    if (!(d > 3.5527136788005009e-15 * product)) {   /* 2^-48 */
+        return unknown_sphere(false);
+    }
+    double inverse = 1.0 / d, x = n[0] * inverse, y = n[1] * inverse, z = n[2] * inverse;
+    double size = sqrt(x * x + y * y + z * z);
+    if (!(size < 1e18)) {
+        return unknown_sphere(false);
+    }
+    return make_float4((float)x, (float)y, (float)z,
+                       (float)(size + 7.4505805969238281e-9 * (e + size * product) * inverse));
+}
+
+template <int DIM, bool WEIGHTED> __device__ inline float4 sphere(const place &pa, const place &pb, const place &pc)
+{
+    const double *a = pa.x, *b = pb.x, *c = pc.x;
+    double la = square<DIM>(a), lb = square<DIM>(b), lc = DIM == 3 ? square<DIM>(c) : 1.0;
+    double n[3] = { 0.0, 0.0, 0.0 };
+    if (!(la > 7.9e-31 && lb > 7.9e-31 && lc > 7.9e-31)) {
+        return unknown_sphere(false);
+    }
+    double A = sqrtf((float)la), B = sqrtf((float)lb), C = DIM == 3 ? sqrtf((float)lc) : 1.0f;
+    double La = la, Lb = lb, Lc = lc;
+    if (WEIGHTED) {
+        La += fabs(pa.w), Lb += fabs(pb.w), Lc += fabs(pc.w);
+        la -= pa.w, lb -= pb.w, lc -= pc.w;
+    }
+    if (DIM == 2) {
+        n[0] = la * b[1] - lb * a[1];
+        n[1] = lb * a[0] - la * b[0];
+        return sphere_of(n, a[0] * b[1] - a[1] * b[0], La * B + Lb * A, A * B);
+    }
+    double bc[3] = { b[1] * c[2] - b[2] * c[1], b[2] * c[0] - b[0] * c[2], b[0] * c[1] - b[1] * c[0] };
+    double ca[3] = { c[1] * a[2] - c[2] * a[1], c[2] * a[0] - c[0] * a[2], c[0] * a[1] - c[1] * a[0] };
+    double ab[3] = { a[1] * b[2] - a[2] * b[1], a[2] * b[0] - a[0] * b[2], a[0] * b[1] - a[1] * b[0] };
+    for (int k = 0; k < 3; k++) {
+        n[k] = la * bc[k] + lb * ca[k] + lc * ab[k];
+    }
+    return sphere_of(n, a[0] * bc[0] + a[1] * bc[1] + a[2] * bc[2], La * B * C + Lb * A * C + Lc * A * B, A * B * C);
+}
+
+/* The half-space beyond the facet (v, a, b); in the plane to the left of the line from v to a, or for sign -1 to its
+   right. */
+template <int DIM> __device__ inline float4 half_space(const place &pa, const place &pb, double sign)
+{
+    const double *a = pa.x, *b = pb.x;
+    double la = square<DIM>(a), lb = DIM == 3 ? square<DIM>(b) : 1.0, n[3] = { -a[1] * sign, a[0] * sign, 0.0 };
+    if (DIM == 3) {
+        n[0] = a[1] * b[2] - a[2] * b[1];
+        n[1] = a[2] * b[0] - a[0] * b[2];
+        n[2] = a[0] * b[1] - a[1] * b[0];
+    }
+    double square_n = n[0] * n[0] + n[1] * n[1] + n[2] * n[2];
+    if (!(la > 7.9e-31 && lb > 7.9e-31 && square_n > 1.3e-29 * la * lb)) {      /* 2^-96 */
+        return unknown_sphere(true);
+    }
+    double inverse = 1.0 / sqrt(square_n);
+    return make_float4((float)(n[0] * inverse), (float)(n[1] * inverse), (float)(n[2] * inverse),
+                       -(float)(1.0 + 7.4505805969238281e-9 * sqrt(la * lb) * inverse));
+}
+
+/* The exact sign of a determinant as in >>predicates of pbw.h; open_sign only if pool is NULL. */
+__device__ __noinline__ int exact_sign(int dim, int count, const double *const *row, const double *origin, const pbw__grid *grid,
+                          pbw__digit *pool, int *orientation)
+{
+    int sign = pbw__integers(dim, count, row, origin, grid, orientation);
+    if (sign == PBW__OPEN) {
+        sign = pbw__pairs(dim, count, row, origin);
+    }
+    return sign != PBW__OPEN || pool == NULL ? sign
+         : pbw__exact_determinant_in(pool, dim, count, row, origin, orientation);
+}
+
+/* 1 if p is in conflict with the simplex of the records row[0..DIM], 0 if not, or open_sign. */
+template <int DIM>
+__device__ int finite_conflict(const space &s, const double *const *row, const double *p, pbw__digit *pool)
+{
+    int orientation[4];
+    int sign = DIM == 3 ? pbw__filter_power3(row[0], row[1], row[2], row[3], p)
+                        : pbw__filter_power2(row[0], row[1], row[2], p);
+    if (sign == PBW__OPEN) {
+        sign = exact_sign(DIM, DIM + 1, row, p, &s.grid, pool, orientation);
+    }
+    return sign == PBW__OPEN ? open_sign : sign != 0 ? sign > 0 : pbw__tie(DIM, row, p, orientation);
+}
+
+template <int DIM> __device__ int orientation_sign(const space &s, const double *const *row, pbw__digit *pool)
+{
+    int sign = DIM == 3 ? pbw__filter_orient3(row[0], row[1], row[2], row[3])
+                        : pbw__filter_orient2(row[0], row[1], row[2]);
+    return sign != PBW__OPEN ? sign : exact_sign(DIM, DIM, row, row[DIM], &s.grid, pool, NULL);
+}
+
+const uint32_t corner_mask = 1023;                   /* local number 0 is the vertex at infinity */
+
+__device__ inline uint32_t corner(uint32_t triangle, int k)
+{
+    return triangle >> (10 * k) & corner_mask;
+}
+
+/* The number of the triangle that has the directed edge (a, b); in the plane of the edge that begins with a, or for
+   a == none ends with b. */
+template <int DIM> __device__ int triangle_with(const uint32_t *triangle, int count, uint32_t a, uint32_t b)
+{
+    for (int t = 0; t < count; t++) {
+        for (int k = 0; k < DIM; k++) {
+            uint32_t from = corner(triangle[t], k), to = corner(triangle[t], k + 1 == DIM ? 0 : k + 1);
+            if (DIM == 3 ? from == a && to == b : k == 0 && (a == none ? to == b : from == a)) {
+                return t;
+            }
+        }
+    }
+    return -1;
+}
+
+/* The exact answer where floats leave it open: is point p in conflict with triangle t of the star of v?
+   For an infinite simplex with p in the plane of its facet it is that of the finite simplex behind the facet. */
+template <int DIM>
+__device__ __noinline__ int settle(const space &s, uint32_t v, const uint32_t *id, const uint32_t *triangle, int count,
+                                   int t, uint32_t p, pbw__digit *pool)
+{
+    const double *row[4], *origin = s.point[p].c;
+    uint32_t c[3];
+    int at = -1;
+    for (int k = 0; k < DIM; k++) {
+        c[k] = corner(triangle[t], k);
+        at = c[k] == 0 ? k : at;
+    }
+    row[0] = s.point[v].c;
+    if (at >= 0) {
+        int sign;
+        if (DIM == 3) {
+            uint32_t a = c[(at + 1) % 3], b = c[(at + 2) % 3];
+            row[1] = s.point[id[a]].c;
+            row[2] = s.point[id[b]].c;
+            row[3] = origin;
+            sign = orientation_sign<DIM>(s, row, pool);
+            at = triangle_with<DIM>(triangle, count, b, a);
+        } else {
+            row[1] = at == 1 ? s.point[id[c[0]]].c : origin;
+            row[2] = at == 1 ? origin : s.point[id[c[1]]].c;
+            sign = orientation_sign<DIM>(s, row, pool);
+            at = at == 1 ? triangle_with<DIM>(triangle, count, none, c[0]) : triangle_with<DIM>(triangle, count, c[1], 0);
+        }
+        if (sign != 0 || at < 0) {
+            return sign == PBW__OPEN || at < 0 ? open_sign : sign > 0;
+        }
+        t = at;
+    }
+    for (int k = 0; k < DIM; k++) {
+        uint32_t a = corner(triangle[t], k);
+        if (a == 0) {
+            return open_sign;
+        }
+        row[k + 1] = s.point[id[a]].c;
+    }
+    return finite_conflict<DIM>(s, row, origin, pool);
+}
+
+/* ------------------------------------------------------------------------------------------------------
+   >>star         One star: a link of triangles (in the plane: edges), seen from v counter-clockwise... outward.
+   Holds between insertions: the link is closed; every simplex (v, triangle) is positively oriented, or infinite with
+   corner 0; spheres are those of the simplices; the bit matrix is all zeros.
+   ------------------------------------------------------------------------------------------------------ */
+template <bool WIDE> struct star_types {
+    typedef uint8_t number;
+    typedef uint16_t pair;
+    static const int bits = 8;
+};
+template <> struct star_types<true> {
+    typedef uint16_t number;
+    typedef uint32_t pair;
+    static const int bits = 10;
+};
+
+/* NT triangles, NV vertices, SCRATCH words for the rung's search. */
+template <int DIM, bool WEIGHTED, int NT, int NV, int SCRATCH> struct star {
+    typedef star_types<(NT > 256)> types;
+    static const int words = NV / 32;
+    float4 sphere[NT];
+    double x[NV][DIM], w[WEIGHTED ? NV : 1];
+    uint32_t id[NV], triangle[NT], matrix[NV * words], used[words], scratch[SCRATCH];
+    typename types::pair border[NT + 4];
+    typename types::number cavity[NT];
+};
+
+enum { star_changed = 1, star_open = 2, star_full = 4, star_hidden = 8 };
+
+__device__ inline uint32_t pack(uint32_t a, uint32_t b, uint32_t c)
+{
+    return a | b << 10 | c << 20;
+}
+
+template <int DIM, bool WEIGHTED, int NT, int NV, int SCRATCH>
+__device__ inline void set_vertex(star<DIM, WEIGHTED, NT, NV, SCRATCH> &s, uint32_t number, uint32_t id, const place &p)
+{
+    s.id[number] = id;
+    for (int k = 0; k < DIM; k++) {
+        s.x[number][k] = p.x[k];
+    }
+    if (WEIGHTED) {
+        s.w[number] = p.w;
+    }
+}
+
+template <int DIM, bool WEIGHTED, int NT, int NV, int SCRATCH>
+__device__ inline place vertex_place(const star<DIM, WEIGHTED, NT, NV, SCRATCH> &s, uint32_t number)
+{
+    place p;
+    for (int k = 0; k < 3; k++) {
+        p.x[k] = k < DIM ? s.x[number][k] : 0.0;
+    }
+    p.w = WEIGHTED ? s.w[number] : 0.0;
+    return p;
+}
+
+/* The sphere of triangle (a, b, c); in the plane of edge (a, b).  0 is the vertex at infinity. */
+template <int DIM, bool WEIGHTED>
+__device__ inline float4 sphere_of_triangle(uint32_t a, uint32_t b, uint32_t c, const place &pa, const place &pb,
+                                            const place &pc)
+{
+    if (DIM == 3) {
+        if (a != 0 && b != 0 && c != 0) {
+            return sphere<DIM, WEIGHTED>(pa, pb, pc);
+        }
+        place from, to;                              /* the finite edge, selected without pointers to registers */
+        for (int k = 0; k < 3; k++) {
+            from.x[k] = a == 0 ? pb.x[k] : b == 0 ? pc.x[k] : pa.x[k];
+            to.x[k] = a == 0 ? pc.x[k] : b == 0 ? pa.x[k] : pb.x[k];
+        }
+        return half_space<DIM>(from, to, 1.0);
+    }
+    if (a != 0 && b != 0) {
+        return sphere<DIM, WEIGHTED>(pa, pb, pc);
+    }
+    place end;
+    for (int k = 0; k < 3; k++) {
+        end.x[k] = a == 0 ? pb.x[k] : pa.x[k];
+    }
+    return half_space<DIM>(end, end, a == 0 ? -1.0 : 1.0);
+}
+
+/* used: the vertices that triangles have, and 0. */
+template <int T, int DIM, bool WEIGHTED, int NT, int NV, int SCRATCH>
+__device__ inline void find_used(star<DIM, WEIGHTED, NT, NV, SCRATCH> &s, bool go, int count)
+{
+    int lane = (int)threadIdx.x & (T - 1);
+    if (go) {
+        for (int i = lane; i < s.words; i += T) {
+            s.used[i] = i == 0;
+        }
+    }
+    __syncwarp();
+    if (go) {
+        for (int t = lane; t < count; t += T) {
+            for (int k = 0; k < DIM; k++) {
+                uint32_t c = corner(s.triangle[t], k);
+                atomicOr(&s.used[c >> 5], 1u << (c & 31));
+            }
+        }
+    }
+    __syncwarp();
+}
+
+/* Inserts point id, at p relative to v, into the stars of those tiles that go; count: their triangles. */
+template <int T, int DIM, bool WEIGHTED, int NT, int NV, int SCRATCH>
+__device__ inline int insert(star<DIM, WEIGHTED, NT, NV, SCRATCH> &s, const space &all, uint32_t v, bool go, uint32_t id,
+                             const place &p, int &count, pbw__digit *pool)
+{
+    typedef typename star<DIM, WEIGHTED, NT, NV, SCRATCH>::types types;
+    typedef typename types::pair pair;
+    typedef typename types::number number_type;
+    const int words = NV / 32, lane = (int)threadIdx.x & (T - 1);
+    const unsigned below = lanes_below<T>();
+    const probe float_p = probe_of<DIM, WEIGHTED>(p);
+    int conflicts = 0, edges = 0, result = 0;
+
+    for (int base = 0; any(go && base < count); base += T) {
+        int t = base + lane, hit = 0;
+        if (go && t < count) {
+            hit = side(s.sphere[t], float_p);
+            if (hit == open_sign) {
+                hit = settle<DIM>(all, v, s.id, s.triangle, count, t, id, pool);
+            }
+        }
+        unsigned vote = tile_ballot<T>(hit == 1);
+        if (hit == 1) {
+            s.cavity[conflicts + __popc(vote & below)] = (number_type)t;
+        }
+        conflicts += __popc(vote);
+        result |= tile_ballot<T>(hit == open_sign) != 0 ? star_open : 0;
+    }
+    if (conflicts == count && go) {
+        result |= star_hidden;
+    }
+    go = go && conflicts > 0 && result == 0;
+    __syncwarp();
+
+    /* the border: edges whose reverse is not in the cavity (in the plane: ends of the chain) */
+    for (int base = 0; any(go && base < conflicts); base += T) {
+        if (go && base + lane < conflicts) {
+            uint32_t t = s.triangle[s.cavity[base + lane]], a = corner(t, 0), b = corner(t, 1), c = corner(t, 2);
+            if (DIM == 3) {
+                atomicOr(&s.matrix[a * words + (b >> 5)], 1u << (b & 31));
+                atomicOr(&s.matrix[b * words + (c >> 5)], 1u << (c & 31));
+                atomicOr(&s.matrix[c * words + (a >> 5)], 1u << (a & 31));
+            } else {
+                atomicOr(&s.matrix[a >> 5], 1u << (a & 31));
+                atomicOr(&s.matrix[words + (b >> 5)], 1u << (b & 31));
+            }
+        }
+    }
+    __syncwarp();
+    uint32_t number = none;
+    for (int round = 0; round < 2; round++) {        /* a free number; at first among those never used */
+        if (go && number == none) {
+            for (int i = 0; i < words && number == none; i++) {
+                uint32_t free = ~s.used[i];
+                number = free != 0 ? (uint32_t)(i * 32 + __ffs((int)free) - 1) : none;
+            }
+        }
+        if (!any(go && number == none)) {
+            break;
+        }
+        find_used<T>(s, go && number == none, count);
+    }
+    if (go && number == none) {
+        result |= star_full;
+    }
+    for (int base = 0; any(go && base < conflicts); base += T) {
+        uint32_t c[3] = { 0, 0, 0 };
+        bool mine = go && base + lane < conflicts;
+        if (mine) {
+            uint32_t t = s.triangle[s.cavity[base + lane]];
+            for (int k = 0; k < DIM; k++) {
+                c[k] = corner(t, k);
+            }
+        }
+        for (int k = 0; k < DIM; k++) {
+            uint32_t a = c[k], b = c[k + 1 == DIM ? 0 : k + 1];
+            bool is_border = DIM == 3 ? mine && (s.matrix[b * words + (a >> 5)] >> (a & 31) & 1) == 0
+                           : mine && (k == 0 ? (s.matrix[words + (a >> 5)] >> (a & 31) & 1) == 0
+                                             : (s.matrix[a >> 5] >> (a & 31) & 1) == 0);
+            unsigned vote = tile_ballot<T>(is_border);
+            int at = edges + __popc(vote & below);
+            if (is_border && at < NT + 4) {
+                if (DIM == 2) {                      /* (a, new) at the start of the chain, (new, a) at its end */
+                    b = k == 0 ? number : a;
+                    a = k == 0 ? a : number;
+                }
+                s.border[at] = (pair)((a & (NV - 1)) << types::bits | (b & (NV - 1)));
+            }
+            edges += __popc(vote);
+        }
+    }
+    if (go && count - conflicts + edges > NT) {
+        result |= star_full;
+    }
+    __syncwarp();
+    for (int base = 0; any(go && base < conflicts); base += T) {
+        if (go && base + lane < conflicts) {
+            uint32_t t = s.triangle[s.cavity[base + lane]], a = corner(t, 0), b = corner(t, 1), c = corner(t, 2);
+            if (DIM == 3) {
+                s.matrix[a * words + (b >> 5)] = s.matrix[b * words + (c >> 5)] = s.matrix[c * words + (a >> 5)] = 0;
+            } else {
+                s.matrix[a >> 5] = s.matrix[words + (b >> 5)] = 0;
+            }
+        }
+    }
+    __syncwarp();
+    go = go && result == 0;
+    if (go && lane == 0) {
+        set_vertex(s, number, id, p);
+        s.used[number >> 5] |= 1u << (number & 31);
+    }
+    for (int base = 0; any(go && base < edges); base += T) {
+        int i = base + lane;
+        if (go && i < edges) {
+            uint32_t edge = s.border[i], a = edge >> types::bits, b = edge & ((1u << types::bits) - 1);
+            int slot = i < conflicts ? s.cavity[i] : count + i - conflicts;
+            s.triangle[slot] = DIM == 3 ? pack(a, b, number) : pack(a, b, 0);
+            if (DIM == 3) {
+                s.sphere[slot] = sphere_of_triangle<DIM, WEIGHTED>(a, b, number, vertex_place(s, a), vertex_place(s, b), p);
+            } else {
+                place other = vertex_place(s, a == number ? b : a);
+                s.sphere[slot] = a == number ? sphere_of_triangle<DIM, WEIGHTED>(a, b, 0, p, other, p)
+                                             : sphere_of_triangle<DIM, WEIGHTED>(a, b, 0, other, p, p);
+            }
+        }
+    }
+    __syncwarp();
+    if (go) {                                        /* fewer than before: close the holes from the end, last hole first */
+        count += edges > conflicts ? edges - conflicts : 0;
+    }
+    for (int i = conflicts - 1; any(go && i >= edges); i--) {
+        if (go && i >= edges) {
+            int hole = s.cavity[i];
+            count--;
+            if (lane == 0 && hole != count) {
+                s.triangle[hole] = s.triangle[count];
+                s.sphere[hole] = s.sphere[count];
+            }
+        }
+        __syncwarp();
+    }
+    return go ? star_changed : result;
+}
+
+/* The star of v and the points a, b, c: one finite triangle, and an infinite one on each of its edges. */
+template <int T, int DIM, bool WEIGHTED, int NT, int NV, int SCRATCH>
+__device__ inline void start(star<DIM, WEIGHTED, NT, NV, SCRATCH> &s, bool go, const uint32_t *id, const place *p,
+                             int &count)
+{
+    int lane = (int)threadIdx.x & (T - 1);
+    if (go) {
+        for (int i = lane; i < NV * s.words; i += T) {
+            s.matrix[i] = 0;
+        }
+        for (int i = lane; i < s.words; i += T) {
+            s.used[i] = i == 0 ? (2u << DIM) - 1 : 0;
+        }
+        if (lane < DIM) {
+            set_vertex(s, (uint32_t)lane + 1, id[lane], p[lane]);
+        }
+    }
+    __syncwarp();
+    if (go && lane <= DIM) {
+        uint32_t a, b, c = 0;
+        if (DIM == 3) {                              /* (1 2 3), (2 1 0), (3 2 0), (1 3 0) */
+            a = lane == 0 ? 1 : lane == 3 ? 1 : (uint32_t)lane + 1;
+            b = lane == 0 ? 2 : lane == 3 ? 3 : (uint32_t)lane;
+            c = lane == 0 ? 3 : 0;
+        } else {                                     /* (1 2), (2 0), (0 1) */
+            a = lane == 0 ? 1 : lane == 1 ? 2 : 0;
+            b = lane == 0 ? 2 : lane == 1 ? 0 : 1;
+        }
+        s.triangle[lane] = pack(a, b, c);
+        s.sphere[lane] = sphere_of_triangle<DIM, WEIGHTED>(a, b, c, vertex_place(s, a), vertex_place(s, b),
+                                                           vertex_place(s, c));
+    }
+    if (go) {
+        count = DIM + 1;
+    }
+    __syncwarp();
+}
+
+/* Stores the finished stars of the tiles that go. */
+template <int T, int DIM, bool WEIGHTED, int NT, int NV, int SCRATCH>
+__device__ inline void finish(star<DIM, WEIGHTED, NT, NV, SCRATCH> &s, bool go, uint32_t v, int count, const store &out)
+{
+    int lane = (int)threadIdx.x & (T - 1), vertices = 0;
+    find_used<T>(s, go, count);
+    if (go) {
+        s.id[0] = none;
+        for (int i = 0; i < s.words; i++) {
+            vertices += __popc(s.used[i]);
+        }
+        /* 0 is counted, but a star without infinite triangles does not store it */
+    }
+    bool closed = true;
+    int owned = 0;
+    if (go) {
+        for (int t = lane; t < count; t += T) {
+            bool mine = true;
+            for (int k = 0; k < DIM; k++) {
+                uint32_t c = corner(s.triangle[t], k);
+                closed = closed && c != 0;
+                mine = mine && c != 0 && s.id[c] > v;
+            }
+            owned += mine;
+        }
+    }
+    closed = tile_ballot<T>(!closed) == 0;
+    for (int step = T / 2; step > 0; step /= 2) {
+        owned += __shfl_xor_sync(all_lanes, owned, step);
+    }
+    unsigned long long at = 0;
+    vertices -= closed;
+    unsigned long long units = (unsigned long long)(1 + vertices + count + 3) / 4;
+    if (go && lane == 0) {
+        at = atomicAdd(out.used, units);
+    }
+    at = tile_read<T>(at, 0);
+    if (go && at + units <= out.capacity) {
+        uint32_t *word = out.word + at * 4;
+        if (lane == 0) {
+            word[0] = (uint32_t)count << 16 | (uint32_t)vertices;
+            out.place[v] = (uint32_t)at;
+            out.owned[v] = (uint32_t)owned;
+        }
+        for (int i = lane; i < NV; i += T) {
+            if (s.used[i >> 5] >> (i & 31) & 1 && (i > 0 || !closed)) {
+                int rank = __popc(s.used[i >> 5] & ((1u << (i & 31)) - 1)) - closed;
+                for (int j = 0; j < i >> 5; j++) {
+                    rank += __popc(s.used[j]);
+                }
+                word[1 + rank] = s.id[i];
+            }
+        }
+        for (int t = lane; t < count; t += T) {
+            uint32_t packed = 0;
+            for (int k = 0; k < DIM; k++) {
+                uint32_t c = corner(s.triangle[t], k);
+                int rank = __popc(s.used[c >> 5] & ((1u << (c & 31)) - 1)) - closed;
+                for (uint32_t j = 0; j < c >> 5; j++) {
+                    rank += __popc(s.used[j]);
+                }
+                packed |= (uint32_t)rank << (10 * k);
+            }
+            word[1 + vertices + t] = packed;
+        }
+    }
+    __syncwarp();
+}
+
+__device__ inline void enqueue(const queue &q, bool put, uint32_t v)
+{
+    unsigned vote = __ballot_sync(all_lanes, put);
+    uint32_t at = 0;
+    int lane = (int)threadIdx.x & 31;
+    if (lane == 0 && vote != 0) {
+        at = atomicAdd(q.count, (uint32_t)__popc(vote));
+    }
+    at = __shfl_sync(all_lanes, at, 0);
+    if (put) {
+        q.vertex[at + (uint32_t)__popc(vote & lanes_below<32>())] = v;
+    }
+}
+
+/* The sizes of three points' frame: a fat corner is one whose determinant the filter need not look at. */
+template <int DIM> __device__ inline double corner_size(const place &a, const place &b, const place &c)
+{
+    return DIM == 3 ? c.x[0] * (a.x[1] * b.x[2] - a.x[2] * b.x[1]) + c.x[1] * (a.x[2] * b.x[0] - a.x[0] * b.x[2])
+                      + c.x[2] * (a.x[0] * b.x[1] - a.x[1] * b.x[0])
+                    : a.x[0] * b.x[1] - a.x[1] * b.x[0];
+}
+
+/* |a x b|^2 / (|a|^2 |b|^2) and |det|^2 / (|a|^2 |b|^2 |c|^2); 0 where there is a 0. */
+__device__ inline float line_fatness(const place &a, const place &b)
+{
+    double x = a.x[1] * b.x[2] - a.x[2] * b.x[1], y = a.x[2] * b.x[0] - a.x[0] * b.x[2];
+    double z = a.x[0] * b.x[1] - a.x[1] * b.x[0], size = square<3>(a.x) * square<3>(b.x);
+    return size > 1e-60 ? (float)((x * x + y * y + z * z) / size) : 0.0f;
+}
+
+template <int DIM> __device__ inline float fatness(const place &a, const place &b, const place &c)
+{
+    double d = corner_size<DIM>(a, b, c), size = square<3>(a.x) * square<3>(b.x) * (DIM == 3 ? square<3>(c.x) : 1.0);
+    return size > 1e-90 ? (float)(d * d / size) : 0.0f;
+}
+
+template <int T> __device__ inline place tile_place(const place &p, int lane)
+{
+    place r;
+    for (int k = 0; k < 3; k++) {
+        r.x[k] = tile_read<T>(p.x[k], lane);
+    }
+    r.w = tile_read<T>(p.w, lane);
+    return r;
+}
+
+/* Starts the stars of the tiles that go with points id, at p, of their own lanes, candidates being those of lanes below
+   have, nearest first.  Returns the lanes used, or 0 where no fat corner was found. */
+template <int T, int DIM, bool WEIGHTED, int NT, int NV, int SCRATCH>
+__device__ inline unsigned start_from_lanes(star<DIM, WEIGHTED, NT, NV, SCRATCH> &s, bool go, uint32_t id, const place &p,
+                                            int have, int &count)
+{
+    int lane = (int)threadIdx.x & (T - 1);
+    bool here = go && lane < have;
+    place a = tile_place<T>(p, 0), b;
+    uint32_t ids[3];
+    unsigned vote = tile_ballot<T>(here && lane > 0 && line_fatness(a, p) > 0.01f);
+    int second = vote != 0 ? __ffs((int)vote) - 1 : 0, third = second;
+    b = tile_place<T>(p, second);
+    go = go && vote != 0;
+    if (DIM == 3) {
+        vote = tile_ballot<T>(here && vote != 0 && fatness<DIM>(a, b, p) > 1e-4f);
+        third = vote != 0 ? __ffs((int)vote) - 1 : 0;
+        go = go && vote != 0;
+    }
+    place c = tile_place<T>(p, third), frame[3];
+    ids[0] = tile_read<T>(id, 0);
+    ids[1] = tile_read<T>(id, second);
+    ids[2] = tile_read<T>(id, third);
+    bool turn = corner_size<DIM>(a, b, c) < 0.0;
+    frame[0] = turn ? b : a;
+    frame[1] = turn ? a : b;
+    frame[2] = c;
+    uint32_t swap = ids[turn ? 1 : 0];
+    ids[1] = ids[turn ? 0 : 1];
+    ids[0] = swap;
+    start<T>(s, go, ids, frame, count);
+    return go ? 1u | 1u << second | 1u << third : 0;
+}
+
+/* A box of the tree relative to v: v itself is rounded, and so are differences, to multiples of 2^-24 at most 2^1. */
+struct span {
+    float low[3], high[3];
+};
+
+template <int DIM> __device__ inline span relative_box(const box &b, const float *v)
+{
+    span r;
+    for (int k = 0; k < 3; k++) {
+        r.low[k] = k < DIM ? b.low[k] - v[k] - 4.8e-7f : 0.0f;
+        r.high[k] = k < DIM ? b.high[k] - v[k] + 4.8e-7f : 0.0f;
+    }
+    return r;
+}
+
+/* Bounds of the spheres of a star (infinite for half-spaces), grown by more than all roundings. */
+template <int T, int DIM, bool WEIGHTED, int NT, int NV, int SCRATCH>
+__device__ inline span reach_of(const star<DIM, WEIGHTED, NT, NV, SCRATCH> &s, bool go, int count, float heaviest)
+{
+    span r = { { 0.0f, 0.0f, 0.0f }, { 0.0f, 0.0f, 0.0f } };
+    int lane = (int)threadIdx.x & (T - 1);
+    if (go) {
+        for (int t = lane; t < count; t += T) {
+            float4 q = s.sphere[t];
+            float radius = q.w < 0.0f ? HUGE_VALF : 0.5f * q.w, c[3] = { 0.5f * q.x, 0.5f * q.y, 0.5f * q.z };
+            radius = (WEIGHTED ? sqrtf(radius * radius + heaviest) : radius) * 1.00001f;
+            for (int k = 0; k < DIM; k++) {
+                r.low[k] = fminf(r.low[k], c[k] - radius);
+                r.high[k] = fmaxf(r.high[k], c[k] + radius);
+            }
+        }
+    }
+    for (int k = 0; k < DIM; k++) {
+        r.low[k] = tile_min<T>(r.low[k]) - 4.8e-7f;
+        r.high[k] = 4.8e-7f - tile_min<T>(-r.high[k]);
+    }
+    return r;
+}
+
+/* Whether floats leave it open that point p is in conflict with some simplex of the star; all lanes of a tile go or
+   none does, each with its own point. */
+template <int T, int DIM, bool WEIGHTED, int NT, int NV, int SCRATCH>
+__device__ inline bool may_conflict(const star<DIM, WEIGHTED, NT, NV, SCRATCH> &s, bool go, int count, const place &p)
+{
+    probe f = probe_of<DIM, WEIGHTED>(p);
+    bool may = false;
+    int end = warp_max<T>(go ? count : 0);
+    for (int t = 0; t < end; t++) {
+        if (go && t < count) {
+            may = may || side(s.sphere[t], f) != 0;
+        }
+    }
+    return may;
+}
+
+/* ------------------------------------------------------------------------------------------------------
+   >>near         The first rung: 8 lanes a star, candidates from the list of its group.
+   1. Points within the start radius are collected and sorted by distance.  2. The nearest make the first corner, the
+   others are inserted; all but the first 16 are screened first: a point that is in conflict with nothing now will never
+   be, because stars only shrink.  3. The list is walked again for points outside the start radius and within the
+   bounds of the spheres.  Both passes use the same float distance, so no point is met twice.  4. The star is
+   certified if the bounds lie within the box that the list covers, or beyond the end of all points.
+   ------------------------------------------------------------------------------------------------------ */
+const int near_triangles = 48, near_vertices = 32, near_points = 64, near_block = 64;
+const int near_scratch = 2 * near_points;            /* sorted points; points waiting to be screened */
+
+template <int DIM, bool WEIGHTED> struct near_star {
+    typedef star<DIM, WEIGHTED, near_triangles, near_vertices, near_scratch> type;
+};
+
+template <int DIM, bool WEIGHTED>
+__global__ void __launch_bounds__(near_block, 10)
+near_kernel(const __grid_constant__ space all, const box *group, const uint32_t *lists, const near_list *infos,
+            uint32_t first, const __grid_constant__ store out, queue failed)
+{
+    typedef typename near_star<DIM, WEIGHTED>::type star_type;
+    extern __shared__ float4 shared_words[];
+    const int T = 8;
+    star_type &s = ((star_type *)shared_words)[threadIdx.x / T];
+    const int lane = (int)threadIdx.x & (T - 1);
+    const unsigned below = lanes_below<T>();
+    uint32_t v = first + (blockIdx.x * near_block + threadIdx.x) / T;
+    bool valid = v < all.count;
+    v = valid ? v : all.count - 1;
+    const record own = all.point[v];
+    const uint32_t g = v / group_size, *list = lists + (size_t)g * list_size;
+    const near_list info = infos[g];
+    const int length = (int)info.length;
+    float origin[3] = { 0.0f, 0.0f, 0.0f };
+    for (int k = 0; k < DIM; k++) {
+        origin[k] = (float)in_units(all, own, k);
+    }
+    const float heaviest = WEIGHTED ? (float)((all.heaviest - own.c[DIM]) * (all.unit * all.unit)) * 1.000001f : 0.0f;
+    uint32_t *sorted = s.scratch, *waiting = s.scratch + near_points;
+
+    bool go = valid && length > 0;
+    float start2 = info.start * info.start;
+    int have = 0;
+    for (bool again = go; any(again); ) {            /* 1. */
+        have = again ? 0 : have;
+        for (int base = 0; any(again && base < length); base += T) {
+            uint32_t candidate = again && base + lane < length ? list[base + lane] : none;
+            bool close = false;
+            if (candidate != none) {
+                span b = relative_box<DIM>(group[candidate], origin);
+                float d = 0.0f;
+                for (int k = 0; k < DIM; k++) {
+                    float t = fmaxf(fmaxf(b.low[k], -b.high[k]), 0.0f);
+                    d = fmaf(t, t, d);
+                }
+                close = d * 0.99999f < start2;
+            }
+            unsigned vote = tile_ballot<T>(close);
+            while (any(vote != 0)) {
+                uint32_t from = tile_read<T>(candidate, vote != 0 ? __ffs((int)vote) - 1 : 0);
+                uint32_t p = from * group_size + (uint32_t)lane;
+                bool take = vote != 0 && p < all.count && p != v;
+                float d = 0.0f;
+                if (take) {
+                    d = (float)square<DIM>(relative<DIM>(all, own, all.point[p]).x);
+                    take = d < start2;
+                }
+                vote &= vote - 1;
+                unsigned takers = tile_ballot<T>(take);
+                int at = have + __popc(takers & below);
+                if (take && at < near_points) {
+                    waiting[at] = p;
+                    sorted[at] = (__float_as_uint(d) & ~63u) | (uint32_t)at;
+                }
+                have += __popc(takers);
+            }
+        }
+        again = again && have > near_points;
+        start2 = again ? start2 * 0.7f : start2;
+    }
+    __syncwarp();
+    uint32_t key[near_points / T], value[near_points / T];
+    int before[near_points / T], most = warp_max<T>(go ? have : 0);
+    for (int i = 0; i < near_points / T; i++) {
+        bool mine = go && i * T + lane < have;
+        key[i] = mine ? sorted[i * T + lane] : none;
+        value[i] = mine ? waiting[i * T + lane] : none;
+        before[i] = 0;
+    }
+    for (int j = 0; j < most; j++) {
+        uint32_t other = go && j < have ? sorted[j] : none;
+        for (int i = 0; i < near_points / T; i++) {
+            before[i] += other < key[i];
+        }
+    }
+    __syncwarp();
+    for (int i = 0; i < near_points / T; i++) {
+        if (value[i] != none) {
+            sorted[before[i]] = value[i];
+        }
+    }
+    __syncwarp();
+
+    uint32_t candidate = go && lane < have ? sorted[lane] : none;   /* 2. */
+    place p = relative<DIM>(all, own, all.point[candidate != none ? candidate : v]);
+    int count = 0, cursor = T, stored = 0;
+    unsigned used = start_from_lanes<T>(s, go, candidate, p, have, count);
+    go = go && used != 0;
+    unsigned pending = go ? ((1u << (have < T ? have : T)) - 1) & ~used : 0, groups = 0;
+    uint32_t group_here = none;
+    bool walking = false, changed = true, more = go;
+    int position = 0;
+    span reach = { { 0.0f, 0.0f, 0.0f }, { 0.0f, 0.0f, 0.0f } };
+    while (any(go && (more || pending != 0))) {
+        while (any(go && more && pending == 0)) {    /* the next points to insert */
+            bool feed = go && more && pending == 0;
+            if (any(feed && walking)) {              /* 3. */
+                bool renew = feed && walking && changed;
+                if (any(renew)) {
+                    span r = reach_of<T>(s, renew, count, heaviest);
+                    reach = renew ? r : reach;
+                    changed = renew ? false : changed;
+                }
+                while (any(feed && walking && stored < T && (groups != 0 || position < length))) {
+                    bool fill = feed && walking && stored < T;
+                    if (any(fill && groups == 0 && position < length)) {
+                        bool load = fill && groups == 0 && position < length, touches = false;
+                        if (load && position + lane < length) {
+                            group_here = list[position + lane];
+                            span b = relative_box<DIM>(group[group_here], origin);
+                            touches = true;
+                            for (int k = 0; k < DIM; k++) {
+                                touches = touches && b.low[k] <= reach.high[k] && b.high[k] >= reach.low[k];
+                            }
+                        }
+                        unsigned vote = tile_ballot<T>(touches);
+                        groups = load ? vote : groups;
+                        position += load ? T : 0;
+                    }
+                    uint32_t from = tile_read<T>(group_here, groups != 0 ? __ffs((int)groups) - 1 : 0);
+                    uint32_t other = from * group_size + (uint32_t)lane;
+                    bool take = fill && groups != 0 && other < all.count && other != v;
+                    if (take) {
+                        place r = relative<DIM>(all, own, all.point[other]);
+                        take = (float)square<DIM>(r.x) >= start2;
+                        for (int k = 0; k < DIM; k++) {
+                            take = take && (float)r.x[k] >= reach.low[k] && (float)r.x[k] <= reach.high[k];
+                        }
+                    }
+                    groups = fill ? groups & (groups - 1) : groups;
+                    unsigned takers = tile_ballot<T>(take);
+                    if (take) {
+                        waiting[stored + __popc(takers & below)] = other;
+                    }
+                    stored += __popc(takers);
+                }
+                __syncwarp();
+            }
+            int take = 0;
+            if (feed) {
+                take = walking ? (stored < T ? stored : T) : have - cursor < T ? have - cursor : T;
+                candidate = lane < take ? (walking ? waiting[stored - take + lane] : sorted[cursor + lane]) : none;
+                stored -= walking ? take : 0;
+            }
+            __syncwarp();
+            p = relative<DIM>(all, own, all.point[candidate != none ? candidate : v]);
+            bool screened = walking || cursor >= 2 * T;
+            bool may = may_conflict<T>(s, feed && screened, count, p) || !screened;
+            unsigned vote = tile_ballot<T>(feed && candidate != none && may);
+            pending = feed ? vote : pending;
+            cursor += feed && !walking ? T : 0;
+            more = feed && walking ? stored > 0 || groups != 0 || position < length : more;
+            walking = walking || (feed && cursor >= have);
+        }
+        bool now = go && pending != 0;
+        int from = now ? __ffs((int)pending) - 1 : 0;
+        pending &= pending - 1;
+        uint32_t next = tile_read<T>(candidate, from);
+        place at = relative<DIM>(all, own, all.point[now ? next : v]);
+        int result = insert<T>(s, all, v, now, next, at, count, NULL);
+        changed = changed || (result & star_changed) != 0;
+        go = go && (result & ~star_changed) == 0;
+    }
+    span final = reach_of<T>(s, go, count, heaviest);   /* 4. */
+    box b = group[g];
+    for (int k = 0; k < DIM; k++) {
+        go = go && (final.low[k] + origin[k] > b.low[k] - info.reach || b.low[k] - info.reach <= 0.0f)
+                && (final.high[k] + origin[k] < b.high[k] + info.reach || b.high[k] + info.reach >= all.high[k]);
+    }
+    finish<T>(s, go, v, count, out);
+    enqueue(failed, valid && !go && lane == 0, v);
+}
+
+/* ------------------------------------------------------------------------------------------------------
+   >>far          The second and third rung: a warp a star, candidates from a search of the tree.
+   The star starts from the neighbours of v on the curve; then the tree is searched depth first, nearest box first.
+   A box is passed over if no simplex of the star can be in conflict with a point in it.  With t the point of the box
+   where |x|^2 - q . x is least, axis by axis, and h = 2^-20 Q, for any x of the box
+
+       |x|^2 - q . x - h |x|_1 >= sum over axes of t (t - q) - h |t| - h^2 / 4,
+
+   because |x|^2 - q . x >= t (t - q) + (x - t)^2 on each axis and (x - t)^2 - h |x - t| >= -h^2 / 4.  So when the
+   search ends, the star is certified whatever its size.  A cap on the search keeps the total work linear.
+   ------------------------------------------------------------------------------------------------------ */
+struct far_sizes {
+    static const int triangles = 224, vertices = 128;
+};
+struct last_sizes {
+    static const int triangles = 2048, vertices = 1024;
+};
+
+template <int DIM, bool WEIGHTED, typename SIZES> struct far_star {
+    typedef star<DIM, WEIGHTED, SIZES::triangles, SIZES::vertices, stack_size + 64> type;
+};
+
+template <int DIM, bool WEIGHTED, int NT, int NV, int SCRATCH>
+__device__ inline bool box_may_conflict(const star<DIM, WEIGHTED, NT, NV, SCRATCH> &s, int count, const span &b,
+                                        float weight)
+{
+    for (int t = 0; t < count; t++) {
+        float4 sphere = s.sphere[t];
+        float q[3] = { sphere.x, sphere.y, sphere.z }, size = fabsf(sphere.w), sum = 0.0f, squares = 0.0f, ones = 0.0f;
+        float h = slack * size;
+        bool infinite = sphere.w < 0.0f;
+        for (int k = 0; k < DIM; k++) {
+            float at = infinite ? (q[k] > 0.0f ? b.high[k] : b.low[k]) : fminf(fmaxf(0.5f * q[k], b.low[k]), b.high[k]);
+            sum += infinite ? -at * q[k] : at * (at - q[k]);
+            squares = fmaf(at, at, squares);
+            ones += infinite ? fmaxf(fabsf(b.low[k]), fabsf(b.high[k])) : fabsf(at);
+        }
+        sum -= infinite || !WEIGHTED ? 0.0f : weight;
+        squares = infinite ? 0.0f : squares + (WEIGHTED ? fabsf(weight) : 0.0f);
+        if (!(sum > 2.0f * slack * (squares + size * ones) + h * h)) {
+            return true;
+        }
+    }
+    return false;
+}
+
+/* Four points that span the space: the first point, and in turn the one farthest from the span of those before. */
+__global__ void seed_kernel(const __grid_constant__ space s, int dim, int found, unsigned long long *seed)
+{
+    unsigned long long best = 0;
+    record r[3];
+    place base[2];
+    for (int i = 0; i < found; i++) {
+        r[i] = s.point[i == 0 ? 0 : (uint32_t)seed[i]];
+    }
+    for (int i = 1; i < found; i++) {
+        base[i - 1] = dim == 3 ? relative<3>(s, r[0], r[i]) : relative<2>(s, r[0], r[i]);
+    }
+    for (size_t i = thread_number(); i < s.count; i += (size_t)gridDim.x * blockDim.x) {
+        place p = dim == 3 ? relative<3>(s, r[0], s.point[i]) : relative<2>(s, r[0], s.point[i]);
+        double d = found == 1 ? square<3>(p.x)
+                 : found == 2 ? line_fatness(base[0], p) * square<3>(p.x) : fabs(corner_size<3>(base[0], base[1], p));
+        unsigned long long key = (unsigned long long)__float_as_uint((float)d) << 32 | i;
+        best = key > best ? key : best;
+    }
+    for (int step = 16; step > 0; step /= 2) {
+        unsigned long long other = __shfl_xor_sync(all_lanes, best, step);
+        best = other > best ? other : best;
+    }
+    if ((threadIdx.x & 31) == 0) {
+        atomicMax(&seed[found], best);
+    }
+}
+
+/* Starts a star from the points of the warp's lanes where start_from_lanes cannot: the nearest and two that, with v,
+   come nearest to spanning the space, among them four seeds that do span it. */
+template <int DIM, bool WEIGHTED, int NT, int NV, int SCRATCH>
+__device__ inline bool start_from_seeds(star<DIM, WEIGHTED, NT, NV, SCRATCH> &s, const space &all, uint32_t v,
+                                        uint32_t id, const place &p, bool here, pbw__digit *pool, int &count)
+{
+    int lane = (int)threadIdx.x & 31, second, third;
+    place a = tile_place<32>(p, 0), b, c, frame[3];
+    uint32_t ids[3];
+    float fat = here && lane > 0 ? line_fatness(a, p) : 0.0f, best = -tile_min<32>(-fat);
+    second = __ffs((int)__ballot_sync(all_lanes, fat == best)) - 1;
+    b = tile_place<32>(p, second);
+    third = second;
+    if (!(best > 1e-6f)) {
+        return false;
+    }
+    if (DIM == 3) {
+        fat = here ? fatness<DIM>(a, b, p) : 0.0f;
+        best = -tile_min<32>(-fat);
+        third = __ffs((int)__ballot_sync(all_lanes, fat == best)) - 1;
+        if (!(best > 0.0f)) {
+            return false;
+        }
+    }
+    c = tile_place<32>(p, third);
+    ids[0] = __shfl_sync(all_lanes, id, 0);
+    ids[1] = __shfl_sync(all_lanes, id, second);
+    ids[2] = __shfl_sync(all_lanes, id, third);
+    const double *row[4] = { all.point[v].c, all.point[ids[0]].c, all.point[ids[1]].c, all.point[ids[2]].c };
+    int sign = orientation_sign<DIM>(all, row, pool);
+    if (sign == 0 || sign == PBW__OPEN) {
+        return false;
+    }
+    frame[0] = sign < 0 ? b : a;
+    frame[1] = sign < 0 ? a : b;
+    frame[2] = c;
+    uint32_t swap = ids[sign < 0 ? 1 : 0];
+    ids[1] = ids[sign < 0 ? 0 : 1];
+    ids[0] = swap;
+    start<32>(s, true, ids, frame, count);
+    return true;
+}
+
+/* One star; returns true if it is certified (count triangles) or its vertex is hidden (count 0). */
+template <int DIM, bool WEIGHTED, int NT, int NV, int SCRATCH>
+__device__ inline bool far_star_of(star<DIM, WEIGHTED, NT, NV, SCRATCH> &s, const space &all, const tree &boxes,
+                                   const unsigned long long *seed, uint32_t v, int cap, pbw__digit *pool, int &count)
+{
+    const int lane = (int)threadIdx.x & 31;
+    const record own = all.point[v];
+    uint32_t *stack = s.scratch, *order = s.scratch + stack_size;
+    float origin[3] = { 0.0f, 0.0f, 0.0f };
+    for (int k = 0; k < DIM; k++) {
+        origin[k] = (float)in_units(all, own, k);
+    }
+    const double own_weight = (own.c[DIM] - all.heaviest) * (all.unit * all.unit);
+    uint32_t from = v < 14 ? 0 : v - 14, candidate = from + (uint32_t)lane;     /* 28 neighbours, v, and seeds */
+    candidate = lane < 29 && candidate < all.count && candidate != v ? candidate : none;
+    place p = relative<DIM>(all, own, all.point[candidate != none ? candidate : v]);
+    uint32_t key = candidate != none ? (__float_as_uint((float)square<DIM>(p.x)) & ~31u) | (uint32_t)lane : none;
+    int before = 0, have = __popc(__ballot_sync(all_lanes, candidate != none));
+    for (int i = 0; i < 32; i++) {
+        before += __shfl_sync(all_lanes, key, i) < key;
+    }
+    order[lane] = none;
+    __syncwarp();
+    if (candidate != none) {
+        order[before] = candidate;
+    }
+    __syncwarp();
+    candidate = order[lane];
+    p = relative<DIM>(all, own, all.point[candidate != none ? candidate : v]);
+    unsigned used = start_from_lanes<32>(s, true, candidate, p, have, count);
+    if (used == 0) {
+        if (candidate == none) {
+            uint32_t other = lane - have > DIM ? none : lane == have ? 0 : (uint32_t)seed[lane - have];
+            candidate = other == v ? none : other;
+            p = relative<DIM>(all, own, all.point[candidate != none ? candidate : v]);
+        }
+        if (!start_from_seeds(s, all, v, candidate, p, candidate != none, pool, count)) {
+            return false;
+        }
+    }
+    unsigned pending = __ballot_sync(all_lanes, candidate != none);
+    int depth = 0, level = boxes.levels - 1, batches = 0;
+    uint32_t node = 0;                               /* of level: its first box to look at; none: take from the stack */
+    for (;;) {
+        while (pending == 0) {
+            if (node == none && depth == 0) {
+                return true;
+            }
+            if (node == none) {
+                uint32_t top = stack[depth - 1];
+                level = (int)(top >> 29);
+                if (level > 0) {
+                    depth--;
+                    level--;
+                    node = (top & 0x1fffffffu) * 32;
+                }
+            }
+            __syncwarp();
+            if (node != none) {                      /* 32 boxes: those that matter go on the stack, the nearest on top */
+                uint32_t child = node + (uint32_t)lane;
+                bool visit = false;
+                float distance = HUGE_VALF;
+                if (child < boxes.size[level]) {
+                    box b = boxes.level[level][child];
+                    span r = relative_box<DIM>(b, origin);
+                    visit = box_may_conflict(s, count, r, WEIGHTED ? b.weight - (float)own_weight
+                                                                     + slack * fabsf((float)own_weight) : 0.0f);
+                    distance = 0.0f;
+                    for (int k = 0; k < DIM; k++) {
+                        float t = fmaxf(fmaxf(r.low[k], -r.high[k]), 0.0f);
+                        distance = fmaf(t, t, distance);
+                    }
+                    distance = visit ? distance : HUGE_VALF;
+                }
+                unsigned vote = __ballot_sync(all_lanes, visit), below = lanes_below<32>();
+                float least = tile_min<32>(distance);
+                unsigned nearest = __ballot_sync(all_lanes, visit && distance == least);
+                nearest &= ~nearest + 1;             /* one of them */
+                unsigned others = vote & ~nearest;
+                if (visit) {
+                    int at = (nearest >> lane & 1) != 0 ? __popc(others) : __popc(others & below);
+                    stack[depth + at] = (uint32_t)level << 29 | child;
+                }
+                depth += __popc(vote);
+                node = none;
+                __syncwarp();
+            } else {                                 /* up to four groups: their points */
+                int groups = 1;
+                while (groups < 4 && groups < depth && stack[depth - groups - 1] >> 29 == 0) {
+                    groups++;
+                }
+                candidate = lane / 8 < groups ? stack[depth - 1 - lane / 8] * group_size + (uint32_t)(lane & 7) : none;
+                candidate = candidate != none && candidate < all.count && candidate != v ? candidate : none;
+                depth -= groups;
+                __syncwarp();
+                p = relative<DIM>(all, own, all.point[candidate != none ? candidate : v]);
+                pending = __ballot_sync(all_lanes, may_conflict<32>(s, true, count, p) && candidate != none);
+                if (++batches > cap) {
+                    return false;
+                }
+            }
+        }
+        int lane_of = __ffs((int)pending) - 1;
+        pending &= pending - 1;
+        uint32_t next = __shfl_sync(all_lanes, candidate, lane_of);
+        bool known = false;                          /* the vertices of the star come by again in the search */
+        for (int i = lane; i < NV; i += 32) {
+            known = known || (i > 0 && (s.used[i >> 5] >> (i & 31) & 1) != 0 && s.id[i] == next);
+        }
+        if (!any(known)) {
+            place at = relative<DIM>(all, own, all.point[next]);
+            int result = insert<32>(s, all, v, true, next, at, count, pool);
+            if (WEIGHTED && result == star_hidden) {
+                count = 0;
+                return true;
+            }
+            if ((result & ~star_changed) != 0) {
+                return false;
+            }
+        }
+    }
+}
+
+/* SHARED: a star in shared memory, one warp a block, a vertex each; else in scratch, and warps take vertices in turn.
+   Too many failures mean that the input is not for this method: then nothing more is tried. */
+template <int DIM, bool WEIGHTED, typename SIZES, bool SHARED>
+__global__ void __launch_bounds__(32, 16)
+far_kernel(const __grid_constant__ space all, const __grid_constant__ tree boxes, const unsigned long long *seed,
+           queue work, uint32_t total, int cap, uint32_t limit, void *scratch, pbw__digit *pool,
+           const __grid_constant__ store out, queue failed, queue large)
+{
+    typedef typename far_star<DIM, WEIGHTED, SIZES>::type star_type;
+    extern __shared__ float4 shared_words[];
+    star_type &s = *(SHARED ? (star_type *)shared_words : (star_type *)scratch + blockIdx.x);
+    pbw__digit *digits = pool == NULL ? NULL : pool + ((size_t)blockIdx.x * 32 + threadIdx.x) * PBW__POOL;
+    for (uint32_t i = blockIdx.x; i < total; i += gridDim.x) {
+        uint32_t v = work.vertex[i];
+        int count = 0;
+        if (*(volatile uint32_t *)failed.count > limit) {
+            return;
+        }
+        bool good = far_star_of(s, all, boxes, seed, v, cap, digits, count);
+        bool is_hidden = good && count == 0;
+        finish<32>(s, good && !is_hidden, v, count, out);
+        if (is_hidden && threadIdx.x == 0) {
+            out.place[v] = hidden;
+            out.owned[v] = 0;
+        }
+        enqueue(failed, !good && threadIdx.x == 0, v);
+        enqueue(large, good && threadIdx.x == 0 && !is_hidden, v);
+        __syncwarp();
+    }
+}
+
+/* ------------------------------------------------------------------------------------------------------
+   >>cells        Simplices, neighbours, incident simplices, from the stars.
+   A simplex is written by its lowest vertex, in the canonical form and order of >>output of pbw.h: the simplices of a
+   vertex lie together, sorted by their second and third corner.  The two sides of a facet are seen in the star of the
+   facet's lowest vertex, as two triangles with a common edge; their numbers are found among the simplices of their
+   lowest vertices.
+   ------------------------------------------------------------------------------------------------------ */
+template <int DIM> struct cell {
+    uint32_t corner[DIM + 1];
+};
+template <> struct alignas(16) cell<3> {
+    uint32_t corner[4];
+};
+
+/* The canonical form of the positive simplex (v, a...): the lowest corner first; in space the lowest of the rest
+   second, in the plane the others in cyclic order. */
+template <int DIM> __device__ inline cell<DIM> canonical(uint32_t v, const uint32_t *a)
+{
+    cell<DIM> c;
+    if (DIM == 2) {
+        uint32_t x = a[0], y = a[1];
+        bool first = v < x && v < y, second = x < v && x < y;
+        c.corner[0] = first ? v : second ? x : y;
+        c.corner[1] = first ? x : second ? y : v;
+        c.corner[2] = first ? y : second ? v : x;
+    } else {
+        uint32_t x = a[0], y = a[1], z = a[2], low = v, i, j, k;
+        low = x < low ? x : low;
+        low = y < low ? y : low;
+        low = z < low ? z : low;
+        if (low == v) {                              /* even permutations all */
+            i = x, j = y, k = z;
+        } else if (low == x) {
+            i = v, j = z, k = y;
+        } else if (low == y) {
+            i = z, j = v, k = x;
+        } else {
+            i = y, j = x, k = v;
+        }
+        bool first = i < j && i < k, second = j < i && j < k;
+        c.corner[0] = low;
+        c.corner[1] = first ? i : second ? j : k;
+        c.corner[2] = first ? j : second ? k : i;
+        c.corner[3 < DIM ? 3 : DIM] = first ? k : second ? i : j;
+    }
+    return c;
+}
+
+/* A stored star. */
+struct stored_star {
+    const uint32_t *vertex, *triangle;
+    int count, vertices;
+};
+
+__device__ inline stored_star stored(const store &in, uint32_t v)
+{
+    stored_star s = { NULL, NULL, 0, 0 };
+    uint32_t at = in.place[v];
+    if (at != hidden) {
+        const uint32_t *word = in.word + (size_t)at * 4;
+        s.count = (int)(word[0] >> 16);
+        s.vertices = (int)(word[0] & 0xffff);
+        s.vertex = word + 1;
+        s.triangle = word + 1 + s.vertices;
+    }
+    return s;
+}
+
+/* The vertices of a triangle; returns whether all are finite, and in mine whether all are above v. */
+template <int DIM> __device__ inline bool triangle_of(const stored_star &s, int t, uint32_t v, uint32_t *a, bool &mine)
+{
+    bool finite = true;
+    uint32_t packed = s.triangle[t];
+    mine = true;
+    for (int k = 0; k < DIM; k++) {
+        a[k] = s.vertex[corner(packed, k)];
+        finite = finite && a[k] != none;
+        mine = mine && a[k] > v;
+    }
+    mine = mine && finite;
+    return finite;
+}
+
+const int emit_block = 64, emit_keys = 64;
+
+/* 8 lanes a star.  cells: by ranks; out: the same with the caller's ids. */
+template <int DIM>
+__global__ void emit_kernel(uint32_t vertices, const __grid_constant__ store in, const uint32_t *offset,
+                            const uint32_t *id, cell<DIM> *cells, pbw_index *out)
+{
+    const int T = 8;
+    __shared__ uint64_t shared_keys[emit_block / T][emit_keys];
+    __shared__ uint32_t shared_last[emit_block / T][emit_keys];
+    uint64_t *keys = shared_keys[threadIdx.x / T];
+    uint32_t *last = shared_last[threadIdx.x / T];
+    int lane = (int)threadIdx.x & (T - 1), found = 0;
+    uint32_t v = (blockIdx.x * emit_block + threadIdx.x) / T;
+    bool go = v < vertices;
+    uint32_t owned = go ? in.owned[v] : 0, first = go ? offset[v] : 0;
+    stored_star s = { NULL, NULL, 0, 0 };
+    if (owned > 0) {
+        s = stored(in, v);
+    }
+    bool fits = owned <= emit_keys;
+    for (int base = 0; any(base < s.count); base += T) {
+        uint32_t a[3];
+        bool mine = false;
+        cell<DIM> c = { { 0 } };
+        uint64_t key = 0;
+        if (base + lane < s.count) {
+            triangle_of<DIM>(s, base + lane, v, a, mine);
+            c = canonical<DIM>(v, a);
+            key = (uint64_t)c.corner[1] << 32 | c.corner[2];
+        }
+        unsigned vote = tile_ballot<T>(mine);
+        if (mine && fits) {
+            int at = found + __popc(vote & lanes_below<T>());
+            keys[at] = key;
+            last[at] = c.corner[DIM];
+        } else if (mine) {                           /* many: each counts those before it */
+            uint32_t before = 0;
+            for (int t = 0; t < s.count; t++) {
+                uint32_t b[3];
+                bool also;
+                triangle_of<DIM>(s, t, v, b, also);
+                cell<DIM> other = canonical<DIM>(v, b);
+                before += also && ((uint64_t)other.corner[1] << 32 | other.corner[2]) < key;
+            }
+            cells[first + before] = c;
+            for (int k = 0; k <= DIM; k++) {
+                out[(size_t)(first + before) * (DIM + 1) + (size_t)k] = id[c.corner[k]];
+            }
+        }
+        found += __popc(vote);
+    }
+    __syncwarp();
+    if (fits) {
+        for (int i = lane; i < found; i += T) {
+            uint64_t key = keys[i];
+            uint32_t before = 0;
+            for (int j = 0; j < found; j++) {
+                before += keys[j] < key;
+            }
+            cell<DIM> c;
+            c.corner[0] = v;
+            c.corner[1] = (uint32_t)(key >> 32);
+            c.corner[2] = (uint32_t)key;
+            c.corner[DIM] = last[i];
+            cells[first + before] = c;
+            cell<DIM> named;
+            for (int k = 0; k <= DIM; k++) {
+                named.corner[k] = id[c.corner[k]];
+            }
+            ((cell<DIM> *)out)[first + before] = named;
+        }
+    }
+}
+
+/* The number of a simplex, by its canonical form. */
+template <int DIM>
+__device__ inline uint32_t number_of(const cell<DIM> &c, const uint32_t *offset, const cell<DIM> *cells)
+{
+    uint32_t low = offset[c.corner[0]], high = offset[c.corner[0] + 1];
+    uint64_t key = (uint64_t)c.corner[1] << 32 | c.corner[2];
+    while (low + 1 < high) {
+        uint32_t middle = (low + high) / 2;
+        cell<DIM> other = cells[middle];
+        bool below = ((uint64_t)other.corner[1] << 32 | other.corner[2]) <= key;
+        low = below ? middle : low;
+        high = below ? high : middle;
+    }
+    return low;
+}
+
+/* Entries across the facets of which v is the lowest vertex: for the triangle a of a finite simplex c of number own,
+   across its edge that lacks corner k lies the simplex of number other. */
+template <int DIM>
+__device__ inline void put_neighbor(const cell<DIM> &c, uint32_t own, uint32_t across, uint32_t other, pbw_index *neighbors)
+{
+    int at = 0;
+    for (int i = 1; i <= DIM; i++) {
+        at = c.corner[i] == across ? i : at;
+    }
+    neighbors[(size_t)own * (DIM + 1) + (size_t)at] = other;
+}
+
+const int small_triangles = 60, small_vertices = 32;
+
+template <int DIM>
+__global__ void neighbor_kernel(uint32_t vertices, const __grid_constant__ store in, const uint32_t *offset,
+                                const uint32_t *id, const cell<DIM> *cells, pbw_index *neighbors, pbw_index *incident,
+                                uint32_t *hidden_count)
+{
+    const int T = 8;
+    __shared__ uint8_t shared_table[emit_block / T][small_vertices * small_vertices];
+    __shared__ uint32_t shared_number[emit_block / T][small_triangles + 4];
+    uint8_t *table = shared_table[threadIdx.x / T];
+    uint32_t *number = shared_number[threadIdx.x / T];
+    int lane = (int)threadIdx.x & (T - 1);
+    uint32_t v = (blockIdx.x * emit_block + threadIdx.x) / T, lowest = none;
+    stored_star s = { NULL, NULL, 0, 0 };
+    bool go = v < vertices;
+    if (go) {
+        s = stored(in, v);
+    }
+    bool is_hidden = go && s.count == 0;
+    go = s.count > 0 && s.count <= small_triangles && s.vertices <= small_vertices;
+    for (int t = lane; go && t < s.count; t += T) {
+        uint32_t packed = s.triangle[t], a[3];
+        bool mine;
+        for (int k = 0; k < DIM; k++) {
+            uint32_t from = corner(packed, k), to = corner(packed, k + 1 == DIM ? 0 : k + 1);
+            if (DIM == 3) {
+                table[from * small_vertices + to] = (uint8_t)t;
+            } else {                                 /* row 0: the edge that begins there; row 1: that ends there */
+                table[k * small_vertices + from] = (uint8_t)t;
+            }
+        }
+        uint32_t n = triangle_of<DIM>(s, t, v, a, mine) ? number_of<DIM>(canonical<DIM>(v, a), offset, cells) : none;
+        number[t] = n;
+        lowest = n < lowest ? n : lowest;
+    }
+    __syncwarp();
+    lowest = tile_min<T>(lowest);
+    for (int t = lane; go && neighbors != NULL && t < s.count; t += T) {
+        uint32_t packed = s.triangle[t], a[3];
+        bool mine;
+        if (triangle_of<DIM>(s, t, v, a, mine)) {
+            cell<DIM> c = canonical<DIM>(v, a);
+            for (int k = 0; k < DIM; k++) {          /* the facet that lacks the vertex a[k] */
+                uint32_t x = k == 0 ? 1 : 0, y = k == DIM - 1 ? DIM - 2 : DIM - 1;
+                if (a[x] > v && a[y] > v) {
+                    uint32_t mate;
+                    if (DIM == 3) {                  /* edges run x to y but for k == 1 */
+                        uint32_t i = corner(packed, (int)(k == 1 ? x : y)), j = corner(packed, (int)(k == 1 ? y : x));
+                        mate = table[i * small_vertices + j];
+                    } else {
+                        mate = table[(k == 0 ? 0 : small_vertices) + corner(packed, (int)x)];
+                    }
+                    put_neighbor<DIM>(c, number[t], a[k], number[mate], neighbors);
+                }
+            }
+        }
+    }
+    if (go && lane == 0) {
+        incident[id[v]] = lowest;
+    }
+    if (is_hidden && lane == 0) {
+        atomicAdd(hidden_count, 1u);
+    }
+}
+
+/* The same for larger stars, a warp each, looking for mates one by one. */
+template <int DIM>
+__global__ void large_neighbor_kernel(queue large, const __grid_constant__ store in, const uint32_t *offset,
+                                      const uint32_t *id, const cell<DIM> *cells, pbw_index *neighbors,
+                                      pbw_index *incident)
+{
+    uint32_t i = blockIdx.x * (blockDim.x / 32) + threadIdx.x / 32, lowest = none;
+    if (i >= *large.count) {
+        return;
+    }
+    uint32_t v = large.vertex[i];
+    stored_star s = stored(in, v);
+    if (s.count <= small_triangles && s.vertices <= small_vertices) {
+        return;
+    }
+    for (int t = (int)threadIdx.x & 31; t < s.count; t += 32) {
+        uint32_t packed = s.triangle[t], a[3], b[3];
+        bool mine;
+        if (triangle_of<DIM>(s, t, v, a, mine)) {
+            cell<DIM> c = canonical<DIM>(v, a);
+            uint32_t own = number_of<DIM>(c, offset, cells);
+            lowest = own < lowest ? own : lowest;
+            for (int k = 0; k < DIM && neighbors != NULL; k++) {
+                uint32_t x = k == 0 ? 1 : 0, y = k == DIM - 1 ? DIM - 2 : DIM - 1;
+                if (a[x] > v && a[y] > v) {
+                    uint32_t from = corner(packed, (int)(k == 1 ? x : y)), to = corner(packed, (int)(k == 1 ? y : x));
+                    int mate = DIM == 3 ? triangle_with<DIM>(s.triangle, s.count, from, to)
+                             : k == 0 ? triangle_with<DIM>(s.triangle, s.count, corner(packed, 1), 0)
+                                      : triangle_with<DIM>(s.triangle, s.count, none, corner(packed, 0));
+                    uint32_t other = mate >= 0 && triangle_of<DIM>(s, mate, v, b, mine)
+                                   ? number_of<DIM>(canonical<DIM>(v, b), offset, cells) : none;
+                    put_neighbor<DIM>(c, own, a[k], other, neighbors);
+                }
+            }
+        }
+    }
+    lowest = tile_min<32>(lowest);
+    if ((threadIdx.x & 31) == 0) {
+        incident[id[v]] = lowest;
+    }
+}
+
+/* ------------------------------------------------------------------------------------------------------
+   >>run          The stages in order.
+   In: packed points on the device.  Out: the arrays on the device, and for a job of pbw.h also in its memory, copied
+   while later stages run.  Everything is in the order of one stream; the host waits where it needs a count.
+   ------------------------------------------------------------------------------------------------------ */
+const double bytes_a_point[2] = { 230.0, 640.0 };    /* of device memory at the peak, uniform points: 2D, 3D */
+
+struct call {
+    cudaStream_t stream, copies;
+    cudaEvent_t mark[8], ready, copied;
+    pbw_job *job;                                    /* NULL: results stay on the device */
+    char *message;
+    size_t message_size, used, count;
+    int dim;
+    pbw_status status;
+    bool declined;
+    struct { void *address; size_t bytes; } block[40];
+    int blocks;
+};
+
+void say(call &c, const char *format, ...)
+{
+    char text[256];
+    va_list arguments;
+    va_start(arguments, format);
+    vsnprintf(text, sizeof text, format, arguments);
+    va_end(arguments);
+    if (c.job != NULL) {
+        c.job->say(c.job, text);
+    } else if (c.message != NULL && c.message_size > 0) {
+        snprintf(c.message, c.message_size, "%s", text);
+    }
+}
+
+bool fail(call &c, pbw_status status, const char *text)
+{
+    if (c.status == PBW_OK) {
+        c.status = status;
+        say(c, "%s", text);
+    }
+    return false;
+}
+
+bool decline(call &c, const char *text)
+{
+    c.declined = true;
+    return fail(c, PBW_ERROR_BACKEND, text);
+}
+
+bool good(call &c, cudaError_t error, const char *what)
+{
+    if (error != cudaSuccess && c.status == PBW_OK) {
+        c.status = PBW_ERROR_BACKEND;
+        say(c, "%s: %s", what, cudaGetErrorString(error));
+    }
+    return c.status == PBW_OK;
+}
+
+bool launched(call &c, const char *what)
+{
+    return good(c, cudaGetLastError(), what);
+}
+
+template <typename V> bool allocate(call &c, V *&address, size_t count)
+{
+    void *block = NULL;
+    size_t bytes = (count > 0 ? count : 1) * sizeof(V), available = 0, all = 0;
+    address = NULL;
+    if (c.status != PBW_OK) {
+        return false;
+    }
+    cudaError_t error = c.blocks < (int)(sizeof c.block / sizeof c.block[0])
+                      ? cudaMallocAsync(&block, bytes, c.stream) : cudaErrorMemoryAllocation;
+    if (error == cudaErrorMemoryAllocation) {
+        (void)cudaGetLastError();
+        cudaMemGetInfo(&available, &all);
+        c.status = PBW_ERROR_BACKEND;
+        say(c, "too little device memory: %.0f MB more are needed beside %.0f MB (about %.0f MB in all for this input); "
+               "%.0f MB of %.0f MB are free", (double)bytes * 1e-6, (double)c.used * 1e-6,
+            (double)c.count * bytes_a_point[c.dim - 2] * 1e-6, (double)available * 1e-6, (double)all * 1e-6);
+        return false;
+    }
+    if (good(c, error, "cudaMallocAsync")) {
+        c.block[c.blocks].address = block;
+        c.block[c.blocks++].bytes = bytes;
+        c.used += bytes;
+        address = (V *)block;
+    }
+    return c.status == PBW_OK;
+}
+
+/* Frees, or with keep only forgets, a block. */
+void release(call &c, const void *address, bool keep)
+{
+    for (int i = 0; i < c.blocks; i++) {
+        if (address != NULL && c.block[i].address == address) {
+            c.used -= c.block[i].bytes;
+            if (!keep) {
+                cudaFreeAsync(c.block[i].address, c.stream);
+            }
+            c.block[i] = c.block[--c.blocks];
+            return;
+        }
+    }
+}
+
+/* Waits for what the stream has so far; a job hears of progress meanwhile. */
+bool wait(call &c, pbw_stage stage, double done)
+{
+    cudaError_t error = cudaEventRecord(c.ready, c.stream);
+    while (error == cudaSuccess && (error = cudaEventQuery(c.ready)) == cudaErrorNotReady) {
+        if (c.job != NULL && c.status == PBW_OK && c.job->report(c.job, stage, done) != 0) {
+            c.status = PBW_CANCELLED;
+        }
+        std::this_thread::yield();
+        error = cudaSuccess;
+    }
+    return good(c, error, "waiting for the device");
+}
+
+template <typename V> bool read_back(call &c, V &value, const V *address, pbw_stage stage, double done)
+{
+    return c.status == PBW_OK && wait(c, stage, done)
+        && good(c, cudaMemcpyAsync(&value, address, sizeof(V), cudaMemcpyDeviceToHost, c.stream), "reading a count")
+        && good(c, cudaStreamSynchronize(c.stream), "reading a count");
+}
+
+template <typename V> bool fill(call &c, V *address, int byte, size_t count)
+{
+    return c.status == PBW_OK && good(c, cudaMemsetAsync(address, byte, count * sizeof(V), c.stream), "cudaMemsetAsync");
+}
+
+unsigned blocks_for(size_t threads, unsigned block)
+{
+    return (unsigned)((threads + block - 1) / block);
+}
+
+void note(call &c, int mark)
+{
+    good(c, cudaEventRecord(c.mark[mark], c.stream), "cudaEventRecord");
+}
+
+/* Keys sorted by their bits from low up. */
+bool sort_keys(call &c, uint64_t *&key, uint64_t *&spare, size_t count, int low, int high)
+{
+    size_t bytes = 0;
+    char *scratch = NULL;
+    cub::DoubleBuffer<uint64_t> buffer(key, spare);
+    if (!good(c, cub::DeviceRadixSort::SortKeys(NULL, bytes, buffer, count, low, high, c.stream), "sort")
+        || !allocate(c, scratch, bytes)
+        || !good(c, cub::DeviceRadixSort::SortKeys(scratch, bytes, buffer, count, low, high, c.stream), "sort")) {
+        return false;
+    }
+    key = buffer.Current();
+    spare = buffer.Alternate();
+    release(c, scratch, false);
+    return true;
+}
+
+bool sum_before(call &c, const uint32_t *value, uint32_t *sum, size_t count)
+{
+    size_t bytes = 0;
+    char *scratch = NULL;
+    if (!good(c, cub::DeviceScan::ExclusiveSum(NULL, bytes, value, sum, count, c.stream), "scan")
+        || !allocate(c, scratch, bytes)
+        || !good(c, cub::DeviceScan::ExclusiveSum(scratch, bytes, value, sum, count, c.stream), "scan")) {
+        return false;
+    }
+    release(c, scratch, false);
+    return true;
+}
+
+/* Fills s (all but high[] beyond dim), id and canonical. */
+bool order_points(call &c, const input &in, space &s, uint32_t *&id, uint32_t *canonical, bool &weighted,
+                  size_t &duplicates)
+{
+    survey *found_on_device = NULL, found;
+    uint64_t *key = NULL, *spare = NULL;
+    uint32_t *first = NULL, *rank = NULL;
+    record *point = NULL;
+    pbw__box domain;
+    curve automaton;
+    size_t n = in.count;
+    int index_bits = 1, bits, dim = in.dim;
+    unsigned blocks = blocks_for(n, 256);
+
+    memset(&found, 0, sizeof found);
+    memset(found.low, 0xff, sizeof found.low);
+    found.unit = 1024;
+    if (!allocate(c, found_on_device, 1)
+        || !good(c, cudaMemcpyAsync(found_on_device, &found, sizeof found, cudaMemcpyHostToDevice, c.stream), "copy")) {
+        return false;
+    }
+    survey_kernel<<<blocks < 2048 ? blocks : 2048, 256, 0, c.stream>>>(in, found_on_device);
+    if (!launched(c, "survey") || !read_back(c, found, found_on_device, PBW_STAGE_ORDER, 0.1)) {
+        return false;
+    }
+    if (found.bad != 0) {
+        return fail(c, PBW_ERROR_NOT_FINITE, "a coordinate or weight is not a finite number");
+    }
+    while (index_bits < 32 && ((uint64_t)n - 1) >> index_bits != 0) {
+        index_bits++;
+    }
+    bits = (index_bits + dim - 1) / dim + 4;         /* as pbw__order has it */
+    bits = bits > (64 - index_bits) / dim ? (64 - index_bits) / dim : bits;
+    pbw__box_reset(&domain, bits);
+    for (int k = 0; k < dim; k++) {
+        domain.low[k] = unordered(found.low[k]);
+        domain.high[k] = unordered(found.high[k]);
+    }
+    pbw__box_close(&domain, dim);
+    double weight_range = unordered(found.high[dim]) - unordered(found.low[dim]);
+    if (!(domain.extent > 1e-100 && domain.extent < 1e100)) {
+        return decline(c, "the extent of the points is beyond the range of the device code");
+    }
+    int exponent;
+    (void)frexp(domain.extent, &exponent);
+    s.unit = ldexp(1.0, 1 - exponent);
+    if (!(weight_range * (s.unit * s.unit) < 1e12)) {
+        return decline(c, "the weights are beyond the range of the device code");
+    }
+    weighted = in.weights != NULL && weight_range > 0.0;
+    s.heaviest = in.weights != NULL ? unordered(found.high[dim]) : 0.0;
+    for (int k = 0; k < 3; k++) {
+        s.low[k] = k < dim ? domain.low[k] : 0.0;
+        s.high[k] = k < dim ? (float)((domain.high[k] - domain.low[k]) * s.unit) : 0.0f;
+    }
+    s.grid.inverse_unit = 0.0;
+    s.grid.bits = 0;
+    if (found.unit > -500 && found.unit < 500) {
+        double inverse = ldexp(1.0, -found.unit), limit = 1.0;
+        int grid_bits = 0;
+        while (grid_bits < 54 && !(domain.extent * inverse < limit && weight_range * inverse * inverse < limit * limit)) {
+            limit *= 2.0;
+            grid_bits++;
+        }
+        if (grid_bits < 54) {
+            s.grid.inverse_unit = inverse;
+            s.grid.bits = grid_bits;
+        }
+    }
+    memcpy(automaton.plane, pbw__hilbert2, sizeof automaton.plane);
+    memcpy(automaton.space, pbw__hilbert3, sizeof automaton.space);
+    if (!allocate(c, key, n) || !allocate(c, spare, n)) {
+        return false;
+    }
+    key_kernel<<<blocks, 256, 0, c.stream>>>(in, domain, automaton, index_bits, key);
+    if (!launched(c, "keys") || !sort_keys(c, key, spare, n, index_bits, index_bits + bits * dim)) {
+        return false;
+    }
+    run_kernel<<<blocks, 256, 0, c.stream>>>(in, index_bits, key, found_on_device);
+    if (!launched(c, "runs") || !allocate(c, first, n)) {
+        return false;
+    }
+    place_kernel<<<blocks, 256, 0, c.stream>>>(in, index_bits, key, first, canonical, found_on_device);
+    if (!launched(c, "places") || !read_back(c, found, found_on_device, PBW_STAGE_ORDER, 0.5)) {
+        return false;
+    }
+    if (found.long_runs != 0) {
+        return decline(c, "many points lie close together on the scale of the whole");
+    }
+    duplicates = found.duplicates;
+    s.count = (uint32_t)(n - duplicates);
+    if (s.count < PBW_CUDA_FEW) {
+        return decline(c, "so few points are quicker on the CPU");
+    }
+    if (duplicates > 0 && (!allocate(c, rank, n) || !sum_before(c, first, rank, n))) {
+        return false;
+    }
+    if (!allocate(c, point, s.count) || !allocate(c, id, s.count)) {
+        return false;
+    }
+    gather_kernel<<<blocks, 256, 0, c.stream>>>(in, index_bits, key, first, rank, point, id);
+    s.point = point;
+    release(c, key, false);
+    release(c, spare, false);
+    release(c, first, false);
+    release(c, rank, false);
+    release(c, found_on_device, false);
+    return launched(c, "gather");
+}
+
+bool grow_tree(call &c, const space &s, int dim, tree &t)
+{
+    uint32_t size = (s.count + group_size - 1) / group_size;
+    for (t.levels = 0; ; size = (size + 31) / 32) {
+        box *b = NULL;
+        if (!allocate(c, b, size)) {
+            return false;
+        }
+        if (t.levels == 0) {
+            group_kernel<<<blocks_for(size, 128), 128, 0, c.stream>>>(s, dim, b, size);
+        } else {
+            box_kernel<<<blocks_for(size, 128), 128, 0, c.stream>>>(t.level[t.levels - 1], t.size[t.levels - 1], b, size);
+        }
+        t.level[t.levels] = b;
+        t.size[t.levels++] = size;
+        if (!launched(c, "boxes")) {
+            return false;
+        }
+        if (size <= 32) {
+            return true;
+        }
+    }
+}
+
+const int far_cap = 512, last_cap = 1 << 16;         /* looks at 32 points */
+const uint32_t last_warps = 64;
+
+/* All stars into out.  t.level[0] and lists come from before. */
+template <int DIM, bool WEIGHTED>
+bool build_stars(call &c, const space &s, const tree &t, const uint32_t *lists, const near_list *infos, const store &out,
+                 const queue *q, unsigned long long *seed, size_t *stars)
+{
+    typedef far_star<DIM, WEIGHTED, far_sizes> far_type;
+    typedef far_star<DIM, WEIGHTED, last_sizes> last_type;
+    const size_t near_bytes = sizeof(typename near_star<DIM, WEIGHTED>::type) * (near_block / 8);
+    const uint32_t chunk = 1u << 22, limit = 1024 + s.count / 256;
+    uint32_t failed = 0, last = 0;
+
+    for (int i = 0; i < 3; i++) {
+        fill(c, q[i].count, 0, 1);
+    }
+    fill(c, out.used, 0, 1);
+    fill(c, seed, 0, 4);
+    fill(c, out.owned + s.count, 0, 1);
+    stars[0] = s.count;
+    for (uint32_t first = 0; first < s.count && c.status == PBW_OK; first += chunk) {
+        uint32_t count = s.count - first < chunk ? s.count - first : chunk;
+        near_kernel<DIM, WEIGHTED><<<blocks_for(count, near_block / 8), near_block, near_bytes, c.stream>>>(
+            s, t.level[0], lists, infos, first, out, q[0]);
+        if (!launched(c, "near stars")) {
+            return false;
+        }
+        if (c.job != NULL && first == 0 && c.job->kept_points == NULL) {    /* the device is busy: time for the host's part */
+            pbw_status status = c.job->keep(c.job);
+            if (status != PBW_OK) {
+                return fail(c, status, "the points could not be kept");
+            }
+        }
+        if (first + count < s.count) {
+            wait(c, PBW_STAGE_BUILD, 0.8 * (double)first / (double)s.count);
+        }
+    }
+    note(c, 3);
+    if (!read_back(c, failed, q[0].count, PBW_STAGE_BUILD, 0.8)) {
+        return false;
+    }
+    stars[1] = failed;
+    if (failed > 0) {
+        for (int found = 1; found <= DIM; found++) {
+            unsigned blocks = blocks_for(s.count, 256);
+            seed_kernel<<<blocks < 1024 ? blocks : 1024, 256, 0, c.stream>>>(s, DIM, found, seed);
+        }
+        far_kernel<DIM, WEIGHTED, far_sizes, true><<<failed, 32, sizeof(typename far_type::type), c.stream>>>(
+            s, t, seed, q[0], failed, far_cap, limit, NULL, NULL, out, q[1], q[2]);
+        if (!launched(c, "far stars") || !read_back(c, last, q[1].count, PBW_STAGE_BUILD, 0.9)) {
+            return false;
+        }
+    }
+    stars[2] = last;
+    if (last > limit) {
+        return decline(c, "the stars of too many points are too large (cospherical points?)");
+    }
+    if (last > 0) {
+        uint32_t warps = last < last_warps ? last : last_warps, lost = 0;
+        typename last_type::type *scratch = NULL;
+        pbw__digit *pool = NULL;
+        queue nowhere = { q[0].vertex, q[0].count };
+        if (!fill(c, q[0].count, 0, 1) || !allocate(c, scratch, warps)
+            || !allocate(c, pool, (size_t)warps * 32 * PBW__POOL)) {
+            return false;
+        }
+        far_kernel<DIM, WEIGHTED, last_sizes, false><<<warps, 32, 0, c.stream>>>(
+            s, t, seed, q[1], last, last_cap, 0, scratch, pool, out, nowhere, q[2]);
+        if (!launched(c, "last stars") || !read_back(c, lost, nowhere.count, PBW_STAGE_BUILD, 0.95)) {
+            return false;
+        }
+        release(c, scratch, false);
+        release(c, pool, false);
+        if (lost > 0) {
+            return decline(c, "a star is too large for the device");
+        }
+    }
+    note(c, 4);
+    return c.status == PBW_OK;
+}
+
+bool copy_out(call &c, void *to, const void *from, size_t bytes)
+{
+    return c.status == PBW_OK && good(c, cudaEventRecord(c.copied, c.stream), "cudaEventRecord")
+        && good(c, cudaStreamWaitEvent(c.copies, c.copied, 0), "cudaStreamWaitEvent")
+        && good(c, cudaMemcpyAsync(to, from, bytes, cudaMemcpyDeviceToHost, c.copies), "copying results");
+}
+
+template <int DIM, bool WEIGHTED>
+bool build(call &c, const input &in, const space &s, const uint32_t *id, unsigned flags, pbw_cuda_mesh *mesh)
+{
+    tree t;
+    store out;
+    queue q[3] = { { NULL, NULL }, { NULL, NULL }, { NULL, NULL } };
+    uint32_t *lists = NULL, *counts = NULL, *offset = NULL, total = 0, hidden_count = 0;
+    near_list *infos = NULL;
+    unsigned long long *used_and_seed = NULL, used = 0;
+    cell<DIM> *cells = NULL;
+    unsigned star_blocks = blocks_for(s.count, emit_block / 8);
+
+    memset(&out, 0, sizeof out);
+    memset(&t, 0, sizeof t);
+    out.capacity = (unsigned long long)s.count * (DIM == 3 ? 12 : 5) + 4096;
+    if (!grow_tree(c, s, DIM, t) || !allocate(c, lists, (size_t)t.size[0] * list_size) || !allocate(c, infos, t.size[0])
+        || !allocate(c, counts, 4) || !allocate(c, used_and_seed, 5) || !allocate(c, out.place, s.count)
+        || !allocate(c, out.owned, (size_t)s.count + 1)) {
+        return false;
+    }
+    for (int i = 0; i < 3; i++) {
+        q[i].count = counts + i;
+        if (!allocate(c, q[i].vertex, s.count)) {
+            return false;
+        }
+    }
+    out.used = used_and_seed;
+    list_kernel<<<blocks_for(t.size[0], 4), 128, 0, c.stream>>>(t, DIM, lists, infos);
+    if (!launched(c, "lists")) {
+        return false;
+    }
+    note(c, 2);
+    for (;;) {                                       /* again if the store turns out too small */
+        if (!allocate(c, out.word, (size_t)out.capacity * 4)
+            || !build_stars<DIM, WEIGHTED>(c, s, t, lists, infos, out, q, used_and_seed + 1, mesh->stars)
+            || !read_back(c, used, out.used, PBW_STAGE_BUILD, 0.95)) {
+            return false;
+        }
+        if (used <= out.capacity) {
+            break;
+        }
+        release(c, out.word, false);
+        out.capacity = used + used / 16;
+    }
+    if (used > ((unsigned long long)1 << 32) - 16) {
+        return fail(c, PBW_ERROR_TOO_LARGE, "too many simplices for the index type");
+    }
+    release(c, lists, false);
+    release(c, infos, false);
+    if (!allocate(c, offset, (size_t)s.count + 1) || !sum_before(c, out.owned, offset, (size_t)s.count + 1)
+        || !read_back(c, total, offset + s.count, PBW_STAGE_OUTPUT, 0.0)) {
+        return false;
+    }
+    mesh->simplex_count = total;
+    note(c, 5);
+    if (!allocate(c, cells, total) || !allocate(c, mesh->simplices, (size_t)total * (DIM + 1))
+        || !allocate(c, mesh->incident, in.count)
+        || ((flags & PBW_NO_NEIGHBORS) == 0 && !allocate(c, mesh->neighbors, (size_t)total * (DIM + 1)))
+        || !fill(c, mesh->incident, 0xff, in.count) || !fill(c, counts + 3, 0, 1)) {
+        return false;
+    }
+    emit_kernel<DIM><<<star_blocks, emit_block, 0, c.stream>>>(s.count, out, offset, id, cells, mesh->simplices);
+    if (!launched(c, "simplices")) {
+        return false;
+    }
+    note(c, 6);
+    if (c.job != NULL) {
+        pbw_status status = c.job->reserve(c.job, total);
+        if (status != PBW_OK) {
+            return fail(c, status, "out of memory on the host");
+        }
+        if (!copy_out(c, c.job->simplices, mesh->simplices, (size_t)total * sizeof(cell<DIM>))) {
+            return false;
+        }
+    }
+    neighbor_kernel<DIM><<<star_blocks, emit_block, 0, c.stream>>>(s.count, out, offset, id, cells, mesh->neighbors,
+                                                                   mesh->incident, counts + 3);
+    if (mesh->stars[1] > 0) {
+        large_neighbor_kernel<DIM><<<blocks_for(mesh->stars[1], 4), 128, 0, c.stream>>>(q[2], out, offset, id, cells,
+                                                                                       mesh->neighbors, mesh->incident);
+    }
+    if (!launched(c, "neighbours")) {
+        return false;
+    }
+    note(c, 7);
+    if (c.job != NULL && ((mesh->neighbors != NULL
+                           && !copy_out(c, c.job->neighbors, mesh->neighbors, (size_t)total * sizeof(cell<DIM>)))
+                          || !copy_out(c, c.job->incident, mesh->incident, in.count * sizeof(pbw_index))
+                          || !copy_out(c, c.job->canonical, mesh->canonical, in.count * sizeof(pbw_index)))) {
+        return false;
+    }
+    if (!read_back(c, hidden_count, counts + 3, PBW_STAGE_OUTPUT, 0.5)) {
+        return false;
+    }
+    mesh->hidden_count = hidden_count;
+    return true;
+}
+
+bool run(call &c, const input &in, unsigned flags, pbw_cuda_mesh *mesh)
+{
+    space s;
+    uint32_t *id = NULL;
+    bool weighted = false, done;
+    memset(&s, 0, sizeof s);
+    c.dim = in.dim;
+    c.count = in.count;
+    mesh->dim = in.dim;
+    mesh->point_count = in.count;
+    if (in.count < PBW_CUDA_FEW) {
+        return decline(c, "so few points are quicker on the CPU");
+    }
+    if (in.count >= (size_t)1 << 31) {
+        return decline(c, "too many points for the device code");
+    }
+    note(c, 0);
+    if (!allocate(c, mesh->canonical, in.count)
+        || !order_points(c, in, s, id, mesh->canonical, weighted, mesh->duplicate_count)) {
+        return false;
+    }
+    note(c, 1);
+    if (in.dim == 3) {
+        done = weighted ? build<3, true>(c, in, s, id, flags, mesh) : build<3, false>(c, in, s, id, flags, mesh);
+    } else {
+        done = weighted ? build<2, true>(c, in, s, id, flags, mesh) : build<2, false>(c, in, s, id, flags, mesh);
+    }
+    for (int i = 0; i < 8 && done; i++) {
+        done = good(c, cudaEventElapsedTime(&mesh->milliseconds[i], c.mark[i < 7 ? i : 0], c.mark[i < 7 ? i + 1 : 7]),
+                    "cudaEventElapsedTime");
+    }
+    return done;
+}
+
+/* ------------------------------------------------------------------------------------------------------
+   >>entry        The backend, and the entry for points on the device.
+   ------------------------------------------------------------------------------------------------------ */
+bool open_call(call &c, cudaStream_t stream, pbw_job *job, char *message, size_t message_size)
+{
+    int device = 0, pools = 0;
+    memset(&c, 0, sizeof c);
+    c.stream = stream;
+    c.job = job;
+    c.message = message;
+    c.message_size = message_size;
+    if (!good(c, cudaGetDevice(&device), "no usable device")
+        || !good(c, cudaDeviceGetAttribute(&pools, cudaDevAttrMemoryPoolsSupported, device), "cudaDeviceGetAttribute")) {
+        return false;
+    }
+    if (!pools) {
+        return fail(c, PBW_ERROR_BACKEND, "the device or its driver has no memory pools");
+    }
+    for (int i = 0; i < 8; i++) {
+        good(c, cudaEventCreate(&c.mark[i]), "cudaEventCreate");
+    }
+    good(c, cudaEventCreateWithFlags(&c.ready, cudaEventDisableTiming), "cudaEventCreate");
+    good(c, cudaEventCreateWithFlags(&c.copied, cudaEventDisableTiming), "cudaEventCreate");
+    return c.status == PBW_OK;
+}
+
+/* Frees all but what the mesh has; the stream may still have work for it. */
+void close_call(call &c, pbw_cuda_mesh *mesh)
+{
+    const void *kept[4] = { mesh->simplices, mesh->neighbors, mesh->incident, mesh->canonical };
+    for (int i = 0; i < 4; i++) {
+        release(c, kept[i], true);
+    }
+    while (c.blocks > 0) {
+        release(c, c.block[0].address, false);
+    }
+    for (int i = 0; i < 10; i++) {
+        cudaEvent_t event = i < 8 ? c.mark[i] : i == 8 ? c.ready : c.copied;
+        if (event != NULL) {
+            cudaEventDestroy(event);
+        }
+    }
+    (void)cudaGetLastError();
+}
+
+/* The input of a job on the device; strided input is packed on the host first. */
+bool upload(call &c, input &in)
+{
+    pbw_job *job = c.job;
+    const void *points = job->points, *weights = job->weights;
+    size_t size = job->is_float ? sizeof(float) : sizeof(double);
+    char *on_device = NULL;
+    in.dim = job->dim;
+    in.count = job->count;
+    in.is_float = job->is_float;
+    in.points = in.weights = NULL;
+    if (job->stride != (size_t)job->dim * size || (weights != NULL && job->weight_stride != size)) {
+        pbw_status status = job->keep(job);
+        if (status != PBW_OK) {
+            return fail(c, status, "the points could not be kept");
+        }
+        points = job->kept_points;
+        weights = job->kept_weights;
+        in.is_float = 0;
+        size = sizeof(double);
+    }
+    for (int part = 0; part < (weights != NULL ? 2 : 1); part++) {
+        size_t bytes = job->count * size * (part == 0 ? (size_t)job->dim : 1);
+        if (!allocate(c, on_device, bytes)
+            || !good(c, cudaMemcpyAsync(on_device, part == 0 ? points : weights, bytes, cudaMemcpyHostToDevice, c.stream),
+                     "copying points")) {
+            return false;
+        }
+        (part == 0 ? in.points : in.weights) = on_device;
+    }
+    return true;
+}
+
+pbw_status triangulate(const pbw_backend *backend, pbw_job *job)
+{
+    int device = *(const int *)backend->user, before = 0, devices = 0;
+    cudaError_t error = cudaGetDeviceCount(&devices);
+    pbw_cuda_mesh mesh;
+    cudaStream_t stream = NULL;
+    call c;
+    input in;
+    memset(&mesh, 0, sizeof mesh);
+    memset(&c, 0, sizeof c);
+    c.job = job;
+    if (job->count < PBW_CUDA_FEW) {
+        decline(c, "so few points are quicker on the CPU");
+        job->declined = 1;
+        return c.status;
+    }
+    if (error != cudaSuccess || device >= devices) {
+        say(c, "device %d: %s", device, error != cudaSuccess ? cudaGetErrorString(error) : "there is no such device");
+        return PBW_ERROR_BACKEND;
+    }
+    if (!good(c, cudaGetDevice(&before), "cudaGetDevice") || !good(c, cudaSetDevice(device), "cudaSetDevice")) {
+        return c.status;
+    }
+    if (good(c, cudaStreamCreateWithFlags(&stream, cudaStreamNonBlocking), "no stream on the device")
+        && open_call(c, stream, job, NULL, 0)
+        && good(c, cudaStreamCreateWithFlags(&c.copies, cudaStreamNonBlocking), "cudaStreamCreate") && upload(c, in)) {
+        run(c, in, job->flags, &mesh);
+    }
+    job->duplicate_count = mesh.duplicate_count;
+    job->hidden_count = mesh.hidden_count;
+    job->declined = c.declined;
+    if (c.copies != NULL) {                          /* copies into the job's memory must end before it may be freed */
+        good(c, cudaStreamSynchronize(c.copies), "copying results");
+        cudaStreamDestroy(c.copies);
+    }
+    memset(&mesh, 0, sizeof mesh);
+    close_call(c, &mesh);
+    if (stream != NULL) {
+        good(c, cudaStreamSynchronize(stream), "waiting for the device");
+        cudaStreamDestroy(stream);
+    }
+    cudaSetDevice(before);
+    return c.status;
+}
+
+} /* namespace */
+
+extern "C" const pbw_backend *pbw_cuda_backend(int device)
+{
+    static const int number[8] = { 0, 1, 2, 3, 4, 5, 6, 7 };
+    static const pbw_backend backend[8] = {
+        { PBW_VERSION, triangulate, (void *)&number[0] }, { PBW_VERSION, triangulate, (void *)&number[1] },
+        { PBW_VERSION, triangulate, (void *)&number[2] }, { PBW_VERSION, triangulate, (void *)&number[3] },
+        { PBW_VERSION, triangulate, (void *)&number[4] }, { PBW_VERSION, triangulate, (void *)&number[5] },
+        { PBW_VERSION, triangulate, (void *)&number[6] }, { PBW_VERSION, triangulate, (void *)&number[7] }
+    };
+    return device >= 0 && device < 8 ? &backend[device] : NULL;
+}
+
+extern "C" pbw_status pbw_cuda_triangulate(int dim, int is_float, const void *points, const void *weights, size_t count,
+                                           unsigned flags, void *stream, pbw_cuda_mesh *mesh, char *message,
+                                           size_t message_size)
+{
+    call c;
+    input in = { points, weights, count, dim, is_float };
+    if (mesh == NULL || (dim != 2 && dim != 3) || (points == NULL && count > 0)) {
+        return PBW_ERROR_ARGUMENT;
+    }
+    memset(mesh, 0, sizeof *mesh);
+    if (open_call(c, (cudaStream_t)stream, NULL, message, message_size)) {
+        run(c, in, flags, mesh);
+    }
+    if (c.status != PBW_OK) {                        /* everything is still in the list of blocks */
+        memset(mesh, 0, sizeof *mesh);
+    }
+    close_call(c, mesh);
+    return c.status;
+}
+
+extern "C" void pbw_cuda_free(pbw_cuda_mesh *mesh, void *stream)
+{
+    if (mesh != NULL) {
+        pbw_index *array[4] = { mesh->simplices, mesh->neighbors, mesh->incident, mesh->canonical };
+        for (int i = 0; i < 4; i++) {
+            if (array[i] != NULL) {
+                cudaFreeAsync(array[i], (cudaStream_t)stream);
+            }
+        }
+        memset(mesh, 0, sizeof *mesh);
+    }
+}
