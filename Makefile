@@ -122,3 +122,4 @@ clean:
 	rm -rf $B
 
 -include bench/bench.mk
+-include tests/cuda.mk

@@ -881,6 +881,7 @@ template <int T, int DIM, bool WEIGHTED, int NT, int NV, int SCRATCH>
 __device__ inline void find_used(star<DIM, WEIGHTED, NT, NV, SCRATCH> &s, bool go, int count)
 {
     int lane = (int)threadIdx.x & (T - 1);
+    __syncwarp();
     if (go) {
         for (int i = lane; i < s.words; i += T) {
             s.used[i] = i == 0;
@@ -1087,7 +1088,9 @@ __device__ inline void finish(star<DIM, WEIGHTED, NT, NV, SCRATCH> &s, bool go, 
     int lane = (int)threadIdx.x & (T - 1), vertices = 0;
     find_used<T>(s, go, count);
     if (go) {
-        s.id[0] = none;
+        if (lane == 0) {
+            s.id[0] = none;
+        }
         for (int i = 0; i < s.words; i++) {
             vertices += __popc(s.used[i]);
         }
@@ -1095,6 +1098,7 @@ __device__ inline void finish(star<DIM, WEIGHTED, NT, NV, SCRATCH> &s, bool go, 
     }
     bool closed = true;
     int owned = 0;
+    __syncwarp();
     if (go) {
         for (int t = lane; t < count; t += T) {
             bool mine = true;
@@ -1594,6 +1598,14 @@ __device__ inline bool start_from_seeds(star<DIM, WEIGHTED, NT, NV, SCRATCH> &s,
     return true;
 }
 
+/* A call: inlined into the search, ptxas 13.0 at -O2 and above gets some insertions wrong (at -O1 none). */
+template <int DIM, bool WEIGHTED, int NT, int NV, int SCRATCH>
+__device__ __noinline__ int far_insert(star<DIM, WEIGHTED, NT, NV, SCRATCH> &s, const space &all, uint32_t v, uint32_t id,
+                                       const place &p, int &count, pbw__digit *pool)
+{
+    return insert<32>(s, all, v, true, id, p, count, pool);
+}
+
 /* One star; returns true if it is certified (count triangles) or its vertex is hidden (count 0). */
 template <int DIM, bool WEIGHTED, int NT, int NV, int SCRATCH>
 __device__ inline bool far_star_of(star<DIM, WEIGHTED, NT, NV, SCRATCH> &s, const space &all, const tree &boxes,
@@ -1705,7 +1717,7 @@ __device__ inline bool far_star_of(star<DIM, WEIGHTED, NT, NV, SCRATCH> &s, cons
         }
         if (!any(known)) {
             place at = relative<DIM>(all, own, all.point[next]);
-            int result = insert<32>(s, all, v, true, next, at, count, pool);
+            int result = far_insert(s, all, v, next, at, count, pool);
             if (WEIGHTED && result == star_hidden) {
                 count = 0;
                 return true;
@@ -1732,7 +1744,8 @@ far_kernel(const __grid_constant__ space all, const __grid_constant__ tree boxes
     for (uint32_t i = blockIdx.x; i < total; i += gridDim.x) {
         uint32_t v = work.vertex[i];
         int count = 0;
-        if (*(volatile uint32_t *)failed.count > limit) {
+        uint32_t failures = threadIdx.x == 0 ? *(volatile uint32_t *)failed.count : 0;
+        if (__shfl_sync(all_lanes, failures, 0) > limit) {
             return;
         }
         bool good = far_star_of(s, all, boxes, seed, v, cap, digits, count);

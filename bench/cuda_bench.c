@@ -1,0 +1,259 @@
+/* cuda_bench.c: pbw_cuda.cu measured, and checked against the CPU in the same run
+
+       build/cuda_bench [--quick] [--cpu N] [--runs N] [KIND:DIM:COUNT[:w] ...]
+
+   device     from points on the device to arrays on the device: best and median of the runs, and its phases
+   host       pbw_triangulate with the backend, from host memory to host memory: the same.  Points and results are in
+              pinned blocks that were touched before, which options.resize hands out again; pageable: the same with
+              malloc'd memory that is new to the process.
+   CPU        pbw_triangulate without the backend on all threads, once, for up to --cpu points (1e6): the arrays must be
+              equal, byte for byte, or the row says DIFFERENT and the exit status is 1
+   The first run of each row warms up and is not counted.  Memory stays in the device's pool between runs. */
+#define _POSIX_C_SOURCE 200112L
+#include "../pbw.h"
+#include "../tests/inputs.h"
+#include <cuda_runtime_api.h>
+#include <stdio.h>
+#include <stdlib.h>
+#include <time.h>
+
+#define RUNS_MOST 100
+
+static double seconds(void)
+{
+    struct timespec now;
+    clock_gettime(CLOCK_MONOTONIC, &now);
+    return (double)now.tv_sec + 1e-9 * (double)now.tv_nsec;
+}
+
+/* ---- an allocator that keeps its blocks, pinned */
+typedef struct block { void *address; size_t bytes; int busy; } block;
+typedef struct keeper { block blocks[64]; int count; } keeper;
+
+static void *keeper_resize(void *user, void *address, size_t old_bytes, size_t bytes)
+{
+    keeper *k = (keeper *)user;
+    int i, best = -1;
+    void *fresh;
+    if (bytes > 0) {
+        for (i = 0; i < k->count; i++) {
+            if (!k->blocks[i].busy && k->blocks[i].bytes >= bytes
+                && (best < 0 || k->blocks[i].bytes < k->blocks[best].bytes)) {
+                best = i;
+            }
+        }
+        if (best < 0) {
+            if (k->count == 64 || cudaMallocHost(&fresh, bytes) != cudaSuccess) {
+                return NULL;
+            }
+            memset(fresh, 1, bytes);
+            best = k->count++;
+            k->blocks[best].address = fresh;
+            k->blocks[best].bytes = bytes;
+        }
+        k->blocks[best].busy = 1;
+        if (address != NULL) {
+            memcpy(k->blocks[best].address, address, old_bytes < bytes ? old_bytes : bytes);
+        }
+    }
+    for (i = 0; i < k->count; i++) {
+        if (address != NULL && k->blocks[i].address == address) {
+            k->blocks[i].busy = 0;
+        }
+    }
+    return bytes > 0 ? k->blocks[best].address : NULL;
+}
+
+static int compare_doubles(const void *a, const void *b)
+{
+    double x = *(const double *)a, y = *(const double *)b;
+    return (x > y) - (x < y);
+}
+
+static int equal(const pbw_mesh *a, const pbw_mesh *b)
+{
+    size_t links = a->simplex_count * ((size_t)a->dim + 1) * sizeof(pbw_index), each = a->point_count * sizeof(pbw_index);
+    return a->simplex_count == b->simplex_count && a->hidden_count == b->hidden_count
+        && a->duplicate_count == b->duplicate_count && memcmp(a->simplices, b->simplices, links) == 0
+        && memcmp(a->neighbors, b->neighbors, links) == 0 && memcmp(a->incident, b->incident, each) == 0
+        && memcmp(a->canonical, b->canonical, each) == 0;
+}
+
+static int row(const char *kind_name, int dim, size_t count, int weighted, int runs, size_t cpu_most, keeper *memory)
+{
+    static const char *const phase[8] = { "order", "boxes", "near", "far", "count", "simplices", "neighbors", "all" };
+    int kind, run, i, fault = 0, by_backend = 0;
+    double times[RUNS_MOST], *points, *weights = NULL;
+    void *points_on_device = NULL, *weights_on_device = NULL;
+    char message[256] = "";
+    pbw_options options;
+    pbw_mesh mesh;
+    pbw_cuda_mesh device_mesh;
+    pbw_status status = PBW_OK;
+    size_t point_bytes = count * (size_t)dim * sizeof(double), simplices = 0, free_before, free_after, all;
+    for (kind = 0; kind < INPUT_KINDS && strcmp(kind_name, input_name(kind)) != 0; kind++) {
+    }
+    if (kind == INPUT_KINDS || cudaMallocHost((void **)&points, point_bytes) != cudaSuccess
+        || (weighted && cudaMallocHost((void **)&weights, count * sizeof(double)) != cudaSuccess)) {
+        printf("%s: no such kind, or out of memory\n", kind_name);
+        return 1;
+    }
+    input_fill(kind, dim, count, 1, points);
+    if (weighted) {
+        input_fill_weights(INPUT_WEIGHTS_HIDING, dim, count, 1, points, weights);
+    }
+    memset(&options, 0, sizeof options);
+    memset(&mesh, 0, sizeof mesh);
+    printf("%s%s %dD %zu\n", kind_name, weighted ? " weighted" : "", dim, count);
+
+    cudaMemGetInfo(&free_before, &all);
+    if (cudaMalloc(&points_on_device, point_bytes) == cudaSuccess
+        && (!weighted || cudaMalloc(&weights_on_device, count * sizeof(double)) == cudaSuccess)) {
+        cudaMemcpy(points_on_device, points, point_bytes, cudaMemcpyHostToDevice);
+        if (weighted) {
+            cudaMemcpy(weights_on_device, weights, count * sizeof(double), cudaMemcpyHostToDevice);
+        }
+        for (run = 0; run <= runs && status == PBW_OK; run++) {
+            double start;
+            cudaDeviceSynchronize();
+            start = seconds();
+            status = pbw_cuda_triangulate(dim, 0, points_on_device, weights_on_device, count, 0, NULL, &device_mesh,
+                                          message, sizeof message);
+            cudaDeviceSynchronize();
+            times[run > 0 ? run - 1 : 0] = seconds() - start;
+            if (status == PBW_OK && run == runs) {
+                cudaMemGetInfo(&free_after, &all);
+                simplices = device_mesh.simplex_count;
+                qsort(times, (size_t)runs, sizeof times[0], compare_doubles);
+                printf("  device    best %.2f median %.2f ms; %zu simplices; stars %zu, %zu, %zu; %.0f device bytes a point\n"
+                       "   ", 1e3 * times[0], 1e3 * times[runs / 2], simplices, device_mesh.stars[0],
+                       device_mesh.stars[1], device_mesh.stars[2], (double)(free_before - free_after) / (double)count);
+                for (i = 0; i < 8; i++) {
+                    printf(" %s %.2f", phase[i], (double)device_mesh.milliseconds[i]);
+                }
+                printf("\n");
+            }
+            if (status == PBW_OK) {
+                pbw_cuda_free(&device_mesh, NULL);
+            }
+        }
+    }
+    if (status != PBW_OK) {
+        printf("  device    %s: %s\n", pbw_status_string(status), message);
+    }
+    cudaFree(points_on_device);
+    cudaFree(weights_on_device);
+
+    options.backend = pbw_cuda_backend(0);
+    options.message = message;
+    options.message_size = sizeof message;
+    options.resize = keeper_resize;
+    options.resize_user = memory;
+    for (run = 0; run <= runs; run++) {
+        double start;
+        if (run > 0) {
+            pbw_free(&mesh);
+        }
+        start = seconds();
+        status = pbw_triangulate(dim, points, weights, count, &options, &mesh);
+        times[run > 0 ? run - 1 : 0] = seconds() - start;
+        by_backend = mesh.statistics.by_backend;
+        if (status != PBW_OK || !by_backend) {
+            break;
+        }
+    }
+    if (status == PBW_OK && by_backend) {
+        qsort(times, (size_t)runs, sizeof times[0], compare_doubles);
+        printf("  host      best %.2f median %.2f ms, pinned and touched\n", 1e3 * times[0], 1e3 * times[runs / 2]);
+    } else {
+        printf("  host      %s, %s: %s\n", pbw_status_string(status), by_backend ? "GPU" : "by the CPU", message);
+        fault |= status != PBW_OK;
+    }
+    if (status == PBW_OK && by_backend && count <= 20000000) {
+        pbw_mesh other;
+        double start = seconds(), gpu = times[0];
+        options.resize = NULL;
+        status = pbw_triangulate(dim, points, weights, count, &options, &other);
+        printf("  pageable  %.2f ms, fresh memory\n", 1e3 * (seconds() - start));
+        pbw_free(&other);
+        if (count <= cpu_most) {
+            int same;
+            options.backend = NULL;
+            start = seconds();
+            status = pbw_triangulate(dim, points, weights, count, &options, &other);
+            start = seconds() - start;
+            same = status == PBW_OK && equal(&mesh, &other);
+            printf("  CPU       %.2f ms, %.1f times the host time above: %s\n", 1e3 * start, start / gpu,
+                   same ? "equal" : "DIFFERENT");
+            fault |= !same;
+            pbw_free(&other);
+        }
+    }
+    pbw_free(&mesh);
+    cudaFreeHost(points);
+    cudaFreeHost(weights);
+    fflush(stdout);
+    return fault;
+}
+
+int main(int argc, char **argv)
+{
+    static const char *const quick[] = { "uniform:3:1000000", "uniform:2:1000000", "uniform:3:1000000:w" };
+    static const char *const usual[] = {
+        "uniform:3:1000000", "uniform:3:10000000", "gauss:3:1000000", "ball:3:1000000", "clusters:3:1000000",
+        "sphere:3:200000", "lattice:3:1000000", "uniform:3:1000000:w", "uniform:2:1000000", "uniform:2:10000000",
+        "uniform:2:1000000:w", "lattice:2:1000000"
+    };
+    const char *const *rows = usual;
+    int i, runs = 5, fault = 0, device = 0, row_count = (int)(sizeof usual / sizeof usual[0]);
+    size_t cpu_most = 1000000;
+    cudaMemPool_t pool;
+    uint64_t keep = UINT64_MAX;
+    static keeper memory;
+    struct cudaDeviceProp properties;
+    for (i = 1; i < argc && argv[i][0] == '-'; i++) {
+        if (strcmp(argv[i], "--quick") == 0) {
+            rows = quick;
+            row_count = (int)(sizeof quick / sizeof quick[0]);
+        } else if (i + 1 < argc && strcmp(argv[i], "--cpu") == 0) {
+            cpu_most = (size_t)strtod(argv[++i], NULL);
+        } else if (i + 1 < argc && strcmp(argv[i], "--runs") == 0) {
+            runs = atoi(argv[++i]);
+            runs = runs < 1 ? 1 : runs > RUNS_MOST ? RUNS_MOST : runs;
+        } else {
+            printf("usage: cuda_bench [--quick] [--cpu N] [--runs N] [KIND:DIM:COUNT[:w] ...]\n");
+            return 2;
+        }
+    }
+    if (cudaGetDeviceProperties(&properties, device) != cudaSuccess) {
+        printf("skipped: no CUDA device\n");
+        return 0;
+    }
+    printf("%s, compute capability %d.%d, %d multiprocessors, %.0f MB\n", properties.name, properties.major,
+           properties.minor, properties.multiProcessorCount, (double)properties.totalGlobalMem * 1e-6);
+    fflush(stdout);
+    if (i < argc) {
+        rows = (const char *const *)argv + i;
+        row_count = argc - i;
+    }
+    if (system("nvidia-smi --query-gpu=clocks.sm,clocks.mem,temperature.gpu,power.draw --format=csv,noheader") != 0) {
+        printf("clocks unknown\n");
+    }
+    if (cudaDeviceGetDefaultMemPool(&pool, device) == cudaSuccess) {
+        cudaMemPoolSetAttribute(pool, cudaMemPoolAttrReleaseThreshold, &keep);
+    }
+    for (i = 0; i < row_count; i++) {
+        char kind[32], weights = 0;
+        int dim;
+        double count;
+        if (sscanf(rows[i], "%31[^:]:%d:%lf:%c", kind, &dim, &count, &weights) < 3) {
+            printf("%s: not KIND:DIM:COUNT[:w]\n", rows[i]);
+            return 2;
+        }
+        fault |= row(kind, dim, (size_t)count, weights == 'w', runs, cpu_most, &memory);
+    }
+    if (system("nvidia-smi --query-gpu=clocks.sm,clocks_throttle_reasons.active --format=csv,noheader") != 0) {
+        printf("clocks unknown\n");
+    }
+    return fault;
+}

@@ -1,0 +1,44 @@
+# cuda.mk: pbw_cuda.cu, included by the Makefile.
+#   make cuda          compiles it where there is an nvcc: NVCC=, CUDA_FLAGS=-arch=sm_90
+#   make cuda-test     compares it with the CPU on a GPU, then on small inputs under compute-sanitizer
+#   make cuda-bench    measures it: ARGS=--quick, or KIND:DIM:COUNT[:w] ...
+NVCC ?= $(firstword $(shell command -v nvcc) $(wildcard /usr/local/cuda/bin/nvcc))
+CUDA_HOME ?= $(patsubst %/bin/nvcc,%,$(NVCC))
+CUDA_FLAGS ?= -O3
+CUDA_C = $(CC) -std=c99 $(CFLAGS) $(WARN) -I. -isystem $(CUDA_HOME)/include
+CUDA_SANITIZER = $(firstword $(shell command -v compute-sanitizer) $(wildcard $(CUDA_HOME)/bin/compute-sanitizer))
+
+.PHONY: cuda cuda-test cuda-bench cuda-test-programs
+$B/cuda.o: pbw_cuda.cu pbw.h
+	@mkdir -p $B
+	$(NVCC) $(CUDA_FLAGS) -diag-suppress 1675 -c $< -o $@
+
+$B/cuda_few.o: pbw_cuda.cu pbw.h
+	@mkdir -p $B
+	$(NVCC) $(CUDA_FLAGS) -diag-suppress 1675 -DPBW_CUDA_FEW=8 -c $< -o $@
+
+$B/cuda_test: tests/cuda_test.c $(HEADERS) $B/cuda_few.o
+	$(CUDA_C) -c $< -o $@.o
+	$(NVCC) $(CUDA_FLAGS) $@.o $B/cuda_few.o -o $@ -lpthread -lm
+
+$B/cuda_bench: bench/cuda_bench.c $(HEADERS) $B/cuda.o $B/libpbw.a
+	$(CUDA_C) -c $< -o $@.o
+	$(NVCC) $(CUDA_FLAGS) $@.o $B/cuda.o $B/libpbw.a -o $@ -lpthread -lm
+
+ifeq ($(NVCC),)
+cuda cuda-bench:
+	@echo 'skipped: no nvcc'
+cuda-test:
+	@echo 'skipped: no nvcc'
+	@echo '0 passed, 0 failed, 1 skipped'
+else
+cuda: $B/cuda.o
+cuda-bench: $B/cuda_bench
+	./$B/cuda_bench $(ARGS)
+cuda-test: $B/cuda_test
+	./$B/cuda_test $(COUNT:%=--count %)
+ifneq ($(CUDA_SANITIZER),)
+	$(CUDA_SANITIZER) --tool memcheck --leak-check full --error-exitcode 1 ./$B/cuda_test --filter grids --count 5
+	$(CUDA_SANITIZER) --tool racecheck --error-exitcode 1 ./$B/cuda_test --filter grids --count 3
+endif
+endif
