@@ -165,7 +165,7 @@ __device__ inline unsigned long long ordered(double value)
     return bits >> 63 != 0 ? ~bits : bits | 1ull << 63;
 }
 
-double unordered(unsigned long long bits)
+__host__ __device__ inline double unordered(unsigned long long bits)
 {
     double value;
     bits = bits >> 63 != 0 ? bits & ~(1ull << 63) : ~bits;
@@ -176,8 +176,9 @@ double unordered(unsigned long long bits)
 /* ------------------------------------------------------------------------------------------------------
    >>curve        Points in the order of the Hilbert curve, duplicates set aside.
    In: packed points and weights.  Out: records by rank, the caller's id of each rank, and for each point the one that
-   it duplicates, all as >>order of pbw.h has them: the same keys, and short runs of equal keys put into lexicographic
-   order.  Long runs, which get keys of their own there, are left to the CPU.
+   it duplicates, all as >>order of pbw.h has them: the same keys; short runs of equal keys put into lexicographic order;
+   the points of a long run get keys from a grid over their own box, and so on.  The long runs of one depth are taken
+   together: their points are gathered, sorted by the new key, then by their run, and put back.
    ------------------------------------------------------------------------------------------------------ */
 const int short_run = 12;
 
@@ -261,34 +262,39 @@ __global__ void survey_kernel(input in, survey *out)
 }
 
 /* As pbw__hilbert_key, with the index below it. */
+__device__ uint64_t key_of(const input &in, const double *low, double scale, double extent, int bits,
+                           const curve &automaton, int index_bits, uint64_t index)
+{
+    double c[4];
+    uint32_t cell[3] = { 0, 0, 0 }, last = (1u << bits) - 1;
+    uint64_t digits = 0;
+    unsigned state = 0;
+    fetch(in, (size_t)index, c);
+    for (int k = 0; k < in.dim; k++) {
+        double t = __dmul_rn(__dsub_rn(__dmul_rn(scale, c[k]), __dmul_rn(scale, low[k])) / extent, (double)(last + 1));
+        cell[k] = t < (double)last ? (uint32_t)t : last;
+    }
+    for (int bit = bits - 1; bit >= 0; bit--) {
+        unsigned octant = (cell[0] >> bit & 1) | (cell[1] >> bit & 1) << 1;
+        if (in.dim == 3) {
+            unsigned step = automaton.space[state][octant | (cell[2] >> bit & 1) << 2];
+            digits = digits << 3 | (step & 7);
+            state = step >> 3;
+        } else {
+            unsigned step = automaton.plane[state][octant];
+            digits = digits << 2 | (step & 3);
+            state = step >> 2;
+        }
+    }
+    return digits << index_bits | index;
+}
+
 __global__ void key_kernel(input in, pbw__box domain, const __grid_constant__ curve automaton, int index_bits,
                            uint64_t *key)
 {
     size_t i = thread_number();
     if (i < in.count) {
-        double c[4];
-        uint32_t cell[3] = { 0, 0, 0 }, last = (1u << domain.bits) - 1;
-        uint64_t digits = 0;
-        unsigned state = 0;
-        fetch(in, i, c);
-        for (int k = 0; k < in.dim; k++) {
-            double t = __dmul_rn(__dsub_rn(__dmul_rn(domain.scale, c[k]), __dmul_rn(domain.scale, domain.low[k]))
-                                 / domain.extent, (double)(last + 1));
-            cell[k] = t < (double)last ? (uint32_t)t : last;
-        }
-        for (int bit = domain.bits - 1; bit >= 0; bit--) {
-            unsigned octant = (cell[0] >> bit & 1) | (cell[1] >> bit & 1) << 1;
-            if (in.dim == 3) {
-                unsigned step = automaton.space[state][octant | (cell[2] >> bit & 1) << 2];
-                digits = digits << 3 | (step & 7);
-                state = step >> 3;
-            } else {
-                unsigned step = automaton.plane[state][octant];
-                digits = digits << 2 | (step & 3);
-                state = step >> 2;
-            }
-        }
-        key[i] = digits << index_bits | i;
+        key[i] = key_of(in, domain.low, domain.scale, domain.extent, domain.bits, automaton, index_bits, i);
     }
 }
 
@@ -302,19 +308,38 @@ __device__ bool comes_before(const double *x, uint64_t i, const double *y, uint6
     return x[dim] != y[dim] ? x[dim] > y[dim] : i < j;
 }
 
-/* The first of each short run puts it into order: lexicographic, then the larger weight, then the lower index. */
-__global__ void run_kernel(input in, int index_bits, uint64_t *key, survey *out)
+/* Long runs: where they begin and end among all keys, and among the gathered ones. */
+struct run_list {
+    uint32_t *head, *end, *length, *offset;
+};
+
+/* Finds runs among keys, which are all keys or, with segment, those gathered from the runs of a list.  The first of a
+   short run puts it into order: lexicographic, then the larger weight, then the lower index.  Long ones go to found, with
+   the end of all that they could reach. */
+__global__ void run_kernel(input in, int index_bits, uint64_t *key, size_t count, const uint32_t *segment, run_list of,
+                           run_list found, survey *out)
 {
-    size_t i = thread_number(), end = i + 1;
+    size_t i = thread_number(), end = i + 1, begin = 0, limit = count, shift = 0;
     const uint64_t mask = ((uint64_t)1 << index_bits) - 1;
-    if (i >= in.count || (i > 0 && key[i - 1] >> index_bits == key[i] >> index_bits)) {
+    if (i >= count) {
         return;
     }
-    while (end < in.count && end - i <= short_run && key[end] >> index_bits == key[i] >> index_bits) {
+    if (segment != NULL) {
+        uint32_t r = segment[i];
+        begin = of.offset[r];
+        limit = begin + of.length[r];
+        shift = of.head[r] - begin;
+    }
+    if (i > begin && key[i - 1] >> index_bits == key[i] >> index_bits) {
+        return;
+    }
+    while (end < limit && end - i <= short_run && key[end] >> index_bits == key[i] >> index_bits) {
         end++;
     }
     if (end - i > short_run) {
-        atomicAdd(&out->long_runs, 1u);
+        uint32_t at = atomicAdd(&out->long_runs, 1u);
+        found.head[at] = (uint32_t)(i + shift);
+        found.end[at] = (uint32_t)(limit + shift);
         return;
     }
     for (size_t j = i + 1; j < end; j++) {
@@ -333,23 +358,120 @@ __global__ void run_kernel(input in, int index_bits, uint64_t *key, survey *out)
     }
 }
 
+/* A warp a run: its length; 0 if all its points lie at one place.  Then the best of them goes first, and root says so. */
+__global__ void measure_kernel(input in, int index_bits, uint64_t *key, run_list runs, uint32_t count, double *low,
+                               double *extent, uint32_t *root)
+{
+    uint32_t r = blockIdx.x * (blockDim.x / 32) + threadIdx.x / 32, lane = threadIdx.x & 31;
+    const uint64_t mask = ((uint64_t)1 << index_bits) - 1;
+    unsigned long long lowest[3] = { ~0ull, ~0ull, ~0ull }, highest[3] = { 0, 0, 0 };
+    if (r >= count) {
+        return;
+    }
+    uint32_t head = runs.head[r], end = head, limit = runs.end[r], best = 0;
+    uint64_t run_key = key[head] >> index_bits;
+    for (;;) {
+        bool inside = end + lane < limit && key[end + lane] >> index_bits == run_key;
+        unsigned vote = __ballot_sync(all_lanes, inside);
+        if (inside) {
+            double c[4], d[4];
+            fetch(in, (size_t)(key[end + lane] & mask), c);
+            for (int k = 0; k < in.dim; k++) {
+                unsigned long long value = ordered(c[k]);
+                lowest[k] = value < lowest[k] ? value : lowest[k];
+                highest[k] = value > highest[k] ? value : highest[k];
+            }
+            fetch(in, (size_t)(key[head + best] & mask), d);
+            best = comes_before(c, key[end + lane] & mask, d, key[head + best] & mask, in.dim) ? end + lane - head : best;
+        }
+        end += (uint32_t)__popc(vote);
+        if (vote != all_lanes) {
+            break;
+        }
+    }
+    for (int step = 16; step > 0; step /= 2) {
+        uint32_t other = __shfl_xor_sync(all_lanes, best, step);
+        double c[4], d[4];
+        fetch(in, (size_t)(key[head + best] & mask), c);
+        fetch(in, (size_t)(key[head + other] & mask), d);
+        best = comes_before(d, key[head + other] & mask, c, key[head + best] & mask, in.dim) ? other : best;
+        for (int k = 0; k < in.dim; k++) {
+            unsigned long long l = __shfl_xor_sync(all_lanes, lowest[k], step);
+            unsigned long long h = __shfl_xor_sync(all_lanes, highest[k], step);
+            lowest[k] = l < lowest[k] ? l : lowest[k];
+            highest[k] = h > highest[k] ? h : highest[k];
+        }
+    }
+    double side = 0.0;
+    for (int k = 0; k < in.dim; k++) {
+        double l = unordered(lowest[k]), s = unordered(highest[k]) - l;
+        side = s > side ? s : side;
+        if (lane == 0) {
+            low[3 * (size_t)r + (size_t)k] = l;
+        }
+    }
+    __syncwarp();
+    if (lane == 0) {
+        extent[r] = side;
+        runs.length[r] = side > 0.0 ? end - head : 0;
+        if (side == 0.0) {
+            uint64_t swap = key[head];
+            key[head] = key[head + best];
+            key[head + best] = swap;
+        }
+    }
+    if (side == 0.0) {
+        for (uint32_t i = head + lane; i < end; i += 32) {
+            root[i] = head;
+        }
+    }
+}
+
+/* A warp a run: its points with their new keys. */
+__global__ void rekey_kernel(input in, int index_bits, int bits, const uint64_t *key, run_list runs, uint32_t count,
+                             const double *low, const double *extent, const __grid_constant__ curve automaton,
+                             uint64_t *gathered, uint32_t *segment)
+{
+    uint32_t r = blockIdx.x * (blockDim.x / 32) + threadIdx.x / 32;
+    const uint64_t mask = ((uint64_t)1 << index_bits) - 1;
+    if (r < count) {
+        for (uint32_t i = threadIdx.x & 31; i < runs.length[r]; i += 32) {
+            gathered[runs.offset[r] + i] = key_of(in, low + 3 * (size_t)r, 1.0, extent[r], bits, automaton, index_bits,
+                                                  key[runs.head[r] + i] & mask);
+            segment[runs.offset[r] + i] = r;
+        }
+    }
+}
+
+__global__ void put_back_kernel(const uint64_t *gathered, const uint32_t *segment, size_t count, run_list runs,
+                                uint64_t *key)
+{
+    size_t i = thread_number();
+    if (i < count) {
+        uint32_t r = segment[i];
+        key[runs.head[r] + (i - runs.offset[r])] = gathered[i];
+    }
+}
+
 __device__ bool same_place(const double *x, const double *y, int dim)
 {
     return x[0] == y[0] && x[1] == y[1] && (dim == 2 || x[2] == y[2]);
 }
 
-/* first[i] = 1 if the i-th point on the curve lies at a place of its own; the best of a place comes first. */
-__global__ void place_kernel(input in, int index_bits, const uint64_t *key, uint32_t *first, uint32_t *canonical,
-                             survey *out)
+/* first[i] = 1 if the i-th point on the curve lies at a place of its own; the best of a place comes first.  root: NULL,
+   or where a long run at one place begins. */
+__global__ void place_kernel(input in, int index_bits, const uint64_t *key, const uint32_t *root_of, uint32_t *first,
+                             uint32_t *canonical, survey *out)
 {
     size_t i = thread_number();
     const uint64_t mask = ((uint64_t)1 << index_bits) - 1;
     bool repeats = false;
     if (i < in.count) {
         double x[4], y[4];
-        size_t root = i;
+        size_t root = root_of != NULL && root_of[i] != none ? root_of[i] : i;
         fetch(in, (size_t)(key[i] & mask), x);
-        while (root > 0 && key[root - 1] >> index_bits == key[i] >> index_bits) {
+        while (root > 0 && (root_of == NULL || root_of[i] == none)
+               && key[root - 1] >> index_bits == key[i] >> index_bits) {
             fetch(in, (size_t)(key[root - 1] & mask), y);
             if (!same_place(x, y, in.dim)) {
                 break;
@@ -2214,6 +2336,26 @@ bool sort_keys(call &c, uint64_t *&key, uint64_t *&spare, size_t count, int low,
     return true;
 }
 
+template <typename K, typename V>
+bool sort_pairs(call &c, K *&key, K *&spare, V *&value, V *&spare_value, size_t count, int low, int high)
+{
+    size_t bytes = 0;
+    char *scratch = NULL;
+    cub::DoubleBuffer<K> keys(key, spare);
+    cub::DoubleBuffer<V> values(value, spare_value);
+    if (!good(c, cub::DeviceRadixSort::SortPairs(NULL, bytes, keys, values, count, low, high, c.stream), "sort")
+        || !allocate(c, scratch, bytes)
+        || !good(c, cub::DeviceRadixSort::SortPairs(scratch, bytes, keys, values, count, low, high, c.stream), "sort")) {
+        return false;
+    }
+    key = keys.Current();
+    spare = keys.Alternate();
+    value = values.Current();
+    spare_value = values.Alternate();
+    release(c, scratch, false);
+    return true;
+}
+
 bool sum_before(call &c, const uint32_t *value, uint32_t *sum, size_t count)
 {
     size_t bytes = 0;
@@ -2227,13 +2369,99 @@ bool sum_before(call &c, const uint32_t *value, uint32_t *sum, size_t count)
     return true;
 }
 
+bool allocate_runs(call &c, run_list &list, size_t count)
+{
+    return allocate(c, list.head, count) && allocate(c, list.end, count) && allocate(c, list.length, count + 1)
+        && allocate(c, list.offset, count + 1);
+}
+
+void release_runs(call &c, run_list &list)
+{
+    release(c, list.head, false);
+    release(c, list.end, false);
+    release(c, list.length, false);
+    release(c, list.offset, false);
+}
+
+/* Puts the runs of equal keys into order; root comes out NULL if there were no long ones.  The depth is bounded as in
+   >>order of pbw.h: each level divides the extent by 2^bits. */
+bool order_runs(call &c, const input &in, const curve &automaton, int index_bits, int bits, uint64_t *key,
+                uint32_t *&root, survey *found_on_device)
+{
+    run_list none_yet = { NULL, NULL, NULL, NULL }, runs = none_yet, next = none_yet;
+    size_t n = in.count;
+    uint32_t count = 0, total = 0;
+    if (!allocate_runs(c, runs, n / short_run + 1)) {
+        return false;
+    }
+    run_kernel<<<blocks_for(n, 256), 256, 0, c.stream>>>(in, index_bits, key, n, NULL, none_yet, runs, found_on_device);
+    if (!launched(c, "runs") || !read_back(c, count, &found_on_device->long_runs, PBW_STAGE_ORDER, 0.4)) {
+        return false;
+    }
+    if (count > 0 && (!allocate(c, root, n) || !fill(c, root, 0xff, n))) {
+        return false;
+    }
+    while (count > 0) {
+        double *low = NULL, *extent = NULL;
+        uint64_t *gathered = NULL, *spare = NULL;
+        uint32_t *segment = NULL, *spare_segment = NULL;
+        unsigned warps = blocks_for(count, 4);
+        int run_bits = 1;
+        while (run_bits < 32 && (count - 1) >> run_bits != 0) {
+            run_bits++;
+        }
+        if (!allocate(c, low, (size_t)count * 3) || !allocate(c, extent, count)
+            || !fill(c, runs.length + count, 0, 1)) {
+            return false;
+        }
+        measure_kernel<<<warps, 128, 0, c.stream>>>(in, index_bits, key, runs, count, low, extent, root);
+        if (!launched(c, "runs") || !sum_before(c, runs.length, runs.offset, (size_t)count + 1)
+            || !read_back(c, total, runs.offset + count, PBW_STAGE_ORDER, 0.4)) {
+            return false;
+        }
+        if (total > 0) {
+            if (!allocate(c, gathered, total) || !allocate(c, spare, total) || !allocate(c, segment, total)
+                || !allocate(c, spare_segment, total)) {
+                return false;
+            }
+            rekey_kernel<<<warps, 128, 0, c.stream>>>(in, index_bits, bits, key, runs, count, low, extent, automaton,
+                                                      gathered, segment);
+            if (!launched(c, "runs")
+                || !sort_pairs(c, gathered, spare, segment, spare_segment, total, index_bits, index_bits + bits * in.dim)
+                || !sort_pairs(c, segment, spare_segment, gathered, spare, total, 0, run_bits)
+                || !allocate_runs(c, next, total / short_run + 1) || !fill(c, &found_on_device->long_runs, 0, 1)) {
+                return false;
+            }
+            run_kernel<<<blocks_for(total, 256), 256, 0, c.stream>>>(in, index_bits, gathered, total, segment, runs, next,
+                                                                     found_on_device);
+            put_back_kernel<<<blocks_for(total, 256), 256, 0, c.stream>>>(gathered, segment, total, runs, key);
+            if (!launched(c, "runs") || !read_back(c, count, &found_on_device->long_runs, PBW_STAGE_ORDER, 0.4)) {
+                return false;
+            }
+        } else {
+            count = 0;
+        }
+        release(c, low, false);
+        release(c, extent, false);
+        release(c, gathered, false);
+        release(c, spare, false);
+        release(c, segment, false);
+        release(c, spare_segment, false);
+        release_runs(c, runs);
+        runs = next;
+        next = none_yet;
+    }
+    release_runs(c, runs);
+    return true;
+}
+
 /* Fills s (all but high[] beyond dim), id and canonical. */
 bool order_points(call &c, const input &in, space &s, uint32_t *&id, uint32_t *canonical, bool &weighted,
                   size_t &duplicates)
 {
     survey *found_on_device = NULL, found;
     uint64_t *key = NULL, *spare = NULL;
-    uint32_t *first = NULL, *rank = NULL;
+    uint32_t *first = NULL, *rank = NULL, *root = NULL;
     record *point = NULL;
     pbw__box domain;
     curve automaton;
@@ -2305,16 +2533,12 @@ bool order_points(call &c, const input &in, space &s, uint32_t *&id, uint32_t *c
     if (!launched(c, "keys") || !sort_keys(c, key, spare, n, index_bits, index_bits + bits * dim)) {
         return false;
     }
-    run_kernel<<<blocks, 256, 0, c.stream>>>(in, index_bits, key, found_on_device);
-    if (!launched(c, "runs") || !allocate(c, first, n)) {
+    if (!order_runs(c, in, automaton, index_bits, bits, key, root, found_on_device) || !allocate(c, first, n)) {
         return false;
     }
-    place_kernel<<<blocks, 256, 0, c.stream>>>(in, index_bits, key, first, canonical, found_on_device);
+    place_kernel<<<blocks, 256, 0, c.stream>>>(in, index_bits, key, root, first, canonical, found_on_device);
     if (!launched(c, "places") || !read_back(c, found, found_on_device, PBW_STAGE_ORDER, 0.5)) {
         return false;
-    }
-    if (found.long_runs != 0) {
-        return decline(c, "many points lie close together on the scale of the whole");
     }
     duplicates = found.duplicates;
     s.count = (uint32_t)(n - duplicates);
@@ -2333,6 +2557,7 @@ bool order_points(call &c, const input &in, space &s, uint32_t *&id, uint32_t *c
     release(c, spare, false);
     release(c, first, false);
     release(c, rank, false);
+    release(c, root, false);
     release(c, found_on_device, false);
     return launched(c, "gather");
 }
