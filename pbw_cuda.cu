@@ -86,8 +86,8 @@ struct tree {
 struct space {
     const record *point;
     uint32_t count;
-    double low[3], unit, heaviest;
-    float high[3];                                   /* the end of the box of all points, in units */
+    double low[3], end[3], unit, heaviest;           /* end: the other corner of the box of all points */
+    float high[3];                                   /* the same in units */
     pbw__grid grid;
 };
 
@@ -699,6 +699,11 @@ __global__ void list_kernel(const __grid_constant__ tree t, int dim, uint32_t *l
    With Q = |q| + 2^-27 (E + |q| ABC) / D the bound 2^-20 (L_p + Q P) = 16 f (L_p + |q| P) + 2^-47 P (...) holds all
    that.  Q is infinite if nothing is known; then, and for P below 2^-50, where squares might underflow, the test says
    open.  In the plane and for infinite simplices there are fewer factors.
+
+   A wall is an infinite simplex on a side of the box of all points: v, a and b have the same extreme coordinate.  No
+   point is beyond it, and one in its plane is in conflict with it exactly if it is with the finite simplex behind it,
+   which is in the star too.  So walls are left out of the search (else each point of a flat side would be a candidate for
+   each star there).  A wall has Q = -1/2: its q is exact.
    ------------------------------------------------------------------------------------------------------ */
 const float slack = 9.5367431640625e-7f;             /* 2^-20 */
 const int open_sign = PBW__OPEN;
@@ -738,6 +743,21 @@ template <int DIM, bool WEIGHTED> __device__ inline probe probe_of(const place &
     r.size = r.load > 7.9e-31f ? sqrtf(r.load) : HUGE_VALF;
     r.load = WEIGHTED ? r.load + fabsf((float)p.w) : r.load;
     return r;
+}
+
+__device__ inline bool is_wall(float4 q)
+{
+    return q.w < 0.0f && q.w > -0.75f;
+}
+
+/* The walls through v, as bits: the lower and the upper side of each axis. */
+template <int DIM> __device__ inline unsigned walls_of(const space &s, const record &v)
+{
+    unsigned walls = 0;
+    for (int k = 0; k < DIM; k++) {
+        walls |= (v.c[k] == s.low[k] ? 1u : 0u) << (2 * k) | (v.c[k] == s.end[k] ? 2u : 0u) << (2 * k);
+    }
+    return walls;
 }
 
 /* 1: in conflict, 0: not, open_sign. */
@@ -799,7 +819,7 @@ template <int DIM, bool WEIGHTED> __device__ inline float4 sphere(const place &p
 
 /* The half-space beyond the facet (v, a, b); in the plane to the left of the line from v to a, or for sign -1 to its
    right. */
-template <int DIM> __device__ inline float4 half_space(const place &pa, const place &pb, double sign)
+template <int DIM> __device__ inline float4 half_space(const place &pa, const place &pb, double sign, unsigned walls)
 {
     const double *a = pa.x, *b = pb.x;
     double la = square<DIM>(a), lb = DIM == 3 ? square<DIM>(b) : 1.0, n[3] = { -a[1] * sign, a[0] * sign, 0.0 };
@@ -807,6 +827,12 @@ template <int DIM> __device__ inline float4 half_space(const place &pa, const pl
         n[0] = a[1] * b[2] - a[2] * b[1];
         n[1] = a[2] * b[0] - a[0] * b[2];
         n[2] = a[0] * b[1] - a[1] * b[0];
+    }
+    for (int k = 0; k < DIM; k++) {
+        if (a[k] == 0.0 && (DIM == 2 || b[k] == 0.0) && (walls >> (n[k] > 0.0 ? 2 * k + 1 : 2 * k) & 1) != 0) {
+            float one = n[k] > 0.0 ? 1.0f : -1.0f;
+            return make_float4(k == 0 ? one : 0.0f, k == 1 ? one : 0.0f, k == 2 ? one : 0.0f, -0.5f);
+        }
     }
     double square_n = n[0] * n[0] + n[1] * n[1] + n[2] * n[2];
     if (!(la > 7.9e-31 && lb > 7.9e-31 && square_n > 1.3e-29 * la * lb)) {      /* 2^-96 */
@@ -923,11 +949,13 @@ __device__ __noinline__ int settle(const space &s, uint32_t v, const uint32_t *i
 template <bool WIDE> struct star_types {
     typedef uint8_t number;
     typedef uint16_t pair;
+    typedef uint32_t rounds;
     static const int bits = 8;
 };
 template <> struct star_types<true> {
     typedef uint16_t number;
     typedef uint32_t pair;
+    typedef uint64_t rounds;
     static const int bits = 10;
 };
 
@@ -975,7 +1003,7 @@ __device__ inline place vertex_place(const star<DIM, WEIGHTED, NT, NV, SCRATCH> 
 /* The sphere of triangle (a, b, c); in the plane of edge (a, b).  0 is the vertex at infinity. */
 template <int DIM, bool WEIGHTED>
 __device__ inline float4 sphere_of_triangle(uint32_t a, uint32_t b, uint32_t c, const place &pa, const place &pb,
-                                            const place &pc)
+                                            const place &pc, unsigned walls)
 {
     if (DIM == 3) {
         if (a != 0 && b != 0 && c != 0) {
@@ -986,7 +1014,7 @@ __device__ inline float4 sphere_of_triangle(uint32_t a, uint32_t b, uint32_t c, 
             from.x[k] = a == 0 ? pb.x[k] : b == 0 ? pc.x[k] : pa.x[k];
             to.x[k] = a == 0 ? pc.x[k] : b == 0 ? pa.x[k] : pb.x[k];
         }
-        return half_space<DIM>(from, to, 1.0);
+        return half_space<DIM>(from, to, 1.0, walls);
     }
     if (a != 0 && b != 0) {
         return sphere<DIM, WEIGHTED>(pa, pb, pc);
@@ -995,7 +1023,7 @@ __device__ inline float4 sphere_of_triangle(uint32_t a, uint32_t b, uint32_t c, 
     for (int k = 0; k < 3; k++) {
         end.x[k] = a == 0 ? pb.x[k] : pa.x[k];
     }
-    return half_space<DIM>(end, end, a == 0 ? -1.0 : 1.0);
+    return half_space<DIM>(end, end, a == 0 ? -1.0 : 1.0, walls);
 }
 
 /* used: the vertices that triangles have, and 0. */
@@ -1024,7 +1052,7 @@ __device__ inline void find_used(star<DIM, WEIGHTED, NT, NV, SCRATCH> &s, bool g
 /* Inserts point id, at p relative to v, into the stars of those tiles that go; count: their triangles. */
 template <int T, int DIM, bool WEIGHTED, int NT, int NV, int SCRATCH>
 __device__ inline int insert(star<DIM, WEIGHTED, NT, NV, SCRATCH> &s, const space &all, uint32_t v, bool go, uint32_t id,
-                             const place &p, int &count, pbw__digit *pool)
+                             const place &p, int &count, unsigned walls, pbw__digit *pool)
 {
     typedef typename star<DIM, WEIGHTED, NT, NV, SCRATCH>::types types;
     typedef typename types::pair pair;
@@ -1034,29 +1062,41 @@ __device__ inline int insert(star<DIM, WEIGHTED, NT, NV, SCRATCH> &s, const spac
     const probe float_p = probe_of<DIM, WEIGHTED>(p);
     int conflicts = 0, edges = 0, result = 0;
 
-    for (int base = 0; any(go && base < count); base += T) {
-        int t = base + lane, hit = 0;
-        if (go && t < count) {
-            hit = side(s.sphere[t], float_p);
-            if (hit == open_sign) {
-                hit = settle<DIM>(all, v, s.id, s.triangle, count, t, id, pool);
+    typedef typename types::rounds rounds_type;
+    rounds_type hits = 0, opens = 0;                 /* bit i: triangle i T + lane */
+    int rounds = (warp_max<T>(go ? count : 0) + T - 1) / T;
+    for (int i = 0; i < rounds; i++) {
+        int t = i * T + lane, hit = go && t < count ? side(s.sphere[t], float_p) : 0;
+        hits |= (rounds_type)(hit == 1) << i;
+        opens |= (rounds_type)(hit == open_sign) << i;
+    }
+    if (any(opens != 0)) {
+        int undecided = 0;
+        for (int i = 0; i < rounds; i++) {
+            if ((opens >> i & 1) != 0) {
+                int hit = settle<DIM>(all, v, s.id, s.triangle, count, i * T + lane, id, pool);
+                hits |= (rounds_type)(hit == 1) << i;
+                undecided += hit == open_sign;
             }
         }
-        unsigned vote = tile_ballot<T>(hit == 1);
-        if (hit == 1) {
-            s.cavity[conflicts + __popc(vote & below)] = (number_type)t;
+        result = tile_ballot<T>(undecided != 0) != 0 ? star_open : 0;
+    }
+    for (int i = 0; i < rounds; i++) {
+        unsigned vote = tile_ballot<T>((hits >> i & 1) != 0);
+        if ((hits >> i & 1) != 0) {
+            s.cavity[conflicts + __popc(vote & below)] = (number_type)(i * T + lane);
         }
         conflicts += __popc(vote);
-        result |= tile_ballot<T>(hit == open_sign) != 0 ? star_open : 0;
     }
     if (conflicts == count && go) {
         result |= star_hidden;
     }
     go = go && conflicts > 0 && result == 0;
+    const int conflict_end = warp_max<T>(go ? conflicts : 0);
     __syncwarp();
 
     /* the border: edges whose reverse is not in the cavity (in the plane: ends of the chain) */
-    for (int base = 0; any(go && base < conflicts); base += T) {
+    for (int base = 0; base < conflict_end; base += T) {
         if (go && base + lane < conflicts) {
             uint32_t t = s.triangle[s.cavity[base + lane]], a = corner(t, 0), b = corner(t, 1), c = corner(t, 2);
             if (DIM == 3) {
@@ -1086,7 +1126,7 @@ __device__ inline int insert(star<DIM, WEIGHTED, NT, NV, SCRATCH> &s, const spac
     if (go && number == none) {
         result |= star_full;
     }
-    for (int base = 0; any(go && base < conflicts); base += T) {
+    for (int base = 0; base < conflict_end; base += T) {
         uint32_t c[3] = { 0, 0, 0 };
         bool mine = go && base + lane < conflicts;
         if (mine) {
@@ -1116,7 +1156,7 @@ __device__ inline int insert(star<DIM, WEIGHTED, NT, NV, SCRATCH> &s, const spac
         result |= star_full;
     }
     __syncwarp();
-    for (int base = 0; any(go && base < conflicts); base += T) {
+    for (int base = 0; base < conflict_end; base += T) {
         if (go && base + lane < conflicts) {
             uint32_t t = s.triangle[s.cavity[base + lane]], a = corner(t, 0), b = corner(t, 1), c = corner(t, 2);
             if (DIM == 3) {
@@ -1132,18 +1172,20 @@ __device__ inline int insert(star<DIM, WEIGHTED, NT, NV, SCRATCH> &s, const spac
         set_vertex(s, number, id, p);
         s.used[number >> 5] |= 1u << (number & 31);
     }
-    for (int base = 0; any(go && base < edges); base += T) {
+    const int edge_end = warp_max<T>(go ? edges : 0);
+    for (int base = 0; base < edge_end; base += T) {
         int i = base + lane;
         if (go && i < edges) {
             uint32_t edge = s.border[i], a = edge >> types::bits, b = edge & ((1u << types::bits) - 1);
             int slot = i < conflicts ? s.cavity[i] : count + i - conflicts;
             s.triangle[slot] = DIM == 3 ? pack(a, b, number) : pack(a, b, 0);
             if (DIM == 3) {
-                s.sphere[slot] = sphere_of_triangle<DIM, WEIGHTED>(a, b, number, vertex_place(s, a), vertex_place(s, b), p);
+                s.sphere[slot] = sphere_of_triangle<DIM, WEIGHTED>(a, b, number, vertex_place(s, a), vertex_place(s, b), p,
+                                                                   walls);
             } else {
                 place other = vertex_place(s, a == number ? b : a);
-                s.sphere[slot] = a == number ? sphere_of_triangle<DIM, WEIGHTED>(a, b, 0, p, other, p)
-                                             : sphere_of_triangle<DIM, WEIGHTED>(a, b, 0, other, p, p);
+                s.sphere[slot] = a == number ? sphere_of_triangle<DIM, WEIGHTED>(a, b, 0, p, other, p, walls)
+                                             : sphere_of_triangle<DIM, WEIGHTED>(a, b, 0, other, p, p, walls);
             }
         }
     }
@@ -1168,7 +1210,7 @@ __device__ inline int insert(star<DIM, WEIGHTED, NT, NV, SCRATCH> &s, const spac
 /* The star of v and the points a, b, c: one finite triangle, and an infinite one on each of its edges. */
 template <int T, int DIM, bool WEIGHTED, int NT, int NV, int SCRATCH>
 __device__ inline void start(star<DIM, WEIGHTED, NT, NV, SCRATCH> &s, bool go, const uint32_t *id, const place *p,
-                             int &count)
+                             unsigned walls, int &count)
 {
     int lane = (int)threadIdx.x & (T - 1);
     if (go) {
@@ -1195,7 +1237,7 @@ __device__ inline void start(star<DIM, WEIGHTED, NT, NV, SCRATCH> &s, bool go, c
         }
         s.triangle[lane] = pack(a, b, c);
         s.sphere[lane] = sphere_of_triangle<DIM, WEIGHTED>(a, b, c, vertex_place(s, a), vertex_place(s, b),
-                                                           vertex_place(s, c));
+                                                           vertex_place(s, c), walls);
     }
     if (go) {
         count = DIM + 1;
@@ -1325,7 +1367,7 @@ template <int T> __device__ inline place tile_place(const place &p, int lane)
    have, nearest first.  Returns the lanes used, or 0 where no fat corner was found. */
 template <int T, int DIM, bool WEIGHTED, int NT, int NV, int SCRATCH>
 __device__ inline unsigned start_from_lanes(star<DIM, WEIGHTED, NT, NV, SCRATCH> &s, bool go, uint32_t id, const place &p,
-                                            int have, int &count)
+                                            int have, unsigned walls, int &count)
 {
     int lane = (int)threadIdx.x & (T - 1);
     bool here = go && lane < have;
@@ -1351,7 +1393,7 @@ __device__ inline unsigned start_from_lanes(star<DIM, WEIGHTED, NT, NV, SCRATCH>
     uint32_t swap = ids[turn ? 1 : 0];
     ids[1] = ids[turn ? 0 : 1];
     ids[0] = swap;
-    start<T>(s, go, ids, frame, count);
+    start<T>(s, go, ids, frame, walls, count);
     return go ? 1u | 1u << second | 1u << third : 0;
 }
 
@@ -1379,6 +1421,9 @@ __device__ inline span reach_of(const star<DIM, WEIGHTED, NT, NV, SCRATCH> &s, b
     if (go) {
         for (int t = lane; t < count; t += T) {
             float4 q = s.sphere[t];
+            if (is_wall(q)) {
+                continue;
+            }
             float radius = q.w < 0.0f ? HUGE_VALF : 0.5f * q.w, c[3] = { 0.5f * q.x, 0.5f * q.y, 0.5f * q.z };
             radius = (WEIGHTED ? sqrtf(radius * radius + heaviest) : radius) * 1.00001f;
             for (int k = 0; k < DIM; k++) {
@@ -1395,19 +1440,21 @@ __device__ inline span reach_of(const star<DIM, WEIGHTED, NT, NV, SCRATCH> &s, b
 }
 
 /* Whether floats leave it open that point p is in conflict with some simplex of the star; all lanes of a tile go or
-   none does, each with its own point. */
+   none does, each with its own point.  The test is that of side, with the bound in the sum. */
 template <int T, int DIM, bool WEIGHTED, int NT, int NV, int SCRATCH>
 __device__ inline bool may_conflict(const star<DIM, WEIGHTED, NT, NV, SCRATCH> &s, bool go, int count, const place &p)
 {
     probe f = probe_of<DIM, WEIGHTED>(p);
+    float lift = fmaf(-1.25f * slack, f.load, f.lift), size = 1.25f * slack * f.size;
     bool may = false;
     int end = warp_max<T>(go ? count : 0);
     for (int t = 0; t < end; t++) {
-        if (go && t < count) {
-            may = may || side(s.sphere[t], f) != 0;
-        }
+        float4 q = s.sphere[go && t < count ? t : 0];
+        float least = q.w < 0.0f ? 0.0f : lift;
+        least = fmaf(-q.x, f.x[0], fmaf(-q.y, f.x[1], fmaf(-q.z, f.x[2], fmaf(-fabsf(q.w), size, least))));
+        may = may || (!(least > 0.0f) && !is_wall(q));
     }
-    return may;
+    return may && go;
 }
 
 /* ------------------------------------------------------------------------------------------------------
@@ -1448,6 +1495,7 @@ near_kernel(const __grid_constant__ space all, const box *group, const uint32_t 
         origin[k] = (float)in_units(all, own, k);
     }
     const float heaviest = WEIGHTED ? (float)((all.heaviest - own.c[DIM]) * (all.unit * all.unit)) * 1.000001f : 0.0f;
+    const unsigned walls = walls_of<DIM>(all, own);
     uint32_t *sorted = s.scratch, *waiting = s.scratch + near_points;
 
     bool go = valid && length > 0;
@@ -1516,7 +1564,7 @@ near_kernel(const __grid_constant__ space all, const box *group, const uint32_t 
     uint32_t candidate = go && lane < have ? sorted[lane] : none;   /* 2. */
     place p = relative<DIM>(all, own, all.point[candidate != none ? candidate : v]);
     int count = 0, cursor = T, stored = 0;
-    unsigned used = start_from_lanes<T>(s, go, candidate, p, have, count);
+    unsigned used = start_from_lanes<T>(s, go, candidate, p, have, walls, count);
     go = go && used != 0;
     unsigned pending = go ? ((1u << (have < T ? have : T)) - 1) & ~used : 0, groups = 0;
     uint32_t group_here = none;
@@ -1589,7 +1637,7 @@ near_kernel(const __grid_constant__ space all, const box *group, const uint32_t 
         pending &= pending - 1;
         uint32_t next = tile_read<T>(candidate, from);
         place at = relative<DIM>(all, own, all.point[now ? next : v]);
-        int result = insert<T>(s, all, v, now, next, at, count, NULL);
+        int result = insert<T>(s, all, v, now, next, at, count, walls, NULL);
         changed = changed || (result & star_changed) != 0;
         go = go && (result & ~star_changed) == 0;
     }
@@ -1631,6 +1679,9 @@ __device__ inline bool box_may_conflict(const star<DIM, WEIGHTED, NT, NV, SCRATC
 {
     for (int t = 0; t < count; t++) {
         float4 sphere = s.sphere[t];
+        if (is_wall(sphere)) {
+            continue;
+        }
         float q[3] = { sphere.x, sphere.y, sphere.z }, size = fabsf(sphere.w), sum = 0.0f, squares = 0.0f, ones = 0.0f;
         float h = slack * size;
         bool infinite = sphere.w < 0.0f;
@@ -1681,7 +1732,8 @@ __global__ void seed_kernel(const __grid_constant__ space s, int dim, int found,
    come nearest to spanning the space, among them four seeds that do span it. */
 template <int DIM, bool WEIGHTED, int NT, int NV, int SCRATCH>
 __device__ inline bool start_from_seeds(star<DIM, WEIGHTED, NT, NV, SCRATCH> &s, const space &all, uint32_t v,
-                                        uint32_t id, const place &p, bool here, pbw__digit *pool, int &count)
+                                        uint32_t id, const place &p, bool here, unsigned walls, pbw__digit *pool,
+                                        int &count)
 {
     int lane = (int)threadIdx.x & 31, second, third;
     place a = tile_place<32>(p, 0), b, c, frame[3];
@@ -1716,16 +1768,16 @@ __device__ inline bool start_from_seeds(star<DIM, WEIGHTED, NT, NV, SCRATCH> &s,
     uint32_t swap = ids[sign < 0 ? 1 : 0];
     ids[1] = ids[sign < 0 ? 0 : 1];
     ids[0] = swap;
-    start<32>(s, true, ids, frame, count);
+    start<32>(s, true, ids, frame, walls, count);
     return true;
 }
 
 /* A call: inlined into the search, ptxas 13.0 at -O2 and above gets some insertions wrong (at -O1 none). */
 template <int DIM, bool WEIGHTED, int NT, int NV, int SCRATCH>
 __device__ __noinline__ int far_insert(star<DIM, WEIGHTED, NT, NV, SCRATCH> &s, const space &all, uint32_t v, uint32_t id,
-                                       const place &p, int &count, pbw__digit *pool)
+                                       const place &p, int &count, unsigned walls, pbw__digit *pool)
 {
-    return insert<32>(s, all, v, true, id, p, count, pool);
+    return insert<32>(s, all, v, true, id, p, count, walls, pool);
 }
 
 /* One star; returns true if it is certified (count triangles) or its vertex is hidden (count 0). */
@@ -1740,6 +1792,7 @@ __device__ inline bool far_star_of(star<DIM, WEIGHTED, NT, NV, SCRATCH> &s, cons
     for (int k = 0; k < DIM; k++) {
         origin[k] = (float)in_units(all, own, k);
     }
+    const unsigned walls = walls_of<DIM>(all, own);
     const double own_weight = (own.c[DIM] - all.heaviest) * (all.unit * all.unit);
     uint32_t from = v < 14 ? 0 : v - 14, candidate = from + (uint32_t)lane;     /* 28 neighbours, v, and seeds */
     candidate = lane < 29 && candidate < all.count && candidate != v ? candidate : none;
@@ -1757,19 +1810,19 @@ __device__ inline bool far_star_of(star<DIM, WEIGHTED, NT, NV, SCRATCH> &s, cons
     __syncwarp();
     candidate = order[lane];
     p = relative<DIM>(all, own, all.point[candidate != none ? candidate : v]);
-    unsigned used = start_from_lanes<32>(s, true, candidate, p, have, count);
+    unsigned used = start_from_lanes<32>(s, true, candidate, p, have, walls, count);
     if (used == 0) {
         if (candidate == none) {
             uint32_t other = lane - have > DIM ? none : lane == have ? 0 : (uint32_t)seed[lane - have];
             candidate = other == v ? none : other;
             p = relative<DIM>(all, own, all.point[candidate != none ? candidate : v]);
         }
-        if (!start_from_seeds(s, all, v, candidate, p, candidate != none, pool, count)) {
+        if (!start_from_seeds(s, all, v, candidate, p, candidate != none, walls, pool, count)) {
             return false;
         }
     }
     unsigned pending = __ballot_sync(all_lanes, candidate != none);
-    int depth = 0, level = boxes.levels - 1, batches = 0;
+    int depth = 0, level = boxes.levels - 1, batches = 0, trials = 0;
     uint32_t node = 0;                               /* of level: its first box to look at; none: take from the stack */
     for (;;) {
         while (pending == 0) {
@@ -1830,21 +1883,29 @@ __device__ inline bool far_star_of(star<DIM, WEIGHTED, NT, NV, SCRATCH> &s, cons
                 }
             }
         }
-        int lane_of = __ffs((int)pending) - 1;
-        pending &= pending - 1;
+        bool waits = (pending >> lane & 1) != 0;     /* the nearest first */
+        float distance = waits ? (float)square<DIM>(p.x) : HUGE_VALF, least = tile_min<32>(distance);
+        int lane_of = __ffs((int)(__ballot_sync(all_lanes, distance == least) & pending)) - 1;
+        pending &= ~(1u << lane_of);
         uint32_t next = __shfl_sync(all_lanes, candidate, lane_of);
+        place at = tile_place<32>(p, lane_of);
         bool known = false;                          /* the vertices of the star come by again in the search */
         for (int i = lane; i < NV; i += 32) {
             known = known || (i > 0 && (s.used[i >> 5] >> (i & 31) & 1) != 0 && s.id[i] == next);
         }
         if (!any(known)) {
-            place at = relative<DIM>(all, own, all.point[next]);
-            int result = far_insert(s, all, v, next, at, count, pool);
+            int result = far_insert(s, all, v, next, at, count, walls, pool);
             if (WEIGHTED && result == star_hidden) {
                 count = 0;
                 return true;
             }
             if ((result & ~star_changed) != 0) {
+                return false;
+            }
+            if (result == star_changed && pending != 0) {       /* most of the others are now out of reach */
+                pending &= __ballot_sync(all_lanes, may_conflict<32>(s, true, count, p));
+            }
+            if (++trials > 4 * cap) {
                 return false;
             }
         }
@@ -2508,6 +2569,7 @@ bool order_points(call &c, const input &in, space &s, uint32_t *&id, uint32_t *c
     s.heaviest = in.weights != NULL ? unordered(found.high[dim]) : 0.0;
     for (int k = 0; k < 3; k++) {
         s.low[k] = k < dim ? domain.low[k] : 0.0;
+        s.end[k] = k < dim ? domain.high[k] : 0.0;
         s.high[k] = k < dim ? (float)((domain.high[k] - domain.low[k]) * s.unit) : 0.0f;
     }
     s.grid.inverse_unit = 0.0;
