@@ -85,6 +85,7 @@ struct tree {
    is a power of two, so that scaling rounds nothing. */
 struct space {
     const record *point;
+    const float4 *rough;                             /* the coordinates in units, as floats: where a look will do */
     uint32_t count;
     double low[3], end[3], unit, heaviest;           /* end: the other corner of the box of all points */
     float high[3];                                   /* the same in units */
@@ -521,7 +522,7 @@ __device__ inline double in_units(const space &s, const record &r, int k)
     return (r.c[k] - s.low[k]) * s.unit;
 }
 
-__global__ void group_kernel(const __grid_constant__ space s, int dim, box *out, uint32_t size)
+__global__ void group_kernel(const __grid_constant__ space s, int dim, box *out, float4 *rough, uint32_t size)
 {
     size_t g = thread_number();
     if (g < size) {
@@ -529,6 +530,8 @@ __global__ void group_kernel(const __grid_constant__ space s, int dim, box *out,
         uint32_t first = (uint32_t)g * group_size, end = first + group_size < s.count ? first + group_size : s.count;
         for (uint32_t i = first; i < end; i++) {
             record r = s.point[i];
+            float t3 = dim == 3 ? (float)in_units(s, r, 2) : 0.0f;
+            rough[i] = make_float4((float)in_units(s, r, 0), (float)in_units(s, r, 1), t3, 0.0f);
             for (int k = 0; k < dim; k++) {
                 double t = in_units(s, r, k);
                 b.low[k] = fminf(b.low[k], __double2float_rd(t));
@@ -1412,6 +1415,16 @@ template <int DIM> __device__ inline span relative_box(const box &b, const float
     return r;
 }
 
+/* A rough point relative to another, and the square of its distance; always the same operations, so that all passes over
+   points agree on it. */
+__device__ inline float rough_square(const float4 &p, const float *v, float *x)
+{
+    x[0] = __fsub_rn(p.x, v[0]);
+    x[1] = __fsub_rn(p.y, v[1]);
+    x[2] = __fsub_rn(p.z, v[2]);
+    return __fmaf_rn(x[0], x[0], __fmaf_rn(x[1], x[1], __fmul_rn(x[2], x[2])));
+}
+
 /* Bounds of the spheres of a star (infinite for half-spaces), grown by more than all roundings. */
 template <int T, int DIM, bool WEIGHTED, int NT, int NV, int SCRATCH>
 __device__ inline span reach_of(const star<DIM, WEIGHTED, NT, NV, SCRATCH> &s, bool go, int count, float heaviest)
@@ -1490,10 +1503,8 @@ near_kernel(const __grid_constant__ space all, const box *group, const uint32_t 
     const uint32_t g = v / group_size, *list = lists + (size_t)g * list_size;
     const near_list info = infos[g];
     const int length = (int)info.length;
-    float origin[3] = { 0.0f, 0.0f, 0.0f };
-    for (int k = 0; k < DIM; k++) {
-        origin[k] = (float)in_units(all, own, k);
-    }
+    const float4 rough = all.rough[v];
+    const float origin[3] = { rough.x, rough.y, rough.z };
     const float heaviest = WEIGHTED ? (float)((all.heaviest - own.c[DIM]) * (all.unit * all.unit)) * 1.000001f : 0.0f;
     const unsigned walls = walls_of<DIM>(all, own);
     uint32_t *sorted = s.scratch, *waiting = s.scratch + near_points;
@@ -1520,9 +1531,9 @@ near_kernel(const __grid_constant__ space all, const box *group, const uint32_t 
                 uint32_t from = tile_read<T>(candidate, vote != 0 ? __ffs((int)vote) - 1 : 0);
                 uint32_t p = from * group_size + (uint32_t)lane;
                 bool take = vote != 0 && p < all.count && p != v;
-                float d = 0.0f;
+                float d = 0.0f, x[3];
                 if (take) {
-                    d = (float)square<DIM>(relative<DIM>(all, own, all.point[p]).x);
+                    d = rough_square(all.rough[p], origin, x);
                     take = d < start2;
                 }
                 vote &= vote - 1;
@@ -1575,14 +1586,14 @@ near_kernel(const __grid_constant__ space all, const box *group, const uint32_t 
         while (any(go && more && pending == 0)) {    /* the next points to insert */
             bool feed = go && more && pending == 0;
             if (any(feed && walking)) {              /* 3. */
-                bool renew = feed && walking && changed;
+                bool renew = go && walking && changed;
                 if (any(renew)) {
                     span r = reach_of<T>(s, renew, count, heaviest);
                     reach = renew ? r : reach;
                     changed = renew ? false : changed;
                 }
                 while (any(feed && walking && stored < T && (groups != 0 || position < length))) {
-                    bool fill = feed && walking && stored < T;
+                    bool fill = go && walking && stored <= near_points - 2 * T;     /* all that have room */
                     if (any(fill && groups == 0 && position < length)) {
                         bool load = fill && groups == 0 && position < length, touches = false;
                         if (load && position + lane < length) {
@@ -1597,22 +1608,29 @@ near_kernel(const __grid_constant__ space all, const box *group, const uint32_t 
                         groups = load ? vote : groups;
                         position += load ? T : 0;
                     }
-                    uint32_t from = tile_read<T>(group_here, groups != 0 ? __ffs((int)groups) - 1 : 0);
-                    uint32_t other = from * group_size + (uint32_t)lane;
-                    bool take = fill && groups != 0 && other < all.count && other != v;
-                    if (take) {
-                        place r = relative<DIM>(all, own, all.point[other]);
-                        take = (float)square<DIM>(r.x) >= start2;
+                    unsigned rest = groups & (groups - 1);           /* two groups at a time, to have two loads at once */
+                    uint32_t first_group = tile_read<T>(group_here, groups != 0 ? __ffs((int)groups) - 1 : 0);
+                    uint32_t second_group = tile_read<T>(group_here, rest != 0 ? __ffs((int)rest) - 1 : 0);
+                    uint32_t other[2] = { first_group * group_size + (uint32_t)lane, second_group * group_size + (uint32_t)lane };
+                    float4 p4[2];
+                    for (int i = 0; i < 2; i++) {
+                        bool is_there = fill && (i == 0 ? groups : rest) != 0 && other[i] < all.count && other[i] != v;
+                        other[i] = is_there ? other[i] : none;
+                        p4[i] = is_there ? all.rough[other[i]] : rough;
+                    }
+                    for (int i = 0; i < 2; i++) {
+                        float x[3];
+                        bool take = rough_square(p4[i], origin, x) >= start2 && other[i] != none;
                         for (int k = 0; k < DIM; k++) {
-                            take = take && (float)r.x[k] >= reach.low[k] && (float)r.x[k] <= reach.high[k];
+                            take = take && x[k] >= reach.low[k] && x[k] <= reach.high[k];
                         }
+                        unsigned takers = tile_ballot<T>(take);
+                        if (take) {
+                            waiting[stored + __popc(takers & below)] = other[i];
+                        }
+                        stored += __popc(takers);
                     }
-                    groups = fill ? groups & (groups - 1) : groups;
-                    unsigned takers = tile_ballot<T>(take);
-                    if (take) {
-                        waiting[stored + __popc(takers & below)] = other;
-                    }
-                    stored += __popc(takers);
+                    groups = fill ? rest & (rest - 1) : groups;
                 }
                 __syncwarp();
             }
@@ -1673,31 +1691,28 @@ template <int DIM, bool WEIGHTED, typename SIZES> struct far_star {
     typedef star<DIM, WEIGHTED, SIZES::triangles, SIZES::vertices, stack_size + 64> type;
 };
 
-template <int DIM, bool WEIGHTED, int NT, int NV, int SCRATCH>
-__device__ inline bool box_may_conflict(const star<DIM, WEIGHTED, NT, NV, SCRATCH> &s, int count, const span &b,
-                                        float weight)
+/* Whether a simplex of the star may be in conflict with a point in a box. */
+template <int DIM, bool WEIGHTED>
+__device__ inline bool box_may_conflict(const float4 &sphere, const span &b, float weight)
 {
-    for (int t = 0; t < count; t++) {
-        float4 sphere = s.sphere[t];
-        if (is_wall(sphere)) {
-            continue;
-        }
-        float q[3] = { sphere.x, sphere.y, sphere.z }, size = fabsf(sphere.w), sum = 0.0f, squares = 0.0f, ones = 0.0f;
-        float h = slack * size;
-        bool infinite = sphere.w < 0.0f;
-        for (int k = 0; k < DIM; k++) {
-            float at = infinite ? (q[k] > 0.0f ? b.high[k] : b.low[k]) : fminf(fmaxf(0.5f * q[k], b.low[k]), b.high[k]);
-            sum += infinite ? -at * q[k] : at * (at - q[k]);
-            squares = fmaf(at, at, squares);
-            ones += infinite ? fmaxf(fabsf(b.low[k]), fabsf(b.high[k])) : fabsf(at);
-        }
-        sum -= infinite || !WEIGHTED ? 0.0f : weight;
-        squares = infinite ? 0.0f : squares + (WEIGHTED ? fabsf(weight) : 0.0f);
-        if (!(sum > 2.0f * slack * (squares + size * ones) + h * h)) {
-            return true;
-        }
+    float q[3] = { sphere.x, sphere.y, sphere.z }, size = fabsf(sphere.w), sum = 0.0f, squares = 0.0f, ones = 0.0f;
+    float h = slack * size;
+    bool infinite = sphere.w < 0.0f;
+    for (int k = 0; k < DIM; k++) {
+        float at = infinite ? (q[k] > 0.0f ? b.high[k] : b.low[k]) : fminf(fmaxf(0.5f * q[k], b.low[k]), b.high[k]);
+        sum += infinite ? -at * q[k] : at * (at - q[k]);
+        squares = fmaf(at, at, squares);
+        ones += infinite ? fmaxf(fabsf(b.low[k]), fabsf(b.high[k])) : fabsf(at);
     }
-    return false;
+    sum -= infinite || !WEIGHTED ? 0.0f : weight;
+    squares = infinite ? 0.0f : squares + (WEIGHTED ? fabsf(weight) : 0.0f);
+    return !(sum > 2.0f * slack * (squares + size * ones) + h * h) && !is_wall(sphere);
+}
+
+/* The largest weight in a box relative to v's, rounded up. */
+template <bool WEIGHTED> __device__ inline float relative_weight(const box &b, double own_weight)
+{
+    return WEIGHTED ? b.weight - (float)own_weight + slack * fabsf((float)own_weight) : 0.0f;
 }
 
 /* Four points that span the space: the first point, and in turn the one farthest from the span of those before. */
@@ -1788,14 +1803,17 @@ __device__ inline bool far_star_of(star<DIM, WEIGHTED, NT, NV, SCRATCH> &s, cons
     const int lane = (int)threadIdx.x & 31;
     const record own = all.point[v];
     uint32_t *stack = s.scratch, *order = s.scratch + stack_size;
-    float origin[3] = { 0.0f, 0.0f, 0.0f };
-    for (int k = 0; k < DIM; k++) {
-        origin[k] = (float)in_units(all, own, k);
-    }
+    const float4 rough = all.rough[v];
+    const float origin[3] = { rough.x, rough.y, rough.z };
     const unsigned walls = walls_of<DIM>(all, own);
     const double own_weight = (own.c[DIM] - all.heaviest) * (all.unit * all.unit);
-    uint32_t from = v < 14 ? 0 : v - 14, candidate = from + (uint32_t)lane;     /* 28 neighbours, v, and seeds */
-    candidate = lane < 29 && candidate < all.count && candidate != v ? candidate : none;
+    /* 28 points at growing distances along the curve, so that the star is bounded in all directions from the start */
+    int step = lane / 2 + 1;
+    float far = step <= 6 ? (float)step : 6.0f * powf((float)all.count / 12.0f, (float)(step - 6) / 8.0f);
+    uint32_t offset = (uint32_t)far + (step > 6 ? 1 : 0), candidate = none;
+    if (lane < 28) {
+        candidate = (lane & 1) != 0 ? (v + offset < all.count ? v + offset : none) : (offset <= v ? v - offset : none);
+    }
     place p = relative<DIM>(all, own, all.point[candidate != none ? candidate : v]);
     uint32_t key = candidate != none ? (__float_as_uint((float)square<DIM>(p.x)) & ~31u) | (uint32_t)lane : none;
     int before = 0, have = __popc(__ballot_sync(all_lanes, candidate != none));
@@ -1822,32 +1840,30 @@ __device__ inline bool far_star_of(star<DIM, WEIGHTED, NT, NV, SCRATCH> &s, cons
         }
     }
     unsigned pending = __ballot_sync(all_lanes, candidate != none);
-    int depth = 0, level = boxes.levels - 1, batches = 0, trials = 0;
-    uint32_t node = 0;                               /* of level: its first box to look at; none: take from the stack */
-    for (;;) {
+    int depth = 0, clean = 0, held = 0, level = boxes.levels - 1, batches = 0, trials = 0;
+    uint32_t node = 0, group = 0;                    /* node: the first of 32 boxes of level to look at, or none */
+    for (;;) {                                       /* clean: boxes on the stack tested against the star as it is now */
         while (pending == 0) {
-            if (node == none && depth == 0) {
-                return true;
-            }
-            if (node == none) {
-                uint32_t top = stack[depth - 1];
-                level = (int)(top >> 29);
-                if (level > 0) {
-                    depth--;
-                    level--;
-                    node = (top & 0x1fffffffu) * 32;
+            if (held > 0 && (held == 4 || depth == 0 || stack[depth - 1] >> 29 != 0)) {    /* the points of held groups */
+                candidate = lane / 8 < held ? group * group_size + (uint32_t)(lane & 7) : none;
+                candidate = candidate != none && candidate < all.count && candidate != v ? candidate : none;
+                held = 0;
+                p = relative<DIM>(all, own, all.point[candidate != none ? candidate : v]);
+                pending = __ballot_sync(all_lanes, may_conflict<32>(s, true, count, p) && candidate != none);
+                if (++batches > cap) {
+                    return false;
                 }
-            }
-            __syncwarp();
-            if (node != none) {                      /* 32 boxes: those that matter go on the stack, the nearest on top */
+            } else if (node != none) {               /* 32 boxes: those that matter go on the stack, the nearest on top */
                 uint32_t child = node + (uint32_t)lane;
                 bool visit = false;
                 float distance = HUGE_VALF;
                 if (child < boxes.size[level]) {
                     box b = boxes.level[level][child];
                     span r = relative_box<DIM>(b, origin);
-                    visit = box_may_conflict(s, count, r, WEIGHTED ? b.weight - (float)own_weight
-                                                                     + slack * fabsf((float)own_weight) : 0.0f);
+                    float weight = relative_weight<WEIGHTED>(b, own_weight);
+                    for (int t = 0; t < count; t++) {
+                        visit = box_may_conflict<DIM, WEIGHTED>(s.sphere[t], r, weight) || visit;
+                    }
                     distance = 0.0f;
                     for (int k = 0; k < DIM; k++) {
                         float t = fmaxf(fmaxf(r.low[k], -r.high[k]), 0.0f);
@@ -1865,22 +1881,35 @@ __device__ inline bool far_star_of(star<DIM, WEIGHTED, NT, NV, SCRATCH> &s, cons
                     stack[depth + at] = (uint32_t)level << 29 | child;
                 }
                 depth += __popc(vote);
+                clean += __popc(vote);
                 node = none;
                 __syncwarp();
-            } else {                                 /* up to four groups: their points */
-                int groups = 1;
-                while (groups < 4 && groups < depth && stack[depth - groups - 1] >> 29 == 0) {
-                    groups++;
+            } else if (depth > 0) {                  /* the box on top, if it still matters */
+                uint32_t top = stack[--depth];
+                bool matters = clean > 0;
+                if (clean == 0) {
+                    box b = boxes.level[top >> 29][top & 0x1fffffffu];
+                    span r = relative_box<DIM>(b, origin);
+                    float weight = relative_weight<WEIGHTED>(b, own_weight);
+                    for (int t = lane; t < count; t += 32) {
+                        matters = box_may_conflict<DIM, WEIGHTED>(s.sphere[t], r, weight) || matters;
+                    }
+                } else {
+                    clean--;
                 }
-                candidate = lane / 8 < groups ? stack[depth - 1 - lane / 8] * group_size + (uint32_t)(lane & 7) : none;
-                candidate = candidate != none && candidate < all.count && candidate != v ? candidate : none;
-                depth -= groups;
                 __syncwarp();
-                p = relative<DIM>(all, own, all.point[candidate != none ? candidate : v]);
-                pending = __ballot_sync(all_lanes, may_conflict<32>(s, true, count, p) && candidate != none);
-                if (++batches > cap) {
-                    return false;
+                if (any(matters)) {
+                    level = (int)(top >> 29);
+                    if (level > 0) {
+                        level--;
+                        node = (top & 0x1fffffffu) * 32;
+                    } else {
+                        group = lane / 8 == held ? top : group;
+                        held++;
+                    }
                 }
+            } else {
+                return true;
             }
         }
         bool waits = (pending >> lane & 1) != 0;     /* the nearest first */
@@ -1902,9 +1931,7 @@ __device__ inline bool far_star_of(star<DIM, WEIGHTED, NT, NV, SCRATCH> &s, cons
             if ((result & ~star_changed) != 0) {
                 return false;
             }
-            if (result == star_changed && pending != 0) {       /* most of the others are now out of reach */
-                pending &= __ballot_sync(all_lanes, may_conflict<32>(s, true, count, p));
-            }
+            clean = result == star_changed ? 0 : clean;
             if (++trials > 4 * cap) {
                 return false;
             }
@@ -2624,16 +2651,21 @@ bool order_points(call &c, const input &in, space &s, uint32_t *&id, uint32_t *c
     return launched(c, "gather");
 }
 
-bool grow_tree(call &c, const space &s, int dim, tree &t)
+bool grow_tree(call &c, space &s, int dim, tree &t)
 {
     uint32_t size = (s.count + group_size - 1) / group_size;
+    float4 *rough = NULL;
+    if (!allocate(c, rough, s.count)) {
+        return false;
+    }
+    s.rough = rough;
     for (t.levels = 0; ; size = (size + 31) / 32) {
         box *b = NULL;
         if (!allocate(c, b, size)) {
             return false;
         }
         if (t.levels == 0) {
-            group_kernel<<<blocks_for(size, 128), 128, 0, c.stream>>>(s, dim, b, size);
+            group_kernel<<<blocks_for(size, 128), 128, 0, c.stream>>>(s, dim, b, rough, size);
         } else {
             box_kernel<<<blocks_for(size, 128), 128, 0, c.stream>>>(t.level[t.levels - 1], t.size[t.levels - 1], b, size);
         }
@@ -2738,7 +2770,7 @@ bool copy_out(call &c, void *to, const void *from, size_t bytes)
 }
 
 template <int DIM, bool WEIGHTED>
-bool build(call &c, const input &in, const space &s, const uint32_t *id, unsigned flags, pbw_cuda_mesh *mesh)
+bool build(call &c, const input &in, space &s, const uint32_t *id, unsigned flags, pbw_cuda_mesh *mesh)
 {
     tree t;
     store out;
