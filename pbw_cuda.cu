@@ -1486,7 +1486,7 @@ template <int DIM, bool WEIGHTED> struct near_star {
 };
 
 template <int DIM, bool WEIGHTED>
-__global__ void __launch_bounds__(near_block, 10)
+__global__ void __launch_bounds__(near_block, 8)
 near_kernel(const __grid_constant__ space all, const box *group, const uint32_t *lists, const near_list *infos,
             uint32_t first, const __grid_constant__ store out, queue failed)
 {
@@ -1681,7 +1681,7 @@ near_kernel(const __grid_constant__ space all, const box *group, const uint32_t 
    search ends, the star is certified whatever its size.  A cap on the search keeps the total work linear.
    ------------------------------------------------------------------------------------------------------ */
 struct far_sizes {
-    static const int triangles = 224, vertices = 128;
+    static const int triangles = 256, vertices = 128;
 };
 struct last_sizes {
     static const int triangles = 2048, vertices = 1024;
@@ -2680,7 +2680,7 @@ bool grow_tree(call &c, space &s, int dim, tree &t)
     }
 }
 
-const int far_cap = 512, last_cap = 1 << 16;         /* looks at 32 points */
+const int far_cap = 512, last_cap = 2048;            /* looks at 32 points; insertions tried: 4 times as many */
 const uint32_t last_warps = 64;
 
 /* All stars into out.  t.level[0] and lists come from before. */
@@ -2691,7 +2691,7 @@ bool build_stars(call &c, const space &s, const tree &t, const uint32_t *lists, 
     typedef far_star<DIM, WEIGHTED, far_sizes> far_type;
     typedef far_star<DIM, WEIGHTED, last_sizes> last_type;
     const size_t near_bytes = sizeof(typename near_star<DIM, WEIGHTED>::type) * (near_block / 8);
-    const uint32_t chunk = 1u << 22, limit = 1024 + s.count / 256;
+    const uint32_t chunk = 1u << 22, limit = 128 + s.count / 2048;
     uint32_t failed = 0, last = 0;
 
     for (int i = 0; i < 3; i++) {
