@@ -1512,7 +1512,8 @@ near_kernel(const __grid_constant__ space all, const box *group, const uint32_t 
     bool go = valid && length > 0;
     float start2 = info.start * info.start;
     int have = 0;
-    for (bool again = go; any(again); ) {            /* 1. */
+    int shrinks = 0;                                 /* points too close for floats cannot be told apart: give up */
+    for (bool again = go; any(again); shrinks++) {   /* 1. */
         have = again ? 0 : have;
         for (int base = 0; any(again && base < length); base += T) {
             uint32_t candidate = again && base + lane < length ? list[base + lane] : none;
@@ -1547,6 +1548,8 @@ near_kernel(const __grid_constant__ space all, const box *group, const uint32_t 
             }
         }
         again = again && have > near_points;
+        go = go && (!again || shrinks < 16);
+        again = again && go;
         start2 = again ? start2 * 0.7f : start2;
     }
     __syncwarp();
@@ -2680,7 +2683,7 @@ bool grow_tree(call &c, space &s, int dim, tree &t)
     }
 }
 
-const int far_cap = 512, last_cap = 2048;            /* looks at 32 points; insertions tried: 4 times as many */
+const int far_cap = 512, last_cap = 1 << 14;         /* looks at 32 points; insertions tried: 4 times as many */
 const uint32_t last_warps = 64;
 
 /* All stars into out.  t.level[0] and lists come from before. */
