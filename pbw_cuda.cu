@@ -945,7 +945,7 @@ __device__ __noinline__ int settle(const space &s, uint32_t v, const uint32_t *i
 }
 
 /* ------------------------------------------------------------------------------------------------------
-   >>star         One star: a link of triangles (in the plane: edges), seen from v counter-clockwise... outward.
+   >>star         One star: a link of triangles (in the plane: edges), each counter-clockwise as seen from outside.
    Holds between insertions: the link is closed; every simplex (v, triangle) is positively oriented, or infinite with
    corner 0; spheres are those of the simplices; the bit matrix is all zeros.
    ------------------------------------------------------------------------------------------------------ */
