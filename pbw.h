@@ -264,7 +264,7 @@ typedef struct pbw_cuda_mesh {             /* start from {0}; arrays on the devi
     int dim;
     size_t point_count, simplex_count, duplicate_count, hidden_count;
     pbw_index *simplices, *neighbors, *incident, *canonical;
-    float milliseconds[8];                 /* on the device: order, boxes, near, far, count, simplices, neighbors, all */
+    float milliseconds[8];                 /* device: order, boxes, near, far, count, simplices, neighbors, all */
     size_t stars[3];                       /* that each rung was given */
 } pbw_cuda_mesh;
 

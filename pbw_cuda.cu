@@ -100,7 +100,7 @@ struct queue {                                       /* vertices for the next ru
    vertices in 10 bits each (2D: edges, 2 numbers), padded to 16 bytes. */
 struct store {
     uint32_t *word;
-    unsigned long long *used;                        /* units of 16 bytes asked for: more than capacity if too small */
+    unsigned long long *used; /* units of 16 bytes asked for: more than capacity if too small */
     unsigned long long capacity;
     uint32_t *place;                                 /* of each vertex: the unit where its star begins */
     uint32_t *owned;                                 /* of each vertex: simplices of which it is the lowest vertex */
@@ -242,7 +242,8 @@ __global__ void survey_kernel(input in, survey *out)
     }
     for (int step = 16; step > 0; step /= 2) {
         for (int k = 0; k <= dim; k++) {
-            unsigned long long l = __shfl_xor_sync(all_lanes, low[k], step), h = __shfl_xor_sync(all_lanes, high[k], step);
+            unsigned long long l = __shfl_xor_sync(all_lanes, low[k], step),
+                               h = __shfl_xor_sync(all_lanes, high[k], step);
             low[k] = l < low[k] ? l : low[k];
             high[k] = h > high[k] ? h : high[k];
         }
@@ -272,7 +273,8 @@ __device__ uint64_t key_of(const input &in, const double *low, double scale, dou
     unsigned state = 0;
     fetch(in, (size_t)index, c);
     for (int k = 0; k < in.dim; k++) {
-        double t = __dmul_rn(__dsub_rn(__dmul_rn(scale, c[k]), __dmul_rn(scale, low[k])) / extent, (double)(last + 1));
+        double t =
+            __dmul_rn(__dsub_rn(__dmul_rn(scale, c[k]), __dmul_rn(scale, low[k])) / extent, (double)(last + 1));
         cell[k] = t < (double)last ? (uint32_t)t : last;
     }
     for (int bit = bits - 1; bit >= 0; bit--) {
@@ -317,8 +319,8 @@ struct run_list {
 /* Finds runs among keys, which are all keys or, with segment, those gathered from the runs of a list.  The first of a
    short run puts it into order: lexicographic, then the larger weight, then the lower index.  Long ones go to found, with
    the end of all that they could reach. */
-__global__ void run_kernel(input in, int index_bits, uint64_t *key, size_t count, const uint32_t *segment, run_list of,
-                           run_list found, survey *out)
+__global__ void run_kernel(input in, int index_bits, uint64_t *key, size_t count, const uint32_t *segment,
+                           run_list of, run_list found, survey *out)
 {
     size_t i = thread_number(), end = i + 1, begin = 0, limit = count, shift = 0;
     const uint64_t mask = ((uint64_t)1 << index_bits) - 1;
@@ -383,7 +385,8 @@ __global__ void measure_kernel(input in, int index_bits, uint64_t *key, run_list
                 highest[k] = value > highest[k] ? value : highest[k];
             }
             fetch(in, (size_t)(key[head + best] & mask), d);
-            best = comes_before(c, key[end + lane] & mask, d, key[head + best] & mask, in.dim) ? end + lane - head : best;
+            best = comes_before(c, key[end + lane] & mask, d, key[head + best] & mask, in.dim) ? end + lane - head
+                                                                                               : best;
         }
         end += (uint32_t)__popc(vote);
         if (vote != all_lanes) {
@@ -437,8 +440,8 @@ __global__ void rekey_kernel(input in, int index_bits, int bits, const uint64_t 
     const uint64_t mask = ((uint64_t)1 << index_bits) - 1;
     if (r < count) {
         for (uint32_t i = threadIdx.x & 31; i < runs.length[r]; i += 32) {
-            gathered[runs.offset[r] + i] = key_of(in, low + 3 * (size_t)r, 1.0, extent[r], bits, automaton, index_bits,
-                                                  key[runs.head[r] + i] & mask);
+            gathered[runs.offset[r] + i] = key_of(in, low + 3 * (size_t)r, 1.0, extent[r], bits, automaton,
+                                                  index_bits, key[runs.head[r] + i] & mask);
             segment[runs.offset[r] + i] = r;
         }
     }
@@ -490,8 +493,8 @@ __global__ void place_kernel(input in, int index_bits, const uint64_t *key, cons
 }
 
 /* rank: of each point on the curve the number of firsts before it, or NULL if there are no duplicates. */
-__global__ void gather_kernel(input in, int index_bits, const uint64_t *key, const uint32_t *first, const uint32_t *rank,
-                              record *point, uint32_t *id)
+__global__ void gather_kernel(input in, int index_bits, const uint64_t *key, const uint32_t *first,
+                              const uint32_t *rank, record *point, uint32_t *id)
 {
     size_t i = thread_number();
     if (i < in.count && (rank == NULL || first[i] != 0)) {
@@ -513,7 +516,7 @@ const int group_size = 8, list_size = 192;
 
 struct near_list {
     uint32_t length;                                 /* 0: none, the stars of the group go to the second rung */
-    float reach, start;                              /* the list covers the group's box grown by reach; start: a radius
+    float reach, start; /* the list covers the group's box grown by reach; start: a radius
                                                         of about 33 points */
 };
 
@@ -847,8 +850,8 @@ template <int DIM> __device__ inline float4 half_space(const place &pa, const pl
 }
 
 /* The exact sign of a determinant as in >>predicates of pbw.h; open_sign only if pool is NULL. */
-__device__ __noinline__ int exact_sign(int dim, int count, const double *const *row, const double *origin, const pbw__grid *grid,
-                          pbw__digit *pool, int *orientation)
+__device__ __noinline__ int exact_sign(int dim, int count, const double *const *row, const double *origin,
+                                       const pbw__grid *grid, pbw__digit *pool, int *orientation)
 {
     int sign = pbw__integers(dim, count, row, origin, grid, orientation);
     if (sign == PBW__OPEN) {
@@ -903,8 +906,8 @@ template <int DIM> __device__ int triangle_with(const uint32_t *triangle, int co
 /* The exact answer where floats leave it open: is point p in conflict with triangle t of the star of v?
    For an infinite simplex with p in the plane of its facet it is that of the finite simplex behind the facet. */
 template <int DIM>
-__device__ __noinline__ int settle(const space &s, uint32_t v, const uint32_t *id, const uint32_t *triangle, int count,
-                                   int t, uint32_t p, pbw__digit *pool)
+__device__ __noinline__ int settle(const space &s, uint32_t v, const uint32_t *id, const uint32_t *triangle,
+                                   int count, int t, uint32_t p, pbw__digit *pool)
 {
     const double *row[4], *origin = s.point[p].c;
     uint32_t c[3];
@@ -927,7 +930,8 @@ __device__ __noinline__ int settle(const space &s, uint32_t v, const uint32_t *i
             row[1] = at == 1 ? s.point[id[c[0]]].c : origin;
             row[2] = at == 1 ? origin : s.point[id[c[1]]].c;
             sign = orientation_sign<DIM>(s, row, pool);
-            at = at == 1 ? triangle_with<DIM>(triangle, count, none, c[0]) : triangle_with<DIM>(triangle, count, c[1], 0);
+            at = at == 1 ? triangle_with<DIM>(triangle, count, none, c[0])
+                         : triangle_with<DIM>(triangle, count, c[1], 0);
         }
         if (sign != 0 || at < 0) {
             return sign == PBW__OPEN || at < 0 ? open_sign : sign > 0;
@@ -981,7 +985,8 @@ __device__ inline uint32_t pack(uint32_t a, uint32_t b, uint32_t c)
 }
 
 template <int DIM, bool WEIGHTED, int NT, int NV, int SCRATCH>
-__device__ inline void set_vertex(star<DIM, WEIGHTED, NT, NV, SCRATCH> &s, uint32_t number, uint32_t id, const place &p)
+__device__ inline void set_vertex(star<DIM, WEIGHTED, NT, NV, SCRATCH> &s, uint32_t number, uint32_t id,
+                                  const place &p)
 {
     s.id[number] = id;
     for (int k = 0; k < DIM; k++) {
@@ -1054,8 +1059,8 @@ __device__ inline void find_used(star<DIM, WEIGHTED, NT, NV, SCRATCH> &s, bool g
 
 /* Inserts point id, at p relative to v, into the stars of those tiles that go; count: their triangles. */
 template <int T, int DIM, bool WEIGHTED, int NT, int NV, int SCRATCH>
-__device__ inline int insert(star<DIM, WEIGHTED, NT, NV, SCRATCH> &s, const space &all, uint32_t v, bool go, uint32_t id,
-                             const place &p, int &count, unsigned walls, pbw__digit *pool)
+__device__ inline int insert(star<DIM, WEIGHTED, NT, NV, SCRATCH> &s, const space &all, uint32_t v, bool go,
+                             uint32_t id, const place &p, int &count, unsigned walls, pbw__digit *pool)
 {
     typedef typename star<DIM, WEIGHTED, NT, NV, SCRATCH>::types types;
     typedef typename types::pair pair;
@@ -1183,8 +1188,8 @@ __device__ inline int insert(star<DIM, WEIGHTED, NT, NV, SCRATCH> &s, const spac
             int slot = i < conflicts ? s.cavity[i] : count + i - conflicts;
             s.triangle[slot] = DIM == 3 ? pack(a, b, number) : pack(a, b, 0);
             if (DIM == 3) {
-                s.sphere[slot] = sphere_of_triangle<DIM, WEIGHTED>(a, b, number, vertex_place(s, a), vertex_place(s, b), p,
-                                                                   walls);
+                s.sphere[slot] =
+                    sphere_of_triangle<DIM, WEIGHTED>(a, b, number, vertex_place(s, a), vertex_place(s, b), p, walls);
             } else {
                 place other = vertex_place(s, a == number ? b : a);
                 s.sphere[slot] = a == number ? sphere_of_triangle<DIM, WEIGHTED>(a, b, 0, p, other, p, walls)
@@ -1193,7 +1198,7 @@ __device__ inline int insert(star<DIM, WEIGHTED, NT, NV, SCRATCH> &s, const spac
         }
     }
     __syncwarp();
-    if (go) {                                        /* fewer than before: close the holes from the end, last hole first */
+    if (go) { /* fewer than before: close the holes from the end, last hole first */
         count += edges > conflicts ? edges - conflicts : 0;
     }
     for (int i = conflicts - 1; any(go && i >= edges); i--) {
@@ -1250,7 +1255,8 @@ __device__ inline void start(star<DIM, WEIGHTED, NT, NV, SCRATCH> &s, bool go, c
 
 /* Stores the finished stars of the tiles that go. */
 template <int T, int DIM, bool WEIGHTED, int NT, int NV, int SCRATCH>
-__device__ inline void finish(star<DIM, WEIGHTED, NT, NV, SCRATCH> &s, bool go, uint32_t v, int count, const store &out)
+__device__ inline void finish(star<DIM, WEIGHTED, NT, NV, SCRATCH> &s, bool go, uint32_t v, int count,
+                              const store &out)
 {
     int lane = (int)threadIdx.x & (T - 1), vertices = 0;
     find_used<T>(s, go, count);
@@ -1369,8 +1375,8 @@ template <int T> __device__ inline place tile_place(const place &p, int lane)
 /* Starts the stars of the tiles that go with points id, at p, of their own lanes, candidates being those of lanes below
    have, nearest first.  Returns the lanes used, or 0 where no fat corner was found. */
 template <int T, int DIM, bool WEIGHTED, int NT, int NV, int SCRATCH>
-__device__ inline unsigned start_from_lanes(star<DIM, WEIGHTED, NT, NV, SCRATCH> &s, bool go, uint32_t id, const place &p,
-                                            int have, unsigned walls, int &count)
+__device__ inline unsigned start_from_lanes(star<DIM, WEIGHTED, NT, NV, SCRATCH> &s, bool go, uint32_t id,
+                                            const place &p, int have, unsigned walls, int &count)
 {
     int lane = (int)threadIdx.x & (T - 1);
     bool here = go && lane < have;
@@ -1611,13 +1617,15 @@ near_kernel(const __grid_constant__ space all, const box *group, const uint32_t 
                         groups = load ? vote : groups;
                         position += load ? T : 0;
                     }
-                    unsigned rest = groups & (groups - 1);           /* two groups at a time, to have two loads at once */
+                    unsigned rest = groups & (groups - 1); /* two groups at a time, to have two loads at once */
                     uint32_t first_group = tile_read<T>(group_here, groups != 0 ? __ffs((int)groups) - 1 : 0);
                     uint32_t second_group = tile_read<T>(group_here, rest != 0 ? __ffs((int)rest) - 1 : 0);
-                    uint32_t other[2] = { first_group * group_size + (uint32_t)lane, second_group * group_size + (uint32_t)lane };
+                    uint32_t other[2] = {first_group * group_size + (uint32_t)lane,
+                                         second_group * group_size + (uint32_t)lane};
                     float4 p4[2];
                     for (int i = 0; i < 2; i++) {
-                        bool is_there = fill && (i == 0 ? groups : rest) != 0 && other[i] < all.count && other[i] != v;
+                        bool is_there =
+                            fill && (i == 0 ? groups : rest) != 0 && other[i] < all.count && other[i] != v;
                         other[i] = is_there ? other[i] : none;
                         p4[i] = is_there ? all.rough[other[i]] : rough;
                     }
@@ -1792,8 +1800,8 @@ __device__ inline bool start_from_seeds(star<DIM, WEIGHTED, NT, NV, SCRATCH> &s,
 
 /* A call: inlined into the search, ptxas 13.0 at -O2 and above gets some insertions wrong (at -O1 none). */
 template <int DIM, bool WEIGHTED, int NT, int NV, int SCRATCH>
-__device__ __noinline__ int far_insert(star<DIM, WEIGHTED, NT, NV, SCRATCH> &s, const space &all, uint32_t v, uint32_t id,
-                                       const place &p, int &count, unsigned walls, pbw__digit *pool)
+__device__ __noinline__ int far_insert(star<DIM, WEIGHTED, NT, NV, SCRATCH> &s, const space &all, uint32_t v,
+                                       uint32_t id, const place &p, int &count, unsigned walls, pbw__digit *pool)
 {
     return insert<32>(s, all, v, true, id, p, count, walls, pool);
 }
@@ -1815,7 +1823,8 @@ __device__ inline bool far_star_of(star<DIM, WEIGHTED, NT, NV, SCRATCH> &s, cons
     float far = step <= 6 ? (float)step : 6.0f * powf((float)all.count / 12.0f, (float)(step - 6) / 8.0f);
     uint32_t offset = (uint32_t)far + (step > 6 ? 1 : 0), candidate = none;
     if (lane < 28) {
-        candidate = (lane & 1) != 0 ? (v + offset < all.count ? v + offset : none) : (offset <= v ? v - offset : none);
+        candidate =
+            (lane & 1) != 0 ? (v + offset < all.count ? v + offset : none) : (offset <= v ? v - offset : none);
     }
     place p = relative<DIM>(all, own, all.point[candidate != none ? candidate : v]);
     uint32_t key = candidate != none ? (__float_as_uint((float)square<DIM>(p.x)) & ~31u) | (uint32_t)lane : none;
@@ -1845,9 +1854,10 @@ __device__ inline bool far_star_of(star<DIM, WEIGHTED, NT, NV, SCRATCH> &s, cons
     unsigned pending = __ballot_sync(all_lanes, candidate != none);
     int depth = 0, clean = 0, held = 0, level = boxes.levels - 1, batches = 0, trials = 0;
     uint32_t node = 0, group = 0;                    /* node: the first of 32 boxes of level to look at, or none */
-    for (;;) {                                       /* clean: boxes on the stack tested against the star as it is now */
+    for (;;) { /* clean: boxes on the stack tested against the star as it is now */
         while (pending == 0) {
-            if (held > 0 && (held == 4 || depth == 0 || stack[depth - 1] >> 29 != 0)) {    /* the points of held groups */
+            if (held > 0
+                && (held == 4 || depth == 0 || stack[depth - 1] >> 29 != 0)) { /* the points of held groups */
                 candidate = lane / 8 < held ? group * group_size + (uint32_t)(lane & 7) : none;
                 candidate = candidate != none && candidate < all.count && candidate != v ? candidate : none;
                 held = 0;
@@ -1856,7 +1866,7 @@ __device__ inline bool far_star_of(star<DIM, WEIGHTED, NT, NV, SCRATCH> &s, cons
                 if (++batches > cap) {
                     return false;
                 }
-            } else if (node != none) {               /* 32 boxes: those that matter go on the stack, the nearest on top */
+            } else if (node != none) { /* 32 boxes: those that matter go on the stack, the nearest on top */
                 uint32_t child = node + (uint32_t)lane;
                 bool visit = false;
                 float distance = HUGE_VALF;
@@ -1887,7 +1897,7 @@ __device__ inline bool far_star_of(star<DIM, WEIGHTED, NT, NV, SCRATCH> &s, cons
                 clean += __popc(vote);
                 node = none;
                 __syncwarp();
-            } else if (depth > 0) {                  /* the box on top, if it still matters */
+            } else if (depth > 0) { /* the box on top, if it still matters */
                 uint32_t top = stack[--depth];
                 bool matters = clean > 0;
                 if (clean == 0) {
@@ -2043,7 +2053,8 @@ __device__ inline stored_star stored(const store &in, uint32_t v)
 }
 
 /* The vertices of a triangle; returns whether all are finite, and in mine whether all are above v. */
-template <int DIM> __device__ inline bool triangle_of(const stored_star &s, int t, uint32_t v, uint32_t *a, bool &mine)
+template <int DIM>
+__device__ inline bool triangle_of(const stored_star &s, int t, uint32_t v, uint32_t *a, bool &mine)
 {
     bool finite = true;
     uint32_t packed = s.triangle[t];
@@ -2151,7 +2162,8 @@ __device__ inline uint32_t number_of(const cell<DIM> &c, const uint32_t *offset,
 /* Entries across the facets of which v is the lowest vertex: for the triangle a of a finite simplex c of number own,
    across its edge that lacks corner k lies the simplex of number other. */
 template <int DIM>
-__device__ inline void put_neighbor(const cell<DIM> &c, uint32_t own, uint32_t across, uint32_t other, pbw_index *neighbors)
+__device__ inline void put_neighbor(const cell<DIM> &c, uint32_t own, uint32_t across, uint32_t other,
+                                    pbw_index *neighbors)
 {
     int at = 0;
     for (int i = 1; i <= DIM; i++) {
@@ -2345,9 +2357,11 @@ template <typename V> bool allocate(call &c, V *&address, size_t count)
         (void)cudaGetLastError();
         cudaMemGetInfo(&available, &all);
         c.status = PBW_ERROR_BACKEND;
-        say(c, "too little device memory: %.0f MB more are needed beside %.0f MB (about %.0f MB in all for this input); "
-               "%.0f MB of %.0f MB are free", (double)bytes * 1e-6, (double)c.used * 1e-6,
-            (double)c.count * bytes_a_point[c.dim - 2] * 1e-6, (double)available * 1e-6, (double)all * 1e-6);
+        say(c,
+            "too little device memory: %.0f MB more are needed beside %.0f MB (about %.0f MB in all for this input); "
+            "%.0f MB of %.0f MB are free",
+            (double)bytes * 1e-6, (double)c.used * 1e-6, (double)c.count * bytes_a_point[c.dim - 2] * 1e-6,
+            (double)available * 1e-6, (double)all * 1e-6);
         return false;
     }
     if (good(c, error, "cudaMallocAsync")) {
@@ -2397,7 +2411,8 @@ template <typename V> bool read_back(call &c, V &value, const V *address, pbw_st
 
 template <typename V> bool fill(call &c, V *address, int byte, size_t count)
 {
-    return c.status == PBW_OK && good(c, cudaMemsetAsync(address, byte, count * sizeof(V), c.stream), "cudaMemsetAsync");
+    return c.status == PBW_OK
+           && good(c, cudaMemsetAsync(address, byte, count * sizeof(V), c.stream), "cudaMemsetAsync");
 }
 
 unsigned blocks_for(size_t threads, unsigned block)
@@ -2436,7 +2451,8 @@ bool sort_pairs(call &c, K *&key, K *&spare, V *&value, V *&spare_value, size_t 
     cub::DoubleBuffer<V> values(value, spare_value);
     if (!good(c, cub::DeviceRadixSort::SortPairs(NULL, bytes, keys, values, count, low, high, c.stream), "sort")
         || !allocate(c, scratch, bytes)
-        || !good(c, cub::DeviceRadixSort::SortPairs(scratch, bytes, keys, values, count, low, high, c.stream), "sort")) {
+        || !good(c, cub::DeviceRadixSort::SortPairs(scratch, bytes, keys, values, count, low, high, c.stream),
+                 "sort")) {
         return false;
     }
     key = keys.Current();
@@ -2485,7 +2501,8 @@ bool order_runs(call &c, const input &in, const curve &automaton, int index_bits
     if (!allocate_runs(c, runs, n / short_run + 1)) {
         return false;
     }
-    run_kernel<<<blocks_for(n, 256), 256, 0, c.stream>>>(in, index_bits, key, n, NULL, none_yet, runs, found_on_device);
+    run_kernel<<<blocks_for(n, 256), 256, 0, c.stream>>>(in, index_bits, key, n, NULL, none_yet, runs,
+                                                         found_on_device);
     if (!launched(c, "runs") || !read_back(c, count, &found_on_device->long_runs, PBW_STAGE_ORDER, 0.4)) {
         return false;
     }
@@ -2518,13 +2535,14 @@ bool order_runs(call &c, const input &in, const curve &automaton, int index_bits
             rekey_kernel<<<warps, 128, 0, c.stream>>>(in, index_bits, bits, key, runs, count, low, extent, automaton,
                                                       gathered, segment);
             if (!launched(c, "runs")
-                || !sort_pairs(c, gathered, spare, segment, spare_segment, total, index_bits, index_bits + bits * in.dim)
+                || !sort_pairs(c, gathered, spare, segment, spare_segment, total, index_bits,
+                               index_bits + bits * in.dim)
                 || !sort_pairs(c, segment, spare_segment, gathered, spare, total, 0, run_bits)
                 || !allocate_runs(c, next, total / short_run + 1) || !fill(c, &found_on_device->long_runs, 0, 1)) {
                 return false;
             }
-            run_kernel<<<blocks_for(total, 256), 256, 0, c.stream>>>(in, index_bits, gathered, total, segment, runs, next,
-                                                                     found_on_device);
+            run_kernel<<<blocks_for(total, 256), 256, 0, c.stream>>>(in, index_bits, gathered, total, segment, runs,
+                                                                     next, found_on_device);
             put_back_kernel<<<blocks_for(total, 256), 256, 0, c.stream>>>(gathered, segment, total, runs, key);
             if (!launched(c, "runs") || !read_back(c, count, &found_on_device->long_runs, PBW_STAGE_ORDER, 0.4)) {
                 return false;
@@ -2564,7 +2582,8 @@ bool order_points(call &c, const input &in, space &s, uint32_t *&id, uint32_t *c
     memset(found.low, 0xff, sizeof found.low);
     found.unit = 1024;
     if (!allocate(c, found_on_device, 1)
-        || !good(c, cudaMemcpyAsync(found_on_device, &found, sizeof found, cudaMemcpyHostToDevice, c.stream), "copy")) {
+        || !good(c, cudaMemcpyAsync(found_on_device, &found, sizeof found, cudaMemcpyHostToDevice, c.stream),
+                 "copy")) {
         return false;
     }
     survey_kernel<<<blocks < 2048 ? blocks : 2048, 256, 0, c.stream>>>(in, found_on_device);
@@ -2607,7 +2626,8 @@ bool order_points(call &c, const input &in, space &s, uint32_t *&id, uint32_t *c
     if (found.unit > -500 && found.unit < 500) {
         double inverse = ldexp(1.0, -found.unit), limit = 1.0;
         int grid_bits = 0;
-        while (grid_bits < 54 && !(domain.extent * inverse < limit && weight_range * inverse * inverse < limit * limit)) {
+        while (grid_bits < 54
+               && !(domain.extent * inverse < limit && weight_range * inverse * inverse < limit * limit)) {
             limit *= 2.0;
             grid_bits++;
         }
@@ -2670,7 +2690,8 @@ bool grow_tree(call &c, space &s, int dim, tree &t)
         if (t.levels == 0) {
             group_kernel<<<blocks_for(size, 128), 128, 0, c.stream>>>(s, dim, b, rough, size);
         } else {
-            box_kernel<<<blocks_for(size, 128), 128, 0, c.stream>>>(t.level[t.levels - 1], t.size[t.levels - 1], b, size);
+            box_kernel<<<blocks_for(size, 128), 128, 0, c.stream>>>(t.level[t.levels - 1], t.size[t.levels - 1], b,
+                                                                    size);
         }
         t.level[t.levels] = b;
         t.size[t.levels++] = size;
@@ -2688,8 +2709,8 @@ const uint32_t last_warps = 64;
 
 /* All stars into out.  t.level[0] and lists come from before. */
 template <int DIM, bool WEIGHTED>
-bool build_stars(call &c, const space &s, const tree &t, const uint32_t *lists, const near_list *infos, const store &out,
-                 const queue *q, unsigned long long *seed, size_t *stars)
+bool build_stars(call &c, const space &s, const tree &t, const uint32_t *lists, const near_list *infos,
+                 const store &out, const queue *q, unsigned long long *seed, size_t *stars)
 {
     typedef far_star<DIM, WEIGHTED, far_sizes> far_type;
     typedef far_star<DIM, WEIGHTED, last_sizes> last_type;
@@ -2711,7 +2732,8 @@ bool build_stars(call &c, const space &s, const tree &t, const uint32_t *lists, 
         if (!launched(c, "near stars")) {
             return false;
         }
-        if (c.job != NULL && first == 0 && c.job->kept_points == NULL) {    /* the device is busy: time for the host's part */
+        if (c.job != NULL && first == 0
+            && c.job->kept_points == NULL) { /* the device is busy: time for the host's part */
             pbw_status status = c.job->keep(c.job);
             if (status != PBW_OK) {
                 return fail(c, status, "the points could not be kept");
@@ -2787,9 +2809,9 @@ bool build(call &c, const input &in, space &s, const uint32_t *id, unsigned flag
     memset(&out, 0, sizeof out);
     memset(&t, 0, sizeof t);
     out.capacity = (unsigned long long)s.count * (DIM == 3 ? 12 : 5) + 4096;
-    if (!grow_tree(c, s, DIM, t) || !allocate(c, lists, (size_t)t.size[0] * list_size) || !allocate(c, infos, t.size[0])
-        || !allocate(c, counts, 4) || !allocate(c, used_and_seed, 5) || !allocate(c, out.place, s.count)
-        || !allocate(c, out.owned, (size_t)s.count + 1)) {
+    if (!grow_tree(c, s, DIM, t) || !allocate(c, lists, (size_t)t.size[0] * list_size)
+        || !allocate(c, infos, t.size[0]) || !allocate(c, counts, 4) || !allocate(c, used_and_seed, 5)
+        || !allocate(c, out.place, s.count) || !allocate(c, out.owned, (size_t)s.count + 1)) {
         return false;
     }
     for (int i = 0; i < 3; i++) {
@@ -2850,8 +2872,8 @@ bool build(call &c, const input &in, space &s, const uint32_t *id, unsigned flag
     neighbor_kernel<DIM><<<star_blocks, emit_block, 0, c.stream>>>(s.count, out, offset, id, cells, mesh->neighbors,
                                                                    mesh->incident, counts + 3);
     if (mesh->stars[1] > 0) {
-        large_neighbor_kernel<DIM><<<blocks_for(mesh->stars[1], 4), 128, 0, c.stream>>>(q[2], out, offset, id, cells,
-                                                                                       mesh->neighbors, mesh->incident);
+        large_neighbor_kernel<DIM><<<blocks_for(mesh->stars[1], 4), 128, 0, c.stream>>>(
+            q[2], out, offset, id, cells, mesh->neighbors, mesh->incident);
     }
     if (!launched(c, "neighbours")) {
         return false;
@@ -2916,7 +2938,8 @@ bool open_call(call &c, cudaStream_t stream, pbw_job *job, char *message, size_t
     c.message = message;
     c.message_size = message_size;
     if (!good(c, cudaGetDevice(&device), "no usable device")
-        || !good(c, cudaDeviceGetAttribute(&pools, cudaDevAttrMemoryPoolsSupported, device), "cudaDeviceGetAttribute")) {
+        || !good(c, cudaDeviceGetAttribute(&pools, cudaDevAttrMemoryPoolsSupported, device),
+                 "cudaDeviceGetAttribute")) {
         return false;
     }
     if (!pools) {
@@ -2973,8 +2996,9 @@ bool upload(call &c, input &in)
     for (int part = 0; part < (weights != NULL ? 2 : 1); part++) {
         size_t bytes = job->count * size * (part == 0 ? (size_t)job->dim : 1);
         if (!allocate(c, on_device, bytes)
-            || !good(c, cudaMemcpyAsync(on_device, part == 0 ? points : weights, bytes, cudaMemcpyHostToDevice, c.stream),
-                     "copying points")) {
+            || !good(
+                c, cudaMemcpyAsync(on_device, part == 0 ? points : weights, bytes, cudaMemcpyHostToDevice, c.stream),
+                "copying points")) {
             return false;
         }
         (part == 0 ? in.points : in.weights) = on_device;
@@ -3007,13 +3031,14 @@ pbw_status triangulate(const pbw_backend *backend, pbw_job *job)
     }
     if (good(c, cudaStreamCreateWithFlags(&stream, cudaStreamNonBlocking), "no stream on the device")
         && open_call(c, stream, job, NULL, 0)
-        && good(c, cudaStreamCreateWithFlags(&c.copies, cudaStreamNonBlocking), "cudaStreamCreate") && upload(c, in)) {
+        && good(c, cudaStreamCreateWithFlags(&c.copies, cudaStreamNonBlocking), "cudaStreamCreate")
+        && upload(c, in)) {
         run(c, in, job->flags, &mesh);
     }
     job->duplicate_count = mesh.duplicate_count;
     job->hidden_count = mesh.hidden_count;
     job->declined = c.declined;
-    if (c.copies != NULL) {                          /* copies into the job's memory must end before it may be freed */
+    if (c.copies != NULL) { /* copies into the job's memory must end before it may be freed */
         good(c, cudaStreamSynchronize(c.copies), "copying results");
         cudaStreamDestroy(c.copies);
     }
@@ -3041,9 +3066,9 @@ extern "C" const pbw_backend *pbw_cuda_backend(int device)
     return device >= 0 && device < 8 ? &backend[device] : NULL;
 }
 
-extern "C" pbw_status pbw_cuda_triangulate(int dim, int is_float, const void *points, const void *weights, size_t count,
-                                           unsigned flags, void *stream, pbw_cuda_mesh *mesh, char *message,
-                                           size_t message_size)
+extern "C" pbw_status pbw_cuda_triangulate(int dim, int is_float, const void *points, const void *weights,
+                                           size_t count, unsigned flags, void *stream, pbw_cuda_mesh *mesh,
+                                           char *message, size_t message_size)
 {
     call c;
     input in = { points, weights, count, dim, is_float };
