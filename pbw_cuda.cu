@@ -1798,7 +1798,8 @@ __device__ inline bool start_from_seeds(star<DIM, WEIGHTED, NT, NV, SCRATCH> &s,
     return true;
 }
 
-/* A call: inlined into the search, ptxas 13.0 at -O2 and above gets some insertions wrong (at -O1 none). */
+/* A call: inlined into the search, some insertions come out wrong with nvcc 13.0 (with ptxas -O1 none do).  The reason
+   is not known. */
 template <int DIM, bool WEIGHTED, int NT, int NV, int SCRATCH>
 __device__ __noinline__ int far_insert(star<DIM, WEIGHTED, NT, NV, SCRATCH> &s, const space &all, uint32_t v,
                                        uint32_t id, const place &p, int &count, unsigned walls, pbw__digit *pool)
