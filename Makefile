@@ -68,7 +68,7 @@ $B/oracle_cgal: tests/oracle_cgal.cpp $(HEADERS) $B/libpbw.a
 
 # Tests: each writes $B/NAME.log, which ends with its counts
 $(TESTS:%=$B/%.log): $B/%.log: $B/% FORCE
-	@sh tests/run.sh $@ ./$< $(COUNT:%=--count %)
+	@sh tests/run.sh $@ $(UNDER) ./$< $(COUNT:%=--count %) $(if $(UNDER),$(UNDER_$(<F)))
 
 $(SCRIPTS:%=$B/%.log): $B/%.log: tests/%.sh FORCE
 	@mkdir -p $B
@@ -101,9 +101,12 @@ SANITIZE_asan = address
 SANITIZE_ubsan = undefined -fno-sanitize-recover=all
 SANITIZE_tsan = thread
 
-valgrind: $B/test_api $B/test_resources
-	valgrind -q --leak-check=full --error-exitcode=9 ./$B/test_api
-	valgrind -q --leak-check=full --error-exitcode=9 ./$B/test_resources --filter 'every allocation fails: 3D'
+# All but builds of 10,000 points and more, which take minutes there, and the test that reads a thread's dead stack.
+valgrind:
+	@$(MAKE) --no-print-directory B=$B/$@ CFLAGS='-O1 -g' COUNT=$(or $(COUNT),100) UNDER='$(VALGRIND)' programs
+VALGRIND = valgrind -q --leak-check=full --show-leak-kinds=definite --errors-for-leak-kinds=definite --error-exitcode=9
+UNDER_test_answer = --without threads:
+UNDER_test_resources = --without 'bytes a point' --without cancelled: --without 'on a stack'
 
 fuzz: $(FUZZERS:%=$B/%.fuzz)
 $(FUZZERS:%=$B/%.fuzz): $B/%.fuzz: tests/%.c $(HEADERS) FORCE

@@ -484,7 +484,7 @@ static void *pbw__resize(pbw__memory *memory, void *ptr, size_t old_count, size_
         return NULL;
     }
     bytes = count * size;
-    grown = bytes - old_bytes;                       /* modulo 2^64, if it shrinks */
+    grown = bytes - old_bytes;                       /* wraps around, if it shrinks */
     used = PBW__ADD(&memory->used, grown) + grown;
     if (memory->limit != 0 && bytes > old_bytes && used > memory->limit) {
         (void)PBW__ADD(&memory->used, (size_t)0 - grown);
@@ -1592,9 +1592,10 @@ static int pbw__collinear3(const double *a, const double *b, const double *c, co
     return collinear;
 }
 
-/* The coarsest grid that holds count records of dim coordinates and a weight, if differences are below 2^53 units, so
-   that doubles hold them.  One pass, by shares, given up where the grid gets too fine: at once for random doubles. */
+/* ---- the grid of a set of records
+   What a share of the records has: a unit 2^unit, and its extremes. */
 typedef struct pbw__grid_share { int unit; double low[4], high[4]; } pbw__grid_share;
+
 typedef struct pbw__grid_scanning {
     pbw__context *context;
     const double *records;
@@ -1618,7 +1619,7 @@ static int pbw__grid_span(const pbw__grid_share *share, int dim, double *inverse
     return *span < 9007199254740992.0;
 }
 
-static void pbw__scan_grid(void *arg, int task)
+static void pbw__grid_scan_share(void *arg, int task)
 {
     const pbw__grid_scanning *scanning = (const pbw__grid_scanning *)arg;
     pbw__grid_share share;
@@ -1659,6 +1660,8 @@ static void pbw__scan_grid(void *arg, int task)
     scanning->share[task] = share;
 }
 
+/* The coarsest grid that holds count records of dim coordinates and a weight, if differences are below 2^53 units, so
+   that doubles hold them.  One pass, given up where the grid gets too fine: at once for random doubles. */
 static void pbw__grid_scan(pbw__context *context, const double *records, size_t count, int dim, pbw__grid *grid)
 {
     pbw__grid_scanning scanning;
@@ -1677,7 +1680,7 @@ static void pbw__grid_scan(pbw__context *context, const double *records, size_t 
     scanning.tasks = pbw__tasks(context, count, 65536);
     scanning.tasks = scanning.tasks < 64 ? scanning.tasks : 64;
     scanning.share = shares;
-    pbw__for(context, scanning.tasks, pbw__scan_grid, &scanning);
+    pbw__for(context, scanning.tasks, pbw__grid_scan_share, &scanning);
     all = shares[0];
     for (task = 1; task < scanning.tasks; task++) {
         all.unit = shares[task].unit < all.unit ? shares[task].unit : all.unit;

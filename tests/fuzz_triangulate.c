@@ -1,5 +1,5 @@
 /* fuzz_triangulate.c: small inputs decoded from bytes, triangulated, judged by the oracle and by pbw_check.
-       make fuzz            libFuzzer where $(CLANG) has it, else random bytes
+       make fuzz            libFuzzer where clang is installed, else random bytes
        clang -g -O1 -fsanitize=fuzzer,address,undefined tests/fuzz_triangulate.c -o fuzz -lm && ./fuzz
        cc -O2 -DFUZZ_MAIN tests/fuzz_triangulate.c -o fuzz -lm -lpthread && ./fuzz --count 1000000 --seed 1
        ./fuzz FILE ...      (FUZZ_MAIN too) runs these inputs */

@@ -13,7 +13,8 @@
 
    A test is what lies between test_begin and test_end; it passes if all of its checks hold.  The last line of the
    output is `N passed, N failed, N skipped`, and the exit status is 1 if a test failed.  Checks are for one thread.
-   Options: --filter TEXT (only tests whose name has it), --seed N, --count N (random cases), --verbose. */
+   Options, the first two as often as you like: --filter TEXT (only tests whose name has it), --without TEXT (not
+   these), --seed N, --count N (random cases), --verbose. */
 #ifndef TEST_H
 #define TEST_H
 
@@ -31,8 +32,8 @@
 
 static uint64_t test_seed = 1;                  /* --seed */
 static long test_count;                         /* --count, else what test_start was given */
-static const char *test_filter = "";
-static int test_verbose;
+static int test_verbose, test_argc;
+static char **test_argv;
 static char test_name[160];
 static long test_passed, test_failed, test_skipped, test_faults, test_checks;
 
@@ -68,6 +69,21 @@ TEST_UNUSED static int test_check_equal(long long a, long long b, const char *fi
     return holds;
 }
 
+/* Does the name of the test have the text of one of these options?  `otherwise`, if there is none. */
+TEST_UNUSED static int test_is_named(const char *option, int otherwise)
+{
+    int i;
+    for (i = 1; i + 1 < test_argc; i++) {
+        if (strcmp(test_argv[i], option) == 0) {
+            otherwise = 0;
+            if (strstr(test_name, test_argv[i + 1]) != NULL) {
+                return 1;
+            }
+        }
+    }
+    return otherwise;
+}
+
 TEST_UNUSED static int test_begin(const char *format, ...)
 {
     va_list arguments;
@@ -75,7 +91,7 @@ TEST_UNUSED static int test_begin(const char *format, ...)
     vsnprintf(test_name, sizeof test_name, format, arguments);
     va_end(arguments);
     test_faults = test_checks = 0;
-    return strstr(test_name, test_filter) != NULL;
+    return test_is_named("--filter", 1) && !test_is_named("--without", 0);
 }
 
 TEST_UNUSED static void test_end(void)
@@ -99,17 +115,19 @@ TEST_UNUSED static void test_start(int argc, char **argv, long count)
 {
     int i;
     test_count = count;
+    test_argc = argc;
+    test_argv = argv;
     for (i = 1; i < argc; i++) {
         if (strcmp(argv[i], "--verbose") == 0) {
             test_verbose = 1;
-        } else if (strcmp(argv[i], "--filter") == 0 && i + 1 < argc) {
-            test_filter = argv[++i];
+        } else if ((strcmp(argv[i], "--filter") == 0 || strcmp(argv[i], "--without") == 0) && i + 1 < argc) {
+            i++;
         } else if (strcmp(argv[i], "--seed") == 0 && i + 1 < argc) {
             test_seed = strtoull(argv[++i], NULL, 0);
         } else if (strcmp(argv[i], "--count") == 0 && i + 1 < argc) {
             test_count = atol(argv[++i]);
         } else {
-            fprintf(stderr, "usage: %s [--filter TEXT] [--seed N] [--count N] [--verbose]\n", argv[0]);
+            fprintf(stderr, "usage: %s [--filter TEXT] [--without TEXT] [--seed N] [--count N] [--verbose]\n", argv[0]);
             exit(2);
         }
     }

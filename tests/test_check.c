@@ -1061,10 +1061,11 @@ static void test_modes(void)
     }
 #ifdef __SSE2__
     {
-        unsigned kept = _mm_getcsr();
+        unsigned kept = _mm_getcsr(), flushing;
         _mm_setcsr(kept | 0x8040u);                  /* flush denormals, results and operands */
+        flushing = _mm_getcsr() & 0x8040u;           /* valgrind has no such mode */
         CHECK(pbw_check(&m.mesh, NULL, &report) == PBW_OK && report.valid && pbw_hash(&m.mesh) == hash);
-        CHECK((_mm_getcsr() & 0x8040u) == 0x8040u);
+        CHECK((_mm_getcsr() & 0x8040u) == flushing);
         _mm_setcsr(kept);
     }
 #endif

@@ -11,10 +11,11 @@
 #include "oracle.h"
 #include "test.h"
 
-static pbw__context alone;                           /* one thread, no progress */
 #include <fenv.h>
 #include <math.h>
 #include <time.h>
+
+static pbw__context alone;                                /* one thread, no progress */
 
 /* --- random numbers: splitmix64 --- */
 
