@@ -776,7 +776,7 @@ PBW__INLINE size_t pbw__share(size_t count, int i, int tasks)
 }
 /* Bytes of a large block, whose pages are made at once, in huge pages if there are any: met one by one, page by page,
    they cost as much as a quarter of a build.  Advice only: it may fail.  The caller's allocator is left alone. */
-typedef struct pbw__pages { char *start; size_t length; int tasks; } pbw__pages;
+typedef struct pbw__pages { pbw__context *context; char *start; size_t length; int tasks; } pbw__pages;
 
 static void pbw__make_pages(void *arg, int task)
 {
@@ -785,7 +785,11 @@ static void pbw__make_pages(void *arg, int task)
     const size_t page = 4096;
     size_t from = pbw__share(pages->length / page, task, pages->tasks) * page;
     size_t to = pbw__share(pages->length / page, task + 1, pages->tasks) * page;
-    (void)madvise(pages->start + from, to - from, 23);           /* MADV_POPULATE_WRITE, since Linux 5.14 */
+    while (from < to && !pbw__report(pages->context, pages->context->last_done)) {
+        size_t step = to - from < ((size_t)1 << 25) ? to - from : (size_t)1 << 25;       /* 32 MB: about 10 ms */
+        (void)madvise(pages->start + from, step, 23);            /* MADV_POPULATE_WRITE, since Linux 5.14 */
+        from += step;
+    }
 #else
     (void)arg;
     (void)task;
@@ -800,6 +804,7 @@ static void pbw__populate(pbw__context *context, void *block, size_t from, size_
     if (block == NULL || to < large || to - large < from || context->memory.resize != pbw__default_resize) {
         return;
     }
+    pages.context = context;
     pages.start = (char *)block + from + skip;
     pages.length = (to - from - skip) / page * page;
     pages.tasks = pbw__tasks(context, pages.length, 4 * large);
@@ -3745,7 +3750,7 @@ static pbw_status pbw__seeds(pbw__kernel *kernel, size_t count, int dim, pbw_ind
     pbw__sequence_start(&sequence, count, dim);
     while ((v = pbw__sequence_next(&sequence)) != 0) {
         int fits = 1, side = 0;
-        if ((++looked & 255) == 0 && pbw__report(kernel->context, 0.0)) {
+        if ((++looked & 255) == 0 && pbw__report(kernel->context, 0.001)) {
             return PBW_CANCELLED;
         }
         if (found == dim) {
@@ -5832,7 +5837,7 @@ PBWDEF pbw_status pbw_triangulatef(int dim, const float *points, const float *we
 
 /* ------------------------------------------------------------------------------------------------------
    >>history
-   0.1.0   2026-11-21   First version: 2D and 3D, weights, exact, one thread; check and hash.
+   0.1.0   2026-11-21   First version: 2D and 3D, weights, exact, threads, GPU backend; check and hash.
    ------------------------------------------------------------------------------------------------------ */
 #endif /* PBW_IMPLEMENTATION */
 
