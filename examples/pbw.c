@@ -25,7 +25,7 @@ enum { MOST_OUTPUTS = 32, FAILURE = 1, USAGE = 2 };
 
 /* ---- the commands and their options ---- */
 
-enum { MESH = 1, SAMPLE = 2, VIEW = 4, CHECK = 8, CONVERT = 16, BENCH = 32, ALL = 63 };
+enum { MESH = 1, SAMPLE = 2, CHECK = 4, CONVERT = 8, BENCH = 16, ALL = 31 };
 
 static const char *const help[] = {
     "usage: pbw [mesh] [options] input [-o output]...\n"
@@ -34,7 +34,7 @@ static const char *const help[] = {
     "\n"
     "input:   .obj .ply .stl .off .node, tables (.xyz .csv .txt ...); - is the standard input\n"
     "output:  .vtu .msh .mesh .node .ele .neigh (simplices), .obj .ply .stl (hull), .xyz .csv (points),\n"
-    "         .svg (picture), .html (page to look around in); any number of them\n"
+    "         .svg (picture); any number of them\n"
     "\n"
     "  --any-order           skip the canonical order of simplices\n"
     "  --no-check            skip the exact check of the result\n"
@@ -58,14 +58,6 @@ static const char *const help[] = {
     "  --fill lattice|poisson    add points inside, as far apart: a jittered lattice or blue noise\n"
     "  --thin                sides of a sheet thinner than the radius do not keep points apart\n"
     "  --facet-normals       normals of the faces, not interpolated ones\n",
-
-    "usage: pbw view [options] input [-o page.html]\n"
-    "\n"
-    "A page to look around in the triangulation of a file, for any browser; default: input.html.\n"
-    "\n"
-    "  --points              the points only\n"
-    "  --inside              only what is inside the surface of the model\n"
-    "  --surface MODEL       the model for --inside, if it is not the input\n",
 
     "usage: pbw check [options] input\n"
     "\n"
@@ -91,37 +83,37 @@ static const struct { const char *text; unsigned commands; } shared_help[] = {
     { "  --dim 2|3             dimension; default 3, or 2 for files of two columns or of one z\n", ALL & ~SAMPLE },
     { "  --columns X,Y[,Z]     which columns, by number from 1 or by name\n", ALL & ~SAMPLE },
     { "  --weights COLUMN      regular triangulation with the weights of that column\n",
-      MESH | VIEW | CHECK | BENCH },
+      MESH | CHECK | BENCH },
     { "  --generate KIND N     N points instead of an input: uniform gauss ball sphere lattice clusters lines\n"
       "                        spiral plane anisotropic moment\n", ALL & ~SAMPLE },
     { "  --seed S              of random numbers, up to 1000000; default 1\n", ALL },
-    { "  --threads N           default: all cores\n", MESH | VIEW | CHECK | BENCH },
+    { "  --threads N           default: all cores\n", MESH | CHECK | BENCH },
     { "  --memory-limit SIZE   such as 500M or 4G: fail rather than use more for the triangulation\n",
-      MESH | VIEW | CHECK | BENCH },
+      MESH | CHECK | BENCH },
     { "  --text                text instead of binary output\n", MESH | SAMPLE | CONVERT },
     { "  --quiet               print errors only\n", ALL }
 };
 
-static const char *const commands[] = { "mesh", "sample", "view", "check", "convert", "bench", NULL };
+static const char *const commands[] = { "mesh", "sample", "check", "convert", "bench", NULL };
 static const char *const command_help[] = {
-    "triangulate points; also without its name", "spread points over a model", "write a page to look at",
+    "triangulate points; also without its name", "spread points over a model",
     "find faults in a model and its triangulation", "from one format to another", "measure"
 };
 
-enum { QUIET, NO_CHECK, ANY_ORDER, INSIDE, NO_ORPHANS, TEXT, UNIFORM, THIN, FACET_NORMALS, POINTS, SWITCHES };
+enum { QUIET, NO_CHECK, ANY_ORDER, INSIDE, NO_ORPHANS, TEXT, UNIFORM, THIN, FACET_NORMALS, SWITCHES };
 static const char *const switches[] = { "--quiet", "--no-check", "--any-order", "--inside", "--no-orphans", "--text",
-                                        "--uniform", "--thin", "--facet-normals", "--points", NULL };
-static const unsigned switch_commands[] = { ALL, MESH | VIEW, MESH, MESH | VIEW, MESH, MESH | SAMPLE | CONVERT,
-                                            SAMPLE, SAMPLE, SAMPLE, VIEW };
+                                        "--uniform", "--thin", "--facet-normals", NULL };
+static const unsigned switch_commands[] = { ALL, MESH, MESH, MESH, MESH, MESH | SAMPLE | CONVERT,
+                                            SAMPLE, SAMPLE, SAMPLE };
 
 enum { O, DIM, COLUMNS, WEIGHTS, THREADS, MEMORY_LIMIT, SEED, EYE, UP, CUT, GENERATE, COUNT, RADIUS, FILL, SURFACE };
 static const char *const settings[] = { "-o", "--dim", "--columns", "--weights", "--threads", "--memory-limit",
                                         "--seed", "--eye", "--up", "--cut", "--generate", "--count", "--radius",
                                         "--fill", "--surface", NULL };
 static const unsigned setting_commands[] = {
-    MESH | SAMPLE | VIEW | CONVERT, ALL & ~SAMPLE, ALL & ~SAMPLE, MESH | VIEW | CHECK | BENCH,
-    MESH | VIEW | CHECK | BENCH, MESH | VIEW | CHECK | BENCH, ALL, MESH, MESH, MESH, ALL & ~SAMPLE, SAMPLE, SAMPLE,
-    SAMPLE, MESH | VIEW
+    MESH | SAMPLE | CONVERT, ALL & ~SAMPLE, ALL & ~SAMPLE, MESH | CHECK | BENCH,
+    MESH | CHECK | BENCH, MESH | CHECK | BENCH, ALL, MESH, MESH, MESH, ALL & ~SAMPLE, SAMPLE, SAMPLE,
+    SAMPLE, MESH
 };
 
 static const char *const fills[] = { "lattice", "poisson", NULL };
@@ -202,8 +194,7 @@ static int add_output(job *j, const char *path)
         return format != PBWIO_AUTO && format <= PBWIO_CSV && format != PBWIO_NODE
             && !(j->command == SAMPLE && format == PBWIO_STL);
     }
-    return has_ending(path, ".html") || (j->command == MESH && ((format != PBWIO_AUTO && format != PBWIO_OFF)
-                                                                || has_ending(path, ".svg")));
+    return j->command == MESH && ((format != PBWIO_AUTO && format != PBWIO_OFF) || has_ending(path, ".svg"));
 }
 
 /* The setting of that number; returns whether the value is proper.  more: the argument after the value or NULL. */
@@ -396,7 +387,7 @@ static int load(job *j)
     } else if (pbwio_read(j->input, &j->read, &j->cloud, &error) != PBWIO_OK) {
         return fail(j, error.text);
     }
-    if (j->read.dim == 0 && j->cloud.dim == 3 && j->command & (MESH | VIEW | CHECK | BENCH)) {
+    if (j->read.dim == 0 && j->cloud.dim == 3 && j->command & (MESH | CHECK | BENCH)) {
         flatten(&j->cloud);
     }
     if (!j->on[QUIET]) {
@@ -500,14 +491,6 @@ static int mark_inside(job *j)
     return 0;
 }
 
-/* Without the viewer a page cannot be written. */
-static pbwio_status write_page(const job *j, const char *path, pbwio_error *error)
-{
-    (void)j;
-    snprintf(error->text, sizeof error->text, "%.400s: built without pbw_view.h", path);
-    return PBWIO_ERROR_ARGUMENT;
-}
-
 static int write_mesh(const job *j)
 {
     int i;
@@ -515,8 +498,7 @@ static int write_mesh(const job *j)
         double start = now();
         pbwio_error error;
         const char *path = j->output[i];
-        pbwio_status status = has_ending(path, ".html") ? write_page(j, path, &error)
-            : has_ending(path, ".svg") ? pbwpic_write(path, &j->mesh, &j->picture, &error)
+        pbwio_status status = has_ending(path, ".svg") ? pbwpic_write(path, &j->mesh, &j->picture, &error)
             : pbwio_write(path, &j->mesh, &j->write, &error);
         if (status != PBWIO_OK || interrupted) {
             return fail(j, status != PBWIO_OK ? error.text : "cancelled");
@@ -573,28 +555,6 @@ static int run_mesh(job *j)
     }
     status = status != 0 || !j->on[INSIDE] ? status : mark_inside(j);
     return status != 0 ? status : write_mesh(j);
-}
-
-static int run_view(job *j)
-{
-    static char path[1024];
-    if (j->outputs == 0) {
-        const char *input = j->input != NULL && strcmp(j->input, "-") != 0 ? j->input : "pbw";
-        const char *slash = strrchr(input, '/'), *dot = strrchr(input, '.');
-        int length = dot != NULL && (slash == NULL || dot > slash) ? (int)(dot - input) : (int)strlen(input);
-        snprintf(path, sizeof path, "%.*s.html", length < 1000 ? length : 1000, input);
-        j->output[j->outputs++] = path;
-    }
-    if (j->on[POINTS]) {
-        int status = load(j);
-        j->mesh.dim = j->cloud.dim;
-        j->mesh.points = j->cloud.points;
-        j->mesh.point_count = j->cloud.count;
-        status = status != 0 ? status : write_mesh(j);
-        memset(&j->mesh, 0, sizeof j->mesh);         /* the points are the cloud's */
-        return status;
-    }
-    return run_mesh(j);
 }
 
 static int run_sample(job *j)
@@ -763,7 +723,6 @@ int main(int argc, char **argv)
     signal(SIGINT, on_interrupt);
     switch (j.command) {
         case SAMPLE: status = run_sample(&j); break;
-        case VIEW: status = run_view(&j); break;
         case CHECK: status = run_check(&j); break;
         case CONVERT: status = run_convert(&j); break;
         case BENCH: status = run_bench(&j); break;

@@ -955,7 +955,6 @@ static void test_program(void)
         { "- --dim 2 --weights z --quiet -o FOLDER/c.obj < FOLDER/b.csv", "", 0 },
         { "mesh --help", "exit status: 0 done, 1 failure, 2 wrong usage", 0 },
         { "sample --help", "exit status: 0 done, 1 failure, 2 wrong usage", 0 },
-        { "view --help", "exit status: 0 done, 1 failure, 2 wrong usage", 0 },
         { "check --help", "exit status: 0 done, 1 failure, 2 wrong usage", 0 },
         { "convert --help", "exit status: 0 done, 1 failure, 2 wrong usage", 0 },
         { "bench --help", "exit status: 0 done, 1 failure, 2 wrong usage", 0 },
@@ -984,7 +983,6 @@ static void test_program(void)
         { "check FOLDER/d.stl --quiet --threads 1", "", 0 },
         { "check FOLDER/e.obj --quiet", "", 0 },
         { "check", "pbw: one input or --generate is needed; see --help", 2 },
-        { "view FOLDER/f.xyz -o a.vtu", "pbw: no proper value for -o", 2 },
         { "bench --generate uniform 2", "pbw: the points do not span the space: there are no simplices", 1 },
         { "--generate uniform 3000000 -o FOLDER/a.vtu", "pbw: cancelled", 1 }
     };
