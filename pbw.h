@@ -4737,6 +4737,9 @@ static void pbw__emit_pass5(void *arg, int task)
     size_t t = emission->from + pbw__share(count, task, emission->tasks);
     size_t end = emission->from + pbw__share(count, task + 1, emission->tasks);
     for (; t < end; t++) {
+        if ((t & (PBW__TICK - 1)) == 0 && pbw__report(emission->context, 0.97)) {
+            return;
+        }
         for (k = 0; k < corners; k++) {
             pbw_index v = emission->corner[4 * t + k];
             emission->corner[corners * t + k] = v;
@@ -4755,6 +4758,9 @@ static void pbw__emit_pass6(void *arg, int task)
     size_t v = 1 + pbw__share(emission->vertex_count, task, emission->tasks), visible = 0;
     size_t end = 1 + pbw__share(emission->vertex_count, task + 1, emission->tasks);
     for (; v < end; v++) {
+        if ((v & (PBW__TICK - 1)) == 0 && pbw__report(emission->context, 0.98)) {
+            return;
+        }
         emission->incident[emission->id[v]] = emission->first[v];
         visible += emission->first[v] != PBW_NONE;
     }
