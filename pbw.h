@@ -3094,44 +3094,183 @@ PBW__AVX2_INLINE void pbw__search_sort4(pbw__search *search, size_t i, const pbw
 #endif
 
 #ifdef PBW__X86
-/* The verdict on a finite simplex whose determinant is zero, with a height at which nothing is rounded: the rule of
-   pbw__conflict in >>predicates. */
-static int pbw__tied3(const pbw__kernel *kernel, pbw_index t, const double *p)
+/* Pair arithmetic of >>predicates, four at once, and here with fused operations for sure. */
+typedef struct pbw__pair4 { __m256d head, tail; } pbw__pair4;
+typedef struct pbw__pairs4 { pbw__pair4 x, y, z, lift; __m256d height; } pbw__pairs4;
+
+PBW__AVX2_INLINE pbw__pair4 pbw__plus4(pbw__pair4 a, pbw__pair4 b)
 {
-    const pbw_index *v = kernel->corner + 4 * (size_t)t;
-    const double *largest = p;
-    double u[4][4];
-    int verdict = 0, i;
-    for (i = 0; i < 4; i++) {
-        (void)pbw__row3(kernel, v[i], p, u[i]);
-    }
-    for (i = 0; i < 4; i++) {
-        const double *x = pbw__record3(kernel, v[i]);
-        const unsigned char *corner = pbw__facet_corners[i];
-        if (x[0] > largest[0] || (x[0] == largest[0] && (x[1] > largest[1]
-                                                         || (x[1] == largest[1] && x[2] > largest[2])))) {
-            double side = pbw__det3(u[corner[0]], u[corner[1]], u[corner[2]]);
-            if (side != 0.0) {
-                largest = x;
-                verdict = side > 0.0;
-            }
-        }
-    }
-    return verdict;
+    __m256d head = a.head + b.head, other = head - a.head;
+    pbw__pair4 result = { head, ((a.head - (head - other)) + (b.head - other)) + (a.tail + b.tail) };
+    return result;
 }
 
-/* Neighbours that the filter left open (bits of `certain` not set): the exact verdicts.  Those without the bit in
-   `rounded` are ties. */
-static PBW__NOINLINE unsigned pbw__search_exact(pbw__kernel *kernel, const pbw__link *link, unsigned certain,
-                                                unsigned inside, unsigned rounded, const double *p)
+PBW__AVX2_INLINE pbw__pair4 pbw__minus4(pbw__pair4 a, pbw__pair4 b)
 {
-    unsigned k;
-    inside &= certain;
+    __m256d head = a.head - b.head, other = head - a.head;
+    pbw__pair4 result = { head, ((a.head - (head - other)) - (b.head + other)) + (a.tail - b.tail) };
+    return result;
+}
+
+PBW__AVX2_INLINE pbw__pair4 pbw__times4(pbw__pair4 a, pbw__pair4 b)
+{
+    __m256d head = _mm256_fmadd_pd(a.head, b.head, _mm256_setzero_pd());     /* not to be fused, see there */
+    __m256d error = _mm256_fmsub_pd(a.head, b.head, head);
+    pbw__pair4 result = { head, _mm256_fmadd_pd(a.head, b.tail, _mm256_fmadd_pd(a.tail, b.head, error)) };
+    return result;
+}
+
+/* a0 b1 - a1 b0 */
+PBW__AVX2_INLINE pbw__pair4 pbw__cross4(pbw__pair4 a0, pbw__pair4 a1, pbw__pair4 b0, pbw__pair4 b1)
+{
+    return pbw__minus4(pbw__times4(a0, b1), pbw__times4(a1, b0));
+}
+
+/* a0 b0 - a1 b1 + a2 b2 */
+PBW__AVX2_INLINE pbw__pair4 pbw__sum4(pbw__pair4 a0, pbw__pair4 b0, pbw__pair4 a1, pbw__pair4 b1, pbw__pair4 a2,
+                                      pbw__pair4 b2)
+{
+    return pbw__plus4(pbw__minus4(pbw__times4(a0, b0), pbw__times4(a1, b1)), pbw__times4(a2, b2));
+}
+
+/* The difference of a and b, zero in masked lanes. */
+PBW__AVX2_INLINE pbw__pair4 pbw__difference4(__m256d a, __m256d b, __m256d mask)
+{
+    pbw__pair4 x = { a, _mm256_setzero_pd() }, y = { b, _mm256_setzero_pd() };
+    x = pbw__minus4(x, y);
+    x.head = _mm256_andnot_pd(mask, x.head);
+    x.tail = _mm256_andnot_pd(mask, x.tail);
+    return x;
+}
+
+PBW__AVX2_INLINE pbw__pairs4 pbw__pairs4_of(const double *record, const pbw_index *v, const pbw__point3 *p)
+{
+    const pbw__point3 origin = { _mm256_setzero_pd(), _mm256_setzero_pd(), _mm256_setzero_pd(), _mm256_setzero_pd() };
+    pbw__rows3 at = pbw__rows3_of(record, v[0], v[1], v[2], v[3], &origin);
+    pbw__pairs4 rows;
+    rows.x = pbw__difference4(at.x, p->x, at.ghost);
+    rows.y = pbw__difference4(at.y, p->y, at.ghost);
+    rows.z = pbw__difference4(at.z, p->z, at.ghost);
+    rows.lift = pbw__plus4(pbw__plus4(pbw__times4(rows.x, rows.x), pbw__times4(rows.y, rows.y)),
+                           pbw__times4(rows.z, rows.z));
+    rows.height = rows.lift.head;
+    return rows;
+}
+
+PBW__AVX2_INLINE void pbw__raise_ghost4(pbw__pairs4 *rows, const pbw_index *v, __m256d height)
+{
+    __m128i index = _mm_set_epi32((int)v[3], (int)v[2], (int)v[1], (int)v[0]);
+    __m256d ghost = _mm256_castsi256_pd(_mm256_cvtepi32_epi64(_mm_cmpeq_epi32(index, _mm_setzero_si128())));
+    rows->lift.head = _mm256_or_pd(rows->lift.head, _mm256_and_pd(ghost, height));
+}
+
+#define PBW__CORNERS4(to, from, corner) \
+    to.x.head = corner(from.x.head), to.x.tail = corner(from.x.tail), \
+    to.y.head = corner(from.y.head), to.y.tail = corner(from.y.tail), \
+    to.z.head = corner(from.z.head), to.z.tail = corner(from.z.tail), \
+    to.lift.head = corner(from.lift.head), to.lift.tail = corner(from.lift.tail)
+
+/* The determinants of pbw__carve3_avx2 in pairs, without weights; v: the corners of a simplex, far: the vertices
+   across its facets.  Returns which are certain; *inside: which are positive.
+   With K and E of >>predicates: lift 5, 24; minor with a lift 8, 63; cofactor 12, 143, the last one 8, 63; times the
+   row of the far vertex 14, 195; sum of 4, one after the other, 17, 288.  So |error| <= 288 u^2 * 24 h^(5/2) <
+   8.6e-29 h^(5/2); 9e-29 leaves room for the higher orders and for h.  With h above 1e-20 what underflows is far
+   below that; above 4e61 h^5 is infinite. */
+PBW__AVX2 static PBW__NOINLINE unsigned pbw__power4_pairs(const double *record, const pbw_index *v,
+                                                          const pbw_index *far, const double *p, unsigned *inside)
+{
+    const pbw__point3 point = pbw__point3_of(p);
+    pbw__pairs4 r = pbw__pairs4_of(record, v, &point), o = pbw__pairs4_of(record, far, &point), a, b, c;
+    pbw__pair4 xy, xz, yz, xl, yl, zl, det;
+    __m256d height = pbw__highest(r.height), h = _mm256_max_pd(height, o.height), limit = h * h;
+    pbw__raise_ghost4(&r, v, height);
+    pbw__raise_ghost4(&o, far, height);
+    PBW__CORNERS4(a, r, PBW__CORNER_A);
+    PBW__CORNERS4(b, r, PBW__CORNER_B);
+    PBW__CORNERS4(c, r, PBW__CORNER_C);
+    xy = pbw__cross4(b.x, b.y, c.x, c.y), xz = pbw__cross4(b.x, b.z, c.x, c.z);
+    yz = pbw__cross4(b.y, b.z, c.y, c.z), xl = pbw__cross4(b.x, b.lift, c.x, c.lift);
+    yl = pbw__cross4(b.y, b.lift, c.y, c.lift), zl = pbw__cross4(b.z, b.lift, c.z, c.lift);
+    det = pbw__times4(o.x, pbw__sum4(a.y, zl, a.z, yl, a.lift, yz));
+    det = pbw__minus4(det, pbw__times4(o.y, pbw__sum4(a.x, zl, a.z, xl, a.lift, xz)));
+    det = pbw__plus4(det, pbw__times4(o.z, pbw__sum4(a.x, yl, a.y, xl, a.lift, xy)));
+    det = pbw__minus4(det, pbw__times4(o.lift, pbw__sum4(a.x, yz, a.y, xz, a.z, xy)));
+    det.head += det.tail;
+    *inside = (unsigned)_mm256_movemask_pd(det.head) ^ 15u;
+    limit = limit * limit * h * _mm256_set1_pd(9e-29 * 9e-29);
+    return (unsigned)_mm256_movemask_pd(_mm256_and_pd(_mm256_cmp_pd(det.head * det.head, limit, _CMP_GT_OQ),
+                                                      _mm256_cmp_pd(h, _mm256_set1_pd(1e-20), _CMP_GT_OQ)));
+}
+
+PBW__AVX2_INLINE __m256d pbw__dot4(__m256d x, __m256d y, __m256d z, __m256d u, __m256d v, __m256d w)
+{
+    return _mm256_fmadd_pd(x, u, _mm256_fmadd_pd(y, v, z * w));
+}
+
+/* The verdicts where the determinants of pbw__carve3_avx2 are zero, nothing is rounded and the neighbours are finite:
+   the rule of pbw__conflict in >>predicates.  The coefficients of the lifts are those of the determinant.  Integers
+   below EXACT_HEIGHT^(1/2) < 2^10 make one number, which compares as they do one after the other. */
+PBW__AVX2 static PBW__NOINLINE unsigned pbw__ties4(const double *record, const pbw_index *v, const pbw_index *far,
+                                                   const double *p)
+{
+    const pbw__point3 point = pbw__point3_of(p);
+    const __m256d zero = _mm256_setzero_pd(), radix = _mm256_set1_pd(2048.0);
+    pbw__rows3 r = pbw__rows3_of(record, v[0], v[1], v[2], v[3], &point);
+    pbw__rows3 o = pbw__rows3_of(record, far[0], far[1], far[2], far[3], &point);
+    __m256d ax = PBW__CORNER_A(r.x), ay = PBW__CORNER_A(r.y), az = PBW__CORNER_A(r.z);
+    __m256d bx = PBW__CORNER_B(r.x), by = PBW__CORNER_B(r.y), bz = PBW__CORNER_B(r.z);
+    __m256d cx = PBW__CORNER_C(r.x), cy = PBW__CORNER_C(r.y), cz = PBW__CORNER_C(r.z);
+    __m256d x = by * cz - bz * cy, y = bz * cx - bx * cz, z = bx * cy - by * cx;
+    __m256d key[4], coefficient[4], largest = zero, verdict = zero;
+    int i;
+    key[0] = _mm256_fmadd_pd(_mm256_fmadd_pd(r.x, radix, r.y), radix, r.z);
+    key[3] = _mm256_fmadd_pd(_mm256_fmadd_pd(o.x, radix, o.y), radix, o.z);
+    key[2] = PBW__CORNER_C(key[0]), key[1] = PBW__CORNER_B(key[0]), key[0] = PBW__CORNER_A(key[0]);
+    coefficient[0] = pbw__dot4(x, y, z, o.x, o.y, o.z);
+    coefficient[3] = zero - pbw__dot4(x, y, z, ax, ay, az);
+    x = cy * az - cz * ay, y = cz * ax - cx * az, z = cx * ay - cy * ax;
+    coefficient[1] = pbw__dot4(x, y, z, o.x, o.y, o.z);
+    x = ay * bz - az * by, y = az * bx - ax * bz, z = ax * by - ay * bx;
+    coefficient[2] = pbw__dot4(x, y, z, o.x, o.y, o.z);
+    for (i = 0; i < 4; i++) {
+        __m256d larger = _mm256_and_pd(_mm256_cmp_pd(key[i], largest, _CMP_GT_OQ),
+                                       _mm256_cmp_pd(coefficient[i], zero, _CMP_NEQ_OQ));
+        largest = _mm256_blendv_pd(largest, key[i], larger);
+        verdict = _mm256_blendv_pd(verdict, coefficient[i], larger);
+    }
+    return (unsigned)_mm256_movemask_pd(_mm256_cmp_pd(verdict, zero, _CMP_GT_OQ));
+}
+
+/* Neighbours of t that the filter left open (bits of `certain` not set): the exact verdicts.  Those without the bit
+   in `rounded` are ties.  A ghost tied with a finite t is in conflict, because t is. */
+static PBW__NOINLINE unsigned pbw__search_exact(pbw__kernel *kernel, pbw_index t, unsigned certain, unsigned inside,
+                                                unsigned rounded, const double *p)
+{
+    const pbw_index *v = kernel->corner + 4 * (size_t)t;
+    const pbw__link *link = kernel->link + 4 * (size_t)t;
+    pbw_index far[4];
+    unsigned open = 0, ghosts = 0, tied, k;
     for (k = 0; k < 4; k++) {
-        pbw_index o = (pbw_index)(link[k] >> 2);
-        if ((certain >> k & 1) == 0 && !PBW__LOAD(kernel->mark + o)) {
-            int tied = (rounded >> k & 1) == 0 && kernel->corner[4 * (size_t)o + 3] != PBW__GHOST;
-            inside |= (unsigned)(tied ? pbw__tied3(kernel, o, p) : pbw__in_conflict3(kernel, o, p)) << k;
+        far[k] = kernel->corner[link[k]];
+        ghosts |= (unsigned)(far[k] == PBW__GHOST) << k;
+        open |= (unsigned)!PBW__LOAD(kernel->mark + (link[k] >> 2)) << k;
+    }
+    inside &= certain;
+    open &= ~certain;
+    tied = open & ~rounded & (v[3] == PBW__GHOST ? 8u : 15u);
+    if (tied != 0) {
+        inside |= tied & (ghosts | pbw__ties4(kernel->record, v, far, p));
+        open &= ~tied;
+    }
+    if ((open & rounded) != 0 && !kernel->weighted) {
+        unsigned positive;
+        certain = open & rounded & pbw__power4_pairs(kernel->record, v, far, p, &positive);
+        inside |= certain & positive;
+        open &= ~certain;
+    }
+    for (k = 0; k < 4; k++) {
+        if ((open >> k & 1) != 0) {
+            inside |= (unsigned)pbw__in_conflict3(kernel, (pbw_index)(link[k] >> 2), p) << k;
         }
     }
     return inside;
@@ -3235,7 +3374,8 @@ PBW__AVX2 static pbw_status pbw__carve3_avx2(pbw__kernel *kernel, pbw_index t, c
         certain = (unsigned)_mm256_movemask_pd(_mm256_cmp_pd(det * det, limit, _CMP_GT_OQ));
         inside = (unsigned)_mm256_movemask_pd(det) ^ 15u;
         if (PBW__UNLIKELY(certain != 15)) {
-            inside = pbw__search_exact(kernel, link, certain, inside, (unsigned)_mm256_movemask_pd(rounded), p);
+            inside = pbw__search_exact(kernel, search.cavity[i], certain, inside,
+                                       (unsigned)_mm256_movemask_pd(rounded), p);
         }
         if (PBW__UNLIKELY(kernel->owner != NULL) && !pbw__may_delete_all(kernel, link, inside)) {
             return pbw__leave_cavity(kernel, search.cavity_count);

@@ -334,9 +334,53 @@ static int true_perturbed_sign(const points *p, const int *rank)
 
 /* --- the predicates, by stage --- */
 
-enum { FILTER, INTEGERS, GRID, PAIRS, EXACT, KERNEL, PUBLIC, STAGES };
+enum { FILTER, INTEGERS, GRID, PAIRS, LANES, EXACT, KERNEL, PUBLIC, STAGES };
 
-static const char *const stage_name[STAGES] = { "filter", "integers", "grid", "pairs", "exact", "kernel", "public" };
+static const char *const stage_name[STAGES] = {
+    "filter", "integers", "grid", "pairs", "lanes", "exact", "kernel", "public"
+};
+
+#ifdef PBW__X86
+static int have_lanes(void)
+{
+    return __builtin_cpu_supports("avx2") && __builtin_cpu_supports("fma");
+}
+
+/* Pairs in four lanes, without weights.  The far vertices are the corners themselves: then all lanes have the
+   determinant of the simplex, but negative, as if it was seen from a neighbour. */
+static int lanes_sign(const points *p, int power)
+{
+    static const pbw_index corner[4] = { 1, 2, 3, 4 };
+    double record[5][4] = { { 0 } };
+    unsigned certain, inside;
+    int i, k, weighted = 0;
+    for (i = 0; i < 5 && p->dim == 3; i++) {
+        weighted |= p->at[i][3] != 0;
+        for (k = 0; k < 3 && i < 4; k++) {
+            record[i + 1][k] = p->at[i][k];
+        }
+    }
+    if (!have_lanes() || p->dim == 2 || !power || weighted) {
+        return PBW__OPEN;
+    }
+    certain = pbw__power4_pairs(record[0], corner, corner, p->at[4], &inside);
+    inside &= certain;
+    CHECK(inside == 0 || inside == certain);
+    return certain == 0 ? PBW__OPEN : inside == 0 ? 1 : -1;
+}
+#else
+static int have_lanes(void)
+{
+    return 0;
+}
+
+static int lanes_sign(const points *p, int power)
+{
+    (void)p;
+    (void)power;
+    return PBW__OPEN;
+}
+#endif
 
 static int public_sign(const points *p, int power)
 {
@@ -384,6 +428,7 @@ static int stage_sign(const points *p, int power, int stage, const pbw__grid *gr
     case GRID:
         return grid->inverse_unit == 0 ? PBW__OPEN : pbw__integers(dim, count, row, q[count], grid, orientation);
     case PAIRS: return pbw__pairs(dim, count, row, q[count]);
+    case LANES: return lanes_sign(p, power);
     case EXACT: return pbw__exact_determinant(dim, count, row, q[count], orientation);
     case KERNEL:
         if (power) {
@@ -531,12 +576,18 @@ static void test_reach(void)
         { "pairs decide points of a sphere", SPHERE, 3, 1, 0, PAIRS, 0.99 },
         { "pairs decide points of a sphere", SPHERE, 2, 1, 0, PAIRS, 0.95 },
         { "pairs decide points of a plane", FLAT, 3, 0, 0, PAIRS, 0.5 },
-        { "pairs decide exponents of +-30", MODERATE, 3, 1, 0, PAIRS, 0.99 }
+        { "pairs decide exponents of +-30", MODERATE, 3, 1, 0, PAIRS, 0.99 },
+        { "lanes decide points of a cap", CAP, 3, 1, 0, LANES, 0.99 },
+        { "lanes decide points of a sphere", SPHERE, 3, 1, 0, LANES, 0.99 }
     };
     size_t i;
     int j, k, decided;
     for (i = 0; i < sizeof cases / sizeof *cases; i++) {
         if (test_begin("%s, %s%d", cases[i].what, cases[i].power ? "power" : "orient", cases[i].dim)) {
+            if (cases[i].stage == LANES && !have_lanes()) {
+                test_skip("no AVX2");
+                continue;
+            }
             for (j = decided = 0; j < 1000; j++) {
                 points p;
                 pbw__grid grid;
@@ -771,8 +822,8 @@ static double true_value(const points *p, int power, int stage, double *bound)
     double value = 0, lift = 0;
     oracle_big truth;
     int unit = true_determinant(p, power, NULL, &truth) * (power ? dim + 2 : dim);
-    *bound = factor[dim - 2][power][stage == PAIRS] * (stage == PAIRS ? 0x1p-106 : 0x1p-52);
-    for (k = 0; k < dim; k++) {
+    *bound = stage == LANES ? 9e-29 : factor[dim - 2][power][stage == PAIRS] * (stage == PAIRS ? 0x1p-106 : 0x1p-52);
+    for (k = 0; k < dim && stage != LANES; k++) {
         double largest = 0;
         for (i = 0; i < count; i++) {
             largest = fmax(largest, fabs(p->at[i][k] - p->at[count][k]));
@@ -786,7 +837,7 @@ static double true_value(const points *p, int power, int stage, double *bound)
         }
         lift = fmax(lift, norm);
     }
-    *bound *= power ? lift : 1;
+    *bound *= stage == LANES ? lift * lift * sqrt(lift) : power ? lift : 1;
     for (i = truth.length - 1; i >= 0 && i >= truth.length - 3; i--) {
         value += ldexp(truth.limb[i], 32 * i + unit);
     }
@@ -802,10 +853,12 @@ static void test_attack(long steps)
     int dim, power, stage, start;
     for (dim = 2; dim <= 3; dim++) {
         for (power = 0; power < 2; power++) {
-            for (stage = FILTER; stage <= PAIRS; stage += PAIRS - FILTER) {
+            for (stage = FILTER; stage <= LANES; stage += stage == FILTER ? PAIRS - FILTER : LANES - PAIRS) {
                 double nearest = HUGE_VAL;
                 long answers = 0;
-                if (!test_begin("attack on %s, %s%d", stage_name[stage], power ? "power" : "orient", dim)) {
+                int columns = stage == LANES ? dim : dim + power;
+                if ((stage == LANES && (dim == 2 || !power || !have_lanes()))
+                    || !test_begin("attack on %s, %s%d", stage_name[stage], power ? "power" : "orient", dim)) {
                     continue;
                 }
                 for (start = 0; start < 6; start++) {
@@ -815,10 +868,13 @@ static void test_attack(long steps)
                     int k;
                     for (step = 0; step < steps; step++) {
                         points next = p;
-                        double *x = &next.at[below(dim + 1 + power)][below(dim + power)], old = *x;
+                        double *x = &next.at[below(dim + 1 + power)][below(columns)], old = *x;
                         int answer;
                         if (step % 256 == 0) {             /* a new start */
                             fill(&next, dim, starts[start]);
+                            for (k = 0; k < dim + 2 && columns == dim; k++) {
+                                next.at[k][dim] = 0;
+                            }
                             for (k = 0; k < dim + power && step % 512 == 0; k++) {
                                 next.at[dim + power][k] *= 0x1p-60;
                             }
@@ -860,6 +916,113 @@ static void test_attack(long steps)
         }
     }
 }
+
+/* --- four lanes at once --- */
+
+#ifdef PBW__X86
+/* A simplex, the far vertices across its facets and a point, as the kernel has them: record 0 is the ghost. */
+typedef struct neighbourhood {
+    double record[9][4], p[4];
+    pbw_index corner[4], far[4];
+} neighbourhood;
+
+/* Ghosts: 0 none, 1 far vertices, 2 corner 3. */
+static void fill_neighbourhood(neighbourhood *n, int family, int ghosts)
+{
+    static const int sides[3] = { 1, 30, 465 };            /* 3 * 465^2 is just below PBW__EXACT_HEIGHT */
+    int box = below(2), steps = below(2) == 0 ? 1 : 155, side[3], i, k;
+    points p;
+    for (k = 0; k < 3; k++) {
+        side[k] = sides[below(3)];
+    }
+    p.dim = 3;
+    memset(n, 0, sizeof *n);
+    fill_places(&p, family);                               /* those that share a sphere or plane come in fives */
+    for (i = 0; i < 9; i++) {
+        double *q = i < 8 ? n->record[i + 1] : n->p;
+        int copy = below(5);
+        for (k = 0; k < 3; k++) {
+            q[k] = i < 4 ? p.at[i][k] : i == 8 ? p.at[4][k] : p.at[copy][k];
+            if (family == LATTICE) {                       /* or corners of a box */
+                q[k] = box ? side[k] * below(2) : steps * below(4);
+            } else if (family == COSPHERICAL) {
+                q[k] = floor(q[k] + 0.5);                  /* some have been moved by an ulp */
+            } else if (i >= 4 && i < 8) {
+                q[k] = ulps(q[k], below(5) - 2);
+            }
+        }
+    }
+    for (i = 0; i < 4; i++) {
+        n->corner[i] = (pbw_index)(i + 1);
+        n->far[i] = ghosts == 1 && below(2) == 0 ? PBW__GHOST : (pbw_index)(i + 5);
+    }
+    n->corner[3] = ghosts == 2 ? PBW__GHOST : n->corner[3];
+}
+
+/* The simplex with corner k replaced by its far vertex, and the point; the ghost, if there is one, becomes the point
+   itself: what is left is the orientation of the others, of sign *flip. */
+static int lane_truth(const neighbourhood *n, int k, points *p)
+{
+    int i, ghost = -1;
+    p->dim = 3;
+    for (i = 0; i < 4; i++) {
+        pbw_index v = i == k ? n->far[i] : n->corner[i];
+        memcpy(p->at[i], v == PBW__GHOST ? n->p : n->record[v], sizeof p->at[i]);
+        ghost = v == PBW__GHOST ? i : ghost;
+    }
+    memcpy(p->at[4], n->p, sizeof n->p);
+    return ghost < 0 ? -true_sign(p, 1, NULL) : -true_sign(p, 0, NULL);
+}
+
+static void test_lanes(long calls)
+{
+    static const int families[8] = { UNIFORM, LATTICE, COSPHERICAL, SPHERE, CAP, FLAT, CLUSTER, MODERATE };
+    int f, ghosts, k;
+    for (f = 0; f < 8; f++) {
+        for (ghosts = 0; ghosts < 3; ghosts++) {
+            long i, answers = 0, ties = 0;
+            int exact = families[f] == LATTICE || families[f] == COSPHERICAL;
+            if (!test_begin("four lanes, %s%s", family_name[families[f]],
+                            ghosts == 0 ? "" : ghosts == 1 ? ", ghosts beyond" : ", a ghost")) {
+                continue;
+            }
+            if (!have_lanes()) {
+                test_skip("no AVX2");
+                continue;
+            }
+            for (i = 0; i < calls; i++) {
+                neighbourhood n;
+                unsigned certain, inside, tied;
+                fill_neighbourhood(&n, families[f], ghosts);
+                certain = pbw__power4_pairs(n.record[0], n.corner, n.far, n.p, &inside);
+                tied = exact ? pbw__ties4(n.record[0], n.corner, n.far, n.p) : 0;
+                for (k = 0; k < 4; k++) {
+                    points p;
+                    int rank[5], truth = lane_truth(&n, k, &p);
+                    if (certain >> k & 1) {
+                        answers++;
+                        if (!CHECK(truth == ((inside >> k & 1) != 0 ? 1 : -1))) {
+                            print_points(&p);
+                        }
+                    } else if (exact && truth == 0 && n.far[k] != PBW__GHOST && (ghosts < 2 || k == 3)
+                               && true_sign(&p, 0, NULL) < 0 && find_ranks(&p, rank)) {
+                        swap_points(&p, 0, 1);
+                        find_ranks(&p, rank);
+                        ties++;
+                        CHECK((int)(tied >> k & 1) == (true_perturbed_sign(&p, rank) > 0));
+                    }
+                }
+            }
+            CHECK(exact ? ties > calls / 100 : answers > calls);         /* of the 4 a call */
+            if (test_verbose) {
+                test_say("%.2f certain, %.2f ties a call", (double)answers / (double)calls,
+                         (double)ties / (double)calls);
+            }
+            test_end();
+        }
+    }
+}
+#endif
 
 /* --- grids --- */
 
@@ -1016,6 +1179,9 @@ int main(int argc, char **argv)
     test_raised(test_count / 40);
     test_circuits(test_count / 40);
     test_tiling(test_count / 2000);
+#ifdef PBW__X86
+    test_lanes(test_count / 40 + 512);
+#endif
     test_grids(test_count / 20);
     return test_finish();
 }
