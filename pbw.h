@@ -364,12 +364,16 @@ extern int madvise(void *address, size_t length, int advice);    /* strict C mod
 #define PBW__ADD(x, y) __atomic_fetch_add(x, y, __ATOMIC_RELAXED)
 #define PBW__SWAP(x, y) __atomic_exchange_n(x, y, __ATOMIC_RELAXED)
 #define PBW__REPLACE(x, old, y) __atomic_compare_exchange_n(x, old, y, 1, __ATOMIC_RELAXED, __ATOMIC_RELAXED)
+#define PBW__TELL(x, y) __atomic_store_n(x, y, __ATOMIC_RELEASE)                 /* what came before is seen by */
+#define PBW__SEEN(x) __atomic_load_n(x, __ATOMIC_ACQUIRE)                        /* what comes after */
 #else
 #define PBW__LOAD(x) (*(x))
 #define PBW__STORE(x, y) ((void)(*(x) = (y)))
 #define PBW__ADD(x, y) ((*(x) += (y)) - (y))
 #define PBW__SWAP(x, y) pbw__swap(x, y)
 #define PBW__REPLACE(x, old, y) (*(x) = (y), 1)
+#define PBW__TELL(x, y) PBW__STORE(x, y)
+#define PBW__SEEN(x) PBW__LOAD(x)
 #endif
 
 #ifndef PBW__THREADS
@@ -4549,8 +4553,8 @@ static pbw_status pbw__build_all(pbw__context *context, pbw__store *store, const
    simplices follow the Hilbert curve, and any method that finds the triangulation can produce the same arrays.
 
    The store's arrays become the caller's: a copy beside them would be the peak of the memory.  Passes: put each
-   simplex into the list of its lowest rank; sort and number the simplices list by list; translate each where it is;
-   move each to its place.
+   simplex into the list of its lowest rank; sort and number the simplices list by list; translate each and write it
+   to its place, unless a slot is there that is still to be read; then write those.
    ------------------------------------------------------------------------------------------------------ */
 static void pbw__sift(pbw__item *heap, size_t root, size_t count)
 {
@@ -4593,6 +4597,15 @@ static void pbw__sort_items(pbw__item *item, size_t count)
     }
 }
 
+typedef struct pbw__emitted {
+    pbw_index place, corner[4], neighbor[4];
+} pbw__emitted;
+
+typedef struct pbw__aside {
+    pbw__emitted *simplex;
+    size_t count, capacity;
+} pbw__aside;
+
 typedef struct pbw__emission {
     pbw__context *context;
     pbw_index *corner;
@@ -4601,11 +4614,12 @@ typedef struct pbw__emission {
     int dim, any_order, tasks, failed;
     const pbw_index *id;                             /* of each rank */
     pbw_index *number;                               /* per slot: the next of its list; then its place */
-    pbw_index *place;                                /* per simplex of the output: its slot; PBW_NONE: done */
-    pbw_index *head, *first;                         /* per rank: first of its list; first simplex (one array) */
+    pbw_index *head, *first;                         /* per rank: first of its list; first simplex */
     pbw_index *block;                                /* per PBW__BLOCK ranks: simplices; then the first one */
     pbw_index *incident;                             /* per point of the caller */
-    size_t from, to;                                 /* packing: the simplices of this step */
+    size_t chunk;                                    /* of slots, the next to be read */
+    unsigned char *chunk_done;
+    pbw__aside *aside;                               /* per task */
 } pbw__emission;
 #define PBW__BLOCK 4096
 
@@ -4685,7 +4699,7 @@ static void pbw__emit_pass1(void *arg, int task)
     }
 }
 
-/* Pass 2: numbers, for the lists of a share of the blocks of ranks. */
+/* Pass 2: numbers, for the lists of a share of the blocks of ranks; the first simplex of each rank. */
 PBW__INLINE void pbw__emit_numbers(pbw__emission *emission, int task, int dim)
 {
     size_t blocks = emission->vertex_count / PBW__BLOCK + 1, b, v, i, count, capacity = 64;
@@ -4720,8 +4734,15 @@ PBW__INLINE void pbw__emit_numbers(pbw__emission *emission, int task, int dim)
             if (!emission->any_order) {
                 pbw__sort_items(item, count);
             }
-            for (i = 0; i < count; i++) {
-                emission->number[item[i].simplex] = next++;
+            for (i = 0; i < count; i++, next++) {
+                const pbw_index *corner = emission->corner + 4 * (size_t)item[i].simplex;
+                int k;
+                emission->number[item[i].simplex] = next;
+                for (k = 0; k <= dim; k++) {
+                    pbw_index *first = emission->first + corner[k], old = PBW__LOAD(first);
+                    while (next < old && !PBW__REPLACE(first, &old, next)) {
+                    }
+                }
             }
         }
     }
@@ -4741,158 +4762,124 @@ static void pbw__emit_pass2(void *arg, int task)
     }
 }
 
-/* Pass 3: each simplex, in its slot, in canonical form, with ids for ranks and places for slots.  The lists are gone:
-   their heads are now the first simplices of the ranks. */
-PBW__INLINE void pbw__emit_forms(pbw__emission *emission, int task, int dim)
+/* Pass 3: each simplex in canonical form, with ids for ranks and places for slots, from its slot to its place.  Slots
+   are read in order, and most places lie before the slots, among those already read, because slots are left over where
+   simplices were deleted.  A simplex whose place is still to be read is set aside.  Tasks take the slots by chunks;
+   chunk_done, set in release order and seen in acquire order, tells the others that a chunk was read. */
+#ifdef PBW_SMALL_SHARES
+#define PBW__CHUNK 64
+#else
+#define PBW__CHUNK 4096
+#endif
+
+/* Whether a place can be written once the slots up to t, of a chunk, have been read. */
+PBW__INLINE int pbw__emit_free(const pbw__emission *emission, size_t place, size_t chunk, size_t t, int dim)
 {
-    const pbw_index *number = emission->number;
-    size_t from, to = 0, t;
-    while (pbw__emit_step(emission, emission->slot_count, task, 0.5, &from, &to)) {
-        for (t = from; t < to; t++) {
-            pbw_index *corner = emission->corner + 4 * t, here = number[t], v[4];
-            pbw__link n[4];
-            unsigned order, k;
-            if (here == PBW_NONE) {
-                continue;
-            }
-            emission->place[here] = (pbw_index)t;
-            memcpy(v, corner, sizeof(v));
-            order = pbw__canonical_order(v, dim);
-            for (k = 0; k <= (unsigned)dim; k++) {
-                pbw_index rank = v[order >> 2 * k & 3], *first = emission->first + rank, old = PBW__LOAD(first);
-                while (here < old && !PBW__REPLACE(first, &old, here)) {
-                }
-                corner[k] = emission->id[rank];
-            }
-            if (emission->link != NULL) {
-                pbw__link *link = emission->link + 4 * t;
-                memcpy(n, link, sizeof(n));
-                for (k = 0; k <= (unsigned)dim; k++) {
-                    link[k] = number[n[order >> 2 * k & 3] >> 2];
-                }
-            }
+    size_t from = ((size_t)dim + 1) * place / 4, to = (((size_t)dim + 1) * place + (size_t)dim) / 4;
+    size_t first = from / PBW__CHUNK, last = to / PBW__CHUNK;
+    return (first == chunk || PBW__SEEN(emission->chunk_done + first))
+           && (last == chunk ? to <= t : PBW__SEEN(emission->chunk_done + last) != 0);
+}
+
+PBW__INLINE void pbw__emit_place(const pbw__emission *emission, const pbw__emitted *simplex, int dim)
+{
+    size_t corners = (size_t)dim + 1;
+    memcpy(emission->corner + corners * simplex->place, simplex->corner, corners * sizeof(pbw_index));
+    if (emission->link != NULL) {
+        memcpy((pbw_index *)(void *)emission->link + corners * simplex->place, simplex->neighbor,
+               corners * sizeof(pbw_index));
+    }
+}
+
+/* Writes what can be written by now. */
+static void pbw__emit_set_aside(pbw__emission *emission, pbw__aside *aside, int dim)
+{
+    size_t i, left = 0;
+    for (i = 0; i < aside->count; i++) {
+        if (pbw__emit_free(emission, aside->simplex[i].place, (size_t)-1, 0, dim)) {
+            pbw__emit_place(emission, aside->simplex + i, dim);
+        } else {
+            aside->simplex[left++] = aside->simplex[i];
         }
     }
+    aside->count = left;
+}
+
+/* What waits is looked at when there is twice as much as was left the last time. */
+static int pbw__emit_later(pbw__emission *emission, int task, const pbw__emitted *simplex, int dim)
+{
+    pbw__aside *aside = emission->aside + task;
+    if (aside->count == aside->capacity) {
+        pbw__emit_set_aside(emission, aside, dim);
+        if (aside->count >= aside->capacity / 2
+            && !pbw__resize_array(&emission->context->memory, &aside->simplex, &aside->capacity,
+                                  2 * aside->capacity + 64, sizeof(pbw__emitted))) {
+            PBW__STORE(&emission->failed, 1);
+            return 0;
+        }
+    }
+    aside->simplex[aside->count++] = *simplex;
+    return 1;
+}
+
+PBW__INLINE void pbw__emit_chunk(pbw__emission *emission, int task, size_t chunk, int dim)
+{
+    const pbw_index *number = emission->number;
+    size_t t = chunk * PBW__CHUNK, end = t + PBW__CHUNK;
+    for (end = end < emission->slot_count ? end : emission->slot_count; t < end; t++) {
+        const pbw_index *v = emission->corner + 4 * t;
+        pbw__emitted simplex;
+        unsigned order, k;
+        simplex.place = number[t];
+        if (simplex.place == PBW_NONE) {
+            continue;
+        }
+        order = pbw__canonical_order(v, dim);
+        for (k = 0; k <= (unsigned)dim; k++) {
+            simplex.corner[k] = emission->id[v[order >> 2 * k & 3]];
+        }
+        if (emission->link != NULL) {
+            const pbw__link *link = emission->link + 4 * t;
+            for (k = 0; k <= (unsigned)dim; k++) {
+                simplex.neighbor[k] = number[link[order >> 2 * k & 3] >> 2];
+            }
+        }
+        if (PBW__LIKELY(pbw__emit_free(emission, simplex.place, chunk, t, dim))) {
+            pbw__emit_place(emission, &simplex, dim);
+        } else if (!pbw__emit_later(emission, task, &simplex, dim)) {
+            return;
+        }
+    }
+    PBW__TELL(emission->chunk_done + chunk, 1);
 }
 
 static void pbw__emit_pass3(void *arg, int task)
 {
     pbw__emission *emission = (pbw__emission *)arg;
-    if (emission->dim == 3) {
-        pbw__emit_forms(emission, task, 3);
-    } else {
-        pbw__emit_forms(emission, task, 2);
+    size_t chunks = (emission->slot_count + PBW__CHUNK - 1) / PBW__CHUNK, chunk;
+    while ((chunk = PBW__ADD(&emission->chunk, 1)) < chunks && !PBW__LOAD(&emission->failed)
+           && !pbw__report(emission->context, 0.5 + 0.45 * (double)chunk / (double)chunks)) {
+        if (emission->dim == 3) {
+            pbw__emit_chunk(emission, task, chunk, 3);
+        } else {
+            pbw__emit_chunk(emission, task, chunk, 2);
+        }
     }
 }
 
-PBW__INLINE void pbw__emit_move(pbw__emission *emission, size_t to, size_t from)
-{
-    memcpy(emission->corner + 4 * to, emission->corner + 4 * from, 4 * sizeof(pbw_index));
-    if (emission->link != NULL) {
-        memcpy(emission->link + 4 * to, emission->link + 4 * from, 4 * sizeof(pbw__link));
-    }
-}
-
-/* Pass 4: each simplex to its place.  A place that holds nothing is filled, which empties another one, and so on,
-   until that one is beyond the output: such paths are disjoint.  Several are followed in turns, so that what a step
-   needs is in the cache when its turn comes. */
-#define PBW__PATHS 16
+/* Pass 4: those that a task set aside. */
 static void pbw__emit_pass4(void *arg, int task)
 {
     pbw__emission *emission = (pbw__emission *)arg;
-    const size_t count = emission->simplex_count, end = pbw__share(count, task + 1, emission->tasks);
-    size_t next = pbw__share(count, task, emission->tasks), at[PBW__PATHS], active = PBW__PATHS, p, steps = 0;
-    pbw_index *place = emission->place;
-    for (p = 0; p < PBW__PATHS; p++) {
-        at[p] = count;
+    pbw__aside *aside = emission->aside + task;
+    if (!PBW__LOAD(&emission->failed) && !pbw__report(emission->context, 0.95)) {
+        pbw__emit_set_aside(emission, aside, emission->dim);
     }
-    while (active > 0) {
-        active = 0;
-        for (p = 0; p < PBW__PATHS; p++) {
-            size_t to = at[p], from;
-            if (to >= count) {
-                while (next < end && emission->number[next] != PBW_NONE) {
-                    next++;
-                }
-                if (next == end) {
-                    continue;
-                }
-                to = next++;
-            }
-            active++;
-            from = place[to];
-            place[to] = PBW_NONE;
-            pbw__emit_move(emission, to, from);
-            at[p] = from;
-            if (from < count && place[from] != PBW_NONE) {
-                PBW__PREFETCH(emission->corner + 4 * (size_t)place[from]);
-                if (emission->link != NULL) {
-                    PBW__PREFETCH(emission->link + 4 * (size_t)place[from]);
-                }
-            }
-        }
-        if ((++steps & 4095) == 0 && pbw__report(emission->context, 0.75 + 0.2 * (double)next / (double)count)) {
-            return;
-        }
-    }
-}
-
-/* What is left are cycles, few if slots were left over. */
-static void pbw__emit_cycles(pbw__emission *emission)
-{
-    const size_t count = emission->simplex_count;
-    size_t start, to, from;
-    for (start = 0; start < count; start++) {
-        pbw_index v[4];
-        pbw__link n[4] = { 0, 0, 0, 0 };
-        if ((start & (PBW__TICK - 1)) == 0 && pbw__report(emission->context, 0.95)) {
-            return;
-        }
-        if (emission->place[start] == PBW_NONE || emission->place[start] == start) {
-            continue;
-        }
-        memcpy(v, emission->corner + 4 * start, sizeof(v));
-        if (emission->link != NULL) {
-            memcpy(n, emission->link + 4 * start, sizeof(n));
-        }
-        for (to = start; (from = emission->place[to]) != start; to = from) {
-            pbw__emit_move(emission, to, from);
-            emission->place[to] = PBW_NONE;
-        }
-        memcpy(emission->corner + 4 * to, v, sizeof(v));
-        if (emission->link != NULL) {
-            memcpy(emission->link + 4 * to, n, sizeof(n));
-        }
-        emission->place[to] = PBW_NONE;
-    }
-}
-
-/* Four entries a simplex to dim+1 packed ones, links to indices.  Packed entries may lie where others are still to be
-   read; so a step goes as far as what it writes stays in front of what it reads. */
-static void pbw__emit_pass5(void *arg, int task)
-{
-    pbw__emission *emission = (pbw__emission *)arg;
-    pbw_index *packed = (pbw_index *)(void *)emission->link;
-    size_t corners = (size_t)emission->dim + 1, k, count = emission->to - emission->from;
-    size_t t = emission->from + pbw__share(count, task, emission->tasks);
-    size_t end = emission->from + pbw__share(count, task + 1, emission->tasks);
-    for (; t < end; t++) {
-        if ((t & (PBW__TICK - 1)) == 0 && pbw__report(emission->context, 0.97)) {
-            return;
-        }
-        for (k = 0; k < corners; k++) {
-            pbw_index v = emission->corner[4 * t + k];
-            emission->corner[corners * t + k] = v;
-            if (packed != NULL) {
-                pbw_index n = (pbw_index)emission->link[4 * t + k];
-                packed[corners * t + k] = n;
-            }
-        }
-    }
+    pbw__release(&emission->context->memory, aside->simplex, aside->capacity, sizeof(pbw__emitted));
 }
 
 /* The first simplex of each vertex, by the caller's ids. */
-static void pbw__emit_pass6(void *arg, int task)
+static void pbw__emit_pass5(void *arg, int task)
 {
     pbw__emission *emission = (pbw__emission *)arg;
     size_t v = 1 + pbw__share(emission->vertex_count, task, emission->tasks), visible = 0;
@@ -4926,39 +4913,12 @@ static pbw_status pbw__emit(pbw__emission *emission)
     if (PBW__LOAD(&context->cancelled) || emission->failed) {
         return emission->failed ? PBW_ERROR_MEMORY : PBW_CANCELLED;
     }
-    emission->place = (pbw_index *)pbw__allocate_large(context, sum, sizeof(pbw_index));
-    if (emission->place == NULL) {
-        return PBW_ERROR_MEMORY;
-    }
-    memset(emission->first, 0xff, (emission->vertex_count + 1) * sizeof(pbw_index));     /* PBW_NONE */
     pbw__for(context, tasks, pbw__emit_pass3, emission);
-    if (!PBW__LOAD(&context->cancelled)) {
-        pbw__for(context, tasks, pbw__emit_pass4, emission);
+    pbw__for(context, tasks, pbw__emit_pass4, emission);
+    if (PBW__LOAD(&context->cancelled) || emission->failed) {
+        return emission->failed ? PBW_ERROR_MEMORY : PBW_CANCELLED;
     }
-    if (!PBW__LOAD(&context->cancelled)) {
-        pbw__emit_cycles(emission);
-    }
-    pbw__release(&context->memory, emission->place, sum, sizeof(pbw_index));
-    if (PBW__LOAD(&context->cancelled)) {
-        return PBW_CANCELLED;
-    }
-    if (emission->dim == 2 || sizeof(pbw__link) != sizeof(pbw_index)) {
-        for (emission->to = 0; emission->to < sum; ) {
-            emission->from = emission->to;
-            emission->to += tasks == 1 ? PBW__TICK : emission->to / 3;
-            if (emission->to < PBW__TICK) {          /* too few for the others */
-                emission->to = PBW__TICK;
-                emission->tasks = 1;
-            }
-            emission->to = emission->to < sum ? emission->to : sum;
-            pbw__for(context, emission->tasks, pbw__emit_pass5, emission);
-            emission->tasks = tasks;
-            if (pbw__report(context, 0.97)) {
-                return PBW_CANCELLED;
-            }
-        }
-    }
-    pbw__for(context, tasks, pbw__emit_pass6, emission);
+    pbw__for(context, tasks, pbw__emit_pass5, emission);
     return PBW_OK;
 }
 /* ------------------------------------------------------------------------------------------------------
@@ -5661,7 +5621,7 @@ static pbw_status pbw__output(pbw__context *context, pbw__store *store, pbw__ver
 {
     pbw__memory *memory = &context->memory;
     pbw__emission emission;
-    size_t blocks = vertices->count / PBW__BLOCK + 1, entries, links;
+    size_t blocks = vertices->count / PBW__BLOCK + 1, chunks = store->count / PBW__CHUNK + 1, entries, links;
     pbw_status status = PBW_ERROR_MEMORY;
 
     pbw__release(memory, store->mark, store->mark_capacity, 1);
@@ -5683,16 +5643,25 @@ static pbw_status pbw__output(pbw__context *context, pbw__store *store, pbw__ver
     emission.tasks = pbw__tasks(context, vertices->count, 16384);
     emission.number = (pbw_index *)pbw__allocate_large(context, store->count, sizeof(pbw_index));
     emission.head = (pbw_index *)pbw__allocate_large(context, vertices->count + 1, sizeof(pbw_index));
-    emission.first = emission.head;
+    emission.first = (pbw_index *)pbw__allocate_large(context, vertices->count + 1, sizeof(pbw_index));
     emission.block = (pbw_index *)pbw__allocate(memory, blocks, sizeof(pbw_index));
-    if (emission.number != NULL && emission.head != NULL && emission.block != NULL) {
+    emission.chunk_done = (unsigned char *)pbw__allocate(memory, chunks, 1);
+    emission.aside = (pbw__aside *)pbw__allocate(memory, (size_t)emission.tasks, sizeof(pbw__aside));
+    if (emission.number != NULL && emission.head != NULL && emission.first != NULL && emission.block != NULL
+        && emission.chunk_done != NULL && emission.aside != NULL) {
         memset(emission.head, 0xff, (vertices->count + 1) * sizeof(pbw_index));      /* PBW_NONE */
         memset(emission.block, 0, blocks * sizeof(pbw_index));
+        memset(emission.chunk_done, 0, chunks);
+        memset(emission.first, 0xff, (vertices->count + 1) * sizeof(pbw_index));
+        memset(emission.aside, 0, (size_t)emission.tasks * sizeof(pbw__aside));
         status = pbw__emit(&emission);
     }
     pbw__release(memory, emission.number, store->count, sizeof(pbw_index));
     pbw__release(memory, emission.head, vertices->count + 1, sizeof(pbw_index));
+    pbw__release(memory, emission.first, vertices->count + 1, sizeof(pbw_index));
     pbw__release(memory, emission.block, blocks, sizeof(pbw_index));
+    pbw__release(memory, emission.chunk_done, chunks, 1);
+    pbw__release(memory, emission.aside, (size_t)emission.tasks, sizeof(pbw__aside));
     if (status != PBW_OK) {
         return status;
     }
