@@ -4763,9 +4763,9 @@ static void pbw__emit_pass2(void *arg, int task)
 }
 
 /* Pass 3: each simplex in canonical form, with ids for ranks and places for slots, from its slot to its place.  Slots
-   are read in order, and most places lie before the slots, among those already read, because slots are left over where
-   simplices were deleted.  A simplex whose place is still to be read is set aside.  Tasks take the slots by chunks;
-   chunk_done, set in release order and seen in acquire order, tells the others that a chunk was read. */
+   are read in order, and most places lie before the slots, among those already read, because slots are left over
+   where simplices were deleted.  A simplex whose place is still to be read is set aside.  Tasks take the slots by
+   chunks; chunk_done, set in release order and seen in acquire order, tells the others that a chunk was read. */
 #ifdef PBW_SMALL_SHARES
 #define PBW__CHUNK 64
 #else
