@@ -150,6 +150,9 @@ typedef struct pbw_options {               /* NULL or all zero = best defaults *
     int   (*progress)(void *user, pbw_stage stage, double done);
     void *resize_user, *run_user, *progress_user;
     const pbw_backend *backend;            /* NULL = this CPU */
+    uint32_t *trace;                       /* where to note for each point which task inserted it and in which round,
+                                              as task + 256*round, PBW_NONE for duplicates; count entries, NULL =
+                                              nowhere.  The same for the same number of threads */
     char    *message;                      /* where a backend says in words what was missing; NULL = nowhere */
     size_t   message_size;                 /* its bytes; the text is cut to fit and ends with a 0 */
 } pbw_options;
@@ -160,6 +163,10 @@ typedef struct pbw_statistics {            /* of the build that filled a mesh */
     size_t walk_steps;                     /* simplices visited by point location */
     size_t conflict_tests, exact_tests;    /* sphere tests made; those that the filter left to exact stages */
     size_t created;                        /* simplices created, ghosts included */
+    int threads;                           /* that took part */
+    size_t rounds, postponed;              /* of several threads; insertions that would have crossed a border and were
+                                              put off to the next round */
+    size_t serial;                         /* points inserted while there was work for one thread only */
     int by_backend;                        /* 1: options.backend built this, 0: the CPU */
 } pbw_statistics;
 
@@ -237,7 +244,8 @@ typedef struct pbw_report {                /* what pbw_check found */
 PBWDEF pbw_status pbw_check(const pbw_mesh *mesh, const pbw_options *options, pbw_report *report);
 
 /* Equal for two meshes if and only if (up to 2^-64 chance) they are the same triangulation of the same points:
-   independent of the order of points and simplices, of ids, and of float or double input.  0 for an empty mesh. */
+   independent of the order of points and simplices, of ids, and of float or double input.  0 for an empty mesh.
+   Uses all cores for many points. */
 PBWDEF uint64_t pbw_hash(const pbw_mesh *mesh);
 
 /* Exact signs -1, 0, +1 for all finite doubles, in every rounding mode; no setup, any thread.
@@ -537,6 +545,7 @@ typedef struct pbw__context {
     pbw__memory memory;
     int (*progress)(void *user, pbw_stage stage, double done);
     void *progress_user;
+    uint32_t *trace;                                 /* options.trace */
     pbw_stage stage;
     double last_report, last_done;
     int cancelled;
@@ -758,6 +767,7 @@ static void pbw__context_start(pbw__context *context, const pbw_options *options
     pbw__memory_start(&context->memory, options);
     context->progress = options->progress;
     context->progress_user = options->progress_user;
+    context->trace = options->trace;
     context->threads = pbw__thread_count(options->threads, count);
     context->run = options->run;
     context->run_user = options->run_user;
@@ -4072,7 +4082,9 @@ typedef struct pbw__build {
     pbw__store *store;
     const pbw__vertices *vertices;
     pbw__kernel *kernel[PBW__PARTS];                 /* one for each task */
-    int kernel_count, parts, rounds;
+    pbw_statistics *statistics;
+    uint32_t trace;                                  /* 256 * the round */
+    int kernel_count, parts;
     uint8_t *owner;                                  /* per cell */
     size_t stride, coarser;                          /* the level: ranks divisible by stride, not by coarser */
     int backwards;
@@ -4120,6 +4132,9 @@ static int pbw__level_insert(pbw__build *build, pbw__kernel *kernel, pbw_index v
     } else if (status != PBW_OK) {
         kernel->status = status;
         return 0;
+    }
+    if (build->context->trace != NULL) {
+        build->context->trace[build->vertices->id[v]] = build->trace | (kernel->owner != NULL ? kernel->me : 0u);
     }
     kernel->done++;
     /* An exact test of extreme exponents may take 0.2 ms, a new simplex takes 0.1 us. */
@@ -4360,6 +4375,9 @@ static pbw_status pbw__end_round(pbw__build *build)
         }
         build->left_count += kernel->left_count;
     }
+    build->trace += 256;
+    build->statistics->rounds++;
+    build->statistics->postponed += count;
     if (no_room) {
         size_t bigger = store->capacity + store->capacity / 8 + 65536;
         status = pbw__store_reserve(build->context, store,
@@ -4393,7 +4411,6 @@ static pbw_status pbw__level_parallel(pbw__build *build)
         before = build->left_count;
         status = pbw__new_parts(build, round) ? PBW_OK : PBW_ERROR_MEMORY;
     } while (status == PBW_OK);
-    build->rounds += round;
     return status;
 }
 
@@ -4469,6 +4486,8 @@ static pbw_status pbw__level_serial(pbw__build *build, int all)
     }
     pbw__leave_region(kernel);
     build->done += kernel->done;
+    build->statistics->serial += kernel->done;
+    build->trace += kernel->done > 0 ? 256 : 0;
     kernel->done = 0;
     return kernel->status;
 }
@@ -4499,6 +4518,7 @@ static pbw_status pbw__build_all(pbw__context *context, pbw__store *store, const
     build.context = context;
     build.store = store;
     build.vertices = vertices;
+    build.statistics = statistics;
     status = pbw__store_create(context, store, vertices->count, vertices->dim);
     if (status == PBW_OK) {
         status = pbw__more_kernels(&build, grid, 1);
@@ -4508,6 +4528,9 @@ static pbw_status pbw__build_all(pbw__context *context, pbw__store *store, const
     }
     if (status == PBW_OK) {
         status = pbw__first_star(build.kernel[0], vertices->dim, build.seed);
+    }
+    for (i = 0; status == PBW_OK && context->trace != NULL && i <= vertices->dim; i++) {
+        context->trace[vertices->id[build.seed[i]]] = 0;
     }
     for (build.stride = 1; vertices->count / build.stride >= ratio; build.stride *= ratio) {
     }
@@ -4924,9 +4947,11 @@ static pbw_status pbw__emit(pbw__emission *emission)
 /* ------------------------------------------------------------------------------------------------------
    >>check        The exact verdict on a finished mesh.
    In: the public arrays of a mesh.  Out: a report; the first fault has a name and a place.
-   Shared with the construction: the exact signs, the allocator, and the keys of the Hilbert curve and their sort,
-   with which points are listed that no simplex has.  Expected linear time: three passes over points and simplices,
-   and walks to hidden points in the order of the curve.  Memory: dim+1 doubles a point, 16 bytes a hidden point.
+   Shared with the construction: the exact signs, the allocator, the threads, and the keys of the Hilbert curve and
+   their sort, with which points are listed that no simplex has.  Expected linear time: three passes over points and
+   simplices, and walks to hidden points in the order of the curve.  Memory: dim+1 doubles a point, 16 bytes a hidden
+   point.  A pass is cut into parts, one for each task; the fault of the first part that has one is reported, with what
+   was counted before, so the report is the same for every number of threads.
 
    What is tested, and why it is enough.  Write d for the dimension.
 
@@ -4977,37 +5002,96 @@ typedef struct pbw__check {
     pbw__grid grid;
     const double *basis[4];                          /* corners of simplex 0; degenerate: independent points */
     int dim, rank;                                   /* points in the basis */
-    size_t cover_count;                              /* simplices that hold o */
     size_t duplicate_count, other_count, listed;     /* others are canonical, but no vertices */
     uint64_t *by_hash, *other;                       /* each other point, as sort key << 32 | point */
     pbw__box box;                                    /* of the others */
-    pbw_index hint;                                  /* where the last walk ended */
     pbw_status status;
 } pbw__check;
 
-typedef int pbw__check_range(pbw__check *check, size_t from, size_t to);     /* 0 = a fault, or cancelled */
+typedef struct pbw__check_part {                     /* what one task sees of a pass */
+    pbw_report report;
+    size_t duplicate_count, other_count;
+    pbw_index hint;                                  /* where the last walk ended */
+} pbw__check_part;
 
-static int pbw__fault(pbw__check *check, const char *what, size_t simplex, int facet, size_t point)
+/* Items from, ..., to - 1; 0 = a fault, or cancelled */
+typedef int pbw__check_range(pbw__check *check, pbw__check_part *part, size_t from, size_t to);
+
+typedef struct pbw__check_run {
+    pbw__check *check;
+    pbw__check_part *part;
+    pbw__check_range *range;
+    size_t count;
+    double begin, end;                               /* of the progress */
+    int tasks, stopped;                              /* the first task that has a fault */
+} pbw__check_run;
+
+static int pbw__fault(pbw_report *report, const char *what, size_t simplex, int facet, size_t point)
 {
-    check->report->what = what;
-    check->report->simplex = (pbw_index)simplex;
-    check->report->facet = (pbw_index)facet;
-    check->report->point = (pbw_index)point;
+    report->what = what;
+    report->simplex = (pbw_index)simplex;
+    report->facet = (pbw_index)facet;
+    report->point = (pbw_index)point;
     return 0;
 }
 
-/* Runs a pass in pieces short enough for progress; 0 = stop: a fault, or cancelled. */
-static int pbw__check_pass(pbw__check *check, pbw__check_range *range, size_t count, double begin, double end)
+/* In pieces short enough for progress. */
+static void pbw__check_task(void *arg, int task)
 {
-    size_t from, to;
-    for (from = 0; from < count; from = to) {
-        to = count - from < 1024 ? count : from + 1024;
-        if (pbw__report(check->context, begin + (end - begin) * (double)from / (double)count)
-            || !range(check, from, to)) {
-            return 0;
+    pbw__check_run *run = (pbw__check_run *)arg;
+    size_t from = pbw__share(run->count, task, run->tasks), end = pbw__share(run->count, task + 1, run->tasks), to;
+    int stopped = PBW__LOAD(&run->stopped);
+    for (; from < end && task < stopped; from = to) {
+        double done = run->begin + (run->end - run->begin) * (double)from / (double)run->count;
+        to = end - from < 1024 ? end : from + 1024;
+        if (pbw__report(run->check->context, done)) {
+            return;
+        }
+        stopped = PBW__LOAD(&run->stopped);
+        if (!run->range(run->check, run->part + task, from, to)) {
+            while (task < stopped && !PBW__REPLACE(&run->stopped, &stopped, task)) {
+            }
+            return;
         }
     }
-    return 1;
+}
+
+#define PBW__ALONE ((size_t)-1 / 2)
+/* One pass over count items; least: items worth a task, PBW__ALONE for one task.  0 = stop: a fault, cancelled, or out of memory. */
+static int pbw__check_pass(pbw__check *check, pbw__check_range *range, size_t count, size_t least, double begin,
+                           double end)
+{
+    pbw__memory *memory = &check->context->memory;
+    pbw_report *report = check->report;
+    pbw__check_run run;
+    int task, tasks = pbw__tasks(check->context, count, least);
+    run.check = check;
+    run.range = range;
+    run.count = count;
+    run.begin = begin;
+    run.end = end;
+    run.tasks = run.stopped = tasks;
+    run.part = (pbw__check_part *)pbw__allocate(memory, (size_t)tasks, sizeof(pbw__check_part));
+    if (run.part == NULL) {
+        check->status = PBW_ERROR_MEMORY;
+        return 0;
+    }
+    memset(run.part, 0, (size_t)tasks * sizeof(pbw__check_part));
+    pbw__for(check->context, tasks, pbw__check_task, &run);
+    for (task = 0; task < tasks && task <= run.stopped; task++) {
+        const pbw__check_part *part = run.part + task;
+        check->duplicate_count += part->duplicate_count;
+        check->other_count += part->other_count;
+        report->vertex_count += part->report.vertex_count;
+        report->facet_count += part->report.facet_count;
+        report->hull_facet_count += part->report.hull_facet_count;
+        if (part->report.what != NULL) {
+            (void)pbw__fault(report, part->report.what, part->report.simplex, (int)part->report.facet,
+                             part->report.point);
+        }
+    }
+    pbw__release(memory, run.part, (size_t)tasks, sizeof(pbw__check_part));
+    return run.stopped == tasks && !PBW__LOAD(&check->context->cancelled);
 }
 
 /* The dimension is an argument of what is called for each simplex, so that the compiler can count on it. */
@@ -5079,7 +5163,7 @@ PBW__INLINE int pbw__check_covers(const pbw__check *check, int dim, const double
     return covers;
 }
 
-static int pbw__check_points(pbw__check *check, size_t from, size_t to)
+static int pbw__check_points(pbw__check *check, pbw__check_part *part, size_t from, size_t to)
 {
     const pbw_mesh *mesh = check->mesh;
     const double *w = mesh->weights;
@@ -5090,23 +5174,23 @@ static int pbw__check_points(pbw__check *check, size_t from, size_t to)
         for (k = 0; k <= dim; k++) {
             x[k] = (k < dim ? mesh->points[p * dim + k] : w != NULL ? w[p] : 0.0) + 0.0;
             if (!(x[k] - x[k] == 0.0)) {
-                return pbw__fault(check, "a coordinate or weight is not finite", PBW_NONE, -1, p);
+                return pbw__fault(&part->report, "a coordinate or weight is not finite", PBW_NONE, -1, p);
             }
         }
         if (kept >= mesh->point_count || mesh->canonical[kept] != kept) {
-            return pbw__fault(check, "the canonical point is none", PBW_NONE, -1, p);
+            return pbw__fault(&part->report, "the canonical point is none", PBW_NONE, -1, p);
         }
         if (kept != p) {
             if (!pbw__same_place(mesh->points + dim * p, mesh->points + dim * kept, check->dim)) {
-                return pbw__fault(check, "a duplicate is not where its canonical point is", PBW_NONE, -1, p);
+                return pbw__fault(&part->report, "a duplicate is not where its canonical point is", PBW_NONE, -1, p);
             }
             if (w != NULL && w[p] != w[kept] ? w[p] > w[kept] : p < kept) {
-                return pbw__fault(check, "a duplicate has the better right to be canonical", PBW_NONE, -1, p);
+                return pbw__fault(&part->report, "a duplicate has the better right to be canonical", PBW_NONE, -1, p);
             }
             if (first != PBW_NONE) {
-                return pbw__fault(check, "a duplicate is a vertex", first, -1, p);
+                return pbw__fault(&part->report, "a duplicate is a vertex", first, -1, p);
             }
-            check->duplicate_count++;
+            part->duplicate_count++;
         } else if (first != PBW_NONE) {
             for (k = 0; k <= dim && first < mesh->simplex_count; k++) {
                 if (mesh->simplices[first * (dim + 1) + k] == p) {
@@ -5114,11 +5198,11 @@ static int pbw__check_points(pbw__check *check, size_t from, size_t to)
                 }
             }
             if (k > dim || first >= mesh->simplex_count) {
-                return pbw__fault(check, "the incident simplex of a vertex does not have it", first, -1, p);
+                return pbw__fault(&part->report, "the incident simplex of a vertex does not have it", first, -1, p);
             }
-            check->report->vertex_count++;
+            part->report.vertex_count++;
         } else {
-            check->other_count++;
+            part->other_count++;
         }
     }
     return 1;
@@ -5147,20 +5231,21 @@ PBW__INLINE int pbw__check_facets_match(const pbw_index *v, int i, const pbw_ind
 
 /* One facet of simplex s, whose corners are known to be right; each facet between two simplices is compared and
    tested once, from the higher of the two. */
-PBW__INLINE int pbw__check_facet(pbw__check *check, int dim, size_t s, int i, const pbw_index *v, const double **x)
+PBW__INLINE int pbw__check_facet(const pbw__check *check, pbw__check_part *part, int dim, size_t s, int i,
+                                 const pbw_index *v, const double **x)
 {
     const pbw_mesh *mesh = check->mesh;
     const size_t corners = (size_t)dim + 1;
     const pbw_index t = mesh->neighbors[s * corners + (size_t)i], *u, *back;
     int links = 0, j = 0, m;
     if (t == PBW_NONE) {
-        check->report->hull_facet_count++;
-        check->report->facet_count++;
+        part->report.hull_facet_count++;
+        part->report.facet_count++;
         return pbw__check_faces_inside(check, x, i)
-            || pbw__fault(check, "a hull facet faces inward", s, i, PBW_NONE);
+            || pbw__fault(&part->report, "a hull facet faces inward", s, i, PBW_NONE);
     }
     if (t >= mesh->simplex_count || t == s) {
-        return pbw__fault(check, "a neighbor is no other simplex", s, i, PBW_NONE);
+        return pbw__fault(&part->report, "a neighbor is no other simplex", s, i, PBW_NONE);
     }
     u = mesh->simplices + t * corners;
     back = mesh->neighbors + t * corners;
@@ -5169,22 +5254,22 @@ PBW__INLINE int pbw__check_facet(pbw__check *check, int dim, size_t s, int i, co
         j = back[m] == s ? m : j;
     }
     if (links != 1) {
-        return pbw__fault(check, "a neighbor does not name the simplex once", s, i, PBW_NONE);
+        return pbw__fault(&part->report, "a neighbor does not name the simplex once", s, i, PBW_NONE);
     }
     if (t > s) {
         return 1;
     }
-    check->report->facet_count++;
+    part->report.facet_count++;
     if (!pbw__check_facets_match(v, i, u, j, dim)) {
-        return pbw__fault(check, "neighbors do not share the facet from opposite sides", s, i, PBW_NONE);
+        return pbw__fault(&part->report, "neighbors do not share the facet from opposite sides", s, i, PBW_NONE);
     }
     if (pbw__check_conflict(check, dim, x, pbw__check_record(check, dim, u[j]))) {
-        return pbw__fault(check, "the corner across a facet is in conflict", s, i, u[j]);
+        return pbw__fault(&part->report, "the corner across a facet is in conflict", s, i, u[j]);
     }
     return 1;
 }
 
-PBW__INLINE int pbw__check_simplex(pbw__check *check, int dim, size_t s)
+PBW__INLINE int pbw__check_simplex(const pbw__check *check, pbw__check_part *part, int dim, size_t s)
 {
     const pbw_mesh *mesh = check->mesh;
     const pbw_index *v = mesh->simplices + s * (size_t)(dim + 1);
@@ -5192,31 +5277,31 @@ PBW__INLINE int pbw__check_simplex(pbw__check *check, int dim, size_t s)
     int i, sound = 1;
     for (i = 0; i <= dim; i++) {
         if (v[i] >= mesh->point_count) {
-            return pbw__fault(check, "a corner is no point", s, -1, v[i]);
+            return pbw__fault(&part->report, "a corner is no point", s, -1, v[i]);
         }
         if (mesh->incident[v[i]] > s) {              /* PBW_NONE is; that it has v[i] is known */
-            return pbw__fault(check, "the incident simplex of a corner is not the first that has it", s, -1, v[i]);
+            return pbw__fault(&part->report, "the incident simplex of a corner is not the first that has it", s, -1, v[i]);
         }
     }
     pbw__check_corners(check, dim, s, x);
     i = pbw__check_orient(check, dim, x);
     if (i <= 0) {
-        return pbw__fault(check, i < 0 ? "a simplex is negatively oriented" : "a simplex is flat", s, -1, PBW_NONE);
+        return pbw__fault(&part->report, i < 0 ? "a simplex is negatively oriented" : "a simplex is flat", s, -1, PBW_NONE);
     }
-    if (pbw__check_covers(check, dim, x) && ++check->cover_count > 1) {
-        return pbw__fault(check, "two simplices overlap, the first of the mesh and this", s, -1, PBW_NONE);
+    if (s > 0 && pbw__check_covers(check, dim, x)) {                 /* simplex 0 holds o: it is oriented */
+        return pbw__fault(&part->report, "two simplices overlap, the first of the mesh and this", s, -1, PBW_NONE);
     }
     for (i = 0; i <= dim && sound; i++) {
-        sound = pbw__check_facet(check, dim, s, i, v, x);
+        sound = pbw__check_facet(check, part, dim, s, i, v, x);
     }
     return sound;
 }
 
-static int pbw__check_simplices(pbw__check *check, size_t from, size_t to)
+static int pbw__check_simplices(pbw__check *check, pbw__check_part *part, size_t from, size_t to)
 {
     int sound = 1;
     for (; from < to && sound; from++) {
-        sound = check->dim == 2 ? pbw__check_simplex(check, 2, from) : pbw__check_simplex(check, 3, from);
+        sound = check->dim == 2 ? pbw__check_simplex(check, part, 2, from) : pbw__check_simplex(check, part, 3, from);
     }
     return sound;
 }
@@ -5224,7 +5309,7 @@ static int pbw__check_simplices(pbw__check *check, size_t from, size_t to)
 /* Around each ridge of a hull facet: from simplex to simplex, `in` across from the facet by which the ridge's next
    simplex was entered, `out` across from the one by which it is left.  Each simplex around a ridge has one
    predecessor and one successor there, so the way from a hull facet cannot close: it ends at another. */
-static int pbw__check_hull(pbw__check *check, size_t from, size_t to)
+static int pbw__check_hull(pbw__check *check, pbw__check_part *part, size_t from, size_t to)
 {
     const pbw_mesh *mesh = check->mesh;
     const pbw_index *v = mesh->simplices, *n = mesh->neighbors;
@@ -5258,7 +5343,7 @@ static int pbw__check_hull(pbw__check *check, size_t from, size_t to)
                 far = v[t * corners + in];
                 pbw__check_corners(check, check->dim, s, x);
                 if (pbw__check_side(check, x, (int)i, pbw__check_record(check, check->dim, far)) < 0) {
-                    return pbw__fault(check, "the hull is not convex", s, (int)i, far);
+                    return pbw__fault(&part->report, "the hull is not convex", s, (int)i, far);
                 }
             }
         }
@@ -5267,14 +5352,14 @@ static int pbw__check_hull(pbw__check *check, size_t from, size_t to)
 }
 
 /* Visibility walk to each of the other points. */
-static int pbw__check_hidden(pbw__check *check, size_t from, size_t to)
+static int pbw__check_hidden(pbw__check *check, pbw__check_part *part, size_t from, size_t to)
 {
     const int dim = check->dim;
     size_t steps = 0;
     for (; from < to; from++) {
         size_t point = (uint32_t)check->other[from];
         const double *p = pbw__check_record(check, dim, point), *x[4];
-        pbw_index here = check->hint, last = here;
+        pbw_index here = part->hint, last = here;
         int i = 0;
         while (i <= dim) {
             const pbw_index *next = check->mesh->neighbors + here * (size_t)(dim + 1);
@@ -5287,27 +5372,27 @@ static int pbw__check_hidden(pbw__check *check, size_t from, size_t to)
             }
             if (i <= dim) {
                 if (next[i] == PBW_NONE) {
-                    return pbw__fault(check, "a point outside the hull is no vertex", here, i, point);
+                    return pbw__fault(&part->report, "a point outside the hull is no vertex", here, i, point);
                 }
                 last = here;
                 here = next[i];
             }
         }
-        check->hint = here;
+        part->hint = here;
         for (i = 0; i <= dim; i++) {
             if (pbw__same_place(p, x[i], dim)) {
-                return pbw__fault(check, "a point at a vertex is no duplicate of it", here, -1, point);
+                return pbw__fault(&part->report, "a point at a vertex is no duplicate of it", here, -1, point);
             }
         }
         if (pbw__check_conflict(check, dim, x, p)) {
-            return pbw__fault(check, "a point that is no vertex is not hidden", here, -1, point);
+            return pbw__fault(&part->report, "a point that is no vertex is not hidden", here, -1, point);
         }
     }
     return 1;
 }
 
 /* No simplices: all points lie in the hyperplane of the first that are independent, if there are dim of them. */
-static int pbw__check_flat(pbw__check *check, size_t from, size_t to)
+static int pbw__check_flat(pbw__check *check, pbw__check_part *part, size_t from, size_t to)
 {
     const double **a = check->basis;
     size_t p;
@@ -5316,7 +5401,7 @@ static int pbw__check_flat(pbw__check *check, size_t from, size_t to)
         if (check->rank == check->dim) {
             a[check->dim] = x;
             if (pbw__check_orient(check, check->dim, a) != 0) {
-                return pbw__fault(check, "the points span a simplex but there is none", PBW_NONE, -1, p);
+                return pbw__fault(&part->report, "the points span a simplex but there is none", PBW_NONE, -1, p);
             }
         } else if (check->rank == 0 || (check->rank == 1 && !pbw__same_place(a[0], x, check->dim))
                    || (check->rank == 2 && !pbw__collinear3(a[0], a[1], x, &check->grid))) {
@@ -5347,23 +5432,33 @@ PBW__INLINE uint64_t pbw__hash_doubles(uint64_t hash, const double *x, int count
     return hash;
 }
 
-/* Lists the points that are neither duplicates nor vertices, by the hash of their place. */
-static int pbw__check_gather(pbw__check *check, size_t from, size_t to)
+/* Lists the points that are neither duplicates nor vertices; one task. */
+static int pbw__check_gather(pbw__check *check, pbw__check_part *part, size_t from, size_t to)
 {
     size_t p;
+    (void)part;
     for (p = from; p < to; p++) {
         if (check->mesh->canonical[p] == p && check->mesh->incident[p] == PBW_NONE) {
-            const double *x = pbw__check_record(check, check->dim, p);
-            uint64_t hash = pbw__hash_doubles(0, x, check->dim);
-            check->by_hash[check->listed++] = (hash & ~(uint64_t)UINT32_MAX) | (uint64_t)p;
-            pbw__box_add(&check->box, x, check->dim);
+            check->by_hash[check->listed++] = (uint64_t)p;
+            pbw__box_add(&check->box, pbw__check_record(check, check->dim, p), check->dim);
         }
     }
     return 1;
 }
 
+static int pbw__check_hashes(pbw__check *check, pbw__check_part *part, size_t from, size_t to)
+{
+    uint64_t *key = check->by_hash;
+    (void)part;
+    for (; from < to; from++) {
+        const double *x = pbw__check_record(check, check->dim, (size_t)key[from]);
+        key[from] |= pbw__hash_doubles(0, x, check->dim) & ~(uint64_t)UINT32_MAX;
+    }
+    return 1;
+}
+
 /* Points of equal hash must be at different places; then lists the points by the keys of the Hilbert curve. */
-static int pbw__check_apart(pbw__check *check, size_t from, size_t to)
+static int pbw__check_apart(pbw__check *check, pbw__check_part *part, size_t from, size_t to)
 {
     const uint64_t *key = check->by_hash;
     size_t k, m;
@@ -5372,7 +5467,7 @@ static int pbw__check_apart(pbw__check *check, size_t from, size_t to)
         for (m = k + 1; m < check->listed && key[m] >> 32 == key[k] >> 32; m++) {
             uint32_t p = (uint32_t)key[m];
             if (pbw__same_place(x, pbw__check_record(check, check->dim, p), check->dim)) {
-                return pbw__fault(check, "two points at one place are no duplicates", PBW_NONE, -1, p);
+                return pbw__fault(&part->report, "two points at one place are no duplicates", PBW_NONE, -1, p);
             }
         }
         check->other[k] = pbw__hilbert_key(&check->box, x, check->dim) << 32 | (uint32_t)key[k];
@@ -5393,17 +5488,18 @@ static int pbw__check_others(pbw__check *check)
     } else {
         pbw__box_reset(&check->box, bits);
         check->by_hash = keys;
-        going = pbw__check_pass(check, pbw__check_gather, check->mesh->point_count, 0.9, 0.92)
+        going = pbw__check_pass(check, pbw__check_gather, check->mesh->point_count, PBW__ALONE, 0.9, 0.91)
+            && pbw__check_pass(check, pbw__check_hashes, count, 4096, 0.91, 0.92)
             && (check->by_hash = pbw__sort_keys(check->context, keys, spare, count, 32, 32)) != NULL;
         if (going) {
             pbw__box_close(&check->box, check->dim);
             check->box.extent = check->box.extent > 0.0 ? check->box.extent : 1.0;
             check->other = check->by_hash == keys ? spare : keys;
-            going = pbw__check_pass(check, pbw__check_apart, count, 0.92, 0.94);
+            going = pbw__check_pass(check, pbw__check_apart, count, 4096, 0.92, 0.94);
         }
         if (going && check->mesh->simplex_count > 0) {
             check->other = pbw__sort_keys(check->context, check->other, check->by_hash, count, 32, bits * check->dim);
-            going = check->other != NULL && pbw__check_pass(check, pbw__check_hidden, count, 0.94, 1.0);
+            going = check->other != NULL && pbw__check_pass(check, pbw__check_hidden, count, 1024, 0.94, 1.0);
         }
     }
     pbw__release(memory, keys, count, sizeof(uint64_t));
@@ -5416,24 +5512,24 @@ static int pbw__check_all(pbw__check *check)
     const pbw_mesh *mesh = check->mesh;
     size_t points = mesh->point_count, simplices = mesh->simplex_count;
     int i;
-    if (!pbw__check_pass(check, pbw__check_points, points, 0.0, 0.1)) {
+    if (!pbw__check_pass(check, pbw__check_points, points, 16384, 0.0, 0.1)) {
         return 0;
     }
     if (check->duplicate_count != mesh->duplicate_count) {
-        return pbw__fault(check, "duplicate_count is wrong", PBW_NONE, -1, PBW_NONE);
+        return pbw__fault(check->report, "duplicate_count is wrong", PBW_NONE, -1, PBW_NONE);
     }
     if (mesh->hidden_count != (simplices > 0 ? check->other_count : 0)) {
-        return pbw__fault(check, "hidden_count is wrong", PBW_NONE, -1, PBW_NONE);
+        return pbw__fault(check->report, "hidden_count is wrong", PBW_NONE, -1, PBW_NONE);
     }
     pbw__grid_scan(check->context, check->record, points, check->dim, &check->grid);
     if (simplices == 0) {
-        return pbw__check_pass(check, pbw__check_flat, points, 0.1, 0.9) && pbw__check_others(check);
+        return pbw__check_pass(check, pbw__check_flat, points, PBW__ALONE, 0.1, 0.9) && pbw__check_others(check);
     }
     for (i = 0; i <= check->dim; i++) {
         check->basis[i] = pbw__check_record(check, check->dim, mesh->simplices[i] < points ? mesh->simplices[i] : 0);
     }
-    return pbw__check_pass(check, pbw__check_simplices, simplices, 0.1, 0.85)
-        && pbw__check_pass(check, pbw__check_hull, simplices, 0.85, 0.9)
+    return pbw__check_pass(check, pbw__check_simplices, simplices, 8192, 0.1, 0.85)
+        && pbw__check_pass(check, pbw__check_hull, simplices, 65536, 0.85, 0.9)
         && (check->other_count == 0 || pbw__check_others(check));
 }
 
@@ -5496,27 +5592,51 @@ static uint64_t pbw__hash_point(const pbw_mesh *mesh, size_t p)
     return pbw__hash_doubles(place, mesh->weights != NULL ? mesh->weights + p : &none, 1);
 }
 
-PBWDEF uint64_t pbw_hash(const pbw_mesh *mesh)
+typedef struct pbw__hashing {
+    const pbw_mesh *mesh;
+    uint64_t points, simplices;
+    int tasks;
+} pbw__hashing;
+
+static void pbw__hash_task(void *arg, int task)
 {
+    pbw__hashing *hashing = (pbw__hashing *)arg;
+    const pbw_mesh *mesh = hashing->mesh;
     uint64_t points = 0, simplices = 0;
-    size_t p, s, corners;
-    if (mesh == NULL || mesh->point_count == 0) {
-        return 0;
-    }
-    corners = (size_t)mesh->dim + 1;
-    for (p = 0; p < mesh->point_count; p++) {
+    size_t corners = (size_t)mesh->dim + 1, p = pbw__share(mesh->point_count, task, hashing->tasks), k;
+    size_t s = pbw__share(mesh->simplex_count, task, hashing->tasks);
+    for (; p < pbw__share(mesh->point_count, task + 1, hashing->tasks); p++) {
         if (mesh->canonical[p] == p) {
             points += pbw__hash_point(mesh, p);      /* mixed well enough to be summed */
         }
     }
-    for (s = 0; s < mesh->simplex_count; s++) {
+    for (; s < pbw__share(mesh->simplex_count, task + 1, hashing->tasks); s++) {
         uint64_t sum = 0;
-        for (p = 0; p < corners; p++) {
-            sum += pbw__hash_point(mesh, mesh->simplices[s * corners + p]);
+        for (k = 0; k < corners; k++) {
+            sum += pbw__hash_point(mesh, mesh->simplices[s * corners + k]);
         }
         simplices += pbw__mix(sum);
     }
-    return pbw__mix(points + pbw__mix(simplices));
+    (void)PBW__ADD(&hashing->points, points);
+    (void)PBW__ADD(&hashing->simplices, simplices);
+}
+
+PBWDEF uint64_t pbw_hash(const pbw_mesh *mesh)
+{
+    pbw_options options;
+    pbw__context context;
+    pbw__hashing hashing;
+    if (mesh == NULL || mesh->point_count == 0) {
+        return 0;
+    }
+    memset(&options, 0, sizeof(options));
+    pbw__context_start(&context, &options, mesh->point_count);
+    hashing.mesh = mesh;
+    hashing.points = hashing.simplices = 0;
+    hashing.tasks = pbw__tasks(&context, mesh->point_count, 16384);
+    pbw__for(&context, hashing.tasks, pbw__hash_task, &hashing);
+    pbw__team_stop(&context);
+    return pbw__mix(hashing.points + pbw__mix(hashing.simplices));
 }
 /* ------------------------------------------------------------------------------------------------------
    >>api          The front door: argument checks, defaults, the stages in order, status texts.
@@ -5750,6 +5870,7 @@ static pbw_status pbw__run(pbw__context *context, const pbw__input *input, unsig
         kept = pbw__keep_points(context, input, owned, mesh);
         status = pbw__leave_stage(context, kept != PBW_OK ? kept : status, &start, &mesh->statistics.output_seconds);
     }
+    mesh->statistics.threads = context->threads;
     mesh->statistics.peak_bytes = memory->peak;
     pbw__store_free(memory, &store);
     pbw__vertices_free(context, &vertices);
@@ -5910,6 +6031,9 @@ static pbw_status pbw__triangulate(int dim, int is_float, const void *points, co
     if (count >= PBW_NONE || count > (size_t)-1 / input.stride || count > (size_t)-1 / input.weight_stride
         || count > (size_t)-1 / 256) {
         return PBW_ERROR_TOO_LARGE;
+    }
+    if (options->trace != NULL && count > 0) {
+        memset(options->trace, 0xff, count * sizeof(uint32_t));      /* PBW_NONE */
     }
     fp = pbw__fp_enter();
     status = pbw__fp_is_exact() ? PBW_ERROR_BACKEND : PBW_ERROR_FP_MODE;

@@ -17,6 +17,7 @@ make_one O3_native $CC -O3 -march=native
 make_one contracted $CC -O2 -march=native -ffp-contract=fast         # see below
 make_one wide $CC -O2 -DPBW_WIDE
 make_one scalar $CC -O2 -DPBW_NO_SIMD
+make_one threadless $CC -O2 -DPBW_NO_THREADS
 wait
 for compiler in gcc clang; do
     if ! command -v $compiler > /dev/null; then

@@ -235,6 +235,94 @@ static void test_failing_memory(size_t count)
     }
 }
 
+/* Who inserted what: the same in each run; and the counts agree with it. */
+static void test_trace(size_t count)
+{
+    int dim;
+    for (dim = 2; dim <= 3; dim++) {
+        if (test_begin("trace: %dD", dim)) {
+            points p = points_make(INPUT_UNIFORM, dim, count, INPUT_WEIGHTS_ZERO);
+            uint32_t *trace[2];
+            size_t i, tasks = 0, rounds = 0;
+            int run;
+            memcpy(p.x + (count - 1) * (size_t)dim, p.x, (size_t)dim * sizeof(double));     /* a duplicate */
+            for (run = 0; run < 2; run++) {
+                pbw_options options = with_threads(5);
+                pbw_mesh mesh;
+                trace[run] = (uint32_t *)malloc(count * sizeof(uint32_t));
+                if (trace[run] == NULL) {
+                    abort();
+                }
+                options.trace = trace[run];
+                CHECK_EQUAL(pbw_triangulate(dim, p.x, p.w, count, &options, &mesh), PBW_OK);
+                for (i = tasks = rounds = 0; i < count; i++) {
+                    CHECK((trace[run][i] == PBW_NONE) == (mesh.canonical[i] != i));
+                    if (trace[run][i] != PBW_NONE) {
+                        tasks = trace[run][i] % 256 > tasks ? trace[run][i] % 256 : tasks;
+                        rounds = trace[run][i] / 256 > rounds ? trace[run][i] / 256 : rounds;
+                    }
+                }
+                CHECK_EQUAL(mesh.statistics.threads, 5);
+                CHECK(mesh.statistics.rounds > 2 && mesh.statistics.rounds <= rounds + 1);
+                CHECK(mesh.statistics.postponed > 0 && mesh.statistics.serial > 0
+                      && mesh.statistics.serial < count);
+                pbw_free(&mesh);
+            }
+            CHECK_EQUAL(tasks, 4);
+            CHECK(memcmp(trace[0], trace[1], count * sizeof(uint32_t)) == 0);
+            free(trace[0]);
+            free(trace[1]);
+            points_free(&p);
+            test_end();
+        }
+    }
+}
+
+/* Faulty meshes: one report, whoever finds the fault. */
+static void test_same_report(size_t count)
+{
+    static const int threads[] = { 2, 3, 7, 16 };
+    int dim;
+    for (dim = 2; dim <= 3; dim++) {
+        if (test_begin("same report: %dD", dim)) {
+            points p = points_make(INPUT_CLUSTERS, dim, count, INPUT_WEIGHTS_HIDING);
+            pbw_options one = with_threads(1);
+            pbw_mesh mesh;
+            size_t t, fault, entries, faults = 0;
+            CHECK_EQUAL(pbw_triangulate(dim, p.x, p.w, p.count, &one, &mesh), PBW_OK);
+            entries = mesh.simplex_count * (size_t)(dim + 1);
+            for (fault = 0; fault < 60; fault++) {
+                pbw_index *array = (pbw_index *)(uintptr_t)(fault % 4 == 0 ? mesh.simplices
+                                                            : fault % 4 == 1 ? mesh.neighbors
+                                                            : fault % 4 == 2 ? mesh.incident : mesh.canonical);
+                size_t length = fault % 4 < 2 ? entries : mesh.point_count, i = fault * 7919 % length;
+                size_t j = (i + length / 2) % length;
+                pbw_index old_i = array[i], old_j = array[j];
+                pbw_report right, report;
+                array[i] = old_j;                    /* two faults: the first is to be told */
+                array[j] = old_i;
+                CHECK_EQUAL(pbw_check(&mesh, &one, &right), PBW_OK);
+                faults += !right.valid;
+                for (t = 0; t < sizeof threads / sizeof threads[0]; t++) {
+                    pbw_options options = with_threads(threads[t]);
+                    CHECK_EQUAL(pbw_check(&mesh, &options, &report), PBW_OK);
+                    CHECK(report.valid == right.valid && strcmp(report.what, right.what) == 0);
+                    CHECK(report.simplex == right.simplex && report.facet == right.facet
+                          && report.point == right.point);
+                    CHECK(report.vertex_count == right.vertex_count && report.facet_count == right.facet_count
+                          && report.hull_facet_count == right.hull_facet_count);
+                }
+                array[i] = old_i;
+                array[j] = old_j;
+            }
+            CHECK(faults > 40);
+            pbw_free(&mesh);
+            points_free(&p);
+            test_end();
+        }
+    }
+}
+
 /* Many builds at once, each with threads of its own. */
 typedef struct builder { const points *p; const pbw_mesh *right; long wrong; } builder;
 
@@ -289,6 +377,8 @@ int main(int argc, char **argv)
     test_job_systems(count);
     test_refused_threads(count);
     test_failing_memory(count / 2);
+    test_trace(count);
+    test_same_report(count);
     test_many_builds(count);
     return test_finish();
 }
