@@ -4950,8 +4950,8 @@ static pbw_status pbw__emit(pbw__emission *emission)
    Shared with the construction: the exact signs, the allocator, the threads, and the keys of the Hilbert curve and
    their sort, with which points are listed that no simplex has.  Expected linear time: three passes over points and
    simplices, and walks to hidden points in the order of the curve.  Memory: dim+1 doubles a point, 16 bytes a hidden
-   point.  A pass is cut into parts, one for each task; the fault of the first part that has one is reported, with what
-   was counted before, so the report is the same for every number of threads.
+   point.  A pass is cut into parts, one for each task; the fault of the first part that has one is reported, with
+   what was counted before, so the report is the same for every number of threads.
 
    What is tested, and why it is enough.  Write d for the dimension.
 
@@ -5057,7 +5057,8 @@ static void pbw__check_task(void *arg, int task)
 }
 
 #define PBW__ALONE ((size_t)-1 / 2)
-/* One pass over count items; least: items worth a task, PBW__ALONE for one task.  0 = stop: a fault, cancelled, or out of memory. */
+/* One pass over count items; least: items worth a task, PBW__ALONE for one task.  0 = stop: a fault, cancelled, or out
+   of memory. */
 static int pbw__check_pass(pbw__check *check, pbw__check_range *range, size_t count, size_t least, double begin,
                            double end)
 {
@@ -5280,13 +5281,15 @@ PBW__INLINE int pbw__check_simplex(const pbw__check *check, pbw__check_part *par
             return pbw__fault(&part->report, "a corner is no point", s, -1, v[i]);
         }
         if (mesh->incident[v[i]] > s) {              /* PBW_NONE is; that it has v[i] is known */
-            return pbw__fault(&part->report, "the incident simplex of a corner is not the first that has it", s, -1, v[i]);
+            return pbw__fault(&part->report, "the incident simplex of a corner is not the first that has it", s, -1,
+                              v[i]);
         }
     }
     pbw__check_corners(check, dim, s, x);
     i = pbw__check_orient(check, dim, x);
     if (i <= 0) {
-        return pbw__fault(&part->report, i < 0 ? "a simplex is negatively oriented" : "a simplex is flat", s, -1, PBW_NONE);
+        return pbw__fault(&part->report, i < 0 ? "a simplex is negatively oriented" : "a simplex is flat", s, -1,
+                          PBW_NONE);
     }
     if (s > 0 && pbw__check_covers(check, dim, x)) {                 /* simplex 0 holds o: it is oriented */
         return pbw__fault(&part->report, "two simplices overlap, the first of the mesh and this", s, -1, PBW_NONE);

