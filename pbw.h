@@ -2947,6 +2947,15 @@ typedef struct pbw__search {
 } pbw__search;
 
 #ifdef PBW__X86
+/* Whether we may delete all neighbours: the corners are ours, so three are of each neighbour. */
+PBW__INLINE int pbw__owns_all(const pbw__kernel *kernel, const pbw_index *v)
+{
+    const uint8_t *owner = kernel->owner, me = kernel->me;
+    int bits = kernel->store->cell_bits;
+    return (v[3] != PBW__GHOST) & (owner[v[0] >> bits] == me) & (owner[v[1] >> bits] == me)
+         & (owner[v[2] >> bits] == me) & (owner[v[3] >> bits] == me);
+}
+
 /* Whether we may delete those of the neighbours that are in conflict. */
 static PBW__NOINLINE int pbw__may_delete_all(const pbw__kernel *kernel, const pbw__link *link, unsigned inside)
 {
@@ -3391,7 +3400,8 @@ PBW__AVX2 static pbw_status pbw__carve3_avx2(pbw__kernel *kernel, pbw_index t, c
             inside = pbw__search_exact(kernel, search.cavity[i], certain, inside,
                                        (unsigned)_mm256_movemask_pd(rounded), p);
         }
-        if (PBW__UNLIKELY(kernel->owner != NULL) && !pbw__may_delete_all(kernel, link, inside)) {
+        if (PBW__UNLIKELY(kernel->owner != NULL) && PBW__UNLIKELY(!pbw__owns_all(kernel, v))
+            && !pbw__may_delete_all(kernel, link, inside)) {
             return pbw__leave_cavity(kernel, search.cavity_count);
         }
 #ifdef PBW_WIDE
