@@ -4227,7 +4227,7 @@ static void pbw__check_hints(pbw__build *build)
     }
 }
 
-#define PBW__BINS 32
+#define PBW__BINS 64
 /* Gives the cells to the parts: halves of the parts get halves of what is left, and so on. */
 static void pbw__split_cells(pbw__build *build)
 {
@@ -4275,7 +4275,7 @@ static void pbw__split_cells(pbw__build *build)
         for (k = 1; k < PBW__BINS; k++) {
             size_t light = bin[k - 1] + bin[k];
             sum += bin[k - 1];
-            if (sum + total / 6 >= wanted && sum <= wanted + total / 6 && light < lightest) {
+            if (sum + total / 12 >= wanted && sum <= wanted + total / 12 && light < lightest) {
                 lightest = light;
                 cut = k;
             }
