@@ -152,7 +152,7 @@ typedef struct pbw_options {               /* NULL or all zero = best defaults *
     const pbw_backend *backend;            /* NULL = this CPU */
     uint32_t *trace;                       /* where to note for each point which task inserted it and in which round,
                                               as task + 256*round, PBW_NONE for duplicates; count entries, NULL =
-                                              nowhere.  The same for the same number of threads */
+                                              nowhere */
     char    *message;                      /* where a backend says in words what was missing; NULL = nowhere */
     size_t   message_size;                 /* its bytes; the text is cut to fit and ends with a 0 */
 } pbw_options;
@@ -372,8 +372,10 @@ extern int madvise(void *address, size_t length, int advice);    /* strict C mod
 #define PBW__ADD(x, y) __atomic_fetch_add(x, y, __ATOMIC_RELAXED)
 #define PBW__SWAP(x, y) __atomic_exchange_n(x, y, __ATOMIC_RELAXED)
 #define PBW__REPLACE(x, old, y) __atomic_compare_exchange_n(x, old, y, 1, __ATOMIC_RELAXED, __ATOMIC_RELAXED)
-#define PBW__TELL(x, y) __atomic_store_n(x, y, __ATOMIC_RELEASE)                 /* what came before is seen by */
-#define PBW__SEEN(x) __atomic_load_n(x, __ATOMIC_ACQUIRE)                        /* what comes after */
+/* What came before TELL is seen by what comes after SEEN or TAKE. */
+#define PBW__TELL(x, y) __atomic_store_n(x, y, __ATOMIC_RELEASE)
+#define PBW__SEEN(x) __atomic_load_n(x, __ATOMIC_ACQUIRE)
+#define PBW__TAKE(x, old, y) __atomic_compare_exchange_n(x, old, y, 0, __ATOMIC_ACQUIRE, __ATOMIC_RELAXED)
 #else
 #define PBW__LOAD(x) (*(x))
 #define PBW__STORE(x, y) ((void)(*(x) = (y)))
@@ -382,6 +384,7 @@ extern int madvise(void *address, size_t length, int advice);    /* strict C mod
 #define PBW__REPLACE(x, old, y) (*(x) = (y), 1)
 #define PBW__TELL(x, y) PBW__STORE(x, y)
 #define PBW__SEEN(x) PBW__LOAD(x)
+#define PBW__TAKE(x, old, y) PBW__REPLACE(x, old, y)
 #endif
 
 #ifndef PBW__THREADS
@@ -2390,6 +2393,9 @@ typedef struct pbw__store {
 } pbw__store;
 
 /* One thread's view of a triangulation, with the scratch memory of one insertion. */
+#define PBW__CLAIMS 128                              /* cells that a task takes for one vertex, at most */
+#define PBW__NOBODY 255                              /* the owner of a cell that any task may take */
+
 typedef struct pbw__kernel {
     char apart[128];                                 /* from what another thread writes */
     pbw__context *context;
@@ -2408,8 +2414,10 @@ typedef struct pbw__kernel {
     pbw_index free_list;                             /* slots that became free */
     pbw_index last, last_entered;                    /* a simplex of the last star; what it was in the last region */
 
-    const uint8_t *owner;                            /* >>parallel: whose each cell is; NULL: all are ours */
+    uint8_t *owner;                                  /* >>parallel: whose each cell is; NULL: all are ours */
     uint8_t me;
+    int claim_count;                                 /* cells taken for this vertex */
+    pbw_index claim[PBW__CLAIMS];
     int no_room;                                     /* the store has no more blocks */
     pbw_index *left;                                 /* vertices left for the next round */
     size_t left_count, left_capacity, done, reported;
@@ -2690,19 +2698,38 @@ static PBW__NOINLINE unsigned pbw__exit3(const pbw__kernel *kernel, pbw_index t,
 
 /* >>parallel: whether we own a vertex, may delete a simplex, may cross a facet.  The ghost is nobody's in 3D,
    everybody's in 2D. */
-PBW__INLINE int pbw__owns(const pbw__kernel *kernel, pbw_index v)
+
+/* Takes a cell that is nobody's; 0 = another task was quicker, or we have too many. */
+static PBW__NOINLINE int pbw__claim(pbw__kernel *kernel, size_t cell)
 {
-    return v != PBW__GHOST && kernel->owner[v >> kernel->store->cell_bits] == kernel->me;
+    uint8_t nobody = PBW__NOBODY;
+    PBW_PAUSE();
+    if (kernel->claim_count == PBW__CLAIMS || !PBW__TAKE(kernel->owner + cell, &nobody, kernel->me)) {
+        return 0;
+    }
+    kernel->claim[kernel->claim_count++] = (pbw_index)cell;
+    return 1;
 }
 
-PBW__INLINE int pbw__may_delete(const pbw__kernel *kernel, pbw_index t)
+PBW__INLINE int pbw__owns_cell(pbw__kernel *kernel, size_t cell)
+{
+    uint8_t owner = PBW__LOAD(kernel->owner + cell);
+    return owner == kernel->me || (owner == PBW__NOBODY && pbw__claim(kernel, cell));
+}
+
+PBW__INLINE int pbw__owns(pbw__kernel *kernel, pbw_index v)
+{
+    return v != PBW__GHOST && pbw__owns_cell(kernel, v >> kernel->store->cell_bits);
+}
+
+PBW__INLINE int pbw__may_delete(pbw__kernel *kernel, pbw_index t)
 {
     const pbw_index *v = kernel->corner + 4 * (size_t)t;
     int count = pbw__owns(kernel, v[0]) + pbw__owns(kernel, v[1]) + pbw__owns(kernel, v[2]);
     return count + (kernel->dim == 3 ? pbw__owns(kernel, v[3]) : v[2] == PBW__GHOST) >= 3;
 }
 
-static int pbw__may_cross(const pbw__kernel *kernel, pbw_index t, unsigned facet)
+static int pbw__may_cross(pbw__kernel *kernel, pbw_index t, unsigned facet)
 {
     const pbw_index *v = kernel->corner + 4 * (size_t)t;
     int count = 0;
@@ -2952,12 +2979,13 @@ PBW__INLINE int pbw__owns_all(const pbw__kernel *kernel, const pbw_index *v)
 {
     const uint8_t *owner = kernel->owner, me = kernel->me;
     int bits = kernel->store->cell_bits;
-    return (v[3] != PBW__GHOST) & (owner[v[0] >> bits] == me) & (owner[v[1] >> bits] == me)
-         & (owner[v[2] >> bits] == me) & (owner[v[3] >> bits] == me);
+    return (v[3] != PBW__GHOST) & (PBW__LOAD(owner + (v[0] >> bits)) == me)
+         & (PBW__LOAD(owner + (v[1] >> bits)) == me) & (PBW__LOAD(owner + (v[2] >> bits)) == me)
+         & (PBW__LOAD(owner + (v[3] >> bits)) == me);
 }
 
 /* Whether we may delete those of the neighbours that are in conflict. */
-static PBW__NOINLINE int pbw__may_delete_all(const pbw__kernel *kernel, const pbw__link *link, unsigned inside)
+static PBW__NOINLINE int pbw__may_delete_all(pbw__kernel *kernel, const pbw__link *link, unsigned inside)
 {
     for (; inside != 0; link++, inside >>= 1) {
         if ((inside & 1) != 0 && !pbw__may_delete(kernel, (pbw_index)(*link >> 2))) {
@@ -4050,13 +4078,18 @@ static pbw_status pbw__kernel_create(pbw__kernel *kernel, pbw__context *context,
    In: a triangulation, the vertices to insert.  Out: the triangulation with them.   (Marot, Pellerin & Remacle 2019,
    "One machine, one minute, three billion tetrahedra", from whom the rule of ownership is)
 
-   Vertices are owned in cells, the runs of ranks of >>mesh's regions; each cell has one owner, a task.  A task
-   inserts vertices that it owns; in 3D it
+   Vertices are owned in cells, the runs of ranks of >>mesh's regions; a cell has one owner at a time, a task.  A task
+   in 3D
      - deletes a simplex only if it owns three of its vertices,
      - walks through a facet only if it owns two of its vertices;
    in 2D it deletes a triangle only if it owns all its finite vertices, and walks through an edge if it owns one of
-   its ends.  The ghost is nobody's in 3D.  Where a vertex would need more, it is left for the next round, which has
-   other borders; no task ever waits.
+   its ends.  The ghost is nobody's in 3D.  Where a vertex would need more, it is left for the next round; no task
+   ever waits.
+
+   In the first round each task owns an equal run of the curve, and inserts the vertices there.  Those that are left
+   lie along the borders.  In the next rounds the cells are nobody's: for each vertex a task takes the cells that the
+   insertion turns out to need, and gives them back when it is done.  Of two tasks at the same cells one leaves its
+   vertex; that is rare, because what tasks take is little of what there is.
 
    Why no word is written by one task while another reads or writes it, in 3D.  Call a simplex mine if I own two of
    its vertices: nobody else then owns three, so nobody else deletes it, and its corners do not change under me.
@@ -4070,22 +4103,26 @@ static pbw_status pbw__kernel_create(pbw__kernel *kernel, pbw__context *context,
      (d) A slot belongs to the task that took it from a region of its cells, from its free list, or in a block of the
      tail.  The count of these is atomic, in relaxed order: it numbers slots, and what the slots hold is handed over
      at the end of a round (>>threads).
+     (e) A cell's hint, where walks start, is a simplex with two vertices in the cell: mine, if the cell is.  Who
+     deletes it owns the cell, and puts another one in its place.  The hint, and what is left of the cell's region,
+     are the owner's to read and write.
    In 2D call a triangle mine if I own one of its vertices: nobody else then owns all of them.  Both ends of an edge
-   of a triangle that I may delete are mine or the ghost, and one at least is finite; the rest is the same.  Two tasks
-   may share an edge's ghost end only, and a mark is written only when its triangle joins a cavity.
+   of a triangle that I may delete are mine or the ghost, and one at least is finite; the rest is the same, with one
+   vertex in the hint's cell.  Two tasks may share an edge's ghost end only, and a mark is written only when its
+   triangle joins a cavity.
+
+   Who takes a cell sees what those wrote that had it before: it is taken in acquire order and given back in release
+   order.  That is enough, because any two tasks of which one writes a word in (a), (b) or (c) that the other reads or
+   writes, now or later, both own a vertex of the same simplex: of four vertices one owns three and the other two; of
+   a facet's three vertices both own two.
 
    Why it ends.  A round that leaves more than seven tenths of its vertices is the last of its level.  What is left
    then, or is too little to be worth a round, is inserted by one thread, which owns everything, before the next level
    begins: vertices near the hull are among it, and cavities there would grow from level to level without them.
-
-   The first round cuts the curve into equal runs: the vertices of a task follow each other.  The vertices left lie
-   along the borders.  The next rounds split the cells by planes, oblique so that they cross those borders, into parts
-   with equal shares of what is left.
    ------------------------------------------------------------------------------------------------------ */
-#define PBW__PARTS 256
+#define PBW__PARTS 255
 #define PBW__LEAST_PART ((size_t)PBW__SMALLER(2048)) /* vertices of a part, below which borders are everything */
-
-typedef struct pbw__item { uint64_t key; pbw_index simplex; } pbw__item;
+#define PBW__LEAST_SHARE 8                           /* vertices left for each task, below which one does them all */
 
 typedef struct pbw__build {
     pbw__context *context;
@@ -4097,13 +4134,11 @@ typedef struct pbw__build {
     int kernel_count, parts;
     uint8_t *owner;                                  /* per cell */
     size_t stride, coarser;                          /* the level: ranks divisible by stride, not by coarser */
-    int backwards;
+    int backwards, claiming;
     pbw_index seed[4];
-    pbw_index *left, *sorted;                        /* vertices left; the same by owner */
-    size_t left_count, left_capacity, sorted_capacity, start[PBW__PARTS + 1];
+    pbw_index *left;                                 /* vertices left */
+    size_t left_count, left_capacity;
     size_t done;
-    float *place;                                    /* per cell: oblique coordinates */
-    pbw__item *cell;                                 /* key = vertices left, simplex = cell */
 } pbw__build;
 
 static void pbw__level_begin(pbw__build *build, int part)
@@ -4116,11 +4151,70 @@ static void pbw__level_begin(pbw__build *build, int part)
     kernel->region = (size_t)-1;
     kernel->last = PBW_NONE;
     kernel->left_count = 0;
+    kernel->claim_count = 0;
     kernel->no_room = 0;
     kernel->status = PBW_OK;
-    for (c = 0; c < build->store->region_count && kernel->last == PBW_NONE; c++) {
+    for (c = 0; c < build->store->region_count && kernel->last == PBW_NONE && !build->claiming; c++) {
         kernel->last = build->owner[c] == part ? build->store->hint[c] : PBW_NONE;
     }
+}
+
+PBW__INLINE int pbw__corners_in_cell(const pbw__store *store, pbw_index t, size_t cell, int dim)
+{
+    const pbw_index *v = store->corner + 4 * (size_t)t;
+    int count = 0, k;
+    for (k = 0; k <= dim && v[0] != PBW_NONE; k++) {
+        count += v[k] != PBW__GHOST && v[k] >> store->cell_bits == cell;
+    }
+    return count;
+}
+
+/* A hint of a cell that we hold: one that has enough corners there to be ours.  If it was deleted, a simplex of the
+   star takes its place. */
+static void pbw__renew_hint(pbw__kernel *kernel, size_t cell)
+{
+    pbw__store *store = kernel->store;
+    pbw_index *hint = store->hint + cell;
+    const int enough = kernel->dim - 1;
+    size_t i;
+    if (*hint != PBW_NONE && pbw__corners_in_cell(store, *hint, cell, kernel->dim) >= enough) {
+        return;
+    }
+    *hint = PBW_NONE;
+    for (i = 0; i < kernel->facet_count && *hint == PBW_NONE; i++) {
+        *hint = pbw__corners_in_cell(store, kernel->cavity[i], cell, kernel->dim) >= enough ? kernel->cavity[i]
+                                                                                            : PBW_NONE;
+    }
+}
+
+/* Inserts a vertex with cells that are taken for it and then given back. */
+static pbw_status pbw__insert_claiming(pbw__kernel *kernel, pbw_index v)
+{
+    pbw__store *store = kernel->store;
+    size_t cell = v >> store->cell_bits, created = kernel->statistics.created, k;
+    pbw_status status = PBW__LEFT;
+    int i;
+    kernel->last = PBW_NONE;
+    for (k = 0; k < 8 && kernel->last == PBW_NONE && pbw__owns_cell(kernel, cell); k++) {        /* a start nearby */
+        size_t near = (k & 1) != 0 ? cell + (k + 1) / 2 : cell - k / 2;
+        kernel->last = near < store->region_count && pbw__owns_cell(kernel, near) ? store->hint[near] : PBW_NONE;
+    }
+    if (kernel->last != PBW_NONE) {
+        status = kernel->insert(kernel, v);
+    }
+    if (status != PBW_OK && status != PBW__LEFT) {
+        return status;                               /* what it was at is in no order: the cells stay taken */
+    }
+    for (i = 0; i < kernel->claim_count && kernel->statistics.created > created; i++) {
+        pbw__renew_hint(kernel, kernel->claim[i]);
+    }
+    kernel->last_entered = kernel->last;             /* not to be a hint */
+    pbw__leave_region(kernel);
+    while (kernel->claim_count > 0) {
+        PBW__TELL(kernel->owner + kernel->claim[--kernel->claim_count], PBW__NOBODY);
+        PBW_PAUSE();
+    }
+    return status;
 }
 
 /* Inserts a vertex, or leaves it for later; 0 = stop. */
@@ -4131,7 +4225,7 @@ static int pbw__level_insert(pbw__build *build, pbw__kernel *kernel, pbw_index v
     if (v == build->seed[0] || v == build->seed[1] || v == build->seed[2] || v == build->seed[3]) {
         return 1;
     }
-    status = kernel->insert(kernel, v);
+    status = build->claiming ? pbw__insert_claiming(kernel, v) : kernel->insert(kernel, v);
     if (status == PBW__LEFT) {
         if (!pbw__grow(kernel, &kernel->left, &kernel->left_capacity, kernel->left_count + 1, sizeof(pbw_index))) {
             kernel->status = PBW_ERROR_MEMORY;
@@ -4201,157 +4295,33 @@ static void pbw__first_round(void *arg, int part)
 static void pbw__next_round(void *arg, int part)
 {
     pbw__build *build = (pbw__build *)arg;
-    size_t i;
+    size_t i = pbw__share(build->left_count, part, build->parts);
+    size_t end = pbw__share(build->left_count, part + 1, build->parts);
     pbw__level_begin(build, part);
-    for (i = build->start[part]; i < build->start[part + 1]; i++) {
-        if (!pbw__level_insert(build, build->kernel[part], build->sorted[i])) {
-            break;
-        }
+    while (i < end && pbw__level_insert(build, build->kernel[part], build->left[i])) {
+        i++;
     }
-    pbw__leave_region(build->kernel[part]);
 }
 
-/* Hints of this round: simplices with a vertex of the owner of their cell. */
-static void pbw__check_hints(pbw__build *build)
+/* Before a round: of the cells of a share of all, sets the owners, and keeps the hints that will do. */
+static void pbw__begin_round(void *arg, int part)
 {
+    pbw__build *build = (pbw__build *)arg;
     pbw__store *store = build->store;
-    size_t c, dim = (size_t)build->vertices->dim, k;
-    for (c = 0; c < store->region_count; c++) {
+    const int dim = build->vertices->dim;
+    size_t c = pbw__share(store->region_count, part, build->parts), k;
+    size_t begin = c, end = pbw__share(store->region_count, part + 1, build->parts);
+    for (; c < end; c++) {
         pbw_index t = store->hint[c];
-        int count = 0;
-        for (k = 0; k <= dim && t != PBW_NONE && store->corner[4 * (size_t)t] != PBW_NONE; k++) {
+        int count = t != PBW_NONE && build->claiming ? pbw__corners_in_cell(store, t, c, dim) : 0;
+        for (k = 0; k <= (size_t)dim && !build->claiming && t != PBW_NONE; k++) {
             pbw_index v = store->corner[4 * (size_t)t + k];
-            count += v != PBW__GHOST && build->owner[v >> store->cell_bits] == build->owner[c];
+            size_t cell = v >> store->cell_bits;
+            count += store->corner[4 * (size_t)t] != PBW_NONE && v != PBW__GHOST && cell >= begin && cell < end;
         }
-        store->hint[c] = count + 1 >= (int)dim ? t : PBW_NONE;
+        store->hint[c] = count + 1 >= dim ? t : PBW_NONE;
+        build->owner[c] = build->claiming ? PBW__NOBODY : (uint8_t)part;
     }
-}
-
-#define PBW__BINS 64
-/* Gives the cells to the parts: halves of the parts get halves of what is left, and so on. */
-static void pbw__split_cells(pbw__build *build)
-{
-    struct { size_t from, to; int low, high; } todo[16], now;    /* depth: log2 of the number of parts */
-    int depth = 1;
-    todo[0].from = 0;
-    todo[0].to = build->store->region_count;
-    todo[0].low = 0;
-    todo[0].high = build->parts;
-    while (depth > 0) {
-        size_t bin[PBW__BINS], i, j, total = 0, sum = 0, wanted, lightest = (size_t)-1;
-        float least[3], most[3], scale;
-        int axis = 0, middle, cut = 0, k;
-        now = todo[--depth];
-        if (now.high - now.low == 1) {
-            for (i = now.from; i < now.to; i++) {
-                build->owner[build->cell[i].simplex] = (uint8_t)now.low;
-            }
-            continue;
-        }
-        middle = now.low + (now.high - now.low) / 2;
-        for (k = 0; k < 3; k++) {
-            least[k] = FLT_MAX;
-            most[k] = -FLT_MAX;
-        }
-        for (i = now.from; i < now.to; i++) {
-            const float *place = build->place + 3 * (size_t)build->cell[i].simplex;
-            for (k = 0; k < 3; k++) {
-                least[k] = place[k] < least[k] ? place[k] : least[k];
-                most[k] = place[k] > most[k] ? place[k] : most[k];
-            }
-        }
-        for (k = 1; k < 3; k++) {
-            axis = most[k] - least[k] > most[axis] - least[axis] ? k : axis;
-        }
-        scale = most[axis] > least[axis] ? (float)(PBW__BINS - 1) / (most[axis] - least[axis]) : 0.0f;
-        memset(bin, 0, sizeof(bin));
-        for (i = now.from; i < now.to; i++) {        /* cells with nothing left count too, a little */
-            float x = (build->place[3 * (size_t)build->cell[i].simplex + (size_t)axis] - least[axis]) * scale;
-            bin[(int)x] += (size_t)build->cell[i].key * 16 + 1;
-            total += (size_t)build->cell[i].key * 16 + 1;
-        }
-        /* What is left lies along the borders of before: not through the middle of it, but where there is little. */
-        wanted = total / (size_t)(now.high - now.low) * (size_t)(middle - now.low);
-        for (k = 1; k < PBW__BINS; k++) {
-            size_t light = bin[k - 1] + bin[k];
-            sum += bin[k - 1];
-            if (sum + total / 12 >= wanted && sum <= wanted + total / 12 && light < lightest) {
-                lightest = light;
-                cut = k;
-            }
-        }
-        for (i = j = now.from; i < now.to; i++) {
-            float x = (build->place[3 * (size_t)build->cell[i].simplex + (size_t)axis] - least[axis]) * scale;
-            if ((int)x < cut) {
-                pbw__item swap = build->cell[i];
-                build->cell[i] = build->cell[j];
-                build->cell[j++] = swap;
-            }
-        }
-        todo[depth] = now;
-        todo[depth].to = j;
-        todo[depth++].high = middle;
-        todo[depth] = now;
-        todo[depth].from = j;
-        todo[depth++].low = middle;
-    }
-}
-
-/* Owners for the vertices left, and these in order of owner. */
-static int pbw__new_parts(pbw__build *build, int round)
-{
-    static const float basis[9] = { 0.73f, 0.52f, 0.44f, -0.58f, 0.81f, 0.08f, -0.36f, -0.26f, 0.89f };
-    const pbw__vertices *vertices = build->vertices;
-    size_t cells = build->store->region_count, c, i, dim = (size_t)vertices->dim, k;
-    double low[3] = { 0, 0, 0 }, high[3] = { 0, 0, 0 };
-    int bits = build->store->cell_bits, part;
-    if (build->left_count > build->sorted_capacity
-        && !pbw__resize_array(&build->context->memory, &build->sorted, &build->sorted_capacity, build->left_count,
-                              sizeof(pbw_index))) {
-        return 0;
-    }
-    for (i = 0; i < 2 * cells; i++) {                /* the middle vertex of each cell stands for it */
-        size_t v = ((i % cells) << bits) + ((size_t)1 << (bits - 1));
-        const double *x = vertices->record + (v <= vertices->count ? v : vertices->count) * (dim + 1);
-        double unit[3] = { 0, 0, 0 };
-        for (k = 0; k < dim; k++) {
-            if (i < cells) {
-                low[k] = i == 0 || x[k] < low[k] ? x[k] : low[k];
-                high[k] = i == 0 || x[k] > high[k] ? x[k] : high[k];
-            } else if (high[k] > low[k]) {           /* halves: the difference of two doubles may overflow */
-                unit[k] = (x[k] / 2 - low[k] / 2) / (high[k] / 2 - low[k] / 2);
-            }
-        }
-        for (k = 0; k < 3 && i >= cells; k++) {      /* other axes each round */
-            const float *axis = basis + 3 * k;
-            build->place[3 * (i - cells) + k] = axis[round % 3] * (float)unit[0]
-                                              + axis[(round + 1) % 3] * (float)unit[1]
-                                              + axis[(round + 2) % 3] * (float)unit[2];
-        }
-    }
-    for (c = 0; c < cells; c++) {
-        build->cell[c].simplex = (pbw_index)c;
-        build->cell[c].key = 0;
-    }
-    for (i = 0; i < build->left_count; i++) {
-        build->cell[build->left[i] >> bits].key++;
-    }
-    pbw__split_cells(build);
-    memset(build->start, 0, sizeof(build->start));
-    for (i = 0; i < build->left_count; i++) {
-        build->start[build->owner[build->left[i] >> bits] + 1]++;
-    }
-    for (part = 0; part < build->parts; part++) {
-        build->start[part + 1] += build->start[part];
-    }
-    for (i = 0; i < build->left_count; i++) {
-        build->sorted[build->start[build->owner[build->left[i] >> bits]]++] = build->left[i];
-    }
-    for (part = build->parts; part > 0; part--) {
-        build->start[part] = build->start[part - 1];
-    }
-    build->start[0] = 0;
-    return 1;
 }
 
 /* After a round: collects the vertices left, finds room if some task had none. */
@@ -4399,28 +4369,22 @@ static pbw_status pbw__end_round(pbw__build *build)
 /* One level by rounds. */
 static pbw_status pbw__level_parallel(pbw__build *build)
 {
-    pbw__store *store = build->store;
-    size_t c, before = (size_t)-1;
-    int round = 0, part;
+    size_t before;
     pbw_status status;
-    for (part = 0; part < build->parts; part++) {
-        size_t end = pbw__share(store->region_count, part + 1, build->parts);
-        for (c = pbw__share(store->region_count, part, build->parts); c < end; c++) {
-            build->owner[c] = (uint8_t)part;
-        }
-    }
-    do {
-        pbw__check_hints(build);
-        pbw__for(build->context, build->parts, round == 0 ? pbw__first_round : pbw__next_round, build);
-        status = pbw__end_round(build);
-        round++;
-        if (status != PBW_OK || build->left_count * 10 > before / 10 * 7 * 10
-            || build->left_count < 64 * (size_t)build->parts) {
-            break;
-        }
+    build->claiming = 0;
+    pbw__for(build->context, build->parts, pbw__begin_round, build);
+    pbw__for(build->context, build->parts, pbw__first_round, build);
+    status = pbw__end_round(build);
+    build->claiming = 1;
+    build->parts = build->context->threads < PBW__PARTS ? build->context->threads : PBW__PARTS;
+    pbw__for(build->context, build->parts, pbw__begin_round, build);
+    for (before = (size_t)-1; status == PBW_OK && build->left_count < before / 10 * 7
+         && build->left_count > PBW__LEAST_SHARE * (size_t)build->parts; ) {
         before = build->left_count;
-        status = pbw__new_parts(build, round) ? PBW_OK : PBW_ERROR_MEMORY;
-    } while (status == PBW_OK);
+        pbw__for(build->context, build->parts, pbw__next_round, build);
+        status = pbw__end_round(build);
+    }
+    build->claiming = 0;
     return status;
 }
 
@@ -4447,10 +4411,7 @@ static void pbw__build_free(pbw__build *build)
         pbw__release(memory, build->kernel[i], 1, sizeof(pbw__kernel));
     }
     pbw__release(memory, build->left, build->left_capacity, sizeof(pbw_index));
-    pbw__release(memory, build->sorted, build->sorted_capacity, sizeof(pbw_index));
     pbw__release(memory, build->owner, cells, 1);
-    pbw__release(memory, build->place, 3 * cells, sizeof(float));
-    pbw__release(memory, build->cell, cells, sizeof(pbw__item));
 }
 
 /* Kernels for `count` tasks. */
@@ -4509,11 +4470,10 @@ static pbw_status pbw__build_parts(pbw__build *build, const pbw__grid *grid)
     size_t cells = build->store->region_count;
     if (build->owner == NULL) {
         build->owner = (uint8_t *)pbw__allocate(memory, cells, 1);
-        build->place = (float *)pbw__allocate(memory, 3 * cells, sizeof(float));
-        build->cell = (pbw__item *)pbw__allocate(memory, cells, sizeof(pbw__item));
     }
-    return build->owner != NULL && build->place != NULL && build->cell != NULL
-         ? pbw__more_kernels(build, grid, build->parts) : PBW_ERROR_MEMORY;
+    return build->owner != NULL ? pbw__more_kernels(build, grid, build->context->threads < PBW__PARTS
+                                                               ? build->context->threads : PBW__PARTS)
+                                : PBW_ERROR_MEMORY;
 }
 
 /* PBW_OK, PBW_DEGENERATE or an error; the store is the caller's to free in every case. */
@@ -4589,6 +4549,8 @@ static pbw_status pbw__build_all(pbw__context *context, pbw__store *store, const
    simplex into the list of its lowest rank; sort and number the simplices list by list; translate each and write it
    to its place, unless a slot is there that is still to be read; then write those.
    ------------------------------------------------------------------------------------------------------ */
+typedef struct pbw__item { uint64_t key; pbw_index simplex; } pbw__item;
+
 static void pbw__sift(pbw__item *heap, size_t root, size_t count)
 {
     pbw__item item = heap[root];
@@ -4810,8 +4772,8 @@ PBW__INLINE int pbw__emit_free(const pbw__emission *emission, size_t place, size
 {
     size_t from = ((size_t)dim + 1) * place / 4, to = (((size_t)dim + 1) * place + (size_t)dim) / 4;
     size_t first = from / PBW__CHUNK, last = to / PBW__CHUNK;
-    return (first == chunk || PBW__SEEN(emission->chunk_done + first))
-           && (last == chunk ? to <= t : PBW__SEEN(emission->chunk_done + last) != 0);
+    return (first == chunk ? from <= t : PBW__SEEN(emission->chunk_done + first) != 0)
+        && (last == chunk ? to <= t : PBW__SEEN(emission->chunk_done + last) != 0);
 }
 
 PBW__INLINE void pbw__emit_place(const pbw__emission *emission, const pbw__emitted *simplex, int dim)
@@ -5067,8 +5029,8 @@ static void pbw__check_task(void *arg, int task)
 }
 
 #define PBW__ALONE ((size_t)-1 / 2)
-/* One pass over count items; least: items worth a task, PBW__ALONE for one task.  0 = stop: a fault, cancelled, or out
-   of memory. */
+/* One pass over count items; least: items worth a task, PBW__ALONE for one task.  0 = stop: a fault, cancelled, or
+   out of memory. */
 static int pbw__check_pass(pbw__check *check, pbw__check_range *range, size_t count, size_t least, double begin,
                            double end)
 {
