@@ -4603,6 +4603,7 @@ typedef struct pbw__aside {
 
 typedef struct pbw__emission {
     pbw__context *context;
+    const pbw__store *store;
     pbw_index *corner;
     pbw__link *link;                                 /* NULL: not wanted */
     size_t slot_count, simplex_count, vertex_count, visible;
@@ -4610,23 +4611,14 @@ typedef struct pbw__emission {
     const pbw_index *id;                             /* of each rank */
     pbw_index *number;                               /* per slot: the next of its list; then its place */
     pbw_index *head, *first;                         /* per rank: first of its list; first simplex */
-    pbw_index *block;                                /* per PBW__BLOCK ranks: simplices; then the first one */
+    size_t blocks;                                   /* of PBW__BLOCK ranks */
+    pbw_index *block;                                /* per task and block: simplices; per block: the first one */
     pbw_index *incident;                             /* per point of the caller */
     size_t chunk;                                    /* of slots, the next to be read */
     unsigned char *chunk_done;
     pbw__aside *aside;                               /* per task */
 } pbw__emission;
 #define PBW__BLOCK 4096
-
-/* From one task's share of `count` items to the next, in steps that look at the clock. */
-PBW__INLINE int pbw__emit_step(pbw__emission *emission, size_t count, int task, double begin, size_t *from,
-                               size_t *to)
-{
-    size_t end = pbw__share(count, task + 1, emission->tasks);
-    *from = *to == 0 ? pbw__share(count, task, emission->tasks) : *to;
-    *to = end - *from < PBW__TICK ? end : *from + PBW__TICK;
-    return *from < end && !pbw__report(emission->context, begin + 0.25 * (double)*from / (double)count);
-}
 
 /* The even permutation of the canonical form: corner k of the output is corner (order >> 2k) & 3 here.  Looked up by
    which of the pairs (0,1) (0,2) (0,3) (1,2) (1,3) (2,3), in 2D (0,1) (0,2) (1,2), are descending: no branches. */
@@ -4645,66 +4637,82 @@ PBW__INLINE unsigned pbw__canonical_order(const pbw_index *v, int dim)
                  | (v[2] > v[3]) << 5];
 }
 
-/* Pass 1.  Alone, a task needs no atomic exchange. */
-PBW__INLINE void pbw__emit_lists(pbw__emission *emission, int task, int dim, int alone)
+/* Pass 1.  A task has the slots of a run of regions, and the lists of the ranks of their cells.  Simplices for the
+   lists of other tasks, few, are left for a second look, `again`, with atomic exchanges. */
+#define PBW__LATER (PBW_NONE - 1)
+
+PBW__INLINE void pbw__emit_lists(pbw__emission *emission, int task, size_t from, size_t end, int dim, int again)
 {
-    size_t from, to = 0, t, block = 0;
-    pbw_index count = 0;
-    while (pbw__emit_step(emission, emission->slot_count, task, 0.0, &from, &to)) {
+    const pbw__store *store = emission->store;
+    size_t cells = pbw__share(store->region_count, task, emission->tasks);
+    size_t ranks = cells << store->cell_bits, t, to;
+    size_t own = (pbw__share(store->region_count, task + 1, emission->tasks) << store->cell_bits) - ranks;
+    pbw_index *number = emission->number, *head = emission->head;
+    pbw_index *block = emission->block + (size_t)task * emission->blocks;
+    for (; from < end && !pbw__report(emission->context, 0.25 * (double)from / (double)store->count); from = to) {
+        to = end - from < PBW__TICK ? end : from + PBW__TICK;
         for (t = from; t < to; t++) {
-            const pbw_index *v = emission->corner + 4 * t;
+            const pbw_index *v = store->corner + 4 * t;
             pbw_index low;
-            if (v[0] == PBW_NONE || v[dim] == PBW__GHOST) {
-                emission->number[t] = PBW_NONE;
+            if (again ? number[t] != PBW__LATER : v[0] == PBW_NONE || v[dim] == PBW__GHOST) {
+                number[t] = again ? number[t] : PBW_NONE;
                 continue;
             }
             low = v[0] < v[1] ? v[0] : v[1];
             low = v[2] < low ? v[2] : low;
             low = dim == 3 && v[3] < low ? v[3] : low;
-            if (low / PBW__BLOCK != block) {
-                (void)PBW__ADD(emission->block + block, count);
-                block = low / PBW__BLOCK;
-                count = 0;
+            if (again) {
+                number[t] = PBW__SWAP(head + low, (pbw_index)t);
+                continue;
             }
-            count++;
-            if (alone) {
-                emission->number[t] = emission->head[low];
-                emission->head[low] = (pbw_index)t;
-            } else {
-                emission->number[t] = PBW__SWAP(emission->head + low, (pbw_index)t);
+            block[low / PBW__BLOCK]++;
+            number[t] = PBW__LATER;
+            if (low - ranks < own) {
+                number[t] = head[low];
+                head[low] = (pbw_index)t;
             }
         }
     }
-    (void)PBW__ADD(emission->block + block, count);
+}
+
+PBW__INLINE void pbw__emit_shares(pbw__emission *emission, int task, int again)
+{
+    const pbw__store *store = emission->store;
+    size_t first = pbw__share(store->region_count, task, emission->tasks);
+    size_t last = pbw__share(store->region_count, task + 1, emission->tasks);
+    size_t from = first > 0 ? pbw__region_end(store, first - 1) : 0;
+    size_t to = last > 0 ? pbw__region_end(store, last - 1) : 0, tail = store->count - store->region_slots;
+    size_t tail_from = store->region_slots + pbw__share(tail, task, emission->tasks);
+    size_t tail_to = store->region_slots + pbw__share(tail, task + 1, emission->tasks);
+    if (emission->dim == 3) {
+        pbw__emit_lists(emission, task, from, to, 3, again);
+        pbw__emit_lists(emission, task, tail_from, tail_to, 3, again);
+    } else {
+        pbw__emit_lists(emission, task, from, to, 2, again);
+        pbw__emit_lists(emission, task, tail_from, tail_to, 2, again);
+    }
 }
 
 static void pbw__emit_pass1(void *arg, int task)
 {
-    pbw__emission *emission = (pbw__emission *)arg;
-    if (emission->dim == 3) {
-        if (emission->tasks == 1) {
-            pbw__emit_lists(emission, task, 3, 1);
-        } else {
-            pbw__emit_lists(emission, task, 3, 0);
-        }
-    } else if (emission->tasks == 1) {
-        pbw__emit_lists(emission, task, 2, 1);
-    } else {
-        pbw__emit_lists(emission, task, 2, 0);
-    }
+    pbw__emit_shares((pbw__emission *)arg, task, 0);
+}
+
+static void pbw__emit_others(void *arg, int task)
+{
+    pbw__emit_shares((pbw__emission *)arg, task, 1);
 }
 
 /* Pass 2: numbers, for the lists of a share of the blocks of ranks; the first simplex of each rank. */
 PBW__INLINE void pbw__emit_numbers(pbw__emission *emission, int task, int dim)
 {
-    size_t blocks = emission->vertex_count / PBW__BLOCK + 1, b, v, i, count, capacity = 64;
-    size_t end = pbw__share(blocks, task + 1, emission->tasks);
+    size_t b, v, i, count, capacity = 64, end = pbw__share(emission->blocks, task + 1, emission->tasks);
     pbw__item *item = (pbw__item *)pbw__allocate(&emission->context->memory, capacity, sizeof(pbw__item));
-    for (b = pbw__share(blocks, task, emission->tasks); b < end && item != NULL; b++) {
+    for (b = pbw__share(emission->blocks, task, emission->tasks); b < end && item != NULL; b++) {
         pbw_index next = emission->block[b];
         size_t last = (b + 1) * PBW__BLOCK <= emission->vertex_count ? (b + 1) * PBW__BLOCK
                                                                      : emission->vertex_count + 1;
-        if (pbw__report(emission->context, 0.25 + 0.25 * (double)b / (double)blocks)) {
+        if (pbw__report(emission->context, 0.25 + 0.25 * (double)b / (double)emission->blocks)) {
             break;
         }
         for (v = b * PBW__BLOCK; v < last; v++) {
@@ -4764,7 +4772,7 @@ static void pbw__emit_pass2(void *arg, int task)
 #ifdef PBW_SMALL_SHARES
 #define PBW__CHUNK 64
 #else
-#define PBW__CHUNK 4096
+#define PBW__CHUNK 512
 #endif
 
 /* Whether a place can be written once the slots up to t, of a chunk, have been read. */
@@ -4892,13 +4900,18 @@ static void pbw__emit_pass5(void *arg, int task)
 static pbw_status pbw__emit(pbw__emission *emission)
 {
     pbw__context *context = emission->context;
-    size_t blocks = emission->vertex_count / PBW__BLOCK + 1, b, sum = 0;
-    int tasks = emission->tasks;
+    size_t b, sum = 0;
+    int tasks = emission->tasks, task;
     pbw__for(context, tasks, pbw__emit_pass1, emission);
-    for (b = 0; b < blocks; b++) {
-        pbw_index here = emission->block[b];
-        emission->block[b] = (pbw_index)sum;
-        sum += here;
+    if (tasks > 1) {
+        pbw__for(context, tasks, pbw__emit_others, emission);
+    }
+    for (b = 0; b < emission->blocks; b++) {
+        size_t before = sum;
+        for (task = 0; task < tasks; task++) {
+            sum += emission->block[(size_t)task * emission->blocks + b];
+        }
+        emission->block[b] = (pbw_index)before;
     }
     emission->simplex_count = sum;
     if (PBW__LOAD(&context->cancelled)) {
@@ -5716,7 +5729,7 @@ static pbw_status pbw__output(pbw__context *context, pbw__store *store, pbw__ver
 {
     pbw__memory *memory = &context->memory;
     pbw__emission emission;
-    size_t blocks = vertices->count / PBW__BLOCK + 1, chunks = store->count / PBW__CHUNK + 1, entries, links;
+    size_t blocks, chunks = store->count / PBW__CHUNK + 1, entries, links;
     pbw_status status = PBW_ERROR_MEMORY;
 
     pbw__release(memory, store->mark, store->mark_capacity, 1);
@@ -5727,6 +5740,7 @@ static pbw_status pbw__output(pbw__context *context, pbw__store *store, pbw__ver
     }
     memset(&emission, 0, sizeof(emission));
     emission.context = context;
+    emission.store = store;
     emission.corner = store->corner;
     emission.link = store->link;
     emission.slot_count = store->count;
@@ -5739,6 +5753,8 @@ static pbw_status pbw__output(pbw__context *context, pbw__store *store, pbw__ver
     emission.number = (pbw_index *)pbw__allocate_large(context, store->count, sizeof(pbw_index));
     emission.head = (pbw_index *)pbw__allocate_large(context, vertices->count + 1, sizeof(pbw_index));
     emission.first = (pbw_index *)pbw__allocate_large(context, vertices->count + 1, sizeof(pbw_index));
+    emission.blocks = vertices->count / PBW__BLOCK + 1;
+    blocks = emission.blocks * (size_t)emission.tasks;
     emission.block = (pbw_index *)pbw__allocate(memory, blocks, sizeof(pbw_index));
     emission.chunk_done = (unsigned char *)pbw__allocate(memory, chunks, 1);
     emission.aside = (pbw__aside *)pbw__allocate(memory, (size_t)emission.tasks, sizeof(pbw__aside));
