@@ -2531,13 +2531,16 @@ PBW__INLINE void pbw__kernel_attach(pbw__kernel *kernel)
    |coordinate|, so m^2 <= h of >>cavity.  Compared as S^2 > (5.4e-15)^2 h^3; h is computed with 3 roundings, which
    the next digit of the constant covers, and raised to 1e-55 if it is less.  2D: 2 products, 2 translations, 1
    multiplication, 1 addition: < 4u * 2 m^2 < 9e-16 m^2.  An underflow adds at most 2^-1074 a product, far below the
-   bounds.  Where something overflows the bound is infinite, or a comparison with it false.
+   bounds.  Where something overflows the bound is infinite, or a comparison with it false.  In vectors the bound is
+   9e-16 h with h >= |x|^2 >= m^2; on a small grid (>>cavity) it is less than a unit^2: a side that it leaves open is
+   zero.
    ------------------------------------------------------------------------------------------------------ */
 #define PBW__ORIENT2_ERROR 9e-16
 #define PBW__ORIENT3_ERROR 5.4e-15
 #define PBW__CIRCLE_ERROR 9e-15                      /* derived in >>cavity */
 #define PBW__SPHERE_ERROR 5.2e-14
-#define PBW__EXACT_HEIGHT 6.5e5                      /* in units of a grid, squared */
+#define PBW__EXACT_HEIGHT2 3.8e7                     /* in units of a grid, squared */
+#define PBW__EXACT_HEIGHT3 6.5e5
 
 /* Corners of facet i in the order that makes (p, a, b, c) positive for p inside; a ghost stays last. */
 static const unsigned char pbw__facet_corners[4][3] = { { 1, 2, 3 }, { 2, 0, 3 }, { 0, 1, 3 }, { 0, 2, 1 } };
@@ -2622,6 +2625,32 @@ PBW__AVX2_INLINE __m256d pbw__highest(__m256d x)
     x = _mm256_max_pd(x, _mm256_permute_pd(x, 5));
     return _mm256_max_pd(x, _mm256_permute2f128_pd(x, x, 1));
 }
+
+/* The same in the plane, without weights.  Where there is no hull, the caller knows that no vertex is the ghost. */
+typedef struct pbw__rows2 { __m256d x, y, lift, ghost; } pbw__rows2;
+typedef struct pbw__point2 { __m256d x, y; } pbw__point2;
+
+#define PBW__EDGE_START(x) _mm256_permute4x64_pd(x, 0x49) /* corners 1 2 0 1: the edge across from each starts there */
+#define PBW__EDGE_END(x) _mm256_permute4x64_pd(x, 0x92)   /* 2 0 1 2: and ends there */
+
+PBW__AVX2_INLINE pbw__rows2 pbw__rows2_of(const double *record, int hull, pbw_index v0, pbw_index v1, pbw_index v2,
+                                          pbw_index v3, pbw__point2 p)
+{
+    __m256d ac = PBW__JOIN(record + 3 * (size_t)v0, record + 3 * (size_t)v2);
+    __m256d bd = PBW__JOIN(record + 3 * (size_t)v1, record + 3 * (size_t)v3);
+    pbw__rows2 rows;
+    rows.x = _mm256_unpacklo_pd(ac, bd) - p.x;
+    rows.y = _mm256_unpackhi_pd(ac, bd) - p.y;
+    rows.ghost = _mm256_setzero_pd();
+    if (hull) {
+        __m128i v = _mm_set_epi32((int)v3, (int)v2, (int)v1, (int)v0);
+        rows.ghost = _mm256_castsi256_pd(_mm256_cvtepi32_epi64(_mm_cmpeq_epi32(v, _mm_setzero_si128())));
+        rows.x = _mm256_andnot_pd(rows.ghost, rows.x);
+        rows.y = _mm256_andnot_pd(rows.ghost, rows.y);
+    }
+    rows.lift = _mm256_fmadd_pd(rows.y, rows.y, rows.x * rows.x);
+    return rows;
+}
 #endif
 
 /* The exact verdict on any simplex, ghosts included.  A ghost with the point in its facet's plane is in conflict
@@ -2658,7 +2687,7 @@ static PBW__NOINLINE int pbw__in_conflict2(pbw__kernel *kernel, pbw_index t, con
 }
 
 /* The first facet of a finite simplex that has p strictly outside, exactly; 4 if there is none.  Facets in `inner`
-   are known to have it inside. */
+   are known to have it inside.  2D: an edge, or 3. */
 static PBW__NOINLINE unsigned pbw__exit3(const pbw__kernel *kernel, pbw_index t, const double *p, unsigned inner)
 {
     const pbw_index *v = kernel->corner + 4 * (size_t)t;
@@ -2668,6 +2697,20 @@ static PBW__NOINLINE unsigned pbw__exit3(const pbw__kernel *kernel, pbw_index t,
         if ((inner >> i & 1) == 0
             && pbw__orient3(p, pbw__record3(kernel, v[corner[0]]), pbw__record3(kernel, v[corner[1]]),
                             pbw__record3(kernel, v[corner[2]]), kernel->grid) < 0) {
+            break;
+        }
+    }
+    return i;
+}
+
+static PBW__NOINLINE unsigned pbw__exit2(const pbw__kernel *kernel, pbw_index t, const double *p, unsigned inner)
+{
+    const pbw_index *v = kernel->corner + 4 * (size_t)t;
+    unsigned i;
+    for (i = 0; i < 3; i++) {
+        if ((inner >> i & 1) == 0
+            && pbw__orient2(pbw__record2(kernel, v[i == 2 ? 0 : i + 1]), pbw__record2(kernel, v[i == 0 ? 2 : i - 1]),
+                            p, kernel->grid) < 0) {
             break;
         }
     }
@@ -2805,13 +2848,13 @@ PBW__AVX2_INLINE pbw_index pbw__locate3_avx2(pbw__kernel *kernel, pbw_index t, c
 }
 #endif
 
-static pbw_index pbw__locate2(pbw__kernel *kernel, pbw_index t, const double *p)
+static pbw_index pbw__locate2_scalar(pbw__kernel *kernel, pbw_index t, const double *p)
 {
     t = pbw__walk_start(kernel, t, 2);
     for (;;) {
         const pbw_index *v = kernel->corner + 4 * (size_t)t;
         double u[3][2], side[3], size = 0.0, bound, lowest;
-        int i, exit = 0;
+        unsigned i, exit = 0;
         kernel->statistics.walk_steps++;
         if (v[2] == PBW__GHOST) {
             return t;
@@ -2835,23 +2878,74 @@ static pbw_index pbw__locate2(pbw__kernel *kernel, pbw_index t, const double *p)
             }
         }
         if (!(lowest < -bound)) {
-            for (exit = 0; exit < 3; exit++) {
-                if (!(side[exit] > bound)
-                    && pbw__orient2(pbw__record2(kernel, v[exit == 2 ? 0 : exit + 1]),
-                                    pbw__record2(kernel, v[exit == 0 ? 2 : exit - 1]), p, kernel->grid) < 0) {
-                    break;
-                }
-            }
+            unsigned inner = (unsigned)(side[0] > bound) | (unsigned)(side[1] > bound) << 1
+                           | (unsigned)(side[2] > bound) << 2;
+            exit = pbw__exit2(kernel, t, p, inner);
             if (exit == 3) {
                 return !kernel->weighted || pbw__in_conflict2(kernel, t, p) ? t : PBW_NONE;
             }
         }
-        if (PBW__UNLIKELY(kernel->owner != NULL) && !pbw__may_cross(kernel, t, (unsigned)exit)) {
+        if (PBW__UNLIKELY(kernel->owner != NULL) && !pbw__may_cross(kernel, t, exit)) {
             return PBW__FOREIGN;
         }
-        t = (pbw_index)(kernel->link[4 * (size_t)t + (size_t)exit] >> 2);
+        t = (pbw_index)(kernel->link[4 * (size_t)t + exit] >> 2);
     }
 }
+
+#ifdef PBW__X86
+/* The bound on the error of an in-circle determinant of rows no higher than h. */
+PBW__AVX2_INLINE __m256d pbw__circle_limit(__m256d h)
+{
+    return _mm256_set1_pd(8.0) * h * h * _mm256_set1_pd(PBW__CIRCLE_ERROR / 8.0);
+}
+
+/* The same for points without weights, an edge in each lane, through the first that has p outside.  Leaves the rows
+   of the triangle, if it is finite; the fourth is the first again. */
+PBW__AVX2_INLINE pbw_index pbw__locate2_avx2(pbw__kernel *kernel, pbw_index t, const double *p, pbw__rows2 *rows)
+{
+    const pbw_index *corner = kernel->corner;
+    pbw__point2 point;
+    size_t steps = 1;
+    point.x = _mm256_set1_pd(p[0]);
+    point.y = _mm256_set1_pd(p[1]);
+    for (t = pbw__walk_start(kernel, t, 2); ; steps++) {
+        const pbw_index *v = corner + 4 * (size_t)t;
+        __m256d sx, sy, sl, ex, ey, el, side, power, h, bound;
+        unsigned outer, exit;
+        if (v[2] == PBW__GHOST) {
+            break;
+        }
+        *rows = pbw__rows2_of(kernel->record, 0, v[0], v[1], v[2], v[0], point);
+        sx = PBW__EDGE_START(rows->x), sy = PBW__EDGE_START(rows->y), sl = PBW__EDGE_START(rows->lift);
+        ex = PBW__EDGE_END(rows->x), ey = PBW__EDGE_END(rows->y), el = PBW__EDGE_END(rows->lift);
+        side = _mm256_fmsub_pd(sx, ey, sy * ex);
+        h = _mm256_max_pd(_mm256_max_pd(rows->lift, _mm256_set1_pd(1e-140)), _mm256_max_pd(sl, el));
+        power = _mm256_blend_pd(rows->lift * side, _mm256_setzero_pd(), 8);
+        power = power + _mm256_permute2f128_pd(power, power, 1);
+        power = power + _mm256_permute_pd(power, 5);
+        if (_mm256_cvtsd_f64(power) > _mm256_cvtsd_f64(pbw__circle_limit(h))) {
+            break;
+        }
+        bound = h * _mm256_set1_pd(PBW__ORIENT2_ERROR);
+        outer = (unsigned)_mm256_movemask_pd(_mm256_cmp_pd(-side, bound, _CMP_GT_OQ));
+        exit = (unsigned)__builtin_ctz(outer | 8u);
+        if (PBW__UNLIKELY(outer == 0)) {
+            unsigned inner = (unsigned)_mm256_movemask_pd(_mm256_cmp_pd(side, bound, _CMP_GT_OQ));
+            exit = _mm256_cvtsd_f64(h) < kernel->exact_height ? 3 : pbw__exit2(kernel, t, p, inner);
+            if (exit == 3) {
+                break;
+            }
+        }
+        if (PBW__UNLIKELY(kernel->owner != NULL) && !pbw__may_cross(kernel, t, exit)) {
+            t = PBW__FOREIGN;
+            break;
+        }
+        t = (pbw_index)(kernel->link[4 * (size_t)t + exit] >> 2);
+    }
+    kernel->statistics.walk_steps += steps;
+    return t;
+}
+#endif
 /* ------------------------------------------------------------------------------------------------------
    >>cavity       Carve every simplex in conflict with the point, refill with the point's star.
    In: a simplex in conflict.  Out: the star of the new vertex.   (Bowyer 1981, Watson 1981)
@@ -2873,13 +2967,15 @@ static pbw_index pbw__locate2(pbw__kernel *kernel, pbw_index t, const double *p)
    to 1e-55 if it is less, so that what underflows is far below the bound; above 4e61 the product h^5, computed first,
    is infinite and nothing exceeds it.
    2D: 6 products of x, y and a lift; 2 translations; lift 2 + 1 + 1 + 2; 2 multiplications; 1 + 2 additions: 13
-   roundings, 13u * 6 h^2 < 8.7e-15 h^2; 9e-15 with the roundings of h; h raised to 1e-140.  Everything the bound
-   leaves open goes to >>predicates.
+   roundings, 13u * 6 h^2 < 8.7e-15 h^2; 9e-15 with the roundings of h; h raised to 1e-140.  In vectors the triangle
+   (o, e, s) across an edge s e has the determinant o.x (s.l e.y - e.l s.y) + o.y (e.l s.x - s.l e.x) - o.l (s.x e.y -
+   e.x s.y), without weights 11 roundings.  There the bound is computed from 8 h h, which is infinite before a partial
+   sum, of at most 6 h^2, can be.  Everything the bound leaves open goes to >>predicates.
 
    Small grids.  Where all coordinates are multiples of a unit and all weights of its square (>>predicates has the
    grid), the rows and all partial results are integers in that unit, none larger than the sum of the absolute
    products, 24 H^(5/2) for a height of H units^2.  With H < 6.5e5 that is below 2^53: nothing is rounded, the sign is
-   the sign, and zero is a tie.  Lattices and coarse scans live on this.
+   the sign, and zero is a tie.  2D: 6 H^2, H < 3.8e7.  Lattices and coarse scans live on this.
    ------------------------------------------------------------------------------------------------------ */
 /* Takes back the marks of a cavity that will not be. */
 static PBW__NOINLINE pbw_status pbw__leave_cavity(pbw__kernel *kernel, size_t count)
@@ -3680,18 +3776,270 @@ static pbw_status pbw__refill2(pbw__kernel *kernel, pbw_index vertex)
     return PBW_OK;
 }
 
-static pbw_status pbw__insert2(pbw__kernel *kernel, pbw_index vertex)
+static pbw_status pbw__insert2_scalar(pbw__kernel *kernel, pbw_index vertex)
 {
     const double *p = pbw__record2(kernel, vertex);
     pbw_index t = pbw__insert_start(kernel, vertex);
     pbw_status status;
-    t = t != PBW__FOREIGN ? pbw__locate2(kernel, t, p) : t;
+    t = t != PBW__FOREIGN ? pbw__locate2_scalar(kernel, t, p) : t;
     if (PBW__UNLIKELY(t >= PBW__FOREIGN) || PBW__UNLIKELY(kernel->owner != NULL && !pbw__may_delete(kernel, t))) {
         return t == PBW_NONE ? PBW_OK : PBW__LEFT;   /* hidden, or not ours */
     }
     status = pbw__carve2(kernel, t, p);
     return status == PBW_OK ? pbw__refill2(kernel, vertex) : status;
 }
+
+#ifdef PBW__X86
+/* 2D without weights: no vertex is hidden, so all vertices of the cavity lie on its boundary, and no triangle is met
+   twice: there is nothing to mark.  The boundary is kept as a ring.  Edge i goes from start to end, counter-clockwise
+   seen from inside; beyond is the link across it.  When the triangle there joins the cavity, two edges take the place
+   of this one, with the far vertex between them: the first keeps its number, the second goes behind it in the ring.
+   The queue has the numbers of the edges to be tested, four at a time, and zeros behind them.  Nothing is written to
+   the triangulation before the star is, so what does not fit a ring is left to pbw__carve2. */
+#define PBW__RING 32
+
+typedef struct pbw__ring {
+    pbw_index start[PBW__RING], end[PBW__RING];
+    pbw_index slot[PBW__RING];                       /* of the cavity; then of the star */
+    pbw__link beyond[PBW__RING];
+    unsigned next[PBW__RING], count, tail;
+    unsigned char queue[2 * PBW__RING + 4];
+} pbw__ring;
+
+/* Which of four triangles (o, e, s), met across the edges s e, are in conflict; in `certain` the lanes for which that
+   is known.  Also the determinants and what bounds the heights. */
+PBW__AVX2_INLINE unsigned pbw__test2_avx2(pbw__rows2 s, pbw__rows2 e, pbw__rows2 o, int hull, __m256d *det,
+                                          __m256d *height, unsigned *certain)
+{
+    __m256d h = _mm256_max_pd(_mm256_max_pd(s.lift, e.lift), _mm256_max_pd(o.lift, _mm256_set1_pd(1e-140))), size;
+    if (hull) {
+        s.lift = _mm256_or_pd(s.lift, _mm256_and_pd(s.ghost, h));
+        e.lift = _mm256_or_pd(e.lift, _mm256_and_pd(e.ghost, h));
+        o.lift = _mm256_or_pd(o.lift, _mm256_and_pd(o.ghost, h));
+    }
+    *det = o.y * _mm256_fmsub_pd(e.lift, s.x, s.lift * e.x);
+    *det = _mm256_fmadd_pd(o.x, _mm256_fmsub_pd(s.lift, e.y, e.lift * s.y), *det);
+    *det = _mm256_fnmadd_pd(o.lift, _mm256_fmsub_pd(s.x, e.y, s.y * e.x), *det);
+    *height = h;
+    size = _mm256_andnot_pd(_mm256_set1_pd(-0.0), *det);
+    *certain = (unsigned)_mm256_movemask_pd(_mm256_cmp_pd(size, pbw__circle_limit(h), _CMP_GT_OQ));
+    return (unsigned)_mm256_movemask_pd(*det) ^ 15u;
+}
+
+/* The verdict on a finite triangle whose determinant is zero, at a height where nothing is rounded. */
+static int pbw__tied2(const pbw__kernel *kernel, pbw_index t, const double *p)
+{
+    const pbw_index *v = kernel->corner + 4 * (size_t)t;
+    const double *row[3];
+    int orientation[3], i;
+    for (i = 0; i < 3; i++) {
+        row[i] = pbw__record2(kernel, v[i]);
+    }
+    for (i = 0; i < 3; i++) {
+        const double *a = row[i == 2 ? 0 : i + 1], *b = row[i == 0 ? 2 : i - 1];
+        double side = (a[0] - p[0]) * (b[1] - p[1]) - (a[1] - p[1]) * (b[0] - p[0]);
+        orientation[i] = (side > 0.0) - (side < 0.0);
+    }
+    return pbw__tie(2, row, p, orientation);
+}
+
+/* The verdicts that the filter left open. */
+static PBW__NOINLINE unsigned pbw__ring_exact(pbw__kernel *kernel, const pbw__ring *ring, unsigned head,
+                                              unsigned open, const double *det, const double *height, const double *p)
+{
+    unsigned inside = 0, k;
+    for (k = 0; k < 4; k++) {
+        if (open >> k & 1) {
+            pbw_index t = (pbw_index)(ring->beyond[ring->queue[head + k]] >> 2);
+            int exact = height[k] < kernel->exact_height, verdict;
+            if (exact && det[k] != 0.0) {
+                verdict = det[k] > 0.0;
+            } else if (exact && kernel->corner[4 * (size_t)t + 2] != PBW__GHOST) {
+                verdict = pbw__tied2(kernel, t, p);
+            } else {
+                verdict = pbw__in_conflict2(kernel, t, p);
+            }
+            inside |= (unsigned)verdict << k;
+        }
+    }
+    return inside;
+}
+
+/* Tests the next edges of the queue, of rows s and e, with the far vertices o.  PBW_ERROR_TOO_LARGE: they may not fit
+   the ring. */
+PBW__AVX2_INLINE pbw_status pbw__ring_step(pbw__kernel *kernel, pbw__ring *ring, unsigned head, int hull,
+                                           pbw__rows2 s, pbw__rows2 e, pbw__rows2 o, const double *p)
+{
+    const pbw_index *corner = kernel->corner;
+    const pbw__link *link = kernel->link;
+    __m256d det, height;
+    unsigned certain, inside = pbw__test2_avx2(s, e, o, hull, &det, &height, &certain);
+    unsigned count = ring->count, tail = ring->tail, all = _bzhi_u32(15, tail - head);
+    inside &= all;
+    if (PBW__UNLIKELY((certain & all) != all)) {
+        double value[4], h[4];
+        _mm256_storeu_pd(value, det);
+        _mm256_storeu_pd(h, height);
+        inside = (inside & certain) | pbw__ring_exact(kernel, ring, head, all & ~certain, value, h, p);
+    }
+    if (PBW__UNLIKELY(count > PBW__RING - 4)) {
+        return PBW_ERROR_TOO_LARGE;
+    }
+    for (; inside != 0; inside &= inside - 1) {
+        unsigned edge = ring->queue[head + (unsigned)__builtin_ctz(inside)];
+        pbw__link beyond = ring->beyond[edge], base = beyond & ~(pbw__link)3;
+        unsigned via = 2 * (unsigned)(beyond & 3);
+        pbw_index far = corner[beyond];
+        if (PBW__UNLIKELY(kernel->owner != NULL) && !pbw__may_delete(kernel, (pbw_index)(beyond >> 2))) {
+            return PBW__LEFT;
+        }
+        ring->slot[count - 2] = (pbw_index)(beyond >> 2);
+        ring->start[count] = far;
+        ring->end[count] = ring->end[edge];
+        ring->end[edge] = far;
+        ring->next[count] = ring->next[edge];
+        ring->next[edge] = count;
+        ring->beyond[edge] = link[base + (9u >> via & 3)];       /* 1 2 0: the corner after it */
+        ring->beyond[count] = link[base + (18u >> via & 3)];     /* 2 0 1: before it */
+        ring->queue[tail] = (unsigned char)edge;
+        ring->queue[tail + 1] = (unsigned char)count;
+        count++;
+        tail += 2;
+    }
+    memset(ring->queue + tail, 0, 4);
+    ring->count = count;
+    ring->tail = tail;
+    return PBW_OK;
+}
+
+/* Finds the cavity of p from t, a triangle in conflict with these rows.  PBW_ERROR_TOO_LARGE: it may not fit the
+   ring, or, if there should be no hull, it may have one. */
+PBW__AVX2_INLINE pbw_status pbw__carve2_avx2(pbw__kernel *kernel, pbw__ring *ring, pbw_index t,
+                                             const pbw__rows2 *rows, const double *p, int hull)
+{
+    const pbw_index *corner = kernel->corner, *v = corner + 4 * (size_t)t;
+    const pbw__link *link = kernel->link + 4 * (size_t)t;
+    const double *record = kernel->record;
+    pbw__point2 point;
+    pbw__rows2 s, e, o;
+    pbw_status status = PBW_OK;
+    unsigned head = 0;
+    point.x = _mm256_set1_pd(p[0]);
+    point.y = _mm256_set1_pd(p[1]);
+    ring->slot[0] = t;
+    ring->start[0] = ring->end[2] = v[1];
+    ring->start[1] = ring->end[0] = v[2];
+    ring->start[2] = ring->end[1] = v[0];
+    ring->beyond[0] = link[0];
+    ring->beyond[1] = link[1];
+    ring->beyond[2] = link[2];
+    ring->next[0] = 1;
+    ring->next[1] = 2;
+    ring->next[2] = 0;
+    ring->queue[0] = 0;
+    ring->queue[1] = 1;
+    ring->queue[2] = 2;
+    ring->queue[3] = 0;
+    ring->count = ring->tail = 3;
+    if (!hull) {
+        pbw_index far0 = corner[link[0]], far1 = corner[link[1]], far2 = corner[link[2]];
+        if (PBW__UNLIKELY(far0 == PBW__GHOST || far1 == PBW__GHOST || far2 == PBW__GHOST)) {
+            return PBW_ERROR_TOO_LARGE;
+        }
+        o = pbw__rows2_of(record, 0, far0, far1, far2, far0, point);
+        s.x = PBW__EDGE_START(rows->x), s.y = PBW__EDGE_START(rows->y), s.lift = PBW__EDGE_START(rows->lift);
+        e.x = PBW__EDGE_END(rows->x), e.y = PBW__EDGE_END(rows->y), e.lift = PBW__EDGE_END(rows->lift);
+        s.ghost = e.ghost = o.ghost;
+        status = pbw__ring_step(kernel, ring, 0, 0, s, e, o, p);
+        head = 3;
+    }
+    while (head < ring->tail && status == PBW_OK) {
+        const unsigned char *queue = ring->queue + head;
+        unsigned i0 = queue[0], i1 = queue[1], i2 = queue[2], i3 = queue[3], next;
+        pbw_index far0 = corner[ring->beyond[i0]], far1 = corner[ring->beyond[i1]], far2 = corner[ring->beyond[i2]],
+                  far3 = corner[ring->beyond[i3]];
+        if (!hull && PBW__UNLIKELY(far0 == PBW__GHOST || far1 == PBW__GHOST || far2 == PBW__GHOST
+                                   || far3 == PBW__GHOST)) {
+            return PBW_ERROR_TOO_LARGE;
+        }
+        s = pbw__rows2_of(record, hull, ring->start[i0], ring->start[i1], ring->start[i2], ring->start[i3], point);
+        e = pbw__rows2_of(record, hull, ring->end[i0], ring->end[i1], ring->end[i2], ring->end[i3], point);
+        o = pbw__rows2_of(record, hull, far0, far1, far2, far3, point);
+        next = head + 4 < ring->tail ? head + 4 : ring->tail;
+        status = pbw__ring_step(kernel, ring, head, hull, s, e, o, p);
+        head = next;
+    }
+    return status;
+}
+
+/* The star, in the slots of the cavity and two more; pbw__refill2 has the numbers of the corners. */
+PBW__AVX2_INLINE void pbw__refill2_avx2(pbw__kernel *kernel, pbw__ring *ring, pbw_index vertex, int hull)
+{
+    pbw_index *corner = kernel->corner;
+    pbw__link *link = kernel->link;
+    unsigned count = ring->count, i;
+    ring->slot[count - 2] = (pbw_index)kernel->fresh;
+    ring->slot[count - 1] = (pbw_index)kernel->fresh + 1;
+    kernel->mark[kernel->fresh] = kernel->mark[kernel->fresh + 1] = 0;
+    kernel->fresh += 2;
+    kernel->statistics.created += count;
+    kernel->statistics.conflict_tests += ring->tail;
+    kernel->last = ring->slot[0];
+    for (i = 0; i < count; i++) {
+        pbw__link base = (pbw__link)ring->slot[i] << 2, after = (pbw__link)ring->slot[ring->next[i]] << 2;
+        pbw_index start = ring->start[i], end = ring->end[i];
+        unsigned turn = hull && start == PBW__GHOST, from = 1 + turn, to = 2 - 2 * turn;
+        unsigned after_to = hull && end == PBW__GHOST ? 0 : 2;
+        corner[base + turn] = vertex;
+        corner[base + from] = start;
+        corner[base + to] = end;
+        link[base + turn] = ring->beyond[i];
+        link[base + from] = after | after_to;
+        link[after + after_to] = base | from;
+        link[ring->beyond[i]] = base | turn;
+    }
+}
+
+/* The same insertion where ghosts are met, or where it does not fit the ring. */
+PBW__AVX2 static PBW__NOINLINE pbw_status pbw__hull2_avx2(pbw__kernel *kernel, pbw__ring *ring, pbw_index t,
+                                                           pbw_index vertex)
+{
+    const double *p = pbw__record2(kernel, vertex);
+    pbw_status status = pbw__carve2_avx2(kernel, ring, t, NULL, p, 1);
+    if (status == PBW_ERROR_TOO_LARGE || kernel->fresh_end - kernel->fresh < 2) {
+        status = pbw__carve2(kernel, t, p);
+        return status == PBW_OK ? pbw__refill2(kernel, vertex) : status;
+    }
+    if (status == PBW_OK) {
+        pbw__refill2_avx2(kernel, ring, vertex, 1);
+    }
+    return status;
+}
+
+PBW__AVX2 static pbw_status pbw__insert2_avx2(pbw__kernel *kernel, pbw_index vertex)
+{
+    const double *p = pbw__record2(kernel, vertex);
+    pbw_index t = pbw__insert_start(kernel, vertex);
+    pbw__ring ring;
+    pbw__rows2 rows;
+    pbw_status status;
+    rows.x = rows.y = rows.lift = rows.ghost = _mm256_setzero_pd();
+    t = t != PBW__FOREIGN ? pbw__locate2_avx2(kernel, t, p, &rows) : t;
+    if (PBW__UNLIKELY(t >= PBW__FOREIGN) || PBW__UNLIKELY(kernel->owner != NULL && !pbw__may_delete(kernel, t))) {
+        return PBW__LEFT;
+    }
+    if (PBW__UNLIKELY(kernel->corner[4 * (size_t)t + 2] == PBW__GHOST)
+        || PBW__UNLIKELY(kernel->fresh_end - kernel->fresh < 2)) {
+        return pbw__hull2_avx2(kernel, &ring, t, vertex);
+    }
+    status = pbw__carve2_avx2(kernel, &ring, t, &rows, p, 0);
+    if (PBW__UNLIKELY(status != PBW_OK)) {
+        return status == PBW_ERROR_TOO_LARGE ? pbw__hull2_avx2(kernel, &ring, t, vertex) : status;
+    }
+    pbw__refill2_avx2(kernel, &ring, vertex, 0);
+    return PBW_OK;
+}
+#endif
 /* ------------------------------------------------------------------------------------------------------
    >>build        All vertices into one triangulation, on one thread.
    In: vertices along the Hilbert curve.  Out: a kernel with their triangulation, or PBW_DEGENERATE.
@@ -3855,14 +4203,15 @@ static pbw_status pbw__kernel_create(pbw__kernel *kernel, pbw__context *context,
     kernel->weighted = vertices->weighted;
     /* Within 2^+-100 no power up to the tenth of a unit underflows or overflows. */
     kernel->exact_height = grid->inverse_unit > 1e-30 && grid->inverse_unit < 1e30
-                         ? PBW__EXACT_HEIGHT / (grid->inverse_unit * grid->inverse_unit) : 0.0;
+                         ? (dim == 3 ? PBW__EXACT_HEIGHT3 : PBW__EXACT_HEIGHT2)
+                           / (grid->inverse_unit * grid->inverse_unit) : 0.0;
     kernel->region = (size_t)-1;
     kernel->last = kernel->last_entered = PBW_NONE;
-    kernel->insert = dim == 2 ? pbw__insert2 : pbw__insert3_scalar;
+    kernel->insert = dim == 2 ? pbw__insert2_scalar : pbw__insert3_scalar;
 #ifdef PBW__X86
-    if (dim == 3 && __builtin_cpu_supports("avx2") && __builtin_cpu_supports("fma")
-        && __builtin_cpu_supports("bmi2") && __builtin_cpu_supports("popcnt")) {
-        kernel->insert = pbw__insert3_avx2;
+    if (__builtin_cpu_supports("avx2") && __builtin_cpu_supports("fma") && __builtin_cpu_supports("bmi2")
+        && __builtin_cpu_supports("popcnt")) {
+        kernel->insert = dim == 3 ? pbw__insert3_avx2 : vertices->weighted ? pbw__insert2_scalar : pbw__insert2_avx2;
     }
 #endif
     pbw__kernel_attach(kernel);
