@@ -1797,7 +1797,11 @@ PBW__INLINE void pbw__fetch(const pbw__input *input, size_t i, double *record)
             record[input->dim] = (double)f[0] + 0.0;
         }
     } else {
-        memcpy(record, point, (size_t)input->dim * sizeof(double));
+        if (input->dim == 2) {                       /* of a size that the compiler knows, it is no call */
+            memcpy(record, point, 2 * sizeof(double));
+        } else {
+            memcpy(record, point, 3 * sizeof(double));
+        }
         for (k = 0; k < input->dim; k++) {
             record[k] += 0.0;
         }
@@ -1812,6 +1816,12 @@ PBW__INLINE void pbw__fetch(const pbw__input *input, size_t i, double *record)
    where bit k of the octant is the next bit of coordinate k, holds next state * 2^dim + next digit of the key. */
 static const unsigned char pbw__hilbert2[4][4] = {
     { 4, 11, 1, 2 }, { 0, 5, 15, 6 }, { 10, 3, 9, 12 }, { 14, 13, 7, 8 }
+};
+static const unsigned char pbw__hilbert2_twice[4][16] = {       /* two steps: next state * 16 + two digits */
+    { 0, 17, 46, 15, 51, 18, 45, 60, 20, 39, 24, 43, 5, 6, 9, 10 },
+    { 16, 35, 4, 21, 1, 2, 55, 22, 62, 61, 8, 25, 31, 44, 59, 26 },
+    { 42, 11, 28, 47, 41, 56, 13, 14, 38, 7, 50, 49, 37, 52, 19, 32 },
+    { 58, 57, 54, 53, 27, 40, 23, 36, 12, 29, 34, 3, 63, 30, 33, 48 }
 };
 static const unsigned char pbw__hilbert3[12][8] = {
     { 8, 23, 25, 38, 43, 44, 26, 37 },  { 24, 51, 63, 52, 1, 2, 70, 69 },   { 76, 39, 75, 80, 5, 6, 66, 65 },
@@ -1873,16 +1883,26 @@ PBW__INLINE uint64_t pbw__hilbert_key(const pbw__box *box, const double *x, int 
         double t = (box->scale * x[k] - box->scale * box->low[k]) / box->extent * (double)(last + 1);
         cell[k] = t < (double)last ? (uint32_t)t : last;
     }
-    for (bit = box->bits - 1; bit >= 0; bit--) {
-        unsigned octant = ((cell[0] >> bit) & 1) | (((cell[1] >> bit) & 1) << 1), step;
+    bit = box->bits - 1;
+    if (dim == 2 && bit % 2 == 0) {
+        unsigned step = pbw__hilbert2[state][(cell[0] >> bit) | (cell[1] >> bit) << 1];
+        key = step & 3;
+        state = step >> 2;
+        bit--;
+    }
+    while (bit >= 0) {
         if (dim == 3) {
-            step = pbw__hilbert3[state][octant | (((cell[2] >> bit) & 1) << 2)];
+            unsigned octant = ((cell[0] >> bit) & 1) | (((cell[1] >> bit) & 1) << 1) | (((cell[2] >> bit) & 1) << 2);
+            unsigned step = pbw__hilbert3[state][octant];
             key = key << 3 | (step & 7);
             state = step >> 3;
+            bit--;
         } else {
-            step = pbw__hilbert2[state][octant];
-            key = key << 2 | (step & 3);
-            state = step >> 2;
+            unsigned octants = ((cell[0] >> (bit - 1)) & 3) | (((cell[1] >> (bit - 1)) & 3) << 2);
+            unsigned step = pbw__hilbert2_twice[state][octants];
+            key = key << 4 | (step & 15);
+            state = step >> 4;
+            bit -= 2;
         }
     }
     return key;
@@ -1974,10 +1994,21 @@ static uint64_t *pbw__sort_by(pbw__context *context, uint64_t *a, uint64_t *b, s
     return sorting.a;
 }
 
-/* The same on this thread alone. */
+/* The same on this thread alone, where no bits lie above those; few keys by insertion. */
 static uint64_t *pbw__sort_keys(pbw__context *context, uint64_t *a, uint64_t *b, size_t count, int low, int bits)
 {
     uint32_t start[PBW__DIGITS];
+    if (count < 64) {
+        size_t i, hole;
+        for (i = 1; i < count; i++) {
+            uint64_t moving = a[i];
+            for (hole = i; hole > 0 && a[hole - 1] >> low > moving >> low; hole--) {
+                a[hole] = a[hole - 1];
+            }
+            a[hole] = moving;
+        }
+        return a;
+    }
     return pbw__sort_by(context, a, b, count, low, bits, start, 1);
 }
 
@@ -2630,7 +2661,7 @@ PBW__AVX2_INLINE __m256d pbw__highest(__m256d x)
 typedef struct pbw__rows2 { __m256d x, y, lift, ghost; } pbw__rows2;
 typedef struct pbw__point2 { __m256d x, y; } pbw__point2;
 
-#define PBW__EDGE_START(x) _mm256_permute4x64_pd(x, 0x49) /* corners 1 2 0 1: the edge across from each starts there */
+#define PBW__EDGE_START(x) _mm256_permute4x64_pd(x, 0x49) /* corners 1 2 0 1: the edge across starts there */
 #define PBW__EDGE_END(x) _mm256_permute4x64_pd(x, 0x92)   /* 2 0 1 2: and ends there */
 
 PBW__AVX2_INLINE pbw__rows2 pbw__rows2_of(const double *record, int hull, pbw_index v0, pbw_index v1, pbw_index v2,
