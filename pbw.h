@@ -2424,6 +2424,7 @@ typedef struct pbw__kernel {
     size_t free_count;
     pbw_index free_list;                             /* slots that became free */
     pbw_index last, last_entered;                    /* a simplex of the last star; what it was in the last region */
+    pbw_index previous, vertex_count;                /* 2D: the last vertex; how many there are */
 
     const uint8_t *owner;                            /* >>parallel: whose each cell is; NULL: all are ours */
     uint8_t me;
@@ -3829,6 +3830,10 @@ static pbw_status pbw__insert2_scalar(pbw__kernel *kernel, pbw_index vertex)
    the triangulation before the star is, so what does not fit a ring is left to pbw__carve2. */
 #define PBW__RING 32
 
+/* The corners of a triangle after and before this one. */
+#define PBW__AFTER(link) (((link) & ~(pbw__link)3) | (9u >> 2 * ((link) & 3) & 3))       /* 1 2 0 */
+#define PBW__BEFORE(link) (((link) & ~(pbw__link)3) | (18u >> 2 * ((link) & 3) & 3))     /* 2 0 1 */
+
 typedef struct pbw__ring {
     pbw_index start[PBW__RING], end[PBW__RING];
     pbw_index slot[PBW__RING];                       /* of the cavity; then of the star */
@@ -3896,30 +3901,16 @@ static PBW__NOINLINE unsigned pbw__ring_exact(pbw__kernel *kernel, const pbw__ri
     return inside;
 }
 
-/* Tests the next edges of the queue, of rows s and e, with the far vertices o.  PBW_ERROR_TOO_LARGE: they may not fit
-   the ring. */
-PBW__AVX2_INLINE pbw_status pbw__ring_step(pbw__kernel *kernel, pbw__ring *ring, unsigned head, int hull,
-                                           pbw__rows2 s, pbw__rows2 e, pbw__rows2 o, const double *p)
+/* The triangles beyond these of the next edges in the queue join the cavity. */
+PBW__AVX2_INLINE pbw_status pbw__ring_split(const pbw__kernel *kernel, pbw__ring *ring, unsigned head,
+                                            unsigned inside)
 {
     const pbw_index *corner = kernel->corner;
     const pbw__link *link = kernel->link;
-    __m256d det, height;
-    unsigned certain, inside = pbw__test2_avx2(s, e, o, hull, &det, &height, &certain);
-    unsigned count = ring->count, tail = ring->tail, all = _bzhi_u32(15, tail - head);
-    inside &= all;
-    if (PBW__UNLIKELY((certain & all) != all)) {
-        double value[4], h[4];
-        _mm256_storeu_pd(value, det);
-        _mm256_storeu_pd(h, height);
-        inside = (inside & certain) | pbw__ring_exact(kernel, ring, head, all & ~certain, value, h, p);
-    }
-    if (PBW__UNLIKELY(count > PBW__RING - 4)) {
-        return PBW_ERROR_TOO_LARGE;
-    }
+    unsigned count = ring->count, tail = ring->tail;
     for (; inside != 0; inside &= inside - 1) {
         unsigned edge = ring->queue[head + (unsigned)__builtin_ctz(inside)];
-        pbw__link beyond = ring->beyond[edge], base = beyond & ~(pbw__link)3;
-        unsigned via = 2 * (unsigned)(beyond & 3);
+        pbw__link beyond = ring->beyond[edge];
         pbw_index far = corner[beyond];
         if (PBW__UNLIKELY(kernel->owner != NULL) && !pbw__may_delete(kernel, (pbw_index)(beyond >> 2))) {
             return PBW__LEFT;
@@ -3930,8 +3921,8 @@ PBW__AVX2_INLINE pbw_status pbw__ring_step(pbw__kernel *kernel, pbw__ring *ring,
         ring->end[edge] = far;
         ring->next[count] = ring->next[edge];
         ring->next[edge] = count;
-        ring->beyond[edge] = link[base + (9u >> via & 3)];       /* 1 2 0: the corner after it */
-        ring->beyond[count] = link[base + (18u >> via & 3)];     /* 2 0 1: before it */
+        ring->beyond[edge] = link[PBW__AFTER(beyond)];
+        ring->beyond[count] = link[PBW__BEFORE(beyond)];
         ring->queue[tail] = (unsigned char)edge;
         ring->queue[tail + 1] = (unsigned char)count;
         count++;
@@ -3941,6 +3932,57 @@ PBW__AVX2_INLINE pbw_status pbw__ring_step(pbw__kernel *kernel, pbw__ring *ring,
     ring->count = count;
     ring->tail = tail;
     return PBW_OK;
+}
+
+/* Tests the next edges of the queue, of rows s and e, with the far vertices o.  PBW_ERROR_TOO_LARGE: they may not fit
+   the ring. */
+PBW__AVX2_INLINE pbw_status pbw__ring_step(pbw__kernel *kernel, pbw__ring *ring, unsigned head, int hull,
+                                           pbw__rows2 s, pbw__rows2 e, pbw__rows2 o, const double *p)
+{
+    __m256d det, height;
+    unsigned certain, inside = pbw__test2_avx2(s, e, o, hull, &det, &height, &certain);
+    unsigned all = _bzhi_u32(15, ring->tail - head);
+    inside &= all;
+    if (PBW__UNLIKELY((certain & all) != all)) {
+        double value[4], h[4];
+        _mm256_storeu_pd(value, det);
+        _mm256_storeu_pd(h, height);
+        inside = (inside & certain) | pbw__ring_exact(kernel, ring, head, all & ~certain, value, h, p);
+    }
+    if (PBW__UNLIKELY(ring->count > PBW__RING - 4)) {
+        return PBW_ERROR_TOO_LARGE;
+    }
+    return pbw__ring_split(kernel, ring, head, inside);
+}
+
+/* Tests the first three edges, and at the same time the six that would take their places: waiting for the verdicts
+   costs more.  Returns how many edges of the queue are done with: none if it is not as simple as that.  Only where
+   all vertices are ours, as we may look at triangles that we do not delete. */
+PBW__AVX2_INLINE unsigned pbw__ring_start(const pbw__kernel *kernel, pbw__ring *ring, const pbw__link *beyond,
+                                          const pbw__rows2 *s, const pbw__rows2 *e, const pbw__rows2 *o,
+                                          pbw__point2 point)
+{
+    const pbw_index *corner = kernel->corner;
+    const pbw__link *link = kernel->link;
+    pbw_index a0 = corner[link[PBW__AFTER(beyond[0])]], a1 = corner[link[PBW__AFTER(beyond[1])]],
+              a2 = corner[link[PBW__AFTER(beyond[2])]], b0 = corner[link[PBW__BEFORE(beyond[0])]],
+              b1 = corner[link[PBW__BEFORE(beyond[1])]], b2 = corner[link[PBW__BEFORE(beyond[2])]];
+    pbw__rows2 far_after = pbw__rows2_of(kernel->record, 0, a0, a1, a2, a0, point);
+    pbw__rows2 far_before = pbw__rows2_of(kernel->record, 0, b0, b1, b2, b0, point);
+    __m256d det, height;
+    unsigned certain[3], inside = pbw__test2_avx2(*s, *e, *o, 0, &det, &height, &certain[0]) & 7;
+    unsigned after = pbw__test2_avx2(*s, *o, far_after, 0, &det, &height, &certain[1]);
+    unsigned before = pbw__test2_avx2(*o, *e, far_before, 0, &det, &height, &certain[2]), done;
+    if (PBW__UNLIKELY((certain[0] & certain[1] & certain[2]) != 15)
+        || PBW__UNLIKELY(a0 == PBW__GHOST || a1 == PBW__GHOST || a2 == PBW__GHOST || b0 == PBW__GHOST
+                         || b1 == PBW__GHOST || b2 == PBW__GHOST)) {
+        return 0;
+    }
+    (void)pbw__ring_split(kernel, ring, 0, inside);
+    done = ring->tail;
+    after = _pdep_u32(after, 0x15) | _pdep_u32(before, 0x2a);    /* in pairs, and of those the pairs in the queue */
+    (void)pbw__ring_split(kernel, ring, 3, _pext_u32(after, 3 * _pdep_u32(inside, 0x15)));
+    return done;
 }
 
 /* Finds the cavity of p from t, a triangle in conflict with these rows.  PBW_ERROR_TOO_LARGE: it may not fit the
@@ -3973,16 +4015,22 @@ PBW__AVX2_INLINE pbw_status pbw__carve2_avx2(pbw__kernel *kernel, pbw__ring *rin
     ring->queue[3] = 0;
     ring->count = ring->tail = 3;
     if (!hull) {
-        pbw_index far0 = corner[link[0]], far1 = corner[link[1]], far2 = corner[link[2]];
-        if (PBW__UNLIKELY(far0 == PBW__GHOST || far1 == PBW__GHOST || far2 == PBW__GHOST)) {
+        const pbw__link beyond[3] = { link[0], link[1], link[2] };
+        const pbw_index far[3] = { corner[beyond[0]], corner[beyond[1]], corner[beyond[2]] };
+        if (PBW__UNLIKELY(far[0] == PBW__GHOST || far[1] == PBW__GHOST || far[2] == PBW__GHOST)) {
             return PBW_ERROR_TOO_LARGE;
         }
-        o = pbw__rows2_of(record, 0, far0, far1, far2, far0, point);
+        o = pbw__rows2_of(record, 0, far[0], far[1], far[2], far[0], point);
         s.x = PBW__EDGE_START(rows->x), s.y = PBW__EDGE_START(rows->y), s.lift = PBW__EDGE_START(rows->lift);
         e.x = PBW__EDGE_END(rows->x), e.y = PBW__EDGE_END(rows->y), e.lift = PBW__EDGE_END(rows->lift);
         s.ghost = e.ghost = o.ghost;
-        status = pbw__ring_step(kernel, ring, 0, 0, s, e, o, p);
-        head = 3;
+        if (PBW__LIKELY(kernel->owner == NULL)) {
+            head = pbw__ring_start(kernel, ring, beyond, &s, &e, &o, point);
+        }
+        if (PBW__UNLIKELY(head == 0)) {
+            status = pbw__ring_step(kernel, ring, 0, 0, s, e, o, p);
+            head = 3;
+        }
     }
     while (head < ring->tail && status == PBW_OK) {
         const unsigned char *queue = ring->queue + head;
@@ -4003,24 +4051,31 @@ PBW__AVX2_INLINE pbw_status pbw__carve2_avx2(pbw__kernel *kernel, pbw__ring *rin
     return status;
 }
 
-/* The star, in the slots of the cavity and two more; pbw__refill2 has the numbers of the corners. */
+/* The star, in the slots of the cavity and two more; pbw__refill2 has the numbers of the corners.  The next walk is
+   to start in the triangle towards the next vertex: a guess, as far along the curve from this as this from the last. */
 PBW__AVX2_INLINE void pbw__refill2_avx2(pbw__kernel *kernel, pbw__ring *ring, pbw_index vertex, int hull)
 {
     pbw_index *corner = kernel->corner;
     pbw__link *link = kernel->link;
+    const double *record = kernel->record;
     unsigned count = ring->count, i;
+    pbw_index guess = 2 * vertex - kernel->previous, last = ring->slot[0];
+    const __m128d p = _mm_loadu_pd(record + 3 * (size_t)vertex);
+    __m128d normal = _mm_loadu_pd(record + 3 * (size_t)(guess <= kernel->vertex_count ? guess : vertex)) - p;
+    normal = _mm_xor_pd(_mm_shuffle_pd(normal, normal, 1), _mm_set_pd(-0.0, 0.0));
+    kernel->previous = vertex;
     ring->slot[count - 2] = (pbw_index)kernel->fresh;
     ring->slot[count - 1] = (pbw_index)kernel->fresh + 1;
     kernel->mark[kernel->fresh] = kernel->mark[kernel->fresh + 1] = 0;
     kernel->fresh += 2;
     kernel->statistics.created += count;
     kernel->statistics.conflict_tests += ring->tail;
-    kernel->last = ring->slot[0];
     for (i = 0; i < count; i++) {
         pbw__link base = (pbw__link)ring->slot[i] << 2, after = (pbw__link)ring->slot[ring->next[i]] << 2;
         pbw_index start = ring->start[i], end = ring->end[i];
         unsigned turn = hull && start == PBW__GHOST, from = 1 + turn, to = 2 - 2 * turn;
         unsigned after_to = hull && end == PBW__GHOST ? 0 : 2;
+        __m128d sides;
         corner[base + turn] = vertex;
         corner[base + from] = start;
         corner[base + to] = end;
@@ -4028,7 +4083,11 @@ PBW__AVX2_INLINE void pbw__refill2_avx2(pbw__kernel *kernel, pbw__ring *ring, pb
         link[base + from] = after | after_to;
         link[after + after_to] = base | from;
         link[ring->beyond[i]] = base | turn;
+        sides = _mm_hadd_pd((_mm_loadu_pd(record + 3 * (size_t)start) - p) * normal,
+                            (_mm_loadu_pd(record + 3 * (size_t)end) - p) * normal);
+        last = _mm_movemask_pd(sides) == 2 ? ring->slot[i] : last;
     }
+    kernel->last = last;
 }
 
 /* The same insertion where ghosts are met, or where it does not fit the ring. */
@@ -4075,7 +4134,7 @@ PBW__AVX2 static pbw_status pbw__insert2_avx2(pbw__kernel *kernel, pbw_index ver
    >>build        All vertices into one triangulation, on one thread.
    In: vertices along the Hilbert curve.  Out: a kernel with their triangulation, or PBW_DEGENERATE.
 
-   Insertion order: level l holds the ranks divisible by 8^l (2D: 4^l) that no higher level holds; levels go from
+   Insertion order: level l holds the ranks divisible by 8^l (2D: 16^l) that no higher level holds; levels go from
    coarse to fine, along the curve, alternately forwards and backwards.  Coarse levels keep the cavities small, as the
    random rounds of Amenta, Choi & Rote 2003 ("Incremental constructions con BRIO") do, but need no shuffle and no
    second sort; within a level the next point lies near the last one, so the walk is short and the caches warm.
@@ -4088,7 +4147,7 @@ typedef struct pbw__sequence {
 static void pbw__sequence_start(pbw__sequence *sequence, size_t count, int dim)
 {
     sequence->count = count;
-    sequence->ratio = dim == 3 ? 8 : 4;
+    sequence->ratio = dim == 3 ? 8 : 16;
     sequence->stride = 1;
     while (count / sequence->stride >= sequence->ratio) {
         sequence->stride *= sequence->ratio;
@@ -4229,6 +4288,7 @@ static pbw_status pbw__kernel_create(pbw__kernel *kernel, pbw__context *context,
     kernel->context = context;
     kernel->store = store;
     kernel->record = vertices->record;
+    kernel->vertex_count = (pbw_index)vertices->count;
     kernel->grid = grid;
     kernel->dim = dim;
     kernel->weighted = vertices->weighted;
@@ -4728,7 +4788,7 @@ static pbw_status pbw__build_all(pbw__context *context, pbw__store *store, const
                                  const pbw__grid *grid, pbw_statistics *statistics)
 {
     pbw__build build;
-    size_t ratio = vertices->dim == 3 ? 8 : 4, parts;
+    size_t ratio = vertices->dim == 3 ? 8 : 16, parts;
     pbw_status status;
     int i;
     memset(&build, 0, sizeof(build));
