@@ -4052,7 +4052,7 @@ PBW__AVX2_INLINE pbw_status pbw__carve2_avx2(pbw__kernel *kernel, pbw__ring *rin
 }
 
 /* The star, in the slots of the cavity and two more; pbw__refill2 has the numbers of the corners.  The next walk is
-   to start in the triangle towards the next vertex: a guess, as far along the curve from this as this from the last. */
+   to start in the triangle towards the next vertex, by a guess: as far along the curve as this from the last. */
 PBW__AVX2_INLINE void pbw__refill2_avx2(pbw__kernel *kernel, pbw__ring *ring, pbw_index vertex, int hull)
 {
     pbw_index *corner = kernel->corner;
