@@ -2940,6 +2940,15 @@ PBW__AVX2_INLINE pbw_index pbw__locate2_avx2(pbw__kernel *kernel, pbw_index t, c
     size_t steps = 1;
     point.x = _mm256_set1_pd(p[0]);
     point.y = _mm256_set1_pd(p[1]);
+    if (PBW__UNLIKELY(corner[4 * (size_t)t + 2] == PBW__GHOST)) {
+        const double *a = pbw__record2(kernel, corner[4 * (size_t)t]);
+        const double *b = pbw__record2(kernel, corner[4 * (size_t)t + 1]);
+        double ax = a[0] - p[0], ay = a[1] - p[1], bx = b[0] - p[0], by = b[1] - p[1];
+        double height = pbw__larger(pbw__larger(ax * ax + ay * ay, bx * bx + by * by), 1e-140);
+        if (ax * by - ay * bx > height * PBW__ORIENT2_ERROR) {
+            return t;
+        }
+    }
     for (t = pbw__walk_start(kernel, t, 2); ; steps++) {
         const pbw_index *v = corner + 4 * (size_t)t;
         __m256d sx, sy, sl, ex, ey, el, side, power, h, bound;
@@ -4074,7 +4083,7 @@ PBW__AVX2_INLINE void pbw__refill2_avx2(pbw__kernel *kernel, pbw__ring *ring, pb
         pbw__link base = (pbw__link)ring->slot[i] << 2, after = (pbw__link)ring->slot[ring->next[i]] << 2;
         pbw_index start = ring->start[i], end = ring->end[i];
         unsigned turn = hull && start == PBW__GHOST, from = 1 + turn, to = 2 - 2 * turn;
-        unsigned after_to = hull && end == PBW__GHOST ? 0 : 2;
+        unsigned after_to = hull && end == PBW__GHOST ? 0 : 2, between;
         __m128d sides;
         corner[base + turn] = vertex;
         corner[base + from] = start;
@@ -4085,7 +4094,11 @@ PBW__AVX2_INLINE void pbw__refill2_avx2(pbw__kernel *kernel, pbw__ring *ring, pb
         link[ring->beyond[i]] = base | turn;
         sides = _mm_hadd_pd((_mm_loadu_pd(record + 3 * (size_t)start) - p) * normal,
                             (_mm_loadu_pd(record + 3 * (size_t)end) - p) * normal);
-        last = _mm_movemask_pd(sides) == 2 ? ring->slot[i] : last;
+        between = (unsigned)_mm_movemask_pd(sides);
+        if (hull) {                                  /* the ghost is at the end of each turn */
+            between = (between & ~(unsigned)(start == PBW__GHOST)) | (unsigned)(end == PBW__GHOST) << 1;
+        }
+        last = between == 2 ? ring->slot[i] : last;
     }
     kernel->last = last;
 }
