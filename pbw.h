@@ -2658,18 +2658,29 @@ PBW__AVX2_INLINE __m256d pbw__highest(__m256d x)
     return _mm256_max_pd(x, _mm256_permute2f128_pd(x, x, 1));
 }
 
-/* The same in the plane, without weights.  Where there is no hull, the caller knows that no vertex is the ghost. */
-typedef struct pbw__rows2 { __m256d x, y, lift, ghost; } pbw__rows2;
-typedef struct pbw__point2 { __m256d x, y; } pbw__point2;
+/* The same in the plane.  Where there is no hull, the caller knows that no vertex is the ghost. */
+typedef struct pbw__rows2 { __m256d x, y, lift, height, ghost; } pbw__rows2;
+typedef struct pbw__point2 { __m256d x, y, weight; int weighted; } pbw__point2;
 
 #define PBW__EDGE_START(x) _mm256_permute4x64_pd(x, 0x49) /* corners 1 2 0 1: the edge across starts there */
 #define PBW__EDGE_END(x) _mm256_permute4x64_pd(x, 0x92)   /* 2 0 1 2: and ends there */
 
+PBW__AVX2_INLINE pbw__point2 pbw__point2_of(const double *p, int weighted)
+{
+    pbw__point2 point;
+    point.x = _mm256_set1_pd(p[0]);
+    point.y = _mm256_set1_pd(p[1]);
+    point.weight = _mm256_set1_pd(p[2]);
+    point.weighted = weighted;
+    return point;
+}
+
 PBW__AVX2_INLINE pbw__rows2 pbw__rows2_of(const double *record, int hull, pbw_index v0, pbw_index v1, pbw_index v2,
                                           pbw_index v3, pbw__point2 p)
 {
-    __m256d ac = PBW__JOIN(record + 3 * (size_t)v0, record + 3 * (size_t)v2);
-    __m256d bd = PBW__JOIN(record + 3 * (size_t)v1, record + 3 * (size_t)v3);
+    const double *a = record + 3 * (size_t)v0, *b = record + 3 * (size_t)v1, *c = record + 3 * (size_t)v2,
+                 *d = record + 3 * (size_t)v3;
+    __m256d ac = PBW__JOIN(a, c), bd = PBW__JOIN(b, d);
     pbw__rows2 rows;
     rows.x = _mm256_unpacklo_pd(ac, bd) - p.x;
     rows.y = _mm256_unpackhi_pd(ac, bd) - p.y;
@@ -2680,7 +2691,12 @@ PBW__AVX2_INLINE pbw__rows2 pbw__rows2_of(const double *record, int hull, pbw_in
         rows.x = _mm256_andnot_pd(rows.ghost, rows.x);
         rows.y = _mm256_andnot_pd(rows.ghost, rows.y);
     }
-    rows.lift = _mm256_fmadd_pd(rows.y, rows.y, rows.x * rows.x);
+    rows.lift = rows.height = _mm256_fmadd_pd(rows.y, rows.y, rows.x * rows.x);
+    if (p.weighted) {
+        __m256d weight = _mm256_andnot_pd(rows.ghost, _mm256_set_pd(d[2], c[2], b[2], a[2]) - p.weight);
+        rows.lift = rows.lift - weight;
+        rows.height = rows.height + _mm256_andnot_pd(_mm256_set1_pd(-0.0), weight);
+    }
     return rows;
 }
 #endif
@@ -2931,15 +2947,14 @@ PBW__AVX2_INLINE __m256d pbw__circle_limit(__m256d h)
     return _mm256_set1_pd(8.0) * h * h * _mm256_set1_pd(PBW__CIRCLE_ERROR / 8.0);
 }
 
-/* The same for points without weights, an edge in each lane, through the first that has p outside.  Leaves the rows
-   of the triangle, if it is finite; the fourth is the first again. */
-PBW__AVX2_INLINE pbw_index pbw__locate2_avx2(pbw__kernel *kernel, pbw_index t, const double *p, pbw__rows2 *rows)
+/* The same, an edge in each lane, through the first that has p outside.  Leaves the rows of the triangle, if it is
+   finite; the fourth is the first again. */
+PBW__AVX2_INLINE pbw_index pbw__locate2_avx2(pbw__kernel *kernel, pbw_index t, const double *p, int weighted,
+                                             pbw__rows2 *rows)
 {
     const pbw_index *corner = kernel->corner;
-    pbw__point2 point;
+    const pbw__point2 point = pbw__point2_of(p, weighted);
     size_t steps = 1;
-    point.x = _mm256_set1_pd(p[0]);
-    point.y = _mm256_set1_pd(p[1]);
     if (PBW__UNLIKELY(corner[4 * (size_t)t + 2] == PBW__GHOST)) {
         const double *a = pbw__record2(kernel, corner[4 * (size_t)t]);
         const double *b = pbw__record2(kernel, corner[4 * (size_t)t + 1]);
@@ -2951,16 +2966,16 @@ PBW__AVX2_INLINE pbw_index pbw__locate2_avx2(pbw__kernel *kernel, pbw_index t, c
     }
     for (t = pbw__walk_start(kernel, t, 2); ; steps++) {
         const pbw_index *v = corner + 4 * (size_t)t;
-        __m256d sx, sy, sl, ex, ey, el, side, power, h, bound;
+        __m256d sx, sy, sh, ex, ey, eh, side, power, h, bound;
         unsigned outer, exit;
         if (v[2] == PBW__GHOST) {
             break;
         }
         *rows = pbw__rows2_of(kernel->record, 0, v[0], v[1], v[2], v[0], point);
-        sx = PBW__EDGE_START(rows->x), sy = PBW__EDGE_START(rows->y), sl = PBW__EDGE_START(rows->lift);
-        ex = PBW__EDGE_END(rows->x), ey = PBW__EDGE_END(rows->y), el = PBW__EDGE_END(rows->lift);
+        sx = PBW__EDGE_START(rows->x), sy = PBW__EDGE_START(rows->y), sh = PBW__EDGE_START(rows->height);
+        ex = PBW__EDGE_END(rows->x), ey = PBW__EDGE_END(rows->y), eh = PBW__EDGE_END(rows->height);
         side = _mm256_fmsub_pd(sx, ey, sy * ex);
-        h = _mm256_max_pd(_mm256_max_pd(rows->lift, _mm256_set1_pd(1e-140)), _mm256_max_pd(sl, el));
+        h = _mm256_max_pd(_mm256_max_pd(rows->height, _mm256_set1_pd(1e-140)), _mm256_max_pd(sh, eh));
         power = _mm256_blend_pd(rows->lift * side, _mm256_setzero_pd(), 8);
         power = power + _mm256_permute2f128_pd(power, power, 1);
         power = power + _mm256_permute_pd(power, 5);
@@ -2974,6 +2989,7 @@ PBW__AVX2_INLINE pbw_index pbw__locate2_avx2(pbw__kernel *kernel, pbw_index t, c
             unsigned inner = (unsigned)_mm256_movemask_pd(_mm256_cmp_pd(side, bound, _CMP_GT_OQ));
             exit = _mm256_cvtsd_f64(h) < kernel->exact_height ? 3 : pbw__exit2(kernel, t, p, inner);
             if (exit == 3) {
+                t = !weighted || pbw__in_conflict2(kernel, t, p) ? t : PBW_NONE;
                 break;
             }
         }
@@ -3010,7 +3026,7 @@ PBW__AVX2_INLINE pbw_index pbw__locate2_avx2(pbw__kernel *kernel, pbw_index t, c
    2D: 6 products of x, y and a lift; 2 translations; lift 2 + 1 + 1 + 2; 2 multiplications; 1 + 2 additions: 13
    roundings, 13u * 6 h^2 < 8.7e-15 h^2; 9e-15 with the roundings of h; h raised to 1e-140.  In vectors the triangle
    (o, e, s) across an edge s e has the determinant o.x (s.l e.y - e.l s.y) + o.y (e.l s.x - s.l e.x) - o.l (s.x e.y -
-   e.x s.y), without weights 11 roundings.  There the bound is computed from 8 h h, which is infinite before a partial
+   e.x s.y), with as many roundings.  There the bound is computed from 8 h h, which is infinite before a partial
    sum, of at most 6 h^2, can be.  Everything the bound leaves open goes to >>predicates.
 
    Small grids.  Where all coordinates are multiples of a unit and all weights of its square (>>predicates has the
@@ -3831,7 +3847,7 @@ static pbw_status pbw__insert2_scalar(pbw__kernel *kernel, pbw_index vertex)
 }
 
 #ifdef PBW__X86
-/* 2D without weights: no vertex is hidden, so all vertices of the cavity lie on its boundary, and no triangle is met
+/* 2D, where no vertex becomes hidden: then all vertices of the cavity lie on its boundary, and no triangle is met
    twice: there is nothing to mark.  The boundary is kept as a ring.  Edge i goes from start to end, counter-clockwise
    seen from inside; beyond is the link across it.  When the triangle there joins the cavity, two edges take the place
    of this one, with the far vertex between them: the first keeps its number, the second goes behind it in the ring.
@@ -3856,7 +3872,8 @@ typedef struct pbw__ring {
 PBW__AVX2_INLINE unsigned pbw__test2_avx2(pbw__rows2 s, pbw__rows2 e, pbw__rows2 o, int hull, __m256d *det,
                                           __m256d *height, unsigned *certain)
 {
-    __m256d h = _mm256_max_pd(_mm256_max_pd(s.lift, e.lift), _mm256_max_pd(o.lift, _mm256_set1_pd(1e-140))), size;
+    __m256d h = _mm256_max_pd(_mm256_max_pd(s.height, e.height), o.height), size;
+    h = _mm256_max_pd(h, _mm256_set1_pd(1e-140));
     if (hull) {
         s.lift = _mm256_or_pd(s.lift, _mm256_and_pd(s.ghost, h));
         e.lift = _mm256_or_pd(e.lift, _mm256_and_pd(e.ghost, h));
@@ -3910,9 +3927,10 @@ static PBW__NOINLINE unsigned pbw__ring_exact(pbw__kernel *kernel, const pbw__ri
     return inside;
 }
 
-/* The triangles beyond these of the next edges in the queue join the cavity. */
+/* The triangles beyond these of the next edges in the queue join the cavity.  PBW_ERROR_TOO_LARGE: with weights, a
+   vertex was met again, and may become hidden. */
 PBW__AVX2_INLINE pbw_status pbw__ring_split(const pbw__kernel *kernel, pbw__ring *ring, unsigned head,
-                                            unsigned inside)
+                                            unsigned inside, int weighted)
 {
     const pbw_index *corner = kernel->corner;
     const pbw__link *link = kernel->link;
@@ -3921,6 +3939,13 @@ PBW__AVX2_INLINE pbw_status pbw__ring_split(const pbw__kernel *kernel, pbw__ring
         unsigned edge = ring->queue[head + (unsigned)__builtin_ctz(inside)];
         pbw__link beyond = ring->beyond[edge];
         pbw_index far = corner[beyond];
+        unsigned i, met = 0;
+        for (i = 0; weighted && i < count; i++) {
+            met |= ring->start[i] == far;
+        }
+        if (PBW__UNLIKELY(met)) {
+            return PBW_ERROR_TOO_LARGE;
+        }
         if (PBW__UNLIKELY(kernel->owner != NULL) && !pbw__may_delete(kernel, (pbw_index)(beyond >> 2))) {
             return PBW__LEFT;
         }
@@ -3946,7 +3971,8 @@ PBW__AVX2_INLINE pbw_status pbw__ring_split(const pbw__kernel *kernel, pbw__ring
 /* Tests the next edges of the queue, of rows s and e, with the far vertices o.  PBW_ERROR_TOO_LARGE: they may not fit
    the ring. */
 PBW__AVX2_INLINE pbw_status pbw__ring_step(pbw__kernel *kernel, pbw__ring *ring, unsigned head, int hull,
-                                           pbw__rows2 s, pbw__rows2 e, pbw__rows2 o, const double *p)
+                                           int weighted, pbw__rows2 s, pbw__rows2 e, pbw__rows2 o,
+                                           const double *p)
 {
     __m256d det, height;
     unsigned certain, inside = pbw__test2_avx2(s, e, o, hull, &det, &height, &certain);
@@ -3961,12 +3987,12 @@ PBW__AVX2_INLINE pbw_status pbw__ring_step(pbw__kernel *kernel, pbw__ring *ring,
     if (PBW__UNLIKELY(ring->count > PBW__RING - 4)) {
         return PBW_ERROR_TOO_LARGE;
     }
-    return pbw__ring_split(kernel, ring, head, inside);
+    return pbw__ring_split(kernel, ring, head, inside, weighted);
 }
 
 /* Tests the first three edges, and at the same time the six that would take their places: waiting for the verdicts
-   costs more.  Returns how many edges of the queue are done with: none if it is not as simple as that.  Only where
-   all vertices are ours, as we may look at triangles that we do not delete. */
+   costs more.  Returns how many edges of the queue are done with: none if it is not as simple as that.  Only without
+   weights, and where all vertices are ours, as we may look at triangles that we do not delete. */
 PBW__AVX2_INLINE unsigned pbw__ring_start(const pbw__kernel *kernel, pbw__ring *ring, const pbw__link *beyond,
                                           const pbw__rows2 *s, const pbw__rows2 *e, const pbw__rows2 *o,
                                           pbw__point2 point)
@@ -3987,27 +4013,25 @@ PBW__AVX2_INLINE unsigned pbw__ring_start(const pbw__kernel *kernel, pbw__ring *
                          || b1 == PBW__GHOST || b2 == PBW__GHOST)) {
         return 0;
     }
-    (void)pbw__ring_split(kernel, ring, 0, inside);
+    (void)pbw__ring_split(kernel, ring, 0, inside, 0);
     done = ring->tail;
     after = _pdep_u32(after, 0x15) | _pdep_u32(before, 0x2a);    /* in pairs, and of those the pairs in the queue */
-    (void)pbw__ring_split(kernel, ring, 3, _pext_u32(after, 3 * _pdep_u32(inside, 0x15)));
+    (void)pbw__ring_split(kernel, ring, 3, _pext_u32(after, 3 * _pdep_u32(inside, 0x15)), 0);
     return done;
 }
 
 /* Finds the cavity of p from t, a triangle in conflict with these rows.  PBW_ERROR_TOO_LARGE: it may not fit the
    ring, or, if there should be no hull, it may have one. */
 PBW__AVX2_INLINE pbw_status pbw__carve2_avx2(pbw__kernel *kernel, pbw__ring *ring, pbw_index t,
-                                             const pbw__rows2 *rows, const double *p, int hull)
+                                             const pbw__rows2 *rows, const double *p, int hull, int weighted)
 {
     const pbw_index *corner = kernel->corner, *v = corner + 4 * (size_t)t;
     const pbw__link *link = kernel->link + 4 * (size_t)t;
     const double *record = kernel->record;
-    pbw__point2 point;
+    const pbw__point2 point = pbw__point2_of(p, weighted);
     pbw__rows2 s, e, o;
     pbw_status status = PBW_OK;
     unsigned head = 0;
-    point.x = _mm256_set1_pd(p[0]);
-    point.y = _mm256_set1_pd(p[1]);
     ring->slot[0] = t;
     ring->start[0] = ring->end[2] = v[1];
     ring->start[1] = ring->end[0] = v[2];
@@ -4032,12 +4056,13 @@ PBW__AVX2_INLINE pbw_status pbw__carve2_avx2(pbw__kernel *kernel, pbw__ring *rin
         o = pbw__rows2_of(record, 0, far[0], far[1], far[2], far[0], point);
         s.x = PBW__EDGE_START(rows->x), s.y = PBW__EDGE_START(rows->y), s.lift = PBW__EDGE_START(rows->lift);
         e.x = PBW__EDGE_END(rows->x), e.y = PBW__EDGE_END(rows->y), e.lift = PBW__EDGE_END(rows->lift);
+        s.height = PBW__EDGE_START(rows->height), e.height = PBW__EDGE_END(rows->height);
         s.ghost = e.ghost = o.ghost;
-        if (PBW__LIKELY(kernel->owner == NULL)) {
+        if (!weighted && PBW__LIKELY(kernel->owner == NULL)) {
             head = pbw__ring_start(kernel, ring, beyond, &s, &e, &o, point);
         }
         if (PBW__UNLIKELY(head == 0)) {
-            status = pbw__ring_step(kernel, ring, 0, 0, s, e, o, p);
+            status = pbw__ring_step(kernel, ring, 0, 0, weighted, s, e, o, p);
             head = 3;
         }
     }
@@ -4054,7 +4079,7 @@ PBW__AVX2_INLINE pbw_status pbw__carve2_avx2(pbw__kernel *kernel, pbw__ring *rin
         e = pbw__rows2_of(record, hull, ring->end[i0], ring->end[i1], ring->end[i2], ring->end[i3], point);
         o = pbw__rows2_of(record, hull, far0, far1, far2, far3, point);
         next = head + 4 < ring->tail ? head + 4 : ring->tail;
-        status = pbw__ring_step(kernel, ring, head, hull, s, e, o, p);
+        status = pbw__ring_step(kernel, ring, head, hull, weighted, s, e, o, p);
         head = next;
     }
     return status;
@@ -4096,7 +4121,8 @@ PBW__AVX2_INLINE void pbw__refill2_avx2(pbw__kernel *kernel, pbw__ring *ring, pb
                             (_mm_loadu_pd(record + 3 * (size_t)end) - p) * normal);
         between = (unsigned)_mm_movemask_pd(sides);
         if (hull) {                                  /* the ghost is at the end of each turn */
-            between = (between & ~(unsigned)(start == PBW__GHOST)) | (unsigned)(end == PBW__GHOST) << 1;
+            between &= start == PBW__GHOST ? 2u : 3u;
+            between |= end == PBW__GHOST ? 2u : 0u;
         }
         last = between == 2 ? ring->slot[i] : last;
     }
@@ -4108,7 +4134,7 @@ PBW__AVX2 static PBW__NOINLINE pbw_status pbw__hull2_avx2(pbw__kernel *kernel, p
                                                            pbw_index vertex)
 {
     const double *p = pbw__record2(kernel, vertex);
-    pbw_status status = pbw__carve2_avx2(kernel, ring, t, NULL, p, 1);
+    pbw_status status = pbw__carve2_avx2(kernel, ring, t, NULL, p, 1, kernel->weighted);
     if (status == PBW_ERROR_TOO_LARGE || kernel->fresh_end - kernel->fresh < 2) {
         status = pbw__carve2(kernel, t, p);
         return status == PBW_OK ? pbw__refill2(kernel, vertex) : status;
@@ -4119,28 +4145,38 @@ PBW__AVX2 static PBW__NOINLINE pbw_status pbw__hull2_avx2(pbw__kernel *kernel, p
     return status;
 }
 
-PBW__AVX2 static pbw_status pbw__insert2_avx2(pbw__kernel *kernel, pbw_index vertex)
+PBW__AVX2_INLINE pbw_status pbw__insert2_with(pbw__kernel *kernel, pbw_index vertex, int weighted)
 {
     const double *p = pbw__record2(kernel, vertex);
     pbw_index t = pbw__insert_start(kernel, vertex);
     pbw__ring ring;
     pbw__rows2 rows;
     pbw_status status;
-    rows.x = rows.y = rows.lift = rows.ghost = _mm256_setzero_pd();
-    t = t != PBW__FOREIGN ? pbw__locate2_avx2(kernel, t, p, &rows) : t;
+    rows.x = rows.y = rows.lift = rows.height = rows.ghost = _mm256_setzero_pd();
+    t = t != PBW__FOREIGN ? pbw__locate2_avx2(kernel, t, p, weighted, &rows) : t;
     if (PBW__UNLIKELY(t >= PBW__FOREIGN) || PBW__UNLIKELY(kernel->owner != NULL && !pbw__may_delete(kernel, t))) {
-        return PBW__LEFT;
+        return t == PBW_NONE ? PBW_OK : PBW__LEFT;   /* hidden, or not ours */
     }
     if (PBW__UNLIKELY(kernel->corner[4 * (size_t)t + 2] == PBW__GHOST)
         || PBW__UNLIKELY(kernel->fresh_end - kernel->fresh < 2)) {
         return pbw__hull2_avx2(kernel, &ring, t, vertex);
     }
-    status = pbw__carve2_avx2(kernel, &ring, t, &rows, p, 0);
+    status = pbw__carve2_avx2(kernel, &ring, t, &rows, p, 0, weighted);
     if (PBW__UNLIKELY(status != PBW_OK)) {
         return status == PBW_ERROR_TOO_LARGE ? pbw__hull2_avx2(kernel, &ring, t, vertex) : status;
     }
     pbw__refill2_avx2(kernel, &ring, vertex, 0);
     return PBW_OK;
+}
+
+PBW__AVX2 static pbw_status pbw__insert2_avx2(pbw__kernel *kernel, pbw_index vertex)
+{
+    return pbw__insert2_with(kernel, vertex, 0);
+}
+
+PBW__AVX2 static pbw_status pbw__insert2_weighted_avx2(pbw__kernel *kernel, pbw_index vertex)
+{
+    return pbw__insert2_with(kernel, vertex, 1);
 }
 #endif
 /* ------------------------------------------------------------------------------------------------------
@@ -4315,7 +4351,8 @@ static pbw_status pbw__kernel_create(pbw__kernel *kernel, pbw__context *context,
 #ifdef PBW__X86
     if (__builtin_cpu_supports("avx2") && __builtin_cpu_supports("fma") && __builtin_cpu_supports("bmi2")
         && __builtin_cpu_supports("popcnt")) {
-        kernel->insert = dim == 3 ? pbw__insert3_avx2 : vertices->weighted ? pbw__insert2_scalar : pbw__insert2_avx2;
+        kernel->insert = dim == 3 ? pbw__insert3_avx2
+                       : kernel->weighted ? pbw__insert2_weighted_avx2 : pbw__insert2_avx2;
     }
 #endif
     pbw__kernel_attach(kernel);

@@ -359,7 +359,7 @@ static int public_sign(const points *p, int power)
     return p->dim == 2 ? pbw_power2(q[0], q[1], q[2], q[3], w) : pbw_power3(q[0], q[1], q[2], q[3], q[4], w);
 }
 
-/* --- four edges at once, in the plane without weights, as an insertion tests them --- */
+/* --- four edges at once, in the plane, as an insertion tests them --- */
 
 static int have_vectors(void)
 {
@@ -389,12 +389,13 @@ static int vector_sign(const points *p, int power, double *value, double *height
     pbw__point2 origin;
     __m256d vector, heights;
     unsigned certain, inside, k;
+    int weighted = 0;
     memset(records, 0, sizeof records);
     for (k = 0; k < 2 + (unsigned)power; k++) {
-        memcpy(records + 3 * (k + 1), p->at[k], 2 * sizeof(double));
+        memcpy(records + 3 * (k + 1), p->at[k], 3 * sizeof(double));
+        weighted |= p->at[k][2] != q[2];
     }
-    origin.x = _mm256_set1_pd(q[0]);
-    origin.y = _mm256_set1_pd(q[1]);
+    origin = pbw__point2_of(q, power && weighted);
     for (k = 0; k < 3; k++) {
         const pbw_index *v = lanes[power][k];
         rows[k] = power ? pbw__rows2_of(records, 0, v[0], v[1], v[2], v[3], origin)
@@ -871,7 +872,7 @@ static void test_attack(long steps)
             static const int stages[3] = { FILTER, PAIRS, VECTORS };
             int attacked;
             for (attacked = 0; attacked < (dim == 2 ? 3 : 2); attacked++) {
-                int stage = stages[attacked], columns = dim + (power && stage != VECTORS);
+                int stage = stages[attacked];
                 double nearest = HUGE_VAL;
                 long answers = 0;
                 if (!test_begin("attack on %s, %s%d", stage_name[stage], power ? "power" : "orient", dim)) {
@@ -888,15 +889,12 @@ static void test_attack(long steps)
                     int k;
                     for (step = 0; step < steps; step++) {
                         points next = p;
-                        double *x = &next.at[below(dim + 1 + power)][below(columns)], old = *x;
+                        double *x = &next.at[below(dim + 1 + power)][below(dim + power)], old = *x;
                         int answer;
                         if (step % 256 == 0) {             /* a new start */
                             fill(&next, dim, starts[start]);
-                            for (k = 0; k < columns && step % 512 == 0; k++) {
+                            for (k = 0; k < dim + power && step % 512 == 0; k++) {
                                 next.at[dim + power][k] *= 0x1p-60;
-                            }
-                            for (k = 0; k < dim + 2 && stage == VECTORS; k++) {
-                                next.at[k][dim] = 0;
                             }
                             best = HUGE_VAL;
                         } else {
@@ -955,14 +953,15 @@ static void test_vectors(long calls)
             for (i = 0; i < n; i++) {
                 points p;
                 double value, height, bound;
-                int sign, low = below(5000), high = 4 + below(below(2) ? 6100 : 20000);
+                int sign, flat = below(2), low = below(5000), high = 4 + below(below(2) ? 6100 : 20000);
                 fill(&p, 2, family < FAMILIES ? family : UNIFORM);
                 for (k = 0; k < 4; k++) {
                     if (family == FAMILIES) {
                         p.at[k][0] = low + below(high);
                         p.at[k][1] = low - below(high);
+                        p.at[k][2] = below(high) * below(high);
                     }
-                    p.at[k][2] = 0;
+                    p.at[k][2] *= !flat;
                 }
                 sign = vector_sign(&p, power, &value, &height);
                 if (!CHECK(sign == PBW__OPEN || sign == true_sign(&p, power, NULL))) {
