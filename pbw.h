@@ -3888,21 +3888,26 @@ PBW__AVX2_INLINE unsigned pbw__test2_avx2(pbw__rows2 s, pbw__rows2 e, pbw__rows2
     return (unsigned)_mm256_movemask_pd(*det) ^ 15u;
 }
 
-/* The verdict on a finite triangle whose determinant is zero, at a height where nothing is rounded. */
+/* The verdict on a finite triangle whose determinant is zero, at a height where nothing is rounded: the rule of
+   pbw__conflict in >>predicates. */
 static int pbw__tied2(const pbw__kernel *kernel, pbw_index t, const double *p)
 {
     const pbw_index *v = kernel->corner + 4 * (size_t)t;
-    const double *row[3];
-    int orientation[3], i;
+    const double *largest = p;
+    int verdict = 0, i;
     for (i = 0; i < 3; i++) {
-        row[i] = pbw__record2(kernel, v[i]);
+        const double *x = pbw__record2(kernel, v[i]);
+        if (x[0] > largest[0] || (x[0] == largest[0] && x[1] > largest[1])) {
+            const double *a = pbw__record2(kernel, v[i == 2 ? 0 : i + 1]);
+            const double *b = pbw__record2(kernel, v[i == 0 ? 2 : i - 1]);
+            double side = (a[0] - p[0]) * (b[1] - p[1]) - (a[1] - p[1]) * (b[0] - p[0]);
+            if (side != 0.0) {
+                largest = x;
+                verdict = side > 0.0;
+            }
+        }
     }
-    for (i = 0; i < 3; i++) {
-        const double *a = row[i == 2 ? 0 : i + 1], *b = row[i == 0 ? 2 : i - 1];
-        double side = (a[0] - p[0]) * (b[1] - p[1]) - (a[1] - p[1]) * (b[0] - p[0]);
-        orientation[i] = (side > 0.0) - (side < 0.0);
-    }
-    return pbw__tie(2, row, p, orientation);
+    return verdict;
 }
 
 /* The verdicts that the filter left open. */
