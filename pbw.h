@@ -2555,8 +2555,9 @@ PBW__INLINE void pbw__kernel_attach(pbw__kernel *kernel)
    the point strictly on its far side.  It ends, because in a Delaunay or regular triangulation the relation "in front
    of, seen from a fixed point" has no cycle (Edelsbrunner 1990, "An acyclicity theorem for cell complexes in d
    dimensions"), and every step is taken on an exact sign.  Of several such facets the one with the most negative
-   volume is taken: the path is shorter.  The four orientations S_i also give the sphere test, sum(lift_i * S_i), so
-   the walk stops at the first simplex that is certainly in conflict; its neighbourhood is the cavity's all the same.
+   volume is taken: the path is shorter (four lanes in 2D take the first: it is hardly longer).  The four orientations
+   S_i also give the sphere test, sum(lift_i * S_i), so the walk stops at the first simplex that is certainly in
+   conflict; its neighbourhood is the cavity's all the same.
 
    Errors.  With coordinates relative to the point, S_i is a sum of 6 products of 3 factors.  A product carries 3
    rounded translations, 2 multiplications, 1 + 2 additions: |error| <= 8u/(1-8u) * 6 m^3 < 5.4e-15 m^3, m the largest
