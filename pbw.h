@@ -1814,7 +1814,11 @@ PBW__INLINE void pbw__fetch(const pbw__input *input, size_t i, double *record)
             record[input->dim] = (double)f[0] + 0.0;
         }
     } else {
-        memcpy(record, point, (size_t)input->dim * sizeof(double));
+        if (input->dim == 2) {                       /* of a size that the compiler knows, it is no call */
+            memcpy(record, point, 2 * sizeof(double));
+        } else {
+            memcpy(record, point, 3 * sizeof(double));
+        }
         for (k = 0; k < input->dim; k++) {
             record[k] += 0.0;
         }
@@ -1829,6 +1833,12 @@ PBW__INLINE void pbw__fetch(const pbw__input *input, size_t i, double *record)
    where bit k of the octant is the next bit of coordinate k, holds next state * 2^dim + next digit of the key. */
 static const unsigned char pbw__hilbert2[4][4] = {
     { 4, 11, 1, 2 }, { 0, 5, 15, 6 }, { 10, 3, 9, 12 }, { 14, 13, 7, 8 }
+};
+static const unsigned char pbw__hilbert2_twice[4][16] = {       /* two steps: next state * 16 + two digits */
+    { 0, 17, 46, 15, 51, 18, 45, 60, 20, 39, 24, 43, 5, 6, 9, 10 },
+    { 16, 35, 4, 21, 1, 2, 55, 22, 62, 61, 8, 25, 31, 44, 59, 26 },
+    { 42, 11, 28, 47, 41, 56, 13, 14, 38, 7, 50, 49, 37, 52, 19, 32 },
+    { 58, 57, 54, 53, 27, 40, 23, 36, 12, 29, 34, 3, 63, 30, 33, 48 }
 };
 static const unsigned char pbw__hilbert3[12][8] = {
     { 8, 23, 25, 38, 43, 44, 26, 37 },  { 24, 51, 63, 52, 1, 2, 70, 69 },   { 76, 39, 75, 80, 5, 6, 66, 65 },
@@ -1890,16 +1900,26 @@ PBW__INLINE uint64_t pbw__hilbert_key(const pbw__box *box, const double *x, int 
         double t = (box->scale * x[k] - box->scale * box->low[k]) / box->extent * (double)(last + 1);
         cell[k] = t < (double)last ? (uint32_t)t : last;
     }
-    for (bit = box->bits - 1; bit >= 0; bit--) {
-        unsigned octant = ((cell[0] >> bit) & 1) | (((cell[1] >> bit) & 1) << 1), step;
+    bit = box->bits - 1;
+    if (dim == 2 && bit % 2 == 0) {
+        unsigned step = pbw__hilbert2[state][(cell[0] >> bit) | (cell[1] >> bit) << 1];
+        key = step & 3;
+        state = step >> 2;
+        bit--;
+    }
+    while (bit >= 0) {
         if (dim == 3) {
-            step = pbw__hilbert3[state][octant | (((cell[2] >> bit) & 1) << 2)];
+            unsigned octant = ((cell[0] >> bit) & 1) | (((cell[1] >> bit) & 1) << 1) | (((cell[2] >> bit) & 1) << 2);
+            unsigned step = pbw__hilbert3[state][octant];
             key = key << 3 | (step & 7);
             state = step >> 3;
+            bit--;
         } else {
-            step = pbw__hilbert2[state][octant];
-            key = key << 2 | (step & 3);
-            state = step >> 2;
+            unsigned octants = ((cell[0] >> (bit - 1)) & 3) | (((cell[1] >> (bit - 1)) & 3) << 2);
+            unsigned step = pbw__hilbert2_twice[state][octants];
+            key = key << 4 | (step & 15);
+            state = step >> 4;
+            bit -= 2;
         }
     }
     return key;
@@ -1991,10 +2011,21 @@ static uint64_t *pbw__sort_by(pbw__context *context, uint64_t *a, uint64_t *b, s
     return sorting.a;
 }
 
-/* The same on this thread alone. */
+/* The same on this thread alone, where no bits lie above those; few keys by insertion. */
 static uint64_t *pbw__sort_keys(pbw__context *context, uint64_t *a, uint64_t *b, size_t count, int low, int bits)
 {
     uint32_t start[PBW__DIGITS];
+    if (count < 64) {
+        size_t i, hole;
+        for (i = 1; i < count; i++) {
+            uint64_t moving = a[i];
+            for (hole = i; hole > 0 && a[hole - 1] >> low > moving >> low; hole--) {
+                a[hole] = a[hole - 1];
+            }
+            a[hole] = moving;
+        }
+        return a;
+    }
     return pbw__sort_by(context, a, b, count, low, bits, start, 1);
 }
 
@@ -2413,6 +2444,7 @@ typedef struct pbw__kernel {
     size_t free_count;
     pbw_index free_list;                             /* slots that became free */
     pbw_index last, last_entered;                    /* a simplex of the last star; what it was in the last region */
+    pbw_index previous, vertex_count;                /* 2D: the last vertex; how many there are */
 
     uint8_t *owner;                                  /* >>parallel: whose each cell is; NULL: all are ours */
     uint8_t me;
@@ -2545,21 +2577,25 @@ PBW__INLINE void pbw__kernel_attach(pbw__kernel *kernel)
    the point strictly on its far side.  It ends, because in a Delaunay or regular triangulation the relation "in front
    of, seen from a fixed point" has no cycle (Edelsbrunner 1990, "An acyclicity theorem for cell complexes in d
    dimensions"), and every step is taken on an exact sign.  Of several such facets the one with the most negative
-   volume is taken: the path is shorter.  The four orientations S_i also give the sphere test, sum(lift_i * S_i), so
-   the walk stops at the first simplex that is certainly in conflict; its neighbourhood is the cavity's all the same.
+   volume is taken: the path is shorter (four lanes in 2D take the first: it is hardly longer).  The four orientations
+   S_i also give the sphere test, sum(lift_i * S_i), so the walk stops at the first simplex that is certainly in
+   conflict; its neighbourhood is the cavity's all the same.
 
    Errors.  With coordinates relative to the point, S_i is a sum of 6 products of 3 factors.  A product carries 3
    rounded translations, 2 multiplications, 1 + 2 additions: |error| <= 8u/(1-8u) * 6 m^3 < 5.4e-15 m^3, m the largest
    |coordinate|, so m^2 <= h of >>cavity.  Compared as S^2 > (5.4e-15)^2 h^3; h is computed with 3 roundings, which
    the next digit of the constant covers, and raised to 1e-55 if it is less.  2D: 2 products, 2 translations, 1
    multiplication, 1 addition: < 4u * 2 m^2 < 9e-16 m^2.  An underflow adds at most 2^-1074 a product, far below the
-   bounds.  Where something overflows the bound is infinite, or a comparison with it false.
+   bounds.  Where something overflows the bound is infinite, or a comparison with it false.  In vectors the bound is
+   9e-16 h with h >= |x|^2 >= m^2; on a small grid (>>cavity) it is less than a unit^2: a side that it leaves open is
+   zero.
    ------------------------------------------------------------------------------------------------------ */
 #define PBW__ORIENT2_ERROR 9e-16
 #define PBW__ORIENT3_ERROR 5.4e-15
 #define PBW__CIRCLE_ERROR 9e-15                      /* derived in >>cavity */
 #define PBW__SPHERE_ERROR 5.2e-14
-#define PBW__EXACT_HEIGHT 6.5e5                      /* in units of a grid, squared */
+#define PBW__EXACT_HEIGHT2 3.8e7                     /* in units of a grid, squared */
+#define PBW__EXACT_HEIGHT3 6.5e5
 
 /* Corners of facet i in the order that makes (p, a, b, c) positive for p inside; a ghost stays last. */
 static const unsigned char pbw__facet_corners[4][3] = { { 1, 2, 3 }, { 2, 0, 3 }, { 0, 1, 3 }, { 0, 2, 1 } };
@@ -2644,6 +2680,48 @@ PBW__AVX2_INLINE __m256d pbw__highest(__m256d x)
     x = _mm256_max_pd(x, _mm256_permute_pd(x, 5));
     return _mm256_max_pd(x, _mm256_permute2f128_pd(x, x, 1));
 }
+
+/* The same in the plane.  Where there is no hull, the caller knows that no vertex is the ghost. */
+typedef struct pbw__rows2 { __m256d x, y, lift, height, ghost; } pbw__rows2;
+typedef struct pbw__point2 { __m256d x, y, weight; int weighted; } pbw__point2;
+
+#define PBW__EDGE_START(x) _mm256_permute4x64_pd(x, 0x49) /* corners 1 2 0 1: the edge across starts there */
+#define PBW__EDGE_END(x) _mm256_permute4x64_pd(x, 0x92)   /* 2 0 1 2: and ends there */
+
+PBW__AVX2_INLINE pbw__point2 pbw__point2_of(const double *p, int weighted)
+{
+    pbw__point2 point;
+    point.x = _mm256_set1_pd(p[0]);
+    point.y = _mm256_set1_pd(p[1]);
+    point.weight = _mm256_set1_pd(p[2]);
+    point.weighted = weighted;
+    return point;
+}
+
+PBW__AVX2_INLINE pbw__rows2 pbw__rows2_of(const double *record, int hull, pbw_index v0, pbw_index v1, pbw_index v2,
+                                          pbw_index v3, pbw__point2 p)
+{
+    const double *a = record + 3 * (size_t)v0, *b = record + 3 * (size_t)v1, *c = record + 3 * (size_t)v2,
+                 *d = record + 3 * (size_t)v3;
+    __m256d ac = PBW__JOIN(a, c), bd = PBW__JOIN(b, d);
+    pbw__rows2 rows;
+    rows.x = _mm256_unpacklo_pd(ac, bd) - p.x;
+    rows.y = _mm256_unpackhi_pd(ac, bd) - p.y;
+    rows.ghost = _mm256_setzero_pd();
+    if (hull) {
+        __m128i v = _mm_set_epi32((int)v3, (int)v2, (int)v1, (int)v0);
+        rows.ghost = _mm256_castsi256_pd(_mm256_cvtepi32_epi64(_mm_cmpeq_epi32(v, _mm_setzero_si128())));
+        rows.x = _mm256_andnot_pd(rows.ghost, rows.x);
+        rows.y = _mm256_andnot_pd(rows.ghost, rows.y);
+    }
+    rows.lift = rows.height = _mm256_fmadd_pd(rows.y, rows.y, rows.x * rows.x);
+    if (p.weighted) {
+        __m256d weight = _mm256_andnot_pd(rows.ghost, _mm256_set_pd(d[2], c[2], b[2], a[2]) - p.weight);
+        rows.lift = rows.lift - weight;
+        rows.height = rows.height + _mm256_andnot_pd(_mm256_set1_pd(-0.0), weight);
+    }
+    return rows;
+}
 #endif
 
 /* The exact verdict on any simplex, ghosts included.  A ghost with the point in its facet's plane is in conflict
@@ -2680,7 +2758,7 @@ static PBW__NOINLINE int pbw__in_conflict2(pbw__kernel *kernel, pbw_index t, con
 }
 
 /* The first facet of a finite simplex that has p strictly outside, exactly; 4 if there is none.  Facets in `inner`
-   are known to have it inside. */
+   are known to have it inside.  2D: an edge, or 3. */
 static PBW__NOINLINE unsigned pbw__exit3(const pbw__kernel *kernel, pbw_index t, const double *p, unsigned inner)
 {
     const pbw_index *v = kernel->corner + 4 * (size_t)t;
@@ -2690,6 +2768,20 @@ static PBW__NOINLINE unsigned pbw__exit3(const pbw__kernel *kernel, pbw_index t,
         if ((inner >> i & 1) == 0
             && pbw__orient3(p, pbw__record3(kernel, v[corner[0]]), pbw__record3(kernel, v[corner[1]]),
                             pbw__record3(kernel, v[corner[2]]), kernel->grid) < 0) {
+            break;
+        }
+    }
+    return i;
+}
+
+static PBW__NOINLINE unsigned pbw__exit2(const pbw__kernel *kernel, pbw_index t, const double *p, unsigned inner)
+{
+    const pbw_index *v = kernel->corner + 4 * (size_t)t;
+    unsigned i;
+    for (i = 0; i < 3; i++) {
+        if ((inner >> i & 1) == 0
+            && pbw__orient2(pbw__record2(kernel, v[i == 2 ? 0 : i + 1]), pbw__record2(kernel, v[i == 0 ? 2 : i - 1]),
+                            p, kernel->grid) < 0) {
             break;
         }
     }
@@ -2846,13 +2938,13 @@ PBW__AVX2_INLINE pbw_index pbw__locate3_avx2(pbw__kernel *kernel, pbw_index t, c
 }
 #endif
 
-static pbw_index pbw__locate2(pbw__kernel *kernel, pbw_index t, const double *p)
+static pbw_index pbw__locate2_scalar(pbw__kernel *kernel, pbw_index t, const double *p)
 {
     t = pbw__walk_start(kernel, t, 2);
     for (;;) {
         const pbw_index *v = kernel->corner + 4 * (size_t)t;
         double u[3][2], side[3], size = 0.0, bound, lowest;
-        int i, exit = 0;
+        unsigned i, exit = 0;
         kernel->statistics.walk_steps++;
         if (v[2] == PBW__GHOST) {
             return t;
@@ -2876,23 +2968,83 @@ static pbw_index pbw__locate2(pbw__kernel *kernel, pbw_index t, const double *p)
             }
         }
         if (!(lowest < -bound)) {
-            for (exit = 0; exit < 3; exit++) {
-                if (!(side[exit] > bound)
-                    && pbw__orient2(pbw__record2(kernel, v[exit == 2 ? 0 : exit + 1]),
-                                    pbw__record2(kernel, v[exit == 0 ? 2 : exit - 1]), p, kernel->grid) < 0) {
-                    break;
-                }
-            }
+            unsigned inner = (unsigned)(side[0] > bound) | (unsigned)(side[1] > bound) << 1
+                           | (unsigned)(side[2] > bound) << 2;
+            exit = pbw__exit2(kernel, t, p, inner);
             if (exit == 3) {
                 return !kernel->weighted || pbw__in_conflict2(kernel, t, p) ? t : PBW_NONE;
             }
         }
-        if (PBW__UNLIKELY(kernel->owner != NULL) && !pbw__may_cross(kernel, t, (unsigned)exit)) {
+        if (PBW__UNLIKELY(kernel->owner != NULL) && !pbw__may_cross(kernel, t, exit)) {
             return PBW__FOREIGN;
         }
-        t = (pbw_index)(kernel->link[4 * (size_t)t + (size_t)exit] >> 2);
+        t = (pbw_index)(kernel->link[4 * (size_t)t + exit] >> 2);
     }
 }
+
+#ifdef PBW__X86
+/* The bound on the error of an in-circle determinant of rows no higher than h. */
+PBW__AVX2_INLINE __m256d pbw__circle_limit(__m256d h)
+{
+    return _mm256_set1_pd(8.0) * h * h * _mm256_set1_pd(PBW__CIRCLE_ERROR / 8.0);
+}
+
+/* The same, an edge in each lane, through the first that has p outside.  Leaves the rows of the triangle, if it is
+   finite; the fourth is the first again. */
+PBW__AVX2_INLINE pbw_index pbw__locate2_avx2(pbw__kernel *kernel, pbw_index t, const double *p, int weighted,
+                                             pbw__rows2 *rows)
+{
+    const pbw_index *corner = kernel->corner;
+    const pbw__point2 point = pbw__point2_of(p, weighted);
+    size_t steps = 1;
+    if (PBW__UNLIKELY(corner[4 * (size_t)t + 2] == PBW__GHOST)) {
+        const double *a = pbw__record2(kernel, corner[4 * (size_t)t]);
+        const double *b = pbw__record2(kernel, corner[4 * (size_t)t + 1]);
+        double ax = a[0] - p[0], ay = a[1] - p[1], bx = b[0] - p[0], by = b[1] - p[1];
+        double height = pbw__larger(pbw__larger(ax * ax + ay * ay, bx * bx + by * by), 1e-140);
+        if (ax * by - ay * bx > height * PBW__ORIENT2_ERROR) {
+            return t;
+        }
+    }
+    for (t = pbw__walk_start(kernel, t, 2); ; steps++) {
+        const pbw_index *v = corner + 4 * (size_t)t;
+        __m256d sx, sy, sh, ex, ey, eh, side, power, h, bound;
+        unsigned outer, exit;
+        if (v[2] == PBW__GHOST) {
+            break;
+        }
+        *rows = pbw__rows2_of(kernel->record, 0, v[0], v[1], v[2], v[0], point);
+        sx = PBW__EDGE_START(rows->x), sy = PBW__EDGE_START(rows->y), sh = PBW__EDGE_START(rows->height);
+        ex = PBW__EDGE_END(rows->x), ey = PBW__EDGE_END(rows->y), eh = PBW__EDGE_END(rows->height);
+        side = _mm256_fmsub_pd(sx, ey, sy * ex);
+        h = _mm256_max_pd(_mm256_max_pd(rows->height, _mm256_set1_pd(1e-140)), _mm256_max_pd(sh, eh));
+        power = _mm256_blend_pd(rows->lift * side, _mm256_setzero_pd(), 8);
+        power = power + _mm256_permute2f128_pd(power, power, 1);
+        power = power + _mm256_permute_pd(power, 5);
+        if (_mm256_cvtsd_f64(power) > _mm256_cvtsd_f64(pbw__circle_limit(h))) {
+            break;
+        }
+        bound = h * _mm256_set1_pd(PBW__ORIENT2_ERROR);
+        outer = (unsigned)_mm256_movemask_pd(_mm256_cmp_pd(-side, bound, _CMP_GT_OQ));
+        exit = (unsigned)__builtin_ctz(outer | 8u);
+        if (PBW__UNLIKELY(outer == 0)) {
+            unsigned inner = (unsigned)_mm256_movemask_pd(_mm256_cmp_pd(side, bound, _CMP_GT_OQ));
+            exit = _mm256_cvtsd_f64(h) < kernel->exact_height ? 3 : pbw__exit2(kernel, t, p, inner);
+            if (exit == 3) {
+                t = !weighted || pbw__in_conflict2(kernel, t, p) ? t : PBW_NONE;
+                break;
+            }
+        }
+        if (PBW__UNLIKELY(kernel->owner != NULL) && !pbw__may_cross(kernel, t, exit)) {
+            t = PBW__FOREIGN;
+            break;
+        }
+        t = (pbw_index)(kernel->link[4 * (size_t)t + exit] >> 2);
+    }
+    kernel->statistics.walk_steps += steps;
+    return t;
+}
+#endif
 /* ------------------------------------------------------------------------------------------------------
    >>cavity       Carve every simplex in conflict with the point, refill with the point's star.
    In: a simplex in conflict.  Out: the star of the new vertex.   (Bowyer 1981, Watson 1981)
@@ -2914,13 +3066,15 @@ static pbw_index pbw__locate2(pbw__kernel *kernel, pbw_index t, const double *p)
    to 1e-55 if it is less, so that what underflows is far below the bound; above 4e61 the product h^5, computed first,
    is infinite and nothing exceeds it.
    2D: 6 products of x, y and a lift; 2 translations; lift 2 + 1 + 1 + 2; 2 multiplications; 1 + 2 additions: 13
-   roundings, 13u * 6 h^2 < 8.7e-15 h^2; 9e-15 with the roundings of h; h raised to 1e-140.  Everything the bound
-   leaves open goes to >>predicates.
+   roundings, 13u * 6 h^2 < 8.7e-15 h^2; 9e-15 with the roundings of h; h raised to 1e-140.  In vectors the triangle
+   (o, e, s) across an edge s e has the determinant o.x (s.l e.y - e.l s.y) + o.y (e.l s.x - s.l e.x) - o.l (s.x e.y -
+   e.x s.y), with as many roundings.  There the bound is computed from 8 h h, which is infinite before a partial
+   sum, of at most 6 h^2, can be.  Everything the bound leaves open goes to >>predicates.
 
    Small grids.  Where all coordinates are multiples of a unit and all weights of its square (>>predicates has the
    grid), the rows and all partial results are integers in that unit, none larger than the sum of the absolute
    products, 24 H^(5/2) for a height of H units^2.  With H < 6.5e5 that is below 2^53: nothing is rounded, the sign is
-   the sign, and zero is a tie.  Lattices and coarse scans live on this.
+   the sign, and zero is a tie.  2D: 6 H^2, H < 3.8e7.  Lattices and coarse scans live on this.
    ------------------------------------------------------------------------------------------------------ */
 /* Takes back the marks of a cavity that will not be. */
 static PBW__NOINLINE pbw_status pbw__leave_cavity(pbw__kernel *kernel, size_t count)
@@ -3872,23 +4026,366 @@ static pbw_status pbw__refill2(pbw__kernel *kernel, pbw_index vertex)
     return PBW_OK;
 }
 
-static pbw_status pbw__insert2(pbw__kernel *kernel, pbw_index vertex)
+static pbw_status pbw__insert2_scalar(pbw__kernel *kernel, pbw_index vertex)
 {
     const double *p = pbw__record2(kernel, vertex);
     pbw_index t = pbw__insert_start(kernel, vertex);
     pbw_status status;
-    t = t != PBW__FOREIGN ? pbw__locate2(kernel, t, p) : t;
+    t = t != PBW__FOREIGN ? pbw__locate2_scalar(kernel, t, p) : t;
     if (PBW__UNLIKELY(t >= PBW__FOREIGN) || PBW__UNLIKELY(kernel->owner != NULL && !pbw__may_delete(kernel, t))) {
         return t == PBW_NONE ? PBW_OK : PBW__LEFT;   /* hidden, or not ours */
     }
     status = pbw__carve2(kernel, t, p);
     return status == PBW_OK ? pbw__refill2(kernel, vertex) : status;
 }
+
+#ifdef PBW__X86
+/* 2D, where no vertex becomes hidden: then all vertices of the cavity lie on its boundary, and no triangle is met
+   twice: there is nothing to mark.  The boundary is kept as a ring.  Edge i goes from start to end, counter-clockwise
+   seen from inside; beyond is the link across it.  When the triangle there joins the cavity, two edges take the place
+   of this one, with the far vertex between them: the first keeps its number, the second goes behind it in the ring.
+   The queue has the numbers of the edges to be tested, four at a time, and zeros behind them.  Nothing is written to
+   the triangulation before the star is, so what does not fit a ring is left to pbw__carve2. */
+#define PBW__RING 32
+
+/* The corners of a triangle after and before this one. */
+#define PBW__AFTER(link) (((link) & ~(pbw__link)3) | (9u >> 2 * ((link) & 3) & 3))       /* 1 2 0 */
+#define PBW__BEFORE(link) (((link) & ~(pbw__link)3) | (18u >> 2 * ((link) & 3) & 3))     /* 2 0 1 */
+
+typedef struct pbw__ring {
+    pbw_index start[PBW__RING], end[PBW__RING];
+    pbw_index slot[PBW__RING];                       /* of the cavity; then of the star */
+    pbw__link beyond[PBW__RING];
+    unsigned next[PBW__RING], count, tail;
+    unsigned char queue[2 * PBW__RING + 4];
+} pbw__ring;
+
+/* Which of four triangles (o, e, s), met across the edges s e, are in conflict; in `certain` the lanes for which that
+   is known.  Also the determinants and what bounds the heights. */
+PBW__AVX2_INLINE unsigned pbw__test2_avx2(pbw__rows2 s, pbw__rows2 e, pbw__rows2 o, int hull, __m256d *det,
+                                          __m256d *height, unsigned *certain)
+{
+    __m256d h = _mm256_max_pd(_mm256_max_pd(s.height, e.height), o.height), size;
+    h = _mm256_max_pd(h, _mm256_set1_pd(1e-140));
+    if (hull) {
+        s.lift = _mm256_or_pd(s.lift, _mm256_and_pd(s.ghost, h));
+        e.lift = _mm256_or_pd(e.lift, _mm256_and_pd(e.ghost, h));
+        o.lift = _mm256_or_pd(o.lift, _mm256_and_pd(o.ghost, h));
+    }
+    *det = o.y * _mm256_fmsub_pd(e.lift, s.x, s.lift * e.x);
+    *det = _mm256_fmadd_pd(o.x, _mm256_fmsub_pd(s.lift, e.y, e.lift * s.y), *det);
+    *det = _mm256_fnmadd_pd(o.lift, _mm256_fmsub_pd(s.x, e.y, s.y * e.x), *det);
+    *height = h;
+    size = _mm256_andnot_pd(_mm256_set1_pd(-0.0), *det);
+    *certain = (unsigned)_mm256_movemask_pd(_mm256_cmp_pd(size, pbw__circle_limit(h), _CMP_GT_OQ));
+    return (unsigned)_mm256_movemask_pd(*det) ^ 15u;
+}
+
+/* The verdict on a finite triangle whose determinant is zero, at a height where nothing is rounded: the rule of
+   pbw__conflict in >>predicates. */
+static int pbw__tied2(const pbw__kernel *kernel, pbw_index t, const double *p)
+{
+    const pbw_index *v = kernel->corner + 4 * (size_t)t;
+    const double *largest = p;
+    int verdict = 0, i;
+    for (i = 0; i < 3; i++) {
+        const double *x = pbw__record2(kernel, v[i]);
+        if (x[0] > largest[0] || (x[0] == largest[0] && x[1] > largest[1])) {
+            const double *a = pbw__record2(kernel, v[i == 2 ? 0 : i + 1]);
+            const double *b = pbw__record2(kernel, v[i == 0 ? 2 : i - 1]);
+            double side = (a[0] - p[0]) * (b[1] - p[1]) - (a[1] - p[1]) * (b[0] - p[0]);
+            if (side != 0.0) {
+                largest = x;
+                verdict = side > 0.0;
+            }
+        }
+    }
+    return verdict;
+}
+
+/* The verdicts that the filter left open. */
+static PBW__NOINLINE unsigned pbw__ring_exact(pbw__kernel *kernel, const pbw__ring *ring, unsigned head,
+                                              unsigned open, const double *det, const double *height, const double *p)
+{
+    unsigned inside = 0, k;
+    for (k = 0; k < 4; k++) {
+        if (open >> k & 1) {
+            pbw_index t = (pbw_index)(ring->beyond[ring->queue[head + k]] >> 2);
+            int exact = height[k] < kernel->exact_height, verdict;
+            if (exact && det[k] != 0.0) {
+                verdict = det[k] > 0.0;
+            } else if (exact && kernel->corner[4 * (size_t)t + 2] != PBW__GHOST) {
+                verdict = pbw__tied2(kernel, t, p);
+            } else {
+                verdict = pbw__in_conflict2(kernel, t, p);
+            }
+            inside |= (unsigned)verdict << k;
+        }
+    }
+    return inside;
+}
+
+/* The triangles beyond these of the next edges in the queue join the cavity.  PBW_ERROR_TOO_LARGE: with weights, a
+   vertex was met again, and may become hidden. */
+PBW__AVX2_INLINE pbw_status pbw__ring_split(pbw__kernel *kernel, pbw__ring *ring, unsigned head,
+                                            unsigned inside, int weighted)
+{
+    const pbw_index *corner = kernel->corner;
+    const pbw__link *link = kernel->link;
+    unsigned count = ring->count, tail = ring->tail;
+    for (; inside != 0; inside &= inside - 1) {
+        unsigned edge = ring->queue[head + (unsigned)__builtin_ctz(inside)];
+        pbw__link beyond = ring->beyond[edge];
+        pbw_index far = corner[beyond];
+        unsigned i, met = 0;
+        for (i = 0; weighted && i < count; i++) {
+            met |= ring->start[i] == far;
+        }
+        if (PBW__UNLIKELY(met)) {
+            return PBW_ERROR_TOO_LARGE;
+        }
+        if (PBW__UNLIKELY(kernel->owner != NULL) && !pbw__may_delete(kernel, (pbw_index)(beyond >> 2))) {
+            return PBW__LEFT;
+        }
+        ring->slot[count - 2] = (pbw_index)(beyond >> 2);
+        ring->start[count] = far;
+        ring->end[count] = ring->end[edge];
+        ring->end[edge] = far;
+        ring->next[count] = ring->next[edge];
+        ring->next[edge] = count;
+        ring->beyond[edge] = link[PBW__AFTER(beyond)];
+        ring->beyond[count] = link[PBW__BEFORE(beyond)];
+        ring->queue[tail] = (unsigned char)edge;
+        ring->queue[tail + 1] = (unsigned char)count;
+        count++;
+        tail += 2;
+    }
+    memset(ring->queue + tail, 0, 4);
+    ring->count = count;
+    ring->tail = tail;
+    return PBW_OK;
+}
+
+/* Tests the next edges of the queue, of rows s and e, with the far vertices o.  PBW_ERROR_TOO_LARGE: they may not fit
+   the ring. */
+PBW__AVX2_INLINE pbw_status pbw__ring_step(pbw__kernel *kernel, pbw__ring *ring, unsigned head, int hull,
+                                           int weighted, pbw__rows2 s, pbw__rows2 e, pbw__rows2 o,
+                                           const double *p)
+{
+    __m256d det, height;
+    unsigned certain, inside = pbw__test2_avx2(s, e, o, hull, &det, &height, &certain);
+    unsigned all = _bzhi_u32(15, ring->tail - head);
+    inside &= all;
+    if (PBW__UNLIKELY((certain & all) != all)) {
+        double value[4], h[4];
+        _mm256_storeu_pd(value, det);
+        _mm256_storeu_pd(h, height);
+        inside = (inside & certain) | pbw__ring_exact(kernel, ring, head, all & ~certain, value, h, p);
+    }
+    if (PBW__UNLIKELY(ring->count > PBW__RING - 4)) {
+        return PBW_ERROR_TOO_LARGE;
+    }
+    return pbw__ring_split(kernel, ring, head, inside, weighted);
+}
+
+/* Tests the first three edges, and at the same time the six that would take their places: waiting for the verdicts
+   costs more.  Returns how many edges of the queue are done with: none if it is not as simple as that.  Only without
+   weights, and where all vertices are ours, as we may look at triangles that we do not delete. */
+PBW__AVX2_INLINE unsigned pbw__ring_start(pbw__kernel *kernel, pbw__ring *ring, const pbw__link *beyond,
+                                          const pbw__rows2 *s, const pbw__rows2 *e, const pbw__rows2 *o,
+                                          pbw__point2 point)
+{
+    const pbw_index *corner = kernel->corner;
+    const pbw__link *link = kernel->link;
+    pbw_index a0 = corner[link[PBW__AFTER(beyond[0])]], a1 = corner[link[PBW__AFTER(beyond[1])]],
+              a2 = corner[link[PBW__AFTER(beyond[2])]], b0 = corner[link[PBW__BEFORE(beyond[0])]],
+              b1 = corner[link[PBW__BEFORE(beyond[1])]], b2 = corner[link[PBW__BEFORE(beyond[2])]];
+    pbw__rows2 far_after = pbw__rows2_of(kernel->record, 0, a0, a1, a2, a0, point);
+    pbw__rows2 far_before = pbw__rows2_of(kernel->record, 0, b0, b1, b2, b0, point);
+    __m256d det, height;
+    unsigned certain[3], inside = pbw__test2_avx2(*s, *e, *o, 0, &det, &height, &certain[0]) & 7;
+    unsigned after = pbw__test2_avx2(*s, *o, far_after, 0, &det, &height, &certain[1]);
+    unsigned before = pbw__test2_avx2(*o, *e, far_before, 0, &det, &height, &certain[2]), done;
+    if (PBW__UNLIKELY((certain[0] & certain[1] & certain[2]) != 15)
+        || PBW__UNLIKELY(a0 == PBW__GHOST || a1 == PBW__GHOST || a2 == PBW__GHOST || b0 == PBW__GHOST
+                         || b1 == PBW__GHOST || b2 == PBW__GHOST)) {
+        return 0;
+    }
+    (void)pbw__ring_split(kernel, ring, 0, inside, 0);
+    done = ring->tail;
+    after = _pdep_u32(after, 0x15) | _pdep_u32(before, 0x2a);    /* in pairs, and of those the pairs in the queue */
+    (void)pbw__ring_split(kernel, ring, 3, _pext_u32(after, 3 * _pdep_u32(inside, 0x15)), 0);
+    return done;
+}
+
+/* Finds the cavity of p from t, a triangle in conflict with these rows.  PBW_ERROR_TOO_LARGE: it may not fit the
+   ring, or, if there should be no hull, it may have one. */
+PBW__AVX2_INLINE pbw_status pbw__carve2_avx2(pbw__kernel *kernel, pbw__ring *ring, pbw_index t,
+                                             const pbw__rows2 *rows, const double *p, int hull, int weighted)
+{
+    const pbw_index *corner = kernel->corner, *v = corner + 4 * (size_t)t;
+    const pbw__link *link = kernel->link + 4 * (size_t)t;
+    const double *record = kernel->record;
+    const pbw__point2 point = pbw__point2_of(p, weighted);
+    pbw__rows2 s, e, o;
+    pbw_status status = PBW_OK;
+    unsigned head = 0;
+    ring->slot[0] = t;
+    ring->start[0] = ring->end[2] = v[1];
+    ring->start[1] = ring->end[0] = v[2];
+    ring->start[2] = ring->end[1] = v[0];
+    ring->beyond[0] = link[0];
+    ring->beyond[1] = link[1];
+    ring->beyond[2] = link[2];
+    ring->next[0] = 1;
+    ring->next[1] = 2;
+    ring->next[2] = 0;
+    ring->queue[0] = 0;
+    ring->queue[1] = 1;
+    ring->queue[2] = 2;
+    ring->queue[3] = 0;
+    ring->count = ring->tail = 3;
+    if (!hull) {
+        const pbw__link beyond[3] = { link[0], link[1], link[2] };
+        const pbw_index far[3] = { corner[beyond[0]], corner[beyond[1]], corner[beyond[2]] };
+        if (PBW__UNLIKELY(far[0] == PBW__GHOST || far[1] == PBW__GHOST || far[2] == PBW__GHOST)) {
+            return PBW_ERROR_TOO_LARGE;
+        }
+        o = pbw__rows2_of(record, 0, far[0], far[1], far[2], far[0], point);
+        s.x = PBW__EDGE_START(rows->x), s.y = PBW__EDGE_START(rows->y), s.lift = PBW__EDGE_START(rows->lift);
+        e.x = PBW__EDGE_END(rows->x), e.y = PBW__EDGE_END(rows->y), e.lift = PBW__EDGE_END(rows->lift);
+        s.height = PBW__EDGE_START(rows->height), e.height = PBW__EDGE_END(rows->height);
+        s.ghost = e.ghost = o.ghost;
+        if (!weighted && PBW__LIKELY(kernel->owner == NULL)) {
+            head = pbw__ring_start(kernel, ring, beyond, &s, &e, &o, point);
+        }
+        if (PBW__UNLIKELY(head == 0)) {
+            status = pbw__ring_step(kernel, ring, 0, 0, weighted, s, e, o, p);
+            head = 3;
+        }
+    }
+    while (head < ring->tail && status == PBW_OK) {
+        const unsigned char *queue = ring->queue + head;
+        unsigned i0 = queue[0], i1 = queue[1], i2 = queue[2], i3 = queue[3], next;
+        pbw_index far0 = corner[ring->beyond[i0]], far1 = corner[ring->beyond[i1]], far2 = corner[ring->beyond[i2]],
+                  far3 = corner[ring->beyond[i3]];
+        if (!hull && PBW__UNLIKELY(far0 == PBW__GHOST || far1 == PBW__GHOST || far2 == PBW__GHOST
+                                   || far3 == PBW__GHOST)) {
+            return PBW_ERROR_TOO_LARGE;
+        }
+        s = pbw__rows2_of(record, hull, ring->start[i0], ring->start[i1], ring->start[i2], ring->start[i3], point);
+        e = pbw__rows2_of(record, hull, ring->end[i0], ring->end[i1], ring->end[i2], ring->end[i3], point);
+        o = pbw__rows2_of(record, hull, far0, far1, far2, far3, point);
+        next = head + 4 < ring->tail ? head + 4 : ring->tail;
+        status = pbw__ring_step(kernel, ring, head, hull, weighted, s, e, o, p);
+        head = next;
+    }
+    return status;
+}
+
+/* The star, in the slots of the cavity and two more; pbw__refill2 has the numbers of the corners.  The next walk is
+   to start in the triangle towards the next vertex, by a guess: as far along the curve as this from the last. */
+PBW__AVX2_INLINE void pbw__refill2_avx2(pbw__kernel *kernel, pbw__ring *ring, pbw_index vertex, int hull)
+{
+    pbw_index *corner = kernel->corner;
+    pbw__link *link = kernel->link;
+    const double *record = kernel->record;
+    unsigned count = ring->count, i;
+    pbw_index guess = 2 * vertex - kernel->previous, last = ring->slot[0];
+    const __m128d p = _mm_loadu_pd(record + 3 * (size_t)vertex);
+    __m128d normal = _mm_loadu_pd(record + 3 * (size_t)(guess <= kernel->vertex_count ? guess : vertex)) - p;
+    normal = _mm_xor_pd(_mm_shuffle_pd(normal, normal, 1), _mm_set_pd(-0.0, 0.0));
+    kernel->previous = vertex;
+    ring->slot[count - 2] = (pbw_index)kernel->fresh;
+    ring->slot[count - 1] = (pbw_index)kernel->fresh + 1;
+    kernel->mark[kernel->fresh] = kernel->mark[kernel->fresh + 1] = 0;
+    kernel->fresh += 2;
+    kernel->statistics.created += count;
+    kernel->statistics.conflict_tests += ring->tail;
+    for (i = 0; i < count; i++) {
+        pbw__link base = (pbw__link)ring->slot[i] << 2, after = (pbw__link)ring->slot[ring->next[i]] << 2;
+        pbw_index start = ring->start[i], end = ring->end[i];
+        unsigned turn = hull && start == PBW__GHOST, from = 1 + turn, to = 2 - 2 * turn;
+        unsigned after_to = hull && end == PBW__GHOST ? 0 : 2, between;
+        __m128d sides;
+        corner[base + turn] = vertex;
+        corner[base + from] = start;
+        corner[base + to] = end;
+        link[base + turn] = ring->beyond[i];
+        link[base + from] = after | after_to;
+        link[after + after_to] = base | from;
+        link[ring->beyond[i]] = base | turn;
+        sides = _mm_hadd_pd((_mm_loadu_pd(record + 3 * (size_t)start) - p) * normal,
+                            (_mm_loadu_pd(record + 3 * (size_t)end) - p) * normal);
+        between = (unsigned)_mm_movemask_pd(sides);
+        if (hull) {                                  /* the ghost is at the end of each turn */
+            between &= start == PBW__GHOST ? 2u : 3u;
+            between |= end == PBW__GHOST ? 2u : 0u;
+        }
+        last = between == 2 ? ring->slot[i] : last;
+    }
+    kernel->last = last;
+    if (PBW__UNLIKELY(kernel->owner != NULL)) {      /* >>parallel looks for hints there */
+        memcpy(kernel->cavity, ring->slot, count * sizeof(pbw_index));
+        kernel->facet_count = count;
+    }
+}
+
+/* The same insertion where ghosts are met, or where it does not fit the ring. */
+PBW__AVX2 static PBW__NOINLINE pbw_status pbw__hull2_avx2(pbw__kernel *kernel, pbw__ring *ring, pbw_index t,
+                                                           pbw_index vertex)
+{
+    const double *p = pbw__record2(kernel, vertex);
+    pbw_status status = pbw__carve2_avx2(kernel, ring, t, NULL, p, 1, kernel->weighted);
+    if (status == PBW_ERROR_TOO_LARGE || kernel->fresh_end - kernel->fresh < 2) {
+        status = pbw__carve2(kernel, t, p);
+        return status == PBW_OK ? pbw__refill2(kernel, vertex) : status;
+    }
+    if (status == PBW_OK) {
+        pbw__refill2_avx2(kernel, ring, vertex, 1);
+    }
+    return status;
+}
+
+PBW__AVX2_INLINE pbw_status pbw__insert2_with(pbw__kernel *kernel, pbw_index vertex, int weighted)
+{
+    const double *p = pbw__record2(kernel, vertex);
+    pbw_index t = pbw__insert_start(kernel, vertex);
+    pbw__ring ring;
+    pbw__rows2 rows;
+    pbw_status status;
+    rows.x = rows.y = rows.lift = rows.height = rows.ghost = _mm256_setzero_pd();
+    t = t != PBW__FOREIGN ? pbw__locate2_avx2(kernel, t, p, weighted, &rows) : t;
+    if (PBW__UNLIKELY(t >= PBW__FOREIGN) || PBW__UNLIKELY(kernel->owner != NULL && !pbw__may_delete(kernel, t))) {
+        return t == PBW_NONE ? PBW_OK : PBW__LEFT;   /* hidden, or not ours */
+    }
+    if (PBW__UNLIKELY(kernel->corner[4 * (size_t)t + 2] == PBW__GHOST)
+        || PBW__UNLIKELY(kernel->fresh_end - kernel->fresh < 2)) {
+        return pbw__hull2_avx2(kernel, &ring, t, vertex);
+    }
+    status = pbw__carve2_avx2(kernel, &ring, t, &rows, p, 0, weighted);
+    if (PBW__UNLIKELY(status != PBW_OK)) {
+        return status == PBW_ERROR_TOO_LARGE ? pbw__hull2_avx2(kernel, &ring, t, vertex) : status;
+    }
+    pbw__refill2_avx2(kernel, &ring, vertex, 0);
+    return PBW_OK;
+}
+
+PBW__AVX2 static pbw_status pbw__insert2_avx2(pbw__kernel *kernel, pbw_index vertex)
+{
+    return pbw__insert2_with(kernel, vertex, 0);
+}
+
+PBW__AVX2 static pbw_status pbw__insert2_weighted_avx2(pbw__kernel *kernel, pbw_index vertex)
+{
+    return pbw__insert2_with(kernel, vertex, 1);
+}
+#endif
 /* ------------------------------------------------------------------------------------------------------
    >>build        All vertices into one triangulation, on one thread.
    In: vertices along the Hilbert curve.  Out: a kernel with their triangulation, or PBW_DEGENERATE.
 
-   Insertion order: level l holds the ranks divisible by 8^l (2D: 4^l) that no higher level holds; levels go from
+   Insertion order: level l holds the ranks divisible by 8^l (2D: 16^l) that no higher level holds; levels go from
    coarse to fine, along the curve, alternately forwards and backwards.  Coarse levels keep the cavities small, as the
    random rounds of Amenta, Choi & Rote 2003 ("Incremental constructions con BRIO") do, but need no shuffle and no
    second sort; within a level the next point lies near the last one, so the walk is short and the caches warm.
@@ -3901,7 +4398,7 @@ typedef struct pbw__sequence {
 static void pbw__sequence_start(pbw__sequence *sequence, size_t count, int dim)
 {
     sequence->count = count;
-    sequence->ratio = dim == 3 ? 8 : 4;
+    sequence->ratio = dim == 3 ? 8 : 16;
     sequence->stride = 1;
     while (count / sequence->stride >= sequence->ratio) {
         sequence->stride *= sequence->ratio;
@@ -4042,19 +4539,22 @@ static pbw_status pbw__kernel_create(pbw__kernel *kernel, pbw__context *context,
     kernel->context = context;
     kernel->store = store;
     kernel->record = vertices->record;
+    kernel->vertex_count = (pbw_index)vertices->count;
     kernel->grid = grid;
     kernel->dim = dim;
     kernel->weighted = vertices->weighted;
     /* Within 2^+-100 no power up to the tenth of a unit underflows or overflows. */
     kernel->exact_height = grid->inverse_unit > 1e-30 && grid->inverse_unit < 1e30
-                         ? PBW__EXACT_HEIGHT / (grid->inverse_unit * grid->inverse_unit) : 0.0;
+                         ? (dim == 3 ? PBW__EXACT_HEIGHT3 : PBW__EXACT_HEIGHT2)
+                           / (grid->inverse_unit * grid->inverse_unit) : 0.0;
     kernel->region = (size_t)-1;
     kernel->last = kernel->last_entered = PBW_NONE;
-    kernel->insert = dim == 2 ? pbw__insert2 : pbw__insert3_scalar;
+    kernel->insert = dim == 2 ? pbw__insert2_scalar : pbw__insert3_scalar;
 #ifdef PBW__X86
-    if (dim == 3 && __builtin_cpu_supports("avx2") && __builtin_cpu_supports("fma")
-        && __builtin_cpu_supports("bmi2") && __builtin_cpu_supports("popcnt")) {
-        kernel->insert = pbw__insert3_avx2;
+    if (__builtin_cpu_supports("avx2") && __builtin_cpu_supports("fma") && __builtin_cpu_supports("bmi2")
+        && __builtin_cpu_supports("popcnt")) {
+        kernel->insert = dim == 3 ? pbw__insert3_avx2
+                       : kernel->weighted ? pbw__insert2_weighted_avx2 : pbw__insert2_avx2;
     }
 #endif
     pbw__kernel_attach(kernel);
@@ -4481,7 +4981,7 @@ static pbw_status pbw__build_all(pbw__context *context, pbw__store *store, const
                                  const pbw__grid *grid, pbw_statistics *statistics)
 {
     pbw__build build;
-    size_t ratio = vertices->dim == 3 ? 8 : 4, parts;
+    size_t ratio = vertices->dim == 3 ? 8 : 16, parts;
     pbw_status status;
     int i;
     memset(&build, 0, sizeof(build));

@@ -334,18 +334,21 @@ static int true_perturbed_sign(const points *p, const int *rank)
 
 /* --- the predicates, by stage --- */
 
-enum { FILTER, INTEGERS, GRID, PAIRS, LANES, EXACT, KERNEL, PUBLIC, STAGES };
+enum { FILTER, INTEGERS, GRID, PAIRS, LANES, EXACT, KERNEL, PUBLIC, STAGES, VECTORS = STAGES };
 
-static const char *const stage_name[STAGES] = {
-    "filter", "integers", "grid", "pairs", "lanes", "exact", "kernel", "public"
-};
+static const char *const stage_name[] = { "filter", "integers", "grid", "pairs", "lanes", "exact", "kernel", "public",
+                                          "vectors" };
 
-#ifdef PBW__X86
-static int have_lanes(void)
+static int have_vectors(void)
 {
-    return __builtin_cpu_supports("avx2") && __builtin_cpu_supports("fma");
+#ifdef PBW__X86
+    return __builtin_cpu_supports("avx2") && __builtin_cpu_supports("fma") && __builtin_cpu_supports("bmi2");
+#else
+    return 0;
+#endif
 }
 
+#ifdef PBW__X86
 /* Pairs in four lanes, without weights.  The far vertices are the corners themselves: then all lanes have the
    determinant of the simplex, but negative, as if it was seen from a neighbour. */
 static int lanes_sign(const points *p, int power)
@@ -360,7 +363,7 @@ static int lanes_sign(const points *p, int power)
             record[i + 1][k] = p->at[i][k];
         }
     }
-    if (!have_lanes() || p->dim == 2 || !power || weighted) {
+    if (!have_vectors() || p->dim == 2 || !power || weighted) {
         return PBW__OPEN;
     }
     certain = pbw__power4_pairs(record[0], corner, corner, p->at[4], &inside);
@@ -369,11 +372,6 @@ static int lanes_sign(const points *p, int power)
     return certain == 0 ? PBW__OPEN : inside == 0 ? 1 : -1;
 }
 #else
-static int have_lanes(void)
-{
-    return 0;
-}
-
 static int lanes_sign(const points *p, int power)
 {
     (void)p;
@@ -402,6 +400,58 @@ static int public_sign(const points *p, int power)
     return p->dim == 2 ? pbw_power2(q[0], q[1], q[2], q[3], w) : pbw_power3(q[0], q[1], q[2], q[3], q[4], w);
 }
 
+/* --- four edges at once, in the plane, as an insertion tests them --- */
+
+/* The lanes hold the same determinant: of three points by turns, or of two and the ghost.  Returns the sign, if some
+   lane knows it, and 2 lanes that differ make 3; also the first lane's value and height. */
+#ifdef PBW__X86
+PBW__AVX2
+#endif
+static int vector_sign(const points *p, int power, double *value, double *height)
+{
+    int sign = PBW__OPEN;
+    *value = *height = 0;
+#ifdef PBW__X86
+    static const pbw_index lanes[2][3][4] = {              /* far vertex, start, end; 0 is the ghost */
+        { { 0, 1, 2, 0 }, { 2, 0, 1, 2 }, { 1, 2, 0, 1 } }, { { 1, 2, 3, 1 }, { 3, 1, 2, 3 }, { 2, 3, 1, 2 } }
+    };
+    double records[4 * 3], det[4], h[4];
+    const double *q = p->at[2 + power];
+    pbw__rows2 rows[3];
+    pbw__point2 origin;
+    __m256d vector, heights;
+    unsigned certain, inside, k;
+    int weighted = 0;
+    memset(records, 0, sizeof records);
+    for (k = 0; k < 2 + (unsigned)power; k++) {
+        memcpy(records + 3 * (k + 1), p->at[k], 3 * sizeof(double));
+        weighted |= p->at[k][2] != q[2];
+    }
+    origin = pbw__point2_of(q, power && weighted);
+    for (k = 0; k < 3; k++) {
+        const pbw_index *v = lanes[power][k];
+        rows[k] = power ? pbw__rows2_of(records, 0, v[0], v[1], v[2], v[3], origin)
+                        : pbw__rows2_of(records, 1, v[0], v[1], v[2], v[3], origin);
+    }
+    inside = power ? pbw__test2_avx2(rows[1], rows[2], rows[0], 0, &vector, &heights, &certain)
+                   : pbw__test2_avx2(rows[1], rows[2], rows[0], 1, &vector, &heights, &certain);
+    _mm256_storeu_pd(det, vector);
+    _mm256_storeu_pd(h, heights);
+    *value = det[0];
+    *height = h[0];
+    for (k = 0; k < 4; k++) {
+        if (certain >> k & 1) {
+            int lane = (inside >> k & 1) != 0 ? 1 : -1;
+            sign = sign == PBW__OPEN || sign == lane ? lane : 3;
+        }
+    }
+#else
+    (void)p;
+    (void)power;
+#endif
+    return sign;
+}
+
 static void find_grid(const points *p, pbw__grid *grid)
 {
     double records[5 * 4];
@@ -417,6 +467,7 @@ static int stage_sign(const points *p, int power, int stage, const pbw__grid *gr
 {
     const double (*q)[4] = p->at, *row[4] = { q[0], q[1], q[2], q[3] };
     int dim = p->dim, count = dim + power;
+    double value, height;
     switch (stage) {
     case FILTER:
         if (power) {
@@ -436,6 +487,7 @@ static int stage_sign(const points *p, int power, int stage, const pbw__grid *gr
                             : pbw__power3(q[0], q[1], q[2], q[3], q[4], grid);
         }
         return dim == 2 ? pbw__orient2(q[0], q[1], q[2], grid) : pbw__orient3(q[0], q[1], q[2], q[3], grid);
+    case VECTORS: return vector_sign(p, power, &value, &height);
     default: return public_sign(p, power);
     }
 }
@@ -584,7 +636,7 @@ static void test_reach(void)
     int j, k, decided;
     for (i = 0; i < sizeof cases / sizeof *cases; i++) {
         if (test_begin("%s, %s%d", cases[i].what, cases[i].power ? "power" : "orient", cases[i].dim)) {
-            if (cases[i].stage == LANES && !have_lanes()) {
+            if (cases[i].stage == LANES && !have_vectors()) {
                 test_skip("no AVX2");
                 continue;
             }
@@ -830,14 +882,17 @@ static double true_value(const points *p, int power, int stage, double *bound)
         }
         *bound *= largest;
     }
-    for (i = 0; i < count && power; i++) {
-        double norm = fabs(p->at[i][dim] - p->at[count][dim]);
+    for (i = 0; i < count; i++) {
+        double norm = !power ? 0 : fabs(p->at[i][dim] - p->at[count][dim]);
         for (k = 0; k < dim; k++) {
             norm += (p->at[i][k] - p->at[count][k]) * (p->at[i][k] - p->at[count][k]);
         }
         lift = fmax(lift, norm);
     }
     *bound *= stage == LANES ? lift * lift * sqrt(lift) : power ? lift : 1;
+    if (stage == VECTORS) {                                /* an orientation comes times the height */
+        *bound = PBW__CIRCLE_ERROR * lift * (power ? lift : 1);
+    }
     for (i = truth.length - 1; i >= 0 && i >= truth.length - 3; i--) {
         value += ldexp(truth.limb[i], 32 * i + unit);
     }
@@ -850,15 +905,22 @@ static double true_value(const points *p, int power, int stage, double *bound)
 static void test_attack(long steps)
 {
     static const int starts[6] = { UNIFORM, SPHERE, CAP, FLAT, CLUSTER, MODERATE };
-    int dim, power, stage, start;
+    int dim, power, start;
     for (dim = 2; dim <= 3; dim++) {
         for (power = 0; power < 2; power++) {
-            for (stage = FILTER; stage <= LANES; stage += stage == FILTER ? PAIRS - FILTER : LANES - PAIRS) {
+            static const int stages[4] = { FILTER, PAIRS, LANES, VECTORS };
+            int attacked;
+            for (attacked = 0; attacked < 4; attacked++) {
+                int stage = stages[attacked];
                 double nearest = HUGE_VAL;
                 long answers = 0;
                 int columns = stage == LANES ? dim : dim + power;
-                if ((stage == LANES && (dim == 2 || !power || !have_lanes()))
+                if ((stage == LANES && (dim == 2 || !power)) || (stage == VECTORS && dim == 3)
                     || !test_begin("attack on %s, %s%d", stage_name[stage], power ? "power" : "orient", dim)) {
+                    continue;
+                }
+                if (stage >= LANES && !have_vectors()) {
+                    test_skip("no AVX2");
                     continue;
                 }
                 for (start = 0; start < 6; start++) {
@@ -929,7 +991,7 @@ typedef struct neighbourhood {
 /* Ghosts: 0 none, 1 far vertices, 2 corner 3. */
 static void fill_neighbourhood(neighbourhood *n, int family, int ghosts)
 {
-    static const int sides[3] = { 1, 30, 465 };            /* 3 * 465^2 is just below PBW__EXACT_HEIGHT */
+    static const int sides[3] = { 1, 30, 465 };            /* 3 * 465^2 is just below PBW__EXACT_HEIGHT3 */
     int box = below(2), steps = below(2) == 0 ? 1 : 155, side[3], i, k;
     points p;
     for (k = 0; k < 3; k++) {
@@ -986,7 +1048,7 @@ static void test_lanes(long calls)
                             ghosts == 0 ? "" : ghosts == 1 ? ", ghosts beyond" : ", a ghost")) {
                 continue;
             }
-            if (!have_lanes()) {
+            if (!have_vectors()) {
                 test_skip("no AVX2");
                 continue;
             }
@@ -1023,6 +1085,49 @@ static void test_lanes(long calls)
     }
 }
 #endif
+
+/* What four lanes are sure of is true; where nothing is rounded, so is the determinant itself. */
+static void test_vectors(long calls)
+{
+    int power, family, k;
+    for (power = 0; power < 2; power++) {
+        for (family = 0; family <= FAMILIES; family++) {
+            long n = family >= MIXED && family < FAMILIES ? calls / 1600 + 1 : calls / MIXED + 1, i, exact = 0;
+            if (!test_begin("vectors, %s2, %s", power ? "circle" : "orient",
+                            family < FAMILIES ? family_name[family] : "small integers")) {
+                continue;
+            }
+            if (!have_vectors()) {
+                test_skip("no AVX2");
+                continue;
+            }
+            for (i = 0; i < n; i++) {
+                points p;
+                double value, height, bound;
+                int sign, flat = below(2), low = below(5000), high = 4 + below(below(2) ? 6100 : 20000);
+                fill(&p, 2, family < FAMILIES ? family : UNIFORM);
+                for (k = 0; k < 4; k++) {
+                    if (family == FAMILIES) {
+                        p.at[k][0] = low + below(high);
+                        p.at[k][1] = low - below(high);
+                        p.at[k][2] = below(high) * below(high);
+                    }
+                    p.at[k][2] *= !flat;
+                }
+                sign = vector_sign(&p, power, &value, &height);
+                if (!CHECK(sign == PBW__OPEN || sign == true_sign(&p, power, NULL))) {
+                    print_points(&p);
+                }
+                if (family == FAMILIES && height < PBW__EXACT_HEIGHT2) {
+                    CHECK(value == true_value(&p, power, FILTER, &bound) * (power ? 1 : height));
+                    exact++;
+                }
+            }
+            CHECK(exact > n / 8 || family < FAMILIES);
+            test_end();
+        }
+    }
+}
 
 /* --- grids --- */
 
@@ -1175,6 +1280,7 @@ int main(int argc, char **argv)
     test_families(test_count);
     test_reach();
     test_attack(test_count / 100 + 512);
+    test_vectors(test_count);
     test_modes(test_count / 40);
     test_raised(test_count / 40);
     test_circuits(test_count / 40);
