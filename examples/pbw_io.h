@@ -1323,7 +1323,8 @@ static int pbwio__step(pbwio__writer *w, int facets)
 {
     for (w->k++; w->simplex < w->mesh->simplex_count; w->simplex++, w->k = 0) {
         if (pbwio__kept(w, w->simplex)) {
-            while (w->k < w->corners && !(facets && pbwio__on_hull(w, w->simplex, w->k))) {
+            w->k = !facets && w->k == 0 ? w->corners : w->k;
+            while (w->k < w->corners && !pbwio__on_hull(w, w->simplex, w->k)) {
                 w->k++;
             }
             if (w->k < w->corners + !facets) {
