@@ -646,7 +646,23 @@ static void test_volume(void)
     CHECK_EQUAL(set.count, 1234);
     CHECK(closest_pair(&set) >= set.radius);
     pbwsample_free(&set);
+    options.count = 5000;                /* of which an eighth was made first */
+    CHECK_EQUAL(pbwsample_volume(&model, &options, &set), PBWSAMPLE_OK);
+    CHECK_EQUAL(set.count, 5000);
+    pbwsample_free(&set);
     options.count = 0;
+    options.radius = 0.08;
+    CHECK_EQUAL(pbwsample_volume(&model, &options, &set), PBWSAMPLE_OK);
+    CHECK(closest_pair(&set) >= set.radius && (double)set.count * 0.08 * 0.08 * 0.08 > 0.67);
+    for (i = 0; i < 60000; i++) {
+        double p[3];
+        int k;
+        for (k = 0; k < 3; k++) {
+            p[k] = pbwsample__low_half(pbwsample__random(test_seed, 3 * i + (size_t)k));
+        }
+        CHECK(nearest(&set, 0, set.count, p) <= 1.25 * 0.08);
+    }
+    pbwsample_free(&set);
     options.radius = 0.1;
     options.size = wide_size;
     for (lattice = 0; lattice < 2; lattice++) {
