@@ -63,7 +63,7 @@ typedef enum pbwsample_status {
     PBWSAMPLE_CANCELLED,               /* the progress callback said stop */
     PBWSAMPLE_ERROR_ARGUMENT,          /* NULL, an id out of range, not one of count and radius, a size <= 0 */
     PBWSAMPLE_ERROR_SURFACE,           /* no facet has an area, or coordinates are not finite or too large */
-    PBWSAMPLE_ERROR_VOLUME,            /* nothing is inside */
+    PBWSAMPLE_ERROR_VOLUME,            /* nothing is inside, or so little that no sample hits it */
     PBWSAMPLE_ERROR_TOO_LARGE,         /* more samples than an index can number */
     PBWSAMPLE_ERROR_MEMORY
 } pbwsample_status;
@@ -507,7 +507,7 @@ PBWSAMPLEDEF const char *pbwsample_status_string(pbwsample_status status)
 {
     static const char *const texts[] = {
         "done", "cancelled", "an argument is wrong: NULL, an id out of range, no count or radius, a size of 0",
-        "the surface has no area that can be measured", "the surface encloses nothing",
+        "the surface has no area that can be measured", "the surface encloses nothing, or too little to be hit",
         "more samples than an index can number", "out of memory"
     };
     return (size_t)status < sizeof texts / sizeof texts[0] ? texts[status] : "unknown status";
@@ -876,7 +876,7 @@ typedef struct pbwsample__work {
     size_t capacity, fixed;                    /* of the set; its samples that were there before */
     double radius, low[3], high[3], unit;      /* of the boxes */
     uint64_t key, drawn;
-    int solid, axes;
+    int solid, axes, crowded;
     pbwsample__columns rays[3];
     pbwsample__pieces pieces, next, stack;
     pbw_index *lists;                          /* of triangles, for the boxes on the stack */
@@ -1367,16 +1367,29 @@ static pbw_index *pbwsample__in_order(const pbwsample__work *w, double extent)
     return order;
 }
 
-/* Cuts the whole of the surface or volume to pieces that fit into a ball, or lattice cells. */
+/* Tells now and then how much is done, at piece i of something.  A nonzero answer ends the work. */
+static void pbwsample__tell(pbwsample__work *w, size_t i, double done)
+{
+    if (i % 1024 == 0 && w->options->progress != NULL && w->status == PBWSAMPLE_OK
+        && w->options->progress(w->options->progress_user, done) != 0) {
+        w->status = PBWSAMPLE_CANCELLED;
+    }
+}
+
+/* Cuts the whole of the surface or volume to pieces that fit into a ball, or lattice cells.  A radius for a count that
+   makes far more pieces than that is too small, as that of a needle or a sheet may be: then crowded is set. */
 static void pbwsample__begin(pbwsample__work *w, double side)
 {
     pbwsample__piece piece, part[8];
     double corner[8][3], middle[3], square, r, extent = 0;
     pbw_index *order = NULL;
     void *block;
-    size_t t;
+    size_t t, steps = 0;
     int i, k, corners, longest, lattice = w->solid && w->options->flags & PBWSAMPLE_LATTICE;
+    double most = w->options->count > 0
+                ? 1024.0 * (double)w->options->count + 64.0 * (double)w->model->triangle_count + 4096 : DBL_MAX;
     w->pieces.count = w->stack.count = 0;
+    w->crowded = 0;
     for (k = 0; k < 3; k++) {
         extent = w->high[k] - w->low[k] > extent ? w->high[k] - w->low[k] : extent;
     }
@@ -1404,8 +1417,10 @@ static void pbwsample__begin(pbwsample__work *w, double side)
             continue;
         }
         pbwsample__push(w, &w->stack, &piece);
-        while (w->stack.count > 0 && w->status == PBWSAMPLE_OK) {
+        while (w->stack.count > 0 && w->status == PBWSAMPLE_OK && !w->crowded) {
             piece = w->stack.list[--w->stack.count];
+            pbwsample__tell(w, ++steps, 0);
+            w->crowded = (double)steps > most;
             if (w->solid && !pbwsample__is_needed(w, &piece)) {
                 continue;
             }
@@ -1444,16 +1459,6 @@ static void pbwsample__shuffle(pbwsample__work *w)
     }
 }
 
-/* Tells now and then that piece i is next, of a round that takes half of what is left to do.  A nonzero answer ends
-   the work. */
-static void pbwsample__tell(pbwsample__work *w, size_t i, int round)
-{
-    if (i % 1024 == 0 && w->options->progress != NULL) {
-        double done = 1 - ldexp(1 - 0.5 * (double)i / (double)w->pieces.count, 1 - round);
-        w->status = w->options->progress(w->options->progress_user, done) != 0 ? PBWSAMPLE_CANCELLED : w->status;
-    }
-}
-
 /* A body-centred lattice (two points a cell), whose cells follow the size: its points are 0.87 sides apart.  Points
    in balls are left out. */
 static void pbwsample__lattice(pbwsample__work *w)
@@ -1463,7 +1468,7 @@ static void pbwsample__lattice(pbwsample__work *w)
     int half, k;
     for (i = 0; i < w->pieces.count && w->status == PBWSAMPLE_OK; i++) {
         const pbwsample__piece *cell = w->pieces.list + i;
-        pbwsample__tell(w, i, 1);
+        pbwsample__tell(w, i, (double)i / (double)w->pieces.count);
         for (half = 0; half < 2; half++) {
             for (k = 0; k < 3; k++) {
                 double move = jitter * (pbwsample__low_half(pbwsample__draw(w)) - 0.5);
@@ -1499,12 +1504,12 @@ static void pbwsample__fill(pbwsample__work *w)
         pbwsample__lattice(w);
         return;
     }
-    for (round = 1; w->pieces.count > 0 && w->status == PBWSAMPLE_OK; round++) {
+    for (round = 1; w->pieces.count > 0 && w->status == PBWSAMPLE_OK && !w->crowded; round++) {   /* takes half */
         pbwsample__pieces swap = w->pieces;
         pbwsample__shuffle(w);
         w->next.count = 0;
         for (i = 0; i < w->pieces.count && w->status == PBWSAMPLE_OK; i++) {
-            pbwsample__tell(w, i, round);
+            pbwsample__tell(w, i, 1 - ldexp(1 - 0.5 * (double)i / (double)w->pieces.count, 1 - round));
             if (w->solid) {
                 pbwsample__visit_box(w, w->pieces.list + i);
             } else {
@@ -1521,9 +1526,9 @@ static void pbwsample__fill(pbwsample__work *w)
    eighth of the samples tells.  The search ends with a few samples too many, of which the last are left out. */
 static void pbwsample__search(pbwsample__work *w, double content)
 {
-    double power = w->solid ? 1.0 / 3 : 0.5, wanted = (double)w->options->count, slope;
+    double power = w->solid ? 1.0 / 3 : 0.5, wanted = (double)w->options->count, slope, found;
     double density = w->solid ? 0.61 : 0.685;
-    int attempt, i;
+    int attempt, i, few = 0;                   /* few: a radius gave too few samples */
     w->radius = w->options->radius;
     if (w->options->count > 0) {
         w->radius = pow(density * content / (1.01 * wanted + 1), power);
@@ -1531,16 +1536,15 @@ static void pbwsample__search(pbwsample__work *w, double content)
     if (w->solid && wanted >= 4096 && content / pow(w->radius, 3) < PBW_NONE) {
         w->radius *= 2;
         pbwsample__fill(w);
-        slope = ((double)(w->set->count - w->fixed) * pow(w->radius, 3) / content - density) / w->radius;
-        for (i = 0; i < 32; i++) {
-            w->radius = pow(fabs(density + slope * w->radius) * content / (1.01 * wanted), power);
-        }
         if (w->status != PBWSAMPLE_OK) {
             return;
         }
+        slope = ((double)(w->set->count - w->fixed) * pow(w->radius, 3) / content - density) / w->radius;
+        for (i = 0; i < 32 && !w->crowded; i++) {
+            w->radius = pow(fabs(density + slope * w->radius) * content / (1.01 * wanted), power);
+        }
     }
     for (attempt = 1;; attempt++) {
-        double found;
         if (!(w->radius > 0 && content / pow(w->radius, 1 / power) < PBW_NONE)) {
             w->status = PBWSAMPLE_ERROR_TOO_LARGE;
         } else {
@@ -1550,6 +1554,14 @@ static void pbwsample__search(pbwsample__work *w, double content)
         if (w->status != PBWSAMPLE_OK || wanted == 0) {
             return;
         }
+        if (w->crowded) {                      /* it ends, as a radius that makes few pieces gives few samples */
+            w->radius *= 2;
+            w->status = !few || attempt <= 16 ? PBWSAMPLE_OK
+                      : w->solid ? PBWSAMPLE_ERROR_VOLUME : PBWSAMPLE_ERROR_TOO_LARGE;
+            attempt -= !few;
+            continue;
+        }
+        few |= found < wanted;
         if (found >= wanted && (found <= 1.04 * wanted + 2 || attempt > 4)) {
             w->set->count = w->fixed + w->options->count;
             return;
