@@ -578,7 +578,7 @@ static size_t kept_count(const pbw_mesh *mesh, const unsigned char *keep, size_t
 static const char *check_facets(const char *at, const pbw_mesh *mesh, int before, int base, int after)
 {
     size_t dim = (size_t)mesh->dim, i, k, n, hull;
-    double row[8], around = 0, inside = 0;
+    double row[12], around = 0, inside = 0;
     kept_count(mesh, NULL, &hull);
     for (i = 0; i < hull && at != NULL; i++) {
         const double *p[3] = { NULL, NULL, NULL };
@@ -645,7 +645,7 @@ static void check_ids(const char *at, const pbw_mesh *mesh, int before, int base
 {
     int corners = mesh->dim + 1, k;
     size_t i;
-    double row[8];
+    double row[12];
     for (i = 0; i < mesh->simplex_count && at != NULL; i++) {
         at = scan(at, NULL, before + corners + after, row);
         for (k = 0; k < corners && at != NULL; k++) {
