@@ -135,7 +135,7 @@ static void test_numbers(void)
     CHECK(strcmp(text, "0.1") == 0);
     for (i = 0; i < 20000; i++) {                     /* in 20 characters: 13 digits, each rounded off in turn */
         uint64_t bits = next_random();
-        double back;
+        double back = 0;
         memcpy(&value, &bits, sizeof value);
         value = i % 2 ? ldexp(0.5 - unit_random(), (int)(bits % 64) - 40) : value;
         if (pbwio__finite(value) && fabs(value) < 1e300) {
