@@ -2,21 +2,7 @@
 # programs.sh FOLDER: what the programs that meshes are for say about the files that FOLDER/pbw writes: Gmsh, meshio,
 # VTK, FreeFem++, CalculiX, each where it is installed.  The meshes are irregular ones of the unit square and cube.
 bin=$1 work=$1/programs
-passed=0 failed=0 skipped=0
-rm -rf "$work" && mkdir -p "$work" || exit 2
-
-check() {   # check NAME COMMAND...
-    name=$1
-    shift
-    if "$@" > "$work/out" 2>&1; then
-        passed=$((passed + 1))
-    else
-        failed=$((failed + 1))
-        echo "FAILED $name"
-        tail -n 6 "$work/out" | sed 's/^/    /'
-    fi
-}
-skip() { skipped=$((skipped + 1)); echo "skipped $1"; }
+. tests/check.sh
 has() { command -v "$1" > /dev/null; }
 fails() { ! "$@"; }
 
@@ -31,10 +17,10 @@ points() {  # points DIM N: the points of a grid of N cells a side, those inside
 }
 surfaces="ply off obj stl" kinds="vtu msh msh2 mesh inp su2 node ele face $surfaces"
 written() { # written NAME OPTION...: the mesh of the points in every format
-    name=$1
+    mesh=$1
     shift
     for kind in $kinds; do
-        set -- "$@" -o "$name.$kind"
+        set -- "$@" -o "$mesh.$kind"
     done
     "./$bin/pbw" mesh "$work/p.csv" --quiet "$@"
 }
@@ -180,5 +166,4 @@ if has ccx; then
 else
     skip "calculix-ccx: not installed"
 fi
-echo "$passed passed, $failed failed, $skipped skipped"
-[ "$failed" = 0 ]
+finish
