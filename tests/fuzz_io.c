@@ -116,7 +116,7 @@ static const char *sample(const pbwio_cloud *cloud, size_t seed)
         return "a surface without an area, or an area without a surface";
     }
     for (way = 0; way < 4; way++) {          /* uniform, Poisson, inside by count, inside by radius */
-        patience = 50;
+        patience = 8;
         memset(&set, 0, sizeof set);
         memset(&options, 0, sizeof options);
         options.seed = seed;
