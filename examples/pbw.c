@@ -33,8 +33,8 @@ static const char *const help[] = {
     "Exact Delaunay triangulation of the points of a file, or with --weights the regular one.\n"
     "\n"
     "input:   .obj .ply .stl .off .node, tables (.xyz .csv .txt ...); - is the standard input\n"
-    "output:  .vtu .msh .mesh .node .ele .neigh (simplices), .obj .ply .stl (hull), .xyz .csv (points),\n"
-    "         .svg (picture); any number of them\n"
+    "output:  .vtu .msh .msh2 .mesh .inp .su2 .node .ele .neigh .face .edge (simplices, boundary),\n"
+    "         .obj .ply .stl .off (hull), .xyz .csv (points), .svg (picture); any number of them\n"
     "\n"
     "  --any-order           skip the canonical order of simplices\n"
     "  --no-check            skip the exact check of the result\n"
@@ -194,7 +194,7 @@ static int add_output(job *j, const char *path)
         return format != PBWIO_AUTO && format <= PBWIO_CSV && format != PBWIO_NODE
             && !(j->command == SAMPLE && format == PBWIO_STL);
     }
-    return j->command == MESH && ((format != PBWIO_AUTO && format != PBWIO_OFF) || has_ending(path, ".svg"));
+    return j->command == MESH && (format != PBWIO_AUTO || has_ending(path, ".svg"));
 }
 
 /* The setting of that number; returns whether the value is proper.  more: the argument after the value or NULL. */

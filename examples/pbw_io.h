@@ -29,14 +29,18 @@
              separated by blanks, commas, semicolons  a line that starts with # is a comment
      Any other name: the content decides.
 
-   WRITES    what                                             text or binary
-     .vtu    simplices, quality, point ids (ParaView, VTK)    both, binary unless PBWIO_TEXT
-     .msh    simplices and hull, Gmsh 4.1, physical groups    both, binary unless PBWIO_TEXT
-     .mesh   simplices and hull, Medit (FreeFem++, Mmg)       text
-     .node .ele .neigh    TetGen's three files, 0-based       text
-     .ply .stl            3D: the hull; 2D: the triangles     both, binary unless PBWIO_TEXT
-     .obj                 the same                            text
+   WRITES    what                                             text or binary     read by
+     .vtu    simplices, quality, point ids                    both               ParaView, VTK
+     .msh    simplices and boundary, Gmsh 4.1                 both               Gmsh, DOLFINx
+     .msh2   the same, Gmsh 2.2                               text               OpenFOAM, Elmer, GetFEM
+     .mesh   simplices and boundary, Medit                    text               FreeFem++, Mmg
+     .inp    simplices and boundary, Abaqus                   text               CalculiX, Abaqus
+     .su2    simplices and boundary                           text               SU2
+     .node .ele .neigh .face (2D: .edge)    0-based           text               TetGen, Triangle
+     .ply .stl            3D: the hull; 2D: the triangles     both
+     .obj .off            the same                            text
      .xyz .csv            points                              text
+     Binary unless PBWIO_TEXT.
 
    PROMISES  (and the test that guards each)
      exact       numbers are read correctly rounded and written so that they read back the same, in every
@@ -52,9 +56,13 @@
    CONVENTIONS
      Positive simplices, as in pbw.h.  Quality is the mean ratio: 1 for the regular simplex, 0 for a flat one.
       Facets of the hull turn counter-clockwise seen from outside.
+     The simplices are the group "domain", the facets of the hull the group "boundary": physical groups 2 and 1 in
+     .msh and .msh2, references 2 and 1 in .mesh, ELSET and SURFACE (with an NSET of its points) in .inp, a marker in
+     .su2, marks 1 in .face, .edge and .node.
      Points keep their ids, so a file can hold points that are corners of nothing: duplicates and hidden points.
-     PBWIO_NO_ORPHANS leaves those out and numbers the rest anew (solvers want that).  .obj .stl .ply of a hull
-     hold the corners of the hull only.
+     PBWIO_NO_ORPHANS leaves those out and numbers the rest anew (solvers want that); .inp and .su2 always do.
+     .obj .stl .ply .off of a hull hold the corners of the hull only.
+     A number in an .inp file has at most 20 characters, so a few of its digits may be missing: the format says so.
 
    CONFIGURATION MACROS
      PBW_IO_IMPLEMENTATION    in one source file: compile the implementation there
@@ -92,7 +100,8 @@ typedef struct pbwio_error {           /* filled when a function fails; may be N
 typedef enum pbwio_format {
     PBWIO_AUTO = 0,                    /* reading: by name, then by content; writing: by name */
     PBWIO_OBJ, PBWIO_PLY, PBWIO_STL, PBWIO_OFF, PBWIO_NODE, PBWIO_XYZ, PBWIO_CSV,     /* XYZ, CSV: any table */
-    PBWIO_VTU, PBWIO_MSH, PBWIO_MESH, PBWIO_ELE, PBWIO_NEIGH                          /* written only */
+    PBWIO_VTU, PBWIO_MSH, PBWIO_MESH, PBWIO_ELE, PBWIO_NEIGH,                         /* from here: written only */
+    PBWIO_FACE, PBWIO_MSH2, PBWIO_INP, PBWIO_SU2
 } pbwio_format;
 
 typedef struct pbwio_cloud {           /* start from {0}; pbwio_free when done */
@@ -184,25 +193,6 @@ static int pbwio__same(const char *a, size_t a_length, const char *b, size_t b_l
         i++;
     }
     return i == a_length && i == b_length;
-}
-
-PBWIODEF pbwio_format pbwio_format_of(const char *path)
-{
-    static const struct { const char *ending; pbwio_format format; } known[] = {
-        { "obj", PBWIO_OBJ }, { "ply", PBWIO_PLY }, { "stl", PBWIO_STL }, { "off", PBWIO_OFF },
-        { "node", PBWIO_NODE }, { "xyz", PBWIO_XYZ }, { "txt", PBWIO_XYZ }, { "pts", PBWIO_XYZ },
-        { "asc", PBWIO_XYZ }, { "dat", PBWIO_XYZ }, { "tsv", PBWIO_XYZ }, { "csv", PBWIO_CSV },
-        { "vtu", PBWIO_VTU }, { "msh", PBWIO_MSH }, { "mesh", PBWIO_MESH }, { "ele", PBWIO_ELE },
-        { "neigh", PBWIO_NEIGH }
-    };
-    const char *dot = strrchr(path, '.');
-    size_t i;
-    for (i = 0; dot != NULL && i < sizeof known / sizeof known[0]; i++) {
-        if (pbwio__same(dot + 1, strlen(dot + 1), known[i].ending, strlen(known[i].ending))) {
-            return known[i].format;
-        }
-    }
-    return PBWIO_AUTO;
 }
 
 static void pbwio__message(pbwio_error *error, const char *name, const char *place, const char *format, va_list list)
@@ -342,8 +332,9 @@ static int pbwio__lay_out(char text[40], int minus, const char *digits, int coun
     return length + (fixed ? 0 : snprintf(text + length, 8, "e%d", exponent));
 }
 
-/* Writes x in the fewest digits from 15 to 17 that read back the same; returns the length. */
-static int pbwio__print_number(char text[40], double x)
+/* Writes x in the fewest digits from 15 to 17 that read back the same, in fewer where it would be longer than
+   longest, which is 20 at least; returns the length. */
+static int pbwio__print_number(char text[40], double x, int longest)
 {
     char raw[40], digits[18] = "", shorter[40];
     int count = 0, length, exponent, i, other;
@@ -359,7 +350,7 @@ static int pbwio__print_number(char text[40], double x)
     }
     exponent = atoi(raw + i + 1);
     length = pbwio__lay_out(text, *raw == '-', digits, count, exponent);
-    while (count > 15) {
+    while (count > 15 || length > longest) {
         int up = digits[--count] >= '5';
         for (i = count - 1; up && i >= 0; i--) {
             up = digits[i] == '9';
@@ -370,7 +361,7 @@ static int pbwio__print_number(char text[40], double x)
             exponent++;
         }
         other = pbwio__lay_out(shorter, *raw == '-', digits, count, exponent);
-        if (!pbwio__number(shorter, shorter + other, &back) || back < x || back > x) {
+        if (length <= longest && (!pbwio__number(shorter, shorter + other, &back) || back < x || back > x)) {
             break;
         }
         memcpy(text, shorter, (size_t)other);
@@ -401,6 +392,7 @@ typedef struct pbwio__reader {
     size_t point_capacity, triangle_capacity, held, budget;
     size_t fan[2];                           /* the first and the last corner of the polygon at hand */
     pbwio_error *error;
+    char shown[32];                          /* a field for a message */
 } pbwio__reader;
 
 PBWIO__PRINTF(3, 4)
@@ -512,15 +504,15 @@ static int pbwio__is(pbwio__field field, const char *word)
     return pbwio__same(field.begin, (size_t)(field.end - field.begin), word, strlen(word));
 }
 
-/* A field for a message: short, and without bytes that a terminal would act on. */
-static const char *pbwio__show(pbwio__field field, char text[32])
+/* A field for a message: short, and without bytes that a terminal would act on; the next call overwrites it. */
+static const char *pbwio__show(pbwio__reader *r, pbwio__field field)
 {
     size_t length = (size_t)(field.end - field.begin), i;
     for (i = 0; i < length && i < 24; i++) {
-        text[i] = field.begin[i] >= ' ' && field.begin[i] <= '~' ? field.begin[i] : '?';
+        r->shown[i] = field.begin[i] >= ' ' && field.begin[i] <= '~' ? field.begin[i] : '?';
     }
-    strcpy(text + i, length > 24 ? "..." : "");
-    return text;
+    strcpy(r->shown + i, length > 24 ? "..." : "");
+    return r->shown;
 }
 
 /* A count or an id: digits only, at most 18 of them. */
@@ -538,11 +530,10 @@ static long long pbwio__count(pbwio__reader *r, const char *what)
 {
     long long value = 0;
     pbwio__field field;
-    char text[32];
     if (!pbwio__next(r, &field)) {
         pbwio__fail(r, PBWIO_ERROR_FORMAT, "the line ends where the %s should be", what);
     } else if (!pbwio__natural(field, &value)) {
-        pbwio__fail(r, PBWIO_ERROR_FORMAT, "\"%s\" is not a %s", pbwio__show(field, text), what);
+        pbwio__fail(r, PBWIO_ERROR_FORMAT, "\"%s\" is not a %s", pbwio__show(r, field), what);
     }
     return value;
 }
@@ -674,7 +665,6 @@ static void pbwio__point(pbwio__reader *r)
 {
     double value[4];
     pbwio__field field;
-    char text[32];
     int i, k;
     for (i = 0; i <= r->last_column; i++) {
         if (!pbwio__next(r, &field)) {
@@ -685,7 +675,7 @@ static void pbwio__point(pbwio__reader *r)
         for (k = 0; k < 4; k++) {
             if (r->column[k] == i && !pbwio__number(field.begin, field.end, &value[k])) {
                 pbwio__fail(r, PBWIO_ERROR_FORMAT, "column %d, \"%s\", is not a finite number", i + 1,
-                            pbwio__show(field, text));
+                            pbwio__show(r, field));
             }
         }
     }
@@ -810,7 +800,6 @@ static void pbwio__read_obj(pbwio__reader *r)
 {
     pbwio__field field, number;
     long long total, id, k;
-    char text[32];
     pbwio__choose(r, NULL, 3, 0);
     pbwio__reserve(r, pbwio__most(r, pbwio__count_lines(r, 'v')), 1);
     total = (long long)r->point_capacity;
@@ -834,10 +823,10 @@ static void pbwio__read_obj(pbwio__reader *r)
                     number.end++;
                 }
                 if (!pbwio__natural(number, &id) || id == 0) {
-                    pbwio__fail(r, PBWIO_ERROR_FORMAT, "\"%s\" is no corner of a face", pbwio__show(field, text));
+                    pbwio__fail(r, PBWIO_ERROR_FORMAT, "\"%s\" is no corner of a face", pbwio__show(r, field));
                 } else if (id > (minus ? (long long)r->cloud->count : total)) {
                     pbwio__fail(r, PBWIO_ERROR_FORMAT, "a face has point %s, there are %lld",
-                                pbwio__show(field, text), minus ? (long long)r->cloud->count : total);
+                                pbwio__show(r, field), minus ? (long long)r->cloud->count : total);
                 } else {
                     pbwio__add_corner(r, (double)(minus ? (long long)r->cloud->count - id : id - 1), total, k);
                 }
@@ -859,13 +848,12 @@ static void pbwio__read_off(pbwio__reader *r)
 {
     long long points, faces, corners, i, k;
     pbwio__field field;
-    char text[32];
     pbwio__row_line(r);
     pbwio__next(r, &field);
     if (field.end - field.begin >= 3 && pbwio__same(field.end - 3, 3, "OFF", 3)) {       /* the word may be missing */
         for (; field.end - field.begin > 3; field.begin++) {
             if (memchr("STCN", *field.begin, 4) == NULL) {
-                pbwio__fail(r, PBWIO_ERROR_FORMAT, "files of kind \"%s\" are not read", pbwio__show(field, text));
+                pbwio__fail(r, PBWIO_ERROR_FORMAT, "files of kind \"%s\" are not read", pbwio__show(r, field));
             }
         }
         if (!pbwio__next(r, &field)) {
@@ -1016,7 +1004,6 @@ typedef struct pbwio__ply {
 static double pbwio__ply_value(pbwio__reader *r, const pbwio__ply *ply, int type, int wanted)
 {
     pbwio__field field;
-    char text[32];
     double value = 0;
     if (!ply->text) {
         value = pbwio__binary(r, type, ply->big);
@@ -1026,7 +1013,7 @@ static double pbwio__ply_value(pbwio__reader *r, const pbwio__ply *ply, int type
     } else if (!pbwio__next(r, &field)) {
         pbwio__fail(r, PBWIO_ERROR_FORMAT, "the line has too few values");
     } else if (wanted && !pbwio__number(field.begin, field.end, &value)) {
-        pbwio__fail(r, PBWIO_ERROR_FORMAT, "\"%s\" is not a finite number", pbwio__show(field, text));
+        pbwio__fail(r, PBWIO_ERROR_FORMAT, "\"%s\" is not a finite number", pbwio__show(r, field));
     }
     return value;
 }
@@ -1037,7 +1024,6 @@ static void pbwio__ply_element(pbwio__reader *r, const pbwio__ply *ply)
     size_t row = 0;                          /* the fewest bytes of one element */
     double value[4] = { 0, 0, 0, 0 }, length, x;
     pbwio__field names[PBWIO__MOST_COLUMNS];
-    char text[32];
     long long i, j;
     for (p = 0; p < ply->property_count; p++) {
         const pbwio__property *property = &ply->property[p];
@@ -1057,7 +1043,7 @@ static void pbwio__ply_element(pbwio__reader *r, const pbwio__ply *ply)
         pbwio__reserve(r, (unsigned long long)ply->count, row == 0 ? 1 : row);
     } else if (!ply->text && !lists) {
         if (row != 0 && (size_t)(r->end - r->at) / row < (unsigned long long)ply->count) {
-            pbwio__fail(r, PBWIO_ERROR_FORMAT, "the file ends inside element \"%s\"", pbwio__show(ply->name, text));
+            pbwio__fail(r, PBWIO_ERROR_FORMAT, "the file ends inside element \"%s\"", pbwio__show(r, ply->name));
             return;
         }
         r->at += (size_t)ply->count * row;
@@ -1066,7 +1052,7 @@ static void pbwio__ply_element(pbwio__reader *r, const pbwio__ply *ply)
     for (i = 0; i < ply->count && r->status == PBWIO_OK; i++) {
         if (ply->text && !pbwio__row_line(r)) {
             pbwio__fail(r, PBWIO_ERROR_FORMAT, "the file ends after %lld of %lld of element \"%s\"", i, ply->count,
-                        pbwio__show(ply->name, text));
+                        pbwio__show(r, ply->name));
         }
         for (p = 0; p < ply->property_count && r->status == PBWIO_OK; p++) {
             const pbwio__property *property = &ply->property[p];
@@ -1103,7 +1089,6 @@ static void pbwio__ply_element(pbwio__reader *r, const pbwio__ply *ply)
 static int pbwio__ply_type(pbwio__reader *r)
 {
     pbwio__field field;
-    char text[32];
     int t;
     pbwio__next(r, &field);
     for (t = 0; t < 8; t++) {
@@ -1111,7 +1096,7 @@ static int pbwio__ply_type(pbwio__reader *r)
             return t;
         }
     }
-    pbwio__fail(r, PBWIO_ERROR_FORMAT, "\"%s\" is not a type", pbwio__show(field, text));
+    pbwio__fail(r, PBWIO_ERROR_FORMAT, "\"%s\" is not a type", pbwio__show(r, field));
     return 0;
 }
 
@@ -1145,7 +1130,6 @@ static void pbwio__read_ply(pbwio__reader *r)
     pbwio__field word, field;
     pbwio__reader header;
     pbwio__ply ply;
-    char text[32];
     int known = 0, elements = 0, ended = 0;
     memset(&ply, 0, sizeof ply);
     if (!pbwio__line(r) || !pbwio__next(r, &word) || !pbwio__is(word, "ply")) {
@@ -1182,10 +1166,581 @@ static void pbwio__read_ply(pbwio__reader *r)
         } else if (pbwio__is(word, "property") && elements > 0) {
             pbwio__ply_property(&header, &ply);
         } else if (!pbwio__is(word, "format") && !pbwio__is(word, "comment") && !pbwio__is(word, "obj_info")) {
-            pbwio__fail(&header, PBWIO_ERROR_FORMAT, "\"%s\" is no header line", pbwio__show(word, text));
+            pbwio__fail(&header, PBWIO_ERROR_FORMAT, "\"%s\" is no header line", pbwio__show(r, word));
         }
         r->status = r->status == PBWIO_OK ? header.status : r->status;
     }
+}
+
+/* ------------------------------------------------------------------------------------------------------
+   The writer: values in text or binary; rows of points, simplices and facets; forms.
+   In: a mesh.  Out: a stream; the first failure of the stream stays in it and is found when it is closed.
+
+   A form is the text of a file with these signs in it.
+     %n      stands for numbers, n says which (pbwio__numbers); in text they are set apart by one character
+     #1 &1   the number 1 in 4 or 8 bytes, of one digit
+     @p      starts a row, a line that is written for each point; @b those of the boundary, @n those with normals;
+             @c each simplex, @f each facet, @s each triangle of a surface: the facets in 3D, else the simplices;
+             @1 once.  In binary files rows are binary and have no ends, other lines are text.
+     |       ends a line within a row
+     [c ..]  is there if the condition c holds (pbwio__holds)
+   ------------------------------------------------------------------------------------------------------ */
+typedef struct pbwio__writer {
+    const pbw_mesh *mesh;
+    const double *normals;                   /* 3 a point, or NULL */
+    const pbwio_output *output;
+    FILE *file;
+    int binary, text;                        /* binary: what the format is; text: how values are written just now */
+    int between, gap;                        /* text: what sets values apart; whether it is due before the next one */
+    int longest;                             /* text: the most characters that a number may have */
+    size_t id_size, real_size;               /* bytes of a point id and of a coordinate in binary */
+    unsigned base;                           /* the first number of points and elements */
+    size_t dim, corners;                     /* of a simplex: dim+1, or 3 for the triangles of a model */
+    pbw_index *number;                       /* of a point or simplex in the file; PBW_NONE: left out; NULL: itself */
+    unsigned char *boundary;                 /* 1 for the points on facets; NULL: nobody asks */
+    size_t point_count, cell_count, facet_count;     /* what the file holds */
+    size_t point, simplex, k;                /* the row at hand: its point, or its simplex and which facet of that,
+                                                k = corners: the simplex itself */
+    size_t cell, element;                    /* simplices, and simplices and facets, that came before it */
+    size_t used;
+    char buffer[16384];
+} pbwio__writer;
+
+/* Facet k is across from corner k and turns counter-clockwise seen from outside. */
+static const unsigned char pbwio__facet2[3][2] = { { 1, 2 }, { 2, 0 }, { 0, 1 } };
+static const unsigned char pbwio__facet3[4][3] = { { 1, 2, 3 }, { 0, 3, 2 }, { 0, 1, 3 }, { 0, 2, 1 } };
+
+static void pbwio__flush(pbwio__writer *w)
+{
+    fwrite(w->buffer, 1, w->used, w->file);
+    w->used = 0;
+}
+
+static void pbwio__put(pbwio__writer *w, const void *data, size_t size)      /* size <= 4096 */
+{
+    if (w->used + size > sizeof w->buffer) {
+        pbwio__flush(w);
+    }
+    memcpy(w->buffer + w->used, data, size);
+    w->used += size;
+}
+
+PBWIO__PRINTF(2, 3)
+static void pbwio__print(pbwio__writer *w, const char *format, ...)
+{
+    char text[1024];
+    va_list list;
+    va_start(list, format);
+    vsnprintf(text, sizeof text, format, list);
+    va_end(list);
+    pbwio__put(w, text, strlen(text));
+}
+
+/* What sets a value apart from the one before it. */
+static void pbwio__part(pbwio__writer *w)
+{
+    char between = (char)w->between;
+    pbwio__put(w, &between, (size_t)w->gap);
+    w->gap = 0;
+}
+
+static void pbwio__int(pbwio__writer *w, long long value, size_t size)
+{
+    unsigned long long rest = value < 0 ? 0 - (unsigned long long)value : (unsigned long long)value;
+    char digits[24];
+    size_t at = sizeof digits;
+    uint64_t wide = (uint64_t)value;
+    uint32_t narrow = (uint32_t)wide;
+    unsigned char byte = (unsigned char)wide;
+    if (!w->text) {
+        pbwio__put(w, size == 8 ? (void *)&wide : size == 4 ? (void *)&narrow : (void *)&byte, size);
+        return;
+    }
+    do {
+        digits[--at] = (char)('0' + rest % 10);
+        rest /= 10;
+    } while (rest != 0);
+    if (value < 0) {
+        digits[--at] = '-';
+    }
+    pbwio__part(w);
+    pbwio__put(w, digits + at, sizeof digits - at);
+    w->gap = 1;
+}
+
+static void pbwio__real(pbwio__writer *w, double x)
+{
+    char text[40];
+    float single = (float)x;
+    if (!w->text) {
+        pbwio__put(w, w->real_size == 4 ? (void *)&single : (void *)&x, w->real_size);
+        return;
+    }
+    pbwio__part(w);
+    pbwio__put(w, text, (size_t)pbwio__print_number(text, x, w->longest));
+    w->gap = 1;
+}
+
+static void pbwio__end_line(pbwio__writer *w)
+{
+    if (w->text) {
+        pbwio__put(w, "\n", 1);
+    }
+    w->gap = 0;
+}
+
+static int pbwio__kept(const pbwio__writer *w, size_t simplex)
+{
+    return w->output->keep == NULL || w->output->keep[simplex] != 0;
+}
+
+/* Without neighbours nothing is known to be. */
+static int pbwio__on_hull(const pbwio__writer *w, size_t simplex, size_t k)
+{
+    pbw_index other = w->mesh->neighbors == NULL ? 0 : w->mesh->neighbors[w->corners * simplex + k];
+    return w->mesh->neighbors != NULL && (other == PBW_NONE || !pbwio__kept(w, other));
+}
+
+/* The corners of the facet or simplex at hand; returns how many. */
+static size_t pbwio__corners(const pbwio__writer *w, pbw_index corner[4])
+{
+    const pbw_index *all = w->mesh->simplices + w->corners * w->simplex;
+    size_t i, k = w->k, count = w->corners - (k < w->corners);
+    for (i = 0; i < count; i++) {
+        corner[i] = all[k == w->corners ? i : w->corners == 4 ? pbwio__facet3[k][i] : pbwio__facet2[k][i]];
+    }
+    return count;
+}
+
+static void pbwio__rewind(pbwio__writer *w)
+{
+    w->simplex = w->cell = 0;
+    w->k = (size_t)-1;
+}
+
+/* Goes on to the next simplex that is kept, or to the next facet of their hull; 0: there is none. */
+static int pbwio__step(pbwio__writer *w, int facets)
+{
+    for (w->k++; w->simplex < w->mesh->simplex_count; w->simplex++, w->k = 0) {
+        if (pbwio__kept(w, w->simplex)) {
+            w->k = !facets && w->k == 0 ? w->corners : w->k;
+            while (w->k < w->corners && !pbwio__on_hull(w, w->simplex, w->k)) {
+                w->k++;
+            }
+            if (w->k < w->corners + !facets) {
+                return 1;
+            }
+            w->cell++;
+        }
+    }
+    return 0;
+}
+
+/* 1 for each point that is a corner of a simplex or a facet; NULL: out of memory. */
+static unsigned char *pbwio__touched(pbwio__writer *w, int facets)
+{
+    unsigned char *touched = (unsigned char *)PBWIO_REALLOC(NULL, w->mesh->point_count + 1);
+    pbw_index corner[4];
+    size_t i, n;
+    if (touched != NULL) {
+        memset(touched, 0, w->mesh->point_count + 1);
+        pbwio__rewind(w);
+        while (pbwio__step(w, facets)) {
+            for (i = 0, n = pbwio__corners(w, corner); i < n; i++) {
+                touched[corner[i]] = 1;
+            }
+        }
+    }
+    return touched;
+}
+
+/* Numbers the points that the file will hold, the corners of what is written; returns whether there is memory. */
+static int pbwio__number_points(pbwio__writer *w, int facets)
+{
+    size_t i, size = (w->mesh->point_count + 1) * sizeof *w->number;
+    unsigned char *touched = pbwio__touched(w, facets);
+    w->number = touched != NULL ? (pbw_index *)PBWIO_REALLOC(NULL, size) : NULL;
+    w->point_count = 0;
+    for (i = 0; i < w->mesh->point_count && w->number != NULL; i++) {
+        w->number[i] = touched[i] ? (pbw_index)w->point_count++ : PBW_NONE;
+    }
+    PBWIO_FREE(touched);
+    return w->number != NULL;
+}
+
+/* Mean ratio: 12 (3 volume)^(2/3) or 4 sqrt(3) area, over the sum of the squared edge lengths. */
+static double pbwio__quality(const pbw_mesh *mesh, size_t simplex)
+{
+    size_t dim = (size_t)mesh->dim, n = dim + 1, i, j, k;
+    const pbw_index *corner = mesh->simplices + n * simplex;
+    double edge[3][3] = { { 0, 0, 0 }, { 0, 0, 0 }, { 0, 0, 1 } }, sum = 0, d, size;
+    for (i = 0; i < n; i++) {
+        for (j = i + 1; j < n; j++) {
+            for (k = 0; k < dim; k++) {
+                d = mesh->points[dim * corner[j] + k] - mesh->points[dim * corner[i] + k];
+                edge[j - 1][k] = i == 0 ? d : edge[j - 1][k];
+                sum += d * d;
+            }
+        }
+    }
+    size = edge[0][0] * (edge[1][1] * edge[2][2] - edge[1][2] * edge[2][1])
+         - edge[0][1] * (edge[1][0] * edge[2][2] - edge[1][2] * edge[2][0])
+         + edge[0][2] * (edge[1][0] * edge[2][1] - edge[1][1] * edge[2][0]);
+    size = size > 0 ? size : 0;                                      /* 6 volumes or 2 areas; may round below 0 */
+    d = dim == 3 ? 12 * pow(size / 2, 2.0 / 3.0) / sum : 2 * sqrt(3.0) * size / sum;
+    return d >= 0 && d <= 1 ? d : d > 1 ? 1 : 0;
+}
+
+/* The least (sign 1) or the greatest (-1) coordinate k of all points, 0 if there are none. */
+static double pbwio__extreme(const pbwio__writer *w, size_t k, double sign)
+{
+    double extreme = 0, x;
+    size_t i;
+    for (i = 0; i < w->mesh->point_count && k < w->dim; i++) {
+        x = w->mesh->points[w->dim * i + k];
+        extreme = i == 0 || sign * x < sign * extreme ? x : extreme;
+    }
+    return extreme;
+}
+
+/* The normal of a triangle, of length 1 or 0, and its corners, as .stl has them. */
+static void pbwio__triangle(const pbwio__writer *w, double row[4][3])
+{
+    double a[3], b[3], size = 0;
+    pbw_index corner[4];
+    size_t i, k;
+    pbwio__corners(w, corner);
+    for (i = 0; i < 9; i++) {
+        k = i % 3;
+        row[1 + i / 3][k] = k < w->dim ? w->mesh->points[w->dim * corner[i / 3] + k] : 0;
+    }
+    for (k = 0; k < 3; k++) {
+        a[k] = row[2][k] - row[1][k];
+        b[k] = row[3][k] - row[1][k];
+    }
+    for (k = 0; k < 3; k++) {
+        row[0][k] = a[(k + 1) % 3] * b[(k + 2) % 3] - a[(k + 2) % 3] * b[(k + 1) % 3];
+        size += row[0][k] * row[0][k];
+    }
+    for (k = 0; k < 3; k++) {
+        row[0][k] = size > 0 ? (double)(float)(row[0][k] / sqrt(size)) : 0;
+    }
+}
+
+/* The number in the file of a point, or of a simplex in a format of simplices alone. */
+static long long pbwio__number_of(const pbwio__writer *w, size_t i)
+{
+    return (long long)(w->number == NULL ? i : w->number[i]) + w->base;
+}
+
+static void pbwio__numbers(pbwio__writer *w, char which)
+{
+    static const unsigned char side2[3] = { 2, 3, 1 }, side3[4] = { 3, 4, 2, 1 };    /* as Abaqus counts facets */
+    const pbw_mesh *mesh = w->mesh;
+    size_t i, n, width = 3, surface = w->corners == 4 ? w->facet_count : w->cell_count;
+    double row[4][3];
+    pbw_index corner[4];
+    switch (which) {
+        /* of the mesh */
+        case 'd': pbwio__int(w, mesh->dim, 4); break;
+        case 'n': pbwio__int(w, (long long)w->point_count, 8); break;
+        case 'c': pbwio__int(w, (long long)w->cell_count, 8); break;
+        case 'f': pbwio__int(w, (long long)w->facet_count, 8); break;
+        case 's': pbwio__int(w, (long long)surface, 4); break;
+        case 'e': pbwio__int(w, (long long)(w->cell_count + w->facet_count), 8); break;
+        case 'B':                                                    /* the box around all points */
+            for (i = 0; i < 6; i++) {
+                pbwio__real(w, pbwio__extreme(w, i % 3, i < 3 ? 1 : -1));
+            }
+            break;
+        /* of a point: its number and id, coordinates (3 of them), weight, normal, whether it is on a facet */
+        case 'i': pbwio__int(w, pbwio__number_of(w, w->point), 8); break;
+        case 'o': pbwio__int(w, (long long)w->point, 4); break;
+        case 'x': width = w->dim;                                    /* fall through */
+        case 'X':
+            for (i = 0; i < width; i++) {
+                pbwio__real(w, i < w->dim ? mesh->points[w->dim * w->point + i] : 0.0);
+            }
+            break;
+        case 'w':
+            if (mesh->weights != NULL) {
+                pbwio__real(w, mesh->weights[w->point]);
+            }
+            break;
+        case 'm':
+            for (i = 0; i < 3 && w->normals != NULL; i++) {
+                pbwio__real(w, w->normals[3 * w->point + i]);
+            }
+            break;
+        case 'b': pbwio__int(w, w->boundary != NULL && w->boundary[w->point], 4); break;
+        /* of a simplex or facet: its number among both, its points, the same with their normals */
+        case 'j': pbwio__int(w, (long long)(w->element + w->base), 8); break;
+        case 'v':
+        case 'V':
+            for (i = 0, n = pbwio__corners(w, corner); i < n; i++) {
+                pbwio__int(w, pbwio__number_of(w, corner[i]), w->id_size);
+                if (which == 'V' && w->normals != NULL) {
+                    pbwio__put(w, "//", 2);
+                    w->gap = 0;
+                    pbwio__int(w, pbwio__number_of(w, corner[i]), 4);
+                }
+            }
+            break;
+        /* of a triangle: its normal, its corners, two bytes that nobody uses */
+        case 'N': case '0': case '1': case '2':
+            pbwio__triangle(w, row);
+            for (i = 0; i < 3; i++) {
+                pbwio__real(w, row[which == 'N' ? 0 : which - '0' + 1][i]);
+            }
+            break;
+        case 'z': pbwio__put(w, "\0", 2); break;
+        /* of a facet: the number of its simplex, which facet of that it is */
+        case 'p': pbwio__int(w, (long long)(w->cell + w->base), 8); break;
+        case 'k': pbwio__int(w, w->corners == 4 ? side3[w->k] : side2[w->k], 4); break;
+        /* of a simplex: neighbours, across from the corners, -1 = the hull; quality; the caller's value; where its
+           corners end in a list of all; its type in VTK */
+        case 'g':
+            for (i = 0; i < w->corners; i++) {
+                pbw_index other = mesh->neighbors[w->corners * w->simplex + i];
+                pbwio__int(w, pbwio__on_hull(w, w->simplex, i) ? -1 : pbwio__number_of(w, other), 4);
+            }
+            break;
+        case 'q': pbwio__real(w, pbwio__quality(mesh, w->simplex)); break;
+        case 'u': pbwio__real(w, w->output->values[w->simplex]); break;
+        case 'a': pbwio__int(w, (long long)((w->cell + 1) * w->corners), 8); break;
+        case 't': pbwio__int(w, w->corners == 4 ? 10 : 5, 1); break;
+    }
+}
+
+static int pbwio__little_endian(void)
+{
+    const uint32_t one = 1;
+    unsigned char first;
+    memcpy(&first, &one, 1);
+    return first == 1;
+}
+
+static int pbwio__holds(const pbwio__writer *w, char condition)
+{
+    switch (condition) {
+        case '2': return w->dim == 2;
+        case '3': return w->dim == 3;
+        case 'w': return w->mesh->weights != NULL;
+        case 'W': return w->mesh->weights == NULL;
+        case 'm': return w->normals != NULL;
+        case 'f': return w->facet_count != 0;
+        case 'F': return w->facet_count == 0;
+        case 's': return w->corners == 4 ? w->facet_count != 0 : w->cell_count != 0;
+        case 't': return !w->binary;
+        case 'b': return w->binary;
+        default: return w->binary && pbwio__little_endian() == (condition == 'l');    /* l, g: byte order */
+    }
+}
+
+/* Writes what stands at s, a sign or a character, and returns where the next one stands. */
+static const char *pbwio__sign(pbwio__writer *w, const char *s)
+{
+    int depth = 1;
+    if (*s == '%') {
+        pbwio__numbers(w, s[1]);
+        return s + 2;
+    }
+    if (*s == '#' || *s == '&') {
+        pbwio__int(w, s[1] - '0', *s == '#' ? 4 : 8);
+        return s + 2;
+    }
+    if (*s == '[') {
+        if (!pbwio__holds(w, s[1])) {
+            for (s += 2; depth > 0; s++) {
+                depth += (*s == '[') - (*s == ']');
+            }
+            return s;
+        }
+        return s + 2;
+    }
+    if (*s == '\n' || *s == '|') {
+        pbwio__end_line(w);
+    } else if (*s != ']') {
+        pbwio__part(w);
+        pbwio__put(w, s, 1);
+    }
+    return s + 1;
+}
+
+static void pbwio__row(pbwio__writer *w, const char *s)
+{
+    while (*s != '\n') {
+        s = pbwio__sign(w, s);
+    }
+    pbwio__end_line(w);
+}
+
+/* Writes a row for each thing of that kind. */
+static void pbwio__rows(pbwio__writer *w, char kind, const char *row)
+{
+    int facets = kind == 'f' || (kind == 's' && w->corners == 4);
+    w->text = !w->binary;
+    pbwio__rewind(w);
+    if (kind == '1') {
+        pbwio__row(w, row);
+    } else if (strchr("pbn", kind) == NULL) {
+        for (; pbwio__step(w, facets); w->element++) {
+            pbwio__row(w, row);
+        }
+    } else if ((kind != 'n' || w->normals != NULL) && (kind != 'b' || w->boundary != NULL)) {
+        for (w->point = 0; w->point < w->mesh->point_count; w->point++) {
+            if ((w->number == NULL || w->number[w->point] != PBW_NONE) && (kind != 'b' || w->boundary[w->point])) {
+                pbwio__row(w, row);
+            }
+        }
+    }
+}
+
+static void pbwio__fill_in(pbwio__writer *w, const char *form)
+{
+    while (*form != 0) {
+        w->text = 1;
+        if (*form == '@') {
+            pbwio__rows(w, form[1], form + 2);
+            form = strchr(form, '\n') + 1;
+        } else {
+            form = pbwio__sign(w, form);
+        }
+    }
+    w->text = !w->binary;
+}
+
+/* The one format that is more than a form: in binary all tags come first, then all numbers. */
+static void pbwio__write_vtu(pbwio__writer *w)
+{
+    const struct { const char *before, *type, *name; char kind; const char *row; size_t size; int is; } arrays[] = {
+        { "<PointData>\n", "UInt32", "id", 'p', "%o\n", 4, 1 },
+        { "", "Float64", "weight", 'p', "%w\n", 8, w->mesh->weights != NULL },
+        { "</PointData>\n<CellData>\n", "Float64", "quality", 'c', "%q\n", 8, 1 },
+        { "", "Float64", w->output->value_name == NULL ? "value" : w->output->value_name, 'c', "%u\n", 8,
+          w->output->values != NULL },
+        { "</CellData>\n<Points>\n", "Float64", "points", 'p', "%X\n", 24, 1 },
+        { "</Points>\n<Cells>\n", "UInt32", "connectivity", 'c', "%v\n", 4 * w->corners, 1 },
+        { "", "Int64", "offsets", 'c', "%a\n", 8, 1 },
+        { "", "UInt8", "types", 'c', "%t\n", 1, 1 }
+    };
+    unsigned long long offset = 0;
+    size_t i, bytes;
+    int pass;
+    pbwio__print(w, "<?xml version=\"1.0\"?>\n"
+                 "<VTKFile type=\"UnstructuredGrid\" version=\"1.0\" byte_order=\"%s\" header_type=\"UInt64\">\n"
+                 "<UnstructuredGrid>\n<Piece NumberOfPoints=\"%zu\" NumberOfCells=\"%zu\">\n",
+                 pbwio__little_endian() ? "LittleEndian" : "BigEndian", w->point_count, w->cell_count);
+    for (pass = 0; pass <= w->binary; pass++) {                      /* binary: all tags, then all numbers */
+        for (i = 0; i < sizeof arrays / sizeof arrays[0]; i++) {
+            bytes = arrays[i].size * (arrays[i].kind == 'p' ? w->point_count : w->cell_count);
+            pbwio__print(w, "%s", pass == 0 ? arrays[i].before : "");
+            if (!arrays[i].is) {
+                continue;
+            }
+            if (pass == 0) {
+                pbwio__print(w, "<DataArray type=\"%s\" Name=\"%.200s\" NumberOfComponents=\"%d\" ", arrays[i].type,
+                             arrays[i].name, arrays[i].size == 24 ? 3 : 1);
+                if (w->binary) {
+                    pbwio__print(w, "format=\"appended\" offset=\"%llu\"/>\n", offset);
+                    offset += 8 + bytes;
+                    continue;
+                }
+                pbwio__print(w, "format=\"ascii\">\n");
+            } else {
+                pbwio__int(w, (long long)bytes, 8);
+            }
+            pbwio__rows(w, arrays[i].kind, arrays[i].row);
+            pbwio__print(w, "%s", w->binary ? "" : "</DataArray>\n");
+        }
+        pbwio__print(w, "%s%s", pass == 0 ? "</Cells>\n</Piece>\n</UnstructuredGrid>\n" : "\n</AppendedData>\n",
+                     pass == 0 && w->binary ? "<AppendedData encoding=\"raw\">\n_" : "");
+    }
+    pbwio__print(w, "</VTKFile>\n");
+}
+
+/* ------------------------------------------------------------------------------------------------------
+   All formats, in the order of pbwio_format.
+   ------------------------------------------------------------------------------------------------------ */
+#define PBWIO__SURFACE   1u            /* holds the hull in 3D, the triangles in 2D, and their corners only */
+#define PBWIO__BINARY    2u            /* has a binary form */
+#define PBWIO__FROM_1    4u            /* numbers start at 1 */
+#define PBWIO__NO_ORPHANS 8u           /* for solvers, which take every point for one of the mesh */
+#define PBWIO__BOUNDARY 16u            /* tells which points are on the boundary */
+#define PBWIO__SIMPLICES 32u           /* numbers are of simplices */
+#define PBWIO__COMMAS   64u
+
+#define PBWIO__GROUPS "$PhysicalNames\n2\n[21][32] 1 \"boundary\"\n[22][33] 2 \"domain\"\n$EndPhysicalNames\n"
+
+typedef struct pbwio__kind {
+    const char *endings;               /* of names */
+    unsigned traits;
+    void (*read)(pbwio__reader *r);    /* NULL: it is not read */
+    void (*write)(pbwio__writer *w);   /* NULL: by its form */
+    const char *form;
+} pbwio__kind;
+
+static const pbwio__kind pbwio__kinds[] = {
+    { "", 0, NULL, NULL, NULL },
+    { "obj", PBWIO__SURFACE | PBWIO__FROM_1, pbwio__read_obj, NULL, "@pv %X\n@nvn %m\n@sf %V\n" },
+    { "ply", PBWIO__SURFACE | PBWIO__BINARY, pbwio__read_ply, NULL,
+      "ply\nformat [tascii][lbinary_little_endian][gbinary_big_endian] 1.0\n"
+      "element vertex %n\nproperty double x\nproperty double y\nproperty double z\n"
+      "[mproperty double nx\nproperty double ny\nproperty double nz\n]"
+      "[selement face %s\nproperty list uchar int vertex_indices\n]end_header\n@p%X%m\n@s[t3 ][b\3]%v\n" },
+    { "stl", PBWIO__SURFACE | PBWIO__BINARY, pbwio__read_stl, NULL,
+      "[tsolid triangles\n][b       binary STL, triangles                                                    ]"
+      "[b@1%s\n]@s[tfacet normal ]%N|[touter loop|vertex ]%0|[tvertex ]%1|[tvertex ]%2|[tendloop|endfacet][b%z]\n"
+      "[tendsolid triangles\n]" },
+    { "off", PBWIO__SURFACE, pbwio__read_off, NULL, "OFF\n%n%s0\n@p%X\n@s3 %v\n" },
+    { "node", PBWIO__BOUNDARY, pbwio__read_node, NULL, "%n%d[w1][W0] 1\n@p%i%x%w%b\n" },
+    { "xyz txt pts asc dat tsv", 0, pbwio__read_table, NULL, "@p%x%w%m\n" },
+    { "csv", PBWIO__COMMAS, pbwio__read_table, NULL, "x,y[3,z][w,weight][m,nx,ny,nz]\n@p%x%w%m\n" },
+    { "vtu", PBWIO__BINARY, NULL, pbwio__write_vtu, NULL },
+    /* Entity 1 of dimension dim-1 is the boundary, entity 1 of dimension dim the domain with all points: tag, box,
+       physical groups, entities that bound it.  Blocks start with dimension, entity, type, count. */
+    { "msh", PBWIO__BINARY | PBWIO__FROM_1, NULL, NULL,
+      "$MeshFormat\n4.1 [t0][b1] 8\n[b@1#1\n\n]$EndMeshFormat\n" PBWIO__GROUPS
+      "$Entities\n@1&0[2&1][3&0]&1[2&0][3&1]\n@1#1%B&1#1&0\n@1#1%B&1#2&1#1\n[b\n]$EndEntities\n"
+      "$Nodes\n@1&1%n&1%n\n@1%d#1#0%n\n@p%i\n@p%X\n[b\n]$EndNodes\n"
+      "$Elements\n@1[f&2][F&1]%e&1%e\n[f@1[2#1][3#2]#1[2#1][3#2]%f\n@f%j%v\n]@1%d#1[2#2][3#4]%c\n@c%j%v\n"
+      "[b\n]$EndElements\n" },
+    { "mesh", PBWIO__FROM_1, NULL, NULL,
+      "MeshVersionFormatted 2\nDimension %d\nVertices\n%n\n@p%x0\n[f[2Edges][3Triangles]\n%f\n@f%v1\n]"
+      "[2Triangles][3Tetrahedra]\n%c\n@c%v2\nEnd\n" },
+    { "ele", 0, NULL, NULL, "%c[23][34] 0\n@c%j%v\n" },
+    { "neigh", PBWIO__SIMPLICES, NULL, NULL, "%c[23][34]\n@c%j%g\n" },
+    { "face edge", 0, NULL, NULL, "%f1\n@f%j%v1\n" },
+    { "msh2", PBWIO__FROM_1, NULL, NULL,
+      "$MeshFormat\n2.2 0 8\n$EndMeshFormat\n" PBWIO__GROUPS
+      "$Nodes\n%n\n@p%i%X\n$EndNodes\n"
+      "$Elements\n%e\n@f%j[21][32] 2 1 1 %v\n@c%j[22][34] 2 2 1 %v\n$EndElements\n" },
+    { "inp", PBWIO__FROM_1 | PBWIO__NO_ORPHANS | PBWIO__BOUNDARY | PBWIO__COMMAS, NULL, NULL,
+      "*NODE, NSET=NALL\n@p%i%x\n*ELEMENT, TYPE=[2CPS3][3C3D4], ELSET=DOMAIN\n@c%j%v\n"
+      "[f*NSET, NSET=BOUNDARY\n@b%i\n*SURFACE, NAME=BOUNDARY, TYPE=ELEMENT\n@f%pS%k\n]" },
+    { "su2", PBWIO__NO_ORPHANS, NULL, NULL,
+      "NDIME= %d\nNELEM= %c\n@c[25][310] %v\nNPOIN= %n\n@p%x\n"
+      "[fNMARK= 1\nMARKER_TAG= boundary\nMARKER_ELEMS= %f\n@f[23][35] %v\n]" }
+};
+
+static const pbwio__kind *pbwio__kind_of(pbwio_format format)
+{
+    return pbwio__kinds + ((size_t)format < sizeof pbwio__kinds / sizeof pbwio__kinds[0] ? (size_t)format : 0);
+}
+
+PBWIODEF pbwio_format pbwio_format_of(const char *path)
+{
+    const char *dot = strrchr(path, '.'), *ending;
+    size_t i, length;
+    for (i = 1; dot != NULL && i < sizeof pbwio__kinds / sizeof pbwio__kinds[0]; i++) {
+        for (ending = pbwio__kinds[i].endings; *ending != 0; ending += length + (ending[length] == ' ')) {
+            length = strcspn(ending, " ");
+            if (pbwio__same(dot + 1, strlen(dot + 1), ending, length)) {
+                return (pbwio_format)i;
+            }
+        }
+    }
+    return PBWIO_AUTO;
 }
 
 /* ------------------------------------------------------------------------------------------------------
@@ -1272,16 +1827,10 @@ PBWIODEF pbwio_status pbwio_read_memory(const char *name, const void *data, size
     if (wrong != NULL) {
         return pbwio__file_error(error, PBWIO_ERROR_FORMAT, name, "%s", wrong);
     }
-    switch (format) {
-        case PBWIO_OBJ: pbwio__read_obj(&r); break;
-        case PBWIO_PLY: pbwio__read_ply(&r); break;
-        case PBWIO_STL: pbwio__read_stl(&r); break;
-        case PBWIO_OFF: pbwio__read_off(&r); break;
-        case PBWIO_NODE: pbwio__read_node(&r); break;
-        case PBWIO_XYZ:
-        case PBWIO_CSV: pbwio__read_table(&r); break;
-        default: return pbwio__file_error(error, PBWIO_ERROR_ARGUMENT, name, "this format is written, not read");
+    if (pbwio__kind_of(format)->read == NULL) {
+        return pbwio__file_error(error, PBWIO_ERROR_ARGUMENT, name, "this format is written, not read");
     }
+    pbwio__kind_of(format)->read(&r);
     if (r.status == PBWIO_OK && cloud->count == 0) {
         r.status = pbwio__file_error(error, PBWIO_ERROR_FORMAT, name, "the file has no points");
     }
@@ -1295,537 +1844,68 @@ PBWIODEF pbwio_status pbwio_read_memory(const char *name, const void *data, size
     return PBWIO_OK;
 }
 
-PBWIODEF pbwio_status pbwio_read(const char *path, const pbwio_options *options, pbwio_cloud *cloud,
-                                 pbwio_error *error)
+/* The whole of a file, "-" is the standard input, in a block for the caller to free; NULL: see *status. */
+static char *pbwio__load(const char *path, size_t *size, pbwio_status *status, pbwio_error *error)
 {
-    int standard = path != NULL && strcmp(path, "-") == 0;
-    size_t size = 0, capacity = 0, got = 1;
+    int standard = strcmp(path, "-") == 0;
+    size_t capacity = 0, got = 1;
     char *data = NULL, *block;
-    pbwio_status status;
-    FILE *file;
-    if (path == NULL || cloud == NULL) {
-        return pbwio__file_error(error, PBWIO_ERROR_ARGUMENT, "pbwio_read", "an argument is NULL");
-    }
-    memset(cloud, 0, sizeof *cloud);
-    file = standard ? stdin : fopen(path, "rb");
+    FILE *file = standard ? stdin : fopen(path, "rb");
+    *size = 0;
+    *status = PBWIO_OK;
     if (file == NULL) {
-        return pbwio__file_error(error, PBWIO_ERROR_FILE, path, "%s", strerror(errno));
+        *status = pbwio__file_error(error, PBWIO_ERROR_FILE, path, "%s", strerror(errno));
+        return NULL;
     }
     while (got != 0) {
-        if (size == capacity) {
+        if (*size == capacity) {
             capacity = capacity == 0 ? 65536 : 2 * capacity;
-            block = capacity > size ? (char *)PBWIO_REALLOC(data, capacity) : NULL;
+            block = capacity > *size ? (char *)PBWIO_REALLOC(data, capacity) : NULL;
             if (block == NULL) {
                 break;
             }
             data = block;
         }
-        got = fread(data + size, 1, capacity - size, file);
-        size += got;
+        got = fread(data + *size, 1, capacity - *size, file);
+        *size += got;
     }
     if (got != 0) {
-        status = pbwio__file_error(error, PBWIO_ERROR_MEMORY, path, "out of memory");
+        *status = pbwio__file_error(error, PBWIO_ERROR_MEMORY, path, "out of memory");
     } else if (ferror(file)) {
-        status = pbwio__file_error(error, PBWIO_ERROR_FILE, path, "%s", strerror(errno));
-    } else {
-        data = (char *)pbwio__shrink(data, size);
-        status = pbwio_read_memory(standard ? "standard input" : path, data, size, options, cloud, error);
+        *status = pbwio__file_error(error, PBWIO_ERROR_FILE, path, "%s", strerror(errno));
     }
-    PBWIO_FREE(data);
     if (!standard) {
         fclose(file);
     }
+    if (*status != PBWIO_OK) {
+        PBWIO_FREE(data);
+        return NULL;
+    }
+    return (char *)pbwio__shrink(data, *size);
+}
+
+PBWIODEF pbwio_status pbwio_read(const char *path, const pbwio_options *options, pbwio_cloud *cloud,
+                                 pbwio_error *error)
+{
+    size_t size;
+    char *data;
+    pbwio_status status;
+    if (path == NULL || cloud == NULL) {
+        return pbwio__file_error(error, PBWIO_ERROR_ARGUMENT, "pbwio_read", "an argument is NULL");
+    }
+    memset(cloud, 0, sizeof *cloud);
+    data = pbwio__load(path, &size, &status, error);
+    if (data != NULL) {
+        status = pbwio_read_memory(strcmp(path, "-") == 0 ? "standard input" : path, data, size, options, cloud,
+                                   error);
+    }
+    PBWIO_FREE(data);
     return status;
 }
 
 /* ------------------------------------------------------------------------------------------------------
-   The writer: values in text or binary, points, simplices and facets of the hull.
-   In: a mesh.  Out: a stream; the first failure of the stream stays in it and is found when it is closed.
+   Writing: a file that is whole or is not there.
    ------------------------------------------------------------------------------------------------------ */
-typedef struct pbwio__writer {
-    const pbw_mesh *mesh;
-    const pbwio_output *output;
-    pbwio_format format;
-    FILE *file;
-    int text, between;                       /* text: values are followed by the character between */
-    size_t id_size;                          /* bytes of a point id in binary */
-    size_t corners;                          /* of a simplex: dim+1 */
-    pbw_index *number;                       /* of a point or simplex in the file; PBW_NONE: left out; NULL: itself */
-    size_t point_count, cell_count, facet_count;     /* what the file holds */
-    size_t used;
-    char buffer[16384];
-} pbwio__writer;
-
-/* Facet k is across from corner k and turns counter-clockwise seen from outside. */
-static const unsigned char pbwio__facet2[3][2] = { { 1, 2 }, { 2, 0 }, { 0, 1 } };
-static const unsigned char pbwio__facet3[4][3] = { { 1, 2, 3 }, { 0, 3, 2 }, { 0, 1, 3 }, { 0, 2, 1 } };
-
-static void pbwio__flush(pbwio__writer *w)
-{
-    fwrite(w->buffer, 1, w->used, w->file);
-    w->used = 0;
-}
-
-static void pbwio__put(pbwio__writer *w, const void *data, size_t size)      /* size <= 4096 */
-{
-    if (w->used + size > sizeof w->buffer) {
-        pbwio__flush(w);
-    }
-    memcpy(w->buffer + w->used, data, size);
-    w->used += size;
-}
-
-PBWIO__PRINTF(2, 3)
-static void pbwio__print(pbwio__writer *w, const char *format, ...)
-{
-    char text[1024];
-    va_list list;
-    va_start(list, format);
-    vsnprintf(text, sizeof text, format, list);
-    va_end(list);
-    pbwio__put(w, text, strlen(text));
-}
-
-static void pbwio__int(pbwio__writer *w, long long value, size_t size)
-{
-    unsigned long long rest = value < 0 ? 0 - (unsigned long long)value : (unsigned long long)value;
-    char digits[24];
-    size_t at = sizeof digits;
-    uint64_t wide = (uint64_t)value;
-    uint32_t narrow = (uint32_t)wide;
-    unsigned char byte = (unsigned char)wide;
-    if (!w->text) {
-        pbwio__put(w, size == 8 ? (void *)&wide : size == 4 ? (void *)&narrow : (void *)&byte, size);
-        return;
-    }
-    digits[--at] = (char)w->between;
-    do {
-        digits[--at] = (char)('0' + rest % 10);
-        rest /= 10;
-    } while (rest != 0);
-    if (value < 0) {
-        digits[--at] = '-';
-    }
-    pbwio__put(w, digits + at, sizeof digits - at);
-}
-
-static void pbwio__real(pbwio__writer *w, double x)
-{
-    char text[48];
-    int length;
-    if (!w->text) {
-        pbwio__put(w, &x, sizeof x);
-        return;
-    }
-    length = pbwio__print_number(text, x);
-    text[length] = (char)w->between;
-    pbwio__put(w, text, (size_t)length + 1);
-}
-
-static void pbwio__end_line(pbwio__writer *w)                        /* in place of what follows the last value */
-{
-    if (w->text) {
-        w->used -= w->used > 0;
-        pbwio__put(w, "\n", 1);
-    }
-}
-
-static int pbwio__kept(const pbwio__writer *w, size_t simplex)
-{
-    return w->output->keep == NULL || w->output->keep[simplex] != 0;
-}
-
-static int pbwio__on_hull(const pbwio__writer *w, size_t simplex, size_t k)
-{
-    pbw_index other = w->mesh->neighbors[w->corners * simplex + k];
-    return other == PBW_NONE || !pbwio__kept(w, other);
-}
-
-/* The corners of facet k, or of the simplex itself where k is w->corners; returns how many. */
-static size_t pbwio__corners(const pbwio__writer *w, size_t simplex, size_t k, pbw_index corner[4])
-{
-    const pbw_index *all = w->mesh->simplices + w->corners * simplex;
-    size_t i, count = w->corners - (k < w->corners);
-    for (i = 0; i < count; i++) {
-        corner[i] = all[k == w->corners ? i : w->corners == 4 ? pbwio__facet3[k][i] : pbwio__facet2[k][i]];
-    }
-    return count;
-}
-
-/* Goes through the simplices that are kept, or through the facets of their hull: *simplex and *k are the next ones
-   after themselves; start with 0 and -1. */
-static int pbwio__step(const pbwio__writer *w, int facets, size_t *simplex, size_t *k)
-{
-    if (!facets) {
-        for (*simplex += *k == w->corners, *k = w->corners; *simplex < w->mesh->simplex_count; ++*simplex) {
-            if (pbwio__kept(w, *simplex)) {
-                return 1;
-            }
-        }
-        return 0;
-    }
-    for (++*k; *simplex < w->mesh->simplex_count; ++*simplex, *k = 0) {
-        for (; *k < w->corners && pbwio__kept(w, *simplex); ++*k) {
-            if (pbwio__on_hull(w, *simplex, *k)) {
-                return 1;
-            }
-        }
-    }
-    return 0;
-}
-
-/* Numbers the points that the file will hold: all, or the corners of what is written. */
-static int pbwio__number_points(pbwio__writer *w, int all, int facets)
-{
-    size_t i, n, count, simplex = 0, k = (size_t)-1;
-    pbw_index corner[4];
-    w->point_count = w->mesh->point_count;
-    if (all || w->point_count == 0) {
-        return 1;
-    }
-    w->number = (pbw_index *)PBWIO_REALLOC(NULL, w->point_count * sizeof *w->number);
-    if (w->number == NULL) {
-        return 0;
-    }
-    memset(w->number, 0xff, w->point_count * sizeof *w->number);
-    while (pbwio__step(w, facets, &simplex, &k)) {
-        for (i = 0, n = pbwio__corners(w, simplex, k, corner); i < n; i++) {
-            w->number[corner[i]] = 0;
-        }
-    }
-    for (i = count = 0; i < w->mesh->point_count; i++) {
-        w->number[i] = w->number[i] == PBW_NONE ? PBW_NONE : (pbw_index)count++;
-    }
-    w->point_count = count;
-    return 1;
-}
-
-/* The points, each after a word and its number (-1: none), as width coordinates, those that it lacks 0, and the
-   weight if wanted. */
-static void pbwio__points(pbwio__writer *w, const char *before, long long number, size_t width, int weights)
-{
-    size_t i, k, dim = (size_t)w->mesh->dim;
-    for (i = 0; i < w->mesh->point_count; i++) {
-        if (w->number == NULL || w->number[i] != PBW_NONE) {
-            pbwio__put(w, before, strlen(before));
-            if (number >= 0) {
-                pbwio__int(w, number++, 8);
-            }
-            for (k = 0; k < width; k++) {
-                pbwio__real(w, k < dim ? w->mesh->points[dim * i + k] : 0.0);
-            }
-            if (weights && w->mesh->weights != NULL) {
-                pbwio__real(w, w->mesh->weights[i]);
-            }
-            pbwio__end_line(w);
-        }
-    }
-}
-
-/* The simplices or the facets, each after a word and its number (-1: none), as ids that start at base, and a mark
-   (-1: none). */
-static void pbwio__cells(pbwio__writer *w, int facets, const char *before, long long number, unsigned base, int mark)
-{
-    size_t i, n, simplex = 0, k = (size_t)-1;
-    pbw_index corner[4];
-    while (pbwio__step(w, facets, &simplex, &k)) {
-        pbwio__put(w, before, strlen(before));
-        if (number >= 0) {
-            pbwio__int(w, number++, 8);
-        }
-        for (i = 0, n = pbwio__corners(w, simplex, k, corner); i < n; i++) {
-            pbwio__int(w, (long long)(w->number == NULL ? corner[i] : w->number[corner[i]]) + base, w->id_size);
-        }
-        if (mark >= 0) {
-            pbwio__int(w, mark, 4);
-        }
-        pbwio__end_line(w);
-    }
-}
-
-/* Mean ratio: 12 (3 volume)^(2/3) or 4 sqrt(3) area, over the sum of the squared edge lengths. */
-static double pbwio__quality(const pbw_mesh *mesh, size_t simplex)
-{
-    size_t dim = (size_t)mesh->dim, n = dim + 1, i, j, k;
-    const pbw_index *corner = mesh->simplices + n * simplex;
-    double edge[3][3] = { { 0, 0, 0 }, { 0, 0, 0 }, { 0, 0, 1 } }, sum = 0, d, size;
-    for (i = 0; i < n; i++) {
-        for (j = i + 1; j < n; j++) {
-            for (k = 0; k < dim; k++) {
-                d = mesh->points[dim * corner[j] + k] - mesh->points[dim * corner[i] + k];
-                edge[j - 1][k] = i == 0 ? d : edge[j - 1][k];
-                sum += d * d;
-            }
-        }
-    }
-    size = edge[0][0] * (edge[1][1] * edge[2][2] - edge[1][2] * edge[2][1])
-         - edge[0][1] * (edge[1][0] * edge[2][2] - edge[1][2] * edge[2][0])
-         + edge[0][2] * (edge[1][0] * edge[2][1] - edge[1][1] * edge[2][0]);
-    size = size > 0 ? size : 0;                                      /* 6 volumes or 2 areas; may round below 0 */
-    d = dim == 3 ? 12 * pow(size / 2, 2.0 / 3.0) / sum : 2 * sqrt(3.0) * size / sum;
-    return d >= 0 && d <= 1 ? d : d > 1 ? 1 : 0;
-}
-
-/* ------------------------------------------------------------------------------------------------------
-   The formats that are written.
-   ------------------------------------------------------------------------------------------------------ */
-
-static int pbwio__little_endian(void)
-{
-    const uint32_t one = 1;
-    unsigned char first;
-    memcpy(&first, &one, 1);
-    return first == 1;
-}
-
-/* One array of a .vtu file.  pass 0: its tag, in text with its numbers; pass 1: its numbers.  kind: what they are;
-   bytes: how many in binary; *offset: where they start there. */
-static void pbwio__vtu_array(pbwio__writer *w, int pass, char kind, const char *type, const char *name,
-                             unsigned long long bytes, unsigned long long *offset)
-{
-    const pbw_mesh *mesh = w->mesh;
-    size_t i, n = 0;
-    if (pass == 0) {
-        pbwio__print(w, "<DataArray type=\"%s\" Name=\"%.200s\" NumberOfComponents=\"%d\" ", type, name,
-                     kind == 'p' ? 3 : 1);
-        if (!w->text) {
-            pbwio__print(w, "format=\"appended\" offset=\"%llu\"/>\n", *offset);
-            *offset += 8 + bytes;
-            return;
-        }
-        pbwio__print(w, "format=\"ascii\">\n");
-    } else {
-        pbwio__int(w, (long long)bytes, 8);
-    }
-    if (kind == 'p') {
-        pbwio__points(w, "", -1, 3, 0);
-    } else if (kind == 'c') {
-        pbwio__cells(w, 0, "", -1, 0, -1);
-    }
-    for (i = 0; i < mesh->point_count && (kind == 'i' || kind == 'w'); i++) {
-        if (w->number == NULL || w->number[i] != PBW_NONE) {
-            if (kind == 'i') {
-                pbwio__int(w, (long long)i, 4);
-            } else {
-                pbwio__real(w, mesh->weights[i]);
-            }
-            pbwio__end_line(w);
-        }
-    }
-    for (i = 0; i < mesh->simplex_count && strchr("qvot", kind) != NULL; i++) {
-        if (pbwio__kept(w, i)) {
-            if (kind == 'q' || kind == 'v') {
-                pbwio__real(w, kind == 'q' ? pbwio__quality(mesh, i) : w->output->values[i]);
-            } else {
-                n += w->corners;
-                pbwio__int(w, kind == 'o' ? (long long)n : mesh->dim == 3 ? 10 : 5, kind == 'o' ? 8 : 1);
-            }
-            pbwio__end_line(w);
-        }
-    }
-    if (w->text) {
-        pbwio__print(w, "</DataArray>\n");
-    }
-}
-
-static void pbwio__write_vtu(pbwio__writer *w)
-{
-    unsigned long long points = w->point_count, cells = w->cell_count, offset = 0;
-    const char *name = w->output->value_name == NULL ? "value" : w->output->value_name;
-    int pass;
-    pbwio__print(w, "<?xml version=\"1.0\"?>\n"
-                 "<VTKFile type=\"UnstructuredGrid\" version=\"1.0\" byte_order=\"%s\" header_type=\"UInt64\">\n"
-                 "<UnstructuredGrid>\n<Piece NumberOfPoints=\"%llu\" NumberOfCells=\"%llu\">\n",
-                 pbwio__little_endian() ? "LittleEndian" : "BigEndian", points, cells);
-    for (pass = 0; pass < 2 - w->text; pass++) {                     /* binary: all tags, then all numbers */
-        pbwio__print(w, "%s", pass == 0 ? "<PointData>\n" : "<AppendedData encoding=\"raw\">\n_");
-        pbwio__vtu_array(w, pass, 'i', "UInt32", "id", 4 * points, &offset);
-        if (w->mesh->weights != NULL) {
-            pbwio__vtu_array(w, pass, 'w', "Float64", "weight", 8 * points, &offset);
-        }
-        pbwio__print(w, "%s", pass == 0 ? "</PointData>\n<CellData>\n" : "");
-        pbwio__vtu_array(w, pass, 'q', "Float64", "quality", 8 * cells, &offset);
-        if (w->output->values != NULL) {
-            pbwio__vtu_array(w, pass, 'v', "Float64", name, 8 * cells, &offset);
-        }
-        pbwio__print(w, "%s", pass == 0 ? "</CellData>\n<Points>\n" : "");
-        pbwio__vtu_array(w, pass, 'p', "Float64", "points", 24 * points, &offset);
-        pbwio__print(w, "%s", pass == 0 ? "</Points>\n<Cells>\n" : "");
-        pbwio__vtu_array(w, pass, 'c', "UInt32", "connectivity", 4 * cells * w->corners, &offset);
-        pbwio__vtu_array(w, pass, 'o', "Int64", "offsets", 8 * cells, &offset);
-        pbwio__vtu_array(w, pass, 't', "UInt8", "types", cells, &offset);
-        pbwio__print(w, "%s", pass == 0 ? "</Cells>\n</Piece>\n</UnstructuredGrid>\n" : "\n</AppendedData>\n");
-    }
-    pbwio__print(w, "</VTKFile>\n");
-}
-
-/* An entity of a .msh file: its tag, its bounding box, its physical group; bounded by one entity or by none. */
-static void pbwio__msh_entity(pbwio__writer *w, const double box[6], int group, int bounded)
-{
-    int i;
-    pbwio__int(w, 1, 4);
-    for (i = 0; i < 6; i++) {
-        pbwio__real(w, box[i]);
-    }
-    pbwio__int(w, 1, 8);
-    pbwio__int(w, group, 4);
-    pbwio__int(w, bounded, 8);
-    if (bounded) {
-        pbwio__int(w, 1, 4);
-    }
-    pbwio__end_line(w);
-}
-
-/* The four numbers that start a section or a block. */
-static void pbwio__msh_head(pbwio__writer *w, unsigned long long a, unsigned long long b, unsigned long long c,
-                            unsigned long long d, size_t size)
-{
-    pbwio__int(w, (long long)a, size);
-    pbwio__int(w, (long long)b, size);
-    pbwio__int(w, (long long)c, size);
-    pbwio__int(w, (long long)d, 8);
-    pbwio__end_line(w);
-}
-
-/* Entity 1 of dimension dim holds the simplices and all points, entity 1 of dimension dim-1 the hull. */
-static void pbwio__write_msh(pbwio__writer *w)
-{
-    const pbw_mesh *mesh = w->mesh;
-    unsigned dim = (unsigned)mesh->dim, type = dim == 3 ? 4 : 2, facet_type = dim == 3 ? 2 : 1;
-    size_t i, k, facets = w->facet_count, blocks = (facets != 0) + (size_t)1;
-    double box[6] = { 0, 0, 0, 0, 0, 0 };
-    for (i = 0; i < mesh->point_count; i++) {
-        for (k = 0; k < dim; k++) {
-            double x = mesh->points[dim * i + k];
-            box[k] = i == 0 || x < box[k] ? x : box[k];
-            box[3 + k] = i == 0 || x > box[3 + k] ? x : box[3 + k];
-        }
-    }
-    pbwio__print(w, "$MeshFormat\n4.1 %d 8\n", !w->text);
-    if (!w->text) {
-        pbwio__int(w, 1, 4);
-        pbwio__print(w, "\n");
-    }
-    pbwio__print(w, "$EndMeshFormat\n$PhysicalNames\n2\n%u 1 \"hull\"\n%u 2 \"simplices\"\n$EndPhysicalNames\n"
-                 "$Entities\n", dim - 1, dim);
-    pbwio__msh_head(w, 0, dim == 2, 1, dim == 3, 8);
-    pbwio__msh_entity(w, box, 1, 0);
-    pbwio__msh_entity(w, box, 2, 1);
-    pbwio__print(w, "%s$EndEntities\n$Nodes\n", w->text ? "" : "\n");
-    pbwio__msh_head(w, 1, w->point_count, 1, w->point_count, 8);
-    pbwio__msh_head(w, dim, 1, 0, w->point_count, 4);
-    for (i = 1; i <= w->point_count; i++) {
-        pbwio__int(w, (long long)i, 8);
-        pbwio__end_line(w);
-    }
-    pbwio__points(w, "", -1, 3, 0);
-    pbwio__print(w, "%s$EndNodes\n$Elements\n", w->text ? "" : "\n");
-    pbwio__msh_head(w, blocks, facets + w->cell_count, 1, facets + w->cell_count, 8);
-    if (facets != 0) {
-        pbwio__msh_head(w, dim - 1, 1, facet_type, facets, 4);
-        pbwio__cells(w, 1, "", 1, 1, -1);
-    }
-    pbwio__msh_head(w, dim, 1, type, w->cell_count, 4);
-    pbwio__cells(w, 0, "", (long long)facets + 1, 1, -1);
-    pbwio__print(w, "%s$EndElements\n", w->text ? "" : "\n");
-}
-
-/* Medit: the number that ends a line is a reference, 0 for points, 1 for the hull and for the simplices. */
-static void pbwio__write_mesh(pbwio__writer *w)
-{
-    int dim = w->mesh->dim;
-    size_t i, k, d = (size_t)dim;
-    pbwio__print(w, "MeshVersionFormatted 2\nDimension %d\nVertices\n%zu\n", dim, w->point_count);
-    for (i = 0; i < w->mesh->point_count; i++) {
-        if (w->number == NULL || w->number[i] != PBW_NONE) {
-            for (k = 0; k < d; k++) {
-                pbwio__real(w, w->mesh->points[d * i + k]);
-            }
-            pbwio__print(w, "0\n");
-        }
-    }
-    if (w->facet_count != 0) {
-        pbwio__print(w, "%s\n%zu\n", dim == 3 ? "Triangles" : "Edges", w->facet_count);
-        pbwio__cells(w, 1, "", -1, 1, 1);
-    }
-    pbwio__print(w, "%s\n%zu\n", dim == 3 ? "Tetrahedra" : "Triangles", w->cell_count);
-    pbwio__cells(w, 0, "", -1, 1, 1);
-    pbwio__print(w, "End\n");
-}
-
-/* Neighbours keep the order of the corners that they are across from; -1 is the hull. */
-static void pbwio__write_neigh(pbwio__writer *w)
-{
-    size_t i, k, n = 0;
-    pbwio__print(w, "%zu %zu\n", w->cell_count, w->corners);
-    for (i = 0; i < w->mesh->simplex_count; i++) {
-        if (pbwio__kept(w, i)) {
-            pbwio__int(w, (long long)n++, 8);
-            for (k = 0; k < w->corners; k++) {
-                pbw_index other = w->mesh->neighbors[w->corners * i + k];
-                int none = pbwio__on_hull(w, i, k);
-                pbwio__int(w, none ? -1 : (long long)(w->number == NULL ? other : w->number[other]), 8);
-            }
-            pbwio__end_line(w);
-        }
-    }
-}
-
-static void pbwio__write_ply(pbwio__writer *w, int facets)
-{
-    pbwio__print(w, "ply\nformat %s 1.0\n",
-                 w->text ? "ascii" : pbwio__little_endian() ? "binary_little_endian" : "binary_big_endian");
-    pbwio__print(w, "element vertex %zu\nproperty double x\nproperty double y\nproperty double z\n", w->point_count);
-    pbwio__print(w, "element face %zu\nproperty list uchar int vertex_indices\nend_header\n",
-                 facets ? w->facet_count : w->cell_count);
-    pbwio__points(w, "", -1, 3, 0);
-    pbwio__cells(w, facets, w->text ? "3 " : "\3", -1, 0, -1);
-}
-
-static void pbwio__write_stl(pbwio__writer *w, int facets)
-{
-    size_t i, j, dim = (size_t)w->mesh->dim, simplex = 0, k = (size_t)-1;
-    char head[80] = "triangles";
-    pbw_index corner[4];
-    if (w->text) {
-        pbwio__print(w, "solid triangles\n");
-    } else {
-        pbwio__put(w, head, sizeof head);
-        pbwio__int(w, (long long)(facets ? w->facet_count : w->cell_count), 4);
-    }
-    while (pbwio__step(w, facets, &simplex, &k)) {
-        double row[4][3] = { { 0, 0, 0 }, { 0, 0, 0 }, { 0, 0, 0 }, { 0, 0, 0 } }, a[3], b[3], size;
-        pbwio__corners(w, simplex, k, corner);
-        for (i = 0; i < 3; i++) {
-            for (j = 0; j < dim; j++) {
-                row[i + 1][j] = w->mesh->points[dim * corner[i] + j];
-            }
-        }
-        for (j = 0; j < 3; j++) {
-            a[j] = row[2][j] - row[1][j];
-            b[j] = row[3][j] - row[1][j];
-        }
-        for (j = 0; j < 3; j++) {
-            row[0][j] = a[(j + 1) % 3] * b[(j + 2) % 3] - a[(j + 2) % 3] * b[(j + 1) % 3];
-        }
-        size = sqrt(row[0][0] * row[0][0] + row[0][1] * row[0][1] + row[0][2] * row[0][2]);
-        for (i = 0; i < 4; i++) {
-            pbwio__print(w, "%s", !w->text ? "" : i == 0 ? "facet normal " : "vertex ");
-            for (j = 0; j < 3; j++) {
-                float x = (float)(i > 0 ? row[i][j] : size > 0 ? row[0][j] / size : 0);
-                if (w->text) {
-                    pbwio__real(w, i == 0 ? (double)x : row[i][j]);
-                } else {
-                    pbwio__put(w, &x, sizeof x);
-                }
-            }
-            pbwio__end_line(w);
-            pbwio__print(w, "%s", !w->text ? "" : i == 0 ? "outer loop\n" : i == 3 ? "endloop\nendfacet\n" : "");
-        }
-        pbwio__put(w, "\0", w->text ? 0 : 2);
-    }
-    pbwio__print(w, "%s", w->text ? "endsolid triangles\n" : "");
-}
 
 PBWIODEF pbwio_status pbwio_save(const char *path, void (*emit)(void *user, FILE *file), void *user,
                                  pbwio_error *error)
@@ -1873,57 +1953,37 @@ PBWIODEF pbwio_status pbwio_save(const char *path, void (*emit)(void *user, FILE
 static void pbwio__emit(void *user, FILE *file)
 {
     pbwio__writer *w = (pbwio__writer *)user;
-    size_t dim = (size_t)w->mesh->dim;
-    int facets = dim == 3;
+    const pbwio__kind *kind = pbwio__kind_of(w->output->format);
     w->file = file;
-    switch (w->format) {
-        case PBWIO_VTU: pbwio__write_vtu(w); break;
-        case PBWIO_MSH: pbwio__write_msh(w); break;
-        case PBWIO_MESH: pbwio__write_mesh(w); break;
-        case PBWIO_NEIGH: pbwio__write_neigh(w); break;
-        case PBWIO_PLY: pbwio__write_ply(w, facets); break;
-        case PBWIO_STL: pbwio__write_stl(w, facets); break;
-        case PBWIO_NODE:
-            pbwio__print(w, "%zu %zu %d 0\n", w->point_count, dim, w->mesh->weights != NULL);
-            pbwio__points(w, "", 0, dim, 1);
-            break;
-        case PBWIO_ELE:
-            pbwio__print(w, "%zu %zu 0\n", w->cell_count, w->corners);
-            pbwio__cells(w, 0, "", 0, 0, -1);
-            break;
-        case PBWIO_OBJ:
-            pbwio__points(w, "v ", -1, 3, 0);
-            pbwio__cells(w, facets, "f ", -1, 1, -1);
-            break;
-        case PBWIO_CSV:
-            pbwio__print(w, "x,y%s%s\n", dim == 3 ? ",z" : "", w->mesh->weights != NULL ? ",weight" : "");
-            w->between = ',';
-            /* fall through */
-        default: pbwio__points(w, "", -1, dim, 1);
+    w->text = !w->binary;
+    if (kind->write != NULL) {
+        kind->write(w);
+    } else {
+        pbwio__fill_in(w, kind->form);
     }
     pbwio__flush(w);
 }
 
-PBWIODEF pbwio_status pbwio_write(const char *path, const pbw_mesh *mesh, const pbwio_output *output,
-                                  pbwio_error *error)
+/* Writes a mesh; or a model, whose simplices are triangles in any dimension and which has all of its points. */
+static pbwio_status pbwio__write(const char *path, const pbw_mesh *mesh, int model, const double *normals,
+                                 const pbwio_output *output, pbwio_error *error)
 {
-    static const pbwio_output defaults = { PBWIO_AUTO, 0, NULL, NULL, NULL };
-    size_t i, k;
-    int surface, failed = 0;
-    pbwio_format format;
+    pbwio_output settings;
+    const pbwio__kind *kind;
     pbwio_status status;
     pbwio__writer *w;
-    if (path == NULL || mesh == NULL || (mesh->dim != 2 && mesh->dim != 3)) {
-        return pbwio__file_error(error, PBWIO_ERROR_ARGUMENT, "pbwio_write", "no path or no mesh");
-    }
-    output = output == NULL ? &defaults : output;
-    format = output->format != PBWIO_AUTO ? output->format : pbwio_format_of(path);
-    surface = format == PBWIO_OBJ || format == PBWIO_PLY || format == PBWIO_STL;
-    if (format == PBWIO_AUTO || format == PBWIO_OFF) {
+    size_t i, corners = model ? 3 : (size_t)mesh->dim + 1;
+    int surface, failed = 0;
+    memset(&settings, 0, sizeof settings);
+    settings = output != NULL ? *output : settings;
+    settings.format = settings.format != PBWIO_AUTO ? settings.format : pbwio_format_of(path);
+    kind = pbwio__kind_of(settings.format);
+    surface = (kind->traits & PBWIO__SURFACE) != 0;
+    if (kind->write == NULL && kind->form == NULL) {
         return pbwio__file_error(error, PBWIO_ERROR_ARGUMENT, path, "no format of that name is written");
     }
     if (mesh->neighbors == NULL && mesh->simplex_count > 0
-        && (format == PBWIO_NEIGH || (surface && mesh->dim == 3))) {
+        && (kind->traits & PBWIO__SIMPLICES || (surface && corners == 4))) {
         return pbwio__file_error(error, PBWIO_ERROR_ARGUMENT, path, "this format needs neighbors, the mesh has none");
     }
     w = (pbwio__writer *)PBWIO_REALLOC(NULL, sizeof *w);
@@ -1932,36 +1992,54 @@ PBWIODEF pbwio_status pbwio_write(const char *path, const pbw_mesh *mesh, const 
     }
     memset(w, 0, sizeof *w);
     w->mesh = mesh;
-    w->output = output;
-    w->format = format;
-    w->between = ' ';
-    w->id_size = format == PBWIO_MSH ? 8 : 4;
-    w->corners = (size_t)mesh->dim + 1;
-    w->text = (output->flags & PBWIO_TEXT) != 0
-           || !(format == PBWIO_VTU || format == PBWIO_MSH || format == PBWIO_PLY
-                || (format == PBWIO_STL && pbwio__little_endian()));         /* STL has no other byte order */
-    if (format == PBWIO_NEIGH && output->keep != NULL) {
+    w->normals = normals;
+    w->output = &settings;
+    w->between = kind->traits & PBWIO__COMMAS ? ',' : ' ';
+    w->longest = settings.format == PBWIO_INP ? 20 : 40;
+    w->id_size = settings.format == PBWIO_MSH ? 8 : 4;
+    w->real_size = settings.format == PBWIO_STL ? 4 : 8;
+    w->base = kind->traits & PBWIO__FROM_1 ? 1 : 0;
+    w->dim = (size_t)mesh->dim;
+    w->corners = corners;
+    w->binary = kind->traits & PBWIO__BINARY && !(settings.flags & PBWIO_TEXT)
+             && (settings.format != PBWIO_STL || pbwio__little_endian());    /* STL has no other byte order */
+    w->point_count = mesh->point_count;
+    pbwio__rewind(w);
+    while (pbwio__step(w, 0)) {
+        w->cell_count++;
+        for (i = 0; i < corners; i++) {
+            w->facet_count += (size_t)pbwio__on_hull(w, w->simplex, i);
+        }
+    }
+    if (kind->traits & PBWIO__BOUNDARY) {
+        w->boundary = pbwio__touched(w, 1);
+        failed = w->boundary == NULL;
+    }
+    if (kind->traits & PBWIO__SIMPLICES) {
         w->number = (pbw_index *)PBWIO_REALLOC(NULL, (mesh->simplex_count + 1) * sizeof *w->number);
         failed = w->number == NULL;
-    } else if (format != PBWIO_NEIGH) {
-        failed = !pbwio__number_points(w, !surface && !(output->flags & PBWIO_NO_ORPHANS), surface && mesh->dim == 3);
-    }
-    for (i = 0; i < mesh->simplex_count && !failed; i++) {
-        if (format == PBWIO_NEIGH && w->number != NULL) {
-            w->number[i] = (pbw_index)w->cell_count;
+        pbwio__rewind(w);
+        while (!failed && pbwio__step(w, 0)) {
+            w->number[w->simplex] = (pbw_index)w->cell;
         }
-        if (pbwio__kept(w, i)) {
-            w->cell_count++;
-            for (k = 0; k < w->corners && mesh->neighbors != NULL; k++) {
-                w->facet_count += (size_t)pbwio__on_hull(w, i, k);
-            }
-        }
+    } else if (!model && (surface || kind->traits & PBWIO__NO_ORPHANS || settings.flags & PBWIO_NO_ORPHANS)) {
+        failed |= !pbwio__number_points(w, surface && corners == 4);
     }
     status = failed ? pbwio__file_error(error, PBWIO_ERROR_MEMORY, path, "out of memory")
                     : pbwio_save(path, pbwio__emit, w, error);
+    PBWIO_FREE(w->boundary);
     PBWIO_FREE(w->number);
     PBWIO_FREE(w);
     return status;
+}
+
+PBWIODEF pbwio_status pbwio_write(const char *path, const pbw_mesh *mesh, const pbwio_output *output,
+                                  pbwio_error *error)
+{
+    if (path == NULL || mesh == NULL || (mesh->dim != 2 && mesh->dim != 3)) {
+        return pbwio__file_error(error, PBWIO_ERROR_ARGUMENT, "pbwio_write", "no path or no mesh");
+    }
+    return pbwio__write(path, mesh, 0, NULL, output, error);
 }
 
 #endif /* PBW_IO_IMPLEMENTATION */

@@ -35,8 +35,8 @@
      any model   facets without area, unused points, open and crowded edges, triangle soup: they are handled where
                  that has a meaning and a status names them where not
      quiet       no globals, nothing printed, no exit
-     bounded     memory: about 40 bytes a triangle, and for each sample 65 if uniform or in a lattice, 400 in a
-                 Poisson set of a surface, 3500 of a volume
+     bounded     memory: about 75 bytes a triangle, 110 for a volume, 260 if its surface is open; and for each sample
+                 65 if uniform or in a lattice, 470 in a Poisson set of a surface, 2400 of a volume
 
    CONFIGURATION MACROS
      PBW_SAMPLE_IMPLEMENTATION   in one source file: compile the implementation there
@@ -63,7 +63,7 @@ typedef enum pbwsample_status {
     PBWSAMPLE_CANCELLED,               /* the progress callback said stop */
     PBWSAMPLE_ERROR_ARGUMENT,          /* NULL, an id out of range, not one of count and radius, a size <= 0 */
     PBWSAMPLE_ERROR_SURFACE,           /* no facet has an area, or coordinates are not finite or too large */
-    PBWSAMPLE_ERROR_VOLUME,            /* nothing is inside */
+    PBWSAMPLE_ERROR_VOLUME,            /* nothing is inside, or so little that no sample hits it */
     PBWSAMPLE_ERROR_TOO_LARGE,         /* more samples than an index can number */
     PBWSAMPLE_ERROR_MEMORY
 } pbwsample_status;
@@ -507,7 +507,7 @@ PBWSAMPLEDEF const char *pbwsample_status_string(pbwsample_status status)
 {
     static const char *const texts[] = {
         "done", "cancelled", "an argument is wrong: NULL, an id out of range, no count or radius, a size of 0",
-        "the surface has no area that can be measured", "the surface encloses nothing",
+        "the surface has no area that can be measured", "the surface encloses nothing, or too little to be hit",
         "more samples than an index can number", "out of memory"
     };
     return (size_t)status < sizeof texts / sizeof texts[0] ? texts[status] : "unknown status";
@@ -654,11 +654,14 @@ PBWSAMPLEDEF pbwsample_status pbwsample_uniform(const pbwsample_model *model, co
    ray meets no corner and no edge.
    ------------------------------------------------------------------------------------------------------ */
 
+typedef struct pbwsample__box { double low[3], high[3]; } pbwsample__box;
+
 typedef struct pbwsample__columns {            /* a grid across an axis; which triangles are over each cell */
     const pbwsample_model *model;
     int axis;
     size_t side, *first;                       /* first[c] to first[c+1] in list are those over cell c */
     pbw_index *list;
+    pbwsample__box *boxes;                     /* around each triangle */
     double low[2], scale[2];
 } pbwsample__columns;
 
@@ -668,39 +671,59 @@ static size_t pbwsample__column(const pbwsample__columns *grid, double x, int k)
     return at > 0 ? at >= (double)grid->side ? grid->side - 1 : (size_t)at : 0;
 }
 
-static void pbwsample__span(const pbwsample_model *model, size_t triangle, int axis, double *least, double *most)
+static pbwsample__box pbwsample__box_of(const pbwsample_model *model, size_t triangle)
 {
-    double a = pbwsample__corner(model, triangle, 0)[axis], b = pbwsample__corner(model, triangle, 1)[axis];
-    double c = pbwsample__corner(model, triangle, 2)[axis];
-    *least = a < b ? a < c ? a : c : b < c ? b : c;
-    *most = a > b ? a > c ? a : c : b > c ? b : c;
+    const double *a = pbwsample__corner(model, triangle, 0), *b = pbwsample__corner(model, triangle, 1);
+    const double *c = pbwsample__corner(model, triangle, 2);
+    pbwsample__box box;
+    int k;
+    for (k = 0; k < 3; k++) {
+        box.low[k] = a[k] < b[k] ? a[k] < c[k] ? a[k] : c[k] : b[k] < c[k] ? b[k] : c[k];
+        box.high[k] = a[k] > b[k] ? a[k] > c[k] ? a[k] : c[k] : b[k] > c[k] ? b[k] : c[k];
+    }
+    return box;
+}
+
+/* Widens a box to have another in it. */
+static void pbwsample__unite(pbwsample__box *box, const pbwsample__box *other)
+{
+    int k;
+    for (k = 0; k < 3; k++) {
+        box->low[k] = other->low[k] < box->low[k] ? other->low[k] : box->low[k];
+        box->high[k] = other->high[k] > box->high[k] ? other->high[k] : box->high[k];
+    }
 }
 
 static int pbwsample__make_columns(pbwsample__columns *grid, const pbwsample_model *model, int axis)
 {
     size_t i, x, y, total = 0, none = 0, range[2][2];
-    double low, high, most[2];
+    pbwsample__box all = pbwsample__box_of(model, 0);
     int k, pass;
     memset(grid, 0, sizeof *grid);
     grid->model = model;
     grid->axis = axis;
     grid->side = (size_t)sqrt((double)model->triangle_count / 2) + 1;
     grid->side = grid->side < 1024 ? grid->side : 1024;
-    for (k = 0; k < 2; k++) {
-        for (i = 0; i < model->triangle_count; i++) {
-            pbwsample__span(model, i, (axis + 1 + k) % 3, &low, &high);
-            grid->low[k] = i == 0 || low < grid->low[k] ? low : grid->low[k];
-            most[k] = i == 0 || high > most[k] ? high : most[k];
-        }
-        grid->scale[k] = most[k] > grid->low[k] ? (double)grid->side / (most[k] - grid->low[k]) : 0;
-    }
     grid->first = (size_t *)pbwsample__zeros(grid->side * grid->side, sizeof *grid->first);
-    for (pass = 0; pass < 2 && grid->first != NULL; pass++) {        /* count, then fill from the back */
+    grid->boxes = (pbwsample__box *)pbwsample__zeros(model->triangle_count, sizeof *grid->boxes);
+    if (grid->first == NULL || grid->boxes == NULL) {
+        return 0;
+    }
+    for (i = 0; i < model->triangle_count; i++) {
+        grid->boxes[i] = pbwsample__box_of(model, i);
+        pbwsample__unite(&all, grid->boxes + i);
+    }
+    for (k = 0; k < 2; k++) {
+        int across = (axis + 1 + k) % 3;
+        grid->low[k] = all.low[across];
+        grid->scale[k] = all.high[across] > all.low[across]
+                       ? (double)grid->side / (all.high[across] - all.low[across]) : 0;
+    }
+    for (pass = 0; pass < 2; pass++) {                               /* count, then fill from the back */
         for (i = 0; i < model->triangle_count; i++) {
             for (k = 0; k < 2; k++) {
-                pbwsample__span(model, i, (axis + 1 + k) % 3, &low, &high);
-                range[k][0] = pbwsample__column(grid, low, k);
-                range[k][1] = pbwsample__column(grid, high, k);
+                range[k][0] = pbwsample__column(grid, grid->boxes[i].low[(axis + 1 + k) % 3], k);
+                range[k][1] = pbwsample__column(grid, grid->boxes[i].high[(axis + 1 + k) % 3], k);
             }
             for (y = range[1][0]; y <= range[1][1]; y++) {
                 for (x = range[0][0]; x <= range[0][1]; x++) {
@@ -722,15 +745,15 @@ static int pbwsample__make_columns(pbwsample__columns *grid, const pbwsample_mod
             }
         }
     }
-    return grid->first != NULL;
+    return 1;
 }
 
 static void pbwsample__free_columns(pbwsample__columns *grid)
 {
     PBWSAMPLE_FREE(grid->first);
     PBWSAMPLE_FREE(grid->list);
-    grid->first = NULL;
-    grid->list = NULL;
+    PBWSAMPLE_FREE(grid->boxes);
+    memset(grid, 0, sizeof *grid);
 }
 
 /* The side of the line from a to b that the moved point is on, in the plane of x and y; 0 only if a and b are at one
@@ -751,6 +774,11 @@ static int pbwsample__odd(const pbwsample__columns *grid, const double p[3])
     q[1] = p[v];
     for (i = grid->first[cell]; i < grid->first[cell + 1]; i++) {
         size_t t = grid->list[i];
+        const pbwsample__box *box = grid->boxes + t;
+        if (box->high[grid->axis] < p[grid->axis] || box->low[u] > p[u] || box->high[u] < p[u] || box->low[v] > p[v]
+            || box->high[v] < p[v]) {
+            continue;                                                /* it is below or beside the ray */
+        }
         for (j = 0; j < 3; j++) {
             corner[j][0] = pbwsample__corner(grid->model, t, j)[u];
             corner[j][1] = pbwsample__corner(grid->model, t, j)[v];
@@ -817,6 +845,8 @@ PBWSAMPLEDEF pbwsample_status pbwsample_inside(const pbwsample_model *model, con
    A dart that is in no ball becomes a sample, the centre of a ball.  A piece that lies in one ball is done, any other
    is cut; when no piece is left, there is no room left.  Rounds go over all pieces once, in random order, so that the
    gaps are filled from wide to narrow: the last samples are those that are missed least.
+   Most boxes lie in no one ball but in several; those that are cut down to find the last gaps would be some hundred
+   for each sample.  So a box is done when a ball with 1.25 times the radius has it: the gaps left are that narrow.
 
    Balls are looked up in a hashed grid, one for each power of two of radii: a ball is listed in all the cells that it
    may touch, eight or so, so that a point looks into one cell.  A ball that has the whole piece in it has the dart in
@@ -846,9 +876,11 @@ typedef struct pbwsample__work {
     size_t capacity, fixed;                    /* of the set; its samples that were there before */
     double radius, low[3], high[3], unit;      /* of the boxes */
     uint64_t key, drawn;
-    int solid, axes;
+    int solid, axes, crowded;
     pbwsample__columns rays[3];
     pbwsample__pieces pieces, next, stack;
+    pbw_index *lists;                          /* of triangles, for the boxes on the stack */
+    size_t list_capacity;
     pbwsample__ball *balls;
     pbwsample__chunk *chunks;
     pbwsample__table cells;
@@ -942,6 +974,14 @@ static int pbwsample__opposed(const pbwsample_model *model, pbw_index a, pbw_ind
     return pbwsample__dot(n, m) < 0;
 }
 
+/* The first chunk of the list of the cell that p is in, at that level. */
+static pbw_index pbwsample__list_at(const pbwsample__work *w, int level, const double p[3])
+{
+    double scale = w->scale[level];
+    return pbwsample__slot_of(&w->cells, pbwsample__cell_key(w->level[level], (int64_t)((p[0] - w->low[0]) * scale),
+                              (int64_t)((p[1] - w->low[1]) * scale), (int64_t)((p[2] - w->low[2]) * scale)))->value;
+}
+
 /* Gathers in w->near the balls within a distance of p, as far as the cell of p lists them.  Returns the radius of one
    that p is in, 0 if there is none.  Few branches depend on where p is. */
 static double pbwsample__look(pbwsample__work *w, const double p[3], double distance, pbw_index triangle)
@@ -949,10 +989,7 @@ static double pbwsample__look(pbwsample__work *w, const double p[3], double dist
     double radius = 0;
     int level, i, count = 0;
     for (level = 0; level < w->levels; level++) {
-        double scale = w->scale[level];
-        pbw_index at = pbwsample__slot_of(&w->cells, pbwsample__cell_key(w->level[level],
-            (int64_t)((p[0] - w->low[0]) * scale), (int64_t)((p[1] - w->low[1]) * scale),
-            (int64_t)((p[2] - w->low[2]) * scale)))->value;
+        pbw_index at = pbwsample__list_at(w, level, p);
         while (at != PBW_NONE) {
             const pbwsample__chunk *chunk = w->chunks + at;
             for (i = 0; i < PBWSAMPLE__LISTED && chunk->ids[i] != PBW_NONE; i++) {
@@ -986,7 +1023,9 @@ static uint32_t pbwsample__mask(const pbwsample__work *w, const double p[3])
     return mask;
 }
 
-static void pbwsample__add_sample(pbwsample__work *w, const double p[3], pbw_index triangle, double u, double v)
+/* r: of its ball, 0 = it has none. */
+static void pbwsample__add_sample(pbwsample__work *w, const double p[3], double r, pbw_index triangle, double u,
+                                  double v)
 {
     pbwsample_set *set = w->set;
     size_t i = set->count;
@@ -1003,6 +1042,9 @@ static void pbwsample__add_sample(pbwsample__work *w, const double p[3], pbw_ind
             memset(set->normals + 3 * i, 0, 3 * sizeof *set->normals);
         }
         set->count++;
+        if (r > 0) {
+            pbwsample__list_ball(w, i, p, r);
+        }
     }
 }
 
@@ -1038,9 +1080,9 @@ static int pbwsample__longest(double (*corner)[3], int corners, double *square)
         *square = pbwsample__square(corner[0], corner[7]);
         return 3;
     }
-    for (i = 0; i < 3; i++) {
-        edge[i] = pbwsample__square(corner[(i + 1) % 3], corner[(i + 2) % 3]);
-    }
+    edge[0] = pbwsample__square(corner[1], corner[2]);
+    edge[1] = pbwsample__square(corner[2], corner[0]);
+    edge[2] = pbwsample__square(corner[0], corner[1]);
     i = edge[0] >= edge[1] ? edge[0] >= edge[2] ? 0 : 2 : edge[1] >= edge[2] ? 1 : 2;
     *square = edge[i];
     return i;
@@ -1057,26 +1099,25 @@ static void pbwsample__push(pbwsample__work *w, pbwsample__pieces *pieces, const
     }
 }
 
-/* Whether the box of some triangle meets the box with those corners. */
-static int pbwsample__touches(const pbwsample__columns *grid, double (*corner)[3])
+static int pbwsample__meets(const pbwsample__box *box, const double low[3], const double high[3])
+{
+    return (box->low[0] <= high[0]) & (box->high[0] >= low[0]) & (box->low[1] <= high[1]) & (box->high[1] >= low[1])
+         & (box->low[2] <= high[2]) & (box->high[2] >= low[2]);
+}
+
+/* Whether the box of some triangle meets a box. */
+static int pbwsample__touches(const pbwsample__columns *grid, const double low[3], const double high[3])
 {
     size_t x, y, i, begin[2], end[2];
-    int k, axis = grid->axis;
-    double least, most;
+    int k;
     for (k = 0; k < 2; k++) {
-        begin[k] = pbwsample__column(grid, corner[0][(axis + 1 + k) % 3], k);
-        end[k] = pbwsample__column(grid, corner[7][(axis + 1 + k) % 3], k);
+        begin[k] = pbwsample__column(grid, low[(grid->axis + 1 + k) % 3], k);
+        end[k] = pbwsample__column(grid, high[(grid->axis + 1 + k) % 3], k);
     }
     for (y = begin[1]; y <= end[1]; y++) {
         for (x = begin[0]; x <= end[0]; x++) {
             for (i = grid->first[y * grid->side + x]; i < grid->first[y * grid->side + x + 1]; i++) {
-                for (k = 0; k < 3; k++) {
-                    pbwsample__span(grid->model, grid->list[i], (axis + k) % 3, &least, &most);
-                    if (least > corner[7][(axis + k) % 3] || most < corner[0][(axis + k) % 3]) {
-                        break;
-                    }
-                }
-                if (k == 3) {
+                if (pbwsample__meets(grid->boxes + grid->list[i], low, high)) {
                     return 1;
                 }
             }
@@ -1085,28 +1126,43 @@ static int pbwsample__touches(const pbwsample__columns *grid, double (*corner)[3
     return 0;
 }
 
-/* Whether something of a box may be inside; notes if all of it is. */
-static int pbwsample__is_needed(const pbwsample__work *w, pbwsample__piece *box)
+/* Whether something of a box may be inside; notes if all of it is.  at[5]: where in w->lists the triangles stand that
+   the box around it meets, after their number; becomes the same of its own, which stand behind them: as the last box
+   on the stack comes first, what is behind belongs to boxes that are through. */
+static int pbwsample__is_needed(pbwsample__work *w, pbwsample__piece *box)
 {
     double corner[8][3], middle[3];
+    size_t from = box->at[5], count = w->lists[from], to = from + 1 + count, met = 0, i;
+    void *block;
     int k;
-    if (!box->at[4]) {
-        pbwsample__corners(w, box, corner);
-        if (pbwsample__touches(w->rays, corner)) {
-            return 1;
-        }
+    if (box->at[4]) {
+        return 1;
+    }
+    block = pbwsample__grow(w->lists, &w->list_capacity, to + 1 + count, sizeof *w->lists);
+    if (block == NULL || to >= PBW_NONE) {
+        w->status = PBWSAMPLE_ERROR_MEMORY;
+        return 0;
+    }
+    w->lists = (pbw_index *)block;
+    pbwsample__corners(w, box, corner);
+    for (i = 1; i <= count; i++) {
+        w->lists[to + 1 + met] = w->lists[from + i];
+        met += (size_t)pbwsample__meets(w->rays[0].boxes + w->lists[from + i], corner[0], corner[7]);
+    }
+    w->lists[to] = (pbw_index)met;
+    box->at[5] = (uint32_t)to;
+    if (met == 0) {
         for (k = 0; k < 3; k++) {
             middle[k] = 0.5 * (corner[0][k] + corner[7][k]);
         }
         box->at[4] = (uint32_t)pbwsample__is_inside(w->rays, w->axes, middle);
     }
-    return box->at[4] != 0;
+    return met > 0 || box->at[4];
 }
 
-/* Cuts a triangle at the edge across from corner number longest, or a box in eight, of which those outside are left
-   out.  Returns how many parts there are; a piece of one unit has none. */
-static int pbwsample__cut(const pbwsample__work *w, const pbwsample__piece *piece, int longest,
-                          pbwsample__piece part[8])
+/* Cuts a triangle at the edge across from corner number longest, or a box in eight.  Returns how many parts there
+   are; a piece of one unit has none. */
+static int pbwsample__cut(const pbwsample__piece *piece, int longest, pbwsample__piece part[8])
 {
     int i, k, a = (longest + 1) % 3, b = (longest + 2) % 3, count = 0;
     uint32_t middle[2];
@@ -1117,7 +1173,7 @@ static int pbwsample__cut(const pbwsample__work *w, const pbwsample__piece *piec
             for (k = 0; k < 3; k++) {
                 part[count].at[k] += i >> k & 1 ? part[count].at[3] : 0;
             }
-            count += pbwsample__is_needed(w, part + count);
+            count++;
         }
         return count;
     }
@@ -1132,29 +1188,6 @@ static int pbwsample__cut(const pbwsample__work *w, const pbwsample__piece *piec
     memcpy(part[0].at + 2 * a, middle, sizeof middle);
     memcpy(part[1].at + 2 * b, middle, sizeof middle);
     return 2;
-}
-
-/* A random point of a piece, and where in it. */
-static void pbwsample__throw(pbwsample__work *w, double (*corner)[3], int corners, double p[3], double part[3])
-{
-    uint64_t bits = pbwsample__draw(w);
-    int k;
-    part[0] = pbwsample__low_half(bits);
-    part[1] = pbwsample__low_half(bits >> 32);
-    if (corners == 8) {
-        part[2] = pbwsample__low_half(pbwsample__draw(w));
-        for (k = 0; k < 3; k++) {
-            p[k] = corner[0][k] + part[k] * (corner[7][k] - corner[0][k]);
-        }
-        return;
-    }
-    if (part[0] + part[1] > 1) {
-        part[0] = 1 - part[0];
-        part[1] = 1 - part[1];
-    }
-    for (k = 0; k < 3; k++) {
-        p[k] = corner[0][k] + part[0] * (corner[1][k] - corner[0][k]) + part[1] * (corner[2][k] - corner[0][k]);
-    }
 }
 
 /* What is left of a triangle without parts that lie in one ball of w->near, if a few cuts find them: nothing, or the
@@ -1175,7 +1208,7 @@ static int pbwsample__rest(const pbwsample__work *w, const pbwsample__piece *pie
         return 1;
     }
     longest = pbwsample__longest(corner, 3, &square);
-    if (pbwsample__cut(w, piece, longest, part) == 0) {
+    if (pbwsample__cut(piece, longest, part) == 0) {
         return 0;
     }
     a = (longest + 1) % 3;
@@ -1197,102 +1230,200 @@ static int pbwsample__rest(const pbwsample__work *w, const pbwsample__piece *pie
     return whole ? count : count > 0;
 }
 
-/* One dart at a piece; what is left of it goes to the next round in parts. */
-static void pbwsample__visit(pbwsample__work *w, const pbwsample__piece *piece)
+/* The square of the distance from p to the farthest corner of a box, given two of its corners. */
+static double pbwsample__farthest(const double low[3], const double high[3], const double p[3])
+{
+    double sum = 0;
+    int k;
+    for (k = 0; k < 3; k++) {
+        double below = p[k] - low[k], above = high[k] - p[k];
+        double most = below > above ? below : above;
+        sum += most * most;
+    }
+    return sum;
+}
+
+/* One dart at a box; the box goes to the next round in parts, unless all of it is within 1.25 radii of one sample.
+   A box whose diagonal is a quarter of a radius is, if the dart is in a ball. */
+static void pbwsample__visit_box(pbwsample__work *w, const pbwsample__piece *box)
 {
     pbwsample__piece part[8];
-    double corner[8][3], p[3], at[3], place[2] = { 0, 0 }, square, r, hit;
-    uint32_t mask[8], all = PBW_NONE;
-    int i, count, corners = pbwsample__corners(w, piece, corner);
-    int longest = pbwsample__longest(corner, corners, &square);
-    pbwsample__throw(w, corner, corners, p, at);
-    hit = pbwsample__look(w, p, sqrt(square), piece->triangle);
-    r = hit > 0 ? hit : pbwsample__radius_at(w, p);
-    if (!(hit > 0) && (corners == 3 || piece->at[4] || pbwsample__is_inside(w->rays, w->axes, p))) {
-        for (i = 0; i < 2 && corners == 3; i++) {
-            place[i] = ((1 - at[0] - at[1]) * piece->at[i] + at[0] * piece->at[2 + i] + at[1] * piece->at[4 + i])
-                     / PBWSAMPLE__ONE;
+    double low[3], high[3], p[3], r = 0, side = w->unit * (double)box->at[3];
+    int level, i, k, count, covered = 0, outside = 0;
+    for (k = 0; k < 3; k++) {
+        low[k] = w->low[k] + w->unit * (double)box->at[k];
+        high[k] = low[k] + side;
+        p[k] = low[k] + pbwsample__low_half(pbwsample__draw(w)) * side;
+    }
+    for (level = 0; level < w->levels; level++) {
+        pbw_index at = pbwsample__list_at(w, level, p);
+        for (; at != PBW_NONE; at = w->chunks[at].next) {
+            const pbwsample__chunk *chunk = w->chunks + at;
+            for (i = 0; i < PBWSAMPLE__LISTED && chunk->ids[i] != PBW_NONE; i++) {
+                const pbwsample__ball *ball = w->balls + chunk->ids[i];
+                double square = ball->r * ball->r, apart = pbwsample__square(ball->at, p);
+                r = apart < square ? ball->r : r;
+                covered |= apart < 1.5625 * square && pbwsample__farthest(low, high, ball->at) <= 1.5625 * square;
+                if (covered && r > 0) {
+                    return;
+                }
+            }
         }
-        pbwsample__add_sample(w, p, piece->triangle, place[0], place[1]);
-        if (w->status == PBWSAMPLE_OK) {
-            pbwsample__list_ball(w, w->set->count - 1, p, r);
+    }
+    if (!(r > 0)) {
+        r = pbwsample__radius_at(w, p);
+        outside = !box->at[4] && !pbwsample__is_inside(w->rays, w->axes, p);
+        if (!outside) {
+            pbwsample__add_sample(w, p, r, PBW_NONE, 0, 0);
+            covered |= pbwsample__farthest(low, high, p) <= 1.5625 * r * r;
         }
+    }
+    if (!covered && 48 * side * side >= r * r && (!outside || pbwsample__touches(w->rays, low, high))) {
+        count = pbwsample__cut(box, 3, part);
+        for (i = 0; i < count; i++) {
+            pbwsample__push(w, &w->next, part + i);
+        }
+    }
+}
+
+/* One dart at a triangle; what is left of it goes to the next round in parts. */
+static void pbwsample__visit_triangle(pbwsample__work *w, const pbwsample__piece *piece)
+{
+    pbwsample__piece part[2];
+    double corner[8][3], p[3], square, r;
+    uint64_t bits = pbwsample__draw(w);
+    double u = pbwsample__low_half(bits), v = pbwsample__low_half(bits >> 32), place[2];
+    uint32_t mask[3];
+    int i, count;
+    pbwsample__corners(w, piece, corner);
+    pbwsample__longest(corner, 3, &square);
+    if (u + v > 1) {
+        u = 1 - u;
+        v = 1 - v;
+    }
+    for (i = 0; i < 3; i++) {
+        p[i] = corner[0][i] + u * (corner[1][i] - corner[0][i]) + v * (corner[2][i] - corner[0][i]);
+    }
+    r = pbwsample__look(w, p, sqrt(square), piece->triangle);
+    if (!(r > 0)) {
+        r = pbwsample__radius_at(w, p);
+        for (i = 0; i < 2; i++) {
+            place[i] = ((1 - u - v) * piece->at[i] + u * piece->at[2 + i] + v * piece->at[4 + i]) / PBWSAMPLE__ONE;
+        }
+        pbwsample__add_sample(w, p, r, piece->triangle, place[0], place[1]);
         if (w->status != PBWSAMPLE_OK) {
             return;
         }
         w->near[0] = w->balls[w->set->count - 1];                    /* likely enough for all of it */
         w->near_count = 1;
     }
-    for (i = 0; i < corners; i++) {
-        all &= mask[i] = pbwsample__mask(w, corner[i]);
+    for (i = 0; i < 3; i++) {
+        mask[i] = pbwsample__mask(w, corner[i]);
     }
-    if (all != 0 || square < r * r * (corners == 8 ? 1 / 16.0 : 1 / 1099511627776.0)) {
-        return;
-    }
-    count = corners == 3 ? pbwsample__rest(w, piece, corner, mask, PBWSAMPLE__CUTS, part)
-                         : pbwsample__cut(w, piece, longest, part);
-    for (i = 0; i < count; i++) {
-        pbwsample__push(w, &w->next, part + i);
-    }
-}
-
-static int pbwsample__compare(const void *a, const void *b)
-{
-    const pbwsample__slot *x = (const pbwsample__slot *)a, *y = (const pbwsample__slot *)b;
-    return x->key != y->key ? x->key < y->key ? -1 : 1 : (x->value > y->value) - (x->value < y->value);
-}
-
-/* The triangles along a Z-order curve: pieces are near those that they follow.  NULL = out of memory. */
-static pbwsample__slot *pbwsample__in_order(const pbwsample__work *w, double extent)
-{
-    pbwsample__slot *order = (pbwsample__slot *)pbwsample__zeros(w->model->triangle_count, sizeof *order);
-    size_t i;
-    int k, bit;
-    for (i = 0; i < w->model->triangle_count && order != NULL; i++) {
-        order[i].value = (pbw_index)i;
-        for (k = 0; k < 3; k++) {
-            uint32_t at = (uint32_t)((pbwsample__corner(w->model, i, 0)[k] - w->low[k]) / extent * 2097151);
-            for (bit = 0; bit < 21; bit++) {
-                order[i].key |= (uint64_t)(at >> bit & 1) << (3 * bit + k);
-            }
+    if ((mask[0] & mask[1] & mask[2]) == 0 && square >= r * r / 1099511627776.0) {
+        count = pbwsample__rest(w, piece, corner, mask, PBWSAMPLE__CUTS, part);
+        for (i = 0; i < count; i++) {
+            pbwsample__push(w, &w->next, part + i);
         }
     }
-    if (order != NULL) {
-        qsort(order, w->model->triangle_count, sizeof *order, pbwsample__compare);
+}
+
+/* The triangles by the cells of a grid that their first corners are in, and those along a Z-order curve: pieces are
+   near those that they follow.  NULL = out of memory. */
+static pbw_index *pbwsample__in_order(const pbwsample__work *w, double extent)
+{
+    size_t count = w->model->triangle_count, i, sum = 0;
+    pbw_index *order = (pbw_index *)pbwsample__zeros(count, sizeof *order), *first;
+    int bits = 1, pass, k, bit;
+    while (bits < 7 && (size_t)1 << 3 * bits < count) {
+        bits++;
     }
+    first = (pbw_index *)pbwsample__zeros((size_t)1 << 3 * bits, sizeof *first);
+    for (pass = 0; pass < 2 && order != NULL && first != NULL; pass++) {     /* count, then fill */
+        for (i = 0; i < count; i++) {
+            size_t key = 0;
+            for (k = 0; k < 3; k++) {
+                double at = (pbwsample__corner(w->model, i, 0)[k] - w->low[k]) / extent;
+                unsigned cell = (unsigned)(at * ((1 << bits) - 1));
+                for (bit = 0; bit < bits; bit++) {
+                    key |= (size_t)(cell >> bit & 1) << (3 * bit + k);
+                }
+            }
+            if (pass == 0) {
+                first[key + 1]++;
+            } else {
+                order[first[key]++] = (pbw_index)i;
+            }
+        }
+        for (i = 0; pass == 0 && i < (size_t)1 << 3 * bits; i++) {
+            first[i] = (pbw_index)(sum += first[i]);
+        }
+    }
+    if (first == NULL) {
+        PBWSAMPLE_FREE(order);
+        return NULL;
+    }
+    PBWSAMPLE_FREE(first);
     return order;
 }
 
-/* Cuts the whole of the surface or volume to pieces that fit into a ball, or lattice cells. */
+/* Tells now and then how much is done, at piece i of something.  A nonzero answer ends the work. */
+static void pbwsample__tell(pbwsample__work *w, size_t i, double done)
+{
+    if (i % 1024 == 0 && w->options->progress != NULL && w->status == PBWSAMPLE_OK
+        && w->options->progress(w->options->progress_user, done) != 0) {
+        w->status = PBWSAMPLE_CANCELLED;
+    }
+}
+
+/* Cuts the whole of the surface or volume to pieces that fit into a ball, or lattice cells.  A radius for a count that
+   makes far more pieces than that is too small, as that of a needle or a sheet may be: then crowded is set. */
 static void pbwsample__begin(pbwsample__work *w, double side)
 {
     pbwsample__piece piece, part[8];
     double corner[8][3], middle[3], square, r, extent = 0;
-    pbwsample__slot *order;
-    size_t t;
+    pbw_index *order = NULL;
+    void *block;
+    size_t t, steps = 0;
     int i, k, corners, longest, lattice = w->solid && w->options->flags & PBWSAMPLE_LATTICE;
+    double most = w->options->count > 0
+                ? 1024.0 * (double)w->options->count + 64.0 * (double)w->model->triangle_count + 4096 : DBL_MAX;
     w->pieces.count = w->stack.count = 0;
+    w->crowded = 0;
     for (k = 0; k < 3; k++) {
         extent = w->high[k] - w->low[k] > extent ? w->high[k] - w->low[k] : extent;
     }
     for (i = 1; ldexp(side, i) <= extent; i++) { }
     w->unit = ldexp(side, i) / PBWSAMPLE__ONE;
-    order = w->solid ? NULL : pbwsample__in_order(w, extent);
-    w->status = !w->solid && order == NULL ? PBWSAMPLE_ERROR_MEMORY : w->status;
+    if (w->solid) {
+        block = pbwsample__grow(w->lists, &w->list_capacity, w->model->triangle_count + 1, sizeof *w->lists);
+        for (t = 0; t <= w->model->triangle_count && block != NULL; t++) {
+            w->lists = (pbw_index *)block;
+            w->lists[t] = (pbw_index)(t == 0 ? w->model->triangle_count : t - 1);
+        }
+        w->status = block == NULL ? PBWSAMPLE_ERROR_MEMORY : w->status;
+    } else if ((order = pbwsample__in_order(w, extent)) == NULL) {
+        w->status = PBWSAMPLE_ERROR_MEMORY;
+    }
     for (t = 0; t < (w->solid ? 1 : w->model->triangle_count) && w->status == PBWSAMPLE_OK; t++) {
         memset(&piece, 0, sizeof piece);
         if (w->solid) {
             piece.triangle = PBW_NONE;
             piece.at[3] = PBWSAMPLE__ONE;
-        } else if (pbwsample__area(w->model, order[t].value) > 0) {
-            piece.triangle = order[t].value;
+        } else if (pbwsample__area(w->model, order[t]) > 0) {
+            piece.triangle = order[t];
             piece.at[2] = piece.at[5] = PBWSAMPLE__ONE;
         } else {
             continue;
         }
         pbwsample__push(w, &w->stack, &piece);
-        while (w->stack.count > 0 && w->status == PBWSAMPLE_OK) {
+        while (w->stack.count > 0 && w->status == PBWSAMPLE_OK && !w->crowded) {
             piece = w->stack.list[--w->stack.count];
+            pbwsample__tell(w, ++steps, 0);
+            w->crowded = (double)steps > most;
+            if (w->solid && !pbwsample__is_needed(w, &piece)) {
+                continue;
+            }
             corners = pbwsample__corners(w, &piece, corner);
             for (k = 0; k < 3; k++) {
                 middle[k] = corners == 8 ? 0.5 * (corner[0][k] + corner[7][k])
@@ -1301,7 +1432,7 @@ static void pbwsample__begin(pbwsample__work *w, double side)
             r = pbwsample__radius_at(w, middle);
             longest = pbwsample__longest(corner, corners, &square);
             if (lattice ? w->unit * piece.at[3] * w->radius > 1.01 * side * r : square > 2 * r * r) {
-                for (i = pbwsample__cut(w, &piece, longest, part); i > 0; i--) {
+                for (i = pbwsample__cut(&piece, longest, part); i > 0; i--) {
                     pbwsample__push(w, &w->stack, part + i - 1);
                 }
             } else {
@@ -1328,16 +1459,6 @@ static void pbwsample__shuffle(pbwsample__work *w)
     }
 }
 
-/* Tells now and then that piece i is next, of a round that takes half of what is left to do.  A nonzero answer ends
-   the work. */
-static void pbwsample__tell(pbwsample__work *w, size_t i, int round)
-{
-    if (i % 1024 == 0 && w->options->progress != NULL) {
-        double done = 1 - ldexp(1 - 0.5 * (double)i / (double)w->pieces.count, 1 - round);
-        w->status = w->options->progress(w->options->progress_user, done) != 0 ? PBWSAMPLE_CANCELLED : w->status;
-    }
-}
-
 /* A body-centred lattice (two points a cell), whose cells follow the size: its points are 0.87 sides apart.  Points
    in balls are left out. */
 static void pbwsample__lattice(pbwsample__work *w)
@@ -1347,7 +1468,7 @@ static void pbwsample__lattice(pbwsample__work *w)
     int half, k;
     for (i = 0; i < w->pieces.count && w->status == PBWSAMPLE_OK; i++) {
         const pbwsample__piece *cell = w->pieces.list + i;
-        pbwsample__tell(w, i, 1);
+        pbwsample__tell(w, i, (double)i / (double)w->pieces.count);
         for (half = 0; half < 2; half++) {
             for (k = 0; k < 3; k++) {
                 double move = jitter * (pbwsample__low_half(pbwsample__draw(w)) - 0.5);
@@ -1355,7 +1476,7 @@ static void pbwsample__lattice(pbwsample__work *w)
             }
             if (pbwsample__is_inside(w->rays, w->axes, p)
                 && !(pbwsample__look(w, p, 0, PBW_NONE) > 0)) {
-                pbwsample__add_sample(w, p, PBW_NONE, 0, 0);
+                pbwsample__add_sample(w, p, 0, PBW_NONE, 0, 0);
             }
         }
     }
@@ -1383,31 +1504,47 @@ static void pbwsample__fill(pbwsample__work *w)
         pbwsample__lattice(w);
         return;
     }
-    for (round = 1; w->pieces.count > 0 && w->status == PBWSAMPLE_OK; round++) {
+    for (round = 1; w->pieces.count > 0 && w->status == PBWSAMPLE_OK && !w->crowded; round++) {   /* takes half */
         pbwsample__pieces swap = w->pieces;
         pbwsample__shuffle(w);
         w->next.count = 0;
         for (i = 0; i < w->pieces.count && w->status == PBWSAMPLE_OK; i++) {
-            pbwsample__tell(w, i, round);
-            pbwsample__visit(w, w->pieces.list + i);
+            pbwsample__tell(w, i, 1 - ldexp(1 - 0.5 * (double)i / (double)w->pieces.count, 1 - round));
+            if (w->solid) {
+                pbwsample__visit_box(w, w->pieces.list + i);
+            } else {
+                pbwsample__visit_triangle(w, w->pieces.list + i);
+            }
         }
         w->pieces = w->next;
         w->next = swap;
     }
 }
 
-/* Maximal sets on large smooth surfaces have 0.69 samples a squared radius, in large volumes 0.66 a cubed one; the
-   search for a count starts somewhat below.  It ends with a few samples too many, of which the last are left out. */
+/* Sets on large smooth surfaces have 0.69 samples a squared radius, in large volumes 0.61 a cubed one; the search for
+   a count starts somewhat below.  What a volume has more than that at its boundary, in proportion to the radius, an
+   eighth of the samples tells.  The search ends with a few samples too many, of which the last are left out. */
 static void pbwsample__search(pbwsample__work *w, double content)
 {
-    double power = w->solid ? 1.0 / 3 : 0.5, wanted = (double)w->options->count;
-    int attempt;
+    double power = w->solid ? 1.0 / 3 : 0.5, wanted = (double)w->options->count, slope, found;
+    double density = w->solid ? 0.61 : 0.685;
+    int attempt, i, few = 0;                   /* few: a radius gave too few samples */
     w->radius = w->options->radius;
     if (w->options->count > 0) {
-        w->radius = pow((w->solid ? 0.64 : 0.685) * content / (1.01 * wanted + 1), power);
+        w->radius = pow(density * content / (1.01 * wanted + 1), power);
+    }
+    if (w->solid && wanted >= 4096 && content / pow(w->radius, 3) < PBW_NONE) {
+        w->radius *= 2;
+        pbwsample__fill(w);
+        if (w->status != PBWSAMPLE_OK) {
+            return;
+        }
+        slope = ((double)(w->set->count - w->fixed) * pow(w->radius, 3) / content - density) / w->radius;
+        for (i = 0; i < 32 && !w->crowded; i++) {
+            w->radius = pow(fabs(density + slope * w->radius) * content / (1.01 * wanted), power);
+        }
     }
     for (attempt = 1;; attempt++) {
-        double found;
         if (!(w->radius > 0 && content / pow(w->radius, 1 / power) < PBW_NONE)) {
             w->status = PBWSAMPLE_ERROR_TOO_LARGE;
         } else {
@@ -1417,6 +1554,14 @@ static void pbwsample__search(pbwsample__work *w, double content)
         if (w->status != PBWSAMPLE_OK || wanted == 0) {
             return;
         }
+        if (w->crowded) {                      /* it ends, as a radius that makes few pieces gives few samples */
+            w->radius *= 2;
+            w->status = !few || attempt <= 16 ? PBWSAMPLE_OK
+                      : w->solid ? PBWSAMPLE_ERROR_VOLUME : PBWSAMPLE_ERROR_TOO_LARGE;
+            attempt -= !few;
+            continue;
+        }
+        few |= found < wanted;
         if (found >= wanted && (found <= 1.04 * wanted + 2 || attempt > 4)) {
             w->set->count = w->fixed + w->options->count;
             return;
@@ -1430,6 +1575,7 @@ static pbwsample_status pbwsample__poisson(const pbwsample_model *model, const p
 {
     pbwsample__work work, *w = &work;
     double *made = NULL, content = 0;
+    pbwsample__box all = pbwsample__box_of(model, 0), box;
     size_t i;
     int k;
     memset(w, 0, sizeof *w);
@@ -1441,13 +1587,11 @@ static pbwsample_status pbwsample__poisson(const pbwsample_model *model, const p
     w->key = pbwsample__random(1 + (uint64_t)solid, options->seed);
     for (i = 0; i < model->triangle_count; i++) {
         content += solid ? 0 : pbwsample__area(model, i);
-        for (k = 0; k < 3; k++) {
-            double least, most;
-            pbwsample__span(model, i, k, &least, &most);
-            w->low[k] = i == 0 || least < w->low[k] ? least : w->low[k];
-            w->high[k] = i == 0 || most > w->high[k] ? most : w->high[k];
-        }
+        box = pbwsample__box_of(model, i);
+        pbwsample__unite(&all, &box);
     }
+    memcpy(w->low, all.low, sizeof w->low);
+    memcpy(w->high, all.high, sizeof w->high);
     if (solid) {
         content = fabs(pbwsample__volume_of(model));
         w->axes = pbwsample__make_rays(w->rays, model);
@@ -1479,6 +1623,7 @@ static pbwsample_status pbwsample__poisson(const pbwsample_model *model, const p
     PBWSAMPLE_FREE(w->pieces.list);
     PBWSAMPLE_FREE(w->next.list);
     PBWSAMPLE_FREE(w->stack.list);
+    PBWSAMPLE_FREE(w->lists);
     PBWSAMPLE_FREE(w->balls);
     PBWSAMPLE_FREE(w->chunks);
     PBWSAMPLE_FREE(w->cells.slots);

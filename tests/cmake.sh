@@ -1,25 +1,13 @@
 #!/bin/sh
 # cmake.sh FOLDER: builds and runs examples/cmake there, by itself and as a part of another project, where CMake is.
 work=$1/cmake
-passed=0 failed=0
+. tests/check.sh
+mkdir -p "$work/other/third"
 if ! command -v cmake > /dev/null; then
-    echo "skipped examples/cmake: no cmake"
-    echo "0 passed, 0 failed, 1 skipped"
-    exit
+    skip "examples/cmake: no cmake"
+    finish
 fi
-rm -rf "$work" && mkdir -p "$work/other/third" || exit 2
 
-check() {   # check NAME COMMAND...
-    name=$1
-    shift
-    if "$@" > "$work/out" 2>&1; then
-        passed=$((passed + 1))
-    else
-        failed=$((failed + 1))
-        echo "FAILED $name"
-        tail -n 8 "$work/out" | sed 's/^/    /'
-    fi
-}
 prints() { "$1" > "$work/printed" && echo "success: 4 triangles" | diff - "$work/printed"; }
 
 check "alone: configures" cmake -S examples/cmake -B "$work/alone"
@@ -45,5 +33,4 @@ mkdir "$work/lost"
 cp examples/cmake/* "$work/lost"
 check "without pbw.h: says so" sh -c \
     "cmake -S $work/lost -B $work/lost/build 2>&1 | grep 'pbw.h is not beside this file'"
-echo "$passed passed, $failed failed, 0 skipped"
-[ "$failed" = 0 ]
+finish

@@ -2,20 +2,7 @@
 # examples.sh FOLDER: runs the examples there that have a file in examples/expected, and compares what they print;
 # then looks into the models and pictures that some of them write.
 bin=$1 work=$1/examples
-passed=0 failed=0 skipped=0
-rm -rf "$work" && mkdir -p "$work" || exit 2
-
-check() {   # check NAME COMMAND...
-    name=$1
-    shift
-    if "$@" > "$work/out" 2>&1; then
-        passed=$((passed + 1))
-    else
-        failed=$((failed + 1))
-        echo "FAILED $name"
-        head -n 6 "$work/out" | sed 's/^/    /'
-    fi
-}
+. tests/check.sh
 
 prints() {   # prints PROGRAM FILE
     "$1" > "$work/printed" 2> "$work/errors"
@@ -33,8 +20,7 @@ closed() {
 for expected in examples/expected/*.txt; do
     name=$(basename "$expected" .txt)
     if [ -f "examples/$name.cpp" ] && ! command -v ${CXX:-c++} > /dev/null; then
-        skipped=$((skipped + 1))
-        echo "skipped examples/$name.cpp: no C++ compiler"
+        skip "examples/$name.cpp: no C++ compiler"
     else
         check "examples/$name" prints "./$bin/$name" "$expected"
     fi
@@ -55,5 +41,4 @@ triangles=$(sed -n 's/.* \([0-9]*\) triangles.*/\1/p' "$work/out")
 check "lowpoly: a path for each triangle" [ "$(grep -c '<path d=.*fill=.*/>' "$work/lowpoly.svg")" = "$triangles" ]
 head -c 1000 "$work/in.ppm" > "$work/short.ppm"
 check "lowpoly refuses a short file" sh -c "! ./$bin/lowpoly $work/short.ppm $work/short.svg"
-echo "$passed passed, $failed failed, $skipped skipped"
-[ "$failed" = 0 ]
+finish

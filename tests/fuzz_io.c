@@ -1,7 +1,7 @@
-/* fuzz_io.c: bytes read as a file of every format, and what must hold afterwards.
-       clang -g -O1 -fsanitize=fuzzer,address,undefined tests/fuzz_io.c -o fuzz_io -lm
+/* fuzz_io.c: bytes read as a file of every format, and what must hold afterwards; the models among them sampled.
+       clang -g -O1 -fsanitize=fuzzer,address,undefined tests/fuzz_io.c -o fuzz_io -lpthread -lm
        ./fuzz_io tests/corpus/io
-       cc -O2 -DFUZZ_MAIN tests/fuzz_io.c -o fuzz_io -lm && ./fuzz_io --count 1000000 --seed 1
+       cc -O2 -DFUZZ_MAIN tests/fuzz_io.c -o fuzz_io -lpthread -lm && ./fuzz_io --count 1000000 --seed 1
        ./fuzz_io FILE ...      (FUZZ_MAIN too) reads these files */
 #if defined(PBW_FUZZ_MAIN) && !defined(FUZZ_MAIN)
 #define FUZZ_MAIN
@@ -41,9 +41,14 @@ static void count_free(void *ptr)
 
 #define PBWIO_REALLOC(ptr, size) count_realloc(ptr, size)
 #define PBWIO_FREE(ptr) count_free(ptr)
-#define PBW_IO_IMPLEMENTATION
+#define PBWSAMPLE_REALLOC(ptr, size) count_realloc(ptr, size)
+#define PBWSAMPLE_FREE(ptr) count_free(ptr)
+#define PBW_IMPLEMENTATION
 #include "../pbw.h"
+#define PBW_IO_IMPLEMENTATION
 #include "../examples/pbw_io.h"
+#define PBW_SAMPLE_IMPLEMENTATION
+#include "../examples/pbw_sample.h"
 #include "io_samples.h"
 #include "test.h"
 
@@ -84,6 +89,65 @@ static const char *judge(const pbwio_cloud *cloud, pbwio_status status, const pb
     return NULL;
 }
 
+static int grow_tired(void *patience, double done)
+{
+    return !(done >= 0 && done <= 1) || --*(int *)patience < 0;
+}
+
+/* What is wrong with samples of a model, whatever it is like; NULL: nothing is. */
+static const char *sample(const pbwio_cloud *cloud, size_t seed)
+{
+    static const unsigned flags[] = { 0, PBWSAMPLE_NORMALS, PBWSAMPLE_NORMALS | PBWSAMPLE_THIN, PBWSAMPLE_LATTICE };
+    pbwsample_model model;
+    pbwsample_options options;
+    pbwsample_report report;
+    pbwsample_set set;
+    pbwsample_status status;
+    int way, patience;
+    size_t i;
+    memset(&report, 0, sizeof report);
+    memset(&model, 0, sizeof model);
+    model.points = cloud->points;
+    model.point_count = cloud->count;
+    model.triangles = cloud->triangles;
+    model.triangle_count = cloud->triangle_count;
+    status = pbwsample_inspect(&model, &report);
+    if ((status == PBWSAMPLE_OK) != (model.triangle_count > 0 && report.area > 0 && report.area <= DBL_MAX)) {
+        return "a surface without an area, or an area without a surface";
+    }
+    for (way = 0; way < 4; way++) {          /* uniform, Poisson, inside by count, inside by radius */
+        patience = 8;
+        memset(&set, 0, sizeof set);
+        memset(&options, 0, sizeof options);
+        options.seed = seed;
+        options.flags = flags[way == 2 ? 0 : seed / 4 % 4];
+        options.progress = grow_tired;
+        options.progress_user = &patience;
+        options.count = way < 3 ? 1 + seed % 23 : 0;
+        options.radius = way < 3 ? 0 : sqrt(report.area / 40);
+        status = way == 0 ? pbwsample_uniform(&model, &options, &set)
+               : way == 1 ? pbwsample_poisson(&model, &options, &set) : pbwsample_volume(&model, &options, &set);
+        if (status != PBWSAMPLE_OK && (set.count != 0 || (way < 2 && set.points != NULL))) {
+            return "samples after a failure";
+        }
+        if (status == PBWSAMPLE_OK && way < 3 && set.count != options.count) {
+            return "not as many samples as asked for";
+        }
+        for (i = 0; i < 3 * set.count; i++) {
+            if (!pbwio__finite(set.points[i]) || (set.normals != NULL && !pbwio__finite(set.normals[i]))) {
+                return "a sample that is not finite";
+            }
+        }
+        for (i = 0; i < set.count; i++) {
+            if (set.triangles[i] != PBW_NONE && set.triangles[i] >= model.triangle_count) {
+                return "a sample on a triangle that is none";
+            }
+        }
+        pbwsample_free(&set);
+    }
+    return NULL;
+}
+
 int LLVMFuzzerTestOneInput(const unsigned char *data, size_t size)
 {
     static const char *const columns[] = { NULL, NULL, "2,1", "x,y", "1,2,3" };
@@ -103,6 +167,9 @@ int LLVMFuzzerTestOneInput(const unsigned char *data, size_t size)
         held = peak = 0;
         status = pbwio_read_memory("fuzz", data, size, &options, &cloud, &error);
         fault = judge(&cloud, status, &error, size);
+        if (fault == NULL && format == PBWIO_AUTO && cloud.dim == 3 && cloud.triangle_count <= 100) {
+            fault = sample(&cloud, size);
+        }
         pbwio_free(&cloud);
         if (fault != NULL || held != 0) {
             printf("format %d: %s\n", format, fault != NULL ? fault : "memory held at the end");

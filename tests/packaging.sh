@@ -3,21 +3,7 @@
 # copies, contents list, versions, the programs in the documentation.  Run from the root; CC, CXX as in the Makefile.
 CC=${CC:-cc} CXX=${CXX:-c++} work=${1:-build}/packaging
 warn="-Wall -Wextra -Wpedantic -Wconversion -Wsign-conversion -Wshadow -Werror"
-passed=0 failed=0 skipped=0
-rm -rf "$work" && mkdir -p "$work" || exit 2
-
-check() {   # check NAME COMMAND...
-    name=$1
-    shift
-    if "$@" > "$work/out" 2>&1; then
-        passed=$((passed + 1))
-    else
-        failed=$((failed + 1))
-        echo "FAILED $name"
-        head -n 8 "$work/out" | sed 's/^/    /'
-    fi
-}
-skip() { skipped=$((skipped + 1)); echo "skipped $1"; }
+. tests/check.sh
 same() { diff "$1" "$2" && [ -s "$1" ]; }
 declines() {   # declines COMPILER FLAGS...: does not compile and says why, or answers PBW_ERROR_FP_MODE
     if "$@" -I. "$work/mode.c" -o "$work/mode" -lpthread 2> "$work/refused"; then
@@ -189,5 +175,4 @@ if $CC -m32 "$work/empty.c" -o "$work/empty" > /dev/null 2>&1; then
     check "-m32: the quick start prints the same" sh -c "./$work/quick32 | cmp - $work/printed"
 fi
 
-echo "$passed passed, $failed failed, $skipped skipped"
-[ "$failed" = 0 ]
+finish

@@ -406,6 +406,46 @@ static void test_counts(void)
     }
 }
 
+/* Needles and sheets, whose areas and volumes tell nothing of how far apart samples may be. */
+static void test_thin_models(void)
+{
+    pbwsample_status status;
+    static const double width[] = { 1e-3, 1e-9, 1e-100 };
+    pbwsample_options options;
+    pbwsample_set set;
+    size_t i, k;
+    for (i = 0; i < 2 * 3; i++) {
+        pbwsample_model model = start_model();
+        double w = width[i / 2];
+        int solid = (int)(i % 2);
+        memset(&options, 0, sizeof options);
+        memset(&set, 0, sizeof set);
+        options.seed = test_seed;
+        options.count = 30;
+        if (solid) {
+            model = cube(1);
+            for (k = 0; k < model.point_count; k++) {
+                points[3 * k + 2] *= w;
+            }
+            status = pbwsample_volume(&model, &options, &set);
+        } else {
+            add_point(&model, 0, 0, 0);
+            add_point(&model, 1, 0, 0);
+            add_point(&model, 0, w, 0);
+            add_triangle(&model, 0, 1, 2);
+            status = pbwsample_poisson(&model, &options, &set);
+        }
+        if (solid && w < 1e-3) {             /* too thin for any dart */
+            CHECK(status == PBWSAMPLE_OK || (status == PBWSAMPLE_ERROR_VOLUME && set.count == 0));
+        } else {
+            CHECK_EQUAL(status, PBWSAMPLE_OK);
+            CHECK_EQUAL(set.count, 30);
+            CHECK(closest_pair(&set) >= set.radius && set.radius > 0.01);
+        }
+        pbwsample_free(&set);
+    }
+}
+
 /* The power spectrum of samples of a square, averaged over directions: below half the frequency of its peak it has
    less than a tenth of the peak's power on average.  White noise has power 1 everywhere. */
 static void test_spectrum(void)
@@ -646,7 +686,23 @@ static void test_volume(void)
     CHECK_EQUAL(set.count, 1234);
     CHECK(closest_pair(&set) >= set.radius);
     pbwsample_free(&set);
+    options.count = 5000;                /* of which an eighth was made first */
+    CHECK_EQUAL(pbwsample_volume(&model, &options, &set), PBWSAMPLE_OK);
+    CHECK_EQUAL(set.count, 5000);
+    pbwsample_free(&set);
     options.count = 0;
+    options.radius = 0.08;
+    CHECK_EQUAL(pbwsample_volume(&model, &options, &set), PBWSAMPLE_OK);
+    CHECK(closest_pair(&set) >= set.radius && (double)set.count * 0.08 * 0.08 * 0.08 > 0.67);
+    for (i = 0; i < 60000; i++) {
+        double p[3];
+        int k;
+        for (k = 0; k < 3; k++) {
+            p[k] = pbwsample__low_half(pbwsample__random(test_seed, 3 * i + (size_t)k));
+        }
+        CHECK(nearest(&set, 0, set.count, p) <= 1.25 * 0.08);
+    }
+    pbwsample_free(&set);
     options.radius = 0.1;
     options.size = wide_size;
     for (lattice = 0; lattice < 2; lattice++) {
@@ -790,7 +846,7 @@ int main(int argc, char **argv)
     static const struct { const char *name; void (*run)(void); } tests[] = {
         { "uniform samples follow the areas", test_uniform }, { "the same for every job system", test_same },
         { "apart and maximal by radius", test_radius }, { "exact counts, rho", test_counts },
-        { "spectrum", test_spectrum }, { "thin sheets", test_thin }, { "normals", test_normals },
+        { "needles and sheets", test_thin_models }, { "spectrum", test_spectrum }, { "thin sheets", test_thin }, { "normals", test_normals },
         { "inside", test_inside }, { "volumes", test_volume }, { "bad surfaces and arguments", test_bad },
         { "every allocation fails", test_no_memory }
     };

@@ -1,0 +1,21 @@
+# check.sh: what scripts of tests share, by `. tests/check.sh` once $work, a folder for their files, is named.
+passed=0 failed=0 skipped=0
+rm -rf "$work" && mkdir -p "$work" || exit 2
+
+check() {   # check NAME COMMAND...
+    name=$1
+    shift
+    if "$@" > "$work/out" 2>&1; then
+        passed=$((passed + 1))
+    else
+        failed=$((failed + 1))
+        echo "FAILED $name"
+        tail -n 8 "$work/out" | sed 's/^/    /'
+    fi
+}
+skip() { skipped=$((skipped + 1)); echo "skipped $1"; }
+finish() {  # the last line and the exit status that tests/run.sh expects
+    echo "$passed passed, $failed failed, $skipped skipped"
+    [ "$failed" = 0 ]
+    exit
+}
