@@ -74,7 +74,8 @@ $(SCRIPTS:%=$B/%.log): $B/%.log: tests/%.sh FORCE
 	@mkdir -p $B
 	+@sh tests/run.sh $@ sh $< $B
 
-$B/test_io.log $B/view.log: $B/pbw
+$B/test_io.log: $B/pbw
+$B/view.log: $B/pbw $B/terrain
 $B/examples.log: $(patsubst %,$B/%,$(filter $(EXAMPLES) $(EXAMPLES_CXX),$(EXPECTED)))
 $B/python.log: $B/libpbw_python.so
 $B/oracle.log: $B/libpbw.a

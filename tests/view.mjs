@@ -226,7 +226,7 @@ async function test_solid() {
   await set('cap', 0);
   await set('cut', 1);
   check('solid: no cut shows all', await shown() === qualities.length);
-  await set('to', 0.5);
+  await set('to', 0.5);                                              // halfway from 0 to 1
   const low = qualities.filter(x => x <= 0.5).length;
   check('solid: those of quality up to 0.5', Math.abs(await shown() - low) <= 2, await shown() + ' ' + low);
   check('solid: quality as in the .vtu file', Math.abs(parseFloat((await get('summary')).match(/mean ([0-9.]*)/)[1])
@@ -313,6 +313,22 @@ async function test_flat() {
   check_quiet('flat');
 }
 
+async function test_terrain() {
+  await open('terrain');
+  const image = await picture();
+  check('terrain: drawn in all colours of the scale', between(covered(image), 0.15, 0.9)
+    && count(image, (r, g, b) => r > 200 && g > 150 && b < 110) > 0.001
+    && count(image, (r, g, b) => b > r + 20) > 0.02);
+  check('terrain: as high as it is', (await get('summary')).endsWith('largest 34'), await get('summary'));
+  await set('relief', 8);
+  check('terrain: steeper', differ(image, await picture()) > 0.1);
+  await click('reset');
+  check('terrain: reset', differ(image, await picture()) < 0.001);
+  await set('cut', 0.5);
+  check('terrain: cut', between(await shown(), 30000, 45000) && (await get('cut-is')).startsWith('1'));
+  check_quiet('terrain');
+}
+
 async function test_points() {
   await open('points');
   const image = await picture();
@@ -357,10 +373,11 @@ const { targetId } = await send('Target.createTarget', { url: 'about:blank' });
 session = (await send('Target.attachToTarget', { targetId, flatten: true })).sessionId;
 for (const domain of ['Page', 'Runtime', 'Log', 'Network']) await tell(domain + '.enable');
 await evaluate('1');
-for (const name of ['square', 'corner', 'solid', 'flat', 'points', 'million']) {
+for (const name of ['square', 'corner', 'solid', 'flat', 'points', 'terrain', 'million']) {
   check(name + '.html is there', existsSync(join(folder, name + '.html')));
 }
-for (const test of [test_square, test_corner, test_solid, test_flat, test_points, test_million, test_no_webgl]) {
+for (const test of [test_square, test_corner, test_solid, test_flat, test_terrain, test_points, test_million,
+  test_no_webgl]) {
   try {
     await test();
   } catch (e) {

@@ -1,6 +1,6 @@
 #!/bin/sh
-# view.sh FOLDER: pages of examples/pbw_view.h, made by the program pbw in FOLDER, in a headless Chromium, which
-# tests/view.mjs drives; it looks at the pixels.
+# view.sh FOLDER: pages of examples/pbw_view.h, made by the programs pbw and terrain in FOLDER, in a headless
+# Chromium, which tests/view.mjs drives; it looks at the pixels.
 bin=$1 work=$1/view
 for browser in "${CHROMIUM:-chromium}" chromium-browser google-chrome; do
     command -v "$browser" > /dev/null && break
@@ -23,6 +23,7 @@ page corner "$work/corner.csv" --columns 1,2,3 --eye 1,1,1 --cut 1,0,0,0 --cut-t
 page solid --generate uniform 3000 --threads 8 --title "</title><script>hacked=1</script>'\"&<b> ü"
 page flat --generate gauss 2000 --dim 2
 page points --generate sphere 5000 --points
+"$bin/terrain" "$work/terrain.pgm" "$work/terrain.html" > "$work/terrain.txt" || echo "FAILED making terrain.html"
 page million --generate uniform 150000
 "$bin/pbw" mesh --quiet --generate uniform 3000 --text -o "$work/solid.vtu"
 awk '/Name="quality"/ { on = 1; next } /<\/DataArray>/ { on = 0 } on { for (i = 1; i <= NF; i++) print $i }' \
