@@ -10,12 +10,12 @@ echo "== a model: a rope tied into a knot, $out/knot.obj"
 "$bin/model" "$out/knot.obj"
 
 echo "== points: blue noise on its surface, a jittered lattice inside"
-"$bin/pbw" sample "$out/knot.obj" --count 30000 --fill lattice -o "$out/points.ply"
+"$bin/pbw" sample "$out/knot.obj" --count 12000 --fill lattice -o "$out/points.ply"
 "$bin/pbw" view "$out/points.ply" --quiet --points --title "Points on and in a knot" -o "$out/points.html"
 
 echo "== the Delaunay triangulation of the points, proved; what is inside the model, for a simulator and for the eye"
 "$bin/pbw" mesh "$out/points.ply" --inside --surface "$out/knot.obj" --no-orphans --title "A knot of tetrahedra" \
-    --eye 0.3,-0.9,0.7 -o "$out/knot.vtu" -o "$out/knot.msh" -o "$out/knot.html"
+    --eye 0.1,-0.6,1 --cut 0.5,-0.8,0.3,0.25 -o "$out/knot.vtu" -o "$out/knot.msh" -o "$out/knot.html"
 
 echo "== in the plane: a sunflower"
 "$bin/pbw" view --generate spiral 4000 --quiet --dim 2 --title "A sunflower" -o "$out/sunflower.html"

@@ -9,7 +9,7 @@
    be cut open (simplices whole or cut through), exploded, thinned out by value, coloured by quality and by arrays of
    yours, with a histogram; by mouse, touch and keys.  Of a mesh without simplices (dim, point_count and points set,
    the rest 0) it shows the points.
-   Size: about 6 bytes a tetrahedron, 4 a triangle, 16 a point (12 in 2D), and for each array 1 to 6 bytes a number.
+   Size: about 7 bytes a tetrahedron, 4 a triangle, 16 a point (11 in 2D), and for each array 1 to 6 bytes a number.
    No dependency, no globals.  Memory: 4 bytes a point.
 */
 #ifndef PBW_VIEW_H
@@ -147,6 +147,7 @@ static const char *const pbwview__head[] = {
     "<fieldset class='cut'><legend>Cut</legend>\n",
     "<div class='row'><select id='axis' aria-label='Direction of the cut'>\n",
     "<option value='0'>across x<option value='1'>across y<option value='2'>across z<option value='3'>facing me\n",
+    "<option value='4' hidden>oblique\n",
     "</select><button id='flip' title='Show the other side of the cut'>flip</button></div>\n",
     "<label class='row'><span>place</span><input id='cut' type='range' min='0' max='1' step='.002'>\n",
     "<output id='cut-is'></output></label>\n",
@@ -410,7 +411,7 @@ static const char *const pbwview__script[] = {
     "// The plane that the menu names, with the side to the viewer cut away.\n",
     "function face(eye) {\n",
     "  const k = number('axis');\n",
-    "  set_normal(k === 3 ? eye : [0, 1, 2].map(i => i === k ? eye[k] < 0 ? -1 : 1 : 0));\n",
+    "  if (k < 4) set_normal(k === 3 ? eye : [0, 1, 2].map(i => i === k ? eye[k] < 0 ? -1 : 1 : 0));\n",
     "}\n",
     "function reset() {\n",
     "  const eye = unit(EYE), along = [0, 1, 2].filter(k => CUT[k]);\n",
@@ -418,7 +419,7 @@ static const char *const pbwview__script[] = {
     "  turn = flat ? 0 : Math.atan2(dot(eye, SIDE), dot(eye, FRONT));\n",
     "  if (along.length) {\n",
     "    set_normal(unit(CUT.slice(0, 3)));\n",
-    "    $('axis').value = along.length > 1 ? 3 : along[0];\n",
+    "    $('axis').value = along.length > 1 ? 4 : along[0];\n",
     "  } else {\n",
     "    const size = eye.map(Math.abs);\n",
     "    $('axis').value = size.indexOf(Math.max(...size));\n",
@@ -653,12 +654,12 @@ static const char *const pbwview__script[] = {
     "  bool bare = plain == 1 && bared == 0;\n",
     "  vec3 c = bare ? skin : colour(x), m = normal * axes;\n",
     "  float bright = max(dot(m.z < 0.0 ? -m : m, LIGHT), 0.0);\n",
-    "  c *= lit == 0 ? 1.0 : bare || n == 3 ? 0.44 + 0.64 * bright : 0.64 + 0.42 * bright;\n",
+    "  c *= lit == 0 ? 1.0 : bare || n == 3 ? 0.44 + 0.64 * bright : 0.72 + 0.34 * bright;\n",
     "  vec3 w = max(fwidth(edge), vec3(1e-9)), d = edge / w;\n",
     "  float near = min(d.x, min(d.y, d.z)), tall = 1.0 / max(w.x, max(w.y, w.z));\n",
-    "  float line = (1.0 - smoothstep(0.4, 1.2, near)) * smoothstep(1.5, 14.0, tall);\n",
+    "  float line = (1.0 - smoothstep(0.4, 1.2, near)) * smoothstep(1.0, 8.0, tall);\n",
     "  if (draw == 2 && near > 1.0) discard;\n",
-    "  result = vec4(mix(c, ink, draw == 3 ? line * (bare ? 0.3 : 0.55) : 0.0), 1);\n",
+    "  result = vec4(mix(c, ink, draw == 3 ? line * (bare ? 0.24 : 0.5) : 0.0), 1);\n",
     "}`;\n",
     "const DOT = HEAD + `\n",
     "flat out float value;\n",
@@ -702,7 +703,7 @@ static const char *const pbwview__script[] = {
     "    float far = length(to);\n",
     "    sum += max(0.0, dot(normal, to) / max(far, 1e-9) - 0.12) * max(0.0, 1.0 - far / (2.0 * reach));\n",
     "  }\n",
-    "  result.rgb *= mix(1.0, 0.35, min(1.0, sum / 11.0));\n",
+    "  result.rgb *= mix(1.0, 0.42, min(1.0, sum / 11.0));\n",
     "}`;\n",
     "\n",
     "function program(vertex, fragment) {\n",
