@@ -26,7 +26,7 @@
 extern "C" {
 #endif
 
-#define PBWVIEW_MOST ((size_t)1 << 24)   /* simplices, and points: more no browser opens */
+#define PBWVIEW_MOST ((size_t)1 << 23)   /* simplices, and points: more is too much for browsers */
 
 typedef struct pbwview_array {         /* numbers to colour by */
     const char *name;
@@ -1283,7 +1283,7 @@ static const char *pbwview__prepare(pbwview__page *page)
         return "there is nothing to show";
     }
     if (page->simplices > PBWVIEW_MOST || page->points > PBWVIEW_MOST) {
-        return "more than 16777216 simplices or points: no browser opens such a page";
+        return "more than 8388608 simplices or points are too much for a browser";
     }
     pbwview__each_point(page, pbwview__measure, box);
     for (k = 0; k < 3; k++) {
