@@ -258,7 +258,7 @@ async function test_solid() {
   const focused = await picture();
   check('solid: the focus is seen', between(differ(first, focused), 0.0005, 0.02));
   for (const [name, code] of [['ArrowLeft', 'ArrowLeft'], ['ArrowUp', 'ArrowUp'], ['+', 'Equal'], ['-', 'Minus'],
-    ['[', 'BracketLeft'], ['e', 'KeyE'], ['d', 'KeyD'], ['c', 'KeyC']]) {
+    ['[', 'BracketLeft'], ['f', 'KeyF'], ['e', 'KeyE'], ['d', 'KeyD'], ['c', 'KeyC']]) {
     await key(name, code);
     check('solid: key ' + name, differ(focused, await picture()) > 0.01);
     await colour_by('quality');
@@ -360,13 +360,17 @@ async function test_million() {
 }
 
 async function test_no_webgl() {
-  const { identifier } = await tell('Page.addScriptToEvaluateOnNewDocument', {
-    source: 'HTMLCanvasElement.prototype.getContext = () => null;' });
-  await open('solid');
-  check('no WebGL: says so', (await get('say')).startsWith('No WebGL 2 here'), await get('say'));
-  check('no WebGL: the histogram is there', await evaluate('document.querySelectorAll("#chart rect").length') > 20);
-  check_quiet('no WebGL');
-  await tell('Page.removeScriptToEvaluateOnNewDocument', { identifier });
+  for (const [source, says] of [['HTMLCanvasElement.prototype.getContext = () => null;', 'no WebGL 2 here'],
+    ['WebGL2RenderingContext.prototype.getProgramParameter = () => false;', '']]) {
+    const { identifier } = await tell('Page.addScriptToEvaluateOnNewDocument', { source });
+    await open('solid');
+    check('no WebGL: says so', (await get('say')).startsWith('No picture: ' + says), await get('say'));
+    check('no WebGL: the histogram is there', await evaluate('document.querySelectorAll("#chart rect").length') > 20);
+    await set('cut', 1);
+    check('no WebGL: counts', await shown() > 15000);
+    check_quiet('no WebGL');
+    await tell('Page.removeScriptToEvaluateOnNewDocument', { identifier });
+  }
 }
 
 const { targetId } = await send('Target.createTarget', { url: 'about:blank' });
