@@ -16,7 +16,8 @@ EXAMPLES_CXX = $(if $(shell command -v $(firstword $(CXX))),$(patsubst examples/
 EXPECTED = $(patsubst examples/expected/%.txt,%,$(wildcard examples/expected/*.txt))
 FUZZERS = $(patsubst tests/%.c,%,$(wildcard tests/fuzz_*.c))
 HEADERS = pbw.h $(wildcard tests/*.h examples/*.h)
-SCRIPTS = $(filter packaging hashes examples asm oracle cmake python view,$(patsubst tests/%.sh,%,$(wildcard tests/*.sh)))
+SCRIPTS = $(filter packaging hashes examples asm oracle cmake python view, \
+    $(patsubst tests/%.sh,%,$(wildcard tests/*.sh)))
 export CC CXX
 
 ifeq ($(MAKELEVEL),0)
