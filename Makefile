@@ -16,7 +16,8 @@ EXAMPLES_CXX = $(if $(shell command -v $(firstword $(CXX))),$(patsubst examples/
 EXPECTED = $(patsubst examples/expected/%.txt,%,$(wildcard examples/expected/*.txt))
 FUZZERS = $(patsubst tests/%.c,%,$(wildcard tests/fuzz_*.c))
 HEADERS = pbw.h $(wildcard tests/*.h examples/*.h)
-SCRIPTS = $(filter packaging hashes examples asm oracle cmake python programs,$(patsubst tests/%.sh,%,$(wildcard tests/*.sh)))
+SCRIPTS = $(filter packaging hashes examples asm oracle cmake python programs view, \
+    $(patsubst tests/%.sh,%,$(wildcard tests/*.sh)))
 export CC CXX
 
 ifeq ($(MAKELEVEL),0)
@@ -75,6 +76,7 @@ $(SCRIPTS:%=$B/%.log): $B/%.log: tests/%.sh FORCE
 	+@sh tests/run.sh $@ sh $< $B
 
 $B/test_io.log: $B/pbw
+$B/view.log: $B/pbw $B/terrain
 $B/examples.log: $(patsubst %,$B/%,$(filter $(EXAMPLES) $(EXAMPLES_CXX),$(EXPECTED)))
 $B/python.log: $B/libpbw_python.so
 $B/programs.log: $B/pbw

@@ -10,17 +10,16 @@ echo "== a model: a rope tied into a knot, $out/knot.obj"
 "$bin/model" "$out/knot.obj"
 
 echo "== points: blue noise on its surface, a jittered lattice inside"
-"$bin/pbw" sample "$out/knot.obj" --count 30000 --fill lattice -o "$out/points.ply"
+"$bin/pbw" sample "$out/knot.obj" --count 12000 --fill lattice -o "$out/points.ply"
+"$bin/pbw" view "$out/points.ply" --quiet --points --title "Points on and in a knot" -o "$out/points.html"
 
 echo "== the Delaunay triangulation of the points, proved; what is inside the model, for a simulator and for the eye"
-"$bin/pbw" mesh "$out/points.ply" --inside --surface "$out/knot.obj" --no-orphans \
-    -o "$out/knot.vtu" -o "$out/knot.msh" -o "$out/knot.svg"
+"$bin/pbw" mesh "$out/points.ply" --inside --surface "$out/knot.obj" --no-orphans --title "A knot of tetrahedra" \
+    --eye 0.1,-0.6,1 --cut 0.5,-0.8,0.3,0.25 -o "$out/knot.vtu" -o "$out/knot.msh" -o "$out/knot.html"
 
-echo "== in the plane: its shadow, and a sunflower"
-"$bin/pbw" sample "$out/knot.obj" --quiet --count 5000 -o "$out/shadow.ply"
-"$bin/pbw" mesh "$out/shadow.ply" --quiet --dim 2 -o "$out/shadow.svg"
-"$bin/pbw" mesh --generate spiral 4000 --quiet --dim 2 -o "$out/sunflower.svg"
+echo "== in the plane: a sunflower"
+"$bin/pbw" view --generate spiral 4000 --quiet --dim 2 --title "A sunflower" -o "$out/sunflower.html"
 
-echo "more pictures: $out/shadow.svg $out/sunflower.svg"
 echo "meshes: $out/knot.vtu (ParaView) $out/knot.msh (Gmsh)"
-echo "open this in a browser: $out/knot.svg"
+echo "more pages: $out/points.html $out/sunflower.html"
+echo "open this in a browser: $out/knot.html"

@@ -1,6 +1,6 @@
 /* pbw.c: samples models, triangulates points, checks, writes, shows and measures.
    cc -O2 -I. examples/pbw.c -o pbw -lpthread -lm
-   ./pbw model.obj -o model.vtu -o model.svg;  ./pbw --help lists the commands. */
+   ./pbw model.obj -o model.vtu -o model.html;  ./pbw --help lists the commands. */
 #define PBW_IMPLEMENTATION
 #include "pbw.h"
 #define PBW_IO_IMPLEMENTATION
@@ -11,6 +11,8 @@
 #include "pbw_picture.h"
 #define PBW_SAMPLE_IMPLEMENTATION
 #include "pbw_sample.h"
+#define PBW_VIEW_IMPLEMENTATION
+#include "pbw_view.h"
 #include "pbw_generate.h"
 #include <signal.h>
 #ifdef _WIN32
@@ -25,7 +27,7 @@ enum { MOST_OUTPUTS = 32, FAILURE = 1, USAGE = 2 };
 
 /* ---- the commands and their options ---- */
 
-enum { MESH = 1, SAMPLE = 2, CHECK = 4, CONVERT = 8, BENCH = 16, ALL = 31 };
+enum { MESH = 1, SAMPLE = 2, CHECK = 4, CONVERT = 8, BENCH = 16, VIEW = 32, ALL = 63, SHOWN = MESH | VIEW };
 
 static const char *const help[] = {
     "usage: pbw [mesh] [options] input [-o output]...\n"
@@ -34,16 +36,12 @@ static const char *const help[] = {
     "\n"
     "input:   .obj .ply .stl .off .node, tables (.xyz .csv .txt ...); - is the standard input\n"
     "output:  .vtu .msh .msh2 .mesh .inp .su2 .node .ele .neigh .face .edge (simplices, boundary),\n"
-    "         .obj .ply .stl .off (hull), .xyz .csv (points), .svg (picture); any number of them\n"
+    "         .obj .ply .stl .off (hull), .xyz .csv (points), .svg (picture), .html (page to look around\n"
+    "         in); any number of them\n"
     "\n"
     "  --any-order           skip the canonical order of simplices\n"
     "  --no-check            skip the exact check of the result\n"
-    "  --inside              output only what is inside the surface of the model\n"
-    "  --surface MODEL       the model for --inside, if it is not the input\n"
-    "  --no-orphans          leave points that are corners of nothing out of the output\n"
-    "  --eye X,Y,Z           pictures: direction to the viewer\n"
-    "  --up X,Y,Z            pictures: upwards; default 0,0,1\n"
-    "  --cut A,B,C,D         pictures: cut away Ax+By+Cz > D, D from -1 to 1; D = 1 cuts nothing\n",
+    "  --no-orphans          leave points that are corners of nothing out of the output\n",
 
     "usage: pbw sample [options] model -o output...\n"
     "\n"
@@ -76,51 +74,75 @@ static const char *const help[] = {
     "usage: pbw bench [options] [input]\n"
     "\n"
     "Times of the triangulation by number of threads, best of three; default: --generate uniform 1000000.\n"
+    "\n",
+
+    "usage: pbw view [options] input [-o page.html]\n"
     "\n"
+    "Makes a page to look at the triangulation of the points of a file in a browser: one file, no network.\n"
+    "\n"
+    "input:   as for pbw mesh\n"
+    "output:  .html; default: the name of the input with that ending\n"
+    "\n"
+    "  --points              the points, not triangulated\n"
 };
 
 static const struct { const char *text; unsigned commands; } shared_help[] = {
+    { "  --inside              only what is inside the surface of the model\n"
+      "  --surface MODEL       the model for --inside, if it is not the input\n"
+      "  --title TEXT          pages: default: the name of the input\n"
+      "  --colour NAME         pages: what the colours show at first: quality, part (the parts of the curve that\n"
+      "                        threads begin with), order (of the points in the input), weight, z\n"
+      "  --eye X,Y,Z           pictures and pages: direction to the viewer\n"
+      "  --up X,Y,Z            pictures and pages: upwards; default 0,0,1\n"
+      "  --cut A,B,C,D         pictures and pages: cut away Ax+By+Cz > D, D from -1 to 1; D = 1 cuts nothing\n"
+      "  --cut-through         pages: cut simplices through instead of leaving them out\n"
+      "  --colour-outside      pages: colours on the outside too, not only where it is cut\n", SHOWN },
     { "  --dim 2|3             dimension; default 3, or 2 for files of two columns or of one z\n", ALL & ~SAMPLE },
     { "  --columns X,Y[,Z]     which columns, by number from 1 or by name\n", ALL & ~SAMPLE },
     { "  --weights COLUMN      regular triangulation with the weights of that column\n",
-      MESH | CHECK | BENCH },
+      SHOWN | CHECK | BENCH },
     { "  --generate KIND N     N points instead of an input: uniform gauss ball sphere lattice clusters lines\n"
       "                        spiral plane anisotropic moment\n", ALL & ~SAMPLE },
     { "  --seed S              of random numbers, up to 1000000; default 1\n", ALL },
-    { "  --threads N           default: all cores\n", MESH | CHECK | BENCH },
+    { "  --threads N           default: all cores\n", SHOWN | CHECK | BENCH },
     { "  --memory-limit SIZE   such as 500M or 4G: fail rather than use more for the triangulation\n",
-      MESH | CHECK | BENCH },
+      SHOWN | CHECK | BENCH },
     { "  --text                text instead of binary output\n", MESH | SAMPLE | CONVERT },
     { "  --quiet               print errors only\n", ALL }
 };
 
-static const char *const commands[] = { "mesh", "sample", "check", "convert", "bench", NULL };
+static const char *const commands[] = { "mesh", "sample", "check", "convert", "bench", "view", NULL };
 static const char *const command_help[] = {
     "triangulate points; also without its name", "spread points over a model",
-    "find faults in a model and its triangulation", "from one format to another", "measure"
+    "find faults in a model and its triangulation", "from one format to another", "measure",
+    "make a page to look at"
 };
 
-enum { QUIET, NO_CHECK, ANY_ORDER, INSIDE, NO_ORPHANS, TEXT, UNIFORM, THIN, FACET_NORMALS, SWITCHES };
+enum { QUIET, NO_CHECK, ANY_ORDER, INSIDE, NO_ORPHANS, TEXT, UNIFORM, THIN, FACET_NORMALS, POINTS,
+       CUT_THROUGH, COLOUR_OUTSIDE, SWITCHES };
 static const char *const switches[] = { "--quiet", "--no-check", "--any-order", "--inside", "--no-orphans", "--text",
-                                        "--uniform", "--thin", "--facet-normals", NULL };
-static const unsigned switch_commands[] = { ALL, MESH, MESH, MESH, MESH, MESH | SAMPLE | CONVERT,
-                                            SAMPLE, SAMPLE, SAMPLE };
+                                        "--uniform", "--thin", "--facet-normals", "--points", "--cut-through",
+                                        "--colour-outside", NULL };
+static const unsigned switch_commands[] = { ALL, MESH, MESH, SHOWN, MESH, MESH | SAMPLE | CONVERT,
+                                            SAMPLE, SAMPLE, SAMPLE, VIEW, SHOWN, SHOWN };
 
-enum { O, DIM, COLUMNS, WEIGHTS, THREADS, MEMORY_LIMIT, SEED, EYE, UP, CUT, GENERATE, COUNT, RADIUS, FILL, SURFACE };
+enum { O, DIM, COLUMNS, WEIGHTS, THREADS, MEMORY_LIMIT, SEED, EYE, UP, CUT, GENERATE, COUNT, RADIUS, FILL, SURFACE,
+       TITLE, COLOUR };
 static const char *const settings[] = { "-o", "--dim", "--columns", "--weights", "--threads", "--memory-limit",
                                         "--seed", "--eye", "--up", "--cut", "--generate", "--count", "--radius",
-                                        "--fill", "--surface", NULL };
+                                        "--fill", "--surface", "--title", "--colour", NULL };
 static const unsigned setting_commands[] = {
-    MESH | SAMPLE | CONVERT, ALL & ~SAMPLE, ALL & ~SAMPLE, MESH | CHECK | BENCH,
-    MESH | CHECK | BENCH, MESH | CHECK | BENCH, ALL, MESH, MESH, MESH, ALL & ~SAMPLE, SAMPLE, SAMPLE,
-    SAMPLE, MESH
+    SHOWN | SAMPLE | CONVERT, ALL & ~SAMPLE, ALL & ~SAMPLE, SHOWN | CHECK | BENCH,
+    SHOWN | CHECK | BENCH, SHOWN | CHECK | BENCH, ALL, SHOWN, SHOWN, SHOWN, ALL & ~SAMPLE, SAMPLE, SAMPLE,
+    SAMPLE, SHOWN, SHOWN, SHOWN
 };
 
 static const char *const fills[] = { "lattice", "poisson", NULL };
 
 typedef struct job {
     unsigned command;                                /* one of the bits above */
-    const char *input, *output[MOST_OUTPUTS], *generate, *surface;
+    const char *input, *output[MOST_OUTPUTS], *generate, *surface, *title, *colour;
+    char page[1024];                                 /* the output of view, if none is named */
     int outputs, kind, fill, terminal, on[SWITCHES];
     size_t count;                                    /* of --generate */
     pbwio_options read;
@@ -194,7 +216,10 @@ static int add_output(job *j, const char *path)
         return format != PBWIO_AUTO && format <= PBWIO_CSV && format != PBWIO_NODE
             && !(j->command == SAMPLE && format == PBWIO_STL);
     }
-    return j->command == MESH && (format != PBWIO_AUTO || has_ending(path, ".svg"));
+    if (j->command == VIEW) {
+        return has_ending(path, ".html");
+    }
+    return j->command == MESH && (format != PBWIO_AUTO || has_ending(path, ".svg") || has_ending(path, ".html"));
 }
 
 /* The setting of that number; returns whether the value is proper.  more: the argument after the value or NULL. */
@@ -220,6 +245,8 @@ static int set(job *j, int setting, const char *value, const char *more)
         case RADIUS: return numbers(value, 1, &j->sample.radius) && j->sample.radius > 0;
         case FILL: j->fill = find(fills, value) + 1; return j->fill > 0;
         case SURFACE: j->surface = value; break;
+        case TITLE: j->title = value; break;
+        case COLOUR: j->colour = value; break;
         default:
             j->generate = value;
             j->kind = find(pbwgen_kinds, value);
@@ -244,6 +271,16 @@ static void print_help(unsigned command, int all)
         printf("%s  pbw %-8s --help   %s\n", i == 0 ? "\ncommands:\n" : "", commands[i], command_help[i]);
     }
     puts("\nexit status: 0 done, 1 failure, 2 wrong usage");
+}
+
+/* The output of view: beside the input, with another ending. */
+static void name_page(job *j)
+{
+    const char *name = j->generate != NULL ? j->generate : strcmp(j->input, "-") == 0 ? "pbw" : j->input;
+    const char *slash = strrchr(name, '/'), *dot = strrchr(name, '.');
+    int length = dot != NULL && (slash == NULL || dot > slash + 1) ? (int)(dot - name) : (int)strlen(name);
+    snprintf(j->page, sizeof j->page, "%.*s.html", length > 1000 ? 1000 : length, name);
+    j->output[j->outputs++] = j->page;
 }
 
 /* Fills the job; returns 0, or the exit status plus one. */
@@ -284,6 +321,9 @@ static int parse(int argc, char **argv, job *j)
     if ((j->input == NULL) == (j->generate == NULL)) {
         return 1 + complain(j->command == SAMPLE ? "a model is needed; see pbw sample --help"
                             : "one input or --generate is needed; see --help", "");
+    }
+    if (j->command == VIEW && j->outputs == 0) {
+        name_page(j);
     }
     if (j->command == CONVERT && j->outputs == 0) {
         return 1 + complain("an output is needed; see pbw convert --help", "");
@@ -387,7 +427,7 @@ static int load(job *j)
     } else if (pbwio_read(j->input, &j->read, &j->cloud, &error) != PBWIO_OK) {
         return fail(j, error.text);
     }
-    if (j->read.dim == 0 && j->cloud.dim == 3 && j->command & (MESH | CHECK | BENCH)) {
+    if (j->read.dim == 0 && j->cloud.dim == 3 && j->command & (SHOWN | CHECK | BENCH)) {
         flatten(&j->cloud);
     }
     if (!j->on[QUIET]) {
@@ -491,6 +531,59 @@ static int mark_inside(job *j)
     return 0;
 }
 
+static pbwio_status write_page(const job *j, const char *path, pbwio_error *error)
+{
+    const pbw_mesh *mesh = &j->mesh;
+    const char *slash = j->input == NULL ? NULL : strrchr(j->input, '/');
+    size_t parts = j->build.threads > 0 ? (size_t)j->build.threads : 8, count = mesh->simplex_count, i;
+    uint32_t *part = (uint32_t *)malloc((count + 1) * sizeof *part);
+    uint32_t *order = (uint32_t *)malloc((mesh->point_count + 1) * sizeof *order);
+    pbwview_array arrays[3];
+    pbwview_options view;
+    pbwio_status status = PBWIO_ERROR_MEMORY;
+    char note[128] = "";
+    memset(&view, 0, sizeof view);
+    memset(arrays, 0, sizeof arrays);
+    snprintf(error->text, sizeof error->text, "out of memory");
+    if (mesh->duplicate_count + mesh->hidden_count > 0) {
+        snprintf(note, sizeof note, "%zu duplicate and %zu hidden points left out", mesh->duplicate_count,
+                 mesh->hidden_count);
+    }
+    view.title = j->title != NULL ? j->title : j->generate != NULL ? j->generate
+               : slash != NULL ? slash + 1 : j->input;
+    view.note = note;
+    view.keep = j->picture.keep;
+    view.colour = j->colour;
+    view.cut_through = j->on[CUT_THROUGH];
+    view.colour_outside = j->on[COLOUR_OUTSIDE];
+    memcpy(view.eye, j->picture.eye, sizeof view.eye);
+    memcpy(view.up, j->picture.up, sizeof view.up);
+    memcpy(view.cut, j->picture.cut, sizeof view.cut);
+    arrays[0].name = "order";
+    arrays[0].whole = order;
+    arrays[0].of_points = 1;
+    arrays[1].name = "part";
+    arrays[1].whole = part;
+    arrays[1].classes = 1;
+    arrays[2].name = "weight";
+    arrays[2].real = mesh->weights;
+    arrays[2].of_points = 1;
+    view.arrays = arrays;
+    view.array_count = mesh->weights != NULL ? 3 : 2;
+    for (i = 0; order != NULL && i < mesh->point_count; i++) {
+        order[i] = (uint32_t)i;
+    }
+    for (i = 0; part != NULL && i < count; i++) {                    /* simplices follow the curve */
+        part[i] = (uint32_t)(i * parts / count);
+    }
+    if (part != NULL && order != NULL) {
+        status = pbwview_write(path, mesh, &view, error);
+    }
+    free(part);
+    free(order);
+    return status;
+}
+
 static int write_mesh(const job *j)
 {
     int i;
@@ -499,6 +592,7 @@ static int write_mesh(const job *j)
         pbwio_error error;
         const char *path = j->output[i];
         pbwio_status status = has_ending(path, ".svg") ? pbwpic_write(path, &j->mesh, &j->picture, &error)
+            : has_ending(path, ".html") ? write_page(j, path, &error)
             : pbwio_write(path, &j->mesh, &j->write, &error);
         if (status != PBWIO_OK || interrupted) {
             return fail(j, status != PBWIO_OK ? error.text : "cancelled");
@@ -555,6 +649,27 @@ static int run_mesh(job *j)
     }
     status = status != 0 || !j->on[INSIDE] ? status : mark_inside(j);
     return status != 0 ? status : write_mesh(j);
+}
+
+static int run_view(job *j)
+{
+    int status = load(j);
+    if (status == 0 && j->on[POINTS]) {
+        j->mesh.dim = j->cloud.dim;                                  /* borrowed: nothing in it is pbw_free's */
+        j->mesh.points = j->cloud.points;
+        j->mesh.point_count = j->cloud.count;
+    } else if (status == 0) {
+        status = build(j);
+        if (status == 0) {
+            describe(j);
+        }
+        status = status != 0 || !j->on[INSIDE] ? status : mark_inside(j);
+    }
+    status = status != 0 ? status : write_mesh(j);
+    if (status == 0 && !j->on[QUIET]) {
+        printf("open this in a browser: %s\n", j->output[j->outputs - 1]);
+    }
+    return status;
 }
 
 static int run_sample(job *j)
@@ -726,6 +841,7 @@ int main(int argc, char **argv)
         case CHECK: status = run_check(&j); break;
         case CONVERT: status = run_convert(&j); break;
         case BENCH: status = run_bench(&j); break;
+        case VIEW: status = run_view(&j); break;
         default: status = run_mesh(&j);
     }
     free((void *)j.write.keep);

@@ -1,9 +1,14 @@
 /* terrain.c: an airborne laser scan triangulated in the plane, its heights carried along: heights anywhere by
    interpolation, a shaded relief with contour lines.
    cc -O2 -I. examples/terrain.c -o terrain -lpthread -lm
-   terrain relief.pgm also writes the relief as a picture.  Prints expected/terrain.txt: a map, 3 metres a step. */
+   terrain relief.pgm relief.html also writes a picture and a page to look around in.  Prints expected/terrain.txt: a
+   map, 3 metres a step. */
 #define PBW_IMPLEMENTATION
 #include "pbw.h"
+#define PBW_IO_IMPLEMENTATION
+#include "pbw_io.h"
+#define PBW_VIEW_IMPLEMENTATION
+#include "pbw_view.h"
 #include <math.h>
 #include <stdio.h>
 
@@ -69,6 +74,21 @@ static double height_at(const pbw_mesh *mesh, pbw_index t, const double *q, doub
     return a->z + slope[0] * (q[0] - a->x) + slope[1] * (q[1] - a->y);
 }
 
+static int write_page(const char *path, const pbw_mesh *mesh)
+{
+    static double heights[LINES * PULSES];
+    pbwview_options options = { .title = "Terrain", .heights = heights, .colour = "height" };
+    pbwio_error error;
+    for (size_t i = 0; i < mesh->point_count; i++) {
+        heights[i] = samples[i].z;
+    }
+    if (pbwview_write(path, mesh, &options, &error) != PBWIO_OK) {
+        printf("%s\n", error.text);
+        return 1;
+    }
+    return 0;
+}
+
 int main(int argc, char **argv)
 {
     static unsigned char picture[WIDTH * HEIGHT];
@@ -80,6 +100,7 @@ int main(int argc, char **argv)
     pbw_status status;
     pbw_index t = 0;
     double sum = 0;
+    int failed;
     options.stride = sizeof(sample);                /* x and y are read, z is ours */
     status = pbw_triangulate(2, &samples[0].x, NULL, count, &options, &mesh);
     if (status != PBW_OK) {
@@ -123,6 +144,7 @@ int main(int argc, char **argv)
             return 1;
         }
     }
+    failed = argc > 2 && write_page(argv[2], &mesh);
     pbw_free(&mesh);
-    return 0;
+    return failed;
 }

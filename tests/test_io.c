@@ -1064,7 +1064,7 @@ static void test_program(void)
         { "--generate uniform 50000 --memory-limit 1M", "pbw: out of memory, or over the memory limit", 1 },
         { "--generate uniform 100 --inside", "pbw: --inside needs a model with faces in 3D", 1 },
         { "--generate uniform 100 -o /no/such/a.vtu", "pbw: /no/such/a.vtu: No such file or directory", 1 },
-        { "--generate lattice 27 --quiet -o FOLDER/a.node -o FOLDER/a.svg", "", 0 },
+        { "--generate lattice 27 --quiet -o FOLDER/a.node -o FOLDER/a.svg -o FOLDER/a.html", "", 0 },
         { "FOLDER/a.node --quiet --any-order --no-check --threads 1 -o FOLDER/b.csv", "", 0 },
         { "- --dim 2 --weights z --quiet -o FOLDER/c.obj < FOLDER/b.csv", "", 0 },
         { "mesh --help", "exit status: 0 done, 1 failure, 2 wrong usage", 0 },
@@ -1072,6 +1072,10 @@ static void test_program(void)
         { "check --help", "exit status: 0 done, 1 failure, 2 wrong usage", 0 },
         { "convert --help", "exit status: 0 done, 1 failure, 2 wrong usage", 0 },
         { "bench --help", "exit status: 0 done, 1 failure, 2 wrong usage", 0 },
+        { "view --help", "exit status: 0 done, 1 failure, 2 wrong usage", 0 },
+        { "view a.xyz -o a.vtu", "pbw: no proper value for -o", 2 },
+        { "view FOLDER/a.node", "open this in a browser: FOLDER/a.html", 0 },
+        { "view --generate uniform 100 -o /no/such/a.html", "pbw: /no/such/a.html: No such file or directory", 1 },
         { "mesh --generate lattice 27 --quiet -o FOLDER/d.obj", "", 0 },
         { "sample", "pbw: a model is needed; see pbw sample --help", 2 },
         { "sample --dim 2 a.obj", "pbw: unknown option --dim", 2 },
@@ -1100,8 +1104,8 @@ static void test_program(void)
         { "bench --generate uniform 2", "pbw: the points do not span the space: there are no simplices", 1 },
         { "--generate uniform 3000000 -o FOLDER/a.vtu", "pbw: cancelled", 1 }
     };
-    static const char *const files[] = { "a.node", "a.svg", "b.csv", "c.obj", "d.obj", "d.off", "d.ply", "d.stl",
-                                         "e.ply", "e.csv", "e.obj", "f.xyz", "f.stl" };
+    static const char *const files[] = { "a.html", "a.node", "a.svg", "b.csv", "c.obj", "d.obj", "d.off", "d.ply",
+                                         "d.stl", "e.ply", "e.csv", "e.obj", "f.xyz", "f.stl" };
     char command[1024], line[256], last[256], arguments[256], says[256];
     size_t i;
     if (access(program, X_OK) != 0) {

@@ -1,0 +1,1330 @@
+/* pbw_view.h - v0.1.0 - pages to look at triangulations in a browser - MIT-0
+
+   In one source file, define PBW_VIEW_IMPLEMENTATION before the include; in all others, only include.
+   Needs pbw_io.h, with its implementation in some source file.
+
+       pbwview_write("mesh.html", &mesh, NULL, &error);
+
+   Writes one file that needs nothing else, no network and no server, but a browser with WebGL 2: the mesh turns, can
+   be cut open (simplices whole or cut through), exploded, thinned out by value, coloured by quality and by arrays of
+   yours, with a histogram; by mouse, touch and keys.  Of a mesh without simplices (dim, point_count and points set,
+   the rest 0) it shows the points.
+   Size: about 7 bytes a tetrahedron, 4 a triangle, 16 a point (11 in 2D), and for each array 1 to 6 bytes a number.
+   No dependency, no globals.  Memory: 4 bytes a point.
+*/
+#ifndef PBW_VIEW_H
+#define PBW_VIEW_H
+#ifndef PBW_IO_H
+#include "pbw_io.h"
+#endif
+
+#ifndef PBWVIEWDEF
+#define PBWVIEWDEF extern
+#endif
+
+#ifdef __cplusplus
+extern "C" {
+#endif
+
+#define PBWVIEW_MOST ((size_t)1 << 23)   /* simplices, and points: more is too much for browsers */
+
+typedef struct pbwview_array {         /* numbers to colour by */
+    const char *name;
+    const uint32_t *whole;             /* one of the two */
+    const double *real;                /* NaN and infinities: no value */
+    int of_points;                     /* 1: one a point, 0: one a simplex */
+    int classes;                       /* whole numbers: 1: that name something, and get colours that tell them apart;
+                                          0: that measure something */
+} pbwview_array;
+
+typedef struct pbwview_options {       /* NULL or all zero = best defaults */
+    const char *title, *note;          /* UTF-8, any characters; NULL = "pbw", none */
+    const unsigned char *keep;         /* one a simplex, 0 = not part of the body; NULL = all are */
+    const double *heights;             /* 2D: one a point, shown as a surface in space; NULL = flat */
+    const pbwview_array *arrays;
+    size_t array_count;
+    const char *colour;                /* name of the array shown first; NULL = the quality, or the first array */
+    double eye[3], up[3];              /* directions from the middle to the viewer and upwards (0: z) */
+    double cut[4];                     /* normal of the cut, and its place: -1 cuts all, 1 nothing; 0: through the
+                                          middle, towards the viewer */
+    int cut_through;                   /* 1: tetrahedra at the cut are cut through, 0: they stay whole or go */
+    int colour_outside;                /* 3D: 1: colours on the outside too, 0: where it is cut open */
+} pbwview_options;
+
+/* Writes the page whole or not at all.  Needs no neighbors. */
+PBWVIEWDEF pbwio_status pbwview_write(const char *path, const pbw_mesh *mesh, const pbwview_options *options,
+                                      pbwio_error *error);
+
+#ifdef __cplusplus
+}
+#endif
+#endif /* PBW_VIEW_H */
+
+#if defined(PBW_VIEW_IMPLEMENTATION) && !defined(PBWVIEW__IMPLEMENTED)
+#define PBWVIEW__IMPLEMENTED
+
+#include <float.h>
+#include <math.h>
+#include <stdlib.h>
+#include <string.h>
+
+/* ------------------------------------------------------------------------------------------------------
+   The page: what stands before the data, and the script behind them.  Single quotes only.
+   ------------------------------------------------------------------------------------------------------ */
+
+static const char *const pbwview__head[] = {
+    "<meta name='viewport' content='width=device-width, initial-scale=1'>\n",
+    "<meta http-equiv='Content-Security-Policy' content='default-src &#39;none&#39;; img-src data:;\n",
+    " script-src &#39;unsafe-inline&#39;; style-src &#39;unsafe-inline&#39;'>\n",
+    "<link rel='icon' href='data:,'>\n",
+    "<style>\n",
+    ":root { color-scheme: light dark; --paper: #f7f8fa; --panel: #ffffff; --ink: #17202b; --soft: #586474;\n",
+    "  --rule: #d5dae1; --mark: #1f6feb; --skin: #9db4c6; }\n",
+    "@media (prefers-color-scheme: dark) { :root { --paper: #12161c; --panel: #1b2129; --ink: #e6ebf1;\n",
+    "  --soft: #9aa7b6; --rule: #36404c; --mark: #58a6ff; --skin: #8ba3b7; } }\n",
+    "* { box-sizing: border-box; }\n",
+    "html, body { height: 100%; margin: 0; }\n",
+    "body { display: flex; background: var(--paper); color: var(--ink); font: 14px/1.45 system-ui, sans-serif; }\n",
+    "#stage { position: relative; flex: 1; min-width: 0; min-height: 0; }\n",
+    "canvas { position: absolute; width: 100%; height: 100%; touch-action: none; cursor: grab; outline: 0; }\n",
+    "canvas:active { cursor: grabbing; }\n",
+    "canvas:focus-visible { outline: 2px solid var(--mark); outline-offset: -3px; }\n",
+    "#axes { position: absolute; left: 12px; bottom: 12px; width: 76px; height: 76px; pointer-events: none; }\n",
+    "#axes line { stroke-width: 2; stroke-linecap: round; }\n",
+    "#axes text { font: 600 11px system-ui, sans-serif; fill: var(--ink); text-anchor: middle;\n",
+    "  dominant-baseline: central; }\n",
+    "#say { position: absolute; left: 0; right: 0; top: 42%; padding: 0 2em; text-align: center;\n",
+    "  color: var(--soft); pointer-events: none; }\n",
+    "#panel { width: 300px; overflow-y: auto; padding: 14px 16px; background: var(--panel);\n",
+    "  border-left: 1px solid var(--rule); }\n",
+    "h1 { margin: 0 0 2px; font-size: 17px; overflow-wrap: anywhere; }\n",
+    "p { margin: 0 0 6px; color: var(--soft); overflow-wrap: anywhere; }\n",
+    "fieldset { margin: 10px 0 0; padding: 9px 0 0; border: 0; border-top: 1px solid var(--rule); min-width: 0; }\n",
+    "legend { float: left; width: 5.6em; padding: 0; font-weight: 600; line-height: 26px; }\n",
+    "legend + * { margin-left: 5.6em; }\n",
+    ".row { display: flex; align-items: center; gap: 8px; min-height: 26px; clear: left; }\n",
+    "legend + .row { clear: none; }\n",
+    ".row > span:first-child { width: 4.9em; flex: none; color: var(--soft); }\n",
+    ".row output { width: 5.2em; flex: none; text-align: right; font-variant-numeric: tabular-nums; }\n",
+    "select, button { font: inherit; color: inherit; background: var(--paper); border: 1px solid var(--rule);\n",
+    "  border-radius: 5px; padding: 2px 8px; min-width: 0; }\n",
+    "select { flex: 1; }\n",
+    "button { cursor: pointer; }\n",
+    "input[type=range] { flex: 1; min-width: 0; accent-color: var(--mark); }\n",
+    ":focus-visible { outline: 2px solid var(--mark); }\n",
+    "#chart { display: block; width: 100%; margin: 6px 0 2px; clear: left; }\n",
+    "#chart text { font: 11px system-ui, sans-serif; fill: var(--soft); }\n",
+    "#classes { display: flex; flex-wrap: wrap; gap: 1px 10px; margin: 4px 0; max-height: 9em; overflow-y: auto; }\n",
+    "#classes i { display: inline-block; width: 11px; height: 11px; margin-right: 5px; border-radius: 2px; }\n",
+    "#shown { display: block; font-weight: 600; }\n",
+    "details { margin-top: 10px; color: var(--soft); }\n",
+    "kbd { font: 12px ui-monospace, monospace; border: 1px solid var(--rule); border-radius: 3px;\n",
+    "  padding: 0 4px; }\n",
+    "[hidden] { display: none !important; }\n",
+    "@media (max-width: 700px) { body { flex-direction: column; }\n",
+    "  #panel { width: auto; height: 44%; border-left: 0; border-top: 1px solid var(--rule); } }\n",
+    "</style>\n",
+    "<div id='stage'>\n",
+    "<canvas id='canvas' tabindex='0' role='img' aria-describedby='keys'></canvas>\n",
+    "<svg id='axes' viewBox='-38 -38 76 76' aria-hidden='true'></svg>\n",
+    "<p id='say' role='status'>Loading &#8230;</p>\n",
+    "</div>\n",
+    "<main id='panel'>\n",
+    "<h1 id='title'></h1>\n",
+    "<p id='facts'></p>\n",
+    "<output id='shown'></output>\n",
+    "<fieldset><legend>Colour</legend>\n",
+    "<div class='row'><select id='colour' aria-label='Colour by'></select></div>\n",
+    "<svg id='chart' viewBox='0 0 268 92' role='img'></svg>\n",
+    "<div id='classes'></div>\n",
+    "<p id='summary'></p>\n",
+    "<label class='row'><span>from</span><input id='from' type='range' min='0' max='1' step='.002'>\n",
+    "<output id='from-is'></output></label>\n",
+    "<label class='row'><span>to</span><input id='to' type='range' min='0' max='1' step='.002'>\n",
+    "<output id='to-is'></output></label>\n",
+    "<label class='row solid'><input id='plain' type='checkbox' checked> plain outside</label>\n",
+    "</fieldset>\n",
+    "<fieldset class='cut'><legend>Cut</legend>\n",
+    "<div class='row'><select id='axis' aria-label='Direction of the cut'>\n",
+    "<option value='0'>across x<option value='1'>across y<option value='2'>across z<option value='3'>facing me\n",
+    "<option value='4' hidden>oblique\n",
+    "</select><button id='flip' title='Show the other side of the cut'>flip</button></div>\n",
+    "<label class='row'><span>place</span><input id='cut' type='range' min='0' max='1' step='.002'>\n",
+    "<output id='cut-is'></output></label>\n",
+    "<div class='row solid'><span>simplices</span><select id='cap' aria-label='Simplices at the cut'>\n",
+    "<option value='0'>whole<option value='1'>cut through</select></div>\n",
+    "</fieldset>\n",
+    "<fieldset><legend>Draw</legend>\n",
+    "<div class='row'><select id='draw' aria-label='Draw'><option value='3'>faces and edges<option value='1'>faces\n",
+    "<option value='2'>edges<option value='4'>points</select></div>\n",
+    "<label class='row relief'><span>heights</span><input id='relief' type='range' min='1' max='20' step='1'>\n",
+    "<output id='relief-is'></output></label>\n",
+    "<label class='row mesh'><span>explode</span><input id='explode' type='range' min='0' max='1' step='.01'>\n",
+    "<output id='explode-is'></output></label>\n",
+    "<label class='row dots'><span>point size</span><input id='size' type='range' min='.2' max='4' step='.1'>\n",
+    "<output id='size-is'></output></label>\n",
+    "</fieldset>\n",
+    "<fieldset><button id='reset'>Reset view</button></fieldset>\n",
+    "<details id='keys'><summary>Mouse, touch and keys</summary>\n",
+    "Drag turns, right or shift drag moves, the wheel zooms; one finger turns, two move and zoom.\n",
+    "With the picture in focus: arrows turn (with shift: move), <kbd>+</kbd> <kbd>-</kbd> zoom,\n",
+    "<kbd>[</kbd> <kbd>]</kbd> move the cut, <kbd>f</kbd> turns it to face me,\n",
+    "<kbd>e</kbd> <kbd>w</kbd> explode more and less,\n",
+    "<kbd>d</kbd> what is drawn, <kbd>c</kbd> next colour, <kbd>0</kbd> resets.\n",
+    "</details>\n",
+    "<noscript>This page needs JavaScript.</noscript>\n",
+    "</main>\n",
+    NULL
+};
+
+static const char *const pbwview__script[] = {
+    "(() => {\n",
+    "'use strict';\n",
+    "const $ = id => document.getElementById(id), given = $('mesh').dataset, css = name =>\n",
+    "  getComputedStyle(document.documentElement).getPropertyValue(name).trim();\n",
+    "const dim = +given.dim, flat = dim === 2 && given.heights !== '1', n = dim + 1, W = 4096;\n",
+    "const count = +given.simplices, points = +given.points, simplex = dim === 3 ? 'tetrahedra' : 'triangles';\n",
+    "const canvas = $('canvas'), say = text => { $('say').textContent = text; };\n",
+    "const whole = x => Math.round(x).toLocaleString('en-US');\n",
+    "const short = (x, span = 0) => Number.isInteger(x) && Math.abs(x) < 1e6 ? '' + x\n",
+    "  : Math.abs(x) < 1e-3 * span ? '0' : '' + +x.toPrecision(3);\n",
+    "window.onerror = text => say('This page failed: ' + text);\n",
+    "$('title').textContent = document.title;\n",
+    "$('facts').textContent = (count ? whole(count) + ' ' + simplex + ', ' : '') + whole(points) + ' points in '\n",
+    "  + dim + 'D' + (given.note ? '; ' + given.note : '');\n",
+    "canvas.addEventListener('webglcontextlost', () => say('The graphics driver gave up: reload the page.'));\n",
+    "\n",
+    "// ---- data ----\n",
+    "\n",
+    "function bytes(node) {\n",
+    "  const text = atob(node.textContent), out = new Uint8Array(text.length);\n",
+    "  for (let i = 0; i < text.length; i++) out[i] = text.charCodeAt(i);\n",
+    "  node.remove();\n",
+    "  return out;\n",
+    "}\n",
+    "const rows = (size, each) => Math.max(1, Math.ceil(size / W)) * W * each;      // textures have whole rows\n",
+    "\n",
+    "// A number with each call: seven bits a byte, the lowest first; all bytes but the last have the top bit.\n",
+    "function reader(raw) {\n",
+    "  let at = 0;\n",
+    "  return () => {\n",
+    "    let x = 0, unit = 1, b;\n",
+    "    do { b = raw[at++]; x += (b & 127) * unit; unit *= 128; } while (b > 127);\n",
+    "    return x;\n",
+    "  };\n",
+    "}\n",
+    "\n",
+    "// Points are numbered as corners meet them: 0 stands for one that is new, d for the d-th last.\n",
+    "function read_corners() {\n",
+    "  const number = reader(bytes($('corners'))), corner = new Uint32Array(rows(count, 4));\n",
+    "  let next = 0;\n",
+    "  for (let i = 0; i < count * n; i++) {\n",
+    "    const d = number();\n",
+    "    corner[dim === 3 ? i : 4 * (i / 3 | 0) + i % 3] = d ? next - d : next++;\n",
+    "  }\n",
+    "  return corner;\n",
+    "}\n",
+    "\n",
+    "function read_points() {\n",
+    "  const raw = new Float32Array(bytes($('points')).buffer), each = flat ? 2 : 3;\n",
+    "  const point = new Float32Array(rows(points, 4));\n",
+    "  for (let i = 0; i < points; i++) {\n",
+    "    for (let k = 0; k < each; k++) point[4 * i + k] = raw[each * i + k];\n",
+    "  }\n",
+    "  return point;\n",
+    "}\n",
+    "\n",
+    "// Across each facet: the facet of the other tetrahedron, -1 on the hull.  A facet waits at its least point\n",
+    "// for its like.\n",
+    "function read_neighbors(corner) {\n",
+    "  const other = new Int32Array(4 * count).fill(-1), head = new Int32Array(points).fill(-1);\n",
+    "  const next = new Int32Array(4 * count);\n",
+    "  const low = new Uint32Array(4 * count), high = new Uint32Array(4 * count);\n",
+    "  for (let f = 0; f < 4 * count; f++) {\n",
+    "    const t = f & ~3;\n",
+    "    let a = corner[t + (f + 1 & 3)], b = corner[t + (f + 2 & 3)], c = corner[t + (f + 3 & 3)], x;\n",
+    "    if (a > b) { x = a; a = b; b = x; }\n",
+    "    if (b > c) { x = b; b = c; c = x; }\n",
+    "    if (a > b) { x = a; a = b; b = x; }\n",
+    "    let g = head[a], before = -1;\n",
+    "    while (g >= 0 && (low[g] !== b || high[g] !== c)) { before = g; g = next[g]; }\n",
+    "    if (g >= 0) {\n",
+    "      other[f] = g;\n",
+    "      other[g] = f;\n",
+    "      if (before < 0) head[a] = next[g]; else next[before] = next[g];\n",
+    "    } else {\n",
+    "      low[f] = b; high[f] = c; next[f] = head[a]; head[a] = f;\n",
+    "    }\n",
+    "  }\n",
+    "  return other;\n",
+    "}\n",
+    "\n",
+    "// The middle and half the size of the box of the points; eye, up, cut of the options.\n",
+    "const lens = [...new Float64Array(bytes($('lens')).buffer)];\n",
+    "const middle = lens.slice(0, 3), half = lens[3], EYE = lens.slice(4, 7), CUT = lens.slice(10, 14);\n",
+    "const point = read_points(), corner = count ? read_corners() : null;\n",
+    "const other = count && dim === 3 ? read_neighbors(corner) : null;\n",
+    "\n",
+    "// The mean ratio: 1 for the regular simplex, 0 for a flat one.\n",
+    "function quality() {\n",
+    "  const out = new Float32Array(count), e = [[0, 0, 0], [0, 0, 0], [0, 0, 1]];\n",
+    "  for (let i = 0; i < count; i++) {\n",
+    "    let sum = 0;\n",
+    "    for (let a = 0; a < n; a++) for (let b = a + 1; b < n; b++) for (let k = 0; k < dim; k++) {\n",
+    "      const x = point[4 * corner[4 * i + b] + k] - point[4 * corner[4 * i + a] + k];\n",
+    "      sum += x * x;\n",
+    "      if (a === 0) e[b - 1][k] = x;\n",
+    "    }\n",
+    "    const size = Math.abs(e[0][0] * (e[1][1] * e[2][2] - e[1][2] * e[2][1]) -\n",
+    "      e[0][1] * (e[1][0] * e[2][2] - e[1][2] * e[2][0]) + e[0][2] * (e[1][0] * e[2][1] - e[1][1] * e[2][0]));\n",
+    "    out[i] = sum > 0 ? Math.min(1, dim === 3 ? 12 * Math.cbrt(size * size / 4) / sum\n",
+    "                                             : 2 * Math.sqrt(3) * size / sum) : 0;\n",
+    "  }\n",
+    "  return out;\n",
+    "}\n",
+    "\n",
+    "// What colours can show: name, values (of simplices, or of points), classes or a scale.\n",
+    "const arrays = [];\n",
+    "function add_array(name, value, of_points, classes, integer) {\n",
+    "  const sorted = value.filter(x => x === x && Math.abs(x) < 1e38).sort(), m = sorted.length;\n",
+    "  let low = m ? sorted[0] : 0, high = m ? sorted[m - 1] : 0, sum = 0;\n",
+    "  for (let i = 0; i < m; i++) sum += sorted[i];\n",
+    "  const a = { name, value, of_points, classes, integer, low, high, least: low, largest: high,\n",
+    "    mean: m ? sum / m : 0, hundredth: m ? sorted[m / 100 | 0] : 0 };\n",
+    "  if (name === 'quality' && !integer) { a.low = 0; a.high = 1; }\n",
+    "  arrays.push(a);\n",
+    "}\n",
+    "if (count) add_array('quality', quality(), false, false, false);\n",
+    "for (const node of [...document.querySelectorAll('script[data-name]')]) {\n",
+    "  const d = node.dataset, size = d.of === 'points' ? points : count;\n",
+    "  let value;\n",
+    "  if (d.kind === 'real') {\n",
+    "    value = new Float32Array(bytes(node).buffer);\n",
+    "  } else {\n",
+    "    const number = reader(bytes(node));\n",
+    "    value = new Float32Array(size);\n",
+    "    for (let i = 0, last = 0; i < size; i++) {          // differences: 0 -1 1 -2 2 ... are 0 1 2 3 4 ...\n",
+    "      const x = number();\n",
+    "      last += x % 2 ? -(x + 1) / 2 : x / 2;\n",
+    "      value[i] = last;\n",
+    "    }\n",
+    "  }\n",
+    "  add_array(d.name, value, d.of === 'points', d.kind === 'classes', d.kind !== 'real');\n",
+    "}\n",
+    "const up = flat ? 1 : 2;\n",
+    "if (!flat || !arrays.some(a => a.of_points)) {\n",
+    "  const value = Float32Array.from({ length: points }, (_, i) => point[4 * i + up] * half + middle[up]);\n",
+    "  add_array(dim === 2 && !flat ? 'height' : 'xyz'[up], value, true, false, false);\n",
+    "}\n",
+    "\n",
+    "// ---- colours ----\n",
+    "\n",
+    "// OKLab (Ottosson 2020, 'A perceptual color space for image processing') to sRGB, with less chroma where the\n",
+    "// screen has not as much.\n",
+    "function oklch(light, chroma, turn) {\n",
+    "  for (;; chroma -= 0.004) {\n",
+    "    const a = chroma * Math.cos(turn), b = chroma * Math.sin(turn);\n",
+    "    const l = (light + 0.3963377774 * a + 0.2158037573 * b) ** 3;\n",
+    "    const m = (light - 0.1055613458 * a - 0.0638541728 * b) ** 3;\n",
+    "    const s = (light - 0.0894841775 * a - 1.2914855480 * b) ** 3;\n",
+    "    const rgb = [4.0767416621 * l - 3.3077115913 * m + 0.2309699292 * s,\n",
+    "      -1.2684380046 * l + 2.6097574011 * m - 0.3413193965 * s,\n",
+    "      -0.0041960863 * l - 0.7034186147 * m + 1.7076147010 * s];\n",
+    "    if (chroma <= 0 || rgb.every(x => x >= 0 && x <= 1)) {\n",
+    "      return rgb.map(x => Math.round(255 * Math.min(1, Math.max(0,\n",
+    "        x < 0.0031308 ? 12.92 * x : 1.055 * x ** (1 / 2.4) - 0.055))));\n",
+    "    }\n",
+    "  }\n",
+    "}\n",
+    "// A scale of even steps in lightness, so that it reads without seeing hues; classes: the colours of Okabe\n",
+    "// and Ito (2008, 'Color universal design') with grey for their black, then the same lighter and darker.\n",
+    "const scale = [], classes = [], okabe = [[0, 114, 178], [230, 159, 0], [0, 158, 115], [204, 121, 167],\n",
+    "  [86, 180, 233], [213, 94, 0], [240, 228, 66], [150, 150, 150]];\n",
+    "for (let i = 0; i < 256; i++) {\n",
+    "  scale.push(oklch(0.3 + 0.62 * i / 255, 0.165, (285 + 175 * i / 255) * Math.PI / 180));\n",
+    "  const step = (i >> 3) % 3, to = step === 1 ? 255 : 0;\n",
+    "  classes.push(okabe[i % 8].map(x => Math.round(step ? 0.6 * x + 0.4 * to : x)));\n",
+    "}\n",
+    "const rgb = c => 'rgb(' + c.join() + ')';\n",
+    "const class_of = x => classes[(x % 256 + 256) % 256];\n",
+    "const at_scale = (a, x) => a.high > a.low ? (x - a.low) / (a.high - a.low) : 0.5;\n",
+    "\n",
+    "// ---- the state that the controls show ----\n",
+    "\n",
+    "const dot = (a, b) => a[0] * b[0] + a[1] * b[1] + a[2] * b[2];\n",
+    "const cross = (a, b) => [a[1] * b[2] - a[2] * b[1], a[2] * b[0] - a[0] * b[2], a[0] * b[1] - a[1] * b[0]];\n",
+    "const unit = a => { const l = Math.hypot(...a) || 1; return a.map(x => x / l); };\n",
+    "const UP = unit(lens.slice(7, 10)), SIDE = unit(cross(UP, Math.abs(dot(UP, unit(EYE))) < 0.999 ? EYE :\n",
+    "  Math.abs(UP[1]) < 0.9 ? [0, -1, 0] : [0, 0, 1])), FRONT = cross(SIDE, UP);\n",
+    "let turn, lift, distance, target, normal, offset, low, high, shown = 0, facets = 0, caps = 0;\n",
+    "let array = arrays.find(a => a.name === given.colour) || arrays[0];\n",
+    "const number = id => +$(id).value;\n",
+    "\n",
+    "// To the viewer, right and up.\n",
+    "function frame() {\n",
+    "  const eye = [0, 1, 2].map(k => Math.cos(lift) * (Math.cos(turn) * FRONT[k] + Math.sin(turn) * SIDE[k])\n",
+    "    + Math.sin(lift) * UP[k]);\n",
+    "  const right = [0, 1, 2].map(k => -Math.sin(turn) * FRONT[k] + Math.cos(turn) * SIDE[k]);\n",
+    "  return [eye, right, cross(eye, right)];\n",
+    "}\n",
+    "const TAN = Math.tan(Math.PI / 12);\n",
+    "const aspect = () => Math.max(0.05, canvas.clientWidth / Math.max(1, canvas.clientHeight));\n",
+    "function fit() {\n",
+    "  const [eye, right, up] = frame(), step = Math.max(1, points >> 16), box = [1e9, -1e9, 1e9, -1e9];\n",
+    "  for (let pass = 0; pass < 2; pass++) {                             // first the middle, then how far\n",
+    "    distance = pass ? 0 : distance;\n",
+    "    for (let i = 0; i < points; i += step) {\n",
+    "      const p = [0, 1, 2].map(k => point[4 * i + k] - (pass ? target[k] : 0));\n",
+    "      const x = dot(p, right), y = dot(p, up);\n",
+    "      if (pass) {\n",
+    "        distance = Math.max(distance,\n",
+    "          dot(p, eye) + 1.06 * Math.max(Math.abs(x) / aspect(), Math.abs(y)) / TAN);\n",
+    "      } else {\n",
+    "        box[0] = Math.min(box[0], x); box[1] = Math.max(box[1], x);\n",
+    "        box[2] = Math.min(box[2], y); box[3] = Math.max(box[3], y);\n",
+    "      }\n",
+    "    }\n",
+    "    if (!pass) target = [0, 1, 2].map(k => (box[0] + box[1]) / 2 * right[k] + (box[2] + box[3]) / 2 * up[k]);\n",
+    "  }\n",
+    "  distance = Math.max(distance, 1e-6);\n",
+    "}\n",
+    "const across = i => normal[0] * point[4 * i] + normal[1] * point[4 * i + 1] + normal[2] * point[4 * i + 2];\n",
+    "// Heights over the plane, times a factor; their range is at least a sixth of the others', if that does it.\n",
+    "const height = Float32Array.from({ length: points }, (_, i) => point[4 * i + 2]);\n",
+    "let relief = 1;\n",
+    "function set_relief(factor) {\n",
+    "  relief = factor;\n",
+    "  for (let i = 0; i < points; i++) point[4 * i + 2] = relief * height[i];\n",
+    "  if (gl) upload_points();\n",
+    "  set_normal(normal);\n",
+    "}\n",
+    "function own_relief() {\n",
+    "  const most = height.reduce((a, b) => Math.max(a, Math.abs(b)), 0);\n",
+    "  return dim === 2 && most > 0 ? Math.max(1, Math.min(20, Math.round(0.3 / most))) : 1;\n",
+    "}\n",
+    "function set_normal(a) {\n",
+    "  normal = a;\n",
+    "  low = Infinity; high = -Infinity;\n",
+    "  for (let i = 0; i < points; i++) {\n",
+    "    const d = across(i);\n",
+    "    low = Math.min(low, d); high = Math.max(high, d);\n",
+    "  }\n",
+    "}\n",
+    "// The plane that the menu names, with the side to the viewer cut away.\n",
+    "function face(eye) {\n",
+    "  const k = number('axis');\n",
+    "  if (k < 4) set_normal(k === 3 ? eye : [0, 1, 2].map(i => i === k ? eye[k] < 0 ? -1 : 1 : 0));\n",
+    "}\n",
+    "function reset() {\n",
+    "  const eye = unit(EYE), along = [0, 1, 2].filter(k => CUT[k]);\n",
+    "  lift = flat ? Math.PI / 2 : Math.asin(Math.max(-1, Math.min(1, dot(eye, UP))));\n",
+    "  turn = flat ? 0 : Math.atan2(dot(eye, SIDE), dot(eye, FRONT));\n",
+    "  if (along.length) {\n",
+    "    set_normal(unit(CUT.slice(0, 3)));\n",
+    "    $('axis').value = along.length > 1 ? 4 : along[0];\n",
+    "  } else {\n",
+    "    const size = eye.map(Math.abs);\n",
+    "    $('axis').value = size.indexOf(Math.max(...size));\n",
+    "    face(eye);\n",
+    "  }\n",
+    "  $('cut').value = flat ? 1 : CUT[3];\n",
+    "  $('relief').value = own_relief();\n",
+    "  if (dim === 2) set_relief(number('relief'));\n",
+    "  $('explode').value = 0; $('size').value = 1; $('draw').value = count ? 3 : 4; $('cap').value = given.cap;\n",
+    "  $('plain').checked = dim === 3 && count > 0 && given.plain === '1';\n",
+    "  fit();\n",
+    "  set_array(array);\n",
+    "}\n",
+    "\n",
+    "// ---- chart ----\n",
+    "\n",
+    "const svg = (tag, attributes, text) => {\n",
+    "  const node = document.createElementNS('http://www.w3.org/2000/svg', tag);\n",
+    "  for (const k in attributes) node.setAttribute(k, attributes[k]);\n",
+    "  if (text !== undefined) node.textContent = text;\n",
+    "  return node;\n",
+    "};\n",
+    "function draw_chart() {\n",
+    "  const a = array, span = a.high - a.low, bins = a.integer && span < 64 ? span + 1 : 48;\n",
+    "  const bin = new Float64Array(bins), size = a.value.length, chart = $('chart'), wide = 268 / bins;\n",
+    "  for (let i = 0; i < size; i++) {\n",
+    "    const x = a.value[i], k = bins === span + 1 ? x - a.low : Math.min(bins - 1, at_scale(a, x) * bins | 0);\n",
+    "    if (x >= a.low && x <= a.high) bin[k]++;\n",
+    "  }\n",
+    "  const most = Math.max(1, ...bin);\n",
+    "  chart.replaceChildren();\n",
+    "  for (let k = 0; k < bins; k++) {\n",
+    "    const c = a.classes && span < 64 ? class_of(a.low + k) : a.classes ? [128, 128, 128]\n",
+    "      : scale[Math.round(255 * (bins > 1 ? k / (bins - 1) : 0.5))];\n",
+    "    const tall = bin[k] ? Math.max(1, 70 * bin[k] / most) : 0;\n",
+    "    chart.append(svg('rect', { x: k * wide, width: wide - (wide > 3 ? 1 : 0), y: 72 - tall, height: tall,\n",
+    "      fill: rgb(c) }), svg('rect', { x: k * wide, width: wide + 0.3, y: 73, height: 5, fill: rgb(c) }));\n",
+    "  }\n",
+    "  if (!a.classes) [0, 0.5, 1].forEach((t, i) => chart.append(svg('text', { x: 268 * t, y: 90,\n",
+    "    'text-anchor': ['start', 'middle', 'end'][i] }, short(a.low + t * span, span))));\n",
+    "  const facts = a.classes ? 'classes ' + short(a.low) + ' to ' + short(a.high)\n",
+    "    : 'least ' + short(a.least, span) + ', 1 % below ' + short(a.hundredth, span) + ', mean '\n",
+    "      + short(a.mean, span) + ', largest ' + short(a.largest);\n",
+    "  chart.setAttribute('aria-label', 'Histogram of ' + a.name + ': ' + facts);\n",
+    "  $('summary').textContent = facts;\n",
+    "  $('classes').replaceChildren();\n",
+    "  for (let k = 0; a.classes && k < bins && span < 64; k++) {\n",
+    "    const label = document.createElement('span'), mark = document.createElement('i');\n",
+    "    mark.style.background = rgb(class_of(a.low + k));\n",
+    "    label.append(mark, short(a.low + k));\n",
+    "    label.title = whole(bin[k]);\n",
+    "    if (bin[k]) $('classes').append(label);\n",
+    "  }\n",
+    "}\n",
+    "function set_array(a) {\n",
+    "  array = a;\n",
+    "  $('colour').value = arrays.indexOf(a);\n",
+    "  $('from').value = 0; $('to').value = 1;\n",
+    "  if (gl) upload_values();\n",
+    "  draw_chart();\n",
+    "  change();\n",
+    "}\n",
+    "\n",
+    "// ---- what is drawn ----\n",
+    "\n",
+    "function limit(id) {                                    // the value that a slider stands for\n",
+    "  const x = array.low + number(id) * (array.high - array.low);\n",
+    "  return array.integer ? Math.round(x) : x;\n",
+    "}\n",
+    "const ids = new Uint32Array(rows(Math.max(4 * count, points), 1));\n",
+    "const cut_ids = new Uint32Array(dim === 3 ? rows(count, 1) : W), state = new Uint8Array(count);\n",
+    "const side = new Float32Array(points);\n",
+    "const MOST_EXPLODED = 500000;\n",
+    "function select() {\n",
+    "  const from = number('from') > 0 ? limit('from') : -Infinity;\n",
+    "  const to = number('to') < 1 ? limit('to') : Infinity;\n",
+    "  const all = from === -Infinity && to === Infinity;\n",
+    "  const cutting = !flat && number('cut') < 1, cap = number('cap') && dim === 3, value = array.value;\n",
+    "  const fits = x => all || x >= from && x <= to;\n",
+    "  offset = low + number('cut') * (high - low);\n",
+    "  for (let i = 0; i < points; i++) {\n",
+    "    side[i] = cutting ? across(i) - offset : -1;\n",
+    "  }\n",
+    "  shown = facets = caps = 0;\n",
+    "  if (!count || number('draw') === 4) {\n",
+    "    for (let i = 0; i < points; i++) {\n",
+    "      if (side[i] <= 0 && (!array.of_points || fits(value[i]))) ids[facets++] = i;\n",
+    "    }\n",
+    "    shown = facets;\n",
+    "    return;\n",
+    "  }\n",
+    "  for (let t = 0; t < count; t++) {\n",
+    "    const c = 4 * t, a = side[corner[c]], b = side[corner[c + 1]], d = side[corner[c + 2]];\n",
+    "    const e = dim === 3 ? side[corner[c + 3]] : d;\n",
+    "    let s = all ? 1 : 0;\n",
+    "    if (!all) {\n",
+    "      s = 1;\n",
+    "      for (let k = 0; k < n; k++) s &= fits(value[array.of_points ? corner[c + k] : t]);\n",
+    "    }\n",
+    "    if (s && cutting) {\n",
+    "      if (cap) {\n",
+    "        s = a <= 0 || b <= 0 || d <= 0 || e <= 0 ? 1 : 0;\n",
+    "        if (s && (a > 0 || b > 0 || d > 0 || e > 0)) cut_ids[caps++] = t;\n",
+    "      } else {\n",
+    "        s = a + b + d + (dim === 3 ? e : 0) <= 0 ? 1 : 0;\n",
+    "      }\n",
+    "    }\n",
+    "    state[t] = s;\n",
+    "    shown += s;\n",
+    "  }\n",
+    "  if (dim === 2) {\n",
+    "    for (let t = 0; t < count; t++) if (state[t]) ids[facets++] = 4 * t + 3;\n",
+    "    return;\n",
+    "  }\n",
+    "  const apart = number('explode') > 0 || number('draw') === 2;\n",
+    "  if (apart && shown > MOST_EXPLODED) peel();\n",
+    "  for (let f = 0; f < 4 * count; f++) {\n",
+    "    if (state[f >> 2] === 1) {\n",
+    "      const g = other[f], bared = g >= 0 && (cap || !state[g >> 2]);\n",
+    "      if (apart || g < 0 || !state[g >> 2]) ids[facets++] = bared || apart && g >= 0 ? 4 * count + f : f;\n",
+    "    }\n",
+    "  }\n",
+    "}\n",
+    "// Exploded and many: only the outer layers are drawn, state 1; what lies deeper, state 2, they hide.\n",
+    "function peel() {\n",
+    "  let budget = MOST_EXPLODED, layer = 3, left = shown, grown = 1;\n",
+    "  for (let t = 0; t < count; t++) if (state[t]) state[t] = 2;\n",
+    "  while (left > 0 && budget > 0 && grown) {\n",
+    "    grown = 0;\n",
+    "    for (let t = 0; t < count; t++) {\n",
+    "      let outer = false;\n",
+    "      for (let f = 4 * t; state[t] === 2 && f < 4 * t + 4; f++) {\n",
+    "        const g = other[f] >> 2;\n",
+    "        outer = outer || g < 0 || !state[g] || state[g] > 2 && state[g] < layer;\n",
+    "      }\n",
+    "      if (outer) { state[t] = layer; grown++; }\n",
+    "    }\n",
+    "    budget -= grown; left -= grown; layer++;\n",
+    "  }\n",
+    "  for (let t = 0; t < count; t++) if (state[t] > 2) state[t] = 1;\n",
+    "}\n",
+    "\n",
+    "// ---- WebGL ----\n",
+    "\n",
+    "let gl = canvas.getContext('webgl2', { antialias: false, alpha: false });\n",
+    "let trouble = gl ? '' : 'no WebGL 2 here';\n",
+    "// All that goes in is the number of a vertex: shaders fetch what they need from textures, 4096 texels a row.\n",
+    "const HEAD = `#version 300 es\n",
+    "precision highp float; precision highp int; precision highp sampler2D; precision highp usampler2D;\n",
+    "uniform mat4 camera; uniform mat3 axes; uniform vec3 skin, ink; uniform vec4 plane;\n",
+    "uniform int n, of_points, classes, plain, draw, clip, lit; uniform uint bit; uniform float explode, size;\n",
+    "uniform sampler2D points, values, colours; uniform usampler2D corners, ids;\n",
+    "ivec2 texel(uint i) { return ivec2(i & 4095u, i >> 12); }\n",
+    "`;\n",
+    "const PLACE = HEAD + `\n",
+    "out vec3 edge, weight, at; flat out vec3 value, normal; flat out int bared;\n",
+    "vec3 p[4]; float x[4], s[4];\n",
+    "vec3 load(uint t) {\n",
+    "  uvec4 c = texelFetch(corners, texel(t), 0);\n",
+    "  vec3 sum = vec3(0);\n",
+    "  for (int k = 0; k < n; k++) {\n",
+    "    p[k] = texelFetch(points, texel(c[k]), 0).xyz;\n",
+    "    x[k] = texelFetch(values, texel(of_points == 1 ? c[k] : t), 0).x;\n",
+    "    s[k] = dot(plane.xyz, p[k]) - plane.w;\n",
+    "    sum += p[k];\n",
+    "  }\n",
+    "  return sum / float(n);\n",
+    "}\n",
+    "void emit(int k, vec3 a, vec3 b, vec3 c, vec3 centre) {\n",
+    "  at = k == 0 ? a : k == 1 ? b : c;\n",
+    "  edge = weight = vec3(k == 0, k == 1, k == 2);\n",
+    "  normal = cross(b - a, c - a);\n",
+    "  normal /= max(length(normal), 1e-30);\n",
+    "  gl_Position = camera * vec4((at + explode * centre) / (1.0 + explode), 1);\n",
+    "}\n",
+    "`;\n",
+    "const FACET = PLACE + `\n",
+    "void main() {\n",
+    "  uint f = texelFetch(ids, texel(uint(gl_VertexID / 3)), 0).x;\n",
+    "  bared = f >= bit ? 1 : 0;\n",
+    "  f = f >= bit ? f - bit : f;\n",
+    "  uint i = f & 3u;\n",
+    "  ivec3 o = i == 0u ? ivec3(1, 2, 3) : i == 1u ? ivec3(0, 3, 2) : i == 2u ? ivec3(0, 1, 3) : ivec3(0, 2, 1);\n",
+    "  vec3 centre = load(f >> 2);\n",
+    "  emit(gl_VertexID % 3, p[o.x], p[o.y], p[o.z], centre);\n",
+    "  value = vec3(x[o.x], x[o.y], x[o.z]);\n",
+    "}`;\n",
+    "// The section of a tetrahedron: a triangle, or a quadrangle whose diagonal is no edge.\n",
+    "const CAP = PLACE + `\n",
+    "vec3 q[4]; float y[4];\n",
+    "void meet(int i, int a, int b) {\n",
+    "  float t = s[a] / (s[a] - s[b]);\n",
+    "  q[i] = mix(p[a], p[b], t);\n",
+    "  y[i] = classes == 1 ? (t < 0.5 ? x[a] : x[b]) : mix(x[a], x[b], t);\n",
+    "}\n",
+    "void main() {\n",
+    "  int j = gl_VertexID % 6, o[4], m = 0, below;\n",
+    "  vec3 centre = load(texelFetch(ids, texel(uint(gl_VertexID / 6)), 0).x);\n",
+    "  for (int i = 0; i < 4; i++) if (s[i] <= 0.0) o[m++] = i;\n",
+    "  below = m;\n",
+    "  for (int i = 0; i < 4; i++) if (s[i] > 0.0) o[m++] = i;\n",
+    "  if (below == 2) {\n",
+    "    meet(0, o[0], o[2]); meet(1, o[0], o[3]); meet(2, o[1], o[3]); meet(3, o[1], o[2]);\n",
+    "  } else {\n",
+    "    for (int i = 0; i < 3; i++) meet(i, below == 1 ? o[0] : o[3], below == 1 ? o[i + 1] : o[i]);\n",
+    "  }\n",
+    "  ivec3 t = j < 3 ? ivec3(0, 1, 2) : ivec3(0, 2, 3);\n",
+    "  emit(j % 3, q[t.x], q[t.y], q[t.z], centre);\n",
+    "  value = vec3(y[t.x], y[t.y], y[t.z]);\n",
+    "  normal = plane.xyz;\n",
+    "  bared = 1;\n",
+    "  if (below == 2 && j < 3) edge.y = 1.0;\n",
+    "  if (below == 2 && j >= 3) edge.z = 1.0;\n",
+    "  if (below != 2 && j >= 3) gl_Position = vec4(2, 2, 2, 1);\n",
+    "}`;\n",
+    "const COLOUR = `\n",
+    "const vec3 LIGHT = vec3(-0.436, 0.533, 0.726);\n",
+    "vec3 colour(float x) {\n",
+    "  if (x < 0.0) return skin;\n",
+    "  int i = classes == 1 ? int(x) & 255 : int(min(x, 1.0) * 255.0 + 0.5);\n",
+    "  return texelFetch(colours, ivec2(i, classes), 0).rgb;\n",
+    "}\n",
+    "`;\n",
+    "const SURFACE = HEAD + COLOUR + `\n",
+    "in vec3 edge, weight, at; flat in vec3 value, normal; flat in int bared;\n",
+    "out vec4 result;\n",
+    "void main() {\n",
+    "  if (clip == 1 && dot(plane.xyz, at) > plane.w) discard;\n",
+    "  float x = dot(weight, value);\n",
+    "  if (classes == 1) x = weight.x > max(weight.y, weight.z) ? value.x : weight.y > weight.z ? value.y\n",
+    "    : value.z;\n",
+    "  x = min(value.x, min(value.y, value.z)) < 0.0 ? -1.0 : x;\n",
+    "  bool bare = plain == 1 && bared == 0;\n",
+    "  vec3 c = bare ? skin : colour(x), m = normal * axes;\n",
+    "  float bright = max(dot(m.z < 0.0 ? -m : m, LIGHT), 0.0);\n",
+    "  c *= lit == 0 ? 1.0 : bare || n == 3 ? 0.44 + 0.64 * bright : 0.72 + 0.34 * bright;\n",
+    "  vec3 w = max(fwidth(edge), vec3(1e-9)), d = edge / w;\n",
+    "  float near = min(d.x, min(d.y, d.z)), tall = 1.0 / max(w.x, max(w.y, w.z));\n",
+    "  float line = (1.0 - smoothstep(0.4, 1.2, near)) * smoothstep(1.0, 8.0, tall);\n",
+    "  if (draw == 2 && near > 1.0) discard;\n",
+    "  result = vec4(mix(c, ink, draw == 3 ? line * (bare ? 0.24 : 0.5) : 0.0), 1);\n",
+    "}`;\n",
+    "const DOT = HEAD + `\n",
+    "flat out float value;\n",
+    "void main() {\n",
+    "  uint i = texelFetch(ids, texel(uint(gl_VertexID)), 0).x;\n",
+    "  value = of_points == 1 ? texelFetch(values, texel(i), 0).x : -1.0;\n",
+    "  gl_Position = camera * vec4(texelFetch(points, texel(i), 0).xyz, 1);\n",
+    "  gl_PointSize = clamp(size / gl_Position.w, 1.5, 64.0);\n",
+    "}`;\n",
+    "const BALL = HEAD + COLOUR + `\n",
+    "flat in float value; out vec4 result;\n",
+    "void main() {\n",
+    "  vec2 d = 2.0 * gl_PointCoord - 1.0;\n",
+    "  float r = dot(d, d);\n",
+    "  if (r > 1.0) discard;\n",
+    "  float bright = max(dot(LIGHT, vec3(d.x, -d.y, sqrt(1.0 - r))), 0.0);\n",
+    "  result = vec4(colour(value) * (lit == 0 ? 1.0 : 0.5 + 0.55 * bright), 1);\n",
+    "}`;\n",
+    "const SCREEN = `#version 300 es\n",
+    "void main() { gl_Position = vec4(vec2(gl_VertexID & 1, gl_VertexID >> 1) * 4.0 - 1.0, 0, 1); }`;\n",
+    "// Obscurance: how much of the sky over a pixel the depth buffer around it hides (after McGuire, Osman,\n",
+    "// Bukowski and Hennessy 2011, 'The Alchemy screen-space ambient obscurance algorithm').\n",
+    "const SHADE = `#version 300 es\n",
+    "precision highp float; precision highp sampler2D;\n",
+    "uniform sampler2D picture, depth; uniform vec4 lens; uniform float reach; out vec4 result;\n",
+    "vec3 spot(ivec2 p) {\n",
+    "  float z = lens.x / (lens.y - texelFetch(depth, p, 0).x);\n",
+    "  return vec3((2.0 * (vec2(p) + 0.5) / vec2(textureSize(depth, 0)) - 1.0) * lens.zw * z, -z);\n",
+    "}\n",
+    "void main() {\n",
+    "  ivec2 p = ivec2(gl_FragCoord.xy), most = textureSize(depth, 0) - 1;\n",
+    "  result = vec4(texelFetch(picture, p, 0).rgb, 1);\n",
+    "  if (reach <= 0.0 || texelFetch(depth, p, 0).x >= 1.0) return;\n",
+    "  ivec2 h = ivec2(1, 0), v = ivec2(0, 1);\n",
+    "  vec3 a = spot(p), l = a - spot(p - h), r = spot(p + h) - a, d = a - spot(p - v), u = spot(p + v) - a;\n",
+    "  vec3 normal = normalize(cross(abs(l.z) < abs(r.z) ? l : r, abs(d.z) < abs(u.z) ? d : u));\n",
+    "  float pixels = clamp(reach * float(most.y) / (2.0 * lens.w * -a.z), 4.0, 200.0), sum = 0.0;\n",
+    "  for (int i = 0; i < 32; i++) {\n",
+    "    float t = (float(i) + 0.5) / 32.0, angle = float(i) * 2.399963;\n",
+    "    vec3 to = spot(clamp(p + ivec2(round(pixels * t * vec2(cos(angle), sin(angle)))), ivec2(0), most)) - a;\n",
+    "    float far = length(to);\n",
+    "    sum += max(0.0, dot(normal, to) / max(far, 1e-9) - 0.12) * max(0.0, 1.0 - far / (2.0 * reach));\n",
+    "  }\n",
+    "  result.rgb *= mix(1.0, 0.42, min(1.0, sum / 11.0));\n",
+    "}`;\n",
+    "\n",
+    "function program(vertex, fragment) {\n",
+    "  const out = gl.createProgram();\n",
+    "  for (const [kind, source] of [[gl.VERTEX_SHADER, vertex], [gl.FRAGMENT_SHADER, fragment]]) {\n",
+    "    const shader = gl.createShader(kind);\n",
+    "    gl.shaderSource(shader, source);\n",
+    "    gl.compileShader(shader);\n",
+    "    gl.attachShader(out, shader);\n",
+    "  }\n",
+    "  gl.linkProgram(out);\n",
+    "  if (!gl.getProgramParameter(out, gl.LINK_STATUS)) {\n",
+    "    const logs = gl.getAttachedShaders(out).map(s => gl.getShaderInfoLog(s));\n",
+    "    throw new Error([gl.getProgramInfoLog(out), ...logs].join(' '));\n",
+    "  }\n",
+    "  const at = {};\n",
+    "  for (let i = 0; i < gl.getProgramParameter(out, gl.ACTIVE_UNIFORMS); i++) {\n",
+    "    const name = gl.getActiveUniform(out, i).name;\n",
+    "    at[name] = gl.getUniformLocation(out, name);\n",
+    "  }\n",
+    "  return { out, at };\n",
+    "}\n",
+    "const UNITS = ['points', 'values', 'colours', 'corners', 'ids', 'picture', 'depth'];\n",
+    "function texture(unit, internal, format, type, width, height, data) {\n",
+    "  const out = gl.createTexture();\n",
+    "  gl.activeTexture(gl.TEXTURE0 + unit);\n",
+    "  gl.bindTexture(gl.TEXTURE_2D, out);\n",
+    "  gl.texParameteri(gl.TEXTURE_2D, gl.TEXTURE_MIN_FILTER, gl.NEAREST);\n",
+    "  gl.texParameteri(gl.TEXTURE_2D, gl.TEXTURE_MAG_FILTER, gl.NEAREST);\n",
+    "  gl.texImage2D(gl.TEXTURE_2D, 0, internal, width, height, 0, format, type, data);\n",
+    "  return out;\n",
+    "}\n",
+    "const table = (unit, internal, format, type, data, each) =>\n",
+    "  texture(unit, internal, format, type, W, data.length / each / W, data);\n",
+    "let programs, buffers, value_data, cut_texture, id_texture;\n",
+    "function set_up() {\n",
+    "  const most = gl.getParameter(gl.MAX_TEXTURE_SIZE);\n",
+    "  if (most < W || ids.length / W > most) throw new Error('too large for this graphics card');\n",
+    "  programs = { facet: program(FACET, SURFACE), cap: program(CAP, SURFACE), dot: program(DOT, BALL),\n",
+    "    shade: program(SCREEN, SHADE) };\n",
+    "  table(0, gl.RGBA32F, gl.RGBA, gl.FLOAT, point, 4);\n",
+    "  table(3, gl.RGBA32UI, gl.RGBA_INTEGER, gl.UNSIGNED_INT, corner || new Uint32Array(4 * W), 4);\n",
+    "  cut_texture = table(4, gl.R32UI, gl.RED_INTEGER, gl.UNSIGNED_INT, cut_ids, 1);\n",
+    "  id_texture = table(4, gl.R32UI, gl.RED_INTEGER, gl.UNSIGNED_INT, ids, 1);\n",
+    "  const pixels = new Uint8Array([...scale, ...classes].flatMap(c => [...c, 255]));\n",
+    "  texture(2, gl.RGBA8, gl.RGBA, gl.UNSIGNED_BYTE, 256, 2, pixels);\n",
+    "  value_data = new Float32Array(rows(Math.max(count, points), 1));\n",
+    "  table(1, gl.R32F, gl.RED, gl.FLOAT, value_data, 1);\n",
+    "}\n",
+    "function upload_points() {\n",
+    "  gl.activeTexture(gl.TEXTURE0);\n",
+    "  gl.texSubImage2D(gl.TEXTURE_2D, 0, 0, 0, W, point.length / 4 / W, gl.RGBA, gl.FLOAT, point);\n",
+    "}\n",
+    "function upload_values() {\n",
+    "  const a = array, size = a.value.length;\n",
+    "  for (let i = 0; i < size; i++) {\n",
+    "    const x = a.value[i];\n",
+    "    value_data[i] = !(Math.abs(x) < 1e38) ? -1 : a.classes ? x : Math.max(0, Math.min(1, at_scale(a, x)));\n",
+    "  }\n",
+    "  gl.activeTexture(gl.TEXTURE1);\n",
+    "  gl.texSubImage2D(gl.TEXTURE_2D, 0, 0, 0, W, value_data.length / W, gl.RED, gl.FLOAT, value_data);\n",
+    "}\n",
+    "function upload_ids(texture, data, size) {\n",
+    "  gl.activeTexture(gl.TEXTURE4);\n",
+    "  gl.bindTexture(gl.TEXTURE_2D, texture);\n",
+    "  gl.texSubImage2D(gl.TEXTURE_2D, 0, 0, 0, W, Math.ceil(size / W), gl.RED_INTEGER, gl.UNSIGNED_INT, data);\n",
+    "}\n",
+    "// Where is drawn: four samples a pixel, then one, with depths, for shading.\n",
+    "function resize() {\n",
+    "  const ratio = Math.min(2, window.devicePixelRatio || 1);\n",
+    "  const width = Math.max(1, Math.round(canvas.clientWidth * ratio));\n",
+    "  const height = Math.max(1, Math.round(canvas.clientHeight * ratio));\n",
+    "  if (buffers && canvas.width === width && canvas.height === height) return;\n",
+    "  canvas.width = width; canvas.height = height;\n",
+    "  if (buffers) {\n",
+    "    buffers.frames.forEach(x => gl.deleteFramebuffer(x));\n",
+    "    buffers.stores.forEach(x => gl.deleteRenderbuffer(x));\n",
+    "    buffers.textures.forEach(x => gl.deleteTexture(x));\n",
+    "  }\n",
+    "  const samples = Math.min(4, gl.getParameter(gl.MAX_SAMPLES));\n",
+    "  const frames = [gl.createFramebuffer(), gl.createFramebuffer()];\n",
+    "  const stores = [gl.RGBA8, gl.DEPTH_COMPONENT24].map(format => {\n",
+    "    const out = gl.createRenderbuffer();\n",
+    "    gl.bindRenderbuffer(gl.RENDERBUFFER, out);\n",
+    "    gl.renderbufferStorageMultisample(gl.RENDERBUFFER, samples, format, width, height);\n",
+    "    return out;\n",
+    "  });\n",
+    "  const textures = [texture(5, gl.RGBA8, gl.RGBA, gl.UNSIGNED_BYTE, width, height, null),\n",
+    "    texture(6, gl.DEPTH_COMPONENT24, gl.DEPTH_COMPONENT, gl.UNSIGNED_INT, width, height, null)];\n",
+    "  [gl.COLOR_ATTACHMENT0, gl.DEPTH_ATTACHMENT].forEach((place, i) => {\n",
+    "    gl.bindFramebuffer(gl.FRAMEBUFFER, frames[0]);\n",
+    "    gl.framebufferRenderbuffer(gl.FRAMEBUFFER, place, gl.RENDERBUFFER, stores[i]);\n",
+    "    gl.bindFramebuffer(gl.FRAMEBUFFER, frames[1]);\n",
+    "    gl.framebufferTexture2D(gl.FRAMEBUFFER, place, gl.TEXTURE_2D, textures[i], 0);\n",
+    "  });\n",
+    "  buffers = { frames, stores, textures };\n",
+    "}\n",
+    "function use(p, values) {\n",
+    "  gl.useProgram(p.out);\n",
+    "  for (const name in p.at) {\n",
+    "    const unit = UNITS.indexOf(name), x = values[name], at = p.at[name];\n",
+    "    if (unit >= 0) gl.uniform1i(at, unit);\n",
+    "    else if (name === 'bit') gl.uniform1ui(at, x);\n",
+    "    else if (['explode', 'size', 'reach'].includes(name)) gl.uniform1f(at, x);\n",
+    "    else if (typeof x === 'number') gl.uniform1i(at, x);\n",
+    "    else if (x.length === 16) gl.uniformMatrix4fv(at, false, x);\n",
+    "    else if (x.length === 9) gl.uniformMatrix3fv(at, false, x);\n",
+    "    else if (x.length === 4) gl.uniform4fv(at, x);\n",
+    "    else gl.uniform3fv(at, x);\n",
+    "  }\n",
+    "}\n",
+    "const hex = text => [1, 3, 5].map(i => parseInt(text.slice(i, i + 2), 16) / 255);\n",
+    "let selected = false, asked = false;\n",
+    "function paint() {\n",
+    "  asked = false;\n",
+    "  if (!selected) {\n",
+    "    const dots = !count || number('draw') === 4;\n",
+    "    select();\n",
+    "    selected = true;\n",
+    "    if (gl) {\n",
+    "      upload_ids(id_texture, ids, facets);\n",
+    "      if (caps) upload_ids(cut_texture, cut_ids, caps);\n",
+    "    }\n",
+    "    $('shown').textContent = whole(shown) + ' of ' + whole(dots ? points : count) + ' '\n",
+    "      + (dots ? 'points' : simplex) + ' shown';\n",
+    "    document.querySelector('.dots').hidden = !dots;\n",
+    "    canvas.setAttribute('aria-label', document.title + '. ' + $('shown').textContent + ', coloured by '\n",
+    "      + array.name);\n",
+    "  }\n",
+    "  const sign = number('axis') < 3 && normal[number('axis')] < 0 ? -1 : 1;\n",
+    "  const place = sign * (offset * half / (number('axis') === 2 ? relief : 1) + dot(normal, middle));\n",
+    "  $('cut-is').textContent = number('cut') < 1 ? short(place, half) : 'no cut';\n",
+    "  $('relief-is').textContent = relief > 1 ? 'times ' + relief : 'as they are';\n",
+    "  for (const id of ['from', 'to']) $(id + '-is').textContent = short(limit(id), array.high - array.low);\n",
+    "  $('explode-is').textContent = Math.round(100 * number('explode')) + ' %';\n",
+    "  $('size-is').textContent = short(number('size'));\n",
+    "  if (!gl) return;\n",
+    "  resize();\n",
+    "  const [eye, right, up] = frame(), reach = Math.hypot(...target) + 1.8 * relief;\n",
+    "  const near = Math.max(distance - reach, distance * 0.01), far = distance + reach, e = dot(eye, target);\n",
+    "  const c = (far + near) / (near - far), d = 2 * far * near / (near - far);\n",
+    "  const sx = 1 / (TAN * aspect()), sy = 1 / TAN;\n",
+    "  const column = k => [sx * right[k], sy * up[k], c * eye[k], -eye[k]];\n",
+    "  const move = [-sx * dot(right, target), -sy * dot(up, target), c * (-e - distance) + d, e + distance];\n",
+    "  const values = { camera: new Float32Array([...column(0), ...column(1), ...column(2), ...move]),\n",
+    "    axes: new Float32Array([...right, ...up, ...eye]), skin: hex(css('--skin')), ink: [0.04, 0.07, 0.11],\n",
+    "    plane: [...normal, offset], n, of_points: +array.of_points, classes: +array.classes,\n",
+    "    plain: +$('plain').checked, draw: number('draw'), clip: 0, lit: +!flat, bit: count ? 4 * count : 1,\n",
+    "    explode: number('explode'),\n",
+    "    size: number('size') * canvas.height * sy * Math.min(0.02, (flat ? 0.7 : 1.3) / Math.sqrt(points)) };\n",
+    "  gl.bindFramebuffer(gl.FRAMEBUFFER, buffers.frames[0]);\n",
+    "  gl.viewport(0, 0, canvas.width, canvas.height);\n",
+    "  gl.clearColor(...hex(css('--paper')), 1);\n",
+    "  gl.enable(gl.DEPTH_TEST);\n",
+    "  gl.clear(gl.COLOR_BUFFER_BIT | gl.DEPTH_BUFFER_BIT);\n",
+    "  gl.activeTexture(gl.TEXTURE4);\n",
+    "  gl.bindTexture(gl.TEXTURE_2D, id_texture);\n",
+    "  if (!count || number('draw') === 4) {\n",
+    "    use(programs.dot, values);\n",
+    "    gl.drawArrays(gl.POINTS, 0, facets);\n",
+    "  } else {\n",
+    "    use(programs.facet, { ...values, clip: caps ? 1 : 0 });\n",
+    "    gl.drawArrays(gl.TRIANGLES, 0, 3 * facets);\n",
+    "    if (caps) {\n",
+    "      gl.bindTexture(gl.TEXTURE_2D, cut_texture);\n",
+    "      use(programs.cap, values);\n",
+    "      gl.drawArrays(gl.TRIANGLES, 0, 6 * caps);\n",
+    "    }\n",
+    "  }\n",
+    "  gl.bindFramebuffer(gl.READ_FRAMEBUFFER, buffers.frames[0]);\n",
+    "  gl.bindFramebuffer(gl.DRAW_FRAMEBUFFER, buffers.frames[1]);\n",
+    "  gl.blitFramebuffer(0, 0, canvas.width, canvas.height, 0, 0, canvas.width, canvas.height,\n",
+    "    gl.COLOR_BUFFER_BIT | gl.DEPTH_BUFFER_BIT, gl.NEAREST);\n",
+    "  gl.bindFramebuffer(gl.FRAMEBUFFER, null);\n",
+    "  gl.disable(gl.DEPTH_TEST);\n",
+    "  use(programs.shade, { reach: flat || number('draw') === 2 ? 0 : 0.25, lens: [far * near / (far - near),\n",
+    "    far / (far - near), TAN * aspect(), TAN] });\n",
+    "  gl.drawArrays(gl.TRIANGLES, 0, 3);\n",
+    "  $('axes').replaceChildren();\n",
+    "  for (const k of [0, 1, 2].slice(0, flat ? 2 : 3).sort((a, b) => eye[a] - eye[b])) {\n",
+    "    const x = 25 * right[k], y = -25 * up[k], stroke = ['#d55e00', '#009e73', '#0072b2'][k];\n",
+    "    $('axes').append(svg('line', { x1: 0, y1: 0, x2: x, y2: y, stroke }),\n",
+    "      svg('text', { x: 1.28 * x, y: 1.28 * y }, 'xyz'[k]));\n",
+    "  }\n",
+    "}\n",
+    "const look = () => { if (!asked) { asked = true; requestAnimationFrame(paint); } };\n",
+    "const change = () => { selected = false; look(); };\n",
+    "\n",
+    "// ---- mouse, touch, keys ----\n",
+    "\n",
+    "const move = (dx, dy) => {                              // in pixels of the page\n",
+    "  const [, right, up] = frame(), step = 2 * distance * TAN / Math.max(1, canvas.clientHeight);\n",
+    "  target = target.map((x, k) => x - step * (dx * right[k] - dy * up[k]));\n",
+    "  look();\n",
+    "};\n",
+    "const rotate = (dx, dy) => {\n",
+    "  if (flat) { move(dx, dy); return; }\n",
+    "  turn -= 0.008 * dx;\n",
+    "  lift = Math.max(-Math.PI / 2, Math.min(Math.PI / 2, lift + 0.008 * dy));\n",
+    "  look();\n",
+    "};\n",
+    "const zoom = (factor, x = 0, y = 0) => {                // x, y: the place that stays, from the middle\n",
+    "  const before = distance;\n",
+    "  distance = Math.max(1e-5, Math.min(100, distance * factor));\n",
+    "  const rest = 1 - distance / before;\n",
+    "  move(-x * rest * before / distance, -y * rest * before / distance);\n",
+    "};\n",
+    "const fingers = new Map();\n",
+    "canvas.addEventListener('pointerdown', e => {\n",
+    "  canvas.setPointerCapture(e.pointerId);\n",
+    "  fingers.set(e.pointerId, { x: e.clientX, y: e.clientY, pans: e.button === 2 || e.shiftKey });\n",
+    "});\n",
+    "canvas.addEventListener('pointermove', e => {\n",
+    "  const f = fingers.get(e.pointerId);\n",
+    "  if (!f) return;\n",
+    "  const dx = e.clientX - f.x, dy = e.clientY - f.y, second = [...fingers].find(([id]) => id !== e.pointerId);\n",
+    "  if (second) {\n",
+    "    const g = second[1], before = Math.hypot(f.x - g.x, f.y - g.y);\n",
+    "    const after = Math.hypot(e.clientX - g.x, e.clientY - g.y);\n",
+    "    move(dx / 2, dy / 2);\n",
+    "    zoom(before / Math.max(after, 1));\n",
+    "  } else if (f.pans) {\n",
+    "    move(dx, dy);\n",
+    "  } else {\n",
+    "    rotate(dx, dy);\n",
+    "  }\n",
+    "  f.x = e.clientX; f.y = e.clientY;\n",
+    "});\n",
+    "const release = e => fingers.delete(e.pointerId);\n",
+    "canvas.addEventListener('pointerup', release);\n",
+    "canvas.addEventListener('pointercancel', release);\n",
+    "canvas.addEventListener('contextmenu', e => e.preventDefault());\n",
+    "canvas.addEventListener('wheel', e => {\n",
+    "  e.preventDefault();\n",
+    "  zoom(Math.exp(Math.max(-1, Math.min(1, e.deltaY * (e.deltaMode ? 0.03 : 0.0015)))),\n",
+    "    e.offsetX - canvas.clientWidth / 2, e.offsetY - canvas.clientHeight / 2);\n",
+    "}, { passive: false });\n",
+    "const nudge = (id, by) => { $(id).value = number(id) + by; change(); };\n",
+    "const next = (id, then) => { $(id).selectedIndex = ($(id).selectedIndex + 1) % $(id).length; then(); };\n",
+    "canvas.addEventListener('keydown', e => {\n",
+    "  const arrow = { ArrowLeft: [-1, 0], ArrowRight: [1, 0], ArrowUp: [0, -1], ArrowDown: [0, 1] }[e.key];\n",
+    "  if (e.ctrlKey || e.metaKey || e.altKey) return;\n",
+    "  if (arrow) (e.shiftKey ? move : rotate)(20 * arrow[0], 20 * arrow[1]);\n",
+    "  else if (e.key === '+' || e.key === '=') zoom(0.9);\n",
+    "  else if (e.key === '-') zoom(1 / 0.9);\n",
+    "  else if (e.key === '0') reset();\n",
+    "  else if (e.key === '[' && !flat) nudge('cut', -0.02);\n",
+    "  else if (e.key === ']' && !flat) nudge('cut', 0.02);\n",
+    "  else if (e.key === 'f' && !flat) { $('axis').value = 3; face(frame()[0]); change(); }\n",
+    "  else if (e.key === 'e') nudge('explode', 0.1);\n",
+    "  else if (e.key === 'w') nudge('explode', -0.1);\n",
+    "  else if (e.key === 'd' && count) next('draw', change);\n",
+    "  else if (e.key === 'c') next('colour', () => set_array(arrays[number('colour')]));\n",
+    "  else return;\n",
+    "  e.preventDefault();\n",
+    "});\n",
+    "const on = (id, what, then) => $(id).addEventListener(what, then);\n",
+    "for (const id of ['from', 'to', 'cut', 'explode', 'draw', 'cap', 'plain']) on(id, 'input', change);\n",
+    "on('size', 'input', look);\n",
+    "on('relief', 'input', () => { set_relief(number('relief')); change(); });\n",
+    "on('colour', 'input', () => set_array(arrays[number('colour')]));\n",
+    "on('axis', 'input', () => {\n",
+    "  face(frame()[0]);\n",
+    "  if (number('cut') >= 1) $('cut').value = 0.5;\n",
+    "  change();\n",
+    "});\n",
+    "on('flip', 'click', () => {\n",
+    "  set_normal(normal.map(x => -x));\n",
+    "  $('cut').value = 1 - number('cut');\n",
+    "  change();\n",
+    "});\n",
+    "on('reset', 'click', reset);\n",
+    "matchMedia('(prefers-color-scheme: dark)').addEventListener('change', look);\n",
+    "new ResizeObserver(look).observe(canvas);\n",
+    "\n",
+    "arrays.forEach((a, i) => $('colour').append(new Option(a.name, i)));\n",
+    "if (!count) document.querySelectorAll('.mesh').forEach(x => { x.hidden = true; });\n",
+    "if (!count || dim === 2) document.querySelectorAll('.solid').forEach(x => { x.hidden = true; });\n",
+    "document.querySelector('.relief').hidden = flat || dim === 3;\n",
+    "if (flat) document.querySelectorAll('.cut').forEach(x => { x.hidden = true; });\n",
+    "if (!count) $('draw').parentNode.hidden = true;\n",
+    "try {\n",
+    "  if (gl) set_up();\n",
+    "} catch (e) {\n",
+    "  trouble = e.message;\n",
+    "  gl = null;\n",
+    "}\n",
+    "reset();\n",
+    "paint();\n",
+    "say(gl ? '' : 'No picture: ' + trouble + '.  The numbers beside this are right.');\n",
+    "})();\n",
+    NULL
+};
+
+/* ------------------------------------------------------------------------------------------------------
+   The data: in base64, little-endian.
+   ------------------------------------------------------------------------------------------------------ */
+
+typedef struct pbwview__page {
+    const pbw_mesh *mesh;
+    const pbwview_options *options;
+    pbw_index *number;                 /* per point: its number on the page, which is the order in which corners meet
+                                          it; PBW_NONE if it is not there.  NULL: a page of points, all there */
+    size_t simplices, points;          /* that are there */
+    double middle[3], half;            /* of the box of the points */
+    FILE *file;
+    unsigned char in[3];               /* bytes on their way to base64 */
+    int in_count, out_count;
+    char out[4096];
+} pbwview__page;
+
+static void pbwview__flush(pbwview__page *page)
+{
+    fwrite(page->out, 1, (size_t)page->out_count, page->file);
+    putc('\n', page->file);
+    page->out_count = 0;
+}
+
+static void pbwview__group(pbwview__page *page)
+{
+    static const char digits[] = "ABCDEFGHIJKLMNOPQRSTUVWXYZabcdefghijklmnopqrstuvwxyz0123456789+/";
+    unsigned bits = (unsigned)page->in[0] << 16 | (unsigned)page->in[1] << 8 | page->in[2];
+    int i;
+    for (i = 0; i < 4; i++) {
+        page->out[page->out_count++] = i <= page->in_count ? digits[bits >> (18 - 6 * i) & 63] : '=';
+    }
+    page->in_count = 0;
+    if (page->out_count == (int)sizeof page->out) {
+        pbwview__flush(page);
+    }
+}
+
+static void pbwview__byte(pbwview__page *page, unsigned byte)
+{
+    page->in[page->in_count++] = (unsigned char)byte;
+    if (page->in_count == 3) {
+        pbwview__group(page);
+    }
+}
+
+static void pbwview__end(pbwview__page *page)
+{
+    if (page->in_count > 0) {
+        page->in[2] = 0;
+        page->in[1] = page->in_count == 1 ? 0 : page->in[1];
+        pbwview__group(page);
+    }
+    pbwview__flush(page);
+    fputs("</script>\n", page->file);
+}
+
+/* Seven bits a byte, the lowest first; all bytes but the last have the top bit. */
+static void pbwview__whole(pbwview__page *page, uint64_t x)
+{
+    for (; x > 127; x >>= 7) {
+        pbwview__byte(page, (unsigned)(x & 127) | 128);
+    }
+    pbwview__byte(page, (unsigned)x);
+}
+
+static void pbwview__float(pbwview__page *page, double x)
+{
+    float f = x > FLT_MAX ? FLT_MAX : x < -FLT_MAX ? -FLT_MAX : (float)x;
+    uint32_t bits;
+    int i;
+    memcpy(&bits, &f, sizeof bits);
+    for (i = 0; i < 32; i += 8) {
+        pbwview__byte(page, bits >> i & 255);
+    }
+}
+
+static void pbwview__doubles(pbwview__page *page, const double *x, int count)
+{
+    uint64_t bits;
+    int i, k;
+    for (i = 0; i < count; i++) {
+        memcpy(&bits, x + i, sizeof bits);
+        for (k = 0; k < 64; k += 8) {
+            pbwview__byte(page, (unsigned)(bits >> k & 255));
+        }
+    }
+}
+
+/* Text for between tags and for between quotes. */
+static void pbwview__text(FILE *file, const char *text)
+{
+    for (; *text != 0; text++) {
+        if (strchr("&<>\"'", *text) != NULL) {
+            fprintf(file, "&#%d;", *text);
+        } else {
+            putc(*text, file);
+        }
+    }
+}
+
+static void pbwview__lines(FILE *file, const char *const *line)
+{
+    for (; *line != NULL; line++) {
+        fputs(*line, file);
+    }
+}
+
+static int pbwview__kept(const pbwview__page *page, size_t simplex)
+{
+    return page->options->keep == NULL || page->options->keep[simplex];
+}
+
+static double pbwview__coordinate(const pbwview__page *page, size_t point, int k)
+{
+    return k < page->mesh->dim ? page->mesh->points[point * (size_t)page->mesh->dim + (size_t)k]
+         : page->options->heights != NULL ? page->options->heights[point] : 0;
+}
+
+/* The points that are there, in the order of their numbers: calls emit for each. */
+static void pbwview__each_point(pbwview__page *page, void (*emit)(pbwview__page *, size_t, void *), void *user)
+{
+    size_t n = (size_t)page->mesh->dim + 1, i, next = 0;
+    if (page->number == NULL) {
+        for (i = 0; i < page->points; i++) {
+            emit(page, i, user);
+        }
+        return;
+    }
+    for (i = 0; i < n * page->mesh->simplex_count; i++) {
+        pbw_index point = page->mesh->simplices[i];
+        if (pbwview__kept(page, i / n) && page->number[point] == next) {
+            emit(page, point, user);
+            next++;
+        }
+    }
+}
+
+/* Grows the box: user is its low, then its high corner. */
+static void pbwview__measure(pbwview__page *page, size_t point, void *user)
+{
+    double *box = (double *)user;
+    int k;
+    for (k = 0; k < 3; k++) {
+        double x = pbwview__coordinate(page, point, k);
+        box[k] = x < box[k] ? x : box[k];
+        box[3 + k] = x > box[3 + k] ? x : box[3 + k];
+    }
+}
+
+static void pbwview__point(pbwview__page *page, size_t point, void *user)
+{
+    int k, dim = page->options->heights != NULL ? 3 : page->mesh->dim;
+    (void)user;
+    for (k = 0; k < dim; k++) {
+        pbwview__float(page, (pbwview__coordinate(page, point, k) - page->middle[k]) / page->half);
+    }
+}
+
+typedef struct pbwview__column { const pbwview_array *array; uint32_t last; } pbwview__column;
+
+/* A number of an array; whole ones as differences: 0 -1 1 -2 2 ... are written 0 1 2 3 4 ... */
+static void pbwview__value(pbwview__page *page, size_t i, void *user)
+{
+    pbwview__column *column = (pbwview__column *)user;
+    if (column->array->real != NULL) {
+        double x = column->array->real[i];
+        pbwview__float(page, x >= -DBL_MAX && x <= DBL_MAX ? x : HUGE_VAL - HUGE_VAL);
+    } else {
+        uint32_t x = column->array->whole[i];
+        int up = x >= column->last;
+        uint64_t step = up ? x - column->last : column->last - x;
+        pbwview__whole(page, up ? 2 * step : 2 * step - 1);
+        column->last = x;
+    }
+}
+
+static void pbwview__array(pbwview__page *page, const pbwview_array *array)
+{
+    pbwview__column column;
+    size_t i;
+    if (!array->of_points && page->number == NULL) {
+        return;
+    }
+    column.array = array;
+    column.last = 0;
+    fputs("<script type='text/plain' data-name='", page->file);
+    pbwview__text(page->file, array->name);
+    fprintf(page->file, "' data-of='%s' data-kind='%s'>\n", array->of_points ? "points" : "simplices",
+            array->real != NULL ? "real" : array->classes ? "classes" : "whole");
+    if (array->of_points) {
+        pbwview__each_point(page, pbwview__value, &column);
+    }
+    for (i = 0; !array->of_points && i < page->mesh->simplex_count; i++) {
+        if (pbwview__kept(page, i)) {
+            pbwview__value(page, i, &column);
+        }
+    }
+    pbwview__end(page);
+}
+
+/* A corner is written as how many points before the newest it is, 0 if it is a new one. */
+static void pbwview__corners(pbwview__page *page)
+{
+    size_t n = (size_t)page->mesh->dim + 1, i, next = 0;
+    for (i = 0; i < n * page->mesh->simplex_count; i++) {
+        if (pbwview__kept(page, i / n)) {
+            size_t number = page->number[page->mesh->simplices[i]];
+            pbwview__whole(page, next - number);
+            next += number == next;
+        }
+    }
+}
+
+static void pbwview__emit(void *user, FILE *file)
+{
+    static const double flat_eye[3] = { 0, -1, 0 }, usual_eye[3] = { 0.55, -1, 0.5 }, usual_up[3] = { 0, 0, 1 };
+    pbwview__page *page = (pbwview__page *)user;
+    const pbwview_options *o = page->options;
+    int flat = page->mesh->dim == 2 && o->heights == NULL, k;
+    double lens[14];
+    size_t i;
+    memcpy(lens, page->middle, 3 * sizeof *lens);
+    lens[3] = page->half;
+    memcpy(lens + 4, o->eye[0] * o->eye[0] + o->eye[1] * o->eye[1] + o->eye[2] * o->eye[2] > 0 ? o->eye
+           : flat ? flat_eye : usual_eye, 3 * sizeof *lens);
+    memcpy(lens + 7, o->up[0] * o->up[0] + o->up[1] * o->up[1] + o->up[2] * o->up[2] > 0 ? o->up : usual_up,
+           3 * sizeof *lens);
+    memcpy(lens + 10, o->cut, 4 * sizeof *lens);
+    for (k = 0; k < 3 && !(o->cut[k] < 0 || o->cut[k] > 0); k++) {}
+    lens[13] = k == 3 && (page->number == NULL || page->mesh->dim == 2) ? 1 : 0.5 + 0.5 * o->cut[3];
+    page->file = file;
+    page->in_count = page->out_count = 0;
+    fputs("<!DOCTYPE html>\n<html lang='en'>\n<meta charset='utf-8'>\n<title>", file);
+    pbwview__text(file, o->title != NULL && *o->title != 0 ? o->title : "pbw");
+    fputs("</title>\n", file);
+    pbwview__lines(file, pbwview__head);
+    fprintf(file, "<div id='mesh' hidden data-dim='%d' data-points='%lu' data-simplices='%lu' data-heights='%d' "
+            "data-cap='%d' data-plain='%d' data-note='", page->mesh->dim, (unsigned long)page->points,
+            (unsigned long)page->simplices, o->heights != NULL, o->cut_through != 0, o->colour_outside == 0);
+    pbwview__text(file, o->note != NULL ? o->note : "");
+    fputs("' data-colour='", file);
+    pbwview__text(file, o->colour != NULL ? o->colour : "");
+    fputs("'></div>\n<script type='text/plain' id='lens'>\n", file);
+    pbwview__doubles(page, lens, 14);
+    pbwview__end(page);
+    fputs("<script type='text/plain' id='points'>\n", file);
+    pbwview__each_point(page, pbwview__point, NULL);
+    pbwview__end(page);
+    if (page->number != NULL) {
+        fputs("<script type='text/plain' id='corners'>\n", file);
+        pbwview__corners(page);
+        pbwview__end(page);
+    }
+    for (i = 0; i < o->array_count; i++) {
+        pbwview__array(page, &o->arrays[i]);
+    }
+    fputs("<script>\n", file);
+    pbwview__lines(file, pbwview__script);
+    fputs("</script>\n</html>\n", file);
+}
+
+/* Numbers the points, counts and measures; returns what is wrong, NULL if nothing. */
+static const char *pbwview__prepare(pbwview__page *page)
+{
+    const pbw_mesh *mesh = page->mesh;
+    size_t n = (size_t)mesh->dim + 1, i;
+    double box[6] = { DBL_MAX, DBL_MAX, DBL_MAX, -DBL_MAX, -DBL_MAX, -DBL_MAX };
+    int k;
+    for (i = 0; i < mesh->simplex_count; i++) {
+        page->simplices += pbwview__kept(page, i) != 0;
+    }
+    page->points = mesh->point_count;
+    if (page->simplices > 0) {
+        page->number = (pbw_index *)malloc(mesh->point_count * sizeof *page->number);
+        if (page->number == NULL) {
+            return "out of memory";
+        }
+        memset(page->number, 0xff, mesh->point_count * sizeof *page->number);
+        page->points = 0;
+        for (i = 0; i < n * mesh->simplex_count; i++) {
+            pbw_index *number = &page->number[mesh->simplices[i]];
+            if (pbwview__kept(page, i / n) && *number == PBW_NONE) {
+                *number = (pbw_index)page->points++;
+            }
+        }
+    }
+    if (page->points == 0) {
+        return "there is nothing to show";
+    }
+    if (page->simplices > PBWVIEW_MOST || page->points > PBWVIEW_MOST) {
+        return "more than 8388608 simplices or points are too much for a browser";
+    }
+    pbwview__each_point(page, pbwview__measure, box);
+    for (k = 0; k < 3; k++) {
+        double half = 0.5 * box[3 + k] - 0.5 * box[k];
+        page->middle[k] = 0.5 * box[3 + k] + 0.5 * box[k];
+        page->half = half > page->half ? half : page->half;
+    }
+    page->half = page->half > 0 ? page->half : 1;
+    return NULL;
+}
+
+PBWVIEWDEF pbwio_status pbwview_write(const char *path, const pbw_mesh *mesh, const pbwview_options *options,
+                                      pbwio_error *error)
+{
+    static const pbwview_options defaults = { NULL, NULL, NULL, NULL, NULL, 0, NULL, { 0, 0, 0 }, { 0, 0, 0 },
+                                              { 0, 0, 0, 0 }, 0, 0 };
+    const char *what;
+    pbwio_status status;
+    pbwview__page page;
+    memset(&page, 0, sizeof page);
+    page.mesh = mesh;
+    page.options = options == NULL ? &defaults : options;
+    what = pbwview__prepare(&page);
+    if (what == NULL) {
+        status = pbwio_save(path, pbwview__emit, &page, error);
+    } else {
+        status = page.simplices > 0 && page.number == NULL ? PBWIO_ERROR_MEMORY : PBWIO_ERROR_ARGUMENT;
+        if (error != NULL) {
+            snprintf(error->text, sizeof error->text, "%.200s: %s", path, what);
+        }
+    }
+    free(page.number);
+    return status;
+}
+#endif /* PBW_VIEW_IMPLEMENTATION */

@@ -1,0 +1,293 @@
+/* test_view.c: examples/pbw_view.h: what a page holds is the mesh and the arrays that were given; texts are escaped;
+   full disks, memory that runs out, what is refused.  tests/view.sh looks at pages in a browser. */
+#define _GNU_SOURCE
+#include <math.h>
+#include <signal.h>
+#include <stdio.h>
+#include <stdlib.h>
+#include <string.h>
+#include <sys/resource.h>
+#include <unistd.h>
+
+static size_t refuse_over = (size_t)-1;
+
+static void *limited_malloc(size_t size)
+{
+    return size > refuse_over ? NULL : malloc(size);
+}
+
+#include "../pbw.h"
+#define PBW_IO_IMPLEMENTATION
+#include "../examples/pbw_io.h"
+#define malloc limited_malloc
+#define PBW_VIEW_IMPLEMENTATION
+#include "../examples/pbw_view.h"
+#undef malloc
+#include "test.h"
+
+static char folder[64], path[96];
+
+/* The page, as text. */
+static char *read_page(void)
+{
+    FILE *file = fopen(path, "rb");
+    char *text = (char *)calloc(1, 1 << 22);
+    size_t size = file == NULL || text == NULL ? 0 : fread(text, 1, (1 << 22) - 1, file);
+    CHECK(size > 0);
+    if (file != NULL) {
+        fclose(file);
+    }
+    return text;
+}
+
+/* The bytes of the data block that begins behind mark, decoded; an independent base64. */
+static unsigned char *block(const char *page, const char *mark, size_t *size)
+{
+    static const char digits[] = "ABCDEFGHIJKLMNOPQRSTUVWXYZabcdefghijklmnopqrstuvwxyz0123456789+/";
+    const char *at = strstr(page, mark), *end;
+    unsigned char *out = (unsigned char *)calloc(1, 1 << 22);
+    unsigned bits = 0;
+    int count = 0;
+    *size = 0;
+    if (!CHECK(at != NULL && out != NULL)) {
+        return out;
+    }
+    at = strchr(at, '\n');
+    end = strstr(at, "</script>");
+    for (; at < end; at++) {
+        const char *digit = *at == '=' ? NULL : strchr(digits, *at);
+        if (digit != NULL) {
+            bits = bits << 6 | (unsigned)(digit - digits);
+            if (++count % 4 != 1) {
+                out[(*size)++] = (unsigned char)(bits >> (6 - 2 * ((count + 3) % 4)));
+            }
+        } else {
+            CHECK(*at == '=' || *at == '\n');
+        }
+    }
+    return out;
+}
+
+static float float_at(const unsigned char *bytes, size_t i)
+{
+    uint32_t bits = 0;
+    float x;
+    int k;
+    for (k = 3; k >= 0; k--) {
+        bits = bits << 8 | bytes[4 * i + (size_t)k];
+    }
+    memcpy(&x, &bits, 4);
+    return x;
+}
+
+static uint64_t whole_at(const unsigned char *bytes, size_t *at)
+{
+    uint64_t x = 0;
+    int shift = 0;
+    do {
+        x |= (uint64_t)(bytes[*at] & 127) << shift;
+        shift += 7;
+    } while (bytes[(*at)++] & 128);
+    return x;
+}
+
+static void random_mesh(int dim, size_t count, double scale, pbw_mesh *mesh)
+{
+    double points[3 * 500];
+    uint64_t state = 7;
+    size_t i;
+    for (i = 0; i < count * (size_t)dim; i++) {
+        state = state * 6364136223846793005u + 1442695040888963407u;
+        points[i] = ((double)(state >> 11) / 4503599627370496.0 - 1) * scale;
+    }
+    CHECK(pbw_triangulate(dim, points, NULL, count, NULL, mesh) == PBW_OK);
+}
+
+/* Writes a page of a mesh, with every third simplex left out, and reads all of it back. */
+static void test_content(int dim, double scale)
+{
+    pbw_mesh mesh;
+    pbwview_options options;
+    pbwview_array arrays[4];
+    pbwio_error error;
+    static unsigned char keep[5000];
+    static uint32_t whole[5000];
+    static double real[5000], heights[500];
+    pbw_index met[500];
+    char *page;
+    unsigned char *corners, *points, *lens, *of_simplices, *of_points;
+    size_t size, at = 0, i, next = 0, n = (size_t)dim + 1, row = 0, at_whole = 0;
+    double frame[4];
+    uint32_t last = 0;
+    memset(&mesh, 0, sizeof mesh);
+    memset(&options, 0, sizeof options);
+    memset(arrays, 0, sizeof arrays);
+    random_mesh(dim, 500, scale, &mesh);
+    for (i = 0; i < 5000; i++) {
+        keep[i] = i % 3 != 0;
+        whole[i] = i % 7 == 0 ? 0xffffffffu : (uint32_t)(i * 2654435761u) >> i % 32;
+        real[i] = i % 11 == 0 ? HUGE_VAL : i % 13 == 0 ? 1e300 : sin((double)i);
+        heights[i % 500] = scale * cos((double)i);
+    }
+    arrays[0].name = "rounds";
+    arrays[0].whole = whole;
+    arrays[1].name = "</script><b>'\"&";
+    arrays[1].real = real;
+    arrays[1].of_points = 1;
+    options.arrays = arrays;
+    options.array_count = 2;
+    options.keep = keep;
+    options.heights = dim == 2 ? heights : NULL;
+    options.title = "</title><script>alert(1)</script>'\"&";
+    options.note = "'><script>";
+    options.colour = "rounds";
+    CHECK(pbwview_write(path, &mesh, &options, &error) == PBWIO_OK);
+    page = read_page();
+    lens = block(page, "id='lens'>", &size);
+    CHECK_EQUAL(size, 14 * 8);
+    memcpy(frame, lens, sizeof frame);               /* as on all machines that have run this: little-endian */
+    corners = block(page, "id='corners'>", &size);
+    points = block(page, "id='points'>", &size);
+    of_simplices = block(page, "data-name='rounds'", &i);
+    of_points = block(page, "data-name='&#60;/script&#62;&#60;b&#62;&#39;&#34;&#38;'", &i);
+    CHECK_EQUAL(i * 3, size);                                        /* one float a point, and three */
+    for (i = 0; i < mesh.simplex_count; i++) {
+        size_t k, j;
+        uint64_t step;
+        for (k = 0; keep[i] && k < n; k++) {
+            size_t d = (size_t)whole_at(corners, &at), number = next - d, p = mesh.simplices[n * i + k];
+            if (d == 0) {
+                met[next++] = (pbw_index)p;
+                for (j = 0; j < 3; j++) {
+                    double x = j < (size_t)dim ? mesh.points[p * (size_t)dim + j] : heights[p];
+                    double read = (double)float_at(points, row++);
+                    CHECK(fabs(read - (x - frame[j]) / frame[3]) <= 6e-8 && fabs(read) <= 1.001);
+                }
+                CHECK(p % 11 == 0 ? isnan(float_at(of_points, number)) != 0
+                      : p % 13 == 0 ? (double)float_at(of_points, number) > 3e38
+                      : fabs((double)float_at(of_points, number) - real[p]) < 1e-7);
+            }
+            CHECK(number < next && met[number] == p);
+        }
+        if (keep[i]) {
+            step = whole_at(of_simplices, &at_whole);
+            last = step % 2 != 0 ? last - (uint32_t)((step + 1) / 2) : last + (uint32_t)(step / 2);
+            CHECK_EQUAL(last, whole[i]);
+        }
+    }
+    CHECK(strstr(page, "<title>&#60;/title&#62;&#60;script&#62;alert(1)&#60;/script&#62;&#39;&#34;&#38;</title>")
+          != NULL && strstr(page, "data-note='&#39;&#62;&#60;script&#62;'") != NULL);
+    CHECK(strcmp(page + strlen(page) - 8, "</html>\n") == 0);
+    free(page);
+    free(lens);
+    free(corners);
+    free(points);
+    free(of_simplices);
+    free(of_points);
+    unlink(path);
+    pbw_free(&mesh);
+}
+
+static void test_points_only(void)
+{
+    static const double points[6] = { 5, 1, 5, 1, 5, 1 };            /* all at one place */
+    pbw_mesh mesh;
+    char *page;
+    unsigned char *read;
+    size_t size;
+    memset(&mesh, 0, sizeof mesh);
+    mesh.dim = 2;
+    mesh.points = points;
+    mesh.point_count = 3;
+    CHECK(pbwview_write(path, &mesh, NULL, NULL) == PBWIO_OK);
+    page = read_page();
+    read = block(page, "id='points'>", &size);
+    CHECK_EQUAL(size, 24);
+    CHECK(float_at(read, 0) == 0 && float_at(read, 5) == 0 && strstr(page, "id='corners'>") == NULL);
+    CHECK(strstr(page, "<title>pbw</title>") != NULL && strstr(page, "data-points='3' data-simplices='0'") != NULL);
+    free(page);
+    free(read);
+    unlink(path);
+}
+
+/* A file-size limit stands for a full disk: the old file stays, and nothing else. */
+static void test_errors(void)
+{
+    static unsigned char none[5000];
+    pbw_mesh mesh;
+    pbwview_options options;
+    pbwio_error error;
+    struct rlimit old, small;
+    char part[128];
+    FILE *file = fopen(path, "w");
+    memset(&mesh, 0, sizeof mesh);
+    memset(&options, 0, sizeof options);
+    random_mesh(3, 300, 1, &mesh);
+    snprintf(part, sizeof part, "%s.part", path);
+    CHECK(file != NULL && fputs("old", file) >= 0 && fclose(file) == 0);
+    signal(SIGXFSZ, SIG_IGN);
+    getrlimit(RLIMIT_FSIZE, &old);
+    small = old;
+    for (small.rlim_cur = 1; small.rlim_cur < 40000; small.rlim_cur *= 6) {
+        pbwio_status status;
+        setrlimit(RLIMIT_FSIZE, &small);
+        status = pbwview_write(path, &mesh, NULL, &error);
+        setrlimit(RLIMIT_FSIZE, &old);
+        CHECK(status == PBWIO_ERROR_FILE && strstr(error.text, "File too large") != NULL);
+        CHECK(access(part, F_OK) != 0);
+        file = fopen(path, "r");
+        CHECK(file != NULL && getc(file) == 'o' && getc(file) == 'l' && getc(file) == 'd' && getc(file) == EOF);
+        if (file != NULL) {
+            fclose(file);
+        }
+    }
+    if (access("/dev/full", W_OK) == 0) {
+        CHECK(pbwview_write("/dev/full", &mesh, NULL, &error) == PBWIO_ERROR_FILE);
+        CHECK(strcmp(error.text, "/dev/full: No space left on device") == 0);
+    }
+    CHECK(pbwview_write("/no/such/a.html", &mesh, NULL, &error) == PBWIO_ERROR_FILE);
+    CHECK(strcmp(error.text, "/no/such/a.html: No such file or directory") == 0);
+    refuse_over = 100;
+    CHECK(pbwview_write(path, &mesh, NULL, &error) == PBWIO_ERROR_MEMORY);
+    CHECK(strstr(error.text, ": out of memory") != NULL);
+    refuse_over = (size_t)-1;
+    options.keep = none;
+    CHECK(pbwview_write(path, &mesh, &options, &error) == PBWIO_OK);         /* no simplex is left: the points */
+    pbw_free(&mesh);
+    mesh.dim = 3;
+    CHECK(pbwview_write(path, &mesh, NULL, &error) == PBWIO_ERROR_ARGUMENT);
+    CHECK(strstr(error.text, ": there is nothing to show") != NULL);
+    mesh.point_count = PBWVIEW_MOST + 1;
+    CHECK(pbwview_write(path, &mesh, NULL, NULL) == PBWIO_ERROR_ARGUMENT);
+    unlink(path);
+}
+
+int main(int argc, char **argv)
+{
+    static const double scales[] = { 1, 1.7e308, 1e-300, 5e-320 };
+    int dim, i;
+    test_start(argc, argv, 0);
+    strcpy(folder, "/tmp/pbw-test-XXXXXX");
+    if (mkdtemp(folder) == NULL) {
+        return 1;
+    }
+    snprintf(path, sizeof path, "%s/a.html", folder);
+    for (dim = 2; dim <= 3; dim++) {
+        for (i = 0; i < 4; i++) {
+            if (test_begin("a page holds the mesh, %dD, coordinates up to %g", dim, scales[i])) {
+                test_content(dim, scales[i]);
+                test_end();
+            }
+        }
+    }
+    if (test_begin("a page of points")) {
+        test_points_only();
+        test_end();
+    }
+    if (test_begin("what cannot be written")) {
+        test_errors();
+        test_end();
+    }
+    rmdir(folder);
+    return test_finish();
+}

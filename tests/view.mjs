@@ -1,0 +1,391 @@
+// view.mjs BROWSER FOLDER: opens the pages that tests/view.sh made and uses them as people do, by the DevTools
+// protocol over a pipe; looks at what is on the screen.  WebGL 2 comes from the browser's software renderer.
+import { spawn } from 'node:child_process';
+import { existsSync, mkdtempSync, readFileSync, rmSync } from 'node:fs';
+import { inflateSync } from 'node:zlib';
+import { tmpdir } from 'node:os';
+import { join, resolve } from 'node:path';
+
+const [browser, folder] = process.argv.slice(2);
+let passed = 0, failed = 0;
+function check(name, fine, detail = '') {
+  if (fine) { passed++; return; }
+  failed++;
+  console.log('FAILED ' + name + ' ' + detail);
+}
+function finish() {
+  console.log(passed + ' passed, ' + failed + ' failed, 0 skipped');
+  process.exit(failed > 0 ? 1 : 0);
+}
+const pause = ms => new Promise(done => setTimeout(done, ms));
+
+// ---- the browser ----
+
+const profile = mkdtempSync(join(tmpdir(), 'pbw-view-'));
+const chromium = spawn(browser, ['--headless=new', '--no-sandbox', '--use-gl=angle', '--use-angle=swiftshader',
+  '--enable-unsafe-swiftshader', '--disable-quic', '--no-first-run', '--disable-background-networking',
+  '--disable-component-update', '--disable-sync', '--disable-extensions', '--disable-dev-shm-usage',
+  '--hide-scrollbars', '--user-data-dir=' + profile, '--remote-debugging-pipe', 'about:blank'],
+  { stdio: ['ignore', 'ignore', 'ignore', 'pipe', 'pipe'] });
+let text = '', last = 0;
+const answers = new Map(), events = [];
+chromium.stdio[4].on('data', data => {
+  text += data;
+  for (let end; (end = text.indexOf('\0')) >= 0; text = text.slice(end + 1)) {
+    const message = JSON.parse(text.slice(0, end));
+    if (message.id) answers.get(message.id)(message); else events.push(message);
+  }
+});
+function send(method, params = {}, sessionId = undefined) {
+  return new Promise(done => {
+    answers.set(++last, message => {
+      if (message.error) console.log(method + ': ' + message.error.message);
+      done(message.result || {});
+    });
+    chromium.stdio[3].write(JSON.stringify({ id: last, method, params, sessionId }) + '\0');
+  });
+}
+let session;
+const tell = (method, params) => send(method, params, session);
+async function stop() {
+  chromium.removeAllListeners('exit');
+  chromium.kill('SIGKILL');
+  await pause(300);
+  try { rmSync(profile, { recursive: true, force: true, maxRetries: 5 }); } catch { /* /tmp is swept */ }
+  finish();
+}
+chromium.on('error', e => { check('the browser starts', false, e.message); finish(); });
+chromium.on('exit', code => { check('the browser lives', false, 'exit status ' + code); finish(); });
+setTimeout(() => { check('in four minutes', false); stop(); }, 240000).unref();
+
+async function evaluate(expression) {
+  const answer = await tell('Runtime.evaluate', { expression, awaitPromise: true, returnByValue: true });
+  if (answer.exceptionDetails) console.log(expression + ': ' + JSON.stringify(answer.exceptionDetails).slice(0, 500));
+  return answer.result && answer.result.value;
+}
+const painted = () => evaluate('new Promise(f => requestAnimationFrame(() => requestAnimationFrame(f)))');
+const get = (id, what = 'textContent') => evaluate('document.getElementById("' + id + '").' + what);
+async function set(id, value) {
+  await evaluate('{ const e = document.getElementById("' + id + '"); e.value = ' + JSON.stringify(value) + ';'
+    + 'e.dispatchEvent(new Event("input")); }');
+  await painted();
+}
+async function click(id) {
+  await evaluate('document.getElementById("' + id + '").click()');
+  await painted();
+}
+const colour_by = name => evaluate('[...document.getElementById("colour").options].find(o => o.text === "' + name
+  + '").value').then(value => set('colour', value));
+
+// The page in a window; returns the seconds until it is drawn.
+async function open(name, { width = 1000, height = 640, scheme = 'light' } = {}) {
+  events.length = 0;
+  await tell('Emulation.setDeviceMetricsOverride', { width, height, deviceScaleFactor: 1, mobile: false });
+  await tell('Emulation.setEmulatedMedia', { features: [{ name: 'prefers-color-scheme', value: scheme }] });
+  const start = Date.now();
+  await tell('Page.navigate', { url: 'file://' + resolve(folder, name + '.html') });
+  while (!events.some(e => e.method === 'Page.loadEventFired')) await pause(10);
+  await painted();
+  return (Date.now() - start) / 1000;
+}
+function check_quiet(name) {
+  const bad = events.filter(e => /exceptionThrown|entryAdded|consoleAPICalled/.test(e.method));
+  check(name + ': the console is empty', bad.length === 0, JSON.stringify(bad).slice(0, 500));
+  const asked = events.filter(e => e.method === 'Network.requestWillBeSent').map(e => e.params.request.url);
+  check(name + ': nothing else is loaded', asked.every(url => /^(file|data):/.test(url)), asked.join(' '));
+}
+
+// ---- pixels ----
+
+// A PNG picture of 8 bits: width, height, and 3 bytes a pixel (PNG specification, sections 7 and 9).
+function decode(png) {
+  const width = png.readUInt32BE(16), height = png.readUInt32BE(20), each = png[25] === 6 ? 4 : 3, parts = [];
+  for (let at = 8; at < png.length; at += 12 + png.readUInt32BE(at)) {
+    const type = png.toString('latin1', at + 4, at + 8);
+    if (type === 'IDAT') parts.push(png.subarray(at + 8, at + 8 + png.readUInt32BE(at)));
+  }
+  const raw = inflateSync(Buffer.concat(parts)), row = width * each, out = new Uint8Array(height * row);
+  for (let y = 0; y < height; y++) {
+    const filter = raw[y * (row + 1)];
+    for (let x = 0; x < row; x++) {
+      const i = y * row + x, a = x < each ? 0 : out[i - each], b = y === 0 ? 0 : out[i - row];
+      const c = x < each || y === 0 ? 0 : out[i - row - each], p = a + b - c;
+      const pa = Math.abs(p - a), pb = Math.abs(p - b), pc = Math.abs(p - c);
+      const guess = [0, a, b, (a + b) >> 1, pa <= pb && pa <= pc ? a : pb <= pc ? b : c][filter];
+      out[i] = raw[y * (row + 1) + 1 + x] + guess;
+    }
+  }
+  const rgb = new Uint8Array(3 * width * height);
+  for (let i = 0; i < width * height; i++) for (let k = 0; k < 3; k++) rgb[3 * i + k] = out[each * i + k];
+  return { width, height, rgb };
+}
+// What the canvas shows, without the axes in its corner.
+async function picture() {
+  const box = JSON.parse(await evaluate('JSON.stringify(document.getElementById("stage").getBoundingClientRect())'));
+  const clip = { x: box.x, y: box.y, width: box.width, height: box.height, scale: 1 };
+  const image = decode(Buffer.from((await tell('Page.captureScreenshot', { format: 'png', clip })).data, 'base64'));
+  for (let y = image.height - 100; y < image.height; y++) {
+    for (let x = 0; x < 100; x++) image.rgb.set(image.rgb.subarray(12, 15), 3 * (y * image.width + x));
+  }
+  return image;
+}
+const count = (image, fits) => {
+  let found = 0;
+  for (let i = 0; i < image.rgb.length; i += 3) found += fits(image.rgb[i], image.rgb[i + 1], image.rgb[i + 2]);
+  return found / (image.rgb.length / 3);
+};
+const near = (...c) => (...d) => c.every((x, k) => Math.abs(x - d[k]) <= 3);
+const PAPER = near(247, 248, 250), DARK = near(18, 22, 28);
+const covered = image => 1 - count(image, PAPER);
+const differ = (a, b) => {
+  let found = 0;
+  for (let i = 0; i < a.rgb.length; i += 3) {
+    found += Math.abs(a.rgb[i] - b.rgb[i]) + Math.abs(a.rgb[i + 1] - b.rgb[i + 1])
+      + Math.abs(a.rgb[i + 2] - b.rgb[i + 2]) > 24;
+  }
+  return found / (a.rgb.length / 3);
+};
+const between = (x, low, high) => x >= low && x <= high;
+const shown = async () => +(await get('shown')).split(' ')[0].replaceAll(',', '');
+
+// ---- the pages ----
+
+async function test_square() {
+  await open('square');
+  await set('draw', 1);
+  const image = await picture();
+  const blue = count(image, near(0, 114, 178)), orange = count(image, near(230, 159, 0));
+  check('square: two triangles in the colours of their parts, as large',
+    blue > 0.1 && Math.abs(blue - orange) < 0.02, blue + ' ' + orange);
+  check('square: nothing else', Math.abs(covered(image) - blue - orange) < 0.01, '' + covered(image));
+  await set('draw', 2);
+  check('square: edges are less than faces', between(covered(await picture()), 0.002, 0.05));
+  await set('draw', 1);
+  await set('explode', 1);
+  const two = await picture(), apart = covered(two) / covered(image);
+  const middle = 3 * ((two.height >> 1) * two.width + (two.width >> 1));
+  check('square: half as large, a quarter of the area', Math.abs(apart - 0.25) < 0.02, '' + apart);
+  check('square: with a gap between them', PAPER(...two.rgb.subarray(middle, middle + 3)));
+  check('square: no cut in the plane', await evaluate('document.querySelector(".cut").hidden'));
+  check_quiet('square');
+}
+
+// Corners at 0 and at 4 on each axis; seen along (1,1,1), a tip cut off at x = 2 uncovers a sixth of the picture, up
+// to perspective.
+async function test_corner() {
+  await open('corner');
+  await set('draw', 1);
+  const cut = await picture();
+  await set('cut', 1);
+  const whole = await picture(), left = covered(cut) / covered(whole);
+  check('corner: cut through the middle', between(left, 0.78, 0.88) && between(covered(whole), 0.1, 0.9), '' + left);
+  await set('cut', 0.5);
+  await set('cap', 0);
+  check('corner: a tetrahedron with its centre on this side stays whole', await shown() === 1
+    && differ(await picture(), whole) < 0.01);
+  await set('cut', 0.2);
+  check('corner: and else goes', await shown() === 0 && covered(await picture()) < 0.001);
+  await click('flip');
+  check('corner: the other side', await shown() === 1);
+  check_quiet('corner');
+}
+
+async function key(name, code, modifiers = 0) {
+  const printed = name.length === 1 ? { text: name } : {};
+  await tell('Input.dispatchKeyEvent', { type: 'keyDown', key: name, code, modifiers, ...printed });
+  await tell('Input.dispatchKeyEvent', { type: 'keyUp', key: name, code, modifiers });
+  await painted();
+}
+async function drag(button, dx, dy) {
+  const at = { x: 300, y: 300, button, clickCount: 1 };
+  await tell('Input.dispatchMouseEvent', { ...at, type: 'mousePressed' });
+  await tell('Input.dispatchMouseEvent', { ...at, type: 'mouseMoved', x: 300 + dx, y: 300 + dy });
+  await tell('Input.dispatchMouseEvent', { ...at, type: 'mouseReleased', x: 300 + dx, y: 300 + dy });
+  await painted();
+}
+
+async function test_solid() {
+  const qualities = readFileSync(join(folder, 'quality.txt'), 'latin1').trim().split('\n').map(Number);
+  await open('solid');
+  const title = '</title><script>hacked=1</script>\'"&<b> ü';
+  check('solid: a hostile title is text', await evaluate('document.title') === title && await get('title') === title
+    && await evaluate('typeof hacked') === 'undefined'
+    && await evaluate('document.querySelectorAll("b").length') === 0);
+  check('solid: counts', (await get('facts')).startsWith(qualities.length.toLocaleString('en-US')
+    + ' tetrahedra, 3,000 points in 3D'), await get('facts'));
+  const first = await picture(), cut_shown = await shown();
+  check('solid: something is drawn', between(covered(first), 0.15, 0.9), '' + covered(first));
+  check('solid: cut open, in many colours', new Set(first.rgb.filter((_, i) => i % 3 === 0)).size > 100
+    && count(first, (r, g, b) => r > b + 60) > 0.05);
+  await set('cut', 0.3);
+  const deeper = await picture();
+  check('solid: the clip slider changes pixels', differ(first, deeper) > 0.05, '' + differ(first, deeper));
+  check('solid: and shows less', await shown() < cut_shown && await shown() > 0);
+  await set('cap', 1);
+  check('solid: cut through', differ(deeper, await picture()) > 0.02);
+  await set('cap', 0);
+  await set('cut', 1);
+  check('solid: no cut shows all', await shown() === qualities.length);
+  await set('to', 0.5);                                              // halfway from 0 to 1
+  const low = qualities.filter(x => x <= 0.5).length;
+  check('solid: those of quality up to 0.5', Math.abs(await shown() - low) <= 2, await shown() + ' ' + low);
+  check('solid: quality as in the .vtu file', Math.abs(parseFloat((await get('summary')).match(/mean ([0-9.]*)/)[1])
+    - qualities.reduce((a, b) => a + b) / qualities.length) < 0.006, await get('summary'));
+  check('solid: the histogram tells in words', (await get('chart', 'getAttribute("aria-label")')).startsWith(
+    'Histogram of quality: least '));
+  await click('reset');
+  check('solid: reset', differ(first, await picture()) < 0.001);
+  await set('explode', 0.6);
+  check('solid: exploded', differ(first, await picture()) > 0.1);
+  await click('reset');
+
+  await colour_by('part');
+  await click('plain');
+  const parts = await picture(), hues = [[0, 114, 178], [230, 159, 0], [0, 158, 115], [204, 121, 167], [86, 180, 233],
+    [213, 94, 0], [240, 228, 66]];
+  const seen = hues.filter(c => count(parts, (...d) => {               // shaded: in the same ratios
+    const s = (d[0] + d[1] + d[2]) / (c[0] + c[1] + c[2]);
+    return s > 0.3 && c.every((x, k) => Math.abs(x * s - d[k]) < 7);
+  }) > 0.005);
+  check('solid: parts in colours that tell them apart', seen.length >= 4, JSON.stringify(seen));
+  check('solid: a legend of eight parts', await evaluate('document.getElementById("classes").children.length') === 8);
+  await click('plain');
+  await click('reset');
+  await colour_by('quality');
+
+  await evaluate('document.getElementById("canvas").focus()');
+  await key('0', 'Digit0');
+  const focused = await picture();
+  check('solid: the focus is seen', between(differ(first, focused), 0.0005, 0.02));
+  for (const [name, code] of [['ArrowLeft', 'ArrowLeft'], ['ArrowUp', 'ArrowUp'], ['+', 'Equal'], ['-', 'Minus'],
+    ['[', 'BracketLeft'], ['f', 'KeyF'], ['e', 'KeyE'], ['d', 'KeyD'], ['c', 'KeyC']]) {
+    await key(name, code);
+    check('solid: key ' + name, differ(focused, await picture()) > 0.01);
+    await colour_by('quality');
+    await key('0', 'Digit0');
+    check('solid: key 0 after ' + name, differ(focused, await picture()) < 0.001);
+  }
+  await key('ArrowLeft', 'ArrowLeft', 8);
+  check('solid: shift and an arrow move', differ(focused, await picture()) > 0.01);
+  await key('0', 'Digit0');
+  await drag('left', 90, 40);
+  check('solid: the mouse turns', differ(first, await picture()) > 0.05);
+  await click('reset');
+  await drag('right', 90, 40);
+  check('solid: the right button moves', differ(first, await picture()) > 0.05
+    && Math.abs(covered(await picture()) - covered(first)) < 0.02);
+  await click('reset');
+  await tell('Input.dispatchMouseEvent', { type: 'mouseWheel', x: 350, y: 320, deltaX: 0, deltaY: 400 });
+  await pause(200);
+  await painted();
+  check('solid: the wheel zooms', covered(await picture()) < 0.6 * covered(first));
+  await click('reset');
+  const fingers = d => [{ x: 300 - d, y: 300, id: 1 }, { x: 300 + d, y: 300, id: 2 }];
+  await tell('Input.dispatchTouchEvent', { type: 'touchStart', touchPoints: fingers(100) });
+  await tell('Input.dispatchTouchEvent', { type: 'touchMove', touchPoints: fingers(50) });
+  await tell('Input.dispatchTouchEvent', { type: 'touchEnd', touchPoints: [] });
+  await painted();
+  check('solid: two fingers zoom', between(covered(await picture()) / covered(first), 0.1, 0.6));
+  await click('reset');
+
+  check('solid: each control has a name', await evaluate(`[...document.querySelectorAll('input, select, button')]
+    .every(e => e.tagName === 'BUTTON' && e.textContent.trim() || e.labels.length || e.getAttribute('aria-label'))`));
+  check('solid: the picture has a text', (await get('canvas', 'getAttribute("aria-label")'))
+    .includes('tetrahedra shown'));
+  check_quiet('solid');
+  await open('solid', { scheme: 'dark' });
+  check('solid: dark', count(await picture(), DARK) > 0.2 && count(await picture(), PAPER) < 0.001);
+  await open('solid', { width: 380, height: 700 });
+  check('solid: on a telephone', between(covered(await picture()), 0.1, 0.9)
+    && await evaluate('document.documentElement.scrollWidth <= 380'));
+  check_quiet('solid, small and dark');
+}
+
+async function test_flat() {
+  await open('flat');
+  const image = await picture();
+  check('flat: drawn', between(covered(image), 0.1, 0.9));
+  await drag('left', 90, 40);
+  check('flat: the mouse moves', differ(image, await picture()) > 0.01);
+  await click('reset');
+  await colour_by('order');
+  check('flat: colours of points', differ(image, await picture()) > 0.05);
+  check_quiet('flat');
+}
+
+async function test_terrain() {
+  await open('terrain');
+  const image = await picture();
+  check('terrain: drawn in all colours of the scale', between(covered(image), 0.15, 0.9)
+    && count(image, (r, g, b) => r > 200 && g > 150 && b < 110) > 0.001
+    && count(image, (r, g, b) => b > r + 20) > 0.02);
+  check('terrain: as high as it is', (await get('summary')).endsWith('largest 34'), await get('summary'));
+  await set('relief', 8);
+  check('terrain: steeper', differ(image, await picture()) > 0.1);
+  await click('reset');
+  check('terrain: reset', differ(image, await picture()) < 0.001);
+  await set('cut', 0.5);
+  check('terrain: cut', between(await shown(), 30000, 45000) && (await get('cut-is')).startsWith('1'));
+  check_quiet('terrain');
+}
+
+async function test_points() {
+  await open('points');
+  const image = await picture();
+  check('points: drawn', between(covered(image), 0.05, 0.9) && await shown() === 5000);
+  await set('size', 3);
+  check('points: larger', covered(await picture()) > 1.2 * covered(image));
+  await set('cut', 0.5);
+  check('points: half of them', between(await shown(), 2300, 2700));
+  check_quiet('points');
+}
+
+async function test_million() {
+  const seconds = await open('million');
+  const image = await picture();
+  check('million: drawn', between(covered(image), 0.15, 0.9));
+  check('million: within half a minute', seconds < 30, seconds + ' s');
+  const wait = [];
+  for (const place of [0.4, 0.45, 0.55, 0.6]) {
+    const start = Date.now();
+    await set('cut', place);
+    wait.push(Date.now() - start);
+  }
+  check('million: a step of the clip slider within three seconds', Math.max(...wait) < 3000, wait.join(' ') + ' ms');
+  check('million: changes pixels', differ(image, await picture()) > 0.05);
+  await set('explode', 0.5);
+  check('million: exploded', differ(image, await picture()) > 0.1);
+  check_quiet('million');
+  console.log((await get('facts')) + ': ' + seconds + ' s to load, ' + wait.join(' ') + ' ms to move the cut');
+}
+
+async function test_no_webgl() {
+  for (const [source, says] of [['HTMLCanvasElement.prototype.getContext = () => null;', 'no WebGL 2 here'],
+    ['WebGL2RenderingContext.prototype.getProgramParameter = () => false;', '']]) {
+    const { identifier } = await tell('Page.addScriptToEvaluateOnNewDocument', { source });
+    await open('solid');
+    check('no WebGL: says so', (await get('say')).startsWith('No picture: ' + says), await get('say'));
+    check('no WebGL: the histogram is there', await evaluate('document.querySelectorAll("#chart rect").length') > 20);
+    await set('cut', 1);
+    check('no WebGL: counts', await shown() > 15000);
+    check_quiet('no WebGL');
+    await tell('Page.removeScriptToEvaluateOnNewDocument', { identifier });
+  }
+}
+
+const { targetId } = await send('Target.createTarget', { url: 'about:blank' });
+session = (await send('Target.attachToTarget', { targetId, flatten: true })).sessionId;
+for (const domain of ['Page', 'Runtime', 'Log', 'Network']) await tell(domain + '.enable');
+await evaluate('1');
+for (const name of ['square', 'corner', 'solid', 'flat', 'points', 'terrain', 'million']) {
+  check(name + '.html is there', existsSync(join(folder, name + '.html')));
+}
+for (const test of [test_square, test_corner, test_solid, test_flat, test_terrain, test_points, test_million,
+  test_no_webgl]) {
+  try {
+    await test();
+  } catch (e) {
+    check(test.name + ' runs', false, e.stack);
+  }
+}
+await stop();

@@ -1,0 +1,31 @@
+#!/bin/sh
+# view.sh FOLDER: pages of examples/pbw_view.h, made by the programs pbw and terrain in FOLDER, in a headless
+# Chromium, which tests/view.mjs drives; it looks at the pixels.
+bin=$1 work=$1/view
+for browser in "${CHROMIUM:-chromium}" chromium-browser google-chrome ''; do
+    [ -n "$browser" ] && "$browser" --version > /dev/null 2>&1 && break
+done
+if [ -z "$browser" ] || ! node -e 'process.exit(parseInt(process.versions.node) < 16 ? 1 : 0)' > /dev/null 2>&1; then
+    echo "skipped pages in a browser: no Chromium, or no Node.js 16"
+    echo "0 passed, 0 failed, 1 skipped"
+    exit
+fi
+rm -rf "$work" && mkdir -p "$work" || exit 2
+page() {   # page NAME OPTIONS...
+    name=$1
+    shift
+    "$bin/pbw" view --quiet "$@" -o "$work/$name.html" || echo "FAILED making $name.html"
+}
+printf '0,0\n1,0\n0,1\n1,1\n' > "$work/square.csv"
+printf '0,0,0,3\n4,0,0,1\n0,4,0,1\n0,0,4,1\n' > "$work/corner.csv"
+page square "$work/square.csv" --threads 2 --colour part
+page corner "$work/corner.csv" --columns 1,2,3 --eye 1,1,1 --cut 1,0,0,0 --cut-through --colour-outside --colour order
+page solid --generate uniform 3000 --threads 8 --title "</title><script>hacked=1</script>'\"&<b> ü"
+page flat --generate gauss 2000 --dim 2
+page points --generate sphere 5000 --points
+"$bin/terrain" "$work/terrain.pgm" "$work/terrain.html" > "$work/terrain.txt" || echo "FAILED making terrain.html"
+page million --generate uniform 150000
+"$bin/pbw" mesh --quiet --generate uniform 3000 --text -o "$work/solid.vtu"
+awk '/Name="quality"/ { on = 1; next } /<\/DataArray>/ { on = 0 } on { for (i = 1; i <= NF; i++) print $i }' \
+    "$work/solid.vtu" > "$work/quality.txt"
+node tests/view.mjs "$browser" "$work"
