@@ -423,7 +423,7 @@ static int vector_sign(const points *p, int power, double *value, double *height
     unsigned certain, inside, k;
     int weighted = 0;
     memset(records, 0, sizeof records);
-    for (k = 0; k < 2 + (unsigned)power; k++) {
+    for (k = 0; k < 3; k++) {
         memcpy(records + 3 * (k + 1), p->at[k], 3 * sizeof(double));
         weighted |= p->at[k][2] != q[2];
     }
