@@ -3131,11 +3131,11 @@ typedef struct pbw__search {
 /* Whether we may delete all neighbours: the corners are ours, so three are of each neighbour. */
 PBW__INLINE int pbw__owns_all(const pbw__kernel *kernel, const pbw_index *v)
 {
-    const uint8_t *owner = kernel->owner, me = kernel->me;
-    int bits = kernel->store->cell_bits;
-    return (v[3] != PBW__GHOST) & (PBW__LOAD(owner + (v[0] >> bits)) == me)
-         & (PBW__LOAD(owner + (v[1] >> bits)) == me) & (PBW__LOAD(owner + (v[2] >> bits)) == me)
-         & (PBW__LOAD(owner + (v[3] >> bits)) == me);
+    const uint8_t *owner = kernel->owner;
+    int bits = kernel->store->cell_bits, me = kernel->me;
+    return v[3] != PBW__GHOST
+        && ((PBW__LOAD(owner + (v[0] >> bits)) ^ me) | (PBW__LOAD(owner + (v[1] >> bits)) ^ me)
+            | (PBW__LOAD(owner + (v[2] >> bits)) ^ me) | (PBW__LOAD(owner + (v[3] >> bits)) ^ me)) == 0;
 }
 
 /* Whether we may delete those of the neighbours that are in conflict. */
