@@ -90,8 +90,9 @@ static const struct { const char *text; unsigned commands; } shared_help[] = {
     { "  --inside              only what is inside the surface of the model\n"
       "  --surface MODEL       the model for --inside, if it is not the input\n"
       "  --title TEXT          pages: default: the name of the input\n"
-      "  --colour NAME         pages: what the colours show at first: quality, part (the parts of the curve that\n"
-      "                        threads begin with), order (of the points in the input), weight, z\n"
+      "  --colour NAME         pages: what the colours show at first: quality, part (of the curve, as many as\n"
+      "                        threads), thread and round (that inserted a point), order (of the points in the\n"
+      "                        input), weight, z\n"
       "  --eye X,Y,Z           pictures and pages: direction to the viewer\n"
       "  --up X,Y,Z            pictures and pages: upwards; default 0,0,1\n"
       "  --cut A,B,C,D         pictures and pages: cut away Ax+By+Cz > D, D from -1 to 1; D = 1 cuts nothing\n"
@@ -440,8 +441,14 @@ static int load(job *j)
 
 static int build(job *j)
 {
-    pbw_status status = pbw_triangulate(j->cloud.dim, j->cloud.points, j->cloud.weights, j->cloud.count, &j->build,
-                                        &j->mesh);
+    pbw_status status;
+    int i;
+    for (i = 0; i < j->outputs && j->build.trace == NULL; i++) {
+        if (has_ending(j->output[i], ".html")) {     /* pages can show who inserted what; not if memory is short */
+            j->build.trace = (uint32_t *)malloc((j->cloud.count + 1) * sizeof(uint32_t));
+        }
+    }
+    status = pbw_triangulate(j->cloud.dim, j->cloud.points, j->cloud.weights, j->cloud.count, &j->build, &j->mesh);
     if (status != PBW_OK) {
         return fail(j, status == PBW_CANCELLED ? "cancelled" : pbw_status_string(status));
     }
@@ -531,19 +538,33 @@ static int mark_inside(job *j)
     return 0;
 }
 
+static void add_array(pbwview_options *view, const char *name, const uint32_t *whole, const double *real,
+                      int of_points, int classes)
+{
+    pbwview_array *array = (pbwview_array *)(uintptr_t)(view->arrays + view->array_count++);
+    memset(array, 0, sizeof *array);
+    array->name = name;
+    array->whole = whole;
+    array->real = real;
+    array->of_points = of_points;
+    array->classes = classes;
+}
+
 static pbwio_status write_page(const job *j, const char *path, pbwio_error *error)
 {
     const pbw_mesh *mesh = &j->mesh;
     const char *slash = j->input == NULL ? NULL : strrchr(j->input, '/');
     size_t parts = j->build.threads > 0 ? (size_t)j->build.threads : 8, count = mesh->simplex_count, i;
+    size_t traced = j->build.trace != NULL ? mesh->point_count : 0;
     uint32_t *part = (uint32_t *)malloc((count + 1) * sizeof *part);
     uint32_t *order = (uint32_t *)malloc((mesh->point_count + 1) * sizeof *order);
-    pbwview_array arrays[3];
+    uint32_t *thread = (uint32_t *)malloc((traced + 1) * sizeof *thread);
+    uint32_t *round = (uint32_t *)malloc((traced + 1) * sizeof *round);
+    pbwview_array arrays[5];
     pbwview_options view;
     pbwio_status status = PBWIO_ERROR_MEMORY;
     char note[128] = "";
     memset(&view, 0, sizeof view);
-    memset(arrays, 0, sizeof arrays);
     snprintf(error->text, sizeof error->text, "out of memory");
     if (mesh->duplicate_count + mesh->hidden_count > 0) {
         snprintf(note, sizeof note, "%zu duplicate and %zu hidden points left out", mesh->duplicate_count,
@@ -559,28 +580,33 @@ static pbwio_status write_page(const job *j, const char *path, pbwio_error *erro
     memcpy(view.eye, j->picture.eye, sizeof view.eye);
     memcpy(view.up, j->picture.up, sizeof view.up);
     memcpy(view.cut, j->picture.cut, sizeof view.cut);
-    arrays[0].name = "order";
-    arrays[0].whole = order;
-    arrays[0].of_points = 1;
-    arrays[1].name = "part";
-    arrays[1].whole = part;
-    arrays[1].classes = 1;
-    arrays[2].name = "weight";
-    arrays[2].real = mesh->weights;
-    arrays[2].of_points = 1;
     view.arrays = arrays;
-    view.array_count = mesh->weights != NULL ? 3 : 2;
-    for (i = 0; order != NULL && i < mesh->point_count; i++) {
-        order[i] = (uint32_t)i;
+    add_array(&view, "order", order, NULL, 1, 0);
+    add_array(&view, "part", part, NULL, 0, 1);
+    if (traced > 0) {
+        add_array(&view, "thread", thread, NULL, 1, 1);
+        add_array(&view, "round", round, NULL, 1, 0);
     }
-    for (i = 0; part != NULL && i < count; i++) {                    /* simplices follow the curve */
-        part[i] = (uint32_t)(i * parts / count);
+    if (mesh->weights != NULL) {
+        add_array(&view, "weight", NULL, mesh->weights, 1, 0);
     }
-    if (part != NULL && order != NULL) {
+    if (part != NULL && order != NULL && thread != NULL && round != NULL) {
+        for (i = 0; i < count; i++) {                /* simplices follow the curve */
+            part[i] = (uint32_t)(i * parts / count);
+        }
+        for (i = 0; i < mesh->point_count; i++) {
+            order[i] = (uint32_t)i;
+        }
+        for (i = 0; i < traced; i++) {               /* duplicates were inserted by nobody, and are in no simplex */
+            thread[i] = j->build.trace[i] == PBW_NONE ? 0 : j->build.trace[i] % 256;
+            round[i] = j->build.trace[i] == PBW_NONE ? 0 : j->build.trace[i] / 256;
+        }
         status = pbwview_write(path, mesh, &view, error);
     }
     free(part);
     free(order);
+    free(thread);
+    free(round);
     return status;
 }
 
@@ -845,6 +871,7 @@ int main(int argc, char **argv)
         default: status = run_mesh(&j);
     }
     free((void *)j.write.keep);
+    free(j.build.trace);
     pbw_free(&j.mesh);
     pbwio_free(&j.cloud);
     pbwio_free(&j.normals);
