@@ -353,23 +353,24 @@ static int have_vectors(void)
    determinant of the simplex, but negative, as if it was seen from a neighbour. */
 static int lanes_sign(const points *p, int power)
 {
-    static const pbw_index corner[4] = { 1, 2, 3, 4 };
-    double record[5][4] = { { 0 } };
+    static const pbw_index corner[4] = { 1, 2, 3, 4 }, turn[6] = { 1, 2, 3, 1, 2, 3 };
+    double record[5 * 4] = { 0 };
     unsigned certain, inside;
-    int i, k, weighted = 0;
-    for (i = 0; i < 5 && p->dim == 3; i++) {
-        weighted |= p->at[i][3] != 0;
-        for (k = 0; k < 3 && i < 4; k++) {
-            record[i + 1][k] = p->at[i][k];
+    int i, k, weighted = 0, dim = p->dim;
+    for (i = 0; i < dim + 2; i++) {
+        weighted |= p->at[i][dim] != 0;
+        for (k = 0; k < dim && i <= dim; k++) {
+            record[(i + 1) * (dim + 1) + k] = p->at[i][k];
         }
     }
-    if (!have_vectors() || p->dim == 2 || !power || weighted) {
+    if (!have_vectors() || !power || weighted) {
         return PBW__OPEN;
     }
-    certain = pbw__power4_pairs(record[0], corner, corner, p->at[4], &inside);
+    certain = dim == 3 ? pbw__power4_pairs(record, corner, corner, p->at[4], &inside)
+                       : pbw__circle4_pairs(record, turn + 2, turn + 1, turn, p->at[3], &inside);
     inside &= certain;
     CHECK(inside == 0 || inside == certain);
-    return certain == 0 ? PBW__OPEN : inside == 0 ? 1 : -1;
+    return certain == 0 ? PBW__OPEN : (inside == 0) == (dim == 3) ? 1 : -1;
 }
 #else
 static int lanes_sign(const points *p, int power)
@@ -630,7 +631,8 @@ static void test_reach(void)
         { "pairs decide points of a plane", FLAT, 3, 0, 0, PAIRS, 0.5 },
         { "pairs decide exponents of +-30", MODERATE, 3, 1, 0, PAIRS, 0.99 },
         { "lanes decide points of a cap", CAP, 3, 1, 0, LANES, 0.99 },
-        { "lanes decide points of a sphere", SPHERE, 3, 1, 0, LANES, 0.99 }
+        { "lanes decide points of a sphere", SPHERE, 3, 1, 0, LANES, 0.99 },
+        { "lanes decide points of a circle", SPHERE, 2, 1, 0, LANES, 0.95 }
     };
     size_t i;
     int j, k, decided;
@@ -874,7 +876,8 @@ static double true_value(const points *p, int power, int stage, double *bound)
     double value = 0, lift = 0;
     oracle_big truth;
     int unit = true_determinant(p, power, NULL, &truth) * (power ? dim + 2 : dim);
-    *bound = stage == LANES ? 9e-29 : factor[dim - 2][power][stage == PAIRS] * (stage == PAIRS ? 0x1p-106 : 0x1p-52);
+    *bound = stage == LANES ? dim == 3 ? 9e-29 : 9e-30
+           : factor[dim - 2][power][stage == PAIRS] * (stage == PAIRS ? 0x1p-106 : 0x1p-52);
     for (k = 0; k < dim && stage != LANES; k++) {
         double largest = 0;
         for (i = 0; i < count; i++) {
@@ -889,7 +892,7 @@ static double true_value(const points *p, int power, int stage, double *bound)
         }
         lift = fmax(lift, norm);
     }
-    *bound *= stage == LANES ? lift * lift * sqrt(lift) : power ? lift : 1;
+    *bound *= stage == LANES ? lift * lift * (dim == 3 ? sqrt(lift) : 1) : power ? lift : 1;
     if (stage == VECTORS) {                                /* an orientation comes times the height */
         *bound = PBW__CIRCLE_ERROR * lift * (power ? lift : 1);
     }
@@ -915,7 +918,7 @@ static void test_attack(long steps)
                 double nearest = HUGE_VAL;
                 long answers = 0;
                 int columns = stage == LANES ? dim : dim + power;
-                if ((stage == LANES && (dim == 2 || !power)) || (stage == VECTORS && dim == 3)
+                if ((stage == LANES && !power) || (stage == VECTORS && dim == 3)
                     || !test_begin("attack on %s, %s%d", stage_name[stage], power ? "power" : "orient", dim)) {
                     continue;
                 }
