@@ -96,8 +96,11 @@ struct queue {                                       /* vertices for the next ru
     uint32_t *vertex, *count;
 };
 
+const uint32_t stored_mark = 1u << 31;               /* in a queue: the store holds a star of the vertex to go on from */
+
 /* The finished stars: a star is a head (triangles << 16 | vertices), its vertices, and its triangles as 3 numbers of
-   vertices in 10 bits each (2D: edges, 2 numbers), padded to 16 bytes. */
+   vertices in 10 bits each (2D: edges, 2 numbers), padded to 16 bytes.  Bit 30 of a triangle is left over from the
+   search. */
 struct store {
     uint32_t *word;
     unsigned long long *used; /* units of 16 bytes asked for: more than capacity if too small */
@@ -881,7 +884,9 @@ template <int DIM> __device__ int orientation_sign(const space &s, const double 
     return sign != PBW__OPEN ? sign : exact_sign(DIM, DIM, row, row[DIM], &s.grid, pool, NULL);
 }
 
-const uint32_t corner_mask = 1023;                   /* local number 0 is the vertex at infinity */
+/* A triangle: three local numbers of vertices, 0 being the vertex at infinity, and a mark that no point of the input is
+   in conflict with the simplex: then it is final, no insertion removes it. */
+const uint32_t corner_mask = 1023, verified = 1u << 30;
 
 __device__ inline uint32_t corner(uint32_t triangle, int k)
 {
@@ -1311,7 +1316,7 @@ __device__ inline void finish(star<DIM, WEIGHTED, NT, NV, SCRATCH> &s, bool go, 
             }
         }
         for (int t = lane; t < count; t += T) {
-            uint32_t packed = 0;
+            uint32_t packed = s.triangle[t] & verified;
             for (int k = 0; k < DIM; k++) {
                 uint32_t c = corner(s.triangle[t], k);
                 int rank = __popc(s.used[c >> 5] & ((1u << (c & 31)) - 1)) - closed;
@@ -1431,7 +1436,15 @@ __device__ inline float rough_square(const float4 &p, const float *v, float *x)
     return __fmaf_rn(x[0], x[0], __fmaf_rn(x[1], x[1], __fmul_rn(x[2], x[2])));
 }
 
-/* Bounds of the spheres of a star (infinite for half-spaces), grown by more than all roundings. */
+/* The radius around q / 2 within which a point of the largest weight may be in conflict, grown by more than all
+   roundings; infinite for half-spaces. */
+template <bool WEIGHTED> __device__ inline float radius_of(float4 q, float heaviest)
+{
+    float radius = q.w < 0.0f ? HUGE_VALF : 0.5f * q.w;
+    return (WEIGHTED ? sqrtf(radius * radius + heaviest) : radius) * 1.00001f;
+}
+
+/* Bounds of the spheres of a star. */
 template <int T, int DIM, bool WEIGHTED, int NT, int NV, int SCRATCH>
 __device__ inline span reach_of(const star<DIM, WEIGHTED, NT, NV, SCRATCH> &s, bool go, int count, float heaviest)
 {
@@ -1443,8 +1456,7 @@ __device__ inline span reach_of(const star<DIM, WEIGHTED, NT, NV, SCRATCH> &s, b
             if (is_wall(q)) {
                 continue;
             }
-            float radius = q.w < 0.0f ? HUGE_VALF : 0.5f * q.w, c[3] = { 0.5f * q.x, 0.5f * q.y, 0.5f * q.z };
-            radius = (WEIGHTED ? sqrtf(radius * radius + heaviest) : radius) * 1.00001f;
+            float c[3] = { 0.5f * q.x, 0.5f * q.y, 0.5f * q.z }, radius = radius_of<WEIGHTED>(q, heaviest);
             for (int k = 0; k < DIM; k++) {
                 r.low[k] = fminf(r.low[k], c[k] - radius);
                 r.high[k] = fmaxf(r.high[k], c[k] + radius);
@@ -1670,26 +1682,44 @@ near_kernel(const __grid_constant__ space all, const box *group, const uint32_t 
         changed = changed || (result & star_changed) != 0;
         go = go && (result & ~star_changed) == 0;
     }
-    span final = reach_of<T>(s, go, count, heaviest);   /* 4. */
-    box b = group[g];
-    for (int k = 0; k < DIM; k++) {
-        go = go && (final.low[k] + origin[k] > b.low[k] - info.reach || b.low[k] - info.reach <= 0.0f)
-                && (final.high[k] + origin[k] < b.high[k] + info.reach || b.high[k] + info.reach >= all.high[k]);
+    box b = group[g];                                /* 4. */
+    span covered;
+    for (int k = 0; k < 3; k++) {
+        covered.low[k] = b.low[k] - info.reach <= 0.0f ? -HUGE_VALF : b.low[k] - info.reach - origin[k] + 4.8e-7f;
+        covered.high[k] =
+            b.high[k] + info.reach >= all.high[k] ? HUGE_VALF : b.high[k] + info.reach - origin[k] - 4.8e-7f;
     }
+    bool certified = true;
+    if (go) {
+        for (int t = lane; t < count; t += T) {
+            float4 q = s.sphere[t];
+            float c[3] = { 0.5f * q.x, 0.5f * q.y, 0.5f * q.z }, radius = radius_of<WEIGHTED>(q, heaviest);
+            bool inside = true;
+            for (int k = 0; k < DIM; k++) {
+                inside = inside && c[k] - radius > covered.low[k] && c[k] + radius < covered.high[k];
+            }
+            inside = inside || is_wall(q);
+            s.triangle[t] |= inside ? verified : 0;
+            certified = certified && inside;
+        }
+    }
+    certified = tile_ballot<T>(!certified) == 0;
     finish<T>(s, go, v, count, out);
-    enqueue(failed, valid && !go && lane == 0, v);
+    enqueue(failed, valid && lane == 0 && !(go && certified), v | (go ? stored_mark : 0));
 }
 
 /* ------------------------------------------------------------------------------------------------------
    >>far          The second and third rung: a warp a star, candidates from a search of the tree.
-   The star starts from the neighbours of v on the curve; then the tree is searched depth first, nearest box first.
-   A box is passed over if no simplex of the star can be in conflict with a point in it.  With t the point of the box
-   where |x|^2 - q . x is least, axis by axis, and h = 2^-20 Q, for any x of the box
+   The star is that of the first rung, or starts from the neighbours of v on the curve.  For each of its simplices that
+   is not verified the tree is searched depth first, nearest box first, for points in conflict with it; when there are
+   none it is verified, which is final, because a simplex without conflicts is in the result.  So when all are, the star
+   is certified whatever its size, and nothing is searched twice.  With t the point of a box where |x|^2 - q . x is
+   least, axis by axis, and h = 2^-20 Q, for any x of the box
 
        |x|^2 - q . x - h |x|_1 >= sum over axes of t (t - q) - h |t| - h^2 / 4,
 
-   because |x|^2 - q . x >= t (t - q) + (x - t)^2 on each axis and (x - t)^2 - h |x - t| >= -h^2 / 4.  So when the
-   search ends, the star is certified whatever its size.  A cap on the search keeps the total work linear.
+   because |x|^2 - q . x >= t (t - q) + (x - t)^2 on each axis and (x - t)^2 - h |x - t| >= -h^2 / 4.  A cap on the search
+   keeps the total work linear.
    ------------------------------------------------------------------------------------------------------ */
 struct far_sizes {
     static const int triangles = 256, vertices = 128;
@@ -1807,27 +1837,24 @@ __device__ __noinline__ int far_insert(star<DIM, WEIGHTED, NT, NV, SCRATCH> &s, 
     return insert<32>(s, all, v, true, id, p, count, walls, pool);
 }
 
-/* One star; returns true if it is certified (count triangles) or its vertex is hidden (count 0). */
+/* A star of v from 28 points at growing distances along the curve, so that it is bounded in all directions from the
+   start; false if they and the seeds span no simplex. */
 template <int DIM, bool WEIGHTED, int NT, int NV, int SCRATCH>
-__device__ inline bool far_star_of(star<DIM, WEIGHTED, NT, NV, SCRATCH> &s, const space &all, const tree &boxes,
-                                   const unsigned long long *seed, uint32_t v, int cap, pbw__digit *pool, int &count)
+__device__ inline bool start_on_curve(star<DIM, WEIGHTED, NT, NV, SCRATCH> &s, const space &all,
+                                      const unsigned long long *seed, uint32_t v, const record &own, unsigned walls,
+                                      pbw__digit *pool, uint32_t &candidate, place &p, int &count)
 {
     const int lane = (int)threadIdx.x & 31;
-    const record own = all.point[v];
-    uint32_t *stack = s.scratch, *order = s.scratch + stack_size;
-    const float4 rough = all.rough[v];
-    const float origin[3] = { rough.x, rough.y, rough.z };
-    const unsigned walls = walls_of<DIM>(all, own);
-    const double own_weight = (own.c[DIM] - all.heaviest) * (all.unit * all.unit);
-    /* 28 points at growing distances along the curve, so that the star is bounded in all directions from the start */
+    uint32_t *order = s.scratch;
     int step = lane / 2 + 1;
     float far = step <= 6 ? (float)step : 6.0f * powf((float)all.count / 12.0f, (float)(step - 6) / 8.0f);
-    uint32_t offset = (uint32_t)far + (step > 6 ? 1 : 0), candidate = none;
+    uint32_t offset = (uint32_t)far + (step > 6 ? 1 : 0);
+    candidate = none;
     if (lane < 28) {
         candidate =
             (lane & 1) != 0 ? (v + offset < all.count ? v + offset : none) : (offset <= v ? v - offset : none);
     }
-    place p = relative<DIM>(all, own, all.point[candidate != none ? candidate : v]);
+    p = relative<DIM>(all, own, all.point[candidate != none ? candidate : v]);
     uint32_t key = candidate != none ? (__float_as_uint((float)square<DIM>(p.x)) & ~31u) | (uint32_t)lane : none;
     int before = 0, have = __popc(__ballot_sync(all_lanes, candidate != none));
     for (int i = 0; i < 32; i++) {
@@ -1840,98 +1867,168 @@ __device__ inline bool far_star_of(star<DIM, WEIGHTED, NT, NV, SCRATCH> &s, cons
     }
     __syncwarp();
     candidate = order[lane];
+    __syncwarp();
     p = relative<DIM>(all, own, all.point[candidate != none ? candidate : v]);
-    unsigned used = start_from_lanes<32>(s, true, candidate, p, have, walls, count);
-    if (used == 0) {
-        if (candidate == none) {
-            uint32_t other = lane - have > DIM ? none : lane == have ? 0 : (uint32_t)seed[lane - have];
-            candidate = other == v ? none : other;
-            p = relative<DIM>(all, own, all.point[candidate != none ? candidate : v]);
-        }
-        if (!start_from_seeds(s, all, v, candidate, p, candidate != none, walls, pool, count)) {
-            return false;
+    if (start_from_lanes<32>(s, true, candidate, p, have, walls, count) != 0) {
+        return true;
+    }
+    if (candidate == none) {
+        uint32_t other = lane - have > DIM ? none : lane == have ? 0 : (uint32_t)seed[lane - have];
+        candidate = other == v ? none : other;
+        p = relative<DIM>(all, own, all.point[candidate != none ? candidate : v]);
+    }
+    return start_from_seeds(s, all, v, candidate, p, candidate != none, walls, pool, count);
+}
+
+/* The star of v as the store has it. */
+template <int DIM, bool WEIGHTED, int NT, int NV, int SCRATCH>
+__device__ inline void start_from_store(star<DIM, WEIGHTED, NT, NV, SCRATCH> &s, const space &all, const store &in,
+                                        uint32_t v, const record &own, unsigned walls, int &count)
+{
+    const int lane = (int)threadIdx.x & 31;
+    const uint32_t *word = in.word + (size_t)in.place[v] * 4;
+    uint32_t vertices = word[0] & 0xffff, first = word[1] == none ? 0 : 1;
+    count = (int)(word[0] >> 16);
+    for (int i = lane; i < NV * s.words; i += 32) {
+        s.matrix[i] = 0;
+    }
+    for (uint32_t i = (uint32_t)lane; i < (uint32_t)s.words; i += 32) {
+        uint32_t rest = vertices + first > i * 32 ? vertices + first - i * 32 : 0;
+        s.used[i] = rest >= 32 ? ~0u : (1u << rest) - 1;
+    }
+    for (uint32_t i = (uint32_t)lane; i < vertices; i += 32) {
+        uint32_t id = word[1 + i];
+        if (id != none) {
+            set_vertex(s, i + first, id, relative<DIM>(all, own, all.point[id]));
         }
     }
-    unsigned pending = __ballot_sync(all_lanes, candidate != none);
-    int depth = 0, clean = 0, held = 0, level = boxes.levels - 1, batches = 0, trials = 0;
-    uint32_t node = 0, group = 0;                    /* node: the first of 32 boxes of level to look at, or none */
-    for (;;) { /* clean: boxes on the stack tested against the star as it is now */
+    __syncwarp();
+    for (int t = lane; t < count; t += 32) {
+        uint32_t packed = word[1 + vertices + (uint32_t)t], c[3] = { 0, 0, 0 };
+        for (int k = 0; k < DIM; k++) {
+            c[k] = corner(packed, k) + first;
+        }
+        s.triangle[t] = pack(c[0], c[1], c[2]) | (packed & verified);
+        s.sphere[t] = sphere_of_triangle<DIM, WEIGHTED>(c[0], c[1], c[2], vertex_place(s, c[0]),
+                                                        vertex_place(s, c[1]), vertex_place(s, c[2]), walls);
+    }
+    __syncwarp();
+}
+
+/* One star; returns true if it is certified (count triangles) or its vertex is hidden (count 0).  resume: the store
+   holds what was found so far; changed: whether the star is another than that. */
+template <int DIM, bool WEIGHTED, int NT, int NV, int SCRATCH>
+__device__ inline bool far_star_of(star<DIM, WEIGHTED, NT, NV, SCRATCH> &s, const space &all, const tree &boxes,
+                                   const unsigned long long *seed, const store &in, uint32_t v, bool resume, int cap,
+                                   pbw__digit *pool, int &count, bool &changed)
+{
+    const int lane = (int)threadIdx.x & 31;
+    const unsigned below = lanes_below<32>();
+    const record own = all.point[v];
+    uint32_t *stack = s.scratch;
+    const float4 rough = all.rough[v];
+    const float origin[3] = { rough.x, rough.y, rough.z };
+    const unsigned walls = walls_of<DIM>(all, own);
+    const double own_weight = (own.c[DIM] - all.heaviest) * (all.unit * all.unit);
+    uint32_t candidate = none, word = 0, node = 0;
+    place p;
+    unsigned pending = 0, hit = 0;                   /* lanes whose candidates, whose groups are to be looked at */
+    int depth = 0, spent = 0, t = -1;                /* t: the simplex in hand, word: its triangle */
+    float distance = HUGE_VALF;                      /* of the group of a lane */
+
+    changed = !resume;
+    if (resume) {
+        start_from_store(s, all, in, v, own, walls, count);
+    } else {
+        if (!start_on_curve(s, all, seed, v, own, walls, pool, candidate, p, count)) {
+            return false;
+        }
+        pending = __ballot_sync(all_lanes, candidate != none);
+    }
+    for (;;) {
         while (pending == 0) {
-            if (held > 0
-                && (held == 4 || depth == 0 || stack[depth - 1] >> 29 != 0)) { /* the points of held groups */
-                candidate = lane / 8 < held ? group * group_size + (uint32_t)(lane & 7) : none;
-                candidate = candidate != none && candidate < all.count && candidate != v ? candidate : none;
-                held = 0;
-                p = relative<DIM>(all, own, all.point[candidate != none ? candidate : v]);
-                pending = __ballot_sync(all_lanes, may_conflict<32>(s, true, count, p) && candidate != none);
-                if (++batches > cap) {
-                    return false;
+            if (t < 0) {                             /* the next simplex */
+                unsigned open = 0;
+                for (int base = 0; open == 0; base += 32) {
+                    if (base >= count) {
+                        return true;
+                    }
+                    open = __ballot_sync(all_lanes, base + lane < count && (s.triangle[base + lane] & verified) == 0);
+                    t = base + __ffs((int)open) - 1;
                 }
-            } else if (node != none) { /* 32 boxes: those that matter go on the stack, the nearest on top */
-                uint32_t child = node + (uint32_t)lane;
+                word = s.triangle[t];
+                depth = is_wall(s.sphere[t]) ? 0 : 1;
+                if (lane == 0) {
+                    stack[0] = (uint32_t)boxes.levels << 29;
+                }
+                __syncwarp();
+            } else if (hit != 0) {                   /* the points of the nearest 4 groups */
+                uint32_t group = none;
+                for (int i = 0; i < 4 && hit != 0; i++) {
+                    float least = tile_min<32>((hit >> lane & 1) != 0 ? distance : HUGE_VALF);
+                    int nearest = __ffs((int)(__ballot_sync(all_lanes, distance == least) & hit)) - 1;
+                    hit &= ~(1u << nearest);
+                    group = lane / 8 == i ? node + (uint32_t)nearest : group;
+                }
+                candidate = group != none ? group * group_size + (uint32_t)(lane & 7) : none;
+                candidate = candidate < all.count && candidate != v ? candidate : none;
+                for (int k = 0; k < DIM; k++) {
+                    candidate = corner(word, k) != 0 && s.id[corner(word, k)] == candidate ? none : candidate;
+                }
+                p = relative<DIM>(all, own, all.point[candidate != none ? candidate : v]);
+                bool may = candidate != none && side(s.sphere[t], probe_of<DIM, WEIGHTED>(p)) != 0;
+                pending = __ballot_sync(all_lanes, may);
+                spent++;
+            } else if (depth > 0) {                  /* 32 boxes: those that matter wait, the nearest on top */
+                uint32_t top = stack[--depth], level = (top >> 29) - 1, child;
                 bool visit = false;
-                float distance = HUGE_VALF;
+                node = (top & 0x1fffffffu) * 32;
+                child = node + (uint32_t)lane;
+                distance = HUGE_VALF;
                 if (child < boxes.size[level]) {
                     box b = boxes.level[level][child];
                     span r = relative_box<DIM>(b, origin);
-                    float weight = relative_weight<WEIGHTED>(b, own_weight);
-                    for (int t = 0; t < count; t++) {
-                        visit = box_may_conflict<DIM, WEIGHTED>(s.sphere[t], r, weight) || visit;
-                    }
+                    visit = box_may_conflict<DIM, WEIGHTED>(s.sphere[t], r, relative_weight<WEIGHTED>(b, own_weight));
                     distance = 0.0f;
                     for (int k = 0; k < DIM; k++) {
-                        float t = fmaxf(fmaxf(r.low[k], -r.high[k]), 0.0f);
-                        distance = fmaf(t, t, distance);
+                        float d = fmaxf(fmaxf(r.low[k], -r.high[k]), 0.0f);
+                        distance = fmaf(d, d, distance);
                     }
-                    distance = visit ? distance : HUGE_VALF;
-                }
-                unsigned vote = __ballot_sync(all_lanes, visit), below = lanes_below<32>();
-                float least = tile_min<32>(distance);
-                unsigned nearest = __ballot_sync(all_lanes, visit && distance == least);
-                nearest &= ~nearest + 1;             /* one of them */
-                unsigned others = vote & ~nearest;
-                if (visit) {
-                    int at = (nearest >> lane & 1) != 0 ? __popc(others) : __popc(others & below);
-                    stack[depth + at] = (uint32_t)level << 29 | child;
-                }
-                depth += __popc(vote);
-                clean += __popc(vote);
-                node = none;
-                __syncwarp();
-            } else if (depth > 0) { /* the box on top, if it still matters */
-                uint32_t top = stack[--depth];
-                bool matters = clean > 0;
-                if (clean == 0) {
-                    box b = boxes.level[top >> 29][top & 0x1fffffffu];
-                    span r = relative_box<DIM>(b, origin);
-                    float weight = relative_weight<WEIGHTED>(b, own_weight);
-                    for (int t = lane; t < count; t += 32) {
-                        matters = box_may_conflict<DIM, WEIGHTED>(s.sphere[t], r, weight) || matters;
-                    }
-                } else {
-                    clean--;
                 }
                 __syncwarp();
-                if (any(matters)) {
-                    level = (int)(top >> 29);
-                    if (level > 0) {
-                        level--;
-                        node = (top & 0x1fffffffu) * 32;
-                    } else {
-                        group = lane / 8 == held ? top : group;
-                        held++;
+                unsigned vote = __ballot_sync(all_lanes, visit);
+                if (level == 0) {
+                    hit = vote;
+                } else if (vote != 0) {
+                    float least = tile_min<32>(visit ? distance : HUGE_VALF);
+                    unsigned nearest = __ballot_sync(all_lanes, visit && distance == least);
+                    nearest &= ~nearest + 1;         /* one of them */
+                    if (visit) {
+                        unsigned others = vote & ~nearest;
+                        int at = (nearest >> lane & 1) != 0 ? __popc(others) : __popc(others & below);
+                        stack[depth + at] = level << 29 | child;
                     }
+                    depth += __popc(vote);
+                    __syncwarp();
                 }
-            } else {
-                return true;
+                spent++;
+            } else {                                 /* no point is in conflict with it */
+                if (lane == 0) {
+                    s.triangle[t] = word | verified;
+                }
+                t = -1;
+                __syncwarp();
+            }
+            if (spent > cap) {
+                return false;
             }
         }
         bool waits = (pending >> lane & 1) != 0;     /* the nearest first */
-        float distance = waits ? (float)square<DIM>(p.x) : HUGE_VALF, least = tile_min<32>(distance);
-        int lane_of = __ffs((int)(__ballot_sync(all_lanes, distance == least) & pending)) - 1;
-        pending &= ~(1u << lane_of);
-        uint32_t next = __shfl_sync(all_lanes, candidate, lane_of);
-        place at = tile_place<32>(p, lane_of);
+        float length = waits ? (float)square<DIM>(p.x) : HUGE_VALF, least = tile_min<32>(length);
+        int from = __ffs((int)(__ballot_sync(all_lanes, length == least) & pending)) - 1;
+        pending &= ~(1u << from);
+        uint32_t next = __shfl_sync(all_lanes, candidate, from);
+        place at = tile_place<32>(p, from);
         bool known = false;                          /* the vertices of the star come by again in the search */
         for (int i = lane; i < NV; i += 32) {
             known = known || (i > 0 && (s.used[i >> 5] >> (i & 31) & 1) != 0 && s.id[i] == next);
@@ -1945,10 +2042,16 @@ __device__ inline bool far_star_of(star<DIM, WEIGHTED, NT, NV, SCRATCH> &s, cons
             if ((result & ~star_changed) != 0) {
                 return false;
             }
-            clean = result == star_changed ? 0 : clean;
-            if (++trials > 4 * cap) {
-                return false;
+            if (result == star_changed) {
+                changed = true;
+                if (t >= 0 && (t >= count || s.triangle[t] != word)) {      /* it is gone */
+                    t = -1;
+                    hit = 0;
+                }
+                pending = __ballot_sync(all_lanes,
+                                        may_conflict<32>(s, true, count, p) && (pending >> lane & 1) != 0);
             }
+            spent += 4;
         }
     }
 }
@@ -1966,20 +2069,23 @@ far_kernel(const __grid_constant__ space all, const __grid_constant__ tree boxes
     star_type &s = *(SHARED ? (star_type *)shared_words : (star_type *)scratch + blockIdx.x);
     pbw__digit *digits = pool == NULL ? NULL : pool + ((size_t)blockIdx.x * 32 + threadIdx.x) * PBW__POOL;
     for (uint32_t i = blockIdx.x; i < total; i += gridDim.x) {
-        uint32_t v = work.vertex[i];
+        uint32_t entry = work.vertex[i], v = entry & ~stored_mark;
+        bool resume = entry != v && out.place[v] != none, changed;  /* none: the store was too small */
         int count = 0;
         uint32_t failures = threadIdx.x == 0 ? *(volatile uint32_t *)failed.count : 0;
         if (__shfl_sync(all_lanes, failures, 0) > limit) {
             return;
         }
-        bool good = far_star_of(s, all, boxes, seed, v, cap, digits, count);
+        bool good = far_star_of(s, all, boxes, seed, out, v, resume, cap, digits, count, changed);
         bool is_hidden = good && count == 0;
-        finish<32>(s, good && !is_hidden, v, count, out);
+        if (changed) {
+            finish<32>(s, good && !is_hidden, v, count, out);
+        }
         if (is_hidden && threadIdx.x == 0) {
             out.place[v] = hidden;
             out.owned[v] = 0;
         }
-        enqueue(failed, !good && threadIdx.x == 0, v);
+        enqueue(failed, !good && threadIdx.x == 0, entry);
         enqueue(large, good && threadIdx.x == 0 && !is_hidden, v);
         __syncwarp();
     }
@@ -2705,7 +2811,7 @@ bool grow_tree(call &c, space &s, int dim, tree &t)
     }
 }
 
-const int far_cap = 512, last_cap = 1 << 14;         /* looks at 32 points; insertions tried: 4 times as many */
+const int far_cap = 4096, last_cap = 1 << 17;        /* looks at 32 boxes or points; an insertion counts as 4 */
 const uint32_t last_warps = 64;
 
 /* All stars into out.  t.level[0] and lists come from before. */
@@ -2725,6 +2831,7 @@ bool build_stars(call &c, const space &s, const tree &t, const uint32_t *lists, 
     fill(c, out.used, 0, 1);
     fill(c, seed, 0, 4);
     fill(c, out.owned + s.count, 0, 1);
+    fill(c, out.place, 0xff, s.count);
     stars[0] = s.count;
     for (uint32_t first = 0; first < s.count && c.status == PBW_OK; first += chunk) {
         uint32_t count = s.count - first < chunk ? s.count - first : chunk;
@@ -2809,7 +2916,7 @@ bool build(call &c, const input &in, space &s, const uint32_t *id, unsigned flag
 
     memset(&out, 0, sizeof out);
     memset(&t, 0, sizeof t);
-    out.capacity = (unsigned long long)s.count * (DIM == 3 ? 12 : 5) + 4096;
+    out.capacity = (unsigned long long)s.count * (DIM == 3 ? 13 : 5) + 4096;
     if (!grow_tree(c, s, DIM, t) || !allocate(c, lists, (size_t)t.size[0] * list_size)
         || !allocate(c, infos, t.size[0]) || !allocate(c, counts, 4) || !allocate(c, used_and_seed, 5)
         || !allocate(c, out.place, s.count) || !allocate(c, out.owned, (size_t)s.count + 1)) {
