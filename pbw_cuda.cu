@@ -691,8 +691,9 @@ __global__ void list_kernel(const __grid_constant__ tree t, int dim, uint32_t *l
        l_p - q . p < 0,     q = N / D,     N = l_a (b x c) + l_b (c x a) + l_c (a x b):
 
    q is twice the centre of the (ortho)sphere.  For an infinite simplex on the facet (v, a, b) it is -q . p < 0 with
-   q = (a x b) / |a x b|.  In the plane D = a x b, N = l_a b' - l_b a' with a' = a turned by a right angle.
-   A sphere is four floats: q, and Q, a size that carries the error of q; Q < 0 marks an infinite simplex.  Let
+   q = 2^112 (a x b) / |a x b|: beside it the lift, below 2^41, does not count.  In the plane D = a x b,
+   N = l_a b' - l_b a' with a' = a turned by a right angle.
+   A sphere is four floats: q, and Q, a size that carries the error of q; Q >= 2^112 marks an infinite simplex.  Let
    u = 2^-53, f = 2^-24, A = |a|, L_a = |a|^2 + |w_a - w_v| and so on.
 
      D    3 factors for differences, 5 for products and sums, terms at most 1.16 ABC (the permanent of a matrix with rows
@@ -706,15 +707,17 @@ __global__ void list_kernel(const __grid_constant__ tree t, int dim, uint32_t *l
           most L_p + |q| P).
 
    With Q = |q| + 2^-27 (E + |q| ABC) / D the bound 2^-20 (L_p + Q P) = 16 f (L_p + |q| P) + 2^-47 P (...) holds all
-   that.  Q is infinite if nothing is known; then, and for P below 2^-50, where squares might underflow, the test says
+   that, roots that are off by 2^-22, and for an infinite simplex the lift: 8 f Q P > 2^41.  Q is infinite if nothing is
+   known; then, and for P below 2^-50, where squares might underflow, the test says
    open.  In the plane and for infinite simplices there are fewer factors.
 
    A wall is an infinite simplex on a side of the box of all points: v, a and b have the same extreme coordinate.  No
    point is beyond it, and one in its plane is in conflict with it exactly if it is with the finite simplex behind it,
    which is in the star too.  So walls are left out of the search (else each point of a flat side would be a candidate for
-   each star there).  A wall has Q = -1/2: its q is exact.
+   each star there).  A wall has Q = -2^111: its q is exact, and no point seems to be in conflict with it.
    ------------------------------------------------------------------------------------------------------ */
 const float slack = 9.5367431640625e-7f;             /* 2^-20 */
+const float far_away = 5.192296858534828e33f;        /* 2^112 */
 const int open_sign = PBW__OPEN;
 
 struct place {                                       /* relative to v, in units */
@@ -722,8 +725,15 @@ struct place {                                       /* relative to v, in units 
 };
 
 struct probe {                                       /* the same in floats */
-    float x[3], lift, load, size;                    /* load: L_p; size: P, or infinity */
+    float x[3], lift, load, size;                    /* load: 2^-20 L_p; size: 2^-20 P, or infinity */
 };
+
+__device__ inline float root(float value)            /* relative error 2^-22 */
+{
+    float result;
+    asm("sqrt.approx.ftz.f32 %0, %1;" : "=f"(result) : "f"(value));
+    return result;
+}
 
 template <int DIM> __device__ inline place relative(const space &s, const record &v, const record &p)
 {
@@ -749,14 +759,14 @@ template <int DIM, bool WEIGHTED> __device__ inline probe probe_of(const place &
     }
     r.load = (float)l;
     r.lift = WEIGHTED ? (float)(l - p.w) : r.load;
-    r.size = r.load > 7.9e-31f ? sqrtf(r.load) : HUGE_VALF;
-    r.load = WEIGHTED ? r.load + fabsf((float)p.w) : r.load;
+    r.size = r.load > 7.9e-31f ? slack * root(r.load) : HUGE_VALF;
+    r.load = slack * (WEIGHTED ? r.load + fabsf((float)p.w) : r.load);
     return r;
 }
 
 __device__ inline bool is_wall(float4 q)
 {
-    return q.w < 0.0f && q.w > -0.75f;
+    return q.w < 0.0f;
 }
 
 /* The walls through v, as bits: the lower and the upper side of each axis. */
@@ -772,27 +782,25 @@ template <int DIM> __device__ inline unsigned walls_of(const space &s, const rec
 /* 1: in conflict, 0: not, open_sign. */
 __device__ inline int side(float4 q, const probe &p)
 {
-    bool infinite = q.w < 0.0f;
-    float s = infinite ? 0.0f : p.lift;
-    s = fmaf(-q.x, p.x[0], fmaf(-q.y, p.x[1], fmaf(-q.z, p.x[2], s)));
-    float e = slack * fmaf(fabsf(q.w), p.size, infinite ? 0.0f : p.load);
+    float s = fmaf(-q.x, p.x[0], fmaf(-q.y, p.x[1], fmaf(-q.z, p.x[2], p.lift)));
+    float e = fmaf(fabsf(q.w), p.size, p.load);
     return s > e ? 0 : s < -e ? 1 : open_sign;
 }
 
-__device__ inline float4 unknown_sphere(bool infinite)
+__device__ inline float4 unknown_sphere()
 {
-    return make_float4(0.0f, 0.0f, 0.0f, infinite ? -HUGE_VALF : HUGE_VALF);
+    return make_float4(0.0f, 0.0f, 0.0f, HUGE_VALF);
 }
 
 __device__ inline float4 sphere_of(const double *n, double d, double e, double product)
 {
     if (!(d > 3.5527136788005009e-15 * product)) {   /* 2^-48 */
-        return unknown_sphere(false);
+        return unknown_sphere();
     }
     double inverse = 1.0 / d, x = n[0] * inverse, y = n[1] * inverse, z = n[2] * inverse;
-    double size = sqrt(x * x + y * y + z * z);
-    if (!(size < 1e18)) {
-        return unknown_sphere(false);
+    double square_q = x * x + y * y + z * z, size = root((float)square_q);
+    if (!(square_q < 1e36)) {
+        return unknown_sphere();
     }
     return make_float4((float)x, (float)y, (float)z,
                        (float)(size + 7.4505805969238281e-9 * (e + size * product) * inverse));
@@ -804,9 +812,9 @@ template <int DIM, bool WEIGHTED> __device__ inline float4 sphere(const place &p
     double la = square<DIM>(a), lb = square<DIM>(b), lc = DIM == 3 ? square<DIM>(c) : 1.0;
     double n[3] = { 0.0, 0.0, 0.0 };
     if (!(la > 7.9e-31 && lb > 7.9e-31 && lc > 7.9e-31)) {
-        return unknown_sphere(false);
+        return unknown_sphere();
     }
-    double A = sqrtf((float)la), B = sqrtf((float)lb), C = DIM == 3 ? sqrtf((float)lc) : 1.0f;
+    double A = root((float)la), B = root((float)lb), C = DIM == 3 ? root((float)lc) : 1.0f;
     double La = la, Lb = lb, Lc = lc;
     if (WEIGHTED) {
         La += fabs(pa.w), Lb += fabs(pb.w), Lc += fabs(pc.w);
@@ -839,17 +847,17 @@ template <int DIM> __device__ inline float4 half_space(const place &pa, const pl
     }
     for (int k = 0; k < DIM; k++) {
         if (a[k] == 0.0 && (DIM == 2 || b[k] == 0.0) && (walls >> (n[k] > 0.0 ? 2 * k + 1 : 2 * k) & 1) != 0) {
-            float one = n[k] > 0.0 ? 1.0f : -1.0f;
-            return make_float4(k == 0 ? one : 0.0f, k == 1 ? one : 0.0f, k == 2 ? one : 0.0f, -0.5f);
+            float one = n[k] > 0.0 ? far_away : -far_away;
+            return make_float4(k == 0 ? one : 0.0f, k == 1 ? one : 0.0f, k == 2 ? one : 0.0f, -0.5f * far_away);
         }
     }
     double square_n = n[0] * n[0] + n[1] * n[1] + n[2] * n[2];
     if (!(la > 7.9e-31 && lb > 7.9e-31 && square_n > 1.3e-29 * la * lb)) {      /* 2^-96 */
-        return unknown_sphere(true);
+        return unknown_sphere();
     }
-    double inverse = 1.0 / sqrt(square_n);
+    double inverse = far_away / sqrt(square_n);
     return make_float4((float)(n[0] * inverse), (float)(n[1] * inverse), (float)(n[2] * inverse),
-                       -(float)(1.0 + 7.4505805969238281e-9 * sqrt(la * lb) * inverse));
+                       (float)(far_away + 7.4505805969238281e-9 * sqrt(la * lb) * inverse));
 }
 
 /* The exact sign of a determinant as in >>predicates of pbw.h; open_sign only if pool is NULL. */
@@ -1062,8 +1070,9 @@ __device__ inline void find_used(star<DIM, WEIGHTED, NT, NV, SCRATCH> &s, bool g
     __syncwarp();
 }
 
-/* Inserts point id, at p relative to v, into the stars of those tiles that go; count: their triangles. */
-template <int T, int DIM, bool WEIGHTED, int NT, int NV, int SCRATCH>
+/* Inserts point id, at p relative to v, into the stars of those tiles that go; count: their triangles.  Without EXACT
+   what floats leave open stays open. */
+template <int T, bool EXACT, int DIM, bool WEIGHTED, int NT, int NV, int SCRATCH>
 __device__ inline int insert(star<DIM, WEIGHTED, NT, NV, SCRATCH> &s, const space &all, uint32_t v, bool go,
                              uint32_t id, const place &p, int &count, unsigned walls, pbw__digit *pool)
 {
@@ -1078,21 +1087,25 @@ __device__ inline int insert(star<DIM, WEIGHTED, NT, NV, SCRATCH> &s, const spac
     typedef typename types::rounds rounds_type;
     rounds_type hits = 0, opens = 0;                 /* bit i: triangle i T + lane */
     int rounds = (warp_max<T>(go ? count : 0) + T - 1) / T;
-    for (int i = 0; i < rounds; i++) {
+#pragma unroll(NT / T < 8 ? NT / T : 1)
+    for (int i = 0; i < NT / T; i++) {
+        if (i == rounds) {
+            break;
+        }
         int t = i * T + lane, hit = go && t < count ? side(s.sphere[t], float_p) : 0;
         hits |= (rounds_type)(hit == 1) << i;
         opens |= (rounds_type)(hit == open_sign) << i;
     }
     if (any(opens != 0)) {
-        int undecided = 0;
-        for (int i = 0; i < rounds; i++) {
+        bool undecided = !EXACT && opens != 0;
+        for (int i = 0; EXACT && i < rounds; i++) {
             if ((opens >> i & 1) != 0) {
                 int hit = settle<DIM>(all, v, s.id, s.triangle, count, i * T + lane, id, pool);
                 hits |= (rounds_type)(hit == 1) << i;
-                undecided += hit == open_sign;
+                undecided = undecided || hit == open_sign;
             }
         }
-        result = tile_ballot<T>(undecided != 0) != 0 ? star_open : 0;
+        result = tile_ballot<T>(undecided) != 0 ? star_open : 0;
     }
     for (int i = 0; i < rounds; i++) {
         unsigned vote = tile_ballot<T>((hits >> i & 1) != 0);
@@ -1437,11 +1450,11 @@ __device__ inline float rough_square(const float4 &p, const float *v, float *x)
 }
 
 /* The radius around q / 2 within which a point of the largest weight may be in conflict, grown by more than all
-   roundings; infinite for half-spaces. */
+   roundings. */
 template <bool WEIGHTED> __device__ inline float radius_of(float4 q, float heaviest)
 {
-    float radius = q.w < 0.0f ? HUGE_VALF : 0.5f * q.w;
-    return (WEIGHTED ? sqrtf(radius * radius + heaviest) : radius) * 1.00001f;
+    float radius = 0.5f * q.w;
+    return (WEIGHTED ? root(fmaf(radius, radius, heaviest)) : radius) * 1.00001f;
 }
 
 /* Bounds of the spheres of a star. */
@@ -1471,19 +1484,19 @@ __device__ inline span reach_of(const star<DIM, WEIGHTED, NT, NV, SCRATCH> &s, b
 }
 
 /* Whether floats leave it open that point p is in conflict with some simplex of the star; all lanes of a tile go or
-   none does, each with its own point.  The test is that of side, with the bound in the sum. */
+   none does, each with its own point.  The test is that of side, with the bound in the sum; a wall adds to it. */
 template <int T, int DIM, bool WEIGHTED, int NT, int NV, int SCRATCH>
 __device__ inline bool may_conflict(const star<DIM, WEIGHTED, NT, NV, SCRATCH> &s, bool go, int count, const place &p)
 {
     probe f = probe_of<DIM, WEIGHTED>(p);
-    float lift = fmaf(-1.25f * slack, f.load, f.lift), size = 1.25f * slack * f.size;
+    float lift = fmaf(-1.25f, f.load, f.lift), size = -1.25f * f.size;
     bool may = false;
-    int end = warp_max<T>(go ? count : 0);
+    int end = warp_max<T>(go ? count : 0), last = go ? count - 1 : 0;
+#pragma unroll 4
     for (int t = 0; t < end; t++) {
-        float4 q = s.sphere[go && t < count ? t : 0];
-        float least = q.w < 0.0f ? 0.0f : lift;
-        least = fmaf(-q.x, f.x[0], fmaf(-q.y, f.x[1], fmaf(-q.z, f.x[2], fmaf(-fabsf(q.w), size, least))));
-        may = may || (!(least > 0.0f) && !is_wall(q));
+        float4 q = s.sphere[t < last ? t : last];
+        float least = fmaf(-q.x, f.x[0], fmaf(-q.y, f.x[1], fmaf(-q.z, f.x[2], fmaf(q.w, size, lift))));
+        may = may || !(least > 0.0f);
     }
     return may && go;
 }
@@ -1494,19 +1507,22 @@ __device__ inline bool may_conflict(const star<DIM, WEIGHTED, NT, NV, SCRATCH> &
    others are inserted; all but the first 16 are screened first: a point that is in conflict with nothing now will never
    be, because stars only shrink.  3. The list is walked again for points outside the start radius and within the
    bounds of the spheres.  Both passes use the same float distance, so no point is met twice.  4. The star is
-   certified if the bounds lie within the box that the list covers, or beyond the end of all points.
+   certified if its spheres lie within the box that the list covers, or beyond the end of all points.  Of most inputs
+   floats decide nearly everything, and a kernel without exact tests is quicker; the stars where they do not are built
+   again by one that has them.
    ------------------------------------------------------------------------------------------------------ */
 const int near_triangles = 48, near_vertices = 32, near_points = 64, near_block = 64;
+const int near_blocks[2] = { 10, 8 };                /* a multiprocessor: by floats alone, exact */
 const int near_scratch = 2 * near_points;            /* sorted points; points waiting to be screened */
 
 template <int DIM, bool WEIGHTED> struct near_star {
     typedef star<DIM, WEIGHTED, near_triangles, near_vertices, near_scratch> type;
 };
 
-template <int DIM, bool WEIGHTED>
-__global__ void __launch_bounds__(near_block, 8)
+template <int DIM, bool WEIGHTED, bool EXACT>
+__global__ void __launch_bounds__(near_block, near_blocks[EXACT])
 near_kernel(const __grid_constant__ space all, const box *group, const uint32_t *lists, const near_list *infos,
-            uint32_t first, const __grid_constant__ store out, queue failed)
+            uint32_t first, uint32_t end, const __grid_constant__ store out, queue failed, queue undecided)
 {
     typedef typename near_star<DIM, WEIGHTED>::type star_type;
     extern __shared__ float4 shared_words[];
@@ -1515,8 +1531,9 @@ near_kernel(const __grid_constant__ space all, const box *group, const uint32_t 
     const int lane = (int)threadIdx.x & (T - 1);
     const unsigned below = lanes_below<T>();
     uint32_t v = first + (blockIdx.x * near_block + threadIdx.x) / T;
-    bool valid = v < all.count;
-    v = valid ? v : all.count - 1;
+    bool valid = v < end, open = false;
+    v = valid ? v : end - 1;
+    v = EXACT ? undecided.vertex[v] : v;
     const record own = all.point[v];
     const uint32_t g = v / group_size, *list = lists + (size_t)g * list_size;
     const near_list info = infos[g];
@@ -1678,8 +1695,9 @@ near_kernel(const __grid_constant__ space all, const box *group, const uint32_t 
         pending &= pending - 1;
         uint32_t next = tile_read<T>(candidate, from);
         place at = relative<DIM>(all, own, all.point[now ? next : v]);
-        int result = insert<T>(s, all, v, now, next, at, count, walls, NULL);
+        int result = insert<T, EXACT>(s, all, v, now, next, at, count, walls, NULL);
         changed = changed || (result & star_changed) != 0;
+        open = open || (!EXACT && (result & star_open) != 0);
         go = go && (result & ~star_changed) == 0;
     }
     box b = group[g];                                /* 4. */
@@ -1705,7 +1723,10 @@ near_kernel(const __grid_constant__ space all, const box *group, const uint32_t 
     }
     certified = tile_ballot<T>(!certified) == 0;
     finish<T>(s, go, v, count, out);
-    enqueue(failed, valid && lane == 0 && !(go && certified), v | (go ? stored_mark : 0));
+    enqueue(failed, valid && lane == 0 && !open && !(go && certified), v | (go ? stored_mark : 0));
+    if (!EXACT) {
+        enqueue(undecided, valid && lane == 0 && open, v);
+    }
 }
 
 /* ------------------------------------------------------------------------------------------------------
@@ -1732,13 +1753,13 @@ template <int DIM, bool WEIGHTED, typename SIZES> struct far_star {
     typedef star<DIM, WEIGHTED, SIZES::triangles, SIZES::vertices, stack_size + 64> type;
 };
 
-/* Whether a simplex of the star may be in conflict with a point in a box. */
+/* Whether a simplex of the star, not a wall, may be in conflict with a point in a box. */
 template <int DIM, bool WEIGHTED>
 __device__ inline bool box_may_conflict(const float4 &sphere, const span &b, float weight)
 {
-    float q[3] = { sphere.x, sphere.y, sphere.z }, size = fabsf(sphere.w), sum = 0.0f, squares = 0.0f, ones = 0.0f;
-    float h = slack * size;
-    bool infinite = sphere.w < 0.0f;
+    float q[3] = { sphere.x, sphere.y, sphere.z }, size = sphere.w, sum = 0.0f, squares = 0.0f, ones = 0.0f;
+    bool infinite = size >= far_away;
+    float h = infinite ? 0.0f : slack * size;
     for (int k = 0; k < DIM; k++) {
         float at = infinite ? (q[k] > 0.0f ? b.high[k] : b.low[k]) : fminf(fmaxf(0.5f * q[k], b.low[k]), b.high[k]);
         sum += infinite ? -at * q[k] : at * (at - q[k]);
@@ -1747,7 +1768,7 @@ __device__ inline bool box_may_conflict(const float4 &sphere, const span &b, flo
     }
     sum -= infinite || !WEIGHTED ? 0.0f : weight;
     squares = infinite ? 0.0f : squares + (WEIGHTED ? fabsf(weight) : 0.0f);
-    return !(sum > 2.0f * slack * (squares + size * ones) + h * h) && !is_wall(sphere);
+    return !(sum > 2.0f * slack * (squares + size * ones) + h * h);
 }
 
 /* The largest weight in a box relative to v's, rounded up. */
@@ -1834,7 +1855,7 @@ template <int DIM, bool WEIGHTED, int NT, int NV, int SCRATCH>
 __device__ __noinline__ int far_insert(star<DIM, WEIGHTED, NT, NV, SCRATCH> &s, const space &all, uint32_t v,
                                        uint32_t id, const place &p, int &count, unsigned walls, pbw__digit *pool)
 {
-    return insert<32>(s, all, v, true, id, p, count, walls, pool);
+    return insert<32, true>(s, all, v, true, id, p, count, walls, pool);
 }
 
 /* A star of v from 28 points at growing distances along the curve, so that it is bounded in all directions from the
@@ -2823,7 +2844,7 @@ bool build_stars(call &c, const space &s, const tree &t, const uint32_t *lists, 
     typedef far_star<DIM, WEIGHTED, last_sizes> last_type;
     const size_t near_bytes = sizeof(typename near_star<DIM, WEIGHTED>::type) * (near_block / 8);
     const uint32_t chunk = 1u << 22, limit = 128 + s.count / 2048;
-    uint32_t failed = 0, last = 0;
+    uint32_t open = 0, failed = 0, last = 0;
 
     for (int i = 0; i < 3; i++) {
         fill(c, q[i].count, 0, 1);
@@ -2835,8 +2856,8 @@ bool build_stars(call &c, const space &s, const tree &t, const uint32_t *lists, 
     stars[0] = s.count;
     for (uint32_t first = 0; first < s.count && c.status == PBW_OK; first += chunk) {
         uint32_t count = s.count - first < chunk ? s.count - first : chunk;
-        near_kernel<DIM, WEIGHTED><<<blocks_for(count, near_block / 8), near_block, near_bytes, c.stream>>>(
-            s, t.level[0], lists, infos, first, out, q[0]);
+        near_kernel<DIM, WEIGHTED, false><<<blocks_for(count, near_block / 8), near_block, near_bytes, c.stream>>>(
+            s, t.level[0], lists, infos, first, first + count, out, q[0], q[1]);
         if (!launched(c, "near stars")) {
             return false;
         }
@@ -2851,8 +2872,16 @@ bool build_stars(call &c, const space &s, const tree &t, const uint32_t *lists, 
             wait(c, PBW_STAGE_BUILD, 0.8 * (double)first / (double)s.count);
         }
     }
+    if (!read_back(c, open, q[1].count, PBW_STAGE_BUILD, 0.7)) {
+        return false;
+    }
+    if (open > 0) {
+        near_kernel<DIM, WEIGHTED, true><<<blocks_for(open, near_block / 8), near_block, near_bytes, c.stream>>>(
+            s, t.level[0], lists, infos, 0, open, out, q[0], q[1]);
+    }
     note(c, 3);
-    if (!read_back(c, failed, q[0].count, PBW_STAGE_BUILD, 0.8)) {
+    if (!launched(c, "near stars") || !read_back(c, failed, q[0].count, PBW_STAGE_BUILD, 0.8)
+        || !fill(c, q[1].count, 0, 1)) {
         return false;
     }
     stars[1] = failed;
