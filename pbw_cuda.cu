@@ -519,8 +519,9 @@ const int group_size = 8, list_size = 192;
 
 struct near_list {
     uint32_t length;                                 /* 0: none, the stars of the group go to the second rung */
-    float reach, start; /* the list covers the group's box grown by reach; start: a radius
-                                                        of about 33 points */
+    float reach, start;                              /* it covers the group's box grown by reach; start: a radius of
+                                                        about 33 points, which the first close entries cover */
+    uint32_t close;
 };
 
 __device__ inline double in_units(const space &s, const record &r, int k)
@@ -645,16 +646,22 @@ __global__ void list_kernel(const __grid_constant__ tree t, int dim, uint32_t *l
         }
     }
     length = length > list_size ? 0 : length;
-    uint32_t key[list_size / 32], value[list_size / 32];    /* nearest centre first, by counting */
+    const float start = (dim == 3 ? 0.5f : 0.32f) * side;
+    uint32_t key[list_size / 32], value[list_size / 32], close = 0;     /* nearest centre first, by counting */
+    bool is_close[list_size / 32];
     for (int i = 0; i < list_size / 32; i++) {
         key[i] = none;
+        is_close[i] = false;
         if (i * 32 + lane < length) {
             box b = t.level[0][value[i] = found[i * 32 + lane]];
-            float d = 0.0f;
+            float d = 0.0f, gaps = 0.0f;
             for (int k = 0; k < 3; k++) {
                 float c = b.low[k] + b.high[k] - (own.low[k] + own.high[k]);
+                float gap = fmaxf(fmaxf(b.low[k] - own.high[k], own.low[k] - b.high[k]) - 9.6e-7f, 0.0f);
                 d = fmaf(c, c, d);
+                gaps = fmaf(gap, gap, gaps);
             }
+            is_close[i] = gaps * 0.9999f < start * start;
             key[i] = value[i] == g ? 0 : (__float_as_uint(d) & ~255u) + (uint32_t)(i * 32 + lane);
         }
     }
@@ -675,10 +682,12 @@ __global__ void list_kernel(const __grid_constant__ tree t, int dim, uint32_t *l
     for (int i = 0; i < list_size / 32; i++) {
         if (i * 32 + lane < length) {
             list[(size_t)g * list_size + before[i]] = value[i];
+            close = is_close[i] && before[i] >= close ? before[i] + 1 : close;
         }
     }
+    close = none - tile_min<32>(none - close);
     if (lane == 0) {
-        near_list n = { (uint32_t)length, reach, (dim == 3 ? 0.5f : 0.32f) * side };
+        near_list n = { (uint32_t)length, reach, start, close };
         info[g] = n;
     }
 }
@@ -1512,11 +1521,11 @@ __device__ inline bool may_conflict(const star<DIM, WEIGHTED, NT, NV, SCRATCH> &
    again by one that has them.
    ------------------------------------------------------------------------------------------------------ */
 const int near_triangles = 48, near_vertices = 32, near_points = 64, near_block = 64;
+const int at_once = 2;                               /* groups */
 const int near_blocks[2] = { 10, 8 };                /* a multiprocessor: by floats alone, exact */
-const int near_scratch = 2 * near_points;            /* sorted points; points waiting to be screened */
 
 template <int DIM, bool WEIGHTED> struct near_star {
-    typedef star<DIM, WEIGHTED, near_triangles, near_vertices, near_scratch> type;
+    typedef star<DIM, WEIGHTED, near_triangles, near_vertices, near_points> type;
 };
 
 template <int DIM, bool WEIGHTED, bool EXACT>
@@ -1542,7 +1551,8 @@ near_kernel(const __grid_constant__ space all, const box *group, const uint32_t 
     const float origin[3] = { rough.x, rough.y, rough.z };
     const float heaviest = WEIGHTED ? (float)((all.heaviest - own.c[DIM]) * (all.unit * all.unit)) * 1.000001f : 0.0f;
     const unsigned walls = walls_of<DIM>(all, own);
-    uint32_t *sorted = s.scratch, *waiting = s.scratch + near_points;
+    uint32_t *sorted = s.scratch, *waiting = s.scratch;     /* one after the other */
+    uint32_t *collected = (uint32_t *)s.sphere;             /* before there is a star */
 
     bool go = valid && length > 0;
     float start2 = info.start * info.start;
@@ -1550,7 +1560,7 @@ near_kernel(const __grid_constant__ space all, const box *group, const uint32_t 
     int shrinks = 0;                                 /* points too close for floats cannot be told apart: give up */
     for (bool again = go; any(again); shrinks++) {   /* 1. */
         have = again ? 0 : have;
-        for (int base = 0; any(again && base < length); base += T) {
+        for (int base = 0; any(again && base < (int)info.close); base += T) {
             uint32_t candidate = again && base + lane < length ? list[base + lane] : none;
             bool close = false;
             if (candidate != none) {
@@ -1576,7 +1586,7 @@ near_kernel(const __grid_constant__ space all, const box *group, const uint32_t 
                 unsigned takers = tile_ballot<T>(take);
                 int at = have + __popc(takers & below);
                 if (take && at < near_points) {
-                    waiting[at] = p;
+                    collected[at] = p;
                     sorted[at] = (__float_as_uint(d) & ~63u) | (uint32_t)at;
                 }
                 have += __popc(takers);
@@ -1593,7 +1603,7 @@ near_kernel(const __grid_constant__ space all, const box *group, const uint32_t 
     for (int i = 0; i < near_points / T; i++) {
         bool mine = go && i * T + lane < have;
         key[i] = mine ? sorted[i * T + lane] : none;
-        value[i] = mine ? waiting[i * T + lane] : none;
+        value[i] = mine ? collected[i * T + lane] : none;
         before[i] = 0;
     }
     for (int j = 0; j < most; j++) {
@@ -1612,83 +1622,87 @@ near_kernel(const __grid_constant__ space all, const box *group, const uint32_t 
 
     uint32_t candidate = go && lane < have ? sorted[lane] : none;   /* 2. */
     place p = relative<DIM>(all, own, all.point[candidate != none ? candidate : v]);
-    int count = 0, cursor = T, stored = 0;
+    int count = 0, cursor = T, stored = 0, position = 0;
     unsigned used = start_from_lanes<T>(s, go, candidate, p, have, walls, count);
     go = go && used != 0;
     unsigned pending = go ? ((1u << (have < T ? have : T)) - 1) & ~used : 0, groups = 0;
     uint32_t group_here = none;
-    bool walking = false, changed = true, more = go;
-    int position = 0;
+    bool walking = false, changed = true;
     span reach = { { 0.0f, 0.0f, 0.0f }, { 0.0f, 0.0f, 0.0f } };
-    while (any(go && (more || pending != 0))) {
-        while (any(go && more && pending == 0)) {    /* the next points to insert */
-            bool feed = go && more && pending == 0;
-            if (any(feed && walking)) {              /* 3. */
-                bool renew = go && walking && changed;
-                if (any(renew)) {
-                    span r = reach_of<T>(s, renew, count, heaviest);
-                    reach = renew ? r : reach;
-                    changed = renew ? false : changed;
-                }
-                while (any(feed && walking && stored < T && (groups != 0 || position < length))) {
-                    bool fill = go && walking && stored <= near_points - 2 * T;     /* all that have room */
-                    if (any(fill && groups == 0 && position < length)) {
-                        bool load = fill && groups == 0 && position < length, touches = false;
-                        if (load && position + lane < length) {
-                            group_here = list[position + lane];
-                            span b = relative_box<DIM>(group[group_here], origin);
-                            touches = true;
-                            for (int k = 0; k < DIM; k++) {
-                                touches = touches && b.low[k] <= reach.high[k] && b.high[k] >= reach.low[k];
-                            }
-                        }
-                        unsigned vote = tile_ballot<T>(touches);
-                        groups = load ? vote : groups;
-                        position += load ? T : 0;
-                    }
-                    unsigned rest = groups & (groups - 1); /* two groups at a time, to have two loads at once */
-                    uint32_t first_group = tile_read<T>(group_here, groups != 0 ? __ffs((int)groups) - 1 : 0);
-                    uint32_t second_group = tile_read<T>(group_here, rest != 0 ? __ffs((int)rest) - 1 : 0);
-                    uint32_t other[2] = {first_group * group_size + (uint32_t)lane,
-                                         second_group * group_size + (uint32_t)lane};
-                    float4 p4[2];
-                    for (int i = 0; i < 2; i++) {
-                        bool is_there =
-                            fill && (i == 0 ? groups : rest) != 0 && other[i] < all.count && other[i] != v;
-                        other[i] = is_there ? other[i] : none;
-                        p4[i] = is_there ? all.rough[other[i]] : rough;
-                    }
-                    for (int i = 0; i < 2; i++) {
-                        float x[3];
-                        bool take = rough_square(p4[i], origin, x) >= start2 && other[i] != none;
-                        for (int k = 0; k < DIM; k++) {
-                            take = take && x[k] >= reach.low[k] && x[k] <= reach.high[k];
-                        }
-                        unsigned takers = tile_ballot<T>(take);
-                        if (take) {
-                            waiting[stored + __popc(takers & below)] = other[i];
-                        }
-                        stored += __popc(takers);
-                    }
-                    groups = fill ? rest & (rest - 1) : groups;
-                }
-                __syncwarp();
+    for (;;) {
+        for (;;) {                                   /* the next points to insert */
+            bool feed = go && pending == 0 && (walking ? stored > 0 : cursor < have);
+            if (!any(feed)) {
+                break;
             }
-            int take = 0;
+            int rest = walking ? stored : have - cursor, take = rest < T ? rest : T;
+            __syncwarp();
             if (feed) {
-                take = walking ? (stored < T ? stored : T) : have - cursor < T ? have - cursor : T;
-                candidate = lane < take ? (walking ? waiting[stored - take + lane] : sorted[cursor + lane]) : none;
+                candidate = lane < take ? s.scratch[(walking ? stored - take : cursor) + lane] : none;
                 stored -= walking ? take : 0;
             }
-            __syncwarp();
             p = relative<DIM>(all, own, all.point[candidate != none ? candidate : v]);
             bool screened = walking || cursor >= 2 * T;
             bool may = may_conflict<T>(s, feed && screened, count, p) || !screened;
             unsigned vote = tile_ballot<T>(feed && candidate != none && may);
             pending = feed ? vote : pending;
             cursor += feed && !walking ? T : 0;
-            more = feed && walking ? stored > 0 || groups != 0 || position < length : more;
-            walking = walking || (feed && cursor >= have);
+        }
+        if (!any(go && pending != 0)) {              /* 3. */
+            if (walking && !any(go && (groups != 0 || position < length))) {
+                break;
+            }
+            walking = true;
+            bool renew = go && changed;
+            if (any(renew)) {
+                span r = reach_of<T>(s, renew, count, heaviest);
+                reach = renew ? r : reach;
+                changed = changed && !renew;
+            }
+            __syncwarp();
+            for (;;) {
+                bool fill = go && stored <= near_points - at_once * T && (groups != 0 || position < length);
+                if (!any(fill)) {
+                    break;
+                }
+                bool load = fill && groups == 0, touches = false;
+                if (any(load)) {
+                    if (load && position + lane < length) {
+                        group_here = list[position + lane];
+                        span b = relative_box<DIM>(group[group_here], origin);
+                        touches = true;
+                        for (int k = 0; k < DIM; k++) {
+                            touches = touches && b.low[k] <= reach.high[k] && b.high[k] >= reach.low[k];
+                        }
+                    }
+                    unsigned vote = tile_ballot<T>(touches);
+                    groups = load ? vote : groups;
+                    position += load ? T : 0;
+                }
+                uint32_t other[at_once];
+                float4 place_of[at_once];            /* several groups at a time, to have several loads at once */
+                for (int i = 0; i < at_once; i++) {
+                    bool is_there = fill && groups != 0;
+                    uint32_t from = tile_read<T>(group_here, is_there ? __ffs((int)groups) - 1 : 0);
+                    groups &= is_there ? groups - 1 : groups;
+                    other[i] = from * group_size + (uint32_t)lane;
+                    other[i] = is_there && other[i] < all.count && other[i] != v ? other[i] : none;
+                    place_of[i] = all.rough[other[i] != none ? other[i] : v];
+                }
+                for (int i = 0; i < at_once; i++) {
+                    float x[3];
+                    bool take = rough_square(place_of[i], origin, x) >= start2 && other[i] != none;
+                    for (int k = 0; k < DIM; k++) {
+                        take = take && x[k] >= reach.low[k] && x[k] <= reach.high[k];
+                    }
+                    unsigned takers = tile_ballot<T>(take);
+                    if (take) {
+                        waiting[stored + __popc(takers & below)] = other[i];
+                    }
+                    stored += __popc(takers);
+                }
+            }
+            continue;
         }
         bool now = go && pending != 0;
         int from = now ? __ffs((int)pending) - 1 : 0;
