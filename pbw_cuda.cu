@@ -16,8 +16,9 @@
 
      first rung    8 lanes a star; candidates from a list of groups of points near v; certified if the spheres of the
                    star lie within the box that the list covers.  About 97 of 100 stars of uniform points.
-     second rung   a warp a star; candidates from a search of the box tree, pruned by the spheres, which certifies by
-                   its end.  Hull stars, sparse places, larger stars.
+     second rung   a warp a star; candidates from a search of the box tree for points in conflict with the simplices
+                   that the first rung left uncertified.  Hull stars, sparse places, larger stars.  At first by floats
+                   alone, then with exact tests and more room.
      third rung    the same with room for 1000 vertices and with the last exact stage of pbw.h.  A handful.
      the CPU       takes the whole input if a star does not fit any rung, if the work would be quadratic (points on a
                    sphere: each of its spheres touches all points), or if the points are few.
@@ -1520,9 +1521,13 @@ __device__ inline bool may_conflict(const star<DIM, WEIGHTED, NT, NV, SCRATCH> &
    floats decide nearly everything, and a kernel without exact tests is quicker; the stars where they do not are built
    again by one that has them.
    ------------------------------------------------------------------------------------------------------ */
-const int near_triangles = 48, near_vertices = 32, near_points = 64, near_block = 64;
+const int near_triangles = 48, near_vertices = 32, near_points = 64;
+#ifndef NEAR_BLOCK
+#define NEAR_BLOCK 128
+#endif
+const int near_block = NEAR_BLOCK;
 const int at_once = 2;                               /* groups */
-const int near_blocks[2] = { 10, 8 };                /* a multiprocessor: by floats alone, exact */
+const int near_blocks[2] = { 640 / NEAR_BLOCK, NEAR_BLOCK > 512 ? 1 : 512 / NEAR_BLOCK };                /* a multiprocessor: by floats alone, exact */
 
 template <int DIM, bool WEIGHTED> struct near_star {
     typedef star<DIM, WEIGHTED, near_triangles, near_vertices, near_points> type;
@@ -1648,8 +1653,8 @@ near_kernel(const __grid_constant__ space all, const box *group, const uint32_t 
             pending = feed ? vote : pending;
             cursor += feed && !walking ? T : 0;
         }
-        if (!any(go && pending != 0)) {              /* 3. */
-            if (walking && !any(go && (groups != 0 || position < length))) {
+        if (__syncthreads_or(go && pending != 0) == 0) {    /* 3. */
+            if (walking && __syncthreads_or(go && (groups != 0 || position < length)) == 0) {
                 break;
             }
             walking = true;
@@ -1705,6 +1710,9 @@ near_kernel(const __grid_constant__ space all, const box *group, const uint32_t 
             continue;
         }
         bool now = go && pending != 0;
+        if (!any(now)) {
+            continue;
+        }
         int from = now ? __ffs((int)pending) - 1 : 0;
         pending &= pending - 1;
         uint32_t next = tile_read<T>(candidate, from);
@@ -1756,15 +1764,21 @@ near_kernel(const __grid_constant__ space all, const box *group, const uint32_t 
    because |x|^2 - q . x >= t (t - q) + (x - t)^2 on each axis and (x - t)^2 - h |x - t| >= -h^2 / 4.  A cap on the search
    keeps the total work linear.
    ------------------------------------------------------------------------------------------------------ */
-struct far_sizes {
-    static const int triangles = 256, vertices = 128;
+struct quick_rung {
+    static const int triangles = 128, vertices = 64, blocks = 24;
+    static const bool exact = false, shared = true;
 };
-struct last_sizes {
-    static const int triangles = 2048, vertices = 1024;
+struct far_rung {
+    static const int triangles = 256, vertices = 128, blocks = 16;
+    static const bool exact = true, shared = true;
+};
+struct last_rung {
+    static const int triangles = 2048, vertices = 1024, blocks = 16;
+    static const bool exact = true, shared = false;
 };
 
-template <int DIM, bool WEIGHTED, typename SIZES> struct far_star {
-    typedef star<DIM, WEIGHTED, SIZES::triangles, SIZES::vertices, stack_size + 64> type;
+template <int DIM, bool WEIGHTED, typename RUNG> struct far_star {
+    typedef star<DIM, WEIGHTED, RUNG::triangles, RUNG::vertices, stack_size> type;
 };
 
 /* Whether a simplex of the star, not a wall, may be in conflict with a point in a box. */
@@ -1873,8 +1887,8 @@ __device__ __noinline__ int far_insert(star<DIM, WEIGHTED, NT, NV, SCRATCH> &s, 
 }
 
 /* A star of v from 28 points at growing distances along the curve, so that it is bounded in all directions from the
-   start; false if they and the seeds span no simplex. */
-template <int DIM, bool WEIGHTED, int NT, int NV, int SCRATCH>
+   start; false if they and, with EXACT, the seeds span no simplex. */
+template <bool EXACT, int DIM, bool WEIGHTED, int NT, int NV, int SCRATCH>
 __device__ inline bool start_on_curve(star<DIM, WEIGHTED, NT, NV, SCRATCH> &s, const space &all,
                                       const unsigned long long *seed, uint32_t v, const record &own, unsigned walls,
                                       pbw__digit *pool, uint32_t &candidate, place &p, int &count)
@@ -1904,8 +1918,8 @@ __device__ inline bool start_on_curve(star<DIM, WEIGHTED, NT, NV, SCRATCH> &s, c
     candidate = order[lane];
     __syncwarp();
     p = relative<DIM>(all, own, all.point[candidate != none ? candidate : v]);
-    if (start_from_lanes<32>(s, true, candidate, p, have, walls, count) != 0) {
-        return true;
+    if (start_from_lanes<32>(s, true, candidate, p, have, walls, count) != 0 || !EXACT) {
+        return count != 0;
     }
     if (candidate == none) {
         uint32_t other = lane - have > DIM ? none : lane == have ? 0 : (uint32_t)seed[lane - have];
@@ -1952,7 +1966,7 @@ __device__ inline void start_from_store(star<DIM, WEIGHTED, NT, NV, SCRATCH> &s,
 
 /* One star; returns true if it is certified (count triangles) or its vertex is hidden (count 0).  resume: the store
    holds what was found so far; changed: whether the star is another than that. */
-template <int DIM, bool WEIGHTED, int NT, int NV, int SCRATCH>
+template <bool EXACT, int DIM, bool WEIGHTED, int NT, int NV, int SCRATCH>
 __device__ inline bool far_star_of(star<DIM, WEIGHTED, NT, NV, SCRATCH> &s, const space &all, const tree &boxes,
                                    const unsigned long long *seed, const store &in, uint32_t v, bool resume, int cap,
                                    pbw__digit *pool, int &count, bool &changed)
@@ -1969,13 +1983,12 @@ __device__ inline bool far_star_of(star<DIM, WEIGHTED, NT, NV, SCRATCH> &s, cons
     place p;
     unsigned pending = 0, hit = 0;                   /* lanes whose candidates, whose groups are to be looked at */
     int depth = 0, spent = 0, t = -1;                /* t: the simplex in hand, word: its triangle */
-    float distance = HUGE_VALF;                      /* of the group of a lane */
 
     changed = !resume;
     if (resume) {
         start_from_store(s, all, in, v, own, walls, count);
     } else {
-        if (!start_on_curve(s, all, seed, v, own, walls, pool, candidate, p, count)) {
+        if (!start_on_curve<EXACT>(s, all, seed, v, own, walls, pool, candidate, p, count)) {
             return false;
         }
         pending = __ballot_sync(all_lanes, candidate != none);
@@ -1997,13 +2010,11 @@ __device__ inline bool far_star_of(star<DIM, WEIGHTED, NT, NV, SCRATCH> &s, cons
                     stack[0] = (uint32_t)boxes.levels << 29;
                 }
                 __syncwarp();
-            } else if (hit != 0) {                   /* the points of the nearest 4 groups */
+            } else if (hit != 0) {                   /* the points of 4 groups */
                 uint32_t group = none;
-                for (int i = 0; i < 4 && hit != 0; i++) {
-                    float least = tile_min<32>((hit >> lane & 1) != 0 ? distance : HUGE_VALF);
-                    int nearest = __ffs((int)(__ballot_sync(all_lanes, distance == least) & hit)) - 1;
-                    hit &= ~(1u << nearest);
-                    group = lane / 8 == i ? node + (uint32_t)nearest : group;
+                for (int i = 0; i < 4; i++) {
+                    group = lane / 8 == i && hit != 0 ? node + (uint32_t)__ffs((int)hit) - 1 : group;
+                    hit &= hit - 1;
                 }
                 candidate = group != none ? group * group_size + (uint32_t)(lane & 7) : none;
                 candidate = candidate < all.count && candidate != v ? candidate : none;
@@ -2014,34 +2025,23 @@ __device__ inline bool far_star_of(star<DIM, WEIGHTED, NT, NV, SCRATCH> &s, cons
                 bool may = candidate != none && side(s.sphere[t], probe_of<DIM, WEIGHTED>(p)) != 0;
                 pending = __ballot_sync(all_lanes, may);
                 spent++;
-            } else if (depth > 0) {                  /* 32 boxes: those that matter wait, the nearest on top */
+            } else if (depth > 0) {                  /* 32 boxes: those that matter wait */
                 uint32_t top = stack[--depth], level = (top >> 29) - 1, child;
                 bool visit = false;
                 node = (top & 0x1fffffffu) * 32;
                 child = node + (uint32_t)lane;
-                distance = HUGE_VALF;
                 if (child < boxes.size[level]) {
                     box b = boxes.level[level][child];
-                    span r = relative_box<DIM>(b, origin);
-                    visit = box_may_conflict<DIM, WEIGHTED>(s.sphere[t], r, relative_weight<WEIGHTED>(b, own_weight));
-                    distance = 0.0f;
-                    for (int k = 0; k < DIM; k++) {
-                        float d = fmaxf(fmaxf(r.low[k], -r.high[k]), 0.0f);
-                        distance = fmaf(d, d, distance);
-                    }
+                    visit = box_may_conflict<DIM, WEIGHTED>(s.sphere[t], relative_box<DIM>(b, origin),
+                                                            relative_weight<WEIGHTED>(b, own_weight));
                 }
                 __syncwarp();
                 unsigned vote = __ballot_sync(all_lanes, visit);
                 if (level == 0) {
                     hit = vote;
-                } else if (vote != 0) {
-                    float least = tile_min<32>(visit ? distance : HUGE_VALF);
-                    unsigned nearest = __ballot_sync(all_lanes, visit && distance == least);
-                    nearest &= ~nearest + 1;         /* one of them */
+                } else {
                     if (visit) {
-                        unsigned others = vote & ~nearest;
-                        int at = (nearest >> lane & 1) != 0 ? __popc(others) : __popc(others & below);
-                        stack[depth + at] = level << 29 | child;
+                        stack[depth + __popc(vote & below)] = level << 29 | child;
                     }
                     depth += __popc(vote);
                     __syncwarp();
@@ -2069,7 +2069,8 @@ __device__ inline bool far_star_of(star<DIM, WEIGHTED, NT, NV, SCRATCH> &s, cons
             known = known || (i > 0 && (s.used[i >> 5] >> (i & 31) & 1) != 0 && s.id[i] == next);
         }
         if (!any(known)) {
-            int result = far_insert(s, all, v, next, at, count, walls, pool);
+            int result = EXACT ? far_insert(s, all, v, next, at, count, walls, pool)
+                               : insert<32, false>(s, all, v, true, next, at, count, walls, pool);
             if (WEIGHTED && result == star_hidden) {
                 count = 0;
                 return true;
@@ -2091,17 +2092,17 @@ __device__ inline bool far_star_of(star<DIM, WEIGHTED, NT, NV, SCRATCH> &s, cons
     }
 }
 
-/* SHARED: a star in shared memory, one warp a block, a vertex each; else in scratch, and warps take vertices in turn.
+/* A star in shared memory, one warp a block, a vertex each; else in scratch, and warps take vertices in turn.
    Too many failures mean that the input is not for this method: then nothing more is tried. */
-template <int DIM, bool WEIGHTED, typename SIZES, bool SHARED>
-__global__ void __launch_bounds__(32, 16)
+template <int DIM, bool WEIGHTED, typename RUNG>
+__global__ void __launch_bounds__(32, RUNG::blocks)
 far_kernel(const __grid_constant__ space all, const __grid_constant__ tree boxes, const unsigned long long *seed,
            queue work, uint32_t total, int cap, uint32_t limit, void *scratch, pbw__digit *pool,
            const __grid_constant__ store out, queue failed, queue large)
 {
-    typedef typename far_star<DIM, WEIGHTED, SIZES>::type star_type;
+    typedef typename far_star<DIM, WEIGHTED, RUNG>::type star_type;
     extern __shared__ float4 shared_words[];
-    star_type &s = *(SHARED ? (star_type *)shared_words : (star_type *)scratch + blockIdx.x);
+    star_type &s = *(RUNG::shared ? (star_type *)shared_words : (star_type *)scratch + blockIdx.x);
     pbw__digit *digits = pool == NULL ? NULL : pool + ((size_t)blockIdx.x * 32 + threadIdx.x) * PBW__POOL;
     for (uint32_t i = blockIdx.x; i < total; i += gridDim.x) {
         uint32_t entry = work.vertex[i], v = entry & ~stored_mark;
@@ -2111,7 +2112,7 @@ far_kernel(const __grid_constant__ space all, const __grid_constant__ tree boxes
         if (__shfl_sync(all_lanes, failures, 0) > limit) {
             return;
         }
-        bool good = far_star_of(s, all, boxes, seed, out, v, resume, cap, digits, count, changed);
+        bool good = far_star_of<RUNG::exact>(s, all, boxes, seed, out, v, resume, cap, digits, count, changed);
         bool is_hidden = good && count == 0;
         if (changed) {
             finish<32>(s, good && !is_hidden, v, count, out);
@@ -2846,7 +2847,7 @@ bool grow_tree(call &c, space &s, int dim, tree &t)
     }
 }
 
-const int far_cap = 4096, last_cap = 1 << 17;        /* looks at 32 boxes or points; an insertion counts as 4 */
+const int quick_cap = 1024, far_cap = 4096, last_cap = 1 << 17;      /* looks at 32 boxes or points; an insertion counts as 4 */
 const uint32_t last_warps = 64;
 
 /* All stars into out.  t.level[0] and lists come from before. */
@@ -2854,12 +2855,15 @@ template <int DIM, bool WEIGHTED>
 bool build_stars(call &c, const space &s, const tree &t, const uint32_t *lists, const near_list *infos,
                  const store &out, const queue *q, unsigned long long *seed, size_t *stars)
 {
-    typedef far_star<DIM, WEIGHTED, far_sizes> far_type;
-    typedef far_star<DIM, WEIGHTED, last_sizes> last_type;
+    typedef far_star<DIM, WEIGHTED, last_rung> last_type;
+    const size_t quick_bytes = sizeof(typename far_star<DIM, WEIGHTED, quick_rung>::type);
+    const size_t far_bytes = sizeof(typename far_star<DIM, WEIGHTED, far_rung>::type);
     const size_t near_bytes = sizeof(typename near_star<DIM, WEIGHTED>::type) * (near_block / 8);
     const uint32_t chunk = 1u << 22, limit = 128 + s.count / 2048;
     uint32_t open = 0, failed = 0, last = 0;
 
+    good(c, cudaFuncSetAttribute(near_kernel<DIM, WEIGHTED, false>, cudaFuncAttributeMaxDynamicSharedMemorySize, (int)near_bytes), "cudaFuncSetAttribute");
+    good(c, cudaFuncSetAttribute(near_kernel<DIM, WEIGHTED, true>, cudaFuncAttributeMaxDynamicSharedMemorySize, (int)near_bytes), "cudaFuncSetAttribute");
     for (int i = 0; i < 3; i++) {
         fill(c, q[i].count, 0, 1);
     }
@@ -2904,9 +2908,17 @@ bool build_stars(call &c, const space &s, const tree &t, const uint32_t *lists, 
             unsigned blocks = blocks_for(s.count, 256);
             seed_kernel<<<blocks < 1024 ? blocks : 1024, 256, 0, c.stream>>>(s, DIM, found, seed);
         }
-        far_kernel<DIM, WEIGHTED, far_sizes, true><<<failed, 32, sizeof(typename far_type::type), c.stream>>>(
-            s, t, seed, q[0], failed, far_cap, limit, NULL, NULL, out, q[1], q[2]);
-        if (!launched(c, "far stars") || !read_back(c, last, q[1].count, PBW_STAGE_BUILD, 0.9)) {
+        far_kernel<DIM, WEIGHTED, quick_rung><<<failed, 32, quick_bytes, c.stream>>>(
+            s, t, seed, q[0], failed, quick_cap, none, NULL, NULL, out, q[1], q[2]);
+        if (!launched(c, "far stars") || !read_back(c, failed, q[1].count, PBW_STAGE_BUILD, 0.9)
+            || !fill(c, q[0].count, 0, 1)) {
+            return false;
+        }
+    }
+    if (failed > 0) {
+        far_kernel<DIM, WEIGHTED, far_rung><<<failed, 32, far_bytes, c.stream>>>(
+            s, t, seed, q[1], failed, far_cap, limit, NULL, NULL, out, q[0], q[2]);
+        if (!launched(c, "far stars") || !read_back(c, last, q[0].count, PBW_STAGE_BUILD, 0.95)) {
             return false;
         }
     }
@@ -2918,13 +2930,13 @@ bool build_stars(call &c, const space &s, const tree &t, const uint32_t *lists, 
         uint32_t warps = last < last_warps ? last : last_warps, lost = 0;
         typename last_type::type *scratch = NULL;
         pbw__digit *pool = NULL;
-        queue nowhere = { q[0].vertex, q[0].count };
-        if (!fill(c, q[0].count, 0, 1) || !allocate(c, scratch, warps)
+        queue nowhere = { q[1].vertex, q[1].count };
+        if (!fill(c, q[1].count, 0, 1) || !allocate(c, scratch, warps)
             || !allocate(c, pool, (size_t)warps * 32 * PBW__POOL)) {
             return false;
         }
-        far_kernel<DIM, WEIGHTED, last_sizes, false><<<warps, 32, 0, c.stream>>>(
-            s, t, seed, q[1], last, last_cap, 0, scratch, pool, out, nowhere, q[2]);
+        far_kernel<DIM, WEIGHTED, last_rung><<<warps, 32, 0, c.stream>>>(
+            s, t, seed, q[0], last, last_cap, 0, scratch, pool, out, nowhere, q[2]);
         if (!launched(c, "last stars") || !read_back(c, lost, nowhere.count, PBW_STAGE_BUILD, 0.95)) {
             return false;
         }
