@@ -1765,21 +1765,38 @@ near_kernel(const __grid_constant__ space all, const box *group, const uint32_t 
    keeps the total work linear.
    ------------------------------------------------------------------------------------------------------ */
 struct quick_rung {
-    static const int triangles = 128, vertices = 64, blocks = 24;
+    static const int triangles = 128, vertices = 64, warps = 1, blocks = 24;
     static const bool exact = false, shared = true;
 };
 struct far_rung {
-    static const int triangles = 256, vertices = 128, blocks = 16;
+    static const int triangles = 256, vertices = 128, warps = 8, blocks = 2;
     static const bool exact = true, shared = true;
 };
 struct last_rung {
-    static const int triangles = 2048, vertices = 1024, blocks = 16;
+    static const int triangles = 2048, vertices = 1024, warps = 8, blocks = 2;
     static const bool exact = true, shared = false;
 };
 
-template <int DIM, bool WEIGHTED, typename RUNG> struct far_star {
-    typedef star<DIM, WEIGHTED, RUNG::triangles, RUNG::vertices, stack_size> type;
+/* What the warps of a star tell each other, behind their stacks. */
+struct talk {
+    int count, verdict, hand[8];                     /* hand: the simplex that a warp has in hand, or -1 */
+    uint32_t waits[8];                               /* whether a warp has points to insert */
+    int changed;
 };
+
+template <int DIM, bool WEIGHTED, typename RUNG> struct far_star {
+    typedef star<DIM, WEIGHTED, RUNG::triangles, RUNG::vertices,
+                 RUNG::warps * stack_size + (int)(sizeof(talk) / sizeof(uint32_t))> type;
+};
+
+template <int WARPS> __device__ inline void meet()
+{
+    if (WARPS == 1) {
+        __syncwarp();
+    } else {
+        __syncthreads();
+    }
+}
 
 /* Whether a simplex of the star, not a wall, may be in conflict with a point in a box. */
 template <int DIM, bool WEIGHTED>
@@ -1964,17 +1981,20 @@ __device__ inline void start_from_store(star<DIM, WEIGHTED, NT, NV, SCRATCH> &s,
     __syncwarp();
 }
 
-/* One star; returns true if it is certified (count triangles) or its vertex is hidden (count 0).  resume: the store
-   holds what was found so far; changed: whether the star is another than that. */
-template <bool EXACT, int DIM, bool WEIGHTED, int NT, int NV, int SCRATCH>
-__device__ inline bool far_star_of(star<DIM, WEIGHTED, NT, NV, SCRATCH> &s, const space &all, const tree &boxes,
-                                   const unsigned long long *seed, const store &in, uint32_t v, bool resume, int cap,
-                                   pbw__digit *pool, int &count, bool &changed)
+enum { far_busy, far_certified, far_hidden, far_lost, far_capped };
+
+/* One star, by all warps of a block: each searches for conflicts of its own simplex, then they insert in turns.  resume:
+   the store holds what was found so far; changed: whether the star is another than that. */
+template <bool EXACT, int WARPS, int DIM, bool WEIGHTED, int NT, int NV, int SCRATCH>
+__device__ inline int far_star_of(star<DIM, WEIGHTED, NT, NV, SCRATCH> &s, const space &all, const tree &boxes,
+                                  const unsigned long long *seed, const store &in, uint32_t v, bool resume, int cap,
+                                  pbw__digit *pool, int &count, bool &changed)
 {
-    const int lane = (int)threadIdx.x & 31;
+    const int lane = (int)threadIdx.x & 31, warp = (int)threadIdx.x / 32;
     const unsigned below = lanes_below<32>();
     const record own = all.point[v];
-    uint32_t *stack = s.scratch;
+    uint32_t *stack = s.scratch + warp * stack_size;
+    talk &shared = *(talk *)(s.scratch + WARPS * stack_size);
     const float4 rough = all.rough[v];
     const float origin[3] = { rough.x, rough.y, rough.z };
     const unsigned walls = walls_of<DIM>(all, own);
@@ -1984,33 +2004,121 @@ __device__ inline bool far_star_of(star<DIM, WEIGHTED, NT, NV, SCRATCH> &s, cons
     unsigned pending = 0, hit = 0;                   /* lanes whose candidates, whose groups are to be looked at */
     int depth = 0, spent = 0, t = -1;                /* t: the simplex in hand, word: its triangle */
 
-    changed = !resume;
-    if (resume) {
-        start_from_store(s, all, in, v, own, walls, count);
-    } else {
-        if (!start_on_curve<EXACT>(s, all, seed, v, own, walls, pool, candidate, p, count)) {
-            return false;
+    count = 0;
+    if (warp == 0) {
+        bool started = true;
+        if (resume) {
+            start_from_store(s, all, in, v, own, walls, count);
+        } else {
+            started = start_on_curve<EXACT>(s, all, seed, v, own, walls, pool, candidate, p, count);
+            pending = started ? __ballot_sync(all_lanes, candidate != none) : 0;
         }
-        pending = __ballot_sync(all_lanes, candidate != none);
+        if (lane == 0) {
+            shared.count = count;
+            shared.verdict = started ? far_busy : far_lost;
+            shared.changed = !resume;
+        }
     }
+    meet<WARPS>();
     for (;;) {
-        while (pending == 0) {
-            if (t < 0) {                             /* the next simplex */
-                unsigned open = 0;
-                for (int base = 0; open == 0; base += 32) {
-                    if (base >= count) {
-                        return true;
-                    }
-                    open = __ballot_sync(all_lanes, base + lane < count && (s.triangle[base + lane] & verified) == 0);
-                    t = base + __ffs((int)open) - 1;
+        for (int turn = 0; turn < WARPS; turn++) {   /* points are inserted */
+            if (WARPS > 1) {
+                if (lane == 0 && turn == 0) {
+                    shared.waits[warp] = pending;
                 }
+                __syncthreads();
+                if (shared.waits[turn] == 0) {
+                    continue;
+                }
+            }
+            if (turn == warp && pending != 0 && shared.verdict == far_busy) {
+                count = shared.count;
+                if (t >= 0 && (t >= count || s.triangle[t] != word)) {
+                    pending = 0;                     /* another warp has changed its simplex */
+                }
+                int verdict = far_busy;
+                bool touched = false;
+                while (pending != 0 && verdict == far_busy) {
+                    bool waits = (pending >> lane & 1) != 0;     /* the nearest first */
+                    float length = waits ? (float)square<DIM>(p.x) : HUGE_VALF, least = tile_min<32>(length);
+                    int from = __ffs((int)(__ballot_sync(all_lanes, length == least) & pending)) - 1;
+                    pending &= ~(1u << from);
+                    uint32_t next = __shfl_sync(all_lanes, candidate, from);
+                    place at = tile_place<32>(p, from);
+                    bool known = false;              /* the vertices of the star come by again in the search */
+                    for (int i = lane; i < NV; i += 32) {
+                        known = known || (i > 0 && (s.used[i >> 5] >> (i & 31) & 1) != 0 && s.id[i] == next);
+                    }
+                    if (any(known)) {
+                        continue;
+                    }
+                    int result = EXACT ? far_insert(s, all, v, next, at, count, walls, pool)
+                                       : insert<32, false>(s, all, v, true, next, at, count, walls, pool);
+                    verdict = WEIGHTED && result == star_hidden ? far_hidden
+                            : (result & ~star_changed) != 0 ? far_lost : far_busy;
+                    if (result == star_changed) {
+                        touched = true;
+                        pending = __ballot_sync(all_lanes,
+                                                may_conflict<32>(s, true, count, p) && (pending >> lane & 1) != 0);
+                    }
+                    spent += 4;
+                }
+                if (lane == 0) {
+                    shared.count = count;
+                    shared.verdict = verdict;
+                    shared.changed = shared.changed || touched;
+                }
+                __syncwarp();
+            }
+        }
+        meet<WARPS>();
+        count = shared.count;
+        changed = shared.changed != 0;
+        if (shared.verdict != far_busy) {
+            return shared.verdict;
+        }
+        pending = 0;
+        if (t >= count || (t >= 0 && s.triangle[t] != word)) {      /* it is gone */
+            t = -1;
+        }
+        if (WARPS > 1) {
+            if (lane == 0) {
+                shared.hand[warp] = t;
+            }
+            __syncthreads();
+        }
+        if (t < 0) {                                 /* another simplex, that no warp has in hand */
+            int skip = 0;
+            for (int w = 0; w < warp; w++) {
+                skip += shared.hand[w] < 0;
+            }
+            for (int base = 0; base < count && t < 0; base += 32) {
+                bool open = base + lane < count && (s.triangle[base + lane] & verified) == 0;
+                for (int w = 0; w < WARPS && WARPS > 1; w++) {
+                    open = open && shared.hand[w] != base + lane;
+                }
+                unsigned vote = __ballot_sync(all_lanes, open);
+                for (; skip > 0 && vote != 0; skip--) {
+                    vote &= vote - 1;
+                }
+                t = vote != 0 ? base + __ffs((int)vote) - 1 : -1;
+            }
+            if (t >= 0) {
                 word = s.triangle[t];
                 depth = is_wall(s.sphere[t]) ? 0 : 1;
+                hit = 0;
                 if (lane == 0) {
                     stack[0] = (uint32_t)boxes.levels << 29;
                 }
                 __syncwarp();
-            } else if (hit != 0) {                   /* the points of 4 groups */
+            }
+        }
+        if (WARPS == 1 ? t < 0 : __syncthreads_and(t < 0) != 0) {
+            return far_certified;
+        }
+        while (t >= 0 && pending == 0 && spent <= cap && (hit != 0 || depth > 0)) {
+            spent++;
+            if (hit != 0) {                          /* the points of 4 groups */
                 uint32_t group = none;
                 for (int i = 0; i < 4; i++) {
                     group = lane / 8 == i && hit != 0 ? node + (uint32_t)__ffs((int)hit) - 1 : group;
@@ -2024,8 +2132,7 @@ __device__ inline bool far_star_of(star<DIM, WEIGHTED, NT, NV, SCRATCH> &s, cons
                 p = relative<DIM>(all, own, all.point[candidate != none ? candidate : v]);
                 bool may = candidate != none && side(s.sphere[t], probe_of<DIM, WEIGHTED>(p)) != 0;
                 pending = __ballot_sync(all_lanes, may);
-                spent++;
-            } else if (depth > 0) {                  /* 32 boxes: those that matter wait */
+            } else {                                 /* 32 boxes: those that matter wait */
                 uint32_t top = stack[--depth], level = (top >> 29) - 1, child;
                 bool visit = false;
                 node = (top & 0x1fffffffu) * 32;
@@ -2046,56 +2153,24 @@ __device__ inline bool far_star_of(star<DIM, WEIGHTED, NT, NV, SCRATCH> &s, cons
                     depth += __popc(vote);
                     __syncwarp();
                 }
-                spent++;
-            } else {                                 /* no point is in conflict with it */
-                if (lane == 0) {
-                    s.triangle[t] = word | verified;
-                }
-                t = -1;
-                __syncwarp();
-            }
-            if (spent > cap) {
-                return false;
             }
         }
-        bool waits = (pending >> lane & 1) != 0;     /* the nearest first */
-        float length = waits ? (float)square<DIM>(p.x) : HUGE_VALF, least = tile_min<32>(length);
-        int from = __ffs((int)(__ballot_sync(all_lanes, length == least) & pending)) - 1;
-        pending &= ~(1u << from);
-        uint32_t next = __shfl_sync(all_lanes, candidate, from);
-        place at = tile_place<32>(p, from);
-        bool known = false;                          /* the vertices of the star come by again in the search */
-        for (int i = lane; i < NV; i += 32) {
-            known = known || (i > 0 && (s.used[i >> 5] >> (i & 31) & 1) != 0 && s.id[i] == next);
+        meet<WARPS>();                               /* all have read the star */
+        if (lane == 0 && t >= 0 && spent > cap) {
+            shared.verdict = far_capped;
+        } else if (lane == 0 && t >= 0 && pending == 0) {       /* no point is in conflict with it */
+            s.triangle[t] = word | verified;
         }
-        if (!any(known)) {
-            int result = EXACT ? far_insert(s, all, v, next, at, count, walls, pool)
-                               : insert<32, false>(s, all, v, true, next, at, count, walls, pool);
-            if (WEIGHTED && result == star_hidden) {
-                count = 0;
-                return true;
-            }
-            if ((result & ~star_changed) != 0) {
-                return false;
-            }
-            if (result == star_changed) {
-                changed = true;
-                if (t >= 0 && (t >= count || s.triangle[t] != word)) {      /* it is gone */
-                    t = -1;
-                    hit = 0;
-                }
-                pending = __ballot_sync(all_lanes,
-                                        may_conflict<32>(s, true, count, p) && (pending >> lane & 1) != 0);
-            }
-            spent += 4;
-        }
+        t = pending != 0 ? t : -1;
+        meet<WARPS>();
     }
 }
 
-/* A star in shared memory, one warp a block, a vertex each; else in scratch, and warps take vertices in turn.
+/* A star in shared memory, a block each; else in scratch, and blocks take vertices in turn.
+   The exact stages are for the warp whose turn it is, so that a block needs one pool.
    Too many failures mean that the input is not for this method: then nothing more is tried. */
 template <int DIM, bool WEIGHTED, typename RUNG>
-__global__ void __launch_bounds__(32, RUNG::blocks)
+__global__ void __launch_bounds__(32 * RUNG::warps, RUNG::blocks)
 far_kernel(const __grid_constant__ space all, const __grid_constant__ tree boxes, const unsigned long long *seed,
            queue work, uint32_t total, int cap, uint32_t limit, void *scratch, pbw__digit *pool,
            const __grid_constant__ store out, queue failed, queue large)
@@ -2103,27 +2178,34 @@ far_kernel(const __grid_constant__ space all, const __grid_constant__ tree boxes
     typedef typename far_star<DIM, WEIGHTED, RUNG>::type star_type;
     extern __shared__ float4 shared_words[];
     star_type &s = *(RUNG::shared ? (star_type *)shared_words : (star_type *)scratch + blockIdx.x);
-    pbw__digit *digits = pool == NULL ? NULL : pool + ((size_t)blockIdx.x * 32 + threadIdx.x) * PBW__POOL;
+    pbw__digit *digits = pool == NULL ? NULL : pool + (blockIdx.x * 32 + (threadIdx.x & 31)) * (size_t)PBW__POOL;
+    __shared__ uint32_t failures;
     for (uint32_t i = blockIdx.x; i < total; i += gridDim.x) {
         uint32_t entry = work.vertex[i], v = entry & ~stored_mark;
         bool resume = entry != v && out.place[v] != none, changed;  /* none: the store was too small */
         int count = 0;
-        uint32_t failures = threadIdx.x == 0 ? *(volatile uint32_t *)failed.count : 0;
-        if (__shfl_sync(all_lanes, failures, 0) > limit) {
+        if (threadIdx.x == 0) {
+            failures = *(volatile uint32_t *)failed.count;
+        }
+        meet<RUNG::warps>();
+        if (failures > limit) {
             return;
         }
-        bool good = far_star_of<RUNG::exact>(s, all, boxes, seed, out, v, resume, cap, digits, count, changed);
-        bool is_hidden = good && count == 0;
-        if (changed) {
-            finish<32>(s, good && !is_hidden, v, count, out);
+        int verdict =
+            far_star_of<RUNG::exact, RUNG::warps>(s, all, boxes, seed, out, v, resume, cap, digits, count, changed);
+        if (threadIdx.x < 32) {
+            bool fails = verdict == far_lost || verdict == far_capped, stays = verdict != far_lost;
+            if (verdict == far_capped || (verdict == far_certified && changed)) {
+                finish<32>(s, true, v, count, out);
+            }
+            if (verdict == far_hidden && threadIdx.x == 0) {
+                out.place[v] = hidden;
+                out.owned[v] = 0;
+            }
+            enqueue(failed, fails && threadIdx.x == 0, stays ? v | stored_mark : entry);
+            enqueue(large, verdict == far_certified && threadIdx.x == 0, v);
         }
-        if (is_hidden && threadIdx.x == 0) {
-            out.place[v] = hidden;
-            out.owned[v] = 0;
-        }
-        enqueue(failed, !good && threadIdx.x == 0, entry);
-        enqueue(large, good && threadIdx.x == 0 && !is_hidden, v);
-        __syncwarp();
+        meet<RUNG::warps>();
     }
 }
 
@@ -2847,8 +2929,9 @@ bool grow_tree(call &c, space &s, int dim, tree &t)
     }
 }
 
-const int quick_cap = 1024, far_cap = 4096, last_cap = 1 << 17;      /* looks at 32 boxes or points; an insertion counts as 4 */
-const uint32_t last_warps = 64;
+/* Looks at 32 boxes or points, of a warp; an insertion counts as 4. */
+const int quick_cap = 256, far_cap = 4096, last_cap = 1 << 17;
+const uint32_t last_blocks = 64;
 
 /* All stars into out.  t.level[0] and lists come from before. */
 template <int DIM, bool WEIGHTED>
@@ -2908,7 +2991,7 @@ bool build_stars(call &c, const space &s, const tree &t, const uint32_t *lists, 
             unsigned blocks = blocks_for(s.count, 256);
             seed_kernel<<<blocks < 1024 ? blocks : 1024, 256, 0, c.stream>>>(s, DIM, found, seed);
         }
-        far_kernel<DIM, WEIGHTED, quick_rung><<<failed, 32, quick_bytes, c.stream>>>(
+        far_kernel<DIM, WEIGHTED, quick_rung><<<failed, 32 * quick_rung::warps, quick_bytes, c.stream>>>(
             s, t, seed, q[0], failed, quick_cap, none, NULL, NULL, out, q[1], q[2]);
         if (!launched(c, "far stars") || !read_back(c, failed, q[1].count, PBW_STAGE_BUILD, 0.9)
             || !fill(c, q[0].count, 0, 1)) {
@@ -2916,7 +2999,7 @@ bool build_stars(call &c, const space &s, const tree &t, const uint32_t *lists, 
         }
     }
     if (failed > 0) {
-        far_kernel<DIM, WEIGHTED, far_rung><<<failed, 32, far_bytes, c.stream>>>(
+        far_kernel<DIM, WEIGHTED, far_rung><<<failed, 32 * far_rung::warps, far_bytes, c.stream>>>(
             s, t, seed, q[1], failed, far_cap, limit, NULL, NULL, out, q[0], q[2]);
         if (!launched(c, "far stars") || !read_back(c, last, q[0].count, PBW_STAGE_BUILD, 0.95)) {
             return false;
@@ -2927,15 +3010,15 @@ bool build_stars(call &c, const space &s, const tree &t, const uint32_t *lists, 
         return decline(c, "the stars of too many points are too large (cospherical points?)");
     }
     if (last > 0) {
-        uint32_t warps = last < last_warps ? last : last_warps, lost = 0;
+        uint32_t blocks = last < last_blocks ? last : last_blocks, lost = 0;
         typename last_type::type *scratch = NULL;
         pbw__digit *pool = NULL;
         queue nowhere = { q[1].vertex, q[1].count };
-        if (!fill(c, q[1].count, 0, 1) || !allocate(c, scratch, warps)
-            || !allocate(c, pool, (size_t)warps * 32 * PBW__POOL)) {
+        if (!fill(c, q[1].count, 0, 1) || !allocate(c, scratch, blocks)
+            || !allocate(c, pool, (size_t)blocks * 32 * PBW__POOL)) {
             return false;
         }
-        far_kernel<DIM, WEIGHTED, last_rung><<<warps, 32, 0, c.stream>>>(
+        far_kernel<DIM, WEIGHTED, last_rung><<<blocks, 32 * last_rung::warps, 0, c.stream>>>(
             s, t, seed, q[0], last, last_cap, 0, scratch, pool, out, nowhere, q[2]);
         if (!launched(c, "last stars") || !read_back(c, lost, nowhere.count, PBW_STAGE_BUILD, 0.95)) {
             return false;
