@@ -82,8 +82,8 @@ struct tree {
     int levels;                                      /* level[levels-1] has at most 32 boxes */
 };
 
-/* The points in the order of the curve.  A coordinate in units of the space is (x - low) * unit, from 0 to 2; the unit
-   is a power of two, so that scaling rounds nothing. */
+/* The points in the order of the curve.  A coordinate in units of the space is (x - low) * unit, from 0 to 2; the
+   unit is a power of two, so that scaling rounds nothing. */
 struct space {
     const record *point;
     const float4 *rough;                             /* the coordinates in units, as floats: where a look will do */
@@ -97,7 +97,7 @@ struct queue {                                       /* vertices for the next ru
     uint32_t *vertex, *count;
 };
 
-const uint32_t stored_mark = 1u << 31;               /* in a queue: the store holds a star of the vertex to go on from */
+const uint32_t stored_mark = 1u << 31;               /* in a queue: the store holds a star to go on from */
 
 /* The finished stars: a star is a head (triangles << 16 | vertices), its vertices, and its triangles as 3 numbers of
    vertices in 10 bits each (2D: edges, 2 numbers), padded to 16 bytes.  Bit 30 of a triangle is left over from the
@@ -181,7 +181,7 @@ __host__ __device__ inline double unordered(unsigned long long bits)
 /* ------------------------------------------------------------------------------------------------------
    >>curve        Points in the order of the Hilbert curve, duplicates set aside.
    In: packed points and weights.  Out: records by rank, the caller's id of each rank, and for each point the one that
-   it duplicates, all as >>order of pbw.h has them: the same keys; short runs of equal keys put into lexicographic order;
+   it duplicates, all as >>order of pbw.h has them: the same keys; short runs of equal keys in lexicographic order;
    the points of a long run get keys from a grid over their own box, and so on.  The long runs of one depth are taken
    together: their points are gathered, sorted by the new key, then by their run, and put back.
    ------------------------------------------------------------------------------------------------------ */
@@ -321,8 +321,8 @@ struct run_list {
 };
 
 /* Finds runs among keys, which are all keys or, with segment, those gathered from the runs of a list.  The first of a
-   short run puts it into order: lexicographic, then the larger weight, then the lower index.  Long ones go to found, with
-   the end of all that they could reach. */
+   short run puts it into order: lexicographic, then the larger weight, then the lower index.  Long ones go to found,
+   with the end of all that they could reach. */
 __global__ void run_kernel(input in, int index_bits, uint64_t *key, size_t count, const uint32_t *segment,
                            run_list of, run_list found, survey *out)
 {
@@ -365,7 +365,8 @@ __global__ void run_kernel(input in, int index_bits, uint64_t *key, size_t count
     }
 }
 
-/* A warp a run: its length; 0 if all its points lie at one place.  Then the best of them goes first, and root says so. */
+/* A warp a run: its length; 0 if all its points lie at one place.  Then the best of them goes first, which
+   root says. */
 __global__ void measure_kernel(input in, int index_bits, uint64_t *key, run_list runs, uint32_t count, double *low,
                                double *extent, uint32_t *root)
 {
@@ -466,8 +467,8 @@ __device__ bool same_place(const double *x, const double *y, int dim)
     return x[0] == y[0] && x[1] == y[1] && (dim == 2 || x[2] == y[2]);
 }
 
-/* first[i] = 1 if the i-th point on the curve lies at a place of its own; the best of a place comes first.  root: NULL,
-   or where a long run at one place begins. */
+/* first[i] = 1 if the i-th point on the curve lies at a place of its own; the best of a place comes first.  root:
+   NULL, or where a long run at one place begins. */
 __global__ void place_kernel(input in, int index_bits, const uint64_t *key, const uint32_t *root_of, uint32_t *first,
                              uint32_t *canonical, survey *out)
 {
@@ -706,25 +707,25 @@ __global__ void list_kernel(const __grid_constant__ tree t, int dim, uint32_t *l
    A sphere is four floats: q, and Q, a size that carries the error of q; Q >= 2^112 marks an infinite simplex.  Let
    u = 2^-53, f = 2^-24, A = |a|, L_a = |a|^2 + |w_a - w_v| and so on.
 
-     D    3 factors for differences, 5 for products and sums, terms at most 1.16 ABC (the permanent of a matrix with rows
-          of norm 1 is at most 6/3^1.5):                                     error at most  10 u ABC
+     D    3 factors for differences, 5 for products and sums, terms at most 1.16 ABC (the permanent of a matrix with
+          rows of norm 1 is at most 6/3^1.5):                                     error at most  10 u ABC
      N    lifts 6 factors, crosses 4, product and sums 3, terms at most sqrt 2 E,
           E = L_a BC + L_b AC + L_c AB:                                      error at most  19 u E
      q    if D > 2^-48 ABC > 20 u ABC the true D is at least half of it:     error at most  40 u (E + |q| ABC) / D
           rounded to float: f |q| more.
      test lift, p, q rounded to floats; 4 sums:                              error at most  8 f (L_p + |q| P) more
-          (a float p is off by f P, that is f |q| P in q . p; a lift by f L_p; each fused step rounds a partial sum of at
+          (a float p is off by f P, that is f |q| P in q . p; a lift by f L_p; each fused step rounds a sum of at
           most L_p + |q| P).
 
    With Q = |q| + 2^-27 (E + |q| ABC) / D the bound 2^-20 (L_p + Q P) = 16 f (L_p + |q| P) + 2^-47 P (...) holds all
-   that, roots that are off by 2^-22, and for an infinite simplex the lift: 8 f Q P > 2^41.  Q is infinite if nothing is
-   known; then, and for P below 2^-50, where squares might underflow, the test says
-   open.  In the plane and for infinite simplices there are fewer factors.
+   that, roots that are off by 2^-22, and for an infinite simplex the lift: 8 f Q P > 2^41.  Q is infinite if nothing
+   is known; then, and for P below 2^-50, where squares might underflow, the test says open.  In the plane and for
+   infinite simplices there are fewer factors.
 
    A wall is an infinite simplex on a side of the box of all points: v, a and b have the same extreme coordinate.  No
    point is beyond it, and one in its plane is in conflict with it exactly if it is with the finite simplex behind it,
-   which is in the star too.  So walls are left out of the search (else each point of a flat side would be a candidate for
-   each star there).  A wall has Q = -2^111: its q is exact, and no point seems to be in conflict with it.
+   which is in the star too.  So walls are left out of the search (else each point of a flat side would be a candidate
+   for each star there).  A wall has Q = -2^111: its q is exact, and no point seems to be in conflict with it.
    ------------------------------------------------------------------------------------------------------ */
 const float slack = 9.5367431640625e-7f;             /* 2^-20 */
 const float far_away = 5.192296858534828e33f;        /* 2^112 */
@@ -902,8 +903,8 @@ template <int DIM> __device__ int orientation_sign(const space &s, const double 
     return sign != PBW__OPEN ? sign : exact_sign(DIM, DIM, row, row[DIM], &s.grid, pool, NULL);
 }
 
-/* A triangle: three local numbers of vertices, 0 being the vertex at infinity, and a mark that no point of the input is
-   in conflict with the simplex: then it is final, no insertion removes it. */
+/* A triangle: three local numbers of vertices, 0 being the vertex at infinity, and a mark that no point of the input
+   is in conflict with the simplex: then it is final, no insertion removes it. */
 const uint32_t corner_mask = 1023, verified = 1u << 30;
 
 __device__ inline uint32_t corner(uint32_t triangle, int k)
@@ -1080,11 +1081,17 @@ __device__ inline void find_used(star<DIM, WEIGHTED, NT, NV, SCRATCH> &s, bool g
     __syncwarp();
 }
 
-/* Inserts point id, at p relative to v, into the stars of those tiles that go; count: their triangles.  Without EXACT
-   what floats leave open stays open. */
+/* The cavity of a point in a star: conflicts triangles; its border: edges; and the number of the point. */
+struct hole {
+    int conflicts, edges;
+    uint32_t number;
+};
+
+/* Finds the cavity of point id, at p relative to v, in the stars of those tiles that go, and makes the point a vertex
+   of theirs; count: their triangles.  Without EXACT what floats leave open stays open. */
 template <int T, bool EXACT, int DIM, bool WEIGHTED, int NT, int NV, int SCRATCH>
-__device__ inline int insert(star<DIM, WEIGHTED, NT, NV, SCRATCH> &s, const space &all, uint32_t v, bool go,
-                             uint32_t id, const place &p, int &count, unsigned walls, pbw__digit *pool)
+__device__ inline int carve(star<DIM, WEIGHTED, NT, NV, SCRATCH> &s, const space &all, uint32_t v, bool go,
+                            uint32_t id, const place &p, int count, pbw__digit *pool, hole &cavity)
 {
     typedef typename star<DIM, WEIGHTED, NT, NV, SCRATCH>::types types;
     typedef typename types::pair pair;
@@ -1192,6 +1199,7 @@ __device__ inline int insert(star<DIM, WEIGHTED, NT, NV, SCRATCH> &s, const spac
         result |= star_full;
     }
     __syncwarp();
+    go = go && result == 0;
     for (int base = 0; base < conflict_end; base += T) {
         if (go && base + lane < conflicts) {
             uint32_t t = s.triangle[s.cavity[base + lane]], a = corner(t, 0), b = corner(t, 1), c = corner(t, 2);
@@ -1202,27 +1210,35 @@ __device__ inline int insert(star<DIM, WEIGHTED, NT, NV, SCRATCH> &s, const spac
             }
         }
     }
-    __syncwarp();
-    go = go && result == 0;
     if (go && lane == 0) {
         set_vertex(s, number, id, p);
         s.used[number >> 5] |= 1u << (number & 31);
     }
+    __syncwarp();
+    cavity.conflicts = conflicts;
+    cavity.edges = edges;
+    cavity.number = number;
+    return go ? star_changed : result;
+}
+
+/* Replaces the cavities of the tiles that go by the triangles from the first fans edges of their borders to the new
+   vertex, and from the others to infinity; in the plane the border is the new edges. */
+template <int T, int DIM, bool WEIGHTED, int NT, int NV, int SCRATCH>
+__device__ inline void fan(star<DIM, WEIGHTED, NT, NV, SCRATCH> &s, bool go, const hole &cavity, int fans, int &count,
+                           unsigned walls)
+{
+    typedef typename star<DIM, WEIGHTED, NT, NV, SCRATCH>::types types;
+    const int lane = (int)threadIdx.x & (T - 1), conflicts = cavity.conflicts, edges = cavity.edges;
     const int edge_end = warp_max<T>(go ? edges : 0);
     for (int base = 0; base < edge_end; base += T) {
         int i = base + lane;
         if (go && i < edges) {
             uint32_t edge = s.border[i], a = edge >> types::bits, b = edge & ((1u << types::bits) - 1);
+            uint32_t c = DIM == 3 && i < fans ? cavity.number : 0;
             int slot = i < conflicts ? s.cavity[i] : count + i - conflicts;
-            s.triangle[slot] = DIM == 3 ? pack(a, b, number) : pack(a, b, 0);
-            if (DIM == 3) {
-                s.sphere[slot] =
-                    sphere_of_triangle<DIM, WEIGHTED>(a, b, number, vertex_place(s, a), vertex_place(s, b), p, walls);
-            } else {
-                place other = vertex_place(s, a == number ? b : a);
-                s.sphere[slot] = a == number ? sphere_of_triangle<DIM, WEIGHTED>(a, b, 0, p, other, p, walls)
-                                             : sphere_of_triangle<DIM, WEIGHTED>(a, b, 0, other, p, p, walls);
-            }
+            s.triangle[slot] = pack(a, b, c);
+            s.sphere[slot] = sphere_of_triangle<DIM, WEIGHTED>(a, b, c, vertex_place(s, a), vertex_place(s, b),
+                                                               vertex_place(s, c), walls);
         }
     }
     __syncwarp();
@@ -1231,23 +1247,23 @@ __device__ inline int insert(star<DIM, WEIGHTED, NT, NV, SCRATCH> &s, const spac
     }
     for (int i = conflicts - 1; any(go && i >= edges); i--) {
         if (go && i >= edges) {
-            int hole = s.cavity[i];
+            int at = s.cavity[i];
             count--;
-            if (lane == 0 && hole != count) {
-                s.triangle[hole] = s.triangle[count];
-                s.sphere[hole] = s.sphere[count];
+            if (lane == 0 && at != count) {
+                s.triangle[at] = s.triangle[count];
+                s.sphere[at] = s.sphere[count];
             }
         }
         __syncwarp();
     }
-    return go ? star_changed : result;
 }
 
-/* The star of v and the points a, b, c: one finite triangle, and an infinite one on each of its edges. */
+/* The star of v and the points a, b, c, one finite triangle and an infinite one on each of its edges, as the border
+   of a hole that fan fills. */
 template <int T, int DIM, bool WEIGHTED, int NT, int NV, int SCRATCH>
-__device__ inline void start(star<DIM, WEIGHTED, NT, NV, SCRATCH> &s, bool go, const uint32_t *id, const place *p,
-                             unsigned walls, int &count)
+__device__ inline void start(star<DIM, WEIGHTED, NT, NV, SCRATCH> &s, bool go, const uint32_t *id, const place *p)
 {
+    typedef typename star<DIM, WEIGHTED, NT, NV, SCRATCH>::types types;
     int lane = (int)threadIdx.x & (T - 1);
     if (go) {
         for (int i = lane; i < NV * s.words; i += T) {
@@ -1262,23 +1278,23 @@ __device__ inline void start(star<DIM, WEIGHTED, NT, NV, SCRATCH> &s, bool go, c
     }
     __syncwarp();
     if (go && lane <= DIM) {
-        uint32_t a, b, c = 0;
+        uint32_t a, b;
         if (DIM == 3) {                              /* (1 2 3), (2 1 0), (3 2 0), (1 3 0) */
             a = lane == 0 ? 1 : lane == 3 ? 1 : (uint32_t)lane + 1;
             b = lane == 0 ? 2 : lane == 3 ? 3 : (uint32_t)lane;
-            c = lane == 0 ? 3 : 0;
         } else {                                     /* (1 2), (2 0), (0 1) */
             a = lane == 0 ? 1 : lane == 1 ? 2 : 0;
             b = lane == 0 ? 2 : lane == 1 ? 0 : 1;
         }
-        s.triangle[lane] = pack(a, b, c);
-        s.sphere[lane] = sphere_of_triangle<DIM, WEIGHTED>(a, b, c, vertex_place(s, a), vertex_place(s, b),
-                                                           vertex_place(s, c), walls);
-    }
-    if (go) {
-        count = DIM + 1;
+        s.border[lane] = (typename types::pair)(a << types::bits | b);
     }
     __syncwarp();
+}
+
+template <int DIM> __device__ inline hole first_hole()
+{
+    hole h = { 0, DIM + 1, 3 };
+    return h;
 }
 
 /* Stores the finished stars of the tiles that go. */
@@ -1400,11 +1416,11 @@ template <int T> __device__ inline place tile_place(const place &p, int lane)
     return r;
 }
 
-/* Starts the stars of the tiles that go with points id, at p, of their own lanes, candidates being those of lanes below
-   have, nearest first.  Returns the lanes used, or 0 where no fat corner was found. */
+/* Starts the stars of the tiles that go with points id, at p, of their own lanes, candidates being those of lanes
+   below have, nearest first: fan is left to do.  Returns the lanes used, or 0 where no fat corner was found. */
 template <int T, int DIM, bool WEIGHTED, int NT, int NV, int SCRATCH>
 __device__ inline unsigned start_from_lanes(star<DIM, WEIGHTED, NT, NV, SCRATCH> &s, bool go, uint32_t id,
-                                            const place &p, int have, unsigned walls, int &count)
+                                            const place &p, int have)
 {
     int lane = (int)threadIdx.x & (T - 1);
     bool here = go && lane < have;
@@ -1430,7 +1446,7 @@ __device__ inline unsigned start_from_lanes(star<DIM, WEIGHTED, NT, NV, SCRATCH>
     uint32_t swap = ids[turn ? 1 : 0];
     ids[1] = ids[turn ? 0 : 1];
     ids[0] = swap;
-    start<T>(s, go, ids, frame, walls, count);
+    start<T>(s, go, ids, frame);
     return go ? 1u | 1u << second | 1u << third : 0;
 }
 
@@ -1449,8 +1465,8 @@ template <int DIM> __device__ inline span relative_box(const box &b, const float
     return r;
 }
 
-/* A rough point relative to another, and the square of its distance; always the same operations, so that all passes over
-   points agree on it. */
+/* A rough point relative to another, and the square of its distance; always the same operations, so that all passes
+   over points agree on it. */
 __device__ inline float rough_square(const float4 &p, const float *v, float *x)
 {
     x[0] = __fsub_rn(p.x, v[0]);
@@ -1514,27 +1530,27 @@ __device__ inline bool may_conflict(const star<DIM, WEIGHTED, NT, NV, SCRATCH> &
 /* ------------------------------------------------------------------------------------------------------
    >>near         The first rung: 8 lanes a star, candidates from the list of its group.
    1. Points within the start radius are collected and sorted by distance.  2. The nearest make the first corner, the
-   others are inserted; all but the first 16 are screened first: a point that is in conflict with nothing now will never
+   others are inserted; all but the first 16 are screened first: a point in conflict with nothing now will never
    be, because stars only shrink.  3. The list is walked again for points outside the start radius and within the
    bounds of the spheres.  Both passes use the same float distance, so no point is met twice.  4. The star is
    certified if its spheres lie within the box that the list covers, or beyond the end of all points.  Of most inputs
    floats decide nearly everything, and a kernel without exact tests is quicker; the stars where they do not are built
    again by one that has them.
    ------------------------------------------------------------------------------------------------------ */
-const int near_triangles = 48, near_vertices = 32, near_points = 64;
-#ifndef NEAR_BLOCK
-#define NEAR_BLOCK 128
-#endif
-const int near_block = NEAR_BLOCK;
-const int at_once = 2;                               /* groups */
-const int near_blocks[2] = { 640 / NEAR_BLOCK, NEAR_BLOCK > 512 ? 1 : 512 / NEAR_BLOCK };                /* a multiprocessor: by floats alone, exact */
+const int near_triangles = 48, near_vertices = 32, near_points = 64, near_block = 128;
+const int at_once = 2;                               /* groups whose points are loaded */
+
+/* Blocks a multiprocessor, by what registers allow. */
+template <int DIM, bool EXACT> struct near_blocks {
+    static const int count = EXACT ? 4 : DIM == 2 ? 6 : 5;
+};
 
 template <int DIM, bool WEIGHTED> struct near_star {
     typedef star<DIM, WEIGHTED, near_triangles, near_vertices, near_points> type;
 };
 
 template <int DIM, bool WEIGHTED, bool EXACT>
-__global__ void __launch_bounds__(near_block, near_blocks[EXACT])
+__global__ void __launch_bounds__(near_block, near_blocks<DIM, EXACT>::count)
 near_kernel(const __grid_constant__ space all, const box *group, const uint32_t *lists, const near_list *infos,
             uint32_t first, uint32_t end, const __grid_constant__ store out, queue failed, queue undecided)
 {
@@ -1628,14 +1644,14 @@ near_kernel(const __grid_constant__ space all, const box *group, const uint32_t 
     uint32_t candidate = go && lane < have ? sorted[lane] : none;   /* 2. */
     place p = relative<DIM>(all, own, all.point[candidate != none ? candidate : v]);
     int count = 0, cursor = T, stored = 0, position = 0;
-    unsigned used = start_from_lanes<T>(s, go, candidate, p, have, walls, count);
+    unsigned used = start_from_lanes<T>(s, go, candidate, p, have);
     go = go && used != 0;
     unsigned pending = go ? ((1u << (have < T ? have : T)) - 1) & ~used : 0, groups = 0;
     uint32_t group_here = none;
     bool walking = false, changed = true;
     span reach = { { 0.0f, 0.0f, 0.0f }, { 0.0f, 0.0f, 0.0f } };
-    for (;;) {
-        for (;;) {                                   /* the next points to insert */
+    for (bool starting = true;; starting = false) {
+        for (; !starting;) {                         /* the next points to insert */
             bool feed = go && pending == 0 && (walking ? stored > 0 : cursor < have);
             if (!any(feed)) {
                 break;
@@ -1653,7 +1669,7 @@ near_kernel(const __grid_constant__ space all, const box *group, const uint32_t 
             pending = feed ? vote : pending;
             cursor += feed && !walking ? T : 0;
         }
-        if (__syncthreads_or(go && pending != 0) == 0) {    /* 3. */
+        if (__syncthreads_or(go && (starting || pending != 0)) == 0) {      /* 3. */
             if (walking && __syncthreads_or(go && (groups != 0 || position < length)) == 0) {
                 break;
             }
@@ -1709,18 +1725,25 @@ near_kernel(const __grid_constant__ space all, const box *group, const uint32_t 
             }
             continue;
         }
-        bool now = go && pending != 0;
+        bool now = go && (starting || pending != 0);
         if (!any(now)) {
             continue;
         }
-        int from = now ? __ffs((int)pending) - 1 : 0;
-        pending &= pending - 1;
-        uint32_t next = tile_read<T>(candidate, from);
-        place at = relative<DIM>(all, own, all.point[now ? next : v]);
-        int result = insert<T, EXACT>(s, all, v, now, next, at, count, walls, NULL);
-        changed = changed || (result & star_changed) != 0;
-        open = open || (!EXACT && (result & star_open) != 0);
-        go = go && (result & ~star_changed) == 0;
+        hole cavity = first_hole<DIM>();
+        int fans = 1;
+        if (!starting) {
+            int from = now ? __ffs((int)pending) - 1 : 0;
+            pending &= pending - 1;
+            uint32_t next = tile_read<T>(candidate, from);
+            place at = relative<DIM>(all, own, all.point[now ? next : v]);
+            int result = carve<T, EXACT>(s, all, v, now, next, at, count, NULL, cavity);
+            now = result == star_changed;
+            fans = cavity.edges;
+            changed = changed || now;
+            open = open || (!EXACT && (result & star_open) != 0);
+            go = go && (result & ~star_changed) == 0;
+        }
+        fan<T>(s, now, cavity, fans, count, walls);
     }
     box b = group[g];                                /* 4. */
     span covered;
@@ -1752,17 +1775,17 @@ near_kernel(const __grid_constant__ space all, const box *group, const uint32_t 
 }
 
 /* ------------------------------------------------------------------------------------------------------
-   >>far          The second and third rung: a warp a star, candidates from a search of the tree.
-   The star is that of the first rung, or starts from the neighbours of v on the curve.  For each of its simplices that
-   is not verified the tree is searched depth first, nearest box first, for points in conflict with it; when there are
-   none it is verified, which is final, because a simplex without conflicts is in the result.  So when all are, the star
-   is certified whatever its size, and nothing is searched twice.  With t the point of a box where |x|^2 - q . x is
-   least, axis by axis, and h = 2^-20 Q, for any x of the box
+   >>far          The second and third rung: a warp or more a star, candidates from a search of the tree.
+   The star is that of the first rung, or starts from the neighbours of v on the curve.  For each of its simplices
+   that is not verified the tree is searched depth first for points in conflict with it; when there are none it is
+   verified, which is final, because a simplex without conflicts is in the result.  So when all are, the star is
+   certified whatever its size, and nothing is searched twice.  With t the point of a box where |x|^2 - q . x
+   is least, axis by axis, and h = 2^-20 Q, for any x of the box
 
        |x|^2 - q . x - h |x|_1 >= sum over axes of t (t - q) - h |t| - h^2 / 4,
 
-   because |x|^2 - q . x >= t (t - q) + (x - t)^2 on each axis and (x - t)^2 - h |x - t| >= -h^2 / 4.  A cap on the search
-   keeps the total work linear.
+   because |x|^2 - q . x >= t (t - q) + (x - t)^2 on each axis and (x - t)^2 - h |x - t| >= -h^2 / 4.  A cap on the
+   search keeps the total work linear.
    ------------------------------------------------------------------------------------------------------ */
 struct quick_rung {
     static const int triangles = 128, vertices = 64, warps = 1, blocks = 24;
@@ -1854,8 +1877,7 @@ __global__ void seed_kernel(const __grid_constant__ space s, int dim, int found,
    come nearest to spanning the space, among them four seeds that do span it. */
 template <int DIM, bool WEIGHTED, int NT, int NV, int SCRATCH>
 __device__ inline bool start_from_seeds(star<DIM, WEIGHTED, NT, NV, SCRATCH> &s, const space &all, uint32_t v,
-                                        uint32_t id, const place &p, bool here, unsigned walls, pbw__digit *pool,
-                                        int &count)
+                                        uint32_t id, const place &p, bool here, pbw__digit *pool)
 {
     int lane = (int)threadIdx.x & 31, second, third;
     place a = tile_place<32>(p, 0), b, c, frame[3];
@@ -1890,17 +1912,27 @@ __device__ inline bool start_from_seeds(star<DIM, WEIGHTED, NT, NV, SCRATCH> &s,
     uint32_t swap = ids[sign < 0 ? 1 : 0];
     ids[1] = ids[sign < 0 ? 0 : 1];
     ids[0] = swap;
-    start<32>(s, true, ids, frame, walls, count);
+    start<32>(s, true, ids, frame);
     return true;
 }
 
-/* A call: inlined into the search, some insertions come out wrong with nvcc 13.0 (with ptxas -O1 none do).  The reason
-   is not known. */
-template <int DIM, bool WEIGHTED, int NT, int NV, int SCRATCH>
-__device__ __noinline__ int far_insert(star<DIM, WEIGHTED, NT, NV, SCRATCH> &s, const space &all, uint32_t v,
-                                       uint32_t id, const place &p, int &count, unsigned walls, pbw__digit *pool)
+/* Inserts a point into the star of a warp.  The exact one is a call: inlined into the search, some insertions come
+   out wrong with nvcc 13.0 (with ptxas -O1 none do).  The reason is not known. */
+template <bool EXACT, int DIM, bool WEIGHTED, int NT, int NV, int SCRATCH>
+__device__ inline int insert(star<DIM, WEIGHTED, NT, NV, SCRATCH> &s, const space &all, uint32_t v, uint32_t id,
+                             const place &p, int &count, unsigned walls, pbw__digit *pool)
 {
-    return insert<32, true>(s, all, v, true, id, p, count, walls, pool);
+    hole cavity;
+    int result = carve<32, EXACT>(s, all, v, true, id, p, count, pool, cavity);
+    fan<32>(s, result == star_changed, cavity, cavity.edges, count, walls);
+    return result;
+}
+
+template <int DIM, bool WEIGHTED, int NT, int NV, int SCRATCH>
+__device__ __noinline__ int insert_exactly(star<DIM, WEIGHTED, NT, NV, SCRATCH> &s, const space &all, uint32_t v,
+                                           uint32_t id, const place &p, int &count, unsigned walls, pbw__digit *pool)
+{
+    return insert<true>(s, all, v, id, p, count, walls, pool);
 }
 
 /* A star of v from 28 points at growing distances along the curve, so that it is bounded in all directions from the
@@ -1935,15 +1967,17 @@ __device__ inline bool start_on_curve(star<DIM, WEIGHTED, NT, NV, SCRATCH> &s, c
     candidate = order[lane];
     __syncwarp();
     p = relative<DIM>(all, own, all.point[candidate != none ? candidate : v]);
-    if (start_from_lanes<32>(s, true, candidate, p, have, walls, count) != 0 || !EXACT) {
-        return count != 0;
+    bool started = start_from_lanes<32>(s, true, candidate, p, have) != 0;
+    if (!started && EXACT) {
+        if (candidate == none) {
+            uint32_t other = lane - have > DIM ? none : lane == have ? 0 : (uint32_t)seed[lane - have];
+            candidate = other == v ? none : other;
+            p = relative<DIM>(all, own, all.point[candidate != none ? candidate : v]);
+        }
+        started = start_from_seeds(s, all, v, candidate, p, candidate != none, pool);
     }
-    if (candidate == none) {
-        uint32_t other = lane - have > DIM ? none : lane == have ? 0 : (uint32_t)seed[lane - have];
-        candidate = other == v ? none : other;
-        p = relative<DIM>(all, own, all.point[candidate != none ? candidate : v]);
-    }
-    return start_from_seeds(s, all, v, candidate, p, candidate != none, walls, pool, count);
+    fan<32>(s, started, first_hole<DIM>(), 1, count, walls);
+    return started;
 }
 
 /* The star of v as the store has it. */
@@ -1983,8 +2017,8 @@ __device__ inline void start_from_store(star<DIM, WEIGHTED, NT, NV, SCRATCH> &s,
 
 enum { far_busy, far_certified, far_hidden, far_lost, far_capped };
 
-/* One star, by all warps of a block: each searches for conflicts of its own simplex, then they insert in turns.  resume:
-   the store holds what was found so far; changed: whether the star is another than that. */
+/* One star, by all warps of a block: each searches for conflicts of its own simplex, then they insert in turns. 
+   resume: the store holds what was found so far; changed: whether the star is another than that. */
 template <bool EXACT, int WARPS, int DIM, bool WEIGHTED, int NT, int NV, int SCRATCH>
 __device__ inline int far_star_of(star<DIM, WEIGHTED, NT, NV, SCRATCH> &s, const space &all, const tree &boxes,
                                   const unsigned long long *seed, const store &in, uint32_t v, bool resume, int cap,
@@ -2052,8 +2086,8 @@ __device__ inline int far_star_of(star<DIM, WEIGHTED, NT, NV, SCRATCH> &s, const
                     if (any(known)) {
                         continue;
                     }
-                    int result = EXACT ? far_insert(s, all, v, next, at, count, walls, pool)
-                                       : insert<32, false>(s, all, v, true, next, at, count, walls, pool);
+                    int result = EXACT ? insert_exactly(s, all, v, next, at, count, walls, pool)
+                                       : insert<false>(s, all, v, next, at, count, walls, pool);
                     verdict = WEIGHTED && result == star_hidden ? far_hidden
                             : (result & ~star_changed) != 0 ? far_lost : far_busy;
                     if (result == star_changed) {
@@ -2942,11 +2976,10 @@ bool build_stars(call &c, const space &s, const tree &t, const uint32_t *lists, 
     const size_t quick_bytes = sizeof(typename far_star<DIM, WEIGHTED, quick_rung>::type);
     const size_t far_bytes = sizeof(typename far_star<DIM, WEIGHTED, far_rung>::type);
     const size_t near_bytes = sizeof(typename near_star<DIM, WEIGHTED>::type) * (near_block / 8);
+    static_assert(near_bytes <= 48 << 10, "the stars of a block fit what every device has of shared memory");
     const uint32_t chunk = 1u << 22, limit = 128 + s.count / 2048;
     uint32_t open = 0, failed = 0, last = 0;
 
-    good(c, cudaFuncSetAttribute(near_kernel<DIM, WEIGHTED, false>, cudaFuncAttributeMaxDynamicSharedMemorySize, (int)near_bytes), "cudaFuncSetAttribute");
-    good(c, cudaFuncSetAttribute(near_kernel<DIM, WEIGHTED, true>, cudaFuncAttributeMaxDynamicSharedMemorySize, (int)near_bytes), "cudaFuncSetAttribute");
     for (int i = 0; i < 3; i++) {
         fill(c, q[i].count, 0, 1);
     }
