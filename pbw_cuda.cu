@@ -2964,7 +2964,7 @@ bool grow_tree(call &c, space &s, int dim, tree &t)
 }
 
 /* Looks at 32 boxes or points, of a warp; an insertion counts as 4. */
-const int quick_cap = 256, far_cap = 4096, last_cap = 1 << 17;
+const int quick_cap = 1024, far_cap = 4096, last_cap = 1 << 17;
 const uint32_t last_blocks = 64;
 
 /* All stars into out.  t.level[0] and lists come from before. */
