@@ -2164,25 +2164,40 @@ __device__ inline int far_star_of(star<DIM, WEIGHTED, NT, NV, SCRATCH> &s, const
                     candidate = corner(word, k) != 0 && s.id[corner(word, k)] == candidate ? none : candidate;
                 }
                 p = relative<DIM>(all, own, all.point[candidate != none ? candidate : v]);
-                bool may = candidate != none && side(s.sphere[t], probe_of<DIM, WEIGHTED>(p)) != 0;
-                pending = __ballot_sync(all_lanes, may);
-            } else {                                 /* 32 boxes: those that matter wait */
+                int answer = candidate != none ? side(s.sphere[t], probe_of<DIM, WEIGHTED>(p)) : 0;
+                if (EXACT && answer == open_sign) {  /* a flat simplex on the hull leaves many points open */
+                    answer = settle<DIM>(all, v, s.id, s.triangle, count, t, candidate, NULL);
+                }
+                pending = __ballot_sync(all_lanes, answer != 0);
+            } else {                                 /* 32 boxes: those that matter wait, the nearest on top */
                 uint32_t top = stack[--depth], level = (top >> 29) - 1, child;
+                float distance = HUGE_VALF;
                 bool visit = false;
                 node = (top & 0x1fffffffu) * 32;
                 child = node + (uint32_t)lane;
                 if (child < boxes.size[level]) {
                     box b = boxes.level[level][child];
-                    visit = box_may_conflict<DIM, WEIGHTED>(s.sphere[t], relative_box<DIM>(b, origin),
-                                                            relative_weight<WEIGHTED>(b, own_weight));
+                    span r = relative_box<DIM>(b, origin);
+                    visit = box_may_conflict<DIM, WEIGHTED>(s.sphere[t], r, relative_weight<WEIGHTED>(b, own_weight));
+                    distance = 0.0f;
+                    for (int k = 0; k < DIM && visit; k++) {
+                        float d = fmaxf(fmaxf(r.low[k], -r.high[k]), 0.0f);
+                        distance = fmaf(d, d, distance);
+                    }
+                    distance = visit ? distance : HUGE_VALF;
                 }
                 __syncwarp();
                 unsigned vote = __ballot_sync(all_lanes, visit);
                 if (level == 0) {
                     hit = vote;
                 } else {
+                    float least = tile_min<32>(distance);
+                    unsigned nearest = __ballot_sync(all_lanes, visit && distance == least);
+                    nearest &= ~nearest + 1;         /* one of them */
                     if (visit) {
-                        stack[depth + __popc(vote & below)] = level << 29 | child;
+                        unsigned others = vote & ~nearest;
+                        stack[depth + __popc(others & ((nearest >> lane & 1) != 0 ? all_lanes : below))] =
+                            level << 29 | child;
                     }
                     depth += __popc(vote);
                     __syncwarp();

@@ -28,7 +28,7 @@ static double seconds(void)
 
 /* ---- an allocator that keeps its blocks, pinned */
 typedef struct block { void *address; size_t bytes; int busy; } block;
-typedef struct keeper { block blocks[64]; int count; } keeper;
+typedef struct keeper { block blocks[1024]; int count; } keeper;
 
 static void *keeper_resize(void *user, void *address, size_t old_bytes, size_t bytes)
 {
@@ -43,7 +43,7 @@ static void *keeper_resize(void *user, void *address, size_t old_bytes, size_t b
             }
         }
         if (best < 0) {
-            if (k->count == 64 || cudaMallocHost(&fresh, bytes) != cudaSuccess) {
+            if (k->count == 1024 || cudaMallocHost(&fresh, bytes) != cudaSuccess) {
                 return NULL;
             }
             memset(fresh, 1, bytes);
