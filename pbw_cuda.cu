@@ -2097,6 +2097,7 @@ __device__ inline int far_star_of(star<DIM, WEIGHTED, NT, NV, SCRATCH> &s, const
                     }
                     spent += 4;
                 }
+                __syncwarp();
                 if (lane == 0) {
                     shared.count = count;
                     shared.verdict = verdict;
@@ -2559,7 +2560,7 @@ __global__ void large_neighbor_kernel(queue large, const __grid_constant__ store
    In: packed points on the device.  Out: the arrays on the device, and for a job of pbw.h also in its memory, copied
    while later stages run.  Everything is in the order of one stream; the host waits where it needs a count.
    ------------------------------------------------------------------------------------------------------ */
-const double bytes_a_point[2] = { 230.0, 640.0 };    /* of device memory at the peak, uniform points: 2D, 3D */
+const double bytes_a_point[2] = { 230.0, 650.0 };    /* of device memory at the peak, uniform points: 2D, 3D */
 
 struct call {
     cudaStream_t stream, copies;
