@@ -16,8 +16,9 @@
 
      first rung    8 lanes a star; candidates from a list of groups of points near v; certified if the spheres of the
                    star lie within the box that the list covers.  About 97 of 100 stars of uniform points.
-     second rung   a warp a star; candidates from a search of the box tree, pruned by the spheres, which certifies by
-                   its end.  Hull stars, sparse places, larger stars.
+     second rung   a warp a star; candidates from a search of the box tree for points in conflict with the simplices
+                   that the first rung left uncertified.  Hull stars, sparse places, larger stars.  At first by floats
+                   alone, then with exact tests and more room.
      third rung    the same with room for 1000 vertices and with the last exact stage of pbw.h.  A handful.
      the CPU       takes the whole input if a star does not fit any rung, if the work would be quadratic (points on a
                    sphere: each of its spheres touches all points), or if the points are few.
@@ -81,8 +82,8 @@ struct tree {
     int levels;                                      /* level[levels-1] has at most 32 boxes */
 };
 
-/* The points in the order of the curve.  A coordinate in units of the space is (x - low) * unit, from 0 to 2; the unit
-   is a power of two, so that scaling rounds nothing. */
+/* The points in the order of the curve.  A coordinate in units of the space is (x - low) * unit, from 0 to 2; the
+   unit is a power of two, so that scaling rounds nothing. */
 struct space {
     const record *point;
     const float4 *rough;                             /* the coordinates in units, as floats: where a look will do */
@@ -96,8 +97,11 @@ struct queue {                                       /* vertices for the next ru
     uint32_t *vertex, *count;
 };
 
+const uint32_t stored_mark = 1u << 31;               /* in a queue: the store holds a star to go on from */
+
 /* The finished stars: a star is a head (triangles << 16 | vertices), its vertices, and its triangles as 3 numbers of
-   vertices in 10 bits each (2D: edges, 2 numbers), padded to 16 bytes. */
+   vertices in 10 bits each (2D: edges, 2 numbers), padded to 16 bytes.  Bit 30 of a triangle is left over from the
+   search. */
 struct store {
     uint32_t *word;
     unsigned long long *used; /* units of 16 bytes asked for: more than capacity if too small */
@@ -177,7 +181,7 @@ __host__ __device__ inline double unordered(unsigned long long bits)
 /* ------------------------------------------------------------------------------------------------------
    >>curve        Points in the order of the Hilbert curve, duplicates set aside.
    In: packed points and weights.  Out: records by rank, the caller's id of each rank, and for each point the one that
-   it duplicates, all as >>order of pbw.h has them: the same keys; short runs of equal keys put into lexicographic order;
+   it duplicates, all as >>order of pbw.h has them: the same keys; short runs of equal keys in lexicographic order;
    the points of a long run get keys from a grid over their own box, and so on.  The long runs of one depth are taken
    together: their points are gathered, sorted by the new key, then by their run, and put back.
    ------------------------------------------------------------------------------------------------------ */
@@ -317,8 +321,8 @@ struct run_list {
 };
 
 /* Finds runs among keys, which are all keys or, with segment, those gathered from the runs of a list.  The first of a
-   short run puts it into order: lexicographic, then the larger weight, then the lower index.  Long ones go to found, with
-   the end of all that they could reach. */
+   short run puts it into order: lexicographic, then the larger weight, then the lower index.  Long ones go to found,
+   with the end of all that they could reach. */
 __global__ void run_kernel(input in, int index_bits, uint64_t *key, size_t count, const uint32_t *segment,
                            run_list of, run_list found, survey *out)
 {
@@ -361,7 +365,8 @@ __global__ void run_kernel(input in, int index_bits, uint64_t *key, size_t count
     }
 }
 
-/* A warp a run: its length; 0 if all its points lie at one place.  Then the best of them goes first, and root says so. */
+/* A warp a run: its length; 0 if all its points lie at one place.  Then the best of them goes first, which
+   root says. */
 __global__ void measure_kernel(input in, int index_bits, uint64_t *key, run_list runs, uint32_t count, double *low,
                                double *extent, uint32_t *root)
 {
@@ -462,8 +467,8 @@ __device__ bool same_place(const double *x, const double *y, int dim)
     return x[0] == y[0] && x[1] == y[1] && (dim == 2 || x[2] == y[2]);
 }
 
-/* first[i] = 1 if the i-th point on the curve lies at a place of its own; the best of a place comes first.  root: NULL,
-   or where a long run at one place begins. */
+/* first[i] = 1 if the i-th point on the curve lies at a place of its own; the best of a place comes first.  root:
+   NULL, or where a long run at one place begins. */
 __global__ void place_kernel(input in, int index_bits, const uint64_t *key, const uint32_t *root_of, uint32_t *first,
                              uint32_t *canonical, survey *out)
 {
@@ -516,8 +521,9 @@ const int group_size = 8, list_size = 192;
 
 struct near_list {
     uint32_t length;                                 /* 0: none, the stars of the group go to the second rung */
-    float reach, start; /* the list covers the group's box grown by reach; start: a radius
-                                                        of about 33 points */
+    float reach, start;                              /* it covers the group's box grown by reach; start: a radius of
+                                                        about 33 points, which the first close entries cover */
+    uint32_t close;
 };
 
 __device__ inline double in_units(const space &s, const record &r, int k)
@@ -642,16 +648,22 @@ __global__ void list_kernel(const __grid_constant__ tree t, int dim, uint32_t *l
         }
     }
     length = length > list_size ? 0 : length;
-    uint32_t key[list_size / 32], value[list_size / 32];    /* nearest centre first, by counting */
+    const float start = (dim == 3 ? 0.5f : 0.32f) * side;
+    uint32_t key[list_size / 32], value[list_size / 32], close = 0;     /* nearest centre first, by counting */
+    bool is_close[list_size / 32];
     for (int i = 0; i < list_size / 32; i++) {
         key[i] = none;
+        is_close[i] = false;
         if (i * 32 + lane < length) {
             box b = t.level[0][value[i] = found[i * 32 + lane]];
-            float d = 0.0f;
+            float d = 0.0f, gaps = 0.0f;
             for (int k = 0; k < 3; k++) {
                 float c = b.low[k] + b.high[k] - (own.low[k] + own.high[k]);
+                float gap = fmaxf(fmaxf(b.low[k] - own.high[k], own.low[k] - b.high[k]) - 9.6e-7f, 0.0f);
                 d = fmaf(c, c, d);
+                gaps = fmaf(gap, gap, gaps);
             }
+            is_close[i] = gaps * 0.9999f < start * start;
             key[i] = value[i] == g ? 0 : (__float_as_uint(d) & ~255u) + (uint32_t)(i * 32 + lane);
         }
     }
@@ -672,10 +684,12 @@ __global__ void list_kernel(const __grid_constant__ tree t, int dim, uint32_t *l
     for (int i = 0; i < list_size / 32; i++) {
         if (i * 32 + lane < length) {
             list[(size_t)g * list_size + before[i]] = value[i];
+            close = is_close[i] && before[i] >= close ? before[i] + 1 : close;
         }
     }
+    close = none - tile_min<32>(none - close);
     if (lane == 0) {
-        near_list n = { (uint32_t)length, reach, (dim == 3 ? 0.5f : 0.32f) * side };
+        near_list n = { (uint32_t)length, reach, start, close };
         info[g] = n;
     }
 }
@@ -688,30 +702,33 @@ __global__ void list_kernel(const __grid_constant__ tree t, int dim, uint32_t *l
        l_p - q . p < 0,     q = N / D,     N = l_a (b x c) + l_b (c x a) + l_c (a x b):
 
    q is twice the centre of the (ortho)sphere.  For an infinite simplex on the facet (v, a, b) it is -q . p < 0 with
-   q = (a x b) / |a x b|.  In the plane D = a x b, N = l_a b' - l_b a' with a' = a turned by a right angle.
-   A sphere is four floats: q, and Q, a size that carries the error of q; Q < 0 marks an infinite simplex.  Let
+   q = 2^112 (a x b) / |a x b|: beside it the lift, below 2^41, does not count.  In the plane D = a x b,
+   N = l_a b' - l_b a' with a' = a turned by a right angle.
+   A sphere is four floats: q, and Q, a size that carries the error of q; Q >= 2^112 marks an infinite simplex.  Let
    u = 2^-53, f = 2^-24, A = |a|, L_a = |a|^2 + |w_a - w_v| and so on.
 
-     D    3 factors for differences, 5 for products and sums, terms at most 1.16 ABC (the permanent of a matrix with rows
-          of norm 1 is at most 6/3^1.5):                                     error at most  10 u ABC
+     D    3 factors for differences, 5 for products and sums, terms at most 1.16 ABC (the permanent of a matrix with
+          rows of norm 1 is at most 6/3^1.5):                                     error at most  10 u ABC
      N    lifts 6 factors, crosses 4, product and sums 3, terms at most sqrt 2 E,
           E = L_a BC + L_b AC + L_c AB:                                      error at most  19 u E
      q    if D > 2^-48 ABC > 20 u ABC the true D is at least half of it:     error at most  40 u (E + |q| ABC) / D
           rounded to float: f |q| more.
      test lift, p, q rounded to floats; 4 sums:                              error at most  8 f (L_p + |q| P) more
-          (a float p is off by f P, that is f |q| P in q . p; a lift by f L_p; each fused step rounds a partial sum of at
+          (a float p is off by f P, that is f |q| P in q . p; a lift by f L_p; each fused step rounds a sum of at
           most L_p + |q| P).
 
    With Q = |q| + 2^-27 (E + |q| ABC) / D the bound 2^-20 (L_p + Q P) = 16 f (L_p + |q| P) + 2^-47 P (...) holds all
-   that.  Q is infinite if nothing is known; then, and for P below 2^-50, where squares might underflow, the test says
-   open.  In the plane and for infinite simplices there are fewer factors.
+   that, roots that are off by 2^-22, and for an infinite simplex the lift: 8 f Q P > 2^41.  Q is infinite if nothing
+   is known; then, and for P below 2^-50, where squares might underflow, the test says open.  In the plane and for
+   infinite simplices there are fewer factors.
 
    A wall is an infinite simplex on a side of the box of all points: v, a and b have the same extreme coordinate.  No
    point is beyond it, and one in its plane is in conflict with it exactly if it is with the finite simplex behind it,
-   which is in the star too.  So walls are left out of the search (else each point of a flat side would be a candidate for
-   each star there).  A wall has Q = -1/2: its q is exact.
+   which is in the star too.  So walls are left out of the search (else each point of a flat side would be a candidate
+   for each star there).  A wall has Q = -2^111: its q is exact, and no point seems to be in conflict with it.
    ------------------------------------------------------------------------------------------------------ */
 const float slack = 9.5367431640625e-7f;             /* 2^-20 */
+const float far_away = 5.192296858534828e33f;        /* 2^112 */
 const int open_sign = PBW__OPEN;
 
 struct place {                                       /* relative to v, in units */
@@ -719,8 +736,15 @@ struct place {                                       /* relative to v, in units 
 };
 
 struct probe {                                       /* the same in floats */
-    float x[3], lift, load, size;                    /* load: L_p; size: P, or infinity */
+    float x[3], lift, load, size;                    /* load: 2^-20 L_p; size: 2^-20 P, or infinity */
 };
+
+__device__ inline float root(float value)            /* relative error 2^-22 */
+{
+    float result;
+    asm("sqrt.approx.ftz.f32 %0, %1;" : "=f"(result) : "f"(value));
+    return result;
+}
 
 template <int DIM> __device__ inline place relative(const space &s, const record &v, const record &p)
 {
@@ -746,14 +770,14 @@ template <int DIM, bool WEIGHTED> __device__ inline probe probe_of(const place &
     }
     r.load = (float)l;
     r.lift = WEIGHTED ? (float)(l - p.w) : r.load;
-    r.size = r.load > 7.9e-31f ? sqrtf(r.load) : HUGE_VALF;
-    r.load = WEIGHTED ? r.load + fabsf((float)p.w) : r.load;
+    r.size = r.load > 7.9e-31f ? slack * root(r.load) : HUGE_VALF;
+    r.load = slack * (WEIGHTED ? r.load + fabsf((float)p.w) : r.load);
     return r;
 }
 
 __device__ inline bool is_wall(float4 q)
 {
-    return q.w < 0.0f && q.w > -0.75f;
+    return q.w < 0.0f;
 }
 
 /* The walls through v, as bits: the lower and the upper side of each axis. */
@@ -769,27 +793,25 @@ template <int DIM> __device__ inline unsigned walls_of(const space &s, const rec
 /* 1: in conflict, 0: not, open_sign. */
 __device__ inline int side(float4 q, const probe &p)
 {
-    bool infinite = q.w < 0.0f;
-    float s = infinite ? 0.0f : p.lift;
-    s = fmaf(-q.x, p.x[0], fmaf(-q.y, p.x[1], fmaf(-q.z, p.x[2], s)));
-    float e = slack * fmaf(fabsf(q.w), p.size, infinite ? 0.0f : p.load);
+    float s = fmaf(-q.x, p.x[0], fmaf(-q.y, p.x[1], fmaf(-q.z, p.x[2], p.lift)));
+    float e = fmaf(fabsf(q.w), p.size, p.load);
     return s > e ? 0 : s < -e ? 1 : open_sign;
 }
 
-__device__ inline float4 unknown_sphere(bool infinite)
+__device__ inline float4 unknown_sphere()
 {
-    return make_float4(0.0f, 0.0f, 0.0f, infinite ? -HUGE_VALF : HUGE_VALF);
+    return make_float4(0.0f, 0.0f, 0.0f, HUGE_VALF);
 }
 
 __device__ inline float4 sphere_of(const double *n, double d, double e, double product)
 {
     if (!(d > 3.5527136788005009e-15 * product)) {   /* 2^-48 */
-        return unknown_sphere(false);
+        return unknown_sphere();
     }
     double inverse = 1.0 / d, x = n[0] * inverse, y = n[1] * inverse, z = n[2] * inverse;
-    double size = sqrt(x * x + y * y + z * z);
-    if (!(size < 1e18)) {
-        return unknown_sphere(false);
+    double square_q = x * x + y * y + z * z, size = root((float)square_q);
+    if (!(square_q < 1e36)) {
+        return unknown_sphere();
     }
     return make_float4((float)x, (float)y, (float)z,
                        (float)(size + 7.4505805969238281e-9 * (e + size * product) * inverse));
@@ -801,9 +823,9 @@ template <int DIM, bool WEIGHTED> __device__ inline float4 sphere(const place &p
     double la = square<DIM>(a), lb = square<DIM>(b), lc = DIM == 3 ? square<DIM>(c) : 1.0;
     double n[3] = { 0.0, 0.0, 0.0 };
     if (!(la > 7.9e-31 && lb > 7.9e-31 && lc > 7.9e-31)) {
-        return unknown_sphere(false);
+        return unknown_sphere();
     }
-    double A = sqrtf((float)la), B = sqrtf((float)lb), C = DIM == 3 ? sqrtf((float)lc) : 1.0f;
+    double A = root((float)la), B = root((float)lb), C = DIM == 3 ? root((float)lc) : 1.0f;
     double La = la, Lb = lb, Lc = lc;
     if (WEIGHTED) {
         La += fabs(pa.w), Lb += fabs(pb.w), Lc += fabs(pc.w);
@@ -836,17 +858,17 @@ template <int DIM> __device__ inline float4 half_space(const place &pa, const pl
     }
     for (int k = 0; k < DIM; k++) {
         if (a[k] == 0.0 && (DIM == 2 || b[k] == 0.0) && (walls >> (n[k] > 0.0 ? 2 * k + 1 : 2 * k) & 1) != 0) {
-            float one = n[k] > 0.0 ? 1.0f : -1.0f;
-            return make_float4(k == 0 ? one : 0.0f, k == 1 ? one : 0.0f, k == 2 ? one : 0.0f, -0.5f);
+            float one = n[k] > 0.0 ? far_away : -far_away;
+            return make_float4(k == 0 ? one : 0.0f, k == 1 ? one : 0.0f, k == 2 ? one : 0.0f, -0.5f * far_away);
         }
     }
     double square_n = n[0] * n[0] + n[1] * n[1] + n[2] * n[2];
     if (!(la > 7.9e-31 && lb > 7.9e-31 && square_n > 1.3e-29 * la * lb)) {      /* 2^-96 */
-        return unknown_sphere(true);
+        return unknown_sphere();
     }
-    double inverse = 1.0 / sqrt(square_n);
+    double inverse = far_away / sqrt(square_n);
     return make_float4((float)(n[0] * inverse), (float)(n[1] * inverse), (float)(n[2] * inverse),
-                       -(float)(1.0 + 7.4505805969238281e-9 * sqrt(la * lb) * inverse));
+                       (float)(far_away + 7.4505805969238281e-9 * sqrt(la * lb) * inverse));
 }
 
 /* The exact sign of a determinant as in >>predicates of pbw.h; open_sign only if pool is NULL. */
@@ -881,7 +903,9 @@ template <int DIM> __device__ int orientation_sign(const space &s, const double 
     return sign != PBW__OPEN ? sign : exact_sign(DIM, DIM, row, row[DIM], &s.grid, pool, NULL);
 }
 
-const uint32_t corner_mask = 1023;                   /* local number 0 is the vertex at infinity */
+/* A triangle: three local numbers of vertices, 0 being the vertex at infinity, and a mark that no point of the input
+   is in conflict with the simplex: then it is final, no insertion removes it. */
+const uint32_t corner_mask = 1023, verified = 1u << 30;
 
 __device__ inline uint32_t corner(uint32_t triangle, int k)
 {
@@ -1057,10 +1081,17 @@ __device__ inline void find_used(star<DIM, WEIGHTED, NT, NV, SCRATCH> &s, bool g
     __syncwarp();
 }
 
-/* Inserts point id, at p relative to v, into the stars of those tiles that go; count: their triangles. */
-template <int T, int DIM, bool WEIGHTED, int NT, int NV, int SCRATCH>
-__device__ inline int insert(star<DIM, WEIGHTED, NT, NV, SCRATCH> &s, const space &all, uint32_t v, bool go,
-                             uint32_t id, const place &p, int &count, unsigned walls, pbw__digit *pool)
+/* The cavity of a point in a star: conflicts triangles; its border: edges; and the number of the point. */
+struct hole {
+    int conflicts, edges;
+    uint32_t number;
+};
+
+/* Finds the cavity of point id, at p relative to v, in the stars of those tiles that go, and makes the point a vertex
+   of theirs; count: their triangles.  Without EXACT what floats leave open stays open. */
+template <int T, bool EXACT, int DIM, bool WEIGHTED, int NT, int NV, int SCRATCH>
+__device__ inline int carve(star<DIM, WEIGHTED, NT, NV, SCRATCH> &s, const space &all, uint32_t v, bool go,
+                            uint32_t id, const place &p, int count, pbw__digit *pool, hole &cavity)
 {
     typedef typename star<DIM, WEIGHTED, NT, NV, SCRATCH>::types types;
     typedef typename types::pair pair;
@@ -1073,21 +1104,25 @@ __device__ inline int insert(star<DIM, WEIGHTED, NT, NV, SCRATCH> &s, const spac
     typedef typename types::rounds rounds_type;
     rounds_type hits = 0, opens = 0;                 /* bit i: triangle i T + lane */
     int rounds = (warp_max<T>(go ? count : 0) + T - 1) / T;
-    for (int i = 0; i < rounds; i++) {
+#pragma unroll(NT / T < 8 ? NT / T : 1)
+    for (int i = 0; i < NT / T; i++) {
+        if (i == rounds) {
+            break;
+        }
         int t = i * T + lane, hit = go && t < count ? side(s.sphere[t], float_p) : 0;
         hits |= (rounds_type)(hit == 1) << i;
         opens |= (rounds_type)(hit == open_sign) << i;
     }
     if (any(opens != 0)) {
-        int undecided = 0;
-        for (int i = 0; i < rounds; i++) {
+        bool undecided = !EXACT && opens != 0;
+        for (int i = 0; EXACT && i < rounds; i++) {
             if ((opens >> i & 1) != 0) {
                 int hit = settle<DIM>(all, v, s.id, s.triangle, count, i * T + lane, id, pool);
                 hits |= (rounds_type)(hit == 1) << i;
-                undecided += hit == open_sign;
+                undecided = undecided || hit == open_sign;
             }
         }
-        result = tile_ballot<T>(undecided != 0) != 0 ? star_open : 0;
+        result = tile_ballot<T>(undecided) != 0 ? star_open : 0;
     }
     for (int i = 0; i < rounds; i++) {
         unsigned vote = tile_ballot<T>((hits >> i & 1) != 0);
@@ -1164,6 +1199,7 @@ __device__ inline int insert(star<DIM, WEIGHTED, NT, NV, SCRATCH> &s, const spac
         result |= star_full;
     }
     __syncwarp();
+    go = go && result == 0;
     for (int base = 0; base < conflict_end; base += T) {
         if (go && base + lane < conflicts) {
             uint32_t t = s.triangle[s.cavity[base + lane]], a = corner(t, 0), b = corner(t, 1), c = corner(t, 2);
@@ -1174,27 +1210,35 @@ __device__ inline int insert(star<DIM, WEIGHTED, NT, NV, SCRATCH> &s, const spac
             }
         }
     }
-    __syncwarp();
-    go = go && result == 0;
     if (go && lane == 0) {
         set_vertex(s, number, id, p);
         s.used[number >> 5] |= 1u << (number & 31);
     }
+    __syncwarp();
+    cavity.conflicts = conflicts;
+    cavity.edges = edges;
+    cavity.number = number;
+    return go ? star_changed : result;
+}
+
+/* Replaces the cavities of the tiles that go by the triangles from the first fans edges of their borders to the new
+   vertex, and from the others to infinity; in the plane the border is the new edges. */
+template <int T, int DIM, bool WEIGHTED, int NT, int NV, int SCRATCH>
+__device__ inline void fan(star<DIM, WEIGHTED, NT, NV, SCRATCH> &s, bool go, const hole &cavity, int fans, int &count,
+                           unsigned walls)
+{
+    typedef typename star<DIM, WEIGHTED, NT, NV, SCRATCH>::types types;
+    const int lane = (int)threadIdx.x & (T - 1), conflicts = cavity.conflicts, edges = cavity.edges;
     const int edge_end = warp_max<T>(go ? edges : 0);
     for (int base = 0; base < edge_end; base += T) {
         int i = base + lane;
         if (go && i < edges) {
             uint32_t edge = s.border[i], a = edge >> types::bits, b = edge & ((1u << types::bits) - 1);
+            uint32_t c = DIM == 3 && i < fans ? cavity.number : 0;
             int slot = i < conflicts ? s.cavity[i] : count + i - conflicts;
-            s.triangle[slot] = DIM == 3 ? pack(a, b, number) : pack(a, b, 0);
-            if (DIM == 3) {
-                s.sphere[slot] =
-                    sphere_of_triangle<DIM, WEIGHTED>(a, b, number, vertex_place(s, a), vertex_place(s, b), p, walls);
-            } else {
-                place other = vertex_place(s, a == number ? b : a);
-                s.sphere[slot] = a == number ? sphere_of_triangle<DIM, WEIGHTED>(a, b, 0, p, other, p, walls)
-                                             : sphere_of_triangle<DIM, WEIGHTED>(a, b, 0, other, p, p, walls);
-            }
+            s.triangle[slot] = pack(a, b, c);
+            s.sphere[slot] = sphere_of_triangle<DIM, WEIGHTED>(a, b, c, vertex_place(s, a), vertex_place(s, b),
+                                                               vertex_place(s, c), walls);
         }
     }
     __syncwarp();
@@ -1203,23 +1247,23 @@ __device__ inline int insert(star<DIM, WEIGHTED, NT, NV, SCRATCH> &s, const spac
     }
     for (int i = conflicts - 1; any(go && i >= edges); i--) {
         if (go && i >= edges) {
-            int hole = s.cavity[i];
+            int at = s.cavity[i];
             count--;
-            if (lane == 0 && hole != count) {
-                s.triangle[hole] = s.triangle[count];
-                s.sphere[hole] = s.sphere[count];
+            if (lane == 0 && at != count) {
+                s.triangle[at] = s.triangle[count];
+                s.sphere[at] = s.sphere[count];
             }
         }
         __syncwarp();
     }
-    return go ? star_changed : result;
 }
 
-/* The star of v and the points a, b, c: one finite triangle, and an infinite one on each of its edges. */
+/* The star of v and the points a, b, c, one finite triangle and an infinite one on each of its edges, as the border
+   of a hole that fan fills. */
 template <int T, int DIM, bool WEIGHTED, int NT, int NV, int SCRATCH>
-__device__ inline void start(star<DIM, WEIGHTED, NT, NV, SCRATCH> &s, bool go, const uint32_t *id, const place *p,
-                             unsigned walls, int &count)
+__device__ inline void start(star<DIM, WEIGHTED, NT, NV, SCRATCH> &s, bool go, const uint32_t *id, const place *p)
 {
+    typedef typename star<DIM, WEIGHTED, NT, NV, SCRATCH>::types types;
     int lane = (int)threadIdx.x & (T - 1);
     if (go) {
         for (int i = lane; i < NV * s.words; i += T) {
@@ -1234,23 +1278,23 @@ __device__ inline void start(star<DIM, WEIGHTED, NT, NV, SCRATCH> &s, bool go, c
     }
     __syncwarp();
     if (go && lane <= DIM) {
-        uint32_t a, b, c = 0;
+        uint32_t a, b;
         if (DIM == 3) {                              /* (1 2 3), (2 1 0), (3 2 0), (1 3 0) */
             a = lane == 0 ? 1 : lane == 3 ? 1 : (uint32_t)lane + 1;
             b = lane == 0 ? 2 : lane == 3 ? 3 : (uint32_t)lane;
-            c = lane == 0 ? 3 : 0;
         } else {                                     /* (1 2), (2 0), (0 1) */
             a = lane == 0 ? 1 : lane == 1 ? 2 : 0;
             b = lane == 0 ? 2 : lane == 1 ? 0 : 1;
         }
-        s.triangle[lane] = pack(a, b, c);
-        s.sphere[lane] = sphere_of_triangle<DIM, WEIGHTED>(a, b, c, vertex_place(s, a), vertex_place(s, b),
-                                                           vertex_place(s, c), walls);
-    }
-    if (go) {
-        count = DIM + 1;
+        s.border[lane] = (typename types::pair)(a << types::bits | b);
     }
     __syncwarp();
+}
+
+template <int DIM> __device__ inline hole first_hole()
+{
+    hole h = { 0, DIM + 1, 3 };
+    return h;
 }
 
 /* Stores the finished stars of the tiles that go. */
@@ -1311,7 +1355,7 @@ __device__ inline void finish(star<DIM, WEIGHTED, NT, NV, SCRATCH> &s, bool go, 
             }
         }
         for (int t = lane; t < count; t += T) {
-            uint32_t packed = 0;
+            uint32_t packed = s.triangle[t] & verified;
             for (int k = 0; k < DIM; k++) {
                 uint32_t c = corner(s.triangle[t], k);
                 int rank = __popc(s.used[c >> 5] & ((1u << (c & 31)) - 1)) - closed;
@@ -1372,11 +1416,11 @@ template <int T> __device__ inline place tile_place(const place &p, int lane)
     return r;
 }
 
-/* Starts the stars of the tiles that go with points id, at p, of their own lanes, candidates being those of lanes below
-   have, nearest first.  Returns the lanes used, or 0 where no fat corner was found. */
+/* Starts the stars of the tiles that go with points id, at p, of their own lanes, candidates being those of lanes
+   below have, nearest first: fan is left to do.  Returns the lanes used, or 0 where no fat corner was found. */
 template <int T, int DIM, bool WEIGHTED, int NT, int NV, int SCRATCH>
 __device__ inline unsigned start_from_lanes(star<DIM, WEIGHTED, NT, NV, SCRATCH> &s, bool go, uint32_t id,
-                                            const place &p, int have, unsigned walls, int &count)
+                                            const place &p, int have)
 {
     int lane = (int)threadIdx.x & (T - 1);
     bool here = go && lane < have;
@@ -1402,7 +1446,7 @@ __device__ inline unsigned start_from_lanes(star<DIM, WEIGHTED, NT, NV, SCRATCH>
     uint32_t swap = ids[turn ? 1 : 0];
     ids[1] = ids[turn ? 0 : 1];
     ids[0] = swap;
-    start<T>(s, go, ids, frame, walls, count);
+    start<T>(s, go, ids, frame);
     return go ? 1u | 1u << second | 1u << third : 0;
 }
 
@@ -1421,8 +1465,8 @@ template <int DIM> __device__ inline span relative_box(const box &b, const float
     return r;
 }
 
-/* A rough point relative to another, and the square of its distance; always the same operations, so that all passes over
-   points agree on it. */
+/* A rough point relative to another, and the square of its distance; always the same operations, so that all passes
+   over points agree on it. */
 __device__ inline float rough_square(const float4 &p, const float *v, float *x)
 {
     x[0] = __fsub_rn(p.x, v[0]);
@@ -1431,7 +1475,15 @@ __device__ inline float rough_square(const float4 &p, const float *v, float *x)
     return __fmaf_rn(x[0], x[0], __fmaf_rn(x[1], x[1], __fmul_rn(x[2], x[2])));
 }
 
-/* Bounds of the spheres of a star (infinite for half-spaces), grown by more than all roundings. */
+/* The radius around q / 2 within which a point of the largest weight may be in conflict, grown by more than all
+   roundings. */
+template <bool WEIGHTED> __device__ inline float radius_of(float4 q, float heaviest)
+{
+    float radius = 0.5f * q.w;
+    return (WEIGHTED ? root(fmaf(radius, radius, heaviest)) : radius) * 1.00001f;
+}
+
+/* Bounds of the spheres of a star. */
 template <int T, int DIM, bool WEIGHTED, int NT, int NV, int SCRATCH>
 __device__ inline span reach_of(const star<DIM, WEIGHTED, NT, NV, SCRATCH> &s, bool go, int count, float heaviest)
 {
@@ -1443,8 +1495,7 @@ __device__ inline span reach_of(const star<DIM, WEIGHTED, NT, NV, SCRATCH> &s, b
             if (is_wall(q)) {
                 continue;
             }
-            float radius = q.w < 0.0f ? HUGE_VALF : 0.5f * q.w, c[3] = { 0.5f * q.x, 0.5f * q.y, 0.5f * q.z };
-            radius = (WEIGHTED ? sqrtf(radius * radius + heaviest) : radius) * 1.00001f;
+            float c[3] = { 0.5f * q.x, 0.5f * q.y, 0.5f * q.z }, radius = radius_of<WEIGHTED>(q, heaviest);
             for (int k = 0; k < DIM; k++) {
                 r.low[k] = fminf(r.low[k], c[k] - radius);
                 r.high[k] = fmaxf(r.high[k], c[k] + radius);
@@ -1459,19 +1510,19 @@ __device__ inline span reach_of(const star<DIM, WEIGHTED, NT, NV, SCRATCH> &s, b
 }
 
 /* Whether floats leave it open that point p is in conflict with some simplex of the star; all lanes of a tile go or
-   none does, each with its own point.  The test is that of side, with the bound in the sum. */
+   none does, each with its own point.  The test is that of side, with the bound in the sum; a wall adds to it. */
 template <int T, int DIM, bool WEIGHTED, int NT, int NV, int SCRATCH>
 __device__ inline bool may_conflict(const star<DIM, WEIGHTED, NT, NV, SCRATCH> &s, bool go, int count, const place &p)
 {
     probe f = probe_of<DIM, WEIGHTED>(p);
-    float lift = fmaf(-1.25f * slack, f.load, f.lift), size = 1.25f * slack * f.size;
+    float lift = fmaf(-1.25f, f.load, f.lift), size = -1.25f * f.size;
     bool may = false;
-    int end = warp_max<T>(go ? count : 0);
+    int end = warp_max<T>(go ? count : 0), last = go ? count - 1 : 0;
+#pragma unroll 4
     for (int t = 0; t < end; t++) {
-        float4 q = s.sphere[go && t < count ? t : 0];
-        float least = q.w < 0.0f ? 0.0f : lift;
-        least = fmaf(-q.x, f.x[0], fmaf(-q.y, f.x[1], fmaf(-q.z, f.x[2], fmaf(-fabsf(q.w), size, least))));
-        may = may || (!(least > 0.0f) && !is_wall(q));
+        float4 q = s.sphere[t < last ? t : last];
+        float least = fmaf(-q.x, f.x[0], fmaf(-q.y, f.x[1], fmaf(-q.z, f.x[2], fmaf(q.w, size, lift))));
+        may = may || !(least > 0.0f);
     }
     return may && go;
 }
@@ -1479,22 +1530,29 @@ __device__ inline bool may_conflict(const star<DIM, WEIGHTED, NT, NV, SCRATCH> &
 /* ------------------------------------------------------------------------------------------------------
    >>near         The first rung: 8 lanes a star, candidates from the list of its group.
    1. Points within the start radius are collected and sorted by distance.  2. The nearest make the first corner, the
-   others are inserted; all but the first 16 are screened first: a point that is in conflict with nothing now will never
+   others are inserted; all but the first 16 are screened first: a point in conflict with nothing now will never
    be, because stars only shrink.  3. The list is walked again for points outside the start radius and within the
    bounds of the spheres.  Both passes use the same float distance, so no point is met twice.  4. The star is
-   certified if the bounds lie within the box that the list covers, or beyond the end of all points.
+   certified if its spheres lie within the box that the list covers, or beyond the end of all points.  Of most inputs
+   floats decide nearly everything, and a kernel without exact tests is quicker; the stars where they do not are built
+   again by one that has them.
    ------------------------------------------------------------------------------------------------------ */
-const int near_triangles = 48, near_vertices = 32, near_points = 64, near_block = 64;
-const int near_scratch = 2 * near_points;            /* sorted points; points waiting to be screened */
+const int near_triangles = 48, near_vertices = 32, near_points = 64, near_block = 128;
+const int at_once = 2;                               /* groups whose points are loaded */
 
-template <int DIM, bool WEIGHTED> struct near_star {
-    typedef star<DIM, WEIGHTED, near_triangles, near_vertices, near_scratch> type;
+/* Blocks a multiprocessor, by what registers allow. */
+template <int DIM, bool EXACT> struct near_blocks {
+    static const int count = EXACT ? 4 : DIM == 2 ? 6 : 5;
 };
 
-template <int DIM, bool WEIGHTED>
-__global__ void __launch_bounds__(near_block, 8)
+template <int DIM, bool WEIGHTED> struct near_star {
+    typedef star<DIM, WEIGHTED, near_triangles, near_vertices, near_points> type;
+};
+
+template <int DIM, bool WEIGHTED, bool EXACT>
+__global__ void __launch_bounds__(near_block, near_blocks<DIM, EXACT>::count)
 near_kernel(const __grid_constant__ space all, const box *group, const uint32_t *lists, const near_list *infos,
-            uint32_t first, const __grid_constant__ store out, queue failed)
+            uint32_t first, uint32_t end, const __grid_constant__ store out, queue failed, queue undecided)
 {
     typedef typename near_star<DIM, WEIGHTED>::type star_type;
     extern __shared__ float4 shared_words[];
@@ -1503,8 +1561,9 @@ near_kernel(const __grid_constant__ space all, const box *group, const uint32_t 
     const int lane = (int)threadIdx.x & (T - 1);
     const unsigned below = lanes_below<T>();
     uint32_t v = first + (blockIdx.x * near_block + threadIdx.x) / T;
-    bool valid = v < all.count;
-    v = valid ? v : all.count - 1;
+    bool valid = v < end, open = false;
+    v = valid ? v : end - 1;
+    v = EXACT ? undecided.vertex[v] : v;
     const record own = all.point[v];
     const uint32_t g = v / group_size, *list = lists + (size_t)g * list_size;
     const near_list info = infos[g];
@@ -1513,7 +1572,8 @@ near_kernel(const __grid_constant__ space all, const box *group, const uint32_t 
     const float origin[3] = { rough.x, rough.y, rough.z };
     const float heaviest = WEIGHTED ? (float)((all.heaviest - own.c[DIM]) * (all.unit * all.unit)) * 1.000001f : 0.0f;
     const unsigned walls = walls_of<DIM>(all, own);
-    uint32_t *sorted = s.scratch, *waiting = s.scratch + near_points;
+    uint32_t *sorted = s.scratch, *waiting = s.scratch;     /* one after the other */
+    uint32_t *collected = (uint32_t *)s.sphere;             /* before there is a star */
 
     bool go = valid && length > 0;
     float start2 = info.start * info.start;
@@ -1521,7 +1581,7 @@ near_kernel(const __grid_constant__ space all, const box *group, const uint32_t 
     int shrinks = 0;                                 /* points too close for floats cannot be told apart: give up */
     for (bool again = go; any(again); shrinks++) {   /* 1. */
         have = again ? 0 : have;
-        for (int base = 0; any(again && base < length); base += T) {
+        for (int base = 0; any(again && base < (int)info.close); base += T) {
             uint32_t candidate = again && base + lane < length ? list[base + lane] : none;
             bool close = false;
             if (candidate != none) {
@@ -1547,7 +1607,7 @@ near_kernel(const __grid_constant__ space all, const box *group, const uint32_t 
                 unsigned takers = tile_ballot<T>(take);
                 int at = have + __popc(takers & below);
                 if (take && at < near_points) {
-                    waiting[at] = p;
+                    collected[at] = p;
                     sorted[at] = (__float_as_uint(d) & ~63u) | (uint32_t)at;
                 }
                 have += __popc(takers);
@@ -1564,7 +1624,7 @@ near_kernel(const __grid_constant__ space all, const box *group, const uint32_t 
     for (int i = 0; i < near_points / T; i++) {
         bool mine = go && i * T + lane < have;
         key[i] = mine ? sorted[i * T + lane] : none;
-        value[i] = mine ? waiting[i * T + lane] : none;
+        value[i] = mine ? collected[i * T + lane] : none;
         before[i] = 0;
     }
     for (int j = 0; j < most; j++) {
@@ -1583,132 +1643,191 @@ near_kernel(const __grid_constant__ space all, const box *group, const uint32_t 
 
     uint32_t candidate = go && lane < have ? sorted[lane] : none;   /* 2. */
     place p = relative<DIM>(all, own, all.point[candidate != none ? candidate : v]);
-    int count = 0, cursor = T, stored = 0;
-    unsigned used = start_from_lanes<T>(s, go, candidate, p, have, walls, count);
+    int count = 0, cursor = T, stored = 0, position = 0;
+    unsigned used = start_from_lanes<T>(s, go, candidate, p, have);
     go = go && used != 0;
     unsigned pending = go ? ((1u << (have < T ? have : T)) - 1) & ~used : 0, groups = 0;
     uint32_t group_here = none;
-    bool walking = false, changed = true, more = go;
-    int position = 0;
+    bool walking = false, changed = true;
     span reach = { { 0.0f, 0.0f, 0.0f }, { 0.0f, 0.0f, 0.0f } };
-    while (any(go && (more || pending != 0))) {
-        while (any(go && more && pending == 0)) {    /* the next points to insert */
-            bool feed = go && more && pending == 0;
-            if (any(feed && walking)) {              /* 3. */
-                bool renew = go && walking && changed;
-                if (any(renew)) {
-                    span r = reach_of<T>(s, renew, count, heaviest);
-                    reach = renew ? r : reach;
-                    changed = renew ? false : changed;
-                }
-                while (any(feed && walking && stored < T && (groups != 0 || position < length))) {
-                    bool fill = go && walking && stored <= near_points - 2 * T;     /* all that have room */
-                    if (any(fill && groups == 0 && position < length)) {
-                        bool load = fill && groups == 0 && position < length, touches = false;
-                        if (load && position + lane < length) {
-                            group_here = list[position + lane];
-                            span b = relative_box<DIM>(group[group_here], origin);
-                            touches = true;
-                            for (int k = 0; k < DIM; k++) {
-                                touches = touches && b.low[k] <= reach.high[k] && b.high[k] >= reach.low[k];
-                            }
-                        }
-                        unsigned vote = tile_ballot<T>(touches);
-                        groups = load ? vote : groups;
-                        position += load ? T : 0;
-                    }
-                    unsigned rest = groups & (groups - 1); /* two groups at a time, to have two loads at once */
-                    uint32_t first_group = tile_read<T>(group_here, groups != 0 ? __ffs((int)groups) - 1 : 0);
-                    uint32_t second_group = tile_read<T>(group_here, rest != 0 ? __ffs((int)rest) - 1 : 0);
-                    uint32_t other[2] = {first_group * group_size + (uint32_t)lane,
-                                         second_group * group_size + (uint32_t)lane};
-                    float4 p4[2];
-                    for (int i = 0; i < 2; i++) {
-                        bool is_there =
-                            fill && (i == 0 ? groups : rest) != 0 && other[i] < all.count && other[i] != v;
-                        other[i] = is_there ? other[i] : none;
-                        p4[i] = is_there ? all.rough[other[i]] : rough;
-                    }
-                    for (int i = 0; i < 2; i++) {
-                        float x[3];
-                        bool take = rough_square(p4[i], origin, x) >= start2 && other[i] != none;
-                        for (int k = 0; k < DIM; k++) {
-                            take = take && x[k] >= reach.low[k] && x[k] <= reach.high[k];
-                        }
-                        unsigned takers = tile_ballot<T>(take);
-                        if (take) {
-                            waiting[stored + __popc(takers & below)] = other[i];
-                        }
-                        stored += __popc(takers);
-                    }
-                    groups = fill ? rest & (rest - 1) : groups;
-                }
-                __syncwarp();
+    for (bool starting = true;; starting = false) {
+        for (; !starting;) {                         /* the next points to insert */
+            bool feed = go && pending == 0 && (walking ? stored > 0 : cursor < have);
+            if (!any(feed)) {
+                break;
             }
-            int take = 0;
+            int rest = walking ? stored : have - cursor, take = rest < T ? rest : T;
+            __syncwarp();
             if (feed) {
-                take = walking ? (stored < T ? stored : T) : have - cursor < T ? have - cursor : T;
-                candidate = lane < take ? (walking ? waiting[stored - take + lane] : sorted[cursor + lane]) : none;
+                candidate = lane < take ? s.scratch[(walking ? stored - take : cursor) + lane] : none;
                 stored -= walking ? take : 0;
             }
-            __syncwarp();
             p = relative<DIM>(all, own, all.point[candidate != none ? candidate : v]);
             bool screened = walking || cursor >= 2 * T;
             bool may = may_conflict<T>(s, feed && screened, count, p) || !screened;
             unsigned vote = tile_ballot<T>(feed && candidate != none && may);
             pending = feed ? vote : pending;
             cursor += feed && !walking ? T : 0;
-            more = feed && walking ? stored > 0 || groups != 0 || position < length : more;
-            walking = walking || (feed && cursor >= have);
         }
-        bool now = go && pending != 0;
-        int from = now ? __ffs((int)pending) - 1 : 0;
-        pending &= pending - 1;
-        uint32_t next = tile_read<T>(candidate, from);
-        place at = relative<DIM>(all, own, all.point[now ? next : v]);
-        int result = insert<T>(s, all, v, now, next, at, count, walls, NULL);
-        changed = changed || (result & star_changed) != 0;
-        go = go && (result & ~star_changed) == 0;
+        if (__syncthreads_or(go && (starting || pending != 0)) == 0) {      /* 3. */
+            if (walking && __syncthreads_or(go && (groups != 0 || position < length)) == 0) {
+                break;
+            }
+            walking = true;
+            bool renew = go && changed;
+            if (any(renew)) {
+                span r = reach_of<T>(s, renew, count, heaviest);
+                reach = renew ? r : reach;
+                changed = changed && !renew;
+            }
+            __syncwarp();
+            for (;;) {
+                bool fill = go && stored <= near_points - at_once * T && (groups != 0 || position < length);
+                if (!any(fill)) {
+                    break;
+                }
+                bool load = fill && groups == 0, touches = false;
+                if (any(load)) {
+                    if (load && position + lane < length) {
+                        group_here = list[position + lane];
+                        span b = relative_box<DIM>(group[group_here], origin);
+                        touches = true;
+                        for (int k = 0; k < DIM; k++) {
+                            touches = touches && b.low[k] <= reach.high[k] && b.high[k] >= reach.low[k];
+                        }
+                    }
+                    unsigned vote = tile_ballot<T>(touches);
+                    groups = load ? vote : groups;
+                    position += load ? T : 0;
+                }
+                uint32_t other[at_once];
+                float4 place_of[at_once];            /* several groups at a time, to have several loads at once */
+                for (int i = 0; i < at_once; i++) {
+                    bool is_there = fill && groups != 0;
+                    uint32_t from = tile_read<T>(group_here, is_there ? __ffs((int)groups) - 1 : 0);
+                    groups &= is_there ? groups - 1 : groups;
+                    other[i] = from * group_size + (uint32_t)lane;
+                    other[i] = is_there && other[i] < all.count && other[i] != v ? other[i] : none;
+                    place_of[i] = all.rough[other[i] != none ? other[i] : v];
+                }
+                for (int i = 0; i < at_once; i++) {
+                    float x[3];
+                    bool take = rough_square(place_of[i], origin, x) >= start2 && other[i] != none;
+                    for (int k = 0; k < DIM; k++) {
+                        take = take && x[k] >= reach.low[k] && x[k] <= reach.high[k];
+                    }
+                    unsigned takers = tile_ballot<T>(take);
+                    if (take) {
+                        waiting[stored + __popc(takers & below)] = other[i];
+                    }
+                    stored += __popc(takers);
+                }
+            }
+            continue;
+        }
+        bool now = go && (starting || pending != 0);
+        if (!any(now)) {
+            continue;
+        }
+        hole cavity = first_hole<DIM>();
+        int fans = 1;
+        if (!starting) {
+            int from = now ? __ffs((int)pending) - 1 : 0;
+            pending &= pending - 1;
+            uint32_t next = tile_read<T>(candidate, from);
+            place at = relative<DIM>(all, own, all.point[now ? next : v]);
+            int result = carve<T, EXACT>(s, all, v, now, next, at, count, NULL, cavity);
+            now = result == star_changed;
+            fans = cavity.edges;
+            changed = changed || now;
+            open = open || (!EXACT && (result & star_open) != 0);
+            go = go && (result & ~star_changed) == 0;
+        }
+        fan<T>(s, now, cavity, fans, count, walls);
     }
-    span final = reach_of<T>(s, go, count, heaviest);   /* 4. */
-    box b = group[g];
-    for (int k = 0; k < DIM; k++) {
-        go = go && (final.low[k] + origin[k] > b.low[k] - info.reach || b.low[k] - info.reach <= 0.0f)
-                && (final.high[k] + origin[k] < b.high[k] + info.reach || b.high[k] + info.reach >= all.high[k]);
+    box b = group[g];                                /* 4. */
+    span covered;
+    for (int k = 0; k < 3; k++) {
+        covered.low[k] = b.low[k] - info.reach <= 0.0f ? -HUGE_VALF : b.low[k] - info.reach - origin[k] + 4.8e-7f;
+        covered.high[k] =
+            b.high[k] + info.reach >= all.high[k] ? HUGE_VALF : b.high[k] + info.reach - origin[k] - 4.8e-7f;
     }
+    bool certified = true;
+    if (go) {
+        for (int t = lane; t < count; t += T) {
+            float4 q = s.sphere[t];
+            float c[3] = { 0.5f * q.x, 0.5f * q.y, 0.5f * q.z }, radius = radius_of<WEIGHTED>(q, heaviest);
+            bool inside = true;
+            for (int k = 0; k < DIM; k++) {
+                inside = inside && c[k] - radius > covered.low[k] && c[k] + radius < covered.high[k];
+            }
+            inside = inside || is_wall(q);
+            s.triangle[t] |= inside ? verified : 0;
+            certified = certified && inside;
+        }
+    }
+    certified = tile_ballot<T>(!certified) == 0;
     finish<T>(s, go, v, count, out);
-    enqueue(failed, valid && !go && lane == 0, v);
+    enqueue(failed, valid && lane == 0 && !open && !(go && certified), v | (go ? stored_mark : 0));
+    if (!EXACT) {
+        enqueue(undecided, valid && lane == 0 && open, v);
+    }
 }
 
 /* ------------------------------------------------------------------------------------------------------
-   >>far          The second and third rung: a warp a star, candidates from a search of the tree.
-   The star starts from the neighbours of v on the curve; then the tree is searched depth first, nearest box first.
-   A box is passed over if no simplex of the star can be in conflict with a point in it.  With t the point of the box
-   where |x|^2 - q . x is least, axis by axis, and h = 2^-20 Q, for any x of the box
+   >>far          The second and third rung: a warp or more a star, candidates from a search of the tree.
+   The star is that of the first rung, or starts from the neighbours of v on the curve.  For each of its simplices
+   that is not verified the tree is searched depth first for points in conflict with it; when there are none it is
+   verified, which is final, because a simplex without conflicts is in the result.  So when all are, the star is
+   certified whatever its size, and nothing is searched twice.  With t the point of a box where |x|^2 - q . x
+   is least, axis by axis, and h = 2^-20 Q, for any x of the box
 
        |x|^2 - q . x - h |x|_1 >= sum over axes of t (t - q) - h |t| - h^2 / 4,
 
-   because |x|^2 - q . x >= t (t - q) + (x - t)^2 on each axis and (x - t)^2 - h |x - t| >= -h^2 / 4.  So when the
-   search ends, the star is certified whatever its size.  A cap on the search keeps the total work linear.
+   because |x|^2 - q . x >= t (t - q) + (x - t)^2 on each axis and (x - t)^2 - h |x - t| >= -h^2 / 4.  A cap on the
+   search keeps the total work linear.
    ------------------------------------------------------------------------------------------------------ */
-struct far_sizes {
-    static const int triangles = 256, vertices = 128;
+struct quick_rung {
+    static const int triangles = 128, vertices = 64, warps = 1, blocks = 24;
+    static const bool exact = false, shared = true;
 };
-struct last_sizes {
-    static const int triangles = 2048, vertices = 1024;
+struct far_rung {
+    static const int triangles = 256, vertices = 128, warps = 8, blocks = 2;
+    static const bool exact = true, shared = true;
+};
+struct last_rung {
+    static const int triangles = 2048, vertices = 1024, warps = 8, blocks = 2;
+    static const bool exact = true, shared = false;
 };
 
-template <int DIM, bool WEIGHTED, typename SIZES> struct far_star {
-    typedef star<DIM, WEIGHTED, SIZES::triangles, SIZES::vertices, stack_size + 64> type;
+/* What the warps of a star tell each other, behind their stacks. */
+struct talk {
+    int count, verdict, hand[8];                     /* hand: the simplex that a warp has in hand, or -1 */
+    uint32_t waits[8];                               /* whether a warp has points to insert */
+    int changed;
 };
 
-/* Whether a simplex of the star may be in conflict with a point in a box. */
+template <int DIM, bool WEIGHTED, typename RUNG> struct far_star {
+    typedef star<DIM, WEIGHTED, RUNG::triangles, RUNG::vertices,
+                 RUNG::warps * stack_size + (int)(sizeof(talk) / sizeof(uint32_t))> type;
+};
+
+template <int WARPS> __device__ inline void meet()
+{
+    if (WARPS == 1) {
+        __syncwarp();
+    } else {
+        __syncthreads();
+    }
+}
+
+/* Whether a simplex of the star, not a wall, may be in conflict with a point in a box. */
 template <int DIM, bool WEIGHTED>
 __device__ inline bool box_may_conflict(const float4 &sphere, const span &b, float weight)
 {
-    float q[3] = { sphere.x, sphere.y, sphere.z }, size = fabsf(sphere.w), sum = 0.0f, squares = 0.0f, ones = 0.0f;
-    float h = slack * size;
-    bool infinite = sphere.w < 0.0f;
+    float q[3] = { sphere.x, sphere.y, sphere.z }, size = sphere.w, sum = 0.0f, squares = 0.0f, ones = 0.0f;
+    bool infinite = size >= far_away;
+    float h = infinite ? 0.0f : slack * size;
     for (int k = 0; k < DIM; k++) {
         float at = infinite ? (q[k] > 0.0f ? b.high[k] : b.low[k]) : fminf(fmaxf(0.5f * q[k], b.low[k]), b.high[k]);
         sum += infinite ? -at * q[k] : at * (at - q[k]);
@@ -1717,7 +1836,7 @@ __device__ inline bool box_may_conflict(const float4 &sphere, const span &b, flo
     }
     sum -= infinite || !WEIGHTED ? 0.0f : weight;
     squares = infinite ? 0.0f : squares + (WEIGHTED ? fabsf(weight) : 0.0f);
-    return !(sum > 2.0f * slack * (squares + size * ones) + h * h) && !is_wall(sphere);
+    return !(sum > 2.0f * slack * (squares + size * ones) + h * h);
 }
 
 /* The largest weight in a box relative to v's, rounded up. */
@@ -1758,8 +1877,7 @@ __global__ void seed_kernel(const __grid_constant__ space s, int dim, int found,
    come nearest to spanning the space, among them four seeds that do span it. */
 template <int DIM, bool WEIGHTED, int NT, int NV, int SCRATCH>
 __device__ inline bool start_from_seeds(star<DIM, WEIGHTED, NT, NV, SCRATCH> &s, const space &all, uint32_t v,
-                                        uint32_t id, const place &p, bool here, unsigned walls, pbw__digit *pool,
-                                        int &count)
+                                        uint32_t id, const place &p, bool here, pbw__digit *pool)
 {
     int lane = (int)threadIdx.x & 31, second, third;
     place a = tile_place<32>(p, 0), b, c, frame[3];
@@ -1794,40 +1912,47 @@ __device__ inline bool start_from_seeds(star<DIM, WEIGHTED, NT, NV, SCRATCH> &s,
     uint32_t swap = ids[sign < 0 ? 1 : 0];
     ids[1] = ids[sign < 0 ? 0 : 1];
     ids[0] = swap;
-    start<32>(s, true, ids, frame, walls, count);
+    start<32>(s, true, ids, frame);
     return true;
 }
 
-/* A call: inlined into the search, some insertions come out wrong with nvcc 13.0 (with ptxas -O1 none do).  The reason
-   is not known. */
-template <int DIM, bool WEIGHTED, int NT, int NV, int SCRATCH>
-__device__ __noinline__ int far_insert(star<DIM, WEIGHTED, NT, NV, SCRATCH> &s, const space &all, uint32_t v,
-                                       uint32_t id, const place &p, int &count, unsigned walls, pbw__digit *pool)
+/* Inserts a point into the star of a warp.  The exact one is a call: inlined into the search, some insertions come
+   out wrong with nvcc 13.0 (with ptxas -O1 none do).  The reason is not known. */
+template <bool EXACT, int DIM, bool WEIGHTED, int NT, int NV, int SCRATCH>
+__device__ inline int insert(star<DIM, WEIGHTED, NT, NV, SCRATCH> &s, const space &all, uint32_t v, uint32_t id,
+                             const place &p, int &count, unsigned walls, pbw__digit *pool)
 {
-    return insert<32>(s, all, v, true, id, p, count, walls, pool);
+    hole cavity;
+    int result = carve<32, EXACT>(s, all, v, true, id, p, count, pool, cavity);
+    fan<32>(s, result == star_changed, cavity, cavity.edges, count, walls);
+    return result;
 }
 
-/* One star; returns true if it is certified (count triangles) or its vertex is hidden (count 0). */
 template <int DIM, bool WEIGHTED, int NT, int NV, int SCRATCH>
-__device__ inline bool far_star_of(star<DIM, WEIGHTED, NT, NV, SCRATCH> &s, const space &all, const tree &boxes,
-                                   const unsigned long long *seed, uint32_t v, int cap, pbw__digit *pool, int &count)
+__device__ __noinline__ int insert_exactly(star<DIM, WEIGHTED, NT, NV, SCRATCH> &s, const space &all, uint32_t v,
+                                           uint32_t id, const place &p, int &count, unsigned walls, pbw__digit *pool)
+{
+    return insert<true>(s, all, v, id, p, count, walls, pool);
+}
+
+/* A star of v from 28 points at growing distances along the curve, so that it is bounded in all directions from the
+   start; false if they and, with EXACT, the seeds span no simplex. */
+template <bool EXACT, int DIM, bool WEIGHTED, int NT, int NV, int SCRATCH>
+__device__ inline bool start_on_curve(star<DIM, WEIGHTED, NT, NV, SCRATCH> &s, const space &all,
+                                      const unsigned long long *seed, uint32_t v, const record &own, unsigned walls,
+                                      pbw__digit *pool, uint32_t &candidate, place &p, int &count)
 {
     const int lane = (int)threadIdx.x & 31;
-    const record own = all.point[v];
-    uint32_t *stack = s.scratch, *order = s.scratch + stack_size;
-    const float4 rough = all.rough[v];
-    const float origin[3] = { rough.x, rough.y, rough.z };
-    const unsigned walls = walls_of<DIM>(all, own);
-    const double own_weight = (own.c[DIM] - all.heaviest) * (all.unit * all.unit);
-    /* 28 points at growing distances along the curve, so that the star is bounded in all directions from the start */
+    uint32_t *order = s.scratch;
     int step = lane / 2 + 1;
     float far = step <= 6 ? (float)step : 6.0f * powf((float)all.count / 12.0f, (float)(step - 6) / 8.0f);
-    uint32_t offset = (uint32_t)far + (step > 6 ? 1 : 0), candidate = none;
+    uint32_t offset = (uint32_t)far + (step > 6 ? 1 : 0);
+    candidate = none;
     if (lane < 28) {
         candidate =
             (lane & 1) != 0 ? (v + offset < all.count ? v + offset : none) : (offset <= v ? v - offset : none);
     }
-    place p = relative<DIM>(all, own, all.point[candidate != none ? candidate : v]);
+    p = relative<DIM>(all, own, all.point[candidate != none ? candidate : v]);
     uint32_t key = candidate != none ? (__float_as_uint((float)square<DIM>(p.x)) & ~31u) | (uint32_t)lane : none;
     int before = 0, have = __popc(__ballot_sync(all_lanes, candidate != none));
     for (int i = 0; i < 32; i++) {
@@ -1840,148 +1965,297 @@ __device__ inline bool far_star_of(star<DIM, WEIGHTED, NT, NV, SCRATCH> &s, cons
     }
     __syncwarp();
     candidate = order[lane];
+    __syncwarp();
     p = relative<DIM>(all, own, all.point[candidate != none ? candidate : v]);
-    unsigned used = start_from_lanes<32>(s, true, candidate, p, have, walls, count);
-    if (used == 0) {
+    bool started = start_from_lanes<32>(s, true, candidate, p, have) != 0;
+    if (!started && EXACT) {
         if (candidate == none) {
             uint32_t other = lane - have > DIM ? none : lane == have ? 0 : (uint32_t)seed[lane - have];
             candidate = other == v ? none : other;
             p = relative<DIM>(all, own, all.point[candidate != none ? candidate : v]);
         }
-        if (!start_from_seeds(s, all, v, candidate, p, candidate != none, walls, pool, count)) {
-            return false;
+        started = start_from_seeds(s, all, v, candidate, p, candidate != none, pool);
+    }
+    fan<32>(s, started, first_hole<DIM>(), 1, count, walls);
+    return started;
+}
+
+/* The star of v as the store has it. */
+template <int DIM, bool WEIGHTED, int NT, int NV, int SCRATCH>
+__device__ inline void start_from_store(star<DIM, WEIGHTED, NT, NV, SCRATCH> &s, const space &all, const store &in,
+                                        uint32_t v, const record &own, unsigned walls, int &count)
+{
+    const int lane = (int)threadIdx.x & 31;
+    const uint32_t *word = in.word + (size_t)in.place[v] * 4;
+    uint32_t vertices = word[0] & 0xffff, first = word[1] == none ? 0 : 1;
+    count = (int)(word[0] >> 16);
+    for (int i = lane; i < NV * s.words; i += 32) {
+        s.matrix[i] = 0;
+    }
+    for (uint32_t i = (uint32_t)lane; i < (uint32_t)s.words; i += 32) {
+        uint32_t rest = vertices + first > i * 32 ? vertices + first - i * 32 : 0;
+        s.used[i] = rest >= 32 ? ~0u : (1u << rest) - 1;
+    }
+    for (uint32_t i = (uint32_t)lane; i < vertices; i += 32) {
+        uint32_t id = word[1 + i];
+        if (id != none) {
+            set_vertex(s, i + first, id, relative<DIM>(all, own, all.point[id]));
         }
     }
-    unsigned pending = __ballot_sync(all_lanes, candidate != none);
-    int depth = 0, clean = 0, held = 0, level = boxes.levels - 1, batches = 0, trials = 0;
-    uint32_t node = 0, group = 0;                    /* node: the first of 32 boxes of level to look at, or none */
-    for (;;) { /* clean: boxes on the stack tested against the star as it is now */
-        while (pending == 0) {
-            if (held > 0
-                && (held == 4 || depth == 0 || stack[depth - 1] >> 29 != 0)) { /* the points of held groups */
-                candidate = lane / 8 < held ? group * group_size + (uint32_t)(lane & 7) : none;
-                candidate = candidate != none && candidate < all.count && candidate != v ? candidate : none;
-                held = 0;
-                p = relative<DIM>(all, own, all.point[candidate != none ? candidate : v]);
-                pending = __ballot_sync(all_lanes, may_conflict<32>(s, true, count, p) && candidate != none);
-                if (++batches > cap) {
-                    return false;
+    __syncwarp();
+    for (int t = lane; t < count; t += 32) {
+        uint32_t packed = word[1 + vertices + (uint32_t)t], c[3] = { 0, 0, 0 };
+        for (int k = 0; k < DIM; k++) {
+            c[k] = corner(packed, k) + first;
+        }
+        s.triangle[t] = pack(c[0], c[1], c[2]) | (packed & verified);
+        s.sphere[t] = sphere_of_triangle<DIM, WEIGHTED>(c[0], c[1], c[2], vertex_place(s, c[0]),
+                                                        vertex_place(s, c[1]), vertex_place(s, c[2]), walls);
+    }
+    __syncwarp();
+}
+
+enum { far_busy, far_certified, far_hidden, far_lost, far_capped };
+
+/* One star, by all warps of a block: each searches for conflicts of its own simplex, then they insert in turns. 
+   resume: the store holds what was found so far; changed: whether the star is another than that. */
+template <bool EXACT, int WARPS, int DIM, bool WEIGHTED, int NT, int NV, int SCRATCH>
+__device__ inline int far_star_of(star<DIM, WEIGHTED, NT, NV, SCRATCH> &s, const space &all, const tree &boxes,
+                                  const unsigned long long *seed, const store &in, uint32_t v, bool resume, int cap,
+                                  pbw__digit *pool, int &count, bool &changed)
+{
+    const int lane = (int)threadIdx.x & 31, warp = (int)threadIdx.x / 32;
+    const unsigned below = lanes_below<32>();
+    const record own = all.point[v];
+    uint32_t *stack = s.scratch + warp * stack_size;
+    talk &shared = *(talk *)(s.scratch + WARPS * stack_size);
+    const float4 rough = all.rough[v];
+    const float origin[3] = { rough.x, rough.y, rough.z };
+    const unsigned walls = walls_of<DIM>(all, own);
+    const double own_weight = (own.c[DIM] - all.heaviest) * (all.unit * all.unit);
+    uint32_t candidate = none, word = 0, node = 0;
+    place p;
+    unsigned pending = 0, hit = 0;                   /* lanes whose candidates, whose groups are to be looked at */
+    int depth = 0, spent = 0, t = -1;                /* t: the simplex in hand, word: its triangle */
+
+    count = 0;
+    if (warp == 0) {
+        bool started = true;
+        if (resume) {
+            start_from_store(s, all, in, v, own, walls, count);
+        } else {
+            started = start_on_curve<EXACT>(s, all, seed, v, own, walls, pool, candidate, p, count);
+            pending = started ? __ballot_sync(all_lanes, candidate != none) : 0;
+        }
+        if (lane == 0) {
+            shared.count = count;
+            shared.verdict = started ? far_busy : far_lost;
+            shared.changed = !resume;
+        }
+    }
+    meet<WARPS>();
+    for (;;) {
+        for (int turn = 0; turn < WARPS; turn++) {   /* points are inserted */
+            if (WARPS > 1) {
+                if (lane == 0 && turn == 0) {
+                    shared.waits[warp] = pending;
                 }
-            } else if (node != none) { /* 32 boxes: those that matter go on the stack, the nearest on top */
-                uint32_t child = node + (uint32_t)lane;
-                bool visit = false;
+                __syncthreads();
+                if (shared.waits[turn] == 0) {
+                    continue;
+                }
+            }
+            if (turn == warp && pending != 0 && shared.verdict == far_busy) {
+                count = shared.count;
+                if (t >= 0 && (t >= count || s.triangle[t] != word)) {
+                    pending = 0;                     /* another warp has changed its simplex */
+                }
+                int verdict = far_busy;
+                bool touched = false;
+                while (pending != 0 && verdict == far_busy) {
+                    bool waits = (pending >> lane & 1) != 0;     /* the nearest first */
+                    float length = waits ? (float)square<DIM>(p.x) : HUGE_VALF, least = tile_min<32>(length);
+                    int from = __ffs((int)(__ballot_sync(all_lanes, length == least) & pending)) - 1;
+                    pending &= ~(1u << from);
+                    uint32_t next = __shfl_sync(all_lanes, candidate, from);
+                    place at = tile_place<32>(p, from);
+                    bool known = false;              /* the vertices of the star come by again in the search */
+                    for (int i = lane; i < NV; i += 32) {
+                        known = known || (i > 0 && (s.used[i >> 5] >> (i & 31) & 1) != 0 && s.id[i] == next);
+                    }
+                    if (any(known)) {
+                        continue;
+                    }
+                    int result = EXACT ? insert_exactly(s, all, v, next, at, count, walls, pool)
+                                       : insert<false>(s, all, v, next, at, count, walls, pool);
+                    verdict = WEIGHTED && result == star_hidden ? far_hidden
+                            : (result & ~star_changed) != 0 ? far_lost : far_busy;
+                    if (result == star_changed) {
+                        touched = true;
+                        pending = __ballot_sync(all_lanes,
+                                                may_conflict<32>(s, true, count, p) && (pending >> lane & 1) != 0);
+                    }
+                    spent += 4;
+                }
+                __syncwarp();
+                if (lane == 0) {
+                    shared.count = count;
+                    shared.verdict = verdict;
+                    shared.changed = shared.changed || touched;
+                }
+                __syncwarp();
+            }
+        }
+        meet<WARPS>();
+        count = shared.count;
+        changed = shared.changed != 0;
+        if (shared.verdict != far_busy) {
+            return shared.verdict;
+        }
+        pending = 0;
+        if (t >= count || (t >= 0 && s.triangle[t] != word)) {      /* it is gone */
+            t = -1;
+        }
+        if (WARPS > 1) {
+            if (lane == 0) {
+                shared.hand[warp] = t;
+            }
+            __syncthreads();
+        }
+        if (t < 0) {                                 /* another simplex, that no warp has in hand */
+            int skip = 0;
+            for (int w = 0; w < warp; w++) {
+                skip += shared.hand[w] < 0;
+            }
+            for (int base = 0; base < count && t < 0; base += 32) {
+                bool open = base + lane < count && (s.triangle[base + lane] & verified) == 0;
+                for (int w = 0; w < WARPS && WARPS > 1; w++) {
+                    open = open && shared.hand[w] != base + lane;
+                }
+                unsigned vote = __ballot_sync(all_lanes, open);
+                for (; skip > 0 && vote != 0; skip--) {
+                    vote &= vote - 1;
+                }
+                t = vote != 0 ? base + __ffs((int)vote) - 1 : -1;
+            }
+            if (t >= 0) {
+                word = s.triangle[t];
+                depth = is_wall(s.sphere[t]) ? 0 : 1;
+                hit = 0;
+                if (lane == 0) {
+                    stack[0] = (uint32_t)boxes.levels << 29;
+                }
+                __syncwarp();
+            }
+        }
+        if (WARPS == 1 ? t < 0 : __syncthreads_and(t < 0) != 0) {
+            return far_certified;
+        }
+        while (t >= 0 && pending == 0 && spent <= cap && (hit != 0 || depth > 0)) {
+            spent++;
+            if (hit != 0) {                          /* the points of 4 groups */
+                uint32_t group = none;
+                for (int i = 0; i < 4; i++) {
+                    group = lane / 8 == i && hit != 0 ? node + (uint32_t)__ffs((int)hit) - 1 : group;
+                    hit &= hit - 1;
+                }
+                candidate = group != none ? group * group_size + (uint32_t)(lane & 7) : none;
+                candidate = candidate < all.count && candidate != v ? candidate : none;
+                for (int k = 0; k < DIM; k++) {
+                    candidate = corner(word, k) != 0 && s.id[corner(word, k)] == candidate ? none : candidate;
+                }
+                p = relative<DIM>(all, own, all.point[candidate != none ? candidate : v]);
+                int answer = candidate != none ? side(s.sphere[t], probe_of<DIM, WEIGHTED>(p)) : 0;
+                if (EXACT && answer == open_sign) {  /* a flat simplex on the hull leaves many points open */
+                    answer = settle<DIM>(all, v, s.id, s.triangle, count, t, candidate, NULL);
+                }
+                pending = __ballot_sync(all_lanes, answer != 0);
+            } else {                                 /* 32 boxes: those that matter wait, the nearest on top */
+                uint32_t top = stack[--depth], level = (top >> 29) - 1, child;
                 float distance = HUGE_VALF;
+                bool visit = false;
+                node = (top & 0x1fffffffu) * 32;
+                child = node + (uint32_t)lane;
                 if (child < boxes.size[level]) {
                     box b = boxes.level[level][child];
                     span r = relative_box<DIM>(b, origin);
-                    float weight = relative_weight<WEIGHTED>(b, own_weight);
-                    for (int t = 0; t < count; t++) {
-                        visit = box_may_conflict<DIM, WEIGHTED>(s.sphere[t], r, weight) || visit;
-                    }
+                    visit = box_may_conflict<DIM, WEIGHTED>(s.sphere[t], r, relative_weight<WEIGHTED>(b, own_weight));
                     distance = 0.0f;
-                    for (int k = 0; k < DIM; k++) {
-                        float t = fmaxf(fmaxf(r.low[k], -r.high[k]), 0.0f);
-                        distance = fmaf(t, t, distance);
+                    for (int k = 0; k < DIM && visit; k++) {
+                        float d = fmaxf(fmaxf(r.low[k], -r.high[k]), 0.0f);
+                        distance = fmaf(d, d, distance);
                     }
                     distance = visit ? distance : HUGE_VALF;
                 }
-                unsigned vote = __ballot_sync(all_lanes, visit), below = lanes_below<32>();
-                float least = tile_min<32>(distance);
-                unsigned nearest = __ballot_sync(all_lanes, visit && distance == least);
-                nearest &= ~nearest + 1;             /* one of them */
-                unsigned others = vote & ~nearest;
-                if (visit) {
-                    int at = (nearest >> lane & 1) != 0 ? __popc(others) : __popc(others & below);
-                    stack[depth + at] = (uint32_t)level << 29 | child;
-                }
-                depth += __popc(vote);
-                clean += __popc(vote);
-                node = none;
                 __syncwarp();
-            } else if (depth > 0) { /* the box on top, if it still matters */
-                uint32_t top = stack[--depth];
-                bool matters = clean > 0;
-                if (clean == 0) {
-                    box b = boxes.level[top >> 29][top & 0x1fffffffu];
-                    span r = relative_box<DIM>(b, origin);
-                    float weight = relative_weight<WEIGHTED>(b, own_weight);
-                    for (int t = lane; t < count; t += 32) {
-                        matters = box_may_conflict<DIM, WEIGHTED>(s.sphere[t], r, weight) || matters;
-                    }
+                unsigned vote = __ballot_sync(all_lanes, visit);
+                if (level == 0) {
+                    hit = vote;
                 } else {
-                    clean--;
-                }
-                __syncwarp();
-                if (any(matters)) {
-                    level = (int)(top >> 29);
-                    if (level > 0) {
-                        level--;
-                        node = (top & 0x1fffffffu) * 32;
-                    } else {
-                        group = lane / 8 == held ? top : group;
-                        held++;
+                    float least = tile_min<32>(distance);
+                    unsigned nearest = __ballot_sync(all_lanes, visit && distance == least);
+                    nearest &= ~nearest + 1;         /* one of them */
+                    if (visit) {
+                        unsigned others = vote & ~nearest;
+                        stack[depth + __popc(others & ((nearest >> lane & 1) != 0 ? all_lanes : below))] =
+                            level << 29 | child;
                     }
+                    depth += __popc(vote);
+                    __syncwarp();
                 }
-            } else {
-                return true;
             }
         }
-        bool waits = (pending >> lane & 1) != 0;     /* the nearest first */
-        float distance = waits ? (float)square<DIM>(p.x) : HUGE_VALF, least = tile_min<32>(distance);
-        int lane_of = __ffs((int)(__ballot_sync(all_lanes, distance == least) & pending)) - 1;
-        pending &= ~(1u << lane_of);
-        uint32_t next = __shfl_sync(all_lanes, candidate, lane_of);
-        place at = tile_place<32>(p, lane_of);
-        bool known = false;                          /* the vertices of the star come by again in the search */
-        for (int i = lane; i < NV; i += 32) {
-            known = known || (i > 0 && (s.used[i >> 5] >> (i & 31) & 1) != 0 && s.id[i] == next);
+        meet<WARPS>();                               /* all have read the star */
+        if (lane == 0 && t >= 0 && spent > cap) {
+            shared.verdict = far_capped;
+        } else if (lane == 0 && t >= 0 && pending == 0) {       /* no point is in conflict with it */
+            s.triangle[t] = word | verified;
         }
-        if (!any(known)) {
-            int result = far_insert(s, all, v, next, at, count, walls, pool);
-            if (WEIGHTED && result == star_hidden) {
-                count = 0;
-                return true;
-            }
-            if ((result & ~star_changed) != 0) {
-                return false;
-            }
-            clean = result == star_changed ? 0 : clean;
-            if (++trials > 4 * cap) {
-                return false;
-            }
-        }
+        t = pending != 0 ? t : -1;
+        meet<WARPS>();
     }
 }
 
-/* SHARED: a star in shared memory, one warp a block, a vertex each; else in scratch, and warps take vertices in turn.
+/* A star in shared memory, a block each; else in scratch, and blocks take vertices in turn.
+   The exact stages are for the warp whose turn it is, so that a block needs one pool.
    Too many failures mean that the input is not for this method: then nothing more is tried. */
-template <int DIM, bool WEIGHTED, typename SIZES, bool SHARED>
-__global__ void __launch_bounds__(32, 16)
+template <int DIM, bool WEIGHTED, typename RUNG>
+__global__ void __launch_bounds__(32 * RUNG::warps, RUNG::blocks)
 far_kernel(const __grid_constant__ space all, const __grid_constant__ tree boxes, const unsigned long long *seed,
            queue work, uint32_t total, int cap, uint32_t limit, void *scratch, pbw__digit *pool,
            const __grid_constant__ store out, queue failed, queue large)
 {
-    typedef typename far_star<DIM, WEIGHTED, SIZES>::type star_type;
+    typedef typename far_star<DIM, WEIGHTED, RUNG>::type star_type;
     extern __shared__ float4 shared_words[];
-    star_type &s = *(SHARED ? (star_type *)shared_words : (star_type *)scratch + blockIdx.x);
-    pbw__digit *digits = pool == NULL ? NULL : pool + ((size_t)blockIdx.x * 32 + threadIdx.x) * PBW__POOL;
+    star_type &s = *(RUNG::shared ? (star_type *)shared_words : (star_type *)scratch + blockIdx.x);
+    pbw__digit *digits = pool == NULL ? NULL : pool + (blockIdx.x * 32 + (threadIdx.x & 31)) * (size_t)PBW__POOL;
+    __shared__ uint32_t failures;
     for (uint32_t i = blockIdx.x; i < total; i += gridDim.x) {
-        uint32_t v = work.vertex[i];
+        uint32_t entry = work.vertex[i], v = entry & ~stored_mark;
+        bool resume = entry != v && out.place[v] != none, changed;  /* none: the store was too small */
         int count = 0;
-        uint32_t failures = threadIdx.x == 0 ? *(volatile uint32_t *)failed.count : 0;
-        if (__shfl_sync(all_lanes, failures, 0) > limit) {
+        if (threadIdx.x == 0) {
+            failures = *(volatile uint32_t *)failed.count;
+        }
+        meet<RUNG::warps>();
+        if (failures > limit) {
             return;
         }
-        bool good = far_star_of(s, all, boxes, seed, v, cap, digits, count);
-        bool is_hidden = good && count == 0;
-        finish<32>(s, good && !is_hidden, v, count, out);
-        if (is_hidden && threadIdx.x == 0) {
-            out.place[v] = hidden;
-            out.owned[v] = 0;
+        int verdict =
+            far_star_of<RUNG::exact, RUNG::warps>(s, all, boxes, seed, out, v, resume, cap, digits, count, changed);
+        if (threadIdx.x < 32) {
+            bool fails = verdict == far_lost || verdict == far_capped, stays = verdict != far_lost;
+            if (verdict == far_capped || (verdict == far_certified && changed)) {
+                finish<32>(s, true, v, count, out);
+            }
+            if (verdict == far_hidden && threadIdx.x == 0) {
+                out.place[v] = hidden;
+                out.owned[v] = 0;
+            }
+            enqueue(failed, fails && threadIdx.x == 0, stays ? v | stored_mark : entry);
+            enqueue(large, verdict == far_certified && threadIdx.x == 0, v);
         }
-        enqueue(failed, !good && threadIdx.x == 0, v);
-        enqueue(large, good && threadIdx.x == 0 && !is_hidden, v);
-        __syncwarp();
+        meet<RUNG::warps>();
     }
 }
 
@@ -2286,7 +2560,7 @@ __global__ void large_neighbor_kernel(queue large, const __grid_constant__ store
    In: packed points on the device.  Out: the arrays on the device, and for a job of pbw.h also in its memory, copied
    while later stages run.  Everything is in the order of one stream; the host waits where it needs a count.
    ------------------------------------------------------------------------------------------------------ */
-const double bytes_a_point[2] = { 230.0, 640.0 };    /* of device memory at the peak, uniform points: 2D, 3D */
+const double bytes_a_point[2] = { 230.0, 650.0 };    /* of device memory at the peak, uniform points: 2D, 3D */
 
 struct call {
     cudaStream_t stream, copies;
@@ -2705,19 +2979,22 @@ bool grow_tree(call &c, space &s, int dim, tree &t)
     }
 }
 
-const int far_cap = 512, last_cap = 1 << 14;         /* looks at 32 points; insertions tried: 4 times as many */
-const uint32_t last_warps = 64;
+/* Looks at 32 boxes or points, of a warp; an insertion counts as 4. */
+const int quick_cap = 1024, far_cap = 4096, last_cap = 1 << 17;
+const uint32_t last_blocks = 64;
 
 /* All stars into out.  t.level[0] and lists come from before. */
 template <int DIM, bool WEIGHTED>
 bool build_stars(call &c, const space &s, const tree &t, const uint32_t *lists, const near_list *infos,
                  const store &out, const queue *q, unsigned long long *seed, size_t *stars)
 {
-    typedef far_star<DIM, WEIGHTED, far_sizes> far_type;
-    typedef far_star<DIM, WEIGHTED, last_sizes> last_type;
+    typedef far_star<DIM, WEIGHTED, last_rung> last_type;
+    const size_t quick_bytes = sizeof(typename far_star<DIM, WEIGHTED, quick_rung>::type);
+    const size_t far_bytes = sizeof(typename far_star<DIM, WEIGHTED, far_rung>::type);
     const size_t near_bytes = sizeof(typename near_star<DIM, WEIGHTED>::type) * (near_block / 8);
+    static_assert(near_bytes <= 48 << 10, "the stars of a block fit what every device has of shared memory");
     const uint32_t chunk = 1u << 22, limit = 128 + s.count / 2048;
-    uint32_t failed = 0, last = 0;
+    uint32_t open = 0, failed = 0, last = 0;
 
     for (int i = 0; i < 3; i++) {
         fill(c, q[i].count, 0, 1);
@@ -2725,11 +3002,12 @@ bool build_stars(call &c, const space &s, const tree &t, const uint32_t *lists, 
     fill(c, out.used, 0, 1);
     fill(c, seed, 0, 4);
     fill(c, out.owned + s.count, 0, 1);
+    fill(c, out.place, 0xff, s.count);
     stars[0] = s.count;
     for (uint32_t first = 0; first < s.count && c.status == PBW_OK; first += chunk) {
         uint32_t count = s.count - first < chunk ? s.count - first : chunk;
-        near_kernel<DIM, WEIGHTED><<<blocks_for(count, near_block / 8), near_block, near_bytes, c.stream>>>(
-            s, t.level[0], lists, infos, first, out, q[0]);
+        near_kernel<DIM, WEIGHTED, false><<<blocks_for(count, near_block / 8), near_block, near_bytes, c.stream>>>(
+            s, t.level[0], lists, infos, first, first + count, out, q[0], q[1]);
         if (!launched(c, "near stars")) {
             return false;
         }
@@ -2744,8 +3022,16 @@ bool build_stars(call &c, const space &s, const tree &t, const uint32_t *lists, 
             wait(c, PBW_STAGE_BUILD, 0.8 * (double)first / (double)s.count);
         }
     }
+    if (!read_back(c, open, q[1].count, PBW_STAGE_BUILD, 0.7)) {
+        return false;
+    }
+    if (open > 0) {
+        near_kernel<DIM, WEIGHTED, true><<<blocks_for(open, near_block / 8), near_block, near_bytes, c.stream>>>(
+            s, t.level[0], lists, infos, 0, open, out, q[0], q[1]);
+    }
     note(c, 3);
-    if (!read_back(c, failed, q[0].count, PBW_STAGE_BUILD, 0.8)) {
+    if (!launched(c, "near stars") || !read_back(c, failed, q[0].count, PBW_STAGE_BUILD, 0.8)
+        || !fill(c, q[1].count, 0, 1)) {
         return false;
     }
     stars[1] = failed;
@@ -2754,9 +3040,17 @@ bool build_stars(call &c, const space &s, const tree &t, const uint32_t *lists, 
             unsigned blocks = blocks_for(s.count, 256);
             seed_kernel<<<blocks < 1024 ? blocks : 1024, 256, 0, c.stream>>>(s, DIM, found, seed);
         }
-        far_kernel<DIM, WEIGHTED, far_sizes, true><<<failed, 32, sizeof(typename far_type::type), c.stream>>>(
-            s, t, seed, q[0], failed, far_cap, limit, NULL, NULL, out, q[1], q[2]);
-        if (!launched(c, "far stars") || !read_back(c, last, q[1].count, PBW_STAGE_BUILD, 0.9)) {
+        far_kernel<DIM, WEIGHTED, quick_rung><<<failed, 32 * quick_rung::warps, quick_bytes, c.stream>>>(
+            s, t, seed, q[0], failed, quick_cap, none, NULL, NULL, out, q[1], q[2]);
+        if (!launched(c, "far stars") || !read_back(c, failed, q[1].count, PBW_STAGE_BUILD, 0.9)
+            || !fill(c, q[0].count, 0, 1)) {
+            return false;
+        }
+    }
+    if (failed > 0) {
+        far_kernel<DIM, WEIGHTED, far_rung><<<failed, 32 * far_rung::warps, far_bytes, c.stream>>>(
+            s, t, seed, q[1], failed, far_cap, limit, NULL, NULL, out, q[0], q[2]);
+        if (!launched(c, "far stars") || !read_back(c, last, q[0].count, PBW_STAGE_BUILD, 0.95)) {
             return false;
         }
     }
@@ -2765,16 +3059,16 @@ bool build_stars(call &c, const space &s, const tree &t, const uint32_t *lists, 
         return decline(c, "the stars of too many points are too large (cospherical points?)");
     }
     if (last > 0) {
-        uint32_t warps = last < last_warps ? last : last_warps, lost = 0;
+        uint32_t blocks = last < last_blocks ? last : last_blocks, lost = 0;
         typename last_type::type *scratch = NULL;
         pbw__digit *pool = NULL;
-        queue nowhere = { q[0].vertex, q[0].count };
-        if (!fill(c, q[0].count, 0, 1) || !allocate(c, scratch, warps)
-            || !allocate(c, pool, (size_t)warps * 32 * PBW__POOL)) {
+        queue nowhere = { q[1].vertex, q[1].count };
+        if (!fill(c, q[1].count, 0, 1) || !allocate(c, scratch, blocks)
+            || !allocate(c, pool, (size_t)blocks * 32 * PBW__POOL)) {
             return false;
         }
-        far_kernel<DIM, WEIGHTED, last_sizes, false><<<warps, 32, 0, c.stream>>>(
-            s, t, seed, q[1], last, last_cap, 0, scratch, pool, out, nowhere, q[2]);
+        far_kernel<DIM, WEIGHTED, last_rung><<<blocks, 32 * last_rung::warps, 0, c.stream>>>(
+            s, t, seed, q[0], last, last_cap, 0, scratch, pool, out, nowhere, q[2]);
         if (!launched(c, "last stars") || !read_back(c, lost, nowhere.count, PBW_STAGE_BUILD, 0.95)) {
             return false;
         }
@@ -2809,7 +3103,7 @@ bool build(call &c, const input &in, space &s, const uint32_t *id, unsigned flag
 
     memset(&out, 0, sizeof out);
     memset(&t, 0, sizeof t);
-    out.capacity = (unsigned long long)s.count * (DIM == 3 ? 12 : 5) + 4096;
+    out.capacity = (unsigned long long)s.count * (DIM == 3 ? 13 : 5) + 4096;
     if (!grow_tree(c, s, DIM, t) || !allocate(c, lists, (size_t)t.size[0] * list_size)
         || !allocate(c, infos, t.size[0]) || !allocate(c, counts, 4) || !allocate(c, used_and_seed, 5)
         || !allocate(c, out.place, s.count) || !allocate(c, out.owned, (size_t)s.count + 1)) {

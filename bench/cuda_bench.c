@@ -6,7 +6,7 @@
    host       pbw_triangulate with the backend, from host memory to host memory: the same.  Points and results are in
               pinned blocks that were touched before, which options.resize hands out again; pageable: the same with
               malloc'd memory that is new to the process.
-   CPU        pbw_triangulate without the backend on all threads, once, for up to --cpu points (1e6): the arrays must be
+   CPU        pbw_triangulate without the backend on all threads, once, for up to --cpu points (1e6): the arrays are
               equal, byte for byte, or the row says DIFFERENT and the exit status is 1
    The first run of each row warms up and is not counted.  Memory stays in the device's pool between runs. */
 #define _POSIX_C_SOURCE 200112L
@@ -28,7 +28,7 @@ static double seconds(void)
 
 /* ---- an allocator that keeps its blocks, pinned */
 typedef struct block { void *address; size_t bytes; int busy; } block;
-typedef struct keeper { block blocks[64]; int count; } keeper;
+typedef struct keeper { block blocks[1024]; int count; } keeper;
 
 static void *keeper_resize(void *user, void *address, size_t old_bytes, size_t bytes)
 {
@@ -43,7 +43,7 @@ static void *keeper_resize(void *user, void *address, size_t old_bytes, size_t b
             }
         }
         if (best < 0) {
-            if (k->count == 64 || cudaMallocHost(&fresh, bytes) != cudaSuccess) {
+            if (k->count == 1024 || cudaMallocHost(&fresh, bytes) != cudaSuccess) {
                 return NULL;
             }
             memset(fresh, 1, bytes);
@@ -72,7 +72,8 @@ static int compare_doubles(const void *a, const void *b)
 
 static int equal(const pbw_mesh *a, const pbw_mesh *b)
 {
-    size_t links = a->simplex_count * ((size_t)a->dim + 1) * sizeof(pbw_index), each = a->point_count * sizeof(pbw_index);
+    size_t links = a->simplex_count * ((size_t)a->dim + 1) * sizeof(pbw_index);
+    size_t each = a->point_count * sizeof(pbw_index);
     return a->simplex_count == b->simplex_count && a->hidden_count == b->hidden_count
         && a->duplicate_count == b->duplicate_count && memcmp(a->simplices, b->simplices, links) == 0
         && memcmp(a->neighbors, b->neighbors, links) == 0 && memcmp(a->incident, b->incident, each) == 0
@@ -125,9 +126,10 @@ static int row(const char *kind_name, int dim, size_t count, int weighted, int r
                 cudaMemGetInfo(&free_after, &all);
                 simplices = device_mesh.simplex_count;
                 qsort(times, (size_t)runs, sizeof times[0], compare_doubles);
-                printf("  device    best %.2f median %.2f ms; %zu simplices; stars %zu, %zu, %zu; %.0f device bytes a point\n"
-                       "   ", 1e3 * times[0], 1e3 * times[runs / 2], simplices, device_mesh.stars[0],
-                       device_mesh.stars[1], device_mesh.stars[2], (double)(free_before - free_after) / (double)count);
+                printf("  device    best %.2f median %.2f ms; %zu simplices; stars %zu, %zu, %zu; "
+                       "%.0f device bytes a point\n   ", 1e3 * times[0], 1e3 * times[runs / 2], simplices,
+                       device_mesh.stars[0], device_mesh.stars[1], device_mesh.stars[2],
+                       (double)(free_before - free_after) / (double)count);
                 for (i = 0; i < 8; i++) {
                     printf(" %s %.2f", phase[i], (double)device_mesh.milliseconds[i]);
                 }

@@ -51,7 +51,8 @@ static void test_zoo(void)
 static void test_kinds(size_t count)
 {
     int dim, kind, weight_kind;
-    double *points = (double *)malloc(count * 3 * sizeof *points), *weights = (double *)malloc(count * sizeof *weights);
+    double *points = (double *)malloc(count * 3 * sizeof *points);
+    double *weights = (double *)malloc(count * sizeof *weights);
     for (dim = 2; dim <= 3 && points != NULL && weights != NULL; dim++) {
         for (kind = 0; kind < INPUT_KINDS; kind++) {
             size_t n = kind == INPUT_MOMENT ? 200 : count;
@@ -64,8 +65,8 @@ static void test_kinds(size_t count)
         for (weight_kind = 0; weight_kind < INPUT_WEIGHTS_KINDS; weight_kind++) {
             for (kind = 0; kind < 2; kind++) {
                 int points_kind = kind == 0 ? INPUT_UNIFORM : INPUT_LATTICE;
-                if (test_begin("%dD %s, weights %s, %lu", dim, input_name(points_kind), input_weights_name(weight_kind),
-                               (unsigned long)count)) {
+                if (test_begin("%dD %s, weights %s, %lu", dim, input_name(points_kind),
+                               input_weights_name(weight_kind), (unsigned long)count)) {
                     input_fill(points_kind, dim, count, (uint64_t)test_seed, points);
                     input_fill_weights(weight_kind, dim, count, (uint64_t)test_seed, points, weights);
                     compare(dim, points, weights, count, 0);
