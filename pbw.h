@@ -4722,22 +4722,22 @@ PBW__INLINE int pbw__corners_in_cell(const pbw__store *store, pbw_index t, size_
     return count;
 }
 
-/* A hint of a cell that we hold: one that has enough corners there to be ours.  If it was deleted, a simplex of the
-   star takes its place. */
-static void pbw__renew_hint(pbw__kernel *kernel, size_t cell)
+/* The hint of a cell that we hold: a simplex that has enough corners there to be ours.  If it was deleted, and in any
+   case in the cell of the vertex, where the next one may be near, a simplex of the star takes its place. */
+static void pbw__renew_hint(pbw__kernel *kernel, size_t cell, size_t here)
 {
     pbw__store *store = kernel->store;
-    pbw_index *hint = store->hint + cell;
+    pbw_index old = store->hint[cell], hint = PBW_NONE;
     const int enough = kernel->dim - 1;
     size_t i;
-    if (*hint != PBW_NONE && pbw__corners_in_cell(store, *hint, cell, kernel->dim) >= enough) {
-        return;
+    if (old == PBW_NONE || pbw__corners_in_cell(store, old, cell, kernel->dim) < enough) {
+        old = PBW_NONE;
     }
-    *hint = PBW_NONE;
-    for (i = 0; i < kernel->facet_count && *hint == PBW_NONE; i++) {
-        *hint = pbw__corners_in_cell(store, kernel->cavity[i], cell, kernel->dim) >= enough ? kernel->cavity[i]
-                                                                                            : PBW_NONE;
+    for (i = 0; i < kernel->facet_count && hint == PBW_NONE && (old == PBW_NONE || cell == here); i++) {
+        hint = pbw__corners_in_cell(store, kernel->cavity[i], cell, kernel->dim) >= enough ? kernel->cavity[i]
+                                                                                           : PBW_NONE;
     }
+    store->hint[cell] = hint != PBW_NONE ? hint : old;
 }
 
 /* Inserts a vertex with cells that are taken for it and then given back. */
@@ -4759,7 +4759,7 @@ static pbw_status pbw__insert_claiming(pbw__kernel *kernel, pbw_index v)
         return status;                               /* what it was at is in no order: the cells stay taken */
     }
     for (i = 0; i < kernel->claim_count && kernel->statistics.created > created; i++) {
-        pbw__renew_hint(kernel, kernel->claim[i]);
+        pbw__renew_hint(kernel, kernel->claim[i], cell);
     }
     kernel->last_entered = kernel->last;             /* not to be a hint */
     pbw__leave_region(kernel);
@@ -5362,9 +5362,8 @@ static void pbw__emit_set_aside(pbw__emission *emission, pbw__aside *aside, int 
 }
 
 /* What waits is looked at when there is twice as much as was left the last time. */
-static int pbw__emit_later(pbw__emission *emission, int task, const pbw__emitted *simplex, int dim)
+static int pbw__emit_later(pbw__emission *emission, pbw__aside *aside, const pbw__emitted *simplex, int dim)
 {
-    pbw__aside *aside = emission->aside + task;
     if (aside->count == aside->capacity) {
         pbw__emit_set_aside(emission, aside, dim);
         if (aside->count >= aside->capacity / 2
@@ -5378,7 +5377,7 @@ static int pbw__emit_later(pbw__emission *emission, int task, const pbw__emitted
     return 1;
 }
 
-PBW__INLINE void pbw__emit_chunk(pbw__emission *emission, int task, size_t chunk, int dim)
+PBW__INLINE void pbw__emit_chunk(pbw__emission *emission, pbw__aside *aside, size_t chunk, int dim)
 {
     const pbw_index *number = emission->number;
     size_t t = chunk * PBW__CHUNK, end = t + PBW__CHUNK;
@@ -5402,7 +5401,7 @@ PBW__INLINE void pbw__emit_chunk(pbw__emission *emission, int task, size_t chunk
         }
         if (PBW__LIKELY(pbw__emit_free(emission, simplex.place, chunk, t, dim))) {
             pbw__emit_place(emission, &simplex, dim);
-        } else if (!pbw__emit_later(emission, task, &simplex, dim)) {
+        } else if (!pbw__emit_later(emission, aside, &simplex, dim)) {
             return;
         }
     }
@@ -5413,14 +5412,16 @@ static void pbw__emit_pass3(void *arg, int task)
 {
     pbw__emission *emission = (pbw__emission *)arg;
     size_t chunks = (emission->slot_count + PBW__CHUNK - 1) / PBW__CHUNK, chunk;
+    pbw__aside aside = { NULL, 0, 0 };               /* not in a line of the cache with those of other tasks */
     while ((chunk = PBW__ADD(&emission->chunk, 1)) < chunks && !PBW__LOAD(&emission->failed)
            && !pbw__report(emission->context, 0.5 + 0.45 * (double)chunk / (double)chunks)) {
         if (emission->dim == 3) {
-            pbw__emit_chunk(emission, task, chunk, 3);
+            pbw__emit_chunk(emission, &aside, chunk, 3);
         } else {
-            pbw__emit_chunk(emission, task, chunk, 2);
+            pbw__emit_chunk(emission, &aside, chunk, 2);
         }
     }
+    emission->aside[task] = aside;
 }
 
 /* Pass 4: those that a task set aside. */
