@@ -4712,32 +4712,30 @@ static void pbw__level_begin(pbw__build *build, int part)
     }
 }
 
-PBW__INLINE int pbw__corners_in_cell(const pbw__store *store, pbw_index t, size_t cell, int dim)
+/* Has a simplex enough corners in these cells to be mine if they are? */
+PBW__INLINE int pbw__is_in_cells(const pbw__store *store, pbw_index t, size_t begin, size_t end, int dim)
 {
-    const pbw_index *v = store->corner + 4 * (size_t)t;
+    const pbw_index *v = store->corner + (t != PBW_NONE ? 4 * (size_t)t : 0);
     int count = 0, k;
-    for (k = 0; k <= dim && v[0] != PBW_NONE; k++) {
-        count += v[k] != PBW__GHOST && v[k] >> store->cell_bits == cell;
+    for (k = 0; k <= dim; k++) {
+        count += v[k] != PBW__GHOST && v[k] >> store->cell_bits >= begin && v[k] >> store->cell_bits < end;
     }
-    return count;
+    return t != PBW_NONE && v[0] != PBW_NONE && count + 1 >= dim;
 }
 
-/* The hint of a cell that we hold: a simplex that has enough corners there to be ours.  If it was deleted, and in any
-   case in the cell of the vertex, where the next one may be near, a simplex of the star takes its place. */
+/* The hint of a cell that we hold, if it was deleted, and in any case in the cell of the vertex, where the next one
+   may be near: a simplex of the star. */
 static void pbw__renew_hint(pbw__kernel *kernel, size_t cell, size_t here)
 {
-    pbw__store *store = kernel->store;
-    pbw_index old = store->hint[cell], hint = PBW_NONE;
-    const int enough = kernel->dim - 1;
+    pbw_index *hint = kernel->store->hint + cell, old = *hint;
+    const int dim = kernel->dim, valid = pbw__is_in_cells(kernel->store, old, cell, cell + 1, dim);
     size_t i;
-    if (old == PBW_NONE || pbw__corners_in_cell(store, old, cell, kernel->dim) < enough) {
-        old = PBW_NONE;
+    *hint = PBW_NONE;
+    for (i = 0; i < kernel->facet_count && *hint == PBW_NONE && (!valid || cell == here); i++) {
+        pbw_index t = kernel->cavity[i];
+        *hint = pbw__is_in_cells(kernel->store, t, cell, cell + 1, dim) ? t : PBW_NONE;
     }
-    for (i = 0; i < kernel->facet_count && hint == PBW_NONE && (old == PBW_NONE || cell == here); i++) {
-        hint = pbw__corners_in_cell(store, kernel->cavity[i], cell, kernel->dim) >= enough ? kernel->cavity[i]
-                                                                                           : PBW_NONE;
-    }
-    store->hint[cell] = hint != PBW_NONE ? hint : old;
+    *hint = *hint == PBW_NONE && valid ? old : *hint;
 }
 
 /* Inserts a vertex with cells that are taken for it and then given back. */
@@ -4861,18 +4859,12 @@ static void pbw__begin_round(void *arg, int part)
 {
     pbw__build *build = (pbw__build *)arg;
     pbw__store *store = build->store;
-    const int dim = build->vertices->dim;
-    size_t c = pbw__share(store->region_count, part, build->parts), k;
-    size_t begin = c, end = pbw__share(store->region_count, part + 1, build->parts);
+    size_t c = pbw__share(store->region_count, part, build->parts), begin = c;
+    size_t end = pbw__share(store->region_count, part + 1, build->parts);
     for (; c < end; c++) {
-        pbw_index t = store->hint[c];
-        int count = t != PBW_NONE && build->claiming ? pbw__corners_in_cell(store, t, c, dim) : 0;
-        for (k = 0; k <= (size_t)dim && !build->claiming && t != PBW_NONE; k++) {
-            pbw_index v = store->corner[4 * (size_t)t + k];
-            size_t cell = v >> store->cell_bits;
-            count += store->corner[4 * (size_t)t] != PBW_NONE && v != PBW__GHOST && cell >= begin && cell < end;
-        }
-        store->hint[c] = count + 1 >= dim ? t : PBW_NONE;
+        int valid = build->claiming ? pbw__is_in_cells(store, store->hint[c], c, c + 1, build->vertices->dim)
+                                    : pbw__is_in_cells(store, store->hint[c], begin, end, build->vertices->dim);
+        store->hint[c] = valid ? store->hint[c] : PBW_NONE;
         build->owner[c] = build->claiming ? PBW__NOBODY : (uint8_t)part;
     }
 }
