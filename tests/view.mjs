@@ -145,6 +145,12 @@ const differ = (a, b) => {
   }
   return found / (a.rgb.length / 3);
 };
+// How many of the colours of classes are seen, shaded or not: in the same ratios.
+const hues = image => [[0, 114, 178], [230, 159, 0], [0, 158, 115], [204, 121, 167], [86, 180, 233], [213, 94, 0],
+  [240, 228, 66]].filter(c => count(image, (...d) => {
+  const s = (d[0] + d[1] + d[2]) / (c[0] + c[1] + c[2]);
+  return s > 0.3 && c.every((x, k) => Math.abs(x * s - d[k]) < 7);
+}) > 0.005).length;
 const between = (x, low, high) => x >= low && x <= high;
 const shown = async () => +(await get('shown')).split(' ')[0].replaceAll(',', '');
 
@@ -241,13 +247,8 @@ async function test_solid() {
 
   await colour_by('part');
   await click('plain');
-  const parts = await picture(), hues = [[0, 114, 178], [230, 159, 0], [0, 158, 115], [204, 121, 167], [86, 180, 233],
-    [213, 94, 0], [240, 228, 66]];
-  const seen = hues.filter(c => count(parts, (...d) => {               // shaded: in the same ratios
-    const s = (d[0] + d[1] + d[2]) / (c[0] + c[1] + c[2]);
-    return s > 0.3 && c.every((x, k) => Math.abs(x * s - d[k]) < 7);
-  }) > 0.005);
-  check('solid: parts in colours that tell them apart', seen.length >= 4, JSON.stringify(seen));
+  const seen = hues(await picture());
+  check('solid: parts in colours that tell them apart', seen >= 4, '' + seen);
   check('solid: a legend of eight parts', await evaluate('document.getElementById("classes").children.length') === 8);
   await click('plain');
   await click('reset');
@@ -311,6 +312,21 @@ async function test_flat() {
   await colour_by('order');
   check('flat: colours of points', differ(image, await picture()) > 0.05);
   check_quiet('flat');
+}
+
+// Which threads insert what is another matter each time, but all do.
+async function test_threads() {
+  await open('threads');
+  const image = await picture(), seen = hues(image);
+  check('threads: a legend of eight', await evaluate('document.getElementById("classes").children.length') === 8,
+    await get('summary'));
+  check('threads: in colours that tell them apart', seen >= 4, '' + seen);
+  await colour_by('round');
+  const [, low, high] = (await get('summary')).match(/least ([0-9]+).*largest ([0-9]+)/) || [];
+  check('threads: rounds on a scale of more than two', high - low >= 2, await get('summary'));
+  check('threads: and no classes', await evaluate('document.getElementById("classes").children.length') === 0);
+  check('threads: in other colours', differ(image, await picture()) > 0.2);
+  check_quiet('threads');
 }
 
 async function test_terrain() {
@@ -377,11 +393,11 @@ const { targetId } = await send('Target.createTarget', { url: 'about:blank' });
 session = (await send('Target.attachToTarget', { targetId, flatten: true })).sessionId;
 for (const domain of ['Page', 'Runtime', 'Log', 'Network']) await tell(domain + '.enable');
 await evaluate('1');
-for (const name of ['square', 'corner', 'solid', 'flat', 'points', 'terrain', 'million']) {
+for (const name of ['square', 'corner', 'solid', 'flat', 'threads', 'points', 'terrain', 'million']) {
   check(name + '.html is there', existsSync(join(folder, name + '.html')));
 }
-for (const test of [test_square, test_corner, test_solid, test_flat, test_terrain, test_points, test_million,
-  test_no_webgl]) {
+for (const test of [test_square, test_corner, test_solid, test_flat, test_threads, test_terrain, test_points,
+  test_million, test_no_webgl]) {
   try {
     await test();
   } catch (e) {

@@ -22,6 +22,7 @@ page square "$work/square.csv" --threads 2 --colour part
 page corner "$work/corner.csv" --columns 1,2,3 --eye 1,1,1 --cut 1,0,0,0 --cut-through --colour-outside --colour order
 page solid --generate uniform 3000 --threads 8 --title "</title><script>hacked=1</script>'\"&<b> ü"
 page flat --generate gauss 2000 --dim 2
+page threads --generate uniform 70000 --dim 2 --threads 8 --colour thread
 page points --generate sphere 5000 --points
 "$bin/terrain" "$work/terrain.pgm" "$work/terrain.html" > "$work/terrain.txt" || echo "FAILED making terrain.html"
 page million --generate uniform 150000
