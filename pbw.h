@@ -3179,6 +3179,7 @@ PBW__INLINE void pbw__search_end(pbw__kernel *kernel, const pbw__search *search)
     kernel->cavity_count = search->cavity_count;
     kernel->facet_count = search->facet_count;
     kernel->local_count = search->local_count;
+    kernel->statistics.conflict_tests += search->cavity_count + search->facet_count - 1;
 }
 
 /* Room to look at the neighbours of one more simplex: four more may be written to each list. */
@@ -3448,8 +3449,8 @@ PBW__AVX2 static PBW__NOINLINE unsigned pbw__ties4(const double *record, const p
 
 /* Neighbours of t that the filter left open (bits of `certain` not set): the exact verdicts.  Those without the bit
    in `rounded` are ties.  A ghost tied with a finite t is in conflict, because t is. */
-static PBW__NOINLINE unsigned pbw__search_exact(pbw__kernel *kernel, pbw_index t, unsigned certain, unsigned inside,
-                                                unsigned rounded, const double *p)
+PBW__AVX2 static PBW__NOINLINE unsigned pbw__search_exact(pbw__kernel *kernel, pbw_index t, unsigned certain,
+                                                          unsigned inside, unsigned rounded, const double *p)
 {
     const pbw_index *v = kernel->corner + 4 * (size_t)t;
     const pbw__link *link = kernel->link + 4 * (size_t)t;
@@ -3466,12 +3467,14 @@ static PBW__NOINLINE unsigned pbw__search_exact(pbw__kernel *kernel, pbw_index t
     if (tied != 0) {
         inside |= tied & (ghosts | pbw__ties4(kernel->record, v, far, p));
         open &= ~tied;
+        kernel->statistics.exact_tests += (unsigned)__builtin_popcount(tied);
     }
     if ((open & rounded) != 0 && !kernel->weighted) {
         unsigned positive;
         certain = open & rounded & pbw__power4_pairs(kernel->record, v, far, p, &positive);
         inside |= certain & positive;
         open &= ~certain;
+        kernel->statistics.exact_tests += (unsigned)__builtin_popcount(certain);
     }
     for (k = 0; k < 4; k++) {
         if ((open >> k & 1) != 0) {
@@ -4169,6 +4172,7 @@ static PBW__NOINLINE unsigned pbw__ring_exact(pbw__kernel *kernel, const pbw__ri
                 verdict = det[k] > 0.0;
             } else if (exact && kernel->corner[4 * (size_t)t + 2] != PBW__GHOST) {
                 verdict = pbw__tied2(kernel, t, p);
+                kernel->statistics.exact_tests++;
             } else {
                 verdict = pbw__in_conflict2(kernel, t, p);
             }

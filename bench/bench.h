@@ -12,6 +12,7 @@
 #define BENCH_H
 
 #include <stddef.h>
+#include <stdint.h>
 
 #ifdef __cplusplus
 extern "C" {
@@ -33,8 +34,10 @@ typedef struct bench_sample {
     size_t simplices;                      /* without those at infinity */
     size_t resident;                       /* most memory the process gained during its first build, 0 = unknown */
     size_t held;                           /* the library's own count of its peak, 0 = it has none */
-    double phases[3];               /* order, build, output */
-    size_t counters[4];                    /* walk steps, sphere tests, exact sphere tests, simplices created */
+    uint64_t hash;                         /* of the triangulation, 0 = unknown */
+    double phases[3];                      /* order, build, output */
+    size_t counters[7];                    /* walk steps, sphere tests, exact sphere tests, simplices created; rounds,
+                                              postponed insertions, insertions by one thread alone */
 } bench_sample;
 
 typedef struct bench_side {

@@ -1,5 +1,7 @@
 # bench.mk: make bench, included by the Makefile.
-#   make bench                        ten minutes, up to 1e6 points
+#   make bench                        a few minutes, up to 1e6 points
+#   make bench PHASES=1 CSV=rows.csv  adds phases and counters; also writes the rows there
+#   make bench SWEEP=1                1, 2, 4, ... threads, all kinds of points
 #   make bench ARGS=--quick           a minute;  bench/bench.c has the method, build/bench --help the options
 #   make bench BENCH_FLAGS="-O3 -march=native"
 # Rivals are linked where a program that uses them compiles and links; the probes run only if bench is asked for.
@@ -54,4 +56,4 @@ build/rival_%.o: bench/rival_%.c bench/bench.h bench/bench.mk
 
 .PHONY: bench
 bench: build/bench
-	./build/bench $(ARGS)
+	./build/bench $(SWEEP:%=--sweep) $(PHASES:%=--phases) $(CSV:%=--csv %) $(ARGS)

@@ -34,6 +34,7 @@ enum {
     INPUT_SPIRAL,           /* 20 turns, with noise of 1e-4 */
     INPUT_PLANE,            /* 3D: z = 1e-9 normal; 2D: y = 1e-9 uniform, nearly a line */
     INPUT_ANISOTROPIC,      /* uniform, last axis times 1e-4 */
+    INPUT_TERRAIN,          /* as an airborne scan sees hills of 1 km, in whole centimetres; 2D: from above */
     INPUT_MOMENT,           /* (t, t^2, t^3), t = 1..n shuffled: (n-2)(n-3)/2 tetrahedra in 3D */
     INPUT_KINDS
 };
@@ -42,7 +43,7 @@ enum {
     INPUT_WEIGHTS_ZERO,
     INPUT_WEIGHTS_CONSTANT,
     INPUT_WEIGHTS_SMALL,            /* hide nothing: 1e-6 U h^2, h the typical distance, U uniform in [0, 1) */
-    INPUT_WEIGHTS_HIDING,           /* 0.5 U h^2: a few in a hundred are hidden */
+    INPUT_WEIGHTS_HIDING,           /* 0.2 U h^2 (2D), 0.45 U h^2 (3D): hide one in a hundred uniform points */
     INPUT_WEIGHTS_HALF,             /* 8 U h^2: most are hidden */
     INPUT_WEIGHTS_NEGATIVE,
     INPUT_WEIGHTS_VERY_NEGATIVE,    /* -1e20 of the extent squared, and the points' own small differences */
@@ -59,7 +60,8 @@ enum {
 static inline const char *input_name(int kind)
 {
     static const char *const names[INPUT_KINDS] = { "uniform", "gauss", "ball", "sphere", "clusters", "lattice",
-                                                    "lines", "spiral", "plane", "anisotropic", "moment" };
+                                                    "lines", "spiral", "plane", "anisotropic", "terrain",
+                                                    "moment" };
     return names[kind];
 }
 
@@ -198,6 +200,16 @@ static inline void input_point(int kind, int dim, const double table[64][7], uin
             p[2] = t + 1e-4 * input_gauss(state);
         }
         break;
+    case INPUT_TERRAIN:
+        for (j = 0; j < 2; j++) {
+            p[j] = (double)input_below(state, 100000);
+        }
+        if (dim == 3) {
+            input_turn(p[0] * 3e-5, &c, &s);
+            input_turn(p[1] * 7e-5 + c, &t, &r2);
+            p[2] = (double)(int64_t)(2000 * (3 + s + t) + 5 * input_uniform(state));
+        }
+        break;
     default:
         for (j = 0; j < dim; j++) {
             p[j] = input_uniform(state);
@@ -277,7 +289,7 @@ static inline void input_fill_weights(int kind, int dim, size_t n, uint64_t seed
         case INPUT_WEIGHTS_ZERO: weights[i] = 0; break;
         case INPUT_WEIGHTS_CONSTANT: weights[i] = 1.5 * h * h; break;
         case INPUT_WEIGHTS_SMALL: weights[i] = 1e-6 * u * h * h; break;
-        case INPUT_WEIGHTS_HIDING: weights[i] = 0.5 * u * h * h; break;
+        case INPUT_WEIGHTS_HIDING: weights[i] = (dim == 2 ? 0.2 : 0.45) * u * h * h; break;
         case INPUT_WEIGHTS_HALF: weights[i] = 8 * u * h * h; break;
         case INPUT_WEIGHTS_NEGATIVE: weights[i] = -u * h * h; break;
         case INPUT_WEIGHTS_VERY_NEGATIVE: weights[i] = -1e20 * extent * extent * (1 + 1e-15 * u); break;

@@ -271,6 +271,32 @@ static void test_trace(size_t count)
     }
 }
 
+/* A facet of a new simplex borders one that was tested and found outside; a lattice is full of ties, random points
+   have none. */
+static void test_counts(size_t count)
+{
+    int dim, lattice, threads;
+    for (dim = 2; dim <= 3; dim++) {
+        for (lattice = 0; lattice <= 1; lattice++) {
+            if (test_begin("counts of tests: %dD %s", dim, lattice ? "lattice" : "uniform")) {
+                points p = points_make(lattice ? INPUT_LATTICE : INPUT_UNIFORM, dim, count, INPUT_WEIGHTS_ZERO);
+                for (threads = 1; threads <= 4; threads += 3) {
+                    pbw_options options = with_threads(threads);
+                    pbw_mesh mesh;
+                    const pbw_statistics *made = &mesh.statistics;
+                    CHECK_EQUAL(pbw_triangulate(dim, p.x, p.w, count, &options, &mesh), PBW_OK);
+                    CHECK(made->conflict_tests >= made->created && made->conflict_tests < 3 * made->created);
+                    CHECK(lattice ? made->exact_tests > (dim == 3 ? 4u : 1u) * count : made->exact_tests < count / 100);
+                    CHECK(made->exact_tests < made->conflict_tests);
+                    pbw_free(&mesh);
+                }
+                points_free(&p);
+                test_end();
+            }
+        }
+    }
+}
+
 /* Faulty meshes: one report, whoever finds the fault. */
 static void test_same_report(size_t count)
 {
@@ -371,6 +397,7 @@ int main(int argc, char **argv)
     test_refused_threads(count);
     test_failing_memory(count / 2);
     test_trace(count);
+    test_counts(count);
     test_same_report(count);
     test_many_builds(count);
     return test_finish();
