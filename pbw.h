@@ -2878,6 +2878,7 @@ static pbw_index pbw__locate3_scalar(pbw__kernel *kernel, pbw_index t, const dou
             }
         }
         if (PBW__UNLIKELY(kernel->owner != NULL) && !pbw__may_cross(kernel, t, exit)) {
+            kernel->last = t;
             return PBW__FOREIGN;
         }
         t = (pbw_index)(kernel->link[4 * (size_t)t + exit] >> 2);
@@ -2931,6 +2932,7 @@ PBW__AVX2_INLINE pbw_index pbw__locate3_avx2(pbw__kernel *kernel, pbw_index t, c
             }
         }
         if (PBW__UNLIKELY(kernel->owner != NULL) && !pbw__may_cross(kernel, t, exit)) {
+            kernel->last = t;
             return PBW__FOREIGN;
         }
         t = (pbw_index)(kernel->link[4 * (size_t)t + exit] >> 2);
@@ -2976,6 +2978,7 @@ static pbw_index pbw__locate2_scalar(pbw__kernel *kernel, pbw_index t, const dou
             }
         }
         if (PBW__UNLIKELY(kernel->owner != NULL) && !pbw__may_cross(kernel, t, exit)) {
+            kernel->last = t;
             return PBW__FOREIGN;
         }
         t = (pbw_index)(kernel->link[4 * (size_t)t + exit] >> 2);
@@ -3036,6 +3039,7 @@ PBW__AVX2_INLINE pbw_index pbw__locate2_avx2(pbw__kernel *kernel, pbw_index t, c
             }
         }
         if (PBW__UNLIKELY(kernel->owner != NULL) && !pbw__may_cross(kernel, t, exit)) {
+            kernel->last = t;
             t = PBW__FOREIGN;
             break;
         }
@@ -3888,14 +3892,23 @@ PBW__INLINE pbw_index pbw__insert_start(pbw__kernel *kernel, pbw_index vertex)
     return kernel->last != PBW_NONE ? kernel->last : PBW__FOREIGN;
 }
 
+/* What came of a walk: PBW_OK with a simplex to delete.  The next walk begins there, if the vertex is left. */
+PBW__INLINE pbw_status pbw__located(pbw__kernel *kernel, pbw_index t)
+{
+    kernel->last = t < PBW__FOREIGN ? t : kernel->last;
+    return t == PBW__FOREIGN || (t != PBW_NONE && kernel->owner != NULL && !pbw__may_delete(kernel, t)) ? PBW__LEFT
+                                                                                                       : PBW_OK;
+}
+
 static pbw_status pbw__insert3_scalar(pbw__kernel *kernel, pbw_index vertex)
 {
     const double *p = pbw__record3(kernel, vertex);
     pbw_index t = pbw__insert_start(kernel, vertex);
     pbw_status status;
     t = t != PBW__FOREIGN ? pbw__locate3_scalar(kernel, t, p) : t;
-    if (PBW__UNLIKELY(t >= PBW__FOREIGN) || PBW__UNLIKELY(kernel->owner != NULL && !pbw__may_delete(kernel, t))) {
-        return t == PBW_NONE ? PBW_OK : PBW__LEFT;   /* hidden, or not ours */
+    status = pbw__located(kernel, t);
+    if (PBW__UNLIKELY(t == PBW_NONE) || PBW__UNLIKELY(status != PBW_OK)) {
+        return status;                               /* hidden, or not ours */
     }
     status = pbw__carve3_scalar(kernel, t, p);
     return status == PBW_OK ? pbw__refill3(kernel, vertex) : status;
@@ -3908,8 +3921,9 @@ PBW__AVX2 static pbw_status pbw__insert3_avx2(pbw__kernel *kernel, pbw_index ver
     pbw_index t = pbw__insert_start(kernel, vertex);
     pbw_status status;
     t = t != PBW__FOREIGN ? pbw__locate3_avx2(kernel, t, p) : t;
-    if (PBW__UNLIKELY(t >= PBW__FOREIGN) || PBW__UNLIKELY(kernel->owner != NULL && !pbw__may_delete(kernel, t))) {
-        return t == PBW_NONE ? PBW_OK : PBW__LEFT;   /* hidden, or not ours */
+    status = pbw__located(kernel, t);
+    if (PBW__UNLIKELY(t == PBW_NONE) || PBW__UNLIKELY(status != PBW_OK)) {
+        return status;                               /* hidden, or not ours */
     }
     status = pbw__carve3_avx2(kernel, t, p);
     return status == PBW_OK ? pbw__refill3_avx2(kernel, vertex) : status;
@@ -4035,8 +4049,9 @@ static pbw_status pbw__insert2_scalar(pbw__kernel *kernel, pbw_index vertex)
     pbw_index t = pbw__insert_start(kernel, vertex);
     pbw_status status;
     t = t != PBW__FOREIGN ? pbw__locate2_scalar(kernel, t, p) : t;
-    if (PBW__UNLIKELY(t >= PBW__FOREIGN) || PBW__UNLIKELY(kernel->owner != NULL && !pbw__may_delete(kernel, t))) {
-        return t == PBW_NONE ? PBW_OK : PBW__LEFT;   /* hidden, or not ours */
+    status = pbw__located(kernel, t);
+    if (PBW__UNLIKELY(t == PBW_NONE) || PBW__UNLIKELY(status != PBW_OK)) {
+        return status;                               /* hidden, or not ours */
     }
     status = pbw__carve2(kernel, t, p);
     return status == PBW_OK ? pbw__refill2(kernel, vertex) : status;
@@ -4413,8 +4428,9 @@ PBW__AVX2_INLINE pbw_status pbw__insert2_with(pbw__kernel *kernel, pbw_index ver
     pbw_status status;
     rows.x = rows.y = rows.lift = rows.height = rows.ghost = _mm256_setzero_pd();
     t = t != PBW__FOREIGN ? pbw__locate2_avx2(kernel, t, p, weighted, &rows) : t;
-    if (PBW__UNLIKELY(t >= PBW__FOREIGN) || PBW__UNLIKELY(kernel->owner != NULL && !pbw__may_delete(kernel, t))) {
-        return t == PBW_NONE ? PBW_OK : PBW__LEFT;   /* hidden, or not ours */
+    status = pbw__located(kernel, t);
+    if (PBW__UNLIKELY(t == PBW_NONE) || PBW__UNLIKELY(status != PBW_OK)) {
+        return status;                               /* hidden, or not ours */
     }
     if (PBW__UNLIKELY(kernel->corner[4 * (size_t)t + 2] == PBW__GHOST)
         || PBW__UNLIKELY(kernel->fresh_end - kernel->fresh < 2)) {
