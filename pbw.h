@@ -4735,12 +4735,12 @@ static void pbw__level_begin(pbw__build *build, int part)
 /* Has a simplex enough corners in these cells to be mine if they are? */
 PBW__INLINE int pbw__is_in_cells(const pbw__store *store, pbw_index t, size_t begin, size_t end, int dim)
 {
-    const pbw_index *v = store->corner + (t != PBW_NONE ? 4 * (size_t)t : 0);
     int count = 0, k;
-    for (k = 0; k <= dim; k++) {
-        count += v[k] != PBW__GHOST && v[k] >> store->cell_bits >= begin && v[k] >> store->cell_bits < end;
+    for (k = 0; t != PBW_NONE && k <= dim && store->corner[4 * (size_t)t] != PBW_NONE; k++) {
+        pbw_index v = store->corner[4 * (size_t)t + (size_t)k];
+        count += v != PBW__GHOST && v >> store->cell_bits >= begin && v >> store->cell_bits < end;
     }
-    return t != PBW_NONE && v[0] != PBW_NONE && count + 1 >= dim;
+    return count + 1 >= dim;
 }
 
 /* The hint of a cell that we hold, if it was deleted, and in any case in the cell of the vertex, where the next one
