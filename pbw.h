@@ -3546,7 +3546,11 @@ static pbw_status pbw__carve3_scalar(pbw__kernel *kernel, pbw_index t, const dou
 
 #ifdef PBW__X86
 /* The rows of the latest simplices of the cavity, and of the vertices across their facets. */
+#ifdef PBW_SMALL_SHARES
+#define PBW__HELD 8
+#else
 #define PBW__HELD 64
+#endif
 typedef struct pbw__held { __m256d x, y, z, lift, far_x, far_y, far_z, far_lift; } pbw__held;
 
 /* By lanes: all bits in lane k, of 64 or 32 bits; the number m in lane k, at 4 * k + m. */
@@ -5145,7 +5149,7 @@ static pbw_status pbw__build_all(pbw__context *context, pbw__store *store, const
    simplex into the list of its lowest rank; sort and number the simplices list by list; translate each and write it
    to its place, unless a slot is there that is still to be read; then write those.
    ------------------------------------------------------------------------------------------------------ */
-typedef struct pbw__item { uint64_t key; pbw_index simplex; } pbw__item;
+typedef struct pbw__item { uint64_t key; pbw_index simplex, rank; } pbw__item;
 
 static void pbw__sift(pbw__item *heap, size_t root, size_t count)
 {
@@ -5162,29 +5166,33 @@ static void pbw__sift(pbw__item *heap, size_t root, size_t count)
     heap[root] = item;
 }
 
-/* Insertion sort for the usual handful, heap sort for the hub of a fan. */
-static void pbw__sort_items(pbw__item *item, size_t count)
+/* The rank of each by key: counted pair by pair for the usual handful, whose order no predictor could guess; by a heap
+   sort for the hub of a fan. */
+PBW__INLINE void pbw__rank_items(pbw__item *item, size_t count)
 {
-    size_t i;
-    if (count > 48) {
+    size_t i, j;
+    if (PBW__UNLIKELY(count > 48)) {
         for (i = count / 2; i-- > 0; ) {
             pbw__sift(item, i, count);
         }
-        for (i = count; i-- > 1; ) {
+        for (i = count; i-- > 0; ) {
             pbw__item last = item[i];
             item[i] = item[0];
             item[0] = last;
+            item[i].rank = (pbw_index)i;
             pbw__sift(item, 0, i);
         }
         return;
     }
-    for (i = 1; i < count; i++) {
-        pbw__item moving = item[i];
-        size_t hole = i;
-        for (; hole > 0 && item[hole - 1].key > moving.key; hole--) {
-            item[hole] = item[hole - 1];
+    for (i = 0; i < count; i++) {
+        uint64_t key = item[i].key;
+        pbw_index rank = 0;
+        for (j = 0; j < i; j++) {
+            pbw_index above = key > item[j].key;
+            rank += above;
+            item[j].rank += 1 - above;
         }
-        item[hole] = moving;
+        item[i].rank = rank;
     }
 }
 
@@ -5303,6 +5311,7 @@ static void pbw__emit_others(void *arg, int task)
 PBW__INLINE void pbw__emit_numbers(pbw__emission *emission, int task, int dim)
 {
     size_t b, v, i, count, capacity = 64, end = pbw__share(emission->blocks, task + 1, emission->tasks);
+    const int alone = emission->tasks == 1;
     pbw__item *item = (pbw__item *)pbw__allocate(&emission->context->memory, capacity, sizeof(pbw__item));
     for (b = pbw__share(emission->blocks, task, emission->tasks); b < end && item != NULL; b++) {
         pbw_index next = emission->block[b];
@@ -5328,21 +5337,28 @@ PBW__INLINE void pbw__emit_numbers(pbw__emission *emission, int task, int dim)
                 }
                 item[count].key = (uint64_t)corner[order >> 2 & 3] << 32 | corner[order >> 4 & 3];
                 item[count].simplex = t;
+                item[count].rank = (pbw_index)count;
                 t = emission->number[t];
             }
             if (!emission->any_order) {
-                pbw__sort_items(item, count);
+                pbw__rank_items(item, count);
             }
-            for (i = 0; i < count; i++, next++) {
+            for (i = 0; i < count; i++) {
                 const pbw_index *corner = emission->corner + 4 * (size_t)item[i].simplex;
+                pbw_index place = next + item[i].rank;
                 int k;
-                emission->number[item[i].simplex] = next;
+                emission->number[item[i].simplex] = place;
                 for (k = 0; k <= dim; k++) {
                     pbw_index *first = emission->first + corner[k], old = PBW__LOAD(first);
-                    while (next < old && !PBW__REPLACE(first, &old, next)) {
+                    if (alone) {
+                        *first = place < old ? place : old;
+                        continue;
+                    }
+                    while (place < old && !PBW__REPLACE(first, &old, place)) {
                     }
                 }
             }
+            next += (pbw_index)count;
         }
     }
     if (item == NULL) {
