@@ -3545,7 +3545,8 @@ static pbw_status pbw__carve3_scalar(pbw__kernel *kernel, pbw_index t, const dou
 }
 
 #ifdef PBW__X86
-/* The rows of the latest simplices of the cavity, and of the vertices across their facets. */
+/* The rows of the latest simplices of the cavity, and of the vertices across their facets.  Few in tests with small
+   shares, which are to meet simplices out of their reach. */
 #ifdef PBW_SMALL_SHARES
 #define PBW__HELD 8
 #else
@@ -3633,8 +3634,8 @@ PBW__AVX2_INLINE pbw_status pbw__carve3_avx2(pbw__kernel *kernel, pbw_index t, c
                 _mm256_loadu_si256((const __m256i *)(const void *)pbw__lane[facet & 3]));
             pbw__search_inherit(&search, i, facet, link);
             odd = ~facet & 4;                        /* one corner replaced in place turns the simplex over */
-            turn = (facet ^ facet >> 3) % 4 == 3 ? 0 : facet & 24;
-            turn = corner[link] == PBW__GHOST ? (~facet & 3) << 3 : turn;
+            turn = (facet ^ facet >> 3) % 4 == 3 ? 0 : facet & 24;           /* the ghost left, or stays, */
+            turn = corner[link] == PBW__GHOST ? (~facet & 3) << 3 : turn;    /* or came */
             r.x = _mm256_blendv_pd(from->x, from->far_x, lane);
             r.y = _mm256_blendv_pd(from->y, from->far_y, lane);
             r.z = _mm256_blendv_pd(from->z, from->far_z, lane);
@@ -5166,8 +5167,8 @@ static void pbw__sift(pbw__item *heap, size_t root, size_t count)
     heap[root] = item;
 }
 
-/* The rank of each by key: counted pair by pair for the usual handful, whose order no predictor could guess; by a heap
-   sort for the hub of a fan. */
+/* The rank of each by key: counted pair by pair for the usual handful, whose order no predictor could guess; by a
+   heap sort for the hub of a fan. */
 PBW__INLINE void pbw__rank_items(pbw__item *item, size_t count)
 {
     size_t i, j;
