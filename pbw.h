@@ -2342,6 +2342,7 @@ static pbw_status pbw__order(pbw__context *context, const pbw__input *input, pbw
         ordering.from[task] = i;
     }
     memset(vertices->record, 0, step * sizeof(double));
+    vertices->record[0] = dim == 3 ? HUGE_VAL : 0.0; /* vectors know the ghost by it */
     vertices->id[0] = PBW_NONE;
     pbw__for(context, tasks, pbw__order_gather, &ordering);
     if (!PBW__LOAD(&context->cancelled)) {
@@ -2397,8 +2398,14 @@ typedef uint32_t pbw__link;
 #define PBW__LEFT ((pbw_status)15)                   /* not inserted: for the next round of >>parallel */
 #define PBW__FOREIGN (PBW_NONE - 1)                  /* a walk's answer: it would lead out of our cells */
 
-/* A simplex of the cavity: its corners, and their local numbers (3D). */
-typedef struct pbw__carved { pbw_index v[4], local[4]; } pbw__carved;
+/* A simplex of the cavity: its corners, their local numbers, and the links across from them (3D). */
+typedef struct pbw__carved {
+    pbw_index v[4], local[4];
+    pbw__link link[4];
+#ifndef PBW_WIDE
+    pbw_index pad[4];                                /* to a line of the cache */
+#endif
+} pbw__carved;
 
 /* The vertices of one cavity are numbered from 0 in the order of meeting them, by a hash: a slot holds vertex << 32 |
    stamp << 6 | number, and is empty if the stamp is not that of this insertion.  Larger cavities do without. */
@@ -2456,10 +2463,11 @@ typedef struct pbw__kernel {
     pbw_status status;
 
     pbw_index *cavity;                               /* simplices in conflict; then the slots of the star */
-    pbw_index *parent;                               /* 3D: where each was met: 4 * place in the cavity + facet */
+    pbw_index *parent;                               /* 3D: the facet that each was met through, as in `from` */
     pbw__carved *carved;                             /* 3D: what the refill needs of them */
-    pbw__link *beyond;                               /* the boundary of the cavity: the link across each facet */
-    pbw_index *from;                                 /* 3D: where it is seen from, 4 * place in the cavity + facet */
+    pbw__link *beyond;                               /* 2D: the boundary of the cavity: the link across each edge */
+    pbw_index *from;                                 /* 3D: the facets there: 32 * place in the cavity + which one
+                                                        of pbw__facet_corners */
     pbw__link *stack;                                /* 2D: links still to look through */
     size_t cavity_count, facet_count;
     size_t cavity_capacity, parent_capacity, carved_capacity, beyond_capacity, from_capacity, stack_capacity;
@@ -2597,8 +2605,15 @@ PBW__INLINE void pbw__kernel_attach(pbw__kernel *kernel)
 #define PBW__EXACT_HEIGHT2 3.8e7                     /* in units of a grid, squared */
 #define PBW__EXACT_HEIGHT3 6.5e5
 
-/* Corners of facet i in the order that makes (p, a, b, c) positive for p inside; a ghost stays last. */
-static const unsigned char pbw__facet_corners[4][3] = { { 1, 2, 3 }, { 2, 0, 3 }, { 0, 1, 3 }, { 0, 2, 1 } };
+/* Corners of facet i, from the second entry on, in the order that makes (p, a, b, c) positive for p inside.  + 4 for
+   a negative simplex; + 8 * (3 - g) for one with the ghost in corner g: a ghost comes last. */
+static const unsigned char pbw__facet_corners[32][4] = {
+    { 0, 1, 2, 3 }, { 0, 2, 0, 3 }, { 0, 0, 1, 3 }, { 0, 0, 2, 1 }, { 0, 2, 1, 3 }, { 0, 0, 2, 3 }, { 0, 1, 0, 3 },
+    { 0, 0, 1, 2 }, { 0, 3, 1, 2 }, { 0, 0, 3, 2 }, { 0, 0, 1, 3 }, { 0, 1, 0, 2 }, { 0, 1, 3, 2 }, { 0, 3, 0, 2 },
+    { 0, 1, 0, 3 }, { 0, 0, 1, 2 }, { 0, 2, 3, 1 }, { 0, 2, 0, 3 }, { 0, 3, 0, 1 }, { 0, 0, 2, 1 }, { 0, 3, 2, 1 },
+    { 0, 0, 2, 3 }, { 0, 0, 3, 1 }, { 0, 2, 0, 1 }, { 0, 1, 2, 3 }, { 0, 3, 2, 0 }, { 0, 1, 3, 0 }, { 0, 2, 1, 0 },
+    { 0, 2, 1, 3 }, { 0, 2, 3, 0 }, { 0, 3, 1, 0 }, { 0, 1, 2, 0 }
+};
 
 PBW__INLINE double pbw__det3(const double *a, const double *b, const double *c)
 {
@@ -2633,44 +2648,50 @@ PBW__INLINE double pbw__row3(const pbw__kernel *kernel, pbw_index v, const doubl
 }
 
 #ifdef PBW__X86
-/* Four rows by columns, a vertex in each lane.  Lanes of the ghost are zero and marked. */
+/* Four rows by columns, a vertex in each lane.  Lanes of the ghost are zero and marked; where there is no hull, the
+   caller knows that no vertex is the ghost. */
 typedef struct pbw__rows3 { __m256d x, y, z, lift, height, ghost; } pbw__rows3;
-typedef struct pbw__point3 { __m256d x, y, z, weight; } pbw__point3;
+typedef struct pbw__point3 { __m256d x, y, z, weight; int weighted; } pbw__point3;
 
 #define PBW__CORNER_A(x) _mm256_permute4x64_pd(x, 0x09)   /* corners 1 2 0 0: pbw__facet_corners by columns */
 #define PBW__CORNER_B(x) _mm256_permute4x64_pd(x, 0x92)   /* 2 0 1 2 */
 #define PBW__CORNER_C(x) _mm256_permute4x64_pd(x, 0x7f)   /* 3 3 3 1 */
 #define PBW__JOIN(a, b) _mm256_insertf128_pd(_mm256_castpd128_pd256(_mm_loadu_pd(a)), _mm_loadu_pd(b), 1)
 
-PBW__AVX2_INLINE pbw__point3 pbw__point3_of(const double *p)
+PBW__AVX2_INLINE pbw__point3 pbw__point3_of(const double *p, int weighted)
 {
     pbw__point3 point;
     point.x = _mm256_set1_pd(p[0]);
     point.y = _mm256_set1_pd(p[1]);
     point.z = _mm256_set1_pd(p[2]);
     point.weight = _mm256_set1_pd(p[3]);
+    point.weighted = weighted;
     return point;
 }
 
-PBW__AVX2_INLINE pbw__rows3 pbw__rows3_of(const double *record, pbw_index v0, pbw_index v1, pbw_index v2,
+PBW__AVX2_INLINE pbw__rows3 pbw__rows3_of(const double *record, int hull, pbw_index v0, pbw_index v1, pbw_index v2,
                                           pbw_index v3, const pbw__point3 *p)
 {
     const double *a = record + 4 * (size_t)v0, *b = record + 4 * (size_t)v1, *c = record + 4 * (size_t)v2,
                  *d = record + 4 * (size_t)v3;
-    const __m256d sign = _mm256_set1_pd(-0.0);
     __m256d ac = PBW__JOIN(a, c), bd = PBW__JOIN(b, d), ac2 = PBW__JOIN(a + 2, c + 2), bd2 = PBW__JOIN(b + 2, d + 2);
-    __m256d weight, square, ghost;
     pbw__rows3 rows;
-    __m128i v = _mm_set_epi32((int)v3, (int)v2, (int)v1, (int)v0);
-    ghost = _mm256_castsi256_pd(_mm256_cvtepi32_epi64(_mm_cmpeq_epi32(v, _mm_setzero_si128())));
-    rows.x = _mm256_andnot_pd(ghost, _mm256_unpacklo_pd(ac, bd) - p->x);
-    rows.y = _mm256_andnot_pd(ghost, _mm256_unpackhi_pd(ac, bd) - p->y);
-    rows.z = _mm256_andnot_pd(ghost, _mm256_unpacklo_pd(ac2, bd2) - p->z);
-    weight = _mm256_andnot_pd(ghost, _mm256_unpackhi_pd(ac2, bd2) - p->weight);
-    square = _mm256_fmadd_pd(rows.z, rows.z, _mm256_fmadd_pd(rows.y, rows.y, rows.x * rows.x));
-    rows.lift = square - weight;
-    rows.height = square + _mm256_andnot_pd(sign, weight);
-    rows.ghost = ghost;
+    rows.x = _mm256_unpacklo_pd(ac, bd) - p->x;
+    rows.y = _mm256_unpackhi_pd(ac, bd) - p->y;
+    rows.z = _mm256_unpacklo_pd(ac2, bd2) - p->z;
+    rows.ghost = _mm256_setzero_pd();
+    if (hull) {                                      /* the ghost's record is at infinity */
+        rows.ghost = _mm256_cmp_pd(_mm256_unpacklo_pd(ac, bd), _mm256_set1_pd(HUGE_VAL), _CMP_EQ_OQ);
+        rows.x = _mm256_andnot_pd(rows.ghost, rows.x);
+        rows.y = _mm256_andnot_pd(rows.ghost, rows.y);
+        rows.z = _mm256_andnot_pd(rows.ghost, rows.z);
+    }
+    rows.lift = rows.height = _mm256_fmadd_pd(rows.z, rows.z, _mm256_fmadd_pd(rows.y, rows.y, rows.x * rows.x));
+    if (p->weighted) {
+        __m256d weight = _mm256_andnot_pd(rows.ghost, _mm256_unpackhi_pd(ac2, bd2) - p->weight);
+        rows.lift = rows.lift - weight;
+        rows.height = rows.height + _mm256_andnot_pd(_mm256_set1_pd(-0.0), weight);
+    }
     return rows;
 }
 
@@ -2681,7 +2702,7 @@ PBW__AVX2_INLINE __m256d pbw__highest(__m256d x)
     return _mm256_max_pd(x, _mm256_permute2f128_pd(x, x, 1));
 }
 
-/* The same in the plane.  Where there is no hull, the caller knows that no vertex is the ghost. */
+/* The same in the plane. */
 typedef struct pbw__rows2 { __m256d x, y, lift, height, ghost; } pbw__rows2;
 typedef struct pbw__point2 { __m256d x, y, weight; int weighted; } pbw__point2;
 
@@ -2764,7 +2785,7 @@ static PBW__NOINLINE unsigned pbw__exit3(const pbw__kernel *kernel, pbw_index t,
     const pbw_index *v = kernel->corner + 4 * (size_t)t;
     unsigned i;
     for (i = 0; i < 4; i++) {
-        const unsigned char *corner = pbw__facet_corners[i];
+        const unsigned char *corner = pbw__facet_corners[i] + 1;
         if ((inner >> i & 1) == 0
             && pbw__orient3(p, pbw__record3(kernel, v[corner[0]]), pbw__record3(kernel, v[corner[1]]),
                             pbw__record3(kernel, v[corner[2]]), kernel->grid) < 0) {
@@ -2856,7 +2877,7 @@ static pbw_index pbw__locate3_scalar(pbw__kernel *kernel, pbw_index t, const dou
         }
         bound = height * height * height * (PBW__ORIENT3_ERROR * PBW__ORIENT3_ERROR);
         for (i = 0; i < 4; i++) {
-            const unsigned char *corner = pbw__facet_corners[i];
+            const unsigned char *corner = pbw__facet_corners[i] + 1;
             side[i] = pbw__det3(u[corner[0]], u[corner[1]], u[corner[2]]);
             power += u[i][3] * side[i];
             if (side[i] * side[i] > bound) {
@@ -2887,9 +2908,9 @@ static pbw_index pbw__locate3_scalar(pbw__kernel *kernel, pbw_index t, const dou
 
 #ifdef PBW__X86
 /* The same, a facet in each lane. */
-PBW__AVX2_INLINE pbw_index pbw__locate3_avx2(pbw__kernel *kernel, pbw_index t, const double *p)
+PBW__AVX2_INLINE pbw_index pbw__locate3_avx2(pbw__kernel *kernel, pbw_index t, const double *p, int weighted)
 {
-    const pbw__point3 point = pbw__point3_of(p);
+    const pbw__point3 point = pbw__point3_of(p, weighted);
     t = pbw__walk_start(kernel, t, 3);
     for (;;) {
         const pbw_index *v = kernel->corner + 4 * (size_t)t;
@@ -2900,7 +2921,7 @@ PBW__AVX2_INLINE pbw_index pbw__locate3_avx2(pbw__kernel *kernel, pbw_index t, c
         if (v[3] == PBW__GHOST) {
             return t;
         }
-        r = pbw__rows3_of(kernel->record, v[0], v[1], v[2], v[3], &point);
+        r = pbw__rows3_of(kernel->record, 0, v[0], v[1], v[2], v[3], &point);
         ax = PBW__CORNER_A(r.x), ay = PBW__CORNER_A(r.y), az = PBW__CORNER_A(r.z);
         bx = PBW__CORNER_B(r.x), by = PBW__CORNER_B(r.y), bz = PBW__CORNER_B(r.z);
         cx = PBW__CORNER_C(r.x), cy = PBW__CORNER_C(r.y), cz = PBW__CORNER_C(r.z);
@@ -2928,7 +2949,7 @@ PBW__AVX2_INLINE pbw_index pbw__locate3_avx2(pbw__kernel *kernel, pbw_index t, c
             inner &= (unsigned)_mm256_movemask_pd(side) ^ 15u;
             exit = _mm256_movemask_pd(rounded) == 0 ? 4 : pbw__exit3(kernel, t, p, inner);
             if (exit == 4) {
-                return !kernel->weighted || pbw__in_conflict3(kernel, t, p) ? t : PBW_NONE;
+                return !weighted || pbw__in_conflict3(kernel, t, p) ? t : PBW_NONE;
             }
         }
         if (PBW__UNLIKELY(kernel->owner != NULL) && !pbw__may_cross(kernel, t, exit)) {
@@ -3060,7 +3081,9 @@ PBW__AVX2_INLINE pbw_index pbw__locate2_avx2(pbw__kernel *kernel, pbw_index t, c
    this is a dot product of o's row with four cofactors, and the cofactors of the four facets share their 2x2 minors.
    A ghost vertex has the row (0, 0, 0, W), any W > 0: the same determinant is then W times the orientation that a
    ghost's conflict asks for; W is the height of the simplex, so that it fits the bound.  Vertices of the cavity get
-   local numbers, so that the star can be sewn together through a small table indexed by pairs of them.
+   local numbers, so that the star can be sewn together through a small table indexed by pairs of them.  A simplex
+   has three vertices in common with the one that it was met from, and the fourth was the far vertex there: vectors
+   take rows and numbers over, with one lane replaced.
 
    Errors.  The determinant is a sum of 24 products of x, y, z and a lift.  A product carries 3 rounded translations;
    in the lift 2 translations, 1 multiplication, 2 additions and for the weight 2 subtractions; 3 multiplications; 1 +
@@ -3109,12 +3132,13 @@ PBW__INLINE uint32_t pbw__local(uint64_t *slot, uint32_t stamp, uint32_t *count,
 /* Room for `needed` items in each of the lists of cavity and boundary. */
 static PBW__NOINLINE int pbw__grow_lists(pbw__kernel *kernel, size_t needed)
 {
-    return pbw__grow(kernel, &kernel->cavity, &kernel->cavity_capacity, needed, sizeof(pbw_index))
+    return (kernel->dim == 2 || needed <= PBW_NONE / 32)         /* a facet in 32 bits */
+        && pbw__grow(kernel, &kernel->cavity, &kernel->cavity_capacity, needed, sizeof(pbw_index))
         && (kernel->dim == 2
-            || (pbw__grow(kernel, &kernel->carved, &kernel->carved_capacity, needed, sizeof(pbw__carved))
-                && pbw__grow(kernel, &kernel->parent, &kernel->parent_capacity, needed, sizeof(pbw_index))))
-        && (kernel->dim == 2 || pbw__grow(kernel, &kernel->from, &kernel->from_capacity, needed, sizeof(pbw_index)))
-        && pbw__grow(kernel, &kernel->beyond, &kernel->beyond_capacity, needed, sizeof(pbw__link));
+                ? pbw__grow(kernel, &kernel->beyond, &kernel->beyond_capacity, needed, sizeof(pbw__link))
+                : pbw__grow(kernel, &kernel->carved, &kernel->carved_capacity, needed, sizeof(pbw__carved))
+                  && pbw__grow(kernel, &kernel->parent, &kernel->parent_capacity, needed, sizeof(pbw_index))
+                  && pbw__grow(kernel, &kernel->from, &kernel->from_capacity, needed, sizeof(pbw_index)));
 }
 
 /* The state of a search: a copy of what it needs of the kernel, which the compiler can keep in registers. */
@@ -3124,7 +3148,6 @@ typedef struct pbw__search {
     unsigned char *mark;
     pbw_index *cavity;
     pbw__carved *carved;
-    pbw__link *beyond;
     pbw_index *from, *parent;
     uint64_t *slot;
     size_t cavity_count, facet_count, capacity;
@@ -3137,7 +3160,7 @@ PBW__INLINE int pbw__owns_all(const pbw__kernel *kernel, const pbw_index *v)
 {
     const uint8_t *owner = kernel->owner;
     int bits = kernel->store->cell_bits, me = kernel->me;
-    return v[3] != PBW__GHOST
+    return v[0] != PBW__GHOST && v[1] != PBW__GHOST && v[2] != PBW__GHOST && v[3] != PBW__GHOST
         && ((PBW__LOAD(owner + (v[0] >> bits)) ^ me) | (PBW__LOAD(owner + (v[1] >> bits)) ^ me)
             | (PBW__LOAD(owner + (v[2] >> bits)) ^ me) | (PBW__LOAD(owner + (v[3] >> bits)) ^ me)) == 0;
 }
@@ -3165,17 +3188,35 @@ PBW__INLINE void pbw__search_begin(pbw__kernel *kernel, pbw__search *search, pbw
     search->mark = kernel->mark;
     search->cavity = kernel->cavity;
     search->carved = kernel->carved;
-    search->beyond = kernel->beyond;
     search->from = kernel->from;
     search->parent = kernel->parent;
     search->slot = kernel->slot;
     search->cavity_count = 1;
     search->facet_count = 0;
-    search->capacity = kernel->beyond_capacity;      /* the last of the lists to grow */
+    search->capacity = kernel->from_capacity;        /* the last of the lists to grow */
     search->stamp = kernel->stamp * PBW__LOCALS;
     search->local_count = 1;                         /* number 0 stands for none */
-    search->cavity[0] = t;
+    search->parent[0] = 32;                          /* the first was met from nowhere: the second stands in */
+    search->carved[1].link[0] = (pbw__link)t * 4;
     search->mark[t] = 1;
+}
+
+/* The link to the i-th simplex of the cavity from the one that it was met from. */
+PBW__INLINE pbw__link pbw__search_take(pbw__search *search, size_t i)
+{
+    pbw_index facet = search->parent[i];
+    pbw__link link = search->carved[facet >> 5].link[facet & 3];
+    search->cavity[i] = (pbw_index)(link >> 2);
+    return link;
+}
+
+/* Ends a search at the i-th simplex, without a cavity. */
+static PBW__NOINLINE pbw_status pbw__search_leave(pbw__kernel *kernel, pbw__search *search, size_t i)
+{
+    while (++i < search->cavity_count) {
+        (void)pbw__search_take(search, i);
+    }
+    return pbw__leave_cavity(kernel, search->cavity_count);
 }
 
 PBW__INLINE void pbw__search_end(pbw__kernel *kernel, const pbw__search *search)
@@ -3195,42 +3236,46 @@ PBW__INLINE int pbw__search_room(pbw__kernel *kernel, pbw__search *search)
         }
         search->cavity = kernel->cavity;
         search->carved = kernel->carved;
-        search->beyond = kernel->beyond;
         search->from = kernel->from;
         search->parent = kernel->parent;
-        search->capacity = kernel->beyond_capacity;
+        search->capacity = kernel->from_capacity;
     }
     return 1;
 }
 
-/* Notes the corners of the i-th simplex of the cavity, and numbers them. */
-PBW__INLINE void pbw__search_number(pbw__search *search, size_t i)
+/* Notes the i-th simplex of the cavity, where the link leads, and numbers its corners. */
+PBW__INLINE void pbw__search_number(pbw__search *search, size_t i, pbw__link link)
 {
-    const pbw_index *v = search->corner + 4 * (size_t)search->cavity[i];
+    size_t first = (size_t)(link & ~(pbw__link)3);
     pbw__carved *carved = search->carved + i;
-    memcpy(carved->v, v, sizeof(carved->v));
+    memcpy(carved->v, search->corner + first, sizeof(carved->v));
+    memcpy(carved->link, search->link + first, sizeof(carved->link));
     if (PBW__LIKELY(search->local_count <= PBW__LOCALS - 4)) {
-        carved->local[0] = pbw__local(search->slot, search->stamp, &search->local_count, v[0]);
-        carved->local[1] = pbw__local(search->slot, search->stamp, &search->local_count, v[1]);
-        carved->local[2] = pbw__local(search->slot, search->stamp, &search->local_count, v[2]);
-        carved->local[3] = pbw__local(search->slot, search->stamp, &search->local_count, v[3]);
+        carved->local[0] = pbw__local(search->slot, search->stamp, &search->local_count, carved->v[0]);
+        carved->local[1] = pbw__local(search->slot, search->stamp, &search->local_count, carved->v[1]);
+        carved->local[2] = pbw__local(search->slot, search->stamp, &search->local_count, carved->v[2]);
+        carved->local[3] = pbw__local(search->slot, search->stamp, &search->local_count, carved->v[3]);
     }
 }
 
-/* The neighbour across facet k of the i-th simplex, in conflict or not, to the list where it belongs.  Written to
-   both without a branch; the counts move by the verdicts, which no predictor could guess. */
-PBW__INLINE void pbw__search_sort(pbw__search *search, size_t i, unsigned k, pbw__link link, unsigned inside)
+/* The neighbour across a facet of the cavity, in conflict or not, to the list where it belongs.  Written to both
+   without a branch; the counts move by the verdicts, which no predictor could guess. */
+PBW__INLINE void pbw__search_sort(pbw__search *search, pbw_index facet, pbw_index o, unsigned inside)
 {
-    pbw_index o = (pbw_index)(link >> 2);
     unsigned fresh = PBW__LOAD(search->mark + o) ^ 1u;
     inside &= fresh;
     PBW__STORE(search->mark + o, (unsigned char)(fresh ^ 1u ^ inside));
-    search->cavity[search->cavity_count] = o;
+    search->parent[search->cavity_count] = facet;
     search->cavity_count += inside;
-    search->beyond[search->facet_count] = link;
-    search->from[search->facet_count] = (pbw_index)i * 4 | k;
+    search->from[search->facet_count] = facet;
     search->facet_count += fresh ^ inside;
 }
+
+#ifdef PBW__X86
+#define PBW__LOAD4(x) _mm_loadu_si128((const __m128i *)(const void *)(x))
+#define PBW__STORE4(x, y) _mm_storeu_si128((__m128i *)(void *)(x), y)
+#define PBW__PERMUTE4(x, lanes) _mm_castps_si128(_mm_permutevar_ps(_mm_castsi128_ps(x), lanes))
+#endif
 
 #if defined(PBW__X86) && !defined(PBW_WIDE)
 /* Shuffles that bring the lanes of a set of four to the front. */
@@ -3244,61 +3289,25 @@ static const unsigned char pbw__front[16][16] = {
     { PBW__LANE(0), PBW__LANE(1), PBW__LANE(2), PBW__LANE(3) }
 };
 
-#define PBW__LOAD4(x) _mm_loadu_si128((const __m128i *)(const void *)(x))
-#define PBW__STORE4(x, y) _mm_storeu_si128((__m128i *)(void *)(x), y)
-
-/* pbw__search_number, from the numbers of the simplex that the i-th was met from: it has all its corners but one. */
-PBW__AVX2_INLINE void pbw__search_number4(pbw__search *search, size_t i)
-{
-    pbw__carved *carved = search->carved + i;
-    if (PBW__UNLIKELY(i == 0) || PBW__UNLIKELY(search->local_count >= PBW__LOCALS)) {
-        pbw__search_number(search, i);
-    } else {
-        const pbw__carved *parent = search->carved + (search->parent[i] >> 2);
-        pbw__link link = search->link[4 * search->cavity[search->parent[i] >> 2] + (search->parent[i] & 3)];
-        const __m128i v = PBW__LOAD4(search->corner + (link & ~3u));
-        const __m128i old = PBW__LOAD4(parent->v), number = PBW__LOAD4(parent->local);
-        __m128i local = _mm_and_si128(_mm_cmpeq_epi32(v, _mm_shuffle_epi32(old, 0x00)),
-                                      _mm_shuffle_epi32(number, 0x00));
-        uint32_t fresh = pbw__local(search->slot, search->stamp, &search->local_count, search->corner[link]);
-        local = _mm_or_si128(local, _mm_and_si128(_mm_cmpeq_epi32(v, _mm_shuffle_epi32(old, 0x55)),
-                                                  _mm_shuffle_epi32(number, 0x55)));
-        local = _mm_or_si128(local, _mm_and_si128(_mm_cmpeq_epi32(v, _mm_shuffle_epi32(old, 0xaa)),
-                                                  _mm_shuffle_epi32(number, 0xaa)));
-        local = _mm_or_si128(local, _mm_and_si128(_mm_cmpeq_epi32(v, _mm_shuffle_epi32(old, 0xff)),
-                                                  _mm_shuffle_epi32(number, 0xff)));
-        local = _mm_or_si128(local, _mm_and_si128(_mm_cmpeq_epi32(local, _mm_setzero_si128()),
-                                                  _mm_set1_epi32((int)fresh)));
-        PBW__STORE4(carved->v, v);
-        PBW__STORE4(carved->local, local);
-    }
-}
 
 /* The same for all four neighbours, which are different simplices: two simplices share at most one facet. */
-PBW__AVX2_INLINE void pbw__search_sort4(pbw__search *search, size_t i, const pbw__link *link, unsigned inside)
+PBW__AVX2_INLINE void pbw__search_sort4(pbw__search *search, pbw_index facet, const pbw__link *link, unsigned inside)
 {
     unsigned char *mark = search->mark;
     pbw_index o0 = link[0] >> 2, o1 = link[1] >> 2, o2 = link[2] >> 2, o3 = link[3] >> 2;
     unsigned marked = PBW__LOAD(mark + o0) + 2u * PBW__LOAD(mark + o1)
-                    + 4u * (PBW__LOAD(mark + o2) + 2u * PBW__LOAD(mark + o3)), outside;
-    const __m128i links = _mm_loadu_si128((const __m128i *)(const void *)link);
-    const __m128i from = _mm_add_epi32(_mm_set1_epi32((int)(4 * i)), _mm_setr_epi32(0, 1, 2, 3));
-    __m128i front;
+                    + 4u * (PBW__LOAD(mark + o2) + 2u * PBW__LOAD(mark + o3)), outside, bytes;
+    const __m128i from = _mm_add_epi32(_mm_set1_epi32((int)facet), _mm_setr_epi32(0, 1, 2, 3));
     outside = 15u & ~(inside | marked);
     inside &= ~marked;
-    marked |= inside;
-    PBW__STORE(mark + o0, (unsigned char)(marked & 1));
-    PBW__STORE(mark + o1, (unsigned char)(marked >> 1 & 1));
-    PBW__STORE(mark + o2, (unsigned char)(marked >> 2 & 1));
-    PBW__STORE(mark + o3, (unsigned char)(marked >> 3));
-    front = _mm_loadu_si128((const __m128i *)(const void *)pbw__front[inside]);
-    _mm_storeu_si128((__m128i *)(void *)(search->cavity + search->cavity_count),
-                     _mm_shuffle_epi8(_mm_srli_epi32(links, 2), front));
-    _mm_storeu_si128((__m128i *)(void *)(search->parent + search->cavity_count), _mm_shuffle_epi8(from, front));
+    bytes = (marked | inside) * 0x204081u & 0x1010101u;          /* a bit each */
+    PBW__STORE(mark + o0, (unsigned char)bytes);
+    PBW__STORE(mark + o1, (unsigned char)(bytes >> 8));
+    PBW__STORE(mark + o2, (unsigned char)(bytes >> 16));
+    PBW__STORE(mark + o3, (unsigned char)(bytes >> 24));
+    PBW__STORE4(search->parent + search->cavity_count, _mm_shuffle_epi8(from, PBW__LOAD4(pbw__front[inside])));
     search->cavity_count += (unsigned)__builtin_popcount(inside);
-    front = _mm_loadu_si128((const __m128i *)(const void *)pbw__front[outside]);
-    _mm_storeu_si128((__m128i *)(void *)(search->beyond + search->facet_count), _mm_shuffle_epi8(links, front));
-    _mm_storeu_si128((__m128i *)(void *)(search->from + search->facet_count), _mm_shuffle_epi8(from, front));
+    PBW__STORE4(search->from + search->facet_count, _mm_shuffle_epi8(from, PBW__LOAD4(pbw__front[outside])));
     search->facet_count += (unsigned)__builtin_popcount(outside);
 }
 #endif
@@ -3355,8 +3364,9 @@ PBW__AVX2_INLINE pbw__pair4 pbw__difference4(__m256d a, __m256d b, __m256d mask)
 
 PBW__AVX2_INLINE pbw__pairs4 pbw__pairs4_of(const double *record, const pbw_index *v, const pbw__point3 *p)
 {
-    const pbw__point3 origin = { _mm256_setzero_pd(), _mm256_setzero_pd(), _mm256_setzero_pd(), _mm256_setzero_pd() };
-    pbw__rows3 at = pbw__rows3_of(record, v[0], v[1], v[2], v[3], &origin);
+    const __m256d zero = _mm256_setzero_pd();
+    const pbw__point3 origin = { zero, zero, zero, zero, 0 };
+    pbw__rows3 at = pbw__rows3_of(record, 1, v[0], v[1], v[2], v[3], &origin);
     pbw__pairs4 rows;
     rows.x = pbw__difference4(at.x, p->x, at.ghost);
     rows.y = pbw__difference4(at.y, p->y, at.ghost);
@@ -3389,7 +3399,7 @@ PBW__AVX2_INLINE void pbw__raise_ghost4(pbw__pairs4 *rows, const pbw_index *v, _
 PBW__AVX2 static PBW__NOINLINE unsigned pbw__power4_pairs(const double *record, const pbw_index *v,
                                                           const pbw_index *far, const double *p, unsigned *inside)
 {
-    const pbw__point3 point = pbw__point3_of(p);
+    const pbw__point3 point = pbw__point3_of(p, 0);
     pbw__pairs4 r = pbw__pairs4_of(record, v, &point), o = pbw__pairs4_of(record, far, &point), a, b, c;
     pbw__pair4 xy, xz, yz, xl, yl, zl, det;
     __m256d height = pbw__highest(r.height), h = _mm256_max_pd(height, o.height), limit = h * h;
@@ -3421,12 +3431,12 @@ PBW__AVX2_INLINE __m256d pbw__dot4(__m256d x, __m256d y, __m256d z, __m256d u, _
    the rule of pbw__conflict in >>predicates.  The coefficients of the lifts are those of the determinant.  Integers
    below EXACT_HEIGHT^(1/2) < 2^10 make one number, which compares as they do one after the other. */
 PBW__AVX2 static PBW__NOINLINE unsigned pbw__ties4(const double *record, const pbw_index *v, const pbw_index *far,
-                                                   const double *p)
+                                                   const double *p, unsigned odd)
 {
-    const pbw__point3 point = pbw__point3_of(p);
+    const pbw__point3 point = pbw__point3_of(p, 0);
     const __m256d zero = _mm256_setzero_pd(), radix = _mm256_set1_pd(2048.0);
-    pbw__rows3 r = pbw__rows3_of(record, v[0], v[1], v[2], v[3], &point);
-    pbw__rows3 o = pbw__rows3_of(record, far[0], far[1], far[2], far[3], &point);
+    pbw__rows3 r = pbw__rows3_of(record, 1, v[0], v[1], v[2], v[3], &point);
+    pbw__rows3 o = pbw__rows3_of(record, 1, far[0], far[1], far[2], far[3], &point);
     __m256d ax = PBW__CORNER_A(r.x), ay = PBW__CORNER_A(r.y), az = PBW__CORNER_A(r.z);
     __m256d bx = PBW__CORNER_B(r.x), by = PBW__CORNER_B(r.y), bz = PBW__CORNER_B(r.z);
     __m256d cx = PBW__CORNER_C(r.x), cy = PBW__CORNER_C(r.y), cz = PBW__CORNER_C(r.z);
@@ -3448,41 +3458,43 @@ PBW__AVX2 static PBW__NOINLINE unsigned pbw__ties4(const double *record, const p
         largest = _mm256_blendv_pd(largest, key[i], larger);
         verdict = _mm256_blendv_pd(verdict, coefficient[i], larger);
     }
-    return (unsigned)_mm256_movemask_pd(_mm256_cmp_pd(verdict, zero, _CMP_GT_OQ));
+    verdict = odd != 0 ? _mm256_cmp_pd(verdict, zero, _CMP_LT_OQ) : _mm256_cmp_pd(verdict, zero, _CMP_GT_OQ);
+    return (unsigned)_mm256_movemask_pd(verdict);
 }
 
-/* Neighbours of t that the filter left open (bits of `certain` not set): the exact verdicts.  Those without the bit
-   in `rounded` are ties.  A ghost tied with a finite t is in conflict, because t is. */
-PBW__AVX2 static PBW__NOINLINE unsigned pbw__search_exact(pbw__kernel *kernel, pbw_index t, unsigned certain,
-                                                          unsigned inside, unsigned rounded, const double *p)
+/* Neighbours of a simplex of the cavity that the filter left open (bits of `certain` not set): the exact verdicts.
+   Those without the bit in `rounded` are ties.  A ghost tied with a finite simplex is in conflict, as that is. */
+PBW__AVX2 static PBW__NOINLINE unsigned pbw__search_exact(pbw__kernel *kernel, const pbw__carved *carved,
+                                                          unsigned odd, unsigned certain, unsigned inside,
+                                                          unsigned rounded, const double *p)
 {
-    const pbw_index *v = kernel->corner + 4 * (size_t)t;
-    const pbw__link *link = kernel->link + 4 * (size_t)t;
+    const pbw_index *v = carved->v;
     pbw_index far[4];
-    unsigned open = 0, ghosts = 0, tied, k;
+    unsigned open = 0, ghost = 0, ghosts = 0, tied, k;
     for (k = 0; k < 4; k++) {
-        far[k] = kernel->corner[link[k]];
+        far[k] = kernel->corner[carved->link[k]];
+        ghost |= (unsigned)(v[k] == PBW__GHOST) << k;
         ghosts |= (unsigned)(far[k] == PBW__GHOST) << k;
-        open |= (unsigned)!PBW__LOAD(kernel->mark + (link[k] >> 2)) << k;
+        open |= (unsigned)!PBW__LOAD(kernel->mark + (carved->link[k] >> 2)) << k;
     }
     inside &= certain;
     open &= ~certain;
-    tied = open & ~rounded & (v[3] == PBW__GHOST ? 8u : 15u);
+    tied = open & ~rounded & (ghost != 0 ? ghost : 15u);
     if (tied != 0) {
-        inside |= tied & (ghosts | pbw__ties4(kernel->record, v, far, p));
+        inside |= tied & (ghosts | pbw__ties4(kernel->record, v, far, p, odd));
         open &= ~tied;
         kernel->statistics.exact_tests += (unsigned)__builtin_popcount(tied);
     }
     if ((open & rounded) != 0 && !kernel->weighted) {
         unsigned positive;
         certain = open & rounded & pbw__power4_pairs(kernel->record, v, far, p, &positive);
-        inside |= certain & positive;
+        inside |= certain & (odd != 0 ? ~positive : positive);
         open &= ~certain;
         kernel->statistics.exact_tests += (unsigned)__builtin_popcount(certain);
     }
     for (k = 0; k < 4; k++) {
         if ((open >> k & 1) != 0) {
-            inside |= (unsigned)pbw__in_conflict3(kernel, (pbw_index)(link[k] >> 2), p) << k;
+            inside |= (unsigned)pbw__in_conflict3(kernel, (pbw_index)(carved->link[k] >> 2), p) << k;
         }
     }
     return inside;
@@ -3496,20 +3508,22 @@ static pbw_status pbw__carve3_scalar(pbw__kernel *kernel, pbw_index t, const dou
     size_t i;
     pbw__search_begin(kernel, &search, t);
     for (i = 0; i < search.cavity_count; i++) {
-        const pbw__link *link = search.link + 4 * (size_t)search.cavity[i];
-        const pbw_index *v = search.corner + 4 * (size_t)search.cavity[i];
+        const pbw__link *link;
+        const pbw_index *v;
         double row[5][4], height = 0.0;
         unsigned k;
         if (!pbw__search_room(kernel, &search)) {
             return PBW_ERROR_MEMORY;
         }
-        pbw__search_number(&search, i);
+        pbw__search_number(&search, i, pbw__search_take(&search, i));
+        link = search.carved[i].link;
+        v = search.carved[i].v;
         for (k = 0; k < 4; k++) {
             height = pbw__larger(height, pbw__row3(kernel, v[k], p, row[k]));
         }
         row[3][3] = v[3] == PBW__GHOST ? height : row[3][3];
         for (k = 0; k < 4; k++) {
-            const unsigned char *corner = pbw__facet_corners[k];
+            const unsigned char *corner = pbw__facet_corners[k] + 1;
             const double *o = row[4], *a = row[corner[0]], *b = row[corner[1]], *c = row[corner[2]];
             pbw_index far = search.corner[link[k]];
             double h, det, limit, xy, xz, yz, xl, yl, zl;
@@ -3529,9 +3543,9 @@ static pbw_status pbw__carve3_scalar(pbw__kernel *kernel, pbw_index t, const dou
                 inside = (unsigned)pbw__in_conflict3(kernel, (pbw_index)(link[k] >> 2), p);
             }
             if (inside && kernel->owner != NULL && !pbw__may_delete(kernel, (pbw_index)(link[k] >> 2))) {
-                return pbw__leave_cavity(kernel, search.cavity_count);
+                return pbw__search_leave(kernel, &search, i);
             }
-            pbw__search_sort(&search, i, k, link[k], inside);
+            pbw__search_sort(&search, (pbw_index)(32 * i + k), (pbw_index)(link[k] >> 2), inside);
         }
     }
     pbw__search_end(kernel, &search);
@@ -3539,36 +3553,115 @@ static pbw_status pbw__carve3_scalar(pbw__kernel *kernel, pbw_index t, const dou
 }
 
 #ifdef PBW__X86
-/* The same, a facet in each lane. */
-PBW__AVX2 static pbw_status pbw__carve3_avx2(pbw__kernel *kernel, pbw_index t, const double *p)
+/* The rows of the latest simplices of the cavity, and of the vertices across their facets.  Few in tests with small
+   shares, which are to meet simplices out of their reach. */
+#ifdef PBW_SMALL_SHARES
+#define PBW__HELD 8
+#else
+#define PBW__HELD 64
+#endif
+typedef struct pbw__held { __m256d x, y, z, lift, far_x, far_y, far_z, far_lift; } pbw__held;
+
+/* By lanes: all bits in lane k, of 64 or 32 bits; the number m in lane k, at 4 * k + m. */
+static const int64_t pbw__lane[4][4] = { { -1, 0, 0, 0 }, { 0, -1, 0, 0 }, { 0, 0, -1, 0 }, { 0, 0, 0, -1 } };
+static const int32_t pbw__lane4[4][4] = { { -1, 0, 0, 0 }, { 0, -1, 0, 0 }, { 0, 0, -1, 0 }, { 0, 0, 0, -1 } };
+static const int32_t pbw__lane_number[16][4] = {
+    { 0, 0, 0, 0 }, { 1, 0, 0, 0 }, { 2, 0, 0, 0 }, { 3, 0, 0, 0 }, { 0, 0, 0, 0 }, { 0, 1, 0, 0 }, { 0, 2, 0, 0 },
+    { 0, 3, 0, 0 }, { 0, 0, 0, 0 }, { 0, 0, 1, 0 }, { 0, 0, 2, 0 }, { 0, 0, 3, 0 }, { 0, 0, 0, 0 }, { 0, 0, 0, 1 },
+    { 0, 0, 0, 2 }, { 0, 0, 0, 3 }
+};
+
+/* pbw__search_number for the i-th simplex, met through a facet: the simplex behind that, with the far vertex in place
+   of a corner.  Each corner is found where it stands in memory. */
+PBW__AVX2_INLINE void pbw__search_inherit(pbw__search *search, size_t i, pbw_index facet, pbw__link link)
 {
-    const pbw__point3 point = pbw__point3_of(p);
+    const pbw__carved *parent = search->carved + (facet >> 5);
+    pbw__carved *carved = search->carved + i;
+    const size_t first = (size_t)(link & ~(pbw__link)3);
+    const __m128i v = PBW__LOAD4(search->corner + first), old = PBW__LOAD4(parent->v);
+    const __m128i at1 = _mm_cmpeq_epi32(old, _mm_shuffle_epi32(v, 0x55));
+    const __m128i at2 = _mm_cmpeq_epi32(old, _mm_shuffle_epi32(v, 0xaa));
+    const __m128i at3 = _mm_cmpeq_epi32(old, _mm_shuffle_epi32(v, 0xff));    /* -1, which is 3 modulo 4 */
+    const __m128i place = _mm_or_si128(_mm_sub_epi32(_mm_add_epi32(at3, _mm_add_epi32(at2, at2)), at1),
+                                       PBW__LOAD4(pbw__lane_number[4 * (facet & 3) + (link & 3)]));
+    PBW__STORE4(carved->v, PBW__PERMUTE4(v, place));
+#ifdef PBW_WIDE
+    {
+        pbw_index from[4], k;
+        PBW__STORE4(from, place);
+        for (k = 0; k < 4; k++) {
+            carved->link[k] = search->link[first + (from[k] & 3)];
+        }
+    }
+#else
+    PBW__STORE4(carved->link, PBW__PERMUTE4(PBW__LOAD4(search->link + first), place));
+#endif
+    if (PBW__LIKELY(search->local_count < PBW__LOCALS)) {
+        uint32_t fresh = pbw__local(search->slot, search->stamp, &search->local_count, search->corner[link]);
+        PBW__STORE4(carved->local, _mm_blendv_epi8(PBW__LOAD4(parent->local), _mm_set1_epi32((int)fresh),
+                                                   PBW__LOAD4(pbw__lane4[facet & 3])));
+    }
+}
+
+/* The same, a facet in each lane. */
+PBW__AVX2_INLINE pbw_status pbw__carve3_avx2(pbw__kernel *kernel, pbw_index t, const double *p, int weighted)
+{
+    const pbw__point3 point = pbw__point3_of(p, weighted);
     const __m256d exact_height = _mm256_set1_pd(kernel->exact_height);
     const pbw_index *corner = kernel->corner;
+    const double *record = kernel->record;
+    const int owned = kernel->owner != NULL;
+    pbw__held held[PBW__HELD];
+    __m256d heights[PBW__HELD][2];                   /* of weighted rows; else they are the lifts */
     pbw__search search;
     size_t i;
     pbw__search_begin(kernel, &search, t);
     for (i = 0; i < search.cavity_count; i++) {
-        const pbw_index *v = corner + 4 * (size_t)search.cavity[i];
-        const pbw__link *link = search.link + 4 * (size_t)search.cavity[i];
-        pbw_index far0 = corner[link[0]], far1 = corner[link[1]], far2 = corner[link[2]], far3 = corner[link[3]];
+        const pbw_index facet = search.parent[i];
+        const size_t met = facet >> 5;
+        pbw__held *here = held + i % PBW__HELD;
+        pbw__carved *carved;
+        pbw__link link;
         pbw__rows3 r, o;
         __m256d height, ax, ay, az, al, bx, by, bz, bl, cx, cy, cz, cl, xy, xz, yz, xl, yl, zl, det, h, limit;
         __m256d rounded;
-        unsigned certain, inside;
+        unsigned certain, inside, odd, turn;
         if (PBW__UNLIKELY(!pbw__search_room(kernel, &search))) {
             return PBW_ERROR_MEMORY;
         }
-#ifdef PBW_WIDE
-        pbw__search_number(&search, i);
-#else
-        pbw__search_number4(&search, i);
-#endif
-        r = pbw__rows3_of(kernel->record, v[0], v[1], v[2], v[3], &point);
-        o = pbw__rows3_of(kernel->record, far0, far1, far2, far3, &point);
+        carved = search.carved + i;
+        link = pbw__search_take(&search, i);
+        if (PBW__UNLIKELY(i - met >= PBW__HELD)) {
+            pbw__search_number(&search, i, link);
+            odd = turn = 0;
+            r = pbw__rows3_of(record, 1, carved->v[0], carved->v[1], carved->v[2], carved->v[3], &point);
+        } else {
+            const pbw__held *from = held + met % PBW__HELD;
+            const __m256d *from_height = heights[met % PBW__HELD];
+            const __m256d lane = _mm256_castsi256_pd(
+                _mm256_loadu_si256((const __m256i *)(const void *)pbw__lane[facet & 3]));
+            pbw__search_inherit(&search, i, facet, link);
+            odd = ~facet & 4;                        /* one corner replaced in place turns the simplex over */
+            turn = (facet ^ facet >> 3) % 4 == 3 ? 0 : facet & 24;           /* the ghost left, or stays, */
+            turn = corner[link] == PBW__GHOST ? (~facet & 3) << 3 : turn;    /* or came */
+            r.x = _mm256_blendv_pd(from->x, from->far_x, lane);
+            r.y = _mm256_blendv_pd(from->y, from->far_y, lane);
+            r.z = _mm256_blendv_pd(from->z, from->far_z, lane);
+            r.lift = _mm256_blendv_pd(from->lift, from->far_lift, lane);
+            r.height = weighted ? _mm256_blendv_pd(from_height[0], from_height[1], lane) : r.lift;
+            r.ghost = _mm256_setzero_pd();
+        }
+        o = pbw__rows3_of(record, 1, corner[carved->link[0]], corner[carved->link[1]], corner[carved->link[2]],
+                          corner[carved->link[3]], &point);
         height = pbw__highest(r.height);
         r.lift = _mm256_or_pd(r.lift, _mm256_and_pd(r.ghost, height));
         o.lift = _mm256_or_pd(o.lift, _mm256_and_pd(o.ghost, height));
+        here->x = r.x, here->y = r.y, here->z = r.z, here->lift = r.lift;
+        here->far_x = o.x, here->far_y = o.y, here->far_z = o.z, here->far_lift = o.lift;
+        if (weighted) {
+            heights[i % PBW__HELD][0] = _mm256_or_pd(r.height, _mm256_and_pd(r.ghost, height));
+            heights[i % PBW__HELD][1] = _mm256_or_pd(o.height, _mm256_and_pd(o.ghost, height));
+        }
         ax = PBW__CORNER_A(r.x), ay = PBW__CORNER_A(r.y), az = PBW__CORNER_A(r.z), al = PBW__CORNER_A(r.lift);
         bx = PBW__CORNER_B(r.x), by = PBW__CORNER_B(r.y), bz = PBW__CORNER_B(r.z), bl = PBW__CORNER_B(r.lift);
         cx = PBW__CORNER_C(r.x), cy = PBW__CORNER_C(r.y), cz = PBW__CORNER_C(r.z), cl = PBW__CORNER_C(r.lift);
@@ -3584,22 +3677,25 @@ PBW__AVX2 static pbw_status pbw__carve3_avx2(pbw__kernel *kernel, pbw_index t, c
         rounded = _mm256_cmp_pd(h, exact_height, _CMP_GE_OQ);
         limit = _mm256_and_pd(rounded, limit * limit * h * _mm256_set1_pd(PBW__SPHERE_ERROR * PBW__SPHERE_ERROR));
         certain = (unsigned)_mm256_movemask_pd(_mm256_cmp_pd(det * det, limit, _CMP_GT_OQ));
-        inside = (unsigned)_mm256_movemask_pd(det) ^ 15u;
+        inside = (unsigned)_mm256_movemask_pd(det) ^ (odd != 0 ? 0 : 15u);
         if (PBW__UNLIKELY(certain != 15)) {
-            inside = pbw__search_exact(kernel, search.cavity[i], certain, inside,
+            inside = pbw__search_exact(kernel, carved, odd, certain, inside,
                                        (unsigned)_mm256_movemask_pd(rounded), p);
         }
-        if (PBW__UNLIKELY(kernel->owner != NULL) && PBW__UNLIKELY(!pbw__owns_all(kernel, v))
-            && !pbw__may_delete_all(kernel, link, inside)) {
-            return pbw__leave_cavity(kernel, search.cavity_count);
+        if (PBW__UNLIKELY(owned) && PBW__UNLIKELY(!pbw__owns_all(kernel, carved->v))
+            && !pbw__may_delete_all(kernel, carved->link, inside)) {
+            return pbw__search_leave(kernel, &search, i);
         }
 #ifdef PBW_WIDE
-        pbw__search_sort(&search, i, 0, link[0], inside & 1);
-        pbw__search_sort(&search, i, 1, link[1], inside >> 1 & 1);
-        pbw__search_sort(&search, i, 2, link[2], inside >> 2 & 1);
-        pbw__search_sort(&search, i, 3, link[3], inside >> 3);
+        {
+            unsigned k;
+            for (k = 0; k < 4; k++) {
+                pbw__search_sort(&search, (pbw_index)(32 * i + turn + odd + k), (pbw_index)(carved->link[k] >> 2),
+                                 inside >> k & 1);
+            }
+        }
 #else
-        pbw__search_sort4(&search, i, link, inside);
+        pbw__search_sort4(&search, (pbw_index)(32 * i + turn + odd), carved->link, inside);
 #endif
     }
     pbw__search_end(kernel, &search);
@@ -3694,7 +3790,7 @@ static PBW__NOINLINE pbw_index pbw__take_slot(pbw__kernel *kernel)
     return t;
 }
 
-/* The slots of the star: those of the cavity first; cavity slots too many become free. */
+/* The slots of the star: those of the cavity first, still marked; cavity slots too many become free. */
 PBW__INLINE pbw_status pbw__take_slots(pbw__kernel *kernel)
 {
     size_t have = kernel->cavity_count, needed = kernel->facet_count, i;
@@ -3707,23 +3803,26 @@ PBW__INLINE pbw_status pbw__take_slots(pbw__kernel *kernel)
             return status;
         }
     }
-    if (PBW__UNLIKELY(needed > kernel->cavity_capacity) && !pbw__grow_lists(kernel, needed)) {
+    if (PBW__UNLIKELY(needed + 8 > kernel->cavity_capacity) && !pbw__grow_lists(kernel, needed + 8)) {
         return PBW_ERROR_MEMORY;
     }
     cavity = kernel->cavity;
-    for (i = 0; i < have; i++) {
-        kernel->mark[cavity[i]] = 0;
-    }
-    for (i = have; i < needed; i++) {
-        if (PBW__LIKELY(kernel->fresh < kernel->fresh_end)) {
-            kernel->mark[kernel->fresh] = 0;
-            cavity[i] = (pbw_index)kernel->fresh++;
-        } else {
+    if (PBW__LIKELY(needed >= have) && PBW__LIKELY(kernel->fresh_end - kernel->fresh >= needed - have)) {
+        for (i = have; i < needed; i += 8) {         /* by eights: no predictor could guess how many are needed */
+            pbw_index fresh = (pbw_index)(kernel->fresh + (i - have)), k;
+            for (k = 0; k < 8; k++) {
+                cavity[i + k] = fresh + k;
+            }
+        }
+        kernel->fresh += needed - have;
+    } else {
+        for (i = have; i < needed; i++) {
             cavity[i] = pbw__take_slot(kernel);
         }
     }
     for (i = needed; i < have; i++) {
         pbw_index *corner = kernel->corner + 4 * (size_t)cavity[i];
+        kernel->mark[cavity[i]] = 0;
         corner[0] = PBW_NONE;
         corner[1] = kernel->free_list;
         kernel->free_list = cavity[i];
@@ -3781,18 +3880,15 @@ static PBW__NOINLINE pbw_status pbw__sew3_wide(pbw__kernel *kernel)
 }
 
 /* Joins the vertex to each facet of the cavity's boundary: a simplex each, the vertex first. */
-PBW__INLINE pbw_status pbw__refill3(pbw__kernel *kernel, pbw_index vertex)
+static PBW__NOINLINE pbw_status pbw__refill3(pbw__kernel *kernel, pbw_index vertex)
 {
-    pbw_status status = pbw__take_slots(kernel);
     size_t i, count = kernel->facet_count;
     unsigned k;
-    if (PBW__UNLIKELY(status != PBW_OK)) {
-        return status;
-    }
     for (i = 0; i < count; i++) {
-        const pbw__carved *carved = kernel->carved + (kernel->from[i] >> 2);
-        const unsigned char *corner = pbw__facet_corners[kernel->from[i] & 3];
-        pbw__link base = (pbw__link)kernel->cavity[i] * 4, beyond = kernel->beyond[i];
+        const pbw__carved *carved = kernel->carved + (kernel->from[i] >> 5);
+        const unsigned char *corner = pbw__facet_corners[kernel->from[i] & 31] + 1;
+        pbw__link base = (pbw__link)kernel->cavity[i] * 4, beyond = carved->link[kernel->from[i] & 3];
+        PBW__STORE(kernel->mark + kernel->cavity[i], 0);
         kernel->corner[base] = vertex;
         kernel->link[base] = beyond;
         kernel->link[beyond] = base;
@@ -3804,16 +3900,16 @@ PBW__INLINE pbw_status pbw__refill3(pbw__kernel *kernel, pbw_index vertex)
         return pbw__sew3_wide(kernel);
     }
     for (i = 0; i < count; i++) {
-        const pbw_index *local = kernel->carved[kernel->from[i] >> 2].local;
-        const unsigned char *corner = pbw__facet_corners[kernel->from[i] & 3];
+        const pbw_index *local = kernel->carved[kernel->from[i] >> 5].local;
+        const unsigned char *corner = pbw__facet_corners[kernel->from[i] & 31] + 1;
         pbw__link base = (pbw__link)kernel->cavity[i] * 4;
         kernel->edge[local[corner[1]] * PBW__LOCALS + local[corner[2]]] = base + 1;
         kernel->edge[local[corner[2]] * PBW__LOCALS + local[corner[0]]] = base + 2;
         kernel->edge[local[corner[0]] * PBW__LOCALS + local[corner[1]]] = base + 3;
     }
     for (i = 0; i < count; i++) {
-        const pbw_index *local = kernel->carved[kernel->from[i] >> 2].local;
-        const unsigned char *corner = pbw__facet_corners[kernel->from[i] & 3];
+        const pbw_index *local = kernel->carved[kernel->from[i] >> 5].local;
+        const unsigned char *corner = pbw__facet_corners[kernel->from[i] & 31] + 1;
         pbw__link *link = kernel->link + (pbw__link)kernel->cavity[i] * 4;
         link[1] = kernel->edge[local[corner[2]] * PBW__LOCALS + local[corner[1]]];
         link[2] = kernel->edge[local[corner[0]] * PBW__LOCALS + local[corner[2]]];
@@ -3823,47 +3919,40 @@ PBW__INLINE pbw_status pbw__refill3(pbw__kernel *kernel, pbw_index vertex)
 }
 
 #if defined(PBW__X86) && !defined(PBW_WIDE)
-/* pbw__facet_corners as shuffles that leave lane 0 to the new vertex. */
-static const unsigned char pbw__facet_lanes[4][16] = {
-    { PBW__LANE(0), PBW__LANE(1), PBW__LANE(2), PBW__LANE(3) },
-    { PBW__LANE(0), PBW__LANE(2), PBW__LANE(0), PBW__LANE(3) },
-    { PBW__LANE(0), PBW__LANE(0), PBW__LANE(1), PBW__LANE(3) },
-    { PBW__LANE(0), PBW__LANE(0), PBW__LANE(2), PBW__LANE(1) }
-};
+PBW__AVX2_INLINE __m128i pbw__facet_lanes(pbw_index facet)
+{
+    int32_t corners;
+    memcpy(&corners, pbw__facet_corners[facet], sizeof(corners));
+    return _mm_cvtepu8_epi32(_mm_cvtsi32_si128(corners));
+}
 
 /* The same, a simplex in one vector. */
 PBW__AVX2_INLINE pbw_status pbw__refill3_avx2(pbw__kernel *kernel, pbw_index vertex)
 {
-    pbw_status status = pbw__take_slots(kernel);
     const __m128i new_corner = _mm_set1_epi32((int)vertex);
     pbw__carved *carved = kernel->carved;
     pbw_index *corners = kernel->corner;
     const pbw_index *cavity = kernel->cavity, *from = kernel->from;
-    const pbw__link *beyond = kernel->beyond;
     pbw__link *links = kernel->link, *edge = kernel->edge;
+    unsigned char *mark = kernel->mark;
     size_t i, count = kernel->facet_count;
-    if (PBW__UNLIKELY(status != PBW_OK)) {
-        return status;
-    }
-    for (i = 0; i < count; i++) {
-        const pbw__carved *inside = carved + (from[i] >> 2);
-        const __m128i lanes = PBW__LOAD4(pbw__facet_lanes[from[i] & 3]);
-        const __m128i v = _mm_blend_epi32(_mm_shuffle_epi8(PBW__LOAD4(inside->v), lanes), new_corner, 1);
-        pbw__link base = cavity[i] * 4;
-        PBW__STORE4(corners + base, v);
-        links[base] = beyond[i];
-        links[beyond[i]] = base;
-    }
     if (PBW__UNLIKELY(kernel->local_count > PBW__LOCALS - 4)) {
-        return pbw__sew3_wide(kernel);
+        return pbw__refill3(kernel, vertex);
     }
     for (i = 0; i < count; i++) {
-        const __m128i lanes = PBW__LOAD4(pbw__facet_lanes[from[i] & 3]);
-        const __m128i local = _mm_shuffle_epi8(PBW__LOAD4(carved[from[i] >> 2].local), lanes);
+        const pbw__carved *inside = carved + (from[i] >> 5);
+        const __m128i lanes = pbw__facet_lanes(from[i] & 31);
+        const __m128i v = _mm_blend_epi32(PBW__PERMUTE4(PBW__LOAD4(inside->v), lanes), new_corner, 1);
+        const __m128i local = PBW__PERMUTE4(PBW__LOAD4(inside->local), lanes);
         const __m128i next = _mm_shuffle_epi32(local, 0x78), last = _mm_shuffle_epi32(local, 0x9c);
         const __m128i there = _mm_add_epi32(_mm_slli_epi32(next, 6), last);
         uint64_t low = (uint64_t)_mm_cvtsi128_si64(there), high = (uint64_t)_mm_extract_epi64(there, 1);
-        pbw__link base = cavity[i] * 4;
+        pbw_index slot = cavity[i];
+        pbw__link base = slot * 4, beyond = inside->link[from[i] & 3];
+        PBW__STORE(mark + slot, 0);
+        PBW__STORE4(corners + base, v);
+        links[base] = beyond;
+        links[beyond] = base;
         PBW__STORE4(kernel->back + 4 * i, _mm_add_epi32(_mm_slli_epi32(last, 6), next));
         edge[low >> 32] = base + 1;
         edge[(uint32_t)high] = base + 2;
@@ -3911,22 +4000,34 @@ static pbw_status pbw__insert3_scalar(pbw__kernel *kernel, pbw_index vertex)
         return status;                               /* hidden, or not ours */
     }
     status = pbw__carve3_scalar(kernel, t, p);
+    status = status == PBW_OK ? pbw__take_slots(kernel) : status;
     return status == PBW_OK ? pbw__refill3(kernel, vertex) : status;
 }
 
 #ifdef PBW__X86
-PBW__AVX2 static pbw_status pbw__insert3_avx2(pbw__kernel *kernel, pbw_index vertex)
+PBW__AVX2_INLINE pbw_status pbw__insert3_with(pbw__kernel *kernel, pbw_index vertex, int weighted)
 {
     const double *p = pbw__record3(kernel, vertex);
     pbw_index t = pbw__insert_start(kernel, vertex);
     pbw_status status;
-    t = t != PBW__FOREIGN ? pbw__locate3_avx2(kernel, t, p) : t;
+    t = t != PBW__FOREIGN ? pbw__locate3_avx2(kernel, t, p, weighted) : t;
     status = pbw__located(kernel, t);
     if (PBW__UNLIKELY(t == PBW_NONE) || PBW__UNLIKELY(status != PBW_OK)) {
         return status;                               /* hidden, or not ours */
     }
-    status = pbw__carve3_avx2(kernel, t, p);
-    return status == PBW_OK ? pbw__refill3_avx2(kernel, vertex) : status;
+    status = pbw__carve3_avx2(kernel, t, p, weighted);
+    status = PBW__LIKELY(status == PBW_OK) ? pbw__take_slots(kernel) : status;
+    return PBW__LIKELY(status == PBW_OK) ? pbw__refill3_avx2(kernel, vertex) : status;
+}
+
+PBW__AVX2 static pbw_status pbw__insert3_avx2(pbw__kernel *kernel, pbw_index vertex)
+{
+    return pbw__insert3_with(kernel, vertex, 0);
+}
+
+PBW__AVX2 static pbw_status pbw__insert3_weighted_avx2(pbw__kernel *kernel, pbw_index vertex)
+{
+    return pbw__insert3_with(kernel, vertex, 1);
 }
 #endif
 
@@ -4031,6 +4132,7 @@ static pbw_status pbw__refill2(pbw__kernel *kernel, pbw_index vertex)
         /* Across from `end` lies the triangle before, which ends where we begin: its corner across from us is its
            `start`. */
         unsigned before_from = last_start == PBW__GHOST ? 2 : 1, after_to = end == PBW__GHOST ? 0 : 2;
+        kernel->mark[kernel->cavity[i]] = 0;
         v[turn] = vertex;
         v[from] = start;
         v[to] = end;
@@ -4548,7 +4650,7 @@ static pbw_status pbw__first_star(pbw__kernel *kernel, int dim, const pbw_index 
     for (i = 0; i <= dim; i++) {
         v[0][i] = seed[i];
         for (k = 0; k < dim; k++) {                  /* the facet across from corner i, outside positive */
-            v[i + 1][k] = seed[dim == 3 ? pbw__facet_corners[i][k] : (i + 2 - k) % 3];
+            v[i + 1][k] = seed[dim == 3 ? pbw__facet_corners[i][k + 1] : (i + 2 - k) % 3];
         }
         v[i + 1][dim] = PBW__GHOST;
     }
@@ -4626,8 +4728,8 @@ static pbw_status pbw__kernel_create(pbw__kernel *kernel, pbw__context *context,
 #ifdef PBW__X86
     if (__builtin_cpu_supports("avx2") && __builtin_cpu_supports("fma") && __builtin_cpu_supports("bmi2")
         && __builtin_cpu_supports("popcnt")) {
-        kernel->insert = dim == 3 ? pbw__insert3_avx2
-                       : kernel->weighted ? pbw__insert2_weighted_avx2 : pbw__insert2_avx2;
+        kernel->insert = kernel->weighted ? (dim == 3 ? pbw__insert3_weighted_avx2 : pbw__insert2_weighted_avx2)
+                                          : (dim == 3 ? pbw__insert3_avx2 : pbw__insert2_avx2);
     }
 #endif
     pbw__kernel_attach(kernel);
@@ -5114,7 +5216,7 @@ static pbw_status pbw__build_all(pbw__context *context, pbw__store *store, const
    simplex into the list of its lowest rank; sort and number the simplices list by list; translate each and write it
    to its place, unless a slot is there that is still to be read; then write those.
    ------------------------------------------------------------------------------------------------------ */
-typedef struct pbw__item { uint64_t key; pbw_index simplex; } pbw__item;
+typedef struct pbw__item { uint64_t key; pbw_index simplex, rank; } pbw__item;
 
 static void pbw__sift(pbw__item *heap, size_t root, size_t count)
 {
@@ -5131,29 +5233,33 @@ static void pbw__sift(pbw__item *heap, size_t root, size_t count)
     heap[root] = item;
 }
 
-/* Insertion sort for the usual handful, heap sort for the hub of a fan. */
-static void pbw__sort_items(pbw__item *item, size_t count)
+/* The rank of each by key: counted pair by pair for the usual handful, whose order no predictor could guess; by a
+   heap sort for the hub of a fan. */
+PBW__INLINE void pbw__rank_items(pbw__item *item, size_t count)
 {
-    size_t i;
-    if (count > 48) {
+    size_t i, j;
+    if (PBW__UNLIKELY(count > 48)) {
         for (i = count / 2; i-- > 0; ) {
             pbw__sift(item, i, count);
         }
-        for (i = count; i-- > 1; ) {
+        for (i = count; i-- > 0; ) {
             pbw__item last = item[i];
             item[i] = item[0];
             item[0] = last;
+            item[i].rank = (pbw_index)i;
             pbw__sift(item, 0, i);
         }
         return;
     }
-    for (i = 1; i < count; i++) {
-        pbw__item moving = item[i];
-        size_t hole = i;
-        for (; hole > 0 && item[hole - 1].key > moving.key; hole--) {
-            item[hole] = item[hole - 1];
+    for (i = 0; i < count; i++) {
+        uint64_t key = item[i].key;
+        pbw_index rank = 0;
+        for (j = 0; j < i; j++) {
+            pbw_index above = key > item[j].key;
+            rank += above;
+            item[j].rank += 1 - above;
         }
-        item[hole] = moving;
+        item[i].rank = rank;
     }
 }
 
@@ -5272,6 +5378,7 @@ static void pbw__emit_others(void *arg, int task)
 PBW__INLINE void pbw__emit_numbers(pbw__emission *emission, int task, int dim)
 {
     size_t b, v, i, count, capacity = 64, end = pbw__share(emission->blocks, task + 1, emission->tasks);
+    const int alone = emission->tasks == 1;
     pbw__item *item = (pbw__item *)pbw__allocate(&emission->context->memory, capacity, sizeof(pbw__item));
     for (b = pbw__share(emission->blocks, task, emission->tasks); b < end && item != NULL; b++) {
         pbw_index next = emission->block[b];
@@ -5297,21 +5404,28 @@ PBW__INLINE void pbw__emit_numbers(pbw__emission *emission, int task, int dim)
                 }
                 item[count].key = (uint64_t)corner[order >> 2 & 3] << 32 | corner[order >> 4 & 3];
                 item[count].simplex = t;
+                item[count].rank = (pbw_index)count;
                 t = emission->number[t];
             }
             if (!emission->any_order) {
-                pbw__sort_items(item, count);
+                pbw__rank_items(item, count);
             }
-            for (i = 0; i < count; i++, next++) {
+            for (i = 0; i < count; i++) {
                 const pbw_index *corner = emission->corner + 4 * (size_t)item[i].simplex;
+                pbw_index place = next + item[i].rank;
                 int k;
-                emission->number[item[i].simplex] = next;
+                emission->number[item[i].simplex] = place;
                 for (k = 0; k <= dim; k++) {
                     pbw_index *first = emission->first + corner[k], old = PBW__LOAD(first);
-                    while (next < old && !PBW__REPLACE(first, &old, next)) {
+                    if (alone) {
+                        *first = place < old ? place : old;
+                        continue;
+                    }
+                    while (place < old && !PBW__REPLACE(first, &old, place)) {
                     }
                 }
             }
+            next += (pbw_index)count;
         }
     }
     if (item == NULL) {

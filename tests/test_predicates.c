@@ -1002,6 +1002,7 @@ static void fill_neighbourhood(neighbourhood *n, int family, int ghosts)
     }
     p.dim = 3;
     memset(n, 0, sizeof *n);
+    n->record[0][0] = HUGE_VAL;
     fill_places(&p, family);                               /* those that share a sphere or plane come in fives */
     for (i = 0; i < 9; i++) {
         double *q = i < 8 ? n->record[i + 1] : n->p;
@@ -1057,10 +1058,16 @@ static void test_lanes(long calls)
             }
             for (i = 0; i < calls; i++) {
                 neighbourhood n;
-                unsigned certain, inside, tied;
+                pbw_index corner[4], far[4];
+                unsigned certain, inside, tied, turned;
                 fill_neighbourhood(&n, families[f], ghosts);
                 certain = pbw__power4_pairs(n.record[0], n.corner, n.far, n.p, &inside);
-                tied = exact ? pbw__ties4(n.record[0], n.corner, n.far, n.p) : 0;
+                tied = exact ? pbw__ties4(n.record[0], n.corner, n.far, n.p, 0) : 0;
+                for (k = 0; k < 4; k++) {            /* corners 0 and 1 swapped: the same simplex, turned over */
+                    corner[k] = n.corner[k < 2 ? 1 - k : k];
+                    far[k] = n.far[k < 2 ? 1 - k : k];
+                }
+                turned = exact ? pbw__ties4(n.record[0], corner, far, n.p, 4) : 0;
                 for (k = 0; k < 4; k++) {
                     points p;
                     int rank[5], truth = lane_truth(&n, k, &p);
@@ -1075,6 +1082,7 @@ static void test_lanes(long calls)
                         find_ranks(&p, rank);
                         ties++;
                         CHECK((int)(tied >> k & 1) == (true_perturbed_sign(&p, rank) > 0));
+                        CHECK((tied >> k & 1) == (turned >> (k < 2 ? 1 - k : k) & 1));
                     }
                 }
             }
