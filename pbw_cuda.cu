@@ -19,9 +19,14 @@
      second rung   a warp a star; candidates from a search of the box tree for points in conflict with the simplices
                    that the first rung left uncertified.  Hull stars, sparse places, larger stars.  At first by floats
                    alone, then with exact tests and more room.
-     third rung    the same with room for 1000 vertices and with the last exact stage of pbw.h.  A handful.
+     third rung    the same with room for 1000 vertices and with the last exact stage of pbw.h.  A handful; the few
+                   that search for too long are given much longer once.
      the CPU       takes the whole input if a star does not fit any rung, if the work would be quadratic (points on a
                    sphere: each of its spheres touches all points), or if the points are few.
+
+   MEMORY.  options.memory_limit is for the host.  Device memory is taken from the pool of the current device; if it
+   will not do, which is known before the stars and before the output, the message says the bytes needed and
+   available, and under PBW_BACKEND_OR_CPU the CPU takes over.
 
    CONTENTS
      >>device    types, tiles of lanes, what a call holds
@@ -2839,6 +2844,9 @@ template <int DIM> __device__ verdict check_simplex(const view &m, uint32_t s, p
         if (!pbw__check_facets_match(v, i, u, j, DIM)) {
             return fault_at(check_facet, s, i, none);
         }
+        if (u[j] >= m.in.count) {
+            continue;                                /* the fault of t, which comes first */
+        }
         double p[4];
         fetch(m.in, u[j], p);
         sign = finite_conflict<DIM>(m.grid, c.row, p, pool);
@@ -3013,6 +3021,13 @@ bool decline(call &c, const char *text)
 {
     c.declined = true;
     return fail(c, PBW_ERROR_BACKEND, text);
+}
+
+bool decline_stars(call &c, uint32_t count)
+{
+    char text[128];
+    snprintf(text, sizeof text, "%u stars are too large for the device (cospherical points?)", count);
+    return decline(c, text);
 }
 
 bool good(call &c, cudaError_t error, const char *what)
@@ -3510,7 +3525,7 @@ bool build_stars(call &c, const space &s, const tree &t, const uint32_t *lists, 
     }
     stars[2] = last;
     if (last > limit) {
-        return decline(c, "the stars of too many points are too large (cospherical points?)");
+        return decline_stars(c, last);
     }
     if (last > 0) {
         uint32_t blocks = last < last_blocks ? last : last_blocks, lost = last;
@@ -3536,7 +3551,7 @@ bool build_stars(call &c, const space &s, const tree &t, const uint32_t *lists, 
         release(c, scratch, false);
         release(c, pool, false);
         if (lost > 0) {
-            return decline(c, "a star is too large for the device");
+            return decline_stars(c, lost);
         }
     }
     note(c, 4);
@@ -3662,8 +3677,6 @@ bool run(call &c, const input &in, unsigned flags, pbw_cuda_mesh *mesh)
     uint32_t *id = NULL;
     bool weighted = false, done;
     memset(&s, 0, sizeof s);
-    c.dim = in.dim;
-    c.count = in.count;
     mesh->dim = in.dim;
     mesh->point_count = in.count;
     if (in.count < PBW_CUDA_FEW) {
@@ -3788,12 +3801,15 @@ template <int DIM> bool check_mesh(call &c, const pbw_cuda_mesh &mesh, const inp
 /* ------------------------------------------------------------------------------------------------------
    >>entry        The backend, and the entries for points on the device.
    ------------------------------------------------------------------------------------------------------ */
-bool open_call(call &c, cudaStream_t stream, pbw_job *job, char *message, size_t message_size)
+/* count: 0 if the call is no triangulation of as many points. */
+bool open_call(call &c, cudaStream_t stream, pbw_job *job, int dim, size_t count, char *message, size_t message_size)
 {
     int device = 0, pools = 0;
     memset(&c, 0, sizeof c);
     c.stream = stream;
     c.job = job;
+    c.dim = dim;
+    c.count = count;
     c.message = message;
     c.message_size = message_size;
     if (!good(c, cudaGetDevice(&device), "no usable device")
@@ -3889,7 +3905,7 @@ pbw_status triangulate(const pbw_backend *backend, pbw_job *job)
         return c.status;
     }
     if (good(c, cudaStreamCreateWithFlags(&stream, cudaStreamNonBlocking), "no stream on the device")
-        && open_call(c, stream, job, NULL, 0)
+        && open_call(c, stream, job, job->dim, job->count, NULL, 0)
         && good(c, cudaStreamCreateWithFlags(&c.copies, cudaStreamNonBlocking), "cudaStreamCreate")
         && upload(c, in)) {
         run(c, in, job->flags, &mesh);
@@ -3935,7 +3951,7 @@ extern "C" pbw_status pbw_cuda_triangulate(int dim, int is_float, const void *po
         return PBW_ERROR_ARGUMENT;
     }
     memset(mesh, 0, sizeof *mesh);
-    if (open_call(c, (cudaStream_t)stream, NULL, message, message_size)) {
+    if (open_call(c, (cudaStream_t)stream, NULL, dim, count, message, message_size)) {
         run(c, in, flags, mesh);
     }
     if (c.status != PBW_OK) {                        /* everything is still in the list of blocks */
@@ -3974,10 +3990,8 @@ extern "C" pbw_status pbw_cuda_check(const pbw_cuda_mesh *mesh, int is_float, co
         return PBW_ERROR_ARGUMENT;
     }
     memset(&keeps_nothing, 0, sizeof keeps_nothing);
-    if (open_call(c, (cudaStream_t)stream, NULL, message, message_size)) {
+    if (open_call(c, (cudaStream_t)stream, NULL, mesh->dim, 0, message, message_size)) {
         input in = { points, weights, mesh->point_count, mesh->dim, is_float };
-        c.dim = mesh->dim;
-        c.count = mesh->point_count;
         report->valid = mesh->dim == 3 ? check_mesh<3>(c, *mesh, in, report) : check_mesh<2>(c, *mesh, in, report);
     }
     close_call(c, &keeps_nothing);
