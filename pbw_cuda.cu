@@ -3449,8 +3449,8 @@ bool grow_tree(call &c, space &s, int dim, tree &t)
 }
 
 /* Looks at 32 boxes or points, of a warp; an insertion counts as 4. */
-const int quick_cap = 1024, far_cap = 4096, last_cap[2] = { 1 << 17, 1 << 23 };
-const uint32_t last_blocks = 64;
+const int quick_cap = 1024, far_cap = 4096, last_cap[2] = { 1 << 17, 1 << 20 };
+const uint32_t last_blocks = 128;
 
 /* All stars into out.  t.level[0] and lists come from before. */
 template <int DIM, bool WEIGHTED>
