@@ -19,9 +19,14 @@
      second rung   a warp a star; candidates from a search of the box tree for points in conflict with the simplices
                    that the first rung left uncertified.  Hull stars, sparse places, larger stars.  At first by floats
                    alone, then with exact tests and more room.
-     third rung    the same with room for 1000 vertices and with the last exact stage of pbw.h.  A handful.
+     third rung    the same with room for 1000 vertices and with the last exact stage of pbw.h.  A handful; the few
+                   that search for too long are given much longer once.
      the CPU       takes the whole input if a star does not fit any rung, if the work would be quadratic (points on a
                    sphere: each of its spheres touches all points), or if the points are few.
+
+   MEMORY.  options.memory_limit is for the host.  Device memory is taken from the pool of the current device; if it
+   will not do, which is known before the stars and before the output, the message says the bytes needed and
+   available, and under PBW_BACKEND_OR_CPU the CPU takes over.
 
    CONTENTS
      >>device    types, tiles of lanes, what a call holds
@@ -32,8 +37,9 @@
      >>near      the first rung
      >>far       the second and third rung
      >>cells     simplices, neighbours, incident simplices
+     >>check     the exact verdict on a mesh
      >>run       the stages in order
-     >>entry     the backend, and the entry for points on the device
+     >>entry     the backend, and the entries for points on the device
 */
 #include <cuda_runtime.h>
 
@@ -91,6 +97,7 @@ struct space {
     double low[3], end[3], unit, heaviest;           /* end: the other corner of the box of all points */
     float high[3];                                   /* the same in units */
     pbw__grid grid;
+    double exact_height;                             /* >>sphere: below it doubles are exact; 0 if nowhere */
 };
 
 struct queue {                                       /* vertices for the next rung, in no order */
@@ -885,22 +892,23 @@ __device__ __noinline__ int exact_sign(int dim, int count, const double *const *
 
 /* 1 if p is in conflict with the simplex of the records row[0..DIM], 0 if not, or open_sign. */
 template <int DIM>
-__device__ int finite_conflict(const space &s, const double *const *row, const double *p, pbw__digit *pool)
+__device__ int finite_conflict(const pbw__grid &grid, const double *const *row, const double *p, pbw__digit *pool)
 {
     int orientation[4];
     int sign = DIM == 3 ? pbw__filter_power3(row[0], row[1], row[2], row[3], p)
                         : pbw__filter_power2(row[0], row[1], row[2], p);
     if (sign == PBW__OPEN) {
-        sign = exact_sign(DIM, DIM + 1, row, p, &s.grid, pool, orientation);
+        sign = exact_sign(DIM, DIM + 1, row, p, &grid, pool, orientation);
     }
     return sign == PBW__OPEN ? open_sign : sign != 0 ? sign > 0 : pbw__tie(DIM, row, p, orientation);
 }
 
-template <int DIM> __device__ int orientation_sign(const space &s, const double *const *row, pbw__digit *pool)
+template <int DIM>
+__device__ int orientation_sign(const pbw__grid &grid, const double *const *row, pbw__digit *pool)
 {
     int sign = DIM == 3 ? pbw__filter_orient3(row[0], row[1], row[2], row[3])
                         : pbw__filter_orient2(row[0], row[1], row[2]);
-    return sign != PBW__OPEN ? sign : exact_sign(DIM, DIM, row, row[DIM], &s.grid, pool, NULL);
+    return sign != PBW__OPEN ? sign : exact_sign(DIM, DIM, row, row[DIM], &grid, pool, NULL);
 }
 
 /* A triangle: three local numbers of vertices, 0 being the vertex at infinity, and a mark that no point of the input
@@ -948,12 +956,12 @@ __device__ __noinline__ int settle(const space &s, uint32_t v, const uint32_t *i
             row[1] = s.point[id[a]].c;
             row[2] = s.point[id[b]].c;
             row[3] = origin;
-            sign = orientation_sign<DIM>(s, row, pool);
+            sign = orientation_sign<DIM>(s.grid, row, pool);
             at = triangle_with<DIM>(triangle, count, b, a);
         } else {
             row[1] = at == 1 ? s.point[id[c[0]]].c : origin;
             row[2] = at == 1 ? origin : s.point[id[c[1]]].c;
-            sign = orientation_sign<DIM>(s, row, pool);
+            sign = orientation_sign<DIM>(s.grid, row, pool);
             at = at == 1 ? triangle_with<DIM>(triangle, count, none, c[0])
                          : triangle_with<DIM>(triangle, count, c[1], 0);
         }
@@ -969,7 +977,7 @@ __device__ __noinline__ int settle(const space &s, uint32_t v, const uint32_t *i
         }
         row[k + 1] = s.point[id[a]].c;
     }
-    return finite_conflict<DIM>(s, row, origin, pool);
+    return finite_conflict<DIM>(s.grid, row, origin, pool);
 }
 
 /* ------------------------------------------------------------------------------------------------------
@@ -1087,6 +1095,91 @@ struct hole {
     uint32_t number;
 };
 
+/* As settle, for p relative to v, by doubles that round nothing: on a small grid all products are integers in its
+   unit, below 2^53 (>>cavity of pbw.h: there p is the origin, here v, but the 24 products have the same bound).  The
+   coefficients of the lifts are those of pbw__tie.  open_sign if a height is too large for that. */
+template <int DIM, bool WEIGHTED, int NT, int NV, int SCRATCH>
+__device__ __noinline__ int settle_on_grid(const star<DIM, WEIGHTED, NT, NV, SCRATCH> &s, int count, int t,
+                                           double limit, double px, double py, double pz, double pw)
+{
+    const double p[3] = { px, py, pz }, lift = square<DIM>(p) - (WEIGHTED ? pw : 0.0);
+    if (!(square<DIM>(p) + (WEIGHTED ? fabs(pw) : 0.0) < limit)) {
+        return open_sign;
+    }
+    for (int round = 0; round < 2; round++) {
+        uint32_t packed = s.triangle[t];
+        double x[3][3], raised[3], k[3], d;
+        int at = -1;
+        for (int i = 0; i < 3; i++) {
+            uint32_t number = i < DIM ? corner(packed, i) : 0;
+            place a = vertex_place(s, number);
+            at = i < DIM && number == 0 ? i : at;
+            raised[i] = square<DIM>(a.x) - a.w;
+            if (i < DIM && number != 0 && !(square<DIM>(a.x) + fabs(a.w) < limit)) {
+                return open_sign;
+            }
+            for (int j = 0; j < 3; j++) {            /* p in place of the vertex at infinity */
+                x[i][j] = i < DIM && number == 0 ? p[j] : a.x[j];
+            }
+        }
+        const double *a = x[0], *b = x[1], *c = x[2];
+        if (DIM == 3) {
+            double u[3] = { b[1] * c[2] - b[2] * c[1], b[2] * c[0] - b[0] * c[2], b[0] * c[1] - b[1] * c[0] };
+            double q[3] = { p[1] * a[2] - p[2] * a[1], p[2] * a[0] - p[0] * a[2], p[0] * a[1] - p[1] * a[0] };
+            d = a[0] * u[0] + a[1] * u[1] + a[2] * u[2];
+            k[0] = p[0] * u[0] + p[1] * u[1] + p[2] * u[2];
+            k[1] = c[0] * -q[0] + c[1] * -q[1] + c[2] * -q[2];
+            k[2] = b[0] * q[0] + b[1] * q[1] + b[2] * q[2];
+        } else {
+            d = a[0] * b[1] - a[1] * b[0];
+            k[0] = p[0] * b[1] - p[1] * b[0];
+            k[1] = a[0] * p[1] - a[1] * p[0];
+            k[2] = 0.0;
+        }
+        if (at >= 0) {
+            if (d != 0.0 || round > 0) {
+                return round > 0 ? open_sign : d > 0.0;
+            }
+            t = DIM == 3
+              ? triangle_with<DIM>(s.triangle, count, corner(packed, (at + 2) % 3), corner(packed, (at + 1) % 3))
+              : at == 1 ? triangle_with<DIM>(s.triangle, count, none, corner(packed, 0))
+                        : triangle_with<DIM>(s.triangle, count, corner(packed, 1), 0);
+            if (t < 0) {
+                return open_sign;
+            }
+            continue;
+        }
+        double sum = raised[0] * k[0] + raised[1] * k[1] + (DIM == 3 ? raised[2] * k[2] : 0.0) - d * lift;
+        if (sum != 0.0) {
+            return sum > 0.0;
+        }
+        double best[3] = { p[0], p[1], p[2] }, own = d - k[0] - k[1] - k[2], verdict = 0.0;
+        for (int i = -1; i < DIM; i++) {             /* v itself at first */
+            double y[3] = { i < 0 ? 0.0 : x[i < 0 ? 0 : i][0], i < 0 ? 0.0 : x[i < 0 ? 0 : i][1],
+                            i < 0 ? 0.0 : x[i < 0 ? 0 : i][2] }, coefficient = i < 0 ? own : k[i < 0 ? 0 : i];
+            bool larger = y[0] != best[0] ? y[0] > best[0] : y[1] != best[1] ? y[1] > best[1]
+                        : DIM == 3 && y[2] > best[2];
+            if (larger && coefficient != 0.0) {
+                verdict = coefficient;
+                for (int j = 0; j < 3; j++) {
+                    best[j] = y[j];
+                }
+            }
+        }
+        return verdict > 0.0;
+    }
+    return open_sign;
+}
+
+/* The exact answer: is point id, at p relative to v, in conflict with triangle t? */
+template <int DIM, bool WEIGHTED, int NT, int NV, int SCRATCH>
+__device__ inline int decide(const star<DIM, WEIGHTED, NT, NV, SCRATCH> &s, const space &all, uint32_t v, int count,
+                             int t, uint32_t id, const place &p, pbw__digit *pool)
+{
+    int hit = settle_on_grid(s, count, t, all.exact_height, p.x[0], p.x[1], p.x[2], p.w);
+    return hit != open_sign ? hit : settle<DIM>(all, v, s.id, s.triangle, count, t, id, pool);
+}
+
 /* Finds the cavity of point id, at p relative to v, in the stars of those tiles that go, and makes the point a vertex
    of theirs; count: their triangles.  Without EXACT what floats leave open stays open. */
 template <int T, bool EXACT, int DIM, bool WEIGHTED, int NT, int NV, int SCRATCH>
@@ -1117,7 +1210,7 @@ __device__ inline int carve(star<DIM, WEIGHTED, NT, NV, SCRATCH> &s, const space
         bool undecided = !EXACT && opens != 0;
         for (int i = 0; EXACT && i < rounds; i++) {
             if ((opens >> i & 1) != 0) {
-                int hit = settle<DIM>(all, v, s.id, s.triangle, count, i * T + lane, id, pool);
+                int hit = decide(s, all, v, count, i * T + lane, id, p, pool);
                 hits |= (rounds_type)(hit == 1) << i;
                 undecided = undecided || hit == open_sign;
             }
@@ -1902,7 +1995,7 @@ __device__ inline bool start_from_seeds(star<DIM, WEIGHTED, NT, NV, SCRATCH> &s,
     ids[1] = __shfl_sync(all_lanes, id, second);
     ids[2] = __shfl_sync(all_lanes, id, third);
     const double *row[4] = { all.point[v].c, all.point[ids[0]].c, all.point[ids[1]].c, all.point[ids[2]].c };
-    int sign = orientation_sign<DIM>(all, row, pool);
+    int sign = orientation_sign<DIM>(all.grid, row, pool);
     if (sign == 0 || sign == PBW__OPEN) {
         return false;
     }
@@ -2167,7 +2260,7 @@ __device__ inline int far_star_of(star<DIM, WEIGHTED, NT, NV, SCRATCH> &s, const
                 p = relative<DIM>(all, own, all.point[candidate != none ? candidate : v]);
                 int answer = candidate != none ? side(s.sphere[t], probe_of<DIM, WEIGHTED>(p)) : 0;
                 if (EXACT && answer == open_sign) {  /* a flat simplex on the hull leaves many points open */
-                    answer = settle<DIM>(all, v, s.id, s.triangle, count, t, candidate, NULL);
+                    answer = decide(s, all, v, count, t, candidate, p, NULL);
                 }
                 pending = __ballot_sync(all_lanes, answer != 0);
             } else {                                 /* 32 boxes: those that matter wait, the nearest on top */
@@ -2556,6 +2649,332 @@ __global__ void large_neighbor_kernel(queue large, const __grid_constant__ store
 }
 
 /* ------------------------------------------------------------------------------------------------------
+   >>check        The exact verdict on a mesh.
+   In: points and the arrays of a mesh.  Out: the first fault of the first pass that has one, and counts.  The tests
+   are those of pbw_check, in its order, and why they are enough is said there; but that two hidden points lie at one
+   place is not found.  The passes: points, simplices, hull, hidden points; a thread an item.  An item that the stages
+   without memory leave open is listed, and tested again by a thread that has a pool.
+   ------------------------------------------------------------------------------------------------------ */
+enum {
+    check_sound, check_canonical, check_place, check_right, check_vertex, check_incident, check_corner, check_first,
+    check_negative, check_flat, check_overlap, check_inward, check_other, check_back, check_facet, check_conflict,
+    check_convex, check_outside, check_repeated, check_unhidden, check_open
+};
+enum { check_points, check_simplices, check_hull, check_hidden, check_passes };
+
+const char *const faults[check_open] = {
+    "", "the canonical point is none", "a duplicate is not where its canonical point is",
+    "a duplicate has the better right to be canonical", "a duplicate is a vertex",
+    "the incident simplex of a vertex does not have it", "a corner is no point",
+    "the incident simplex of a corner is not the first that has it", "a simplex is negatively oriented",
+    "a simplex is flat", "two simplices overlap, the first of the mesh and this", "a hull facet faces inward",
+    "a neighbor is no other simplex", "a neighbor does not name the simplex once",
+    "neighbors do not share the facet from opposite sides", "the corner across a facet is in conflict",
+    "the hull is not convex", "a point outside the hull is no vertex", "a point at a vertex is no duplicate of it",
+    "a point that is no vertex is not hidden"
+};
+
+struct view {                                        /* a mesh and its points */
+    input in;
+    const pbw_index *simplices, *neighbors, *incident, *canonical;
+    uint32_t count;                                  /* simplices */
+    pbw__grid grid;
+    double basis[4][4];                              /* corners of simplex 0 */
+};
+
+struct verdict {
+    int fault, facet;
+    uint32_t simplex, point;
+    uint32_t counted[2];                             /* vertices, other points; facets, of the hull */
+};
+
+struct finding {
+    unsigned long long least;                        /* item of the first fault << 32 | fault */
+    unsigned long long counted[check_passes][2];
+    uint32_t open;                                   /* items listed */
+    verdict first;
+};
+
+template <int DIM> struct corners {
+    double x[DIM + 1][4];
+    const double *row[4];
+};
+
+template <int DIM> __device__ void load_corners(const view &m, uint32_t simplex, corners<DIM> &c)
+{
+    for (int i = 0; i <= DIM; i++) {
+        fetch(m.in, m.simplices[(size_t)simplex * (DIM + 1) + (size_t)i], c.x[i]);
+        c.row[i] = c.x[i];
+    }
+}
+
+/* The orientation with p in place of corner i. */
+template <int DIM>
+__device__ int side_of(const view &m, const corners<DIM> &c, int i, const double *p, pbw__digit *pool)
+{
+    const double *row[4];
+    for (int k = 0; k <= DIM; k++) {
+        row[k] = k == i ? p : c.row[k];
+    }
+    return orientation_sign<DIM>(m.grid, row, pool);
+}
+
+/* 1 if the point o of >>check of pbw.h is on the inner side of a facet, 0 if not, or open_sign. */
+template <int DIM>
+__device__ __noinline__ int faces_inside(const view &m, const corners<DIM> &c, int facet, pbw__digit *pool)
+{
+    int sign = 0;
+    for (int i = 0; i <= DIM && sign == 0; i++) {
+        sign = side_of<DIM>(m, c, facet, m.basis[i], pool);
+    }
+    return sign == PBW__OPEN ? open_sign : sign > 0;
+}
+
+template <int DIM> __device__ int covers(const view &m, const corners<DIM> &c, pbw__digit *pool)
+{
+    const double *a = m.basis[0];
+    for (int k = 0; k < DIM; k++) {
+        bool below = false, above = false;
+        for (int i = 0; i <= DIM; i++) {
+            below = below || c.x[i][k] <= a[k];
+            above = above || c.x[i][k] >= a[k];
+        }
+        if (!(below && above)) {
+            return 0;
+        }
+    }
+    int result = 1;
+    for (int i = 0; i <= DIM && result == 1; i++) {
+        result = faces_inside<DIM>(m, c, i, pool);
+    }
+    return result;
+}
+
+__device__ inline verdict fault_at(int fault, uint32_t simplex, int facet, uint32_t point)
+{
+    verdict v = { fault, facet, simplex, point, { 0, 0 } };
+    return v;
+}
+
+template <int DIM> __device__ verdict check_point(const view &m, uint32_t p)
+{
+    verdict v = fault_at(check_sound, none, -1, none);
+    uint32_t kept = m.canonical[p], first = m.incident[p];
+    if (kept >= m.in.count || m.canonical[kept] != kept) {
+        return fault_at(check_canonical, none, -1, p);
+    }
+    if (kept != p) {
+        double x[4], y[4];
+        fetch(m.in, p, x);
+        fetch(m.in, kept, y);
+        if (!same_place(x, y, DIM)) {
+            return fault_at(check_place, none, -1, p);
+        }
+        if (x[DIM] != y[DIM] ? x[DIM] > y[DIM] : p < kept) {
+            return fault_at(check_right, none, -1, p);
+        }
+        return first != none ? fault_at(check_vertex, first, -1, p) : v;
+    }
+    if (first != none) {
+        bool has = false;
+        for (int k = 0; k <= DIM && first < m.count; k++) {
+            has = has || m.simplices[(size_t)first * (DIM + 1) + (size_t)k] == p;
+        }
+        if (!has) {
+            return fault_at(check_incident, first, -1, p);
+        }
+    }
+    v.counted[first == none] = 1;
+    return v;
+}
+
+template <int DIM> __device__ verdict check_simplex(const view &m, uint32_t s, pbw__digit *pool)
+{
+    verdict sound = fault_at(check_sound, none, -1, none);
+    corners<DIM> c;
+    uint32_t v[DIM + 1];
+    for (int i = 0; i <= DIM; i++) {
+        v[i] = m.simplices[(size_t)s * (DIM + 1) + (size_t)i];
+        if (v[i] >= m.in.count) {
+            return fault_at(check_corner, s, -1, v[i]);
+        }
+        if (m.incident[v[i]] > s) {
+            return fault_at(check_first, s, -1, v[i]);
+        }
+    }
+    load_corners<DIM>(m, s, c);
+    int sign = orientation_sign<DIM>(m.grid, c.row, pool);
+    if (sign <= 0 || sign == PBW__OPEN) {
+        return fault_at(sign == PBW__OPEN ? check_open : sign < 0 ? check_negative : check_flat, s, -1, none);
+    }
+    sign = s > 0 ? covers<DIM>(m, c, pool) : 0;
+    if (sign != 0) {
+        return fault_at(sign == open_sign ? check_open : check_overlap, s, -1, none);
+    }
+    for (int i = 0; i <= DIM; i++) {
+        uint32_t t = m.neighbors[(size_t)s * (DIM + 1) + (size_t)i], u[DIM + 1];
+        int links = 0, j = 0;
+        if (t == none) {
+            sound.counted[0]++;
+            sound.counted[1]++;
+            sign = faces_inside<DIM>(m, c, i, pool);
+            if (sign != 1) {
+                return fault_at(sign == open_sign ? check_open : check_inward, s, i, none);
+            }
+            continue;
+        }
+        if (t >= m.count || t == s) {
+            return fault_at(check_other, s, i, none);
+        }
+        for (int k = 0; k <= DIM; k++) {
+            bool back = m.neighbors[(size_t)t * (DIM + 1) + (size_t)k] == s;
+            links += back;
+            j = back ? k : j;
+        }
+        if (links != 1) {
+            return fault_at(check_back, s, i, none);
+        }
+        if (t > s) {
+            continue;
+        }
+        sound.counted[0]++;
+        for (int k = 0; k <= DIM; k++) {
+            u[k] = m.simplices[(size_t)t * (DIM + 1) + (size_t)k];
+        }
+        if (!pbw__check_facets_match(v, i, u, j, DIM)) {
+            return fault_at(check_facet, s, i, none);
+        }
+        if (u[j] >= m.in.count) {
+            continue;                                /* the fault of t, which comes first */
+        }
+        double p[4];
+        fetch(m.in, u[j], p);
+        sign = finite_conflict<DIM>(m.grid, c.row, p, pool);
+        if (sign != 0) {
+            return fault_at(sign == open_sign ? check_open : check_conflict, s, i, u[j]);
+        }
+    }
+    return sound;
+}
+
+/* The ridges of the hull facets of a simplex, as pbw__check_hull. */
+template <int DIM> __device__ verdict check_ridges(const view &m, uint32_t s, pbw__digit *pool)
+{
+    const pbw_index *v = m.simplices, *n = m.neighbors;
+    for (int i = 0; i <= DIM; i++) {
+        for (int k = 0; k <= DIM && n[(size_t)s * (DIM + 1) + (size_t)i] == none; k++) {
+            size_t t = s;
+            int in = i, out = k;
+            if (k == i) {
+                continue;
+            }
+            while (n[t * (DIM + 1) + (size_t)out] != none) {
+                size_t next = n[t * (DIM + 1) + (size_t)out];
+                int entry = 0, exit = 0;
+                while (n[next * (DIM + 1) + (size_t)entry] != t) {
+                    entry++;
+                }
+                while (v[next * (DIM + 1) + (size_t)exit] != v[t * (DIM + 1) + (size_t)in]) {
+                    exit++;
+                }
+                t = next;
+                in = entry;
+                out = exit;
+            }
+            if (t >= s) {
+                corners<DIM> c;
+                double p[4];
+                uint32_t far = v[t * (DIM + 1) + (size_t)in];
+                load_corners<DIM>(m, s, c);
+                fetch(m.in, far, p);
+                int sign = side_of<DIM>(m, c, i, p, pool);
+                if (sign < 0 || sign == PBW__OPEN) {
+                    return fault_at(sign < 0 ? check_convex : check_open, s, i, far);
+                }
+            }
+        }
+    }
+    return fault_at(check_sound, none, -1, none);
+}
+
+/* A visibility walk to a point that is no vertex. */
+template <int DIM> __device__ verdict check_walk(const view &m, uint32_t point, pbw__digit *pool)
+{
+    uint32_t here = 0, last = 0;
+    corners<DIM> c;
+    double p[4];
+    if (m.canonical[point] != point || m.incident[point] != none) {
+        return fault_at(check_sound, none, -1, none);
+    }
+    fetch(m.in, point, p);
+    for (int i = 0; i <= DIM;) {
+        const pbw_index *next = m.neighbors + (size_t)here * (DIM + 1);
+        load_corners<DIM>(m, here, c);
+        for (i = 0; i <= DIM; i++) {
+            int sign = next[i] == last ? 0 : side_of<DIM>(m, c, i, p, pool);
+            if (sign == PBW__OPEN) {
+                return fault_at(check_open, here, i, point);
+            }
+            if (sign < 0) {
+                break;
+            }
+        }
+        if (i <= DIM) {
+            if (next[i] == none) {
+                return fault_at(check_outside, here, i, point);
+            }
+            last = here;
+            here = next[i];
+        }
+    }
+    for (int i = 0; i <= DIM; i++) {
+        if (same_place(p, c.x[i], DIM)) {
+            return fault_at(check_repeated, here, -1, point);
+        }
+    }
+    int sign = finite_conflict<DIM>(m.grid, c.row, p, pool);
+    return fault_at(sign == open_sign ? check_open : sign != 0 ? check_unhidden : check_sound, here, -1, point);
+}
+
+const unsigned check_blocks = 64;                    /* of 32 threads that have pools */
+
+/* Items 0, ..., count - 1, or those of a list, one thread each or in turn; a single one is described. */
+template <int DIM>
+__global__ void check_kernel(const __grid_constant__ view m, int pass, uint32_t count, const uint32_t *list,
+                             uint32_t *open, pbw__digit *pool, finding *out)
+{
+    const size_t thread = thread_number(), threads = (size_t)gridDim.x * blockDim.x;
+    pbw__digit *digits = pool == NULL ? NULL : pool + thread * PBW__POOL;
+    unsigned long long counted[2] = { 0, 0 };
+    for (size_t i = thread; i < count; i += threads) {
+        uint32_t item = list == NULL ? (uint32_t)i : list[i];
+        verdict v = pass == check_points ? check_point<DIM>(m, item)
+                  : pass == check_simplices ? check_simplex<DIM>(m, item, digits)
+                  : pass == check_hull ? check_ridges<DIM>(m, item, digits) : check_walk<DIM>(m, item, digits);
+        if (v.fault == check_sound) {
+            counted[0] += v.counted[0];
+            counted[1] += v.counted[1];
+        } else if (v.fault == check_open) {
+            open[atomicAdd(&out->open, 1u)] = item;
+        } else {
+            atomicMin(&out->least, (unsigned long long)item << 32 | (unsigned)v.fault);
+            if (count == 1) {
+                out->first = v;
+            }
+        }
+    }
+    __syncwarp();
+    for (int k = 0; k < 2; k++) {
+        for (int step = 16; step > 0; step /= 2) {
+            counted[k] += __shfl_xor_sync(all_lanes, counted[k], step);
+        }
+        if ((threadIdx.x & 31) == 0 && counted[k] > 0) {
+            atomicAdd(&out->counted[pass][k], counted[k]);
+        }
+    }
+}
+
+/* ------------------------------------------------------------------------------------------------------
    >>run          The stages in order.
    In: packed points on the device.  Out: the arrays on the device, and for a job of pbw.h also in its memory, copied
    while later stages run.  Everything is in the order of one stream; the host waits where it needs a count.
@@ -2604,6 +3023,13 @@ bool decline(call &c, const char *text)
     return fail(c, PBW_ERROR_BACKEND, text);
 }
 
+bool decline_stars(call &c, uint32_t count)
+{
+    char text[128];
+    snprintf(text, sizeof text, "%u stars are too large for the device (cospherical points?)", count);
+    return decline(c, text);
+}
+
 bool good(call &c, cudaError_t error, const char *what)
 {
     if (error != cudaSuccess && c.status == PBW_OK) {
@@ -2618,26 +3044,48 @@ bool launched(call &c, const char *what)
     return good(c, cudaGetLastError(), what);
 }
 
+/* Whether more bytes fit on the device: into its free memory or into what its pool keeps.  If not, says what is
+   needed in all, for this input as far as is known. */
+bool fits(call &c, size_t more)
+{
+    size_t available = 0, all = 0, needed = c.used + more;
+    size_t usual = (size_t)((double)c.count * bytes_a_point[c.dim - 2]);
+    uint64_t kept = 0, used = 0;
+    int device = 0;
+    cudaMemPool_t pool;
+    if (!good(c, cudaMemGetInfo(&available, &all), "cudaMemGetInfo")
+        || !good(c, cudaGetDevice(&device), "cudaGetDevice")
+        || !good(c, cudaDeviceGetMemPool(&pool, device), "cudaDeviceGetMemPool")
+        || !good(c, cudaMemPoolGetAttribute(pool, cudaMemPoolAttrReservedMemCurrent, &kept), "memory of the pool")
+        || !good(c, cudaMemPoolGetAttribute(pool, cudaMemPoolAttrUsedMemCurrent, &used), "memory of the pool")) {
+        return false;
+    }
+    available += c.used + (kept > used ? (size_t)(kept - used) : 0);
+    if (needed > available) {
+        c.status = PBW_ERROR_BACKEND;
+        say(c, "too little device memory: %zu bytes are needed, %zu are available", usual > needed ? usual : needed,
+            available);
+    }
+    return c.status == PBW_OK;
+}
+
 template <typename V> bool allocate(call &c, V *&address, size_t count)
 {
     void *block = NULL;
-    size_t bytes = (count > 0 ? count : 1) * sizeof(V), available = 0, all = 0;
+    size_t bytes = (count > 0 ? count : 1) * sizeof(V);
     address = NULL;
     if (c.status != PBW_OK) {
         return false;
     }
-    cudaError_t error = c.blocks < (int)(sizeof c.block / sizeof c.block[0])
-                      ? cudaMallocAsync(&block, bytes, c.stream) : cudaErrorMemoryAllocation;
+    if (c.blocks == (int)(sizeof c.block / sizeof c.block[0])) {
+        return fail(c, PBW_ERROR_BACKEND, "too many blocks of device memory");
+    }
+    cudaError_t error = cudaMallocAsync(&block, bytes, c.stream);
     if (error == cudaErrorMemoryAllocation) {
         (void)cudaGetLastError();
-        cudaMemGetInfo(&available, &all);
-        c.status = PBW_ERROR_BACKEND;
-        say(c,
-            "too little device memory: %.0f MB more are needed beside %.0f MB (about %.0f MB in all for this input); "
-            "%.0f MB of %.0f MB are free",
-            (double)bytes * 1e-6, (double)c.used * 1e-6, (double)c.count * bytes_a_point[c.dim - 2] * 1e-6,
-            (double)available * 1e-6, (double)all * 1e-6);
-        return false;
+        if (!fits(c, bytes)) {
+            return false;
+        }
     }
     if (good(c, error, "cudaMallocAsync")) {
         c.block[c.blocks].address = block;
@@ -2839,20 +3287,12 @@ bool order_runs(call &c, const input &in, const curve &automaton, int index_bits
     return true;
 }
 
-/* Fills s (all but high[] beyond dim), id and canonical. */
-bool order_points(call &c, const input &in, space &s, uint32_t *&id, uint32_t *canonical, bool &weighted,
-                  size_t &duplicates)
+/* Finds the ranges of coordinates and weights and the grid that all are on; found_on_device keeps them. */
+bool survey_points(call &c, const input &in, survey *&found_on_device, pbw__box &domain, double &weight_low,
+                   double &weight_high, pbw__grid &grid)
 {
-    survey *found_on_device = NULL, found;
-    uint64_t *key = NULL, *spare = NULL;
-    uint32_t *first = NULL, *rank = NULL, *root = NULL;
-    record *point = NULL;
-    pbw__box domain;
-    curve automaton;
-    size_t n = in.count;
-    int index_bits = 1, bits, dim = in.dim;
-    unsigned blocks = blocks_for(n, 256);
-
+    survey found;
+    unsigned blocks = blocks_for(in.count, 256);
     memset(&found, 0, sizeof found);
     memset(found.low, 0xff, sizeof found.low);
     found.unit = 1024;
@@ -2868,18 +3308,57 @@ bool order_points(call &c, const input &in, space &s, uint32_t *&id, uint32_t *c
     if (found.bad != 0) {
         return fail(c, PBW_ERROR_NOT_FINITE, "a coordinate or weight is not a finite number");
     }
+    for (int k = 0; k < in.dim; k++) {
+        domain.low[k] = unordered(found.low[k]);
+        domain.high[k] = unordered(found.high[k]);
+    }
+    pbw__box_close(&domain, in.dim);
+    weight_low = unordered(found.low[in.dim]);
+    weight_high = unordered(found.high[in.dim]);
+    grid.inverse_unit = 0.0;
+    grid.bits = 0;
+    if (found.unit > -500 && found.unit < 500) {
+        double inverse = ldexp(1.0, -found.unit), limit = 1.0;
+        int bits = 0;
+        while (bits < 54
+               && !(domain.extent * inverse < limit
+                    && (weight_high - weight_low) * inverse * inverse < limit * limit)) {
+            limit *= 2.0;
+            bits++;
+        }
+        if (bits < 54) {
+            grid.inverse_unit = inverse;
+            grid.bits = bits;
+        }
+    }
+    return true;
+}
+
+/* Fills s (all but high[] beyond dim), id and canonical. */
+bool order_points(call &c, const input &in, space &s, uint32_t *&id, uint32_t *canonical, bool &weighted,
+                  size_t &duplicates)
+{
+    survey *found_on_device = NULL, found;
+    uint64_t *key = NULL, *spare = NULL;
+    uint32_t *first = NULL, *rank = NULL, *root = NULL;
+    record *point = NULL;
+    double lightest = 0.0, heaviest = 0.0;
+    pbw__box domain;
+    curve automaton;
+    size_t n = in.count;
+    int index_bits = 1, bits, dim = in.dim;
+    unsigned blocks = blocks_for(n, 256);
+
     while (index_bits < 32 && ((uint64_t)n - 1) >> index_bits != 0) {
         index_bits++;
     }
     bits = (index_bits + dim - 1) / dim + 4;         /* as pbw__order has it */
     bits = bits > (64 - index_bits) / dim ? (64 - index_bits) / dim : bits;
     pbw__box_reset(&domain, bits);
-    for (int k = 0; k < dim; k++) {
-        domain.low[k] = unordered(found.low[k]);
-        domain.high[k] = unordered(found.high[k]);
+    if (!survey_points(c, in, found_on_device, domain, lightest, heaviest, s.grid)) {
+        return false;
     }
-    pbw__box_close(&domain, dim);
-    double weight_range = unordered(found.high[dim]) - unordered(found.low[dim]);
+    double weight_range = heaviest - lightest;
     if (!(domain.extent > 1e-100 && domain.extent < 1e100)) {
         return decline(c, "the extent of the points is beyond the range of the device code");
     }
@@ -2890,26 +3369,16 @@ bool order_points(call &c, const input &in, space &s, uint32_t *&id, uint32_t *c
         return decline(c, "the weights are beyond the range of the device code");
     }
     weighted = in.weights != NULL && weight_range > 0.0;
-    s.heaviest = in.weights != NULL ? unordered(found.high[dim]) : 0.0;
+    s.heaviest = heaviest;
     for (int k = 0; k < 3; k++) {
         s.low[k] = k < dim ? domain.low[k] : 0.0;
         s.end[k] = k < dim ? domain.high[k] : 0.0;
         s.high[k] = k < dim ? (float)((domain.high[k] - domain.low[k]) * s.unit) : 0.0f;
     }
-    s.grid.inverse_unit = 0.0;
-    s.grid.bits = 0;
-    if (found.unit > -500 && found.unit < 500) {
-        double inverse = ldexp(1.0, -found.unit), limit = 1.0;
-        int grid_bits = 0;
-        while (grid_bits < 54
-               && !(domain.extent * inverse < limit && weight_range * inverse * inverse < limit * limit)) {
-            limit *= 2.0;
-            grid_bits++;
-        }
-        if (grid_bits < 54) {
-            s.grid.inverse_unit = inverse;
-            s.grid.bits = grid_bits;
-        }
+    s.exact_height = 0.0;                            /* within 2^+-100 nothing underflows or overflows */
+    if (s.grid.inverse_unit > 1e-30 && s.grid.inverse_unit < 1e30) {
+        double step = s.unit / s.grid.inverse_unit;
+        s.exact_height = (dim == 3 ? PBW__EXACT_HEIGHT3 : PBW__EXACT_HEIGHT2) * (step * step);
     }
     memcpy(automaton.plane, pbw__hilbert2, sizeof automaton.plane);
     memcpy(automaton.space, pbw__hilbert3, sizeof automaton.space);
@@ -2980,8 +3449,8 @@ bool grow_tree(call &c, space &s, int dim, tree &t)
 }
 
 /* Looks at 32 boxes or points, of a warp; an insertion counts as 4. */
-const int quick_cap = 1024, far_cap = 4096, last_cap = 1 << 17;
-const uint32_t last_blocks = 64;
+const int quick_cap = 1024, far_cap = 4096, last_cap[2] = { 1 << 17, 1 << 20 };
+const uint32_t last_blocks = 128;
 
 /* All stars into out.  t.level[0] and lists come from before. */
 template <int DIM, bool WEIGHTED>
@@ -3056,26 +3525,33 @@ bool build_stars(call &c, const space &s, const tree &t, const uint32_t *lists, 
     }
     stars[2] = last;
     if (last > limit) {
-        return decline(c, "the stars of too many points are too large (cospherical points?)");
+        return decline_stars(c, last);
     }
     if (last > 0) {
-        uint32_t blocks = last < last_blocks ? last : last_blocks, lost = 0;
+        uint32_t blocks = last < last_blocks ? last : last_blocks, lost = last;
+        bool going = true;
         typename last_type::type *scratch = NULL;
         pbw__digit *pool = NULL;
-        queue nowhere = { q[1].vertex, q[1].count };
-        if (!fill(c, q[1].count, 0, 1) || !allocate(c, scratch, blocks)
-            || !allocate(c, pool, (size_t)blocks * 32 * PBW__POOL)) {
+        if (!allocate(c, scratch, blocks) || !allocate(c, pool, (size_t)blocks * 32 * PBW__POOL)) {
             return false;
         }
-        far_kernel<DIM, WEIGHTED, last_rung><<<blocks, 32 * last_rung::warps, 0, c.stream>>>(
-            s, t, seed, q[0], last, last_cap, 0, scratch, pool, out, nowhere, q[2]);
-        if (!launched(c, "last stars") || !read_back(c, lost, nowhere.count, PBW_STAGE_BUILD, 0.95)) {
-            return false;
+        for (int i = 0; i < 2 && going; i++) {       /* again with a larger cap, but only a few */
+            const queue &from = q[i], to = { q[1 - i].vertex, q[1 - i].count };
+            uint32_t given = lost;
+            if (!fill(c, to.count, 0, 1)) {
+                return false;
+            }
+            far_kernel<DIM, WEIGHTED, last_rung><<<blocks, 32 * last_rung::warps, 0, c.stream>>>(
+                s, t, seed, from, given, last_cap[i], i == 0 ? last_blocks : 0, scratch, pool, out, to, q[2]);
+            if (!launched(c, "last stars") || !read_back(c, lost, to.count, PBW_STAGE_BUILD, 0.95)) {
+                return false;
+            }
+            going = lost > 0 && lost <= last_blocks;
         }
         release(c, scratch, false);
         release(c, pool, false);
         if (lost > 0) {
-            return decline(c, "a star is too large for the device");
+            return decline_stars(c, lost);
         }
     }
     note(c, 4);
@@ -3104,6 +3580,11 @@ bool build(call &c, const input &in, space &s, const uint32_t *id, unsigned flag
     memset(&out, 0, sizeof out);
     memset(&t, 0, sizeof t);
     out.capacity = (unsigned long long)s.count * (DIM == 3 ? 13 : 5) + 4096;
+    /* the store, rough points, queues, places and counts; boxes, lists and their heads of 8 points */
+    if (!fits(c, (size_t)out.capacity * 16 + (size_t)s.count * (16 + 12 + 8)
+                 + (size_t)s.count / group_size * (sizeof(box) + list_size * 4 + sizeof(near_list)))) {
+        return false;
+    }
     if (!grow_tree(c, s, DIM, t) || !allocate(c, lists, (size_t)t.size[0] * list_size)
         || !allocate(c, infos, t.size[0]) || !allocate(c, counts, 4) || !allocate(c, used_and_seed, 5)
         || !allocate(c, out.place, s.count) || !allocate(c, out.owned, (size_t)s.count + 1)) {
@@ -3144,6 +3625,9 @@ bool build(call &c, const input &in, space &s, const uint32_t *id, unsigned flag
     }
     mesh->simplex_count = total;
     note(c, 5);
+    if (!fits(c, (size_t)total * ((flags & PBW_NO_NEIGHBORS) == 0 ? 3 : 2) * sizeof(cell<DIM>) + in.count * 4)) {
+        return false;
+    }
     if (!allocate(c, cells, total) || !allocate(c, mesh->simplices, (size_t)total * (DIM + 1))
         || !allocate(c, mesh->incident, in.count)
         || ((flags & PBW_NO_NEIGHBORS) == 0 && !allocate(c, mesh->neighbors, (size_t)total * (DIM + 1)))
@@ -3193,8 +3677,6 @@ bool run(call &c, const input &in, unsigned flags, pbw_cuda_mesh *mesh)
     uint32_t *id = NULL;
     bool weighted = false, done;
     memset(&s, 0, sizeof s);
-    c.dim = in.dim;
-    c.count = in.count;
     mesh->dim = in.dim;
     mesh->point_count = in.count;
     if (in.count < PBW_CUDA_FEW) {
@@ -3221,15 +3703,113 @@ bool run(call &c, const input &in, unsigned flags, pbw_cuda_mesh *mesh)
     return done;
 }
 
+/* One pass; false: a fault, which report then has, or no verdict. */
+template <int DIM>
+bool check_pass(call &c, const view &m, int pass, uint32_t *open, pbw__digit *pool, finding *on_device,
+                finding &found, pbw_report *report)
+{
+    const bool of_points = pass == check_points || pass == check_hidden;
+    uint32_t count = of_points ? (uint32_t)m.in.count : m.count;
+    unsigned blocks = blocks_for(count, 128);
+    blocks = blocks < 1u << 16 ? blocks : 1u << 16;
+    check_kernel<DIM><<<blocks, 128, 0, c.stream>>>(m, pass, count, NULL, open, NULL, on_device);
+    if (!launched(c, "check") || !read_back(c, found, on_device, PBW_STAGE_BUILD, 0.0)) {
+        return false;
+    }
+    if (found.open > 0) {
+        check_kernel<DIM><<<check_blocks, 32, 0, c.stream>>>(m, pass, found.open, open, NULL, pool, on_device);
+        if (!fill(c, &on_device->open, 0, 1) || !launched(c, "check")
+            || !read_back(c, found, on_device, PBW_STAGE_BUILD, 0.0)) {
+            return false;
+        }
+    }
+    if (found.least == ~0ull) {
+        return true;
+    }
+    uint32_t item = (uint32_t)(found.least >> 32);   /* once more, to hear all about it */
+    if (!good(c, cudaMemcpyAsync(open, &item, sizeof item, cudaMemcpyHostToDevice, c.stream), "copy")) {
+        return false;
+    }
+    check_kernel<DIM><<<1, 32, 0, c.stream>>>(m, pass, 1, open, NULL, pool, on_device);
+    if (launched(c, "check") && read_back(c, found, on_device, PBW_STAGE_BUILD, 0.0)) {
+        report->what = faults[found.first.fault];
+        report->simplex = found.first.simplex;
+        report->facet = (pbw_index)found.first.facet;
+        report->point = found.first.point;
+    }
+    return false;
+}
+
+bool miscounts(pbw_report *report, size_t said, size_t counted, const char *what)
+{
+    report->what = said != counted ? what : report->what;
+    return said != counted;
+}
+
+template <int DIM> bool check_mesh(call &c, const pbw_cuda_mesh &mesh, const input &in, pbw_report *report)
+{
+    survey *found_on_device = NULL;
+    finding *on_device = NULL, found;
+    pbw__digit *pool = NULL;
+    uint32_t *open = NULL;
+    pbw_index first[DIM + 1];
+    double lightest, heaviest;
+    pbw__box domain;
+    view m = { in, mesh.simplices, mesh.neighbors, mesh.incident, mesh.canonical, (uint32_t)mesh.simplex_count,
+               { 0.0, 0 }, { { 0.0 } } };
+    pbw__box_reset(&domain, 1);
+    memset(&found, 0, sizeof found);
+    found.least = ~0ull;
+    if (!survey_points(c, in, found_on_device, domain, lightest, heaviest, m.grid) || !allocate(c, on_device, 1)
+        || !allocate(c, open, mesh.simplex_count > in.count ? mesh.simplex_count : in.count)
+        || !allocate(c, pool, (size_t)check_blocks * 32 * PBW__POOL)
+        || !good(c, cudaMemcpyAsync(on_device, &found, sizeof found, cudaMemcpyHostToDevice, c.stream), "copy")
+        || !good(c, cudaMemcpyAsync(first, mesh.simplices, sizeof first, cudaMemcpyDeviceToHost, c.stream), "copy")
+        || !good(c, cudaStreamSynchronize(c.stream), "copy")) {
+        return false;
+    }
+    size_t size = in.is_float ? sizeof(float) : sizeof(double);
+    for (int i = 0; i <= DIM; i++) {
+        size_t at = first[i] < in.count ? first[i] : 0;
+        float narrow[4] = { 0.0f, 0.0f, 0.0f, 0.0f };
+        void *to = in.is_float ? (void *)narrow : (void *)m.basis[i];
+        if (!good(c, cudaMemcpyAsync(to, (const char *)in.points + at * DIM * size, DIM * size,
+                                     cudaMemcpyDeviceToHost, c.stream), "copy")
+            || !good(c, cudaStreamSynchronize(c.stream), "copy")) {
+            return false;
+        }
+        for (int k = 0; k < DIM && in.is_float; k++) {
+            m.basis[i][k] = (double)narrow[k];
+        }
+    }
+    if (!check_pass<DIM>(c, m, check_points, open, pool, on_device, found, report)) {
+        return false;
+    }
+    size_t vertices = (size_t)found.counted[check_points][0], others = (size_t)found.counted[check_points][1];
+    report->vertex_count = vertices;
+    if (miscounts(report, mesh.duplicate_count, in.count - vertices - others, "duplicate_count is wrong")
+        || miscounts(report, mesh.hidden_count, others, "hidden_count is wrong")
+        || !check_pass<DIM>(c, m, check_simplices, open, pool, on_device, found, report)) {
+        return false;
+    }
+    report->facet_count = (size_t)found.counted[check_simplices][0];
+    report->hull_facet_count = (size_t)found.counted[check_simplices][1];
+    return check_pass<DIM>(c, m, check_hull, open, pool, on_device, found, report)
+        && (others == 0 || check_pass<DIM>(c, m, check_hidden, open, pool, on_device, found, report));
+}
+
 /* ------------------------------------------------------------------------------------------------------
-   >>entry        The backend, and the entry for points on the device.
+   >>entry        The backend, and the entries for points on the device.
    ------------------------------------------------------------------------------------------------------ */
-bool open_call(call &c, cudaStream_t stream, pbw_job *job, char *message, size_t message_size)
+/* count: 0 if the call is no triangulation of as many points. */
+bool open_call(call &c, cudaStream_t stream, pbw_job *job, int dim, size_t count, char *message, size_t message_size)
 {
     int device = 0, pools = 0;
     memset(&c, 0, sizeof c);
     c.stream = stream;
     c.job = job;
+    c.dim = dim;
+    c.count = count;
     c.message = message;
     c.message_size = message_size;
     if (!good(c, cudaGetDevice(&device), "no usable device")
@@ -3325,7 +3905,7 @@ pbw_status triangulate(const pbw_backend *backend, pbw_job *job)
         return c.status;
     }
     if (good(c, cudaStreamCreateWithFlags(&stream, cudaStreamNonBlocking), "no stream on the device")
-        && open_call(c, stream, job, NULL, 0)
+        && open_call(c, stream, job, job->dim, job->count, NULL, 0)
         && good(c, cudaStreamCreateWithFlags(&c.copies, cudaStreamNonBlocking), "cudaStreamCreate")
         && upload(c, in)) {
         run(c, in, job->flags, &mesh);
@@ -3371,7 +3951,7 @@ extern "C" pbw_status pbw_cuda_triangulate(int dim, int is_float, const void *po
         return PBW_ERROR_ARGUMENT;
     }
     memset(mesh, 0, sizeof *mesh);
-    if (open_call(c, (cudaStream_t)stream, NULL, message, message_size)) {
+    if (open_call(c, (cudaStream_t)stream, NULL, dim, count, message, message_size)) {
         run(c, in, flags, mesh);
     }
     if (c.status != PBW_OK) {                        /* everything is still in the list of blocks */
@@ -3392,4 +3972,28 @@ extern "C" void pbw_cuda_free(pbw_cuda_mesh *mesh, void *stream)
         }
         memset(mesh, 0, sizeof *mesh);
     }
+}
+
+extern "C" pbw_status pbw_cuda_check(const pbw_cuda_mesh *mesh, int is_float, const void *points, const void *weights,
+                                     void *stream, pbw_report *report, char *message, size_t message_size)
+{
+    call c;
+    pbw_cuda_mesh keeps_nothing;
+    if (report != NULL) {
+        memset(report, 0, sizeof *report);
+        report->what = "";
+        report->simplex = report->facet = report->point = PBW_NONE;
+    }
+    if (report == NULL || mesh == NULL || points == NULL || (mesh->dim != 2 && mesh->dim != 3)
+        || mesh->simplex_count == 0 || mesh->simplex_count >= PBW_NONE || mesh->point_count >= PBW_NONE
+        || mesh->simplices == NULL || mesh->neighbors == NULL || mesh->incident == NULL || mesh->canonical == NULL) {
+        return PBW_ERROR_ARGUMENT;
+    }
+    memset(&keeps_nothing, 0, sizeof keeps_nothing);
+    if (open_call(c, (cudaStream_t)stream, NULL, mesh->dim, 0, message, message_size)) {
+        input in = { points, weights, mesh->point_count, mesh->dim, is_float };
+        report->valid = mesh->dim == 3 ? check_mesh<3>(c, *mesh, in, report) : check_mesh<2>(c, *mesh, in, report);
+    }
+    close_call(c, &keeps_nothing);
+    return c.status;
 }

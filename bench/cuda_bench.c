@@ -3,6 +3,7 @@
        build/cuda_bench [--quick] [--cpu N] [--runs N] [KIND:DIM:COUNT[:w] ...]
 
    device     from points on the device to arrays on the device: best and median of the runs, and its phases
+   check      pbw_cuda_check of the result; a fault makes the exit status 1
    host       pbw_triangulate with the backend, from host memory to host memory: the same.  Points and results are in
               pinned blocks that were touched before, which options.resize hands out again; pageable: the same with
               malloc'd memory that is new to the process.
@@ -13,6 +14,7 @@
 #include "../pbw.h"
 #include "../tests/inputs.h"
 #include <cuda_runtime_api.h>
+#include <pthread.h>
 #include <stdio.h>
 #include <stdlib.h>
 #include <time.h>
@@ -26,13 +28,12 @@ static double seconds(void)
     return (double)now.tv_sec + 1e-9 * (double)now.tv_nsec;
 }
 
-/* ---- an allocator that keeps its blocks, pinned */
+/* ---- an allocator that keeps its blocks, pinned; threads of the CPU share it */
 typedef struct block { void *address; size_t bytes; int busy; } block;
-typedef struct keeper { block blocks[1024]; int count; } keeper;
+typedef struct keeper { block blocks[1024]; int count; pthread_mutex_t lock; } keeper;
 
-static void *keeper_resize(void *user, void *address, size_t old_bytes, size_t bytes)
+static void *keeper_resize_alone(keeper *k, void *address, size_t old_bytes, size_t bytes)
 {
-    keeper *k = (keeper *)user;
     int i, best = -1;
     void *fresh;
     if (bytes > 0) {
@@ -62,6 +63,16 @@ static void *keeper_resize(void *user, void *address, size_t old_bytes, size_t b
         }
     }
     return bytes > 0 ? k->blocks[best].address : NULL;
+}
+
+static void *keeper_resize(void *user, void *address, size_t old_bytes, size_t bytes)
+{
+    keeper *k = (keeper *)user;
+    void *result;
+    pthread_mutex_lock(&k->lock);
+    result = keeper_resize_alone(k, address, old_bytes, bytes);
+    pthread_mutex_unlock(&k->lock);
+    return result;
 }
 
 static int compare_doubles(const void *a, const void *b)
@@ -135,7 +146,16 @@ static int row(const char *kind_name, int dim, size_t count, int weighted, int r
                 }
                 printf("\n");
             }
-            if (status == PBW_OK) {
+            if (status == PBW_OK && run == runs) {
+                pbw_report report;
+                start = seconds();
+                status = pbw_cuda_check(&device_mesh, 0, points_on_device, weights_on_device, NULL, &report, message,
+                                        sizeof message);
+                printf("  check     %.2f ms: %s\n", 1e3 * (seconds() - start),
+                       status != PBW_OK ? message : report.valid ? "sound" : report.what);
+                fault |= status != PBW_OK || !report.valid;
+            }
+            if (device_mesh.simplices != NULL) {
                 pbw_cuda_free(&device_mesh, NULL);
             }
         }
@@ -213,6 +233,7 @@ int main(int argc, char **argv)
     uint64_t keep = UINT64_MAX;
     static keeper memory;
     struct cudaDeviceProp properties;
+    pthread_mutex_init(&memory.lock, NULL);
     for (i = 1; i < argc && argv[i][0] == '-'; i++) {
         if (strcmp(argv[i], "--quick") == 0) {
             rows = quick;

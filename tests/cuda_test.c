@@ -4,6 +4,7 @@
 #include "../pbw.h"
 #include "test.h"
 #include "meshes.h"
+#include <cuda_runtime_api.h>
 
 static long by_gpu, by_cpu;                     /* builds of PBW_OK, by who made them */
 
@@ -147,6 +148,183 @@ static void test_forms(void)
     free(floats);
 }
 
+/* ---- pbw_cuda_check against pbw_check, on good meshes and on planted faults */
+static void *to_device(const void *from, size_t bytes)
+{
+    void *block = NULL;
+    CHECK(cudaMalloc(&block, bytes) == cudaSuccess
+          && cudaMemcpy(block, from, bytes, cudaMemcpyHostToDevice) == cudaSuccess);
+    return block;
+}
+
+/* 1 if both say the same of a mesh, and that is good or not as expected. */
+static int checks_agree(const pbw_mesh *mesh, int good)
+{
+    const size_t each = mesh->point_count * sizeof(pbw_index);
+    const size_t links = mesh->simplex_count * ((size_t)mesh->dim + 1) * sizeof(pbw_index);
+    pbw_report cpu, gpu;
+    pbw_cuda_mesh copy;
+    char message[256] = "";
+    int same;
+    void *points = to_device(mesh->points, mesh->point_count * (size_t)mesh->dim * sizeof(double));
+    void *weights = mesh->weights == NULL ? NULL : to_device(mesh->weights, mesh->point_count * sizeof(double));
+    memset(&copy, 0, sizeof copy);
+    copy.dim = mesh->dim;
+    copy.point_count = mesh->point_count;
+    copy.simplex_count = mesh->simplex_count;
+    copy.duplicate_count = mesh->duplicate_count;
+    copy.hidden_count = mesh->hidden_count;
+    copy.simplices = (pbw_index *)to_device(mesh->simplices, links);
+    copy.neighbors = (pbw_index *)to_device(mesh->neighbors, links);
+    copy.incident = (pbw_index *)to_device(mesh->incident, each);
+    copy.canonical = (pbw_index *)to_device(mesh->canonical, each);
+    CHECK_EQUAL(pbw_check(mesh, NULL, &cpu), PBW_OK);
+    if (!CHECK_EQUAL(pbw_cuda_check(&copy, 0, points, weights, NULL, &gpu, message, sizeof message), PBW_OK)) {
+        test_say("%s", message);
+    }
+    same = cpu.valid == gpu.valid && strcmp(cpu.what, gpu.what) == 0 && cpu.simplex == gpu.simplex
+        && cpu.facet == gpu.facet && cpu.point == gpu.point && gpu.valid == good
+        && (!good || (cpu.vertex_count == gpu.vertex_count && cpu.facet_count == gpu.facet_count
+                      && cpu.hull_facet_count == gpu.hull_facet_count));
+    if (!same) {
+        test_say("CPU: %s, %ld %ld %ld; GPU: %s, %ld %ld %ld; good is %d", cpu.what, (long)cpu.simplex,
+                 (long)cpu.facet, (long)cpu.point, gpu.what, (long)gpu.simplex, (long)gpu.facet, (long)gpu.point,
+                 good);
+    }
+    cudaFree(copy.simplices);
+    cudaFree(copy.neighbors);
+    cudaFree(copy.incident);
+    cudaFree(copy.canonical);
+    cudaFree(points);
+    cudaFree(weights);
+    return same;
+}
+
+/* A fault in a copy of an array, for as long as it is checked. */
+static int finds(pbw_mesh *mesh, const pbw_index **array, size_t length, size_t at, pbw_index value)
+{
+    const pbw_index *whole = *array;
+    pbw_index *copy = (pbw_index *)zoo_grow(NULL, length * sizeof *copy);
+    int found;
+    memcpy(copy, whole, length * sizeof *copy);
+    copy[at] = value;
+    *array = copy;
+    found = checks_agree(mesh, 0);
+    *array = whole;
+    free(copy);
+    return found;
+}
+
+static void plant_faults(pbw_mesh *mesh, uint64_t *state)
+{
+    const size_t corners = (size_t)mesh->dim + 1, links = mesh->simplex_count * corners, n = mesh->point_count;
+    const double *whole = mesh->points;
+    double *moved = (double *)zoo_grow(NULL, n * (size_t)mesh->dim * sizeof *moved);
+    int i;
+    for (i = 0; i < 4; i++) {
+        size_t s = input_below(state, (uint32_t)mesh->simplex_count) * corners;
+        size_t k = input_below(state, (uint32_t)mesh->dim);
+        size_t other = input_below(state, (uint32_t)mesh->simplex_count), p = mesh->simplices[s];
+        pbw_index *swapped = (pbw_index *)zoo_grow(NULL, links * sizeof *swapped);
+        const pbw_index *simplices = mesh->simplices;
+        memcpy(swapped, simplices, links * sizeof *swapped);
+        swapped[s + k] = simplices[s + k + 1];
+        swapped[s + k + 1] = simplices[s + k];
+        mesh->simplices = swapped;
+        CHECK(checks_agree(mesh, 0));
+        mesh->simplices = simplices;
+        free(swapped);
+        CHECK(finds(mesh, &mesh->simplices, links, s + k, (pbw_index)n));
+        CHECK(finds(mesh, &mesh->neighbors, links, s + k, mesh->neighbors[s + k] == PBW_NONE ? 0 : PBW_NONE));
+        CHECK(finds(mesh, &mesh->neighbors, links, s + k,
+                    mesh->neighbors[s + k] == other ? (pbw_index)(other == 0) : (pbw_index)other));
+        CHECK(finds(mesh, &mesh->incident, n, p, (pbw_index)mesh->simplex_count));
+        CHECK(finds(mesh, &mesh->canonical, n, p, (pbw_index)(p == 0)));
+        memcpy(moved, whole, n * (size_t)mesh->dim * sizeof *moved);
+        moved[p * (size_t)mesh->dim] += 10.0 * (1.0 + fabs(moved[p * (size_t)mesh->dim]));
+        mesh->points = moved;
+        CHECK(checks_agree(mesh, 0));
+        mesh->points = whole;
+    }
+    mesh->hidden_count++;
+    CHECK(checks_agree(mesh, 0));
+    mesh->hidden_count--;
+    free(moved);
+}
+
+/* The regular triangulation for one weight that is not 0, taken for the Delaunay triangulation: sound in all but the
+   flips around one point. */
+static void test_flipped(int dim, int kind, size_t n)
+{
+    double *points = (double *)zoo_grow(NULL, n * 3 * sizeof *points);
+    double *weights = (double *)zoo_grow(NULL, n * sizeof *weights), weight;
+    pbw_mesh plain, mesh;
+    input_fill(kind, dim, n, (uint64_t)test_seed, points);
+    memset(weights, 0, n * sizeof *weights);
+    CHECK_EQUAL(pbw_triangulate(dim, points, NULL, n, NULL, &plain), PBW_OK);
+    for (weight = 1e-9; weight < 1e9; weight *= 2.0) {
+        int differs;
+        weights[n / 2] = weight;
+        CHECK_EQUAL(pbw_triangulate(dim, points, weights, n, NULL, &mesh), PBW_OK);
+        differs = mesh.simplex_count != plain.simplex_count
+               || memcmp(mesh.simplices, plain.simplices,
+                         mesh.simplex_count * ((size_t)dim + 1) * sizeof(pbw_index)) != 0;
+        if (differs) {
+            const double *own = mesh.weights;
+            CHECK(checks_agree(&mesh, 1));
+            mesh.weights = NULL;
+            CHECK(checks_agree(&mesh, 0));
+            mesh.weights = own;
+        }
+        pbw_free(&mesh);
+        if (differs) {
+            break;
+        }
+    }
+    CHECK(weight < 1e9);
+    pbw_free(&plain);
+    free(points);
+    free(weights);
+}
+
+static void test_verdicts(size_t count)
+{
+    uint64_t state = test_seed;
+    double *points = (double *)zoo_grow(NULL, count * 3 * sizeof *points);
+    double *weights = (double *)zoo_grow(NULL, count * sizeof *weights);
+    int dim, kind, weighted;
+    for (dim = 2; dim <= 3; dim++) {
+        for (kind = 0; kind < INPUT_KINDS; kind++) {
+            for (weighted = 0; weighted < 2; weighted++) {
+                size_t n = kind == INPUT_MOMENT ? 200 : count;
+                pbw_mesh mesh;
+                if (!test_begin("check: %dD %s%s", dim, input_name(kind), weighted ? " weighted" : "")) {
+                    continue;
+                }
+                input_fill(kind, dim, n, (uint64_t)test_seed, points);
+                input_fill_weights(INPUT_WEIGHTS_HIDING, dim, n, (uint64_t)test_seed, points, weights);
+                memcpy(points, points + (size_t)dim * (n - 1), (size_t)dim * sizeof *points);   /* a duplicate */
+                CHECK_EQUAL(pbw_triangulate(dim, points, weighted ? weights : NULL, n, NULL, &mesh), PBW_OK);
+                CHECK(mesh.duplicate_count > 0);
+                CHECK(checks_agree(&mesh, 1));
+                if (kind == INPUT_UNIFORM || kind == INPUT_LATTICE || kind == INPUT_MOMENT) {
+                    plant_faults(&mesh, &state);
+                }
+                pbw_free(&mesh);
+                test_end();
+            }
+        }
+        for (kind = 0; kind < 2; kind++) {
+            if (test_begin("check: %dD flipped facets, %s", dim, kind == 0 ? "uniform" : "lattice")) {
+                test_flipped(dim, kind == 0 ? INPUT_UNIFORM : INPUT_LATTICE, 2000);
+                test_end();
+            }
+        }
+    }
+    free(points);
+    free(weights);
+}
+
 static int stop_at_once(void *user, pbw_stage stage, double done)
 {
     (void)user;
@@ -213,8 +391,49 @@ static void test_failures(void)
         }
         test_end();
     }
+    options.resize = NULL;
+    if (test_begin("memory limit")) {
+        options.memory_limit = count * 100;
+        CHECK_EQUAL(pbw_triangulate(3, points, NULL, count, &options, &mesh), PBW_ERROR_MEMORY);
+        CHECK(meshes_is_empty(&mesh));
+        options.memory_limit = count * 400;
+        CHECK_EQUAL(pbw_triangulate(3, points, NULL, count, &options, &mesh), PBW_OK);
+        CHECK(mesh.statistics.by_backend && mesh.statistics.peak_bytes <= options.memory_limit);
+        pbw_free(&mesh);
+        options.memory_limit = 0;
+        test_end();
+    }
+    if (test_begin("too little device memory")) {
+        const size_t many = 2000000;                        /* 48 MB, to build more than 300 bytes each, 600 MB */
+        size_t left, available, all, needed, said;
+        double *more = (double *)zoo_grow(NULL, many * 3 * sizeof *more);
+        void *block = NULL;
+        input_fill(INPUT_UNIFORM, 3, many, 1, more);
+        for (left = 32u << 20; left <= 256u << 20; left *= 8) {
+            options.flags = 0;
+            CHECK(cudaDeviceSynchronize() == cudaSuccess && cudaMemGetInfo(&available, &all) == cudaSuccess
+                  && available > left && cudaMalloc(&block, available - left) == cudaSuccess);
+            CHECK_EQUAL(pbw_triangulate(3, more, NULL, many, &options, &mesh), PBW_ERROR_BACKEND);
+            CHECK(meshes_is_empty(&mesh));
+            if (!CHECK(sscanf(message, "too little device memory: %zu bytes are needed, %zu are available", &needed,
+                              &said) == 2
+                       && needed > many * 300 && needed < many * 1000 && said <= left + (128u << 20))) {
+                test_say("%s", message);
+            }
+            options.flags = PBW_BACKEND_OR_CPU;
+            CHECK_EQUAL(pbw_triangulate(3, more, NULL, many, &options, &mesh), PBW_OK);
+            CHECK(!mesh.statistics.by_backend);
+            pbw_free(&mesh);
+            cudaFree(block);
+        }
+        options.flags = 0;
+        CHECK_EQUAL(pbw_triangulate(3, more, NULL, many, &options, &mesh), PBW_OK);
+        CHECK(mesh.statistics.by_backend);
+        pbw_free(&mesh);
+        free(more);
+        test_end();
+    }
     if (test_begin("not finite")) {
-        options.resize = NULL;
         points[77] = HUGE_VAL;
         CHECK_EQUAL(pbw_triangulate(3, points, NULL, count, &options, &mesh), PBW_ERROR_NOT_FINITE);
         CHECK(meshes_is_empty(&mesh));
@@ -242,6 +461,7 @@ int main(int argc, char **argv)
     test_zoo();
     test_random();
     test_kinds(20000);
+    test_verdicts(3000);
     test_forms();
     test_failures();
     printf("%ld builds by the GPU, %ld left to the CPU\n", by_gpu, by_cpu);
