@@ -308,6 +308,7 @@ def progress_and_interruption():
             os.kill(os.getpid(), signal.SIGINT)
         reached.append(stage)
 
+    signal.signal(signal.SIGINT, signal.default_int_handler)   # ignored in jobs of a shell that run in the background
     raises(KeyboardInterrupt, pbw.Delaunay, points, progress=interrupt)
     check(reached and "output" not in reached, reached)
     equal(pbw.Delaunay(points).simplices, tri.simplices)
