@@ -151,8 +151,8 @@ typedef struct pbw_options {               /* NULL or all zero = best defaults *
     void *resize_user, *run_user, *progress_user;
     const pbw_backend *backend;            /* NULL = this CPU */
     uint32_t *trace;                       /* where to note for each point which task inserted it and in which round,
-                                              as task + 256*round, PBW_NONE for duplicates; count entries, NULL =
-                                              nowhere */
+                                              as task + 256*round, PBW_NONE for duplicates and for all points that
+                                              a backend inserted; count entries, NULL = nowhere */
     char    *message;                      /* where a backend says in words what was missing; NULL = nowhere */
     size_t   message_size;                 /* its bytes; the text is cut to fit and ends with a 0 */
 } pbw_options;

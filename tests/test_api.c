@@ -83,7 +83,8 @@ static void test_backends(void)
     pbw_options options;
     pbw_mesh mesh, cpu;
     char message[8];
-    int i;
+    uint32_t trace[5];
+    int i, j;
     memset(&options, 0, sizeof options);
     memset(&plan, 0, sizeof plan);
     backend.version = PBW_VERSION;
@@ -108,7 +109,12 @@ static void test_backends(void)
             plan.keep_first = i & 1;
             plan.reserve = 1;
             options.flags = (i & 2) != 0 ? PBW_NO_NEIGHBORS : 0;
+            options.trace = trace;
+            memset(trace, 0, sizeof trace);
             CHECK_EQUAL(pbw_triangulate(3, five, NULL, 5, &options, &mesh), PBW_OK);
+            for (j = 0; j < 5; j++) {
+                CHECK_EQUAL(trace[j], PBW_NONE);
+            }
             CHECK(mesh.statistics.by_backend == 1 && mesh.simplex_count == 1 && mesh.hidden_count == 1);
             CHECK(mesh.simplices[3] == 3 && mesh.incident[4] == PBW_NONE && mesh.canonical[4] == 4);
             CHECK((mesh.neighbors == NULL) == ((i & 2) != 0));
@@ -116,6 +122,7 @@ static void test_backends(void)
             pbw_free(&mesh);
         }
         options.flags = 0;
+        options.trace = NULL;
         test_end();
     }
     if (test_begin("backend: fails, declines, is cancelled")) {
