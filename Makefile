@@ -114,7 +114,8 @@ UNDER_test_resources = --without 'bytes a point' --without cancelled: --without 
 fuzz: $(FUZZERS:%=$B/%.fuzz)
 $(FUZZERS:%=$B/%.fuzz): $B/%.fuzz: tests/%.c $(HEADERS) FORCE
 	@mkdir -p $B/corpus/$* tests/corpus
-	@if clang -std=c99 -g -O1 -I. -fsanitize=fuzzer,address,undefined $< -o $B/$* $(LIBS) 2> $B/$*.log; then \
+	@if clang -std=c99 -g -O1 -I. -fsanitize=fuzzer,address,undefined -fno-sanitize-recover=all \
+	    $< -o $B/$* $(LIBS) 2> $B/$*.log; then \
 	    ./$B/$* -entropic=0 -max_total_time=$(TIME) -print_final_stats=1 $B/corpus/$* tests/corpus; \
 	else $C -DFUZZ_MAIN $< -o $B/$* $(LIBS) && ./$B/$* --count 200000; fi
 

@@ -913,6 +913,14 @@ static uint64_t pbwsample__cell_key(int level, int64_t x, int64_t y, int64_t z)
          | ((uint64_t)z & mask);
 }
 
+/* The number of a cell, rounded towards 0, from -1 up.  A model may be larger than 4e18 radii: what is beyond is one
+   cell.  The scale is finite, as no radius is below a 65536th of the root of an area above 0. */
+static int64_t pbwsample__cell(double offset, double scale)
+{
+    double cell = offset * scale;
+    return (int64_t)(cell < 4e18 ? cell : 4e18);
+}
+
 /* Lists ball number id, which is at p. */
 static void pbwsample__list_ball(pbwsample__work *w, size_t id, const double p[3], double r)
 {
@@ -933,8 +941,8 @@ static void pbwsample__list_ball(pbwsample__work *w, size_t id, const double p[3
         w->scale[w->levels++] = 1 / ldexp(w->radius, level + 1);
     }
     for (k = 0; k < 3; k++) {
-        from[k] = (int64_t)floor((p[k] - r - w->low[k]) * w->scale[i]);
-        to[k] = (int64_t)floor((p[k] + r - w->low[k]) * w->scale[i]);
+        from[k] = pbwsample__cell(p[k] - r - w->low[k], w->scale[i]);
+        to[k] = pbwsample__cell(p[k] + r - w->low[k], w->scale[i]);
     }
     for (z = from[2]; z <= to[2]; z++) {
         for (y = from[1]; y <= to[1]; y++) {
@@ -978,8 +986,10 @@ static int pbwsample__opposed(const pbwsample_model *model, pbw_index a, pbw_ind
 static pbw_index pbwsample__list_at(const pbwsample__work *w, int level, const double p[3])
 {
     double scale = w->scale[level];
-    return pbwsample__slot_of(&w->cells, pbwsample__cell_key(w->level[level], (int64_t)((p[0] - w->low[0]) * scale),
-                              (int64_t)((p[1] - w->low[1]) * scale), (int64_t)((p[2] - w->low[2]) * scale)))->value;
+    uint64_t key = pbwsample__cell_key(w->level[level], pbwsample__cell(p[0] - w->low[0], scale),
+                                       pbwsample__cell(p[1] - w->low[1], scale),
+                                       pbwsample__cell(p[2] - w->low[2], scale));
+    return pbwsample__slot_of(&w->cells, key)->value;
 }
 
 /* Gathers in w->near the balls within a distance of p, as far as the cell of p lists them.  Returns the radius of one

@@ -446,6 +446,23 @@ static void test_thin_models(void)
     }
 }
 
+/* A speck far away from the surface makes the model more radii wide than an integer can count. */
+static void test_far_speck(void)
+{
+    pbwsample_model model = square(1, 1);
+    pbwsample_options options;
+    pbwsample_set set;
+    memset(&options, 0, sizeof options);
+    options.seed = test_seed;
+    options.count = 30;
+    add_point(&model, -1e30, -1e60, 1e90);
+    add_triangle(&model, model.point_count - 1, model.point_count - 1, model.point_count - 1);
+    CHECK_EQUAL(pbwsample_poisson(&model, &options, &set), PBWSAMPLE_OK);
+    CHECK_EQUAL(set.count, 30);
+    CHECK(closest_pair(&set) >= set.radius && set.radius > 0.01);
+    pbwsample_free(&set);
+}
+
 /* The power spectrum of samples of a square, averaged over directions: below half the frequency of its peak it has
    less than a tenth of the peak's power on average.  White noise has power 1 everywhere. */
 static void test_spectrum(void)
@@ -846,7 +863,8 @@ int main(int argc, char **argv)
     static const struct { const char *name; void (*run)(void); } tests[] = {
         { "uniform samples follow the areas", test_uniform }, { "the same for every job system", test_same },
         { "apart and maximal by radius", test_radius }, { "exact counts, rho", test_counts },
-        { "needles and sheets", test_thin_models }, { "spectrum", test_spectrum }, { "thin sheets", test_thin }, { "normals", test_normals },
+        { "needles and sheets", test_thin_models }, { "a far speck", test_far_speck }, { "spectrum", test_spectrum },
+        { "thin sheets", test_thin }, { "normals", test_normals },
         { "inside", test_inside }, { "volumes", test_volume }, { "bad surfaces and arguments", test_bad },
         { "every allocation fails", test_no_memory }
     };
