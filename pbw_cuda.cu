@@ -671,7 +671,7 @@ __global__ void list_kernel(const __grid_constant__ tree t, int dim, uint32_t *l
                 gaps = fmaf(gap, gap, gaps);
             }
             is_close[i] = gaps * 0.9999f < start * start;
-            key[i] = value[i] == g ? 0 : (__float_as_uint(d) & ~255u) + (uint32_t)(i * 32 + lane);
+            key[i] = value[i] == g ? 0 : (__float_as_uint(d) & ~255u) + (uint32_t)(i * 32 + lane) + 1;
         }
     }
     __syncwarp();
