@@ -267,6 +267,10 @@ PBWDEF int pbw_version(void);              /* differs from PBW_VERSION if header
 
 /* In pbw_cuda.cu, for programs that link it. */
 extern const pbw_backend *pbw_cuda_backend(int device);     /* NULL for a number that no device can have */
+/* Several devices, of any kinds, for one triangulation: the same bytes.  Each holds all points, 90 bytes a point (2D:
+   75), and its share of the rest, together 560 (155).  A device may be listed more than once.  NULL for more than 16,
+   or a number that no device can have. */
+extern const pbw_backend *pbw_cuda_backend_multi(const int *devices, int count);
 
 typedef struct pbw_cuda_mesh {             /* start from {0}; arrays on the device, as in pbw_mesh */
     int dim;
