@@ -32,7 +32,7 @@
    1.7 times the points of one, and many cards as many as there are numbers for the simplices (600 million points).
    An input of which one card leaves a star to the CPU is left to it as a whole.
 
-   MEMORY.  options.memory_limit is for the host.  Device memory is taken from the pool of the current device; if it
+   MEMORY.  Device memory is taken from the pool of the current device, as much as options.memory_limit allows; if it
    will not do, which is known before the stars and before the output, the message says the bytes needed and
    available, and under PBW_BACKEND_OR_CPU the CPU takes over.
 
@@ -3105,7 +3105,7 @@ struct call {
     cudaEvent_t mark[8], ready, copied;
     pbw_job *job;                                    /* NULL: results stay on the device */
     char *message;
-    size_t message_size, used, count, stars;         /* stars: of the share */
+    size_t message_size, used, count, stars, limit;  /* stars: of the share; limit: of bytes, 0 if none */
     int dim;
     pbw_status status;
     bool declined;
@@ -3194,6 +3194,7 @@ bool fits(call &c, size_t more)
         return false;
     }
     available += c.used + (kept > used ? (size_t)(kept - used) : 0);
+    available = c.limit > 0 && c.limit < available ? c.limit : available;
     if (needed > available) {
         c.status = PBW_ERROR_BACKEND;
         say(c, "too little device memory: %zu bytes are needed, %zu are available", usual > needed ? usual : needed,
@@ -3212,6 +3213,9 @@ template <typename V> bool allocate(call &c, V *&address, size_t count)
     }
     if (c.blocks == (int)(sizeof c.block / sizeof c.block[0])) {
         return fail(c, PBW_ERROR_BACKEND, "too many blocks of device memory");
+    }
+    if (c.limit > 0 && c.used + bytes > c.limit && !fits(c, bytes)) {
+        return false;
     }
     cudaError_t error = cudaMallocAsync(&block, bytes, c.stream);
     if (error == cudaErrorMemoryAllocation) {
@@ -3632,7 +3636,7 @@ bool build_stars(call &c, const space &s, const tree &t, const uint32_t *lists, 
     const size_t far_bytes = sizeof(typename far_star<DIM, WEIGHTED, far_rung>::type);
     const size_t near_bytes = sizeof(typename near_star<DIM, WEIGHTED>::type) * (near_block / 8);
     static_assert(near_bytes <= 48 << 10, "the stars of a block fit what every device has of shared memory");
-    const uint32_t chunk = 1u << 22, mine = out.end - out.first, limit = 128 + mine / 2048;
+    const uint32_t chunk = 1u << 22, far_chunk = 1u << 18, mine = out.end - out.first, limit = 128 + mine / 2048;
     uint32_t open = 0, failed = 0, last = 0;
 
     for (int i = 0; i < 3; i++) {
@@ -3682,10 +3686,17 @@ bool build_stars(call &c, const space &s, const tree &t, const uint32_t *lists, 
             unsigned blocks = blocks_for(s.count, 256);
             seed_kernel<<<blocks < 1024 ? blocks : 1024, 256, 0, c.stream>>>(s, DIM, found, seed);
         }
-        far_kernel<DIM, WEIGHTED, quick_rung><<<failed, 32 * quick_rung::warps, quick_bytes, c.stream>>>(
-            s, t, seed, q[0], failed, quick_cap, none, NULL, NULL, out, q[1], q[2]);
-        if (!launched(c, "far stars") || !read_back(c, failed, q[1].count, PBW_STAGE_BUILD, 0.9)
-            || !fill(c, q[0].count, 0, 1)) {
+        for (uint32_t first = 0; first < failed; first += far_chunk) {
+            uint32_t count = failed - first < far_chunk ? failed - first : far_chunk;
+            const queue some = { q[0].vertex + first, NULL };
+            far_kernel<DIM, WEIGHTED, quick_rung><<<count, 32 * quick_rung::warps, quick_bytes, c.stream>>>(
+                s, t, seed, some, count, quick_cap, none, NULL, NULL, out, q[1], q[2]);
+            if (!launched(c, "far stars")
+                || (first + count < failed && !wait(c, c.stream, PBW_STAGE_BUILD, 0.8))) {
+                return false;
+            }
+        }
+        if (!read_back(c, failed, q[1].count, PBW_STAGE_BUILD, 0.9) || !fill(c, q[0].count, 0, 1)) {
             return false;
         }
     }
@@ -4198,6 +4209,7 @@ bool open_call(call &c, cudaStream_t stream, int dim, size_t count)
     c.dim = dim;
     c.count = count;
     c.stars = count / (c.cards != NULL ? (size_t)c.cards->cards : 1);
+    c.limit = c.job != NULL ? c.job->memory_limit : 0;
     if (!good(c, cudaGetDevice(&device), "no usable device")
         || !good(c, cudaDeviceGetAttribute(&pools, cudaDevAttrMemoryPoolsSupported, device),
                  "cudaDeviceGetAttribute")) {
