@@ -457,7 +457,7 @@ static void test_failures(void)
             CHECK((cards > 1 || !mesh.statistics.by_backend) && mesh.statistics.peak_bytes <= limit);
             pbw_free(&mesh);
             options.flags = 0;
-            limit = count * (cards == 1 ? 750 : cards == 2 ? 500 : 400);      /* a share needs less */
+            limit = count * (cards == 1 ? 680 : cards == 2 ? 400 : 320);      /* a share needs less */
             options.memory_limit = limit;
             if (!CHECK_EQUAL(pbw_triangulate(3, points, NULL, count, &options, &mesh), PBW_OK)) {
                 test_say("%s", message);
