@@ -137,7 +137,8 @@ typedef struct pbw_options {               /* NULL or all zero = best defaults *
     int      threads;                      /* 0 = one per core, 1 = start none; at most 256 */
     unsigned flags;                        /* PBW_ANY_ORDER | PBW_NO_NEIGHBORS | PBW_BACKEND_OR_CPU */
     size_t   stride, weight_stride;        /* bytes from one point / weight to the next, 0 = packed */
-    size_t   memory_limit;                 /* bytes held at once, 0 = no limit; over it: PBW_ERROR_MEMORY */
+    size_t   memory_limit;                 /* bytes held at once, 0 = no limit; over it: PBW_ERROR_MEMORY.  As much
+                                              again on each device of a backend; over that: PBW_ERROR_BACKEND */
     /* The one allocator: ptr NULL allocates, new_size 0 frees, else resizes as realloc does (NULL = failed and
        the old block stays).  old_size is what was asked for.  Blocks must be aligned as malloc's are.  It may
        be called from several threads at once unless threads is 1.  NULL = realloc and free. */
@@ -221,6 +222,7 @@ struct pbw_job {
     size_t duplicate_count, hidden_count;                             /* to be set */
     int declined;                          /* set to 1 and return PBW_ERROR_BACKEND: this input is for the CPU */
     void *context;                         /* private */
+    size_t memory_limit;                   /* as in the options; of a backend's own memory: on each device */
 };
 
 struct pbw_backend {
@@ -267,6 +269,10 @@ PBWDEF int pbw_version(void);              /* differs from PBW_VERSION if header
 
 /* In pbw_cuda.cu, for programs that link it. */
 extern const pbw_backend *pbw_cuda_backend(int device);     /* NULL for a number that no device can have */
+/* Several devices, of any kinds, for one triangulation: the same bytes.  Each holds all points, 90 bytes a point (2D:
+   75), and its share of the rest, together 560 (155).  A device may be listed more than once.  NULL for more than 16,
+   or a number that no device can have. */
+extern const pbw_backend *pbw_cuda_backend_multi(const int *devices, int count);
 
 typedef struct pbw_cuda_mesh {             /* start from {0}; arrays on the device, as in pbw_mesh */
     int dim;
@@ -6645,6 +6651,7 @@ static pbw_status pbw__run_backend(pbw__context *context, const pbw__input *inpu
     job.count = input->count;
     job.stride = input->stride;
     job.weight_stride = input->weight_stride;
+    job.memory_limit = options->memory_limit;
     job.points = input->points;
     job.weights = input->weights;
     job.keep = pbw__job_keep;

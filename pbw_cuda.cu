@@ -1,7 +1,8 @@
 /* pbw_cuda.cu - the triangulation of pbw.h on an NVIDIA GPU - MIT-0
 
    Build:  nvcc -O3 -c pbw_cuda.cu        (compute capability 7.0 or later; CUDA 11.7 or later)
-   Use:    options.backend = pbw_cuda_backend(0);   or   pbw_cuda_triangulate for points on the device.
+   Use:    options.backend = pbw_cuda_backend(0), or pbw_cuda_backend_multi for several devices,
+           or pbw_cuda_triangulate for points on the device.
 
    The result equals that of the CPU byte for byte, because it is a function of the points alone (see CONVENTIONS in
    pbw.h) and every sign that it depends on is exact.
@@ -24,7 +25,16 @@
      the CPU       takes the whole input if a star does not fit any rung, if the work would be quadratic (points on a
                    sphere: each of its spheres touches all points), or if the points are few.
 
-   MEMORY.  options.memory_limit is for the host.  Device memory is taken from the pool of the current device; if it
+   SEVERAL DEVICES.  Stars need no agreement, so each card makes those of its share, a run of the curve, and writes
+   its run of the simplices, over its own link to the host.  All put all points into order, a twentieth of the work of
+   one, and exchange what numbers the simplices across the borders of the shares (>>cells).  A card holds all points
+   and its share of the rest: 90 + 560 / cards bytes a point (2D: 75 + 155 / cards).  So two cards of one kind take
+   1.7 times the points of one, and many cards as many as there are numbers for the simplices (600 million points).
+   An input of which one card leaves a star to the CPU is left to it as a whole.
+   Where two devices can reach each other, each opens its pool to the other, and leaves it so; for a pool that keeps
+   60 GB the first call takes half a second longer.
+
+   MEMORY.  Device memory is taken from the pool of the current device, as much as options.memory_limit allows; if it
    will not do, which is known before the stars and before the output, the message says the bytes needed and
    available, and under PBW_BACKEND_OR_CPU the CPU takes over.
 
@@ -53,7 +63,10 @@
 #include <cub/device/device_scan.cuh>
 #include <stdarg.h>
 #include <stdio.h>
+#include <atomic>
 #include <chrono>
+#include <condition_variable>
+#include <mutex>
 #include <thread>
 
 #ifndef PBW_CUDA_FEW
@@ -110,11 +123,12 @@ const uint32_t stored_mark = 1u << 31;               /* in a queue: the store ho
    vertices in 10 bits each (2D: edges, 2 numbers), padded to 16 bytes.  Bit 30 of a triangle is left over from the
    search. */
 struct store {
+    uint32_t first, end;                             /* the share: vertices whose stars are made here */
     uint32_t *word;
     unsigned long long *used; /* units of 16 bytes asked for: more than capacity if too small */
     unsigned long long capacity;
-    uint32_t *place;                                 /* of each vertex: the unit where its star begins */
-    uint32_t *owned;                                 /* of each vertex: simplices of which it is the lowest vertex */
+    uint32_t *place;                                 /* of each vertex from first: the unit where its star begins */
+    uint32_t *owned;                                 /* likewise: simplices of which it is the lowest vertex */
 };
 
 template <int T> __device__ inline unsigned tile_ballot(bool value)
@@ -582,15 +596,16 @@ __global__ void box_kernel(const box *child, uint32_t children, box *out, uint32
 
 const int stack_size = 32 * tree_levels;             /* each level leaves at most 31 siblings of the node in hand */
 
-/* A warp a group.  s: the side of a cube (square) that holds 64 points here, by the box of 8 groups; the reach starts
-   as a part of it and shrinks until the list fits. */
-__global__ void list_kernel(const __grid_constant__ tree t, int dim, uint32_t *list, near_list *info)
+/* A warp a group, of those from first to end.  s: the side of a cube (square) that holds 64 points here, by the box
+   of 8 groups; the reach starts as a part of it and shrinks until the list fits. */
+__global__ void list_kernel(const __grid_constant__ tree t, int dim, uint32_t first_group, uint32_t end_group,
+                            uint32_t *list, near_list *info)
 {
     __shared__ uint32_t shared[4][list_size + stack_size];
     int lane = (int)threadIdx.x & 31;
-    uint32_t g = blockIdx.x * (blockDim.x / 32) + threadIdx.x / 32, *found = shared[threadIdx.x / 32];
-    uint32_t *stack = found + list_size;
-    if (g >= t.size[0]) {
+    uint32_t row = blockIdx.x * (blockDim.x / 32) + threadIdx.x / 32, g = first_group + row;
+    uint32_t *found = shared[threadIdx.x / 32], *stack = found + list_size;
+    if (g >= end_group) {
         return;
     }
     box own = t.level[0][g], around = own;
@@ -671,7 +686,7 @@ __global__ void list_kernel(const __grid_constant__ tree t, int dim, uint32_t *l
                 gaps = fmaf(gap, gap, gaps);
             }
             is_close[i] = gaps * 0.9999f < start * start;
-            key[i] = value[i] == g ? 0 : (__float_as_uint(d) & ~255u) + (uint32_t)(i * 32 + lane);
+            key[i] = value[i] == g ? 0 : (__float_as_uint(d) & ~255u) + (uint32_t)(i * 32 + lane) + 1;
         }
     }
     __syncwarp();
@@ -690,14 +705,14 @@ __global__ void list_kernel(const __grid_constant__ tree t, int dim, uint32_t *l
     }
     for (int i = 0; i < list_size / 32; i++) {
         if (i * 32 + lane < length) {
-            list[(size_t)g * list_size + before[i]] = value[i];
+            list[(size_t)row * list_size + before[i]] = value[i];
             close = is_close[i] && before[i] >= close ? before[i] + 1 : close;
         }
     }
     close = none - tile_min<32>(none - close);
     if (lane == 0) {
         near_list n = { (uint32_t)length, reach, start, close };
-        info[g] = n;
+        info[row] = n;
     }
 }
 
@@ -1435,8 +1450,8 @@ __device__ inline void finish(star<DIM, WEIGHTED, NT, NV, SCRATCH> &s, bool go, 
         uint32_t *word = out.word + at * 4;
         if (lane == 0) {
             word[0] = (uint32_t)count << 16 | (uint32_t)vertices;
-            out.place[v] = (uint32_t)at;
-            out.owned[v] = (uint32_t)owned;
+            out.place[v - out.first] = (uint32_t)at;
+            out.owned[v - out.first] = (uint32_t)owned;
         }
         for (int i = lane; i < NV; i += T) {
             if (s.used[i >> 5] >> (i & 31) & 1 && (i > 0 || !closed)) {
@@ -1658,8 +1673,9 @@ near_kernel(const __grid_constant__ space all, const box *group, const uint32_t 
     v = valid ? v : end - 1;
     v = EXACT ? undecided.vertex[v] : v;
     const record own = all.point[v];
-    const uint32_t g = v / group_size, *list = lists + (size_t)g * list_size;
-    const near_list info = infos[g];
+    const uint32_t g = v / group_size, row = g - out.first / group_size;
+    const uint32_t *list = lists + (size_t)row * list_size;
+    const near_list info = infos[row];
     const int length = (int)info.length;
     const float4 rough = all.rough[v];
     const float origin[3] = { rough.x, rough.y, rough.z };
@@ -2079,7 +2095,7 @@ __device__ inline void start_from_store(star<DIM, WEIGHTED, NT, NV, SCRATCH> &s,
                                         uint32_t v, const record &own, unsigned walls, int &count)
 {
     const int lane = (int)threadIdx.x & 31;
-    const uint32_t *word = in.word + (size_t)in.place[v] * 4;
+    const uint32_t *word = in.word + (size_t)in.place[v - in.first] * 4;
     uint32_t vertices = word[0] & 0xffff, first = word[1] == none ? 0 : 1;
     count = (int)(word[0] >> 16);
     for (int i = lane; i < NV * s.words; i += 32) {
@@ -2325,7 +2341,7 @@ far_kernel(const __grid_constant__ space all, const __grid_constant__ tree boxes
     __shared__ uint32_t failures;
     for (uint32_t i = blockIdx.x; i < total; i += gridDim.x) {
         uint32_t entry = work.vertex[i], v = entry & ~stored_mark;
-        bool resume = entry != v && out.place[v] != none, changed;  /* none: the store was too small */
+        bool resume = entry != v && out.place[v - out.first] != none, changed;  /* none: the store was too small */
         int count = 0;
         if (threadIdx.x == 0) {
             failures = *(volatile uint32_t *)failed.count;
@@ -2342,8 +2358,8 @@ far_kernel(const __grid_constant__ space all, const __grid_constant__ tree boxes
                 finish<32>(s, true, v, count, out);
             }
             if (verdict == far_hidden && threadIdx.x == 0) {
-                out.place[v] = hidden;
-                out.owned[v] = 0;
+                out.place[v - out.first] = hidden;
+                out.owned[v - out.first] = 0;
             }
             enqueue(failed, fails && threadIdx.x == 0, stays ? v | stored_mark : entry);
             enqueue(large, verdict == far_certified && threadIdx.x == 0, v);
@@ -2358,6 +2374,10 @@ far_kernel(const __grid_constant__ space all, const __grid_constant__ tree boxes
    vertex lie together, sorted by their second and third corner.  The two sides of a facet are seen in the star of the
    facet's lowest vertex, as two triangles with a common edge; their numbers are found among the simplices of their
    lowest vertices.
+   On several cards the simplices of a share are one run of the result.  The stars of a share have simplices of lower
+   shares too, those with a vertex in both: its guests, which the lower cards list for it with their numbers, in the
+   canonical order.  The only facet of a guest whose lowest vertex may be of the share is the one that lacks the
+   guest's first corner; what lies across it is what the lower cards hear in return.
    ------------------------------------------------------------------------------------------------------ */
 template <int DIM> struct cell {
     uint32_t corner[DIM + 1];
@@ -2409,7 +2429,7 @@ struct stored_star {
 __device__ inline stored_star stored(const store &in, uint32_t v)
 {
     stored_star s = { NULL, NULL, 0, 0 };
-    uint32_t at = in.place[v];
+    uint32_t at = in.place[v - in.first];
     if (at != hidden) {
         const uint32_t *word = in.word + (size_t)at * 4;
         s.count = (int)(word[0] >> 16);
@@ -2438,10 +2458,17 @@ __device__ inline bool triangle_of(const stored_star &s, int t, uint32_t v, uint
 
 const int emit_block = 64, emit_keys = 64;
 
+/* The simplices of a share, in order, by ranks; where those of each vertex begin; the guests. */
+template <int DIM> struct directory {
+    uint32_t first, base, guests;                    /* first vertex, number of the first simplex */
+    const uint32_t *offset, *guest_number;
+    const cell<DIM> *cells, *guest;
+};
+
 /* 8 lanes a star.  cells: by ranks; out: the same with the caller's ids. */
 template <int DIM>
-__global__ void emit_kernel(uint32_t vertices, const __grid_constant__ store in, const uint32_t *offset,
-                            const uint32_t *id, cell<DIM> *cells, pbw_index *out)
+__global__ void emit_kernel(const __grid_constant__ store in, const uint32_t *offset, const uint32_t *id,
+                            cell<DIM> *cells, pbw_index *out)
 {
     const int T = 8;
     __shared__ uint64_t shared_keys[emit_block / T][emit_keys];
@@ -2449,9 +2476,9 @@ __global__ void emit_kernel(uint32_t vertices, const __grid_constant__ store in,
     uint64_t *keys = shared_keys[threadIdx.x / T];
     uint32_t *last = shared_last[threadIdx.x / T];
     int lane = (int)threadIdx.x & (T - 1), found = 0;
-    uint32_t v = (blockIdx.x * emit_block + threadIdx.x) / T;
-    bool go = v < vertices;
-    uint32_t owned = go ? in.owned[v] : 0, first = go ? offset[v] : 0;
+    uint32_t v = in.first + (blockIdx.x * emit_block + threadIdx.x) / T;
+    bool go = v < in.end;
+    uint32_t owned = go ? in.owned[v - in.first] : 0, first = go ? offset[v - in.first] : 0;
     stored_star s = { NULL, NULL, 0, 0 };
     if (owned > 0) {
         s = stored(in, v);
@@ -2511,40 +2538,56 @@ __global__ void emit_kernel(uint32_t vertices, const __grid_constant__ store in,
     }
 }
 
-/* The number of a simplex, by its canonical form. */
+/* The last of the cells from low to high that does not come after c, by all but the last corner. */
 template <int DIM>
-__device__ inline uint32_t number_of(const cell<DIM> &c, const uint32_t *offset, const cell<DIM> *cells)
+__device__ inline uint32_t last_until(const cell<DIM> &c, const cell<DIM> *cells, uint32_t low, uint32_t high)
 {
-    uint32_t low = offset[c.corner[0]], high = offset[c.corner[0] + 1];
     uint64_t key = (uint64_t)c.corner[1] << 32 | c.corner[2];
     while (low + 1 < high) {
         uint32_t middle = (low + high) / 2;
         cell<DIM> other = cells[middle];
-        bool below = ((uint64_t)other.corner[1] << 32 | other.corner[2]) <= key;
+        bool below = other.corner[0] < c.corner[0]
+                  || (other.corner[0] == c.corner[0]
+                      && ((uint64_t)other.corner[1] << 32 | other.corner[2]) <= key);
         low = below ? middle : low;
         high = below ? high : middle;
     }
     return low;
 }
 
+/* The number of a simplex, by its canonical form. */
+template <int DIM> __device__ inline uint32_t number_of(const cell<DIM> &c, const directory<DIM> &all)
+{
+    if (c.corner[0] < all.first) {
+        return all.guest_number[last_until<DIM>(c, all.guest, 0, all.guests)];
+    }
+    const uint32_t *offset = all.offset + (c.corner[0] - all.first);
+    return all.base + last_until<DIM>(c, all.cells, offset[0], offset[1]);
+}
+
 /* Entries across the facets of which v is the lowest vertex: for the triangle a of a finite simplex c of number own,
-   across its edge that lacks corner k lies the simplex of number other. */
+   across its edge that lacks corner k lies the simplex of number other.  beyond: that of each guest. */
 template <int DIM>
 __device__ inline void put_neighbor(const cell<DIM> &c, uint32_t own, uint32_t across, uint32_t other,
-                                    pbw_index *neighbors)
+                                    const directory<DIM> &all, pbw_index *neighbors, pbw_index *beyond)
 {
     int at = 0;
+    if (c.corner[0] < all.first) {
+        beyond[last_until<DIM>(c, all.guest, 0, all.guests)] = other;
+        return;
+    }
     for (int i = 1; i <= DIM; i++) {
         at = c.corner[i] == across ? i : at;
     }
-    neighbors[(size_t)own * (DIM + 1) + (size_t)at] = other;
+    neighbors[(size_t)(own - all.base) * (DIM + 1) + (size_t)at] = other;
 }
 
 const int small_triangles = 60, small_vertices = 32;
 
+/* incident: by the caller's ids, or from the share's first vertex on if id is NULL. */
 template <int DIM>
-__global__ void neighbor_kernel(uint32_t vertices, const __grid_constant__ store in, const uint32_t *offset,
-                                const uint32_t *id, const cell<DIM> *cells, pbw_index *neighbors, pbw_index *incident,
+__global__ void neighbor_kernel(const __grid_constant__ store in, const __grid_constant__ directory<DIM> all,
+                                const uint32_t *id, pbw_index *neighbors, pbw_index *beyond, pbw_index *incident,
                                 uint32_t *hidden_count)
 {
     const int T = 8;
@@ -2553,9 +2596,9 @@ __global__ void neighbor_kernel(uint32_t vertices, const __grid_constant__ store
     uint8_t *table = shared_table[threadIdx.x / T];
     uint32_t *number = shared_number[threadIdx.x / T];
     int lane = (int)threadIdx.x & (T - 1);
-    uint32_t v = (blockIdx.x * emit_block + threadIdx.x) / T, lowest = none;
+    uint32_t v = in.first + (blockIdx.x * emit_block + threadIdx.x) / T, lowest = none;
     stored_star s = { NULL, NULL, 0, 0 };
-    bool go = v < vertices;
+    bool go = v < in.end;
     if (go) {
         s = stored(in, v);
     }
@@ -2572,7 +2615,7 @@ __global__ void neighbor_kernel(uint32_t vertices, const __grid_constant__ store
                 table[k * small_vertices + from] = (uint8_t)t;
             }
         }
-        uint32_t n = triangle_of<DIM>(s, t, v, a, mine) ? number_of<DIM>(canonical<DIM>(v, a), offset, cells) : none;
+        uint32_t n = triangle_of<DIM>(s, t, v, a, mine) ? number_of<DIM>(canonical<DIM>(v, a), all) : none;
         number[t] = n;
         lowest = n < lowest ? n : lowest;
     }
@@ -2593,13 +2636,13 @@ __global__ void neighbor_kernel(uint32_t vertices, const __grid_constant__ store
                     } else {
                         mate = table[(k == 0 ? 0 : small_vertices) + corner(packed, (int)x)];
                     }
-                    put_neighbor<DIM>(c, number[t], a[k], number[mate], neighbors);
+                    put_neighbor<DIM>(c, number[t], a[k], number[mate], all, neighbors, beyond);
                 }
             }
         }
     }
     if (go && lane == 0) {
-        incident[id[v]] = lowest;
+        incident[id != NULL ? id[v] : v - in.first] = lowest;
     }
     if (is_hidden && lane == 0) {
         atomicAdd(hidden_count, 1u);
@@ -2608,9 +2651,9 @@ __global__ void neighbor_kernel(uint32_t vertices, const __grid_constant__ store
 
 /* The same for larger stars, a warp each, looking for mates one by one. */
 template <int DIM>
-__global__ void large_neighbor_kernel(queue large, const __grid_constant__ store in, const uint32_t *offset,
-                                      const uint32_t *id, const cell<DIM> *cells, pbw_index *neighbors,
-                                      pbw_index *incident)
+__global__ void large_neighbor_kernel(queue large, const __grid_constant__ store in,
+                                      const __grid_constant__ directory<DIM> all, const uint32_t *id,
+                                      pbw_index *neighbors, pbw_index *beyond, pbw_index *incident)
 {
     uint32_t i = blockIdx.x * (blockDim.x / 32) + threadIdx.x / 32, lowest = none;
     if (i >= *large.count) {
@@ -2626,7 +2669,7 @@ __global__ void large_neighbor_kernel(queue large, const __grid_constant__ store
         bool mine;
         if (triangle_of<DIM>(s, t, v, a, mine)) {
             cell<DIM> c = canonical<DIM>(v, a);
-            uint32_t own = number_of<DIM>(c, offset, cells);
+            uint32_t own = number_of<DIM>(c, all);
             lowest = own < lowest ? own : lowest;
             for (int k = 0; k < DIM && neighbors != NULL; k++) {
                 uint32_t x = k == 0 ? 1 : 0, y = k == DIM - 1 ? DIM - 2 : DIM - 1;
@@ -2636,15 +2679,66 @@ __global__ void large_neighbor_kernel(queue large, const __grid_constant__ store
                              : k == 0 ? triangle_with<DIM>(s.triangle, s.count, corner(packed, 1), 0)
                                       : triangle_with<DIM>(s.triangle, s.count, none, corner(packed, 0));
                     uint32_t other = mate >= 0 && triangle_of<DIM>(s, mate, v, b, mine)
-                                   ? number_of<DIM>(canonical<DIM>(v, b), offset, cells) : none;
-                    put_neighbor<DIM>(c, own, a[k], other, neighbors);
+                                   ? number_of<DIM>(canonical<DIM>(v, b), all) : none;
+                    put_neighbor<DIM>(c, own, a[k], other, all, neighbors, beyond);
                 }
             }
         }
     }
     lowest = tile_min<32>(lowest);
     if ((threadIdx.x & 31) == 0) {
-        incident[id[v]] = lowest;
+        incident[id != NULL ? id[v] : v - in.first] = lowest;
+    }
+}
+
+/* The simplices of a share that are guests of the vertices from first to end: counted, a thread a vertex, and listed
+   if there is a list. */
+template <int DIM>
+__global__ void guest_kernel(const __grid_constant__ directory<DIM> all, uint32_t vertices, uint32_t first,
+                             uint32_t end, uint32_t *count, const uint32_t *place, cell<DIM> *guest, uint32_t *number)
+{
+    size_t v = thread_number();
+    uint32_t found = 0;
+    for (uint32_t i = v < vertices ? all.offset[v] : 0; v < vertices && i < all.offset[v + 1]; i++) {
+        cell<DIM> c = all.cells[i];
+        bool visits = false;
+        for (int k = 1; k <= DIM; k++) {
+            visits = visits || (c.corner[k] >= first && c.corner[k] < end);
+        }
+        if (visits && guest != NULL) {
+            guest[place[v] + found] = c;
+            number[place[v] + found] = all.base + i;
+        }
+        found += visits;
+    }
+    if (v < vertices && guest == NULL) {
+        count[v] = found;
+    }
+}
+
+/* What the vertices from first to end know of their guests. */
+template <int DIM>
+__global__ void return_kernel(const __grid_constant__ directory<DIM> all, uint32_t first, uint32_t end,
+                              uint32_t count, const uint32_t *number, const pbw_index *beyond, pbw_index *neighbors)
+{
+    size_t i = thread_number();
+    if (i < count) {
+        uint32_t own = number[i] - all.base, second = none;
+        cell<DIM> c = all.cells[own];
+        for (int k = 1; k <= DIM; k++) {
+            second = c.corner[k] < second ? c.corner[k] : second;
+        }
+        if (second >= first && second < end) {
+            neighbors[(size_t)own * (DIM + 1)] = beyond[i];
+        }
+    }
+}
+
+__global__ void scatter_kernel(const uint32_t *id, uint32_t count, const pbw_index *value, pbw_index *out)
+{
+    size_t i = thread_number();
+    if (i < count) {
+        out[id[i]] = value[i];
     }
 }
 
@@ -2978,21 +3072,62 @@ __global__ void check_kernel(const __grid_constant__ view m, int pass, uint32_t 
    >>run          The stages in order.
    In: packed points on the device.  Out: the arrays on the device, and for a job of pbw.h also in its memory, copied
    while later stages run.  Everything is in the order of one stream; the host waits where it needs a count.
+   A team of cards works on one job, each with a thread of the host and a share of the curve: all put all points into
+   order and grow the whole tree, each makes the stars of its share and writes its run of the simplices.  The cards
+   meet to number the simplices, to fetch their guests, and to hear what lies across them.  What one offers to others
+   is complete when they meet, and stays until all leave.
    ------------------------------------------------------------------------------------------------------ */
-const double bytes_a_point[2] = { 230.0, 650.0 };    /* of device memory at the peak, uniform points: 2D, 3D */
+/* Of device memory at the peak, uniform points, in 2D and 3D: for all points, and more for those of the share. */
+const double bytes_a_point[2] = { 75.0, 90.0 }, bytes_a_star[2] = { 155.0, 560.0 };
+const int most_cards = 16;
+const char *const few_points = "so few points are quicker on the CPU";
+
+struct offer {                                       /* what a card has for the others */
+    int device;
+    uint32_t first, end, simplices;                  /* the share */
+    void *guests[most_cards];                        /* for each higher card */
+    uint32_t *guest_numbers[most_cards], guest_count[most_cards];
+    pbw_index *beyond, *incident;                    /* beyond: of all guests, those of the lowest card first */
+};
+
+struct team {
+    std::mutex lock;
+    std::condition_variable news;
+    int cards, here, left;
+    unsigned meetings;
+    std::atomic<int> status;                         /* of the first card that failed */
+    bool declined;
+    offer of[most_cards];
+};
 
 struct call {
+    team *cards;                                     /* NULL: alone */
+    int card;
     cudaStream_t stream, copies;
     cudaEvent_t mark[8], ready, copied;
     pbw_job *job;                                    /* NULL: results stay on the device */
     char *message;
-    size_t message_size, used, count;
+    size_t message_size, used, count, stars, limit;  /* stars: of the share; limit: of bytes, 0 if none */
     int dim;
     pbw_status status;
     bool declined;
-    struct { void *address; size_t bytes; } block[40];
+    struct { void *address; size_t bytes; } block[40 + 3 * most_cards];
     int blocks;
 };
+
+/* The first card that fails says why, and all stop. */
+void fall_out(call &c, const char *text)
+{
+    std::lock_guard<std::mutex> hold(c.cards->lock);
+    if (c.cards->status == PBW_OK && c.status != PBW_OK) {
+        c.cards->status = c.status;
+        c.cards->declined = c.declined;
+        if (text != NULL) {
+            c.job->say(c.job, text);
+        }
+        c.cards->news.notify_all();
+    }
+}
 
 void say(call &c, const char *format, ...)
 {
@@ -3001,8 +3136,8 @@ void say(call &c, const char *format, ...)
     va_start(arguments, format);
     vsnprintf(text, sizeof text, format, arguments);
     va_end(arguments);
-    if (c.job != NULL) {
-        c.job->say(c.job, text);
+    if (c.cards != NULL) {
+        fall_out(c, text);
     } else if (c.message != NULL && c.message_size > 0) {
         snprintf(c.message, c.message_size, "%s", text);
     }
@@ -3049,7 +3184,7 @@ bool launched(call &c, const char *what)
 bool fits(call &c, size_t more)
 {
     size_t available = 0, all = 0, needed = c.used + more;
-    size_t usual = (size_t)((double)c.count * bytes_a_point[c.dim - 2]);
+    size_t usual = (size_t)((double)c.count * bytes_a_point[c.dim - 2] + (double)c.stars * bytes_a_star[c.dim - 2]);
     uint64_t kept = 0, used = 0;
     int device = 0;
     cudaMemPool_t pool;
@@ -3061,6 +3196,7 @@ bool fits(call &c, size_t more)
         return false;
     }
     available += c.used + (kept > used ? (size_t)(kept - used) : 0);
+    available = c.limit > 0 && c.limit < available ? c.limit : available;
     if (needed > available) {
         c.status = PBW_ERROR_BACKEND;
         say(c, "too little device memory: %zu bytes are needed, %zu are available", usual > needed ? usual : needed,
@@ -3079,6 +3215,9 @@ template <typename V> bool allocate(call &c, V *&address, size_t count)
     }
     if (c.blocks == (int)(sizeof c.block / sizeof c.block[0])) {
         return fail(c, PBW_ERROR_BACKEND, "too many blocks of device memory");
+    }
+    if (c.limit > 0 && c.used + bytes > c.limit && !fits(c, bytes)) {
+        return false;
     }
     cudaError_t error = cudaMallocAsync(&block, bytes, c.stream);
     if (error == cudaErrorMemoryAllocation) {
@@ -3111,23 +3250,60 @@ void release(call &c, const void *address, bool keep)
     }
 }
 
-/* Waits for what the stream has so far; a job hears of progress meanwhile. */
-bool wait(call &c, pbw_stage stage, double done)
+/* Progress, on the caller's thread; whether to stop. */
+void look_up(call &c, pbw_stage stage, double done)
 {
-    cudaError_t error = cudaEventRecord(c.ready, c.stream);
+    if (c.job != NULL && c.card == 0 && c.status == PBW_OK && c.job->report(c.job, stage, done) != 0) {
+        c.status = PBW_CANCELLED;
+        fall_out(c, NULL);
+    }
+    if (c.cards != NULL && c.status == PBW_OK && c.cards->status != PBW_OK) {
+        c.status = (pbw_status)c.cards->status.load();
+    }
+}
+
+/* Waits for what a stream has so far; a job hears of progress meanwhile. */
+bool wait(call &c, cudaStream_t stream, pbw_stage stage, double done)
+{
+    cudaError_t error = cudaEventRecord(c.ready, stream);
     while (error == cudaSuccess && (error = cudaEventQuery(c.ready)) == cudaErrorNotReady) {
-        if (c.job != NULL && c.status == PBW_OK && c.job->report(c.job, stage, done) != 0) {
-            c.status = PBW_CANCELLED;
-        }
+        look_up(c, stage, done);
         std::this_thread::yield();
         error = cudaSuccess;
     }
     return good(c, error, "waiting for the device");
 }
 
+/* Waits for the other cards, or with leaving for all to have left; false if one failed. */
+bool meet_cards(call &c, bool leaving, double done)
+{
+    if (c.cards == NULL) {
+        return c.status == PBW_OK;
+    }
+    team &t = *c.cards;
+    std::unique_lock<std::mutex> hold(t.lock);
+    unsigned meeting = t.meetings;
+    t.left += leaving;
+    t.here += !leaving;
+    if (t.here == t.cards) {
+        t.here = 0;
+        t.meetings++;
+    }
+    t.news.notify_all();
+    while (leaving ? t.left < t.cards : t.meetings == meeting && t.status == PBW_OK) {
+        t.news.wait_for(hold, std::chrono::milliseconds(20));
+        hold.unlock();
+        look_up(c, PBW_STAGE_OUTPUT, done);
+        hold.lock();
+    }
+    hold.unlock();
+    look_up(c, PBW_STAGE_OUTPUT, done);
+    return c.status == PBW_OK;
+}
+
 template <typename V> bool read_back(call &c, V &value, const V *address, pbw_stage stage, double done)
 {
-    return c.status == PBW_OK && wait(c, stage, done)
+    return c.status == PBW_OK && wait(c, c.stream, stage, done)
         && good(c, cudaMemcpyAsync(&value, address, sizeof(V), cudaMemcpyDeviceToHost, c.stream), "reading a count")
         && good(c, cudaStreamSynchronize(c.stream), "reading a count");
 }
@@ -3140,7 +3316,7 @@ template <typename V> bool fill(call &c, V *address, int byte, size_t count)
 
 unsigned blocks_for(size_t threads, unsigned block)
 {
-    return (unsigned)((threads + block - 1) / block);
+    return threads > 0 ? (unsigned)((threads + block - 1) / block) : 1;
 }
 
 void note(call &c, int mark)
@@ -3399,7 +3575,7 @@ bool order_points(call &c, const input &in, space &s, uint32_t *&id, uint32_t *c
     duplicates = found.duplicates;
     s.count = (uint32_t)(n - duplicates);
     if (s.count < PBW_CUDA_FEW) {
-        return decline(c, "so few points are quicker on the CPU");
+        return decline(c, few_points);
     }
     if (duplicates > 0 && (!allocate(c, rank, n) || !sum_before(c, first, rank, n))) {
         return false;
@@ -3462,7 +3638,7 @@ bool build_stars(call &c, const space &s, const tree &t, const uint32_t *lists, 
     const size_t far_bytes = sizeof(typename far_star<DIM, WEIGHTED, far_rung>::type);
     const size_t near_bytes = sizeof(typename near_star<DIM, WEIGHTED>::type) * (near_block / 8);
     static_assert(near_bytes <= 48 << 10, "the stars of a block fit what every device has of shared memory");
-    const uint32_t chunk = 1u << 22, limit = 128 + s.count / 2048;
+    const uint32_t chunk = 1u << 22, far_chunk = 1u << 18, mine = out.end - out.first, limit = 128 + mine / 2048;
     uint32_t open = 0, failed = 0, last = 0;
 
     for (int i = 0; i < 3; i++) {
@@ -3470,25 +3646,28 @@ bool build_stars(call &c, const space &s, const tree &t, const uint32_t *lists, 
     }
     fill(c, out.used, 0, 1);
     fill(c, seed, 0, 4);
-    fill(c, out.owned + s.count, 0, 1);
-    fill(c, out.place, 0xff, s.count);
-    stars[0] = s.count;
-    for (uint32_t first = 0; first < s.count && c.status == PBW_OK; first += chunk) {
-        uint32_t count = s.count - first < chunk ? s.count - first : chunk;
+    fill(c, out.owned + mine, 0, 1);
+    fill(c, out.place, 0xff, mine);
+    stars[0] = mine;
+    for (uint32_t first = out.first; first < out.end && c.status == PBW_OK; first += chunk) {
+        uint32_t count = out.end - first < chunk ? out.end - first : chunk;
         near_kernel<DIM, WEIGHTED, false><<<blocks_for(count, near_block / 8), near_block, near_bytes, c.stream>>>(
             s, t.level[0], lists, infos, first, first + count, out, q[0], q[1]);
         if (!launched(c, "near stars")) {
             return false;
         }
-        if (c.job != NULL && first == 0
-            && c.job->kept_points == NULL) { /* the device is busy: time for the host's part */
+        const bool more = first + count < out.end;
+        if (first == out.first && more) {            /* one ahead: the host has time for its part */
+            continue;
+        }
+        if (c.job != NULL && c.card == 0 && c.job->kept_points == NULL) {
             pbw_status status = c.job->keep(c.job);
             if (status != PBW_OK) {
                 return fail(c, status, "the points could not be kept");
             }
         }
-        if (first + count < s.count) {
-            wait(c, PBW_STAGE_BUILD, 0.8 * (double)first / (double)s.count);
+        if (more) {
+            wait(c, c.stream, PBW_STAGE_BUILD, 0.7 * (double)(first - out.first) / (double)mine);
         }
     }
     if (!read_back(c, open, q[1].count, PBW_STAGE_BUILD, 0.7)) {
@@ -3509,10 +3688,17 @@ bool build_stars(call &c, const space &s, const tree &t, const uint32_t *lists, 
             unsigned blocks = blocks_for(s.count, 256);
             seed_kernel<<<blocks < 1024 ? blocks : 1024, 256, 0, c.stream>>>(s, DIM, found, seed);
         }
-        far_kernel<DIM, WEIGHTED, quick_rung><<<failed, 32 * quick_rung::warps, quick_bytes, c.stream>>>(
-            s, t, seed, q[0], failed, quick_cap, none, NULL, NULL, out, q[1], q[2]);
-        if (!launched(c, "far stars") || !read_back(c, failed, q[1].count, PBW_STAGE_BUILD, 0.9)
-            || !fill(c, q[0].count, 0, 1)) {
+        for (uint32_t first = 0; first < failed; first += far_chunk) {
+            uint32_t count = failed - first < far_chunk ? failed - first : far_chunk;
+            const queue some = { q[0].vertex + first, NULL };
+            far_kernel<DIM, WEIGHTED, quick_rung><<<count, 32 * quick_rung::warps, quick_bytes, c.stream>>>(
+                s, t, seed, some, count, quick_cap, none, NULL, NULL, out, q[1], q[2]);
+            if (!launched(c, "far stars")
+                || (first + count < failed && !wait(c, c.stream, PBW_STAGE_BUILD, 0.8))) {
+                return false;
+            }
+        }
+        if (!read_back(c, failed, q[1].count, PBW_STAGE_BUILD, 0.9) || !fill(c, q[0].count, 0, 1)) {
             return false;
         }
     }
@@ -3565,6 +3751,167 @@ bool copy_out(call &c, void *to, const void *from, size_t bytes)
         && good(c, cudaMemcpyAsync(to, from, bytes, cudaMemcpyDeviceToHost, c.copies), "copying results");
 }
 
+/* Lets the other devices read what this one has in its pool, where they can: copies between them go the short way. */
+bool open_pool(call &c)
+{
+    const int own = c.cards->of[c.card].device;
+    cudaMemPool_t pool;
+    for (int i = 0; i < c.cards->cards; i++) {
+        const int other = c.cards->of[i].device;
+        int can = 0;
+        if (other != own
+            && (!good(c, cudaDeviceCanAccessPeer(&can, other, own), "cudaDeviceCanAccessPeer")
+                || !good(c, cudaDeviceGetMemPool(&pool, own), "cudaDeviceGetMemPool"))) {
+            return false;
+        }
+        if (can) {
+            cudaMemAccessDesc access;
+            memset(&access, 0, sizeof access);
+            access.location.type = cudaMemLocationTypeDevice;
+            access.location.id = other;
+            access.flags = cudaMemAccessFlagsProtReadWrite;
+            if (cudaMemPoolSetAccess(pool, &access, 1) != cudaSuccess) {
+                (void)cudaGetLastError();            /* then they go by way of the host */
+            }
+        }
+    }
+    return true;
+}
+
+/* Copies what another card offers. */
+bool fetch_from(call &c, int card, void *to, const void *from, size_t bytes)
+{
+    const offer *of = c.cards->of;
+    return bytes == 0
+        || good(c, cudaMemcpyPeerAsync(to, of[c.card].device, from, of[card].device, bytes, c.stream),
+                "copying between devices");
+}
+
+/* The share of a card, by multiprocessors, whole groups: where it begins. */
+bool share_points(call &c, const space &s, uint32_t &first, uint32_t &end)
+{
+    double before = 0.0, own = 0.0, all = 0.0;
+    for (int i = 0; i < (c.cards != NULL ? c.cards->cards : 1); i++) {
+        int device = 0, processors = 1;
+        if (c.cards != NULL) {
+            device = c.cards->of[i].device;
+            if (!good(c, cudaDeviceGetAttribute(&processors, cudaDevAttrMultiProcessorCount, device),
+                      "cudaDeviceGetAttribute")) {
+                return false;
+            }
+        }
+        before += i < c.card ? processors : 0;
+        own += i == c.card ? processors : 0;
+        all += processors;
+    }
+    first = (uint32_t)((double)s.count * (before / all)) / group_size * group_size;
+    end = (uint32_t)((double)s.count * ((before + own) / all)) / group_size * group_size;
+    end = before + own == all ? s.count : end;
+    c.stars = end - first;
+    return true;
+}
+
+/* Lists the guests that this card has for higher cards. */
+template <int DIM> bool list_guests(call &c, const directory<DIM> &all, uint32_t vertices)
+{
+    offer &own = c.cards->of[c.card];
+    uint32_t *count = NULL, *place = NULL;
+    unsigned blocks = blocks_for(vertices, 128);
+    if (c.card + 1 == c.cards->cards) {
+        return true;
+    }
+    if (!allocate(c, count, (size_t)vertices + 1) || !allocate(c, place, (size_t)vertices + 1)
+        || !fill(c, count + vertices, 0, 1)) {
+        return false;
+    }
+    for (int i = c.card + 1; i < c.cards->cards; i++) {
+        const offer &other = c.cards->of[i];
+        cell<DIM> *guest = NULL;
+        guest_kernel<DIM><<<blocks, 128, 0, c.stream>>>(all, vertices, other.first, other.end, count, NULL, NULL,
+                                                        NULL);
+        if (!launched(c, "guests") || !sum_before(c, count, place, (size_t)vertices + 1)
+            || !read_back(c, own.guest_count[i], place + vertices, PBW_STAGE_OUTPUT, 0.2)
+            || !allocate(c, guest, own.guest_count[i]) || !allocate(c, own.guest_numbers[i], own.guest_count[i])) {
+            return false;
+        }
+        own.guests[i] = guest;
+        guest_kernel<DIM><<<blocks, 128, 0, c.stream>>>(all, vertices, other.first, other.end, NULL, place, guest,
+                                                        own.guest_numbers[i]);
+        if (!launched(c, "guests")) {
+            return false;
+        }
+    }
+    release(c, count, false);
+    release(c, place, false);
+    return wait(c, c.stream, PBW_STAGE_OUTPUT, 0.2);
+}
+
+/* Fetches the guests that lower cards have for this one. */
+template <int DIM> bool fetch_guests(call &c, directory<DIM> &all)
+{
+    const offer *of = c.cards->of;
+    cell<DIM> *guest = NULL;
+    uint32_t *number = NULL;
+    size_t count = 0;
+    for (int i = 0; i < c.card; i++) {
+        count += of[i].guest_count[c.card];
+    }
+    if (!allocate(c, guest, count) || !allocate(c, number, count)
+        || !allocate(c, c.cards->of[c.card].beyond, count)) {
+        return false;
+    }
+    all.guest = guest;
+    all.guest_number = number;
+    for (int i = 0; i < c.card; i++) {
+        size_t some = of[i].guest_count[c.card];
+        if (!fetch_from(c, i, guest + all.guests, of[i].guests[c.card], some * sizeof *guest)
+            || !fetch_from(c, i, number + all.guests, of[i].guest_numbers[c.card], some * sizeof *number)) {
+            return false;
+        }
+        all.guests += (uint32_t)some;
+    }
+    return true;
+}
+
+/* Fetches what higher cards know of this one's simplices. */
+template <int DIM> bool fetch_beyond(call &c, const directory<DIM> &all, pbw_index *neighbors)
+{
+    const offer *of = c.cards->of;
+    for (int i = c.card + 1; i < c.cards->cards; i++) {
+        uint32_t count = of[c.card].guest_count[i];
+        size_t before = 0;
+        pbw_index *beyond = NULL;
+        for (int k = 0; k < c.card; k++) {
+            before += of[k].guest_count[i];
+        }
+        if (!allocate(c, beyond, count)
+            || !fetch_from(c, i, beyond, of[i].beyond + before, count * sizeof *beyond)) {
+            return false;
+        }
+        return_kernel<DIM><<<blocks_for(count, 128), 128, 0, c.stream>>>(all, of[i].first, of[i].end, count,
+                                                                         of[c.card].guest_numbers[i], beyond,
+                                                                         neighbors);
+        release(c, beyond, false);
+    }
+    return launched(c, "neighbours");
+}
+
+/* Fetches the incident simplices of all shares. */
+bool fetch_incident(call &c, const uint32_t *id, pbw_index *incident)
+{
+    const offer *of = c.cards->of;
+    for (int i = 0; i < c.cards->cards; i++) {
+        uint32_t count = of[i].end - of[i].first;
+        pbw_index *some = NULL;
+        if (!allocate(c, some, count) || !fetch_from(c, i, some, of[i].incident, count * sizeof *some)) {
+            return false;
+        }
+        scatter_kernel<<<blocks_for(count, 256), 256, 0, c.stream>>>(id + of[i].first, count, some, incident);
+        release(c, some, false);
+    }
+    return launched(c, "incident simplices");
+}
+
 template <int DIM, bool WEIGHTED>
 bool build(call &c, const input &in, space &s, const uint32_t *id, unsigned flags, pbw_cuda_mesh *mesh)
 {
@@ -3575,29 +3922,37 @@ bool build(call &c, const input &in, space &s, const uint32_t *id, unsigned flag
     near_list *infos = NULL;
     unsigned long long *used_and_seed = NULL, used = 0;
     cell<DIM> *cells = NULL;
-    unsigned star_blocks = blocks_for(s.count, emit_block / 8);
+    directory<DIM> all;
+    const bool alone = c.cards == NULL || c.cards->cards == 1, with_neighbors = (flags & PBW_NO_NEIGHBORS) == 0;
 
     memset(&out, 0, sizeof out);
     memset(&t, 0, sizeof t);
-    out.capacity = (unsigned long long)s.count * (DIM == 3 ? 13 : 5) + 4096;
-    /* the store, rough points, queues, places and counts; boxes, lists and their heads of 8 points */
-    if (!fits(c, (size_t)out.capacity * 16 + (size_t)s.count * (16 + 12 + 8)
-                 + (size_t)s.count / group_size * (sizeof(box) + list_size * 4 + sizeof(near_list)))) {
+    memset(&all, 0, sizeof all);
+    if (!share_points(c, s, out.first, out.end)) {
         return false;
     }
-    if (!grow_tree(c, s, DIM, t) || !allocate(c, lists, (size_t)t.size[0] * list_size)
-        || !allocate(c, infos, t.size[0]) || !allocate(c, counts, 4) || !allocate(c, used_and_seed, 5)
-        || !allocate(c, out.place, s.count) || !allocate(c, out.owned, (size_t)s.count + 1)) {
+    const uint32_t mine = out.end - out.first, groups = (mine + group_size - 1) / group_size;
+    const unsigned star_blocks = blocks_for(mine, emit_block / 8);
+    out.capacity = (unsigned long long)mine * (DIM == 3 ? 13 : 5) + 4096;
+    /* rough points and boxes; the store, queues, places and counts; lists and their heads of 8 points */
+    if (!fits(c, (size_t)s.count * 16 + (size_t)s.count / group_size * sizeof(box) + (size_t)out.capacity * 16
+                 + (size_t)mine * (12 + 8) + (size_t)groups * (list_size * 4 + sizeof(near_list)))) {
+        return false;
+    }
+    if (!grow_tree(c, s, DIM, t) || !allocate(c, lists, (size_t)groups * list_size) || !allocate(c, infos, groups)
+        || !allocate(c, counts, 4) || !allocate(c, used_and_seed, 5) || !allocate(c, out.place, mine)
+        || !allocate(c, out.owned, (size_t)mine + 1)) {
         return false;
     }
     for (int i = 0; i < 3; i++) {
         q[i].count = counts + i;
-        if (!allocate(c, q[i].vertex, s.count)) {
+        if (!allocate(c, q[i].vertex, mine)) {
             return false;
         }
     }
     out.used = used_and_seed;
-    list_kernel<<<blocks_for(t.size[0], 4), 128, 0, c.stream>>>(t, DIM, lists, infos);
+    list_kernel<<<blocks_for(groups, 4), 128, 0, c.stream>>>(t, DIM, out.first / group_size,
+                                                             out.first / group_size + groups, lists, infos);
     if (!launched(c, "lists")) {
         return false;
     }
@@ -3619,49 +3974,94 @@ bool build(call &c, const input &in, space &s, const uint32_t *id, unsigned flag
     }
     release(c, lists, false);
     release(c, infos, false);
-    if (!allocate(c, offset, (size_t)s.count + 1) || !sum_before(c, out.owned, offset, (size_t)s.count + 1)
-        || !read_back(c, total, offset + s.count, PBW_STAGE_OUTPUT, 0.0)) {
+    if (!allocate(c, offset, (size_t)mine + 1) || !sum_before(c, out.owned, offset, (size_t)mine + 1)
+        || !read_back(c, total, offset + mine, PBW_STAGE_OUTPUT, 0.0)) {
         return false;
     }
-    mesh->simplex_count = total;
+    size_t before = 0, everywhere = total;
+    if (!alone) {
+        offer &own = c.cards->of[c.card];
+        own.first = out.first;
+        own.end = out.end;
+        own.simplices = total;
+        if (!meet_cards(c, false, 0.0)) {
+            return false;
+        }
+        for (int i = 0; i < c.cards->cards; i++) {
+            before += i < c.card ? c.cards->of[i].simplices : 0;
+            everywhere += i != c.card ? c.cards->of[i].simplices : 0;
+        }
+        if (everywhere >= hidden) {
+            return fail(c, PBW_ERROR_TOO_LARGE, "too many simplices for the index type");
+        }
+    }
+    mesh->simplex_count = everywhere;
     note(c, 5);
-    if (!fits(c, (size_t)total * ((flags & PBW_NO_NEIGHBORS) == 0 ? 3 : 2) * sizeof(cell<DIM>) + in.count * 4)) {
+    const size_t incident_count = alone ? in.count : mine;
+    if (!fits(c, (size_t)total * (with_neighbors ? 3 : 2) * sizeof(cell<DIM>) + in.count * 4)) {
         return false;
     }
     if (!allocate(c, cells, total) || !allocate(c, mesh->simplices, (size_t)total * (DIM + 1))
-        || !allocate(c, mesh->incident, in.count)
-        || ((flags & PBW_NO_NEIGHBORS) == 0 && !allocate(c, mesh->neighbors, (size_t)total * (DIM + 1)))
-        || !fill(c, mesh->incident, 0xff, in.count) || !fill(c, counts + 3, 0, 1)) {
+        || !allocate(c, mesh->incident, incident_count)
+        || (with_neighbors && !allocate(c, mesh->neighbors, (size_t)total * (DIM + 1)))
+        || !fill(c, mesh->incident, 0xff, incident_count) || !fill(c, counts + 3, 0, 1)) {
         return false;
     }
-    emit_kernel<DIM><<<star_blocks, emit_block, 0, c.stream>>>(s.count, out, offset, id, cells, mesh->simplices);
+    emit_kernel<DIM><<<star_blocks, emit_block, 0, c.stream>>>(out, offset, id, cells, mesh->simplices);
     if (!launched(c, "simplices")) {
         return false;
     }
     note(c, 6);
-    if (c.job != NULL) {
-        pbw_status status = c.job->reserve(c.job, total);
+    all.first = out.first;
+    all.base = (uint32_t)before;
+    all.offset = offset;
+    all.cells = cells;
+    if (c.job != NULL && c.card == 0) {
+        pbw_status status = c.job->reserve(c.job, everywhere);
         if (status != PBW_OK) {
             return fail(c, status, "out of memory on the host");
         }
-        if (!copy_out(c, c.job->simplices, mesh->simplices, (size_t)total * sizeof(cell<DIM>))) {
-            return false;
-        }
     }
-    neighbor_kernel<DIM><<<star_blocks, emit_block, 0, c.stream>>>(s.count, out, offset, id, cells, mesh->neighbors,
-                                                                   mesh->incident, counts + 3);
+    if (!alone && (!list_guests<DIM>(c, all, mine) || !meet_cards(c, false, 0.1) || !fetch_guests<DIM>(c, all))) {
+        return false;
+    }
+    if (c.job != NULL
+        && !copy_out(c, c.job->simplices + before * (DIM + 1), mesh->simplices, (size_t)total * sizeof(cell<DIM>))) {
+        return false;
+    }
+    pbw_index *beyond = alone ? NULL : c.cards->of[c.card].beyond;
+    neighbor_kernel<DIM><<<star_blocks, emit_block, 0, c.stream>>>(out, all, alone ? id : NULL, mesh->neighbors,
+                                                                   beyond, mesh->incident, counts + 3);
     if (mesh->stars[1] > 0) {
         large_neighbor_kernel<DIM><<<blocks_for(mesh->stars[1], 4), 128, 0, c.stream>>>(
-            q[2], out, offset, id, cells, mesh->neighbors, mesh->incident);
+            q[2], out, all, alone ? id : NULL, mesh->neighbors, beyond, mesh->incident);
     }
+    note(c, 7);
     if (!launched(c, "neighbours")) {
         return false;
     }
-    note(c, 7);
-    if (c.job != NULL && ((mesh->neighbors != NULL
-                           && !copy_out(c, c.job->neighbors, mesh->neighbors, (size_t)total * sizeof(cell<DIM>)))
-                          || !copy_out(c, c.job->incident, mesh->incident, in.count * sizeof(pbw_index))
-                          || !copy_out(c, c.job->canonical, mesh->canonical, in.count * sizeof(pbw_index)))) {
+    pbw_index *incident = mesh->incident;
+    if (!alone) {
+        c.cards->of[c.card].incident = mesh->incident;
+        if (!wait(c, c.stream, PBW_STAGE_OUTPUT, 0.2) || !meet_cards(c, false, 0.3)
+            || (with_neighbors && !fetch_beyond<DIM>(c, all, mesh->neighbors))) {
+            return false;
+        }
+    }
+    if (c.job != NULL && with_neighbors
+        && !copy_out(c, c.job->neighbors + before * (DIM + 1), mesh->neighbors, (size_t)total * sizeof(cell<DIM>))) {
+        return false;
+    }
+    if (!alone && c.card == 0
+        && (!allocate(c, incident, in.count) || !fill(c, incident, 0xff, in.count)
+            || !fetch_incident(c, id, incident))) {
+        return false;
+    }
+    if (c.job != NULL && c.card == 0 && !copy_out(c, c.job->incident, incident, in.count * sizeof(pbw_index))) {
+        return false;
+    }
+    if (c.job != NULL && c.card + 1 == c.cards->cards
+        && !copy_out(c, c.job->canonical, mesh->canonical, in.count * sizeof(pbw_index))) {
         return false;
     }
     if (!read_back(c, hidden_count, counts + 3, PBW_STAGE_OUTPUT, 0.5)) {
@@ -3680,7 +4080,7 @@ bool run(call &c, const input &in, unsigned flags, pbw_cuda_mesh *mesh)
     mesh->dim = in.dim;
     mesh->point_count = in.count;
     if (in.count < PBW_CUDA_FEW) {
-        return decline(c, "so few points are quicker on the CPU");
+        return decline(c, few_points);
     }
     if (in.count >= (size_t)1 << 31) {
         return decline(c, "too many points for the device code");
@@ -3690,6 +4090,8 @@ bool run(call &c, const input &in, unsigned flags, pbw_cuda_mesh *mesh)
         || !order_points(c, in, s, id, mesh->canonical, weighted, mesh->duplicate_count)) {
         return false;
     }
+    release(c, in.points, false);                    /* those of a job: the records have all */
+    release(c, in.weights, false);
     note(c, 1);
     if (in.dim == 3) {
         done = weighted ? build<3, true>(c, in, s, id, flags, mesh) : build<3, false>(c, in, s, id, flags, mesh);
@@ -3802,16 +4204,14 @@ template <int DIM> bool check_mesh(call &c, const pbw_cuda_mesh &mesh, const inp
    >>entry        The backend, and the entries for points on the device.
    ------------------------------------------------------------------------------------------------------ */
 /* count: 0 if the call is no triangulation of as many points. */
-bool open_call(call &c, cudaStream_t stream, pbw_job *job, int dim, size_t count, char *message, size_t message_size)
+bool open_call(call &c, cudaStream_t stream, int dim, size_t count)
 {
     int device = 0, pools = 0;
-    memset(&c, 0, sizeof c);
     c.stream = stream;
-    c.job = job;
     c.dim = dim;
     c.count = count;
-    c.message = message;
-    c.message_size = message_size;
+    c.stars = count / (c.cards != NULL ? (size_t)c.cards->cards : 1);
+    c.limit = c.job != NULL ? c.job->memory_limit : 0;
     if (!good(c, cudaGetDevice(&device), "no usable device")
         || !good(c, cudaDeviceGetAttribute(&pools, cudaDevAttrMemoryPoolsSupported, device),
                  "cudaDeviceGetAttribute")) {
@@ -3828,12 +4228,14 @@ bool open_call(call &c, cudaStream_t stream, pbw_job *job, int dim, size_t count
     return c.status == PBW_OK;
 }
 
-/* Frees all but what the mesh has; the stream may still have work for it. */
-void close_call(call &c, pbw_cuda_mesh *mesh)
+/* Frees all but what the mesh, if there is one, has; the stream may still have work for it. */
+void close_call(call &c, const pbw_cuda_mesh *mesh)
 {
-    const void *kept[4] = { mesh->simplices, mesh->neighbors, mesh->incident, mesh->canonical };
-    for (int i = 0; i < 4; i++) {
-        release(c, kept[i], true);
+    if (mesh != NULL) {
+        release(c, mesh->simplices, true);
+        release(c, mesh->neighbors, true);
+        release(c, mesh->incident, true);
+        release(c, mesh->canonical, true);
     }
     while (c.blocks > 0) {
         release(c, c.block[0].address, false);
@@ -3847,27 +4249,25 @@ void close_call(call &c, pbw_cuda_mesh *mesh)
     (void)cudaGetLastError();
 }
 
-/* The input of a job on the device; strided input is packed on the host first. */
+bool is_packed(const pbw_job *job)
+{
+    const size_t size = job->is_float ? sizeof(float) : sizeof(double);
+    return job->stride == (size_t)job->dim * size && (job->weights == NULL || job->weight_stride == size);
+}
+
+/* The input of a job on the device; strided input has been packed. */
 bool upload(call &c, input &in)
 {
-    pbw_job *job = c.job;
-    const void *points = job->points, *weights = job->weights;
-    size_t size = job->is_float ? sizeof(float) : sizeof(double);
+    const pbw_job *job = c.job;
+    const bool packed = is_packed(job);
+    const void *points = packed ? job->points : job->kept_points;
+    const void *weights = packed ? job->weights : job->kept_weights;
     char *on_device = NULL;
     in.dim = job->dim;
     in.count = job->count;
-    in.is_float = job->is_float;
+    in.is_float = packed && job->is_float;
     in.points = in.weights = NULL;
-    if (job->stride != (size_t)job->dim * size || (weights != NULL && job->weight_stride != size)) {
-        pbw_status status = job->keep(job);
-        if (status != PBW_OK) {
-            return fail(c, status, "the points could not be kept");
-        }
-        points = job->kept_points;
-        weights = job->kept_weights;
-        in.is_float = 0;
-        size = sizeof(double);
-    }
+    const size_t size = in.is_float ? sizeof(float) : sizeof(double);
     for (int part = 0; part < (weights != NULL ? 2 : 1); part++) {
         size_t bytes = job->count * size * (part == 0 ? (size_t)job->dim : 1);
         if (!allocate(c, on_device, bytes)
@@ -3881,64 +4281,144 @@ bool upload(call &c, input &in)
     return true;
 }
 
-pbw_status triangulate(const pbw_backend *backend, pbw_job *job)
+/* A card's part in a job. */
+void take_part(team *cards, int card, pbw_job *job, pbw_cuda_mesh *mesh)
 {
-    int device = *(const int *)backend->user, before = 0, devices = 0;
-    cudaError_t error = cudaGetDeviceCount(&devices);
-    pbw_cuda_mesh mesh;
     cudaStream_t stream = NULL;
     call c;
     input in;
-    memset(&mesh, 0, sizeof mesh);
     memset(&c, 0, sizeof c);
+    c.cards = cards;
+    c.card = card;
     c.job = job;
-    if (job->count < PBW_CUDA_FEW) {
-        decline(c, "so few points are quicker on the CPU");
-        job->declined = 1;
-        return c.status;
-    }
-    if (error != cudaSuccess || device >= devices) {
-        say(c, "device %d: %s", device, error != cudaSuccess ? cudaGetErrorString(error) : "there is no such device");
-        return PBW_ERROR_BACKEND;
-    }
-    if (!good(c, cudaGetDevice(&before), "cudaGetDevice") || !good(c, cudaSetDevice(device), "cudaSetDevice")) {
-        return c.status;
-    }
-    if (good(c, cudaStreamCreateWithFlags(&stream, cudaStreamNonBlocking), "no stream on the device")
-        && open_call(c, stream, job, job->dim, job->count, NULL, 0)
+    if (good(c, cudaSetDevice(cards->of[card].device), "cudaSetDevice")
+        && good(c, cudaStreamCreateWithFlags(&stream, cudaStreamNonBlocking), "no stream on the device")
+        && open_call(c, stream, job->dim, job->count)
         && good(c, cudaStreamCreateWithFlags(&c.copies, cudaStreamNonBlocking), "cudaStreamCreate")
-        && upload(c, in)) {
-        run(c, in, job->flags, &mesh);
+        && open_pool(c) && upload(c, in)) {
+        run(c, in, job->flags, mesh);
     }
-    job->duplicate_count = mesh.duplicate_count;
-    job->hidden_count = mesh.hidden_count;
-    job->declined = c.declined;
-    if (c.copies != NULL) { /* copies into the job's memory must end before it may be freed */
+    fall_out(c, NULL);
+    if (c.copies != NULL) {                          /* they must end before the job's memory may be freed */
+        wait(c, c.copies, PBW_STAGE_OUTPUT, 0.8);
         good(c, cudaStreamSynchronize(c.copies), "copying results");
         cudaStreamDestroy(c.copies);
     }
-    memset(&mesh, 0, sizeof mesh);
-    close_call(c, &mesh);
+    if (stream != NULL) {
+        good(c, cudaStreamSynchronize(stream), "waiting for the device");
+    }
+    fall_out(c, NULL);
+    meet_cards(c, true, 0.9);
+    close_call(c, NULL);
     if (stream != NULL) {
         good(c, cudaStreamSynchronize(stream), "waiting for the device");
         cudaStreamDestroy(stream);
     }
+}
+
+struct device_list {
+    pbw_backend backend;
+    int count, device[most_cards];
+    device_list *next;
+};
+
+pbw_status triangulate(const pbw_backend *backend, pbw_job *job)
+{
+    const device_list &list = *(const device_list *)backend->user;
+    int before = 0, devices = 0, helpers = 0;
+    cudaError_t error = cudaGetDeviceCount(&devices);
+    pbw_cuda_mesh mesh[most_cards];
+    std::thread helper[most_cards];
+    team cards;
+    char text[128];
+    memset(mesh, 0, sizeof mesh);
+    memset(cards.of, 0, sizeof cards.of);
+    cards.cards = list.count;
+    cards.here = cards.left = 0;
+    cards.meetings = 0;
+    cards.status = PBW_OK;
+    cards.declined = false;
+    if (job->count < PBW_CUDA_FEW) {
+        job->say(job, few_points);
+        job->declined = 1;
+        return PBW_ERROR_BACKEND;
+    }
+    for (int i = 0; i < list.count; i++) {
+        cards.of[i].device = list.device[i];
+        if (error != cudaSuccess || list.device[i] >= devices) {
+            snprintf(text, sizeof text, "device %d: %s", list.device[i],
+                     error != cudaSuccess ? cudaGetErrorString(error) : "there is no such device");
+            job->say(job, text);
+            return PBW_ERROR_BACKEND;
+        }
+    }
+    if (!is_packed(job)) {
+        pbw_status status = job->keep(job);
+        if (status != PBW_OK) {
+            return status;
+        }
+    }
+    cudaGetDevice(&before);
+    try {
+        for (; helpers + 1 < list.count; helpers++) {
+            helper[helpers] = std::thread(take_part, &cards, helpers + 1, job, &mesh[helpers + 1]);
+        }
+    } catch (...) {
+        std::lock_guard<std::mutex> hold(cards.lock);
+        cards.cards = helpers + 1;
+        cards.status = PBW_ERROR_THREAD;
+    }
+    take_part(&cards, 0, job, &mesh[0]);
+    for (int i = 0; i < helpers; i++) {
+        helper[i].join();
+    }
     cudaSetDevice(before);
-    return c.status;
+    job->duplicate_count = mesh[0].duplicate_count;
+    for (int i = 0; i < list.count; i++) {
+        job->hidden_count += mesh[i].hidden_count;
+    }
+    job->declined = cards.declined;
+    return (pbw_status)cards.status.load();
 }
 
 } /* namespace */
 
+extern "C" const pbw_backend *pbw_cuda_backend_multi(const int *devices, int count)
+{
+    static std::mutex lock;
+    static device_list *lists = NULL;                /* one for each list that was ever asked for */
+    device_list *list;
+    for (int i = 0; i < count; i++) {
+        if (devices[i] < 0) {
+            return NULL;
+        }
+    }
+    if (count < 1 || count > most_cards) {
+        return NULL;
+    }
+    std::lock_guard<std::mutex> hold(lock);
+    for (list = lists; list != NULL; list = list->next) {
+        if (list->count == count && memcmp(list->device, devices, (size_t)count * sizeof *devices) == 0) {
+            return &list->backend;
+        }
+    }
+    list = (device_list *)malloc(sizeof *list);
+    if (list == NULL) {
+        return NULL;
+    }
+    list->backend.version = PBW_VERSION;
+    list->backend.triangulate = triangulate;
+    list->backend.user = list;
+    list->count = count;
+    memcpy(list->device, devices, (size_t)count * sizeof *devices);
+    list->next = lists;
+    lists = list;
+    return &list->backend;
+}
+
 extern "C" const pbw_backend *pbw_cuda_backend(int device)
 {
-    static const int number[8] = { 0, 1, 2, 3, 4, 5, 6, 7 };
-    static const pbw_backend backend[8] = {
-        { PBW_VERSION, triangulate, (void *)&number[0] }, { PBW_VERSION, triangulate, (void *)&number[1] },
-        { PBW_VERSION, triangulate, (void *)&number[2] }, { PBW_VERSION, triangulate, (void *)&number[3] },
-        { PBW_VERSION, triangulate, (void *)&number[4] }, { PBW_VERSION, triangulate, (void *)&number[5] },
-        { PBW_VERSION, triangulate, (void *)&number[6] }, { PBW_VERSION, triangulate, (void *)&number[7] }
-    };
-    return device >= 0 && device < 8 ? &backend[device] : NULL;
+    return pbw_cuda_backend_multi(&device, 1);
 }
 
 extern "C" pbw_status pbw_cuda_triangulate(int dim, int is_float, const void *points, const void *weights,
@@ -3951,7 +4431,10 @@ extern "C" pbw_status pbw_cuda_triangulate(int dim, int is_float, const void *po
         return PBW_ERROR_ARGUMENT;
     }
     memset(mesh, 0, sizeof *mesh);
-    if (open_call(c, (cudaStream_t)stream, NULL, dim, count, message, message_size)) {
+    memset(&c, 0, sizeof c);
+    c.message = message;
+    c.message_size = message_size;
+    if (open_call(c, (cudaStream_t)stream, dim, count)) {
         run(c, in, flags, mesh);
     }
     if (c.status != PBW_OK) {                        /* everything is still in the list of blocks */
@@ -3978,7 +4461,6 @@ extern "C" pbw_status pbw_cuda_check(const pbw_cuda_mesh *mesh, int is_float, co
                                      void *stream, pbw_report *report, char *message, size_t message_size)
 {
     call c;
-    pbw_cuda_mesh keeps_nothing;
     if (report != NULL) {
         memset(report, 0, sizeof *report);
         report->what = "";
@@ -3989,11 +4471,13 @@ extern "C" pbw_status pbw_cuda_check(const pbw_cuda_mesh *mesh, int is_float, co
         || mesh->simplices == NULL || mesh->neighbors == NULL || mesh->incident == NULL || mesh->canonical == NULL) {
         return PBW_ERROR_ARGUMENT;
     }
-    memset(&keeps_nothing, 0, sizeof keeps_nothing);
-    if (open_call(c, (cudaStream_t)stream, NULL, mesh->dim, 0, message, message_size)) {
+    memset(&c, 0, sizeof c);
+    c.message = message;
+    c.message_size = message_size;
+    if (open_call(c, (cudaStream_t)stream, mesh->dim, 0)) {
         input in = { points, weights, mesh->point_count, mesh->dim, is_float };
         report->valid = mesh->dim == 3 ? check_mesh<3>(c, *mesh, in, report) : check_mesh<2>(c, *mesh, in, report);
     }
-    close_call(c, &keeps_nothing);
+    close_call(c, NULL);
     return c.status;
 }

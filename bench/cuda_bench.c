@@ -1,12 +1,14 @@
 /* cuda_bench.c: pbw_cuda.cu measured, and checked against the CPU in the same run
 
-       build/cuda_bench [--quick] [--cpu N] [--runs N] [KIND:DIM:COUNT[:w] ...]
+       build/cuda_bench [--quick] [--cpu N] [--runs N] [--cards N] [KIND:DIM:COUNT[:w] ...]
 
    device     from points on the device to arrays on the device: best and median of the runs, and its phases
    check      pbw_cuda_check of the result; a fault makes the exit status 1
    host       pbw_triangulate with the backend, from host memory to host memory: the same.  Points and results are in
               pinned blocks that were touched before, which options.resize hands out again; pageable: the same with
               malloc'd memory that is new to the process.
+   cards      the same by a team of --cards devices, the devices there are in turn: its arrays equal those of one, and
+              its time is compared with that of one
    CPU        pbw_triangulate without the backend on all threads, once, for up to --cpu points (1e6): the arrays are
               equal, byte for byte, or the row says DIFFERENT and the exit status is 1
    The first run of each row warms up and is not counted.  Memory stays in the device's pool between runs. */
@@ -91,7 +93,28 @@ static int equal(const pbw_mesh *a, const pbw_mesh *b)
         && memcmp(a->canonical, b->canonical, each) == 0;
 }
 
-static int row(const char *kind_name, int dim, size_t count, int weighted, int runs, size_t cpu_most, keeper *memory)
+/* Host to host, runs times after one to warm up: sorted times; whether the backend made the mesh. */
+static pbw_status host_to_host(int dim, const double *points, const double *weights, size_t count,
+                               const pbw_options *options, int runs, double *times, pbw_mesh *mesh)
+{
+    pbw_status status = PBW_OK;
+    int run;
+    for (run = 0; run <= runs && status == PBW_OK; run++) {
+        double start = seconds();
+        pbw_free(mesh);
+        start = seconds();
+        status = pbw_triangulate(dim, points, weights, count, options, mesh);
+        times[run > 0 ? run - 1 : 0] = seconds() - start;
+        if (!mesh->statistics.by_backend) {
+            return status;
+        }
+    }
+    qsort(times, (size_t)runs, sizeof times[0], compare_doubles);
+    return status;
+}
+
+static int row(const char *kind_name, int dim, size_t count, int weighted, int runs, size_t cpu_most, int cards,
+               keeper *memory)
 {
     static const char *const phase[8] = { "order", "boxes", "near", "far", "count", "simplices", "neighbors", "all" };
     int kind, run, i, fault = 0, by_backend = 0;
@@ -125,7 +148,7 @@ static int row(const char *kind_name, int dim, size_t count, int weighted, int r
         if (weighted) {
             cudaMemcpy(weights_on_device, weights, count * sizeof(double), cudaMemcpyHostToDevice);
         }
-        for (run = 0; run <= runs && status == PBW_OK; run++) {
+        for (run = 0; run <= runs && (status == PBW_OK || run == 1); run++) {
             double start;
             cudaDeviceSynchronize();
             start = seconds();
@@ -161,7 +184,7 @@ static int row(const char *kind_name, int dim, size_t count, int weighted, int r
         }
     }
     if (status != PBW_OK) {
-        printf("  device    %s: %s\n", pbw_status_string(status), message);
+        printf("  device    %s after %.2f ms: %s\n", pbw_status_string(status), 1e3 * times[0], message);
     }
     cudaFree(points_on_device);
     cudaFree(weights_on_device);
@@ -171,25 +194,41 @@ static int row(const char *kind_name, int dim, size_t count, int weighted, int r
     options.message_size = sizeof message;
     options.resize = keeper_resize;
     options.resize_user = memory;
-    for (run = 0; run <= runs; run++) {
-        double start;
-        if (run > 0) {
-            pbw_free(&mesh);
-        }
-        start = seconds();
-        status = pbw_triangulate(dim, points, weights, count, &options, &mesh);
-        times[run > 0 ? run - 1 : 0] = seconds() - start;
-        by_backend = mesh.statistics.by_backend;
-        if (status != PBW_OK || !by_backend) {
-            break;
-        }
-    }
+    status = host_to_host(dim, points, weights, count, &options, runs, times, &mesh);
+    by_backend = mesh.statistics.by_backend;
     if (status == PBW_OK && by_backend) {
-        qsort(times, (size_t)runs, sizeof times[0], compare_doubles);
         printf("  host      best %.2f median %.2f ms, pinned and touched\n", 1e3 * times[0], 1e3 * times[runs / 2]);
     } else {
         printf("  host      %s, %s: %s\n", pbw_status_string(status), by_backend ? "GPU" : "by the CPU", message);
         fault |= status != PBW_OK;
+    }
+    fflush(stdout);
+    if (cards > 1) {
+        int device[16], devices = 1;
+        double team_times[RUNS_MOST];
+        pbw_mesh other;
+        memset(&other, 0, sizeof other);
+        cudaGetDeviceCount(&devices);
+        for (i = 0; i < cards; i++) {
+            device[i] = i % devices;
+        }
+        options.backend = pbw_cuda_backend_multi(device, cards);
+        message[0] = '\0';
+        status = host_to_host(dim, points, weights, count, &options, runs, team_times, &other);
+        printf("  cards     %d on %d devices: ", cards, cards < devices ? cards : devices);
+        if (status == PBW_OK && other.statistics.by_backend) {
+            int same = by_backend && equal(&mesh, &other);
+            printf("best %.2f median %.2f ms, %.2f times one: %s\n", 1e3 * team_times[0],
+                   1e3 * team_times[runs / 2], times[0] / team_times[0],
+                   same ? "equal" : by_backend ? "DIFFERENT" : "no mesh to compare with");
+            fault |= by_backend && !same;
+        } else {
+            printf("%s: %s\n", pbw_status_string(status), message);
+            fault |= status != PBW_OK;
+        }
+        pbw_free(&other);
+        status = by_backend ? PBW_OK : status;
+        options.backend = pbw_cuda_backend(0);
     }
     if (status == PBW_OK && by_backend && count <= 20000000) {
         pbw_mesh other;
@@ -227,7 +266,7 @@ int main(int argc, char **argv)
         "uniform:2:1000000:w", "lattice:2:1000000"
     };
     const char *const *rows = usual;
-    int i, runs = 5, fault = 0, device = 0, row_count = (int)(sizeof usual / sizeof usual[0]);
+    int i, runs = 5, fault = 0, device = 0, cards = 1, row_count = (int)(sizeof usual / sizeof usual[0]);
     size_t cpu_most = 1000000;
     cudaMemPool_t pool;
     uint64_t keep = UINT64_MAX;
@@ -240,11 +279,14 @@ int main(int argc, char **argv)
             row_count = (int)(sizeof quick / sizeof quick[0]);
         } else if (i + 1 < argc && strcmp(argv[i], "--cpu") == 0) {
             cpu_most = (size_t)strtod(argv[++i], NULL);
+        } else if (i + 1 < argc && strcmp(argv[i], "--cards") == 0) {
+            cards = atoi(argv[++i]);
+            cards = cards < 1 ? 1 : cards > 16 ? 16 : cards;
         } else if (i + 1 < argc && strcmp(argv[i], "--runs") == 0) {
             runs = atoi(argv[++i]);
             runs = runs < 1 ? 1 : runs > RUNS_MOST ? RUNS_MOST : runs;
         } else {
-            printf("usage: cuda_bench [--quick] [--cpu N] [--runs N] [KIND:DIM:COUNT[:w] ...]\n");
+            printf("usage: cuda_bench [--quick] [--cpu N] [--runs N] [--cards N] [KIND:DIM:COUNT[:w] ...]\n");
             return 2;
         }
     }
@@ -262,9 +304,10 @@ int main(int argc, char **argv)
     if (system("nvidia-smi --query-gpu=clocks.sm,clocks.mem,temperature.gpu,power.draw --format=csv,noheader") != 0) {
         printf("clocks unknown\n");
     }
-    if (cudaDeviceGetDefaultMemPool(&pool, device) == cudaSuccess) {
+    for (device = 0; cudaDeviceGetDefaultMemPool(&pool, device) == cudaSuccess; device++) {
         cudaMemPoolSetAttribute(pool, cudaMemPoolAttrReleaseThreshold, &keep);
     }
+    (void)cudaGetLastError();
     for (i = 0; i < row_count; i++) {
         char kind[32], weights = 0;
         int dim;
@@ -273,7 +316,7 @@ int main(int argc, char **argv)
             printf("%s: not KIND:DIM:COUNT[:w]\n", rows[i]);
             return 2;
         }
-        fault |= row(kind, dim, (size_t)count, weights == 'w', runs, cpu_most, &memory);
+        fault |= row(kind, dim, (size_t)count, weights == 'w', runs, cpu_most, cards, &memory);
     }
     if (system("nvidia-smi --query-gpu=clocks.sm,clocks_throttle_reasons.active --format=csv,noheader") != 0) {
         printf("clocks unknown\n");

@@ -1,5 +1,6 @@
 /* cuda_test.c: pbw_cuda.cu against the CPU, byte for byte: the zoo, and all kinds of points and weights at sizes that
-   reach every rung.  Linked with a pbw_cuda.cu that was compiled for few points too (PBW_CUDA_FEW). */
+   reach every rung, each by one device and by a team of 2 to 16, the devices there are in turn.  Linked with a
+   pbw_cuda.cu that was compiled for few points too (PBW_CUDA_FEW). */
 #define PBW_IMPLEMENTATION
 #include "../pbw.h"
 #include "test.h"
@@ -8,30 +9,52 @@
 
 static long by_gpu, by_cpu;                     /* builds of PBW_OK, by who made them */
 
-/* Both builds of one input, and the comparison. */
+static const pbw_backend *team_of(int cards)
+{
+    int device[16], devices = 1, i;
+    CHECK(cudaGetDeviceCount(&devices) == cudaSuccess && cards <= 16);
+    for (i = 0; i < cards; i++) {
+        device[i] = i % devices;
+    }
+    return pbw_cuda_backend_multi(device, cards);
+}
+
+/* All builds of one input, and the comparison. */
 static void compare(int dim, const double *points, const double *weights, size_t count, unsigned flags)
 {
     pbw_mesh cpu, gpu;
     pbw_options options;
     pbw_status expected, status;
     char message[256] = "";
+    static const int teams[6] = { 1, 2, 3, 4, 7, 16 };
+    int i, alone = 0;
     memset(&options, 0, sizeof options);
     options.flags = flags;
     expected = pbw_triangulate(dim, points, weights, count, &options, &cpu);
-    options.backend = pbw_cuda_backend(0);
     options.message = message;
     options.message_size = sizeof message;
-    status = pbw_triangulate(dim, points, weights, count, &options, &gpu);
-    if (!CHECK_EQUAL(status, expected)) {
-        test_say("%s", message);
-    }
-    if (status == expected && (status == PBW_OK || status == PBW_DEGENERATE)) {
-        CHECK(meshes_equal(&cpu, &gpu));
-        by_gpu += status == PBW_OK && gpu.statistics.by_backend;
-        by_cpu += status == PBW_OK && !gpu.statistics.by_backend;
+    for (i = 0; i < (count < 1000 ? 6 : 2); i++) {
+        int cards = teams[i == 0 || count < 1000 ? i : 1 + (by_gpu + by_cpu) % 5];
+        options.backend = i == 0 ? pbw_cuda_backend(0) : team_of(cards);
+        status = pbw_triangulate(dim, points, weights, count, &options, &gpu);
+        if (!CHECK_EQUAL(status, expected)) {
+            test_say("%d cards: %s", cards, message);
+        }
+        if (status == expected && (status == PBW_OK || status == PBW_DEGENERATE)) {
+            if (!CHECK(meshes_equal(&cpu, &gpu))) {
+                test_say("%d cards", cards);
+            }
+            if (i == 0) {
+                alone = gpu.statistics.by_backend;
+                by_gpu += status == PBW_OK && alone;
+                by_cpu += status == PBW_OK && !alone;
+            } else if (alone && !CHECK(gpu.statistics.by_backend)) {
+                test_say("%d cards: %s", cards, message);
+            }
+        }
+        pbw_free(&gpu);
     }
     pbw_free(&cpu);
-    pbw_free(&gpu);
 }
 
 static void test_zoo(void)
@@ -137,7 +160,7 @@ static void test_forms(void)
         options.stride = 4 * sizeof *points;
         options.backend = NULL;
         pbw_triangulate(3, points, NULL, count, &options, &a);
-        options.backend = pbw_cuda_backend(0);
+        options.backend = team_of(2);
         CHECK_EQUAL(pbw_triangulate(3, points, NULL, count, &options, &b), PBW_OK);
         CHECK(b.statistics.by_backend && meshes_equal(&a, &b));
         pbw_free(&a);
@@ -332,6 +355,16 @@ static int stop_at_once(void *user, pbw_stage stage, double done)
     return stage == PBW_STAGE_BUILD;
 }
 
+static long calls, stop_at;                     /* of progress */
+
+static int stop_later(void *user, pbw_stage stage, double done)
+{
+    (void)user;
+    (void)stage;
+    (void)done;
+    return ++calls >= stop_at;
+}
+
 static void *no_more(void *user, void *block, size_t old_size, size_t new_size)
 {
     size_t *left = (size_t *)user;
@@ -354,12 +387,19 @@ static void test_failures(void)
     char message[256] = "";
     pbw_options options;
     pbw_mesh mesh;
+    int cards;
     input_fill(INPUT_UNIFORM, 3, count, 1, points);
     memset(&options, 0, sizeof options);
     options.message = message;
     options.message_size = sizeof message;
     if (test_begin("no such device")) {
-        CHECK(pbw_cuda_backend(-1) == NULL);
+        const int device[2] = { 0, 63 }, wrong[2] = { 0, -1 };
+        CHECK(pbw_cuda_backend(-1) == NULL && pbw_cuda_backend_multi(wrong, 2) == NULL
+              && pbw_cuda_backend_multi(device, 0) == NULL && pbw_cuda_backend_multi(device, 17) == NULL
+              && pbw_cuda_backend_multi(device, 2) == pbw_cuda_backend_multi(device, 2));
+        options.backend = pbw_cuda_backend_multi(device, 2);
+        CHECK_EQUAL(pbw_triangulate(3, points, NULL, count, &options, &mesh), PBW_ERROR_BACKEND);
+        CHECK(strncmp(message, "device 63", 9) == 0 && meshes_is_empty(&mesh));
         options.backend = pbw_cuda_backend(7);
         CHECK_EQUAL(pbw_triangulate(3, points, NULL, count, &options, &mesh), PBW_ERROR_BACKEND);
         CHECK(message[0] != '\0' && meshes_is_empty(&mesh));
@@ -370,39 +410,65 @@ static void test_failures(void)
         options.flags = 0;
         test_end();
     }
-    options.backend = pbw_cuda_backend(0);
-    if (test_begin("cancelled")) {
-        options.progress = stop_at_once;
-        CHECK_EQUAL(pbw_triangulate(3, points, NULL, count, &options, &mesh), PBW_CANCELLED);
-        CHECK(meshes_is_empty(&mesh));
-        options.progress = NULL;
-        test_end();
-    }
-    if (test_begin("out of memory on the host")) {
-        size_t left;
-        for (left = 1000; left < 30000000; left = left * 3 / 2) {
-            size_t available = left;
-            pbw_status status;
-            options.resize = no_more;
-            options.resize_user = &available;
-            status = pbw_triangulate(3, points, NULL, count, &options, &mesh);
-            CHECK(status == PBW_OK || (status == PBW_ERROR_MEMORY && meshes_is_empty(&mesh)));
-            pbw_free(&mesh);
+    for (cards = 1; cards <= 3; cards++) {
+        options.backend = team_of(cards);
+        if (test_begin("cancelled, %d cards", cards)) {
+            options.progress = stop_at_once;
+            CHECK_EQUAL(pbw_triangulate(3, points, NULL, count, &options, &mesh), PBW_CANCELLED);
+            CHECK(meshes_is_empty(&mesh));
+            options.progress = stop_later;
+            for (stop_at = 1, calls = 1; calls >= stop_at; stop_at = 2 * stop_at + 1) {
+                pbw_status status;
+                calls = 0;
+                status = pbw_triangulate(3, points, NULL, count, &options, &mesh);
+                CHECK_EQUAL(status, calls >= stop_at ? PBW_CANCELLED : PBW_OK);
+                CHECK(status == PBW_OK || meshes_is_empty(&mesh));
+                pbw_free(&mesh);
+            }
+            options.progress = NULL;
+            test_end();
         }
-        test_end();
+        if (test_begin("out of memory on the host, %d cards", cards)) {
+            size_t left;
+            for (left = 1000; left < 30000000; left = left * 3 / 2) {
+                size_t available = left;
+                pbw_status status;
+                options.resize = no_more;
+                options.resize_user = &available;
+                status = pbw_triangulate(3, points, NULL, count, &options, &mesh);
+                CHECK(status == PBW_OK || (status == PBW_ERROR_MEMORY && meshes_is_empty(&mesh)));
+                pbw_free(&mesh);
+            }
+            options.resize = NULL;
+            test_end();
+        }
+        if (test_begin("memory limit, %d cards", cards)) {
+            size_t needed = 0, said = 0, limit;
+            options.memory_limit = limit = count * 200;
+            CHECK_EQUAL(pbw_triangulate(3, points, NULL, count, &options, &mesh), PBW_ERROR_BACKEND);
+            if (!CHECK(sscanf(message, "too little device memory: %zu bytes are needed, %zu are available", &needed,
+                              &said) == 2 && needed > limit && said == limit && meshes_is_empty(&mesh))) {
+                test_say("%s", message);
+            }
+            options.flags = PBW_BACKEND_OR_CPU;
+            CHECK_EQUAL(pbw_triangulate(3, points, NULL, count, &options, &mesh), PBW_ERROR_MEMORY);
+            options.memory_limit = limit = count * 320;
+            CHECK_EQUAL(pbw_triangulate(3, points, NULL, count, &options, &mesh), PBW_OK);
+            CHECK((cards > 1 || !mesh.statistics.by_backend) && mesh.statistics.peak_bytes <= limit);
+            pbw_free(&mesh);
+            options.flags = 0;
+            limit = count * (cards == 1 ? 680 : cards == 2 ? 400 : 320);      /* a share needs less */
+            options.memory_limit = limit;
+            if (!CHECK_EQUAL(pbw_triangulate(3, points, NULL, count, &options, &mesh), PBW_OK)) {
+                test_say("%s", message);
+            }
+            CHECK(mesh.statistics.by_backend && mesh.statistics.peak_bytes <= limit);
+            pbw_free(&mesh);
+            options.memory_limit = 0;
+            test_end();
+        }
     }
-    options.resize = NULL;
-    if (test_begin("memory limit")) {
-        options.memory_limit = count * 100;
-        CHECK_EQUAL(pbw_triangulate(3, points, NULL, count, &options, &mesh), PBW_ERROR_MEMORY);
-        CHECK(meshes_is_empty(&mesh));
-        options.memory_limit = count * 400;
-        CHECK_EQUAL(pbw_triangulate(3, points, NULL, count, &options, &mesh), PBW_OK);
-        CHECK(mesh.statistics.by_backend && mesh.statistics.peak_bytes <= options.memory_limit);
-        pbw_free(&mesh);
-        options.memory_limit = 0;
-        test_end();
-    }
+    options.backend = pbw_cuda_backend(0);
     if (test_begin("too little device memory")) {
         const size_t many = 2000000;                        /* 48 MB, to build more than 300 bytes each, 600 MB */
         size_t left, available, all, needed, said;
