@@ -2435,7 +2435,7 @@ typedef struct pbw__store {
 } pbw__store;
 
 /* One thread's view of a triangulation, with the scratch memory of one insertion. */
-#define PBW__CLAIMS 128                              /* cells that a task takes for one vertex, at most */
+#define PBW__CLAIMS 2048                             /* cells that a task takes, at most */
 #define PBW__NOBODY 255                              /* the owner of a cell that any task may take */
 
 typedef struct pbw__kernel {
@@ -2459,8 +2459,11 @@ typedef struct pbw__kernel {
 
     uint8_t *owner;                                  /* >>parallel: whose each cell is; NULL: all are ours */
     uint8_t me;
-    int claim_count;                                 /* cells taken for this vertex */
+    int owner_bits;                                  /* vertex >> owner_bits is the number of its cell */
+    int may_claim, claim_count, hold;                /* whether we may take cells, how many we took, may hold */
     pbw_index claim[PBW__CLAIMS];
+    unsigned doubt;                                  /* how many vertices of a cell were left, and which cell */
+    size_t doubt_cell;
     int no_room;                                     /* the store has no more blocks */
     pbw_index *left;                                 /* vertices left for the next round */
     size_t left_count, left_capacity, done, reported;
@@ -2816,12 +2819,13 @@ static PBW__NOINLINE unsigned pbw__exit2(const pbw__kernel *kernel, pbw_index t,
 /* >>parallel: whether we own a vertex, may delete a simplex, may cross a facet.  The ghost is nobody's in 3D,
    everybody's in 2D. */
 
-/* Takes a cell that is nobody's; 0 = another task was quicker, or we have too many. */
+/* Takes a cell that is nobody's; 0 = another task was quicker, or we have too many, or may not. */
 static PBW__NOINLINE int pbw__claim(pbw__kernel *kernel, size_t cell)
 {
     uint8_t nobody = PBW__NOBODY;
     PBW_PAUSE();
-    if (kernel->claim_count == PBW__CLAIMS || !PBW__TAKE(kernel->owner + cell, &nobody, kernel->me)) {
+    if (!kernel->may_claim || kernel->claim_count == PBW__CLAIMS
+        || !PBW__TAKE(kernel->owner + cell, &nobody, kernel->me)) {
         return 0;
     }
     kernel->claim[kernel->claim_count++] = (pbw_index)cell;
@@ -2836,7 +2840,7 @@ PBW__INLINE int pbw__owns_cell(pbw__kernel *kernel, size_t cell)
 
 PBW__INLINE int pbw__owns(pbw__kernel *kernel, pbw_index v)
 {
-    return v != PBW__GHOST && pbw__owns_cell(kernel, v >> kernel->store->cell_bits);
+    return v != PBW__GHOST && pbw__owns_cell(kernel, v >> kernel->owner_bits);
 }
 
 PBW__INLINE int pbw__may_delete(pbw__kernel *kernel, pbw_index t)
@@ -3163,7 +3167,7 @@ typedef struct pbw__search {
 PBW__INLINE int pbw__owns_all(const pbw__kernel *kernel, const pbw_index *v)
 {
     const uint8_t *owner = kernel->owner;
-    int bits = kernel->store->cell_bits, me = kernel->me;
+    int bits = kernel->owner_bits, me = kernel->me;
     return v[0] != PBW__GHOST && v[1] != PBW__GHOST && v[2] != PBW__GHOST && v[3] != PBW__GHOST
         && ((PBW__LOAD(owner + (v[0] >> bits)) ^ me) | (PBW__LOAD(owner + (v[1] >> bits)) ^ me)
             | (PBW__LOAD(owner + (v[2] >> bits)) ^ me) | (PBW__LOAD(owner + (v[3] >> bits)) ^ me)) == 0;
@@ -3713,7 +3717,7 @@ static void pbw__leave_region(pbw__kernel *kernel)
     if (kernel->region != (size_t)-1) {
         store->region[kernel->region] = (pbw_index)kernel->fresh;
         if (kernel->last != kernel->last_entered) {
-            store->hint[kernel->region] = kernel->last;
+            PBW__STORE(store->hint + kernel->region, kernel->last);
         }
         kernel->region = (size_t)-1;
     }
@@ -4757,8 +4761,8 @@ static pbw_status pbw__kernel_create(pbw__kernel *kernel, pbw__context *context,
    In: a triangulation, the vertices to insert.  Out: the triangulation with them.   (Marot, Pellerin & Remacle 2019,
    "One machine, one minute, three billion tetrahedra", from whom the rule of ownership is)
 
-   Vertices are owned in cells, the runs of ranks of >>mesh's regions; a cell has one owner at a time, a task.  A task
-   in 3D
+   Vertices are owned in cells, runs of ranks: one of >>mesh's regions, or in coarse levels as many of them as hold 16
+   vertices by the end of the level.  A cell has one owner at a time, a task.  A task in 3D
      - deletes a simplex only if it owns three of its vertices,
      - walks through a facet only if it owns two of its vertices;
    in 2D it deletes a triangle only if it owns all its finite vertices, and walks through an edge if it owns one of
@@ -4766,9 +4770,11 @@ static pbw_status pbw__kernel_create(pbw__kernel *kernel, pbw__context *context,
    ever waits.
 
    In the first round each task owns an equal run of the curve, and inserts the vertices there.  Those that are left
-   lie along the borders.  In the next rounds the cells are nobody's: for each vertex a task takes the cells that the
-   insertion turns out to need, and gives them back when it is done.  Of two tasks at the same cells one leaves its
-   vertex; that is rare, because what tasks take is little of what there is.
+   lie along the borders.  When a task is through with its run it gives the cells back, so that they are nobody's, and
+   comes to the vertices that it left: for these, as in the next rounds, it takes the cells that the insertion turns
+   out to need.  The next vertex is often near, so it holds them, and gives all back when they are many, when it has
+   to leave a vertex, and at the end.  Of two tasks at the same cells one leaves its vertex; that is rare, because
+   what tasks hold is little of what there is.
 
    Why no word is written by one task while another reads or writes it, in 3D.  Call a simplex mine if I own two of
    its vertices: nobody else then owns three, so nobody else deletes it, and its corners do not change under me.
@@ -4783,8 +4789,10 @@ static pbw_status pbw__kernel_create(pbw__kernel *kernel, pbw__context *context,
      tail.  The count of these is atomic, in relaxed order: it numbers slots, and what the slots hold is handed over
      at the end of a round (>>threads).
      (e) A cell's hint, where walks start, is a simplex with two vertices in the cell: mine, if the cell is.  Who
-     deletes it owns the cell, and puts another one in its place.  The hint, and what is left of the cell's region,
-     are the owner's to read and write.
+     deletes it owns the cell, and puts another one in its place, or none, before giving the cell back; until then
+     the slot is still that task's own.  (In a run that a task owns, two vertices in the run will do.)  The hint, and
+     what is left of the cell's regions, are the owner's to read and write; others only look whether there is a hint,
+     before they take the cell, therefore hints are written atomically, in relaxed order.
    In 2D call a triangle mine if I own one of its vertices: nobody else then owns all of them.  Both ends of an edge
    of a triangle that I may delete are mine or the ghost, and one at least is finite; the rest is the same, with one
    vertex in the hint's cell.  Two tasks may share an edge's ghost end only, and a mark is written only when its
@@ -4795,12 +4803,15 @@ static pbw_status pbw__kernel_create(pbw__kernel *kernel, pbw__context *context,
    writes, now or later, both own a vertex of the same simplex: of four vertices one owns three and the other two; of
    a facet's three vertices both own two.
 
-   Why it ends.  A round that leaves more than seven tenths of its vertices is the last of its level.  What is left
-   then, or is too little to be worth a round, is inserted by one thread, which owns everything, before the next level
-   begins: vertices near the hull are among it, and cavities there would grow from level to level without them.
+   Why it ends.  A round of T tasks that inserts less than one in T of its vertices was no better than one thread, and
+   is the last of its level.  What is left then, or is too little to be worth a round, is inserted by one thread,
+   which owns everything, before the next level begins: vertices near the hull are among it, and cavities there would
+   grow from level to level without them.
    ------------------------------------------------------------------------------------------------------ */
 #define PBW__PARTS 255
 #define PBW__LEAST_PART ((size_t)PBW__SMALLER(2048)) /* vertices of a part, below which borders are everything */
+#define PBW__HOLD 64                                 /* cells that a task holds from vertex to vertex, at most */
+#define PBW__BATCH ((size_t)64)                      /* vertices that a task comes to at a time */
 #define PBW__LEAST_SHARE 8                           /* vertices left for each task, below which one does them all */
 
 typedef struct pbw__build {
@@ -4812,86 +4823,166 @@ typedef struct pbw__build {
     uint32_t trace;                                  /* 256 * the round */
     int kernel_count, parts;
     uint8_t *owner;                                  /* per cell */
+    size_t next[PBW__PARTS];                         /* per share of the vertices left: the next one */
     size_t stride, coarser;                          /* the level: ranks divisible by stride, not by coarser */
-    int backwards, claiming;
+    int backwards;
+    int owner_bits;                                  /* of the level's cells */
     pbw_index seed[4];
     pbw_index *left;                                 /* vertices left */
     size_t left_count, left_capacity;
     size_t done;
 } pbw__build;
 
-static void pbw__level_begin(pbw__build *build, int part)
+/* Cells of a level hold several regions where few vertices of a region are in yet: a cell's first region. */
+PBW__INLINE size_t pbw__first_region(const pbw__build *build, size_t cell)
+{
+    size_t region = cell << (build->owner_bits - build->store->cell_bits);
+    return region < build->store->region_count ? region : build->store->region_count;
+}
+
+static void pbw__level_begin(pbw__build *build, int part, int may_claim)
 {
     pbw__kernel *kernel = build->kernel[part];
-    size_t c;
     pbw__kernel_attach(kernel);                      /* the store may have moved */
     kernel->owner = build->owner;
+    kernel->owner_bits = build->owner_bits;
     kernel->me = (uint8_t)part;
+    kernel->may_claim = may_claim;
     kernel->region = (size_t)-1;
     kernel->last = PBW_NONE;
     kernel->left_count = 0;
     kernel->claim_count = 0;
+    kernel->hold = PBW__HOLD;
+    kernel->doubt_cell = (size_t)-1;
+    kernel->facet_count = 0;
     kernel->no_room = 0;
     kernel->status = PBW_OK;
-    for (c = 0; c < build->store->region_count && kernel->last == PBW_NONE && !build->claiming; c++) {
-        kernel->last = build->owner[c] == part ? build->store->hint[c] : PBW_NONE;
-    }
 }
 
-/* Has a simplex enough corners in these cells to be mine if they are? */
-PBW__INLINE int pbw__is_in_cells(const pbw__store *store, pbw_index t, size_t begin, size_t end, int dim)
+/* Has a simplex enough corners among the vertices begin, ..., end - 1 to be mine if they are? */
+PBW__INLINE int pbw__is_among(const pbw__store *store, pbw_index t, size_t begin, size_t end, int dim)
 {
     int count = 0, k;
     for (k = 0; t != PBW_NONE && k <= dim && store->corner[4 * (size_t)t] != PBW_NONE; k++) {
         pbw_index v = store->corner[4 * (size_t)t + (size_t)k];
-        count += v != PBW__GHOST && v >> store->cell_bits >= begin && v >> store->cell_bits < end;
+        count += v != PBW__GHOST && v >= begin && v < end;
     }
     return count + 1 >= dim;
 }
 
-/* The hint of a cell that we hold, if it was deleted, and in any case in the cell of the vertex, where the next one
-   may be near: a simplex of the star. */
-static void pbw__renew_hint(pbw__kernel *kernel, size_t cell, size_t here)
+/* A simplex of the star of a vertex becomes the hint of its cell: the next one may be near. */
+static void pbw__renew_hint(pbw__build *build, pbw__kernel *kernel, pbw_index vertex)
 {
-    pbw_index *hint = kernel->store->hint + cell, old = *hint;
-    const int dim = kernel->dim, valid = pbw__is_in_cells(kernel->store, old, cell, cell + 1, dim);
+    const int dim = kernel->dim;
+    const size_t cell = vertex >> build->owner_bits;
     size_t i;
-    *hint = PBW_NONE;
-    for (i = 0; i < kernel->facet_count && *hint == PBW_NONE && (!valid || cell == here); i++) {
-        pbw_index t = kernel->cavity[i];
-        *hint = pbw__is_in_cells(kernel->store, t, cell, cell + 1, dim) ? t : PBW_NONE;
+    for (i = 0; i < kernel->facet_count; i++) {
+        if (pbw__is_among(build->store, kernel->cavity[i], cell << build->owner_bits,
+                          (cell + 1) << build->owner_bits, dim)) {
+            PBW__STORE(build->store->hint + pbw__first_region(build, cell), kernel->cavity[i]);
+            return;
+        }
     }
-    *hint = *hint == PBW_NONE && valid ? old : *hint;
 }
 
-/* Inserts a vertex with cells that are taken for it and then given back. */
-static pbw_status pbw__insert_claiming(pbw__kernel *kernel, pbw_index v)
+/* Hints from the last star for those of our cells that have none. */
+static void pbw__find_hints(pbw__build *build, pbw__kernel *kernel)
 {
-    pbw__store *store = kernel->store;
-    size_t cell = v >> store->cell_bits, created = kernel->statistics.created, k;
-    pbw_status status = PBW__LEFT;
-    int i;
-    kernel->last = PBW_NONE;
-    for (k = 0; k < 8 && kernel->last == PBW_NONE && pbw__owns_cell(kernel, cell); k++) {        /* a start nearby */
-        size_t near = (k & 1) != 0 ? cell + (k + 1) / 2 : cell - k / 2;
-        kernel->last = near < store->region_count && pbw__owns_cell(kernel, near) ? store->hint[near] : PBW_NONE;
+    const int dim = kernel->dim;
+    size_t i;
+    int k, m;
+    for (i = 0; i < kernel->facet_count; i++) {
+        const pbw_index t = kernel->cavity[i], *v = kernel->corner + 4 * (size_t)t;
+        for (k = dim - 2; k <= dim; k++) {
+            const size_t cell = v[k] >> build->owner_bits;
+            pbw_index *hint = build->store->hint + pbw__first_region(build, cell);
+            int enough = dim == 2;
+            for (m = 0; m < k; m++) {
+                enough |= v[m] != PBW__GHOST && v[m] >> build->owner_bits == cell;
+            }
+            if (enough && v[k] != PBW__GHOST && PBW__LOAD(kernel->owner + cell) == kernel->me && *hint == PBW_NONE) {
+                PBW__STORE(hint, t);
+            }
+        }
     }
-    if (kernel->last != PBW_NONE) {
-        status = kernel->insert(kernel, v);
-    }
-    if (status != PBW_OK && status != PBW__LEFT) {
-        return status;                               /* what it was at is in no order: the cells stay taken */
-    }
-    for (i = 0; i < kernel->claim_count && kernel->statistics.created > created; i++) {
-        pbw__renew_hint(kernel, kernel->claim[i], cell);
-    }
-    kernel->last_entered = kernel->last;             /* not to be a hint */
+}
+
+/* Gives back all cells that were taken, with hints that are in them. */
+static void pbw__give_back(pbw__build *build, pbw__kernel *kernel)
+{
+    int i, missing = 0;
     pbw__leave_region(kernel);
+    for (i = 0; i < kernel->claim_count; i++) {
+        const size_t cell = kernel->claim[i];
+        pbw_index *hint = build->store->hint + pbw__first_region(build, cell);
+        if (!pbw__is_among(build->store, *hint, cell << build->owner_bits, (cell + 1) << build->owner_bits,
+                           kernel->dim)) {
+            PBW__STORE(hint, PBW_NONE);
+            missing = 1;
+        }
+    }
+    if (missing) {
+        pbw__find_hints(build, kernel);
+    }
     while (kernel->claim_count > 0) {
         PBW__TELL(kernel->owner + kernel->claim[--kernel->claim_count], PBW__NOBODY);
         PBW_PAUSE();
     }
+    kernel->last = PBW_NONE;
+    kernel->facet_count = 0;
+}
+
+/* Takes the cell of a vertex, and if need be one nearby that has a start for the walk. */
+static int pbw__take_start(pbw__build *build, pbw__kernel *kernel, pbw_index v)
+{
+    pbw__store *store = build->store;
+    size_t cell = v >> build->owner_bits, k;
+    if (!pbw__owns_cell(kernel, cell)) {
+        return 0;
+    }
+    for (k = 0; k < 16 && kernel->last == PBW_NONE; k++) {
+        size_t near = (k & 1) != 0 ? cell + (k + 1) / 2 : cell - k / 2, region = pbw__first_region(build, near);
+        if (near <= build->vertices->count >> build->owner_bits && PBW__LOAD(store->hint + region) != PBW_NONE
+            && pbw__owns_cell(kernel, near)) {
+            pbw_index hint = store->hint[region];
+            kernel->last = hint != PBW_NONE && kernel->corner[4 * (size_t)hint] != PBW_NONE ? hint : PBW_NONE;
+        }
+    }
+    return kernel->last != PBW_NONE;
+}
+
+/* Inserts a vertex with cells that are taken for it, and held for the next ones, which are often near. */
+static pbw_status pbw__insert_claiming(pbw__build *build, pbw__kernel *kernel, pbw_index v)
+{
+    size_t created = kernel->statistics.created;
+    pbw_status status = pbw__take_start(build, kernel, v) ? kernel->insert(kernel, v) : PBW__LEFT;
+    if (status != PBW_OK && status != PBW__LEFT) {
+        return status;                               /* what it was at is in no order: the cells stay taken */
+    }
+    if (kernel->statistics.created > created) {
+        pbw__renew_hint(build, kernel, v);
+    } else {
+        kernel->facet_count = 0;
+    }
+    kernel->last_entered = kernel->last;             /* not to be a hint */
+    if (status == PBW__LEFT || kernel->claim_count > kernel->hold) {
+        pbw__give_back(build, kernel);
+    }
+    /* Where tasks are in each other's way, each holds less. */
+    kernel->hold = status == PBW__LEFT ? kernel->hold / 2 : kernel->hold < PBW__HOLD ? kernel->hold + 1 : PBW__HOLD;
     return status;
+}
+
+/* Whether a vertex is to be left untried: where the last ones of its cell were left it most likely would be too, and
+   half a cavity found in vain costs as much as it does to come back.  Every fourth is tried. */
+PBW__INLINE int pbw__is_doubtful(pbw__kernel *kernel, pbw_index v)
+{
+    size_t cell = v >> kernel->owner_bits;
+    if (cell != kernel->doubt_cell) {
+        kernel->doubt_cell = cell;
+        kernel->doubt = 0;
+    }
+    return kernel->doubt >= 2 && (++kernel->doubt & 3) != 1;
 }
 
 /* Inserts a vertex, or leaves it for later; 0 = stop. */
@@ -4902,7 +4993,14 @@ static int pbw__level_insert(pbw__build *build, pbw__kernel *kernel, pbw_index v
     if (v == build->seed[0] || v == build->seed[1] || v == build->seed[2] || v == build->seed[3]) {
         return 1;
     }
-    status = build->claiming ? pbw__insert_claiming(kernel, v) : kernel->insert(kernel, v);
+    if (kernel->owner == NULL) {
+        status = kernel->insert(kernel, v);
+    } else if (pbw__is_doubtful(kernel, v)) {
+        status = PBW__LEFT;
+    } else {
+        status = kernel->may_claim ? pbw__insert_claiming(build, kernel, v) : kernel->insert(kernel, v);
+        kernel->doubt = status == PBW__LEFT ? (kernel->doubt == 0 ? 1 : 2) : kernel->doubt > 1;
+    }
     if (status == PBW__LEFT) {
         if (!pbw__grow(kernel, &kernel->left, &kernel->left_capacity, kernel->left_count + 1, sizeof(pbw_index))) {
             kernel->status = PBW_ERROR_MEMORY;
@@ -4953,46 +5051,111 @@ static void pbw__level_ranks(pbw__build *build, pbw__kernel *kernel, size_t from
     }
 }
 
-/* The first rank, from 0, of a part of the first round. */
+/* The first cell of a part of the first round. */
 PBW__INLINE size_t pbw__part_begin(const pbw__build *build, int part)
 {
-    size_t cell = pbw__share(build->store->region_count, part, build->parts);
-    size_t v = cell << build->store->cell_bits;
-    return part == build->parts ? build->vertices->count : v == 0 ? 0 : v - 1;   /* as a rank from 0 */
+    return pbw__share((build->vertices->count >> build->owner_bits) + 1, part, build->parts);
 }
 
-static void pbw__first_round(void *arg, int part)
-{
-    pbw__build *build = (pbw__build *)arg;
-    pbw__level_begin(build, part);
-    pbw__level_ranks(build, build->kernel[part], pbw__part_begin(build, part), pbw__part_begin(build, part + 1));
-    pbw__leave_region(build->kernel[part]);
-}
-
-static void pbw__next_round(void *arg, int part)
-{
-    pbw__build *build = (pbw__build *)arg;
-    size_t i = pbw__share(build->left_count, part, build->parts);
-    size_t end = pbw__share(build->left_count, part + 1, build->parts);
-    pbw__level_begin(build, part);
-    while (i < end && pbw__level_insert(build, build->kernel[part], build->left[i])) {
-        i++;
-    }
-}
-
-/* Before a round: of the cells of a share of all, sets the owners, and keeps the hints that will do. */
-static void pbw__begin_round(void *arg, int part)
+/* Of a part, sets the owner of the cells, and keeps the hints that will do. */
+static void pbw__begin_part(void *arg, int part)
 {
     pbw__build *build = (pbw__build *)arg;
     pbw__store *store = build->store;
-    size_t c = pbw__share(store->region_count, part, build->parts), begin = c;
-    size_t end = pbw__share(store->region_count, part + 1, build->parts);
-    for (; c < end; c++) {
-        int valid = build->claiming ? pbw__is_in_cells(store, store->hint[c], c, c + 1, build->vertices->dim)
-                                    : pbw__is_in_cells(store, store->hint[c], begin, end, build->vertices->dim);
-        store->hint[c] = valid ? store->hint[c] : PBW_NONE;
-        build->owner[c] = build->claiming ? PBW__NOBODY : (uint8_t)part;
+    size_t begin = pbw__part_begin(build, part), end = pbw__part_begin(build, part + 1), r;
+    size_t last = pbw__first_region(build, end);
+    memset(build->owner + begin, part, end - begin);
+    for (r = pbw__first_region(build, begin); r < last; r++) {
+        if (!pbw__is_among(store, store->hint[r], begin << build->owner_bits, end << build->owner_bits,
+                           build->vertices->dim)) {
+            store->hint[r] = PBW_NONE;
+        }
     }
+}
+
+/* Hands over the cells of a part, each with one hint. */
+static void pbw__end_part(pbw__build *build, pbw__kernel *kernel, int part)
+{
+    pbw__store *store = build->store;
+    size_t cell = pbw__part_begin(build, part), end = pbw__part_begin(build, part + 1), c, r;
+    for (c = cell; c < end; c++) {
+        size_t first = pbw__first_region(build, c), last = pbw__first_region(build, c + 1);
+        pbw_index best = PBW_NONE;
+        for (r = first; r < last; r++) {
+            pbw_index hint = store->hint[r];
+            if (best == PBW_NONE && pbw__is_among(store, hint, c << build->owner_bits, (c + 1) << build->owner_bits,
+                                                  kernel->dim)) {
+                best = hint;
+            }
+            PBW__STORE(store->hint + r, PBW_NONE);
+        }
+        PBW__STORE(store->hint + first, best);
+    }
+    for (c = cell; c < end; c++) {
+        PBW__TELL(kernel->owner + c, PBW__NOBODY);
+    }
+    kernel->last = PBW_NONE;
+}
+
+/* A part's vertices by its own cells; then those that were left by whatever cells there are. */
+static void pbw__first_round(void *arg, int part)
+{
+    pbw__build *build = (pbw__build *)arg;
+    pbw__store *store = build->store;
+    pbw__kernel *kernel = build->kernel[part];
+    size_t begin = pbw__part_begin(build, part), end = pbw__part_begin(build, part + 1), r, i, count;
+    size_t from = begin << build->owner_bits, to = end << build->owner_bits;     /* vertices: ranks from 1 */
+    pbw__level_begin(build, part, 0);
+    for (r = pbw__first_region(build, begin); r < pbw__first_region(build, end) && kernel->last == PBW_NONE; r++) {
+        kernel->last = store->hint[r];
+    }
+    to = to <= build->vertices->count ? to - 1 : build->vertices->count;
+    pbw__level_ranks(build, kernel, from > 0 ? from - 1 : 0, to);
+    pbw__leave_region(kernel);
+    if (kernel->status != PBW_OK) {
+        return;
+    }
+    pbw__end_part(build, kernel, part);
+    count = kernel->left_count;
+    kernel->may_claim = 1;
+    kernel->left_count = 0;
+    kernel->done -= count;
+    kernel->facet_count = 0;
+    for (i = 0; i < count && !kernel->no_room && pbw__level_insert(build, kernel, kernel->left[i]); i++) {
+    }
+    for (; i < count && kernel->status == PBW_OK; i++) {
+        kernel->left[kernel->left_count++] = kernel->left[i];
+        kernel->done++;
+    }
+    if (kernel->status == PBW_OK) {
+        pbw__give_back(build, kernel);
+    }
+}
+
+/* Vertices that were left, in blocks: those of the task's own share, then what others have not come to. */
+static void pbw__next_round(void *arg, int part)
+{
+    pbw__build *build = (pbw__build *)arg;
+    pbw__kernel *kernel = build->kernel[part];
+    int share, i;
+    pbw__level_begin(build, part, 1);
+    for (share = 0; share < build->parts; share++) {
+        i = (part + share) % build->parts;
+        for (;;) {
+            size_t from = PBW__ADD(build->next + i, PBW__BATCH);
+            size_t end = pbw__share(build->left_count, i + 1, build->parts);
+            size_t to = from < end && end - from > PBW__BATCH ? from + PBW__BATCH : end;
+            if (from >= end) {
+                break;
+            }
+            while (from < to) {
+                if (!pbw__level_insert(build, kernel, build->left[from++])) {
+                    return;
+                }
+            }
+        }
+    }
+    pbw__give_back(build, kernel);
 }
 
 /* After a round: collects the vertices left, finds room if some task had none. */
@@ -5040,22 +5203,22 @@ static pbw_status pbw__end_round(pbw__build *build)
 /* One level by rounds. */
 static pbw_status pbw__level_parallel(pbw__build *build)
 {
-    size_t before;
+    size_t before = 0;
+    int i;
     pbw_status status;
-    build->claiming = 0;
-    pbw__for(build->context, build->parts, pbw__begin_round, build);
+    pbw__for(build->context, build->parts, pbw__begin_part, build);
     pbw__for(build->context, build->parts, pbw__first_round, build);
     status = pbw__end_round(build);
-    build->claiming = 1;
     build->parts = build->context->threads < PBW__PARTS ? build->context->threads : PBW__PARTS;
-    pbw__for(build->context, build->parts, pbw__begin_round, build);
-    for (before = (size_t)-1; status == PBW_OK && build->left_count < before / 10 * 7
-         && build->left_count > PBW__LEAST_SHARE * (size_t)build->parts; ) {
+    while (status == PBW_OK && build->left_count > PBW__LEAST_SHARE * (size_t)build->parts
+           && (before == 0 || (before - build->left_count) * (size_t)build->parts > before)) {
         before = build->left_count;
+        for (i = 0; i < build->parts; i++) {
+            build->next[i] = pbw__share(build->left_count, i, build->parts);
+        }
         pbw__for(build->context, build->parts, pbw__next_round, build);
         status = pbw__end_round(build);
     }
-    build->claiming = 0;
     return status;
 }
 
@@ -5110,6 +5273,7 @@ static pbw_status pbw__level_serial(pbw__build *build, int all)
     size_t i, r;
     pbw__kernel_attach(kernel);
     kernel->owner = NULL;
+    kernel->may_claim = 0;
     kernel->status = PBW_OK;
     /* Any simplex will do as a start, best the last one: there is always one among the used slots of the regions, as
        the simplices of the seeds, or what replaced them, are there, unless all regions are full. */
@@ -5152,7 +5316,7 @@ static pbw_status pbw__build_all(pbw__context *context, pbw__store *store, const
                                  const pbw__grid *grid, pbw_statistics *statistics)
 {
     pbw__build build;
-    size_t ratio = vertices->dim == 3 ? 8 : 16, parts;
+    size_t ratio = vertices->dim == 3 ? 8 : 16, parts, cells;
     pbw_status status;
     int i;
     memset(&build, 0, sizeof(build));
@@ -5178,7 +5342,11 @@ static pbw_status pbw__build_all(pbw__context *context, pbw__store *store, const
     while (status == PBW_OK && build.stride > 0) {
         build.coarser = build.stride * ratio;
         parts = vertices->count / build.stride / PBW__LEAST_PART;
-        parts = parts < store->region_count / PBW__SMALLER(4) ? parts : store->region_count / PBW__SMALLER(4);
+        for (build.owner_bits = store->cell_bits;
+             (size_t)1 << build.owner_bits < build.stride * PBW__SMALLER(16); build.owner_bits++) {
+        }
+        cells = (vertices->count >> build.owner_bits) + 1;
+        parts = parts < cells / PBW__SMALLER(4) ? parts : cells / PBW__SMALLER(4);
         build.parts = (size_t)context->threads < parts ? context->threads : (int)parts;
         if (build.parts > 1) {
             status = pbw__build_parts(&build, grid);
