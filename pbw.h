@@ -5222,12 +5222,14 @@ static pbw_status pbw__level_parallel(pbw__build *build)
     return status;
 }
 
-/* All slots that hold nothing are made to say so. */
-static void pbw__close_store(pbw__build *build)
+/* All slots of a share of the regions that hold nothing are made to say so. */
+static void pbw__close_regions(void *arg, int part)
 {
+    pbw__build *build = (pbw__build *)arg;
     pbw__store *store = build->store;
-    size_t r, t;
-    for (r = 0; r < store->region_count; r++) {
+    size_t r = pbw__share(store->region_count, part, build->parts), t;
+    size_t last = pbw__share(store->region_count, part + 1, build->parts);
+    for (; r < last; r++) {
         size_t end = pbw__region_end(store, r);
         for (t = store->region[r]; t < end; t++) {
             store->corner[4 * t] = PBW_NONE;
@@ -5370,7 +5372,8 @@ static pbw_status pbw__build_all(pbw__context *context, pbw__store *store, const
         statistics->created += build.kernel[i]->statistics.created;
     }
     if (status == PBW_OK) {
-        pbw__close_store(&build);
+        build.parts = pbw__tasks(context, store->region_count, 256);
+        pbw__for(context, build.parts, pbw__close_regions, &build);
     }
     pbw__build_free(&build);
     return status;
@@ -5839,6 +5842,7 @@ typedef struct pbw__check {
     pbw__grid grid;
     const double *basis[4];                          /* corners of simplex 0; degenerate: independent points */
     int dim, rank;                                   /* points in the basis */
+    size_t independent;
     size_t duplicate_count, other_count, listed;     /* others are canonical, but no vertices */
     uint64_t *by_hash, *other;                       /* each other point, as sort key << 32 | point */
     pbw__box box;                                    /* of the others */
@@ -5848,6 +5852,7 @@ typedef struct pbw__check {
 typedef struct pbw__check_part {                     /* what one task sees of a pass */
     pbw_report report;
     size_t duplicate_count, other_count;
+    size_t independent;                              /* degenerate: 1 + a point that is, of the basis; 0: none */
     pbw_index hint;                                  /* where the last walk ended */
 } pbw__check_part;
 
@@ -5920,6 +5925,7 @@ static int pbw__check_pass(pbw__check *check, pbw__check_range *range, size_t co
         const pbw__check_part *part = run.part + task;
         check->duplicate_count += part->duplicate_count;
         check->other_count += part->other_count;
+        check->independent = part->independent;      /* the last one may have stopped at it */
         report->vertex_count += part->report.vertex_count;
         report->facet_count += part->report.facet_count;
         report->hull_facet_count += part->report.hull_facet_count;
@@ -6234,24 +6240,37 @@ static int pbw__check_hidden(pbw__check *check, pbw__check_part *part, size_t fr
     return 1;
 }
 
-/* No simplices: all points lie in the hyperplane of the first that are independent, if there are dim of them. */
+/* Stops at the first point that is independent of the basis. */
 static int pbw__check_flat(pbw__check *check, pbw__check_part *part, size_t from, size_t to)
 {
-    const double **a = check->basis;
-    size_t p;
-    for (p = from; p < to; p++) {
-        const double *x = pbw__check_record(check, check->dim, p);
-        if (check->rank == check->dim) {
-            a[check->dim] = x;
-            if (pbw__check_orient(check, check->dim, a) != 0) {
-                return pbw__fault(&part->report, "the points span a simplex but there is none", PBW_NONE, -1, p);
-            }
-        } else if (check->rank == 0 || (check->rank == 1 && !pbw__same_place(a[0], x, check->dim))
-                   || (check->rank == 2 && !pbw__collinear3(a[0], a[1], x, &check->grid))) {
-            a[check->rank++] = x;
+    const double *a[4] = { check->basis[0], check->basis[1], check->basis[2], NULL };
+    for (; from < to; from++) {
+        const double *x = pbw__check_record(check, check->dim, from);
+        a[check->dim] = x;
+        if (check->rank == check->dim ? pbw__check_orient(check, check->dim, a) != 0
+            : check->rank == 2 ? !pbw__collinear3(a[0], a[1], x, &check->grid)
+                               : check->rank == 0 || !pbw__same_place(a[0], x, check->dim)) {
+            part->independent = from + 1;
+            return 0;
         }
     }
     return 1;
+}
+
+/* No simplices: all points lie in the hyperplane of the first that are independent, if there are dim of them. */
+static int pbw__check_span(pbw__check *check)
+{
+    for (;;) {
+        int going = pbw__check_pass(check, pbw__check_flat, check->mesh->point_count, 16384, 0.1, 0.9);
+        size_t point = check->independent;
+        if (point == 0) {
+            return going;
+        }
+        if (check->rank == check->dim) {
+            return pbw__fault(check->report, "the points span a simplex but there is none", PBW_NONE, -1, point - 1);
+        }
+        check->basis[check->rank++] = pbw__check_record(check, check->dim, point - 1);
+    }
 }
 
 /* Mixes 64 bits: the bijection of splitmix64 (Steele, Lea and Flood 2014, "Fast splittable pseudorandom number
@@ -6366,7 +6385,7 @@ static int pbw__check_all(pbw__check *check)
     }
     pbw__grid_scan(check->context, check->record, points, check->dim, &check->grid);
     if (simplices == 0) {
-        return pbw__check_pass(check, pbw__check_flat, points, PBW__ALONE, 0.1, 0.9) && pbw__check_others(check);
+        return pbw__check_span(check) && pbw__check_others(check);
     }
     for (i = 0; i <= check->dim; i++) {
         check->basis[i] = pbw__check_record(check, check->dim, mesh->simplices[i] < points ? mesh->simplices[i] : 0);
