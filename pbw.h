@@ -385,7 +385,7 @@ extern int madvise(void *address, size_t length, int advice);    /* strict C mod
 #define PBW__STORE(x, y) ((void)(*(x) = (y)))
 #define PBW__ADD(x, y) ((*(x) += (y)) - (y))
 #define PBW__SWAP(x, y) pbw__swap(x, y)
-#define PBW__REPLACE(x, old, y) (*(x) = (y), 1)
+#define PBW__REPLACE(x, old, y) ((void)(old), *(x) = (y), 1)
 #define PBW__TELL(x, y) PBW__STORE(x, y)
 #define PBW__SEEN(x) PBW__LOAD(x)
 #define PBW__TAKE(x, old, y) PBW__REPLACE(x, old, y)
@@ -2462,8 +2462,6 @@ typedef struct pbw__kernel {
     int owner_bits;                                  /* vertex >> owner_bits is the number of its cell */
     int may_claim, claim_count, hold;                /* whether we may take cells, how many we took, may hold */
     pbw_index claim[PBW__CLAIMS];
-    unsigned doubt;                                  /* how many vertices of a cell were left, and which cell */
-    size_t doubt_cell;
     int no_room;                                     /* the store has no more blocks */
     pbw_index *left;                                 /* vertices left for the next round */
     size_t left_count, left_capacity, done, reported;
@@ -4771,10 +4769,10 @@ static pbw_status pbw__kernel_create(pbw__kernel *kernel, pbw__context *context,
 
    In the first round each task owns an equal run of the curve, and inserts the vertices there.  Those that are left
    lie along the borders.  When a task is through with its run it gives the cells back, so that they are nobody's, and
-   comes to the vertices that it left: for these, as in the next rounds, it takes the cells that the insertion turns
-   out to need.  The next vertex is often near, so it holds them, and gives all back when they are many, when it has
-   to leave a vertex, and at the end.  Of two tasks at the same cells one leaves its vertex; that is rare, because
-   what tasks hold is little of what there is.
+   comes to the vertices that it left, until all tasks are through: for these, as in the next rounds, it takes the
+   cells that the insertion turns out to need.  The next vertex is often near, so it holds them, and gives all back
+   when they are many, when it has to leave a vertex, and at the end.  Of two tasks at the same cells one leaves its
+   vertex; that is rare, because what tasks hold is little of what there is.
 
    Why no word is written by one task while another reads or writes it, in 3D.  Call a simplex mine if I own two of
    its vertices: nobody else then owns three, so nobody else deletes it, and its corners do not change under me.
@@ -4822,6 +4820,7 @@ typedef struct pbw__build {
     pbw_statistics *statistics;
     uint32_t trace;                                  /* 256 * the round */
     int kernel_count, parts;
+    int through;                                     /* tasks that are through with their parts */
     uint8_t *owner;                                  /* per cell */
     size_t next[PBW__PARTS];                         /* per share of the vertices left: the next one */
     size_t stride, coarser;                          /* the level: ranks divisible by stride, not by coarser */
@@ -4853,7 +4852,6 @@ static void pbw__level_begin(pbw__build *build, int part, int may_claim)
     kernel->left_count = 0;
     kernel->claim_count = 0;
     kernel->hold = PBW__HOLD;
-    kernel->doubt_cell = (size_t)-1;
     kernel->facet_count = 0;
     kernel->no_room = 0;
     kernel->status = PBW_OK;
@@ -4973,18 +4971,6 @@ static pbw_status pbw__insert_claiming(pbw__build *build, pbw__kernel *kernel, p
     return status;
 }
 
-/* Whether a vertex is to be left untried: where the last ones of its cell were left it most likely would be too, and
-   half a cavity found in vain costs as much as it does to come back.  Every fourth is tried. */
-PBW__INLINE int pbw__is_doubtful(pbw__kernel *kernel, pbw_index v)
-{
-    size_t cell = v >> kernel->owner_bits;
-    if (cell != kernel->doubt_cell) {
-        kernel->doubt_cell = cell;
-        kernel->doubt = 0;
-    }
-    return kernel->doubt >= 2 && (++kernel->doubt & 3) != 1;
-}
-
 /* Inserts a vertex, or leaves it for later; 0 = stop. */
 static int pbw__level_insert(pbw__build *build, pbw__kernel *kernel, pbw_index v)
 {
@@ -4993,14 +4979,7 @@ static int pbw__level_insert(pbw__build *build, pbw__kernel *kernel, pbw_index v
     if (v == build->seed[0] || v == build->seed[1] || v == build->seed[2] || v == build->seed[3]) {
         return 1;
     }
-    if (kernel->owner == NULL) {
-        status = kernel->insert(kernel, v);
-    } else if (pbw__is_doubtful(kernel, v)) {
-        status = PBW__LEFT;
-    } else {
-        status = kernel->may_claim ? pbw__insert_claiming(build, kernel, v) : kernel->insert(kernel, v);
-        kernel->doubt = status == PBW__LEFT ? (kernel->doubt == 0 ? 1 : 2) : kernel->doubt > 1;
-    }
+    status = kernel->may_claim ? pbw__insert_claiming(build, kernel, v) : kernel->insert(kernel, v);
     if (status == PBW__LEFT) {
         if (!pbw__grow(kernel, &kernel->left, &kernel->left_capacity, kernel->left_count + 1, sizeof(pbw_index))) {
             kernel->status = PBW_ERROR_MEMORY;
@@ -5097,7 +5076,8 @@ static void pbw__end_part(pbw__build *build, pbw__kernel *kernel, int part)
     kernel->last = PBW_NONE;
 }
 
-/* A part's vertices by its own cells; then those that were left by whatever cells there are. */
+/* A part's vertices by its own cells; then, while others are still at theirs, those that were left by whatever cells
+   there are: the next round shares them out evenly. */
 static void pbw__first_round(void *arg, int part)
 {
     pbw__build *build = (pbw__build *)arg;
@@ -5116,12 +5096,14 @@ static void pbw__first_round(void *arg, int part)
         return;
     }
     pbw__end_part(build, kernel, part);
+    (void)PBW__ADD(&build->through, 1);
     count = kernel->left_count;
     kernel->may_claim = 1;
     kernel->left_count = 0;
     kernel->done -= count;
     kernel->facet_count = 0;
-    for (i = 0; i < count && !kernel->no_room && pbw__level_insert(build, kernel, kernel->left[i]); i++) {
+    for (i = 0; i < count && !kernel->no_room && PBW__LOAD(&build->through) < build->parts
+         && pbw__level_insert(build, kernel, kernel->left[i]); i++) {
     }
     for (; i < count && kernel->status == PBW_OK; i++) {
         kernel->left[kernel->left_count++] = kernel->left[i];
@@ -5206,6 +5188,7 @@ static pbw_status pbw__level_parallel(pbw__build *build)
     size_t before = 0;
     int i;
     pbw_status status;
+    build->through = 0;
     pbw__for(build->context, build->parts, pbw__begin_part, build);
     pbw__for(build->context, build->parts, pbw__first_round, build);
     status = pbw__end_round(build);
