@@ -391,7 +391,7 @@ extern int madvise(void *address, size_t length, int advice);    /* strict C mod
 #define PBW__STORE(x, y) ((void)(*(x) = (y)))
 #define PBW__ADD(x, y) ((*(x) += (y)) - (y))
 #define PBW__SWAP(x, y) pbw__swap(x, y)
-#define PBW__REPLACE(x, old, y) (*(x) = (y), 1)
+#define PBW__REPLACE(x, old, y) ((void)(old), *(x) = (y), 1)
 #define PBW__TELL(x, y) PBW__STORE(x, y)
 #define PBW__SEEN(x) PBW__LOAD(x)
 #define PBW__TAKE(x, old, y) PBW__REPLACE(x, old, y)
@@ -2441,7 +2441,7 @@ typedef struct pbw__store {
 } pbw__store;
 
 /* One thread's view of a triangulation, with the scratch memory of one insertion. */
-#define PBW__CLAIMS 128                              /* cells that a task takes for one vertex, at most */
+#define PBW__CLAIMS 2048                             /* cells that a task takes, at most */
 #define PBW__NOBODY 255                              /* the owner of a cell that any task may take */
 
 typedef struct pbw__kernel {
@@ -2465,7 +2465,8 @@ typedef struct pbw__kernel {
 
     uint8_t *owner;                                  /* >>parallel: whose each cell is; NULL: all are ours */
     uint8_t me;
-    int claim_count;                                 /* cells taken for this vertex */
+    int owner_bits;                                  /* vertex >> owner_bits is the number of its cell */
+    int may_claim, claim_count, hold;                /* whether we may take cells, how many we took, may hold */
     pbw_index claim[PBW__CLAIMS];
     int no_room;                                     /* the store has no more blocks */
     pbw_index *left;                                 /* vertices left for the next round */
@@ -2822,12 +2823,13 @@ static PBW__NOINLINE unsigned pbw__exit2(const pbw__kernel *kernel, pbw_index t,
 /* >>parallel: whether we own a vertex, may delete a simplex, may cross a facet.  The ghost is nobody's in 3D,
    everybody's in 2D. */
 
-/* Takes a cell that is nobody's; 0 = another task was quicker, or we have too many. */
+/* Takes a cell that is nobody's; 0 = another task was quicker, or we have too many, or may not. */
 static PBW__NOINLINE int pbw__claim(pbw__kernel *kernel, size_t cell)
 {
     uint8_t nobody = PBW__NOBODY;
     PBW_PAUSE();
-    if (kernel->claim_count == PBW__CLAIMS || !PBW__TAKE(kernel->owner + cell, &nobody, kernel->me)) {
+    if (!kernel->may_claim || kernel->claim_count == PBW__CLAIMS
+        || !PBW__TAKE(kernel->owner + cell, &nobody, kernel->me)) {
         return 0;
     }
     kernel->claim[kernel->claim_count++] = (pbw_index)cell;
@@ -2842,7 +2844,7 @@ PBW__INLINE int pbw__owns_cell(pbw__kernel *kernel, size_t cell)
 
 PBW__INLINE int pbw__owns(pbw__kernel *kernel, pbw_index v)
 {
-    return v != PBW__GHOST && pbw__owns_cell(kernel, v >> kernel->store->cell_bits);
+    return v != PBW__GHOST && pbw__owns_cell(kernel, v >> kernel->owner_bits);
 }
 
 PBW__INLINE int pbw__may_delete(pbw__kernel *kernel, pbw_index t)
@@ -3169,7 +3171,7 @@ typedef struct pbw__search {
 PBW__INLINE int pbw__owns_all(const pbw__kernel *kernel, const pbw_index *v)
 {
     const uint8_t *owner = kernel->owner;
-    int bits = kernel->store->cell_bits, me = kernel->me;
+    int bits = kernel->owner_bits, me = kernel->me;
     return v[0] != PBW__GHOST && v[1] != PBW__GHOST && v[2] != PBW__GHOST && v[3] != PBW__GHOST
         && ((PBW__LOAD(owner + (v[0] >> bits)) ^ me) | (PBW__LOAD(owner + (v[1] >> bits)) ^ me)
             | (PBW__LOAD(owner + (v[2] >> bits)) ^ me) | (PBW__LOAD(owner + (v[3] >> bits)) ^ me)) == 0;
@@ -3719,7 +3721,7 @@ static void pbw__leave_region(pbw__kernel *kernel)
     if (kernel->region != (size_t)-1) {
         store->region[kernel->region] = (pbw_index)kernel->fresh;
         if (kernel->last != kernel->last_entered) {
-            store->hint[kernel->region] = kernel->last;
+            PBW__STORE(store->hint + kernel->region, kernel->last);
         }
         kernel->region = (size_t)-1;
     }
@@ -4763,8 +4765,8 @@ static pbw_status pbw__kernel_create(pbw__kernel *kernel, pbw__context *context,
    In: a triangulation, the vertices to insert.  Out: the triangulation with them.   (Marot, Pellerin & Remacle 2019,
    "One machine, one minute, three billion tetrahedra", from whom the rule of ownership is)
 
-   Vertices are owned in cells, the runs of ranks of >>mesh's regions; a cell has one owner at a time, a task.  A task
-   in 3D
+   Vertices are owned in cells, runs of ranks: one of >>mesh's regions, or in coarse levels as many of them as hold 16
+   vertices by the end of the level.  A cell has one owner at a time, a task.  A task in 3D
      - deletes a simplex only if it owns three of its vertices,
      - walks through a facet only if it owns two of its vertices;
    in 2D it deletes a triangle only if it owns all its finite vertices, and walks through an edge if it owns one of
@@ -4772,9 +4774,11 @@ static pbw_status pbw__kernel_create(pbw__kernel *kernel, pbw__context *context,
    ever waits.
 
    In the first round each task owns an equal run of the curve, and inserts the vertices there.  Those that are left
-   lie along the borders.  In the next rounds the cells are nobody's: for each vertex a task takes the cells that the
-   insertion turns out to need, and gives them back when it is done.  Of two tasks at the same cells one leaves its
-   vertex; that is rare, because what tasks take is little of what there is.
+   lie along the borders.  When a task is through with its run it gives the cells back, so that they are nobody's, and
+   comes to the vertices that it left, until all tasks are through: for these, as in the next rounds, it takes the
+   cells that the insertion turns out to need.  The next vertex is often near, so it holds them, and gives all back
+   when they are many, when it has to leave a vertex, and at the end.  Of two tasks at the same cells one leaves its
+   vertex; that is rare, because what tasks hold is little of what there is.
 
    Why no word is written by one task while another reads or writes it, in 3D.  Call a simplex mine if I own two of
    its vertices: nobody else then owns three, so nobody else deletes it, and its corners do not change under me.
@@ -4789,8 +4793,10 @@ static pbw_status pbw__kernel_create(pbw__kernel *kernel, pbw__context *context,
      tail.  The count of these is atomic, in relaxed order: it numbers slots, and what the slots hold is handed over
      at the end of a round (>>threads).
      (e) A cell's hint, where walks start, is a simplex with two vertices in the cell: mine, if the cell is.  Who
-     deletes it owns the cell, and puts another one in its place.  The hint, and what is left of the cell's region,
-     are the owner's to read and write.
+     deletes it owns the cell, and puts another one in its place, or none, before giving the cell back; until then
+     the slot is still that task's own.  (In a run that a task owns, two vertices in the run will do.)  The hint, and
+     what is left of the cell's regions, are the owner's to read and write; others only look whether there is a hint,
+     before they take the cell, therefore hints are written atomically, in relaxed order.
    In 2D call a triangle mine if I own one of its vertices: nobody else then owns all of them.  Both ends of an edge
    of a triangle that I may delete are mine or the ghost, and one at least is finite; the rest is the same, with one
    vertex in the hint's cell.  Two tasks may share an edge's ghost end only, and a mark is written only when its
@@ -4801,12 +4807,15 @@ static pbw_status pbw__kernel_create(pbw__kernel *kernel, pbw__context *context,
    writes, now or later, both own a vertex of the same simplex: of four vertices one owns three and the other two; of
    a facet's three vertices both own two.
 
-   Why it ends.  A round that leaves more than seven tenths of its vertices is the last of its level.  What is left
-   then, or is too little to be worth a round, is inserted by one thread, which owns everything, before the next level
-   begins: vertices near the hull are among it, and cavities there would grow from level to level without them.
+   Why it ends.  A round of T tasks that inserts less than one in T of its vertices was no better than one thread, and
+   is the last of its level.  What is left then, or is too little to be worth a round, is inserted by one thread,
+   which owns everything, before the next level begins: vertices near the hull are among it, and cavities there would
+   grow from level to level without them.
    ------------------------------------------------------------------------------------------------------ */
 #define PBW__PARTS 255
 #define PBW__LEAST_PART ((size_t)PBW__SMALLER(2048)) /* vertices of a part, below which borders are everything */
+#define PBW__HOLD 64                                 /* cells that a task holds from vertex to vertex, at most */
+#define PBW__BATCH ((size_t)64)                      /* vertices that a task comes to at a time */
 #define PBW__LEAST_SHARE 8                           /* vertices left for each task, below which one does them all */
 
 typedef struct pbw__build {
@@ -4817,86 +4826,154 @@ typedef struct pbw__build {
     pbw_statistics *statistics;
     uint32_t trace;                                  /* 256 * the round */
     int kernel_count, parts;
+    int through;                                     /* tasks that are through with their parts */
     uint8_t *owner;                                  /* per cell */
+    size_t next[PBW__PARTS];                         /* per share of the vertices left: the next one */
     size_t stride, coarser;                          /* the level: ranks divisible by stride, not by coarser */
-    int backwards, claiming;
+    int backwards;
+    int owner_bits;                                  /* of the level's cells */
     pbw_index seed[4];
     pbw_index *left;                                 /* vertices left */
     size_t left_count, left_capacity;
     size_t done;
 } pbw__build;
 
-static void pbw__level_begin(pbw__build *build, int part)
+/* Cells of a level hold several regions where few vertices of a region are in yet: a cell's first region. */
+PBW__INLINE size_t pbw__first_region(const pbw__build *build, size_t cell)
+{
+    size_t region = cell << (build->owner_bits - build->store->cell_bits);
+    return region < build->store->region_count ? region : build->store->region_count;
+}
+
+static void pbw__level_begin(pbw__build *build, int part, int may_claim)
 {
     pbw__kernel *kernel = build->kernel[part];
-    size_t c;
     pbw__kernel_attach(kernel);                      /* the store may have moved */
     kernel->owner = build->owner;
+    kernel->owner_bits = build->owner_bits;
     kernel->me = (uint8_t)part;
+    kernel->may_claim = may_claim;
     kernel->region = (size_t)-1;
     kernel->last = PBW_NONE;
     kernel->left_count = 0;
     kernel->claim_count = 0;
+    kernel->hold = PBW__HOLD;
+    kernel->facet_count = 0;
     kernel->no_room = 0;
     kernel->status = PBW_OK;
-    for (c = 0; c < build->store->region_count && kernel->last == PBW_NONE && !build->claiming; c++) {
-        kernel->last = build->owner[c] == part ? build->store->hint[c] : PBW_NONE;
-    }
 }
 
-/* Has a simplex enough corners in these cells to be mine if they are? */
-PBW__INLINE int pbw__is_in_cells(const pbw__store *store, pbw_index t, size_t begin, size_t end, int dim)
+/* Has a simplex enough corners among the vertices begin, ..., end - 1 to be mine if they are? */
+PBW__INLINE int pbw__is_among(const pbw__store *store, pbw_index t, size_t begin, size_t end, int dim)
 {
     int count = 0, k;
     for (k = 0; t != PBW_NONE && k <= dim && store->corner[4 * (size_t)t] != PBW_NONE; k++) {
         pbw_index v = store->corner[4 * (size_t)t + (size_t)k];
-        count += v != PBW__GHOST && v >> store->cell_bits >= begin && v >> store->cell_bits < end;
+        count += v != PBW__GHOST && v >= begin && v < end;
     }
     return count + 1 >= dim;
 }
 
-/* The hint of a cell that we hold, if it was deleted, and in any case in the cell of the vertex, where the next one
-   may be near: a simplex of the star. */
-static void pbw__renew_hint(pbw__kernel *kernel, size_t cell, size_t here)
+/* A simplex of the star of a vertex becomes the hint of its cell: the next one may be near. */
+static void pbw__renew_hint(pbw__build *build, pbw__kernel *kernel, pbw_index vertex)
 {
-    pbw_index *hint = kernel->store->hint + cell, old = *hint;
-    const int dim = kernel->dim, valid = pbw__is_in_cells(kernel->store, old, cell, cell + 1, dim);
+    const int dim = kernel->dim;
+    const size_t cell = vertex >> build->owner_bits;
     size_t i;
-    *hint = PBW_NONE;
-    for (i = 0; i < kernel->facet_count && *hint == PBW_NONE && (!valid || cell == here); i++) {
-        pbw_index t = kernel->cavity[i];
-        *hint = pbw__is_in_cells(kernel->store, t, cell, cell + 1, dim) ? t : PBW_NONE;
+    for (i = 0; i < kernel->facet_count; i++) {
+        if (pbw__is_among(build->store, kernel->cavity[i], cell << build->owner_bits,
+                          (cell + 1) << build->owner_bits, dim)) {
+            PBW__STORE(build->store->hint + pbw__first_region(build, cell), kernel->cavity[i]);
+            return;
+        }
     }
-    *hint = *hint == PBW_NONE && valid ? old : *hint;
 }
 
-/* Inserts a vertex with cells that are taken for it and then given back. */
-static pbw_status pbw__insert_claiming(pbw__kernel *kernel, pbw_index v)
+/* Hints from the last star for those of our cells that have none. */
+static void pbw__find_hints(pbw__build *build, pbw__kernel *kernel)
 {
-    pbw__store *store = kernel->store;
-    size_t cell = v >> store->cell_bits, created = kernel->statistics.created, k;
-    pbw_status status = PBW__LEFT;
-    int i;
-    kernel->last = PBW_NONE;
-    for (k = 0; k < 8 && kernel->last == PBW_NONE && pbw__owns_cell(kernel, cell); k++) {        /* a start nearby */
-        size_t near = (k & 1) != 0 ? cell + (k + 1) / 2 : cell - k / 2;
-        kernel->last = near < store->region_count && pbw__owns_cell(kernel, near) ? store->hint[near] : PBW_NONE;
+    const int dim = kernel->dim;
+    size_t i;
+    int k, m;
+    for (i = 0; i < kernel->facet_count; i++) {
+        const pbw_index t = kernel->cavity[i], *v = kernel->corner + 4 * (size_t)t;
+        for (k = dim - 2; k <= dim; k++) {
+            const size_t cell = v[k] >> build->owner_bits;
+            pbw_index *hint = build->store->hint + pbw__first_region(build, cell);
+            int enough = dim == 2;
+            for (m = 0; m < k; m++) {
+                enough |= v[m] != PBW__GHOST && v[m] >> build->owner_bits == cell;
+            }
+            if (enough && v[k] != PBW__GHOST && PBW__LOAD(kernel->owner + cell) == kernel->me && *hint == PBW_NONE) {
+                PBW__STORE(hint, t);
+            }
+        }
     }
-    if (kernel->last != PBW_NONE) {
-        status = kernel->insert(kernel, v);
-    }
-    if (status != PBW_OK && status != PBW__LEFT) {
-        return status;                               /* what it was at is in no order: the cells stay taken */
-    }
-    for (i = 0; i < kernel->claim_count && kernel->statistics.created > created; i++) {
-        pbw__renew_hint(kernel, kernel->claim[i], cell);
-    }
-    kernel->last_entered = kernel->last;             /* not to be a hint */
+}
+
+/* Gives back all cells that were taken, with hints that are in them. */
+static void pbw__give_back(pbw__build *build, pbw__kernel *kernel)
+{
+    int i, missing = 0;
     pbw__leave_region(kernel);
+    for (i = 0; i < kernel->claim_count; i++) {
+        const size_t cell = kernel->claim[i];
+        pbw_index *hint = build->store->hint + pbw__first_region(build, cell);
+        if (!pbw__is_among(build->store, *hint, cell << build->owner_bits, (cell + 1) << build->owner_bits,
+                           kernel->dim)) {
+            PBW__STORE(hint, PBW_NONE);
+            missing = 1;
+        }
+    }
+    if (missing) {
+        pbw__find_hints(build, kernel);
+    }
     while (kernel->claim_count > 0) {
         PBW__TELL(kernel->owner + kernel->claim[--kernel->claim_count], PBW__NOBODY);
         PBW_PAUSE();
     }
+    kernel->last = PBW_NONE;
+    kernel->facet_count = 0;
+}
+
+/* Takes the cell of a vertex, and if need be one nearby that has a start for the walk. */
+static int pbw__take_start(pbw__build *build, pbw__kernel *kernel, pbw_index v)
+{
+    pbw__store *store = build->store;
+    size_t cell = v >> build->owner_bits, k;
+    if (!pbw__owns_cell(kernel, cell)) {
+        return 0;
+    }
+    for (k = 0; k < 16 && kernel->last == PBW_NONE; k++) {
+        size_t near = (k & 1) != 0 ? cell + (k + 1) / 2 : cell - k / 2, region = pbw__first_region(build, near);
+        if (near <= build->vertices->count >> build->owner_bits && PBW__LOAD(store->hint + region) != PBW_NONE
+            && pbw__owns_cell(kernel, near)) {
+            pbw_index hint = store->hint[region];
+            kernel->last = hint != PBW_NONE && kernel->corner[4 * (size_t)hint] != PBW_NONE ? hint : PBW_NONE;
+        }
+    }
+    return kernel->last != PBW_NONE;
+}
+
+/* Inserts a vertex with cells that are taken for it, and held for the next ones, which are often near. */
+static pbw_status pbw__insert_claiming(pbw__build *build, pbw__kernel *kernel, pbw_index v)
+{
+    size_t created = kernel->statistics.created;
+    pbw_status status = pbw__take_start(build, kernel, v) ? kernel->insert(kernel, v) : PBW__LEFT;
+    if (status != PBW_OK && status != PBW__LEFT) {
+        return status;                               /* what it was at is in no order: the cells stay taken */
+    }
+    if (kernel->statistics.created > created) {
+        pbw__renew_hint(build, kernel, v);
+    } else {
+        kernel->facet_count = 0;
+    }
+    kernel->last_entered = kernel->last;             /* not to be a hint */
+    if (status == PBW__LEFT || kernel->claim_count > kernel->hold) {
+        pbw__give_back(build, kernel);
+    }
+    /* Where tasks are in each other's way, each holds less. */
+    kernel->hold = status == PBW__LEFT ? kernel->hold / 2 : kernel->hold < PBW__HOLD ? kernel->hold + 1 : PBW__HOLD;
     return status;
 }
 
@@ -4908,7 +4985,7 @@ static int pbw__level_insert(pbw__build *build, pbw__kernel *kernel, pbw_index v
     if (v == build->seed[0] || v == build->seed[1] || v == build->seed[2] || v == build->seed[3]) {
         return 1;
     }
-    status = build->claiming ? pbw__insert_claiming(kernel, v) : kernel->insert(kernel, v);
+    status = kernel->may_claim ? pbw__insert_claiming(build, kernel, v) : kernel->insert(kernel, v);
     if (status == PBW__LEFT) {
         if (!pbw__grow(kernel, &kernel->left, &kernel->left_capacity, kernel->left_count + 1, sizeof(pbw_index))) {
             kernel->status = PBW_ERROR_MEMORY;
@@ -4959,46 +5036,114 @@ static void pbw__level_ranks(pbw__build *build, pbw__kernel *kernel, size_t from
     }
 }
 
-/* The first rank, from 0, of a part of the first round. */
+/* The first cell of a part of the first round. */
 PBW__INLINE size_t pbw__part_begin(const pbw__build *build, int part)
 {
-    size_t cell = pbw__share(build->store->region_count, part, build->parts);
-    size_t v = cell << build->store->cell_bits;
-    return part == build->parts ? build->vertices->count : v == 0 ? 0 : v - 1;   /* as a rank from 0 */
+    return pbw__share((build->vertices->count >> build->owner_bits) + 1, part, build->parts);
 }
 
-static void pbw__first_round(void *arg, int part)
-{
-    pbw__build *build = (pbw__build *)arg;
-    pbw__level_begin(build, part);
-    pbw__level_ranks(build, build->kernel[part], pbw__part_begin(build, part), pbw__part_begin(build, part + 1));
-    pbw__leave_region(build->kernel[part]);
-}
-
-static void pbw__next_round(void *arg, int part)
-{
-    pbw__build *build = (pbw__build *)arg;
-    size_t i = pbw__share(build->left_count, part, build->parts);
-    size_t end = pbw__share(build->left_count, part + 1, build->parts);
-    pbw__level_begin(build, part);
-    while (i < end && pbw__level_insert(build, build->kernel[part], build->left[i])) {
-        i++;
-    }
-}
-
-/* Before a round: of the cells of a share of all, sets the owners, and keeps the hints that will do. */
-static void pbw__begin_round(void *arg, int part)
+/* Of a part, sets the owner of the cells, and keeps the hints that will do. */
+static void pbw__begin_part(void *arg, int part)
 {
     pbw__build *build = (pbw__build *)arg;
     pbw__store *store = build->store;
-    size_t c = pbw__share(store->region_count, part, build->parts), begin = c;
-    size_t end = pbw__share(store->region_count, part + 1, build->parts);
-    for (; c < end; c++) {
-        int valid = build->claiming ? pbw__is_in_cells(store, store->hint[c], c, c + 1, build->vertices->dim)
-                                    : pbw__is_in_cells(store, store->hint[c], begin, end, build->vertices->dim);
-        store->hint[c] = valid ? store->hint[c] : PBW_NONE;
-        build->owner[c] = build->claiming ? PBW__NOBODY : (uint8_t)part;
+    size_t begin = pbw__part_begin(build, part), end = pbw__part_begin(build, part + 1), r;
+    size_t last = pbw__first_region(build, end);
+    memset(build->owner + begin, part, end - begin);
+    for (r = pbw__first_region(build, begin); r < last; r++) {
+        if (!pbw__is_among(store, store->hint[r], begin << build->owner_bits, end << build->owner_bits,
+                           build->vertices->dim)) {
+            store->hint[r] = PBW_NONE;
+        }
     }
+}
+
+/* Hands over the cells of a part, each with one hint. */
+static void pbw__end_part(pbw__build *build, pbw__kernel *kernel, int part)
+{
+    pbw__store *store = build->store;
+    size_t cell = pbw__part_begin(build, part), end = pbw__part_begin(build, part + 1), c, r;
+    for (c = cell; c < end; c++) {
+        size_t first = pbw__first_region(build, c), last = pbw__first_region(build, c + 1);
+        pbw_index best = PBW_NONE;
+        for (r = first; r < last; r++) {
+            pbw_index hint = store->hint[r];
+            if (best == PBW_NONE && pbw__is_among(store, hint, c << build->owner_bits, (c + 1) << build->owner_bits,
+                                                  kernel->dim)) {
+                best = hint;
+            }
+            PBW__STORE(store->hint + r, PBW_NONE);
+        }
+        PBW__STORE(store->hint + first, best);
+    }
+    for (c = cell; c < end; c++) {
+        PBW__TELL(kernel->owner + c, PBW__NOBODY);
+    }
+    kernel->last = PBW_NONE;
+}
+
+/* A part's vertices by its own cells; then, while others are still at theirs, those that were left by whatever cells
+   there are: the next round shares them out evenly. */
+static void pbw__first_round(void *arg, int part)
+{
+    pbw__build *build = (pbw__build *)arg;
+    pbw__store *store = build->store;
+    pbw__kernel *kernel = build->kernel[part];
+    size_t begin = pbw__part_begin(build, part), end = pbw__part_begin(build, part + 1), r, i, count;
+    size_t from = begin << build->owner_bits, to = end << build->owner_bits;     /* vertices: ranks from 1 */
+    pbw__level_begin(build, part, 0);
+    for (r = pbw__first_region(build, begin); r < pbw__first_region(build, end) && kernel->last == PBW_NONE; r++) {
+        kernel->last = store->hint[r];
+    }
+    to = to <= build->vertices->count ? to - 1 : build->vertices->count;
+    pbw__level_ranks(build, kernel, from > 0 ? from - 1 : 0, to);
+    pbw__leave_region(kernel);
+    if (kernel->status != PBW_OK) {
+        return;
+    }
+    pbw__end_part(build, kernel, part);
+    (void)PBW__ADD(&build->through, 1);
+    count = kernel->left_count;
+    kernel->may_claim = 1;
+    kernel->left_count = 0;
+    kernel->done -= count;
+    kernel->facet_count = 0;
+    for (i = 0; i < count && !kernel->no_room && PBW__LOAD(&build->through) < build->parts
+         && pbw__level_insert(build, kernel, kernel->left[i]); i++) {
+    }
+    for (; i < count && kernel->status == PBW_OK; i++) {
+        kernel->left[kernel->left_count++] = kernel->left[i];
+        kernel->done++;
+    }
+    if (kernel->status == PBW_OK) {
+        pbw__give_back(build, kernel);
+    }
+}
+
+/* Vertices that were left, in blocks: those of the task's own share, then what others have not come to. */
+static void pbw__next_round(void *arg, int part)
+{
+    pbw__build *build = (pbw__build *)arg;
+    pbw__kernel *kernel = build->kernel[part];
+    int share, i;
+    pbw__level_begin(build, part, 1);
+    for (share = 0; share < build->parts; share++) {
+        i = (part + share) % build->parts;
+        for (;;) {
+            size_t from = PBW__ADD(build->next + i, PBW__BATCH);
+            size_t end = pbw__share(build->left_count, i + 1, build->parts);
+            size_t to = from < end && end - from > PBW__BATCH ? from + PBW__BATCH : end;
+            if (from >= end) {
+                break;
+            }
+            while (from < to) {
+                if (!pbw__level_insert(build, kernel, build->left[from++])) {
+                    return;
+                }
+            }
+        }
+    }
+    pbw__give_back(build, kernel);
 }
 
 /* After a round: collects the vertices left, finds room if some task had none. */
@@ -5046,31 +5191,34 @@ static pbw_status pbw__end_round(pbw__build *build)
 /* One level by rounds. */
 static pbw_status pbw__level_parallel(pbw__build *build)
 {
-    size_t before;
+    size_t before = 0;
+    int i;
     pbw_status status;
-    build->claiming = 0;
-    pbw__for(build->context, build->parts, pbw__begin_round, build);
+    build->through = 0;
+    pbw__for(build->context, build->parts, pbw__begin_part, build);
     pbw__for(build->context, build->parts, pbw__first_round, build);
     status = pbw__end_round(build);
-    build->claiming = 1;
     build->parts = build->context->threads < PBW__PARTS ? build->context->threads : PBW__PARTS;
-    pbw__for(build->context, build->parts, pbw__begin_round, build);
-    for (before = (size_t)-1; status == PBW_OK && build->left_count < before / 10 * 7
-         && build->left_count > PBW__LEAST_SHARE * (size_t)build->parts; ) {
+    while (status == PBW_OK && build->left_count > PBW__LEAST_SHARE * (size_t)build->parts
+           && (before == 0 || (before - build->left_count) * (size_t)build->parts > before)) {
         before = build->left_count;
+        for (i = 0; i < build->parts; i++) {
+            build->next[i] = pbw__share(build->left_count, i, build->parts);
+        }
         pbw__for(build->context, build->parts, pbw__next_round, build);
         status = pbw__end_round(build);
     }
-    build->claiming = 0;
     return status;
 }
 
-/* All slots that hold nothing are made to say so. */
-static void pbw__close_store(pbw__build *build)
+/* All slots of a share of the regions that hold nothing are made to say so. */
+static void pbw__close_regions(void *arg, int part)
 {
+    pbw__build *build = (pbw__build *)arg;
     pbw__store *store = build->store;
-    size_t r, t;
-    for (r = 0; r < store->region_count; r++) {
+    size_t r = pbw__share(store->region_count, part, build->parts), t;
+    size_t last = pbw__share(store->region_count, part + 1, build->parts);
+    for (; r < last; r++) {
         size_t end = pbw__region_end(store, r);
         for (t = store->region[r]; t < end; t++) {
             store->corner[4 * t] = PBW_NONE;
@@ -5116,6 +5264,7 @@ static pbw_status pbw__level_serial(pbw__build *build, int all)
     size_t i, r;
     pbw__kernel_attach(kernel);
     kernel->owner = NULL;
+    kernel->may_claim = 0;
     kernel->status = PBW_OK;
     /* Any simplex will do as a start, best the last one: there is always one among the used slots of the regions, as
        the simplices of the seeds, or what replaced them, are there, unless all regions are full. */
@@ -5158,7 +5307,7 @@ static pbw_status pbw__build_all(pbw__context *context, pbw__store *store, const
                                  const pbw__grid *grid, pbw_statistics *statistics)
 {
     pbw__build build;
-    size_t ratio = vertices->dim == 3 ? 8 : 16, parts;
+    size_t ratio = vertices->dim == 3 ? 8 : 16, parts, cells;
     pbw_status status;
     int i;
     memset(&build, 0, sizeof(build));
@@ -5184,7 +5333,11 @@ static pbw_status pbw__build_all(pbw__context *context, pbw__store *store, const
     while (status == PBW_OK && build.stride > 0) {
         build.coarser = build.stride * ratio;
         parts = vertices->count / build.stride / PBW__LEAST_PART;
-        parts = parts < store->region_count / PBW__SMALLER(4) ? parts : store->region_count / PBW__SMALLER(4);
+        for (build.owner_bits = store->cell_bits;
+             (size_t)1 << build.owner_bits < build.stride * PBW__SMALLER(16); build.owner_bits++) {
+        }
+        cells = (vertices->count >> build.owner_bits) + 1;
+        parts = parts < cells / PBW__SMALLER(4) ? parts : cells / PBW__SMALLER(4);
         build.parts = (size_t)context->threads < parts ? context->threads : (int)parts;
         if (build.parts > 1) {
             status = pbw__build_parts(&build, grid);
@@ -5208,7 +5361,8 @@ static pbw_status pbw__build_all(pbw__context *context, pbw__store *store, const
         statistics->created += build.kernel[i]->statistics.created;
     }
     if (status == PBW_OK) {
-        pbw__close_store(&build);
+        build.parts = pbw__tasks(context, store->region_count, 256);
+        pbw__for(context, build.parts, pbw__close_regions, &build);
     }
     pbw__build_free(&build);
     return status;
@@ -5677,6 +5831,7 @@ typedef struct pbw__check {
     pbw__grid grid;
     const double *basis[4];                          /* corners of simplex 0; degenerate: independent points */
     int dim, rank;                                   /* points in the basis */
+    size_t independent;
     size_t duplicate_count, other_count, listed;     /* others are canonical, but no vertices */
     uint64_t *by_hash, *other;                       /* each other point, as sort key << 32 | point */
     pbw__box box;                                    /* of the others */
@@ -5686,6 +5841,7 @@ typedef struct pbw__check {
 typedef struct pbw__check_part {                     /* what one task sees of a pass */
     pbw_report report;
     size_t duplicate_count, other_count;
+    size_t independent;                              /* degenerate: 1 + a point that is, of the basis; 0: none */
     pbw_index hint;                                  /* where the last walk ended */
 } pbw__check_part;
 
@@ -5758,6 +5914,7 @@ static int pbw__check_pass(pbw__check *check, pbw__check_range *range, size_t co
         const pbw__check_part *part = run.part + task;
         check->duplicate_count += part->duplicate_count;
         check->other_count += part->other_count;
+        check->independent = part->independent;      /* the last one may have stopped at it */
         report->vertex_count += part->report.vertex_count;
         report->facet_count += part->report.facet_count;
         report->hull_facet_count += part->report.hull_facet_count;
@@ -6072,24 +6229,37 @@ static int pbw__check_hidden(pbw__check *check, pbw__check_part *part, size_t fr
     return 1;
 }
 
-/* No simplices: all points lie in the hyperplane of the first that are independent, if there are dim of them. */
+/* Stops at the first point that is independent of the basis. */
 static int pbw__check_flat(pbw__check *check, pbw__check_part *part, size_t from, size_t to)
 {
-    const double **a = check->basis;
-    size_t p;
-    for (p = from; p < to; p++) {
-        const double *x = pbw__check_record(check, check->dim, p);
-        if (check->rank == check->dim) {
-            a[check->dim] = x;
-            if (pbw__check_orient(check, check->dim, a) != 0) {
-                return pbw__fault(&part->report, "the points span a simplex but there is none", PBW_NONE, -1, p);
-            }
-        } else if (check->rank == 0 || (check->rank == 1 && !pbw__same_place(a[0], x, check->dim))
-                   || (check->rank == 2 && !pbw__collinear3(a[0], a[1], x, &check->grid))) {
-            a[check->rank++] = x;
+    const double *a[4] = { check->basis[0], check->basis[1], check->basis[2], NULL };
+    for (; from < to; from++) {
+        const double *x = pbw__check_record(check, check->dim, from);
+        a[check->dim] = x;
+        if (check->rank == check->dim ? pbw__check_orient(check, check->dim, a) != 0
+            : check->rank == 2 ? !pbw__collinear3(a[0], a[1], x, &check->grid)
+                               : check->rank == 0 || !pbw__same_place(a[0], x, check->dim)) {
+            part->independent = from + 1;
+            return 0;
         }
     }
     return 1;
+}
+
+/* No simplices: all points lie in the hyperplane of the first that are independent, if there are dim of them. */
+static int pbw__check_span(pbw__check *check)
+{
+    for (;;) {
+        int going = pbw__check_pass(check, pbw__check_flat, check->mesh->point_count, 16384, 0.1, 0.9);
+        size_t point = check->independent;
+        if (point == 0) {
+            return going;
+        }
+        if (check->rank == check->dim) {
+            return pbw__fault(check->report, "the points span a simplex but there is none", PBW_NONE, -1, point - 1);
+        }
+        check->basis[check->rank++] = pbw__check_record(check, check->dim, point - 1);
+    }
 }
 
 /* Mixes 64 bits: the bijection of splitmix64 (Steele, Lea and Flood 2014, "Fast splittable pseudorandom number
@@ -6204,7 +6374,7 @@ static int pbw__check_all(pbw__check *check)
     }
     pbw__grid_scan(check->context, check->record, points, check->dim, &check->grid);
     if (simplices == 0) {
-        return pbw__check_pass(check, pbw__check_flat, points, PBW__ALONE, 0.1, 0.9) && pbw__check_others(check);
+        return pbw__check_span(check) && pbw__check_others(check);
     }
     for (i = 0; i <= check->dim; i++) {
         check->basis[i] = pbw__check_record(check, check->dim, mesh->simplices[i] < points ? mesh->simplices[i] : 0);

@@ -345,6 +345,41 @@ static void test_same_report(size_t count)
     }
 }
 
+/* Points that are not flat, though the mesh says so: the first that shows it is named. */
+static void test_flat_report(size_t count)
+{
+    int dim, line, threads;
+    for (dim = 2; dim <= 3; dim++) {
+        for (line = 0; line <= dim - 2; line++) {
+            if (test_begin("flat: %dD%s", dim, line ? ", a line" : "")) {
+                points p = points_make(INPUT_UNIFORM, dim, count, INPUT_WEIGHTS_ZERO);
+                size_t last = (size_t)dim - 1, first = count / 3, second = count / 3 * 2, i;
+                pbw_options options = with_threads(4);
+                pbw_report report;
+                pbw_mesh mesh;
+                double *x;
+                for (i = 0; i < count; i++) {
+                    p.x[i * (size_t)dim + last] = p.x[i * (size_t)dim + (line ? 1 : last)] = 0;
+                }
+                CHECK_EQUAL(pbw_triangulate(dim, p.x, p.w, count, &options, &mesh), PBW_DEGENERATE);
+                CHECK_EQUAL(pbw_check(&mesh, &options, &report), PBW_OK);
+                CHECK(report.valid);
+                x = (double *)(uintptr_t)mesh.points;
+                x[first * (size_t)dim + (line ? 1 : last)] = 1;      /* of a line, this makes a plane */
+                x[second * (size_t)dim + last] = 1;
+                for (threads = 1; threads <= 16; threads += 5) {
+                    options.threads = threads;
+                    CHECK_EQUAL(pbw_check(&mesh, &options, &report), PBW_OK);
+                    CHECK(!report.valid && report.point == (line ? second : first));
+                }
+                pbw_free(&mesh);
+                points_free(&p);
+                test_end();
+            }
+        }
+    }
+}
+
 /* Many builds at once, each with threads of its own. */
 typedef struct builder { const points *p; const pbw_mesh *right; long wrong; } builder;
 
@@ -402,6 +437,7 @@ int main(int argc, char **argv)
     test_trace(count);
     test_counts(count);
     test_same_report(count);
+    test_flat_report(count);
     test_many_builds(count);
     return test_finish();
 }
