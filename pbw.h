@@ -2417,8 +2417,8 @@ typedef struct pbw__carved {
 #define PBW__LOCALS 64
 #define PBW__STAMPS (1u << 26)
 
-/* The facet of the new star behind a directed edge of the cavity's boundary. */
-typedef struct pbw__edge { pbw_index from, to; pbw__link link; } pbw__edge;
+/* A facet of the new star, by the edge of the cavity's boundary that it has. */
+typedef struct pbw__edge { pbw_index low, high; pbw__link link; } pbw__edge;
 
 /* The simplices, shared by all threads. */
 typedef struct pbw__store {
@@ -3837,27 +3837,13 @@ PBW__INLINE pbw_status pbw__take_slots(pbw__kernel *kernel)
     return PBW_OK;
 }
 
-/* The entry of a directed edge in the hash of a large cavity.  Each directed edge belongs to one facet of the
-   boundary. */
-PBW__INLINE pbw__link *pbw__wide_edge(pbw__kernel *kernel, size_t mask, pbw_index from, pbw_index to)
-{
-    uint64_t key = (uint64_t)from << 32 | to;
-    size_t at = (size_t)((key * 0x9e3779b97f4a7c15u) >> 32) & mask;
-    pbw__edge *edge = kernel->wide_edge + at;
-    while (edge->from != edge->to && (edge->from != from || edge->to != to)) {
-        at = (at + 1) & mask;
-        edge = kernel->wide_edge + at;
-    }
-    edge->from = from;
-    edge->to = to;
-    return &edge->link;
-}
-
+/* Joins the facets of the star of a large cavity.  An edge of the boundary belongs to two of them: the first leaves its
+   corner in a hash, the second finds it there. */
 static PBW__NOINLINE pbw_status pbw__sew3_wide(pbw__kernel *kernel)
 {
     size_t slots = 256, i;
     unsigned k;
-    while (slots < 6 * kernel->facet_count) {        /* 3 edges a facet, at most half full */
+    while (slots < 3 * kernel->facet_count) {        /* 3 edges for 2 facets: at most half full */
         slots *= 2;
     }
     if (slots > kernel->wide_capacity
@@ -3865,19 +3851,27 @@ static PBW__NOINLINE pbw_status pbw__sew3_wide(pbw__kernel *kernel)
                               sizeof(pbw__edge))) {
         return PBW_ERROR_MEMORY;
     }
-    memset(kernel->wide_edge, 0, slots * sizeof(pbw__edge));     /* from == to: empty */
+    memset(kernel->wide_edge, 0, slots * sizeof(pbw__edge));     /* low == high: empty */
     for (i = 0; i < kernel->facet_count; i++) {
         const pbw_index *v = kernel->corner + 4 * (size_t)kernel->cavity[i];
         for (k = 1; k < 4; k++) {
-            *pbw__wide_edge(kernel, slots - 1, v[k == 3 ? 1 : k + 1], v[k == 1 ? 3 : k - 1]) =
-                (pbw__link)kernel->cavity[i] * 4 + k;
-        }
-    }
-    for (i = 0; i < kernel->facet_count; i++) {
-        const pbw_index *v = kernel->corner + 4 * (size_t)kernel->cavity[i];
-        for (k = 1; k < 4; k++) {
-            kernel->link[4 * (size_t)kernel->cavity[i] + k] =
-                *pbw__wide_edge(kernel, slots - 1, v[k == 1 ? 3 : k - 1], v[k == 3 ? 1 : k + 1]);
+            pbw_index a = v[k == 1 ? 3 : k - 1], b = v[k == 3 ? 1 : k + 1];
+            pbw_index low = a < b ? a : b, high = a < b ? b : a;
+            pbw__link here = (pbw__link)kernel->cavity[i] * 4 + k;
+            size_t at = (size_t)((((uint64_t)low << 32 | high) * 0x9e3779b97f4a7c15u) >> 32) & (slots - 1);
+            pbw__edge *edge = kernel->wide_edge + at;
+            while (edge->low != edge->high && (edge->low != low || edge->high != high)) {
+                at = (at + 1) & (slots - 1);
+                edge = kernel->wide_edge + at;
+            }
+            if (edge->low == edge->high) {
+                edge->low = low;
+                edge->high = high;
+                edge->link = here;
+            } else {
+                kernel->link[here] = edge->link;
+                kernel->link[edge->link] = here;
+            }
         }
     }
     return PBW_OK;
