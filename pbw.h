@@ -5223,7 +5223,8 @@ static pbw_status pbw__level_serial(pbw__build *build, int all)
             kernel->last = corner[4 * i] != PBW_NONE ? (pbw_index)i : PBW_NONE;
         }
     }
-    if (all) {
+    if (all) {                                       /* the last star is nearer than what coarser levels remember */
+        memset(store->hint, 0xff, store->region_count * sizeof(pbw_index));
         pbw__level_ranks(build, kernel, 0, build->vertices->count);
     }
     for (i = 0; !all && i < build->left_count && pbw__level_insert(build, kernel, build->left[i]); i++) {
