@@ -2080,6 +2080,8 @@ static int pbw__order_runs(pbw__context *context, const pbw__input *input, uint6
             pbw__box_reset(&box, bits);
             for (j = i; j < run_end; j++) {
                 double x[4];
+                const size_t ahead = j + 32 < count ? j + 32 : j;            /* of this run or of the next */
+                PBW__PREFETCH(input->points + (size_t)(keys[ahead] & index_mask) * input->stride);
                 pbw__fetch(input, (size_t)(keys[j] & index_mask), x);
                 pbw__box_add(&box, x, dim);
             }
@@ -2102,20 +2104,21 @@ static int pbw__order_runs(pbw__context *context, const pbw__input *input, uint6
                 continue;
             }
         } else if (run_end - i > 1) {
-            for (j = i + 1; j < run_end; j++) {
-                uint64_t moving = keys[j];
-                double x[4], y[4];
+            double x[PBW__SHORT_RUN][4], y[4];
+            for (j = i; j < run_end; j++) {          /* all at once, as each has to be waited for */
+                pbw__fetch(input, (size_t)(keys[j] & index_mask), x[j - i]);
+            }
+            for (j = 1; j < run_end - i; j++) {
+                uint64_t moving = keys[i + j];
                 size_t hole = j;
-                pbw__fetch(input, (size_t)(moving & index_mask), x);
-                for (; hole > i; hole--) {
-                    pbw__fetch(input, (size_t)(keys[hole - 1] & index_mask), y);
-                    if (!pbw__comes_before(x, (size_t)(moving & index_mask), y, (size_t)(keys[hole - 1] & index_mask),
-                                           dim)) {
-                        break;
-                    }
-                    keys[hole] = keys[hole - 1];
+                memcpy(y, x[j], sizeof(y));
+                for (; hole > 0 && pbw__comes_before(y, (size_t)(moving & index_mask), x[hole - 1],
+                                                     (size_t)(keys[i + hole - 1] & index_mask), dim); hole--) {
+                    keys[i + hole] = keys[i + hole - 1];
+                    memcpy(x[hole], x[hole - 1], sizeof(y));
                 }
-                keys[hole] = moving;
+                keys[i + hole] = moving;
+                memcpy(x[hole], y, sizeof(y));
             }
         }
         i = run_end;
