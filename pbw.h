@@ -2086,6 +2086,8 @@ static int pbw__order_runs(pbw__context *context, const pbw__input *input, uint6
             pbw__box_reset(&box, bits);
             for (j = i; j < run_end; j++) {
                 double x[4];
+                const size_t ahead = j + 32 < count ? j + 32 : j;            /* of this run or of the next */
+                PBW__PREFETCH(input->points + (size_t)(keys[ahead] & index_mask) * input->stride);
                 pbw__fetch(input, (size_t)(keys[j] & index_mask), x);
                 pbw__box_add(&box, x, dim);
             }
@@ -2108,20 +2110,21 @@ static int pbw__order_runs(pbw__context *context, const pbw__input *input, uint6
                 continue;
             }
         } else if (run_end - i > 1) {
-            for (j = i + 1; j < run_end; j++) {
-                uint64_t moving = keys[j];
-                double x[4], y[4];
+            double x[PBW__SHORT_RUN][4], y[4];
+            for (j = i; j < run_end; j++) {          /* all at once, as each has to be waited for */
+                pbw__fetch(input, (size_t)(keys[j] & index_mask), x[j - i]);
+            }
+            for (j = 1; j < run_end - i; j++) {
+                uint64_t moving = keys[i + j];
                 size_t hole = j;
-                pbw__fetch(input, (size_t)(moving & index_mask), x);
-                for (; hole > i; hole--) {
-                    pbw__fetch(input, (size_t)(keys[hole - 1] & index_mask), y);
-                    if (!pbw__comes_before(x, (size_t)(moving & index_mask), y, (size_t)(keys[hole - 1] & index_mask),
-                                           dim)) {
-                        break;
-                    }
-                    keys[hole] = keys[hole - 1];
+                memcpy(y, x[j], sizeof(y));
+                for (; hole > 0 && pbw__comes_before(y, (size_t)(moving & index_mask), x[hole - 1],
+                                                     (size_t)(keys[i + hole - 1] & index_mask), dim); hole--) {
+                    keys[i + hole] = keys[i + hole - 1];
+                    memcpy(x[hole], x[hole - 1], sizeof(y));
                 }
-                keys[hole] = moving;
+                keys[i + hole] = moving;
+                memcpy(x[hole], y, sizeof(y));
             }
         }
         i = run_end;
@@ -2423,8 +2426,8 @@ typedef struct pbw__carved {
 #define PBW__LOCALS 64
 #define PBW__STAMPS (1u << 26)
 
-/* The facet of the new star behind a directed edge of the cavity's boundary. */
-typedef struct pbw__edge { pbw_index from, to; pbw__link link; } pbw__edge;
+/* A facet of the new star, by the edge of the cavity's boundary that it has. */
+typedef struct pbw__edge { pbw_index low, high; pbw__link link; } pbw__edge;
 
 /* The simplices, shared by all threads. */
 typedef struct pbw__store {
@@ -3025,6 +3028,16 @@ PBW__AVX2_INLINE __m256d pbw__circle_limit(__m256d h)
     return _mm256_set1_pd(8.0) * h * h * _mm256_set1_pd(PBW__CIRCLE_ERROR / 8.0);
 }
 
+/* Is p certainly beyond the edge of a ghost? */
+PBW__INLINE int pbw__is_beyond(const pbw__kernel *kernel, pbw_index t, const double *p)
+{
+    const double *a = pbw__record2(kernel, kernel->corner[4 * (size_t)t]);
+    const double *b = pbw__record2(kernel, kernel->corner[4 * (size_t)t + 1]);
+    double ax = a[0] - p[0], ay = a[1] - p[1], bx = b[0] - p[0], by = b[1] - p[1];
+    double height = pbw__larger(pbw__larger(ax * ax + ay * ay, bx * bx + by * by), 1e-140);
+    return ax * by - ay * bx > height * PBW__ORIENT2_ERROR;
+}
+
 /* The same, an edge in each lane, through the first that has p outside.  Leaves the rows of the triangle, if it is
    finite; the fourth is the first again. */
 PBW__AVX2_INLINE pbw_index pbw__locate2_avx2(pbw__kernel *kernel, pbw_index t, const double *p, int weighted,
@@ -3033,14 +3046,8 @@ PBW__AVX2_INLINE pbw_index pbw__locate2_avx2(pbw__kernel *kernel, pbw_index t, c
     const pbw_index *corner = kernel->corner;
     const pbw__point2 point = pbw__point2_of(p, weighted);
     size_t steps = 1;
-    if (PBW__UNLIKELY(corner[4 * (size_t)t + 2] == PBW__GHOST)) {
-        const double *a = pbw__record2(kernel, corner[4 * (size_t)t]);
-        const double *b = pbw__record2(kernel, corner[4 * (size_t)t + 1]);
-        double ax = a[0] - p[0], ay = a[1] - p[1], bx = b[0] - p[0], by = b[1] - p[1];
-        double height = pbw__larger(pbw__larger(ax * ax + ay * ay, bx * bx + by * by), 1e-140);
-        if (ax * by - ay * bx > height * PBW__ORIENT2_ERROR) {
-            return t;
-        }
+    if (PBW__UNLIKELY(corner[4 * (size_t)t + 2] == PBW__GHOST) && pbw__is_beyond(kernel, t, p)) {
+        return t;
     }
     for (t = pbw__walk_start(kernel, t, 2); ; steps++) {
         const pbw_index *v = corner + 4 * (size_t)t;
@@ -3845,27 +3852,13 @@ PBW__INLINE pbw_status pbw__take_slots(pbw__kernel *kernel)
     return PBW_OK;
 }
 
-/* The entry of a directed edge in the hash of a large cavity.  Each directed edge belongs to one facet of the
-   boundary. */
-PBW__INLINE pbw__link *pbw__wide_edge(pbw__kernel *kernel, size_t mask, pbw_index from, pbw_index to)
-{
-    uint64_t key = (uint64_t)from << 32 | to;
-    size_t at = (size_t)((key * 0x9e3779b97f4a7c15u) >> 32) & mask;
-    pbw__edge *edge = kernel->wide_edge + at;
-    while (edge->from != edge->to && (edge->from != from || edge->to != to)) {
-        at = (at + 1) & mask;
-        edge = kernel->wide_edge + at;
-    }
-    edge->from = from;
-    edge->to = to;
-    return &edge->link;
-}
-
+/* Joins the facets of the star of a large cavity.  An edge of the boundary belongs to two of them: the first leaves
+   its corner in a hash, the second finds it there. */
 static PBW__NOINLINE pbw_status pbw__sew3_wide(pbw__kernel *kernel)
 {
     size_t slots = 256, i;
     unsigned k;
-    while (slots < 6 * kernel->facet_count) {        /* 3 edges a facet, at most half full */
+    while (slots < 3 * kernel->facet_count) {        /* 3 edges for 2 facets: at most half full */
         slots *= 2;
     }
     if (slots > kernel->wide_capacity
@@ -3873,19 +3866,27 @@ static PBW__NOINLINE pbw_status pbw__sew3_wide(pbw__kernel *kernel)
                               sizeof(pbw__edge))) {
         return PBW_ERROR_MEMORY;
     }
-    memset(kernel->wide_edge, 0, slots * sizeof(pbw__edge));     /* from == to: empty */
+    memset(kernel->wide_edge, 0, slots * sizeof(pbw__edge));     /* low == high: empty */
     for (i = 0; i < kernel->facet_count; i++) {
         const pbw_index *v = kernel->corner + 4 * (size_t)kernel->cavity[i];
         for (k = 1; k < 4; k++) {
-            *pbw__wide_edge(kernel, slots - 1, v[k == 3 ? 1 : k + 1], v[k == 1 ? 3 : k - 1]) =
-                (pbw__link)kernel->cavity[i] * 4 + k;
-        }
-    }
-    for (i = 0; i < kernel->facet_count; i++) {
-        const pbw_index *v = kernel->corner + 4 * (size_t)kernel->cavity[i];
-        for (k = 1; k < 4; k++) {
-            kernel->link[4 * (size_t)kernel->cavity[i] + k] =
-                *pbw__wide_edge(kernel, slots - 1, v[k == 1 ? 3 : k - 1], v[k == 3 ? 1 : k + 1]);
+            pbw_index a = v[k == 1 ? 3 : k - 1], b = v[k == 3 ? 1 : k + 1];
+            pbw_index low = a < b ? a : b, high = a < b ? b : a;
+            pbw__link here = (pbw__link)kernel->cavity[i] * 4 + k;
+            size_t at = (size_t)((((uint64_t)low << 32 | high) * 0x9e3779b97f4a7c15u) >> 32) & (slots - 1);
+            pbw__edge *edge = kernel->wide_edge + at;
+            while (edge->low != edge->high && (edge->low != low || edge->high != high)) {
+                at = (at + 1) & (slots - 1);
+                edge = kernel->wide_edge + at;
+            }
+            if (edge->low == edge->high) {
+                edge->low = low;
+                edge->high = high;
+                edge->link = here;
+            } else {
+                kernel->link[here] = edge->link;
+                kernel->link[edge->link] = here;
+            }
         }
     }
     return PBW_OK;
@@ -4213,26 +4214,63 @@ PBW__AVX2_INLINE unsigned pbw__test2_avx2(pbw__rows2 s, pbw__rows2 e, pbw__rows2
     return (unsigned)_mm256_movemask_pd(*det) ^ 15u;
 }
 
-/* The verdict on a finite triangle whose determinant is zero, at a height where nothing is rounded: the rule of
-   pbw__conflict in >>predicates. */
-static int pbw__tied2(const pbw__kernel *kernel, pbw_index t, const double *p)
+/* The lanes that pbw__test2_avx2 left open and that can be settled here; their verdicts in *inside.
+
+   A bound that takes longer: the sum of the absolute products, which is far below 6 h^2 where only some of the
+   vertices are far from the point, as in the thin triangles of points on a curve.  13u times that is less than
+   1.5e-15 times what is computed here, of as many roundings.  What underflows, a product of two or three rows or a
+   lift, is multiplied by two coordinates at most: less than 1e-300 (1 + h) in all.
+
+   Where nothing is rounded, the sign is the sign, and the rule of pbw__conflict in >>predicates breaks ties between
+   finite vertices.  The coefficients of the lifts are those of the determinant. */
+PBW__AVX2 static PBW__NOINLINE unsigned pbw__settle2_rows(pbw__kernel *kernel, const pbw__rows2 *s,
+                                                          const pbw__rows2 *e, const pbw__rows2 *o, int hull,
+                                                          __m256d det, __m256d h, unsigned open, unsigned *inside)
 {
-    const pbw_index *v = kernel->corner + 4 * (size_t)t;
-    const double *largest = p;
-    int verdict = 0, i;
-    for (i = 0; i < 3; i++) {
-        const double *x = pbw__record2(kernel, v[i]);
-        if (x[0] > largest[0] || (x[0] == largest[0] && x[1] > largest[1])) {
-            const double *a = pbw__record2(kernel, v[i == 2 ? 0 : i + 1]);
-            const double *b = pbw__record2(kernel, v[i == 0 ? 2 : i - 1]);
-            double side = (a[0] - p[0]) * (b[1] - p[1]) - (a[1] - p[1]) * (b[0] - p[0]);
-            if (side != 0.0) {
-                largest = x;
-                verdict = side > 0.0;
-            }
+    const __m256d sign = _mm256_set1_pd(-0.0), zero = _mm256_setzero_pd();
+    const pbw__rows2 *corner[3];
+    __m256d exact = _mm256_cmp_pd(h, _mm256_set1_pd(kernel->exact_height), _CMP_LT_OQ), side[3], x = zero, y = zero;
+    __m256d verdict = zero, tied = _mm256_and_pd(exact, _mm256_cmp_pd(det, zero, _CMP_EQ_OQ));
+    unsigned settled = (unsigned)_mm256_movemask_pd(_mm256_andnot_pd(tied, exact)) & open, ties;
+    int i;
+    if ((open & ~(unsigned)_mm256_movemask_pd(exact)) != 0) {
+        __m256d sx = _mm256_andnot_pd(sign, s->x), ex = _mm256_andnot_pd(sign, e->x), sh = s->height, sum;
+        __m256d sy = _mm256_andnot_pd(sign, s->y), ey = _mm256_andnot_pd(sign, e->y), eh = e->height, oh = o->height;
+        if (hull) {
+            sh = _mm256_or_pd(sh, _mm256_and_pd(s->ghost, h));
+            eh = _mm256_or_pd(eh, _mm256_and_pd(e->ghost, h));
+            oh = _mm256_or_pd(oh, _mm256_and_pd(o->ghost, h));
         }
+        sum = _mm256_andnot_pd(sign, o->y) * _mm256_fmadd_pd(eh, sx, sh * ex);
+        sum = _mm256_fmadd_pd(_mm256_andnot_pd(sign, o->x), _mm256_fmadd_pd(sh, ey, eh * sy), sum);
+        sum = _mm256_fmadd_pd(oh, _mm256_fmadd_pd(sx, ey, sy * ex), sum) * _mm256_set1_pd(8.0);
+        sum = _mm256_fmadd_pd(sum, _mm256_set1_pd(1.5e-15 / 8.0),
+                              _mm256_fmadd_pd(h, _mm256_set1_pd(1e-300), _mm256_set1_pd(1e-300)));
+        settled |= open & (unsigned)_mm256_movemask_pd(_mm256_cmp_pd(_mm256_andnot_pd(sign, det), sum, _CMP_GT_OQ));
     }
-    return verdict;
+    if (hull) {
+        tied = _mm256_andnot_pd(_mm256_or_pd(_mm256_or_pd(s->ghost, e->ghost), o->ghost), tied);
+    }
+    ties = (unsigned)_mm256_movemask_pd(tied) & open;
+    if (ties == 0) {
+        return settled;
+    }
+    corner[0] = s, corner[1] = e, corner[2] = o;
+    side[0] = _mm256_fmsub_pd(o->x, e->y, o->y * e->x);
+    side[1] = _mm256_fmsub_pd(s->x, o->y, s->y * o->x);
+    side[2] = _mm256_fmsub_pd(e->x, s->y, e->y * s->x);
+    for (i = 0; i < 3; i++) {                        /* the lexicographically largest, if it is larger than p */
+        const __m256d vx = corner[i]->x, vy = corner[i]->y;
+        __m256d larger = _mm256_and_pd(_mm256_cmp_pd(vx, x, _CMP_EQ_OQ), _mm256_cmp_pd(vy, y, _CMP_GT_OQ));
+        larger = _mm256_or_pd(larger, _mm256_cmp_pd(vx, x, _CMP_GT_OQ));
+        larger = _mm256_and_pd(larger, _mm256_cmp_pd(side[i], zero, _CMP_NEQ_OQ));
+        x = _mm256_blendv_pd(x, vx, larger);
+        y = _mm256_blendv_pd(y, vy, larger);
+        verdict = _mm256_blendv_pd(verdict, _mm256_cmp_pd(side[i], zero, _CMP_GT_OQ), larger);
+    }
+    *inside = (*inside & ~ties) | ((unsigned)_mm256_movemask_pd(verdict) & ties);
+    kernel->statistics.exact_tests += (unsigned)__builtin_popcount(ties);
+    return settled | ties;
 }
 
 typedef struct pbw__pairs2 { pbw__pair4 x, y, lift; __m256d ghost; } pbw__pairs2;
@@ -4274,38 +4312,38 @@ PBW__AVX2 static PBW__NOINLINE unsigned pbw__circle4_pairs(const double *record,
                                                       _mm256_cmp_pd(h, _mm256_set1_pd(1e-20), _CMP_GT_OQ)));
 }
 
-/* The verdicts that the filter left open. */
+/* The same with copies of what it looks at, so that the compiler need not keep that in memory for those who have no
+   such lanes. */
+PBW__AVX2_INLINE unsigned pbw__settle2(pbw__kernel *kernel, pbw__rows2 s, pbw__rows2 e, pbw__rows2 o, int hull,
+                                       __m256d det, __m256d height, unsigned open, unsigned *inside)
+{
+    unsigned verdicts = *inside;
+    open = pbw__settle2_rows(kernel, &s, &e, &o, hull, det, height, open, &verdicts);
+    *inside = verdicts;
+    return open;
+}
+
+/* The verdicts that are still open. */
 static PBW__NOINLINE unsigned pbw__ring_exact(pbw__kernel *kernel, const pbw__ring *ring, unsigned head,
-                                              unsigned open, const double *det, const double *height, const double *p)
+                                              unsigned open, const double *p)
 {
     pbw_index start[4], end[4], far[4];
-    unsigned inside = 0, rounded = 0, k;
+    unsigned inside = 0, k;
     for (k = 0; k < 4; k++) {
         unsigned edge = ring->queue[head + k];
         start[k] = ring->start[edge];
         end[k] = ring->end[edge];
         far[k] = kernel->corner[ring->beyond[edge]];
-        rounded |= (unsigned)!(height[k] < kernel->exact_height) << k;
     }
-    if ((open & rounded) != 0 && !kernel->weighted) {
-        unsigned positive, certain = open & rounded;
-        certain &= pbw__circle4_pairs(kernel->record, start, end, far, p, &positive);
+    if (!kernel->weighted) {
+        unsigned positive, certain = open & pbw__circle4_pairs(kernel->record, start, end, far, p, &positive);
         inside = certain & positive;
         open &= ~certain;
     }
     for (k = 0; k < 4; k++) {
         if (open >> k & 1) {
             pbw_index t = (pbw_index)(ring->beyond[ring->queue[head + k]] >> 2);
-            int exact = (rounded >> k & 1) == 0, verdict;
-            if (exact && det[k] != 0.0) {
-                verdict = det[k] > 0.0;
-            } else if (exact && kernel->corner[4 * (size_t)t + 2] != PBW__GHOST) {
-                verdict = pbw__tied2(kernel, t, p);
-                kernel->statistics.exact_tests++;
-            } else {
-                verdict = pbw__in_conflict2(kernel, t, p);
-            }
-            inside |= (unsigned)verdict << k;
+            inside |= (unsigned)pbw__in_conflict2(kernel, t, p) << k;
         }
     }
     return inside;
@@ -4352,21 +4390,21 @@ PBW__AVX2_INLINE pbw_status pbw__ring_split(pbw__kernel *kernel, pbw__ring *ring
     return PBW_OK;
 }
 
-/* Tests the next edges of the queue, of rows s and e, with the far vertices o.  PBW_ERROR_TOO_LARGE: they may not fit
-   the ring. */
-PBW__AVX2_INLINE pbw_status pbw__ring_step(pbw__kernel *kernel, pbw__ring *ring, unsigned head, int hull,
-                                           int weighted, pbw__rows2 s, pbw__rows2 e, pbw__rows2 o,
+/* Tests the next edges of the queue, of rows s and e, with the far vertices o; those in `outside` are known not to be
+   in conflict.  PBW_ERROR_TOO_LARGE: they may not fit the ring. */
+PBW__AVX2_INLINE pbw_status pbw__ring_step(pbw__kernel *kernel, pbw__ring *ring, unsigned head, unsigned outside,
+                                           int hull, int weighted, pbw__rows2 s, pbw__rows2 e, pbw__rows2 o,
                                            const double *p)
 {
     __m256d det, height;
     unsigned certain, inside = pbw__test2_avx2(s, e, o, hull, &det, &height, &certain);
-    unsigned all = _bzhi_u32(15, ring->tail - head);
+    unsigned all = _bzhi_u32(15, ring->tail - head) & ~outside;
     inside &= all;
     if (PBW__UNLIKELY((certain & all) != all)) {
-        double value[4], h[4];
-        _mm256_storeu_pd(value, det);
-        _mm256_storeu_pd(h, height);
-        inside = (inside & certain) | pbw__ring_exact(kernel, ring, head, all & ~certain, value, h, p);
+        certain |= pbw__settle2(kernel, s, e, o, hull, det, height, all & ~certain, &inside);
+        if ((certain & all) != all) {
+            inside = (inside & certain) | pbw__ring_exact(kernel, ring, head, all & ~certain, p);
+        }
     }
     if (PBW__UNLIKELY(ring->count > PBW__RING - 4)) {
         return PBW_ERROR_TOO_LARGE;
@@ -4404,8 +4442,49 @@ PBW__AVX2_INLINE unsigned pbw__ring_start(pbw__kernel *kernel, pbw__ring *ring, 
     return done;
 }
 
-/* Finds the cavity of p from t, a triangle in conflict with these rows.  PBW_ERROR_TOO_LARGE: it may not fit the
-   ring, or, if there should be no hull, it may have one. */
+/* The same for the one edge of the hull that has the point beyond it, and the two of the triangle behind it. */
+PBW__AVX2_INLINE unsigned pbw__ring_start_beyond(pbw__kernel *kernel, pbw__ring *ring, pbw__point2 point)
+{
+    const pbw_index *corner = kernel->corner;
+    const pbw__link *link = kernel->link, beyond = ring->beyond[2];
+    pbw_index start = ring->start[2], end = ring->end[2], far = corner[beyond];
+    pbw_index after = corner[link[PBW__AFTER(beyond)]], before = corner[link[PBW__BEFORE(beyond)]];
+    pbw__rows2 s = pbw__rows2_of(kernel->record, 0, start, start, far, start, point);
+    pbw__rows2 e = pbw__rows2_of(kernel->record, 0, end, far, end, end, point);
+    pbw__rows2 o = pbw__rows2_of(kernel->record, 0, far, after, before, far, point);
+    __m256d det, height;
+    unsigned outside = (unsigned)(after == PBW__GHOST) << 1 | (unsigned)(before == PBW__GHOST) << 2;
+    unsigned certain, inside = pbw__test2_avx2(s, e, o, 0, &det, &height, &certain) & ~outside;
+    certain |= outside;
+    if (certain != 15 && (certain | pbw__settle2(kernel, s, e, o, 0, det, height, certain ^ 15, &inside)) != 15) {
+        return 0;
+    }
+    (void)pbw__ring_split(kernel, ring, 0, inside & 1, 0);
+    (void)pbw__ring_split(kernel, ring, 1, inside >> 1 & (0 - (inside & 1)) & 3, 0);
+    return 1 + 2 * (inside & 1);
+}
+
+/* What a cavity may have of the hull. */
+enum { PBW__INNER, PBW__ONE_GHOST, PBW__ANY_GHOSTS };
+
+/* Is this ghost the only one in conflict?  The edges of the hull that have p beyond them, or in line with them,
+   follow one another: so it is, if p is strictly behind the next edge on either side. */
+PBW__INLINE int pbw__is_only_ghost(const pbw__kernel *kernel, pbw_index t, const double *p)
+{
+    const pbw_index *corner = kernel->corner, *v = corner + 4 * (size_t)t;
+    const pbw__link *link = kernel->link + 4 * (size_t)t;
+    const double *a = pbw__record2(kernel, v[0]), *b = pbw__record2(kernel, v[1]);
+    const double *before = pbw__record2(kernel, corner[link[1]]), *after = pbw__record2(kernel, corner[link[0]]);
+    double ax = a[0] - p[0], ay = a[1] - p[1], bx = b[0] - p[0], by = b[1] - p[1];
+    double cx = before[0] - p[0], cy = before[1] - p[1], dx = after[0] - p[0], dy = after[1] - p[1];
+    double size = pbw__larger(pbw__larger(ax * ax + ay * ay, bx * bx + by * by),
+                              pbw__larger(cx * cx + cy * cy, dx * dx + dy * dy));
+    double limit = pbw__larger(size, 1e-140) * PBW__ORIENT2_ERROR;
+    return cy * ax - cx * ay > limit && by * dx - bx * dy > limit;
+}
+
+/* Finds the cavity of p from t, a triangle in conflict, with these rows if it is finite.  PBW_ERROR_TOO_LARGE: it may
+   not fit the ring, or, if there should be no hull, it may have one. */
 PBW__AVX2_INLINE pbw_status pbw__carve2_avx2(pbw__kernel *kernel, pbw__ring *ring, pbw_index t,
                                              const pbw__rows2 *rows, const double *p, int hull, int weighted)
 {
@@ -4431,7 +4510,15 @@ PBW__AVX2_INLINE pbw_status pbw__carve2_avx2(pbw__kernel *kernel, pbw__ring *rin
     ring->queue[2] = 2;
     ring->queue[3] = 0;
     ring->count = ring->tail = 3;
-    if (!hull) {
+    if (hull == PBW__ONE_GHOST) {                    /* all but the edge of the hull is known */
+        ring->queue[0] = 2;
+        ring->queue[1] = ring->queue[2] = 0;
+        ring->tail = 1;
+        if (!weighted && PBW__LIKELY(kernel->owner == NULL)) {
+            head = pbw__ring_start_beyond(kernel, ring, point);
+        }
+    }
+    if (hull == PBW__INNER) {
         const pbw__link beyond[3] = { link[0], link[1], link[2] };
         const pbw_index far[3] = { corner[beyond[0]], corner[beyond[1]], corner[beyond[2]] };
         if (PBW__UNLIKELY(far[0] == PBW__GHOST || far[1] == PBW__GHOST || far[2] == PBW__GHOST)) {
@@ -4446,24 +4533,29 @@ PBW__AVX2_INLINE pbw_status pbw__carve2_avx2(pbw__kernel *kernel, pbw__ring *rin
             head = pbw__ring_start(kernel, ring, beyond, &s, &e, &o, point);
         }
         if (PBW__UNLIKELY(head == 0)) {
-            status = pbw__ring_step(kernel, ring, 0, 0, weighted, s, e, o, p);
+            status = pbw__ring_step(kernel, ring, 0, 0, 0, weighted, s, e, o, p);
             head = 3;
         }
     }
     while (head < ring->tail && status == PBW_OK) {
         const unsigned char *queue = ring->queue + head;
-        unsigned i0 = queue[0], i1 = queue[1], i2 = queue[2], i3 = queue[3], next;
+        unsigned i0 = queue[0], i1 = queue[1], i2 = queue[2], i3 = queue[3], next, outside = 0;
         pbw_index far0 = corner[ring->beyond[i0]], far1 = corner[ring->beyond[i1]], far2 = corner[ring->beyond[i2]],
                   far3 = corner[ring->beyond[i3]];
-        if (!hull && PBW__UNLIKELY(far0 == PBW__GHOST || far1 == PBW__GHOST || far2 == PBW__GHOST
-                                   || far3 == PBW__GHOST)) {
-            return PBW_ERROR_TOO_LARGE;
+        if (hull != PBW__ANY_GHOSTS) {
+            outside = (unsigned)(far0 == PBW__GHOST) | (unsigned)(far1 == PBW__GHOST) << 1
+                    | (unsigned)(far2 == PBW__GHOST) << 2 | (unsigned)(far3 == PBW__GHOST) << 3;
+            if (hull == PBW__INNER && PBW__UNLIKELY(outside != 0)) {
+                return PBW_ERROR_TOO_LARGE;
+            }
         }
-        s = pbw__rows2_of(record, hull, ring->start[i0], ring->start[i1], ring->start[i2], ring->start[i3], point);
-        e = pbw__rows2_of(record, hull, ring->end[i0], ring->end[i1], ring->end[i2], ring->end[i3], point);
-        o = pbw__rows2_of(record, hull, far0, far1, far2, far3, point);
+        s = pbw__rows2_of(record, hull == PBW__ANY_GHOSTS, ring->start[i0], ring->start[i1], ring->start[i2],
+                          ring->start[i3], point);
+        e = pbw__rows2_of(record, hull == PBW__ANY_GHOSTS, ring->end[i0], ring->end[i1], ring->end[i2],
+                          ring->end[i3], point);
+        o = pbw__rows2_of(record, hull == PBW__ANY_GHOSTS, far0, far1, far2, far3, point);
         next = head + 4 < ring->tail ? head + 4 : ring->tail;
-        status = pbw__ring_step(kernel, ring, head, hull, weighted, s, e, o, p);
+        status = pbw__ring_step(kernel, ring, head, outside, hull == PBW__ANY_GHOSTS, weighted, s, e, o, p);
         head = next;
     }
     return status;
@@ -4517,12 +4609,24 @@ PBW__AVX2_INLINE void pbw__refill2_avx2(pbw__kernel *kernel, pbw__ring *ring, pb
     }
 }
 
-/* The same insertion where ghosts are met, or where it does not fit the ring. */
+/* The same insertion where ghosts are met, or where it does not fit the ring, which has got as far as this. */
 PBW__AVX2 static PBW__NOINLINE pbw_status pbw__hull2_avx2(pbw__kernel *kernel, pbw__ring *ring, pbw_index t,
                                                            pbw_index vertex)
 {
     const double *p = pbw__record2(kernel, vertex);
-    pbw_status status = pbw__carve2_avx2(kernel, ring, t, NULL, p, 1, kernel->weighted);
+    pbw_status status;
+    pbw_index ghost = kernel->corner[4 * (size_t)t + 2] == PBW__GHOST ? t : PBW_NONE;
+    unsigned i;
+    for (i = 0; i < ring->count && ghost == PBW_NONE; i++) {     /* one that the ring has come to? */
+        pbw_index o = (pbw_index)(ring->beyond[i] >> 2);
+        if (kernel->corner[ring->beyond[i]] == PBW__GHOST && pbw__is_beyond(kernel, o, p)
+            && (kernel->owner == NULL || pbw__may_delete(kernel, o))) {
+            ghost = o;
+        }
+    }
+    status = ghost != PBW_NONE && pbw__is_only_ghost(kernel, ghost, p)
+           ? pbw__carve2_avx2(kernel, ring, ghost, NULL, p, PBW__ONE_GHOST, kernel->weighted)
+           : pbw__carve2_avx2(kernel, ring, t, NULL, p, PBW__ANY_GHOSTS, kernel->weighted);
     if (status == PBW_ERROR_TOO_LARGE || kernel->fresh_end - kernel->fresh < 2) {
         status = pbw__carve2(kernel, t, p);
         return status == PBW_OK ? pbw__refill2(kernel, vertex) : status;
@@ -4548,9 +4652,10 @@ PBW__AVX2_INLINE pbw_status pbw__insert2_with(pbw__kernel *kernel, pbw_index ver
     }
     if (PBW__UNLIKELY(kernel->corner[4 * (size_t)t + 2] == PBW__GHOST)
         || PBW__UNLIKELY(kernel->fresh_end - kernel->fresh < 2)) {
+        ring.count = 0;
         return pbw__hull2_avx2(kernel, &ring, t, vertex);
     }
-    status = pbw__carve2_avx2(kernel, &ring, t, &rows, p, 0, weighted);
+    status = pbw__carve2_avx2(kernel, &ring, t, &rows, p, PBW__INNER, weighted);
     if (PBW__UNLIKELY(status != PBW_OK)) {
         return status == PBW_ERROR_TOO_LARGE ? pbw__hull2_avx2(kernel, &ring, t, vertex) : status;
     }
@@ -5276,7 +5381,8 @@ static pbw_status pbw__level_serial(pbw__build *build, int all)
             kernel->last = corner[4 * i] != PBW_NONE ? (pbw_index)i : PBW_NONE;
         }
     }
-    if (all) {
+    if (all) {                                       /* the last star is nearer than what coarser levels remember */
+        memset(store->hint, 0xff, store->region_count * sizeof(pbw_index));
         pbw__level_ranks(build, kernel, 0, build->vertices->count);
     }
     for (i = 0; !all && i < build->left_count && pbw__level_insert(build, kernel, build->left[i]); i++) {
