@@ -3293,8 +3293,8 @@ static const unsigned char pbw__front[16][16] = {
     { PBW__LANE(0), PBW__LANE(1), PBW__LANE(2), PBW__LANE(3) }
 };
 
-
-/* The same for all four neighbours, which are different simplices: two simplices share at most one facet. */
+/* The same for all four neighbours, which are different simplices: two simplices share at most one facet.  The refill
+   writes links back to those that stay; their lines of the cache are asked for while there are tests to do. */
 PBW__AVX2_INLINE void pbw__search_sort4(pbw__search *search, pbw_index facet, const pbw__link *link, unsigned inside)
 {
     unsigned char *mark = search->mark;
@@ -3302,6 +3302,10 @@ PBW__AVX2_INLINE void pbw__search_sort4(pbw__search *search, pbw_index facet, co
     unsigned marked = PBW__LOAD(mark + o0) + 2u * PBW__LOAD(mark + o1)
                     + 4u * (PBW__LOAD(mark + o2) + 2u * PBW__LOAD(mark + o3)), outside, bytes;
     const __m128i from = _mm_add_epi32(_mm_set1_epi32((int)facet), _mm_setr_epi32(0, 1, 2, 3));
+    PBW__PREFETCH(search->link + 4 * (size_t)o0);
+    PBW__PREFETCH(search->link + 4 * (size_t)o1);
+    PBW__PREFETCH(search->link + 4 * (size_t)o2);
+    PBW__PREFETCH(search->link + 4 * (size_t)o3);
     outside = 15u & ~(inside | marked);
     inside &= ~marked;
     bytes = (marked | inside) * 0x204081u & 0x1010101u;          /* a bit each */
