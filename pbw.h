@@ -2480,8 +2480,7 @@ typedef struct pbw__kernel {
     pbw_index *parent;                               /* 3D: the facet that each was met through, as in `from` */
     pbw__carved *carved;                             /* 3D: what the refill needs of them */
     pbw__link *beyond;                               /* 2D: the boundary of the cavity: the link across each edge */
-    pbw_index *from;                                 /* 3D: the facets there: 32 * place in the cavity + which one
-                                                        of pbw__facet_corners */
+    pbw_index *from;                                 /* 3D: the facets there: 4 * place in the cavity + which one */
     pbw__link *stack;                                /* 2D: links still to look through */
     size_t cavity_count, facet_count;
     size_t cavity_capacity, parent_capacity, carved_capacity, beyond_capacity, from_capacity, stack_capacity;
@@ -2619,14 +2618,9 @@ PBW__INLINE void pbw__kernel_attach(pbw__kernel *kernel)
 #define PBW__EXACT_HEIGHT2 3.8e7                     /* in units of a grid, squared */
 #define PBW__EXACT_HEIGHT3 6.5e5
 
-/* Corners of facet i, from the second entry on, in the order that makes (p, a, b, c) positive for p inside.  + 4 for
-   a negative simplex; + 8 * (3 - g) for one with the ghost in corner g: a ghost comes last. */
-static const unsigned char pbw__facet_corners[32][4] = {
-    { 0, 1, 2, 3 }, { 0, 2, 0, 3 }, { 0, 0, 1, 3 }, { 0, 0, 2, 1 }, { 0, 2, 1, 3 }, { 0, 0, 2, 3 }, { 0, 1, 0, 3 },
-    { 0, 0, 1, 2 }, { 0, 3, 1, 2 }, { 0, 0, 3, 2 }, { 0, 0, 1, 3 }, { 0, 1, 0, 2 }, { 0, 1, 3, 2 }, { 0, 3, 0, 2 },
-    { 0, 1, 0, 3 }, { 0, 0, 1, 2 }, { 0, 2, 3, 1 }, { 0, 2, 0, 3 }, { 0, 3, 0, 1 }, { 0, 0, 2, 1 }, { 0, 3, 2, 1 },
-    { 0, 0, 2, 3 }, { 0, 0, 3, 1 }, { 0, 2, 0, 1 }, { 0, 1, 2, 3 }, { 0, 3, 2, 0 }, { 0, 1, 3, 0 }, { 0, 2, 1, 0 },
-    { 0, 2, 1, 3 }, { 0, 2, 3, 0 }, { 0, 3, 1, 0 }, { 0, 1, 2, 0 }
+/* Corners of facet i, from the second entry on, in the order that makes (p, a, b, c) positive for p inside. */
+static const unsigned char pbw__facet_corners[4][4] = {
+    { 0, 1, 2, 3 }, { 0, 2, 0, 3 }, { 0, 0, 1, 3 }, { 0, 0, 2, 1 }
 };
 
 PBW__INLINE double pbw__det3(const double *a, const double *b, const double *c)
@@ -3102,7 +3096,7 @@ PBW__AVX2_INLINE pbw_index pbw__locate2_avx2(pbw__kernel *kernel, pbw_index t, c
    ghost's conflict asks for; W is the height of the simplex, so that it fits the bound.  Vertices of the cavity get
    local numbers, so that the star can be sewn together through a small table indexed by pairs of them.  A simplex
    has three vertices in common with the one that it was met from, and the fourth was the far vertex there: vectors
-   take rows and numbers over, with one lane replaced.
+   take rows and numbers over, with one lane replaced, in the order of the corners in memory.
 
    Errors.  The determinant is a sum of 24 products of x, y, z and a lift.  A product carries 3 rounded translations;
    in the lift 2 translations, 1 multiplication, 2 additions and for the weight 2 subtractions; 3 multiplications; 1 +
@@ -3151,7 +3145,7 @@ PBW__INLINE uint32_t pbw__local(uint64_t *slot, uint32_t stamp, uint32_t *count,
 /* Room for `needed` items in each of the lists of cavity and boundary. */
 static PBW__NOINLINE int pbw__grow_lists(pbw__kernel *kernel, size_t needed)
 {
-    return (kernel->dim == 2 || needed <= PBW_NONE / 32)         /* a facet in 32 bits */
+    return (kernel->dim == 2 || needed <= PBW_NONE / 4)          /* a facet in 32 bits */
         && pbw__grow(kernel, &kernel->cavity, &kernel->cavity_capacity, needed, sizeof(pbw_index))
         && (kernel->dim == 2
                 ? pbw__grow(kernel, &kernel->beyond, &kernel->beyond_capacity, needed, sizeof(pbw__link))
@@ -3215,7 +3209,7 @@ PBW__INLINE void pbw__search_begin(pbw__kernel *kernel, pbw__search *search, pbw
     search->capacity = kernel->from_capacity;        /* the last of the lists to grow */
     search->stamp = kernel->stamp * PBW__LOCALS;
     search->local_count = 1;                         /* number 0 stands for none */
-    search->parent[0] = 32;                          /* the first was met from nowhere: the second stands in */
+    search->parent[0] = 4;                           /* the first was met from nowhere: the second stands in */
     search->carved[1].link[0] = (pbw__link)t * 4;
     search->mark[t] = 1;
 }
@@ -3224,7 +3218,7 @@ PBW__INLINE void pbw__search_begin(pbw__kernel *kernel, pbw__search *search, pbw
 PBW__INLINE pbw__link pbw__search_take(pbw__search *search, size_t i)
 {
     pbw_index facet = search->parent[i];
-    pbw__link link = search->carved[facet >> 5].link[facet & 3];
+    pbw__link link = search->carved[facet >> 2].link[facet & 3];
     search->cavity[i] = (pbw_index)(link >> 2);
     return link;
 }
@@ -3308,8 +3302,8 @@ static const unsigned char pbw__front[16][16] = {
     { PBW__LANE(0), PBW__LANE(1), PBW__LANE(2), PBW__LANE(3) }
 };
 
-
-/* The same for all four neighbours, which are different simplices: two simplices share at most one facet. */
+/* The same for all four neighbours, which are different simplices: two simplices share at most one facet.  The refill
+   writes links back to those that stay; their lines of the cache are asked for while there are tests to do. */
 PBW__AVX2_INLINE void pbw__search_sort4(pbw__search *search, pbw_index facet, const pbw__link *link, unsigned inside)
 {
     unsigned char *mark = search->mark;
@@ -3317,6 +3311,10 @@ PBW__AVX2_INLINE void pbw__search_sort4(pbw__search *search, pbw_index facet, co
     unsigned marked = PBW__LOAD(mark + o0) + 2u * PBW__LOAD(mark + o1)
                     + 4u * (PBW__LOAD(mark + o2) + 2u * PBW__LOAD(mark + o3)), outside, bytes;
     const __m128i from = _mm_add_epi32(_mm_set1_epi32((int)facet), _mm_setr_epi32(0, 1, 2, 3));
+    PBW__PREFETCH(search->link + 4 * (size_t)o0);
+    PBW__PREFETCH(search->link + 4 * (size_t)o1);
+    PBW__PREFETCH(search->link + 4 * (size_t)o2);
+    PBW__PREFETCH(search->link + 4 * (size_t)o3);
     outside = 15u & ~(inside | marked);
     inside &= ~marked;
     bytes = (marked | inside) * 0x204081u & 0x1010101u;          /* a bit each */
@@ -3450,7 +3448,7 @@ PBW__AVX2_INLINE __m256d pbw__dot4(__m256d x, __m256d y, __m256d z, __m256d u, _
    the rule of pbw__conflict in >>predicates.  The coefficients of the lifts are those of the determinant.  Integers
    below EXACT_HEIGHT^(1/2) < 2^10 make one number, which compares as they do one after the other. */
 PBW__AVX2 static PBW__NOINLINE unsigned pbw__ties4(const double *record, const pbw_index *v, const pbw_index *far,
-                                                   const double *p, unsigned odd)
+                                                   const double *p)
 {
     const pbw__point3 point = pbw__point3_of(p, 0);
     const __m256d zero = _mm256_setzero_pd(), radix = _mm256_set1_pd(2048.0);
@@ -3477,15 +3475,14 @@ PBW__AVX2 static PBW__NOINLINE unsigned pbw__ties4(const double *record, const p
         largest = _mm256_blendv_pd(largest, key[i], larger);
         verdict = _mm256_blendv_pd(verdict, coefficient[i], larger);
     }
-    verdict = odd != 0 ? _mm256_cmp_pd(verdict, zero, _CMP_LT_OQ) : _mm256_cmp_pd(verdict, zero, _CMP_GT_OQ);
-    return (unsigned)_mm256_movemask_pd(verdict);
+    return (unsigned)_mm256_movemask_pd(_mm256_cmp_pd(verdict, zero, _CMP_GT_OQ));
 }
 
 /* Neighbours of a simplex of the cavity that the filter left open (bits of `certain` not set): the exact verdicts.
    Those without the bit in `rounded` are ties.  A ghost tied with a finite simplex is in conflict, as that is. */
 PBW__AVX2 static PBW__NOINLINE unsigned pbw__search_exact(pbw__kernel *kernel, const pbw__carved *carved,
-                                                          unsigned odd, unsigned certain, unsigned inside,
-                                                          unsigned rounded, const double *p)
+                                                          unsigned certain, unsigned inside, unsigned rounded,
+                                                          const double *p)
 {
     const pbw_index *v = carved->v;
     pbw_index far[4];
@@ -3500,14 +3497,14 @@ PBW__AVX2 static PBW__NOINLINE unsigned pbw__search_exact(pbw__kernel *kernel, c
     open &= ~certain;
     tied = open & ~rounded & (ghost != 0 ? ghost : 15u);
     if (tied != 0) {
-        inside |= tied & (ghosts | pbw__ties4(kernel->record, v, far, p, odd));
+        inside |= tied & (ghosts | pbw__ties4(kernel->record, v, far, p));
         open &= ~tied;
         kernel->statistics.exact_tests += (unsigned)__builtin_popcount(tied);
     }
     if ((open & rounded) != 0 && !kernel->weighted) {
         unsigned positive;
         certain = open & rounded & pbw__power4_pairs(kernel->record, v, far, p, &positive);
-        inside |= certain & (odd != 0 ? ~positive : positive);
+        inside |= certain & positive;
         open &= ~certain;
         kernel->statistics.exact_tests += (unsigned)__builtin_popcount(certain);
     }
@@ -3564,7 +3561,7 @@ static pbw_status pbw__carve3_scalar(pbw__kernel *kernel, pbw_index t, const dou
             if (inside && kernel->owner != NULL && !pbw__may_delete(kernel, (pbw_index)(link[k] >> 2))) {
                 return pbw__search_leave(kernel, &search, i);
             }
-            pbw__search_sort(&search, (pbw_index)(32 * i + k), (pbw_index)(link[k] >> 2), inside);
+            pbw__search_sort(&search, (pbw_index)(4 * i + k), (pbw_index)(link[k] >> 2), inside);
         }
     }
     pbw__search_end(kernel, &search);
@@ -3590,36 +3587,37 @@ static const int32_t pbw__lane_number[16][4] = {
     { 0, 0, 0, 2 }, { 0, 0, 0, 3 }
 };
 
-/* pbw__search_number for the i-th simplex, met through a facet: the simplex behind that, with the far vertex in place
-   of a corner.  Each corner is found where it stands in memory. */
-PBW__AVX2_INLINE void pbw__search_inherit(pbw__search *search, size_t i, pbw_index facet, pbw__link link)
+/* pbw__search_number for the i-th simplex, met through a facet: it has three corners in common with the simplex
+   behind that, and the fourth is the far vertex there.  Returns where each corner's row is among that simplex's, with
+   the far one in place of the one across from the facet: for a permutation of halves of doubles. */
+PBW__AVX2_INLINE __m256i pbw__search_inherit(pbw__search *search, size_t i, pbw_index facet, pbw__link link)
 {
-    const pbw__carved *parent = search->carved + (facet >> 5);
+    const pbw__carved *parent = search->carved + (facet >> 2);
     pbw__carved *carved = search->carved + i;
     const size_t first = (size_t)(link & ~(pbw__link)3);
     const __m128i v = PBW__LOAD4(search->corner + first), old = PBW__LOAD4(parent->v);
-    const __m128i at1 = _mm_cmpeq_epi32(old, _mm_shuffle_epi32(v, 0x55));
-    const __m128i at2 = _mm_cmpeq_epi32(old, _mm_shuffle_epi32(v, 0xaa));
-    const __m128i at3 = _mm_cmpeq_epi32(old, _mm_shuffle_epi32(v, 0xff));    /* -1, which is 3 modulo 4 */
-    const __m128i place = _mm_or_si128(_mm_sub_epi32(_mm_add_epi32(at3, _mm_add_epi32(at2, at2)), at1),
-                                       PBW__LOAD4(pbw__lane_number[4 * (facet & 3) + (link & 3)]));
-    PBW__STORE4(carved->v, PBW__PERMUTE4(v, place));
-#ifdef PBW_WIDE
-    {
-        pbw_index from[4], k;
-        PBW__STORE4(from, place);
-        for (k = 0; k < 4; k++) {
-            carved->link[k] = search->link[first + (from[k] & 3)];
-        }
-    }
-#else
-    PBW__STORE4(carved->link, PBW__PERMUTE4(PBW__LOAD4(search->link + first), place));
-#endif
+    const __m128i is1 = _mm_cmpeq_epi32(v, _mm_shuffle_epi32(old, 0x55));
+    const __m128i is2 = _mm_cmpeq_epi32(v, _mm_shuffle_epi32(old, 0xaa));
+    const __m128i is3 = _mm_cmpeq_epi32(v, _mm_shuffle_epi32(old, 0xff));    /* -1, which is 3 modulo 4 */
+    const __m128i place = _mm_or_si128(_mm_sub_epi32(_mm_add_epi32(is3, _mm_add_epi32(is2, is2)), is1),
+                                       PBW__LOAD4(pbw__lane_number[4 * (link & 3) + (facet & 3)]));
+    __m256i halves = _mm256_cvtepi32_epi64(_mm_add_epi32(place, place));
+    PBW__STORE4(carved->v, v);
+    memcpy(carved->link, search->link + first, sizeof(carved->link));
     if (PBW__LIKELY(search->local_count < PBW__LOCALS)) {
         uint32_t fresh = pbw__local(search->slot, search->stamp, &search->local_count, search->corner[link]);
-        PBW__STORE4(carved->local, _mm_blendv_epi8(PBW__LOAD4(parent->local), _mm_set1_epi32((int)fresh),
-                                                   PBW__LOAD4(pbw__lane4[facet & 3])));
+        __m128i local = _mm_blendv_epi8(PBW__LOAD4(parent->local), _mm_set1_epi32((int)fresh),
+                                        PBW__LOAD4(pbw__lane4[facet & 3]));
+        PBW__STORE4(carved->local, PBW__PERMUTE4(local, place));
     }
+    halves = _mm256_shuffle_epi32(halves, 0xa0);
+    return _mm256_add_epi32(halves, _mm256_setr_epi32(0, 1, 0, 1, 0, 1, 0, 1));
+}
+
+/* Lanes of a, or of b where `lane` says so, in an order that pbw__search_inherit found. */
+PBW__AVX2_INLINE __m256d pbw__take_over(__m256d a, __m256d b, __m256d lane, __m256i halves)
+{
+    return _mm256_castps_pd(_mm256_permutevar8x32_ps(_mm256_castpd_ps(_mm256_blendv_pd(a, b, lane)), halves));
 }
 
 /* The same, a facet in each lane. */
@@ -3637,14 +3635,14 @@ PBW__AVX2_INLINE pbw_status pbw__carve3_avx2(pbw__kernel *kernel, pbw_index t, c
     pbw__search_begin(kernel, &search, t);
     for (i = 0; i < search.cavity_count; i++) {
         const pbw_index facet = search.parent[i];
-        const size_t met = facet >> 5;
+        const size_t met = facet >> 2;
         pbw__held *here = held + i % PBW__HELD;
         pbw__carved *carved;
         pbw__link link;
         pbw__rows3 r, o;
         __m256d height, ax, ay, az, al, bx, by, bz, bl, cx, cy, cz, cl, xy, xz, yz, xl, yl, zl, det, h, limit;
         __m256d rounded;
-        unsigned certain, inside, odd, turn;
+        unsigned certain, inside;
         if (PBW__UNLIKELY(!pbw__search_room(kernel, &search))) {
             return PBW_ERROR_MEMORY;
         }
@@ -3652,22 +3650,18 @@ PBW__AVX2_INLINE pbw_status pbw__carve3_avx2(pbw__kernel *kernel, pbw_index t, c
         link = pbw__search_take(&search, i);
         if (PBW__UNLIKELY(i - met >= PBW__HELD)) {
             pbw__search_number(&search, i, link);
-            odd = turn = 0;
             r = pbw__rows3_of(record, 1, carved->v[0], carved->v[1], carved->v[2], carved->v[3], &point);
         } else {
             const pbw__held *from = held + met % PBW__HELD;
             const __m256d *from_height = heights[met % PBW__HELD];
             const __m256d lane = _mm256_castsi256_pd(
                 _mm256_loadu_si256((const __m256i *)(const void *)pbw__lane[facet & 3]));
-            pbw__search_inherit(&search, i, facet, link);
-            odd = ~facet & 4;                        /* one corner replaced in place turns the simplex over */
-            turn = (facet ^ facet >> 3) % 4 == 3 ? 0 : facet & 24;           /* the ghost left, or stays, */
-            turn = corner[link] == PBW__GHOST ? (~facet & 3) << 3 : turn;    /* or came */
-            r.x = _mm256_blendv_pd(from->x, from->far_x, lane);
-            r.y = _mm256_blendv_pd(from->y, from->far_y, lane);
-            r.z = _mm256_blendv_pd(from->z, from->far_z, lane);
-            r.lift = _mm256_blendv_pd(from->lift, from->far_lift, lane);
-            r.height = weighted ? _mm256_blendv_pd(from_height[0], from_height[1], lane) : r.lift;
+            const __m256i halves = pbw__search_inherit(&search, i, facet, link);
+            r.x = pbw__take_over(from->x, from->far_x, lane, halves);
+            r.y = pbw__take_over(from->y, from->far_y, lane, halves);
+            r.z = pbw__take_over(from->z, from->far_z, lane, halves);
+            r.lift = pbw__take_over(from->lift, from->far_lift, lane, halves);
+            r.height = weighted ? pbw__take_over(from_height[0], from_height[1], lane, halves) : r.lift;
             r.ghost = _mm256_setzero_pd();
         }
         o = pbw__rows3_of(record, 1, corner[carved->link[0]], corner[carved->link[1]], corner[carved->link[2]],
@@ -3696,10 +3690,9 @@ PBW__AVX2_INLINE pbw_status pbw__carve3_avx2(pbw__kernel *kernel, pbw_index t, c
         rounded = _mm256_cmp_pd(h, exact_height, _CMP_GE_OQ);
         limit = _mm256_and_pd(rounded, limit * limit * h * _mm256_set1_pd(PBW__SPHERE_ERROR * PBW__SPHERE_ERROR));
         certain = (unsigned)_mm256_movemask_pd(_mm256_cmp_pd(det * det, limit, _CMP_GT_OQ));
-        inside = (unsigned)_mm256_movemask_pd(det) ^ (odd != 0 ? 0 : 15u);
+        inside = (unsigned)_mm256_movemask_pd(det) ^ 15u;
         if (PBW__UNLIKELY(certain != 15)) {
-            inside = pbw__search_exact(kernel, carved, odd, certain, inside,
-                                       (unsigned)_mm256_movemask_pd(rounded), p);
+            inside = pbw__search_exact(kernel, carved, certain, inside, (unsigned)_mm256_movemask_pd(rounded), p);
         }
         if (PBW__UNLIKELY(owned) && PBW__UNLIKELY(!pbw__owns_all(kernel, carved->v))
             && !pbw__may_delete_all(kernel, carved->link, inside)) {
@@ -3709,12 +3702,11 @@ PBW__AVX2_INLINE pbw_status pbw__carve3_avx2(pbw__kernel *kernel, pbw_index t, c
         {
             unsigned k;
             for (k = 0; k < 4; k++) {
-                pbw__search_sort(&search, (pbw_index)(32 * i + turn + odd + k), (pbw_index)(carved->link[k] >> 2),
-                                 inside >> k & 1);
+                pbw__search_sort(&search, (pbw_index)(4 * i + k), (pbw_index)(carved->link[k] >> 2), inside >> k & 1);
             }
         }
 #else
-        pbw__search_sort4(&search, (pbw_index)(32 * i + turn + odd), carved->link, inside);
+        pbw__search_sort4(&search, (pbw_index)(4 * i), carved->link, inside);
 #endif
     }
     pbw__search_end(kernel, &search);
@@ -3898,8 +3890,8 @@ static PBW__NOINLINE pbw_status pbw__refill3(pbw__kernel *kernel, pbw_index vert
     size_t i, count = kernel->facet_count;
     unsigned k;
     for (i = 0; i < count; i++) {
-        const pbw__carved *carved = kernel->carved + (kernel->from[i] >> 5);
-        const unsigned char *corner = pbw__facet_corners[kernel->from[i] & 31] + 1;
+        const pbw__carved *carved = kernel->carved + (kernel->from[i] >> 2);
+        const unsigned char *corner = pbw__facet_corners[kernel->from[i] & 3] + 1;
         pbw__link base = (pbw__link)kernel->cavity[i] * 4, beyond = carved->link[kernel->from[i] & 3];
         PBW__STORE(kernel->mark + kernel->cavity[i], 0);
         kernel->corner[base] = vertex;
@@ -3913,16 +3905,16 @@ static PBW__NOINLINE pbw_status pbw__refill3(pbw__kernel *kernel, pbw_index vert
         return pbw__sew3_wide(kernel);
     }
     for (i = 0; i < count; i++) {
-        const pbw_index *local = kernel->carved[kernel->from[i] >> 5].local;
-        const unsigned char *corner = pbw__facet_corners[kernel->from[i] & 31] + 1;
+        const pbw_index *local = kernel->carved[kernel->from[i] >> 2].local;
+        const unsigned char *corner = pbw__facet_corners[kernel->from[i] & 3] + 1;
         pbw__link base = (pbw__link)kernel->cavity[i] * 4;
         kernel->edge[local[corner[1]] * PBW__LOCALS + local[corner[2]]] = base + 1;
         kernel->edge[local[corner[2]] * PBW__LOCALS + local[corner[0]]] = base + 2;
         kernel->edge[local[corner[0]] * PBW__LOCALS + local[corner[1]]] = base + 3;
     }
     for (i = 0; i < count; i++) {
-        const pbw_index *local = kernel->carved[kernel->from[i] >> 5].local;
-        const unsigned char *corner = pbw__facet_corners[kernel->from[i] & 31] + 1;
+        const pbw_index *local = kernel->carved[kernel->from[i] >> 2].local;
+        const unsigned char *corner = pbw__facet_corners[kernel->from[i] & 3] + 1;
         pbw__link *link = kernel->link + (pbw__link)kernel->cavity[i] * 4;
         link[1] = kernel->edge[local[corner[2]] * PBW__LOCALS + local[corner[1]]];
         link[2] = kernel->edge[local[corner[0]] * PBW__LOCALS + local[corner[2]]];
@@ -3953,8 +3945,8 @@ PBW__AVX2_INLINE pbw_status pbw__refill3_avx2(pbw__kernel *kernel, pbw_index ver
         return pbw__refill3(kernel, vertex);
     }
     for (i = 0; i < count; i++) {
-        const pbw__carved *inside = carved + (from[i] >> 5);
-        const __m128i lanes = pbw__facet_lanes(from[i] & 31);
+        const pbw__carved *inside = carved + (from[i] >> 2);
+        const __m128i lanes = pbw__facet_lanes(from[i] & 3);
         const __m128i v = _mm_blend_epi32(PBW__PERMUTE4(PBW__LOAD4(inside->v), lanes), new_corner, 1);
         const __m128i local = PBW__PERMUTE4(PBW__LOAD4(inside->local), lanes);
         const __m128i next = _mm_shuffle_epi32(local, 0x78), last = _mm_shuffle_epi32(local, 0x9c);
