@@ -1844,18 +1844,42 @@ PBW__INLINE void pbw__fetch(const pbw__input *input, size_t i, double *record)
 static const unsigned char pbw__hilbert2[4][4] = {
     { 4, 11, 1, 2 }, { 0, 5, 15, 6 }, { 10, 3, 9, 12 }, { 14, 13, 7, 8 }
 };
-static const unsigned char pbw__hilbert2_twice[4][16] = {       /* two steps: next state * 16 + two digits */
-    { 0, 17, 46, 15, 51, 18, 45, 60, 20, 39, 24, 43, 5, 6, 9, 10 },
-    { 16, 35, 4, 21, 1, 2, 55, 22, 62, 61, 8, 25, 31, 44, 59, 26 },
-    { 42, 11, 28, 47, 41, 56, 13, 14, 38, 7, 50, 49, 37, 52, 19, 32 },
-    { 58, 57, 54, 53, 27, 40, 23, 36, 12, 29, 34, 3, 63, 30, 33, 48 }
-};
 static const unsigned char pbw__hilbert3[12][8] = {
     { 8, 23, 25, 38, 43, 44, 26, 37 },  { 24, 51, 63, 52, 1, 2, 70, 69 },   { 76, 39, 75, 80, 5, 6, 66, 65 },
     { 0, 9, 83, 10, 95, 78, 84, 77 },   { 22, 7, 21, 60, 49, 88, 50, 59 },  { 58, 85, 3, 4, 57, 86, 72, 55 },
     { 90, 89, 45, 46, 11, 32, 12, 87 }, { 36, 13, 71, 14, 35, 74, 40, 73 }, { 62, 81, 15, 16, 61, 82, 92, 91 },
     { 94, 93, 41, 42, 31, 20, 56, 19 }, { 18, 27, 17, 64, 53, 28, 54, 47 }, { 68, 67, 29, 34, 79, 48, 30, 33 }
 };
+
+#define PBW__LEVELS2 4
+#define PBW__LEVELS3 3
+
+/* Some levels of the automaton at a step: entry state << dim*levels | bits holds next state << dim*levels | digits of
+   the key, where bits are the next `levels` bits of each coordinate, those of coordinate k from bit k*levels on. */
+typedef struct pbw__curve {
+    int levels;                                      /* one for few points, which would not pay for the table */
+    uint16_t step[12 << 3 * PBW__LEVELS3];
+} pbw__curve;
+
+static void pbw__curve_create(pbw__curve *curve, size_t count, int dim)
+{
+    int levels = count < PBW__SMALLER(10000) ? 1 : dim == 3 ? PBW__LEVELS3 : PBW__LEVELS2, k, bit;
+    unsigned width = (unsigned)(dim * levels), states = dim == 3 ? 12 : 4, entry;
+    curve->levels = levels;
+    for (entry = 0; entry < states << width; entry++) {
+        unsigned state = entry >> width, digits = 0;
+        for (bit = levels; bit-- > 0; ) {
+            unsigned octant = 0, step;
+            for (k = 0; k < dim; k++) {
+                octant |= (entry >> (k * levels + bit) & 1) << k;
+            }
+            step = dim == 3 ? pbw__hilbert3[state][octant] : pbw__hilbert2[state][octant];
+            digits = digits << dim | (step & ((1u << dim) - 1));
+            state = step >> dim;
+        }
+        curve->step[entry] = (uint16_t)(state << width | digits);
+    }
+}
 
 /* A box and its cubic grid of 2^bits cells along the longest side, in coordinates scaled by 1, or by 1/2 where the
    longest side would overflow. */
@@ -1900,37 +1924,28 @@ static void pbw__box_close(pbw__box *box, int dim)
     }
 }
 
-PBW__INLINE uint64_t pbw__hilbert_key(const pbw__box *box, const double *x, int dim)
+/* levels: the curve's.  Those that fill up the first step lead by digits 0 from another state to the first, 0. */
+PBW__INLINE uint64_t pbw__hilbert_key(const pbw__curve *curve, const pbw__box *box, const double *x, int dim,
+                                      int levels)
 {
+    const int width = dim * levels, bits = (box->bits + levels - 1) / levels * levels, fill = bits - box->bits;
     uint32_t cell[3] = { 0, 0, 0 }, last = ((uint32_t)1 << box->bits) - 1;
+    unsigned state = dim == 2 ? fill & 1 : fill == 0 ? 0 : fill == 1 ? 3 : 1;
     uint64_t key = 0;
-    unsigned state = 0;
     int k, bit;
     for (k = 0; k < dim; k++) {
         double t = (box->scale * x[k] - box->scale * box->low[k]) / box->extent * (double)(last + 1);
-        cell[k] = t < (double)last ? (uint32_t)t : last;
+        cell[k] = (t < (double)last ? (uint32_t)t : last) << (32 - bits);
     }
-    bit = box->bits - 1;
-    if (dim == 2 && bit % 2 == 0) {
-        unsigned step = pbw__hilbert2[state][(cell[0] >> bit) | (cell[1] >> bit) << 1];
-        key = step & 3;
-        state = step >> 2;
-        bit--;
-    }
-    while (bit >= 0) {
-        if (dim == 3) {
-            unsigned octant = ((cell[0] >> bit) & 1) | (((cell[1] >> bit) & 1) << 1) | (((cell[2] >> bit) & 1) << 2);
-            unsigned step = pbw__hilbert3[state][octant];
-            key = key << 3 | (step & 7);
-            state = step >> 3;
-            bit--;
-        } else {
-            unsigned octants = ((cell[0] >> (bit - 1)) & 3) | (((cell[1] >> (bit - 1)) & 3) << 2);
-            unsigned step = pbw__hilbert2_twice[state][octants];
-            key = key << 4 | (step & 15);
-            state = step >> 4;
-            bit -= 2;
+    for (bit = 0; bit < bits; bit += levels) {
+        unsigned entry = state, step;
+        for (k = dim; k-- > 0; ) {
+            entry = entry << levels | cell[k] >> (32 - levels);
+            cell[k] <<= levels;
         }
+        step = curve->step[entry];
+        key = key << width | (step & ((1u << width) - 1));
+        state = step >> width;
     }
     return key;
 }
@@ -2061,8 +2076,8 @@ PBW__INLINE int pbw__same_place(const double *x, const double *y, int dim)
 #define PBW__RUN_DEPTH 400                           /* > 2098 / 6, see the banner; 6 is the fewest bits of a grid */
 
 /* Puts each run of equal keys in keys[0..count) into order; keys hold key << index_bits | index. */
-static int pbw__order_runs(pbw__context *context, const pbw__input *input, uint64_t *keys, uint64_t *spare,
-                           size_t count, int index_bits, int bits)
+static int pbw__order_runs(pbw__context *context, const pbw__input *input, const pbw__curve *curve, uint64_t *keys,
+                           uint64_t *spare, size_t count, int index_bits, int bits)
 {
     size_t end_of[PBW__RUN_DEPTH];
     const uint64_t index_mask = ((uint64_t)1 << index_bits) - 1;
@@ -2095,7 +2110,8 @@ static int pbw__order_runs(pbw__context *context, const pbw__input *input, uint6
                 for (j = i; j < run_end; j++) {
                     double x[4];
                     pbw__fetch(input, (size_t)(keys[j] & index_mask), x);
-                    keys[j] = pbw__hilbert_key(&box, x, dim) << index_bits | (keys[j] & index_mask);
+                    keys[j] = pbw__hilbert_key(curve, &box, x, dim, curve->levels) << index_bits
+                            | (keys[j] & index_mask);
                 }
                 sorted = pbw__sort_keys(context, keys + i, spare, run_end - i, index_bits, bits * dim);
                 if (sorted == NULL) {
@@ -2142,6 +2158,7 @@ typedef struct pbw__ordering {
     size_t *from;                                    /* per task, and the end: where its share begins */
     size_t *unique;                                  /* per task: vertices in it */
     pbw__box *boxes, box;                            /* per task; all */
+    pbw__curve curve;
     int tasks, index_bits, bits, not_finite;
 } pbw__ordering;
 
@@ -2171,9 +2188,8 @@ static void pbw__order_box(void *arg, int task)
     ordering->boxes[task] = box;
 }
 
-static void pbw__order_keys(void *arg, int task)
+PBW__INLINE void pbw__order_key_share(const pbw__ordering *ordering, int task, int dim, int levels)
 {
-    pbw__ordering *ordering = (pbw__ordering *)arg;
     const pbw__input *input = ordering->input;
     size_t i, to = pbw__share(input->count, task + 1, ordering->tasks);
     for (i = pbw__share(input->count, task, ordering->tasks); i < to; i++) {
@@ -2183,7 +2199,21 @@ static void pbw__order_keys(void *arg, int task)
             return;
         }
         pbw__fetch(input, i, x);
-        ordering->keys[i] = pbw__hilbert_key(&ordering->box, x, input->dim) << ordering->index_bits | (uint64_t)i;
+        ordering->keys[i] = pbw__hilbert_key(&ordering->curve, &ordering->box, x, dim, levels)
+                          << ordering->index_bits | (uint64_t)i;
+        ordering->vertices->canonical[i] = (pbw_index)i;
+    }
+}
+
+static void pbw__order_keys(void *arg, int task)
+{
+    const pbw__ordering *ordering = (const pbw__ordering *)arg;
+    if (ordering->curve.levels == 1) {
+        pbw__order_key_share(ordering, task, ordering->input->dim, 1);
+    } else if (ordering->input->dim == 3) {
+        pbw__order_key_share(ordering, task, 3, PBW__LEVELS3);
+    } else {
+        pbw__order_key_share(ordering, task, 2, PBW__LEVELS2);
     }
 }
 
@@ -2199,8 +2229,8 @@ static void pbw__order_gather(void *arg, int task)
     size_t from = ordering->from[task], to = ordering->from[task + 1], step = (size_t)input->dim + 1, r = from, i;
     double *last = vertices->record + from * step;
     ordering->unique[task] = 0;
-    if (!pbw__order_runs(ordering->context, input, ordering->keys + from, ordering->spare + from, to - from,
-                         ordering->index_bits, ordering->bits)) {
+    if (!pbw__order_runs(ordering->context, input, &ordering->curve, ordering->keys + from, ordering->spare + from,
+                         to - from, ordering->index_bits, ordering->bits)) {
         return;
     }
     for (i = from; i < to; i++) {
@@ -2210,8 +2240,10 @@ static void pbw__order_gather(void *arg, int task)
             && pbw__report(ordering->context, 0.8 + 0.2 * (double)i / (double)input->count)) {
             return;
         }
+        if (to - i > 16) {
+            PBW__PREFETCH(input->points + (size_t)(keys[i + 16] & index_mask) * input->stride);
+        }
         pbw__fetch(input, index, next);
-        vertices->canonical[index] = (pbw_index)index;
         if (r > from && pbw__same_place(next, last, input->dim)) {
             vertices->canonical[index] = vertices->id[r];
             if (pbw__comes_before(next, index, last, vertices->id[r], input->dim)) {
@@ -2319,6 +2351,7 @@ static pbw_status pbw__order(pbw__context *context, const pbw__input *input, pbw
     }
     pbw__box_close(&ordering.box, dim);
     ordering.box.extent = ordering.box.extent > 0.0 ? ordering.box.extent : 1.0;
+    pbw__curve_create(&ordering.curve, count, dim);
 
     ordering.keys = (uint64_t *)pbw__allocate_large(context, count, sizeof(uint64_t));
     ordering.spare = (uint64_t *)pbw__allocate_large(context, count, sizeof(uint64_t));
@@ -5896,6 +5929,7 @@ typedef struct pbw__check {
     size_t duplicate_count, other_count, listed;     /* others are canonical, but no vertices */
     uint64_t *by_hash, *other;                       /* each other point, as sort key << 32 | point */
     pbw__box box;                                    /* of the others */
+    pbw__curve curve;
     pbw_status status;
 } pbw__check;
 
@@ -6367,7 +6401,8 @@ static int pbw__check_apart(pbw__check *check, pbw__check_part *part, size_t fro
                 return pbw__fault(&part->report, "two points at one place are no duplicates", PBW_NONE, -1, p);
             }
         }
-        check->other[k] = pbw__hilbert_key(&check->box, x, check->dim) << 32 | (uint32_t)key[k];
+        check->other[k] = pbw__hilbert_key(&check->curve, &check->box, x, check->dim,
+                                           check->curve.levels) << 32 | (uint32_t)key[k];
     }
     return 1;
 }
@@ -6383,6 +6418,7 @@ static int pbw__check_others(pbw__check *check)
     if (keys == NULL || spare == NULL) {
         check->status = PBW_ERROR_MEMORY;
     } else {
+        pbw__curve_create(&check->curve, count, check->dim);
         pbw__box_reset(&check->box, bits);
         check->by_hash = keys;
         going = pbw__check_pass(check, pbw__check_gather, check->mesh->point_count, PBW__ALONE, 0.9, 0.91)
