@@ -373,6 +373,12 @@ extern int madvise(void *address, size_t length, int advice);    /* strict C mod
 #define PBW__X86
 #define PBW__AVX2 __attribute__((target("avx2,fma,bmi,bmi2,popcnt")))
 #define PBW__AVX2_INLINE static inline __attribute__((target("avx2,fma,bmi,bmi2,popcnt"), always_inline, unused))
+
+static int pbw__has_avx2(void)
+{
+    return __builtin_cpu_supports("avx2") && __builtin_cpu_supports("fma") && __builtin_cpu_supports("bmi2")
+        && __builtin_cpu_supports("popcnt");
+}
 #endif
 
 /* Words that several threads may touch at once; in relaxed order, see >>threads and >>parallel. */
@@ -1844,18 +1850,42 @@ PBW__INLINE void pbw__fetch(const pbw__input *input, size_t i, double *record)
 static const unsigned char pbw__hilbert2[4][4] = {
     { 4, 11, 1, 2 }, { 0, 5, 15, 6 }, { 10, 3, 9, 12 }, { 14, 13, 7, 8 }
 };
-static const unsigned char pbw__hilbert2_twice[4][16] = {       /* two steps: next state * 16 + two digits */
-    { 0, 17, 46, 15, 51, 18, 45, 60, 20, 39, 24, 43, 5, 6, 9, 10 },
-    { 16, 35, 4, 21, 1, 2, 55, 22, 62, 61, 8, 25, 31, 44, 59, 26 },
-    { 42, 11, 28, 47, 41, 56, 13, 14, 38, 7, 50, 49, 37, 52, 19, 32 },
-    { 58, 57, 54, 53, 27, 40, 23, 36, 12, 29, 34, 3, 63, 30, 33, 48 }
-};
 static const unsigned char pbw__hilbert3[12][8] = {
     { 8, 23, 25, 38, 43, 44, 26, 37 },  { 24, 51, 63, 52, 1, 2, 70, 69 },   { 76, 39, 75, 80, 5, 6, 66, 65 },
     { 0, 9, 83, 10, 95, 78, 84, 77 },   { 22, 7, 21, 60, 49, 88, 50, 59 },  { 58, 85, 3, 4, 57, 86, 72, 55 },
     { 90, 89, 45, 46, 11, 32, 12, 87 }, { 36, 13, 71, 14, 35, 74, 40, 73 }, { 62, 81, 15, 16, 61, 82, 92, 91 },
     { 94, 93, 41, 42, 31, 20, 56, 19 }, { 18, 27, 17, 64, 53, 28, 54, 47 }, { 68, 67, 29, 34, 79, 48, 30, 33 }
 };
+
+#define PBW__LEVELS2 4
+#define PBW__LEVELS3 3
+
+/* Some levels of the automaton at a step: entry state << dim*levels | bits holds next state << dim*levels | digits of
+   the key, where bits are the next `levels` bits of each coordinate, those of coordinate k from bit k*levels on. */
+typedef struct pbw__curve {
+    int levels;                                      /* one for few points, which would not pay for the table */
+    uint16_t step[12 << 3 * PBW__LEVELS3];
+} pbw__curve;
+
+static void pbw__curve_create(pbw__curve *curve, size_t count, int dim)
+{
+    int levels = count < PBW__SMALLER(10000) ? 1 : dim == 3 ? PBW__LEVELS3 : PBW__LEVELS2, k, bit;
+    unsigned width = (unsigned)(dim * levels), states = dim == 3 ? 12 : 4, entry;
+    curve->levels = levels;
+    for (entry = 0; entry < states << width; entry++) {
+        unsigned state = entry >> width, digits = 0;
+        for (bit = levels; bit-- > 0; ) {
+            unsigned octant = 0, step;
+            for (k = 0; k < dim; k++) {
+                octant |= (entry >> (k * levels + bit) & 1) << k;
+            }
+            step = dim == 3 ? pbw__hilbert3[state][octant] : pbw__hilbert2[state][octant];
+            digits = digits << dim | (step & ((1u << dim) - 1));
+            state = step >> dim;
+        }
+        curve->step[entry] = (uint16_t)(state << width | digits);
+    }
+}
 
 /* A box and its cubic grid of 2^bits cells along the longest side, in coordinates scaled by 1, or by 1/2 where the
    longest side would overflow. */
@@ -1900,37 +1930,28 @@ static void pbw__box_close(pbw__box *box, int dim)
     }
 }
 
-PBW__INLINE uint64_t pbw__hilbert_key(const pbw__box *box, const double *x, int dim)
+/* levels: the curve's.  Those that fill up the first step lead by digits 0 from another state to the first, 0. */
+PBW__INLINE uint64_t pbw__hilbert_key(const pbw__curve *curve, const pbw__box *box, const double *x, int dim,
+                                      int levels)
 {
+    const int width = dim * levels, bits = (box->bits + levels - 1) / levels * levels, fill = bits - box->bits;
     uint32_t cell[3] = { 0, 0, 0 }, last = ((uint32_t)1 << box->bits) - 1;
+    unsigned state = dim == 2 ? fill & 1 : fill == 0 ? 0 : fill == 1 ? 3 : 1;
     uint64_t key = 0;
-    unsigned state = 0;
     int k, bit;
     for (k = 0; k < dim; k++) {
         double t = (box->scale * x[k] - box->scale * box->low[k]) / box->extent * (double)(last + 1);
-        cell[k] = t < (double)last ? (uint32_t)t : last;
+        cell[k] = (t < (double)last ? (uint32_t)t : last) << (32 - bits);
     }
-    bit = box->bits - 1;
-    if (dim == 2 && bit % 2 == 0) {
-        unsigned step = pbw__hilbert2[state][(cell[0] >> bit) | (cell[1] >> bit) << 1];
-        key = step & 3;
-        state = step >> 2;
-        bit--;
-    }
-    while (bit >= 0) {
-        if (dim == 3) {
-            unsigned octant = ((cell[0] >> bit) & 1) | (((cell[1] >> bit) & 1) << 1) | (((cell[2] >> bit) & 1) << 2);
-            unsigned step = pbw__hilbert3[state][octant];
-            key = key << 3 | (step & 7);
-            state = step >> 3;
-            bit--;
-        } else {
-            unsigned octants = ((cell[0] >> (bit - 1)) & 3) | (((cell[1] >> (bit - 1)) & 3) << 2);
-            unsigned step = pbw__hilbert2_twice[state][octants];
-            key = key << 4 | (step & 15);
-            state = step >> 4;
-            bit -= 2;
+    for (bit = 0; bit < bits; bit += levels) {
+        unsigned entry = state, step;
+        for (k = dim; k-- > 0; ) {
+            entry = entry << levels | cell[k] >> (32 - levels);
+            cell[k] <<= levels;
         }
+        step = curve->step[entry];
+        key = key << width | (step & ((1u << width) - 1));
+        state = step >> width;
     }
     return key;
 }
@@ -2061,8 +2082,8 @@ PBW__INLINE int pbw__same_place(const double *x, const double *y, int dim)
 #define PBW__RUN_DEPTH 400                           /* > 2098 / 6, see the banner; 6 is the fewest bits of a grid */
 
 /* Puts each run of equal keys in keys[0..count) into order; keys hold key << index_bits | index. */
-static int pbw__order_runs(pbw__context *context, const pbw__input *input, uint64_t *keys, uint64_t *spare,
-                           size_t count, int index_bits, int bits)
+static int pbw__order_runs(pbw__context *context, const pbw__input *input, const pbw__curve *curve, uint64_t *keys,
+                           uint64_t *spare, size_t count, int index_bits, int bits)
 {
     size_t end_of[PBW__RUN_DEPTH];
     const uint64_t index_mask = ((uint64_t)1 << index_bits) - 1;
@@ -2097,7 +2118,8 @@ static int pbw__order_runs(pbw__context *context, const pbw__input *input, uint6
                 for (j = i; j < run_end; j++) {
                     double x[4];
                     pbw__fetch(input, (size_t)(keys[j] & index_mask), x);
-                    keys[j] = pbw__hilbert_key(&box, x, dim) << index_bits | (keys[j] & index_mask);
+                    keys[j] = pbw__hilbert_key(curve, &box, x, dim, curve->levels) << index_bits
+                            | (keys[j] & index_mask);
                 }
                 sorted = pbw__sort_keys(context, keys + i, spare, run_end - i, index_bits, bits * dim);
                 if (sorted == NULL) {
@@ -2145,6 +2167,7 @@ typedef struct pbw__ordering {
     size_t *from;                                    /* per task, and the end: where its share begins */
     size_t *unique;                                  /* per task: vertices in it */
     pbw__box *boxes, box;                            /* per task; all */
+    pbw__curve curve;
     int tasks, index_bits, bits, not_finite;
 } pbw__ordering;
 
@@ -2174,9 +2197,8 @@ static void pbw__order_box(void *arg, int task)
     ordering->boxes[task] = box;
 }
 
-static void pbw__order_keys(void *arg, int task)
+PBW__INLINE void pbw__order_key_share(const pbw__ordering *ordering, int task, int dim, int levels)
 {
-    pbw__ordering *ordering = (pbw__ordering *)arg;
     const pbw__input *input = ordering->input;
     size_t i, to = pbw__share(input->count, task + 1, ordering->tasks);
     for (i = pbw__share(input->count, task, ordering->tasks); i < to; i++) {
@@ -2186,7 +2208,21 @@ static void pbw__order_keys(void *arg, int task)
             return;
         }
         pbw__fetch(input, i, x);
-        ordering->keys[i] = pbw__hilbert_key(&ordering->box, x, input->dim) << ordering->index_bits | (uint64_t)i;
+        ordering->keys[i] = pbw__hilbert_key(&ordering->curve, &ordering->box, x, dim, levels)
+                          << ordering->index_bits | (uint64_t)i;
+        ordering->vertices->canonical[i] = (pbw_index)i;
+    }
+}
+
+static void pbw__order_keys(void *arg, int task)
+{
+    const pbw__ordering *ordering = (const pbw__ordering *)arg;
+    if (ordering->curve.levels == 1) {
+        pbw__order_key_share(ordering, task, ordering->input->dim, 1);
+    } else if (ordering->input->dim == 3) {
+        pbw__order_key_share(ordering, task, 3, PBW__LEVELS3);
+    } else {
+        pbw__order_key_share(ordering, task, 2, PBW__LEVELS2);
     }
 }
 
@@ -2202,8 +2238,8 @@ static void pbw__order_gather(void *arg, int task)
     size_t from = ordering->from[task], to = ordering->from[task + 1], step = (size_t)input->dim + 1, r = from, i;
     double *last = vertices->record + from * step;
     ordering->unique[task] = 0;
-    if (!pbw__order_runs(ordering->context, input, ordering->keys + from, ordering->spare + from, to - from,
-                         ordering->index_bits, ordering->bits)) {
+    if (!pbw__order_runs(ordering->context, input, &ordering->curve, ordering->keys + from, ordering->spare + from,
+                         to - from, ordering->index_bits, ordering->bits)) {
         return;
     }
     for (i = from; i < to; i++) {
@@ -2213,8 +2249,10 @@ static void pbw__order_gather(void *arg, int task)
             && pbw__report(ordering->context, 0.8 + 0.2 * (double)i / (double)input->count)) {
             return;
         }
+        if (to - i > 16) {
+            PBW__PREFETCH(input->points + (size_t)(keys[i + 16] & index_mask) * input->stride);
+        }
         pbw__fetch(input, index, next);
-        vertices->canonical[index] = (pbw_index)index;
         if (r > from && pbw__same_place(next, last, input->dim)) {
             vertices->canonical[index] = vertices->id[r];
             if (pbw__comes_before(next, index, last, vertices->id[r], input->dim)) {
@@ -2322,6 +2360,7 @@ static pbw_status pbw__order(pbw__context *context, const pbw__input *input, pbw
     }
     pbw__box_close(&ordering.box, dim);
     ordering.box.extent = ordering.box.extent > 0.0 ? ordering.box.extent : 1.0;
+    pbw__curve_create(&ordering.curve, count, dim);
 
     ordering.keys = (uint64_t *)pbw__allocate_large(context, count, sizeof(uint64_t));
     ordering.spare = (uint64_t *)pbw__allocate_large(context, count, sizeof(uint64_t));
@@ -4835,8 +4874,7 @@ static pbw_status pbw__kernel_create(pbw__kernel *kernel, pbw__context *context,
     kernel->last = kernel->last_entered = PBW_NONE;
     kernel->insert = dim == 2 ? pbw__insert2_scalar : pbw__insert3_scalar;
 #ifdef PBW__X86
-    if (__builtin_cpu_supports("avx2") && __builtin_cpu_supports("fma") && __builtin_cpu_supports("bmi2")
-        && __builtin_cpu_supports("popcnt")) {
+    if (pbw__has_avx2()) {
         kernel->insert = kernel->weighted ? (dim == 3 ? pbw__insert3_weighted_avx2 : pbw__insert2_weighted_avx2)
                                           : (dim == 3 ? pbw__insert3_avx2 : pbw__insert2_avx2);
     }
@@ -5478,7 +5516,7 @@ static pbw_status pbw__build_all(pbw__context *context, pbw__store *store, const
    simplex into the list of its lowest rank; sort and number the simplices list by list; translate each and write it
    to its place, unless a slot is there that is still to be read; then write those.
    ------------------------------------------------------------------------------------------------------ */
-typedef struct pbw__item { uint64_t key; pbw_index simplex, rank; } pbw__item;
+typedef struct pbw__item { uint64_t key; pbw_index simplex; } pbw__item;
 
 static void pbw__sift(pbw__item *heap, size_t root, size_t count)
 {
@@ -5493,36 +5531,6 @@ static void pbw__sift(pbw__item *heap, size_t root, size_t count)
         root = child;
     }
     heap[root] = item;
-}
-
-/* The rank of each by key: counted pair by pair for the usual handful, whose order no predictor could guess; by a
-   heap sort for the hub of a fan. */
-PBW__INLINE void pbw__rank_items(pbw__item *item, size_t count)
-{
-    size_t i, j;
-    if (PBW__UNLIKELY(count > 48)) {
-        for (i = count / 2; i-- > 0; ) {
-            pbw__sift(item, i, count);
-        }
-        for (i = count; i-- > 0; ) {
-            pbw__item last = item[i];
-            item[i] = item[0];
-            item[0] = last;
-            item[i].rank = (pbw_index)i;
-            pbw__sift(item, 0, i);
-        }
-        return;
-    }
-    for (i = 0; i < count; i++) {
-        uint64_t key = item[i].key;
-        pbw_index rank = 0;
-        for (j = 0; j < i; j++) {
-            pbw_index above = key > item[j].key;
-            rank += above;
-            item[j].rank += 1 - above;
-        }
-        item[i].rank = rank;
-    }
 }
 
 typedef struct pbw__emitted {
@@ -5543,32 +5551,53 @@ typedef struct pbw__emission {
     int dim, any_order, tasks, failed;
     const pbw_index *id;                             /* of each rank */
     pbw_index *number;                               /* per slot: the next of its list; then its place */
-    pbw_index *head, *first;                         /* per rank: first of its list; first simplex */
+    pbw_index *head;                                 /* per rank: first of its list; then its first simplex */
+    pbw_index *first;                                /* per rank, for several tasks: the same from earlier shares */
     size_t blocks;                                   /* of PBW__BLOCK ranks */
     pbw_index *block;                                /* per task and block: simplices; per block: the first one */
     pbw_index *incident;                             /* per point of the caller */
     size_t chunk;                                    /* of slots, the next to be read */
     unsigned char *chunk_done;
     pbw__aside *aside;                               /* per task */
+    /* For this dimension and this CPU: a list in order; the simplices of a chunk as they go out. */
+    void (*sort_list)(const pbw_index *corner, pbw_index *list, unsigned count, pbw_index *sorted);
+    size_t (*emit)(const struct pbw__emission *emission, size_t from, size_t end, pbw__emitted *out);
 } pbw__emission;
 #define PBW__BLOCK 4096
 
 /* The even permutation of the canonical form: corner k of the output is corner (order >> 2k) & 3 here.  Looked up by
    which of the pairs (0,1) (0,2) (0,3) (1,2) (1,3) (2,3), in 2D (0,1) (0,2) (1,2), are descending: no branches. */
+static const uint32_t pbw__turn3[64] = {
+    228, 177, 0, 201, 0, 0, 0, 201, 120, 0, 210, 54, 0, 0, 0, 54,
+    0, 0, 0, 0, 0, 0, 0, 0, 120, 0, 210, 0, 0, 0, 78, 78,
+    228, 177, 0, 0, 0, 45, 0, 45, 0, 0, 0, 0, 0, 0, 0, 0,
+    156, 0, 0, 0, 99, 135, 0, 135, 156, 0, 0, 0, 99, 0, 27, 27 };
+static const uint32_t pbw__turn2[8] = { 36, 9, 0, 9, 36, 0, 18, 18 };
+
 PBW__INLINE unsigned pbw__canonical_order(const pbw_index *v, int dim)
 {
-    static const unsigned char space[64] = {
-        228, 177, 0, 201, 0, 0, 0, 201, 120, 0, 210, 54, 0, 0, 0, 54,
-        0, 0, 0, 0, 0, 0, 0, 0, 120, 0, 210, 0, 0, 0, 78, 78,
-        228, 177, 0, 0, 0, 45, 0, 45, 0, 0, 0, 0, 0, 0, 0, 0,
-        156, 0, 0, 0, 99, 135, 0, 135, 156, 0, 0, 0, 99, 0, 27, 27 };
-    static const unsigned char plane[8] = { 36, 9, 0, 9, 36, 0, 18, 18 };
     if (dim == 2) {
-        return plane[(v[0] > v[1]) | (v[0] > v[2]) << 1 | (v[1] > v[2]) << 2];
+        return pbw__turn2[(v[0] > v[1]) | (v[0] > v[2]) << 1 | (v[1] > v[2]) << 2];
     }
-    return space[(v[0] > v[1]) | (v[0] > v[2]) << 1 | (v[0] > v[3]) << 2 | (v[1] > v[2]) << 3 | (v[1] > v[3]) << 4
-                 | (v[2] > v[3]) << 5];
+    return pbw__turn3[(v[0] > v[1]) | (v[0] > v[2]) << 1 | (v[0] > v[3]) << 2 | (v[1] > v[2]) << 3
+                      | (v[1] > v[3]) << 4 | (v[2] > v[3]) << 5];
 }
+
+#ifdef PBW__X86
+/* The same as the lanes to take, in order. */
+PBW__AVX2_INLINE __m128i pbw__canonical_lanes(__m128i v, int dim)
+{
+    const __m256i both = _mm256_castsi128_si256(v);
+    const __m256i a = _mm256_permutevar8x32_epi32(both, dim == 3 ? _mm256_setr_epi32(0, 0, 0, 1, 1, 2, 0, 0)
+                                                                 : _mm256_setr_epi32(0, 0, 1, 0, 0, 0, 0, 0));
+    const __m256i b = _mm256_permutevar8x32_epi32(both, dim == 3 ? _mm256_setr_epi32(1, 2, 3, 2, 3, 3, 0, 0)
+                                                                 : _mm256_setr_epi32(1, 2, 2, 0, 0, 0, 0, 0));
+    const __m256i descending = _mm256_cmpeq_epi32(_mm256_max_epu32(a, b), a);
+    const unsigned pairs = (unsigned)_mm256_movemask_ps(_mm256_castsi256_ps(descending));
+    const uint32_t order = dim == 3 ? pbw__turn3[pairs & 63] : pbw__turn2[pairs & 7];
+    return _mm_srlv_epi32(_mm_set1_epi32((int)order), _mm_setr_epi32(0, 2, 4, 6));
+}
+#endif
 
 /* Pass 1.  A task has the slots of a run of regions, and the lists of the ranks of their cells.  Simplices for the
    lists of other tasks, few, are left for a second look, `again`, with atomic exchanges. */
@@ -5617,6 +5646,14 @@ PBW__INLINE void pbw__emit_shares(pbw__emission *emission, int task, int again)
     size_t to = last > 0 ? pbw__region_end(store, last - 1) : 0, tail = store->count - store->region_slots;
     size_t tail_from = store->region_slots + pbw__share(tail, task, emission->tasks);
     size_t tail_to = store->region_slots + pbw__share(tail, task + 1, emission->tasks);
+    if (!again) {
+        size_t ranks = first << store->cell_bits, end = last << store->cell_bits;
+        end = end <= emission->vertex_count ? end : emission->vertex_count + 1;
+        memset(emission->head + ranks, 0xff, (end - ranks) * sizeof(pbw_index));     /* PBW_NONE */
+        if (emission->first != NULL) {
+            memset(emission->first + ranks, 0xff, (end - ranks) * sizeof(pbw_index));
+        }
+    }
     if (emission->dim == 3) {
         pbw__emit_lists(emission, task, from, to, 3, again);
         pbw__emit_lists(emission, task, tail_from, tail_to, 3, again);
@@ -5636,93 +5673,313 @@ static void pbw__emit_others(void *arg, int task)
     pbw__emit_shares((pbw__emission *)arg, task, 1);
 }
 
-/* Pass 2: numbers, for the lists of a share of the blocks of ranks; the first simplex of each rank. */
-PBW__INLINE void pbw__emit_numbers(pbw__emission *emission, int task, int dim)
+/* Pass 2: numbers, for the lists of a share of the blocks of ranks, from the last list to the first.  So the number
+   that is noted last for a vertex is its first simplex.  It is noted in head: the list of a corner's rank has been
+   looked up when a simplex has its number, as no corner comes before the one whose list it is in.  For vertices of
+   later shares it is noted in `first`. */
+#define PBW__LISTS 64                                /* followed at a time: memory answers many at once */
+#define PBW__SHORT 48                                /* simplices of a list that is not a hub's */
+typedef pbw_index pbw__list[PBW__SHORT + 8];
+
+/* Sorts a short list by second and third corner, by counting pair by pair: no predictor could guess their order. */
+PBW__INLINE void pbw__sort_list(const pbw_index *corner, const pbw_index *list, unsigned count, pbw_index *sorted,
+                                int dim)
 {
-    size_t b, v, i, count, capacity = 64, end = pbw__share(emission->blocks, task + 1, emission->tasks);
-    const int alone = emission->tasks == 1;
-    pbw__item *item = (pbw__item *)pbw__allocate(&emission->context->memory, capacity, sizeof(pbw__item));
-    for (b = pbw__share(emission->blocks, task, emission->tasks); b < end && item != NULL; b++) {
-        pbw_index next = emission->block[b];
-        size_t last = (b + 1) * PBW__BLOCK <= emission->vertex_count ? (b + 1) * PBW__BLOCK
-                                                                     : emission->vertex_count + 1;
-        if (pbw__report(emission->context, 0.25 + 0.25 * (double)b / (double)emission->blocks)) {
+    uint64_t key[PBW__SHORT];
+    unsigned rank[PBW__SHORT], i, j;
+    for (i = 0; i < count; i++) {
+        const pbw_index *v = corner + 4 * (size_t)list[i];
+        unsigned order = pbw__canonical_order(v, dim);
+        key[i] = (uint64_t)v[order >> 2 & 3] << 32 | v[order >> 4 & 3];
+        for (rank[i] = 0, j = 0; j < i; j++) {
+            unsigned above = key[i] > key[j];
+            rank[i] += above;
+            rank[j] += 1 - above;
+        }
+    }
+    for (i = 0; i < count; i++) {
+        sorted[rank[i]] = list[i];
+    }
+}
+
+static void pbw__sort_list3(const pbw_index *corner, pbw_index *list, unsigned count, pbw_index *sorted)
+{
+    pbw__sort_list(corner, list, count, sorted, 3);
+}
+
+static void pbw__sort_list2(const pbw_index *corner, pbw_index *list, unsigned count, pbw_index *sorted)
+{
+    pbw__sort_list(corner, list, count, sorted, 2);
+}
+
+#ifdef PBW__X86
+/* Four keys, less 2^63. */
+PBW__AVX2_INLINE __m256i pbw__list_keys(const pbw_index *corner, const pbw_index *list, int dim)
+{
+    __m128i v[4];
+    int i;
+    for (i = 0; i < 4; i++) {
+        v[i] = PBW__LOAD4(corner + 4 * (size_t)list[i]);
+        v[i] = PBW__PERMUTE4(v[i], _mm_shuffle_epi32(pbw__canonical_lanes(v[i], dim), _MM_SHUFFLE(3, 0, 1, 2)));
+    }
+    return _mm256_xor_si256(_mm256_inserti128_si256(_mm256_castsi128_si256(_mm_unpacklo_epi64(v[0], v[1])),
+                                                    _mm_unpacklo_epi64(v[2], v[3]), 1),
+                            _mm256_set1_epi64x((int64_t)((uint64_t)1 << 63)));
+}
+
+/* By eights, the last of which is filled up with simplices of the highest key. */
+PBW__AVX2_INLINE void pbw__sort_list_avx2(const pbw_index *corner, pbw_index *list, unsigned count,
+                                          pbw_index *sorted, unsigned all, int dim)
+{
+    const __m256i lane = _mm256_setr_epi64x(0, 1, 2, 3), highest = _mm256_set1_epi64x((int64_t)(~(uint64_t)0 >> 1));
+    const __m256i some = _mm256_set1_epi32((int)list[0]);
+    int64_t key[PBW__SHORT + 8];
+    unsigned i, j;
+    _mm256_storeu_si256((__m256i *)(void *)(list + count), some);
+    for (j = 0; j < all; j += 4) {
+        const __m256i left = _mm256_sub_epi64(_mm256_set1_epi64x((int64_t)count - (int64_t)j), lane);
+        __m256i keys = pbw__list_keys(corner, list + j, dim);
+        keys = _mm256_blendv_epi8(highest, keys, _mm256_cmpgt_epi64(left, _mm256_setzero_si256()));
+        _mm256_storeu_si256((__m256i *)(void *)(key + j), keys);
+    }
+    for (j = 0; j < all; j += 8) {
+        const __m256i a = _mm256_loadu_si256((const __m256i *)(const void *)(key + j));
+        const __m256i b = _mm256_loadu_si256((const __m256i *)(const void *)(key + j + 4));
+        __m256i below_a = _mm256_setzero_si256(), below_b = _mm256_setzero_si256();
+        int64_t rank[8];
+        for (i = 0; i < all; i++) {
+            const __m256i other = _mm256_set1_epi64x(key[i]);
+            below_a = _mm256_sub_epi64(below_a, _mm256_cmpgt_epi64(a, other));
+            below_b = _mm256_sub_epi64(below_b, _mm256_cmpgt_epi64(b, other));
+        }
+        _mm256_storeu_si256((__m256i *)(void *)rank, below_a);
+        _mm256_storeu_si256((__m256i *)(void *)(rank + 4), below_b);
+        for (i = 0; i < 8; i++) {
+            sorted[rank[i]] = list[j + i];
+        }
+    }
+}
+
+PBW__AVX2 static void pbw__sort_list3_avx2(const pbw_index *corner, pbw_index *list, unsigned count,
+                                           pbw_index *sorted)
+{
+    if (count <= 8) {
+        pbw__sort_list_avx2(corner, list, count, sorted, 8, 3);
+    } else {
+        pbw__sort_list_avx2(corner, list, count, sorted, (count + 7) / 8 * 8, 3);
+    }
+}
+#endif
+
+PBW__INLINE void pbw__emit_number(pbw__emission *emission, pbw_index t, size_t place, pbw_index later, int dim)
+{
+    const pbw_index *corner = emission->corner + 4 * (size_t)t;
+    int k;
+    emission->number[t] = (pbw_index)place;
+    for (k = 0; k <= dim; k++) {
+        if (PBW__LIKELY(corner[k] < later)) {
+            emission->head[corner[k]] = (pbw_index)place;
+        } else {
+            pbw_index *first = emission->first + corner[k], old = PBW__LOAD(first);
+            while ((pbw_index)place < old && !PBW__REPLACE(first, &old, (pbw_index)place)) {
+            }
+        }
+    }
+}
+
+/* The list of a hub, from t on: by a heap sort.  Returns the place of its first simplex. */
+static PBW__NOINLINE size_t pbw__emit_hub(pbw__emission *emission, pbw_index t, size_t place, pbw_index later)
+{
+    pbw__memory *memory = &emission->context->memory;
+    pbw__item *item = NULL;
+    size_t count = 0, capacity = 0, i;
+    for (; t != PBW_NONE; t = emission->number[t]) {
+        const pbw_index *v = emission->corner + 4 * (size_t)t;
+        unsigned order = pbw__canonical_order(v, emission->dim);
+        if (count == capacity
+            && !pbw__resize_array(memory, &item, &capacity, 2 * capacity + 256, sizeof(pbw__item))) {
+            PBW__STORE(&emission->failed, 1);
             break;
         }
-        for (v = b * PBW__BLOCK; v < last; v++) {
-            pbw_index t = emission->head[v], soon = v + 8 < last ? emission->head[v + 8] : PBW_NONE;
+        item[count].key = emission->any_order ? count : (uint64_t)v[order >> 2 & 3] << 32 | v[order >> 4 & 3];
+        item[count++].simplex = t;
+    }
+    for (i = count / 2; i-- > 0; ) {
+        pbw__sift(item, i, count);
+    }
+    for (i = count; i-- > 0; ) {
+        pbw__emit_number(emission, item[0].simplex, --place, later, emission->dim);
+        item[0] = item[i];
+        pbw__sift(item, 0, i);
+    }
+    pbw__release(memory, item, capacity, sizeof(pbw__item));
+    return place;
+}
+
+/* The lists of the ranks before `end`; returns where the first of them begins. */
+PBW__INLINE size_t pbw__emit_numbers(pbw__emission *emission, size_t from, size_t end, size_t place, pbw_index later,
+                                     int dim)
+{
+    pbw__list list[PBW__LISTS];
+    pbw_index next[PBW__LISTS], sorted[PBW__SHORT + 8];
+    unsigned count[PBW__LISTS], open[PBW__LISTS], i, j, left, depth, lists;
+    for (; end > from; end -= lists) {
+        const pbw_index *head;
+        lists = end - from < PBW__LISTS ? (unsigned)(end - from) : PBW__LISTS;
+        head = emission->head + end - lists;
+        for (i = left = 0; i < lists; i++) {
+            next[i] = head[i];
+            count[i] = 0;
+            open[left] = i;
+            left += next[i] != PBW_NONE;
+        }
+        for (i = 0; i < lists && end - lists - from > i; i++) {
+            pbw_index soon = head[-1 - (int)i];
             if (soon != PBW_NONE) {
-                PBW__PREFETCH(emission->corner + 4 * (size_t)soon);
                 PBW__PREFETCH(emission->number + soon);
             }
-            for (count = 0; t != PBW_NONE; count++) {
-                const pbw_index *corner = emission->corner + 4 * (size_t)t;
-                unsigned order = pbw__canonical_order(corner, dim);
-                if (PBW__UNLIKELY(count == capacity)
-                    && !pbw__resize_array(&emission->context->memory, &item, &capacity, 2 * count,
-                                          sizeof(pbw__item))) {
-                    PBW__STORE(&emission->failed, 1);
-                    break;
-                }
-                item[count].key = (uint64_t)corner[order >> 2 & 3] << 32 | corner[order >> 4 & 3];
-                item[count].simplex = t;
-                item[count].rank = (pbw_index)count;
-                t = emission->number[t];
+        }
+        for (depth = 0; left > 0 && depth < PBW__SHORT; depth++) {
+            for (i = j = 0; i < left; i++) {
+                unsigned l = open[i];
+                pbw_index t = next[l];
+                list[l][depth] = t;
+                count[l] = depth + 1;
+                PBW__PREFETCH(emission->corner + 4 * (size_t)t);
+                next[l] = emission->number[t];
+                open[j] = l;
+                j += next[l] != PBW_NONE;
             }
-            if (!emission->any_order) {
-                pbw__rank_items(item, count);
+            left = j;
+        }
+        for (i = lists; i-- > 0; ) {
+            if (PBW__UNLIKELY(next[i] != PBW_NONE)) {
+                place = pbw__emit_hub(emission, list[i][0], place, later);
+                continue;
             }
-            for (i = 0; i < count; i++) {
-                const pbw_index *corner = emission->corner + 4 * (size_t)item[i].simplex;
-                pbw_index place = next + item[i].rank;
-                int k;
-                emission->number[item[i].simplex] = place;
-                for (k = 0; k <= dim; k++) {
-                    pbw_index *first = emission->first + corner[k], old = PBW__LOAD(first);
-                    if (alone) {
-                        *first = place < old ? place : old;
-                        continue;
-                    }
-                    while (place < old && !PBW__REPLACE(first, &old, place)) {
-                    }
-                }
+            if (count[i] > 0 && !emission->any_order) {
+                emission->sort_list(emission->corner, list[i], count[i], sorted);
             }
-            next += (pbw_index)count;
+            for (j = count[i]; j-- > 0; ) {
+                pbw__emit_number(emission, emission->any_order ? list[i][j] : sorted[j], --place, later, dim);
+            }
         }
     }
-    if (item == NULL) {
-        PBW__STORE(&emission->failed, 1);
-    }
-    pbw__release(&emission->context->memory, item, capacity, sizeof(pbw__item));
+    return place;
 }
 
 static void pbw__emit_pass2(void *arg, int task)
 {
     pbw__emission *emission = (pbw__emission *)arg;
-    if (emission->dim == 3) {
-        pbw__emit_numbers(emission, task, 3);
-    } else {
-        pbw__emit_numbers(emission, task, 2);
+    size_t b = pbw__share(emission->blocks, task + 1, emission->tasks), end = b * PBW__BLOCK;
+    size_t place = b < emission->blocks ? emission->block[b] : emission->simplex_count;
+    size_t least = pbw__share(emission->blocks, task, emission->tasks);
+    pbw_index later = b < emission->blocks ? (pbw_index)end : PBW_NONE;
+    for (end = end < emission->vertex_count ? end : emission->vertex_count + 1; b-- > least; end = b * PBW__BLOCK) {
+        if (pbw__report(emission->context, 0.5 - 0.25 * (double)b / (double)emission->blocks)) {
+            return;
+        }
+        place = emission->dim == 3 ? pbw__emit_numbers(emission, b * PBW__BLOCK, end, place, later, 3)
+                                   : pbw__emit_numbers(emission, b * PBW__BLOCK, end, place, later, 2);
     }
 }
 
 /* Pass 3: each simplex in canonical form, with ids for ranks and places for slots, from its slot to its place.  Slots
    are read in order, and most places lie before the slots, among those already read, because slots are left over
    where simplices were deleted.  A simplex whose place is still to be read is set aside.  Tasks take the slots by
-   chunks; chunk_done, set in release order and seen in acquire order, tells the others that a chunk was read. */
+   chunks; chunk_done, set in release order and seen in acquire order, tells all that a chunk was read. */
 #ifdef PBW_SMALL_SHARES
 #define PBW__CHUNK 64
 #else
-#define PBW__CHUNK 512
+#define PBW__CHUNK 256
 #endif
 
-/* Whether a place can be written once the slots up to t, of a chunk, have been read. */
-PBW__INLINE int pbw__emit_free(const pbw__emission *emission, size_t place, size_t chunk, size_t t, int dim)
+/* The simplices in slots from..end-1 as they go out; returns how many. */
+PBW__INLINE size_t pbw__emit_slots(const pbw__emission *emission, size_t from, size_t end, pbw__emitted *out, int dim)
 {
-    size_t from = ((size_t)dim + 1) * place / 4, to = (((size_t)dim + 1) * place + (size_t)dim) / 4;
-    size_t first = from / PBW__CHUNK, last = to / PBW__CHUNK;
-    return (first == chunk ? from <= t : PBW__SEEN(emission->chunk_done + first) != 0)
-        && (last == chunk ? to <= t : PBW__SEEN(emission->chunk_done + last) != 0);
+    const pbw_index *number = emission->number;
+    size_t count = 0, t;
+    for (t = from; t < end; t++) {
+        const pbw_index *v = emission->corner + 4 * t;
+        pbw__emitted *simplex = out + count;
+        unsigned order, k;
+        if (number[t] == PBW_NONE) {
+            continue;
+        }
+        count++;
+        simplex->place = number[t];
+        order = pbw__canonical_order(v, dim);
+        for (k = 0; k <= (unsigned)dim; k++) {
+            simplex->corner[k] = emission->id[v[order >> 2 * k & 3]];
+        }
+        for (k = 0; k <= (unsigned)dim && emission->link != NULL; k++) {
+            simplex->neighbor[k] = number[emission->link[4 * t + (order >> 2 * k & 3)] >> 2];
+        }
+    }
+    return count;
+}
+
+static size_t pbw__emit_slots3(const pbw__emission *emission, size_t from, size_t end, pbw__emitted *out)
+{
+    return pbw__emit_slots(emission, from, end, out, 3);
+}
+
+static size_t pbw__emit_slots2(const pbw__emission *emission, size_t from, size_t end, pbw__emitted *out)
+{
+    return pbw__emit_slots(emission, from, end, out, 2);
+}
+
+#ifdef PBW__X86
+PBW__AVX2_INLINE size_t pbw__emit_slots_avx2(const pbw__emission *emission, size_t from, size_t end,
+                                             pbw__emitted *out, int dim)
+{
+    const pbw_index *number = emission->number, *id = emission->id;
+    size_t count = 0, t;
+    for (t = from; t < end; t++) {
+        const pbw_index *v = emission->corner + 4 * t;
+        pbw__emitted *simplex = out + count;
+        __m128i lanes;
+        if (number[t] == PBW_NONE) {
+            continue;
+        }
+        count++;
+        simplex->place = number[t];
+        PBW__PREFETCH(emission->corner + ((size_t)dim + 1) * number[t]);
+        lanes = pbw__canonical_lanes(PBW__LOAD4(v), dim);
+        PBW__STORE4(simplex->corner, PBW__PERMUTE4(_mm_setr_epi32((int)id[v[0]], (int)id[v[1]], (int)id[v[2]],
+                                                                  dim == 3 ? (int)id[v[3]] : 0), lanes));
+        if (emission->link != NULL) {
+            const pbw__link *link = emission->link + 4 * t;
+            PBW__PREFETCH((pbw_index *)(void *)emission->link + ((size_t)dim + 1) * number[t]);
+            PBW__STORE4(simplex->neighbor,
+                        PBW__PERMUTE4(_mm_setr_epi32((int)number[link[0] >> 2], (int)number[link[1] >> 2],
+                                                     (int)number[link[2] >> 2],
+                                                     dim == 3 ? (int)number[link[3] >> 2] : 0), lanes));
+        }
+    }
+    return count;
+}
+
+PBW__AVX2 static size_t pbw__emit_slots3_avx2(const pbw__emission *emission, size_t from, size_t end,
+                                              pbw__emitted *out)
+{
+    return pbw__emit_slots_avx2(emission, from, end, out, 3);
+}
+
+PBW__AVX2 static size_t pbw__emit_slots2_avx2(const pbw__emission *emission, size_t from, size_t end,
+                                              pbw__emitted *out)
+{
+    return pbw__emit_slots_avx2(emission, from, end, out, 2);
+}
+#endif
+
+/* Whether the slots that a place covers have been read. */
+PBW__INLINE int pbw__emit_free(const pbw__emission *emission, size_t place, int dim)
+{
+    size_t first = (dim == 3 ? place : 3 * place / 4) / PBW__CHUNK;
+    size_t last = (dim == 3 ? place : (3 * place + 2) / 4) / PBW__CHUNK;
+    return PBW__SEEN(emission->chunk_done + first) != 0
+        && (first == last || PBW__SEEN(emission->chunk_done + last) != 0);
 }
 
 PBW__INLINE void pbw__emit_place(const pbw__emission *emission, const pbw__emitted *simplex, int dim)
@@ -5740,7 +5997,7 @@ static void pbw__emit_set_aside(pbw__emission *emission, pbw__aside *aside, int 
 {
     size_t i, left = 0;
     for (i = 0; i < aside->count; i++) {
-        if (pbw__emit_free(emission, aside->simplex[i].place, (size_t)-1, 0, dim)) {
+        if (pbw__emit_free(emission, aside->simplex[i].place, dim)) {
             pbw__emit_place(emission, aside->simplex + i, dim);
         } else {
             aside->simplex[left++] = aside->simplex[i];
@@ -5749,51 +6006,37 @@ static void pbw__emit_set_aside(pbw__emission *emission, pbw__aside *aside, int 
     aside->count = left;
 }
 
-/* What waits is looked at when there is twice as much as was left the last time. */
-static int pbw__emit_later(pbw__emission *emission, pbw__aside *aside, const pbw__emitted *simplex, int dim)
+/* Room for those of a chunk.  What waits is looked at when there is twice as much as was left the last time. */
+static int pbw__emit_reserve(pbw__emission *emission, pbw__aside *aside, int dim)
 {
-    if (aside->count == aside->capacity) {
+    if (aside->capacity - aside->count < PBW__CHUNK) {
         pbw__emit_set_aside(emission, aside, dim);
-        if (aside->count >= aside->capacity / 2
+        if (aside->count + PBW__CHUNK > aside->capacity / 2
             && !pbw__resize_array(&emission->context->memory, &aside->simplex, &aside->capacity,
-                                  2 * aside->capacity + 64, sizeof(pbw__emitted))) {
+                                  2 * (aside->count + PBW__CHUNK), sizeof(pbw__emitted))) {
             PBW__STORE(&emission->failed, 1);
             return 0;
         }
     }
-    aside->simplex[aside->count++] = *simplex;
     return 1;
 }
 
 PBW__INLINE void pbw__emit_chunk(pbw__emission *emission, pbw__aside *aside, size_t chunk, int dim)
 {
-    const pbw_index *number = emission->number;
-    size_t t = chunk * PBW__CHUNK, end = t + PBW__CHUNK;
-    for (end = end < emission->slot_count ? end : emission->slot_count; t < end; t++) {
-        const pbw_index *v = emission->corner + 4 * t;
-        pbw__emitted simplex;
-        unsigned order, k;
-        simplex.place = number[t];
-        if (simplex.place == PBW_NONE) {
-            continue;
-        }
-        order = pbw__canonical_order(v, dim);
-        for (k = 0; k <= (unsigned)dim; k++) {
-            simplex.corner[k] = emission->id[v[order >> 2 * k & 3]];
-        }
-        if (emission->link != NULL) {
-            const pbw__link *link = emission->link + 4 * t;
-            for (k = 0; k <= (unsigned)dim; k++) {
-                simplex.neighbor[k] = number[link[order >> 2 * k & 3] >> 2];
-            }
-        }
-        if (PBW__LIKELY(pbw__emit_free(emission, simplex.place, chunk, t, dim))) {
-            pbw__emit_place(emission, &simplex, dim);
-        } else if (!pbw__emit_later(emission, aside, &simplex, dim)) {
-            return;
+    pbw__emitted out[PBW__CHUNK];
+    size_t from = chunk * PBW__CHUNK, end = from + PBW__CHUNK, count, i;
+    if (!pbw__emit_reserve(emission, aside, dim)) {
+        return;
+    }
+    count = emission->emit(emission, from, end < emission->slot_count ? end : emission->slot_count, out);
+    PBW__TELL(emission->chunk_done + chunk, 1);
+    for (i = 0; i < count; i++) {
+        if (PBW__LIKELY(pbw__emit_free(emission, out[i].place, dim))) {
+            pbw__emit_place(emission, out + i, dim);
+        } else {
+            aside->simplex[aside->count++] = out[i];
         }
     }
-    PBW__TELL(emission->chunk_done + chunk, 1);
 }
 
 static void pbw__emit_pass3(void *arg, int task)
@@ -5833,8 +6076,12 @@ static void pbw__emit_pass5(void *arg, int task)
         if ((v & (PBW__TICK - 1)) == 0 && pbw__report(emission->context, 0.98)) {
             return;
         }
-        emission->incident[emission->id[v]] = emission->first[v];
-        visible += emission->first[v] != PBW_NONE;
+        pbw_index first = emission->head[v];
+        if (emission->first != NULL) {
+            first = emission->first[v] < first ? emission->first[v] : first;
+        }
+        emission->incident[emission->id[v]] = first;
+        visible += first != PBW_NONE;
     }
     (void)PBW__ADD(&emission->visible, visible);
 }
@@ -5844,6 +6091,14 @@ static pbw_status pbw__emit(pbw__emission *emission)
     pbw__context *context = emission->context;
     size_t b, sum = 0;
     int tasks = emission->tasks, task;
+    emission->sort_list = emission->dim == 3 ? pbw__sort_list3 : pbw__sort_list2;
+    emission->emit = emission->dim == 3 ? pbw__emit_slots3 : pbw__emit_slots2;
+#ifdef PBW__X86
+    if (pbw__has_avx2()) {
+        emission->sort_list = emission->dim == 3 ? pbw__sort_list3_avx2 : pbw__sort_list2;
+        emission->emit = emission->dim == 3 ? pbw__emit_slots3_avx2 : pbw__emit_slots2_avx2;
+    }
+#endif
     pbw__for(context, tasks, pbw__emit_pass1, emission);
     if (tasks > 1) {
         pbw__for(context, tasks, pbw__emit_others, emission);
@@ -5933,6 +6188,7 @@ typedef struct pbw__check {
     size_t duplicate_count, other_count, listed;     /* others are canonical, but no vertices */
     uint64_t *by_hash, *other;                       /* each other point, as sort key << 32 | point */
     pbw__box box;                                    /* of the others */
+    pbw__curve curve;
     pbw_status status;
 } pbw__check;
 
@@ -6419,7 +6675,8 @@ static int pbw__check_apart(pbw__check *check, pbw__check_part *part, size_t fro
                 return pbw__fault(&part->report, "two points at one place are no duplicates", PBW_NONE, -1, p);
             }
         }
-        check->other[k] = pbw__hilbert_key(&check->box, x, check->dim) << 32 | (uint32_t)key[k];
+        check->other[k] = pbw__hilbert_key(&check->curve, &check->box, x, check->dim,
+                                           check->curve.levels) << 32 | (uint32_t)key[k];
     }
     return 1;
 }
@@ -6435,6 +6692,7 @@ static int pbw__check_others(pbw__check *check)
     if (keys == NULL || spare == NULL) {
         check->status = PBW_ERROR_MEMORY;
     } else {
+        pbw__curve_create(&check->curve, count, check->dim);
         pbw__box_reset(&check->box, bits);
         check->by_hash = keys;
         going = pbw__check_pass(check, pbw__check_gather, check->mesh->point_count, PBW__ALONE, 0.9, 0.91)
@@ -6684,7 +6942,7 @@ static pbw_status pbw__keep_points(pbw__context *context, const pbw__input *inpu
     return PBW__LOAD(&context->cancelled) ? PBW_CANCELLED : PBW_OK;
 }
 
-/* The store's triangulation as the mesh's arrays; mesh->incident comes in as PBW_NONE everywhere. */
+/* The store's triangulation as the mesh's arrays; mesh->incident comes in as PBW_NONE for duplicates. */
 static pbw_status pbw__output(pbw__context *context, pbw__store *store, pbw__vertices *vertices, unsigned flags,
                               pbw__owned *owned, pbw_mesh *mesh)
 {
@@ -6713,18 +6971,18 @@ static pbw_status pbw__output(pbw__context *context, pbw__store *store, pbw__ver
     emission.tasks = pbw__tasks(context, vertices->count, 16384);
     emission.number = (pbw_index *)pbw__allocate_large(context, store->count, sizeof(pbw_index));
     emission.head = (pbw_index *)pbw__allocate_large(context, vertices->count + 1, sizeof(pbw_index));
-    emission.first = (pbw_index *)pbw__allocate_large(context, vertices->count + 1, sizeof(pbw_index));
+    if (emission.tasks > 1) {
+        emission.first = (pbw_index *)pbw__allocate_large(context, vertices->count + 1, sizeof(pbw_index));
+    }
     emission.blocks = vertices->count / PBW__BLOCK + 1;
     blocks = emission.blocks * (size_t)emission.tasks;
     emission.block = (pbw_index *)pbw__allocate(memory, blocks, sizeof(pbw_index));
     emission.chunk_done = (unsigned char *)pbw__allocate(memory, chunks, 1);
     emission.aside = (pbw__aside *)pbw__allocate(memory, (size_t)emission.tasks, sizeof(pbw__aside));
-    if (emission.number != NULL && emission.head != NULL && emission.first != NULL && emission.block != NULL
-        && emission.chunk_done != NULL && emission.aside != NULL) {
-        memset(emission.head, 0xff, (vertices->count + 1) * sizeof(pbw_index));      /* PBW_NONE */
+    if (emission.number != NULL && emission.head != NULL && (emission.first != NULL || emission.tasks == 1)
+        && emission.block != NULL && emission.chunk_done != NULL && emission.aside != NULL) {
         memset(emission.block, 0, blocks * sizeof(pbw_index));
         memset(emission.chunk_done, 0, chunks);
-        memset(emission.first, 0xff, (vertices->count + 1) * sizeof(pbw_index));
         memset(emission.aside, 0, (size_t)emission.tasks * sizeof(pbw__aside));
         status = pbw__emit(&emission);
     }
@@ -6803,7 +7061,7 @@ static pbw_status pbw__run(pbw__context *context, const pbw__input *input, unsig
         pbw_index *incident = (pbw_index *)pbw__allocate_large(context, input->count, sizeof(pbw_index));
         mesh->incident = incident;
         owned->incident = input->count;
-        if (incident != NULL) {
+        if (incident != NULL && (status != PBW_OK || vertices.duplicate_count > 0)) {
             memset(incident, 0xff, input->count * sizeof(pbw_index));            /* PBW_NONE */
         }
         if (incident == NULL) {
