@@ -24,7 +24,7 @@ ifeq ($(MAKELEVEL),0)
 MAKEFLAGS += -j$(shell getconf _NPROCESSORS_ONLN 2>/dev/null || echo 2)
 endif
 
-.PHONY: all demo examples test programs oracle asan ubsan tsan valgrind fuzz fuzz-long asm names clean help FORCE
+.PHONY: all demo examples test programs oracle arm asan ubsan tsan valgrind fuzz fuzz-long asm names clean help FORCE
 .DELETE_ON_ERROR:
 .SECONDARY:
 
@@ -37,7 +37,8 @@ help:
 	@echo 'make test        all tests; the last line is `N passed, N failed, N skipped`'
 	@echo 'make bench       compares speed and memory with rivals that are installed (bench/bench.mk)'
 	@echo 'make oracle      compares with CGAL            make names   names, warnings, copies, documentation'
-	@echo 'make asm         looks for fused operations    make clean   removes $B/'
+	@echo 'make asm         looks for fused operations    make arm     64-bit Arm, in an emulator'
+	@echo 'make clean       removes $B/'
 	@echo 'make asan ubsan tsan valgrind                  the test programs under sanitizers'
 	@echo 'make fuzz        fuzzers, TIME=60 each         make fuzz-long  ten million random small inputs'
 	@echo 'CC=clang CXX=clang++ CFLAGS=-O3 B=build/clang  for any of them;  COUNT=n random inputs in tests'
@@ -71,7 +72,7 @@ $B/oracle_cgal: tests/oracle_cgal.cpp $(HEADERS) $B/libpbw.a
 $(TESTS:%=$B/%.log): $B/%.log: $B/% FORCE
 	@sh tests/run.sh $@ $(UNDER) ./$< $(COUNT:%=--count %) $(if $(UNDER),$(UNDER_$(<F)))
 
-$(SCRIPTS:%=$B/%.log): $B/%.log: tests/%.sh FORCE
+$(SCRIPTS:%=$B/%.log) $B/arm.log: $B/%.log: tests/%.sh FORCE
 	@mkdir -p $B
 	+@sh tests/run.sh $@ sh $< $B
 
@@ -88,9 +89,10 @@ programs: LOGS = $(TESTS:%=$B/%.log)
 examples: LOGS = $B/examples.log
 oracle: LOGS = $B/oracle.log
 asm: LOGS = $B/asm.log
+arm: LOGS = $B/arm.log
 names: LOGS = $B/packaging.log
 fuzz-long: LOGS = $(foreach seed,1 2 3 4 5 6 7 8,$B/fuzz.$(seed).log)
-test programs examples oracle asm names fuzz-long:
+test programs examples oracle asm arm names fuzz-long:
 	@rm -f $(LOGS)
 	@$(MAKE) --no-print-directory -k $(LOGS) || true
 	@sh tests/run.sh --total $(LOGS)

@@ -25,6 +25,7 @@
    CONTENTS  (search for the marks)
      >>interface    types and functions
      >>platform     compilers, clocks, floating-point state
+     >>lanes        four numbers at once: AVX2, NEON
      >>memory       the one allocator hook, growth, limits
      >>threads      one call's team of threads, tasks, progress
      >>exact        integers of just enough width
@@ -77,7 +78,8 @@
      PBWDEF               everywhere: your own linkage for the public functions
      PBW_WIDE             where PBW_IMPLEMENTATION is: 64-bit links, up to 4.29e9 simplices instead of 1.07e9,
                           for 16 more bytes a simplex while building
-     PBW_NO_SIMD          where PBW_IMPLEMENTATION is: scalar code only; the same answers, slower
+     PBW_NO_SIMD          where PBW_IMPLEMENTATION is: scalar code only; the same answers, slower.  Without it gcc and
+                          clang make vector code too: AVX2, used where a build finds it, and NEON on 64-bit Arm
      PBW_NO_THREADS       where PBW_IMPLEMENTATION is: every call runs on the caller's thread, nothing to link
 */
 #ifndef PBW_H
@@ -335,6 +337,8 @@ extern int madvise(void *address, size_t length, int advice);    /* strict C mod
 #endif
 #if defined(__SSE2__)
 #include <immintrin.h>
+#elif defined(__aarch64__) && defined(__ARM_NEON) && !defined(PBW_NO_SIMD)
+#include <arm_neon.h>
 #endif
 
 /* Contraction must be off for both compilers; each ignores the other's pragma.  (gcc 12 fuses even so, in vector
@@ -367,18 +371,15 @@ extern int madvise(void *address, size_t length, int advice);    /* strict C mod
 #define PBW__PREFETCH(address) ((void)0)
 #endif
 
-/* Four facets are tested at once in functions compiled for the instruction set and chosen when a build starts.
-   PBW_NO_SIMD leaves the scalar code only, with the same answers. */
-#if !defined(PBW_NO_SIMD) && defined(__x86_64__) && defined(__GNUC__) && !(defined(PBW__FMA) && PBW__FMA == 0)
-#define PBW__X86
-#define PBW__AVX2 __attribute__((target("avx2,fma,bmi,bmi2,popcnt")))
-#define PBW__AVX2_INLINE static inline __attribute__((target("avx2,fma,bmi,bmi2,popcnt"), always_inline, unused))
-
-static int pbw__has_avx2(void)
-{
-    return __builtin_cpu_supports("avx2") && __builtin_cpu_supports("fma") && __builtin_cpu_supports("bmi2")
-        && __builtin_cpu_supports("popcnt");
-}
+/* The instructions of vectors: see >>lanes. */
+#if !defined(PBW_NO_SIMD) && defined(__GNUC__) && !(defined(PBW__FMA) && PBW__FMA == 0)
+#if defined(__x86_64__)
+#define PBW__AVX2
+#define PBW__SIMD __attribute__((target("avx2,fma,bmi,bmi2,popcnt")))
+#elif defined(__AARCH64EL__) && defined(__ARM_NEON)
+#define PBW__NEON
+#define PBW__SIMD
+#endif
 #endif
 
 /* Words that several threads may touch at once; in relaxed order, see >>threads and >>parallel. */
@@ -476,6 +477,425 @@ static int pbw__fp_is_exact(void)
         && one / (zero + 0.0) > 0.0                          /* zeros without a sign */
         && !(infinite - infinite == 0.0);                    /* finite numbers only */
 }
+/* ------------------------------------------------------------------------------------------------------
+   >>lanes        Four numbers at once.
+   In: AVX2 or NEON.  Out: PBW__SIMD, and what >>walk and >>cavity do with vectors, by its meaning.
+
+   Vectors of four doubles or four 32-bit integers, in lanes 0 to 3, and of two doubles.  + - * == | << work lane by
+   lane.  A mask has all bits of a lane set, or none.  A set of lanes is a number with bit i for lane i.  A NaN comes
+   of an overflow only, where the bounds of the kernels are infinite: pbw__larger4, pbw__highest and pbw__lowest may
+   drop it or not.
+   Functions that use vectors are compiled for AVX2 and chosen when a build starts; NEON is there on every 64-bit Arm.
+   PBW_NO_SIMD leaves the scalar code only, with the same answers.
+   ------------------------------------------------------------------------------------------------------ */
+#ifdef PBW__SIMD
+#define PBW__SIMD_INLINE static inline PBW__SIMD __attribute__((always_inline, unused))
+#ifdef PBW__NEON
+#define PBW__EITHER(avx2, neon) neon
+#define PBW__HALVES2(f, a, b) pbw__join(f(pbw__half0(a), pbw__half0(b)), f(pbw__half1(a), pbw__half1(b)))
+#define PBW__HALVES3(f, a, b, c) \
+    pbw__join(f(pbw__half0(a), pbw__half0(b), pbw__half0(c)), f(pbw__half1(a), pbw__half1(b), pbw__half1(c)))
+typedef float64x2_t pbw__d2;
+typedef double pbw__d4 __attribute__((vector_size(32), aligned(16)));      /* the compiler splits sums and products */
+typedef union pbw__halves { pbw__d4 whole; pbw__d2 half[2]; } pbw__halves;
+#else
+#define PBW__EITHER(avx2, neon) avx2
+typedef __m128d pbw__d2;
+typedef __m256d pbw__d4;
+#endif
+typedef int32_t pbw__i4 __attribute__((vector_size(16)));
+
+PBW__INLINE int pbw__simd_works(void)
+{
+    return PBW__EITHER(__builtin_cpu_supports("avx2") && __builtin_cpu_supports("fma")
+                       && __builtin_cpu_supports("bmi2") && __builtin_cpu_supports("popcnt"), 1);
+}
+
+#ifdef PBW__NEON
+PBW__SIMD_INLINE pbw__d2 pbw__half0(pbw__d4 x)
+{
+    pbw__halves halves;
+    halves.whole = x;
+    return halves.half[0];
+}
+
+PBW__SIMD_INLINE pbw__d2 pbw__half1(pbw__d4 x)
+{
+    pbw__halves halves;
+    halves.whole = x;
+    return halves.half[1];
+}
+
+PBW__SIMD_INLINE pbw__d4 pbw__join(pbw__d2 low, pbw__d2 high)
+{
+    pbw__halves halves;
+    halves.half[0] = low;
+    halves.half[1] = high;
+    return halves.whole;
+}
+
+PBW__SIMD_INLINE pbw__d2 pbw__select2(pbw__d2 x, pbw__d2 y, pbw__d2 mask)
+{
+    return vbslq_f64((uint64x2_t)mask, y, x);
+}
+
+PBW__SIMD_INLINE pbw__d2 pbw__and2(pbw__d2 x, pbw__d2 y)
+{
+    return (pbw__d2)vandq_u64((uint64x2_t)x, (uint64x2_t)y);
+}
+
+PBW__SIMD_INLINE pbw__d2 pbw__or2(pbw__d2 x, pbw__d2 y)
+{
+    return (pbw__d2)vorrq_u64((uint64x2_t)x, (uint64x2_t)y);
+}
+
+PBW__SIMD_INLINE pbw__d2 pbw__clear2(pbw__d2 x, pbw__d2 y)
+{
+    return (pbw__d2)vbicq_u64((uint64x2_t)y, (uint64x2_t)x);
+}
+
+#ifndef __clang__
+PBW__SIMD_INLINE pbw__d2 pbw__pick2(pbw__d2 x, pbw__d2 y, int i, int j)
+{
+    const int64x2_t lanes = { i, j };
+    return __builtin_shuffle(x, y, lanes);
+}
+
+PBW__SIMD_INLINE pbw__i4 pbw__pick4(pbw__i4 x, int i, int j, int k, int l)
+{
+    const pbw__i4 lanes = { i, j, k, l };
+    return __builtin_shuffle(x, lanes);
+}
+#endif
+#endif
+
+/* Lanes i j k l, which are constants, of four doubles; of four integers. */
+#ifdef PBW__AVX2
+#define PBW__PICK(x, i, j, k, l) _mm256_permute4x64_pd(x, (i) | (j) << 2 | (k) << 4 | (l) << 6)
+#define PBW__PICK4(x, i, j, k, l) ((pbw__i4)_mm_shuffle_epi32((__m128i)(x), (i) | (j) << 2 | (k) << 4 | (l) << 6))
+#elif defined(__clang__)
+#define PBW__PICK(x, i, j, k, l) \
+    pbw__join(__builtin_shufflevector(pbw__half0(x), pbw__half1(x), i, j), \
+              __builtin_shufflevector(pbw__half0(x), pbw__half1(x), k, l))
+#define PBW__PICK4(x, i, j, k, l) __builtin_shufflevector(x, x, i, j, k, l)
+#else
+#define PBW__PICK(x, i, j, k, l) \
+    pbw__join(pbw__pick2(pbw__half0(x), pbw__half1(x), i, j), pbw__pick2(pbw__half0(x), pbw__half1(x), k, l))
+#define PBW__PICK4(x, i, j, k, l) pbw__pick4(x, i, j, k, l)
+#endif
+
+PBW__SIMD_INLINE pbw__d4 pbw__each(double x)         /* x in each lane */
+{
+    return PBW__EITHER(_mm256_set1_pd(x), pbw__join(vdupq_n_f64(x), vdupq_n_f64(x)));
+}
+
+PBW__SIMD_INLINE pbw__d4 pbw__four(double a, double b, double c, double d)
+{
+#ifdef PBW__AVX2
+    return _mm256_set_pd(d, c, b, a);
+#else
+    const pbw__d2 low = { a, b }, high = { c, d };
+    return pbw__join(low, high);
+#endif
+}
+
+PBW__SIMD_INLINE double pbw__first(pbw__d4 x)        /* lane 0 */
+{
+    return PBW__EITHER(_mm256_cvtsd_f64(x), vgetq_lane_f64(pbw__half0(x), 0));
+}
+
+/* The first two entries of four records. */
+PBW__SIMD_INLINE void pbw__columns(const double *a, const double *b, const double *c, const double *d, pbw__d4 *x,
+                                   pbw__d4 *y)
+{
+#ifdef PBW__AVX2
+    const pbw__d4 ac = _mm256_insertf128_pd(_mm256_castpd128_pd256(_mm_loadu_pd(a)), _mm_loadu_pd(c), 1);
+    const pbw__d4 bd = _mm256_insertf128_pd(_mm256_castpd128_pd256(_mm_loadu_pd(b)), _mm_loadu_pd(d), 1);
+    *x = _mm256_unpacklo_pd(ac, bd);
+    *y = _mm256_unpackhi_pd(ac, bd);
+#else
+    const pbw__d2 a2 = vld1q_f64(a), b2 = vld1q_f64(b), c2 = vld1q_f64(c), d2 = vld1q_f64(d);
+    *x = pbw__join(vzip1q_f64(a2, b2), vzip1q_f64(c2, d2));
+    *y = pbw__join(vzip2q_f64(a2, b2), vzip2q_f64(c2, d2));
+#endif
+}
+
+PBW__SIMD_INLINE pbw__d4 pbw__fma(pbw__d4 a, pbw__d4 b, pbw__d4 c)         /* a b + c, rounded once */
+{
+    return PBW__EITHER(_mm256_fmadd_pd(a, b, c), PBW__HALVES3(vfmaq_f64, c, a, b));
+}
+
+PBW__SIMD_INLINE pbw__d4 pbw__fms(pbw__d4 a, pbw__d4 b, pbw__d4 c)         /* a b - c */
+{
+    return PBW__EITHER(_mm256_fmsub_pd(a, b, c), pbw__fma(a, b, -c));
+}
+
+PBW__SIMD_INLINE pbw__d4 pbw__fnma(pbw__d4 a, pbw__d4 b, pbw__d4 c)        /* c - a b */
+{
+    return PBW__EITHER(_mm256_fnmadd_pd(a, b, c), PBW__HALVES3(vfmsq_f64, c, a, b));
+}
+
+/* a d - b c, with one of the products rounded. */
+PBW__SIMD_INLINE pbw__d4 pbw__det2(pbw__d4 a, pbw__d4 b, pbw__d4 c, pbw__d4 d)
+{
+    return PBW__EITHER(_mm256_fmsub_pd(a, d, b * c), pbw__fnma(b, c, a * d));
+}
+
+PBW__SIMD_INLINE pbw__d4 pbw__larger4(pbw__d4 a, pbw__d4 b)
+{
+    return PBW__EITHER(_mm256_max_pd(a, b), PBW__HALVES2(vmaxq_f64, a, b));
+}
+
+PBW__SIMD_INLINE pbw__d4 pbw__size4(pbw__d4 x)
+{
+    return PBW__EITHER(_mm256_andnot_pd(_mm256_set1_pd(-0.0), x),
+                       pbw__join(vabsq_f64(pbw__half0(x)), vabsq_f64(pbw__half1(x))));
+}
+
+/* The largest lane, the least, the sum of all; in all lanes. */
+PBW__SIMD_INLINE pbw__d4 pbw__highest(pbw__d4 x)
+{
+#ifdef PBW__AVX2
+    x = _mm256_max_pd(x, _mm256_permute_pd(x, 5));
+    return _mm256_max_pd(x, _mm256_permute2f128_pd(x, x, 1));
+#else
+    return pbw__each(vmaxvq_f64(vmaxq_f64(pbw__half0(x), pbw__half1(x))));
+#endif
+}
+
+PBW__SIMD_INLINE pbw__d4 pbw__lowest(pbw__d4 x)
+{
+#ifdef PBW__AVX2
+    x = _mm256_min_pd(x, _mm256_permute_pd(x, 5));
+    return _mm256_min_pd(x, _mm256_permute2f128_pd(x, x, 1));
+#else
+    return pbw__each(vminvq_f64(vminq_f64(pbw__half0(x), pbw__half1(x))));
+#endif
+}
+
+PBW__SIMD_INLINE pbw__d4 pbw__total(pbw__d4 x)
+{
+#ifdef PBW__AVX2
+    x = x + _mm256_permute_pd(x, 5);
+    return x + _mm256_permute2f128_pd(x, x, 1);
+#else
+    return pbw__each(vaddvq_f64(vpaddq_f64(pbw__half0(x), pbw__half1(x))));
+#endif
+}
+
+/* An order of four doubles, from the numbers, modulo 4, of the lanes to take; and doubles in that order. */
+#ifdef PBW__AVX2
+typedef __m256i pbw__order4;
+#else
+typedef struct pbw__order4 { uint8x16_t low, high; } pbw__order4;
+#endif
+
+PBW__SIMD_INLINE pbw__order4 pbw__order4_of(pbw__i4 lanes)
+{
+#ifdef PBW__AVX2
+    const __m256i halves = _mm256_shuffle_epi32(_mm256_cvtepi32_epi64((__m128i)(lanes + lanes)), 0xa0);
+    return _mm256_add_epi32(halves, _mm256_setr_epi32(0, 1, 0, 1, 0, 1, 0, 1));
+#else
+    const uint8x16_t first = { 0, 0, 0, 0, 0, 0, 0, 0, 4, 4, 4, 4, 4, 4, 4, 4 };
+    const uint8x16_t byte = { 0, 1, 2, 3, 4, 5, 6, 7, 0, 1, 2, 3, 4, 5, 6, 7 };
+    const uint8x16_t from = vshlq_n_u8((uint8x16_t)vandq_s32(lanes, vdupq_n_s32(3)), 3);
+    pbw__order4 order;
+    order.low = vorrq_u8(vqtbl1q_u8(from, first), byte);
+    order.high = vorrq_u8(vqtbl1q_u8(from, vorrq_u8(first, vdupq_n_u8(8))), byte);
+    return order;
+#endif
+}
+
+PBW__SIMD_INLINE pbw__d4 pbw__reorder(pbw__d4 x, pbw__order4 order)
+{
+#ifdef PBW__AVX2
+    return _mm256_castps_pd(_mm256_permutevar8x32_ps(_mm256_castpd_ps(x), order));
+#else
+    uint8x16x2_t bytes;
+    bytes.val[0] = (uint8x16_t)pbw__half0(x);
+    bytes.val[1] = (uint8x16_t)pbw__half1(x);
+    return pbw__join((pbw__d2)vqtbl2q_u8(bytes, order.low), (pbw__d2)vqtbl2q_u8(bytes, order.high));
+#endif
+}
+
+PBW__SIMD_INLINE pbw__d4 pbw__drop_last(pbw__d4 x)   /* zero in lane 3 */
+{
+    return PBW__EITHER(_mm256_blend_pd(x, _mm256_setzero_pd(), 8),
+                       pbw__join(pbw__half0(x), vsetq_lane_f64(0.0, pbw__half1(x), 1)));
+}
+
+/* Masks, and what is done with them. */
+PBW__SIMD_INLINE pbw__d4 pbw__above(pbw__d4 a, pbw__d4 b)
+{
+    return PBW__EITHER(_mm256_cmp_pd(a, b, _CMP_GT_OQ), PBW__HALVES2((pbw__d2)vcgtq_f64, a, b));
+}
+
+PBW__SIMD_INLINE pbw__d4 pbw__at_least(pbw__d4 a, pbw__d4 b)
+{
+    return PBW__EITHER(_mm256_cmp_pd(a, b, _CMP_GE_OQ), PBW__HALVES2((pbw__d2)vcgeq_f64, a, b));
+}
+
+PBW__SIMD_INLINE pbw__d4 pbw__equal(pbw__d4 a, pbw__d4 b)
+{
+    return PBW__EITHER(_mm256_cmp_pd(a, b, _CMP_EQ_OQ), PBW__HALVES2((pbw__d2)vceqq_f64, a, b));
+}
+
+PBW__SIMD_INLINE pbw__d4 pbw__zeros(pbw_index a, pbw_index b, pbw_index c, pbw_index d)
+{
+    const pbw__i4 x = { (int32_t)a, (int32_t)b, (int32_t)c, (int32_t)d }, zero = { 0, 0, 0, 0 }, mask = x == zero;
+    return PBW__EITHER(_mm256_castsi256_pd(_mm256_cvtepi32_epi64((__m128i)mask)),
+                       pbw__join((pbw__d2)vmovl_s32(vget_low_s32(mask)), (pbw__d2)vmovl_high_s32(mask)));
+}
+
+PBW__SIMD_INLINE pbw__d4 pbw__mask(const int64_t *from)
+{
+    return PBW__EITHER(_mm256_castsi256_pd(_mm256_loadu_si256((const __m256i *)(const void *)from)),
+                       pbw__join((pbw__d2)vld1q_s64(from), (pbw__d2)vld1q_s64(from + 2)));
+}
+
+PBW__SIMD_INLINE pbw__d4 pbw__select(pbw__d4 x, pbw__d4 y, pbw__d4 mask)   /* y in the lanes of the mask */
+{
+    return PBW__EITHER(_mm256_blendv_pd(x, y, mask), PBW__HALVES3(pbw__select2, x, y, mask));
+}
+
+PBW__SIMD_INLINE pbw__d4 pbw__keep(pbw__d4 mask, pbw__d4 x)        /* x, zero in other lanes */
+{
+    return PBW__EITHER(_mm256_and_pd(mask, x), PBW__HALVES2(pbw__and2, mask, x));
+}
+
+PBW__SIMD_INLINE pbw__d4 pbw__clear(pbw__d4 mask, pbw__d4 x)       /* x, zero in the lanes of the mask */
+{
+    return PBW__EITHER(_mm256_andnot_pd(mask, x), PBW__HALVES2(pbw__clear2, mask, x));
+}
+
+PBW__SIMD_INLINE pbw__d4 pbw__either(pbw__d4 mask, pbw__d4 other)
+{
+    return PBW__EITHER(_mm256_or_pd(mask, other), PBW__HALVES2(pbw__or2, mask, other));
+}
+
+PBW__SIMD_INLINE pbw__d4 pbw__raise(pbw__d4 x, pbw__d4 mask, pbw__d4 y)    /* y where x, zero there, is masked */
+{
+    return PBW__EITHER(_mm256_or_pd(x, _mm256_and_pd(mask, y)), pbw__select(x, y, mask));
+}
+
+PBW__SIMD_INLINE unsigned pbw__signs(pbw__d4 x)      /* the lanes with the sign bit */
+{
+#ifdef PBW__AVX2
+    return (unsigned)_mm256_movemask_pd(x);
+#else
+    const int32x4_t place = { 0, 1, 2, 3 };
+    const uint32x4_t high = vuzp2q_u32((uint32x4_t)pbw__half0(x), (uint32x4_t)pbw__half1(x));
+    return vaddvq_u32(vshlq_u32(vshrq_n_u32(high, 31), place));
+#endif
+}
+
+/* Sets of lanes: their number; the first so many, or all four. */
+PBW__SIMD_INLINE unsigned pbw__count4(unsigned set)
+{
+    return PBW__EITHER((unsigned)__builtin_popcount(set), (unsigned)(0x4332322132212110u >> 4 * set) & 15);
+}
+
+PBW__SIMD_INLINE unsigned pbw__first_lanes(unsigned count)
+{
+    return PBW__EITHER(_bzhi_u32(15, count), count < 4 ? (1u << count) - 1 : 15);
+}
+
+/* Lanes 0 to 2 of each set by turns, in pairs; of the pairs those in `chosen`, one after the other. */
+PBW__SIMD_INLINE unsigned pbw__pairs_of(unsigned first, unsigned second, unsigned chosen)
+{
+#ifdef PBW__AVX2
+    return _pext_u32(_pdep_u32(first, 0x15) | _pdep_u32(second, 0x2a), 3 * _pdep_u32(chosen, 0x15));
+#else
+    unsigned set = 0, k;
+    for (k = 3; k-- > 0; ) {
+        unsigned take = chosen >> k & 1;
+        set = set << 2 * take | ((first >> k & 1) | (second >> k & 1) << 1) * take;
+    }
+    return set;
+#endif
+}
+
+/* Two doubles. */
+PBW__SIMD_INLINE pbw__d2 pbw__load2(const double *from)
+{
+    return PBW__EITHER(_mm_loadu_pd(from), vld1q_f64(from));
+}
+
+PBW__SIMD_INLINE pbw__d2 pbw__turn_right(pbw__d2 x)       /* (y, -x) */
+{
+    return PBW__EITHER(_mm_xor_pd(_mm_shuffle_pd(x, x, 1), _mm_set_pd(-0.0, 0.0)),
+                       vcopyq_laneq_f64(vextq_f64(x, x, 1), 1, vnegq_f64(x), 0));
+}
+
+PBW__SIMD_INLINE unsigned pbw__signs2(pbw__d2 x, pbw__d2 y)        /* of the sums of the lanes of x and of y */
+{
+#ifdef PBW__AVX2
+    return (unsigned)_mm_movemask_pd(_mm_hadd_pd(x, y));
+#else
+    const uint64x2_t signs = vshrq_n_u64((uint64x2_t)vpaddq_f64(x, y), 63);
+    return (unsigned)vgetq_lane_u64(signs, 0) | 2 * (unsigned)vgetq_lane_u64(signs, 1);
+#endif
+}
+
+/* Four integers, from and to arrays of any type. */
+PBW__SIMD_INLINE pbw__i4 pbw__load4(const void *from)
+{
+    return (pbw__i4)PBW__EITHER(_mm_loadu_si128((const __m128i *)from), vld1q_u8((const unsigned char *)from));
+}
+
+PBW__SIMD_INLINE void pbw__store4(void *to, pbw__i4 x)
+{
+    PBW__EITHER(_mm_storeu_si128((__m128i *)to, (__m128i)x), vst1q_u8((unsigned char *)to, (uint8x16_t)x));
+}
+
+PBW__SIMD_INLINE pbw__i4 pbw__repeat(int32_t x)      /* x in each lane */
+{
+    return PBW__EITHER((pbw__i4)_mm_set1_epi32(x), vdupq_n_s32(x));
+}
+
+PBW__SIMD_INLINE pbw__i4 pbw__lead(pbw__i4 x, pbw__i4 y)   /* y in lane 0 */
+{
+    return PBW__EITHER((pbw__i4)_mm_blend_epi32((__m128i)x, (__m128i)y, 1), vcopyq_laneq_s32(x, 0, y, 0));
+}
+
+PBW__SIMD_INLINE pbw__i4 pbw__select4(pbw__i4 x, pbw__i4 y, pbw__i4 mask)  /* y in the lanes of the mask */
+{
+    return PBW__EITHER((pbw__i4)_mm_blendv_epi8((__m128i)x, (__m128i)y, (__m128i)mask),
+                       vbslq_s32((uint32x4_t)mask, y, x));
+}
+
+PBW__SIMD_INLINE pbw__i4 pbw__shuffle4(pbw__i4 x, const unsigned char *bytes)      /* the bytes of these numbers */
+{
+    return (pbw__i4)PBW__EITHER(_mm_shuffle_epi8((__m128i)x, (__m128i)pbw__load4(bytes)),
+                                vqtbl1q_u8((uint8x16_t)x, vld1q_u8(bytes)));
+}
+
+PBW__SIMD_INLINE pbw__i4 pbw__permute4(pbw__i4 x, pbw__i4 lanes)   /* lanes of x, by numbers modulo 4 */
+{
+#ifdef PBW__AVX2
+    return (pbw__i4)_mm_permutevar_ps((__m128)x, (__m128i)lanes);
+#else
+    const pbw__i4 bytes = vmlaq_n_s32(vdupq_n_s32(0x03020100), vandq_s32(lanes, vdupq_n_s32(3)), 0x04040404);
+    return (pbw__i4)vqtbl1q_u8((uint8x16_t)x, (uint8x16_t)bytes);
+#endif
+}
+
+PBW__SIMD_INLINE pbw__i4 pbw__widen(int32_t bytes)   /* a byte to each lane */
+{
+    return (pbw__i4)PBW__EITHER(_mm_cvtepu8_epi32(_mm_cvtsi32_si128(bytes)),
+                                vmovl_u16(vget_low_u16(vmovl_u8((uint8x8_t)vdup_n_s32(bytes)))));
+}
+
+PBW__SIMD_INLINE uint64_t pbw__lanes01(pbw__i4 x)    /* lane 0, and lane 1 above it */
+{
+    return PBW__EITHER((uint64_t)_mm_cvtsi128_si64((__m128i)x), vgetq_lane_u64((uint64x2_t)x, 0));
+}
+
+PBW__SIMD_INLINE uint64_t pbw__lanes23(pbw__i4 x)
+{
+    return PBW__EITHER((uint64_t)_mm_extract_epi64((__m128i)x, 1), vgetq_lane_u64((uint64x2_t)x, 1));
+}
+#endif
 /* ------------------------------------------------------------------------------------------------------
    >>memory      The one allocator hook, and the count of what is held through it.
    In: options.resize or NULL, options.memory_limit.  Out: blocks, or NULL for out of memory or over the limit.
@@ -2694,99 +3114,93 @@ PBW__INLINE double pbw__row3(const pbw__kernel *kernel, pbw_index v, const doubl
     return square + pbw__size(weight);
 }
 
-#ifdef PBW__X86
+#ifdef PBW__SIMD
 /* Four rows by columns, a vertex in each lane.  Lanes of the ghost are zero and marked; where there is no hull, the
    caller knows that no vertex is the ghost. */
-typedef struct pbw__rows3 { __m256d x, y, z, lift, height, ghost; } pbw__rows3;
-typedef struct pbw__point3 { __m256d x, y, z, weight; int weighted; } pbw__point3;
+typedef struct pbw__rows3 { pbw__d4 x, y, z, lift, height, ghost; } pbw__rows3;
+typedef struct pbw__point3 { pbw__d4 x, y, z, weight; int weighted; } pbw__point3;
 
-#define PBW__CORNER_A(x) _mm256_permute4x64_pd(x, 0x09)   /* corners 1 2 0 0: pbw__facet_corners by columns */
-#define PBW__CORNER_B(x) _mm256_permute4x64_pd(x, 0x92)   /* 2 0 1 2 */
-#define PBW__CORNER_C(x) _mm256_permute4x64_pd(x, 0x7f)   /* 3 3 3 1 */
-#define PBW__JOIN(a, b) _mm256_insertf128_pd(_mm256_castpd128_pd256(_mm_loadu_pd(a)), _mm_loadu_pd(b), 1)
+#define PBW__CORNER_A(x) PBW__PICK(x, 1, 2, 0, 0) /* pbw__facet_corners by columns */
+#define PBW__CORNER_B(x) PBW__PICK(x, 2, 0, 1, 2)
+#define PBW__CORNER_C(x) PBW__PICK(x, 3, 3, 3, 1)
 
-PBW__AVX2_INLINE pbw__point3 pbw__point3_of(const double *p, int weighted)
+PBW__SIMD_INLINE pbw__point3 pbw__point3_of(const double *p, int weighted)
 {
     pbw__point3 point;
-    point.x = _mm256_set1_pd(p[0]);
-    point.y = _mm256_set1_pd(p[1]);
-    point.z = _mm256_set1_pd(p[2]);
-    point.weight = _mm256_set1_pd(p[3]);
+    point.x = pbw__each(p[0]);
+    point.y = pbw__each(p[1]);
+    point.z = pbw__each(p[2]);
+    point.weight = pbw__each(p[3]);
     point.weighted = weighted;
     return point;
 }
 
-PBW__AVX2_INLINE pbw__rows3 pbw__rows3_of(const double *record, int hull, pbw_index v0, pbw_index v1, pbw_index v2,
+PBW__SIMD_INLINE pbw__rows3 pbw__rows3_of(const double *record, int hull, pbw_index v0, pbw_index v1, pbw_index v2,
                                           pbw_index v3, const pbw__point3 *p)
 {
     const double *a = record + 4 * (size_t)v0, *b = record + 4 * (size_t)v1, *c = record + 4 * (size_t)v2,
                  *d = record + 4 * (size_t)v3;
-    __m256d ac = PBW__JOIN(a, c), bd = PBW__JOIN(b, d), ac2 = PBW__JOIN(a + 2, c + 2), bd2 = PBW__JOIN(b + 2, d + 2);
+    pbw__d4 x, y, z, w;
     pbw__rows3 rows;
-    rows.x = _mm256_unpacklo_pd(ac, bd) - p->x;
-    rows.y = _mm256_unpackhi_pd(ac, bd) - p->y;
-    rows.z = _mm256_unpacklo_pd(ac2, bd2) - p->z;
-    rows.ghost = _mm256_setzero_pd();
+    pbw__columns(a, b, c, d, &x, &y);
+    pbw__columns(a + 2, b + 2, c + 2, d + 2, &z, &w);
+    rows.x = x - p->x;
+    rows.y = y - p->y;
+    rows.z = z - p->z;
+    rows.ghost = pbw__each(0.0);
     if (hull) {                                      /* the ghost's record is at infinity */
-        rows.ghost = _mm256_cmp_pd(_mm256_unpacklo_pd(ac, bd), _mm256_set1_pd(HUGE_VAL), _CMP_EQ_OQ);
-        rows.x = _mm256_andnot_pd(rows.ghost, rows.x);
-        rows.y = _mm256_andnot_pd(rows.ghost, rows.y);
-        rows.z = _mm256_andnot_pd(rows.ghost, rows.z);
+        rows.ghost = pbw__equal(x, pbw__each(HUGE_VAL));
+        rows.x = pbw__clear(rows.ghost, rows.x);
+        rows.y = pbw__clear(rows.ghost, rows.y);
+        rows.z = pbw__clear(rows.ghost, rows.z);
     }
-    rows.lift = rows.height = _mm256_fmadd_pd(rows.z, rows.z, _mm256_fmadd_pd(rows.y, rows.y, rows.x * rows.x));
+    rows.lift = rows.height = pbw__fma(rows.z, rows.z, pbw__fma(rows.y, rows.y, rows.x * rows.x));
     if (p->weighted) {
-        __m256d weight = _mm256_andnot_pd(rows.ghost, _mm256_unpackhi_pd(ac2, bd2) - p->weight);
+        pbw__d4 weight = pbw__clear(rows.ghost, w - p->weight);
         rows.lift = rows.lift - weight;
-        rows.height = rows.height + _mm256_andnot_pd(_mm256_set1_pd(-0.0), weight);
+        rows.height = rows.height + pbw__size4(weight);
     }
     return rows;
 }
 
-/* The largest lane, in all lanes. */
-PBW__AVX2_INLINE __m256d pbw__highest(__m256d x)
-{
-    x = _mm256_max_pd(x, _mm256_permute_pd(x, 5));
-    return _mm256_max_pd(x, _mm256_permute2f128_pd(x, x, 1));
-}
-
 /* The same in the plane. */
-typedef struct pbw__rows2 { __m256d x, y, lift, height, ghost; } pbw__rows2;
-typedef struct pbw__point2 { __m256d x, y, weight; int weighted; } pbw__point2;
+typedef struct pbw__rows2 { pbw__d4 x, y, lift, height, ghost; } pbw__rows2;
+typedef struct pbw__point2 { pbw__d4 x, y, weight; int weighted; } pbw__point2;
 
-#define PBW__EDGE_START(x) _mm256_permute4x64_pd(x, 0x49) /* corners 1 2 0 1: the edge across starts there */
-#define PBW__EDGE_END(x) _mm256_permute4x64_pd(x, 0x92)   /* 2 0 1 2: and ends there */
+#define PBW__EDGE_START(x) PBW__PICK(x, 1, 2, 0, 1)   /* the edge across starts there */
+#define PBW__EDGE_END(x) PBW__PICK(x, 2, 0, 1, 2) /* and ends there */
 
-PBW__AVX2_INLINE pbw__point2 pbw__point2_of(const double *p, int weighted)
+PBW__SIMD_INLINE pbw__point2 pbw__point2_of(const double *p, int weighted)
 {
     pbw__point2 point;
-    point.x = _mm256_set1_pd(p[0]);
-    point.y = _mm256_set1_pd(p[1]);
-    point.weight = _mm256_set1_pd(p[2]);
+    point.x = pbw__each(p[0]);
+    point.y = pbw__each(p[1]);
+    point.weight = pbw__each(p[2]);
     point.weighted = weighted;
     return point;
 }
 
-PBW__AVX2_INLINE pbw__rows2 pbw__rows2_of(const double *record, int hull, pbw_index v0, pbw_index v1, pbw_index v2,
+PBW__SIMD_INLINE pbw__rows2 pbw__rows2_of(const double *record, int hull, pbw_index v0, pbw_index v1, pbw_index v2,
                                           pbw_index v3, pbw__point2 p)
 {
     const double *a = record + 3 * (size_t)v0, *b = record + 3 * (size_t)v1, *c = record + 3 * (size_t)v2,
                  *d = record + 3 * (size_t)v3;
-    __m256d ac = PBW__JOIN(a, c), bd = PBW__JOIN(b, d);
+    pbw__d4 x, y;
     pbw__rows2 rows;
-    rows.x = _mm256_unpacklo_pd(ac, bd) - p.x;
-    rows.y = _mm256_unpackhi_pd(ac, bd) - p.y;
-    rows.ghost = _mm256_setzero_pd();
+    pbw__columns(a, b, c, d, &x, &y);
+    rows.x = x - p.x;
+    rows.y = y - p.y;
+    rows.ghost = pbw__each(0.0);
     if (hull) {
-        __m128i v = _mm_set_epi32((int)v3, (int)v2, (int)v1, (int)v0);
-        rows.ghost = _mm256_castsi256_pd(_mm256_cvtepi32_epi64(_mm_cmpeq_epi32(v, _mm_setzero_si128())));
-        rows.x = _mm256_andnot_pd(rows.ghost, rows.x);
-        rows.y = _mm256_andnot_pd(rows.ghost, rows.y);
+        rows.ghost = pbw__zeros(v0, v1, v2, v3);     /* PBW__GHOST */
+        rows.x = pbw__clear(rows.ghost, rows.x);
+        rows.y = pbw__clear(rows.ghost, rows.y);
     }
-    rows.lift = rows.height = _mm256_fmadd_pd(rows.y, rows.y, rows.x * rows.x);
+    rows.lift = rows.height = pbw__fma(rows.y, rows.y, rows.x * rows.x);
     if (p.weighted) {
-        __m256d weight = _mm256_andnot_pd(rows.ghost, _mm256_set_pd(d[2], c[2], b[2], a[2]) - p.weight);
+        pbw__d4 weight = pbw__clear(rows.ghost, pbw__four(a[2], b[2], c[2], d[2]) - p.weight);
         rows.lift = rows.lift - weight;
-        rows.height = rows.height + _mm256_andnot_pd(_mm256_set1_pd(-0.0), weight);
+        rows.height = rows.height + pbw__size4(weight);
     }
     return rows;
 }
@@ -2954,15 +3368,15 @@ static pbw_index pbw__locate3_scalar(pbw__kernel *kernel, pbw_index t, const dou
     }
 }
 
-#ifdef PBW__X86
+#ifdef PBW__SIMD
 /* The same, a facet in each lane. */
-PBW__AVX2_INLINE pbw_index pbw__locate3_avx2(pbw__kernel *kernel, pbw_index t, const double *p, int weighted)
+PBW__SIMD_INLINE pbw_index pbw__locate3_simd(pbw__kernel *kernel, pbw_index t, const double *p, int weighted)
 {
     const pbw__point3 point = pbw__point3_of(p, weighted);
     t = pbw__walk_start(kernel, t, 3);
     for (;;) {
         const pbw_index *v = kernel->corner + 4 * (size_t)t;
-        __m256d ax, ay, az, bx, by, bz, cx, cy, cz, side, lowest, power, h, square, rounded, bound, limit;
+        pbw__d4 ax, ay, az, bx, by, bz, cx, cy, cz, side, lowest, power, h, square, rounded, bound, limit;
         pbw__rows3 r;
         unsigned outer, exit;
         kernel->statistics.walk_steps++;
@@ -2973,29 +3387,25 @@ PBW__AVX2_INLINE pbw_index pbw__locate3_avx2(pbw__kernel *kernel, pbw_index t, c
         ax = PBW__CORNER_A(r.x), ay = PBW__CORNER_A(r.y), az = PBW__CORNER_A(r.z);
         bx = PBW__CORNER_B(r.x), by = PBW__CORNER_B(r.y), bz = PBW__CORNER_B(r.z);
         cx = PBW__CORNER_C(r.x), cy = PBW__CORNER_C(r.y), cz = PBW__CORNER_C(r.z);
-        side = ax * _mm256_fmsub_pd(by, cz, bz * cy);
-        side = _mm256_fnmadd_pd(ay, _mm256_fmsub_pd(bx, cz, bz * cx), side);
-        side = _mm256_fmadd_pd(az, _mm256_fmsub_pd(bx, cy, by * cx), side);
-        power = r.lift * side;
-        power = power + _mm256_permute_pd(power, 5);
-        power = power + _mm256_permute2f128_pd(power, power, 1);
-        h = _mm256_max_pd(pbw__highest(r.height), _mm256_set1_pd(1e-55));
+        side = ax * pbw__det2(by, bz, cy, cz);
+        side = pbw__fnma(ay, pbw__det2(bx, bz, cx, cz), side);
+        side = pbw__fma(az, pbw__det2(bx, by, cx, cy), side);
+        power = pbw__total(r.lift * side);
+        h = pbw__larger4(pbw__highest(r.height), pbw__each(1e-55));
         square = h * h;
-        rounded = _mm256_cmp_pd(h, _mm256_set1_pd(kernel->exact_height), _CMP_GE_OQ);
-        bound = _mm256_and_pd(rounded, square * h * _mm256_set1_pd(PBW__ORIENT3_ERROR * PBW__ORIENT3_ERROR));
-        limit = _mm256_and_pd(rounded, square * square * h * _mm256_set1_pd(PBW__SPHERE_ERROR * PBW__SPHERE_ERROR));
-        if (_mm256_cvtsd_f64(power) > 0.0 && _mm256_cvtsd_f64(power * power) > _mm256_cvtsd_f64(limit)) {
+        rounded = pbw__at_least(h, pbw__each(kernel->exact_height));
+        bound = pbw__keep(rounded, square * h * pbw__each(PBW__ORIENT3_ERROR * PBW__ORIENT3_ERROR));
+        limit = pbw__keep(rounded, square * square * h * pbw__each(PBW__SPHERE_ERROR * PBW__SPHERE_ERROR));
+        if (pbw__first(power) > 0.0 && pbw__first(power * power) > pbw__first(limit)) {
             return t;
         }
-        lowest = _mm256_min_pd(side, _mm256_permute_pd(side, 5));
-        lowest = _mm256_min_pd(lowest, _mm256_permute2f128_pd(lowest, lowest, 1));
-        outer = (unsigned)_mm256_movemask_pd(_mm256_cmp_pd(side, lowest, _CMP_EQ_OQ));
+        lowest = pbw__lowest(side);
+        outer = pbw__signs(pbw__equal(side, lowest));
         exit = (unsigned)__builtin_ctz(outer | 16u);
-        if (PBW__UNLIKELY(!(_mm256_cvtsd_f64(lowest) < 0.0
-                            && _mm256_cvtsd_f64(lowest * lowest) > _mm256_cvtsd_f64(bound)))) {
-            unsigned inner = (unsigned)_mm256_movemask_pd(_mm256_cmp_pd(side * side, bound, _CMP_GT_OQ));
-            inner &= (unsigned)_mm256_movemask_pd(side) ^ 15u;
-            exit = _mm256_movemask_pd(rounded) == 0 ? 4 : pbw__exit3(kernel, t, p, inner);
+        if (PBW__UNLIKELY(!(pbw__first(lowest) < 0.0 && pbw__first(lowest * lowest) > pbw__first(bound)))) {
+            unsigned inner = pbw__signs(pbw__above(side * side, bound));
+            inner &= pbw__signs(side) ^ 15u;
+            exit = pbw__signs(rounded) == 0 ? 4 : pbw__exit3(kernel, t, p, inner);
             if (exit == 4) {
                 return !weighted || pbw__in_conflict3(kernel, t, p) ? t : PBW_NONE;
             }
@@ -3054,11 +3464,11 @@ static pbw_index pbw__locate2_scalar(pbw__kernel *kernel, pbw_index t, const dou
     }
 }
 
-#ifdef PBW__X86
+#ifdef PBW__SIMD
 /* The bound on the error of an in-circle determinant of rows no higher than h. */
-PBW__AVX2_INLINE __m256d pbw__circle_limit(__m256d h)
+PBW__SIMD_INLINE pbw__d4 pbw__circle_limit(pbw__d4 h)
 {
-    return _mm256_set1_pd(8.0) * h * h * _mm256_set1_pd(PBW__CIRCLE_ERROR / 8.0);
+    return pbw__each(8.0) * h * h * pbw__each(PBW__CIRCLE_ERROR / 8.0);
 }
 
 /* Is p certainly beyond the edge of a ghost? */
@@ -3073,7 +3483,7 @@ PBW__INLINE int pbw__is_beyond(const pbw__kernel *kernel, pbw_index t, const dou
 
 /* The same, an edge in each lane, through the first that has p outside.  Leaves the rows of the triangle, if it is
    finite; the fourth is the first again. */
-PBW__AVX2_INLINE pbw_index pbw__locate2_avx2(pbw__kernel *kernel, pbw_index t, const double *p, int weighted,
+PBW__SIMD_INLINE pbw_index pbw__locate2_simd(pbw__kernel *kernel, pbw_index t, const double *p, int weighted,
                                              pbw__rows2 *rows)
 {
     const pbw_index *corner = kernel->corner;
@@ -3084,7 +3494,7 @@ PBW__AVX2_INLINE pbw_index pbw__locate2_avx2(pbw__kernel *kernel, pbw_index t, c
     }
     for (t = pbw__walk_start(kernel, t, 2); ; steps++) {
         const pbw_index *v = corner + 4 * (size_t)t;
-        __m256d sx, sy, sh, ex, ey, eh, side, power, h, bound;
+        pbw__d4 sx, sy, sh, ex, ey, eh, side, power, h, bound;
         unsigned outer, exit;
         if (v[2] == PBW__GHOST) {
             break;
@@ -3092,20 +3502,18 @@ PBW__AVX2_INLINE pbw_index pbw__locate2_avx2(pbw__kernel *kernel, pbw_index t, c
         *rows = pbw__rows2_of(kernel->record, 0, v[0], v[1], v[2], v[0], point);
         sx = PBW__EDGE_START(rows->x), sy = PBW__EDGE_START(rows->y), sh = PBW__EDGE_START(rows->height);
         ex = PBW__EDGE_END(rows->x), ey = PBW__EDGE_END(rows->y), eh = PBW__EDGE_END(rows->height);
-        side = _mm256_fmsub_pd(sx, ey, sy * ex);
-        h = _mm256_max_pd(_mm256_max_pd(rows->height, _mm256_set1_pd(1e-140)), _mm256_max_pd(sh, eh));
-        power = _mm256_blend_pd(rows->lift * side, _mm256_setzero_pd(), 8);
-        power = power + _mm256_permute2f128_pd(power, power, 1);
-        power = power + _mm256_permute_pd(power, 5);
-        if (_mm256_cvtsd_f64(power) > _mm256_cvtsd_f64(pbw__circle_limit(h))) {
+        side = pbw__det2(sx, sy, ex, ey);
+        h = pbw__larger4(pbw__larger4(rows->height, pbw__each(1e-140)), pbw__larger4(sh, eh));
+        power = pbw__total(pbw__drop_last(rows->lift * side));
+        if (pbw__first(power) > pbw__first(pbw__circle_limit(h))) {
             break;
         }
-        bound = h * _mm256_set1_pd(PBW__ORIENT2_ERROR);
-        outer = (unsigned)_mm256_movemask_pd(_mm256_cmp_pd(-side, bound, _CMP_GT_OQ));
+        bound = h * pbw__each(PBW__ORIENT2_ERROR);
+        outer = pbw__signs(pbw__above(-side, bound));
         exit = (unsigned)__builtin_ctz(outer | 8u);
         if (PBW__UNLIKELY(outer == 0)) {
-            unsigned inner = (unsigned)_mm256_movemask_pd(_mm256_cmp_pd(side, bound, _CMP_GT_OQ));
-            exit = _mm256_cvtsd_f64(h) < kernel->exact_height ? 3 : pbw__exit2(kernel, t, p, inner);
+            unsigned inner = pbw__signs(pbw__above(side, bound));
+            exit = pbw__first(h) < kernel->exact_height ? 3 : pbw__exit2(kernel, t, p, inner);
             if (exit == 3) {
                 t = !weighted || pbw__in_conflict2(kernel, t, p) ? t : PBW_NONE;
                 break;
@@ -3206,7 +3614,7 @@ typedef struct pbw__search {
     uint32_t stamp, local_count;
 } pbw__search;
 
-#ifdef PBW__X86
+#ifdef PBW__SIMD
 /* Whether we may delete all neighbours: the corners are ours, so three are of each neighbour. */
 PBW__INLINE int pbw__owns_all(const pbw__kernel *kernel, const pbw_index *v)
 {
@@ -3323,13 +3731,7 @@ PBW__INLINE void pbw__search_sort(pbw__search *search, pbw_index facet, pbw_inde
     search->facet_count += fresh ^ inside;
 }
 
-#ifdef PBW__X86
-#define PBW__LOAD4(x) _mm_loadu_si128((const __m128i *)(const void *)(x))
-#define PBW__STORE4(x, y) _mm_storeu_si128((__m128i *)(void *)(x), y)
-#define PBW__PERMUTE4(x, lanes) _mm_castps_si128(_mm_permutevar_ps(_mm_castsi128_ps(x), lanes))
-#endif
-
-#if defined(PBW__X86) && !defined(PBW_WIDE)
+#if defined(PBW__SIMD) && !defined(PBW_WIDE)
 /* Shuffles that bring the lanes of a set of four to the front. */
 #define PBW__LANE(i) 4 * i, 4 * i + 1, 4 * i + 2, 4 * i + 3
 static const unsigned char pbw__front[16][16] = {
@@ -3343,13 +3745,13 @@ static const unsigned char pbw__front[16][16] = {
 
 /* The same for all four neighbours, which are different simplices: two simplices share at most one facet.  The refill
    writes links back to those that stay; their lines of the cache are asked for while there are tests to do. */
-PBW__AVX2_INLINE void pbw__search_sort4(pbw__search *search, pbw_index facet, const pbw__link *link, unsigned inside)
+PBW__SIMD_INLINE void pbw__search_sort4(pbw__search *search, pbw_index facet, const pbw__link *link, unsigned inside)
 {
     unsigned char *mark = search->mark;
     pbw_index o0 = link[0] >> 2, o1 = link[1] >> 2, o2 = link[2] >> 2, o3 = link[3] >> 2;
     unsigned marked = PBW__LOAD(mark + o0) + 2u * PBW__LOAD(mark + o1)
                     + 4u * (PBW__LOAD(mark + o2) + 2u * PBW__LOAD(mark + o3)), outside, bytes;
-    const __m128i from = _mm_add_epi32(_mm_set1_epi32((int)facet), _mm_setr_epi32(0, 1, 2, 3));
+    const pbw__i4 lanes = { 0, 1, 2, 3 }, from = pbw__repeat((int32_t)facet) + lanes;
     PBW__PREFETCH(search->link + 4 * (size_t)o0);
     PBW__PREFETCH(search->link + 4 * (size_t)o1);
     PBW__PREFETCH(search->link + 4 * (size_t)o2);
@@ -3361,66 +3763,66 @@ PBW__AVX2_INLINE void pbw__search_sort4(pbw__search *search, pbw_index facet, co
     PBW__STORE(mark + o1, (unsigned char)(bytes >> 8));
     PBW__STORE(mark + o2, (unsigned char)(bytes >> 16));
     PBW__STORE(mark + o3, (unsigned char)(bytes >> 24));
-    PBW__STORE4(search->parent + search->cavity_count, _mm_shuffle_epi8(from, PBW__LOAD4(pbw__front[inside])));
-    search->cavity_count += (unsigned)__builtin_popcount(inside);
-    PBW__STORE4(search->from + search->facet_count, _mm_shuffle_epi8(from, PBW__LOAD4(pbw__front[outside])));
-    search->facet_count += (unsigned)__builtin_popcount(outside);
+    pbw__store4(search->parent + search->cavity_count, pbw__shuffle4(from, pbw__front[inside]));
+    search->cavity_count += pbw__count4(inside);
+    pbw__store4(search->from + search->facet_count, pbw__shuffle4(from, pbw__front[outside]));
+    search->facet_count += pbw__count4(outside);
 }
 #endif
 
-#ifdef PBW__X86
+#ifdef PBW__SIMD
 /* Pair arithmetic of >>predicates, four at once, and here with fused operations for sure. */
-typedef struct pbw__pair4 { __m256d head, tail; } pbw__pair4;
-typedef struct pbw__pairs4 { pbw__pair4 x, y, z, lift; __m256d height; } pbw__pairs4;
+typedef struct pbw__pair4 { pbw__d4 head, tail; } pbw__pair4;
+typedef struct pbw__pairs4 { pbw__pair4 x, y, z, lift; pbw__d4 height; } pbw__pairs4;
 
-PBW__AVX2_INLINE pbw__pair4 pbw__plus4(pbw__pair4 a, pbw__pair4 b)
+PBW__SIMD_INLINE pbw__pair4 pbw__plus4(pbw__pair4 a, pbw__pair4 b)
 {
-    __m256d head = a.head + b.head, other = head - a.head;
+    pbw__d4 head = a.head + b.head, other = head - a.head;
     pbw__pair4 result = { head, ((a.head - (head - other)) + (b.head - other)) + (a.tail + b.tail) };
     return result;
 }
 
-PBW__AVX2_INLINE pbw__pair4 pbw__minus4(pbw__pair4 a, pbw__pair4 b)
+PBW__SIMD_INLINE pbw__pair4 pbw__minus4(pbw__pair4 a, pbw__pair4 b)
 {
-    __m256d head = a.head - b.head, other = head - a.head;
+    pbw__d4 head = a.head - b.head, other = head - a.head;
     pbw__pair4 result = { head, ((a.head - (head - other)) - (b.head + other)) + (a.tail - b.tail) };
     return result;
 }
 
-PBW__AVX2_INLINE pbw__pair4 pbw__times4(pbw__pair4 a, pbw__pair4 b)
+PBW__SIMD_INLINE pbw__pair4 pbw__times4(pbw__pair4 a, pbw__pair4 b)
 {
-    __m256d head = _mm256_fmadd_pd(a.head, b.head, _mm256_setzero_pd());     /* not to be fused, see there */
-    __m256d error = _mm256_fmsub_pd(a.head, b.head, head);
-    pbw__pair4 result = { head, _mm256_fmadd_pd(a.head, b.tail, _mm256_fmadd_pd(a.tail, b.head, error)) };
+    pbw__d4 head = pbw__fma(a.head, b.head, pbw__each(0.0));                 /* not to be fused, see there */
+    pbw__d4 error = pbw__fms(a.head, b.head, head);
+    pbw__pair4 result = { head, pbw__fma(a.head, b.tail, pbw__fma(a.tail, b.head, error)) };
     return result;
 }
 
 /* a0 b1 - a1 b0 */
-PBW__AVX2_INLINE pbw__pair4 pbw__cross4(pbw__pair4 a0, pbw__pair4 a1, pbw__pair4 b0, pbw__pair4 b1)
+PBW__SIMD_INLINE pbw__pair4 pbw__cross4(pbw__pair4 a0, pbw__pair4 a1, pbw__pair4 b0, pbw__pair4 b1)
 {
     return pbw__minus4(pbw__times4(a0, b1), pbw__times4(a1, b0));
 }
 
 /* a0 b0 - a1 b1 + a2 b2 */
-PBW__AVX2_INLINE pbw__pair4 pbw__sum4(pbw__pair4 a0, pbw__pair4 b0, pbw__pair4 a1, pbw__pair4 b1, pbw__pair4 a2,
+PBW__SIMD_INLINE pbw__pair4 pbw__sum4(pbw__pair4 a0, pbw__pair4 b0, pbw__pair4 a1, pbw__pair4 b1, pbw__pair4 a2,
                                       pbw__pair4 b2)
 {
     return pbw__plus4(pbw__minus4(pbw__times4(a0, b0), pbw__times4(a1, b1)), pbw__times4(a2, b2));
 }
 
 /* The difference of a and b, zero in masked lanes. */
-PBW__AVX2_INLINE pbw__pair4 pbw__difference4(__m256d a, __m256d b, __m256d mask)
+PBW__SIMD_INLINE pbw__pair4 pbw__difference4(pbw__d4 a, pbw__d4 b, pbw__d4 mask)
 {
-    pbw__pair4 x = { a, _mm256_setzero_pd() }, y = { b, _mm256_setzero_pd() };
+    pbw__pair4 x = { a, pbw__each(0.0) }, y = { b, pbw__each(0.0) };
     x = pbw__minus4(x, y);
-    x.head = _mm256_andnot_pd(mask, x.head);
-    x.tail = _mm256_andnot_pd(mask, x.tail);
+    x.head = pbw__clear(mask, x.head);
+    x.tail = pbw__clear(mask, x.tail);
     return x;
 }
 
-PBW__AVX2_INLINE pbw__pairs4 pbw__pairs4_of(const double *record, const pbw_index *v, const pbw__point3 *p)
+PBW__SIMD_INLINE pbw__pairs4 pbw__pairs4_of(const double *record, const pbw_index *v, const pbw__point3 *p)
 {
-    const __m256d zero = _mm256_setzero_pd();
+    const pbw__d4 zero = pbw__each(0.0);
     const pbw__point3 origin = { zero, zero, zero, zero, 0 };
     pbw__rows3 at = pbw__rows3_of(record, 1, v[0], v[1], v[2], v[3], &origin);
     pbw__pairs4 rows;
@@ -3433,11 +3835,9 @@ PBW__AVX2_INLINE pbw__pairs4 pbw__pairs4_of(const double *record, const pbw_inde
     return rows;
 }
 
-PBW__AVX2_INLINE void pbw__raise_ghost4(pbw__pairs4 *rows, const pbw_index *v, __m256d height)
+PBW__SIMD_INLINE void pbw__raise_ghost4(pbw__pairs4 *rows, const pbw_index *v, pbw__d4 height)
 {
-    __m128i index = _mm_set_epi32((int)v[3], (int)v[2], (int)v[1], (int)v[0]);
-    __m256d ghost = _mm256_castsi256_pd(_mm256_cvtepi32_epi64(_mm_cmpeq_epi32(index, _mm_setzero_si128())));
-    rows->lift.head = _mm256_or_pd(rows->lift.head, _mm256_and_pd(ghost, height));
+    rows->lift.head = pbw__raise(rows->lift.head, pbw__zeros(v[0], v[1], v[2], v[3]), height);
 }
 
 #define PBW__CORNERS4(to, from, corner) \
@@ -3446,19 +3846,19 @@ PBW__AVX2_INLINE void pbw__raise_ghost4(pbw__pairs4 *rows, const pbw_index *v, _
     to.z.head = corner(from.z.head), to.z.tail = corner(from.z.tail), \
     to.lift.head = corner(from.lift.head), to.lift.tail = corner(from.lift.tail)
 
-/* The determinants of pbw__carve3_avx2 in pairs, without weights; v: the corners of a simplex, far: the vertices
+/* The determinants of pbw__carve3_simd in pairs, without weights; v: the corners of a simplex, far: the vertices
    across its facets.  Returns which are certain; *inside: which are positive.
    With K and E of >>predicates: lift 5, 24; minor with a lift 8, 63; cofactor 12, 143, the last one 8, 63; times the
    row of the far vertex 14, 195; sum of 4, one after the other, 17, 288.  So |error| <= 288 u^2 * 24 h^(5/2) <
    8.6e-29 h^(5/2); 9e-29 leaves room for the higher orders and for h.  With h above 1e-20 what underflows is far
    below that; above 4e61 h^5 is infinite. */
-PBW__AVX2 static PBW__NOINLINE unsigned pbw__power4_pairs(const double *record, const pbw_index *v,
+PBW__SIMD static PBW__NOINLINE unsigned pbw__power4_pairs(const double *record, const pbw_index *v,
                                                           const pbw_index *far, const double *p, unsigned *inside)
 {
     const pbw__point3 point = pbw__point3_of(p, 0);
     pbw__pairs4 r = pbw__pairs4_of(record, v, &point), o = pbw__pairs4_of(record, far, &point), a, b, c;
     pbw__pair4 xy, xz, yz, xl, yl, zl, det;
-    __m256d height = pbw__highest(r.height), h = _mm256_max_pd(height, o.height), limit = h * h;
+    pbw__d4 height = pbw__highest(r.height), h = pbw__larger4(height, o.height), limit = h * h;
     pbw__raise_ghost4(&r, v, height);
     pbw__raise_ghost4(&o, far, height);
     PBW__CORNERS4(a, r, PBW__CORNER_A);
@@ -3472,35 +3872,34 @@ PBW__AVX2 static PBW__NOINLINE unsigned pbw__power4_pairs(const double *record, 
     det = pbw__plus4(det, pbw__times4(o.z, pbw__sum4(a.x, yl, a.y, xl, a.lift, xy)));
     det = pbw__minus4(det, pbw__times4(o.lift, pbw__sum4(a.x, yz, a.y, xz, a.z, xy)));
     det.head += det.tail;
-    *inside = (unsigned)_mm256_movemask_pd(det.head) ^ 15u;
-    limit = limit * limit * h * _mm256_set1_pd(9e-29 * 9e-29);
-    return (unsigned)_mm256_movemask_pd(_mm256_and_pd(_mm256_cmp_pd(det.head * det.head, limit, _CMP_GT_OQ),
-                                                      _mm256_cmp_pd(h, _mm256_set1_pd(1e-20), _CMP_GT_OQ)));
+    *inside = pbw__signs(det.head) ^ 15u;
+    limit = limit * limit * h * pbw__each(9e-29 * 9e-29);
+    return pbw__signs(pbw__keep(pbw__above(det.head * det.head, limit), pbw__above(h, pbw__each(1e-20))));
 }
 
-PBW__AVX2_INLINE __m256d pbw__dot4(__m256d x, __m256d y, __m256d z, __m256d u, __m256d v, __m256d w)
+PBW__SIMD_INLINE pbw__d4 pbw__dot4(pbw__d4 x, pbw__d4 y, pbw__d4 z, pbw__d4 u, pbw__d4 v, pbw__d4 w)
 {
-    return _mm256_fmadd_pd(x, u, _mm256_fmadd_pd(y, v, z * w));
+    return pbw__fma(x, u, pbw__fma(y, v, z * w));
 }
 
-/* The verdicts where the determinants of pbw__carve3_avx2 are zero, nothing is rounded and the neighbours are finite:
+/* The verdicts where the determinants of pbw__carve3_simd are zero, nothing is rounded and the neighbours are finite:
    the rule of pbw__conflict in >>predicates.  The coefficients of the lifts are those of the determinant.  Integers
    below EXACT_HEIGHT^(1/2) < 2^10 make one number, which compares as they do one after the other. */
-PBW__AVX2 static PBW__NOINLINE unsigned pbw__ties4(const double *record, const pbw_index *v, const pbw_index *far,
+PBW__SIMD static PBW__NOINLINE unsigned pbw__ties4(const double *record, const pbw_index *v, const pbw_index *far,
                                                    const double *p)
 {
     const pbw__point3 point = pbw__point3_of(p, 0);
-    const __m256d zero = _mm256_setzero_pd(), radix = _mm256_set1_pd(2048.0);
+    const pbw__d4 zero = pbw__each(0.0), radix = pbw__each(2048.0);
     pbw__rows3 r = pbw__rows3_of(record, 1, v[0], v[1], v[2], v[3], &point);
     pbw__rows3 o = pbw__rows3_of(record, 1, far[0], far[1], far[2], far[3], &point);
-    __m256d ax = PBW__CORNER_A(r.x), ay = PBW__CORNER_A(r.y), az = PBW__CORNER_A(r.z);
-    __m256d bx = PBW__CORNER_B(r.x), by = PBW__CORNER_B(r.y), bz = PBW__CORNER_B(r.z);
-    __m256d cx = PBW__CORNER_C(r.x), cy = PBW__CORNER_C(r.y), cz = PBW__CORNER_C(r.z);
-    __m256d x = by * cz - bz * cy, y = bz * cx - bx * cz, z = bx * cy - by * cx;
-    __m256d key[4], coefficient[4], largest = zero, verdict = zero;
+    pbw__d4 ax = PBW__CORNER_A(r.x), ay = PBW__CORNER_A(r.y), az = PBW__CORNER_A(r.z);
+    pbw__d4 bx = PBW__CORNER_B(r.x), by = PBW__CORNER_B(r.y), bz = PBW__CORNER_B(r.z);
+    pbw__d4 cx = PBW__CORNER_C(r.x), cy = PBW__CORNER_C(r.y), cz = PBW__CORNER_C(r.z);
+    pbw__d4 x = by * cz - bz * cy, y = bz * cx - bx * cz, z = bx * cy - by * cx;
+    pbw__d4 key[4], coefficient[4], largest = zero, verdict = zero;
     int i;
-    key[0] = _mm256_fmadd_pd(_mm256_fmadd_pd(r.x, radix, r.y), radix, r.z);
-    key[3] = _mm256_fmadd_pd(_mm256_fmadd_pd(o.x, radix, o.y), radix, o.z);
+    key[0] = pbw__fma(pbw__fma(r.x, radix, r.y), radix, r.z);
+    key[3] = pbw__fma(pbw__fma(o.x, radix, o.y), radix, o.z);
     key[2] = PBW__CORNER_C(key[0]), key[1] = PBW__CORNER_B(key[0]), key[0] = PBW__CORNER_A(key[0]);
     coefficient[0] = pbw__dot4(x, y, z, o.x, o.y, o.z);
     coefficient[3] = zero - pbw__dot4(x, y, z, ax, ay, az);
@@ -3509,17 +3908,16 @@ PBW__AVX2 static PBW__NOINLINE unsigned pbw__ties4(const double *record, const p
     x = ay * bz - az * by, y = az * bx - ax * bz, z = ax * by - ay * bx;
     coefficient[2] = pbw__dot4(x, y, z, o.x, o.y, o.z);
     for (i = 0; i < 4; i++) {
-        __m256d larger = _mm256_and_pd(_mm256_cmp_pd(key[i], largest, _CMP_GT_OQ),
-                                       _mm256_cmp_pd(coefficient[i], zero, _CMP_NEQ_OQ));
-        largest = _mm256_blendv_pd(largest, key[i], larger);
-        verdict = _mm256_blendv_pd(verdict, coefficient[i], larger);
+        pbw__d4 larger = pbw__clear(pbw__equal(coefficient[i], zero), pbw__above(key[i], largest));
+        largest = pbw__select(largest, key[i], larger);
+        verdict = pbw__select(verdict, coefficient[i], larger);
     }
-    return (unsigned)_mm256_movemask_pd(_mm256_cmp_pd(verdict, zero, _CMP_GT_OQ));
+    return pbw__signs(pbw__above(verdict, zero));
 }
 
 /* Neighbours of a simplex of the cavity that the filter left open (bits of `certain` not set): the exact verdicts.
    Those without the bit in `rounded` are ties.  A ghost tied with a finite simplex is in conflict, as that is. */
-PBW__AVX2 static PBW__NOINLINE unsigned pbw__search_exact(pbw__kernel *kernel, const pbw__carved *carved,
+PBW__SIMD static PBW__NOINLINE unsigned pbw__search_exact(pbw__kernel *kernel, const pbw__carved *carved,
                                                           unsigned certain, unsigned inside, unsigned rounded,
                                                           const double *p)
 {
@@ -3538,14 +3936,14 @@ PBW__AVX2 static PBW__NOINLINE unsigned pbw__search_exact(pbw__kernel *kernel, c
     if (tied != 0) {
         inside |= tied & (ghosts | pbw__ties4(kernel->record, v, far, p));
         open &= ~tied;
-        kernel->statistics.exact_tests += (unsigned)__builtin_popcount(tied);
+        kernel->statistics.exact_tests += pbw__count4(tied);
     }
     if ((open & rounded) != 0 && !kernel->weighted) {
         unsigned positive;
         certain = open & rounded & pbw__power4_pairs(kernel->record, v, far, p, &positive);
         inside |= certain & positive;
         open &= ~certain;
-        kernel->statistics.exact_tests += (unsigned)__builtin_popcount(certain);
+        kernel->statistics.exact_tests += pbw__count4(certain);
     }
     for (k = 0; k < 4; k++) {
         if ((open >> k & 1) != 0) {
@@ -3607,7 +4005,7 @@ static pbw_status pbw__carve3_scalar(pbw__kernel *kernel, pbw_index t, const dou
     return PBW_OK;
 }
 
-#ifdef PBW__X86
+#ifdef PBW__SIMD
 /* The rows of the latest simplices of the cavity, and of the vertices across their facets.  Few in tests with small
    shares, which are to meet simplices out of their reach. */
 #ifdef PBW_SMALL_SHARES
@@ -3615,7 +4013,7 @@ static pbw_status pbw__carve3_scalar(pbw__kernel *kernel, pbw_index t, const dou
 #else
 #define PBW__HELD 64
 #endif
-typedef struct pbw__held { __m256d x, y, z, lift, far_x, far_y, far_z, far_lift; } pbw__held;
+typedef struct pbw__held { pbw__d4 x, y, z, lift, far_x, far_y, far_z, far_lift; } pbw__held;
 
 /* By lanes: all bits in lane k, of 64 or 32 bits; the number m in lane k, at 4 * k + m. */
 static const int64_t pbw__lane[4][4] = { { -1, 0, 0, 0 }, { 0, -1, 0, 0 }, { 0, 0, -1, 0 }, { 0, 0, 0, -1 } };
@@ -3628,47 +4026,44 @@ static const int32_t pbw__lane_number[16][4] = {
 
 /* pbw__search_number for the i-th simplex, met through a facet: it has three corners in common with the simplex
    behind that, and the fourth is the far vertex there.  Returns where each corner's row is among that simplex's, with
-   the far one in place of the one across from the facet: for a permutation of halves of doubles. */
-PBW__AVX2_INLINE __m256i pbw__search_inherit(pbw__search *search, size_t i, pbw_index facet, pbw__link link)
+   the far one in place of the one across from the facet. */
+PBW__SIMD_INLINE pbw__order4 pbw__search_inherit(pbw__search *search, size_t i, pbw_index facet, pbw__link link)
 {
     const pbw__carved *parent = search->carved + (facet >> 2);
     pbw__carved *carved = search->carved + i;
     const size_t first = (size_t)(link & ~(pbw__link)3);
-    const __m128i v = PBW__LOAD4(search->corner + first), old = PBW__LOAD4(parent->v);
-    const __m128i is1 = _mm_cmpeq_epi32(v, _mm_shuffle_epi32(old, 0x55));
-    const __m128i is2 = _mm_cmpeq_epi32(v, _mm_shuffle_epi32(old, 0xaa));
-    const __m128i is3 = _mm_cmpeq_epi32(v, _mm_shuffle_epi32(old, 0xff));    /* -1, which is 3 modulo 4 */
-    const __m128i place = _mm_or_si128(_mm_sub_epi32(_mm_add_epi32(is3, _mm_add_epi32(is2, is2)), is1),
-                                       PBW__LOAD4(pbw__lane_number[4 * (link & 3) + (facet & 3)]));
-    __m256i halves = _mm256_cvtepi32_epi64(_mm_add_epi32(place, place));
-    PBW__STORE4(carved->v, v);
+    const pbw__i4 v = pbw__load4(search->corner + first), old = pbw__load4(parent->v);
+    const pbw__i4 is1 = v == PBW__PICK4(old, 1, 1, 1, 1);
+    const pbw__i4 is2 = v == PBW__PICK4(old, 2, 2, 2, 2);
+    const pbw__i4 is3 = v == PBW__PICK4(old, 3, 3, 3, 3);                    /* -1, which is 3 modulo 4 */
+    const pbw__i4 place = ((is3 + (is2 + is2)) - is1) | pbw__load4(pbw__lane_number[4 * (link & 3) + (facet & 3)]);
+    pbw__store4(carved->v, v);
     memcpy(carved->link, search->link + first, sizeof(carved->link));
     if (PBW__LIKELY(search->local_count < PBW__LOCALS)) {
         uint32_t fresh = pbw__local(search->slot, search->stamp, &search->local_count, search->corner[link]);
-        __m128i local = _mm_blendv_epi8(PBW__LOAD4(parent->local), _mm_set1_epi32((int)fresh),
-                                        PBW__LOAD4(pbw__lane4[facet & 3]));
-        PBW__STORE4(carved->local, PBW__PERMUTE4(local, place));
+        pbw__i4 local = pbw__select4(pbw__load4(parent->local), pbw__repeat((int32_t)fresh),
+                                     pbw__load4(pbw__lane4[facet & 3]));
+        pbw__store4(carved->local, pbw__permute4(local, place));
     }
-    halves = _mm256_shuffle_epi32(halves, 0xa0);
-    return _mm256_add_epi32(halves, _mm256_setr_epi32(0, 1, 0, 1, 0, 1, 0, 1));
+    return pbw__order4_of(place);
 }
 
 /* Lanes of a, or of b where `lane` says so, in an order that pbw__search_inherit found. */
-PBW__AVX2_INLINE __m256d pbw__take_over(__m256d a, __m256d b, __m256d lane, __m256i halves)
+PBW__SIMD_INLINE pbw__d4 pbw__take_over(pbw__d4 a, pbw__d4 b, pbw__d4 lane, pbw__order4 order)
 {
-    return _mm256_castps_pd(_mm256_permutevar8x32_ps(_mm256_castpd_ps(_mm256_blendv_pd(a, b, lane)), halves));
+    return pbw__reorder(pbw__select(a, b, lane), order);
 }
 
 /* The same, a facet in each lane. */
-PBW__AVX2_INLINE pbw_status pbw__carve3_avx2(pbw__kernel *kernel, pbw_index t, const double *p, int weighted)
+PBW__SIMD_INLINE pbw_status pbw__carve3_simd(pbw__kernel *kernel, pbw_index t, const double *p, int weighted)
 {
     const pbw__point3 point = pbw__point3_of(p, weighted);
-    const __m256d exact_height = _mm256_set1_pd(kernel->exact_height);
+    const pbw__d4 exact_height = pbw__each(kernel->exact_height);
     const pbw_index *corner = kernel->corner;
     const double *record = kernel->record;
     const int owned = kernel->owner != NULL;
     pbw__held held[PBW__HELD];
-    __m256d heights[PBW__HELD][2];                   /* of weighted rows; else they are the lifts */
+    pbw__d4 heights[PBW__HELD][2];                   /* of weighted rows; else they are the lifts */
     pbw__search search;
     size_t i;
     pbw__search_begin(kernel, &search, t);
@@ -3679,8 +4074,8 @@ PBW__AVX2_INLINE pbw_status pbw__carve3_avx2(pbw__kernel *kernel, pbw_index t, c
         pbw__carved *carved;
         pbw__link link;
         pbw__rows3 r, o;
-        __m256d height, ax, ay, az, al, bx, by, bz, bl, cx, cy, cz, cl, xy, xz, yz, xl, yl, zl, det, h, limit;
-        __m256d rounded;
+        pbw__d4 height, ax, ay, az, al, bx, by, bz, bl, cx, cy, cz, cl, xy, xz, yz, xl, yl, zl, det, h, limit;
+        pbw__d4 rounded;
         unsigned certain, inside;
         if (PBW__UNLIKELY(!pbw__search_room(kernel, &search))) {
             return PBW_ERROR_MEMORY;
@@ -3692,46 +4087,45 @@ PBW__AVX2_INLINE pbw_status pbw__carve3_avx2(pbw__kernel *kernel, pbw_index t, c
             r = pbw__rows3_of(record, 1, carved->v[0], carved->v[1], carved->v[2], carved->v[3], &point);
         } else {
             const pbw__held *from = held + met % PBW__HELD;
-            const __m256d *from_height = heights[met % PBW__HELD];
-            const __m256d lane = _mm256_castsi256_pd(
-                _mm256_loadu_si256((const __m256i *)(const void *)pbw__lane[facet & 3]));
-            const __m256i halves = pbw__search_inherit(&search, i, facet, link);
-            r.x = pbw__take_over(from->x, from->far_x, lane, halves);
-            r.y = pbw__take_over(from->y, from->far_y, lane, halves);
-            r.z = pbw__take_over(from->z, from->far_z, lane, halves);
-            r.lift = pbw__take_over(from->lift, from->far_lift, lane, halves);
-            r.height = weighted ? pbw__take_over(from_height[0], from_height[1], lane, halves) : r.lift;
-            r.ghost = _mm256_setzero_pd();
+            const pbw__d4 *from_height = heights[met % PBW__HELD];
+            const pbw__d4 lane = pbw__mask(pbw__lane[facet & 3]);
+            const pbw__order4 order = pbw__search_inherit(&search, i, facet, link);
+            r.x = pbw__take_over(from->x, from->far_x, lane, order);
+            r.y = pbw__take_over(from->y, from->far_y, lane, order);
+            r.z = pbw__take_over(from->z, from->far_z, lane, order);
+            r.lift = pbw__take_over(from->lift, from->far_lift, lane, order);
+            r.height = weighted ? pbw__take_over(from_height[0], from_height[1], lane, order) : r.lift;
+            r.ghost = pbw__each(0.0);
         }
         o = pbw__rows3_of(record, 1, corner[carved->link[0]], corner[carved->link[1]], corner[carved->link[2]],
                           corner[carved->link[3]], &point);
         height = pbw__highest(r.height);
-        r.lift = _mm256_or_pd(r.lift, _mm256_and_pd(r.ghost, height));
-        o.lift = _mm256_or_pd(o.lift, _mm256_and_pd(o.ghost, height));
+        r.lift = pbw__raise(r.lift, r.ghost, height);
+        o.lift = pbw__raise(o.lift, o.ghost, height);
         here->x = r.x, here->y = r.y, here->z = r.z, here->lift = r.lift;
         here->far_x = o.x, here->far_y = o.y, here->far_z = o.z, here->far_lift = o.lift;
         if (weighted) {
-            heights[i % PBW__HELD][0] = _mm256_or_pd(r.height, _mm256_and_pd(r.ghost, height));
-            heights[i % PBW__HELD][1] = _mm256_or_pd(o.height, _mm256_and_pd(o.ghost, height));
+            heights[i % PBW__HELD][0] = pbw__raise(r.height, r.ghost, height);
+            heights[i % PBW__HELD][1] = pbw__raise(o.height, o.ghost, height);
         }
         ax = PBW__CORNER_A(r.x), ay = PBW__CORNER_A(r.y), az = PBW__CORNER_A(r.z), al = PBW__CORNER_A(r.lift);
         bx = PBW__CORNER_B(r.x), by = PBW__CORNER_B(r.y), bz = PBW__CORNER_B(r.z), bl = PBW__CORNER_B(r.lift);
         cx = PBW__CORNER_C(r.x), cy = PBW__CORNER_C(r.y), cz = PBW__CORNER_C(r.z), cl = PBW__CORNER_C(r.lift);
-        xy = _mm256_fmsub_pd(bx, cy, by * cx), xz = _mm256_fmsub_pd(bx, cz, bz * cx);
-        yz = _mm256_fmsub_pd(by, cz, bz * cy), xl = _mm256_fmsub_pd(bx, cl, bl * cx);
-        yl = _mm256_fmsub_pd(by, cl, bl * cy), zl = _mm256_fmsub_pd(bz, cl, bl * cz);
-        det = o.x * _mm256_fmadd_pd(al, yz, _mm256_fmsub_pd(ay, zl, az * yl));
-        det = _mm256_fnmadd_pd(o.y, _mm256_fmadd_pd(al, xz, _mm256_fmsub_pd(ax, zl, az * xl)), det);
-        det = _mm256_fmadd_pd(o.z, _mm256_fmadd_pd(al, xy, _mm256_fmsub_pd(ax, yl, ay * xl)), det);
-        det = _mm256_fnmadd_pd(o.lift, _mm256_fmadd_pd(az, xy, _mm256_fmsub_pd(ax, yz, ay * xz)), det);
-        h = _mm256_max_pd(_mm256_max_pd(height, o.height), _mm256_set1_pd(1e-55));
+        xy = pbw__det2(bx, by, cx, cy), xz = pbw__det2(bx, bz, cx, cz);
+        yz = pbw__det2(by, bz, cy, cz), xl = pbw__det2(bx, bl, cx, cl);
+        yl = pbw__det2(by, bl, cy, cl), zl = pbw__det2(bz, bl, cz, cl);
+        det = o.x * pbw__fma(al, yz, pbw__det2(ay, az, yl, zl));
+        det = pbw__fnma(o.y, pbw__fma(al, xz, pbw__det2(ax, az, xl, zl)), det);
+        det = pbw__fma(o.z, pbw__fma(al, xy, pbw__det2(ax, ay, xl, yl)), det);
+        det = pbw__fnma(o.lift, pbw__fma(az, xy, pbw__det2(ax, ay, xz, yz)), det);
+        h = pbw__larger4(pbw__larger4(height, o.height), pbw__each(1e-55));
         limit = h * h;
-        rounded = _mm256_cmp_pd(h, exact_height, _CMP_GE_OQ);
-        limit = _mm256_and_pd(rounded, limit * limit * h * _mm256_set1_pd(PBW__SPHERE_ERROR * PBW__SPHERE_ERROR));
-        certain = (unsigned)_mm256_movemask_pd(_mm256_cmp_pd(det * det, limit, _CMP_GT_OQ));
-        inside = (unsigned)_mm256_movemask_pd(det) ^ 15u;
+        rounded = pbw__at_least(h, exact_height);
+        limit = pbw__keep(rounded, limit * limit * h * pbw__each(PBW__SPHERE_ERROR * PBW__SPHERE_ERROR));
+        certain = pbw__signs(pbw__above(det * det, limit));
+        inside = pbw__signs(det) ^ 15u;
         if (PBW__UNLIKELY(certain != 15)) {
-            inside = pbw__search_exact(kernel, carved, certain, inside, (unsigned)_mm256_movemask_pd(rounded), p);
+            inside = pbw__search_exact(kernel, carved, certain, inside, pbw__signs(rounded), p);
         }
         if (PBW__UNLIKELY(owned) && PBW__UNLIKELY(!pbw__owns_all(kernel, carved->v))
             && !pbw__may_delete_all(kernel, carved->link, inside)) {
@@ -3962,18 +4356,18 @@ static PBW__NOINLINE pbw_status pbw__refill3(pbw__kernel *kernel, pbw_index vert
     return PBW_OK;
 }
 
-#if defined(PBW__X86) && !defined(PBW_WIDE)
-PBW__AVX2_INLINE __m128i pbw__facet_lanes(pbw_index facet)
+#if defined(PBW__SIMD) && !defined(PBW_WIDE)
+PBW__SIMD_INLINE pbw__i4 pbw__facet_lanes(pbw_index facet)
 {
     int32_t corners;
     memcpy(&corners, pbw__facet_corners[facet], sizeof(corners));
-    return _mm_cvtepu8_epi32(_mm_cvtsi32_si128(corners));
+    return pbw__widen(corners);
 }
 
 /* The same, a simplex in one vector. */
-PBW__AVX2_INLINE pbw_status pbw__refill3_avx2(pbw__kernel *kernel, pbw_index vertex)
+PBW__SIMD_INLINE pbw_status pbw__refill3_simd(pbw__kernel *kernel, pbw_index vertex)
 {
-    const __m128i new_corner = _mm_set1_epi32((int)vertex);
+    const pbw__i4 new_corner = pbw__repeat((int32_t)vertex);
     pbw__carved *carved = kernel->carved;
     pbw_index *corners = kernel->corner;
     const pbw_index *cavity = kernel->cavity, *from = kernel->from;
@@ -3985,19 +4379,19 @@ PBW__AVX2_INLINE pbw_status pbw__refill3_avx2(pbw__kernel *kernel, pbw_index ver
     }
     for (i = 0; i < count; i++) {
         const pbw__carved *inside = carved + (from[i] >> 2);
-        const __m128i lanes = pbw__facet_lanes(from[i] & 3);
-        const __m128i v = _mm_blend_epi32(PBW__PERMUTE4(PBW__LOAD4(inside->v), lanes), new_corner, 1);
-        const __m128i local = PBW__PERMUTE4(PBW__LOAD4(inside->local), lanes);
-        const __m128i next = _mm_shuffle_epi32(local, 0x78), last = _mm_shuffle_epi32(local, 0x9c);
-        const __m128i there = _mm_add_epi32(_mm_slli_epi32(next, 6), last);
-        uint64_t low = (uint64_t)_mm_cvtsi128_si64(there), high = (uint64_t)_mm_extract_epi64(there, 1);
+        const pbw__i4 lanes = pbw__facet_lanes(from[i] & 3);
+        const pbw__i4 v = pbw__lead(pbw__permute4(pbw__load4(inside->v), lanes), new_corner);
+        const pbw__i4 local = pbw__permute4(pbw__load4(inside->local), lanes);
+        const pbw__i4 next = PBW__PICK4(local, 0, 2, 3, 1), last = PBW__PICK4(local, 0, 3, 1, 2);
+        const pbw__i4 there = (next << 6) + last;
+        uint64_t low = pbw__lanes01(there), high = pbw__lanes23(there);
         pbw_index slot = cavity[i];
         pbw__link base = slot * 4, beyond = inside->link[from[i] & 3];
         PBW__STORE(mark + slot, 0);
-        PBW__STORE4(corners + base, v);
+        pbw__store4(corners + base, v);
         links[base] = beyond;
         links[beyond] = base;
-        PBW__STORE4(kernel->back + 4 * i, _mm_add_epi32(_mm_slli_epi32(last, 6), next));
+        pbw__store4(kernel->back + 4 * i, (last << 6) + next);
         edge[low >> 32] = base + 1;
         edge[(uint32_t)high] = base + 2;
         edge[high >> 32] = base + 3;
@@ -4012,7 +4406,7 @@ PBW__AVX2_INLINE pbw_status pbw__refill3_avx2(pbw__kernel *kernel, pbw_index ver
     return PBW_OK;
 }
 #else
-#define pbw__refill3_avx2 pbw__refill3
+#define pbw__refill3_simd pbw__refill3
 #endif
 
 /* Where the walk to a vertex starts. */
@@ -4048,28 +4442,28 @@ static pbw_status pbw__insert3_scalar(pbw__kernel *kernel, pbw_index vertex)
     return status == PBW_OK ? pbw__refill3(kernel, vertex) : status;
 }
 
-#ifdef PBW__X86
-PBW__AVX2_INLINE pbw_status pbw__insert3_with(pbw__kernel *kernel, pbw_index vertex, int weighted)
+#ifdef PBW__SIMD
+PBW__SIMD_INLINE pbw_status pbw__insert3_with(pbw__kernel *kernel, pbw_index vertex, int weighted)
 {
     const double *p = pbw__record3(kernel, vertex);
     pbw_index t = pbw__insert_start(kernel, vertex);
     pbw_status status;
-    t = t != PBW__FOREIGN ? pbw__locate3_avx2(kernel, t, p, weighted) : t;
+    t = t != PBW__FOREIGN ? pbw__locate3_simd(kernel, t, p, weighted) : t;
     status = pbw__located(kernel, t);
     if (PBW__UNLIKELY(t == PBW_NONE) || PBW__UNLIKELY(status != PBW_OK)) {
         return status;                               /* hidden, or not ours */
     }
-    status = pbw__carve3_avx2(kernel, t, p, weighted);
+    status = pbw__carve3_simd(kernel, t, p, weighted);
     status = PBW__LIKELY(status == PBW_OK) ? pbw__take_slots(kernel) : status;
-    return PBW__LIKELY(status == PBW_OK) ? pbw__refill3_avx2(kernel, vertex) : status;
+    return PBW__LIKELY(status == PBW_OK) ? pbw__refill3_simd(kernel, vertex) : status;
 }
 
-PBW__AVX2 static pbw_status pbw__insert3_avx2(pbw__kernel *kernel, pbw_index vertex)
+PBW__SIMD static pbw_status pbw__insert3_simd(pbw__kernel *kernel, pbw_index vertex)
 {
     return pbw__insert3_with(kernel, vertex, 0);
 }
 
-PBW__AVX2 static pbw_status pbw__insert3_weighted_avx2(pbw__kernel *kernel, pbw_index vertex)
+PBW__SIMD static pbw_status pbw__insert3_weighted_simd(pbw__kernel *kernel, pbw_index vertex)
 {
     return pbw__insert3_with(kernel, vertex, 1);
 }
@@ -4203,7 +4597,7 @@ static pbw_status pbw__insert2_scalar(pbw__kernel *kernel, pbw_index vertex)
     return status == PBW_OK ? pbw__refill2(kernel, vertex) : status;
 }
 
-#ifdef PBW__X86
+#ifdef PBW__SIMD
 /* 2D, where no vertex becomes hidden: then all vertices of the cavity lie on its boundary, and no triangle is met
    twice: there is nothing to mark.  The boundary is kept as a ring.  Edge i goes from start to end, counter-clockwise
    seen from inside; beyond is the link across it.  When the triangle there joins the cavity, two edges take the place
@@ -4226,26 +4620,26 @@ typedef struct pbw__ring {
 
 /* Which of four triangles (o, e, s), met across the edges s e, are in conflict; in `certain` the lanes for which that
    is known.  Also the determinants and what bounds the heights. */
-PBW__AVX2_INLINE unsigned pbw__test2_avx2(pbw__rows2 s, pbw__rows2 e, pbw__rows2 o, int hull, __m256d *det,
-                                          __m256d *height, unsigned *certain)
+PBW__SIMD_INLINE unsigned pbw__test2_simd(pbw__rows2 s, pbw__rows2 e, pbw__rows2 o, int hull, pbw__d4 *det,
+                                          pbw__d4 *height, unsigned *certain)
 {
-    __m256d h = _mm256_max_pd(_mm256_max_pd(s.height, e.height), o.height), size;
-    h = _mm256_max_pd(h, _mm256_set1_pd(1e-140));
+    pbw__d4 h = pbw__larger4(pbw__larger4(s.height, e.height), o.height), size;
+    h = pbw__larger4(h, pbw__each(1e-140));
     if (hull) {
-        s.lift = _mm256_or_pd(s.lift, _mm256_and_pd(s.ghost, h));
-        e.lift = _mm256_or_pd(e.lift, _mm256_and_pd(e.ghost, h));
-        o.lift = _mm256_or_pd(o.lift, _mm256_and_pd(o.ghost, h));
+        s.lift = pbw__raise(s.lift, s.ghost, h);
+        e.lift = pbw__raise(e.lift, e.ghost, h);
+        o.lift = pbw__raise(o.lift, o.ghost, h);
     }
-    *det = o.y * _mm256_fmsub_pd(e.lift, s.x, s.lift * e.x);
-    *det = _mm256_fmadd_pd(o.x, _mm256_fmsub_pd(s.lift, e.y, e.lift * s.y), *det);
-    *det = _mm256_fnmadd_pd(o.lift, _mm256_fmsub_pd(s.x, e.y, s.y * e.x), *det);
+    *det = o.y * pbw__det2(e.lift, s.lift, e.x, s.x);
+    *det = pbw__fma(o.x, pbw__det2(s.lift, e.lift, s.y, e.y), *det);
+    *det = pbw__fnma(o.lift, pbw__det2(s.x, s.y, e.x, e.y), *det);
     *height = h;
-    size = _mm256_andnot_pd(_mm256_set1_pd(-0.0), *det);
-    *certain = (unsigned)_mm256_movemask_pd(_mm256_cmp_pd(size, pbw__circle_limit(h), _CMP_GT_OQ));
-    return (unsigned)_mm256_movemask_pd(*det) ^ 15u;
+    size = pbw__size4(*det);
+    *certain = pbw__signs(pbw__above(size, pbw__circle_limit(h)));
+    return pbw__signs(*det) ^ 15u;
 }
 
-/* The lanes that pbw__test2_avx2 left open and that can be settled here; their verdicts in *inside.
+/* The lanes that pbw__test2_simd left open and that can be settled here; their verdicts in *inside.
 
    A bound that takes longer: the sum of the absolute products, which is far below 6 h^2 where only some of the
    vertices are far from the point, as in the thin triangles of points on a curve.  13u times that is less than
@@ -4254,99 +4648,97 @@ PBW__AVX2_INLINE unsigned pbw__test2_avx2(pbw__rows2 s, pbw__rows2 e, pbw__rows2
 
    Where nothing is rounded, the sign is the sign, and the rule of pbw__conflict in >>predicates breaks ties between
    finite vertices.  The coefficients of the lifts are those of the determinant. */
-PBW__AVX2 static PBW__NOINLINE unsigned pbw__settle2_rows(pbw__kernel *kernel, const pbw__rows2 *s,
+PBW__SIMD static PBW__NOINLINE unsigned pbw__settle2_rows(pbw__kernel *kernel, const pbw__rows2 *s,
                                                           const pbw__rows2 *e, const pbw__rows2 *o, int hull,
-                                                          __m256d det, __m256d h, unsigned open, unsigned *inside)
+                                                          pbw__d4 det, pbw__d4 h, unsigned open, unsigned *inside)
 {
-    const __m256d sign = _mm256_set1_pd(-0.0), zero = _mm256_setzero_pd();
+    const pbw__d4 sign = pbw__each(-0.0), zero = pbw__each(0.0);
     const pbw__rows2 *corner[3];
-    __m256d exact = _mm256_cmp_pd(h, _mm256_set1_pd(kernel->exact_height), _CMP_LT_OQ), side[3], x = zero, y = zero;
-    __m256d verdict = zero, tied = _mm256_and_pd(exact, _mm256_cmp_pd(det, zero, _CMP_EQ_OQ));
-    unsigned settled = (unsigned)_mm256_movemask_pd(_mm256_andnot_pd(tied, exact)) & open, ties;
+    pbw__d4 exact = pbw__above(pbw__each(kernel->exact_height), h), side[3], x = zero, y = zero;
+    pbw__d4 verdict = zero, tied = pbw__keep(exact, pbw__equal(det, zero));
+    unsigned settled = pbw__signs(pbw__clear(tied, exact)) & open, ties;
     int i;
-    if ((open & ~(unsigned)_mm256_movemask_pd(exact)) != 0) {
-        __m256d sx = _mm256_andnot_pd(sign, s->x), ex = _mm256_andnot_pd(sign, e->x), sh = s->height, sum;
-        __m256d sy = _mm256_andnot_pd(sign, s->y), ey = _mm256_andnot_pd(sign, e->y), eh = e->height, oh = o->height;
+    if ((open & ~pbw__signs(exact)) != 0) {
+        pbw__d4 sx = pbw__clear(sign, s->x), ex = pbw__clear(sign, e->x), sh = s->height, sum;
+        pbw__d4 sy = pbw__clear(sign, s->y), ey = pbw__clear(sign, e->y), eh = e->height, oh = o->height;
         if (hull) {
-            sh = _mm256_or_pd(sh, _mm256_and_pd(s->ghost, h));
-            eh = _mm256_or_pd(eh, _mm256_and_pd(e->ghost, h));
-            oh = _mm256_or_pd(oh, _mm256_and_pd(o->ghost, h));
+            sh = pbw__raise(sh, s->ghost, h);
+            eh = pbw__raise(eh, e->ghost, h);
+            oh = pbw__raise(oh, o->ghost, h);
         }
-        sum = _mm256_andnot_pd(sign, o->y) * _mm256_fmadd_pd(eh, sx, sh * ex);
-        sum = _mm256_fmadd_pd(_mm256_andnot_pd(sign, o->x), _mm256_fmadd_pd(sh, ey, eh * sy), sum);
-        sum = _mm256_fmadd_pd(oh, _mm256_fmadd_pd(sx, ey, sy * ex), sum) * _mm256_set1_pd(8.0);
-        sum = _mm256_fmadd_pd(sum, _mm256_set1_pd(1.5e-15 / 8.0),
-                              _mm256_fmadd_pd(h, _mm256_set1_pd(1e-300), _mm256_set1_pd(1e-300)));
-        settled |= open & (unsigned)_mm256_movemask_pd(_mm256_cmp_pd(_mm256_andnot_pd(sign, det), sum, _CMP_GT_OQ));
+        sum = pbw__clear(sign, o->y) * pbw__fma(eh, sx, sh * ex);
+        sum = pbw__fma(pbw__clear(sign, o->x), pbw__fma(sh, ey, eh * sy), sum);
+        sum = pbw__fma(oh, pbw__fma(sx, ey, sy * ex), sum) * pbw__each(8.0);
+        sum = pbw__fma(sum, pbw__each(1.5e-15 / 8.0), pbw__fma(h, pbw__each(1e-300), pbw__each(1e-300)));
+        settled |= open & pbw__signs(pbw__above(pbw__clear(sign, det), sum));
     }
     if (hull) {
-        tied = _mm256_andnot_pd(_mm256_or_pd(_mm256_or_pd(s->ghost, e->ghost), o->ghost), tied);
+        tied = pbw__clear(pbw__either(pbw__either(s->ghost, e->ghost), o->ghost), tied);
     }
-    ties = (unsigned)_mm256_movemask_pd(tied) & open;
+    ties = pbw__signs(tied) & open;
     if (ties == 0) {
         return settled;
     }
     corner[0] = s, corner[1] = e, corner[2] = o;
-    side[0] = _mm256_fmsub_pd(o->x, e->y, o->y * e->x);
-    side[1] = _mm256_fmsub_pd(s->x, o->y, s->y * o->x);
-    side[2] = _mm256_fmsub_pd(e->x, s->y, e->y * s->x);
+    side[0] = pbw__det2(o->x, o->y, e->x, e->y);
+    side[1] = pbw__det2(s->x, s->y, o->x, o->y);
+    side[2] = pbw__det2(e->x, e->y, s->x, s->y);
     for (i = 0; i < 3; i++) {                        /* the lexicographically largest, if it is larger than p */
-        const __m256d vx = corner[i]->x, vy = corner[i]->y;
-        __m256d larger = _mm256_and_pd(_mm256_cmp_pd(vx, x, _CMP_EQ_OQ), _mm256_cmp_pd(vy, y, _CMP_GT_OQ));
-        larger = _mm256_or_pd(larger, _mm256_cmp_pd(vx, x, _CMP_GT_OQ));
-        larger = _mm256_and_pd(larger, _mm256_cmp_pd(side[i], zero, _CMP_NEQ_OQ));
-        x = _mm256_blendv_pd(x, vx, larger);
-        y = _mm256_blendv_pd(y, vy, larger);
-        verdict = _mm256_blendv_pd(verdict, _mm256_cmp_pd(side[i], zero, _CMP_GT_OQ), larger);
+        const pbw__d4 vx = corner[i]->x, vy = corner[i]->y;
+        pbw__d4 larger = pbw__keep(pbw__equal(vx, x), pbw__above(vy, y));
+        larger = pbw__either(larger, pbw__above(vx, x));
+        larger = pbw__clear(pbw__equal(side[i], zero), larger);
+        x = pbw__select(x, vx, larger);
+        y = pbw__select(y, vy, larger);
+        verdict = pbw__select(verdict, pbw__above(side[i], zero), larger);
     }
-    *inside = (*inside & ~ties) | ((unsigned)_mm256_movemask_pd(verdict) & ties);
-    kernel->statistics.exact_tests += (unsigned)__builtin_popcount(ties);
+    *inside = (*inside & ~ties) | (pbw__signs(verdict) & ties);
+    kernel->statistics.exact_tests += pbw__count4(ties);
     return settled | ties;
 }
 
-typedef struct pbw__pairs2 { pbw__pair4 x, y, lift; __m256d ghost; } pbw__pairs2;
+typedef struct pbw__pairs2 { pbw__pair4 x, y, lift; pbw__d4 ghost; } pbw__pairs2;
 
-PBW__AVX2_INLINE pbw__pairs2 pbw__pairs2_of(const double *record, const pbw_index *v, const double *p)
+PBW__SIMD_INLINE pbw__pairs2 pbw__pairs2_of(const double *record, const pbw_index *v, const double *p)
 {
     static const double zero[3] = { 0.0, 0.0, 0.0 };
     pbw__rows2 at = pbw__rows2_of(record, 1, v[0], v[1], v[2], v[3], pbw__point2_of(zero, 0));
     pbw__pairs2 rows;
     rows.ghost = at.ghost;
-    rows.x = pbw__difference4(at.x, _mm256_set1_pd(p[0]), at.ghost);
-    rows.y = pbw__difference4(at.y, _mm256_set1_pd(p[1]), at.ghost);
+    rows.x = pbw__difference4(at.x, pbw__each(p[0]), at.ghost);
+    rows.y = pbw__difference4(at.y, pbw__each(p[1]), at.ghost);
     rows.lift = pbw__plus4(pbw__times4(rows.x, rows.x), pbw__times4(rows.y, rows.y));
     return rows;
 }
 
-/* The determinants of pbw__test2_avx2 in pairs, without weights.  Returns which are certain; *inside: which are
+/* The determinants of pbw__test2_simd in pairs, without weights.  Returns which are certain; *inside: which are
    positive.
    With K and E of >>predicates: lift 4, 15; cross 4, 15, with a lift 7, 48; times the row of the far vertex 9, 80 and
    9, 71; sum of 3, one after the other, 11, 120.  So |error| <= 120 u^2 * 6 h^2 < 8.9e-30 h^2; 9e-30 leaves room for
    the higher orders and for h.  With h above 1e-20 what underflows is far below that; above 1e154 h^2 is infinite. */
-PBW__AVX2 static PBW__NOINLINE unsigned pbw__circle4_pairs(const double *record, const pbw_index *start,
+PBW__SIMD static PBW__NOINLINE unsigned pbw__circle4_pairs(const double *record, const pbw_index *start,
                                                            const pbw_index *end, const pbw_index *far,
                                                            const double *p, unsigned *inside)
 {
     pbw__pairs2 s = pbw__pairs2_of(record, start, p), e = pbw__pairs2_of(record, end, p);
     pbw__pairs2 o = pbw__pairs2_of(record, far, p);
-    __m256d h = _mm256_max_pd(_mm256_max_pd(s.lift.head, e.lift.head), o.lift.head), size;
+    pbw__d4 h = pbw__larger4(pbw__larger4(s.lift.head, e.lift.head), o.lift.head), size;
     pbw__pair4 det;
-    s.lift.head = _mm256_or_pd(s.lift.head, _mm256_and_pd(s.ghost, h));
-    e.lift.head = _mm256_or_pd(e.lift.head, _mm256_and_pd(e.ghost, h));
-    o.lift.head = _mm256_or_pd(o.lift.head, _mm256_and_pd(o.ghost, h));
+    s.lift.head = pbw__raise(s.lift.head, s.ghost, h);
+    e.lift.head = pbw__raise(e.lift.head, e.ghost, h);
+    o.lift.head = pbw__raise(o.lift.head, o.ghost, h);
     det = pbw__sum4(o.x, pbw__cross4(s.lift, s.y, e.lift, e.y), o.y, pbw__cross4(s.lift, s.x, e.lift, e.x),
                     o.lift, pbw__cross4(e.x, e.y, s.x, s.y));
     det.head += det.tail;
-    *inside = (unsigned)_mm256_movemask_pd(det.head) ^ 15u;
-    size = _mm256_andnot_pd(_mm256_set1_pd(-0.0), det.head);
-    return (unsigned)_mm256_movemask_pd(_mm256_and_pd(_mm256_cmp_pd(size, h * h * _mm256_set1_pd(9e-30), _CMP_GT_OQ),
-                                                      _mm256_cmp_pd(h, _mm256_set1_pd(1e-20), _CMP_GT_OQ)));
+    *inside = pbw__signs(det.head) ^ 15u;
+    size = pbw__size4(det.head);
+    return pbw__signs(pbw__keep(pbw__above(size, h * h * pbw__each(9e-30)), pbw__above(h, pbw__each(1e-20))));
 }
 
 /* The same with copies of what it looks at, so that the compiler need not keep that in memory for those who have no
    such lanes. */
-PBW__AVX2_INLINE unsigned pbw__settle2(pbw__kernel *kernel, pbw__rows2 s, pbw__rows2 e, pbw__rows2 o, int hull,
-                                       __m256d det, __m256d height, unsigned open, unsigned *inside)
+PBW__SIMD_INLINE unsigned pbw__settle2(pbw__kernel *kernel, pbw__rows2 s, pbw__rows2 e, pbw__rows2 o, int hull,
+                                       pbw__d4 det, pbw__d4 height, unsigned open, unsigned *inside)
 {
     unsigned verdicts = *inside;
     open = pbw__settle2_rows(kernel, &s, &e, &o, hull, det, height, open, &verdicts);
@@ -4382,7 +4774,7 @@ static PBW__NOINLINE unsigned pbw__ring_exact(pbw__kernel *kernel, const pbw__ri
 
 /* The triangles beyond these of the next edges in the queue join the cavity.  PBW_ERROR_TOO_LARGE: with weights, a
    vertex was met again, and may become hidden. */
-PBW__AVX2_INLINE pbw_status pbw__ring_split(pbw__kernel *kernel, pbw__ring *ring, unsigned head,
+PBW__SIMD_INLINE pbw_status pbw__ring_split(pbw__kernel *kernel, pbw__ring *ring, unsigned head,
                                             unsigned inside, int weighted)
 {
     const pbw_index *corner = kernel->corner;
@@ -4423,13 +4815,13 @@ PBW__AVX2_INLINE pbw_status pbw__ring_split(pbw__kernel *kernel, pbw__ring *ring
 
 /* Tests the next edges of the queue, of rows s and e, with the far vertices o; those in `outside` are known not to be
    in conflict.  PBW_ERROR_TOO_LARGE: they may not fit the ring. */
-PBW__AVX2_INLINE pbw_status pbw__ring_step(pbw__kernel *kernel, pbw__ring *ring, unsigned head, unsigned outside,
+PBW__SIMD_INLINE pbw_status pbw__ring_step(pbw__kernel *kernel, pbw__ring *ring, unsigned head, unsigned outside,
                                            int hull, int weighted, pbw__rows2 s, pbw__rows2 e, pbw__rows2 o,
                                            const double *p)
 {
-    __m256d det, height;
-    unsigned certain, inside = pbw__test2_avx2(s, e, o, hull, &det, &height, &certain);
-    unsigned all = _bzhi_u32(15, ring->tail - head) & ~outside;
+    pbw__d4 det, height;
+    unsigned certain, inside = pbw__test2_simd(s, e, o, hull, &det, &height, &certain);
+    unsigned all = pbw__first_lanes(ring->tail - head) & ~outside;
     inside &= all;
     if (PBW__UNLIKELY((certain & all) != all)) {
         certain |= pbw__settle2(kernel, s, e, o, hull, det, height, all & ~certain, &inside);
@@ -4446,7 +4838,7 @@ PBW__AVX2_INLINE pbw_status pbw__ring_step(pbw__kernel *kernel, pbw__ring *ring,
 /* Tests the first three edges, and at the same time the six that would take their places: waiting for the verdicts
    costs more.  Returns how many edges of the queue are done with: none if it is not as simple as that.  Only without
    weights, and where all vertices are ours, as we may look at triangles that we do not delete. */
-PBW__AVX2_INLINE unsigned pbw__ring_start(pbw__kernel *kernel, pbw__ring *ring, const pbw__link *beyond,
+PBW__SIMD_INLINE unsigned pbw__ring_start(pbw__kernel *kernel, pbw__ring *ring, const pbw__link *beyond,
                                           const pbw__rows2 *s, const pbw__rows2 *e, const pbw__rows2 *o,
                                           pbw__point2 point)
 {
@@ -4457,10 +4849,10 @@ PBW__AVX2_INLINE unsigned pbw__ring_start(pbw__kernel *kernel, pbw__ring *ring, 
               b1 = corner[link[PBW__BEFORE(beyond[1])]], b2 = corner[link[PBW__BEFORE(beyond[2])]];
     pbw__rows2 far_after = pbw__rows2_of(kernel->record, 0, a0, a1, a2, a0, point);
     pbw__rows2 far_before = pbw__rows2_of(kernel->record, 0, b0, b1, b2, b0, point);
-    __m256d det, height;
-    unsigned certain[3], inside = pbw__test2_avx2(*s, *e, *o, 0, &det, &height, &certain[0]) & 7;
-    unsigned after = pbw__test2_avx2(*s, *o, far_after, 0, &det, &height, &certain[1]);
-    unsigned before = pbw__test2_avx2(*o, *e, far_before, 0, &det, &height, &certain[2]), done;
+    pbw__d4 det, height;
+    unsigned certain[3], inside = pbw__test2_simd(*s, *e, *o, 0, &det, &height, &certain[0]) & 7;
+    unsigned after = pbw__test2_simd(*s, *o, far_after, 0, &det, &height, &certain[1]);
+    unsigned before = pbw__test2_simd(*o, *e, far_before, 0, &det, &height, &certain[2]), done;
     if (PBW__UNLIKELY((certain[0] & certain[1] & certain[2]) != 15)
         || PBW__UNLIKELY(a0 == PBW__GHOST || a1 == PBW__GHOST || a2 == PBW__GHOST || b0 == PBW__GHOST
                          || b1 == PBW__GHOST || b2 == PBW__GHOST)) {
@@ -4468,13 +4860,12 @@ PBW__AVX2_INLINE unsigned pbw__ring_start(pbw__kernel *kernel, pbw__ring *ring, 
     }
     (void)pbw__ring_split(kernel, ring, 0, inside, 0);
     done = ring->tail;
-    after = _pdep_u32(after, 0x15) | _pdep_u32(before, 0x2a);    /* in pairs, and of those the pairs in the queue */
-    (void)pbw__ring_split(kernel, ring, 3, _pext_u32(after, 3 * _pdep_u32(inside, 0x15)), 0);
+    (void)pbw__ring_split(kernel, ring, 3, pbw__pairs_of(after, before, inside), 0);     /* those in the queue */
     return done;
 }
 
 /* The same for the one edge of the hull that has the point beyond it, and the two of the triangle behind it. */
-PBW__AVX2_INLINE unsigned pbw__ring_start_beyond(pbw__kernel *kernel, pbw__ring *ring, pbw__point2 point)
+PBW__SIMD_INLINE unsigned pbw__ring_start_beyond(pbw__kernel *kernel, pbw__ring *ring, pbw__point2 point)
 {
     const pbw_index *corner = kernel->corner;
     const pbw__link *link = kernel->link, beyond = ring->beyond[2];
@@ -4483,9 +4874,9 @@ PBW__AVX2_INLINE unsigned pbw__ring_start_beyond(pbw__kernel *kernel, pbw__ring 
     pbw__rows2 s = pbw__rows2_of(kernel->record, 0, start, start, far, start, point);
     pbw__rows2 e = pbw__rows2_of(kernel->record, 0, end, far, end, end, point);
     pbw__rows2 o = pbw__rows2_of(kernel->record, 0, far, after, before, far, point);
-    __m256d det, height;
+    pbw__d4 det, height;
     unsigned outside = (unsigned)(after == PBW__GHOST) << 1 | (unsigned)(before == PBW__GHOST) << 2;
-    unsigned certain, inside = pbw__test2_avx2(s, e, o, 0, &det, &height, &certain) & ~outside;
+    unsigned certain, inside = pbw__test2_simd(s, e, o, 0, &det, &height, &certain) & ~outside;
     certain |= outside;
     if (certain != 15 && (certain | pbw__settle2(kernel, s, e, o, 0, det, height, certain ^ 15, &inside)) != 15) {
         return 0;
@@ -4516,7 +4907,7 @@ PBW__INLINE int pbw__is_only_ghost(const pbw__kernel *kernel, pbw_index t, const
 
 /* Finds the cavity of p from t, a triangle in conflict, with these rows if it is finite.  PBW_ERROR_TOO_LARGE: it may
    not fit the ring, or, if there should be no hull, it may have one. */
-PBW__AVX2_INLINE pbw_status pbw__carve2_avx2(pbw__kernel *kernel, pbw__ring *ring, pbw_index t,
+PBW__SIMD_INLINE pbw_status pbw__carve2_simd(pbw__kernel *kernel, pbw__ring *ring, pbw_index t,
                                              const pbw__rows2 *rows, const double *p, int hull, int weighted)
 {
     const pbw_index *corner = kernel->corner, *v = corner + 4 * (size_t)t;
@@ -4594,16 +4985,16 @@ PBW__AVX2_INLINE pbw_status pbw__carve2_avx2(pbw__kernel *kernel, pbw__ring *rin
 
 /* The star, in the slots of the cavity and two more; pbw__refill2 has the numbers of the corners.  The next walk is
    to start in the triangle towards the next vertex, by a guess: as far along the curve as this from the last. */
-PBW__AVX2_INLINE void pbw__refill2_avx2(pbw__kernel *kernel, pbw__ring *ring, pbw_index vertex, int hull)
+PBW__SIMD_INLINE void pbw__refill2_simd(pbw__kernel *kernel, pbw__ring *ring, pbw_index vertex, int hull)
 {
     pbw_index *corner = kernel->corner;
     pbw__link *link = kernel->link;
     const double *record = kernel->record;
     unsigned count = ring->count, i;
     pbw_index guess = 2 * vertex - kernel->previous, last = ring->slot[0];
-    const __m128d p = _mm_loadu_pd(record + 3 * (size_t)vertex);
-    __m128d normal = _mm_loadu_pd(record + 3 * (size_t)(guess <= kernel->vertex_count ? guess : vertex)) - p;
-    normal = _mm_xor_pd(_mm_shuffle_pd(normal, normal, 1), _mm_set_pd(-0.0, 0.0));
+    const pbw__d2 p = pbw__load2(record + 3 * (size_t)vertex);
+    pbw__d2 normal = pbw__load2(record + 3 * (size_t)(guess <= kernel->vertex_count ? guess : vertex)) - p;
+    normal = pbw__turn_right(normal);
     kernel->previous = vertex;
     ring->slot[count - 2] = (pbw_index)kernel->fresh;
     ring->slot[count - 1] = (pbw_index)kernel->fresh + 1;
@@ -4616,7 +5007,6 @@ PBW__AVX2_INLINE void pbw__refill2_avx2(pbw__kernel *kernel, pbw__ring *ring, pb
         pbw_index start = ring->start[i], end = ring->end[i];
         unsigned turn = hull && start == PBW__GHOST, from = 1 + turn, to = 2 - 2 * turn;
         unsigned after_to = hull && end == PBW__GHOST ? 0 : 2, between;
-        __m128d sides;
         corner[base + turn] = vertex;
         corner[base + from] = start;
         corner[base + to] = end;
@@ -4624,9 +5014,8 @@ PBW__AVX2_INLINE void pbw__refill2_avx2(pbw__kernel *kernel, pbw__ring *ring, pb
         link[base + from] = after | after_to;
         link[after + after_to] = base | from;
         link[ring->beyond[i]] = base | turn;
-        sides = _mm_hadd_pd((_mm_loadu_pd(record + 3 * (size_t)start) - p) * normal,
-                            (_mm_loadu_pd(record + 3 * (size_t)end) - p) * normal);
-        between = (unsigned)_mm_movemask_pd(sides);
+        between = pbw__signs2((pbw__load2(record + 3 * (size_t)start) - p) * normal,
+                              (pbw__load2(record + 3 * (size_t)end) - p) * normal);
         if (hull) {                                  /* the ghost is at the end of each turn */
             between &= start == PBW__GHOST ? 2u : 3u;
             between |= end == PBW__GHOST ? 2u : 0u;
@@ -4641,7 +5030,7 @@ PBW__AVX2_INLINE void pbw__refill2_avx2(pbw__kernel *kernel, pbw__ring *ring, pb
 }
 
 /* The same insertion where ghosts are met, or where it does not fit the ring, which has got as far as this. */
-PBW__AVX2 static PBW__NOINLINE pbw_status pbw__hull2_avx2(pbw__kernel *kernel, pbw__ring *ring, pbw_index t,
+PBW__SIMD static PBW__NOINLINE pbw_status pbw__hull2_simd(pbw__kernel *kernel, pbw__ring *ring, pbw_index t,
                                                            pbw_index vertex)
 {
     const double *p = pbw__record2(kernel, vertex);
@@ -4656,27 +5045,27 @@ PBW__AVX2 static PBW__NOINLINE pbw_status pbw__hull2_avx2(pbw__kernel *kernel, p
         }
     }
     status = ghost != PBW_NONE && pbw__is_only_ghost(kernel, ghost, p)
-           ? pbw__carve2_avx2(kernel, ring, ghost, NULL, p, PBW__ONE_GHOST, kernel->weighted)
-           : pbw__carve2_avx2(kernel, ring, t, NULL, p, PBW__ANY_GHOSTS, kernel->weighted);
+           ? pbw__carve2_simd(kernel, ring, ghost, NULL, p, PBW__ONE_GHOST, kernel->weighted)
+           : pbw__carve2_simd(kernel, ring, t, NULL, p, PBW__ANY_GHOSTS, kernel->weighted);
     if (status == PBW_ERROR_TOO_LARGE || kernel->fresh_end - kernel->fresh < 2) {
         status = pbw__carve2(kernel, t, p);
         return status == PBW_OK ? pbw__refill2(kernel, vertex) : status;
     }
     if (status == PBW_OK) {
-        pbw__refill2_avx2(kernel, ring, vertex, 1);
+        pbw__refill2_simd(kernel, ring, vertex, 1);
     }
     return status;
 }
 
-PBW__AVX2_INLINE pbw_status pbw__insert2_with(pbw__kernel *kernel, pbw_index vertex, int weighted)
+PBW__SIMD_INLINE pbw_status pbw__insert2_with(pbw__kernel *kernel, pbw_index vertex, int weighted)
 {
     const double *p = pbw__record2(kernel, vertex);
     pbw_index t = pbw__insert_start(kernel, vertex);
     pbw__ring ring;
     pbw__rows2 rows;
     pbw_status status;
-    rows.x = rows.y = rows.lift = rows.height = rows.ghost = _mm256_setzero_pd();
-    t = t != PBW__FOREIGN ? pbw__locate2_avx2(kernel, t, p, weighted, &rows) : t;
+    rows.x = rows.y = rows.lift = rows.height = rows.ghost = pbw__each(0.0);
+    t = t != PBW__FOREIGN ? pbw__locate2_simd(kernel, t, p, weighted, &rows) : t;
     status = pbw__located(kernel, t);
     if (PBW__UNLIKELY(t == PBW_NONE) || PBW__UNLIKELY(status != PBW_OK)) {
         return status;                               /* hidden, or not ours */
@@ -4684,22 +5073,22 @@ PBW__AVX2_INLINE pbw_status pbw__insert2_with(pbw__kernel *kernel, pbw_index ver
     if (PBW__UNLIKELY(kernel->corner[4 * (size_t)t + 2] == PBW__GHOST)
         || PBW__UNLIKELY(kernel->fresh_end - kernel->fresh < 2)) {
         ring.count = 0;
-        return pbw__hull2_avx2(kernel, &ring, t, vertex);
+        return pbw__hull2_simd(kernel, &ring, t, vertex);
     }
-    status = pbw__carve2_avx2(kernel, &ring, t, &rows, p, PBW__INNER, weighted);
+    status = pbw__carve2_simd(kernel, &ring, t, &rows, p, PBW__INNER, weighted);
     if (PBW__UNLIKELY(status != PBW_OK)) {
-        return status == PBW_ERROR_TOO_LARGE ? pbw__hull2_avx2(kernel, &ring, t, vertex) : status;
+        return status == PBW_ERROR_TOO_LARGE ? pbw__hull2_simd(kernel, &ring, t, vertex) : status;
     }
-    pbw__refill2_avx2(kernel, &ring, vertex, 0);
+    pbw__refill2_simd(kernel, &ring, vertex, 0);
     return PBW_OK;
 }
 
-PBW__AVX2 static pbw_status pbw__insert2_avx2(pbw__kernel *kernel, pbw_index vertex)
+PBW__SIMD static pbw_status pbw__insert2_simd(pbw__kernel *kernel, pbw_index vertex)
 {
     return pbw__insert2_with(kernel, vertex, 0);
 }
 
-PBW__AVX2 static pbw_status pbw__insert2_weighted_avx2(pbw__kernel *kernel, pbw_index vertex)
+PBW__SIMD static pbw_status pbw__insert2_weighted_simd(pbw__kernel *kernel, pbw_index vertex)
 {
     return pbw__insert2_with(kernel, vertex, 1);
 }
@@ -4873,10 +5262,10 @@ static pbw_status pbw__kernel_create(pbw__kernel *kernel, pbw__context *context,
     kernel->region = (size_t)-1;
     kernel->last = kernel->last_entered = PBW_NONE;
     kernel->insert = dim == 2 ? pbw__insert2_scalar : pbw__insert3_scalar;
-#ifdef PBW__X86
-    if (pbw__has_avx2()) {
-        kernel->insert = kernel->weighted ? (dim == 3 ? pbw__insert3_weighted_avx2 : pbw__insert2_weighted_avx2)
-                                          : (dim == 3 ? pbw__insert3_avx2 : pbw__insert2_avx2);
+#ifdef PBW__SIMD
+    if (pbw__simd_works()) {
+        kernel->insert = kernel->weighted ? (dim == 3 ? pbw__insert3_weighted_simd : pbw__insert2_weighted_simd)
+                                          : (dim == 3 ? pbw__insert3_simd : pbw__insert2_simd);
     }
 #endif
     pbw__kernel_attach(kernel);
@@ -5583,9 +5972,9 @@ PBW__INLINE unsigned pbw__canonical_order(const pbw_index *v, int dim)
                       | (v[1] > v[3]) << 4 | (v[2] > v[3]) << 5];
 }
 
-#ifdef PBW__X86
+#ifdef PBW__AVX2
 /* The same as the lanes to take, in order. */
-PBW__AVX2_INLINE __m128i pbw__canonical_lanes(__m128i v, int dim)
+PBW__SIMD_INLINE __m128i pbw__canonical_lanes(__m128i v, int dim)
 {
     const __m256i both = _mm256_castsi128_si256(v);
     const __m256i a = _mm256_permutevar8x32_epi32(both, dim == 3 ? _mm256_setr_epi32(0, 0, 0, 1, 1, 2, 0, 0)
@@ -5712,15 +6101,17 @@ static void pbw__sort_list2(const pbw_index *corner, pbw_index *list, unsigned c
     pbw__sort_list(corner, list, count, sorted, 2);
 }
 
-#ifdef PBW__X86
+#ifdef PBW__AVX2
 /* Four keys, less 2^63. */
-PBW__AVX2_INLINE __m256i pbw__list_keys(const pbw_index *corner, const pbw_index *list, int dim)
+PBW__SIMD_INLINE __m256i pbw__list_keys(const pbw_index *corner, const pbw_index *list, int dim)
 {
     __m128i v[4];
     int i;
     for (i = 0; i < 4; i++) {
-        v[i] = PBW__LOAD4(corner + 4 * (size_t)list[i]);
-        v[i] = PBW__PERMUTE4(v[i], _mm_shuffle_epi32(pbw__canonical_lanes(v[i], dim), _MM_SHUFFLE(3, 0, 1, 2)));
+        v[i] = (__m128i)pbw__load4(corner + 4 * (size_t)list[i]);
+        v[i] = (__m128i)pbw__permute4((pbw__i4)v[i],
+                                      (pbw__i4)_mm_shuffle_epi32(pbw__canonical_lanes(v[i], dim),
+                                                                 _MM_SHUFFLE(3, 0, 1, 2)));
     }
     return _mm256_xor_si256(_mm256_inserti128_si256(_mm256_castsi128_si256(_mm_unpacklo_epi64(v[0], v[1])),
                                                     _mm_unpacklo_epi64(v[2], v[3]), 1),
@@ -5728,7 +6119,7 @@ PBW__AVX2_INLINE __m256i pbw__list_keys(const pbw_index *corner, const pbw_index
 }
 
 /* By eights, the last of which is filled up with simplices of the highest key. */
-PBW__AVX2_INLINE void pbw__sort_list_avx2(const pbw_index *corner, pbw_index *list, unsigned count,
+PBW__SIMD_INLINE void pbw__sort_list_avx2(const pbw_index *corner, pbw_index *list, unsigned count,
                                           pbw_index *sorted, unsigned all, int dim)
 {
     const __m256i lane = _mm256_setr_epi64x(0, 1, 2, 3), highest = _mm256_set1_epi64x((int64_t)(~(uint64_t)0 >> 1));
@@ -5760,7 +6151,7 @@ PBW__AVX2_INLINE void pbw__sort_list_avx2(const pbw_index *corner, pbw_index *li
     }
 }
 
-PBW__AVX2 static void pbw__sort_list3_avx2(const pbw_index *corner, pbw_index *list, unsigned count,
+PBW__SIMD static void pbw__sort_list3_avx2(const pbw_index *corner, pbw_index *list, unsigned count,
                                            pbw_index *sorted)
 {
     if (count <= 8) {
@@ -5929,8 +6320,8 @@ static size_t pbw__emit_slots2(const pbw__emission *emission, size_t from, size_
     return pbw__emit_slots(emission, from, end, out, 2);
 }
 
-#ifdef PBW__X86
-PBW__AVX2_INLINE size_t pbw__emit_slots_avx2(const pbw__emission *emission, size_t from, size_t end,
+#ifdef PBW__AVX2
+PBW__SIMD_INLINE size_t pbw__emit_slots_avx2(const pbw__emission *emission, size_t from, size_t end,
                                              pbw__emitted *out, int dim)
 {
     const pbw_index *number = emission->number, *id = emission->id;
@@ -5945,28 +6336,29 @@ PBW__AVX2_INLINE size_t pbw__emit_slots_avx2(const pbw__emission *emission, size
         count++;
         simplex->place = number[t];
         PBW__PREFETCH(emission->corner + ((size_t)dim + 1) * number[t]);
-        lanes = pbw__canonical_lanes(PBW__LOAD4(v), dim);
-        PBW__STORE4(simplex->corner, PBW__PERMUTE4(_mm_setr_epi32((int)id[v[0]], (int)id[v[1]], (int)id[v[2]],
-                                                                  dim == 3 ? (int)id[v[3]] : 0), lanes));
+        lanes = pbw__canonical_lanes((__m128i)pbw__load4(v), dim);
+        pbw__store4(simplex->corner,
+                    pbw__permute4((pbw__i4)_mm_setr_epi32((int)id[v[0]], (int)id[v[1]], (int)id[v[2]], dim == 3
+                                                          ? (int)id[v[3]] : 0), (pbw__i4)lanes));
         if (emission->link != NULL) {
             const pbw__link *link = emission->link + 4 * t;
             PBW__PREFETCH((pbw_index *)(void *)emission->link + ((size_t)dim + 1) * number[t]);
-            PBW__STORE4(simplex->neighbor,
-                        PBW__PERMUTE4(_mm_setr_epi32((int)number[link[0] >> 2], (int)number[link[1] >> 2],
-                                                     (int)number[link[2] >> 2],
-                                                     dim == 3 ? (int)number[link[3] >> 2] : 0), lanes));
+            pbw__store4(simplex->neighbor,
+                        pbw__permute4((pbw__i4)_mm_setr_epi32((int)number[link[0] >> 2], (int)number[link[1] >> 2],
+                                                              (int)number[link[2] >> 2], dim == 3
+                                                              ? (int)number[link[3] >> 2] : 0), (pbw__i4)lanes));
         }
     }
     return count;
 }
 
-PBW__AVX2 static size_t pbw__emit_slots3_avx2(const pbw__emission *emission, size_t from, size_t end,
+PBW__SIMD static size_t pbw__emit_slots3_avx2(const pbw__emission *emission, size_t from, size_t end,
                                               pbw__emitted *out)
 {
     return pbw__emit_slots_avx2(emission, from, end, out, 3);
 }
 
-PBW__AVX2 static size_t pbw__emit_slots2_avx2(const pbw__emission *emission, size_t from, size_t end,
+PBW__SIMD static size_t pbw__emit_slots2_avx2(const pbw__emission *emission, size_t from, size_t end,
                                               pbw__emitted *out)
 {
     return pbw__emit_slots_avx2(emission, from, end, out, 2);
@@ -6093,8 +6485,8 @@ static pbw_status pbw__emit(pbw__emission *emission)
     int tasks = emission->tasks, task;
     emission->sort_list = emission->dim == 3 ? pbw__sort_list3 : pbw__sort_list2;
     emission->emit = emission->dim == 3 ? pbw__emit_slots3 : pbw__emit_slots2;
-#ifdef PBW__X86
-    if (pbw__has_avx2()) {
+#ifdef PBW__AVX2
+    if (pbw__simd_works()) {
         emission->sort_list = emission->dim == 3 ? pbw__sort_list3_avx2 : pbw__sort_list2;
         emission->emit = emission->dim == 3 ? pbw__emit_slots3_avx2 : pbw__emit_slots2_avx2;
     }

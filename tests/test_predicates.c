@@ -341,14 +341,14 @@ static const char *const stage_name[] = { "filter", "integers", "grid", "pairs",
 
 static int have_vectors(void)
 {
-#ifdef PBW__X86
-    return __builtin_cpu_supports("avx2") && __builtin_cpu_supports("fma") && __builtin_cpu_supports("bmi2");
+#ifdef PBW__SIMD
+    return pbw__simd_works();
 #else
     return 0;
 #endif
 }
 
-#ifdef PBW__X86
+#ifdef PBW__SIMD
 /* Pairs in four lanes, without weights.  The far vertices are the corners themselves: then all lanes have the
    determinant of the simplex, but negative, as if it was seen from a neighbour. */
 static int lanes_sign(const points *p, int power)
@@ -405,14 +405,14 @@ static int public_sign(const points *p, int power)
 
 /* The lanes hold the same determinant: of three points by turns, or of two and the ghost.  Returns the sign, if some
    lane knows it, and 2 lanes that differ make 3; also the first lane's value and height. */
-#ifdef PBW__X86
-PBW__AVX2
+#ifdef PBW__SIMD
+PBW__SIMD
 #endif
 static int vector_sign(const points *p, int power, double *value, double *height)
 {
     int sign = PBW__OPEN;
     *value = *height = 0;
-#ifdef PBW__X86
+#ifdef PBW__SIMD
     static const pbw_index lanes[2][3][4] = {              /* far vertex, start, end; 0 is the ghost */
         { { 0, 1, 2, 0 }, { 2, 0, 1, 2 }, { 1, 2, 0, 1 } }, { { 1, 2, 3, 1 }, { 3, 1, 2, 3 }, { 2, 3, 1, 2 } }
     };
@@ -420,7 +420,7 @@ static int vector_sign(const points *p, int power, double *value, double *height
     const double *q = p->at[2 + power];
     pbw__rows2 rows[3];
     pbw__point2 origin;
-    __m256d vector, heights;
+    pbw__d4 vector, heights;
     unsigned certain, inside, k;
     int weighted = 0;
     memset(records, 0, sizeof records);
@@ -434,10 +434,10 @@ static int vector_sign(const points *p, int power, double *value, double *height
         rows[k] = power ? pbw__rows2_of(records, 0, v[0], v[1], v[2], v[3], origin)
                         : pbw__rows2_of(records, 1, v[0], v[1], v[2], v[3], origin);
     }
-    inside = power ? pbw__test2_avx2(rows[1], rows[2], rows[0], 0, &vector, &heights, &certain)
-                   : pbw__test2_avx2(rows[1], rows[2], rows[0], 1, &vector, &heights, &certain);
-    _mm256_storeu_pd(det, vector);
-    _mm256_storeu_pd(h, heights);
+    inside = power ? pbw__test2_simd(rows[1], rows[2], rows[0], 0, &vector, &heights, &certain)
+                   : pbw__test2_simd(rows[1], rows[2], rows[0], 1, &vector, &heights, &certain);
+    memcpy(det, &vector, sizeof det);
+    memcpy(h, &heights, sizeof h);
     *value = det[0];
     *height = h[0];
     for (k = 0; k < 4; k++) {
@@ -639,7 +639,7 @@ static void test_reach(void)
     for (i = 0; i < sizeof cases / sizeof *cases; i++) {
         if (test_begin("%s, %s%d", cases[i].what, cases[i].power ? "power" : "orient", cases[i].dim)) {
             if (cases[i].stage == LANES && !have_vectors()) {
-                test_skip("no AVX2");
+                test_skip("no vectors");
                 continue;
             }
             for (j = decided = 0; j < 1000; j++) {
@@ -923,7 +923,7 @@ static void test_attack(long steps)
                     continue;
                 }
                 if (stage >= LANES && !have_vectors()) {
-                    test_skip("no AVX2");
+                    test_skip("no vectors");
                     continue;
                 }
                 for (start = 0; start < 6; start++) {
@@ -984,7 +984,7 @@ static void test_attack(long steps)
 
 /* --- four lanes at once --- */
 
-#ifdef PBW__X86
+#ifdef PBW__SIMD
 /* A simplex, the far vertices across its facets and a point, as the kernel has them: record 0 is the ghost. */
 typedef struct neighbourhood {
     double record[9][4], p[4];
@@ -1053,7 +1053,7 @@ static void test_lanes(long calls)
                 continue;
             }
             if (!have_vectors()) {
-                test_skip("no AVX2");
+                test_skip("no vectors");
                 continue;
             }
             for (i = 0; i < calls; i++) {
@@ -1102,7 +1102,7 @@ static void test_vectors(long calls)
                 continue;
             }
             if (!have_vectors()) {
-                test_skip("no AVX2");
+                test_skip("no vectors");
                 continue;
             }
             for (i = 0; i < n; i++) {
@@ -1289,7 +1289,7 @@ int main(int argc, char **argv)
     test_raised(test_count / 40);
     test_circuits(test_count / 40);
     test_tiling(test_count / 2000);
-#ifdef PBW__X86
+#ifdef PBW__SIMD
     test_lanes(test_count / 40 + 512);
 #endif
     test_grids(test_count / 20);
