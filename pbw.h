@@ -382,6 +382,12 @@ extern int madvise(void *address, size_t length, int advice);    /* strict C mod
 #endif
 #endif
 
+/* For profilers, such as bench: told what an insertion turns to. */
+#ifndef PBW__PHASE
+#define PBW__PHASE(phase) ((void)0)
+#endif
+enum { PBW__WALK, PBW__CAVITY, PBW__STAR, PBW__EXACT, PBW__OTHER };
+
 /* Words that several threads may touch at once; in relaxed order, see >>threads and >>parallel. */
 #ifdef PBW__THREADS
 #define PBW__LOAD(x) __atomic_load_n(x, __ATOMIC_RELAXED)
@@ -3924,6 +3930,7 @@ PBW__SIMD static PBW__NOINLINE unsigned pbw__search_exact(pbw__kernel *kernel, c
     const pbw_index *v = carved->v;
     pbw_index far[4];
     unsigned open = 0, ghost = 0, ghosts = 0, tied, k;
+    PBW__PHASE(PBW__EXACT);
     for (k = 0; k < 4; k++) {
         far[k] = kernel->corner[carved->link[k]];
         ghost |= (unsigned)(v[k] == PBW__GHOST) << k;
@@ -3950,6 +3957,7 @@ PBW__SIMD static PBW__NOINLINE unsigned pbw__search_exact(pbw__kernel *kernel, c
             inside |= (unsigned)pbw__in_conflict3(kernel, (pbw_index)(carved->link[k] >> 2), p) << k;
         }
     }
+    PBW__PHASE(PBW__CAVITY);
     return inside;
 }
 #endif
@@ -4432,14 +4440,19 @@ static pbw_status pbw__insert3_scalar(pbw__kernel *kernel, pbw_index vertex)
     const double *p = pbw__record3(kernel, vertex);
     pbw_index t = pbw__insert_start(kernel, vertex);
     pbw_status status;
+    PBW__PHASE(PBW__WALK);
     t = t != PBW__FOREIGN ? pbw__locate3_scalar(kernel, t, p) : t;
     status = pbw__located(kernel, t);
     if (PBW__UNLIKELY(t == PBW_NONE) || PBW__UNLIKELY(status != PBW_OK)) {
         return status;                               /* hidden, or not ours */
     }
+    PBW__PHASE(PBW__CAVITY);
     status = pbw__carve3_scalar(kernel, t, p);
+    PBW__PHASE(PBW__STAR);
     status = status == PBW_OK ? pbw__take_slots(kernel) : status;
-    return status == PBW_OK ? pbw__refill3(kernel, vertex) : status;
+    status = status == PBW_OK ? pbw__refill3(kernel, vertex) : status;
+    PBW__PHASE(PBW__OTHER);
+    return status;
 }
 
 #ifdef PBW__SIMD
@@ -4448,14 +4461,19 @@ PBW__SIMD_INLINE pbw_status pbw__insert3_with(pbw__kernel *kernel, pbw_index ver
     const double *p = pbw__record3(kernel, vertex);
     pbw_index t = pbw__insert_start(kernel, vertex);
     pbw_status status;
+    PBW__PHASE(PBW__WALK);
     t = t != PBW__FOREIGN ? pbw__locate3_simd(kernel, t, p, weighted) : t;
     status = pbw__located(kernel, t);
     if (PBW__UNLIKELY(t == PBW_NONE) || PBW__UNLIKELY(status != PBW_OK)) {
         return status;                               /* hidden, or not ours */
     }
+    PBW__PHASE(PBW__CAVITY);
     status = pbw__carve3_simd(kernel, t, p, weighted);
+    PBW__PHASE(PBW__STAR);
     status = PBW__LIKELY(status == PBW_OK) ? pbw__take_slots(kernel) : status;
-    return PBW__LIKELY(status == PBW_OK) ? pbw__refill3_simd(kernel, vertex) : status;
+    status = PBW__LIKELY(status == PBW_OK) ? pbw__refill3_simd(kernel, vertex) : status;
+    PBW__PHASE(PBW__OTHER);
+    return status;
 }
 
 PBW__SIMD static pbw_status pbw__insert3_simd(pbw__kernel *kernel, pbw_index vertex)
@@ -4588,13 +4606,18 @@ static pbw_status pbw__insert2_scalar(pbw__kernel *kernel, pbw_index vertex)
     const double *p = pbw__record2(kernel, vertex);
     pbw_index t = pbw__insert_start(kernel, vertex);
     pbw_status status;
+    PBW__PHASE(PBW__WALK);
     t = t != PBW__FOREIGN ? pbw__locate2_scalar(kernel, t, p) : t;
     status = pbw__located(kernel, t);
     if (PBW__UNLIKELY(t == PBW_NONE) || PBW__UNLIKELY(status != PBW_OK)) {
         return status;                               /* hidden, or not ours */
     }
+    PBW__PHASE(PBW__CAVITY);
     status = pbw__carve2(kernel, t, p);
-    return status == PBW_OK ? pbw__refill2(kernel, vertex) : status;
+    PBW__PHASE(PBW__STAR);
+    status = status == PBW_OK ? pbw__refill2(kernel, vertex) : status;
+    PBW__PHASE(PBW__OTHER);
+    return status;
 }
 
 #ifdef PBW__SIMD
@@ -4824,10 +4847,12 @@ PBW__SIMD_INLINE pbw_status pbw__ring_step(pbw__kernel *kernel, pbw__ring *ring,
     unsigned all = pbw__first_lanes(ring->tail - head) & ~outside;
     inside &= all;
     if (PBW__UNLIKELY((certain & all) != all)) {
+        PBW__PHASE(PBW__EXACT);
         certain |= pbw__settle2(kernel, s, e, o, hull, det, height, all & ~certain, &inside);
         if ((certain & all) != all) {
             inside = (inside & certain) | pbw__ring_exact(kernel, ring, head, all & ~certain, p);
         }
+        PBW__PHASE(PBW__CAVITY);
     }
     if (PBW__UNLIKELY(ring->count > PBW__RING - 4)) {
         return PBW_ERROR_TOO_LARGE;
@@ -5064,12 +5089,14 @@ PBW__SIMD_INLINE pbw_status pbw__insert2_with(pbw__kernel *kernel, pbw_index ver
     pbw__ring ring;
     pbw__rows2 rows;
     pbw_status status;
+    PBW__PHASE(PBW__WALK);
     rows.x = rows.y = rows.lift = rows.height = rows.ghost = pbw__each(0.0);
     t = t != PBW__FOREIGN ? pbw__locate2_simd(kernel, t, p, weighted, &rows) : t;
     status = pbw__located(kernel, t);
     if (PBW__UNLIKELY(t == PBW_NONE) || PBW__UNLIKELY(status != PBW_OK)) {
         return status;                               /* hidden, or not ours */
     }
+    PBW__PHASE(PBW__CAVITY);
     if (PBW__UNLIKELY(kernel->corner[4 * (size_t)t + 2] == PBW__GHOST)
         || PBW__UNLIKELY(kernel->fresh_end - kernel->fresh < 2)) {
         ring.count = 0;
@@ -5079,7 +5106,9 @@ PBW__SIMD_INLINE pbw_status pbw__insert2_with(pbw__kernel *kernel, pbw_index ver
     if (PBW__UNLIKELY(status != PBW_OK)) {
         return status == PBW_ERROR_TOO_LARGE ? pbw__hull2_simd(kernel, &ring, t, vertex) : status;
     }
+    PBW__PHASE(PBW__STAR);
     pbw__refill2_simd(kernel, &ring, vertex, 0);
+    PBW__PHASE(PBW__OTHER);
     return PBW_OK;
 }
 

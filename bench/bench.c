@@ -24,8 +24,9 @@
      simplices     finite ones in our result; then whether the rival has as many: "same", "differs" (a rival whose tie
                    rule or rounding is not ours), "MISMATCH" (a rival that must agree: exit status 1)
      checked       pbw_check's verdict on our result
-     --phases adds the time of our phases in the best sample, and per point: simplices visited by point location,
-     sphere tests, sphere tests left to exact arithmetic, simplices created.
+     --phases adds the time of our phases in the best sample; where bench was made with BENCH_CLOCKS also that of
+     the parts of the build, which it makes slower by some hundredths; and per point: simplices visited by point
+     location, sphere tests, sphere tests left to exact arithmetic, simplices created.
 
    THREADS
      speed-up      our best on one thread / our best here; effic. = speed-up / threads
@@ -35,6 +36,32 @@
    Musts are goals: a missed one is no failure.  Rivals are linked where they are installed (bench.mk): CGAL,
    CGAL-TBB, TetGen, Qhull.  `bench --help` has the options. */
 #define _DEFAULT_SOURCE                    /* fork, mmap and getrusage beside strict C99 */
+
+#include <stdint.h>
+#include <time.h>
+
+#ifdef BENCH_CLOCKS                        /* make bench PHASES=1: five readings of a clock for each insertion */
+static __thread uint64_t bench_ticks[5], bench_since;        /* by phase; those of the caller's thread are shown */
+static __thread int bench_phase;
+static uint64_t bench_clock(void)
+{
+#ifdef __x86_64__
+    return __builtin_ia32_rdtsc();
+#else
+    struct timespec now;
+    clock_gettime(CLOCK_MONOTONIC, &now);
+    return (uint64_t)now.tv_sec * 1000000000 + (uint64_t)now.tv_nsec;
+#endif
+}
+static void bench_turn_to(int phase)
+{
+    uint64_t now = bench_clock();
+    bench_ticks[bench_phase] += now - bench_since;
+    bench_since = now;
+    bench_phase = phase;
+}
+#define PBW__PHASE(phase) bench_turn_to(phase)
+#endif
 
 #define PBW_IMPLEMENTATION
 #include "../pbw.h"
@@ -65,6 +92,8 @@ typedef struct bench_job {
     pbw_options options;
     pbw_mesh mesh;
     pbw_status status;
+    uint64_t ticks;                        /* of the clock of phases, in so many seconds */
+    double seconds;
 } bench_job;
 
 static int bench_fits(const bench_input *input)
@@ -88,7 +117,18 @@ static void bench_build(void *that)
 {
     bench_job *job = (bench_job *)that;
     const bench_input *input = &job->input;
+#ifdef BENCH_CLOCKS
+    memset(bench_ticks, 0, sizeof bench_ticks);
+    bench_phase = PBW__OTHER;
+    bench_since = bench_clock();
+    job->ticks = bench_since;
+    job->seconds = pbw__seconds();
+#endif
     job->status = pbw_triangulate(input->dim, input->points, input->weights, input->count, &job->options, &job->mesh);
+#ifdef BENCH_CLOCKS
+    job->ticks = bench_clock() - job->ticks;
+    job->seconds = pbw__seconds() - job->seconds;
+#endif
 }
 
 static void bench_discard(void *that)
@@ -101,6 +141,9 @@ static void bench_report(void *that, bench_sample *sample)
     bench_job *job = (bench_job *)that;
     const pbw_statistics *statistics = &job->mesh.statistics;
     pbw_report verdict;
+#ifdef BENCH_CLOCKS
+    int i;
+#endif
 
     if (job->status != PBW_OK) {
         snprintf(sample->failure, sizeof sample->failure, "%s", pbw_status_string(job->status));
@@ -112,6 +155,11 @@ static void bench_report(void *that, bench_sample *sample)
     sample->phases[0] = statistics->order_seconds;
     sample->phases[1] = statistics->build_seconds;
     sample->phases[2] = statistics->output_seconds;
+#ifdef BENCH_CLOCKS
+    for (i = 0; i < 4; i++) {
+        sample->phases[3 + i] = (double)bench_ticks[i] * job->seconds / (double)job->ticks;
+    }
+#endif
     sample->counters[0] = statistics->walk_steps;
     sample->counters[1] = statistics->conflict_tests;
     sample->counters[2] = statistics->exact_tests;
@@ -424,7 +472,7 @@ static void bench_csv(FILE *csv, const char *kind, const bench_record *record)
             (unsigned long)record->input.count, record->input.threads, record->side->name, best->seconds,
             bench_median(record), record->runs, (unsigned long)best->held, (unsigned long)best->resident,
             (unsigned long)best->simplices, best->checked, (unsigned long long)best->hash, best->failure);
-    for (i = 0; i < 3; i++) {
+    for (i = 0; i < 7; i++) {
         fprintf(csv, ",%.9g", best->phases[i]);
     }
     for (i = 0; i < 7; i++) {
@@ -480,7 +528,7 @@ static void bench_phases(const bench_record *us)
     double n = (double)us->input.count;
     int i;
     printf(" |");
-    for (i = 0; i < 3; i++) {
+    for (i = 0; i < 7; i++) {
         printf(" %7s", bench_cell(us, us->best.phases[i]).text);
     }
     printf(" |");
@@ -501,7 +549,8 @@ static void bench_head(const bench_settings *settings, int sweep)
                "must", "runs", "B/pt", "must", "RSS", "rival", "simplices", "rival", "checked");
     }
     if (settings->phases) {
-        printf(" | %7s %7s %7s | %7s %7s %7s %7s", "order", "build", "output", "visits", "tests", "exact", "created");
+        printf(" | %7s %7s %7s %7s %7s %7s %7s | %7s %7s %7s %7s", "order", "build", "output", "walk", "cavity", "star",
+               "exact", "visits", "tests", "exact", "created");
     }
     printf("\n");
 }
@@ -912,7 +961,7 @@ int main(int argc, char **argv)
     }
     if (settings.csv != NULL) {
         fprintf(settings.csv, "points,dim,n,threads,side,best,median,runs,held,resident,simplices,checked,hash,"
-                              "failure,order,build,output,walk_steps,conflict_tests,exact_tests,created,rounds,"
+                              "failure,order,build,output,walk,cavity,star,exact,walk_steps,conflict_tests,exact_tests,created,rounds,"
                               "postponed,serial\n");
     }
     bench_machine();

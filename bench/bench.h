@@ -35,7 +35,7 @@ typedef struct bench_sample {
     size_t resident;                       /* most memory the process gained during its first build, 0 = unknown */
     size_t held;                           /* the library's own count of its peak, 0 = it has none */
     uint64_t hash;                         /* of the triangulation, 0 = unknown */
-    double phases[3];                      /* order, build, output */
+    double phases[7];                      /* order, build, output; of the build: walk, cavity, star, exact tests */
     size_t counters[7];                    /* walk steps, sphere tests, exact sphere tests, simplices created; rounds,
                                               postponed insertions, insertions by one thread alone */
 } bench_sample;

@@ -1,6 +1,6 @@
 # bench.mk: make bench, included by the Makefile.
 #   make bench                        a few minutes, up to 1e6 points
-#   make bench PHASES=1 CSV=rows.csv  adds phases and counters; also writes the rows there
+#   make bench PHASES=1 CSV=rows.csv  adds phases, by clocks in the build, and counters; also writes the rows there
 #   make bench SWEEP=1                1, 2, 4, ... threads, all kinds of points
 #   make bench ARGS=--quick           a minute;  bench/bench.c has the method, build/bench --help the options
 #   make bench BENCH_FLAGS="-O3 -march=native"
@@ -11,7 +11,7 @@ BENCH_C = $(CC) -std=c99 $(BENCH_FLAGS) $(BENCH_WARN)
 BENCH_CXX = $(CXX) -std=c++17 $(BENCH_FLAGS) $(BENCH_WARN) -DNDEBUG
 BENCH_INPUTS = pbw.h bench/bench.h bench/bench.mk tests/inputs.h
 
-ifneq ($(filter bench build/bench,$(MAKECMDGOALS)),)
+ifneq ($(filter bench build/bench build/bench_clocks,$(MAKECMDGOALS)),)
 # $(call bench_has,includes,libraries): yes or nothing
 bench_has = $(shell printf '$(foreach h,$(1),\043include <$(h)>\n)int main() { return 0; }\n' | \
     $(CXX) -std=c++17 -x c++ -DTETLIBRARY - -o /dev/null $(2) 2>/dev/null && echo yes)
@@ -39,10 +39,11 @@ endif
 endif
 
 # C++ links if there is a rival in it; without one a C compiler is all that is needed.
-build/bench: build/bench.o $(BENCH_OBJECTS)
+build/bench build/bench_clocks: %: %.o $(BENCH_OBJECTS)
 	$(if $(BENCH_OBJECTS),$(CXX),$(CC)) $(BENCH_FLAGS) $^ -o $@ $(BENCH_LIBS) -lpthread -lm
 
-build/bench.o: bench/bench.c $(BENCH_INPUTS)
+build/bench_clocks.o: BENCH_USES += -DBENCH_CLOCKS
+build/bench.o build/bench_clocks.o: bench/bench.c $(BENCH_INPUTS)
 	@mkdir -p build
 	$(BENCH_C) $(BENCH_USES) -DBENCH_FLAGS='"$(BENCH_FLAGS)"' -c $< -o $@
 
@@ -55,5 +56,5 @@ build/rival_%.o: bench/rival_%.c bench/bench.h bench/bench.mk
 	$(BENCH_C) -c $< -o $@
 
 .PHONY: bench
-bench: build/bench
-	./build/bench $(SWEEP:%=--sweep) $(PHASES:%=--phases) $(CSV:%=--csv %) $(ARGS)
+bench: build/bench$(PHASES:%=_clocks)
+	./$< $(SWEEP:%=--sweep) $(PHASES:%=--phases) $(CSV:%=--csv %) $(ARGS)
