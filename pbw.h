@@ -4861,11 +4861,12 @@ PBW__SIMD_INLINE pbw_status pbw__ring_step(pbw__kernel *kernel, pbw__ring *ring,
 }
 
 /* Tests the first three edges, and at the same time the six that would take their places: waiting for the verdicts
-   costs more.  Returns how many edges of the queue are done with: none if it is not as simple as that.  Only without
-   weights, and where all vertices are ours, as we may look at triangles that we do not delete. */
-PBW__SIMD_INLINE unsigned pbw__ring_start(pbw__kernel *kernel, pbw__ring *ring, const pbw__link *beyond,
-                                          const pbw__rows2 *s, const pbw__rows2 *e, const pbw__rows2 *o,
-                                          pbw__point2 point)
+   costs more.  *head is then how many edges of the queue are done with: it stays 0 if it is not as simple as that.
+   Only without weights.  A triangle that is looked at and not deleted has a vertex of the first one, which is ours:
+   (a) and (b) of >>parallel hold for it. */
+PBW__SIMD_INLINE pbw_status pbw__ring_start(pbw__kernel *kernel, pbw__ring *ring, const pbw__link *beyond,
+                                            const pbw__rows2 *s, const pbw__rows2 *e, const pbw__rows2 *o,
+                                            pbw__point2 point, unsigned *head)
 {
     const pbw_index *corner = kernel->corner;
     const pbw__link *link = kernel->link;
@@ -4877,20 +4878,22 @@ PBW__SIMD_INLINE unsigned pbw__ring_start(pbw__kernel *kernel, pbw__ring *ring, 
     pbw__d4 det, height;
     unsigned certain[3], inside = pbw__test2_simd(*s, *e, *o, 0, &det, &height, &certain[0]) & 7;
     unsigned after = pbw__test2_simd(*s, *o, far_after, 0, &det, &height, &certain[1]);
-    unsigned before = pbw__test2_simd(*o, *e, far_before, 0, &det, &height, &certain[2]), done;
+    unsigned before = pbw__test2_simd(*o, *e, far_before, 0, &det, &height, &certain[2]);
+    pbw_status status;
     if (PBW__UNLIKELY((certain[0] & certain[1] & certain[2]) != 15)
         || PBW__UNLIKELY(a0 == PBW__GHOST || a1 == PBW__GHOST || a2 == PBW__GHOST || b0 == PBW__GHOST
                          || b1 == PBW__GHOST || b2 == PBW__GHOST)) {
-        return 0;
+        return PBW_OK;
     }
-    (void)pbw__ring_split(kernel, ring, 0, inside, 0);
-    done = ring->tail;
-    (void)pbw__ring_split(kernel, ring, 3, pbw__pairs_of(after, before, inside), 0);     /* those in the queue */
-    return done;
+    status = pbw__ring_split(kernel, ring, 0, inside, 0);
+    *head = ring->tail;
+    return status != PBW_OK ? status                 /* those in the queue */
+                            : pbw__ring_split(kernel, ring, 3, pbw__pairs_of(after, before, inside), 0);
 }
 
 /* The same for the one edge of the hull that has the point beyond it, and the two of the triangle behind it. */
-PBW__SIMD_INLINE unsigned pbw__ring_start_beyond(pbw__kernel *kernel, pbw__ring *ring, pbw__point2 point)
+PBW__SIMD_INLINE pbw_status pbw__ring_start_beyond(pbw__kernel *kernel, pbw__ring *ring, pbw__point2 point,
+                                                   unsigned *head)
 {
     const pbw_index *corner = kernel->corner;
     const pbw__link *link = kernel->link, beyond = ring->beyond[2];
@@ -4902,13 +4905,14 @@ PBW__SIMD_INLINE unsigned pbw__ring_start_beyond(pbw__kernel *kernel, pbw__ring 
     pbw__d4 det, height;
     unsigned outside = (unsigned)(after == PBW__GHOST) << 1 | (unsigned)(before == PBW__GHOST) << 2;
     unsigned certain, inside = pbw__test2_simd(s, e, o, 0, &det, &height, &certain) & ~outside;
+    pbw_status status;
     certain |= outside;
     if (certain != 15 && (certain | pbw__settle2(kernel, s, e, o, 0, det, height, certain ^ 15, &inside)) != 15) {
-        return 0;
+        return PBW_OK;
     }
-    (void)pbw__ring_split(kernel, ring, 0, inside & 1, 0);
-    (void)pbw__ring_split(kernel, ring, 1, inside >> 1 & (0 - (inside & 1)) & 3, 0);
-    return 1 + 2 * (inside & 1);
+    status = pbw__ring_split(kernel, ring, 0, inside & 1, 0);
+    *head = 1 + 2 * (inside & 1);
+    return status != PBW_OK ? status : pbw__ring_split(kernel, ring, 1, inside >> 1 & (0 - (inside & 1)) & 3, 0);
 }
 
 /* What a cavity may have of the hull. */
@@ -4961,8 +4965,8 @@ PBW__SIMD_INLINE pbw_status pbw__carve2_simd(pbw__kernel *kernel, pbw__ring *rin
         ring->queue[0] = 2;
         ring->queue[1] = ring->queue[2] = 0;
         ring->tail = 1;
-        if (!weighted && PBW__LIKELY(kernel->owner == NULL)) {
-            head = pbw__ring_start_beyond(kernel, ring, point);
+        if (!weighted) {
+            status = pbw__ring_start_beyond(kernel, ring, point, &head);
         }
     }
     if (hull == PBW__INNER) {
@@ -4976,8 +4980,8 @@ PBW__SIMD_INLINE pbw_status pbw__carve2_simd(pbw__kernel *kernel, pbw__ring *rin
         e.x = PBW__EDGE_END(rows->x), e.y = PBW__EDGE_END(rows->y), e.lift = PBW__EDGE_END(rows->lift);
         s.height = PBW__EDGE_START(rows->height), e.height = PBW__EDGE_END(rows->height);
         s.ghost = e.ghost = o.ghost;
-        if (!weighted && PBW__LIKELY(kernel->owner == NULL)) {
-            head = pbw__ring_start(kernel, ring, beyond, &s, &e, &o, point);
+        if (!weighted) {
+            status = pbw__ring_start(kernel, ring, beyond, &s, &e, &o, point, &head);
         }
         if (PBW__UNLIKELY(head == 0)) {
             status = pbw__ring_step(kernel, ring, 0, 0, 0, weighted, s, e, o, p);
