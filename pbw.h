@@ -1020,13 +1020,11 @@ static int pbw__report(pbw__context *context, double done)
     }
 #endif
     now = pbw__seconds();
-    if (now - context->last_report < 0.02 && now >= context->last_report && done > 0.0 && done < 1.0) {
+    if (now - context->last_report < 0.02 && now >= context->last_report && done < 1.0) {
         return 0;
     }
     context->last_report = now;
-    if (done > context->last_done || done <= 0.0) {
-        context->last_done = done;
-    }
+    context->last_done = done > context->last_done ? done : context->last_done;      /* tasks come in any order */
     if (context->progress(context->progress_user, context->stage, context->last_done) != 0) {
         PBW__STORE(&context->cancelled, 1);
         return 1;
@@ -1037,6 +1035,7 @@ static int pbw__report(pbw__context *context, double done)
 static int pbw__enter_stage(pbw__context *context, pbw_stage stage)
 {
     context->stage = stage;
+    context->last_report = -1.0;                     /* the start is told at once */
     context->last_done = 0.0;
     return pbw__report(context, 0.0);
 }

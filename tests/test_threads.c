@@ -185,6 +185,55 @@ static void test_job_systems(size_t count)
     }
 }
 
+/* Progress, when the caller's thread comes to the last task first, and it is time for a report then. */
+typedef struct told { pbw_stage stage; double done; int calls, wrong; } told;
+
+static int hear(void *user, pbw_stage stage, double done)
+{
+    told *t = (told *)user;
+    t->wrong += t->calls > 0 && (stage == t->stage ? done < t->done : stage < t->stage || t->done != 1);
+    t->wrong += !(done >= 0 && done <= 1) || ((t->calls == 0 || stage != t->stage) && done != 0);
+    t->stage = stage;
+    t->done = done;
+    t->calls++;
+    return 0;
+}
+
+static void run_late(void *user, int tasks, void (*task)(void *arg, int i), void *arg)
+{
+    double start = pbw__seconds();
+    while (pbw__seconds() - start < 0.021) {
+        sched_yield();
+    }
+    run_backwards(user, tasks, task, arg);
+}
+
+static void test_progress(size_t count)
+{
+    int dim;
+    for (dim = 2; dim <= 3; dim++) {
+        if (test_begin("progress goes forward: %dD", dim)) {
+            points p = points_make(INPUT_GAUSS, dim, count, INPUT_WEIGHTS_ZERO);
+            pbw_options options = with_threads(5);
+            pbw_mesh mesh;
+            pbw_report report;
+            told t = { PBW_STAGE_ORDER, 0, 0, 0 };
+            long calls = 0;
+            options.run = run_late;
+            options.run_user = &calls;
+            options.progress = hear;
+            options.progress_user = &t;
+            CHECK_EQUAL(pbw_triangulate(dim, p.x, NULL, p.count, &options, &mesh), PBW_OK);
+            CHECK(t.wrong == 0 && t.done == 1 && t.stage == PBW_STAGE_OUTPUT && t.calls > 10);
+            CHECK(pbw_check(&mesh, &options, &report) == PBW_OK && report.valid);
+            CHECK(t.wrong == 0 && t.done == 1 && t.stage == PBW_STAGE_CHECK);
+            pbw_free(&mesh);
+            points_free(&p);
+            test_end();
+        }
+    }
+}
+
 static void test_refused_threads(size_t count)
 {
     long allowed;
@@ -432,6 +481,7 @@ int main(int argc, char **argv)
     count = (size_t)test_count;
     test_same_bytes(count);
     test_job_systems(count);
+    test_progress(count);
     test_refused_threads(count);
     test_failing_memory(count / 2);
     test_trace(count);
