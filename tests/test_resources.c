@@ -7,6 +7,7 @@
 #include "meshes.h"
 #include "meter.h"
 #include "test.h"
+#include "watch.h"
 
 static pbw_options metered(meter *m, int threads)
 {
@@ -210,33 +211,6 @@ static void test_quadratic(void)
 
 /* --- progress --- */
 
-typedef struct watch {
-    pthread_t caller;
-    long calls, cancel_at, wrong;
-    int stages;                         /* bits of the stages seen */
-    pbw_stage stage;
-    double done;
-} watch;
-
-static int watch_progress(void *user, pbw_stage stage, double done)
-{
-    watch *w = (watch *)user;
-    int first = !(w->stages >> stage & 1);
-    w->calls++;
-    w->wrong += !pthread_equal(pthread_self(), w->caller);
-    w->wrong += !(done >= 0 && done <= 1);
-    if (first) {
-        w->wrong += w->stages >> stage != 0 || done != 0;        /* in order, each from 0 ... */
-        w->wrong += w->stages != 0 && w->done != 1;              /* ... to 1 */
-    } else {
-        w->wrong += stage != w->stage || done < w->done;
-    }
-    w->stages |= 1 << stage;
-    w->stage = stage;
-    w->done = done;
-    return w->calls == w->cancel_at;
-}
-
 /* Cancels at the k-th call, for every k until the build or check is through. */
 static void check_cancelling(const zoo_input *in, int threads, int checking)
 {
@@ -250,9 +224,7 @@ static void check_cancelling(const zoo_input *in, int threads, int checking)
         pbw_report report;
         pbw_options options;
         meter_start(&m, 0, 0);
-        memset(&w, 0, sizeof w);
-        w.caller = pthread_self();
-        w.cancel_at = k;
+        watch_start(&w, k);
         options = metered(&m, threads);
         options.progress = watch_progress;
         options.progress_user = &w;

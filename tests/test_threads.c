@@ -17,6 +17,7 @@ static long threads_allowed = -1;                    /* that may still be create
 #include "meshes.h"
 #include "meter.h"
 #include "test.h"
+#include "watch.h"
 
 #include <sched.h>
 
@@ -186,19 +187,6 @@ static void test_job_systems(size_t count)
 }
 
 /* Progress, when the caller's thread comes to the last task first, and it is time for a report then. */
-typedef struct told { pbw_stage stage; double done; int calls, wrong; } told;
-
-static int hear(void *user, pbw_stage stage, double done)
-{
-    told *t = (told *)user;
-    t->wrong += t->calls > 0 && (stage == t->stage ? done < t->done : stage < t->stage || t->done != 1);
-    t->wrong += !(done >= 0 && done <= 1) || ((t->calls == 0 || stage != t->stage) && done != 0);
-    t->stage = stage;
-    t->done = done;
-    t->calls++;
-    return 0;
-}
-
 static void run_late(void *user, int tasks, void (*task)(void *arg, int i), void *arg)
 {
     double start = pbw__seconds();
@@ -217,16 +205,18 @@ static void test_progress(size_t count)
             pbw_options options = with_threads(5);
             pbw_mesh mesh;
             pbw_report report;
-            told t = { PBW_STAGE_ORDER, 0, 0, 0 };
+            watch w;
             long calls = 0;
             options.run = run_late;
             options.run_user = &calls;
-            options.progress = hear;
-            options.progress_user = &t;
+            options.progress = watch_progress;
+            options.progress_user = &w;
+            watch_start(&w, 0);
             CHECK_EQUAL(pbw_triangulate(dim, p.x, NULL, p.count, &options, &mesh), PBW_OK);
-            CHECK(t.wrong == 0 && t.done == 1 && t.stage == PBW_STAGE_OUTPUT && t.calls > 10);
+            CHECK(w.wrong == 0 && w.done == 1 && w.stage == PBW_STAGE_OUTPUT && w.calls > 10);
+            watch_start(&w, 0);
             CHECK(pbw_check(&mesh, &options, &report) == PBW_OK && report.valid);
-            CHECK(t.wrong == 0 && t.done == 1 && t.stage == PBW_STAGE_CHECK);
+            CHECK(w.wrong == 0 && w.done == 1 && w.stage == PBW_STAGE_CHECK);
             pbw_free(&mesh);
             points_free(&p);
             test_end();
