@@ -83,6 +83,10 @@ for compiler in $compilers; do
             fi
         done
     done
+    for clocks in 0 1; do
+        check "$compiler: bench.c, with clocks: $clocks" $compiler -std=c99 $warn $([ $clocks = 0 ] || echo -DBENCH_CLOCKS) \
+            -fsyntax-only bench/bench.c
+    done
     check "$compiler: PBW_WIDE" $compiler -std=c99 $warn -I. -DPBW_WIDE -fsyntax-only "$work/whole.c"
     check "$compiler -O3: no warning from the optimiser" \
         $compiler -std=c99 -O3 $warn -I. -c "$work/whole.c" -o "$work/o3.o"
