@@ -129,6 +129,7 @@ struct store {
     unsigned long long capacity;
     uint32_t *place;                                 /* of each vertex from first: the unit where its star begins */
     uint32_t *owned;                                 /* likewise: simplices of which it is the lowest vertex */
+    const volatile uint32_t *stop;                   /* not 0: the call has failed or is cancelled, nothing counts */
 };
 
 template <int T> __device__ inline unsigned tile_ballot(bool value)
@@ -1773,7 +1774,7 @@ near_kernel(const __grid_constant__ space all, const box *group, const uint32_t 
     uint32_t *sorted = s.scratch, *waiting = s.scratch;     /* one after the other */
     uint32_t *collected = (uint32_t *)s.sphere;             /* before there is a star */
 
-    bool go = valid && length > 0;
+    bool go = valid && length > 0 && *out.stop == 0;
     float start2 = info.start * info.start;
     int have = 0;
     int shrinks = 0;                                 /* points too close for floats cannot be told apart: give up */
@@ -2354,6 +2355,9 @@ __device__ inline int far_star_of(star<DIM, WEIGHTED, NT, NV, SCRATCH, REAL> &s,
         }
         while (t >= 0 && pending == 0 && spent <= cap && (hit != 0 || depth > 0)) {
             spent++;
+            if ((spent & 63) == 0 && *in.stop != 0) {
+                spent = cap + 1;
+            }
             if (hit != 0) {                          /* the points of 4 groups */
                 uint32_t group = none;
                 for (int i = 0; i < 4; i++) {
@@ -2430,16 +2434,16 @@ far_kernel(const __grid_constant__ space all, const __grid_constant__ tree boxes
     extern __shared__ float4 shared_words[];
     star_type &s = *(RUNG::shared ? (star_type *)shared_words : (star_type *)scratch + blockIdx.x);
     pbw__digit *digits = pool == NULL ? NULL : pool + (blockIdx.x * 32 + (threadIdx.x & 31)) * (size_t)PBW__POOL;
-    __shared__ uint32_t failures;
+    __shared__ bool ends;
     for (uint32_t i = blockIdx.x; i < total; i += gridDim.x) {
         uint32_t entry = work.vertex[i], v = entry & ~stored_mark;
         bool resume = entry != v && out.place[v - out.first] != none, changed;  /* none: the store was too small */
         int count = 0;
         if (threadIdx.x == 0) {
-            failures = *(volatile uint32_t *)failed.count;
+            ends = *(volatile uint32_t *)failed.count > limit || *out.stop != 0;
         }
         meet<RUNG::warps>();
-        if (failures > limit) {
+        if (ends) {
             return;
         }
         int verdict =
@@ -3200,6 +3204,8 @@ struct call {
     pbw_job *job;                                    /* NULL: results stay on the device */
     char *message;
     size_t message_size, used, count, stars, limit;  /* stars: of the share; limit: of bytes, 0 if none */
+    uint32_t *stop;                                  /* on the device: kernels of stars end early if it is not 0 */
+    bool stopped;
     int dim;
     pbw_status status;
     bool declined;
@@ -3354,12 +3360,18 @@ void look_up(call &c, pbw_stage stage, double done)
     }
 }
 
-/* Waits for what a stream has so far; a job hears of progress meanwhile. */
+/* Waits for what a stream has so far; a job hears of progress meanwhile.  When it is cancelled, or another card has
+   failed, the kernels hear of it over the other stream. */
 bool wait(call &c, cudaStream_t stream, pbw_stage stage, double done)
 {
+    static const uint32_t one = 1;
     cudaError_t error = cudaEventRecord(c.ready, stream);
     while (error == cudaSuccess && (error = cudaEventQuery(c.ready)) == cudaErrorNotReady) {
         look_up(c, stage, done);
+        if (c.status != PBW_OK && c.stop != NULL && !c.stopped) {
+            c.stopped = true;
+            cudaMemcpyAsync(c.stop, &one, sizeof one, cudaMemcpyHostToDevice, c.copies);
+        }
         std::this_thread::yield();
         error = cudaSuccess;
     }
@@ -4033,7 +4045,7 @@ bool build(call &c, const input &in, space &s, const uint32_t *id, unsigned flag
         return false;
     }
     if (!grow_tree(c, s, DIM, t) || !allocate(c, lists, (size_t)groups * list_size) || !allocate(c, infos, groups)
-        || !allocate(c, counts, 4) || !allocate(c, used_and_seed, 5) || !allocate(c, out.place, mine)
+        || !allocate(c, counts, 5) || !allocate(c, used_and_seed, 5) || !allocate(c, out.place, mine)
         || !allocate(c, out.owned, (size_t)mine + 1)) {
         return false;
     }
@@ -4044,6 +4056,14 @@ bool build(call &c, const input &in, space &s, const uint32_t *id, unsigned flag
         }
     }
     out.used = used_and_seed;
+    out.stop = counts + 4;
+    if (!fill(c, counts + 4, 0, 1)) {
+        return false;
+    }
+    if (c.job != NULL && good(c, cudaEventRecord(c.copied, c.stream), "cudaEventRecord")
+        && good(c, cudaStreamWaitEvent(c.copies, c.copied, 0), "cudaStreamWaitEvent")) {
+        c.stop = counts + 4;
+    }
     list_kernel<<<blocks_for(groups, 4), 128, 0, c.stream>>>(t, DIM, out.first / group_size,
                                                              out.first / group_size + groups, lists, infos);
     if (!launched(c, "lists")) {

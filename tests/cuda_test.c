@@ -1,11 +1,13 @@
 /* cuda_test.c: pbw_cuda.cu against the CPU, byte for byte: the zoo, and all kinds of points and weights at sizes that
    reach every rung, each by one device and by a team of 2 to 16, the devices there are in turn.  Linked with a
    pbw_cuda.cu that was compiled for few points too (PBW_CUDA_FEW). */
+#define _POSIX_C_SOURCE 200112L
 #define PBW_IMPLEMENTATION
 #include "../pbw.h"
 #include "test.h"
 #include "meshes.h"
 #include <cuda_runtime_api.h>
+#include <time.h>
 
 static long by_gpu, by_cpu;                     /* builds of PBW_OK, by who made them */
 
@@ -365,6 +367,60 @@ static int stop_later(void *user, pbw_stage stage, double done)
     return ++calls >= stop_at;
 }
 
+static double seconds(void)
+{
+    struct timespec now;
+    clock_gettime(CLOCK_MONOTONIC, &now);
+    return (double)now.tv_sec + 1e-9 * (double)now.tv_nsec;
+}
+
+typedef struct alarm_clock { double rings, rang; } alarm_clock;
+
+static int stop_when_it_rings(void *user, pbw_stage stage, double done)
+{
+    alarm_clock *a = (alarm_clock *)user;
+    (void)stage;
+    (void)done;
+    if (a->rang == 0.0 && seconds() >= a->rings) {
+        a->rang = seconds();
+    }
+    return a->rang != 0.0;
+}
+
+/* A cancelled build returns soon, whatever the device is at. */
+static void test_soon(void)
+{
+    const size_t count = 4000000;
+    double *points = (double *)zoo_grow(NULL, count * 3 * sizeof *points), worst = 0.0, all, at;
+    pbw_options options;
+    pbw_mesh mesh;
+    int i;
+    input_fill(INPUT_UNIFORM, 3, count, 1, points);
+    memset(&options, 0, sizeof options);
+    options.backend = pbw_cuda_backend(0);
+    for (i = 0, all = 0.0; i < 2; i++) {
+        at = seconds();
+        CHECK_EQUAL(pbw_triangulate(3, points, NULL, count, &options, &mesh), PBW_OK);
+        pbw_free(&mesh);
+        all = seconds() - at;
+    }
+    options.progress = stop_when_it_rings;
+    for (i = 1; i < 12; i++) {
+        alarm_clock a = { 0.0, 0.0 };
+        pbw_status status;
+        a.rings = seconds() + all * i / 12.0;
+        options.progress_user = &a;
+        status = pbw_triangulate(3, points, NULL, count, &options, &mesh);
+        at = seconds() - a.rang;
+        CHECK_EQUAL(status, a.rang != 0.0 ? PBW_CANCELLED : PBW_OK);
+        worst = a.rang != 0.0 && at > worst ? at : worst;
+        pbw_free(&mesh);
+    }
+    printf("cancelled after %.1f ms at most, of a build of %.1f ms\n", 1e3 * worst, 1e3 * all);
+    CHECK(worst < 0.1);
+    free(points);
+}
+
 static void *no_more(void *user, void *block, size_t old_size, size_t new_size)
 {
     size_t *left = (size_t *)user;
@@ -530,6 +586,10 @@ int main(int argc, char **argv)
     test_verdicts(3000);
     test_forms();
     test_failures();
+    if (test_begin("cancelled soon")) {
+        test_soon();
+        test_end();
+    }
     printf("%ld builds by the GPU, %ld left to the CPU\n", by_gpu, by_cpu);
     return test_finish();
 }
