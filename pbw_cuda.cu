@@ -72,6 +72,11 @@
 #ifndef PBW_CUDA_FEW
 #define PBW_CUDA_FEW 1024                            /* fewer points are quicker on the CPU */
 #endif
+#ifdef PBW_CUDA_TEST
+extern "C" {
+int pbw_cuda_by_host = 0;                            /* devices take each other for unreachable */
+}
+#endif
 
 namespace {
 
@@ -83,6 +88,11 @@ namespace {
    ------------------------------------------------------------------------------------------------------ */
 const unsigned all_lanes = 0xffffffffu;
 const uint32_t none = 0xffffffffu;                   /* no point; as a vertex of a star: the vertex at infinity */
+#ifdef PBW_CUDA_TEST
+int &by_host = pbw_cuda_by_host;
+#else
+const int by_host = 0;
+#endif
 const uint32_t hidden = 0xfffffffeu;                 /* as the place of a star: the vertex has none */
 
 struct alignas(32) record {                          /* as pbw.h keeps them: {x, y, w, 0} or {x, y, z, w} */
@@ -3184,6 +3194,7 @@ struct offer {                                       /* what a card has for the 
     void *guests[most_cards];                        /* for each higher card */
     uint32_t *guest_numbers[most_cards], guest_count[most_cards];
     pbw_index *beyond, *incident;                    /* beyond: of all guests, those of the lowest card first */
+    bool open[most_cards];                           /* whether a card can read from this one */
 };
 
 struct team {
@@ -3859,14 +3870,14 @@ bool copy_out(call &c, void *to, const void *from, size_t bytes)
 /* Lets the other devices read what this one has in its pool, where they can: copies between them go the short way. */
 bool open_pool(call &c)
 {
-    const int own = c.cards->of[c.card].device;
+    offer &own = c.cards->of[c.card];
     cudaMemPool_t pool;
     for (int i = 0; i < c.cards->cards; i++) {
         const int other = c.cards->of[i].device;
         int can = 0;
-        if (other != own
-            && (!good(c, cudaDeviceCanAccessPeer(&can, other, own), "cudaDeviceCanAccessPeer")
-                || !good(c, cudaDeviceGetMemPool(&pool, own), "cudaDeviceGetMemPool"))) {
+        if (other != own.device
+            && (!good(c, cudaDeviceCanAccessPeer(&can, other, own.device), "cudaDeviceCanAccessPeer")
+                || !good(c, cudaDeviceGetMemPool(&pool, own.device), "cudaDeviceGetMemPool"))) {
             return false;
         }
         if (can) {
@@ -3875,12 +3886,33 @@ bool open_pool(call &c)
             access.location.type = cudaMemLocationTypeDevice;
             access.location.id = other;
             access.flags = cudaMemAccessFlagsProtReadWrite;
-            if (cudaMemPoolSetAccess(pool, &access, 1) != cudaSuccess) {
-                (void)cudaGetLastError();            /* then they go by way of the host */
-            }
+            can = cudaMemPoolSetAccess(pool, &access, 1) == cudaSuccess;
+            (void)cudaGetLastError();
         }
+        own.open[i] = (can || other == own.device) && !by_host;
     }
     return true;
+}
+
+/* Copies by way of the host what a card offers that this one cannot read; it is complete. */
+bool fetch_by_host(call &c, int card, char *to, const char *from, size_t bytes)
+{
+    const size_t most = (size_t)1 << 24;
+    void *host = NULL;
+    bool done = good(c, cudaMallocHost(&host, bytes < most ? bytes : most), "cudaMallocHost");
+    for (size_t at = 0; at < bytes && done; at += most) {
+        size_t part = bytes - at < most ? bytes - at : most;
+        done = good(c, cudaSetDevice(c.cards->of[card].device), "cudaSetDevice")
+            && good(c, cudaMemcpyAsync(host, from + at, part, cudaMemcpyDeviceToHost, cudaStreamPerThread),
+                    "copying to the host")
+            && good(c, cudaStreamSynchronize(cudaStreamPerThread), "copying to the host");
+        done = good(c, cudaSetDevice(c.cards->of[c.card].device), "cudaSetDevice") && done
+            && good(c, cudaMemcpyAsync(to + at, host, part, cudaMemcpyHostToDevice, c.stream),
+                    "copying from the host")
+            && good(c, cudaStreamSynchronize(c.stream), "copying from the host");
+    }
+    cudaFreeHost(host);
+    return done;
 }
 
 /* Copies what another card offers. */
@@ -3888,8 +3920,9 @@ bool fetch_from(call &c, int card, void *to, const void *from, size_t bytes)
 {
     const offer *of = c.cards->of;
     return bytes == 0
-        || good(c, cudaMemcpyPeerAsync(to, of[c.card].device, from, of[card].device, bytes, c.stream),
-                "copying between devices");
+        || (!of[card].open[c.card] ? fetch_by_host(c, card, (char *)to, (const char *)from, bytes)
+            : good(c, cudaMemcpyPeerAsync(to, of[c.card].device, from, of[card].device, bytes, c.stream),
+                   "copying between devices"));
 }
 
 /* The share of a card, by multiprocessors, whole groups: where it begins. */

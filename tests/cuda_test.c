@@ -9,6 +9,8 @@
 #include <cuda_runtime_api.h>
 #include <time.h>
 
+extern int pbw_cuda_by_host;                    /* of a pbw_cuda.cu compiled for tests */
+
 static long by_gpu, by_cpu;                     /* builds of PBW_OK, by who made them */
 
 static const pbw_backend *team_of(int cards)
@@ -421,6 +423,83 @@ static void test_soon(void)
     free(points);
 }
 
+/* Sizes beyond what one card has: as much memory as makes one refuse, and say what it needs, is enough for a team,
+   whose mesh is that of the CPU.  by_cards: the memory is that of the devices, else options.memory_limit. */
+static void test_beyond(size_t count, int by_cards, int cards)
+{
+    double *points = (double *)zoo_grow(NULL, count * 3 * sizeof *points);
+    void *taken[16] = { NULL };
+    char message[256] = "";
+    pbw_options options;
+    pbw_mesh cpu, gpu;
+    size_t needed = 0, said = 0, available, all;
+    int i;
+    input_fill(INPUT_UNIFORM, 3, count, 1, points);
+    memset(&options, 0, sizeof options);
+    CHECK_EQUAL(pbw_triangulate(3, points, NULL, count, &options, &cpu), PBW_OK);
+    options.message = message;
+    options.message_size = sizeof message;
+    for (i = 0; by_cards && i < cards; i++) {
+        CHECK(cudaSetDevice(i) == cudaSuccess && cudaDeviceSynchronize() == cudaSuccess);
+        CHECK(cudaMemGetInfo(&available, &all) == cudaSuccess && available > count * 460
+              && cudaMalloc(&taken[i], available - count * 460) == cudaSuccess);
+    }
+    options.memory_limit = by_cards ? 0 : count * 460;
+    options.backend = pbw_cuda_backend(0);
+    CHECK_EQUAL(pbw_triangulate(3, points, NULL, count, &options, &gpu), PBW_ERROR_BACKEND);
+    if (!CHECK(sscanf(message, "too little device memory: %zu bytes are needed, %zu are available", &needed, &said)
+               == 2 && needed > said && meshes_is_empty(&gpu))) {
+        test_say("%s", message);
+    }
+    options.backend = team_of(cards);
+    message[0] = '\0';
+    if (!CHECK_EQUAL(pbw_triangulate(3, points, NULL, count, &options, &gpu), PBW_OK)
+        || !CHECK(gpu.statistics.by_backend && meshes_equal(&cpu, &gpu))) {
+        test_say("%s", message);
+    }
+    pbw_free(&gpu);
+    pbw_free(&cpu);
+    for (i = 0; by_cards && i < cards; i++) {
+        cudaSetDevice(i);
+        cudaFree(taken[i]);
+    }
+    cudaSetDevice(0);
+    free(points);
+}
+
+static void test_teams(void)
+{
+    int devices = 1, cards, dim, kind;
+    double *points = (double *)zoo_grow(NULL, 20000 * 3 * sizeof *points);
+    cudaGetDeviceCount(&devices);
+    for (cards = 2; cards <= 4; cards++) {
+        if (test_begin("more than one card holds, %d cards", cards)) {
+            test_beyond(200000, 0, cards);
+            test_end();
+        }
+        if (test_begin("more than one card has, %d cards", cards)) {
+            if (devices < cards) {
+                test_skip("too few devices");
+            } else {
+                test_beyond(2000000, 1, cards);
+                test_end();
+            }
+        }
+    }
+    if (test_begin("cards that cannot reach each other")) {
+        pbw_cuda_by_host = 1;
+        for (dim = 2; dim <= 3; dim++) {
+            for (kind = 0; kind < INPUT_KINDS; kind++) {
+                input_fill(kind, dim, kind == INPUT_MOMENT ? 200 : 20000, 1, points);
+                compare(dim, points, NULL, kind == INPUT_MOMENT ? 200 : 20000, 0);
+            }
+        }
+        pbw_cuda_by_host = 0;
+        test_end();
+    }
+    free(points);
+}
+
 static void *no_more(void *user, void *block, size_t old_size, size_t new_size)
 {
     size_t *left = (size_t *)user;
@@ -586,6 +665,7 @@ int main(int argc, char **argv)
     test_verdicts(3000);
     test_forms();
     test_failures();
+    test_teams();
     if (test_begin("cancelled soon")) {
         test_soon();
         test_end();
