@@ -19,7 +19,7 @@
                    star lie within the box that the list covers.  About 97 of 100 stars of uniform points.
      second rung   a warp a star; candidates from a search of the box tree for points in conflict with the simplices
                    that the first rung left uncertified.  Hull stars, sparse places, larger stars.  At first by floats
-                   alone, then with exact tests and more room.
+                   and, where they leave it open, doubles; then with exact tests and more room.
      third rung    the same with room for 1000 vertices and with the last exact stage of pbw.h.  A handful; the few
                    that search for too long are given much longer once.
      the CPU       takes the whole input if a star does not fit any rung, if the work would be quadratic (points on a
@@ -1288,8 +1288,8 @@ __device__ inline int decide(star<DIM, WEIGHTED, NT, NV, SCRATCH, double> &s, co
 }
 
 /* Finds the cavity of point id, at p relative to v, in the stars of those tiles that go, and makes the point a vertex
-   of theirs; count: their triangles. */
-template <int T, int DIM, bool WEIGHTED, int NT, int NV, int SCRATCH, typename REAL>
+   of theirs; count: their triangles.  Without SETTLES what floats leave open stays open. */
+template <int T, bool SETTLES, int DIM, bool WEIGHTED, int NT, int NV, int SCRATCH, typename REAL>
 __device__ inline int carve(star<DIM, WEIGHTED, NT, NV, SCRATCH, REAL> &s, const space &all, uint32_t v, bool go,
                             uint32_t id, const place<REAL> &p, int count, pbw__digit *pool, hole &cavity)
 {
@@ -1314,8 +1314,8 @@ __device__ inline int carve(star<DIM, WEIGHTED, NT, NV, SCRATCH, REAL> &s, const
         opens |= (rounds_type)(hit == open_sign) << i;
     }
     if (any(opens != 0)) {
-        bool undecided = false;
-        for (int i = 0; i < rounds; i++) {
+        bool undecided = !SETTLES && opens != 0;
+        for (int i = 0; SETTLES && i < rounds; i++) {
             if ((opens >> i & 1) != 0) {
                 int hit = decide(s, all, v, count, i * T + lane, id, p, pool);
                 hits |= (rounds_type)(hit == 1) << i;
@@ -1749,7 +1749,7 @@ const int at_once = 2;                               /* groups whose points are 
 
 /* Blocks a multiprocessor, by what registers allow. */
 template <int DIM, bool EXACT> struct near_blocks {
-    static const int count = EXACT ? 4 : DIM == 2 ? 6 : 5;
+    static const int count = EXACT ? 4 : DIM == 2 ? 8 : 6;
 };
 
 template <int DIM, bool WEIGHTED, typename REAL> struct near_star {
@@ -1945,7 +1945,7 @@ near_kernel(const __grid_constant__ space all, const box *group, const uint32_t 
             pending &= pending - 1;
             uint32_t next = tile_read<T>(candidate, from);
             place<REAL> at = tile_place<T>(p, from);
-            int result = carve<T>(s, all, v, now, next, at, count, NULL, cavity);
+            int result = carve<T, EXACT>(s, all, v, now, next, at, count, NULL, cavity);
             now = result == star_changed;
             fans = cavity.edges;
             changed = changed || now;
@@ -2134,7 +2134,7 @@ __device__ inline int insert(star<DIM, WEIGHTED, NT, NV, SCRATCH, REAL> &s, cons
                              const place<REAL> &p, int &count, unsigned walls, pbw__digit *pool)
 {
     hole cavity;
-    int result = carve<32>(s, all, v, true, id, p, count, pool, cavity);
+    int result = carve<32, true>(s, all, v, true, id, p, count, pool, cavity);
     fan<32>(s, result == star_changed, cavity, cavity.edges, count, walls);
     return result;
 }
