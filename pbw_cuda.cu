@@ -22,8 +22,10 @@
                    and, where they leave it open, doubles; then with exact tests and more room.
      third rung    the same with room for 1000 vertices and with the last exact stage of pbw.h.  A handful; the few
                    that search for too long are given much longer once.
-     the CPU       takes the whole input if a star does not fit any rung, if the work would be quadratic (points on a
-                   sphere: each of its spheres touches all points), or if the points are few.
+     the CPU       takes the whole input if the first rung certifies less than half of a sample of stars (points on a
+                   surface or a curve), if a star does not fit any rung, if the work would be quadratic (points on a
+                   sphere: each of its spheres touches all points), or if the points are few.  An input on the device
+                   is not sampled.
 
    SEVERAL DEVICES.  Stars need no agreement, so each card makes those of its share, a run of the curve, and writes
    its run of the simplices, over its own link to the host.  All put all points into order, a twentieth of the work of
@@ -75,6 +77,7 @@
 #ifdef PBW_CUDA_TEST
 extern "C" {
 int pbw_cuda_by_host = 0;                            /* devices take each other for unreachable */
+int pbw_cuda_patient = 0;                            /* no input is declined after a sample */
 }
 #endif
 
@@ -89,9 +92,9 @@ namespace {
 const unsigned all_lanes = 0xffffffffu;
 const uint32_t none = 0xffffffffu;                   /* no point; as a vertex of a star: the vertex at infinity */
 #ifdef PBW_CUDA_TEST
-int &by_host = pbw_cuda_by_host;
+int &by_host = pbw_cuda_by_host, &patient = pbw_cuda_patient;
 #else
-const int by_host = 0;
+const int by_host = 0, patient = 0;
 #endif
 const uint32_t hidden = 0xfffffffeu;                 /* as the place of a star: the vertex has none */
 
@@ -124,7 +127,7 @@ struct space {
 };
 
 struct queue {                                       /* vertices for the next rung, in no order */
-    uint32_t *vertex, *count;
+    uint32_t *vertex, *count;                        /* counts of several follow each other */
 };
 
 const uint32_t stored_mark = 1u << 31;               /* in a queue: the store holds a star to go on from */
@@ -1759,7 +1762,8 @@ template <int DIM, bool WEIGHTED, typename REAL> struct near_star {
 template <int DIM, bool WEIGHTED, bool EXACT>
 __global__ void __launch_bounds__(near_block, near_blocks<DIM, EXACT>::count)
 near_kernel(const __grid_constant__ space all, const box *group, const uint32_t *lists, const near_list *infos,
-            uint32_t first, uint32_t end, const __grid_constant__ store out, queue failed, queue undecided)
+            uint32_t first, uint32_t stride, uint32_t count_of, const __grid_constant__ store out, queue failed,
+            queue undecided)
 {
     typedef typename rung_real<EXACT>::type REAL;
     typedef typename near_star<DIM, WEIGHTED, REAL>::type star_type;
@@ -1768,10 +1772,10 @@ near_kernel(const __grid_constant__ space all, const box *group, const uint32_t 
     star_type &s = ((star_type *)shared_words)[threadIdx.x / T];
     const int lane = (int)threadIdx.x & (T - 1);
     const unsigned below = lanes_below<T>();
-    uint32_t v = first + (blockIdx.x * near_block + threadIdx.x) / T;
-    bool valid = v < end, open = false;
-    v = valid ? v : end - 1;
-    v = EXACT ? undecided.vertex[v] : v;
+    uint32_t v = (blockIdx.x * near_block + threadIdx.x) / T;
+    bool valid = v < count_of, open = false;
+    v = valid ? v : count_of - 1;
+    v = EXACT ? undecided.vertex[v] : first + v * stride;
     const record own = all.point[v];
     const uint32_t g = v / group_size, row = g - out.first / group_size;
     const uint32_t *list = lists + (size_t)row * list_size;
@@ -3743,6 +3747,35 @@ bool grow_tree(call &c, space &s, int dim, tree &t)
 const int quick_cap = 1024, far_cap = 4096, last_cap[2] = { 1 << 17, 1 << 20 };
 const uint32_t last_blocks = 128;
 
+/* Few points are built soon on any rung. */
+const uint32_t sample_size = 1024, sampled_from = 1u << 14;
+
+/* Declines an input of which a sample shows that the first rung certifies less than half: points on surfaces and
+   curves, where spheres are large.  A star of the second rung takes 0.1 us at best, as a point does on 16 threads of
+   the CPU, and on such input much more. */
+template <int DIM, bool WEIGHTED>
+bool sample_stars(call &c, const space &s, const tree &t, const uint32_t *lists, const near_list *infos,
+                  const store &out, const queue *q, size_t near_bytes, size_t exact_bytes)
+{
+    const uint32_t stride = (out.end - out.first) / sample_size;
+    const unsigned blocks = blocks_for(sample_size, near_block / 8);
+    uint2 counts;                                    /* of q[0] and q[1] */
+    near_kernel<DIM, WEIGHTED, false><<<blocks, near_block, near_bytes, c.stream>>>(
+        s, t.level[0], lists, infos, out.first, stride, sample_size, out, q[0], q[1]);
+    if (!launched(c, "sample") || !read_back(c, counts, (const uint2 *)q[0].count, PBW_STAGE_BUILD, 0.0)) {
+        return false;
+    }
+    if (counts.y > 0 && counts.x + counts.y > sample_size / 2) {
+        near_kernel<DIM, WEIGHTED, true><<<blocks_for(counts.y, near_block / 8), near_block, exact_bytes, c.stream>>>(
+            s, t.level[0], lists, infos, 0, 1, counts.y, out, q[0], q[1]);
+        if (!launched(c, "sample") || !read_back(c, counts, (const uint2 *)q[0].count, PBW_STAGE_BUILD, 0.0)) {
+            return false;
+        }
+    }
+    return counts.x <= sample_size / 2
+        || decline(c, "most stars reach far (points on a surface or a curve?): quicker on the CPU");
+}
+
 /* All stars into out.  t.level[0] and lists come from before. */
 template <int DIM, bool WEIGHTED>
 bool build_stars(call &c, const space &s, const tree &t, const uint32_t *lists, const near_list *infos,
@@ -3757,10 +3790,15 @@ bool build_stars(call &c, const space &s, const tree &t, const uint32_t *lists, 
     const uint32_t chunk = 1u << 22, far_chunk = 1u << 18, mine = out.end - out.first, limit = 128 + mine / 2048;
     uint32_t open = 0, failed = 0, last = 0;
 
-    for (int i = 0; i < 3; i++) {
-        fill(c, q[i].count, 0, 1);
-    }
+    fill(c, q[0].count, 0, 3);
     fill(c, out.used, 0, 1);
+    if (!WEIGHTED && c.job != NULL && !patient && mine >= sampled_from) {   /* weights hide points, which is quick */
+        if (!sample_stars<DIM, WEIGHTED>(c, s, t, lists, infos, out, q, near_bytes, exact_bytes)) {
+            return false;
+        }
+        fill(c, q[0].count, 0, 3);
+        fill(c, out.used, 0, 1);
+    }
     fill(c, seed, 0, 4);
     fill(c, out.owned + mine, 0, 1);
     fill(c, out.place, 0xff, mine);
@@ -3768,7 +3806,7 @@ bool build_stars(call &c, const space &s, const tree &t, const uint32_t *lists, 
     for (uint32_t first = out.first; first < out.end && c.status == PBW_OK; first += chunk) {
         uint32_t count = out.end - first < chunk ? out.end - first : chunk;
         near_kernel<DIM, WEIGHTED, false><<<blocks_for(count, near_block / 8), near_block, near_bytes, c.stream>>>(
-            s, t.level[0], lists, infos, first, first + count, out, q[0], q[1]);
+            s, t.level[0], lists, infos, first, 1, count, out, q[0], q[1]);
         if (!launched(c, "near stars")) {
             return false;
         }
@@ -3791,7 +3829,7 @@ bool build_stars(call &c, const space &s, const tree &t, const uint32_t *lists, 
     }
     if (open > 0) {
         near_kernel<DIM, WEIGHTED, true><<<blocks_for(open, near_block / 8), near_block, exact_bytes, c.stream>>>(
-            s, t.level[0], lists, infos, 0, open, out, q[0], q[1]);
+            s, t.level[0], lists, infos, 0, 1, open, out, q[0], q[1]);
     }
     note(c, 3);
     if (!launched(c, "near stars") || !read_back(c, failed, q[0].count, PBW_STAGE_BUILD, 0.8)

@@ -9,7 +9,7 @@
 #include <cuda_runtime_api.h>
 #include <time.h>
 
-extern int pbw_cuda_by_host;                    /* of a pbw_cuda.cu compiled for tests */
+extern int pbw_cuda_by_host, pbw_cuda_patient;  /* of a pbw_cuda.cu compiled for tests */
 
 static long by_gpu, by_cpu;                     /* builds of PBW_OK, by who made them */
 
@@ -467,6 +467,46 @@ static void test_beyond(size_t count, int by_cards, int cards)
     free(points);
 }
 
+/* Points on surfaces and curves are left to the CPU before much is done; others are not. */
+static void test_declined(void)
+{
+    const size_t count = 50000;
+    double *points = (double *)zoo_grow(NULL, count * 3 * sizeof *points);
+    char message[256] = "";
+    pbw_options options;
+    pbw_mesh cpu, gpu;
+    int kind, cards;
+    memset(&options, 0, sizeof options);
+    options.message = message;
+    options.message_size = sizeof message;
+    for (kind = 0; kind < INPUT_KINDS && kind != INPUT_MOMENT; kind++) {
+        int reaches_far = kind == INPUT_SPHERE || kind == INPUT_TERRAIN;
+        int stays_near = kind == INPUT_UNIFORM || kind == INPUT_GAUSS || kind == INPUT_BALL || kind == INPUT_LATTICE;
+        if (!reaches_far && !stays_near) {
+            continue;
+        }
+        if (test_begin("declined early: %s", input_name(kind))) {
+            input_fill(kind, 3, count, (uint64_t)test_seed, points);
+            CHECK_EQUAL(pbw_triangulate(3, points, NULL, count, NULL, &cpu), PBW_OK);
+            pbw_cuda_patient = 0;
+            for (cards = 1; cards <= 2; cards++) {
+                options.backend = team_of(cards);
+                message[0] = '\0';
+                CHECK_EQUAL(pbw_triangulate(3, points, NULL, count, &options, &gpu), PBW_OK);
+                if (!CHECK(gpu.statistics.by_backend == stays_near && meshes_equal(&cpu, &gpu)
+                           && (stays_near || strncmp(message, "most stars reach far", 20) == 0))) {
+                    test_say("%s", message);
+                }
+                pbw_free(&gpu);
+            }
+            pbw_cuda_patient = 1;
+            pbw_free(&cpu);
+            test_end();
+        }
+    }
+    free(points);
+}
+
 static void test_teams(void)
 {
     int devices = 1, cards, dim, kind;
@@ -659,6 +699,7 @@ int main(int argc, char **argv)
         return 0;
     }
     pbw_free(&mesh);
+    pbw_cuda_patient = 1;                       /* every input reaches every rung */
     test_zoo();
     test_random();
     test_kinds(20000);
@@ -666,6 +707,7 @@ int main(int argc, char **argv)
     test_forms();
     test_failures();
     test_teams();
+    test_declined();
     if (test_begin("cancelled soon")) {
         test_soon();
         test_end();
