@@ -19,11 +19,13 @@
                    star lie within the box that the list covers.  About 97 of 100 stars of uniform points.
      second rung   a warp a star; candidates from a search of the box tree for points in conflict with the simplices
                    that the first rung left uncertified.  Hull stars, sparse places, larger stars.  At first by floats
-                   alone, then with exact tests and more room.
+                   and, where they leave it open, doubles; then with exact tests and more room.
      third rung    the same with room for 1000 vertices and with the last exact stage of pbw.h.  A handful; the few
                    that search for too long are given much longer once.
-     the CPU       takes the whole input if a star does not fit any rung, if the work would be quadratic (points on a
-                   sphere: each of its spheres touches all points), or if the points are few.
+     the CPU       takes the whole input if the first rung certifies less than half of a sample of stars (points on a
+                   surface or a curve), if a star does not fit any rung, if the work would be quadratic (points on a
+                   sphere: each of its spheres touches all points), or if the points are few.  An input on the device
+                   is not sampled.
 
    SEVERAL DEVICES.  Stars need no agreement, so each card makes those of its share, a run of the curve, and writes
    its run of the simplices, over its own link to the host.  All put all points into order, a twentieth of the work of
@@ -72,6 +74,12 @@
 #ifndef PBW_CUDA_FEW
 #define PBW_CUDA_FEW 1024                            /* fewer points are quicker on the CPU */
 #endif
+#ifdef PBW_CUDA_TEST
+extern "C" {
+int pbw_cuda_by_host = 0;                            /* devices take each other for unreachable */
+int pbw_cuda_patient = 0;                            /* no input is declined after a sample */
+}
+#endif
 
 namespace {
 
@@ -83,6 +91,11 @@ namespace {
    ------------------------------------------------------------------------------------------------------ */
 const unsigned all_lanes = 0xffffffffu;
 const uint32_t none = 0xffffffffu;                   /* no point; as a vertex of a star: the vertex at infinity */
+#ifdef PBW_CUDA_TEST
+int &by_host = pbw_cuda_by_host, &patient = pbw_cuda_patient;
+#else
+const int by_host = 0, patient = 0;
+#endif
 const uint32_t hidden = 0xfffffffeu;                 /* as the place of a star: the vertex has none */
 
 struct alignas(32) record {                          /* as pbw.h keeps them: {x, y, w, 0} or {x, y, z, w} */
@@ -114,7 +127,7 @@ struct space {
 };
 
 struct queue {                                       /* vertices for the next rung, in no order */
-    uint32_t *vertex, *count;
+    uint32_t *vertex, *count;                        /* counts of several follow each other */
 };
 
 const uint32_t stored_mark = 1u << 31;               /* in a queue: the store holds a star to go on from */
@@ -129,6 +142,7 @@ struct store {
     unsigned long long capacity;
     uint32_t *place;                                 /* of each vertex from first: the unit where its star begins */
     uint32_t *owned;                                 /* likewise: simplices of which it is the lowest vertex */
+    const volatile uint32_t *stop;                   /* not 0: the call has failed or is cancelled, nothing counts */
 };
 
 template <int T> __device__ inline unsigned tile_ballot(bool value)
@@ -726,23 +740,28 @@ __global__ void list_kernel(const __grid_constant__ tree t, int dim, uint32_t fi
    q is twice the centre of the (ortho)sphere.  For an infinite simplex on the facet (v, a, b) it is -q . p < 0 with
    q = 2^112 (a x b) / |a x b|: beside it the lift, below 2^41, does not count.  In the plane D = a x b,
    N = l_a b' - l_b a' with a' = a turned by a right angle.
-   A sphere is four floats: q, and Q, a size that carries the error of q; Q >= 2^112 marks an infinite simplex.  Let
-   u = 2^-53, f = 2^-24, A = |a|, L_a = |a|^2 + |w_a - w_v| and so on.
+   A sphere is four floats: q, and Q, a size that carries the error of q; Q >= 2^112 marks an infinite simplex.  It is
+   calculated in doubles, or in floats: differences are those of doubles, rounded, and nothing else is double, which
+   many cards are slow at.  Let f = 2^-24, and g = 2^-53 for doubles, f for floats, A = |a|, L_a = |a|^2 + |w_a - w_v|
+   and so on.
 
      D    3 factors for differences, 5 for products and sums, terms at most 1.16 ABC (the permanent of a matrix with
-          rows of norm 1 is at most 6/3^1.5):                                     error at most  10 u ABC
+          rows of norm 1 is at most 6/3^1.5):                                     error at most  10 g ABC
      N    lifts 6 factors, crosses 4, product and sums 3, terms at most sqrt 2 E,
-          E = L_a BC + L_b AC + L_c AB:                                      error at most  19 u E
-     q    if D > 2^-48 ABC > 20 u ABC the true D is at least half of it:     error at most  40 u (E + |q| ABC) / D
-          rounded to float: f |q| more.
-     test lift, p, q rounded to floats; 4 sums:                              error at most  8 f (L_p + |q| P) more
-          (a float p is off by f P, that is f |q| P in q . p; a lift by f L_p; each fused step rounds a sum of at
-          most L_p + |q| P).
+          E = L_a BC + L_b AC + L_c AB:                                      error at most  19 g E
+     q    doubles: if D > 2^-48 ABC > 20 g ABC the true D is at least half of it:     at most  40 g (E + |q| ABC) / D
+          floats: if D > 2^-16 ABC the true D is at least 0.96 of it:                 at most  20 g (E + |q| ABC) / D
+          and |q| 4 f more for the inverse, the product and rounding to float.
+     test lift 6, p, q rounded to floats or so calculated; 4 sums:           error at most  10 f L_p + 9 f |q| P more
+          (a float p is off by f P, that is f |q| P in q . p; each fused step rounds a sum of at most L_p + |q| P).
 
-   With Q = |q| + 2^-27 (E + |q| ABC) / D the bound 2^-20 (L_p + Q P) = 16 f (L_p + |q| P) + 2^-47 P (...) holds all
-   that, roots that are off by 2^-22, and for an infinite simplex the lift: 8 f Q P > 2^41.  Q is infinite if nothing
-   is known; then, and for P below 2^-50, where squares might underflow, the test says open.  In the plane and for
-   infinite simplices there are fewer factors.
+   With Q = |q| + h (E + |q| ABC) / D, h = 2^-27 for doubles and 21/16 > 20/16 for floats, the bound 2^-20 (L_p + Q P)
+   = 16 f (L_p + |q| P) + 16 f h P (...) holds all that, roots that are off by 2^-22, and for an infinite simplex the
+   lift: 8 f Q P > 2^41.  So the true q is within 2^-20 Q, the true centre within 2^-21 Q of q / 2, and the radius is
+   at most |q| / 2 + 2^-21 Q.  Q is infinite if nothing is known; then, and for P below 2^-50 (floats: 2^-24), where
+   squares (products of four lengths) might underflow, the test says open.  In the plane and for infinite simplices
+   there are fewer factors: a x b is off by 6 g AB, which is little beside it if its length is more than 2^-48 (2^-12)
+   AB, and then its direction by 12 g AB / |a x b| <= 16 f h AB / |a x b|.
 
    A wall is an infinite simplex on a side of the box of all points: v, a and b have the same extreme coordinate.  No
    point is beyond it, and one in its plane is in conflict with it exactly if it is with the finite simplex behind it,
@@ -753,8 +772,33 @@ const float slack = 9.5367431640625e-7f;             /* 2^-20 */
 const float far_away = 5.192296858534828e33f;        /* 2^112 */
 const int open_sign = PBW__OPEN;
 
-struct place {                                       /* relative to v, in units */
-    double x[3], w;
+template <typename REAL> struct place {              /* relative to v, in units */
+    REAL x[3], w;
+};
+
+/* The same float from a double but that what is not 0 stays so: on walls that counts. */
+__device__ inline float narrow(double difference, double unit)
+{
+    float x = (float)(difference * unit);
+    return x == 0.0f && difference != 0.0 ? 1e-37f : x;
+}
+
+/* What differs: the squares that are large enough, D / ABC and (|a x b| / AB)^2 where the bounds begin to hold, and
+   the factor of the error in Q. */
+template <typename REAL> struct sizes;
+template <> struct sizes<double> {
+    static __device__ double least() { return 7.9e-31; }                        /* 2^-100 */
+    static __device__ double flat() { return 3.5527136788005009e-15; }          /* 2^-48 */
+    static __device__ double thin() { return 1.3e-29; }                         /* 2^-96 */
+    static __device__ double error() { return 7.4505805969238281e-9; }          /* 2^-27 */
+    static __device__ double inverse(double d) { return 1.0 / d; }
+};
+template <> struct sizes<float> {
+    static __device__ float least() { return 3.6e-15f; }                        /* 2^-48 */
+    static __device__ float flat() { return 1.52587890625e-5f; }                /* 2^-16 */
+    static __device__ float thin() { return 6e-8f; }                            /* 2^-24 */
+    static __device__ float error() { return 1.3125f; }
+    static __device__ float inverse(float d) { return __fdividef(1.0f, d); }    /* relative error 2^-22 */
 };
 
 struct probe {                                       /* the same in floats */
@@ -768,31 +812,47 @@ __device__ inline float root(float value)            /* relative error 2^-22 */
     return result;
 }
 
-template <int DIM> __device__ inline place relative(const space &s, const record &v, const record &p)
+template <int DIM>
+__device__ inline void put_relative(const space &s, const record &v, const record &p, place<double> &r)
 {
-    place r;
     for (int k = 0; k < 3; k++) {
         r.x[k] = k < DIM ? (p.c[k] - v.c[k]) * s.unit : 0.0;
     }
     r.w = (p.c[DIM] - v.c[DIM]) * (s.unit * s.unit);
+}
+
+template <int DIM>
+__device__ inline void put_relative(const space &s, const record &v, const record &p, place<float> &r)
+{
+    for (int k = 0; k < 3; k++) {
+        r.x[k] = k < DIM ? narrow(p.c[k] - v.c[k], s.unit) : 0.0f;
+    }
+    r.w = (float)((p.c[DIM] - v.c[DIM]) * (s.unit * s.unit));
+}
+
+template <int DIM, typename REAL>
+__device__ inline place<REAL> relative(const space &s, const record &v, const record &p)
+{
+    place<REAL> r;
+    put_relative<DIM>(s, v, p, r);
     return r;
 }
 
-template <int DIM> __device__ inline double square(const double *x)
+template <int DIM, typename REAL> __device__ inline REAL square(const REAL *x)
 {
     return DIM == 3 ? x[0] * x[0] + x[1] * x[1] + x[2] * x[2] : x[0] * x[0] + x[1] * x[1];
 }
 
-template <int DIM, bool WEIGHTED> __device__ inline probe probe_of(const place &p)
+template <int DIM, bool WEIGHTED, typename REAL> __device__ inline probe probe_of(const place<REAL> &p)
 {
     probe r;
-    double l = square<DIM>(p.x);
+    REAL l = square<DIM>(p.x);
     for (int k = 0; k < 3; k++) {
         r.x[k] = (float)p.x[k];
     }
     r.load = (float)l;
     r.lift = WEIGHTED ? (float)(l - p.w) : r.load;
-    r.size = r.load > 7.9e-31f ? slack * root(r.load) : HUGE_VALF;
+    r.size = r.load > sizes<REAL>::least() ? slack * root(r.load) : HUGE_VALF;
     r.load = slack * (WEIGHTED ? r.load + fabsf((float)p.w) : r.load);
     return r;
 }
@@ -825,30 +885,32 @@ __device__ inline float4 unknown_sphere()
     return make_float4(0.0f, 0.0f, 0.0f, HUGE_VALF);
 }
 
-__device__ inline float4 sphere_of(const double *n, double d, double e, double product)
+template <typename REAL>
+__device__ inline float4 sphere_of(const REAL *n, REAL d, REAL e, REAL product)
 {
-    if (!(d > 3.5527136788005009e-15 * product)) {   /* 2^-48 */
+    if (!(d > sizes<REAL>::flat() * product)) {
         return unknown_sphere();
     }
-    double inverse = 1.0 / d, x = n[0] * inverse, y = n[1] * inverse, z = n[2] * inverse;
-    double square_q = x * x + y * y + z * z, size = root((float)square_q);
-    if (!(square_q < 1e36)) {
+    REAL inverse = sizes<REAL>::inverse(d), x = n[0] * inverse, y = n[1] * inverse, z = n[2] * inverse;
+    REAL square_q = x * x + y * y + z * z, size = root((float)square_q);
+    if (!(square_q < (REAL)1e36)) {
         return unknown_sphere();
     }
     return make_float4((float)x, (float)y, (float)z,
-                       (float)(size + 7.4505805969238281e-9 * (e + size * product) * inverse));
+                       (float)(size + sizes<REAL>::error() * (e + size * product) * inverse));
 }
 
-template <int DIM, bool WEIGHTED> __device__ inline float4 sphere(const place &pa, const place &pb, const place &pc)
+template <int DIM, bool WEIGHTED, typename REAL>
+__device__ inline float4 sphere(const place<REAL> &pa, const place<REAL> &pb, const place<REAL> &pc)
 {
-    const double *a = pa.x, *b = pb.x, *c = pc.x;
-    double la = square<DIM>(a), lb = square<DIM>(b), lc = DIM == 3 ? square<DIM>(c) : 1.0;
-    double n[3] = { 0.0, 0.0, 0.0 };
-    if (!(la > 7.9e-31 && lb > 7.9e-31 && lc > 7.9e-31)) {
+    const REAL *a = pa.x, *b = pb.x, *c = pc.x, least = sizes<REAL>::least();
+    REAL la = square<DIM>(a), lb = square<DIM>(b), lc = DIM == 3 ? square<DIM>(c) : (REAL)1;
+    REAL n[3] = { 0, 0, 0 };
+    if (!(la > least && lb > least && lc > least)) {
         return unknown_sphere();
     }
-    double A = root((float)la), B = root((float)lb), C = DIM == 3 ? root((float)lc) : 1.0f;
-    double La = la, Lb = lb, Lc = lc;
+    REAL A = root((float)la), B = root((float)lb), C = DIM == 3 ? root((float)lc) : 1.0f;
+    REAL La = la, Lb = lb, Lc = lc;
     if (WEIGHTED) {
         La += fabs(pa.w), Lb += fabs(pb.w), Lc += fabs(pc.w);
         la -= pa.w, lb -= pb.w, lc -= pc.w;
@@ -858,9 +920,9 @@ template <int DIM, bool WEIGHTED> __device__ inline float4 sphere(const place &p
         n[1] = lb * a[0] - la * b[0];
         return sphere_of(n, a[0] * b[1] - a[1] * b[0], La * B + Lb * A, A * B);
     }
-    double bc[3] = { b[1] * c[2] - b[2] * c[1], b[2] * c[0] - b[0] * c[2], b[0] * c[1] - b[1] * c[0] };
-    double ca[3] = { c[1] * a[2] - c[2] * a[1], c[2] * a[0] - c[0] * a[2], c[0] * a[1] - c[1] * a[0] };
-    double ab[3] = { a[1] * b[2] - a[2] * b[1], a[2] * b[0] - a[0] * b[2], a[0] * b[1] - a[1] * b[0] };
+    REAL bc[3] = { b[1] * c[2] - b[2] * c[1], b[2] * c[0] - b[0] * c[2], b[0] * c[1] - b[1] * c[0] };
+    REAL ca[3] = { c[1] * a[2] - c[2] * a[1], c[2] * a[0] - c[0] * a[2], c[0] * a[1] - c[1] * a[0] };
+    REAL ab[3] = { a[1] * b[2] - a[2] * b[1], a[2] * b[0] - a[0] * b[2], a[0] * b[1] - a[1] * b[0] };
     for (int k = 0; k < 3; k++) {
         n[k] = la * bc[k] + lb * ca[k] + lc * ab[k];
     }
@@ -869,28 +931,30 @@ template <int DIM, bool WEIGHTED> __device__ inline float4 sphere(const place &p
 
 /* The half-space beyond the facet (v, a, b); in the plane to the left of the line from v to a, or for sign -1 to its
    right. */
-template <int DIM> __device__ inline float4 half_space(const place &pa, const place &pb, double sign, unsigned walls)
+template <int DIM, typename REAL>
+__device__ inline float4 half_space(const place<REAL> &pa, const place<REAL> &pb, REAL sign, unsigned walls)
 {
-    const double *a = pa.x, *b = pb.x;
-    double la = square<DIM>(a), lb = DIM == 3 ? square<DIM>(b) : 1.0, n[3] = { -a[1] * sign, a[0] * sign, 0.0 };
+    const REAL *a = pa.x, *b = pb.x, least = sizes<REAL>::least();
+    REAL la = square<DIM>(a), lb = DIM == 3 ? square<DIM>(b) : (REAL)1, n[3] = { -a[1] * sign, a[0] * sign, 0 };
     if (DIM == 3) {
         n[0] = a[1] * b[2] - a[2] * b[1];
         n[1] = a[2] * b[0] - a[0] * b[2];
         n[2] = a[0] * b[1] - a[1] * b[0];
     }
     for (int k = 0; k < DIM; k++) {
-        if (a[k] == 0.0 && (DIM == 2 || b[k] == 0.0) && (walls >> (n[k] > 0.0 ? 2 * k + 1 : 2 * k) & 1) != 0) {
-            float one = n[k] > 0.0 ? far_away : -far_away;
+        if (a[k] == 0 && (DIM == 2 || b[k] == 0) && (walls >> (n[k] > 0 ? 2 * k + 1 : 2 * k) & 1) != 0) {
+            float one = n[k] > 0 ? far_away : -far_away;
             return make_float4(k == 0 ? one : 0.0f, k == 1 ? one : 0.0f, k == 2 ? one : 0.0f, -0.5f * far_away);
         }
     }
-    double square_n = n[0] * n[0] + n[1] * n[1] + n[2] * n[2];
-    if (!(la > 7.9e-31 && lb > 7.9e-31 && square_n > 1.3e-29 * la * lb)) {      /* 2^-96 */
+    REAL square_n = n[0] * n[0] + n[1] * n[1] + n[2] * n[2];
+    if (!(la > least && lb > least && square_n > sizes<REAL>::thin() * la * lb)) {
         return unknown_sphere();
     }
-    double inverse = far_away / sqrt(square_n);
-    return make_float4((float)(n[0] * inverse), (float)(n[1] * inverse), (float)(n[2] * inverse),
-                       (float)(far_away + 7.4505805969238281e-9 * sqrt(la * lb) * inverse));
+    REAL inverse = sizes<REAL>::inverse(sqrt(square_n));
+    return make_float4((float)(n[0] * inverse) * far_away, (float)(n[1] * inverse) * far_away,
+                       (float)(n[2] * inverse) * far_away,
+                       (float)(1 + sizes<REAL>::error() * sqrt(la * lb) * inverse) * far_away);
 }
 
 /* The exact sign of a determinant as in >>predicates of pbw.h; open_sign only if pool is NULL. */
@@ -1013,12 +1077,16 @@ template <> struct star_types<true> {
     static const int bits = 10;
 };
 
+/* What a rung calculates in. */
+template <bool EXACT> struct rung_real { typedef float type; };
+template <> struct rung_real<true> { typedef double type; };
+
 /* NT triangles, NV vertices, SCRATCH words for the rung's search. */
-template <int DIM, bool WEIGHTED, int NT, int NV, int SCRATCH> struct star {
+template <int DIM, bool WEIGHTED, int NT, int NV, int SCRATCH, typename REAL> struct star {
     typedef star_types<(NT > 256)> types;
     static const int words = NV / 32;
     float4 sphere[NT];
-    double x[NV][DIM], w[WEIGHTED ? NV : 1];
+    REAL x[NV][DIM], w[WEIGHTED ? NV : 1];
     uint32_t id[NV], triangle[NT], matrix[NV * words], used[words], scratch[SCRATCH];
     typename types::pair border[NT + 4];
     typename types::number cavity[NT];
@@ -1031,9 +1099,9 @@ __device__ inline uint32_t pack(uint32_t a, uint32_t b, uint32_t c)
     return a | b << 10 | c << 20;
 }
 
-template <int DIM, bool WEIGHTED, int NT, int NV, int SCRATCH>
-__device__ inline void set_vertex(star<DIM, WEIGHTED, NT, NV, SCRATCH> &s, uint32_t number, uint32_t id,
-                                  const place &p)
+template <int DIM, bool WEIGHTED, int NT, int NV, int SCRATCH, typename REAL>
+__device__ inline void set_vertex(star<DIM, WEIGHTED, NT, NV, SCRATCH, REAL> &s, uint32_t number, uint32_t id,
+                                  const place<REAL> &p)
 {
     s.id[number] = id;
     for (int k = 0; k < DIM; k++) {
@@ -1044,46 +1112,46 @@ __device__ inline void set_vertex(star<DIM, WEIGHTED, NT, NV, SCRATCH> &s, uint3
     }
 }
 
-template <int DIM, bool WEIGHTED, int NT, int NV, int SCRATCH>
-__device__ inline place vertex_place(const star<DIM, WEIGHTED, NT, NV, SCRATCH> &s, uint32_t number)
+template <int DIM, bool WEIGHTED, int NT, int NV, int SCRATCH, typename REAL>
+__device__ inline place<REAL> vertex_place(const star<DIM, WEIGHTED, NT, NV, SCRATCH, REAL> &s, uint32_t number)
 {
-    place p;
+    place<REAL> p;
     for (int k = 0; k < 3; k++) {
-        p.x[k] = k < DIM ? s.x[number][k] : 0.0;
+        p.x[k] = k < DIM ? s.x[number][k] : 0;
     }
-    p.w = WEIGHTED ? s.w[number] : 0.0;
+    p.w = WEIGHTED ? s.w[number] : 0;
     return p;
 }
 
 /* The sphere of triangle (a, b, c); in the plane of edge (a, b).  0 is the vertex at infinity. */
-template <int DIM, bool WEIGHTED>
-__device__ inline float4 sphere_of_triangle(uint32_t a, uint32_t b, uint32_t c, const place &pa, const place &pb,
-                                            const place &pc, unsigned walls)
+template <int DIM, bool WEIGHTED, typename REAL>
+__device__ inline float4 sphere_of_triangle(uint32_t a, uint32_t b, uint32_t c, const place<REAL> &pa,
+                                            const place<REAL> &pb, const place<REAL> &pc, unsigned walls)
 {
     if (DIM == 3) {
         if (a != 0 && b != 0 && c != 0) {
             return sphere<DIM, WEIGHTED>(pa, pb, pc);
         }
-        place from, to;                              /* the finite edge, selected without pointers to registers */
+        place<REAL> from, to;                        /* the finite edge, selected without pointers to registers */
         for (int k = 0; k < 3; k++) {
             from.x[k] = a == 0 ? pb.x[k] : b == 0 ? pc.x[k] : pa.x[k];
             to.x[k] = a == 0 ? pc.x[k] : b == 0 ? pa.x[k] : pb.x[k];
         }
-        return half_space<DIM>(from, to, 1.0, walls);
+        return half_space<DIM>(from, to, (REAL)1, walls);
     }
     if (a != 0 && b != 0) {
         return sphere<DIM, WEIGHTED>(pa, pb, pc);
     }
-    place end;
+    place<REAL> end;
     for (int k = 0; k < 3; k++) {
         end.x[k] = a == 0 ? pb.x[k] : pa.x[k];
     }
-    return half_space<DIM>(end, end, a == 0 ? -1.0 : 1.0, walls);
+    return half_space<DIM>(end, end, (REAL)(a == 0 ? -1 : 1), walls);
 }
 
 /* used: the vertices that triangles have, and 0. */
-template <int T, int DIM, bool WEIGHTED, int NT, int NV, int SCRATCH>
-__device__ inline void find_used(star<DIM, WEIGHTED, NT, NV, SCRATCH> &s, bool go, int count)
+template <int T, int DIM, bool WEIGHTED, int NT, int NV, int SCRATCH, typename REAL>
+__device__ inline void find_used(star<DIM, WEIGHTED, NT, NV, SCRATCH, REAL> &s, bool go, int count)
 {
     int lane = (int)threadIdx.x & (T - 1);
     __syncwarp();
@@ -1113,8 +1181,8 @@ struct hole {
 /* As settle, for p relative to v, by doubles that round nothing: on a small grid all products are integers in its
    unit, below 2^53 (>>cavity of pbw.h: there p is the origin, here v, but the 24 products have the same bound).  The
    coefficients of the lifts are those of pbw__tie.  open_sign if a height is too large for that. */
-template <int DIM, bool WEIGHTED, int NT, int NV, int SCRATCH>
-__device__ __noinline__ int settle_on_grid(const star<DIM, WEIGHTED, NT, NV, SCRATCH> &s, int count, int t,
+template <int DIM, bool WEIGHTED, int NT, int NV, int SCRATCH, typename REAL>
+__device__ __noinline__ int settle_on_grid(const star<DIM, WEIGHTED, NT, NV, SCRATCH, REAL> &s, int count, int t,
                                            double limit, double px, double py, double pz, double pw)
 {
     const double p[3] = { px, py, pz }, lift = square<DIM>(p) - (WEIGHTED ? pw : 0.0);
@@ -1127,7 +1195,7 @@ __device__ __noinline__ int settle_on_grid(const star<DIM, WEIGHTED, NT, NV, SCR
         int at = -1;
         for (int i = 0; i < 3; i++) {
             uint32_t number = i < DIM ? corner(packed, i) : 0;
-            place a = vertex_place(s, number);
+            place<REAL> a = vertex_place(s, number);
             at = i < DIM && number == 0 ? i : at;
             raised[i] = square<DIM>(a.x) - a.w;
             if (i < DIM && number != 0 && !(square<DIM>(a.x) + fabs(a.w) < limit)) {
@@ -1186,22 +1254,49 @@ __device__ __noinline__ int settle_on_grid(const star<DIM, WEIGHTED, NT, NV, SCR
     return open_sign;
 }
 
+/* The sphere of the facet (a, b, c), none being the vertex at infinity, and the answer for point p, by doubles. */
+template <int DIM, bool WEIGHTED>
+__device__ __noinline__ int refine(const space &all, uint32_t v, uint32_t a, uint32_t b, uint32_t c, uint32_t p,
+                                   float4 *sphere)
+{
+    const record own = all.point[v];
+    float4 q = sphere_of_triangle<DIM, WEIGHTED>(
+        a != none, b != none, c != none, relative<DIM, double>(all, own, all.point[a != none ? a : v]),
+        relative<DIM, double>(all, own, all.point[b != none ? b : v]),
+        relative<DIM, double>(all, own, all.point[c != none ? c : v]), walls_of<DIM>(all, own));
+    *sphere = q;
+    return side(q, probe_of<DIM, WEIGHTED>(relative<DIM, double>(all, own, all.point[p])));
+}
+
+/* What floats leave open: is point id in conflict with triangle t?  A star in floats gets the sphere from doubles. */
+template <int DIM, bool WEIGHTED, int NT, int NV, int SCRATCH>
+__device__ inline int decide(star<DIM, WEIGHTED, NT, NV, SCRATCH, float> &s, const space &all, uint32_t v, int, int t,
+                             uint32_t id, const place<float> &, pbw__digit *)
+{
+    uint32_t c[3] = { 1, 1, 1 };
+    for (int k = 0; k < DIM; k++) {
+        c[k] = corner(s.triangle[t], k);
+    }
+    return refine<DIM, WEIGHTED>(all, v, c[0] != 0 ? s.id[c[0]] : none, c[1] != 0 ? s.id[c[1]] : none,
+                                 DIM == 3 && c[2] != 0 ? s.id[c[2]] : none, id, &s.sphere[t]);
+}
+
 /* The exact answer: is point id, at p relative to v, in conflict with triangle t? */
 template <int DIM, bool WEIGHTED, int NT, int NV, int SCRATCH>
-__device__ inline int decide(const star<DIM, WEIGHTED, NT, NV, SCRATCH> &s, const space &all, uint32_t v, int count,
-                             int t, uint32_t id, const place &p, pbw__digit *pool)
+__device__ inline int decide(star<DIM, WEIGHTED, NT, NV, SCRATCH, double> &s, const space &all, uint32_t v, int count,
+                             int t, uint32_t id, const place<double> &p, pbw__digit *pool)
 {
     int hit = settle_on_grid(s, count, t, all.exact_height, p.x[0], p.x[1], p.x[2], p.w);
     return hit != open_sign ? hit : settle<DIM>(all, v, s.id, s.triangle, count, t, id, pool);
 }
 
 /* Finds the cavity of point id, at p relative to v, in the stars of those tiles that go, and makes the point a vertex
-   of theirs; count: their triangles.  Without EXACT what floats leave open stays open. */
-template <int T, bool EXACT, int DIM, bool WEIGHTED, int NT, int NV, int SCRATCH>
-__device__ inline int carve(star<DIM, WEIGHTED, NT, NV, SCRATCH> &s, const space &all, uint32_t v, bool go,
-                            uint32_t id, const place &p, int count, pbw__digit *pool, hole &cavity)
+   of theirs; count: their triangles.  Without SETTLES what floats leave open stays open. */
+template <int T, bool SETTLES, int DIM, bool WEIGHTED, int NT, int NV, int SCRATCH, typename REAL>
+__device__ inline int carve(star<DIM, WEIGHTED, NT, NV, SCRATCH, REAL> &s, const space &all, uint32_t v, bool go,
+                            uint32_t id, const place<REAL> &p, int count, pbw__digit *pool, hole &cavity)
 {
-    typedef typename star<DIM, WEIGHTED, NT, NV, SCRATCH>::types types;
+    typedef typename star<DIM, WEIGHTED, NT, NV, SCRATCH, REAL>::types types;
     typedef typename types::pair pair;
     typedef typename types::number number_type;
     const int words = NV / 32, lane = (int)threadIdx.x & (T - 1);
@@ -1222,8 +1317,8 @@ __device__ inline int carve(star<DIM, WEIGHTED, NT, NV, SCRATCH> &s, const space
         opens |= (rounds_type)(hit == open_sign) << i;
     }
     if (any(opens != 0)) {
-        bool undecided = !EXACT && opens != 0;
-        for (int i = 0; EXACT && i < rounds; i++) {
+        bool undecided = !SETTLES && opens != 0;
+        for (int i = 0; SETTLES && i < rounds; i++) {
             if ((opens >> i & 1) != 0) {
                 int hit = decide(s, all, v, count, i * T + lane, id, p, pool);
                 hits |= (rounds_type)(hit == 1) << i;
@@ -1331,11 +1426,11 @@ __device__ inline int carve(star<DIM, WEIGHTED, NT, NV, SCRATCH> &s, const space
 
 /* Replaces the cavities of the tiles that go by the triangles from the first fans edges of their borders to the new
    vertex, and from the others to infinity; in the plane the border is the new edges. */
-template <int T, int DIM, bool WEIGHTED, int NT, int NV, int SCRATCH>
-__device__ inline void fan(star<DIM, WEIGHTED, NT, NV, SCRATCH> &s, bool go, const hole &cavity, int fans, int &count,
-                           unsigned walls)
+template <int T, int DIM, bool WEIGHTED, int NT, int NV, int SCRATCH, typename REAL>
+__device__ inline void fan(star<DIM, WEIGHTED, NT, NV, SCRATCH, REAL> &s, bool go, const hole &cavity, int fans,
+                           int &count, unsigned walls)
 {
-    typedef typename star<DIM, WEIGHTED, NT, NV, SCRATCH>::types types;
+    typedef typename star<DIM, WEIGHTED, NT, NV, SCRATCH, REAL>::types types;
     const int lane = (int)threadIdx.x & (T - 1), conflicts = cavity.conflicts, edges = cavity.edges;
     const int edge_end = warp_max<T>(go ? edges : 0);
     for (int base = 0; base < edge_end; base += T) {
@@ -1368,10 +1463,11 @@ __device__ inline void fan(star<DIM, WEIGHTED, NT, NV, SCRATCH> &s, bool go, con
 
 /* The star of v and the points a, b, c, one finite triangle and an infinite one on each of its edges, as the border
    of a hole that fan fills. */
-template <int T, int DIM, bool WEIGHTED, int NT, int NV, int SCRATCH>
-__device__ inline void start(star<DIM, WEIGHTED, NT, NV, SCRATCH> &s, bool go, const uint32_t *id, const place *p)
+template <int T, int DIM, bool WEIGHTED, int NT, int NV, int SCRATCH, typename REAL>
+__device__ inline void start(star<DIM, WEIGHTED, NT, NV, SCRATCH, REAL> &s, bool go, const uint32_t *id,
+                             const place<REAL> *p)
 {
-    typedef typename star<DIM, WEIGHTED, NT, NV, SCRATCH>::types types;
+    typedef typename star<DIM, WEIGHTED, NT, NV, SCRATCH, REAL>::types types;
     int lane = (int)threadIdx.x & (T - 1);
     if (go) {
         for (int i = lane; i < NV * s.words; i += T) {
@@ -1406,8 +1502,8 @@ template <int DIM> __device__ inline hole first_hole()
 }
 
 /* Stores the finished stars of the tiles that go. */
-template <int T, int DIM, bool WEIGHTED, int NT, int NV, int SCRATCH>
-__device__ inline void finish(star<DIM, WEIGHTED, NT, NV, SCRATCH> &s, bool go, uint32_t v, int count,
+template <int T, int DIM, bool WEIGHTED, int NT, int NV, int SCRATCH, typename REAL>
+__device__ inline void finish(star<DIM, WEIGHTED, NT, NV, SCRATCH, REAL> &s, bool go, uint32_t v, int count,
                               const store &out)
 {
     int lane = (int)threadIdx.x & (T - 1), vertices = 0;
@@ -1493,7 +1589,8 @@ __device__ inline void enqueue(const queue &q, bool put, uint32_t v)
 }
 
 /* The sizes of three points' frame: a fat corner is one whose determinant the filter need not look at. */
-template <int DIM> __device__ inline double corner_size(const place &a, const place &b, const place &c)
+template <int DIM, typename REAL>
+__device__ inline REAL corner_size(const place<REAL> &a, const place<REAL> &b, const place<REAL> &c)
 {
     return DIM == 3 ? c.x[0] * (a.x[1] * b.x[2] - a.x[2] * b.x[1]) + c.x[1] * (a.x[2] * b.x[0] - a.x[0] * b.x[2])
                       + c.x[2] * (a.x[0] * b.x[1] - a.x[1] * b.x[0])
@@ -1501,22 +1598,24 @@ template <int DIM> __device__ inline double corner_size(const place &a, const pl
 }
 
 /* |a x b|^2 / (|a|^2 |b|^2) and |det|^2 / (|a|^2 |b|^2 |c|^2); 0 where there is a 0. */
-__device__ inline float line_fatness(const place &a, const place &b)
+template <typename REAL> __device__ inline float line_fatness(const place<REAL> &a, const place<REAL> &b)
 {
-    double x = a.x[1] * b.x[2] - a.x[2] * b.x[1], y = a.x[2] * b.x[0] - a.x[0] * b.x[2];
-    double z = a.x[0] * b.x[1] - a.x[1] * b.x[0], size = square<3>(a.x) * square<3>(b.x);
-    return size > 1e-60 ? (float)((x * x + y * y + z * z) / size) : 0.0f;
+    REAL x = a.x[1] * b.x[2] - a.x[2] * b.x[1], y = a.x[2] * b.x[0] - a.x[0] * b.x[2];
+    REAL z = a.x[0] * b.x[1] - a.x[1] * b.x[0], size = square<3>(a.x) * square<3>(b.x);
+    return size > sizes<REAL>::least() * sizes<REAL>::least() ? (float)((x * x + y * y + z * z) / size) : 0.0f;
 }
 
-template <int DIM> __device__ inline float fatness(const place &a, const place &b, const place &c)
+template <int DIM, typename REAL>
+__device__ inline float fatness(const place<REAL> &a, const place<REAL> &b, const place<REAL> &c)
 {
-    double d = corner_size<DIM>(a, b, c), size = square<3>(a.x) * square<3>(b.x) * (DIM == 3 ? square<3>(c.x) : 1.0);
-    return size > 1e-90 ? (float)(d * d / size) : 0.0f;
+    REAL d = corner_size<DIM>(a, b, c) * rsqrt(square<3>(a.x)) * rsqrt(square<3>(b.x));
+    d *= DIM == 3 ? rsqrt(square<3>(c.x)) : 1;
+    return d * d > 0 ? (float)(d * d) : 0.0f;
 }
 
-template <int T> __device__ inline place tile_place(const place &p, int lane)
+template <int T, typename REAL> __device__ inline place<REAL> tile_place(const place<REAL> &p, int lane)
 {
-    place r;
+    place<REAL> r;
     for (int k = 0; k < 3; k++) {
         r.x[k] = tile_read<T>(p.x[k], lane);
     }
@@ -1526,13 +1625,13 @@ template <int T> __device__ inline place tile_place(const place &p, int lane)
 
 /* Starts the stars of the tiles that go with points id, at p, of their own lanes, candidates being those of lanes
    below have, nearest first: fan is left to do.  Returns the lanes used, or 0 where no fat corner was found. */
-template <int T, int DIM, bool WEIGHTED, int NT, int NV, int SCRATCH>
-__device__ inline unsigned start_from_lanes(star<DIM, WEIGHTED, NT, NV, SCRATCH> &s, bool go, uint32_t id,
-                                            const place &p, int have)
+template <int T, int DIM, bool WEIGHTED, int NT, int NV, int SCRATCH, typename REAL>
+__device__ inline unsigned start_from_lanes(star<DIM, WEIGHTED, NT, NV, SCRATCH, REAL> &s, bool go, uint32_t id,
+                                            const place<REAL> &p, int have)
 {
     int lane = (int)threadIdx.x & (T - 1);
     bool here = go && lane < have;
-    place a = tile_place<T>(p, 0), b;
+    place<REAL> a = tile_place<T>(p, 0), b;
     uint32_t ids[3];
     unsigned vote = tile_ballot<T>(here && lane > 0 && line_fatness(a, p) > 0.01f);
     int second = vote != 0 ? __ffs((int)vote) - 1 : 0, third = second;
@@ -1543,11 +1642,11 @@ __device__ inline unsigned start_from_lanes(star<DIM, WEIGHTED, NT, NV, SCRATCH>
         third = vote != 0 ? __ffs((int)vote) - 1 : 0;
         go = go && vote != 0;
     }
-    place c = tile_place<T>(p, third), frame[3];
+    place<REAL> c = tile_place<T>(p, third), frame[3];
     ids[0] = tile_read<T>(id, 0);
     ids[1] = tile_read<T>(id, second);
     ids[2] = tile_read<T>(id, third);
-    bool turn = corner_size<DIM>(a, b, c) < 0.0;
+    bool turn = corner_size<DIM>(a, b, c) < 0;
     frame[0] = turn ? b : a;
     frame[1] = turn ? a : b;
     frame[2] = c;
@@ -1584,16 +1683,18 @@ __device__ inline float rough_square(const float4 &p, const float *v, float *x)
 }
 
 /* The radius around q / 2 within which a point of the largest weight may be in conflict, grown by more than all
-   roundings. */
+   roundings and by the error of the centre. */
 template <bool WEIGHTED> __device__ inline float radius_of(float4 q, float heaviest)
 {
-    float radius = 0.5f * q.w;
+    float size = root(fmaf(q.x, q.x, fmaf(q.y, q.y, q.z * q.z)));
+    float radius = q.w < far_away ? fmaf(0.5f, size, slack * q.w) : 0.5f * q.w;
     return (WEIGHTED ? root(fmaf(radius, radius, heaviest)) : radius) * 1.00001f;
 }
 
 /* Bounds of the spheres of a star. */
-template <int T, int DIM, bool WEIGHTED, int NT, int NV, int SCRATCH>
-__device__ inline span reach_of(const star<DIM, WEIGHTED, NT, NV, SCRATCH> &s, bool go, int count, float heaviest)
+template <int T, int DIM, bool WEIGHTED, int NT, int NV, int SCRATCH, typename REAL>
+__device__ inline span reach_of(const star<DIM, WEIGHTED, NT, NV, SCRATCH, REAL> &s, bool go, int count,
+                                float heaviest)
 {
     span r = { { 0.0f, 0.0f, 0.0f }, { 0.0f, 0.0f, 0.0f } };
     int lane = (int)threadIdx.x & (T - 1);
@@ -1619,8 +1720,9 @@ __device__ inline span reach_of(const star<DIM, WEIGHTED, NT, NV, SCRATCH> &s, b
 
 /* Whether floats leave it open that point p is in conflict with some simplex of the star; all lanes of a tile go or
    none does, each with its own point.  The test is that of side, with the bound in the sum; a wall adds to it. */
-template <int T, int DIM, bool WEIGHTED, int NT, int NV, int SCRATCH>
-__device__ inline bool may_conflict(const star<DIM, WEIGHTED, NT, NV, SCRATCH> &s, bool go, int count, const place &p)
+template <int T, int DIM, bool WEIGHTED, int NT, int NV, int SCRATCH, typename REAL>
+__device__ inline bool may_conflict(const star<DIM, WEIGHTED, NT, NV, SCRATCH, REAL> &s, bool go, int count,
+                                    const place<REAL> &p)
 {
     probe f = probe_of<DIM, WEIGHTED>(p);
     float lift = fmaf(-1.25f, f.load, f.lift), size = -1.25f * f.size;
@@ -1650,28 +1752,30 @@ const int at_once = 2;                               /* groups whose points are 
 
 /* Blocks a multiprocessor, by what registers allow. */
 template <int DIM, bool EXACT> struct near_blocks {
-    static const int count = EXACT ? 4 : DIM == 2 ? 6 : 5;
+    static const int count = EXACT ? 4 : DIM == 2 ? 8 : 6;
 };
 
-template <int DIM, bool WEIGHTED> struct near_star {
-    typedef star<DIM, WEIGHTED, near_triangles, near_vertices, near_points> type;
+template <int DIM, bool WEIGHTED, typename REAL> struct near_star {
+    typedef star<DIM, WEIGHTED, near_triangles, near_vertices, near_points, REAL> type;
 };
 
 template <int DIM, bool WEIGHTED, bool EXACT>
 __global__ void __launch_bounds__(near_block, near_blocks<DIM, EXACT>::count)
 near_kernel(const __grid_constant__ space all, const box *group, const uint32_t *lists, const near_list *infos,
-            uint32_t first, uint32_t end, const __grid_constant__ store out, queue failed, queue undecided)
+            uint32_t first, uint32_t stride, uint32_t count_of, const __grid_constant__ store out, queue failed,
+            queue undecided)
 {
-    typedef typename near_star<DIM, WEIGHTED>::type star_type;
+    typedef typename rung_real<EXACT>::type REAL;
+    typedef typename near_star<DIM, WEIGHTED, REAL>::type star_type;
     extern __shared__ float4 shared_words[];
     const int T = 8;
     star_type &s = ((star_type *)shared_words)[threadIdx.x / T];
     const int lane = (int)threadIdx.x & (T - 1);
     const unsigned below = lanes_below<T>();
-    uint32_t v = first + (blockIdx.x * near_block + threadIdx.x) / T;
-    bool valid = v < end, open = false;
-    v = valid ? v : end - 1;
-    v = EXACT ? undecided.vertex[v] : v;
+    uint32_t v = (blockIdx.x * near_block + threadIdx.x) / T;
+    bool valid = v < count_of, open = false;
+    v = valid ? v : count_of - 1;
+    v = EXACT ? undecided.vertex[v] : first + v * stride;
     const record own = all.point[v];
     const uint32_t g = v / group_size, row = g - out.first / group_size;
     const uint32_t *list = lists + (size_t)row * list_size;
@@ -1684,7 +1788,7 @@ near_kernel(const __grid_constant__ space all, const box *group, const uint32_t 
     uint32_t *sorted = s.scratch, *waiting = s.scratch;     /* one after the other */
     uint32_t *collected = (uint32_t *)s.sphere;             /* before there is a star */
 
-    bool go = valid && length > 0;
+    bool go = valid && length > 0 && *out.stop == 0;
     float start2 = info.start * info.start;
     int have = 0;
     int shrinks = 0;                                 /* points too close for floats cannot be told apart: give up */
@@ -1751,7 +1855,7 @@ near_kernel(const __grid_constant__ space all, const box *group, const uint32_t 
     __syncwarp();
 
     uint32_t candidate = go && lane < have ? sorted[lane] : none;   /* 2. */
-    place p = relative<DIM>(all, own, all.point[candidate != none ? candidate : v]);
+    place<REAL> p = relative<DIM, REAL>(all, own, all.point[candidate != none ? candidate : v]);
     int count = 0, cursor = T, stored = 0, position = 0;
     unsigned used = start_from_lanes<T>(s, go, candidate, p, have);
     go = go && used != 0;
@@ -1771,7 +1875,7 @@ near_kernel(const __grid_constant__ space all, const box *group, const uint32_t 
                 candidate = lane < take ? s.scratch[(walking ? stored - take : cursor) + lane] : none;
                 stored -= walking ? take : 0;
             }
-            p = relative<DIM>(all, own, all.point[candidate != none ? candidate : v]);
+            p = relative<DIM, REAL>(all, own, all.point[candidate != none ? candidate : v]);
             bool screened = walking || cursor >= 2 * T;
             bool may = may_conflict<T>(s, feed && screened, count, p) || !screened;
             unsigned vote = tile_ballot<T>(feed && candidate != none && may);
@@ -1844,7 +1948,7 @@ near_kernel(const __grid_constant__ space all, const box *group, const uint32_t 
             int from = now ? __ffs((int)pending) - 1 : 0;
             pending &= pending - 1;
             uint32_t next = tile_read<T>(candidate, from);
-            place at = relative<DIM>(all, own, all.point[now ? next : v]);
+            place<REAL> at = tile_place<T>(p, from);
             int result = carve<T, EXACT>(s, all, v, now, next, at, count, NULL, cavity);
             now = result == star_changed;
             fans = cavity.edges;
@@ -1918,7 +2022,8 @@ struct talk {
 
 template <int DIM, bool WEIGHTED, typename RUNG> struct far_star {
     typedef star<DIM, WEIGHTED, RUNG::triangles, RUNG::vertices,
-                 RUNG::warps * stack_size + (int)(sizeof(talk) / sizeof(uint32_t))> type;
+                 RUNG::warps * stack_size + (int)(sizeof(talk) / sizeof(uint32_t)),
+                 typename rung_real<RUNG::exact>::type> type;
 };
 
 template <int WARPS> __device__ inline void meet()
@@ -1959,15 +2064,16 @@ __global__ void seed_kernel(const __grid_constant__ space s, int dim, int found,
 {
     unsigned long long best = 0;
     record r[3];
-    place base[2];
+    place<double> base[2];
     for (int i = 0; i < found; i++) {
         r[i] = s.point[i == 0 ? 0 : (uint32_t)seed[i]];
     }
     for (int i = 1; i < found; i++) {
-        base[i - 1] = dim == 3 ? relative<3>(s, r[0], r[i]) : relative<2>(s, r[0], r[i]);
+        base[i - 1] = dim == 3 ? relative<3, double>(s, r[0], r[i]) : relative<2, double>(s, r[0], r[i]);
     }
     for (size_t i = thread_number(); i < s.count; i += (size_t)gridDim.x * blockDim.x) {
-        place p = dim == 3 ? relative<3>(s, r[0], s.point[i]) : relative<2>(s, r[0], s.point[i]);
+        place<double> p = dim == 3 ? relative<3, double>(s, r[0], s.point[i])
+                                   : relative<2, double>(s, r[0], s.point[i]);
         double d = found == 1 ? square<3>(p.x)
                  : found == 2 ? line_fatness(base[0], p) * square<3>(p.x) : fabs(corner_size<3>(base[0], base[1], p));
         unsigned long long key = (unsigned long long)__float_as_uint((float)d) << 32 | i;
@@ -1984,12 +2090,12 @@ __global__ void seed_kernel(const __grid_constant__ space s, int dim, int found,
 
 /* Starts a star from the points of the warp's lanes where start_from_lanes cannot: the nearest and two that, with v,
    come nearest to spanning the space, among them four seeds that do span it. */
-template <int DIM, bool WEIGHTED, int NT, int NV, int SCRATCH>
-__device__ inline bool start_from_seeds(star<DIM, WEIGHTED, NT, NV, SCRATCH> &s, const space &all, uint32_t v,
-                                        uint32_t id, const place &p, bool here, pbw__digit *pool)
+template <int DIM, bool WEIGHTED, int NT, int NV, int SCRATCH, typename REAL>
+__device__ inline bool start_from_seeds(star<DIM, WEIGHTED, NT, NV, SCRATCH, REAL> &s, const space &all, uint32_t v,
+                                        uint32_t id, const place<REAL> &p, bool here, pbw__digit *pool)
 {
     int lane = (int)threadIdx.x & 31, second, third;
-    place a = tile_place<32>(p, 0), b, c, frame[3];
+    place<REAL> a = tile_place<32>(p, 0), b, c, frame[3];
     uint32_t ids[3];
     float fat = here && lane > 0 ? line_fatness(a, p) : 0.0f, best = -tile_min<32>(-fat);
     second = __ffs((int)__ballot_sync(all_lanes, fat == best)) - 1;
@@ -2027,29 +2133,30 @@ __device__ inline bool start_from_seeds(star<DIM, WEIGHTED, NT, NV, SCRATCH> &s,
 
 /* Inserts a point into the star of a warp.  The exact one is a call: inlined into the search, some insertions come
    out wrong with nvcc 13.0 (with ptxas -O1 none do).  The reason is not known. */
-template <bool EXACT, int DIM, bool WEIGHTED, int NT, int NV, int SCRATCH>
-__device__ inline int insert(star<DIM, WEIGHTED, NT, NV, SCRATCH> &s, const space &all, uint32_t v, uint32_t id,
-                             const place &p, int &count, unsigned walls, pbw__digit *pool)
+template <int DIM, bool WEIGHTED, int NT, int NV, int SCRATCH, typename REAL>
+__device__ inline int insert(star<DIM, WEIGHTED, NT, NV, SCRATCH, REAL> &s, const space &all, uint32_t v, uint32_t id,
+                             const place<REAL> &p, int &count, unsigned walls, pbw__digit *pool)
 {
     hole cavity;
-    int result = carve<32, EXACT>(s, all, v, true, id, p, count, pool, cavity);
+    int result = carve<32, true>(s, all, v, true, id, p, count, pool, cavity);
     fan<32>(s, result == star_changed, cavity, cavity.edges, count, walls);
     return result;
 }
 
-template <int DIM, bool WEIGHTED, int NT, int NV, int SCRATCH>
-__device__ __noinline__ int insert_exactly(star<DIM, WEIGHTED, NT, NV, SCRATCH> &s, const space &all, uint32_t v,
-                                           uint32_t id, const place &p, int &count, unsigned walls, pbw__digit *pool)
+template <int DIM, bool WEIGHTED, int NT, int NV, int SCRATCH, typename REAL>
+__device__ __noinline__ int insert_exactly(star<DIM, WEIGHTED, NT, NV, SCRATCH, REAL> &s, const space &all,
+                                           uint32_t v, uint32_t id, const place<REAL> &p, int &count, unsigned walls,
+                                           pbw__digit *pool)
 {
-    return insert<true>(s, all, v, id, p, count, walls, pool);
+    return insert(s, all, v, id, p, count, walls, pool);
 }
 
 /* A star of v from 28 points at growing distances along the curve, so that it is bounded in all directions from the
    start; false if they and, with EXACT, the seeds span no simplex. */
-template <bool EXACT, int DIM, bool WEIGHTED, int NT, int NV, int SCRATCH>
-__device__ inline bool start_on_curve(star<DIM, WEIGHTED, NT, NV, SCRATCH> &s, const space &all,
+template <bool EXACT, int DIM, bool WEIGHTED, int NT, int NV, int SCRATCH, typename REAL>
+__device__ inline bool start_on_curve(star<DIM, WEIGHTED, NT, NV, SCRATCH, REAL> &s, const space &all,
                                       const unsigned long long *seed, uint32_t v, const record &own, unsigned walls,
-                                      pbw__digit *pool, uint32_t &candidate, place &p, int &count)
+                                      pbw__digit *pool, uint32_t &candidate, place<REAL> &p, int &count)
 {
     const int lane = (int)threadIdx.x & 31;
     uint32_t *order = s.scratch;
@@ -2061,7 +2168,7 @@ __device__ inline bool start_on_curve(star<DIM, WEIGHTED, NT, NV, SCRATCH> &s, c
         candidate =
             (lane & 1) != 0 ? (v + offset < all.count ? v + offset : none) : (offset <= v ? v - offset : none);
     }
-    p = relative<DIM>(all, own, all.point[candidate != none ? candidate : v]);
+    p = relative<DIM, REAL>(all, own, all.point[candidate != none ? candidate : v]);
     uint32_t key = candidate != none ? (__float_as_uint((float)square<DIM>(p.x)) & ~31u) | (uint32_t)lane : none;
     int before = 0, have = __popc(__ballot_sync(all_lanes, candidate != none));
     for (int i = 0; i < 32; i++) {
@@ -2075,13 +2182,13 @@ __device__ inline bool start_on_curve(star<DIM, WEIGHTED, NT, NV, SCRATCH> &s, c
     __syncwarp();
     candidate = order[lane];
     __syncwarp();
-    p = relative<DIM>(all, own, all.point[candidate != none ? candidate : v]);
+    p = relative<DIM, REAL>(all, own, all.point[candidate != none ? candidate : v]);
     bool started = start_from_lanes<32>(s, true, candidate, p, have) != 0;
     if (!started && EXACT) {
         if (candidate == none) {
             uint32_t other = lane - have > DIM ? none : lane == have ? 0 : (uint32_t)seed[lane - have];
             candidate = other == v ? none : other;
-            p = relative<DIM>(all, own, all.point[candidate != none ? candidate : v]);
+            p = relative<DIM, REAL>(all, own, all.point[candidate != none ? candidate : v]);
         }
         started = start_from_seeds(s, all, v, candidate, p, candidate != none, pool);
     }
@@ -2090,9 +2197,9 @@ __device__ inline bool start_on_curve(star<DIM, WEIGHTED, NT, NV, SCRATCH> &s, c
 }
 
 /* The star of v as the store has it. */
-template <int DIM, bool WEIGHTED, int NT, int NV, int SCRATCH>
-__device__ inline void start_from_store(star<DIM, WEIGHTED, NT, NV, SCRATCH> &s, const space &all, const store &in,
-                                        uint32_t v, const record &own, unsigned walls, int &count)
+template <int DIM, bool WEIGHTED, int NT, int NV, int SCRATCH, typename REAL>
+__device__ inline void start_from_store(star<DIM, WEIGHTED, NT, NV, SCRATCH, REAL> &s, const space &all,
+                                        const store &in, uint32_t v, const record &own, unsigned walls, int &count)
 {
     const int lane = (int)threadIdx.x & 31;
     const uint32_t *word = in.word + (size_t)in.place[v - in.first] * 4;
@@ -2108,7 +2215,7 @@ __device__ inline void start_from_store(star<DIM, WEIGHTED, NT, NV, SCRATCH> &s,
     for (uint32_t i = (uint32_t)lane; i < vertices; i += 32) {
         uint32_t id = word[1 + i];
         if (id != none) {
-            set_vertex(s, i + first, id, relative<DIM>(all, own, all.point[id]));
+            set_vertex(s, i + first, id, relative<DIM, REAL>(all, own, all.point[id]));
         }
     }
     __syncwarp();
@@ -2128,8 +2235,8 @@ enum { far_busy, far_certified, far_hidden, far_lost, far_capped };
 
 /* One star, by all warps of a block: each searches for conflicts of its own simplex, then they insert in turns. 
    resume: the store holds what was found so far; changed: whether the star is another than that. */
-template <bool EXACT, int WARPS, int DIM, bool WEIGHTED, int NT, int NV, int SCRATCH>
-__device__ inline int far_star_of(star<DIM, WEIGHTED, NT, NV, SCRATCH> &s, const space &all, const tree &boxes,
+template <bool EXACT, int WARPS, int DIM, bool WEIGHTED, int NT, int NV, int SCRATCH, typename REAL>
+__device__ inline int far_star_of(star<DIM, WEIGHTED, NT, NV, SCRATCH, REAL> &s, const space &all, const tree &boxes,
                                   const unsigned long long *seed, const store &in, uint32_t v, bool resume, int cap,
                                   pbw__digit *pool, int &count, bool &changed)
 {
@@ -2143,7 +2250,7 @@ __device__ inline int far_star_of(star<DIM, WEIGHTED, NT, NV, SCRATCH> &s, const
     const unsigned walls = walls_of<DIM>(all, own);
     const double own_weight = (own.c[DIM] - all.heaviest) * (all.unit * all.unit);
     uint32_t candidate = none, word = 0, node = 0;
-    place p;
+    place<REAL> p;
     unsigned pending = 0, hit = 0;                   /* lanes whose candidates, whose groups are to be looked at */
     int depth = 0, spent = 0, t = -1;                /* t: the simplex in hand, word: its triangle */
 
@@ -2187,7 +2294,7 @@ __device__ inline int far_star_of(star<DIM, WEIGHTED, NT, NV, SCRATCH> &s, const
                     int from = __ffs((int)(__ballot_sync(all_lanes, length == least) & pending)) - 1;
                     pending &= ~(1u << from);
                     uint32_t next = __shfl_sync(all_lanes, candidate, from);
-                    place at = tile_place<32>(p, from);
+                    place<REAL> at = tile_place<32>(p, from);
                     bool known = false;              /* the vertices of the star come by again in the search */
                     for (int i = lane; i < NV; i += 32) {
                         known = known || (i > 0 && (s.used[i >> 5] >> (i & 31) & 1) != 0 && s.id[i] == next);
@@ -2196,7 +2303,7 @@ __device__ inline int far_star_of(star<DIM, WEIGHTED, NT, NV, SCRATCH> &s, const
                         continue;
                     }
                     int result = EXACT ? insert_exactly(s, all, v, next, at, count, walls, pool)
-                                       : insert<false>(s, all, v, next, at, count, walls, pool);
+                                       : insert(s, all, v, next, at, count, walls, pool);
                     verdict = WEIGHTED && result == star_hidden ? far_hidden
                             : (result & ~star_changed) != 0 ? far_lost : far_busy;
                     if (result == star_changed) {
@@ -2262,6 +2369,9 @@ __device__ inline int far_star_of(star<DIM, WEIGHTED, NT, NV, SCRATCH> &s, const
         }
         while (t >= 0 && pending == 0 && spent <= cap && (hit != 0 || depth > 0)) {
             spent++;
+            if ((spent & 63) == 0 && *in.stop != 0) {
+                spent = cap + 1;
+            }
             if (hit != 0) {                          /* the points of 4 groups */
                 uint32_t group = none;
                 for (int i = 0; i < 4; i++) {
@@ -2273,7 +2383,7 @@ __device__ inline int far_star_of(star<DIM, WEIGHTED, NT, NV, SCRATCH> &s, const
                 for (int k = 0; k < DIM; k++) {
                     candidate = corner(word, k) != 0 && s.id[corner(word, k)] == candidate ? none : candidate;
                 }
-                p = relative<DIM>(all, own, all.point[candidate != none ? candidate : v]);
+                p = relative<DIM, REAL>(all, own, all.point[candidate != none ? candidate : v]);
                 int answer = candidate != none ? side(s.sphere[t], probe_of<DIM, WEIGHTED>(p)) : 0;
                 if (EXACT && answer == open_sign) {  /* a flat simplex on the hull leaves many points open */
                     answer = decide(s, all, v, count, t, candidate, p, NULL);
@@ -2338,16 +2448,16 @@ far_kernel(const __grid_constant__ space all, const __grid_constant__ tree boxes
     extern __shared__ float4 shared_words[];
     star_type &s = *(RUNG::shared ? (star_type *)shared_words : (star_type *)scratch + blockIdx.x);
     pbw__digit *digits = pool == NULL ? NULL : pool + (blockIdx.x * 32 + (threadIdx.x & 31)) * (size_t)PBW__POOL;
-    __shared__ uint32_t failures;
+    __shared__ bool ends;
     for (uint32_t i = blockIdx.x; i < total; i += gridDim.x) {
         uint32_t entry = work.vertex[i], v = entry & ~stored_mark;
         bool resume = entry != v && out.place[v - out.first] != none, changed;  /* none: the store was too small */
         int count = 0;
         if (threadIdx.x == 0) {
-            failures = *(volatile uint32_t *)failed.count;
+            ends = *(volatile uint32_t *)failed.count > limit || *out.stop != 0;
         }
         meet<RUNG::warps>();
-        if (failures > limit) {
+        if (ends) {
             return;
         }
         int verdict =
@@ -3088,6 +3198,7 @@ struct offer {                                       /* what a card has for the 
     void *guests[most_cards];                        /* for each higher card */
     uint32_t *guest_numbers[most_cards], guest_count[most_cards];
     pbw_index *beyond, *incident;                    /* beyond: of all guests, those of the lowest card first */
+    bool open[most_cards];                           /* whether a card can read from this one */
 };
 
 struct team {
@@ -3108,6 +3219,8 @@ struct call {
     pbw_job *job;                                    /* NULL: results stay on the device */
     char *message;
     size_t message_size, used, count, stars, limit;  /* stars: of the share; limit: of bytes, 0 if none */
+    uint32_t *stop;                                  /* on the device: kernels of stars end early if it is not 0 */
+    bool stopped;
     int dim;
     pbw_status status;
     bool declined;
@@ -3262,12 +3375,18 @@ void look_up(call &c, pbw_stage stage, double done)
     }
 }
 
-/* Waits for what a stream has so far; a job hears of progress meanwhile. */
+/* Waits for what a stream has so far; a job hears of progress meanwhile.  When it is cancelled, or another card has
+   failed, the kernels hear of it over the other stream. */
 bool wait(call &c, cudaStream_t stream, pbw_stage stage, double done)
 {
+    static const uint32_t one = 1;
     cudaError_t error = cudaEventRecord(c.ready, stream);
     while (error == cudaSuccess && (error = cudaEventQuery(c.ready)) == cudaErrorNotReady) {
         look_up(c, stage, done);
+        if (c.status != PBW_OK && c.stop != NULL && !c.stopped) {
+            c.stopped = true;
+            cudaMemcpyAsync(c.stop, &one, sizeof one, cudaMemcpyHostToDevice, c.copies);
+        }
         std::this_thread::yield();
         error = cudaSuccess;
     }
@@ -3628,6 +3747,35 @@ bool grow_tree(call &c, space &s, int dim, tree &t)
 const int quick_cap = 1024, far_cap = 4096, last_cap[2] = { 1 << 17, 1 << 20 };
 const uint32_t last_blocks = 128;
 
+/* Few points are built soon on any rung. */
+const uint32_t sample_size = 1024, sampled_from = 1u << 14;
+
+/* Declines an input of which a sample shows that the first rung certifies less than half: points on surfaces and
+   curves, where spheres are large.  A star of the second rung takes 0.1 us at best, as a point does on 16 threads of
+   the CPU, and on such input much more. */
+template <int DIM, bool WEIGHTED>
+bool sample_stars(call &c, const space &s, const tree &t, const uint32_t *lists, const near_list *infos,
+                  const store &out, const queue *q, size_t near_bytes, size_t exact_bytes)
+{
+    const uint32_t stride = (out.end - out.first) / sample_size;
+    const unsigned blocks = blocks_for(sample_size, near_block / 8);
+    uint2 counts;                                    /* of q[0] and q[1] */
+    near_kernel<DIM, WEIGHTED, false><<<blocks, near_block, near_bytes, c.stream>>>(
+        s, t.level[0], lists, infos, out.first, stride, sample_size, out, q[0], q[1]);
+    if (!launched(c, "sample") || !read_back(c, counts, (const uint2 *)q[0].count, PBW_STAGE_BUILD, 0.0)) {
+        return false;
+    }
+    if (counts.y > 0 && counts.x + counts.y > sample_size / 2) {
+        near_kernel<DIM, WEIGHTED, true><<<blocks_for(counts.y, near_block / 8), near_block, exact_bytes, c.stream>>>(
+            s, t.level[0], lists, infos, 0, 1, counts.y, out, q[0], q[1]);
+        if (!launched(c, "sample") || !read_back(c, counts, (const uint2 *)q[0].count, PBW_STAGE_BUILD, 0.0)) {
+            return false;
+        }
+    }
+    return counts.x <= sample_size / 2
+        || decline(c, "most stars reach far (points on a surface or a curve?): quicker on the CPU");
+}
+
 /* All stars into out.  t.level[0] and lists come from before. */
 template <int DIM, bool WEIGHTED>
 bool build_stars(call &c, const space &s, const tree &t, const uint32_t *lists, const near_list *infos,
@@ -3636,15 +3784,21 @@ bool build_stars(call &c, const space &s, const tree &t, const uint32_t *lists, 
     typedef far_star<DIM, WEIGHTED, last_rung> last_type;
     const size_t quick_bytes = sizeof(typename far_star<DIM, WEIGHTED, quick_rung>::type);
     const size_t far_bytes = sizeof(typename far_star<DIM, WEIGHTED, far_rung>::type);
-    const size_t near_bytes = sizeof(typename near_star<DIM, WEIGHTED>::type) * (near_block / 8);
-    static_assert(near_bytes <= 48 << 10, "the stars of a block fit what every device has of shared memory");
+    const size_t near_bytes = sizeof(typename near_star<DIM, WEIGHTED, float>::type) * (near_block / 8);
+    const size_t exact_bytes = sizeof(typename near_star<DIM, WEIGHTED, double>::type) * (near_block / 8);
+    static_assert(exact_bytes <= 48 << 10, "the stars of a block fit what every device has of shared memory");
     const uint32_t chunk = 1u << 22, far_chunk = 1u << 18, mine = out.end - out.first, limit = 128 + mine / 2048;
     uint32_t open = 0, failed = 0, last = 0;
 
-    for (int i = 0; i < 3; i++) {
-        fill(c, q[i].count, 0, 1);
-    }
+    fill(c, q[0].count, 0, 3);
     fill(c, out.used, 0, 1);
+    if (!WEIGHTED && c.job != NULL && !patient && mine >= sampled_from) {   /* weights hide points, which is quick */
+        if (!sample_stars<DIM, WEIGHTED>(c, s, t, lists, infos, out, q, near_bytes, exact_bytes)) {
+            return false;
+        }
+        fill(c, q[0].count, 0, 3);
+        fill(c, out.used, 0, 1);
+    }
     fill(c, seed, 0, 4);
     fill(c, out.owned + mine, 0, 1);
     fill(c, out.place, 0xff, mine);
@@ -3652,7 +3806,7 @@ bool build_stars(call &c, const space &s, const tree &t, const uint32_t *lists, 
     for (uint32_t first = out.first; first < out.end && c.status == PBW_OK; first += chunk) {
         uint32_t count = out.end - first < chunk ? out.end - first : chunk;
         near_kernel<DIM, WEIGHTED, false><<<blocks_for(count, near_block / 8), near_block, near_bytes, c.stream>>>(
-            s, t.level[0], lists, infos, first, first + count, out, q[0], q[1]);
+            s, t.level[0], lists, infos, first, 1, count, out, q[0], q[1]);
         if (!launched(c, "near stars")) {
             return false;
         }
@@ -3674,8 +3828,8 @@ bool build_stars(call &c, const space &s, const tree &t, const uint32_t *lists, 
         return false;
     }
     if (open > 0) {
-        near_kernel<DIM, WEIGHTED, true><<<blocks_for(open, near_block / 8), near_block, near_bytes, c.stream>>>(
-            s, t.level[0], lists, infos, 0, open, out, q[0], q[1]);
+        near_kernel<DIM, WEIGHTED, true><<<blocks_for(open, near_block / 8), near_block, exact_bytes, c.stream>>>(
+            s, t.level[0], lists, infos, 0, 1, open, out, q[0], q[1]);
     }
     note(c, 3);
     if (!launched(c, "near stars") || !read_back(c, failed, q[0].count, PBW_STAGE_BUILD, 0.8)
@@ -3754,14 +3908,14 @@ bool copy_out(call &c, void *to, const void *from, size_t bytes)
 /* Lets the other devices read what this one has in its pool, where they can: copies between them go the short way. */
 bool open_pool(call &c)
 {
-    const int own = c.cards->of[c.card].device;
+    offer &own = c.cards->of[c.card];
     cudaMemPool_t pool;
     for (int i = 0; i < c.cards->cards; i++) {
         const int other = c.cards->of[i].device;
         int can = 0;
-        if (other != own
-            && (!good(c, cudaDeviceCanAccessPeer(&can, other, own), "cudaDeviceCanAccessPeer")
-                || !good(c, cudaDeviceGetMemPool(&pool, own), "cudaDeviceGetMemPool"))) {
+        if (other != own.device
+            && (!good(c, cudaDeviceCanAccessPeer(&can, other, own.device), "cudaDeviceCanAccessPeer")
+                || !good(c, cudaDeviceGetMemPool(&pool, own.device), "cudaDeviceGetMemPool"))) {
             return false;
         }
         if (can) {
@@ -3770,12 +3924,33 @@ bool open_pool(call &c)
             access.location.type = cudaMemLocationTypeDevice;
             access.location.id = other;
             access.flags = cudaMemAccessFlagsProtReadWrite;
-            if (cudaMemPoolSetAccess(pool, &access, 1) != cudaSuccess) {
-                (void)cudaGetLastError();            /* then they go by way of the host */
-            }
+            can = cudaMemPoolSetAccess(pool, &access, 1) == cudaSuccess;
+            (void)cudaGetLastError();
         }
+        own.open[i] = (can || other == own.device) && !by_host;
     }
     return true;
+}
+
+/* Copies by way of the host what a card offers that this one cannot read; it is complete. */
+bool fetch_by_host(call &c, int card, char *to, const char *from, size_t bytes)
+{
+    const size_t most = (size_t)1 << 24;
+    void *host = NULL;
+    bool done = good(c, cudaMallocHost(&host, bytes < most ? bytes : most), "cudaMallocHost");
+    for (size_t at = 0; at < bytes && done; at += most) {
+        size_t part = bytes - at < most ? bytes - at : most;
+        done = good(c, cudaSetDevice(c.cards->of[card].device), "cudaSetDevice")
+            && good(c, cudaMemcpyAsync(host, from + at, part, cudaMemcpyDeviceToHost, cudaStreamPerThread),
+                    "copying to the host")
+            && good(c, cudaStreamSynchronize(cudaStreamPerThread), "copying to the host");
+        done = good(c, cudaSetDevice(c.cards->of[c.card].device), "cudaSetDevice") && done
+            && good(c, cudaMemcpyAsync(to + at, host, part, cudaMemcpyHostToDevice, c.stream),
+                    "copying from the host")
+            && good(c, cudaStreamSynchronize(c.stream), "copying from the host");
+    }
+    cudaFreeHost(host);
+    return done;
 }
 
 /* Copies what another card offers. */
@@ -3783,8 +3958,9 @@ bool fetch_from(call &c, int card, void *to, const void *from, size_t bytes)
 {
     const offer *of = c.cards->of;
     return bytes == 0
-        || good(c, cudaMemcpyPeerAsync(to, of[c.card].device, from, of[card].device, bytes, c.stream),
-                "copying between devices");
+        || (!of[card].open[c.card] ? fetch_by_host(c, card, (char *)to, (const char *)from, bytes)
+            : good(c, cudaMemcpyPeerAsync(to, of[c.card].device, from, of[card].device, bytes, c.stream),
+                   "copying between devices"));
 }
 
 /* The share of a card, by multiprocessors, whole groups: where it begins. */
@@ -3940,7 +4116,7 @@ bool build(call &c, const input &in, space &s, const uint32_t *id, unsigned flag
         return false;
     }
     if (!grow_tree(c, s, DIM, t) || !allocate(c, lists, (size_t)groups * list_size) || !allocate(c, infos, groups)
-        || !allocate(c, counts, 4) || !allocate(c, used_and_seed, 5) || !allocate(c, out.place, mine)
+        || !allocate(c, counts, 5) || !allocate(c, used_and_seed, 5) || !allocate(c, out.place, mine)
         || !allocate(c, out.owned, (size_t)mine + 1)) {
         return false;
     }
@@ -3951,6 +4127,14 @@ bool build(call &c, const input &in, space &s, const uint32_t *id, unsigned flag
         }
     }
     out.used = used_and_seed;
+    out.stop = counts + 4;
+    if (!fill(c, counts + 4, 0, 1)) {
+        return false;
+    }
+    if (c.job != NULL && good(c, cudaEventRecord(c.copied, c.stream), "cudaEventRecord")
+        && good(c, cudaStreamWaitEvent(c.copies, c.copied, 0), "cudaStreamWaitEvent")) {
+        c.stop = counts + 4;
+    }
     list_kernel<<<blocks_for(groups, 4), 128, 0, c.stream>>>(t, DIM, out.first / group_size,
                                                              out.first / group_size + groups, lists, infos);
     if (!launched(c, "lists")) {

@@ -15,7 +15,7 @@ $B/cuda.o: pbw_cuda.cu pbw.h
 
 $B/cuda_few.o: pbw_cuda.cu pbw.h
 	@mkdir -p $B
-	$(NVCC) $(CUDA_FLAGS) -diag-suppress 1675 -DPBW_CUDA_FEW=8 -c $< -o $@
+	$(NVCC) $(CUDA_FLAGS) -diag-suppress 1675 -DPBW_CUDA_FEW=8 -DPBW_CUDA_TEST -c $< -o $@
 
 $B/cuda_test: tests/cuda_test.c $(HEADERS) $B/cuda_few.o
 	$(CUDA_C) -c $< -o $@.o

@@ -1,11 +1,15 @@
 /* cuda_test.c: pbw_cuda.cu against the CPU, byte for byte: the zoo, and all kinds of points and weights at sizes that
    reach every rung, each by one device and by a team of 2 to 16, the devices there are in turn.  Linked with a
    pbw_cuda.cu that was compiled for few points too (PBW_CUDA_FEW). */
+#define _POSIX_C_SOURCE 200112L
 #define PBW_IMPLEMENTATION
 #include "../pbw.h"
 #include "test.h"
 #include "meshes.h"
 #include <cuda_runtime_api.h>
+#include <time.h>
+
+extern int pbw_cuda_by_host, pbw_cuda_patient;  /* of a pbw_cuda.cu compiled for tests */
 
 static long by_gpu, by_cpu;                     /* builds of PBW_OK, by who made them */
 
@@ -365,6 +369,177 @@ static int stop_later(void *user, pbw_stage stage, double done)
     return ++calls >= stop_at;
 }
 
+static double seconds(void)
+{
+    struct timespec now;
+    clock_gettime(CLOCK_MONOTONIC, &now);
+    return (double)now.tv_sec + 1e-9 * (double)now.tv_nsec;
+}
+
+typedef struct alarm_clock { double rings, rang; } alarm_clock;
+
+static int stop_when_it_rings(void *user, pbw_stage stage, double done)
+{
+    alarm_clock *a = (alarm_clock *)user;
+    (void)stage;
+    (void)done;
+    if (a->rang == 0.0 && seconds() >= a->rings) {
+        a->rang = seconds();
+    }
+    return a->rang != 0.0;
+}
+
+/* A cancelled build returns soon, whatever the device is at. */
+static void test_soon(void)
+{
+    const size_t count = 4000000;
+    double *points = (double *)zoo_grow(NULL, count * 3 * sizeof *points), worst = 0.0, all, at;
+    pbw_options options;
+    pbw_mesh mesh;
+    int i;
+    input_fill(INPUT_UNIFORM, 3, count, 1, points);
+    memset(&options, 0, sizeof options);
+    options.backend = pbw_cuda_backend(0);
+    for (i = 0, all = 0.0; i < 2; i++) {
+        at = seconds();
+        CHECK_EQUAL(pbw_triangulate(3, points, NULL, count, &options, &mesh), PBW_OK);
+        pbw_free(&mesh);
+        all = seconds() - at;
+    }
+    options.progress = stop_when_it_rings;
+    for (i = 1; i < 12; i++) {
+        alarm_clock a = { 0.0, 0.0 };
+        pbw_status status;
+        a.rings = seconds() + all * i / 12.0;
+        options.progress_user = &a;
+        status = pbw_triangulate(3, points, NULL, count, &options, &mesh);
+        at = seconds() - a.rang;
+        CHECK_EQUAL(status, a.rang != 0.0 ? PBW_CANCELLED : PBW_OK);
+        worst = a.rang != 0.0 && at > worst ? at : worst;
+        pbw_free(&mesh);
+    }
+    printf("cancelled after %.1f ms at most, of a build of %.1f ms\n", 1e3 * worst, 1e3 * all);
+    CHECK(worst < 0.1);
+    free(points);
+}
+
+/* Sizes beyond what one card has: as much memory as makes one refuse, and say what it needs, is enough for a team,
+   whose mesh is that of the CPU.  by_cards: the memory is that of the devices, else options.memory_limit. */
+static void test_beyond(size_t count, int by_cards, int cards)
+{
+    double *points = (double *)zoo_grow(NULL, count * 3 * sizeof *points);
+    void *taken[16] = { NULL };
+    char message[256] = "";
+    pbw_options options;
+    pbw_mesh cpu, gpu;
+    size_t needed = 0, said = 0, available, all;
+    int i;
+    input_fill(INPUT_UNIFORM, 3, count, 1, points);
+    memset(&options, 0, sizeof options);
+    CHECK_EQUAL(pbw_triangulate(3, points, NULL, count, &options, &cpu), PBW_OK);
+    options.message = message;
+    options.message_size = sizeof message;
+    for (i = 0; by_cards && i < cards; i++) {
+        CHECK(cudaSetDevice(i) == cudaSuccess && cudaDeviceSynchronize() == cudaSuccess);
+        CHECK(cudaMemGetInfo(&available, &all) == cudaSuccess && available > count * 460
+              && cudaMalloc(&taken[i], available - count * 460) == cudaSuccess);
+    }
+    options.memory_limit = by_cards ? 0 : count * 460;
+    options.backend = pbw_cuda_backend(0);
+    CHECK_EQUAL(pbw_triangulate(3, points, NULL, count, &options, &gpu), PBW_ERROR_BACKEND);
+    if (!CHECK(sscanf(message, "too little device memory: %zu bytes are needed, %zu are available", &needed, &said)
+               == 2 && needed > said && meshes_is_empty(&gpu))) {
+        test_say("%s", message);
+    }
+    options.backend = team_of(cards);
+    message[0] = '\0';
+    if (!CHECK_EQUAL(pbw_triangulate(3, points, NULL, count, &options, &gpu), PBW_OK)
+        || !CHECK(gpu.statistics.by_backend && meshes_equal(&cpu, &gpu))) {
+        test_say("%s", message);
+    }
+    pbw_free(&gpu);
+    pbw_free(&cpu);
+    for (i = 0; by_cards && i < cards; i++) {
+        cudaSetDevice(i);
+        cudaFree(taken[i]);
+    }
+    cudaSetDevice(0);
+    free(points);
+}
+
+/* Points on surfaces and curves are left to the CPU before much is done; others are not. */
+static void test_declined(void)
+{
+    const size_t count = 50000;
+    double *points = (double *)zoo_grow(NULL, count * 3 * sizeof *points);
+    char message[256] = "";
+    pbw_options options;
+    pbw_mesh cpu, gpu;
+    int kind, cards;
+    memset(&options, 0, sizeof options);
+    options.message = message;
+    options.message_size = sizeof message;
+    for (kind = 0; kind < INPUT_KINDS && kind != INPUT_MOMENT; kind++) {
+        int reaches_far = kind == INPUT_SPHERE || kind == INPUT_TERRAIN;
+        int stays_near = kind == INPUT_UNIFORM || kind == INPUT_GAUSS || kind == INPUT_BALL || kind == INPUT_LATTICE;
+        if (!reaches_far && !stays_near) {
+            continue;
+        }
+        if (test_begin("declined early: %s", input_name(kind))) {
+            input_fill(kind, 3, count, (uint64_t)test_seed, points);
+            CHECK_EQUAL(pbw_triangulate(3, points, NULL, count, NULL, &cpu), PBW_OK);
+            pbw_cuda_patient = 0;
+            for (cards = 1; cards <= 2; cards++) {
+                options.backend = team_of(cards);
+                message[0] = '\0';
+                CHECK_EQUAL(pbw_triangulate(3, points, NULL, count, &options, &gpu), PBW_OK);
+                if (!CHECK(gpu.statistics.by_backend == stays_near && meshes_equal(&cpu, &gpu)
+                           && (stays_near || strncmp(message, "most stars reach far", 20) == 0))) {
+                    test_say("%s", message);
+                }
+                pbw_free(&gpu);
+            }
+            pbw_cuda_patient = 1;
+            pbw_free(&cpu);
+            test_end();
+        }
+    }
+    free(points);
+}
+
+static void test_teams(void)
+{
+    int devices = 1, cards, dim, kind;
+    double *points = (double *)zoo_grow(NULL, 20000 * 3 * sizeof *points);
+    cudaGetDeviceCount(&devices);
+    for (cards = 2; cards <= 4; cards++) {
+        if (test_begin("more than one card holds, %d cards", cards)) {
+            test_beyond(200000, 0, cards);
+            test_end();
+        }
+        if (test_begin("more than one card has, %d cards", cards)) {
+            if (devices < cards) {
+                test_skip("too few devices");
+            } else {
+                test_beyond(2000000, 1, cards);
+                test_end();
+            }
+        }
+    }
+    if (test_begin("cards that cannot reach each other")) {
+        pbw_cuda_by_host = 1;
+        for (dim = 2; dim <= 3; dim++) {
+            for (kind = 0; kind < INPUT_KINDS; kind++) {
+                input_fill(kind, dim, kind == INPUT_MOMENT ? 200 : 20000, 1, points);
+                compare(dim, points, NULL, kind == INPUT_MOMENT ? 200 : 20000, 0);
+            }
+        }
+        pbw_cuda_by_host = 0;
+        test_end();
+    }
+    free(points);
+}
+
 static void *no_more(void *user, void *block, size_t old_size, size_t new_size)
 {
     size_t *left = (size_t *)user;
@@ -524,12 +699,19 @@ int main(int argc, char **argv)
         return 0;
     }
     pbw_free(&mesh);
+    pbw_cuda_patient = 1;                       /* every input reaches every rung */
     test_zoo();
     test_random();
     test_kinds(20000);
     test_verdicts(3000);
     test_forms();
     test_failures();
+    test_teams();
+    test_declined();
+    if (test_begin("cancelled soon")) {
+        test_soon();
+        test_end();
+    }
     printf("%ld builds by the GPU, %ld left to the CPU\n", by_gpu, by_cpu);
     return test_finish();
 }
