@@ -193,7 +193,7 @@ struct pbw_mesh {                          /* start from {0}; read, do not write
    freed); on any status but PBW_OK and PBW_DEGENERATE it is left empty.  PBW_DEGENERATE: no simplices, but
    canonical, incident (all PBW_NONE), points and duplicate_count are filled.
    Holds at most 300 (3D) or 105 (2D) bytes a point while it runs on uniform points, the result included, which is 260
-   (3D) or 85 (2D), and 0.2 MB a thread. */
+   (3D) or 85 (2D), and 0.5 MB a thread. */
 PBWDEF pbw_status pbw_triangulate(int dim, const double *points, const double *weights, size_t count,
                                   const pbw_options *options, pbw_mesh *mesh);
 /* The same for floats: the exact triangulation of those float values. */
@@ -890,6 +890,18 @@ PBW__SIMD_INLINE pbw__i4 pbw__widen(int32_t bytes)   /* a byte to each lane */
 {
     return (pbw__i4)PBW__EITHER(_mm_cvtepu8_epi32(_mm_cvtsi32_si128(bytes)),
                                 vmovl_u16(vget_low_u16(vmovl_u8((uint8x8_t)vdup_n_s32(bytes)))));
+}
+
+PBW__SIMD_INLINE uint32_t pbw__apart4(pbw__i4 x, pbw__i4 y)        /* the sum of the differences */
+{
+#ifdef PBW__NEON
+    return vaddvq_u32(vreinterpretq_u32_s32(vabdq_s32((int32x4_t)x, (int32x4_t)y)));
+#else
+    pbw__i4 apart = (pbw__i4)_mm_abs_epi32((__m128i)(x - y));
+    apart += PBW__PICK4(apart, 2, 3, 0, 1);
+    apart += PBW__PICK4(apart, 1, 0, 3, 2);
+    return (uint32_t)_mm_cvtsi128_si32((__m128i)apart);
+#endif
 }
 
 PBW__SIMD_INLINE uint64_t pbw__lanes01(pbw__i4 x)    /* lane 0, and lane 1 above it */
@@ -2885,10 +2897,11 @@ typedef struct pbw__carved {
 } pbw__carved;
 
 /* The vertices of one cavity are numbered from 0 in the order of meeting them, by a hash: a slot holds vertex << 32 |
-   stamp << 6 | number, and is empty if the stamp is not that of this insertion.  Larger cavities do without. */
-#define PBW__SLOTS 256
-#define PBW__LOCALS 64
-#define PBW__STAMPS (1u << 26)
+   stamp << 8 | number, and is empty if the stamp is not that of this insertion.  Larger cavities do without. */
+#define PBW__SLOTS 1024
+#define PBW__LOCALS 256
+#define PBW__STAMPS (1u << 24)
+#define PBW__FEW 64                                  /* most cavities have fewer vertices: a small table will do */
 
 /* A facet of the new star, by the edge of the cavity's boundary that it has. */
 typedef struct pbw__edge { pbw_index low, high; pbw__link link; } pbw__edge;
@@ -2953,8 +2966,9 @@ typedef struct pbw__kernel {
 
     uint64_t *slot;                                  /* 3D: local numbers */
     uint32_t stamp, local_count;
-    pbw__link *edge;                                 /* 3D: by pairs of local numbers */
-    pbw_index back[4 * 2 * PBW__LOCALS];             /* places in it; at most 2 * 64 - 4 facets have 64 vertices */
+    pbw__link *edge;                                 /* 3D: by pairs of local numbers, of few or of all */
+    size_t edge_capacity;
+    pbw_index back[4 * 2 * PBW__FEW];                /* places in it; at most 2 * 64 - 4 facets have 64 vertices */
     pbw__edge *wide_edge;                            /* the same as a hash of pairs of vertices */
     size_t wide_capacity;
     pbw_statistics statistics;
@@ -3582,7 +3596,7 @@ static PBW__NOINLINE pbw_status pbw__leave_cavity(pbw__kernel *kernel, size_t co
 PBW__INLINE uint32_t pbw__local(uint64_t *slot, uint32_t stamp, uint32_t *count, pbw_index v)
 {
     uint64_t key = (uint64_t)v << 32 | stamp, found;
-    uint32_t at = (v * 0x9e3779b1u) >> 24, number, old;
+    uint32_t at = (v * 0x9e3779b1u) >> 22, number, old;
     for (found = slot[at] ^ key; PBW__UNLIKELY(((uint32_t)found < PBW__LOCALS) & (found >> 32 != 0));
          found = slot[at] ^ key) {
         at = (at + 1) % PBW__SLOTS;
@@ -4324,41 +4338,52 @@ static PBW__NOINLINE pbw_status pbw__sew3_wide(pbw__kernel *kernel)
     return PBW_OK;
 }
 
-/* Joins the vertex to each facet of the cavity's boundary: a simplex each, the vertex first. */
+/* Joins the vertex to each facet of the cavity's boundary: a simplex each, the vertex first.  The next walk starts at
+   the one whose vertices are nearest along the curve: others may reach far. */
 static PBW__NOINLINE pbw_status pbw__refill3(pbw__kernel *kernel, pbw_index vertex)
 {
-    size_t i, count = kernel->facet_count;
+    const size_t count = kernel->facet_count, side = kernel->local_count > PBW__FEW - 4 ? PBW__LOCALS : PBW__FEW;
+    uint64_t least = UINT64_MAX;
+    size_t i;
     unsigned k;
     for (i = 0; i < count; i++) {
         const pbw__carved *carved = kernel->carved + (kernel->from[i] >> 2);
         const unsigned char *corner = pbw__facet_corners[kernel->from[i] & 3] + 1;
         pbw__link base = (pbw__link)kernel->cavity[i] * 4, beyond = carved->link[kernel->from[i] & 3];
+        uint64_t apart = 0;
         PBW__STORE(kernel->mark + kernel->cavity[i], 0);
         kernel->corner[base] = vertex;
         kernel->link[base] = beyond;
         kernel->link[beyond] = base;
         for (k = 0; k < 3; k++) {
-            kernel->corner[base + k + 1] = carved->v[corner[k]];
+            pbw_index v = carved->v[corner[k]];
+            kernel->corner[base + k + 1] = v;
+            apart += v < vertex ? vertex - v : v - vertex;
         }
+        kernel->last = apart < least ? kernel->cavity[i] : kernel->last;
+        least = apart < least ? apart : least;
     }
     if (PBW__UNLIKELY(kernel->local_count > PBW__LOCALS - 4)) {
         return pbw__sew3_wide(kernel);
+    }
+    if (!pbw__grow(kernel, &kernel->edge, &kernel->edge_capacity, side * side, sizeof(pbw__link))) {
+        return PBW_ERROR_MEMORY;
     }
     for (i = 0; i < count; i++) {
         const pbw_index *local = kernel->carved[kernel->from[i] >> 2].local;
         const unsigned char *corner = pbw__facet_corners[kernel->from[i] & 3] + 1;
         pbw__link base = (pbw__link)kernel->cavity[i] * 4;
-        kernel->edge[local[corner[1]] * PBW__LOCALS + local[corner[2]]] = base + 1;
-        kernel->edge[local[corner[2]] * PBW__LOCALS + local[corner[0]]] = base + 2;
-        kernel->edge[local[corner[0]] * PBW__LOCALS + local[corner[1]]] = base + 3;
+        kernel->edge[local[corner[1]] * side + local[corner[2]]] = base + 1;
+        kernel->edge[local[corner[2]] * side + local[corner[0]]] = base + 2;
+        kernel->edge[local[corner[0]] * side + local[corner[1]]] = base + 3;
     }
     for (i = 0; i < count; i++) {
         const pbw_index *local = kernel->carved[kernel->from[i] >> 2].local;
         const unsigned char *corner = pbw__facet_corners[kernel->from[i] & 3] + 1;
         pbw__link *link = kernel->link + (pbw__link)kernel->cavity[i] * 4;
-        link[1] = kernel->edge[local[corner[2]] * PBW__LOCALS + local[corner[1]]];
-        link[2] = kernel->edge[local[corner[0]] * PBW__LOCALS + local[corner[2]]];
-        link[3] = kernel->edge[local[corner[1]] * PBW__LOCALS + local[corner[0]]];
+        link[1] = kernel->edge[local[corner[2]] * side + local[corner[1]]];
+        link[2] = kernel->edge[local[corner[0]] * side + local[corner[2]]];
+        link[3] = kernel->edge[local[corner[1]] * side + local[corner[0]]];
     }
     return PBW_OK;
 }
@@ -4381,7 +4406,9 @@ PBW__SIMD_INLINE pbw_status pbw__refill3_simd(pbw__kernel *kernel, pbw_index ver
     pbw__link *links = kernel->link, *edge = kernel->edge;
     unsigned char *mark = kernel->mark;
     size_t i, count = kernel->facet_count;
-    if (PBW__UNLIKELY(kernel->local_count > PBW__LOCALS - 4)) {
+    uint32_t least = UINT32_MAX;
+    pbw_index nearest = kernel->last;
+    if (PBW__UNLIKELY(kernel->local_count > PBW__FEW - 4)) {
         return pbw__refill3(kernel, vertex);
     }
     for (i = 0; i < count; i++) {
@@ -4394,11 +4421,14 @@ PBW__SIMD_INLINE pbw_status pbw__refill3_simd(pbw__kernel *kernel, pbw_index ver
         uint64_t low = pbw__lanes01(there), high = pbw__lanes23(there);
         pbw_index slot = cavity[i];
         pbw__link base = slot * 4, beyond = inside->link[from[i] & 3];
+        uint32_t apart = pbw__apart4(v, new_corner);
         PBW__STORE(mark + slot, 0);
         pbw__store4(corners + base, v);
         links[base] = beyond;
         links[beyond] = base;
         pbw__store4(kernel->back + 4 * i, (last << 6) + next);
+        nearest = apart < least ? slot : nearest;
+        least = apart < least ? apart : least;
         edge[low >> 32] = base + 1;
         edge[(uint32_t)high] = base + 2;
         edge[high >> 32] = base + 3;
@@ -4410,6 +4440,7 @@ PBW__SIMD_INLINE pbw_status pbw__refill3_simd(pbw__kernel *kernel, pbw_index ver
         link[2] = edge[back[2]];
         link[3] = edge[back[3]];
     }
+    kernel->last = nearest;
     return PBW_OK;
 }
 #else
@@ -5268,7 +5299,7 @@ static void pbw__kernel_free(pbw__kernel *kernel)
     pbw__release(memory, kernel->from, kernel->from_capacity, sizeof(pbw_index));
     pbw__release(memory, kernel->stack, kernel->stack_capacity, sizeof(pbw__link));
     pbw__release(memory, kernel->slot, PBW__SLOTS, sizeof(uint64_t));
-    pbw__release(memory, kernel->edge, PBW__LOCALS * PBW__LOCALS, sizeof(pbw__link));
+    pbw__release(memory, kernel->edge, kernel->edge_capacity, sizeof(pbw__link));
     pbw__release(memory, kernel->left, kernel->left_capacity, sizeof(pbw_index));
     pbw__release(memory, kernel->wide_edge, kernel->wide_capacity, sizeof(pbw__edge));
 }
@@ -5309,8 +5340,8 @@ static pbw_status pbw__kernel_create(pbw__kernel *kernel, pbw__context *context,
                                                                                                   : PBW_ERROR_MEMORY;
     }
     kernel->slot = (uint64_t *)pbw__allocate(memory, PBW__SLOTS, sizeof(uint64_t));
-    kernel->edge = (pbw__link *)pbw__allocate(memory, PBW__LOCALS * PBW__LOCALS, sizeof(pbw__link));
-    if (kernel->slot == NULL || kernel->edge == NULL) {
+    if (kernel->slot == NULL
+        || !pbw__grow(kernel, &kernel->edge, &kernel->edge_capacity, PBW__FEW * PBW__FEW, sizeof(pbw__link))) {
         return PBW_ERROR_MEMORY;
     }
     memset(kernel->slot, 0, PBW__SLOTS * sizeof(uint64_t));
