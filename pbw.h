@@ -4407,7 +4407,7 @@ PBW__SIMD_INLINE pbw_status pbw__refill3_simd(pbw__kernel *kernel, pbw_index ver
     unsigned char *mark = kernel->mark;
     size_t i, count = kernel->facet_count;
     uint32_t least = UINT32_MAX;
-    pbw_index nearest = kernel->last;
+    pbw_index nearest = cavity[0];
     if (PBW__UNLIKELY(kernel->local_count > PBW__FEW - 4)) {
         return pbw__refill3(kernel, vertex);
     }
