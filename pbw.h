@@ -5933,9 +5933,10 @@ static pbw_status pbw__build_all(pbw__context *context, pbw__store *store, const
    the rest second (2D: the lowest first).  Canonical order: by the ranks of the corners, first to last.  So the
    simplices follow the Hilbert curve, and any method that finds the triangulation can produce the same arrays.
 
-   The store's arrays become the caller's: a copy beside them would be the peak of the memory.  Passes: put each
-   simplex into the list of its lowest rank; sort and number the simplices list by list; translate each and write it
-   to its place, unless a slot is there that is still to be read; then write those.
+   The store's arrays become the caller's: a copy beside them would be the peak of the memory.  What else is needed
+   lies in what the build left, whose pages are there.  Passes: put each simplex into the list of its lowest rank;
+   sort and number the simplices list by list; translate each and write it to its place, unless a slot is there that
+   is still to be read; then write those.
    ------------------------------------------------------------------------------------------------------ */
 typedef struct pbw__item { uint64_t key; pbw_index simplex; } pbw__item;
 
@@ -5984,7 +5985,7 @@ typedef struct pbw__emission {
     size_t chunk;                                    /* of slots, the next to be read */
     unsigned char *chunk_done;
     pbw__aside *aside;                               /* per task */
-    /* For this dimension and this CPU: the lowest ranks; lists in order; the simplices of a chunk as they go out. */
+    /* For this dimension and this CPU: the lowest ranks; lists in order; the simplices of a chunk to their places. */
     void (*lowest_ranks)(const pbw_index *corner, size_t count, pbw_index *low);
     unsigned (*sort_lists)(const pbw_index *corner, pbw__list *list, const unsigned *count, unsigned lists,
                            pbw_index low, pbw_index *sorted);
@@ -6066,7 +6067,7 @@ PBW__SIMD_INLINE void pbw__lowest_ranks_avx2(const pbw_index *corner, size_t cou
     const __m256i order = _mm256_setr_epi32(0, 4, 1, 5, 2, 6, 3, 7), none = _mm256_set1_epi32(-1);
     size_t i, j;
     for (i = 0; i + 8 <= count; i += 8) {
-        __m256i a[4], least[2], v0;
+        __m256i a[4], least[2], ranks;
         for (j = 0; j < 4; j += 2) {
             const __m256i x = _mm256_loadu_si256((const __m256i *)(const void *)(corner + 4 * (i + 2 * j)));
             const __m256i y = _mm256_loadu_si256((const __m256i *)(const void *)(corner + 4 * (i + 2 * j + 2)));
@@ -6074,10 +6075,10 @@ PBW__SIMD_INLINE void pbw__lowest_ranks_avx2(const pbw_index *corner, size_t cou
             a[j + 1] = _mm256_or_si256(_mm256_unpackhi_epi64(x, y), unused);
             least[j / 2] = _mm256_min_epu32(a[j], a[j + 1]);
         }
-        v0 = _mm256_cmpeq_epi32(pbw__pick_even(a[0], a[2]), none);
-        v0 = _mm256_andnot_si256(v0, _mm256_min_epu32(pbw__pick_even(least[0], least[1]),
+        ranks = _mm256_cmpeq_epi32(pbw__pick_even(a[0], a[2]), none);
+        ranks = _mm256_andnot_si256(ranks, _mm256_min_epu32(pbw__pick_even(least[0], least[1]),
                                                       pbw__pick_odd(least[0], least[1])));
-        _mm256_storeu_si256((__m256i *)(void *)(low + i), _mm256_permutevar8x32_epi32(v0, order));
+        _mm256_storeu_si256((__m256i *)(void *)(low + i), _mm256_permutevar8x32_epi32(ranks, order));
     }
     pbw__lowest_ranks(corner + 4 * i, count - i, low + i, dim);
 }
@@ -6367,7 +6368,7 @@ PBW__SIMD static unsigned pbw__sort_lists2_avx2(const pbw_index *corner, pbw__li
     for (l = 0; l < lists; sum += count[l++]) {
         if (count[l] > 4) {
             pbw__sort_list2_avx2(corner, list[l], count[l], low + l, sorted + sum, (count[l] + 3) / 4 * 4);
-        } else if (count[l] > 0) {
+        } else {                                     /* of no simplices: what it writes is overwritten */
             pbw__sort_list2_avx2(corner, list[l], count[l], low + l, sorted + sum, 4);
         }
     }
@@ -6375,42 +6376,29 @@ PBW__SIMD static unsigned pbw__sort_lists2_avx2(const pbw_index *corner, pbw__li
 }
 #endif
 
-PBW__INLINE void pbw__emit_number(pbw__emission *emission, pbw_index t, size_t place, pbw_index later, int dim)
+PBW__INLINE void pbw__emit_number(pbw__emission *emission, pbw_index t, pbw_index place, pbw_index later, int dim)
 {
-    const pbw_index *corner = emission->corner + 4 * (size_t)t;
+    const pbw_index *v = emission->corner + 4 * (size_t)t;
+    pbw_index highest = v[0] > v[1] ? v[0] : v[1];
     int k;
-    emission->number[t] = (pbw_index)place;
+    highest = v[2] > highest ? v[2] : highest;
+    highest = dim == 3 && v[3] > highest ? v[3] : highest;
+    emission->number[t] = place;
+    if (PBW__LIKELY(later == PBW_NONE || highest < later)) {
+        for (k = 0; k <= dim; k++) {
+            emission->head[v[k]] = place;
+        }
+        return;
+    }
     for (k = 0; k <= dim; k++) {
-        if (PBW__LIKELY(corner[k] < later)) {
-            emission->head[corner[k]] = (pbw_index)place;
+        if (v[k] < later) {
+            emission->head[v[k]] = place;
         } else {
-            pbw_index *first = emission->first + corner[k], old = PBW__LOAD(first);
-            while ((pbw_index)place < old && !PBW__REPLACE(first, &old, (pbw_index)place)) {
+            pbw_index *first = emission->first + v[k], old = PBW__LOAD(first);
+            while (place < old && !PBW__REPLACE(first, &old, place)) {
             }
         }
     }
-}
-
-/* The same for several, the last one first; returns the place of the first. */
-PBW__INLINE size_t pbw__emit_sorted(pbw__emission *emission, const pbw_index *sorted, unsigned count, size_t place,
-                                    pbw_index later, int dim)
-{
-    const pbw_index *corner = emission->corner;
-    pbw_index *number = emission->number, *head = emission->head;
-    while (count > 0) {
-        const pbw_index t = sorted[--count], *v = corner + 4 * (size_t)t;
-        int k;
-        place--;
-        if (later != PBW_NONE) {
-            pbw__emit_number(emission, t, place, later, dim);
-            continue;
-        }
-        number[t] = (pbw_index)place;
-        for (k = 0; k <= dim; k++) {
-            head[v[k]] = (pbw_index)place;
-        }
-    }
-    return place;
 }
 
 /* The list of a hub, from t on: by a heap sort.  Returns the place of its first simplex. */
@@ -6434,7 +6422,7 @@ static PBW__NOINLINE size_t pbw__emit_hub(pbw__emission *emission, pbw_index t, 
         pbw__sift(item, i, count);
     }
     for (i = count; i-- > 0; ) {
-        pbw__emit_number(emission, item[0].simplex, --place, later, emission->dim);
+        pbw__emit_number(emission, item[0].simplex, (pbw_index)--place, later, emission->dim);
         item[0] = item[i];
         pbw__sift(item, 0, i);
     }
@@ -6472,6 +6460,7 @@ PBW__INLINE size_t pbw__emit_numbers(pbw__emission *emission, size_t from, size_
         head = emission->head + end - lists;
         for (i = left = 0; i < lists; i++) {
             count[i] = 0;
+            list[i][0] = head[i] != PBW_NONE ? head[i] : 0;      /* any will do: see sort_lists */
             next[left] = head[i];
             open[left] = i;
             left += head[i] != PBW_NONE;
@@ -6494,7 +6483,7 @@ PBW__INLINE size_t pbw__emit_numbers(pbw__emission *emission, size_t from, size_
             }
             left = j;
         }
-        for (i = lists; i > 0; i = j) {              /* from the last list down to a hub's, of which `left` are open */
+        for (i = lists; i > 0; i = j) {              /* down to a hub's list; `left` of those are open */
             unsigned sum = 0;
             j = left > 0 ? open[left - 1] + 1 : 0;
             if (!emission->any_order) {
@@ -6504,7 +6493,9 @@ PBW__INLINE size_t pbw__emit_numbers(pbw__emission *emission, size_t from, size_
                     memcpy(sorted + sum, list[depth], count[depth] * sizeof(pbw_index));
                 }
             }
-            place = pbw__emit_sorted(emission, sorted, sum, place, later, dim);
+            while (sum > 0) {
+                pbw__emit_number(emission, sorted[--sum], (pbw_index)--place, later, dim);
+            }
             if (left > 0) {
                 left--;
                 place = pbw__emit_hub(emission, list[--j][0], place, later);
@@ -6533,7 +6524,8 @@ static void pbw__emit_pass2(void *arg, int task)
 /* Pass 3: each simplex in canonical form, with ids for ranks and places for slots, from its slot to its place.  Slots
    are read in order, and most places lie before the slots, among those already read, because slots are left over
    where simplices were deleted.  A simplex whose place is still to be read is set aside.  Tasks take the slots by
-   chunks; chunk_done, set in release order and seen in acquire order, tells all that a chunk was read. */
+   chunks, not too small: slots that are near have places in the same lines of the cache.  chunk_done, set in release
+   order and seen in acquire order, tells all that a chunk was read. */
 #ifdef PBW_SMALL_SHARES
 #define PBW__CHUNK 64
 #else
@@ -6618,7 +6610,7 @@ PBW__SIMD_INLINE size_t pbw__emit_slots_avx2(const pbw__emission *emission, size
                                              pbw__emitted *out, int dim, int links)
 {
     const pbw_index *number = emission->number, *id = emission->id;
-    const pbw__link *link = emission->link;
+    pbw__link *link = emission->link;
     pbw_index *corner = emission->corner;
     size_t corners = (size_t)dim + 1, count = 0, t;
     for (t = from; t < end; t++) {
@@ -6633,7 +6625,7 @@ PBW__SIMD_INLINE size_t pbw__emit_slots_avx2(const pbw__emission *emission, size
         ids = pbw__permute4(ids, lanes);
         if (links) {
             const pbw__link *l = link + 4 * t;
-            PBW__PREFETCH((const pbw_index *)(const void *)link + corners * place);
+            PBW__PREFETCH((pbw_index *)(void *)link + corners * place);
             neighbors = (pbw__i4)_mm_setr_epi32((int)number[l[0] >> 2], (int)number[l[1] >> 2],
                                                 (int)number[l[2] >> 2], dim == 3 ? (int)number[l[3] >> 2] : 0);
             neighbors = pbw__permute4(neighbors, lanes);
@@ -6641,7 +6633,7 @@ PBW__SIMD_INLINE size_t pbw__emit_slots_avx2(const pbw__emission *emission, size
         if (PBW__LIKELY(place < written) || pbw__emit_free(emission, place, dim)) {
             pbw__emit_store(corner + corners * place, ids, dim);
             if (links) {
-                pbw__emit_store((pbw_index *)(uintptr_t)(const void *)link + corners * place, neighbors, dim);
+                pbw__emit_store((pbw_index *)(void *)link + corners * place, neighbors, dim);
             }
         } else {
             out[count].place = place;
@@ -6668,7 +6660,7 @@ PBW__SIMD static size_t pbw__emit_slots2_avx2(const pbw__emission *emission, siz
 #endif
 
 /* Writes what can be written by now. */
-static void pbw__emit_set_aside(pbw__emission *emission, pbw__aside *aside, int dim)
+PBW__INLINE void pbw__emit_what_can(const pbw__emission *emission, pbw__aside *aside, int dim)
 {
     size_t i, left = 0;
     for (i = 0; i < aside->count; i++) {
@@ -6681,11 +6673,20 @@ static void pbw__emit_set_aside(pbw__emission *emission, pbw__aside *aside, int 
     aside->count = left;
 }
 
+static void pbw__emit_set_aside(const pbw__emission *emission, pbw__aside *aside)
+{
+    if (emission->dim == 3) {
+        pbw__emit_what_can(emission, aside, 3);
+    } else {
+        pbw__emit_what_can(emission, aside, 2);
+    }
+}
+
 /* Room for those of a chunk.  What waits is looked at when there is twice as much as was left the last time. */
 static int pbw__emit_reserve(pbw__emission *emission, pbw__aside *aside)
 {
     if (aside->capacity - aside->count < PBW__CHUNK) {
-        pbw__emit_set_aside(emission, aside, emission->dim);
+        pbw__emit_set_aside(emission, aside);
         if (aside->count + PBW__CHUNK > aside->capacity / 2
             && !pbw__resize_array(&emission->context->memory, &aside->simplex, &aside->capacity,
                                   2 * (aside->count + PBW__CHUNK), sizeof(pbw__emitted))) {
@@ -6722,7 +6723,7 @@ static void pbw__emit_pass4(void *arg, int task)
     pbw__emission *emission = (pbw__emission *)arg;
     pbw__aside *aside = emission->aside + task;
     if (!PBW__LOAD(&emission->failed) && !pbw__report(emission->context, 0.95)) {
-        pbw__emit_set_aside(emission, aside, emission->dim);
+        pbw__emit_set_aside(emission, aside);
     }
     pbw__release(&emission->context->memory, aside->simplex, aside->capacity, sizeof(pbw__emitted));
 }
@@ -6786,8 +6787,13 @@ static pbw_status pbw__emit(pbw__emission *emission)
     if (PBW__LOAD(&context->cancelled) || emission->failed) {
         return emission->failed ? PBW_ERROR_MEMORY : PBW_CANCELLED;
     }
-    pbw__for(context, tasks, pbw__emit_pass5, emission);
     return PBW_OK;
+}
+
+static pbw_status pbw__emit_incident(pbw__emission *emission)
+{
+    pbw__for(emission->context, emission->tasks, pbw__emit_pass5, emission);
+    return PBW__LOAD(&emission->context->cancelled) ? PBW_CANCELLED : PBW_OK;
 }
 /* ------------------------------------------------------------------------------------------------------
    >>check        The exact verdict on a finished mesh.
@@ -7569,23 +7575,32 @@ static void pbw__copy_points(void *arg, int task)
 {
     const pbw__copying *copying = (const pbw__copying *)arg;
     const pbw__input *input = copying->input;
-    size_t dim = (size_t)input->dim, k, i, end = pbw__share(input->count, task + 1, copying->tasks);
-    for (i = pbw__share(input->count, task, copying->tasks); i < end; i++) {
-        double record[4];
-        pbw__fetch(input, i, record);
-        for (k = 0; k < dim; k++) {
-            copying->points[i * dim + k] = record[k];
-        }
-        if (copying->weights != NULL) {
-            copying->weights[i] = record[dim];
-        }
-        if ((i & (PBW__TICK - 1)) == 0 && pbw__report(copying->context, 0.98)) {
+    size_t dim = (size_t)input->dim, k, i, to, end = pbw__share(input->count, task + 1, copying->tasks);
+    int packed = !input->is_float && input->stride == dim * sizeof(double) && input->weights == NULL;
+    for (i = pbw__share(input->count, task, copying->tasks); i < end; i = to) {
+        to = end - i < PBW__TICK ? end : i + PBW__TICK;
+        if (pbw__report(copying->context, 0.98)) {
             return;
+        }
+        for (k = i * dim; packed && k < to * dim; k++) {
+            copying->points[k] = ((const double *)(const void *)input->points)[k] + 0.0;         /* no -0.0 */
+        }
+        for (; !packed && i < to; i++) {
+            double record[4];
+            pbw__fetch(input, i, record);
+            for (k = 0; k < dim; k++) {
+                copying->points[i * dim + k] = record[k];
+            }
+            if (copying->weights != NULL) {
+                copying->weights[i] = record[dim];
+            }
         }
     }
 }
 
-static pbw_status pbw__keep_points(pbw__context *context, const pbw__input *input, pbw__owned *owned, pbw_mesh *mesh)
+/* In `spare`, a block of at least as many doubles, or in one of its own. */
+static pbw_status pbw__keep_points(pbw__context *context, const pbw__input *input, pbw__owned *owned, pbw_mesh *mesh,
+                                   double *spare, size_t spare_count)
 {
     pbw__copying copying;
     copying.context = context;
@@ -7593,7 +7608,9 @@ static pbw_status pbw__keep_points(pbw__context *context, const pbw__input *inpu
     copying.tasks = pbw__tasks(context, input->count, 65536);
     copying.weights = NULL;
     owned->points = input->count * (size_t)input->dim;
-    mesh->points = copying.points = (double *)pbw__allocate_large(context, owned->points, sizeof(double));
+    mesh->points = copying.points = (double *)(spare == NULL
+                 ? pbw__allocate_large(context, owned->points, sizeof(double))
+                 : pbw__resize(&context->memory, spare, spare_count, owned->points, sizeof(double)));
     if (input->weights != NULL) {
         owned->weights = input->count;
         mesh->weights = copying.weights = (double *)pbw__allocate_large(context, input->count, sizeof(double));
@@ -7605,21 +7622,61 @@ static pbw_status pbw__keep_points(pbw__context *context, const pbw__input *inpu
     return PBW__LOAD(&context->cancelled) ? PBW_CANCELLED : PBW_OK;
 }
 
-/* The store's triangulation as the mesh's arrays; mesh->incident comes in as PBW_NONE for duplicates. */
+/* mesh->incident, filled with PBW_NONE if `none`. */
+static pbw_index *pbw__make_incident(pbw__context *context, pbw__owned *owned, pbw_mesh *mesh, int none)
+{
+    pbw_index *incident = (pbw_index *)pbw__allocate_large(context, mesh->point_count, sizeof(pbw_index));
+    mesh->incident = incident;
+    owned->incident = mesh->point_count;
+    if (incident != NULL && none) {
+        memset(incident, 0xff, mesh->point_count * sizeof(pbw_index));
+    }
+    return incident;
+}
+
+/* What the build needs no more is there for the output, with its pages: the vertices' records and the marks. */
+typedef struct pbw__spare { pbw_index *block[2]; size_t count[2]; } pbw__spare;
+
+/* `count` indices there, or in a block of their own. */
+static pbw_index *pbw__borrow(pbw__context *context, pbw__spare *spare, size_t count, size_t *allocated)
+{
+    int i;
+    for (i = 0; i < 2; i++) {
+        if (spare->count[i] >= count) {
+            spare->count[i] -= count;
+            return spare->block[i] + spare->count[i];
+        }
+    }
+    *allocated = count;
+    return (pbw_index *)pbw__allocate_large(context, count, sizeof(pbw_index));
+}
+
+static void pbw__give_up(pbw__memory *memory, pbw_index *block, size_t allocated)
+{
+    if (allocated > 0) {
+        pbw__release(memory, block, allocated, sizeof(pbw_index));
+    }
+}
+
+/* The store's triangulation as the mesh's arrays. */
 static pbw_status pbw__output(pbw__context *context, pbw__store *store, pbw__vertices *vertices, unsigned flags,
                               pbw__owned *owned, pbw_mesh *mesh)
 {
     pbw__memory *memory = &context->memory;
     pbw__emission emission;
-    size_t blocks, chunks = store->count / PBW__CHUNK + 1, entries, links;
+    pbw__spare spare;
+    size_t blocks, chunks = store->count / PBW__CHUNK + 1, entries, links, allocated[3] = { 0, 0, 0 };
+    size_t corners = (size_t)vertices->dim + 1;
     pbw_status status = PBW_ERROR_MEMORY;
 
-    pbw__release(memory, store->mark, store->mark_capacity, 1);
-    store->mark = NULL;
     if ((flags & PBW_NO_NEIGHBORS) != 0) {
         pbw__release(memory, store->link, store->link_capacity, sizeof(pbw__link));
         store->link = NULL;
     }
+    spare.block[0] = (pbw_index *)(void *)vertices->record;
+    spare.count[0] = (vertices->point_count + 1) * corners * (sizeof(double) / sizeof(pbw_index));
+    spare.block[1] = (pbw_index *)(void *)store->mark;
+    spare.count[1] = store->mark_capacity / sizeof(pbw_index);
     memset(&emission, 0, sizeof(emission));
     emission.context = context;
     emission.store = store;
@@ -7630,12 +7687,11 @@ static pbw_status pbw__output(pbw__context *context, pbw__store *store, pbw__ver
     emission.dim = vertices->dim;
     emission.any_order = (flags & PBW_ANY_ORDER) != 0;
     emission.id = vertices->id;
-    emission.incident = (pbw_index *)(uintptr_t)mesh->incident;
     emission.tasks = pbw__tasks(context, vertices->count, 16384);
-    emission.number = (pbw_index *)pbw__allocate_large(context, store->count, sizeof(pbw_index));
-    emission.head = (pbw_index *)pbw__allocate_large(context, vertices->count + 1, sizeof(pbw_index));
+    emission.number = pbw__borrow(context, &spare, store->count, allocated);
+    emission.head = pbw__borrow(context, &spare, vertices->count + 1, allocated + 1);
     if (emission.tasks > 1) {
-        emission.first = (pbw_index *)pbw__allocate_large(context, vertices->count + 1, sizeof(pbw_index));
+        emission.first = pbw__borrow(context, &spare, vertices->count + 1, allocated + 2);
     }
     emission.blocks = vertices->count / PBW__BLOCK + 1;
     blocks = emission.blocks * (size_t)emission.tasks;
@@ -7649,30 +7705,35 @@ static pbw_status pbw__output(pbw__context *context, pbw__store *store, pbw__ver
         memset(emission.aside, 0, (size_t)emission.tasks * sizeof(pbw__aside));
         status = pbw__emit(&emission);
     }
-    pbw__release(memory, emission.number, store->count, sizeof(pbw_index));
-    pbw__release(memory, emission.head, vertices->count + 1, sizeof(pbw_index));
-    pbw__release(memory, emission.first, vertices->count + 1, sizeof(pbw_index));
     pbw__release(memory, emission.block, blocks, sizeof(pbw_index));
     pbw__release(memory, emission.chunk_done, chunks, 1);
     pbw__release(memory, emission.aside, (size_t)emission.tasks, sizeof(pbw__aside));
-    if (status != PBW_OK) {
-        return status;
-    }
-    mesh->simplex_count = emission.simplex_count;
-    mesh->hidden_count = vertices->count - emission.visible;
-    entries = emission.simplex_count * ((size_t)vertices->dim + 1);
+    entries = emission.simplex_count * corners;
     links = store->link_capacity * (sizeof(pbw__link) / sizeof(pbw_index));
-    if (!pbw__resize_array(memory, &store->corner, &store->corner_capacity, entries, sizeof(pbw_index))
-        || (store->link != NULL && !pbw__resize_array(memory, &store->link, &links, entries, sizeof(pbw_index)))) {
-        return PBW_ERROR_MEMORY;
+    if (status == PBW_OK
+        && (!pbw__resize_array(memory, &store->corner, &store->corner_capacity, entries, sizeof(pbw_index))
+            || (store->link != NULL
+                && !pbw__resize_array(memory, &store->link, &links, entries, sizeof(pbw_index))))) {
+        status = PBW_ERROR_MEMORY;
     }
-    mesh->simplices = store->corner;
-    mesh->neighbors = (pbw_index *)(void *)store->link;
-    owned->simplices = entries;
-    owned->neighbors = store->link != NULL ? entries : 0;
-    store->corner = NULL;
-    store->link = NULL;
-    return PBW_OK;
+    if (status == PBW_OK) {
+        mesh->simplex_count = emission.simplex_count;
+        mesh->simplices = store->corner;
+        mesh->neighbors = (pbw_index *)(void *)store->link;
+        owned->simplices = entries;
+        owned->neighbors = store->link != NULL ? entries : 0;
+        store->corner = NULL;
+        store->link = NULL;
+        emission.incident = pbw__make_incident(context, owned, mesh, vertices->duplicate_count > 0);
+        status = emission.incident != NULL ? pbw__emit_incident(&emission) : PBW_ERROR_MEMORY;
+    }
+    pbw__give_up(memory, emission.number, allocated[0]);
+    pbw__give_up(memory, emission.head, allocated[1]);
+    pbw__give_up(memory, emission.first, allocated[2]);
+    pbw__release(memory, store->mark, store->mark_capacity, 1);
+    store->mark = NULL;
+    mesh->hidden_count = vertices->count - emission.visible;
+    return status;
 }
 
 /* Notes the time that a stage took; of a good one, reports the end. */
@@ -7717,30 +7778,23 @@ static pbw_status pbw__run(pbw__context *context, const pbw__input *input, unsig
         status = pbw__enter_stage(context, PBW_STAGE_BUILD) ? PBW_CANCELLED
                : pbw__build_all(context, &store, &vertices, &grid, &mesh->statistics);
         status = pbw__leave_stage(context, status, &start, &mesh->statistics.build_seconds);
-        pbw__release(memory, vertices.record, (vertices.point_count + 1) * ((size_t)input->dim + 1), sizeof(double));
-        vertices.record = NULL;                      /* the output needs ranks only */
     }
-    if (status == PBW_OK || status == PBW_DEGENERATE) {
-        pbw_index *incident = (pbw_index *)pbw__allocate_large(context, input->count, sizeof(pbw_index));
-        mesh->incident = incident;
-        owned->incident = input->count;
-        if (incident != NULL && (status != PBW_OK || vertices.duplicate_count > 0)) {
-            memset(incident, 0xff, input->count * sizeof(pbw_index));            /* PBW_NONE */
-        }
-        if (incident == NULL) {
-            status = PBW_ERROR_MEMORY;
-        } else if (pbw__enter_stage(context, PBW_STAGE_OUTPUT)) {
-            status = PBW_CANCELLED;
-        } else if (status == PBW_OK) {
-            status = pbw__output(context, &store, &vertices, flags, owned, mesh);
-        }
+    if ((status == PBW_OK || status == PBW_DEGENERATE) && pbw__enter_stage(context, PBW_STAGE_OUTPUT)) {
+        status = PBW_CANCELLED;
+    }
+    if (status == PBW_OK) {
+        status = pbw__output(context, &store, &vertices, flags, owned, mesh);
+    } else if (status == PBW_DEGENERATE && pbw__make_incident(context, owned, mesh, 1) == NULL) {
+        status = PBW_ERROR_MEMORY;
     }
     if (status == PBW_OK || status == PBW_DEGENERATE) {
         pbw_status kept;
         mesh->canonical = vertices.canonical;
         owned->canonical = input->count;
         vertices.canonical = NULL;
-        kept = pbw__keep_points(context, input, owned, mesh);
+        kept = pbw__keep_points(context, input, owned, mesh, vertices.record,
+                                (vertices.point_count + 1) * ((size_t)input->dim + 1));
+        vertices.record = mesh->points != NULL ? NULL : vertices.record;
         status = pbw__leave_stage(context, kept != PBW_OK ? kept : status, &start, &mesh->statistics.output_seconds);
     }
     mesh->statistics.threads = context->threads;
@@ -7764,7 +7818,8 @@ typedef struct pbw__dispatch {
 static pbw_status pbw__job_keep(pbw_job *job)
 {
     pbw__dispatch *dispatch = (pbw__dispatch *)job->context;
-    pbw_status status = pbw__keep_points(dispatch->context, dispatch->input, dispatch->owned, dispatch->mesh);
+    pbw_status status = pbw__keep_points(dispatch->context, dispatch->input, dispatch->owned, dispatch->mesh,
+                                         NULL, 0);
     job->kept_points = dispatch->mesh->points;
     job->kept_weights = dispatch->mesh->weights;
     return status;
