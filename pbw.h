@@ -5964,9 +5964,10 @@ static pbw_status pbw__build_all(pbw__context *context, pbw__store *store, const
    the rest second (2D: the lowest first).  Canonical order: by the ranks of the corners, first to last.  So the
    simplices follow the Hilbert curve, and any method that finds the triangulation can produce the same arrays.
 
-   The store's arrays become the caller's: a copy beside them would be the peak of the memory.  Passes: put each
-   simplex into the list of its lowest rank; sort and number the simplices list by list; translate each and write it
-   to its place, unless a slot is there that is still to be read; then write those.
+   The store's arrays become the caller's: a copy beside them would be the peak of the memory.  What else is needed
+   lies in what the build left, whose pages are there.  Passes: put each simplex into the list of its lowest rank;
+   sort and number the simplices list by list; translate each and write it to its place, unless a slot is there that
+   is still to be read; then write those.
    ------------------------------------------------------------------------------------------------------ */
 typedef struct pbw__item { uint64_t key; pbw_index simplex; } pbw__item;
 
@@ -5994,6 +5995,10 @@ typedef struct pbw__aside {
     size_t count, capacity;
 } pbw__aside;
 
+#define PBW__LISTS 64                                /* of ranks, followed at a time: memory answers many at once */
+#define PBW__SHORT 48                                /* simplices of a list that is not a hub's */
+typedef pbw_index pbw__list[PBW__SHORT + 8];
+
 typedef struct pbw__emission {
     pbw__context *context;
     const pbw__store *store;
@@ -6011,9 +6016,11 @@ typedef struct pbw__emission {
     size_t chunk;                                    /* of slots, the next to be read */
     unsigned char *chunk_done;
     pbw__aside *aside;                               /* per task */
-    /* For this dimension and this CPU: a list in order; the simplices of a chunk as they go out. */
-    void (*sort_list)(const pbw_index *corner, pbw_index *list, unsigned count, pbw_index *sorted);
-    size_t (*emit)(const struct pbw__emission *emission, size_t from, size_t end, pbw__emitted *out);
+    /* For this dimension and this CPU: the lowest ranks; lists in order; the simplices of a chunk to their places. */
+    void (*lowest_ranks)(const pbw_index *corner, size_t count, pbw_index *low);
+    unsigned (*sort_lists)(const pbw_index *corner, pbw__list *list, const unsigned *count, unsigned lists,
+                           pbw_index low, pbw_index *sorted);
+    size_t (*emit)(const struct pbw__emission *emission, size_t from, size_t end, size_t written, pbw__emitted *out);
 } pbw__emission;
 #define PBW__BLOCK 4096
 
@@ -6051,45 +6058,123 @@ PBW__SIMD_INLINE __m128i pbw__canonical_lanes(__m128i v, int dim)
 }
 #endif
 
+/* The lowest ranks of the simplices in `count` slots from `corner` on; 0 for a ghost and for a slot that is free. */
+PBW__INLINE void pbw__lowest_ranks(const pbw_index *corner, size_t count, pbw_index *low, int dim)
+{
+    size_t i;
+    for (i = 0; i < count; i++, corner += 4) {
+        pbw_index least = corner[0] < corner[1] ? corner[0] : corner[1];
+        least = corner[2] < least ? corner[2] : least;
+        least = dim == 3 && corner[3] < least ? corner[3] : least;
+        low[i] = corner[0] == PBW_NONE ? 0 : least;
+    }
+}
+
+static void pbw__lowest_ranks3(const pbw_index *corner, size_t count, pbw_index *low)
+{
+    pbw__lowest_ranks(corner, count, low, 3);
+}
+
+static void pbw__lowest_ranks2(const pbw_index *corner, size_t count, pbw_index *low)
+{
+    pbw__lowest_ranks(corner, count, low, 2);
+}
+
+#ifdef PBW__AVX2
+PBW__SIMD_INLINE __m256i pbw__pick_even(__m256i a, __m256i b)
+{
+    return _mm256_castps_si256(_mm256_shuffle_ps(_mm256_castsi256_ps(a), _mm256_castsi256_ps(b), 0x88));
+}
+
+PBW__SIMD_INLINE __m256i pbw__pick_odd(__m256i a, __m256i b)
+{
+    return _mm256_castps_si256(_mm256_shuffle_ps(_mm256_castsi256_ps(a), _mm256_castsi256_ps(b), 0xdd));
+}
+
+/* Eight at a time. */
+PBW__SIMD_INLINE void pbw__lowest_ranks_avx2(const pbw_index *corner, size_t count, pbw_index *low, int dim)
+{
+    const __m256i unused = _mm256_set1_epi64x(dim == 3 ? 0 : (int64_t)((uint64_t)PBW_NONE << 32));
+    const __m256i order = _mm256_setr_epi32(0, 4, 1, 5, 2, 6, 3, 7), none = _mm256_set1_epi32(-1);
+    size_t i, j;
+    for (i = 0; i + 8 <= count; i += 8) {
+        __m256i a[4], least[2], ranks;
+        for (j = 0; j < 4; j += 2) {
+            const __m256i x = _mm256_loadu_si256((const __m256i *)(const void *)(corner + 4 * (i + 2 * j)));
+            const __m256i y = _mm256_loadu_si256((const __m256i *)(const void *)(corner + 4 * (i + 2 * j + 2)));
+            a[j] = _mm256_unpacklo_epi64(x, y);
+            a[j + 1] = _mm256_or_si256(_mm256_unpackhi_epi64(x, y), unused);
+            least[j / 2] = _mm256_min_epu32(a[j], a[j + 1]);
+        }
+        ranks = _mm256_cmpeq_epi32(pbw__pick_even(a[0], a[2]), none);
+        ranks = _mm256_andnot_si256(ranks, _mm256_min_epu32(pbw__pick_even(least[0], least[1]),
+                                                      pbw__pick_odd(least[0], least[1])));
+        _mm256_storeu_si256((__m256i *)(void *)(low + i), _mm256_permutevar8x32_epi32(ranks, order));
+    }
+    pbw__lowest_ranks(corner + 4 * i, count - i, low + i, dim);
+}
+
+PBW__SIMD static void pbw__lowest_ranks3_avx2(const pbw_index *corner, size_t count, pbw_index *low)
+{
+    pbw__lowest_ranks_avx2(corner, count, low, 3);
+}
+
+PBW__SIMD static void pbw__lowest_ranks2_avx2(const pbw_index *corner, size_t count, pbw_index *low)
+{
+    pbw__lowest_ranks_avx2(corner, count, low, 2);
+}
+#endif
+
 /* Pass 1.  A task has the slots of a run of regions, and the lists of the ranks of their cells.  Simplices for the
    lists of other tasks, few, are left for a second look, `again`, with atomic exchanges. */
 #define PBW__LATER (PBW_NONE - 1)
+#define PBW__RUN 64                                  /* slots whose lowest ranks are found at a time */
 
-PBW__INLINE void pbw__emit_lists(pbw__emission *emission, int task, size_t from, size_t end, int dim, int again)
+static void pbw__emit_lists(pbw__emission *emission, int task, size_t from, size_t end, int again)
 {
     const pbw__store *store = emission->store;
     size_t cells = pbw__share(store->region_count, task, emission->tasks);
     size_t ranks = cells << store->cell_bits, t, to;
     size_t own = (pbw__share(store->region_count, task + 1, emission->tasks) << store->cell_bits) - ranks;
     pbw_index *number = emission->number, *head = emission->head;
-    pbw_index *block = emission->block + (size_t)task * emission->blocks;
-    for (; from < end && !pbw__report(emission->context, 0.25 * (double)from / (double)store->count); from = to) {
-        to = end - from < PBW__TICK ? end : from + PBW__TICK;
-        for (t = from; t < to; t++) {
-            const pbw_index *v = store->corner + 4 * t;
-            pbw_index low;
-            if (again ? number[t] != PBW__LATER : v[0] == PBW_NONE || v[dim] == PBW__GHOST) {
-                number[t] = again ? number[t] : PBW_NONE;
-                continue;
+    pbw_index *block = emission->block + (size_t)task * emission->blocks, lowest[PBW__RUN];
+    for (; from < end; from = to) {
+        if ((from / PBW__RUN & 1023) == 0
+            && pbw__report(emission->context, 0.25 * (double)from / (double)store->count)) {
+            return;
+        }
+        to = end - from < PBW__RUN ? end : from + PBW__RUN;
+        if (again) {
+            for (t = from; t < to; t++) {
+                if (number[t] == PBW__LATER) {
+                    emission->lowest_ranks(store->corner + 4 * t, 1, lowest);
+                    number[t] = PBW__SWAP(head + lowest[0], (pbw_index)t);
+                }
             }
-            low = v[0] < v[1] ? v[0] : v[1];
-            low = v[2] < low ? v[2] : low;
-            low = dim == 3 && v[3] < low ? v[3] : low;
-            if (again) {
-                number[t] = PBW__SWAP(head + low, (pbw_index)t);
+            continue;
+        }
+        for (t = to; t < end && t < to + PBW__RUN; t += 4) {
+            PBW__PREFETCH(store->corner + 4 * t);
+        }
+        emission->lowest_ranks(store->corner + 4 * from, to - from, lowest);
+        for (t = from; t < to; t++) {
+            pbw_index low = lowest[t - from];
+            if (low == 0) {
+                number[t] = PBW_NONE;
                 continue;
             }
             block[low / PBW__BLOCK]++;
-            number[t] = PBW__LATER;
-            if (low - ranks < own) {
+            if (PBW__LIKELY(low - ranks < own)) {
                 number[t] = head[low];
                 head[low] = (pbw_index)t;
+            } else {
+                number[t] = PBW__LATER;
             }
         }
     }
 }
 
-PBW__INLINE void pbw__emit_shares(pbw__emission *emission, int task, int again)
+static void pbw__emit_shares(pbw__emission *emission, int task, int again)
 {
     const pbw__store *store = emission->store;
     size_t first = pbw__share(store->region_count, task, emission->tasks);
@@ -6106,13 +6191,8 @@ PBW__INLINE void pbw__emit_shares(pbw__emission *emission, int task, int again)
             memset(emission->first + ranks, 0xff, (end - ranks) * sizeof(pbw_index));
         }
     }
-    if (emission->dim == 3) {
-        pbw__emit_lists(emission, task, from, to, 3, again);
-        pbw__emit_lists(emission, task, tail_from, tail_to, 3, again);
-    } else {
-        pbw__emit_lists(emission, task, from, to, 2, again);
-        pbw__emit_lists(emission, task, tail_from, tail_to, 2, again);
-    }
+    pbw__emit_lists(emission, task, from, to, again);
+    pbw__emit_lists(emission, task, tail_from, tail_to, again);
 }
 
 static void pbw__emit_pass1(void *arg, int task)
@@ -6129,82 +6209,117 @@ static void pbw__emit_others(void *arg, int task)
    that is noted last for a vertex is its first simplex.  It is noted in head: the list of a corner's rank has been
    looked up when a simplex has its number, as no corner comes before the one whose list it is in.  For vertices of
    later shares it is noted in `first`. */
-#define PBW__LISTS 64                                /* followed at a time: memory answers many at once */
-#define PBW__SHORT 48                                /* simplices of a list that is not a hub's */
-typedef pbw_index pbw__list[PBW__SHORT + 8];
-
-/* Sorts a short list by second and third corner, by counting pair by pair: no predictor could guess their order. */
-PBW__INLINE void pbw__sort_list(const pbw_index *corner, const pbw_index *list, unsigned count, pbw_index *sorted,
-                                int dim)
+/* Sorts short lists, of ranks from `low` on, by second and third corner; returns how many simplices they have.  By
+   counting pair by pair: no predictor could guess their order. */
+PBW__INLINE unsigned pbw__sort_lists(const pbw_index *corner, pbw__list *list, const unsigned *count, unsigned lists,
+                                     pbw_index *sorted, int dim)
 {
     uint64_t key[PBW__SHORT];
-    unsigned rank[PBW__SHORT], i, j;
-    for (i = 0; i < count; i++) {
-        const pbw_index *v = corner + 4 * (size_t)list[i];
-        unsigned order = pbw__canonical_order(v, dim);
-        key[i] = (uint64_t)v[order >> 2 & 3] << 32 | v[order >> 4 & 3];
-        for (rank[i] = 0, j = 0; j < i; j++) {
-            unsigned above = key[i] > key[j];
-            rank[i] += above;
-            rank[j] += 1 - above;
+    unsigned rank[PBW__SHORT], i, j, l, sum = 0;
+    for (l = 0; l < lists; l++) {
+        for (i = 0; i < count[l]; i++) {
+            const pbw_index *v = corner + 4 * (size_t)list[l][i];
+            unsigned order = pbw__canonical_order(v, dim);
+            key[i] = (uint64_t)v[order >> 2 & 3] << 32 | v[order >> 4 & 3];
+            for (rank[i] = 0, j = 0; j < i; j++) {
+                unsigned above = key[i] > key[j];
+                rank[i] += above;
+                rank[j] += 1 - above;
+            }
         }
+        for (i = 0; i < count[l]; i++) {
+            sorted[sum + rank[i]] = list[l][i];
+        }
+        sum += count[l];
     }
-    for (i = 0; i < count; i++) {
-        sorted[rank[i]] = list[i];
-    }
+    return sum;
 }
 
-static void pbw__sort_list3(const pbw_index *corner, pbw_index *list, unsigned count, pbw_index *sorted)
+static unsigned pbw__sort_lists3(const pbw_index *corner, pbw__list *list, const unsigned *count, unsigned lists,
+                                 pbw_index low, pbw_index *sorted)
 {
-    pbw__sort_list(corner, list, count, sorted, 3);
+    (void)low;
+    return pbw__sort_lists(corner, list, count, lists, sorted, 3);
 }
 
-static void pbw__sort_list2(const pbw_index *corner, pbw_index *list, unsigned count, pbw_index *sorted)
+static unsigned pbw__sort_lists2(const pbw_index *corner, pbw__list *list, const unsigned *count, unsigned lists,
+                                 pbw_index low, pbw_index *sorted)
 {
-    pbw__sort_list(corner, list, count, sorted, 2);
+    (void)low;
+    return pbw__sort_lists(corner, list, count, lists, sorted, 2);
 }
 
 #ifdef PBW__AVX2
-/* Four keys, less 2^63. */
-PBW__SIMD_INLINE __m256i pbw__list_keys(const pbw_index *corner, const pbw_index *list, int dim)
+PBW__SIMD_INLINE __m256i pbw__two(const pbw_index *a, const pbw_index *b)
 {
-    __m128i v[4];
-    int i;
-    for (i = 0; i < 4; i++) {
-        v[i] = (__m128i)pbw__load4(corner + 4 * (size_t)list[i]);
-        v[i] = (__m128i)pbw__permute4((pbw__i4)v[i],
-                                      (pbw__i4)_mm_shuffle_epi32(pbw__canonical_lanes(v[i], dim),
-                                                                 _MM_SHUFFLE(3, 0, 1, 2)));
-    }
-    return _mm256_xor_si256(_mm256_inserti128_si256(_mm256_castsi128_si256(_mm_unpacklo_epi64(v[0], v[1])),
-                                                    _mm_unpacklo_epi64(v[2], v[3]), 1),
-                            _mm256_set1_epi64x((int64_t)((uint64_t)1 << 63)));
+    return _mm256_inserti128_si256(_mm256_castsi128_si256((__m128i)pbw__load4(a)), (__m128i)pbw__load4(b), 1);
 }
 
-/* By eights, the last of which is filled up with simplices of the highest key. */
-PBW__SIMD_INLINE void pbw__sort_list_avx2(const pbw_index *corner, pbw_index *list, unsigned count,
-                                          pbw_index *sorted, unsigned all, int dim)
+/* Where the mask is set, exchanges a and b. */
+PBW__SIMD_INLINE void pbw__exchange(__m256i *a, __m256i *b, __m256i mask)
+{
+    const __m256i change = _mm256_and_si256(_mm256_xor_si256(*a, *b), mask);
+    *a = _mm256_xor_si256(*a, change);
+    *b = _mm256_xor_si256(*b, change);
+}
+
+/* Eight keys, less 2^63, of simplices of lowest rank `low`. */
+PBW__SIMD_INLINE void pbw__list_keys(const pbw_index *corner, const pbw_index *list, __m256i low, __m256i *key)
+{
+    const __m256i sign = _mm256_set1_epi32((int)0x80000000u);
+    __m256i a[4], v[4], last, odd, second, third;
+    int i;
+    for (i = 0; i < 4; i++) {                        /* so that unpacking leaves them in order */
+        const pbw_index *four = list + (i & 1) + 2 * (i & 2);
+        a[i] = pbw__two(corner + 4 * (size_t)four[0], corner + 4 * (size_t)four[2]);
+    }
+    for (i = 0; i < 4; i += 2) {
+        const __m256i x = i == 0 ? _mm256_unpacklo_epi32(a[0], a[1]) : _mm256_unpackhi_epi32(a[0], a[1]);
+        const __m256i y = i == 0 ? _mm256_unpacklo_epi32(a[2], a[3]) : _mm256_unpackhi_epi32(a[2], a[3]);
+        v[i] = _mm256_unpacklo_epi64(x, y);
+        v[i + 1] = _mm256_unpackhi_epi64(x, y);
+    }
+    /* The lowest first, by (0 2)(1 3), (0 1)(2 3) or both; then the other three in a cycle. */
+    last = _mm256_cmpeq_epi32(v[3], low);
+    odd = _mm256_or_si256(last, _mm256_cmpeq_epi32(v[1], low));
+    last = _mm256_or_si256(last, _mm256_cmpeq_epi32(v[2], low));
+    pbw__exchange(v, v + 2, last);
+    pbw__exchange(v + 1, v + 3, last);
+    v[1] = _mm256_xor_si256(v[1], _mm256_and_si256(_mm256_xor_si256(v[0], v[1]), odd));
+    pbw__exchange(v + 2, v + 3, odd);
+    second = _mm256_min_epu32(_mm256_min_epu32(v[1], v[2]), v[3]);
+    third = _mm256_blendv_epi8(v[1], v[3], _mm256_cmpeq_epi32(v[2], second));
+    third = _mm256_blendv_epi8(third, v[2], _mm256_cmpeq_epi32(v[1], second));
+    second = _mm256_xor_si256(second, sign);
+    key[0] = _mm256_unpacklo_epi32(third, second);
+    key[1] = _mm256_unpackhi_epi32(third, second);
+}
+
+/* A list of at most `all` simplices, by eights.  The last eight is filled up with the first simplex, which then goes
+   to its place more than once; among the others it counts as of the highest key. */
+PBW__SIMD_INLINE void pbw__sort_list_avx2(const pbw_index *corner, pbw_index *list, unsigned count, pbw_index low,
+                                          pbw_index *sorted, unsigned all)
 {
     const __m256i lane = _mm256_setr_epi64x(0, 1, 2, 3), highest = _mm256_set1_epi64x((int64_t)(~(uint64_t)0 >> 1));
-    const __m256i some = _mm256_set1_epi32((int)list[0]);
-    int64_t key[PBW__SHORT + 8];
+    __m256i keys[2 * (PBW__SHORT / 8)];
+    int64_t key[PBW__SHORT];
     unsigned i, j;
-    _mm256_storeu_si256((__m256i *)(void *)(list + count), some);
+    _mm256_storeu_si256((__m256i *)(void *)(list + count), _mm256_set1_epi32((int)list[0]));
+    for (j = 0; j < all; j += 8) {
+        pbw__list_keys(corner, list + j, _mm256_set1_epi32((int)low), keys + j / 4);
+    }
     for (j = 0; j < all; j += 4) {
         const __m256i left = _mm256_sub_epi64(_mm256_set1_epi64x((int64_t)count - (int64_t)j), lane);
-        __m256i keys = pbw__list_keys(corner, list + j, dim);
-        keys = _mm256_blendv_epi8(highest, keys, _mm256_cmpgt_epi64(left, _mm256_setzero_si256()));
-        _mm256_storeu_si256((__m256i *)(void *)(key + j), keys);
+        const __m256i real = _mm256_cmpgt_epi64(left, _mm256_setzero_si256());
+        _mm256_storeu_si256((__m256i *)(void *)(key + j), _mm256_blendv_epi8(highest, keys[j / 4], real));
     }
     for (j = 0; j < all; j += 8) {
-        const __m256i a = _mm256_loadu_si256((const __m256i *)(const void *)(key + j));
-        const __m256i b = _mm256_loadu_si256((const __m256i *)(const void *)(key + j + 4));
         __m256i below_a = _mm256_setzero_si256(), below_b = _mm256_setzero_si256();
         int64_t rank[8];
         for (i = 0; i < all; i++) {
             const __m256i other = _mm256_set1_epi64x(key[i]);
-            below_a = _mm256_sub_epi64(below_a, _mm256_cmpgt_epi64(a, other));
-            below_b = _mm256_sub_epi64(below_b, _mm256_cmpgt_epi64(b, other));
+            below_a = _mm256_sub_epi64(below_a, _mm256_cmpgt_epi64(keys[j / 4], other));
+            below_b = _mm256_sub_epi64(below_b, _mm256_cmpgt_epi64(keys[j / 4 + 1], other));
         }
         _mm256_storeu_si256((__m256i *)(void *)rank, below_a);
         _mm256_storeu_si256((__m256i *)(void *)(rank + 4), below_b);
@@ -6214,28 +6329,104 @@ PBW__SIMD_INLINE void pbw__sort_list_avx2(const pbw_index *corner, pbw_index *li
     }
 }
 
-PBW__SIMD static void pbw__sort_list3_avx2(const pbw_index *corner, pbw_index *list, unsigned count,
-                                           pbw_index *sorted)
+/* First the lists of one eight, then those of two, then the longer ones: lengths of lists cannot be predicted. */
+PBW__SIMD static unsigned pbw__sort_lists3_avx2(const pbw_index *corner, pbw__list *list, const unsigned *count,
+                                                unsigned lists, pbw_index low, pbw_index *sorted)
 {
-    if (count <= 8) {
-        pbw__sort_list_avx2(corner, list, count, sorted, 8, 3);
-    } else {
-        pbw__sort_list_avx2(corner, list, count, sorted, (count + 7) / 8 * 8, 3);
+    unsigned by_eights[PBW__SHORT / 8 + 1][PBW__LISTS], n[PBW__SHORT / 8 + 1], begin[PBW__LISTS], eights, i, l, sum;
+    memset(n, 0, sizeof(n));
+    for (sum = l = 0; l < lists; sum += count[l++]) {
+        eights = (count[l] + 7) / 8;
+        by_eights[eights][n[eights]++] = l;
+        begin[l] = sum;
     }
+    for (eights = 1; eights <= PBW__SHORT / 8; eights++) {
+        for (i = 0; i < n[eights]; i++) {
+            l = by_eights[eights][i];
+            if (eights == 1) {
+                pbw__sort_list_avx2(corner, list[l], count[l], low + l, sorted + begin[l], 8);
+            } else if (eights == 2) {
+                pbw__sort_list_avx2(corner, list[l], count[l], low + l, sorted + begin[l], 16);
+            } else {
+                pbw__sort_list_avx2(corner, list[l], count[l], low + l, sorted + begin[l], 8 * eights);
+            }
+        }
+    }
+    return sum;
+}
+
+/* In the plane the second corner decides: an edge has one triangle on its left.  By fours. */
+PBW__SIMD_INLINE void pbw__sort_list2_avx2(const pbw_index *corner, pbw_index *list, unsigned count, pbw_index low,
+                                           pbw_index *sorted, unsigned all)
+{
+    const __m128i sign = _mm_set1_epi32((int)0x80000000u), highest = _mm_set1_epi32(0x7fffffff);
+    const __m128i lane = _mm_setr_epi32(0, 1, 2, 3), first = _mm_set1_epi32((int)low);
+    __m128i keys[PBW__SHORT / 4];
+    int32_t key[PBW__SHORT];
+    unsigned i, j;
+    pbw__store4(list + count, (pbw__i4)_mm_set1_epi32((int)list[0]));
+    for (j = 0; j < all; j += 4) {
+        const __m128i a = (__m128i)pbw__load4(corner + 4 * (size_t)list[j]);
+        const __m128i b = (__m128i)pbw__load4(corner + 4 * (size_t)list[j + 1]);
+        const __m128i c = (__m128i)pbw__load4(corner + 4 * (size_t)list[j + 2]);
+        const __m128i d = (__m128i)pbw__load4(corner + 4 * (size_t)list[j + 3]);
+        const __m128i ab = _mm_unpacklo_epi32(a, b), cd = _mm_unpacklo_epi32(c, d);
+        const __m128i v0 = _mm_unpacklo_epi64(ab, cd), v1 = _mm_unpackhi_epi64(ab, cd);
+        const __m128i v2 = _mm_unpacklo_epi64(_mm_unpackhi_epi32(a, b), _mm_unpackhi_epi32(c, d));
+        const __m128i second = _mm_blendv_epi8(_mm_blendv_epi8(v0, v2, _mm_cmpeq_epi32(v1, first)), v1,
+                                               _mm_cmpeq_epi32(v0, first));
+        const __m128i real = _mm_cmpgt_epi32(_mm_set1_epi32((int)count - (int)j), lane);
+        keys[j / 4] = _mm_xor_si128(second, sign);
+        pbw__store4(key + j, (pbw__i4)_mm_blendv_epi8(highest, keys[j / 4], real));
+    }
+    for (j = 0; j < all; j += 4) {
+        __m128i below = _mm_setzero_si128();
+        pbw_index rank[4];
+        for (i = 0; i < all; i++) {
+            below = _mm_sub_epi32(below, _mm_cmpgt_epi32(keys[j / 4], _mm_set1_epi32(key[i])));
+        }
+        pbw__store4(rank, (pbw__i4)below);
+        for (i = 0; i < 4; i++) {
+            sorted[rank[i]] = list[j + i];
+        }
+    }
+}
+
+PBW__SIMD static unsigned pbw__sort_lists2_avx2(const pbw_index *corner, pbw__list *list, const unsigned *count,
+                                                unsigned lists, pbw_index low, pbw_index *sorted)
+{
+    unsigned l, sum = 0;
+    for (l = 0; l < lists; sum += count[l++]) {
+        if (count[l] > 4) {
+            pbw__sort_list2_avx2(corner, list[l], count[l], low + l, sorted + sum, (count[l] + 3) / 4 * 4);
+        } else {                                     /* of no simplices: what it writes is overwritten */
+            pbw__sort_list2_avx2(corner, list[l], count[l], low + l, sorted + sum, 4);
+        }
+    }
+    return sum;
 }
 #endif
 
-PBW__INLINE void pbw__emit_number(pbw__emission *emission, pbw_index t, size_t place, pbw_index later, int dim)
+PBW__INLINE void pbw__emit_number(pbw__emission *emission, pbw_index t, pbw_index place, pbw_index later, int dim)
 {
-    const pbw_index *corner = emission->corner + 4 * (size_t)t;
+    const pbw_index *v = emission->corner + 4 * (size_t)t;
+    pbw_index highest = v[0] > v[1] ? v[0] : v[1];
     int k;
-    emission->number[t] = (pbw_index)place;
+    highest = v[2] > highest ? v[2] : highest;
+    highest = dim == 3 && v[3] > highest ? v[3] : highest;
+    emission->number[t] = place;
+    if (PBW__LIKELY(later == PBW_NONE || highest < later)) {
+        for (k = 0; k <= dim; k++) {
+            emission->head[v[k]] = place;
+        }
+        return;
+    }
     for (k = 0; k <= dim; k++) {
-        if (PBW__LIKELY(corner[k] < later)) {
-            emission->head[corner[k]] = (pbw_index)place;
+        if (v[k] < later) {
+            emission->head[v[k]] = place;
         } else {
-            pbw_index *first = emission->first + corner[k], old = PBW__LOAD(first);
-            while ((pbw_index)place < old && !PBW__REPLACE(first, &old, (pbw_index)place)) {
+            pbw_index *first = emission->first + v[k], old = PBW__LOAD(first);
+            while (place < old && !PBW__REPLACE(first, &old, place)) {
             }
         }
     }
@@ -6262,7 +6453,7 @@ static PBW__NOINLINE size_t pbw__emit_hub(pbw__emission *emission, pbw_index t, 
         pbw__sift(item, i, count);
     }
     for (i = count; i-- > 0; ) {
-        pbw__emit_number(emission, item[0].simplex, --place, later, emission->dim);
+        pbw__emit_number(emission, item[0].simplex, (pbw_index)--place, later, emission->dim);
         item[0] = item[i];
         pbw__sift(item, 0, i);
     }
@@ -6270,52 +6461,75 @@ static PBW__NOINLINE size_t pbw__emit_hub(pbw__emission *emission, pbw_index t, 
     return place;
 }
 
+/* Fetches the slots where most of the lists are that come after the next, on the way down from `end`. */
+PBW__INLINE void pbw__emit_expect(const pbw__emission *emission, size_t end)
+{
+    const pbw__store *store = emission->store;
+    size_t slots = (PBW__LISTS * store->slots_each) >> store->cell_bits, slot, i;
+    if (end >= 2 * PBW__LISTS) {
+        slot = (size_t)((uint64_t)(end - 2 * PBW__LISTS) * store->slots_each >> store->cell_bits);
+        for (i = 0; i < slots; i += 4) {
+            PBW__PREFETCH(store->corner + 4 * (slot + i));
+        }
+        for (i = 0; i < slots; i += 16) {
+            PBW__PREFETCH(emission->number + slot + i);
+        }
+    }
+}
+
 /* The lists of the ranks before `end`; returns where the first of them begins. */
 PBW__INLINE size_t pbw__emit_numbers(pbw__emission *emission, size_t from, size_t end, size_t place, pbw_index later,
                                      int dim)
 {
     pbw__list list[PBW__LISTS];
-    pbw_index next[PBW__LISTS], sorted[PBW__SHORT + 8];
+    pbw_index next[PBW__LISTS], sorted[PBW__LISTS * PBW__SHORT];
+    const pbw_index *corner = emission->corner, *number = emission->number;
     unsigned count[PBW__LISTS], open[PBW__LISTS], i, j, left, depth, lists;
     for (; end > from; end -= lists) {
         const pbw_index *head;
         lists = end - from < PBW__LISTS ? (unsigned)(end - from) : PBW__LISTS;
         head = emission->head + end - lists;
         for (i = left = 0; i < lists; i++) {
-            next[i] = head[i];
             count[i] = 0;
+            list[i][0] = head[i] != PBW_NONE ? head[i] : 0;      /* any will do: see sort_lists */
+            next[left] = head[i];
             open[left] = i;
-            left += next[i] != PBW_NONE;
+            left += head[i] != PBW_NONE;
         }
+        pbw__emit_expect(emission, end - lists);
         for (i = 0; i < lists && end - lists - from > i; i++) {
             pbw_index soon = head[-1 - (int)i];
-            if (soon != PBW_NONE) {
-                PBW__PREFETCH(emission->number + soon);
-            }
+            PBW__PREFETCH(number + (soon != PBW_NONE ? soon : 0));
         }
         for (depth = 0; left > 0 && depth < PBW__SHORT; depth++) {
             for (i = j = 0; i < left; i++) {
                 unsigned l = open[i];
-                pbw_index t = next[l];
+                pbw_index t = next[i], following = number[t];
                 list[l][depth] = t;
                 count[l] = depth + 1;
-                PBW__PREFETCH(emission->corner + 4 * (size_t)t);
-                next[l] = emission->number[t];
+                PBW__PREFETCH(corner + 4 * (size_t)t);
+                next[j] = following;
                 open[j] = l;
-                j += next[l] != PBW_NONE;
+                j += following != PBW_NONE;
             }
             left = j;
         }
-        for (i = lists; i-- > 0; ) {
-            if (PBW__UNLIKELY(next[i] != PBW_NONE)) {
-                place = pbw__emit_hub(emission, list[i][0], place, later);
-                continue;
+        for (i = lists; i > 0; i = j) {              /* down to a hub's list; `left` of those are open */
+            unsigned sum = 0;
+            j = left > 0 ? open[left - 1] + 1 : 0;
+            if (!emission->any_order) {
+                sum = emission->sort_lists(corner, list + j, count + j, i - j, (pbw_index)(end - lists + j), sorted);
+            } else {
+                for (depth = j; depth < i; sum += count[depth++]) {
+                    memcpy(sorted + sum, list[depth], count[depth] * sizeof(pbw_index));
+                }
             }
-            if (count[i] > 0 && !emission->any_order) {
-                emission->sort_list(emission->corner, list[i], count[i], sorted);
+            while (sum > 0) {
+                pbw__emit_number(emission, sorted[--sum], (pbw_index)--place, later, dim);
             }
-            for (j = count[i]; j-- > 0; ) {
-                pbw__emit_number(emission, emission->any_order ? list[i][j] : sorted[j], --place, later, dim);
+            if (left > 0) {
+                left--;
+                place = pbw__emit_hub(emission, list[--j][0], place, later);
             }
         }
     }
@@ -6341,91 +6555,12 @@ static void pbw__emit_pass2(void *arg, int task)
 /* Pass 3: each simplex in canonical form, with ids for ranks and places for slots, from its slot to its place.  Slots
    are read in order, and most places lie before the slots, among those already read, because slots are left over
    where simplices were deleted.  A simplex whose place is still to be read is set aside.  Tasks take the slots by
-   chunks; chunk_done, set in release order and seen in acquire order, tells all that a chunk was read. */
+   chunks, not too small: slots that are near have places in the same lines of the cache.  chunk_done, set in release
+   order and seen in acquire order, tells all that a chunk was read. */
 #ifdef PBW_SMALL_SHARES
 #define PBW__CHUNK 64
 #else
-#define PBW__CHUNK 256
-#endif
-
-/* The simplices in slots from..end-1 as they go out; returns how many. */
-PBW__INLINE size_t pbw__emit_slots(const pbw__emission *emission, size_t from, size_t end, pbw__emitted *out, int dim)
-{
-    const pbw_index *number = emission->number;
-    size_t count = 0, t;
-    for (t = from; t < end; t++) {
-        const pbw_index *v = emission->corner + 4 * t;
-        pbw__emitted *simplex = out + count;
-        unsigned order, k;
-        if (number[t] == PBW_NONE) {
-            continue;
-        }
-        count++;
-        simplex->place = number[t];
-        order = pbw__canonical_order(v, dim);
-        for (k = 0; k <= (unsigned)dim; k++) {
-            simplex->corner[k] = emission->id[v[order >> 2 * k & 3]];
-        }
-        for (k = 0; k <= (unsigned)dim && emission->link != NULL; k++) {
-            simplex->neighbor[k] = number[emission->link[4 * t + (order >> 2 * k & 3)] >> 2];
-        }
-    }
-    return count;
-}
-
-static size_t pbw__emit_slots3(const pbw__emission *emission, size_t from, size_t end, pbw__emitted *out)
-{
-    return pbw__emit_slots(emission, from, end, out, 3);
-}
-
-static size_t pbw__emit_slots2(const pbw__emission *emission, size_t from, size_t end, pbw__emitted *out)
-{
-    return pbw__emit_slots(emission, from, end, out, 2);
-}
-
-#ifdef PBW__AVX2
-PBW__SIMD_INLINE size_t pbw__emit_slots_avx2(const pbw__emission *emission, size_t from, size_t end,
-                                             pbw__emitted *out, int dim)
-{
-    const pbw_index *number = emission->number, *id = emission->id;
-    size_t count = 0, t;
-    for (t = from; t < end; t++) {
-        const pbw_index *v = emission->corner + 4 * t;
-        pbw__emitted *simplex = out + count;
-        __m128i lanes;
-        if (number[t] == PBW_NONE) {
-            continue;
-        }
-        count++;
-        simplex->place = number[t];
-        PBW__PREFETCH(emission->corner + ((size_t)dim + 1) * number[t]);
-        lanes = pbw__canonical_lanes((__m128i)pbw__load4(v), dim);
-        pbw__store4(simplex->corner,
-                    pbw__permute4((pbw__i4)_mm_setr_epi32((int)id[v[0]], (int)id[v[1]], (int)id[v[2]], dim == 3
-                                                          ? (int)id[v[3]] : 0), (pbw__i4)lanes));
-        if (emission->link != NULL) {
-            const pbw__link *link = emission->link + 4 * t;
-            PBW__PREFETCH((pbw_index *)(void *)emission->link + ((size_t)dim + 1) * number[t]);
-            pbw__store4(simplex->neighbor,
-                        pbw__permute4((pbw__i4)_mm_setr_epi32((int)number[link[0] >> 2], (int)number[link[1] >> 2],
-                                                              (int)number[link[2] >> 2], dim == 3
-                                                              ? (int)number[link[3] >> 2] : 0), (pbw__i4)lanes));
-        }
-    }
-    return count;
-}
-
-PBW__SIMD static size_t pbw__emit_slots3_avx2(const pbw__emission *emission, size_t from, size_t end,
-                                              pbw__emitted *out)
-{
-    return pbw__emit_slots_avx2(emission, from, end, out, 3);
-}
-
-PBW__SIMD static size_t pbw__emit_slots2_avx2(const pbw__emission *emission, size_t from, size_t end,
-                                              pbw__emitted *out)
-{
-    return pbw__emit_slots_avx2(emission, from, end, out, 2);
-}
+#define PBW__CHUNK 1024
 #endif
 
 /* Whether the slots that a place covers have been read. */
@@ -6447,8 +6582,116 @@ PBW__INLINE void pbw__emit_place(const pbw__emission *emission, const pbw__emitt
     }
 }
 
+/* Writes the simplices in slots from..end-1 to their places; those before `written` are free.  Sets aside, at `out`,
+   those whose places are not; returns how many. */
+PBW__INLINE size_t pbw__emit_slots(const pbw__emission *emission, size_t from, size_t end, size_t written,
+                                   pbw__emitted *out, int dim)
+{
+    const pbw_index *number = emission->number;
+    size_t count = 0, t;
+    for (t = from; t < end; t++) {
+        const pbw_index *v = emission->corner + 4 * t;
+        pbw__emitted *simplex = out + count;
+        unsigned order, k;
+        if (number[t] == PBW_NONE) {
+            continue;
+        }
+        simplex->place = number[t];
+        order = pbw__canonical_order(v, dim);
+        for (k = 0; k <= (unsigned)dim; k++) {
+            simplex->corner[k] = emission->id[v[order >> 2 * k & 3]];
+        }
+        for (k = 0; k <= (unsigned)dim && emission->link != NULL; k++) {
+            simplex->neighbor[k] = number[emission->link[4 * t + (order >> 2 * k & 3)] >> 2];
+        }
+        if (PBW__LIKELY(simplex->place < written) || pbw__emit_free(emission, simplex->place, dim)) {
+            pbw__emit_place(emission, simplex, dim);
+        } else {
+            count++;
+        }
+    }
+    return count;
+}
+
+static size_t pbw__emit_slots3(const pbw__emission *emission, size_t from, size_t end, size_t written,
+                               pbw__emitted *out)
+{
+    return pbw__emit_slots(emission, from, end, written, out, 3);
+}
+
+static size_t pbw__emit_slots2(const pbw__emission *emission, size_t from, size_t end, size_t written,
+                               pbw__emitted *out)
+{
+    return pbw__emit_slots(emission, from, end, written, out, 2);
+}
+
+#ifdef PBW__AVX2
+/* A vector to the dim+1 entries from `to` on. */
+PBW__SIMD_INLINE void pbw__emit_store(pbw_index *to, pbw__i4 x, int dim)
+{
+    if (dim == 3) {
+        pbw__store4(to, x);
+    } else {
+        _mm_storel_epi64((__m128i *)(void *)to, (__m128i)x);
+        to[2] = (pbw_index)_mm_extract_epi32((__m128i)x, 2);
+    }
+}
+
+PBW__SIMD_INLINE size_t pbw__emit_slots_avx2(const pbw__emission *emission, size_t from, size_t end, size_t written,
+                                             pbw__emitted *out, int dim, int links)
+{
+    const pbw_index *number = emission->number, *id = emission->id;
+    pbw__link *link = emission->link;
+    pbw_index *corner = emission->corner;
+    size_t corners = (size_t)dim + 1, count = 0, t;
+    for (t = from; t < end; t++) {
+        const pbw_index *v = corner + 4 * t, place = number[t];
+        pbw__i4 lanes, ids, neighbors = { 0, 0, 0, 0 };
+        if (place == PBW_NONE) {
+            continue;
+        }
+        PBW__PREFETCH(corner + corners * place);
+        lanes = (pbw__i4)pbw__canonical_lanes((__m128i)pbw__load4(v), dim);
+        ids = (pbw__i4)_mm_setr_epi32((int)id[v[0]], (int)id[v[1]], (int)id[v[2]], dim == 3 ? (int)id[v[3]] : 0);
+        ids = pbw__permute4(ids, lanes);
+        if (links) {
+            const pbw__link *l = link + 4 * t;
+            PBW__PREFETCH((pbw_index *)(void *)link + corners * place);
+            neighbors = (pbw__i4)_mm_setr_epi32((int)number[l[0] >> 2], (int)number[l[1] >> 2],
+                                                (int)number[l[2] >> 2], dim == 3 ? (int)number[l[3] >> 2] : 0);
+            neighbors = pbw__permute4(neighbors, lanes);
+        }
+        if (PBW__LIKELY(place < written) || pbw__emit_free(emission, place, dim)) {
+            pbw__emit_store(corner + corners * place, ids, dim);
+            if (links) {
+                pbw__emit_store((pbw_index *)(void *)link + corners * place, neighbors, dim);
+            }
+        } else {
+            out[count].place = place;
+            pbw__store4(out[count].corner, ids);
+            pbw__store4(out[count++].neighbor, neighbors);
+        }
+    }
+    return count;
+}
+
+PBW__SIMD static size_t pbw__emit_slots3_avx2(const pbw__emission *emission, size_t from, size_t end, size_t written,
+                                              pbw__emitted *out)
+{
+    return emission->link != NULL ? pbw__emit_slots_avx2(emission, from, end, written, out, 3, 1)
+                                  : pbw__emit_slots_avx2(emission, from, end, written, out, 3, 0);
+}
+
+PBW__SIMD static size_t pbw__emit_slots2_avx2(const pbw__emission *emission, size_t from, size_t end, size_t written,
+                                              pbw__emitted *out)
+{
+    return emission->link != NULL ? pbw__emit_slots_avx2(emission, from, end, written, out, 2, 1)
+                                  : pbw__emit_slots_avx2(emission, from, end, written, out, 2, 0);
+}
+#endif
+
 /* Writes what can be written by now. */
-static void pbw__emit_set_aside(pbw__emission *emission, pbw__aside *aside, int dim)
+PBW__INLINE void pbw__emit_what_can(const pbw__emission *emission, pbw__aside *aside, int dim)
 {
     size_t i, left = 0;
     for (i = 0; i < aside->count; i++) {
@@ -6461,11 +6704,20 @@ static void pbw__emit_set_aside(pbw__emission *emission, pbw__aside *aside, int 
     aside->count = left;
 }
 
+static void pbw__emit_set_aside(const pbw__emission *emission, pbw__aside *aside)
+{
+    if (emission->dim == 3) {
+        pbw__emit_what_can(emission, aside, 3);
+    } else {
+        pbw__emit_what_can(emission, aside, 2);
+    }
+}
+
 /* Room for those of a chunk.  What waits is looked at when there is twice as much as was left the last time. */
-static int pbw__emit_reserve(pbw__emission *emission, pbw__aside *aside, int dim)
+static int pbw__emit_reserve(pbw__emission *emission, pbw__aside *aside)
 {
     if (aside->capacity - aside->count < PBW__CHUNK) {
-        pbw__emit_set_aside(emission, aside, dim);
+        pbw__emit_set_aside(emission, aside);
         if (aside->count + PBW__CHUNK > aside->capacity / 2
             && !pbw__resize_array(&emission->context->memory, &aside->simplex, &aside->capacity,
                                   2 * (aside->count + PBW__CHUNK), sizeof(pbw__emitted))) {
@@ -6476,36 +6728,22 @@ static int pbw__emit_reserve(pbw__emission *emission, pbw__aside *aside, int dim
     return 1;
 }
 
-PBW__INLINE void pbw__emit_chunk(pbw__emission *emission, pbw__aside *aside, size_t chunk, int dim)
-{
-    pbw__emitted out[PBW__CHUNK];
-    size_t from = chunk * PBW__CHUNK, end = from + PBW__CHUNK, count, i;
-    if (!pbw__emit_reserve(emission, aside, dim)) {
-        return;
-    }
-    count = emission->emit(emission, from, end < emission->slot_count ? end : emission->slot_count, out);
-    PBW__TELL(emission->chunk_done + chunk, 1);
-    for (i = 0; i < count; i++) {
-        if (PBW__LIKELY(pbw__emit_free(emission, out[i].place, dim))) {
-            pbw__emit_place(emission, out + i, dim);
-        } else {
-            aside->simplex[aside->count++] = out[i];
-        }
-    }
-}
-
 static void pbw__emit_pass3(void *arg, int task)
 {
     pbw__emission *emission = (pbw__emission *)arg;
-    size_t chunks = (emission->slot_count + PBW__CHUNK - 1) / PBW__CHUNK, chunk;
+    size_t chunks = (emission->slot_count + PBW__CHUNK - 1) / PBW__CHUNK, chunk, done = 0;
     pbw__aside aside = { NULL, 0, 0 };               /* not in a line of the cache with those of other tasks */
     while ((chunk = PBW__ADD(&emission->chunk, 1)) < chunks && !PBW__LOAD(&emission->failed)
-           && !pbw__report(emission->context, 0.5 + 0.45 * (double)chunk / (double)chunks)) {
-        if (emission->dim == 3) {
-            pbw__emit_chunk(emission, &aside, chunk, 3);
-        } else {
-            pbw__emit_chunk(emission, &aside, chunk, 2);
+           && !pbw__report(emission->context, 0.5 + 0.45 * (double)chunk / (double)chunks)
+           && pbw__emit_reserve(emission, &aside)) {
+        size_t from = chunk * PBW__CHUNK, end = from + PBW__CHUNK;
+        while (done < chunk && PBW__SEEN(emission->chunk_done + done) != 0) {
+            done++;
         }
+        aside.count += emission->emit(emission, from, end < emission->slot_count ? end : emission->slot_count,
+                                      done * PBW__CHUNK * 4 / ((size_t)emission->dim + 1),
+                                      aside.simplex + aside.count);
+        PBW__TELL(emission->chunk_done + chunk, 1);
     }
     emission->aside[task] = aside;
 }
@@ -6516,7 +6754,7 @@ static void pbw__emit_pass4(void *arg, int task)
     pbw__emission *emission = (pbw__emission *)arg;
     pbw__aside *aside = emission->aside + task;
     if (!PBW__LOAD(&emission->failed) && !pbw__report(emission->context, 0.95)) {
-        pbw__emit_set_aside(emission, aside, emission->dim);
+        pbw__emit_set_aside(emission, aside);
     }
     pbw__release(&emission->context->memory, aside->simplex, aside->capacity, sizeof(pbw__emitted));
 }
@@ -6546,11 +6784,13 @@ static pbw_status pbw__emit(pbw__emission *emission)
     pbw__context *context = emission->context;
     size_t b, sum = 0;
     int tasks = emission->tasks, task;
-    emission->sort_list = emission->dim == 3 ? pbw__sort_list3 : pbw__sort_list2;
+    emission->lowest_ranks = emission->dim == 3 ? pbw__lowest_ranks3 : pbw__lowest_ranks2;
+    emission->sort_lists = emission->dim == 3 ? pbw__sort_lists3 : pbw__sort_lists2;
     emission->emit = emission->dim == 3 ? pbw__emit_slots3 : pbw__emit_slots2;
 #ifdef PBW__AVX2
     if (pbw__simd_works()) {
-        emission->sort_list = emission->dim == 3 ? pbw__sort_list3_avx2 : pbw__sort_list2;
+        emission->lowest_ranks = emission->dim == 3 ? pbw__lowest_ranks3_avx2 : pbw__lowest_ranks2_avx2;
+        emission->sort_lists = emission->dim == 3 ? pbw__sort_lists3_avx2 : pbw__sort_lists2_avx2;
         emission->emit = emission->dim == 3 ? pbw__emit_slots3_avx2 : pbw__emit_slots2_avx2;
     }
 #endif
@@ -6578,8 +6818,13 @@ static pbw_status pbw__emit(pbw__emission *emission)
     if (PBW__LOAD(&context->cancelled) || emission->failed) {
         return emission->failed ? PBW_ERROR_MEMORY : PBW_CANCELLED;
     }
-    pbw__for(context, tasks, pbw__emit_pass5, emission);
     return PBW_OK;
+}
+
+static pbw_status pbw__emit_incident(pbw__emission *emission)
+{
+    pbw__for(emission->context, emission->tasks, pbw__emit_pass5, emission);
+    return PBW__LOAD(&emission->context->cancelled) ? PBW_CANCELLED : PBW_OK;
 }
 /* ------------------------------------------------------------------------------------------------------
    >>check        The exact verdict on a finished mesh.
@@ -7361,23 +7606,32 @@ static void pbw__copy_points(void *arg, int task)
 {
     const pbw__copying *copying = (const pbw__copying *)arg;
     const pbw__input *input = copying->input;
-    size_t dim = (size_t)input->dim, k, i, end = pbw__share(input->count, task + 1, copying->tasks);
-    for (i = pbw__share(input->count, task, copying->tasks); i < end; i++) {
-        double record[4];
-        pbw__fetch(input, i, record);
-        for (k = 0; k < dim; k++) {
-            copying->points[i * dim + k] = record[k];
-        }
-        if (copying->weights != NULL) {
-            copying->weights[i] = record[dim];
-        }
-        if ((i & (PBW__TICK - 1)) == 0 && pbw__report(copying->context, 0.98)) {
+    size_t dim = (size_t)input->dim, k, i, to, end = pbw__share(input->count, task + 1, copying->tasks);
+    int packed = !input->is_float && input->stride == dim * sizeof(double) && input->weights == NULL;
+    for (i = pbw__share(input->count, task, copying->tasks); i < end; i = to) {
+        to = end - i < PBW__TICK ? end : i + PBW__TICK;
+        if (pbw__report(copying->context, 0.98)) {
             return;
+        }
+        for (k = i * dim; packed && k < to * dim; k++) {
+            copying->points[k] = ((const double *)(const void *)input->points)[k] + 0.0;         /* no -0.0 */
+        }
+        for (; !packed && i < to; i++) {
+            double record[4];
+            pbw__fetch(input, i, record);
+            for (k = 0; k < dim; k++) {
+                copying->points[i * dim + k] = record[k];
+            }
+            if (copying->weights != NULL) {
+                copying->weights[i] = record[dim];
+            }
         }
     }
 }
 
-static pbw_status pbw__keep_points(pbw__context *context, const pbw__input *input, pbw__owned *owned, pbw_mesh *mesh)
+/* In `spare`, a block of at least as many doubles, or in one of its own. */
+static pbw_status pbw__keep_points(pbw__context *context, const pbw__input *input, pbw__owned *owned, pbw_mesh *mesh,
+                                   double *spare, size_t spare_count)
 {
     pbw__copying copying;
     copying.context = context;
@@ -7385,7 +7639,9 @@ static pbw_status pbw__keep_points(pbw__context *context, const pbw__input *inpu
     copying.tasks = pbw__tasks(context, input->count, 65536);
     copying.weights = NULL;
     owned->points = input->count * (size_t)input->dim;
-    mesh->points = copying.points = (double *)pbw__allocate_large(context, owned->points, sizeof(double));
+    mesh->points = copying.points = (double *)(spare == NULL
+                 ? pbw__allocate_large(context, owned->points, sizeof(double))
+                 : pbw__resize(&context->memory, spare, spare_count, owned->points, sizeof(double)));
     if (input->weights != NULL) {
         owned->weights = input->count;
         mesh->weights = copying.weights = (double *)pbw__allocate_large(context, input->count, sizeof(double));
@@ -7397,21 +7653,61 @@ static pbw_status pbw__keep_points(pbw__context *context, const pbw__input *inpu
     return PBW__LOAD(&context->cancelled) ? PBW_CANCELLED : PBW_OK;
 }
 
-/* The store's triangulation as the mesh's arrays; mesh->incident comes in as PBW_NONE for duplicates. */
+/* mesh->incident, filled with PBW_NONE if `none`. */
+static pbw_index *pbw__make_incident(pbw__context *context, pbw__owned *owned, pbw_mesh *mesh, int none)
+{
+    pbw_index *incident = (pbw_index *)pbw__allocate_large(context, mesh->point_count, sizeof(pbw_index));
+    mesh->incident = incident;
+    owned->incident = mesh->point_count;
+    if (incident != NULL && none) {
+        memset(incident, 0xff, mesh->point_count * sizeof(pbw_index));
+    }
+    return incident;
+}
+
+/* What the build needs no more is there for the output, with its pages: the vertices' records and the marks. */
+typedef struct pbw__spare { pbw_index *block[2]; size_t count[2]; } pbw__spare;
+
+/* `count` indices there, or in a block of their own. */
+static pbw_index *pbw__borrow(pbw__context *context, pbw__spare *spare, size_t count, size_t *allocated)
+{
+    int i;
+    for (i = 0; i < 2; i++) {
+        if (spare->count[i] >= count) {
+            spare->count[i] -= count;
+            return spare->block[i] + spare->count[i];
+        }
+    }
+    *allocated = count;
+    return (pbw_index *)pbw__allocate_large(context, count, sizeof(pbw_index));
+}
+
+static void pbw__give_up(pbw__memory *memory, pbw_index *block, size_t allocated)
+{
+    if (allocated > 0) {
+        pbw__release(memory, block, allocated, sizeof(pbw_index));
+    }
+}
+
+/* The store's triangulation as the mesh's arrays. */
 static pbw_status pbw__output(pbw__context *context, pbw__store *store, pbw__vertices *vertices, unsigned flags,
                               pbw__owned *owned, pbw_mesh *mesh)
 {
     pbw__memory *memory = &context->memory;
     pbw__emission emission;
-    size_t blocks, chunks = store->count / PBW__CHUNK + 1, entries, links;
+    pbw__spare spare;
+    size_t blocks, chunks = store->count / PBW__CHUNK + 1, entries, links, allocated[3] = { 0, 0, 0 };
+    size_t corners = (size_t)vertices->dim + 1;
     pbw_status status = PBW_ERROR_MEMORY;
 
-    pbw__release(memory, store->mark, store->mark_capacity, 1);
-    store->mark = NULL;
     if ((flags & PBW_NO_NEIGHBORS) != 0) {
         pbw__release(memory, store->link, store->link_capacity, sizeof(pbw__link));
         store->link = NULL;
     }
+    spare.block[0] = (pbw_index *)(void *)vertices->record;
+    spare.count[0] = (vertices->point_count + 1) * corners * (sizeof(double) / sizeof(pbw_index));
+    spare.block[1] = (pbw_index *)(void *)store->mark;
+    spare.count[1] = store->mark_capacity / sizeof(pbw_index);
     memset(&emission, 0, sizeof(emission));
     emission.context = context;
     emission.store = store;
@@ -7422,12 +7718,11 @@ static pbw_status pbw__output(pbw__context *context, pbw__store *store, pbw__ver
     emission.dim = vertices->dim;
     emission.any_order = (flags & PBW_ANY_ORDER) != 0;
     emission.id = vertices->id;
-    emission.incident = (pbw_index *)(uintptr_t)mesh->incident;
     emission.tasks = pbw__tasks(context, vertices->count, 16384);
-    emission.number = (pbw_index *)pbw__allocate_large(context, store->count, sizeof(pbw_index));
-    emission.head = (pbw_index *)pbw__allocate_large(context, vertices->count + 1, sizeof(pbw_index));
+    emission.number = pbw__borrow(context, &spare, store->count, allocated);
+    emission.head = pbw__borrow(context, &spare, vertices->count + 1, allocated + 1);
     if (emission.tasks > 1) {
-        emission.first = (pbw_index *)pbw__allocate_large(context, vertices->count + 1, sizeof(pbw_index));
+        emission.first = pbw__borrow(context, &spare, vertices->count + 1, allocated + 2);
     }
     emission.blocks = vertices->count / PBW__BLOCK + 1;
     blocks = emission.blocks * (size_t)emission.tasks;
@@ -7441,30 +7736,35 @@ static pbw_status pbw__output(pbw__context *context, pbw__store *store, pbw__ver
         memset(emission.aside, 0, (size_t)emission.tasks * sizeof(pbw__aside));
         status = pbw__emit(&emission);
     }
-    pbw__release(memory, emission.number, store->count, sizeof(pbw_index));
-    pbw__release(memory, emission.head, vertices->count + 1, sizeof(pbw_index));
-    pbw__release(memory, emission.first, vertices->count + 1, sizeof(pbw_index));
     pbw__release(memory, emission.block, blocks, sizeof(pbw_index));
     pbw__release(memory, emission.chunk_done, chunks, 1);
     pbw__release(memory, emission.aside, (size_t)emission.tasks, sizeof(pbw__aside));
-    if (status != PBW_OK) {
-        return status;
-    }
-    mesh->simplex_count = emission.simplex_count;
-    mesh->hidden_count = vertices->count - emission.visible;
-    entries = emission.simplex_count * ((size_t)vertices->dim + 1);
+    entries = emission.simplex_count * corners;
     links = store->link_capacity * (sizeof(pbw__link) / sizeof(pbw_index));
-    if (!pbw__resize_array(memory, &store->corner, &store->corner_capacity, entries, sizeof(pbw_index))
-        || (store->link != NULL && !pbw__resize_array(memory, &store->link, &links, entries, sizeof(pbw_index)))) {
-        return PBW_ERROR_MEMORY;
+    if (status == PBW_OK
+        && (!pbw__resize_array(memory, &store->corner, &store->corner_capacity, entries, sizeof(pbw_index))
+            || (store->link != NULL
+                && !pbw__resize_array(memory, &store->link, &links, entries, sizeof(pbw_index))))) {
+        status = PBW_ERROR_MEMORY;
     }
-    mesh->simplices = store->corner;
-    mesh->neighbors = (pbw_index *)(void *)store->link;
-    owned->simplices = entries;
-    owned->neighbors = store->link != NULL ? entries : 0;
-    store->corner = NULL;
-    store->link = NULL;
-    return PBW_OK;
+    if (status == PBW_OK) {
+        mesh->simplex_count = emission.simplex_count;
+        mesh->simplices = store->corner;
+        mesh->neighbors = (pbw_index *)(void *)store->link;
+        owned->simplices = entries;
+        owned->neighbors = store->link != NULL ? entries : 0;
+        store->corner = NULL;
+        store->link = NULL;
+        emission.incident = pbw__make_incident(context, owned, mesh, vertices->duplicate_count > 0);
+        status = emission.incident != NULL ? pbw__emit_incident(&emission) : PBW_ERROR_MEMORY;
+    }
+    pbw__give_up(memory, emission.number, allocated[0]);
+    pbw__give_up(memory, emission.head, allocated[1]);
+    pbw__give_up(memory, emission.first, allocated[2]);
+    pbw__release(memory, store->mark, store->mark_capacity, 1);
+    store->mark = NULL;
+    mesh->hidden_count = vertices->count - emission.visible;
+    return status;
 }
 
 /* Notes the time that a stage took; of a good one, reports the end. */
@@ -7509,30 +7809,23 @@ static pbw_status pbw__run(pbw__context *context, const pbw__input *input, unsig
         status = pbw__enter_stage(context, PBW_STAGE_BUILD) ? PBW_CANCELLED
                : pbw__build_all(context, &store, &vertices, &grid, &mesh->statistics);
         status = pbw__leave_stage(context, status, &start, &mesh->statistics.build_seconds);
-        pbw__release(memory, vertices.record, (vertices.point_count + 1) * ((size_t)input->dim + 1), sizeof(double));
-        vertices.record = NULL;                      /* the output needs ranks only */
     }
-    if (status == PBW_OK || status == PBW_DEGENERATE) {
-        pbw_index *incident = (pbw_index *)pbw__allocate_large(context, input->count, sizeof(pbw_index));
-        mesh->incident = incident;
-        owned->incident = input->count;
-        if (incident != NULL && (status != PBW_OK || vertices.duplicate_count > 0)) {
-            memset(incident, 0xff, input->count * sizeof(pbw_index));            /* PBW_NONE */
-        }
-        if (incident == NULL) {
-            status = PBW_ERROR_MEMORY;
-        } else if (pbw__enter_stage(context, PBW_STAGE_OUTPUT)) {
-            status = PBW_CANCELLED;
-        } else if (status == PBW_OK) {
-            status = pbw__output(context, &store, &vertices, flags, owned, mesh);
-        }
+    if ((status == PBW_OK || status == PBW_DEGENERATE) && pbw__enter_stage(context, PBW_STAGE_OUTPUT)) {
+        status = PBW_CANCELLED;
+    }
+    if (status == PBW_OK) {
+        status = pbw__output(context, &store, &vertices, flags, owned, mesh);
+    } else if (status == PBW_DEGENERATE && pbw__make_incident(context, owned, mesh, 1) == NULL) {
+        status = PBW_ERROR_MEMORY;
     }
     if (status == PBW_OK || status == PBW_DEGENERATE) {
         pbw_status kept;
         mesh->canonical = vertices.canonical;
         owned->canonical = input->count;
         vertices.canonical = NULL;
-        kept = pbw__keep_points(context, input, owned, mesh);
+        kept = pbw__keep_points(context, input, owned, mesh, vertices.record,
+                                (vertices.point_count + 1) * ((size_t)input->dim + 1));
+        vertices.record = mesh->points != NULL ? NULL : vertices.record;
         status = pbw__leave_stage(context, kept != PBW_OK ? kept : status, &start, &mesh->statistics.output_seconds);
     }
     mesh->statistics.threads = context->threads;
@@ -7556,7 +7849,8 @@ typedef struct pbw__dispatch {
 static pbw_status pbw__job_keep(pbw_job *job)
 {
     pbw__dispatch *dispatch = (pbw__dispatch *)job->context;
-    pbw_status status = pbw__keep_points(dispatch->context, dispatch->input, dispatch->owned, dispatch->mesh);
+    pbw_status status = pbw__keep_points(dispatch->context, dispatch->input, dispatch->owned, dispatch->mesh,
+                                         NULL, 0);
     job->kept_points = dispatch->mesh->points;
     job->kept_weights = dispatch->mesh->weights;
     return status;
