@@ -4817,8 +4817,8 @@ PBW__SIMD_INLINE pbw_status pbw__ring_split(pbw__kernel *kernel, pbw__ring *ring
         if (PBW__UNLIKELY(met)) {
             return PBW_ERROR_TOO_LARGE;
         }
-        if (PBW__UNLIKELY(kernel->owner != NULL) && !pbw__may_delete(kernel, (pbw_index)(beyond >> 2))) {
-            return PBW__LEFT;
+        if (PBW__UNLIKELY(kernel->owner != NULL) && far != PBW__GHOST && !pbw__owns(kernel, far)) {
+            return PBW__LEFT;                        /* all others of the ring are ours, or the ghost */
         }
         ring->slot[count - 2] = (pbw_index)(beyond >> 2);
         ring->start[count] = far;
