@@ -1246,15 +1246,18 @@ PBW__INLINE size_t pbw__share(size_t count, int i, int tasks)
 }
 /* Bytes of a large block, whose pages are made at once, in huge pages if there are any: met one by one, page by page,
    they cost as much as a quarter of a build.  Advice only: it may fail.  The caller's allocator is left alone. */
-typedef struct pbw__pages { pbw__context *context; char *start; size_t length; int tasks; } pbw__pages;
+typedef struct pbw__pages { pbw__context *context; char *start; size_t length, huge; int tasks; } pbw__pages;
+#define PBW__HUGE ((size_t)1 << 21)                  /* bytes of a huge page; two tasks at one would both make it */
 
 static void pbw__make_pages(void *arg, int task)
 {
 #ifdef __linux__
     const pbw__pages *pages = (const pbw__pages *)arg;
-    const size_t page = 4096;
-    size_t from = pbw__share(pages->length / page, task, pages->tasks) * page;
-    size_t to = pbw__share(pages->length / page, task + 1, pages->tasks) * page;
+    const size_t skip = (size_t)(uintptr_t)pages->start % PBW__HUGE;
+    size_t from = pbw__share(pages->huge, task, pages->tasks) * PBW__HUGE;
+    size_t to = pbw__share(pages->huge, task + 1, pages->tasks) * PBW__HUGE;
+    from = from > skip ? from - skip : 0;
+    to = to - skip < pages->length ? to - skip : pages->length;
     while (from < to && !pbw__report(pages->context, pages->context->last_done)) {
         size_t step = to - from < ((size_t)1 << 25) ? to - from : (size_t)1 << 25;       /* 32 MB: about 10 ms */
         (void)madvise(pages->start + from, step, 23);            /* MADV_POPULATE_WRITE, since Linux 5.14 */
@@ -1277,7 +1280,8 @@ static void pbw__populate(pbw__context *context, void *block, size_t from, size_
     pages.context = context;
     pages.start = (char *)block + from + skip;
     pages.length = (to - from - skip) / page * page;
-    pages.tasks = pbw__tasks(context, pages.length, 4 * large);
+    pages.huge = ((size_t)(uintptr_t)pages.start % PBW__HUGE + pages.length + PBW__HUGE - 1) / PBW__HUGE;
+    pages.tasks = pbw__tasks(context, pages.huge, 1);
 #ifdef __linux__
     (void)madvise(pages.start, pages.length, 14);    /* MADV_HUGEPAGE */
 #endif
@@ -4844,8 +4848,8 @@ PBW__SIMD_INLINE pbw_status pbw__ring_split(pbw__kernel *kernel, pbw__ring *ring
         if (PBW__UNLIKELY(met)) {
             return PBW_ERROR_TOO_LARGE;
         }
-        if (PBW__UNLIKELY(kernel->owner != NULL) && !pbw__may_delete(kernel, (pbw_index)(beyond >> 2))) {
-            return PBW__LEFT;
+        if (PBW__UNLIKELY(kernel->owner != NULL) && far != PBW__GHOST && !pbw__owns(kernel, far)) {
+            return PBW__LEFT;                        /* all others of the ring are ours, or the ghost */
         }
         ring->slot[count - 2] = (pbw_index)(beyond >> 2);
         ring->start[count] = far;
