@@ -6967,41 +6967,51 @@ static int pbw__check_hull(pbw__check *check, pbw__check_part *part, size_t from
     return 1;
 }
 
-/* Visibility walk to each of the other points. */
+/* Visibility walk to each of the other points, from where the last one ended. */
 static int pbw__check_hidden(pbw__check *check, pbw__check_part *part, size_t from, size_t to)
 {
     const int dim = check->dim;
     size_t steps = 0;
-    for (; from < to; from++) {
+    while (from < to) {
         size_t point = (uint32_t)check->other[from];
         const double *p = pbw__check_record(check, dim, point), *x[4];
+        const pbw_index *next;
+        const char *what = NULL;
         pbw_index here = part->hint, last = here;
-        int i = 0;
-        while (i <= dim) {
-            const pbw_index *next = check->mesh->neighbors + here * (size_t)(dim + 1);
+        int i, k;
+        for (;;) {
             if ((++steps & 1023) == 0 && pbw__report(check->context, 0.94)) {
                 return 0;
             }
+            next = check->mesh->neighbors + here * (size_t)(dim + 1);
             pbw__check_corners(check, dim, here, x);
             for (i = 0; i <= dim && (next[i] == last || pbw__check_side(check, x, i, p) >= 0); i++) {
                 continue;
             }
-            if (i <= dim) {
-                if (next[i] == PBW_NONE) {
-                    return pbw__fault(&part->report, "a point outside the hull is no vertex", here, i, point);
-                }
-                last = here;
-                here = next[i];
+            if (i > dim || next[i] == PBW_NONE) {
+                break;
+            }
+            last = here;
+            here = next[i];
+        }
+        if (i <= dim) {
+            what = "a point outside the hull is no vertex";
+        } else {
+            i = -1;
+            for (k = 0; k <= dim && what == NULL; k++) {
+                what = pbw__same_place(p, x[k], dim) ? "a point at a vertex is no duplicate of it" : NULL;
+            }
+            if (what == NULL && pbw__check_conflict(check, dim, x, p)) {
+                what = "a point that is no vertex is not hidden";
             }
         }
-        part->hint = here;
-        for (i = 0; i <= dim; i++) {
-            if (pbw__same_place(p, x[i], dim)) {
-                return pbw__fault(&part->report, "a point at a vertex is no duplicate of it", here, -1, point);
-            }
-        }
-        if (pbw__check_conflict(check, dim, x, p)) {
-            return pbw__fault(&part->report, "a point that is no vertex is not hidden", here, -1, point);
+        if (what == NULL) {
+            part->hint = here;
+            from++;
+        } else if (part->hint != 0) {
+            part->hint = 0;                          /* told as a walk from simplex 0 sees it, whatever our part is */
+        } else {
+            return pbw__fault(&part->report, what, here, i, point);
         }
     }
     return 1;
