@@ -70,7 +70,7 @@ $B/oracle_cgal: tests/oracle_cgal.cpp $(HEADERS) $B/libpbw.a
 
 # Tests: each writes $B/NAME.log, which ends with its counts
 $(TESTS:%=$B/%.log): $B/%.log: $B/% FORCE
-	@sh tests/run.sh $@ $(UNDER) ./$< $(COUNT:%=--count %) $(if $(UNDER),$(UNDER_$(<F)))
+	@sh tests/run.sh $@ $(UNDER) $< $(COUNT:%=--count %) $(if $(UNDER),$(UNDER_$(<F)))
 
 $(SCRIPTS:%=$B/%.log) $B/arm.log: $B/%.log: tests/%.sh FORCE
 	@mkdir -p $B
@@ -118,11 +118,11 @@ $(FUZZERS:%=$B/%.fuzz): $B/%.fuzz: tests/%.c $(HEADERS) FORCE
 	@mkdir -p $B/corpus/$* tests/corpus
 	@if clang -std=c99 -g -O1 -I. -fsanitize=fuzzer,address,undefined -fno-sanitize-recover=all \
 	    $< -o $B/$* $(LIBS) 2> $B/$*.log; then \
-	    ./$B/$* -entropic=0 -max_total_time=$(TIME) -print_final_stats=1 $B/corpus/$* tests/corpus; \
-	else $C -DFUZZ_MAIN $< -o $B/$* $(LIBS) && ./$B/$* --count 200000; fi
+	    $B/$* -entropic=0 -max_total_time=$(TIME) -print_final_stats=1 $B/corpus/$* tests/corpus; \
+	else $C -DFUZZ_MAIN $< -o $B/$* $(LIBS) && $B/$* --count 200000; fi
 
 $B/fuzz.%.log: $B/fuzz_random FORCE
-	@sh tests/run.sh $@ ./$< --count 1250000 --seed $*
+	@sh tests/run.sh $@ $< --count 1250000 --seed $*
 $B/fuzz_random: tests/fuzz_triangulate.c $(HEADERS)
 	@mkdir -p $B
 	$C -DFUZZ_MAIN $< -o $@ $(LIBS)

@@ -8,7 +8,7 @@ make_one() {   # make_one NAME COMPILER FLAGS...: in the background
     name=$1
     shift
     { "$@" -std=c99 tests/hashes.c -o "$work/$name" -lpthread -lm > "$work/$name.err" 2>&1 &&
-        "./$work/$name" > "$work/$name.txt" 2> "$work/$name.err"; } &
+        "$work/$name" > "$work/$name.txt" 2> "$work/$name.err"; } &
 }
 
 make_one reference $CC -O2
