@@ -320,7 +320,13 @@ extern void pbw_cuda_free(pbw_cuda_mesh *mesh, void *stream);
 #include <stdlib.h>
 #include <string.h>
 #ifdef _WIN32
-#include <windows.h>
+#include <sys/timeb.h>
+#pragma push_macro("near")                           /* words to us, macros of windows.h */
+#pragma push_macro("far")
+#pragma push_macro("small")
+#undef near
+#undef far
+#undef small
 #else
 #include <sys/time.h>
 #endif
@@ -424,10 +430,9 @@ PBW__INLINE pbw_index pbw__swap(pbw_index *x, pbw_index y)
 static double pbw__seconds(void)                     /* wall clock, for statistics and progress only */
 {
 #ifdef _WIN32
-    LARGE_INTEGER count, rate;
-    QueryPerformanceCounter(&count);
-    QueryPerformanceFrequency(&rate);
-    return (double)count.QuadPart / (double)rate.QuadPart;
+    struct __timeb64 now;
+    _ftime64_s(&now);
+    return (double)now.time + 1e-3 * (double)now.millitm;
 #else
     struct timeval now;
     gettimeofday(&now, NULL);
@@ -7717,6 +7722,11 @@ PBWDEF pbw_status pbw_triangulatef(int dim, const float *points, const float *we
 
 #if defined(__GNUC__) && !defined(__clang__)
 #pragma GCC pop_options
+#endif
+#ifdef _WIN32
+#pragma pop_macro("near")
+#pragma pop_macro("far")
+#pragma pop_macro("small")
 #endif
 
 /* ------------------------------------------------------------------------------------------------------

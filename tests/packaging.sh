@@ -173,6 +173,12 @@ for other in "$CC -m32" aarch64-linux-gnu-gcc arm-linux-gnueabihf-gcc s390x-linu
         skip "$other: not installed"
     fi
 done
+other=x86_64-w64-mingw32-gcc
+if $other "$work/empty.c" -o "$work/empty" > /dev/null 2>&1; then
+    printf '#include <windows.h>\n%s\nFARPROC last;\n' "$(cat "$work/whole.c")" > "$work/windows.c"
+    check "$other: after windows.h, whose macros stay" $other -std=c99 -I. -c "$work/windows.c" -o "$work/other.o"
+    check "$other: the pbw program" $other -std=c99 -O1 -I. examples/pbw.c -o "$work/pbw.exe"
+fi
 if $CC -m32 "$work/empty.c" -o "$work/empty" > /dev/null 2>&1; then
     check "-m32: the quick start compiles" \
         $CC -m32 -msse2 -mfpmath=sse -O1 -I. "$work/quickstart.c" -o "$work/quick32" -lpthread
