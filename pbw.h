@@ -7185,14 +7185,16 @@ PBWDEF pbw_status pbw_check(const pbw_mesh *mesh, const pbw_options *options, pb
     pbw__context context;
     pbw__check check;
     pbw__fp fp;
-    size_t doubles;
+    size_t record_size;
     if (report == NULL) {
         return PBW_ERROR_ARGUMENT;
     }
     memset(report, 0, sizeof(*report));
     report->what = "";
     report->simplex = report->facet = report->point = PBW_NONE;
-    if (mesh == NULL || (mesh->dim != 2 && mesh->dim != 3)
+    memset(&defaults, 0, sizeof(defaults));
+    options = options != NULL ? options : &defaults;
+    if (mesh == NULL || (mesh->dim != 2 && mesh->dim != 3) || options->threads < 0 || options->threads > 256
         || (mesh->point_count > 0 && (mesh->points == NULL || mesh->incident == NULL || mesh->canonical == NULL))
         || (mesh->simplex_count > 0 && (mesh->simplices == NULL || mesh->neighbors == NULL))) {
         return PBW_ERROR_ARGUMENT;
@@ -7200,17 +7202,16 @@ PBWDEF pbw_status pbw_check(const pbw_mesh *mesh, const pbw_options *options, pb
     if (mesh->point_count >= PBW_NONE || mesh->simplex_count >= PBW_NONE) {
         return PBW_ERROR_TOO_LARGE;
     }
-    memset(&defaults, 0, sizeof(defaults));
     memset(&check, 0, sizeof(check));
-    pbw__context_start(&context, options != NULL ? options : &defaults, mesh->point_count);
+    pbw__context_start(&context, options, mesh->point_count);
     check.mesh = mesh;
     check.report = report;
     check.context = &context;
     check.dim = mesh->dim;
 
     fp = pbw__fp_enter();
-    doubles = mesh->point_count * (size_t)(mesh->dim + 1);
-    check.record = (double *)pbw__allocate(&context.memory, doubles, sizeof(double));
+    record_size = (size_t)(mesh->dim + 1) * sizeof(double);
+    check.record = (double *)pbw__allocate(&context.memory, mesh->point_count, record_size);
     if (!pbw__fp_is_exact()) {
         check.status = PBW_ERROR_FP_MODE;
     } else if (check.record == NULL) {
@@ -7219,7 +7220,7 @@ PBWDEF pbw_status pbw_check(const pbw_mesh *mesh, const pbw_options *options, pb
         pbw__enter_stage(&context, PBW_STAGE_CHECK);
         report->valid = pbw__check_all(&check) && !pbw__report(&context, 1.0);
     }
-    pbw__release(&context.memory, check.record, doubles, sizeof(double));
+    pbw__release(&context.memory, check.record, mesh->point_count, record_size);
     pbw__team_stop(&context);
     pbw__fp_leave(fp);
     return context.cancelled ? PBW_CANCELLED : check.status;

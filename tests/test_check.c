@@ -944,6 +944,7 @@ static int watch_progress(void *user, pbw_stage stage, double done)
 static void test_arguments(void)
 {
     model m;
+    pbw_options options;
     pbw_mesh mesh;
     pbw_report report;
     if (!test_begin("arguments")) {
@@ -964,6 +965,10 @@ static void test_arguments(void)
     CHECK_EQUAL(pbw_check(&mesh, NULL, &report), PBW_ERROR_ARGUMENT);
     mesh = m.mesh, mesh.dim = 4;
     CHECK_EQUAL(pbw_check(&mesh, NULL, &report), PBW_ERROR_ARGUMENT);
+    memset(&options, 0, sizeof options);
+    for (options.threads = -1; options.threads <= 257; options.threads += 258) {
+        CHECK_EQUAL(pbw_check(&m.mesh, &options, &report), PBW_ERROR_ARGUMENT);
+    }
     memset(&mesh, 0, sizeof mesh);
     CHECK_EQUAL(pbw_check(&mesh, NULL, &report), PBW_ERROR_ARGUMENT);
     CHECK(report.valid == 0 && report.what != NULL && report.simplex == PBW_NONE);
