@@ -1198,16 +1198,18 @@ static void pbw__for(pbw__context *context, int tasks, pbw__task *task, void *ar
 /* Threads for a call on `count` points: few points are done before a thread has started. */
 static int pbw__thread_count(int asked, size_t count)
 {
+    #ifdef PBW__THREADS
     size_t threads = (size_t)asked, most = count / PBW__SMALLER(8192) + 1;
-#ifdef PBW__THREADS
     if (asked == 0) {
         long cores = sysconf(_SC_NPROCESSORS_ONLN);
         threads = cores < 1 ? 1 : cores < PBW__THREADS ? (size_t)cores : PBW__THREADS;
     }
-#else
-    most = 1;
-#endif
     return (int)(threads < most ? threads : most);
+#else
+    (void)asked;
+    (void)count;
+    return 1;
+#endif
 }
 
 static void pbw__context_start(pbw__context *context, const pbw_options *options, size_t count)
