@@ -6616,7 +6616,8 @@ typedef struct pbw__check {
     const double *basis[4];                          /* corners of simplex 0; degenerate: independent points */
     int dim, rank;                                   /* points in the basis */
     size_t independent;
-    size_t duplicate_count, other_count, listed;     /* others are canonical, but no vertices */
+    size_t duplicate_count, other_count;             /* others are canonical, but no vertices */
+    size_t *block;                                   /* of the points: others in each, then where to list its next */
     uint64_t *by_hash, *other;                       /* each other point, as sort key << 32 | point */
     pbw__box box;                                    /* of the others */
     pbw__curve curve;
@@ -6627,6 +6628,7 @@ typedef struct pbw__check_part {                     /* what one task sees of a 
     pbw_report report;
     size_t duplicate_count, other_count;
     size_t independent;                              /* degenerate: 1 + a point that is, of the basis; 0: none */
+    pbw__box box;                                    /* of the others; empty in other passes */
     pbw_index hint;                                  /* where the last walk ended */
 } pbw__check_part;
 
@@ -6672,9 +6674,7 @@ static void pbw__check_task(void *arg, int task)
     }
 }
 
-#define PBW__ALONE ((size_t)-1 / 2)
-/* One pass over count items; least: items worth a task, PBW__ALONE for one task.  0 = stop: a fault, cancelled, or
-   out of memory. */
+/* One pass over count items; least: items worth a task.  0 = stop: a fault, cancelled, or out of memory. */
 static int pbw__check_pass(pbw__check *check, pbw__check_range *range, size_t count, size_t least, double begin,
                            double end)
 {
@@ -6694,12 +6694,19 @@ static int pbw__check_pass(pbw__check *check, pbw__check_range *range, size_t co
         return 0;
     }
     memset(run.part, 0, (size_t)tasks * sizeof(pbw__check_part));
+    for (task = 0; task < tasks; task++) {
+        pbw__box_reset(&run.part[task].box, 0);
+    }
     pbw__for(check->context, tasks, pbw__check_task, &run);
     for (task = 0; task < tasks && task <= run.stopped; task++) {
         const pbw__check_part *part = run.part + task;
         check->duplicate_count += part->duplicate_count;
         check->other_count += part->other_count;
         check->independent = part->independent;      /* the last one may have stopped at it */
+        if (part->box.low[0] <= part->box.high[0]) {
+            pbw__box_add(&check->box, part->box.low, check->dim);
+            pbw__box_add(&check->box, part->box.high, check->dim);
+        }
         report->vertex_count += part->report.vertex_count;
         report->facet_count += part->report.facet_count;
         report->hull_facet_count += part->report.hull_facet_count;
@@ -7078,15 +7085,42 @@ PBW__INLINE uint64_t pbw__hash_doubles(uint64_t hash, const double *x, int count
     return hash;
 }
 
-/* Lists the points that are neither duplicates nor vertices; one task. */
-static int pbw__check_gather(pbw__check *check, pbw__check_part *part, size_t from, size_t to)
+/* Points that are neither duplicates nor vertices are listed by blocks, whose places in the list are known once all
+   are counted: an item of the first pass, and of the second, is a block. */
+#define PBW__BLOCK_POINTS 1024
+PBW__INLINE int pbw__check_is_other(const pbw__check *check, size_t p)
+{
+    return check->mesh->canonical[p] == p && check->mesh->incident[p] == PBW_NONE;
+}
+
+PBW__INLINE size_t pbw__check_block_end(const pbw__check *check, size_t block)
+{
+    size_t points = check->mesh->point_count, end = (block + 1) * PBW__BLOCK_POINTS;
+    return end < points ? end : points;
+}
+
+static int pbw__check_count(pbw__check *check, pbw__check_part *part, size_t from, size_t to)
 {
     size_t p;
     (void)part;
-    for (p = from; p < to; p++) {
-        if (check->mesh->canonical[p] == p && check->mesh->incident[p] == PBW_NONE) {
-            check->by_hash[check->listed++] = (uint64_t)p;
-            pbw__box_add(&check->box, pbw__check_record(check, check->dim, p), check->dim);
+    for (; from < to; from++) {
+        check->block[from] = 0;
+        for (p = from * PBW__BLOCK_POINTS; p < pbw__check_block_end(check, from); p++) {
+            check->block[from] += (size_t)pbw__check_is_other(check, p);
+        }
+    }
+    return 1;
+}
+
+static int pbw__check_gather(pbw__check *check, pbw__check_part *part, size_t from, size_t to)
+{
+    size_t p;
+    for (; from < to; from++) {
+        for (p = from * PBW__BLOCK_POINTS; p < pbw__check_block_end(check, from); p++) {
+            if (pbw__check_is_other(check, p)) {
+                check->by_hash[check->block[from]++] = (uint64_t)p;
+                pbw__box_add(&part->box, pbw__check_record(check, check->dim, p), check->dim);
+            }
         }
     }
     return 1;
@@ -7110,7 +7144,7 @@ static int pbw__check_apart(pbw__check *check, pbw__check_part *part, size_t fro
     size_t k, m;
     for (k = from; k < to; k++) {
         const double *x = pbw__check_record(check, check->dim, (uint32_t)key[k]);
-        for (m = k + 1; m < check->listed && key[m] >> 32 == key[k] >> 32; m++) {
+        for (m = k + 1; m < check->other_count && key[m] >> 32 == key[k] >> 32; m++) {
             uint32_t p = (uint32_t)key[m];
             if (pbw__same_place(x, pbw__check_record(check, check->dim, p), check->dim)) {
                 return pbw__fault(&part->report, "two points at one place are no duplicates", PBW_NONE, -1, p);
@@ -7125,20 +7159,30 @@ static int pbw__check_apart(pbw__check *check, pbw__check_part *part, size_t fro
 /* 0 = stop: a fault, cancelled, or out of memory. */
 static int pbw__check_others(pbw__check *check)
 {
-    pbw__memory *memory = &check->context->memory;
-    size_t count = check->other_count;
+    pbw__context *context = check->context;
+    pbw__memory *memory = &context->memory;
+    size_t count = check->other_count, blocks = check->mesh->point_count / PBW__BLOCK_POINTS + 1, block, listed = 0;
+    const int bits = check->dim == 2 ? 16 : 10, tasks = pbw__tasks(context, count, 16384);
     uint64_t *keys = (uint64_t *)pbw__allocate(memory, count, sizeof(uint64_t));
     uint64_t *spare = (uint64_t *)pbw__allocate(memory, count, sizeof(uint64_t));
-    int bits = check->dim == 2 ? 16 : 10, going = 0;
-    if (keys == NULL || spare == NULL) {
+    uint32_t *start = (uint32_t *)pbw__allocate(memory, (size_t)tasks * PBW__DIGITS, sizeof(uint32_t));
+    int going = 0;
+    check->block = (size_t *)pbw__allocate(memory, blocks, sizeof(size_t));
+    if (keys == NULL || spare == NULL || start == NULL || check->block == NULL) {
         check->status = PBW_ERROR_MEMORY;
     } else {
+        going = pbw__check_pass(check, pbw__check_count, blocks, 64, 0.9, 0.905);
+        for (block = 0; block < blocks && going; block++) {
+            size_t here = check->block[block];
+            check->block[block] = listed;
+            listed += here;
+        }
         pbw__curve_create(&check->curve, count, check->dim);
         pbw__box_reset(&check->box, bits);
         check->by_hash = keys;
-        going = pbw__check_pass(check, pbw__check_gather, check->mesh->point_count, PBW__ALONE, 0.9, 0.91)
+        going = going && pbw__check_pass(check, pbw__check_gather, blocks, 64, 0.905, 0.91)
             && pbw__check_pass(check, pbw__check_hashes, count, 4096, 0.91, 0.92)
-            && (check->by_hash = pbw__sort_keys(check->context, keys, spare, count, 32, 32)) != NULL;
+            && (check->by_hash = pbw__sort_by(context, keys, spare, count, 32, 32, start, tasks)) != NULL;
         if (going) {
             pbw__box_close(&check->box, check->dim);
             check->box.extent = check->box.extent > 0.0 ? check->box.extent : 1.0;
@@ -7146,12 +7190,15 @@ static int pbw__check_others(pbw__check *check)
             going = pbw__check_pass(check, pbw__check_apart, count, 4096, 0.92, 0.94);
         }
         if (going && check->mesh->simplex_count > 0) {
-            check->other = pbw__sort_keys(check->context, check->other, check->by_hash, count, 32, bits * check->dim);
+            check->other = pbw__sort_by(context, check->other, check->by_hash, count, 32, bits * check->dim, start,
+                                        tasks);
             going = check->other != NULL && pbw__check_pass(check, pbw__check_hidden, count, 1024, 0.94, 1.0);
         }
     }
     pbw__release(memory, keys, count, sizeof(uint64_t));
     pbw__release(memory, spare, count, sizeof(uint64_t));
+    pbw__release(memory, start, (size_t)tasks * PBW__DIGITS, sizeof(uint32_t));
+    pbw__release(memory, check->block, blocks, sizeof(size_t));
     return going;
 }
 
