@@ -120,7 +120,7 @@ typedef enum pbw_status {                  /* every function that can fail retur
     PBW_ERROR_NOT_FINITE,                  /* a coordinate or weight is NaN or infinite */
     PBW_ERROR_TOO_LARGE,                   /* more points or simplices than an index can number */
     PBW_ERROR_MEMORY,                      /* out of memory, or over options.memory_limit */
-    PBW_ERROR_THREAD,                      /* no thread could be started */
+    PBW_ERROR_THREAD,                      /* a backend could start no thread; the CPU then works on the caller's */
     PBW_ERROR_FP_MODE,                     /* the arithmetic of this thread is not IEEE 754 double */
     PBW_ERROR_BACKEND                      /* the backend failed or does not fit this version */
 } pbw_status;
@@ -143,13 +143,15 @@ typedef struct pbw_options {               /* NULL or all zero = best defaults *
                                               again on each device of a backend; over that: PBW_ERROR_BACKEND */
     /* The one allocator: ptr NULL allocates, new_size 0 frees, else resizes as realloc does (NULL = failed and
        the old block stays).  old_size is what was asked for.  Blocks must be aligned as malloc's are.  It may
-       be called from several threads at once unless threads is 1.  NULL = realloc and free. */
+       be called from several threads at once unless threads is 1.  pbw_free calls it too, with the same user:
+       both must outlive the mesh.  NULL = realloc and free. */
     void *(*resize)(void *user, void *ptr, size_t old_size, size_t new_size);
     /* The caller's job system: calls task(arg, i) once for each i in 0..tasks-1, in any order, on any thread, and
        returns when all have returned.  Tasks never wait on each other.  NULL = our own threads. */
     void  (*run)(void *user, int tasks, void (*task)(void *arg, int i), void *arg);
     /* Called on the caller's thread at least ten times a second; done runs from 0 to 1 in each stage.  A nonzero
-       answer ends the call with PBW_CANCELLED within 100 ms. */
+       answer ends the call with PBW_CANCELLED within 100 ms.  (While options.run has tasks, only as often as that
+       gives some to the caller's thread.) */
     int   (*progress)(void *user, pbw_stage stage, double done);
     void *resize_user, *run_user, *progress_user;
     const pbw_backend *backend;            /* NULL = this CPU */
@@ -291,7 +293,8 @@ extern pbw_status pbw_cuda_triangulate(int dim, int is_float, const void *points
                                        unsigned flags, void *stream, pbw_cuda_mesh *mesh, char *message,
                                        size_t message_size);
 /* Checks a mesh with neighbors as pbw_check does, on the device and exactly, against the points that it is of; but
-   does not find hidden points that lie at one place.  report: as from pbw_check, the same first fault. */
+   does not find hidden points that lie at one place.  report: as from pbw_check, the same first fault, but of several
+   faulty hidden points it may name another. */
 extern pbw_status pbw_cuda_check(const pbw_cuda_mesh *mesh, int is_float, const void *points, const void *weights,
                                  void *stream, pbw_report *report, char *message, size_t message_size);
 extern void pbw_cuda_free(pbw_cuda_mesh *mesh, void *stream);
