@@ -382,7 +382,9 @@ extern int madvise(void *address, size_t length, int advice);    /* strict C mod
 
 /* The instructions of vectors: see >>lanes. */
 #if !defined(PBW_NO_SIMD) && defined(__GNUC__) && !(defined(PBW__FMA) && PBW__FMA == 0)
-#if defined(__x86_64__)
+#if defined(__x86_64__) && defined(__CHAR_UNSIGNED__) && !defined(__clang__)
+/* -funsigned-char: gcc 12 takes the bytes of _mm256_blendv_epi8's mask for unsigned, so none is ever chosen. */
+#elif defined(__x86_64__)
 #define PBW__AVX2
 #define PBW__SIMD __attribute__((target("avx2,fma,bmi,bmi2,popcnt")))
 #elif defined(__AARCH64EL__) && defined(__ARM_NEON)

@@ -18,6 +18,7 @@ make_one contracted $CC -O2 -march=native -ffp-contract=fast         # see below
 make_one wide $CC -O2 -DPBW_WIDE
 make_one scalar $CC -O2 -DPBW_NO_SIMD
 make_one threadless $CC -O2 -DPBW_NO_THREADS
+make_one unsigned_char $CC -O2 -funsigned-char
 wait
 for compiler in gcc clang; do
     if ! command -v $compiler > /dev/null; then
