@@ -18,10 +18,14 @@ FUZZERS = $(patsubst tests/%.c,%,$(wildcard tests/fuzz_*.c))
 HEADERS = pbw.h $(wildcard tests/*.h examples/*.h)
 SCRIPTS = $(filter packaging hashes examples asm oracle cmake python programs view, \
     $(patsubst tests/%.sh,%,$(wildcard tests/*.sh)))
+SUITES = test programs examples oracle asm arm names fuzz-long
 export CC CXX
 
 ifeq ($(MAKELEVEL),0)
 MAKEFLAGS += -j$(shell getconf _NPROCESSORS_ONLN 2>/dev/null || echo 2)
+ifneq ($(word 2,$(filter $(SUITES),$(MAKECMDGOALS))),)
+.NOTPARALLEL:                   # they share folders: one after the other, each with all jobs
+endif
 endif
 
 .PHONY: all demo examples test programs oracle arm asan ubsan tsan valgrind fuzz fuzz-long asm names clean help FORCE
@@ -42,6 +46,7 @@ help:
 	@echo 'make asan ubsan tsan valgrind                  the test programs under sanitizers'
 	@echo 'make fuzz        fuzzers, TIME=60 each         make fuzz-long  ten million random small inputs'
 	@echo 'CC=clang CXX=clang++ CFLAGS=-O3 B=build/clang  for any of them;  COUNT=n random inputs in tests'
+	@echo 'one make at a time in a folder: a second one needs another B'
 
 # Programs
 $B/libpbw.a: pbw.h
@@ -70,7 +75,7 @@ $B/oracle_cgal: tests/oracle_cgal.cpp $(HEADERS) $B/libpbw.a
 
 # Tests: each writes $B/NAME.log, which ends with its counts
 $(TESTS:%=$B/%.log): $B/%.log: $B/% FORCE
-	@sh tests/run.sh $@ $(UNDER) ./$< $(COUNT:%=--count %) $(if $(UNDER),$(UNDER_$(<F)))
+	@sh tests/run.sh $@ $(UNDER) $< $(COUNT:%=--count %) $(if $(UNDER),$(UNDER_$(<F)))
 
 $(SCRIPTS:%=$B/%.log) $B/arm.log: $B/%.log: tests/%.sh FORCE
 	@mkdir -p $B
@@ -92,7 +97,7 @@ asm: LOGS = $B/asm.log
 arm: LOGS = $B/arm.log
 names: LOGS = $B/packaging.log
 fuzz-long: LOGS = $(foreach seed,1 2 3 4 5 6 7 8,$B/fuzz.$(seed).log)
-test programs examples oracle asm arm names fuzz-long:
+$(SUITES):
 	@rm -f $(LOGS)
 	@$(MAKE) --no-print-directory -k $(LOGS) || true
 	@sh tests/run.sh --total $(LOGS)
@@ -118,11 +123,11 @@ $(FUZZERS:%=$B/%.fuzz): $B/%.fuzz: tests/%.c $(HEADERS) FORCE
 	@mkdir -p $B/corpus/$* tests/corpus
 	@if clang -std=c99 -g -O1 -I. -fsanitize=fuzzer,address,undefined -fno-sanitize-recover=all \
 	    $< -o $B/$* $(LIBS) 2> $B/$*.log; then \
-	    ./$B/$* -entropic=0 -max_total_time=$(TIME) -print_final_stats=1 $B/corpus/$* tests/corpus; \
-	else $C -DFUZZ_MAIN $< -o $B/$* $(LIBS) && ./$B/$* --count 200000; fi
+	    $B/$* -entropic=0 -max_total_time=$(TIME) -print_final_stats=1 $B/corpus/$* tests/corpus; \
+	else $C -DFUZZ_MAIN $< -o $B/$* $(LIBS) && $B/$* --count 200000; fi
 
 $B/fuzz.%.log: $B/fuzz_random FORCE
-	@sh tests/run.sh $@ ./$< --count 1250000 --seed $*
+	@sh tests/run.sh $@ $< --count 1250000 --seed $*
 $B/fuzz_random: tests/fuzz_triangulate.c $(HEADERS)
 	@mkdir -p $B
 	$C -DFUZZ_MAIN $< -o $@ $(LIBS)

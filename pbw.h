@@ -120,7 +120,7 @@ typedef enum pbw_status {                  /* every function that can fail retur
     PBW_ERROR_NOT_FINITE,                  /* a coordinate or weight is NaN or infinite */
     PBW_ERROR_TOO_LARGE,                   /* more points or simplices than an index can number */
     PBW_ERROR_MEMORY,                      /* out of memory, or over options.memory_limit */
-    PBW_ERROR_THREAD,                      /* no thread could be started */
+    PBW_ERROR_THREAD,                      /* a backend could start no thread; the CPU then works on the caller's */
     PBW_ERROR_FP_MODE,                     /* the arithmetic of this thread is not IEEE 754 double */
     PBW_ERROR_BACKEND                      /* the backend failed or does not fit this version */
 } pbw_status;
@@ -143,13 +143,15 @@ typedef struct pbw_options {               /* NULL or all zero = best defaults *
                                               again on each device of a backend; over that: PBW_ERROR_BACKEND */
     /* The one allocator: ptr NULL allocates, new_size 0 frees, else resizes as realloc does (NULL = failed and
        the old block stays).  old_size is what was asked for.  Blocks must be aligned as malloc's are.  It may
-       be called from several threads at once unless threads is 1.  NULL = realloc and free. */
+       be called from several threads at once unless threads is 1.  pbw_free calls it too, with the same user:
+       both must outlive the mesh.  NULL = realloc and free. */
     void *(*resize)(void *user, void *ptr, size_t old_size, size_t new_size);
     /* The caller's job system: calls task(arg, i) once for each i in 0..tasks-1, in any order, on any thread, and
        returns when all have returned.  Tasks never wait on each other.  NULL = our own threads. */
     void  (*run)(void *user, int tasks, void (*task)(void *arg, int i), void *arg);
     /* Called on the caller's thread at least ten times a second; done runs from 0 to 1 in each stage.  A nonzero
-       answer ends the call with PBW_CANCELLED within 100 ms. */
+       answer ends the call with PBW_CANCELLED within 100 ms.  (While options.run has tasks, only as often as that
+       gives some to the caller's thread.) */
     int   (*progress)(void *user, pbw_stage stage, double done);
     void *resize_user, *run_user, *progress_user;
     const pbw_backend *backend;            /* NULL = this CPU */
@@ -291,7 +293,8 @@ extern pbw_status pbw_cuda_triangulate(int dim, int is_float, const void *points
                                        unsigned flags, void *stream, pbw_cuda_mesh *mesh, char *message,
                                        size_t message_size);
 /* Checks a mesh with neighbors as pbw_check does, on the device and exactly, against the points that it is of; but
-   does not find hidden points that lie at one place.  report: as from pbw_check, the same first fault. */
+   does not find hidden points that lie at one place.  report: as from pbw_check, the same first fault, but of several
+   faulty hidden points it may name another. */
 extern pbw_status pbw_cuda_check(const pbw_cuda_mesh *mesh, int is_float, const void *points, const void *weights,
                                  void *stream, pbw_report *report, char *message, size_t message_size);
 extern void pbw_cuda_free(pbw_cuda_mesh *mesh, void *stream);
@@ -320,7 +323,13 @@ extern void pbw_cuda_free(pbw_cuda_mesh *mesh, void *stream);
 #include <stdlib.h>
 #include <string.h>
 #ifdef _WIN32
-#include <windows.h>
+#include <sys/timeb.h>
+#pragma push_macro("near")                           /* words to us, macros of windows.h */
+#pragma push_macro("far")
+#pragma push_macro("small")
+#undef near
+#undef far
+#undef small
 #else
 #include <sys/time.h>
 #endif
@@ -373,7 +382,9 @@ extern int madvise(void *address, size_t length, int advice);    /* strict C mod
 
 /* The instructions of vectors: see >>lanes. */
 #if !defined(PBW_NO_SIMD) && defined(__GNUC__) && !(defined(PBW__FMA) && PBW__FMA == 0)
-#if defined(__x86_64__)
+#if defined(__x86_64__) && defined(__CHAR_UNSIGNED__) && !defined(__clang__)
+/* -funsigned-char: gcc 12 takes the bytes of _mm256_blendv_epi8's mask for unsigned, so none is ever chosen. */
+#elif defined(__x86_64__)
 #define PBW__AVX2
 #define PBW__SIMD __attribute__((target("avx2,fma,bmi,bmi2,popcnt")))
 #elif defined(__AARCH64EL__) && defined(__ARM_NEON)
@@ -424,10 +435,9 @@ PBW__INLINE pbw_index pbw__swap(pbw_index *x, pbw_index y)
 static double pbw__seconds(void)                     /* wall clock, for statistics and progress only */
 {
 #ifdef _WIN32
-    LARGE_INTEGER count, rate;
-    QueryPerformanceCounter(&count);
-    QueryPerformanceFrequency(&rate);
-    return (double)count.QuadPart / (double)rate.QuadPart;
+    struct __timeb64 now;
+    _ftime64_s(&now);
+    return (double)now.time + 1e-3 * (double)now.millitm;
 #else
     struct timeval now;
     gettimeofday(&now, NULL);
@@ -1205,16 +1215,18 @@ static void pbw__for(pbw__context *context, int tasks, pbw__task *task, void *ar
 /* Threads for a call on `count` points: few points are done before a thread has started. */
 static int pbw__thread_count(int asked, size_t count)
 {
+    #ifdef PBW__THREADS
     size_t threads = (size_t)asked, most = count / PBW__SMALLER(8192) + 1;
-#ifdef PBW__THREADS
     if (asked == 0) {
         long cores = sysconf(_SC_NPROCESSORS_ONLN);
         threads = cores < 1 ? 1 : cores < PBW__THREADS ? (size_t)cores : PBW__THREADS;
     }
-#else
-    most = 1;
-#endif
     return (int)(threads < most ? threads : most);
+#else
+    (void)asked;
+    (void)count;
+    return 1;
+#endif
 }
 
 static void pbw__context_start(pbw__context *context, const pbw_options *options, size_t count)
@@ -6889,7 +6901,8 @@ typedef struct pbw__check {
     const double *basis[4];                          /* corners of simplex 0; degenerate: independent points */
     int dim, rank;                                   /* points in the basis */
     size_t independent;
-    size_t duplicate_count, other_count, listed;     /* others are canonical, but no vertices */
+    size_t duplicate_count, other_count;             /* others are canonical, but no vertices */
+    size_t *block;                                   /* of the points: others in each, then where to list its next */
     uint64_t *by_hash, *other;                       /* each other point, as sort key << 32 | point */
     pbw__box box;                                    /* of the others */
     pbw__curve curve;
@@ -6900,6 +6913,7 @@ typedef struct pbw__check_part {                     /* what one task sees of a 
     pbw_report report;
     size_t duplicate_count, other_count;
     size_t independent;                              /* degenerate: 1 + a point that is, of the basis; 0: none */
+    pbw__box box;                                    /* of the others; empty in other passes */
     pbw_index hint;                                  /* where the last walk ended */
 } pbw__check_part;
 
@@ -6945,9 +6959,7 @@ static void pbw__check_task(void *arg, int task)
     }
 }
 
-#define PBW__ALONE ((size_t)-1 / 2)
-/* One pass over count items; least: items worth a task, PBW__ALONE for one task.  0 = stop: a fault, cancelled, or
-   out of memory. */
+/* One pass over count items; least: items worth a task.  0 = stop: a fault, cancelled, or out of memory. */
 static int pbw__check_pass(pbw__check *check, pbw__check_range *range, size_t count, size_t least, double begin,
                            double end)
 {
@@ -6967,12 +6979,19 @@ static int pbw__check_pass(pbw__check *check, pbw__check_range *range, size_t co
         return 0;
     }
     memset(run.part, 0, (size_t)tasks * sizeof(pbw__check_part));
+    for (task = 0; task < tasks; task++) {
+        pbw__box_reset(&run.part[task].box, 0);
+    }
     pbw__for(check->context, tasks, pbw__check_task, &run);
     for (task = 0; task < tasks && task <= run.stopped; task++) {
         const pbw__check_part *part = run.part + task;
         check->duplicate_count += part->duplicate_count;
         check->other_count += part->other_count;
         check->independent = part->independent;      /* the last one may have stopped at it */
+        if (part->box.low[0] <= part->box.high[0]) {
+            pbw__box_add(&check->box, part->box.low, check->dim);
+            pbw__box_add(&check->box, part->box.high, check->dim);
+        }
         report->vertex_count += part->report.vertex_count;
         report->facet_count += part->report.facet_count;
         report->hull_facet_count += part->report.hull_facet_count;
@@ -7247,41 +7266,51 @@ static int pbw__check_hull(pbw__check *check, pbw__check_part *part, size_t from
     return 1;
 }
 
-/* Visibility walk to each of the other points. */
+/* Visibility walk to each of the other points, from where the last one ended. */
 static int pbw__check_hidden(pbw__check *check, pbw__check_part *part, size_t from, size_t to)
 {
     const int dim = check->dim;
     size_t steps = 0;
-    for (; from < to; from++) {
+    while (from < to) {
         size_t point = (uint32_t)check->other[from];
         const double *p = pbw__check_record(check, dim, point), *x[4];
+        const pbw_index *next;
+        const char *what = NULL;
         pbw_index here = part->hint, last = here;
-        int i = 0;
-        while (i <= dim) {
-            const pbw_index *next = check->mesh->neighbors + here * (size_t)(dim + 1);
+        int i, k;
+        for (;;) {
             if ((++steps & 1023) == 0 && pbw__report(check->context, 0.94)) {
                 return 0;
             }
+            next = check->mesh->neighbors + here * (size_t)(dim + 1);
             pbw__check_corners(check, dim, here, x);
             for (i = 0; i <= dim && (next[i] == last || pbw__check_side(check, x, i, p) >= 0); i++) {
                 continue;
             }
-            if (i <= dim) {
-                if (next[i] == PBW_NONE) {
-                    return pbw__fault(&part->report, "a point outside the hull is no vertex", here, i, point);
-                }
-                last = here;
-                here = next[i];
+            if (i > dim || next[i] == PBW_NONE) {
+                break;
+            }
+            last = here;
+            here = next[i];
+        }
+        if (i <= dim) {
+            what = "a point outside the hull is no vertex";
+        } else {
+            i = -1;
+            for (k = 0; k <= dim && what == NULL; k++) {
+                what = pbw__same_place(p, x[k], dim) ? "a point at a vertex is no duplicate of it" : NULL;
+            }
+            if (what == NULL && pbw__check_conflict(check, dim, x, p)) {
+                what = "a point that is no vertex is not hidden";
             }
         }
-        part->hint = here;
-        for (i = 0; i <= dim; i++) {
-            if (pbw__same_place(p, x[i], dim)) {
-                return pbw__fault(&part->report, "a point at a vertex is no duplicate of it", here, -1, point);
-            }
-        }
-        if (pbw__check_conflict(check, dim, x, p)) {
-            return pbw__fault(&part->report, "a point that is no vertex is not hidden", here, -1, point);
+        if (what == NULL) {
+            part->hint = here;
+            from++;
+        } else if (part->hint != 0) {
+            part->hint = 0;                          /* told as a walk from simplex 0 sees it, whatever our part is */
+        } else {
+            return pbw__fault(&part->report, what, here, i, point);
         }
     }
     return 1;
@@ -7341,15 +7370,42 @@ PBW__INLINE uint64_t pbw__hash_doubles(uint64_t hash, const double *x, int count
     return hash;
 }
 
-/* Lists the points that are neither duplicates nor vertices; one task. */
-static int pbw__check_gather(pbw__check *check, pbw__check_part *part, size_t from, size_t to)
+/* Points that are neither duplicates nor vertices are listed by blocks, whose places in the list are known once all
+   are counted: an item of the first pass, and of the second, is a block. */
+#define PBW__BLOCK_POINTS 1024
+PBW__INLINE int pbw__check_is_other(const pbw__check *check, size_t p)
+{
+    return check->mesh->canonical[p] == p && check->mesh->incident[p] == PBW_NONE;
+}
+
+PBW__INLINE size_t pbw__check_block_end(const pbw__check *check, size_t block)
+{
+    size_t points = check->mesh->point_count, end = (block + 1) * PBW__BLOCK_POINTS;
+    return end < points ? end : points;
+}
+
+static int pbw__check_count(pbw__check *check, pbw__check_part *part, size_t from, size_t to)
 {
     size_t p;
     (void)part;
-    for (p = from; p < to; p++) {
-        if (check->mesh->canonical[p] == p && check->mesh->incident[p] == PBW_NONE) {
-            check->by_hash[check->listed++] = (uint64_t)p;
-            pbw__box_add(&check->box, pbw__check_record(check, check->dim, p), check->dim);
+    for (; from < to; from++) {
+        check->block[from] = 0;
+        for (p = from * PBW__BLOCK_POINTS; p < pbw__check_block_end(check, from); p++) {
+            check->block[from] += (size_t)pbw__check_is_other(check, p);
+        }
+    }
+    return 1;
+}
+
+static int pbw__check_gather(pbw__check *check, pbw__check_part *part, size_t from, size_t to)
+{
+    size_t p;
+    for (; from < to; from++) {
+        for (p = from * PBW__BLOCK_POINTS; p < pbw__check_block_end(check, from); p++) {
+            if (pbw__check_is_other(check, p)) {
+                check->by_hash[check->block[from]++] = (uint64_t)p;
+                pbw__box_add(&part->box, pbw__check_record(check, check->dim, p), check->dim);
+            }
         }
     }
     return 1;
@@ -7373,7 +7429,7 @@ static int pbw__check_apart(pbw__check *check, pbw__check_part *part, size_t fro
     size_t k, m;
     for (k = from; k < to; k++) {
         const double *x = pbw__check_record(check, check->dim, (uint32_t)key[k]);
-        for (m = k + 1; m < check->listed && key[m] >> 32 == key[k] >> 32; m++) {
+        for (m = k + 1; m < check->other_count && key[m] >> 32 == key[k] >> 32; m++) {
             uint32_t p = (uint32_t)key[m];
             if (pbw__same_place(x, pbw__check_record(check, check->dim, p), check->dim)) {
                 return pbw__fault(&part->report, "two points at one place are no duplicates", PBW_NONE, -1, p);
@@ -7388,20 +7444,30 @@ static int pbw__check_apart(pbw__check *check, pbw__check_part *part, size_t fro
 /* 0 = stop: a fault, cancelled, or out of memory. */
 static int pbw__check_others(pbw__check *check)
 {
-    pbw__memory *memory = &check->context->memory;
-    size_t count = check->other_count;
+    pbw__context *context = check->context;
+    pbw__memory *memory = &context->memory;
+    size_t count = check->other_count, blocks = check->mesh->point_count / PBW__BLOCK_POINTS + 1, block, listed = 0;
+    const int bits = check->dim == 2 ? 16 : 10, tasks = pbw__tasks(context, count, 16384);
     uint64_t *keys = (uint64_t *)pbw__allocate(memory, count, sizeof(uint64_t));
     uint64_t *spare = (uint64_t *)pbw__allocate(memory, count, sizeof(uint64_t));
-    int bits = check->dim == 2 ? 16 : 10, going = 0;
-    if (keys == NULL || spare == NULL) {
+    uint32_t *start = (uint32_t *)pbw__allocate(memory, (size_t)tasks * PBW__DIGITS, sizeof(uint32_t));
+    int going = 0;
+    check->block = (size_t *)pbw__allocate(memory, blocks, sizeof(size_t));
+    if (keys == NULL || spare == NULL || start == NULL || check->block == NULL) {
         check->status = PBW_ERROR_MEMORY;
     } else {
+        going = pbw__check_pass(check, pbw__check_count, blocks, 64, 0.9, 0.905);
+        for (block = 0; block < blocks && going; block++) {
+            size_t here = check->block[block];
+            check->block[block] = listed;
+            listed += here;
+        }
         pbw__curve_create(&check->curve, count, check->dim);
         pbw__box_reset(&check->box, bits);
         check->by_hash = keys;
-        going = pbw__check_pass(check, pbw__check_gather, check->mesh->point_count, PBW__ALONE, 0.9, 0.91)
+        going = going && pbw__check_pass(check, pbw__check_gather, blocks, 64, 0.905, 0.91)
             && pbw__check_pass(check, pbw__check_hashes, count, 4096, 0.91, 0.92)
-            && (check->by_hash = pbw__sort_keys(check->context, keys, spare, count, 32, 32)) != NULL;
+            && (check->by_hash = pbw__sort_by(context, keys, spare, count, 32, 32, start, tasks)) != NULL;
         if (going) {
             pbw__box_close(&check->box, check->dim);
             check->box.extent = check->box.extent > 0.0 ? check->box.extent : 1.0;
@@ -7409,12 +7475,15 @@ static int pbw__check_others(pbw__check *check)
             going = pbw__check_pass(check, pbw__check_apart, count, 4096, 0.92, 0.94);
         }
         if (going && check->mesh->simplex_count > 0) {
-            check->other = pbw__sort_keys(check->context, check->other, check->by_hash, count, 32, bits * check->dim);
+            check->other = pbw__sort_by(context, check->other, check->by_hash, count, 32, bits * check->dim, start,
+                                        tasks);
             going = check->other != NULL && pbw__check_pass(check, pbw__check_hidden, count, 1024, 0.94, 1.0);
         }
     }
     pbw__release(memory, keys, count, sizeof(uint64_t));
     pbw__release(memory, spare, count, sizeof(uint64_t));
+    pbw__release(memory, start, (size_t)tasks * PBW__DIGITS, sizeof(uint32_t));
+    pbw__release(memory, check->block, blocks, sizeof(size_t));
     return going;
 }
 
@@ -7450,14 +7519,16 @@ PBWDEF pbw_status pbw_check(const pbw_mesh *mesh, const pbw_options *options, pb
     pbw__context context;
     pbw__check check;
     pbw__fp fp;
-    size_t doubles;
+    size_t record_size;
     if (report == NULL) {
         return PBW_ERROR_ARGUMENT;
     }
     memset(report, 0, sizeof(*report));
     report->what = "";
     report->simplex = report->facet = report->point = PBW_NONE;
-    if (mesh == NULL || (mesh->dim != 2 && mesh->dim != 3)
+    memset(&defaults, 0, sizeof(defaults));
+    options = options != NULL ? options : &defaults;
+    if (mesh == NULL || (mesh->dim != 2 && mesh->dim != 3) || options->threads < 0 || options->threads > 256
         || (mesh->point_count > 0 && (mesh->points == NULL || mesh->incident == NULL || mesh->canonical == NULL))
         || (mesh->simplex_count > 0 && (mesh->simplices == NULL || mesh->neighbors == NULL))) {
         return PBW_ERROR_ARGUMENT;
@@ -7465,17 +7536,16 @@ PBWDEF pbw_status pbw_check(const pbw_mesh *mesh, const pbw_options *options, pb
     if (mesh->point_count >= PBW_NONE || mesh->simplex_count >= PBW_NONE) {
         return PBW_ERROR_TOO_LARGE;
     }
-    memset(&defaults, 0, sizeof(defaults));
     memset(&check, 0, sizeof(check));
-    pbw__context_start(&context, options != NULL ? options : &defaults, mesh->point_count);
+    pbw__context_start(&context, options, mesh->point_count);
     check.mesh = mesh;
     check.report = report;
     check.context = &context;
     check.dim = mesh->dim;
 
     fp = pbw__fp_enter();
-    doubles = mesh->point_count * (size_t)(mesh->dim + 1);
-    check.record = (double *)pbw__allocate(&context.memory, doubles, sizeof(double));
+    record_size = (size_t)(mesh->dim + 1) * sizeof(double);
+    check.record = (double *)pbw__allocate(&context.memory, mesh->point_count, record_size);
     if (!pbw__fp_is_exact()) {
         check.status = PBW_ERROR_FP_MODE;
     } else if (check.record == NULL) {
@@ -7484,7 +7554,7 @@ PBWDEF pbw_status pbw_check(const pbw_mesh *mesh, const pbw_options *options, pb
         pbw__enter_stage(&context, PBW_STAGE_CHECK);
         report->valid = pbw__check_all(&check) && !pbw__report(&context, 1.0);
     }
-    pbw__release(&context.memory, check.record, doubles, sizeof(double));
+    pbw__release(&context.memory, check.record, mesh->point_count, record_size);
     pbw__team_stop(&context);
     pbw__fp_leave(fp);
     return context.cancelled ? PBW_CANCELLED : check.status;
@@ -8036,6 +8106,11 @@ PBWDEF pbw_status pbw_triangulatef(int dim, const float *points, const float *we
 
 #if defined(__GNUC__) && !defined(__clang__)
 #pragma GCC pop_options
+#endif
+#ifdef _WIN32
+#pragma pop_macro("near")
+#pragma pop_macro("far")
+#pragma pop_macro("small")
 #endif
 
 /* ------------------------------------------------------------------------------------------------------

@@ -57,4 +57,4 @@ build/rival_%.o: bench/rival_%.c bench/bench.h bench/bench.mk
 
 .PHONY: bench
 bench: build/bench$(PHASES:%=_clocks)
-	./$< $(SWEEP:%=--sweep) $(PHASES:%=--phases) $(CSV:%=--csv %) $(ARGS)
+	$< $(SWEEP:%=--sweep) $(PHASES:%=--phases) $(CSV:%=--csv %) $(ARGS)

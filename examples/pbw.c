@@ -391,7 +391,7 @@ static int fail(const job *j, const char *what)
 }
 
 /* A line of the report. */
-static void tell(const job *j, const char *what, double seconds, const char *more)
+static void say(const job *j, const char *what, double seconds, const char *more)
 {
     fputs(j->terminal ? "\r\033[K" : "", stderr);
     if (!j->on[QUIET]) {
@@ -435,7 +435,7 @@ static int load(job *j)
         printf("%zu points in %dD%s, %zu faces\n", j->cloud.count, j->cloud.dim,
                j->cloud.weights != NULL ? ", weighted" : "", j->cloud.triangle_count);
     }
-    tell(j, "read", now() - start, "");
+    say(j, "read", now() - start, "");
     return interrupted ? fail(j, "cancelled") : 0;
 }
 
@@ -452,9 +452,9 @@ static int build(job *j)
     if (status != PBW_OK) {
         return fail(j, status == PBW_CANCELLED ? "cancelled" : pbw_status_string(status));
     }
-    tell(j, "order", j->mesh.statistics.order_seconds, "");
-    tell(j, "build", j->mesh.statistics.build_seconds, "");
-    tell(j, "output", j->mesh.statistics.output_seconds, "");
+    say(j, "order", j->mesh.statistics.order_seconds, "");
+    say(j, "build", j->mesh.statistics.build_seconds, "");
+    say(j, "output", j->mesh.statistics.output_seconds, "");
     return 0;
 }
 
@@ -466,7 +466,7 @@ static int check(job *j)
     if (status != PBW_OK) {
         return fail(j, status == PBW_CANCELLED ? "cancelled" : pbw_status_string(status));
     }
-    tell(j, "check", now() - start, report.valid ? "valid" : report.what);
+    say(j, "check", now() - start, report.valid ? "valid" : report.what);
     return report.valid ? 0 : fail(j, "the result is wrong: please report this");
 }
 
@@ -534,7 +534,7 @@ static int mark_inside(job *j)
         kept += inside[i];
     }
     snprintf(error.text, sizeof error.text, "%zu tetrahedra", kept);
-    tell(j, "inside", now() - start, error.text);
+    say(j, "inside", now() - start, error.text);
     return 0;
 }
 
@@ -623,7 +623,7 @@ static int write_mesh(const job *j)
         if (status != PBWIO_OK || interrupted) {
             return fail(j, status != PBWIO_OK ? error.text : "cancelled");
         }
-        tell(j, "write", now() - start, path);
+        say(j, "write", now() - start, path);
     }
     return 0;
 }
@@ -637,7 +637,7 @@ static int write_model(const job *j, const pbwmodel_content *content)
         if (pbwmodel_write(j->output[i], content, j->write.flags, &error) != PBWIO_OK || interrupted) {
             return fail(j, interrupted ? "cancelled" : error.text);
         }
-        tell(j, "write", now() - start, j->output[i]);
+        say(j, "write", now() - start, j->output[i]);
     }
     return 0;
 }
@@ -650,12 +650,12 @@ static int describe_surface(job *j, const pbwsample_model *model)
     pbwsample_status status = pbwsample_inspect(model, &report);
     char text[256] = "";
     if (status != PBWSAMPLE_OK) {
-        tell(j, "surface", now() - start, pbwsample_status_string(status));
+        say(j, "surface", now() - start, pbwsample_status_string(status));
         return 0;
     }
     snprintf(text, sizeof text, report.closed ? "closed" : "%zu open, %zu crowded, %zu turned edges",
              report.open_edges, report.crowded_edges, report.turned_edges);
-    tell(j, "surface", now() - start, text);
+    say(j, "surface", now() - start, text);
     if (!j->on[QUIET]) {
         printf("area %g, volume %g, %zu flat faces, %zu unused and %zu duplicate points\n", report.area,
                report.volume, report.flat_triangles, report.unused_points, report.duplicate_points);
@@ -734,7 +734,7 @@ static int run_sample(job *j)
         if (!j->on[UNIFORM]) {
             snprintf(text, sizeof text, "%zu points, none closer than %g", surface, j->samples.radius);
         }
-        tell(j, "sample", now() - start, text);
+        say(j, "sample", now() - start, text);
     }
     if (status == PBWSAMPLE_OK && j->fill > 0) {
         start = now();
@@ -744,7 +744,7 @@ static int run_sample(job *j)
         status = pbwsample_volume(&model, &j->sample, &j->samples);
         snprintf(text, sizeof text, "%zu points inside", j->samples.count - surface);
         if (status == PBWSAMPLE_OK) {
-            tell(j, "fill", now() - start, text);
+            say(j, "fill", now() - start, text);
         }
     }
     if (status != PBWSAMPLE_OK) {

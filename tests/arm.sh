@@ -44,10 +44,10 @@ for level in O2 O3; do
     done
 done
 wait
-"./$work/here" > "$work/here.txt" &
-$emulator "./$work/vectors" > "$work/vectors.txt" &
-$emulator "./$work/scalar" > "$work/scalar.txt" &
-$emulator "./$work/signs" --count 100 > "$work/signs.txt" &
+"$work/here" > "$work/here.txt" &
+$emulator "$work/vectors" > "$work/vectors.txt" &
+$emulator "$work/scalar" > "$work/scalar.txt" &
+$emulator "$work/signs" --count 100 > "$work/signs.txt" &
 wait
 check "the same arrays, with vectors" hashes vectors
 check "the same arrays, without" hashes scalar

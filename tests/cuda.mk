@@ -34,11 +34,11 @@ cuda-test:
 else
 cuda: $B/cuda.o
 cuda-bench: $B/cuda_bench
-	./$B/cuda_bench $(ARGS)
+	$B/cuda_bench $(ARGS)
 cuda-test: $B/cuda_test
-	./$B/cuda_test $(COUNT:%=--count %)
+	$B/cuda_test $(COUNT:%=--count %)
 ifneq ($(CUDA_SANITIZER),)
-	$(CUDA_SANITIZER) --tool memcheck --leak-check full --error-exitcode 1 ./$B/cuda_test --filter grids --count 5
-	$(CUDA_SANITIZER) --tool racecheck --error-exitcode 1 ./$B/cuda_test --filter grids --count 3
+	$(CUDA_SANITIZER) --tool memcheck --leak-check full --error-exitcode 1 $B/cuda_test --filter grids --count 5
+	$(CUDA_SANITIZER) --tool racecheck --error-exitcode 1 $B/cuda_test --filter grids --count 3
 endif
 endif

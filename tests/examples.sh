@@ -22,29 +22,29 @@ for expected in examples/expected/*.txt; do
     if [ -f "examples/$name.cpp" ] && ! command -v ${CXX:-c++} > /dev/null; then
         skip "examples/$name.cpp: no C++ compiler"
     else
-        check "examples/$name" prints "./$bin/$name" "$expected"
+        check "examples/$name" prints "$bin/$name" "$expected"
     fi
 done
 
 for model in hull alpha; do
-    check "$model writes an OBJ model" "./$bin/$model" "$work/$model.obj"
+    check "$model writes an OBJ model" "$bin/$model" "$work/$model.obj"
     check "$model: a closed surface" closed "$work/$model.obj"
-    check "$model: no space left is an error" sh -c "[ ! -e /dev/full ] || ! ./$bin/$model /dev/full"
+    check "$model: no space left is an error" sh -c "[ ! -e /dev/full ] || ! $bin/$model /dev/full"
 done
-check "terrain writes a picture" "./$bin/terrain" "$work/terrain.pgm"
+check "terrain writes a picture" "$bin/terrain" "$work/terrain.pgm"
 check "terrain: of the size it says" [ "$(head -n 2 "$work/terrain.pgm" | tail -n 1),$(wc -c < "$work/terrain.pgm" |
     tr -d ' ')" = "720 480,345615" ]
-check "terrain writes a page" "./$bin/terrain" "$work/terrain.pgm" "$work/terrain.html"
+check "terrain writes a page" "$bin/terrain" "$work/terrain.pgm" "$work/terrain.html"
 check "terrain: a whole one" [ "$(tail -n 1 "$work/terrain.html")" = "</html>" ]
-check "steps writes pictures" "./$bin/steps" "$work/steps.svg"
+check "steps writes pictures" "$bin/steps" "$work/steps.svg"
 check "steps: six of them, whole" \
     [ "$(grep -c '<text' "$work/steps.svg"),$(tail -n 1 "$work/steps.svg")" = "6,</svg>" ]
-check "steps: no space left is an error" sh -c "[ ! -e /dev/full ] || ! ./$bin/steps /dev/full"
+check "steps: no space left is an error" sh -c "[ ! -e /dev/full ] || ! $bin/steps /dev/full"
 awk 'BEGIN { printf "P6\n# grey\n40 30\n255\n"; for (i = 0; i < 3600; i++) printf "%c", 48 + i % 75 }' \
     > "$work/in.ppm"
-check "lowpoly reads a PPM file" "./$bin/lowpoly" "$work/in.ppm" "$work/lowpoly.svg"
+check "lowpoly reads a PPM file" "$bin/lowpoly" "$work/in.ppm" "$work/lowpoly.svg"
 triangles=$(sed -n 's/.* \([0-9]*\) triangles.*/\1/p' "$work/out")
 check "lowpoly: a path for each triangle" [ "$(grep -c '<path d=.*fill=.*/>' "$work/lowpoly.svg")" = "$triangles" ]
 head -c 1000 "$work/in.ppm" > "$work/short.ppm"
-check "lowpoly refuses a short file" sh -c "! ./$bin/lowpoly $work/short.ppm $work/short.svg"
+check "lowpoly refuses a short file" sh -c "! $bin/lowpoly $work/short.ppm $work/short.svg"
 finish

@@ -8,7 +8,7 @@ make_one() {   # make_one NAME COMPILER FLAGS...: in the background
     name=$1
     shift
     { "$@" -std=c99 tests/hashes.c -o "$work/$name" -lpthread -lm > "$work/$name.err" 2>&1 &&
-        "./$work/$name" > "$work/$name.txt" 2> "$work/$name.err"; } &
+        "$work/$name" > "$work/$name.txt" 2> "$work/$name.err"; } &
 }
 
 make_one reference $CC -O2
@@ -18,6 +18,7 @@ make_one contracted $CC -O2 -march=native -ffp-contract=fast         # see below
 make_one wide $CC -O2 -DPBW_WIDE
 make_one scalar $CC -O2 -DPBW_NO_SIMD
 make_one threadless $CC -O2 -DPBW_NO_THREADS
+make_one unsigned_char $CC -O2 -funsigned-char
 wait
 for compiler in gcc clang; do
     if ! command -v $compiler > /dev/null; then

@@ -7,7 +7,7 @@ then
     echo "0 passed, 0 failed, 1 skipped"
 elif ${MAKE:-make} B="$1" "$1/oracle_cgal" > "$1/cgal.txt" 2>&1
 then
-    "./$1/oracle_cgal"
+    "$1/oracle_cgal"
 else
     cat "$1/cgal.txt"
     exit 2

@@ -7,7 +7,7 @@ warn="-Wall -Wextra -Wpedantic -Wconversion -Wsign-conversion -Wshadow -Werror"
 same() { diff "$1" "$2" && [ -s "$1" ]; }
 declines() {   # declines COMPILER FLAGS...: does not compile and says why, or answers PBW_ERROR_FP_MODE
     if "$@" -I. "$work/mode.c" -o "$work/mode" -lpthread 2> "$work/refused"; then
-        "./$work/mode"
+        "$work/mode"
     else
         grep 'exact only with IEEE arithmetic' "$work/refused"
     fi
@@ -103,11 +103,11 @@ done
 check "two PBW_STATIC copies compile" sh -c \
     "$CC -O1 -I. -DCOPY=f -c $work/static.c -o $work/f.o && $CC -O1 -I. -DCOPY=g -c $work/static.c -o $work/g.o"
 check "two PBW_STATIC copies link" $CC "$work/copies.c" "$work/f.o" "$work/g.o" -o "$work/copies" -lpthread
-check "two PBW_STATIC copies work" "./$work/copies"
+check "two PBW_STATIC copies work" "$work/copies"
 check "the implementation compiles" $CC -O1 -fno-pie -I. -c "$work/whole.c" -o "$work/whole.o"
 check "C++ calls C: compiles" $CXX -I. -c "$work/caller.cpp" -o "$work/caller.o"
 check "C++ calls C: links" $CXX -no-pie "$work/caller.o" "$work/whole.o" -o "$work/caller" -lpthread
-check "versions of header and implementation agree" "./$work/caller"
+check "versions of header and implementation agree" "$work/caller"
 if command -v nm > /dev/null; then
     nm -g "$work/whole.o" | awk 'NF == 3 { print $3 }' | sed 's/^_//' > "$work/exported"
     check "exports pbw_ names only" sh -c "! grep -v '^pbw_[a-z]' $work/exported && [ -s $work/exported ]"
@@ -150,14 +150,14 @@ check "every promise names a test that is there" sh -c \
     "for t in \$(sed -n '/PROMISES/,/CONVENTIONS/s/.* \(tests\/[a-z_.]*\)\$/\1/p' pbw.h); do ls \$t || exit 1; done"
 sed -n '/^   QUICK START/,/^   Build:/s/^       //p' pbw.h > "$work/quickstart.c"
 check "the quick start compiles" $CC -O1 -I. "$work/quickstart.c" -o "$work/quickstart" -lpthread
-"./$work/quickstart" > "$work/printed" 2>&1
+"$work/quickstart" > "$work/printed" 2>&1
 check "the quick start prints two tetrahedra" sh -c "[ \$(grep -cE '^([0-4] ){3}[0-4]\$' $work/printed) = 2 ]"
 if [ -f README.md ]; then
     awk '/^```c$/ { inside = 1; text = ""; next }
          /^```/ && inside { inside = 0; if (text ~ /int main/) { printf "%s", text; exit } }
          inside { text = text $0 "\n" }' README.md > "$work/readme.c"
     check "README: its first program compiles" $CC -O1 -I. "$work/readme.c" -o "$work/readme" -lpthread -lm
-    check "README: its first program runs" "./$work/readme"
+    check "README: its first program runs" "$work/readme"
 else
     skip "README: there is none"
 fi
@@ -173,10 +173,16 @@ for other in "$CC -m32" aarch64-linux-gnu-gcc arm-linux-gnueabihf-gcc s390x-linu
         skip "$other: not installed"
     fi
 done
+other=x86_64-w64-mingw32-gcc
+if $other "$work/empty.c" -o "$work/empty" > /dev/null 2>&1; then
+    printf '#include <windows.h>\n%s\nFARPROC last;\n' "$(cat "$work/whole.c")" > "$work/windows.c"
+    check "$other: after windows.h, whose macros stay" $other -std=c99 -I. -c "$work/windows.c" -o "$work/other.o"
+    check "$other: the pbw program" $other -std=c99 -O1 -I. examples/pbw.c -o "$work/pbw.exe"
+fi
 if $CC -m32 "$work/empty.c" -o "$work/empty" > /dev/null 2>&1; then
     check "-m32: the quick start compiles" \
         $CC -m32 -msse2 -mfpmath=sse -O1 -I. "$work/quickstart.c" -o "$work/quick32" -lpthread
-    check "-m32: the quick start prints the same" sh -c "./$work/quick32 | cmp - $work/printed"
+    check "-m32: the quick start prints the same" sh -c "$work/quick32 | cmp - $work/printed"
 fi
 
 finish

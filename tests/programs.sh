@@ -22,7 +22,7 @@ written() { # written NAME OPTION...: the mesh of the points in every format
     for kind in $kinds; do
         set -- "$@" -o "$mesh.$kind"
     done
-    "./$bin/pbw" mesh "$work/p.csv" --quiet "$@"
+    "$bin/pbw" mesh "$work/p.csv" --quiet "$@"
 }
 for dim in 2 3; do
     for n in 6 12 24 8; do

@@ -8,7 +8,9 @@
 #define PBW_IMPLEMENTATION
 #include "../pbw.h"
 #include "inputs.h"
+#include "meter.h"
 #include "test.h"
+#include "watch.h"
 #include <fenv.h>
 #include <pthread.h>
 
@@ -909,41 +911,10 @@ static void test_degenerate(int dim)
 
 /* ---- the call ---- */
 
-typedef struct watch {
-    size_t held, calls, fail_at;                     /* of the allocator */
-    size_t reports, cancel_at;                       /* of progress */
-    double last;
-    int ordered;
-} watch;
-
-static void *watch_resize(void *user, void *ptr, size_t old_size, size_t new_size)
-{
-    watch *w = (watch *)user;
-    void *block;
-    if (new_size == 0) {
-        free(ptr);
-        w->held -= old_size;
-        return NULL;
-    }
-    if (++w->calls == w->fail_at) {
-        return NULL;
-    }
-    block = realloc(ptr, new_size);
-    w->held += block != NULL ? new_size - old_size : 0;
-    return block;
-}
-
-static int watch_progress(void *user, pbw_stage stage, double done)
-{
-    watch *w = (watch *)user;
-    w->ordered &= stage == PBW_STAGE_CHECK && done >= w->last && done <= 1.0;
-    w->last = done;
-    return ++w->reports == w->cancel_at;
-}
-
 static void test_arguments(void)
 {
     model m;
+    pbw_options options;
     pbw_mesh mesh;
     pbw_report report;
     if (!test_begin("arguments")) {
@@ -964,6 +935,10 @@ static void test_arguments(void)
     CHECK_EQUAL(pbw_check(&mesh, NULL, &report), PBW_ERROR_ARGUMENT);
     mesh = m.mesh, mesh.dim = 4;
     CHECK_EQUAL(pbw_check(&mesh, NULL, &report), PBW_ERROR_ARGUMENT);
+    memset(&options, 0, sizeof options);
+    for (options.threads = -1; options.threads <= 257; options.threads += 258) {
+        CHECK_EQUAL(pbw_check(&m.mesh, &options, &report), PBW_ERROR_ARGUMENT);
+    }
     memset(&mesh, 0, sizeof mesh);
     CHECK_EQUAL(pbw_check(&mesh, NULL, &report), PBW_ERROR_ARGUMENT);
     CHECK(report.valid == 0 && report.what != NULL && report.simplex == PBW_NONE);
@@ -996,42 +971,46 @@ static void test_counts(void)
 static void test_resources(void)
 {
     model m;
+    meter blocks;
     watch w;
     pbw_options options;
     pbw_report report;
-    size_t calls, reports, k;
+    long requests, reports, k;
     if (!test_begin("memory and progress")) {
         return;
     }
     memset(&options, 0, sizeof options);
-    options.resize = watch_resize;
+    options.resize = meter_resize;
+    options.resize_user = &blocks;
     options.progress = watch_progress;
-    options.resize_user = options.progress_user = &w;
+    options.progress_user = &w;
     do {
         model_random(&m, 3, 12, 9, 80);
     } while (m.mesh.hidden_count == 0);
-    memset(&w, 0, sizeof w);
-    w.ordered = 1;
+    meter_start(&blocks, 0, 0);
+    watch_start(&w, 0);
     CHECK_EQUAL(pbw_check(&m.mesh, &options, &report), PBW_OK);
-    CHECK(report.valid && w.held == 0 && w.ordered && w.reports >= 2 && w.last == 1.0);
-    calls = w.calls;
-    reports = w.reports;
-    for (k = 1; k <= calls; k++) {
-        memset(&w, 0, sizeof w);
-        w.fail_at = k;
+    CHECK(report.valid && blocks.blocks == 0 && blocks.bytes == 0 && blocks.faults == 0);
+    CHECK(w.wrong == 0 && w.calls >= 2 && w.stage == PBW_STAGE_CHECK && w.done == 1);
+    requests = blocks.requests;
+    reports = w.calls;
+    for (k = 1; k <= requests; k++) {
+        meter_start(&blocks, k, (int)(k & 1));
+        watch_start(&w, 0);
         CHECK_EQUAL(pbw_check(&m.mesh, &options, &report), PBW_ERROR_MEMORY);
-        CHECK(report.valid == 0 && w.held == 0);
+        CHECK(report.valid == 0 && blocks.refused > 0 && blocks.blocks == 0 && blocks.faults == 0);
     }
     for (k = 1; k <= reports; k++) {
-        memset(&w, 0, sizeof w);
-        w.cancel_at = k;
+        meter_start(&blocks, 0, 0);
+        watch_start(&w, k);
         CHECK_EQUAL(pbw_check(&m.mesh, &options, &report), PBW_CANCELLED);
-        CHECK(report.valid == 0 && w.held == 0 && w.reports == k);
+        CHECK(report.valid == 0 && blocks.blocks == 0 && blocks.faults == 0 && w.calls == k);
     }
-    memset(&w, 0, sizeof w);
+    meter_start(&blocks, 0, 0);
+    watch_start(&w, 0);
     options.memory_limit = 64;
     CHECK_EQUAL(pbw_check(&m.mesh, &options, &report), PBW_ERROR_MEMORY);
-    CHECK(w.held == 0);
+    CHECK(blocks.blocks == 0 && blocks.faults == 0);
     test_end();
 }
 

@@ -336,17 +336,34 @@ static void test_counts(size_t count)
     }
 }
 
-/* Faulty meshes: one report, whoever finds the fault. */
-static void test_same_report(size_t count)
+/* One report, whoever finds the fault; returns whether there is one. */
+static int same_report(const pbw_mesh *mesh)
 {
     static const int threads[] = { 2, 3, 7, 16 };
+    pbw_options options = with_threads(1);
+    pbw_report right, report;
+    size_t t;
+    CHECK_EQUAL(pbw_check(mesh, &options, &right), PBW_OK);
+    for (t = 0; t < sizeof threads / sizeof threads[0]; t++) {
+        options = with_threads(threads[t]);
+        CHECK_EQUAL(pbw_check(mesh, &options, &report), PBW_OK);
+        CHECK(report.valid == right.valid && strcmp(report.what, right.what) == 0);
+        CHECK(report.simplex == right.simplex && report.facet == right.facet && report.point == right.point);
+        CHECK(report.vertex_count == right.vertex_count && report.facet_count == right.facet_count
+              && report.hull_facet_count == right.hull_facet_count);
+    }
+    return !right.valid;
+}
+
+static void test_same_report(size_t count)
+{
     int dim;
     for (dim = 2; dim <= 3; dim++) {
         if (test_begin("same report: %dD", dim)) {
             points p = points_make(INPUT_CLUSTERS, dim, count, INPUT_WEIGHTS_HIDING);
             pbw_options one = with_threads(1);
             pbw_mesh mesh;
-            size_t t, fault, entries, faults = 0;
+            size_t fault, entries, faults = 0;
             CHECK_EQUAL(pbw_triangulate(dim, p.x, p.w, p.count, &one, &mesh), PBW_OK);
             entries = mesh.simplex_count * (size_t)(dim + 1);
             for (fault = 0; fault < 60; fault++) {
@@ -356,27 +373,60 @@ static void test_same_report(size_t count)
                 size_t length = fault % 4 < 2 ? entries : mesh.point_count, i = fault * 7919 % length;
                 size_t j = (i + length / 2) % length;
                 pbw_index old_i = array[i], old_j = array[j];
-                pbw_report right, report;
                 array[i] = old_j;                    /* two faults: the first is to be told */
                 array[j] = old_i;
                 if (fault % 8 == 0) {
                     array[i] = array[j] = (pbw_index)mesh.point_count + 1000000;    /* corners that are no points */
                 }
-                CHECK_EQUAL(pbw_check(&mesh, &one, &right), PBW_OK);
-                faults += !right.valid;
-                for (t = 0; t < sizeof threads / sizeof threads[0]; t++) {
-                    pbw_options options = with_threads(threads[t]);
-                    CHECK_EQUAL(pbw_check(&mesh, &options, &report), PBW_OK);
-                    CHECK(report.valid == right.valid && strcmp(report.what, right.what) == 0);
-                    CHECK(report.simplex == right.simplex && report.facet == right.facet
-                          && report.point == right.point);
-                    CHECK(report.vertex_count == right.vertex_count && report.facet_count == right.facet_count
-                          && report.hull_facet_count == right.hull_facet_count);
-                }
+                faults += (size_t)same_report(&mesh);
                 array[i] = old_i;
                 array[j] = old_j;
             }
             CHECK(faults > 40);
+            pbw_free(&mesh);
+            points_free(&p);
+            test_end();
+        }
+    }
+}
+
+/* Hidden points that are not: raised, outside, at a vertex, or at the place of another. */
+static void test_hidden_report(size_t count)
+{
+    int dim;
+    for (dim = 2; dim <= 3; dim++) {
+        if (test_begin("same report of hidden points: %dD", dim)) {
+            points p = points_make(INPUT_UNIFORM, dim, count, INPUT_WEIGHTS_HALF);
+            pbw_options one = with_threads(1);
+            pbw_mesh mesh;
+            size_t i, k, seen = 0, last = 0, of[4] = { 0, 0, 0, 0 };
+            CHECK_EQUAL(pbw_triangulate(dim, p.x, p.w, p.count, &one, &mesh), PBW_OK);
+            CHECK(mesh.hidden_count > 100 && !same_report(&mesh));
+            for (i = 0; i < count && seen < 60; i++) {
+                double *x = (double *)(uintptr_t)mesh.points + i * (size_t)dim, kept[4];
+                double *w = (double *)(uintptr_t)mesh.weights + i;
+                const double *other = mesh.points + last * (size_t)dim;
+                if (mesh.canonical[i] != i || mesh.incident[i] != PBW_NONE) {
+                    continue;
+                }
+                memcpy(kept, x, (size_t)dim * sizeof(double));
+                kept[dim] = *w;
+                if (seen % 4 == 0) {
+                    *w += 1e6;
+                } else if (seen % 4 == 1) {
+                    x[0] = 1e6;
+                } else {
+                    other = seen % 4 == 2 ? mesh.points + mesh.simplices[i] * (size_t)dim : other;
+                    for (k = 0; k < (size_t)dim; k++) {
+                        x[k] = other[k];
+                    }
+                }
+                of[seen++ % 4] += (size_t)same_report(&mesh);
+                memcpy(x, kept, (size_t)dim * sizeof(double));
+                *w = kept[dim];
+                last = i;
+            }
+            CHECK(of[0] == 15 && of[1] == 15 && of[2] == 15 && of[3] == 15);
             pbw_free(&mesh);
             points_free(&p);
             test_end();
@@ -477,6 +527,7 @@ int main(int argc, char **argv)
     test_trace(count);
     test_counts(count);
     test_same_report(count);
+    test_hidden_report(count / 20);                 /* few, so that many are the first of a part */
     test_flat_report(count);
     test_many_builds(count);
     return test_finish();
