@@ -222,17 +222,18 @@ static void test_scales(void)
             p.x[1] = -0.9 * p.x[0];                  /* wider than the largest double */
             depth = compare(&p);
             CHECK(depth > 200 && depth < PBW__RUN_DEPTH);
-            test_say("%d", depth);
             points_destroy(&p);
             test_end();
         }
     }
 }
 
-/* One point far away, so that all others lie in one cell; a few at one place; all at one place. */
+/* Runs as long as the input: one point far away, so that all others lie in one cell; points at one place. */
 static void test_runs(void)
 {
-    static const char *const names[] = { "a point far away", "two places far apart", "one place", "most at one place" };
+    static const char *const names[] = {
+        "a point far away", "a cluster far from a place", "one place", "most at one place"
+    };
     int dim, kind;
     for (dim = 2; dim <= 3; dim++) {
         for (kind = 0; kind < 4; kind++) {
