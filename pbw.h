@@ -2463,7 +2463,8 @@ static void pbw__move_keys(void *arg, int task)
 static uint64_t *pbw__sort_by(pbw__context *context, uint64_t *a, uint64_t *b, size_t count, int low, int bits,
                               uint32_t *start, int tasks)
 {
-    int passes = (bits + 10) / 11, digit = count < 4096 ? 8 : (bits + passes - 1) / passes, task;
+    int widest = count < 4096 ? 9 : 11, passes = (bits + widest - 1) / widest, task;
+    int digit = (bits + passes - 1) / passes;
     uint32_t *all = start + (size_t)tasks * PBW__DIGITS;
     pbw__sorting sorting;
     sorting.context = context;
