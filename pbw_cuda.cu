@@ -3641,14 +3641,9 @@ bool order_points(call &c, const input &in, space &s, uint32_t *&id, uint32_t *c
     pbw__box domain;
     curve automaton;
     size_t n = in.count;
-    int index_bits = 1, bits, dim = in.dim;
+    int index_bits = pbw__index_bits(n), dim = in.dim, bits = pbw__grid_bits(index_bits, dim);
     unsigned blocks = blocks_for(n, 256);
 
-    while (index_bits < 32 && ((uint64_t)n - 1) >> index_bits != 0) {
-        index_bits++;
-    }
-    bits = (index_bits + dim - 1) / dim + 4;         /* as pbw__order has it */
-    bits = bits > (64 - index_bits) / dim ? (64 - index_bits) / dim : bits;
     pbw__box_reset(&domain, bits);
     if (!survey_points(c, in, found_on_device, domain, lightest, heaviest, s.grid)) {
         return false;
