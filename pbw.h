@@ -1269,7 +1269,8 @@ static void pbw__make_pages(void *arg, int task)
     size_t from = pbw__share(pages->huge, task, pages->tasks) * PBW__HUGE;
     size_t to = pbw__share(pages->huge, task + 1, pages->tasks) * PBW__HUGE;
     from = from > skip ? from - skip : 0;
-    to = to - skip < pages->length ? to - skip : pages->length;
+    to = to > skip ? to - skip : 0;                  /* small shares may be empty */
+    to = to < pages->length ? to : pages->length;
     while (from < to && !pbw__report(pages->context, pages->context->last_done)) {
         size_t step = to - from < ((size_t)1 << 25) ? to - from : (size_t)1 << 25;       /* 32 MB: about 10 ms */
         (void)madvise(pages->start + from, step, 23);            /* MADV_POPULATE_WRITE, since Linux 5.14 */
