@@ -7589,7 +7589,7 @@ static int pbw__check_others(pbw__check *check)
     const int bits = check->dim == 2 ? 16 : 10, tasks = pbw__tasks(context, count, 16384);
     uint64_t *keys = (uint64_t *)pbw__allocate(memory, count, sizeof(uint64_t));
     uint64_t *spare = (uint64_t *)pbw__allocate(memory, count, sizeof(uint64_t));
-    uint32_t *start = (uint32_t *)pbw__allocate(memory, (size_t)tasks * PBW__DIGITS, sizeof(uint32_t));
+    uint32_t *start = (uint32_t *)pbw__allocate(memory, ((size_t)tasks + 1) * PBW__DIGITS, sizeof(uint32_t));
     int going = 0;
     check->block = (size_t *)pbw__allocate(memory, blocks, sizeof(size_t));
     if (keys == NULL || spare == NULL || start == NULL || check->block == NULL) {
@@ -7621,7 +7621,7 @@ static int pbw__check_others(pbw__check *check)
     }
     pbw__release(memory, keys, count, sizeof(uint64_t));
     pbw__release(memory, spare, count, sizeof(uint64_t));
-    pbw__release(memory, start, (size_t)tasks * PBW__DIGITS, sizeof(uint32_t));
+    pbw__release(memory, start, ((size_t)tasks + 1) * PBW__DIGITS, sizeof(uint32_t));
     pbw__release(memory, check->block, blocks, sizeof(size_t));
     return going;
 }
