@@ -2597,15 +2597,16 @@ typedef struct pbw__keying {
 
 #define PBW__AHEAD 32                                /* points asked for before they are needed */
 
-/* The i-th of those points; the one that will soon be needed is asked for. */
-PBW__INLINE size_t pbw__keying_index(const pbw__keying *keying, size_t i)
+/* The i-th of those points; the one that will soon be needed, if before `to`, is asked for: the keys from there on are
+   another task's to write. */
+PBW__INLINE size_t pbw__keying_index(const pbw__keying *keying, size_t i, size_t to)
 {
     const pbw__ordering *ordering = keying->ordering;
     const uint64_t *keys = ordering->keys + keying->from, mask = ((uint64_t)1 << ordering->index_bits) - 1;
     if (keying->all) {
         return i;
     }
-    if (i + PBW__AHEAD < keying->count) {
+    if (i + PBW__AHEAD < to) {
         PBW__PREFETCH(ordering->input->points + (size_t)(keys[i + PBW__AHEAD] & mask) * ordering->input->stride);
     }
     return (size_t)(keys[i] & mask);
@@ -2625,7 +2626,7 @@ PBW__INLINE void pbw__keying_box_share(const pbw__keying *keying, int task, int 
             && pbw__report(ordering->context, 0.1 * (double)i / (double)keying->count)) {
             break;
         }
-        pbw__fetch_of(dim, ordering->input, pbw__keying_index(keying, i), x);
+        pbw__fetch_of(dim, ordering->input, pbw__keying_index(keying, i, to), x);
         for (k = 0; k <= dim; k++) {
             zero += x[k] - x[k];                     /* NaN if not finite */
         }
@@ -2658,7 +2659,7 @@ PBW__INLINE void pbw__keying_share(const pbw__keying *keying, int task, int dim,
     size_t to = pbw__share(keying->count, task + 1, keying->tasks);
     for (; i < to; i++) {
         double x[4];
-        size_t index = pbw__keying_index(keying, i);
+        size_t index = pbw__keying_index(keying, i, to);
         if ((i & (PBW__TICK - 1)) == PBW__TICK - 1
             && pbw__report(ordering->context, 0.1 + 0.2 * (double)i / (double)keying->count)) {
             return;
