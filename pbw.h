@@ -5550,10 +5550,10 @@ static pbw_status pbw__kernel_create(pbw__kernel *kernel, pbw__context *context,
    writes, now or later, both own a vertex of the same simplex: of four vertices one owns three and the other two; of
    a facet's three vertices both own two.
 
-   Why it ends.  A round of T tasks that inserts less than one in T of its vertices was no better than one thread, and
-   is the last of its level.  What is left then, or is too little to be worth a round, is inserted by one thread,
-   which owns everything, before the next level begins: vertices near the hull are among it, and cavities there would
-   grow from level to level without them.
+   Why it ends.  After a round that inserts less than half of its vertices the next one has half as many tasks, as
+   cells are what they lack: so 64 threads take half as long for points on lines.  What is left when one task would
+   remain, or is too little to be worth a round, is inserted by one thread, which owns everything, before the next
+   level begins: vertices near the hull are among it, and cavities there would grow from level to level without them.
    ------------------------------------------------------------------------------------------------------ */
 #define PBW__PARTS 255
 #define PBW__LEAST_PART ((size_t)PBW__SMALLER(2048)) /* vertices of a part, below which borders are everything */
@@ -5934,7 +5934,6 @@ static pbw_status pbw__end_round(pbw__build *build)
 /* One level by rounds. */
 static pbw_status pbw__level_parallel(pbw__build *build)
 {
-    size_t before = 0;
     int i;
     pbw_status status;
     build->through = 0;
@@ -5942,14 +5941,16 @@ static pbw_status pbw__level_parallel(pbw__build *build)
     pbw__for(build->context, build->parts, pbw__first_round, build);
     status = pbw__end_round(build);
     build->parts = build->context->threads < PBW__PARTS ? build->context->threads : PBW__PARTS;
-    while (status == PBW_OK && build->left_count > PBW__LEAST_SHARE * (size_t)build->parts
-           && (before == 0 || (before - build->left_count) * (size_t)build->parts > before)) {
-        before = build->left_count;
+    while (status == PBW_OK && build->left_count > PBW__LEAST_SHARE * (size_t)build->parts && build->parts > 1) {
+        const size_t before = build->left_count;
         for (i = 0; i < build->parts; i++) {
-            build->next[i] = pbw__share(build->left_count, i, build->parts);
+            build->next[i] = pbw__share(before, i, build->parts);
         }
         pbw__for(build->context, build->parts, pbw__next_round, build);
         status = pbw__end_round(build);
+        if (build->left_count > before / 2) {
+            build->parts /= 2;                       /* they are in each other's way */
+        }
     }
     return status;
 }
