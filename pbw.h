@@ -2886,8 +2886,9 @@ static size_t pbw__order_find(const uint64_t *keys, size_t from, size_t to, int 
     return from;
 }
 
-/* Cuts the only part, all keys, into parts of about a share, where no run is cut in two; runs longer than a share are
-   put into order by all tasks, to be cut in turn.  The number of parts, at most 4 * tasks; 0 if cancelled. */
+/* Cuts the only part, all keys, into parts of about a share, where no run is cut in two; runs longer than 4 shares, a
+   thread's portion, are put into order by all threads, to be cut in turn.  The number of parts, at most 4 * tasks; 0
+   if cancelled. */
 static int pbw__order_cut(pbw__ordering *ordering, pbw__box *boxes, uint32_t *start, int tasks)
 {
     const size_t share = ordering->input->count / (size_t)tasks;
@@ -2906,9 +2907,10 @@ static int pbw__order_cut(pbw__ordering *ordering, pbw__box *boxes, uint32_t *st
         value = keys[at] >> part.low;
         next[0].from = next[-1].to = pbw__order_find(keys, part.from, at, part.low, value);
         next[0].to = next[1].from = pbw__order_find(keys, at, part.to, part.low, value + 1);
-        if (next->to - next->from > share) {
-            if ((part.low == ordering->index_bits && !pbw__order_keys(ordering, next, 0, boxes, tasks))
-                || (!next->settled && !pbw__order_sort(ordering, next, ordering->index_bits, start, tasks))) {
+        if (next->to - next->from > 4 * share) {
+            const int all = pbw__tasks(ordering->context, next->to - next->from, 16384);
+            if ((part.low == ordering->index_bits && !pbw__order_keys(ordering, next, 0, boxes, all))
+                || (!next->settled && !pbw__order_sort(ordering, next, ordering->index_bits, start, all))) {
                 return 0;
             }
         }
