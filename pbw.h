@@ -2597,8 +2597,8 @@ typedef struct pbw__keying {
 
 #define PBW__AHEAD 32                                /* points asked for before they are needed */
 
-/* The i-th of those points; the one that will soon be needed, if before `to`, is asked for: the keys from there on are
-   another task's to write. */
+/* The i-th of those points; the one that will soon be needed, if before `to`, is asked for: the keys from there on
+   are another task's to write. */
 PBW__INLINE size_t pbw__keying_index(const pbw__keying *keying, size_t i, size_t to)
 {
     const pbw__ordering *ordering = keying->ordering;
