@@ -7718,7 +7718,7 @@ static uint64_t pbw__hash_point(const pbw_mesh *mesh, size_t p)
 
 typedef struct pbw__hashing {
     const pbw_mesh *mesh;
-    uint64_t points, simplices;
+    uint64_t points[4 * 256], simplices[4 * 256];    /* sums, per task: at most 4 a thread */
     int tasks;
 } pbw__hashing;
 
@@ -7741,8 +7741,8 @@ static void pbw__hash_task(void *arg, int task)
         }
         simplices += pbw__mix(sum);
     }
-    (void)PBW__ADD(&hashing->points, points);
-    (void)PBW__ADD(&hashing->simplices, simplices);
+    hashing->points[task] = points;
+    hashing->simplices[task] = simplices;
 }
 
 PBWDEF uint64_t pbw_hash(const pbw_mesh *mesh)
@@ -7750,17 +7750,22 @@ PBWDEF uint64_t pbw_hash(const pbw_mesh *mesh)
     pbw_options options;
     pbw__context context;
     pbw__hashing hashing;
+    uint64_t points = 0, simplices = 0;
+    int task;
     if (mesh == NULL || mesh->point_count == 0) {
         return 0;
     }
     memset(&options, 0, sizeof(options));
     pbw__context_start(&context, &options, mesh->point_count);
     hashing.mesh = mesh;
-    hashing.points = hashing.simplices = 0;
     hashing.tasks = pbw__tasks(&context, mesh->point_count, 16384);
     pbw__for(&context, hashing.tasks, pbw__hash_task, &hashing);
     pbw__team_stop(&context);
-    return pbw__mix(hashing.points + pbw__mix(hashing.simplices));
+    for (task = 0; task < hashing.tasks; task++) {
+        points += hashing.points[task];
+        simplices += hashing.simplices[task];
+    }
+    return pbw__mix(points + pbw__mix(simplices));
 }
 /* ------------------------------------------------------------------------------------------------------
    >>api          The front door: argument checks, defaults, the stages in order, status texts.
