@@ -1215,7 +1215,7 @@ static void pbw__for(pbw__context *context, int tasks, pbw__task *task, void *ar
 /* Threads for a call on `count` points: few points are done before a thread has started. */
 static int pbw__thread_count(int asked, size_t count)
 {
-    #ifdef PBW__THREADS
+#ifdef PBW__THREADS
     size_t threads = (size_t)asked, most = count / PBW__SMALLER(8192) + 1;
     if (asked == 0) {
         long cores = sysconf(_SC_NPROCESSORS_ONLN);
@@ -6364,10 +6364,6 @@ static void pbw__emit_others(void *arg, int task)
     pbw__emit_shares((pbw__emission *)arg, task, 1);
 }
 
-/* Pass 2: numbers, for the lists of a share of the blocks of ranks, from the last list to the first.  So the number
-   that is noted last for a vertex is its first simplex.  It is noted in head: the list of a corner's rank has been
-   looked up when a simplex has its number, as no corner comes before the one whose list it is in.  For vertices of
-   later shares it is noted in `first`. */
 /* Sorts short lists, of ranks from `low` on, by second and third corner; returns how many simplices they have.  By
    counting pair by pair: no predictor could guess their order. */
 PBW__INLINE unsigned pbw__sort_lists(const pbw_index *corner, pbw__list *list, const unsigned *count, unsigned lists,
@@ -6566,6 +6562,10 @@ PBW__SIMD static unsigned pbw__sort_lists2_avx2(const pbw_index *corner, pbw__li
 }
 #endif
 
+/* Pass 2: numbers, for the lists of a share of the blocks of ranks, from the last list to the first.  So the number
+   that is noted last for a vertex is its first simplex.  It is noted in head: the list of a corner's rank has been
+   looked up when a simplex has its number, as no corner comes before the one whose list it is in.  For vertices of
+   later shares it is noted in `first`. */
 PBW__INLINE void pbw__emit_number(pbw__emission *emission, pbw_index t, pbw_index place, pbw_index later, int dim)
 {
     const pbw_index *v = emission->corner + 4 * (size_t)t;
