@@ -7836,7 +7836,9 @@ static void pbw__copy_points(void *arg, int task)
             return;
         }
         for (k = i * dim; packed && k < to * dim; k++) {
-            copying->points[k] = ((const double *)(const void *)input->points)[k] + 0.0;         /* no -0.0 */
+            double x;
+            memcpy(&x, input->points + k * sizeof(double), sizeof(double));      /* of any alignment */
+            copying->points[k] = x + 0.0;            /* no -0.0 */
         }
         for (; !packed && i < to; i++) {
             double record[4];
