@@ -382,9 +382,7 @@ extern int madvise(void *address, size_t length, int advice);    /* strict C mod
 
 /* The instructions of vectors: see >>lanes. */
 #if !defined(PBW_NO_SIMD) && defined(__GNUC__) && !(defined(PBW__FMA) && PBW__FMA == 0)
-#if defined(__x86_64__) && defined(__CHAR_UNSIGNED__) && !defined(__clang__)
-/* -funsigned-char: gcc 12 takes the bytes of _mm256_blendv_epi8's mask for unsigned, so none is ever chosen. */
-#elif defined(__x86_64__)
+#if defined(__x86_64__)
 #define PBW__AVX2
 #define PBW__SIMD __attribute__((target("avx2,fma,bmi,bmi2,popcnt")))
 #elif defined(__AARCH64EL__) && defined(__ARM_NEON)
@@ -874,9 +872,10 @@ PBW__SIMD_INLINE pbw__i4 pbw__lead(pbw__i4 x, pbw__i4 y)   /* y in lane 0 */
     return PBW__EITHER((pbw__i4)_mm_blend_epi32((__m128i)x, (__m128i)y, 1), vcopyq_laneq_s32(x, 0, y, 0));
 }
 
-PBW__SIMD_INLINE pbw__i4 pbw__select4(pbw__i4 x, pbw__i4 y, pbw__i4 mask)  /* y in the lanes of the mask */
+/* y in the lanes of the mask.  Not by bytes: gcc 12 takes those of a mask for unsigned with -funsigned-char. */
+PBW__SIMD_INLINE pbw__i4 pbw__select4(pbw__i4 x, pbw__i4 y, pbw__i4 mask)
 {
-    return PBW__EITHER((pbw__i4)_mm_blendv_epi8((__m128i)x, (__m128i)y, (__m128i)mask),
+    return PBW__EITHER((pbw__i4)_mm_blendv_ps((__m128)x, (__m128)y, (__m128)mask),
                        vbslq_s32((uint32x4_t)mask, y, x));
 }
 
@@ -6410,6 +6409,11 @@ PBW__SIMD_INLINE __m256i pbw__two(const pbw_index *a, const pbw_index *b)
     return _mm256_inserti128_si256(_mm256_castsi128_si256((__m128i)pbw__load4(a)), (__m128i)pbw__load4(b), 1);
 }
 
+PBW__SIMD_INLINE __m256i pbw__select8(__m256i x, __m256i y, __m256i mask)  /* see pbw__select4 */
+{
+    return (__m256i)_mm256_blendv_ps((__m256)x, (__m256)y, (__m256)mask);
+}
+
 /* Where the mask is set, exchanges a and b. */
 PBW__SIMD_INLINE void pbw__exchange(__m256i *a, __m256i *b, __m256i mask)
 {
@@ -6443,8 +6447,8 @@ PBW__SIMD_INLINE void pbw__list_keys(const pbw_index *corner, const pbw_index *l
     v[1] = _mm256_xor_si256(v[1], _mm256_and_si256(_mm256_xor_si256(v[0], v[1]), odd));
     pbw__exchange(v + 2, v + 3, odd);
     second = _mm256_min_epu32(_mm256_min_epu32(v[1], v[2]), v[3]);
-    third = _mm256_blendv_epi8(v[1], v[3], _mm256_cmpeq_epi32(v[2], second));
-    third = _mm256_blendv_epi8(third, v[2], _mm256_cmpeq_epi32(v[1], second));
+    third = pbw__select8(v[1], v[3], _mm256_cmpeq_epi32(v[2], second));
+    third = pbw__select8(third, v[2], _mm256_cmpeq_epi32(v[1], second));
     second = _mm256_xor_si256(second, sign);
     key[0] = _mm256_unpacklo_epi32(third, second);
     key[1] = _mm256_unpackhi_epi32(third, second);
@@ -6466,7 +6470,7 @@ PBW__SIMD_INLINE void pbw__sort_list_avx2(const pbw_index *corner, pbw_index *li
     for (j = 0; j < all; j += 4) {
         const __m256i left = _mm256_sub_epi64(_mm256_set1_epi64x((int64_t)count - (int64_t)j), lane);
         const __m256i real = _mm256_cmpgt_epi64(left, _mm256_setzero_si256());
-        _mm256_storeu_si256((__m256i *)(void *)(key + j), _mm256_blendv_epi8(highest, keys[j / 4], real));
+        _mm256_storeu_si256((__m256i *)(void *)(key + j), pbw__select8(highest, keys[j / 4], real));
     }
     for (j = 0; j < all; j += 8) {
         __m256i below_a = _mm256_setzero_si256(), below_b = _mm256_setzero_si256();
@@ -6528,11 +6532,11 @@ PBW__SIMD_INLINE void pbw__sort_list2_avx2(const pbw_index *corner, pbw_index *l
         const __m128i ab = _mm_unpacklo_epi32(a, b), cd = _mm_unpacklo_epi32(c, d);
         const __m128i v0 = _mm_unpacklo_epi64(ab, cd), v1 = _mm_unpackhi_epi64(ab, cd);
         const __m128i v2 = _mm_unpacklo_epi64(_mm_unpackhi_epi32(a, b), _mm_unpackhi_epi32(c, d));
-        const __m128i second = _mm_blendv_epi8(_mm_blendv_epi8(v0, v2, _mm_cmpeq_epi32(v1, first)), v1,
-                                               _mm_cmpeq_epi32(v0, first));
+        const pbw__i4 other = pbw__select4((pbw__i4)v0, (pbw__i4)v2, (pbw__i4)_mm_cmpeq_epi32(v1, first));
+        const pbw__i4 second = pbw__select4(other, (pbw__i4)v1, (pbw__i4)_mm_cmpeq_epi32(v0, first));
         const __m128i real = _mm_cmpgt_epi32(_mm_set1_epi32((int)count - (int)j), lane);
-        keys[j / 4] = _mm_xor_si128(second, sign);
-        pbw__store4(key + j, (pbw__i4)_mm_blendv_epi8(highest, keys[j / 4], real));
+        keys[j / 4] = _mm_xor_si128((__m128i)second, sign);
+        pbw__store4(key + j, pbw__select4((pbw__i4)highest, (pbw__i4)keys[j / 4], (pbw__i4)real));
     }
     for (j = 0; j < all; j += 4) {
         __m128i below = _mm_setzero_si128();
