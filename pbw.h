@@ -6876,14 +6876,16 @@ static void pbw__emit_set_aside(const pbw__emission *emission, pbw__aside *aside
     }
 }
 
-/* Room for those of a chunk.  What waits is looked at when there is twice as much as was left the last time. */
+/* Room for those of a chunk.  What waits is looked at again when there is half as much more, and a chunk. */
 static int pbw__emit_reserve(pbw__emission *emission, pbw__aside *aside)
 {
     if (aside->capacity - aside->count < PBW__CHUNK) {
+        size_t wanted;
         pbw__emit_set_aside(emission, aside);
-        if (aside->count + PBW__CHUNK > aside->capacity / 2
-            && !pbw__resize_array(&emission->context->memory, &aside->simplex, &aside->capacity,
-                                  2 * (aside->count + PBW__CHUNK), sizeof(pbw__emitted))) {
+        wanted = aside->count + aside->count / 2 + PBW__CHUNK;
+        if (wanted > aside->capacity
+            && !pbw__resize_array(&emission->context->memory, &aside->simplex, &aside->capacity, wanted,
+                                  sizeof(pbw__emitted))) {
             PBW__STORE(&emission->failed, 1);
             return 0;
         }
