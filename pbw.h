@@ -363,6 +363,9 @@ extern int madvise(void *address, size_t length, int advice);    /* strict C mod
 #elif defined(__GNUC__)
 #pragma GCC push_options
 #pragma GCC optimize("fp-contract=off")
+#ifdef _WIN32                                        /* gcc forgets that a vector function, called by a scalar one, */
+#pragma GCC optimize("no-ipa-ra")                    /* clears the upper halves of registers that it must keep */
+#endif
 #elif defined(_MSC_VER)
 #pragma fp_contract(off)
 #endif
@@ -4951,9 +4954,10 @@ PBW__SIMD_INLINE unsigned pbw__test2_simd(pbw__rows2 s, pbw__rows2 e, pbw__rows2
    finite vertices.  The coefficients of the lifts are those of the determinant. */
 PBW__SIMD static PBW__NOINLINE unsigned pbw__settle2_rows(pbw__kernel *kernel, const pbw__rows2 *s,
                                                           const pbw__rows2 *e, const pbw__rows2 *o, int hull,
-                                                          pbw__d4 det, pbw__d4 h, unsigned open, unsigned *inside)
+                                                          const pbw__d4 *determinant, const pbw__d4 *height,
+                                                          unsigned open, unsigned *inside)
 {
-    const pbw__d4 sign = pbw__each(-0.0), zero = pbw__each(0.0);
+    const pbw__d4 sign = pbw__each(-0.0), zero = pbw__each(0.0), det = *determinant, h = *height;
     const pbw__rows2 *corner[3];
     pbw__d4 exact = pbw__above(pbw__each(kernel->exact_height), h), side[3], x = zero, y = zero;
     pbw__d4 verdict = zero, tied = pbw__keep(exact, pbw__equal(det, zero));
@@ -5037,12 +5041,12 @@ PBW__SIMD static PBW__NOINLINE unsigned pbw__circle4_pairs(const double *record,
 }
 
 /* The same with copies of what it looks at, so that the compiler need not keep that in memory for those who have no
-   such lanes. */
+   such lanes.  (And no vector is an argument of a call: gcc for Windows leaves those unaligned.) */
 PBW__SIMD_INLINE unsigned pbw__settle2(pbw__kernel *kernel, pbw__rows2 s, pbw__rows2 e, pbw__rows2 o, int hull,
                                        pbw__d4 det, pbw__d4 height, unsigned open, unsigned *inside)
 {
     unsigned verdicts = *inside;
-    open = pbw__settle2_rows(kernel, &s, &e, &o, hull, det, height, open, &verdicts);
+    open = pbw__settle2_rows(kernel, &s, &e, &o, hull, &det, &height, open, &verdicts);
     *inside = verdicts;
     return open;
 }
