@@ -454,7 +454,7 @@ static double pbw__seconds(void)                     /* wall clock, for statisti
 
 /* The rounding mode, flush-to-zero and denormals-are-zero bits of this thread.  A program linked with -ffast-math
    starts with them set, whatever we were compiled with, so we set what we need and put it back. */
-typedef struct pbw__fp { unsigned long state; } pbw__fp;
+typedef struct pbw__fp { uint64_t state; } pbw__fp;
 
 static pbw__fp pbw__fp_enter(void)
 {
@@ -464,10 +464,10 @@ static pbw__fp pbw__fp_enter(void)
     fp.state = state;
     _mm_setcsr((state | 0x1f80u) & ~0xe040u);        /* exceptions masked; round to nearest; no FTZ, no DAZ */
 #elif defined(__aarch64__) && defined(__GNUC__)
-    unsigned long state;
+    uint64_t state;
     __asm__ __volatile__("mrs %0, fpcr" : "=r"(state));
     fp.state = state;
-    __asm__ __volatile__("msr fpcr, %0" : : "r"(state & ~0x01c09f00ul) : "memory");
+    __asm__ __volatile__("msr fpcr, %0" : : "r"(state & ~(uint64_t)0x01c09f00) : "memory");
 #endif
     return fp;
 }
