@@ -80,7 +80,8 @@
                           for 16 more bytes a simplex while building
      PBW_NO_SIMD          where PBW_IMPLEMENTATION is: scalar code only; the same answers, slower.  Without it gcc and
                           clang make vector code too: AVX2, used where a build finds it, and NEON on 64-bit Arm
-     PBW_NO_THREADS       where PBW_IMPLEMENTATION is: every call runs on the caller's thread, nothing to link
+     PBW_NO_THREADS       where PBW_IMPLEMENTATION is: every call runs on the caller's thread, nothing to link.
+                          Without it gcc and clang use pthreads, or the threads of Windows 7; MSVC has none yet
 */
 #ifndef PBW_H
 #define PBW_H
@@ -147,7 +148,8 @@ typedef struct pbw_options {               /* NULL or all zero = best defaults *
        both must outlive the mesh.  NULL = realloc and free. */
     void *(*resize)(void *user, void *ptr, size_t old_size, size_t new_size);
     /* The caller's job system: calls task(arg, i) once for each i in 0..tasks-1, in any order, on any thread, and
-       returns when all have returned.  Tasks never wait on each other.  NULL = our own threads. */
+       returns when all have returned.  Tasks never wait on each other.  NULL = our own threads.  Not called where a
+       build has no threads: see PBW_NO_THREADS. */
     void  (*run)(void *user, int tasks, void (*task)(void *arg, int i), void *arg);
     /* Called on the caller's thread at least ten times a second; done runs from 0 to 1 in each stage.  A nonzero
        answer ends the call with PBW_CANCELLED within 100 ms.  (While options.run has tasks, only as often as that
@@ -322,21 +324,25 @@ extern void pbw_cuda_free(pbw_cuda_mesh *mesh, void *stream);
 #include <math.h>                                    /* HUGE_VAL only: nothing to link */
 #include <stdlib.h>
 #include <string.h>
-#ifdef _WIN32
+#ifdef _MSC_VER
 #include <sys/timeb.h>
+#else
+#include <sys/time.h>
+#endif
+#ifdef _WIN32
 #pragma push_macro("near")                           /* words to us, macros of windows.h */
 #pragma push_macro("far")
 #pragma push_macro("small")
 #undef near
 #undef far
 #undef small
-#else
-#include <sys/time.h>
 #endif
-#if !defined(PBW_NO_THREADS) && !defined(_WIN32) && defined(__GNUC__)
+#if !defined(PBW_NO_THREADS) && defined(__GNUC__)
+#define PBW__THREADS 256                             /* at most */
+#ifndef _WIN32
 #include <pthread.h>
 #include <unistd.h>
-#define PBW__THREADS 256                             /* at most */
+#endif
 #endif
 #ifdef __linux__
 #include <sys/mman.h>
@@ -357,6 +363,9 @@ extern int madvise(void *address, size_t length, int advice);    /* strict C mod
 #elif defined(__GNUC__)
 #pragma GCC push_options
 #pragma GCC optimize("fp-contract=off")
+#ifdef _WIN32                                        /* gcc forgets that a vector function, called by a scalar one, */
+#pragma GCC optimize("no-ipa-ra")                    /* clears the upper halves of registers that it must keep */
+#endif
 #elif defined(_MSC_VER)
 #pragma fp_contract(off)
 #endif
@@ -432,7 +441,7 @@ PBW__INLINE pbw_index pbw__swap(pbw_index *x, pbw_index y)
 
 static double pbw__seconds(void)                     /* wall clock, for statistics and progress only */
 {
-#ifdef _WIN32
+#ifdef _MSC_VER
     struct __timeb64 now;
     _ftime64_s(&now);
     return (double)now.time + 1e-3 * (double)now.millitm;
@@ -445,7 +454,7 @@ static double pbw__seconds(void)                     /* wall clock, for statisti
 
 /* The rounding mode, flush-to-zero and denormals-are-zero bits of this thread.  A program linked with -ffast-math
    starts with them set, whatever we were compiled with, so we set what we need and put it back. */
-typedef struct pbw__fp { unsigned long state; } pbw__fp;
+typedef struct pbw__fp { uint64_t state; } pbw__fp;
 
 static pbw__fp pbw__fp_enter(void)
 {
@@ -455,10 +464,10 @@ static pbw__fp pbw__fp_enter(void)
     fp.state = state;
     _mm_setcsr((state | 0x1f80u) & ~0xe040u);        /* exceptions masked; round to nearest; no FTZ, no DAZ */
 #elif defined(__aarch64__) && defined(__GNUC__)
-    unsigned long state;
+    uint64_t state;
     __asm__ __volatile__("mrs %0, fpcr" : "=r"(state));
     fp.state = state;
-    __asm__ __volatile__("msr fpcr, %0" : : "r"(state & ~0x01c09f00ul) : "memory");
+    __asm__ __volatile__("msr fpcr, %0" : : "r"(state & ~(uint64_t)0x01c09f00) : "memory");
 #endif
     return fp;
 }
@@ -1000,8 +1009,99 @@ static void pbw__release(pbw__memory *memory, void *ptr, size_t count, size_t si
    the promise of options.run, orders it).  While tasks run, `cancelled` is the only word that one thread writes and
    another reads; it is only ever set, and a late view of it costs time only, so relaxed order serves.
    ------------------------------------------------------------------------------------------------------ */
+/* The system's threads: pthreads, or those of Win32, declared here since windows.h would leave its macros behind. */
+#if defined(PBW__THREADS) && defined(_WIN32)
+#ifdef __i386__
+#define PBW__SYMBOL(name, bytes) __asm__("_" name bytes)
+#else
+#define PBW__SYMBOL(name, bytes) __asm__(name)
+#endif
+#define PBW__WIN32(result, name, arguments, bytes) \
+    extern result __stdcall pbw__##name arguments PBW__SYMBOL(#name, "@" #bytes)
+typedef void *pbw__thread, *pbw__mutex, *pbw__condition;     /* HANDLE; SRWLOCK, CONDITION_VARIABLE: NULL at first */
+typedef unsigned pbw__thread_id, pbw__thread_result;
+typedef pbw__thread_result (__stdcall pbw__thread_body)(void *arg);
+extern uintptr_t pbw__beginthreadex(void *security, unsigned stack, pbw__thread_body *body, void *arg, unsigned flags,
+                                    unsigned *id) PBW__SYMBOL("_beginthreadex", "");
+PBW__WIN32(unsigned, WaitForSingleObject, (pbw__thread thread, unsigned milliseconds), 8);
+PBW__WIN32(int, CloseHandle, (pbw__thread thread), 4);
+PBW__WIN32(pbw__thread_id, GetCurrentThreadId, (void), 0);
+PBW__WIN32(unsigned, GetActiveProcessorCount, (unsigned short group), 4);
+PBW__WIN32(void, AcquireSRWLockExclusive, (pbw__mutex *mutex), 4);
+PBW__WIN32(void, ReleaseSRWLockExclusive, (pbw__mutex *mutex), 4);
+PBW__WIN32(void, WakeConditionVariable, (pbw__condition *condition), 4);
+PBW__WIN32(void, WakeAllConditionVariable, (pbw__condition *condition), 4);
+PBW__WIN32(int, SleepConditionVariableSRW, (pbw__condition *condition, pbw__mutex *mutex, unsigned milliseconds,
+                                            unsigned flags), 16);
+#define PBW__FOREVER 0xffffffffu
+#define PBW__THREAD_CALL __stdcall
+#define PBW__CORES() ((long)pbw__GetActiveProcessorCount(0xffff))            /* of all groups of processors */
+#define PBW__THIS_THREAD() pbw__GetCurrentThreadId()
+#define PBW__SAME_THREAD(a, b) ((a) == (b))
+#define PBW__THREAD_JOIN(thread) \
+    ((void)pbw__WaitForSingleObject(thread, PBW__FOREVER), (void)pbw__CloseHandle(thread))
+#define PBW__MUTEX_INIT(mutex) ((void)(mutex))
+#define PBW__MUTEX_DESTROY(mutex) ((void)(mutex))
+#define PBW__LOCK(mutex) pbw__AcquireSRWLockExclusive(mutex)
+#define PBW__UNLOCK(mutex) pbw__ReleaseSRWLockExclusive(mutex)
+#define PBW__CONDITION_INIT(condition) ((void)(condition))
+#define PBW__CONDITION_DESTROY(condition) ((void)(condition))
+#define PBW__WAKE(condition) pbw__WakeConditionVariable(condition)
+#define PBW__WAKE_ALL(condition) pbw__WakeAllConditionVariable(condition)
+#define PBW__WAIT(condition, mutex) ((void)pbw__SleepConditionVariableSRW(condition, mutex, PBW__FOREVER, 0))
+#define PBW__WAIT_50MS(condition, mutex) ((void)pbw__SleepConditionVariableSRW(condition, mutex, 50, 0))
+
+static int pbw__thread_start(pbw__thread *thread, unsigned stack, pbw__thread_body *body, void *arg)
+{
+    *thread = (pbw__thread)pbw__beginthreadex(NULL, stack, body, arg, 0x10000, NULL);      /* stack: to reserve */
+    return *thread != NULL;
+}
+#elif defined(PBW__THREADS)
+typedef pthread_t pbw__thread, pbw__thread_id;
+typedef pthread_mutex_t pbw__mutex;
+typedef pthread_cond_t pbw__condition;
+typedef void *pbw__thread_result;
+typedef pbw__thread_result (pbw__thread_body)(void *arg);
+#define PBW__THREAD_CALL
+#define PBW__CORES() sysconf(_SC_NPROCESSORS_ONLN)
+#define PBW__THIS_THREAD() pthread_self()
+#define PBW__SAME_THREAD(a, b) pthread_equal(a, b)
+#define PBW__THREAD_JOIN(thread) pthread_join(thread, NULL)
+#define PBW__MUTEX_INIT(mutex) pthread_mutex_init(mutex, NULL)
+#define PBW__MUTEX_DESTROY(mutex) pthread_mutex_destroy(mutex)
+#define PBW__LOCK(mutex) pthread_mutex_lock(mutex)
+#define PBW__UNLOCK(mutex) pthread_mutex_unlock(mutex)
+#define PBW__CONDITION_INIT(condition) pthread_cond_init(condition, NULL)
+#define PBW__CONDITION_DESTROY(condition) pthread_cond_destroy(condition)
+#define PBW__WAKE(condition) pthread_cond_signal(condition)
+#define PBW__WAKE_ALL(condition) pthread_cond_broadcast(condition)
+#define PBW__WAIT(condition, mutex) pthread_cond_wait(condition, mutex)
+#define PBW__WAIT_50MS(condition, mutex) pbw__wait_50ms(condition, mutex)
+
+static int pbw__thread_start(pbw__thread *thread, size_t stack, pbw__thread_body *body, void *arg)
+{
+    pthread_attr_t attributes;
+    int failed;
+    pthread_attr_init(&attributes);
+    pthread_attr_setstacksize(&attributes, stack);
+    failed = pthread_create(thread, &attributes, body, arg);
+    pthread_attr_destroy(&attributes);
+    return !failed;
+}
+
+static void pbw__wait_50ms(pbw__condition *condition, pbw__mutex *mutex)
+{
+    struct timeval now;
+    struct timespec until;
+    gettimeofday(&now, NULL);
+    until.tv_sec = now.tv_sec + (now.tv_usec >= 950000);
+    until.tv_nsec = (now.tv_usec + 50000) % 1000000 * 1000;
+    pthread_cond_timedwait(condition, mutex, &until);
+}
+#endif
+
 /* Items below which a further thread, task or part does not pay.  PBW_SMALL_SHARES is for tests: then few points make
-   many.  PBW_PAUSE() is too: a place where threads may be held up. */
+   many.  So are PBW_PAUSE(), a place where threads may be held up, and PBW_MAY_START(): whether another may start. */
 #ifdef PBW_SMALL_SHARES
 #define PBW__SMALLER(items) ((items) / 1024 + 1)
 #else
@@ -1009,6 +1109,9 @@ static void pbw__release(pbw__memory *memory, void *ptr, size_t count, size_t si
 #endif
 #ifndef PBW_PAUSE
 #define PBW_PAUSE() ((void)0)
+#endif
+#ifndef PBW_MAY_START
+#define PBW_MAY_START() 1
 #endif
 
 typedef struct pbw__context {
@@ -1023,7 +1126,7 @@ typedef struct pbw__context {
     void (*run)(void *user, int tasks, void (*task)(void *arg, int i), void *arg);
     void *run_user;
 #ifdef PBW__THREADS
-    pthread_t caller;
+    pbw__thread_id caller;
     struct pbw__team *team;                          /* NULL: not started */
 #endif
 } pbw__context;
@@ -1040,7 +1143,7 @@ static int pbw__report(pbw__context *context, double done)
         return cancelled;
     }
 #ifdef PBW__THREADS
-    if (!pthread_equal(pthread_self(), context->caller)) {
+    if (!PBW__SAME_THREAD(PBW__THIS_THREAD(), context->caller)) {
         return 0;
     }
 #endif
@@ -1080,13 +1183,13 @@ static void pbw__run_guarded(void *arg, int i)
 
 #ifdef PBW__THREADS
 typedef struct pbw__team {
-    pthread_mutex_t mutex;
-    pthread_cond_t wake, done;
+    pbw__mutex mutex;
+    pbw__condition wake, done;
     pbw__task *task;
     void *arg;
     int tasks, next, running, stop;
     int count;                                       /* threads started */
-    pthread_t thread[PBW__THREADS];
+    pbw__thread thread[PBW__THREADS];
 } pbw__team;
 
 /* Takes tasks until none is left; the mutex is held on the way in and out. */
@@ -1095,53 +1198,49 @@ static void pbw__work(pbw__team *team)
     while (team->next < team->tasks) {
         int i = team->next++;
         team->running++;
-        pthread_mutex_unlock(&team->mutex);
+        PBW__UNLOCK(&team->mutex);
         PBW_PAUSE();
         team->task(team->arg, i);
         PBW_PAUSE();
-        pthread_mutex_lock(&team->mutex);
+        PBW__LOCK(&team->mutex);
         if (--team->running == 0 && team->next == team->tasks) {
-            pthread_cond_signal(&team->done);
+            PBW__WAKE(&team->done);
         }
     }
 }
 
-static void *pbw__thread(void *arg)
+static pbw__thread_result PBW__THREAD_CALL pbw__team_member(void *arg)
 {
     pbw__team *team = (pbw__team *)arg;
     pbw__fp fp = pbw__fp_enter();
-    pthread_mutex_lock(&team->mutex);
+    PBW__LOCK(&team->mutex);
     while (!team->stop) {
         pbw__work(team);
         if (!team->stop) {
-            pthread_cond_wait(&team->wake, &team->mutex);
+            PBW__WAIT(&team->wake, &team->mutex);
         }
     }
-    pthread_mutex_unlock(&team->mutex);
+    PBW__UNLOCK(&team->mutex);
     pbw__fp_leave(fp);
-    return NULL;
+    return 0;
 }
 
 /* Starts the threads.  Fewer than asked for will do; with none the tasks run here. */
 static void pbw__team_start(pbw__context *context)
 {
     pbw__team *team = (pbw__team *)pbw__allocate(&context->memory, 1, sizeof(pbw__team));
-    pthread_attr_t attributes;
     if (team == NULL) {
         context->threads = 1;
         return;
     }
     memset(team, 0, sizeof(*team));
-    pthread_mutex_init(&team->mutex, NULL);
-    pthread_cond_init(&team->wake, NULL);
-    pthread_cond_init(&team->done, NULL);
-    pthread_attr_init(&attributes);
-    pthread_attr_setstacksize(&attributes, 256 * 1024);
-    while (team->count + 1 < context->threads
-           && pthread_create(&team->thread[team->count], &attributes, pbw__thread, team) == 0) {
+    PBW__MUTEX_INIT(&team->mutex);
+    PBW__CONDITION_INIT(&team->wake);
+    PBW__CONDITION_INIT(&team->done);
+    while (team->count + 1 < context->threads && PBW_MAY_START()
+           && pbw__thread_start(&team->thread[team->count], 256 * 1024, pbw__team_member, team)) {
         team->count++;
     }
-    pthread_attr_destroy(&attributes);
     context->threads = team->count + 1;
     context->team = team;
 }
@@ -1153,16 +1252,16 @@ static void pbw__team_stop(pbw__context *context)
     if (team == NULL) {
         return;
     }
-    pthread_mutex_lock(&team->mutex);
+    PBW__LOCK(&team->mutex);
     team->stop = 1;
-    pthread_cond_broadcast(&team->wake);
-    pthread_mutex_unlock(&team->mutex);
+    PBW__WAKE_ALL(&team->wake);
+    PBW__UNLOCK(&team->mutex);
     for (i = 0; i < team->count; i++) {
-        pthread_join(team->thread[i], NULL);
+        PBW__THREAD_JOIN(team->thread[i]);
     }
-    pthread_cond_destroy(&team->wake);
-    pthread_cond_destroy(&team->done);
-    pthread_mutex_destroy(&team->mutex);
+    PBW__CONDITION_DESTROY(&team->wake);
+    PBW__CONDITION_DESTROY(&team->done);
+    PBW__MUTEX_DESTROY(&team->mutex);
     pbw__release(&context->memory, team, 1, sizeof(pbw__team));
     context->team = NULL;
 }
@@ -1187,26 +1286,21 @@ static void pbw__for(pbw__context *context, int tasks, pbw__task *task, void *ar
     }
     if (tasks > 1 && context->threads > 1) {
         pbw__team *team = context->team;
-        pthread_mutex_lock(&team->mutex);
+        PBW__LOCK(&team->mutex);
         team->task = task;
         team->arg = arg;
         team->next = 0;
         team->tasks = tasks;
-        pthread_cond_broadcast(&team->wake);
+        PBW__WAKE_ALL(&team->wake);
         pbw__work(team);
         while (team->running > 0) {                  /* the caller's thread is the one to report */
-            struct timeval now;
-            struct timespec until;
-            gettimeofday(&now, NULL);
-            until.tv_sec = now.tv_sec + (now.tv_usec >= 950000);
-            until.tv_nsec = (now.tv_usec + 50000) % 1000000 * 1000;
-            pthread_cond_timedwait(&team->done, &team->mutex, &until);
-            pthread_mutex_unlock(&team->mutex);
+            PBW__WAIT_50MS(&team->done, &team->mutex);
+            PBW__UNLOCK(&team->mutex);
             (void)pbw__report(context, context->last_done);
-            pthread_mutex_lock(&team->mutex);
+            PBW__LOCK(&team->mutex);
         }
         team->tasks = team->next = 0;
-        pthread_mutex_unlock(&team->mutex);
+        PBW__UNLOCK(&team->mutex);
         return;
     }
 #endif
@@ -1221,7 +1315,7 @@ static int pbw__thread_count(int asked, size_t count)
 #ifdef PBW__THREADS
     size_t threads = (size_t)asked, most = count / PBW__SMALLER(8192) + 1;
     if (asked == 0) {
-        long cores = sysconf(_SC_NPROCESSORS_ONLN);
+        long cores = PBW__CORES();
         threads = cores < 1 ? 1 : cores < PBW__THREADS ? (size_t)cores : PBW__THREADS;
     }
     return (int)(threads < most ? threads : most);
@@ -1243,7 +1337,7 @@ static void pbw__context_start(pbw__context *context, const pbw_options *options
     context->run = options->run;
     context->run_user = options->run_user;
 #ifdef PBW__THREADS
-    context->caller = pthread_self();
+    context->caller = PBW__THIS_THREAD();
 #endif
 }
 
@@ -4871,9 +4965,10 @@ PBW__SIMD_INLINE unsigned pbw__test2_simd(pbw__rows2 s, pbw__rows2 e, pbw__rows2
    finite vertices.  The coefficients of the lifts are those of the determinant. */
 PBW__SIMD static PBW__NOINLINE unsigned pbw__settle2_rows(pbw__kernel *kernel, const pbw__rows2 *s,
                                                           const pbw__rows2 *e, const pbw__rows2 *o, int hull,
-                                                          pbw__d4 det, pbw__d4 h, unsigned open, unsigned *inside)
+                                                          const pbw__d4 *determinant, const pbw__d4 *height,
+                                                          unsigned open, unsigned *inside)
 {
-    const pbw__d4 sign = pbw__each(-0.0), zero = pbw__each(0.0);
+    const pbw__d4 sign = pbw__each(-0.0), zero = pbw__each(0.0), det = *determinant, h = *height;
     const pbw__rows2 *corner[3];
     pbw__d4 exact = pbw__above(pbw__each(kernel->exact_height), h), side[3], x = zero, y = zero;
     pbw__d4 verdict = zero, tied = pbw__keep(exact, pbw__equal(det, zero));
@@ -4957,12 +5052,12 @@ PBW__SIMD static PBW__NOINLINE unsigned pbw__circle4_pairs(const double *record,
 }
 
 /* The same with copies of what it looks at, so that the compiler need not keep that in memory for those who have no
-   such lanes. */
+   such lanes.  (And no vector is an argument of a call: gcc for Windows leaves those unaligned.) */
 PBW__SIMD_INLINE unsigned pbw__settle2(pbw__kernel *kernel, pbw__rows2 s, pbw__rows2 e, pbw__rows2 o, int hull,
                                        pbw__d4 det, pbw__d4 height, unsigned open, unsigned *inside)
 {
     unsigned verdicts = *inside;
-    open = pbw__settle2_rows(kernel, &s, &e, &o, hull, det, height, open, &verdicts);
+    open = pbw__settle2_rows(kernel, &s, &e, &o, hull, &det, &height, open, &verdicts);
     *inside = verdicts;
     return open;
 }

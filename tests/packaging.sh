@@ -173,11 +173,46 @@ for other in "$CC -m32" aarch64-linux-gnu-gcc arm-linux-gnueabihf-gcc s390x-linu
         skip "$other: not installed"
     fi
 done
-other=x86_64-w64-mingw32-gcc
-if $other "$work/empty.c" -o "$work/empty" > /dev/null 2>&1; then
-    printf '#include <windows.h>\n%s\nFARPROC last;\n' "$(cat "$work/whole.c")" > "$work/windows.c"
-    check "$other: after windows.h, whose macros stay" $other -std=c99 -I. -c "$work/windows.c" -o "$work/other.o"
-    check "$other: the pbw program" $other -std=c99 -O1 -I. examples/pbw.c -o "$work/pbw.exe"
+
+# Windows: with and without threads, before and after windows.h; and where there is wine, a test runs.  (Compiled with
+# -Os, at which gcc once kept values where calls clear them.)
+printf '#include <windows.h>\n%s\nFARPROC last;\n' "$(cat "$work/whole.c")" > "$work/before.c"
+printf '%s\nextern int near, far, small, min;\n#include <winsock2.h>\n#include <windows.h>\nFARPROC last;\n' \
+    "$(cat "$work/whole.c")" > "$work/after.c"
+for file in empty before after; do
+    cp "$work/$file.c" "$work/$file.cpp"
+done
+other=x86_64-w64-mingw32
+for compiler in "$other-gcc -std=c99" "$other-g++ -std=c++11" "clang --target=$other -std=c99"; do
+    case $compiler in
+    *++*) kind=cpp ;;
+    *) kind=c ;;
+    esac
+    if $compiler -fsyntax-only "$work/empty.$kind" > /dev/null 2>&1; then
+        for flags in "" -DPBW_NO_THREADS; do
+            for file in before after; do
+                # shellcheck disable=SC2086
+                check "$compiler $flags: windows.h $file" $compiler $flags $warn -I. -fsyntax-only "$work/$file.$kind"
+            done
+        done
+    else
+        skip "$compiler: not installed"
+    fi
+done
+if $other-gcc "$work/empty.c" -o "$work/empty" > /dev/null 2>&1; then
+    check "$other: the pbw program" $other-gcc -std=c99 -O1 -I. examples/pbw.c -o "$work/pbw.exe"
+    if command -v wine > /dev/null; then
+        check "$other: the implementation compiles" $other-gcc -std=c99 -Os -I. -c "$work/whole.c" -o "$work/other.o"
+        check "$other: a test compiles" \
+            $other-gcc -std=c99 -Os -I. tests/test_answer.c "$work/other.o" -o "$work/answer.exe"
+        export WINEPREFIX="$(cd "$work" && pwd)/wine" WINEDEBUG=-all
+        check "$other: the test passes" timeout 120 \
+            wine "$work/answer.exe" --filter collinear --filter "threads: 2D uniform" --filter "threads: 3D sphere"
+        wineserver -k -w
+        rm -rf "$WINEPREFIX"                            # 700 MB
+    else
+        skip "$other: the test: no wine"
+    fi
 fi
 if $CC -m32 "$work/empty.c" -o "$work/empty" > /dev/null 2>&1; then
     check "-m32: the quick start compiles" \
