@@ -3473,11 +3473,21 @@ PBW__INLINE int pbw__owns(pbw__kernel *kernel, pbw_index v)
     return v != PBW__GHOST && pbw__owns_cell(kernel, v >> kernel->owner_bits);
 }
 
-PBW__INLINE int pbw__may_delete(pbw__kernel *kernel, pbw_index t)
+/* Cells are taken only for the corners that are lacking: whatever we hold is in other tasks' way. */
+static int pbw__may_delete(pbw__kernel *kernel, pbw_index t)
 {
     const pbw_index *v = kernel->corner + 4 * (size_t)t;
-    int count = pbw__owns(kernel, v[0]) + pbw__owns(kernel, v[1]) + pbw__owns(kernel, v[2]);
-    return count + (kernel->dim == 3 ? pbw__owns(kernel, v[3]) : v[2] == PBW__GHOST) >= 3;
+    int wanted = kernel->dim == 2 && v[2] == PBW__GHOST ? 2 : 3;
+    unsigned k, others = 0;
+    for (k = 0; k <= (unsigned)kernel->dim; k++) {
+        unsigned ours = v[k] != PBW__GHOST && PBW__LOAD(kernel->owner + (v[k] >> kernel->owner_bits)) == kernel->me;
+        wanted -= (int)ours;
+        others |= (ours ^ 1u) << k;
+    }
+    for (k = 0; wanted > 0 && others >> k != 0; k++) {
+        wanted -= (others >> k & 1) != 0 && pbw__owns(kernel, v[k]);
+    }
+    return wanted <= 0;
 }
 
 static int pbw__may_cross(pbw__kernel *kernel, pbw_index t, unsigned facet)
