@@ -3202,6 +3202,7 @@ typedef struct pbw__kernel {
     uint8_t me;
     int owner_bits;                                  /* vertex >> owner_bits is the number of its cell */
     int may_claim, claim_count, hold;                /* whether we may take cells, how many we took, may hold */
+    int renewed;                                     /* simplices were made since we last gave back cells */
     pbw_index claim[PBW__CLAIMS];
     int no_room;                                     /* the store has no more blocks */
     pbw_index *left;                                 /* vertices left for the next round */
@@ -3579,11 +3580,21 @@ PBW__INLINE int pbw__owns(pbw__kernel *kernel, pbw_index v)
     return v != PBW__GHOST && pbw__owns_cell(kernel, v >> kernel->owner_bits);
 }
 
-PBW__INLINE int pbw__may_delete(pbw__kernel *kernel, pbw_index t)
+/* Cells are taken only for the corners that are lacking: whatever we hold is in other tasks' way. */
+static int pbw__may_delete(pbw__kernel *kernel, pbw_index t)
 {
     const pbw_index *v = kernel->corner + 4 * (size_t)t;
-    int count = pbw__owns(kernel, v[0]) + pbw__owns(kernel, v[1]) + pbw__owns(kernel, v[2]);
-    return count + (kernel->dim == 3 ? pbw__owns(kernel, v[3]) : v[2] == PBW__GHOST) >= 3;
+    int wanted = kernel->dim == 2 && v[2] == PBW__GHOST ? 2 : 3;
+    unsigned k, others = 0;
+    for (k = 0; k <= (unsigned)kernel->dim; k++) {
+        unsigned ours = v[k] != PBW__GHOST && PBW__LOAD(kernel->owner + (v[k] >> kernel->owner_bits)) == kernel->me;
+        wanted -= (int)ours;
+        others |= (ours ^ 1u) << k;
+    }
+    for (k = 0; wanted > 0 && others >> k != 0; k++) {
+        wanted -= (others >> k & 1) != 0 && pbw__owns(kernel, v[k]);
+    }
+    return wanted <= 0;
 }
 
 static int pbw__may_cross(pbw__kernel *kernel, pbw_index t, unsigned facet)
@@ -5707,6 +5718,7 @@ static void pbw__level_begin(pbw__build *build, int part, int may_claim)
     kernel->last = PBW_NONE;
     kernel->left_count = 0;
     kernel->claim_count = 0;
+    kernel->renewed = 0;
     kernel->hold = PBW__HOLD;
     kernel->facet_count = 0;
     kernel->no_room = 0;
@@ -5761,12 +5773,12 @@ static void pbw__find_hints(pbw__build *build, pbw__kernel *kernel)
     }
 }
 
-/* Gives back all cells that were taken, with hints that are in them. */
+/* Gives back all cells that were taken, with hints that are in them: those they had, if we made no simplices. */
 static void pbw__give_back(pbw__build *build, pbw__kernel *kernel)
 {
     int i, missing = 0;
     pbw__leave_region(kernel);
-    for (i = 0; i < kernel->claim_count; i++) {
+    for (i = 0; kernel->renewed && i < kernel->claim_count; i++) {
         const size_t cell = kernel->claim[i];
         pbw_index *hint = build->store->hint + pbw__first_region(build, cell);
         if (!pbw__is_among(build->store, *hint, cell << build->owner_bits, (cell + 1) << build->owner_bits,
@@ -5782,6 +5794,7 @@ static void pbw__give_back(pbw__build *build, pbw__kernel *kernel)
         PBW__TELL(kernel->owner + kernel->claim[--kernel->claim_count], PBW__NOBODY);
         PBW_PAUSE();
     }
+    kernel->renewed = 0;
     kernel->last = PBW_NONE;
     kernel->facet_count = 0;
 }
@@ -5815,6 +5828,7 @@ static pbw_status pbw__insert_claiming(pbw__build *build, pbw__kernel *kernel, p
     }
     if (kernel->statistics.created > created) {
         pbw__renew_hint(build, kernel, v);
+        kernel->renewed = 1;
     } else {
         kernel->facet_count = 0;
     }
