@@ -6123,11 +6123,13 @@ static pbw_status pbw__build_all(pbw__context *context, pbw__store *store, const
    simplices follow the Hilbert curve, and any method that finds the triangulation can produce the same arrays.
 
    The store's arrays become the caller's: a copy beside them would be the peak of the memory.  What else is needed
-   lies in what the build left, whose pages are there.  Passes: put each simplex into the list of its lowest rank;
-   sort and number the simplices list by list; translate each and write it to its place, unless a slot is there that
-   is still to be read; then write those.
+   lies in what the build left, whose pages are there.  Passes: count the simplices of each lowest rank, and chain
+   those of each region of ranks; region by region, sort the simplices of each rank and number them; translate each
+   and write it to its place, unless a slot is there that is still to be read; then write those.
    ------------------------------------------------------------------------------------------------------ */
-typedef struct pbw__item { uint64_t key; pbw_index simplex, last; } pbw__item;     /* see pbw__fill_lists */
+/* A simplex in the list of its lowest rank: in space by its second and third corner, and with the last one; in the
+   plane by its first and second, an edge has one triangle on its left. */
+typedef struct pbw__item { uint64_t key; pbw_index simplex, last; } pbw__item;
 
 static void pbw__sift(pbw__item *heap, size_t root, size_t count)
 {
@@ -6153,7 +6155,7 @@ typedef struct pbw__aside {
     size_t count, capacity;
 } pbw__aside;
 
-#define PBW__CHAINS 8                                /* followed at a time: memory answers many at once */
+#define PBW__CHAINS 16                               /* followed at a time: memory answers many at once */
 #define PBW__LISTS 64                                /* sorted at a time */
 #define PBW__SHORT 48                                /* simplices of a list that is not a hub's */
 
@@ -6388,7 +6390,7 @@ static void pbw__emit_counts(void *arg, int task)
     emission->end[task] = pbw__emit_count(emission->head + from, to - from);
 }
 
-/* Simplices into their lists: to the item after the last one, end[rank]. */
+/* Simplices into their lists: to the item end[rank], which is then the next. */
 PBW__INLINE void pbw__fill_lists(const pbw_index *corner, const pbw_index *slot, size_t count, pbw_index *end,
                                  pbw__item *item, int dim)
 {
@@ -6397,9 +6399,10 @@ PBW__INLINE void pbw__fill_lists(const pbw_index *corner, const pbw_index *slot,
         const pbw_index *v = corner + 4 * (size_t)slot[i];
         unsigned order = pbw__canonical_order(v, dim);
         pbw__item *to = item + end[v[order & 3]]++;
-        to->key = (uint64_t)v[order >> 2 & 3] << 32 | v[order >> 4 & 3];
+        order = dim == 3 ? order >> 2 : order;
+        to->key = (uint64_t)v[order & 3] << 32 | v[order >> 2 & 3];
         to->simplex = slot[i];
-        to->last = v[order >> (dim == 3 ? 6 : 4) & 3];
+        to->last = v[order >> 4 & 3];
     }
 }
 
@@ -6498,9 +6501,9 @@ PBW__SIMD_INLINE void pbw__fill_lists_avx2(const pbw_index *corner, const pbw_in
             low = _mm256_min_epu32(_mm256_min_epu32(v[0], v[1]), v[2]);
             odd = _mm256_cmpeq_epi32(v[0], low);
             last = _mm256_cmpeq_epi32(v[2], low);
-            entry[1] = pbw__select8(pbw__select8(v[2], v[0], last), v[1], odd);
-            entry[0] = pbw__select8(pbw__select8(v[0], v[1], last), v[2], odd);
-            entry[3] = entry[0];
+            entry[1] = low;
+            entry[0] = pbw__select8(pbw__select8(v[2], v[0], last), v[1], odd);
+            entry[3] = pbw__select8(pbw__select8(v[0], v[1], last), v[2], odd);
         }
         entry[2] = _mm256_loadu_si256((const __m256i *)(const void *)(slot + i));
         pbw__transpose(entry);
@@ -6595,17 +6598,57 @@ PBW__SIMD static void pbw__sort_lists_avx2(const pbw__item *item, const pbw_inde
         }
     }
 }
+
+/* In the plane most lists are so short that each simplex is rather compared with those before and after it, as far as
+   a list reaches; those of other lists are in order.  As signed numbers: ranks are less than 2^31, there are twice as
+   many simplices. */
+#define PBW__REACH 12
+
+PBW__SIMD static void pbw__sort_lists2_avx2(const pbw__item *item, const pbw_index *end, unsigned lists,
+                                            pbw_index begin, pbw__item *sorted)
+{
+    int64_t key[PBW__REACH + PBW__LISTS * PBW__REACH + 4 + PBW__REACH];
+    pbw_index from, longest = 0, count = end[lists - 1] - begin, i, k;
+    for (i = 0, from = begin; i < lists; from = end[i++]) {
+        longest = end[i] - from > longest ? end[i] - from : longest;
+    }
+    if (longest > PBW__REACH) {
+        pbw__sort_lists_avx2(item, end, lists, begin, sorted);
+        return;
+    }
+    item += begin;
+    sorted += 1 + begin;
+    memset(key, 0, PBW__REACH * sizeof(int64_t));
+    for (i = 0; i < count; i += 4) {
+        const __m256i a = _mm256_loadu_si256((const __m256i *)(const void *)(item + i));
+        const __m256i b = _mm256_loadu_si256((const __m256i *)(const void *)(item + i + 2));
+        const __m256i four = _mm256_permute4x64_epi64(_mm256_unpacklo_epi64(a, b), 0xd8);
+        _mm256_storeu_si256((__m256i *)(void *)(key + PBW__REACH + i), four);
+    }
+    memset(key + PBW__REACH + count, 0x7f, (4 + PBW__REACH) * sizeof(int64_t));
+    for (i = 0; i < count; i += 4) {
+        const int64_t *here = key + PBW__REACH + i;
+        const __m256i four = _mm256_loadu_si256((const __m256i *)(const void *)here);
+        __m256i place = _mm256_add_epi64(_mm256_set1_epi64x((int64_t)i), _mm256_setr_epi64x(0, 1, 2, 3));
+        uint64_t half[4];
+        for (k = 1; k < longest; k++) {
+            const __m256i before = _mm256_loadu_si256((const __m256i *)(const void *)(here - k));
+            const __m256i after = _mm256_loadu_si256((const __m256i *)(const void *)(here + k));
+            place = _mm256_add_epi64(place, _mm256_cmpgt_epi64(before, four));
+            place = _mm256_sub_epi64(place, _mm256_cmpgt_epi64(four, after));
+        }
+        _mm256_storeu_si256((__m256i *)(void *)half, _mm256_add_epi64(place, place));
+        for (k = 0; k < 4; k++) {                    /* what is too much is overwritten by the next lists */
+            pbw__store4((uint64_t *)(void *)sorted + half[k], pbw__load4(item + i + k));
+        }
+    }
+}
 #endif
 
 /* Pass 2: numbers, for the lists of a share of the regions, from the last list to the first.  So the number that is
-   noted last for a vertex is its first simplex.  It is noted in head: the length of its list has been looked up when a
+   noted last for a vertex is its first simplex.  It is noted in head: the vertex' own list has been read when a
    simplex has its number, as no corner comes before the one whose list it is in.  For vertices of later shares it is
    noted in `first`. */
-typedef struct pbw__numbering {
-    pbw_index *slot;                                 /* of chains */
-    pbw__item *item;                                 /* a region's lists; the same in order */
-    size_t slot_capacity, item_capacity;
-} pbw__numbering;
 
 /* The slots of the chains of `count` regions, one chain after the other. */
 PBW__INLINE void pbw__emit_follow(const pbw__emission *emission, size_t region, unsigned count, const size_t *length,
@@ -6643,7 +6686,7 @@ PBW__INLINE void pbw__emit_follow(const pbw__emission *emission, size_t region, 
     }
 }
 
-/* A long list: by a heap sort. */
+/* A hub's list: by a heap sort. */
 static PBW__NOINLINE void pbw__sort_hub(pbw__item *heap, size_t count, pbw__item *sorted)
 {
     size_t i;
@@ -6657,13 +6700,13 @@ static PBW__NOINLINE void pbw__sort_hub(pbw__item *heap, size_t count, pbw__item
     }
 }
 
-/* Notes a place for a vertex. */
-PBW__INLINE void pbw__emit_first(const pbw__emission *emission, pbw_index vertex, pbw_index place, pbw_index later)
+PBW__INLINE void pbw__emit_first(pbw_index *head, pbw_index *first, pbw_index vertex, pbw_index place,
+                                 pbw_index later)
 {
     if (PBW__LIKELY(later == PBW_NONE || vertex < later)) {
-        emission->head[vertex] = place;
+        head[vertex] = place;
     } else {
-        pbw_index *first = emission->first + vertex, old = PBW__LOAD(first);
+        pbw_index old = PBW__LOAD(first += vertex);
         while (place < old && !PBW__REPLACE(first, &old, place)) {
         }
     }
@@ -6674,13 +6717,14 @@ PBW__INLINE void pbw__emit_region(const pbw__emission *emission, size_t region, 
                                   pbw__item *item, pbw__item *sorted, pbw_index place, pbw_index later)
 {
     size_t ranks = pbw__emit_ranks(emission, region), lists = pbw__emit_ranks(emission, region + 1) - ranks, r, i;
-    pbw_index *end = emission->head + ranks, *number = emission->number, begin = 0;
+    pbw_index *head = emission->head, *end = head + ranks, *first = emission->first, *number = emission->number;
+    pbw_index begin = 0;
     for (r = 0; r < lists; r++) {
         pbw_index length = end[r];
         end[r] = begin;
         begin += length;
     }
-    emission->fill_lists(emission->corner, slot, count, emission->head, item);
+    emission->fill_lists(emission->corner, slot, count, head, item);
     for (r = 0, begin = 0; r < lists && !emission->any_order; r += PBW__LISTS) {
         unsigned n = lists - r < PBW__LISTS ? (unsigned)(lists - r) : PBW__LISTS;
         emission->sort_lists(item, end + r, n, begin, sorted);
@@ -6692,7 +6736,7 @@ PBW__INLINE void pbw__emit_region(const pbw__emission *emission, size_t region, 
     }
     for (r = lists; r-- > 0; ) {
         begin = r > 0 ? end[r - 1] : 0;
-        end[r] = begin < end[r] ? place + begin : PBW_NONE;
+        end[r] = (place + begin) | (0 - (pbw_index)(begin == end[r]));   /* PBW_NONE if empty, without a branch */
     }
     item = emission->any_order ? item : sorted + 1;
     place += (pbw_index)count;
@@ -6700,20 +6744,22 @@ PBW__INLINE void pbw__emit_region(const pbw__emission *emission, size_t region, 
         item--;
         place--;
         number[item->simplex] = place;
-        pbw__emit_first(emission, (pbw_index)(item->key >> 32), place, later);
-        pbw__emit_first(emission, (pbw_index)item->key, place, later);
-        pbw__emit_first(emission, item->last, place, later);
+        pbw__emit_first(head, first, (pbw_index)(item->key >> 32), place, later);
+        pbw__emit_first(head, first, (pbw_index)item->key, place, later);
+        pbw__emit_first(head, first, item->last, place, later);
     }
 }
 
 static void pbw__emit_pass2(void *arg, int task)
 {
     pbw__emission *emission = (pbw__emission *)arg;
-    size_t regions = emission->store->region_count, place = emission->end[task];
-    size_t region = pbw__share(regions, task + 1, emission->tasks), least = pbw__share(regions, task, emission->tasks);
-    pbw_index later = region < regions ? (pbw_index)pbw__emit_ranks(emission, region) : PBW_NONE;
-    pbw__numbering numbering = { NULL, NULL, 0, 0 };
     pbw__memory *memory = &emission->context->memory;
+    size_t regions = emission->store->region_count, least = pbw__share(regions, task, emission->tasks);
+    size_t region = pbw__share(regions, task + 1, emission->tasks), place = emission->end[task];
+    pbw_index later = region < regions ? (pbw_index)pbw__emit_ranks(emission, region) : PBW_NONE;
+    pbw_index *slot = NULL;                          /* of chains */
+    pbw__item *item = NULL;                          /* a region's lists; the same in order */
+    size_t slot_capacity = 0, item_capacity = 0;
     while (region > least && !pbw__report(emission->context, 0.5 - 0.25 * (double)region / (double)regions)) {
         unsigned count = region - least < PBW__CHAINS ? (unsigned)(region - least) : PBW__CHAINS, i;
         size_t length[PBW__CHAINS], sum = 0, longest = 0;
@@ -6724,30 +6770,28 @@ static void pbw__emit_pass2(void *arg, int task)
             sum += length[i];
             longest = length[i] > longest ? length[i] : longest;
         }
-        longest += 5;                                /* waste and what is read with the last four */
-        if ((sum > numbering.slot_capacity && !pbw__resize_array(memory, &numbering.slot, &numbering.slot_capacity,
-                                                                 sum + sum / 2, sizeof(pbw_index)))
-            || (2 * longest > numbering.item_capacity
-                && !pbw__resize_array(memory, &numbering.item, &numbering.item_capacity, 3 * longest,
-                                      sizeof(pbw__item)))) {
+        longest += 4;                                /* for the waste, and what comes with the last of a four */
+        if ((sum > slot_capacity && !pbw__resize_array(memory, &slot, &slot_capacity, sum, sizeof(pbw_index)))
+            || (2 * longest > item_capacity
+                && !pbw__resize_array(memory, &item, &item_capacity, 2 * longest, sizeof(pbw__item)))) {
             PBW__STORE(&emission->failed, 1);
             break;
         }
-        pbw__emit_follow(emission, region, count, length, numbering.slot);
+        pbw__emit_follow(emission, region, count, length, slot);
         for (i = count; i-- > 0; ) {
-            const pbw_index *slot = numbering.slot + (sum -= length[i]);
+            sum -= length[i];
             place -= length[i];
             if (later == PBW_NONE) {
-                pbw__emit_region(emission, region + i, slot, length[i], numbering.item, numbering.item + longest,
-                                 (pbw_index)place, PBW_NONE);
+                pbw__emit_region(emission, region + i, slot + sum, length[i], item, item + longest, (pbw_index)place,
+                                 PBW_NONE);
             } else {
-                pbw__emit_region(emission, region + i, slot, length[i], numbering.item, numbering.item + longest,
-                                 (pbw_index)place, later);
+                pbw__emit_region(emission, region + i, slot + sum, length[i], item, item + longest, (pbw_index)place,
+                                 later);
             }
         }
     }
-    pbw__release(memory, numbering.slot, numbering.slot_capacity, sizeof(pbw_index));
-    pbw__release(memory, numbering.item, numbering.item_capacity, sizeof(pbw__item));
+    pbw__release(memory, slot, slot_capacity, sizeof(pbw_index));
+    pbw__release(memory, item, item_capacity, sizeof(pbw__item));
 }
 
 /* Pass 3: each simplex in canonical form, with ids for ranks and places for slots, from its slot to its place.  Slots
@@ -6992,7 +7036,7 @@ static pbw_status pbw__emit(pbw__emission *emission)
     if (pbw__simd_works()) {
         emission->lowest_ranks = emission->dim == 3 ? pbw__lowest_ranks3_avx2 : pbw__lowest_ranks2_avx2;
         emission->fill_lists = emission->dim == 3 ? pbw__fill_lists3_avx2 : pbw__fill_lists2_avx2;
-        emission->sort_lists = pbw__sort_lists_avx2;
+        emission->sort_lists = emission->dim == 3 ? pbw__sort_lists_avx2 : pbw__sort_lists2_avx2;
         emission->emit = emission->dim == 3 ? pbw__emit_slots3_avx2 : pbw__emit_slots2_avx2;
     }
 #endif
