@@ -6298,6 +6298,7 @@ static void pbw__emit_chains(pbw__emission *emission, int task, size_t from, siz
     size_t ranks = cells << store->cell_bits, t, to;
     size_t own = (pbw__share(store->region_count, task + 1, emission->tasks) << store->cell_bits) - ranks;
     pbw_index *number = emission->number, *chain = emission->chain, *head = emission->head, lowest[PBW__RUN];
+    const int bits = store->cell_bits;
     for (; from < end; from = to) {
         if ((from / PBW__RUN & 1023) == 0
             && pbw__report(emission->context, 0.25 * (double)from / (double)store->count)) {
@@ -6308,7 +6309,7 @@ static void pbw__emit_chains(pbw__emission *emission, int task, size_t from, siz
             for (t = from; t < to; t++) {
                 if (number[t] == PBW__LATER) {
                     emission->lowest_ranks(store->corner + 4 * t, 1, lowest);
-                    number[t] = PBW__SWAP(chain + (lowest[0] >> store->cell_bits), (pbw_index)t);
+                    number[t] = PBW__SWAP(chain + (lowest[0] >> bits), (pbw_index)t);
                     (void)PBW__ADD(head + lowest[0], 1);
                 }
             }
@@ -6323,8 +6324,8 @@ static void pbw__emit_chains(pbw__emission *emission, int task, size_t from, siz
             if (low == 0) {
                 number[t] = PBW_NONE;
             } else if (PBW__LIKELY(low - ranks < own)) {
-                number[t] = chain[low >> store->cell_bits];
-                chain[low >> store->cell_bits] = (pbw_index)t;
+                number[t] = chain[low >> bits];
+                chain[low >> bits] = (pbw_index)t;
                 head[low]++;
             } else {
                 number[t] = PBW__LATER;
