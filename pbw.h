@@ -6334,10 +6334,10 @@ static void pbw__emit_chains(pbw__emission *emission, int task, size_t from, siz
     }
 }
 
-/* The ranks of a run of regions. */
-PBW__INLINE size_t pbw__emit_ranks(const pbw__emission *emission, size_t regions)
+/* The first rank of a region; past the last region, the number of ranks. */
+PBW__INLINE size_t pbw__emit_ranks(const pbw__emission *emission, size_t region)
 {
-    size_t ranks = regions << emission->store->cell_bits;
+    size_t ranks = region << emission->store->cell_bits;
     return ranks <= emission->vertex_count ? ranks : emission->vertex_count + 1;
 }
 
