@@ -6241,11 +6241,13 @@ static pbw_status pbw__build_all(pbw__context *context, pbw__store *store, const
    simplices follow the Hilbert curve, and any method that finds the triangulation can produce the same arrays.
 
    The store's arrays become the caller's: a copy beside them would be the peak of the memory.  What else is needed
-   lies in what the build left, whose pages are there.  Passes: put each simplex into the list of its lowest rank;
-   sort and number the simplices list by list; translate each and write it to its place, unless a slot is there that
-   is still to be read; then write those.
+   lies in what the build left, whose pages are there.  Passes: count the simplices of each lowest rank, and chain
+   those of each region of ranks; region by region, sort the simplices of each rank and number them; translate each
+   and write it to its place, unless a slot is there that is still to be read; then write those.
    ------------------------------------------------------------------------------------------------------ */
-typedef struct pbw__item { uint64_t key; pbw_index simplex; } pbw__item;
+/* A simplex in the list of its lowest rank: in space by its second and third corner, and with the last one; in the
+   plane by its first and second, an edge has one triangle on its left. */
+typedef struct pbw__item { uint64_t key; pbw_index simplex, last; } pbw__item;
 
 static void pbw__sift(pbw__item *heap, size_t root, size_t count)
 {
@@ -6271,9 +6273,9 @@ typedef struct pbw__aside {
     size_t count, capacity;
 } pbw__aside;
 
-#define PBW__LISTS 64                                /* of ranks, followed at a time: memory answers many at once */
+#define PBW__CHAINS 16                               /* followed at a time: memory answers many at once */
+#define PBW__LISTS 64                                /* sorted at a time */
 #define PBW__SHORT 48                                /* simplices of a list that is not a hub's */
-typedef pbw_index pbw__list[PBW__SHORT + 8];
 
 typedef struct pbw__emission {
     pbw__context *context;
@@ -6283,22 +6285,23 @@ typedef struct pbw__emission {
     size_t slot_count, simplex_count, vertex_count, visible;
     int dim, any_order, tasks, failed;
     const pbw_index *id;                             /* of each rank */
-    pbw_index *number;                               /* per slot: the next of its list; then its place */
-    pbw_index *head;                                 /* per rank: first of its list; then its first simplex */
+    pbw_index *number;                               /* per slot: the next of its chain; then its place */
+    pbw_index *chain;                                /* per region: the last slot of a simplex of its lists */
+    pbw_index *head;                                 /* per rank: the length of its list; then its first simplex */
     pbw_index *first;                                /* per rank, for several tasks: the same from earlier shares */
-    size_t blocks;                                   /* of PBW__BLOCK ranks */
-    pbw_index *block;                                /* per task and block: simplices; per block: the first one */
+    size_t *end;                                     /* per task: where its simplices end */
     pbw_index *incident;                             /* per point of the caller */
     size_t chunk;                                    /* of slots, the next to be read */
     unsigned char *chunk_done;
     pbw__aside *aside;                               /* per task */
-    /* For this dimension and this CPU: the lowest ranks; lists in order; the simplices of a chunk to their places. */
+    /* For this dimension and this CPU: the lowest ranks; simplices into their lists; lists in order; the simplices
+       of a chunk to their places. */
     void (*lowest_ranks)(const pbw_index *corner, size_t count, pbw_index *low);
-    unsigned (*sort_lists)(const pbw_index *corner, pbw__list *list, const unsigned *count, unsigned lists,
-                           pbw_index low, pbw_index *sorted);
+    void (*fill_lists)(const pbw_index *corner, const pbw_index *slot, size_t count, pbw_index *end, pbw__item *item);
+    void (*sort_lists)(const pbw__item *item, const pbw_index *end, unsigned lists, pbw_index begin,
+                       pbw__item *sorted);
     size_t (*emit)(const struct pbw__emission *emission, size_t from, size_t end, size_t written, pbw__emitted *out);
 } pbw__emission;
-#define PBW__BLOCK 4096
 
 /* The even permutation of the canonical form: corner k of the output is corner (order >> 2k) & 3 here.  Looked up by
    which of the pairs (0,1) (0,2) (0,3) (1,2) (1,3) (2,3), in 2D (0,1) (0,2) (1,2), are descending: no branches. */
@@ -6406,14 +6409,14 @@ PBW__SIMD static void pbw__lowest_ranks2_avx2(const pbw_index *corner, size_t co
 #define PBW__LATER (PBW_NONE - 1)
 #define PBW__RUN 64                                  /* slots whose lowest ranks are found at a time */
 
-static void pbw__emit_lists(pbw__emission *emission, int task, size_t from, size_t end, int again)
+static void pbw__emit_chains(pbw__emission *emission, int task, size_t from, size_t end, int again)
 {
     const pbw__store *store = emission->store;
     size_t cells = pbw__share(store->region_count, task, emission->tasks);
     size_t ranks = cells << store->cell_bits, t, to;
     size_t own = (pbw__share(store->region_count, task + 1, emission->tasks) << store->cell_bits) - ranks;
-    pbw_index *number = emission->number, *head = emission->head;
-    pbw_index *block = emission->block + (size_t)task * emission->blocks, lowest[PBW__RUN];
+    pbw_index *number = emission->number, *chain = emission->chain, *head = emission->head, lowest[PBW__RUN];
+    const int bits = store->cell_bits;
     for (; from < end; from = to) {
         if ((from / PBW__RUN & 1023) == 0
             && pbw__report(emission->context, 0.25 * (double)from / (double)store->count)) {
@@ -6424,7 +6427,8 @@ static void pbw__emit_lists(pbw__emission *emission, int task, size_t from, size
             for (t = from; t < to; t++) {
                 if (number[t] == PBW__LATER) {
                     emission->lowest_ranks(store->corner + 4 * t, 1, lowest);
-                    number[t] = PBW__SWAP(head + lowest[0], (pbw_index)t);
+                    number[t] = PBW__SWAP(chain + (lowest[0] >> bits), (pbw_index)t);
+                    (void)PBW__ADD(head + lowest[0], 1);
                 }
             }
             continue;
@@ -6437,17 +6441,22 @@ static void pbw__emit_lists(pbw__emission *emission, int task, size_t from, size
             pbw_index low = lowest[t - from];
             if (low == 0) {
                 number[t] = PBW_NONE;
-                continue;
-            }
-            block[low / PBW__BLOCK]++;
-            if (PBW__LIKELY(low - ranks < own)) {
-                number[t] = head[low];
-                head[low] = (pbw_index)t;
+            } else if (PBW__LIKELY(low - ranks < own)) {
+                number[t] = chain[low >> bits];
+                chain[low >> bits] = (pbw_index)t;
+                head[low]++;
             } else {
                 number[t] = PBW__LATER;
             }
         }
     }
+}
+
+/* The first rank of a region; past the last region, the number of ranks. */
+PBW__INLINE size_t pbw__emit_ranks(const pbw__emission *emission, size_t region)
+{
+    size_t ranks = region << emission->store->cell_bits;
+    return ranks <= emission->vertex_count ? ranks : emission->vertex_count + 1;
 }
 
 static void pbw__emit_shares(pbw__emission *emission, int task, int again)
@@ -6460,15 +6469,15 @@ static void pbw__emit_shares(pbw__emission *emission, int task, int again)
     size_t tail_from = store->region_slots + pbw__share(tail, task, emission->tasks);
     size_t tail_to = store->region_slots + pbw__share(tail, task + 1, emission->tasks);
     if (!again) {
-        size_t ranks = first << store->cell_bits, end = last << store->cell_bits;
-        end = end <= emission->vertex_count ? end : emission->vertex_count + 1;
-        memset(emission->head + ranks, 0xff, (end - ranks) * sizeof(pbw_index));     /* PBW_NONE */
+        size_t ranks = pbw__emit_ranks(emission, first), end = pbw__emit_ranks(emission, last);
+        memset(emission->chain + first, 0xff, (last - first) * sizeof(pbw_index));   /* PBW_NONE */
+        memset(emission->head + ranks, 0, (end - ranks) * sizeof(pbw_index));
         if (emission->first != NULL) {
             memset(emission->first + ranks, 0xff, (end - ranks) * sizeof(pbw_index));
         }
     }
-    pbw__emit_lists(emission, task, from, to, again);
-    pbw__emit_lists(emission, task, tail_from, tail_to, again);
+    pbw__emit_chains(emission, task, from, to, again);
+    pbw__emit_chains(emission, task, tail_from, tail_to, again);
 }
 
 static void pbw__emit_pass1(void *arg, int task)
@@ -6481,44 +6490,72 @@ static void pbw__emit_others(void *arg, int task)
     pbw__emit_shares((pbw__emission *)arg, task, 1);
 }
 
-/* Sorts short lists, of ranks from `low` on, by second and third corner; returns how many simplices they have.  By
-   counting pair by pair: no predictor could guess their order. */
-PBW__INLINE unsigned pbw__sort_lists(const pbw_index *corner, pbw__list *list, const unsigned *count, unsigned lists,
-                                     pbw_index *sorted, int dim)
+/* The simplices of lists. */
+PBW__INLINE size_t pbw__emit_count(const pbw_index *length, size_t lists)
 {
-    uint64_t key[PBW__SHORT];
-    unsigned rank[PBW__SHORT], i, j, l, sum = 0;
-    for (l = 0; l < lists; l++) {
-        for (i = 0; i < count[l]; i++) {
-            const pbw_index *v = corner + 4 * (size_t)list[l][i];
-            unsigned order = pbw__canonical_order(v, dim);
-            key[i] = (uint64_t)v[order >> 2 & 3] << 32 | v[order >> 4 & 3];
-            for (rank[i] = 0, j = 0; j < i; j++) {
-                unsigned above = key[i] > key[j];
-                rank[i] += above;
-                rank[j] += 1 - above;
-            }
-        }
-        for (i = 0; i < count[l]; i++) {
-            sorted[sum + rank[i]] = list[l][i];
-        }
-        sum += count[l];
+    size_t i, sum = 0;
+    for (i = 0; i < lists; i++) {
+        sum += length[i];
     }
     return sum;
 }
 
-static unsigned pbw__sort_lists3(const pbw_index *corner, pbw__list *list, const unsigned *count, unsigned lists,
-                                 pbw_index low, pbw_index *sorted)
+static void pbw__emit_counts(void *arg, int task)
 {
-    (void)low;
-    return pbw__sort_lists(corner, list, count, lists, sorted, 3);
+    const pbw__emission *emission = (const pbw__emission *)arg;
+    size_t regions = emission->store->region_count;
+    size_t from = pbw__emit_ranks(emission, pbw__share(regions, task, emission->tasks));
+    size_t to = pbw__emit_ranks(emission, pbw__share(regions, task + 1, emission->tasks));
+    emission->end[task] = pbw__emit_count(emission->head + from, to - from);
 }
 
-static unsigned pbw__sort_lists2(const pbw_index *corner, pbw__list *list, const unsigned *count, unsigned lists,
-                                 pbw_index low, pbw_index *sorted)
+/* Simplices into their lists: to the item end[rank], which is then the next. */
+PBW__INLINE void pbw__fill_lists(const pbw_index *corner, const pbw_index *slot, size_t count, pbw_index *end,
+                                 pbw__item *item, int dim)
 {
-    (void)low;
-    return pbw__sort_lists(corner, list, count, lists, sorted, 2);
+    size_t i;
+    for (i = 0; i < count; i++) {
+        const pbw_index *v = corner + 4 * (size_t)slot[i];
+        unsigned order = pbw__canonical_order(v, dim);
+        pbw__item *to = item + end[v[order & 3]]++;
+        order = dim == 3 ? order >> 2 : order;
+        to->key = (uint64_t)v[order & 3] << 32 | v[order >> 2 & 3];
+        to->simplex = slot[i];
+        to->last = v[order >> 4 & 3];
+    }
+}
+
+static void pbw__fill_lists3(const pbw_index *corner, const pbw_index *slot, size_t count, pbw_index *end,
+                             pbw__item *item)
+{
+    pbw__fill_lists(corner, slot, count, end, item, 3);
+}
+
+static void pbw__fill_lists2(const pbw_index *corner, const pbw_index *slot, size_t count, pbw_index *end,
+                             pbw__item *item)
+{
+    pbw__fill_lists(corner, slot, count, end, item, 2);
+}
+
+/* Short lists, the first from item `begin` on and each up to its `end`, by their keys; sorted[0] is for the waste.
+   By counting pair by pair: no predictor could guess their order. */
+static void pbw__sort_lists(const pbw__item *item, const pbw_index *end, unsigned lists, pbw_index begin,
+                            pbw__item *sorted)
+{
+    unsigned rank[PBW__SHORT], i, j, l;
+    for (l = 0; l < lists; begin = end[l++]) {
+        unsigned count = end[l] - begin <= PBW__SHORT ? end[l] - begin : 0;
+        for (i = 0; i < count; i++) {
+            for (rank[i] = 0, j = 0; j < i; j++) {
+                unsigned above = item[begin + i].key > item[begin + j].key;
+                rank[i] += above;
+                rank[j] += 1 - above;
+            }
+        }
+        for (i = 0; i < count; i++) {
+            sorted[1 + begin + rank[i]] = item[begin + i];
+        }
+    }
 }
 
 #ifdef PBW__AVX2
@@ -6540,297 +6577,340 @@ PBW__SIMD_INLINE void pbw__exchange(__m256i *a, __m256i *b, __m256i mask)
     *b = _mm256_xor_si256(*b, change);
 }
 
-/* Eight keys, less 2^63, of simplices of lowest rank `low`. */
-PBW__SIMD_INLINE void pbw__list_keys(const pbw_index *corner, const pbw_index *list, __m256i low, __m256i *key)
+/* Rows to columns, in each half. */
+PBW__SIMD_INLINE void pbw__transpose(__m256i *a)
 {
-    const __m256i sign = _mm256_set1_epi32((int)0x80000000u);
-    __m256i a[4], v[4], last, odd, second, third;
-    int i;
-    for (i = 0; i < 4; i++) {                        /* so that unpacking leaves them in order */
-        const pbw_index *four = list + (i & 1) + 2 * (i & 2);
-        a[i] = pbw__two(corner + 4 * (size_t)four[0], corner + 4 * (size_t)four[2]);
-    }
-    for (i = 0; i < 4; i += 2) {
-        const __m256i x = i == 0 ? _mm256_unpacklo_epi32(a[0], a[1]) : _mm256_unpackhi_epi32(a[0], a[1]);
-        const __m256i y = i == 0 ? _mm256_unpacklo_epi32(a[2], a[3]) : _mm256_unpackhi_epi32(a[2], a[3]);
-        v[i] = _mm256_unpacklo_epi64(x, y);
-        v[i + 1] = _mm256_unpackhi_epi64(x, y);
-    }
-    /* The lowest first, by (0 2)(1 3), (0 1)(2 3) or both; then the other three in a cycle. */
-    last = _mm256_cmpeq_epi32(v[3], low);
-    odd = _mm256_or_si256(last, _mm256_cmpeq_epi32(v[1], low));
-    last = _mm256_or_si256(last, _mm256_cmpeq_epi32(v[2], low));
-    pbw__exchange(v, v + 2, last);
-    pbw__exchange(v + 1, v + 3, last);
-    v[1] = _mm256_xor_si256(v[1], _mm256_and_si256(_mm256_xor_si256(v[0], v[1]), odd));
-    pbw__exchange(v + 2, v + 3, odd);
-    second = _mm256_min_epu32(_mm256_min_epu32(v[1], v[2]), v[3]);
-    third = pbw__select8(v[1], v[3], _mm256_cmpeq_epi32(v[2], second));
-    third = pbw__select8(third, v[2], _mm256_cmpeq_epi32(v[1], second));
-    second = _mm256_xor_si256(second, sign);
-    key[0] = _mm256_unpacklo_epi32(third, second);
-    key[1] = _mm256_unpackhi_epi32(third, second);
+    const __m256i x = _mm256_unpacklo_epi32(a[0], a[1]), y = _mm256_unpackhi_epi32(a[0], a[1]);
+    const __m256i z = _mm256_unpacklo_epi32(a[2], a[3]), w = _mm256_unpackhi_epi32(a[2], a[3]);
+    a[0] = _mm256_unpacklo_epi64(x, z);
+    a[1] = _mm256_unpackhi_epi64(x, z);
+    a[2] = _mm256_unpacklo_epi64(y, w);
+    a[3] = _mm256_unpackhi_epi64(y, w);
 }
 
-/* A list of at most `all` simplices, by eights.  The last eight is filled up with the first simplex, which then goes
-   to its place more than once; among the others it counts as of the highest key. */
-PBW__SIMD_INLINE void pbw__sort_list_avx2(const pbw_index *corner, pbw_index *list, unsigned count, pbw_index low,
-                                          pbw_index *sorted, unsigned all)
+/* Eight at a time. */
+PBW__SIMD_INLINE void pbw__fill_lists_avx2(const pbw_index *corner, const pbw_index *slot, size_t count,
+                                           pbw_index *end, pbw__item *item, int dim)
 {
-    const __m256i lane = _mm256_setr_epi64x(0, 1, 2, 3), highest = _mm256_set1_epi64x((int64_t)(~(uint64_t)0 >> 1));
-    __m256i keys[2 * (PBW__SHORT / 8)];
+    size_t i;
+    int k;
+    for (i = 0; i + 8 <= count; i += 8) {
+        __m256i v[4], low, last, odd, entry[4];
+        pbw_index rank[8];
+        for (k = 0; k < 4; k++) {
+            v[k] = pbw__two(corner + 4 * (size_t)slot[i + (size_t)k], corner + 4 * (size_t)slot[i + (size_t)k + 4]);
+        }
+        pbw__transpose(v);
+        if (dim == 3) {
+            /* The lowest first, by (0 2)(1 3), (0 1)(2 3) or both; then the other three in a cycle. */
+            low = _mm256_min_epu32(_mm256_min_epu32(v[0], v[1]), _mm256_min_epu32(v[2], v[3]));
+            last = _mm256_cmpeq_epi32(v[3], low);
+            odd = _mm256_or_si256(last, _mm256_cmpeq_epi32(v[1], low));
+            last = _mm256_or_si256(last, _mm256_cmpeq_epi32(v[2], low));
+            pbw__exchange(v, v + 2, last);
+            pbw__exchange(v + 1, v + 3, last);
+            v[1] = _mm256_xor_si256(v[1], _mm256_and_si256(_mm256_xor_si256(v[0], v[1]), odd));
+            pbw__exchange(v + 2, v + 3, odd);
+            entry[1] = _mm256_min_epu32(_mm256_min_epu32(v[1], v[2]), v[3]);
+            odd = _mm256_cmpeq_epi32(v[1], entry[1]);
+            last = _mm256_cmpeq_epi32(v[2], entry[1]);
+            entry[0] = pbw__select8(pbw__select8(v[1], v[3], last), v[2], odd);
+            entry[3] = pbw__select8(pbw__select8(v[2], v[1], last), v[3], odd);
+        } else {
+            low = _mm256_min_epu32(_mm256_min_epu32(v[0], v[1]), v[2]);
+            odd = _mm256_cmpeq_epi32(v[0], low);
+            last = _mm256_cmpeq_epi32(v[2], low);
+            entry[1] = low;
+            entry[0] = pbw__select8(pbw__select8(v[2], v[0], last), v[1], odd);
+            entry[3] = pbw__select8(pbw__select8(v[0], v[1], last), v[2], odd);
+        }
+        entry[2] = _mm256_loadu_si256((const __m256i *)(const void *)(slot + i));
+        pbw__transpose(entry);
+        _mm256_storeu_si256((__m256i *)(void *)rank, low);
+        for (k = 0; k < 4; k++) {
+            pbw__store4(item + end[rank[k]]++, (pbw__i4)_mm256_castsi256_si128(entry[k]));
+        }
+        for (k = 0; k < 4; k++) {
+            pbw__store4(item + end[rank[k + 4]]++, (pbw__i4)_mm256_extracti128_si256(entry[k], 1));
+        }
+    }
+    pbw__fill_lists(corner, slot + i, count - i, end, item, dim);
+}
+
+PBW__SIMD static void pbw__fill_lists3_avx2(const pbw_index *corner, const pbw_index *slot, size_t count,
+                                            pbw_index *end, pbw__item *item)
+{
+    pbw__fill_lists_avx2(corner, slot, count, end, item, 3);
+}
+
+PBW__SIMD static void pbw__fill_lists2_avx2(const pbw_index *corner, const pbw_index *slot, size_t count,
+                                            pbw_index *end, pbw__item *item)
+{
+    pbw__fill_lists_avx2(corner, slot, count, end, item, 2);
+}
+
+/* A list of `count` simplices by fours, `all` in all: what is too much in the last four is of the highest key for the
+   others and goes to the waste. */
+PBW__SIMD_INLINE void pbw__sort_list_avx2(const pbw__item *item, pbw_index begin, unsigned count, unsigned all,
+                                          pbw__item *sorted)
+{
+    const __m256i sign = _mm256_set1_epi64x((int64_t)((uint64_t)1 << 63));
+    const __m256i highest = _mm256_set1_epi64x((int64_t)(~(uint64_t)0 >> 1)), lane = _mm256_setr_epi64x(0, 2, 1, 3);
+    const __m256i real = _mm256_cmpgt_epi64(_mm256_set1_epi64x((int64_t)count - (int64_t)all + 4), lane);
+    __m256i keys[PBW__SHORT / 4];
     int64_t key[PBW__SHORT];
     unsigned i, j;
-    _mm256_storeu_si256((__m256i *)(void *)(list + count), _mm256_set1_epi32((int)list[0]));
-    for (j = 0; j < all; j += 8) {
-        pbw__list_keys(corner, list + j, _mm256_set1_epi32((int)low), keys + j / 4);
+    item += begin;
+    for (j = 0; j < all; j += 4) {
+        const __m256i a = _mm256_loadu_si256((const __m256i *)(const void *)(item + j));
+        const __m256i b = _mm256_loadu_si256((const __m256i *)(const void *)(item + j + 2));
+        keys[j / 4] = _mm256_xor_si256(_mm256_unpacklo_epi64(a, b), sign);
+        if (j + 4 == all) {
+            keys[j / 4] = pbw__select8(highest, keys[j / 4], real);
+        }
+        _mm256_storeu_si256((__m256i *)(void *)(key + j), keys[j / 4]);
     }
     for (j = 0; j < all; j += 4) {
-        const __m256i left = _mm256_sub_epi64(_mm256_set1_epi64x((int64_t)count - (int64_t)j), lane);
-        const __m256i real = _mm256_cmpgt_epi64(left, _mm256_setzero_si256());
-        _mm256_storeu_si256((__m256i *)(void *)(key + j), pbw__select8(highest, keys[j / 4], real));
-    }
-    for (j = 0; j < all; j += 8) {
-        __m256i below_a = _mm256_setzero_si256(), below_b = _mm256_setzero_si256();
-        int64_t rank[8];
-        for (i = 0; i < all; i++) {
-            const __m256i other = _mm256_set1_epi64x(key[i]);
-            below_a = _mm256_sub_epi64(below_a, _mm256_cmpgt_epi64(keys[j / 4], other));
-            below_b = _mm256_sub_epi64(below_b, _mm256_cmpgt_epi64(keys[j / 4 + 1], other));
+        __m256i place = _mm256_set1_epi64x((int64_t)begin + 1);
+        uint64_t half[4];
+        for (i = 0; i < all; i += 4) {
+            place = _mm256_sub_epi64(place, _mm256_cmpgt_epi64(keys[j / 4], _mm256_set1_epi64x(key[i])));
+            place = _mm256_sub_epi64(place, _mm256_cmpgt_epi64(keys[j / 4], _mm256_set1_epi64x(key[i + 1])));
+            place = _mm256_sub_epi64(place, _mm256_cmpgt_epi64(keys[j / 4], _mm256_set1_epi64x(key[i + 2])));
+            place = _mm256_sub_epi64(place, _mm256_cmpgt_epi64(keys[j / 4], _mm256_set1_epi64x(key[i + 3])));
         }
-        _mm256_storeu_si256((__m256i *)(void *)rank, below_a);
-        _mm256_storeu_si256((__m256i *)(void *)(rank + 4), below_b);
-        for (i = 0; i < 8; i++) {
-            sorted[rank[i]] = list[j + i];
+        if (j + 4 == all) {
+            place = _mm256_and_si256(place, real);
+        }
+        _mm256_storeu_si256((__m256i *)(void *)half, _mm256_add_epi64(place, place));
+        for (i = 0; i < 4; i++) {
+            pbw__store4((uint64_t *)(void *)sorted + half[(i & 1) * 2 + i / 2], pbw__load4(item + j + i));
         }
     }
 }
 
-/* First the lists of one eight, then those of two, then the longer ones: lengths of lists cannot be predicted. */
-PBW__SIMD static unsigned pbw__sort_lists3_avx2(const pbw_index *corner, pbw__list *list, const unsigned *count,
-                                                unsigned lists, pbw_index low, pbw_index *sorted)
+/* By their lengths, which cannot be predicted. */
+PBW__SIMD static void pbw__sort_lists_avx2(const pbw__item *item, const pbw_index *end, unsigned lists,
+                                           pbw_index begin, pbw__item *sorted)
 {
-    unsigned by_eights[PBW__SHORT / 8 + 1][PBW__LISTS], n[PBW__SHORT / 8 + 1], begin[PBW__LISTS], eights, i, l, sum;
+    pbw_index by_fours[PBW__SHORT / 4 + 2][PBW__LISTS][2];
+    unsigned n[PBW__SHORT / 4 + 2], fours, i, l;
     memset(n, 0, sizeof(n));
-    for (sum = l = 0; l < lists; sum += count[l++]) {
-        eights = (count[l] + 7) / 8;
-        by_eights[eights][n[eights]++] = l;
-        begin[l] = sum;
+    for (l = 0; l < lists; begin = end[l++]) {
+        unsigned count = end[l] - begin;
+        fours = count <= PBW__SHORT ? (count + 3) / 4 : PBW__SHORT / 4 + 1;
+        by_fours[fours][n[fours]][0] = begin;
+        by_fours[fours][n[fours]++][1] = count;
     }
-    for (eights = 1; eights <= PBW__SHORT / 8; eights++) {
-        for (i = 0; i < n[eights]; i++) {
-            l = by_eights[eights][i];
-            if (eights == 1) {
-                pbw__sort_list_avx2(corner, list[l], count[l], low + l, sorted + begin[l], 8);
-            } else if (eights == 2) {
-                pbw__sort_list_avx2(corner, list[l], count[l], low + l, sorted + begin[l], 16);
+    for (fours = 1; fours <= PBW__SHORT / 4; fours++) {
+        for (i = 0; i < n[fours]; i++) {
+            const pbw_index *list = by_fours[fours][i];
+            if (fours == 1) {
+                pbw__sort_list_avx2(item, list[0], list[1], 4, sorted);
+            } else if (fours == 2) {
+                pbw__sort_list_avx2(item, list[0], list[1], 8, sorted);
+            } else if (fours == 3) {
+                pbw__sort_list_avx2(item, list[0], list[1], 12, sorted);
             } else {
-                pbw__sort_list_avx2(corner, list[l], count[l], low + l, sorted + begin[l], 8 * eights);
+                pbw__sort_list_avx2(item, list[0], list[1], 4 * fours, sorted);
             }
         }
     }
-    return sum;
 }
 
-/* In the plane the second corner decides: an edge has one triangle on its left.  By fours. */
-PBW__SIMD_INLINE void pbw__sort_list2_avx2(const pbw_index *corner, pbw_index *list, unsigned count, pbw_index low,
-                                           pbw_index *sorted, unsigned all)
-{
-    const __m128i sign = _mm_set1_epi32((int)0x80000000u), highest = _mm_set1_epi32(0x7fffffff);
-    const __m128i lane = _mm_setr_epi32(0, 1, 2, 3), first = _mm_set1_epi32((int)low);
-    __m128i keys[PBW__SHORT / 4];
-    int32_t key[PBW__SHORT];
-    unsigned i, j;
-    pbw__store4(list + count, (pbw__i4)_mm_set1_epi32((int)list[0]));
-    for (j = 0; j < all; j += 4) {
-        const __m128i a = (__m128i)pbw__load4(corner + 4 * (size_t)list[j]);
-        const __m128i b = (__m128i)pbw__load4(corner + 4 * (size_t)list[j + 1]);
-        const __m128i c = (__m128i)pbw__load4(corner + 4 * (size_t)list[j + 2]);
-        const __m128i d = (__m128i)pbw__load4(corner + 4 * (size_t)list[j + 3]);
-        const __m128i ab = _mm_unpacklo_epi32(a, b), cd = _mm_unpacklo_epi32(c, d);
-        const __m128i v0 = _mm_unpacklo_epi64(ab, cd), v1 = _mm_unpackhi_epi64(ab, cd);
-        const __m128i v2 = _mm_unpacklo_epi64(_mm_unpackhi_epi32(a, b), _mm_unpackhi_epi32(c, d));
-        const pbw__i4 other = pbw__select4((pbw__i4)v0, (pbw__i4)v2, (pbw__i4)_mm_cmpeq_epi32(v1, first));
-        const pbw__i4 second = pbw__select4(other, (pbw__i4)v1, (pbw__i4)_mm_cmpeq_epi32(v0, first));
-        const __m128i real = _mm_cmpgt_epi32(_mm_set1_epi32((int)count - (int)j), lane);
-        keys[j / 4] = _mm_xor_si128((__m128i)second, sign);
-        pbw__store4(key + j, pbw__select4((pbw__i4)highest, (pbw__i4)keys[j / 4], (pbw__i4)real));
-    }
-    for (j = 0; j < all; j += 4) {
-        __m128i below = _mm_setzero_si128();
-        pbw_index rank[4];
-        for (i = 0; i < all; i++) {
-            below = _mm_sub_epi32(below, _mm_cmpgt_epi32(keys[j / 4], _mm_set1_epi32(key[i])));
-        }
-        pbw__store4(rank, (pbw__i4)below);
-        for (i = 0; i < 4; i++) {
-            sorted[rank[i]] = list[j + i];
-        }
-    }
-}
+/* In the plane most lists are so short that each simplex is rather compared with those before and after it, as far as
+   a list reaches; those of other lists are in order.  As signed numbers: ranks are less than 2^31, there are twice as
+   many simplices. */
+#define PBW__REACH 12
 
-PBW__SIMD static unsigned pbw__sort_lists2_avx2(const pbw_index *corner, pbw__list *list, const unsigned *count,
-                                                unsigned lists, pbw_index low, pbw_index *sorted)
+PBW__SIMD static void pbw__sort_lists2_avx2(const pbw__item *item, const pbw_index *end, unsigned lists,
+                                            pbw_index begin, pbw__item *sorted)
 {
-    unsigned l, sum = 0;
-    for (l = 0; l < lists; sum += count[l++]) {
-        if (count[l] > 4) {
-            pbw__sort_list2_avx2(corner, list[l], count[l], low + l, sorted + sum, (count[l] + 3) / 4 * 4);
-        } else {                                     /* of no simplices: what it writes is overwritten */
-            pbw__sort_list2_avx2(corner, list[l], count[l], low + l, sorted + sum, 4);
+    int64_t key[PBW__REACH + PBW__LISTS * PBW__REACH + 4 + PBW__REACH];
+    pbw_index from, longest = 0, count = end[lists - 1] - begin, i, k;
+    for (i = 0, from = begin; i < lists; from = end[i++]) {
+        longest = end[i] - from > longest ? end[i] - from : longest;
+    }
+    if (longest > PBW__REACH) {
+        pbw__sort_lists_avx2(item, end, lists, begin, sorted);
+        return;
+    }
+    item += begin;
+    sorted += 1 + begin;
+    memset(key, 0, PBW__REACH * sizeof(int64_t));
+    for (i = 0; i < count; i += 4) {
+        const __m256i a = _mm256_loadu_si256((const __m256i *)(const void *)(item + i));
+        const __m256i b = _mm256_loadu_si256((const __m256i *)(const void *)(item + i + 2));
+        const __m256i four = _mm256_permute4x64_epi64(_mm256_unpacklo_epi64(a, b), 0xd8);
+        _mm256_storeu_si256((__m256i *)(void *)(key + PBW__REACH + i), four);
+    }
+    memset(key + PBW__REACH + count, 0x7f, (4 + PBW__REACH) * sizeof(int64_t));
+    for (i = 0; i < count; i += 4) {
+        const int64_t *here = key + PBW__REACH + i;
+        const __m256i four = _mm256_loadu_si256((const __m256i *)(const void *)here);
+        __m256i place = _mm256_add_epi64(_mm256_set1_epi64x((int64_t)i), _mm256_setr_epi64x(0, 1, 2, 3));
+        uint64_t half[4];
+        for (k = 1; k < longest; k++) {
+            const __m256i before = _mm256_loadu_si256((const __m256i *)(const void *)(here - k));
+            const __m256i after = _mm256_loadu_si256((const __m256i *)(const void *)(here + k));
+            place = _mm256_add_epi64(place, _mm256_cmpgt_epi64(before, four));
+            place = _mm256_sub_epi64(place, _mm256_cmpgt_epi64(four, after));
+        }
+        _mm256_storeu_si256((__m256i *)(void *)half, _mm256_add_epi64(place, place));
+        for (k = 0; k < 4; k++) {                    /* what is too much is overwritten by the next lists */
+            pbw__store4((uint64_t *)(void *)sorted + half[k], pbw__load4(item + i + k));
         }
     }
-    return sum;
 }
 #endif
 
-/* Pass 2: numbers, for the lists of a share of the blocks of ranks, from the last list to the first.  So the number
-   that is noted last for a vertex is its first simplex.  It is noted in head: the list of a corner's rank has been
-   looked up when a simplex has its number, as no corner comes before the one whose list it is in.  For vertices of
-   later shares it is noted in `first`. */
-PBW__INLINE void pbw__emit_number(pbw__emission *emission, pbw_index t, pbw_index place, pbw_index later, int dim)
+/* Pass 2: numbers, for the lists of a share of the regions, from the last list to the first.  So the number that is
+   noted last for a vertex is its first simplex.  It is noted in head: the vertex' own list has been read when a
+   simplex has its number, as no corner comes before the one whose list it is in.  For vertices of later shares it is
+   noted in `first`. */
+
+/* The slots of the chains of `count` regions, one chain after the other. */
+PBW__INLINE void pbw__emit_follow(const pbw__emission *emission, size_t region, unsigned count, const size_t *length,
+                                  pbw_index *slot)
 {
-    const pbw_index *v = emission->corner + 4 * (size_t)t;
-    pbw_index highest = v[0] > v[1] ? v[0] : v[1];
-    int k;
-    highest = v[2] > highest ? v[2] : highest;
-    highest = dim == 3 && v[3] > highest ? v[3] : highest;
-    emission->number[t] = place;
-    if (PBW__LIKELY(later == PBW_NONE || highest < later)) {
-        for (k = 0; k <= dim; k++) {
-            emission->head[v[k]] = place;
-        }
-        return;
+    const pbw_index *number = emission->number, *corner = emission->corner;
+    pbw_index next[PBW__CHAINS], *to[PBW__CHAINS];
+    size_t left[PBW__CHAINS], steps, k;
+    unsigned open, i, j;
+    for (i = open = 0; i < count; slot += length[i++]) {
+        next[open] = emission->chain[region + i];
+        to[open] = slot;
+        left[open] = length[i];
+        open += length[i] > 0;
     }
-    for (k = 0; k <= dim; k++) {
-        if (v[k] < later) {
-            emission->head[v[k]] = place;
-        } else {
-            pbw_index *first = emission->first + v[k], old = PBW__LOAD(first);
-            while (place < old && !PBW__REPLACE(first, &old, place)) {
+    while (open > 0) {
+        for (steps = left[0], i = 1; i < open; i++) {
+            steps = left[i] < steps ? left[i] : steps;
+        }
+        for (k = 0; k < steps; k++) {
+            for (i = 0; i < open; i++) {
+                pbw_index t = next[i];
+                to[i][k] = t;
+                next[i] = number[t];
+                PBW__PREFETCH(corner + 4 * (size_t)t);
             }
         }
+        for (i = j = 0; i < open; i++) {
+            next[j] = next[i];
+            to[j] = to[i] + steps;
+            left[j] = left[i] - steps;
+            j += left[j] > 0;
+        }
+        open = j;
     }
 }
 
-/* The list of a hub, from t on: by a heap sort.  Returns the place of its first simplex. */
-static PBW__NOINLINE size_t pbw__emit_hub(pbw__emission *emission, pbw_index t, size_t place, pbw_index later)
+/* A hub's list: by a heap sort. */
+static PBW__NOINLINE void pbw__sort_hub(pbw__item *heap, size_t count, pbw__item *sorted)
 {
-    pbw__memory *memory = &emission->context->memory;
-    pbw__item *item = NULL;
-    size_t count = 0, capacity = 0, i;
-    for (; t != PBW_NONE; t = emission->number[t]) {
-        const pbw_index *v = emission->corner + 4 * (size_t)t;
-        unsigned order = pbw__canonical_order(v, emission->dim);
-        if (count == capacity
-            && !pbw__resize_array(memory, &item, &capacity, 2 * capacity + 256, sizeof(pbw__item))) {
-            PBW__STORE(&emission->failed, 1);
-            break;
-        }
-        item[count].key = emission->any_order ? count : (uint64_t)v[order >> 2 & 3] << 32 | v[order >> 4 & 3];
-        item[count++].simplex = t;
-    }
+    size_t i;
     for (i = count / 2; i-- > 0; ) {
-        pbw__sift(item, i, count);
+        pbw__sift(heap, i, count);
     }
     for (i = count; i-- > 0; ) {
-        pbw__emit_number(emission, item[0].simplex, (pbw_index)--place, later, emission->dim);
-        item[0] = item[i];
-        pbw__sift(item, 0, i);
+        sorted[i] = heap[0];
+        heap[0] = heap[i];
+        pbw__sift(heap, 0, i);
     }
-    pbw__release(memory, item, capacity, sizeof(pbw__item));
-    return place;
 }
 
-/* Fetches the slots where most of the lists are that come after the next, on the way down from `end`. */
-PBW__INLINE void pbw__emit_expect(const pbw__emission *emission, size_t end)
+PBW__INLINE void pbw__emit_first(pbw_index *head, pbw_index *first, pbw_index vertex, pbw_index place,
+                                 pbw_index later)
 {
-    const pbw__store *store = emission->store;
-    size_t slots = (PBW__LISTS * store->slots_each) >> store->cell_bits, slot, i;
-    if (end >= 2 * PBW__LISTS) {
-        slot = (size_t)((uint64_t)(end - 2 * PBW__LISTS) * store->slots_each >> store->cell_bits);
-        for (i = 0; i < slots; i += 4) {
-            PBW__PREFETCH(store->corner + 4 * (slot + i));
-        }
-        for (i = 0; i < slots; i += 16) {
-            PBW__PREFETCH(emission->number + slot + i);
+    if (PBW__LIKELY(later == PBW_NONE || vertex < later)) {
+        head[vertex] = place;
+    } else {
+        pbw_index old = PBW__LOAD(first += vertex);
+        while (place < old && !PBW__REPLACE(first, &old, place)) {
         }
     }
 }
 
-/* The lists of the ranks before `end`; returns where the first of them begins. */
-PBW__INLINE size_t pbw__emit_numbers(pbw__emission *emission, size_t from, size_t end, size_t place, pbw_index later,
-                                     int dim)
+/* The numbers of a region's simplices, `count` in the slots of `slot`, from `place` on. */
+PBW__INLINE void pbw__emit_region(const pbw__emission *emission, size_t region, const pbw_index *slot, size_t count,
+                                  pbw__item *item, pbw__item *sorted, pbw_index place, pbw_index later)
 {
-    pbw__list list[PBW__LISTS];
-    pbw_index next[PBW__LISTS], sorted[PBW__LISTS * PBW__SHORT];
-    const pbw_index *corner = emission->corner, *number = emission->number;
-    unsigned count[PBW__LISTS], open[PBW__LISTS], i, j, left, depth, lists;
-    for (; end > from; end -= lists) {
-        const pbw_index *head;
-        lists = end - from < PBW__LISTS ? (unsigned)(end - from) : PBW__LISTS;
-        head = emission->head + end - lists;
-        for (i = left = 0; i < lists; i++) {
-            count[i] = 0;
-            list[i][0] = head[i] != PBW_NONE ? head[i] : 0;      /* any will do: see sort_lists */
-            next[left] = head[i];
-            open[left] = i;
-            left += head[i] != PBW_NONE;
-        }
-        pbw__emit_expect(emission, end - lists);
-        for (i = 0; i < lists && end - lists - from > i; i++) {
-            pbw_index soon = head[-1 - (int)i];
-            PBW__PREFETCH(number + (soon != PBW_NONE ? soon : 0));
-        }
-        for (depth = 0; left > 0 && depth < PBW__SHORT; depth++) {
-            for (i = j = 0; i < left; i++) {
-                unsigned l = open[i];
-                pbw_index t = next[i], following = number[t];
-                list[l][depth] = t;
-                count[l] = depth + 1;
-                PBW__PREFETCH(corner + 4 * (size_t)t);
-                next[j] = following;
-                open[j] = l;
-                j += following != PBW_NONE;
-            }
-            left = j;
-        }
-        for (i = lists; i > 0; i = j) {              /* down to a hub's list; `left` of those are open */
-            unsigned sum = 0;
-            j = left > 0 ? open[left - 1] + 1 : 0;
-            if (!emission->any_order) {
-                sum = emission->sort_lists(corner, list + j, count + j, i - j, (pbw_index)(end - lists + j), sorted);
-            } else {
-                for (depth = j; depth < i; sum += count[depth++]) {
-                    memcpy(sorted + sum, list[depth], count[depth] * sizeof(pbw_index));
-                }
-            }
-            while (sum > 0) {
-                pbw__emit_number(emission, sorted[--sum], (pbw_index)--place, later, dim);
-            }
-            if (left > 0) {
-                left--;
-                place = pbw__emit_hub(emission, list[--j][0], place, later);
+    size_t ranks = pbw__emit_ranks(emission, region), lists = pbw__emit_ranks(emission, region + 1) - ranks, r, i;
+    pbw_index *head = emission->head, *end = head + ranks, *first = emission->first, *number = emission->number;
+    pbw_index begin = 0;
+    for (r = 0; r < lists; r++) {
+        pbw_index length = end[r];
+        end[r] = begin;
+        begin += length;
+    }
+    emission->fill_lists(emission->corner, slot, count, head, item);
+    for (r = 0, begin = 0; r < lists && !emission->any_order; r += PBW__LISTS) {
+        unsigned n = lists - r < PBW__LISTS ? (unsigned)(lists - r) : PBW__LISTS;
+        emission->sort_lists(item, end + r, n, begin, sorted);
+        for (i = r; i < r + n; begin = end[i++]) {
+            if (end[i] - begin > PBW__SHORT) {
+                pbw__sort_hub(item + begin, end[i] - begin, sorted + 1 + begin);
             }
         }
     }
-    return place;
+    for (r = lists; r-- > 0; ) {
+        begin = r > 0 ? end[r - 1] : 0;
+        end[r] = (place + begin) | (0 - (pbw_index)(begin == end[r]));   /* PBW_NONE if empty, without a branch */
+    }
+    item = emission->any_order ? item : sorted + 1;
+    place += (pbw_index)count;
+    for (item += count; count > 0; count--) {
+        item--;
+        place--;
+        number[item->simplex] = place;
+        pbw__emit_first(head, first, (pbw_index)(item->key >> 32), place, later);
+        pbw__emit_first(head, first, (pbw_index)item->key, place, later);
+        pbw__emit_first(head, first, item->last, place, later);
+    }
 }
 
 static void pbw__emit_pass2(void *arg, int task)
 {
     pbw__emission *emission = (pbw__emission *)arg;
-    size_t b = pbw__share(emission->blocks, task + 1, emission->tasks), end = b * PBW__BLOCK;
-    size_t place = b < emission->blocks ? emission->block[b] : emission->simplex_count;
-    size_t least = pbw__share(emission->blocks, task, emission->tasks);
-    pbw_index later = b < emission->blocks ? (pbw_index)end : PBW_NONE;
-    for (end = end < emission->vertex_count ? end : emission->vertex_count + 1; b-- > least; end = b * PBW__BLOCK) {
-        if (pbw__report(emission->context, 0.5 - 0.25 * (double)b / (double)emission->blocks)) {
-            return;
+    pbw__memory *memory = &emission->context->memory;
+    size_t regions = emission->store->region_count, least = pbw__share(regions, task, emission->tasks);
+    size_t region = pbw__share(regions, task + 1, emission->tasks), place = emission->end[task];
+    pbw_index later = region < regions ? (pbw_index)pbw__emit_ranks(emission, region) : PBW_NONE;
+    pbw_index *slot = NULL;                          /* of chains */
+    pbw__item *item = NULL;                          /* a region's lists; the same in order */
+    size_t slot_capacity = 0, item_capacity = 0;
+    while (region > least && !pbw__report(emission->context, 0.5 - 0.25 * (double)region / (double)regions)) {
+        unsigned count = region - least < PBW__CHAINS ? (unsigned)(region - least) : PBW__CHAINS, i;
+        size_t length[PBW__CHAINS], sum = 0, longest = 0;
+        region -= count;
+        for (i = 0; i < count; i++) {
+            size_t ranks = pbw__emit_ranks(emission, region + i);
+            length[i] = pbw__emit_count(emission->head + ranks, pbw__emit_ranks(emission, region + i + 1) - ranks);
+            sum += length[i];
+            longest = length[i] > longest ? length[i] : longest;
         }
-        place = emission->dim == 3 ? pbw__emit_numbers(emission, b * PBW__BLOCK, end, place, later, 3)
-                                   : pbw__emit_numbers(emission, b * PBW__BLOCK, end, place, later, 2);
+        longest += 4;                                /* for the waste, and what comes with the last of a four */
+        if ((sum > slot_capacity && !pbw__resize_array(memory, &slot, &slot_capacity, sum, sizeof(pbw_index)))
+            || (2 * longest > item_capacity
+                && !pbw__resize_array(memory, &item, &item_capacity, 2 * longest, sizeof(pbw__item)))) {
+            PBW__STORE(&emission->failed, 1);
+            break;
+        }
+        pbw__emit_follow(emission, region, count, length, slot);
+        for (i = count; i-- > 0; ) {
+            sum -= length[i];
+            place -= length[i];
+            if (later == PBW_NONE) {
+                pbw__emit_region(emission, region + i, slot + sum, length[i], item, item + longest, (pbw_index)place,
+                                 PBW_NONE);
+            } else {
+                pbw__emit_region(emission, region + i, slot + sum, length[i], item, item + longest, (pbw_index)place,
+                                 later);
+            }
+        }
     }
+    pbw__release(memory, slot, slot_capacity, sizeof(pbw_index));
+    pbw__release(memory, item, item_capacity, sizeof(pbw__item));
 }
 
 /* Pass 3: each simplex in canonical form, with ids for ranks and places for slots, from its slot to its place.  Slots
@@ -7065,15 +7145,17 @@ static void pbw__emit_pass5(void *arg, int task)
 static pbw_status pbw__emit(pbw__emission *emission)
 {
     pbw__context *context = emission->context;
-    size_t b, sum = 0;
+    size_t sum = 0;
     int tasks = emission->tasks, task;
     emission->lowest_ranks = emission->dim == 3 ? pbw__lowest_ranks3 : pbw__lowest_ranks2;
-    emission->sort_lists = emission->dim == 3 ? pbw__sort_lists3 : pbw__sort_lists2;
+    emission->fill_lists = emission->dim == 3 ? pbw__fill_lists3 : pbw__fill_lists2;
+    emission->sort_lists = pbw__sort_lists;
     emission->emit = emission->dim == 3 ? pbw__emit_slots3 : pbw__emit_slots2;
 #ifdef PBW__AVX2
     if (pbw__simd_works()) {
         emission->lowest_ranks = emission->dim == 3 ? pbw__lowest_ranks3_avx2 : pbw__lowest_ranks2_avx2;
-        emission->sort_lists = emission->dim == 3 ? pbw__sort_lists3_avx2 : pbw__sort_lists2_avx2;
+        emission->fill_lists = emission->dim == 3 ? pbw__fill_lists3_avx2 : pbw__fill_lists2_avx2;
+        emission->sort_lists = emission->dim == 3 ? pbw__sort_lists_avx2 : pbw__sort_lists2_avx2;
         emission->emit = emission->dim == 3 ? pbw__emit_slots3_avx2 : pbw__emit_slots2_avx2;
     }
 #endif
@@ -7081,12 +7163,9 @@ static pbw_status pbw__emit(pbw__emission *emission)
     if (tasks > 1) {
         pbw__for(context, tasks, pbw__emit_others, emission);
     }
-    for (b = 0; b < emission->blocks; b++) {
-        size_t before = sum;
-        for (task = 0; task < tasks; task++) {
-            sum += emission->block[(size_t)task * emission->blocks + b];
-        }
-        emission->block[b] = (pbw_index)before;
+    pbw__for(context, tasks, pbw__emit_counts, emission);
+    for (task = 0; task < tasks; task++) {
+        emission->end[task] = sum += emission->end[task];
     }
     emission->simplex_count = sum;
     if (PBW__LOAD(&context->cancelled)) {
@@ -8044,7 +8123,7 @@ static pbw_status pbw__output(pbw__context *context, pbw__store *store, pbw__ver
     pbw__memory *memory = &context->memory;
     pbw__emission emission;
     pbw__spare spare;
-    size_t blocks, chunks = store->count / PBW__CHUNK + 1, entries, links, allocated[3] = { 0, 0, 0 };
+    size_t chunks = store->count / PBW__CHUNK + 1, entries, links, allocated[3] = { 0, 0, 0 };
     size_t corners = (size_t)vertices->dim + 1;
     pbw_status status = PBW_ERROR_MEMORY;
 
@@ -8076,19 +8155,17 @@ static pbw_status pbw__output(pbw__context *context, pbw__store *store, pbw__ver
     if (emission.tasks > 1) {
         emission.first = pbw__borrow(context, &spare, vertices->count + 1, allocated + 2);
     }
-    emission.blocks = vertices->count / PBW__BLOCK + 1;
-    blocks = emission.blocks * (size_t)emission.tasks;
-    emission.block = (pbw_index *)pbw__allocate(memory, blocks, sizeof(pbw_index));
+    emission.chain = store->hint;
+    emission.end = (size_t *)pbw__allocate(memory, (size_t)emission.tasks, sizeof(size_t));
     emission.chunk_done = (unsigned char *)pbw__allocate(memory, chunks, 1);
     emission.aside = (pbw__aside *)pbw__allocate(memory, (size_t)emission.tasks, sizeof(pbw__aside));
     if (emission.number != NULL && emission.head != NULL && (emission.first != NULL || emission.tasks == 1)
-        && emission.block != NULL && emission.chunk_done != NULL && emission.aside != NULL) {
-        memset(emission.block, 0, blocks * sizeof(pbw_index));
+        && emission.end != NULL && emission.chunk_done != NULL && emission.aside != NULL) {
         memset(emission.chunk_done, 0, chunks);
         memset(emission.aside, 0, (size_t)emission.tasks * sizeof(pbw__aside));
         status = pbw__emit(&emission);
     }
-    pbw__release(memory, emission.block, blocks, sizeof(pbw_index));
+    pbw__release(memory, emission.end, (size_t)emission.tasks, sizeof(size_t));
     pbw__release(memory, emission.chunk_done, chunks, 1);
     pbw__release(memory, emission.aside, (size_t)emission.tasks, sizeof(pbw__aside));
     entries = emission.simplex_count * corners;
