@@ -76,6 +76,51 @@ static pbw_status fake_triangulate(const pbw_backend *backend, pbw_job *job)
     return plan->status;
 }
 
+/* A backend that is to find its job as it was asked for, weighted points with gaps, and says a text of many lengths. */
+static pbw_status look_triangulate(const pbw_backend *backend, pbw_job *job)
+{
+    const pbw_options *options = (const pbw_options *)backend->user;
+    const char *text = "123456789";
+    size_t length;
+    CHECK(job->dim == 2 && !job->is_float && job->count == 3 && job->points == five);
+    CHECK(job->weights == five + 3 && job->stride == options->stride && job->weight_stride == options->weight_stride);
+    CHECK(job->threads == options->threads && job->memory_limit == options->memory_limit);
+    CHECK_EQUAL(job->flags, options->flags);
+    for (length = 0; length < 10; length++) {        /* the last byte is not ours */
+        memset(options->message, '!', 9);
+        job->say(job, text + 9 - length);
+        CHECK(strncmp(options->message, text + 9 - length, 7) == 0);
+        CHECK(options->message[length < 7 ? length : 7] == '\0' && options->message[8] == '!');
+    }
+    CHECK_EQUAL(job->reserve(job, PBW_NONE), PBW_ERROR_TOO_LARGE);
+    return PBW_ERROR_BACKEND;
+}
+
+static void test_backend_job(void)
+{
+    if (test_begin("backend: what it is given")) {
+        pbw_options options;
+        pbw_backend backend;
+        pbw_mesh mesh;
+        char message[9];
+        memset(&options, 0, sizeof options);
+        options.threads = 3;
+        options.flags = PBW_NO_NEIGHBORS | PBW_ANY_ORDER;
+        options.stride = 3 * sizeof(double);
+        options.weight_stride = 4 * sizeof(double);
+        options.memory_limit = 12345678;
+        options.message = message;
+        options.message_size = 8;
+        options.backend = &backend;
+        backend.version = PBW_VERSION;
+        backend.triangulate = look_triangulate;
+        backend.user = &options;
+        CHECK_EQUAL(pbw_triangulate(2, five, five + 3, 3, &options, &mesh), PBW_ERROR_BACKEND);
+        CHECK(meshes_is_empty(&mesh));
+        test_end();
+    }
+}
+
 static void test_backends(void)
 {
     fake_plan plan;
@@ -627,6 +672,7 @@ int main(int argc, char **argv)
     test_start(argc, argv, 0);
     test_arguments();
     test_backends();
+    test_backend_job();
     test_reads();
     test_small();
     test_reentrancy();
