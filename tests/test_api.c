@@ -434,13 +434,25 @@ static void test_small(void)
     if (test_begin("negative zero is zero, in results too")) {
         static const double zeros[15] = { -0.0, 0, 0, 1, -0.0, 0, 0, 1, -0.0, -0.0, 0, 1, 0, -0.0, -0.0 };
         static const double weights[5] = { -0.0, 0, -0.0, 0, 0 };
+        float floats[15], float_weights[5];
         pbw_mesh mesh;
-        CHECK_EQUAL(pbw_triangulate(3, zeros, weights, 5, NULL, &mesh), PBW_OK);
-        CHECK(mesh.simplex_count == 1 && mesh.duplicate_count == 1 && mesh.canonical[4] == 0);
+        int way;
         for (i = 0; i < 15; i++) {
-            CHECK(mesh.points[i] == zeros[i]);
+            floats[i] = (float)zeros[i];
+            float_weights[i / 3] = (float)weights[i / 3];
         }
-        pbw_free(&mesh);
+        for (way = 0; way < 4; way++) {              /* packed points without weights are copied in another way */
+            CHECK_EQUAL(way < 2 ? pbw_triangulate(3, zeros, way == 0 ? weights : NULL, 5, NULL, &mesh)
+                                : pbw_triangulatef(3, floats, way == 2 ? float_weights : NULL, 5, NULL, &mesh), PBW_OK);
+            CHECK(mesh.simplex_count == 1 && mesh.duplicate_count == 1 && mesh.canonical[4] == 0);
+            for (i = 0; i < 15; i++) {
+                CHECK(mesh.points[i] == zeros[i] && !signbit(mesh.points[i]));
+            }
+            for (i = 0; i < 5 && mesh.weights != NULL; i++) {
+                CHECK(mesh.weights[i] == 0 && !signbit(mesh.weights[i]));
+            }
+            pbw_free(&mesh);
+        }
         test_end();
     }
 }
@@ -526,13 +538,15 @@ static void run_backwards(void *user, int tasks, void (*task)(void *arg, int i),
 typedef struct hired {
     void (*task)(void *arg, int i);
     void *arg;
-    int i;
+    int i, wrong;
 } hired;
 
 static void *run_hired(void *argument)
 {
     hired *one = (hired *)argument;
+    int changed = fesetround(FE_UPWARD) == 0;
     one->task(one->arg, one->i);
+    one->wrong = changed && fegetround() != FE_UPWARD;           /* left as it was */
     return NULL;
 }
 
@@ -553,6 +567,7 @@ static void run_one_thread_each(void *user, int tasks, void (*task)(void *arg, i
     }
     for (i = 0; i < tasks; i++) {
         pthread_join(threads[i], NULL);
+        CHECK_EQUAL(each[i].wrong, 0);
     }
     free(threads);
     free(each);

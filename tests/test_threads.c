@@ -2,6 +2,9 @@
    in the middle of the work. */
 #include <pthread.h>
 #include <stddef.h>
+#ifndef COUNT
+#define COUNT 6000                                   /* points */
+#endif
 
 /* Hooks of pbw.h for this test: threads wait at random, and can be refused. */
 static void pause_a_while(void);
@@ -196,6 +199,16 @@ static void run_late(void *user, int tasks, void (*task)(void *arg, int i), void
     run_backwards(user, tasks, task, arg);
 }
 
+/* On the caller's thread, although it is always time for a report when others come to ask. */
+static int watch_slowly(void *user, pbw_stage stage, double done)
+{
+    double start = pbw__seconds();
+    while (pbw__seconds() - start < 0.021) {
+        sched_yield();
+    }
+    return watch_progress(user, stage, done);
+}
+
 static void test_progress(size_t count)
 {
     int dim;
@@ -218,6 +231,12 @@ static void test_progress(size_t count)
             CHECK(pbw_check(&mesh, &options, &report) == PBW_OK && report.valid);
             CHECK(w.wrong == 0 && w.done == 1 && w.stage == PBW_STAGE_CHECK);
             pbw_free(&mesh);
+            options.run = NULL;
+            options.progress = watch_slowly;
+            watch_start(&w, 0);
+            CHECK_EQUAL(pbw_triangulate(dim, p.x, NULL, p.count, &options, &mesh), PBW_OK);
+            CHECK(w.wrong == 0 && w.done == 1 && w.stage == PBW_STAGE_OUTPUT);
+            pbw_free(&mesh);
             points_free(&p);
             test_end();
         }
@@ -233,8 +252,14 @@ static void test_refused_threads(size_t count)
         pbw_mesh right;
         CHECK_EQUAL(pbw_triangulate(3, p.x, NULL, p.count, &one, &right), PBW_OK);
         for (allowed = 0; allowed < 4; allowed++) {
+            pbw_options eight = with_threads(8);
+            pbw_mesh mesh;
             threads_allowed = allowed;
-            compare(&p, with_threads(8), &right);
+            compare(&p, eight, &right);
+            threads_allowed = allowed;
+            CHECK_EQUAL(pbw_triangulate(3, p.x, NULL, p.count, &eight, &mesh), PBW_OK);
+            CHECK_EQUAL(mesh.statistics.threads, allowed + 1);
+            pbw_free(&mesh);
         }
         threads_allowed = -1;
         pbw_free(&right);
@@ -517,7 +542,7 @@ static void test_many_builds(size_t count)
 int main(int argc, char **argv)
 {
     size_t count;
-    test_start(argc, argv, 6000);
+    test_start(argc, argv, COUNT);
     count = (size_t)test_count;
     test_same_bytes(count);
     test_job_systems(count);
