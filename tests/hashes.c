@@ -96,7 +96,7 @@ int main(void)
 {
     zoo animals;
     size_t i;
-    int kind;
+    int kind, power;
     zoo_fill(&animals);
     for (kind = 0; kind < INPUT_KINDS; kind++) {
         zoo_kind(&animals, 2, kind, 2001);
@@ -104,6 +104,15 @@ int main(void)
         if (kind != INPUT_MOMENT) {
             zoo_weigh(&animals, INPUT_WEIGHTS_HALF);
         }
+    }
+    for (power = -500; power <= 500; power += 20) {           /* on a circle and on a line, rounded */
+        zoo_new(&animals, 2, "ring, times 2^%d", power), zoo_ring(&animals, 50, 0.7, 0);
+        zoo_scale(&animals, ldexp(1, power), 0);
+        zoo_new(&animals, 2, "line, times 2^%d", power);
+        for (kind = 1; kind < 50; kind++) {
+            zoo_add(&animals, kind / 50.0, kind / 50.0 * 0.77, 0);
+        }
+        zoo_scale(&animals, ldexp(1, power), 0);
     }
     for (i = 0; i < animals.count; i++) {
         const zoo_input *in = animals.items + i;
