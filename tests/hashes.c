@@ -105,7 +105,7 @@ int main(void)
             zoo_weigh(&animals, INPUT_WEIGHTS_HALF);
         }
     }
-    for (power = -500; power <= 500; power += 20) {           /* on a circle and on a line, rounded */
+    for (power = -540; power <= 540; power += 20) {           /* on a circle and on a line, rounded */
         zoo_new(&animals, 2, "ring, times 2^%d", power), zoo_ring(&animals, 50, 0.7, 0);
         zoo_scale(&animals, ldexp(1, power), 0);
         zoo_new(&animals, 2, "line, times 2^%d", power);
