@@ -243,6 +243,27 @@ static void test_progress(size_t count)
     }
 }
 
+/* So many points that their order takes several reports: a slow callback is asked each time. */
+static void test_cancelled_order(void)
+{
+    if (test_begin("cancelled while points are put into order")) {
+        points p = points_make(INPUT_UNIFORM, 2, 150000, INPUT_WEIGHTS_ZERO);
+        pbw_options options = with_threads(1);
+        pbw_mesh mesh;
+        watch w;
+        long at;
+        options.progress = watch_slowly;
+        options.progress_user = &w;
+        for (at = 1; at <= 4; at++) {
+            watch_start(&w, at);
+            CHECK_EQUAL(pbw_triangulate(2, p.x, NULL, p.count, &options, &mesh), PBW_CANCELLED);
+            CHECK(meshes_is_empty(&mesh) && w.calls == at && w.stage == PBW_STAGE_ORDER);
+        }
+        points_free(&p);
+        test_end();
+    }
+}
+
 static void test_refused_threads(size_t count)
 {
     long allowed;
@@ -547,6 +568,7 @@ int main(int argc, char **argv)
     test_same_bytes(count);
     test_job_systems(count);
     test_progress(count);
+    test_cancelled_order();
     test_refused_threads(count);
     test_failing_memory(count / 2);
     test_trace(count);
