@@ -6924,11 +6924,17 @@ static void pbw__emit_pass2(void *arg, int task)
 #define PBW__CHUNK 1024
 #endif
 
-/* Whether the slots that a place covers have been read. */
+/* Whether the slots that a place covers have been read; of wide links, those of half the number. */
 PBW__INLINE int pbw__emit_free(const pbw__emission *emission, size_t place, int dim)
 {
     size_t first = (dim == 3 ? place : 3 * place / 4) / PBW__CHUNK;
     size_t last = (dim == 3 ? place : (3 * place + 2) / 4) / PBW__CHUNK;
+#ifdef PBW_WIDE
+    if (PBW__SEEN(emission->chunk_done + (dim == 3 ? place / 2 : 3 * place / 8) / PBW__CHUNK) == 0
+        || PBW__SEEN(emission->chunk_done + (dim == 3 ? place / 2 : (3 * place + 2) / 8) / PBW__CHUNK) == 0) {
+        return 0;
+    }
+#endif
     return PBW__SEEN(emission->chunk_done + first) != 0
         && (first == last || PBW__SEEN(emission->chunk_done + last) != 0);
 }

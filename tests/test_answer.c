@@ -83,6 +83,50 @@ static void test_random(void)
     }
 }
 
+/* Points within an ulp or so of a line, a plane or a sphere, at any scale; judged by pbw_check. */
+static void test_nearly(void)
+{
+    int dim, shape;
+    for (dim = 2; dim <= 3; dim++) {
+        for (shape = 0; shape < 6; shape++) {
+            static const char *const names[6] = { "on a line through 0", "on a line", "on a line, evenly", "flat",
+                                                  "on a sphere", "on a sphere, weights flat" };
+            if ((shape != 3 || dim == 3) && test_begin("random inputs nearly %s: %dD", names[shape], dim)) {
+                uint64_t state = test_seed * 16 + (uint64_t)(2 * shape + dim);
+                pbw_options options = serial();
+                double points[3 * 120], weights[120];
+                long i;
+                for (i = 0; i < test_count / 80; i++) {
+                    double a = input_uniform(&state), b = input_uniform(&state), c = shape == 1 ? b : 0;
+                    size_t n = 5 + input_below(&state, 115), k;
+                    pbw_mesh mesh;
+                    const char *fault;
+                    int j;
+                    input_fill(INPUT_SPHERE, dim, n, input_next(&state), points);
+                    for (k = 0; k < n && shape < 4; k++) {
+                        double *p = points + k * (size_t)dim;
+                        p[0] = shape == 2 ? (double)(k + 1) / (double)n : input_uniform(&state);
+                        p[dim - 2] = dim == 3 && shape < 3 ? b * p[0] - c : p[dim - 2];
+                        p[dim - 1] = shape == 3 ? a * p[0] + b * p[1] : a * p[0] + c;
+                    }
+                    j = (int)input_below(&state, 800) - 400;
+                    for (k = 0; k < n * (size_t)dim; k++) {
+                        points[k] = ldexp(points[k], i % 2 != 0 ? j : 0);
+                    }
+                    input_fill_weights(INPUT_WEIGHTS_FLAT_ULP, dim, n, 1, points, weights);
+                    pbw_triangulate(dim, points, shape == 5 ? weights : NULL, n, &options, &mesh);
+                    fault = meshes_fault(&mesh);
+                    if (!CHECK(fault == NULL) && test_faults < 4) {
+                        test_say("case %ld, seed %llu: %s", i, (unsigned long long)test_seed, fault);
+                    }
+                    pbw_free(&mesh);
+                }
+                test_end();
+            }
+        }
+    }
+}
+
 /* --- the zoo --- */
 
 static void check_permutations(const zoo_input *in, const pbw_mesh *mesh, uint64_t hash)
@@ -434,6 +478,7 @@ int main(int argc, char **argv)
     test_start(argc, argv, 20000);
     test_oracle();
     test_random();
+    test_nearly();
     test_known();
     test_zoo();
     test_threads();

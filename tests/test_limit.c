@@ -1,7 +1,8 @@
-/* test_limit.c: more simplices than can be numbered, with a limit so low that small inputs reach it. */
+/* test_limit.c: more simplices than can be numbered, with a limit so low that small inputs reach it, and odd, as
+   a new point of the plane takes two. */
 #define PBW_STATIC
 #define PBW_IMPLEMENTATION
-#define PBW_SIMPLEX_LIMIT 3000
+#define PBW_SIMPLEX_LIMIT 2999
 #include "../pbw.h"
 #include "meshes.h"
 #include "meter.h"
@@ -14,7 +15,7 @@ int main(int argc, char **argv)
     test_start(argc, argv, 0);
     for (dim = 2; dim <= 3; dim++) {
         for (kind = 0; kind < INPUT_KINDS; kind++) {
-            if (test_begin("more than 3000 simplices, ghosts included: %dD %s", dim, input_name(kind))) {
+            if (test_begin("more than 2999 simplices, ghosts included: %dD %s", dim, input_name(kind))) {
                 size_t n, refused = 0, done = 0;
                 for (n = 10; n <= 2000; n += n / 8) {
                     meter m;
@@ -29,7 +30,7 @@ int main(int argc, char **argv)
                     input_fill(kind, dim, n, test_seed, points);
                     status = pbw_triangulate(dim, points, NULL, n, &options, &mesh);
                     if (status == PBW_OK) {
-                        CHECK(mesh.simplex_count <= 3000 && meshes_fault(&mesh) == NULL);
+                        CHECK(mesh.simplex_count <= 2999 && meshes_fault(&mesh) == NULL);
                         done++;
                     } else {
                         CHECK_EQUAL(status, PBW_ERROR_TOO_LARGE);

@@ -5,7 +5,10 @@
 
    The truth comes from another method than the header's: no translation, no filter, no minors, but the homogeneous
    determinant of the points (x, y, z, lift, 1) by the permutation formula, in oracle.h's integers.
-   Built a second time with -U__SIZEOF_INT128__, it tests the digits of 26 bits. */
+   test_digits.c has the same tests for digits of 26 bits. */
+#ifndef CALLS
+#define CALLS 200000
+#endif
 #define PBW_IMPLEMENTATION
 #include "../pbw.h"
 #include "oracle.h"
@@ -1263,7 +1266,7 @@ static void print_times(void)
 
 int main(int argc, char **argv)
 {
-    long calls = 200000;
+    long calls = CALLS;
     int i, kept = 1, times = 0;
     for (i = 1; i < argc; i++) {
         if (strcmp(argv[i], "--long") == 0) {

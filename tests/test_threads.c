@@ -2,6 +2,9 @@
    in the middle of the work. */
 #include <pthread.h>
 #include <stddef.h>
+#ifndef COUNT
+#define COUNT 6000                                   /* points */
+#endif
 
 /* Hooks of pbw.h for this test: threads wait at random, and can be refused. */
 static void pause_a_while(void);
@@ -193,6 +196,16 @@ static void run_late(void *user, int tasks, void (*task)(void *arg, int i), void
     run_backwards(user, tasks, task, arg);
 }
 
+/* On the caller's thread, although it is always time for a report when others come to ask. */
+static int watch_slowly(void *user, pbw_stage stage, double done)
+{
+    double start = pbw__seconds();
+    while (pbw__seconds() - start < 0.021) {
+        sched_yield();
+    }
+    return watch_progress(user, stage, done);
+}
+
 static void test_progress(size_t count)
 {
     int dim;
@@ -215,9 +228,36 @@ static void test_progress(size_t count)
             CHECK(pbw_check(&mesh, &options, &report) == PBW_OK && report.valid);
             CHECK(w.wrong == 0 && w.done == 1 && w.stage == PBW_STAGE_CHECK);
             pbw_free(&mesh);
+            options.run = NULL;
+            options.progress = watch_slowly;
+            watch_start(&w, 0);
+            CHECK_EQUAL(pbw_triangulate(dim, p.x, NULL, p.count, &options, &mesh), PBW_OK);
+            CHECK(w.wrong == 0 && w.done == 1 && w.stage == PBW_STAGE_OUTPUT);
+            pbw_free(&mesh);
             points_free(&p);
             test_end();
         }
+    }
+}
+
+/* So many points that their order takes several reports: a slow callback is asked each time. */
+static void test_cancelled_order(void)
+{
+    if (test_begin("cancelled while points are put into order")) {
+        points p = points_make(INPUT_UNIFORM, 2, 150000, INPUT_WEIGHTS_ZERO);
+        pbw_options options = with_threads(1);
+        pbw_mesh mesh;
+        watch w;
+        long at;
+        options.progress = watch_slowly;
+        options.progress_user = &w;
+        for (at = 1; at <= 4; at++) {
+            watch_start(&w, at);
+            CHECK_EQUAL(pbw_triangulate(2, p.x, NULL, p.count, &options, &mesh), PBW_CANCELLED);
+            CHECK(meshes_is_empty(&mesh) && w.calls == at && w.stage == PBW_STAGE_ORDER);
+        }
+        points_free(&p);
+        test_end();
     }
 }
 
@@ -230,8 +270,14 @@ static void test_refused_threads(size_t count)
         pbw_mesh right;
         CHECK_EQUAL(pbw_triangulate(3, p.x, NULL, p.count, &one, &right), PBW_OK);
         for (allowed = 0; allowed < 4; allowed++) {
+            pbw_options eight = with_threads(8);
+            pbw_mesh mesh;
             threads_allowed = allowed;
-            compare(&p, with_threads(8), &right);
+            compare(&p, eight, &right);
+            threads_allowed = allowed;
+            CHECK_EQUAL(pbw_triangulate(3, p.x, NULL, p.count, &eight, &mesh), PBW_OK);
+            CHECK_EQUAL(mesh.statistics.threads, allowed + 1);
+            pbw_free(&mesh);
         }
         threads_allowed = -1;
         pbw_free(&right);
@@ -514,11 +560,12 @@ static void test_many_builds(size_t count)
 int main(int argc, char **argv)
 {
     size_t count;
-    test_start(argc, argv, 6000);
+    test_start(argc, argv, COUNT);
     count = (size_t)test_count;
     test_same_bytes(count);
     test_job_systems(count);
     test_progress(count);
+    test_cancelled_order();
     test_refused_threads(count);
     test_failing_memory(count / 2);
     test_trace(count);
