@@ -848,6 +848,32 @@ PBW__SIMD_INLINE pbw__d2 pbw__load2(const double *from)
     return PBW__EITHER(_mm_loadu_pd(from), vld1q_f64(from));
 }
 
+PBW__SIMD_INLINE double pbw__lane0(pbw__d2 x)
+{
+    return PBW__EITHER(_mm_cvtsd_f64(x), vgetq_lane_f64(x, 0));
+}
+
+PBW__SIMD_INLINE double pbw__lane1(pbw__d2 x)
+{
+    return PBW__EITHER(_mm_cvtsd_f64(_mm_unpackhi_pd(x, x)), vgetq_lane_f64(x, 1));
+}
+
+/* A number and its size: of lane 0, of lane 1; of a difference, where the sizes are added. */
+PBW__SIMD_INLINE pbw__d2 pbw__sized0(pbw__d2 x)
+{
+    return PBW__EITHER(_mm_andnot_pd(_mm_set_pd(-0.0, 0.0), _mm_unpacklo_pd(x, x)), vzip1q_f64(x, vabsq_f64(x)));
+}
+
+PBW__SIMD_INLINE pbw__d2 pbw__sized1(pbw__d2 x)
+{
+    return PBW__EITHER(_mm_andnot_pd(_mm_set_pd(-0.0, 0.0), _mm_unpackhi_pd(x, x)), vzip2q_f64(x, vabsq_f64(x)));
+}
+
+PBW__SIMD_INLINE pbw__d2 pbw__minus_sized(pbw__d2 x, pbw__d2 y)
+{
+    return PBW__EITHER(_mm_addsub_pd(x, y), vcopyq_laneq_f64(x + y, 0, x - y, 0));
+}
+
 PBW__SIMD_INLINE pbw__d2 pbw__turn_right(pbw__d2 x)       /* (y, -x) */
 {
     return PBW__EITHER(_mm_xor_pd(_mm_shuffle_pd(x, x, 1), _mm_set_pd(-0.0, 0.0)),
@@ -3446,8 +3472,8 @@ PBW__SIMD_INLINE pbw__rows3 pbw__rows3_of(const double *record, int hull, pbw_in
     return rows;
 }
 
-/* The same in the plane. */
-typedef struct pbw__rows2 { pbw__d4 x, y, lift, height, ghost; } pbw__rows2;
+/* The same in the plane, without a hull. */
+typedef struct pbw__rows2 { pbw__d4 x, y, lift, height; } pbw__rows2;
 typedef struct pbw__point2 { pbw__d4 x, y, weight; int weighted; } pbw__point2;
 
 #define PBW__EDGE_START(x) PBW__PICK(x, 1, 2, 0, 1)   /* the edge across starts there */
@@ -3463,7 +3489,7 @@ PBW__SIMD_INLINE pbw__point2 pbw__point2_of(const double *p, int weighted)
     return point;
 }
 
-PBW__SIMD_INLINE pbw__rows2 pbw__rows2_of(const double *record, int hull, pbw_index v0, pbw_index v1, pbw_index v2,
+PBW__SIMD_INLINE pbw__rows2 pbw__rows2_of(const double *record, pbw_index v0, pbw_index v1, pbw_index v2,
                                           pbw_index v3, pbw__point2 p)
 {
     const double *a = record + 3 * (size_t)v0, *b = record + 3 * (size_t)v1, *c = record + 3 * (size_t)v2,
@@ -3473,15 +3499,9 @@ PBW__SIMD_INLINE pbw__rows2 pbw__rows2_of(const double *record, int hull, pbw_in
     pbw__columns(a, b, c, d, &x, &y);
     rows.x = x - p.x;
     rows.y = y - p.y;
-    rows.ghost = pbw__each(0.0);
-    if (hull) {
-        rows.ghost = pbw__zeros(v0, v1, v2, v3);     /* PBW__GHOST */
-        rows.x = pbw__clear(rows.ghost, rows.x);
-        rows.y = pbw__clear(rows.ghost, rows.y);
-    }
     rows.lift = rows.height = pbw__fma(rows.y, rows.y, rows.x * rows.x);
     if (p.weighted) {
-        pbw__d4 weight = pbw__clear(rows.ghost, pbw__four(a[2], b[2], c[2], d[2]) - p.weight);
+        pbw__d4 weight = pbw__four(a[2], b[2], c[2], d[2]) - p.weight;
         rows.lift = rows.lift - weight;
         rows.height = rows.height + pbw__size4(weight);
     }
@@ -3764,14 +3784,26 @@ PBW__SIMD_INLINE pbw__d4 pbw__circle_limit(pbw__d4 h)
     return pbw__each(8.0) * h * h * pbw__each(PBW__CIRCLE_ERROR / 8.0);
 }
 
-/* Is p certainly beyond the edge of a ghost? */
-PBW__INLINE int pbw__is_beyond(const pbw__kernel *kernel, pbw_index t, const double *p)
+/* From ghost t along the hull: the ghost that has p certainly beyond its edge, or PBW_NONE if it is not near. */
+PBW__INLINE pbw_index pbw__walk_hull(pbw__kernel *kernel, pbw_index t, const double *p)
 {
-    const double *a = pbw__record2(kernel, kernel->corner[4 * (size_t)t]);
-    const double *b = pbw__record2(kernel, kernel->corner[4 * (size_t)t + 1]);
-    double ax = a[0] - p[0], ay = a[1] - p[1], bx = b[0] - p[0], by = b[1] - p[1];
-    double height = pbw__larger(pbw__larger(ax * ax + ay * ay, bx * bx + by * by), 1e-140);
-    return ax * by - ay * bx > height * PBW__ORIENT2_ERROR;
+    int steps;
+    for (steps = 0; steps < 16; steps++) {
+        const double *a = pbw__record2(kernel, kernel->corner[4 * (size_t)t]);
+        const double *b = pbw__record2(kernel, kernel->corner[4 * (size_t)t + 1]);
+        double ax = a[0] - p[0], ay = a[1] - p[1], bx = b[0] - p[0], by = b[1] - p[1];
+        double height = pbw__larger(pbw__larger(ax * ax + ay * ay, bx * bx + by * by), 1e-140);
+        int past_a = ax * (bx - ax) + ay * (by - ay) > 0.0, past_b = bx * (bx - ax) + by * (by - ay) < 0.0;
+        if (ax * by - ay * bx > height * PBW__ORIENT2_ERROR) {
+            return t;
+        }
+        if (past_a == past_b
+            || (PBW__UNLIKELY(kernel->owner != NULL) && !pbw__may_cross(kernel, t, (unsigned)past_a))) {
+            break;
+        }
+        t = (pbw_index)(kernel->link[4 * (size_t)t + (size_t)past_a] >> 2);
+    }
+    return PBW_NONE;
 }
 
 /* The same, an edge in each lane, through the first that has p outside.  Leaves the rows of the triangle, if it is
@@ -3782,8 +3814,11 @@ PBW__SIMD_INLINE pbw_index pbw__locate2_simd(pbw__kernel *kernel, pbw_index t, c
     const pbw_index *corner = kernel->corner;
     const pbw__point2 point = pbw__point2_of(p, weighted);
     size_t steps = 1;
-    if (PBW__UNLIKELY(corner[4 * (size_t)t + 2] == PBW__GHOST) && pbw__is_beyond(kernel, t, p)) {
-        return t;
+    if (PBW__UNLIKELY(corner[4 * (size_t)t + 2] == PBW__GHOST)) {
+        pbw_index ghost = pbw__walk_hull(kernel, t, p);
+        if (ghost != PBW_NONE) {
+            return ghost;
+        }
     }
     for (t = pbw__walk_start(kernel, t, 2); ; steps++) {
         const pbw_index *v = corner + 4 * (size_t)t;
@@ -3792,7 +3827,7 @@ PBW__SIMD_INLINE pbw_index pbw__locate2_simd(pbw__kernel *kernel, pbw_index t, c
         if (v[2] == PBW__GHOST) {
             break;
         }
-        *rows = pbw__rows2_of(kernel->record, 0, v[0], v[1], v[2], v[0], point);
+        *rows = pbw__rows2_of(kernel->record, v[0], v[1], v[2], v[0], point);
         sx = PBW__EDGE_START(rows->x), sy = PBW__EDGE_START(rows->y), sh = PBW__EDGE_START(rows->height);
         ex = PBW__EDGE_END(rows->x), ey = PBW__EDGE_END(rows->y), eh = PBW__EDGE_END(rows->height);
         side = pbw__det2(sx, sy, ex, ey);
@@ -4946,16 +4981,11 @@ typedef struct pbw__ring {
 
 /* Which of four triangles (o, e, s), met across the edges s e, are in conflict; in `certain` the lanes for which that
    is known.  Also the determinants and what bounds the heights. */
-PBW__SIMD_INLINE unsigned pbw__test2_simd(pbw__rows2 s, pbw__rows2 e, pbw__rows2 o, int hull, pbw__d4 *det,
-                                          pbw__d4 *height, unsigned *certain)
+PBW__SIMD_INLINE unsigned pbw__test2_simd(pbw__rows2 s, pbw__rows2 e, pbw__rows2 o, pbw__d4 *det, pbw__d4 *height,
+                                          unsigned *certain)
 {
     pbw__d4 h = pbw__larger4(pbw__larger4(s.height, e.height), o.height), size;
     h = pbw__larger4(h, pbw__each(1e-140));
-    if (hull) {
-        s.lift = pbw__raise(s.lift, s.ghost, h);
-        e.lift = pbw__raise(e.lift, e.ghost, h);
-        o.lift = pbw__raise(o.lift, o.ghost, h);
-    }
     *det = o.y * pbw__det2(e.lift, s.lift, e.x, s.x);
     *det = pbw__fma(o.x, pbw__det2(s.lift, e.lift, s.y, e.y), *det);
     *det = pbw__fnma(o.lift, pbw__det2(s.x, s.y, e.x, e.y), *det);
@@ -4975,7 +5005,7 @@ PBW__SIMD_INLINE unsigned pbw__test2_simd(pbw__rows2 s, pbw__rows2 e, pbw__rows2
    Where nothing is rounded, the sign is the sign, and the rule of pbw__conflict in >>predicates breaks ties between
    finite vertices.  The coefficients of the lifts are those of the determinant. */
 PBW__SIMD static PBW__NOINLINE unsigned pbw__settle2_rows(pbw__kernel *kernel, const pbw__rows2 *s,
-                                                          const pbw__rows2 *e, const pbw__rows2 *o, int hull,
+                                                          const pbw__rows2 *e, const pbw__rows2 *o,
                                                           const pbw__d4 *determinant, const pbw__d4 *height,
                                                           unsigned open, unsigned *inside)
 {
@@ -4988,19 +5018,11 @@ PBW__SIMD static PBW__NOINLINE unsigned pbw__settle2_rows(pbw__kernel *kernel, c
     if ((open & ~pbw__signs(exact)) != 0) {
         pbw__d4 sx = pbw__clear(sign, s->x), ex = pbw__clear(sign, e->x), sh = s->height, sum;
         pbw__d4 sy = pbw__clear(sign, s->y), ey = pbw__clear(sign, e->y), eh = e->height, oh = o->height;
-        if (hull) {
-            sh = pbw__raise(sh, s->ghost, h);
-            eh = pbw__raise(eh, e->ghost, h);
-            oh = pbw__raise(oh, o->ghost, h);
-        }
         sum = pbw__clear(sign, o->y) * pbw__fma(eh, sx, sh * ex);
         sum = pbw__fma(pbw__clear(sign, o->x), pbw__fma(sh, ey, eh * sy), sum);
         sum = pbw__fma(oh, pbw__fma(sx, ey, sy * ex), sum) * pbw__each(8.0);
         sum = pbw__fma(sum, pbw__each(1.5e-15 / 8.0), pbw__fma(h, pbw__each(1e-300), pbw__each(1e-300)));
         settled |= open & pbw__signs(pbw__above(pbw__clear(sign, det), sum));
-    }
-    if (hull) {
-        tied = pbw__clear(pbw__either(pbw__either(s->ghost, e->ghost), o->ghost), tied);
     }
     ties = pbw__signs(tied) & open;
     if (ties == 0) {
@@ -5028,12 +5050,13 @@ typedef struct pbw__pairs2 { pbw__pair4 x, y, lift; pbw__d4 ghost; } pbw__pairs2
 
 PBW__SIMD_INLINE pbw__pairs2 pbw__pairs2_of(const double *record, const pbw_index *v, const double *p)
 {
-    static const double zero[3] = { 0.0, 0.0, 0.0 };
-    pbw__rows2 at = pbw__rows2_of(record, 1, v[0], v[1], v[2], v[3], pbw__point2_of(zero, 0));
+    pbw__d4 x, y;
     pbw__pairs2 rows;
-    rows.ghost = at.ghost;
-    rows.x = pbw__difference4(at.x, pbw__each(p[0]), at.ghost);
-    rows.y = pbw__difference4(at.y, pbw__each(p[1]), at.ghost);
+    pbw__columns(record + 3 * (size_t)v[0], record + 3 * (size_t)v[1], record + 3 * (size_t)v[2],
+                 record + 3 * (size_t)v[3], &x, &y);
+    rows.ghost = pbw__zeros(v[0], v[1], v[2], v[3]); /* PBW__GHOST */
+    rows.x = pbw__difference4(x, pbw__each(p[0]), rows.ghost);
+    rows.y = pbw__difference4(y, pbw__each(p[1]), rows.ghost);
     rows.lift = pbw__plus4(pbw__times4(rows.x, rows.x), pbw__times4(rows.y, rows.y));
     return rows;
 }
@@ -5062,13 +5085,23 @@ PBW__SIMD static PBW__NOINLINE unsigned pbw__circle4_pairs(const double *record,
     return pbw__signs(pbw__keep(pbw__above(size, h * h * pbw__each(9e-30)), pbw__above(h, pbw__each(1e-20))));
 }
 
+/* Whether triangle t = (o, e, s) is in conflict, where the filter leaves it open; without weights. */
+PBW__SIMD static PBW__NOINLINE int pbw__open2(pbw__kernel *kernel, pbw_index s, pbw_index e, pbw_index o, pbw_index t,
+                                              const double *p)
+{
+    const pbw_index start[4] = { s, s, s, s }, end[4] = { e, e, e, e }, far[4] = { o, o, o, o };
+    unsigned inside;
+    return pbw__circle4_pairs(kernel->record, start, end, far, p, &inside) != 0 ? inside != 0
+                                                                                : pbw__in_conflict2(kernel, t, p);
+}
+
 /* The same with copies of what it looks at, so that the compiler need not keep that in memory for those who have no
    such lanes.  (And no vector is an argument of a call: gcc for Windows leaves those unaligned.) */
-PBW__SIMD_INLINE unsigned pbw__settle2(pbw__kernel *kernel, pbw__rows2 s, pbw__rows2 e, pbw__rows2 o, int hull,
+PBW__SIMD_INLINE unsigned pbw__settle2(pbw__kernel *kernel, pbw__rows2 s, pbw__rows2 e, pbw__rows2 o,
                                        pbw__d4 det, pbw__d4 height, unsigned open, unsigned *inside)
 {
     unsigned verdicts = *inside;
-    open = pbw__settle2_rows(kernel, &s, &e, &o, hull, &det, &height, open, &verdicts);
+    open = pbw__settle2_rows(kernel, &s, &e, &o, &det, &height, open, &verdicts);
     *inside = verdicts;
     return open;
 }
@@ -5140,19 +5173,18 @@ PBW__SIMD_INLINE pbw_status pbw__ring_split(pbw__kernel *kernel, pbw__ring *ring
     return PBW_OK;
 }
 
-/* Tests the next edges of the queue, of rows s and e, with the far vertices o; those in `outside` are known not to be
-   in conflict.  PBW_ERROR_TOO_LARGE: they may not fit the ring. */
-PBW__SIMD_INLINE pbw_status pbw__ring_step(pbw__kernel *kernel, pbw__ring *ring, unsigned head, unsigned outside,
-                                           int hull, int weighted, pbw__rows2 s, pbw__rows2 e, pbw__rows2 o,
-                                           const double *p)
+/* Tests the next edges of the queue, of rows s and e, with the far vertices o.  PBW_ERROR_TOO_LARGE: they may not fit
+   the ring. */
+PBW__SIMD_INLINE pbw_status pbw__ring_step(pbw__kernel *kernel, pbw__ring *ring, unsigned head, int weighted,
+                                           pbw__rows2 s, pbw__rows2 e, pbw__rows2 o, const double *p)
 {
     pbw__d4 det, height;
-    unsigned certain, inside = pbw__test2_simd(s, e, o, hull, &det, &height, &certain);
-    unsigned all = pbw__first_lanes(ring->tail - head) & ~outside;
+    unsigned certain, inside = pbw__test2_simd(s, e, o, &det, &height, &certain);
+    unsigned all = pbw__first_lanes(ring->tail - head);
     inside &= all;
     if (PBW__UNLIKELY((certain & all) != all)) {
         PBW__PHASE(PBW__EXACT);
-        certain |= pbw__settle2(kernel, s, e, o, hull, det, height, all & ~certain, &inside);
+        certain |= pbw__settle2(kernel, s, e, o, det, height, all & ~certain, &inside);
         if ((certain & all) != all) {
             inside = (inside & certain) | pbw__ring_exact(kernel, ring, head, all & ~certain, p);
         }
@@ -5177,12 +5209,12 @@ PBW__SIMD_INLINE pbw_status pbw__ring_start(pbw__kernel *kernel, pbw__ring *ring
     pbw_index a0 = corner[link[PBW__AFTER(beyond[0])]], a1 = corner[link[PBW__AFTER(beyond[1])]],
               a2 = corner[link[PBW__AFTER(beyond[2])]], b0 = corner[link[PBW__BEFORE(beyond[0])]],
               b1 = corner[link[PBW__BEFORE(beyond[1])]], b2 = corner[link[PBW__BEFORE(beyond[2])]];
-    pbw__rows2 far_after = pbw__rows2_of(kernel->record, 0, a0, a1, a2, a0, point);
-    pbw__rows2 far_before = pbw__rows2_of(kernel->record, 0, b0, b1, b2, b0, point);
+    pbw__rows2 far_after = pbw__rows2_of(kernel->record, a0, a1, a2, a0, point);
+    pbw__rows2 far_before = pbw__rows2_of(kernel->record, b0, b1, b2, b0, point);
     pbw__d4 det, height;
-    unsigned certain[3], inside = pbw__test2_simd(*s, *e, *o, 0, &det, &height, &certain[0]) & 7;
-    unsigned after = pbw__test2_simd(*s, *o, far_after, 0, &det, &height, &certain[1]);
-    unsigned before = pbw__test2_simd(*o, *e, far_before, 0, &det, &height, &certain[2]);
+    unsigned certain[3], inside = pbw__test2_simd(*s, *e, *o, &det, &height, &certain[0]) & 7;
+    unsigned after = pbw__test2_simd(*s, *o, far_after, &det, &height, &certain[1]);
+    unsigned before = pbw__test2_simd(*o, *e, far_before, &det, &height, &certain[2]);
     pbw_status status;
     if (PBW__UNLIKELY((certain[0] & certain[1] & certain[2]) != 15)
         || PBW__UNLIKELY(a0 == PBW__GHOST || a1 == PBW__GHOST || a2 == PBW__GHOST || b0 == PBW__GHOST
@@ -5195,68 +5227,30 @@ PBW__SIMD_INLINE pbw_status pbw__ring_start(pbw__kernel *kernel, pbw__ring *ring
                             : pbw__ring_split(kernel, ring, 3, pbw__pairs_of(after, before, inside), 0);
 }
 
-/* The same for the one edge of the hull that has the point beyond it, and the two of the triangle behind it. */
-PBW__SIMD_INLINE pbw_status pbw__ring_start_beyond(pbw__kernel *kernel, pbw__ring *ring, pbw__point2 point,
-                                                   unsigned *head)
-{
-    const pbw_index *corner = kernel->corner;
-    const pbw__link *link = kernel->link, beyond = ring->beyond[2];
-    pbw_index start = ring->start[2], end = ring->end[2], far = corner[beyond];
-    pbw_index after = corner[link[PBW__AFTER(beyond)]], before = corner[link[PBW__BEFORE(beyond)]];
-    pbw__rows2 s = pbw__rows2_of(kernel->record, 0, start, start, far, start, point);
-    pbw__rows2 e = pbw__rows2_of(kernel->record, 0, end, far, end, end, point);
-    pbw__rows2 o = pbw__rows2_of(kernel->record, 0, far, after, before, far, point);
-    pbw__d4 det, height;
-    unsigned outside = (unsigned)(after == PBW__GHOST) << 1 | (unsigned)(before == PBW__GHOST) << 2;
-    unsigned certain, inside = pbw__test2_simd(s, e, o, 0, &det, &height, &certain) & ~outside;
-    pbw_status status;
-    certain |= outside;
-    if (certain != 15 && (certain | pbw__settle2(kernel, s, e, o, 0, det, height, certain ^ 15, &inside)) != 15) {
-        return PBW_OK;
-    }
-    status = pbw__ring_split(kernel, ring, 0, inside & 1, 0);
-    *head = 1 + 2 * (inside & 1);
-    return status != PBW_OK ? status : pbw__ring_split(kernel, ring, 1, inside >> 1 & (0 - (inside & 1)) & 3, 0);
-}
-
-/* What a cavity may have of the hull. */
-enum { PBW__INNER, PBW__ONE_GHOST, PBW__ANY_GHOSTS };
-
-/* Is this ghost the only one in conflict?  The edges of the hull that have p beyond them, or in line with them,
-   follow one another: so it is, if p is strictly behind the next edge on either side. */
-PBW__INLINE int pbw__is_only_ghost(const pbw__kernel *kernel, pbw_index t, const double *p)
-{
-    const pbw_index *corner = kernel->corner, *v = corner + 4 * (size_t)t;
-    const pbw__link *link = kernel->link + 4 * (size_t)t;
-    const double *a = pbw__record2(kernel, v[0]), *b = pbw__record2(kernel, v[1]);
-    const double *before = pbw__record2(kernel, corner[link[1]]), *after = pbw__record2(kernel, corner[link[0]]);
-    double ax = a[0] - p[0], ay = a[1] - p[1], bx = b[0] - p[0], by = b[1] - p[1];
-    double cx = before[0] - p[0], cy = before[1] - p[1], dx = after[0] - p[0], dy = after[1] - p[1];
-    double size = pbw__larger(pbw__larger(ax * ax + ay * ay, bx * bx + by * by),
-                              pbw__larger(cx * cx + cy * cy, dx * dx + dy * dy));
-    double limit = pbw__larger(size, 1e-140) * PBW__ORIENT2_ERROR;
-    return cy * ax - cx * ay > limit && by * dx - bx * dy > limit;
-}
-
-/* Finds the cavity of p from t, a triangle in conflict, with these rows if it is finite.  PBW_ERROR_TOO_LARGE: it may
-   not fit the ring, or, if there should be no hull, it may have one. */
+/* Finds the cavity of p from t, a finite triangle in conflict, of these rows.  PBW_ERROR_TOO_LARGE: it may have
+   ghosts, or not fit the ring. */
 PBW__SIMD_INLINE pbw_status pbw__carve2_simd(pbw__kernel *kernel, pbw__ring *ring, pbw_index t,
-                                             const pbw__rows2 *rows, const double *p, int hull, int weighted)
+                                             const pbw__rows2 *rows, const double *p, int weighted)
 {
     const pbw_index *corner = kernel->corner, *v = corner + 4 * (size_t)t;
     const pbw__link *link = kernel->link + 4 * (size_t)t;
+    const pbw__link beyond[3] = { link[0], link[1], link[2] };
+    const pbw_index far[3] = { corner[beyond[0]], corner[beyond[1]], corner[beyond[2]] };
     const double *record = kernel->record;
     const pbw__point2 point = pbw__point2_of(p, weighted);
     pbw__rows2 s, e, o;
     pbw_status status = PBW_OK;
     unsigned head = 0;
+    if (PBW__UNLIKELY(far[0] == PBW__GHOST || far[1] == PBW__GHOST || far[2] == PBW__GHOST)) {
+        return PBW_ERROR_TOO_LARGE;
+    }
     ring->slot[0] = t;
     ring->start[0] = ring->end[2] = v[1];
     ring->start[1] = ring->end[0] = v[2];
     ring->start[2] = ring->end[1] = v[0];
-    ring->beyond[0] = link[0];
-    ring->beyond[1] = link[1];
-    ring->beyond[2] = link[2];
+    ring->beyond[0] = beyond[0];
+    ring->beyond[1] = beyond[1];
+    ring->beyond[2] = beyond[2];
     ring->next[0] = 1;
     ring->next[1] = 2;
     ring->next[2] = 0;
@@ -5265,70 +5259,55 @@ PBW__SIMD_INLINE pbw_status pbw__carve2_simd(pbw__kernel *kernel, pbw__ring *rin
     ring->queue[2] = 2;
     ring->queue[3] = 0;
     ring->count = ring->tail = 3;
-    if (hull == PBW__ONE_GHOST) {                    /* all but the edge of the hull is known */
-        ring->queue[0] = 2;
-        ring->queue[1] = ring->queue[2] = 0;
-        ring->tail = 1;
-        if (!weighted) {
-            status = pbw__ring_start_beyond(kernel, ring, point, &head);
-        }
+    o = pbw__rows2_of(record, far[0], far[1], far[2], far[0], point);
+    s.x = PBW__EDGE_START(rows->x), s.y = PBW__EDGE_START(rows->y), s.lift = PBW__EDGE_START(rows->lift);
+    e.x = PBW__EDGE_END(rows->x), e.y = PBW__EDGE_END(rows->y), e.lift = PBW__EDGE_END(rows->lift);
+    s.height = PBW__EDGE_START(rows->height), e.height = PBW__EDGE_END(rows->height);
+    if (!weighted) {
+        status = pbw__ring_start(kernel, ring, beyond, &s, &e, &o, point, &head);
     }
-    if (hull == PBW__INNER) {
-        const pbw__link beyond[3] = { link[0], link[1], link[2] };
-        const pbw_index far[3] = { corner[beyond[0]], corner[beyond[1]], corner[beyond[2]] };
-        if (PBW__UNLIKELY(far[0] == PBW__GHOST || far[1] == PBW__GHOST || far[2] == PBW__GHOST)) {
-            return PBW_ERROR_TOO_LARGE;
-        }
-        o = pbw__rows2_of(record, 0, far[0], far[1], far[2], far[0], point);
-        s.x = PBW__EDGE_START(rows->x), s.y = PBW__EDGE_START(rows->y), s.lift = PBW__EDGE_START(rows->lift);
-        e.x = PBW__EDGE_END(rows->x), e.y = PBW__EDGE_END(rows->y), e.lift = PBW__EDGE_END(rows->lift);
-        s.height = PBW__EDGE_START(rows->height), e.height = PBW__EDGE_END(rows->height);
-        s.ghost = e.ghost = o.ghost;
-        if (!weighted) {
-            status = pbw__ring_start(kernel, ring, beyond, &s, &e, &o, point, &head);
-        }
-        if (PBW__UNLIKELY(head == 0)) {
-            status = pbw__ring_step(kernel, ring, 0, 0, 0, weighted, s, e, o, p);
-            head = 3;
-        }
+    if (PBW__UNLIKELY(head == 0)) {
+        status = pbw__ring_step(kernel, ring, 0, weighted, s, e, o, p);
+        head = 3;
     }
     while (head < ring->tail && status == PBW_OK) {
         const unsigned char *queue = ring->queue + head;
-        unsigned i0 = queue[0], i1 = queue[1], i2 = queue[2], i3 = queue[3], next, outside = 0;
+        unsigned i0 = queue[0], i1 = queue[1], i2 = queue[2], i3 = queue[3], next;
         pbw_index far0 = corner[ring->beyond[i0]], far1 = corner[ring->beyond[i1]], far2 = corner[ring->beyond[i2]],
                   far3 = corner[ring->beyond[i3]];
-        if (hull != PBW__ANY_GHOSTS) {
-            outside = (unsigned)(far0 == PBW__GHOST) | (unsigned)(far1 == PBW__GHOST) << 1
-                    | (unsigned)(far2 == PBW__GHOST) << 2 | (unsigned)(far3 == PBW__GHOST) << 3;
-            if (hull == PBW__INNER && PBW__UNLIKELY(outside != 0)) {
-                return PBW_ERROR_TOO_LARGE;
-            }
+        if (PBW__UNLIKELY(far0 == PBW__GHOST || far1 == PBW__GHOST || far2 == PBW__GHOST || far3 == PBW__GHOST)) {
+            return PBW_ERROR_TOO_LARGE;
         }
-        s = pbw__rows2_of(record, hull == PBW__ANY_GHOSTS, ring->start[i0], ring->start[i1], ring->start[i2],
-                          ring->start[i3], point);
-        e = pbw__rows2_of(record, hull == PBW__ANY_GHOSTS, ring->end[i0], ring->end[i1], ring->end[i2],
-                          ring->end[i3], point);
-        o = pbw__rows2_of(record, hull == PBW__ANY_GHOSTS, far0, far1, far2, far3, point);
+        s = pbw__rows2_of(record, ring->start[i0], ring->start[i1], ring->start[i2], ring->start[i3], point);
+        e = pbw__rows2_of(record, ring->end[i0], ring->end[i1], ring->end[i2], ring->end[i3], point);
+        o = pbw__rows2_of(record, far0, far1, far2, far3, point);
         next = head + 4 < ring->tail ? head + 4 : ring->tail;
-        status = pbw__ring_step(kernel, ring, head, outside, hull == PBW__ANY_GHOSTS, weighted, s, e, o, p);
+        status = pbw__ring_step(kernel, ring, head, weighted, s, e, o, p);
         head = next;
     }
     return status;
 }
 
+/* The vertex that comes next, by a guess: as far along the curve as this one from the last. */
+PBW__INLINE pbw_index pbw__guess2(pbw__kernel *kernel, pbw_index vertex)
+{
+    pbw_index guess = 2 * vertex - kernel->previous;
+    kernel->previous = vertex;
+    return guess <= kernel->vertex_count ? guess : vertex;
+}
+
 /* The star, in the slots of the cavity and two more; pbw__refill2 has the numbers of the corners.  The next walk is
    to start in the triangle towards the next vertex, by a guess: as far along the curve as this from the last. */
-PBW__SIMD_INLINE void pbw__refill2_simd(pbw__kernel *kernel, pbw__ring *ring, pbw_index vertex, int hull)
+PBW__SIMD_INLINE void pbw__refill2_simd(pbw__kernel *kernel, pbw__ring *ring, pbw_index vertex)
 {
     pbw_index *corner = kernel->corner;
     pbw__link *link = kernel->link;
     const double *record = kernel->record;
     unsigned count = ring->count, i;
-    pbw_index guess = 2 * vertex - kernel->previous, last = ring->slot[0];
+    pbw_index last = ring->slot[0];
     const pbw__d2 p = pbw__load2(record + 3 * (size_t)vertex);
-    pbw__d2 normal = pbw__load2(record + 3 * (size_t)(guess <= kernel->vertex_count ? guess : vertex)) - p;
+    pbw__d2 normal = pbw__load2(record + 3 * (size_t)pbw__guess2(kernel, vertex)) - p;
     normal = pbw__turn_right(normal);
-    kernel->previous = vertex;
     ring->slot[count - 2] = (pbw_index)kernel->fresh;
     ring->slot[count - 1] = (pbw_index)kernel->fresh + 1;
     kernel->mark[kernel->fresh] = kernel->mark[kernel->fresh + 1] = 0;
@@ -5338,21 +5317,16 @@ PBW__SIMD_INLINE void pbw__refill2_simd(pbw__kernel *kernel, pbw__ring *ring, pb
     for (i = 0; i < count; i++) {
         pbw__link base = (pbw__link)ring->slot[i] << 2, after = (pbw__link)ring->slot[ring->next[i]] << 2;
         pbw_index start = ring->start[i], end = ring->end[i];
-        unsigned turn = hull && start == PBW__GHOST, from = 1 + turn, to = 2 - 2 * turn;
-        unsigned after_to = hull && end == PBW__GHOST ? 0 : 2, between;
-        corner[base + turn] = vertex;
-        corner[base + from] = start;
-        corner[base + to] = end;
-        link[base + turn] = ring->beyond[i];
-        link[base + from] = after | after_to;
-        link[after + after_to] = base | from;
-        link[ring->beyond[i]] = base | turn;
+        unsigned between;
+        corner[base] = vertex;
+        corner[base + 1] = start;
+        corner[base + 2] = end;
+        link[base] = ring->beyond[i];
+        link[base + 1] = after | 2;
+        link[after + 2] = base | 1;
+        link[ring->beyond[i]] = base;
         between = pbw__signs2((pbw__load2(record + 3 * (size_t)start) - p) * normal,
                               (pbw__load2(record + 3 * (size_t)end) - p) * normal);
-        if (hull) {                                  /* the ghost is at the end of each turn */
-            between &= start == PBW__GHOST ? 2u : 3u;
-            between |= end == PBW__GHOST ? 2u : 0u;
-        }
         last = between == 2 ? ring->slot[i] : last;
     }
     kernel->last = last;
@@ -5362,31 +5336,216 @@ PBW__SIMD_INLINE void pbw__refill2_simd(pbw__kernel *kernel, pbw__ring *ring, pb
     }
 }
 
-/* The same insertion where ghosts are met, or where it does not fit the ring, which has got as far as this. */
-PBW__SIMD static PBW__NOINLINE pbw_status pbw__hull2_simd(pbw__kernel *kernel, pbw__ring *ring, pbw_index t,
-                                                           pbw_index vertex)
+/* At the hull, without weights, with one ghost in the cavity or none: a depth-first search as in pbw__carve2.  Edge i
+   goes from start[i] to start[i + 1]. */
+typedef struct pbw__fan {
+    pbw_index start[PBW__RING], slot[PBW__RING];
+    pbw__link beyond[PBW__RING];
+    unsigned count, ghost;                           /* ghost: the edge that starts there, or PBW__RING */
+} pbw__fan;
+
+/* A vertex of the fan relative to the point, each number beside its size; the link across the edge that ends there;
+   the end of the edge that comes then. */
+typedef struct pbw__corner2 {
+    pbw__d2 x, y, lift;
+    struct pbw__corner2 *then;
+    pbw__link link;
+    pbw_index v;
+} pbw__corner2;
+
+PBW__SIMD_INLINE pbw__corner2 pbw__corner2_of(const double *record, pbw_index v, pbw__link link, pbw__d2 p)
+{
+    const pbw__d2 place = pbw__load2(record + 3 * (size_t)v) - p;
+    pbw__corner2 corner;
+    corner.x = pbw__sized0(place);
+    corner.y = pbw__sized1(place);
+    corner.lift = corner.x * corner.x + corner.y * corner.y;
+    corner.link = link;
+    corner.v = v;
+    return corner;
+}
+
+/* The sign of a number computed with an error of less than `factor` times its size, or PBW__OPEN.  No step makes more
+   of a number than of its size: where the size is finite, nothing has overflowed. */
+PBW__SIMD_INLINE int pbw__sign_sized(pbw__d2 x, double factor, double tiny)
+{
+    const double value = pbw__lane0(x);
+    return PBW__LIKELY(pbw__size(value) > pbw__lane1(x) * factor + tiny) ? (value > 0.0) - (value < 0.0) : PBW__OPEN;
+}
+
+/* On which side of the way from s to e the point lies: 1 left, -1 right.  Errors: 2 translations, 1 multiplication, 1
+   addition. */
+PBW__SIMD_INLINE int pbw__side2(const pbw__corner2 *s, const pbw__corner2 *e)
+{
+    return pbw__sign_sized(pbw__minus_sized(s->x * e->y, e->x * s->y), PBW__ORIENT2_ERROR, 1e-300);
+}
+
+/* 1 if the triangle (o, e, s) across the edge s e is in conflict.  With the bound of pbw__settle2_rows at once, as
+   triangles of points on curves are thin. */
+PBW__SIMD_INLINE int pbw__circle2(const pbw__corner2 *s, const pbw__corner2 *e, const pbw__corner2 *o)
+{
+    const double h = pbw__lane0(s->lift) + pbw__lane0(e->lift) + pbw__lane0(o->lift);
+    pbw__d2 det = o->x * pbw__minus_sized(s->lift * e->y, e->lift * s->y);
+    det = det + o->y * pbw__minus_sized(e->lift * s->x, s->lift * e->x);
+    det = pbw__minus_sized(det, o->lift * pbw__minus_sized(s->x * e->y, e->x * s->y));
+    return pbw__sign_sized(det, 1.5e-15, (h + 1.0) * 1e-300);
+}
+
+/* Is a ghost in conflict, of corners a and b, the only one?  The edges of the hull that have p beyond them, or in
+   line with them, follow one another: so it is, if p is strictly behind the next edge on either side. */
+PBW__SIMD_INLINE int pbw__is_only_ghost(const pbw__kernel *kernel, pbw_index t, const pbw__corner2 *a,
+                                        const pbw__corner2 *b, pbw__d2 p)
+{
+    const pbw__link *link = kernel->link + 4 * (size_t)t;
+    const pbw__corner2 before = pbw__corner2_of(kernel->record, kernel->corner[link[1]], 0, p);
+    const pbw__corner2 after = pbw__corner2_of(kernel->record, kernel->corner[link[0]], 0, p);
+    return pbw__side2(&before, a) == -1 && pbw__side2(b, &after) == -1;
+}
+
+/* Finds the cavity of p from t, a triangle in conflict.  PBW_ERROR_TOO_LARGE: it may not be as simple as that. */
+PBW__SIMD_INLINE pbw_status pbw__carve2_fan(pbw__kernel *kernel, pbw__fan *fan, pbw_index t, const double *p)
+{
+    const pbw_index *corner = kernel->corner, *v = corner + 4 * (size_t)t;
+    const pbw__link *link = kernel->link, *across = link + 4 * (size_t)t;
+    const double *record = kernel->record;
+    const pbw__d2 point = pbw__load2(p);
+    pbw__corner2 pool[PBW__RING], *start = pool, *end = pool + 1, *far = pool + 2;
+    unsigned count = 0, triangles = 1, ghost = PBW__RING;
+    fan->slot[0] = t;
+    pool[0] = pbw__corner2_of(record, v[0], across[1], point);
+    pool[1] = pbw__corner2_of(record, v[1], across[2], point);
+    pool[1].then = NULL;
+    if (v[2] == PBW__GHOST) {                        /* to the ghost, to v[0], then the edge that has p beyond it */
+        if (!pbw__is_only_ghost(kernel, t, &pool[0], &pool[1], point)) {
+            return PBW_ERROR_TOO_LARGE;
+        }
+        fan->start[0] = v[1];
+        fan->start[1] = PBW__GHOST;
+        fan->beyond[0] = across[0];
+        fan->beyond[1] = across[1];
+        ghost = 1;
+        count = 2;
+    } else {
+        pool[2] = pbw__corner2_of(record, v[2], across[0], point);
+        pool[3] = pool[0];
+        pool[1].then = pool + 2;
+        pool[2].then = pool + 3;
+        pool[3].then = NULL;
+        far = pool + 4;
+    }
+    do {
+        const pbw__link beyond = end->link;
+        const pbw_index o = corner[beyond];
+        fan->start[count] = start->v;
+        if (PBW__UNLIKELY(ghost == PBW__RING) && o == PBW__GHOST) {
+            const int side = pbw__side2(start, end);
+            if (side == -1 && pbw__is_only_ghost(kernel, (pbw_index)(beyond >> 2), end, start, point)) {
+                fan->slot[triangles++] = (pbw_index)(beyond >> 2);
+                fan->beyond[count] = link[PBW__AFTER(beyond)];
+                ghost = ++count;
+                fan->start[count] = PBW__GHOST;
+                end->link = link[PBW__BEFORE(beyond)];
+            } else if (side != 1) {
+                return PBW_ERROR_TOO_LARGE;
+            }
+        } else {                                     /* no branch for the ghost: no predictor could guess it */
+            int sign;
+            *far = pbw__corner2_of(record, o, link[PBW__AFTER(beyond)], point);
+            far->then = end;
+            sign = pbw__circle2(start, end, far);
+            if (PBW__UNLIKELY(sign == PBW__OPEN)) {
+                sign = pbw__open2(kernel, start->v, end->v, o, (pbw_index)(beyond >> 2), p);
+            }
+            if ((sign > 0) & (o != PBW__GHOST)) {
+                if (PBW__UNLIKELY(kernel->owner != NULL) && !pbw__owns(kernel, o)) {
+                    return PBW__LEFT;                /* all others of the cavity are ours, or the ghost */
+                }
+                if (PBW__UNLIKELY(far == pool + PBW__RING - 3)) {
+                    return PBW_ERROR_TOO_LARGE;
+                }
+                fan->slot[triangles++] = (pbw_index)(beyond >> 2);
+                end->link = link[PBW__BEFORE(beyond)];
+                end = far++;
+                continue;
+            }
+        }
+        fan->beyond[count++] = end->link;
+        start = end;
+        end = end->then;
+    } while (end != NULL);
+    fan->count = count;
+    fan->ghost = ghost;
+    return PBW_OK;
+}
+
+/* The star, in the slots of the cavity and two more.  The next walk is to start at a ghost of the new vertex, the one
+   towards the next vertex. */
+PBW__SIMD_INLINE void pbw__refill2_fan(pbw__kernel *kernel, pbw__fan *fan, pbw_index vertex)
+{
+    const double *p = pbw__record2(kernel, vertex), *next = pbw__record2(kernel, pbw__guess2(kernel, vertex));
+    const unsigned count = fan->count;
+    pbw_index *corner = kernel->corner;
+    pbw__link *link = kernel->link, base, last;
+    unsigned i;
+    fan->slot[count - 2] = (pbw_index)kernel->fresh;
+    fan->slot[count - 1] = (pbw_index)kernel->fresh + 1;
+    fan->slot[count] = fan->slot[0];
+    fan->start[count] = fan->start[0];
+    kernel->mark[kernel->fresh] = kernel->mark[kernel->fresh + 1] = 0;
+    kernel->fresh += 2;
+    kernel->last = fan->slot[0];
+    kernel->statistics.created += count;
+    kernel->statistics.conflict_tests += 2 * count - 3;
+    last = (pbw__link)fan->slot[count - 1] << 2;
+    for (i = 0; i < count; i++) {
+        base = (pbw__link)fan->slot[i] << 2;
+        corner[base] = vertex;
+        corner[base + 1] = fan->start[i];
+        corner[base + 2] = fan->start[i + 1];
+        link[base] = fan->beyond[i];
+        link[base + 1] = (pbw__link)fan->slot[i + 1] << 2 | 2;
+        link[base + 2] = last | 1;
+        link[fan->beyond[i]] = base;
+        last = base;
+    }
+    if (fan->ghost != PBW__RING) {                   /* (vertex, ghost, end) turns to (end, vertex, ghost) */
+        const double *a = pbw__record2(kernel, fan->start[fan->ghost - 1]);
+        const double *b = pbw__record2(kernel, fan->start[fan->ghost + 1]);
+        const int back = (next[0] - p[0]) * (b[0] - a[0]) + (next[1] - p[1]) * (b[1] - a[1]) < 0.0;
+        kernel->last = fan->slot[fan->ghost - (unsigned)back];
+        base = (pbw__link)fan->slot[fan->ghost] << 2;
+        last = link[base + 2];
+        corner[base] = corner[base + 2];
+        corner[base + 1] = vertex;
+        corner[base + 2] = PBW__GHOST;
+        link[base + 2] = link[base + 1];
+        link[base + 1] = link[base];
+        link[base] = last;
+        link[link[base]] = base;
+        link[link[base + 1]] = base | 1;
+        link[link[base + 2]] = base | 2;
+    }
+    if (PBW__UNLIKELY(kernel->owner != NULL)) {      /* >>parallel looks for hints there */
+        memcpy(kernel->cavity, fan->slot, count * sizeof(pbw_index));
+        kernel->facet_count = count;
+    }
+}
+
+/* The same insertion at the hull, or where it does not fit the ring. */
+PBW__SIMD static PBW__NOINLINE pbw_status pbw__hull2_simd(pbw__kernel *kernel, pbw_index t, pbw_index vertex)
 {
     const double *p = pbw__record2(kernel, vertex);
-    pbw_status status;
-    pbw_index ghost = kernel->corner[4 * (size_t)t + 2] == PBW__GHOST ? t : PBW_NONE;
-    unsigned i;
-    for (i = 0; i < ring->count && ghost == PBW_NONE; i++) {     /* one that the ring has come to? */
-        pbw_index o = (pbw_index)(ring->beyond[i] >> 2);
-        if (kernel->corner[ring->beyond[i]] == PBW__GHOST && pbw__is_beyond(kernel, o, p)
-            && (kernel->owner == NULL || pbw__may_delete(kernel, o))) {
-            ghost = o;
-        }
-    }
-    status = ghost != PBW_NONE && pbw__is_only_ghost(kernel, ghost, p)
-           ? pbw__carve2_simd(kernel, ring, ghost, NULL, p, PBW__ONE_GHOST, kernel->weighted)
-           : pbw__carve2_simd(kernel, ring, t, NULL, p, PBW__ANY_GHOSTS, kernel->weighted);
-    if (status == PBW_ERROR_TOO_LARGE || kernel->fresh_end - kernel->fresh < 2) {
+    pbw__fan fan;
+    pbw_status status = kernel->weighted ? PBW_ERROR_TOO_LARGE : pbw__carve2_fan(kernel, &fan, t, p);
+    if (PBW__UNLIKELY(status == PBW_ERROR_TOO_LARGE) || PBW__UNLIKELY(kernel->fresh_end - kernel->fresh < 2)) {
         status = pbw__carve2(kernel, t, p);
         return status == PBW_OK ? pbw__refill2(kernel, vertex) : status;
     }
+    PBW__PHASE(PBW__STAR);
     if (status == PBW_OK) {
-        pbw__refill2_simd(kernel, ring, vertex, 1);
+        pbw__refill2_fan(kernel, &fan, vertex);
     }
+    PBW__PHASE(PBW__OTHER);
     return status;
 }
 
@@ -5398,7 +5557,7 @@ PBW__SIMD_INLINE pbw_status pbw__insert2_with(pbw__kernel *kernel, pbw_index ver
     pbw__rows2 rows;
     pbw_status status;
     PBW__PHASE(PBW__WALK);
-    rows.x = rows.y = rows.lift = rows.height = rows.ghost = pbw__each(0.0);
+    rows.x = rows.y = rows.lift = rows.height = pbw__each(0.0);
     t = t != PBW__FOREIGN ? pbw__locate2_simd(kernel, t, p, weighted, &rows) : t;
     status = pbw__located(kernel, t);
     if (PBW__UNLIKELY(t == PBW_NONE) || PBW__UNLIKELY(status != PBW_OK)) {
@@ -5407,15 +5566,14 @@ PBW__SIMD_INLINE pbw_status pbw__insert2_with(pbw__kernel *kernel, pbw_index ver
     PBW__PHASE(PBW__CAVITY);
     if (PBW__UNLIKELY(kernel->corner[4 * (size_t)t + 2] == PBW__GHOST)
         || PBW__UNLIKELY(kernel->fresh_end - kernel->fresh < 2)) {
-        ring.count = 0;
-        return pbw__hull2_simd(kernel, &ring, t, vertex);
+        return pbw__hull2_simd(kernel, t, vertex);
     }
-    status = pbw__carve2_simd(kernel, &ring, t, &rows, p, PBW__INNER, weighted);
+    status = pbw__carve2_simd(kernel, &ring, t, &rows, p, weighted);
     if (PBW__UNLIKELY(status != PBW_OK)) {
-        return status == PBW_ERROR_TOO_LARGE ? pbw__hull2_simd(kernel, &ring, t, vertex) : status;
+        return status == PBW_ERROR_TOO_LARGE ? pbw__hull2_simd(kernel, t, vertex) : status;
     }
     PBW__PHASE(PBW__STAR);
-    pbw__refill2_simd(kernel, &ring, vertex, 0);
+    pbw__refill2_simd(kernel, &ring, vertex);
     PBW__PHASE(PBW__OTHER);
     return PBW_OK;
 }

@@ -337,10 +337,10 @@ static int true_perturbed_sign(const points *p, const int *rank)
 
 /* --- the predicates, by stage --- */
 
-enum { FILTER, INTEGERS, GRID, PAIRS, LANES, EXACT, KERNEL, PUBLIC, STAGES, VECTORS = STAGES };
+enum { FILTER, INTEGERS, GRID, PAIRS, LANES, EXACT, KERNEL, PUBLIC, STAGES, VECTORS = STAGES, SIZED };
 
 static const char *const stage_name[] = { "filter", "integers", "grid", "pairs", "lanes", "exact", "kernel", "public",
-                                          "vectors" };
+                                          "vectors", "sizes" };
 
 static int have_vectors(void)
 {
@@ -404,41 +404,37 @@ static int public_sign(const points *p, int power)
     return p->dim == 2 ? pbw_power2(q[0], q[1], q[2], q[3], w) : pbw_power3(q[0], q[1], q[2], q[3], q[4], w);
 }
 
-/* --- four edges at once, in the plane, as an insertion tests them --- */
+/* --- edges in the plane, as an insertion tests them --- */
 
-/* The lanes hold the same determinant: of three points by turns, or of two and the ghost.  Returns the sign, if some
-   lane knows it, and 2 lanes that differ make 3; also the first lane's value and height. */
+/* Four at once: the lanes hold the same determinant, of three points by turns.  Returns the sign, if some lane knows
+   it, and 2 lanes that differ make 3; also the first lane's value and height. */
 #ifdef PBW__SIMD
 PBW__SIMD
 #endif
-static int vector_sign(const points *p, int power, double *value, double *height)
+static int vector_sign(const points *p, double *value, double *height)
 {
     int sign = PBW__OPEN;
     *value = *height = 0;
 #ifdef PBW__SIMD
-    static const pbw_index lanes[2][3][4] = {              /* far vertex, start, end; 0 is the ghost */
-        { { 0, 1, 2, 0 }, { 2, 0, 1, 2 }, { 1, 2, 0, 1 } }, { { 1, 2, 3, 1 }, { 3, 1, 2, 3 }, { 2, 3, 1, 2 } }
+    static const pbw_index lanes[3][4] = {                 /* far vertex, start, end */
+        { 0, 1, 2, 0 }, { 2, 0, 1, 2 }, { 1, 2, 0, 1 }
     };
-    double records[4 * 3], det[4], h[4];
-    const double *q = p->at[2 + power];
+    double records[3 * 3], det[4], h[4];
     pbw__rows2 rows[3];
     pbw__point2 origin;
     pbw__d4 vector, heights;
     unsigned certain, inside, k;
     int weighted = 0;
-    memset(records, 0, sizeof records);
     for (k = 0; k < 3; k++) {
-        memcpy(records + 3 * (k + 1), p->at[k], 3 * sizeof(double));
-        weighted |= p->at[k][2] != q[2];
+        memcpy(records + 3 * k, p->at[k], 3 * sizeof(double));
+        weighted |= p->at[k][2] != p->at[3][2];
     }
-    origin = pbw__point2_of(q, power && weighted);
+    origin = pbw__point2_of(p->at[3], weighted);
     for (k = 0; k < 3; k++) {
-        const pbw_index *v = lanes[power][k];
-        rows[k] = power ? pbw__rows2_of(records, 0, v[0], v[1], v[2], v[3], origin)
-                        : pbw__rows2_of(records, 1, v[0], v[1], v[2], v[3], origin);
+        const pbw_index *v = lanes[k];
+        rows[k] = pbw__rows2_of(records, v[0], v[1], v[2], v[3], origin);
     }
-    inside = power ? pbw__test2_simd(rows[1], rows[2], rows[0], 0, &vector, &heights, &certain)
-                   : pbw__test2_simd(rows[1], rows[2], rows[0], 1, &vector, &heights, &certain);
+    inside = pbw__test2_simd(rows[1], rows[2], rows[0], &vector, &heights, &certain);
     memcpy(det, &vector, sizeof det);
     memcpy(h, &heights, sizeof h);
     *value = det[0];
@@ -451,9 +447,28 @@ static int vector_sign(const points *p, int power, double *value, double *height
     }
 #else
     (void)p;
-    (void)power;
 #endif
     return sign;
+}
+
+/* At the hull, where numbers have their sizes beside them; without weights. */
+#ifdef PBW__SIMD
+PBW__SIMD
+#endif
+static int sized_sign(const points *p, int power)
+{
+#ifdef PBW__SIMD
+    pbw__d2 origin = pbw__load2(p->at[2 + power]);
+    pbw__corner2 a = pbw__corner2_of(p->at[0], 0, 0, origin), b = pbw__corner2_of(p->at[1], 0, 0, origin);
+    pbw__corner2 c = pbw__corner2_of(p->at[2], 0, 0, origin);
+    return !power ? pbw__side2(&a, &b)
+         : p->at[0][2] != p->at[3][2] || p->at[1][2] != p->at[3][2] || p->at[2][2] != p->at[3][2] ? PBW__OPEN
+         : pbw__circle2(&c, &b, &a);
+#else
+    (void)p;
+    (void)power;
+    return PBW__OPEN;
+#endif
 }
 
 static void find_grid(const points *p, pbw__grid *grid)
@@ -491,7 +506,8 @@ static int stage_sign(const points *p, int power, int stage, const pbw__grid *gr
                             : pbw__power3(q[0], q[1], q[2], q[3], q[4], grid);
         }
         return dim == 2 ? pbw__orient2(q[0], q[1], q[2], grid) : pbw__orient3(q[0], q[1], q[2], q[3], grid);
-    case VECTORS: return vector_sign(p, power, &value, &height);
+    case VECTORS: return vector_sign(p, &value, &height);
+    case SIZED: return sized_sign(p, power);
     default: return public_sign(p, power);
     }
 }
@@ -896,8 +912,14 @@ static double true_value(const points *p, int power, int stage, double *bound)
         lift = fmax(lift, norm);
     }
     *bound *= stage == LANES ? lift * lift * (dim == 3 ? sqrt(lift) : 1) : power ? lift : 1;
-    if (stage == VECTORS) {                                /* an orientation comes times the height */
-        *bound = PBW__CIRCLE_ERROR * lift * (power ? lift : 1);
+    if (stage == VECTORS) {
+        *bound = PBW__CIRCLE_ERROR * lift * lift;
+    }
+    for (*bound *= stage != SIZED, i = 0; i < count && stage == SIZED; i++) {
+        const double *a = p->at[(i + 1) % count], *b = p->at[(i + 2) % count], *c = p->at[i], *o = p->at[count];
+        *bound += power ? 1.5e-15 * ((c[0] - o[0]) * (c[0] - o[0]) + (c[1] - o[1]) * (c[1] - o[1]))
+                        * (fabs((a[0] - o[0]) * (b[1] - o[1])) + fabs((a[1] - o[1]) * (b[0] - o[0])))
+                        : PBW__ORIENT2_ERROR * fabs((a[0] - o[0]) * (c[1] - o[1]));
     }
     for (i = truth.length - 1; i >= 0 && i >= truth.length - 3; i--) {
         value += ldexp(truth.limb[i], 32 * i + unit);
@@ -914,14 +936,14 @@ static void test_attack(long steps)
     int dim, power, start;
     for (dim = 2; dim <= 3; dim++) {
         for (power = 0; power < 2; power++) {
-            static const int stages[4] = { FILTER, PAIRS, LANES, VECTORS };
+            static const int stages[5] = { FILTER, PAIRS, LANES, VECTORS, SIZED };
             int attacked;
-            for (attacked = 0; attacked < 4; attacked++) {
+            for (attacked = 0; attacked < 5; attacked++) {
                 int stage = stages[attacked];
                 double nearest = HUGE_VAL;
                 long answers = 0;
-                int columns = stage == LANES ? dim : dim + power;
-                if ((stage == LANES && !power) || (stage == VECTORS && dim == 3)
+                int columns = stage == LANES || stage == SIZED ? dim : dim + power;
+                if (((stage == LANES || stage == VECTORS) && !power) || (stage >= VECTORS && dim == 3)
                     || !test_begin("attack on %s, %s%d", stage_name[stage], power ? "power" : "orient", dim)) {
                     continue;
                 }
@@ -1093,7 +1115,7 @@ static void test_lanes(long calls)
 }
 #endif
 
-/* What four lanes are sure of is true; where nothing is rounded, so is the determinant itself. */
+/* What vectors are sure of is true; where nothing is rounded, so is the determinant itself. */
 static void test_vectors(long calls)
 {
     int power, family, k;
@@ -1110,8 +1132,8 @@ static void test_vectors(long calls)
             }
             for (i = 0; i < n; i++) {
                 points p;
-                double value, height, bound;
-                int sign, flat = below(2), low = below(5000), high = 4 + below(below(2) ? 6100 : 20000);
+                double value = 0, height = 0, bound;
+                int sign, truth, flat = below(2), low = below(5000), high = 4 + below(below(2) ? 6100 : 20000);
                 fill(&p, 2, family < FAMILIES ? family : UNIFORM);
                 for (k = 0; k < 4; k++) {
                     if (family == FAMILIES) {
@@ -1121,16 +1143,21 @@ static void test_vectors(long calls)
                     }
                     p.at[k][2] *= !flat;
                 }
-                sign = vector_sign(&p, power, &value, &height);
-                if (!CHECK(sign == PBW__OPEN || sign == true_sign(&p, power, NULL))) {
+                truth = true_sign(&p, power, NULL);
+                sign = sized_sign(&p, power);
+                if (!CHECK(sign == PBW__OPEN || sign == truth)) {
                     print_points(&p);
                 }
-                if (family == FAMILIES && height < PBW__EXACT_HEIGHT2) {
-                    CHECK(value == true_value(&p, power, FILTER, &bound) * (power ? 1 : height));
+                sign = power ? vector_sign(&p, &value, &height) : PBW__OPEN;
+                if (!CHECK(sign == PBW__OPEN || sign == truth)) {
+                    print_points(&p);
+                }
+                if (power && family == FAMILIES && height < PBW__EXACT_HEIGHT2) {
+                    CHECK(value == true_value(&p, power, FILTER, &bound));
                     exact++;
                 }
             }
-            CHECK(exact > n / 8 || family < FAMILIES);
+            CHECK(exact > n / 8 || family < FAMILIES || !power);
             test_end();
         }
     }
