@@ -995,23 +995,28 @@ static void pbw__memory_start(pbw__memory *memory, const pbw_options *options)
 /* count*size bytes in place of an old block of old_count*size; NULL leaves the old block as it was.  Any thread. */
 static void *pbw__resize(pbw__memory *memory, void *ptr, size_t old_count, size_t count, size_t size)
 {
-    size_t old_bytes = old_count * size, bytes, grown, used;
+    size_t old_bytes = old_count * size, bytes, grown = 0, used, peak;
     void *block;
     if (count > (size_t)-1 / 2 / size) {
         return NULL;
     }
     bytes = count * size;
-    grown = bytes - old_bytes;                       /* wraps around, if it shrinks */
-    used = PBW__ADD(&memory->used, grown) + grown;
-    if (memory->limit != 0 && bytes > old_bytes && used > memory->limit) {
-        (void)PBW__ADD(&memory->used, (size_t)0 - grown);
-        return NULL;
+    if (bytes > old_bytes) {                         /* counted before it is there, and until it is gone */
+        grown = bytes - old_bytes;
+        used = PBW__ADD(&memory->used, grown) + grown;
+        if (memory->limit != 0 && used > memory->limit) {
+            (void)PBW__ADD(&memory->used, (size_t)0 - grown);
+            return NULL;
+        }
     }
     block = memory->resize(memory->user, ptr, old_bytes, bytes);
     if (block == NULL && bytes != 0) {
         (void)PBW__ADD(&memory->used, (size_t)0 - grown);
-    } else if (used > PBW__LOAD(&memory->peak)) {
-        PBW__STORE(&memory->peak, used);             /* of two threads at once one may lose: the peak is a report */
+    } else if (grown == 0) {
+        (void)PBW__ADD(&memory->used, bytes - old_bytes);        /* wraps around */
+    } else {
+        for (peak = PBW__LOAD(&memory->peak); used > peak && !PBW__REPLACE(&memory->peak, &peak, used); ) {
+        }
     }
     return block;
 }

@@ -136,7 +136,12 @@ static void test_ceilings(void)
                 printf("    %dD, %d threads%s: %.1f bytes a point held at once, %.1f in the result\n", dim, threads,
                        weighted ? ", weighted" : "", each, (double)m.bytes / (double)n);
                 CHECK(each <= documented + (threads > 1 ? 0.5e6 * threads / (double)n : 0));
-                CHECK_EQUAL(mesh.statistics.peak_bytes, m.peak);
+                if (threads == 1) {
+                    CHECK_EQUAL(mesh.statistics.peak_bytes, m.peak);
+                } else {                             /* counted before it is there, and until it is gone */
+                    CHECK(mesh.statistics.peak_bytes >= m.peak);
+                    CHECK((double)mesh.statistics.peak_bytes <= (double)m.peak + 0.5e6 * threads);
+                }
                 pbw_free(&mesh);
                 check_empty(&m);
                 test_end();
