@@ -7053,7 +7053,7 @@ static void pbw__emit_pass2(void *arg, int task)
             longest = length[i] > longest ? length[i] : longest;
         }
         longest += 4;                                /* for the waste, and what comes with the last of a four */
-        if ((sum > slot_capacity && !pbw__resize_array(memory, &slot, &slot_capacity, sum, sizeof(pbw_index)))
+        if ((sum >= slot_capacity && !pbw__resize_array(memory, &slot, &slot_capacity, sum + 1, sizeof(pbw_index)))
             || (2 * longest > item_capacity
                 && !pbw__resize_array(memory, &item, &item_capacity, 2 * longest, sizeof(pbw__item)))) {
             PBW__STORE(&emission->failed, 1);
