@@ -3303,11 +3303,11 @@ static PBW__NOINLINE pbw_status pbw__store_reserve(pbw__context *context, pbw__s
     return PBW_OK;
 }
 
-/* A capacity with a tail of twice as much, but by at most an eighth of the whole. */
+/* The next capacity: a sixteenth more, with a long tail an eighth. */
 PBW__INLINE size_t pbw__store_bigger(const pbw__store *store)
 {
-    size_t tail = store->capacity - store->region_slots, most = store->capacity / 8;
-    size_t bigger = store->capacity + (tail < most ? tail : most);
+    size_t tail = store->capacity - store->region_slots, part = tail < store->capacity / 8 ? 16 : 8;
+    size_t bigger = store->capacity + store->capacity / part + 1024;
     return bigger < PBW__SIMPLEX_LIMIT ? bigger : PBW__SIMPLEX_LIMIT;
 }
 
