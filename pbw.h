@@ -7243,13 +7243,13 @@ static void pbw__emit_set_aside(const pbw__emission *emission, pbw__aside *aside
     }
 }
 
-/* Room for those of a chunk.  What waits is looked at again when there is half as much more, and a chunk. */
+/* Room for those of a chunk.  What waits is looked at again when there is a quarter more, and a chunk. */
 static int pbw__emit_reserve(pbw__emission *emission, pbw__aside *aside)
 {
     if (aside->capacity - aside->count < PBW__CHUNK) {
         size_t wanted;
         pbw__emit_set_aside(emission, aside);
-        wanted = aside->count + aside->count / 2 + PBW__CHUNK;
+        wanted = aside->count + aside->count / 4 + PBW__CHUNK;
         if (wanted > aside->capacity
             && !pbw__resize_array(&emission->context->memory, &aside->simplex, &aside->capacity, wanted,
                                   sizeof(pbw__emitted))) {
