@@ -3799,6 +3799,7 @@ PBW__INLINE pbw_index pbw__walk_hull(pbw__kernel *kernel, pbw_index t, const dou
         double ax = a[0] - p[0], ay = a[1] - p[1], bx = b[0] - p[0], by = b[1] - p[1];
         double height = pbw__larger(pbw__larger(ax * ax + ay * ay, bx * bx + by * by), 1e-140);
         int past_a = ax * (bx - ax) + ay * (by - ay) > 0.0, past_b = bx * (bx - ax) + by * (by - ay) < 0.0;
+        kernel->statistics.walk_steps++;
         if (ax * by - ay * bx > height * PBW__ORIENT2_ERROR) {
             return t;
         }
@@ -7063,7 +7064,7 @@ static void pbw__emit_pass2(void *arg, int task)
         for (i = count; i-- > 0; ) {
             sum -= length[i];
             place -= length[i];
-            if (later == PBW_NONE) {
+            if (later == PBW_NONE) {                 /* compiled without a look at it */
                 pbw__emit_region(emission, region + i, slot + sum, length[i], item, item + longest, (pbw_index)place,
                                  PBW_NONE);
             } else {
@@ -7087,19 +7088,20 @@ static void pbw__emit_pass2(void *arg, int task)
 #define PBW__CHUNK 1024
 #endif
 
-/* Whether the slots that a place covers have been read; of wide links, those of half the number. */
-PBW__INLINE int pbw__emit_free(const pbw__emission *emission, size_t place, int dim)
+/* Whether the slots that a place covers, in an array of so many entries a slot, have been read. */
+PBW__INLINE int pbw__emit_read(const pbw__emission *emission, size_t place, size_t entries, int dim)
 {
-    size_t first = (dim == 3 ? place : 3 * place / 4) / PBW__CHUNK;
-    size_t last = (dim == 3 ? place : (3 * place + 2) / 4) / PBW__CHUNK;
-#ifdef PBW_WIDE
-    if (PBW__SEEN(emission->chunk_done + (dim == 3 ? place / 2 : 3 * place / 8) / PBW__CHUNK) == 0
-        || PBW__SEEN(emission->chunk_done + (dim == 3 ? place / 2 : (3 * place + 2) / 8) / PBW__CHUNK) == 0) {
-        return 0;
-    }
-#endif
+    size_t from = place * ((size_t)dim + 1), first = from / entries / PBW__CHUNK;
+    size_t last = (from + (size_t)dim) / entries / PBW__CHUNK;
     return PBW__SEEN(emission->chunk_done + first) != 0
         && (first == last || PBW__SEEN(emission->chunk_done + last) != 0);
+}
+
+/* Whether a place is free: the corners there have been read, and the links; wide ones are 8 entries a slot. */
+PBW__INLINE int pbw__emit_free(const pbw__emission *emission, size_t place, int dim)
+{
+    return pbw__emit_read(emission, place, 4, dim)
+        && (sizeof(pbw__link) == sizeof(pbw_index) || pbw__emit_read(emission, place, 8, dim));
 }
 
 PBW__INLINE void pbw__emit_place(const pbw__emission *emission, const pbw__emitted *simplex, int dim)
@@ -8296,7 +8298,7 @@ static pbw_status pbw__output(pbw__context *context, pbw__store *store, pbw__ver
     size_t corners = (size_t)vertices->dim + 1;
     pbw_status status = PBW_ERROR_MEMORY;
 
-    if (store->capacity - store->count > store->capacity / 64
+    if (store->capacity - store->count > store->capacity / 64 + 64       /* not of few points */
         && pbw__store_reserve(context, store, store->count) != PBW_OK) {     /* gives the rest of the tail back */
         return PBW_ERROR_MEMORY;
     }

@@ -206,7 +206,7 @@ if $other-gcc "$work/empty.c" -o "$work/empty" > /dev/null 2>&1; then
         check "$other: a test compiles" \
             $other-gcc -std=c99 -Os -I. tests/test_answer.c "$work/other.o" -o "$work/answer.exe"
         export WINEPREFIX="$(cd "$work" && pwd)/wine" WINEDEBUG=-all
-        check "$other: the test passes" timeout 120 \
+        check "$other: the test passes" timeout 600 \
             wine "$work/answer.exe" --filter collinear --filter "threads: 2D uniform" --filter "threads: 3D sphere"
         wineserver -k -w
         rm -rf "$WINEPREFIX"                            # 700 MB
