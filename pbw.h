@@ -171,8 +171,8 @@ typedef struct pbw_statistics {            /* of the build that filled a mesh */
     size_t conflict_tests, exact_tests;    /* sphere tests made; those that the filter left to exact stages */
     size_t created;                        /* simplices created, ghosts included */
     int threads;                           /* that took part */
-    size_t rounds, postponed;              /* of several threads; insertions that met another thread's and were put off
-                                              to the next round */
+    size_t rounds, postponed;              /* of several threads; insertions that met another thread's and were put
+                                              off to the next round */
     size_t serial;                         /* points inserted while there was work for one thread only */
     int by_backend;                        /* 1: options.backend built this, 0: the CPU */
 } pbw_statistics;
@@ -5836,7 +5836,7 @@ static pbw_status pbw__kernel_create(pbw__kernel *kernel, pbw__context *context,
    level begins: vertices near the hull are among it, and cavities there would grow from level to level without them.
    ------------------------------------------------------------------------------------------------------ */
 #define PBW__PARTS 255
-#define PBW__LEAST_PART ((size_t)PBW__SMALLER(2048)) /* vertices for each task, below which they are too near */
+#define PBW__LEAST_PART ((size_t)PBW__SMALLER(512))  /* vertices for each task, below which they are too near */
 #define PBW__HOLD 64                                 /* cells that a task holds from vertex to vertex, at most */
 #define PBW__BATCH ((size_t)PBW__SMALLER(64))        /* vertices that a task comes to at a time, at least, */
 #define PBW__BATCHES 32                              /* or a share in so many */
@@ -5933,8 +5933,8 @@ static void pbw__offer_hint(pbw__build *build, pbw_index t, uint8_t owner)
     }
 }
 
-/* Gives back the cells that were taken first.  Before that all get hints that are in them, as they still have if we made
-   no simplices: a slot may have come into a new simplex, which others may delete from now on. */
+/* Gives back the cells that were taken first.  Before that all get hints that are in them, as they still have if we
+   made no simplices: a slot may have come into a new simplex, which others may delete from now on. */
 static void pbw__give_back(pbw__build *build, pbw__kernel *kernel, int count)
 {
     pbw_index v[4] = { PBW__GHOST, PBW__GHOST, PBW__GHOST, PBW__GHOST };
