@@ -1424,7 +1424,10 @@ static void pbw__populate(pbw__context *context, void *block, size_t from, size_
     pages.huge = ((size_t)(uintptr_t)pages.start % PBW__HUGE + pages.length + PBW__HUGE - 1) / PBW__HUGE;
     pages.tasks = pbw__tasks(context, pages.huge, 1);
 #ifdef __linux__
-    (void)madvise(pages.start, pages.length, 14);    /* MADV_HUGEPAGE */
+    /* MADV_HUGEPAGE, with the pages at the ends, where other bytes may be: of a mapping in two parts realloc makes a
+       copy, page by page, instead of moving it. */
+    skip = (size_t)(uintptr_t)block % page;
+    (void)madvise((char *)block - skip, (skip + to + page - 1) / page * page, 14);
 #endif
     pbw__for(context, pages.tasks, pbw__make_pages, &pages);
 }
