@@ -70,6 +70,9 @@ $B/libpbw_python.so: examples/python/pbw_python.c pbw.h
 $(TESTS:%=$B/%): $B/%: tests/%.c $(HEADERS) $B/libpbw.a
 	$C $< -o $@ $B/libpbw.a $(LIBS)
 
+$B/test_scalar: tests/test_threads.c
+$B/test_digits: tests/test_predicates.c
+
 $B/oracle_cgal: tests/oracle_cgal.cpp $(HEADERS) $B/libpbw.a
 	$(CXX) -std=c++17 -frounding-math $(CXXFLAGS) $< -o $@ $B/libpbw.a -lgmp -lmpfr $(LIBS)
 

@@ -171,8 +171,8 @@ typedef struct pbw_statistics {            /* of the build that filled a mesh */
     size_t conflict_tests, exact_tests;    /* sphere tests made; those that the filter left to exact stages */
     size_t created;                        /* simplices created, ghosts included */
     int threads;                           /* that took part */
-    size_t rounds, postponed;              /* of several threads; insertions that would have crossed a border and were
-                                              put off to the next round */
+    size_t rounds, postponed;              /* of several threads; insertions that met another thread's and were put
+                                              off to the next round */
     size_t serial;                         /* points inserted while there was work for one thread only */
     int by_backend;                        /* 1: options.backend built this, 0: the CPU */
 } pbw_statistics;
@@ -1424,7 +1424,10 @@ static void pbw__populate(pbw__context *context, void *block, size_t from, size_
     pages.huge = ((size_t)(uintptr_t)pages.start % PBW__HUGE + pages.length + PBW__HUGE - 1) / PBW__HUGE;
     pages.tasks = pbw__tasks(context, pages.huge, 1);
 #ifdef __linux__
-    (void)madvise(pages.start, pages.length, 14);    /* MADV_HUGEPAGE */
+    /* MADV_HUGEPAGE, with the pages at the ends, where other bytes may be: of a mapping in two parts realloc makes a
+       copy, page by page, instead of moving it. */
+    skip = (size_t)(uintptr_t)block % page;
+    (void)madvise((char *)block - skip, (skip + to + page - 1) / page * page, 14);
 #endif
     pbw__for(context, pages.tasks, pbw__make_pages, &pages);
 }
@@ -3232,7 +3235,7 @@ typedef struct pbw__kernel {
     uint8_t *owner;                                  /* >>parallel: whose each cell is; NULL: all are ours */
     uint8_t me;
     int owner_bits;                                  /* vertex >> owner_bits is the number of its cell */
-    int may_claim, claim_count, hold;                /* whether we may take cells, how many we took, may hold */
+    int claim_count, hold;                           /* cells that we took, may hold from vertex to vertex */
     int renewed;                                     /* simplices were made since we last gave back cells */
     pbw_index claim[PBW__CLAIMS];
     int no_room;                                     /* the store has no more blocks */
@@ -3581,13 +3584,12 @@ static PBW__NOINLINE unsigned pbw__exit2(const pbw__kernel *kernel, pbw_index t,
 /* >>parallel: whether we own a vertex, may delete a simplex, may cross a facet.  The ghost is nobody's in 3D,
    everybody's in 2D. */
 
-/* Takes a cell that is nobody's; 0 = another task was quicker, or we have too many, or may not. */
+/* Takes a cell that is nobody's; 0 = another task was quicker, or we have too many. */
 static PBW__NOINLINE int pbw__claim(pbw__kernel *kernel, size_t cell)
 {
     uint8_t nobody = PBW__NOBODY;
     PBW_PAUSE();
-    if (!kernel->may_claim || kernel->claim_count == PBW__CLAIMS
-        || !PBW__TAKE(kernel->owner + cell, &nobody, kernel->me)) {
+    if (kernel->claim_count == PBW__CLAIMS || !PBW__TAKE(kernel->owner + cell, &nobody, kernel->me)) {
         return 0;
     }
     kernel->claim[kernel->claim_count++] = (pbw_index)cell;
@@ -5791,19 +5793,18 @@ static pbw_status pbw__kernel_create(pbw__kernel *kernel, pbw__context *context,
    "One machine, one minute, three billion tetrahedra", from whom the rule of ownership is)
 
    Vertices are owned in cells, runs of ranks: one of >>mesh's regions, or in coarse levels as many of them as hold 16
-   vertices by the end of the level.  A cell has one owner at a time, a task.  A task in 3D
+   vertices by the end of the level.  A cell is nobody's or a task's.  A task in 3D
      - deletes a simplex only if it owns three of its vertices,
      - walks through a facet only if it owns two of its vertices;
    in 2D it deletes a triangle only if it owns all its finite vertices, and walks through an edge if it owns one of
-   its ends.  The ghost is nobody's in 3D.  Where a vertex would need more, it is left for the next round; no task
-   ever waits.
+   its ends.  The ghost is nobody's in 3D.  Cells that this takes and that are nobody's become the task's.  Where it
+   would take another's, the vertex is left for the next round; no task ever waits.
 
-   In the first round each task owns an equal run of the curve, and inserts the vertices there.  Those that are left
-   lie along the borders.  When a task is through with its run it gives the cells back, so that they are nobody's, and
-   comes to the vertices that it left, until all tasks are through: for these, as in the next rounds, it takes the
-   cells that the insertion turns out to need.  The next vertex is often near, so it holds them, and gives all back
-   when they are many, when it has to leave a vertex, and at the end.  Of two tasks at the same cells one leaves its
-   vertex; that is rare, because what tasks hold is little of what there is.
+   A task inserts the vertices of a share of the curve, one after the other.  So the cells that an insertion needs are
+   mostly those that the last ones needed: a task holds them, and gives back the older half when they are many, all
+   when it has to leave a vertex, and at the end.  What tasks hold is little of what there is, and they are far apart:
+   of 100 vertices one to ten are left.  A task that is through with its share goes on with the others', from their
+   ends, where nobody is at work.
 
    Why no word is written by one task while another reads or writes it, in 3D.  Call a simplex mine if I own two of
    its vertices: nobody else then owns three, so nobody else deletes it, and its corners do not change under me.
@@ -5818,10 +5819,10 @@ static pbw_status pbw__kernel_create(pbw__kernel *kernel, pbw__context *context,
      tail.  The count of these is atomic, in relaxed order: it numbers slots, and what the slots hold is handed over
      at the end of a round (>>threads).
      (e) A cell's hint, where walks start, is a simplex with two vertices in the cell: mine, if the cell is.  Who
-     deletes it owns the cell, and puts another one in its place, or none, before giving the cell back; until then
-     the slot is still that task's own.  (In a run that a task owns, two vertices in the run will do.)  The hint, and
-     what is left of the cell's regions, are the owner's to read and write; others only look whether there is a hint,
-     before they take the cell, therefore hints are written atomically, in relaxed order.
+     deletes it owns the cell, and puts another one in its place, or none, before giving back any cell; until then
+     the slot is still that task's own.  The hint, and what is left of the cell's regions, are the owner's to read and
+     write; others only look whether there is a hint, before they take the cell, therefore hints are written
+     atomically, in relaxed order.
    In 2D call a triangle mine if I own one of its vertices: nobody else then owns all of them.  Both ends of an edge
    of a triangle that I may delete are mine or the ghost, and one at least is finite; the rest is the same, with one
    vertex in the hint's cell.  Two tasks may share an edge's ghost end only, and a mark is written only when its
@@ -5838,9 +5839,10 @@ static pbw_status pbw__kernel_create(pbw__kernel *kernel, pbw__context *context,
    level begins: vertices near the hull are among it, and cavities there would grow from level to level without them.
    ------------------------------------------------------------------------------------------------------ */
 #define PBW__PARTS 255
-#define PBW__LEAST_PART ((size_t)PBW__SMALLER(2048)) /* vertices of a part, below which borders are everything */
+#define PBW__LEAST_PART ((size_t)PBW__SMALLER(512))  /* vertices for each task, below which they are too near */
 #define PBW__HOLD 64                                 /* cells that a task holds from vertex to vertex, at most */
-#define PBW__BATCH ((size_t)64)                      /* vertices that a task comes to at a time */
+#define PBW__BATCH ((size_t)PBW__SMALLER(64))        /* vertices that a task comes to at a time, at least, */
+#define PBW__BATCHES 32                              /* or a share in so many */
 #define PBW__LEAST_SHARE 8                           /* vertices left for each task, below which one does them all */
 
 typedef struct pbw__build {
@@ -5851,12 +5853,13 @@ typedef struct pbw__build {
     pbw_statistics *statistics;
     uint32_t trace;                                  /* 256 * the round */
     int kernel_count, parts;
-    int through;                                     /* tasks that are through with their parts */
     uint8_t *owner;                                  /* per cell */
-    size_t next[PBW__PARTS];                         /* per share of the vertices left: the next one */
+    uint32_t taken[PBW__PARTS];                      /* per share of the vertices: batches taken from its front, and
+                                                        65536 times those from its end */
+    size_t count;                                    /* vertices of the round */
     size_t stride, coarser;                          /* the level: ranks divisible by stride, not by coarser */
     int backwards;
-    int owner_bits;                                  /* of the level's cells */
+    int owner_bits, hint_bits;                       /* of the level's cells, of the last level's that had hints */
     pbw_index seed[4];
     pbw_index *left;                                 /* vertices left */
     size_t left_count, left_capacity;
@@ -5870,14 +5873,13 @@ PBW__INLINE size_t pbw__first_region(const pbw__build *build, size_t cell)
     return region < build->store->region_count ? region : build->store->region_count;
 }
 
-static void pbw__level_begin(pbw__build *build, int part, int may_claim)
+static void pbw__round_begin(pbw__build *build, int part)
 {
     pbw__kernel *kernel = build->kernel[part];
     pbw__kernel_attach(kernel);                      /* the store may have moved */
     kernel->owner = build->owner;
     kernel->owner_bits = build->owner_bits;
     kernel->me = (uint8_t)part;
-    kernel->may_claim = may_claim;
     kernel->region = (size_t)-1;
     kernel->last = PBW_NONE;
     kernel->left_count = 0;
@@ -5889,13 +5891,15 @@ static void pbw__level_begin(pbw__build *build, int part, int may_claim)
     kernel->status = PBW_OK;
 }
 
-/* Has a simplex enough corners among the vertices begin, ..., end - 1 to be mine if they are? */
-PBW__INLINE int pbw__is_among(const pbw__store *store, pbw_index t, size_t begin, size_t end, int dim)
+/* Is a simplex mine if I own the cell? */
+PBW__INLINE int pbw__is_in_cell(const pbw__build *build, pbw_index t, size_t cell)
 {
+    const pbw_index *corner = build->store->corner;
+    const int dim = build->vertices->dim;
     int count = 0, k;
-    for (k = 0; t != PBW_NONE && k <= dim && store->corner[4 * (size_t)t] != PBW_NONE; k++) {
-        pbw_index v = store->corner[4 * (size_t)t + (size_t)k];
-        count += v != PBW__GHOST && v >= begin && v < end;
+    for (k = 0; t != PBW_NONE && k <= dim && corner[4 * (size_t)t] != PBW_NONE; k++) {
+        pbw_index v = corner[4 * (size_t)t + (size_t)k];
+        count += v != PBW__GHOST && v >> build->owner_bits == cell;
     }
     return count + 1 >= dim;
 }
@@ -5903,63 +5907,68 @@ PBW__INLINE int pbw__is_among(const pbw__store *store, pbw_index t, size_t begin
 /* A simplex of the star of a vertex becomes the hint of its cell: the next one may be near. */
 static void pbw__renew_hint(pbw__build *build, pbw__kernel *kernel, pbw_index vertex)
 {
-    const int dim = kernel->dim;
     const size_t cell = vertex >> build->owner_bits;
     size_t i;
     for (i = 0; i < kernel->facet_count; i++) {
-        if (pbw__is_among(build->store, kernel->cavity[i], cell << build->owner_bits,
-                          (cell + 1) << build->owner_bits, dim)) {
+        if (pbw__is_in_cell(build, kernel->cavity[i], cell)) {
             PBW__STORE(build->store->hint + pbw__first_region(build, cell), kernel->cavity[i]);
             return;
         }
     }
 }
 
-/* Hints from the last star for those of our cells that have none. */
-static void pbw__find_hints(pbw__build *build, pbw__kernel *kernel)
+/* A simplex becomes the hint of those cells of an owner that it is in and that have none. */
+static void pbw__offer_hint(pbw__build *build, pbw_index t, uint8_t owner)
 {
-    const int dim = kernel->dim;
-    size_t i;
+    const pbw_index *v = build->store->corner + 4 * (size_t)t;
+    const int dim = build->vertices->dim;
     int k, m;
-    for (i = 0; i < kernel->facet_count; i++) {
-        const pbw_index t = kernel->cavity[i], *v = kernel->corner + 4 * (size_t)t;
-        for (k = dim - 2; k <= dim; k++) {
-            const size_t cell = v[k] >> build->owner_bits;
-            pbw_index *hint = build->store->hint + pbw__first_region(build, cell);
-            int enough = dim == 2;
-            for (m = 0; m < k; m++) {
-                enough |= v[m] != PBW__GHOST && v[m] >> build->owner_bits == cell;
-            }
-            if (enough && v[k] != PBW__GHOST && PBW__LOAD(kernel->owner + cell) == kernel->me && *hint == PBW_NONE) {
-                PBW__STORE(hint, t);
-            }
+    for (k = dim - 2; k <= dim; k++) {
+        const size_t cell = v[k] >> build->owner_bits;
+        pbw_index *hint = build->store->hint + pbw__first_region(build, cell);
+        int enough = dim == 2;
+        for (m = 0; m < k; m++) {
+            enough |= v[m] != PBW__GHOST && v[m] >> build->owner_bits == cell;
+        }
+        if (enough && v[k] != PBW__GHOST && PBW__LOAD(build->owner + cell) == owner && PBW__LOAD(hint) == PBW_NONE) {
+            PBW__STORE(hint, t);
         }
     }
 }
 
-/* Gives back all cells that were taken, with hints that are in them: those they had, if we made no simplices. */
-static void pbw__give_back(pbw__build *build, pbw__kernel *kernel)
+/* Gives back the cells that were taken first.  Before that all get hints that are in them, as they still have if we
+   made no simplices: a slot may have come into a new simplex, which others may delete from now on. */
+static void pbw__give_back(pbw__build *build, pbw__kernel *kernel, int count)
 {
-    int i, missing = 0;
+    pbw_index v[4] = { PBW__GHOST, PBW__GHOST, PBW__GHOST, PBW__GHOST };
+    size_t t;
+    int i, k, ours = 0, missing = 0;
     pbw__leave_region(kernel);
     for (i = 0; kernel->renewed && i < kernel->claim_count; i++) {
         const size_t cell = kernel->claim[i];
         pbw_index *hint = build->store->hint + pbw__first_region(build, cell);
-        if (!pbw__is_among(build->store, *hint, cell << build->owner_bits, (cell + 1) << build->owner_bits,
-                           kernel->dim)) {
+        if (!pbw__is_in_cell(build, *hint, cell)) {
             PBW__STORE(hint, PBW_NONE);
             missing = 1;
         }
     }
-    if (missing) {
-        pbw__find_hints(build, kernel);
+    for (t = 0; missing && t < kernel->facet_count; t++) {
+        pbw__offer_hint(build, kernel->cavity[t], kernel->me);
     }
-    while (kernel->claim_count > 0) {
-        PBW__TELL(kernel->owner + kernel->claim[--kernel->claim_count], PBW__NOBODY);
+    for (k = 0; kernel->last != PBW_NONE && k <= kernel->dim; k++) {
+        v[k] = kernel->corner[4 * (size_t)kernel->last + (size_t)k];     /* may change once cells are given back */
+    }
+    for (i = 0; i < count; i++) {
+        PBW__TELL(kernel->owner + kernel->claim[i], PBW__NOBODY);
         PBW_PAUSE();
     }
+    kernel->claim_count -= count;
+    memmove(kernel->claim, kernel->claim + count, (size_t)kernel->claim_count * sizeof(pbw_index));
+    for (k = 0; k <= kernel->dim; k++) {
+        ours += v[k] != PBW__GHOST && PBW__LOAD(kernel->owner + (v[k] >> kernel->owner_bits)) == kernel->me;
+    }
+    kernel->last = ours + 1 >= kernel->dim ? kernel->last : PBW_NONE;
     kernel->renewed = 0;
-    kernel->last = PBW_NONE;
     kernel->facet_count = 0;
 }
 
@@ -5998,7 +6007,7 @@ static pbw_status pbw__insert_claiming(pbw__build *build, pbw__kernel *kernel, p
     }
     kernel->last_entered = kernel->last;             /* not to be a hint */
     if (status == PBW__LEFT || kernel->claim_count > kernel->hold) {
-        pbw__give_back(build, kernel);
+        pbw__give_back(build, kernel, status == PBW__LEFT ? kernel->claim_count : (kernel->claim_count + 1) / 2);
     }
     /* Where tasks are in each other's way, each holds less. */
     kernel->hold = status == PBW__LEFT ? kernel->hold / 2 : kernel->hold < PBW__HOLD ? kernel->hold + 1 : PBW__HOLD;
@@ -6013,7 +6022,7 @@ static int pbw__level_insert(pbw__build *build, pbw__kernel *kernel, pbw_index v
     if (v == build->seed[0] || v == build->seed[1] || v == build->seed[2] || v == build->seed[3]) {
         return 1;
     }
-    status = kernel->may_claim ? pbw__insert_claiming(build, kernel, v) : kernel->insert(kernel, v);
+    status = kernel->owner != NULL ? pbw__insert_claiming(build, kernel, v) : kernel->insert(kernel, v);
     if (status == PBW__LEFT) {
         if (!pbw__grow(kernel, &kernel->left, &kernel->left_capacity, kernel->left_count + 1, sizeof(pbw_index))) {
             kernel->status = PBW_ERROR_MEMORY;
@@ -6064,114 +6073,80 @@ static void pbw__level_ranks(pbw__build *build, pbw__kernel *kernel, size_t from
     }
 }
 
-/* The first cell of a part of the first round. */
-PBW__INLINE size_t pbw__part_begin(const pbw__build *build, int part)
-{
-    return pbw__share((build->vertices->count >> build->owner_bits) + 1, part, build->parts);
-}
-
-/* Of a part, sets the owner of the cells, and keeps the hints that will do. */
-static void pbw__begin_part(void *arg, int part)
+/* Before the first round of a level: cells are nobody's, and have a hint that is in them or none. */
+static void pbw__begin_cells(void *arg, int part)
 {
     pbw__build *build = (pbw__build *)arg;
-    pbw__store *store = build->store;
-    size_t begin = pbw__part_begin(build, part), end = pbw__part_begin(build, part + 1), r;
-    size_t last = pbw__first_region(build, end);
-    memset(build->owner + begin, part, end - begin);
-    for (r = pbw__first_region(build, begin); r < last; r++) {
-        if (!pbw__is_among(store, store->hint[r], begin << build->owner_bits, end << build->owner_bits,
-                           build->vertices->dim)) {
-            store->hint[r] = PBW_NONE;
+    pbw_index *hint = build->store->hint;
+    size_t cells = (build->vertices->count >> build->owner_bits) + 1, r, last;
+    size_t cell = pbw__share(cells, part, build->parts), end = pbw__share(cells, part + 1, build->parts);
+    memset(build->owner + cell, PBW__NOBODY, end - cell);
+    for (; cell < end; cell++) {
+        r = pbw__first_region(build, cell);
+        last = pbw__first_region(build, cell + 1);
+        if (!pbw__is_in_cell(build, hint[r], cell)) {
+            hint[r] = PBW_NONE;
+        }
+        while (++r < last) {
+            hint[r] = PBW_NONE;
         }
     }
 }
 
-/* Hands over the cells of a part, each with one hint. */
-static void pbw__end_part(pbw__build *build, pbw__kernel *kernel, int part)
+/* Hints for cells that have none, from the simplices in a share of the regions. */
+static void pbw__find_hints(void *arg, int part)
 {
-    pbw__store *store = build->store;
-    size_t cell = pbw__part_begin(build, part), end = pbw__part_begin(build, part + 1), c, r;
-    for (c = cell; c < end; c++) {
-        size_t first = pbw__first_region(build, c), last = pbw__first_region(build, c + 1);
-        pbw_index best = PBW_NONE;
-        for (r = first; r < last; r++) {
-            pbw_index hint = store->hint[r];
-            if (best == PBW_NONE && pbw__is_among(store, hint, c << build->owner_bits, (c + 1) << build->owner_bits,
-                                                  kernel->dim)) {
-                best = hint;
+    pbw__build *build = (pbw__build *)arg;
+    const pbw__store *store = build->store;
+    size_t r = pbw__share(store->region_count, part, build->parts), t;
+    size_t last = pbw__share(store->region_count, part + 1, build->parts);
+    for (; r < last; r++) {
+        for (t = r > 0 ? pbw__region_end(store, r - 1) : 0; t < store->region[r]; t++) {
+            if (store->corner[4 * t] != PBW_NONE) {
+                pbw__offer_hint(build, (pbw_index)t, PBW__NOBODY);
             }
-            PBW__STORE(store->hint + r, PBW_NONE);
         }
-        PBW__STORE(store->hint + first, best);
-    }
-    for (c = cell; c < end; c++) {
-        PBW__TELL(kernel->owner + c, PBW__NOBODY);
-    }
-    kernel->last = PBW_NONE;
-}
-
-/* A part's vertices by its own cells; then, while others are still at theirs, those that were left by whatever cells
-   there are: the next round shares them out evenly. */
-static void pbw__first_round(void *arg, int part)
-{
-    pbw__build *build = (pbw__build *)arg;
-    pbw__store *store = build->store;
-    pbw__kernel *kernel = build->kernel[part];
-    size_t begin = pbw__part_begin(build, part), end = pbw__part_begin(build, part + 1), r, i, count;
-    size_t from = begin << build->owner_bits, to = end << build->owner_bits;     /* vertices: ranks from 1 */
-    pbw__level_begin(build, part, 0);
-    for (r = pbw__first_region(build, begin); r < pbw__first_region(build, end) && kernel->last == PBW_NONE; r++) {
-        kernel->last = store->hint[r];
-    }
-    to = to <= build->vertices->count ? to - 1 : build->vertices->count;
-    pbw__level_ranks(build, kernel, from > 0 ? from - 1 : 0, to);
-    pbw__leave_region(kernel);
-    if (kernel->status != PBW_OK) {
-        return;
-    }
-    pbw__end_part(build, kernel, part);
-    (void)PBW__ADD(&build->through, 1);
-    count = kernel->left_count;
-    kernel->may_claim = 1;
-    kernel->left_count = 0;
-    kernel->done -= count;
-    kernel->facet_count = 0;
-    for (i = 0; i < count && !kernel->no_room && PBW__LOAD(&build->through) < build->parts
-         && pbw__level_insert(build, kernel, kernel->left[i]); i++) {
-    }
-    for (; i < count && kernel->status == PBW_OK; i++) {
-        kernel->left[kernel->left_count++] = kernel->left[i];
-        kernel->done++;
-    }
-    if (kernel->status == PBW_OK) {
-        pbw__give_back(build, kernel);
     }
 }
 
-/* Vertices that were left, in blocks: those of the task's own share, then what others have not come to. */
-static void pbw__next_round(void *arg, int part)
+/* The i-th vertex of a round: of those that were left, or in the first one of the level. */
+PBW__INLINE pbw_index pbw__round_vertex(const pbw__build *build, size_t i)
+{
+    const size_t others = build->coarser / build->stride - 1;            /* between two ranks of coarser levels */
+    return build->left_count > 0 ? build->left[i] : (pbw_index)((i / others + i + 1) * build->stride + 1);
+}
+
+/* The vertices of a round, in batches: those of the task's own share, then what others have not come to, from the
+   end, where nobody is at work. */
+static void pbw__round(void *arg, int part)
 {
     pbw__build *build = (pbw__build *)arg;
     pbw__kernel *kernel = build->kernel[part];
-    int share, i;
-    pbw__level_begin(build, part, 1);
-    for (share = 0; share < build->parts; share++) {
-        i = (part + share) % build->parts;
-        for (;;) {
-            size_t from = PBW__ADD(build->next + i, PBW__BATCH);
-            size_t end = pbw__share(build->left_count, i + 1, build->parts);
-            size_t to = from < end && end - from > PBW__BATCH ? from + PBW__BATCH : end;
-            if (from >= end) {
-                break;
+    int k;
+    pbw__round_begin(build, part);
+    for (k = 0; k < build->parts; k++) {
+        const int share = (part + k) % build->parts;
+        const size_t begin = pbw__share(build->count, share, build->parts);
+        const size_t end = pbw__share(build->count, share + 1, build->parts);
+        const size_t least = (end - begin + PBW__BATCHES - 1) / PBW__BATCHES;
+        const size_t batch = least < PBW__BATCH ? PBW__BATCH : least, batches = (end - begin + batch - 1) / batch;
+        uint32_t taken = PBW__LOAD(build->taken + share);
+        while ((taken & 65535) + (taken >> 16) < batches) {
+            size_t from, to;
+            if (!PBW__REPLACE(build->taken + share, &taken, taken + (k == 0 ? 1 : 65536))) {
+                continue;
             }
+            from = begin + (k == 0 ? taken & 65535 : batches - 1 - (taken >> 16)) * batch;
+            to = from + batch < end ? from + batch : end;
             while (from < to) {
-                if (!pbw__level_insert(build, kernel, build->left[from++])) {
+                if (!pbw__level_insert(build, kernel, pbw__round_vertex(build, from++))) {
                     return;
                 }
             }
+            taken = PBW__LOAD(build->taken + share);
         }
     }
-    pbw__give_back(build, kernel);
+    pbw__give_back(build, kernel, kernel->claim_count);
 }
 
 /* After a round: collects the vertices left, finds room if some task had none. */
@@ -6217,24 +6192,24 @@ static pbw_status pbw__end_round(pbw__build *build)
 /* One level by rounds. */
 static pbw_status pbw__level_parallel(pbw__build *build)
 {
-    int i;
-    pbw_status status;
-    build->through = 0;
-    pbw__for(build->context, build->parts, pbw__begin_part, build);
-    pbw__for(build->context, build->parts, pbw__first_round, build);
-    status = pbw__end_round(build);
-    build->parts = build->context->threads < PBW__PARTS ? build->context->threads : PBW__PARTS;
-    while (status == PBW_OK && build->left_count > PBW__LEAST_SHARE * (size_t)build->parts && build->parts > 1) {
-        const size_t before = build->left_count;
-        for (i = 0; i < build->parts; i++) {
-            build->next[i] = pbw__share(before, i, build->parts);
-        }
-        pbw__for(build->context, build->parts, pbw__next_round, build);
+    pbw_status status = PBW_OK;
+    size_t ranks = (build->vertices->count - 1) / build->stride;         /* but 0, which is the coarsest level's */
+    pbw__for(build->context, build->parts, pbw__begin_cells, build);
+    if (build->hint_bits != build->owner_bits) {     /* finer cells: there are few */
+        pbw__for(build->context, build->parts, pbw__find_hints, build);
+        build->hint_bits = build->owner_bits;
+    }
+    build->left_count = 0;
+    build->count = ranks - ranks / (build->coarser / build->stride);
+    do {
+        memset(build->taken, 0, sizeof(build->taken));
+        pbw__for(build->context, build->parts, pbw__round, build);
         status = pbw__end_round(build);
-        if (build->left_count > before / 2) {
+        if (build->left_count > build->count / 2) {
             build->parts /= 2;                       /* they are in each other's way */
         }
-    }
+        build->count = build->left_count;
+    } while (status == PBW_OK && build->left_count > PBW__LEAST_SHARE * (size_t)build->parts && build->parts > 1);
     return status;
 }
 
@@ -6291,7 +6266,6 @@ static pbw_status pbw__level_serial(pbw__build *build, int all)
     size_t i, r;
     pbw__kernel_attach(kernel);
     kernel->owner = NULL;
-    kernel->may_claim = 0;
     kernel->status = PBW_OK;
     /* Any simplex will do as a start, best the last one: there is always one among the used slots of the regions, as
        the simplices of the seeds, or what replaced them, are there, unless all regions are full. */
@@ -6367,7 +6341,7 @@ static pbw_status pbw__build_all(pbw__context *context, pbw__store *store, const
         cells = (vertices->count >> build.owner_bits) + 1;
         parts = parts < cells / PBW__SMALLER(4) ? parts : cells / PBW__SMALLER(4);
         build.parts = (size_t)context->threads < parts ? context->threads : (int)parts;
-        if (build.parts > 1) {
+        if (build.parts > 1 && build.coarser <= vertices->count) {
             status = pbw__build_parts(&build, grid);
             if (status == PBW_OK) {
                 pbw__leave_region(build.kernel[0]);
