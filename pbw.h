@@ -2239,45 +2239,80 @@ static int pbw__grid_span(const pbw__grid_share *share, int dim, double *inverse
     return *span < 9007199254740992.0;
 }
 
-static void pbw__grid_scan_share(void *arg, int task)
+/* A unit for this record too, and 2^52 units, of coordinates and of weights; 0 if there is none. */
+static PBW__NOINLINE int pbw__grid_refine(pbw__grid_share *share, const double *q, int dim, double *limit)
 {
-    const pbw__grid_scanning *scanning = (const pbw__grid_scanning *)arg;
+    int old = share->unit, k;
+    double inverse, span;
+    for (k = 0; k <= dim; k++) {
+        int64_t mantissa;
+        int exponent = pbw__decode(q[k], &mantissa), finest = k < dim ? share->unit : 2 * share->unit;
+        if (mantissa != 0 && exponent < finest
+            && (finest - exponent > 52 || (mantissa & (((int64_t)1 << (finest - exponent)) - 1)) != 0)) {
+            while (mantissa % 2 == 0) {              /* off the grid: the lowest bit makes a finer one */
+                mantissa /= 2;
+                exponent++;
+            }
+            share->unit = k < dim ? exponent : (exponent - (exponent & 1)) / 2;
+        }
+    }
+    if (share->unit != old) {
+        if (!pbw__grid_span(share, dim, &inverse, &span)) {
+            return 0;
+        }
+        limit[0] = 4503599627370496.0 / inverse;
+        limit[1] = limit[0] / inverse;
+    }
+    return 1;
+}
+
+/* A number is on the grid if it is of 2^52 units or more, or the sum of its size and 2^52 units is not rounded. */
+PBW__INLINE void pbw__grid_scan_records(const pbw__grid_scanning *scanning, int task, int dim)
+{
     pbw__grid_share share;
+    double low[4], high[4], limit[2] = { HUGE_VAL, HUGE_VAL };
     size_t i = pbw__share(scanning->count, task, scanning->tasks);
     size_t end = pbw__share(scanning->count, task + 1, scanning->tasks);
-    int dim = scanning->dim, k;
+    int k;
     share.unit = 501;
     for (k = 0; k < 4; k++) {
-        share.low[k] = DBL_MAX;
-        share.high[k] = -DBL_MAX;
+        low[k] = DBL_MAX;
+        high[k] = -DBL_MAX;
     }
     for (; i < end; i++) {
         const double *q = scanning->records + i * (size_t)(dim + 1);
-        int old = share.unit;
-        double inverse, span;
+        uint64_t off = 0;
         for (k = 0; k <= dim; k++) {
-            int64_t mantissa;
-            int exponent = pbw__decode(q[k], &mantissa), finest = k < dim ? share.unit : 2 * share.unit;
-            share.low[k] = q[k] < share.low[k] ? q[k] : share.low[k];
-            share.high[k] = q[k] > share.high[k] ? q[k] : share.high[k];
-            if (mantissa != 0 && exponent < finest
-                && (finest - exponent > 52 || (mantissa & (((int64_t)1 << (finest - exponent)) - 1)) != 0)) {
-                while (mantissa % 2 == 0) {          /* off the grid: the lowest bit makes a finer one */
-                    mantissa /= 2;
-                    exponent++;
-                }
-                share.unit = k < dim ? exponent : (exponent - (exponent & 1)) / 2;
-            }
+            const double many = limit[k == dim], size = pbw__size(q[k]) < many ? pbw__size(q[k]) : many;
+            off |= pbw__bits(size + many - many - size);
+            low[k] = q[k] < low[k] ? q[k] : low[k];
+            high[k] = q[k] > high[k] ? q[k] : high[k];
         }
-        if (share.unit != old && !pbw__grid_span(&share, dim, &inverse, &span)) {
-            share.unit = -501;                       /* there is none: no need to look further */
-            break;
+        if (PBW__UNLIKELY(off != 0)) {
+            memcpy(share.low, low, sizeof(low));
+            memcpy(share.high, high, sizeof(high));
+            if (!pbw__grid_refine(&share, q, dim, limit)) {
+                share.unit = -501;                   /* no need to look further */
+                break;
+            }
         }
         if ((i & (PBW__TICK - 1)) == 0 && pbw__report(scanning->context, 0.01)) {
             break;
         }
     }
+    memcpy(share.low, low, sizeof(low));
+    memcpy(share.high, high, sizeof(high));
     scanning->share[task] = share;
+}
+
+static void pbw__grid_scan_share(void *arg, int task)
+{
+    const pbw__grid_scanning *scanning = (const pbw__grid_scanning *)arg;
+    if (scanning->dim == 3) {
+        pbw__grid_scan_records(scanning, task, 3);
+    } else {
+        pbw__grid_scan_records(scanning, task, 2);
+    }
 }
 
 /* The coarsest grid that holds count records of dim coordinates and a weight, if differences are below 2^53 units, so
