@@ -5020,20 +5020,21 @@ typedef struct pbw__ring {
     unsigned char queue[2 * PBW__RING + 4];
 } pbw__ring;
 
-/* Which of four triangles (o, e, s), met across the edges s e, are in conflict; in `certain` the lanes for which that
-   is known.  Also the determinants and what bounds the heights. */
-PBW__SIMD_INLINE unsigned pbw__test2_simd(pbw__rows2 s, pbw__rows2 e, pbw__rows2 o, pbw__d4 *det, pbw__d4 *height,
-                                          unsigned *certain)
+/* The determinants of four triangles (o, e, s), met across the edges s e, and what bounds the heights. */
+PBW__SIMD_INLINE pbw__d4 pbw__circle4(pbw__rows2 s, pbw__rows2 e, pbw__rows2 o, pbw__d4 *height)
 {
-    pbw__d4 h = pbw__larger4(pbw__larger4(s.height, e.height), o.height), size;
-    h = pbw__larger4(h, pbw__each(1e-140));
-    *det = o.y * pbw__det2(e.lift, s.lift, e.x, s.x);
-    *det = pbw__fma(o.x, pbw__det2(s.lift, e.lift, s.y, e.y), *det);
-    *det = pbw__fnma(o.lift, pbw__det2(s.x, s.y, e.x, e.y), *det);
-    *height = h;
-    size = pbw__size4(*det);
-    *certain = pbw__signs(pbw__above(size, pbw__circle_limit(h)));
-    return pbw__signs(*det) ^ 15u;
+    pbw__d4 det = o.y * pbw__det2(e.lift, s.lift, e.x, s.x);
+    det = pbw__fma(o.x, pbw__det2(s.lift, e.lift, s.y, e.y), det);
+    *height = pbw__larger4(pbw__larger4(s.height, e.height), pbw__larger4(o.height, pbw__each(1e-140)));
+    return pbw__fnma(o.lift, pbw__det2(s.x, s.y, e.x, e.y), det);
+}
+
+/* Which of them are in conflict; in `certain` the lanes for which that is known. */
+PBW__SIMD_INLINE unsigned pbw__test2_simd(pbw__rows2 s, pbw__rows2 e, pbw__rows2 o, unsigned *certain)
+{
+    pbw__d4 h, det = pbw__circle4(s, e, o, &h);
+    *certain = pbw__signs(pbw__above(pbw__size4(det), pbw__circle_limit(h)));
+    return pbw__signs(det) ^ 15u;
 }
 
 /* The lanes that pbw__test2_simd left open and that can be settled here; their verdicts in *inside.
@@ -5047,11 +5048,11 @@ PBW__SIMD_INLINE unsigned pbw__test2_simd(pbw__rows2 s, pbw__rows2 e, pbw__rows2
    finite vertices.  The coefficients of the lifts are those of the determinant. */
 PBW__SIMD static PBW__NOINLINE unsigned pbw__settle2_rows(pbw__kernel *kernel, const pbw__rows2 *s,
                                                           const pbw__rows2 *e, const pbw__rows2 *o,
-                                                          const pbw__d4 *determinant, const pbw__d4 *height,
                                                           unsigned open, unsigned *inside)
 {
-    const pbw__d4 sign = pbw__each(-0.0), zero = pbw__each(0.0), det = *determinant, h = *height;
+    const pbw__d4 sign = pbw__each(-0.0), zero = pbw__each(0.0);
     const pbw__rows2 *corner[3];
+    pbw__d4 h, det = pbw__circle4(*s, *e, *o, &h);
     pbw__d4 exact = pbw__above(pbw__each(kernel->exact_height), h), side[3], x = zero, y = zero;
     pbw__d4 verdict = zero, tied = pbw__keep(exact, pbw__equal(det, zero));
     unsigned settled = pbw__signs(pbw__clear(tied, exact)) & open, ties;
@@ -5138,11 +5139,11 @@ PBW__SIMD static PBW__NOINLINE int pbw__open2(pbw__kernel *kernel, pbw_index s, 
 
 /* The same with copies of what it looks at, so that the compiler need not keep that in memory for those who have no
    such lanes.  (And no vector is an argument of a call: gcc for Windows leaves those unaligned.) */
-PBW__SIMD_INLINE unsigned pbw__settle2(pbw__kernel *kernel, pbw__rows2 s, pbw__rows2 e, pbw__rows2 o,
-                                       pbw__d4 det, pbw__d4 height, unsigned open, unsigned *inside)
+PBW__SIMD_INLINE unsigned pbw__settle2(pbw__kernel *kernel, pbw__rows2 s, pbw__rows2 e, pbw__rows2 o, unsigned open,
+                                       unsigned *inside)
 {
     unsigned verdicts = *inside;
-    open = pbw__settle2_rows(kernel, &s, &e, &o, &det, &height, open, &verdicts);
+    open = open != 0 ? pbw__settle2_rows(kernel, &s, &e, &o, open, &verdicts) : 0;
     *inside = verdicts;
     return open;
 }
@@ -5219,13 +5220,12 @@ PBW__SIMD_INLINE pbw_status pbw__ring_split(pbw__kernel *kernel, pbw__ring *ring
 PBW__SIMD_INLINE pbw_status pbw__ring_step(pbw__kernel *kernel, pbw__ring *ring, unsigned head, int weighted,
                                            pbw__rows2 s, pbw__rows2 e, pbw__rows2 o, const double *p)
 {
-    pbw__d4 det, height;
-    unsigned certain, inside = pbw__test2_simd(s, e, o, &det, &height, &certain);
+    unsigned certain, inside = pbw__test2_simd(s, e, o, &certain);
     unsigned all = pbw__first_lanes(ring->tail - head);
     inside &= all;
     if (PBW__UNLIKELY((certain & all) != all)) {
         PBW__PHASE(PBW__EXACT);
-        certain |= pbw__settle2(kernel, s, e, o, det, height, all & ~certain, &inside);
+        certain |= pbw__settle2(kernel, s, e, o, all & ~certain, &inside);
         if ((certain & all) != all) {
             inside = (inside & certain) | pbw__ring_exact(kernel, ring, head, all & ~certain, p);
         }
@@ -5252,15 +5252,23 @@ PBW__SIMD_INLINE pbw_status pbw__ring_start(pbw__kernel *kernel, pbw__ring *ring
               b1 = corner[link[PBW__BEFORE(beyond[1])]], b2 = corner[link[PBW__BEFORE(beyond[2])]];
     pbw__rows2 far_after = pbw__rows2_of(kernel->record, a0, a1, a2, a0, point);
     pbw__rows2 far_before = pbw__rows2_of(kernel->record, b0, b1, b2, b0, point);
-    pbw__d4 det, height;
-    unsigned certain[3], inside = pbw__test2_simd(*s, *e, *o, &det, &height, &certain[0]) & 7;
-    unsigned after = pbw__test2_simd(*s, *o, far_after, &det, &height, &certain[1]);
-    unsigned before = pbw__test2_simd(*o, *e, far_before, &det, &height, &certain[2]);
+    unsigned certain[3], inside = pbw__test2_simd(*s, *e, *o, &certain[0]) & 7;
+    unsigned after = pbw__test2_simd(*s, *o, far_after, &certain[1]);
+    unsigned before = pbw__test2_simd(*o, *e, far_before, &certain[2]);
     pbw_status status;
-    if (PBW__UNLIKELY((certain[0] & certain[1] & certain[2]) != 15)
-        || PBW__UNLIKELY(a0 == PBW__GHOST || a1 == PBW__GHOST || a2 == PBW__GHOST || b0 == PBW__GHOST
-                         || b1 == PBW__GHOST || b2 == PBW__GHOST)) {
+    if (PBW__UNLIKELY(a0 == PBW__GHOST || a1 == PBW__GHOST || a2 == PBW__GHOST || b0 == PBW__GHOST || b1 == PBW__GHOST
+                      || b2 == PBW__GHOST)) {
         return PBW_OK;
+    }
+    if (PBW__UNLIKELY((certain[0] & certain[1] & certain[2]) != 15)) {
+        PBW__PHASE(PBW__EXACT);
+        certain[0] |= pbw__settle2(kernel, *s, *e, *o, 7 & ~certain[0], &inside);
+        certain[1] |= pbw__settle2(kernel, *s, *o, far_after, inside & ~certain[1], &after);
+        certain[2] |= pbw__settle2(kernel, *o, *e, far_before, inside & ~certain[2], &before);
+        PBW__PHASE(PBW__CAVITY);
+        if ((certain[0] & 7) != 7 || (inside & ~(certain[1] & certain[2])) != 0) {
+            return PBW_OK;
+        }
     }
     status = pbw__ring_split(kernel, ring, 0, inside, 0);
     *head = ring->tail;
