@@ -5505,7 +5505,7 @@ PBW__SIMD_INLINE pbw_status pbw__carve2_fan(pbw__kernel *kernel, pbw__fan *fan, 
             if (PBW__UNLIKELY(sign == PBW__OPEN)) {
                 sign = pbw__open2(kernel, start->v, end->v, o, (pbw_index)(beyond >> 2), p);
             }
-            if ((sign > 0) & (o != PBW__GHOST)) {
+            if (sign * (o != PBW__GHOST) > 0) {      /* one branch, where & makes two */
                 if (PBW__UNLIKELY(kernel->owner != NULL) && !pbw__owns(kernel, o)) {
                     return PBW__LEFT;                /* all others of the cavity are ours, or the ghost */
                 }
