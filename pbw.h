@@ -2655,7 +2655,7 @@ static void pbw__move_keys(void *arg, int task)
 static uint64_t *pbw__sort_by(pbw__context *context, uint64_t *a, uint64_t *b, size_t count, int low, int bits,
                               uint32_t *start, int tasks)
 {
-    int widest = count < 4096 ? 9 : 11, passes = (bits + widest - 1) / widest, task;
+    int widest = count < 512 ? 6 : count < 4096 ? 9 : 11, passes = (bits + widest - 1) / widest, task;
     int digit = (bits + passes - 1) / passes;
     uint32_t *all = start + (size_t)tasks * PBW__DIGITS;
     pbw__sorting sorting;
