@@ -2242,45 +2242,80 @@ static int pbw__grid_span(const pbw__grid_share *share, int dim, double *inverse
     return *span < 9007199254740992.0;
 }
 
-static void pbw__grid_scan_share(void *arg, int task)
+/* A unit for this record too, and 2^52 units, of coordinates and of weights; 0 if there is none. */
+static PBW__NOINLINE int pbw__grid_refine(pbw__grid_share *share, const double *q, int dim, double *limit)
 {
-    const pbw__grid_scanning *scanning = (const pbw__grid_scanning *)arg;
+    int old = share->unit, k;
+    double inverse, span;
+    for (k = 0; k <= dim; k++) {
+        int64_t mantissa;
+        int exponent = pbw__decode(q[k], &mantissa), finest = k < dim ? share->unit : 2 * share->unit;
+        if (mantissa != 0 && exponent < finest
+            && (finest - exponent > 52 || (mantissa & (((int64_t)1 << (finest - exponent)) - 1)) != 0)) {
+            while (mantissa % 2 == 0) {              /* off the grid: the lowest bit makes a finer one */
+                mantissa /= 2;
+                exponent++;
+            }
+            share->unit = k < dim ? exponent : (exponent - (exponent & 1)) / 2;
+        }
+    }
+    if (share->unit != old) {
+        if (!pbw__grid_span(share, dim, &inverse, &span)) {
+            return 0;
+        }
+        limit[0] = 4503599627370496.0 / inverse;
+        limit[1] = limit[0] / inverse;
+    }
+    return 1;
+}
+
+/* A number is on the grid if it is of 2^52 units or more, or the sum of its size and 2^52 units is not rounded. */
+PBW__INLINE void pbw__grid_scan_records(const pbw__grid_scanning *scanning, int task, int dim)
+{
     pbw__grid_share share;
+    double low[4], high[4], limit[2] = { HUGE_VAL, HUGE_VAL };
     size_t i = pbw__share(scanning->count, task, scanning->tasks);
     size_t end = pbw__share(scanning->count, task + 1, scanning->tasks);
-    int dim = scanning->dim, k;
+    int k;
     share.unit = 501;
     for (k = 0; k < 4; k++) {
-        share.low[k] = DBL_MAX;
-        share.high[k] = -DBL_MAX;
+        low[k] = DBL_MAX;
+        high[k] = -DBL_MAX;
     }
     for (; i < end; i++) {
         const double *q = scanning->records + i * (size_t)(dim + 1);
-        int old = share.unit;
-        double inverse, span;
+        uint64_t off = 0;
         for (k = 0; k <= dim; k++) {
-            int64_t mantissa;
-            int exponent = pbw__decode(q[k], &mantissa), finest = k < dim ? share.unit : 2 * share.unit;
-            share.low[k] = q[k] < share.low[k] ? q[k] : share.low[k];
-            share.high[k] = q[k] > share.high[k] ? q[k] : share.high[k];
-            if (mantissa != 0 && exponent < finest
-                && (finest - exponent > 52 || (mantissa & (((int64_t)1 << (finest - exponent)) - 1)) != 0)) {
-                while (mantissa % 2 == 0) {          /* off the grid: the lowest bit makes a finer one */
-                    mantissa /= 2;
-                    exponent++;
-                }
-                share.unit = k < dim ? exponent : (exponent - (exponent & 1)) / 2;
-            }
+            const double many = limit[k == dim], size = pbw__size(q[k]) < many ? pbw__size(q[k]) : many;
+            off |= pbw__bits(size + many - many - size);
+            low[k] = q[k] < low[k] ? q[k] : low[k];
+            high[k] = q[k] > high[k] ? q[k] : high[k];
         }
-        if (share.unit != old && !pbw__grid_span(&share, dim, &inverse, &span)) {
-            share.unit = -501;                       /* there is none: no need to look further */
-            break;
+        if (PBW__UNLIKELY(off != 0)) {
+            memcpy(share.low, low, sizeof(low));
+            memcpy(share.high, high, sizeof(high));
+            if (!pbw__grid_refine(&share, q, dim, limit)) {
+                share.unit = -501;                   /* no need to look further */
+                break;
+            }
         }
         if ((i & (PBW__TICK - 1)) == 0 && pbw__report(scanning->context, 0.01)) {
             break;
         }
     }
+    memcpy(share.low, low, sizeof(low));
+    memcpy(share.high, high, sizeof(high));
     scanning->share[task] = share;
+}
+
+static void pbw__grid_scan_share(void *arg, int task)
+{
+    const pbw__grid_scanning *scanning = (const pbw__grid_scanning *)arg;
+    if (scanning->dim == 3) {
+        pbw__grid_scan_records(scanning, task, 3);
+    } else {
+        pbw__grid_scan_records(scanning, task, 2);
+    }
 }
 
 /* The coarsest grid that holds count records of dim coordinates and a weight, if differences are below 2^53 units, so
@@ -2623,7 +2658,7 @@ static void pbw__move_keys(void *arg, int task)
 static uint64_t *pbw__sort_by(pbw__context *context, uint64_t *a, uint64_t *b, size_t count, int low, int bits,
                               uint32_t *start, int tasks)
 {
-    int widest = count < 4096 ? 9 : 11, passes = (bits + widest - 1) / widest, task;
+    int widest = count < 512 ? 6 : count < 4096 ? 9 : 11, passes = (bits + widest - 1) / widest, task;
     int digit = (bits + passes - 1) / passes;
     uint32_t *all = start + (size_t)tasks * PBW__DIGITS;
     pbw__sorting sorting;
@@ -4987,20 +5022,21 @@ typedef struct pbw__ring {
     unsigned char queue[2 * PBW__RING + 4];
 } pbw__ring;
 
-/* Which of four triangles (o, e, s), met across the edges s e, are in conflict; in `certain` the lanes for which that
-   is known.  Also the determinants and what bounds the heights. */
-PBW__SIMD_INLINE unsigned pbw__test2_simd(pbw__rows2 s, pbw__rows2 e, pbw__rows2 o, pbw__d4 *det, pbw__d4 *height,
-                                          unsigned *certain)
+/* The determinants of four triangles (o, e, s), met across the edges s e, and what bounds the heights. */
+PBW__SIMD_INLINE pbw__d4 pbw__circle4(pbw__rows2 s, pbw__rows2 e, pbw__rows2 o, pbw__d4 *height)
 {
-    pbw__d4 h = pbw__larger4(pbw__larger4(s.height, e.height), o.height), size;
-    h = pbw__larger4(h, pbw__each(1e-140));
-    *det = o.y * pbw__det2(e.lift, s.lift, e.x, s.x);
-    *det = pbw__fma(o.x, pbw__det2(s.lift, e.lift, s.y, e.y), *det);
-    *det = pbw__fnma(o.lift, pbw__det2(s.x, s.y, e.x, e.y), *det);
-    *height = h;
-    size = pbw__size4(*det);
-    *certain = pbw__signs(pbw__above(size, pbw__circle_limit(h)));
-    return pbw__signs(*det) ^ 15u;
+    pbw__d4 det = o.y * pbw__det2(e.lift, s.lift, e.x, s.x);
+    det = pbw__fma(o.x, pbw__det2(s.lift, e.lift, s.y, e.y), det);
+    *height = pbw__larger4(pbw__larger4(s.height, e.height), pbw__larger4(o.height, pbw__each(1e-140)));
+    return pbw__fnma(o.lift, pbw__det2(s.x, s.y, e.x, e.y), det);
+}
+
+/* Which of them are in conflict; in `certain` the lanes for which that is known. */
+PBW__SIMD_INLINE unsigned pbw__test2_simd(pbw__rows2 s, pbw__rows2 e, pbw__rows2 o, unsigned *certain)
+{
+    pbw__d4 h, det = pbw__circle4(s, e, o, &h);
+    *certain = pbw__signs(pbw__above(pbw__size4(det), pbw__circle_limit(h)));
+    return pbw__signs(det) ^ 15u;
 }
 
 /* The lanes that pbw__test2_simd left open and that can be settled here; their verdicts in *inside.
@@ -5014,11 +5050,11 @@ PBW__SIMD_INLINE unsigned pbw__test2_simd(pbw__rows2 s, pbw__rows2 e, pbw__rows2
    finite vertices.  The coefficients of the lifts are those of the determinant. */
 PBW__SIMD static PBW__NOINLINE unsigned pbw__settle2_rows(pbw__kernel *kernel, const pbw__rows2 *s,
                                                           const pbw__rows2 *e, const pbw__rows2 *o,
-                                                          const pbw__d4 *determinant, const pbw__d4 *height,
                                                           unsigned open, unsigned *inside)
 {
-    const pbw__d4 sign = pbw__each(-0.0), zero = pbw__each(0.0), det = *determinant, h = *height;
+    const pbw__d4 sign = pbw__each(-0.0), zero = pbw__each(0.0);
     const pbw__rows2 *corner[3];
+    pbw__d4 h, det = pbw__circle4(*s, *e, *o, &h);
     pbw__d4 exact = pbw__above(pbw__each(kernel->exact_height), h), side[3], x = zero, y = zero;
     pbw__d4 verdict = zero, tied = pbw__keep(exact, pbw__equal(det, zero));
     unsigned settled = pbw__signs(pbw__clear(tied, exact)) & open, ties;
@@ -5105,11 +5141,11 @@ PBW__SIMD static PBW__NOINLINE int pbw__open2(pbw__kernel *kernel, pbw_index s, 
 
 /* The same with copies of what it looks at, so that the compiler need not keep that in memory for those who have no
    such lanes.  (And no vector is an argument of a call: gcc for Windows leaves those unaligned.) */
-PBW__SIMD_INLINE unsigned pbw__settle2(pbw__kernel *kernel, pbw__rows2 s, pbw__rows2 e, pbw__rows2 o,
-                                       pbw__d4 det, pbw__d4 height, unsigned open, unsigned *inside)
+PBW__SIMD_INLINE unsigned pbw__settle2(pbw__kernel *kernel, pbw__rows2 s, pbw__rows2 e, pbw__rows2 o, unsigned open,
+                                       unsigned *inside)
 {
     unsigned verdicts = *inside;
-    open = pbw__settle2_rows(kernel, &s, &e, &o, &det, &height, open, &verdicts);
+    open = open != 0 ? pbw__settle2_rows(kernel, &s, &e, &o, open, &verdicts) : 0;
     *inside = verdicts;
     return open;
 }
@@ -5186,13 +5222,12 @@ PBW__SIMD_INLINE pbw_status pbw__ring_split(pbw__kernel *kernel, pbw__ring *ring
 PBW__SIMD_INLINE pbw_status pbw__ring_step(pbw__kernel *kernel, pbw__ring *ring, unsigned head, int weighted,
                                            pbw__rows2 s, pbw__rows2 e, pbw__rows2 o, const double *p)
 {
-    pbw__d4 det, height;
-    unsigned certain, inside = pbw__test2_simd(s, e, o, &det, &height, &certain);
+    unsigned certain, inside = pbw__test2_simd(s, e, o, &certain);
     unsigned all = pbw__first_lanes(ring->tail - head);
     inside &= all;
     if (PBW__UNLIKELY((certain & all) != all)) {
         PBW__PHASE(PBW__EXACT);
-        certain |= pbw__settle2(kernel, s, e, o, det, height, all & ~certain, &inside);
+        certain |= pbw__settle2(kernel, s, e, o, all & ~certain, &inside);
         if ((certain & all) != all) {
             inside = (inside & certain) | pbw__ring_exact(kernel, ring, head, all & ~certain, p);
         }
@@ -5219,15 +5254,23 @@ PBW__SIMD_INLINE pbw_status pbw__ring_start(pbw__kernel *kernel, pbw__ring *ring
               b1 = corner[link[PBW__BEFORE(beyond[1])]], b2 = corner[link[PBW__BEFORE(beyond[2])]];
     pbw__rows2 far_after = pbw__rows2_of(kernel->record, a0, a1, a2, a0, point);
     pbw__rows2 far_before = pbw__rows2_of(kernel->record, b0, b1, b2, b0, point);
-    pbw__d4 det, height;
-    unsigned certain[3], inside = pbw__test2_simd(*s, *e, *o, &det, &height, &certain[0]) & 7;
-    unsigned after = pbw__test2_simd(*s, *o, far_after, &det, &height, &certain[1]);
-    unsigned before = pbw__test2_simd(*o, *e, far_before, &det, &height, &certain[2]);
+    unsigned certain[3], inside = pbw__test2_simd(*s, *e, *o, &certain[0]) & 7;
+    unsigned after = pbw__test2_simd(*s, *o, far_after, &certain[1]);
+    unsigned before = pbw__test2_simd(*o, *e, far_before, &certain[2]);
     pbw_status status;
-    if (PBW__UNLIKELY((certain[0] & certain[1] & certain[2]) != 15)
-        || PBW__UNLIKELY(a0 == PBW__GHOST || a1 == PBW__GHOST || a2 == PBW__GHOST || b0 == PBW__GHOST
-                         || b1 == PBW__GHOST || b2 == PBW__GHOST)) {
+    if (PBW__UNLIKELY(a0 == PBW__GHOST || a1 == PBW__GHOST || a2 == PBW__GHOST || b0 == PBW__GHOST || b1 == PBW__GHOST
+                      || b2 == PBW__GHOST)) {
         return PBW_OK;
+    }
+    if (PBW__UNLIKELY((certain[0] & certain[1] & certain[2]) != 15)) {
+        PBW__PHASE(PBW__EXACT);
+        certain[0] |= pbw__settle2(kernel, *s, *e, *o, 7 & ~certain[0], &inside);
+        certain[1] |= pbw__settle2(kernel, *s, *o, far_after, inside & ~certain[1], &after);
+        certain[2] |= pbw__settle2(kernel, *o, *e, far_before, inside & ~certain[2], &before);
+        PBW__PHASE(PBW__CAVITY);
+        if ((certain[0] & 7) != 7 || (inside & ~(certain[1] & certain[2])) != 0) {
+            return PBW_OK;
+        }
     }
     status = pbw__ring_split(kernel, ring, 0, inside, 0);
     *head = ring->tail;
@@ -5464,7 +5507,7 @@ PBW__SIMD_INLINE pbw_status pbw__carve2_fan(pbw__kernel *kernel, pbw__fan *fan, 
             if (PBW__UNLIKELY(sign == PBW__OPEN)) {
                 sign = pbw__open2(kernel, start->v, end->v, o, (pbw_index)(beyond >> 2), p);
             }
-            if ((sign > 0) & (o != PBW__GHOST)) {
+            if (sign * (o != PBW__GHOST) > 0) {      /* one branch, where & makes two */
                 if (PBW__UNLIKELY(kernel->owner != NULL) && !pbw__owns(kernel, o)) {
                     return PBW__LEFT;                /* all others of the cavity are ours, or the ghost */
                 }

@@ -434,7 +434,8 @@ static int vector_sign(const points *p, double *value, double *height)
         const pbw_index *v = lanes[k];
         rows[k] = pbw__rows2_of(records, v[0], v[1], v[2], v[3], origin);
     }
-    inside = pbw__test2_simd(rows[1], rows[2], rows[0], &vector, &heights, &certain);
+    inside = pbw__test2_simd(rows[1], rows[2], rows[0], &certain);
+    vector = pbw__circle4(rows[1], rows[2], rows[0], &heights);
     memcpy(det, &vector, sizeof det);
     memcpy(h, &heights, sizeof h);
     *value = det[0];
