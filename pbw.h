@@ -3202,7 +3202,7 @@ typedef struct pbw__store {
     pbw_index *region;                               /* per region: its first slot that was never used */
     pbw_index *hint;                                 /* per region: a simplex of one of its vertices, or PBW_NONE */
     size_t region_count, region_slots;               /* slots from region_slots on are the tail */
-    size_t slots_each;                               /* of a region */
+    size_t slots_each, ahead;                        /* of a region; how many more the first has */
     int cell_bits;                                   /* vertex >> cell_bits is the number of its region */
 } pbw__store;
 
@@ -3314,23 +3314,30 @@ PBW__INLINE size_t pbw__store_bigger(const pbw__store *store)
 /* The slot after the last of a region. */
 PBW__INLINE size_t pbw__region_end(const pbw__store *store, size_t region)
 {
-    size_t end = (region + 1) * store->slots_each;
+    size_t end = store->ahead + (region + 1) * store->slots_each;
     return end < store->region_slots && region + 1 < store->region_count ? end : store->region_slots;
 }
 
 /* Regions and a tail.  A region has slots for 7 simplices a vertex in space, 2 1/16 in the plane: uniform points need
    6.77 and 2, ghosts included.  There are at most 65536 regions, lest rounds of >>parallel, which look at each, take
-   long; with less than 128 ranks (2D: 512) too many would be full while others are not. */
+   long; with less than 128 ranks (2D: 512) too many would be full while others are not.
+   The output moves each simplex to its place in the order of lowest ranks.  Of n ranks on the curve, and so of the
+   places they fill, a border of about n^(2/3) has simplices with higher ranks, in slots of later regions: in space
+   the first region has slots for these too, so that places are not ahead of slots. */
 static pbw_status pbw__store_create(pbw__context *context, pbw__store *store, size_t vertices, int dim)
 {
     pbw__memory *memory = &context->memory;
-    size_t slots, tail = 64 + vertices / 32, r;
+    size_t slots, tail = 64 + vertices / 32, side = 1, r;
     pbw_status status;
     for (store->cell_bits = dim == 3 ? 7 : 9; vertices >> store->cell_bits >= 65536; ) {
         store->cell_bits++;
     }
     store->slots_each = ((size_t)1 << store->cell_bits) / 16 * (dim == 3 ? 112 : 33);
-    slots = (size_t)((uint64_t)(vertices + 1) * store->slots_each >> store->cell_bits) + 16;
+    while (side * side * side < vertices) {
+        side++;
+    }
+    store->ahead = dim == 3 ? 4 * side * side : 0;
+    slots = (size_t)((uint64_t)(vertices + 1) * store->slots_each >> store->cell_bits) + store->ahead + 16;
     store->region_slots = slots < PBW__SIMPLEX_LIMIT ? slots : PBW__SIMPLEX_LIMIT;
     store->region_count = (vertices >> store->cell_bits) + 1;
     store->region = (pbw_index *)pbw__allocate(memory, store->region_count, sizeof(pbw_index));
