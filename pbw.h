@@ -380,6 +380,7 @@ extern int madvise(void *address, size_t length, int advice);    /* strict C mod
 #define PBW__LIKELY(x) __builtin_expect(!!(x), 1)
 #define PBW__UNLIKELY(x) __builtin_expect(!!(x), 0)
 #define PBW__PREFETCH(address) __builtin_prefetch(address)
+#define PBW__PREFETCH_TO_WRITE(address) __builtin_prefetch(address, 1)
 #else
 #define PBW__INLINE PBW__DEVICE static inline
 #define PBW__NOINLINE
@@ -387,13 +388,14 @@ extern int madvise(void *address, size_t length, int advice);    /* strict C mod
 #define PBW__LIKELY(x) (x)
 #define PBW__UNLIKELY(x) (x)
 #define PBW__PREFETCH(address) ((void)0)
+#define PBW__PREFETCH_TO_WRITE(address) ((void)0)
 #endif
 
 /* The instructions of vectors: see >>lanes. */
 #if !defined(PBW_NO_SIMD) && defined(__GNUC__) && !(defined(PBW__FMA) && PBW__FMA == 0)
 #if defined(__x86_64__)
 #define PBW__AVX2
-#define PBW__SIMD __attribute__((target("avx2,fma,bmi,bmi2,popcnt")))
+#define PBW__SIMD __attribute__((target("avx2,fma,bmi,bmi2,popcnt,prfchw")))    /* the last does nothing where it is not */
 #elif defined(__AARCH64EL__) && defined(__ARM_NEON)
 #define PBW__NEON
 #define PBW__SIMD
@@ -7087,12 +7089,12 @@ static void pbw__emit_pass2(void *arg, int task)
 /* Pass 3: each simplex in canonical form, with ids for ranks and places for slots, from its slot to its place.  Slots
    are read in order, and most places lie before the slots, among those already read, because slots are left over
    where simplices were deleted.  A simplex whose place is still to be read is set aside.  Tasks take the slots by
-   chunks, not too small: slots that are near have places in the same lines of the cache.  chunk_done, set in release
-   order and seen in acquire order, tells all that a chunk was read. */
+   chunks, not too small: slots that are near have places in the same lines of the cache, which go from thread to
+   thread.  chunk_done, set in release order and seen in acquire order, tells all that a chunk was read. */
 #ifdef PBW_SMALL_SHARES
 #define PBW__CHUNK 64
 #else
-#define PBW__CHUNK 1024
+#define PBW__CHUNK 4096
 #endif
 
 /* Whether the slots that a place covers, in an array of so many entries a slot, have been read. */
@@ -7165,6 +7167,8 @@ static size_t pbw__emit_slots2(const pbw__emission *emission, size_t from, size_
 }
 
 #ifdef PBW__AVX2
+#define PBW__SOON 8                                  /* so many slots ahead places are asked for */
+
 /* A vector to the dim+1 entries from `to` on. */
 PBW__SIMD_INLINE void pbw__emit_store(pbw_index *to, pbw__i4 x, int dim)
 {
@@ -7184,18 +7188,20 @@ PBW__SIMD_INLINE size_t pbw__emit_slots_avx2(const pbw__emission *emission, size
     pbw_index *corner = emission->corner;
     size_t corners = (size_t)dim + 1, count = 0, t;
     for (t = from; t < end; t++) {
-        const pbw_index *v = corner + 4 * t, place = number[t];
+        const pbw_index *v = corner + 4 * t, place = number[t], soon = number[t + PBW__SOON < end ? t + PBW__SOON : t];
         pbw__i4 lanes, ids, neighbors = { 0, 0, 0, 0 };
+        if (soon != PBW_NONE) {
+            PBW__PREFETCH_TO_WRITE(corner + corners * soon);
+            PBW__PREFETCH_TO_WRITE((pbw_index *)(void *)link + corners * (links ? soon : 0));
+        }
         if (place == PBW_NONE) {
             continue;
         }
-        PBW__PREFETCH(corner + corners * place);
         lanes = (pbw__i4)pbw__canonical_lanes((__m128i)pbw__load4(v), dim);
         ids = (pbw__i4)_mm_setr_epi32((int)id[v[0]], (int)id[v[1]], (int)id[v[2]], dim == 3 ? (int)id[v[3]] : 0);
         ids = pbw__permute4(ids, lanes);
         if (links) {
             const pbw__link *l = link + 4 * t;
-            PBW__PREFETCH((pbw_index *)(void *)link + corners * place);
             neighbors = (pbw__i4)_mm_setr_epi32((int)number[l[0] >> 2], (int)number[l[1] >> 2],
                                                 (int)number[l[2] >> 2], dim == 3 ? (int)number[l[3] >> 2] : 0);
             neighbors = pbw__permute4(neighbors, lanes);
@@ -7255,10 +7261,10 @@ static void pbw__emit_set_aside(const pbw__emission *emission, pbw__aside *aside
 /* Room for those of a chunk.  What waits is looked at again when there is a quarter more, and a chunk. */
 static int pbw__emit_reserve(pbw__emission *emission, pbw__aside *aside)
 {
-    if (aside->capacity - aside->count < PBW__CHUNK) {
-        size_t wanted;
+    size_t chunk = emission->slot_count < PBW__CHUNK ? emission->slot_count : PBW__CHUNK, wanted;
+    if (aside->capacity - aside->count < chunk) {
         pbw__emit_set_aside(emission, aside);
-        wanted = aside->count + aside->count / 4 + PBW__CHUNK;
+        wanted = aside->count + aside->count / 4 + chunk;
         if (wanted > aside->capacity
             && !pbw__resize_array(&emission->context->memory, &aside->simplex, &aside->capacity, wanted,
                                   sizeof(pbw__emitted))) {
