@@ -395,7 +395,8 @@ extern int madvise(void *address, size_t length, int advice);    /* strict C mod
 #if !defined(PBW_NO_SIMD) && defined(__GNUC__) && !(defined(PBW__FMA) && PBW__FMA == 0)
 #if defined(__x86_64__)
 #define PBW__AVX2
-#define PBW__SIMD __attribute__((target("avx2,fma,bmi,bmi2,popcnt,prfchw")))    /* the last does nothing where it is not */
+/* prfchw: a prefetch that writes will follow, which does nothing on processors of AVX2 that do not know it. */
+#define PBW__SIMD __attribute__((target("avx2,fma,bmi,bmi2,popcnt,prfchw")))
 #elif defined(__AARCH64EL__) && defined(__ARM_NEON)
 #define PBW__NEON
 #define PBW__SIMD
@@ -6462,7 +6463,7 @@ typedef struct pbw__emission {
     pbw_index *chain;                                /* per region: the last slot of a simplex of its lists */
     pbw_index *head;                                 /* per rank: the length of its list; then its first simplex */
     pbw_index *first;                                /* per rank, for several tasks: the same from earlier shares */
-    size_t *end;                                     /* per task: where its simplices end */
+    size_t *end;                                     /* per task: its last slot for others; where its simplices end */
     pbw_index *incident;                             /* per point of the caller */
     size_t chunk;                                    /* of slots, the next to be read */
     unsigned char *chunk_done;
@@ -6578,11 +6579,11 @@ PBW__SIMD static void pbw__lowest_ranks2_avx2(const pbw_index *corner, size_t co
 #endif
 
 /* Pass 1.  A task has the slots of a run of regions, and the lists of the ranks of their cells.  Simplices for the
-   lists of other tasks, few, are left for a second look, `again`, with atomic exchanges. */
-#define PBW__LATER (PBW_NONE - 1)
+   lists of other tasks, few, make a chain of their own and are left for a second look, with atomic exchanges. */
 #define PBW__RUN 64                                  /* slots whose lowest ranks are found at a time */
 
-static void pbw__emit_chains(pbw__emission *emission, int task, size_t from, size_t end, int again)
+/* The slots from..end-1 into chains; `others` is the last slot for other tasks. */
+static pbw_index pbw__emit_chains(pbw__emission *emission, int task, size_t from, size_t end, pbw_index others)
 {
     const pbw__store *store = emission->store;
     size_t cells = pbw__share(store->region_count, task, emission->tasks);
@@ -6593,19 +6594,9 @@ static void pbw__emit_chains(pbw__emission *emission, int task, size_t from, siz
     for (; from < end; from = to) {
         if ((from / PBW__RUN & 1023) == 0
             && pbw__report(emission->context, 0.25 * (double)from / (double)store->count)) {
-            return;
+            break;
         }
         to = end - from < PBW__RUN ? end : from + PBW__RUN;
-        if (again) {
-            for (t = from; t < to; t++) {
-                if (number[t] == PBW__LATER) {
-                    emission->lowest_ranks(store->corner + 4 * t, 1, lowest);
-                    number[t] = PBW__SWAP(chain + (lowest[0] >> bits), (pbw_index)t);
-                    (void)PBW__ADD(head + lowest[0], 1);
-                }
-            }
-            continue;
-        }
         for (t = to; t < end && t < to + PBW__RUN; t += 4) {
             PBW__PREFETCH(store->corner + 4 * t);
         }
@@ -6619,10 +6610,12 @@ static void pbw__emit_chains(pbw__emission *emission, int task, size_t from, siz
                 chain[low >> bits] = (pbw_index)t;
                 head[low]++;
             } else {
-                number[t] = PBW__LATER;
+                number[t] = others;
+                others = (pbw_index)t;
             }
         }
     }
+    return others;
 }
 
 /* The first rank of a region; past the last region, the number of ranks. */
@@ -6632,8 +6625,9 @@ PBW__INLINE size_t pbw__emit_ranks(const pbw__emission *emission, size_t region)
     return ranks <= emission->vertex_count ? ranks : emission->vertex_count + 1;
 }
 
-static void pbw__emit_shares(pbw__emission *emission, int task, int again)
+static void pbw__emit_pass1(void *arg, int task)
 {
+    pbw__emission *emission = (pbw__emission *)arg;
     const pbw__store *store = emission->store;
     size_t first = pbw__share(store->region_count, task, emission->tasks);
     size_t last = pbw__share(store->region_count, task + 1, emission->tasks);
@@ -6641,26 +6635,26 @@ static void pbw__emit_shares(pbw__emission *emission, int task, int again)
     size_t to = last > 0 ? pbw__region_end(store, last - 1) : 0, tail = store->count - store->region_slots;
     size_t tail_from = store->region_slots + pbw__share(tail, task, emission->tasks);
     size_t tail_to = store->region_slots + pbw__share(tail, task + 1, emission->tasks);
-    if (!again) {
-        size_t ranks = pbw__emit_ranks(emission, first), end = pbw__emit_ranks(emission, last);
-        memset(emission->chain + first, 0xff, (last - first) * sizeof(pbw_index));   /* PBW_NONE */
-        memset(emission->head + ranks, 0, (end - ranks) * sizeof(pbw_index));
-        if (emission->first != NULL) {
-            memset(emission->first + ranks, 0xff, (end - ranks) * sizeof(pbw_index));
-        }
+    size_t ranks = pbw__emit_ranks(emission, first), end = pbw__emit_ranks(emission, last);
+    memset(emission->chain + first, 0xff, (last - first) * sizeof(pbw_index));       /* PBW_NONE */
+    memset(emission->head + ranks, 0, (end - ranks) * sizeof(pbw_index));
+    if (emission->first != NULL) {
+        memset(emission->first + ranks, 0xff, (end - ranks) * sizeof(pbw_index));
     }
-    pbw__emit_chains(emission, task, from, to, again);
-    pbw__emit_chains(emission, task, tail_from, tail_to, again);
-}
-
-static void pbw__emit_pass1(void *arg, int task)
-{
-    pbw__emit_shares((pbw__emission *)arg, task, 0);
+    emission->end[task] = pbw__emit_chains(emission, task, tail_from, tail_to,
+                                           pbw__emit_chains(emission, task, from, to, PBW_NONE));
 }
 
 static void pbw__emit_others(void *arg, int task)
 {
-    pbw__emit_shares((pbw__emission *)arg, task, 1);
+    pbw__emission *emission = (pbw__emission *)arg;
+    pbw_index t = (pbw_index)emission->end[task], next, low;
+    for (; t != PBW_NONE; t = next) {
+        next = emission->number[t];
+        emission->lowest_ranks(emission->corner + 4 * (size_t)t, 1, &low);
+        emission->number[t] = PBW__SWAP(emission->chain + (low >> emission->store->cell_bits), t);
+        (void)PBW__ADD(emission->head + low, 1);
+    }
 }
 
 /* The simplices of lists. */
@@ -7188,7 +7182,8 @@ PBW__SIMD_INLINE size_t pbw__emit_slots_avx2(const pbw__emission *emission, size
     pbw_index *corner = emission->corner;
     size_t corners = (size_t)dim + 1, count = 0, t;
     for (t = from; t < end; t++) {
-        const pbw_index *v = corner + 4 * t, place = number[t], soon = number[t + PBW__SOON < end ? t + PBW__SOON : t];
+        const pbw_index *v = corner + 4 * t, place = number[t];
+        const pbw_index soon = number[t + PBW__SOON < end ? t + PBW__SOON : t];
         pbw__i4 lanes, ids, neighbors = { 0, 0, 0, 0 };
         if (soon != PBW_NONE) {
             PBW__PREFETCH_TO_WRITE(corner + corners * soon);
