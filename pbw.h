@@ -7088,7 +7088,7 @@ static void pbw__emit_pass2(void *arg, int task)
 #ifdef PBW_SMALL_SHARES
 #define PBW__CHUNK 64
 #else
-#define PBW__CHUNK 4096
+#define PBW__CHUNK 2048
 #endif
 
 /* Whether the slots that a place covers, in an array of so many entries a slot, have been read. */
