@@ -380,6 +380,7 @@ extern int madvise(void *address, size_t length, int advice);    /* strict C mod
 #define PBW__LIKELY(x) __builtin_expect(!!(x), 1)
 #define PBW__UNLIKELY(x) __builtin_expect(!!(x), 0)
 #define PBW__PREFETCH(address) __builtin_prefetch(address)
+#define PBW__PREFETCH_TO_WRITE(address) __builtin_prefetch(address, 1)
 #else
 #define PBW__INLINE PBW__DEVICE static inline
 #define PBW__NOINLINE
@@ -387,13 +388,15 @@ extern int madvise(void *address, size_t length, int advice);    /* strict C mod
 #define PBW__LIKELY(x) (x)
 #define PBW__UNLIKELY(x) (x)
 #define PBW__PREFETCH(address) ((void)0)
+#define PBW__PREFETCH_TO_WRITE(address) ((void)0)
 #endif
 
 /* The instructions of vectors: see >>lanes. */
 #if !defined(PBW_NO_SIMD) && defined(__GNUC__) && !(defined(PBW__FMA) && PBW__FMA == 0)
 #if defined(__x86_64__)
 #define PBW__AVX2
-#define PBW__SIMD __attribute__((target("avx2,fma,bmi,bmi2,popcnt")))
+/* prfchw: a prefetch that writes will follow, which does nothing on processors of AVX2 that do not know it. */
+#define PBW__SIMD __attribute__((target("avx2,fma,bmi,bmi2,popcnt,prfchw")))
 #elif defined(__AARCH64EL__) && defined(__ARM_NEON)
 #define PBW__NEON
 #define PBW__SIMD
@@ -3240,7 +3243,7 @@ typedef struct pbw__store {
     pbw_index *region;                               /* per region: its first slot that was never used */
     pbw_index *hint;                                 /* per region: a simplex of one of its vertices, or PBW_NONE */
     size_t region_count, region_slots;               /* slots from region_slots on are the tail */
-    size_t slots_each;                               /* of a region */
+    size_t slots_each, ahead;                        /* of a region; how many more the first has */
     int cell_bits;                                   /* vertex >> cell_bits is the number of its region */
 } pbw__store;
 
@@ -3352,23 +3355,30 @@ PBW__INLINE size_t pbw__store_bigger(const pbw__store *store)
 /* The slot after the last of a region. */
 PBW__INLINE size_t pbw__region_end(const pbw__store *store, size_t region)
 {
-    size_t end = (region + 1) * store->slots_each;
+    size_t end = store->ahead + (region + 1) * store->slots_each;
     return end < store->region_slots && region + 1 < store->region_count ? end : store->region_slots;
 }
 
 /* Regions and a tail.  A region has slots for 7 simplices a vertex in space, 2 1/16 in the plane: uniform points need
    6.77 and 2, ghosts included.  There are at most 65536 regions, lest rounds of >>parallel, which look at each, take
-   long; with less than 128 ranks (2D: 512) too many would be full while others are not. */
+   long; with less than 128 ranks (2D: 512) too many would be full while others are not.
+   The output moves each simplex to its place in the order of lowest ranks.  Of n ranks on the curve, and so of the
+   places they fill, a border of about n^(2/3) has simplices with higher ranks, in slots of later regions: in space
+   the first region has slots for these too, so that places are not ahead of slots. */
 static pbw_status pbw__store_create(pbw__context *context, pbw__store *store, size_t vertices, int dim)
 {
     pbw__memory *memory = &context->memory;
-    size_t slots, tail = 64 + vertices / 32, r;
+    size_t slots, tail = 64 + vertices / 32, side = 1, r;
     pbw_status status;
     for (store->cell_bits = dim == 3 ? 7 : 9; vertices >> store->cell_bits >= 65536; ) {
         store->cell_bits++;
     }
     store->slots_each = ((size_t)1 << store->cell_bits) / 16 * (dim == 3 ? 112 : 33);
-    slots = (size_t)((uint64_t)(vertices + 1) * store->slots_each >> store->cell_bits) + 16;
+    while (side * side * side < vertices) {
+        side++;
+    }
+    store->ahead = dim == 3 ? 4 * side * side : 0;
+    slots = (size_t)((uint64_t)(vertices + 1) * store->slots_each >> store->cell_bits) + store->ahead + 16;
     store->region_slots = slots < PBW__SIMPLEX_LIMIT ? slots : PBW__SIMPLEX_LIMIT;
     store->region_count = (vertices >> store->cell_bits) + 1;
     store->region = (pbw_index *)pbw__allocate(memory, store->region_count, sizeof(pbw_index));
@@ -6470,7 +6480,7 @@ typedef struct pbw__emission {
     pbw_index *chain;                                /* per region: the last slot of a simplex of its lists */
     pbw_index *head;                                 /* per rank: the length of its list; then its first simplex */
     pbw_index *first;                                /* per rank, for several tasks: the same from earlier shares */
-    size_t *end;                                     /* per task: where its simplices end */
+    size_t *end;                                     /* per task: its last slot for others; where its simplices end */
     pbw_index *incident;                             /* per point of the caller */
     size_t chunk;                                    /* of slots, the next to be read */
     unsigned char *chunk_done;
@@ -6586,11 +6596,11 @@ PBW__SIMD static void pbw__lowest_ranks2_avx2(const pbw_index *corner, size_t co
 #endif
 
 /* Pass 1.  A task has the slots of a run of regions, and the lists of the ranks of their cells.  Simplices for the
-   lists of other tasks, few, are left for a second look, `again`, with atomic exchanges. */
-#define PBW__LATER (PBW_NONE - 1)
+   lists of other tasks, few, make a chain of their own and are left for a second look, with atomic exchanges. */
 #define PBW__RUN 64                                  /* slots whose lowest ranks are found at a time */
 
-static void pbw__emit_chains(pbw__emission *emission, int task, size_t from, size_t end, int again)
+/* The slots from..end-1 into chains; `others` is the last slot for other tasks. */
+static pbw_index pbw__emit_chains(pbw__emission *emission, int task, size_t from, size_t end, pbw_index others)
 {
     const pbw__store *store = emission->store;
     size_t cells = pbw__share(store->region_count, task, emission->tasks);
@@ -6601,19 +6611,9 @@ static void pbw__emit_chains(pbw__emission *emission, int task, size_t from, siz
     for (; from < end; from = to) {
         if ((from / PBW__RUN & 1023) == 0
             && pbw__report(emission->context, 0.25 * (double)from / (double)store->count)) {
-            return;
+            break;
         }
         to = end - from < PBW__RUN ? end : from + PBW__RUN;
-        if (again) {
-            for (t = from; t < to; t++) {
-                if (number[t] == PBW__LATER) {
-                    emission->lowest_ranks(store->corner + 4 * t, 1, lowest);
-                    number[t] = PBW__SWAP(chain + (lowest[0] >> bits), (pbw_index)t);
-                    (void)PBW__ADD(head + lowest[0], 1);
-                }
-            }
-            continue;
-        }
         for (t = to; t < end && t < to + PBW__RUN; t += 4) {
             PBW__PREFETCH(store->corner + 4 * t);
         }
@@ -6627,10 +6627,12 @@ static void pbw__emit_chains(pbw__emission *emission, int task, size_t from, siz
                 chain[low >> bits] = (pbw_index)t;
                 head[low]++;
             } else {
-                number[t] = PBW__LATER;
+                number[t] = others;
+                others = (pbw_index)t;
             }
         }
     }
+    return others;
 }
 
 /* The first rank of a region; past the last region, the number of ranks. */
@@ -6640,8 +6642,9 @@ PBW__INLINE size_t pbw__emit_ranks(const pbw__emission *emission, size_t region)
     return ranks <= emission->vertex_count ? ranks : emission->vertex_count + 1;
 }
 
-static void pbw__emit_shares(pbw__emission *emission, int task, int again)
+static void pbw__emit_pass1(void *arg, int task)
 {
+    pbw__emission *emission = (pbw__emission *)arg;
     const pbw__store *store = emission->store;
     size_t first = pbw__share(store->region_count, task, emission->tasks);
     size_t last = pbw__share(store->region_count, task + 1, emission->tasks);
@@ -6649,26 +6652,26 @@ static void pbw__emit_shares(pbw__emission *emission, int task, int again)
     size_t to = last > 0 ? pbw__region_end(store, last - 1) : 0, tail = store->count - store->region_slots;
     size_t tail_from = store->region_slots + pbw__share(tail, task, emission->tasks);
     size_t tail_to = store->region_slots + pbw__share(tail, task + 1, emission->tasks);
-    if (!again) {
-        size_t ranks = pbw__emit_ranks(emission, first), end = pbw__emit_ranks(emission, last);
-        memset(emission->chain + first, 0xff, (last - first) * sizeof(pbw_index));   /* PBW_NONE */
-        memset(emission->head + ranks, 0, (end - ranks) * sizeof(pbw_index));
-        if (emission->first != NULL) {
-            memset(emission->first + ranks, 0xff, (end - ranks) * sizeof(pbw_index));
-        }
+    size_t ranks = pbw__emit_ranks(emission, first), end = pbw__emit_ranks(emission, last);
+    memset(emission->chain + first, 0xff, (last - first) * sizeof(pbw_index));       /* PBW_NONE */
+    memset(emission->head + ranks, 0, (end - ranks) * sizeof(pbw_index));
+    if (emission->first != NULL) {
+        memset(emission->first + ranks, 0xff, (end - ranks) * sizeof(pbw_index));
     }
-    pbw__emit_chains(emission, task, from, to, again);
-    pbw__emit_chains(emission, task, tail_from, tail_to, again);
-}
-
-static void pbw__emit_pass1(void *arg, int task)
-{
-    pbw__emit_shares((pbw__emission *)arg, task, 0);
+    emission->end[task] = pbw__emit_chains(emission, task, tail_from, tail_to,
+                                           pbw__emit_chains(emission, task, from, to, PBW_NONE));
 }
 
 static void pbw__emit_others(void *arg, int task)
 {
-    pbw__emit_shares((pbw__emission *)arg, task, 1);
+    pbw__emission *emission = (pbw__emission *)arg;
+    pbw_index t = (pbw_index)emission->end[task], next, low;
+    for (; t != PBW_NONE; t = next) {
+        next = emission->number[t];
+        emission->lowest_ranks(emission->corner + 4 * (size_t)t, 1, &low);
+        emission->number[t] = PBW__SWAP(emission->chain + (low >> emission->store->cell_bits), t);
+        (void)PBW__ADD(emission->head + low, 1);
+    }
 }
 
 /* The simplices of lists. */
@@ -7097,12 +7100,12 @@ static void pbw__emit_pass2(void *arg, int task)
 /* Pass 3: each simplex in canonical form, with ids for ranks and places for slots, from its slot to its place.  Slots
    are read in order, and most places lie before the slots, among those already read, because slots are left over
    where simplices were deleted.  A simplex whose place is still to be read is set aside.  Tasks take the slots by
-   chunks, not too small: slots that are near have places in the same lines of the cache.  chunk_done, set in release
-   order and seen in acquire order, tells all that a chunk was read. */
+   chunks, not too small: slots that are near have places in the same lines of the cache, which go from thread to
+   thread.  chunk_done, set in release order and seen in acquire order, tells all that a chunk was read. */
 #ifdef PBW_SMALL_SHARES
 #define PBW__CHUNK 64
 #else
-#define PBW__CHUNK 1024
+#define PBW__CHUNK 2048
 #endif
 
 /* Whether the slots that a place covers, in an array of so many entries a slot, have been read. */
@@ -7175,6 +7178,8 @@ static size_t pbw__emit_slots2(const pbw__emission *emission, size_t from, size_
 }
 
 #ifdef PBW__AVX2
+#define PBW__SOON 128                                /* slots are asked for so far ahead */
+
 /* A vector to the dim+1 entries from `to` on. */
 PBW__SIMD_INLINE void pbw__emit_store(pbw_index *to, pbw__i4 x, int dim)
 {
@@ -7195,17 +7200,20 @@ PBW__SIMD_INLINE size_t pbw__emit_slots_avx2(const pbw__emission *emission, size
     size_t corners = (size_t)dim + 1, count = 0, t;
     for (t = from; t < end; t++) {
         const pbw_index *v = corner + 4 * t, place = number[t];
+        const size_t soon = 4 * (t + PBW__SOON < end ? t + PBW__SOON : t);
         pbw__i4 lanes, ids, neighbors = { 0, 0, 0, 0 };
         if (place == PBW_NONE) {
             continue;
         }
-        PBW__PREFETCH(corner + corners * place);
+        PBW__PREFETCH(corner + soon);
+        PBW__PREFETCH_TO_WRITE(corner + corners * place);
         lanes = (pbw__i4)pbw__canonical_lanes((__m128i)pbw__load4(v), dim);
         ids = (pbw__i4)_mm_setr_epi32((int)id[v[0]], (int)id[v[1]], (int)id[v[2]], dim == 3 ? (int)id[v[3]] : 0);
         ids = pbw__permute4(ids, lanes);
         if (links) {
             const pbw__link *l = link + 4 * t;
-            PBW__PREFETCH((pbw_index *)(void *)link + corners * place);
+            PBW__PREFETCH(link + soon);
+            PBW__PREFETCH_TO_WRITE((pbw_index *)(void *)link + corners * place);
             neighbors = (pbw__i4)_mm_setr_epi32((int)number[l[0] >> 2], (int)number[l[1] >> 2],
                                                 (int)number[l[2] >> 2], dim == 3 ? (int)number[l[3] >> 2] : 0);
             neighbors = pbw__permute4(neighbors, lanes);
@@ -7265,10 +7273,10 @@ static void pbw__emit_set_aside(const pbw__emission *emission, pbw__aside *aside
 /* Room for those of a chunk.  What waits is looked at again when there is a quarter more, and a chunk. */
 static int pbw__emit_reserve(pbw__emission *emission, pbw__aside *aside)
 {
-    if (aside->capacity - aside->count < PBW__CHUNK) {
-        size_t wanted;
+    size_t chunk = emission->slot_count < PBW__CHUNK ? emission->slot_count : PBW__CHUNK, wanted;
+    if (aside->capacity - aside->count < chunk) {
         pbw__emit_set_aside(emission, aside);
-        wanted = aside->count + aside->count / 4 + PBW__CHUNK;
+        wanted = aside->count + aside->count / 4 + chunk;
         if (wanted > aside->capacity
             && !pbw__resize_array(&emission->context->memory, &aside->simplex, &aside->capacity, wanted,
                                   sizeof(pbw__emitted))) {
