@@ -107,9 +107,15 @@ struct alignas(16) box {
     float low[3], high[3], weight, unused;
 };
 
+/* What a box is on a sphere: points within a radius of a place on it; >>smooth. */
+struct alignas(16) cap {
+    float middle[3], radius, rise, weight, unused[2];
+};
+
 const int tree_levels = 7;                           /* 8 * 32^6 points are more than an index can number */
 struct tree {
     const box *level[tree_levels];                   /* level[0]: groups of 8 points */
+    const cap *caps[tree_levels];                    /* the same groups and boxes, or NULL */
     uint32_t size[tree_levels];
     int levels;                                      /* level[levels-1] has at most 32 boxes */
 };
@@ -124,6 +130,7 @@ struct space {
     float high[3];                                   /* the same in units */
     pbw__grid grid;
     double exact_height;                             /* >>sphere: below it doubles are exact; 0 if nowhere */
+    float middle[3], bend;                           /* >>smooth: the sphere, in units: its centre, 1 / radius */
 };
 
 struct queue {                                       /* vertices for the next rung, in no order */
@@ -772,6 +779,9 @@ const float slack = 9.5367431640625e-7f;             /* 2^-20 */
 const float far_away = 5.192296858534828e33f;        /* 2^112 */
 const int open_sign = PBW__OPEN;
 
+/* WEIGHTED: all weights are equal; they are given; they stand for the lifts of nearly cospherical points (>>smooth). */
+enum { equal, given, residual };
+
 template <typename REAL> struct place {              /* relative to v, in units */
     REAL x[3], w;
 };
@@ -843,7 +853,7 @@ template <int DIM, typename REAL> __device__ inline REAL square(const REAL *x)
     return DIM == 3 ? x[0] * x[0] + x[1] * x[1] + x[2] * x[2] : x[0] * x[0] + x[1] * x[1];
 }
 
-template <int DIM, bool WEIGHTED, typename REAL> __device__ inline probe probe_of(const place<REAL> &p)
+template <int DIM, int WEIGHTED, typename REAL> __device__ inline probe probe_of(const place<REAL> &p)
 {
     probe r;
     REAL l = square<DIM>(p.x);
@@ -854,6 +864,7 @@ template <int DIM, bool WEIGHTED, typename REAL> __device__ inline probe probe_o
     r.lift = WEIGHTED ? (float)(l - p.w) : r.load;
     r.size = r.load > sizes<REAL>::least() ? slack * root(r.load) : HUGE_VALF;
     r.load = slack * (WEIGHTED ? r.load + fabsf((float)p.w) : r.load);
+    r.load += WEIGHTED == residual ? slack * 65536.0f : 0.0f;
     return r;
 }
 
@@ -900,7 +911,7 @@ __device__ inline float4 sphere_of(const REAL *n, REAL d, REAL e, REAL product)
                        (float)(size + sizes<REAL>::error() * (e + size * product) * inverse));
 }
 
-template <int DIM, bool WEIGHTED, typename REAL>
+template <int DIM, int WEIGHTED, typename REAL>
 __device__ inline float4 sphere(const place<REAL> &pa, const place<REAL> &pb, const place<REAL> &pc)
 {
     const REAL *a = pa.x, *b = pb.x, *c = pc.x, least = sizes<REAL>::least();
@@ -912,7 +923,8 @@ __device__ inline float4 sphere(const place<REAL> &pa, const place<REAL> &pb, co
     REAL A = root((float)la), B = root((float)lb), C = DIM == 3 ? root((float)lc) : 1.0f;
     REAL La = la, Lb = lb, Lc = lc;
     if (WEIGHTED) {
-        La += fabs(pa.w), Lb += fabs(pb.w), Lc += fabs(pc.w);
+        const REAL blur = WEIGHTED == residual ? (REAL)1.7592186044416e13 : (REAL)0;
+        La += fabs(pa.w) + blur, Lb += fabs(pb.w) + blur, Lc += fabs(pc.w) + blur;
         la -= pa.w, lb -= pb.w, lc -= pc.w;
     }
     if (DIM == 2) {
@@ -1016,7 +1028,7 @@ template <int DIM> __device__ int triangle_with(const uint32_t *triangle, int co
 
 /* The exact answer where floats leave it open: is point p in conflict with triangle t of the star of v?
    For an infinite simplex with p in the plane of its facet it is that of the finite simplex behind the facet. */
-template <int DIM>
+template <int DIM, int WEIGHTED>
 __device__ __noinline__ int settle(const space &s, uint32_t v, const uint32_t *id, const uint32_t *triangle,
                                    int count, int t, uint32_t p, pbw__digit *pool)
 {
@@ -1056,6 +1068,14 @@ __device__ __noinline__ int settle(const space &s, uint32_t v, const uint32_t *i
         }
         row[k + 1] = s.point[id[a]].c;
     }
+    record plain[DIM + 2];
+    if (WEIGHTED == residual) {                      /* the points themselves have no weights */
+        for (int i = 0; i <= DIM + 1; i++) {
+            plain[i] = *(const record *)(i <= DIM ? row[i] : origin);
+            plain[i].c[DIM] = 0.0;
+            (i <= DIM ? row[i <= DIM ? i : 0] : origin) = plain[i].c;
+        }
+    }
     return finite_conflict<DIM>(s.grid, row, origin, pool);
 }
 
@@ -1082,7 +1102,7 @@ template <bool EXACT> struct rung_real { typedef float type; };
 template <> struct rung_real<true> { typedef double type; };
 
 /* NT triangles, NV vertices, SCRATCH words for the rung's search. */
-template <int DIM, bool WEIGHTED, int NT, int NV, int SCRATCH, typename REAL> struct star {
+template <int DIM, int WEIGHTED, int NT, int NV, int SCRATCH, typename REAL> struct star {
     typedef star_types<(NT > 256)> types;
     static const int words = NV / 32;
     float4 sphere[NT];
@@ -1099,7 +1119,7 @@ __device__ inline uint32_t pack(uint32_t a, uint32_t b, uint32_t c)
     return a | b << 10 | c << 20;
 }
 
-template <int DIM, bool WEIGHTED, int NT, int NV, int SCRATCH, typename REAL>
+template <int DIM, int WEIGHTED, int NT, int NV, int SCRATCH, typename REAL>
 __device__ inline void set_vertex(star<DIM, WEIGHTED, NT, NV, SCRATCH, REAL> &s, uint32_t number, uint32_t id,
                                   const place<REAL> &p)
 {
@@ -1112,7 +1132,7 @@ __device__ inline void set_vertex(star<DIM, WEIGHTED, NT, NV, SCRATCH, REAL> &s,
     }
 }
 
-template <int DIM, bool WEIGHTED, int NT, int NV, int SCRATCH, typename REAL>
+template <int DIM, int WEIGHTED, int NT, int NV, int SCRATCH, typename REAL>
 __device__ inline place<REAL> vertex_place(const star<DIM, WEIGHTED, NT, NV, SCRATCH, REAL> &s, uint32_t number)
 {
     place<REAL> p;
@@ -1124,7 +1144,7 @@ __device__ inline place<REAL> vertex_place(const star<DIM, WEIGHTED, NT, NV, SCR
 }
 
 /* The sphere of triangle (a, b, c); in the plane of edge (a, b).  0 is the vertex at infinity. */
-template <int DIM, bool WEIGHTED, typename REAL>
+template <int DIM, int WEIGHTED, typename REAL>
 __device__ inline float4 sphere_of_triangle(uint32_t a, uint32_t b, uint32_t c, const place<REAL> &pa,
                                             const place<REAL> &pb, const place<REAL> &pc, unsigned walls)
 {
@@ -1150,7 +1170,7 @@ __device__ inline float4 sphere_of_triangle(uint32_t a, uint32_t b, uint32_t c, 
 }
 
 /* used: the vertices that triangles have, and 0. */
-template <int T, int DIM, bool WEIGHTED, int NT, int NV, int SCRATCH, typename REAL>
+template <int T, int DIM, int WEIGHTED, int NT, int NV, int SCRATCH, typename REAL>
 __device__ inline void find_used(star<DIM, WEIGHTED, NT, NV, SCRATCH, REAL> &s, bool go, int count)
 {
     int lane = (int)threadIdx.x & (T - 1);
@@ -1181,7 +1201,7 @@ struct hole {
 /* As settle, for p relative to v, by doubles that round nothing: on a small grid all products are integers in its
    unit, below 2^53 (>>cavity of pbw.h: there p is the origin, here v, but the 24 products have the same bound).  The
    coefficients of the lifts are those of pbw__tie.  open_sign if a height is too large for that. */
-template <int DIM, bool WEIGHTED, int NT, int NV, int SCRATCH, typename REAL>
+template <int DIM, int WEIGHTED, int NT, int NV, int SCRATCH, typename REAL>
 __device__ __noinline__ int settle_on_grid(const star<DIM, WEIGHTED, NT, NV, SCRATCH, REAL> &s, int count, int t,
                                            double limit, double px, double py, double pz, double pw)
 {
@@ -1255,7 +1275,7 @@ __device__ __noinline__ int settle_on_grid(const star<DIM, WEIGHTED, NT, NV, SCR
 }
 
 /* The sphere of the facet (a, b, c), none being the vertex at infinity, and the answer for point p, by doubles. */
-template <int DIM, bool WEIGHTED>
+template <int DIM, int WEIGHTED>
 __device__ __noinline__ int refine(const space &all, uint32_t v, uint32_t a, uint32_t b, uint32_t c, uint32_t p,
                                    float4 *sphere)
 {
@@ -1269,7 +1289,7 @@ __device__ __noinline__ int refine(const space &all, uint32_t v, uint32_t a, uin
 }
 
 /* What floats leave open: is point id in conflict with triangle t?  A star in floats gets the sphere from doubles. */
-template <int DIM, bool WEIGHTED, int NT, int NV, int SCRATCH>
+template <int DIM, int WEIGHTED, int NT, int NV, int SCRATCH>
 __device__ inline int decide(star<DIM, WEIGHTED, NT, NV, SCRATCH, float> &s, const space &all, uint32_t v, int, int t,
                              uint32_t id, const place<float> &, pbw__digit *)
 {
@@ -1282,17 +1302,17 @@ __device__ inline int decide(star<DIM, WEIGHTED, NT, NV, SCRATCH, float> &s, con
 }
 
 /* The exact answer: is point id, at p relative to v, in conflict with triangle t? */
-template <int DIM, bool WEIGHTED, int NT, int NV, int SCRATCH>
+template <int DIM, int WEIGHTED, int NT, int NV, int SCRATCH>
 __device__ inline int decide(star<DIM, WEIGHTED, NT, NV, SCRATCH, double> &s, const space &all, uint32_t v, int count,
                              int t, uint32_t id, const place<double> &p, pbw__digit *pool)
 {
     int hit = settle_on_grid(s, count, t, all.exact_height, p.x[0], p.x[1], p.x[2], p.w);
-    return hit != open_sign ? hit : settle<DIM>(all, v, s.id, s.triangle, count, t, id, pool);
+    return hit != open_sign ? hit : settle<DIM, WEIGHTED>(all, v, s.id, s.triangle, count, t, id, pool);
 }
 
 /* Finds the cavity of point id, at p relative to v, in the stars of those tiles that go, and makes the point a vertex
    of theirs; count: their triangles.  Without SETTLES what floats leave open stays open. */
-template <int T, bool SETTLES, int DIM, bool WEIGHTED, int NT, int NV, int SCRATCH, typename REAL>
+template <int T, bool SETTLES, int DIM, int WEIGHTED, int NT, int NV, int SCRATCH, typename REAL>
 __device__ inline int carve(star<DIM, WEIGHTED, NT, NV, SCRATCH, REAL> &s, const space &all, uint32_t v, bool go,
                             uint32_t id, const place<REAL> &p, int count, pbw__digit *pool, hole &cavity)
 {
@@ -1426,7 +1446,7 @@ __device__ inline int carve(star<DIM, WEIGHTED, NT, NV, SCRATCH, REAL> &s, const
 
 /* Replaces the cavities of the tiles that go by the triangles from the first fans edges of their borders to the new
    vertex, and from the others to infinity; in the plane the border is the new edges. */
-template <int T, int DIM, bool WEIGHTED, int NT, int NV, int SCRATCH, typename REAL>
+template <int T, int DIM, int WEIGHTED, int NT, int NV, int SCRATCH, typename REAL>
 __device__ inline void fan(star<DIM, WEIGHTED, NT, NV, SCRATCH, REAL> &s, bool go, const hole &cavity, int fans,
                            int &count, unsigned walls)
 {
@@ -1463,7 +1483,7 @@ __device__ inline void fan(star<DIM, WEIGHTED, NT, NV, SCRATCH, REAL> &s, bool g
 
 /* The star of v and the points a, b, c, one finite triangle and an infinite one on each of its edges, as the border
    of a hole that fan fills. */
-template <int T, int DIM, bool WEIGHTED, int NT, int NV, int SCRATCH, typename REAL>
+template <int T, int DIM, int WEIGHTED, int NT, int NV, int SCRATCH, typename REAL>
 __device__ inline void start(star<DIM, WEIGHTED, NT, NV, SCRATCH, REAL> &s, bool go, const uint32_t *id,
                              const place<REAL> *p)
 {
@@ -1502,7 +1522,7 @@ template <int DIM> __device__ inline hole first_hole()
 }
 
 /* Stores the finished stars of the tiles that go. */
-template <int T, int DIM, bool WEIGHTED, int NT, int NV, int SCRATCH, typename REAL>
+template <int T, int DIM, int WEIGHTED, int NT, int NV, int SCRATCH, typename REAL>
 __device__ inline void finish(star<DIM, WEIGHTED, NT, NV, SCRATCH, REAL> &s, bool go, uint32_t v, int count,
                               const store &out)
 {
@@ -1625,7 +1645,7 @@ template <int T, typename REAL> __device__ inline place<REAL> tile_place(const p
 
 /* Starts the stars of the tiles that go with points id, at p, of their own lanes, candidates being those of lanes
    below have, nearest first: fan is left to do.  Returns the lanes used, or 0 where no fat corner was found. */
-template <int T, int DIM, bool WEIGHTED, int NT, int NV, int SCRATCH, typename REAL>
+template <int T, int DIM, int WEIGHTED, int NT, int NV, int SCRATCH, typename REAL>
 __device__ inline unsigned start_from_lanes(star<DIM, WEIGHTED, NT, NV, SCRATCH, REAL> &s, bool go, uint32_t id,
                                             const place<REAL> &p, int have)
 {
@@ -1684,7 +1704,7 @@ __device__ inline float rough_square(const float4 &p, const float *v, float *x)
 
 /* The radius around q / 2 within which a point of the largest weight may be in conflict, grown by more than all
    roundings and by the error of the centre. */
-template <bool WEIGHTED> __device__ inline float radius_of(float4 q, float heaviest)
+template <int WEIGHTED> __device__ inline float radius_of(float4 q, float heaviest)
 {
     float size = root(fmaf(q.x, q.x, fmaf(q.y, q.y, q.z * q.z)));
     float radius = q.w < far_away ? fmaf(0.5f, size, slack * q.w) : 0.5f * q.w;
@@ -1692,7 +1712,7 @@ template <bool WEIGHTED> __device__ inline float radius_of(float4 q, float heavi
 }
 
 /* Bounds of the spheres of a star. */
-template <int T, int DIM, bool WEIGHTED, int NT, int NV, int SCRATCH, typename REAL>
+template <int T, int DIM, int WEIGHTED, int NT, int NV, int SCRATCH, typename REAL>
 __device__ inline span reach_of(const star<DIM, WEIGHTED, NT, NV, SCRATCH, REAL> &s, bool go, int count,
                                 float heaviest)
 {
@@ -1720,7 +1740,7 @@ __device__ inline span reach_of(const star<DIM, WEIGHTED, NT, NV, SCRATCH, REAL>
 
 /* Whether floats leave it open that point p is in conflict with some simplex of the star; all lanes of a tile go or
    none does, each with its own point.  The test is that of side, with the bound in the sum; a wall adds to it. */
-template <int T, int DIM, bool WEIGHTED, int NT, int NV, int SCRATCH, typename REAL>
+template <int T, int DIM, int WEIGHTED, int NT, int NV, int SCRATCH, typename REAL>
 __device__ inline bool may_conflict(const star<DIM, WEIGHTED, NT, NV, SCRATCH, REAL> &s, bool go, int count,
                                     const place<REAL> &p)
 {
@@ -1755,11 +1775,11 @@ template <int DIM, bool EXACT> struct near_blocks {
     static const int count = EXACT ? 4 : DIM == 2 ? 8 : 6;
 };
 
-template <int DIM, bool WEIGHTED, typename REAL> struct near_star {
+template <int DIM, int WEIGHTED, typename REAL> struct near_star {
     typedef star<DIM, WEIGHTED, near_triangles, near_vertices, near_points, REAL> type;
 };
 
-template <int DIM, bool WEIGHTED, bool EXACT>
+template <int DIM, int WEIGHTED, bool EXACT>
 __global__ void __launch_bounds__(near_block, near_blocks<DIM, EXACT>::count)
 near_kernel(const __grid_constant__ space all, const box *group, const uint32_t *lists, const near_list *infos,
             uint32_t first, uint32_t stride, uint32_t count_of, const __grid_constant__ store out, queue failed,
@@ -1988,6 +2008,178 @@ near_kernel(const __grid_constant__ space all, const box *group, const uint32_t 
 }
 
 /* ------------------------------------------------------------------------------------------------------
+   >>smooth       Points on a common sphere but for noise: lifts that tell them apart, and boxes that fit a sphere.
+   All circumspheres are nearly the one sphere, so floats and doubles could decide nothing.  But a conflict does not
+   depend on what affine function is added to the lift.  For a centre c and a square s, which may be any, the residual
+
+       e(p) = |p - c|^2 - s = |p|^2 + an affine function of p
+
+   is a lift too, and small where p is near the sphere.  So is the sum of the lift and k e, for a factor k > 0, which
+   is (k + 1) |p|^2 and an affine function.  That is what the stars calculate with when the points get the weights
+   -k e, the largest of them about 2^30 in units of the space: the lifts then differ by about as much as they are.
+   Stars of such points are local, in a way: those of a few points with low residuals reach far.
+
+     e    d = p - c is exact as two doubles, d = h + t, |t| <= g |h|, and h^2 as two more; h^2 and -s are summed with
+          their errors, which are at most g M, where M = |d|^2 + s; the errors, 2 h t of each axis and s are summed
+          in at most 10 steps: error at most 2^-98 M, and g |e| when rounded at the end.
+
+   The mode is taken if k 2^-98 M and g 2^30 are below 2^-10 (>>run); then lifts relative to v are off by 2^-9.  In
+   >>sphere that is 2^-9 (BC + AC + AB) more in N, which 2^44 more in each of L_a, L_b and L_c covers, and 2^-9 more
+   in the test, which 2^16 more in L_p covers.
+
+   Boxes along the axes are too thick.  A cap has its middle m near the sphere, and all its points are p = m + d with
+   |d| <= r.  With n = (m - c) / R
+
+       n . d = (|p - c|^2 - |m - c|^2 - |d|^2) / 2R = rise - |d|^2 / 2R,   rise = (R^2 - |m - c|^2) / 2R,
+
+   but for 3e-7, which is for the noise and for c, rounded to floats.  So with any number a and t = q - a n
+
+       q . p = q . m + a n . d + t . d <= q . m + a rise + max over x <= r of (|t| x - a x^2 / 2R),
+
+   and no point of the cap is in conflict if that is less than the lowest lift in it.  Errors are at most: of m, for v
+   is rounded, 3.1e-7 |q|; of c and the noise 3e-7 |q|; of q, of n, of t, of products and sums 1.2e-6 |q| |m| and
+   2.3e-6 Q r.
+   ------------------------------------------------------------------------------------------------------ */
+struct common_sphere {
+    double middle[3], square;
+};
+
+__device__ inline void sum_exactly(double &high, double &low, double more)
+{
+    double sum = high + more, part = sum - high;
+    low += (high - (sum - part)) + (more - part);
+    high = sum;
+}
+
+/* The residuals of all points become weights, times factor; or, for a factor of 0, only the largest is found. */
+__global__ void residual_kernel(record *point, uint32_t count, common_sphere on, double factor,
+                                unsigned long long *largest)
+{
+    unsigned long long most = 0;
+    for (size_t i = thread_number(); i < count; i += (size_t)gridDim.x * blockDim.x) {
+        double high = -on.square, low = 0.0;
+        record p = point[i];
+        for (int k = 0; k < 3; k++) {
+            double h = p.c[k] - on.middle[k], part = p.c[k] - h;
+            double t = (p.c[k] - (h + part)) + (part - on.middle[k]), square_h = __dmul_rn(h, h);
+            sum_exactly(high, low, square_h);
+            low += fma(h, h, -square_h) + 2.0 * h * t;
+        }
+        unsigned long long size = (unsigned long long)__double_as_longlong(fabs(high + low));
+        most = size > most ? size : most;
+        if (factor != 0.0) {
+            point[i].c[3] = -factor * (high + low);
+        }
+    }
+    for (int step = 16; step > 0; step /= 2) {
+        unsigned long long other = __shfl_xor_sync(all_lanes, most, step);
+        most = other > most ? other : most;
+    }
+    if ((threadIdx.x & 31) == 0) {
+        atomicMax(largest, most);
+    }
+}
+
+/* The caps of a level: of 8 points or of 32 caps.  All but the radius. */
+__global__ void cap_kernel(const __grid_constant__ space s, const cap *child, uint32_t children, cap *out,
+                           uint32_t size)
+{
+    const uint32_t each = child == NULL ? group_size : 32;
+    size_t g = thread_number();
+    if (g < size) {
+        double sum[3] = { 0.0, 0.0, 0.0 }, length = 0.0;
+        cap b = { { 0.0f, 0.0f, 0.0f }, 0.0f, 0.0f, -HUGE_VALF, { 0.0f, 0.0f } };
+        uint32_t first = (uint32_t)g * each, end = children - first < each ? children : first + each;
+        for (uint32_t i = first; i < end; i++) {
+            record r = s.point[child == NULL ? i : 0];
+            for (int k = 0; k < 3; k++) {
+                sum[k] += child == NULL ? in_units(s, r, k) : (double)child[i].middle[k];
+            }
+            b.weight = fmaxf(b.weight, child == NULL ? __double2float_ru(r.c[3] * (s.unit * s.unit))
+                                                     : child[i].weight);
+        }
+        for (int k = 0; k < 3; k++) {
+            sum[k] = sum[k] / (end - first) - (double)s.middle[k];
+            length += sum[k] * sum[k];
+        }
+        length = sqrt(length) * (double)s.bend;
+        for (int k = 0; k < 3; k++) {
+            b.middle[k] = (float)((double)s.middle[k] + (length > 1e-3 ? sum[k] / length : sum[k]));
+        }
+        length = 0.0;
+        for (int k = 0; k < 3; k++) {
+            double d = (double)b.middle[k] - (double)s.middle[k];
+            length += d * d;
+        }
+        b.rise = (float)(0.5 * (1.0 / (double)s.bend - length * (double)s.bend));
+        out[g] = b;
+    }
+}
+
+/* The radii; of groups by the points themselves, too. */
+__global__ void radius_kernel(const __grid_constant__ space s, const __grid_constant__ tree t)
+{
+    size_t i = thread_number(), above = i / group_size;
+    record r = s.point[i < s.count ? i : s.count - 1];
+    for (int level = 0; level < t.levels; level++, above /= 32) {
+        cap &b = ((cap *)t.caps[level])[i < s.count ? above : t.size[level] - 1];
+        double d = 0.0;
+        for (int k = 0; k < 3; k++) {
+            double x = in_units(s, r, k) - (double)b.middle[k];
+            d += x * x;
+        }
+        int reach = __float_as_int(__double2float_ru(sqrt(d)));
+        for (int step = 16; step > 0 && level > 0; step /= 2) {      /* the points of a warp are all in one */
+            int other = __shfl_xor_sync(all_lanes, reach, step);
+            reach = other > reach ? other : reach;
+        }
+        if (level == 0 || (threadIdx.x & 31) == 0) {
+            atomicMax((int *)&b.radius, reach);
+        }
+    }
+}
+
+/* A cap relative to v: lift: the lowest of its points; error: as above, to be multiplied by Q. */
+struct disc {
+    float m[3], n[3], radius, rise, lift, error, distance;
+};
+
+__device__ inline disc relative_cap(const space &s, const cap &b, const float *v, double own_weight)
+{
+    disc r;
+    float square_m = 0.0f;
+    for (int k = 0; k < 3; k++) {
+        r.m[k] = b.middle[k] - v[k];
+        r.n[k] = (b.middle[k] - s.middle[k]) * s.bend;
+        square_m = fmaf(r.m[k], r.m[k], square_m);
+    }
+    r.radius = b.radius;
+    r.rise = b.rise;
+    r.lift = __double2float_rd(own_weight - (double)b.weight) - 1.0f;
+    r.distance = root(square_m) - r.radius;
+    r.error = fmaf(3e-6f, r.distance + 2.0f * r.radius, 1e-6f);
+    return r;
+}
+
+/* Whether a simplex of the star, not a wall, may be in conflict with a point of a cap. */
+__device__ inline bool cap_may_conflict(const float4 &sphere, const disc &b, float bend)
+{
+    const bool infinite = sphere.w >= far_away;
+    const float scale = infinite ? 1.0f / far_away : 1.0f;
+    float q[3] = { sphere.x * scale, sphere.y * scale, sphere.z * scale };
+    float a = fmaf(q[0], b.n[0], fmaf(q[1], b.n[1], q[2] * b.n[2])), square_t = 0.0f;
+    float sum = fmaf(q[0], b.m[0], fmaf(q[1], b.m[1], fmaf(q[2], b.m[2], a * b.rise)));
+    for (int k = 0; k < 3; k++) {
+        float t = fmaf(-a, b.n[k], q[k]);
+        square_t = fmaf(t, t, square_t);
+    }
+    float t = root(square_t), fall = 0.5f * bend * a, x = b.radius;
+    x = 2.0f * fall * x > t ? __fdividef(t, 2.0f * fall) : x;
+    sum = fmaf(x, fmaf(-fall, x, t), sum);
+    return !((infinite ? 0.0f : b.lift) - sum > sphere.w * scale * b.error);
+}
+
+/* ------------------------------------------------------------------------------------------------------
    >>far          The second and third rung: a warp or more a star, candidates from a search of the tree.
    The star is that of the first rung, or starts from the neighbours of v on the curve.  For each of its simplices
    that is not verified the tree is searched depth first for points in conflict with it; when there are none it is
@@ -2013,6 +2205,11 @@ struct last_rung {
     static const bool exact = true, shared = false;
 };
 
+/* Stars of points on a common sphere; larger ones go on as far stars. */
+struct smooth_rung {
+    static const int triangles = 128, vertices = 64, blocks = 16;
+};
+
 /* What the warps of a star tell each other, behind their stacks. */
 struct talk {
     int count, verdict, hand[8];                     /* hand: the simplex that a warp has in hand, or -1 */
@@ -2020,7 +2217,7 @@ struct talk {
     int changed;
 };
 
-template <int DIM, bool WEIGHTED, typename RUNG> struct far_star {
+template <int DIM, int WEIGHTED, typename RUNG> struct far_star {
     typedef star<DIM, WEIGHTED, RUNG::triangles, RUNG::vertices,
                  RUNG::warps * stack_size + (int)(sizeof(talk) / sizeof(uint32_t)),
                  typename rung_real<RUNG::exact>::type> type;
@@ -2036,7 +2233,7 @@ template <int WARPS> __device__ inline void meet()
 }
 
 /* Whether a simplex of the star, not a wall, may be in conflict with a point in a box. */
-template <int DIM, bool WEIGHTED>
+template <int DIM, int WEIGHTED>
 __device__ inline bool box_may_conflict(const float4 &sphere, const span &b, float weight)
 {
     float q[3] = { sphere.x, sphere.y, sphere.z }, size = sphere.w, sum = 0.0f, squares = 0.0f, ones = 0.0f;
@@ -2054,7 +2251,7 @@ __device__ inline bool box_may_conflict(const float4 &sphere, const span &b, flo
 }
 
 /* The largest weight in a box relative to v's, rounded up. */
-template <bool WEIGHTED> __device__ inline float relative_weight(const box &b, double own_weight)
+template <int WEIGHTED> __device__ inline float relative_weight(const box &b, double own_weight)
 {
     return WEIGHTED ? b.weight - (float)own_weight + slack * fabsf((float)own_weight) : 0.0f;
 }
@@ -2090,7 +2287,7 @@ __global__ void seed_kernel(const __grid_constant__ space s, int dim, int found,
 
 /* Starts a star from the points of the warp's lanes where start_from_lanes cannot: the nearest and two that, with v,
    come nearest to spanning the space, among them four seeds that do span it. */
-template <int DIM, bool WEIGHTED, int NT, int NV, int SCRATCH, typename REAL>
+template <int DIM, int WEIGHTED, int NT, int NV, int SCRATCH, typename REAL>
 __device__ inline bool start_from_seeds(star<DIM, WEIGHTED, NT, NV, SCRATCH, REAL> &s, const space &all, uint32_t v,
                                         uint32_t id, const place<REAL> &p, bool here, pbw__digit *pool)
 {
@@ -2133,7 +2330,7 @@ __device__ inline bool start_from_seeds(star<DIM, WEIGHTED, NT, NV, SCRATCH, REA
 
 /* Inserts a point into the star of a warp.  The exact one is a call: inlined into the search, some insertions come
    out wrong with nvcc 13.0 (with ptxas -O1 none do).  The reason is not known. */
-template <int DIM, bool WEIGHTED, int NT, int NV, int SCRATCH, typename REAL>
+template <int DIM, int WEIGHTED, int NT, int NV, int SCRATCH, typename REAL>
 __device__ inline int insert(star<DIM, WEIGHTED, NT, NV, SCRATCH, REAL> &s, const space &all, uint32_t v, uint32_t id,
                              const place<REAL> &p, int &count, unsigned walls, pbw__digit *pool)
 {
@@ -2143,7 +2340,7 @@ __device__ inline int insert(star<DIM, WEIGHTED, NT, NV, SCRATCH, REAL> &s, cons
     return result;
 }
 
-template <int DIM, bool WEIGHTED, int NT, int NV, int SCRATCH, typename REAL>
+template <int DIM, int WEIGHTED, int NT, int NV, int SCRATCH, typename REAL>
 __device__ __noinline__ int insert_exactly(star<DIM, WEIGHTED, NT, NV, SCRATCH, REAL> &s, const space &all,
                                            uint32_t v, uint32_t id, const place<REAL> &p, int &count, unsigned walls,
                                            pbw__digit *pool)
@@ -2151,23 +2348,46 @@ __device__ __noinline__ int insert_exactly(star<DIM, WEIGHTED, NT, NV, SCRATCH, 
     return insert(s, all, v, id, p, count, walls, pool);
 }
 
-/* A star of v from 28 points at growing distances along the curve, so that it is bounded in all directions from the
-   start; false if they and, with EXACT, the seeds span no simplex. */
-template <bool EXACT, int DIM, bool WEIGHTED, int NT, int NV, int SCRATCH, typename REAL>
-__device__ inline bool start_on_curve(star<DIM, WEIGHTED, NT, NV, SCRATCH, REAL> &s, const space &all,
-                                      const unsigned long long *seed, uint32_t v, const record &own, unsigned walls,
-                                      pbw__digit *pool, uint32_t &candidate, place<REAL> &p, int &count)
+/* Inserts the points of pending lanes, the nearest first, until none is left that may be in conflict, or one fails:
+   returns what the last insertion did. */
+template <bool EXACT, int DIM, int WEIGHTED, int NT, int NV, int SCRATCH, typename REAL>
+__device__ inline int insert_lanes(star<DIM, WEIGHTED, NT, NV, SCRATCH, REAL> &s, const space &all, uint32_t v,
+                                   uint32_t candidate, const place<REAL> &p, unsigned &pending, int &count,
+                                   unsigned walls, pbw__digit *pool, int &spent, bool &changed)
 {
     const int lane = (int)threadIdx.x & 31;
-    uint32_t *order = s.scratch;
-    int step = lane / 2 + 1;
-    float far = step <= 6 ? (float)step : 6.0f * powf((float)all.count / 12.0f, (float)(step - 6) / 8.0f);
-    uint32_t offset = (uint32_t)far + (step > 6 ? 1 : 0);
-    candidate = none;
-    if (lane < 28) {
-        candidate =
-            (lane & 1) != 0 ? (v + offset < all.count ? v + offset : none) : (offset <= v ? v - offset : none);
+    int result = 0;
+    while (pending != 0 && (result & ~star_changed) == 0) {
+        bool waits = (pending >> lane & 1) != 0;
+        float length = waits ? (float)square<DIM>(p.x) : HUGE_VALF, least = tile_min<32>(length);
+        int from = __ffs((int)(__ballot_sync(all_lanes, length == least) & pending)) - 1;
+        pending &= ~(1u << from);
+        uint32_t next = __shfl_sync(all_lanes, candidate, from);
+        place<REAL> at = tile_place<32>(p, from);
+        bool known = false;                          /* the vertices of the star come by again in the search */
+        for (int i = lane; i < NV; i += 32) {
+            known = known || (i > 0 && (s.used[i >> 5] >> (i & 31) & 1) != 0 && s.id[i] == next);
+        }
+        if (any(known)) {
+            continue;
+        }
+        result = EXACT ? insert_exactly(s, all, v, next, at, count, walls, pool)
+                       : insert(s, all, v, next, at, count, walls, pool);
+        if (result == star_changed) {
+            changed = true;
+            pending = __ballot_sync(all_lanes, may_conflict<32>(s, true, count, p) && (pending >> lane & 1) != 0);
+        }
+        spent += 4;
     }
+    return result;
+}
+
+/* Sorts the candidates of the lanes, but none; returns how many there are, p being their places. */
+template <int DIM, typename REAL>
+__device__ inline int nearest_first(const space &all, uint32_t v, const record &own, uint32_t *order,
+                                    uint32_t &candidate, place<REAL> &p)
+{
+    const int lane = (int)threadIdx.x & 31;
     p = relative<DIM, REAL>(all, own, all.point[candidate != none ? candidate : v]);
     uint32_t key = candidate != none ? (__float_as_uint((float)square<DIM>(p.x)) & ~31u) | (uint32_t)lane : none;
     int before = 0, have = __popc(__ballot_sync(all_lanes, candidate != none));
@@ -2183,6 +2403,26 @@ __device__ inline bool start_on_curve(star<DIM, WEIGHTED, NT, NV, SCRATCH, REAL>
     candidate = order[lane];
     __syncwarp();
     p = relative<DIM, REAL>(all, own, all.point[candidate != none ? candidate : v]);
+    return have;
+}
+
+/* A star of v from 28 points at growing distances along the curve, so that it is bounded in all directions from the
+   start; false if they and, with EXACT, the seeds span no simplex. */
+template <bool EXACT, int DIM, int WEIGHTED, int NT, int NV, int SCRATCH, typename REAL>
+__device__ inline bool start_on_curve(star<DIM, WEIGHTED, NT, NV, SCRATCH, REAL> &s, const space &all,
+                                      const unsigned long long *seed, uint32_t v, const record &own, unsigned walls,
+                                      pbw__digit *pool, uint32_t &candidate, place<REAL> &p, int &count)
+{
+    const int lane = (int)threadIdx.x & 31;
+    int step = lane / 2 + 1;
+    float far = step <= 6 ? (float)step : 6.0f * powf((float)all.count / 12.0f, (float)(step - 6) / 8.0f);
+    uint32_t offset = (uint32_t)far + (step > 6 ? 1 : 0);
+    candidate = none;
+    if (lane < 28) {
+        candidate =
+            (lane & 1) != 0 ? (v + offset < all.count ? v + offset : none) : (offset <= v ? v - offset : none);
+    }
+    int have = nearest_first<DIM>(all, v, own, s.scratch, candidate, p);
     bool started = start_from_lanes<32>(s, true, candidate, p, have) != 0;
     if (!started && EXACT) {
         if (candidate == none) {
@@ -2197,7 +2437,7 @@ __device__ inline bool start_on_curve(star<DIM, WEIGHTED, NT, NV, SCRATCH, REAL>
 }
 
 /* The star of v as the store has it. */
-template <int DIM, bool WEIGHTED, int NT, int NV, int SCRATCH, typename REAL>
+template <int DIM, int WEIGHTED, int NT, int NV, int SCRATCH, typename REAL>
 __device__ inline void start_from_store(star<DIM, WEIGHTED, NT, NV, SCRATCH, REAL> &s, const space &all,
                                         const store &in, uint32_t v, const record &own, unsigned walls, int &count)
 {
@@ -2231,17 +2471,45 @@ __device__ inline void start_from_store(star<DIM, WEIGHTED, NT, NV, SCRATCH, REA
     __syncwarp();
 }
 
+/* The points of the next 4 groups among the children of a node that were hit, 8 lanes each, but v. */
+__device__ inline uint32_t next_of_groups(const space &all, uint32_t v, uint32_t node, unsigned &hit)
+{
+    const int lane = (int)threadIdx.x & 31;
+    uint32_t group = none, point;
+    for (int i = 0; i < 4; i++) {
+        group = lane / 8 == i && hit != 0 ? node + (uint32_t)__ffs((int)hit) - 1 : group;
+        hit &= hit - 1;
+    }
+    point = group != none ? group * group_size + (uint32_t)(lane & 7) : none;
+    return point < all.count && point != v ? point : none;
+}
+
+/* The nodes of the lanes in the vote wait to be searched, the nearest on top. */
+__device__ inline void push_nodes(uint32_t *stack, int &depth, unsigned vote, float distance, uint32_t node)
+{
+    const int lane = (int)threadIdx.x & 31;
+    const bool mine = (vote >> lane & 1) != 0;
+    float least = tile_min<32>(mine ? distance : HUGE_VALF);
+    unsigned nearest = __ballot_sync(all_lanes, mine && distance == least);
+    nearest &= ~nearest + 1;                         /* one of them */
+    if (mine) {
+        unsigned others = vote & ~nearest;
+        stack[depth + __popc(others & ((nearest >> lane & 1) != 0 ? all_lanes : lanes_below<32>()))] = node;
+    }
+    depth += __popc(vote);
+    __syncwarp();
+}
+
 enum { far_busy, far_certified, far_hidden, far_lost, far_capped };
 
 /* One star, by all warps of a block: each searches for conflicts of its own simplex, then they insert in turns. 
    resume: the store holds what was found so far; changed: whether the star is another than that. */
-template <bool EXACT, int WARPS, int DIM, bool WEIGHTED, int NT, int NV, int SCRATCH, typename REAL>
+template <bool EXACT, int WARPS, int DIM, int WEIGHTED, int NT, int NV, int SCRATCH, typename REAL>
 __device__ inline int far_star_of(star<DIM, WEIGHTED, NT, NV, SCRATCH, REAL> &s, const space &all, const tree &boxes,
                                   const unsigned long long *seed, const store &in, uint32_t v, bool resume, int cap,
                                   pbw__digit *pool, int &count, bool &changed)
 {
     const int lane = (int)threadIdx.x & 31, warp = (int)threadIdx.x / 32;
-    const unsigned below = lanes_below<32>();
     const record own = all.point[v];
     uint32_t *stack = s.scratch + warp * stack_size;
     talk &shared = *(talk *)(s.scratch + WARPS * stack_size);
@@ -2286,33 +2554,10 @@ __device__ inline int far_star_of(star<DIM, WEIGHTED, NT, NV, SCRATCH, REAL> &s,
                 if (t >= 0 && (t >= count || s.triangle[t] != word)) {
                     pending = 0;                     /* another warp has changed its simplex */
                 }
-                int verdict = far_busy;
                 bool touched = false;
-                while (pending != 0 && verdict == far_busy) {
-                    bool waits = (pending >> lane & 1) != 0;     /* the nearest first */
-                    float length = waits ? (float)square<DIM>(p.x) : HUGE_VALF, least = tile_min<32>(length);
-                    int from = __ffs((int)(__ballot_sync(all_lanes, length == least) & pending)) - 1;
-                    pending &= ~(1u << from);
-                    uint32_t next = __shfl_sync(all_lanes, candidate, from);
-                    place<REAL> at = tile_place<32>(p, from);
-                    bool known = false;              /* the vertices of the star come by again in the search */
-                    for (int i = lane; i < NV; i += 32) {
-                        known = known || (i > 0 && (s.used[i >> 5] >> (i & 31) & 1) != 0 && s.id[i] == next);
-                    }
-                    if (any(known)) {
-                        continue;
-                    }
-                    int result = EXACT ? insert_exactly(s, all, v, next, at, count, walls, pool)
-                                       : insert(s, all, v, next, at, count, walls, pool);
-                    verdict = WEIGHTED && result == star_hidden ? far_hidden
+                int result = insert_lanes<EXACT>(s, all, v, candidate, p, pending, count, walls, pool, spent, touched);
+                int verdict = WEIGHTED == given && result == star_hidden ? far_hidden
                             : (result & ~star_changed) != 0 ? far_lost : far_busy;
-                    if (result == star_changed) {
-                        touched = true;
-                        pending = __ballot_sync(all_lanes,
-                                                may_conflict<32>(s, true, count, p) && (pending >> lane & 1) != 0);
-                    }
-                    spent += 4;
-                }
                 __syncwarp();
                 if (lane == 0) {
                     shared.count = count;
@@ -2373,13 +2618,7 @@ __device__ inline int far_star_of(star<DIM, WEIGHTED, NT, NV, SCRATCH, REAL> &s,
                 spent = cap + 1;
             }
             if (hit != 0) {                          /* the points of 4 groups */
-                uint32_t group = none;
-                for (int i = 0; i < 4; i++) {
-                    group = lane / 8 == i && hit != 0 ? node + (uint32_t)__ffs((int)hit) - 1 : group;
-                    hit &= hit - 1;
-                }
-                candidate = group != none ? group * group_size + (uint32_t)(lane & 7) : none;
-                candidate = candidate < all.count && candidate != v ? candidate : none;
+                candidate = next_of_groups(all, v, node, hit);
                 for (int k = 0; k < DIM; k++) {
                     candidate = corner(word, k) != 0 && s.id[corner(word, k)] == candidate ? none : candidate;
                 }
@@ -2395,7 +2634,11 @@ __device__ inline int far_star_of(star<DIM, WEIGHTED, NT, NV, SCRATCH, REAL> &s,
                 bool visit = false;
                 node = (top & 0x1fffffffu) * 32;
                 child = node + (uint32_t)lane;
-                if (child < boxes.size[level]) {
+                if (WEIGHTED == residual && child < boxes.size[level]) {
+                    const disc r = relative_cap(all, boxes.caps[level][child], origin, own_weight);
+                    visit = cap_may_conflict(s.sphere[t], r, all.bend);
+                    distance = visit ? fmaxf(r.distance, 0.0f) : HUGE_VALF;
+                } else if (child < boxes.size[level]) {
                     box b = boxes.level[level][child];
                     span r = relative_box<DIM>(b, origin);
                     visit = box_may_conflict<DIM, WEIGHTED>(s.sphere[t], r, relative_weight<WEIGHTED>(b, own_weight));
@@ -2411,16 +2654,7 @@ __device__ inline int far_star_of(star<DIM, WEIGHTED, NT, NV, SCRATCH, REAL> &s,
                 if (level == 0) {
                     hit = vote;
                 } else {
-                    float least = tile_min<32>(distance);
-                    unsigned nearest = __ballot_sync(all_lanes, visit && distance == least);
-                    nearest &= ~nearest + 1;         /* one of them */
-                    if (visit) {
-                        unsigned others = vote & ~nearest;
-                        stack[depth + __popc(others & ((nearest >> lane & 1) != 0 ? all_lanes : below))] =
-                            level << 29 | child;
-                    }
-                    depth += __popc(vote);
-                    __syncwarp();
+                    push_nodes(stack, depth, vote, distance, level << 29 | child);
                 }
             }
         }
@@ -2438,7 +2672,7 @@ __device__ inline int far_star_of(star<DIM, WEIGHTED, NT, NV, SCRATCH, REAL> &s,
 /* A star in shared memory, a block each; else in scratch, and blocks take vertices in turn.
    The exact stages are for the warp whose turn it is, so that a block needs one pool.
    Too many failures mean that the input is not for this method: then nothing more is tried. */
-template <int DIM, bool WEIGHTED, typename RUNG>
+template <int DIM, int WEIGHTED, typename RUNG>
 __global__ void __launch_bounds__(32 * RUNG::warps, RUNG::blocks)
 far_kernel(const __grid_constant__ space all, const __grid_constant__ tree boxes, const unsigned long long *seed,
            queue work, uint32_t total, int cap, uint32_t limit, void *scratch, pbw__digit *pool,
@@ -2476,6 +2710,105 @@ far_kernel(const __grid_constant__ space all, const __grid_constant__ tree boxes
         }
         meet<RUNG::warps>();
     }
+}
+
+/* The star of a point on a common sphere, by a warp: from 28 points of groups near it and 4 far away, which bound it,
+   then one search of the tree for points in conflict with any of its simplices.  Simplices that come later conflict
+   with no points but such as those before did, so nothing is searched twice. */
+template <int NT, int NV, int SCRATCH>
+__device__ inline int smooth_star_of(star<3, residual, NT, NV, SCRATCH, double> &s, const space &all,
+                                     const tree &boxes, const uint32_t *list, int length, uint32_t v, int cap,
+                                     const volatile uint32_t *stop, int &count)
+{
+    const int lane = (int)threadIdx.x & 31;
+    const record own = all.point[v];
+    const float4 rough = all.rough[v];
+    const float origin[3] = { rough.x, rough.y, rough.z };
+    const unsigned walls = walls_of<3>(all, own);
+    const double own_weight = own.c[3] * (all.unit * all.unit);
+    uint32_t *stack = s.scratch, candidate = none, node = 0;
+    int depth = 1, spent = 0, result = 0;
+    unsigned pending, hit = 0;
+    bool changed;
+    place<double> p;
+    if (lane >= 28) {
+        candidate = (uint32_t)((v + (uint64_t)all.count * (uint32_t)(lane - 27) / 5) % all.count);
+    } else if (lane / 8 < length) {
+        candidate = list[lane / 8] * group_size + (uint32_t)(lane & 7);
+        candidate = candidate < all.count && candidate != v ? candidate : none;
+    }
+    nearest_first<3>(all, v, own, s.scratch, candidate, p);
+    if (!start_from_seeds(s, all, v, candidate, p, candidate != none, NULL)) {
+        return far_lost;
+    }
+    count = 0;
+    fan<32>(s, true, first_hole<3>(), 1, count, walls);
+    pending = __ballot_sync(all_lanes, candidate != none);
+    if (lane == 0) {
+        stack[0] = (uint32_t)boxes.levels << 29;
+    }
+    __syncwarp();
+    for (;;) {
+        result = insert_lanes<true>(s, all, v, candidate, p, pending, count, walls, NULL, spent, changed);
+        if ((result & ~star_changed) != 0) {
+            return result == star_full ? far_capped : far_lost;
+        }
+        if (hit == 0 && depth == 0) {
+            return far_certified;
+        }
+        spent++;
+        if (spent > cap || ((spent & 63) == 0 && *stop != 0)) {
+            return far_capped;
+        }
+        if (hit != 0) {
+            candidate = next_of_groups(all, v, node, hit);
+            p = relative<3, double>(all, own, all.point[candidate != none ? candidate : v]);
+            pending = __ballot_sync(all_lanes, may_conflict<32>(s, true, count, p) && candidate != none);
+            continue;
+        }
+        uint32_t top = stack[--depth], level = (top >> 29) - 1, child;
+        float distance = 0.0f;
+        bool visit = false;
+        node = (top & 0x1fffffffu) * 32;
+        child = node + (uint32_t)lane;
+        if (child < boxes.size[level]) {
+            const disc r = relative_cap(all, boxes.caps[level][child], origin, own_weight);
+            distance = fmaxf(r.distance, 0.0f);
+            for (int t = 0; t < count; t++) {
+                float4 q = s.sphere[t];
+                visit = visit || (!is_wall(q) && cap_may_conflict(q, r, all.bend));
+            }
+        }
+        __syncwarp();
+        hit = __ballot_sync(all_lanes, visit);
+        if (level > 0) {
+            push_nodes(stack, depth, hit, distance, level << 29 | child);
+            hit = 0;
+        }
+    }
+}
+
+/* A warp a star: all of the share, but none after too many failures.  What is left goes on as a far star. */
+__global__ void __launch_bounds__(32, smooth_rung::blocks)
+smooth_kernel(const __grid_constant__ space all, const __grid_constant__ tree boxes, const uint32_t *lists,
+              const near_list *infos, uint32_t first, int cap, uint32_t limit, const __grid_constant__ store out,
+              queue failed, queue large)
+{
+    typedef star<3, residual, smooth_rung::triangles, smooth_rung::vertices, stack_size, double> star_type;
+    extern __shared__ float4 shared_words[];
+    const uint32_t v = first + blockIdx.x, row = v / group_size - out.first / group_size;
+    int count = 0;
+    if (*(volatile uint32_t *)failed.count > limit || *out.stop != 0) {
+        return;
+    }
+    star_type &s = *(star_type *)shared_words;
+    int verdict = smooth_star_of(s, all, boxes, lists + (size_t)row * list_size, (int)infos[row].length, v, cap,
+                                 out.stop, count);
+    if (verdict != far_lost) {
+        finish<32>(s, true, v, count, out);
+    }
+    enqueue(failed, verdict != far_certified && threadIdx.x == 0, v | (verdict == far_capped ? stored_mark : 0));
+    enqueue(large, verdict == far_certified && threadIdx.x == 0, v);
 }
 
 /* ------------------------------------------------------------------------------------------------------
@@ -3739,7 +4072,7 @@ bool grow_tree(call &c, space &s, int dim, tree &t)
 }
 
 /* Looks at 32 boxes or points, of a warp; an insertion counts as 4. */
-const int quick_cap = 1024, far_cap = 4096, last_cap[2] = { 1 << 17, 1 << 20 };
+const int quick_cap = 1024, smooth_cap = 2048, far_cap = 4096, last_cap[2] = { 1 << 17, 1 << 20 };
 const uint32_t last_blocks = 128;
 
 /* Few points are built soon on any rung. */
@@ -3748,7 +4081,7 @@ const uint32_t sample_size = 1024, sampled_from = 1u << 14;
 /* Declines an input of which a sample shows that the first rung certifies less than half: points on surfaces and
    curves, where spheres are large.  A star of the second rung takes 0.1 us at best, as a point does on 16 threads of
    the CPU, and on such input much more. */
-template <int DIM, bool WEIGHTED>
+template <int DIM, int WEIGHTED>
 bool sample_stars(call &c, const space &s, const tree &t, const uint32_t *lists, const near_list *infos,
                   const store &out, const queue *q, size_t near_bytes, size_t exact_bytes)
 {
@@ -3771,87 +4104,136 @@ bool sample_stars(call &c, const space &s, const tree &t, const uint32_t *lists,
         || decline(c, "most stars reach far (points on a surface or a curve?): quicker on the CPU");
 }
 
-/* All stars into out.  t.level[0] and lists come from before. */
-template <int DIM, bool WEIGHTED>
-bool build_stars(call &c, const space &s, const tree &t, const uint32_t *lists, const near_list *infos,
-                 const store &out, const queue *q, unsigned long long *seed, size_t *stars)
+/* Points at most so far from a common sphere, as a part of the square of its radius, are taken for smooth. */
+const double smooth_noise = 1e-9;
+
+/* The sphere that all points are near, if there is one: by four of a sample, then by all.  Their residuals become
+   their weights, and the tree gets caps. */
+bool find_sphere(call &c, space &s, tree &t, unsigned long long *largest, bool &found)
+{
+    const int count = 64;
+    const uint32_t stride = s.count / count;
+    record r[count], *point = (record *)s.point;
+    common_sphere on;
+    double a[3][3], m[3][3], most, size, squares[3], d = 0.0, radius = 0.0;
+    unsigned long long bits;
+    unsigned blocks = blocks_for(s.count, 256);
+    found = false;
+    if (!good(c, cudaMemcpy2DAsync(r, sizeof *r, s.point, stride * sizeof *r, sizeof *r, (size_t)count,
+                                   cudaMemcpyDeviceToHost, c.stream), "reading points")
+        || !good(c, cudaStreamSynchronize(c.stream), "reading points")) {
+        return false;
+    }
+    for (int i = 0; i < 3; i++) {                    /* the one farthest from the span of the others */
+        int best = 0;
+        most = 0.0;
+        for (int j = 1; j < count; j++) {
+            double x[3], y[3];
+            for (int k = 0; k < 3; k++) {
+                x[k] = (r[j].c[k] - r[0].c[k]) * s.unit;
+            }
+            const double *u = a[0], *w = a[1];
+            y[0] = i == 1 ? u[1] * x[2] - u[2] * x[1] : x[0];
+            y[1] = i == 1 ? u[2] * x[0] - u[0] * x[2] : x[1];
+            y[2] = i == 1 ? u[0] * x[1] - u[1] * x[0] : x[2];
+            size = i < 2 ? y[0] * y[0] + y[1] * y[1] + y[2] * y[2]
+                 : fabs(x[0] * (u[1] * w[2] - u[2] * w[1]) + x[1] * (u[2] * w[0] - u[0] * w[2])
+                        + x[2] * (u[0] * w[1] - u[1] * w[0]));
+            best = size > most ? j : best;
+            most = size > most ? size : most;
+        }
+        squares[i] = 0.0;
+        for (int k = 0; k < 3; k++) {
+            a[i][k] = (r[best].c[k] - r[0].c[k]) * s.unit;
+            squares[i] += 0.5 * a[i][k] * a[i][k];
+        }
+    }
+    for (int i = 0; i < 3; i++) {                    /* a . x = a^2 / 2 by Cramer's rule */
+        const double *u = a[(i + 1) % 3], *w = a[(i + 2) % 3];
+        m[i][0] = u[1] * w[2] - u[2] * w[1];
+        m[i][1] = u[2] * w[0] - u[0] * w[2];
+        m[i][2] = u[0] * w[1] - u[1] * w[0];
+    }
+    d = a[0][0] * m[0][0] + a[0][1] * m[0][1] + a[0][2] * m[0][2];
+    if (!(fabs(d) > 1e-6)) {
+        return true;
+    }
+    for (int k = 0; k < 3; k++) {
+        double x = (squares[0] * m[0][k] + squares[1] * m[1][k] + squares[2] * m[2][k]) / d;
+        on.middle[k] = r[0].c[k] + x / s.unit;
+        s.middle[k] = (float)((on.middle[k] - s.low[k]) * s.unit);
+        radius += x * x;
+        if (!(s.middle[k] > -2.0f && s.middle[k] < 4.0f)) {
+            return true;
+        }
+    }
+    on.square = radius / (s.unit * s.unit);
+    s.bend = (float)(1.0 / sqrt(radius));
+    for (int i = 0; i < count; i++) {
+        double e = -on.square;
+        for (int k = 0; k < 3; k++) {
+            e += (r[i].c[k] - on.middle[k]) * (r[i].c[k] - on.middle[k]);
+        }
+        if (!(fabs(e) < smooth_noise * on.square)) {
+            return true;
+        }
+    }
+    blocks = blocks < 1024 ? blocks : 1024;
+    fill(c, largest, 0, 1);
+    residual_kernel<<<blocks, 256, 0, c.stream>>>(point, s.count, on, 0.0, largest);
+    if (!launched(c, "residuals") || !read_back(c, bits, largest, PBW_STAGE_BUILD, 0.0)) {
+        return false;
+    }
+    memcpy(&most, &bits, sizeof most);
+    /* the factor of the weights, and 2^-98 M: points of a common sphere have |d|^2 near s */
+    if (!(most < smooth_noise * on.square && most > 0x1p-56 * on.square)) {
+        return true;
+    }
+    int exponent;
+    (void)frexp(most * (s.unit * s.unit), &exponent);
+    residual_kernel<<<blocks, 256, 0, c.stream>>>(point, s.count, on, ldexp(1.0, 30 - exponent), largest);
+    s.heaviest = s.exact_height = 0.0;
+    for (int level = 0; level < t.levels; level++) {
+        cap *b = NULL;
+        if (!allocate(c, b, t.size[level])) {
+            return false;
+        }
+        cap_kernel<<<blocks_for(t.size[level], 128), 128, 0, c.stream>>>(
+            s, level > 0 ? t.caps[level - 1] : NULL, level > 0 ? t.size[level - 1] : s.count, b, t.size[level]);
+        t.caps[level] = b;
+    }
+    radius_kernel<<<blocks_for(s.count, 256), 256, 0, c.stream>>>(s, t);
+    found = true;
+    return launched(c, "caps");
+}
+
+bool keep_points(call &c)
+{
+    if (c.job != NULL && c.card == 0 && c.job->kept_points == NULL) {
+        pbw_status status = c.job->keep(c.job);
+        if (status != PBW_OK) {
+            return fail(c, status, "the points could not be kept");
+        }
+    }
+    return true;
+}
+
+/* What earlier rungs left: failed vertices, in q[1]. */
+template <int DIM, int WEIGHTED>
+bool build_far_stars(call &c, const space &s, const tree &t, const store &out, const queue *q,
+                     unsigned long long *seed, uint32_t failed, size_t *stars)
 {
     typedef far_star<DIM, WEIGHTED, last_rung> last_type;
-    const size_t quick_bytes = sizeof(typename far_star<DIM, WEIGHTED, quick_rung>::type);
     const size_t far_bytes = sizeof(typename far_star<DIM, WEIGHTED, far_rung>::type);
-    const size_t near_bytes = sizeof(typename near_star<DIM, WEIGHTED, float>::type) * (near_block / 8);
-    const size_t exact_bytes = sizeof(typename near_star<DIM, WEIGHTED, double>::type) * (near_block / 8);
-    static_assert(exact_bytes <= 48 << 10, "the stars of a block fit what every device has of shared memory");
-    const uint32_t chunk = 1u << 22, far_chunk = 1u << 18, mine = out.end - out.first, limit = 128 + mine / 2048;
-    uint32_t open = 0, failed = 0, last = 0;
-
-    fill(c, q[0].count, 0, 3);
-    fill(c, out.used, 0, 1);
-    if (!WEIGHTED && c.job != NULL && !patient && mine >= sampled_from) {   /* weights hide points, which is quick */
-        if (!sample_stars<DIM, WEIGHTED>(c, s, t, lists, infos, out, q, near_bytes, exact_bytes)) {
-            return false;
-        }
-        fill(c, q[0].count, 0, 3);
-        fill(c, out.used, 0, 1);
-    }
-    fill(c, seed, 0, 4);
-    fill(c, out.owned + mine, 0, 1);
-    fill(c, out.place, 0xff, mine);
-    stars[0] = mine;
-    for (uint32_t first = out.first; first < out.end && c.status == PBW_OK; first += chunk) {
-        uint32_t count = out.end - first < chunk ? out.end - first : chunk;
-        near_kernel<DIM, WEIGHTED, false><<<blocks_for(count, near_block / 8), near_block, near_bytes, c.stream>>>(
-            s, t.level[0], lists, infos, first, 1, count, out, q[0], q[1]);
-        if (!launched(c, "near stars")) {
-            return false;
-        }
-        const bool more = first + count < out.end;
-        if (first == out.first && more) {            /* one ahead: the host has time for its part */
-            continue;
-        }
-        if (c.job != NULL && c.card == 0 && c.job->kept_points == NULL) {
-            pbw_status status = c.job->keep(c.job);
-            if (status != PBW_OK) {
-                return fail(c, status, "the points could not be kept");
-            }
-        }
-        if (more) {
-            wait(c, c.stream, PBW_STAGE_BUILD, 0.7 * (double)(first - out.first) / (double)mine);
-        }
-    }
-    if (!read_back(c, open, q[1].count, PBW_STAGE_BUILD, 0.7)) {
-        return false;
-    }
-    if (open > 0) {
-        near_kernel<DIM, WEIGHTED, true><<<blocks_for(open, near_block / 8), near_block, exact_bytes, c.stream>>>(
-            s, t.level[0], lists, infos, 0, 1, open, out, q[0], q[1]);
-    }
-    note(c, 3);
-    if (!launched(c, "near stars") || !read_back(c, failed, q[0].count, PBW_STAGE_BUILD, 0.8)
-        || !fill(c, q[1].count, 0, 1)) {
-        return false;
-    }
-    stars[1] = failed;
+    const uint32_t limit = 128 + (out.end - out.first) / 2048;
+    uint32_t last = 0;
     if (failed > 0) {
+        fill(c, seed, 0, 4);
+        fill(c, q[0].count, 0, 1);
         for (int found = 1; found <= DIM; found++) {
             unsigned blocks = blocks_for(s.count, 256);
             seed_kernel<<<blocks < 1024 ? blocks : 1024, 256, 0, c.stream>>>(s, DIM, found, seed);
         }
-        for (uint32_t first = 0; first < failed; first += far_chunk) {
-            uint32_t count = failed - first < far_chunk ? failed - first : far_chunk;
-            const queue some = { q[0].vertex + first, NULL };
-            far_kernel<DIM, WEIGHTED, quick_rung><<<count, 32 * quick_rung::warps, quick_bytes, c.stream>>>(
-                s, t, seed, some, count, quick_cap, none, NULL, NULL, out, q[1], q[2]);
-            if (!launched(c, "far stars")
-                || (first + count < failed && !wait(c, c.stream, PBW_STAGE_BUILD, 0.8))) {
-                return false;
-            }
-        }
-        if (!read_back(c, failed, q[1].count, PBW_STAGE_BUILD, 0.9) || !fill(c, q[0].count, 0, 1)) {
-            return false;
-        }
-    }
-    if (failed > 0) {
         far_kernel<DIM, WEIGHTED, far_rung><<<failed, 32 * far_rung::warps, far_bytes, c.stream>>>(
             s, t, seed, q[1], failed, far_cap, limit, NULL, NULL, out, q[0], q[2]);
         if (!launched(c, "far stars") || !read_back(c, last, q[0].count, PBW_STAGE_BUILD, 0.95)) {
@@ -3891,6 +4273,109 @@ bool build_stars(call &c, const space &s, const tree &t, const uint32_t *lists, 
     }
     note(c, 4);
     return c.status == PBW_OK;
+}
+
+/* All stars into out.  t.level[0] and lists come from before. */
+template <int DIM, int WEIGHTED>
+bool build_stars(call &c, const space &s, const tree &t, const uint32_t *lists, const near_list *infos,
+                 const store &out, const queue *q, unsigned long long *seed, size_t *stars)
+{
+    const size_t quick_bytes = sizeof(typename far_star<DIM, WEIGHTED, quick_rung>::type);
+    const size_t near_bytes = sizeof(typename near_star<DIM, WEIGHTED, float>::type) * (near_block / 8);
+    const size_t exact_bytes = sizeof(typename near_star<DIM, WEIGHTED, double>::type) * (near_block / 8);
+    static_assert(exact_bytes <= 48 << 10, "the stars of a block fit what every device has of shared memory");
+    const uint32_t chunk = 1u << 22, far_chunk = 1u << 18, mine = out.end - out.first;
+    uint32_t open = 0, failed = 0;
+
+    fill(c, q[0].count, 0, 3);
+    fill(c, out.used, 0, 1);
+    if (!WEIGHTED && c.job != NULL && !patient && mine >= sampled_from) {   /* weights hide points, which is quick */
+        if (!sample_stars<DIM, WEIGHTED>(c, s, t, lists, infos, out, q, near_bytes, exact_bytes)) {
+            return false;
+        }
+        fill(c, q[0].count, 0, 3);
+        fill(c, out.used, 0, 1);
+    }
+    fill(c, out.owned + mine, 0, 1);
+    fill(c, out.place, 0xff, mine);
+    stars[0] = mine;
+    for (uint32_t first = out.first; first < out.end && c.status == PBW_OK; first += chunk) {
+        uint32_t count = out.end - first < chunk ? out.end - first : chunk;
+        near_kernel<DIM, WEIGHTED, false><<<blocks_for(count, near_block / 8), near_block, near_bytes, c.stream>>>(
+            s, t.level[0], lists, infos, first, 1, count, out, q[0], q[1]);
+        if (!launched(c, "near stars")) {
+            return false;
+        }
+        const bool more = first + count < out.end;
+        if (first == out.first && more) {            /* one ahead: the host has time for its part */
+            continue;
+        }
+        if (!keep_points(c)) {
+            return false;
+        }
+        if (more) {
+            wait(c, c.stream, PBW_STAGE_BUILD, 0.7 * (double)(first - out.first) / (double)mine);
+        }
+    }
+    if (!read_back(c, open, q[1].count, PBW_STAGE_BUILD, 0.7)) {
+        return false;
+    }
+    if (open > 0) {
+        near_kernel<DIM, WEIGHTED, true><<<blocks_for(open, near_block / 8), near_block, exact_bytes, c.stream>>>(
+            s, t.level[0], lists, infos, 0, 1, open, out, q[0], q[1]);
+    }
+    note(c, 3);
+    if (!launched(c, "near stars") || !read_back(c, failed, q[0].count, PBW_STAGE_BUILD, 0.8)
+        || !fill(c, q[1].count, 0, 1)) {
+        return false;
+    }
+    stars[1] = failed;
+    if (failed > 0) {
+        for (uint32_t first = 0; first < failed; first += far_chunk) {
+            uint32_t count = failed - first < far_chunk ? failed - first : far_chunk;
+            const queue some = { q[0].vertex + first, NULL };
+            far_kernel<DIM, WEIGHTED, quick_rung><<<count, 32 * quick_rung::warps, quick_bytes, c.stream>>>(
+                s, t, seed, some, count, quick_cap, none, NULL, NULL, out, q[1], q[2]);
+            if (!launched(c, "far stars")
+                || (first + count < failed && !wait(c, c.stream, PBW_STAGE_BUILD, 0.8))) {
+                return false;
+            }
+        }
+        if (!read_back(c, failed, q[1].count, PBW_STAGE_BUILD, 0.9)) {
+            return false;
+        }
+    }
+    return build_far_stars<DIM, WEIGHTED>(c, s, t, out, q, seed, failed, stars);
+}
+
+/* Likewise of points on a common sphere; the tree has caps. */
+bool build_smooth_stars(call &c, const space &s, const tree &t, const uint32_t *lists, const near_list *infos,
+                        const store &out, const queue *q, unsigned long long *seed, size_t *stars)
+{
+    const size_t bytes = sizeof(star<3, residual, smooth_rung::triangles, smooth_rung::vertices, stack_size, double>);
+    const uint32_t chunk = 1u << 20, mine = out.end - out.first, limit = 128 + mine / 16;
+    uint32_t failed = 0;
+
+    fill(c, q[0].count, 0, 3);
+    fill(c, out.used, 0, 1);
+    fill(c, out.owned + mine, 0, 1);
+    fill(c, out.place, 0xff, mine);
+    note(c, 3);
+    stars[0] = stars[1] = mine;
+    for (uint32_t first = out.first; first < out.end && c.status == PBW_OK; first += chunk) {
+        uint32_t count = out.end - first < chunk ? out.end - first : chunk;
+        smooth_kernel<<<count, 32, bytes, c.stream>>>(s, t, lists, infos, first, smooth_cap, limit, out, q[1], q[2]);
+        if (!launched(c, "smooth stars") || !keep_points(c) || !wait(c, c.stream, PBW_STAGE_BUILD, 0.8)) {
+            return false;
+        }
+    }
+    if (!read_back(c, failed, q[1].count, PBW_STAGE_BUILD, 0.9)) {
+        return false;
+    }
+    if (failed > limit) {
+        return decline(c, "most stars reach far (points on a surface or a curve?): quicker on the CPU");
+    }
+    return build_far_stars<3, residual>(c, s, t, out, q, seed, failed, stars);
 }
 
 bool copy_out(call &c, void *to, const void *from, size_t bytes)
@@ -4083,7 +4568,7 @@ bool fetch_incident(call &c, const uint32_t *id, pbw_index *incident)
     return launched(c, "incident simplices");
 }
 
-template <int DIM, bool WEIGHTED>
+template <int DIM, int WEIGHTED>
 bool build(call &c, const input &in, space &s, const uint32_t *id, unsigned flags, pbw_cuda_mesh *mesh)
 {
     tree t;
@@ -4095,6 +4580,7 @@ bool build(call &c, const input &in, space &s, const uint32_t *id, unsigned flag
     cell<DIM> *cells = NULL;
     directory<DIM> all;
     const bool alone = c.cards == NULL || c.cards->cards == 1, with_neighbors = (flags & PBW_NO_NEIGHBORS) == 0;
+    bool smooth = false;
 
     memset(&out, 0, sizeof out);
     memset(&t, 0, sizeof t);
@@ -4135,10 +4621,14 @@ bool build(call &c, const input &in, space &s, const uint32_t *id, unsigned flag
     if (!launched(c, "lists")) {
         return false;
     }
+    if (DIM == 3 && !WEIGHTED && !find_sphere(c, s, t, used_and_seed + 1, smooth)) {
+        return false;
+    }
     note(c, 2);
     for (;;) {                                       /* again if the store turns out too small */
         if (!allocate(c, out.word, (size_t)out.capacity * 4)
-            || !build_stars<DIM, WEIGHTED>(c, s, t, lists, infos, out, q, used_and_seed + 1, mesh->stars)
+            || !(smooth ? build_smooth_stars(c, s, t, lists, infos, out, q, used_and_seed + 1, mesh->stars)
+                 : build_stars<DIM, WEIGHTED>(c, s, t, lists, infos, out, q, used_and_seed + 1, mesh->stars))
             || !read_back(c, used, out.used, PBW_STAGE_BUILD, 0.95)) {
             return false;
         }
@@ -4273,9 +4763,9 @@ bool run(call &c, const input &in, unsigned flags, pbw_cuda_mesh *mesh)
     release(c, in.weights, false);
     note(c, 1);
     if (in.dim == 3) {
-        done = weighted ? build<3, true>(c, in, s, id, flags, mesh) : build<3, false>(c, in, s, id, flags, mesh);
+        done = weighted ? build<3, given>(c, in, s, id, flags, mesh) : build<3, equal>(c, in, s, id, flags, mesh);
     } else {
-        done = weighted ? build<2, true>(c, in, s, id, flags, mesh) : build<2, false>(c, in, s, id, flags, mesh);
+        done = weighted ? build<2, given>(c, in, s, id, flags, mesh) : build<2, equal>(c, in, s, id, flags, mesh);
     }
     for (int i = 0; i < 8 && done; i++) {
         done = good(c, cudaEventElapsedTime(&mesh->milliseconds[i], c.mark[i < 7 ? i : 0], c.mark[i < 7 ? i + 1 : 7]),
