@@ -107,15 +107,9 @@ struct alignas(16) box {
     float low[3], high[3], weight, unused;
 };
 
-/* What a box is on a sphere: points within a radius of a place on it; >>smooth. */
-struct alignas(16) cap {
-    float middle[3], radius, rise, weight, unused[2];
-};
-
 const int tree_levels = 7;                           /* 8 * 32^6 points are more than an index can number */
 struct tree {
     const box *level[tree_levels];                   /* level[0]: groups of 8 points */
-    const cap *caps[tree_levels];                    /* the same groups and boxes, or NULL */
     uint32_t size[tree_levels];
     int levels;                                      /* level[levels-1] has at most 32 boxes */
 };
@@ -130,7 +124,6 @@ struct space {
     float high[3];                                   /* the same in units */
     pbw__grid grid;
     double exact_height;                             /* >>sphere: below it doubles are exact; 0 if nowhere */
-    float middle[3], bend;                           /* >>smooth: the sphere, in units: its centre, 1 / radius */
 };
 
 struct queue {                                       /* vertices for the next rung, in no order */
@@ -779,7 +772,7 @@ const float slack = 9.5367431640625e-7f;             /* 2^-20 */
 const float far_away = 5.192296858534828e33f;        /* 2^112 */
 const int open_sign = PBW__OPEN;
 
-/* WEIGHTED: all weights are equal; they are given; they stand for the lifts of nearly cospherical points (>>smooth). */
+/* WEIGHTED: all weights are equal, or given, or stand for the lifts of nearly cospherical points (>>smooth). */
 enum { equal, given, residual };
 
 template <typename REAL> struct place {              /* relative to v, in units */
@@ -864,7 +857,7 @@ template <int DIM, int WEIGHTED, typename REAL> __device__ inline probe probe_of
     r.lift = WEIGHTED ? (float)(l - p.w) : r.load;
     r.size = r.load > sizes<REAL>::least() ? slack * root(r.load) : HUGE_VALF;
     r.load = slack * (WEIGHTED ? r.load + fabsf((float)p.w) : r.load);
-    r.load += WEIGHTED == residual ? slack * 65536.0f : 0.0f;
+    r.load += WEIGHTED == residual ? slack * 0.25f : 0.0f;
     return r;
 }
 
@@ -923,7 +916,7 @@ __device__ inline float4 sphere(const place<REAL> &pa, const place<REAL> &pb, co
     REAL A = root((float)la), B = root((float)lb), C = DIM == 3 ? root((float)lc) : 1.0f;
     REAL La = la, Lb = lb, Lc = lc;
     if (WEIGHTED) {
-        const REAL blur = WEIGHTED == residual ? (REAL)1.7592186044416e13 : (REAL)0;
+        const REAL blur = WEIGHTED == residual ? (REAL)67108864.0 : (REAL)0;
         La += fabs(pa.w) + blur, Lb += fabs(pb.w) + blur, Lc += fabs(pc.w) + blur;
         la -= pa.w, lb -= pb.w, lc -= pc.w;
     }
@@ -1653,12 +1646,13 @@ __device__ inline unsigned start_from_lanes(star<DIM, WEIGHTED, NT, NV, SCRATCH,
     bool here = go && lane < have;
     place<REAL> a = tile_place<T>(p, 0), b;
     uint32_t ids[3];
-    unsigned vote = tile_ballot<T>(here && lane > 0 && line_fatness(a, p) > 0.01f);
+    const float thin = WEIGHTED == residual ? 1e-8f : 0.01f, flat = WEIGHTED == residual ? 1e-20f : 1e-4f;
+    unsigned vote = tile_ballot<T>(here && lane > 0 && line_fatness(a, p) > thin);
     int second = vote != 0 ? __ffs((int)vote) - 1 : 0, third = second;
     b = tile_place<T>(p, second);
     go = go && vote != 0;
     if (DIM == 3) {
-        vote = tile_ballot<T>(here && vote != 0 && fatness<DIM>(a, b, p) > 1e-4f);
+        vote = tile_ballot<T>(here && vote != 0 && fatness<DIM>(a, b, p) > flat);
         third = vote != 0 ? __ffs((int)vote) - 1 : 0;
         go = go && vote != 0;
     }
@@ -2008,178 +2002,6 @@ near_kernel(const __grid_constant__ space all, const box *group, const uint32_t 
 }
 
 /* ------------------------------------------------------------------------------------------------------
-   >>smooth       Points on a common sphere but for noise: lifts that tell them apart, and boxes that fit a sphere.
-   All circumspheres are nearly the one sphere, so floats and doubles could decide nothing.  But a conflict does not
-   depend on what affine function is added to the lift.  For a centre c and a square s, which may be any, the residual
-
-       e(p) = |p - c|^2 - s = |p|^2 + an affine function of p
-
-   is a lift too, and small where p is near the sphere.  So is the sum of the lift and k e, for a factor k > 0, which
-   is (k + 1) |p|^2 and an affine function.  That is what the stars calculate with when the points get the weights
-   -k e, the largest of them about 2^30 in units of the space: the lifts then differ by about as much as they are.
-   Stars of such points are local, in a way: those of a few points with low residuals reach far.
-
-     e    d = p - c is exact as two doubles, d = h + t, |t| <= g |h|, and h^2 as two more; h^2 and -s are summed with
-          their errors, which are at most g M, where M = |d|^2 + s; the errors, 2 h t of each axis and s are summed
-          in at most 10 steps: error at most 2^-98 M, and g |e| when rounded at the end.
-
-   The mode is taken if k 2^-98 M and g 2^30 are below 2^-10 (>>run); then lifts relative to v are off by 2^-9.  In
-   >>sphere that is 2^-9 (BC + AC + AB) more in N, which 2^44 more in each of L_a, L_b and L_c covers, and 2^-9 more
-   in the test, which 2^16 more in L_p covers.
-
-   Boxes along the axes are too thick.  A cap has its middle m near the sphere, and all its points are p = m + d with
-   |d| <= r.  With n = (m - c) / R
-
-       n . d = (|p - c|^2 - |m - c|^2 - |d|^2) / 2R = rise - |d|^2 / 2R,   rise = (R^2 - |m - c|^2) / 2R,
-
-   but for 3e-7, which is for the noise and for c, rounded to floats.  So with any number a and t = q - a n
-
-       q . p = q . m + a n . d + t . d <= q . m + a rise + max over x <= r of (|t| x - a x^2 / 2R),
-
-   and no point of the cap is in conflict if that is less than the lowest lift in it.  Errors are at most: of m, for v
-   is rounded, 3.1e-7 |q|; of c and the noise 3e-7 |q|; of q, of n, of t, of products and sums 1.2e-6 |q| |m| and
-   2.3e-6 Q r.
-   ------------------------------------------------------------------------------------------------------ */
-struct common_sphere {
-    double middle[3], square;
-};
-
-__device__ inline void sum_exactly(double &high, double &low, double more)
-{
-    double sum = high + more, part = sum - high;
-    low += (high - (sum - part)) + (more - part);
-    high = sum;
-}
-
-/* The residuals of all points become weights, times factor; or, for a factor of 0, only the largest is found. */
-__global__ void residual_kernel(record *point, uint32_t count, common_sphere on, double factor,
-                                unsigned long long *largest)
-{
-    unsigned long long most = 0;
-    for (size_t i = thread_number(); i < count; i += (size_t)gridDim.x * blockDim.x) {
-        double high = -on.square, low = 0.0;
-        record p = point[i];
-        for (int k = 0; k < 3; k++) {
-            double h = p.c[k] - on.middle[k], part = p.c[k] - h;
-            double t = (p.c[k] - (h + part)) + (part - on.middle[k]), square_h = __dmul_rn(h, h);
-            sum_exactly(high, low, square_h);
-            low += fma(h, h, -square_h) + 2.0 * h * t;
-        }
-        unsigned long long size = (unsigned long long)__double_as_longlong(fabs(high + low));
-        most = size > most ? size : most;
-        if (factor != 0.0) {
-            point[i].c[3] = -factor * (high + low);
-        }
-    }
-    for (int step = 16; step > 0; step /= 2) {
-        unsigned long long other = __shfl_xor_sync(all_lanes, most, step);
-        most = other > most ? other : most;
-    }
-    if ((threadIdx.x & 31) == 0) {
-        atomicMax(largest, most);
-    }
-}
-
-/* The caps of a level: of 8 points or of 32 caps.  All but the radius. */
-__global__ void cap_kernel(const __grid_constant__ space s, const cap *child, uint32_t children, cap *out,
-                           uint32_t size)
-{
-    const uint32_t each = child == NULL ? group_size : 32;
-    size_t g = thread_number();
-    if (g < size) {
-        double sum[3] = { 0.0, 0.0, 0.0 }, length = 0.0;
-        cap b = { { 0.0f, 0.0f, 0.0f }, 0.0f, 0.0f, -HUGE_VALF, { 0.0f, 0.0f } };
-        uint32_t first = (uint32_t)g * each, end = children - first < each ? children : first + each;
-        for (uint32_t i = first; i < end; i++) {
-            record r = s.point[child == NULL ? i : 0];
-            for (int k = 0; k < 3; k++) {
-                sum[k] += child == NULL ? in_units(s, r, k) : (double)child[i].middle[k];
-            }
-            b.weight = fmaxf(b.weight, child == NULL ? __double2float_ru(r.c[3] * (s.unit * s.unit))
-                                                     : child[i].weight);
-        }
-        for (int k = 0; k < 3; k++) {
-            sum[k] = sum[k] / (end - first) - (double)s.middle[k];
-            length += sum[k] * sum[k];
-        }
-        length = sqrt(length) * (double)s.bend;
-        for (int k = 0; k < 3; k++) {
-            b.middle[k] = (float)((double)s.middle[k] + (length > 1e-3 ? sum[k] / length : sum[k]));
-        }
-        length = 0.0;
-        for (int k = 0; k < 3; k++) {
-            double d = (double)b.middle[k] - (double)s.middle[k];
-            length += d * d;
-        }
-        b.rise = (float)(0.5 * (1.0 / (double)s.bend - length * (double)s.bend));
-        out[g] = b;
-    }
-}
-
-/* The radii; of groups by the points themselves, too. */
-__global__ void radius_kernel(const __grid_constant__ space s, const __grid_constant__ tree t)
-{
-    size_t i = thread_number(), above = i / group_size;
-    record r = s.point[i < s.count ? i : s.count - 1];
-    for (int level = 0; level < t.levels; level++, above /= 32) {
-        cap &b = ((cap *)t.caps[level])[i < s.count ? above : t.size[level] - 1];
-        double d = 0.0;
-        for (int k = 0; k < 3; k++) {
-            double x = in_units(s, r, k) - (double)b.middle[k];
-            d += x * x;
-        }
-        int reach = __float_as_int(__double2float_ru(sqrt(d)));
-        for (int step = 16; step > 0 && level > 0; step /= 2) {      /* the points of a warp are all in one */
-            int other = __shfl_xor_sync(all_lanes, reach, step);
-            reach = other > reach ? other : reach;
-        }
-        if (level == 0 || (threadIdx.x & 31) == 0) {
-            atomicMax((int *)&b.radius, reach);
-        }
-    }
-}
-
-/* A cap relative to v: lift: the lowest of its points; error: as above, to be multiplied by Q. */
-struct disc {
-    float m[3], n[3], radius, rise, lift, error, distance;
-};
-
-__device__ inline disc relative_cap(const space &s, const cap &b, const float *v, double own_weight)
-{
-    disc r;
-    float square_m = 0.0f;
-    for (int k = 0; k < 3; k++) {
-        r.m[k] = b.middle[k] - v[k];
-        r.n[k] = (b.middle[k] - s.middle[k]) * s.bend;
-        square_m = fmaf(r.m[k], r.m[k], square_m);
-    }
-    r.radius = b.radius;
-    r.rise = b.rise;
-    r.lift = __double2float_rd(own_weight - (double)b.weight) - 1.0f;
-    r.distance = root(square_m) - r.radius;
-    r.error = fmaf(3e-6f, r.distance + 2.0f * r.radius, 1e-6f);
-    return r;
-}
-
-/* Whether a simplex of the star, not a wall, may be in conflict with a point of a cap. */
-__device__ inline bool cap_may_conflict(const float4 &sphere, const disc &b, float bend)
-{
-    const bool infinite = sphere.w >= far_away;
-    const float scale = infinite ? 1.0f / far_away : 1.0f;
-    float q[3] = { sphere.x * scale, sphere.y * scale, sphere.z * scale };
-    float a = fmaf(q[0], b.n[0], fmaf(q[1], b.n[1], q[2] * b.n[2])), square_t = 0.0f;
-    float sum = fmaf(q[0], b.m[0], fmaf(q[1], b.m[1], fmaf(q[2], b.m[2], a * b.rise)));
-    for (int k = 0; k < 3; k++) {
-        float t = fmaf(-a, b.n[k], q[k]);
-        square_t = fmaf(t, t, square_t);
-    }
-    float t = root(square_t), fall = 0.5f * bend * a, x = b.radius;
-    x = 2.0f * fall * x > t ? __fdividef(t, 2.0f * fall) : x;
-    sum = fmaf(x, fmaf(-fall, x, t), sum);
-    return !((infinite ? 0.0f : b.lift) - sum > sphere.w * scale * b.error);
-}
-
-/* ------------------------------------------------------------------------------------------------------
    >>far          The second and third rung: a warp or more a star, candidates from a search of the tree.
    The star is that of the first rung, or starts from the neighbours of v on the curve.  For each of its simplices
    that is not verified the tree is searched depth first for points in conflict with it; when there are none it is
@@ -2203,11 +2025,6 @@ struct far_rung {
 struct last_rung {
     static const int triangles = 2048, vertices = 1024, warps = 8, blocks = 2;
     static const bool exact = true, shared = false;
-};
-
-/* Stars of points on a common sphere; larger ones go on as far stars. */
-struct smooth_rung {
-    static const int triangles = 128, vertices = 64, blocks = 16;
 };
 
 /* What the warps of a star tell each other, behind their stacks. */
@@ -2348,46 +2165,23 @@ __device__ __noinline__ int insert_exactly(star<DIM, WEIGHTED, NT, NV, SCRATCH, 
     return insert(s, all, v, id, p, count, walls, pool);
 }
 
-/* Inserts the points of pending lanes, the nearest first, until none is left that may be in conflict, or one fails:
-   returns what the last insertion did. */
+/* A star of v from 28 points at growing distances along the curve, so that it is bounded in all directions from the
+   start; false if they and, with EXACT, the seeds span no simplex. */
 template <bool EXACT, int DIM, int WEIGHTED, int NT, int NV, int SCRATCH, typename REAL>
-__device__ inline int insert_lanes(star<DIM, WEIGHTED, NT, NV, SCRATCH, REAL> &s, const space &all, uint32_t v,
-                                   uint32_t candidate, const place<REAL> &p, unsigned &pending, int &count,
-                                   unsigned walls, pbw__digit *pool, int &spent, bool &changed)
+__device__ inline bool start_on_curve(star<DIM, WEIGHTED, NT, NV, SCRATCH, REAL> &s, const space &all,
+                                      const unsigned long long *seed, uint32_t v, const record &own, unsigned walls,
+                                      pbw__digit *pool, uint32_t &candidate, place<REAL> &p, int &count)
 {
     const int lane = (int)threadIdx.x & 31;
-    int result = 0;
-    while (pending != 0 && (result & ~star_changed) == 0) {
-        bool waits = (pending >> lane & 1) != 0;
-        float length = waits ? (float)square<DIM>(p.x) : HUGE_VALF, least = tile_min<32>(length);
-        int from = __ffs((int)(__ballot_sync(all_lanes, length == least) & pending)) - 1;
-        pending &= ~(1u << from);
-        uint32_t next = __shfl_sync(all_lanes, candidate, from);
-        place<REAL> at = tile_place<32>(p, from);
-        bool known = false;                          /* the vertices of the star come by again in the search */
-        for (int i = lane; i < NV; i += 32) {
-            known = known || (i > 0 && (s.used[i >> 5] >> (i & 31) & 1) != 0 && s.id[i] == next);
-        }
-        if (any(known)) {
-            continue;
-        }
-        result = EXACT ? insert_exactly(s, all, v, next, at, count, walls, pool)
-                       : insert(s, all, v, next, at, count, walls, pool);
-        if (result == star_changed) {
-            changed = true;
-            pending = __ballot_sync(all_lanes, may_conflict<32>(s, true, count, p) && (pending >> lane & 1) != 0);
-        }
-        spent += 4;
+    uint32_t *order = s.scratch;
+    int step = lane / 2 + 1;
+    float far = step <= 6 ? (float)step : 6.0f * powf((float)all.count / 12.0f, (float)(step - 6) / 8.0f);
+    uint32_t offset = (uint32_t)far + (step > 6 ? 1 : 0);
+    candidate = none;
+    if (lane < 28) {
+        candidate =
+            (lane & 1) != 0 ? (v + offset < all.count ? v + offset : none) : (offset <= v ? v - offset : none);
     }
-    return result;
-}
-
-/* Sorts the candidates of the lanes, but none; returns how many there are, p being their places. */
-template <int DIM, typename REAL>
-__device__ inline int nearest_first(const space &all, uint32_t v, const record &own, uint32_t *order,
-                                    uint32_t &candidate, place<REAL> &p)
-{
-    const int lane = (int)threadIdx.x & 31;
     p = relative<DIM, REAL>(all, own, all.point[candidate != none ? candidate : v]);
     uint32_t key = candidate != none ? (__float_as_uint((float)square<DIM>(p.x)) & ~31u) | (uint32_t)lane : none;
     int before = 0, have = __popc(__ballot_sync(all_lanes, candidate != none));
@@ -2403,26 +2197,6 @@ __device__ inline int nearest_first(const space &all, uint32_t v, const record &
     candidate = order[lane];
     __syncwarp();
     p = relative<DIM, REAL>(all, own, all.point[candidate != none ? candidate : v]);
-    return have;
-}
-
-/* A star of v from 28 points at growing distances along the curve, so that it is bounded in all directions from the
-   start; false if they and, with EXACT, the seeds span no simplex. */
-template <bool EXACT, int DIM, int WEIGHTED, int NT, int NV, int SCRATCH, typename REAL>
-__device__ inline bool start_on_curve(star<DIM, WEIGHTED, NT, NV, SCRATCH, REAL> &s, const space &all,
-                                      const unsigned long long *seed, uint32_t v, const record &own, unsigned walls,
-                                      pbw__digit *pool, uint32_t &candidate, place<REAL> &p, int &count)
-{
-    const int lane = (int)threadIdx.x & 31;
-    int step = lane / 2 + 1;
-    float far = step <= 6 ? (float)step : 6.0f * powf((float)all.count / 12.0f, (float)(step - 6) / 8.0f);
-    uint32_t offset = (uint32_t)far + (step > 6 ? 1 : 0);
-    candidate = none;
-    if (lane < 28) {
-        candidate =
-            (lane & 1) != 0 ? (v + offset < all.count ? v + offset : none) : (offset <= v ? v - offset : none);
-    }
-    int have = nearest_first<DIM>(all, v, own, s.scratch, candidate, p);
     bool started = start_from_lanes<32>(s, true, candidate, p, have) != 0;
     if (!started && EXACT) {
         if (candidate == none) {
@@ -2471,35 +2245,6 @@ __device__ inline void start_from_store(star<DIM, WEIGHTED, NT, NV, SCRATCH, REA
     __syncwarp();
 }
 
-/* The points of the next 4 groups among the children of a node that were hit, 8 lanes each, but v. */
-__device__ inline uint32_t next_of_groups(const space &all, uint32_t v, uint32_t node, unsigned &hit)
-{
-    const int lane = (int)threadIdx.x & 31;
-    uint32_t group = none, point;
-    for (int i = 0; i < 4; i++) {
-        group = lane / 8 == i && hit != 0 ? node + (uint32_t)__ffs((int)hit) - 1 : group;
-        hit &= hit - 1;
-    }
-    point = group != none ? group * group_size + (uint32_t)(lane & 7) : none;
-    return point < all.count && point != v ? point : none;
-}
-
-/* The nodes of the lanes in the vote wait to be searched, the nearest on top. */
-__device__ inline void push_nodes(uint32_t *stack, int &depth, unsigned vote, float distance, uint32_t node)
-{
-    const int lane = (int)threadIdx.x & 31;
-    const bool mine = (vote >> lane & 1) != 0;
-    float least = tile_min<32>(mine ? distance : HUGE_VALF);
-    unsigned nearest = __ballot_sync(all_lanes, mine && distance == least);
-    nearest &= ~nearest + 1;                         /* one of them */
-    if (mine) {
-        unsigned others = vote & ~nearest;
-        stack[depth + __popc(others & ((nearest >> lane & 1) != 0 ? all_lanes : lanes_below<32>()))] = node;
-    }
-    depth += __popc(vote);
-    __syncwarp();
-}
-
 enum { far_busy, far_certified, far_hidden, far_lost, far_capped };
 
 /* One star, by all warps of a block: each searches for conflicts of its own simplex, then they insert in turns. 
@@ -2510,6 +2255,7 @@ __device__ inline int far_star_of(star<DIM, WEIGHTED, NT, NV, SCRATCH, REAL> &s,
                                   pbw__digit *pool, int &count, bool &changed)
 {
     const int lane = (int)threadIdx.x & 31, warp = (int)threadIdx.x / 32;
+    const unsigned below = lanes_below<32>();
     const record own = all.point[v];
     uint32_t *stack = s.scratch + warp * stack_size;
     talk &shared = *(talk *)(s.scratch + WARPS * stack_size);
@@ -2554,10 +2300,33 @@ __device__ inline int far_star_of(star<DIM, WEIGHTED, NT, NV, SCRATCH, REAL> &s,
                 if (t >= 0 && (t >= count || s.triangle[t] != word)) {
                     pending = 0;                     /* another warp has changed its simplex */
                 }
+                int verdict = far_busy;
                 bool touched = false;
-                int result = insert_lanes<EXACT>(s, all, v, candidate, p, pending, count, walls, pool, spent, touched);
-                int verdict = WEIGHTED == given && result == star_hidden ? far_hidden
+                while (pending != 0 && verdict == far_busy) {
+                    bool waits = (pending >> lane & 1) != 0;     /* the nearest first */
+                    float length = waits ? (float)square<DIM>(p.x) : HUGE_VALF, least = tile_min<32>(length);
+                    int from = __ffs((int)(__ballot_sync(all_lanes, length == least) & pending)) - 1;
+                    pending &= ~(1u << from);
+                    uint32_t next = __shfl_sync(all_lanes, candidate, from);
+                    place<REAL> at = tile_place<32>(p, from);
+                    bool known = false;              /* the vertices of the star come by again in the search */
+                    for (int i = lane; i < NV; i += 32) {
+                        known = known || (i > 0 && (s.used[i >> 5] >> (i & 31) & 1) != 0 && s.id[i] == next);
+                    }
+                    if (any(known)) {
+                        continue;
+                    }
+                    int result = EXACT ? insert_exactly(s, all, v, next, at, count, walls, pool)
+                                       : insert(s, all, v, next, at, count, walls, pool);
+                    verdict = WEIGHTED && result == star_hidden ? far_hidden
                             : (result & ~star_changed) != 0 ? far_lost : far_busy;
+                    if (result == star_changed) {
+                        touched = true;
+                        pending = __ballot_sync(all_lanes,
+                                                may_conflict<32>(s, true, count, p) && (pending >> lane & 1) != 0);
+                    }
+                    spent += 4;
+                }
                 __syncwarp();
                 if (lane == 0) {
                     shared.count = count;
@@ -2618,7 +2387,13 @@ __device__ inline int far_star_of(star<DIM, WEIGHTED, NT, NV, SCRATCH, REAL> &s,
                 spent = cap + 1;
             }
             if (hit != 0) {                          /* the points of 4 groups */
-                candidate = next_of_groups(all, v, node, hit);
+                uint32_t group = none;
+                for (int i = 0; i < 4; i++) {
+                    group = lane / 8 == i && hit != 0 ? node + (uint32_t)__ffs((int)hit) - 1 : group;
+                    hit &= hit - 1;
+                }
+                candidate = group != none ? group * group_size + (uint32_t)(lane & 7) : none;
+                candidate = candidate < all.count && candidate != v ? candidate : none;
                 for (int k = 0; k < DIM; k++) {
                     candidate = corner(word, k) != 0 && s.id[corner(word, k)] == candidate ? none : candidate;
                 }
@@ -2634,11 +2409,7 @@ __device__ inline int far_star_of(star<DIM, WEIGHTED, NT, NV, SCRATCH, REAL> &s,
                 bool visit = false;
                 node = (top & 0x1fffffffu) * 32;
                 child = node + (uint32_t)lane;
-                if (WEIGHTED == residual && child < boxes.size[level]) {
-                    const disc r = relative_cap(all, boxes.caps[level][child], origin, own_weight);
-                    visit = cap_may_conflict(s.sphere[t], r, all.bend);
-                    distance = visit ? fmaxf(r.distance, 0.0f) : HUGE_VALF;
-                } else if (child < boxes.size[level]) {
+                if (child < boxes.size[level]) {
                     box b = boxes.level[level][child];
                     span r = relative_box<DIM>(b, origin);
                     visit = box_may_conflict<DIM, WEIGHTED>(s.sphere[t], r, relative_weight<WEIGHTED>(b, own_weight));
@@ -2654,7 +2425,16 @@ __device__ inline int far_star_of(star<DIM, WEIGHTED, NT, NV, SCRATCH, REAL> &s,
                 if (level == 0) {
                     hit = vote;
                 } else {
-                    push_nodes(stack, depth, vote, distance, level << 29 | child);
+                    float least = tile_min<32>(distance);
+                    unsigned nearest = __ballot_sync(all_lanes, visit && distance == least);
+                    nearest &= ~nearest + 1;         /* one of them */
+                    if (visit) {
+                        unsigned others = vote & ~nearest;
+                        stack[depth + __popc(others & ((nearest >> lane & 1) != 0 ? all_lanes : below))] =
+                            level << 29 | child;
+                    }
+                    depth += __popc(vote);
+                    __syncwarp();
                 }
             }
         }
@@ -2712,103 +2492,460 @@ far_kernel(const __grid_constant__ space all, const __grid_constant__ tree boxes
     }
 }
 
-/* The star of a point on a common sphere, by a warp: from 28 points of groups near it and 4 far away, which bound it,
-   then one search of the tree for points in conflict with any of its simplices.  Simplices that come later conflict
-   with no points but such as those before did, so nothing is searched twice. */
-template <int NT, int NV, int SCRATCH>
-__device__ inline int smooth_star_of(star<3, residual, NT, NV, SCRATCH, double> &s, const space &all,
-                                     const tree &boxes, const uint32_t *list, int length, uint32_t v, int cap,
-                                     const volatile uint32_t *stop, int &count)
+/* ------------------------------------------------------------------------------------------------------
+   >>smooth       Points on a common sphere but for noise: lifts that tell them apart, and boxes that fit a sphere.
+   All circumspheres are nearly the one sphere, so floats and doubles could decide nothing.  But a conflict does not
+   depend on what affine function is added to the lift.  For a centre c and a square s, which may be any, the residual
+
+       e(p) = |p - c|^2 - s = |p|^2 + an affine function of p
+
+   is a lift too, and small where p is near the sphere.  So is the sum of the lift and k e, for a factor k > 0, which
+   is (k + 1) |p|^2 and an affine function.  That is what the stars calculate with when the points get the weights
+   -k e, the largest of them about 2^12 in units of the space: the lifts then differ by about as much as they are.
+   Stars of such points are local, in a way: those of a few points with low residuals reach far.
+
+     e    d = p - c is exact as two doubles, d = h + t, |t| <= g |h|, and h^2 as two more; h^2 and -s are summed with
+          their errors, which are at most g M, where M = |d|^2 + s; the errors, 2 h t of each axis and s are summed
+          in at most 10 steps: error at most 2^-98 M, and g |e| when rounded at the end.
+
+   The mode is taken if k 2^-98 M is below 2^-28 (>>run); then lifts relative to v are off by 2^-27.  In >>sphere
+   that is 2^-27 (BC + AC + AB) more in N, 2^-26 of it over D more in q, which 2^26 more in each of L_a, L_b and L_c
+   covers (times g 2^6), and 2^-27 more in the test, which 1/4 more in L_p covers.
+
+   The tree is one of caps: balls with their middles m near the sphere.  With v for the origin let x = p / |p|^2.  On
+   the sphere the part of p along the normal n at v is -|p|^2 / 2R, so
+
+       (l - q . p) / |p|^2 = l / |p|^2 - q . x = l / |p|^2 - q_t . x_t + q . n / 2R,
+
+   q_t and x_t being the parts across n.  (So a star is the lower hull of the points (x_t, l / |p|^2), far points in
+   its middle.)  The ball |p - m| <= r becomes the ball of radius r / (|m|^2 - r^2) around m / (|m|^2 - r^2): that
+   bounds q_t . x_t, and none of its points is in conflict if the least l / |p|^2 is above
+
+       q_t . m_t / (|m|^2 - r^2) + |q_t| r / (|m|^2 - r^2) - q . n / 2R.
+
+   A face is q so taken apart.  Errors: v and m - v are rounded to floats, so r grows by 4e-7.  The part along n is
+
+       (v - c) . p / R = (|p + v - c|^2 - |v - c|^2 - |p|^2) / 2R = (e(p + v) - e(v)) / 2R - |p|^2 / 2R
+
+   for a c that is off by 2e-7: the noise, and 8e-7 |p| with v and n rounded.  Axes, q and what is calculated from it:
+   10^-6 Q |p|.  The middle and the radius of the ball of x, where |m| > 1.1 r: 6e-6 of |m| / (|m|^2 - r^2), 1e-5 of
+   the radius.  On the way to the least l / |p|^2: 1e-5.
+   ------------------------------------------------------------------------------------------------------ */
+struct common_sphere {
+    double middle[3], square;
+};
+
+__device__ inline void sum_exactly(double &high, double &low, double more)
 {
-    const int lane = (int)threadIdx.x & 31;
-    const record own = all.point[v];
-    const float4 rough = all.rough[v];
-    const float origin[3] = { rough.x, rough.y, rough.z };
-    const unsigned walls = walls_of<3>(all, own);
-    const double own_weight = own.c[3] * (all.unit * all.unit);
-    uint32_t *stack = s.scratch, candidate = none, node = 0;
-    int depth = 1, spent = 0, result = 0;
-    unsigned pending, hit = 0;
-    bool changed;
-    place<double> p;
-    if (lane >= 28) {
-        candidate = (uint32_t)((v + (uint64_t)all.count * (uint32_t)(lane - 27) / 5) % all.count);
-    } else if (lane / 8 < length) {
-        candidate = list[lane / 8] * group_size + (uint32_t)(lane & 7);
-        candidate = candidate < all.count && candidate != v ? candidate : none;
+    double sum = high + more, part = sum - high;
+    low += (high - (sum - part)) + (more - part);
+    high = sum;
+}
+
+/* The residuals of all points become weights, times factor; or, for a factor of 0, only the largest is found. */
+__global__ void residual_kernel(record *point, uint32_t count, common_sphere on, double factor,
+                                unsigned long long *largest)
+{
+    unsigned long long most = 0;
+    for (size_t i = thread_number(); i < count; i += (size_t)gridDim.x * blockDim.x) {
+        double high = -on.square, low = 0.0;
+        record p = point[i];
+        for (int k = 0; k < 3; k++) {
+            double h = p.c[k] - on.middle[k], part = p.c[k] - h;
+            double t = (p.c[k] - (h + part)) + (part - on.middle[k]), square_h = __dmul_rn(h, h);
+            sum_exactly(high, low, square_h);
+            low += fma(h, h, -square_h) + 2.0 * h * t;
+        }
+        unsigned long long size = (unsigned long long)__double_as_longlong(fabs(high + low));
+        most = size > most ? size : most;
+        if (factor != 0.0) {
+            point[i].c[3] = -factor * (high + low);
+        }
     }
-    nearest_first<3>(all, v, own, s.scratch, candidate, p);
-    if (!start_from_seeds(s, all, v, candidate, p, candidate != none, NULL)) {
-        return far_lost;
+    for (int step = 16; step > 0; step /= 2) {
+        unsigned long long other = __shfl_xor_sync(all_lanes, most, step);
+        most = other > most ? other : most;
     }
-    count = 0;
-    fan<32>(s, true, first_hole<3>(), 1, count, walls);
-    pending = __ballot_sync(all_lanes, candidate != none);
-    if (lane == 0) {
-        stack[0] = (uint32_t)boxes.levels << 29;
+    if ((threadIdx.x & 31) == 0) {
+        atomicMax(largest, most);
     }
-    __syncwarp();
-    for (;;) {
-        result = insert_lanes<true>(s, all, v, candidate, p, pending, count, walls, NULL, spent, changed);
-        if ((result & ~star_changed) != 0) {
-            return result == star_full ? far_capped : far_lost;
-        }
-        if (hit == 0 && depth == 0) {
-            return far_certified;
-        }
-        spent++;
-        if (spent > cap || ((spent & 63) == 0 && *stop != 0)) {
-            return far_capped;
-        }
-        if (hit != 0) {
-            candidate = next_of_groups(all, v, node, hit);
-            p = relative<3, double>(all, own, all.point[candidate != none ? candidate : v]);
-            pending = __ballot_sync(all_lanes, may_conflict<32>(s, true, count, p) && candidate != none);
-            continue;
-        }
-        uint32_t top = stack[--depth], level = (top >> 29) - 1, child;
-        float distance = 0.0f;
-        bool visit = false;
-        node = (top & 0x1fffffffu) * 32;
-        child = node + (uint32_t)lane;
-        if (child < boxes.size[level]) {
-            const disc r = relative_cap(all, boxes.caps[level][child], origin, own_weight);
-            distance = fmaxf(r.distance, 0.0f);
-            for (int t = 0; t < count; t++) {
-                float4 q = s.sphere[t];
-                visit = visit || (!is_wall(q) && cap_may_conflict(q, r, all.bend));
+}
+
+/* A ball around 8 points or 8 caps; weight: the largest. */
+struct alignas(16) cap {
+    float middle[3], radius, weight, unused[3];
+};
+
+const int cap_levels = 10;                           /* 8 * 8^9 points are as many as there may be */
+struct cap_tree {
+    const cap *level[cap_levels];                    /* level[0]: groups of 8 points */
+    uint32_t size[cap_levels];
+    int levels;                                      /* level[levels-1] has at most 8 caps */
+    float middle[3], bend, noise;                    /* the sphere in units: its centre, 1 / radius, and noise */
+};
+
+/* The caps of a level, of 8 points or of 8 caps: all but the radius. */
+__global__ void cap_kernel(const __grid_constant__ space s, const __grid_constant__ cap_tree t, const cap *child,
+                           uint32_t children, cap *out, uint32_t size)
+{
+    size_t g = thread_number();
+    if (g < size) {
+        double sum[3] = { 0.0, 0.0, 0.0 }, length = 0.0;
+        cap b = { { 0.0f, 0.0f, 0.0f }, 0.0f, -HUGE_VALF, { 0.0f, 0.0f, 0.0f } };
+        uint32_t first = (uint32_t)g * group_size, end = children - first < 8 ? children : first + 8;
+        for (uint32_t i = first; i < end; i++) {
+            record r = s.point[child == NULL ? i : 0];
+            for (int k = 0; k < 3; k++) {
+                sum[k] += child == NULL ? in_units(s, r, k) : (double)child[i].middle[k];
             }
+            b.weight = fmaxf(b.weight,
+                             child == NULL ? __double2float_ru(r.c[3] * (s.unit * s.unit)) : child[i].weight);
         }
-        __syncwarp();
-        hit = __ballot_sync(all_lanes, visit);
-        if (level > 0) {
-            push_nodes(stack, depth, hit, distance, level << 29 | child);
-            hit = 0;
+        for (int k = 0; k < 3; k++) {
+            sum[k] = sum[k] / (end - first) - (double)t.middle[k];
+            length += sum[k] * sum[k];
+        }
+        length = sqrt(length) * (double)t.bend;
+        for (int k = 0; k < 3; k++) {
+            b.middle[k] = (float)((double)t.middle[k] + (length > 1e-3 ? sum[k] / length : sum[k]));
+        }
+        out[g] = b;
+    }
+}
+
+/* The radii: a thread a point. */
+__global__ void radius_kernel(const __grid_constant__ space s, const __grid_constant__ cap_tree t)
+{
+    const size_t i = thread_number() < s.count ? thread_number() : s.count - 1;
+    const record r = s.point[i];
+    size_t above = i / group_size;
+    for (int level = 0; level < t.levels; level++, above /= 8) {
+        cap &b = ((cap *)t.level[level])[above];
+        double d = 0.0;
+        for (int k = 0; k < 3; k++) {
+            double x = in_units(s, r, k) - (double)b.middle[k];
+            d += x * x;
+        }
+        int reach = __float_as_int(__double2float_ru(sqrt(d)));
+        for (int step = level == 0 ? 4 : 16; step > 0; step /= 2) {      /* the points of a warp are all in one */
+            int other = __shfl_xor_sync(all_lanes, reach, step);
+            reach = other > reach ? other : reach;
+        }
+        if ((threadIdx.x & (level == 0 ? 7 : 31)) == 0) {
+            atomicMax((int *)&b.radius, reach);
         }
     }
 }
 
-/* A warp a star: all of the share, but none after too many failures.  What is left goes on as a far star. */
-__global__ void __launch_bounds__(32, smooth_rung::blocks)
-smooth_kernel(const __grid_constant__ space all, const __grid_constant__ tree boxes, const uint32_t *lists,
-              const near_list *infos, uint32_t first, int cap, uint32_t limit, const __grid_constant__ store out,
+/* Stars in shared memory, or in scratch.  What a rung has no room for goes on to the next. */
+struct smooth_rung {
+    static const int lanes = 8, block = 96, blocks = 5, triangles = 48, vertices = 32;
+    static const bool shared = true;
+};
+struct middle_smooth_rung {
+    static const int lanes = 32, block = 32, blocks = 12, triangles = 256, vertices = 128;
+    static const bool shared = true;
+};
+struct large_smooth_rung {
+    static const int lanes = 32, block = 32, blocks = 5, triangles = 512, vertices = 256;
+    static const bool shared = true;
+};
+struct last_smooth_rung {
+    static const int lanes = 32, block = 32, blocks = 5, triangles = 2048, vertices = 1024;
+    static const bool shared = false;
+};
+
+template <typename RUNG> struct smooth_star {
+    typedef star<3, residual, RUNG::triangles, RUNG::vertices, 8 * cap_levels * (RUNG::lanes / 8), double> type;
+    type s;
+    alignas(16) float4 face[RUNG::triangles];        /* of each triangle q_t, -q . n / 2R, |q_t| */
+    float size[RUNG::triangles];                     /* Q, negative if the simplex is infinite */
+};
+
+struct axes {                                        /* at v */
+    float across[2][3], normal[3];
+};
+
+__device__ inline float dot(const float *a, const float *b)
+{
+    return fmaf(a[0], b[0], fmaf(a[1], b[1], a[2] * b[2]));
+}
+
+__device__ inline axes axes_at(const cap_tree &t, const float *v)
+{
+    axes r;
+    float n[3], a[3] = { 0.0f, 0.0f, 0.0f }, inverse;
+    for (int k = 0; k < 3; k++) {
+        n[k] = (v[k] - t.middle[k]) * t.bend;
+    }
+    const bool first = fabsf(n[0]) < 0.6f;
+    a[0] = first ? 1.0f : 0.0f;
+    a[1] = first ? 0.0f : 1.0f;
+    const float along = first ? n[0] : n[1];
+    for (int k = 0; k < 3; k++) {
+        a[k] = fmaf(-along, n[k], a[k]);
+    }
+    inverse = 1.0f / sqrtf(dot(a, a));
+    for (int k = 0; k < 3; k++) {
+        r.across[0][k] = a[k] * inverse;
+        r.normal[k] = n[k];
+    }
+    for (int k = 0; k < 3; k++) {
+        const int i = (k + 1) % 3, j = (k + 2) % 3;
+        r.across[1][k] = n[i] * r.across[0][j] - n[j] * r.across[0][i];
+    }
+    return r;
+}
+
+/* Infinite ones are scaled to stay finite; no cap is in conflict with a wall. */
+__device__ inline void put_face(const axes &at, float bend, float4 sphere, float4 &face, float &size)
+{
+    const float scale = sphere.w >= far_away ? 8.673617379884035e-19f : 1.0f;   /* 2^-60 */
+    const float q[3] = { sphere.x * scale, sphere.y * scale, sphere.z * scale };
+    face.x = dot(q, at.across[0]);
+    face.y = dot(q, at.across[1]);
+    face.z = is_wall(sphere) ? -HUGE_VALF : -0.5f * bend * dot(q, at.normal);
+    face.w = root(fmaf(face.x, face.x, face.y * face.y)) * 1.000001f;
+    size = sphere.w >= far_away ? -sphere.w * scale : is_wall(sphere) ? 0.0f : sphere.w;
+}
+
+/* A cap as seen from v: the ball of x, the least lift / |p|^2, the factor of Q in the error. */
+struct image {
+    float x[2], radius, least, error;
+};
+
+__device__ inline image image_of(const axes &at, const cap &b, const float *v, double own_weight, float noise)
+{
+    image r = { { 0.0f, 0.0f }, 0.0f, 0.0f, HUGE_VALF };
+    const float m[3] = { b.middle[0] - v[0], b.middle[1] - v[1], b.middle[2] - v[2] };
+    const float radius = b.radius + 4e-7f, square_m = dot(m, m), length = root(square_m);
+    if (length > 1.1f * radius) {
+        const float low = length - radius, high = length + radius, inverse = __fdividef(1.0f, low * high);
+        const float lift = __double2float_rd(own_weight - (double)b.weight) - 1e-6f;
+        r.x[0] = dot(m, at.across[0]) * inverse;
+        r.x[1] = dot(m, at.across[1]) * inverse;
+        r.radius = fmaf(radius, 1.00001f, 6e-6f * length) * inverse;
+        r.least = lift * (lift > 0.0f ? low / high : high / low) * inverse;
+        r.least -= 1e-5f * fabsf(r.least);
+        r.error = fmaf(3e-6f, high, noise) * (high / low) * inverse;
+    }
+    return r;
+}
+
+/* How far a cap may lie below the faces of a star, or 0. */
+template <int T, typename STAR>
+__device__ inline float depth_of_cap(const STAR &w, int end, int count, const image &b)
+{
+    const float below_0 = fminf(b.least, 0.0f);
+    float depth = 0.0f;
+#pragma unroll 2
+    for (int t = 0; t < end; t++) {
+        const int at = t < count ? t : 0;
+        const float4 face = w.face[at];
+        const float size = w.size[at];
+        const float sum = fmaf(face.x, b.x[0], fmaf(face.y, b.x[1], fmaf(face.w, b.radius, face.z)));
+        depth = fmaxf(depth, fmaf(fabsf(size), b.error, sum) - (size < 0.0f ? below_0 : b.least));
+    }
+    return b.error < HUGE_VALF ? depth : HUGE_VALF;
+}
+
+/* How far a point may lie below the faces of a star: (q . p - l) / |p|^2, with the bound of side; or 0. */
+template <int T, typename STAR>
+__device__ inline float depth_of_point(const STAR &w, int end, int count, const place<double> &p)
+{
+    const probe f = probe_of<3, residual>(p);
+    const float lift = fmaf(-1.25f, f.load, f.lift), size = -1.25f * f.size;
+    float least = HUGE_VALF;
+#pragma unroll 2
+    for (int t = 0; t < end; t++) {
+        const float4 q = w.s.sphere[t < count ? t : 0];
+        least = fminf(least, fmaf(-q.x, f.x[0], fmaf(-q.y, f.x[1], fmaf(-q.z, f.x[2], fmaf(q.w, size, lift)))));
+    }
+    const float square_p = fmaf(f.x[0], f.x[0], fmaf(f.x[1], f.x[1], f.x[2] * f.x[2]));
+    return least > 0.0f ? 0.0f : fmaxf(__fdividef(-least, square_p), 1e-30f);
+}
+
+/* RUNG::lanes lanes a star, from the points of its group on.  The tree is searched once: a point or cap that no
+   simplex of the star is in conflict with will never be, because stars only shrink; so when there is nothing left to
+   search the star is certified.  The deepest point is inserted first: it stays a vertex as far as the others at hand
+   are concerned.  Each tile has a star, and takes another when it is done; those of a block with nothing to insert
+   search, until half of them have a point.  vertex: NULL for all from first on; next: the first that nobody has. */
+template <typename RUNG>
+__global__ void __launch_bounds__(RUNG::block, RUNG::blocks)
+smooth_kernel(const __grid_constant__ space all, const __grid_constant__ cap_tree caps, const uint32_t *lists,
+              const near_list *infos, const uint32_t *vertex, uint32_t first, uint32_t total, uint32_t *next,
+              int cap_of_work, uint32_t limit, void *scratch, pbw__digit *pool, const __grid_constant__ store out,
               queue failed, queue large)
 {
-    typedef star<3, residual, smooth_rung::triangles, smooth_rung::vertices, stack_size, double> star_type;
+    const int T = RUNG::lanes, tiles = RUNG::block / T, lane = (int)threadIdx.x & (T - 1);
     extern __shared__ float4 shared_words[];
-    const uint32_t v = first + blockIdx.x, row = v / group_size - out.first / group_size;
-    int count = 0;
-    if (*(volatile uint32_t *)failed.count > limit || *out.stop != 0) {
-        return;
+    smooth_star<RUNG> &w = RUNG::shared ? ((smooth_star<RUNG> *)shared_words)[threadIdx.x / T]
+                                        : ((smooth_star<RUNG> *)scratch)[blockIdx.x * tiles + threadIdx.x / T];
+    typename smooth_star<RUNG>::type &s = w.s;
+    const int room = (int)(sizeof s.scratch / sizeof s.scratch[0]);
+    uint32_t *stack = s.scratch, v = first, candidate = none;
+    pbw__digit *digits = pool == NULL ? NULL : pool + (blockIdx.x * 32 + (threadIdx.x & 31)) * (size_t)PBW__POOL;
+    record own = all.point[v];
+    float origin[3] = { 0.0f, 0.0f, 0.0f }, deep = 0.0f;        /* deep: the lane's candidate */
+    axes at = axes_at(caps, origin);
+    int depth = 0, count = 0, spent = 0;
+    unsigned walls = 0, pending = 0;
+    bool go = false, more = true, started = false, fresh = false;
+    place<double> p = relative<3, double>(all, own, own);
+    for (;;) {
+        const bool takes = !go && more;
+        if (any(takes)) {                            /* the next star */
+            uint32_t i = takes && lane == 0 ? atomicAdd(next, 1u) : 0;
+            i = tile_read<T>(i, 0);
+            if (takes) {
+                more = i < total && *(volatile uint32_t *)failed.count <= limit && *out.stop == 0;
+                go = more;
+            }
+            if (takes && go) {
+                v = vertex == NULL ? first + i : vertex[i];
+                own = all.point[v];
+                const float4 rough = all.rough[v];
+                origin[0] = rough.x, origin[1] = rough.y, origin[2] = rough.z;
+                at = axes_at(caps, origin);
+                walls = walls_of<3>(all, own);
+                pending = 0;
+                count = spent = 0;
+                started = false;
+                for (int k = lane; k < RUNG::vertices; k += T) {
+                    s.id[k] = none;
+                }
+                const uint32_t row = v / group_size - out.first / group_size;
+                const int length = (int)infos[row].length, near = length < 1 ? 1 : length < 5 ? length : 5;
+                if (lane <= near) {                  /* the groups near it first, its own on top */
+                    stack[lane] = lane == 0 ? (uint32_t)caps.levels << 28 : lane == near ? v / group_size
+                                : lists[(size_t)row * list_size + (uint32_t)(near - lane)];
+                }
+                depth = near + 1;
+            }
+            __syncwarp();
+        }
+        if (__syncthreads_or(go) == 0) {
+            break;
+        }
+        const bool look = go && pending == 0 && depth > 0;
+        if (any(look)) {                             /* the search */
+            const int end = warp_max<T>(look ? count : 0), take = depth < T / 8 ? depth : T / 8;
+            if (any(look && fresh)) {
+                for (int t = lane; look && fresh && t < count; t += T) {
+                    put_face(at, caps.bend, s.sphere[t], w.face[t], w.size[t]);
+                }
+                fresh = fresh && !look;
+                __syncwarp();
+            }
+            const uint32_t node = look && lane / 8 < take ? stack[depth - 1 - lane / 8] : none;
+            const uint32_t level = node >> 28, index = (node & 0xfffffff) * 8 + (uint32_t)(lane & 7);
+            const bool is_cap = node != none && level > 0 && index < caps.size[level > 0 ? level - 1 : 0];
+            const bool is_point = node != none && level == 0 && index < all.count && index != v;
+            depth -= look ? take : 0;
+            spent += look;
+            __syncwarp();
+            if (any(is_cap)) {
+                float may = 0.0f;
+                if (is_cap) {
+                    const double own_weight = own.c[3] * (all.unit * all.unit);
+                    may = depth_of_cap<T>(w, end, count,
+                                          image_of(at, caps.level[level - 1][index], origin, own_weight, caps.noise));
+                    may = started ? may : HUGE_VALF;
+                }
+                int before = 0;                      /* the deepest on top */
+                for (int k = 0; k < T; k++) {
+                    float other = tile_read<T>(may, k);
+                    before += other > 0.0f && (other < may || (other == may && k < lane));
+                }
+                const unsigned vote = tile_ballot<T>(may > 0.0f);
+                if (look && may > 0.0f && depth + before < room) {
+                    stack[depth + before] = (level - 1) << 28 | index;
+                }
+                depth += look ? __popc(vote) : 0;
+                __syncwarp();
+            }
+            if (any(is_point)) {
+                if (look) {
+                    p = relative<3, double>(all, own, all.point[is_point ? index : v]);
+                    deep = depth_of_point<T>(w, end, count, p);
+                    candidate = is_point && (deep > 0.0f || !started) ? index : none;
+                    for (int k = 0; k < RUNG::vertices; k++) {  /* it may be a vertex, as it was met before */
+                        candidate = s.id[k] == candidate ? none : candidate;
+                    }
+                }
+                const unsigned vote = tile_ballot<T>(candidate != none);
+                pending = look ? vote : pending;
+            }
+        }
+        bool lost = go && (depth > room || spent > cap_of_work);
+        go = go && !lost;
+        const int waiting = __syncthreads_count(go && pending != 0);
+        if (waiting * 2 >= __syncthreads_count(go && (pending != 0 || depth > 0))) {
+            hole cavity = first_hole<3>();
+            const bool starting = go && pending != 0 && !started;
+            bool now = go && pending != 0 && started;
+            if (any(starting)) {                     /* from the lowest, seen from v */
+                float height = starting && candidate != none ? -(float)p.w / (float)square<3>(p.x) : HUGE_VALF;
+                int before = 0;
+                for (int k = 0; k < T; k++) {
+                    float other = tile_read<T>(height, k);
+                    before += other < height || (other == height && k < lane);
+                }
+                if (starting) {
+                    s.matrix[before] = candidate;
+                }
+                __syncwarp();
+                const unsigned here = tile_ballot<T>(candidate != none);
+                const int have = __popc(here);
+                if (starting) {
+                    candidate = s.matrix[lane];
+                    p = relative<3, double>(all, own, all.point[candidate != none ? candidate : v]);
+                }
+                __syncwarp();
+                const unsigned used = start_from_lanes<T>(s, starting, candidate, p, have);
+                pending = starting ? ((1u << (have & 31)) - 1) & ~used : pending;
+                lost = lost || (starting && used == 0);
+                go = go && !lost;
+            }
+            const bool begins = starting && go;
+            int fans = 1;
+            if (any(now)) {
+                const bool waits = (pending >> lane & 1) != 0;
+                const float most = -tile_min<T>(waits ? -deep : 1.0f);
+                const unsigned best = tile_ballot<T>(waits && deep == most);
+                const int from = now ? __ffs((int)best) - 1 : 0;
+                const uint32_t id = tile_read<T>(candidate, from);
+                const place<double> where = tile_place<T>(p, from);
+                pending &= now ? ~(1u << from) : ~0u;
+                const int result = T == 32 ? insert_exactly(s, all, v, id, where, count, walls, digits)
+                                           : carve<T, true>(s, all, v, now, id, where, count, digits, cavity);
+                lost = lost || (now && (result & ~star_changed) != 0);
+                go = go && !lost;
+                now = now && result == star_changed;
+                fans = now ? cavity.edges : fans;
+            }
+            if (begins) {
+                cavity = first_hole<3>();
+            }
+            fan<T>(s, begins || (now && T < 32), cavity, fans, count, walls);
+            const bool changed = begins || now;
+            const int end = warp_max<T>(changed ? count : 0);
+            if (any(changed)) {
+                started = started || begins;
+                fresh = fresh || changed;
+                deep = changed ? depth_of_point<T>(w, end, count, p) : deep;
+                const unsigned vote = tile_ballot<T>(deep > 0.0f);
+                pending &= changed ? vote : ~0u;
+            }
+        }
+        const bool done = go && pending == 0 && depth == 0;
+        if (any(done || lost)) {
+            finish<T>(s, done && started, v, count, out);
+            enqueue(failed, lane == 0 && (lost || (done && !started)), v);
+            enqueue(large, lane == 0 && done && started, v);
+            go = go && !done;
+        }
     }
-    star_type &s = *(star_type *)shared_words;
-    int verdict = smooth_star_of(s, all, boxes, lists + (size_t)row * list_size, (int)infos[row].length, v, cap,
-                                 out.stop, count);
-    if (verdict != far_lost) {
-        finish<32>(s, true, v, count, out);
-    }
-    enqueue(failed, verdict != far_certified && threadIdx.x == 0, v | (verdict == far_capped ? stored_mark : 0));
-    enqueue(large, verdict == far_certified && threadIdx.x == 0, v);
 }
 
 /* ------------------------------------------------------------------------------------------------------
@@ -4072,7 +4209,7 @@ bool grow_tree(call &c, space &s, int dim, tree &t)
 }
 
 /* Looks at 32 boxes or points, of a warp; an insertion counts as 4. */
-const int quick_cap = 1024, smooth_cap = 2048, far_cap = 4096, last_cap[2] = { 1 << 17, 1 << 20 };
+const int quick_cap = 1024, smooth_cap = 512, far_cap = 4096, last_cap[2] = { 1 << 17, 1 << 20 };
 const uint32_t last_blocks = 128;
 
 /* Few points are built soon on any rung. */
@@ -4105,11 +4242,11 @@ bool sample_stars(call &c, const space &s, const tree &t, const uint32_t *lists,
 }
 
 /* Points at most so far from a common sphere, as a part of the square of its radius, are taken for smooth. */
-const double smooth_noise = 1e-9;
+const double smooth_noise = 2e-7;
 
 /* The sphere that all points are near, if there is one: by four of a sample, then by all.  Their residuals become
    their weights, and the tree gets caps. */
-bool find_sphere(call &c, space &s, tree &t, unsigned long long *largest, bool &found)
+bool find_sphere(call &c, space &s, cap_tree &t, unsigned long long *largest, bool &found)
 {
     const int count = 64;
     const uint32_t stride = s.count / count;
@@ -4161,14 +4298,14 @@ bool find_sphere(call &c, space &s, tree &t, unsigned long long *largest, bool &
     for (int k = 0; k < 3; k++) {
         double x = (squares[0] * m[0][k] + squares[1] * m[1][k] + squares[2] * m[2][k]) / d;
         on.middle[k] = r[0].c[k] + x / s.unit;
-        s.middle[k] = (float)((on.middle[k] - s.low[k]) * s.unit);
+        t.middle[k] = (float)((on.middle[k] - s.low[k]) * s.unit);
         radius += x * x;
-        if (!(s.middle[k] > -2.0f && s.middle[k] < 4.0f)) {
+        if (!(t.middle[k] > -2.0f && t.middle[k] < 4.0f)) {
             return true;
         }
     }
     on.square = radius / (s.unit * s.unit);
-    s.bend = (float)(1.0 / sqrt(radius));
+    t.bend = (float)(1.0 / sqrt(radius));
     for (int i = 0; i < count; i++) {
         double e = -on.square;
         for (int k = 0; k < 3; k++) {
@@ -4190,17 +4327,21 @@ bool find_sphere(call &c, space &s, tree &t, unsigned long long *largest, bool &
         return true;
     }
     int exponent;
+    t.noise = (float)(1.01 * most * (s.unit * s.unit)) * t.bend;
     (void)frexp(most * (s.unit * s.unit), &exponent);
-    residual_kernel<<<blocks, 256, 0, c.stream>>>(point, s.count, on, ldexp(1.0, 30 - exponent), largest);
+    residual_kernel<<<blocks, 256, 0, c.stream>>>(point, s.count, on, ldexp(1.0, 12 - exponent), largest);
     s.heaviest = s.exact_height = 0.0;
-    for (int level = 0; level < t.levels; level++) {
+    for (uint32_t size = s.count; t.levels == 0 || size > 8; t.levels++) {
+        const cap *child = t.levels > 0 ? t.level[t.levels - 1] : NULL;
+        const uint32_t children = size;
         cap *b = NULL;
-        if (!allocate(c, b, t.size[level])) {
+        size = (size + 7) / 8;
+        if (!allocate(c, b, size)) {
             return false;
         }
-        cap_kernel<<<blocks_for(t.size[level], 128), 128, 0, c.stream>>>(
-            s, level > 0 ? t.caps[level - 1] : NULL, level > 0 ? t.size[level - 1] : s.count, b, t.size[level]);
-        t.caps[level] = b;
+        cap_kernel<<<blocks_for(size, 128), 128, 0, c.stream>>>(s, t, child, children, b, size);
+        t.level[t.levels] = b;
+        t.size[t.levels] = size;
     }
     radius_kernel<<<blocks_for(s.count, 256), 256, 0, c.stream>>>(s, t);
     found = true;
@@ -4348,34 +4489,76 @@ bool build_stars(call &c, const space &s, const tree &t, const uint32_t *lists, 
     return build_far_stars<DIM, WEIGHTED>(c, s, t, out, q, seed, failed, stars);
 }
 
-/* Likewise of points on a common sphere; the tree has caps. */
-bool build_smooth_stars(call &c, const space &s, const tree &t, const uint32_t *lists, const near_list *infos,
-                        const store &out, const queue *q, unsigned long long *seed, size_t *stars)
+/* The stars of a list, or of all from first on, by one rung; next is scratch.  Says how many failed. */
+template <typename RUNG>
+bool run_smooth_rung(call &c, const space &s, const cap_tree &t, const uint32_t *lists, const near_list *infos,
+                     const uint32_t *vertex, uint32_t first, uint32_t total, uint32_t *next, int cap_of_work,
+                     uint32_t limit, const store &out, const queue &failed, const queue &large, uint32_t &count)
 {
-    const size_t bytes = sizeof(star<3, residual, smooth_rung::triangles, smooth_rung::vertices, stack_size, double>);
-    const uint32_t chunk = 1u << 20, mine = out.end - out.first, limit = 128 + mine / 16;
-    uint32_t failed = 0;
+    const int tiles = RUNG::block / RUNG::lanes;
+    const size_t bytes = sizeof(smooth_star<RUNG>) * tiles;
+    int device = 0, processors = 1;
+    smooth_star<RUNG> *scratch = NULL;
+    pbw__digit *pool = NULL;
+    count = 0;
+    if (total == 0) {
+        return true;
+    }
+    if (!good(c, cudaGetDevice(&device), "cudaGetDevice")
+        || !good(c, cudaDeviceGetAttribute(&processors, cudaDevAttrMultiProcessorCount, device),
+                 "cudaDeviceGetAttribute")
+        || !fill(c, next, 0, 1) || !fill(c, failed.count, 0, 1)) {
+        return false;
+    }
+    const unsigned most = RUNG::shared ? (unsigned)(processors * RUNG::blocks) : last_blocks;
+    const unsigned blocks = blocks_for(total, (unsigned)tiles) < most ? blocks_for(total, (unsigned)tiles) : most;
+    if (!RUNG::shared
+        && (!allocate(c, scratch, blocks * (size_t)tiles) || !allocate(c, pool, (size_t)blocks * 32 * PBW__POOL))) {
+        return false;
+    }
+    smooth_kernel<RUNG><<<blocks, RUNG::block, RUNG::shared ? bytes : 0, c.stream>>>(
+        s, t, lists, infos, vertex, first, total, next, cap_of_work, limit, scratch, pool, out, failed, large);
+    if (!launched(c, "smooth stars") || !keep_points(c)
+        || !read_back(c, count, failed.count, PBW_STAGE_BUILD, 0.8)) {
+        return false;
+    }
+    release(c, scratch, false);
+    release(c, pool, false);
+    return true;
+}
 
-    fill(c, q[0].count, 0, 3);
+/* Likewise of points on a common sphere. */
+bool build_smooth_stars(call &c, const space &s, const cap_tree &t, const uint32_t *lists, const near_list *infos,
+                        const store &out, const queue *q, uint32_t *next, size_t *stars)
+{
+    const uint32_t mine = out.end - out.first, limit = 128 + mine / 8;
+    uint32_t failed = 0, last = 0;
+    fill(c, q[2].count, 0, 1);
     fill(c, out.used, 0, 1);
     fill(c, out.owned + mine, 0, 1);
     fill(c, out.place, 0xff, mine);
     note(c, 3);
-    stars[0] = stars[1] = mine;
-    for (uint32_t first = out.first; first < out.end && c.status == PBW_OK; first += chunk) {
-        uint32_t count = out.end - first < chunk ? out.end - first : chunk;
-        smooth_kernel<<<count, 32, bytes, c.stream>>>(s, t, lists, infos, first, smooth_cap, limit, out, q[1], q[2]);
-        if (!launched(c, "smooth stars") || !keep_points(c) || !wait(c, c.stream, PBW_STAGE_BUILD, 0.8)) {
-            return false;
-        }
-    }
-    if (!read_back(c, failed, q[1].count, PBW_STAGE_BUILD, 0.9)) {
+    if (!run_smooth_rung<smooth_rung>(c, s, t, lists, infos, NULL, out.first, mine, next, smooth_cap, limit, out,
+                                      q[0], q[2], failed)) {
         return false;
     }
     if (failed > limit) {
         return decline(c, "most stars reach far (points on a surface or a curve?): quicker on the CPU");
     }
-    return build_far_stars<3, residual>(c, s, t, out, q, seed, failed, stars);
+    stars[0] = stars[1] = mine;
+    if (!run_smooth_rung<middle_smooth_rung>(c, s, t, lists, infos, q[0].vertex, 0, failed, next, far_cap, limit, out,
+                                             q[1], q[2], last)
+        || !run_smooth_rung<large_smooth_rung>(c, s, t, lists, infos, q[1].vertex, 0, last, next, far_cap, limit, out,
+                                               q[0], q[2], failed)) {
+        return false;
+    }
+    stars[2] = failed;
+    if (!run_smooth_rung<last_smooth_rung>(c, s, t, lists, infos, q[0].vertex, 0, failed, next, last_cap[0],
+                                           last_blocks, out, q[1], q[2], last)) {
+        return false;
+    }
+    note(c, 4);
+    return last == 0 ? c.status == PBW_OK : decline_stars(c, last);
 }
 
 bool copy_out(call &c, void *to, const void *from, size_t bytes)
@@ -4580,10 +4763,12 @@ bool build(call &c, const input &in, space &s, const uint32_t *id, unsigned flag
     cell<DIM> *cells = NULL;
     directory<DIM> all;
     const bool alone = c.cards == NULL || c.cards->cards == 1, with_neighbors = (flags & PBW_NO_NEIGHBORS) == 0;
+    cap_tree caps;
     bool smooth = false;
 
     memset(&out, 0, sizeof out);
     memset(&t, 0, sizeof t);
+    memset(&caps, 0, sizeof caps);
     memset(&all, 0, sizeof all);
     if (!share_points(c, s, out.first, out.end)) {
         return false;
@@ -4621,13 +4806,13 @@ bool build(call &c, const input &in, space &s, const uint32_t *id, unsigned flag
     if (!launched(c, "lists")) {
         return false;
     }
-    if (DIM == 3 && !WEIGHTED && !find_sphere(c, s, t, used_and_seed + 1, smooth)) {
+    if (DIM == 3 && !WEIGHTED && !find_sphere(c, s, caps, used_and_seed + 1, smooth)) {
         return false;
     }
     note(c, 2);
     for (;;) {                                       /* again if the store turns out too small */
         if (!allocate(c, out.word, (size_t)out.capacity * 4)
-            || !(smooth ? build_smooth_stars(c, s, t, lists, infos, out, q, used_and_seed + 1, mesh->stars)
+            || !(smooth ? build_smooth_stars(c, s, caps, lists, infos, out, q, counts + 3, mesh->stars)
                  : build_stars<DIM, WEIGHTED>(c, s, t, lists, infos, out, q, used_and_seed + 1, mesh->stars))
             || !read_back(c, used, out.used, PBW_STAGE_BUILD, 0.95)) {
             return false;
