@@ -23,9 +23,12 @@
      third rung    the same with room for 1000 vertices and with the last exact stage of pbw.h.  A handful; the few
                    that search for too long are given much longer once.
      the CPU       takes the whole input if the first rung certifies less than half of a sample of stars (points on a
-                   surface or a curve), if a star does not fit any rung, if the work would be quadratic (points on a
-                   sphere: each of its spheres touches all points), or if the points are few.  An input on the device
-                   is not sampled.
+                   surface or a curve), if a star does not fit any rung, if the work would be quadratic (points
+                   exactly on a sphere: each of its spheres touches all points), or if the points are few.  An input
+                   on the device is not sampled.
+
+   Unweighted points in space that are on a common sphere but for noise, as rounding leaves it, are known by a sample
+   of 64; they have rungs of their own (>>smooth), which search another tree with another lift.
 
    SEVERAL DEVICES.  Stars need no agreement, so each card makes those of its share, a run of the curve, and writes
    its run of the simplices, over its own link to the host.  All put all points into order, a twentieth of the work of
@@ -48,6 +51,7 @@
      >>star      one star: insertion, storing
      >>near      the first rung
      >>far       the second and third rung
+     >>smooth    the rungs for points on a sphere
      >>cells     simplices, neighbours, incident simplices
      >>check     the exact verdict on a mesh
      >>run       the stages in order
@@ -2493,7 +2497,7 @@ far_kernel(const __grid_constant__ space all, const __grid_constant__ tree boxes
 }
 
 /* ------------------------------------------------------------------------------------------------------
-   >>smooth       Points on a common sphere but for noise: lifts that tell them apart, and boxes that fit a sphere.
+   >>smooth       The rungs for points on a common sphere but for noise: a lift that tells them apart, a tree of caps.
    All circumspheres are nearly the one sphere, so floats and doubles could decide nothing.  But a conflict does not
    depend on what affine function is added to the lift.  For a centre c and a square s, which may be any, the residual
 
@@ -2509,8 +2513,9 @@ far_kernel(const __grid_constant__ space all, const __grid_constant__ tree boxes
           in at most 10 steps: error at most 2^-98 M, and g |e| when rounded at the end.
 
    The mode is taken if k 2^-98 M is below 2^-28 (>>run); then lifts relative to v are off by 2^-27.  In >>sphere
-   that is 2^-27 (BC + AC + AB) more in N, 2^-26 of it over D more in q, which 2^26 more in each of L_a, L_b and L_c
-   covers (times g 2^6), and 2^-27 more in the test, which 1/4 more in L_p covers.
+   that is 2^-27 (BC + AC + AB) more in N, and 2^-26 (BC + AC + AB) / D more in q: 2^26 more in each of L_a, L_b and
+   L_c makes Q larger by half of (BC + AC + AB) / D, and 2^-20 Q holds that.  In the test it is 2^-27 more, which 1/4
+   more in L_p holds.
 
    The tree is one of caps: balls with their middles m near the sphere.  With v for the origin let x = p / |p|^2.  On
    the sphere the part of p along the normal n at v is -|p|^2 / 2R, so
@@ -4241,7 +4246,7 @@ bool sample_stars(call &c, const space &s, const tree &t, const uint32_t *lists,
         || decline(c, "most stars reach far (points on a surface or a curve?): quicker on the CPU");
 }
 
-/* Points at most so far from a common sphere, as a part of the square of its radius, are taken for smooth. */
+/* The largest residual of points that are taken to be on a common sphere, as a part of the square of its radius. */
 const double smooth_noise = 2e-7;
 
 /* The sphere that all points are near, if there is one: by four of a sample, then by all.  Their residuals become
@@ -4256,6 +4261,9 @@ bool find_sphere(call &c, space &s, cap_tree &t, unsigned long long *largest, bo
     unsigned long long bits;
     unsigned blocks = blocks_for(s.count, 256);
     found = false;
+    if (stride == 0) {
+        return true;
+    }
     if (!good(c, cudaMemcpy2DAsync(r, sizeof *r, s.point, stride * sizeof *r, sizeof *r, (size_t)count,
                                    cudaMemcpyDeviceToHost, c.stream), "reading points")
         || !good(c, cudaStreamSynchronize(c.stream), "reading points")) {
@@ -4348,6 +4356,7 @@ bool find_sphere(call &c, space &s, cap_tree &t, unsigned long long *largest, bo
     return launched(c, "caps");
 }
 
+/* The copy of the points that a mesh keeps is made while the device is at work. */
 bool keep_points(call &c)
 {
     if (c.job != NULL && c.card == 0 && c.job->kept_points == NULL) {
@@ -4359,7 +4368,7 @@ bool keep_points(call &c)
     return true;
 }
 
-/* What earlier rungs left: failed vertices, in q[1]. */
+/* The stars that earlier rungs left in q[1]. */
 template <int DIM, int WEIGHTED>
 bool build_far_stars(call &c, const space &s, const tree &t, const store &out, const queue *q,
                      unsigned long long *seed, uint32_t failed, size_t *stars)

@@ -518,7 +518,7 @@ static void test_spheres(void)
     double *points = (double *)zoo_grow(NULL, most * 3 * sizeof *points);
     size_t count, i, k;
     int form, noise;
-    for (count = 2000; count <= most; count = count * 11 / 2) {
+    for (count = 2000; count <= most; count *= 5) {
         for (form = 0; form < forms; form++) {
             for (noise = 0; noise < (form == plain ? 4 : 1); noise++) {
                 uint64_t state = test_seed;
