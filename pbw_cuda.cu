@@ -2532,8 +2532,8 @@ far_kernel(const __grid_constant__ space all, const __grid_constant__ tree boxes
 
        (v - c) . p / R = (|p + v - c|^2 - |v - c|^2 - |p|^2) / 2R = (e(p + v) - e(v)) / 2R - |p|^2 / 2R
 
-   for a c that is off by 2e-7: the noise, and 8e-7 |p| with v and n rounded.  Axes, q and what is calculated from it:
-   10^-6 Q |p|.  The middle and the radius of the ball of x, where |m| > 1.1 r: 6e-6 of |m| / (|m|^2 - r^2), 1e-5 of
+   for a c that is off by 2e-7 R: the noise, and 8e-7 |p| with v and n rounded.  Axes, q and what is calculated from
+   it: 10^-6 Q |p|.  The middle and the radius of the ball of x, where |m| > 1.1 r: 6e-6 of |m| / (|m|^2 - r^2), 1e-5 of
    the radius.  On the way to the least l / |p|^2: 1e-5.
    ------------------------------------------------------------------------------------------------------ */
 struct common_sphere {
@@ -4308,7 +4308,7 @@ bool find_sphere(call &c, space &s, cap_tree &t, unsigned long long *largest, bo
         on.middle[k] = r[0].c[k] + x / s.unit;
         t.middle[k] = (float)((on.middle[k] - s.low[k]) * s.unit);
         radius += x * x;
-        if (!(t.middle[k] > -2.0f && t.middle[k] < 4.0f)) {
+        if (!(t.middle[k] > -8.0f && t.middle[k] < 10.0f)) {
             return true;
         }
     }
