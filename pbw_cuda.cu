@@ -2533,8 +2533,8 @@ far_kernel(const __grid_constant__ space all, const __grid_constant__ tree boxes
        (v - c) . p / R = (|p + v - c|^2 - |v - c|^2 - |p|^2) / 2R = (e(p + v) - e(v)) / 2R - |p|^2 / 2R
 
    for a c that is off by 2e-7 R: the noise, and 8e-7 |p| with v and n rounded.  Axes, q and what is calculated from
-   it: 10^-6 Q |p|.  The middle and the radius of the ball of x, where |m| > 1.1 r: 6e-6 of |m| / (|m|^2 - r^2), 1e-5 of
-   the radius.  On the way to the least l / |p|^2: 1e-5.
+   it: 10^-6 Q |p|.  The middle and the radius of the ball of x, where |m| > 1.1 r: 6e-6 of |m| / (|m|^2 - r^2), and
+   1e-5 of the radius.  On the way to the least l / |p|^2: 1e-5.
    ------------------------------------------------------------------------------------------------------ */
 struct common_sphere {
     double middle[3], square;
