@@ -480,7 +480,7 @@ static void test_declined(void)
     options.message = message;
     options.message_size = sizeof message;
     for (kind = 0; kind < INPUT_KINDS && kind != INPUT_MOMENT; kind++) {
-        int reaches_far = kind == INPUT_SPHERE || kind == INPUT_TERRAIN;
+        int reaches_far = kind == INPUT_TERRAIN;
         int stays_near = kind == INPUT_UNIFORM || kind == INPUT_GAUSS || kind == INPUT_BALL || kind == INPUT_LATTICE;
         if (!reaches_far && !stays_near) {
             continue;
@@ -502,6 +502,52 @@ static void test_declined(void)
             pbw_cuda_patient = 1;
             pbw_free(&cpu);
             test_end();
+        }
+    }
+    free(points);
+}
+
+/* Points on a sphere, rounded, and nearly on it. */
+static void test_spheres(void)
+{
+    enum { plain, apart, twice, some_off, a_part, floats, forms };
+    static const char *const names[forms] = { "", ", far from 0", ", many twice", ", some elsewhere",
+                                              ", a part of it", ", floats" };
+    static const double noises[4] = { 0.0, 1e-12, 1e-8, 1e-6 };
+    const size_t most = 60000;
+    double *points = (double *)zoo_grow(NULL, most * 3 * sizeof *points);
+    size_t count, i, k;
+    int form, noise;
+    for (count = 2000; count <= most; count *= 5) {
+        for (form = 0; form < forms; form++) {
+            for (noise = 0; noise < (form == plain ? 4 : 1); noise++) {
+                uint64_t state = test_seed;
+                long before = by_gpu;
+                if (!test_begin("%lu points on a sphere%s, noise %g", (unsigned long)count, names[form],
+                                noises[noise])) {
+                    continue;
+                }
+                input_fill(INPUT_SPHERE, 3, count, (uint64_t)test_seed, points);
+                for (i = 0; i < count; i++) {
+                    double *p = points + 3 * i, length = 0.0, off = noises[noise] * (input_uniform(&state) - 0.5);
+                    p[2] = form == a_part ? 4.0 + fabs(p[2]) : p[2];
+                    for (k = 0; k < 3; k++) {
+                        length += p[k] * p[k];
+                    }
+                    for (k = 0; k < 3; k++) {
+                        p[k] *= form == a_part ? 1.0 / sqrt(length) : 1.0 + off;
+                        p[k] = form == apart ? 1000.3 * (double)(k + 1) + 7.0 * p[k] : p[k];
+                        p[k] = form == floats ? (double)(float)p[k] : p[k];
+                        p[k] *= form == some_off && i % 1000 == 7 ? (i % 2000 == 7 ? 0.5 : 1.5) : 1.0;
+                        p[k] = form == twice && i % 3 == 1 ? p[(long)k - 3] : p[k];
+                    }
+                }
+                pbw_cuda_patient = 0;
+                compare(3, points, NULL, count, 0);
+                pbw_cuda_patient = 1;
+                CHECK(form == some_off || noises[noise] > 2e-7 || by_gpu > before);
+                test_end();
+            }
         }
     }
     free(points);
@@ -708,6 +754,7 @@ int main(int argc, char **argv)
     test_failures();
     test_teams();
     test_declined();
+    test_spheres();
     if (test_begin("cancelled soon")) {
         test_soon();
         test_end();
