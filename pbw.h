@@ -157,9 +157,10 @@ typedef struct pbw_options {               /* NULL or all zero = best defaults *
     int   (*progress)(void *user, pbw_stage stage, double done);
     void *resize_user, *run_user, *progress_user;
     const pbw_backend *backend;            /* NULL = this CPU */
-    uint32_t *trace;                       /* where to note for each point which task inserted it and in which round,
-                                              as task + 256*round, PBW_NONE for duplicates and for all points that
-                                              a backend inserted; count entries, NULL = nowhere */
+    uint32_t *trace;                       /* where to note for each point which thread's share of the curve, or of
+                                              what was left, it was in when it was inserted, and in which round, as
+                                              share + 256*round, PBW_NONE for duplicates and for all points that a
+                                              backend inserted; count entries, NULL = nowhere */
     char    *message;                      /* where a backend says in words what was missing; NULL = nowhere */
     size_t   message_size;                 /* its bytes; the text is cut to fit and ends with a 0 */
 } pbw_options;
@@ -3271,7 +3272,7 @@ typedef struct pbw__kernel {
     pbw_index previous, vertex_count;                /* 2D: the last vertex; how many there are */
 
     uint8_t *owner;                                  /* >>parallel: whose each cell is; NULL: all are ours */
-    uint8_t me;
+    uint8_t me, share;                               /* of the vertices, that the task is at */
     int owner_bits;                                  /* vertex >> owner_bits is the number of its cell */
     int claim_count, hold;                           /* cells that we took, may hold from vertex to vertex */
     int renewed;                                     /* simplices were made since we last gave back cells */
@@ -6088,7 +6089,7 @@ static int pbw__level_insert(pbw__build *build, pbw__kernel *kernel, pbw_index v
         return 0;
     }
     if (build->context->trace != NULL) {
-        build->context->trace[build->vertices->id[v]] = build->trace | (kernel->owner != NULL ? kernel->me : 0u);
+        build->context->trace[build->vertices->id[v]] = build->trace | (kernel->owner != NULL ? kernel->share : 0u);
     }
     kernel->done++;
     /* An exact test of extreme exponents may take 0.2 ms, a new simplex takes 0.1 us. */
@@ -6184,6 +6185,7 @@ static void pbw__round(void *arg, int part)
         const size_t least = (end - begin + PBW__BATCHES - 1) / PBW__BATCHES;
         const size_t batch = least < PBW__BATCH ? PBW__BATCH : least, batches = (end - begin + batch - 1) / batch;
         uint32_t taken = PBW__LOAD(build->taken + share);
+        kernel->share = (uint8_t)share;
         while ((taken & 65535) + (taken >> 16) < batches) {
             size_t from, to;
             if (!PBW__REPLACE(build->taken + share, &taken, taken + (k == 0 ? 1 : 65536))) {

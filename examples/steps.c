@@ -166,15 +166,15 @@ static int insert_round(int number, int threads)
     for (int step = 0; step * threads < count; step++) {
         int before = last;
         for (int c = 0; c < CELLS; c++) {
-            owner[c] = number == 1 ? c * THREADS / CELLS + 1 : NOBODY;
+            owner[c] = NOBODY;
         }
         for (int me = 1; me <= threads; me++) {
             int at = count * (me - 1) / threads + step;
             done += at < count * me / threads && insert(left[at], me);
         }
-        if (threads > 1 && step == count / threads * 7 / 10) {
-            picture(number == 1 ? "4  First round: a run of the curve for each thread"
-                                : "5  Then: each point takes the cells that it needs");
+        if (number == 1 && (step == count / threads * 3 / 10 || step == count / threads * 8 / 10)) {
+            picture(step < count / threads / 2 ? "4  Four threads: a point takes the cells that it needs"
+                                               : "5  Further on: black points met another thread's");
             for (int i = 0; i < count; i++) {
                 int v = left[i];
                 if (inserted[v] > before) {
@@ -184,7 +184,8 @@ static int insert_round(int number, int threads)
                     }
                     circle(points[v], 5, colours[thread[v]], "#fff");
                 } else if (!inserted[v]) {
-                    circle(points[v], 2.2, thread[v] == NOBODY ? "#fff" : "#101828", "#101828");
+                    circle(points[v], thread[v] == NOBODY ? 2.2 : 4, thread[v] == NOBODY ? "#fff" : "#101828",
+                           "#101828");
                 }
             }
         }
