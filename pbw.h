@@ -7105,16 +7105,16 @@ static void pbw__emit_pass2(void *arg, int task)
    chunks, not too small: slots that are near have places in the same lines of the cache, which go from thread to
    thread.  chunk_done, set in release order and seen in acquire order, tells all that a chunk was read. */
 #ifdef PBW_SMALL_SHARES
-#define PBW__CHUNK 64
+#define PBW__CHUNK(dim) ((size_t)(dim) * 32)
 #else
-#define PBW__CHUNK 2048
+#define PBW__CHUNK(dim) ((dim) == 3 ? (size_t)2048 : (size_t)1024)   /* what is set aside weighs more in the plane */
 #endif
 
 /* Whether the slots that a place covers, in an array of so many entries a slot, have been read. */
 PBW__INLINE int pbw__emit_read(const pbw__emission *emission, size_t place, size_t entries, int dim)
 {
-    size_t from = place * ((size_t)dim + 1), first = from / entries / PBW__CHUNK;
-    size_t last = (from + (size_t)dim) / entries / PBW__CHUNK;
+    size_t from = place * ((size_t)dim + 1), first = from / entries / PBW__CHUNK(dim);
+    size_t last = (from + (size_t)dim) / entries / PBW__CHUNK(dim);
     return PBW__SEEN(emission->chunk_done + first) != 0
         && (first == last || PBW__SEEN(emission->chunk_done + last) != 0);
 }
@@ -7275,7 +7275,8 @@ static void pbw__emit_set_aside(const pbw__emission *emission, pbw__aside *aside
 /* Room for those of a chunk.  What waits is looked at again when there is a quarter more, and a chunk. */
 static int pbw__emit_reserve(pbw__emission *emission, pbw__aside *aside)
 {
-    size_t chunk = emission->slot_count < PBW__CHUNK ? emission->slot_count : PBW__CHUNK, wanted;
+    const size_t most = PBW__CHUNK(emission->dim), chunk = emission->slot_count < most ? emission->slot_count : most;
+    size_t wanted;
     if (aside->capacity - aside->count < chunk) {
         pbw__emit_set_aside(emission, aside);
         wanted = aside->count + aside->count / 4 + chunk;
@@ -7292,17 +7293,18 @@ static int pbw__emit_reserve(pbw__emission *emission, pbw__aside *aside)
 static void pbw__emit_pass3(void *arg, int task)
 {
     pbw__emission *emission = (pbw__emission *)arg;
-    size_t chunks = (emission->slot_count + PBW__CHUNK - 1) / PBW__CHUNK, chunk, done = 0;
+    const size_t size = PBW__CHUNK(emission->dim);
+    size_t chunks = (emission->slot_count + size - 1) / size, chunk, done = 0;
     pbw__aside aside = { NULL, 0, 0 };               /* not in a line of the cache with those of other tasks */
     while ((chunk = PBW__ADD(&emission->chunk, 1)) < chunks && !PBW__LOAD(&emission->failed)
            && !pbw__report(emission->context, 0.5 + 0.45 * (double)chunk / (double)chunks)
            && pbw__emit_reserve(emission, &aside)) {
-        size_t from = chunk * PBW__CHUNK, end = from + PBW__CHUNK;
+        size_t from = chunk * size, end = from + size;
         while (done < chunk && PBW__SEEN(emission->chunk_done + done) != 0) {
             done++;
         }
         aside.count += emission->emit(emission, from, end < emission->slot_count ? end : emission->slot_count,
-                                      done * PBW__CHUNK * 4 / ((size_t)emission->dim + 1),
+                                      done * size * 4 / ((size_t)emission->dim + 1),
                                       aside.simplex + aside.count);
         PBW__TELL(emission->chunk_done + chunk, 1);
     }
@@ -8321,7 +8323,7 @@ static pbw_status pbw__output(pbw__context *context, pbw__store *store, pbw__ver
     pbw__memory *memory = &context->memory;
     pbw__emission emission;
     pbw__spare spare;
-    size_t chunks = store->count / PBW__CHUNK + 1, entries, links, allocated[3] = { 0, 0, 0 };
+    size_t chunks = store->count / PBW__CHUNK(vertices->dim) + 1, entries, links, allocated[3] = { 0, 0, 0 };
     size_t corners = (size_t)vertices->dim + 1;
     pbw_status status = PBW_ERROR_MEMORY;
 
