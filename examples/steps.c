@@ -165,9 +165,7 @@ static int insert_round(int number, int threads)
     }
     for (int step = 0; step * threads < count; step++) {
         int before = last;
-        for (int c = 0; c < CELLS; c++) {
-            owner[c] = NOBODY;
-        }
+        memset(owner, NOBODY, sizeof owner);
         for (int me = 1; me <= threads; me++) {
             int at = count * (me - 1) / threads + step;
             done += at < count * me / threads && insert(left[at], me);
