@@ -6106,24 +6106,16 @@ static int pbw__level_insert(pbw__build *build, pbw__kernel *kernel, pbw_index v
     return 1;
 }
 
-/* The vertices of the level among the ranks from, ..., to - 1 (from 0). */
-static void pbw__level_ranks(pbw__build *build, pbw__kernel *kernel, size_t from, size_t to)
+/* All vertices of the level: along the curve, or back. */
+static void pbw__level_ranks(pbw__build *build, pbw__kernel *kernel)
 {
-    size_t stride = build->stride, coarser = build->coarser, first = (from + stride - 1) / stride * stride, rank;
-    if (first >= to) {
-        return;
-    }
-    rank = build->backwards ? (to - 1) / stride * stride : first;
-    for (;;) {
-        if ((rank & (coarser - 1)) != 0 || coarser > build->vertices->count) {
-            if (!pbw__level_insert(build, kernel, (pbw_index)rank + 1)) {
-                return;
-            }
-        }
-        if (build->backwards ? rank == first : to - rank <= stride) {
+    const size_t count = build->vertices->count, stride = build->stride, coarser = build->coarser;
+    size_t rank = build->backwards ? (count - 1) / stride * stride : 0;
+    for (; rank < count; rank = build->backwards ? rank - stride : rank + stride) {      /* below 0 it wraps */
+        if (((rank & (coarser - 1)) != 0 || coarser > count)
+            && !pbw__level_insert(build, kernel, (pbw_index)rank + 1)) {
             return;
         }
-        rank = build->backwards ? rank - stride : rank + stride;
     }
 }
 
@@ -6334,7 +6326,7 @@ static pbw_status pbw__level_serial(pbw__build *build, int all)
     }
     if (all) {                                       /* the last star is nearer than what coarser levels remember */
         memset(store->hint, 0xff, store->region_count * sizeof(pbw_index));
-        pbw__level_ranks(build, kernel, 0, build->vertices->count);
+        pbw__level_ranks(build, kernel);
     }
     for (i = 0; !all && i < build->left_count && pbw__level_insert(build, kernel, build->left[i]); i++) {
     }
