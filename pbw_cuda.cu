@@ -4570,11 +4570,18 @@ bool build_smooth_stars(call &c, const space &s, const cap_tree &t, const uint32
     return last == 0 ? c.status == PBW_OK : decline_stars(c, last);
 }
 
-bool copy_out(call &c, void *to, const void *from, size_t bytes)
+/* In parts: memory that is not pinned makes the host wait for each. */
+bool copy_out(call &c, void *to, const void *from, size_t bytes, double done)
 {
-    return c.status == PBW_OK && good(c, cudaEventRecord(c.copied, c.stream), "cudaEventRecord")
-        && good(c, cudaStreamWaitEvent(c.copies, c.copied, 0), "cudaStreamWaitEvent")
-        && good(c, cudaMemcpyAsync(to, from, bytes, cudaMemcpyDeviceToHost, c.copies), "copying results");
+    const size_t most = (size_t)1 << 25;
+    good(c, cudaEventRecord(c.copied, c.stream), "cudaEventRecord");
+    good(c, cudaStreamWaitEvent(c.copies, c.copied, 0), "cudaStreamWaitEvent");
+    for (size_t at = 0; at < bytes && c.status == PBW_OK; at += most) {
+        good(c, cudaMemcpyAsync((char *)to + at, (const char *)from + at, bytes - at < most ? bytes - at : most,
+                                cudaMemcpyDeviceToHost, c.copies), "copying results");
+        look_up(c, PBW_STAGE_OUTPUT, done);
+    }
+    return c.status == PBW_OK;
 }
 
 /* Lets the other devices read what this one has in its pool, where they can: copies between them go the short way. */
@@ -4889,7 +4896,8 @@ bool build(call &c, const input &in, space &s, const uint32_t *id, unsigned flag
         return false;
     }
     if (c.job != NULL
-        && !copy_out(c, c.job->simplices + before * (DIM + 1), mesh->simplices, (size_t)total * sizeof(cell<DIM>))) {
+        && !copy_out(c, c.job->simplices + before * (DIM + 1), mesh->simplices, (size_t)total * sizeof(cell<DIM>),
+                     0.1)) {
         return false;
     }
     pbw_index *beyond = alone ? NULL : c.cards->of[c.card].beyond;
@@ -4912,7 +4920,8 @@ bool build(call &c, const input &in, space &s, const uint32_t *id, unsigned flag
         }
     }
     if (c.job != NULL && with_neighbors
-        && !copy_out(c, c.job->neighbors + before * (DIM + 1), mesh->neighbors, (size_t)total * sizeof(cell<DIM>))) {
+        && !copy_out(c, c.job->neighbors + before * (DIM + 1), mesh->neighbors, (size_t)total * sizeof(cell<DIM>),
+                     0.4)) {
         return false;
     }
     if (!alone && c.card == 0
@@ -4920,11 +4929,11 @@ bool build(call &c, const input &in, space &s, const uint32_t *id, unsigned flag
             || !fetch_incident(c, id, incident))) {
         return false;
     }
-    if (c.job != NULL && c.card == 0 && !copy_out(c, c.job->incident, incident, in.count * sizeof(pbw_index))) {
+    if (c.job != NULL && c.card == 0 && !copy_out(c, c.job->incident, incident, in.count * sizeof(pbw_index), 0.4)) {
         return false;
     }
     if (c.job != NULL && c.card + 1 == c.cards->cards
-        && !copy_out(c, c.job->canonical, mesh->canonical, in.count * sizeof(pbw_index))) {
+        && !copy_out(c, c.job->canonical, mesh->canonical, in.count * sizeof(pbw_index), 0.4)) {
         return false;
     }
     if (!read_back(c, hidden_count, counts + 3, PBW_STAGE_OUTPUT, 0.5)) {
