@@ -22,13 +22,14 @@
                    and, where they leave it open, doubles; then with exact tests and more room.
      third rung    the same with room for 1000 vertices and with the last exact stage of pbw.h.  A handful; the few
                    that search for too long are given much longer once.
-     the CPU       takes the whole input if the first rung certifies less than half of a sample of stars (points on a
-                   surface or a curve), if a star does not fit any rung, if the work would be quadratic (points
-                   exactly on a sphere: each of its spheres touches all points), or if the points are few.  An input
-                   on the device is not sampled.
+     the CPU       takes the whole input if a star does not fit any rung, if the work would be quadratic (points
+                   exactly on a sphere: each of its spheres touches all points), if the points are few, or if a
+                   sample of stars says that it is quicker: on lines they are too large, nearly in a plane too
+                   flat for floats.  An input on the device is built then by the rungs above.
 
-   Unweighted points in space that are on a common sphere but for noise, as rounding leaves it, are known by a sample
-   of 64; they have rungs of their own (>>smooth), which search another tree with another lift.
+   Unweighted points in space on surfaces (scans, terrain) are known by a sample of 1024 stars, of which the first
+   rung certifies less than half; those on a common sphere but for noise, as rounding leaves it, by a sample of 64
+   points.  They have rungs of their own: >>wide, which search another tree; >>smooth, which have another lift too.
 
    SEVERAL DEVICES.  Stars need no agreement, so each card makes those of its share, a run of the curve, and writes
    its run of the simplices, over its own link to the host.  All put all points into order, a twentieth of the work of
@@ -51,6 +52,7 @@
      >>star      one star: insertion, storing
      >>near      the first rung
      >>far       the second and third rung
+     >>wide      the rungs for points on surfaces
      >>smooth    the rungs for points on a sphere
      >>cells     simplices, neighbours, incident simplices
      >>check     the exact verdict on a mesh
@@ -812,6 +814,11 @@ struct probe {                                       /* the same in floats */
     float x[3], lift, load, size;                    /* load: 2^-20 L_p; size: 2^-20 P, or infinity */
 };
 
+__device__ inline float dot(const float *a, const float *b)
+{
+    return fmaf(a[0], b[0], fmaf(a[1], b[1], a[2] * b[2]));
+}
+
 __device__ inline float root(float value)            /* relative error 2^-22 */
 {
     float result;
@@ -1108,6 +1115,9 @@ template <int DIM, int WEIGHTED, int NT, int NV, int SCRATCH, typename REAL> str
     typename types::pair border[NT + 4];
     typename types::number cavity[NT];
 };
+
+/* Larger stars have kernels of their own in >>cells. */
+const int small_triangles = 60, small_vertices = 32;
 
 enum { star_changed = 1, star_open = 2, star_full = 4, star_hidden = 8 };
 
@@ -1656,7 +1666,8 @@ __device__ inline unsigned start_from_lanes(star<DIM, WEIGHTED, NT, NV, SCRATCH,
     b = tile_place<T>(p, second);
     go = go && vote != 0;
     if (DIM == 3) {
-        vote = tile_ballot<T>(here && vote != 0 && fatness<DIM>(a, b, p) > flat);
+        const float fat = here && vote != 0 ? fatness<DIM>(a, b, p) : 0.0f, most = -tile_min<T>(-fat);
+        vote = tile_ballot<T>(fat > flat || (fat == most && fat > 1e-8f));
         third = vote != 0 ? __ffs((int)vote) - 1 : 0;
         go = go && vote != 0;
     }
@@ -1763,7 +1774,8 @@ __device__ inline bool may_conflict(const star<DIM, WEIGHTED, NT, NV, SCRATCH, R
    bounds of the spheres.  Both passes use the same float distance, so no point is met twice.  4. The star is
    certified if its spheres lie within the box that the list covers, or beyond the end of all points.  Of most inputs
    floats decide nearly everything, and a kernel without exact tests is quicker; the stars where they do not are built
-   again by one that has them.
+   again by one that has them.  For points on surfaces (keeps) it ends after 2., keeps what it has, without the points
+   that floats leave open, and certifies nothing.
    ------------------------------------------------------------------------------------------------------ */
 const int near_triangles = 48, near_vertices = 32, near_points = 64, near_block = 128;
 const int at_once = 2;                               /* groups whose points are loaded */
@@ -1780,8 +1792,8 @@ template <int DIM, int WEIGHTED, typename REAL> struct near_star {
 template <int DIM, int WEIGHTED, bool EXACT>
 __global__ void __launch_bounds__(near_block, near_blocks<DIM, EXACT>::count)
 near_kernel(const __grid_constant__ space all, const box *group, const uint32_t *lists, const near_list *infos,
-            uint32_t first, uint32_t stride, uint32_t count_of, const __grid_constant__ store out, queue failed,
-            queue undecided)
+            uint32_t first, uint32_t stride, uint32_t count_of, bool keeps, const __grid_constant__ store out,
+            queue failed, queue undecided)
 {
     typedef typename rung_real<EXACT>::type REAL;
     typedef typename near_star<DIM, WEIGHTED, REAL>::type star_type;
@@ -1791,7 +1803,7 @@ near_kernel(const __grid_constant__ space all, const box *group, const uint32_t 
     const int lane = (int)threadIdx.x & (T - 1);
     const unsigned below = lanes_below<T>();
     uint32_t v = (blockIdx.x * near_block + threadIdx.x) / T;
-    bool valid = v < count_of, open = false;
+    bool valid = v < count_of, open = false, kept = false;
     v = valid ? v : count_of - 1;
     v = EXACT ? undecided.vertex[v] : first + v * stride;
     const record own = all.point[v];
@@ -1874,12 +1886,13 @@ near_kernel(const __grid_constant__ space all, const box *group, const uint32_t 
 
     uint32_t candidate = go && lane < have ? sorted[lane] : none;   /* 2. */
     place<REAL> p = relative<DIM, REAL>(all, own, all.point[candidate != none ? candidate : v]);
-    int count = 0, cursor = T, stored = 0, position = 0;
+    int count = 0, cursor = T, stored = 0, position;
     unsigned used = start_from_lanes<T>(s, go, candidate, p, have);
     go = go && used != 0;
     unsigned pending = go ? ((1u << (have < T ? have : T)) - 1) & ~used : 0, groups = 0;
     uint32_t group_here = none;
     bool walking = false, changed = true;
+    position = keeps ? length : 0;
     span reach = { { 0.0f, 0.0f, 0.0f }, { 0.0f, 0.0f, 0.0f } };
     for (bool starting = true;; starting = false) {
         for (; !starting;) {                         /* the next points to insert */
@@ -1972,7 +1985,8 @@ near_kernel(const __grid_constant__ space all, const box *group, const uint32_t 
             fans = cavity.edges;
             changed = changed || now;
             open = open || (!EXACT && (result & star_open) != 0);
-            go = go && (result & ~star_changed) == 0;
+            kept = kept || (keeps && (result & star_full) != 0);
+            go = go && (result & (keeps ? star_full : ~star_changed)) == 0;
         }
         fan<T>(s, now, cavity, fans, count, walls);
     }
@@ -1993,15 +2007,15 @@ near_kernel(const __grid_constant__ space all, const box *group, const uint32_t 
                 inside = inside && c[k] - radius > covered.low[k] && c[k] + radius < covered.high[k];
             }
             inside = inside || is_wall(q);
-            s.triangle[t] |= inside ? verified : 0;
+            s.triangle[t] |= inside && !keeps ? verified : 0;
             certified = certified && inside;
         }
     }
     certified = tile_ballot<T>(!certified) == 0;
-    finish<T>(s, go, v, count, out);
-    enqueue(failed, valid && lane == 0 && !open && !(go && certified), v | (go ? stored_mark : 0));
+    finish<T>(s, go || kept, v, count, out);
+    enqueue(failed, !keeps && valid && lane == 0 && !open && !(go && certified), v | (go ? stored_mark : 0));
     if (!EXACT) {
-        enqueue(undecided, valid && lane == 0 && open, v);
+        enqueue(undecided, !keeps && valid && lane == 0 && open, v);
     }
 }
 
@@ -2214,37 +2228,41 @@ __device__ inline bool start_on_curve(star<DIM, WEIGHTED, NT, NV, SCRATCH, REAL>
     return started;
 }
 
-/* The star of v as the store has it. */
-template <int DIM, int WEIGHTED, int NT, int NV, int SCRATCH, typename REAL>
-__device__ inline void start_from_store(star<DIM, WEIGHTED, NT, NV, SCRATCH, REAL> &s, const space &all,
+/* The stars of the tiles that go as the store has them. */
+template <int T, int DIM, int WEIGHTED, int NT, int NV, int SCRATCH, typename REAL>
+__device__ inline void start_from_store(star<DIM, WEIGHTED, NT, NV, SCRATCH, REAL> &s, bool go, const space &all,
                                         const store &in, uint32_t v, const record &own, unsigned walls, int &count)
 {
-    const int lane = (int)threadIdx.x & 31;
-    const uint32_t *word = in.word + (size_t)in.place[v - in.first] * 4;
+    const int lane = (int)threadIdx.x & (T - 1);
+    const uint32_t *word = in.word + (go ? (size_t)in.place[v - in.first] * 4 : 0);
     uint32_t vertices = word[0] & 0xffff, first = word[1] == none ? 0 : 1;
-    count = (int)(word[0] >> 16);
-    for (int i = lane; i < NV * s.words; i += 32) {
-        s.matrix[i] = 0;
-    }
-    for (uint32_t i = (uint32_t)lane; i < (uint32_t)s.words; i += 32) {
-        uint32_t rest = vertices + first > i * 32 ? vertices + first - i * 32 : 0;
-        s.used[i] = rest >= 32 ? ~0u : (1u << rest) - 1;
-    }
-    for (uint32_t i = (uint32_t)lane; i < vertices; i += 32) {
-        uint32_t id = word[1 + i];
-        if (id != none) {
-            set_vertex(s, i + first, id, relative<DIM, REAL>(all, own, all.point[id]));
+    count = go ? (int)(word[0] >> 16) : count;
+    if (go) {
+        for (int i = lane; i < NV * s.words; i += T) {
+            s.matrix[i] = 0;
+        }
+        for (uint32_t i = (uint32_t)lane; i < (uint32_t)s.words; i += T) {
+            uint32_t rest = vertices + first > i * 32 ? vertices + first - i * 32 : 0;
+            s.used[i] = rest >= 32 ? ~0u : (1u << rest) - 1;
+        }
+        for (uint32_t i = (uint32_t)lane; i < vertices; i += T) {
+            uint32_t id = word[1 + i];
+            if (id != none) {
+                set_vertex(s, i + first, id, relative<DIM, REAL>(all, own, all.point[id]));
+            }
         }
     }
     __syncwarp();
-    for (int t = lane; t < count; t += 32) {
-        uint32_t packed = word[1 + vertices + (uint32_t)t], c[3] = { 0, 0, 0 };
-        for (int k = 0; k < DIM; k++) {
-            c[k] = corner(packed, k) + first;
+    if (go) {
+        for (int t = lane; t < count; t += T) {
+            uint32_t packed = word[1 + vertices + (uint32_t)t], c[3] = { 0, 0, 0 };
+            for (int k = 0; k < DIM; k++) {
+                c[k] = corner(packed, k) + first;
+            }
+            s.triangle[t] = pack(c[0], c[1], c[2]) | (packed & verified);
+            s.sphere[t] = sphere_of_triangle<DIM, WEIGHTED>(c[0], c[1], c[2], vertex_place(s, c[0]),
+                                                            vertex_place(s, c[1]), vertex_place(s, c[2]), walls);
         }
-        s.triangle[t] = pack(c[0], c[1], c[2]) | (packed & verified);
-        s.sphere[t] = sphere_of_triangle<DIM, WEIGHTED>(c[0], c[1], c[2], vertex_place(s, c[0]),
-                                                        vertex_place(s, c[1]), vertex_place(s, c[2]), walls);
     }
     __syncwarp();
 }
@@ -2276,7 +2294,7 @@ __device__ inline int far_star_of(star<DIM, WEIGHTED, NT, NV, SCRATCH, REAL> &s,
     if (warp == 0) {
         bool started = true;
         if (resume) {
-            start_from_store(s, all, in, v, own, walls, count);
+            start_from_store<32>(s, true, all, in, v, own, walls, count);
         } else {
             started = start_on_curve<EXACT>(s, all, seed, v, own, walls, pool, candidate, p, count);
             pending = started ? __ballot_sync(all_lanes, candidate != none) : 0;
@@ -2497,6 +2515,386 @@ far_kernel(const __grid_constant__ space all, const __grid_constant__ tree boxes
 }
 
 /* ------------------------------------------------------------------------------------------------------
+   >>wide         The rungs for points on surfaces: all simplices of a star search at once.
+   Where points lie on a surface most spheres are large and hug it: a box along the axes of space touches them
+   wherever the surface is aslant, and a search for each simplex alone meets the same boxes again and again.  So here
+   one search serves all simplices of a star, in a tree of bricks: boxes along the axes of their own points, on a
+   surface as thin as its noise.  Let m be the middle of a brick relative to v, e_j its axes, h_j how far its points
+   are from m along them, and g = q - 2m.  A point m + y of it is in conflict with a simplex only if this is above 0:
+
+       q . (m + y) - |m + y|^2 = q . m - |m|^2 + g . y - |y|^2
+                              <= q . m - |m|^2 + sum over axes of t (|g . e_j| - t),     t = min(|g . e_j| / 2, h_j).
+
+   Errors, with f = 2^-24 and B the sum of all |m_k| and h_j, beyond which no point of the brick is: q is off by
+   16 f Q; m, rounded to floats, by f |m|; the axes are those of Jacobi's method, rounded, and the cross product of
+   two: of length 1, and at right angles, but for 8 f, as far as y is concerned; products and sums, 10 f.  In all that
+   is less than 40 f (Q B + B^2), and 48 f = 3 2^-20 is taken.  For infinite simplices |m|^2 and |y|^2 do not count
+   (>>sphere).
+
+   What lies below a sphere by d, divided by Q |p|^2, is how much more bent the sphere through p would be that has
+   the direction of q; so points of which it is largest make the star small soonest, and bricks that may have such are
+   searched first.
+   ------------------------------------------------------------------------------------------------------ */
+/* A box along the axes of its points, of 8 points or 8 boxes: its middle, two of its axes (the third is their cross
+   product), and how far points are from the middle along each axis; all in units. */
+struct alignas(16) brick {
+    double middle[3];
+    float axis[2][3], half[3], unused;
+};
+
+struct moments {                                     /* of the points of a brick: mean, xx xy xz yy yz zz around it */
+    double mean[3], spread[6];
+};
+
+const int brick_levels = 9;
+struct brick_tree {
+    const brick *level[brick_levels];                /* level[0]: groups of 8 points */
+    uint32_t size[brick_levels];
+    int levels;                                      /* level[levels-1] has at most 32 bricks */
+};
+
+/* The bricks of a level, of 8 points or of 8 bricks: all but how far their points are. */
+__global__ void brick_kernel(const __grid_constant__ space s, const moments *child, uint32_t children, moments *own,
+                             brick *out, uint32_t size)
+{
+    size_t g = thread_number();
+    if (g < size) {
+        const uint32_t first = (uint32_t)g * 8, end = children - first < 8 ? children : first + 8;
+        const double part = 1.0 / (double)(end - first);
+        moments m, sum = { { 0.0, 0.0, 0.0 }, { 0.0, 0.0, 0.0, 0.0, 0.0, 0.0 } };
+        double a[3][3], turn[3][3] = { { 1.0, 0.0, 0.0 }, { 0.0, 1.0, 0.0 }, { 0.0, 0.0, 1.0 } };
+        brick b;
+        for (int pass = 0; pass < 2; pass++) {
+            for (uint32_t i = first; i < end; i++) {
+                double x[3];
+                for (int k = 0; k < 3; k++) {
+                    x[k] = child == NULL ? in_units(s, s.point[i], k) : child[i].mean[k];
+                    sum.mean[k] += pass == 0 ? x[k] * part : 0.0;
+                    x[k] -= sum.mean[k];
+                }
+                for (int k = 0; k < 6 && pass > 0; k++) {
+                    const int row = k < 3 ? 0 : k < 5 ? 1 : 2, column = k < 3 ? k : k < 5 ? k - 2 : 2;
+                    sum.spread[k] += (x[row] * x[column] + (child == NULL ? 0.0 : child[i].spread[k])) * part;
+                }
+            }
+        }
+        m = sum;
+        for (int k = 0; k < 6; k++) {
+            const int row = k < 3 ? 0 : k < 5 ? 1 : 2, column = k < 3 ? k : k < 5 ? k - 2 : 2;
+            a[row][column] = a[column][row] = m.spread[k];
+        }
+        for (int round = 0; round < 15; round++) {   /* Jacobi's method: turns that make entries 0, one by one */
+            const int i = round % 3 == 2 ? 1 : 0, j = round % 3 == 0 ? 1 : 2;
+            const double difference = a[j][j] - a[i][i], twice = 2.0 * a[i][j];
+            if (twice == 0.0) {
+                continue;
+            }
+            const double t = (difference < 0.0 ? -1.0 : 1.0) * twice
+                           / (fabs(difference) + sqrt(difference * difference + twice * twice));
+            const double cosine = rsqrt(t * t + 1.0), sine = t * cosine;
+            for (int k = 0; k < 3; k++) {
+                const double x = a[k][i], y = a[k][j];
+                a[k][i] = cosine * x - sine * y;
+                a[k][j] = sine * x + cosine * y;
+            }
+            for (int k = 0; k < 3; k++) {
+                const double x = a[i][k], y = a[j][k], u = turn[i][k], w = turn[j][k];
+                a[i][k] = cosine * x - sine * y;
+                a[j][k] = sine * x + cosine * y;
+                turn[i][k] = cosine * u - sine * w;
+                turn[j][k] = sine * u + cosine * w;
+            }
+        }
+        for (int k = 0; k < 3; k++) {
+            b.middle[k] = m.mean[k];
+            b.axis[0][k] = (float)turn[0][k];
+            b.axis[1][k] = (float)turn[1][k];
+            b.half[k] = 0.0f;
+        }
+        b.unused = 0.0f;
+        own[g] = m;
+        out[g] = b;
+    }
+}
+
+__device__ inline void third_axis(const brick &b, float *axis)
+{
+    const float *u = b.axis[0], *w = b.axis[1];
+    axis[0] = u[1] * w[2] - u[2] * w[1];
+    axis[1] = u[2] * w[0] - u[0] * w[2];
+    axis[2] = u[0] * w[1] - u[1] * w[0];
+}
+
+/* How far points are: a thread a point. */
+__global__ void half_kernel(const __grid_constant__ space s, const __grid_constant__ brick_tree t)
+{
+    const size_t i = thread_number() < s.count ? thread_number() : s.count - 1;
+    const record r = s.point[i];
+    size_t above = i / 8;
+    for (int level = 0; level < t.levels; level++, above /= 8) {
+        brick &b = ((brick *)t.level[level])[above];
+        float last[3];
+        double d[3] = { 0.0, 0.0, 0.0 };
+        third_axis(b, last);
+        for (int k = 0; k < 3; k++) {
+            const double x = in_units(s, r, k) - b.middle[k];
+            d[0] += x * (double)b.axis[0][k];
+            d[1] += x * (double)b.axis[1][k];
+            d[2] += x * (double)last[k];
+        }
+        for (int k = 0; k < 3; k++) {
+            int reach = __float_as_int(__double2float_ru(fabs(d[k]) + 2e-15));
+            for (int step = level == 0 ? 4 : 16; step > 0; step /= 2) {  /* the points of a warp are all in one */
+                int other = __shfl_xor_sync(all_lanes, reach, step);
+                reach = other > reach ? other : reach;
+            }
+            if ((threadIdx.x & (level == 0 ? 7 : 31)) == 0) {
+                atomicMax((int *)&b.half[k], reach);
+            }
+        }
+    }
+}
+
+/* Stars in shared memory, or in scratch.  What a rung has no room for goes on to the next.  room: for bricks that
+   wait. */
+struct wide_rung {
+    static const int blocks = 16, triangles = 128, vertices = 64, room = 448;
+    static const bool shared = true;
+};
+struct large_wide_rung {
+    static const int blocks = 5, triangles = 512, vertices = 256, room = 1024;
+    static const bool shared = true;
+};
+struct last_wide_rung {
+    static const int blocks = 5, triangles = 2048, vertices = 1024, room = 8192;
+    static const bool shared = false;
+};
+
+const int group_room = 36;                           /* for groups, of which 4 are searched as soon as they wait */
+
+template <typename RUNG> struct wide_star {
+    typedef star<3, equal, RUNG::triangles, RUNG::vertices, RUNG::room + group_room, double> type;
+    type s;                                          /* scratch: bricks that wait, levels << 28 | number; groups */
+    float inverse[RUNG::triangles];                  /* 1 / Q, or 0: no point that matters is in conflict with it */
+    uint16_t depth[RUNG::room];                      /* of bricks that wait, half of a float */
+};
+
+/* How deep a brick may reach into the spheres of a star. */
+template <typename STAR>
+__device__ inline float depth_of_brick(const STAR &w, int count, const brick &b, const double *v)
+{
+    float depth = 0.0f, m[3], last[3], ones = 0.0f, square_m = 1e-30f;
+    for (int k = 0; k < 3; k++) {
+        m[k] = (float)(b.middle[k] - v[k]);
+        square_m = fmaf(m[k], m[k], square_m);
+        ones += fabsf(m[k]) + b.half[k];
+    }
+    third_axis(b, last);
+    const float squares = 3.0f * slack * ones * ones - square_m, x = m[0] + m[0], y = m[1] + m[1], z = m[2] + m[2];
+    ones *= 3.0f * slack;
+#pragma unroll 2
+    for (int t = 0; t < count; t++) {
+        const float4 q = w.s.sphere[t];
+        const float g[3] = { q.x - x, q.y - y, q.z - z };
+        const float along[3] = { fabsf(dot(g, b.axis[0])), fabsf(dot(g, b.axis[1])), fabsf(dot(g, last)) };
+        float below = fmaf(q.x, m[0], fmaf(q.y, m[1], fmaf(q.z, m[2], fmaf(fabsf(q.w), ones, squares))));
+        for (int k = 0; k < 3; k++) {
+            const float at = fminf(0.5f * along[k], b.half[k]);
+            below = fmaf(at, along[k] - at, below);
+        }
+        depth = fmaxf(depth, below * w.inverse[t]);
+    }
+    return __fdividef(depth, square_m);
+}
+
+/* Likewise a point. */
+template <typename STAR>
+__device__ inline float depth_of_place(const STAR &w, int count, const place<double> &p)
+{
+    const probe f = probe_of<3, equal>(p);
+    const float lift = fmaf(-1.25f, f.load, f.lift), size = -1.25f * f.size;
+    float depth = 0.0f;
+#pragma unroll 2
+    for (int t = 0; t < count; t++) {
+        const float4 q = w.s.sphere[t];
+        const float least = fmaf(-q.x, f.x[0], fmaf(-q.y, f.x[1], fmaf(-q.z, f.x[2], fmaf(q.w, size, lift))));
+        depth = fmaxf(depth, -least * w.inverse[t]);
+    }
+    return __fdividef(depth, fmaxf(f.lift, 1e-30f));
+}
+
+template <typename STAR> __device__ inline void find_inverses(STAR &w, int count)
+{
+    for (int t = (int)threadIdx.x & 31; t < count; t += 32) {
+        const float size = w.s.sphere[t].w;
+        w.inverse[t] = size < 0.0f || (w.s.triangle[t] & verified) != 0 ? 0.0f : size < 1e35f ? 1.0f / size : 1.0f;
+    }
+    __syncwarp();
+}
+
+/* The lanes whose candidates are no vertices: those come by in the search. */
+template <typename RUNG>
+__device__ inline unsigned without_vertices(const wide_star<RUNG> &w, unsigned lanes, uint32_t candidate)
+{
+    for (unsigned rest = lanes; rest != 0; rest &= rest - 1) {
+        const int from = __ffs((int)rest) - 1;
+        const uint32_t id = __shfl_sync(all_lanes, candidate, from);
+        bool known = false;
+        for (int k = (int)threadIdx.x & 31; k < RUNG::vertices; k += 32) {
+            known = known || w.s.id[k] == id;
+        }
+        lanes &= any(known) ? ~(1u << from) : ~0u;
+    }
+    return lanes;
+}
+
+/* The deepest of the bricks that wait, one for each 8 lanes, as depth << 16 | where it waits, or 0.  Where there is
+   little room they are the last, which leave few more. */
+template <typename RUNG> __device__ inline uint32_t deepest(const wide_star<RUNG> &w, int waits)
+{
+    const int lane = (int)threadIdx.x & 31;
+    uint32_t best = 0;
+    if (waits > RUNG::room - 32 * (brick_levels + 1)) {
+        return 1u << 16 | (uint32_t)(waits - 1 - lane / 8);
+    }
+    for (int i = (lane & 7) * 4 + lane / 8; i < waits; i += 32) {
+        const uint32_t key = (uint32_t)w.depth[i] << 16 | (uint32_t)i;
+        best = key > best ? key : best;
+    }
+    for (int step = 1; step < 8; step *= 2) {
+        const uint32_t other = __shfl_xor_sync(all_lanes, best, step);
+        best = other > best ? other : best;
+    }
+    return best;
+}
+
+/* A warp a star, from that of an earlier rung on.  The tree is searched once: a point or brick that no simplex of the
+   star is in conflict with will never be, because stars only shrink; so when nothing waits any more the star is
+   certified.  The deepest brick is searched first, the deepest point inserted first.  vertex: NULL for all from first
+   on, by stride; next: the first that nobody has; work: how much was searched. */
+template <typename RUNG>
+__global__ void __launch_bounds__(32, RUNG::blocks)
+wide_kernel(const __grid_constant__ space all, const __grid_constant__ brick_tree bricks,
+            const unsigned long long *seed, const uint32_t *vertex, uint32_t first, uint32_t stride, uint32_t total,
+            uint32_t *next, unsigned long long *work, int cap_of_work, uint32_t limit, void *scratch,
+            pbw__digit *pool, const __grid_constant__ store in, const __grid_constant__ store out, queue failed,
+            queue large)
+{
+    const int lane = (int)threadIdx.x;
+    const unsigned below = lanes_below<32>();
+    extern __shared__ float4 shared_words[];
+    wide_star<RUNG> &w = RUNG::shared ? *(wide_star<RUNG> *)shared_words : ((wide_star<RUNG> *)scratch)[blockIdx.x];
+    typename wide_star<RUNG>::type &s = w.s;
+    uint32_t *waiting = s.scratch, *group = s.scratch + RUNG::room;
+    pbw__digit *digits = pool == NULL ? NULL : pool + (blockIdx.x * 32 + (uint32_t)lane) * (size_t)PBW__POOL;
+    for (;;) {
+        uint32_t i = lane == 0 ? atomicAdd(next, 1u) : 0;
+        i = __shfl_sync(all_lanes, i, 0);
+        if (any(i >= total || *(volatile uint32_t *)failed.count > limit || *out.stop != 0)) {
+            return;
+        }
+        const uint32_t v = vertex == NULL ? first + i * stride : vertex[i];
+        const record own = all.point[v];
+        const double origin[3] = { in_units(all, own, 0), in_units(all, own, 1), in_units(all, own, 2) };
+        const unsigned walls = walls_of<3>(all, own);
+        uint32_t candidate = none;
+        place<double> p = relative<3, double>(all, own, own);
+        int count = 0, waits = 4, groups = 0, spent = 0;
+        bool started = in.place[v - in.first] != none, lost;
+        unsigned pending = 0;
+        float deep = 0.0f;                           /* the lane's candidate */
+        for (int k = lane; k < RUNG::vertices; k += 32) {
+            s.id[k] = none;
+        }
+        __syncwarp();
+        if (started) {
+            start_from_store<32>(s, true, all, in, v, own, walls, count);
+        } else {
+            started = start_on_curve<true>(s, all, seed, v, own, walls, digits, candidate, p, count);
+            pending = started ? __ballot_sync(all_lanes, candidate != none) : 0;
+        }
+        lost = !started;
+        if (lane < 4) {
+            waiting[lane] = (uint32_t)bricks.levels << 28 | (uint32_t)lane;
+            w.depth[lane] = 0x7f00;
+        }
+        find_inverses(w, count);
+        if (pending != 0) {
+            deep = depth_of_place(w, count, p);
+            pending = without_vertices(w, __ballot_sync(all_lanes, deep > 0.0f) & pending, candidate);
+        }
+        while (!lost && (pending != 0 || waits > 0 || groups > 0)) {
+            spent++;
+            if (pending == 0 && (groups >= 4 || waits == 0)) {  /* the points of 4 groups */
+                const int take = groups < 4 ? groups : 4;
+                candidate = lane / 8 < take ? group[groups - 1 - lane / 8] * 8 + (uint32_t)(lane & 7) : none;
+                candidate = candidate < all.count && candidate != v ? candidate : none;
+                groups -= take;
+                __syncwarp();
+                p = relative<3, double>(all, own, all.point[candidate != none ? candidate : v]);
+                deep = candidate != none ? depth_of_place(w, count, p) : 0.0f;
+                pending = without_vertices(w, __ballot_sync(all_lanes, deep > 0.0f), candidate);
+            } else if (pending == 0) {               /* the bricks in 4 bricks */
+                const uint32_t best = deepest(w, waits);
+                int at = best != 0 ? (int)(best & 0xffff) : -1;
+                const uint32_t node = at >= 0 ? waiting[at] : 0;
+                const uint32_t level = (node >> 28) - 1, index = (node & 0xfffffff) * 8 + (uint32_t)(lane & 7);
+                float may = 0.0f;
+                if (at >= 0 && index < bricks.size[level]) {
+                    may = depth_of_brick(w, count, bricks.level[level][index], origin);
+                }
+                for (int k = 0; k < 4; k++) {        /* the last takes its place */
+                    int most = at, other = __shfl_xor_sync(all_lanes, most, 8);
+                    most = other > most ? other : most;
+                    other = __shfl_xor_sync(all_lanes, most, 16);
+                    most = other > most ? other : most;
+                    waits -= most >= 0;
+                    if (most >= 0 && lane == 0) {
+                        waiting[most] = waiting[waits];
+                        w.depth[most] = w.depth[waits];
+                    }
+                    at = at == most ? -1 : at;
+                    __syncwarp();
+                }
+                const unsigned deeper = __ballot_sync(all_lanes, may > 0.0f && level > 0);
+                const unsigned found = __ballot_sync(all_lanes, may > 0.0f && level == 0);
+                if (may > 0.0f && level > 0) {
+                    const int to = waits + __popc(deeper & below);
+                    waiting[to] = level << 28 | index;
+                    w.depth[to] = (uint16_t)(__float_as_uint(fmaxf(may, 1e-30f)) >> 16);
+                } else if (may > 0.0f) {
+                    group[groups + __popc(found & below)] = index;
+                }
+                waits += __popc(deeper);
+                groups += __popc(found);
+                __syncwarp();
+            } else {                                 /* the deepest point */
+                const float most = -tile_min<32>((pending >> lane & 1) != 0 ? -deep : 1.0f);
+                const int from = __ffs((int)(__ballot_sync(all_lanes, deep == most) & pending)) - 1;
+                const uint32_t id = __shfl_sync(all_lanes, candidate, from);
+                const int result = insert_exactly(s, all, v, id, tile_place<32>(p, from), count, walls, digits);
+                pending &= ~(1u << from);
+                lost = (result & ~star_changed) != 0;
+                if (result == star_changed) {
+                    find_inverses(w, count);
+                }
+                if (result == star_changed && pending != 0) {
+                    deep = depth_of_place(w, count, p);
+                    pending &= __ballot_sync(all_lanes, deep > 0.0f);
+                }
+            }
+            lost = lost || spent > cap_of_work || ((spent & 63) == 0 && any(*out.stop != 0));
+        }
+        if (work != NULL && lane == 0) {
+            atomicAdd(work, (unsigned long long)spent);
+        }
+        finish<32>(s, started, v, count, out);
+        enqueue(failed, lane == 0 && lost, v);
+        enqueue(large, lane == 0 && !lost && count > small_triangles - 4, v);
+    }
+}
+
+/* ------------------------------------------------------------------------------------------------------
    >>smooth       The rungs for points on a common sphere but for noise: a lift that tells them apart, a tree of caps.
    All circumspheres are nearly the one sphere, so floats and doubles could decide nothing.  But a conflict does not
    depend on what affine function is added to the lift.  For a centre c and a square s, which may be any, the residual
@@ -2670,11 +3068,6 @@ template <typename RUNG> struct smooth_star {
 struct axes {                                        /* at v */
     float across[2][3], normal[3];
 };
-
-__device__ inline float dot(const float *a, const float *b)
-{
-    return fmaf(a[0], b[0], fmaf(a[1], b[1], a[2] * b[2]));
-}
 
 __device__ inline axes axes_at(const cap_tree &t, const float *v)
 {
@@ -3166,8 +3559,6 @@ __device__ inline void put_neighbor(const cell<DIM> &c, uint32_t own, uint32_t a
     }
     neighbors[(size_t)(own - all.base) * (DIM + 1) + (size_t)at] = other;
 }
-
-const int small_triangles = 60, small_vertices = 32;
 
 /* incident: by the caller's ids, or from the share's first vertex on if id is NULL. */
 template <int DIM>
@@ -4217,33 +4608,38 @@ bool grow_tree(call &c, space &s, int dim, tree &t)
 const int quick_cap = 1024, smooth_cap = 512, far_cap = 4096, last_cap[2] = { 1 << 17, 1 << 20 };
 const uint32_t last_blocks = 128;
 
+/* Of a star of a sample on the rungs for surfaces: where to stop, and how many there may be of each on average. */
+const int sample_cap = 384;
+const unsigned long long most_looks = 128;
+
 /* Few points are built soon on any rung. */
 const uint32_t sample_size = 1024, sampled_from = 1u << 14;
 
-/* Declines an input of which a sample shows that the first rung certifies less than half: points on surfaces and
-   curves, where spheres are large.  A star of the second rung takes 0.1 us at best, as a point does on 16 threads of
-   the CPU, and on such input much more. */
+/* Whether a sample shows that the first rung certifies less than half: points on surfaces and curves, where spheres
+   are large. */
 template <int DIM, int WEIGHTED>
 bool sample_stars(call &c, const space &s, const tree &t, const uint32_t *lists, const near_list *infos,
-                  const store &out, const queue *q, size_t near_bytes, size_t exact_bytes)
+                  const store &out, const queue *q, size_t near_bytes, size_t exact_bytes, bool &far)
 {
+    fill(c, q[0].count, 0, 3);
+    fill(c, out.used, 0, 1);
     const uint32_t stride = (out.end - out.first) / sample_size;
     const unsigned blocks = blocks_for(sample_size, near_block / 8);
     uint2 counts;                                    /* of q[0] and q[1] */
     near_kernel<DIM, WEIGHTED, false><<<blocks, near_block, near_bytes, c.stream>>>(
-        s, t.level[0], lists, infos, out.first, stride, sample_size, out, q[0], q[1]);
+        s, t.level[0], lists, infos, out.first, stride, sample_size, false, out, q[0], q[1]);
     if (!launched(c, "sample") || !read_back(c, counts, (const uint2 *)q[0].count, PBW_STAGE_BUILD, 0.0)) {
         return false;
     }
     if (counts.y > 0 && counts.x + counts.y > sample_size / 2) {
         near_kernel<DIM, WEIGHTED, true><<<blocks_for(counts.y, near_block / 8), near_block, exact_bytes, c.stream>>>(
-            s, t.level[0], lists, infos, 0, 1, counts.y, out, q[0], q[1]);
+            s, t.level[0], lists, infos, 0, 1, counts.y, false, out, q[0], q[1]);
         if (!launched(c, "sample") || !read_back(c, counts, (const uint2 *)q[0].count, PBW_STAGE_BUILD, 0.0)) {
             return false;
         }
     }
-    return counts.x <= sample_size / 2
-        || decline(c, "most stars reach far (points on a surface or a curve?): quicker on the CPU");
+    far = counts.x > sample_size / 2;
+    return true;
 }
 
 /* The largest residual of points that are taken to be on a common sphere, as a part of the square of its radius. */
@@ -4425,10 +4821,156 @@ bool build_far_stars(call &c, const space &s, const tree &t, const store &out, c
     return c.status == PBW_OK;
 }
 
+/* The stars of a list by one rung: launch gets the number of its blocks, the shared bytes of each, and what a rung
+   without those has in place of them.  next is scratch.  Says how many failed. */
+template <typename RUNG, typename STAR, typename LAUNCH>
+bool run_rung(call &c, uint32_t total, int tiles, uint32_t *next, const queue &failed, uint32_t &count, LAUNCH launch)
+{
+    int device = 0, processors = 1;
+    STAR *scratch = NULL;
+    pbw__digit *pool = NULL;
+    count = 0;
+    if (total == 0) {
+        return true;
+    }
+    if (!good(c, cudaGetDevice(&device), "cudaGetDevice")
+        || !good(c, cudaDeviceGetAttribute(&processors, cudaDevAttrMultiProcessorCount, device),
+                 "cudaDeviceGetAttribute")
+        || !fill(c, next, 0, 1) || !fill(c, failed.count, 0, 1)) {
+        return false;
+    }
+    const unsigned most = RUNG::shared ? (unsigned)(processors * RUNG::blocks) : last_blocks;
+    const unsigned blocks = blocks_for(total, (unsigned)tiles) < most ? blocks_for(total, (unsigned)tiles) : most;
+    if (!RUNG::shared
+        && (!allocate(c, scratch, blocks * (size_t)tiles) || !allocate(c, pool, (size_t)blocks * 32 * PBW__POOL))) {
+        return false;
+    }
+    launch(blocks, RUNG::shared ? sizeof(STAR) * (size_t)tiles : 0, scratch, pool);
+    if (!launched(c, "stars of a rung") || !keep_points(c)
+        || !read_back(c, count, failed.count, PBW_STAGE_BUILD, 0.8)) {
+        return false;
+    }
+    release(c, scratch, false);
+    release(c, pool, false);
+    return true;
+}
+
+template <typename RUNG>
+bool run_wide_rung(call &c, const space &s, const brick_tree &t, const unsigned long long *seed,
+                   const uint32_t *vertex, uint32_t first, uint32_t stride, uint32_t total, uint32_t *next,
+                   unsigned long long *work, int cap_of_work, uint32_t limit, const store &in, const store &out,
+                   const queue &failed, const queue &large, uint32_t &count)
+{
+    return run_rung<RUNG, wide_star<RUNG> >(
+        c, total, 1, next, failed, count,
+        [&](unsigned blocks, size_t bytes, wide_star<RUNG> *scratch, pbw__digit *pool) {
+            wide_kernel<RUNG><<<blocks, 32, bytes, c.stream>>>(s, t, seed, vertex, first, stride, total, next, work,
+                                                               cap_of_work, limit, scratch, pool, in, out, failed,
+                                                               large);
+        });
+}
+
+bool lay_bricks(call &c, const space &s, brick_tree &t)
+{
+    const moments *child = NULL;
+    uint32_t size = s.count;
+    memset(&t, 0, sizeof t);
+    for (; t.levels == 0 || size > 32; t.levels++) {
+        const uint32_t children = size;
+        brick *b = NULL;
+        moments *m = NULL;
+        size = (size + 7) / 8;
+        if (!allocate(c, b, size) || !allocate(c, m, size)) {
+            return false;
+        }
+        brick_kernel<<<blocks_for(size, 128), 128, 0, c.stream>>>(s, child, children, m, b, size);
+        release(c, child, false);
+        child = m;
+        t.level[t.levels] = b;
+        t.size[t.levels] = size;
+    }
+    release(c, child, false);
+    half_kernel<<<blocks_for(s.count, 256), 256, 0, c.stream>>>(s, t);
+    return launched(c, "bricks");
+}
+
+/* Stars of points on surfaces.  Those that the first rung begins go to a store of their own, which is given back.
+   wide comes out false, and nothing is done, if a sample shows that too many stars are large or searched for long:
+   the CPU takes 150 to 250 ns a point on 16 threads, a warp of each four here 3 us for a look at 32 places. */
+bool build_wide_stars(call &c, const space &s, const tree &t, const brick_tree &bricks, const uint32_t *lists,
+                      const near_list *infos, store &out, const queue *q, unsigned long long *seed, uint32_t *next,
+                      size_t *stars, bool &wide)
+{
+    const size_t near_bytes = sizeof(near_star<3, equal, float>::type) * (near_block / 8);
+    const uint32_t mine = out.end - out.first;
+    const unsigned blocks = blocks_for(s.count, 256) < 1024 ? blocks_for(s.count, 256) : 1024;
+    unsigned long long used = 0, looks = 0, *const looks_of_all = seed + 4;
+    uint32_t failed = 0, last = 0;
+    fill(c, seed, 0, 4);
+    for (int found = 1; found <= 3; found++) {
+        seed_kernel<<<blocks, 256, 0, c.stream>>>(s, 3, found, seed);
+    }
+    for (int pass = 0; pass < 2; pass++) {           /* a sample, then all */
+        const uint32_t total = pass == 0 ? sample_size : mine, stride = pass == 0 ? mine / sample_size : 1;
+        const store in = out;
+        fill(c, q[0].count, 0, 3);
+        fill(c, out.used, 0, 1);
+        fill(c, out.owned + mine, 0, 1);
+        fill(c, out.place, 0xff, mine);
+        near_kernel<3, equal, false><<<blocks_for(total, near_block / 8), near_block, near_bytes, c.stream>>>(
+            s, t.level[0], lists, infos, out.first, stride, total, true, out, q[0], q[1]);
+        if (pass == 0) {
+            if (!launched(c, "near stars") || !fill(c, looks_of_all, 0, 1)
+                || !run_wide_rung<wide_rung>(c, s, bricks, seed, NULL, out.first, stride, total, next, looks_of_all,
+                                             sample_cap, none, in, out, q[0], q[2], failed)
+                || !read_back(c, looks, looks_of_all, PBW_STAGE_BUILD, 0.1)) {
+                return false;
+            }
+            wide = failed <= total / 64 && looks <= most_looks * total;
+            if (!wide) {
+                return true;
+            }
+            continue;
+        }
+        note(c, 3);
+        if (!launched(c, "near stars") || !read_back(c, used, out.used, PBW_STAGE_BUILD, 0.2)) {
+            return false;
+        }
+        if (used > out.capacity) {
+            return true;
+        }
+        const unsigned long long enough = (unsigned long long)mine * 15 + 4096;
+        out.capacity = out.capacity > enough ? out.capacity : enough;
+        if (!fill(c, out.used, 0, 1) || !allocate(c, out.word, (size_t)out.capacity * 4)
+            || !run_wide_rung<wide_rung>(c, s, bricks, seed, NULL, out.first, 1, mine, next, NULL, quick_cap,
+                                         128 + mine / 16, in, out, q[0], q[2], failed)
+            || !read_back(c, used, out.used, PBW_STAGE_BUILD, 0.8)) {
+            return false;
+        }
+        release(c, in.word, false);
+    }
+    if (used > out.capacity) {
+        return true;
+    }
+    if (failed > 128 + mine / 16) {
+        return decline_stars(c, failed);
+    }
+    if (!run_wide_rung<large_wide_rung>(c, s, bricks, seed, q[0].vertex, 0, 1, failed, next, NULL, far_cap,
+                                        128 + mine / 2048, out, out, q[1], q[2], last)
+        || !run_wide_rung<last_wide_rung>(c, s, bricks, seed, q[1].vertex, 0, 1, last, next, NULL, last_cap[0], 0,
+                                          out, out, q[0], q[2], failed)) {
+        return false;
+    }
+    stars[0] = stars[1] = mine;
+    stars[2] = last;
+    note(c, 4);
+    return failed == 0 ? c.status == PBW_OK : decline_stars(c, failed);
+}
+
 /* All stars into out.  t.level[0] and lists come from before. */
 template <int DIM, int WEIGHTED>
 bool build_stars(call &c, const space &s, const tree &t, const uint32_t *lists, const near_list *infos,
-                 const store &out, const queue *q, unsigned long long *seed, size_t *stars)
+                 store &out, const queue *q, unsigned long long *seed, uint32_t *next, size_t *stars)
 {
     const size_t quick_bytes = sizeof(typename far_star<DIM, WEIGHTED, quick_rung>::type);
     const size_t near_bytes = sizeof(typename near_star<DIM, WEIGHTED, float>::type) * (near_block / 8);
@@ -4437,22 +4979,37 @@ bool build_stars(call &c, const space &s, const tree &t, const uint32_t *lists, 
     const uint32_t chunk = 1u << 22, far_chunk = 1u << 18, mine = out.end - out.first;
     uint32_t open = 0, failed = 0;
 
-    fill(c, q[0].count, 0, 3);
-    fill(c, out.used, 0, 1);
-    if (!WEIGHTED && c.job != NULL && !patient && mine >= sampled_from) {   /* weights hide points, which is quick */
-        if (!sample_stars<DIM, WEIGHTED>(c, s, t, lists, infos, out, q, near_bytes, exact_bytes)) {
+    bool far = false, wide = false;
+    /* weights hide points, which is quick */
+    if (!WEIGHTED && (DIM == 3 || c.job != NULL) && !patient && s.count >= sampled_from && mine >= sample_size
+        && !sample_stars<DIM, WEIGHTED>(c, s, t, lists, infos, out, q, near_bytes, exact_bytes, far)) {
+        return false;
+    }
+    if (far && DIM == 3) {
+        brick_tree bricks;
+        if (!lay_bricks(c, s, bricks)
+            || !build_wide_stars(c, s, t, bricks, lists, infos, out, q, seed, next, stars, wide)) {
             return false;
         }
-        fill(c, q[0].count, 0, 3);
-        fill(c, out.used, 0, 1);
+        for (int level = 0; level < bricks.levels; level++) {
+            release(c, bricks.level[level], false);
+        }
     }
+    if (wide) {
+        return true;
+    }
+    if (far && c.job != NULL) {
+        return decline(c, "most stars reach far (points on lines, or nearly in a plane?): quicker on the CPU");
+    }
+    fill(c, q[0].count, 0, 3);
+    fill(c, out.used, 0, 1);
     fill(c, out.owned + mine, 0, 1);
     fill(c, out.place, 0xff, mine);
     stars[0] = mine;
     for (uint32_t first = out.first; first < out.end && c.status == PBW_OK; first += chunk) {
         uint32_t count = out.end - first < chunk ? out.end - first : chunk;
         near_kernel<DIM, WEIGHTED, false><<<blocks_for(count, near_block / 8), near_block, near_bytes, c.stream>>>(
-            s, t.level[0], lists, infos, first, 1, count, out, q[0], q[1]);
+            s, t.level[0], lists, infos, first, 1, count, false, out, q[0], q[1]);
         if (!launched(c, "near stars")) {
             return false;
         }
@@ -4472,7 +5029,7 @@ bool build_stars(call &c, const space &s, const tree &t, const uint32_t *lists, 
     }
     if (open > 0) {
         near_kernel<DIM, WEIGHTED, true><<<blocks_for(open, near_block / 8), near_block, exact_bytes, c.stream>>>(
-            s, t.level[0], lists, infos, 0, 1, open, out, q[0], q[1]);
+            s, t.level[0], lists, infos, 0, 1, open, false, out, q[0], q[1]);
     }
     note(c, 3);
     if (!launched(c, "near stars") || !read_back(c, failed, q[0].count, PBW_STAGE_BUILD, 0.8)
@@ -4498,45 +5055,21 @@ bool build_stars(call &c, const space &s, const tree &t, const uint32_t *lists, 
     return build_far_stars<DIM, WEIGHTED>(c, s, t, out, q, seed, failed, stars);
 }
 
-/* The stars of a list, or of all from first on, by one rung; next is scratch.  Says how many failed. */
 template <typename RUNG>
 bool run_smooth_rung(call &c, const space &s, const cap_tree &t, const uint32_t *lists, const near_list *infos,
                      const uint32_t *vertex, uint32_t first, uint32_t total, uint32_t *next, int cap_of_work,
                      uint32_t limit, const store &out, const queue &failed, const queue &large, uint32_t &count)
 {
-    const int tiles = RUNG::block / RUNG::lanes;
-    const size_t bytes = sizeof(smooth_star<RUNG>) * tiles;
-    int device = 0, processors = 1;
-    smooth_star<RUNG> *scratch = NULL;
-    pbw__digit *pool = NULL;
-    count = 0;
-    if (total == 0) {
-        return true;
-    }
-    if (!good(c, cudaGetDevice(&device), "cudaGetDevice")
-        || !good(c, cudaDeviceGetAttribute(&processors, cudaDevAttrMultiProcessorCount, device),
-                 "cudaDeviceGetAttribute")
-        || !fill(c, next, 0, 1) || !fill(c, failed.count, 0, 1)) {
-        return false;
-    }
-    const unsigned most = RUNG::shared ? (unsigned)(processors * RUNG::blocks) : last_blocks;
-    const unsigned blocks = blocks_for(total, (unsigned)tiles) < most ? blocks_for(total, (unsigned)tiles) : most;
-    if (!RUNG::shared
-        && (!allocate(c, scratch, blocks * (size_t)tiles) || !allocate(c, pool, (size_t)blocks * 32 * PBW__POOL))) {
-        return false;
-    }
-    smooth_kernel<RUNG><<<blocks, RUNG::block, RUNG::shared ? bytes : 0, c.stream>>>(
-        s, t, lists, infos, vertex, first, total, next, cap_of_work, limit, scratch, pool, out, failed, large);
-    if (!launched(c, "smooth stars") || !keep_points(c)
-        || !read_back(c, count, failed.count, PBW_STAGE_BUILD, 0.8)) {
-        return false;
-    }
-    release(c, scratch, false);
-    release(c, pool, false);
-    return true;
+    return run_rung<RUNG, smooth_star<RUNG> >(
+        c, total, RUNG::block / RUNG::lanes, next, failed, count,
+        [&](unsigned blocks, size_t bytes, smooth_star<RUNG> *scratch, pbw__digit *pool) {
+            smooth_kernel<RUNG><<<blocks, RUNG::block, bytes, c.stream>>>(s, t, lists, infos, vertex, first, total,
+                                                                          next, cap_of_work, limit, scratch, pool,
+                                                                          out, failed, large);
+        });
 }
 
-/* Likewise of points on a common sphere. */
+/* Stars of points on a common sphere. */
 bool build_smooth_stars(call &c, const space &s, const cap_tree &t, const uint32_t *lists, const near_list *infos,
                         const store &out, const queue *q, uint32_t *next, size_t *stars)
 {
@@ -4570,11 +5103,18 @@ bool build_smooth_stars(call &c, const space &s, const cap_tree &t, const uint32
     return last == 0 ? c.status == PBW_OK : decline_stars(c, last);
 }
 
-bool copy_out(call &c, void *to, const void *from, size_t bytes)
+/* In parts: memory that is not pinned makes the host wait for each. */
+bool copy_out(call &c, void *to, const void *from, size_t bytes, double done)
 {
-    return c.status == PBW_OK && good(c, cudaEventRecord(c.copied, c.stream), "cudaEventRecord")
-        && good(c, cudaStreamWaitEvent(c.copies, c.copied, 0), "cudaStreamWaitEvent")
-        && good(c, cudaMemcpyAsync(to, from, bytes, cudaMemcpyDeviceToHost, c.copies), "copying results");
+    const size_t most = (size_t)1 << 25;
+    good(c, cudaEventRecord(c.copied, c.stream), "cudaEventRecord");
+    good(c, cudaStreamWaitEvent(c.copies, c.copied, 0), "cudaStreamWaitEvent");
+    for (size_t at = 0; at < bytes && c.status == PBW_OK; at += most) {
+        good(c, cudaMemcpyAsync((char *)to + at, (const char *)from + at, bytes - at < most ? bytes - at : most,
+                                cudaMemcpyDeviceToHost, c.copies), "copying results");
+        look_up(c, PBW_STAGE_OUTPUT, done);
+    }
+    return c.status == PBW_OK;
 }
 
 /* Lets the other devices read what this one has in its pool, where they can: copies between them go the short way. */
@@ -4791,7 +5331,7 @@ bool build(call &c, const input &in, space &s, const uint32_t *id, unsigned flag
         return false;
     }
     if (!grow_tree(c, s, DIM, t) || !allocate(c, lists, (size_t)groups * list_size) || !allocate(c, infos, groups)
-        || !allocate(c, counts, 5) || !allocate(c, used_and_seed, 5) || !allocate(c, out.place, mine)
+        || !allocate(c, counts, 5) || !allocate(c, used_and_seed, 6) || !allocate(c, out.place, mine)
         || !allocate(c, out.owned, (size_t)mine + 1)) {
         return false;
     }
@@ -4822,7 +5362,8 @@ bool build(call &c, const input &in, space &s, const uint32_t *id, unsigned flag
     for (;;) {                                       /* again if the store turns out too small */
         if (!allocate(c, out.word, (size_t)out.capacity * 4)
             || !(smooth ? build_smooth_stars(c, s, caps, lists, infos, out, q, counts + 3, mesh->stars)
-                 : build_stars<DIM, WEIGHTED>(c, s, t, lists, infos, out, q, used_and_seed + 1, mesh->stars))
+                 : build_stars<DIM, WEIGHTED>(c, s, t, lists, infos, out, q, used_and_seed + 1, counts + 3,
+                                              mesh->stars))
             || !read_back(c, used, out.used, PBW_STAGE_BUILD, 0.95)) {
             return false;
         }
@@ -4889,7 +5430,8 @@ bool build(call &c, const input &in, space &s, const uint32_t *id, unsigned flag
         return false;
     }
     if (c.job != NULL
-        && !copy_out(c, c.job->simplices + before * (DIM + 1), mesh->simplices, (size_t)total * sizeof(cell<DIM>))) {
+        && !copy_out(c, c.job->simplices + before * (DIM + 1), mesh->simplices, (size_t)total * sizeof(cell<DIM>),
+                     0.1)) {
         return false;
     }
     pbw_index *beyond = alone ? NULL : c.cards->of[c.card].beyond;
@@ -4912,7 +5454,8 @@ bool build(call &c, const input &in, space &s, const uint32_t *id, unsigned flag
         }
     }
     if (c.job != NULL && with_neighbors
-        && !copy_out(c, c.job->neighbors + before * (DIM + 1), mesh->neighbors, (size_t)total * sizeof(cell<DIM>))) {
+        && !copy_out(c, c.job->neighbors + before * (DIM + 1), mesh->neighbors, (size_t)total * sizeof(cell<DIM>),
+                     0.4)) {
         return false;
     }
     if (!alone && c.card == 0
@@ -4920,11 +5463,11 @@ bool build(call &c, const input &in, space &s, const uint32_t *id, unsigned flag
             || !fetch_incident(c, id, incident))) {
         return false;
     }
-    if (c.job != NULL && c.card == 0 && !copy_out(c, c.job->incident, incident, in.count * sizeof(pbw_index))) {
+    if (c.job != NULL && c.card == 0 && !copy_out(c, c.job->incident, incident, in.count * sizeof(pbw_index), 0.4)) {
         return false;
     }
     if (c.job != NULL && c.card + 1 == c.cards->cards
-        && !copy_out(c, c.job->canonical, mesh->canonical, in.count * sizeof(pbw_index))) {
+        && !copy_out(c, c.job->canonical, mesh->canonical, in.count * sizeof(pbw_index), 0.4)) {
         return false;
     }
     if (!read_back(c, hidden_count, counts + 3, PBW_STAGE_OUTPUT, 0.5)) {

@@ -289,8 +289,8 @@ int main(int argc, char **argv)
     static const char *const quick[] = { "uniform:3:1000000", "uniform:2:1000000", "uniform:3:1000000:w" };
     static const char *const usual[] = {
         "uniform:3:1000000", "uniform:3:10000000", "gauss:3:1000000", "ball:3:1000000", "clusters:3:1000000",
-        "sphere:3:200000", "lattice:3:1000000", "uniform:3:1000000:w", "uniform:2:1000000", "uniform:2:10000000",
-        "uniform:2:1000000:w", "lattice:2:1000000"
+        "sphere:3:200000", "terrain:3:1000000", "lattice:3:1000000", "uniform:3:1000000:w", "uniform:2:1000000",
+        "uniform:2:10000000", "uniform:2:1000000:w", "lattice:2:1000000"
     };
     const char *const *rows = usual;
     int i, runs = 5, fault = 0, device = 0, cards = 1, row_count = (int)(sizeof usual / sizeof usual[0]);
