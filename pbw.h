@@ -2478,6 +2478,17 @@ PBW__INLINE void pbw__fetch(const pbw__input *input, size_t i, double *record)
     }
 }
 
+/* Point i will soon be needed; it may lie in two lines of the cache. */
+PBW__INLINE void pbw__fetch_soon(const pbw__input *input, size_t i)
+{
+    const char *point = input->points + i * input->stride;
+    PBW__PREFETCH(point);
+    PBW__PREFETCH(point + (size_t)(input->dim - 1) * (input->is_float ? sizeof(float) : sizeof(double)));
+    if (input->weights != NULL) {
+        PBW__PREFETCH(input->weights + i * input->weight_stride);
+    }
+}
+
 /* Hilbert curve, as an automaton (Hamilton & Rau-Chaplin 2008, "Compact Hilbert indices"): entry [state][octant],
    where bit k of the octant is the next bit of coordinate k, holds next state * 2^dim + next digit of the key. */
 static const unsigned char pbw__hilbert2[4][4] = {
@@ -2587,7 +2598,8 @@ PBW__INLINE uint64_t pbw__hilbert_key(const pbw__curve *curve, const pbw__box *b
 {
     const int width = dim * levels, bits = (box->bits + levels - 1) / levels * levels, fill = bits - box->bits;
     uint32_t cell[3] = { 0, 0, 0 }, last = ((uint32_t)1 << box->bits) - 1;
-    unsigned state = dim == 2 ? fill & 1 : fill == 0 ? 0 : fill == 1 ? 3 : 1;
+    const unsigned digits = (1u << width) - 1;
+    unsigned state = (unsigned)(dim == 2 ? fill & 1 : fill == 0 ? 0 : fill == 1 ? 3 : 1) << width;
     uint64_t key = 0;
     int k, bit;
     for (k = 0; k < dim; k++) {
@@ -2595,14 +2607,14 @@ PBW__INLINE uint64_t pbw__hilbert_key(const pbw__curve *curve, const pbw__box *b
         cell[k] = (t < (double)last ? (uint32_t)t : last) << (32 - bits);
     }
     for (bit = 0; bit < bits; bit += levels) {
-        unsigned entry = state, step;
+        unsigned entry = 0, step;
         for (k = dim; k-- > 0; ) {
             entry = entry << levels | cell[k] >> (32 - levels);
             cell[k] <<= levels;
         }
-        step = curve->step[entry];
-        key = key << width | (step & ((1u << width) - 1));
-        state = step >> width;
+        step = curve->step[state | entry];
+        key = key << width | (step & digits);
+        state = step & ~digits;
     }
     return key;
 }
@@ -2643,13 +2655,16 @@ static void pbw__move_keys(void *arg, int task)
     uint64_t *b = sorting->b;
     uint32_t *start = sorting->start + (size_t)task * PBW__DIGITS;
     const uint32_t *before = sorting->start + (size_t)sorting->tasks * PBW__DIGITS;
+    const size_t line = 64 / sizeof(b[0]);           /* the next of this digit: its turn comes long after */
     size_t i, to = pbw__share(sorting->count, task + 1, sorting->tasks), end;
     for (i = 0; i <= mask; i++) {
         start[i] += before[i];
     }
     for (i = pbw__share(sorting->count, task, sorting->tasks); i < to; i = end) {
         for (end = to - i < PBW__TICK ? to : i + PBW__TICK; i < end; i++) {
-            b[start[(a[i] >> sorting->shift) & mask]++] = a[i];
+            size_t place = start[(a[i] >> sorting->shift) & mask]++;
+            PBW__PREFETCH_TO_WRITE(b + (place + line < sorting->count ? place + line : place));
+            b[place] = a[i];
         }
         if (sorting->count > PBW__TICK && pbw__report(sorting->context, 0.5)) {
             return;
@@ -2777,7 +2792,7 @@ PBW__INLINE size_t pbw__keying_index(const pbw__keying *keying, size_t i, size_t
         return i;
     }
     if (i + PBW__AHEAD < to) {
-        PBW__PREFETCH(ordering->input->points + (size_t)(keys[i + PBW__AHEAD] & mask) * ordering->input->stride);
+        pbw__fetch_soon(ordering->input, (size_t)(keys[i + PBW__AHEAD] & mask));
     }
     return (size_t)(keys[i] & mask);
 }
@@ -3025,7 +3040,7 @@ static void pbw__order_part(void *arg, int task)
             size_t index = (size_t)(keys[i] & index_mask);
             double *next = r > part->from ? last + step : vertices->record + (part->from + 1) * step;
             if (i + PBW__AHEAD < part->to) {
-                PBW__PREFETCH(input->points + (size_t)(keys[i + PBW__AHEAD] & index_mask) * input->stride);
+                pbw__fetch_soon(input, (size_t)(keys[i + PBW__AHEAD] & index_mask));
             }
             pbw__fetch(input, index, next);
             if (r > part->from && pbw__same_place(next, last, dim)) {
