@@ -52,7 +52,8 @@ static void compare(int dim, const double *points, const double *weights, size_t
                 alone = gpu.statistics.by_backend;
                 by_gpu += status == PBW_OK && alone;
                 by_cpu += status == PBW_OK && !alone;
-            } else if (alone && !CHECK(gpu.statistics.by_backend || strncmp(message, "most stars", 10) == 0)) {
+            } else if (alone && !CHECK(gpu.statistics.by_backend         /* a share's sample may decline */
+                                       || (!pbw_cuda_patient && strncmp(message, "most stars", 10) == 0))) {
                 test_say("%d cards: %s", cards, message);
             }
         }
