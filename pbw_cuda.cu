@@ -1860,8 +1860,8 @@ near_kernel(const __grid_constant__ space all, const box *group, const uint32_t 
         go = go && (!again || shrinks < 16);
         again = again && go;
         start2 = again ? start2 * 0.7f : start2;
+        __syncwarp();
     }
-    __syncwarp();
     uint32_t key[near_points / T], value[near_points / T];
     int before[near_points / T], most = warp_max<T>(go ? have : 0);
     for (int i = 0; i < near_points / T; i++) {
@@ -2843,6 +2843,7 @@ wide_kernel(const __grid_constant__ space all, const __grid_constant__ brick_tre
                 if (at >= 0 && index < bricks.size[level]) {
                     may = depth_of_brick(w, count, bricks.level[level][index], origin);
                 }
+                __syncwarp();
                 for (int k = 0; k < 4; k++) {        /* the last takes its place */
                     int most = at, other = __shfl_xor_sync(all_lanes, most, 8);
                     most = other > most ? other : most;
