@@ -3653,16 +3653,19 @@ PBW__INLINE int pbw__owns(pbw__kernel *kernel, pbw_index v)
     return v != PBW__GHOST && pbw__owns_cell(kernel, v >> kernel->owner_bits);
 }
 
-/* Cells are taken only for the corners that are lacking: whatever we hold is in other tasks' way. */
-static int pbw__may_delete(pbw__kernel *kernel, pbw_index t)
+PBW__INLINE unsigned pbw__is_ours(const pbw__kernel *kernel, pbw_index v)
 {
-    const pbw_index *v = kernel->corner + 4 * (size_t)t;
-    int wanted = kernel->dim == 2 && v[2] == PBW__GHOST ? 2 : 3;
+    return (v != PBW__GHOST) & (PBW__LOAD(kernel->owner + (v >> kernel->owner_bits)) == kernel->me);
+}
+
+/* Cells are taken only for the corners that are lacking: whatever we hold is in other tasks' way. */
+static PBW__NOINLINE int pbw__take_corners(pbw__kernel *kernel, const pbw_index *v, unsigned except, int wanted)
+{
     unsigned k, others = 0;
     for (k = 0; k <= (unsigned)kernel->dim; k++) {
-        unsigned ours = v[k] != PBW__GHOST && PBW__LOAD(kernel->owner + (v[k] >> kernel->owner_bits)) == kernel->me;
-        wanted -= (int)ours;
-        others |= (ours ^ 1u) << k;
+        unsigned ours = pbw__is_ours(kernel, v[k]);
+        wanted -= (int)ours & (k != except);
+        others |= ((ours ^ 1u) & (k != except)) << k;
     }
     for (k = 0; wanted > 0 && others >> k != 0; k++) {
         wanted -= (others >> k & 1) != 0 && pbw__owns(kernel, v[k]);
@@ -3670,15 +3673,21 @@ static int pbw__may_delete(pbw__kernel *kernel, pbw_index t)
     return wanted <= 0;
 }
 
+static int pbw__may_delete(pbw__kernel *kernel, pbw_index t)
+{
+    const pbw_index *v = kernel->corner + 4 * (size_t)t;
+    unsigned ours = pbw__is_ours(kernel, v[0]) + pbw__is_ours(kernel, v[1]) + pbw__is_ours(kernel, v[2]);
+    unsigned wanted = kernel->dim == 2 && v[2] == PBW__GHOST ? 2 : 3;
+    ours += kernel->dim == 3 ? pbw__is_ours(kernel, v[3]) : 0;
+    return ours >= wanted || pbw__take_corners(kernel, v, 4, (int)wanted);
+}
+
 static int pbw__may_cross(pbw__kernel *kernel, pbw_index t, unsigned facet)
 {
     const pbw_index *v = kernel->corner + 4 * (size_t)t;
-    int count = 0;
-    unsigned k;
-    for (k = 0; k <= (unsigned)kernel->dim; k++) {
-        count += k != facet && pbw__owns(kernel, v[k]);
-    }
-    return count >= kernel->dim - 1;
+    unsigned ours = pbw__is_ours(kernel, v[facet == 0]) + pbw__is_ours(kernel, v[facet < 2 ? 2 : 1]);
+    ours += kernel->dim == 3 ? pbw__is_ours(kernel, v[facet == 3 ? 2 : 3]) : 0;
+    return (int)ours >= kernel->dim - 1 || pbw__take_corners(kernel, v, facet, kernel->dim - 1);
 }
 
 /* The walk starts at a finite simplex: across from the ghost vertex, if need be. */
@@ -3998,20 +4007,18 @@ typedef struct pbw__search {
 
 #ifdef PBW__SIMD
 /* Whether we may delete all neighbours: the corners are ours, so three are of each neighbour. */
-PBW__INLINE int pbw__owns_all(const pbw__kernel *kernel, const pbw_index *v)
+PBW__INLINE unsigned pbw__owns_all(const pbw__kernel *kernel, const pbw_index *v)
 {
-    const uint8_t *owner = kernel->owner;
-    int bits = kernel->owner_bits, me = kernel->me;
-    return v[0] != PBW__GHOST && v[1] != PBW__GHOST && v[2] != PBW__GHOST && v[3] != PBW__GHOST
-        && ((PBW__LOAD(owner + (v[0] >> bits)) ^ me) | (PBW__LOAD(owner + (v[1] >> bits)) ^ me)
-            | (PBW__LOAD(owner + (v[2] >> bits)) ^ me) | (PBW__LOAD(owner + (v[3] >> bits)) ^ me)) == 0;
+    return pbw__is_ours(kernel, v[0]) & pbw__is_ours(kernel, v[1]) & pbw__is_ours(kernel, v[2])
+         & pbw__is_ours(kernel, v[3]);
 }
 
-/* Whether we may delete those of the neighbours that are in conflict. */
+/* Whether we may delete those of the neighbours that are in conflict, but for those that are in the cavity. */
 static PBW__NOINLINE int pbw__may_delete_all(pbw__kernel *kernel, const pbw__link *link, unsigned inside)
 {
     for (; inside != 0; link++, inside >>= 1) {
-        if ((inside & 1) != 0 && !pbw__may_delete(kernel, (pbw_index)(*link >> 2))) {
+        const pbw_index o = (pbw_index)(*link >> 2);
+        if ((inside & 1) != 0 && !PBW__LOAD(kernel->mark + o) && !pbw__may_delete(kernel, o)) {
             return 0;
         }
     }
@@ -4446,6 +4453,7 @@ PBW__SIMD_INLINE pbw_status pbw__carve3_simd(pbw__kernel *kernel, pbw_index t, c
     const pbw_index *corner = kernel->corner;
     const double *record = kernel->record;
     const int owned = kernel->owner != NULL;
+    unsigned char ours[PBW__HELD];                   /* >>parallel: whether all corners are */
     pbw__held held[PBW__HELD];
     pbw__d4 heights[PBW__HELD][2];                   /* of weighted rows; else they are the lifts */
     pbw__search search;
@@ -4511,9 +4519,13 @@ PBW__SIMD_INLINE pbw_status pbw__carve3_simd(pbw__kernel *kernel, pbw_index t, c
         if (PBW__UNLIKELY(certain != 15)) {
             inside = pbw__search_exact(kernel, carved, certain, inside, pbw__signs(rounded), p);
         }
-        if (PBW__UNLIKELY(owned) && PBW__UNLIKELY(!pbw__owns_all(kernel, carved->v))
-            && !pbw__may_delete_all(kernel, carved->link, inside)) {
-            return pbw__search_leave(kernel, &search, i);
+        if (PBW__UNLIKELY(owned)) {                  /* of the one that it was met from three corners are the same */
+            const unsigned all = i - met < PBW__HELD && ours[met % PBW__HELD] ? pbw__is_ours(kernel, corner[link])
+                                                                              : pbw__owns_all(kernel, carved->v);
+            ours[i % PBW__HELD] = (unsigned char)all;
+            if (PBW__UNLIKELY(!all) && !pbw__may_delete_all(kernel, carved->link, inside)) {
+                return pbw__search_leave(kernel, &search, i);
+            }
         }
 #ifdef PBW_WIDE
         {
