@@ -3056,19 +3056,19 @@ static size_t pbw__order_find(const uint64_t *keys, size_t from, size_t to, int 
     return from;
 }
 
-/* Cuts the only part, all keys, into parts of about a share, where no run is cut in two; runs longer than 4 shares, a
-   thread's portion, are put into order by all threads, to be cut in turn.  The number of parts, at most 4 * tasks; 0
-   if cancelled. */
+/* Cuts the only part, all keys, into parts of one to two shares, where no run is cut in two; runs longer than 8
+   shares, a thread's portion, are put into order by all threads, to be cut in turn.  The number of parts, at most
+   8 * tasks; 0 if cancelled. */
 static int pbw__order_cut(pbw__ordering *ordering, pbw__box *boxes, uint32_t *start, int tasks)
 {
-    const size_t share = ordering->input->count / (size_t)tasks;
+    const size_t share = ordering->input->count / (size_t)tasks / 2;
     int parts = 1, p;
     for (p = 0; p < parts; p++) {
         pbw__part part = ordering->parts[p], *next = ordering->parts + p + 1;
         const uint64_t *keys = ordering->keys;
         size_t at = part.from + share;
         uint64_t value;
-        if (part.settled || part.to - part.from <= 2 * share || parts + 2 > 4 * tasks) {
+        if (part.settled || part.to - part.from <= 2 * share || parts + 2 > 8 * tasks) {
             continue;
         }
         memmove(next + 2, next, (size_t)(parts - p - 1) * sizeof(*next));
@@ -3077,7 +3077,7 @@ static int pbw__order_cut(pbw__ordering *ordering, pbw__box *boxes, uint32_t *st
         value = keys[at] >> part.low;
         next[0].from = next[-1].to = pbw__order_find(keys, part.from, at, part.low, value);
         next[0].to = next[1].from = pbw__order_find(keys, at, part.to, part.low, value + 1);
-        if (next->to - next->from > 4 * share) {
+        if (next->to - next->from > 8 * share) {
             const int all = pbw__tasks(ordering->context, next->to - next->from, 16384);
             if ((part.low == ordering->index_bits && !pbw__order_keys(ordering, next, 0, boxes, all))
                 || (!next->settled && !pbw__order_sort(ordering, next, ordering->index_bits, start, all))) {
@@ -3104,7 +3104,7 @@ static pbw_status pbw__order(pbw__context *context, const pbw__input *input, pbw
 {
     pbw__memory *memory = &context->memory;
     size_t count = input->count, step = (size_t)input->dim + 1, p;
-    int dim = input->dim, tasks = pbw__tasks(context, count, 16384), limit = 4 * tasks, parts = 0;
+    int dim = input->dim, tasks = pbw__tasks(context, count, 16384), limit = 8 * tasks, parts = 0;
     uint32_t *start;                                 /* see pbw__sort_by */
     pbw__box *boxes;
     pbw__ordering ordering;
