@@ -4548,8 +4548,8 @@ static void pbw__leave_region(pbw__kernel *kernel)
     pbw__store *store = kernel->store;
     if (kernel->region != (size_t)-1) {
         store->region[kernel->region] = (pbw_index)kernel->fresh;
-        if (kernel->last != kernel->last_entered) {
-            PBW__STORE(store->hint + kernel->region, kernel->last);
+        if (kernel->owner == NULL && kernel->last != kernel->last_entered) {         /* else see >>parallel */
+            store->hint[kernel->region] = kernel->last;
         }
         kernel->region = (size_t)-1;
     }
@@ -5870,7 +5870,7 @@ static pbw_status pbw__kernel_create(pbw__kernel *kernel, pbw__context *context,
    mostly those that the last ones needed: a task holds them, and gives back the older half when they are many, all
    when it has to leave a vertex, and at the end.  What tasks hold is little of what there is, and they are far apart:
    of 100 vertices one to ten are left.  A task that is through with its share goes on with the others', from their
-   ends, where nobody is at work.
+   ends, where nobody is at work.  A walk starts in the cell of its vertex or near it, lest it take cells all along.
 
    Why no word is written by one task while another reads or writes it, in 3D.  Call a simplex mine if I own two of
    its vertices: nobody else then owns three, so nobody else deletes it, and its corners do not change under me.
@@ -5957,48 +5957,73 @@ static void pbw__round_begin(pbw__build *build, int part)
     kernel->status = PBW_OK;
 }
 
+/* The cell of a corner; of the ghost none. */
+PBW__INLINE size_t pbw__cell_of(const pbw__build *build, pbw_index v)
+{
+    return v != PBW__GHOST ? v >> build->owner_bits : (size_t)-1;
+}
+
 /* Is a simplex mine if I own the cell? */
 PBW__INLINE int pbw__is_in_cell(const pbw__build *build, pbw_index t, size_t cell)
 {
-    const pbw_index *corner = build->store->corner;
     const int dim = build->vertices->dim;
-    int count = 0, k;
-    for (k = 0; t != PBW_NONE && k <= dim && corner[4 * (size_t)t] != PBW_NONE; k++) {
-        pbw_index v = corner[4 * (size_t)t + (size_t)k];
-        count += v != PBW__GHOST && v >> build->owner_bits == cell;
+    const pbw_index *v;
+    int count;
+    if (t == PBW_NONE || build->store->corner[4 * (size_t)t] == PBW_NONE) {
+        return 0;
     }
+    v = build->store->corner + 4 * (size_t)t;
+    count = (pbw__cell_of(build, v[0]) == cell) + (pbw__cell_of(build, v[1]) == cell)
+          + (pbw__cell_of(build, v[2]) == cell) + (dim == 3 && pbw__cell_of(build, v[3]) == cell);
     return count + 1 >= dim;
 }
 
-/* A simplex of the star of a vertex becomes the hint of its cell: the next one may be near. */
+/* A simplex of the star of a vertex becomes the hint of its cell: the next one may be near.  In 2D any will do. */
 static void pbw__renew_hint(pbw__build *build, pbw__kernel *kernel, pbw_index vertex)
 {
     const size_t cell = vertex >> build->owner_bits;
+    pbw_index hint = kernel->last;
     size_t i;
-    for (i = 0; i < kernel->facet_count; i++) {
-        if (pbw__is_in_cell(build, kernel->cavity[i], cell)) {
-            PBW__STORE(build->store->hint + pbw__first_region(build, cell), kernel->cavity[i]);
+    for (i = 0; kernel->dim == 3 && !pbw__is_in_cell(build, hint, cell); i++) {
+        if (i == kernel->facet_count) {
             return;
         }
+        hint = kernel->cavity[i];
+    }
+    PBW__STORE(build->store->hint + pbw__first_region(build, cell), hint);
+}
+
+/* A simplex becomes the hint of a cell, if an owner has it and it has none. */
+PBW__INLINE void pbw__offer(pbw__build *build, size_t cell, pbw_index t, uint8_t owner)
+{
+    pbw_index *hint = build->store->hint + pbw__first_region(build, cell);
+    if (PBW__LOAD(build->owner + cell) == owner && PBW__LOAD(hint) == PBW_NONE) {
+        PBW__STORE(hint, t);
     }
 }
 
-/* A simplex becomes the hint of those cells of an owner that it is in and that have none. */
+/* The same for all cells that it is in. */
 static void pbw__offer_hint(pbw__build *build, pbw_index t, uint8_t owner)
 {
     const pbw_index *v = build->store->corner + 4 * (size_t)t;
-    const int dim = build->vertices->dim;
-    int k, m;
-    for (k = dim - 2; k <= dim; k++) {
-        const size_t cell = v[k] >> build->owner_bits;
-        pbw_index *hint = build->store->hint + pbw__first_region(build, cell);
-        int enough = dim == 2;
-        for (m = 0; m < k; m++) {
-            enough |= v[m] != PBW__GHOST && v[m] >> build->owner_bits == cell;
+    const size_t a = pbw__cell_of(build, v[0]), b = pbw__cell_of(build, v[1]), c = pbw__cell_of(build, v[2]);
+    if (build->vertices->dim == 3) {
+        const size_t d = pbw__cell_of(build, v[3]);
+        if (a == b || a == c || a == d) {
+            pbw__offer(build, a, t, owner);
         }
-        if (enough && v[k] != PBW__GHOST && PBW__LOAD(build->owner + cell) == owner && PBW__LOAD(hint) == PBW_NONE) {
-            PBW__STORE(hint, t);
+        if (b == c || b == d) {
+            pbw__offer(build, b, t, owner);
         }
+        if (c == d) {
+            pbw__offer(build, c, t, owner);
+        }
+        return;
+    }
+    pbw__offer(build, a, t, owner);
+    pbw__offer(build, b, t, owner);
+    if (v[2] != PBW__GHOST) {
+        pbw__offer(build, c, t, owner);
     }
 }
 
@@ -6038,14 +6063,19 @@ static void pbw__give_back(pbw__build *build, pbw__kernel *kernel, int count)
     kernel->facet_count = 0;
 }
 
-/* Takes the cell of a vertex, and if need be one nearby that has a start for the walk. */
+/* Takes the cell of a vertex, and if the last one was not near, a cell nearby that has a start for the walk: on the
+   way from far off we would take cells all along. */
 static int pbw__take_start(pbw__build *build, pbw__kernel *kernel, pbw_index v)
 {
     pbw__store *store = build->store;
-    size_t cell = v >> build->owner_bits, k;
+    const size_t cell = v >> build->owner_bits;
+    const size_t from = kernel->region << store->cell_bits >> build->owner_bits;     /* far off, if there is none */
+    const pbw_index last = kernel->last;
+    size_t k;
     if (!pbw__owns_cell(kernel, cell)) {
         return 0;
     }
+    kernel->last = from - cell + 1 <= 2 ? last : PBW_NONE;
     for (k = 0; k < 16 && kernel->last == PBW_NONE; k++) {
         size_t near = (k & 1) != 0 ? cell + (k + 1) / 2 : cell - k / 2, region = pbw__first_region(build, near);
         if (near <= build->vertices->count >> build->owner_bits && PBW__LOAD(store->hint + region) != PBW_NONE
@@ -6054,6 +6084,7 @@ static int pbw__take_start(pbw__build *build, pbw__kernel *kernel, pbw_index v)
             kernel->last = hint != PBW_NONE && kernel->corner[4 * (size_t)hint] != PBW_NONE ? hint : PBW_NONE;
         }
     }
+    kernel->last = kernel->last != PBW_NONE ? kernel->last : last;
     return kernel->last != PBW_NONE;
 }
 
@@ -6071,7 +6102,6 @@ static pbw_status pbw__insert_claiming(pbw__build *build, pbw__kernel *kernel, p
     } else {
         kernel->facet_count = 0;
     }
-    kernel->last_entered = kernel->last;             /* not to be a hint */
     if (status == PBW__LEFT || kernel->claim_count > kernel->hold) {
         pbw__give_back(build, kernel, status == PBW__LEFT ? kernel->claim_count : (kernel->claim_count + 1) / 2);
     }
