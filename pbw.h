@@ -5869,7 +5869,8 @@ static pbw_status pbw__kernel_create(pbw__kernel *kernel, pbw__context *context,
    A task inserts the vertices of a share of the curve, one after the other.  So the cells that an insertion needs are
    mostly those that the last ones needed: a task holds them, and gives back the older half when they are many, all
    when it has to leave a vertex, and at the end.  What tasks hold is little of what there is, and they are far apart:
-   of 100 vertices one to ten are left.  A task that is through with its share goes on with the others', from their
+   of 100 vertices one to ten are left.  Shares are done in batches; after a batch what it left, if little, is tried
+   again, as others have gone on since.  A task that is through with its share goes on with the others', from their
    ends, where nobody is at work.  A walk starts in the cell of its vertex or near it, lest it take cells all along.
 
    Why no word is written by one task while another reads or writes it, in 3D.  Call a simplex mine if I own two of
@@ -5899,10 +5900,10 @@ static pbw_status pbw__kernel_create(pbw__kernel *kernel, pbw__context *context,
    writes, now or later, both own a vertex of the same simplex: of four vertices one owns three and the other two; of
    a facet's three vertices both own two.
 
-   Why it ends.  After a round that inserts less than half of its vertices the next one has half as many tasks, as
-   cells are what they lack: so 64 threads take half as long for points on lines.  What is left when one task would
-   remain, or is too little to be worth a round, is inserted by one thread, which owns everything, before the next
-   level begins: vertices near the hull are among it, and cavities there would grow from level to level without them.
+   Why it ends.  After a round that inserts less than a quarter of its vertices the next one has half as many tasks,
+   as cells are what they lack.  What is left when one task would remain, or is too little to be worth a round, is
+   inserted by one thread, which owns everything, before the next level begins: vertices near the hull are among it,
+   and cavities there would grow from level to level without them.
    ------------------------------------------------------------------------------------------------------ */
 #define PBW__PARTS 255
 #define PBW__LEAST_PART ((size_t)PBW__SMALLER(512))  /* vertices for each task, below which they are too near */
@@ -6133,7 +6134,7 @@ static int pbw__level_insert(pbw__build *build, pbw__kernel *kernel, pbw_index v
     if (build->context->trace != NULL) {
         build->context->trace[build->vertices->id[v]] = build->trace | (kernel->owner != NULL ? kernel->share : 0u);
     }
-    kernel->done++;
+    kernel->done += status == PBW_OK;
     /* An exact test of extreme exponents may take 0.2 ms, a new simplex takes 0.1 us. */
     work = kernel->statistics.created + kernel->statistics.walk_steps + 64 * kernel->statistics.exact_tests;
     if (work - kernel->reported > 4096) {
@@ -6197,11 +6198,30 @@ static void pbw__find_hints(void *arg, int part)
     }
 }
 
-/* The i-th vertex of a round: of those that were left, or in the first one of the level. */
-PBW__INLINE pbw_index pbw__round_vertex(const pbw__build *build, size_t i)
+/* Inserts vertices of a round: of those that were left, or in the first one of the level.  Then once more what had to
+   be left, if it is little: others have gone on since.  0 = stop. */
+static int pbw__batch(pbw__build *build, pbw__kernel *kernel, size_t from, size_t to)
 {
-    const size_t others = build->coarser / build->stride - 1;            /* between two ranks of coarser levels */
-    return build->left_count > 0 ? build->left[i] : (pbw_index)((i / others + i + 1) * build->stride + 1);
+    const size_t stride = build->stride, coarser = build->coarser, first = kernel->left_count;
+    size_t i, rank = (from / (coarser / stride - 1) + from + 1) * stride, left;
+    for (i = from; i < to; i++) {
+        if (!pbw__level_insert(build, kernel, build->left_count > 0 ? build->left[i] : (pbw_index)rank + 1)) {
+            return 0;
+        }
+        rank += stride;
+        rank += (rank & (coarser - 1)) == 0 ? stride : 0;        /* that one is a coarser level's */
+    }
+    left = kernel->left_count;
+    if (left - first > (to - from) / 16) {
+        return 1;
+    }
+    kernel->left_count = first;
+    for (i = first; i < left; i++) {
+        if (!pbw__level_insert(build, kernel, kernel->left[i])) {
+            return 0;
+        }
+    }
+    return 1;
 }
 
 /* The vertices of a round, in batches: those of the task's own share, then what others have not come to, from the
@@ -6221,16 +6241,13 @@ static void pbw__round(void *arg, int part)
         uint32_t taken = PBW__LOAD(build->taken + share);
         kernel->share = (uint8_t)share;
         while ((taken & 65535) + (taken >> 16) < batches) {
-            size_t from, to;
+            size_t from;
             if (!PBW__REPLACE(build->taken + share, &taken, taken + (k == 0 ? 1 : 65536))) {
                 continue;
             }
             from = begin + (k == 0 ? taken & 65535 : batches - 1 - (taken >> 16)) * batch;
-            to = from + batch < end ? from + batch : end;
-            while (from < to) {
-                if (!pbw__level_insert(build, kernel, pbw__round_vertex(build, from++))) {
-                    return;
-                }
+            if (!pbw__batch(build, kernel, from, from + batch < end ? from + batch : end)) {
+                return;
             }
             taken = PBW__LOAD(build->taken + share);
         }
@@ -6250,7 +6267,7 @@ static pbw_status pbw__end_round(pbw__build *build)
         count += kernel->left_count;
         no_room |= kernel->no_room;
         status = status != PBW_OK ? status : kernel->status;
-        build->done += kernel->done - kernel->left_count;
+        build->done += kernel->done;
         kernel->done = 0;
     }
     if (status != PBW_OK) {
@@ -6294,7 +6311,7 @@ static pbw_status pbw__level_parallel(pbw__build *build)
         memset(build->taken, 0, sizeof(build->taken));
         pbw__for(build->context, build->parts, pbw__round, build);
         status = pbw__end_round(build);
-        if (build->left_count > build->count / 2) {
+        if (build->left_count > build->count / 4 * 3) {
             build->parts /= 2;                       /* they are in each other's way */
         }
         build->count = build->left_count;
