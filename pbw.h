@@ -3071,19 +3071,19 @@ static size_t pbw__order_find(const uint64_t *keys, size_t from, size_t to, int 
     return from;
 }
 
-/* Cuts the only part, all keys, into parts of about a share, where no run is cut in two; runs longer than 4 shares, a
-   thread's portion, are put into order by all threads, to be cut in turn.  The number of parts, at most 4 * tasks; 0
-   if cancelled. */
+/* Cuts the only part, all keys, into parts of one to two shares, where no run is cut in two; runs longer than 8
+   shares, a thread's portion, are put into order by all threads, to be cut in turn.  The number of parts, at most
+   8 * tasks; 0 if cancelled. */
 static int pbw__order_cut(pbw__ordering *ordering, pbw__box *boxes, uint32_t *start, int tasks)
 {
-    const size_t share = ordering->input->count / (size_t)tasks;
+    const size_t share = ordering->input->count / (size_t)tasks / 2;
     int parts = 1, p;
     for (p = 0; p < parts; p++) {
         pbw__part part = ordering->parts[p], *next = ordering->parts + p + 1;
         const uint64_t *keys = ordering->keys;
         size_t at = part.from + share;
         uint64_t value;
-        if (part.settled || part.to - part.from <= 2 * share || parts + 2 > 4 * tasks) {
+        if (part.settled || part.to - part.from <= 2 * share || parts + 2 > 8 * tasks) {
             continue;
         }
         memmove(next + 2, next, (size_t)(parts - p - 1) * sizeof(*next));
@@ -3092,7 +3092,7 @@ static int pbw__order_cut(pbw__ordering *ordering, pbw__box *boxes, uint32_t *st
         value = keys[at] >> part.low;
         next[0].from = next[-1].to = pbw__order_find(keys, part.from, at, part.low, value);
         next[0].to = next[1].from = pbw__order_find(keys, at, part.to, part.low, value + 1);
-        if (next->to - next->from > 4 * share) {
+        if (next->to - next->from > 8 * share) {
             const int all = pbw__tasks(ordering->context, next->to - next->from, 16384);
             if ((part.low == ordering->index_bits && !pbw__order_keys(ordering, next, 0, boxes, all))
                 || (!next->settled && !pbw__order_sort(ordering, next, ordering->index_bits, start, all))) {
@@ -3119,7 +3119,7 @@ static pbw_status pbw__order(pbw__context *context, const pbw__input *input, pbw
 {
     pbw__memory *memory = &context->memory;
     size_t count = input->count, step = (size_t)input->dim + 1, p;
-    int dim = input->dim, tasks = pbw__tasks(context, count, 16384), limit = 4 * tasks, parts = 0;
+    int dim = input->dim, tasks = pbw__tasks(context, count, 16384), limit = 8 * tasks, parts = 0;
     uint32_t *start;                                 /* see pbw__sort_by */
     pbw__box *boxes;
     pbw__ordering ordering;
@@ -3668,16 +3668,19 @@ PBW__INLINE int pbw__owns(pbw__kernel *kernel, pbw_index v)
     return v != PBW__GHOST && pbw__owns_cell(kernel, v >> kernel->owner_bits);
 }
 
-/* Cells are taken only for the corners that are lacking: whatever we hold is in other tasks' way. */
-static int pbw__may_delete(pbw__kernel *kernel, pbw_index t)
+PBW__INLINE unsigned pbw__is_ours(const pbw__kernel *kernel, pbw_index v)
 {
-    const pbw_index *v = kernel->corner + 4 * (size_t)t;
-    int wanted = kernel->dim == 2 && v[2] == PBW__GHOST ? 2 : 3;
+    return (v != PBW__GHOST) & (PBW__LOAD(kernel->owner + (v >> kernel->owner_bits)) == kernel->me);
+}
+
+/* Cells are taken only for the corners that are lacking: whatever we hold is in other tasks' way. */
+static PBW__NOINLINE int pbw__take_corners(pbw__kernel *kernel, const pbw_index *v, unsigned except, int wanted)
+{
     unsigned k, others = 0;
     for (k = 0; k <= (unsigned)kernel->dim; k++) {
-        unsigned ours = v[k] != PBW__GHOST && PBW__LOAD(kernel->owner + (v[k] >> kernel->owner_bits)) == kernel->me;
-        wanted -= (int)ours;
-        others |= (ours ^ 1u) << k;
+        unsigned ours = pbw__is_ours(kernel, v[k]);
+        wanted -= (int)ours & (k != except);
+        others |= ((ours ^ 1u) & (k != except)) << k;
     }
     for (k = 0; wanted > 0 && others >> k != 0; k++) {
         wanted -= (others >> k & 1) != 0 && pbw__owns(kernel, v[k]);
@@ -3685,15 +3688,21 @@ static int pbw__may_delete(pbw__kernel *kernel, pbw_index t)
     return wanted <= 0;
 }
 
+static int pbw__may_delete(pbw__kernel *kernel, pbw_index t)
+{
+    const pbw_index *v = kernel->corner + 4 * (size_t)t;
+    unsigned ours = pbw__is_ours(kernel, v[0]) + pbw__is_ours(kernel, v[1]) + pbw__is_ours(kernel, v[2]);
+    unsigned wanted = kernel->dim == 2 && v[2] == PBW__GHOST ? 2 : 3;
+    ours += kernel->dim == 3 ? pbw__is_ours(kernel, v[3]) : 0;
+    return ours >= wanted || pbw__take_corners(kernel, v, 4, (int)wanted);
+}
+
 static int pbw__may_cross(pbw__kernel *kernel, pbw_index t, unsigned facet)
 {
     const pbw_index *v = kernel->corner + 4 * (size_t)t;
-    int count = 0;
-    unsigned k;
-    for (k = 0; k <= (unsigned)kernel->dim; k++) {
-        count += k != facet && pbw__owns(kernel, v[k]);
-    }
-    return count >= kernel->dim - 1;
+    unsigned ours = pbw__is_ours(kernel, v[facet == 0]) + pbw__is_ours(kernel, v[facet < 2 ? 2 : 1]);
+    ours += kernel->dim == 3 ? pbw__is_ours(kernel, v[facet == 3 ? 2 : 3]) : 0;
+    return (int)ours >= kernel->dim - 1 || pbw__take_corners(kernel, v, facet, kernel->dim - 1);
 }
 
 /* The walk starts at a finite simplex: across from the ghost vertex, if need be. */
@@ -4013,20 +4022,18 @@ typedef struct pbw__search {
 
 #ifdef PBW__SIMD
 /* Whether we may delete all neighbours: the corners are ours, so three are of each neighbour. */
-PBW__INLINE int pbw__owns_all(const pbw__kernel *kernel, const pbw_index *v)
+PBW__INLINE unsigned pbw__owns_all(const pbw__kernel *kernel, const pbw_index *v)
 {
-    const uint8_t *owner = kernel->owner;
-    int bits = kernel->owner_bits, me = kernel->me;
-    return v[0] != PBW__GHOST && v[1] != PBW__GHOST && v[2] != PBW__GHOST && v[3] != PBW__GHOST
-        && ((PBW__LOAD(owner + (v[0] >> bits)) ^ me) | (PBW__LOAD(owner + (v[1] >> bits)) ^ me)
-            | (PBW__LOAD(owner + (v[2] >> bits)) ^ me) | (PBW__LOAD(owner + (v[3] >> bits)) ^ me)) == 0;
+    return pbw__is_ours(kernel, v[0]) & pbw__is_ours(kernel, v[1]) & pbw__is_ours(kernel, v[2])
+         & pbw__is_ours(kernel, v[3]);
 }
 
-/* Whether we may delete those of the neighbours that are in conflict. */
+/* Whether we may delete those of the neighbours that are in conflict, but for those that are in the cavity. */
 static PBW__NOINLINE int pbw__may_delete_all(pbw__kernel *kernel, const pbw__link *link, unsigned inside)
 {
     for (; inside != 0; link++, inside >>= 1) {
-        if ((inside & 1) != 0 && !pbw__may_delete(kernel, (pbw_index)(*link >> 2))) {
+        const pbw_index o = (pbw_index)(*link >> 2);
+        if ((inside & 1) != 0 && !PBW__LOAD(kernel->mark + o) && !pbw__may_delete(kernel, o)) {
             return 0;
         }
     }
@@ -4461,6 +4468,7 @@ PBW__SIMD_INLINE pbw_status pbw__carve3_simd(pbw__kernel *kernel, pbw_index t, c
     const pbw_index *corner = kernel->corner;
     const double *record = kernel->record;
     const int owned = kernel->owner != NULL;
+    unsigned char ours[PBW__HELD];                   /* >>parallel: whether all corners are */
     pbw__held held[PBW__HELD];
     pbw__d4 heights[PBW__HELD][2];                   /* of weighted rows; else they are the lifts */
     pbw__search search;
@@ -4526,9 +4534,13 @@ PBW__SIMD_INLINE pbw_status pbw__carve3_simd(pbw__kernel *kernel, pbw_index t, c
         if (PBW__UNLIKELY(certain != 15)) {
             inside = pbw__search_exact(kernel, carved, certain, inside, pbw__signs(rounded), p);
         }
-        if (PBW__UNLIKELY(owned) && PBW__UNLIKELY(!pbw__owns_all(kernel, carved->v))
-            && !pbw__may_delete_all(kernel, carved->link, inside)) {
-            return pbw__search_leave(kernel, &search, i);
+        if (PBW__UNLIKELY(owned)) {                  /* of the one that it was met from three corners are the same */
+            const unsigned all = i - met < PBW__HELD && ours[met % PBW__HELD] ? pbw__is_ours(kernel, corner[link])
+                                                                              : pbw__owns_all(kernel, carved->v);
+            ours[i % PBW__HELD] = (unsigned char)all;
+            if (PBW__UNLIKELY(!all) && !pbw__may_delete_all(kernel, carved->link, inside)) {
+                return pbw__search_leave(kernel, &search, i);
+            }
         }
 #ifdef PBW_WIDE
         {
@@ -4551,8 +4563,8 @@ static void pbw__leave_region(pbw__kernel *kernel)
     pbw__store *store = kernel->store;
     if (kernel->region != (size_t)-1) {
         store->region[kernel->region] = (pbw_index)kernel->fresh;
-        if (kernel->last != kernel->last_entered) {
-            PBW__STORE(store->hint + kernel->region, kernel->last);
+        if (kernel->owner == NULL && kernel->last != kernel->last_entered) {         /* else see >>parallel */
+            store->hint[kernel->region] = kernel->last;
         }
         kernel->region = (size_t)-1;
     }
@@ -5872,8 +5884,9 @@ static pbw_status pbw__kernel_create(pbw__kernel *kernel, pbw__context *context,
    A task inserts the vertices of a share of the curve, one after the other.  So the cells that an insertion needs are
    mostly those that the last ones needed: a task holds them, and gives back the older half when they are many, all
    when it has to leave a vertex, and at the end.  What tasks hold is little of what there is, and they are far apart:
-   of 100 vertices one to ten are left.  A task that is through with its share goes on with the others', from their
-   ends, where nobody is at work.
+   of 100 vertices one to ten are left.  Shares are done in batches; after a batch what it left, if little, is tried
+   again, as others have gone on since.  A task that is through with its share goes on with the others', from their
+   ends, where nobody is at work.  A walk starts in the cell of its vertex or near it, lest it take cells all along.
 
    Why no word is written by one task while another reads or writes it, in 3D.  Call a simplex mine if I own two of
    its vertices: nobody else then owns three, so nobody else deletes it, and its corners do not change under me.
@@ -5902,10 +5915,10 @@ static pbw_status pbw__kernel_create(pbw__kernel *kernel, pbw__context *context,
    writes, now or later, both own a vertex of the same simplex: of four vertices one owns three and the other two; of
    a facet's three vertices both own two.
 
-   Why it ends.  After a round that inserts less than half of its vertices the next one has half as many tasks, as
-   cells are what they lack: so 64 threads take half as long for points on lines.  What is left when one task would
-   remain, or is too little to be worth a round, is inserted by one thread, which owns everything, before the next
-   level begins: vertices near the hull are among it, and cavities there would grow from level to level without them.
+   Why it ends.  After a round that inserts less than a quarter of its vertices the next one has half as many tasks,
+   as cells are what they lack.  What is left when one task would remain, or is too little to be worth a round, is
+   inserted by one thread, which owns everything, before the next level begins: vertices near the hull are among it,
+   and cavities there would grow from level to level without them.
    ------------------------------------------------------------------------------------------------------ */
 #define PBW__PARTS 255
 #define PBW__LEAST_PART ((size_t)PBW__SMALLER(512))  /* vertices for each task, below which they are too near */
@@ -5960,48 +5973,73 @@ static void pbw__round_begin(pbw__build *build, int part)
     kernel->status = PBW_OK;
 }
 
+/* The cell of a corner; of the ghost none. */
+PBW__INLINE size_t pbw__cell_of(const pbw__build *build, pbw_index v)
+{
+    return v != PBW__GHOST ? v >> build->owner_bits : (size_t)-1;
+}
+
 /* Is a simplex mine if I own the cell? */
 PBW__INLINE int pbw__is_in_cell(const pbw__build *build, pbw_index t, size_t cell)
 {
-    const pbw_index *corner = build->store->corner;
     const int dim = build->vertices->dim;
-    int count = 0, k;
-    for (k = 0; t != PBW_NONE && k <= dim && corner[4 * (size_t)t] != PBW_NONE; k++) {
-        pbw_index v = corner[4 * (size_t)t + (size_t)k];
-        count += v != PBW__GHOST && v >> build->owner_bits == cell;
+    const pbw_index *v;
+    int count;
+    if (t == PBW_NONE || build->store->corner[4 * (size_t)t] == PBW_NONE) {
+        return 0;
     }
+    v = build->store->corner + 4 * (size_t)t;
+    count = (pbw__cell_of(build, v[0]) == cell) + (pbw__cell_of(build, v[1]) == cell)
+          + (pbw__cell_of(build, v[2]) == cell) + (dim == 3 && pbw__cell_of(build, v[3]) == cell);
     return count + 1 >= dim;
 }
 
-/* A simplex of the star of a vertex becomes the hint of its cell: the next one may be near. */
+/* A simplex of the star of a vertex becomes the hint of its cell: the next one may be near.  In 2D any will do. */
 static void pbw__renew_hint(pbw__build *build, pbw__kernel *kernel, pbw_index vertex)
 {
     const size_t cell = vertex >> build->owner_bits;
+    pbw_index hint = kernel->last;
     size_t i;
-    for (i = 0; i < kernel->facet_count; i++) {
-        if (pbw__is_in_cell(build, kernel->cavity[i], cell)) {
-            PBW__STORE(build->store->hint + pbw__first_region(build, cell), kernel->cavity[i]);
+    for (i = 0; kernel->dim == 3 && !pbw__is_in_cell(build, hint, cell); i++) {
+        if (i == kernel->facet_count) {
             return;
         }
+        hint = kernel->cavity[i];
+    }
+    PBW__STORE(build->store->hint + pbw__first_region(build, cell), hint);
+}
+
+/* A simplex becomes the hint of a cell, if an owner has it and it has none. */
+PBW__INLINE void pbw__offer(pbw__build *build, size_t cell, pbw_index t, uint8_t owner)
+{
+    pbw_index *hint = build->store->hint + pbw__first_region(build, cell);
+    if (PBW__LOAD(build->owner + cell) == owner && PBW__LOAD(hint) == PBW_NONE) {
+        PBW__STORE(hint, t);
     }
 }
 
-/* A simplex becomes the hint of those cells of an owner that it is in and that have none. */
+/* The same for all cells that it is in. */
 static void pbw__offer_hint(pbw__build *build, pbw_index t, uint8_t owner)
 {
     const pbw_index *v = build->store->corner + 4 * (size_t)t;
-    const int dim = build->vertices->dim;
-    int k, m;
-    for (k = dim - 2; k <= dim; k++) {
-        const size_t cell = v[k] >> build->owner_bits;
-        pbw_index *hint = build->store->hint + pbw__first_region(build, cell);
-        int enough = dim == 2;
-        for (m = 0; m < k; m++) {
-            enough |= v[m] != PBW__GHOST && v[m] >> build->owner_bits == cell;
+    const size_t a = pbw__cell_of(build, v[0]), b = pbw__cell_of(build, v[1]), c = pbw__cell_of(build, v[2]);
+    if (build->vertices->dim == 3) {
+        const size_t d = pbw__cell_of(build, v[3]);
+        if (a == b || a == c || a == d) {
+            pbw__offer(build, a, t, owner);
         }
-        if (enough && v[k] != PBW__GHOST && PBW__LOAD(build->owner + cell) == owner && PBW__LOAD(hint) == PBW_NONE) {
-            PBW__STORE(hint, t);
+        if (b == c || b == d) {
+            pbw__offer(build, b, t, owner);
         }
+        if (c == d) {
+            pbw__offer(build, c, t, owner);
+        }
+        return;
+    }
+    pbw__offer(build, a, t, owner);
+    pbw__offer(build, b, t, owner);
+    if (v[2] != PBW__GHOST) {
+        pbw__offer(build, c, t, owner);
     }
 }
 
@@ -6041,14 +6079,19 @@ static void pbw__give_back(pbw__build *build, pbw__kernel *kernel, int count)
     kernel->facet_count = 0;
 }
 
-/* Takes the cell of a vertex, and if need be one nearby that has a start for the walk. */
+/* Takes the cell of a vertex, and if the last one was not near, a cell nearby that has a start for the walk: on the
+   way from far off we would take cells all along. */
 static int pbw__take_start(pbw__build *build, pbw__kernel *kernel, pbw_index v)
 {
     pbw__store *store = build->store;
-    size_t cell = v >> build->owner_bits, k;
+    const size_t cell = v >> build->owner_bits;
+    const size_t from = kernel->region << store->cell_bits >> build->owner_bits;     /* far off, if there is none */
+    const pbw_index last = kernel->last;
+    size_t k;
     if (!pbw__owns_cell(kernel, cell)) {
         return 0;
     }
+    kernel->last = from - cell + 1 <= 2 ? last : PBW_NONE;
     for (k = 0; k < 16 && kernel->last == PBW_NONE; k++) {
         size_t near = (k & 1) != 0 ? cell + (k + 1) / 2 : cell - k / 2, region = pbw__first_region(build, near);
         if (near <= build->vertices->count >> build->owner_bits && PBW__LOAD(store->hint + region) != PBW_NONE
@@ -6057,6 +6100,7 @@ static int pbw__take_start(pbw__build *build, pbw__kernel *kernel, pbw_index v)
             kernel->last = hint != PBW_NONE && kernel->corner[4 * (size_t)hint] != PBW_NONE ? hint : PBW_NONE;
         }
     }
+    kernel->last = kernel->last != PBW_NONE ? kernel->last : last;
     return kernel->last != PBW_NONE;
 }
 
@@ -6074,7 +6118,6 @@ static pbw_status pbw__insert_claiming(pbw__build *build, pbw__kernel *kernel, p
     } else {
         kernel->facet_count = 0;
     }
-    kernel->last_entered = kernel->last;             /* not to be a hint */
     if (status == PBW__LEFT || kernel->claim_count > kernel->hold) {
         pbw__give_back(build, kernel, status == PBW__LEFT ? kernel->claim_count : (kernel->claim_count + 1) / 2);
     }
@@ -6106,7 +6149,7 @@ static int pbw__level_insert(pbw__build *build, pbw__kernel *kernel, pbw_index v
     if (build->context->trace != NULL) {
         build->context->trace[build->vertices->id[v]] = build->trace | (kernel->owner != NULL ? kernel->share : 0u);
     }
-    kernel->done++;
+    kernel->done += status == PBW_OK;
     /* An exact test of extreme exponents may take 0.2 ms, a new simplex takes 0.1 us. */
     work = kernel->statistics.created + kernel->statistics.walk_steps + 64 * kernel->statistics.exact_tests;
     if (work - kernel->reported > 4096) {
@@ -6170,11 +6213,30 @@ static void pbw__find_hints(void *arg, int part)
     }
 }
 
-/* The i-th vertex of a round: of those that were left, or in the first one of the level. */
-PBW__INLINE pbw_index pbw__round_vertex(const pbw__build *build, size_t i)
+/* Inserts vertices of a round: of those that were left, or in the first one of the level.  Then once more what had to
+   be left, if it is little: others have gone on since.  0 = stop. */
+static int pbw__batch(pbw__build *build, pbw__kernel *kernel, size_t from, size_t to)
 {
-    const size_t others = build->coarser / build->stride - 1;            /* between two ranks of coarser levels */
-    return build->left_count > 0 ? build->left[i] : (pbw_index)((i / others + i + 1) * build->stride + 1);
+    const size_t stride = build->stride, coarser = build->coarser, first = kernel->left_count;
+    size_t i, rank = (from / (coarser / stride - 1) + from + 1) * stride, left;
+    for (i = from; i < to; i++) {
+        if (!pbw__level_insert(build, kernel, build->left_count > 0 ? build->left[i] : (pbw_index)rank + 1)) {
+            return 0;
+        }
+        rank += stride;
+        rank += (rank & (coarser - 1)) == 0 ? stride : 0;        /* that one is a coarser level's */
+    }
+    left = kernel->left_count;
+    if (left - first > (to - from) / 16) {
+        return 1;
+    }
+    kernel->left_count = first;
+    for (i = first; i < left; i++) {
+        if (!pbw__level_insert(build, kernel, kernel->left[i])) {
+            return 0;
+        }
+    }
+    return 1;
 }
 
 /* The vertices of a round, in batches: those of the task's own share, then what others have not come to, from the
@@ -6194,16 +6256,13 @@ static void pbw__round(void *arg, int part)
         uint32_t taken = PBW__LOAD(build->taken + share);
         kernel->share = (uint8_t)share;
         while ((taken & 65535) + (taken >> 16) < batches) {
-            size_t from, to;
+            size_t from;
             if (!PBW__REPLACE(build->taken + share, &taken, taken + (k == 0 ? 1 : 65536))) {
                 continue;
             }
             from = begin + (k == 0 ? taken & 65535 : batches - 1 - (taken >> 16)) * batch;
-            to = from + batch < end ? from + batch : end;
-            while (from < to) {
-                if (!pbw__level_insert(build, kernel, pbw__round_vertex(build, from++))) {
-                    return;
-                }
+            if (!pbw__batch(build, kernel, from, from + batch < end ? from + batch : end)) {
+                return;
             }
             taken = PBW__LOAD(build->taken + share);
         }
@@ -6223,7 +6282,7 @@ static pbw_status pbw__end_round(pbw__build *build)
         count += kernel->left_count;
         no_room |= kernel->no_room;
         status = status != PBW_OK ? status : kernel->status;
-        build->done += kernel->done - kernel->left_count;
+        build->done += kernel->done;
         kernel->done = 0;
     }
     if (status != PBW_OK) {
@@ -6267,7 +6326,7 @@ static pbw_status pbw__level_parallel(pbw__build *build)
         memset(build->taken, 0, sizeof(build->taken));
         pbw__for(build->context, build->parts, pbw__round, build);
         status = pbw__end_round(build);
-        if (build->left_count > build->count / 2) {
+        if (build->left_count > build->count / 4 * 3) {
             build->parts /= 2;                       /* they are in each other's way */
         }
         build->count = build->left_count;
