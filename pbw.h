@@ -7172,8 +7172,6 @@ static size_t pbw__emit_slots2(const pbw__emission *emission, size_t from, size_
 }
 
 #ifdef PBW__AVX2
-#define PBW__SOON 128                                /* slots are asked for so far ahead */
-
 /* A vector to the dim+1 entries from `to` on. */
 PBW__SIMD_INLINE void pbw__emit_store(pbw_index *to, pbw__i4 x, int dim)
 {
@@ -7194,19 +7192,16 @@ PBW__SIMD_INLINE size_t pbw__emit_slots_avx2(const pbw__emission *emission, size
     size_t corners = (size_t)dim + 1, count = 0, t;
     for (t = from; t < end; t++) {
         const pbw_index *v = corner + 4 * t, place = number[t];
-        const size_t soon = 4 * (t + PBW__SOON < end ? t + PBW__SOON : t);
         pbw__i4 lanes, ids, neighbors = { 0, 0, 0, 0 };
         if (place == PBW_NONE) {
             continue;
         }
-        PBW__PREFETCH(corner + soon);
         PBW__PREFETCH_TO_WRITE(corner + corners * place);
         lanes = (pbw__i4)pbw__canonical_lanes((__m128i)pbw__load4(v), dim);
         ids = (pbw__i4)_mm_setr_epi32((int)id[v[0]], (int)id[v[1]], (int)id[v[2]], dim == 3 ? (int)id[v[3]] : 0);
         ids = pbw__permute4(ids, lanes);
         if (links) {
             const pbw__link *l = link + 4 * t;
-            PBW__PREFETCH(link + soon);
             PBW__PREFETCH_TO_WRITE((pbw_index *)(void *)link + corners * place);
             neighbors = (pbw__i4)_mm_setr_epi32((int)number[l[0] >> 2], (int)number[l[1] >> 2],
                                                 (int)number[l[2] >> 2], dim == 3 ? (int)number[l[3] >> 2] : 0);
@@ -7314,7 +7309,9 @@ static void pbw__emit_pass4(void *arg, int task)
     pbw__release(&emission->context->memory, aside->simplex, aside->capacity, sizeof(pbw__emitted));
 }
 
-/* The first simplex of each vertex, by the caller's ids. */
+/* The first simplex of each vertex, by the caller's ids, which are anywhere: asked for ahead. */
+#define PBW__SOON 32
+
 static void pbw__emit_pass5(void *arg, int task)
 {
     pbw__emission *emission = (pbw__emission *)arg;
@@ -7325,6 +7322,7 @@ static void pbw__emit_pass5(void *arg, int task)
             return;
         }
         pbw_index first = emission->head[v];
+        PBW__PREFETCH_TO_WRITE(emission->incident + emission->id[v + PBW__SOON < end ? v + PBW__SOON : v]);
         if (emission->first != NULL) {
             first = emission->first[v] < first ? emission->first[v] : first;
         }
