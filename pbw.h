@@ -6550,7 +6550,7 @@ typedef struct pbw__emission {
     pbw_index *first;                                /* per rank, for several tasks: the same from earlier shares */
     size_t *end;                                     /* per task: its last slot for others; where its simplices end */
     pbw_index *incident;                             /* per point of the caller */
-    size_t chunk;                                    /* of slots, the next to be read */
+    size_t chunk;                                    /* of slots, the next to be read, in that order */
     unsigned char *chunk_done;
     pbw__aside *aside;                               /* per task */
     /* For this dimension and this CPU: the lowest ranks; simplices into their lists; lists in order; the simplices
@@ -6559,7 +6559,8 @@ typedef struct pbw__emission {
     void (*fill_lists)(const pbw_index *corner, const pbw_index *slot, size_t count, pbw_index *end, pbw__item *item);
     void (*sort_lists)(const pbw__item *item, const pbw_index *end, unsigned lists, pbw_index begin,
                        pbw__item *sorted);
-    size_t (*emit)(const struct pbw__emission *emission, size_t from, size_t end, size_t written, pbw__emitted *out);
+    size_t (*emit)(const struct pbw__emission *emission, size_t from, size_t end, size_t free_from, size_t free,
+                   pbw__emitted *out);
 } pbw__emission;
 
 /* The even permutation of the canonical form: corner k of the output is corner (order >> 2k) & 3 here.  Looked up by
@@ -7167,9 +7168,11 @@ static void pbw__emit_pass2(void *arg, int task)
 
 /* Pass 3: each simplex in canonical form, with ids for ranks and places for slots, from its slot to its place.  Slots
    are read in order, and most places lie before the slots, among those already read, because slots are left over
-   where simplices were deleted.  A simplex whose place is still to be read is set aside.  Tasks take the slots by
-   chunks, not too small: slots that are near have places in the same lines of the cache, which go from thread to
-   thread.  chunk_done, set in release order and seen in acquire order, tells all that a chunk was read. */
+   where simplices were deleted.  Where there are more simplices than slots in regions, places lie behind the slots,
+   which are read from the last place on to the first.  A simplex whose place is still to be read is set aside.  Tasks
+   take the slots by chunks, not too small: slots that are near have places in the same lines of the cache, which go
+   from thread to thread.  chunk_done, set in release order and seen in acquire order, tells all that a chunk was
+   read. */
 #ifdef PBW_SMALL_SHARES
 #define PBW__CHUNK(dim) ((size_t)(dim) * 32)
 #else
@@ -7202,10 +7205,10 @@ PBW__INLINE void pbw__emit_place(const pbw__emission *emission, const pbw__emitt
     }
 }
 
-/* Writes the simplices in slots from..end-1 to their places; those before `written` are free.  Sets aside, at `out`,
-   those whose places are not; returns how many. */
-PBW__INLINE size_t pbw__emit_slots(const pbw__emission *emission, size_t from, size_t end, size_t written,
-                                   pbw__emitted *out, int dim)
+/* Writes the simplices in slots from..end-1 to their places; `free` of them from free_from on are free.  Sets aside,
+   at `out`, those whose places are not; returns how many. */
+PBW__INLINE size_t pbw__emit_slots(const pbw__emission *emission, size_t from, size_t end, size_t free_from,
+                                   size_t free, pbw__emitted *out, int dim)
 {
     const pbw_index *number = emission->number;
     size_t count = 0, t;
@@ -7224,7 +7227,7 @@ PBW__INLINE size_t pbw__emit_slots(const pbw__emission *emission, size_t from, s
         for (k = 0; k <= (unsigned)dim && emission->link != NULL; k++) {
             simplex->neighbor[k] = number[emission->link[4 * t + (order >> 2 * k & 3)] >> 2];
         }
-        if (PBW__LIKELY(simplex->place < written) || pbw__emit_free(emission, simplex->place, dim)) {
+        if (PBW__LIKELY(simplex->place - free_from < free) || pbw__emit_free(emission, simplex->place, dim)) {
             pbw__emit_place(emission, simplex, dim);
         } else {
             count++;
@@ -7233,21 +7236,19 @@ PBW__INLINE size_t pbw__emit_slots(const pbw__emission *emission, size_t from, s
     return count;
 }
 
-static size_t pbw__emit_slots3(const pbw__emission *emission, size_t from, size_t end, size_t written,
-                               pbw__emitted *out)
+static size_t pbw__emit_slots3(const pbw__emission *emission, size_t from, size_t end, size_t free_from,
+                               size_t free, pbw__emitted *out)
 {
-    return pbw__emit_slots(emission, from, end, written, out, 3);
+    return pbw__emit_slots(emission, from, end, free_from, free, out, 3);
 }
 
-static size_t pbw__emit_slots2(const pbw__emission *emission, size_t from, size_t end, size_t written,
-                               pbw__emitted *out)
+static size_t pbw__emit_slots2(const pbw__emission *emission, size_t from, size_t end, size_t free_from,
+                               size_t free, pbw__emitted *out)
 {
-    return pbw__emit_slots(emission, from, end, written, out, 2);
+    return pbw__emit_slots(emission, from, end, free_from, free, out, 2);
 }
 
 #ifdef PBW__AVX2
-#define PBW__SOON 128                                /* slots are asked for so far ahead */
-
 /* A vector to the dim+1 entries from `to` on. */
 PBW__SIMD_INLINE void pbw__emit_store(pbw_index *to, pbw__i4 x, int dim)
 {
@@ -7259,8 +7260,8 @@ PBW__SIMD_INLINE void pbw__emit_store(pbw_index *to, pbw__i4 x, int dim)
     }
 }
 
-PBW__SIMD_INLINE size_t pbw__emit_slots_avx2(const pbw__emission *emission, size_t from, size_t end, size_t written,
-                                             pbw__emitted *out, int dim, int links)
+PBW__SIMD_INLINE size_t pbw__emit_slots_avx2(const pbw__emission *emission, size_t from, size_t end, size_t free_from,
+                                             size_t free, pbw__emitted *out, int dim, int links)
 {
     const pbw_index *number = emission->number, *id = emission->id;
     pbw__link *link = emission->link;
@@ -7268,25 +7269,22 @@ PBW__SIMD_INLINE size_t pbw__emit_slots_avx2(const pbw__emission *emission, size
     size_t corners = (size_t)dim + 1, count = 0, t;
     for (t = from; t < end; t++) {
         const pbw_index *v = corner + 4 * t, place = number[t];
-        const size_t soon = 4 * (t + PBW__SOON < end ? t + PBW__SOON : t);
         pbw__i4 lanes, ids, neighbors = { 0, 0, 0, 0 };
         if (place == PBW_NONE) {
             continue;
         }
-        PBW__PREFETCH(corner + soon);
         PBW__PREFETCH_TO_WRITE(corner + corners * place);
         lanes = (pbw__i4)pbw__canonical_lanes((__m128i)pbw__load4(v), dim);
         ids = (pbw__i4)_mm_setr_epi32((int)id[v[0]], (int)id[v[1]], (int)id[v[2]], dim == 3 ? (int)id[v[3]] : 0);
         ids = pbw__permute4(ids, lanes);
         if (links) {
             const pbw__link *l = link + 4 * t;
-            PBW__PREFETCH(link + soon);
             PBW__PREFETCH_TO_WRITE((pbw_index *)(void *)link + corners * place);
             neighbors = (pbw__i4)_mm_setr_epi32((int)number[l[0] >> 2], (int)number[l[1] >> 2],
                                                 (int)number[l[2] >> 2], dim == 3 ? (int)number[l[3] >> 2] : 0);
             neighbors = pbw__permute4(neighbors, lanes);
         }
-        if (PBW__LIKELY(place < written) || pbw__emit_free(emission, place, dim)) {
+        if (PBW__LIKELY(place - free_from < free) || pbw__emit_free(emission, place, dim)) {
             pbw__emit_store(corner + corners * place, ids, dim);
             if (links) {
                 pbw__emit_store((pbw_index *)(void *)link + corners * place, neighbors, dim);
@@ -7300,18 +7298,18 @@ PBW__SIMD_INLINE size_t pbw__emit_slots_avx2(const pbw__emission *emission, size
     return count;
 }
 
-PBW__SIMD static size_t pbw__emit_slots3_avx2(const pbw__emission *emission, size_t from, size_t end, size_t written,
-                                              pbw__emitted *out)
+PBW__SIMD static size_t pbw__emit_slots3_avx2(const pbw__emission *emission, size_t from, size_t end,
+                                              size_t free_from, size_t free, pbw__emitted *out)
 {
-    return emission->link != NULL ? pbw__emit_slots_avx2(emission, from, end, written, out, 3, 1)
-                                  : pbw__emit_slots_avx2(emission, from, end, written, out, 3, 0);
+    return emission->link != NULL ? pbw__emit_slots_avx2(emission, from, end, free_from, free, out, 3, 1)
+                                  : pbw__emit_slots_avx2(emission, from, end, free_from, free, out, 3, 0);
 }
 
-PBW__SIMD static size_t pbw__emit_slots2_avx2(const pbw__emission *emission, size_t from, size_t end, size_t written,
-                                              pbw__emitted *out)
+PBW__SIMD static size_t pbw__emit_slots2_avx2(const pbw__emission *emission, size_t from, size_t end,
+                                              size_t free_from, size_t free, pbw__emitted *out)
 {
-    return emission->link != NULL ? pbw__emit_slots_avx2(emission, from, end, written, out, 2, 1)
-                                  : pbw__emit_slots_avx2(emission, from, end, written, out, 2, 0);
+    return emission->link != NULL ? pbw__emit_slots_avx2(emission, from, end, free_from, free, out, 2, 1)
+                                  : pbw__emit_slots_avx2(emission, from, end, free_from, free, out, 2, 0);
 }
 #endif
 
@@ -7338,14 +7336,14 @@ static void pbw__emit_set_aside(const pbw__emission *emission, pbw__aside *aside
     }
 }
 
-/* Room for those of a chunk.  What waits is looked at again when there is a quarter more, and a chunk. */
+/* Room for those of a chunk.  What waits is looked at again when there is an eighth more, and a chunk. */
 static int pbw__emit_reserve(pbw__emission *emission, pbw__aside *aside)
 {
     const size_t most = PBW__CHUNK(emission->dim), chunk = emission->slot_count < most ? emission->slot_count : most;
     size_t wanted;
     if (aside->capacity - aside->count < chunk) {
         pbw__emit_set_aside(emission, aside);
-        wanted = aside->count + aside->count / 4 + chunk;
+        wanted = aside->count + aside->count / 8 + chunk;
         if (wanted > aside->capacity
             && !pbw__resize_array(&emission->context->memory, &aside->simplex, &aside->capacity, wanted,
                                   sizeof(pbw__emitted))) {
@@ -7359,19 +7357,26 @@ static int pbw__emit_reserve(pbw__emission *emission, pbw__aside *aside)
 static void pbw__emit_pass3(void *arg, int task)
 {
     pbw__emission *emission = (pbw__emission *)arg;
-    const size_t size = PBW__CHUNK(emission->dim);
-    size_t chunks = (emission->slot_count + size - 1) / size, chunk, done = 0;
+    const size_t size = PBW__CHUNK(emission->dim), corners = (size_t)emission->dim + 1;
+    const size_t chunks = (emission->slot_count + size - 1) / size, simplices = emission->simplex_count;
+    /* So many chunks are read from the last one to the first; wide links of a place lie in half as many slots. */
+    const int ahead = simplices > emission->store->region_slots && sizeof(pbw__link) == sizeof(pbw_index);
+    const size_t turned = ahead ? (simplices + size - 1) / size : 0;
+    size_t next, done = 0;
     pbw__aside aside = { NULL, 0, 0 };               /* not in a line of the cache with those of other tasks */
-    while ((chunk = PBW__ADD(&emission->chunk, 1)) < chunks && !PBW__LOAD(&emission->failed)
-           && !pbw__report(emission->context, 0.5 + 0.45 * (double)chunk / (double)chunks)
+    while ((next = PBW__ADD(&emission->chunk, 1)) < chunks && !PBW__LOAD(&emission->failed)
+           && !pbw__report(emission->context, 0.5 + 0.45 * (double)next / (double)chunks)
            && pbw__emit_reserve(emission, &aside)) {
-        size_t from = chunk * size, end = from + size;
-        while (done < chunk && PBW__SEEN(emission->chunk_done + done) != 0) {
+        size_t chunk = next < turned ? turned - 1 - next : next, from = chunk * size, end = from + size;
+        size_t free_from, free;
+        while (done < next && PBW__SEEN(emission->chunk_done + (done < turned ? turned - 1 - done : done)) != 0) {
             done++;
         }
+        free_from = done < turned ? ((turned - done) * size * 4 + corners - 1) / corners : 0;
+        free = (done < turned ? turned : done) * size * 4 / corners;
+        free = free > free_from ? free - free_from : 0;
         aside.count += emission->emit(emission, from, end < emission->slot_count ? end : emission->slot_count,
-                                      done * size * 4 / ((size_t)emission->dim + 1),
-                                      aside.simplex + aside.count);
+                                      free_from, free, aside.simplex + aside.count);
         PBW__TELL(emission->chunk_done + chunk, 1);
     }
     emission->aside[task] = aside;
@@ -7388,7 +7393,9 @@ static void pbw__emit_pass4(void *arg, int task)
     pbw__release(&emission->context->memory, aside->simplex, aside->capacity, sizeof(pbw__emitted));
 }
 
-/* The first simplex of each vertex, by the caller's ids. */
+/* The first simplex of each vertex, by the caller's ids, which are anywhere: asked for ahead. */
+#define PBW__SOON 32
+
 static void pbw__emit_pass5(void *arg, int task)
 {
     pbw__emission *emission = (pbw__emission *)arg;
@@ -7399,6 +7406,7 @@ static void pbw__emit_pass5(void *arg, int task)
             return;
         }
         pbw_index first = emission->head[v];
+        PBW__PREFETCH_TO_WRITE(emission->incident + emission->id[v + PBW__SOON < end ? v + PBW__SOON : v]);
         if (emission->first != NULL) {
             first = emission->first[v] < first ? emission->first[v] : first;
         }
