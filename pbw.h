@@ -6559,8 +6559,8 @@ typedef struct pbw__emission {
     void (*fill_lists)(const pbw_index *corner, const pbw_index *slot, size_t count, pbw_index *end, pbw__item *item);
     void (*sort_lists)(const pbw__item *item, const pbw_index *end, unsigned lists, pbw_index begin,
                        pbw__item *sorted);
-    size_t (*emit)(const struct pbw__emission *emission, size_t from, size_t end, size_t free_from, size_t free,
-                   pbw__emitted *out);
+    size_t (*emit)(const struct pbw__emission *emission, size_t from, size_t end, size_t first_free,
+                   size_t free_count, pbw__emitted *out);
 } pbw__emission;
 
 /* The even permutation of the canonical form: corner k of the output is corner (order >> 2k) & 3 here.  Looked up by
@@ -7205,10 +7205,10 @@ PBW__INLINE void pbw__emit_place(const pbw__emission *emission, const pbw__emitt
     }
 }
 
-/* Writes the simplices in slots from..end-1 to their places; `free` of them from free_from on are free.  Sets aside,
-   at `out`, those whose places are not; returns how many. */
-PBW__INLINE size_t pbw__emit_slots(const pbw__emission *emission, size_t from, size_t end, size_t free_from,
-                                   size_t free, pbw__emitted *out, int dim)
+/* Writes the simplices in slots from..end-1 to their places, of which free_count from first_free on are free.  Sets
+   aside, at `out`, those whose places are not; returns how many. */
+PBW__INLINE size_t pbw__emit_slots(const pbw__emission *emission, size_t from, size_t end, size_t first_free,
+                                   size_t free_count, pbw__emitted *out, int dim)
 {
     const pbw_index *number = emission->number;
     size_t count = 0, t;
@@ -7227,7 +7227,7 @@ PBW__INLINE size_t pbw__emit_slots(const pbw__emission *emission, size_t from, s
         for (k = 0; k <= (unsigned)dim && emission->link != NULL; k++) {
             simplex->neighbor[k] = number[emission->link[4 * t + (order >> 2 * k & 3)] >> 2];
         }
-        if (PBW__LIKELY(simplex->place - free_from < free) || pbw__emit_free(emission, simplex->place, dim)) {
+        if (PBW__LIKELY(simplex->place - first_free < free_count) || pbw__emit_free(emission, simplex->place, dim)) {
             pbw__emit_place(emission, simplex, dim);
         } else {
             count++;
@@ -7236,16 +7236,16 @@ PBW__INLINE size_t pbw__emit_slots(const pbw__emission *emission, size_t from, s
     return count;
 }
 
-static size_t pbw__emit_slots3(const pbw__emission *emission, size_t from, size_t end, size_t free_from,
-                               size_t free, pbw__emitted *out)
+static size_t pbw__emit_slots3(const pbw__emission *emission, size_t from, size_t end, size_t first_free,
+                               size_t free_count, pbw__emitted *out)
 {
-    return pbw__emit_slots(emission, from, end, free_from, free, out, 3);
+    return pbw__emit_slots(emission, from, end, first_free, free_count, out, 3);
 }
 
-static size_t pbw__emit_slots2(const pbw__emission *emission, size_t from, size_t end, size_t free_from,
-                               size_t free, pbw__emitted *out)
+static size_t pbw__emit_slots2(const pbw__emission *emission, size_t from, size_t end, size_t first_free,
+                               size_t free_count, pbw__emitted *out)
 {
-    return pbw__emit_slots(emission, from, end, free_from, free, out, 2);
+    return pbw__emit_slots(emission, from, end, first_free, free_count, out, 2);
 }
 
 #ifdef PBW__AVX2
@@ -7260,8 +7260,9 @@ PBW__SIMD_INLINE void pbw__emit_store(pbw_index *to, pbw__i4 x, int dim)
     }
 }
 
-PBW__SIMD_INLINE size_t pbw__emit_slots_avx2(const pbw__emission *emission, size_t from, size_t end, size_t free_from,
-                                             size_t free, pbw__emitted *out, int dim, int links)
+PBW__SIMD_INLINE size_t pbw__emit_slots_avx2(const pbw__emission *emission, size_t from, size_t end,
+                                             size_t first_free, size_t free_count, pbw__emitted *out, int dim,
+                                             int links)
 {
     const pbw_index *number = emission->number, *id = emission->id;
     pbw__link *link = emission->link;
@@ -7284,7 +7285,7 @@ PBW__SIMD_INLINE size_t pbw__emit_slots_avx2(const pbw__emission *emission, size
                                                 (int)number[l[2] >> 2], dim == 3 ? (int)number[l[3] >> 2] : 0);
             neighbors = pbw__permute4(neighbors, lanes);
         }
-        if (PBW__LIKELY(place - free_from < free) || pbw__emit_free(emission, place, dim)) {
+        if (PBW__LIKELY(place - first_free < free_count) || pbw__emit_free(emission, place, dim)) {
             pbw__emit_store(corner + corners * place, ids, dim);
             if (links) {
                 pbw__emit_store((pbw_index *)(void *)link + corners * place, neighbors, dim);
@@ -7299,17 +7300,17 @@ PBW__SIMD_INLINE size_t pbw__emit_slots_avx2(const pbw__emission *emission, size
 }
 
 PBW__SIMD static size_t pbw__emit_slots3_avx2(const pbw__emission *emission, size_t from, size_t end,
-                                              size_t free_from, size_t free, pbw__emitted *out)
+                                              size_t first_free, size_t free_count, pbw__emitted *out)
 {
-    return emission->link != NULL ? pbw__emit_slots_avx2(emission, from, end, free_from, free, out, 3, 1)
-                                  : pbw__emit_slots_avx2(emission, from, end, free_from, free, out, 3, 0);
+    return emission->link != NULL ? pbw__emit_slots_avx2(emission, from, end, first_free, free_count, out, 3, 1)
+                                  : pbw__emit_slots_avx2(emission, from, end, first_free, free_count, out, 3, 0);
 }
 
 PBW__SIMD static size_t pbw__emit_slots2_avx2(const pbw__emission *emission, size_t from, size_t end,
-                                              size_t free_from, size_t free, pbw__emitted *out)
+                                              size_t first_free, size_t free_count, pbw__emitted *out)
 {
-    return emission->link != NULL ? pbw__emit_slots_avx2(emission, from, end, free_from, free, out, 2, 1)
-                                  : pbw__emit_slots_avx2(emission, from, end, free_from, free, out, 2, 0);
+    return emission->link != NULL ? pbw__emit_slots_avx2(emission, from, end, first_free, free_count, out, 2, 1)
+                                  : pbw__emit_slots_avx2(emission, from, end, first_free, free_count, out, 2, 0);
 }
 #endif
 
@@ -7368,15 +7369,15 @@ static void pbw__emit_pass3(void *arg, int task)
            && !pbw__report(emission->context, 0.5 + 0.45 * (double)next / (double)chunks)
            && pbw__emit_reserve(emission, &aside)) {
         size_t chunk = next < turned ? turned - 1 - next : next, from = chunk * size, end = from + size;
-        size_t free_from, free;
+        size_t first_free, free_count;
         while (done < next && PBW__SEEN(emission->chunk_done + (done < turned ? turned - 1 - done : done)) != 0) {
             done++;
         }
-        free_from = done < turned ? ((turned - done) * size * 4 + corners - 1) / corners : 0;
-        free = (done < turned ? turned : done) * size * 4 / corners;
-        free = free > free_from ? free - free_from : 0;
+        first_free = done < turned ? ((turned - done) * size * 4 + corners - 1) / corners : 0;
+        free_count = (done < turned ? turned : done) * size * 4 / corners;
+        free_count = free_count > first_free ? free_count - first_free : 0;
         aside.count += emission->emit(emission, from, end < emission->slot_count ? end : emission->slot_count,
-                                      free_from, free, aside.simplex + aside.count);
+                                      first_free, free_count, aside.simplex + aside.count);
         PBW__TELL(emission->chunk_done + chunk, 1);
     }
     emission->aside[task] = aside;
