@@ -662,6 +662,21 @@ static void *no_more(void *user, void *block, size_t old_size, size_t new_size)
     return realloc(block, new_size);
 }
 
+/* A build that is cancelled later and later, until it is not. */
+static void cancel_later(const double *points, size_t count, pbw_options options)
+{
+    options.progress = stop_later;
+    for (stop_at = 1, calls = 1; calls >= stop_at; stop_at = 2 * stop_at + 1) {
+        pbw_mesh mesh;
+        pbw_status status;
+        calls = 0;
+        status = pbw_triangulate(3, points, NULL, count, &options, &mesh);
+        CHECK_EQUAL(status, calls >= stop_at ? PBW_CANCELLED : PBW_OK);
+        CHECK(status == PBW_OK || meshes_is_empty(&mesh));
+        pbw_free(&mesh);
+    }
+}
+
 static void test_failures(void)
 {
     const size_t count = 50000;
@@ -698,16 +713,8 @@ static void test_failures(void)
             options.progress = stop_at_once;
             CHECK_EQUAL(pbw_triangulate(3, points, NULL, count, &options, &mesh), PBW_CANCELLED);
             CHECK(meshes_is_empty(&mesh));
-            options.progress = stop_later;
-            for (stop_at = 1, calls = 1; calls >= stop_at; stop_at = 2 * stop_at + 1) {
-                pbw_status status;
-                calls = 0;
-                status = pbw_triangulate(3, points, NULL, count, &options, &mesh);
-                CHECK_EQUAL(status, calls >= stop_at ? PBW_CANCELLED : PBW_OK);
-                CHECK(status == PBW_OK || meshes_is_empty(&mesh));
-                pbw_free(&mesh);
-            }
             options.progress = NULL;
+            cancel_later(points, count, options);
             test_end();
         }
         if (test_begin("out of memory on the host, %d cards", cards)) {
@@ -757,16 +764,7 @@ static void test_failures(void)
         double *others = (double *)zoo_grow(NULL, count * 3 * sizeof *others);
         input_fill(kind, 3, count, 1, others);
         if (test_begin("cancelled: %s", input_name(kind))) {
-            options.progress = stop_later;
-            for (stop_at = 1, calls = 1; calls >= stop_at; stop_at = 2 * stop_at + 1) {
-                pbw_status status;
-                calls = 0;
-                status = pbw_triangulate(3, others, NULL, count, &options, &mesh);
-                CHECK_EQUAL(status, calls >= stop_at ? PBW_CANCELLED : PBW_OK);
-                CHECK(status == PBW_OK || meshes_is_empty(&mesh));
-                pbw_free(&mesh);
-            }
-            options.progress = NULL;
+            cancel_later(others, count, options);
             test_end();
         }
         if (test_begin("memory limit: %s", input_name(kind))) {
