@@ -3076,7 +3076,7 @@ static size_t pbw__order_find(const uint64_t *keys, size_t from, size_t to, int 
    8 * tasks; 0 if cancelled. */
 static int pbw__order_cut(pbw__ordering *ordering, pbw__box *boxes, uint32_t *start, int tasks)
 {
-    const size_t share = (ordering->input->count - 1) / ((size_t)tasks * 2) + 1;       /* one task: half, not cut */
+    const size_t share = (ordering->input->count - 1) / ((size_t)tasks * 2) + 1;       /* up: one task cuts nothing */
     int parts = 1, p;
     for (p = 0; p < parts; p++) {
         pbw__part part = ordering->parts[p], *next = ordering->parts + p + 1;
