@@ -282,7 +282,7 @@ extern const pbw_backend *pbw_cuda_backend(int device);     /* NULL for a number
 extern const pbw_backend *pbw_cuda_backend_multi(const int *devices, int count);
 
 typedef struct pbw_cuda_mesh {             /* start from {0}; arrays on the device, as in pbw_mesh */
-    int dim;
+    int dim, by_cpu;                       /* 1: the CPU built this */
     size_t point_count, simplex_count, duplicate_count, hidden_count;
     pbw_index *simplices, *neighbors, *incident, *canonical;
     float milliseconds[8];                 /* device: order, boxes, near, far, count, simplices, neighbors, all */
@@ -291,15 +291,19 @@ typedef struct pbw_cuda_mesh {             /* start from {0}; arrays on the devi
 
 /* Triangulates packed points on the current device (floats if is_float), in the order of stream (a cudaStream_t; NULL
    is the default stream), and returns when the counts are known; the arrays are complete in the order of the stream.
-   PBW_ERROR_BACKEND if this input is for the CPU; a text goes to message if that is not NULL. */
+   options: as for pbw_triangulate, but without stride, trace and backend.  cpu: pbw_triangulate, and what a backend
+   would leave to the CPU is built by it: points are copied to the host, arrays to the device; or NULL, and the status
+   is PBW_ERROR_BACKEND.  On any status but PBW_OK and PBW_DEGENERATE the mesh is left empty. */
+typedef pbw_status pbw_triangulator(int dim, const double *points, const double *weights, size_t count,
+                                    const pbw_options *options, pbw_mesh *mesh);
 extern pbw_status pbw_cuda_triangulate(int dim, int is_float, const void *points, const void *weights, size_t count,
-                                       unsigned flags, void *stream, pbw_cuda_mesh *mesh, char *message,
-                                       size_t message_size);
-/* Checks a mesh with neighbors as pbw_check does, on the device and exactly, against the points that it is of; but
-   does not find hidden points that lie at one place.  report: as from pbw_check, the same first fault, but of several
-   faulty hidden points it may name another. */
+                                       const pbw_options *options, void *stream, pbw_triangulator *cpu,
+                                       pbw_cuda_mesh *mesh);
+/* Checks a mesh with simplices and neighbors as pbw_check does, on the device and exactly, against the points that it
+   is of; but does not find hidden points that lie at one place.  report: as from pbw_check, the same first fault, but
+   of several faulty hidden points it may name another. */
 extern pbw_status pbw_cuda_check(const pbw_cuda_mesh *mesh, int is_float, const void *points, const void *weights,
-                                 void *stream, pbw_report *report, char *message, size_t message_size);
+                                 const pbw_options *options, void *stream, pbw_report *report);
 extern void pbw_cuda_free(pbw_cuda_mesh *mesh, void *stream);
 
 #ifdef __cplusplus

@@ -25,7 +25,8 @@
      the CPU       takes the whole input if a star does not fit any rung, if the work would be quadratic (points
                    exactly on a sphere: each of its spheres touches all points), if the points are few, or if a
                    sample of stars says that it is quicker: on lines they are too large, nearly in a plane too
-                   flat for floats.  An input on the device is built then by the rungs above.
+                   flat for floats.  Points on the device are copied to the host then, and the arrays back; if the
+                   caller names no CPU, they are built by the rungs above or not at all.
 
    Unweighted points in space on surfaces (scans, terrain) are known by a sample of 1024 stars, of which the first
    rung certifies less than half; those on a common sphere but for noise, as rounding leaves it, by a sample of 64
@@ -4083,14 +4084,13 @@ struct call {
     int card;
     cudaStream_t stream, copies;
     cudaEvent_t mark[8], ready, copied;
-    pbw_job *job;                                    /* NULL: results stay on the device */
-    char *message;
-    size_t message_size, used, count, stars, limit;  /* stars: of the share; limit: of bytes, 0 if none */
+    pbw_job *job;                                    /* without reserve, keep: results stay on the device */
+    size_t used, count, stars;                       /* bytes; stars: of the share */
     uint32_t *stop;                                  /* on the device: kernels of stars end early if it is not 0 */
     bool stopped;
     int dim;
     pbw_status status;
-    bool declined;
+    bool declined, must;                             /* must: there is no CPU that it could be left to */
     struct { void *address; size_t bytes; } block[40 + 3 * most_cards];
     int blocks;
 };
@@ -4118,8 +4118,8 @@ void say(call &c, const char *format, ...)
     va_end(arguments);
     if (c.cards != NULL) {
         fall_out(c, text);
-    } else if (c.message != NULL && c.message_size > 0) {
-        snprintf(c.message, c.message_size, "%s", text);
+    } else {
+        c.job->say(c.job, text);
     }
 }
 
@@ -4176,7 +4176,7 @@ bool fits(call &c, size_t more)
         return false;
     }
     available += c.used + (kept > used ? (size_t)(kept - used) : 0);
-    available = c.limit > 0 && c.limit < available ? c.limit : available;
+    available = c.job->memory_limit > 0 && c.job->memory_limit < available ? c.job->memory_limit : available;
     if (needed > available) {
         c.status = PBW_ERROR_BACKEND;
         say(c, "too little device memory: %zu bytes are needed, %zu are available", usual > needed ? usual : needed,
@@ -4196,7 +4196,7 @@ template <typename V> bool allocate(call &c, V *&address, size_t count)
     if (c.blocks == (int)(sizeof c.block / sizeof c.block[0])) {
         return fail(c, PBW_ERROR_BACKEND, "too many blocks of device memory");
     }
-    if (c.limit > 0 && c.used + bytes > c.limit && !fits(c, bytes)) {
+    if (c.job->memory_limit > 0 && c.used + bytes > c.job->memory_limit && !fits(c, bytes)) {
         return false;
     }
     cudaError_t error = cudaMallocAsync(&block, bytes, c.stream);
@@ -4233,9 +4233,11 @@ void release(call &c, const void *address, bool keep)
 /* Progress, on the caller's thread; whether to stop. */
 void look_up(call &c, pbw_stage stage, double done)
 {
-    if (c.job != NULL && c.card == 0 && c.status == PBW_OK && c.job->report(c.job, stage, done) != 0) {
+    if (c.card == 0 && c.status == PBW_OK && c.job->report(c.job, stage, done) != 0) {
         c.status = PBW_CANCELLED;
-        fall_out(c, NULL);
+        if (c.cards != NULL) {
+            fall_out(c, NULL);
+        }
     }
     if (c.cards != NULL && c.status == PBW_OK && c.cards->status != PBW_OK) {
         c.status = (pbw_status)c.cards->status.load();
@@ -4756,7 +4758,7 @@ bool find_sphere(call &c, space &s, cap_tree &t, unsigned long long *largest, bo
 /* The copy of the points that a mesh keeps is made while the device is at work. */
 bool keep_points(call &c)
 {
-    if (c.job != NULL && c.card == 0 && c.job->kept_points == NULL) {
+    if (c.job->keep != NULL && c.card == 0 && c.job->kept_points == NULL) {
         pbw_status status = c.job->keep(c.job);
         if (status != PBW_OK) {
             return fail(c, status, "the points could not be kept");
@@ -4982,7 +4984,7 @@ bool build_stars(call &c, const space &s, const tree &t, const uint32_t *lists, 
 
     bool far = false, wide = false;
     /* weights hide points, which is quick */
-    if (!WEIGHTED && (DIM == 3 || c.job != NULL) && !patient && s.count >= sampled_from && mine >= sample_size
+    if (!WEIGHTED && !patient && s.count >= sampled_from && mine >= sample_size
         && !sample_stars<DIM, WEIGHTED>(c, s, t, lists, infos, out, q, near_bytes, exact_bytes, far)) {
         return false;
     }
@@ -4999,7 +5001,7 @@ bool build_stars(call &c, const space &s, const tree &t, const uint32_t *lists, 
     if (wide) {
         return true;
     }
-    if (far && c.job != NULL) {
+    if (far && !c.must) {
         return decline(c, "most stars reach far (points on lines, or nearly in a plane?): quicker on the CPU");
     }
     fill(c, q[0].count, 0, 3);
@@ -5347,7 +5349,7 @@ bool build(call &c, const input &in, space &s, const uint32_t *id, unsigned flag
     if (!fill(c, counts + 4, 0, 1)) {
         return false;
     }
-    if (c.job != NULL && good(c, cudaEventRecord(c.copied, c.stream), "cudaEventRecord")
+    if (c.copies != NULL && good(c, cudaEventRecord(c.copied, c.stream), "cudaEventRecord")
         && good(c, cudaStreamWaitEvent(c.copies, c.copied, 0), "cudaStreamWaitEvent")) {
         c.stop = counts + 4;
     }
@@ -5421,7 +5423,8 @@ bool build(call &c, const input &in, space &s, const uint32_t *id, unsigned flag
     all.base = (uint32_t)before;
     all.offset = offset;
     all.cells = cells;
-    if (c.job != NULL && c.card == 0) {
+    const bool to_host = c.job->reserve != NULL;
+    if (to_host && c.card == 0) {
         pbw_status status = c.job->reserve(c.job, everywhere);
         if (status != PBW_OK) {
             return fail(c, status, "out of memory on the host");
@@ -5430,7 +5433,7 @@ bool build(call &c, const input &in, space &s, const uint32_t *id, unsigned flag
     if (!alone && (!list_guests<DIM>(c, all, mine) || !meet_cards(c, false, 0.1) || !fetch_guests<DIM>(c, all))) {
         return false;
     }
-    if (c.job != NULL
+    if (to_host
         && !copy_out(c, c.job->simplices + before * (DIM + 1), mesh->simplices, (size_t)total * sizeof(cell<DIM>),
                      0.1)) {
         return false;
@@ -5454,7 +5457,7 @@ bool build(call &c, const input &in, space &s, const uint32_t *id, unsigned flag
             return false;
         }
     }
-    if (c.job != NULL && with_neighbors
+    if (to_host && with_neighbors
         && !copy_out(c, c.job->neighbors + before * (DIM + 1), mesh->neighbors, (size_t)total * sizeof(cell<DIM>),
                      0.4)) {
         return false;
@@ -5464,10 +5467,10 @@ bool build(call &c, const input &in, space &s, const uint32_t *id, unsigned flag
             || !fetch_incident(c, id, incident))) {
         return false;
     }
-    if (c.job != NULL && c.card == 0 && !copy_out(c, c.job->incident, incident, in.count * sizeof(pbw_index), 0.4)) {
+    if (to_host && c.card == 0 && !copy_out(c, c.job->incident, incident, in.count * sizeof(pbw_index), 0.4)) {
         return false;
     }
-    if (c.job != NULL && c.card + 1 == c.cards->cards
+    if (to_host && c.card + 1 == c.cards->cards
         && !copy_out(c, c.job->canonical, mesh->canonical, in.count * sizeof(pbw_index), 0.4)) {
         return false;
     }
@@ -5618,7 +5621,6 @@ bool open_call(call &c, cudaStream_t stream, int dim, size_t count)
     c.dim = dim;
     c.count = count;
     c.stars = count / (c.cards != NULL ? (size_t)c.cards->cards : 1);
-    c.limit = c.job != NULL ? c.job->memory_limit : 0;
     if (!good(c, cudaGetDevice(&device), "no usable device")
         || !good(c, cudaDeviceGetAttribute(&pools, cudaDevAttrMemoryPoolsSupported, device),
                  "cudaDeviceGetAttribute")) {
@@ -5788,6 +5790,123 @@ pbw_status triangulate(const pbw_backend *backend, pbw_job *job)
     return (pbw_status)cards.status.load();
 }
 
+/* A call for points on the device: a job whose results stay there. */
+struct local_call {
+    call c;
+    pbw_job job;
+    pbw__context context;
+    pbw__dispatch dispatch;
+    pbw__fp fp;
+};
+
+bool take_options(pbw_options &options, const pbw_options *given_options)
+{
+    memset(&options, 0, sizeof options);
+    options = given_options != NULL ? *given_options : options;
+    return options.threads >= 0 && options.threads <= 256
+        && (options.flags & ~(PBW_ANY_ORDER | PBW_NO_NEIGHBORS | PBW_BACKEND_OR_CPU)) == 0;
+}
+
+int report_check(pbw_job *job, pbw_stage stage, double done)
+{
+    (void)stage;
+    return pbw__job_report(job, PBW_STAGE_CHECK, done);
+}
+
+bool open_local(local_call &local, const pbw_options &options, cudaStream_t stream, int dim, size_t count, bool check)
+{
+    call &c = local.c;
+    memset(&local, 0, sizeof local);
+    pbw__context_start(&local.context, &options, count);
+    local.dispatch.context = &local.context;
+    local.dispatch.options = &options;
+    local.job.memory_limit = options.memory_limit;
+    local.job.report = check ? report_check : pbw__job_report;
+    local.job.say = pbw__job_say;
+    local.job.context = &local.dispatch;
+    c.job = &local.job;
+    local.fp = pbw__fp_enter();
+    if (!pbw__fp_is_exact()) {
+        return fail(c, PBW_ERROR_FP_MODE, pbw_status_string(PBW_ERROR_FP_MODE));
+    }
+    look_up(c, PBW_STAGE_ORDER, 0.0);
+    return c.status == PBW_OK && open_call(c, stream, dim, count)
+        && (options.progress == NULL
+            || good(c, cudaStreamCreateWithFlags(&c.copies, cudaStreamNonBlocking), "cudaStreamCreate"));
+}
+
+/* On success all but the mesh's arrays is freed, else those too. */
+pbw_status close_local(local_call &local, pbw_cuda_mesh *mesh)
+{
+    call &c = local.c;
+    if (c.copies != NULL) {                          /* the word that stops kernels is written before it is freed */
+        good(c, cudaStreamSynchronize(c.copies), "stopping");
+        cudaStreamDestroy(c.copies);
+    }
+    if (mesh != NULL && c.status != PBW_OK && c.status != PBW_DEGENERATE) {
+        memset(mesh, 0, sizeof *mesh);               /* everything is still in the list of blocks */
+    }
+    close_call(c, mesh);
+    pbw__fp_leave(local.fp);
+    return c.status;
+}
+
+/* An input on the device that is for the CPU: its points to the host, the arrays to the device. */
+bool build_by(pbw_triangulator *cpu, call &c, const input &in, pbw_options options, pbw_cuda_mesh *mesh)
+{
+    pbw__memory &memory = ((pbw__dispatch *)c.job->context)->context->memory;
+    const size_t size = in.is_float ? sizeof(float) : sizeof(double), coordinates = in.count * (size_t)in.dim;
+    const size_t numbers = coordinates + (in.weights != NULL ? in.count : 0);
+    double *points = (double *)pbw__allocate(&memory, numbers, sizeof(double));
+    char *packed = (char *)(points + numbers) - numbers * size;        /* floats: the second half, widened in place */
+    pbw_mesh host;
+    pbw_status status;
+    if (points == NULL) {
+        return fail(c, PBW_ERROR_MEMORY, "out of memory on the host");
+    }
+    options.backend = NULL;
+    options.trace = NULL;
+    options.stride = options.weight_stride = 0;
+    options.memory_limit -= options.memory_limit > 0 ? memory.used - (memory.used == memory.limit) : 0;
+    memset(&host, 0, sizeof host);
+    if (good(c, cudaMemcpyAsync(packed, in.points, coordinates * size, cudaMemcpyDeviceToHost, c.stream),
+             "copying points")
+        && (in.weights == NULL
+            || good(c, cudaMemcpyAsync(packed + coordinates * size, in.weights, in.count * size,
+                                       cudaMemcpyDeviceToHost, c.stream), "copying weights"))
+        && wait(c, c.stream, PBW_STAGE_ORDER, 0.0)) {
+        for (size_t i = 0; i < numbers && in.is_float; i++) {
+            float number;
+            memcpy(&number, packed + i * sizeof number, sizeof number);
+            points[i] = (double)number;
+        }
+        status = cpu(in.dim, points, in.weights != NULL ? points + coordinates : NULL, in.count, &options, &host);
+        if (status != PBW_OK && status != PBW_DEGENERATE) {
+            fail(c, status, pbw_status_string(status));
+        }
+        const pbw_index *from[4] = { host.simplices, host.neighbors, host.incident, host.canonical };
+        pbw_index **to[4] = { &mesh->simplices, &mesh->neighbors, &mesh->incident, &mesh->canonical };
+        for (int i = 0; i < 4; i++) {
+            const size_t entries = i < 2 ? host.simplex_count * ((size_t)in.dim + 1) : in.count;
+            if (from[i] != NULL && allocate(c, *to[i], entries)) {
+                good(c, cudaMemcpyAsync(*to[i], from[i], entries * sizeof(pbw_index), cudaMemcpyHostToDevice,
+                                        c.stream), "copying results");
+            }
+        }
+        mesh->dim = in.dim;
+        mesh->by_cpu = 1;
+        mesh->point_count = in.count;
+        mesh->simplex_count = host.simplex_count;
+        mesh->duplicate_count = host.duplicate_count;
+        mesh->hidden_count = host.hidden_count;
+        wait(c, c.stream, PBW_STAGE_OUTPUT, 0.9);    /* what is copied is freed next */
+        c.status = c.status == PBW_OK ? status : c.status;
+    }
+    pbw_free(&host);
+    pbw__release(&memory, points, numbers, sizeof(double));
+    return c.status == PBW_OK || c.status == PBW_DEGENERATE;
+}
+
 } /* namespace */
 
 extern "C" const pbw_backend *pbw_cuda_backend_multi(const int *devices, int count)
@@ -5829,26 +5948,41 @@ extern "C" const pbw_backend *pbw_cuda_backend(int device)
 }
 
 extern "C" pbw_status pbw_cuda_triangulate(int dim, int is_float, const void *points, const void *weights,
-                                           size_t count, unsigned flags, void *stream, pbw_cuda_mesh *mesh,
-                                           char *message, size_t message_size)
+                                           size_t count, const pbw_options *given_options, void *stream,
+                                           pbw_triangulator *cpu, pbw_cuda_mesh *mesh)
 {
-    call c;
-    input in = { points, weights, count, dim, is_float };
-    if (mesh == NULL || (dim != 2 && dim != 3) || (points == NULL && count > 0)) {
+    const size_t size = is_float ? sizeof(float) : sizeof(double);
+    const input in = { points, weights, count, dim, is_float };
+    pbw_options options;
+    pbw_status status = PBW_ERROR_BACKEND;
+    if (mesh == NULL) {
         return PBW_ERROR_ARGUMENT;
     }
     memset(mesh, 0, sizeof *mesh);
-    memset(&c, 0, sizeof c);
-    c.message = message;
-    c.message_size = message_size;
-    if (open_call(c, (cudaStream_t)stream, dim, count)) {
-        run(c, in, flags, mesh);
+    if (!take_options(options, given_options) || (dim != 2 && dim != 3) || (points == NULL && count > 0)
+        || (options.stride != 0 && options.stride != (size_t)dim * size)
+        || (options.weight_stride != 0 && options.weight_stride != size)) {
+        return PBW_ERROR_ARGUMENT;
     }
-    if (c.status != PBW_OK) {                        /* everything is still in the list of blocks */
-        memset(mesh, 0, sizeof *mesh);
+    if (count >= PBW_NONE) {
+        return PBW_ERROR_TOO_LARGE;
     }
-    close_call(c, mesh);
-    return c.status;
+    for (int on_cpu = 0; on_cpu < 2 && status == PBW_ERROR_BACKEND; on_cpu++) {
+        local_call local;
+        call &c = local.c;
+        if (open_local(local, options, (cudaStream_t)stream, dim, count, false)) {
+            c.must = cpu == NULL;
+        }
+        if (c.status == PBW_OK
+            && (on_cpu ? build_by(cpu, c, in, options, mesh) : run(c, in, options.flags, mesh))) {
+            look_up(c, PBW_STAGE_OUTPUT, 1.0);
+        }
+        status = close_local(local, mesh);
+        if (cpu == NULL || (!c.declined && (options.flags & PBW_BACKEND_OR_CPU) == 0)) {
+            break;
+        }
+    }
+    return status;
 }
 
 extern "C" void pbw_cuda_free(pbw_cuda_mesh *mesh, void *stream)
@@ -5865,26 +5999,26 @@ extern "C" void pbw_cuda_free(pbw_cuda_mesh *mesh, void *stream)
 }
 
 extern "C" pbw_status pbw_cuda_check(const pbw_cuda_mesh *mesh, int is_float, const void *points, const void *weights,
-                                     void *stream, pbw_report *report, char *message, size_t message_size)
+                                     const pbw_options *given_options, void *stream, pbw_report *report)
 {
-    call c;
+    pbw_options options;
+    local_call local;
     if (report != NULL) {
         memset(report, 0, sizeof *report);
         report->what = "";
         report->simplex = report->facet = report->point = PBW_NONE;
     }
-    if (report == NULL || mesh == NULL || points == NULL || (mesh->dim != 2 && mesh->dim != 3)
+    if (!take_options(options, given_options) || report == NULL || mesh == NULL || points == NULL
+        || (mesh->dim != 2 && mesh->dim != 3)
         || mesh->simplex_count == 0 || mesh->simplex_count >= PBW_NONE || mesh->point_count >= PBW_NONE
         || mesh->simplices == NULL || mesh->neighbors == NULL || mesh->incident == NULL || mesh->canonical == NULL) {
         return PBW_ERROR_ARGUMENT;
     }
-    memset(&c, 0, sizeof c);
-    c.message = message;
-    c.message_size = message_size;
-    if (open_call(c, (cudaStream_t)stream, mesh->dim, 0)) {
+    if (open_local(local, options, (cudaStream_t)stream, mesh->dim, 0, true)) {
         input in = { points, weights, mesh->point_count, mesh->dim, is_float };
-        report->valid = mesh->dim == 3 ? check_mesh<3>(c, *mesh, in, report) : check_mesh<2>(c, *mesh, in, report);
+        report->valid = mesh->dim == 3 ? check_mesh<3>(local.c, *mesh, in, report)
+                                       : check_mesh<2>(local.c, *mesh, in, report);
+        look_up(local.c, PBW_STAGE_CHECK, 1.0);
     }
-    close_call(c, NULL);
-    return c.status;
+    return close_local(local, NULL);
 }

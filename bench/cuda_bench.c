@@ -150,6 +150,8 @@ static int row(const char *kind_name, int dim, size_t count, int weighted, int r
         input_fill_weights(INPUT_WEIGHTS_HIDING, dim, count, 1, points, weights);
     }
     memset(&options, 0, sizeof options);
+    options.message = message;
+    options.message_size = sizeof message;
     memset(&mesh, 0, sizeof mesh);
     printf("%s%s %dD %zu\n", kind_name, weighted ? " weighted" : "", dim, count);
 
@@ -164,18 +166,18 @@ static int row(const char *kind_name, int dim, size_t count, int weighted, int r
             double start;
             cudaDeviceSynchronize();
             start = seconds();
-            status = pbw_cuda_triangulate(dim, 0, points_on_device, weights_on_device, count, 0, NULL, &device_mesh,
-                                          message, sizeof message);
+            status = pbw_cuda_triangulate(dim, 0, points_on_device, weights_on_device, count, &options, NULL,
+                                          pbw_triangulate, &device_mesh);
             cudaDeviceSynchronize();
             times[run > 0 ? run - 1 : 0] = seconds() - start;
             if (status == PBW_OK && run == runs) {
                 cudaMemGetInfo(&free_after, &all);
                 simplices = device_mesh.simplex_count;
                 qsort(times, (size_t)runs, sizeof times[0], compare_doubles);
-                printf("  device    best %.2f median %.2f ms; %zu simplices; stars %zu, %zu, %zu; "
-                       "%.0f device bytes a point\n   ", 1e3 * times[0], 1e3 * times[runs / 2], simplices,
-                       device_mesh.stars[0], device_mesh.stars[1], device_mesh.stars[2],
-                       (double)(free_before - free_after) / (double)count);
+                printf("  device    %sbest %.2f median %.2f ms; %zu simplices; stars %zu, %zu, %zu; "
+                       "%.0f device bytes a point\n   ", device_mesh.by_cpu ? "by the CPU: " : "", 1e3 * times[0],
+                       1e3 * times[runs / 2], simplices, device_mesh.stars[0], device_mesh.stars[1],
+                       device_mesh.stars[2], (double)(free_before - free_after) / (double)count);
                 for (i = 0; i < 8; i++) {
                     printf(" %s %.2f", phase[i], (double)device_mesh.milliseconds[i]);
                 }
@@ -184,15 +186,13 @@ static int row(const char *kind_name, int dim, size_t count, int weighted, int r
             if (status == PBW_OK && run == runs) {
                 pbw_report report;
                 start = seconds();
-                status = pbw_cuda_check(&device_mesh, 0, points_on_device, weights_on_device, NULL, &report, message,
-                                        sizeof message);
+                status = pbw_cuda_check(&device_mesh, 0, points_on_device, weights_on_device, &options, NULL,
+                                        &report);
                 printf("  check     %.2f ms: %s\n", 1e3 * (seconds() - start),
                        status != PBW_OK ? message : report.valid ? "sound" : report.what);
                 fault |= status != PBW_OK || !report.valid;
             }
-            if (device_mesh.simplices != NULL) {
-                pbw_cuda_free(&device_mesh, NULL);
-            }
+            pbw_cuda_free(&device_mesh, NULL);
         }
     }
     if (status != PBW_OK) {
@@ -202,8 +202,6 @@ static int row(const char *kind_name, int dim, size_t count, int weighted, int r
     cudaFree(weights_on_device);
 
     options.backend = pbw_cuda_backend(0);
-    options.message = message;
-    options.message_size = sizeof message;
     options.resize = keeper_resize;
     options.resize_user = memory;
     status = host_to_host(dim, points, weights, count, &options, runs, times, &mesh);

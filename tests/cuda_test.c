@@ -23,6 +23,69 @@ static const pbw_backend *team_of(int cards)
     return pbw_cuda_backend_multi(device, cards);
 }
 
+static void *to_device(const void *from, size_t bytes)
+{
+    void *block = NULL;
+    CHECK(cudaMalloc(&block, bytes > 0 ? bytes : 1) == cudaSuccess
+          && cudaMemcpy(block, from, bytes, cudaMemcpyHostToDevice) == cudaSuccess);
+    return block;
+}
+
+static pbw_index *from_device(const pbw_index *from, size_t count)
+{
+    pbw_index *block = from == NULL ? NULL : (pbw_index *)zoo_grow(NULL, (count + 1) * sizeof *block);
+    CHECK(block == NULL || cudaMemcpy(block, from, count * sizeof *block, cudaMemcpyDeviceToHost) == cudaSuccess);
+    return block;
+}
+
+/* The status of pbw_cuda_triangulate for points on the device, in a stream of their own; on success its mesh must be
+   that of the CPU, elsewhere empty.  by_host: whether the CPU made it. */
+static pbw_status on_device(const pbw_mesh *cpu, int dim, int is_float, const void *points, const void *weights,
+                            size_t count, const pbw_options *options, int *by_host)
+{
+    const size_t size = is_float ? sizeof(float) : sizeof(double);
+    void *there = to_device(points, count * (size_t)dim * size);
+    void *weights_there = weights == NULL ? NULL : to_device(weights, count * size);
+    cudaStream_t stream;
+    pbw_cuda_mesh mesh, none;
+    pbw_status status;
+    memset(&none, 0, sizeof none);
+    memset(&mesh, 1, sizeof mesh);
+    CHECK(cudaStreamCreateWithFlags(&stream, cudaStreamNonBlocking) == cudaSuccess);
+    status = pbw_cuda_triangulate(dim, is_float, there, weights_there, count, options, stream, pbw_triangulate,
+                                  &mesh);
+    CHECK(cudaStreamSynchronize(stream) == cudaSuccess);
+    *by_host = mesh.by_cpu;
+    if (status == PBW_OK || status == PBW_DEGENERATE) {
+        const size_t links = mesh.simplex_count * ((size_t)dim + 1);
+        pbw_mesh copy = *cpu;
+        pbw_index *simplices = from_device(mesh.simplices, links), *neighbors = from_device(mesh.neighbors, links);
+        pbw_index *incident = from_device(mesh.incident, count), *canonical = from_device(mesh.canonical, count);
+        copy.dim = mesh.dim;
+        copy.point_count = mesh.point_count;
+        copy.simplex_count = mesh.simplex_count;
+        copy.duplicate_count = mesh.duplicate_count;
+        copy.hidden_count = mesh.hidden_count;
+        copy.simplices = simplices;
+        copy.neighbors = neighbors;
+        copy.incident = incident;
+        copy.canonical = canonical;
+        if (!CHECK(meshes_equal(cpu, &copy))) {
+            test_say("on the device, %s", mesh.by_cpu ? "by the CPU" : "by the GPU");
+        }
+        free(simplices);
+        free(neighbors);
+        free(incident);
+        free(canonical);
+        pbw_cuda_free(&mesh, stream);
+    }
+    CHECK(memcmp(&mesh, &none, sizeof none) == 0);
+    CHECK(cudaStreamDestroy(stream) == cudaSuccess);
+    cudaFree(there);
+    cudaFree(weights_there);
+    return status;
+}
+
 /* All builds of one input, and the comparison. */
 static void compare(int dim, const double *points, const double *weights, size_t count, unsigned flags)
 {
@@ -31,12 +94,16 @@ static void compare(int dim, const double *points, const double *weights, size_t
     pbw_status expected, status;
     char message[256] = "";
     static const int teams[6] = { 1, 2, 3, 4, 7, 16 };
-    int i, alone = 0;
+    int i, alone = 0, by_host = 0;
     memset(&options, 0, sizeof options);
     options.flags = flags;
     expected = pbw_triangulate(dim, points, weights, count, &options, &cpu);
     options.message = message;
     options.message_size = sizeof message;
+    status = on_device(&cpu, dim, 0, points, weights, count, &options, &by_host);
+    if (!CHECK_EQUAL(status, expected)) {
+        test_say("on the device: %s", message);
+    }
     for (i = 0; i < (count < 1000 ? 6 : 2); i++) {
         int cards = teams[i == 0 || count < 1000 ? i : 1 + (by_gpu + by_cpu) % 5];
         options.backend = i == 0 ? pbw_cuda_backend(0) : team_of(cards);
@@ -50,6 +117,7 @@ static void compare(int dim, const double *points, const double *weights, size_t
             }
             if (i == 0) {
                 alone = gpu.statistics.by_backend;
+                CHECK_EQUAL(by_host, !alone);
                 by_gpu += status == PBW_OK && alone;
                 by_cpu += status == PBW_OK && !alone;
             } else if (alone && !CHECK(gpu.statistics.by_backend         /* a share's sample may decline */
@@ -157,6 +225,18 @@ static void test_forms(void)
         pbw_free(&b);
         test_end();
     }
+    if (test_begin("floats on the device")) {
+        int by_host = 1;
+        pbw_triangulatef(3, floats, NULL, count, NULL, &a);
+        CHECK_EQUAL(on_device(&a, 3, 1, floats, NULL, count, NULL, &by_host), PBW_OK);
+        CHECK(!by_host);
+        pbw_free(&a);
+        pbw_triangulatef(2, floats, floats + 4, 7, NULL, &a);
+        CHECK_EQUAL(on_device(&a, 2, 1, floats, floats + 4, 7, NULL, &by_host), PBW_OK);
+        CHECK(by_host);
+        pbw_free(&a);
+        test_end();
+    }
     if (test_begin("strides")) {
         for (i = count; i-- > 0;) {
             memmove(points + 4 * i, points + 3 * i, 3 * sizeof *points);
@@ -177,14 +257,6 @@ static void test_forms(void)
 }
 
 /* ---- pbw_cuda_check against pbw_check, on good meshes and on planted faults */
-static void *to_device(const void *from, size_t bytes)
-{
-    void *block = NULL;
-    CHECK(cudaMalloc(&block, bytes) == cudaSuccess
-          && cudaMemcpy(block, from, bytes, cudaMemcpyHostToDevice) == cudaSuccess);
-    return block;
-}
-
 /* 1 if both say the same of a mesh, and that is good or not as expected. */
 static int checks_agree(const pbw_mesh *mesh, int good)
 {
@@ -193,9 +265,13 @@ static int checks_agree(const pbw_mesh *mesh, int good)
     pbw_report cpu, gpu;
     pbw_cuda_mesh copy;
     char message[256] = "";
+    pbw_options options;
     int same;
     void *points = to_device(mesh->points, mesh->point_count * (size_t)mesh->dim * sizeof(double));
     void *weights = mesh->weights == NULL ? NULL : to_device(mesh->weights, mesh->point_count * sizeof(double));
+    memset(&options, 0, sizeof options);
+    options.message = message;
+    options.message_size = sizeof message;
     memset(&copy, 0, sizeof copy);
     copy.dim = mesh->dim;
     copy.point_count = mesh->point_count;
@@ -207,7 +283,7 @@ static int checks_agree(const pbw_mesh *mesh, int good)
     copy.incident = (pbw_index *)to_device(mesh->incident, each);
     copy.canonical = (pbw_index *)to_device(mesh->canonical, each);
     CHECK_EQUAL(pbw_check(mesh, NULL, &cpu), PBW_OK);
-    if (!CHECK_EQUAL(pbw_cuda_check(&copy, 0, points, weights, NULL, &gpu, message, sizeof message), PBW_OK)) {
+    if (!CHECK_EQUAL(pbw_cuda_check(&copy, 0, points, weights, &options, NULL, &gpu), PBW_OK)) {
         test_say("%s", message);
     }
     same = cpu.valid == gpu.valid && strcmp(cpu.what, gpu.what) == 0 && cpu.simplex == gpu.simplex
@@ -677,6 +753,114 @@ static void cancel_later(const double *points, size_t count, pbw_options options
     }
 }
 
+/* What calls for points on the device say where they fail, and to whom they listen. */
+static void test_failures_on_device(void)
+{
+    const size_t count = 50000;
+    double *points = (double *)zoo_grow(NULL, count * 3 * sizeof *points);
+    char message[256] = "";
+    pbw_options options;
+    pbw_mesh cpu, none;
+    pbw_cuda_mesh mesh;
+    size_t needed, said;
+    int by_host = 0, kind;
+    memset(&none, 0, sizeof none);
+    memset(&options, 0, sizeof options);
+    options.message = message;
+    options.message_size = sizeof message;
+    if (test_begin("on the device: arguments")) {
+        double *there = (double *)to_device(points, 24);
+        CHECK_EQUAL(pbw_cuda_triangulate(3, 0, there, NULL, 1, NULL, NULL, NULL, NULL), PBW_ERROR_ARGUMENT);
+        CHECK_EQUAL(pbw_cuda_triangulate(4, 0, there, NULL, 1, NULL, NULL, NULL, &mesh), PBW_ERROR_ARGUMENT);
+        CHECK_EQUAL(pbw_cuda_triangulate(3, 0, NULL, NULL, 1, NULL, NULL, NULL, &mesh), PBW_ERROR_ARGUMENT);
+        CHECK_EQUAL(pbw_cuda_triangulate(3, 0, there, NULL, PBW_NONE, NULL, NULL, NULL, &mesh),
+                    PBW_ERROR_TOO_LARGE);
+        options.flags = 8;
+        CHECK_EQUAL(pbw_cuda_triangulate(3, 0, there, NULL, 1, &options, NULL, NULL, &mesh), PBW_ERROR_ARGUMENT);
+        options.flags = 0;
+        options.stride = 32;
+        CHECK_EQUAL(pbw_cuda_triangulate(3, 0, there, NULL, 1, &options, NULL, NULL, &mesh), PBW_ERROR_ARGUMENT);
+        options.stride = 24;
+        CHECK_EQUAL(pbw_cuda_triangulate(3, 0, there, NULL, 1, &options, NULL, NULL, &mesh), PBW_ERROR_BACKEND);
+        CHECK(message[0] != '\0');
+        CHECK_EQUAL(pbw_cuda_triangulate(3, 0, there, NULL, 1, &options, NULL, pbw_triangulate, &mesh),
+                    PBW_DEGENERATE);
+        pbw_cuda_free(&mesh, NULL);
+        options.stride = 0;
+        cudaFree(there);
+        test_end();
+    }
+    if (test_begin("on the device: no points")) {
+        pbw_triangulate(2, NULL, NULL, 0, NULL, &cpu);
+        CHECK_EQUAL(on_device(&cpu, 2, 0, points, NULL, 0, &options, &by_host), PBW_DEGENERATE);
+        pbw_free(&cpu);
+        test_end();
+    }
+    for (kind = INPUT_UNIFORM; kind < INPUT_KINDS; kind += INPUT_LINES - INPUT_UNIFORM) {      /* GPU, then CPU */
+        input_fill(kind, 3, count, 1, points);
+        CHECK_EQUAL(pbw_triangulate(3, points, NULL, count, NULL, &cpu), PBW_OK);
+        pbw_cuda_patient = 0;
+        if (test_begin("on the device, cancelled: %s", input_name(kind))) {
+            pbw_status status = PBW_CANCELLED;
+            options.progress = stop_later;
+            for (stop_at = 1; status != PBW_OK; stop_at = 2 * stop_at + 1) {
+                calls = 0;
+                status = on_device(&cpu, 3, 0, points, NULL, count, &options, &by_host);
+                CHECK_EQUAL(status, calls >= stop_at ? PBW_CANCELLED : PBW_OK);
+                if (status != PBW_CANCELLED && status != PBW_OK) {
+                    break;
+                }
+            }
+            CHECK_EQUAL(by_host, kind != INPUT_UNIFORM);
+            options.progress = NULL;
+            test_end();
+        }
+        if (test_begin("on the device, out of memory on the host: %s", input_name(kind))) {
+            size_t left;
+            for (left = 1000; left < 100000000; left *= 2) {
+                size_t available = left;
+                pbw_status status;
+                options.resize = no_more;
+                options.resize_user = &available;
+                status = on_device(&cpu, 3, 0, points, NULL, count, &options, &by_host);
+                CHECK(status == PBW_OK || (status == PBW_ERROR_MEMORY && kind != INPUT_UNIFORM));
+            }
+            options.resize = NULL;
+            test_end();
+        }
+        if (test_begin("on the device, memory limit: %s", input_name(kind))) {
+            pbw_status status = PBW_ERROR_BACKEND;
+            for (options.memory_limit = count * 20; status != PBW_OK && options.memory_limit < count * 4000;
+                 options.memory_limit += options.memory_limit / 2) {
+                status = on_device(&cpu, 3, 0, points, NULL, count, &options, &by_host);
+                CHECK(status == PBW_OK || status == PBW_ERROR_BACKEND
+                      || (status == PBW_ERROR_MEMORY && kind != INPUT_UNIFORM));
+            }
+            CHECK_EQUAL(status, PBW_OK);
+            if (kind == INPUT_UNIFORM) {
+                options.memory_limit = count * 340;
+                CHECK_EQUAL(on_device(&none, 3, 0, points, NULL, count, &options, &by_host), PBW_ERROR_BACKEND);
+                CHECK(sscanf(message, "too little device memory: %zu bytes are needed, %zu are available", &needed,
+                             &said) == 2 && said == options.memory_limit);
+                options.flags = PBW_BACKEND_OR_CPU;
+                CHECK_EQUAL(on_device(&cpu, 3, 0, points, NULL, count, &options, &by_host), PBW_OK);
+                CHECK(by_host);
+                options.flags = 0;
+            }
+            options.memory_limit = 0;
+            test_end();
+        }
+        pbw_cuda_patient = 1;
+        pbw_free(&cpu);
+    }
+    if (test_begin("on the device: not finite")) {
+        points[77] = HUGE_VAL;
+        CHECK_EQUAL(on_device(&none, 3, 0, points, NULL, count, &options, &by_host), PBW_ERROR_NOT_FINITE);
+        test_end();
+    }
+    free(points);
+}
+
 static void test_failures(void)
 {
     const size_t count = 50000;
@@ -849,6 +1033,7 @@ int main(int argc, char **argv)
     test_verdicts(3000);
     test_forms();
     test_failures();
+    test_failures_on_device();
     test_teams();
     test_declined();
     test_spheres();
