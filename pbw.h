@@ -8567,7 +8567,7 @@ static pbw_status pbw__job_keep(pbw_job *job)
 static pbw_status pbw__job_reserve(pbw_job *job, size_t simplex_count)
 {
     pbw__dispatch *dispatch = (pbw__dispatch *)job->context;
-    pbw__memory *memory = &dispatch->context->memory;
+    pbw__context *context = dispatch->context;
     pbw__owned *owned = dispatch->owned;
     pbw_mesh *mesh = dispatch->mesh;
     size_t corners = (size_t)job->dim + 1, none = (job->flags & PBW_NO_NEIGHBORS) != 0;
@@ -8578,12 +8578,15 @@ static pbw_status pbw__job_reserve(pbw_job *job, size_t simplex_count)
     owned->simplices = simplex_count * corners;
     owned->neighbors = none ? 0 : owned->simplices;
     owned->incident = owned->canonical = job->count;
-    mesh->simplices = job->simplices = (pbw_index *)pbw__allocate(memory, owned->simplices, sizeof(pbw_index));
-    if (!none) {
-        mesh->neighbors = job->neighbors = (pbw_index *)pbw__allocate(memory, owned->neighbors, sizeof(pbw_index));
-    }
-    mesh->incident = job->incident = (pbw_index *)pbw__allocate(memory, owned->incident, sizeof(pbw_index));
-    mesh->canonical = job->canonical = (pbw_index *)pbw__allocate(memory, owned->canonical, sizeof(pbw_index));
+    job->simplices = (pbw_index *)pbw__allocate_large(context, owned->simplices, sizeof(pbw_index));
+    job->neighbors = none ? NULL
+                   : (pbw_index *)pbw__allocate_large(context, owned->neighbors, sizeof(pbw_index));
+    job->incident = (pbw_index *)pbw__allocate_large(context, owned->incident, sizeof(pbw_index));
+    job->canonical = (pbw_index *)pbw__allocate_large(context, owned->canonical, sizeof(pbw_index));
+    mesh->simplices = job->simplices;
+    mesh->neighbors = job->neighbors;
+    mesh->incident = job->incident;
+    mesh->canonical = job->canonical;
     return job->simplices != NULL && (none || job->neighbors != NULL) && job->incident != NULL
         && job->canonical != NULL ? PBW_OK : PBW_ERROR_MEMORY;
 }

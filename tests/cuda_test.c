@@ -23,11 +23,13 @@ static const pbw_backend *team_of(int cards)
     return pbw_cuda_backend_multi(device, cards);
 }
 
+/* There for all streams: cudaMemcpy may return while the last bytes are still on their way. */
 static void *to_device(const void *from, size_t bytes)
 {
     void *block = NULL;
     CHECK(cudaMalloc(&block, bytes > 0 ? bytes : 1) == cudaSuccess
-          && cudaMemcpy(block, from, bytes, cudaMemcpyHostToDevice) == cudaSuccess);
+          && cudaMemcpy(block, from, bytes, cudaMemcpyHostToDevice) == cudaSuccess
+          && cudaDeviceSynchronize() == cudaSuccess);
     return block;
 }
 
