@@ -366,8 +366,15 @@ extern int madvise(void *address, size_t length, int advice);    /* strict C mod
 #if defined(__clang__)
 #pragma STDC FP_CONTRACT OFF
 #elif defined(__GNUC__)
+#ifdef __NVCC__                                      /* it hands the next pragmas on to gcc, with a warning */
+#pragma nv_diagnostic push
+#pragma nv_diag_suppress 1675
+#endif
 #pragma GCC push_options
 #pragma GCC optimize("fp-contract=off")
+#ifdef __NVCC__
+#pragma nv_diagnostic pop
+#endif
 #ifdef _WIN32                                        /* gcc forgets that a vector function, called by a scalar one, */
 #pragma GCC optimize("no-ipa-ra")                    /* clears the upper halves of registers that it must keep */
 #endif

@@ -1,6 +1,6 @@
 # cuda.mk: pbw_cuda.cu, included by the Makefile.
 #   make cuda          compiles it where there is an nvcc: NVCC=, CUDA_FLAGS=-arch=sm_90
-#   make cuda-test     compares it with the CPU on a GPU, then on small inputs under compute-sanitizer
+#   make cuda-test     compares it with the CPU on a GPU, then on small inputs under compute-sanitizer; runs the example
 #   make cuda-bench    measures it: ARGS=--quick, or KIND:DIM:COUNT[:w] ...
 NVCC ?= $(firstword $(shell command -v nvcc) $(wildcard /usr/local/cuda/bin/nvcc))
 CUDA_HOME ?= $(patsubst %/bin/nvcc,%,$(NVCC))
@@ -11,11 +11,11 @@ CUDA_SANITIZER = $(firstword $(shell command -v compute-sanitizer) $(wildcard $(
 .PHONY: cuda cuda-test cuda-bench cuda-test-programs
 $B/cuda.o: pbw_cuda.cu pbw.h
 	@mkdir -p $B
-	$(NVCC) $(CUDA_FLAGS) -diag-suppress 1675 -c $< -o $@
+	$(NVCC) $(CUDA_FLAGS) -c $< -o $@
 
 $B/cuda_few.o: pbw_cuda.cu pbw.h
 	@mkdir -p $B
-	$(NVCC) $(CUDA_FLAGS) -diag-suppress 1675 -DPBW_CUDA_FEW=8 -DPBW_CUDA_TEST -c $< -o $@
+	$(NVCC) $(CUDA_FLAGS) -DPBW_CUDA_FEW=8 -DPBW_CUDA_TEST -c $< -o $@
 
 $B/cuda_test: tests/cuda_test.c $(HEADERS) $B/cuda_few.o
 	$(CUDA_C) -c $< -o $@.o
@@ -25,6 +25,9 @@ $B/cuda_bench: bench/cuda_bench.c $(HEADERS) $B/cuda.o $B/libpbw.a
 	$(CUDA_C) -c $< -o $@.o
 	$(NVCC) $(CUDA_FLAGS) $@.o $B/cuda.o $B/libpbw.a -o $@ -lpthread -lm
 
+$B/gpu: examples/gpu.cu pbw.h $B/cuda.o
+	$(NVCC) $(CUDA_FLAGS) -I. $< $B/cuda.o -o $@ -lpthread
+
 ifeq ($(NVCC),)
 cuda cuda-bench:
 	@echo 'skipped: no nvcc'
@@ -32,13 +35,14 @@ cuda-test:
 	@echo 'skipped: no nvcc'
 	@echo '0 passed, 0 failed, 1 skipped'
 else
-cuda: $B/cuda.o
+cuda: $B/cuda.o $B/gpu
 cuda-bench: $B/cuda_bench
 	$B/cuda_bench $(ARGS)
-cuda-test: $B/cuda_test
+cuda-test: $B/cuda_test $B/gpu
 	$B/cuda_test $(COUNT:%=--count %)
 ifneq ($(CUDA_SANITIZER),)
 	$(CUDA_SANITIZER) --tool memcheck --leak-check full --error-exitcode 1 $B/cuda_test --filter grids --count 5
 	$(CUDA_SANITIZER) --tool racecheck --error-exitcode 1 $B/cuda_test --filter grids --count 3
 endif
+	$B/gpu | diff - examples/expected/gpu.txt
 endif
