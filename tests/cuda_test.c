@@ -41,9 +41,9 @@ static pbw_index *from_device(const pbw_index *from, size_t count)
 }
 
 /* The status of pbw_cuda_triangulate for points on the device, in a stream of their own; on success its mesh must be
-   that of the CPU, elsewhere empty.  by_host: whether the CPU made it. */
+   that of the CPU, elsewhere empty.  by: the CPU that it may be left to, or NULL; by_host: whether it was. */
 static pbw_status on_device(const pbw_mesh *cpu, int dim, int is_float, const void *points, const void *weights,
-                            size_t count, const pbw_options *options, int *by_host)
+                            size_t count, const pbw_options *options, pbw_triangulator *by, int *by_host)
 {
     const size_t size = is_float ? sizeof(float) : sizeof(double);
     void *there = to_device(points, count * (size_t)dim * size);
@@ -54,8 +54,7 @@ static pbw_status on_device(const pbw_mesh *cpu, int dim, int is_float, const vo
     memset(&none, 0, sizeof none);
     memset(&mesh, 1, sizeof mesh);
     CHECK(cudaStreamCreateWithFlags(&stream, cudaStreamNonBlocking) == cudaSuccess);
-    status = pbw_cuda_triangulate(dim, is_float, there, weights_there, count, options, stream, pbw_triangulate,
-                                  &mesh);
+    status = pbw_cuda_triangulate(dim, is_float, there, weights_there, count, options, stream, by, &mesh);
     CHECK(cudaStreamSynchronize(stream) == cudaSuccess);
     *by_host = mesh.by_cpu;
     if (status == PBW_OK || status == PBW_DEGENERATE) {
@@ -102,7 +101,7 @@ static void compare(int dim, const double *points, const double *weights, size_t
     expected = pbw_triangulate(dim, points, weights, count, &options, &cpu);
     options.message = message;
     options.message_size = sizeof message;
-    status = on_device(&cpu, dim, 0, points, weights, count, &options, &by_host);
+    status = on_device(&cpu, dim, 0, points, weights, count, &options, pbw_triangulate, &by_host);
     if (!CHECK_EQUAL(status, expected)) {
         test_say("on the device: %s", message);
     }
@@ -230,11 +229,11 @@ static void test_forms(void)
     if (test_begin("floats on the device")) {
         int by_host = 1;
         pbw_triangulatef(3, floats, NULL, count, NULL, &a);
-        CHECK_EQUAL(on_device(&a, 3, 1, floats, NULL, count, NULL, &by_host), PBW_OK);
+        CHECK_EQUAL(on_device(&a, 3, 1, floats, NULL, count, NULL, pbw_triangulate, &by_host), PBW_OK);
         CHECK(!by_host);
         pbw_free(&a);
         pbw_triangulatef(2, floats, floats + 4, 7, NULL, &a);
-        CHECK_EQUAL(on_device(&a, 2, 1, floats, floats + 4, 7, NULL, &by_host), PBW_OK);
+        CHECK_EQUAL(on_device(&a, 2, 1, floats, floats + 4, 7, NULL, pbw_triangulate, &by_host), PBW_OK);
         CHECK(by_host);
         pbw_free(&a);
         test_end();
@@ -794,8 +793,22 @@ static void test_failures_on_device(void)
     }
     if (test_begin("on the device: no points")) {
         pbw_triangulate(2, NULL, NULL, 0, NULL, &cpu);
-        CHECK_EQUAL(on_device(&cpu, 2, 0, points, NULL, 0, &options, &by_host), PBW_DEGENERATE);
+        CHECK_EQUAL(on_device(&cpu, 2, 0, points, NULL, 0, &options, pbw_triangulate, &by_host), PBW_DEGENERATE);
         pbw_free(&cpu);
+        test_end();
+    }
+    if (test_begin("on the device, without a CPU")) {
+        pbw_cuda_patient = 0;
+        for (kind = INPUT_UNIFORM; kind < INPUT_KINDS; kind++) {
+            if (kind == INPUT_ANISOTROPIC || kind == INPUT_TERRAIN || kind == INPUT_LATTICE) {
+                input_fill(kind, 3, 20000, 1, points);
+                CHECK_EQUAL(pbw_triangulate(3, points, NULL, 20000, NULL, &cpu), PBW_OK);
+                CHECK_EQUAL(on_device(&cpu, 3, 0, points, NULL, 20000, &options, NULL, &by_host), PBW_OK);
+                CHECK(!by_host);
+                pbw_free(&cpu);
+            }
+        }
+        pbw_cuda_patient = 1;
         test_end();
     }
     for (kind = INPUT_UNIFORM; kind < INPUT_KINDS; kind += INPUT_LINES - INPUT_UNIFORM) {      /* GPU, then CPU */
@@ -807,7 +820,7 @@ static void test_failures_on_device(void)
             options.progress = stop_later;
             for (stop_at = 1; status != PBW_OK; stop_at = 2 * stop_at + 1) {
                 calls = 0;
-                status = on_device(&cpu, 3, 0, points, NULL, count, &options, &by_host);
+                status = on_device(&cpu, 3, 0, points, NULL, count, &options, pbw_triangulate, &by_host);
                 CHECK_EQUAL(status, calls >= stop_at ? PBW_CANCELLED : PBW_OK);
                 if (status != PBW_CANCELLED && status != PBW_OK) {
                     break;
@@ -824,7 +837,7 @@ static void test_failures_on_device(void)
                 pbw_status status;
                 options.resize = no_more;
                 options.resize_user = &available;
-                status = on_device(&cpu, 3, 0, points, NULL, count, &options, &by_host);
+                status = on_device(&cpu, 3, 0, points, NULL, count, &options, pbw_triangulate, &by_host);
                 CHECK(status == PBW_OK || (status == PBW_ERROR_MEMORY && kind != INPUT_UNIFORM));
             }
             options.resize = NULL;
@@ -834,18 +847,19 @@ static void test_failures_on_device(void)
             pbw_status status = PBW_ERROR_BACKEND;
             for (options.memory_limit = count * 20; status != PBW_OK && options.memory_limit < count * 4000;
                  options.memory_limit += options.memory_limit / 2) {
-                status = on_device(&cpu, 3, 0, points, NULL, count, &options, &by_host);
+                status = on_device(&cpu, 3, 0, points, NULL, count, &options, pbw_triangulate, &by_host);
                 CHECK(status == PBW_OK || status == PBW_ERROR_BACKEND
                       || (status == PBW_ERROR_MEMORY && kind != INPUT_UNIFORM));
             }
             CHECK_EQUAL(status, PBW_OK);
             if (kind == INPUT_UNIFORM) {
                 options.memory_limit = count * 340;
-                CHECK_EQUAL(on_device(&none, 3, 0, points, NULL, count, &options, &by_host), PBW_ERROR_BACKEND);
+                CHECK_EQUAL(on_device(&none, 3, 0, points, NULL, count, &options, pbw_triangulate, &by_host),
+                            PBW_ERROR_BACKEND);
                 CHECK(sscanf(message, "too little device memory: %zu bytes are needed, %zu are available", &needed,
                              &said) == 2 && said == options.memory_limit);
                 options.flags = PBW_BACKEND_OR_CPU;
-                CHECK_EQUAL(on_device(&cpu, 3, 0, points, NULL, count, &options, &by_host), PBW_OK);
+                CHECK_EQUAL(on_device(&cpu, 3, 0, points, NULL, count, &options, pbw_triangulate, &by_host), PBW_OK);
                 CHECK(by_host);
                 options.flags = 0;
             }
@@ -857,7 +871,8 @@ static void test_failures_on_device(void)
     }
     if (test_begin("on the device: not finite")) {
         points[77] = HUGE_VAL;
-        CHECK_EQUAL(on_device(&none, 3, 0, points, NULL, count, &options, &by_host), PBW_ERROR_NOT_FINITE);
+        CHECK_EQUAL(on_device(&none, 3, 0, points, NULL, count, &options, pbw_triangulate, &by_host),
+                    PBW_ERROR_NOT_FINITE);
         test_end();
     }
     free(points);
