@@ -8561,6 +8561,43 @@ typedef struct pbw__dispatch {
     pbw_mesh *mesh;
 } pbw__dispatch;
 
+/* May be called again, for another count. */
+static pbw_status pbw__job_reserve(pbw_job *job, size_t simplex_count)
+{
+    pbw__dispatch *dispatch = (pbw__dispatch *)job->context;
+    pbw__owned *owned = dispatch->owned;
+    pbw_mesh *mesh = dispatch->mesh;
+    pbw_index **array[4];
+    size_t *held[4], i;
+    pbw_status status = PBW_OK;
+    if (simplex_count >= PBW_NONE) {
+        return PBW_ERROR_TOO_LARGE;
+    }
+    array[0] = &job->simplices, held[0] = &owned->simplices;
+    array[1] = &job->neighbors, held[1] = &owned->neighbors;
+    array[2] = &job->incident, held[2] = &owned->incident;
+    array[3] = &job->canonical, held[3] = &owned->canonical;
+    for (i = 0; i < 4 && status == PBW_OK; i++) {
+        const size_t wanted = i >= 2 ? job->count : simplex_count > 0 ? simplex_count * ((size_t)job->dim + 1) : 1;
+        const size_t old = *held[i];
+        if (i == 1 && (job->flags & PBW_NO_NEIGHBORS) != 0) {
+            continue;
+        }
+        if (!pbw__resize_array(&dispatch->context->memory, array[i], held[i], wanted, sizeof(pbw_index))) {
+            status = PBW_ERROR_MEMORY;
+        }
+        pbw__populate(dispatch->context, *array[i], old * sizeof(pbw_index), *held[i] * sizeof(pbw_index));
+    }
+    mesh->simplex_count = simplex_count;
+    mesh->simplices = job->simplices;
+    mesh->neighbors = job->neighbors;
+    mesh->incident = job->incident;
+    mesh->canonical = job->canonical;
+    return status;
+}
+
+/* A backend calls it when it has time, so here pages are made for about as many simplices as there will be; another
+   count will cost nothing where our own allocator moves pages, not bytes. */
 static pbw_status pbw__job_keep(pbw_job *job)
 {
     pbw__dispatch *dispatch = (pbw__dispatch *)job->context;
@@ -8568,34 +8605,10 @@ static pbw_status pbw__job_keep(pbw_job *job)
                                          NULL, 0);
     job->kept_points = dispatch->mesh->points;
     job->kept_weights = dispatch->mesh->weights;
-    return status;
-}
-
-static pbw_status pbw__job_reserve(pbw_job *job, size_t simplex_count)
-{
-    pbw__dispatch *dispatch = (pbw__dispatch *)job->context;
-    pbw__context *context = dispatch->context;
-    pbw__owned *owned = dispatch->owned;
-    pbw_mesh *mesh = dispatch->mesh;
-    size_t corners = (size_t)job->dim + 1, none = (job->flags & PBW_NO_NEIGHBORS) != 0;
-    if (simplex_count >= PBW_NONE) {
-        return PBW_ERROR_TOO_LARGE;
+    if (status == PBW_OK && job->simplices == NULL && dispatch->context->memory.resize == pbw__default_resize) {
+        (void)pbw__job_reserve(job, job->dim == 3 ? job->count / 4 * 27 : job->count * 2);
     }
-    mesh->simplex_count = simplex_count;
-    owned->simplices = simplex_count * corners;
-    owned->neighbors = none ? 0 : owned->simplices;
-    owned->incident = owned->canonical = job->count;
-    job->simplices = (pbw_index *)pbw__allocate_large(context, owned->simplices, sizeof(pbw_index));
-    job->neighbors = none ? NULL
-                   : (pbw_index *)pbw__allocate_large(context, owned->neighbors, sizeof(pbw_index));
-    job->incident = (pbw_index *)pbw__allocate_large(context, owned->incident, sizeof(pbw_index));
-    job->canonical = (pbw_index *)pbw__allocate_large(context, owned->canonical, sizeof(pbw_index));
-    mesh->simplices = job->simplices;
-    mesh->neighbors = job->neighbors;
-    mesh->incident = job->incident;
-    mesh->canonical = job->canonical;
-    return job->simplices != NULL && (none || job->neighbors != NULL) && job->incident != NULL
-        && job->canonical != NULL ? PBW_OK : PBW_ERROR_MEMORY;
+    return status;
 }
 
 static int pbw__job_report(pbw_job *job, pbw_stage stage, double done)
