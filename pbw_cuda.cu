@@ -4959,9 +4959,14 @@ bool build_wide_stars(call &c, const space &s, const tree &t, const brick_tree &
         return decline_stars(c, failed);
     }
     if (!run_wide_rung<large_wide_rung>(c, s, bricks, seed, q[0].vertex, 0, 1, failed, next, NULL, far_cap,
-                                        128 + mine / 2048, out, out, q[1], q[2], last)
-        || !run_wide_rung<last_wide_rung>(c, s, bricks, seed, q[1].vertex, 0, 1, last, next, NULL, last_cap[0], 0,
-                                          out, out, q[0], q[2], failed)) {
+                                        128 + mine / 2048, out, out, q[1], q[2], last)) {
+        return false;
+    }
+    if (last > 128 + mine / 2048) {                  /* beyond its limit a rung leaves stars untried, uncounted */
+        return decline_stars(c, last);
+    }
+    if (!run_wide_rung<last_wide_rung>(c, s, bricks, seed, q[1].vertex, 0, 1, last, next, NULL, last_cap[0], 0,
+                                       out, out, q[0], q[2], failed)) {
         return false;
     }
     stars[0] = stars[1] = mine;
