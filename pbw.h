@@ -3299,12 +3299,12 @@ typedef struct pbw__kernel {
 
     uint8_t *owner;                                  /* >>parallel: whose each cell is; NULL: all are ours */
     uint8_t me, share;                               /* of the vertices, that the task is at */
-    uint8_t blocker;                                 /* who has a cell that the last vertex was left for */
+    uint8_t blocker;                                 /* who had the last cell that was lacking */
     int owner_bits;                                  /* vertex >> owner_bits is the number of its cell */
     int claim_count;                                 /* cells that we took */
     int renewed;                                     /* simplices were made since we last gave back cells */
-    size_t missed;                                   /* vertices of the round tried in vain */
-    size_t skip, ahead;                              /* vertices to pass over after such a one; still to pass over */
+    size_t missed, done_then;                        /* tries of the round in vain; `done` at the last one */
+    size_t skip, ahead;                              /* vertices to pass over after that one; still to pass over */
     pbw_index claim[PBW__CLAIMS];
     int no_room;                                     /* the store has no more blocks */
     pbw_index *left;                                 /* vertices left for the next round */
@@ -5999,7 +5999,8 @@ static void pbw__round_begin(pbw__build *build, int part)
     kernel->left_count = 0;
     kernel->claim_count = 0;
     kernel->renewed = 0;
-    kernel->missed = kernel->skip = kernel->ahead = 0;
+    kernel->missed = kernel->done_then = kernel->skip = kernel->ahead = 0;
+    kernel->blocker = PBW__NOBODY;
     kernel->facet_count = 0;
     kernel->no_room = 0;
     kernel->status = PBW_OK;
@@ -6136,14 +6137,28 @@ static int pbw__take_start(pbw__build *build, pbw__kernel *kernel, pbw_index v)
     return kernel->last != PBW_NONE;
 }
 
+/* After a try in vain: asks for the cell that was lacking, and has the next vertices passed over.  They would mostly be
+   left too, after as much work: another task is at work there.  Twice as many each time, and half as many for each
+   vertex inserted since. */
+static void pbw__missed(pbw__build *build, pbw__kernel *kernel)
+{
+    const size_t since = kernel->done - kernel->done_then;
+    if (kernel->blocker != PBW__NOBODY) {
+        PBW__STORE(build->asked + kernel->blocker, 1);
+    }
+    kernel->missed++;
+    kernel->done_then = kernel->done;
+    kernel->skip = since < 8 ? kernel->skip >> since : 0;
+    kernel->skip += kernel->skip < PBW__SKIP ? kernel->skip + 1 : 0;
+    kernel->ahead = kernel->skip;
+}
+
 /* Inserts a vertex with cells that are taken for it, and held for the next ones, which are often near.  All are given
    back when another task asks for any of them: it needs what is around, too. */
 static pbw_status pbw__insert_claiming(pbw__build *build, pbw__kernel *kernel, pbw_index v)
 {
     size_t created = kernel->statistics.created;
-    pbw_status status;
-    kernel->blocker = PBW__NOBODY;
-    status = pbw__take_start(build, kernel, v) ? kernel->insert(kernel, v) : PBW__LEFT;
+    pbw_status status = pbw__take_start(build, kernel, v) ? kernel->insert(kernel, v) : PBW__LEFT;
     if (status != PBW_OK && status != PBW__LEFT) {
         return status;                               /* what it was at is in no order: the cells stay taken */
     }
@@ -6153,13 +6168,10 @@ static pbw_status pbw__insert_claiming(pbw__build *build, pbw__kernel *kernel, p
     } else {
         kernel->facet_count = 0;
     }
-    if (status == PBW__LEFT) {
-        kernel->missed++;
-        if (kernel->blocker != PBW__NOBODY) {
-            PBW__STORE(build->asked + kernel->blocker, 1);
-        }
+    if (PBW__UNLIKELY(status == PBW__LEFT)) {
+        pbw__missed(build, kernel);
     }
-    if (status == PBW__LEFT || PBW__LOAD(build->asked + kernel->me)) {
+    if (PBW__UNLIKELY(status == PBW__LEFT) || PBW__UNLIKELY(PBW__LOAD(build->asked + kernel->me))) {
         PBW__STORE(build->asked + kernel->me, 0);
         pbw__give_back(build, kernel, kernel->claim_count);
     } else if (kernel->claim_count > PBW__HOLD) {
@@ -6264,25 +6276,14 @@ static void pbw__find_hints(void *arg, int part)
     }
 }
 
-/* Inserts a vertex, or leaves it.  Where one is left, the next ones mostly would be too, after as much work: another
-   task is at work there.  So some are passed over, twice as many each time; 0 = stop. */
-static int pbw__try(pbw__build *build, pbw__kernel *kernel, pbw_index v)
+/* Passes over a vertex, or inserts or leaves it. */
+PBW__INLINE int pbw__come_to(pbw__build *build, pbw__kernel *kernel, pbw_index v)
 {
-    const size_t missed = kernel->missed;
-    if (kernel->ahead > 0) {
+    if (PBW__UNLIKELY(kernel->ahead > 0)) {
         kernel->ahead--;
         return pbw__leave(kernel, v);
     }
-    if (!pbw__level_insert(build, kernel, v)) {
-        return 0;
-    }
-    if (kernel->missed == missed) {
-        kernel->skip /= 2;
-    } else {
-        kernel->skip += kernel->skip < PBW__SKIP ? kernel->skip + 1 : 0;
-        kernel->ahead = kernel->skip;
-    }
-    return 1;
+    return pbw__level_insert(build, kernel, v);
 }
 
 /* Inserts vertices of a round: of those that were left, or in the first one of the level.  Then again what is left, as
@@ -6292,19 +6293,18 @@ static int pbw__batch(pbw__build *build, pbw__kernel *kernel, size_t from, size_
     const size_t stride = build->stride, coarser = build->coarser, first = kernel->left_count;
     size_t i, rank = (from / (coarser / stride - 1) + from + 1) * stride, last = to - from, end;
     for (i = from; i < to; i++) {
-        if (!pbw__try(build, kernel, build->left_count > 0 ? build->left[i] : (pbw_index)rank + 1)) {
+        if (!pbw__come_to(build, kernel, build->left_count > 0 ? build->left[i] : (pbw_index)rank + 1)) {
             return 0;
         }
         rank += stride;
         rank += (rank & (coarser - 1)) == 0 ? stride : 0;        /* that one is a coarser level's */
     }
-    for (end = kernel->left_count; end > first && 4 * (end - first) < 3 * last;
-         end = kernel->left_count) {
+    for (end = kernel->left_count; end > first && 4 * (end - first) < 3 * last; end = kernel->left_count) {
         last = end - first;
         kernel->skip = kernel->ahead = 0;
         kernel->left_count = first;
         for (i = first; i < end; i++) {
-            if (!pbw__try(build, kernel, kernel->left[i])) {
+            if (!pbw__come_to(build, kernel, kernel->left[i])) {
                 return 0;
             }
         }
