@@ -5909,14 +5909,14 @@ static pbw_status pbw__kernel_create(pbw__kernel *kernel, pbw__context *context,
 
    A task inserts the vertices of a share of the curve, one after the other.  So the cells that an insertion needs are
    mostly those that the last ones needed: a task holds them, and gives back the older half when they are many, all
-   when it has to leave a vertex, when another task asks for one of them, and at the end.  Who leaves a vertex asks the
-   owner of the cell that was lacking; the owner hears of it after the vertex that it is at, or later, which costs time
-   only: so this word is in relaxed order.  What tasks hold is little of what there is, and they are mostly far apart.
-   Where they are not, as on lines that face each other, after a vertex that was left most of the next would be left
-   too, at as much work as if they were not: so the task passes some over.  Shares are done in batches; after a batch
-   what it left is tried again, as others have gone on since.  A task that is through with its share goes on with the
-   others', from their ends, where nobody is at work.  A walk starts in the cell of its vertex or near it, lest it take
-   cells all along.
+   when it has to leave a vertex, when another task asks for one of them, and at the end.  Who leaves a vertex asks
+   the owner of the cell that was lacking.  The owner hears of it after the vertex that it is at, or later, which
+   costs time only; so that word is written and read in relaxed order.
+   What tasks hold is little of what there is, and they are mostly far apart.  Where they are not, as on lines that
+   face each other, most of the vertices after one that was left would be left too, after as much work as if they were
+   not; so a task passes some over.  Shares are done in batches; after a batch what it left is tried again, as others
+   have gone on since.  A task that is through with its share goes on with the others', from their ends, where nobody
+   is at work.  A walk starts in the cell of its vertex or near it, lest it take cells all along.
 
    Why no word is written by one task while another reads or writes it, in 3D.  Call a simplex mine if I own two of
    its vertices: nobody else then owns three, so nobody else deletes it, and its corners do not change under me.
@@ -5945,15 +5945,15 @@ static pbw_status pbw__kernel_create(pbw__kernel *kernel, pbw__context *context,
    writes, now or later, both own a vertex of the same simplex: of four vertices one owns three and the other two; of
    a facet's three vertices both own two.
 
-   Why it ends.  A round goes on only if on the whole the tries of two tasks or more succeeded: one thread, which needs
-   no cells, is as quick as two that do.  What is left then, or is too little to be worth a round, is inserted by one
-   thread, which owns everything, before the next level begins: vertices near the hull are among it, and cavities there
-   would grow from level to level without them.
+   Why it ends.  A round is followed by another only if on the whole as many tries succeeded as two tasks make: one
+   thread, which needs no cells, is as quick as two that do.  What is left then, or is too little to be worth a round,
+   is inserted by one thread, which owns everything, before the next level begins: vertices near the hull are among
+   it, and cavities there would grow from level to level without them.
    ------------------------------------------------------------------------------------------------------ */
 #define PBW__PARTS 255
 #define PBW__LEAST_PART ((size_t)PBW__SMALLER(512))  /* vertices for each task, below which they are too near */
 #define PBW__HOLD PBW__SMALLER(256)                  /* cells that a task holds from vertex to vertex, at most */
-#define PBW__SKIP 64                                 /* vertices passed over after one that is left, less than twice */
+#define PBW__SKIP 64                                 /* of the vertices passed over after one, at most twice */
 #define PBW__BATCH ((size_t)PBW__SMALLER(64))        /* vertices that a task comes to at a time, at least, */
 #define PBW__BATCHES 32                              /* or a share in so many */
 #define PBW__LEAST_SHARE 32                          /* vertices left for each task, below which one does them all */
@@ -6153,8 +6153,8 @@ static void pbw__missed(pbw__build *build, pbw__kernel *kernel)
     kernel->ahead = kernel->skip;
 }
 
-/* Inserts a vertex with cells that are taken for it, and held for the next ones, which are often near.  All are given
-   back when another task asks for any of them: it needs what is around, too. */
+/* Inserts a vertex with cells that are taken for it, and held for the next ones, which are often near.  Who asks for
+   one of them gets all: it needs what is around, too. */
 static pbw_status pbw__insert_claiming(pbw__build *build, pbw__kernel *kernel, pbw_index v)
 {
     size_t created = kernel->statistics.created;
@@ -6286,8 +6286,8 @@ PBW__INLINE int pbw__come_to(pbw__build *build, pbw__kernel *kernel, pbw_index v
     return pbw__level_insert(build, kernel, v);
 }
 
-/* Inserts vertices of a round: of those that were left, or in the first one of the level.  Then again what is left, as
-   long as that makes it a quarter less: others have gone on since.  0 = stop. */
+/* Inserts vertices of a round: of those that were left, or in the first one of the level.  Then what is left again,
+   as long as that makes it a quarter less: others have gone on since.  0 = stop. */
 static int pbw__batch(pbw__build *build, pbw__kernel *kernel, size_t from, size_t to)
 {
     const size_t stride = build->stride, coarser = build->coarser, first = kernel->left_count;
