@@ -5953,7 +5953,7 @@ static pbw_status pbw__kernel_create(pbw__kernel *kernel, pbw__context *context,
 #define PBW__PARTS 255
 #define PBW__LEAST_PART ((size_t)PBW__SMALLER(512))  /* vertices for each task, below which they are too near */
 #define PBW__HOLD PBW__SMALLER(256)                  /* cells that a task holds from vertex to vertex, at most */
-#define PBW__SKIP 64                                 /* of the vertices passed over after one, at most twice */
+#define PBW__SKIP 64                                 /* vertices passed over after one, at most twice that */
 #define PBW__BATCH ((size_t)PBW__SMALLER(64))        /* vertices that a task comes to at a time, at least, */
 #define PBW__BATCHES 32                              /* or a share in so many */
 #define PBW__LEAST_SHARE 32                          /* vertices left for each task, below which one does them all */
@@ -6137,8 +6137,8 @@ static int pbw__take_start(pbw__build *build, pbw__kernel *kernel, pbw_index v)
     return kernel->last != PBW_NONE;
 }
 
-/* After a try in vain: asks for the cell that was lacking, and has the next vertices passed over.  They would mostly be
-   left too, after as much work: another task is at work there.  Twice as many each time, and half as many for each
+/* After a try in vain: asks for the cell that was lacking, and has the next vertices passed over.  They would mostly
+   be left too, after as much work: another task is at work there.  Twice as many each time, and half as many for each
    vertex inserted since. */
 static void pbw__missed(pbw__build *build, pbw__kernel *kernel)
 {
