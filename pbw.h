@@ -172,8 +172,8 @@ typedef struct pbw_statistics {            /* of the build that filled a mesh */
     size_t conflict_tests, exact_tests;    /* sphere tests made; those that the filter left to exact stages */
     size_t created;                        /* simplices created, ghosts included */
     int threads;                           /* that took part */
-    size_t rounds, postponed;              /* of several threads; insertions that met another thread's and were put
-                                              off to the next round */
+    size_t rounds, postponed;              /* of several threads; insertions put off to the next round, since these or
+                                              the ones before met another thread's */
     size_t serial;                         /* points inserted while there was work for one thread only */
     int by_backend;                        /* 1: options.backend built this, 0: the CPU */
 } pbw_statistics;
@@ -3299,9 +3299,12 @@ typedef struct pbw__kernel {
 
     uint8_t *owner;                                  /* >>parallel: whose each cell is; NULL: all are ours */
     uint8_t me, share;                               /* of the vertices, that the task is at */
+    uint8_t blocker;                                 /* who had the last cell that was lacking */
     int owner_bits;                                  /* vertex >> owner_bits is the number of its cell */
-    int claim_count, hold;                           /* cells that we took, may hold from vertex to vertex */
+    int claim_count;                                 /* cells that we took */
     int renewed;                                     /* simplices were made since we last gave back cells */
+    size_t missed, done_then;                        /* tries of the round in vain; `done` at the last one */
+    size_t skip, ahead;                              /* vertices to pass over after that one; still to pass over */
     pbw_index claim[PBW__CLAIMS];
     int no_room;                                     /* the store has no more blocks */
     pbw_index *left;                                 /* vertices left for the next round */
@@ -3671,7 +3674,11 @@ static PBW__NOINLINE int pbw__claim(pbw__kernel *kernel, size_t cell)
 PBW__INLINE int pbw__owns_cell(pbw__kernel *kernel, size_t cell)
 {
     uint8_t owner = PBW__LOAD(kernel->owner + cell);
-    return owner == kernel->me || (owner == PBW__NOBODY && pbw__claim(kernel, cell));
+    if (owner == kernel->me || (owner == PBW__NOBODY && pbw__claim(kernel, cell))) {
+        return 1;
+    }
+    kernel->blocker = owner;
+    return 0;
 }
 
 PBW__INLINE int pbw__owns(pbw__kernel *kernel, pbw_index v)
@@ -4032,20 +4039,26 @@ typedef struct pbw__search {
 } pbw__search;
 
 #ifdef PBW__SIMD
-/* Whether we may delete all neighbours: the corners are ours, so three are of each neighbour. */
-PBW__INLINE unsigned pbw__owns_all(const pbw__kernel *kernel, const pbw_index *v)
+/* Which of four corners are not ours. */
+PBW__INLINE unsigned pbw__lacking4(const pbw__kernel *kernel, pbw_index a, pbw_index b, pbw_index c, pbw_index d)
 {
-    return pbw__is_ours(kernel, v[0]) & pbw__is_ours(kernel, v[1]) & pbw__is_ours(kernel, v[2])
-         & pbw__is_ours(kernel, v[3]);
+    return 15u ^ (pbw__is_ours(kernel, a) | pbw__is_ours(kernel, b) << 1 | pbw__is_ours(kernel, c) << 2
+                  | pbw__is_ours(kernel, d) << 3);
 }
 
-/* Whether we may delete those of the neighbours that are in conflict, but for those that are in the cavity. */
-static PBW__NOINLINE int pbw__may_delete_all(pbw__kernel *kernel, const pbw__link *link, unsigned inside)
+/* Whether we may delete those of the neighbours that are in conflict, where one corner is not ours.  The neighbour
+   across from it has three that are; the others have two, and the vertex across.  These vertices are taken first:
+   whose corner ours lack is often of so many simplices that others need it too. */
+static PBW__NOINLINE int pbw__may_delete_all(pbw__kernel *kernel, const pbw__carved *carved, unsigned lacking,
+                                             unsigned inside)
 {
-    for (; inside != 0; link++, inside >>= 1) {
-        const pbw_index o = (pbw_index)(*link >> 2);
-        if ((inside & 1) != 0 && !PBW__LOAD(kernel->mark + o) && !pbw__may_delete(kernel, o)) {
-            return 0;
+    const pbw_index *corner = kernel->corner;
+    const pbw__link *link = carved->link;
+    unsigned set = inside & ~lacking;
+    set &= pbw__lacking4(kernel, corner[link[0]], corner[link[1]], corner[link[2]], corner[link[3]]);
+    for (; set != 0; set &= set - 1) {
+        if (!pbw__owns(kernel, corner[link[__builtin_ctz(set)]])) {
+            return pbw__owns(kernel, carved->v[__builtin_ctz(lacking)]);
         }
     }
     return 1;
@@ -4479,7 +4492,7 @@ PBW__SIMD_INLINE pbw_status pbw__carve3_simd(pbw__kernel *kernel, pbw_index t, c
     const pbw_index *corner = kernel->corner;
     const double *record = kernel->record;
     const int owned = kernel->owner != NULL;
-    unsigned char ours[PBW__HELD];                   /* >>parallel: whether all corners are */
+    unsigned char lacking[PBW__HELD];                /* >>parallel: which corner is not ours, as a set */
     pbw__held held[PBW__HELD];
     pbw__d4 heights[PBW__HELD][2];                   /* of weighted rows; else they are the lifts */
     pbw__search search;
@@ -4546,10 +4559,12 @@ PBW__SIMD_INLINE pbw_status pbw__carve3_simd(pbw__kernel *kernel, pbw_index t, c
             inside = pbw__search_exact(kernel, carved, certain, inside, pbw__signs(rounded), p);
         }
         if (PBW__UNLIKELY(owned)) {                  /* of the one that it was met from three corners are the same */
-            const unsigned all = i - met < PBW__HELD && ours[met % PBW__HELD] ? pbw__is_ours(kernel, corner[link])
-                                                                              : pbw__owns_all(kernel, carved->v);
-            ours[i % PBW__HELD] = (unsigned char)all;
-            if (PBW__UNLIKELY(!all) && !pbw__may_delete_all(kernel, carved->link, inside)) {
+            const unsigned lack = i - met < PBW__HELD && lacking[met % PBW__HELD] == 0
+                                ? (pbw__is_ours(kernel, corner[link]) ^ 1u) << (link & 3)
+                                : pbw__lacking4(kernel, carved->v[0], carved->v[1], carved->v[2], carved->v[3]);
+            lacking[i % PBW__HELD] = (unsigned char)lack;
+            if (PBW__UNLIKELY(lack != 0) && (inside & ~lack) != 0
+                && !pbw__may_delete_all(kernel, carved, lack, inside)) {
                 return pbw__search_leave(kernel, &search, i);
             }
         }
@@ -5894,10 +5909,14 @@ static pbw_status pbw__kernel_create(pbw__kernel *kernel, pbw__context *context,
 
    A task inserts the vertices of a share of the curve, one after the other.  So the cells that an insertion needs are
    mostly those that the last ones needed: a task holds them, and gives back the older half when they are many, all
-   when it has to leave a vertex, and at the end.  What tasks hold is little of what there is, and they are far apart:
-   of 100 vertices one to ten are left.  Shares are done in batches; after a batch what it left, if little, is tried
-   again, as others have gone on since.  A task that is through with its share goes on with the others', from their
-   ends, where nobody is at work.  A walk starts in the cell of its vertex or near it, lest it take cells all along.
+   when it has to leave a vertex, when another task asks for one of them, and at the end.  Who leaves a vertex asks
+   the owner of the cell that was lacking.  The owner hears of it after the vertex that it is at, or later, which
+   costs time only; so that word is written and read in relaxed order.
+   What tasks hold is little of what there is, and they are mostly far apart.  Where they are not, as on lines that
+   face each other, most of the vertices after one that was left would be left too, after as much work as if they were
+   not; so a task passes some over.  Shares are done in batches; after a batch what it left is tried again, as others
+   have gone on since.  A task that is through with its share goes on with the others', from their ends, where nobody
+   is at work.  A walk starts in the cell of its vertex or near it, lest it take cells all along.
 
    Why no word is written by one task while another reads or writes it, in 3D.  Call a simplex mine if I own two of
    its vertices: nobody else then owns three, so nobody else deletes it, and its corners do not change under me.
@@ -5926,17 +5945,18 @@ static pbw_status pbw__kernel_create(pbw__kernel *kernel, pbw__context *context,
    writes, now or later, both own a vertex of the same simplex: of four vertices one owns three and the other two; of
    a facet's three vertices both own two.
 
-   Why it ends.  After a round that inserts less than a quarter of its vertices the next one has half as many tasks,
-   as cells are what they lack.  What is left when one task would remain, or is too little to be worth a round, is
-   inserted by one thread, which owns everything, before the next level begins: vertices near the hull are among it,
-   and cavities there would grow from level to level without them.
+   Why it ends.  A round is followed by another only if on the whole as many tries succeeded as two tasks make: one
+   thread, which needs no cells, is as quick as two that do.  What is left then, or is too little to be worth a round,
+   is inserted by one thread, which owns everything, before the next level begins: vertices near the hull are among
+   it, and cavities there would grow from level to level without them.
    ------------------------------------------------------------------------------------------------------ */
 #define PBW__PARTS 255
 #define PBW__LEAST_PART ((size_t)PBW__SMALLER(512))  /* vertices for each task, below which they are too near */
-#define PBW__HOLD 64                                 /* cells that a task holds from vertex to vertex, at most */
+#define PBW__HOLD PBW__SMALLER(256)                  /* cells that a task holds from vertex to vertex, at most */
+#define PBW__SKIP 64                                 /* vertices passed over after one, at most twice that */
 #define PBW__BATCH ((size_t)PBW__SMALLER(64))        /* vertices that a task comes to at a time, at least, */
 #define PBW__BATCHES 32                              /* or a share in so many */
-#define PBW__LEAST_SHARE 8                           /* vertices left for each task, below which one does them all */
+#define PBW__LEAST_SHARE 32                          /* vertices left for each task, below which one does them all */
 
 typedef struct pbw__build {
     pbw__context *context;
@@ -5947,6 +5967,7 @@ typedef struct pbw__build {
     uint32_t trace;                                  /* 256 * the round */
     int kernel_count, parts;
     uint8_t *owner;                                  /* per cell */
+    uint8_t asked[PBW__PARTS];                       /* per task: whether another lacks its cells */
     uint32_t taken[PBW__PARTS];                      /* per share of the vertices: batches taken from its front, and
                                                         65536 times those from its end */
     size_t count;                                    /* vertices of the round */
@@ -5978,7 +5999,8 @@ static void pbw__round_begin(pbw__build *build, int part)
     kernel->left_count = 0;
     kernel->claim_count = 0;
     kernel->renewed = 0;
-    kernel->hold = PBW__HOLD;
+    kernel->missed = kernel->done_then = kernel->skip = kernel->ahead = 0;
+    kernel->blocker = PBW__NOBODY;
     kernel->facet_count = 0;
     kernel->no_room = 0;
     kernel->status = PBW_OK;
@@ -6115,7 +6137,24 @@ static int pbw__take_start(pbw__build *build, pbw__kernel *kernel, pbw_index v)
     return kernel->last != PBW_NONE;
 }
 
-/* Inserts a vertex with cells that are taken for it, and held for the next ones, which are often near. */
+/* After a try in vain: asks for the cell that was lacking, and has the next vertices passed over.  They would mostly
+   be left too, after as much work: another task is at work there.  Twice as many each time, and half as many for each
+   vertex inserted since. */
+static void pbw__missed(pbw__build *build, pbw__kernel *kernel)
+{
+    const size_t since = kernel->done - kernel->done_then;
+    if (kernel->blocker != PBW__NOBODY) {
+        PBW__STORE(build->asked + kernel->blocker, 1);
+    }
+    kernel->missed++;
+    kernel->done_then = kernel->done;
+    kernel->skip = since < 8 ? kernel->skip >> since : 0;
+    kernel->skip += kernel->skip < PBW__SKIP ? kernel->skip + 1 : 0;
+    kernel->ahead = kernel->skip;
+}
+
+/* Inserts a vertex with cells that are taken for it, and held for the next ones, which are often near.  Who asks for
+   one of them gets all: it needs what is around, too. */
 static pbw_status pbw__insert_claiming(pbw__build *build, pbw__kernel *kernel, pbw_index v)
 {
     size_t created = kernel->statistics.created;
@@ -6129,12 +6168,27 @@ static pbw_status pbw__insert_claiming(pbw__build *build, pbw__kernel *kernel, p
     } else {
         kernel->facet_count = 0;
     }
-    if (status == PBW__LEFT || kernel->claim_count > kernel->hold) {
-        pbw__give_back(build, kernel, status == PBW__LEFT ? kernel->claim_count : (kernel->claim_count + 1) / 2);
+    if (PBW__UNLIKELY(status == PBW__LEFT)) {
+        pbw__missed(build, kernel);
     }
-    /* Where tasks are in each other's way, each holds less. */
-    kernel->hold = status == PBW__LEFT ? kernel->hold / 2 : kernel->hold < PBW__HOLD ? kernel->hold + 1 : PBW__HOLD;
+    if (PBW__UNLIKELY(status == PBW__LEFT) || PBW__UNLIKELY(PBW__LOAD(build->asked + kernel->me))) {
+        PBW__STORE(build->asked + kernel->me, 0);
+        pbw__give_back(build, kernel, kernel->claim_count);
+    } else if (kernel->claim_count > PBW__HOLD) {
+        pbw__give_back(build, kernel, (kernel->claim_count + 1) / 2);
+    }
     return status;
+}
+
+/* A vertex for a later try; 0 = stop. */
+static int pbw__leave(pbw__kernel *kernel, pbw_index v)
+{
+    if (!pbw__grow(kernel, &kernel->left, &kernel->left_capacity, kernel->left_count + 1, sizeof(pbw_index))) {
+        kernel->status = PBW_ERROR_MEMORY;
+        return 0;
+    }
+    kernel->left[kernel->left_count++] = v;
+    return 1;
 }
 
 /* Inserts a vertex, or leaves it for later; 0 = stop. */
@@ -6147,11 +6201,9 @@ static int pbw__level_insert(pbw__build *build, pbw__kernel *kernel, pbw_index v
     }
     status = kernel->owner != NULL ? pbw__insert_claiming(build, kernel, v) : kernel->insert(kernel, v);
     if (status == PBW__LEFT) {
-        if (!pbw__grow(kernel, &kernel->left, &kernel->left_capacity, kernel->left_count + 1, sizeof(pbw_index))) {
-            kernel->status = PBW_ERROR_MEMORY;
+        if (!pbw__leave(kernel, v)) {
             return 0;
         }
-        kernel->left[kernel->left_count++] = v;
         PBW_PAUSE();
     } else if (status != PBW_OK) {
         kernel->status = status;
@@ -6224,29 +6276,40 @@ static void pbw__find_hints(void *arg, int part)
     }
 }
 
-/* Inserts vertices of a round: of those that were left, or in the first one of the level.  Then once more what had to
-   be left, if it is little: others have gone on since.  0 = stop. */
+/* Passes over a vertex, or inserts or leaves it. */
+PBW__INLINE int pbw__come_to(pbw__build *build, pbw__kernel *kernel, pbw_index v)
+{
+    if (PBW__UNLIKELY(kernel->ahead > 0)) {
+        kernel->ahead--;
+        return pbw__leave(kernel, v);
+    }
+    return pbw__level_insert(build, kernel, v);
+}
+
+/* Inserts vertices of a round: of those that were left, or in the first one of the level.  Then what is left again,
+   as long as that makes it a quarter less: others have gone on since.  0 = stop. */
 static int pbw__batch(pbw__build *build, pbw__kernel *kernel, size_t from, size_t to)
 {
     const size_t stride = build->stride, coarser = build->coarser, first = kernel->left_count;
-    size_t i, rank = (from / (coarser / stride - 1) + from + 1) * stride, left;
+    size_t i, rank = (from / (coarser / stride - 1) + from + 1) * stride, last = to - from, end;
     for (i = from; i < to; i++) {
-        if (!pbw__level_insert(build, kernel, build->left_count > 0 ? build->left[i] : (pbw_index)rank + 1)) {
+        if (!pbw__come_to(build, kernel, build->left_count > 0 ? build->left[i] : (pbw_index)rank + 1)) {
             return 0;
         }
         rank += stride;
         rank += (rank & (coarser - 1)) == 0 ? stride : 0;        /* that one is a coarser level's */
     }
-    left = kernel->left_count;
-    if (left - first > (to - from) / 16) {
-        return 1;
-    }
-    kernel->left_count = first;
-    for (i = first; i < left; i++) {
-        if (!pbw__level_insert(build, kernel, kernel->left[i])) {
-            return 0;
+    for (end = kernel->left_count; end > first && 4 * (end - first) < 3 * last; end = kernel->left_count) {
+        last = end - first;
+        kernel->skip = kernel->ahead = 0;
+        kernel->left_count = first;
+        for (i = first; i < end; i++) {
+            if (!pbw__come_to(build, kernel, kernel->left[i])) {
+                return 0;
+            }
         }
     }
+    kernel->skip = kernel->ahead = 0;
     return 1;
 }
 
@@ -6285,12 +6348,13 @@ static void pbw__round(void *arg, int part)
 static pbw_status pbw__end_round(pbw__build *build)
 {
     pbw__store *store = build->store;
-    size_t count = 0;
+    size_t count = 0, missed = 0, inserted;
     int part, no_room = 0;
     pbw_status status = PBW_OK;
     for (part = 0; part < build->parts; part++) {
         pbw__kernel *kernel = build->kernel[part];
         count += kernel->left_count;
+        missed += kernel->missed;
         no_room |= kernel->no_room;
         status = status != PBW_OK ? status : kernel->status;
         build->done += kernel->done;
@@ -6315,8 +6379,12 @@ static pbw_status pbw__end_round(pbw__build *build)
     build->trace += 256;
     build->statistics->rounds++;
     build->statistics->postponed += count;
-    if (no_room) {
+    inserted = build->count - count;
+    build->count = count;
+    if (no_room && store->capacity < PBW__SIMPLEX_LIMIT) {
         status = pbw__store_reserve(build->context, store, pbw__store_bigger(store));
+    } else if ((size_t)build->parts * inserted < 2 * (inserted + missed)) {
+        build->parts = 1;                            /* tasks are in each other's way */
     }
     return status;
 }
@@ -6337,10 +6405,6 @@ static pbw_status pbw__level_parallel(pbw__build *build)
         memset(build->taken, 0, sizeof(build->taken));
         pbw__for(build->context, build->parts, pbw__round, build);
         status = pbw__end_round(build);
-        if (build->left_count > build->count / 4 * 3) {
-            build->parts /= 2;                       /* they are in each other's way */
-        }
-        build->count = build->left_count;
     } while (status == PBW_OK && build->left_count > PBW__LEAST_SHARE * (size_t)build->parts && build->parts > 1);
     return status;
 }
