@@ -2289,6 +2289,7 @@ PBW__INLINE void pbw__grid_scan_records(const pbw__grid_scanning *scanning, int 
     for (; i < end; i++) {
         const double *q = scanning->records + i * (size_t)(dim + 1);
         uint64_t off = 0;
+        PBW__PREFETCH(i + 128 < end ? q + 128 * (dim + 1) : q);
         for (k = 0; k <= dim; k++) {
             const double many = limit[k == dim], size = pbw__size(q[k]) < many ? pbw__size(q[k]) : many;
             off |= pbw__bits(size + many - many - size);
@@ -2780,7 +2781,7 @@ typedef struct pbw__keying {
     pbw__box *boxes, box;                            /* per task; of all tasks */
 } pbw__keying;
 
-#define PBW__AHEAD 32                                /* points asked for before they are needed */
+#define PBW__AHEAD 128                               /* points asked for before they are needed */
 
 /* The i-th of those points; the one that will soon be needed, if before `to`, is asked for: the keys from there on
    are another task's to write. */
@@ -2788,13 +2789,9 @@ PBW__INLINE size_t pbw__keying_index(const pbw__keying *keying, size_t i, size_t
 {
     const pbw__ordering *ordering = keying->ordering;
     const uint64_t *keys = ordering->keys + keying->from, mask = ((uint64_t)1 << ordering->index_bits) - 1;
-    if (keying->all) {
-        return i;
-    }
-    if (i + PBW__AHEAD < to) {
-        pbw__fetch_soon(ordering->input, (size_t)(keys[i + PBW__AHEAD] & mask));
-    }
-    return (size_t)(keys[i] & mask);
+    const size_t soon = i + PBW__AHEAD < to ? i + PBW__AHEAD : i;
+    pbw__fetch_soon(ordering->input, keying->all ? soon : (size_t)(keys[soon] & mask));
+    return keying->all ? i : (size_t)(keys[i] & mask);
 }
 
 PBW__INLINE void pbw__keying_box_share(const pbw__keying *keying, int task, int dim)
@@ -2961,97 +2958,138 @@ static void pbw__order_one_place(const pbw__ordering *ordering, uint64_t *keys, 
     }
 }
 
-/* Sorts a part by all bits; 0 if cancelled. */
+/* Sorts a part by all bits; 0 if cancelled.  Runs are looked for only where keys are not in order. */
 static int pbw__order_rest(pbw__ordering *ordering, const pbw__part *part)
 {
     const uint64_t *keys = ordering->keys;
     pbw__part run;
-    size_t steps = 0;
-    run.from = part->from;
-    for (; run.from < part->to && part->low > ordering->index_bits; run.from = run.to) {
-        run.low = part->low;
-        for (run.to = run.from + 1; run.to < part->to && keys[run.to] >> run.low == keys[run.from] >> run.low; ) {
-            run.to++;
-        }
-        if (run.to - run.from > 1 && !pbw__order_sort(ordering, &run, ordering->index_bits, NULL, 1)) {
-            return 0;
-        }
-        steps += run.to - run.from;
-        if (steps > PBW__TICK) {
-            steps = 0;
-            if (pbw__report(ordering->context, 0.5)) {
-                return 0;
+    size_t i = part->from + 1, end;
+    for (; i < part->to && part->low > ordering->index_bits; i = end) {
+        for (end = part->to - i < PBW__TICK ? part->to : i + PBW__TICK; i < end; i++) {
+            if (PBW__UNLIKELY(keys[i] < keys[i - 1])) {
+                run.low = part->low;
+                for (run.from = i - 1; run.from > part->from && keys[run.from - 1] >> run.low == keys[i] >> run.low; ) {
+                    run.from--;
+                }
+                for (run.to = i + 1; run.to < part->to && keys[run.to] >> run.low == keys[i] >> run.low; ) {
+                    run.to++;
+                }
+                if (!pbw__order_sort(ordering, &run, ordering->index_bits, NULL, 1)) {
+                    return 0;
+                }
+                i = run.to - 1;
+                end = i < end ? end : run.to;
             }
+        }
+        if (pbw__report(ordering->context, 0.5)) {
+            return 0;
         }
     }
     return 1;
 }
 
-/* Puts the runs of a part into order and its points into the records, as if no other part had duplicates.  Points at
-   one place follow each other, the one that stays first. */
+/* The points of keys[from..to), of different keys and so at different places, to the vertices from r on; the keys up to
+   `end` are in order. */
+PBW__INLINE void pbw__order_place(const pbw__ordering *ordering, size_t from, size_t to, size_t end, size_t r, int dim)
+{
+    const uint64_t *keys = ordering->keys, mask = ((uint64_t)1 << ordering->index_bits) - 1;
+    const pbw__input input = *ordering->input;
+    double *record = ordering->vertices->record + r * (size_t)(dim + 1);
+    pbw_index *id = ordering->vertices->id + r;
+    for (; from < to; from++, record += dim + 1) {
+        const size_t index = (size_t)(keys[from] & mask);
+        pbw__fetch_soon(&input, (size_t)(keys[from + PBW__AHEAD < end ? from + PBW__AHEAD : from] & mask));
+        pbw__fetch_of(dim, &input, index, record);
+        *id++ = (pbw_index)index;
+    }
+}
+
+/* Puts a run of equal keys into order, points at one place one after the other, the one that stays first.  -1: the run
+   has keys of its own now, in order; 0: cancelled. */
+static int pbw__order_run(pbw__ordering *ordering, pbw__part *run)
+{
+    const size_t count = run->to - run->from;
+    uint64_t *keys = ordering->keys + run->from;
+    pbw__box box;
+    if (count <= PBW__SHORT_RUN) {
+        pbw__order_short_run(ordering, keys, count);
+        return 1;
+    }
+    if (!run->settled && !pbw__order_keys(ordering, run, 0, &box, 1)) {
+        return 0;
+    }
+    if (!run->settled) {
+        return pbw__order_sort(ordering, run, ordering->index_bits, NULL, 1) ? -1 : 0;
+    }
+    pbw__order_one_place(ordering, keys, count);
+    return 1;
+}
+
+/* Puts the runs of a part into order and its points into the records, as if no other part had duplicates. */
 static void pbw__order_part(void *arg, int task)
 {
     pbw__ordering *ordering = (pbw__ordering *)arg;
     pbw__part *part = ordering->parts + task, run;
     const pbw__input *input = ordering->input;
     pbw__vertices *vertices = ordering->vertices;
-    const int index_bits = ordering->index_bits, dim = input->dim;
-    const uint64_t index_mask = ((uint64_t)1 << index_bits) - 1;
-    uint64_t *keys = ordering->keys;
+    const int bits = ordering->index_bits, dim = input->dim;
+    const uint64_t index_mask = ((uint64_t)1 << bits) - 1, *keys = ordering->keys;
     size_t end_of[PBW__RUN_DEPTH], r = part->from, i = part->from, steps = 0, step = (size_t)dim + 1;
-    double *last = vertices->record + r * step;
     int depth = 0;
     end_of[0] = part->to;
     if (!pbw__order_rest(ordering, part)) {
         return;
     }
     while (i < part->to) {
-        size_t run_end = i + 1, limit = end_of[depth];
-        while (run_end < limit && keys[run_end] >> index_bits == keys[i] >> index_bits) {
-            run_end++;
+        const size_t limit = end_of[depth], soon = limit - i > PBW__TICK ? i + PBW__TICK : limit;
+        size_t next = i + 1;
+        while (next < soon && keys[next] >> bits != keys[next - 1] >> bits) {
+            next++;
         }
-        steps += run_end - i;
+        next -= next < limit;                        /* a run may begin there */
+        if (next > i && dim == 3) {
+            pbw__order_place(ordering, i, next, part->to, r + 1, 3);
+        } else if (next > i) {
+            pbw__order_place(ordering, i, next, part->to, r + 1, 2);
+        }
+        steps += next + 1 - i;
+        r += next - i;
+        i = next;
+        if (i < limit) {
+            int done;
+            run.from = i;
+            for (run.to = i + 1; run.to < limit && keys[run.to] >> bits == keys[i] >> bits; run.to++) {
+            }
+            run.settled = part->settled;
+            done = pbw__order_run(ordering, &run);
+            if (done == 0) {
+                return;
+            }
+            if (done < 0) {                          /* look at the same place again, for runs in the run */
+                end_of[++depth] = run.to;
+                continue;
+            }
+            steps += run.to - i;
+            for (; i < run.to; i++) {
+                const size_t index = (size_t)(keys[i] & index_mask);
+                double *record = vertices->record + (r + 1) * step;
+                pbw__fetch_soon(input, (size_t)(keys[i + PBW__AHEAD < part->to ? i + PBW__AHEAD : i] & index_mask));
+                pbw__fetch(input, index, record);
+                if (i > run.from && pbw__same_place(record, record - step, dim)) {
+                    vertices->canonical[index] = vertices->id[r];
+                } else {
+                    vertices->id[++r] = (pbw_index)index;
+                }
+            }
+        }
+        while (depth > 0 && i == end_of[depth]) {
+            depth--;
+        }
         if (steps > PBW__TICK) {
             steps = 0;
             if (pbw__report(ordering->context, 0.5 + 0.5 * (double)i / (double)input->count)) {
                 return;
             }
-        }
-        if (run_end - i > PBW__SHORT_RUN) {
-            pbw__box box;
-            run.from = i;
-            run.to = run_end;
-            run.settled = part->settled;
-            if (!run.settled && !pbw__order_keys(ordering, &run, 0, &box, 1)) {
-                return;
-            }
-            if (!run.settled) {
-                if (!pbw__order_sort(ordering, &run, index_bits, NULL, 1)) {
-                    return;
-                }
-                end_of[++depth] = run_end;           /* look at the same place again, for runs in the run */
-                continue;
-            }
-            pbw__order_one_place(ordering, keys + i, run_end - i);
-        } else if (run_end - i > 1) {
-            pbw__order_short_run(ordering, keys + i, run_end - i);
-        }
-        for (; i < run_end; i++) {
-            size_t index = (size_t)(keys[i] & index_mask);
-            double *next = r > part->from ? last + step : vertices->record + (part->from + 1) * step;
-            if (i + PBW__AHEAD < part->to) {
-                pbw__fetch_soon(input, (size_t)(keys[i + PBW__AHEAD] & index_mask));
-            }
-            pbw__fetch(input, index, next);
-            if (r > part->from && pbw__same_place(next, last, dim)) {
-                vertices->canonical[index] = vertices->id[r];
-            } else {
-                vertices->id[++r] = (pbw_index)index;
-                last = next;
-            }
-        }
-        while (depth > 0 && i == end_of[depth]) {
-            depth--;
         }
     }
     part->unique = r - part->from;
@@ -7407,6 +7445,8 @@ static void pbw__emit_pass5(void *arg, int task)
             return;
         }
         pbw_index first = emission->head[v];
+        PBW__PREFETCH(emission->head + (v + 512 < end ? v + 512 : v));
+        PBW__PREFETCH(emission->id + (v + 512 < end ? v + 512 : v));
         PBW__PREFETCH_TO_WRITE(emission->incident + emission->id[v + PBW__SOON < end ? v + PBW__SOON : v]);
         if (emission->first != NULL) {
             first = emission->first[v] < first ? emission->first[v] : first;
