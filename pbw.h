@@ -2831,14 +2831,13 @@ static void pbw__keying_box(void *arg, int task)
     }
 }
 
-PBW__INLINE void pbw__keying_share(const pbw__keying *keying, int task, int dim, int levels)
+/* The keys of points i..to-1. */
+PBW__INLINE void pbw__keying_share(const pbw__keying *keying, size_t i, size_t to, int dim, int levels)
 {
     const pbw__ordering *ordering = keying->ordering;
     const pbw__box box = keying->box;
     const int index_bits = ordering->index_bits;
     uint64_t *keys = ordering->keys + keying->from;
-    size_t i = pbw__share(keying->count, task, keying->tasks);
-    size_t to = pbw__share(keying->count, task + 1, keying->tasks);
     for (; i < to; i++) {
         double x[4];
         size_t index = pbw__keying_index(keying, i, to);
@@ -2854,15 +2853,134 @@ PBW__INLINE void pbw__keying_share(const pbw__keying *keying, int task, int dim,
     }
 }
 
+#ifdef PBW__AVX2
+/* Eight keys at once, in the plane.  Let x and y be the next bits of the coordinates and u = x ^ y.  By the table, a
+   digit's second bit is u.  State s is two bits, c = s >> 1 and a = (s & 1) ^ c: with these the first bit is
+   x ^ ((a ^ c) & u) ^ c.  Where u = 0 the next a is a ^ c ^ !x, where u = 1 the next c is c ^ a ^ x, else they stay.
+   Such steps are affine over the bits: (a, c) -> M (a, c) + t.  So are several in a row, and those of 1, 2, 4, ...
+   bits before each bit are made of two of half as many, for all bits of a word at once.  Bits from high to low; M00
+   and M11 are inverted, so that the zeros that shifts bring in are steps that change nothing. */
+typedef uint32_t pbw__u8 __attribute__((vector_size(32)));
+
+PBW__SIMD_INLINE pbw__u8 pbw__cells8(const pbw__box *box, int k, pbw__d4 x, pbw__d4 y)
+{
+    const double last = (double)(((uint32_t)1 << box->bits) - 1);
+    const pbw__d4 scale = pbw__each(box->scale), low = scale * pbw__each(box->low[k]), cells = pbw__each(last + 1.0);
+    const pbw__d4 extent = pbw__each(box->extent), most = pbw__each(last);
+    x = _mm256_min_pd((scale * x - low) / extent * cells, most);
+    y = _mm256_min_pd((scale * y - low) / extent * cells, most);
+    return (pbw__u8)_mm256_inserti128_si256(_mm256_castsi128_si256(_mm256_cvttpd_epi32(x)), _mm256_cvttpd_epi32(y), 1);
+}
+
+typedef struct pbw__steps8 { pbw__u8 n00, m01, m10, n11, a, c; } pbw__steps8;
+
+/* After so many steps as many more, those before them. */
+PBW__SIMD_INLINE void pbw__steps_after(pbw__steps8 *steps, int bits)
+{
+    const pbw__steps8 s = *steps;
+    const pbw__u8 n00 = s.n00 >> bits, m01 = s.m01 >> bits, m10 = s.m10 >> bits, n11 = s.n11 >> bits;
+    const pbw__u8 a = s.a >> bits, c = s.c >> bits;
+    steps->n00 = (s.n00 | n00) ^ (s.m01 & m10);
+    steps->m01 = (~s.n00 & m01) ^ (s.m01 & ~n11);
+    steps->m10 = (s.m10 & ~n00) ^ (~s.n11 & m10);
+    steps->n11 = (s.n11 | n11) ^ (s.m10 & m01);
+    steps->a = s.a ^ (~s.n00 & a) ^ (s.m01 & c);
+    steps->c = s.c ^ (s.m10 & a) ^ (~s.n11 & c);
+}
+
+/* The first bits of the digits of coordinates of so many bits as are set in `all`. */
+PBW__SIMD_INLINE pbw__u8 pbw__digits8(pbw__u8 x, pbw__u8 y, uint32_t all)
+{
+    const pbw__u8 u = x ^ y;
+    pbw__steps8 steps = { u ^ u, u ^ all, u, u ^ u, ~(x | y) & all, x & ~y };
+    pbw__steps_after(&steps, 1);
+    pbw__steps_after(&steps, 2);
+    pbw__steps_after(&steps, 4);
+    pbw__steps_after(&steps, 8);
+    pbw__steps_after(&steps, 16);
+    return x ^ (((steps.a ^ steps.c) >> 1) & u) ^ (steps.c >> 1);
+}
+
+/* A zero before each bit of four numbers: by bytes, then by halves of bytes. */
+PBW__SIMD_INLINE __m256i pbw__spread4(__m128i x)
+{
+    const __m256i table = _mm256_setr_epi8(0, 1, 4, 5, 16, 17, 20, 21, 64, 65, 68, 69, 80, 81, 84, 85,
+                                           0, 1, 4, 5, 16, 17, 20, 21, 64, 65, 68, 69, 80, 81, 84, 85);
+    const __m256i bytes = _mm256_cvtepu8_epi16(x), halves = _mm256_or_si256(bytes, _mm256_slli_epi16(bytes, 4));
+    return _mm256_shuffle_epi8(table, _mm256_and_si256(halves, _mm256_set1_epi8(15)));
+}
+
+PBW__SIMD_INLINE __m256i pbw__interleave4(__m128i first, __m128i second)
+{
+    const __m256i spread = pbw__spread4(first);
+    return _mm256_or_si256(_mm256_add_epi64(spread, spread), pbw__spread4(second));
+}
+
+PBW__SIMD_INLINE const double *pbw__double_at(const pbw__input *input, size_t i)
+{
+    return (const double *)(const void *)(input->points + i * input->stride);
+}
+
+/* The keys of points from `i` on, of all, given as doubles; returns the first that it leaves of those before `to`. */
+PBW__SIMD static size_t pbw__keying_plane(const pbw__keying *keying, size_t i, size_t to)
+{
+    const pbw__ordering *ordering = keying->ordering;
+    const pbw__input input = *ordering->input;
+    const pbw__box box = keying->box;
+    const uint32_t all = ((uint32_t)1 << box.bits) - 1;
+    const __m128i shift = _mm_cvtsi32_si128(ordering->index_bits);
+    uint64_t *keys = ordering->keys;
+    pbw_index *canonical = ordering->vertices->canonical;
+    for (; to - i >= 8; i += 8) {
+        const __m256i index = _mm256_add_epi64(_mm256_set1_epi64x((int64_t)i), _mm256_setr_epi64x(0, 1, 2, 3));
+        pbw__d4 x0, y0, x1, y1;
+        pbw__u8 x, y;
+        __m256i first, second, key[2];
+        size_t k;
+        if ((i & (PBW__TICK - 1)) < 8 && pbw__report(ordering->context, 0.1 + 0.2 * (double)i / (double)keying->count)) {
+            return to;
+        }
+        for (k = i + PBW__AHEAD; k < i + PBW__AHEAD + 8 && k < to; k += 2) {
+            pbw__fetch_soon(&input, k);
+        }
+        pbw__columns(pbw__double_at(&input, i), pbw__double_at(&input, i + 1), pbw__double_at(&input, i + 2),
+                     pbw__double_at(&input, i + 3), &x0, &y0);
+        pbw__columns(pbw__double_at(&input, i + 4), pbw__double_at(&input, i + 5), pbw__double_at(&input, i + 6),
+                     pbw__double_at(&input, i + 7), &x1, &y1);
+        x = pbw__cells8(&box, 0, x0, x1);
+        y = pbw__cells8(&box, 1, y0, y1);
+        first = (__m256i)pbw__digits8(x, y, all);
+        second = (__m256i)(x ^ y);
+        key[0] = pbw__interleave4(_mm256_castsi256_si128(first), _mm256_castsi256_si128(second));
+        key[1] = pbw__interleave4(_mm256_extracti128_si256(first, 1), _mm256_extracti128_si256(second, 1));
+        key[0] = _mm256_or_si256(_mm256_sll_epi64(key[0], shift), index);
+        key[1] = _mm256_or_si256(_mm256_sll_epi64(key[1], shift), _mm256_add_epi64(index, _mm256_set1_epi64x(4)));
+        _mm256_storeu_si256((__m256i *)(void *)(keys + i), key[0]);
+        _mm256_storeu_si256((__m256i *)(void *)(keys + i + 4), key[1]);
+        for (k = i; k < i + 8; k++) {
+            canonical[k] = (pbw_index)k;
+        }
+    }
+    return i;
+}
+#endif
+
 static void pbw__keying_keys(void *arg, int task)
 {
     const pbw__keying *keying = (const pbw__keying *)arg;
-    if (keying->ordering->curve.levels == 1) {
-        pbw__keying_share(keying, task, keying->ordering->input->dim, 1);
-    } else if (keying->ordering->input->dim == 3) {
-        pbw__keying_share(keying, task, 3, PBW__LEVELS3);
+    const pbw__ordering *ordering = keying->ordering;
+    size_t from = pbw__share(keying->count, task, keying->tasks), to = pbw__share(keying->count, task + 1, keying->tasks);
+    if (ordering->curve.levels == 1) {
+        pbw__keying_share(keying, from, to, ordering->input->dim, 1);
+    } else if (ordering->input->dim == 3) {
+        pbw__keying_share(keying, from, to, 3, PBW__LEVELS3);
     } else {
-        pbw__keying_share(keying, task, 2, PBW__LEVELS2);
+#ifdef PBW__AVX2
+        if (keying->all && !ordering->input->is_float && pbw__simd_works()) {
+            from = pbw__keying_plane(keying, from, to);
+        }
+#endif
+        pbw__keying_share(keying, from, to, 2, PBW__LEVELS2);
     }
 }
 
