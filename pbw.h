@@ -2678,7 +2678,7 @@ static void pbw__move_keys(void *arg, int task)
 static uint64_t *pbw__sort_by(pbw__context *context, uint64_t *a, uint64_t *b, size_t count, int low, int bits,
                               uint32_t *start, int tasks)
 {
-    int widest = count < 512 ? 6 : count < 4096 ? 9 : 11, passes = (bits + widest - 1) / widest, task;
+    int widest = count < 4096 ? 9 : 11, passes = (bits + widest - 1) / widest, task;
     int digit = (bits + passes - 1) / passes;
     uint32_t *all = start + (size_t)tasks * PBW__DIGITS;
     pbw__sorting sorting;
@@ -2725,6 +2725,7 @@ static uint64_t *pbw__sort_by(pbw__context *context, uint64_t *a, uint64_t *b, s
 static uint64_t *pbw__sort_keys(pbw__context *context, uint64_t *a, uint64_t *b, size_t count, int low, int bits)
 {
     uint32_t start[2 * PBW__DIGITS];
+    const int end = low + bits, digit = (bits + (bits + 5) / 6 - 1) / ((bits + 5) / 6);
     if (count < 64) {
         size_t i, hole;
         for (i = 1; i < count; i++) {
@@ -2736,7 +2737,30 @@ static uint64_t *pbw__sort_keys(pbw__context *context, uint64_t *a, uint64_t *b,
         }
         return a;
     }
-    return pbw__sort_by(context, a, b, count, low, bits, start, 1);
+    if (count >= 512) {
+        return pbw__sort_by(context, a, b, count, low, bits, start, 1);
+    }
+    for (; low < end; low += digit) {
+        const uint64_t mask = ((uint64_t)1 << digit) - 1;
+        uint64_t *swap = a;
+        uint32_t sum = 0;
+        size_t i;
+        memset(start, 0, 64 * sizeof(start[0]));
+        for (i = 0; i < count; i++) {
+            start[a[i] >> low & mask]++;
+        }
+        for (i = 0; i < 64; i++) {
+            const uint32_t here = start[i];
+            start[i] = sum;
+            sum += here;
+        }
+        for (i = 0; i < count; i++) {
+            b[start[a[i] >> low & mask]++] = a[i];
+        }
+        a = b;
+        b = swap;
+    }
+    return a;
 }
 
 /* Order of points of equal keys: lexicographic, then the larger weight, then the lower index. */
