@@ -7450,7 +7450,12 @@ PBW__SIMD_INLINE size_t pbw__emit_slots_avx2(const pbw__emission *emission, size
     size_t corners = (size_t)dim + 1, count = 0, t;
     for (t = from; t < end; t++) {
         const pbw_index *v = corner + 4 * t, place = number[t];
+        const size_t soon = 4 * (t + 256 < emission->slot_count ? t + 256 : t);
         pbw__i4 lanes, ids, neighbors = { 0, 0, 0, 0 };
+        PBW__PREFETCH(corner + soon);
+        if (links) {
+            PBW__PREFETCH(link + soon);
+        }
         if (place == PBW_NONE) {
             continue;
         }
