@@ -862,7 +862,7 @@ PBW__SIMD_INLINE double pbw__lane1(pbw__d2 x)
     return PBW__EITHER(_mm_cvtsd_f64(_mm_unpackhi_pd(x, x)), vgetq_lane_f64(x, 1));
 }
 
-/* A number and its size: of lane 0, of lane 1; of a difference, where the sizes are added. */
+/* A number and its size: of lane 0, of lane 1; of a difference, where the sizes are added.  Fused, to wait less. */
 PBW__SIMD_INLINE pbw__d2 pbw__sized0(pbw__d2 x)
 {
     return PBW__EITHER(_mm_andnot_pd(_mm_set_pd(-0.0, 0.0), _mm_unpacklo_pd(x, x)), vzip1q_f64(x, vabsq_f64(x)));
@@ -873,9 +873,15 @@ PBW__SIMD_INLINE pbw__d2 pbw__sized1(pbw__d2 x)
     return PBW__EITHER(_mm_andnot_pd(_mm_set_pd(-0.0, 0.0), _mm_unpackhi_pd(x, x)), vzip2q_f64(x, vabsq_f64(x)));
 }
 
-PBW__SIMD_INLINE pbw__d2 pbw__minus_sized(pbw__d2 x, pbw__d2 y)
+PBW__SIMD_INLINE pbw__d2 pbw__minus_sized(pbw__d2 x, pbw__d2 y, pbw__d2 z)       /* x y - z */
 {
-    return PBW__EITHER(_mm_addsub_pd(x, y), vcopyq_laneq_f64(x + y, 0, x - y, 0));
+    return PBW__EITHER(_mm_fmaddsub_pd(x, y, z),
+                       vcopyq_laneq_f64(vfmaq_f64(z, x, y), 0, vfmaq_f64(vnegq_f64(z), x, y), 0));
+}
+
+PBW__SIMD_INLINE pbw__d2 pbw__fma2(pbw__d2 a, pbw__d2 b, pbw__d2 c)        /* a b + c, rounded once */
+{
+    return PBW__EITHER(_mm_fmadd_pd(a, b, c), vfmaq_f64(c, a, b));
 }
 
 PBW__SIMD_INLINE pbw__d2 pbw__turn_right(pbw__d2 x)       /* (y, -x) */
@@ -5628,7 +5634,7 @@ PBW__SIMD_INLINE pbw__corner2 pbw__corner2_of(const double *record, pbw_index v,
     pbw__corner2 corner;
     corner.x = pbw__sized0(place);
     corner.y = pbw__sized1(place);
-    corner.lift = corner.x * corner.x + corner.y * corner.y;
+    corner.lift = pbw__fma2(corner.x, corner.x, corner.y * corner.y);
     corner.link = link;
     corner.v = v;
     return corner;
@@ -5646,7 +5652,7 @@ PBW__SIMD_INLINE int pbw__sign_sized(pbw__d2 x, double factor, double tiny)
    addition. */
 PBW__SIMD_INLINE int pbw__side2(const pbw__corner2 *s, const pbw__corner2 *e)
 {
-    return pbw__sign_sized(pbw__minus_sized(s->x * e->y, e->x * s->y), PBW__ORIENT2_ERROR, 1e-300);
+    return pbw__sign_sized(pbw__minus_sized(s->x, e->y, e->x * s->y), PBW__ORIENT2_ERROR, 1e-300);
 }
 
 /* 1 if the triangle (o, e, s) across the edge s e is in conflict.  With the bound of pbw__settle2_rows at once, as
@@ -5654,9 +5660,9 @@ PBW__SIMD_INLINE int pbw__side2(const pbw__corner2 *s, const pbw__corner2 *e)
 PBW__SIMD_INLINE int pbw__circle2(const pbw__corner2 *s, const pbw__corner2 *e, const pbw__corner2 *o)
 {
     const double h = pbw__lane0(s->lift) + pbw__lane0(e->lift) + pbw__lane0(o->lift);
-    pbw__d2 det = o->x * pbw__minus_sized(s->lift * e->y, e->lift * s->y);
-    det = det + o->y * pbw__minus_sized(e->lift * s->x, s->lift * e->x);
-    det = pbw__minus_sized(det, o->lift * pbw__minus_sized(s->x * e->y, e->x * s->y));
+    pbw__d2 det = o->x * pbw__minus_sized(e->lift, s->y, s->lift * e->y);
+    det = pbw__fma2(o->y, pbw__minus_sized(s->lift, e->x, e->lift * s->x), det);
+    det = pbw__minus_sized(o->lift, pbw__minus_sized(e->x, s->y, s->x * e->y), det);
     return pbw__sign_sized(det, 1.5e-15, (h + 1.0) * 1e-300);
 }
 
