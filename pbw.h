@@ -2647,6 +2647,7 @@ static void pbw__count_digits(void *arg, int task)
     memset(start, 0, ((size_t)mask + 1) * sizeof(start[0]));
     for (; i < to; i = end) {
         for (end = to - i < PBW__TICK ? to : i + PBW__TICK; i < end; i++) {
+            PBW__PREFETCH(a + (i + 512 < to ? i + 512 : i));
             start[(a[i] >> sorting->shift) & mask]++;
         }
         if (sorting->count > PBW__TICK && pbw__report(sorting->context, 0.5)) {
@@ -2670,6 +2671,7 @@ static void pbw__move_keys(void *arg, int task)
     for (i = pbw__share(sorting->count, task, sorting->tasks); i < to; i = end) {
         for (end = to - i < PBW__TICK ? to : i + PBW__TICK; i < end; i++) {
             size_t place = start[(a[i] >> sorting->shift) & mask]++;
+            PBW__PREFETCH(a + (i + 512 < to ? i + 512 : i));
             PBW__PREFETCH_TO_WRITE(b + (place + line < sorting->count ? place + line : place));
             b[place] = a[i];
         }
