@@ -391,6 +391,8 @@ extern int madvise(void *address, size_t length, int advice);    /* strict C mod
 #define PBW__PREFETCH(address) ((void)(address))
 #define PBW__PREFETCH_TO_WRITE(address) ((void)(address))
 #endif
+/* For array[i], where `i` goes on to `end`: processors that ask ahead on their own do not for the next page. */
+#define PBW__PREFETCH_STREAM(array, i, end) PBW__PREFETCH((array) + ((i) + 512 < (end) ? (i) + 512 : (i)))
 
 /* The instructions of vectors: see >>lanes. */
 #if !defined(PBW_NO_SIMD) && defined(__GNUC__) && !(defined(PBW__FMA) && PBW__FMA == 0)
@@ -2295,7 +2297,7 @@ PBW__INLINE void pbw__grid_scan_records(const pbw__grid_scanning *scanning, int 
     for (; i < end; i++) {
         const double *q = scanning->records + i * (size_t)(dim + 1);
         uint64_t off = 0;
-        PBW__PREFETCH(i + 128 < end ? q + 128 * (dim + 1) : q);
+        PBW__PREFETCH_STREAM(scanning->records, i * (size_t)(dim + 1), end * (size_t)(dim + 1));
         for (k = 0; k <= dim; k++) {
             const double many = limit[k == dim], size = pbw__size(q[k]) < many ? pbw__size(q[k]) : many;
             off |= pbw__bits(size + many - many - size);
@@ -2647,7 +2649,7 @@ static void pbw__count_digits(void *arg, int task)
     memset(start, 0, ((size_t)mask + 1) * sizeof(start[0]));
     for (; i < to; i = end) {
         for (end = to - i < PBW__TICK ? to : i + PBW__TICK; i < end; i++) {
-            PBW__PREFETCH(a + (i + 512 < to ? i + 512 : i));
+            PBW__PREFETCH_STREAM(a, i, to);
             start[(a[i] >> sorting->shift) & mask]++;
         }
         if (sorting->count > PBW__TICK && pbw__report(sorting->context, 0.5)) {
@@ -2671,7 +2673,7 @@ static void pbw__move_keys(void *arg, int task)
     for (i = pbw__share(sorting->count, task, sorting->tasks); i < to; i = end) {
         for (end = to - i < PBW__TICK ? to : i + PBW__TICK; i < end; i++) {
             size_t place = start[(a[i] >> sorting->shift) & mask]++;
-            PBW__PREFETCH(a + (i + 512 < to ? i + 512 : i));
+            PBW__PREFETCH_STREAM(a, i, to);
             PBW__PREFETCH_TO_WRITE(b + (place + line < sorting->count ? place + line : place));
             b[place] = a[i];
         }
@@ -2729,11 +2731,11 @@ static uint64_t *pbw__sort_by(pbw__context *context, uint64_t *a, uint64_t *b, s
     return sorting.a;
 }
 
-/* The same on this thread alone, where no bits lie above those; few keys by insertion. */
+/* The same on this thread alone, where keys have no bits above those, or the same; few keys by insertion. */
 static uint64_t *pbw__sort_keys(pbw__context *context, uint64_t *a, uint64_t *b, size_t count, int low, int bits)
 {
     uint32_t start[2 * PBW__DIGITS];
-    const int end = low + bits, digit = (bits + (bits + 5) / 6 - 1) / ((bits + 5) / 6);
+    const int end = low + bits;
     if (count < 64) {
         size_t i, hole;
         for (i = 1; i < count; i++) {
@@ -2748,14 +2750,13 @@ static uint64_t *pbw__sort_keys(pbw__context *context, uint64_t *a, uint64_t *b,
     if (count >= 512) {
         return pbw__sort_by(context, a, b, count, low, bits, start, 1);
     }
-    for (; low < end; low += digit) {
-        const uint64_t mask = ((uint64_t)1 << digit) - 1;
+    for (; low < end; low += 6) {
         uint64_t *swap = a;
         uint32_t sum = 0;
         size_t i;
         memset(start, 0, 64 * sizeof(start[0]));
         for (i = 0; i < count; i++) {
-            start[a[i] >> low & mask]++;
+            start[a[i] >> low & 63]++;
         }
         for (i = 0; i < 64; i++) {
             const uint32_t here = start[i];
@@ -2763,7 +2764,7 @@ static uint64_t *pbw__sort_keys(pbw__context *context, uint64_t *a, uint64_t *b,
             sum += here;
         }
         for (i = 0; i < count; i++) {
-            b[start[a[i] >> low & mask]++] = a[i];
+            b[start[a[i] >> low & 63]++] = a[i];
         }
         a = b;
         b = swap;
@@ -2886,51 +2887,52 @@ PBW__INLINE void pbw__keying_share(const pbw__keying *keying, size_t i, size_t t
 }
 
 #ifdef PBW__AVX2
-/* Eight keys at once, in the plane.  Let x and y be the next bits of the coordinates and u = x ^ y.  By the table, a
-   digit's second bit is u.  State s is two bits, c = s >> 1 and a = (s & 1) ^ c: with these the first bit is
-   x ^ ((a ^ c) & u) ^ c.  Where u = 0 the next a is a ^ c ^ !x, where u = 1 the next c is c ^ a ^ x, else they stay.
-   Such steps are affine over the bits: (a, c) -> M (a, c) + t.  So are several in a row, and those of 1, 2, 4, ...
-   bits before each bit are made of two of half as many, for all bits of a word at once.  Bits from high to low; M00
-   and M11 are inverted, so that the zeros that shifts bring in are steps that change nothing. */
+/* Eight keys at once, in the plane, where the automaton has a formula.  Of the next bits x and y of the coordinates
+   let u = x ^ y; of state s let c = s >> 1, a = (s & 1) ^ c.  Then the table says: the digit is x ^ ((a ^ c) & u) ^ c
+   and u after it; if u = 0 the next a is a ^ c ^ !x, if u = 1 the next c is c ^ a ^ x, and the other stays.  Over
+   bits that is affine: a' = m00 a + m01 c + ta, c' = m10 a + m11 c + tc.  So are several levels in a row; all that
+   come before a level are made of 1, 2, 4, ... of them, for all bits of a word at once (Kogge & Stone 1973).
+   The first state is 0.  n00 and n11 are m00 and m11 inverted: so the zeros that shifts bring in change nothing. */
 typedef uint32_t pbw__u8 __attribute__((vector_size(32)));
 
-PBW__SIMD_INLINE pbw__u8 pbw__cells8(const pbw__box *box, int k, pbw__d4 x, pbw__d4 y)
+/* The cells of coordinate k of eight points, as in pbw__hilbert_key. */
+PBW__SIMD_INLINE pbw__u8 pbw__cells8(const pbw__box *box, int k, pbw__d4 x0, pbw__d4 x1)
 {
     const double last = (double)(((uint32_t)1 << box->bits) - 1);
     const pbw__d4 scale = pbw__each(box->scale), low = scale * pbw__each(box->low[k]), cells = pbw__each(last + 1.0);
     const pbw__d4 extent = pbw__each(box->extent), most = pbw__each(last);
-    x = _mm256_min_pd((scale * x - low) / extent * cells, most);
-    y = _mm256_min_pd((scale * y - low) / extent * cells, most);
-    return (pbw__u8)_mm256_inserti128_si256(_mm256_castsi128_si256(_mm256_cvttpd_epi32(x)), _mm256_cvttpd_epi32(y), 1);
+    const __m128i first = _mm256_cvttpd_epi32(_mm256_min_pd((scale * x0 - low) / extent * cells, most));
+    const __m128i second = _mm256_cvttpd_epi32(_mm256_min_pd((scale * x1 - low) / extent * cells, most));
+    return (pbw__u8)_mm256_inserti128_si256(_mm256_castsi128_si256(first), second, 1);
 }
 
-typedef struct pbw__steps8 { pbw__u8 n00, m01, m10, n11, a, c; } pbw__steps8;
+typedef struct pbw__levels8 { pbw__u8 n00, m01, m10, n11, ta, tc; } pbw__levels8;
 
-/* After so many steps as many more, those before them. */
-PBW__SIMD_INLINE void pbw__steps_after(pbw__steps8 *steps, int bits)
+/* For each bit, from `count` levels that end there and as many before them: both. */
+PBW__SIMD_INLINE void pbw__levels_join(pbw__levels8 *levels, int count)
 {
-    const pbw__steps8 s = *steps;
-    const pbw__u8 n00 = s.n00 >> bits, m01 = s.m01 >> bits, m10 = s.m10 >> bits, n11 = s.n11 >> bits;
-    const pbw__u8 a = s.a >> bits, c = s.c >> bits;
-    steps->n00 = (s.n00 | n00) ^ (s.m01 & m10);
-    steps->m01 = (~s.n00 & m01) ^ (s.m01 & ~n11);
-    steps->m10 = (s.m10 & ~n00) ^ (~s.n11 & m10);
-    steps->n11 = (s.n11 | n11) ^ (s.m10 & m01);
-    steps->a = s.a ^ (~s.n00 & a) ^ (s.m01 & c);
-    steps->c = s.c ^ (s.m10 & a) ^ (~s.n11 & c);
+    const pbw__levels8 m = *levels;
+    const pbw__u8 n00 = m.n00 >> count, m01 = m.m01 >> count, m10 = m.m10 >> count, n11 = m.n11 >> count;
+    const pbw__u8 ta = m.ta >> count, tc = m.tc >> count;
+    levels->n00 = (m.n00 | n00) ^ (m.m01 & m10);
+    levels->m01 = (~m.n00 & m01) ^ (m.m01 & ~n11);
+    levels->m10 = (m.m10 & ~n00) ^ (~m.n11 & m10);
+    levels->n11 = (m.n11 | n11) ^ (m.m10 & m01);
+    levels->ta = m.ta ^ (~m.n00 & ta) ^ (m.m01 & tc);
+    levels->tc = m.tc ^ (m.m10 & ta) ^ (~m.n11 & tc);
 }
 
-/* The first bits of the digits of coordinates of so many bits as are set in `all`. */
+/* The first bits of all digits, the second being x ^ y; `all`: the bits that the coordinates have. */
 PBW__SIMD_INLINE pbw__u8 pbw__digits8(pbw__u8 x, pbw__u8 y, uint32_t all)
 {
-    const pbw__u8 u = x ^ y;
-    pbw__steps8 steps = { u ^ u, u ^ all, u, u ^ u, ~(x | y) & all, x & ~y };
-    pbw__steps_after(&steps, 1);
-    pbw__steps_after(&steps, 2);
-    pbw__steps_after(&steps, 4);
-    pbw__steps_after(&steps, 8);
-    pbw__steps_after(&steps, 16);
-    return x ^ (((steps.a ^ steps.c) >> 1) & u) ^ (steps.c >> 1);
+    const pbw__u8 u = x ^ y, zero = u ^ u;
+    pbw__levels8 before = { zero, u ^ all, u, zero, ~(x | y) & all, x & ~y };
+    pbw__levels_join(&before, 1);
+    pbw__levels_join(&before, 2);
+    pbw__levels_join(&before, 4);
+    pbw__levels_join(&before, 8);
+    pbw__levels_join(&before, 16);
+    return x ^ (((before.ta ^ before.tc) >> 1) & u) ^ (before.tc >> 1);
 }
 
 /* A zero before each bit of four numbers: by bytes, then by halves of bytes. */
@@ -2969,7 +2971,8 @@ PBW__SIMD static size_t pbw__keying_plane(const pbw__keying *keying, size_t i, s
         pbw__u8 x, y;
         __m256i first, second, key[2];
         size_t k;
-        if ((i & (PBW__TICK - 1)) < 8 && pbw__report(ordering->context, 0.1 + 0.2 * (double)i / (double)keying->count)) {
+        if ((i & (PBW__TICK - 1)) < 8
+            && pbw__report(ordering->context, 0.1 + 0.2 * (double)i / (double)keying->count)) {
             return to;
         }
         for (k = i + PBW__AHEAD; k < i + PBW__AHEAD + 8 && k < to; k += 2) {
@@ -3001,7 +3004,8 @@ static void pbw__keying_keys(void *arg, int task)
 {
     const pbw__keying *keying = (const pbw__keying *)arg;
     const pbw__ordering *ordering = keying->ordering;
-    size_t from = pbw__share(keying->count, task, keying->tasks), to = pbw__share(keying->count, task + 1, keying->tasks);
+    size_t from = pbw__share(keying->count, task, keying->tasks);
+    size_t to = pbw__share(keying->count, task + 1, keying->tasks);
     if (ordering->curve.levels == 1) {
         pbw__keying_share(keying, from, to, ordering->input->dim, 1);
     } else if (ordering->input->dim == 3) {
@@ -3117,12 +3121,11 @@ static int pbw__order_rest(pbw__ordering *ordering, const pbw__part *part)
     for (; i < part->to && part->low > ordering->index_bits; i = end) {
         for (end = part->to - i < PBW__TICK ? part->to : i + PBW__TICK; i < end; i++) {
             if (PBW__UNLIKELY(keys[i] < keys[i - 1])) {
+                const uint64_t value = keys[i] >> part->low;
                 run.low = part->low;
-                for (run.from = i - 1; run.from > part->from && keys[run.from - 1] >> run.low == keys[i] >> run.low; ) {
-                    run.from--;
+                for (run.from = i - 1; run.from > part->from && keys[run.from - 1] >> run.low == value; run.from--) {
                 }
-                for (run.to = i + 1; run.to < part->to && keys[run.to] >> run.low == keys[i] >> run.low; ) {
-                    run.to++;
+                for (run.to = i + 1; run.to < part->to && keys[run.to] >> run.low == value; run.to++) {
                 }
                 if (!pbw__order_sort(ordering, &run, ordering->index_bits, NULL, 1)) {
                     return 0;
@@ -3138,9 +3141,10 @@ static int pbw__order_rest(pbw__ordering *ordering, const pbw__part *part)
     return 1;
 }
 
-/* The points of keys[from..to), of different keys and so at different places, to the vertices from r on; the keys up to
-   `end` are in order. */
-PBW__INLINE void pbw__order_place(const pbw__ordering *ordering, size_t from, size_t to, size_t end, size_t r, int dim)
+/* The points of keys[from..to), of different keys and so at different places, to the records from r on.  Those that
+   will soon be needed are asked for, if before `end`. */
+PBW__INLINE void pbw__order_place(const pbw__ordering *ordering, size_t from, size_t to, size_t end, size_t r,
+                                  int dim)
 {
     const uint64_t *keys = ordering->keys, mask = ((uint64_t)1 << ordering->index_bits) - 1;
     const pbw__input input = *ordering->input;
@@ -3154,8 +3158,8 @@ PBW__INLINE void pbw__order_place(const pbw__ordering *ordering, size_t from, si
     }
 }
 
-/* Puts a run of equal keys into order, points at one place one after the other, the one that stays first.  -1: the run
-   has keys of its own now, in order; 0: cancelled. */
+/* Puts a run of equal keys into order: points at one place follow each other, the one that stays first.  Or gives it
+   keys of its own, in order, that make runs in the run: -1.  0: cancelled. */
 static int pbw__order_run(pbw__ordering *ordering, pbw__part *run)
 {
     const size_t count = run->to - run->from;
@@ -7458,11 +7462,10 @@ PBW__SIMD_INLINE size_t pbw__emit_slots_avx2(const pbw__emission *emission, size
     size_t corners = (size_t)dim + 1, count = 0, t;
     for (t = from; t < end; t++) {
         const pbw_index *v = corner + 4 * t, place = number[t];
-        const size_t soon = 4 * (t + 256 < emission->slot_count ? t + 256 : t);
         pbw__i4 lanes, ids, neighbors = { 0, 0, 0, 0 };
-        PBW__PREFETCH(corner + soon);
+        PBW__PREFETCH_STREAM(corner, 4 * t, 4 * emission->slot_count);
         if (links) {
-            PBW__PREFETCH(link + soon);
+            PBW__PREFETCH_STREAM(link, 4 * t, 4 * emission->slot_count);
         }
         if (place == PBW_NONE) {
             continue;
@@ -7600,8 +7603,8 @@ static void pbw__emit_pass5(void *arg, int task)
             return;
         }
         pbw_index first = emission->head[v];
-        PBW__PREFETCH(emission->head + (v + 512 < end ? v + 512 : v));
-        PBW__PREFETCH(emission->id + (v + 512 < end ? v + 512 : v));
+        PBW__PREFETCH_STREAM(emission->head, v, end);
+        PBW__PREFETCH_STREAM(emission->id, v, end);
         PBW__PREFETCH_TO_WRITE(emission->incident + emission->id[v + PBW__SOON < end ? v + PBW__SOON : v]);
         if (emission->first != NULL) {
             first = emission->first[v] < first ? emission->first[v] : first;
