@@ -6747,7 +6747,7 @@ typedef struct pbw__emission {
     pbw__aside *aside;                               /* per task */
     /* For this dimension and this CPU: the lowest ranks; simplices into their lists; lists in order; the simplices
        of a chunk to their places. */
-    void (*lowest_ranks)(const pbw_index *corner, size_t count, pbw_index *low);
+    uint64_t (*lowest_ranks)(const pbw_index *corner, size_t count, pbw_index *low);
     void (*fill_lists)(const pbw_index *corner, const pbw_index *slot, size_t count, pbw_index *end, pbw__item *item);
     void (*sort_lists)(const pbw__item *item, const pbw_index *end, unsigned lists, pbw_index begin,
                        pbw__item *sorted);
@@ -6789,26 +6789,44 @@ PBW__SIMD_INLINE __m128i pbw__canonical_lanes(__m128i v, int dim)
 }
 #endif
 
-/* The lowest ranks of the simplices in `count` slots from `corner` on; 0 for a ghost and for a slot that is free. */
-PBW__INLINE void pbw__lowest_ranks(const pbw_index *corner, size_t count, pbw_index *low, int dim)
+/* The lowest of the bits that are set. */
+PBW__INLINE unsigned pbw__first_bit(uint64_t set)
 {
+#ifdef __GNUC__
+    return (unsigned)__builtin_ctzll(set);
+#else
+    unsigned i = 0;
+    while ((set >> i & 1) == 0) {
+        i++;
+    }
+    return i;
+#endif
+}
+
+/* The lowest ranks of the simplices in `count` slots from `corner` on; 0 for a ghost and for a slot that is free.
+   Returns the set of the others, of the first 64. */
+PBW__INLINE uint64_t pbw__lowest_ranks(const pbw_index *corner, size_t count, pbw_index *low, int dim)
+{
+    uint64_t set = 0;
     size_t i;
     for (i = 0; i < count; i++, corner += 4) {
         pbw_index least = corner[0] < corner[1] ? corner[0] : corner[1];
         least = corner[2] < least ? corner[2] : least;
         least = dim == 3 && corner[3] < least ? corner[3] : least;
         low[i] = corner[0] == PBW_NONE ? 0 : least;
+        set |= (uint64_t)(low[i] != 0) << i;
     }
+    return set;
 }
 
-static void pbw__lowest_ranks3(const pbw_index *corner, size_t count, pbw_index *low)
+static uint64_t pbw__lowest_ranks3(const pbw_index *corner, size_t count, pbw_index *low)
 {
-    pbw__lowest_ranks(corner, count, low, 3);
+    return pbw__lowest_ranks(corner, count, low, 3);
 }
 
-static void pbw__lowest_ranks2(const pbw_index *corner, size_t count, pbw_index *low)
+static uint64_t pbw__lowest_ranks2(const pbw_index *corner, size_t count, pbw_index *low)
 {
-    pbw__lowest_ranks(corner, count, low, 2);
+    return pbw__lowest_ranks(corner, count, low, 2);
 }
 
 #ifdef PBW__AVX2
@@ -6822,9 +6840,17 @@ PBW__SIMD_INLINE __m256i pbw__pick_odd(__m256i a, __m256i b)
     return _mm256_castps_si256(_mm256_shuffle_ps(_mm256_castsi256_ps(a), _mm256_castsi256_ps(b), 0xdd));
 }
 
-/* Eight at a time. */
-PBW__SIMD_INLINE void pbw__lowest_ranks_avx2(const pbw_index *corner, size_t count, pbw_index *low, int dim)
+/* Which of eight numbers are not `x`. */
+PBW__SIMD_INLINE uint64_t pbw__not_equal8(__m256i numbers, int x)
 {
+    const __m256i equal = _mm256_cmpeq_epi32(numbers, _mm256_set1_epi32(x));
+    return (uint64_t)(255 & ~_mm256_movemask_ps(_mm256_castsi256_ps(equal)));
+}
+
+/* Eight at a time. */
+PBW__SIMD_INLINE uint64_t pbw__lowest_ranks_avx2(const pbw_index *corner, size_t count, pbw_index *low, int dim)
+{
+    uint64_t set = 0;
     const __m256i unused = _mm256_set1_epi64x(dim == 3 ? 0 : (int64_t)((uint64_t)PBW_NONE << 32));
     const __m256i order = _mm256_setr_epi32(0, 4, 1, 5, 2, 6, 3, 7), none = _mm256_set1_epi32(-1);
     size_t i, j;
@@ -6840,25 +6866,27 @@ PBW__SIMD_INLINE void pbw__lowest_ranks_avx2(const pbw_index *corner, size_t cou
         ranks = _mm256_cmpeq_epi32(pbw__pick_even(a[0], a[2]), none);
         ranks = _mm256_andnot_si256(ranks, _mm256_min_epu32(pbw__pick_even(least[0], least[1]),
                                                       pbw__pick_odd(least[0], least[1])));
-        _mm256_storeu_si256((__m256i *)(void *)(low + i), _mm256_permutevar8x32_epi32(ranks, order));
+        ranks = _mm256_permutevar8x32_epi32(ranks, order);
+        _mm256_storeu_si256((__m256i *)(void *)(low + i), ranks);
+        set |= pbw__not_equal8(ranks, 0) << i;
     }
-    pbw__lowest_ranks(corner + 4 * i, count - i, low + i, dim);
+    return i < count ? set | pbw__lowest_ranks(corner + 4 * i, count - i, low + i, dim) << i : set;
 }
 
-PBW__SIMD static void pbw__lowest_ranks3_avx2(const pbw_index *corner, size_t count, pbw_index *low)
+PBW__SIMD static uint64_t pbw__lowest_ranks3_avx2(const pbw_index *corner, size_t count, pbw_index *low)
 {
-    pbw__lowest_ranks_avx2(corner, count, low, 3);
+    return pbw__lowest_ranks_avx2(corner, count, low, 3);
 }
 
-PBW__SIMD static void pbw__lowest_ranks2_avx2(const pbw_index *corner, size_t count, pbw_index *low)
+PBW__SIMD static uint64_t pbw__lowest_ranks2_avx2(const pbw_index *corner, size_t count, pbw_index *low)
 {
-    pbw__lowest_ranks_avx2(corner, count, low, 2);
+    return pbw__lowest_ranks_avx2(corner, count, low, 2);
 }
 #endif
 
 /* Pass 1.  A task has the slots of a run of regions, and the lists of the ranks of their cells.  Simplices for the
    lists of other tasks, few, make a chain of their own and are left for a second look, with atomic exchanges. */
-#define PBW__RUN 64                                  /* slots whose lowest ranks are found at a time */
+#define PBW__RUN 64                                  /* slots whose lowest ranks are found at a time: a set of bits */
 
 /* The slots from..end-1 into chains; `others` is the last slot for other tasks. */
 static pbw_index pbw__emit_chains(pbw__emission *emission, int task, size_t from, size_t end, pbw_index others)
@@ -6868,6 +6896,7 @@ static pbw_index pbw__emit_chains(pbw__emission *emission, int task, size_t from
     size_t ranks = cells << store->cell_bits, t, to;
     size_t own = (pbw__share(store->region_count, task + 1, emission->tasks) << store->cell_bits) - ranks;
     pbw_index *number = emission->number, *chain = emission->chain, *head = emission->head, lowest[PBW__RUN];
+    uint64_t used;
     const int bits = store->cell_bits;
     for (; from < end; from = to) {
         if ((from / PBW__RUN & 1023) == 0
@@ -6878,12 +6907,13 @@ static pbw_index pbw__emit_chains(pbw__emission *emission, int task, size_t from
         for (t = to; t < end && t < to + PBW__RUN; t += 4) {
             PBW__PREFETCH(store->corner + 4 * t);
         }
-        emission->lowest_ranks(store->corner + 4 * from, to - from, lowest);
-        for (t = from; t < to; t++) {
-            pbw_index low = lowest[t - from];
-            if (low == 0) {
-                number[t] = PBW_NONE;
-            } else if (PBW__LIKELY(low - ranks < own)) {
+        used = emission->lowest_ranks(store->corner + 4 * from, to - from, lowest);
+        memset(number + from, 0xff, (to - from) * sizeof(pbw_index));      /* PBW_NONE */
+        for (; used != 0; used &= used - 1) {        /* on a circle half are ghosts: no predictor could guess which */
+            const unsigned at = pbw__first_bit(used);
+            const pbw_index low = lowest[at];
+            t = from + at;
+            if (PBW__LIKELY(low - ranks < own)) {
                 number[t] = chain[low >> bits];
                 chain[low >> bits] = (pbw_index)t;
                 head[low]++;
@@ -6929,7 +6959,7 @@ static void pbw__emit_others(void *arg, int task)
     pbw_index t = (pbw_index)emission->end[task], next, low;
     for (; t != PBW_NONE; t = next) {
         next = emission->number[t];
-        emission->lowest_ranks(emission->corner + 4 * (size_t)t, 1, &low);
+        (void)emission->lowest_ranks(emission->corner + 4 * (size_t)t, 1, &low);
         emission->number[t] = PBW__SWAP(emission->chain + (low >> emission->store->cell_bits), t);
         (void)PBW__ADD(emission->head + low, 1);
     }
@@ -7459,37 +7489,43 @@ PBW__SIMD_INLINE size_t pbw__emit_slots_avx2(const pbw__emission *emission, size
     const pbw_index *number = emission->number, *id = emission->id;
     pbw__link *link = emission->link;
     pbw_index *corner = emission->corner;
-    size_t corners = (size_t)dim + 1, count = 0, t;
-    for (t = from; t < end; t++) {
-        const pbw_index *v = corner + 4 * t, place = number[t];
-        pbw__i4 lanes, ids, neighbors = { 0, 0, 0, 0 };
-        PBW__PREFETCH_STREAM(corner, 4 * t, 4 * emission->slot_count);
-        if (links) {
-            PBW__PREFETCH_STREAM(link, 4 * t, 4 * emission->slot_count);
+    size_t corners = (size_t)dim + 1, count = 0, i;
+    for (; from < end; from += 64) {
+        uint64_t used = 0;
+        for (i = 0; i < 64 && from + i + 8 <= end; i += 8) {
+            const __m256i eight = _mm256_loadu_si256((const __m256i *)(const void *)(number + from + i));
+            used |= pbw__not_equal8(eight, -1) << i;         /* PBW_NONE */
         }
-        if (place == PBW_NONE) {
-            continue;
+        for (; i < 64 && from + i < end; i++) {
+            used |= (uint64_t)(number[from + i] != PBW_NONE) << i;
         }
-        PBW__PREFETCH_TO_WRITE(corner + corners * place);
-        lanes = (pbw__i4)pbw__canonical_lanes((__m128i)pbw__load4(v), dim);
-        ids = (pbw__i4)_mm_setr_epi32((int)id[v[0]], (int)id[v[1]], (int)id[v[2]], dim == 3 ? (int)id[v[3]] : 0);
-        ids = pbw__permute4(ids, lanes);
-        if (links) {
-            const pbw__link *l = link + 4 * t;
-            PBW__PREFETCH_TO_WRITE((pbw_index *)(void *)link + corners * place);
-            neighbors = (pbw__i4)_mm_setr_epi32((int)number[l[0] >> 2], (int)number[l[1] >> 2],
-                                                (int)number[l[2] >> 2], dim == 3 ? (int)number[l[3] >> 2] : 0);
-            neighbors = pbw__permute4(neighbors, lanes);
-        }
-        if (PBW__LIKELY(place - first_free < free_count) || pbw__emit_free(emission, place, dim)) {
-            pbw__emit_store(corner + corners * place, ids, dim);
+        for (; used != 0; used &= used - 1) {
+            const size_t t = from + pbw__first_bit(used);
+            const pbw_index *v = corner + 4 * t, place = number[t];
+            pbw__i4 lanes, ids, neighbors = { 0, 0, 0, 0 };
+            PBW__PREFETCH_STREAM(corner, 4 * t, 4 * emission->slot_count);
+            PBW__PREFETCH_TO_WRITE(corner + corners * place);
+            lanes = (pbw__i4)pbw__canonical_lanes((__m128i)pbw__load4(v), dim);
+            ids = (pbw__i4)_mm_setr_epi32((int)id[v[0]], (int)id[v[1]], (int)id[v[2]], dim == 3 ? (int)id[v[3]] : 0);
+            ids = pbw__permute4(ids, lanes);
             if (links) {
-                pbw__emit_store((pbw_index *)(void *)link + corners * place, neighbors, dim);
+                const pbw__link *l = link + 4 * t;
+                PBW__PREFETCH_STREAM(link, 4 * t, 4 * emission->slot_count);
+                PBW__PREFETCH_TO_WRITE((pbw_index *)(void *)link + corners * place);
+                neighbors = (pbw__i4)_mm_setr_epi32((int)number[l[0] >> 2], (int)number[l[1] >> 2],
+                                                    (int)number[l[2] >> 2], dim == 3 ? (int)number[l[3] >> 2] : 0);
+                neighbors = pbw__permute4(neighbors, lanes);
             }
-        } else {
-            out[count].place = place;
-            pbw__store4(out[count].corner, ids);
-            pbw__store4(out[count++].neighbor, neighbors);
+            if (PBW__LIKELY(place - first_free < free_count) || pbw__emit_free(emission, place, dim)) {
+                pbw__emit_store(corner + corners * place, ids, dim);
+                if (links) {
+                    pbw__emit_store((pbw_index *)(void *)link + corners * place, neighbors, dim);
+                }
+            } else {
+                out[count].place = place;
+                pbw__store4(out[count].corner, ids);
+                pbw__store4(out[count++].neighbor, neighbors);
+            }
         }
     }
     return count;
