@@ -402,6 +402,8 @@ extern int madvise(void *address, size_t length, int advice);    /* strict C mod
 #define PBW__PREFETCH(address) ((void)(address))
 #define PBW__PREFETCH_TO_WRITE(address) ((void)(address))
 #endif
+/* For array[i], where `i` goes on to `end`: processors that ask ahead on their own do not for the next page. */
+#define PBW__PREFETCH_STREAM(array, i, end) PBW__PREFETCH((array) + ((i) + 512 < (end) ? (i) + 512 : (i)))
 
 /* The instructions of vectors: see >>lanes. */
 #if !defined(PBW_NO_SIMD) && defined(__GNUC__) && !(defined(PBW__FMA) && PBW__FMA == 0)
@@ -873,7 +875,7 @@ PBW__SIMD_INLINE double pbw__lane1(pbw__d2 x)
     return PBW__EITHER(_mm_cvtsd_f64(_mm_unpackhi_pd(x, x)), vgetq_lane_f64(x, 1));
 }
 
-/* A number and its size: of lane 0, of lane 1; of a difference, where the sizes are added. */
+/* A number and its size: of lane 0, of lane 1; of a difference, where the sizes are added.  Fused, to wait less. */
 PBW__SIMD_INLINE pbw__d2 pbw__sized0(pbw__d2 x)
 {
     return PBW__EITHER(_mm_andnot_pd(_mm_set_pd(-0.0, 0.0), _mm_unpacklo_pd(x, x)), vzip1q_f64(x, vabsq_f64(x)));
@@ -884,9 +886,15 @@ PBW__SIMD_INLINE pbw__d2 pbw__sized1(pbw__d2 x)
     return PBW__EITHER(_mm_andnot_pd(_mm_set_pd(-0.0, 0.0), _mm_unpackhi_pd(x, x)), vzip2q_f64(x, vabsq_f64(x)));
 }
 
-PBW__SIMD_INLINE pbw__d2 pbw__minus_sized(pbw__d2 x, pbw__d2 y)
+PBW__SIMD_INLINE pbw__d2 pbw__minus_sized(pbw__d2 x, pbw__d2 y, pbw__d2 z)       /* x y - z */
 {
-    return PBW__EITHER(_mm_addsub_pd(x, y), vcopyq_laneq_f64(x + y, 0, x - y, 0));
+    return PBW__EITHER(_mm_fmaddsub_pd(x, y, z),
+                       vcopyq_laneq_f64(vfmaq_f64(z, x, y), 0, vfmaq_f64(vnegq_f64(z), x, y), 0));
+}
+
+PBW__SIMD_INLINE pbw__d2 pbw__fma2(pbw__d2 a, pbw__d2 b, pbw__d2 c)        /* a b + c, rounded once */
+{
+    return PBW__EITHER(_mm_fmadd_pd(a, b, c), vfmaq_f64(c, a, b));
 }
 
 PBW__SIMD_INLINE pbw__d2 pbw__turn_right(pbw__d2 x)       /* (y, -x) */
@@ -2300,6 +2308,7 @@ PBW__INLINE void pbw__grid_scan_records(const pbw__grid_scanning *scanning, int 
     for (; i < end; i++) {
         const double *q = scanning->records + i * (size_t)(dim + 1);
         uint64_t off = 0;
+        PBW__PREFETCH_STREAM(scanning->records, i * (size_t)(dim + 1), end * (size_t)(dim + 1));
         for (k = 0; k <= dim; k++) {
             const double many = limit[k == dim], size = pbw__size(q[k]) < many ? pbw__size(q[k]) : many;
             off |= pbw__bits(size + many - many - size);
@@ -2651,6 +2660,7 @@ static void pbw__count_digits(void *arg, int task)
     memset(start, 0, ((size_t)mask + 1) * sizeof(start[0]));
     for (; i < to; i = end) {
         for (end = to - i < PBW__TICK ? to : i + PBW__TICK; i < end; i++) {
+            PBW__PREFETCH_STREAM(a, i, to);
             start[(a[i] >> sorting->shift) & mask]++;
         }
         if (sorting->count > PBW__TICK && pbw__report(sorting->context, 0.5)) {
@@ -2674,6 +2684,7 @@ static void pbw__move_keys(void *arg, int task)
     for (i = pbw__share(sorting->count, task, sorting->tasks); i < to; i = end) {
         for (end = to - i < PBW__TICK ? to : i + PBW__TICK; i < end; i++) {
             size_t place = start[(a[i] >> sorting->shift) & mask]++;
+            PBW__PREFETCH_STREAM(a, i, to);
             PBW__PREFETCH_TO_WRITE(b + (place + line < sorting->count ? place + line : place));
             b[place] = a[i];
         }
@@ -2688,7 +2699,7 @@ static void pbw__move_keys(void *arg, int task)
 static uint64_t *pbw__sort_by(pbw__context *context, uint64_t *a, uint64_t *b, size_t count, int low, int bits,
                               uint32_t *start, int tasks)
 {
-    int widest = count < 512 ? 6 : count < 4096 ? 9 : 11, passes = (bits + widest - 1) / widest, task;
+    int widest = count < 4096 ? 9 : 11, passes = (bits + widest - 1) / widest, task;
     int digit = (bits + passes - 1) / passes;
     uint32_t *all = start + (size_t)tasks * PBW__DIGITS;
     pbw__sorting sorting;
@@ -2731,10 +2742,11 @@ static uint64_t *pbw__sort_by(pbw__context *context, uint64_t *a, uint64_t *b, s
     return sorting.a;
 }
 
-/* The same on this thread alone, where no bits lie above those; few keys by insertion. */
+/* The same on this thread alone, where keys have no bits above those, or the same; few keys by insertion. */
 static uint64_t *pbw__sort_keys(pbw__context *context, uint64_t *a, uint64_t *b, size_t count, int low, int bits)
 {
     uint32_t start[2 * PBW__DIGITS];
+    const int end = low + bits;
     if (count < 64) {
         size_t i, hole;
         for (i = 1; i < count; i++) {
@@ -2746,7 +2758,29 @@ static uint64_t *pbw__sort_keys(pbw__context *context, uint64_t *a, uint64_t *b,
         }
         return a;
     }
-    return pbw__sort_by(context, a, b, count, low, bits, start, 1);
+    if (count >= 512) {
+        return pbw__sort_by(context, a, b, count, low, bits, start, 1);
+    }
+    for (; low < end; low += 6) {
+        uint64_t *swap = a;
+        uint32_t sum = 0;
+        size_t i;
+        memset(start, 0, 64 * sizeof(start[0]));
+        for (i = 0; i < count; i++) {
+            start[a[i] >> low & 63]++;
+        }
+        for (i = 0; i < 64; i++) {
+            const uint32_t here = start[i];
+            start[i] = sum;
+            sum += here;
+        }
+        for (i = 0; i < count; i++) {
+            b[start[a[i] >> low & 63]++] = a[i];
+        }
+        a = b;
+        b = swap;
+    }
+    return a;
 }
 
 /* Order of points of equal keys: lexicographic, then the larger weight, then the lower index. */
@@ -2791,7 +2825,7 @@ typedef struct pbw__keying {
     pbw__box *boxes, box;                            /* per task; of all tasks */
 } pbw__keying;
 
-#define PBW__AHEAD 32                                /* points asked for before they are needed */
+#define PBW__AHEAD 128                               /* points asked for before they are needed */
 
 /* The i-th of those points; the one that will soon be needed, if before `to`, is asked for: the keys from there on
    are another task's to write. */
@@ -2799,13 +2833,9 @@ PBW__INLINE size_t pbw__keying_index(const pbw__keying *keying, size_t i, size_t
 {
     const pbw__ordering *ordering = keying->ordering;
     const uint64_t *keys = ordering->keys + keying->from, mask = ((uint64_t)1 << ordering->index_bits) - 1;
-    if (keying->all) {
-        return i;
-    }
-    if (i + PBW__AHEAD < to) {
-        pbw__fetch_soon(ordering->input, (size_t)(keys[i + PBW__AHEAD] & mask));
-    }
-    return (size_t)(keys[i] & mask);
+    const size_t soon = i + PBW__AHEAD < to ? i + PBW__AHEAD : i;
+    pbw__fetch_soon(ordering->input, keying->all ? soon : (size_t)(keys[soon] & mask));
+    return keying->all ? i : (size_t)(keys[i] & mask);
 }
 
 PBW__INLINE void pbw__keying_box_share(const pbw__keying *keying, int task, int dim)
@@ -2845,14 +2875,13 @@ static void pbw__keying_box(void *arg, int task)
     }
 }
 
-PBW__INLINE void pbw__keying_share(const pbw__keying *keying, int task, int dim, int levels)
+/* The keys of points i..to-1. */
+PBW__INLINE void pbw__keying_share(const pbw__keying *keying, size_t i, size_t to, int dim, int levels)
 {
     const pbw__ordering *ordering = keying->ordering;
     const pbw__box box = keying->box;
     const int index_bits = ordering->index_bits;
     uint64_t *keys = ordering->keys + keying->from;
-    size_t i = pbw__share(keying->count, task, keying->tasks);
-    size_t to = pbw__share(keying->count, task + 1, keying->tasks);
     for (; i < to; i++) {
         double x[4];
         size_t index = pbw__keying_index(keying, i, to);
@@ -2868,15 +2897,137 @@ PBW__INLINE void pbw__keying_share(const pbw__keying *keying, int task, int dim,
     }
 }
 
+#ifdef PBW__AVX2
+/* Eight keys at once, in the plane, where the automaton has a formula.  Of the next bits x and y of the coordinates
+   let u = x ^ y; of state s let c = s >> 1, a = (s & 1) ^ c.  Then the table says: the digit is x ^ ((a ^ c) & u) ^ c
+   and u after it; if u = 0 the next a is a ^ c ^ !x, if u = 1 the next c is c ^ a ^ x, and the other stays.  Over
+   bits that is affine: a' = m00 a + m01 c + ta, c' = m10 a + m11 c + tc.  So are several levels in a row; all that
+   come before a level are made of 1, 2, 4, ... of them, for all bits of a word at once (Kogge & Stone 1973).
+   The first state is 0.  n00 and n11 are m00 and m11 inverted: so the zeros that shifts bring in change nothing. */
+typedef uint32_t pbw__u8 __attribute__((vector_size(32)));
+
+/* The cells of coordinate k of eight points, as in pbw__hilbert_key. */
+PBW__SIMD_INLINE pbw__u8 pbw__cells8(const pbw__box *box, int k, pbw__d4 x0, pbw__d4 x1)
+{
+    const double last = (double)(((uint32_t)1 << box->bits) - 1);
+    const pbw__d4 scale = pbw__each(box->scale), low = scale * pbw__each(box->low[k]), cells = pbw__each(last + 1.0);
+    const pbw__d4 extent = pbw__each(box->extent), most = pbw__each(last);
+    const __m128i first = _mm256_cvttpd_epi32(_mm256_min_pd((scale * x0 - low) / extent * cells, most));
+    const __m128i second = _mm256_cvttpd_epi32(_mm256_min_pd((scale * x1 - low) / extent * cells, most));
+    return (pbw__u8)_mm256_inserti128_si256(_mm256_castsi128_si256(first), second, 1);
+}
+
+typedef struct pbw__levels8 { pbw__u8 n00, m01, m10, n11, ta, tc; } pbw__levels8;
+
+/* For each bit, from `count` levels that end there and as many before them: both. */
+PBW__SIMD_INLINE void pbw__levels_join(pbw__levels8 *levels, int count)
+{
+    const pbw__levels8 m = *levels;
+    const pbw__u8 n00 = m.n00 >> count, m01 = m.m01 >> count, m10 = m.m10 >> count, n11 = m.n11 >> count;
+    const pbw__u8 ta = m.ta >> count, tc = m.tc >> count;
+    levels->n00 = (m.n00 | n00) ^ (m.m01 & m10);
+    levels->m01 = (~m.n00 & m01) ^ (m.m01 & ~n11);
+    levels->m10 = (m.m10 & ~n00) ^ (~m.n11 & m10);
+    levels->n11 = (m.n11 | n11) ^ (m.m10 & m01);
+    levels->ta = m.ta ^ (~m.n00 & ta) ^ (m.m01 & tc);
+    levels->tc = m.tc ^ (m.m10 & ta) ^ (~m.n11 & tc);
+}
+
+/* The first bits of all digits, the second being x ^ y; `all`: the bits that the coordinates have. */
+PBW__SIMD_INLINE pbw__u8 pbw__digits8(pbw__u8 x, pbw__u8 y, uint32_t all)
+{
+    const pbw__u8 u = x ^ y, zero = u ^ u;
+    pbw__levels8 before = { zero, u ^ all, u, zero, ~(x | y) & all, x & ~y };
+    pbw__levels_join(&before, 1);
+    pbw__levels_join(&before, 2);
+    pbw__levels_join(&before, 4);
+    pbw__levels_join(&before, 8);
+    pbw__levels_join(&before, 16);
+    return x ^ (((before.ta ^ before.tc) >> 1) & u) ^ (before.tc >> 1);
+}
+
+/* A zero before each bit of four numbers: by bytes, then by halves of bytes. */
+PBW__SIMD_INLINE __m256i pbw__spread4(__m128i x)
+{
+    const __m256i table = _mm256_setr_epi8(0, 1, 4, 5, 16, 17, 20, 21, 64, 65, 68, 69, 80, 81, 84, 85,
+                                           0, 1, 4, 5, 16, 17, 20, 21, 64, 65, 68, 69, 80, 81, 84, 85);
+    const __m256i bytes = _mm256_cvtepu8_epi16(x), halves = _mm256_or_si256(bytes, _mm256_slli_epi16(bytes, 4));
+    return _mm256_shuffle_epi8(table, _mm256_and_si256(halves, _mm256_set1_epi8(15)));
+}
+
+PBW__SIMD_INLINE __m256i pbw__interleave4(__m128i first, __m128i second)
+{
+    const __m256i spread = pbw__spread4(first);
+    return _mm256_or_si256(_mm256_add_epi64(spread, spread), pbw__spread4(second));
+}
+
+PBW__SIMD_INLINE const double *pbw__double_at(const pbw__input *input, size_t i)
+{
+    return (const double *)(const void *)(input->points + i * input->stride);
+}
+
+/* The keys of points from `i` on, of all, given as doubles; returns the first that it leaves of those before `to`. */
+PBW__SIMD static size_t pbw__keying_plane(const pbw__keying *keying, size_t i, size_t to)
+{
+    const pbw__ordering *ordering = keying->ordering;
+    const pbw__input input = *ordering->input;
+    const pbw__box box = keying->box;
+    const uint32_t all = ((uint32_t)1 << box.bits) - 1;
+    const __m128i shift = _mm_cvtsi32_si128(ordering->index_bits);
+    uint64_t *keys = ordering->keys;
+    pbw_index *canonical = ordering->vertices->canonical;
+    for (; to - i >= 8; i += 8) {
+        const __m256i index = _mm256_add_epi64(_mm256_set1_epi64x((int64_t)i), _mm256_setr_epi64x(0, 1, 2, 3));
+        pbw__d4 x0, y0, x1, y1;
+        pbw__u8 x, y;
+        __m256i first, second, key[2];
+        size_t k;
+        if ((i & (PBW__TICK - 1)) < 8
+            && pbw__report(ordering->context, 0.1 + 0.2 * (double)i / (double)keying->count)) {
+            return to;
+        }
+        for (k = i + PBW__AHEAD; k < i + PBW__AHEAD + 8 && k < to; k += 2) {
+            pbw__fetch_soon(&input, k);
+        }
+        pbw__columns(pbw__double_at(&input, i), pbw__double_at(&input, i + 1), pbw__double_at(&input, i + 2),
+                     pbw__double_at(&input, i + 3), &x0, &y0);
+        pbw__columns(pbw__double_at(&input, i + 4), pbw__double_at(&input, i + 5), pbw__double_at(&input, i + 6),
+                     pbw__double_at(&input, i + 7), &x1, &y1);
+        x = pbw__cells8(&box, 0, x0, x1);
+        y = pbw__cells8(&box, 1, y0, y1);
+        first = (__m256i)pbw__digits8(x, y, all);
+        second = (__m256i)(x ^ y);
+        key[0] = pbw__interleave4(_mm256_castsi256_si128(first), _mm256_castsi256_si128(second));
+        key[1] = pbw__interleave4(_mm256_extracti128_si256(first, 1), _mm256_extracti128_si256(second, 1));
+        key[0] = _mm256_or_si256(_mm256_sll_epi64(key[0], shift), index);
+        key[1] = _mm256_or_si256(_mm256_sll_epi64(key[1], shift), _mm256_add_epi64(index, _mm256_set1_epi64x(4)));
+        _mm256_storeu_si256((__m256i *)(void *)(keys + i), key[0]);
+        _mm256_storeu_si256((__m256i *)(void *)(keys + i + 4), key[1]);
+        for (k = i; k < i + 8; k++) {
+            canonical[k] = (pbw_index)k;
+        }
+    }
+    return i;
+}
+#endif
+
 static void pbw__keying_keys(void *arg, int task)
 {
     const pbw__keying *keying = (const pbw__keying *)arg;
-    if (keying->ordering->curve.levels == 1) {
-        pbw__keying_share(keying, task, keying->ordering->input->dim, 1);
-    } else if (keying->ordering->input->dim == 3) {
-        pbw__keying_share(keying, task, 3, PBW__LEVELS3);
+    const pbw__ordering *ordering = keying->ordering;
+    size_t from = pbw__share(keying->count, task, keying->tasks);
+    size_t to = pbw__share(keying->count, task + 1, keying->tasks);
+    if (ordering->curve.levels == 1) {
+        pbw__keying_share(keying, from, to, ordering->input->dim, 1);
+    } else if (ordering->input->dim == 3) {
+        pbw__keying_share(keying, from, to, 3, PBW__LEVELS3);
     } else {
-        pbw__keying_share(keying, task, 2, PBW__LEVELS2);
+#ifdef PBW__AVX2
+        if (keying->all && !ordering->input->is_float && pbw__simd_works()) {
+            from = pbw__keying_plane(keying, from, to);
+        }
+#endif
+        pbw__keying_share(keying, from, to, 2, PBW__LEVELS2);
     }
 }
 
@@ -2972,97 +3123,138 @@ static void pbw__order_one_place(const pbw__ordering *ordering, uint64_t *keys, 
     }
 }
 
-/* Sorts a part by all bits; 0 if cancelled. */
+/* Sorts a part by all bits; 0 if cancelled.  Runs are looked for only where keys are not in order. */
 static int pbw__order_rest(pbw__ordering *ordering, const pbw__part *part)
 {
     const uint64_t *keys = ordering->keys;
     pbw__part run;
-    size_t steps = 0;
-    run.from = part->from;
-    for (; run.from < part->to && part->low > ordering->index_bits; run.from = run.to) {
-        run.low = part->low;
-        for (run.to = run.from + 1; run.to < part->to && keys[run.to] >> run.low == keys[run.from] >> run.low; ) {
-            run.to++;
-        }
-        if (run.to - run.from > 1 && !pbw__order_sort(ordering, &run, ordering->index_bits, NULL, 1)) {
-            return 0;
-        }
-        steps += run.to - run.from;
-        if (steps > PBW__TICK) {
-            steps = 0;
-            if (pbw__report(ordering->context, 0.5)) {
-                return 0;
+    size_t i = part->from + 1, end;
+    for (; i < part->to && part->low > ordering->index_bits; i = end) {
+        for (end = part->to - i < PBW__TICK ? part->to : i + PBW__TICK; i < end; i++) {
+            if (PBW__UNLIKELY(keys[i] < keys[i - 1])) {
+                const uint64_t value = keys[i] >> part->low;
+                run.low = part->low;
+                for (run.from = i - 1; run.from > part->from && keys[run.from - 1] >> run.low == value; run.from--) {
+                }
+                for (run.to = i + 1; run.to < part->to && keys[run.to] >> run.low == value; run.to++) {
+                }
+                if (!pbw__order_sort(ordering, &run, ordering->index_bits, NULL, 1)) {
+                    return 0;
+                }
+                i = run.to - 1;
+                end = i < end ? end : run.to;
             }
+        }
+        if (pbw__report(ordering->context, 0.5)) {
+            return 0;
         }
     }
     return 1;
 }
 
-/* Puts the runs of a part into order and its points into the records, as if no other part had duplicates.  Points at
-   one place follow each other, the one that stays first. */
+/* The points of keys[from..to), of different keys and so at different places, to the records from r on.  Those that
+   will soon be needed are asked for, if before `end`. */
+PBW__INLINE void pbw__order_place(const pbw__ordering *ordering, size_t from, size_t to, size_t end, size_t r,
+                                  int dim)
+{
+    const uint64_t *keys = ordering->keys, mask = ((uint64_t)1 << ordering->index_bits) - 1;
+    const pbw__input input = *ordering->input;
+    double *record = ordering->vertices->record + r * (size_t)(dim + 1);
+    pbw_index *id = ordering->vertices->id + r;
+    for (; from < to; from++, record += dim + 1) {
+        const size_t index = (size_t)(keys[from] & mask);
+        pbw__fetch_soon(&input, (size_t)(keys[from + PBW__AHEAD < end ? from + PBW__AHEAD : from] & mask));
+        pbw__fetch_of(dim, &input, index, record);
+        *id++ = (pbw_index)index;
+    }
+}
+
+/* Puts a run of equal keys into order: points at one place follow each other, the one that stays first.  Or gives it
+   keys of its own, in order, that make runs in the run: -1.  0: cancelled. */
+static int pbw__order_run(pbw__ordering *ordering, pbw__part *run)
+{
+    const size_t count = run->to - run->from;
+    uint64_t *keys = ordering->keys + run->from;
+    pbw__box box;
+    if (count <= PBW__SHORT_RUN) {
+        pbw__order_short_run(ordering, keys, count);
+        return 1;
+    }
+    if (!run->settled && !pbw__order_keys(ordering, run, 0, &box, 1)) {
+        return 0;
+    }
+    if (!run->settled) {
+        return pbw__order_sort(ordering, run, ordering->index_bits, NULL, 1) ? -1 : 0;
+    }
+    pbw__order_one_place(ordering, keys, count);
+    return 1;
+}
+
+/* Puts the runs of a part into order and its points into the records, as if no other part had duplicates. */
 static void pbw__order_part(void *arg, int task)
 {
     pbw__ordering *ordering = (pbw__ordering *)arg;
     pbw__part *part = ordering->parts + task, run;
     const pbw__input *input = ordering->input;
     pbw__vertices *vertices = ordering->vertices;
-    const int index_bits = ordering->index_bits, dim = input->dim;
-    const uint64_t index_mask = ((uint64_t)1 << index_bits) - 1;
-    uint64_t *keys = ordering->keys;
+    const int bits = ordering->index_bits, dim = input->dim;
+    const uint64_t index_mask = ((uint64_t)1 << bits) - 1, *keys = ordering->keys;
     size_t end_of[PBW__RUN_DEPTH], r = part->from, i = part->from, steps = 0, step = (size_t)dim + 1;
-    double *last = vertices->record + r * step;
     int depth = 0;
     end_of[0] = part->to;
     if (!pbw__order_rest(ordering, part)) {
         return;
     }
     while (i < part->to) {
-        size_t run_end = i + 1, limit = end_of[depth];
-        while (run_end < limit && keys[run_end] >> index_bits == keys[i] >> index_bits) {
-            run_end++;
+        const size_t limit = end_of[depth], soon = limit - i > PBW__TICK ? i + PBW__TICK : limit;
+        size_t next = i + 1;
+        while (next < soon && keys[next] >> bits != keys[next - 1] >> bits) {
+            next++;
         }
-        steps += run_end - i;
+        next -= next < limit;                        /* a run may begin there */
+        if (next > i && dim == 3) {
+            pbw__order_place(ordering, i, next, part->to, r + 1, 3);
+        } else if (next > i) {
+            pbw__order_place(ordering, i, next, part->to, r + 1, 2);
+        }
+        steps += next + 1 - i;
+        r += next - i;
+        i = next;
+        if (i < limit) {
+            int done;
+            run.from = i;
+            for (run.to = i + 1; run.to < limit && keys[run.to] >> bits == keys[i] >> bits; run.to++) {
+            }
+            run.settled = part->settled;
+            done = pbw__order_run(ordering, &run);
+            if (done == 0) {
+                return;
+            }
+            if (done < 0) {                          /* look at the same place again, for runs in the run */
+                end_of[++depth] = run.to;
+                continue;
+            }
+            steps += run.to - i;
+            for (; i < run.to; i++) {
+                const size_t index = (size_t)(keys[i] & index_mask);
+                double *record = vertices->record + (r + 1) * step;
+                pbw__fetch_soon(input, (size_t)(keys[i + PBW__AHEAD < part->to ? i + PBW__AHEAD : i] & index_mask));
+                pbw__fetch(input, index, record);
+                if (i > run.from && pbw__same_place(record, record - step, dim)) {
+                    vertices->canonical[index] = vertices->id[r];
+                } else {
+                    vertices->id[++r] = (pbw_index)index;
+                }
+            }
+        }
+        while (depth > 0 && i == end_of[depth]) {
+            depth--;
+        }
         if (steps > PBW__TICK) {
             steps = 0;
             if (pbw__report(ordering->context, 0.5 + 0.5 * (double)i / (double)input->count)) {
                 return;
             }
-        }
-        if (run_end - i > PBW__SHORT_RUN) {
-            pbw__box box;
-            run.from = i;
-            run.to = run_end;
-            run.settled = part->settled;
-            if (!run.settled && !pbw__order_keys(ordering, &run, 0, &box, 1)) {
-                return;
-            }
-            if (!run.settled) {
-                if (!pbw__order_sort(ordering, &run, index_bits, NULL, 1)) {
-                    return;
-                }
-                end_of[++depth] = run_end;           /* look at the same place again, for runs in the run */
-                continue;
-            }
-            pbw__order_one_place(ordering, keys + i, run_end - i);
-        } else if (run_end - i > 1) {
-            pbw__order_short_run(ordering, keys + i, run_end - i);
-        }
-        for (; i < run_end; i++) {
-            size_t index = (size_t)(keys[i] & index_mask);
-            double *next = r > part->from ? last + step : vertices->record + (part->from + 1) * step;
-            if (i + PBW__AHEAD < part->to) {
-                pbw__fetch_soon(input, (size_t)(keys[i + PBW__AHEAD] & index_mask));
-            }
-            pbw__fetch(input, index, next);
-            if (r > part->from && pbw__same_place(next, last, dim)) {
-                vertices->canonical[index] = vertices->id[r];
-            } else {
-                vertices->id[++r] = (pbw_index)index;
-                last = next;
-            }
-        }
-        while (depth > 0 && i == end_of[depth]) {
-            depth--;
         }
     }
     part->unique = r - part->from;
@@ -5474,7 +5666,7 @@ PBW__SIMD_INLINE pbw__corner2 pbw__corner2_of(const double *record, pbw_index v,
     pbw__corner2 corner;
     corner.x = pbw__sized0(place);
     corner.y = pbw__sized1(place);
-    corner.lift = corner.x * corner.x + corner.y * corner.y;
+    corner.lift = pbw__fma2(corner.x, corner.x, corner.y * corner.y);
     corner.link = link;
     corner.v = v;
     return corner;
@@ -5492,7 +5684,7 @@ PBW__SIMD_INLINE int pbw__sign_sized(pbw__d2 x, double factor, double tiny)
    addition. */
 PBW__SIMD_INLINE int pbw__side2(const pbw__corner2 *s, const pbw__corner2 *e)
 {
-    return pbw__sign_sized(pbw__minus_sized(s->x * e->y, e->x * s->y), PBW__ORIENT2_ERROR, 1e-300);
+    return pbw__sign_sized(pbw__minus_sized(s->x, e->y, e->x * s->y), PBW__ORIENT2_ERROR, 1e-300);
 }
 
 /* 1 if the triangle (o, e, s) across the edge s e is in conflict.  With the bound of pbw__settle2_rows at once, as
@@ -5500,9 +5692,9 @@ PBW__SIMD_INLINE int pbw__side2(const pbw__corner2 *s, const pbw__corner2 *e)
 PBW__SIMD_INLINE int pbw__circle2(const pbw__corner2 *s, const pbw__corner2 *e, const pbw__corner2 *o)
 {
     const double h = pbw__lane0(s->lift) + pbw__lane0(e->lift) + pbw__lane0(o->lift);
-    pbw__d2 det = o->x * pbw__minus_sized(s->lift * e->y, e->lift * s->y);
-    det = det + o->y * pbw__minus_sized(e->lift * s->x, s->lift * e->x);
-    det = pbw__minus_sized(det, o->lift * pbw__minus_sized(s->x * e->y, e->x * s->y));
+    pbw__d2 det = o->x * pbw__minus_sized(e->lift, s->y, s->lift * e->y);
+    det = pbw__fma2(o->y, pbw__minus_sized(s->lift, e->x, e->lift * s->x), det);
+    det = pbw__minus_sized(o->lift, pbw__minus_sized(e->x, s->y, s->x * e->y), det);
     return pbw__sign_sized(det, 1.5e-15, (h + 1.0) * 1e-300);
 }
 
@@ -6630,7 +6822,7 @@ typedef struct pbw__emission {
     pbw__aside *aside;                               /* per task */
     /* For this dimension and this CPU: the lowest ranks; simplices into their lists; lists in order; the simplices
        of a chunk to their places. */
-    void (*lowest_ranks)(const pbw_index *corner, size_t count, pbw_index *low);
+    uint64_t (*lowest_ranks)(const pbw_index *corner, size_t count, pbw_index *low);
     void (*fill_lists)(const pbw_index *corner, const pbw_index *slot, size_t count, pbw_index *end, pbw__item *item);
     void (*sort_lists)(const pbw__item *item, const pbw_index *end, unsigned lists, pbw_index begin,
                        pbw__item *sorted);
@@ -6672,26 +6864,44 @@ PBW__SIMD_INLINE __m128i pbw__canonical_lanes(__m128i v, int dim)
 }
 #endif
 
-/* The lowest ranks of the simplices in `count` slots from `corner` on; 0 for a ghost and for a slot that is free. */
-PBW__INLINE void pbw__lowest_ranks(const pbw_index *corner, size_t count, pbw_index *low, int dim)
+/* The lowest of the bits that are set. */
+PBW__INLINE unsigned pbw__first_bit(uint64_t set)
 {
+#ifdef __GNUC__
+    return (unsigned)__builtin_ctzll(set);
+#else
+    unsigned i = 0;
+    while ((set >> i & 1) == 0) {
+        i++;
+    }
+    return i;
+#endif
+}
+
+/* The lowest ranks of the simplices in `count` slots from `corner` on; 0 for a ghost and for a slot that is free.
+   Returns the set of the others, of the first 64. */
+PBW__INLINE uint64_t pbw__lowest_ranks(const pbw_index *corner, size_t count, pbw_index *low, int dim)
+{
+    uint64_t set = 0;
     size_t i;
     for (i = 0; i < count; i++, corner += 4) {
         pbw_index least = corner[0] < corner[1] ? corner[0] : corner[1];
         least = corner[2] < least ? corner[2] : least;
         least = dim == 3 && corner[3] < least ? corner[3] : least;
         low[i] = corner[0] == PBW_NONE ? 0 : least;
+        set |= (uint64_t)(low[i] != 0) << i;
     }
+    return set;
 }
 
-static void pbw__lowest_ranks3(const pbw_index *corner, size_t count, pbw_index *low)
+static uint64_t pbw__lowest_ranks3(const pbw_index *corner, size_t count, pbw_index *low)
 {
-    pbw__lowest_ranks(corner, count, low, 3);
+    return pbw__lowest_ranks(corner, count, low, 3);
 }
 
-static void pbw__lowest_ranks2(const pbw_index *corner, size_t count, pbw_index *low)
+static uint64_t pbw__lowest_ranks2(const pbw_index *corner, size_t count, pbw_index *low)
 {
-    pbw__lowest_ranks(corner, count, low, 2);
+    return pbw__lowest_ranks(corner, count, low, 2);
 }
 
 #ifdef PBW__AVX2
@@ -6705,9 +6915,17 @@ PBW__SIMD_INLINE __m256i pbw__pick_odd(__m256i a, __m256i b)
     return _mm256_castps_si256(_mm256_shuffle_ps(_mm256_castsi256_ps(a), _mm256_castsi256_ps(b), 0xdd));
 }
 
-/* Eight at a time. */
-PBW__SIMD_INLINE void pbw__lowest_ranks_avx2(const pbw_index *corner, size_t count, pbw_index *low, int dim)
+/* Which of eight numbers are not `x`. */
+PBW__SIMD_INLINE uint64_t pbw__not_equal8(__m256i numbers, int x)
 {
+    const __m256i equal = _mm256_cmpeq_epi32(numbers, _mm256_set1_epi32(x));
+    return (uint64_t)(255 & ~_mm256_movemask_ps(_mm256_castsi256_ps(equal)));
+}
+
+/* Eight at a time. */
+PBW__SIMD_INLINE uint64_t pbw__lowest_ranks_avx2(const pbw_index *corner, size_t count, pbw_index *low, int dim)
+{
+    uint64_t set = 0;
     const __m256i unused = _mm256_set1_epi64x(dim == 3 ? 0 : (int64_t)((uint64_t)PBW_NONE << 32));
     const __m256i order = _mm256_setr_epi32(0, 4, 1, 5, 2, 6, 3, 7), none = _mm256_set1_epi32(-1);
     size_t i, j;
@@ -6723,25 +6941,27 @@ PBW__SIMD_INLINE void pbw__lowest_ranks_avx2(const pbw_index *corner, size_t cou
         ranks = _mm256_cmpeq_epi32(pbw__pick_even(a[0], a[2]), none);
         ranks = _mm256_andnot_si256(ranks, _mm256_min_epu32(pbw__pick_even(least[0], least[1]),
                                                       pbw__pick_odd(least[0], least[1])));
-        _mm256_storeu_si256((__m256i *)(void *)(low + i), _mm256_permutevar8x32_epi32(ranks, order));
+        ranks = _mm256_permutevar8x32_epi32(ranks, order);
+        _mm256_storeu_si256((__m256i *)(void *)(low + i), ranks);
+        set |= pbw__not_equal8(ranks, 0) << i;
     }
-    pbw__lowest_ranks(corner + 4 * i, count - i, low + i, dim);
+    return i < count ? set | pbw__lowest_ranks(corner + 4 * i, count - i, low + i, dim) << i : set;
 }
 
-PBW__SIMD static void pbw__lowest_ranks3_avx2(const pbw_index *corner, size_t count, pbw_index *low)
+PBW__SIMD static uint64_t pbw__lowest_ranks3_avx2(const pbw_index *corner, size_t count, pbw_index *low)
 {
-    pbw__lowest_ranks_avx2(corner, count, low, 3);
+    return pbw__lowest_ranks_avx2(corner, count, low, 3);
 }
 
-PBW__SIMD static void pbw__lowest_ranks2_avx2(const pbw_index *corner, size_t count, pbw_index *low)
+PBW__SIMD static uint64_t pbw__lowest_ranks2_avx2(const pbw_index *corner, size_t count, pbw_index *low)
 {
-    pbw__lowest_ranks_avx2(corner, count, low, 2);
+    return pbw__lowest_ranks_avx2(corner, count, low, 2);
 }
 #endif
 
 /* Pass 1.  A task has the slots of a run of regions, and the lists of the ranks of their cells.  Simplices for the
    lists of other tasks, few, make a chain of their own and are left for a second look, with atomic exchanges. */
-#define PBW__RUN 64                                  /* slots whose lowest ranks are found at a time */
+#define PBW__RUN 64                                  /* slots whose lowest ranks are found at a time: a set of bits */
 
 /* The slots from..end-1 into chains; `others` is the last slot for other tasks. */
 static pbw_index pbw__emit_chains(pbw__emission *emission, int task, size_t from, size_t end, pbw_index others)
@@ -6751,6 +6971,7 @@ static pbw_index pbw__emit_chains(pbw__emission *emission, int task, size_t from
     size_t ranks = cells << store->cell_bits, t, to;
     size_t own = (pbw__share(store->region_count, task + 1, emission->tasks) << store->cell_bits) - ranks;
     pbw_index *number = emission->number, *chain = emission->chain, *head = emission->head, lowest[PBW__RUN];
+    uint64_t used;
     const int bits = store->cell_bits;
     for (; from < end; from = to) {
         if ((from / PBW__RUN & 1023) == 0
@@ -6761,12 +6982,13 @@ static pbw_index pbw__emit_chains(pbw__emission *emission, int task, size_t from
         for (t = to; t < end && t < to + PBW__RUN; t += 4) {
             PBW__PREFETCH(store->corner + 4 * t);
         }
-        emission->lowest_ranks(store->corner + 4 * from, to - from, lowest);
-        for (t = from; t < to; t++) {
-            pbw_index low = lowest[t - from];
-            if (low == 0) {
-                number[t] = PBW_NONE;
-            } else if (PBW__LIKELY(low - ranks < own)) {
+        used = emission->lowest_ranks(store->corner + 4 * from, to - from, lowest);
+        memset(number + from, 0xff, (to - from) * sizeof(pbw_index));      /* PBW_NONE */
+        for (; used != 0; used &= used - 1) {        /* on a circle half are ghosts: no predictor could guess which */
+            const unsigned at = pbw__first_bit(used);
+            const pbw_index low = lowest[at];
+            t = from + at;
+            if (PBW__LIKELY(low - ranks < own)) {
                 number[t] = chain[low >> bits];
                 chain[low >> bits] = (pbw_index)t;
                 head[low]++;
@@ -6812,7 +7034,7 @@ static void pbw__emit_others(void *arg, int task)
     pbw_index t = (pbw_index)emission->end[task], next, low;
     for (; t != PBW_NONE; t = next) {
         next = emission->number[t];
-        emission->lowest_ranks(emission->corner + 4 * (size_t)t, 1, &low);
+        (void)emission->lowest_ranks(emission->corner + 4 * (size_t)t, 1, &low);
         emission->number[t] = PBW__SWAP(emission->chain + (low >> emission->store->cell_bits), t);
         (void)PBW__ADD(emission->head + low, 1);
     }
@@ -7342,33 +7564,43 @@ PBW__SIMD_INLINE size_t pbw__emit_slots_avx2(const pbw__emission *emission, size
     const pbw_index *number = emission->number, *id = emission->id;
     pbw__link *link = emission->link;
     pbw_index *corner = emission->corner;
-    size_t corners = (size_t)dim + 1, count = 0, t;
-    for (t = from; t < end; t++) {
-        const pbw_index *v = corner + 4 * t, place = number[t];
-        pbw__i4 lanes, ids, neighbors = { 0, 0, 0, 0 };
-        if (place == PBW_NONE) {
-            continue;
+    size_t corners = (size_t)dim + 1, count = 0, i;
+    for (; from < end; from += 64) {
+        uint64_t used = 0;
+        for (i = 0; i < 64 && from + i + 8 <= end; i += 8) {
+            const __m256i eight = _mm256_loadu_si256((const __m256i *)(const void *)(number + from + i));
+            used |= pbw__not_equal8(eight, -1) << i;         /* PBW_NONE */
         }
-        PBW__PREFETCH_TO_WRITE(corner + corners * place);
-        lanes = (pbw__i4)pbw__canonical_lanes((__m128i)pbw__load4(v), dim);
-        ids = (pbw__i4)_mm_setr_epi32((int)id[v[0]], (int)id[v[1]], (int)id[v[2]], dim == 3 ? (int)id[v[3]] : 0);
-        ids = pbw__permute4(ids, lanes);
-        if (links) {
-            const pbw__link *l = link + 4 * t;
-            PBW__PREFETCH_TO_WRITE((pbw_index *)(void *)link + corners * place);
-            neighbors = (pbw__i4)_mm_setr_epi32((int)number[l[0] >> 2], (int)number[l[1] >> 2],
-                                                (int)number[l[2] >> 2], dim == 3 ? (int)number[l[3] >> 2] : 0);
-            neighbors = pbw__permute4(neighbors, lanes);
+        for (; i < 64 && from + i < end; i++) {
+            used |= (uint64_t)(number[from + i] != PBW_NONE) << i;
         }
-        if (PBW__LIKELY(place - first_free < free_count) || pbw__emit_free(emission, place, dim)) {
-            pbw__emit_store(corner + corners * place, ids, dim);
+        for (; used != 0; used &= used - 1) {
+            const size_t t = from + pbw__first_bit(used);
+            const pbw_index *v = corner + 4 * t, place = number[t];
+            pbw__i4 lanes, ids, neighbors = { 0, 0, 0, 0 };
+            PBW__PREFETCH_STREAM(corner, 4 * t, 4 * emission->slot_count);
+            PBW__PREFETCH_TO_WRITE(corner + corners * place);
+            lanes = (pbw__i4)pbw__canonical_lanes((__m128i)pbw__load4(v), dim);
+            ids = (pbw__i4)_mm_setr_epi32((int)id[v[0]], (int)id[v[1]], (int)id[v[2]], dim == 3 ? (int)id[v[3]] : 0);
+            ids = pbw__permute4(ids, lanes);
             if (links) {
-                pbw__emit_store((pbw_index *)(void *)link + corners * place, neighbors, dim);
+                const pbw__link *l = link + 4 * t;
+                PBW__PREFETCH_STREAM(link, 4 * t, 4 * emission->slot_count);
+                PBW__PREFETCH_TO_WRITE((pbw_index *)(void *)link + corners * place);
+                neighbors = (pbw__i4)_mm_setr_epi32((int)number[l[0] >> 2], (int)number[l[1] >> 2],
+                                                    (int)number[l[2] >> 2], dim == 3 ? (int)number[l[3] >> 2] : 0);
+                neighbors = pbw__permute4(neighbors, lanes);
             }
-        } else {
-            out[count].place = place;
-            pbw__store4(out[count].corner, ids);
-            pbw__store4(out[count++].neighbor, neighbors);
+            if (PBW__LIKELY(place - first_free < free_count) || pbw__emit_free(emission, place, dim)) {
+                pbw__emit_store(corner + corners * place, ids, dim);
+                if (links) {
+                    pbw__emit_store((pbw_index *)(void *)link + corners * place, neighbors, dim);
+                }
+            } else {
+                out[count].place = place;
+                pbw__store4(out[count].corner, ids);
+                pbw__store4(out[count++].neighbor, neighbors);
+            }
         }
     }
     return count;
@@ -7482,6 +7714,8 @@ static void pbw__emit_pass5(void *arg, int task)
             return;
         }
         pbw_index first = emission->head[v];
+        PBW__PREFETCH_STREAM(emission->head, v, end);
+        PBW__PREFETCH_STREAM(emission->id, v, end);
         PBW__PREFETCH_TO_WRITE(emission->incident + emission->id[v + PBW__SOON < end ? v + PBW__SOON : v]);
         if (emission->first != NULL) {
             first = emission->first[v] < first ? emission->first[v] : first;
