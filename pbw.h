@@ -172,8 +172,8 @@ typedef struct pbw_statistics {            /* of the build that filled a mesh */
     size_t conflict_tests, exact_tests;    /* sphere tests made; those that the filter left to exact stages */
     size_t created;                        /* simplices created, ghosts included */
     int threads;                           /* that took part */
-    size_t rounds, postponed;              /* of several threads; insertions put off to the next round, since these or
-                                              the ones before met another thread's */
+    size_t rounds, postponed;              /* of several threads; insertions that met another thread's and were put
+                                              off to the next round */
     size_t serial;                         /* points inserted while there was work for one thread only */
     int by_backend;                        /* 1: options.backend built this, 0: the CPU */
 } pbw_statistics;
@@ -3495,8 +3495,7 @@ typedef struct pbw__kernel {
     int owner_bits;                                  /* vertex >> owner_bits is the number of its cell */
     int claim_count;                                 /* cells that we took */
     int renewed;                                     /* simplices were made since we last gave back cells */
-    size_t missed, done_then;                        /* tries of the round in vain; `done` at the last one */
-    size_t skip, ahead;                              /* vertices to pass over after that one; still to pass over */
+    size_t missed;                                   /* tries of the round in vain */
     pbw_index claim[PBW__CLAIMS];
     int no_room;                                     /* the store has no more blocks */
     pbw_index *left;                                 /* vertices left for the next round */
@@ -6104,11 +6103,10 @@ static pbw_status pbw__kernel_create(pbw__kernel *kernel, pbw__context *context,
    when it has to leave a vertex, when another task asks for one of them, and at the end.  Who leaves a vertex asks
    the owner of the cell that was lacking.  The owner hears of it after the vertex that it is at, or later, which
    costs time only; so that word is written and read in relaxed order.
-   What tasks hold is little of what there is, and they are mostly far apart.  Where they are not, as on lines that
-   face each other, most of the vertices after one that was left would be left too, after as much work as if they were
-   not; so a task passes some over.  Shares are done in batches; after a batch what it left is tried again, as others
-   have gone on since.  A task that is through with its share goes on with the others', from their ends, where nobody
-   is at work.  A walk starts in the cell of its vertex or near it, lest it take cells all along.
+   What tasks hold is little of what there is, and they are mostly far apart.  Shares are done in batches; after a
+   batch what it left is tried again, as others have gone on since.  A task that is through with its share goes on with
+   the others', from their ends, where nobody is at work.  A walk starts in the cell of its vertex or near it, lest it
+   take cells all along.
 
    Why no word is written by one task while another reads or writes it, in 3D.  Call a simplex mine if I own two of
    its vertices: nobody else then owns three, so nobody else deletes it, and its corners do not change under me.
@@ -6145,7 +6143,6 @@ static pbw_status pbw__kernel_create(pbw__kernel *kernel, pbw__context *context,
 #define PBW__PARTS 255
 #define PBW__LEAST_PART ((size_t)PBW__SMALLER(512))  /* vertices for each task, below which they are too near */
 #define PBW__HOLD PBW__SMALLER(256)                  /* cells that a task holds from vertex to vertex, at most */
-#define PBW__SKIP 64                                 /* vertices passed over after one, at most twice that */
 #define PBW__BATCH ((size_t)PBW__SMALLER(64))        /* vertices that a task comes to at a time, at least, */
 #define PBW__BATCHES 32                              /* or a share in so many */
 #define PBW__LEAST_SHARE 32                          /* vertices left for each task, below which one does them all */
@@ -6191,7 +6188,7 @@ static void pbw__round_begin(pbw__build *build, int part)
     kernel->left_count = 0;
     kernel->claim_count = 0;
     kernel->renewed = 0;
-    kernel->missed = kernel->done_then = kernel->skip = kernel->ahead = 0;
+    kernel->missed = 0;
     kernel->blocker = PBW__NOBODY;
     kernel->facet_count = 0;
     kernel->no_room = 0;
@@ -6329,22 +6326,6 @@ static int pbw__take_start(pbw__build *build, pbw__kernel *kernel, pbw_index v)
     return kernel->last != PBW_NONE;
 }
 
-/* After a try in vain: asks for the cell that was lacking, and has the next vertices passed over.  They would mostly
-   be left too, after as much work: another task is at work there.  Twice as many each time, and half as many for each
-   vertex inserted since. */
-static void pbw__missed(pbw__build *build, pbw__kernel *kernel)
-{
-    const size_t since = kernel->done - kernel->done_then;
-    if (kernel->blocker != PBW__NOBODY) {
-        PBW__STORE(build->asked + kernel->blocker, 1);
-    }
-    kernel->missed++;
-    kernel->done_then = kernel->done;
-    kernel->skip = since < 8 ? kernel->skip >> since : 0;
-    kernel->skip += kernel->skip < PBW__SKIP ? kernel->skip + 1 : 0;
-    kernel->ahead = kernel->skip;
-}
-
 /* Inserts a vertex with cells that are taken for it, and held for the next ones, which are often near.  Who asks for
    one of them gets all: it needs what is around, too. */
 static pbw_status pbw__insert_claiming(pbw__build *build, pbw__kernel *kernel, pbw_index v)
@@ -6361,7 +6342,10 @@ static pbw_status pbw__insert_claiming(pbw__build *build, pbw__kernel *kernel, p
         kernel->facet_count = 0;
     }
     if (PBW__UNLIKELY(status == PBW__LEFT)) {
-        pbw__missed(build, kernel);
+        kernel->missed++;
+        if (kernel->blocker != PBW__NOBODY) {
+            PBW__STORE(build->asked + kernel->blocker, 1);
+        }
     }
     if (PBW__UNLIKELY(status == PBW__LEFT) || PBW__UNLIKELY(PBW__LOAD(build->asked + kernel->me))) {
         PBW__STORE(build->asked + kernel->me, 0);
@@ -6370,17 +6354,6 @@ static pbw_status pbw__insert_claiming(pbw__build *build, pbw__kernel *kernel, p
         pbw__give_back(build, kernel, (kernel->claim_count + 1) / 2);
     }
     return status;
-}
-
-/* A vertex for a later try; 0 = stop. */
-static int pbw__leave(pbw__kernel *kernel, pbw_index v)
-{
-    if (!pbw__grow(kernel, &kernel->left, &kernel->left_capacity, kernel->left_count + 1, sizeof(pbw_index))) {
-        kernel->status = PBW_ERROR_MEMORY;
-        return 0;
-    }
-    kernel->left[kernel->left_count++] = v;
-    return 1;
 }
 
 /* Inserts a vertex, or leaves it for later; 0 = stop. */
@@ -6393,9 +6366,11 @@ static int pbw__level_insert(pbw__build *build, pbw__kernel *kernel, pbw_index v
     }
     status = kernel->owner != NULL ? pbw__insert_claiming(build, kernel, v) : kernel->insert(kernel, v);
     if (status == PBW__LEFT) {
-        if (!pbw__leave(kernel, v)) {
+        if (!pbw__grow(kernel, &kernel->left, &kernel->left_capacity, kernel->left_count + 1, sizeof(pbw_index))) {
+            kernel->status = PBW_ERROR_MEMORY;
             return 0;
         }
+        kernel->left[kernel->left_count++] = v;
         PBW_PAUSE();
     } else if (status != PBW_OK) {
         kernel->status = status;
@@ -6468,16 +6443,6 @@ static void pbw__find_hints(void *arg, int part)
     }
 }
 
-/* Passes over a vertex, or inserts or leaves it. */
-PBW__INLINE int pbw__come_to(pbw__build *build, pbw__kernel *kernel, pbw_index v)
-{
-    if (PBW__UNLIKELY(kernel->ahead > 0)) {
-        kernel->ahead--;
-        return pbw__leave(kernel, v);
-    }
-    return pbw__level_insert(build, kernel, v);
-}
-
 /* Inserts vertices of a round: of those that were left, or in the first one of the level.  Then what is left again,
    as long as that makes it a quarter less: others have gone on since.  0 = stop. */
 static int pbw__batch(pbw__build *build, pbw__kernel *kernel, size_t from, size_t to)
@@ -6485,7 +6450,7 @@ static int pbw__batch(pbw__build *build, pbw__kernel *kernel, size_t from, size_
     const size_t stride = build->stride, coarser = build->coarser, first = kernel->left_count;
     size_t i, rank = (from / (coarser / stride - 1) + from + 1) * stride, last = to - from, end;
     for (i = from; i < to; i++) {
-        if (!pbw__come_to(build, kernel, build->left_count > 0 ? build->left[i] : (pbw_index)rank + 1)) {
+        if (!pbw__level_insert(build, kernel, build->left_count > 0 ? build->left[i] : (pbw_index)rank + 1)) {
             return 0;
         }
         rank += stride;
@@ -6493,15 +6458,13 @@ static int pbw__batch(pbw__build *build, pbw__kernel *kernel, size_t from, size_
     }
     for (end = kernel->left_count; end > first && 4 * (end - first) < 3 * last; end = kernel->left_count) {
         last = end - first;
-        kernel->skip = kernel->ahead = 0;
         kernel->left_count = first;
         for (i = first; i < end; i++) {
-            if (!pbw__come_to(build, kernel, kernel->left[i])) {
+            if (!pbw__level_insert(build, kernel, kernel->left[i])) {
                 return 0;
             }
         }
     }
-    kernel->skip = kernel->ahead = 0;
     return 1;
 }
 
