@@ -6450,7 +6450,8 @@ static int pbw__batch(pbw__build *build, pbw__kernel *kernel, size_t from, size_
     const size_t stride = build->stride, coarser = build->coarser, first = kernel->left_count;
     size_t i, rank = (from / (coarser / stride - 1) + from + 1) * stride, last = to - from, end;
     for (i = from; i < to; i++) {
-        if (!pbw__level_insert(build, kernel, build->left_count > 0 ? build->left[i] : (pbw_index)rank + 1)) {
+        const pbw_index v = build->left_count > 0 ? build->left[i] : (pbw_index)rank + 1;
+        if (!pbw__level_insert(build, kernel, v)) {
             return 0;
         }
         rank += stride;
