@@ -6104,9 +6104,9 @@ static pbw_status pbw__kernel_create(pbw__kernel *kernel, pbw__context *context,
    the owner of the cell that was lacking.  The owner hears of it after the vertex that it is at, or later, which
    costs time only; so that word is written and read in relaxed order.
    What tasks hold is little of what there is, and they are mostly far apart.  Shares are done in batches; after a
-   batch what it left is tried again, as others have gone on since.  A task that is through with its share goes on with
-   the others', from their ends, where nobody is at work.  A walk starts in the cell of its vertex or near it, lest it
-   take cells all along.
+   batch what it left is tried again, as others have gone on since.  A task that is through with its share goes on
+   with the others', from their ends, where nobody is at work.  A walk starts in the cell of its vertex or near it,
+   lest it take cells all along.
 
    Why no word is written by one task while another reads or writes it, in 3D.  Call a simplex mine if I own two of
    its vertices: nobody else then owns three, so nobody else deletes it, and its corners do not change under me.
