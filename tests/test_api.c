@@ -42,16 +42,21 @@ typedef struct fake_plan {
 static pbw_status fake_triangulate(const pbw_backend *backend, pbw_job *job)
 {
     fake_plan *plan = (fake_plan *)backend->user;
+    pbw_status status;
     size_t i;
     plan->calls++;
     CHECK(job->dim == 3 && job->count == 5 && job->points != NULL && job->weights == NULL);
     CHECK(job->stride == 3 * (job->is_float ? sizeof(float) : sizeof(double)));
     if (plan->keep_first) {
-        CHECK_EQUAL(job->keep(job), PBW_OK);
+        status = job->keep(job);
+        if (status == PBW_ERROR_MEMORY && job->memory_limit > 0) {
+            return status;
+        }
+        CHECK_EQUAL(status, PBW_OK);
         CHECK(job->kept_points != NULL && job->kept_weights == NULL);
     }
     if (plan->reserve) {
-        pbw_status status = job->reserve(job, 1);
+        status = job->reserve(job, 1);
         if (status != PBW_OK) {
             return status;
         }
@@ -168,6 +173,23 @@ static void test_backends(void)
         }
         options.flags = 0;
         options.trace = NULL;
+        test_end();
+    }
+    if (test_begin("backend: little memory")) {      /* less than the 864 bytes that are asked for on a guess */
+        plan.keep_first = plan.reserve = 1;
+        plan.status = PBW_OK;
+        for (i = 64, j = 0; j == 0 && i < 4096; i += 16) {
+            options.memory_limit = (size_t)i;
+            if (pbw_triangulate(3, five, NULL, 5, &options, &mesh) == PBW_OK) {
+                CHECK(mesh.simplex_count == 1 && mesh.statistics.peak_bytes <= (size_t)i);
+                j = i;
+            } else {
+                CHECK(meshes_is_empty(&mesh));
+            }
+            pbw_free(&mesh);
+        }
+        CHECK(j > 0 && j < 864);
+        options.memory_limit = 0;
         test_end();
     }
     if (test_begin("backend: fails, declines, is cancelled")) {
