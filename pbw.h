@@ -4792,13 +4792,15 @@ static void pbw__leave_region(pbw__kernel *kernel)
 static PBW__NOINLINE void pbw__enter_region(pbw__kernel *kernel, size_t region)
 {
     pbw__store *store = kernel->store;
+    /* In a task the last star is as near as any hint, and ours, if it was in the region beside. */
+    const int near = kernel->owner != NULL && kernel->last != PBW_NONE && kernel->region - region + 1 <= 2;
     pbw_index hint;
     pbw__leave_region(kernel);
     kernel->region = region;
     kernel->fresh = store->region[region];
     kernel->fresh_end = pbw__region_end(store, region);
     hint = store->hint[region];
-    if (hint != PBW_NONE && kernel->corner[4 * (size_t)hint] != PBW_NONE) {
+    if (!near && hint != PBW_NONE && kernel->corner[4 * (size_t)hint] != PBW_NONE) {
         kernel->last = hint;                         /* the way from the last vertex may be long, or lead abroad */
     }
     kernel->last_entered = kernel->last;
@@ -5898,26 +5900,36 @@ PBW__SIMD static pbw_status pbw__insert2_weighted_simd(pbw__kernel *kernel, pbw_
    >>build        All vertices into one triangulation, on one thread.
    In: vertices along the Hilbert curve.  Out: a kernel with their triangulation, or PBW_DEGENERATE.
 
-   Insertion order: level l holds the ranks divisible by 8^l (2D: 16^l) that no higher level holds; levels go from
+   Insertion order: level l holds the ranks divisible by 16^l (2D: 64^l) that no higher level holds; levels go from
    coarse to fine, along the curve, alternately forwards and backwards.  Coarse levels keep the cavities small, as the
    random rounds of Amenta, Choi & Rote 2003 ("Incremental constructions con BRIO") do, but need no shuffle and no
-   second sort; within a level the next point lies near the last one, so the walk is short and the caches warm.
+   second sort; within a level the next point lies near the last one, so the walk is short and the caches warm.  The
+   finest level goes backwards: a vertex is the lowest one around when it comes, so that most simplices of which it is
+   the lowest rank are those that its star was made of, in slots side by side, as >>output wants them.
    ------------------------------------------------------------------------------------------------------ */
 typedef struct pbw__sequence {
-    size_t count, stride, rank, ratio;
+    size_t count, ratio;                             /* of all vertices; of one level's stride to the next one's */
+    size_t stride, rank;                             /* of the level; of the next vertex */
     int backwards;
 } pbw__sequence;
 
-static void pbw__sequence_start(pbw__sequence *sequence, size_t count, int dim)
+/* The first rank of a level. */
+PBW__INLINE size_t pbw__sequence_begin(const pbw__sequence *sequence)
 {
-    sequence->count = count;
-    sequence->ratio = dim == 3 ? 8 : 16;
-    sequence->stride = 1;
-    while (count / sequence->stride >= sequence->ratio) {
-        sequence->stride *= sequence->ratio;
+    return sequence->backwards ? (sequence->count - 1) / sequence->stride * sequence->stride : 0;
+}
+
+static pbw__sequence pbw__sequence_start(size_t count, int dim)
+{
+    pbw__sequence sequence;
+    sequence.count = count;
+    sequence.ratio = dim == 3 ? 16 : 64;
+    sequence.backwards = 1;
+    for (sequence.stride = 1; count / sequence.stride >= sequence.ratio; sequence.stride *= sequence.ratio) {
+        sequence.backwards = !sequence.backwards;
     }
-    sequence->rank = 0;
-    sequence->backwards = 0;
+    sequence.rank = pbw__sequence_begin(&sequence);
+    return sequence;
 }
 
 /* The next vertex of the order, or 0 after the last. */
@@ -5937,7 +5949,7 @@ static pbw_index pbw__sequence_next(pbw__sequence *sequence)
         }
         sequence->stride /= sequence->ratio;
         sequence->backwards = !sequence->backwards;
-        sequence->rank = sequence->backwards ? (sequence->count - 1) / sequence->stride * sequence->stride : 0;
+        sequence->rank = pbw__sequence_begin(sequence);
     }
 }
 
@@ -5945,11 +5957,10 @@ static pbw_index pbw__sequence_next(pbw__sequence *sequence)
    so any two will do.  Linear: once a vertex is passed over, it lies in the span of the seeds. */
 static pbw_status pbw__seeds(pbw__kernel *kernel, size_t count, int dim, pbw_index *seed)
 {
-    pbw__sequence sequence;
+    pbw__sequence sequence = pbw__sequence_start(count, dim);
     pbw_index v;
     size_t looked = 0;
     int found = 0;
-    pbw__sequence_start(&sequence, count, dim);
     while ((v = pbw__sequence_next(&sequence)) != 0) {
         int fits = 1, side = 0;
         if ((++looked & 255) == 0 && pbw__report(kernel->context, 0.001)) {
@@ -6090,8 +6101,9 @@ static pbw_status pbw__kernel_create(pbw__kernel *kernel, pbw__context *context,
    In: a triangulation, the vertices to insert.  Out: the triangulation with them.   (Marot, Pellerin & Remacle 2019,
    "One machine, one minute, three billion tetrahedra", from whom the rule of ownership is)
 
-   Vertices are owned in cells, runs of ranks: one of >>mesh's regions, or in coarse levels as many of them as hold 16
-   vertices by the end of the level.  A cell is nobody's or a task's.  A task in 3D
+   Vertices are owned in cells, runs of ranks: one of >>mesh's regions, or in coarse levels as many of them as hold
+   two vertices of coarser levels, in 2D one: there may be a simplex in the cell to start from.  A cell is nobody's or
+   a task's.  A task in 3D
      - deletes a simplex only if it owns three of its vertices,
      - walks through a facet only if it owns two of its vertices;
    in 2D it deletes a triangle only if it owns all its finite vertices, and walks through an edge if it owns one of
@@ -6443,19 +6455,21 @@ static void pbw__find_hints(void *arg, int part)
     }
 }
 
-/* Inserts vertices of a round: of those that were left, or in the first one of the level.  Then what is left again,
-   as long as that makes it a quarter less: others have gone on since.  0 = stop. */
+/* Inserts vertices of a round: of those that were left, or in the first one of the level, in its direction.  Then
+   what is left again, as long as that makes it a quarter less: others have gone on since.  0 = stop. */
 static int pbw__batch(pbw__build *build, pbw__kernel *kernel, size_t from, size_t to)
 {
     const size_t stride = build->stride, coarser = build->coarser, first = kernel->left_count;
-    size_t i, rank = (from / (coarser / stride - 1) + from + 1) * stride, last = to - from, end;
+    const size_t step = build->backwards ? 0 - stride : stride;
+    const size_t at = build->backwards ? build->count - 1 - from : from;
+    size_t i, rank = (at / (coarser / stride - 1) + at + 1) * stride, last = to - from, end;
     for (i = from; i < to; i++) {
         const pbw_index v = build->left_count > 0 ? build->left[i] : (pbw_index)rank + 1;
         if (!pbw__level_insert(build, kernel, v)) {
             return 0;
         }
-        rank += stride;
-        rank += (rank & (coarser - 1)) == 0 ? stride : 0;        /* that one is a coarser level's */
+        rank += step;
+        rank += (rank & (coarser - 1)) == 0 ? step : 0;          /* that one is a coarser level's */
     }
     for (end = kernel->left_count; end > first && 4 * (end - first) < 3 * last; end = kernel->left_count) {
         last = end - first;
@@ -6661,7 +6675,9 @@ static pbw_status pbw__build_all(pbw__context *context, pbw__store *store, const
                                  const pbw__grid *grid, pbw_statistics *statistics)
 {
     pbw__build build;
-    size_t ratio = vertices->dim == 3 ? 8 : 16, parts, cells;
+    const pbw__sequence sequence = pbw__sequence_start(vertices->count, vertices->dim);
+    const size_t ratio = sequence.ratio;
+    size_t parts, cells;
     pbw_status status;
     int i;
     memset(&build, 0, sizeof(build));
@@ -6682,13 +6698,13 @@ static pbw_status pbw__build_all(pbw__context *context, pbw__store *store, const
     for (i = 0; status == PBW_OK && context->trace != NULL && i <= vertices->dim; i++) {
         context->trace[vertices->id[build.seed[i]]] = 0;
     }
-    for (build.stride = 1; vertices->count / build.stride >= ratio; build.stride *= ratio) {
-    }
+    build.stride = sequence.stride;
+    build.backwards = sequence.backwards;
     while (status == PBW_OK && build.stride > 0) {
         build.coarser = build.stride * ratio;
         parts = vertices->count / build.stride / PBW__LEAST_PART;
         for (build.owner_bits = store->cell_bits;
-             (size_t)1 << build.owner_bits < build.stride * PBW__SMALLER(16); build.owner_bits++) {
+             (size_t)1 << build.owner_bits < build.coarser * (size_t)(vertices->dim - 1); build.owner_bits++) {
         }
         cells = (vertices->count >> build.owner_bits) + 1;
         parts = parts < cells / PBW__SMALLER(4) ? parts : cells / PBW__SMALLER(4);
