@@ -430,10 +430,11 @@ enum { PBW__WALK, PBW__CAVITY, PBW__STAR, PBW__EXACT, PBW__OTHER };
 #define PBW__ADD(x, y) __atomic_fetch_add(x, y, __ATOMIC_RELAXED)
 #define PBW__SWAP(x, y) __atomic_exchange_n(x, y, __ATOMIC_RELAXED)
 #define PBW__REPLACE(x, old, y) __atomic_compare_exchange_n(x, old, y, 1, __ATOMIC_RELAXED, __ATOMIC_RELAXED)
-/* What came before TELL is seen by what comes after SEEN or TAKE. */
+/* What came before TELL or LEAVE is seen by what comes after SEEN or TAKE. */
 #define PBW__TELL(x, y) __atomic_store_n(x, y, __ATOMIC_RELEASE)
 #define PBW__SEEN(x) __atomic_load_n(x, __ATOMIC_ACQUIRE)
 #define PBW__TAKE(x, old, y) __atomic_compare_exchange_n(x, old, y, 0, __ATOMIC_ACQUIRE, __ATOMIC_RELAXED)
+#define PBW__LEAVE(x, y) __atomic_fetch_sub(x, y, __ATOMIC_RELEASE)
 #else
 #define PBW__LOAD(x) (*(x))
 #define PBW__STORE(x, y) ((void)(*(x) = (y)))
@@ -1236,45 +1237,70 @@ static void pbw__run_guarded(void *arg, int i)
 }
 
 #ifdef PBW__THREADS
+/* What a team has to do is one word: tasks that nobody has taken, times PBW__LEFT, those that run, times PBW__RUNS,
+   and whether the caller sleeps.  Who takes a task sees what came before pbw__for; the caller sees what tasks wrote
+   that have ended.  The task itself is read by those that run one only: it does not change while any does. */
 typedef struct pbw__team {
     pbw__mutex mutex;
     pbw__condition wake, done;
     pbw__task *task;
     void *arg;
-    int tasks, next, running, stop;
+    int tasks, stop, alone;                          /* alone: each thread has a processor */
     int count;                                       /* threads started */
+    unsigned work;
     pbw__thread thread[PBW__THREADS];
 } pbw__team;
+#define PBW__SLEEPS 1u
+#define PBW__RUNS 2u
+#define PBW__LEFT 65536u
 
-/* Takes tasks until none is left; the mutex is held on the way in and out. */
+/* Takes tasks until none is left. */
 static void pbw__work(pbw__team *team)
 {
-    while (team->next < team->tasks) {
-        int i = team->next++;
-        team->running++;
-        PBW__UNLOCK(&team->mutex);
-        PBW_PAUSE();
-        team->task(team->arg, i);
-        PBW_PAUSE();
-        PBW__LOCK(&team->mutex);
-        if (--team->running == 0 && team->next == team->tasks) {
-            PBW__WAKE(&team->done);
+    unsigned work = PBW__LOAD(&team->work);
+    while (work >= PBW__LEFT) {
+        if (PBW__TAKE(&team->work, &work, work - PBW__LEFT + PBW__RUNS)) {
+            PBW_PAUSE();
+            team->task(team->arg, team->tasks - (int)(work / PBW__LEFT));
+            PBW_PAUSE();
+            work = PBW__LEAVE(&team->work, PBW__RUNS) - PBW__RUNS;
+            if (work == PBW__SLEEPS) {
+                PBW__LOCK(&team->mutex);
+                PBW__WAKE(&team->done);
+                PBW__UNLOCK(&team->mutex);
+            }
         }
     }
+}
+
+/* Waits a moment for tasks to take, or for those that run: it takes as long to be woken.  Whether they came. */
+static int pbw__work_soon(const pbw__team *team, int wanted)
+{
+    double start, waited = 0.0;
+    unsigned work = PBW__SEEN(&team->work);
+    for (start = pbw__seconds(); PBW__LOAD(&team->alone) && waited >= 0.0 && waited < 1e-4; waited = pbw__seconds() - start) {
+        if (wanted ? work >= PBW__LEFT || PBW__LOAD(&team->stop) : work < PBW__RUNS) {
+            break;
+        }
+        work = PBW__SEEN(&team->work);
+    }
+    return wanted ? work >= PBW__LEFT : work < PBW__RUNS;
 }
 
 static pbw__thread_result PBW__THREAD_CALL pbw__team_member(void *arg)
 {
     pbw__team *team = (pbw__team *)arg;
     pbw__fp fp = pbw__fp_enter();
-    PBW__LOCK(&team->mutex);
-    while (!team->stop) {
+    while (!PBW__LOAD(&team->stop)) {
         pbw__work(team);
-        if (!team->stop) {
-            PBW__WAIT(&team->wake, &team->mutex);
+        if (!pbw__work_soon(team, 1)) {
+            PBW__LOCK(&team->mutex);
+            while (!PBW__LOAD(&team->stop) && PBW__LOAD(&team->work) < PBW__LEFT) {
+                PBW__WAIT(&team->wake, &team->mutex);
+            }
+            PBW__UNLOCK(&team->mutex);
         }
     }
-    PBW__UNLOCK(&team->mutex);
     pbw__fp_leave(fp);
     return 0;
 }
@@ -1296,6 +1322,7 @@ static void pbw__team_start(pbw__context *context)
         team->count++;
     }
     context->threads = team->count + 1;
+    PBW__STORE(&team->alone, context->threads <= PBW__CORES());
     context->team = team;
 }
 
@@ -1307,7 +1334,7 @@ static void pbw__team_stop(pbw__context *context)
         return;
     }
     PBW__LOCK(&team->mutex);
-    team->stop = 1;
+    PBW__STORE(&team->stop, 1);
     PBW__WAKE_ALL(&team->wake);
     PBW__UNLOCK(&team->mutex);
     for (i = 0; i < team->count; i++) {
@@ -1340,21 +1367,23 @@ static void pbw__for(pbw__context *context, int tasks, pbw__task *task, void *ar
     }
     if (tasks > 1 && context->threads > 1) {
         pbw__team *team = context->team;
-        PBW__LOCK(&team->mutex);
         team->task = task;
         team->arg = arg;
-        team->next = 0;
         team->tasks = tasks;
+        PBW__TELL(&team->work, (unsigned)tasks * PBW__LEFT);
+        PBW__LOCK(&team->mutex);
         PBW__WAKE_ALL(&team->wake);
+        PBW__UNLOCK(&team->mutex);
         pbw__work(team);
-        while (team->running > 0) {                  /* the caller's thread is the one to report */
-            PBW__WAIT_50MS(&team->done, &team->mutex);
+        while (!pbw__work_soon(team, 0)) {           /* the caller's thread is the one to report */
+            PBW__LOCK(&team->mutex);
+            if (PBW__ADD(&team->work, PBW__SLEEPS) >= PBW__RUNS) {
+                PBW__WAIT_50MS(&team->done, &team->mutex);
+            }
+            (void)PBW__ADD(&team->work, 0 - PBW__SLEEPS);
             PBW__UNLOCK(&team->mutex);
             (void)pbw__report(context, context->last_done);
-            PBW__LOCK(&team->mutex);
         }
-        team->tasks = team->next = 0;
-        PBW__UNLOCK(&team->mutex);
         return;
     }
 #endif
