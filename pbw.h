@@ -2858,40 +2858,43 @@ typedef struct pbw__keying {
 
 /* The i-th of those points; the one that will soon be needed, if before `to`, is asked for: the keys from there on
    are another task's to write. */
-PBW__INLINE size_t pbw__keying_index(const pbw__keying *keying, size_t i, size_t to)
+PBW__INLINE size_t pbw__keying_index(const pbw__keying *keying, const pbw__input *input, size_t i, size_t to)
 {
     const pbw__ordering *ordering = keying->ordering;
     const uint64_t *keys = ordering->keys + keying->from, mask = ((uint64_t)1 << ordering->index_bits) - 1;
     const size_t soon = i + PBW__AHEAD < to ? i + PBW__AHEAD : i;
-    pbw__fetch_soon(ordering->input, keying->all ? soon : (size_t)(keys[soon] & mask));
+    pbw__fetch_soon(input, keying->all ? soon : (size_t)(keys[soon] & mask));
     return keying->all ? i : (size_t)(keys[i] & mask);
 }
 
 PBW__INLINE void pbw__keying_box_share(const pbw__keying *keying, int task, int dim)
 {
-    pbw__ordering *ordering = keying->ordering;
-    size_t i = pbw__share(keying->count, task, keying->tasks);
-    size_t to = pbw__share(keying->count, task + 1, keying->tasks);
+    const pbw__keying here = *keying;                /* no word of these changes while boxes are written */
+    const pbw__input input = *here.ordering->input;
+    size_t i = pbw__share(here.count, task, here.tasks), end;
+    const size_t to = pbw__share(here.count, task + 1, here.tasks);
+    double zero = 0.0;
     pbw__box box;
-    pbw__box_reset(&box, ordering->bits);
-    for (; i < to; i++) {
-        double x[4], zero = 0.0;
-        int k;
-        if ((i & (PBW__TICK - 1)) == PBW__TICK - 1
-            && pbw__report(ordering->context, 0.1 * (double)i / (double)keying->count)) {
+    pbw__box_reset(&box, here.ordering->bits);
+    for (; i < to; i = end) {
+        for (end = to - i < PBW__TICK ? to : i + PBW__TICK; i < end; i++) {
+            double x[4], none = 0.0;
+            int k;
+            pbw__fetch_of(dim, &input, pbw__keying_index(&here, &input, i, to), x);
+            for (k = 0; k <= dim; k++) {
+                none += x[k] - x[k];                 /* NaN if not finite */
+            }
+            zero += none;
+            pbw__box_add(&box, x, dim);
+        }
+        if (pbw__report(here.ordering->context, 0.1 * (double)i / (double)here.count)) {
             break;
         }
-        pbw__fetch_of(dim, ordering->input, pbw__keying_index(keying, i, to), x);
-        for (k = 0; k <= dim; k++) {
-            zero += x[k] - x[k];                     /* NaN if not finite */
-        }
-        if (zero != 0.0) {
-            PBW__STORE(&ordering->not_finite, 1);
-            return;
-        }
-        pbw__box_add(&box, x, dim);
     }
-    keying->boxes[task] = box;
+    if (zero != 0.0) {
+        PBW__STORE(&here.ordering->not_finite, 1);
+    }
+    here.boxes[task] = box;
 }
 
 static void pbw__keying_box(void *arg, int task)
@@ -2913,7 +2916,7 @@ PBW__INLINE void pbw__keying_share(const pbw__keying *keying, size_t i, size_t t
     uint64_t *keys = ordering->keys + keying->from;
     for (; i < to; i++) {
         double x[4];
-        size_t index = pbw__keying_index(keying, i, to);
+        size_t index = pbw__keying_index(keying, ordering->input, i, to);
         if ((i & (PBW__TICK - 1)) == PBW__TICK - 1
             && pbw__report(ordering->context, 0.1 + 0.2 * (double)i / (double)keying->count)) {
             return;
