@@ -1436,25 +1436,50 @@ PBW__INLINE size_t pbw__share(size_t count, int i, int tasks)
 {
     return count / (size_t)tasks * (size_t)i + count % (size_t)tasks * (size_t)i / (size_t)tasks;
 }
-/* Bytes of a large block, whose pages are made at once, in huge pages if there are any: met one by one, page by page,
+/* Bytes of large blocks, whose pages are made at once, in huge pages if there are any: met one by one, page by page,
    they cost as much as a quarter of a build.  Advice only: it may fail.  The caller's allocator is left alone. */
-typedef struct pbw__pages { pbw__context *context; char *start; size_t length, huge; int tasks; } pbw__pages;
+typedef struct pbw__block { void *start; size_t from, to; } pbw__block;
+static pbw__block pbw__block_of(void *start, size_t from, size_t to)
+{
+    pbw__block block;
+    block.start = start;
+    block.from = from;
+    block.to = to;
+    return block;
+}
+
+typedef struct pbw__pages { char *start; size_t length, huge; } pbw__pages;      /* on so many huge ones */
+#define PBW__BLOCKS 4                                /* at a time */
 #define PBW__HUGE ((size_t)1 << 21)                  /* bytes of a huge page; two tasks at one would both make it */
+typedef struct pbw__populating {
+    pbw__context *context;
+    pbw__pages pages[PBW__BLOCKS];
+    size_t huge;                                     /* of all blocks */
+    int blocks, tasks;
+} pbw__populating;
 
 static void pbw__make_pages(void *arg, int task)
 {
 #ifdef __linux__
-    const pbw__pages *pages = (const pbw__pages *)arg;
-    const size_t skip = (size_t)(uintptr_t)pages->start % PBW__HUGE;
-    size_t from = pbw__share(pages->huge, task, pages->tasks) * PBW__HUGE;
-    size_t to = pbw__share(pages->huge, task + 1, pages->tasks) * PBW__HUGE;
-    from = from > skip ? from - skip : 0;
-    to = to > skip ? to - skip : 0;                  /* small shares may be empty */
-    to = to < pages->length ? to : pages->length;
-    while (from < to && !pbw__report(pages->context, pages->context->last_done)) {
-        size_t step = to - from < ((size_t)1 << 25) ? to - from : (size_t)1 << 25;       /* 32 MB: about 10 ms */
-        (void)madvise(pages->start + from, step, 23);            /* MADV_POPULATE_WRITE, since Linux 5.14 */
-        from += step;
+    const pbw__populating *populating = (const pbw__populating *)arg;
+    size_t first = pbw__share(populating->huge, task, populating->tasks);
+    size_t last = pbw__share(populating->huge, task + 1, populating->tasks);
+    int i;
+    for (i = 0; i < populating->blocks; i++) {
+        const pbw__pages *pages = populating->pages + i;
+        const size_t skip = (size_t)(uintptr_t)pages->start % PBW__HUGE;
+        size_t from = (first < pages->huge ? first : pages->huge) * PBW__HUGE;
+        size_t to = (last < pages->huge ? last : pages->huge) * PBW__HUGE;
+        first -= from / PBW__HUGE;                   /* what lies in the next blocks */
+        last -= to / PBW__HUGE;
+        from = from > skip ? from - skip : 0;
+        to = to > skip ? to - skip : 0;              /* small shares may be empty */
+        to = to < pages->length ? to : pages->length;
+        while (from < to && !pbw__report(populating->context, populating->context->last_done)) {
+            size_t step = to - from < ((size_t)1 << 25) ? to - from : (size_t)1 << 25;   /* 32 MB: about 10 ms */
+            (void)madvise(pages->start + from, step, 23);        /* MADV_POPULATE_WRITE, since Linux 5.14 */
+            from += step;
+        }
     }
 #else
     (void)arg;
@@ -1462,34 +1487,43 @@ static void pbw__make_pages(void *arg, int task)
 #endif
 }
 
-static void pbw__populate(pbw__context *context, void *block, size_t from, size_t to)
+static void pbw__populate(pbw__context *context, const pbw__block *block, int blocks)
 {
     const size_t page = 4096, large = (size_t)1 << 20;
-    size_t skip = (page - ((size_t)(uintptr_t)block + from) % page) % page;
-    pbw__pages pages;
-    if (block == NULL || to < large || to - large < from || context->memory.resize != pbw__default_resize) {
-        return;
-    }
-    pages.context = context;
-    pages.start = (char *)block + from + skip;
-    pages.length = (to - from - skip) / page * page;
-    pages.huge = ((size_t)(uintptr_t)pages.start % PBW__HUGE + pages.length + PBW__HUGE - 1) / PBW__HUGE;
-    pages.tasks = pbw__tasks(context, pages.huge, 1);
+    const int most = context->threads > 1 ? 16 * context->threads : 1;       /* pages take times that differ */
+    pbw__populating populating;
+    populating.context = context;
+    populating.huge = 0;
+    populating.blocks = 0;
+    for (; blocks > 0; block++, blocks--) {
+        pbw__pages *pages = populating.pages + populating.blocks;
+        size_t skip = (page - ((size_t)(uintptr_t)block->start + block->from) % page) % page;
+        if (block->start == NULL || block->to < large || block->to - large < block->from
+            || context->memory.resize != pbw__default_resize) {
+            continue;
+        }
+        pages->start = (char *)block->start + block->from + skip;
+        pages->length = (block->to - block->from - skip) / page * page;
+        pages->huge = ((size_t)(uintptr_t)pages->start % PBW__HUGE + pages->length + PBW__HUGE - 1) / PBW__HUGE;
+        populating.huge += pages->huge;
+        populating.blocks++;
 #ifdef __linux__
-    /* MADV_HUGEPAGE, with the pages at the ends, where other bytes may be: of a mapping in two parts realloc makes a
-       copy, page by page, instead of moving it. */
-    skip = (size_t)(uintptr_t)block % page;
-    (void)madvise((char *)block - skip, (skip + to + page - 1) / page * page, 14);
+        /* MADV_HUGEPAGE, with the pages at the ends, where other bytes may be: of a mapping in two parts realloc
+           makes a copy, page by page, instead of moving it. */
+        skip = (size_t)(uintptr_t)block->start % page;
+        (void)madvise((char *)block->start - skip, (skip + block->to + page - 1) / page * page, 14);
 #endif
-    pbw__for(context, pages.tasks, pbw__make_pages, &pages);
+    }
+    populating.tasks = populating.huge < (size_t)most ? (int)populating.huge : most;
+    pbw__for(context, populating.tasks, pbw__make_pages, &populating);
 }
 
 /* pbw__allocate for arrays of the size of the input. */
 static void *pbw__allocate_large(pbw__context *context, size_t count, size_t size)
 {
-    void *block = pbw__allocate(&context->memory, count, size);
-    pbw__populate(context, block, 0, count * size);
-    return block;
+    const pbw__block block = pbw__block_of(pbw__allocate(&context->memory, count, size), 0, count * size);
+    pbw__populate(context, &block, 1);
+    return block.start;
 }
 
 /* ------------------------------------------------------------------------------------------------------
@@ -2840,7 +2874,7 @@ typedef struct pbw__ordering {
     pbw__context *context;
     const pbw__input *input;
     pbw__vertices *vertices;
-    uint64_t *keys, *spare;                          /* key << index_bits | index */
+    uint64_t *keys;                                  /* key << index_bits | index */
     pbw__part *parts;
     int index_bits, bits, not_finite;
     pbw__curve curve;
@@ -3096,12 +3130,14 @@ static int pbw__order_keys(pbw__ordering *ordering, pbw__part *part, int all, pb
 }
 
 /* Sorts the keys of a part by their next bits, those from `low` on; 0 if cancelled.  start: see pbw__sort_by, or
-   NULL: on this thread alone. */
+   NULL: on this thread alone.  The help are the records of the part, which are written later. */
 static int pbw__order_sort(pbw__ordering *ordering, pbw__part *part, int low, uint32_t *start, int tasks)
 {
     const size_t count = part->to - part->from;
     const int bits = part->low - low;
-    uint64_t *keys = ordering->keys + part->from, *spare = ordering->spare + part->from, *sorted;
+    const size_t step = (size_t)ordering->input->dim + 1;
+    uint64_t *keys = ordering->keys + part->from, *sorted;
+    uint64_t *spare = (uint64_t *)(void *)(ordering->vertices->record + (part->from + 1) * step);
     sorted = start == NULL ? pbw__sort_keys(ordering->context, keys, spare, count, low, bits)
            : pbw__sort_by(ordering->context, keys, spare, count, low, bits, start, tasks);
     if (sorted != NULL && sorted != keys) {
@@ -3357,6 +3393,7 @@ static pbw_status pbw__order(pbw__context *context, const pbw__input *input, pbw
     int dim = input->dim, tasks = pbw__tasks(context, count, 16384), limit = 8 * tasks, parts = 0;
     uint32_t *start;                                 /* see pbw__sort_by */
     pbw__box *boxes;
+    pbw__block block[4];
     pbw__ordering ordering;
     pbw_status status = PBW_ERROR_MEMORY;
 
@@ -3375,12 +3412,16 @@ static pbw_status pbw__order(pbw__context *context, const pbw__input *input, pbw
     boxes = (pbw__box *)pbw__allocate(memory, (size_t)tasks, sizeof(pbw__box));
     start = (uint32_t *)pbw__allocate(memory, ((size_t)tasks + 1) * PBW__DIGITS, sizeof(uint32_t));
     ordering.parts = (pbw__part *)pbw__allocate(memory, (size_t)limit, sizeof(pbw__part));
-    ordering.keys = (uint64_t *)pbw__allocate_large(context, count, sizeof(uint64_t));
-    ordering.spare = (uint64_t *)pbw__allocate_large(context, count, sizeof(uint64_t));
-    vertices->canonical = (pbw_index *)pbw__allocate_large(context, count, sizeof(pbw_index));
-    vertices->id = (pbw_index *)pbw__allocate_large(context, count + 1, sizeof(pbw_index));
-    vertices->record = (double *)pbw__allocate_large(context, (count + 1) * step, sizeof(double));
-    if (boxes == NULL || start == NULL || ordering.parts == NULL || ordering.keys == NULL || ordering.spare == NULL
+    ordering.keys = (uint64_t *)pbw__allocate(memory, count, sizeof(uint64_t));
+    vertices->canonical = (pbw_index *)pbw__allocate(memory, count, sizeof(pbw_index));
+    vertices->id = (pbw_index *)pbw__allocate(memory, count + 1, sizeof(pbw_index));
+    vertices->record = (double *)pbw__allocate(memory, (count + 1) * step, sizeof(double));
+    block[0] = pbw__block_of(ordering.keys, 0, count * sizeof(uint64_t));
+    block[1] = pbw__block_of(vertices->canonical, 0, count * sizeof(pbw_index));
+    block[2] = pbw__block_of(vertices->id, 0, (count + 1) * sizeof(pbw_index));
+    block[3] = pbw__block_of(vertices->record, 0, (count + 1) * step * sizeof(double));
+    pbw__populate(context, block, 4);
+    if (boxes == NULL || start == NULL || ordering.parts == NULL || ordering.keys == NULL
         || vertices->canonical == NULL || vertices->id == NULL || vertices->record == NULL) {
         goto done;
     }
@@ -3421,7 +3462,6 @@ done:
     pbw__release(memory, start, ((size_t)tasks + 1) * PBW__DIGITS, sizeof(uint32_t));
     pbw__release(memory, ordering.parts, (size_t)limit, sizeof(pbw__part));
     pbw__release(memory, ordering.keys, count, sizeof(uint64_t));
-    pbw__release(memory, ordering.spare, count, sizeof(uint64_t));
     if (status != PBW_OK) {
         pbw__vertices_free(context, vertices);
     }
@@ -3581,7 +3621,8 @@ static int pbw__grow(pbw__kernel *kernel, void *array, size_t *capacity, size_t 
 static PBW__NOINLINE pbw_status pbw__store_reserve(pbw__context *context, pbw__store *store, size_t needed)
 {
     pbw__memory *memory = &context->memory;
-    size_t old = store->capacity;
+    const size_t old = store->capacity;
+    pbw__block block[3];
     if (needed > PBW__SIMPLEX_LIMIT) {
         return PBW_ERROR_TOO_LARGE;
     }
@@ -3590,9 +3631,10 @@ static PBW__NOINLINE pbw_status pbw__store_reserve(pbw__context *context, pbw__s
         || !pbw__resize_array(memory, &store->mark, &store->mark_capacity, needed, 1)) {
         return PBW_ERROR_MEMORY;
     }
-    pbw__populate(context, store->corner, 4 * old * sizeof(pbw_index), 4 * needed * sizeof(pbw_index));
-    pbw__populate(context, store->link, 4 * old * sizeof(pbw__link), 4 * needed * sizeof(pbw__link));
-    pbw__populate(context, store->mark, old, needed);
+    block[0] = pbw__block_of(store->corner, 4 * old * sizeof(pbw_index), 4 * needed * sizeof(pbw_index));
+    block[1] = pbw__block_of(store->link, 4 * old * sizeof(pbw__link), 4 * needed * sizeof(pbw__link));
+    block[2] = pbw__block_of(store->mark, old, needed);
+    pbw__populate(context, block, 3);
     store->capacity = needed;
     return PBW_OK;
 }
@@ -8863,6 +8905,8 @@ static pbw_status pbw__job_reserve(pbw_job *job, size_t simplex_count)
     pbw_mesh *mesh = dispatch->mesh;
     pbw_index **array[4];
     size_t *held[4], i;
+    pbw__block block[4];
+    int blocks = 0;
     pbw_status status = PBW_OK;
     if (simplex_count >= PBW_NONE) {
         return PBW_ERROR_TOO_LARGE;
@@ -8880,8 +8924,9 @@ static pbw_status pbw__job_reserve(pbw_job *job, size_t simplex_count)
         if (!pbw__resize_array(&dispatch->context->memory, array[i], held[i], wanted, sizeof(pbw_index))) {
             status = PBW_ERROR_MEMORY;
         }
-        pbw__populate(dispatch->context, *array[i], old * sizeof(pbw_index), *held[i] * sizeof(pbw_index));
+        block[blocks++] = pbw__block_of(*array[i], old * sizeof(pbw_index), *held[i] * sizeof(pbw_index));
     }
+    pbw__populate(dispatch->context, block, blocks);
     mesh->simplex_count = simplex_count;
     mesh->simplices = job->simplices;
     mesh->neighbors = job->neighbors;
