@@ -2302,16 +2302,21 @@ static int pbw__collinear3(const double *a, const double *b, const double *c, co
 }
 
 /* ---- the grid of a set of records
-   What a share of the records has: a unit 2^unit, and its extremes. */
-typedef struct pbw__grid_share { int unit; double low[4], high[4]; } pbw__grid_share;
+   What a share of the records has: a unit 2^unit, and its extremes; limit: 2^52 units, of coordinates and of weights.
+   Where the grid gets too fine it is given up: at once for random doubles. */
+typedef struct pbw__grid_share { int unit; double low[4], high[4], limit[2]; } pbw__grid_share;
+#define PBW__NO_UNIT (-501)
 
-typedef struct pbw__grid_scanning {
-    pbw__context *context;
-    const double *records;
-    size_t count;
-    int dim, tasks;
-    pbw__grid_share *share;
-} pbw__grid_scanning;
+static void pbw__grid_share_reset(pbw__grid_share *share)
+{
+    int k;
+    share->unit = 501;
+    for (k = 0; k < 4; k++) {
+        share->low[k] = DBL_MAX;
+        share->high[k] = -DBL_MAX;
+    }
+    share->limit[0] = share->limit[1] = HUGE_VAL;
+}
 
 /* 1 / unit and the longest side in units; 0 if that is too long for a grid. */
 static int pbw__grid_span(const pbw__grid_share *share, int dim, double *inverse, double *span)
@@ -2328,8 +2333,8 @@ static int pbw__grid_span(const pbw__grid_share *share, int dim, double *inverse
     return *span < 9007199254740992.0;
 }
 
-/* A unit for this record too, and 2^52 units, of coordinates and of weights; 0 if there is none. */
-static PBW__NOINLINE int pbw__grid_refine(pbw__grid_share *share, const double *q, int dim, double *limit)
+/* A unit for this record too. */
+static PBW__NOINLINE void pbw__grid_refine(pbw__grid_share *share, const double *q, int dim)
 {
     int old = share->unit, k;
     double inverse, span;
@@ -2345,93 +2350,68 @@ static PBW__NOINLINE int pbw__grid_refine(pbw__grid_share *share, const double *
             share->unit = k < dim ? exponent : (exponent - (exponent & 1)) / 2;
         }
     }
-    if (share->unit != old) {
-        if (!pbw__grid_span(share, dim, &inverse, &span)) {
-            return 0;
-        }
-        limit[0] = 4503599627370496.0 / inverse;
-        limit[1] = limit[0] / inverse;
+    if (share->unit == old) {
+        return;
     }
-    return 1;
+    if (pbw__grid_span(share, dim, &inverse, &span)) {
+        share->limit[0] = 4503599627370496.0 / inverse;
+        share->limit[1] = share->limit[0] / inverse;
+    } else {
+        share->unit = PBW__NO_UNIT;
+    }
 }
 
 /* A number is on the grid if it is of 2^52 units or more, or the sum of its size and 2^52 units is not rounded. */
-PBW__INLINE void pbw__grid_scan_records(const pbw__grid_scanning *scanning, int task, int dim)
+PBW__INLINE void pbw__grid_add_of(pbw__grid_share *share, const double *q, size_t count, int dim)
 {
-    pbw__grid_share share;
-    double low[4], high[4], limit[2] = { HUGE_VAL, HUGE_VAL };
-    size_t i = pbw__share(scanning->count, task, scanning->tasks);
-    size_t end = pbw__share(scanning->count, task + 1, scanning->tasks);
+    const double *end = q + count * (size_t)(dim + 1);
+    double low[4], high[4];
     int k;
-    share.unit = 501;
-    for (k = 0; k < 4; k++) {
-        low[k] = DBL_MAX;
-        high[k] = -DBL_MAX;
-    }
-    for (; i < end; i++) {
-        const double *q = scanning->records + i * (size_t)(dim + 1);
+    memcpy(low, share->low, sizeof(low));
+    memcpy(high, share->high, sizeof(high));
+    for (; q < end && share->unit != PBW__NO_UNIT; q += dim + 1) {
         uint64_t off = 0;
-        PBW__PREFETCH_STREAM(scanning->records, i * (size_t)(dim + 1), end * (size_t)(dim + 1));
         for (k = 0; k <= dim; k++) {
-            const double many = limit[k == dim], size = pbw__size(q[k]) < many ? pbw__size(q[k]) : many;
+            const double many = share->limit[k == dim], size = pbw__size(q[k]) < many ? pbw__size(q[k]) : many;
             off |= pbw__bits(size + many - many - size);
             low[k] = q[k] < low[k] ? q[k] : low[k];
             high[k] = q[k] > high[k] ? q[k] : high[k];
         }
         if (PBW__UNLIKELY(off != 0)) {
-            memcpy(share.low, low, sizeof(low));
-            memcpy(share.high, high, sizeof(high));
-            if (!pbw__grid_refine(&share, q, dim, limit)) {
-                share.unit = -501;                   /* no need to look further */
-                break;
-            }
-        }
-        if ((i & (PBW__TICK - 1)) == 0 && pbw__report(scanning->context, 0.01)) {
-            break;
+            memcpy(share->low, low, sizeof(low));
+            memcpy(share->high, high, sizeof(high));
+            pbw__grid_refine(share, q, dim);
         }
     }
-    memcpy(share.low, low, sizeof(low));
-    memcpy(share.high, high, sizeof(high));
-    scanning->share[task] = share;
+    memcpy(share->low, low, sizeof(low));
+    memcpy(share->high, high, sizeof(high));
 }
 
-static void pbw__grid_scan_share(void *arg, int task)
+/* `count` records more, from q on, for a share. */
+static void pbw__grid_add(pbw__grid_share *share, const double *q, size_t count, int dim)
 {
-    const pbw__grid_scanning *scanning = (const pbw__grid_scanning *)arg;
-    if (scanning->dim == 3) {
-        pbw__grid_scan_records(scanning, task, 3);
+    if (dim == 3) {
+        pbw__grid_add_of(share, q, count, 3);
     } else {
-        pbw__grid_scan_records(scanning, task, 2);
+        pbw__grid_add_of(share, q, count, 2);
     }
 }
 
-/* The coarsest grid that holds count records of dim coordinates and a weight, if differences are below 2^53 units, so
-   that doubles hold them.  One pass, given up where the grid gets too fine: at once for random doubles. */
-static void pbw__grid_scan(pbw__context *context, const double *records, size_t count, int dim, pbw__grid *grid)
+/* The coarsest grid that holds the records of all shares, of dim coordinates and a weight, if differences are below
+   2^53 units, so that doubles hold them. */
+static void pbw__grid_close(pbw__grid *grid, const pbw__grid_share *shares, int count, int dim)
 {
-    pbw__grid_scanning scanning;
-    pbw__grid_share shares[64], all;
+    pbw__grid_share all;
     double inverse = 0.0, span = 0.0, limit = 1.0;
-    int bits = 0, task, k;
+    int bits = 0, i, k;
     grid->inverse_unit = 0.0;
     grid->bits = 0;
-    if (count == 0) {
-        return;
-    }
-    scanning.context = context;
-    scanning.records = records;
-    scanning.count = count;
-    scanning.dim = dim;
-    scanning.tasks = pbw__tasks(context, count, 65536);
-    scanning.tasks = scanning.tasks < 64 ? scanning.tasks : 64;
-    scanning.share = shares;
-    pbw__for(context, scanning.tasks, pbw__grid_scan_share, &scanning);
-    all = shares[0];
-    for (task = 1; task < scanning.tasks; task++) {
-        all.unit = shares[task].unit < all.unit ? shares[task].unit : all.unit;
+    pbw__grid_share_reset(&all);
+    for (i = 0; i < count; i++) {
+        all.unit = shares[i].unit < all.unit ? shares[i].unit : all.unit;
         for (k = 0; k <= dim; k++) {
-            all.low[k] = shares[task].low[k] < all.low[k] ? shares[task].low[k] : all.low[k];
-            all.high[k] = shares[task].high[k] > all.high[k] ? shares[task].high[k] : all.high[k];
+            all.low[k] = shares[i].low[k] < all.low[k] ? shares[i].low[k] : all.low[k];
+            all.high[k] = shares[i].high[k] > all.high[k] ? shares[i].high[k] : all.high[k];
         }
     }
     if (!pbw__grid_span(&all, dim, &inverse, &span)) {
@@ -2445,6 +2425,44 @@ static void pbw__grid_scan(pbw__context *context, const double *records, size_t 
         grid->inverse_unit = inverse;
         grid->bits = bits;
     }
+}
+
+/* The same for records that are there. */
+typedef struct pbw__grid_scanning {
+    pbw__context *context;
+    const double *records;
+    size_t count;
+    int dim, tasks;
+    pbw__grid_share *share;
+} pbw__grid_scanning;
+
+static void pbw__grid_scan_share(void *arg, int task)
+{
+    const pbw__grid_scanning *scanning = (const pbw__grid_scanning *)arg;
+    const size_t end = pbw__share(scanning->count, task + 1, scanning->tasks);
+    size_t i = pbw__share(scanning->count, task, scanning->tasks), to;
+    pbw__grid_share share;
+    pbw__grid_share_reset(&share);
+    for (; i < end && !pbw__report(scanning->context, 0.01); i = to) {
+        to = end - i < PBW__TICK ? end : i + PBW__TICK;
+        pbw__grid_add(&share, scanning->records + i * (size_t)(scanning->dim + 1), to - i, scanning->dim);
+    }
+    scanning->share[task] = share;
+}
+
+static void pbw__grid_scan(pbw__context *context, const double *records, size_t count, int dim, pbw__grid *grid)
+{
+    pbw__grid_scanning scanning;
+    pbw__grid_share shares[64];
+    scanning.context = context;
+    scanning.records = records;
+    scanning.count = count;
+    scanning.dim = dim;
+    scanning.tasks = pbw__tasks(context, count, 65536);
+    scanning.tasks = scanning.tasks < 64 ? scanning.tasks : 64;
+    scanning.share = shares;
+    pbw__for(context, scanning.tasks, pbw__grid_scan_share, &scanning);
+    pbw__grid_close(grid, shares, scanning.tasks, dim);
 }
 
 /* ---- for callers from outside */
@@ -2497,7 +2515,7 @@ PBWDEF int pbw_insphere(const double a[3], const double b[3], const double c[3],
 /* ------------------------------------------------------------------------------------------------------
    >>order        Points in the order of a Hilbert curve, duplicates set aside.
    In: the caller's points and weights.  Out: vertex records 1..vertex_count along the curve (record 0 stands for
-   the ghost vertex and is zero), the caller's id of each, and for each point the one that it duplicates.
+   the ghost vertex and is zero), the caller's id of each, their grid, and for each point the one that it duplicates.
    Holds: the order of the records depends on the coordinates alone; a vertex number is a rank on the curve.
 
    Points in one cell of the curve's grid form a run.  Short runs are put into lexicographic order; long ones get
@@ -2521,6 +2539,7 @@ typedef struct pbw__vertices {
     double *record;                                  /* (count+1)*(dim+1): coordinates, weight */
     pbw_index *id;                                   /* count+1: the caller's number of each vertex */
     pbw_index *canonical;                            /* point_count */
+    pbw__grid grid;                                  /* of the records */
 } pbw__vertices;
 
 /* Coordinates and weight of point i; adding zero turns -0.0 into 0.0.  memcpy, for strides of any alignment; of a
@@ -2876,6 +2895,7 @@ typedef struct pbw__ordering {
     pbw__vertices *vertices;
     uint64_t *keys;                                  /* key << index_bits | index */
     pbw__part *parts;
+    pbw__grid_share *shares;                         /* per part: of its records */
     int index_bits, bits, not_finite;
     pbw__curve curve;
 } pbw__ordering;
@@ -3258,6 +3278,8 @@ static int pbw__order_run(pbw__ordering *ordering, pbw__part *run)
     return 1;
 }
 
+#define PBW__SCANNED 1024                            /* records whose grid is looked for while they are in the cache */
+
 /* Puts the runs of a part into order and its points into the records, as if no other part had duplicates. */
 static void pbw__order_part(void *arg, int task)
 {
@@ -3267,14 +3289,16 @@ static void pbw__order_part(void *arg, int task)
     pbw__vertices *vertices = ordering->vertices;
     const int bits = ordering->index_bits, dim = input->dim;
     const uint64_t index_mask = ((uint64_t)1 << bits) - 1, *keys = ordering->keys;
-    size_t end_of[PBW__RUN_DEPTH], r = part->from, i = part->from, steps = 0, step = (size_t)dim + 1;
+    size_t end_of[PBW__RUN_DEPTH], r = part->from, i = part->from, steps = 0, step = (size_t)dim + 1, scanned = r;
+    pbw__grid_share share;
     int depth = 0;
     end_of[0] = part->to;
+    pbw__grid_share_reset(&share);
     if (!pbw__order_rest(ordering, part)) {
         return;
     }
     while (i < part->to) {
-        const size_t limit = end_of[depth], soon = limit - i > PBW__TICK ? i + PBW__TICK : limit;
+        const size_t limit = end_of[depth], soon = limit - i > PBW__SCANNED ? i + PBW__SCANNED : limit;
         size_t next = i + 1;
         while (next < soon && keys[next] >> bits != keys[next - 1] >> bits) {
             next++;
@@ -3318,6 +3342,10 @@ static void pbw__order_part(void *arg, int task)
         while (depth > 0 && i == end_of[depth]) {
             depth--;
         }
+        if (r - scanned >= PBW__SCANNED || i == part->to) {
+            pbw__grid_add(&share, vertices->record + (scanned + 1) * step, r - scanned, dim);
+            scanned = r;
+        }
         if (steps > PBW__TICK) {
             steps = 0;
             if (pbw__report(ordering->context, 0.5 + 0.5 * (double)i / (double)input->count)) {
@@ -3326,6 +3354,7 @@ static void pbw__order_part(void *arg, int task)
         }
     }
     part->unique = r - part->from;
+    ordering->shares[task] = share;
 }
 
 /* Where keys[from..to), in order by the bits from `low` on, first has those bits not below `value`. */
@@ -3342,19 +3371,20 @@ static size_t pbw__order_find(const uint64_t *keys, size_t from, size_t to, int 
     return from;
 }
 
-/* Cuts the only part, all keys, into parts of one to two shares, where no run is cut in two; runs longer than 8
+/* Cuts the only part, all keys, into parts of one to two shares, where no run is cut in two; runs longer than 16
    shares, a thread's portion, are put into order by all threads, to be cut in turn.  The number of parts, at most
-   8 * tasks; 0 if cancelled. */
+   PBW__CUTS * tasks; 0 if cancelled. */
+#define PBW__CUTS 16
 static int pbw__order_cut(pbw__ordering *ordering, pbw__box *boxes, uint32_t *start, int tasks)
 {
-    const size_t share = (ordering->input->count - 1) / ((size_t)tasks * 2) + 1;       /* up: one task cuts nothing */
+    const size_t share = (ordering->input->count - 1) / ((size_t)tasks * 4) + 1;
     int parts = 1, p;
-    for (p = 0; p < parts; p++) {
+    for (p = 0; p < parts && tasks > 1; p++) {
         pbw__part part = ordering->parts[p], *next = ordering->parts + p + 1;
         const uint64_t *keys = ordering->keys;
         size_t at = part.from + share;
         uint64_t value;
-        if (part.settled || part.to - part.from <= 2 * share || parts + 2 > 8 * tasks) {
+        if (part.settled || part.to - part.from <= 2 * share || parts + 2 > PBW__CUTS * tasks) {
             continue;
         }
         memmove(next + 2, next, (size_t)(parts - p - 1) * sizeof(*next));
@@ -3363,7 +3393,7 @@ static int pbw__order_cut(pbw__ordering *ordering, pbw__box *boxes, uint32_t *st
         value = keys[at] >> part.low;
         next[0].from = next[-1].to = pbw__order_find(keys, part.from, at, part.low, value);
         next[0].to = next[1].from = pbw__order_find(keys, at, part.to, part.low, value + 1);
-        if (next->to - next->from > 8 * share) {
+        if (next->to - next->from > 16 * share) {
             const int all = pbw__tasks(ordering->context, next->to - next->from, 16384);
             if ((part.low == ordering->index_bits && !pbw__order_keys(ordering, next, 0, boxes, all))
                 || (!next->settled && !pbw__order_sort(ordering, next, ordering->index_bits, start, all))) {
@@ -3390,7 +3420,7 @@ static pbw_status pbw__order(pbw__context *context, const pbw__input *input, pbw
 {
     pbw__memory *memory = &context->memory;
     size_t count = input->count, step = (size_t)input->dim + 1, p;
-    int dim = input->dim, tasks = pbw__tasks(context, count, 16384), limit = 8 * tasks, parts = 0;
+    int dim = input->dim, tasks = pbw__tasks(context, count, 16384), limit = PBW__CUTS * tasks, parts = 0;
     uint32_t *start;                                 /* see pbw__sort_by */
     pbw__box *boxes;
     pbw__block block[4];
@@ -3412,6 +3442,7 @@ static pbw_status pbw__order(pbw__context *context, const pbw__input *input, pbw
     boxes = (pbw__box *)pbw__allocate(memory, (size_t)tasks, sizeof(pbw__box));
     start = (uint32_t *)pbw__allocate(memory, ((size_t)tasks + 1) * PBW__DIGITS, sizeof(uint32_t));
     ordering.parts = (pbw__part *)pbw__allocate(memory, (size_t)limit, sizeof(pbw__part));
+    ordering.shares = (pbw__grid_share *)pbw__allocate(memory, (size_t)limit, sizeof(pbw__grid_share));
     ordering.keys = (uint64_t *)pbw__allocate(memory, count, sizeof(uint64_t));
     vertices->canonical = (pbw_index *)pbw__allocate(memory, count, sizeof(pbw_index));
     vertices->id = (pbw_index *)pbw__allocate(memory, count + 1, sizeof(pbw_index));
@@ -3421,8 +3452,8 @@ static pbw_status pbw__order(pbw__context *context, const pbw__input *input, pbw
     block[2] = pbw__block_of(vertices->id, 0, (count + 1) * sizeof(pbw_index));
     block[3] = pbw__block_of(vertices->record, 0, (count + 1) * step * sizeof(double));
     pbw__populate(context, block, 4);
-    if (boxes == NULL || start == NULL || ordering.parts == NULL || ordering.keys == NULL
-        || vertices->canonical == NULL || vertices->id == NULL || vertices->record == NULL) {
+    if (boxes == NULL || start == NULL || ordering.parts == NULL || ordering.shares == NULL
+        || ordering.keys == NULL || vertices->canonical == NULL || vertices->id == NULL || vertices->record == NULL) {
         goto done;
     }
     ordering.parts[0].from = 0;
@@ -3456,11 +3487,13 @@ static pbw_status pbw__order(pbw__context *context, const pbw__input *input, pbw
         vertices->count += unique;
     }
     vertices->duplicate_count = count - vertices->count;
+    pbw__grid_close(&vertices->grid, ordering.shares, parts, dim);
     status = PBW_OK;
 done:
     pbw__release(memory, boxes, (size_t)tasks, sizeof(pbw__box));
     pbw__release(memory, start, ((size_t)tasks + 1) * PBW__DIGITS, sizeof(uint32_t));
     pbw__release(memory, ordering.parts, (size_t)limit, sizeof(pbw__part));
+    pbw__release(memory, ordering.shares, (size_t)limit, sizeof(pbw__grid_share));
     pbw__release(memory, ordering.keys, count, sizeof(uint64_t));
     if (status != PBW_OK) {
         pbw__vertices_free(context, vertices);
@@ -8833,7 +8866,6 @@ static pbw_status pbw__run(pbw__context *context, const pbw__input *input, unsig
     pbw__owned *owned = (pbw__owned *)pbw__allocate(memory, 1, sizeof(pbw__owned));
     pbw__vertices vertices;
     pbw__store store;
-    pbw__grid grid;
     double start = pbw__seconds();
     pbw_status status;
 
@@ -8856,9 +8888,8 @@ static pbw_status pbw__run(pbw__context *context, const pbw__input *input, unsig
         status = pbw__leave_stage(context, status, &start, &mesh->statistics.order_seconds);
     }
     if (status == PBW_OK) {
-        pbw__grid_scan(context, vertices.record + input->dim + 1, vertices.count, input->dim, &grid);
         status = pbw__enter_stage(context, PBW_STAGE_BUILD) ? PBW_CANCELLED
-               : pbw__build_all(context, &store, &vertices, &grid, &mesh->statistics);
+               : pbw__build_all(context, &store, &vertices, &vertices.grid, &mesh->statistics);
         status = pbw__leave_stage(context, status, &start, &mesh->statistics.build_seconds);
     }
     if ((status == PBW_OK || status == PBW_DEGENERATE) && pbw__enter_stage(context, PBW_STAGE_OUTPUT)) {
