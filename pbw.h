@@ -691,6 +691,11 @@ PBW__SIMD_INLINE pbw__d4 pbw__larger4(pbw__d4 a, pbw__d4 b)
     return PBW__EITHER(_mm256_max_pd(a, b), PBW__HALVES2(vmaxq_f64, a, b));
 }
 
+PBW__SIMD_INLINE pbw__d4 pbw__smaller4(pbw__d4 a, pbw__d4 b)
+{
+    return PBW__EITHER(_mm256_min_pd(a, b), PBW__HALVES2(vminq_f64, a, b));
+}
+
 PBW__SIMD_INLINE pbw__d4 pbw__size4(pbw__d4 x)
 {
     return PBW__EITHER(_mm256_andnot_pd(_mm256_set1_pd(-0.0), x),
@@ -2387,13 +2392,58 @@ PBW__INLINE void pbw__grid_add_of(pbw__grid_share *share, const double *q, size_
     memcpy(share->high, high, sizeof(high));
 }
 
+#ifdef PBW__SIMD
+/* The same; in the plane lane 3 has a number of the next record, so the last one is left.  Returns how many it did. */
+PBW__SIMD_INLINE size_t pbw__grid_add_simd(pbw__grid_share *share, const double *q, size_t count, int dim)
+{
+    const size_t some = dim == 2 && count > 0 ? count - 1 : count, step = (size_t)dim + 1;
+    pbw__d4 low, high, many, x, size;
+    size_t i = 0;
+    memcpy(&low, share->low, sizeof(low));
+    memcpy(&high, share->high, sizeof(high));
+    while (i < some && share->unit != PBW__NO_UNIT) {
+        unsigned on = 15;
+        many = pbw__four(share->limit[0], share->limit[0], share->limit[dim == 2], share->limit[dim == 3]);
+        for (; on == 15 && i < some; i++) {
+            memcpy(&x, q + i * step, sizeof(x));
+            low = pbw__smaller4(x, low);
+            high = pbw__larger4(x, high);
+            size = pbw__smaller4(pbw__size4(x), many);
+            on = pbw__signs(pbw__equal(size + many - many, size));
+        }
+        memcpy(share->low, &low, sizeof(low));
+        memcpy(share->high, &high, sizeof(high));
+        if (on != 15) {
+            pbw__grid_refine(share, q + (i - 1) * step, dim);
+        }
+    }
+    return i;
+}
+
+PBW__SIMD static size_t pbw__grid_add2_simd(pbw__grid_share *share, const double *q, size_t count)
+{
+    return pbw__grid_add_simd(share, q, count, 2);
+}
+
+PBW__SIMD static size_t pbw__grid_add3_simd(pbw__grid_share *share, const double *q, size_t count)
+{
+    return pbw__grid_add_simd(share, q, count, 3);
+}
+#endif
+
 /* `count` records more, from q on, for a share. */
 static void pbw__grid_add(pbw__grid_share *share, const double *q, size_t count, int dim)
 {
+    size_t done = 0;
+#ifdef PBW__SIMD
+    if (pbw__simd_works()) {
+        done = dim == 3 ? pbw__grid_add3_simd(share, q, count) : pbw__grid_add2_simd(share, q, count);
+    }
+#endif
     if (dim == 3) {
-        pbw__grid_add_of(share, q, count, 3);
+        pbw__grid_add_of(share, q + done * 4, count - done, 3);
     } else {
-        pbw__grid_add_of(share, q, count, 2);
+        pbw__grid_add_of(share, q + done * 3, count - done, 2);
     }
 }
 
