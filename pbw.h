@@ -1065,8 +1065,8 @@ static void pbw__release(pbw__memory *memory, void *ptr, size_t count, size_t si
    >>threads      One call's memory, progress and team of threads.
    In: options.threads, run, progress.  Out: pbw__for, which runs tasks that do not wait on each other, here, on our
    threads or on the caller's; and the caller's answers to progress.
-   Holds: between two calls of pbw__for no task runs, and what tasks wrote is seen by all that follows (the mutex, or
-   the promise of options.run, orders it).  While tasks run, `cancelled` is the only word that one thread writes and
+   Holds: between two calls of pbw__for no task runs, and what tasks wrote is seen by all that follows (the team's word
+   of work, or the promise of options.run, orders it).  While tasks run, `cancelled` is the only word that one thread writes and
    another reads; it is only ever set, and a late view of it costs time only, so relaxed order serves.
    ------------------------------------------------------------------------------------------------------ */
 /* The system's threads: pthreads, or those of Win32, declared here since windows.h would leave its macros behind. */
@@ -1242,9 +1242,9 @@ static void pbw__run_guarded(void *arg, int i)
 }
 
 #ifdef PBW__THREADS
-/* What a team has to do is one word: tasks that nobody has taken, times PBW__LEFT, those that run, times PBW__RUNS,
-   and whether the caller sleeps.  Who takes a task sees what came before pbw__for; the caller sees what tasks wrote
-   that have ended.  The task itself is read by those that run one only: it does not change while any does. */
+/* What a team has to do is one word: the tasks that nobody has taken, times PBW__UNTAKEN, those that run, times
+   PBW__RUNS, and whether the caller sleeps.  Who takes a task sees what came before pbw__for; the caller sees what
+   tasks wrote that have ended.  What the tasks are is read by those that run one only: while any does it stays. */
 typedef struct pbw__team {
     pbw__mutex mutex;
     pbw__condition wake, done;
@@ -1257,16 +1257,16 @@ typedef struct pbw__team {
 } pbw__team;
 #define PBW__SLEEPS 1u
 #define PBW__RUNS 2u
-#define PBW__LEFT 65536u
+#define PBW__UNTAKEN 65536u
 
 /* Takes tasks until none is left. */
 static void pbw__work(pbw__team *team)
 {
     unsigned work = PBW__LOAD(&team->work);
-    while (work >= PBW__LEFT) {
-        if (PBW__TAKE(&team->work, &work, work - PBW__LEFT + PBW__RUNS)) {
+    while (work >= PBW__UNTAKEN) {
+        if (PBW__TAKE(&team->work, &work, work - PBW__UNTAKEN + PBW__RUNS)) {
             PBW_PAUSE();
-            team->task(team->arg, team->tasks - (int)(work / PBW__LEFT));
+            team->task(team->arg, team->tasks - (int)(work / PBW__UNTAKEN));
             PBW_PAUSE();
             work = PBW__LEAVE(&team->work, PBW__RUNS) - PBW__RUNS;
             if (work == PBW__SLEEPS) {
@@ -1283,13 +1283,14 @@ static int pbw__work_soon(const pbw__team *team, int wanted)
 {
     double start, waited = 0.0;
     unsigned work = PBW__SEEN(&team->work);
-    for (start = pbw__seconds(); PBW__LOAD(&team->alone) && waited >= 0.0 && waited < 1e-4; waited = pbw__seconds() - start) {
-        if (wanted ? work >= PBW__LEFT || PBW__LOAD(&team->stop) : work < PBW__RUNS) {
+    for (start = pbw__seconds(); PBW__LOAD(&team->alone) && waited >= 0.0 && waited < 1e-4;
+         waited = pbw__seconds() - start) {
+        if (wanted ? work >= PBW__UNTAKEN || PBW__LOAD(&team->stop) : work < PBW__RUNS) {
             break;
         }
         work = PBW__SEEN(&team->work);
     }
-    return wanted ? work >= PBW__LEFT : work < PBW__RUNS;
+    return wanted ? work >= PBW__UNTAKEN : work < PBW__RUNS;
 }
 
 static pbw__thread_result PBW__THREAD_CALL pbw__team_member(void *arg)
@@ -1300,7 +1301,7 @@ static pbw__thread_result PBW__THREAD_CALL pbw__team_member(void *arg)
         pbw__work(team);
         if (!pbw__work_soon(team, 1)) {
             PBW__LOCK(&team->mutex);
-            while (!PBW__LOAD(&team->stop) && PBW__LOAD(&team->work) < PBW__LEFT) {
+            while (!PBW__LOAD(&team->stop) && PBW__LOAD(&team->work) < PBW__UNTAKEN) {
                 PBW__WAIT(&team->wake, &team->mutex);
             }
             PBW__UNLOCK(&team->mutex);
@@ -1375,7 +1376,7 @@ static void pbw__for(pbw__context *context, int tasks, pbw__task *task, void *ar
         team->task = task;
         team->arg = arg;
         team->tasks = tasks;
-        PBW__TELL(&team->work, (unsigned)tasks * PBW__LEFT);
+        PBW__TELL(&team->work, (unsigned)tasks * PBW__UNTAKEN);
         PBW__LOCK(&team->mutex);
         PBW__WAKE_ALL(&team->wake);
         PBW__UNLOCK(&team->mutex);
@@ -2393,7 +2394,7 @@ PBW__INLINE void pbw__grid_add_of(pbw__grid_share *share, const double *q, size_
 }
 
 #ifdef PBW__SIMD
-/* The same; in the plane lane 3 has a number of the next record, so the last one is left.  Returns how many it did. */
+/* The same; in the plane lane 3 has a number of the next record, so the last one is left.  How many it did. */
 PBW__SIMD_INLINE size_t pbw__grid_add_simd(pbw__grid_share *share, const double *q, size_t count, int dim)
 {
     const size_t some = dim == 2 && count > 0 ? count - 1 : count, step = (size_t)dim + 1;
@@ -3328,7 +3329,7 @@ static int pbw__order_run(pbw__ordering *ordering, pbw__part *run)
     return 1;
 }
 
-#define PBW__SCANNED 1024                            /* records whose grid is looked for while they are in the cache */
+#define PBW__SCANNED 1024                            /* records to look for a grid in, while the cache has them */
 
 /* Puts the runs of a part into order and its points into the records, as if no other part had duplicates. */
 static void pbw__order_part(void *arg, int task)
