@@ -1066,8 +1066,8 @@ static void pbw__release(pbw__memory *memory, void *ptr, size_t count, size_t si
    In: options.threads, run, progress.  Out: pbw__for, which runs tasks that do not wait on each other, here, on our
    threads or on the caller's; and the caller's answers to progress.
    Holds: between two calls of pbw__for no task runs, and what tasks wrote is seen by all that follows (the team's word
-   of work, or the promise of options.run, orders it).  While tasks run, `cancelled` is the only word that one thread writes and
-   another reads; it is only ever set, and a late view of it costs time only, so relaxed order serves.
+   of work, or the promise of options.run, orders it).  While tasks run, `cancelled` is the only word that one thread
+   writes and another reads; it is only ever set, and a late view of it costs time only, so relaxed order serves.
    ------------------------------------------------------------------------------------------------------ */
 /* The system's threads: pthreads, or those of Win32, declared here since windows.h would leave its macros behind. */
 #if defined(PBW__THREADS) && defined(_WIN32)
