@@ -1283,7 +1283,7 @@ static int pbw__work_soon(const pbw__team *team, int wanted)
 {
     double start, waited = 0.0;
     unsigned work = PBW__SEEN(&team->work);
-    for (start = pbw__seconds(); PBW__LOAD(&team->alone) && waited >= 0.0 && waited < 1e-4;
+    for (start = pbw__seconds(); PBW__LOAD(&team->alone) && waited >= 0.0 && waited < 2e-4;
          waited = pbw__seconds() - start) {
         if (wanted ? work >= PBW__UNTAKEN || PBW__LOAD(&team->stop) : work < PBW__RUNS) {
             break;
