@@ -430,10 +430,11 @@ enum { PBW__WALK, PBW__CAVITY, PBW__STAR, PBW__EXACT, PBW__OTHER };
 #define PBW__ADD(x, y) __atomic_fetch_add(x, y, __ATOMIC_RELAXED)
 #define PBW__SWAP(x, y) __atomic_exchange_n(x, y, __ATOMIC_RELAXED)
 #define PBW__REPLACE(x, old, y) __atomic_compare_exchange_n(x, old, y, 1, __ATOMIC_RELAXED, __ATOMIC_RELAXED)
-/* What came before TELL is seen by what comes after SEEN or TAKE. */
+/* What came before TELL or LEAVE is seen by what comes after SEEN or TAKE. */
 #define PBW__TELL(x, y) __atomic_store_n(x, y, __ATOMIC_RELEASE)
 #define PBW__SEEN(x) __atomic_load_n(x, __ATOMIC_ACQUIRE)
 #define PBW__TAKE(x, old, y) __atomic_compare_exchange_n(x, old, y, 0, __ATOMIC_ACQUIRE, __ATOMIC_RELAXED)
+#define PBW__LEAVE(x, y) __atomic_fetch_sub(x, y, __ATOMIC_RELEASE)
 #else
 #define PBW__LOAD(x) (*(x))
 #define PBW__STORE(x, y) ((void)(*(x) = (y)))
@@ -688,6 +689,11 @@ PBW__SIMD_INLINE pbw__d4 pbw__det2(pbw__d4 a, pbw__d4 b, pbw__d4 c, pbw__d4 d)
 PBW__SIMD_INLINE pbw__d4 pbw__larger4(pbw__d4 a, pbw__d4 b)
 {
     return PBW__EITHER(_mm256_max_pd(a, b), PBW__HALVES2(vmaxq_f64, a, b));
+}
+
+PBW__SIMD_INLINE pbw__d4 pbw__smaller4(pbw__d4 a, pbw__d4 b)
+{
+    return PBW__EITHER(_mm256_min_pd(a, b), PBW__HALVES2(vminq_f64, a, b));
 }
 
 PBW__SIMD_INLINE pbw__d4 pbw__size4(pbw__d4 x)
@@ -1059,9 +1065,9 @@ static void pbw__release(pbw__memory *memory, void *ptr, size_t count, size_t si
    >>threads      One call's memory, progress and team of threads.
    In: options.threads, run, progress.  Out: pbw__for, which runs tasks that do not wait on each other, here, on our
    threads or on the caller's; and the caller's answers to progress.
-   Holds: between two calls of pbw__for no task runs, and what tasks wrote is seen by all that follows (the mutex, or
-   the promise of options.run, orders it).  While tasks run, `cancelled` is the only word that one thread writes and
-   another reads; it is only ever set, and a late view of it costs time only, so relaxed order serves.
+   Holds: between two calls of pbw__for no task runs, and what tasks wrote is seen by all that follows (the team's word
+   of work, or the promise of options.run, orders it).  While tasks run, `cancelled` is the only word that one thread
+   writes and another reads; it is only ever set, and a late view of it costs time only, so relaxed order serves.
    ------------------------------------------------------------------------------------------------------ */
 /* The system's threads: pthreads, or those of Win32, declared here since windows.h would leave its macros behind. */
 #if defined(PBW__THREADS) && defined(_WIN32)
@@ -1236,45 +1242,71 @@ static void pbw__run_guarded(void *arg, int i)
 }
 
 #ifdef PBW__THREADS
+/* What a team has to do is one word: the tasks that nobody has taken, times PBW__UNTAKEN, those that run, times
+   PBW__RUNS, and whether the caller sleeps.  Who takes a task sees what came before pbw__for; the caller sees what
+   tasks wrote that have ended.  What the tasks are is read by those that run one only: while any does it stays. */
 typedef struct pbw__team {
     pbw__mutex mutex;
     pbw__condition wake, done;
     pbw__task *task;
     void *arg;
-    int tasks, next, running, stop;
+    int tasks, stop, alone;                          /* alone: each thread has a processor */
     int count;                                       /* threads started */
+    unsigned work;
     pbw__thread thread[PBW__THREADS];
 } pbw__team;
+#define PBW__SLEEPS 1u
+#define PBW__RUNS 2u
+#define PBW__UNTAKEN 65536u
 
-/* Takes tasks until none is left; the mutex is held on the way in and out. */
+/* Takes tasks until none is left. */
 static void pbw__work(pbw__team *team)
 {
-    while (team->next < team->tasks) {
-        int i = team->next++;
-        team->running++;
-        PBW__UNLOCK(&team->mutex);
-        PBW_PAUSE();
-        team->task(team->arg, i);
-        PBW_PAUSE();
-        PBW__LOCK(&team->mutex);
-        if (--team->running == 0 && team->next == team->tasks) {
-            PBW__WAKE(&team->done);
+    unsigned work = PBW__LOAD(&team->work);
+    while (work >= PBW__UNTAKEN) {
+        if (PBW__TAKE(&team->work, &work, work - PBW__UNTAKEN + PBW__RUNS)) {
+            PBW_PAUSE();
+            team->task(team->arg, team->tasks - (int)(work / PBW__UNTAKEN));
+            PBW_PAUSE();
+            work = PBW__LEAVE(&team->work, PBW__RUNS) - PBW__RUNS;
+            if (work == PBW__SLEEPS) {
+                PBW__LOCK(&team->mutex);
+                PBW__WAKE(&team->done);
+                PBW__UNLOCK(&team->mutex);
+            }
         }
     }
+}
+
+/* Waits a moment for tasks to take, or for those that run: it takes as long to be woken.  Whether they came. */
+static int pbw__work_soon(const pbw__team *team, int wanted)
+{
+    double start, waited = 0.0;
+    unsigned work = PBW__SEEN(&team->work);
+    for (start = pbw__seconds(); PBW__LOAD(&team->alone) && waited >= 0.0 && waited < 2e-4;
+         waited = pbw__seconds() - start) {
+        if (wanted ? work >= PBW__UNTAKEN || PBW__LOAD(&team->stop) : work < PBW__RUNS) {
+            break;
+        }
+        work = PBW__SEEN(&team->work);
+    }
+    return wanted ? work >= PBW__UNTAKEN : work < PBW__RUNS;
 }
 
 static pbw__thread_result PBW__THREAD_CALL pbw__team_member(void *arg)
 {
     pbw__team *team = (pbw__team *)arg;
     pbw__fp fp = pbw__fp_enter();
-    PBW__LOCK(&team->mutex);
-    while (!team->stop) {
+    while (!PBW__LOAD(&team->stop)) {
         pbw__work(team);
-        if (!team->stop) {
-            PBW__WAIT(&team->wake, &team->mutex);
+        if (!pbw__work_soon(team, 1)) {
+            PBW__LOCK(&team->mutex);
+            while (!PBW__LOAD(&team->stop) && PBW__LOAD(&team->work) < PBW__UNTAKEN) {
+                PBW__WAIT(&team->wake, &team->mutex);
+            }
+            PBW__UNLOCK(&team->mutex);
         }
     }
-    PBW__UNLOCK(&team->mutex);
     pbw__fp_leave(fp);
     return 0;
 }
@@ -1296,6 +1328,7 @@ static void pbw__team_start(pbw__context *context)
         team->count++;
     }
     context->threads = team->count + 1;
+    PBW__STORE(&team->alone, context->threads <= PBW__CORES());
     context->team = team;
 }
 
@@ -1307,7 +1340,7 @@ static void pbw__team_stop(pbw__context *context)
         return;
     }
     PBW__LOCK(&team->mutex);
-    team->stop = 1;
+    PBW__STORE(&team->stop, 1);
     PBW__WAKE_ALL(&team->wake);
     PBW__UNLOCK(&team->mutex);
     for (i = 0; i < team->count; i++) {
@@ -1340,21 +1373,23 @@ static void pbw__for(pbw__context *context, int tasks, pbw__task *task, void *ar
     }
     if (tasks > 1 && context->threads > 1) {
         pbw__team *team = context->team;
-        PBW__LOCK(&team->mutex);
         team->task = task;
         team->arg = arg;
-        team->next = 0;
         team->tasks = tasks;
+        PBW__TELL(&team->work, (unsigned)tasks * PBW__UNTAKEN);
+        PBW__LOCK(&team->mutex);
         PBW__WAKE_ALL(&team->wake);
+        PBW__UNLOCK(&team->mutex);
         pbw__work(team);
-        while (team->running > 0) {                  /* the caller's thread is the one to report */
-            PBW__WAIT_50MS(&team->done, &team->mutex);
+        while (!pbw__work_soon(team, 0)) {           /* the caller's thread is the one to report */
+            PBW__LOCK(&team->mutex);
+            if (PBW__ADD(&team->work, PBW__SLEEPS) >= PBW__RUNS) {
+                PBW__WAIT_50MS(&team->done, &team->mutex);
+            }
+            (void)PBW__ADD(&team->work, 0 - PBW__SLEEPS);
             PBW__UNLOCK(&team->mutex);
             (void)pbw__report(context, context->last_done);
-            PBW__LOCK(&team->mutex);
         }
-        team->tasks = team->next = 0;
-        PBW__UNLOCK(&team->mutex);
         return;
     }
 #endif
@@ -1407,25 +1442,50 @@ PBW__INLINE size_t pbw__share(size_t count, int i, int tasks)
 {
     return count / (size_t)tasks * (size_t)i + count % (size_t)tasks * (size_t)i / (size_t)tasks;
 }
-/* Bytes of a large block, whose pages are made at once, in huge pages if there are any: met one by one, page by page,
+/* Bytes of large blocks, whose pages are made at once, in huge pages if there are any: met one by one, page by page,
    they cost as much as a quarter of a build.  Advice only: it may fail.  The caller's allocator is left alone. */
-typedef struct pbw__pages { pbw__context *context; char *start; size_t length, huge; int tasks; } pbw__pages;
+typedef struct pbw__block { void *start; size_t from, to; } pbw__block;
+static pbw__block pbw__block_of(void *start, size_t from, size_t to)
+{
+    pbw__block block;
+    block.start = start;
+    block.from = from;
+    block.to = to;
+    return block;
+}
+
+typedef struct pbw__pages { char *start; size_t length, huge; } pbw__pages;      /* on so many huge ones */
+#define PBW__BLOCKS 4                                /* at a time */
 #define PBW__HUGE ((size_t)1 << 21)                  /* bytes of a huge page; two tasks at one would both make it */
+typedef struct pbw__populating {
+    pbw__context *context;
+    pbw__pages pages[PBW__BLOCKS];
+    size_t huge;                                     /* of all blocks */
+    int blocks, tasks;
+} pbw__populating;
 
 static void pbw__make_pages(void *arg, int task)
 {
 #ifdef __linux__
-    const pbw__pages *pages = (const pbw__pages *)arg;
-    const size_t skip = (size_t)(uintptr_t)pages->start % PBW__HUGE;
-    size_t from = pbw__share(pages->huge, task, pages->tasks) * PBW__HUGE;
-    size_t to = pbw__share(pages->huge, task + 1, pages->tasks) * PBW__HUGE;
-    from = from > skip ? from - skip : 0;
-    to = to > skip ? to - skip : 0;                  /* small shares may be empty */
-    to = to < pages->length ? to : pages->length;
-    while (from < to && !pbw__report(pages->context, pages->context->last_done)) {
-        size_t step = to - from < ((size_t)1 << 25) ? to - from : (size_t)1 << 25;       /* 32 MB: about 10 ms */
-        (void)madvise(pages->start + from, step, 23);            /* MADV_POPULATE_WRITE, since Linux 5.14 */
-        from += step;
+    const pbw__populating *populating = (const pbw__populating *)arg;
+    size_t first = pbw__share(populating->huge, task, populating->tasks);
+    size_t last = pbw__share(populating->huge, task + 1, populating->tasks);
+    int i;
+    for (i = 0; i < populating->blocks; i++) {
+        const pbw__pages *pages = populating->pages + i;
+        const size_t skip = (size_t)(uintptr_t)pages->start % PBW__HUGE;
+        size_t from = (first < pages->huge ? first : pages->huge) * PBW__HUGE;
+        size_t to = (last < pages->huge ? last : pages->huge) * PBW__HUGE;
+        first -= from / PBW__HUGE;                   /* what lies in the next blocks */
+        last -= to / PBW__HUGE;
+        from = from > skip ? from - skip : 0;
+        to = to > skip ? to - skip : 0;              /* small shares may be empty */
+        to = to < pages->length ? to : pages->length;
+        while (from < to && !pbw__report(populating->context, populating->context->last_done)) {
+            size_t step = to - from < ((size_t)1 << 25) ? to - from : (size_t)1 << 25;   /* 32 MB: about 10 ms */
+            (void)madvise(pages->start + from, step, 23);        /* MADV_POPULATE_WRITE, since Linux 5.14 */
+            from += step;
+        }
     }
 #else
     (void)arg;
@@ -1433,34 +1493,43 @@ static void pbw__make_pages(void *arg, int task)
 #endif
 }
 
-static void pbw__populate(pbw__context *context, void *block, size_t from, size_t to)
+static void pbw__populate(pbw__context *context, const pbw__block *block, int blocks)
 {
     const size_t page = 4096, large = (size_t)1 << 20;
-    size_t skip = (page - ((size_t)(uintptr_t)block + from) % page) % page;
-    pbw__pages pages;
-    if (block == NULL || to < large || to - large < from || context->memory.resize != pbw__default_resize) {
-        return;
-    }
-    pages.context = context;
-    pages.start = (char *)block + from + skip;
-    pages.length = (to - from - skip) / page * page;
-    pages.huge = ((size_t)(uintptr_t)pages.start % PBW__HUGE + pages.length + PBW__HUGE - 1) / PBW__HUGE;
-    pages.tasks = pbw__tasks(context, pages.huge, 1);
+    const int most = context->threads > 1 ? 16 * context->threads : 1;       /* pages take times that differ */
+    pbw__populating populating;
+    populating.context = context;
+    populating.huge = 0;
+    populating.blocks = 0;
+    for (; blocks > 0; block++, blocks--) {
+        pbw__pages *pages = populating.pages + populating.blocks;
+        size_t skip = (page - ((size_t)(uintptr_t)block->start + block->from) % page) % page;
+        if (block->start == NULL || block->to < large || block->to - large < block->from
+            || context->memory.resize != pbw__default_resize) {
+            continue;
+        }
+        pages->start = (char *)block->start + block->from + skip;
+        pages->length = (block->to - block->from - skip) / page * page;
+        pages->huge = ((size_t)(uintptr_t)pages->start % PBW__HUGE + pages->length + PBW__HUGE - 1) / PBW__HUGE;
+        populating.huge += pages->huge;
+        populating.blocks++;
 #ifdef __linux__
-    /* MADV_HUGEPAGE, with the pages at the ends, where other bytes may be: of a mapping in two parts realloc makes a
-       copy, page by page, instead of moving it. */
-    skip = (size_t)(uintptr_t)block % page;
-    (void)madvise((char *)block - skip, (skip + to + page - 1) / page * page, 14);
+        /* MADV_HUGEPAGE, with the pages at the ends, where other bytes may be: of a mapping in two parts realloc
+           makes a copy, page by page, instead of moving it. */
+        skip = (size_t)(uintptr_t)block->start % page;
+        (void)madvise((char *)block->start - skip, (skip + block->to + page - 1) / page * page, 14);
 #endif
-    pbw__for(context, pages.tasks, pbw__make_pages, &pages);
+    }
+    populating.tasks = populating.huge < (size_t)most ? (int)populating.huge : most;
+    pbw__for(context, populating.tasks, pbw__make_pages, &populating);
 }
 
 /* pbw__allocate for arrays of the size of the input. */
 static void *pbw__allocate_large(pbw__context *context, size_t count, size_t size)
 {
-    void *block = pbw__allocate(&context->memory, count, size);
-    pbw__populate(context, block, 0, count * size);
-    return block;
+    const pbw__block block = pbw__block_of(pbw__allocate(&context->memory, count, size), 0, count * size);
+    pbw__populate(context, &block, 1);
+    return block.start;
 }
 
 /* ------------------------------------------------------------------------------------------------------
@@ -2239,16 +2308,21 @@ static int pbw__collinear3(const double *a, const double *b, const double *c, co
 }
 
 /* ---- the grid of a set of records
-   What a share of the records has: a unit 2^unit, and its extremes. */
-typedef struct pbw__grid_share { int unit; double low[4], high[4]; } pbw__grid_share;
+   What a share of the records has: a unit 2^unit, and its extremes; limit: 2^52 units, of coordinates and of weights.
+   Where the grid gets too fine it is given up: at once for random doubles. */
+typedef struct pbw__grid_share { int unit; double low[4], high[4], limit[2]; } pbw__grid_share;
+#define PBW__NO_UNIT (-501)
 
-typedef struct pbw__grid_scanning {
-    pbw__context *context;
-    const double *records;
-    size_t count;
-    int dim, tasks;
-    pbw__grid_share *share;
-} pbw__grid_scanning;
+static void pbw__grid_share_reset(pbw__grid_share *share)
+{
+    int k;
+    share->unit = 501;
+    for (k = 0; k < 4; k++) {
+        share->low[k] = DBL_MAX;
+        share->high[k] = -DBL_MAX;
+    }
+    share->limit[0] = share->limit[1] = HUGE_VAL;
+}
 
 /* 1 / unit and the longest side in units; 0 if that is too long for a grid. */
 static int pbw__grid_span(const pbw__grid_share *share, int dim, double *inverse, double *span)
@@ -2265,8 +2339,8 @@ static int pbw__grid_span(const pbw__grid_share *share, int dim, double *inverse
     return *span < 9007199254740992.0;
 }
 
-/* A unit for this record too, and 2^52 units, of coordinates and of weights; 0 if there is none. */
-static PBW__NOINLINE int pbw__grid_refine(pbw__grid_share *share, const double *q, int dim, double *limit)
+/* A unit for this record too. */
+static PBW__NOINLINE void pbw__grid_refine(pbw__grid_share *share, const double *q, int dim)
 {
     int old = share->unit, k;
     double inverse, span;
@@ -2282,93 +2356,113 @@ static PBW__NOINLINE int pbw__grid_refine(pbw__grid_share *share, const double *
             share->unit = k < dim ? exponent : (exponent - (exponent & 1)) / 2;
         }
     }
-    if (share->unit != old) {
-        if (!pbw__grid_span(share, dim, &inverse, &span)) {
-            return 0;
-        }
-        limit[0] = 4503599627370496.0 / inverse;
-        limit[1] = limit[0] / inverse;
+    if (share->unit == old) {
+        return;
     }
-    return 1;
+    if (pbw__grid_span(share, dim, &inverse, &span)) {
+        share->limit[0] = 4503599627370496.0 / inverse;
+        share->limit[1] = share->limit[0] / inverse;
+    } else {
+        share->unit = PBW__NO_UNIT;
+    }
 }
 
 /* A number is on the grid if it is of 2^52 units or more, or the sum of its size and 2^52 units is not rounded. */
-PBW__INLINE void pbw__grid_scan_records(const pbw__grid_scanning *scanning, int task, int dim)
+PBW__INLINE void pbw__grid_add_of(pbw__grid_share *share, const double *q, size_t count, int dim)
 {
-    pbw__grid_share share;
-    double low[4], high[4], limit[2] = { HUGE_VAL, HUGE_VAL };
-    size_t i = pbw__share(scanning->count, task, scanning->tasks);
-    size_t end = pbw__share(scanning->count, task + 1, scanning->tasks);
+    const double *end = q + count * (size_t)(dim + 1);
+    double low[4], high[4];
     int k;
-    share.unit = 501;
-    for (k = 0; k < 4; k++) {
-        low[k] = DBL_MAX;
-        high[k] = -DBL_MAX;
-    }
-    for (; i < end; i++) {
-        const double *q = scanning->records + i * (size_t)(dim + 1);
+    memcpy(low, share->low, sizeof(low));
+    memcpy(high, share->high, sizeof(high));
+    for (; q < end && share->unit != PBW__NO_UNIT; q += dim + 1) {
         uint64_t off = 0;
-        PBW__PREFETCH_STREAM(scanning->records, i * (size_t)(dim + 1), end * (size_t)(dim + 1));
         for (k = 0; k <= dim; k++) {
-            const double many = limit[k == dim], size = pbw__size(q[k]) < many ? pbw__size(q[k]) : many;
+            const double many = share->limit[k == dim], size = pbw__size(q[k]) < many ? pbw__size(q[k]) : many;
             off |= pbw__bits(size + many - many - size);
             low[k] = q[k] < low[k] ? q[k] : low[k];
             high[k] = q[k] > high[k] ? q[k] : high[k];
         }
         if (PBW__UNLIKELY(off != 0)) {
-            memcpy(share.low, low, sizeof(low));
-            memcpy(share.high, high, sizeof(high));
-            if (!pbw__grid_refine(&share, q, dim, limit)) {
-                share.unit = -501;                   /* no need to look further */
-                break;
-            }
-        }
-        if ((i & (PBW__TICK - 1)) == 0 && pbw__report(scanning->context, 0.01)) {
-            break;
+            memcpy(share->low, low, sizeof(low));
+            memcpy(share->high, high, sizeof(high));
+            pbw__grid_refine(share, q, dim);
         }
     }
-    memcpy(share.low, low, sizeof(low));
-    memcpy(share.high, high, sizeof(high));
-    scanning->share[task] = share;
+    memcpy(share->low, low, sizeof(low));
+    memcpy(share->high, high, sizeof(high));
 }
 
-static void pbw__grid_scan_share(void *arg, int task)
+#ifdef PBW__SIMD
+/* The same; in the plane lane 3 has a number of the next record, so the last one is left.  How many it did. */
+PBW__SIMD_INLINE size_t pbw__grid_add_simd(pbw__grid_share *share, const double *q, size_t count, int dim)
 {
-    const pbw__grid_scanning *scanning = (const pbw__grid_scanning *)arg;
-    if (scanning->dim == 3) {
-        pbw__grid_scan_records(scanning, task, 3);
+    const size_t some = dim == 2 && count > 0 ? count - 1 : count, step = (size_t)dim + 1;
+    pbw__d4 low, high, many, x, size;
+    size_t i = 0;
+    memcpy(&low, share->low, sizeof(low));
+    memcpy(&high, share->high, sizeof(high));
+    while (i < some && share->unit != PBW__NO_UNIT) {
+        unsigned on = 15;
+        many = pbw__four(share->limit[0], share->limit[0], share->limit[dim == 2], share->limit[dim == 3]);
+        for (; on == 15 && i < some; i++) {
+            memcpy(&x, q + i * step, sizeof(x));
+            low = pbw__smaller4(x, low);
+            high = pbw__larger4(x, high);
+            size = pbw__smaller4(pbw__size4(x), many);
+            on = pbw__signs(pbw__equal(size + many - many, size));
+        }
+        memcpy(share->low, &low, sizeof(low));
+        memcpy(share->high, &high, sizeof(high));
+        if (on != 15) {
+            pbw__grid_refine(share, q + (i - 1) * step, dim);
+        }
+    }
+    return i;
+}
+
+PBW__SIMD static size_t pbw__grid_add2_simd(pbw__grid_share *share, const double *q, size_t count)
+{
+    return pbw__grid_add_simd(share, q, count, 2);
+}
+
+PBW__SIMD static size_t pbw__grid_add3_simd(pbw__grid_share *share, const double *q, size_t count)
+{
+    return pbw__grid_add_simd(share, q, count, 3);
+}
+#endif
+
+/* `count` records more, from q on, for a share. */
+static void pbw__grid_add(pbw__grid_share *share, const double *q, size_t count, int dim)
+{
+    size_t done = 0;
+#ifdef PBW__SIMD
+    if (pbw__simd_works()) {
+        done = dim == 3 ? pbw__grid_add3_simd(share, q, count) : pbw__grid_add2_simd(share, q, count);
+    }
+#endif
+    if (dim == 3) {
+        pbw__grid_add_of(share, q + done * 4, count - done, 3);
     } else {
-        pbw__grid_scan_records(scanning, task, 2);
+        pbw__grid_add_of(share, q + done * 3, count - done, 2);
     }
 }
 
-/* The coarsest grid that holds count records of dim coordinates and a weight, if differences are below 2^53 units, so
-   that doubles hold them.  One pass, given up where the grid gets too fine: at once for random doubles. */
-static void pbw__grid_scan(pbw__context *context, const double *records, size_t count, int dim, pbw__grid *grid)
+/* The coarsest grid that holds the records of all shares, of dim coordinates and a weight, if differences are below
+   2^53 units, so that doubles hold them. */
+static void pbw__grid_close(pbw__grid *grid, const pbw__grid_share *shares, int count, int dim)
 {
-    pbw__grid_scanning scanning;
-    pbw__grid_share shares[64], all;
+    pbw__grid_share all;
     double inverse = 0.0, span = 0.0, limit = 1.0;
-    int bits = 0, task, k;
+    int bits = 0, i, k;
     grid->inverse_unit = 0.0;
     grid->bits = 0;
-    if (count == 0) {
-        return;
-    }
-    scanning.context = context;
-    scanning.records = records;
-    scanning.count = count;
-    scanning.dim = dim;
-    scanning.tasks = pbw__tasks(context, count, 65536);
-    scanning.tasks = scanning.tasks < 64 ? scanning.tasks : 64;
-    scanning.share = shares;
-    pbw__for(context, scanning.tasks, pbw__grid_scan_share, &scanning);
-    all = shares[0];
-    for (task = 1; task < scanning.tasks; task++) {
-        all.unit = shares[task].unit < all.unit ? shares[task].unit : all.unit;
+    pbw__grid_share_reset(&all);
+    for (i = 0; i < count; i++) {
+        all.unit = shares[i].unit < all.unit ? shares[i].unit : all.unit;
         for (k = 0; k <= dim; k++) {
-            all.low[k] = shares[task].low[k] < all.low[k] ? shares[task].low[k] : all.low[k];
-            all.high[k] = shares[task].high[k] > all.high[k] ? shares[task].high[k] : all.high[k];
+            all.low[k] = shares[i].low[k] < all.low[k] ? shares[i].low[k] : all.low[k];
+            all.high[k] = shares[i].high[k] > all.high[k] ? shares[i].high[k] : all.high[k];
         }
     }
     if (!pbw__grid_span(&all, dim, &inverse, &span)) {
@@ -2382,6 +2476,44 @@ static void pbw__grid_scan(pbw__context *context, const double *records, size_t 
         grid->inverse_unit = inverse;
         grid->bits = bits;
     }
+}
+
+/* The same for records that are there. */
+typedef struct pbw__grid_scanning {
+    pbw__context *context;
+    const double *records;
+    size_t count;
+    int dim, tasks;
+    pbw__grid_share *share;
+} pbw__grid_scanning;
+
+static void pbw__grid_scan_share(void *arg, int task)
+{
+    const pbw__grid_scanning *scanning = (const pbw__grid_scanning *)arg;
+    const size_t end = pbw__share(scanning->count, task + 1, scanning->tasks);
+    size_t i = pbw__share(scanning->count, task, scanning->tasks), to;
+    pbw__grid_share share;
+    pbw__grid_share_reset(&share);
+    for (; i < end && !pbw__report(scanning->context, 0.01); i = to) {
+        to = end - i < PBW__TICK ? end : i + PBW__TICK;
+        pbw__grid_add(&share, scanning->records + i * (size_t)(scanning->dim + 1), to - i, scanning->dim);
+    }
+    scanning->share[task] = share;
+}
+
+static void pbw__grid_scan(pbw__context *context, const double *records, size_t count, int dim, pbw__grid *grid)
+{
+    pbw__grid_scanning scanning;
+    pbw__grid_share shares[64];
+    scanning.context = context;
+    scanning.records = records;
+    scanning.count = count;
+    scanning.dim = dim;
+    scanning.tasks = pbw__tasks(context, count, 65536);
+    scanning.tasks = scanning.tasks < 64 ? scanning.tasks : 64;
+    scanning.share = shares;
+    pbw__for(context, scanning.tasks, pbw__grid_scan_share, &scanning);
+    pbw__grid_close(grid, shares, scanning.tasks, dim);
 }
 
 /* ---- for callers from outside */
@@ -2434,7 +2566,7 @@ PBWDEF int pbw_insphere(const double a[3], const double b[3], const double c[3],
 /* ------------------------------------------------------------------------------------------------------
    >>order        Points in the order of a Hilbert curve, duplicates set aside.
    In: the caller's points and weights.  Out: vertex records 1..vertex_count along the curve (record 0 stands for
-   the ghost vertex and is zero), the caller's id of each, and for each point the one that it duplicates.
+   the ghost vertex and is zero), the caller's id of each, their grid, and for each point the one that it duplicates.
    Holds: the order of the records depends on the coordinates alone; a vertex number is a rank on the curve.
 
    Points in one cell of the curve's grid form a run.  Short runs are put into lexicographic order; long ones get
@@ -2458,6 +2590,7 @@ typedef struct pbw__vertices {
     double *record;                                  /* (count+1)*(dim+1): coordinates, weight */
     pbw_index *id;                                   /* count+1: the caller's number of each vertex */
     pbw_index *canonical;                            /* point_count */
+    pbw__grid grid;                                  /* of the records */
 } pbw__vertices;
 
 /* Coordinates and weight of point i; adding zero turns -0.0 into 0.0.  memcpy, for strides of any alignment; of a
@@ -2811,8 +2944,9 @@ typedef struct pbw__ordering {
     pbw__context *context;
     const pbw__input *input;
     pbw__vertices *vertices;
-    uint64_t *keys, *spare;                          /* key << index_bits | index */
+    uint64_t *keys;                                  /* key << index_bits | index */
     pbw__part *parts;
+    pbw__grid_share *shares;                         /* per part: of its records */
     int index_bits, bits, not_finite;
     pbw__curve curve;
 } pbw__ordering;
@@ -2829,40 +2963,43 @@ typedef struct pbw__keying {
 
 /* The i-th of those points; the one that will soon be needed, if before `to`, is asked for: the keys from there on
    are another task's to write. */
-PBW__INLINE size_t pbw__keying_index(const pbw__keying *keying, size_t i, size_t to)
+PBW__INLINE size_t pbw__keying_index(const pbw__keying *keying, const pbw__input *input, size_t i, size_t to)
 {
     const pbw__ordering *ordering = keying->ordering;
     const uint64_t *keys = ordering->keys + keying->from, mask = ((uint64_t)1 << ordering->index_bits) - 1;
     const size_t soon = i + PBW__AHEAD < to ? i + PBW__AHEAD : i;
-    pbw__fetch_soon(ordering->input, keying->all ? soon : (size_t)(keys[soon] & mask));
+    pbw__fetch_soon(input, keying->all ? soon : (size_t)(keys[soon] & mask));
     return keying->all ? i : (size_t)(keys[i] & mask);
 }
 
 PBW__INLINE void pbw__keying_box_share(const pbw__keying *keying, int task, int dim)
 {
-    pbw__ordering *ordering = keying->ordering;
-    size_t i = pbw__share(keying->count, task, keying->tasks);
-    size_t to = pbw__share(keying->count, task + 1, keying->tasks);
+    const pbw__keying here = *keying;                /* no word of these changes while boxes are written */
+    const pbw__input input = *here.ordering->input;
+    size_t i = pbw__share(here.count, task, here.tasks), end;
+    const size_t to = pbw__share(here.count, task + 1, here.tasks);
+    double zero = 0.0;
     pbw__box box;
-    pbw__box_reset(&box, ordering->bits);
-    for (; i < to; i++) {
-        double x[4], zero = 0.0;
-        int k;
-        if ((i & (PBW__TICK - 1)) == PBW__TICK - 1
-            && pbw__report(ordering->context, 0.1 * (double)i / (double)keying->count)) {
+    pbw__box_reset(&box, here.ordering->bits);
+    for (; i < to; i = end) {
+        for (end = to - i < PBW__TICK ? to : i + PBW__TICK; i < end; i++) {
+            double x[4], none = 0.0;
+            int k;
+            pbw__fetch_of(dim, &input, pbw__keying_index(&here, &input, i, to), x);
+            for (k = 0; k <= dim; k++) {
+                none += x[k] - x[k];                 /* NaN if not finite */
+            }
+            zero += none;
+            pbw__box_add(&box, x, dim);
+        }
+        if (pbw__report(here.ordering->context, 0.1 * (double)i / (double)here.count)) {
             break;
         }
-        pbw__fetch_of(dim, ordering->input, pbw__keying_index(keying, i, to), x);
-        for (k = 0; k <= dim; k++) {
-            zero += x[k] - x[k];                     /* NaN if not finite */
-        }
-        if (zero != 0.0) {
-            PBW__STORE(&ordering->not_finite, 1);
-            return;
-        }
-        pbw__box_add(&box, x, dim);
     }
-    keying->boxes[task] = box;
+    if (zero != 0.0) {
+        PBW__STORE(&here.ordering->not_finite, 1);
+    }
+    here.boxes[task] = box;
 }
 
 static void pbw__keying_box(void *arg, int task)
@@ -2884,7 +3021,7 @@ PBW__INLINE void pbw__keying_share(const pbw__keying *keying, size_t i, size_t t
     uint64_t *keys = ordering->keys + keying->from;
     for (; i < to; i++) {
         double x[4];
-        size_t index = pbw__keying_index(keying, i, to);
+        size_t index = pbw__keying_index(keying, ordering->input, i, to);
         if ((i & (PBW__TICK - 1)) == PBW__TICK - 1
             && pbw__report(ordering->context, 0.1 + 0.2 * (double)i / (double)keying->count)) {
             return;
@@ -3064,12 +3201,14 @@ static int pbw__order_keys(pbw__ordering *ordering, pbw__part *part, int all, pb
 }
 
 /* Sorts the keys of a part by their next bits, those from `low` on; 0 if cancelled.  start: see pbw__sort_by, or
-   NULL: on this thread alone. */
+   NULL: on this thread alone.  The help are the records of the part, which are written later. */
 static int pbw__order_sort(pbw__ordering *ordering, pbw__part *part, int low, uint32_t *start, int tasks)
 {
     const size_t count = part->to - part->from;
     const int bits = part->low - low;
-    uint64_t *keys = ordering->keys + part->from, *spare = ordering->spare + part->from, *sorted;
+    const size_t step = (size_t)ordering->input->dim + 1;
+    uint64_t *keys = ordering->keys + part->from, *sorted;
+    uint64_t *spare = (uint64_t *)(void *)(ordering->vertices->record + (part->from + 1) * step);
     sorted = start == NULL ? pbw__sort_keys(ordering->context, keys, spare, count, low, bits)
            : pbw__sort_by(ordering->context, keys, spare, count, low, bits, start, tasks);
     if (sorted != NULL && sorted != keys) {
@@ -3190,6 +3329,8 @@ static int pbw__order_run(pbw__ordering *ordering, pbw__part *run)
     return 1;
 }
 
+#define PBW__SCANNED 1024                            /* records to look for a grid in, while the cache has them */
+
 /* Puts the runs of a part into order and its points into the records, as if no other part had duplicates. */
 static void pbw__order_part(void *arg, int task)
 {
@@ -3199,14 +3340,16 @@ static void pbw__order_part(void *arg, int task)
     pbw__vertices *vertices = ordering->vertices;
     const int bits = ordering->index_bits, dim = input->dim;
     const uint64_t index_mask = ((uint64_t)1 << bits) - 1, *keys = ordering->keys;
-    size_t end_of[PBW__RUN_DEPTH], r = part->from, i = part->from, steps = 0, step = (size_t)dim + 1;
+    size_t end_of[PBW__RUN_DEPTH], r = part->from, i = part->from, steps = 0, step = (size_t)dim + 1, scanned = r;
+    pbw__grid_share share;
     int depth = 0;
     end_of[0] = part->to;
+    pbw__grid_share_reset(&share);
     if (!pbw__order_rest(ordering, part)) {
         return;
     }
     while (i < part->to) {
-        const size_t limit = end_of[depth], soon = limit - i > PBW__TICK ? i + PBW__TICK : limit;
+        const size_t limit = end_of[depth], soon = limit - i > PBW__SCANNED ? i + PBW__SCANNED : limit;
         size_t next = i + 1;
         while (next < soon && keys[next] >> bits != keys[next - 1] >> bits) {
             next++;
@@ -3250,6 +3393,10 @@ static void pbw__order_part(void *arg, int task)
         while (depth > 0 && i == end_of[depth]) {
             depth--;
         }
+        if (r - scanned >= PBW__SCANNED || i == part->to) {
+            pbw__grid_add(&share, vertices->record + (scanned + 1) * step, r - scanned, dim);
+            scanned = r;
+        }
         if (steps > PBW__TICK) {
             steps = 0;
             if (pbw__report(ordering->context, 0.5 + 0.5 * (double)i / (double)input->count)) {
@@ -3258,6 +3405,7 @@ static void pbw__order_part(void *arg, int task)
         }
     }
     part->unique = r - part->from;
+    ordering->shares[task] = share;
 }
 
 /* Where keys[from..to), in order by the bits from `low` on, first has those bits not below `value`. */
@@ -3274,19 +3422,20 @@ static size_t pbw__order_find(const uint64_t *keys, size_t from, size_t to, int 
     return from;
 }
 
-/* Cuts the only part, all keys, into parts of one to two shares, where no run is cut in two; runs longer than 8
+/* Cuts the only part, all keys, into parts of one to two shares, where no run is cut in two; runs longer than 16
    shares, a thread's portion, are put into order by all threads, to be cut in turn.  The number of parts, at most
-   8 * tasks; 0 if cancelled. */
+   PBW__CUTS * tasks; 0 if cancelled. */
+#define PBW__CUTS 16
 static int pbw__order_cut(pbw__ordering *ordering, pbw__box *boxes, uint32_t *start, int tasks)
 {
-    const size_t share = (ordering->input->count - 1) / ((size_t)tasks * 2) + 1;       /* up: one task cuts nothing */
+    const size_t share = (ordering->input->count - 1) / ((size_t)tasks * 4) + 1;
     int parts = 1, p;
-    for (p = 0; p < parts; p++) {
+    for (p = 0; p < parts && tasks > 1; p++) {
         pbw__part part = ordering->parts[p], *next = ordering->parts + p + 1;
         const uint64_t *keys = ordering->keys;
         size_t at = part.from + share;
         uint64_t value;
-        if (part.settled || part.to - part.from <= 2 * share || parts + 2 > 8 * tasks) {
+        if (part.settled || part.to - part.from <= 2 * share || parts + 2 > PBW__CUTS * tasks) {
             continue;
         }
         memmove(next + 2, next, (size_t)(parts - p - 1) * sizeof(*next));
@@ -3295,7 +3444,7 @@ static int pbw__order_cut(pbw__ordering *ordering, pbw__box *boxes, uint32_t *st
         value = keys[at] >> part.low;
         next[0].from = next[-1].to = pbw__order_find(keys, part.from, at, part.low, value);
         next[0].to = next[1].from = pbw__order_find(keys, at, part.to, part.low, value + 1);
-        if (next->to - next->from > 8 * share) {
+        if (next->to - next->from > 16 * share) {
             const int all = pbw__tasks(ordering->context, next->to - next->from, 16384);
             if ((part.low == ordering->index_bits && !pbw__order_keys(ordering, next, 0, boxes, all))
                 || (!next->settled && !pbw__order_sort(ordering, next, ordering->index_bits, start, all))) {
@@ -3322,9 +3471,10 @@ static pbw_status pbw__order(pbw__context *context, const pbw__input *input, pbw
 {
     pbw__memory *memory = &context->memory;
     size_t count = input->count, step = (size_t)input->dim + 1, p;
-    int dim = input->dim, tasks = pbw__tasks(context, count, 16384), limit = 8 * tasks, parts = 0;
+    int dim = input->dim, tasks = pbw__tasks(context, count, 16384), limit = PBW__CUTS * tasks, parts = 0;
     uint32_t *start;                                 /* see pbw__sort_by */
     pbw__box *boxes;
+    pbw__block block[4];
     pbw__ordering ordering;
     pbw_status status = PBW_ERROR_MEMORY;
 
@@ -3343,13 +3493,18 @@ static pbw_status pbw__order(pbw__context *context, const pbw__input *input, pbw
     boxes = (pbw__box *)pbw__allocate(memory, (size_t)tasks, sizeof(pbw__box));
     start = (uint32_t *)pbw__allocate(memory, ((size_t)tasks + 1) * PBW__DIGITS, sizeof(uint32_t));
     ordering.parts = (pbw__part *)pbw__allocate(memory, (size_t)limit, sizeof(pbw__part));
-    ordering.keys = (uint64_t *)pbw__allocate_large(context, count, sizeof(uint64_t));
-    ordering.spare = (uint64_t *)pbw__allocate_large(context, count, sizeof(uint64_t));
-    vertices->canonical = (pbw_index *)pbw__allocate_large(context, count, sizeof(pbw_index));
-    vertices->id = (pbw_index *)pbw__allocate_large(context, count + 1, sizeof(pbw_index));
-    vertices->record = (double *)pbw__allocate_large(context, (count + 1) * step, sizeof(double));
-    if (boxes == NULL || start == NULL || ordering.parts == NULL || ordering.keys == NULL || ordering.spare == NULL
-        || vertices->canonical == NULL || vertices->id == NULL || vertices->record == NULL) {
+    ordering.shares = (pbw__grid_share *)pbw__allocate(memory, (size_t)limit, sizeof(pbw__grid_share));
+    ordering.keys = (uint64_t *)pbw__allocate(memory, count, sizeof(uint64_t));
+    vertices->canonical = (pbw_index *)pbw__allocate(memory, count, sizeof(pbw_index));
+    vertices->id = (pbw_index *)pbw__allocate(memory, count + 1, sizeof(pbw_index));
+    vertices->record = (double *)pbw__allocate(memory, (count + 1) * step, sizeof(double));
+    block[0] = pbw__block_of(ordering.keys, 0, count * sizeof(uint64_t));
+    block[1] = pbw__block_of(vertices->canonical, 0, count * sizeof(pbw_index));
+    block[2] = pbw__block_of(vertices->id, 0, (count + 1) * sizeof(pbw_index));
+    block[3] = pbw__block_of(vertices->record, 0, (count + 1) * step * sizeof(double));
+    pbw__populate(context, block, 4);
+    if (boxes == NULL || start == NULL || ordering.parts == NULL || ordering.shares == NULL
+        || ordering.keys == NULL || vertices->canonical == NULL || vertices->id == NULL || vertices->record == NULL) {
         goto done;
     }
     ordering.parts[0].from = 0;
@@ -3383,13 +3538,14 @@ static pbw_status pbw__order(pbw__context *context, const pbw__input *input, pbw
         vertices->count += unique;
     }
     vertices->duplicate_count = count - vertices->count;
+    pbw__grid_close(&vertices->grid, ordering.shares, parts, dim);
     status = PBW_OK;
 done:
     pbw__release(memory, boxes, (size_t)tasks, sizeof(pbw__box));
     pbw__release(memory, start, ((size_t)tasks + 1) * PBW__DIGITS, sizeof(uint32_t));
     pbw__release(memory, ordering.parts, (size_t)limit, sizeof(pbw__part));
+    pbw__release(memory, ordering.shares, (size_t)limit, sizeof(pbw__grid_share));
     pbw__release(memory, ordering.keys, count, sizeof(uint64_t));
-    pbw__release(memory, ordering.spare, count, sizeof(uint64_t));
     if (status != PBW_OK) {
         pbw__vertices_free(context, vertices);
     }
@@ -3549,7 +3705,8 @@ static int pbw__grow(pbw__kernel *kernel, void *array, size_t *capacity, size_t 
 static PBW__NOINLINE pbw_status pbw__store_reserve(pbw__context *context, pbw__store *store, size_t needed)
 {
     pbw__memory *memory = &context->memory;
-    size_t old = store->capacity;
+    const size_t old = store->capacity;
+    pbw__block block[3];
     if (needed > PBW__SIMPLEX_LIMIT) {
         return PBW_ERROR_TOO_LARGE;
     }
@@ -3558,9 +3715,10 @@ static PBW__NOINLINE pbw_status pbw__store_reserve(pbw__context *context, pbw__s
         || !pbw__resize_array(memory, &store->mark, &store->mark_capacity, needed, 1)) {
         return PBW_ERROR_MEMORY;
     }
-    pbw__populate(context, store->corner, 4 * old * sizeof(pbw_index), 4 * needed * sizeof(pbw_index));
-    pbw__populate(context, store->link, 4 * old * sizeof(pbw__link), 4 * needed * sizeof(pbw__link));
-    pbw__populate(context, store->mark, old, needed);
+    block[0] = pbw__block_of(store->corner, 4 * old * sizeof(pbw_index), 4 * needed * sizeof(pbw_index));
+    block[1] = pbw__block_of(store->link, 4 * old * sizeof(pbw__link), 4 * needed * sizeof(pbw__link));
+    block[2] = pbw__block_of(store->mark, old, needed);
+    pbw__populate(context, block, 3);
     store->capacity = needed;
     return PBW_OK;
 }
@@ -8775,7 +8933,6 @@ static pbw_status pbw__run(pbw__context *context, const pbw__input *input, unsig
     pbw__owned *owned = (pbw__owned *)pbw__allocate(memory, 1, sizeof(pbw__owned));
     pbw__vertices vertices;
     pbw__store store;
-    pbw__grid grid;
     double start = pbw__seconds();
     pbw_status status;
 
@@ -8798,9 +8955,8 @@ static pbw_status pbw__run(pbw__context *context, const pbw__input *input, unsig
         status = pbw__leave_stage(context, status, &start, &mesh->statistics.order_seconds);
     }
     if (status == PBW_OK) {
-        pbw__grid_scan(context, vertices.record + input->dim + 1, vertices.count, input->dim, &grid);
         status = pbw__enter_stage(context, PBW_STAGE_BUILD) ? PBW_CANCELLED
-               : pbw__build_all(context, &store, &vertices, &grid, &mesh->statistics);
+               : pbw__build_all(context, &store, &vertices, &vertices.grid, &mesh->statistics);
         status = pbw__leave_stage(context, status, &start, &mesh->statistics.build_seconds);
     }
     if ((status == PBW_OK || status == PBW_DEGENERATE) && pbw__enter_stage(context, PBW_STAGE_OUTPUT)) {
@@ -8847,6 +9003,8 @@ static pbw_status pbw__job_reserve(pbw_job *job, size_t simplex_count)
     pbw_mesh *mesh = dispatch->mesh;
     pbw_index **array[4];
     size_t *held[4], i;
+    pbw__block block[4];
+    int blocks = 0;
     pbw_status status = PBW_OK;
     if (simplex_count >= PBW_NONE) {
         return PBW_ERROR_TOO_LARGE;
@@ -8864,8 +9022,9 @@ static pbw_status pbw__job_reserve(pbw_job *job, size_t simplex_count)
         if (!pbw__resize_array(&dispatch->context->memory, array[i], held[i], wanted, sizeof(pbw_index))) {
             status = PBW_ERROR_MEMORY;
         }
-        pbw__populate(dispatch->context, *array[i], old * sizeof(pbw_index), *held[i] * sizeof(pbw_index));
+        block[blocks++] = pbw__block_of(*array[i], old * sizeof(pbw_index), *held[i] * sizeof(pbw_index));
     }
+    pbw__populate(dispatch->context, block, blocks);
     mesh->simplex_count = simplex_count;
     mesh->simplices = job->simplices;
     mesh->neighbors = job->neighbors;
