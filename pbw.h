@@ -7604,7 +7604,7 @@ PBW__SIMD_INLINE size_t pbw__emit_slots_avx2(const pbw__emission *emission, size
         if (links) {
             const pbw__link *l = link + 4 * t;
             PBW__PREFETCH_TO_WRITE((pbw_index *)(void *)link + corners * number[soon]);
-            for (i = 0; i < corners; i++) {
+            for (i = 0; i < corners && dim == 3; i++) {      /* in the plane most are near */
                 PBW__PREFETCH(number + (link[4 * soon + i] >> 2));
             }
             neighbors = (pbw__i4)_mm_setr_epi32((int)number[l[0] >> 2], (int)number[l[1] >> 2],
@@ -7643,36 +7643,39 @@ PBW__SIMD static size_t pbw__emit_slots2_avx2(const pbw__emission *emission, siz
 }
 #endif
 
-/* Writes what can be written by now. */
-PBW__INLINE void pbw__emit_what_can(const pbw__emission *emission, pbw__aside *aside, int dim)
+/* Writes what can be written by now; free_count places from first_free on are free. */
+PBW__INLINE void pbw__emit_what_can(const pbw__emission *emission, pbw__aside *aside, size_t first_free,
+                                    size_t free_count, int dim)
 {
-    size_t i, left = 0;
-    for (i = 0; i < aside->count; i++) {
-        if (pbw__emit_free(emission, aside->simplex[i].place, dim)) {
-            pbw__emit_place(emission, aside->simplex + i, dim);
+    pbw__emitted *simplex = aside->simplex, *end = simplex + aside->count;
+    while (simplex < end) {
+        if (simplex->place - first_free < free_count || pbw__emit_free(emission, simplex->place, dim)) {
+            pbw__emit_place(emission, simplex, dim);
+            *simplex = *--end;
         } else {
-            aside->simplex[left++] = aside->simplex[i];
+            simplex++;
         }
     }
-    aside->count = left;
+    aside->count = (size_t)(end - aside->simplex);
 }
 
-static void pbw__emit_set_aside(const pbw__emission *emission, pbw__aside *aside)
+static void pbw__emit_set_aside(const pbw__emission *emission, pbw__aside *aside, size_t first_free,
+                                size_t free_count)
 {
     if (emission->dim == 3) {
-        pbw__emit_what_can(emission, aside, 3);
+        pbw__emit_what_can(emission, aside, first_free, free_count, 3);
     } else {
-        pbw__emit_what_can(emission, aside, 2);
+        pbw__emit_what_can(emission, aside, first_free, free_count, 2);
     }
 }
 
 /* Room for those of a chunk.  What waits is looked at again when there is an eighth more, and a chunk. */
-static int pbw__emit_reserve(pbw__emission *emission, pbw__aside *aside)
+static int pbw__emit_reserve(pbw__emission *emission, pbw__aside *aside, size_t first_free, size_t free_count)
 {
     const size_t most = PBW__CHUNK(emission->dim), chunk = emission->slot_count < most ? emission->slot_count : most;
     size_t wanted;
     if (aside->capacity - aside->count < chunk) {
-        pbw__emit_set_aside(emission, aside);
+        pbw__emit_set_aside(emission, aside, first_free, free_count);
         wanted = aside->count + aside->count / 8 + chunk;
         if (wanted > aside->capacity
             && !pbw__resize_array(&emission->context->memory, &aside->simplex, &aside->capacity, wanted,
@@ -7695,8 +7698,7 @@ static void pbw__emit_pass3(void *arg, int task)
     size_t next, done = 0;
     pbw__aside aside = { NULL, 0, 0 };               /* not in a line of the cache with those of other tasks */
     while ((next = PBW__ADD(&emission->chunk, 1)) < chunks && !PBW__LOAD(&emission->failed)
-           && !pbw__report(emission->context, 0.5 + 0.45 * (double)next / (double)chunks)
-           && pbw__emit_reserve(emission, &aside)) {
+           && !pbw__report(emission->context, 0.5 + 0.45 * (double)next / (double)chunks)) {
         size_t chunk = next < turned ? turned - 1 - next : next, from = chunk * size, end = from + size;
         size_t first_free, free_count;
         while (done < next && PBW__SEEN(emission->chunk_done + (done < turned ? turned - 1 - done : done)) != 0) {
@@ -7705,6 +7707,9 @@ static void pbw__emit_pass3(void *arg, int task)
         first_free = done < turned ? ((turned - done) * size * 4 + corners - 1) / corners : 0;
         free_count = (done < turned ? turned : done) * size * 4 / corners;
         free_count = free_count > first_free ? free_count - first_free : 0;
+        if (!pbw__emit_reserve(emission, &aside, first_free, free_count)) {
+            break;
+        }
         aside.count += emission->emit(emission, from, end < emission->slot_count ? end : emission->slot_count,
                                       first_free, free_count, aside.simplex + aside.count);
         PBW__TELL(emission->chunk_done + chunk, 1);
@@ -7718,7 +7723,7 @@ static void pbw__emit_pass4(void *arg, int task)
     pbw__emission *emission = (pbw__emission *)arg;
     pbw__aside *aside = emission->aside + task;
     if (!PBW__LOAD(&emission->failed) && !pbw__report(emission->context, 0.95)) {
-        pbw__emit_set_aside(emission, aside);
+        pbw__emit_set_aside(emission, aside, 0, emission->simplex_count);
     }
     pbw__release(&emission->context->memory, aside->simplex, aside->capacity, sizeof(pbw__emitted));
 }
