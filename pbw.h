@@ -6938,6 +6938,7 @@ typedef struct pbw__aside {
 } pbw__aside;
 
 #define PBW__CHAINS 16                               /* followed at a time: memory answers many at once */
+#define PBW__SOON 48                                 /* so far ahead is asked for what is anywhere */
 #define PBW__LISTS 64                                /* sorted at a time */
 #define PBW__SHORT 48                                /* simplices of a list that is not a hub's */
 
@@ -7101,42 +7102,54 @@ PBW__SIMD static uint64_t pbw__lowest_ranks2_avx2(const pbw_index *corner, size_
    lists of other tasks, few, make a chain of their own and are left for a second look, with atomic exchanges. */
 #define PBW__RUN 64                                  /* slots whose lowest ranks are found at a time: a set of bits */
 
-/* The slots from..end-1 into chains; `others` is the last slot for other tasks. */
-static pbw_index pbw__emit_chains(pbw__emission *emission, int task, size_t from, size_t end, pbw_index others)
+/* Lists of a task: `own` ranks from `ranks` on; `others` is the last slot for other tasks. */
+typedef struct pbw__listing { size_t ranks, own; pbw_index others; } pbw__listing;
+
+/* The slots of a run that are used into chains.  If all of them are, they need no looking for. */
+PBW__INLINE void pbw__emit_run(const pbw__emission *emission, pbw__listing *listing, const pbw_index *lowest,
+                               uint64_t used, size_t from, int all)
 {
-    const pbw__store *store = emission->store;
-    size_t cells = pbw__share(store->region_count, task, emission->tasks);
-    size_t ranks = cells << store->cell_bits, t, to;
-    size_t own = (pbw__share(store->region_count, task + 1, emission->tasks) << store->cell_bits) - ranks;
-    pbw_index *number = emission->number, *chain = emission->chain, *head = emission->head, lowest[PBW__RUN];
+    pbw_index *number = emission->number, *chain = emission->chain, *head = emission->head;
+    const size_t ranks = listing->ranks, own = listing->own;
+    const int bits = emission->store->cell_bits;
+    unsigned at;
+    for (at = 0; all ? at < PBW__RUN : used != 0; at++, used &= used - 1) {
+        const pbw_index low = lowest[at = all ? at : pbw__first_bit(used)], t = (pbw_index)(from + at);
+        if (PBW__LIKELY(low - ranks < own)) {
+            number[t] = chain[low >> bits];
+            chain[low >> bits] = t;
+            head[low]++;
+        } else {
+            number[t] = listing->others;
+            listing->others = t;
+        }
+    }
+}
+
+/* The slots from..end-1 into chains. */
+static void pbw__emit_chains(const pbw__emission *emission, pbw__listing *listing, size_t from, size_t end)
+{
+    const pbw_index *corner = emission->corner;
+    pbw_index lowest[PBW__RUN];
     uint64_t used;
-    const int bits = store->cell_bits;
+    size_t t, to;
     for (; from < end; from = to) {
         if ((from / PBW__RUN & 1023) == 0
-            && pbw__report(emission->context, 0.25 * (double)from / (double)store->count)) {
+            && pbw__report(emission->context, 0.25 * (double)from / (double)emission->slot_count)) {
             break;
         }
         to = end - from < PBW__RUN ? end : from + PBW__RUN;
         for (t = to; t < end && t < to + PBW__RUN; t += 4) {
-            PBW__PREFETCH(store->corner + 4 * t);
+            PBW__PREFETCH(corner + 4 * t);
         }
-        used = emission->lowest_ranks(store->corner + 4 * from, to - from, lowest);
-        memset(number + from, 0xff, (to - from) * sizeof(pbw_index));      /* PBW_NONE */
-        for (; used != 0; used &= used - 1) {        /* on a circle half are ghosts: no predictor could guess which */
-            const unsigned at = pbw__first_bit(used);
-            const pbw_index low = lowest[at];
-            t = from + at;
-            if (PBW__LIKELY(low - ranks < own)) {
-                number[t] = chain[low >> bits];
-                chain[low >> bits] = (pbw_index)t;
-                head[low]++;
-            } else {
-                number[t] = others;
-                others = (pbw_index)t;
-            }
+        used = emission->lowest_ranks(corner + 4 * from, to - from, lowest);
+        if (used == ~(uint64_t)0) {
+            pbw__emit_run(emission, listing, lowest, used, from, 1);
+        } else {                                     /* on a circle half are ghosts: no predictor could guess which */
+            memset(emission->number + from, 0xff, (to - from) * sizeof(pbw_index));      /* PBW_NONE */
+            pbw__emit_run(emission, listing, lowest, used, from, 0);
         }
     }
-    return others;
 }
 
 /* The first rank of a region; past the last region, the number of ranks. */
@@ -7144,6 +7157,12 @@ PBW__INLINE size_t pbw__emit_ranks(const pbw__emission *emission, size_t region)
 {
     size_t ranks = region << emission->store->cell_bits;
     return ranks <= emission->vertex_count ? ranks : emission->vertex_count + 1;
+}
+
+/* The first slot of the region that comes so many before this one, or of the first region. */
+PBW__INLINE size_t pbw__emit_start(const pbw__emission *emission, size_t region, size_t before)
+{
+    return region > before ? pbw__region_end(emission->store, region - before - 1) : 0;
 }
 
 static void pbw__emit_pass1(void *arg, int task)
@@ -7157,13 +7176,18 @@ static void pbw__emit_pass1(void *arg, int task)
     size_t tail_from = store->region_slots + pbw__share(tail, task, emission->tasks);
     size_t tail_to = store->region_slots + pbw__share(tail, task + 1, emission->tasks);
     size_t ranks = pbw__emit_ranks(emission, first), end = pbw__emit_ranks(emission, last);
+    pbw__listing listing;
+    listing.ranks = first << store->cell_bits;
+    listing.own = (last << store->cell_bits) - listing.ranks;
+    listing.others = PBW_NONE;
     memset(emission->chain + first, 0xff, (last - first) * sizeof(pbw_index));       /* PBW_NONE */
     memset(emission->head + ranks, 0, (end - ranks) * sizeof(pbw_index));
     if (emission->first != NULL) {
         memset(emission->first + ranks, 0xff, (end - ranks) * sizeof(pbw_index));
     }
-    emission->end[task] = pbw__emit_chains(emission, task, tail_from, tail_to,
-                                           pbw__emit_chains(emission, task, from, to, PBW_NONE));
+    pbw__emit_chains(emission, &listing, from, to);
+    pbw__emit_chains(emission, &listing, tail_from, tail_to);
+    emission->end[task] = listing.others;
 }
 
 static void pbw__emit_others(void *arg, int task)
@@ -7463,13 +7487,17 @@ PBW__INLINE void pbw__emit_follow(const pbw__emission *emission, size_t region, 
 {
     const pbw_index *number = emission->number, *corner = emission->corner;
     pbw_index next[PBW__CHAINS], *to[PBW__CHAINS];
-    size_t left[PBW__CHAINS], steps, k;
+    size_t left[PBW__CHAINS], steps, last, k;
     unsigned open, i, j;
     for (i = open = 0; i < count; slot += length[i++]) {
         next[open] = emission->chain[region + i];
         to[open] = slot;
         left[open] = length[i];
         open += length[i] > 0;
+    }
+    last = pbw__emit_start(emission, region, PBW__CHAINS);
+    for (k = pbw__emit_start(emission, region, 2 * PBW__CHAINS); k < last; k += 16) {
+        PBW__PREFETCH(number + k);                   /* what the next regions' chains mostly go through */
     }
     while (open > 0) {
         for (steps = left[0], i = 1; i < open; i++) {
@@ -7611,7 +7639,7 @@ static void pbw__emit_pass2(void *arg, int task)
 #ifdef PBW_SMALL_SHARES
 #define PBW__CHUNK(dim) ((size_t)(dim) * 32)
 #else
-#define PBW__CHUNK(dim) ((dim) == 3 ? (size_t)2048 : (size_t)1024)   /* what is set aside weighs more in the plane */
+#define PBW__CHUNK(dim) ((dim) == 3 ? (size_t)4096 : (size_t)2048)   /* what is set aside weighs more in the plane */
 #endif
 
 /* Whether the slots that a place covers, in an array of so many entries a slot, have been read. */
@@ -7701,8 +7729,9 @@ PBW__SIMD_INLINE size_t pbw__emit_slots_avx2(const pbw__emission *emission, size
 {
     const pbw_index *number = emission->number, *id = emission->id;
     pbw__link *link = emission->link;
-    pbw_index *corner = emission->corner;
-    size_t corners = (size_t)dim + 1, count = 0, i;
+    pbw_index *corner = emission->corner, slot[PBW__CHUNK(3) + PBW__SOON];
+    const size_t corners = (size_t)dim + 1;
+    size_t used_count = 0, count = 0, i, n;
     for (; from < end; from += 64) {
         uint64_t used = 0;
         for (i = 0; i < 64 && from + i + 8 <= end; i += 8) {
@@ -7713,32 +7742,45 @@ PBW__SIMD_INLINE size_t pbw__emit_slots_avx2(const pbw__emission *emission, size
             used |= (uint64_t)(number[from + i] != PBW_NONE) << i;
         }
         for (; used != 0; used &= used - 1) {
-            const size_t t = from + pbw__first_bit(used);
-            const pbw_index *v = corner + 4 * t, place = number[t];
-            pbw__i4 lanes, ids, neighbors = { 0, 0, 0, 0 };
+            slot[used_count++] = (pbw_index)(from + pbw__first_bit(used));
+        }
+    }
+    for (i = 0; i < PBW__SOON && used_count > 0; i++) {
+        slot[used_count + i] = slot[used_count - 1];
+    }
+    for (n = 0; n < used_count; n++) {
+        const size_t t = slot[n], soon = slot[n + PBW__SOON];
+        const pbw_index *v = corner + 4 * t, place = number[t];
+        pbw__i4 lanes, ids, neighbors = { 0, 0, 0, 0 };
+        if (n % 4 == 0) {                            /* so many are in a line of the cache */
             PBW__PREFETCH_STREAM(corner, 4 * t, 4 * emission->slot_count);
-            PBW__PREFETCH_TO_WRITE(corner + corners * place);
-            lanes = (pbw__i4)pbw__canonical_lanes((__m128i)pbw__load4(v), dim);
-            ids = (pbw__i4)_mm_setr_epi32((int)id[v[0]], (int)id[v[1]], (int)id[v[2]], dim == 3 ? (int)id[v[3]] : 0);
-            ids = pbw__permute4(ids, lanes);
             if (links) {
-                const pbw__link *l = link + 4 * t;
                 PBW__PREFETCH_STREAM(link, 4 * t, 4 * emission->slot_count);
-                PBW__PREFETCH_TO_WRITE((pbw_index *)(void *)link + corners * place);
-                neighbors = (pbw__i4)_mm_setr_epi32((int)number[l[0] >> 2], (int)number[l[1] >> 2],
-                                                    (int)number[l[2] >> 2], dim == 3 ? (int)number[l[3] >> 2] : 0);
-                neighbors = pbw__permute4(neighbors, lanes);
             }
-            if (PBW__LIKELY(place - first_free < free_count) || pbw__emit_free(emission, place, dim)) {
-                pbw__emit_store(corner + corners * place, ids, dim);
-                if (links) {
-                    pbw__emit_store((pbw_index *)(void *)link + corners * place, neighbors, dim);
-                }
-            } else {
-                out[count].place = place;
-                pbw__store4(out[count].corner, ids);
-                pbw__store4(out[count++].neighbor, neighbors);
+        }
+        PBW__PREFETCH_TO_WRITE(corner + corners * number[soon]);
+        if (links) {
+            const pbw__link *l = link + 4 * t;
+            PBW__PREFETCH_TO_WRITE((pbw_index *)(void *)link + corners * number[soon]);
+            for (i = 0; i < corners && dim == 3; i++) {      /* in the plane most are near */
+                PBW__PREFETCH(number + (link[4 * soon + i] >> 2));
             }
+            neighbors = (pbw__i4)_mm_setr_epi32((int)number[l[0] >> 2], (int)number[l[1] >> 2],
+                                                (int)number[l[2] >> 2], dim == 3 ? (int)number[l[3] >> 2] : 0);
+        }
+        lanes = (pbw__i4)pbw__canonical_lanes((__m128i)pbw__load4(v), dim);
+        ids = (pbw__i4)_mm_setr_epi32((int)id[v[0]], (int)id[v[1]], (int)id[v[2]], dim == 3 ? (int)id[v[3]] : 0);
+        ids = pbw__permute4(ids, lanes);
+        neighbors = pbw__permute4(neighbors, lanes);
+        if (PBW__LIKELY(place - first_free < free_count) || pbw__emit_free(emission, place, dim)) {
+            pbw__emit_store(corner + corners * place, ids, dim);
+            if (links) {
+                pbw__emit_store((pbw_index *)(void *)link + corners * place, neighbors, dim);
+            }
+        } else {
+            out[count].place = place;
+            pbw__store4(out[count].corner, ids);
+            pbw__store4(out[count++].neighbor, neighbors);
         }
     }
     return count;
@@ -7759,36 +7801,39 @@ PBW__SIMD static size_t pbw__emit_slots2_avx2(const pbw__emission *emission, siz
 }
 #endif
 
-/* Writes what can be written by now. */
-PBW__INLINE void pbw__emit_what_can(const pbw__emission *emission, pbw__aside *aside, int dim)
+/* Writes what can be written by now; free_count places from first_free on are free. */
+PBW__INLINE void pbw__emit_what_can(const pbw__emission *emission, pbw__aside *aside, size_t first_free,
+                                    size_t free_count, int dim)
 {
-    size_t i, left = 0;
-    for (i = 0; i < aside->count; i++) {
-        if (pbw__emit_free(emission, aside->simplex[i].place, dim)) {
-            pbw__emit_place(emission, aside->simplex + i, dim);
+    pbw__emitted *simplex = aside->simplex, *end = simplex + aside->count;
+    while (simplex < end) {
+        if (simplex->place - first_free < free_count || pbw__emit_free(emission, simplex->place, dim)) {
+            pbw__emit_place(emission, simplex, dim);
+            *simplex = *--end;
         } else {
-            aside->simplex[left++] = aside->simplex[i];
+            simplex++;
         }
     }
-    aside->count = left;
+    aside->count = (size_t)(end - aside->simplex);
 }
 
-static void pbw__emit_set_aside(const pbw__emission *emission, pbw__aside *aside)
+static void pbw__emit_set_aside(const pbw__emission *emission, pbw__aside *aside, size_t first_free,
+                                size_t free_count)
 {
     if (emission->dim == 3) {
-        pbw__emit_what_can(emission, aside, 3);
+        pbw__emit_what_can(emission, aside, first_free, free_count, 3);
     } else {
-        pbw__emit_what_can(emission, aside, 2);
+        pbw__emit_what_can(emission, aside, first_free, free_count, 2);
     }
 }
 
 /* Room for those of a chunk.  What waits is looked at again when there is an eighth more, and a chunk. */
-static int pbw__emit_reserve(pbw__emission *emission, pbw__aside *aside)
+static int pbw__emit_reserve(pbw__emission *emission, pbw__aside *aside, size_t first_free, size_t free_count)
 {
     const size_t most = PBW__CHUNK(emission->dim), chunk = emission->slot_count < most ? emission->slot_count : most;
     size_t wanted;
     if (aside->capacity - aside->count < chunk) {
-        pbw__emit_set_aside(emission, aside);
+        pbw__emit_set_aside(emission, aside, first_free, free_count);
         wanted = aside->count + aside->count / 8 + chunk;
         if (wanted > aside->capacity
             && !pbw__resize_array(&emission->context->memory, &aside->simplex, &aside->capacity, wanted,
@@ -7811,8 +7856,7 @@ static void pbw__emit_pass3(void *arg, int task)
     size_t next, done = 0;
     pbw__aside aside = { NULL, 0, 0 };               /* not in a line of the cache with those of other tasks */
     while ((next = PBW__ADD(&emission->chunk, 1)) < chunks && !PBW__LOAD(&emission->failed)
-           && !pbw__report(emission->context, 0.5 + 0.45 * (double)next / (double)chunks)
-           && pbw__emit_reserve(emission, &aside)) {
+           && !pbw__report(emission->context, 0.5 + 0.45 * (double)next / (double)chunks)) {
         size_t chunk = next < turned ? turned - 1 - next : next, from = chunk * size, end = from + size;
         size_t first_free, free_count;
         while (done < next && PBW__SEEN(emission->chunk_done + (done < turned ? turned - 1 - done : done)) != 0) {
@@ -7821,6 +7865,9 @@ static void pbw__emit_pass3(void *arg, int task)
         first_free = done < turned ? ((turned - done) * size * 4 + corners - 1) / corners : 0;
         free_count = (done < turned ? turned : done) * size * 4 / corners;
         free_count = free_count > first_free ? free_count - first_free : 0;
+        if (!pbw__emit_reserve(emission, &aside, first_free, free_count)) {
+            break;
+        }
         aside.count += emission->emit(emission, from, end < emission->slot_count ? end : emission->slot_count,
                                       first_free, free_count, aside.simplex + aside.count);
         PBW__TELL(emission->chunk_done + chunk, 1);
@@ -7834,14 +7881,12 @@ static void pbw__emit_pass4(void *arg, int task)
     pbw__emission *emission = (pbw__emission *)arg;
     pbw__aside *aside = emission->aside + task;
     if (!PBW__LOAD(&emission->failed) && !pbw__report(emission->context, 0.95)) {
-        pbw__emit_set_aside(emission, aside);
+        pbw__emit_set_aside(emission, aside, 0, emission->simplex_count);
     }
     pbw__release(&emission->context->memory, aside->simplex, aside->capacity, sizeof(pbw__emitted));
 }
 
 /* The first simplex of each vertex, by the caller's ids, which are anywhere: asked for ahead. */
-#define PBW__SOON 32
-
 static void pbw__emit_pass5(void *arg, int task)
 {
     pbw__emission *emission = (pbw__emission *)arg;
