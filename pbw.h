@@ -5898,7 +5898,7 @@ PBW__SIMD static pbw_status pbw__insert2_weighted_simd(pbw__kernel *kernel, pbw_
    >>build        All vertices into one triangulation, on one thread.
    In: vertices along the Hilbert curve.  Out: a kernel with their triangulation, or PBW_DEGENERATE.
 
-   Insertion order: level l holds the ranks divisible by 8^l (2D: 16^l) that no higher level holds; levels go from
+   Insertion order: level l holds the ranks divisible by 8^l (2D: 64^l) that no higher level holds; levels go from
    coarse to fine, along the curve, alternately forwards and backwards.  Coarse levels keep the cavities small, as the
    random rounds of Amenta, Choi & Rote 2003 ("Incremental constructions con BRIO") do, but need no shuffle and no
    second sort; within a level the next point lies near the last one, so the walk is short and the caches warm.
@@ -5911,7 +5911,7 @@ typedef struct pbw__sequence {
 static void pbw__sequence_start(pbw__sequence *sequence, size_t count, int dim)
 {
     sequence->count = count;
-    sequence->ratio = dim == 3 ? 8 : 16;
+    sequence->ratio = dim == 3 ? 8 : 64;
     sequence->stride = 1;
     while (count / sequence->stride >= sequence->ratio) {
         sequence->stride *= sequence->ratio;
@@ -6661,7 +6661,7 @@ static pbw_status pbw__build_all(pbw__context *context, pbw__store *store, const
                                  const pbw__grid *grid, pbw_statistics *statistics)
 {
     pbw__build build;
-    size_t ratio = vertices->dim == 3 ? 8 : 16, parts, cells;
+    size_t ratio = vertices->dim == 3 ? 8 : 64, parts, cells;
     pbw_status status;
     int i;
     memset(&build, 0, sizeof(build));
