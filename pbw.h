@@ -5957,6 +5957,16 @@ PBW__SIMD static PBW__NOINLINE pbw_status pbw__hull2_simd(pbw__kernel *kernel, p
     return status;
 }
 
+/* What is written and read four vertices on is asked for: at coarse levels each has lines of the cache of its own. */
+PBW__INLINE void pbw__ask_ahead2(const pbw__kernel *kernel, pbw_index vertex)
+{
+    const size_t slot = kernel->fresh + 8 < kernel->fresh_end ? kernel->fresh + 8 : kernel->fresh;
+    const pbw_index later = vertex + 4 * (vertex - kernel->previous);
+    PBW__PREFETCH_TO_WRITE(kernel->corner + 4 * slot);
+    PBW__PREFETCH_TO_WRITE(kernel->link + 4 * slot);
+    PBW__PREFETCH(pbw__record2(kernel, later <= kernel->vertex_count ? later : vertex));
+}
+
 PBW__SIMD_INLINE pbw_status pbw__insert2_with(pbw__kernel *kernel, pbw_index vertex, int weighted)
 {
     const double *p = pbw__record2(kernel, vertex);
@@ -5964,6 +5974,7 @@ PBW__SIMD_INLINE pbw_status pbw__insert2_with(pbw__kernel *kernel, pbw_index ver
     pbw__ring ring;
     pbw__rows2 rows;
     pbw_status status;
+    pbw__ask_ahead2(kernel, vertex);
     PBW__PHASE(PBW__WALK);
     rows.x = rows.y = rows.lift = rows.height = pbw__each(0.0);
     t = t != PBW__FOREIGN ? pbw__locate2_simd(kernel, t, p, weighted, &rows) : t;
