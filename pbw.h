@@ -5454,20 +5454,27 @@ PBW__SIMD_INLINE unsigned pbw__test2_simd(pbw__rows2 s, pbw__rows2 e, pbw__rows2
     return pbw__signs(det) ^ 15u;
 }
 
-/* The lanes that pbw__test2_simd left open and that can be settled here; their verdicts in *inside.
-
-   A bound that takes longer: the sum of the absolute products, which is far below 6 h^2 where only some of the
-   vertices are far from the point, as in the thin triangles of points on a curve.  13u times that is less than
+/* A bound of the errors that takes longer: the sum of the absolute products, which is far below 6 h^2 where only some
+   of the vertices are far from the point, as in the thin triangles of points on a curve.  13u times that is less than
    1.5e-15 times what is computed here, of as many roundings.  What underflows, a product of two or three rows or a
-   lift, is multiplied by two coordinates at most: less than 1e-300 (1 + h) in all.
+   lift, is multiplied by two coordinates at most: less than 1e-300 (1 + h) in all. */
+PBW__SIMD_INLINE pbw__d4 pbw__thin_limit(pbw__rows2 s, pbw__rows2 e, pbw__rows2 o, pbw__d4 h)
+{
+    const pbw__d4 sx = pbw__size4(s.x), sy = pbw__size4(s.y), ex = pbw__size4(e.x), ey = pbw__size4(e.y);
+    pbw__d4 sum = pbw__size4(o.y) * pbw__fma(e.height, sx, s.height * ex);
+    sum = pbw__fma(pbw__size4(o.x), pbw__fma(s.height, ey, e.height * sy), sum);
+    sum = pbw__fma(o.height, pbw__fma(sx, ey, sy * ex), sum) * pbw__each(8.0);
+    return pbw__fma(sum, pbw__each(1.5e-15 / 8.0), pbw__fma(h, pbw__each(1e-300), pbw__each(1e-300)));
+}
 
-   Where nothing is rounded, the sign is the sign, and the rule of pbw__conflict in >>predicates breaks ties between
-   finite vertices.  The coefficients of the lifts are those of the determinant. */
+/* The lanes that pbw__test2_simd left open and that can be settled here; their verdicts in *inside.  Where nothing is
+   rounded, the sign is the sign, and the rule of pbw__conflict in >>predicates breaks ties between finite vertices.
+   The coefficients of the lifts are those of the determinant. */
 PBW__SIMD static PBW__NOINLINE unsigned pbw__settle2_rows(pbw__kernel *kernel, const pbw__rows2 *s,
                                                           const pbw__rows2 *e, const pbw__rows2 *o,
                                                           unsigned open, unsigned *inside)
 {
-    const pbw__d4 sign = pbw__each(-0.0), zero = pbw__each(0.0);
+    const pbw__d4 zero = pbw__each(0.0);
     const pbw__rows2 *corner[3];
     pbw__d4 h, det = pbw__circle4(*s, *e, *o, &h);
     pbw__d4 exact = pbw__above(pbw__each(kernel->exact_height), h), side[3], x = zero, y = zero;
@@ -5475,13 +5482,7 @@ PBW__SIMD static PBW__NOINLINE unsigned pbw__settle2_rows(pbw__kernel *kernel, c
     unsigned settled = pbw__signs(pbw__clear(tied, exact)) & open, ties;
     int i;
     if ((open & ~pbw__signs(exact)) != 0) {
-        pbw__d4 sx = pbw__clear(sign, s->x), ex = pbw__clear(sign, e->x), sh = s->height, sum;
-        pbw__d4 sy = pbw__clear(sign, s->y), ey = pbw__clear(sign, e->y), eh = e->height, oh = o->height;
-        sum = pbw__clear(sign, o->y) * pbw__fma(eh, sx, sh * ex);
-        sum = pbw__fma(pbw__clear(sign, o->x), pbw__fma(sh, ey, eh * sy), sum);
-        sum = pbw__fma(oh, pbw__fma(sx, ey, sy * ex), sum) * pbw__each(8.0);
-        sum = pbw__fma(sum, pbw__each(1.5e-15 / 8.0), pbw__fma(h, pbw__each(1e-300), pbw__each(1e-300)));
-        settled |= open & pbw__signs(pbw__above(pbw__clear(sign, det), sum));
+        settled |= open & pbw__signs(pbw__above(pbw__size4(det), pbw__thin_limit(*s, *e, *o, h)));
     }
     ties = pbw__signs(tied) & open;
     if (ties == 0) {
@@ -5859,13 +5860,54 @@ PBW__SIMD_INLINE int pbw__circle2(const pbw__corner2 *s, const pbw__corner2 *e, 
 
 /* Is a ghost in conflict, of corners a and b, the only one?  The edges of the hull that have p beyond them, or in
    line with them, follow one another: so it is, if p is strictly behind the next edge on either side. */
-PBW__SIMD_INLINE int pbw__is_only_ghost(const pbw__kernel *kernel, pbw_index t, const pbw__corner2 *a,
-                                        const pbw__corner2 *b, pbw__d2 p)
+PBW__SIMD_INLINE int pbw__is_only_ghost(const pbw__kernel *kernel, pbw_index t, pbw_index a, pbw_index b,
+                                        pbw__point2 p)
 {
     const pbw__link *link = kernel->link + 4 * (size_t)t;
-    const pbw__corner2 before = pbw__corner2_of(kernel->record, kernel->corner[link[1]], 0, p);
-    const pbw__corner2 after = pbw__corner2_of(kernel->record, kernel->corner[link[0]], 0, p);
-    return pbw__side2(&before, a) == -1 && pbw__side2(b, &after) == -1;
+    const pbw_index before = kernel->corner[link[1]], after = kernel->corner[link[0]];
+    const pbw__rows2 s = pbw__rows2_of(kernel->record, before, b, before, b, p);
+    const pbw__rows2 e = pbw__rows2_of(kernel->record, a, after, a, after, p);
+    const pbw__d4 h = pbw__larger4(pbw__larger4(s.height, e.height), pbw__each(1e-140));
+    return pbw__signs(pbw__above(pbw__det2(e.x, e.y, s.x, s.y), h * pbw__each(PBW__ORIENT2_ERROR))) == 15;
+}
+
+/* The verdicts on the triangle behind a ghost, (c, b, a), and on the two across its edges a c and c b: all three at
+   once, as waiting for the first costs more.  Ghosts there are none to be deleted: there is one only. */
+PBW__SIMD_INLINE unsigned pbw__behind_ghost(pbw__kernel *kernel, pbw_index a, pbw_index b, pbw__link behind,
+                                            pbw__link left, pbw__link right, const double *p, pbw__point2 point)
+{
+    const pbw_index *corner = kernel->corner, c = corner[behind], far_left = corner[left], far_right = corner[right];
+    const pbw__rows2 r = pbw__rows2_of(kernel->record, a, b, c, a, point);
+    const pbw__rows2 o = pbw__rows2_of(kernel->record, c, far_left, far_right, c, point);
+    const unsigned ghosts = (unsigned)(far_left == PBW__GHOST) << 1 | (unsigned)(far_right == PBW__GHOST) << 2;
+    pbw__rows2 s, e;
+    pbw__d4 h, det;
+    unsigned inside, open;
+    s.x = PBW__PICK(r.x, 0, 0, 2, 0), s.y = PBW__PICK(r.y, 0, 0, 2, 0), s.lift = PBW__PICK(r.lift, 0, 0, 2, 0);
+    e.x = PBW__PICK(r.x, 1, 2, 1, 1), e.y = PBW__PICK(r.y, 1, 2, 1, 1), e.lift = PBW__PICK(r.lift, 1, 2, 1, 1);
+    s.height = s.lift, e.height = e.lift;
+    det = pbw__circle4(s, e, o, &h);
+    open = 7 & ~(pbw__signs(pbw__above(pbw__size4(det), pbw__thin_limit(s, e, o, h))) | ghosts);
+    inside = 7 & ~(pbw__signs(det) | ghosts);
+    if (PBW__UNLIKELY(open != 0)) {
+        inside &= ~open;
+        if ((open & 1) != 0) {
+            inside |= (unsigned)pbw__open2(kernel, a, b, c, (pbw_index)(behind >> 2), p);
+        }
+        if ((open & 2) != 0 && (inside & 1) != 0) {
+            inside |= (unsigned)pbw__open2(kernel, a, c, far_left, (pbw_index)(left >> 2), p) << 1;
+        }
+        if ((open & 4) != 0 && (inside & 1) != 0) {
+            inside |= (unsigned)pbw__open2(kernel, c, b, far_right, (pbw_index)(right >> 2), p) << 2;
+        }
+    }
+    return inside;
+}
+
+/* Whether we own a far vertex of the fan; all others of its cavity are ours, or the ghost. */
+PBW__INLINE int pbw__owns_far(pbw__kernel *kernel, pbw_index v)
+{
+    return PBW__LIKELY(kernel->owner == NULL) || pbw__owns(kernel, v);
 }
 
 /* Finds the cavity of p from t, a triangle in conflict.  PBW_ERROR_TOO_LARGE: it may not be as simple as that. */
@@ -5874,27 +5916,83 @@ PBW__SIMD_INLINE pbw_status pbw__carve2_fan(pbw__kernel *kernel, pbw__fan *fan, 
     const pbw_index *corner = kernel->corner, *v = corner + 4 * (size_t)t;
     const pbw__link *link = kernel->link, *across = link + 4 * (size_t)t;
     const double *record = kernel->record;
-    const pbw__d2 point = pbw__load2(p);
+    const pbw__d2 place = pbw__load2(p);
+    const pbw__point2 point = pbw__point2_of(p, 0);
     pbw__corner2 pool[PBW__RING], *start = pool, *end = pool + 1, *far = pool + 2;
     unsigned count = 0, triangles = 1, ghost = PBW__RING;
+    pbw_index last_start = PBW__GHOST;               /* if another vertex: what is known of the last edge */
+    pbw__link last_beyond = 0;
     fan->slot[0] = t;
-    pool[0] = pbw__corner2_of(record, v[0], across[1], point);
-    pool[1] = pbw__corner2_of(record, v[1], across[2], point);
-    pool[1].then = NULL;
     if (v[2] == PBW__GHOST) {                        /* to the ghost, to v[0], then the edge that has p beyond it */
-        if (!pbw__is_only_ghost(kernel, t, &pool[0], &pool[1], point)) {
+        const pbw__link behind = across[2], left = link[PBW__AFTER(behind)], right = link[PBW__BEFORE(behind)];
+        const pbw_index c = corner[behind];
+        const unsigned inside = pbw__behind_ghost(kernel, v[0], v[1], behind, left, right, p, point);
+        if (!pbw__is_only_ghost(kernel, t, v[0], v[1], point)) {
             return PBW_ERROR_TOO_LARGE;
         }
         fan->start[0] = v[1];
         fan->start[1] = PBW__GHOST;
+        fan->start[2] = v[0];
         fan->beyond[0] = across[0];
         fan->beyond[1] = across[1];
-        ghost = 1;
-        count = 2;
+        fan->beyond[2] = behind;
+        fan->count = 3;
+        fan->ghost = ghost = 1;
+        if ((inside & 1) == 0) {
+            return PBW_OK;
+        }
+        if (!pbw__owns_far(kernel, c)) {
+            return PBW__LEFT;
+        }
+        fan->slot[1] = (pbw_index)(behind >> 2);
+        fan->start[3] = c;
+        fan->beyond[2] = left;
+        fan->beyond[3] = right;
+        fan->count = 4;
+        if (inside == 1) {
+            return PBW_OK;
+        }
+        count = triangles = 2;
+        pool[0] = pbw__corner2_of(record, v[0], 0, place);
+        pool[1] = pbw__corner2_of(record, c, left, place);
+        pool[1].then = NULL;
+        if ((inside & 4) != 0) {
+            const pbw_index o = corner[right];
+            if (!pbw__owns_far(kernel, o)) {
+                return PBW__LEFT;
+            }
+            pool[1].then = pool + 2;
+            pool[2] = pbw__corner2_of(record, o, link[PBW__AFTER(right)], place);
+            pool[2].then = pool + 3;
+            pool[3] = pbw__corner2_of(record, v[1], link[PBW__BEFORE(right)], place);
+            pool[3].then = NULL;
+            far = pool + 4;
+            fan->slot[triangles++] = (pbw_index)(right >> 2);
+        } else {
+            last_start = c;
+            last_beyond = right;
+        }
+        if ((inside & 2) != 0) {
+            const pbw_index o = corner[left];
+            if (!pbw__owns_far(kernel, o)) {
+                return PBW__LEFT;
+            }
+            *far = pbw__corner2_of(record, o, link[PBW__AFTER(left)], place);
+            far->then = end;
+            end->link = link[PBW__BEFORE(left)];
+            end = far++;
+            fan->slot[triangles++] = (pbw_index)(left >> 2);
+        } else {                                     /* fan->start and fan->beyond have this edge */
+            count = 3;
+            start = end;
+            end = end->then;
+        }
     } else {
-        pool[2] = pbw__corner2_of(record, v[2], across[0], point);
-        pool[3] = pool[0];
+        pool[0] = pbw__corner2_of(record, v[0], across[1], place);
+        pool[1] = pbw__corner2_of(record, v[1], across[2], place);
         pool[1].then = pool + 2;
+        pool[2] = pbw__corner2_of(record, v[2], across[0], place);
+        pool[3] = pool[0];
         pool[2].then = pool + 3;
         pool[3].then = NULL;
         far = pool + 4;
@@ -5905,7 +6003,7 @@ PBW__SIMD_INLINE pbw_status pbw__carve2_fan(pbw__kernel *kernel, pbw__fan *fan, 
         fan->start[count] = start->v;
         if (PBW__UNLIKELY(ghost == PBW__RING) && o == PBW__GHOST) {
             const int side = pbw__side2(start, end);
-            if (side == -1 && pbw__is_only_ghost(kernel, (pbw_index)(beyond >> 2), end, start, point)) {
+            if (side == -1 && pbw__is_only_ghost(kernel, (pbw_index)(beyond >> 2), end->v, start->v, point)) {
                 fan->slot[triangles++] = (pbw_index)(beyond >> 2);
                 fan->beyond[count] = link[PBW__AFTER(beyond)];
                 ghost = ++count;
@@ -5916,15 +6014,15 @@ PBW__SIMD_INLINE pbw_status pbw__carve2_fan(pbw__kernel *kernel, pbw__fan *fan, 
             }
         } else {                                     /* no branch for the ghost: no predictor could guess it */
             int sign;
-            *far = pbw__corner2_of(record, o, link[PBW__AFTER(beyond)], point);
+            *far = pbw__corner2_of(record, o, link[PBW__AFTER(beyond)], place);
             far->then = end;
             sign = pbw__circle2(start, end, far);
             if (PBW__UNLIKELY(sign == PBW__OPEN)) {
                 sign = pbw__open2(kernel, start->v, end->v, o, (pbw_index)(beyond >> 2), p);
             }
             if (sign * (o != PBW__GHOST) > 0) {      /* one branch, where & makes two */
-                if (PBW__UNLIKELY(kernel->owner != NULL) && !pbw__owns(kernel, o)) {
-                    return PBW__LEFT;                /* all others of the cavity are ours, or the ghost */
+                if (!pbw__owns_far(kernel, o)) {
+                    return PBW__LEFT;
                 }
                 if (PBW__UNLIKELY(far == pool + PBW__RING - 3)) {
                     return PBW_ERROR_TOO_LARGE;
@@ -5939,6 +6037,10 @@ PBW__SIMD_INLINE pbw_status pbw__carve2_fan(pbw__kernel *kernel, pbw__fan *fan, 
         start = end;
         end = end->then;
     } while (end != NULL);
+    if (last_start != PBW__GHOST) {
+        fan->start[count] = last_start;
+        fan->beyond[count++] = last_beyond;
+    }
     fan->count = count;
     fan->ghost = ghost;
     return PBW_OK;
@@ -6015,6 +6117,16 @@ PBW__SIMD static PBW__NOINLINE pbw_status pbw__hull2_simd(pbw__kernel *kernel, p
     return status;
 }
 
+/* What is written and read four vertices on is asked for: at coarse levels each has lines of the cache of its own. */
+PBW__INLINE void pbw__ask_ahead2(const pbw__kernel *kernel, pbw_index vertex)
+{
+    const size_t slot = kernel->fresh + 8 < kernel->fresh_end ? kernel->fresh + 8 : kernel->fresh;
+    const pbw_index later = vertex + 4 * (vertex - kernel->previous);
+    PBW__PREFETCH_TO_WRITE(kernel->corner + 4 * slot);
+    PBW__PREFETCH_TO_WRITE(kernel->link + 4 * slot);
+    PBW__PREFETCH(pbw__record2(kernel, later <= kernel->vertex_count ? later : vertex));
+}
+
 PBW__SIMD_INLINE pbw_status pbw__insert2_with(pbw__kernel *kernel, pbw_index vertex, int weighted)
 {
     const double *p = pbw__record2(kernel, vertex);
@@ -6022,6 +6134,7 @@ PBW__SIMD_INLINE pbw_status pbw__insert2_with(pbw__kernel *kernel, pbw_index ver
     pbw__ring ring;
     pbw__rows2 rows;
     pbw_status status;
+    pbw__ask_ahead2(kernel, vertex);
     PBW__PHASE(PBW__WALK);
     rows.x = rows.y = rows.lift = rows.height = pbw__each(0.0);
     t = t != PBW__FOREIGN ? pbw__locate2_simd(kernel, t, p, weighted, &rows) : t;
