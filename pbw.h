@@ -1065,9 +1065,10 @@ static void pbw__release(pbw__memory *memory, void *ptr, size_t count, size_t si
    >>threads      One call's memory, progress and team of threads.
    In: options.threads, run, progress.  Out: pbw__for, which runs tasks that do not wait on each other, here, on our
    threads or on the caller's; and the caller's answers to progress.
-   Holds: between two calls of pbw__for no task runs, and what tasks wrote is seen by all that follows (the team's word
-   of work, or the promise of options.run, orders it).  While tasks run, `cancelled` is the only word that one thread
-   writes and another reads; it is only ever set, and a late view of it costs time only, so relaxed order serves.
+   Holds: between two calls of pbw__for no task runs, and what tasks wrote is seen by all that follows (the team's
+   word of work, or the promise of options.run, orders it).  While tasks run, `cancelled` is the only word that one
+   thread writes and another reads; it is only ever set, and a late view of it costs time only, so relaxed order
+   serves.
    ------------------------------------------------------------------------------------------------------ */
 /* The system's threads: pthreads, or those of Win32, declared here since windows.h would leave its macros behind. */
 #if defined(PBW__THREADS) && defined(_WIN32)
@@ -7752,7 +7753,7 @@ static void pbw__emit_pass2(void *arg, int task)
 #ifdef PBW_SMALL_SHARES
 #define PBW__CHUNK(dim) ((size_t)(dim) * 32)
 #else
-#define PBW__CHUNK(dim) ((dim) == 3 ? (size_t)4096 : (size_t)2048)   /* what is set aside weighs more in the plane */
+#define PBW__CHUNK(dim) ((dim) == 3 ? (size_t)4096 : (size_t)1024)   /* what is set aside weighs more in the plane */
 #endif
 
 /* Whether the slots that a place covers, in an array of so many entries a slot, have been read. */
