@@ -3451,6 +3451,8 @@ static int pbw__order_cut(pbw__ordering *ordering, pbw__box *boxes, uint32_t *st
                 || (!next->settled && !pbw__order_sort(ordering, next, ordering->index_bits, start, all))) {
                 return 0;
             }
+        } else {
+            p++;                                     /* a run: there is nothing to cut it at */
         }
     }
     return parts;
