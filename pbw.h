@@ -7921,16 +7921,16 @@ PBW__SIMD static size_t pbw__emit_slots2_avx2(const pbw__emission *emission, siz
 PBW__INLINE void pbw__emit_what_can(const pbw__emission *emission, pbw__aside *aside, size_t first_free,
                                     size_t free_count, int dim)
 {
-    pbw__emitted *simplex = aside->simplex, *end = simplex + aside->count;
-    while (simplex < end) {
+    size_t i = 0;
+    while (i < aside->count) {
+        pbw__emitted *simplex = aside->simplex + i;
         if (simplex->place - first_free < free_count || pbw__emit_free(emission, simplex->place, dim)) {
             pbw__emit_place(emission, simplex, dim);
-            *simplex = *--end;
+            *simplex = aside->simplex[--aside->count];
         } else {
-            simplex++;
+            i++;
         }
     }
-    aside->count = (size_t)(end - aside->simplex);
 }
 
 static void pbw__emit_set_aside(const pbw__emission *emission, pbw__aside *aside, size_t first_free,
