@@ -6174,12 +6174,14 @@ PBW__SIMD static pbw_status pbw__insert2_weighted_simd(pbw__kernel *kernel, pbw_
    >>build        All vertices into one triangulation, on one thread.
    In: vertices along the Hilbert curve.  Out: a kernel with their triangulation, or PBW_DEGENERATE.
 
-   Insertion order: level l holds the ranks divisible by 16^l (2D: 64^l) that no higher level holds; levels go from
+   Insertion order: level l holds the ranks divisible by 8^l (2D: 64^l) that no higher level holds; levels go from
    coarse to fine, along the curve, alternately forwards and backwards.  Coarse levels keep the cavities small, as the
    random rounds of Amenta, Choi & Rote 2003 ("Incremental constructions con BRIO") do, but need no shuffle and no
    second sort; within a level the next point lies near the last one, so the walk is short and the caches warm.  The
    finest level goes backwards: a vertex is the lowest one around when it comes, so that most simplices of which it is
    the lowest rank are those that its star was made of, in slots side by side, as >>output wants them.
+   Fewer levels are quicker on one thread, whom coarse levels cost a miss of the caches at every step, until cavities
+   grow: in space, where they grow on lattices, and tasks are in each other's way, eighths are the better measure.
    ------------------------------------------------------------------------------------------------------ */
 typedef struct pbw__sequence {
     size_t count, ratio;                             /* of all vertices; of one level's stride to the next one's */
@@ -6197,7 +6199,7 @@ static pbw__sequence pbw__sequence_start(size_t count, int dim)
 {
     pbw__sequence sequence;
     sequence.count = count;
-    sequence.ratio = dim == 3 ? 16 : 64;
+    sequence.ratio = dim == 3 ? 8 : 64;
     sequence.backwards = 1;
     for (sequence.stride = 1; count / sequence.stride >= sequence.ratio; sequence.stride *= sequence.ratio) {
         sequence.backwards = !sequence.backwards;
