@@ -334,7 +334,8 @@ static void test_trace(size_t count)
             memcpy(p.x + (count - 1) * (size_t)dim, p.x, (size_t)dim * sizeof(double));     /* a duplicate */
             options.trace = trace;
             CHECK_EQUAL(pbw_triangulate(dim, p.x, p.w, count, &options, &mesh), PBW_OK);
-            for (tries = 0; mesh.statistics.postponed == 0 && tries < 100; tries++) {    /* meeting is chance */
+            for (tries = 0; (mesh.statistics.postponed == 0 || mesh.statistics.rounds <= 2) && tries < 100; tries++) {
+                /* Meeting is chance, and so in the plane, where few levels have tasks, is a third round. */
                 pbw_free(&mesh);
                 CHECK_EQUAL(pbw_triangulate(dim, p.x, p.w, count, &options, &mesh), PBW_OK);
             }
@@ -572,7 +573,7 @@ int main(int argc, char **argv)
     test_cancelled_order();
     test_refused_threads(count);
     test_failing_memory(count / 2);
-    test_trace(count < 5000 ? 5000 : count);         /* in the plane fewer have less than three levels with rounds */
+    test_trace(count < 5000 ? 5000 : count);         /* in the plane fewer have but one level with rounds */
     test_counts(count);
     test_same_report(count);
     test_hidden_report(1000);                        /* few, so that many are the first of a part */
