@@ -258,11 +258,48 @@ static void test_runs(void)
     }
 }
 
+/* Points of one cell of the curve's grid are one thread's, unless they are many: a run of two and a half shares must
+   not keep what follows from being cut. */
+static void test_cut(void)
+{
+    enum { COUNT = 6400, TASKS = 4, SHARE = COUNT / (4 * TASKS), FROM = 700, TO = 1700, BITS = 13 };
+    if (test_begin("parts: a run of more than two shares")) {
+        static uint64_t keys[COUNT];
+        pbw__part part[PBW__CUTS * TASKS];
+        static pbw__ordering ordering;
+        pbw__input input;
+        size_t end = 0, i;
+        int parts, p, runs = 0;
+        memset(part, 0, sizeof(part));
+        memset(&input, 0, sizeof(input));
+        for (i = 0; i < COUNT; i++) {
+            keys[i] = (uint64_t)(i >= FROM && i < TO ? FROM : i) << BITS | i;
+        }
+        input.count = COUNT;
+        ordering.input = &input;
+        ordering.keys = keys;
+        ordering.parts = part;
+        ordering.index_bits = BITS;
+        part[0].to = COUNT;
+        part[0].low = BITS;
+        parts = pbw__order_cut(&ordering, NULL, NULL, TASKS);
+        for (p = 0; p < parts; p++) {
+            const int run = part[p].from == FROM && part[p].to == TO;
+            CHECK(part[p].from == end && (run || part[p].to - part[p].from <= 2 * SHARE));
+            end = part[p].to;
+            runs += run;
+        }
+        CHECK(end == COUNT && runs == 1);
+        test_end();
+    }
+}
+
 int main(int argc, char **argv)
 {
     test_start(argc, argv, 1);
     test_kinds();
     test_scales();
     test_runs();
+    test_cut();
     return test_finish();
 }
