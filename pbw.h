@@ -1245,7 +1245,8 @@ static void pbw__run_guarded(void *arg, int i)
 #ifdef PBW__THREADS
 /* What a team has to do is one word: the tasks that nobody has taken, times PBW__UNTAKEN, those that run, times
    PBW__RUNS, and whether the caller sleeps.  Who takes a task sees what came before pbw__for; the caller sees what
-   tasks wrote that have ended.  What the tasks are is read by those that run one only: while any does it stays. */
+   tasks wrote that have ended.  What the tasks are is read by those that run one only: while any does it stays.
+   There are less than 65536: the most are the parts of >>order, 16 for each of 4 shares of at most 256 threads. */
 typedef struct pbw__team {
     pbw__mutex mutex;
     pbw__condition wake, done;
