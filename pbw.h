@@ -4180,13 +4180,15 @@ PBW__SIMD_INLINE pbw_index pbw__locate3_simd(pbw__kernel *kernel, pbw_index t, c
 }
 #endif
 
+/* In 2D: of the edges that have p outside, through the one that p is far outside of and the corner across far from.
+   Long thin triangles may have p near a corner, but outside the edge across, behind which all is far away. */
 static pbw_index pbw__locate2_scalar(pbw__kernel *kernel, pbw_index t, const double *p)
 {
     t = pbw__walk_start(kernel, t, 2);
     for (;;) {
         const pbw_index *v = kernel->corner + 4 * (size_t)t;
-        double u[3][2], side[3], size = 0.0, bound, lowest;
-        unsigned i, exit = 0;
+        double u[3][2], side[3], size = 0.0, bound, farthest = -1.0;
+        unsigned i, exit = 3;
         kernel->statistics.walk_steps++;
         if (v[2] == PBW__GHOST) {
             return t;
@@ -4202,14 +4204,14 @@ static pbw_index pbw__locate2_scalar(pbw__kernel *kernel, pbw_index t, const dou
             const double *a = u[i == 2 ? 0 : i + 1], *b = u[i == 0 ? 2 : i - 1];
             side[i] = a[0] * b[1] - a[1] * b[0];
         }
-        lowest = side[0];
-        for (i = 1; i < 3; i++) {
-            if (side[i] < lowest) {
-                lowest = side[i];
+        for (i = 0; i < 3; i++) {
+            const double far = (u[i][0] * u[i][0] + u[i][1] * u[i][1]) * -side[i];
+            if (side[i] < -bound && far > farthest) {
+                farthest = far;
                 exit = i;
             }
         }
-        if (!(lowest < -bound)) {
+        if (exit == 3) {
             unsigned inner = (unsigned)(side[0] > bound) | (unsigned)(side[1] > bound) << 1
                            | (unsigned)(side[2] > bound) << 2;
             exit = pbw__exit2(kernel, t, p, inner);
@@ -4255,8 +4257,7 @@ PBW__INLINE pbw_index pbw__walk_hull(pbw__kernel *kernel, pbw_index t, const dou
     return PBW_NONE;
 }
 
-/* The same, an edge in each lane, through the first that has p outside.  Leaves the rows of the triangle, if it is
-   finite; the fourth is the first again. */
+/* The same, an edge in each lane.  Leaves the rows of the triangle, if it is finite; the fourth is the first again. */
 PBW__SIMD_INLINE pbw_index pbw__locate2_simd(pbw__kernel *kernel, pbw_index t, const double *p, int weighted,
                                              pbw__rows2 *rows)
 {
@@ -4271,8 +4272,8 @@ PBW__SIMD_INLINE pbw_index pbw__locate2_simd(pbw__kernel *kernel, pbw_index t, c
     }
     for (t = pbw__walk_start(kernel, t, 2); ; steps++) {
         const pbw_index *v = corner + 4 * (size_t)t;
-        pbw__d4 sx, sy, sh, ex, ey, eh, side, power, h, bound;
-        unsigned outer, exit;
+        pbw__d4 sx, sy, sh, ex, ey, eh, side, power, h, bound, outer, far;
+        unsigned exits, exit;
         if (v[2] == PBW__GHOST) {
             break;
         }
