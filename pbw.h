@@ -4287,9 +4287,11 @@ PBW__SIMD_INLINE pbw_index pbw__locate2_simd(pbw__kernel *kernel, pbw_index t, c
             break;
         }
         bound = h * pbw__each(PBW__ORIENT2_ERROR);
-        outer = pbw__signs(pbw__above(-side, bound));
-        exit = (unsigned)__builtin_ctz(outer | 8u);
-        if (PBW__UNLIKELY(outer == 0)) {
+        outer = pbw__above(-side, bound);
+        far = pbw__keep(outer, rows->height * -side);
+        exits = pbw__signs(outer) & pbw__signs(pbw__equal(far, pbw__highest(far)));
+        exit = (unsigned)__builtin_ctz(exits | 8u);
+        if (PBW__UNLIKELY(exits == 0)) {
             unsigned inner = pbw__signs(pbw__above(side, bound));
             exit = pbw__first(h) < kernel->exact_height ? 3 : pbw__exit2(kernel, t, p, inner);
             if (exit == 3) {
@@ -6591,23 +6593,21 @@ static void pbw__give_back(pbw__build *build, pbw__kernel *kernel, int count)
     kernel->facet_count = 0;
 }
 
-/* Takes the cell of a vertex, and if the last one was not near, a cell nearby that has a start for the walk: on the
-   way from far off we would take cells all along. */
-static int pbw__take_start(pbw__build *build, pbw__kernel *kernel, pbw_index v)
+/* Where the walk to a vertex starts, kernel->last: where the last one ended, unless that is not near and a cell nearby
+   has a hint.  A task must have the cell or take it: on the way from far off it would take cells all along; and where
+   points are on a line, a walk passes by all that are between.  0 = nowhere. */
+static int pbw__find_start(pbw__build *build, pbw__kernel *kernel, pbw_index v)
 {
     pbw__store *store = build->store;
     const size_t cell = v >> build->owner_bits;
     const size_t from = kernel->region << store->cell_bits >> build->owner_bits;     /* far off, if there is none */
     const pbw_index last = kernel->last;
     size_t k;
-    if (!pbw__owns_cell(kernel, cell)) {
-        return 0;
-    }
     kernel->last = from - cell + 1 <= 2 ? last : PBW_NONE;
     for (k = 0; k < 16 && kernel->last == PBW_NONE; k++) {
         size_t near = (k & 1) != 0 ? cell + (k + 1) / 2 : cell - k / 2, region = pbw__first_region(build, near);
         if (near <= build->vertices->count >> build->owner_bits && PBW__LOAD(store->hint + region) != PBW_NONE
-            && pbw__owns_cell(kernel, near)) {
+            && (kernel->owner == NULL || pbw__owns_cell(kernel, near))) {
             pbw_index hint = store->hint[region];
             kernel->last = hint != PBW_NONE && kernel->corner[4 * (size_t)hint] != PBW_NONE ? hint : PBW_NONE;
         }
@@ -6621,7 +6621,8 @@ static int pbw__take_start(pbw__build *build, pbw__kernel *kernel, pbw_index v)
 static pbw_status pbw__insert_claiming(pbw__build *build, pbw__kernel *kernel, pbw_index v)
 {
     size_t created = kernel->statistics.created;
-    pbw_status status = pbw__take_start(build, kernel, v) ? kernel->insert(kernel, v) : PBW__LEFT;
+    pbw_status status = pbw__owns_cell(kernel, v >> build->owner_bits) && pbw__find_start(build, kernel, v)
+                      ? kernel->insert(kernel, v) : PBW__LEFT;
     if (status != PBW_OK && status != PBW__LEFT) {
         return status;                               /* what it was at is in no order: the cells stay taken */
     }
@@ -6925,7 +6926,8 @@ static pbw_status pbw__level_serial(pbw__build *build, int all)
         memset(store->hint, 0xff, store->region_count * sizeof(pbw_index));
         pbw__level_ranks(build, kernel);
     }
-    for (i = 0; !all && i < build->left_count && pbw__level_insert(build, kernel, build->left[i]); i++) {
+    for (i = 0; !all && i < build->left_count && pbw__find_start(build, kernel, build->left[i])
+                && pbw__level_insert(build, kernel, build->left[i]); i++) {
     }
     pbw__leave_region(kernel);
     build->done += kernel->done;
