@@ -4059,7 +4059,7 @@ static PBW__NOINLINE int pbw__take_corners(pbw__kernel *kernel, const pbw_index 
     return wanted <= 0;
 }
 
-static int pbw__may_delete(pbw__kernel *kernel, pbw_index t)
+PBW__INLINE int pbw__may_delete(pbw__kernel *kernel, pbw_index t)
 {
     const pbw_index *v = kernel->corner + 4 * (size_t)t;
     unsigned ours = pbw__is_ours(kernel, v[0]) + pbw__is_ours(kernel, v[1]) + pbw__is_ours(kernel, v[2]);
@@ -4068,7 +4068,7 @@ static int pbw__may_delete(pbw__kernel *kernel, pbw_index t)
     return ours >= wanted || pbw__take_corners(kernel, v, 4, (int)wanted);
 }
 
-static int pbw__may_cross(pbw__kernel *kernel, pbw_index t, unsigned facet)
+PBW__INLINE int pbw__may_cross(pbw__kernel *kernel, pbw_index t, unsigned facet)
 {
     const pbw_index *v = kernel->corner + 4 * (size_t)t;
     unsigned ours = pbw__is_ours(kernel, v[facet == 0]) + pbw__is_ours(kernel, v[facet < 2 ? 2 : 1]);
