@@ -2830,10 +2830,12 @@ static void pbw__move_keys(void *arg, int task)
 }
 
 /* Sorts a[0..count) by the bits from `low` on, with the help of b[0..count); returns where the result is, or NULL if
-   cancelled.  start: PBW__DIGITS words a task, and as many for all. */
+   cancelled.  start: PBW__DIGITS words a task, and as many for all.  A task for each thread will do: more of them
+   leave each so few keys of a digit that two threads write most lines of the cache. */
 static uint64_t *pbw__sort_by(pbw__context *context, uint64_t *a, uint64_t *b, size_t count, int low, int bits,
-                              uint32_t *start, int tasks)
+                              uint32_t *start, int most)
 {
+    const int tasks = most < context->threads ? most : context->threads;
     int widest = count < 4096 ? 9 : 11, passes = (bits + widest - 1) / widest, task;
     int digit = (bits + passes - 1) / passes;
     uint32_t *all = start + (size_t)tasks * PBW__DIGITS;
