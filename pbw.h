@@ -6657,7 +6657,9 @@ static int pbw__level_insert(pbw__build *build, pbw__kernel *kernel, pbw_index v
     if (v == build->seed[0] || v == build->seed[1] || v == build->seed[2] || v == build->seed[3]) {
         return 1;
     }
-    status = kernel->owner != NULL ? pbw__insert_claiming(build, kernel, v) : kernel->insert(kernel, v);
+    /* That there is no room for a star is known when all but the star is done: no more tries then. */
+    status = kernel->owner == NULL ? kernel->insert(kernel, v)
+           : kernel->no_room ? PBW__LEFT : pbw__insert_claiming(build, kernel, v);
     if (status == PBW__LEFT) {
         if (!pbw__grow(kernel, &kernel->left, &kernel->left_capacity, kernel->left_count + 1, sizeof(pbw_index))) {
             kernel->status = PBW_ERROR_MEMORY;
