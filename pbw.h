@@ -4259,7 +4259,7 @@ PBW__INLINE pbw_index pbw__walk_hull(pbw__kernel *kernel, pbw_index t, const dou
     return PBW_NONE;
 }
 
-/* The same, an edge in each lane.  Leaves the rows of the triangle, if it is finite; the fourth is the first again. */
+/* The same, an edge in each lane.  Leaves the rows of a finite triangle; the fourth is the first again. */
 PBW__SIMD_INLINE pbw_index pbw__locate2_simd(pbw__kernel *kernel, pbw_index t, const double *p, int weighted,
                                              pbw__rows2 *rows)
 {
@@ -6605,9 +6605,9 @@ static void pbw__give_back(pbw__build *build, pbw__kernel *kernel, int count)
     kernel->facet_count = 0;
 }
 
-/* Where the walk to a vertex starts, kernel->last: where the last one ended, unless that is not near and a cell nearby
-   has a hint.  A task must have the cell or take it: on the way from far off it would take cells all along; and where
-   points are on a line, a walk passes by all that are between.  0 = nowhere. */
+/* Where the walk to a vertex starts, kernel->last: where the last one ended, unless that is not near and a cell
+   nearby has a hint.  A task must have the cell or take it: on the way from far off it would take cells all along;
+   and where points are on a line, a walk passes by all that are between.  0 = nowhere. */
 static int pbw__find_start(pbw__build *build, pbw__kernel *kernel, pbw_index v)
 {
     pbw__store *store = build->store;
