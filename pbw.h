@@ -7759,7 +7759,8 @@ static void pbw__emit_pass2(void *arg, int task)
 
 /* Several tasks take large chunks: slots that are near have places in the same lines of the cache, which go from
    thread to thread.  One task takes small ones, fewer simplices of few points are then set aside; but what a chunk
-   begins with is not asked for ahead, which costs more where memory is far: in space, of many points. */
+   begins with is not asked for ahead, which costs more where memory is far.  In the plane what is set aside weighs
+   more. */
 PBW__INLINE int pbw__chunk_bits(int dim, int tasks, size_t slots)
 {
 #ifdef PBW_SMALL_SHARES
@@ -7767,7 +7768,7 @@ PBW__INLINE int pbw__chunk_bits(int dim, int tasks, size_t slots)
     (void)slots;
     return dim + 3;
 #else
-    return tasks > 1 ? (dim == 3 ? 12 : 10) : dim == 3 ? (slots >> 21 != 0 ? 12 : 9) : 8;
+    return tasks == 1 && slots >> 20 == 0 ? (dim == 3 ? 9 : 8) : dim == 3 ? 12 : 10;
 #endif
 }
 
