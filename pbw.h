@@ -7177,7 +7177,8 @@ typedef struct pbw__emission {
     pbw_index *first;                                /* per rank, for several tasks: the same from earlier shares */
     size_t *end;                                     /* per task: its last slot for others; where its simplices end */
     pbw_index *incident;                             /* per point of the caller */
-    size_t chunk;                                    /* of slots, the next to be read, in that order */
+    int chunk_bits;                                  /* slot >> chunk_bits is the number of its chunk */
+    size_t chunk;                                    /* the next to be read, in that order */
     unsigned char *chunk_done;
     pbw__aside *aside;                               /* per task */
     /* For this dimension and this CPU: the lowest ranks; simplices into their lists; lists in order; the simplices
@@ -7854,20 +7855,30 @@ static void pbw__emit_pass2(void *arg, int task)
    are read in order, and most places lie before the slots, among those already read, because slots are left over
    where simplices were deleted.  Where there are more simplices than slots in regions, places lie behind the slots,
    which are read from the last place on to the first.  A simplex whose place is still to be read is set aside.  Tasks
-   take the slots by chunks, not too small: slots that are near have places in the same lines of the cache, which go
-   from thread to thread.  chunk_done, set in release order and seen in acquire order, tells all that a chunk was
+   take the slots by chunks.  chunk_done, set in release order and seen in acquire order, tells all that a chunk was
    read. */
+#define PBW__CHUNK ((size_t)1 << 12)                 /* at most */
+
+/* Several tasks take large chunks: slots that are near have places in the same lines of the cache, which go from
+   thread to thread.  One task takes small ones, fewer simplices of few points are then set aside; but what a chunk
+   begins with is not asked for ahead, which costs more where memory is far.  In the plane what is set aside weighs
+   more. */
+PBW__INLINE int pbw__chunk_bits(int dim, int tasks, size_t slots)
+{
 #ifdef PBW_SMALL_SHARES
-#define PBW__CHUNK(dim) ((size_t)(dim) * 32)
+    (void)tasks;
+    (void)slots;
+    return dim + 3;
 #else
-#define PBW__CHUNK(dim) ((dim) == 3 ? (size_t)4096 : (size_t)1024)   /* what is set aside weighs more in the plane */
+    return tasks == 1 && slots >> 20 == 0 ? (dim == 3 ? 9 : 8) : dim == 3 ? 12 : 10;
 #endif
+}
 
 /* Whether the slots that a place covers, in an array of so many entries a slot, have been read. */
 PBW__INLINE int pbw__emit_read(const pbw__emission *emission, size_t place, size_t entries, int dim)
 {
-    size_t from = place * ((size_t)dim + 1), first = from / entries / PBW__CHUNK(dim);
-    size_t last = (from + (size_t)dim) / entries / PBW__CHUNK(dim);
+    size_t from = place * ((size_t)dim + 1), first = from / entries >> emission->chunk_bits;
+    size_t last = (from + (size_t)dim) / entries >> emission->chunk_bits;
     return PBW__SEEN(emission->chunk_done + first) != 0
         && (first == last || PBW__SEEN(emission->chunk_done + last) != 0);
 }
@@ -7950,7 +7961,7 @@ PBW__SIMD_INLINE size_t pbw__emit_slots_avx2(const pbw__emission *emission, size
 {
     const pbw_index *number = emission->number, *id = emission->id;
     pbw__link *link = emission->link;
-    pbw_index *corner = emission->corner, slot[PBW__CHUNK(3) + PBW__SOON];
+    pbw_index *corner = emission->corner, slot[PBW__CHUNK + PBW__SOON];
     const size_t corners = (size_t)dim + 1;
     size_t used_count = 0, count = 0, i, n;
     for (; from < end; from += 64) {
@@ -8051,7 +8062,8 @@ static void pbw__emit_set_aside(const pbw__emission *emission, pbw__aside *aside
 /* Room for those of a chunk.  What waits is looked at again when there is an eighth more, and a chunk. */
 static int pbw__emit_reserve(pbw__emission *emission, pbw__aside *aside, size_t first_free, size_t free_count)
 {
-    const size_t most = PBW__CHUNK(emission->dim), chunk = emission->slot_count < most ? emission->slot_count : most;
+    const size_t most = (size_t)1 << emission->chunk_bits;
+    const size_t chunk = emission->slot_count < most ? emission->slot_count : most;
     size_t wanted;
     if (aside->capacity - aside->count < chunk) {
         pbw__emit_set_aside(emission, aside, first_free, free_count);
@@ -8069,7 +8081,7 @@ static int pbw__emit_reserve(pbw__emission *emission, pbw__aside *aside, size_t 
 static void pbw__emit_pass3(void *arg, int task)
 {
     pbw__emission *emission = (pbw__emission *)arg;
-    const size_t size = PBW__CHUNK(emission->dim), corners = (size_t)emission->dim + 1;
+    const size_t size = (size_t)1 << emission->chunk_bits, corners = (size_t)emission->dim + 1;
     const size_t chunks = (emission->slot_count + size - 1) / size, simplices = emission->simplex_count;
     /* So many chunks are read from the last one to the first; wide links of a place lie in half as many slots. */
     const int ahead = simplices > emission->store->region_slots && sizeof(pbw__link) == sizeof(pbw_index);
@@ -9111,8 +9123,7 @@ static pbw_status pbw__output(pbw__context *context, pbw__store *store, pbw__ver
     pbw__memory *memory = &context->memory;
     pbw__emission emission;
     pbw__spare spare;
-    size_t chunks = store->count / PBW__CHUNK(vertices->dim) + 1, entries, links, allocated[3] = { 0, 0, 0 };
-    size_t corners = (size_t)vertices->dim + 1;
+    size_t corners = (size_t)vertices->dim + 1, chunks, entries, links, allocated[3] = { 0, 0, 0 };
     pbw_status status = PBW_ERROR_MEMORY;
 
     if (store->capacity - store->count > store->capacity / 64 + 64       /* not of few points */
@@ -9138,6 +9149,8 @@ static pbw_status pbw__output(pbw__context *context, pbw__store *store, pbw__ver
     emission.any_order = (flags & PBW_ANY_ORDER) != 0;
     emission.id = vertices->id;
     emission.tasks = pbw__tasks(context, vertices->count, 16384);
+    emission.chunk_bits = pbw__chunk_bits(emission.dim, emission.tasks, store->count);
+    chunks = (store->count >> emission.chunk_bits) + 1;
     emission.number = pbw__borrow(context, &spare, store->count, allocated);
     emission.head = pbw__borrow(context, &spare, vertices->count + 1, allocated + 1);
     if (emission.tasks > 1) {
