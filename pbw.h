@@ -6436,16 +6436,16 @@ static pbw_status pbw__kernel_create(pbw__kernel *kernel, pbw__context *context,
    a facet's three vertices both own two.
 
    Why it ends.  A round is followed by another only if on the whole as many tries succeeded as two tasks make: one
-   thread, which needs no cells, is as quick as two that do.  What is left then, or is too little to be worth a round,
-   is inserted by one thread, which owns everything, before the next level begins: vertices near the hull are among
-   it, and cavities there would grow from level to level without them.
+   thread, which needs no cells, is as quick as two that do.  What is left then, or is too little for two tasks, is
+   inserted by one thread, which owns everything, before the next level begins: vertices near the hull are among it,
+   and cavities there would grow from level to level without them.
    ------------------------------------------------------------------------------------------------------ */
 #define PBW__PARTS 255
 #define PBW__LEAST_PART ((size_t)PBW__SMALLER(512))  /* vertices for each task, below which they are too near */
 #define PBW__HOLD PBW__SMALLER(256)                  /* cells that a task holds from vertex to vertex, at most */
 #define PBW__BATCH ((size_t)PBW__SMALLER(64))        /* vertices that a task comes to at a time, at least, */
 #define PBW__BATCHES 32                              /* or a share in so many */
-#define PBW__LEAST_SHARE 32                          /* vertices left for each task, below which one does them all */
+#define PBW__LEAST_SHARE 32                          /* vertices left for each task: there are fewer tasks for fewer */
 #define PBW__LARGE_STAR 64.0                         /* simplices for a vertex; uniform points make 27, a spiral 40 */
 #define PBW__SPAN 512                                /* ranks with extremes of their own */
 
@@ -6875,7 +6875,10 @@ static pbw_status pbw__level_parallel(pbw__build *build)
         memset(build->taken, 0, sizeof(build->taken));
         pbw__for(build->context, build->parts, pbw__round, build);
         status = pbw__end_round(build);
-    } while (status == PBW_OK && build->left_count > PBW__LEAST_SHARE * (size_t)build->parts && build->parts > 1);
+        if (build->left_count < PBW__LEAST_SHARE * (size_t)build->parts) {
+            build->parts = (int)(build->left_count / PBW__LEAST_SHARE);
+        }
+    } while (status == PBW_OK && build->parts > 1);
     return status;
 }
 
