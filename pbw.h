@@ -3634,6 +3634,8 @@ typedef struct pbw__store {
 
 typedef struct pbw__kernel {
     char apart[128];                                 /* from what another thread writes */
+    uint8_t asked;                                   /* >>parallel: whether another task lacks a cell of ours */
+    char asked_apart[127];                           /* others write that, and we look at it after each vertex */
     pbw__context *context;
     pbw__store *store;
     const double *record;                            /* vertex records, (dim+1) doubles each */
@@ -6458,7 +6460,6 @@ typedef struct pbw__build {
     uint32_t trace;                                  /* 256 * the round */
     int kernel_count, parts;
     uint8_t *owner;                                  /* per cell */
-    uint8_t asked[PBW__PARTS];                       /* per task: whether another lacks its cells */
     uint32_t taken[PBW__PARTS];                      /* per share of the vertices: batches taken from its front, and
                                                         65536 times those from its end */
     size_t count;                                    /* vertices of the round */
@@ -6647,11 +6648,11 @@ static pbw_status pbw__insert_claiming(pbw__build *build, pbw__kernel *kernel, p
     if (PBW__UNLIKELY(status == PBW__LEFT)) {
         kernel->missed++;
         if (kernel->blocker != PBW__NOBODY) {
-            PBW__STORE(build->asked + kernel->blocker, 1);
+            PBW__STORE(&build->kernel[kernel->blocker]->asked, 1);
         }
     }
-    if (PBW__UNLIKELY(status == PBW__LEFT) || PBW__UNLIKELY(PBW__LOAD(build->asked + kernel->me))) {
-        PBW__STORE(build->asked + kernel->me, 0);
+    if (PBW__UNLIKELY(status == PBW__LEFT) || PBW__UNLIKELY(PBW__LOAD(&kernel->asked))) {
+        PBW__STORE(&kernel->asked, 0);
         pbw__give_back(build, kernel, kernel->claim_count);
     } else if (kernel->claim_count > PBW__HOLD) {
         pbw__give_back(build, kernel, (kernel->claim_count + 1) / 2);
