@@ -6444,7 +6444,8 @@ static pbw_status pbw__kernel_create(pbw__kernel *kernel, pbw__context *context,
    ------------------------------------------------------------------------------------------------------ */
 #define PBW__PARTS 255
 #define PBW__LEAST_PART ((size_t)PBW__SMALLER(512))  /* vertices for each task, below which they are too near */
-#define PBW__HOLD PBW__SMALLER(256)                  /* cells that a task holds from vertex to vertex, at most */
+#define PBW__HOLD ((size_t)PBW__SMALLER(256))        /* cells that a task holds from vertex to vertex, at most, */
+#define PBW__HOLDS 8                                 /* or one in so many of its share: others have to get by */
 #define PBW__BATCH ((size_t)PBW__SMALLER(64))        /* vertices that a task comes to at a time, at least, */
 #define PBW__BATCHES 32                              /* or a share in so many */
 #define PBW__LEAST_SHARE 32                          /* vertices left for each task: there are fewer tasks for fewer */
@@ -6467,6 +6468,7 @@ typedef struct pbw__build {
     unsigned char *early;                            /* a bit for each rank: an extreme, which comes before its level;
                                                         NULL: no vertex does */
     int backwards;
+    int hold;                                        /* cells that a task holds, at most */
     int owner_bits, hint_bits;                       /* of the level's cells, of the last level's that had hints */
     pbw_index seed[4];
     pbw_index *left;                                 /* vertices left */
@@ -6654,7 +6656,7 @@ static pbw_status pbw__insert_claiming(pbw__build *build, pbw__kernel *kernel, p
     if (PBW__UNLIKELY(status == PBW__LEFT) || PBW__UNLIKELY(PBW__LOAD(&kernel->asked))) {
         PBW__STORE(&kernel->asked, 0);
         pbw__give_back(build, kernel, kernel->claim_count);
-    } else if (kernel->claim_count > PBW__HOLD) {
+    } else if (kernel->claim_count > build->hold) {
         pbw__give_back(build, kernel, (kernel->claim_count + 1) / 2);
     }
     return status;
@@ -6864,12 +6866,14 @@ static pbw_status pbw__end_round(pbw__build *build)
 static pbw_status pbw__level_parallel(pbw__build *build)
 {
     pbw_status status = PBW_OK;
-    size_t ranks = (build->vertices->count - 1) / build->stride;         /* but 0, which is the coarsest level's */
+    const size_t ranks = (build->vertices->count - 1) / build->stride;   /* but 0, which is the coarsest level's */
+    const size_t hold = (build->vertices->count >> build->owner_bits) / (size_t)build->parts / PBW__HOLDS + 8;
     pbw__for(build->context, build->parts, pbw__begin_cells, build);
     if (build->hint_bits != build->owner_bits) {     /* finer cells: there are few */
         pbw__for(build->context, build->parts, pbw__find_hints, build);
         build->hint_bits = build->owner_bits;
     }
+    build->hold = (int)(hold < PBW__HOLD ? hold : PBW__HOLD);
     build->left_count = 0;
     build->count = ranks - ranks / (build->coarser / build->stride);
     do {
