@@ -2577,7 +2577,8 @@ PBWDEF int pbw_insphere(const double a[3], const double b[3], const double c[3],
    which bounds the depth.
 
    The grid is fine, as points on a curve lie in few of its cells.  Where points fill space, the first bits of their
-   keys tell nearly all of them apart.  So all are sorted by those, and then those that are equal there by the rest.
+   keys tell nearly all of them apart.  So all are sorted by those, and then those that are equal there by the rest;
+   where points lie in few cells, all by all bits at once.
    ------------------------------------------------------------------------------------------------------ */
 typedef struct pbw__input {
     int dim, is_float;
@@ -3461,6 +3462,22 @@ static int pbw__order_cut(pbw__ordering *ordering, pbw__box *boxes, uint32_t *st
     return parts;
 }
 
+/* Whether the points lie in few cells of the grid, on lines, surfaces or in clusters: then the first bits tell few of
+   them apart, and it is quicker to sort all by all bits.  By the first 11 bits, those below `high`, of some keys. */
+static int pbw__order_is_thin(const pbw__ordering *ordering, int high)
+{
+    const size_t step = ordering->input->count / 4096;
+    unsigned char seen[2048 / 8];
+    unsigned cells = 0, i;
+    memset(seen, 0, sizeof(seen));
+    for (i = 0; i < 4096; i++) {
+        const unsigned cell = (unsigned)(ordering->keys[i * step] >> (high - 11)) & 2047;
+        cells += (seen[cell >> 3] >> (cell & 7) & 1u) ^ 1u;
+        seen[cell >> 3] |= (unsigned char)(1u << (cell & 7));
+    }
+    return cells < 2048 / 3;
+}
+
 static void pbw__vertices_free(pbw__context *context, pbw__vertices *vertices)
 {
     size_t records = vertices->point_count + 1;
@@ -3517,7 +3534,8 @@ static pbw_status pbw__order(pbw__context *context, const pbw__input *input, pbw
     ordering.parts[0].to = count;
     if (pbw__order_keys(&ordering, ordering.parts, 1, boxes, tasks)) {
         /* by one digit of pbw__sort_by or two: at most 4 of 16 million uniform points are equal there */
-        const int low = ordering.parts[0].low - (count < 8192 ? 11 : 22);
+        const int high = ordering.parts[0].low, two = high - (count < 8192 ? 11 : 22);
+        const int low = count >= 8192 && pbw__order_is_thin(&ordering, high) ? ordering.index_bits : two;
         if (pbw__order_sort(&ordering, ordering.parts, low, start, tasks)) {
             parts = pbw__order_cut(&ordering, boxes, start, tasks);
         }
@@ -6448,7 +6466,7 @@ static pbw_status pbw__kernel_create(pbw__kernel *kernel, pbw__context *context,
 #define PBW__HOLDS 8                                 /* or one in so many of its share: others have to get by */
 #define PBW__BATCH ((size_t)PBW__SMALLER(64))        /* vertices that a task comes to at a time, at least, */
 #define PBW__BATCHES 32                              /* or a share in so many */
-#define PBW__LEAST_SHARE 32                          /* vertices left for each task: there are fewer tasks for fewer */
+#define PBW__LEAST_SHARE 32                          /* vertices left for each task, or there are fewer tasks */
 #define PBW__LARGE_STAR 64.0                         /* simplices for a vertex; uniform points make 27, a spiral 40 */
 #define PBW__SPAN 512                                /* ranks with extremes of their own */
 
