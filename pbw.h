@@ -1195,7 +1195,7 @@ typedef struct pbw__context {
 #define PBW__TICK ((size_t)1 << 16)                  /* items between looks at the clock in streaming loops: < 2 ms */
 
 /* Reports progress if 20 ms have passed, or at the ends of a stage; 1 = the caller wants to stop.  On other threads
-   than the caller's it only tells what he said. */
+   than the caller's it only tells what he said.  Progress never falls: who knows no number gives 0. */
 static int pbw__report(pbw__context *context, double done)
 {
     double now;
@@ -1390,7 +1390,7 @@ static void pbw__for(pbw__context *context, int tasks, pbw__task *task, void *ar
             }
             (void)PBW__ADD(&team->work, 0 - PBW__SLEEPS);
             PBW__UNLOCK(&team->mutex);
-            (void)pbw__report(context, context->last_done);
+            (void)pbw__report(context, 0.0);
         }
         return;
     }
@@ -1483,7 +1483,7 @@ static void pbw__make_pages(void *arg, int task)
         from = from > skip ? from - skip : 0;
         to = to > skip ? to - skip : 0;              /* small shares may be empty */
         to = to < pages->length ? to : pages->length;
-        while (from < to && !pbw__report(populating->context, populating->context->last_done)) {
+        while (from < to && !pbw__report(populating->context, 0.0)) {
             size_t step = to - from < ((size_t)1 << 25) ? to - from : (size_t)1 << 25;   /* 32 MB: about 10 ms */
             (void)madvise(pages->start + from, step, 23);        /* MADV_POPULATE_WRITE, since Linux 5.14 */
             from += step;
@@ -6993,7 +6993,7 @@ static void pbw__find_extremes(void *arg, int part)
     const size_t count = build->vertices->count, runs = (count + PBW__SPAN - 1) / PBW__SPAN;
     const size_t to = pbw__share(runs, part + 1, build->parts);
     size_t run = pbw__share(runs, part, build->parts);
-    for (; run < to && !pbw__report(build->context, build->context->last_done); run++) {
+    for (; run < to && !pbw__report(build->context, 0.0); run++) {
         const size_t begin = run * PBW__SPAN, end = begin + PBW__SPAN < count ? begin + PBW__SPAN : count;
         int k;
         memset(build->early + begin / 8, 0, (end - begin + 7) / 8);
@@ -7027,7 +7027,7 @@ static pbw_status pbw__level_extremes(pbw__build *build)
     }
     build->parts = pbw__tasks(build->context, count, PBW__SPAN);
     pbw__for(build->context, build->parts, pbw__find_extremes, build);
-    if (pbw__report(build->context, build->context->last_done)) {
+    if (pbw__report(build->context, 0.0)) {
         return PBW_CANCELLED;
     }
     for (rank = 0; rank < count; rank++) {
