@@ -7019,8 +7019,8 @@ static void pbw__find_extremes(void *arg, int part)
 static pbw_status pbw__level_extremes(pbw__build *build)
 {
     pbw__memory *memory = &build->context->memory;
-    const size_t count = build->vertices->count;
-    size_t rank, extremes = 0;
+    const size_t count = build->vertices->count, most = 26 * (count / PBW__SPAN + 1);
+    size_t rank;
     build->early = (unsigned char *)pbw__allocate(memory, count / 8 + 1, 1);
     if (build->early == NULL) {
         return PBW_ERROR_MEMORY;
@@ -7030,14 +7030,11 @@ static pbw_status pbw__level_extremes(pbw__build *build)
     if (pbw__report(build->context, 0.0)) {
         return PBW_CANCELLED;
     }
-    for (rank = 0; rank < count; rank++) {
-        extremes += (size_t)pbw__is_early(build, rank);
-    }
-    if (extremes > build->left_capacity
-        && !pbw__resize_array(memory, &build->left, &build->left_capacity, extremes, sizeof(pbw_index))) {
+    if (most > build->left_capacity
+        && !pbw__resize_array(memory, &build->left, &build->left_capacity, most, sizeof(pbw_index))) {
         return PBW_ERROR_MEMORY;
     }
-    for (rank = build->left_count = 0; rank < count; rank++) {
+    for (rank = build->left_count = 0; rank < count; rank = build->early[rank >> 3] == 0 ? (rank | 7) + 1 : rank + 1) {
         if (pbw__is_early(build, rank)) {
             build->left[build->left_count++] = (pbw_index)rank + 1;
         }
