@@ -2578,7 +2578,7 @@ PBWDEF int pbw_insphere(const double a[3], const double b[3], const double c[3],
 
    The grid is fine, as points on a curve lie in few of its cells.  Where points fill space, the first bits of their
    keys tell nearly all of them apart.  So all are sorted by those, and then those that are equal there by the rest;
-   where points lie in few cells, all by all bits at once.
+   where points lie in few cells, all by twice as many.
    ------------------------------------------------------------------------------------------------------ */
 typedef struct pbw__input {
     int dim, is_float;
@@ -3463,7 +3463,7 @@ static int pbw__order_cut(pbw__ordering *ordering, pbw__box *boxes, uint32_t *st
 }
 
 /* Whether the points lie in few cells of the grid, on lines, surfaces or in clusters: then the first bits tell few of
-   them apart, and it is quicker to sort all by all bits.  By the first 11 bits, those below `high`, of some keys. */
+   them apart, and it is quicker to sort all by twice as many.  By the first 11 bits, those below `high`, of some keys. */
 static int pbw__order_is_thin(const pbw__ordering *ordering, int high)
 {
     const size_t step = ordering->input->count / 4096;
@@ -3533,10 +3533,11 @@ static pbw_status pbw__order(pbw__context *context, const pbw__input *input, pbw
     ordering.parts[0].from = 0;
     ordering.parts[0].to = count;
     if (pbw__order_keys(&ordering, ordering.parts, 1, boxes, tasks)) {
-        /* by one digit of pbw__sort_by or two: at most 4 of 16 million uniform points are equal there */
-        const int high = ordering.parts[0].low, two = high - (count < 8192 ? 11 : 22);
-        const int low = count >= 8192 && pbw__order_is_thin(&ordering, high) ? ordering.index_bits : two;
-        if (pbw__order_sort(&ordering, ordering.parts, low, start, tasks)) {
+        /* by one digit of pbw__sort_by or two: at most 4 of 16 million uniform points are equal there; or by four */
+        const int high = ordering.parts[0].low;
+        const int low = high - (count < 8192 ? 11 : pbw__order_is_thin(&ordering, high) ? 44 : 22);
+        if (pbw__order_sort(&ordering, ordering.parts, low > ordering.index_bits ? low : ordering.index_bits, start,
+                            tasks)) {
             parts = pbw__order_cut(&ordering, boxes, start, tasks);
         }
     }
