@@ -6223,9 +6223,9 @@ typedef struct pbw__sequence {
 } pbw__sequence;
 
 /* The first rank of a level. */
-PBW__INLINE size_t pbw__sequence_begin(const pbw__sequence *sequence)
+PBW__INLINE size_t pbw__first_rank(size_t count, size_t stride, int backwards)
 {
-    return sequence->backwards ? (sequence->count - 1) / sequence->stride * sequence->stride : 0;
+    return backwards ? (count - 1) / stride * stride : 0;
 }
 
 static pbw__sequence pbw__sequence_start(size_t count, int dim)
@@ -6237,7 +6237,7 @@ static pbw__sequence pbw__sequence_start(size_t count, int dim)
     for (sequence.stride = 1; count / sequence.stride >= sequence.ratio; sequence.stride *= sequence.ratio) {
         sequence.backwards = !sequence.backwards;
     }
-    sequence.rank = pbw__sequence_begin(&sequence);
+    sequence.rank = pbw__first_rank(count, sequence.stride, sequence.backwards);
     return sequence;
 }
 
@@ -6258,7 +6258,7 @@ static pbw_index pbw__sequence_next(pbw__sequence *sequence)
         }
         sequence->stride /= sequence->ratio;
         sequence->backwards = !sequence->backwards;
-        sequence->rank = pbw__sequence_begin(sequence);
+        sequence->rank = pbw__first_rank(sequence->count, sequence->stride, sequence->backwards);
     }
 }
 
@@ -6731,7 +6731,7 @@ PBW__INLINE int pbw__is_early(const pbw__build *build, size_t rank)
 static void pbw__level_ranks(pbw__build *build, pbw__kernel *kernel)
 {
     const size_t count = build->vertices->count, stride = build->stride, coarser = build->coarser;
-    size_t rank = build->backwards ? (count - 1) / stride * stride : 0;
+    size_t rank = pbw__first_rank(count, stride, build->backwards);
     for (; rank < count; rank = build->backwards ? rank - stride : rank + stride) {      /* below 0 it wraps */
         if (((rank & (coarser - 1)) != 0 || coarser > count) && !pbw__is_early(build, rank)
             && !pbw__level_insert(build, kernel, (pbw_index)rank + 1)) {
