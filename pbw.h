@@ -3463,7 +3463,7 @@ static int pbw__order_cut(pbw__ordering *ordering, pbw__box *boxes, uint32_t *st
 }
 
 /* Whether the points lie in few cells of the grid, on lines, surfaces or in clusters: then the first bits tell few of
-   them apart, and it is quicker to sort all by twice as many.  By the first 11 bits, those below `high`, of some keys. */
+   them apart, and it is quicker to sort all by twice as many.  By the 11 bits below `high`, the first, of some keys. */
 static int pbw__order_is_thin(const pbw__ordering *ordering, int high)
 {
     const size_t step = ordering->input->count / 4096;
@@ -7035,7 +7035,7 @@ static pbw_status pbw__level_extremes(pbw__build *build)
         && !pbw__resize_array(memory, &build->left, &build->left_capacity, most, sizeof(pbw_index))) {
         return PBW_ERROR_MEMORY;
     }
-    for (rank = build->left_count = 0; rank < count; rank = build->early[rank >> 3] == 0 ? (rank | 7) + 1 : rank + 1) {
+    for (rank = build->left_count = 0; rank < count; rank += build->early[rank >> 3] != 0 ? 1 : 8) {
         if (pbw__is_early(build, rank)) {
             build->left[build->left_count++] = (pbw_index)rank + 1;
         }
