@@ -3463,7 +3463,7 @@ static int pbw__order_cut(pbw__ordering *ordering, pbw__box *boxes, uint32_t *st
 }
 
 /* Whether the points lie in few cells of the grid, on lines, surfaces or in clusters: then the first bits tell few of
-   them apart, and it is quicker to sort all by twice as many.  By the 11 bits below `high`, the first of some keys. */
+   them apart, and it is quicker to sort all by twice as many.  By the 11 bits below `high`, of some keys. */
 static int pbw__order_is_thin(const pbw__ordering *ordering, int high)
 {
     const size_t step = ordering->input->count / 4096;
