@@ -2,7 +2,8 @@
 
    METHOD
      Every sample is taken in a process of its own, forked from this one after the points have been made, so all
-     start with the same cold heap and none gains or suffers from what ran before.  Timed is the way from points in
+     start with the same cold heap and none gains or suffers from what ran before.  Before it, memory that the system
+     has to get from elsewhere is got, and left free: see bench_wake_memory.  Timed is the way from points in
      memory to the triangulation in memory; turning the points into the form that a library takes, and freeing, are
      not.  Builds of less than 50 ms are repeated, one after the other, until 50 ms are over, and the sample is their
      mean.
@@ -262,6 +263,36 @@ static void *bench_map(size_t bytes, int mode)
     return block;
 }
 
+static void bench_wait_for(pid_t child, int *status)
+{
+    while (waitpid(child, status, 0) < 0) {
+    }
+}
+
+/* The system of a virtual machine may return memory that lies free for some seconds to its host, which hands it back
+   page by page at the next touch, at 10 us each: half a second or more for a million points, in the sample of whichever
+   side comes after a pause or after a side that needs little.  So a process touches as much as our largest build may
+   take (300 or 110 bytes a point), in large pages where they are to be had, and leaves it warm for the next one. */
+static void bench_wake_memory(const bench_input *input)
+{
+    size_t bytes = input->count * (input->dim == 3 ? 300 : 110), i;
+    int status;
+    pid_t child = fork();
+    if (child == 0) {
+        char *block = (char *)bench_map(bytes, MAP_PRIVATE);
+#ifdef MADV_HUGEPAGE
+        (void)madvise(block, bytes, MADV_HUGEPAGE);
+#endif
+        for (i = 0; i < bytes; i += 4096) {
+            block[i] = 1;
+        }
+        _exit(0);
+    }
+    if (child > 0) {
+        bench_wait_for(child, &status);
+    }
+}
+
 /* Takes a sample in a new process, which an alarm ends if it runs for more than limit seconds. */
 static bench_sample bench_sample_of(const bench_side *side, const bench_input *input, unsigned limit)
 {
@@ -270,6 +301,7 @@ static bench_sample bench_sample_of(const bench_side *side, const bench_input *i
     pid_t child;
 
     fflush(NULL);
+    bench_wake_memory(input);
     child = fork();
     if (child < 0) {
         perror("bench: no process for a sample");
@@ -280,8 +312,7 @@ static bench_sample bench_sample_of(const bench_side *side, const bench_input *i
         bench_measure(side, input, shared);
         _exit(0);
     }
-    while (waitpid(child, &status, 0) < 0) {
-    }
+    bench_wait_for(child, &status);
     sample = *shared;
     munmap(shared, sizeof sample);
     if (!sample.done) {
