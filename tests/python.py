@@ -7,6 +7,7 @@ import re
 import signal
 import sys
 import threading
+import time
 import traceback
 import types
 import unittest.mock
@@ -307,6 +308,7 @@ def progress_and_interruption():
         if not reached:
             os.kill(os.getpid(), signal.SIGINT)
         reached.append(stage)
+        time.sleep(0.01)           # the main thread sees the signal once it gets a turn; a busy machine lets it wait
 
     signal.signal(signal.SIGINT, signal.default_int_handler)   # ignored in jobs of a shell that run in the background
     raises(KeyboardInterrupt, pbw.Delaunay, points, progress=interrupt)
