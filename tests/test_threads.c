@@ -238,6 +238,22 @@ static void test_progress(size_t count)
             test_end();
         }
     }
+    /* Only points like these take the outermost vertices of runs first; so many that reports fall due meanwhile, which
+       tasks must not read while the caller's thread writes them: ThreadSanitizer sees it, on threads of our own. */
+    if (test_begin("progress goes forward: lines")) {
+        points p = points_make(INPUT_LINES, 3, 60000, INPUT_WEIGHTS_ZERO);
+        pbw_options options = with_threads(4);
+        pbw_mesh mesh;
+        watch w;
+        options.progress = watch_progress;
+        options.progress_user = &w;
+        watch_start(&w, 0);
+        CHECK_EQUAL(pbw_triangulate(3, p.x, NULL, p.count, &options, &mesh), PBW_OK);
+        CHECK(w.wrong == 0 && w.done == 1 && w.stage == PBW_STAGE_OUTPUT);
+        pbw_free(&mesh);
+        points_free(&p);
+        test_end();
+    }
 }
 
 /* So many points that their order takes several reports: a slow callback is asked each time. */
