@@ -3623,10 +3623,11 @@ typedef struct pbw__carved {
 #endif
 } pbw__carved;
 
-/* The vertices of one cavity are numbered from 0 in the order of meeting them, by a hash: a slot holds vertex << 32 |
-   stamp << 8 | number, and is empty if the stamp is not that of this insertion.  Larger cavities do without. */
+/* The vertices of one cavity are numbered from 0 in the order of meeting them, by a hash: a slot holds stamp << 40 |
+   vertex << 8 | number, and is empty if the stamp is not that of this insertion.  Larger cavities do without. */
 #define PBW__SLOTS 1024
 #define PBW__LOCALS 256
+#define PBW__STAMP ((uint64_t)1 << 40)
 #define PBW__STAMPS (1u << 24)
 #define PBW__FEW 64                                  /* most cavities have fewer vertices: a small table will do */
 
@@ -4376,12 +4377,14 @@ static PBW__NOINLINE pbw_status pbw__leave_cavity(pbw__kernel *kernel, size_t co
     return PBW__LEFT;
 }
 
-/* The local number of a vertex.  Whether it is new takes no branch: no predictor could guess it. */
-PBW__INLINE uint32_t pbw__local(uint64_t *slot, uint32_t stamp, uint32_t *count, pbw_index v)
+/* The local number of a vertex.  Whether it is new takes no branch: no predictor could guess it.  Whether the slot is
+   another vertex's of this cavity, which is rare, is one comparison: compilers make branches of two. */
+PBW__INLINE uint32_t pbw__local(uint64_t *slot, uint64_t stamp, uint32_t *count, pbw_index v)
 {
-    uint64_t key = (uint64_t)v << 32 | stamp, found;
+    const uint64_t key = stamp | (uint64_t)v * PBW__LOCALS;
+    uint64_t found;
     uint32_t at = (v * 0x9e3779b1u) >> 22, number, old;
-    for (found = slot[at] ^ key; PBW__UNLIKELY(((uint32_t)found < PBW__LOCALS) & (found >> 32 != 0));
+    for (found = slot[at] ^ key; PBW__UNLIKELY(found - PBW__LOCALS < PBW__STAMP - PBW__LOCALS);
          found = slot[at] ^ key) {
         at = (at + 1) % PBW__SLOTS;
     }
@@ -4414,7 +4417,8 @@ typedef struct pbw__search {
     pbw_index *from, *parent;
     uint64_t *slot;
     size_t cavity_count, facet_count, capacity;
-    uint32_t stamp, local_count;
+    uint64_t stamp;
+    uint32_t local_count;
 } pbw__search;
 
 #ifdef PBW__SIMD
@@ -4461,7 +4465,7 @@ PBW__INLINE void pbw__search_begin(pbw__kernel *kernel, pbw__search *search, pbw
     search->cavity_count = 1;
     search->facet_count = 0;
     search->capacity = kernel->from_capacity;        /* the last of the lists to grow */
-    search->stamp = kernel->stamp * PBW__LOCALS;
+    search->stamp = kernel->stamp * PBW__STAMP;
     search->local_count = 1;                         /* number 0 stands for none */
     search->parent[0] = 4;                           /* the first was met from nowhere: the second stands in */
     search->carved[1].link[0] = (pbw__link)t * 4;
