@@ -4554,6 +4554,13 @@ static const unsigned char pbw__front[16][16] = {
     { PBW__LANE(0), PBW__LANE(1), PBW__LANE(2), PBW__LANE(3) }
 };
 
+/* The lanes of a set of four: 1 for each that is in it. */
+static const unsigned char pbw__lane_bits[16][4] = {
+    { 0, 0, 0, 0 }, { 1, 0, 0, 0 }, { 0, 1, 0, 0 }, { 1, 1, 0, 0 }, { 0, 0, 1, 0 }, { 1, 0, 1, 0 }, { 0, 1, 1, 0 },
+    { 1, 1, 1, 0 }, { 0, 0, 0, 1 }, { 1, 0, 0, 1 }, { 0, 1, 0, 1 }, { 1, 1, 0, 1 }, { 0, 0, 1, 1 }, { 1, 0, 1, 1 },
+    { 0, 1, 1, 1 }, { 1, 1, 1, 1 }
+};
+
 /* The same for all four neighbours, which are different simplices: two simplices share at most one facet.  The refill
    writes links back to those that stay; their lines of the cache are asked for while there are tests to do. */
 PBW__SIMD_INLINE void pbw__search_sort4(pbw__search *search, pbw_index facet, const pbw__link *link, unsigned inside)
@@ -4561,7 +4568,7 @@ PBW__SIMD_INLINE void pbw__search_sort4(pbw__search *search, pbw_index facet, co
     unsigned char *mark = search->mark;
     pbw_index o0 = link[0] >> 2, o1 = link[1] >> 2, o2 = link[2] >> 2, o3 = link[3] >> 2;
     unsigned marked = PBW__LOAD(mark + o0) + 2u * PBW__LOAD(mark + o1)
-                    + 4u * (PBW__LOAD(mark + o2) + 2u * PBW__LOAD(mark + o3)), outside, bytes;
+                    + 4u * (PBW__LOAD(mark + o2) + 2u * PBW__LOAD(mark + o3)), outside;
     const pbw__i4 lanes = { 0, 1, 2, 3 }, from = pbw__repeat((int32_t)facet) + lanes;
     PBW__PREFETCH(search->link + 4 * (size_t)o0);
     PBW__PREFETCH(search->link + 4 * (size_t)o1);
@@ -4569,11 +4576,11 @@ PBW__SIMD_INLINE void pbw__search_sort4(pbw__search *search, pbw_index facet, co
     PBW__PREFETCH(search->link + 4 * (size_t)o3);
     outside = 15u & ~(inside | marked);
     inside &= ~marked;
-    bytes = (marked | inside) * 0x204081u & 0x1010101u;          /* a bit each */
-    PBW__STORE(mark + o0, (unsigned char)bytes);
-    PBW__STORE(mark + o1, (unsigned char)(bytes >> 8));
-    PBW__STORE(mark + o2, (unsigned char)(bytes >> 16));
-    PBW__STORE(mark + o3, (unsigned char)(bytes >> 24));
+    marked |= inside;
+    PBW__STORE(mark + o0, pbw__lane_bits[marked][0]);
+    PBW__STORE(mark + o1, pbw__lane_bits[marked][1]);
+    PBW__STORE(mark + o2, pbw__lane_bits[marked][2]);
+    PBW__STORE(mark + o3, pbw__lane_bits[marked][3]);
     pbw__store4(search->parent + search->cavity_count, pbw__shuffle4(from, pbw__front[inside]));
     search->cavity_count += pbw__count4(inside);
     pbw__store4(search->from + search->facet_count, pbw__shuffle4(from, pbw__front[outside]));
