@@ -940,13 +940,6 @@ PBW__SIMD_INLINE pbw__i4 pbw__lead(pbw__i4 x, pbw__i4 y)   /* y in lane 0 */
     return PBW__EITHER((pbw__i4)_mm_blend_epi32((__m128i)x, (__m128i)y, 1), vcopyq_laneq_s32(x, 0, y, 0));
 }
 
-/* y in the lanes of the mask.  Not by bytes: gcc 12 takes those of a mask for unsigned with -funsigned-char. */
-PBW__SIMD_INLINE pbw__i4 pbw__select4(pbw__i4 x, pbw__i4 y, pbw__i4 mask)
-{
-    return PBW__EITHER((pbw__i4)_mm_blendv_ps((__m128)x, (__m128)y, (__m128)mask),
-                       vbslq_s32((uint32x4_t)mask, y, x));
-}
-
 PBW__SIMD_INLINE pbw__i4 pbw__shuffle4(pbw__i4 x, const unsigned char *bytes)      /* the bytes of these numbers */
 {
     return (pbw__i4)PBW__EITHER(_mm_shuffle_epi8((__m128i)x, (__m128i)pbw__load4(bytes)),
@@ -4835,9 +4828,8 @@ static pbw_status pbw__carve3_scalar(pbw__kernel *kernel, pbw_index t, const dou
 #endif
 typedef struct pbw__held { pbw__d4 x, y, z, lift, far_x, far_y, far_z, far_lift; } pbw__held;
 
-/* By lanes: all bits in lane k, of 64 or 32 bits; the number m in lane k, at 4 * k + m. */
+/* By lanes: all bits in lane k; the number m in lane k, at 4 * k + m. */
 static const int64_t pbw__lane[4][4] = { { -1, 0, 0, 0 }, { 0, -1, 0, 0 }, { 0, 0, -1, 0 }, { 0, 0, 0, -1 } };
-static const int32_t pbw__lane4[4][4] = { { -1, 0, 0, 0 }, { 0, -1, 0, 0 }, { 0, 0, -1, 0 }, { 0, 0, 0, -1 } };
 static const int32_t pbw__lane_number[16][4] = {
     { 0, 0, 0, 0 }, { 1, 0, 0, 0 }, { 2, 0, 0, 0 }, { 3, 0, 0, 0 }, { 0, 0, 0, 0 }, { 0, 1, 0, 0 }, { 0, 2, 0, 0 },
     { 0, 3, 0, 0 }, { 0, 0, 0, 0 }, { 0, 0, 1, 0 }, { 0, 0, 2, 0 }, { 0, 0, 3, 0 }, { 0, 0, 0, 0 }, { 0, 0, 0, 1 },
@@ -4861,9 +4853,8 @@ PBW__SIMD_INLINE pbw__order4 pbw__search_inherit(pbw__search *search, size_t i, 
     memcpy(carved->link, search->link + first, sizeof(carved->link));
     if (PBW__LIKELY(search->local_count < PBW__LOCALS)) {
         uint32_t fresh = pbw__local(search->slot, search->stamp, &search->local_count, search->corner[link]);
-        pbw__i4 local = pbw__select4(pbw__load4(parent->local), pbw__repeat((int32_t)fresh),
-                                     pbw__load4(pbw__lane4[facet & 3]));
-        pbw__store4(carved->local, pbw__permute4(local, place));
+        pbw__store4(carved->local, pbw__permute4(pbw__load4(parent->local), place));
+        carved->local[link & 3] = fresh;
     }
     return pbw__order4_of(place);
 }
@@ -7533,7 +7524,8 @@ PBW__SIMD_INLINE __m256i pbw__two(const pbw_index *a, const pbw_index *b)
     return _mm256_inserti128_si256(_mm256_castsi128_si256((__m128i)pbw__load4(a)), (__m128i)pbw__load4(b), 1);
 }
 
-PBW__SIMD_INLINE __m256i pbw__select8(__m256i x, __m256i y, __m256i mask)  /* see pbw__select4 */
+/* y in the lanes of the mask.  Not by bytes: gcc 12 takes those of a mask for unsigned with -funsigned-char. */
+PBW__SIMD_INLINE __m256i pbw__select8(__m256i x, __m256i y, __m256i mask)
 {
     return (__m256i)_mm256_blendv_ps((__m256)x, (__m256)y, (__m256)mask);
 }
