@@ -4381,7 +4381,7 @@ PBW__INLINE uint32_t pbw__local(uint64_t *slot, uint64_t stamp, uint32_t *count,
          found = slot[at] ^ key) {
         at = (at + 1) % PBW__SLOTS;
     }
-    old = (uint32_t)found < PBW__LOCALS;
+    old = found < PBW__LOCALS;
     number = old ? (uint32_t)found : *count;
     *count += old ^ 1u;
     slot[at] = key | number;
@@ -4883,6 +4883,7 @@ PBW__SIMD_INLINE pbw_status pbw__carve3_simd(pbw__kernel *kernel, pbw_index t, c
         const pbw_index facet = search.parent[i];
         const size_t met = facet >> 2;
         pbw__held *here = held + i % PBW__HELD;
+        const pbw__link *around;
         pbw__carved *carved;
         pbw__link link;
         pbw__rows3 r, o;
@@ -4897,7 +4898,10 @@ PBW__SIMD_INLINE pbw_status pbw__carve3_simd(pbw__kernel *kernel, pbw_index t, c
         if (PBW__UNLIKELY(i - met >= PBW__HELD)) {
             pbw__search_number(&search, i, link);
             r = pbw__rows3_of(record, 1, carved->v[0], carved->v[1], carved->v[2], carved->v[3], &point);
-        } else {
+            height = pbw__highest(r.height);
+            r.lift = pbw__raise(r.lift, r.ghost, height);
+            r.height = pbw__raise(r.height, r.ghost, height);
+        } else {                                     /* raised before: minors need not wait for the height */
             const pbw__held *from = held + met % PBW__HELD;
             const pbw__d4 *from_height = heights[met % PBW__HELD];
             const pbw__d4 lane = pbw__mask(pbw__lane[facet & 3]);
@@ -4907,17 +4911,16 @@ PBW__SIMD_INLINE pbw_status pbw__carve3_simd(pbw__kernel *kernel, pbw_index t, c
             r.z = pbw__take_over(from->z, from->far_z, lane, order);
             r.lift = pbw__take_over(from->lift, from->far_lift, lane, order);
             r.height = weighted ? pbw__take_over(from_height[0], from_height[1], lane, order) : r.lift;
-            r.ghost = pbw__each(0.0);
+            height = pbw__highest(r.height);
         }
-        o = pbw__rows3_of(record, 1, corner[carved->link[0]], corner[carved->link[1]], corner[carved->link[2]],
-                          corner[carved->link[3]], &point);
-        height = pbw__highest(r.height);
-        r.lift = pbw__raise(r.lift, r.ghost, height);
+        around = search.link + (link & ~(pbw__link)3);           /* as carved->link, which is only being written */
+        o = pbw__rows3_of(record, 1, corner[around[0]], corner[around[1]], corner[around[2]], corner[around[3]],
+                          &point);
         o.lift = pbw__raise(o.lift, o.ghost, height);
         here->x = r.x, here->y = r.y, here->z = r.z, here->lift = r.lift;
         here->far_x = o.x, here->far_y = o.y, here->far_z = o.z, here->far_lift = o.lift;
         if (weighted) {
-            heights[i % PBW__HELD][0] = pbw__raise(r.height, r.ghost, height);
+            heights[i % PBW__HELD][0] = r.height;
             heights[i % PBW__HELD][1] = pbw__raise(o.height, o.ghost, height);
         }
         ax = PBW__CORNER_A(r.x), ay = PBW__CORNER_A(r.y), az = PBW__CORNER_A(r.z), al = PBW__CORNER_A(r.lift);
