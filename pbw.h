@@ -531,7 +531,8 @@ static int pbw__fp_is_exact(void)
 
    There is no path for AVX-512: eight lanes would hold two simplices of a cavity, but processors have two units for
    them instead of three, and what surrounds the arithmetic stays.  It was 1 to 3 % quicker, for 170 lines; the same
-   four lanes compiled for its registers and masks, 0 to 2 %.
+   four lanes compiled for its registers and masks, 0 to 2 %, or slower.  A search waits for verdicts, which say where
+   it goes on, as much as for instructions.
    ------------------------------------------------------------------------------------------------------ */
 #ifdef PBW__SIMD
 #define PBW__SIMD_INLINE static inline PBW__SIMD __attribute__((always_inline, unused))
