@@ -531,7 +531,8 @@ static int pbw__fp_is_exact(void)
 
    There is no path for AVX-512: eight lanes would hold two simplices of a cavity, but processors have two units for
    them instead of three, and what surrounds the arithmetic stays.  It was 1 to 3 % quicker, for 170 lines; the same
-   four lanes compiled for its registers and masks, 0 to 2 %.
+   four lanes compiled for its registers and masks, 0 to 2 %, or slower.  A search waits for verdicts, which say where
+   it goes on, as much as for instructions.
    ------------------------------------------------------------------------------------------------------ */
 #ifdef PBW__SIMD
 #define PBW__SIMD_INLINE static inline PBW__SIMD __attribute__((always_inline, unused))
@@ -938,13 +939,6 @@ PBW__SIMD_INLINE pbw__i4 pbw__repeat(int32_t x)      /* x in each lane */
 PBW__SIMD_INLINE pbw__i4 pbw__lead(pbw__i4 x, pbw__i4 y)   /* y in lane 0 */
 {
     return PBW__EITHER((pbw__i4)_mm_blend_epi32((__m128i)x, (__m128i)y, 1), vcopyq_laneq_s32(x, 0, y, 0));
-}
-
-/* y in the lanes of the mask.  Not by bytes: gcc 12 takes those of a mask for unsigned with -funsigned-char. */
-PBW__SIMD_INLINE pbw__i4 pbw__select4(pbw__i4 x, pbw__i4 y, pbw__i4 mask)
-{
-    return PBW__EITHER((pbw__i4)_mm_blendv_ps((__m128)x, (__m128)y, (__m128)mask),
-                       vbslq_s32((uint32x4_t)mask, y, x));
 }
 
 PBW__SIMD_INLINE pbw__i4 pbw__shuffle4(pbw__i4 x, const unsigned char *bytes)      /* the bytes of these numbers */
@@ -3623,10 +3617,11 @@ typedef struct pbw__carved {
 #endif
 } pbw__carved;
 
-/* The vertices of one cavity are numbered from 0 in the order of meeting them, by a hash: a slot holds vertex << 32 |
-   stamp << 8 | number, and is empty if the stamp is not that of this insertion.  Larger cavities do without. */
+/* The vertices of one cavity are numbered from 0 in the order of meeting them, by a hash: a slot holds stamp << 40 |
+   vertex << 8 | number, and is empty if the stamp is not that of this insertion.  Larger cavities do without. */
 #define PBW__SLOTS 1024
 #define PBW__LOCALS 256
+#define PBW__STAMP ((uint64_t)1 << 40)
 #define PBW__STAMPS (1u << 24)
 #define PBW__FEW 64                                  /* most cavities have fewer vertices: a small table will do */
 
@@ -4376,16 +4371,18 @@ static PBW__NOINLINE pbw_status pbw__leave_cavity(pbw__kernel *kernel, size_t co
     return PBW__LEFT;
 }
 
-/* The local number of a vertex.  Whether it is new takes no branch: no predictor could guess it. */
-PBW__INLINE uint32_t pbw__local(uint64_t *slot, uint32_t stamp, uint32_t *count, pbw_index v)
+/* The local number of a vertex.  Whether it is new takes no branch: no predictor could guess it.  Whether the slot is
+   another vertex's of this cavity, which is rare, is one comparison: compilers make branches of two. */
+PBW__INLINE uint32_t pbw__local(uint64_t *slot, uint64_t stamp, uint32_t *count, pbw_index v)
 {
-    uint64_t key = (uint64_t)v << 32 | stamp, found;
+    const uint64_t key = stamp | (uint64_t)v * PBW__LOCALS;
+    uint64_t found;
     uint32_t at = (v * 0x9e3779b1u) >> 22, number, old;
-    for (found = slot[at] ^ key; PBW__UNLIKELY(((uint32_t)found < PBW__LOCALS) & (found >> 32 != 0));
+    for (found = slot[at] ^ key; PBW__UNLIKELY(found - PBW__LOCALS < PBW__STAMP - PBW__LOCALS);
          found = slot[at] ^ key) {
         at = (at + 1) % PBW__SLOTS;
     }
-    old = (uint32_t)found < PBW__LOCALS;
+    old = found < PBW__LOCALS;
     number = old ? (uint32_t)found : *count;
     *count += old ^ 1u;
     slot[at] = key | number;
@@ -4414,7 +4411,8 @@ typedef struct pbw__search {
     pbw_index *from, *parent;
     uint64_t *slot;
     size_t cavity_count, facet_count, capacity;
-    uint32_t stamp, local_count;
+    uint64_t stamp;
+    uint32_t local_count;
 } pbw__search;
 
 #ifdef PBW__SIMD
@@ -4461,7 +4459,7 @@ PBW__INLINE void pbw__search_begin(pbw__kernel *kernel, pbw__search *search, pbw
     search->cavity_count = 1;
     search->facet_count = 0;
     search->capacity = kernel->from_capacity;        /* the last of the lists to grow */
-    search->stamp = kernel->stamp * PBW__LOCALS;
+    search->stamp = kernel->stamp * PBW__STAMP;
     search->local_count = 1;                         /* number 0 stands for none */
     search->parent[0] = 4;                           /* the first was met from nowhere: the second stands in */
     search->carved[1].link[0] = (pbw__link)t * 4;
@@ -4550,6 +4548,13 @@ static const unsigned char pbw__front[16][16] = {
     { PBW__LANE(0), PBW__LANE(1), PBW__LANE(2), PBW__LANE(3) }
 };
 
+/* The lanes of a set of four: 1 for each that is in it. */
+static const unsigned char pbw__lane_bits[16][4] = {
+    { 0, 0, 0, 0 }, { 1, 0, 0, 0 }, { 0, 1, 0, 0 }, { 1, 1, 0, 0 }, { 0, 0, 1, 0 }, { 1, 0, 1, 0 }, { 0, 1, 1, 0 },
+    { 1, 1, 1, 0 }, { 0, 0, 0, 1 }, { 1, 0, 0, 1 }, { 0, 1, 0, 1 }, { 1, 1, 0, 1 }, { 0, 0, 1, 1 }, { 1, 0, 1, 1 },
+    { 0, 1, 1, 1 }, { 1, 1, 1, 1 }
+};
+
 /* The same for all four neighbours, which are different simplices: two simplices share at most one facet.  The refill
    writes links back to those that stay; their lines of the cache are asked for while there are tests to do. */
 PBW__SIMD_INLINE void pbw__search_sort4(pbw__search *search, pbw_index facet, const pbw__link *link, unsigned inside)
@@ -4557,7 +4562,7 @@ PBW__SIMD_INLINE void pbw__search_sort4(pbw__search *search, pbw_index facet, co
     unsigned char *mark = search->mark;
     pbw_index o0 = link[0] >> 2, o1 = link[1] >> 2, o2 = link[2] >> 2, o3 = link[3] >> 2;
     unsigned marked = PBW__LOAD(mark + o0) + 2u * PBW__LOAD(mark + o1)
-                    + 4u * (PBW__LOAD(mark + o2) + 2u * PBW__LOAD(mark + o3)), outside, bytes;
+                    + 4u * (PBW__LOAD(mark + o2) + 2u * PBW__LOAD(mark + o3)), outside;
     const pbw__i4 lanes = { 0, 1, 2, 3 }, from = pbw__repeat((int32_t)facet) + lanes;
     PBW__PREFETCH(search->link + 4 * (size_t)o0);
     PBW__PREFETCH(search->link + 4 * (size_t)o1);
@@ -4565,11 +4570,11 @@ PBW__SIMD_INLINE void pbw__search_sort4(pbw__search *search, pbw_index facet, co
     PBW__PREFETCH(search->link + 4 * (size_t)o3);
     outside = 15u & ~(inside | marked);
     inside &= ~marked;
-    bytes = (marked | inside) * 0x204081u & 0x1010101u;          /* a bit each */
-    PBW__STORE(mark + o0, (unsigned char)bytes);
-    PBW__STORE(mark + o1, (unsigned char)(bytes >> 8));
-    PBW__STORE(mark + o2, (unsigned char)(bytes >> 16));
-    PBW__STORE(mark + o3, (unsigned char)(bytes >> 24));
+    marked |= inside;
+    PBW__STORE(mark + o0, pbw__lane_bits[marked][0]);
+    PBW__STORE(mark + o1, pbw__lane_bits[marked][1]);
+    PBW__STORE(mark + o2, pbw__lane_bits[marked][2]);
+    PBW__STORE(mark + o3, pbw__lane_bits[marked][3]);
     pbw__store4(search->parent + search->cavity_count, pbw__shuffle4(from, pbw__front[inside]));
     search->cavity_count += pbw__count4(inside);
     pbw__store4(search->from + search->facet_count, pbw__shuffle4(from, pbw__front[outside]));
@@ -4824,9 +4829,8 @@ static pbw_status pbw__carve3_scalar(pbw__kernel *kernel, pbw_index t, const dou
 #endif
 typedef struct pbw__held { pbw__d4 x, y, z, lift, far_x, far_y, far_z, far_lift; } pbw__held;
 
-/* By lanes: all bits in lane k, of 64 or 32 bits; the number m in lane k, at 4 * k + m. */
+/* By lanes: all bits in lane k; the number m in lane k, at 4 * k + m. */
 static const int64_t pbw__lane[4][4] = { { -1, 0, 0, 0 }, { 0, -1, 0, 0 }, { 0, 0, -1, 0 }, { 0, 0, 0, -1 } };
-static const int32_t pbw__lane4[4][4] = { { -1, 0, 0, 0 }, { 0, -1, 0, 0 }, { 0, 0, -1, 0 }, { 0, 0, 0, -1 } };
 static const int32_t pbw__lane_number[16][4] = {
     { 0, 0, 0, 0 }, { 1, 0, 0, 0 }, { 2, 0, 0, 0 }, { 3, 0, 0, 0 }, { 0, 0, 0, 0 }, { 0, 1, 0, 0 }, { 0, 2, 0, 0 },
     { 0, 3, 0, 0 }, { 0, 0, 0, 0 }, { 0, 0, 1, 0 }, { 0, 0, 2, 0 }, { 0, 0, 3, 0 }, { 0, 0, 0, 0 }, { 0, 0, 0, 1 },
@@ -4850,9 +4854,8 @@ PBW__SIMD_INLINE pbw__order4 pbw__search_inherit(pbw__search *search, size_t i, 
     memcpy(carved->link, search->link + first, sizeof(carved->link));
     if (PBW__LIKELY(search->local_count < PBW__LOCALS)) {
         uint32_t fresh = pbw__local(search->slot, search->stamp, &search->local_count, search->corner[link]);
-        pbw__i4 local = pbw__select4(pbw__load4(parent->local), pbw__repeat((int32_t)fresh),
-                                     pbw__load4(pbw__lane4[facet & 3]));
-        pbw__store4(carved->local, pbw__permute4(local, place));
+        pbw__store4(carved->local, pbw__permute4(pbw__load4(parent->local), place));
+        carved->local[link & 3] = fresh;
     }
     return pbw__order4_of(place);
 }
@@ -4881,6 +4884,7 @@ PBW__SIMD_INLINE pbw_status pbw__carve3_simd(pbw__kernel *kernel, pbw_index t, c
         const pbw_index facet = search.parent[i];
         const size_t met = facet >> 2;
         pbw__held *here = held + i % PBW__HELD;
+        const pbw__link *around;
         pbw__carved *carved;
         pbw__link link;
         pbw__rows3 r, o;
@@ -4895,7 +4899,10 @@ PBW__SIMD_INLINE pbw_status pbw__carve3_simd(pbw__kernel *kernel, pbw_index t, c
         if (PBW__UNLIKELY(i - met >= PBW__HELD)) {
             pbw__search_number(&search, i, link);
             r = pbw__rows3_of(record, 1, carved->v[0], carved->v[1], carved->v[2], carved->v[3], &point);
-        } else {
+            height = pbw__highest(r.height);
+            r.lift = pbw__raise(r.lift, r.ghost, height);
+            r.height = pbw__raise(r.height, r.ghost, height);
+        } else {                                     /* raised before: minors need not wait for the height */
             const pbw__held *from = held + met % PBW__HELD;
             const pbw__d4 *from_height = heights[met % PBW__HELD];
             const pbw__d4 lane = pbw__mask(pbw__lane[facet & 3]);
@@ -4905,17 +4912,16 @@ PBW__SIMD_INLINE pbw_status pbw__carve3_simd(pbw__kernel *kernel, pbw_index t, c
             r.z = pbw__take_over(from->z, from->far_z, lane, order);
             r.lift = pbw__take_over(from->lift, from->far_lift, lane, order);
             r.height = weighted ? pbw__take_over(from_height[0], from_height[1], lane, order) : r.lift;
-            r.ghost = pbw__each(0.0);
+            height = pbw__highest(r.height);
         }
-        o = pbw__rows3_of(record, 1, corner[carved->link[0]], corner[carved->link[1]], corner[carved->link[2]],
-                          corner[carved->link[3]], &point);
-        height = pbw__highest(r.height);
-        r.lift = pbw__raise(r.lift, r.ghost, height);
+        around = search.link + (link & ~(pbw__link)3);           /* as carved->link, which is only being written */
+        o = pbw__rows3_of(record, 1, corner[around[0]], corner[around[1]], corner[around[2]], corner[around[3]],
+                          &point);
         o.lift = pbw__raise(o.lift, o.ghost, height);
         here->x = r.x, here->y = r.y, here->z = r.z, here->lift = r.lift;
         here->far_x = o.x, here->far_y = o.y, here->far_z = o.z, here->far_lift = o.lift;
         if (weighted) {
-            heights[i % PBW__HELD][0] = pbw__raise(r.height, r.ghost, height);
+            heights[i % PBW__HELD][0] = r.height;
             heights[i % PBW__HELD][1] = pbw__raise(o.height, o.ghost, height);
         }
         ax = PBW__CORNER_A(r.x), ay = PBW__CORNER_A(r.y), az = PBW__CORNER_A(r.z), al = PBW__CORNER_A(r.lift);
@@ -7522,7 +7528,8 @@ PBW__SIMD_INLINE __m256i pbw__two(const pbw_index *a, const pbw_index *b)
     return _mm256_inserti128_si256(_mm256_castsi128_si256((__m128i)pbw__load4(a)), (__m128i)pbw__load4(b), 1);
 }
 
-PBW__SIMD_INLINE __m256i pbw__select8(__m256i x, __m256i y, __m256i mask)  /* see pbw__select4 */
+/* y in the lanes of the mask.  Not by bytes: gcc 12 takes those of a mask for unsigned with -funsigned-char. */
+PBW__SIMD_INLINE __m256i pbw__select8(__m256i x, __m256i y, __m256i mask)
 {
     return (__m256i)_mm256_blendv_ps((__m256)x, (__m256)y, (__m256)mask);
 }
