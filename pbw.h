@@ -6430,6 +6430,9 @@ static pbw_status pbw__kernel_create(pbw__kernel *kernel, pbw__context *context,
    with the others', from their ends, where nobody is at work.  A walk starts in the cell of its vertex or near it,
    lest it take cells all along.
 
+   The extremes of >>build are such a level too, but for one in eight, which one thread inserts before: the stars of
+   the first reach so many cells that hardly a task would find its own free.
+
    Why no word is written by one task while another reads or writes it, in 3D.  Call a simplex mine if I own two of
    its vertices: nobody else then owns three, so nobody else deletes it, and its corners do not change under me.
      (a) What I read is mine.  A facet of a simplex that I may delete has two vertices of mine, so the neighbour
