@@ -6218,9 +6218,10 @@ PBW__SIMD static pbw_status pbw__insert2_weighted_simd(pbw__kernel *kernel, pbw_
 
    Of vertices along a line those on other lines see only the outermost, whose stars are large: they reach all that
    see them.  Such stars are made and unmade in each level, as vertices farther out come.  So in space, once the stars
-   of a level are large, the extremes come next: of each run of ranks the vertices farthest out.  The rest is mostly
-   seen by what is near only; of its two finest levels one is left out.  (Of a million points on 8 lines 28,000 have
-   neighbours on other lines; 20,000 are extremes.)
+   of a level are large, the extremes come next: of each run of ranks the vertices farthest from the line along it, on
+   eight sides.  (In directions that are not across the run its ends would be farthest.)  The rest is mostly seen by
+   what is near only; of its two finest levels one is left out.  (Of a million points on 8 lines 28,000 have
+   neighbours on other lines; 13,000 are extremes.)
    ------------------------------------------------------------------------------------------------------ */
 typedef struct pbw__sequence {
     size_t count, ratio;                             /* of all vertices; of one level's stride to the next one's */
@@ -6435,6 +6436,9 @@ static pbw_status pbw__kernel_create(pbw__kernel *kernel, pbw__context *context,
    with the others', from their ends, where nobody is at work.  A walk starts in the cell of its vertex or near it,
    lest it take cells all along.
 
+   The extremes of >>build are such a level too, but for one in eight, which one thread inserts before: the stars of
+   the first reach so many cells that hardly a task would find its own free.
+
    Why no word is written by one task while another reads or writes it, in 3D.  Call a simplex mine if I own two of
    its vertices: nobody else then owns three, so nobody else deletes it, and its corners do not change under me.
      (a) What I read is mine.  A facet of a simplex that I may delete has two vertices of mine, so the neighbour
@@ -6462,8 +6466,8 @@ static pbw_status pbw__kernel_create(pbw__kernel *kernel, pbw__context *context,
    writes, now or later, both own a vertex of the same simplex: of four vertices one owns three and the other two; of
    a facet's three vertices both own two.
 
-   Why it ends.  A round is followed by another only if on the whole as many tries succeeded as two tasks make: one
-   thread, which needs no cells, is as quick as two that do.  What is left then, or is too little for two tasks, is
+   Why it ends.  A round is followed by another only if on the whole as many tries succeeded as one task makes; if
+   fewer do, one thread, which needs no cells, is as quick.  What is left then, or is too little for two tasks, is
    inserted by one thread, which owns everything, before the next level begins: vertices near the hull are among it,
    and cavities there would grow from level to level without them.
    ------------------------------------------------------------------------------------------------------ */
@@ -6474,8 +6478,9 @@ static pbw_status pbw__kernel_create(pbw__kernel *kernel, pbw__context *context,
 #define PBW__BATCH ((size_t)PBW__SMALLER(64))        /* vertices that a task comes to at a time, at least, */
 #define PBW__BATCHES 32                              /* or a share in so many */
 #define PBW__LEAST_SHARE 32                          /* vertices left for each task, or there are fewer tasks */
-#define PBW__LARGE_STAR 64.0                         /* simplices for a vertex; uniform points make 27, a spiral 40 */
+#define PBW__LARGE_STAR 36.0                         /* simplices for a vertex; terrain makes 31, lines 42 and more */
 #define PBW__SPAN 512                                /* ranks with extremes of their own */
+#define PBW__FIRST 8                                 /* one in so many is inserted on one thread, before the others */
 
 typedef struct pbw__build {
     pbw__context *context;
@@ -6881,14 +6886,14 @@ static pbw_status pbw__end_round(pbw__build *build)
     build->count = count;
     if (no_room && store->capacity < PBW__SIMPLEX_LIMIT) {
         status = pbw__store_reserve(build->context, store, pbw__store_bigger(store));
-    } else if ((size_t)build->parts * inserted < 2 * (inserted + missed)) {
+    } else if ((size_t)build->parts * inserted < inserted + missed) {
         build->parts = 1;                            /* tasks are in each other's way */
     }
     return status;
 }
 
-/* One level by rounds. */
-static pbw_status pbw__level_parallel(pbw__build *build)
+/* The level, or the vertices left, by rounds. */
+static pbw_status pbw__rounds(pbw__build *build)
 {
     pbw_status status = PBW_OK;
     const size_t ranks = (build->vertices->count - 1) / build->stride;   /* but 0, which is the coarsest level's */
@@ -6899,8 +6904,7 @@ static pbw_status pbw__level_parallel(pbw__build *build)
         build->hint_bits = build->owner_bits;
     }
     build->hold = (int)(hold < PBW__HOLD ? hold : PBW__HOLD);
-    build->left_count = 0;
-    build->count = ranks - ranks / (build->coarser / build->stride);
+    build->count = build->left_count > 0 ? build->left_count : ranks - ranks / (build->coarser / build->stride);
     do {
         memset(build->taken, 0, sizeof(build->taken));
         pbw__for(build->context, build->parts, pbw__round, build);
@@ -6992,8 +6996,30 @@ static pbw_status pbw__level_serial(pbw__build *build, int all)
     return kernel->status;
 }
 
-/* The extremes of a share of the runs, but for those that are in: the farthest in the directions from a cell of a
-   lattice to the 26 around it. */
+/* The line that fits best along a run of vertices: how the two coordinates after its longest axis grow with that. */
+static int pbw__line_along(const double *record, size_t count, double slope[2])
+{
+    double sum[3] = { 0, 0, 0 }, square[3] = { 0, 0, 0 }, product[3] = { 0, 0, 0 };      /* of k and k + 1 */
+    const double *p = record;
+    size_t i;
+    int k, axis = 0;
+    for (i = 0; i < count; i++, p += 4) {
+        const double x = p[0] - record[0], y = p[1] - record[1], z = p[2] - record[2];
+        sum[0] += x, sum[1] += y, sum[2] += z;
+        square[0] += x * x, square[1] += y * y, square[2] += z * z;
+        product[0] += x * y, product[1] += y * z, product[2] += z * x;
+    }
+    for (k = 0; k < 3; k++) {
+        square[k] -= sum[k] * sum[k] / (double)count;
+        product[k] -= sum[k] * sum[(k + 1) % 3] / (double)count;
+        axis = square[k] > square[axis] ? k : axis;
+    }
+    slope[0] = square[axis] > 0.0 ? product[axis] / square[axis] : 0.0;
+    slope[1] = square[axis] > 0.0 ? product[(axis + 2) % 3] / square[axis] : 0.0;
+    return axis;
+}
+
+/* The extremes of a share of the runs, but for those that are in: the farthest from its line on eight sides. */
 static void pbw__find_extremes(void *arg, int part)
 {
     pbw__build *build = (pbw__build *)arg;
@@ -7002,62 +7028,32 @@ static void pbw__find_extremes(void *arg, int part)
     size_t run = pbw__share(runs, part, build->parts);
     for (; run < to && !pbw__report(build->context, 0.0); run++) {
         const size_t begin = run * PBW__SPAN, end = begin + PBW__SPAN < count ? begin + PBW__SPAN : count;
+        const double *first = build->vertices->record + 4 * (begin + 1), *p = first;
+        double slope[2], low[4], high[4];
+        const int axis = pbw__line_along(first, end - begin, slope), next = (axis + 1) % 3, last = (axis + 2) % 3;
+        size_t rank, lowest[4], highest[4];
         int k;
-        memset(build->early + begin / 8, 0, (end - begin + 7) / 8);
-        for (k = 14; k < 27; k++) {                  /* of 3^3 cells the 13 after the one in the middle, and back */
-            const double x = k / 9 - 1, y = k / 3 % 3 - 1, z = k % 3 - 1;
-            double low = HUGE_VAL, high = -HUGE_VAL;
-            size_t rank, lowest = begin, highest = begin;
-            for (rank = begin; rank < end; rank++) {
-                const double *p = build->vertices->record + 4 * (rank + 1);
-                const double along = p[0] * x + p[1] * y + p[2] * z;
-                lowest = along < low ? rank : lowest;
-                low = along < low ? along : low;
-                highest = along > high ? rank : highest;
-                high = along > high ? along : high;
+        for (k = 0; k < 4; k++) {
+            low[k] = high[k] = 0.0;                  /* as the first has it, on all sides */
+            lowest[k] = highest[k] = begin;
+        }
+        for (rank = begin; rank < end; rank++, p += 4) {
+            const double along = p[axis] - first[axis];
+            const double u = p[next] - first[next] - slope[0] * along, v = p[last] - first[last] - slope[1] * along;
+            const double off[4] = { u, v, u + v, u - v };
+            for (k = 0; k < 4; k++) {
+                lowest[k] = off[k] < low[k] ? rank : lowest[k];
+                low[k] = off[k] < low[k] ? off[k] : low[k];
+                highest[k] = off[k] > high[k] ? rank : highest[k];
+                high[k] = off[k] > high[k] ? off[k] : high[k];
             }
-            build->early[lowest >> 3] |= (unsigned char)(((lowest & (build->stride - 1)) != 0) << (lowest & 7));
-            build->early[highest >> 3] |= (unsigned char)(((highest & (build->stride - 1)) != 0) << (highest & 7));
+        }
+        memset(build->early + begin / 8, 0, (end - begin + 7) / 8);
+        for (k = 0; k < 8; k++) {
+            rank = k < 4 ? lowest[k] : highest[k - 4];
+            build->early[rank >> 3] |= (unsigned char)(((rank & (build->stride - 1)) != 0) << (rank & 7));
         }
     }
-}
-
-/* Inserts the extremes, on one thread: tasks would be in each other's way. */
-static pbw_status pbw__level_extremes(pbw__build *build)
-{
-    pbw__memory *memory = &build->context->memory;
-    const size_t count = build->vertices->count, most = 26 * (count / PBW__SPAN + 1);
-    size_t rank;
-    build->early = (unsigned char *)pbw__allocate(memory, count / 8 + 1, 1);
-    if (build->early == NULL) {
-        return PBW_ERROR_MEMORY;
-    }
-    build->parts = pbw__tasks(build->context, count, PBW__SPAN);
-    pbw__for(build->context, build->parts, pbw__find_extremes, build);
-    if (pbw__report(build->context, 0.0)) {
-        return PBW_CANCELLED;
-    }
-    if (most > build->left_capacity
-        && !pbw__resize_array(memory, &build->left, &build->left_capacity, most, sizeof(pbw_index))) {
-        return PBW_ERROR_MEMORY;
-    }
-    for (rank = build->left_count = 0; rank < count; rank += build->early[rank >> 3] != 0 ? 1 : 8) {
-        if (pbw__is_early(build, rank)) {
-            build->left[build->left_count++] = (pbw_index)rank + 1;
-        }
-    }
-    return pbw__level_serial(build, 0);
-}
-
-/* Simplices made for a vertex of the level, on average; *before: those made in all. */
-static double pbw__mean_star(const pbw__build *build, size_t *before)
-{
-    const size_t count = build->vertices->count, old = *before;
-    int i;
-    for (i = 0, *before = 0; i < build->kernel_count; i++) {
-        *before += build->kernel[i]->statistics.created;
-    }
-    return (double)(*before - old) / (double)(count / build->stride - count / build->coarser + 1);
 }
 
 /* Room for the work of several tasks. */
@@ -7073,6 +7069,82 @@ static pbw_status pbw__build_parts(pbw__build *build, const pbw__grid *grid)
                                 : PBW_ERROR_MEMORY;
 }
 
+/* Tasks for so many vertices, and cells with two vertices, in 2D one, of those that are in, which are `apart`. */
+static void pbw__plan(pbw__build *build, size_t vertices, size_t apart)
+{
+    size_t parts = vertices / PBW__LEAST_PART, cells;
+    for (build->owner_bits = build->store->cell_bits;
+         (size_t)1 << build->owner_bits < apart * (size_t)(build->vertices->dim - 1); build->owner_bits++) {
+    }
+    cells = (build->vertices->count >> build->owner_bits) + 1;
+    parts = parts < cells / PBW__SMALLER(4) ? parts : cells / PBW__SMALLER(4);
+    build->parts = (size_t)build->context->threads < parts ? build->context->threads : (int)parts;
+}
+
+/* The level, or the vertices left, by the tasks planned. */
+static pbw_status pbw__level(pbw__build *build, const pbw__grid *grid)
+{
+    pbw_status status;
+    if (build->parts <= 1) {
+        return pbw__level_serial(build, build->left_count == 0);
+    }
+    status = pbw__build_parts(build, grid);
+    if (status == PBW_OK) {
+        pbw__leave_region(build->kernel[0]);
+        status = pbw__rounds(build);
+    }
+    return status == PBW_OK ? pbw__level_serial(build, 0) : status;
+}
+
+/* Inserts the extremes; some on one thread, before several tasks come to the others: they reach so many cells that
+   tasks would be in each other's way, and cells need vertices for tasks to start from. */
+static pbw_status pbw__level_extremes(pbw__build *build, const pbw__grid *grid)
+{
+    pbw__memory *memory = &build->context->memory;
+    const size_t count = build->vertices->count, most = 8 * (count / PBW__SPAN + 1);
+    size_t rank, seen, first;
+    pbw_status status = PBW_OK;
+    int turn;
+    build->early = (unsigned char *)pbw__allocate(memory, count / 8 + 1, 1);
+    if (build->early == NULL) {
+        return PBW_ERROR_MEMORY;
+    }
+    build->parts = pbw__tasks(build->context, count, PBW__SPAN);
+    pbw__for(build->context, build->parts, pbw__find_extremes, build);
+    if (pbw__report(build->context, 0.0)) {
+        return PBW_CANCELLED;
+    }
+    if (most > build->left_capacity
+        && !pbw__resize_array(memory, &build->left, &build->left_capacity, most, sizeof(pbw_index))) {
+        return PBW_ERROR_MEMORY;
+    }
+    pbw__plan(build, most, 0);
+    first = build->parts > 1 ? PBW__FIRST : 1;
+    for (turn = 0; turn < 2 && status == PBW_OK; turn++) {
+        for (rank = seen = build->left_count = 0; rank < count; rank += build->early[rank >> 3] != 0 ? 1 : 8) {
+            if (pbw__is_early(build, rank) && (seen++ % first != 0) == turn) {
+                build->left[build->left_count++] = (pbw_index)rank + 1;
+            }
+        }
+        if (build->left_count > 0) {
+            pbw__plan(build, turn > 0 ? build->left_count : 0, 0);
+            status = pbw__level(build, grid);
+        }
+    }
+    return status;
+}
+
+/* Simplices made for a vertex of the level, on average; *before: those made in all. */
+static double pbw__mean_star(const pbw__build *build, size_t *before)
+{
+    const size_t count = build->vertices->count, old = *before;
+    int i;
+    for (i = 0, *before = 0; i < build->kernel_count; i++) {
+        *before += build->kernel[i]->statistics.created;
+    }
+    return (double)(*before - old) / (double)(count / build->stride - count / build->coarser + 1);
+}
+
 /* PBW_OK, PBW_DEGENERATE or an error; the store is the caller's to free in every case. */
 static pbw_status pbw__build_all(pbw__context *context, pbw__store *store, const pbw__vertices *vertices,
                                  const pbw__grid *grid, pbw_statistics *statistics)
@@ -7080,7 +7152,7 @@ static pbw_status pbw__build_all(pbw__context *context, pbw__store *store, const
     pbw__build build;
     const pbw__sequence sequence = pbw__sequence_start(vertices->count, vertices->dim);
     const size_t ratio = sequence.ratio;
-    size_t parts, cells, created = 0;
+    size_t created = 0;
     pbw_status status;
     int i;
     memset(&build, 0, sizeof(build));
@@ -7105,28 +7177,13 @@ static pbw_status pbw__build_all(pbw__context *context, pbw__store *store, const
     build.coarser = build.stride * ratio;
     build.backwards = sequence.backwards;
     while (status == PBW_OK && build.stride > 0) {
-        parts = vertices->count / build.stride / PBW__LEAST_PART;
-        for (build.owner_bits = store->cell_bits; build.early == NULL
-             && (size_t)1 << build.owner_bits < build.coarser * (size_t)(vertices->dim - 1); build.owner_bits++) {
-        }
-        cells = (vertices->count >> build.owner_bits) + 1;
-        parts = parts < cells / PBW__SMALLER(4) ? parts : cells / PBW__SMALLER(4);
-        build.parts = (size_t)context->threads < parts ? context->threads : (int)parts;
-        if (build.parts > 1 && build.coarser <= vertices->count) {
-            status = pbw__build_parts(&build, grid);
-            if (status == PBW_OK) {
-                pbw__leave_region(build.kernel[0]);
-                status = pbw__level_parallel(&build);
-            }
-            if (status == PBW_OK) {
-                status = pbw__level_serial(&build, 0);
-            }
-        } else {
-            status = pbw__level_serial(&build, 1);
-        }
+        pbw__plan(&build, vertices->count / build.stride, build.early != NULL ? 0 : build.coarser);
+        build.parts = build.coarser <= vertices->count ? build.parts : 1;
+        build.left_count = 0;
+        status = pbw__level(&build, grid);
         if (pbw__mean_star(&build, &created) > PBW__LARGE_STAR && vertices->dim == 3 && build.stride > 1
             && build.early == NULL && status == PBW_OK) {
-            status = pbw__level_extremes(&build);
+            status = pbw__level_extremes(&build, grid);
         }
         build.coarser = build.stride;
         build.stride = build.stride > (build.early != NULL ? ratio * ratio : ratio) ? build.stride / ratio
