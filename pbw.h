@@ -1484,7 +1484,8 @@ static void pbw__make_pages(void *arg, int task)
         to = to > skip ? to - skip : 0;              /* small shares may be empty */
         to = to < pages->length ? to : pages->length;
         while (from < to && !pbw__report(populating->context, 0.0)) {
-            size_t step = to - from < ((size_t)1 << 25) ? to - from : (size_t)1 << 25;   /* 32 MB: about 10 ms */
+            const size_t most = 2 * PBW__HUGE;       /* 1 ms; where a host has none ready, 10 */
+            const size_t step = to - from < most ? to - from : most;
             (void)madvise(pages->start + from, step, 23);        /* MADV_POPULATE_WRITE, since Linux 5.14 */
             from += step;
         }
