@@ -457,7 +457,7 @@ PBW__INLINE pbw_index pbw__swap(pbw_index *x, pbw_index y)
 
 #define PBW__EPSILON 1.1102230246251565e-16          /* u = 2^-53: half an ulp of 1 */
 
-static double pbw__seconds(void)                     /* wall clock, for statistics and progress only */
+static double pbw__seconds(void)                     /* wall clock: statistics, progress, short waits */
 {
 #ifdef _MSC_VER
     struct __timeb64 now;
@@ -1478,7 +1478,8 @@ static void pbw__make_pages(void *arg, int task)
         to = to > skip ? to - skip : 0;              /* small shares may be empty */
         to = to < pages->length ? to : pages->length;
         while (from < to && !pbw__report(populating->context, 0.0)) {
-            size_t step = to - from < ((size_t)1 << 25) ? to - from : (size_t)1 << 25;   /* 32 MB: about 10 ms */
+            const size_t most = 2 * PBW__HUGE;       /* 1 ms; where a host has none ready, 10 */
+            const size_t step = to - from < most ? to - from : most;
             (void)madvise(pages->start + from, step, 23);        /* MADV_POPULATE_WRITE, since Linux 5.14 */
             from += step;
         }
@@ -3819,10 +3820,10 @@ PBW__INLINE void pbw__kernel_attach(pbw__kernel *kernel)
    A visibility walk (Devillers, Pion & Teillaud 2002, "Walking in a triangulation"): step through a facet that has
    the point strictly on its far side.  It ends, because in a Delaunay or regular triangulation the relation "in front
    of, seen from a fixed point" has no cycle (Edelsbrunner 1990, "An acyclicity theorem for cell complexes in d
-   dimensions"), and every step is taken on an exact sign.  Of several such facets the one with the most negative
-   volume is taken: the path is shorter (four lanes in 2D take the first: it is hardly longer).  The four orientations
-   S_i also give the sphere test, sum(lift_i * S_i), so the walk stops at the first simplex that is certainly in
-   conflict; its neighbourhood is the cavity's all the same.
+   dimensions"), and every step is taken on an exact sign.  Of several such facets any will do; the path is shorter
+   through the one with the most negative volume, in 2D by a rule of its own.  What overflows or vanishes there makes
+   it longer at worst.  The four orientations S_i also give the sphere test, sum(lift_i * S_i), so the walk stops at
+   the first simplex that is certainly in conflict; its neighbourhood is the cavity's all the same.
 
    Errors.  With coordinates relative to the point, S_i is a sum of 6 products of 3 factors.  A product carries 3
    rounded translations, 2 multiplications, 1 + 2 additions: |error| <= 8u/(1-8u) * 6 m^3 < 5.4e-15 m^3, m the largest

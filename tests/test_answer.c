@@ -439,13 +439,15 @@ static void test_threads(void)
 {
     static const int kinds[] = { INPUT_UNIFORM, INPUT_SPHERE, INPUT_CLUSTERS, INPUT_LATTICE, INPUT_LINES,
                                  INPUT_PLANE };
-    size_t n = 20000, i, t;
-    double *points = (double *)zoo_grow(NULL, n * 3 * sizeof *points);
-    double *weights = (double *)zoo_grow(NULL, n * sizeof *weights);
+    const size_t most = 50000;
+    size_t i, t;
+    double *points = (double *)zoo_grow(NULL, most * 3 * sizeof *points);
+    double *weights = (double *)zoo_grow(NULL, most * sizeof *weights);
     int dim, weighted;
     for (dim = 2; dim <= 3; dim++) {
         for (i = 0; i < 2 * sizeof kinds / sizeof kinds[0]; i++) {
             int kind = kinds[i / 2];
+            const size_t n = kind == INPUT_LINES ? most : 20000;       /* in space, extremes come before two levels */
             weighted = i % 2 != 0;
             if (weighted && kind != INPUT_UNIFORM) {
                 continue;

@@ -91,12 +91,13 @@ static void test_refusals(void)
     zoo_kind(&animals, 2, INPUT_UNIFORM, 2000);
     zoo_kind(&animals, 3, INPUT_UNIFORM, 2000);
     zoo_kind(&animals, 3, INPUT_MOMENT, 300);
+    zoo_kind(&animals, 3, INPUT_LINES, 4000);         /* has stars so large that extremes come before a level */
     for (i = 0; i < animals.count; i++) {
         const zoo_input *in = animals.items + i;
-        if ((in->count <= 130 || i + 3 >= animals.count) && test_begin("every allocation fails: %s", in->name)) {
+        if ((in->count <= 130 || i + 4 >= animals.count) && test_begin("every allocation fails: %s", in->name)) {
             check_refusals(in, 1, 0);
             check_refusals(in, 1, 1);
-            if (i % 8 == 0 || i + 3 >= animals.count) {
+            if (i % 8 == 0 || i + 4 >= animals.count) {
                 check_refusals(in, 3, 0);
                 check_refusals(in, 3, 1);
             }
@@ -269,9 +270,10 @@ static void test_progress(void)
     zoo_kind(&animals, 2, INPUT_UNIFORM, 100000);
     zoo_kind(&animals, 3, INPUT_UNIFORM, 50000);
     zoo_kind(&animals, 3, INPUT_SPHERE, 30000);
+    zoo_kind(&animals, 3, INPUT_LINES, 50000);
     for (i = 0; i < animals.count; i++) {
         const zoo_input *in = animals.items + i;
-        if (in->finite && in->count > 0 && (i % 8 == 0 || i + 3 >= animals.count)
+        if (in->finite && in->count > 0 && (i % 8 == 0 || i + 4 >= animals.count)
             && test_begin("cancelled: %s", in->name)) {
             check_cancelling(in, 1, 0);
             check_cancelling(in, 3, 0);
