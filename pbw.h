@@ -7098,7 +7098,7 @@ static pbw_status pbw__level(pbw__build *build, const pbw__grid *grid)
 }
 
 /* Inserts the extremes; some on one thread, before several tasks come to the others: they reach so many cells that
-   tasks would be in each other's way, and cells need vertices for tasks to start from.  Therefore fewer tasks, too. */
+   tasks would be in each other's way, and cells need vertices for tasks to start from.  So tasks are fewer, too. */
 static pbw_status pbw__level_extremes(pbw__build *build, const pbw__grid *grid)
 {
     pbw__memory *memory = &build->context->memory;

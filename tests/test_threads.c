@@ -238,8 +238,8 @@ static void test_progress(size_t count)
             test_end();
         }
     }
-    /* Only points like these take the outermost vertices of runs first.  Tasks must not read the last report while the
-       caller's thread writes it, as it does each time if its callback is slow: ThreadSanitizer sees that. */
+    /* Only points like these take the outermost vertices of runs first.  Tasks must not read the last report while
+       the caller's thread writes it, as it does each time if its callback is slow: ThreadSanitizer sees that. */
     if (test_begin("progress goes forward: lines")) {
         points p = points_make(INPUT_LINES, 3, 20000, INPUT_WEIGHTS_ZERO);
         pbw_options options = with_threads(4);
