@@ -304,10 +304,12 @@ static void test_refused_threads(size_t count)
 
 static void test_failing_memory(size_t count)
 {
-    int dim;
-    for (dim = 2; dim <= 3; dim++) {
-        if (test_begin("every allocation fails on four threads: %dD", dim)) {
-            points p = points_make(INPUT_UNIFORM, dim, count, INPUT_WEIGHTS_HIDING);
+    int i;
+    for (i = 0; i < 3; i++) {
+        const int dim = i > 0 ? 3 : 2, lines = i == 2;       /* so many on lines that tasks insert their extremes */
+        if (test_begin("every allocation fails on four threads: %dD%s", dim, lines ? " lines" : "")) {
+            points p = points_make(lines ? INPUT_LINES : INPUT_UNIFORM, dim, lines ? 2 * count : count,
+                                   lines ? INPUT_WEIGHTS_SMALL : INPUT_WEIGHTS_HIDING);
             long k, refused = 1, done = 0;
             for (k = 1; refused > 0 && k < 2000; k++) {
                 meter m;
