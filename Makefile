@@ -8,14 +8,15 @@ COUNT =
 TIME = 60
 
 WARN = -Wall -Wextra -Wpedantic -Wconversion -Wsign-conversion -Wshadow -Werror
-C = $(CC) -std=c99 $(CFLAGS) $(WARN) -I.
+C = $(CC) -std=c99 $(CFLAGS) $(WARN) -I. -Iexamples/lib
 LIBS = -lpthread -lm
 TESTS = $(patsubst tests/%.c,%,$(wildcard tests/test_*.c))
+PROGRAM = $(wildcard examples/program/*.c)
 EXAMPLES = $(patsubst examples/%.c,%,$(wildcard examples/*.c))
 EXAMPLES_CXX = $(if $(shell command -v $(firstword $(CXX))),$(patsubst examples/%.cpp,%,$(wildcard examples/*.cpp)))
 EXPECTED = $(patsubst examples/expected/%.txt,%,$(wildcard examples/expected/*.txt))
 FUZZERS = $(patsubst tests/%.c,%,$(wildcard tests/fuzz_*.c))
-HEADERS = pbw.h $(wildcard tests/*.h examples/*.h)
+HEADERS = pbw.h $(wildcard tests/*.h examples/lib/*.h examples/program/*.h)
 SCRIPTS = $(filter packaging hashes examples asm oracle cmake python programs view, \
     $(patsubst tests/%.sh,%,$(wildcard tests/*.sh)))
 SUITES = test programs examples oracle asm arm names fuzz-long
@@ -32,7 +33,7 @@ endif
 .DELETE_ON_ERROR:
 .SECONDARY:
 
-all: $(EXAMPLES:%=$B/%) $(EXAMPLES_CXX:%=$B/%) $B/libpbw_python.so
+all: $B/pbw $(EXAMPLES:%=$B/%) $(EXAMPLES_CXX:%=$B/%) $B/libpbw_python.so
 
 help:
 	@echo 'make             builds the examples into $B/, the pbw program among them'
@@ -54,6 +55,10 @@ $B/libpbw.a: pbw.h
 	printf '#define PBW_IMPLEMENTATION\n#include "pbw.h"\n' > $B/libpbw.c
 	$C -c $B/libpbw.c -o $B/libpbw.o
 	rm -f $@ && ar rcs $@ $B/libpbw.o
+
+$B/pbw: $(PROGRAM) $(HEADERS)
+	@mkdir -p $B
+	$C $(PROGRAM) -o $@ $(LIBS)
 
 $(EXAMPLES:%=$B/%): $B/%: examples/%.c $(HEADERS)
 	@mkdir -p $B
@@ -124,7 +129,7 @@ UNDER_test_resources = --without 'bytes a point' --without cancelled: --without 
 fuzz: $(FUZZERS:%=$B/%.fuzz)
 $(FUZZERS:%=$B/%.fuzz): $B/%.fuzz: tests/%.c $(HEADERS) FORCE
 	@mkdir -p $B/corpus/$* tests/corpus
-	@if clang -std=c99 -g -O1 -I. -fsanitize=fuzzer,address,undefined -fno-sanitize-recover=all \
+	@if clang -std=c99 -g -O1 -I. -Iexamples/lib -fsanitize=fuzzer,address,undefined -fno-sanitize-recover=all \
 	    $< -o $B/$* $(LIBS) 2> $B/$*.log; then \
 	    $B/$* -entropic=0 -max_total_time=$(TIME) -print_final_stats=1 $B/corpus/$* tests/corpus; \
 	else $C -DFUZZ_MAIN $< -o $B/$* $(LIBS) && $B/$* --count 200000; fi

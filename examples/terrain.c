@@ -1,6 +1,6 @@
 /* terrain.c: an airborne laser scan triangulated in the plane, its heights carried along: heights anywhere by
    interpolation, a shaded relief with contour lines.
-   cc -O2 -I. examples/terrain.c -o terrain -lpthread -lm
+   cc -O2 -I. -Iexamples/lib examples/terrain.c -o terrain -lpthread -lm
    terrain relief.pgm relief.html also writes a picture and a page to look around in.  Prints expected/terrain.txt: a
    map, 3 metres a step. */
 #define PBW_IMPLEMENTATION

@@ -46,9 +46,9 @@ static void count_free(void *ptr)
 #define PBW_IMPLEMENTATION
 #include "../pbw.h"
 #define PBW_IO_IMPLEMENTATION
-#include "../examples/pbw_io.h"
+#include "../examples/lib/pbw_io.h"
 #define PBW_SAMPLE_IMPLEMENTATION
-#include "../examples/pbw_sample.h"
+#include "../examples/lib/pbw_sample.h"
 #include "io_samples.h"
 #include "test.h"
 

@@ -1,4 +1,4 @@
-/* test_io.c: examples/pbw_io.h and examples/pbw_picture.h: numbers, every reader on good and on broken files, every
+/* test_io.c: examples/lib/pbw_io.h and examples/lib/pbw_picture.h: numbers, every reader on good and on broken files, every
    writer read back, full disks, memory that runs out; and the program pbw, if it lies beside this one. */
 #define _GNU_SOURCE
 #include <locale.h>
@@ -45,11 +45,11 @@ static void count_free(void *ptr)
 #define PBWIO_REALLOC(ptr, size) count_realloc(ptr, size)
 #define PBWIO_FREE(ptr) count_free(ptr)
 #define PBW_IO_IMPLEMENTATION
-#include "../examples/pbw_io.h"
+#include "../examples/lib/pbw_io.h"
 #define PBW_PICTURE_IMPLEMENTATION
-#include "../examples/pbw_picture.h"
+#include "../examples/lib/pbw_picture.h"
 #define PBW_MODEL_IMPLEMENTATION
-#include "../examples/pbw_model.h"
+#include "../examples/lib/pbw_model.h"
 #include "io_samples.h"
 #include "test.h"
 
@@ -1046,7 +1046,7 @@ static void fill_in(const char *from, char to[256])
     }
 }
 
-/* The program examples/pbw.c: exit status and last line for right and wrong uses. */
+/* The program examples/program/pbw.c: exit status and last line for right and wrong uses. */
 static void test_program(void)
 {
     static const struct { const char *arguments, *says; int status; } uses[] = {

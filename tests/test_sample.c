@@ -1,4 +1,4 @@
-/* test_sample.c: examples/pbw_sample.h: that samples are where they should be, as dense, as far apart, as many, and
+/* test_sample.c: examples/lib/pbw_sample.h: that samples are where they should be, as dense, as far apart, as many, and
    the same whoever makes them; what bad surfaces are called; memory that runs out. */
 #define _GNU_SOURCE
 #include <math.h>
@@ -28,7 +28,7 @@ static void count_free(void *ptr)
 #define PBWSAMPLE_REALLOC(ptr, size) count_realloc(ptr, size)
 #define PBWSAMPLE_FREE(ptr) count_free(ptr)
 #define PBW_SAMPLE_IMPLEMENTATION
-#include "../examples/pbw_sample.h"
+#include "../examples/lib/pbw_sample.h"
 #include "test.h"
 
 static double points[200000];

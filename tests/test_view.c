@@ -1,4 +1,4 @@
-/* test_view.c: examples/pbw_view.h: what a page holds is the mesh and the arrays that were given; texts are escaped;
+/* test_view.c: examples/lib/pbw_view.h: what a page holds is the mesh and the arrays that were given; texts are escaped;
    full disks, memory that runs out, what is refused.  tests/view.sh looks at pages in a browser. */
 #define _GNU_SOURCE
 #include <math.h>
@@ -18,10 +18,10 @@ static void *limited_malloc(size_t size)
 
 #include "../pbw.h"
 #define PBW_IO_IMPLEMENTATION
-#include "../examples/pbw_io.h"
+#include "../examples/lib/pbw_io.h"
 #define malloc limited_malloc
 #define PBW_VIEW_IMPLEMENTATION
-#include "../examples/pbw_view.h"
+#include "../examples/lib/pbw_view.h"
 #undef malloc
 #include "test.h"
 

@@ -1,5 +1,5 @@
 #!/bin/sh
-# view.sh FOLDER: pages of examples/pbw_view.h, made by the programs pbw and terrain in FOLDER, in a headless
+# view.sh FOLDER: pages of examples/lib/pbw_view.h, made by the programs pbw and terrain in FOLDER, in a headless
 # Chromium, which tests/view.mjs drives; it looks at the pixels.
 bin=$1 work=$1/view
 for browser in "${CHROMIUM:-chromium}" chromium-browser google-chrome ''; do

@@ -1,5 +1,5 @@
 /* pbw.c: samples models, triangulates points, checks, writes, shows and measures.
-   cc -O2 -I. examples/pbw.c -o pbw -lpthread -lm
+   cc -O2 -I. -Iexamples/lib examples/program/pbw.c -o pbw -lpthread -lm
    ./pbw model.obj -o model.vtu -o model.html;  ./pbw --help lists the commands. */
 #define PBW_IMPLEMENTATION
 #include "pbw.h"
