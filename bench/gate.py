@@ -3,8 +3,8 @@
 
 Builds bench/gate_side.c with each header and runs the two in turn, each sample in a process of its own, old and new
 next to each other; the order within a pair alternates.  A row is one kind of points, size and number of threads:
-the medians of old and new, the median of the ratios new / old over the pairs, the ratio of the best times, the peak of memory in bytes a point,
-and whether all bytes of the results agree.  The last lines give the geometric mean of the ratios and the rows over
+the medians of old and new, the median of the ratios new / old over the pairs, the ratio of the best times, the peak of
+memory in bytes a point, and whether all bytes of the results agree.  The last lines give the geometric mean of the ratios and the rows over
 the limits.  Exit status 1: bytes differ, memory grew, or a row or the mean is over its limit.
 
     git show cb6ae4d:pbw.h > build/old.h && python3 bench/gate.py build/old.h pbw.h
@@ -79,14 +79,15 @@ def main():
             for kind in options.kinds.split(",")]
     alone = [row for row in rows if row[3] != 1]
     logs, over, failed = [], [], 0
-    print(f"{'dim':>3} {'kind':12} {'points':>9} {'thr':>4} {'old':>10} {'new':>10} {'ratio':>6} {'best':>6} {'spread':>13} "
-          f"{'B/pt old':>8} {'new':>6} pairs bytes")
+    print(f"{'dim':>3} {'kind':12} {'points':>9} {'thr':>4} {'old':>10} {'new':>10} {'ratio':>6} {'best':>6} "
+          f"{'spread':>13} {'B/pt old':>8} {'new':>6} pairs bytes")
 
     def show(result):
         nonlocal failed
         (dim, kind, size, threads), pairs = result
         ratios = sorted(b[0] / a[0] for a, b in pairs)
         ratio = statistics.median(ratios)
+        best = min(b[0] for _, b in pairs) / min(a[0] for a, _ in pairs)
         same = len({x[2] for pair in pairs for x in pair}) == 1
         bytes_old, bytes_new = (statistics.median(pair[i][1] for pair in pairs) for i in (0, 1))
         logs.append(math.log(ratio))
@@ -99,7 +100,7 @@ def main():
         failed += not same
         print(f"{dim:>2}D {kind:12} {size:>9} {threads or 'all':>4} "
               f"{statistics.median(a[0] for a, _ in pairs):10.6f} {statistics.median(b[0] for _, b in pairs):10.6f} "
-              f"{ratio:6.3f} {min(b[0] for _, b in pairs) / min(a[0] for a, _ in pairs):6.3f} {ratios[0]:6.3f}-{ratios[-1]:6.3f} {bytes_old:8.1f} {bytes_new:6.1f} {len(pairs):5} "
+              f"{ratio:6.3f} {best:6.3f} {ratios[0]:6.3f}-{ratios[-1]:6.3f} {bytes_old:8.1f} {bytes_new:6.1f} {len(pairs):5} "
               f"{'same' if same else 'DIFFER'}", flush=True)
 
     with concurrent.futures.ThreadPoolExecutor(max(1, options.jobs)) as pool:
