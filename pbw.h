@@ -42,6 +42,9 @@
      >>output       canonical order, ids, in place
      >>check        the exact verdict on a finished mesh
      >>hash         one number for a triangulation
+     >>query        which simplex contains a point; batches of queries
+     >>nearest      stars, nearest vertices, vertices in a ball
+     >>interpolate  barycentric, Sibson's and Laplace's weights
      >>api          argument checks, the stages in order, status texts
      >>history      versions
      >>license      MIT No Attribution
@@ -129,7 +132,8 @@ typedef enum pbw_status {                  /* every function that can fail retur
     PBW_ERROR_BACKEND                      /* the backend failed or does not fit this version */
 } pbw_status;
 
-typedef enum pbw_stage { PBW_STAGE_ORDER, PBW_STAGE_BUILD, PBW_STAGE_OUTPUT, PBW_STAGE_CHECK } pbw_stage;
+typedef enum pbw_stage { PBW_STAGE_ORDER, PBW_STAGE_BUILD, PBW_STAGE_OUTPUT, PBW_STAGE_CHECK,
+                         PBW_STAGE_QUERY } pbw_stage;
 
 typedef struct pbw_mesh pbw_mesh;
 typedef struct pbw_backend pbw_backend;
@@ -276,6 +280,65 @@ PBWDEF int pbw_power3(const double a[3], const double b[3], const double c[3], c
 
 PBWDEF const char *pbw_status_string(pbw_status status);    /* never NULL, never freed */
 PBWDEF int pbw_version(void);              /* differs from PBW_VERSION if header and implementation do */
+
+/* ---- queries, on a finished mesh with neighbors, which they do not change: any number of threads may ask it at once.
+   Batches are sorted inside along the Hilbert curve and answered by all threads; each answer is a function of the
+   mesh and the query alone.  options: threads, stride of the query points, memory_limit, resize, run, progress.
+   A query point that is not finite: PBW_ERROR_NOT_FINITE, and nothing is answered.  On a status but PBW_OK, what is
+   in the caller's arrays is undefined, and lists are empty.  A mesh of PBW_DEGENERATE points is outside of all it is
+   asked for by place, its stars are empty, and its canonical points are what is near. */
+typedef struct pbw_lists {                 /* list i: items first[i] .. first[i+1]-1; start from {0}; pbw_lists_free */
+    size_t count;                          /* of lists */
+    const size_t *first;                   /* count+1 */
+    const pbw_index *item;
+    const double *value;                   /* one for each item, or NULL */
+    void *memory;                          /* private */
+} pbw_lists;
+
+/* Frees what lists hold and zeroes them; fine on {0}, fine twice. */
+PBWDEF void pbw_lists_free(pbw_lists *lists);
+
+/* The neighbours of each point, a list for each; empty for what is no vertex.  They come in the order in which a walk
+   round the point, from simplex to simplex and starting from mesh->incident, meets them. */
+PBWDEF pbw_status pbw_stars(const pbw_mesh *mesh, const pbw_options *options, pbw_lists *stars);
+
+/* The simplex that contains a point: of those that do, boundaries included, the one of the lowest index.  PBW_NONE if
+   it is outside of the hull; then hull_facet (may be NULL) is (dim+1)*simplex + corner for a facet of the hull, that
+   opposite to the corner, whose outer side it is on.  Else, and for a mesh without simplices, that is PBW_NONE.
+   hint: a simplex to start from; any will do, and a near one is quick.  No allocation.  A point that is not finite is
+   in no simplex. */
+PBWDEF pbw_index pbw_locate_one(const pbw_mesh *mesh, const double *point, pbw_index hint, pbw_index *hull_facet);
+/* The same for many; hull_facets may be NULL.  Which of the facets with the point on the outer side it is depends on
+   the other queries. */
+PBWDEF pbw_status pbw_locate(const pbw_mesh *mesh, const double *points, size_t count, const pbw_options *options,
+                             pbw_index *simplices, pbw_index *hull_facets);
+
+/* For single queries in any order: a grid of simplices to start from, about a byte a point.  Refers to the mesh, which
+   must stay. */
+typedef struct pbw_finder pbw_finder;
+PBWDEF pbw_status pbw_finder_create(const pbw_mesh *mesh, const pbw_options *options, pbw_finder **finder);
+PBWDEF pbw_index pbw_finder_locate(const pbw_finder *finder, const double *point, pbw_index *hull_facet);
+PBWDEF void pbw_finder_free(pbw_finder *finder);           /* fine on NULL */
+
+/* The k nearest vertices of each query point, the nearest first, equally near ones by index: k entries for each of
+   vertices and distances (may be NULL).  Where there are fewer: PBW_NONE and HUGE_VAL.  The order is exact; distances
+   are rounded.  With weights the distance is the power distance.  stars: from pbw_stars, or NULL to have them made. */
+PBWDEF pbw_status pbw_nearest(const pbw_mesh *mesh, const pbw_lists *stars, const double *points, size_t count,
+                              size_t k, const pbw_options *options, pbw_index *vertices, double *distances);
+/* The vertices not farther than the radius, exactly, a list for each query point, in the same order, with distances as
+   values.  With weights: those of a power distance of at most radius^2. */
+PBWDEF pbw_status pbw_within(const pbw_mesh *mesh, const pbw_lists *stars, const double *points, size_t count,
+                             double radius, const pbw_options *options, pbw_lists *lists);
+
+typedef enum pbw_scheme { PBW_BARYCENTRIC, PBW_SIBSON, PBW_LAPLACE } pbw_scheme;
+/* Generalised barycentric coordinates of each query point: a list of vertices, in the order of their indices, and
+   their weights, which are not negative, sum to 1, and have the point as the weighted mean of the vertices.
+   PBW_BARYCENTRIC: of the simplex that contains it.  PBW_SIBSON: the share that its Voronoi cell would take from the
+   cells of its neighbours; PBW_LAPLACE: the facets of its cell over the distances of the neighbours.  With weights,
+   cells are power cells, and the query has the weight 0.  Outside of the hull a list is empty.  On the boundary of the
+   hull, and where the query would be a hidden point, all schemes give barycentric coordinates. */
+PBWDEF pbw_status pbw_coordinates(const pbw_mesh *mesh, const double *points, size_t count, pbw_scheme scheme,
+                                  const pbw_options *options, pbw_lists *lists);
 
 /* In pbw_cuda.cu, for programs that link it. */
 extern const pbw_backend *pbw_cuda_backend(int device);     /* NULL for a number that no device can have */
@@ -9280,6 +9343,2261 @@ PBWDEF uint64_t pbw_hash(const pbw_mesh *mesh)
         simplices += hashing.simplices[task];
     }
     return pbw__mix(points + pbw__mix(simplices));
+}
+/* ------------------------------------------------------------------------------------------------------
+   >>query        Which simplex contains a point; and how batches of queries are worked through.
+   In: a finished mesh with neighbors.  Out: the simplex of each query, or the hull facet that it lies beyond.
+   Holds: the mesh is only read; what is answered does not depend on the number of threads.
+
+   A walk steps from simplex to simplex through the facet that has the query most clearly on its outer side, always by
+   an exactly negative sign.  It cannot come back to a simplex: in front of the query the simplices of a regular
+   triangulation are acyclic (Edelsbrunner 1990, "An acyclicity theorem for cell complexes in d dimensions").  It ends
+   outside, or in a simplex that contains the query; signs that are 0 say which others do, and the lowest index wins.
+
+   A batch is sorted along a Hilbert curve through the box of its queries and cut into blocks of fixed size.  Walks
+   start where the last one of the block ended, the first from the nearest of a few vertices.
+   ------------------------------------------------------------------------------------------------------ */
+#define PBW__INSIDE 4u                               /* no corner to leave a simplex by */
+#define PBW__BLOCK_QUERIES 512
+#define PBW__NO_FACET ((size_t)-1)
+
+/* The corner opposite to a facet that has p strictly on its outer side, or PBW__INSIDE; then `on` is the set of the
+   corners whose opposite facets p lies on.  By exact signs. */
+static PBW__NOINLINE unsigned pbw__side_exact(const pbw_mesh *mesh, const pbw_index *v, const double *p,
+                                              const pbw__grid *grid, unsigned *on)
+{
+    const size_t dim = (size_t)mesh->dim;
+    const double *x[4];
+    unsigned i;
+    for (i = 0; i <= dim; i++) {
+        x[i] = mesh->points + v[i] * dim;
+    }
+    *on = 0;
+    for (i = 0; i <= dim; i++) {
+        const double *corner = x[i];
+        int sign;
+        x[i] = p;
+        sign = dim == 2 ? pbw__orient2(x[0], x[1], x[2], grid) : pbw__orient3(x[0], x[1], x[2], x[3], grid);
+        x[i] = corner;
+        if (sign < 0) {
+            return i;
+        }
+        *on |= (unsigned)(sign == 0) << i;
+    }
+    return PBW__INSIDE;
+}
+
+/* The orientations of the simplex with each corner in turn replaced by p; the error of each is at most the bound that
+   is returned (as in the filters of >>predicates), which is infinite where those are in doubt. */
+PBW__INLINE double pbw__sides3(const double *points, const pbw_index *v, const double *p, double *side)
+{
+    double x[4], y[4], z[4], mx, my, mz, low, high, s01, s02, s03, s12, s13, s23;
+    int i;
+    for (i = 0; i < 4; i++) {
+        const double *q = points + (size_t)v[i] * 3;
+        x[i] = q[0] - p[0];
+        y[i] = q[1] - p[1];
+        z[i] = q[2] - p[2];
+    }
+    mx = pbw__largest(x[0], x[1], x[2], x[3]);
+    my = pbw__largest(y[0], y[1], y[2], y[3]);
+    mz = pbw__largest(z[0], z[1], z[2], z[3]);
+    s01 = x[0] * y[1] - x[1] * y[0];
+    s02 = x[0] * y[2] - x[2] * y[0];
+    s03 = x[0] * y[3] - x[3] * y[0];
+    s12 = x[1] * y[2] - x[2] * y[1];
+    s13 = x[1] * y[3] - x[3] * y[1];
+    s23 = x[2] * y[3] - x[3] * y[2];
+    side[0] = z[1] * s23 - z[2] * s13 + z[3] * s12;
+    side[1] = z[2] * s03 - z[0] * s23 - z[3] * s02;
+    side[2] = z[0] * s13 - z[1] * s03 + z[3] * s01;
+    side[3] = z[1] * s02 - z[0] * s12 - z[2] * s01;
+    low = mx < my ? mx : my;
+    low = low < mz ? low : mz;
+    high = pbw__larger(pbw__larger(mx, my), mz);
+    return low > 1e-50 && high < 1e100 ? 48.5 * DBL_EPSILON * mx * my * mz : HUGE_VAL;
+}
+
+PBW__INLINE double pbw__sides2(const double *points, const pbw_index *v, const double *p, double *side)
+{
+    double x[3], y[3], mx, my;
+    int i;
+    for (i = 0; i < 3; i++) {
+        const double *q = points + (size_t)v[i] * 2;
+        x[i] = q[0] - p[0];
+        y[i] = q[1] - p[1];
+    }
+    mx = pbw__largest(x[0], x[1], x[2], x[2]);
+    my = pbw__largest(y[0], y[1], y[2], y[2]);
+    side[0] = x[1] * y[2] - x[2] * y[1];
+    side[1] = x[2] * y[0] - x[0] * y[2];
+    side[2] = x[0] * y[1] - x[1] * y[0];
+    return (mx < my ? mx : my) > 1e-50 && pbw__larger(mx, my) < 1e100 ? 8.1 * DBL_EPSILON * mx * my : HUGE_VAL;
+}
+
+/* Walks to p from simplex t.  Returns the simplex where it ends; leave: the corner opposite to the hull facet with p on
+   its outer side, or PBW__INSIDE; then `on` as above. */
+PBW__INLINE size_t pbw__walk_of(const pbw_mesh *mesh, int dim, size_t t, const double *p, const pbw__grid *grid,
+                                unsigned *leave, unsigned *on)
+{
+    for (;;) {
+        const pbw_index *v = mesh->simplices + t * (size_t)(dim + 1);
+        const pbw_index *next = mesh->neighbors + t * (size_t)(dim + 1);
+        double side[4], least;
+        const double bound = dim == 3 ? pbw__sides3(mesh->points, v, p, side) : pbw__sides2(mesh->points, v, p, side);
+        unsigned k = side[1] < side[0], far;
+        far = side[2] < side[k] ? 2 : k;
+        far = dim == 3 && side[3] < side[far] ? 3 : far;
+        least = side[far];
+        *on = 0;
+        if (PBW__UNLIKELY(!(least < -bound))) {
+            far = least > bound ? PBW__INSIDE : pbw__side_exact(mesh, v, p, grid, on);
+        }
+        *leave = far;
+        if (far == PBW__INSIDE || next[far] == PBW_NONE) {
+            return t;
+        }
+        t = next[far];
+    }
+}
+
+static size_t pbw__walk_to(const pbw_mesh *mesh, size_t t, const double *p, const pbw__grid *grid, unsigned *leave,
+                           unsigned *on)
+{
+    return mesh->dim == 3 ? pbw__walk_of(mesh, 3, t, p, grid, leave, on)
+                          : pbw__walk_of(mesh, 2, t, p, grid, leave, on);
+}
+
+PBW__INLINE unsigned pbw__corner_of(const pbw_index *v, pbw_index point)
+{
+    unsigned i = 0;
+    while (v[i] != point) {
+        i++;
+    }
+    return i;
+}
+
+/* Whether a point is one of the two corners of v that are neither i nor j. */
+PBW__INLINE int pbw__is_on_edge(const pbw_index *v, unsigned i, unsigned j, pbw_index point)
+{
+    unsigned k;
+    for (k = 0; k < 4 && (k == i || k == j || v[k] != point); k++) {
+    }
+    return k < 4;
+}
+
+/* The lowest of the simplices round an edge of tetrahedron t, that which lies in the facets opposite to the corners i
+   and j; `open` is set if it lies on the hull. */
+static pbw_index pbw__lowest_round_edge(const pbw_mesh *mesh, size_t t, unsigned i, unsigned j, int *open)
+{
+    const pbw_index *v = mesh->simplices + t * 4;
+    size_t lowest = t, s = PBW_NONE;
+    unsigned way, k;
+    for (way = 0; way < 2 && s != t; way++) {
+        unsigned leave = way == 0 ? i : j;
+        pbw_index stays = v[i + j - leave];          /* off the edge, in the facet that is crossed */
+        for (s = mesh->neighbors[t * 4 + leave]; s != PBW_NONE && s != t; s = mesh->neighbors[s * 4 + leave]) {
+            const pbw_index *u = mesh->simplices + s * 4;
+            leave = pbw__corner_of(u, stays);
+            for (k = 0; k == leave || pbw__is_on_edge(v, i, j, u[k]); k++) {
+            }
+            stays = u[k];
+            lowest = s < lowest ? s : lowest;
+        }
+        *open |= s == PBW_NONE;
+    }
+    return (pbw_index)lowest;
+}
+
+/* The lowest simplex that contains a point of simplex t that lies in the facets opposite to the corners of the set
+   `on`; hull: whether that point lies on the hull. */
+static pbw_index pbw__lowest_with(const pbw_mesh *mesh, size_t t, unsigned on, int *hull)
+{
+    const size_t corners = (size_t)mesh->dim + 1;
+    const unsigned off = ~on & ((1u << corners) - 1);
+    unsigned i = 0, j;
+    *hull = 0;
+    if (on == 0) {
+        return (pbw_index)t;
+    }
+    if ((off & (off - 1)) == 0) {                    /* at a corner */
+        for (; (off >> i & 1) == 0; i++) {
+        }
+        return mesh->incident[mesh->simplices[t * corners + i]];
+    }
+    for (; (on >> i & 1) == 0; i++) {
+    }
+    if ((on & (on - 1)) != 0) {                      /* on an edge of a tetrahedron */
+        for (j = i + 1; (on >> j & 1) == 0; j++) {
+        }
+        return pbw__lowest_round_edge(mesh, t, i, j, hull);
+    }
+    *hull = mesh->neighbors[t * corners + i] == PBW_NONE;
+    return mesh->neighbors[t * corners + i] < t ? mesh->neighbors[t * corners + i] : (pbw_index)t;
+}
+
+/* ---- batches */
+typedef struct pbw__reach { double squared, slack; pbw_index vertex, done; } pbw__reach;     /* see >>nearest */
+typedef struct pbw__slot { uint64_t key; uint32_t value, stamp; } pbw__slot;
+
+/* Numbers by keys, emptied by one more stamp. */
+typedef struct pbw__set {
+    pbw__slot *slot;
+    size_t room, count;                              /* room: a power of two */
+    uint32_t stamp;
+} pbw__set;
+
+typedef struct pbw__cell pbw__cell;                  /* see >>interpolate */
+
+/* What a task needs to answer; arrays grow. */
+typedef struct pbw__desk {
+    pbw__memory *memory;
+    int failed;                                      /* out of memory */
+    pbw__set seen, other;
+    pbw_index *list;
+    size_t list_room;
+    pbw__reach *reach;
+    size_t reach_room, reach_count;
+    pbw__cell *cell;
+} pbw__desk;
+
+/* Lists of a block: for each its number, its length and its items; and their values. */
+typedef struct pbw__chunk {
+    pbw_index *word;
+    double *value;
+    size_t words, values, word_room, value_room;
+} pbw__chunk;
+
+typedef struct pbw__queries pbw__queries;
+typedef void pbw__answer(pbw__queries *queries, pbw__desk *desk, size_t block, size_t from, size_t to);
+
+struct pbw__queries {
+    pbw__context context;
+    pbw__fp fp;
+    pbw__grid grid;                                  /* none, but says that rounding is to nearest */
+    const pbw_mesh *mesh;
+    const pbw_lists *stars;
+    const char *points;
+    size_t count, stride;                            /* of query points */
+    uint64_t *keys, *order, *spare;                  /* order: where the sorted keys are, key << index_bits | index */
+    uint32_t *digits;
+    size_t digit_words;
+    pbw__box *boxes, box;
+    pbw__curve *curve;
+    int index_bits, tasks, not_finite, failed;
+    pbw__answer *answer;
+    size_t items, block_size, blocks;                /* what is cut into blocks */
+    double begin;                                    /* progress before the answers */
+    pbw__chunk *chunk;                               /* of each block, for answers that are lists */
+    size_t *first;
+    pbw_index *item;
+    double *value;
+    pbw_index *simplices, *facets, *vertices;        /* of locate, of nearest */
+    double *distances, radius;
+    size_t k;
+    pbw_scheme scheme;
+};
+
+/* Room for `needed` items; 0 and desk->failed if there is none. */
+static int pbw__room(pbw__desk *desk, void *array, size_t *capacity, size_t needed, size_t size)
+{
+    size_t bigger = 2 * *capacity > 64 ? 2 * *capacity : 64;
+    if (needed <= *capacity) {
+        return 1;
+    }
+    if (!pbw__resize_array(desk->memory, array, capacity, bigger > needed ? bigger : needed, size)) {
+        desk->failed = 1;
+        return 0;
+    }
+    return 1;
+}
+
+PBW__INLINE size_t pbw__set_place(const pbw__set *set, uint64_t key)
+{
+    size_t at = (size_t)((key * 0x9e3779b97f4a7c15u) >> 40) & (set->room - 1);
+    while (set->slot[at].stamp == set->stamp && set->slot[at].key != key) {
+        at = (at + 1) & (set->room - 1);
+    }
+    return at;
+}
+
+static PBW__NOINLINE int pbw__set_grow(pbw__desk *desk, pbw__set *set)
+{
+    pbw__set bigger;
+    size_t i;
+    bigger.room = set->room == 0 ? 256 : 4 * set->room;
+    bigger.count = set->count;
+    bigger.stamp = 1;
+    bigger.slot = (pbw__slot *)pbw__allocate(desk->memory, bigger.room, sizeof(pbw__slot));
+    if (bigger.slot == NULL) {
+        desk->failed = 1;
+        return 0;
+    }
+    memset(bigger.slot, 0, bigger.room * sizeof(pbw__slot));
+    for (i = 0; i < set->room; i++) {
+        if (set->slot[i].stamp == set->stamp) {
+            size_t at = pbw__set_place(&bigger, set->slot[i].key);
+            bigger.slot[at] = set->slot[i];
+            bigger.slot[at].stamp = 1;
+        }
+    }
+    pbw__release(desk->memory, set->slot, set->room, sizeof(pbw__slot));
+    *set = bigger;
+    return 1;
+}
+
+/* Empties it; there is room for one item afterwards, and pbw__set_add keeps that so. */
+static int pbw__set_clear(pbw__desk *desk, pbw__set *set)
+{
+    set->count = 0;
+    if (set->room == 0 || set->stamp == 0xffffffffu) {
+        pbw__release(desk->memory, set->slot, set->room, sizeof(pbw__slot));
+        memset(set, 0, sizeof(*set));
+        return pbw__set_grow(desk, set);
+    }
+    set->stamp++;
+    return 1;
+}
+
+/* The number by this key, which is set to `value` and noted in *added if there was none; NULL: out of memory. */
+PBW__INLINE uint32_t *pbw__set_add(pbw__desk *desk, pbw__set *set, uint64_t key, uint32_t value, int *added)
+{
+    size_t at = pbw__set_place(set, key);
+    pbw__slot *slot = set->slot + at;
+    *added = slot->stamp != set->stamp;
+    if (*added) {
+        if (PBW__UNLIKELY(2 * set->count >= set->room)) {
+            if (!pbw__set_grow(desk, set)) {
+                return NULL;
+            }
+            slot = set->slot + pbw__set_place(set, key);
+        }
+        set->count++;
+        slot->key = key;
+        slot->value = value;
+        slot->stamp = set->stamp;
+    }
+    return &slot->value;
+}
+
+static void pbw__cell_free(pbw__memory *memory, pbw__cell *cell);
+
+static void pbw__answer_blocks(void *arg, int task)
+{
+    pbw__queries *queries = (pbw__queries *)arg;
+    pbw__memory *memory = &queries->context.memory;
+    const size_t end = pbw__share(queries->blocks, task + 1, queries->tasks), size = queries->block_size;
+    size_t block = pbw__share(queries->blocks, task, queries->tasks);
+    pbw__desk desk;
+    memset(&desk, 0, sizeof(desk));
+    desk.memory = memory;
+    for (; block < end && !PBW__LOAD(&queries->failed); block++) {
+        const double done = (double)block / (double)queries->blocks;
+        const size_t from = block * size, to = queries->items - from < size ? queries->items : from + size;
+        if (pbw__report(&queries->context, queries->begin + (1.0 - queries->begin) * done)) {
+            break;
+        }
+        queries->answer(queries, &desk, block, from, to);
+        if (desk.failed) {
+            PBW__STORE(&queries->failed, 1);
+        }
+    }
+    pbw__release(memory, desk.seen.slot, desk.seen.room, sizeof(pbw__slot));
+    pbw__release(memory, desk.other.slot, desk.other.room, sizeof(pbw__slot));
+    pbw__release(memory, desk.list, desk.list_room, sizeof(pbw_index));
+    pbw__release(memory, desk.reach, desk.reach_room, sizeof(pbw__reach));
+    pbw__cell_free(memory, desk.cell);
+}
+
+/* Answers `items` queries or whatever else, in blocks of `size`. */
+static pbw_status pbw__answer_all(pbw__queries *queries, pbw__answer *answer, size_t items, size_t size)
+{
+    queries->answer = answer;
+    queries->items = items;
+    queries->block_size = size;
+    queries->blocks = (items + size - 1) / size;
+    queries->tasks = pbw__tasks(&queries->context, queries->blocks, 1);
+    pbw__for(&queries->context, queries->tasks, pbw__answer_blocks, queries);
+    return queries->failed ? PBW_ERROR_MEMORY : PBW__LOAD(&queries->context.cancelled) ? PBW_CANCELLED : PBW_OK;
+}
+
+/* ---- sorting the queries */
+PBW__INLINE int pbw__query_point(const pbw__queries *queries, size_t i, double *p)
+{
+    int k, finite = 1;
+    p[2] = 0.0;
+    memcpy(p, queries->points + i * queries->stride, (size_t)queries->mesh->dim * sizeof(double));
+    for (k = 0; k < queries->mesh->dim; k++) {
+        p[k] += 0.0;                                 /* no -0.0 */
+        finite &= p[k] - p[k] == 0.0;
+    }
+    return finite;
+}
+
+static void pbw__query_boxes(void *arg, int task)
+{
+    pbw__queries *queries = (pbw__queries *)arg;
+    const size_t end = pbw__share(queries->count, task + 1, queries->tasks);
+    size_t i = pbw__share(queries->count, task, queries->tasks), to;
+    pbw__box box;
+    double p[3];
+    int finite = 1;
+    pbw__box_reset(&box, 0);
+    for (; i < end && finite && !pbw__report(&queries->context, 0.0); ) {
+        for (to = end - i < PBW__TICK ? end : i + PBW__TICK; i < to; i++) {
+            finite &= pbw__query_point(queries, i, p);
+            pbw__box_add(&box, p, queries->mesh->dim);
+        }
+    }
+    if (!finite) {
+        PBW__STORE(&queries->not_finite, 1);
+    }
+    queries->boxes[task] = box;
+}
+
+static void pbw__query_keys(void *arg, int task)
+{
+    pbw__queries *queries = (pbw__queries *)arg;
+    const size_t end = pbw__share(queries->count, task + 1, queries->tasks);
+    const int dim = queries->mesh->dim;
+    size_t i = pbw__share(queries->count, task, queries->tasks), to;
+    double p[3];
+    while (i < end && !pbw__report(&queries->context, 0.02)) {
+        for (to = end - i < PBW__TICK ? end : i + PBW__TICK; i < to; i++) {
+            uint64_t key = 0;
+            (void)pbw__query_point(queries, i, p);
+            if (queries->box.extent > 0.0) {
+                key = dim == 3 ? pbw__hilbert_key(queries->curve, &queries->box, p, 3, queries->curve->levels)
+                               : pbw__hilbert_key(queries->curve, &queries->box, p, 2, queries->curve->levels);
+            }
+            queries->keys[i] = key << queries->index_bits | i;
+        }
+    }
+}
+
+static pbw_status pbw__query_sort(pbw__queries *queries)
+{
+    pbw__context *context = &queries->context;
+    const int dim = queries->mesh->dim, widest = dim == 3 ? 14 : 20;
+    const size_t count = queries->count;
+    int task, bits;
+    queries->tasks = pbw__tasks(context, count, 65536);
+    queries->digit_words = ((size_t)context->threads + 1) * PBW__DIGITS;
+    queries->boxes = (pbw__box *)pbw__allocate(&context->memory, 4 * 256, sizeof(pbw__box));
+    queries->curve = (pbw__curve *)pbw__allocate(&context->memory, 1, sizeof(pbw__curve));
+    queries->digits = (uint32_t *)pbw__allocate(&context->memory, queries->digit_words, sizeof(uint32_t));
+    queries->keys = (uint64_t *)pbw__allocate_large(context, count, sizeof(uint64_t));
+    queries->spare = (uint64_t *)pbw__allocate_large(context, count, sizeof(uint64_t));
+    if (queries->boxes == NULL || queries->curve == NULL || queries->digits == NULL || queries->keys == NULL
+        || queries->spare == NULL) {
+        return PBW_ERROR_MEMORY;
+    }
+    pbw__for(context, queries->tasks, pbw__query_boxes, queries);
+    if (queries->not_finite || PBW__LOAD(&context->cancelled)) {
+        return queries->not_finite ? PBW_ERROR_NOT_FINITE : PBW_CANCELLED;
+    }
+    queries->index_bits = pbw__index_bits(count);
+    bits = (64 - queries->index_bits) / dim;
+    bits = bits < widest ? bits : widest;
+    pbw__box_reset(&queries->box, bits);
+    for (task = 0; task < queries->tasks; task++) {
+        pbw__box_add(&queries->box, queries->boxes[task].low, dim);
+        pbw__box_add(&queries->box, queries->boxes[task].high, dim);
+    }
+    pbw__box_close(&queries->box, dim);
+    pbw__curve_create(queries->curve, count, dim);
+    pbw__for(context, queries->tasks, pbw__query_keys, queries);
+    if (!PBW__LOAD(&context->cancelled)) {
+        queries->order = count < 65536
+                       ? pbw__sort_keys(context, queries->keys, queries->spare, count, queries->index_bits, dim * bits)
+                       : pbw__sort_by(context, queries->keys, queries->spare, count, queries->index_bits, dim * bits,
+                                      queries->digits, context->threads);
+    }
+    return PBW__LOAD(&context->cancelled) ? PBW_CANCELLED : PBW_OK;
+}
+
+/* Checks the arguments that all queries share, and starts.  On PBW_OK and on PBW_DEGENERATE, which is for a mesh
+   without simplices, and on what pbw__query_sort returns, pbw__queries_end is to follow. */
+static pbw_status pbw__queries_start(pbw__queries *queries, const pbw_mesh *mesh, const double *points, size_t count,
+                                     const pbw_options *options)
+{
+    pbw_options defaults;
+    size_t work;
+    memset(&defaults, 0, sizeof(defaults));
+    options = options != NULL ? options : &defaults;
+    memset(queries, 0, sizeof(*queries));
+    queries->mesh = mesh;
+    queries->fp = pbw__fp_enter();
+    if (mesh == NULL || (mesh->dim != 2 && mesh->dim != 3) || (points == NULL && count != 0)
+        || options->threads < 0 || options->threads > 256
+        || (mesh->point_count > 0 && (mesh->points == NULL || mesh->incident == NULL || mesh->canonical == NULL))
+        || (mesh->simplex_count > 0 && (mesh->simplices == NULL || mesh->neighbors == NULL))
+        || (options->stride != 0 && options->stride < (size_t)mesh->dim * sizeof(double))) {
+        return PBW_ERROR_ARGUMENT;
+    }
+    queries->points = (const char *)points;
+    queries->count = count;
+    queries->stride = options->stride != 0 ? options->stride : (size_t)mesh->dim * sizeof(double);
+    if (count >= PBW_NONE || count > (size_t)-1 / queries->stride) {
+        return PBW_ERROR_TOO_LARGE;
+    }
+    if (!pbw__fp_is_exact()) {
+        return PBW_ERROR_FP_MODE;
+    }
+    work = points != NULL ? count : mesh->simplex_count;
+    pbw__context_start(&queries->context, options, work);
+    if (pbw__enter_stage(&queries->context, PBW_STAGE_QUERY)) {
+        return PBW_CANCELLED;
+    }
+    queries->begin = 0.05;
+    return count == 0 ? PBW_OK : pbw__query_sort(queries);
+}
+
+static pbw_status pbw__queries_end(pbw__queries *queries, pbw_status status)
+{
+    pbw__context *context = &queries->context;
+    pbw__memory *memory = &context->memory;
+    if (status == PBW_OK && pbw__report(context, 1.0)) {
+        status = PBW_CANCELLED;
+    }
+    if (memory->resize != NULL) {                    /* the context has been started */
+        pbw__release(memory, queries->boxes, 4 * 256, sizeof(pbw__box));
+        pbw__release(memory, queries->curve, 1, sizeof(pbw__curve));
+        pbw__release(memory, queries->digits, queries->digit_words, sizeof(uint32_t));
+        pbw__release(memory, queries->keys, queries->count, sizeof(uint64_t));
+        pbw__release(memory, queries->spare, queries->count, sizeof(uint64_t));
+        pbw__team_stop(context);
+    }
+    pbw__fp_leave(queries->fp);
+    return status;
+}
+
+PBW__INLINE size_t pbw__query_index(const pbw__queries *queries, size_t place)
+{
+    return (size_t)(queries->order[place] & (((uint64_t)1 << queries->index_bits) - 1));
+}
+
+PBW__INLINE double pbw__squared(const double *p, const double *q, int dim)
+{
+    const double x = p[0] - q[0], y = p[1] - q[1], z = dim == 3 ? p[2] - q[2] : 0.0;
+    return x * x + y * y + z * z;
+}
+
+/* Of a few vertices the nearest to p, or nearly. */
+static pbw_index pbw__guess(const pbw_mesh *mesh, const double *p)
+{
+    const size_t some = 48, dim = (size_t)mesh->dim;
+    double least = HUGE_VAL;
+    pbw_index best = mesh->simplices[0];
+    size_t i, v;
+    for (i = 0; i < some; i++) {
+        v = (size_t)((double)mesh->simplex_count * ((double)i / (double)some));
+        v = mesh->simplices[v * (dim + 1)];
+        if (pbw__squared(mesh->points + v * dim, p, mesh->dim) < least) {
+            least = pbw__squared(mesh->points + v * dim, p, mesh->dim);
+            best = (pbw_index)v;
+        }
+    }
+    return best;
+}
+
+/* ---- locate */
+static void pbw__locate_block(pbw__queries *queries, pbw__desk *desk, size_t block, size_t from, size_t to)
+{
+    const pbw_mesh *mesh = queries->mesh;
+    const size_t corners = (size_t)mesh->dim + 1;
+    size_t i, t = 0;
+    (void)desk;
+    (void)block;
+    for (i = from; i < to; i++) {
+        const size_t query = pbw__query_index(queries, i);
+        unsigned leave, on;
+        double p[3];
+        int hull;
+        (void)pbw__query_point(queries, query, p);
+        if (i == from) {
+            t = mesh->incident[pbw__guess(mesh, p)];
+        }
+        t = pbw__walk_to(mesh, t, p, &queries->grid, &leave, &on);
+        queries->simplices[query] = leave == PBW__INSIDE ? pbw__lowest_with(mesh, t, on, &hull) : PBW_NONE;
+        if (queries->facets != NULL) {
+            queries->facets[query] = leave == PBW__INSIDE ? PBW_NONE : (pbw_index)(t * corners + leave);
+        }
+    }
+}
+
+PBWDEF pbw_status pbw_locate(const pbw_mesh *mesh, const double *points, size_t count, const pbw_options *options,
+                             pbw_index *simplices, pbw_index *hull_facets)
+{
+    pbw__queries queries;
+    pbw_status status;
+    size_t i;
+    if (simplices == NULL && count != 0) {
+        return PBW_ERROR_ARGUMENT;
+    }
+    status = pbw__queries_start(&queries, mesh, points, count, options);
+    if (status == PBW_OK && hull_facets != NULL && mesh->simplex_count > PBW_NONE / ((size_t)mesh->dim + 1)) {
+        status = PBW_ERROR_TOO_LARGE;
+    }
+    if (status == PBW_OK && mesh->simplex_count == 0) {
+        for (i = 0; i < count; i++) {
+            simplices[i] = PBW_NONE;
+            if (hull_facets != NULL) {
+                hull_facets[i] = PBW_NONE;
+            }
+        }
+    } else if (status == PBW_OK) {
+        queries.simplices = simplices;
+        queries.facets = hull_facets;
+        status = pbw__answer_all(&queries, pbw__locate_block, count, PBW__BLOCK_QUERIES);
+    }
+    return pbw__queries_end(&queries, status);
+}
+
+PBWDEF pbw_index pbw_locate_one(const pbw_mesh *mesh, const double *point, pbw_index hint, pbw_index *hull_facet)
+{
+    unsigned leave, on;
+    size_t t;
+    int k, hull;
+    if (hull_facet != NULL) {
+        *hull_facet = PBW_NONE;
+    }
+    if (mesh == NULL || point == NULL || mesh->simplex_count == 0 || mesh->neighbors == NULL) {
+        return PBW_NONE;
+    }
+    for (k = 0; k < mesh->dim; k++) {
+        if (!(pbw__size(point[k]) <= DBL_MAX)) {
+            return PBW_NONE;
+        }
+    }
+    t = pbw__walk_to(mesh, hint < mesh->simplex_count ? hint : 0, point, NULL, &leave, &on);
+    if (leave == PBW__INSIDE) {
+        return pbw__lowest_with(mesh, t, on, &hull);
+    }
+    if (hull_facet != NULL) {
+        *hull_facet = (pbw_index)(t * ((size_t)mesh->dim + 1) + leave);
+    }
+    return PBW_NONE;
+}
+
+/* ---- finder: for each cell of a grid over the vertices the one nearest to the cell's centre */
+struct pbw_finder {
+    const pbw_mesh *mesh;
+    pbw__memory memory;
+    pbw_index *start;                                /* of each cell, a simplex */
+    size_t cells, side[3];
+    double low[3], scale[3];
+};
+
+PBW__INLINE size_t pbw__finder_cell(const pbw_finder *finder, const double *p, double *centre)
+{
+    size_t cell = 0;
+    int k;
+    for (k = finder->mesh->dim; k-- > 0; ) {
+        double at = (p[k] - finder->low[k]) * finder->scale[k];
+        const double last = (double)(finder->side[k] - 1);
+        at = at > 0.0 ? at < last ? at : last : 0.0;         /* NaN, of an overflow, too */
+        cell = cell * finder->side[k] + (size_t)at;
+        *centre += (at - (double)(size_t)at - 0.5) * (at - (double)(size_t)at - 0.5);
+    }
+    return cell;
+}
+
+/* The grid: cubes, a quarter as many as vertices or fewer. */
+static void pbw__finder_grid(pbw_finder *finder)
+{
+    const pbw_mesh *mesh = finder->mesh;
+    const int dim = mesh->dim;
+    const double most = (double)mesh->point_count * 0.25 + 1.0;
+    double cells, edge = 0.0;
+    pbw__box box;
+    size_t v;
+    int k, round;
+    pbw__box_reset(&box, 0);
+    for (v = 0; v < mesh->point_count; v++) {
+        pbw__box_add(&box, mesh->points + v * (size_t)dim, dim);
+    }
+    for (k = 0; k < dim; k++) {
+        edge = pbw__larger(edge, box.high[k] - box.low[k]);
+    }
+    finder->cells = 1;
+    for (k = 0; k < dim; k++) {
+        finder->low[k] = box.low[k];
+        finder->scale[k] = 0.0;
+        finder->side[k] = 1;
+    }
+    if (!(edge > 0.0 && edge <= DBL_MAX)) {
+        return;                                      /* too large to measure: one cell */
+    }
+    for (round = 0; round < 64; round++) {           /* halves the edge until there are cells enough */
+        double smaller = edge * 0.5;
+        for (cells = 1.0, k = 0; k < dim; k++) {
+            cells *= (double)(size_t)((box.high[k] - box.low[k]) / smaller < 1e6
+                                      ? (box.high[k] - box.low[k]) / smaller : 1e6) + 1.0;
+        }
+        if (cells > most) {
+            break;
+        }
+        edge = smaller;
+    }
+    for (k = 0; k < dim; k++) {
+        finder->side[k] = (size_t)((box.high[k] - box.low[k]) / edge) + 1;
+        finder->scale[k] = 1.0 / edge;
+        finder->cells *= finder->side[k];
+    }
+}
+
+static pbw_status pbw__finder_fill(pbw__queries *queries, pbw_finder *finder)
+{
+    const pbw_mesh *mesh = finder->mesh;
+    const size_t dim = (size_t)mesh->dim;
+    float *least;
+    size_t v, cell, last = 0;
+    finder->start = (pbw_index *)pbw__allocate(&queries->context.memory, finder->cells, sizeof(pbw_index));
+    least = (float *)pbw__allocate(&queries->context.memory, finder->cells, sizeof(float));
+    if (finder->start == NULL || least == NULL) {
+        pbw__release(&queries->context.memory, least, finder->cells, sizeof(float));
+        return PBW_ERROR_MEMORY;
+    }
+    for (cell = 0; cell < finder->cells; cell++) {
+        finder->start[cell] = PBW_NONE;
+        least[cell] = 1e30f;
+    }
+    for (v = 0; v < mesh->point_count; v++) {
+        double far = 0.0;
+        if (v % PBW__TICK == 0 && pbw__report(&queries->context, 0.9 * (double)v / (double)mesh->point_count)) {
+            break;
+        }
+        cell = pbw__finder_cell(finder, mesh->points + v * dim, &far);
+        if (mesh->incident[v] != PBW_NONE && (float)far < least[cell]) {
+            least[cell] = (float)far;
+            finder->start[cell] = mesh->incident[v];
+        }
+    }
+    for (cell = 0; cell < finder->cells; cell++) {   /* empty cells: as the one before */
+        last = finder->start[cell] != PBW_NONE ? finder->start[cell] : last;
+        finder->start[cell] = (pbw_index)last;
+    }
+    pbw__release(&queries->context.memory, least, finder->cells, sizeof(float));
+    return PBW__LOAD(&queries->context.cancelled) ? PBW_CANCELLED : PBW_OK;
+}
+
+PBWDEF pbw_status pbw_finder_create(const pbw_mesh *mesh, const pbw_options *options, pbw_finder **finder)
+{
+    pbw__queries queries;
+    pbw_status status;
+    pbw_finder *made = NULL;
+    if (finder == NULL) {
+        return PBW_ERROR_ARGUMENT;
+    }
+    *finder = NULL;
+    status = pbw__queries_start(&queries, mesh, NULL, 0, options);
+    if (status == PBW_OK) {
+        made = (pbw_finder *)pbw__allocate(&queries.context.memory, 1, sizeof(pbw_finder));
+        status = made == NULL ? PBW_ERROR_MEMORY : PBW_OK;
+    }
+    if (status == PBW_OK) {
+        memset(made, 0, sizeof(*made));
+        made->mesh = mesh;
+        made->cells = 1;
+        if (mesh->simplex_count > 0) {
+            pbw__finder_grid(made);
+            status = pbw__finder_fill(&queries, made);
+        }
+    }
+    status = pbw__queries_end(&queries, status);
+    if (made != NULL) {
+        made->memory = queries.context.memory;
+        if (status == PBW_OK) {
+            *finder = made;
+        } else {
+            pbw_finder_free(made);
+        }
+    }
+    return status;
+}
+
+PBWDEF pbw_index pbw_finder_locate(const pbw_finder *finder, const double *point, pbw_index *hull_facet)
+{
+    double far = 0.0;
+    if (finder == NULL || point == NULL || finder->start == NULL) {
+        return pbw_locate_one(NULL, NULL, 0, hull_facet);
+    }
+    return pbw_locate_one(finder->mesh, point, finder->start[pbw__finder_cell(finder, point, &far)], hull_facet);
+}
+
+PBWDEF void pbw_finder_free(pbw_finder *finder)
+{
+    if (finder != NULL) {
+        pbw__memory memory = finder->memory;
+        pbw__release(&memory, finder->start, finder->cells, sizeof(pbw_index));
+        pbw__release(&memory, finder, 1, sizeof(pbw_finder));
+    }
+}
+/* ------------------------------------------------------------------------------------------------------
+   >>nearest      Stars; the k nearest vertices; the vertices in a ball.
+   In: a mesh, its stars.  Out: vertices in exact order of distance, lists.
+   Holds: rounded distances only choose where their error bounds tell them apart; else integers do.
+
+   Up to a constant, power distances from q are the values at vertices of a convex function that is linear on each
+   simplex.  At a vertex that is no minimum it falls inside the cone of some simplex, hence along an edge.  So
+     - who steps to a strictly nearer neighbour until there is none, is at a nearest vertex;
+     - equally near minima are connected by edges among them;
+     - each other vertex has a strictly nearer neighbour, so the (k+1)-th nearest is a neighbour of one of the first k;
+     - the vertices within a radius are connected.
+   ------------------------------------------------------------------------------------------------------ */
+#define PBW__FEW 64                                  /* nearest kept in order; more in a heap */
+
+/* ---- lists */
+typedef struct pbw__owned_lists { pbw__memory memory; size_t first, items, values; } pbw__owned_lists;
+
+PBWDEF void pbw_lists_free(pbw_lists *lists)
+{
+    if (lists != NULL && lists->memory != NULL) {
+        pbw__owned_lists *owned = (pbw__owned_lists *)lists->memory;
+        pbw__memory memory = owned->memory;
+        pbw__release(&memory, (void *)(uintptr_t)lists->first, owned->first, sizeof(size_t));
+        pbw__release(&memory, (void *)(uintptr_t)lists->item, owned->items, sizeof(pbw_index));
+        pbw__release(&memory, (void *)(uintptr_t)lists->value, owned->values, sizeof(double));
+        pbw__release(&memory, owned, 1, sizeof(pbw__owned_lists));
+    }
+    if (lists != NULL) {
+        memset(lists, 0, sizeof(*lists));
+    }
+}
+
+/* Room for list `id` of `length` items in a chunk; where its items go, or NULL; and its values. */
+static pbw_index *pbw__chunk_add(pbw__queries *queries, pbw__desk *desk, size_t block, size_t id, size_t length,
+                                 double **values)
+{
+    pbw__chunk *chunk = queries->chunk + block;
+    pbw_index *items;
+    if (!pbw__room(desk, &chunk->word, &chunk->word_room, chunk->words + 2 + length, sizeof(pbw_index))
+        || (values != NULL
+            && !pbw__room(desk, &chunk->value, &chunk->value_room, chunk->values + length, sizeof(double)))) {
+        return NULL;
+    }
+    queries->first[id + 1] = length;
+    items = chunk->word + chunk->words;
+    items[0] = (pbw_index)id;
+    items[1] = (pbw_index)length;
+    chunk->words += 2 + length;
+    if (values != NULL) {
+        *values = chunk->value + chunk->values;
+        chunk->values += length;
+    }
+    return items + 2;
+}
+
+static void pbw__copy_chunk(pbw__queries *queries, pbw__desk *desk, size_t block, size_t from, size_t to)
+{
+    const pbw__chunk *chunk = queries->chunk + block;
+    size_t word, values = 0;
+    (void)desk;
+    (void)from;
+    (void)to;
+    for (word = 0; word < chunk->words; ) {
+        const size_t length = chunk->word[word + 1], first = queries->first[chunk->word[word]];
+        memcpy(queries->item + first, chunk->word + word + 2, length * sizeof(pbw_index));
+        if (queries->value != NULL) {
+            memcpy(queries->value + first, chunk->value + values, length * sizeof(double));
+            values += length;
+        }
+        word += 2 + length;
+    }
+}
+
+/* `count` lists from the answers to items, each of which adds some lists, in any order, to its block's chunk. */
+static pbw_status pbw__make_lists(pbw__queries *queries, pbw__answer *answer, size_t items, size_t size, size_t count,
+                                  int with_values, pbw_lists *lists)
+{
+    pbw__memory *memory = &queries->context.memory;
+    const size_t blocks = (items + size - 1) / size;
+    pbw__owned_lists *owned = (pbw__owned_lists *)pbw__allocate(memory, 1, sizeof(pbw__owned_lists));
+    pbw_status status = PBW_ERROR_MEMORY;
+    size_t i, total = 0;
+    if (owned == NULL) {
+        return PBW_ERROR_MEMORY;
+    }
+    memset(owned, 0, sizeof(*owned));
+    lists->memory = owned;
+    lists->count = count;
+    owned->first = count + 1;
+    lists->first = queries->first = (size_t *)pbw__allocate_large(&queries->context, count + 1, sizeof(size_t));
+    queries->chunk = (pbw__chunk *)pbw__allocate(memory, blocks, sizeof(pbw__chunk));
+    if (queries->first != NULL && queries->chunk != NULL) {
+        memset(queries->first, 0, (count + 1) * sizeof(size_t));
+        memset(queries->chunk, 0, blocks * sizeof(pbw__chunk));
+        status = pbw__answer_all(queries, answer, items, size);
+    }
+    if (status == PBW_OK) {
+        for (i = 1; i <= count; i++) {
+            total = queries->first[i] += total;
+        }
+        owned->items = total;
+        owned->values = with_values ? total : 0;
+        lists->item = queries->item = (pbw_index *)pbw__allocate_large(&queries->context, total, sizeof(pbw_index));
+        lists->value = queries->value = with_values
+                     ? (double *)pbw__allocate_large(&queries->context, total, sizeof(double)) : NULL;
+        status = lists->item == NULL || (with_values && lists->value == NULL) ? PBW_ERROR_MEMORY
+               : pbw__answer_all(queries, pbw__copy_chunk, items, size);
+    }
+    for (i = 0; i < blocks && queries->chunk != NULL; i++) {
+        pbw__release(memory, queries->chunk[i].word, queries->chunk[i].word_room, sizeof(pbw_index));
+        pbw__release(memory, queries->chunk[i].value, queries->chunk[i].value_room, sizeof(double));
+    }
+    pbw__release(memory, queries->chunk, blocks, sizeof(pbw__chunk));
+    return status;
+}
+
+/* After pbw__queries_end: what the lists hold is counted in their own memory from now on. */
+static pbw_status pbw__lists_end(pbw__queries *queries, pbw_status status, pbw_lists *lists)
+{
+    status = pbw__queries_end(queries, status);
+    if (lists->memory != NULL) {
+        ((pbw__owned_lists *)lists->memory)->memory = queries->context.memory;
+    }
+    if (status != PBW_OK) {
+        pbw_lists_free(lists);
+    }
+    return status;
+}
+
+/* ---- stars */
+/* The walk round a vertex, breadth first. */
+static void pbw__star_of(pbw__queries *queries, pbw__desk *desk, size_t block, pbw_index vertex)
+{
+    const pbw_mesh *mesh = queries->mesh;
+    const size_t corners = (size_t)mesh->dim + 1;
+    size_t count = 0, met = 1, next, k;
+    pbw_index *items;
+    int added;
+    if (!pbw__set_clear(desk, &desk->seen) || !pbw__set_clear(desk, &desk->other)
+        || pbw__set_add(desk, &desk->seen, mesh->incident[vertex], 0, &added) == NULL
+        || pbw__set_add(desk, &desk->other, vertex, 0, &added) == NULL
+        || !pbw__room(desk, &desk->list, &desk->list_room, 64, sizeof(pbw_index))) {
+        return;
+    }
+    desk->list[0] = mesh->incident[vertex];          /* simplices from the front, neighbours from the back */
+    for (next = 0; next < met; next++) {
+        const size_t t = desk->list[2 * next];
+        const pbw_index *v = mesh->simplices + t * corners;
+        if (!pbw__room(desk, &desk->list, &desk->list_room, 2 * (met + count) + 16, sizeof(pbw_index))) {
+            return;
+        }
+        for (k = 0; k < corners; k++) {
+            const pbw_index s = mesh->neighbors[t * corners + k];
+            if (pbw__set_add(desk, &desk->other, v[k], 0, &added) == NULL) {
+                return;
+            }
+            if (added) {
+                desk->list[2 * count++ + 1] = v[k];
+            }
+            if (v[k] != vertex && s != PBW_NONE) {
+                if (pbw__set_add(desk, &desk->seen, s, 0, &added) == NULL) {
+                    return;
+                }
+                if (added) {
+                    desk->list[2 * met++] = s;
+                }
+            }
+        }
+    }
+    items = pbw__chunk_add(queries, desk, block, vertex, count, NULL);
+    for (k = 0; k < count && items != NULL; k++) {
+        items[k] = desk->list[2 * k + 1];
+    }
+}
+
+/* The stars of the vertices that are first met in these simplices: along the curve. */
+static void pbw__stars_block(pbw__queries *queries, pbw__desk *desk, size_t block, size_t from, size_t to)
+{
+    const pbw_mesh *mesh = queries->mesh;
+    const size_t corners = (size_t)mesh->dim + 1;
+    size_t i;
+    for (i = from * corners; i < to * corners && !desk->failed; i++) {
+        if (mesh->incident[mesh->simplices[i]] == i / corners) {
+            pbw__star_of(queries, desk, block, mesh->simplices[i]);
+        }
+    }
+}
+
+PBWDEF pbw_status pbw_stars(const pbw_mesh *mesh, const pbw_options *options, pbw_lists *stars)
+{
+    pbw__queries queries;
+    pbw_status status;
+    if (stars == NULL) {
+        return PBW_ERROR_ARGUMENT;
+    }
+    memset(stars, 0, sizeof(*stars));
+    status = pbw__queries_start(&queries, mesh, NULL, 0, options);
+    if (status == PBW_OK) {
+        status = pbw__make_lists(&queries, pbw__stars_block, mesh->simplex_count, 4096, mesh->point_count, 0, stars);
+    }
+    return pbw__lists_end(&queries, status, stars);
+}
+
+/* ---- distances
+   squared = |v - q|^2 - w with an error of at most slack.  Each operation errs by a factor 1 + d, |d| <= e = 2^-52:
+   two on a square from the difference, one from the product, two from the sums, one from the weight: 6 e of the sum
+   of sizes, here 8 e; an underflow costs less than 2^-1020 in all.  An overflow makes slack infinite or NaN. */
+PBW__INLINE pbw__reach pbw__reach_to(const pbw_mesh *mesh, int dim, const double *q, pbw_index vertex)
+{
+    pbw__reach reach;
+    const double squared = pbw__squared(mesh->points + vertex * (size_t)dim, q, dim);
+    reach.squared = squared;
+    reach.slack = 8.0 * DBL_EPSILON * squared + 1e-300;
+    if (mesh->weights != NULL) {
+        reach.squared -= mesh->weights[vertex];
+        reach.slack += 8.0 * DBL_EPSILON * pbw__size(mesh->weights[vertex]);
+    }
+    reach.vertex = vertex;
+    reach.done = 0;
+    return reach;
+}
+
+/* The sign of a sum of squares (a-b)^2, the first `plus` of them added, the others subtracted, and of more - less.
+   Sums of 7 products of 37 digits, and of one of 55, fit a column: see >>exact. */
+static PBW__NOINLINE int pbw__sign_of_squares(double (*term)[2], int plus, int count, double more, double less)
+{
+    pbw__digit pool[8 * 120], *top = pool, one_digit = 1;
+    pbw__integer difference[8], sum, one;
+    pbw__product product[8];
+    int64_t mantissa;
+    int unit = 1024, exponent, i, k;
+    for (i = 0; i < count; i++) {
+        for (k = 0; k < 2; k++) {
+            exponent = pbw__decode(term[i][k], &mantissa);
+            unit = mantissa != 0 && exponent < unit ? exponent : unit;
+        }
+    }
+    for (k = 0; k < 2; k++) {
+        exponent = pbw__decode(k == 0 ? more : less, &mantissa);
+        exponent = (exponent - (exponent & 1)) / 2;
+        unit = mantissa != 0 && exponent < unit ? exponent : unit;
+    }
+    for (i = 0; i < count; i++) {
+        difference[i] = pbw__exact_difference(term[i][0], term[i][1], unit, &top);
+        product[i].factor[0] = product[i].factor[1] = difference + i;
+        product[i].negative = i >= plus;
+    }
+    one.digit = &one_digit;
+    one.length = 1;
+    difference[count] = pbw__exact_difference(more, less, 2 * unit, &top);
+    product[count].factor[0] = difference + count;
+    product[count].factor[1] = &one;
+    product[count].negative = 0;
+    sum = pbw__exact_sum(product, count + 1, &top);
+    return pbw__exact_sign(&sum);
+}
+
+static PBW__NOINLINE int pbw__reach_exact(const pbw_mesh *mesh, const double *q, const pbw__reach *a,
+                                          const pbw__reach *b)
+{
+    const size_t dim = (size_t)mesh->dim;
+    double term[6][2];
+    size_t k;
+    for (k = 0; k < dim; k++) {
+        term[k][0] = mesh->points[a->vertex * dim + k];
+        term[dim + k][0] = mesh->points[b->vertex * dim + k];
+        term[k][1] = term[dim + k][1] = q[k];
+    }
+    return pbw__sign_of_squares(term, mesh->dim, 2 * mesh->dim,
+                                mesh->weights != NULL ? mesh->weights[b->vertex] : 0.0,
+                                mesh->weights != NULL ? mesh->weights[a->vertex] : 0.0);
+}
+
+/* -1: a is nearer to q than b; 0: as near. */
+PBW__INLINE int pbw__reach_order(const pbw_mesh *mesh, const double *q, const pbw__reach *a, const pbw__reach *b)
+{
+    const double gap = a->squared - b->squared, slack = a->slack + b->slack;
+    return gap > slack ? 1 : gap < -slack ? -1 : pbw__reach_exact(mesh, q, a, b);
+}
+
+PBW__INLINE int pbw__reach_before(const pbw_mesh *mesh, const double *q, const pbw__reach *a, const pbw__reach *b)
+{
+    const double gap = a->squared - b->squared, slack = a->slack + b->slack;
+    if (PBW__LIKELY(gap > slack || gap < -slack)) {
+        return gap < 0.0;
+    }
+    if (a->vertex == b->vertex) {
+        return 0;
+    } else {
+        const int order = pbw__reach_exact(mesh, q, a, b);
+        return order != 0 ? order < 0 : a->vertex < b->vertex;
+    }
+}
+
+/* Within the radius? */
+PBW__INLINE int pbw__reach_within(const pbw_mesh *mesh, const double *q, const pbw__reach *a, double radius)
+{
+    const double squared = radius * radius, gap = a->squared - squared;
+    const double slack = a->slack + 8.0 * DBL_EPSILON * squared;
+    const size_t dim = (size_t)mesh->dim;
+    double term[4][2];
+    size_t k;
+    if (PBW__LIKELY(gap > slack || gap < -slack)) {
+        return gap < 0.0;
+    }
+    for (k = 0; k < dim; k++) {
+        term[k][0] = mesh->points[a->vertex * dim + k];
+        term[k][1] = q[k];
+    }
+    term[dim][0] = radius;
+    term[dim][1] = 0.0;
+    return pbw__sign_of_squares(term, mesh->dim, mesh->dim + 1, 0.0,
+                                mesh->weights != NULL ? mesh->weights[a->vertex] : 0.0) <= 0;
+}
+
+PBW__INLINE double pbw__square_root(double x)        /* an instruction, and nothing to link, where we can */
+{
+#if defined(__SSE2__)
+    const __m128d y = _mm_set_sd(x);
+    return _mm_cvtsd_f64(_mm_sqrt_sd(y, y));
+#elif defined(__aarch64__) && defined(__GNUC__)
+    double y;
+    __asm__("fsqrt %d0, %d1" : "=w"(y) : "w"(x));
+    return y;
+#else
+    return sqrt(x);
+#endif
+}
+
+/* What the caller gets. */
+static double pbw__reach_distance(const pbw_mesh *mesh, const double *q, const pbw__reach *a)
+{
+    const double *p = mesh->points + a->vertex * (size_t)mesh->dim;
+    double scale, sum = 0.0;
+    int k;
+    if (mesh->weights != NULL) {
+        return a->squared;
+    }
+    if (a->squared > 1e-280 && a->squared < 1e300) {
+        return pbw__square_root(a->squared);
+    }
+    scale = a->squared < 1.0 ? 4.149515568880993e+180 : 2.409919865102884e-181;      /* 2^600, 2^-600 */
+    for (k = 0; k < mesh->dim; k++) {
+        const double x = a->squared < 1.0 ? (p[k] - q[k]) * scale : p[k] * scale - q[k] * scale;
+        sum += x * x;
+    }
+    return pbw__square_root(sum) / scale;
+}
+
+/* ---- searches; found: desk->reach */
+/* Goes from `start` to a nearest vertex.  Returns whether a neighbour is as near. */
+PBW__INLINE int pbw__descend_of(const pbw__queries *queries, int dim, const double *q, pbw__reach *best)
+{
+    const pbw_mesh *mesh = queries->mesh;
+    const size_t *first = queries->stars->first;
+    for (;;) {
+        const pbw_index *item = queries->stars->item;
+        const pbw_index from = best->vertex;
+        size_t i = first[from];
+        const size_t end = first[from + (size_t)1];
+        int equal = 0;
+        for (; i < end; i++) {
+            pbw__reach other = pbw__reach_to(mesh, dim, q, item[i]);
+            const double gap = other.squared - best->squared, slack = other.slack + best->slack;
+            if (PBW__UNLIKELY(!(gap > slack))) {
+                const int order = gap < -slack ? -1 : pbw__reach_exact(mesh, q, &other, best);
+                equal |= order == 0;
+                *best = order < 0 ? other : *best;
+            }
+        }
+        if (best->vertex == from) {
+            return equal;
+        }
+    }
+}
+
+/* Adds a vertex to those seen; whether it was not among them. */
+PBW__INLINE int pbw__is_new(pbw__desk *desk, pbw_index vertex)
+{
+    int added = 0;
+    return pbw__set_add(desk, &desk->seen, vertex, 0, &added) != NULL && added;
+}
+
+static void pbw__reach_push(const pbw_mesh *mesh, pbw__desk *desk, const double *q, const pbw__reach *reach)
+{
+    size_t at = desk->reach_count;
+    if (!pbw__room(desk, &desk->reach, &desk->reach_room, at + 1, sizeof(pbw__reach))) {
+        return;
+    }
+    for (; at > 0 && pbw__reach_before(mesh, q, reach, desk->reach + (at - 1) / 2); at = (at - 1) / 2) {
+        desk->reach[at] = desk->reach[(at - 1) / 2];
+    }
+    desk->reach[at] = *reach;
+    desk->reach_count++;
+}
+
+/* Takes the first off a heap of at least one. */
+static pbw__reach pbw__reach_pop(const pbw_mesh *mesh, pbw__desk *desk, const double *q)
+{
+    const pbw__reach first = desk->reach[0], moving = desk->reach[--desk->reach_count];
+    size_t at = 0, child;
+    while ((child = 2 * at + 1) < desk->reach_count) {
+        child += child + 1 < desk->reach_count
+              && pbw__reach_before(mesh, q, desk->reach + child + 1, desk->reach + child);
+        if (!pbw__reach_before(mesh, q, desk->reach + child, &moving)) {
+            break;
+        }
+        desk->reach[at] = desk->reach[child];
+        at = child;
+    }
+    desk->reach[at] = moving;
+    return first;
+}
+
+/* All vertices connected with `start` that are as near as it (radius < 0), or within the radius, into the heap. */
+static void pbw__flood(pbw__queries *queries, pbw__desk *desk, const double *q, const pbw__reach *start, double radius)
+{
+    const pbw_mesh *mesh = queries->mesh;
+    const size_t *first = queries->stars->first;
+    size_t next, count = 1, i;
+    if (!pbw__set_clear(desk, &desk->seen) || !pbw__is_new(desk, start->vertex)
+        || !pbw__room(desk, &desk->list, &desk->list_room, 1, sizeof(pbw_index))) {
+        return;
+    }
+    desk->list[0] = start->vertex;
+    pbw__reach_push(mesh, desk, q, start);
+    for (next = 0; next < count && !desk->failed; next++) {
+        for (i = first[desk->list[next]]; i < first[desk->list[next] + (size_t)1] && !desk->failed; i++) {
+            const pbw_index vertex = queries->stars->item[i];
+            const pbw__reach reach = pbw__reach_to(mesh, mesh->dim, q, vertex);
+            if ((radius < 0.0 ? pbw__reach_order(mesh, q, &reach, start) == 0
+                              : pbw__reach_within(mesh, q, &reach, radius))
+                && pbw__is_new(desk, vertex)
+                && pbw__room(desk, &desk->list, &desk->list_room, count + 1, sizeof(pbw_index))) {
+                desk->list[count++] = vertex;
+                pbw__reach_push(mesh, desk, q, &reach);
+            }
+        }
+        if (next % 4096 == 4095 && pbw__report(&queries->context, 0.0)) {
+            return;
+        }
+    }
+}
+
+/* Puts a vertex into its place among the `most` nearest in order, unless it is there or too far.  Returns the place. */
+PBW__INLINE size_t pbw__offer_near(const pbw_mesh *mesh, pbw__desk *desk, const double *q, const pbw__reach *reach,
+                                   size_t most)
+{
+    pbw__reach *near_ones = desk->reach;
+    size_t at = desk->reach_count, i;
+    if (at == most && !pbw__reach_before(mesh, q, reach, near_ones + at - 1)) {
+        return most;
+    }
+    while (at > 0 && pbw__reach_before(mesh, q, reach, near_ones + at - 1)) {
+        at--;
+    }
+    if (at > 0 && near_ones[at - 1].vertex == reach->vertex) {
+        return most;
+    }
+    i = desk->reach_count < most ? desk->reach_count++ : most - 1;
+    for (; i > at; i--) {
+        near_ones[i] = near_ones[i - 1];
+    }
+    near_ones[at] = *reach;
+    return at;
+}
+
+/* The `most` <= PBW__FEW nearest from those that desk->reach has: looks at the neighbours of each that is found. */
+PBW__INLINE void pbw__near_few(pbw__queries *queries, int dim, pbw__desk *desk, const double *q, size_t most)
+{
+    const pbw_mesh *mesh = queries->mesh;
+    const size_t *first = queries->stars->first;
+    size_t next = 0, i;
+    while (next < desk->reach_count && next + 1 < most) {
+        size_t least = next + 1;
+        const pbw_index vertex = desk->reach[next].vertex;
+        if (desk->reach[next].done) {
+            next++;
+            continue;
+        }
+        desk->reach[next].done = 1;
+        for (i = first[vertex]; i < first[vertex + (size_t)1]; i++) {
+            const pbw__reach reach = pbw__reach_to(mesh, dim, q, queries->stars->item[i]);
+            size_t at = pbw__offer_near(mesh, desk, q, &reach, most);
+            least = at < least ? at : least;
+        }
+        next = least;
+    }
+}
+
+static void pbw__give_near(pbw__queries *queries, const double *q, size_t query, size_t at, const pbw__reach *reach)
+{
+    const size_t place = query * queries->k + at;
+    queries->vertices[place] = reach != NULL ? reach->vertex : PBW_NONE;
+    if (queries->distances != NULL) {
+        queries->distances[place] = reach != NULL ? pbw__reach_distance(queries->mesh, q, reach) : HUGE_VAL;
+    }
+}
+
+/* The k nearest of one query; best: a nearest vertex, equal: whether others are as near. */
+static void pbw__near_one(pbw__queries *queries, pbw__desk *desk, const double *q, size_t query, pbw__reach best,
+                          int equal)
+{
+    const pbw_mesh *mesh = queries->mesh;
+    const size_t k = queries->k, *first = queries->stars->first;
+    pbw__reach reach;
+    size_t at, i;
+    desk->reach_count = 0;
+    if (equal) {
+        pbw__flood(queries, desk, q, &best, -1.0);
+    } else if (k > 1) {
+        pbw__reach_push(mesh, desk, q, &best);
+    }
+    if (desk->failed) {
+        return;
+    }
+    if (k > PBW__FEW) {                              /* best first */
+        if (!equal && (!pbw__set_clear(desk, &desk->seen) || !pbw__is_new(desk, best.vertex))) {
+            return;
+        }
+        for (at = 0; at < k && !desk->failed; at++) {
+            if (desk->reach_count == 0) {
+                pbw__give_near(queries, q, query, at, NULL);
+                continue;
+            }
+            best = pbw__reach_pop(mesh, desk, q);
+            pbw__give_near(queries, q, query, at, &best);
+            for (i = first[best.vertex]; i < first[best.vertex + (size_t)1]; i++) {
+                if (pbw__is_new(desk, queries->stars->item[i])) {
+                    reach = pbw__reach_to(mesh, mesh->dim, q, queries->stars->item[i]);
+                    pbw__reach_push(mesh, desk, q, &reach);
+                }
+            }
+            if (at % 4096 == 4095 && pbw__report(&queries->context, 0.0)) {
+                return;
+            }
+        }
+        return;
+    }
+    if (equal) {                                     /* the lowest of them, in order */
+        pbw__reach some[PBW__FEW];
+        memset(some, 0, sizeof(some[0]));
+        for (at = 0; at < k && desk->reach_count > 0; at++) {
+            some[at] = pbw__reach_pop(mesh, desk, q);
+        }
+        memcpy(desk->reach, some, at * sizeof(some[0]));
+        desk->reach_count = at;
+        best = at > 0 ? some[0] : best;
+    }
+    if (k > 1 && pbw__room(desk, &desk->reach, &desk->reach_room, PBW__FEW, sizeof(pbw__reach))) {
+        if (mesh->dim == 3) {
+            pbw__near_few(queries, 3, desk, q, k);
+        } else {
+            pbw__near_few(queries, 2, desk, q, k);
+        }
+    } else {
+        pbw__give_near(queries, q, query, 0, &best);
+        return;
+    }
+    for (at = 0; at < k; at++) {
+        pbw__give_near(queries, q, query, at, at < desk->reach_count ? desk->reach + at : NULL);
+    }
+}
+
+/* Without simplices: looks at all canonical points. */
+static void pbw__near_all(pbw__queries *queries, pbw__desk *desk, const double *q, size_t query)
+{
+    const pbw_mesh *mesh = queries->mesh;
+    const size_t k = queries->k;
+    size_t v, at;
+    desk->reach_count = 0;
+    if (!pbw__room(desk, &desk->reach, &desk->reach_room, PBW__FEW, sizeof(pbw__reach))) {
+        return;
+    }
+    for (v = 0; v < mesh->point_count && !desk->failed; v++) {
+        if (v % PBW__TICK == 0 && pbw__report(&queries->context, 0.0)) {
+            return;
+        }
+        if (mesh->canonical[v] == v) {
+            pbw__reach reach = pbw__reach_to(mesh, mesh->dim, q, (pbw_index)v);
+            if (k <= PBW__FEW) {
+                (void)pbw__offer_near(mesh, desk, q, &reach, k);
+            } else {
+                pbw__reach_push(mesh, desk, q, &reach);
+            }
+        }
+    }
+    for (at = 0; at < k && !desk->failed; at++) {
+        if (k <= PBW__FEW) {
+            pbw__give_near(queries, q, query, at, at < desk->reach_count ? desk->reach + at : NULL);
+        } else if (desk->reach_count > 0) {
+            pbw__reach reach = pbw__reach_pop(mesh, desk, q);
+            pbw__give_near(queries, q, query, at, &reach);
+        } else {
+            pbw__give_near(queries, q, query, at, NULL);
+        }
+    }
+}
+
+/* A nearest vertex of the query at a place of the order, from the last one. */
+PBW__INLINE int pbw__query_descend(pbw__queries *queries, size_t place, int first, double *q, pbw__reach *best)
+{
+    const pbw_mesh *mesh = queries->mesh;
+    (void)pbw__query_point(queries, pbw__query_index(queries, place), q);
+    if (first) {
+        best->vertex = pbw__guess(mesh, q);
+    }
+    *best = pbw__reach_to(mesh, mesh->dim, q, best->vertex);
+    return mesh->dim == 3 ? pbw__descend_of(queries, 3, q, best) : pbw__descend_of(queries, 2, q, best);
+}
+
+static void pbw__nearest_block(pbw__queries *queries, pbw__desk *desk, size_t block, size_t from, size_t to)
+{
+    pbw__reach best;
+    double q[3];
+    size_t i;
+    (void)block;
+    memset(&best, 0, sizeof(best));
+    for (i = from; i < to && !desk->failed; i++) {
+        const size_t query = pbw__query_index(queries, i);
+        if (queries->mesh->simplex_count == 0) {
+            (void)pbw__query_point(queries, query, q);
+            pbw__near_all(queries, desk, q, query);
+        } else {
+            const int equal = pbw__query_descend(queries, i, i == from, q, &best);
+            pbw__near_one(queries, desk, q, query, best, equal);
+        }
+    }
+}
+
+/* The stars of the mesh, the caller's or made here. */
+static pbw_status pbw__take_stars(pbw__queries *queries, const pbw_lists *stars, pbw_lists *own)
+{
+    const pbw_mesh *mesh = queries->mesh;
+    queries->stars = stars != NULL ? stars : own;
+    if (stars != NULL && (stars->count != mesh->point_count || stars->first == NULL)) {
+        return PBW_ERROR_ARGUMENT;
+    }
+    return stars != NULL || mesh->simplex_count == 0 ? PBW_OK
+         : pbw__make_lists(queries, pbw__stars_block, mesh->simplex_count, 4096, mesh->point_count, 0, own);
+}
+
+static void pbw__drop_stars(pbw__queries *queries, pbw_lists *own)
+{
+    pbw__memory *memory = &queries->context.memory;
+    if (own->memory != NULL) {
+        pbw__owned_lists *owned = (pbw__owned_lists *)own->memory;
+        pbw__release(memory, (void *)(uintptr_t)own->first, owned->first, sizeof(size_t));
+        pbw__release(memory, (void *)(uintptr_t)own->item, owned->items, sizeof(pbw_index));
+        pbw__release(memory, owned, 1, sizeof(pbw__owned_lists));
+    }
+}
+
+PBWDEF pbw_status pbw_nearest(const pbw_mesh *mesh, const pbw_lists *stars, const double *points, size_t count,
+                              size_t k, const pbw_options *options, pbw_index *vertices, double *distances)
+{
+    pbw__queries queries;
+    pbw_lists own;
+    pbw_status status;
+    memset(&own, 0, sizeof(own));
+    if (vertices == NULL && count != 0 && k != 0) {
+        return PBW_ERROR_ARGUMENT;
+    }
+    status = pbw__queries_start(&queries, mesh, points, count, options);
+    if (status == PBW_OK && count != 0 && k > ((size_t)-1) / sizeof(double) / count) {
+        status = PBW_ERROR_TOO_LARGE;
+    }
+    if (status == PBW_OK && k != 0 && count != 0) {
+        status = pbw__take_stars(&queries, stars, &own);
+    }
+    if (status == PBW_OK && k != 0 && count != 0) {
+        queries.k = k;
+        queries.vertices = vertices;
+        queries.distances = distances;
+        status = pbw__answer_all(&queries, pbw__nearest_block, count, PBW__BLOCK_QUERIES);
+    }
+    pbw__drop_stars(&queries, &own);
+    return pbw__queries_end(&queries, status);
+}
+
+static void pbw__within_block(pbw__queries *queries, pbw__desk *desk, size_t block, size_t from, size_t to)
+{
+    const pbw_mesh *mesh = queries->mesh;
+    pbw__reach best;
+    double q[3], *values;
+    pbw_index *items;
+    size_t i, v, k, count;
+    memset(&best, 0, sizeof(best));
+    for (i = from; i < to && !desk->failed; i++) {
+        desk->reach_count = 0;
+        if (mesh->simplex_count > 0) {
+            (void)pbw__query_descend(queries, i, i == from, q, &best);
+            if (pbw__reach_within(mesh, q, &best, queries->radius)) {
+                pbw__flood(queries, desk, q, &best, queries->radius);
+            }
+        } else {
+            (void)pbw__query_point(queries, pbw__query_index(queries, i), q);
+            for (v = 0; v < mesh->point_count && !desk->failed; v++) {
+                const pbw__reach reach = pbw__reach_to(mesh, mesh->dim, q, (pbw_index)v);
+                if (v % PBW__TICK == 0 && pbw__report(&queries->context, 0.0)) {
+                    return;
+                }
+                if (mesh->canonical[v] == v && pbw__reach_within(mesh, q, &reach, queries->radius)) {
+                    pbw__reach_push(mesh, desk, q, &reach);
+                }
+            }
+        }
+        count = desk->reach_count;
+        items = desk->failed ? NULL
+              : pbw__chunk_add(queries, desk, block, pbw__query_index(queries, i), count, &values);
+        for (k = 0; k < count && items != NULL; k++) {
+            const pbw__reach reach = pbw__reach_pop(mesh, desk, q);
+            items[k] = reach.vertex;
+            values[k] = pbw__reach_distance(mesh, q, &reach);
+        }
+        if (pbw__report(&queries->context, 0.0)) {
+            return;
+        }
+    }
+}
+
+PBWDEF pbw_status pbw_within(const pbw_mesh *mesh, const pbw_lists *stars, const double *points, size_t count,
+                             double radius, const pbw_options *options, pbw_lists *lists)
+{
+    pbw__queries queries;
+    pbw_lists own;
+    pbw_status status;
+    if (lists == NULL || !(radius >= 0.0 && radius <= DBL_MAX)) {
+        return PBW_ERROR_ARGUMENT;
+    }
+    memset(lists, 0, sizeof(*lists));
+    memset(&own, 0, sizeof(own));
+    status = pbw__queries_start(&queries, mesh, points, count, options);
+    if (status == PBW_OK) {
+        status = pbw__take_stars(&queries, stars, &own);
+    }
+    if (status == PBW_OK) {
+        queries.radius = radius;
+        status = pbw__make_lists(&queries, pbw__within_block, count, PBW__BLOCK_QUERIES, count, 1, lists);
+    }
+    pbw__drop_stars(&queries, &own);
+    return pbw__lists_end(&queries, status, lists);
+}
+/* ------------------------------------------------------------------------------------------------------
+   >>interpolate  Weights of vertices for a point inside: barycentric, Sibson's, Laplace's.
+   In: the simplex that contains a query q.  Out: vertices and weights that have q as their mean.
+
+   Sibson's weights (1981) are the volumes that the cell of q would take from the cells of its neighbours, without the
+   mesh being changed.  The simplices in conflict with q form a cavity; its boundary facets with q would be the new
+   ones.  Each facet abc between two simplices is dual to an edge from the centre n behind it to the centre s in front,
+   where a, b, c turn counter-clockwise.  With n and s relative to any origin, the dual edge gives to the cells of a and
+   b, at the edge ab, six times the volume
+
+       ((b - a) . (n x s) - (n - s) . (a x b)) / 2 * (1 +- (w_a - w_b) / |b - a|^2)
+
+   Summed over all facets this is the volume of each cell, whatever the shape of the simplices.  So what q takes is the
+   sum over facets inside the cavity, plus that over boundary facets from the new centre to the old one inside (the
+   centre outside lies on one line with both: it cancels, and a hull facet is no special case), minus that over facets
+   with q.  In the plane an edge ab gives (n - a) x (s - a) to a, and (s - b) x (n - b) to b, twice the area.  Laplace's
+   weights are the facets of the cell of q over the distances to its neighbours, from the same facets with q.
+
+   All is relative to q and scaled by a power of two.  Centres of nearly flat simplices are far and badly conditioned.
+   The weighted mean of the neighbours, which is q, shows it: where it is not, all is done again with pairs of doubles.
+   ------------------------------------------------------------------------------------------------------ */
+typedef struct pbw__vector { pbw__pair x, y, z; } pbw__vector;
+typedef struct pbw__site { pbw__vector at; pbw__pair weight, share; pbw_index vertex; } pbw__site;
+typedef struct pbw__face { pbw__vector centre; pbw_index corner[3], inner; } pbw__face;
+
+/* The cavity of a query; corner, across: 4 for each simplex. */
+struct pbw__cell {
+    pbw_index *simplex, *corner, *across;            /* across: number of a simplex in the cavity, or PBW_NONE */
+    pbw__vector *centre;
+    pbw__site *site;
+    pbw__face *face;                                 /* of the boundary */
+    size_t simplex_room, corner_room, across_room, centre_room, site_room, face_room;
+    size_t simplices, sites, faces;
+};
+
+static void pbw__cell_free(pbw__memory *memory, pbw__cell *cell)
+{
+    if (cell != NULL) {
+        pbw__release(memory, cell->simplex, cell->simplex_room, sizeof(pbw_index));
+        pbw__release(memory, cell->corner, cell->corner_room, sizeof(pbw_index));
+        pbw__release(memory, cell->across, cell->across_room, sizeof(pbw_index));
+        pbw__release(memory, cell->centre, cell->centre_room, sizeof(pbw__vector));
+        pbw__release(memory, cell->site, cell->site_room, sizeof(pbw__site));
+        pbw__release(memory, cell->face, cell->face_room, sizeof(pbw__face));
+        pbw__release(memory, cell, 1, sizeof(pbw__cell));
+    }
+}
+
+/* ---- arithmetic: with pairs if `fine`, else with their heads, the tails being dead */
+PBW__INLINE pbw__pair pbw__number(double head)
+{
+    pbw__pair number;
+    number.head = head;
+    number.tail = 0.0;
+    return number;
+}
+
+PBW__INLINE pbw__pair pbw__add(int fine, pbw__pair a, pbw__pair b)
+{
+    return fine ? pbw__pair_plus(a, b) : pbw__number(a.head + b.head);
+}
+
+PBW__INLINE pbw__pair pbw__sub(int fine, pbw__pair a, pbw__pair b)
+{
+    return fine ? pbw__pair_minus(a, b) : pbw__number(a.head - b.head);
+}
+
+PBW__INLINE pbw__pair pbw__mul(int fine, pbw__pair a, pbw__pair b)
+{
+    return fine ? pbw__pair_times(a, b) : pbw__number(a.head * b.head);
+}
+
+/* b is normalised first: |tail| <= u |head|; then the rest after one quotient is as small. */
+PBW__INLINE pbw__pair pbw__div(int fine, pbw__pair a, pbw__pair b)
+{
+    pbw__pair quotient, rest;
+    double head = b.head + b.tail;
+    if (!fine) {
+        return pbw__number(a.head / b.head);
+    }
+    b.tail = (b.head - head) + b.tail;
+    b.head = head;
+    quotient = pbw__number((a.head + a.tail) / head);
+    rest = pbw__pair_minus(a, pbw__pair_times(quotient, b));
+    quotient.tail = (rest.head + rest.tail) / head;
+    return quotient;
+}
+
+PBW__INLINE pbw__vector pbw__vector_sub(int fine, pbw__vector a, pbw__vector b)
+{
+    a.x = pbw__sub(fine, a.x, b.x);
+    a.y = pbw__sub(fine, a.y, b.y);
+    a.z = pbw__sub(fine, a.z, b.z);
+    return a;
+}
+
+PBW__INLINE pbw__vector pbw__vector_add(int fine, pbw__vector a, pbw__vector b)
+{
+    a.x = pbw__add(fine, a.x, b.x);
+    a.y = pbw__add(fine, a.y, b.y);
+    a.z = pbw__add(fine, a.z, b.z);
+    return a;
+}
+
+PBW__INLINE pbw__vector pbw__vector_times(int fine, pbw__vector a, pbw__pair factor)
+{
+    a.x = pbw__mul(fine, a.x, factor);
+    a.y = pbw__mul(fine, a.y, factor);
+    a.z = pbw__mul(fine, a.z, factor);
+    return a;
+}
+
+PBW__INLINE pbw__pair pbw__vector_dot(int fine, pbw__vector a, pbw__vector b)
+{
+    return pbw__add(fine, pbw__add(fine, pbw__mul(fine, a.x, b.x), pbw__mul(fine, a.y, b.y)),
+                    pbw__mul(fine, a.z, b.z));
+}
+
+/* a x b in the plane, and in space. */
+PBW__INLINE pbw__pair pbw__vector_area(int fine, pbw__vector a, pbw__vector b)
+{
+    return pbw__sub(fine, pbw__mul(fine, a.x, b.y), pbw__mul(fine, a.y, b.x));
+}
+
+PBW__INLINE pbw__vector pbw__vector_cross(int fine, pbw__vector a, pbw__vector b)
+{
+    pbw__vector c;
+    c.x = pbw__sub(fine, pbw__mul(fine, a.y, b.z), pbw__mul(fine, a.z, b.y));
+    c.y = pbw__sub(fine, pbw__mul(fine, a.z, b.x), pbw__mul(fine, a.x, b.z));
+    c.z = pbw__sub(fine, pbw__mul(fine, a.x, b.y), pbw__mul(fine, a.y, b.x));
+    return c;
+}
+
+/* ---- barycentric */
+/* The orientations that pbw__sides3 and pbw__sides2 compute, as exact as doubles are, but for a common factor. */
+static PBW__NOINLINE void pbw__exact_sides(const pbw_mesh *mesh, const pbw_index *v, const double *p, double *side)
+{
+    const int dim = mesh->dim;
+    pbw__digit pool[PBW__POOL], *top = pool;
+    pbw__integer entry[4][3], minor[3], value[4];
+    pbw__product term[3];
+    int unit = 1024, longest = 0, i, j, k, exponent;
+    int64_t mantissa;
+    for (i = 0; i <= dim + 1; i++) {
+        for (k = 0; k < dim; k++) {
+            exponent = pbw__decode(i <= dim ? mesh->points[v[i] * (size_t)dim + (size_t)k] : p[k], &mantissa);
+            unit = mantissa != 0 && exponent < unit ? exponent : unit;
+        }
+    }
+    for (i = 0; i <= dim; i++) {
+        for (k = 0; k < dim; k++) {
+            entry[i][k] = pbw__exact_difference(mesh->points[v[i] * (size_t)dim + (size_t)k], p[k], unit, &top);
+        }
+    }
+    for (i = 0; i <= dim; i++) {                     /* rows other than i, in cyclic order */
+        const int a = (i + 1) % (dim + 1), b = (i + 2) % (dim + 1), c = (i + 3) % (dim + 1);
+        for (k = 0; k < (dim == 3 ? 3 : 1); k++) {   /* minors of the last two rows, by columns */
+            const pbw__integer *s = entry[dim == 3 ? b : a], *t = entry[dim == 3 ? c : b];
+            const int x = dim == 3 ? (k + 1) % 3 : 0, y = dim == 3 ? (k + 2) % 3 : 1;
+            term[0].factor[0] = s + x;
+            term[0].factor[1] = t + y;
+            term[0].negative = 0;
+            term[1].factor[0] = s + y;
+            term[1].factor[1] = t + x;
+            term[1].negative = 1;
+            minor[k] = pbw__exact_sum(term, 2, &top);
+        }
+        for (k = 0; dim == 3 && k < 3; k++) {
+            term[k].factor[0] = &entry[a][k];
+            term[k].factor[1] = minor + k;
+            term[k].negative = i % 2;                /* a cycle of four rows is an odd permutation */
+        }
+        value[i] = dim == 3 ? pbw__exact_sum(term, 3, &top) : minor[0];
+        longest = value[i].length > longest ? value[i].length : longest;
+    }
+    for (i = 0; i <= dim; i++) {                     /* the digits that count beside the longest, in its unit */
+        const double radix = 1.0 / (double)((pbw__column)1 << PBW__DIGIT_BITS);
+        double weight = 1.0;
+        side[i] = 0.0;
+        for (j = longest; j > 0 && j > longest - 6; j--, weight *= radix) {
+            side[i] += j <= value[i].length ? (double)value[i].digit[j - 1] * weight : 0.0;
+        }
+    }
+}
+
+/* The orientations with pairs; their error is at most the value returned, see >>predicates. */
+static double pbw__pair_sides(const pbw_mesh *mesh, const pbw_index *v, const double *p, double *side)
+{
+    const size_t dim = (size_t)mesh->dim;
+    pbw__pair u[3][4], det;
+    double size = PBW__EPSILON * PBW__EPSILON * (dim == 2 ? 31.0 : 382.0);
+    size_t i, k;
+    for (k = 0; k < dim; k++) {
+        double largest = 0.0;
+        for (i = 0; i <= dim; i++) {
+            u[k][i] = pbw__pair_difference(mesh->points[v[i] * dim + k], p[k]);
+            largest = pbw__larger(largest, pbw__size(u[k][i].head));
+        }
+        size *= largest;
+    }
+    for (i = 0; i <= dim; i++) {
+        const int a = (int)((i + 1) % (dim + 1)), b = (int)((i + 2) % (dim + 1)), c = (int)((i + 3) % (dim + 1));
+        det = dim == 2 ? pbw__pair_cross(u, a, b) : pbw__pair_minor(u, a, b, c);
+        side[i] = dim == 3 && i % 2 == 1 ? -(det.head + det.tail) : det.head + det.tail;
+    }
+    return size;
+}
+
+/* Adds the barycentric coordinates of p in simplex t, which contains it, those that are 0 left out. */
+static void pbw__barycentric(pbw__queries *queries, pbw__desk *desk, size_t block, size_t query, size_t t,
+                             const double *p, unsigned on)
+{
+    const pbw_mesh *mesh = queries->mesh;
+    const size_t corners = (size_t)mesh->dim + 1;
+    const pbw_index *v = mesh->simplices + t * corners;
+    pbw_index item[4], *items;
+    double side[4], value[4], *values, total = 0.0, bound;
+    size_t i, j, count = 0;
+    bound = mesh->dim == 3 ? pbw__sides3(mesh->points, v, p, side) : pbw__sides2(mesh->points, v, p, side);
+    for (i = 0; i < corners; i++) {
+        total += side[i];
+    }
+    if (!(bound < 1e-14 * total)) {
+        bound = pbw__pair_sides(mesh, v, p, side);
+        for (total = 0.0, i = 0; i < corners; i++) {
+            total += side[i];
+        }
+        if (!(bound < 1e-15 * total && bound > 1e-250)) {
+            pbw__exact_sides(mesh, v, p, side);
+        }
+    }
+    for (total = 0.0, i = 0; i < corners; i++) {
+        side[i] = (on >> i & 1) == 0 && side[i] > 0.0 ? side[i] : 0.0;
+        total += side[i];
+    }
+    for (i = 0; i < corners; i++) {
+        if (side[i] > 0.0) {
+            for (j = count++; j > 0 && item[j - 1] > v[i]; j--) {
+                item[j] = item[j - 1];
+                value[j] = value[j - 1];
+            }
+            item[j] = v[i];
+            value[j] = side[i] / total;
+        }
+    }
+    items = pbw__chunk_add(queries, desk, block, query, count, &values);
+    if (items != NULL) {
+        memcpy(items, item, count * sizeof(item[0]));
+        memcpy(values, value, count * sizeof(value[0]));
+    }
+}
+
+/* ---- the cavity */
+PBW__INLINE void pbw__record_of(const pbw_mesh *mesh, int dim, pbw_index v, double *record)
+{
+    memcpy(record, mesh->points + v * (size_t)dim, (size_t)dim * sizeof(double));
+    record[dim] = mesh->weights != NULL ? mesh->weights[v] : 0.0;
+}
+
+/* p: a record. */
+PBW__INLINE int pbw__has_conflict(const pbw__queries *queries, int dim, size_t t, const double *p)
+{
+    const pbw_mesh *mesh = queries->mesh;
+    const pbw_index *v = mesh->simplices + t * (size_t)(dim + 1);
+    double x[4][4];
+    int i;
+    for (i = 0; i <= dim; i++) {
+        pbw__record_of(mesh, dim, v[i], x[i]);
+    }
+    return dim == 3 ? pbw__conflict3(x[0], x[1], x[2], x[3], p, &queries->grid)
+                    : pbw__conflict2(x[0], x[1], x[2], p, &queries->grid);
+}
+
+static int pbw__cell_reserve(pbw__desk *desk, pbw__cell *cell)
+{
+    const size_t simplices = cell->simplices + 4;
+    return pbw__room(desk, &cell->simplex, &cell->simplex_room, simplices, sizeof(pbw_index))
+        && pbw__room(desk, &cell->corner, &cell->corner_room, 4 * simplices, sizeof(pbw_index))
+        && pbw__room(desk, &cell->across, &cell->across_room, 4 * simplices, sizeof(pbw_index))
+        && pbw__room(desk, &cell->centre, &cell->centre_room, simplices, sizeof(pbw__vector))
+        && pbw__room(desk, &cell->site, &cell->site_room, cell->sites + 4, sizeof(pbw__site))
+        && pbw__room(desk, &cell->face, &cell->face_room, cell->faces + 4, sizeof(pbw__face));
+}
+
+/* The corners of the facet opposite to each corner, counter-clockwise for that. */
+static const unsigned char pbw__opposite[2][4][3] = {
+    { { 1, 2, 0 }, { 2, 0, 0 }, { 0, 1, 0 }, { 0, 0, 0 } }, { { 1, 3, 2 }, { 0, 2, 3 }, { 1, 0, 3 }, { 0, 1, 2 } }
+};
+
+/* Notes the facet of simplex s, of the cavity, opposite to corner i as one of the boundary. */
+PBW__INLINE void pbw__cell_face(pbw__cell *cell, int dim, size_t s, size_t i)
+{
+    pbw__face *face = cell->face + cell->faces++;
+    int k;
+    for (k = 0; k < 3; k++) {
+        face->corner[k] = cell->corner[4 * s + pbw__opposite[dim - 2][i][k]];
+    }
+    face->inner = (pbw_index)s;
+}
+
+/* The simplices in conflict with q, from t on, which is one of them; their corners as sites, its boundary facets. */
+PBW__INLINE int pbw__cell_find(const pbw__queries *queries, int dim, pbw__desk *desk, size_t t, const double *q)
+{
+    const pbw_mesh *mesh = queries->mesh;
+    const size_t corners = (size_t)dim + 1;
+    pbw__cell *cell = desk->cell;
+    size_t next, i;
+    int added;
+    cell->simplices = 1;
+    cell->sites = cell->faces = 0;
+    if (!pbw__set_clear(desk, &desk->seen) || !pbw__set_clear(desk, &desk->other) || !pbw__cell_reserve(desk, cell)
+        || pbw__set_add(desk, &desk->seen, t, 0, &added) == NULL) {
+        return 0;
+    }
+    cell->simplex[0] = (pbw_index)t;
+    for (next = 0; next < cell->simplices; next++) {
+        const size_t s = cell->simplex[next];
+        if (!pbw__cell_reserve(desk, cell)) {
+            return 0;
+        }
+        for (i = 0; i < corners; i++) {
+            const pbw_index vertex = mesh->simplices[s * corners + i];
+            const uint32_t *site = pbw__set_add(desk, &desk->other, vertex, (uint32_t)cell->sites, &added);
+            if (site == NULL) {
+                return 0;
+            }
+            cell->corner[4 * next + i] = *site;
+            if (added) {
+                cell->site[cell->sites++].vertex = vertex;
+            }
+        }
+        for (i = 0; i < corners; i++) {
+            const pbw_index other = mesh->neighbors[s * corners + i];
+            uint32_t *known = NULL;
+            cell->across[4 * next + i] = PBW_NONE;
+            if (other != PBW_NONE) {
+                known = pbw__set_add(desk, &desk->seen, other, PBW_NONE, &added);
+                if (known == NULL) {
+                    return 0;
+                }
+                if (added && pbw__has_conflict(queries, dim, other, q)) {
+                    *known = (uint32_t)cell->simplices;
+                    cell->simplex[cell->simplices++] = other;
+                }
+                cell->across[4 * next + i] = *known;
+            }
+            if (cell->across[4 * next + i] == PBW_NONE) {
+                pbw__cell_face(cell, dim, next, i);
+            }
+        }
+    }
+    return 1;
+}
+
+/* Sites relative to q, so scaled that the farthest is about 1 away. */
+PBW__INLINE void pbw__cell_place(const pbw_mesh *mesh, int dim, pbw__cell *cell, const double *q)
+{
+    double largest = 0.0, scale = 1.0;
+    size_t i;
+    int k;
+    for (i = 0; i < cell->sites; i++) {
+        for (k = 0; k < dim; k++) {
+            largest = pbw__larger(largest,
+                                  pbw__size(mesh->points[cell->site[i].vertex * (size_t)dim + (size_t)k] - q[k]));
+        }
+    }
+    if (largest > 1e-300 && largest < 1e300) {
+        const uint64_t bits = (uint64_t)(1023 - pbw__exponent(largest)) << 52;
+        memcpy(&scale, &bits, sizeof(scale));
+    }
+    for (i = 0; i < cell->sites; i++) {
+        pbw__site *site = cell->site + i;
+        const double *p = mesh->points + site->vertex * (size_t)dim;
+        pbw__pair *at[3];
+        at[0] = &site->at.x;
+        at[1] = &site->at.y;
+        at[2] = &site->at.z;
+        site->at.z = pbw__number(0.0);
+        for (k = 0; k < dim; k++) {
+            *at[k] = pbw__pair_difference(p[k], q[k]);
+            at[k]->head *= scale;
+            at[k]->tail *= scale;
+        }
+        site->weight = pbw__number(mesh->weights != NULL ? mesh->weights[site->vertex] * scale * scale : 0.0);
+    }
+}
+
+/* The point c with 2 c . x = lift(x) for the rows given: the centre relative to their origin. */
+PBW__INLINE pbw__vector pbw__centre_of(int fine, int dim, const pbw__vector *row, const pbw__pair *lift)
+{
+    pbw__vector sum;
+    pbw__pair det;
+    if (dim == 3) {
+        const pbw__vector yz = pbw__vector_cross(fine, row[1], row[2]);
+        sum = pbw__vector_times(fine, yz, lift[0]);
+        sum = pbw__vector_add(fine, sum, pbw__vector_times(fine, pbw__vector_cross(fine, row[2], row[0]), lift[1]));
+        sum = pbw__vector_add(fine, sum, pbw__vector_times(fine, pbw__vector_cross(fine, row[0], row[1]), lift[2]));
+        det = pbw__vector_dot(fine, row[0], yz);
+    } else {
+        sum.x = pbw__sub(fine, pbw__mul(fine, lift[0], row[1].y), pbw__mul(fine, lift[1], row[0].y));
+        sum.y = pbw__sub(fine, pbw__mul(fine, lift[1], row[0].x), pbw__mul(fine, lift[0], row[1].x));
+        sum.z = pbw__number(0.0);
+        det = pbw__vector_area(fine, row[0], row[1]);
+    }
+    return pbw__vector_times(fine, sum, pbw__div(fine, pbw__number(0.5), det));
+}
+
+PBW__INLINE pbw__pair pbw__lift_of(int fine, pbw__vector at, pbw__pair weight)
+{
+    return pbw__sub(fine, pbw__vector_dot(fine, at, at), weight);
+}
+
+/* Centres of the old simplices, and of the new ones. */
+PBW__INLINE void pbw__cell_centres(int fine, int dim, int weighted, pbw__cell *cell, int old)
+{
+    pbw__vector row[3];
+    pbw__pair lift[3];
+    size_t i;
+    int k;
+    for (i = 0; old && i < cell->simplices; i++) {
+        const pbw__site *base = cell->site + cell->corner[4 * i];
+        for (k = 0; k < dim; k++) {
+            const pbw__site *site = cell->site + cell->corner[4 * i + (size_t)k + 1];
+            row[k] = pbw__vector_sub(fine, site->at, base->at);
+            lift[k] = pbw__lift_of(fine, row[k], weighted ? pbw__sub(fine, site->weight, base->weight)
+                                                          : pbw__number(0.0));
+        }
+        cell->centre[i] = pbw__vector_add(fine, pbw__centre_of(fine, dim, row, lift), base->at);
+    }
+    for (i = 0; i < cell->faces; i++) {
+        for (k = 0; k < dim; k++) {
+            const pbw__site *site = cell->site + cell->face[i].corner[k];
+            row[k] = site->at;
+            lift[k] = pbw__lift_of(fine, row[k], weighted ? site->weight : pbw__number(0.0));
+        }
+        cell->face[i].centre = pbw__centre_of(fine, dim, row, lift);
+    }
+}
+
+/* Adds what the dual edge from n to s gives at the edge ab: ((b - a) . cross - (n - s) . (a x b)) / 2, cross = n x s. */
+PBW__INLINE void pbw__cell_edge(int fine, int weighted, pbw__site *a, pbw__site *b, pbw__vector cross, pbw__vector away)
+{
+    const pbw__vector along = pbw__vector_sub(fine, b->at, a->at);
+    pbw__pair value = pbw__sub(fine, pbw__vector_dot(fine, along, cross),
+                               pbw__vector_dot(fine, away, pbw__vector_cross(fine, a->at, b->at)));
+    if (weighted) {
+        pbw__pair more = pbw__div(fine, pbw__mul(fine, value, pbw__sub(fine, a->weight, b->weight)),
+                                  pbw__vector_dot(fine, along, along));
+        b->share = pbw__sub(fine, b->share, more);
+        a->share = pbw__add(fine, a->share, more);
+    }
+    a->share = pbw__add(fine, a->share, value);
+    b->share = pbw__add(fine, b->share, value);
+}
+
+/* The same for a facet with these corners, counter-clockwise for s. */
+PBW__INLINE void pbw__cell_facet(int fine, int dim, int weighted, pbw__site *const *x, pbw__vector n, pbw__vector s)
+{
+    if (dim == 3) {
+        const pbw__vector cross = pbw__vector_cross(fine, n, s), away = pbw__vector_sub(fine, n, s);
+        pbw__cell_edge(fine, weighted, x[0], x[1], cross, away);
+        pbw__cell_edge(fine, weighted, x[1], x[2], cross, away);
+        pbw__cell_edge(fine, weighted, x[2], x[0], cross, away);
+    } else {
+        pbw__site *a = x[0], *b = x[1];
+        a->share = pbw__add(fine, a->share, pbw__vector_area(fine, pbw__vector_sub(fine, n, a->at),
+                                                             pbw__vector_sub(fine, s, a->at)));
+        b->share = pbw__add(fine, b->share, pbw__vector_area(fine, pbw__vector_sub(fine, s, b->at),
+                                                             pbw__vector_sub(fine, n, b->at)));
+    }
+}
+
+/* A facet with q and x[0], in space x[1] too, counter-clockwise for s, between the new centres n and s.  Takes off the
+   shares what its dual edge gives, or, for Laplace's weights, adds what it is of the facets between q and those. */
+PBW__INLINE void pbw__cell_spoke(int fine, int dim, int weighted, int laplace, pbw__site *const *x, pbw__vector n,
+                                 pbw__vector s)
+{
+    if (!laplace) {
+        pbw__site origin, *corner[3];
+        memset(&origin, 0, sizeof(origin));
+        corner[0] = x[0];
+        corner[1] = dim == 3 ? x[1] : &origin;
+        corner[2] = &origin;
+        pbw__cell_facet(fine, dim, weighted, corner, s, n);
+    } else if (dim == 3) {
+        const pbw__vector cross = pbw__vector_cross(fine, n, s);
+        x[0]->share = pbw__add(fine, x[0]->share, pbw__div(fine, pbw__vector_dot(fine, x[0]->at, cross),
+                                                           pbw__vector_dot(fine, x[0]->at, x[0]->at)));
+        x[1]->share = pbw__sub(fine, x[1]->share, pbw__div(fine, pbw__vector_dot(fine, x[1]->at, cross),
+                                                           pbw__vector_dot(fine, x[1]->at, x[1]->at)));
+    } else {
+        const pbw__vector away = pbw__vector_sub(fine, n, s);
+        x[0]->share = pbw__add(fine, x[0]->share, pbw__div(fine, pbw__vector_area(fine, x[0]->at, away),
+                                                           pbw__vector_dot(fine, x[0]->at, x[0]->at)));
+    }
+}
+
+/* All facets with q, each by the ridge, an edge or in the plane a vertex, where two boundary facets meet. */
+PBW__INLINE int pbw__cell_spokes(int fine, int dim, int weighted, int laplace, pbw__desk *desk)
+{
+    pbw__cell *cell = desk->cell;
+    size_t f;
+    int k, added;
+    if (!pbw__set_clear(desk, &desk->seen)) {
+        return 0;
+    }
+    for (f = 0; f < cell->faces; f++) {
+        const pbw__face *face = cell->face + f;
+        for (k = 0; k < dim; k++) {
+            const pbw_index a = face->corner[k], b = dim == 3 ? face->corner[k < 2 ? k + 1 : 0] : a;
+            const uint64_t key = a < b ? (uint64_t)a << 32 | b : (uint64_t)b << 32 | a;
+            const uint32_t *other = pbw__set_add(desk, &desk->seen, key, (uint32_t)f, &added);
+            if (other == NULL) {
+                return 0;
+            }
+            if (!added) {
+                const pbw__face *first = cell->face + *other;
+                pbw__site *x[2];
+                x[0] = cell->site + b;
+                x[1] = cell->site + a;
+                if (dim == 2 && k == 0) {            /* this edge begins at a: counter-clockwise for the other */
+                    pbw__cell_spoke(fine, 2, weighted, laplace, x, face->centre, first->centre);
+                } else {
+                    pbw__cell_spoke(fine, dim, weighted, laplace, x, first->centre, face->centre);
+                }
+            }
+        }
+    }
+    return 1;
+}
+
+/* The shares of all sites.  Whether their mean is q, as well as doubles may say; -1: out of memory. */
+PBW__INLINE int pbw__cell_weigh(int fine, int dim, int weighted, int laplace, pbw__desk *desk)
+{
+    pbw__cell *cell = desk->cell;
+    pbw__site *x[3];
+    double mean[3] = { 0.0, 0.0, 0.0 }, total = 0.0, off;
+    size_t i, s;
+    int k;
+    pbw__cell_centres(fine, dim, weighted, cell, !laplace);
+    for (i = 0; i < cell->sites; i++) {
+        cell->site[i].share = pbw__number(0.0);
+    }
+    for (s = 0; s < cell->simplices && !laplace; s++) {
+        for (i = 0; i <= (size_t)dim; i++) {
+            const pbw_index n = cell->across[4 * s + i];
+            if (n < s) {                             /* inside, each once */
+                for (k = 0; k < dim; k++) {
+                    x[k] = cell->site + cell->corner[4 * s + pbw__opposite[dim - 2][i][k]];
+                }
+                pbw__cell_facet(fine, dim, weighted, x, cell->centre[n], cell->centre[s]);
+            }
+        }
+    }
+    for (i = 0; i < cell->faces && !laplace; i++) {
+        const pbw__face *face = cell->face + i;
+        for (k = 0; k < dim; k++) {
+            x[k] = cell->site + face->corner[k];
+        }
+        pbw__cell_facet(fine, dim, weighted, x, face->centre, cell->centre[face->inner]);
+    }
+    if (!pbw__cell_spokes(fine, dim, weighted, laplace, desk)) {
+        return -1;
+    }
+    for (i = 0; i < cell->sites; i++) {
+        const pbw__site *site = cell->site + i;
+        const double share = site->share.head + site->share.tail;
+        total += share;
+        mean[0] += share * site->at.x.head;
+        mean[1] += share * site->at.y.head;
+        mean[2] += share * site->at.z.head;
+    }
+    off = pbw__larger(pbw__size(mean[0]), pbw__larger(pbw__size(mean[1]), pbw__size(mean[2])));
+    return off <= (fine ? 1e-12 : 1e-14) * total;
+}
+
+static PBW__NOINLINE int pbw__cell_weigh_fine(int dim, int weighted, int laplace, pbw__desk *desk)
+{
+    return dim == 3 ? pbw__cell_weigh(1, 3, weighted, laplace, desk) : pbw__cell_weigh(1, 2, weighted, laplace, desk);
+}
+
+static int pbw__cell_weigh_coarse(int dim, int weighted, int laplace, pbw__desk *desk)
+{
+    if (weighted || laplace) {
+        return dim == 3 ? pbw__cell_weigh(0, 3, weighted, laplace, desk)
+                        : pbw__cell_weigh(0, 2, weighted, laplace, desk);
+    }
+    return dim == 3 ? pbw__cell_weigh(0, 3, 0, 0, desk) : pbw__cell_weigh(0, 2, 0, 0, desk);
+}
+
+/* Adds the sites and their weights in the order of their indices. */
+static void pbw__cell_give(pbw__queries *queries, pbw__desk *desk, size_t block, size_t query)
+{
+    pbw__cell *cell = desk->cell;
+    pbw_index *items;
+    double *values, total = 0.0;
+    size_t count = 0, gap, i, j;
+    for (i = 0; i < cell->sites; i++) {
+        const pbw__site site = cell->site[i];
+        if (site.share.head + site.share.tail > 0.0) {
+            cell->site[count++] = site;
+        }
+    }
+    items = pbw__chunk_add(queries, desk, block, query, count, &values);
+    if (items == NULL) {
+        return;
+    }
+    for (i = 0; i < count; i++) {
+        items[i] = cell->site[i].vertex;
+        values[i] = cell->site[i].share.head + cell->site[i].share.tail;
+    }
+    for (gap = count > 64 ? count / 3 : 1; gap > 0; gap = gap > 1 && gap < 3 ? 1 : gap / 3) {        /* Shell's sort */
+        for (i = gap; i < count; i++) {
+            const pbw_index item = items[i];
+            const double value = values[i];
+            for (j = i; j >= gap && items[j - gap] > item; j -= gap) {
+                items[j] = items[j - gap];
+                values[j] = values[j - gap];
+            }
+            items[j] = item;
+            values[j] = value;
+        }
+    }
+    for (i = 0; i < count; i++) {
+        total += values[i];
+    }
+    for (i = 0; i < count; i++) {
+        values[i] /= total;
+    }
+}
+
+/* The weights of a query inside simplex t, on the facets opposite to the corners `on`. */
+static void pbw__coordinates_of(pbw__queries *queries, pbw__desk *desk, size_t block, size_t query, size_t t,
+                                const double *p)
+{
+    const pbw_mesh *mesh = queries->mesh;
+    const int dim = mesh->dim, weighted = mesh->weights != NULL, laplace = queries->scheme == PBW_LAPLACE;
+    double record[4];
+    int right;
+    memcpy(record, p, sizeof(record[0]) * (size_t)dim);
+    record[dim] = 0.0;
+    if (desk->cell == NULL) {
+        desk->cell = (pbw__cell *)pbw__allocate(desk->memory, 1, sizeof(pbw__cell));
+        if (desk->cell == NULL) {
+            desk->failed = 1;
+            return;
+        }
+        memset(desk->cell, 0, sizeof(pbw__cell));
+    }
+    if (!(dim == 3 ? pbw__cell_find(queries, 3, desk, t, record) : pbw__cell_find(queries, 2, desk, t, record))) {
+        return;
+    }
+    pbw__cell_place(mesh, dim, desk->cell, p);
+    right = pbw__cell_weigh_coarse(dim, weighted, laplace, desk);
+    if (right == 0) {
+        right = pbw__cell_weigh_fine(dim, weighted, laplace, desk);
+    }
+    if (right > 0) {
+        pbw__cell_give(queries, desk, block, query);
+    } else if (right == 0) {
+        pbw__barycentric(queries, desk, block, query, t, p, 0);
+    }
+}
+
+static void pbw__coordinates_block(pbw__queries *queries, pbw__desk *desk, size_t block, size_t from, size_t to)
+{
+    const pbw_mesh *mesh = queries->mesh;
+    const size_t dim = (size_t)mesh->dim;
+    size_t i, t = 0, lowest;
+    for (i = from; i < to && !desk->failed; i++) {
+        const size_t query = pbw__query_index(queries, i);
+        unsigned leave, on, spread;
+        double p[4];
+        int hull;
+        (void)pbw__query_point(queries, query, p);
+        if (i == from) {
+            t = mesh->incident[pbw__guess(mesh, p)];
+        }
+        t = pbw__walk_to(mesh, t, p, &queries->grid, &leave, &on);
+        if (leave != PBW__INSIDE) {
+            continue;                                /* outside: an empty list */
+        }
+        lowest = pbw__lowest_with(mesh, t, on, &hull);
+        if (lowest != t) {
+            (void)pbw__side_exact(mesh, mesh->simplices + lowest * (dim + 1), p, &queries->grid, &on);
+        }
+        for (spread = on, leave = 0; spread != 0; spread &= spread - 1) {
+            leave++;
+        }
+        p[dim] = 0.0;
+        if (queries->scheme == PBW_BARYCENTRIC || hull || leave == dim
+            || (mesh->weights != NULL && !pbw__has_conflict(queries, mesh->dim, lowest, p))) {
+            pbw__barycentric(queries, desk, block, query, lowest, p, on);
+        } else {
+            pbw__coordinates_of(queries, desk, block, query, lowest, p);
+        }
+        if (pbw__report(&queries->context, 0.0)) {
+            return;
+        }
+    }
+}
+
+PBWDEF pbw_status pbw_coordinates(const pbw_mesh *mesh, const double *points, size_t count, pbw_scheme scheme,
+                                  const pbw_options *options, pbw_lists *lists)
+{
+    pbw__queries queries;
+    pbw_status status;
+    if (lists == NULL) {
+        return PBW_ERROR_ARGUMENT;
+    }
+    memset(lists, 0, sizeof(*lists));
+    status = pbw__queries_start(&queries, mesh, points, count, options);
+    if (status == PBW_OK && scheme != PBW_BARYCENTRIC && scheme != PBW_SIBSON && scheme != PBW_LAPLACE) {
+        status = PBW_ERROR_ARGUMENT;
+    }
+    if (status == PBW_OK) {
+        queries.scheme = scheme;
+        status = pbw__make_lists(&queries, pbw__coordinates_block, mesh->simplex_count == 0 ? 0 : count,
+                                 PBW__BLOCK_QUERIES, count, 1, lists);
+    }
+    return pbw__lists_end(&queries, status, lists);
 }
 /* ------------------------------------------------------------------------------------------------------
    >>api          The front door: argument checks, defaults, the stages in order, status texts.
