@@ -10199,7 +10199,7 @@ static void pbw__copy_chunk(pbw__queries *queries, pbw__desk *desk, size_t block
     for (word = 0; word < chunk->words; ) {
         const size_t length = chunk->word[word + 1], first = queries->first[chunk->word[word]];
         memcpy(queries->item + first, chunk->word + word + 2, length * sizeof(pbw_index));
-        if (queries->value != NULL) {
+        if (queries->value != NULL && length > 0) {
             memcpy(queries->value + first, chunk->value + values, length * sizeof(double));
             values += length;
         }
@@ -10225,9 +10225,11 @@ static pbw_status pbw__make_lists(pbw__queries *queries, pbw__answer *answer, si
     owned->first = count + 1;
     lists->first = queries->first = (size_t *)pbw__allocate_large(&queries->context, count + 1, sizeof(size_t));
     queries->chunk = (pbw__chunk *)pbw__allocate(memory, blocks, sizeof(pbw__chunk));
+    if (queries->chunk != NULL) {
+        memset(queries->chunk, 0, blocks * sizeof(pbw__chunk));
+    }
     if (queries->first != NULL && queries->chunk != NULL) {
         memset(queries->first, 0, (count + 1) * sizeof(size_t));
-        memset(queries->chunk, 0, blocks * sizeof(pbw__chunk));
         status = pbw__answer_all(queries, answer, items, size);
     }
     if (status == PBW_OK) {
@@ -10910,6 +10912,8 @@ struct pbw__cell {
     pbw__face *face;                                 /* of the boundary */
     size_t simplex_room, corner_room, across_room, centre_room, site_room, face_room;
     size_t simplices, sites, faces;
+    double query[3];
+    int scale;                                       /* sites are 2^scale times as far from q */
 };
 
 static void pbw__cell_free(pbw__memory *memory, pbw__cell *cell)
@@ -11010,6 +11014,72 @@ PBW__INLINE pbw__vector pbw__vector_cross(int fine, pbw__vector a, pbw__vector b
     return c;
 }
 
+PBW__INLINE double pbw__power_of_two(int exponent)
+{
+    const uint64_t bits = (uint64_t)(exponent < -1022 ? 1 : exponent > 1023 ? 2046 : exponent + 1023) << 52;
+    double power;
+    memcpy(&power, &bits, sizeof(power));
+    return power;
+}
+
+/* ---- exact numbers
+   The lowest exponent of `count` numbers, none of them above `unit`. */
+static int pbw__exact_unit(const double *number, int count, int unit)
+{
+    int64_t mantissa;
+    int i;
+    for (i = 0; i < count; i++) {
+        const int exponent = pbw__decode(number[i], &mantissa);
+        unit = mantissa != 0 && exponent < unit ? exponent : unit;
+    }
+    return unit;
+}
+
+/* a[x] b[y] - a[y] b[x] */
+static pbw__integer pbw__exact_cross(const pbw__integer *a, const pbw__integer *b, int x, int y, pbw__digit **top)
+{
+    pbw__product term[2];
+    term[0].factor[0] = a + x;
+    term[0].factor[1] = b + y;
+    term[0].negative = 0;
+    term[1].factor[0] = a + y;
+    term[1].factor[1] = b + x;
+    term[1].negative = 1;
+    return pbw__exact_sum(term, 2, top);
+}
+
+/* The sum of a[i] b[i]. */
+static pbw__integer pbw__exact_dot(const pbw__integer *a, const pbw__integer *const *b, int count, pbw__digit **top)
+{
+    pbw__product term[4];
+    int i;
+    for (i = 0; i < count; i++) {
+        term[i].factor[0] = a + i;
+        term[i].factor[1] = b[i];
+        term[i].negative = 0;
+    }
+    return pbw__exact_sum(term, count, top);
+}
+
+/* The number, in units of the digit below its `length` lowest ones; what is far below 2^-106 of that is dropped. */
+static pbw__pair pbw__exact_pair(const pbw__integer *a, int length)
+{
+    const double radix = 1.0 / (double)((pbw__column)1 << PBW__DIGIT_BITS);
+    const pbw__digit half = (pbw__digit)1 << (PBW__DIGIT_BITS / 2);
+    pbw__pair sum = { 0.0, 0.0 }, piece = { 0.0, 0.0 };
+    double weight = radix;
+    int i;
+    for (i = length - 1; i >= 0 && i >= length - 10; i--, weight *= radix) {
+        if (i < a->length) {                         /* in two pieces, which doubles hold */
+            piece.head = (double)(a->digit[i] / half * half) * weight;
+            sum = pbw__pair_plus(sum, piece);
+            piece.head = (double)(a->digit[i] % half) * weight;
+            sum = pbw__pair_plus(sum, piece);
+        }
+    }
+    return sum;
+}
+
 /* ---- barycentric */
 /* The orientations that pbw__sides3 and pbw__sides2 compute, as exact as doubles are, but for a common factor. */
 static PBW__NOINLINE void pbw__exact_sides(const pbw_mesh *mesh, const pbw_index *v, const double *p, double *side)
@@ -11018,13 +11088,9 @@ static PBW__NOINLINE void pbw__exact_sides(const pbw_mesh *mesh, const pbw_index
     pbw__digit pool[PBW__POOL], *top = pool;
     pbw__integer entry[4][3], minor[3], value[4];
     pbw__product term[3];
-    int unit = 1024, longest = 0, i, j, k, exponent;
-    int64_t mantissa;
-    for (i = 0; i <= dim + 1; i++) {
-        for (k = 0; k < dim; k++) {
-            exponent = pbw__decode(i <= dim ? mesh->points[v[i] * (size_t)dim + (size_t)k] : p[k], &mantissa);
-            unit = mantissa != 0 && exponent < unit ? exponent : unit;
-        }
+    int unit = pbw__exact_unit(p, dim, 1024), longest = 0, i, k;
+    for (i = 0; i <= dim; i++) {
+        unit = pbw__exact_unit(mesh->points + v[i] * (size_t)dim, dim, unit);
     }
     for (i = 0; i <= dim; i++) {
         for (k = 0; k < dim; k++) {
@@ -11034,15 +11100,8 @@ static PBW__NOINLINE void pbw__exact_sides(const pbw_mesh *mesh, const pbw_index
     for (i = 0; i <= dim; i++) {                     /* rows other than i, in cyclic order */
         const int a = (i + 1) % (dim + 1), b = (i + 2) % (dim + 1), c = (i + 3) % (dim + 1);
         for (k = 0; k < (dim == 3 ? 3 : 1); k++) {   /* minors of the last two rows, by columns */
-            const pbw__integer *s = entry[dim == 3 ? b : a], *t = entry[dim == 3 ? c : b];
-            const int x = dim == 3 ? (k + 1) % 3 : 0, y = dim == 3 ? (k + 2) % 3 : 1;
-            term[0].factor[0] = s + x;
-            term[0].factor[1] = t + y;
-            term[0].negative = 0;
-            term[1].factor[0] = s + y;
-            term[1].factor[1] = t + x;
-            term[1].negative = 1;
-            minor[k] = pbw__exact_sum(term, 2, &top);
+            minor[k] = dim == 3 ? pbw__exact_cross(entry[b], entry[c], (k + 1) % 3, (k + 2) % 3, &top)
+                                : pbw__exact_cross(entry[a], entry[b], 0, 1, &top);
         }
         for (k = 0; dim == 3 && k < 3; k++) {
             term[k].factor[0] = &entry[a][k];
@@ -11052,37 +11111,10 @@ static PBW__NOINLINE void pbw__exact_sides(const pbw_mesh *mesh, const pbw_index
         value[i] = dim == 3 ? pbw__exact_sum(term, 3, &top) : minor[0];
         longest = value[i].length > longest ? value[i].length : longest;
     }
-    for (i = 0; i <= dim; i++) {                     /* the digits that count beside the longest, in its unit */
-        const double radix = 1.0 / (double)((pbw__column)1 << PBW__DIGIT_BITS);
-        double weight = 1.0;
-        side[i] = 0.0;
-        for (j = longest; j > 0 && j > longest - 6; j--, weight *= radix) {
-            side[i] += j <= value[i].length ? (double)value[i].digit[j - 1] * weight : 0.0;
-        }
-    }
-}
-
-/* The orientations with pairs; their error is at most the value returned, see >>predicates. */
-static double pbw__pair_sides(const pbw_mesh *mesh, const pbw_index *v, const double *p, double *side)
-{
-    const size_t dim = (size_t)mesh->dim;
-    pbw__pair u[3][4], det;
-    double size = PBW__EPSILON * PBW__EPSILON * (dim == 2 ? 31.0 : 382.0);
-    size_t i, k;
-    for (k = 0; k < dim; k++) {
-        double largest = 0.0;
-        for (i = 0; i <= dim; i++) {
-            u[k][i] = pbw__pair_difference(mesh->points[v[i] * dim + k], p[k]);
-            largest = pbw__larger(largest, pbw__size(u[k][i].head));
-        }
-        size *= largest;
-    }
     for (i = 0; i <= dim; i++) {
-        const int a = (int)((i + 1) % (dim + 1)), b = (int)((i + 2) % (dim + 1)), c = (int)((i + 3) % (dim + 1));
-        det = dim == 2 ? pbw__pair_cross(u, a, b) : pbw__pair_minor(u, a, b, c);
-        side[i] = dim == 3 && i % 2 == 1 ? -(det.head + det.tail) : det.head + det.tail;
+        const pbw__pair pair = pbw__exact_pair(value + i, longest);
+        side[i] = pair.head + pair.tail;
     }
-    return size;
 }
 
 /* Adds the barycentric coordinates of p in simplex t, which contains it, those that are 0 left out. */
@@ -11100,13 +11132,7 @@ static void pbw__barycentric(pbw__queries *queries, pbw__desk *desk, size_t bloc
         total += side[i];
     }
     if (!(bound < 1e-14 * total)) {
-        bound = pbw__pair_sides(mesh, v, p, side);
-        for (total = 0.0, i = 0; i < corners; i++) {
-            total += side[i];
-        }
-        if (!(bound < 1e-15 * total && bound > 1e-250)) {
-            pbw__exact_sides(mesh, v, p, side);
-        }
+        pbw__exact_sides(mesh, v, p, side);
     }
     for (total = 0.0, i = 0; i < corners; i++) {
         side[i] = (on >> i & 1) == 0 && side[i] > 0.0 ? side[i] : 0.0;
@@ -11234,19 +11260,18 @@ PBW__INLINE int pbw__cell_find(const pbw__queries *queries, int dim, pbw__desk *
 /* Sites relative to q, so scaled that the farthest is about 1 away. */
 PBW__INLINE void pbw__cell_place(const pbw_mesh *mesh, int dim, pbw__cell *cell, const double *q)
 {
-    double largest = 0.0, scale = 1.0;
+    double largest = 0.0, scale;
     size_t i;
     int k;
+    memcpy(cell->query, q, (size_t)dim * sizeof(q[0]));
     for (i = 0; i < cell->sites; i++) {
         for (k = 0; k < dim; k++) {
             largest = pbw__larger(largest,
                                   pbw__size(mesh->points[cell->site[i].vertex * (size_t)dim + (size_t)k] - q[k]));
         }
     }
-    if (largest > 1e-300 && largest < 1e300) {
-        const uint64_t bits = (uint64_t)(1023 - pbw__exponent(largest)) << 52;
-        memcpy(&scale, &bits, sizeof(scale));
-    }
+    cell->scale = largest > 1e-300 && largest < 1e300 ? -pbw__exponent(largest) : 0;
+    scale = pbw__power_of_two(cell->scale);
     for (i = 0; i < cell->sites; i++) {
         pbw__site *site = cell->site + i;
         const double *p = mesh->points + site->vertex * (size_t)dim;
@@ -11264,8 +11289,9 @@ PBW__INLINE void pbw__cell_place(const pbw_mesh *mesh, int dim, pbw__cell *cell,
     }
 }
 
-/* The point c with 2 c . x = lift(x) for the rows given: the centre relative to their origin. */
-PBW__INLINE pbw__vector pbw__centre_of(int fine, int dim, const pbw__vector *row, const pbw__pair *lift)
+/* The point c with 2 c . x = lift(x) for the rows given: the centre relative to their origin.  flat: it is not exact
+   enough; rows are at most 2 long. */
+PBW__INLINE pbw__vector pbw__centre_of(int fine, int dim, const pbw__vector *row, const pbw__pair *lift, int *flat)
 {
     pbw__vector sum;
     pbw__pair det;
@@ -11281,38 +11307,113 @@ PBW__INLINE pbw__vector pbw__centre_of(int fine, int dim, const pbw__vector *row
         sum.z = pbw__number(0.0);
         det = pbw__vector_area(fine, row[0], row[1]);
     }
+    *flat = !(pbw__size(det.head) > 1e-6);           /* then pairs lack bits, too */
     return pbw__vector_times(fine, sum, pbw__div(fine, pbw__number(0.5), det));
 }
 
-PBW__INLINE pbw__pair pbw__lift_of(int fine, pbw__vector at, pbw__pair weight)
+/* The same for rows point[i] - origin, times 2^scale, exact but for the last roundings. */
+static PBW__NOINLINE pbw__vector pbw__exact_centre(int dim, const double *const *point, const double *origin,
+                                                   const double *weight, double origin_weight, int scale)
 {
-    return pbw__sub(fine, pbw__vector_dot(fine, at, at), weight);
+    pbw__digit pool[PBW__POOL], *top = pool, minus_one = -1;
+    pbw__integer row[3][4], lift[3], normal[3][3], det, sum, one;
+    const pbw__integer *other[4];
+    pbw__product term[3];
+    pbw__pair part[3] = { { 0.0, 0.0 }, { 0.0, 0.0 }, { 0.0, 0.0 } }, divisor;
+    pbw__vector result;
+    int unit, i, k;
+    unit = pbw__exact_unit(weight, dim, pbw__exact_unit(&origin_weight, 1, 1024));
+    unit = pbw__exact_unit(origin, dim, (unit - (unit & 1)) / 2);
+    for (i = 0; i < dim; i++) {
+        unit = pbw__exact_unit(point[i], dim, unit);
+    }
+    one.digit = &minus_one;
+    one.length = 1;
+    for (i = 0; i < dim; i++) {                      /* |row|^2 - dw */
+        for (k = 0; k < dim; k++) {
+            row[i][k] = pbw__exact_difference(point[i][k], origin[k], unit, &top);
+            other[k] = &row[i][k];
+        }
+        row[i][dim] = pbw__exact_difference(weight[i], origin_weight, 2 * unit, &top);
+        other[dim] = &one;
+        lift[i] = pbw__exact_dot(row[i], other, dim + 1, &top);
+    }
+    for (i = 0; i < dim; i++) {                      /* what multiplies lift i */
+        for (k = 0; k < dim; k++) {
+            normal[i][k] = dim == 2 ? row[1 - i][1 - k]
+                         : pbw__exact_cross(row[(i + 1) % 3], row[(i + 2) % 3], (k + 1) % 3, (k + 2) % 3, &top);
+            other[k] = &normal[0][k];
+        }
+    }
+    det = dim == 2 ? pbw__exact_cross(row[0], row[1], 0, 1, &top) : pbw__exact_dot(row[0], other, 3, &top);
+    divisor = pbw__exact_pair(&det, det.length);
+    for (k = 0; k < dim; k++) {
+        for (i = 0; i < dim; i++) {
+            term[i].factor[0] = lift + i;
+            term[i].factor[1] = &normal[i][k];
+            term[i].negative = dim == 2 && i != k;
+        }
+        sum = pbw__exact_sum(term, dim, &top);
+        if (sum.length > 0) {
+            const int exponent = PBW__DIGIT_BITS * (sum.length - det.length) + unit + scale - 1;
+            part[k] = pbw__div(1, pbw__exact_pair(&sum, sum.length), divisor);
+            part[k].head = part[k].head * pbw__power_of_two(exponent / 2) * pbw__power_of_two(exponent - exponent / 2);
+            part[k].tail = part[k].tail * pbw__power_of_two(exponent / 2) * pbw__power_of_two(exponent - exponent / 2);
+        }
+    }
+    result.x = part[0];
+    result.y = part[1];
+    result.z = part[2];
+    return result;
+}
+
+/* The centre of `dim` sites and `base`, relative to that; NULL: q, of weight 0. */
+PBW__INLINE pbw__vector pbw__cell_centre(int fine, int dim, int weighted, const pbw_mesh *mesh, const pbw__cell *cell,
+                                         const pbw_index *corner, const pbw__site *base)
+{
+    pbw__vector row[3], centre;
+    pbw__pair lift[3];
+    int flat, k;
+    for (k = 0; k < dim; k++) {
+        const pbw__site *site = cell->site + corner[k];
+        pbw__pair weight = site->weight;
+        row[k] = site->at;
+        if (base != NULL) {
+            row[k] = pbw__vector_sub(fine, site->at, base->at);
+            weight = pbw__sub(fine, weight, base->weight);
+        }
+        lift[k] = pbw__vector_dot(fine, row[k], row[k]);
+        if (weighted) {
+            lift[k] = pbw__sub(fine, lift[k], weight);
+        }
+    }
+    centre = pbw__centre_of(fine, dim, row, lift, &flat);
+    if (fine && flat) {
+        const double *point[3];
+        double weight[3];
+        for (k = 0; k < dim; k++) {
+            const size_t v = cell->site[corner[k]].vertex;
+            point[k] = mesh->points + v * (size_t)dim;
+            weight[k] = weighted ? mesh->weights[v] : 0.0;
+        }
+        centre = base == NULL ? pbw__exact_centre(dim, point, cell->query, weight, 0.0, cell->scale)
+               : pbw__exact_centre(dim, point, mesh->points + base->vertex * (size_t)dim, weight,
+                                   weighted ? mesh->weights[base->vertex] : 0.0, cell->scale);
+    }
+    return centre;
 }
 
 /* Centres of the old simplices, and of the new ones. */
-PBW__INLINE void pbw__cell_centres(int fine, int dim, int weighted, pbw__cell *cell, int old)
+PBW__INLINE void pbw__cell_centres(int fine, int dim, int weighted, const pbw_mesh *mesh, pbw__cell *cell, int old)
 {
-    pbw__vector row[3];
-    pbw__pair lift[3];
     size_t i;
-    int k;
     for (i = 0; old && i < cell->simplices; i++) {
         const pbw__site *base = cell->site + cell->corner[4 * i];
-        for (k = 0; k < dim; k++) {
-            const pbw__site *site = cell->site + cell->corner[4 * i + (size_t)k + 1];
-            row[k] = pbw__vector_sub(fine, site->at, base->at);
-            lift[k] = pbw__lift_of(fine, row[k], weighted ? pbw__sub(fine, site->weight, base->weight)
-                                                          : pbw__number(0.0));
-        }
-        cell->centre[i] = pbw__vector_add(fine, pbw__centre_of(fine, dim, row, lift), base->at);
+        cell->centre[i] = pbw__vector_add(fine, base->at, pbw__cell_centre(fine, dim, weighted, mesh, cell,
+                                                                           cell->corner + 4 * i + 1, base));
     }
     for (i = 0; i < cell->faces; i++) {
-        for (k = 0; k < dim; k++) {
-            const pbw__site *site = cell->site + cell->face[i].corner[k];
-            row[k] = site->at;
-            lift[k] = pbw__lift_of(fine, row[k], weighted ? site->weight : pbw__number(0.0));
-        }
-        cell->face[i].centre = pbw__centre_of(fine, dim, row, lift);
+        cell->face[i].centre = pbw__cell_centre(fine, dim, weighted, mesh, cell, cell->face[i].corner, NULL);
     }
 }
 
@@ -11409,14 +11510,14 @@ PBW__INLINE int pbw__cell_spokes(int fine, int dim, int weighted, int laplace, p
 }
 
 /* The shares of all sites.  Whether their mean is q, as well as doubles may say; -1: out of memory. */
-PBW__INLINE int pbw__cell_weigh(int fine, int dim, int weighted, int laplace, pbw__desk *desk)
+PBW__INLINE int pbw__cell_weigh(int fine, int dim, int weighted, int laplace, const pbw_mesh *mesh, pbw__desk *desk)
 {
     pbw__cell *cell = desk->cell;
     pbw__site *x[3];
     double mean[3] = { 0.0, 0.0, 0.0 }, total = 0.0, off;
     size_t i, s;
     int k;
-    pbw__cell_centres(fine, dim, weighted, cell, !laplace);
+    pbw__cell_centres(fine, dim, weighted, mesh, cell, !laplace);
     for (i = 0; i < cell->sites; i++) {
         cell->site[i].share = pbw__number(0.0);
     }
@@ -11453,18 +11554,21 @@ PBW__INLINE int pbw__cell_weigh(int fine, int dim, int weighted, int laplace, pb
     return off <= (fine ? 1e-12 : 1e-14) * total;
 }
 
-static PBW__NOINLINE int pbw__cell_weigh_fine(int dim, int weighted, int laplace, pbw__desk *desk)
+static PBW__NOINLINE int pbw__cell_weigh_fine(int laplace, const pbw_mesh *mesh, pbw__desk *desk)
 {
-    return dim == 3 ? pbw__cell_weigh(1, 3, weighted, laplace, desk) : pbw__cell_weigh(1, 2, weighted, laplace, desk);
+    const int weighted = mesh->weights != NULL;
+    return mesh->dim == 3 ? pbw__cell_weigh(1, 3, weighted, laplace, mesh, desk)
+                          : pbw__cell_weigh(1, 2, weighted, laplace, mesh, desk);
 }
 
-static int pbw__cell_weigh_coarse(int dim, int weighted, int laplace, pbw__desk *desk)
+static int pbw__cell_weigh_coarse(int laplace, const pbw_mesh *mesh, pbw__desk *desk)
 {
+    const int weighted = mesh->weights != NULL;
     if (weighted || laplace) {
-        return dim == 3 ? pbw__cell_weigh(0, 3, weighted, laplace, desk)
-                        : pbw__cell_weigh(0, 2, weighted, laplace, desk);
+        return mesh->dim == 3 ? pbw__cell_weigh(0, 3, weighted, laplace, mesh, desk)
+                              : pbw__cell_weigh(0, 2, weighted, laplace, mesh, desk);
     }
-    return dim == 3 ? pbw__cell_weigh(0, 3, 0, 0, desk) : pbw__cell_weigh(0, 2, 0, 0, desk);
+    return mesh->dim == 3 ? pbw__cell_weigh(0, 3, 0, 0, mesh, desk) : pbw__cell_weigh(0, 2, 0, 0, mesh, desk);
 }
 
 /* Adds the sites and their weights in the order of their indices. */
@@ -11513,7 +11617,7 @@ static void pbw__coordinates_of(pbw__queries *queries, pbw__desk *desk, size_t b
                                 const double *p)
 {
     const pbw_mesh *mesh = queries->mesh;
-    const int dim = mesh->dim, weighted = mesh->weights != NULL, laplace = queries->scheme == PBW_LAPLACE;
+    const int dim = mesh->dim, laplace = queries->scheme == PBW_LAPLACE;
     double record[4];
     int right;
     memcpy(record, p, sizeof(record[0]) * (size_t)dim);
@@ -11530,9 +11634,9 @@ static void pbw__coordinates_of(pbw__queries *queries, pbw__desk *desk, size_t b
         return;
     }
     pbw__cell_place(mesh, dim, desk->cell, p);
-    right = pbw__cell_weigh_coarse(dim, weighted, laplace, desk);
+    right = pbw__cell_weigh_coarse(laplace, mesh, desk);
     if (right == 0) {
-        right = pbw__cell_weigh_fine(dim, weighted, laplace, desk);
+        right = pbw__cell_weigh_fine(laplace, mesh, desk);
     }
     if (right > 0) {
         pbw__cell_give(queries, desk, block, query);
