@@ -655,7 +655,7 @@ static void test_progress(void)
                         options.threads = threads;
                         status = call(which, &mesh, queries, QUERIES, &options);
                         CHECK(w.wrong == 0 && m.blocks == 0 && m.faults == 0);
-                        CHECK_EQUAL(w.stages, 1 << PBW_STAGE_QUERY);
+                        CHECK_EQUAL(w.stages, 1 << PBW_STAGE_WORK);
                         if (w.calls < k) {
                             CHECK_EQUAL(status, PBW_OK);
                             CHECK(w.done == 1);
