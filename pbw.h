@@ -322,13 +322,13 @@ PBWDEF int pbw_conflict3(const double a[3], const double b[3], const double c[3]
 PBWDEF const char *pbw_status_string(pbw_status status);    /* never NULL, never freed */
 PBWDEF int pbw_version(void);              /* differs from PBW_VERSION if header and implementation do */
 
-/* ---- queries, on a finished mesh with neighbors, which they do not change: any number of threads may ask it at once.
-   Batches are sorted inside along the Hilbert curve and answered by all threads; each answer is a function of the
-   mesh and the query alone.  options: threads, stride of the query points, memory_limit, resize, run, progress.
+/* ---- queries, on a finished mesh with neighbors, which they only read: any number of threads may ask it at once.
+   Batches are sorted inside along the Hilbert curve and answered by all threads; the answers do not depend on their
+   number.  options: threads, stride of the query points, memory_limit, resize, run, progress.
    A query point that is not finite: PBW_ERROR_NOT_FINITE, and nothing is answered.  On a status but PBW_OK, what is
    in the caller's arrays is undefined, and lists are empty.  A mesh of PBW_DEGENERATE points is outside of all it is
-   asked for by place, its stars are empty, and its canonical points are what is near. */
-typedef struct pbw_lists {                 /* list i: items first[i] .. first[i+1]-1; start from {0}; pbw_lists_free */
+   given to locate, its stars are empty, and its canonical points are what is near. */
+typedef struct pbw_lists {                 /* list i: items first[i] .. first[i+1]-1; pbw_lists_free when done */
     size_t count;                          /* of lists */
     const size_t *first;                   /* count+1 */
     const pbw_index *item;
@@ -349,24 +349,25 @@ PBWDEF pbw_status pbw_stars(const pbw_mesh *mesh, const pbw_options *options, pb
    hint: a simplex to start from; any will do, and a near one is quick.  No allocation.  A point that is not finite is
    in no simplex. */
 PBWDEF pbw_index pbw_locate_one(const pbw_mesh *mesh, const double *point, pbw_index hint, pbw_index *hull_facet);
-/* The same for many; hull_facets may be NULL.  Which of the facets with the point on the outer side it is depends on
-   the other queries. */
+/* The same for many; hull_facets may be NULL.  Which of the facets that have the point on the outer side is named
+   depends on the other queries of the batch. */
 PBWDEF pbw_status pbw_locate(const pbw_mesh *mesh, const double *points, size_t count, const pbw_options *options,
                              pbw_index *simplices, pbw_index *hull_facets);
 
-/* For single queries in any order: a grid of simplices to start from, about a byte a point.  Refers to the mesh, which
-   must stay. */
+/* For single queries in any order: a grid of simplices to start from, about a byte a point.  Refers to the mesh,
+   which must outlive it.  Locating is const: any number of threads. */
 typedef struct pbw_finder pbw_finder;
 PBWDEF pbw_status pbw_finder_create(const pbw_mesh *mesh, const pbw_options *options, pbw_finder **finder);
 PBWDEF pbw_index pbw_finder_locate(const pbw_finder *finder, const double *point, pbw_index *hull_facet);
 PBWDEF void pbw_finder_free(pbw_finder *finder);           /* fine on NULL */
 
 /* The k nearest vertices of each query point, the nearest first, equally near ones by index: k entries for each of
-   vertices and distances (may be NULL).  Where there are fewer: PBW_NONE and HUGE_VAL.  The order is exact; distances
-   are rounded.  With weights the distance is the power distance.  stars: from pbw_stars, or NULL to have them made. */
+   vertices and distances (may be NULL).  Where there are fewer: PBW_NONE and HUGE_VAL.  The order is exact, distances
+   are rounded.  With weights the distance is the power distance.  stars: of pbw_stars, or NULL to have them made.
+   A mesh without simplices takes time in proportion to its points for each query. */
 PBWDEF pbw_status pbw_nearest(const pbw_mesh *mesh, const pbw_lists *stars, const double *points, size_t count,
                               size_t k, const pbw_options *options, pbw_index *vertices, double *distances);
-/* The vertices not farther than the radius, exactly, a list for each query point, in the same order, with distances as
+/* The vertices not farther than the radius, exactly, a list for each query point, in that order, with distances as
    values.  With weights: those of a power distance of at most radius^2. */
 PBWDEF pbw_status pbw_within(const pbw_mesh *mesh, const pbw_lists *stars, const double *points, size_t count,
                              double radius, const pbw_options *options, pbw_lists *lists);
@@ -376,8 +377,9 @@ typedef enum pbw_scheme { PBW_BARYCENTRIC, PBW_SIBSON, PBW_LAPLACE } pbw_scheme;
    their weights, which are not negative, sum to 1, and have the point as the weighted mean of the vertices.
    PBW_BARYCENTRIC: of the simplex that contains it.  PBW_SIBSON: the share that its Voronoi cell would take from the
    cells of its neighbours; PBW_LAPLACE: the facets of its cell over the distances of the neighbours.  With weights,
-   cells are power cells, and the query has the weight 0.  Outside of the hull a list is empty.  On the boundary of the
-   hull, and where the query would be a hidden point, all schemes give barycentric coordinates. */
+   cells are power cells, and the query has the weight 0.  Outside of the hull a list is empty.  On the boundary of
+   the hull, where the query would be a hidden point, and where differences of coordinates overflow, all schemes give
+   barycentric coordinates. */
 PBWDEF pbw_status pbw_coordinates(const pbw_mesh *mesh, const double *points, size_t count, pbw_scheme scheme,
                                   const pbw_options *options, pbw_lists *lists);
 
@@ -9743,8 +9745,8 @@ PBW__INLINE double pbw__sides2(const double *points, const pbw_index *v, const d
     return (mx < my ? mx : my) > 1e-50 && pbw__larger(mx, my) < 1e100 ? 8.1 * DBL_EPSILON * mx * my : HUGE_VAL;
 }
 
-/* Walks to p from simplex t.  Returns the simplex where it ends; leave: the corner opposite to the hull facet with p on
-   its outer side, or PBW__INSIDE; then `on` as above. */
+/* Walks to p from simplex t.  Returns the simplex where it ends; leave: the corner opposite to the hull facet with
+   p on its outer side, or PBW__INSIDE; then `on` as above. */
 PBW__INLINE size_t pbw__walk_of(const pbw_mesh *mesh, int dim, size_t t, const double *p, const pbw__grid *grid,
                                 unsigned *leave, unsigned *on)
 {
@@ -10103,8 +10105,8 @@ static pbw_status pbw__query_sort(pbw__queries *queries)
     return status;
 }
 
-/* Checks the arguments that all queries share, and starts.  On PBW_OK and on PBW_DEGENERATE, which is for a mesh
-   without simplices, and on what pbw__query_sort returns, pbw__queries_end is to follow. */
+/* Checks the arguments that all queries share, sorts the query points.  pbw__queries_end is to follow, whatever it
+   returns. */
 static pbw_status pbw__queries_start(pbw__queries *queries, const pbw_mesh *mesh, const double *points, size_t count,
                                      const pbw_options *options)
 {
@@ -10428,9 +10430,9 @@ PBWDEF void pbw_finder_free(pbw_finder *finder)
 
    Up to a constant, power distances from q are the values at vertices of a convex function that is linear on each
    simplex.  At a vertex that is no minimum it falls inside the cone of some simplex, hence along an edge.  So
-     - who steps to a strictly nearer neighbour until there is none, is at a nearest vertex;
+     - steps to strictly nearer neighbours end at a nearest vertex;
      - equally near minima are connected by edges among them;
-     - each other vertex has a strictly nearer neighbour, so the (k+1)-th nearest is a neighbour of one of the first k;
+     - each other vertex has a strictly nearer neighbour, so the next nearest is a neighbour of one of those before;
      - the vertices within a radius are connected.
    ------------------------------------------------------------------------------------------------------ */
 #define PBW__FEW 64                                  /* nearest kept in order; more in a heap */
@@ -10838,7 +10840,8 @@ static pbw__reach pbw__reach_pop(const pbw_mesh *mesh, pbw__desk *desk, const do
 }
 
 /* All vertices connected with `start` that are as near as it (radius < 0), or within the radius, into the heap. */
-static void pbw__flood(pbw__queries *queries, pbw__desk *desk, const double *q, const pbw__reach *start, double radius)
+static void pbw__flood(pbw__queries *queries, pbw__desk *desk, const double *q, const pbw__reach *start,
+                       double radius)
 {
     const pbw_mesh *mesh = queries->mesh;
     const size_t *first = queries->stars->first;
@@ -10867,7 +10870,7 @@ static void pbw__flood(pbw__queries *queries, pbw__desk *desk, const double *q, 
     }
 }
 
-/* Puts a vertex into its place among the `most` nearest in order, unless it is there or too far.  Returns the place. */
+/* Puts a vertex into its place among the `most` nearest in order, unless it is there or too far.  Returns where. */
 PBW__INLINE size_t pbw__offer_near(const pbw_mesh *mesh, pbw__desk *desk, const double *q, const pbw__reach *reach,
                                    size_t most)
 {
@@ -11170,22 +11173,23 @@ PBWDEF pbw_status pbw_within(const pbw_mesh *mesh, const pbw_lists *stars, const
    >>interpolate  Weights of vertices for a point inside: barycentric, Sibson's, Laplace's.
    In: the simplex that contains a query q.  Out: vertices and weights that have q as their mean.
 
-   Sibson's weights (1981) are the volumes that the cell of q would take from the cells of its neighbours, without the
-   mesh being changed.  The simplices in conflict with q form a cavity; its boundary facets with q would be the new
-   ones.  Each facet abc between two simplices is dual to an edge from the centre n behind it to the centre s in front,
-   where a, b, c turn counter-clockwise.  With n and s relative to any origin, the dual edge gives to the cells of a and
-   b, at the edge ab, six times the volume
+   Sibson's weights (1981) are the volumes that the cell of q would take from the cells of its neighbours.  The mesh
+   is not changed: the simplices in conflict with q form a cavity; its boundary facets with q would be the new ones.
+   Each facet abc between two simplices is dual to an edge from the centre n behind it to the centre s in front, where
+   a, b, c turn counter-clockwise.  With n and s relative to any origin, this dual edge gives to the cells of a and b,
+   at the edge ab, six times the volume
 
        ((b - a) . (n x s) - (n - s) . (a x b)) / 2 * (1 +- (w_a - w_b) / |b - a|^2)
 
-   Summed over all facets this is the volume of each cell, whatever the shape of the simplices.  So what q takes is the
-   sum over facets inside the cavity, plus that over boundary facets from the new centre to the old one inside (the
-   centre outside lies on one line with both: it cancels, and a hull facet is no special case), minus that over facets
-   with q.  In the plane an edge ab gives (n - a) x (s - a) to a, and (s - b) x (n - b) to b, twice the area.  Laplace's
-   weights are the facets of the cell of q over the distances to its neighbours, from the same facets with q.
+   Summed over all facets that is the volume of each cell, whatever the shape of the simplices.  So what q takes is
+   the sum over facets inside the cavity, plus that over boundary facets from the new centre to the old one inside
+   (the centre outside is on one line with both: it cancels, and a hull facet is no special case), minus that over
+   facets with q.  In the plane an edge ab gives (n - a) x (s - a) to a, and (s - b) x (n - b) to b, twice the area.
+   Laplace's weights are the facets of the cell of q over the distances to its neighbours, from the facets with q.
 
    All is relative to q and scaled by a power of two.  Centres of nearly flat simplices are far and badly conditioned.
-   The weighted mean of the neighbours, which is q, shows it: where it is not, all is done again with pairs of doubles.
+   The weighted mean of the neighbours shows it: where it is not q, all is done again with pairs of doubles, and the
+   centres of flat simplices come from exact integers.
    ------------------------------------------------------------------------------------------------------ */
 typedef struct pbw__vector { pbw__pair x, y, z; } pbw__vector;
 typedef struct pbw__site { pbw__vector at; pbw__pair weight, share; pbw_index vertex; } pbw__site;
@@ -11449,8 +11453,8 @@ PBW__INLINE void pbw__record_of(const pbw_mesh *mesh, int dim, pbw_index v, doub
     record[dim] = mesh->weights != NULL ? mesh->weights[v] : 0.0;
 }
 
-/* p: a record. */
-PBW__INLINE int pbw__has_conflict(const pbw__queries *queries, int dim, size_t t, const double *p)
+/* Whether p, a record, is in conflict with simplex t: with ties broken, or, if not `tied`, strictly. */
+PBW__INLINE int pbw__has_conflict(const pbw__queries *queries, int dim, size_t t, const double *p, int tied)
 {
     const pbw_mesh *mesh = queries->mesh;
     const pbw_index *v = mesh->simplices + t * (size_t)(dim + 1);
@@ -11458,6 +11462,10 @@ PBW__INLINE int pbw__has_conflict(const pbw__queries *queries, int dim, size_t t
     int i;
     for (i = 0; i <= dim; i++) {
         pbw__record_of(mesh, dim, v[i], x[i]);
+    }
+    if (!tied) {
+        return (dim == 3 ? pbw__power3(x[0], x[1], x[2], x[3], p, &queries->grid)
+                         : pbw__power2(x[0], x[1], x[2], p, &queries->grid)) > 0;
     }
     return dim == 3 ? pbw__conflict3(x[0], x[1], x[2], x[3], p, &queries->grid)
                     : pbw__conflict2(x[0], x[1], x[2], p, &queries->grid);
@@ -11530,7 +11538,7 @@ PBW__INLINE int pbw__cell_find(const pbw__queries *queries, int dim, pbw__desk *
                 if (known == NULL) {
                     return 0;
                 }
-                if (added && pbw__has_conflict(queries, dim, other, q)) {
+                if (added && pbw__has_conflict(queries, dim, other, q, 1)) {
                     *known = (uint32_t)cell->simplices;
                     cell->simplex[cell->simplices++] = other;
                 }
@@ -11557,7 +11565,7 @@ PBW__INLINE void pbw__cell_place(const pbw_mesh *mesh, int dim, pbw__cell *cell,
                                   pbw__size(mesh->points[cell->site[i].vertex * (size_t)dim + (size_t)k] - q[k]));
         }
     }
-    cell->scale = largest > 1e-300 && largest < 1e300 ? -pbw__exponent(largest) : 0;
+    cell->scale = largest < 1e300 ? -pbw__exponent(largest) : -1000;
     scale = pbw__power_of_two(cell->scale);
     for (i = 0; i < cell->sites; i++) {
         pbw__site *site = cell->site + i;
@@ -11643,9 +11651,10 @@ static PBW__NOINLINE pbw__vector pbw__exact_centre(int dim, const double *const 
         sum = pbw__exact_sum(term, dim, &top);
         if (sum.length > 0) {
             const int exponent = PBW__DIGIT_BITS * (sum.length - det.length) + unit + scale - 1;
+            const double some = pbw__power_of_two(exponent / 2), rest = pbw__power_of_two(exponent - exponent / 2);
             part[k] = pbw__div(1, pbw__exact_pair(&sum, sum.length), divisor);
-            part[k].head = part[k].head * pbw__power_of_two(exponent / 2) * pbw__power_of_two(exponent - exponent / 2);
-            part[k].tail = part[k].tail * pbw__power_of_two(exponent / 2) * pbw__power_of_two(exponent - exponent / 2);
+            part[k].head = part[k].head * some * rest;
+            part[k].tail = part[k].tail * some * rest;
         }
     }
     result.x = part[0];
@@ -11797,7 +11806,8 @@ PBW__INLINE int pbw__cell_spokes(int fine, int dim, int weighted, int laplace, p
 }
 
 /* The shares of all sites.  Whether their mean is q, as well as doubles may say; -1: out of memory. */
-PBW__INLINE int pbw__cell_weigh(int fine, int dim, int weighted, int laplace, const pbw_mesh *mesh, pbw__desk *desk)
+PBW__INLINE int pbw__cell_weigh(int fine, int dim, int weighted, int laplace, const pbw_mesh *mesh,
+                                pbw__desk *desk)
 {
     pbw__cell *cell = desk->cell;
     pbw__site *x[3];
@@ -11838,7 +11848,7 @@ PBW__INLINE int pbw__cell_weigh(int fine, int dim, int weighted, int laplace, co
         mean[2] += share * site->at.z.head;
     }
     off = pbw__larger(pbw__size(mean[0]), pbw__larger(pbw__size(mean[1]), pbw__size(mean[2])));
-    return off <= (fine ? 1e-12 : 1e-14) * total;
+    return total > 0.0 && off <= (fine ? 1e-12 : 1e-14) * total;
 }
 
 static PBW__NOINLINE int pbw__cell_weigh_fine(int laplace, const pbw_mesh *mesh, pbw__desk *desk)
@@ -11959,7 +11969,7 @@ static void pbw__coordinates_block(pbw__queries *queries, pbw__desk *desk, size_
         }
         p[dim] = 0.0;
         if (queries->scheme == PBW_BARYCENTRIC || hull || leave == dim
-            || (mesh->weights != NULL && !pbw__has_conflict(queries, mesh->dim, lowest, p))) {
+            || (mesh->weights != NULL && !pbw__has_conflict(queries, mesh->dim, lowest, p, 0))) {
             pbw__barycentric(queries, desk, block, query, lowest, p, on);
         } else {
             pbw__coordinates_of(queries, desk, block, query, lowest, p);

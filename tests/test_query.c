@@ -427,7 +427,7 @@ static void run_backwards(void *user, int tasks, void (*task)(void *arg, int i),
 static void test_threads(void)
 {
     static const int kinds[] = { INPUT_UNIFORM, INPUT_LATTICE, INPUT_CLUSTERS };
-    enum { N = 4000, QUERIES = 40000 };
+    enum { N = 2000, QUERIES = 5000 };
     double *points = (double *)malloc(3 * N * sizeof *points);
     double *queries = (double *)malloc(3 * QUERIES * sizeof *queries);
     double *turned = (double *)malloc(3 * QUERIES * sizeof *queries);
@@ -625,7 +625,7 @@ static void test_memory(void)
 
 static void test_progress(void)
 {
-    enum { N = 20000, QUERIES = 60000 };
+    enum { N = 3000, QUERIES = 8000 };
     double *points = (double *)malloc(3 * N * sizeof *points);
     double *queries = (double *)malloc(3 * QUERIES * sizeof *queries);
     int which, threads, dim;
