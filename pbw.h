@@ -43,8 +43,10 @@
      >>check        the exact verdict on a finished mesh
      >>hash         one number for a triangulation
      >>tools        what companion headers build on
-     >>query        which simplex contains a point; batches of queries
+     >>query        which simplex contains a point
+     >>batch        many queries: sorting, blocks, location, lists
      >>nearest      stars, nearest vertices, vertices in a ball
+     >>centres      vectors, pairs, centres of simplices
      >>interpolate  barycentric, Sibson's and Laplace's weights
      >>api          argument checks, the stages in order, status texts
      >>history      versions
@@ -9655,17 +9657,14 @@ PBWDEF int pbw_conflict3(const double a[3], const double b[3], const double c[3]
     return pbw__conflict3(q[0], q[1], q[2], q[3], q[4], NULL);
 }
 /* ------------------------------------------------------------------------------------------------------
-   >>query        Which simplex contains a point; and how batches of queries are worked through.
-   In: a finished mesh with neighbors.  Out: the simplex of each query, or the hull facet that it lies beyond.
-   Holds: the mesh is only read; what is answered does not depend on the number of threads.
+   >>query        Which simplex contains a point.
+   In: a finished mesh with neighbors.  Out: the simplex, or the hull facet that the point lies beyond.
+   Holds: the mesh is only read.
 
    A walk steps from simplex to simplex through the facet that has the query most clearly on its outer side, always by
    an exactly negative sign.  It cannot come back to a simplex: in front of the query the simplices of a regular
    triangulation are acyclic (Edelsbrunner 1990, "An acyclicity theorem for cell complexes in d dimensions").  It ends
    outside, or in a simplex that contains the query; signs that are 0 say which others do, and the lowest index wins.
-
-   A batch is sorted along a Hilbert curve through the box of its queries and cut into blocks of fixed size.  Walks
-   start where the last one of the block ended, the first from the nearest of a few vertices.
    ------------------------------------------------------------------------------------------------------ */
 #define PBW__INSIDE 4u                               /* no corner to leave a simplex by */
 #define PBW__BLOCK_QUERIES 512
@@ -9846,7 +9845,40 @@ static pbw_index pbw__lowest_with(const pbw_mesh *mesh, size_t t, unsigned on, i
     return mesh->neighbors[t * corners + i] < t ? mesh->neighbors[t * corners + i] : (pbw_index)t;
 }
 
-/* ---- batches */
+PBWDEF pbw_index pbw_locate_one(const pbw_mesh *mesh, const double *point, pbw_index hint, pbw_index *hull_facet)
+{
+    unsigned leave, on;
+    size_t t;
+    int k, hull;
+    if (hull_facet != NULL) {
+        *hull_facet = PBW_NONE;
+    }
+    if (mesh == NULL || point == NULL || mesh->simplex_count == 0 || mesh->neighbors == NULL) {
+        return PBW_NONE;
+    }
+    for (k = 0; k < mesh->dim; k++) {
+        if (!(pbw__size(point[k]) <= DBL_MAX)) {
+            return PBW_NONE;
+        }
+    }
+    t = pbw__walk_to(mesh, hint < mesh->simplex_count ? hint : 0, point, NULL, &leave, &on);
+    if (leave == PBW__INSIDE) {
+        return pbw__lowest_with(mesh, t, on, &hull);
+    }
+    if (hull_facet != NULL) {
+        *hull_facet = (pbw_index)(t * ((size_t)mesh->dim + 1) + leave);
+    }
+    return PBW_NONE;
+}
+/* ------------------------------------------------------------------------------------------------------
+   >>batch        Many queries at a time: sorted, cut into blocks, answered by all threads; location; lists.
+   In: a mesh, query points.  Out: for each query an item in an array, or a list.
+   Holds: blocks are of a fixed size, so that no answer depends on the number of threads.
+
+   A batch is sorted along a Hilbert curve through the box of its queries.  Walks start where the last one of the
+   block ended, the first of them from the nearest of a few vertices.  Lists are made in two passes: each block
+   writes its own into a chunk; when all lengths are known, chunks are copied to their places.
+   ------------------------------------------------------------------------------------------------------ */
 typedef struct pbw__reach { double squared, slack; pbw_index vertex, done; } pbw__reach;     /* see >>nearest */
 typedef struct pbw__slot { uint64_t key; uint32_t value, stamp; } pbw__slot;
 
@@ -10190,6 +10222,123 @@ static pbw_index pbw__guess(const pbw_mesh *mesh, const double *p)
     return best;
 }
 
+/* ---- lists */
+typedef struct pbw__owned_lists { pbw__memory memory; size_t first, items, values; } pbw__owned_lists;
+
+PBWDEF void pbw_lists_free(pbw_lists *lists)
+{
+    if (lists != NULL && lists->memory != NULL) {
+        pbw__owned_lists *owned = (pbw__owned_lists *)lists->memory;
+        pbw__memory memory = owned->memory;
+        pbw__release(&memory, (void *)(uintptr_t)lists->first, owned->first, sizeof(size_t));
+        pbw__release(&memory, (void *)(uintptr_t)lists->item, owned->items, sizeof(pbw_index));
+        pbw__release(&memory, (void *)(uintptr_t)lists->value, owned->values, sizeof(double));
+        pbw__release(&memory, owned, 1, sizeof(pbw__owned_lists));
+    }
+    if (lists != NULL) {
+        memset(lists, 0, sizeof(*lists));
+    }
+}
+
+/* Room for list `id` of `length` items in a chunk; where its items go, or NULL; and its values. */
+static pbw_index *pbw__chunk_add(pbw__queries *queries, pbw__desk *desk, size_t block, size_t id, size_t length,
+                                 double **values)
+{
+    pbw__chunk *chunk = queries->chunk + block;
+    pbw_index *items;
+    if (!pbw__room(desk, &chunk->word, &chunk->word_room, chunk->words + 2 + length, sizeof(pbw_index))
+        || (values != NULL
+            && !pbw__room(desk, &chunk->value, &chunk->value_room, chunk->values + length, sizeof(double)))) {
+        return NULL;
+    }
+    queries->first[id + 1] = length;
+    items = chunk->word + chunk->words;
+    items[0] = (pbw_index)id;
+    items[1] = (pbw_index)length;
+    chunk->words += 2 + length;
+    if (values != NULL) {
+        *values = chunk->value + chunk->values;
+        chunk->values += length;
+    }
+    return items + 2;
+}
+
+static void pbw__copy_chunk(pbw__queries *queries, pbw__desk *desk, size_t block, size_t from, size_t to)
+{
+    const pbw__chunk *chunk = queries->chunk + block;
+    size_t word, values = 0;
+    (void)desk;
+    (void)from;
+    (void)to;
+    for (word = 0; word < chunk->words; ) {
+        const size_t length = chunk->word[word + 1], first = queries->first[chunk->word[word]];
+        memcpy(queries->item + first, chunk->word + word + 2, length * sizeof(pbw_index));
+        if (queries->value != NULL && length > 0) {
+            memcpy(queries->value + first, chunk->value + values, length * sizeof(double));
+            values += length;
+        }
+        word += 2 + length;
+    }
+}
+
+/* `count` lists from the answers to items, each of which adds some lists, in any order, to its block's chunk. */
+static pbw_status pbw__make_lists(pbw__queries *queries, pbw__answer *answer, size_t items, size_t size, size_t count,
+                                  int with_values, pbw_lists *lists)
+{
+    pbw__memory *memory = &queries->context.memory;
+    const size_t blocks = (items + size - 1) / size;
+    pbw__owned_lists *owned = (pbw__owned_lists *)pbw__allocate(memory, 1, sizeof(pbw__owned_lists));
+    pbw_status status = PBW_ERROR_MEMORY;
+    size_t i, total = 0;
+    if (owned == NULL) {
+        return PBW_ERROR_MEMORY;
+    }
+    memset(owned, 0, sizeof(*owned));
+    lists->memory = owned;
+    lists->count = count;
+    owned->first = count + 1;
+    lists->first = queries->first = (size_t *)pbw__allocate_large(&queries->context, count + 1, sizeof(size_t));
+    queries->chunk = (pbw__chunk *)pbw__allocate(memory, blocks, sizeof(pbw__chunk));
+    if (queries->chunk != NULL) {
+        memset(queries->chunk, 0, blocks * sizeof(pbw__chunk));
+    }
+    if (queries->first != NULL && queries->chunk != NULL) {
+        memset(queries->first, 0, (count + 1) * sizeof(size_t));
+        status = pbw__answer_all(queries, answer, items, size);
+    }
+    if (status == PBW_OK) {
+        for (i = 1; i <= count; i++) {
+            total = queries->first[i] += total;
+        }
+        owned->items = total;
+        owned->values = with_values ? total : 0;
+        lists->item = queries->item = (pbw_index *)pbw__allocate_large(&queries->context, total, sizeof(pbw_index));
+        lists->value = queries->value = with_values
+                     ? (double *)pbw__allocate_large(&queries->context, total, sizeof(double)) : NULL;
+        status = lists->item == NULL || (with_values && lists->value == NULL) ? PBW_ERROR_MEMORY
+               : pbw__answer_all(queries, pbw__copy_chunk, items, size);
+    }
+    for (i = 0; i < blocks && queries->chunk != NULL; i++) {
+        pbw__release(memory, queries->chunk[i].word, queries->chunk[i].word_room, sizeof(pbw_index));
+        pbw__release(memory, queries->chunk[i].value, queries->chunk[i].value_room, sizeof(double));
+    }
+    pbw__release(memory, queries->chunk, blocks, sizeof(pbw__chunk));
+    return status;
+}
+
+/* After pbw__queries_end: what the lists hold is counted in their own memory from now on. */
+static pbw_status pbw__lists_end(pbw__queries *queries, pbw_status status, pbw_lists *lists)
+{
+    status = pbw__queries_end(queries, status);
+    if (lists->memory != NULL) {
+        ((pbw__owned_lists *)lists->memory)->memory = queries->context.memory;
+    }
+    if (status != PBW_OK) {
+        pbw_lists_free(lists);
+    }
+    return status;
+}
+
 /* ---- locate */
 static void pbw__locate_block(pbw__queries *queries, pbw__desk *desk, size_t block, size_t from, size_t to)
 {
@@ -10241,32 +10390,6 @@ PBWDEF pbw_status pbw_locate(const pbw_mesh *mesh, const double *points, size_t 
         status = pbw__answer_all(&queries, pbw__locate_block, count, PBW__BLOCK_QUERIES);
     }
     return pbw__queries_end(&queries, status);
-}
-
-PBWDEF pbw_index pbw_locate_one(const pbw_mesh *mesh, const double *point, pbw_index hint, pbw_index *hull_facet)
-{
-    unsigned leave, on;
-    size_t t;
-    int k, hull;
-    if (hull_facet != NULL) {
-        *hull_facet = PBW_NONE;
-    }
-    if (mesh == NULL || point == NULL || mesh->simplex_count == 0 || mesh->neighbors == NULL) {
-        return PBW_NONE;
-    }
-    for (k = 0; k < mesh->dim; k++) {
-        if (!(pbw__size(point[k]) <= DBL_MAX)) {
-            return PBW_NONE;
-        }
-    }
-    t = pbw__walk_to(mesh, hint < mesh->simplex_count ? hint : 0, point, NULL, &leave, &on);
-    if (leave == PBW__INSIDE) {
-        return pbw__lowest_with(mesh, t, on, &hull);
-    }
-    if (hull_facet != NULL) {
-        *hull_facet = (pbw_index)(t * ((size_t)mesh->dim + 1) + leave);
-    }
-    return PBW_NONE;
 }
 
 /* ---- finder: for each cell of a grid over the vertices the one nearest to the cell's centre */
@@ -10436,123 +10559,6 @@ PBWDEF void pbw_finder_free(pbw_finder *finder)
      - the vertices within a radius are connected.
    ------------------------------------------------------------------------------------------------------ */
 #define PBW__FEW 64                                  /* nearest kept in order; more in a heap */
-
-/* ---- lists */
-typedef struct pbw__owned_lists { pbw__memory memory; size_t first, items, values; } pbw__owned_lists;
-
-PBWDEF void pbw_lists_free(pbw_lists *lists)
-{
-    if (lists != NULL && lists->memory != NULL) {
-        pbw__owned_lists *owned = (pbw__owned_lists *)lists->memory;
-        pbw__memory memory = owned->memory;
-        pbw__release(&memory, (void *)(uintptr_t)lists->first, owned->first, sizeof(size_t));
-        pbw__release(&memory, (void *)(uintptr_t)lists->item, owned->items, sizeof(pbw_index));
-        pbw__release(&memory, (void *)(uintptr_t)lists->value, owned->values, sizeof(double));
-        pbw__release(&memory, owned, 1, sizeof(pbw__owned_lists));
-    }
-    if (lists != NULL) {
-        memset(lists, 0, sizeof(*lists));
-    }
-}
-
-/* Room for list `id` of `length` items in a chunk; where its items go, or NULL; and its values. */
-static pbw_index *pbw__chunk_add(pbw__queries *queries, pbw__desk *desk, size_t block, size_t id, size_t length,
-                                 double **values)
-{
-    pbw__chunk *chunk = queries->chunk + block;
-    pbw_index *items;
-    if (!pbw__room(desk, &chunk->word, &chunk->word_room, chunk->words + 2 + length, sizeof(pbw_index))
-        || (values != NULL
-            && !pbw__room(desk, &chunk->value, &chunk->value_room, chunk->values + length, sizeof(double)))) {
-        return NULL;
-    }
-    queries->first[id + 1] = length;
-    items = chunk->word + chunk->words;
-    items[0] = (pbw_index)id;
-    items[1] = (pbw_index)length;
-    chunk->words += 2 + length;
-    if (values != NULL) {
-        *values = chunk->value + chunk->values;
-        chunk->values += length;
-    }
-    return items + 2;
-}
-
-static void pbw__copy_chunk(pbw__queries *queries, pbw__desk *desk, size_t block, size_t from, size_t to)
-{
-    const pbw__chunk *chunk = queries->chunk + block;
-    size_t word, values = 0;
-    (void)desk;
-    (void)from;
-    (void)to;
-    for (word = 0; word < chunk->words; ) {
-        const size_t length = chunk->word[word + 1], first = queries->first[chunk->word[word]];
-        memcpy(queries->item + first, chunk->word + word + 2, length * sizeof(pbw_index));
-        if (queries->value != NULL && length > 0) {
-            memcpy(queries->value + first, chunk->value + values, length * sizeof(double));
-            values += length;
-        }
-        word += 2 + length;
-    }
-}
-
-/* `count` lists from the answers to items, each of which adds some lists, in any order, to its block's chunk. */
-static pbw_status pbw__make_lists(pbw__queries *queries, pbw__answer *answer, size_t items, size_t size, size_t count,
-                                  int with_values, pbw_lists *lists)
-{
-    pbw__memory *memory = &queries->context.memory;
-    const size_t blocks = (items + size - 1) / size;
-    pbw__owned_lists *owned = (pbw__owned_lists *)pbw__allocate(memory, 1, sizeof(pbw__owned_lists));
-    pbw_status status = PBW_ERROR_MEMORY;
-    size_t i, total = 0;
-    if (owned == NULL) {
-        return PBW_ERROR_MEMORY;
-    }
-    memset(owned, 0, sizeof(*owned));
-    lists->memory = owned;
-    lists->count = count;
-    owned->first = count + 1;
-    lists->first = queries->first = (size_t *)pbw__allocate_large(&queries->context, count + 1, sizeof(size_t));
-    queries->chunk = (pbw__chunk *)pbw__allocate(memory, blocks, sizeof(pbw__chunk));
-    if (queries->chunk != NULL) {
-        memset(queries->chunk, 0, blocks * sizeof(pbw__chunk));
-    }
-    if (queries->first != NULL && queries->chunk != NULL) {
-        memset(queries->first, 0, (count + 1) * sizeof(size_t));
-        status = pbw__answer_all(queries, answer, items, size);
-    }
-    if (status == PBW_OK) {
-        for (i = 1; i <= count; i++) {
-            total = queries->first[i] += total;
-        }
-        owned->items = total;
-        owned->values = with_values ? total : 0;
-        lists->item = queries->item = (pbw_index *)pbw__allocate_large(&queries->context, total, sizeof(pbw_index));
-        lists->value = queries->value = with_values
-                     ? (double *)pbw__allocate_large(&queries->context, total, sizeof(double)) : NULL;
-        status = lists->item == NULL || (with_values && lists->value == NULL) ? PBW_ERROR_MEMORY
-               : pbw__answer_all(queries, pbw__copy_chunk, items, size);
-    }
-    for (i = 0; i < blocks && queries->chunk != NULL; i++) {
-        pbw__release(memory, queries->chunk[i].word, queries->chunk[i].word_room, sizeof(pbw_index));
-        pbw__release(memory, queries->chunk[i].value, queries->chunk[i].value_room, sizeof(double));
-    }
-    pbw__release(memory, queries->chunk, blocks, sizeof(pbw__chunk));
-    return status;
-}
-
-/* After pbw__queries_end: what the lists hold is counted in their own memory from now on. */
-static pbw_status pbw__lists_end(pbw__queries *queries, pbw_status status, pbw_lists *lists)
-{
-    status = pbw__queries_end(queries, status);
-    if (lists->memory != NULL) {
-        ((pbw__owned_lists *)lists->memory)->memory = queries->context.memory;
-    }
-    if (status != PBW_OK) {
-        pbw_lists_free(lists);
-    }
-    return status;
-}
 
 /* ---- stars */
 /* The walk round a vertex, breadth first. */
@@ -11170,55 +11176,11 @@ PBWDEF pbw_status pbw_within(const pbw_mesh *mesh, const pbw_lists *stars, const
     return pbw__lists_end(&queries, status, lists);
 }
 /* ------------------------------------------------------------------------------------------------------
-   >>interpolate  Weights of vertices for a point inside: barycentric, Sibson's, Laplace's.
-   In: the simplex that contains a query q.  Out: vertices and weights that have q as their mean.
-
-   Sibson's weights (1981) are the volumes that the cell of q would take from the cells of its neighbours.  The mesh
-   is not changed: the simplices in conflict with q form a cavity; its boundary facets with q would be the new ones.
-   Each facet abc between two simplices is dual to an edge from the centre n behind it to the centre s in front, where
-   a, b, c turn counter-clockwise.  With n and s relative to any origin, this dual edge gives to the cells of a and b,
-   at the edge ab, six times the volume
-
-       ((b - a) . (n x s) - (n - s) . (a x b)) / 2 * (1 +- (w_a - w_b) / |b - a|^2)
-
-   Summed over all facets that is the volume of each cell, whatever the shape of the simplices.  So what q takes is
-   the sum over facets inside the cavity, plus that over boundary facets from the new centre to the old one inside
-   (the centre outside is on one line with both: it cancels, and a hull facet is no special case), minus that over
-   facets with q.  In the plane an edge ab gives (n - a) x (s - a) to a, and (s - b) x (n - b) to b, twice the area.
-   Laplace's weights are the facets of the cell of q over the distances to its neighbours, from the facets with q.
-
-   All is relative to q and scaled by a power of two.  Centres of nearly flat simplices are far and badly conditioned.
-   The weighted mean of the neighbours shows it: where it is not q, all is done again with pairs of doubles, and the
-   centres of flat simplices come from exact integers.
+   >>centres      Vectors of doubles or of pairs, and centres of simplices as exact as they are wanted.
+   In: points, weights.  Out: centres, relative to a point; orientations as good as doubles can be.
+   Holds: what is `fine` has at least 90 right bits, at least relative to the terms of its sums.
    ------------------------------------------------------------------------------------------------------ */
 typedef struct pbw__vector { pbw__pair x, y, z; } pbw__vector;
-typedef struct pbw__site { pbw__vector at; pbw__pair weight, share; pbw_index vertex; } pbw__site;
-typedef struct pbw__face { pbw__vector centre; pbw_index corner[3], inner; } pbw__face;
-
-/* The cavity of a query; corner, across: 4 for each simplex. */
-struct pbw__cell {
-    pbw_index *simplex, *corner, *across;            /* across: number of a simplex in the cavity, or PBW_NONE */
-    pbw__vector *centre;
-    pbw__site *site;
-    pbw__face *face;                                 /* of the boundary */
-    size_t simplex_room, corner_room, across_room, centre_room, site_room, face_room;
-    size_t simplices, sites, faces;
-    double query[3];
-    int scale;                                       /* sites are 2^scale times as far from q */
-};
-
-static void pbw__cell_free(pbw__memory *memory, pbw__cell *cell)
-{
-    if (cell != NULL) {
-        pbw__release(memory, cell->simplex, cell->simplex_room, sizeof(pbw_index));
-        pbw__release(memory, cell->corner, cell->corner_room, sizeof(pbw_index));
-        pbw__release(memory, cell->across, cell->across_room, sizeof(pbw_index));
-        pbw__release(memory, cell->centre, cell->centre_room, sizeof(pbw__vector));
-        pbw__release(memory, cell->site, cell->site_room, sizeof(pbw__site));
-        pbw__release(memory, cell->face, cell->face_room, sizeof(pbw__face));
-        pbw__release(memory, cell, 1, sizeof(pbw__cell));
-    }
-}
 
 /* ---- arithmetic: with pairs if `fine`, else with their heads, the tails being dead */
 PBW__INLINE pbw__pair pbw__number(double head)
@@ -11371,7 +11333,7 @@ static pbw__pair pbw__exact_pair(const pbw__integer *a, int length)
     return sum;
 }
 
-/* ---- barycentric */
+/* ---- orientations */
 /* The orientations that pbw__sides3 and pbw__sides2 compute, as exact as doubles are, but for a common factor. */
 static PBW__NOINLINE void pbw__exact_sides(const pbw_mesh *mesh, const pbw_index *v, const double *p, double *side)
 {
@@ -11405,6 +11367,134 @@ static PBW__NOINLINE void pbw__exact_sides(const pbw_mesh *mesh, const pbw_index
     for (i = 0; i <= dim; i++) {
         const pbw__pair pair = pbw__exact_pair(value + i, longest);
         side[i] = pair.head + pair.tail;
+    }
+}
+
+/* The point c with 2 c . x = lift(x) for the rows given: the centre relative to their origin.  flat: it is not exact
+   enough; rows are at most 2 long. */
+PBW__INLINE pbw__vector pbw__centre_of(int fine, int dim, const pbw__vector *row, const pbw__pair *lift, int *flat)
+{
+    pbw__vector sum;
+    pbw__pair det;
+    if (dim == 3) {
+        const pbw__vector yz = pbw__vector_cross(fine, row[1], row[2]);
+        sum = pbw__vector_times(fine, yz, lift[0]);
+        sum = pbw__vector_add(fine, sum, pbw__vector_times(fine, pbw__vector_cross(fine, row[2], row[0]), lift[1]));
+        sum = pbw__vector_add(fine, sum, pbw__vector_times(fine, pbw__vector_cross(fine, row[0], row[1]), lift[2]));
+        det = pbw__vector_dot(fine, row[0], yz);
+    } else {
+        sum.x = pbw__sub(fine, pbw__mul(fine, lift[0], row[1].y), pbw__mul(fine, lift[1], row[0].y));
+        sum.y = pbw__sub(fine, pbw__mul(fine, lift[1], row[0].x), pbw__mul(fine, lift[0], row[1].x));
+        sum.z = pbw__number(0.0);
+        det = pbw__vector_area(fine, row[0], row[1]);
+    }
+    *flat = !(pbw__size(det.head) > 1e-6);           /* then pairs lack bits, too */
+    return pbw__vector_times(fine, sum, pbw__div(fine, pbw__number(0.5), det));
+}
+
+/* The same for rows point[i] - origin, times 2^scale, exact but for the last roundings. */
+static PBW__NOINLINE pbw__vector pbw__exact_centre(int dim, const double *const *point, const double *origin,
+                                                   const double *weight, double origin_weight, int scale)
+{
+    pbw__digit pool[PBW__POOL], *top = pool, minus_one = -1;
+    pbw__integer row[3][4], lift[3], normal[3][3], det, sum, one;
+    const pbw__integer *other[4];
+    pbw__product term[3];
+    pbw__pair part[3] = { { 0.0, 0.0 }, { 0.0, 0.0 }, { 0.0, 0.0 } }, divisor;
+    pbw__vector result;
+    int unit, i, k;
+    unit = pbw__exact_unit(weight, dim, pbw__exact_unit(&origin_weight, 1, 1024));
+    unit = pbw__exact_unit(origin, dim, (unit - (unit & 1)) / 2);
+    for (i = 0; i < dim; i++) {
+        unit = pbw__exact_unit(point[i], dim, unit);
+    }
+    one.digit = &minus_one;
+    one.length = 1;
+    for (i = 0; i < dim; i++) {                      /* |row|^2 - dw */
+        for (k = 0; k < dim; k++) {
+            row[i][k] = pbw__exact_difference(point[i][k], origin[k], unit, &top);
+            other[k] = &row[i][k];
+        }
+        row[i][dim] = pbw__exact_difference(weight[i], origin_weight, 2 * unit, &top);
+        other[dim] = &one;
+        lift[i] = pbw__exact_dot(row[i], other, dim + 1, &top);
+    }
+    for (i = 0; i < dim; i++) {                      /* what multiplies lift i */
+        for (k = 0; k < dim; k++) {
+            normal[i][k] = dim == 2 ? row[1 - i][1 - k]
+                         : pbw__exact_cross(row[(i + 1) % 3], row[(i + 2) % 3], (k + 1) % 3, (k + 2) % 3, &top);
+            other[k] = &normal[0][k];
+        }
+    }
+    det = dim == 2 ? pbw__exact_cross(row[0], row[1], 0, 1, &top) : pbw__exact_dot(row[0], other, 3, &top);
+    divisor = pbw__exact_pair(&det, det.length);
+    for (k = 0; k < dim; k++) {
+        for (i = 0; i < dim; i++) {
+            term[i].factor[0] = lift + i;
+            term[i].factor[1] = &normal[i][k];
+            term[i].negative = dim == 2 && i != k;
+        }
+        sum = pbw__exact_sum(term, dim, &top);
+        if (sum.length > 0) {
+            const int exponent = PBW__DIGIT_BITS * (sum.length - det.length) + unit + scale - 1;
+            const double some = pbw__power_of_two(exponent / 2), rest = pbw__power_of_two(exponent - exponent / 2);
+            part[k] = pbw__div(1, pbw__exact_pair(&sum, sum.length), divisor);
+            part[k].head = part[k].head * some * rest;
+            part[k].tail = part[k].tail * some * rest;
+        }
+    }
+    result.x = part[0];
+    result.y = part[1];
+    result.z = part[2];
+    return result;
+}
+/* ------------------------------------------------------------------------------------------------------
+   >>interpolate  Weights of vertices for a point inside: barycentric, Sibson's, Laplace's.
+   In: the simplex that contains a query q.  Out: vertices and weights that have q as their mean.
+
+   Sibson's weights (1981) are the volumes that the cell of q would take from the cells of its neighbours.  The mesh
+   is not changed: the simplices in conflict with q form a cavity; its boundary facets with q would be the new ones.
+   Each facet abc between two simplices is dual to an edge from the centre n behind it to the centre s in front, where
+   a, b, c turn counter-clockwise.  With n and s relative to any origin, this dual edge gives to the cells of a and b,
+   at the edge ab, six times the volume
+
+       ((b - a) . (n x s) - (n - s) . (a x b)) / 2 * (1 +- (w_a - w_b) / |b - a|^2)
+
+   Summed over all facets that is the volume of each cell, whatever the shape of the simplices.  So what q takes is
+   the sum over facets inside the cavity, plus that over boundary facets from the new centre to the old one inside
+   (the centre outside is on one line with both: it cancels, and a hull facet is no special case), minus that over
+   facets with q.  In the plane an edge ab gives (n - a) x (s - a) to a, and (s - b) x (n - b) to b, twice the area.
+   Laplace's weights are the facets of the cell of q over the distances to its neighbours, from the facets with q.
+
+   All is relative to q and scaled by a power of two.  Centres of nearly flat simplices are far and badly conditioned.
+   The weighted mean of the neighbours shows it: where it is not q, all is done again with pairs of doubles, and the
+   centres of flat simplices come from exact integers.
+   ------------------------------------------------------------------------------------------------------ */
+typedef struct pbw__site { pbw__vector at; pbw__pair weight, share; pbw_index vertex; } pbw__site;
+typedef struct pbw__face { pbw__vector centre; pbw_index corner[3], inner; } pbw__face;
+
+/* The cavity of a query; corner, across: 4 for each simplex. */
+struct pbw__cell {
+    pbw_index *simplex, *corner, *across;            /* across: number of a simplex in the cavity, or PBW_NONE */
+    pbw__vector *centre;
+    pbw__site *site;
+    pbw__face *face;                                 /* of the boundary */
+    size_t simplex_room, corner_room, across_room, centre_room, site_room, face_room;
+    size_t simplices, sites, faces;
+    double query[3];
+    int scale;                                       /* sites are 2^scale times as far from q */
+};
+
+static void pbw__cell_free(pbw__memory *memory, pbw__cell *cell)
+{
+    if (cell != NULL) {
+        pbw__release(memory, cell->simplex, cell->simplex_room, sizeof(pbw_index));
+        pbw__release(memory, cell->corner, cell->corner_room, sizeof(pbw_index));
+        pbw__release(memory, cell->across, cell->across_room, sizeof(pbw_index));
+        pbw__release(memory, cell->centre, cell->centre_room, sizeof(pbw__vector));
+        pbw__release(memory, cell->site, cell->site_room, sizeof(pbw__site));
+        pbw__release(memory, cell->face, cell->face_room, sizeof(pbw__face));
+        pbw__release(memory, cell, 1, sizeof(pbw__cell));
     }
 }
 
@@ -11584,85 +11674,6 @@ PBW__INLINE void pbw__cell_place(const pbw_mesh *mesh, int dim, pbw__cell *cell,
     }
 }
 
-/* The point c with 2 c . x = lift(x) for the rows given: the centre relative to their origin.  flat: it is not exact
-   enough; rows are at most 2 long. */
-PBW__INLINE pbw__vector pbw__centre_of(int fine, int dim, const pbw__vector *row, const pbw__pair *lift, int *flat)
-{
-    pbw__vector sum;
-    pbw__pair det;
-    if (dim == 3) {
-        const pbw__vector yz = pbw__vector_cross(fine, row[1], row[2]);
-        sum = pbw__vector_times(fine, yz, lift[0]);
-        sum = pbw__vector_add(fine, sum, pbw__vector_times(fine, pbw__vector_cross(fine, row[2], row[0]), lift[1]));
-        sum = pbw__vector_add(fine, sum, pbw__vector_times(fine, pbw__vector_cross(fine, row[0], row[1]), lift[2]));
-        det = pbw__vector_dot(fine, row[0], yz);
-    } else {
-        sum.x = pbw__sub(fine, pbw__mul(fine, lift[0], row[1].y), pbw__mul(fine, lift[1], row[0].y));
-        sum.y = pbw__sub(fine, pbw__mul(fine, lift[1], row[0].x), pbw__mul(fine, lift[0], row[1].x));
-        sum.z = pbw__number(0.0);
-        det = pbw__vector_area(fine, row[0], row[1]);
-    }
-    *flat = !(pbw__size(det.head) > 1e-6);           /* then pairs lack bits, too */
-    return pbw__vector_times(fine, sum, pbw__div(fine, pbw__number(0.5), det));
-}
-
-/* The same for rows point[i] - origin, times 2^scale, exact but for the last roundings. */
-static PBW__NOINLINE pbw__vector pbw__exact_centre(int dim, const double *const *point, const double *origin,
-                                                   const double *weight, double origin_weight, int scale)
-{
-    pbw__digit pool[PBW__POOL], *top = pool, minus_one = -1;
-    pbw__integer row[3][4], lift[3], normal[3][3], det, sum, one;
-    const pbw__integer *other[4];
-    pbw__product term[3];
-    pbw__pair part[3] = { { 0.0, 0.0 }, { 0.0, 0.0 }, { 0.0, 0.0 } }, divisor;
-    pbw__vector result;
-    int unit, i, k;
-    unit = pbw__exact_unit(weight, dim, pbw__exact_unit(&origin_weight, 1, 1024));
-    unit = pbw__exact_unit(origin, dim, (unit - (unit & 1)) / 2);
-    for (i = 0; i < dim; i++) {
-        unit = pbw__exact_unit(point[i], dim, unit);
-    }
-    one.digit = &minus_one;
-    one.length = 1;
-    for (i = 0; i < dim; i++) {                      /* |row|^2 - dw */
-        for (k = 0; k < dim; k++) {
-            row[i][k] = pbw__exact_difference(point[i][k], origin[k], unit, &top);
-            other[k] = &row[i][k];
-        }
-        row[i][dim] = pbw__exact_difference(weight[i], origin_weight, 2 * unit, &top);
-        other[dim] = &one;
-        lift[i] = pbw__exact_dot(row[i], other, dim + 1, &top);
-    }
-    for (i = 0; i < dim; i++) {                      /* what multiplies lift i */
-        for (k = 0; k < dim; k++) {
-            normal[i][k] = dim == 2 ? row[1 - i][1 - k]
-                         : pbw__exact_cross(row[(i + 1) % 3], row[(i + 2) % 3], (k + 1) % 3, (k + 2) % 3, &top);
-            other[k] = &normal[0][k];
-        }
-    }
-    det = dim == 2 ? pbw__exact_cross(row[0], row[1], 0, 1, &top) : pbw__exact_dot(row[0], other, 3, &top);
-    divisor = pbw__exact_pair(&det, det.length);
-    for (k = 0; k < dim; k++) {
-        for (i = 0; i < dim; i++) {
-            term[i].factor[0] = lift + i;
-            term[i].factor[1] = &normal[i][k];
-            term[i].negative = dim == 2 && i != k;
-        }
-        sum = pbw__exact_sum(term, dim, &top);
-        if (sum.length > 0) {
-            const int exponent = PBW__DIGIT_BITS * (sum.length - det.length) + unit + scale - 1;
-            const double some = pbw__power_of_two(exponent / 2), rest = pbw__power_of_two(exponent - exponent / 2);
-            part[k] = pbw__div(1, pbw__exact_pair(&sum, sum.length), divisor);
-            part[k].head = part[k].head * some * rest;
-            part[k].tail = part[k].tail * some * rest;
-        }
-    }
-    result.x = part[0];
-    result.y = part[1];
-    result.z = part[2];
-    return result;
-}
-
 /* The centre of `dim` sites and `base`, relative to that; NULL: q, of weight 0. */
 PBW__INLINE pbw__vector pbw__cell_centre(int fine, int dim, int weighted, const pbw_mesh *mesh, const pbw__cell *cell,
                                          const pbw_index *corner, const pbw__site *base)
@@ -11713,8 +11724,10 @@ PBW__INLINE void pbw__cell_centres(int fine, int dim, int weighted, const pbw_me
     }
 }
 
-/* Adds what the dual edge from n to s gives at the edge ab: ((b - a) . cross - (n - s) . (a x b)) / 2, cross = n x s. */
-PBW__INLINE void pbw__cell_edge(int fine, int weighted, pbw__site *a, pbw__site *b, pbw__vector cross, pbw__vector away)
+/* Adds what the dual edge from n to s gives at the edge ab: (b - a) . cross - away . (a x b), where cross = n x s and
+   away = n - s. */
+PBW__INLINE void pbw__cell_edge(int fine, int weighted, pbw__site *a, pbw__site *b, pbw__vector cross,
+                                pbw__vector away)
 {
     const pbw__vector along = pbw__vector_sub(fine, b->at, a->at);
     pbw__pair value = pbw__sub(fine, pbw__vector_dot(fine, along, cross),
@@ -11746,8 +11759,8 @@ PBW__INLINE void pbw__cell_facet(int fine, int dim, int weighted, pbw__site *con
     }
 }
 
-/* A facet with q and x[0], in space x[1] too, counter-clockwise for s, between the new centres n and s.  Takes off the
-   shares what its dual edge gives, or, for Laplace's weights, adds what it is of the facets between q and those. */
+/* A facet with q and x[0], in space x[1] too, counter-clockwise for s, between the new centres n and s.  Takes off
+   the shares what its dual edge gives, or, for Laplace's weights, adds what it is of the facets between q and those. */
 PBW__INLINE void pbw__cell_spoke(int fine, int dim, int weighted, int laplace, pbw__site *const *x, pbw__vector n,
                                  pbw__vector s)
 {
@@ -11889,7 +11902,7 @@ static void pbw__cell_give(pbw__queries *queries, pbw__desk *desk, size_t block,
         items[i] = cell->site[i].vertex;
         values[i] = cell->site[i].share.head + cell->site[i].share.tail;
     }
-    for (gap = count > 64 ? count / 3 : 1; gap > 0; gap = gap > 1 && gap < 3 ? 1 : gap / 3) {        /* Shell's sort */
+    for (gap = count > 64 ? count / 3 : 1; gap > 0; gap = gap == 2 ? 1 : gap / 3) {      /* Shell's sort */
         for (i = gap; i < count; i++) {
             const pbw_index item = items[i];
             const double value = values[i];

@@ -58,3 +58,12 @@ build/rival_%.o: bench/rival_%.c bench/bench.h bench/bench.mk
 .PHONY: bench
 bench: build/bench$(PHASES:%=_clocks)
 	$< $(SWEEP:%=--sweep) $(PHASES:%=--phases) $(CSV:%=--csv %) $(ARGS)
+
+# Queries beside CGAL and nanoflann: bench/query.cpp
+build/bench_query: bench/query.cpp $(BENCH_INPUTS)
+	@mkdir -p build
+	$(CXX) -std=c++17 -frounding-math $(BENCH_FLAGS) -DNDEBUG -I. $< -o $@ -lgmp -lmpfr -lpthread -lm
+
+.PHONY: bench-query
+bench-query: build/bench_query
+	$< $(POINTS)

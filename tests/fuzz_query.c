@@ -81,7 +81,7 @@ static const char *judge(const pbw_mesh *mesh, const double *queries, const pbw_
             double sum = 0;
             for (j = lists.first[i]; j < lists.first[i + 1]; j++) {
                 sum += lists.value[j];
-                fault = lists.value[j] > 0 ? fault : "a weight that is not positive";
+                fault = lists.value[j] >= 0 ? fault : "a negative weight";
             }
             fault = (lists.first[i] == lists.first[i + 1]) == (found[i] == PBW_NONE) ? fault : "no weights";
             fault = found[i] == PBW_NONE || fabs(sum - 1) < 1e-12 ? fault : "a sum other than 1";

@@ -361,7 +361,7 @@ static void test_zoo(void)
                     double sum = 0;
                     CHECK(mesh.simplex_count == 0 || j % 2 == 1 || lists.first[j + 1] > lists.first[j]);
                     for (k = lists.first[j]; k < lists.first[j + 1]; k++) {
-                        CHECK(lists.value[k] > 0 && lists.value[k] <= 1);
+                        CHECK(lists.value[k] >= 0 && lists.value[k] <= 1);
                         sum += lists.value[k];
                     }
                     CHECK(lists.first[j] == lists.first[j + 1] || fabs(sum - 1) < 1e-14);
