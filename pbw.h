@@ -9752,9 +9752,11 @@ PBW__INLINE size_t pbw__walk_of(const pbw_mesh *mesh, int dim, size_t t, const d
     for (;;) {
         const pbw_index *v = mesh->simplices + t * (size_t)(dim + 1);
         const pbw_index *next = mesh->neighbors + t * (size_t)(dim + 1);
-        double side[4], least;
-        const double bound = dim == 3 ? pbw__sides3(mesh->points, v, p, side) : pbw__sides2(mesh->points, v, p, side);
-        unsigned k = side[1] < side[0], far;
+        double side[4], least, bound;
+        unsigned k, far;
+        PBW__PREFETCH(next);                         /* so that it comes with the corners */
+        bound = dim == 3 ? pbw__sides3(mesh->points, v, p, side) : pbw__sides2(mesh->points, v, p, side);
+        k = side[1] < side[0];
         far = side[2] < side[k] ? 2 : k;
         far = dim == 3 && side[3] < side[far] ? 3 : far;
         least = side[far];
@@ -10792,6 +10794,23 @@ PBW__INLINE int pbw__descend_of(const pbw__queries *queries, int dim, const doub
         size_t i = first[from];
         const size_t end = first[from + (size_t)1];
         int equal = 0;
+        if (mesh->weights == NULL) {                 /* without a branch for each, mostly */
+            double least = HUGE_VAL;
+            pbw_index at = from;
+            size_t j;
+            for (j = i; j < end; j++) {
+                const double squared = pbw__squared(mesh->points + item[j] * (size_t)dim, q, dim);
+                at = squared < least ? item[j] : at;
+                least = squared < least ? squared : least;
+            }
+            if (least > best->squared + 3.0 * best->slack && least < HUGE_VAL) {
+                return 0;
+            }
+            if (least < best->squared - 3.0 * best->slack) {
+                *best = pbw__reach_to(mesh, dim, q, at);
+                continue;
+            }
+        }
         for (; i < end; i++) {
             pbw__reach other = pbw__reach_to(mesh, dim, q, item[i]);
             const double gap = other.squared - best->squared, slack = other.slack + best->slack;
@@ -11760,7 +11779,7 @@ PBW__INLINE void pbw__cell_facet(int fine, int dim, int weighted, pbw__site *con
 }
 
 /* A facet with q and x[0], in space x[1] too, counter-clockwise for s, between the new centres n and s.  Takes off
-   the shares what its dual edge gives, or, for Laplace's weights, adds what it is of the facets between q and those. */
+   the shares what its dual edge gives, or, for Laplace's weights, adds its part of the facets between q and those. */
 PBW__INLINE void pbw__cell_spoke(int fine, int dim, int weighted, int laplace, pbw__site *const *x, pbw__vector n,
                                  pbw__vector s)
 {
