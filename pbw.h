@@ -10918,6 +10918,14 @@ PBW__INLINE size_t pbw__offer_near(const pbw_mesh *mesh, pbw__desk *desk, const 
     return at;
 }
 
+/* Squared distances above that are too far for the `most` nearest: beyond the last of them by more than the slack of
+   both, which is 3 times its own, or less than half of the difference.  Weights say nothing beforehand. */
+PBW__INLINE double pbw__near_limit(const pbw_mesh *mesh, const pbw__desk *desk, size_t most)
+{
+    const pbw__reach *last = desk->reach + most - 1;
+    return mesh->weights == NULL && desk->reach_count == most ? last->squared + 3.0 * last->slack : HUGE_VAL;
+}
+
 /* The `most` <= PBW__FEW nearest from those that desk->reach has: looks at the neighbours of each that is found. */
 PBW__INLINE void pbw__near_few(pbw__queries *queries, int dim, pbw__desk *desk, const double *q, size_t most)
 {
@@ -10925,17 +10933,29 @@ PBW__INLINE void pbw__near_few(pbw__queries *queries, int dim, pbw__desk *desk, 
     const size_t *first = queries->stars->first;
     size_t next = 0, i;
     while (next < desk->reach_count && next + 1 < most) {
-        size_t least = next + 1;
+        size_t least = next + 1, j;
         const pbw_index vertex = desk->reach[next].vertex;
+        double limit;
         if (desk->reach[next].done) {
             next++;
             continue;
         }
         desk->reach[next].done = 1;
+        limit = pbw__near_limit(mesh, desk, most);
         for (i = first[vertex]; i < first[vertex + (size_t)1]; i++) {
-            const pbw__reach reach = pbw__reach_to(mesh, dim, q, queries->stars->item[i]);
-            size_t at = pbw__offer_near(mesh, desk, q, &reach, most);
-            least = at < least ? at : least;
+            const pbw_index other = queries->stars->item[i];
+            pbw__reach reach;
+            if (pbw__squared(mesh->points + other * (size_t)dim, q, dim) > limit) {
+                continue;
+            }
+            for (j = 0; j < desk->reach_count && desk->reach[j].vertex != other; j++) {
+            }
+            if (j == desk->reach_count) {
+                reach = pbw__reach_to(mesh, dim, q, other);
+                j = pbw__offer_near(mesh, desk, q, &reach, most);
+                least = j < least ? j : least;
+                limit = pbw__near_limit(mesh, desk, most);
+            }
         }
         next = least;
     }

@@ -108,8 +108,8 @@ static real cell_volume(const pbw_mesh *mesh, pbw_index v)
     return sum;
 }
 
-/* Compares the Sibson weights of one query with volumes; 0 if some cell is unbounded.  jitter: the volumes are those of
-   points that far off, where the centres of flat simplices would take more than quadruple precision. */
+/* Compares the Sibson weights of one query with volumes; 0 if some cell is unbounded.  jitter: the volumes are those
+   of points that far off, where the centres of flat simplices would take more than quadruple precision. */
 static int check_volumes(const pbw_mesh *mesh, const double *q, const pbw_lists *lists, size_t i, double jitter)
 {
     const size_t dim = (size_t)mesh->dim, n = mesh->point_count;
