@@ -119,7 +119,10 @@ typedef struct pbwio_options {         /* NULL or all zero = best defaults */
     const char *columns;               /* "2,3,4" or "east,north": x,y or x,y,z, numbered from 1 or named; NULL = the
                                           columns named x y z, else the first that are not the weight */
     const char *weight;                /* the same for the weight; NULL = no weights */
+    unsigned flags;                    /* PBWIO_DECIMAL_COMMA */
 } pbwio_options;
+
+#define PBWIO_DECIMAL_COMMA 1u         /* tables: numbers such as 1,5; columns are set apart by ; or blanks */
 
 #define PBWIO_TEXT       1u            /* text even where the format has a binary form */
 #define PBWIO_NO_ORPHANS 2u            /* leave out points that are corners of nothing written */
@@ -144,7 +147,9 @@ PBWIODEF void pbwio_free(pbwio_cloud *cloud);
 PBWIODEF pbwio_status pbwio_write(const char *path, const pbw_mesh *mesh, const pbwio_output *output,
                                   pbwio_error *error);
 /* Writes any file whole or not at all: emit writes to the stream and need not look for errors; "path.part" is then
-   renamed to path, or removed if the disk was full.  Names under /dev are written in place. */
+   renamed to path, or removed if the disk was full.  A file that is replaced gives its mode to the new one; a symbolic
+   link stays, and what it leads to is replaced.  "-" is the standard output; that, FIFOs, devices and names under /dev
+   are written in place. */
 PBWIODEF pbwio_status pbwio_save(const char *path, void (*emit)(void *user, FILE *file), void *user,
                                  pbwio_error *error);
 /* The format that a name's ending stands for, PBWIO_AUTO if none. */
@@ -164,6 +169,13 @@ PBWIODEF pbwio_format pbwio_format_of(const char *path);
 #include <stdarg.h>
 #include <stdlib.h>
 #include <string.h>
+#include <sys/stat.h>
+#ifndef _WIN32
+#include <unistd.h>
+#ifndef __cplusplus
+extern ssize_t readlink(const char *path, char *link, size_t size);     /* strict C modes hide it */
+#endif
+#endif
 
 #ifndef PBWIO_REALLOC
 #define PBWIO_REALLOC(ptr, size) realloc(ptr, size)
@@ -1789,7 +1801,7 @@ static void *pbwio__shrink(void *ptr, size_t size)
 PBWIODEF pbwio_status pbwio_read_memory(const char *name, const void *data, size_t size, const pbwio_options *options,
                                         pbwio_cloud *cloud, pbwio_error *error)
 {
-    static const pbwio_options defaults = { PBWIO_AUTO, 0, NULL, NULL };
+    static const pbwio_options defaults = { PBWIO_AUTO, 0, NULL, NULL, 0 };
     const char *wrong = NULL;
     pbwio_format format;
     pbwio__reader r;
@@ -1907,47 +1919,104 @@ PBWIODEF pbwio_status pbwio_read(const char *path, const pbwio_options *options,
    Writing: a file that is whole or is not there.
    ------------------------------------------------------------------------------------------------------ */
 
+#ifdef _WIN32
+static char *pbwio__target(const char *path, size_t extra)
+{
+    char *name = (char *)PBWIO_REALLOC(NULL, strlen(path) + extra);
+    return name != NULL ? strcpy(name, path) : NULL;
+}
+#else
+/* The name that symbolic links at the end of a path lead to, in a block with extra bytes for the caller to free;
+   NULL: out of memory.  After 40 links it is left as it is. */
+static char *pbwio__target(const char *path, size_t extra)
+{
+    enum { MOST = 4096 };
+    char *name = (char *)PBWIO_REALLOC(NULL, strlen(path) + extra), link[MOST], *longer;
+    int links;
+    ssize_t length;
+    if (name == NULL) {
+        return NULL;
+    }
+    strcpy(name, path);
+    for (links = 0; links < 40 && (length = readlink(name, link, MOST - 1)) > 0; links++) {
+        const char *slash = strrchr(name, '/');
+        size_t folder = *link == '/' || slash == NULL ? 0 : (size_t)(slash - name) + 1;
+        longer = (char *)PBWIO_REALLOC(name, folder + (size_t)length + extra);
+        if (longer == NULL) {
+            PBWIO_FREE(name);
+            return NULL;
+        }
+        name = longer;
+        memcpy(name + folder, link, (size_t)length);
+        name[folder + (size_t)length] = 0;
+    }
+    return name;
+}
+#endif
+
+/* Writes to a stream and closes it, unless it is the standard output; returns whether that failed. */
+static int pbwio__stream(FILE *file, void (*emit)(void *user, FILE *file), void *user)
+{
+    int failed;
+    emit(user, file);
+    failed = ferror(file) | fflush(file);
+    return file == stdout ? failed : failed | fclose(file);
+}
+
 PBWIODEF pbwio_status pbwio_save(const char *path, void (*emit)(void *user, FILE *file), void *user,
                                  pbwio_error *error)
 {
     static const char ending[] = ".part";
-    pbwio_status status = PBWIO_OK;
-    size_t length = path == NULL ? 0 : strlen(path);
-    int in_place = length > 5 && memcmp(path, "/dev/", 5) == 0, failed;
-    char *name;
+    struct stat old;
+    char *target, *name = NULL;
     FILE *file;
+    int in_place, is, failed;
     if (path == NULL || emit == NULL) {
         return pbwio__file_error(error, PBWIO_ERROR_ARGUMENT, "pbwio_save", "an argument is NULL");
     }
-    name = (char *)PBWIO_REALLOC(NULL, length + sizeof ending);
-    if (name == NULL) {
+    errno = 0;
+    is = stat(path, &old) == 0;
+    in_place = strcmp(path, "-") == 0 || strncmp(path, "/dev/", 5) == 0 || (is && !S_ISREG(old.st_mode));
+    target = pbwio__target(path, 1);
+    name = target != NULL && !in_place ? pbwio__target(target, sizeof ending) : NULL;
+    if (target == NULL || (name == NULL && !in_place)) {
+        PBWIO_FREE(target);
         return pbwio__file_error(error, PBWIO_ERROR_MEMORY, path, "out of memory");
     }
-    strcpy(name, path);
-    strcat(name, in_place ? "" : ending);
+    if (!in_place) {
+        strcat(name, ending);
+    }
     errno = 0;
-    file = fopen(name, "wb");
-    if (file == NULL) {
-        status = pbwio__file_error(error, PBWIO_ERROR_FILE, path, "%s", strerror(errno));
-    } else {
-        emit(user, file);
-        failed = ferror(file) | fflush(file);
-        failed |= fclose(file);
+    file = strcmp(path, "-") == 0 ? stdout : in_place ? fopen(path, "wb") : NULL;
+    if (!in_place && is) {                           /* a file that may not be written to may not be replaced */
+        file = fopen(target, "r+b");
+        failed = file == NULL || fclose(file) != 0;
+        file = failed ? NULL : fopen(name, "wb");
+    } else if (!in_place) {
+        file = fopen(name, "wb");
+    }
+    failed = file == NULL || pbwio__stream(file, emit, user);
+    if (file != NULL && !in_place) {
+        if (!failed && is) {
+            chmod(name, old.st_mode & 07777);
+        }
 #ifdef _WIN32
-        if (!failed && !in_place) {
-            remove(path);                                            /* rename does not replace there */
+        if (!failed) {
+            remove(target);                          /* rename does not replace there */
         }
 #endif
-        if (failed || (!in_place && rename(name, path) != 0)) {
-            status = pbwio__file_error(error, PBWIO_ERROR_FILE, path, "%s",
-                                       errno == 0 ? "cannot write" : strerror(errno));
-            if (!in_place) {
-                remove(name);
-            }
+        failed = failed || rename(name, target) != 0;
+    }
+    if (failed) {
+        pbwio__file_error(error, PBWIO_ERROR_FILE, strcmp(path, "-") == 0 ? "standard output" : path, "%s",
+                          errno == 0 ? "cannot write" : strerror(errno));
+        if (file != NULL && !in_place) {
+            remove(name);
         }
     }
     PBWIO_FREE(name);
-    return status;
+    PBWIO_FREE(target);
+    return failed ? PBWIO_ERROR_FILE : PBWIO_OK;
 }
 
 static void pbwio__emit(void *user, FILE *file)
