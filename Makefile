@@ -17,7 +17,7 @@ EXAMPLES_CXX = $(if $(shell command -v $(firstword $(CXX))),$(patsubst examples/
 EXPECTED = $(patsubst examples/expected/%.txt,%,$(wildcard examples/expected/*.txt))
 FUZZERS = $(patsubst tests/%.c,%,$(wildcard tests/fuzz_*.c))
 HEADERS = pbw.h $(wildcard tests/*.h examples/lib/*.h examples/program/*.h)
-SCRIPTS = $(filter packaging hashes examples asm oracle cmake python programs view, \
+SCRIPTS = $(filter packaging hashes examples asm oracle cmake python program programs view, \
     $(patsubst tests/%.sh,%,$(wildcard tests/*.sh)))
 SUITES = test programs examples oracle asm arm names fuzz-long
 export CC CXX
@@ -93,7 +93,7 @@ $B/test_io.log: $B/pbw
 $B/view.log: $B/pbw $B/terrain
 $B/examples.log: $(patsubst %,$B/%,$(filter $(EXAMPLES) $(EXAMPLES_CXX),$(EXPECTED)))
 $B/python.log: $B/libpbw_python.so
-$B/programs.log: $B/pbw
+$B/program.log $B/programs.log: $B/pbw
 $B/oracle.log: $B/libpbw.a
 
 # One that does not compile is a failure, and the others still run.

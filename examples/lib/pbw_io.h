@@ -655,10 +655,10 @@ static int pbwio__gzip_header(pbwio__inflater *z)
         z->in += length + 2;
     }
     for (text = 0; text < ((flags & 8) != 0) + ((flags & 16) != 0); text++) {        /* name, comment */
-        z->in = z->in < z->end ? (const unsigned char *)memchr(z->in, 0, (size_t)(z->end - z->in)) : NULL;
-        if (z->in++ == NULL) {
-            return 0;
+        while (z->in < z->end && *z->in != 0) {
+            z->in++;
         }
+        z->in += z->in < z->end;
     }
     z->in += flags & 2 && z->end - z->in > 1 ? 2 : 0;
     return 1;
@@ -3464,8 +3464,9 @@ PBWIODEF pbwio_status pbwio_read(const char *path, const pbwio_options *options,
     memset(cloud, 0, sizeof *cloud);
     format = options != NULL && options->format != PBWIO_AUTO ? options->format : pbwio__format_to_read(path);
     if (format == PBWIO_ELE) {                                       /* the points are in the .node file beside it */
-        const char *dot = strrchr(path, '.');
-        size_t length = dot != NULL && strpbrk(dot, "/\\") == NULL ? (size_t)(dot - path) : strlen(path);
+        size_t length = strlen(path);
+        length -= length > 3 && pbwio__same(path + length - 3, 3, ".gz", 3) ? 3 : 0;
+        length -= length > 4 && pbwio__same(path + length - 4, 4, ".ele", 4) ? 4 : 0;
         memset(&nodes, 0, sizeof nodes);
         nodes = options != NULL ? *options : nodes;
         nodes.format = PBWIO_NODE;

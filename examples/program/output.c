@@ -118,8 +118,8 @@ static int destroys(const char *path, const char *input)
     if (one_file(path, input) || one_file(other, input)) {
         return 1;
     }
-    dot = strrchr(input, '.');
-    if (dot == NULL || strcmp(dot, ".ele") != 0) {
+    dot = strstr(input, ".ele");
+    if (dot == NULL || (strcmp(dot, ".ele") != 0 && strcmp(dot, ".ele.gz") != 0)) {
         return 0;
     }
     snprintf(other, sizeof other, "%.*s.node", (int)(dot - input), input);       /* has its points */
