@@ -3290,15 +3290,14 @@ static void *pbwio__shrink(void *ptr, size_t size)
 /* The format that the name of a file to read stands for, without an ending .gz. */
 static pbwio_format pbwio__format_to_read(const char *path)
 {
-    size_t length = strlen(path);
+    size_t length = strlen(path), at;
     char ending[16];
     if (length < 3 || !pbwio__same(path + length - 3, 3, ".gz", 3)) {
         return pbwio_format_of(path);
     }
-    for (length -= 3; length > 0 && path[length] != '.'; length--) {
+    for (at = length - 3; at > 0 && path[at - 1] != '.'; at--) {
     }
-    snprintf(ending, sizeof ending, "%.*s", (int)(strlen(path) - 3 - length < 12 ? strlen(path) - 3 - length : 0),
-             path + length);
+    snprintf(ending, sizeof ending, ".%.*s", length - 3 - at < 12 ? (int)(length - 3 - at) : 0, path + at);
     return pbwio_format_of(ending);
 }
 
@@ -3465,8 +3464,8 @@ PBWIODEF pbwio_status pbwio_read(const char *path, const pbwio_options *options,
     format = options != NULL && options->format != PBWIO_AUTO ? options->format : pbwio__format_to_read(path);
     if (format == PBWIO_ELE) {                                       /* the points are in the .node file beside it */
         size_t length = strlen(path);
-        length -= length > 3 && pbwio__same(path + length - 3, 3, ".gz", 3) ? 3 : 0;
-        length -= length > 4 && pbwio__same(path + length - 4, 4, ".ele", 4) ? 4 : 0;
+        length -= length > 3 && pbwio__same(path + length - 3, 3, ".gz", 3) ? 3u : 0u;
+        length -= length > 4 && pbwio__same(path + length - 4, 4, ".ele", 4) ? 4u : 0u;
         memset(&nodes, 0, sizeof nodes);
         nodes = options != NULL ? *options : nodes;
         nodes.format = PBWIO_NODE;
