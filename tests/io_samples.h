@@ -94,7 +94,8 @@ static const io_sample io_text_samples[] = {
             "\000\000\000\000\000\000\001\000\000\000\000\000\000\000\n$EndElements\n", 3, 4, 0, 3),
     IO_TEXT("medit.mesh",
             "MeshVersionFormatted 2\nDimension\n3\n# points\nVertices\n4\n0 0 0 1\n1 0 0 1\n0 1 0 -1\n0 0 1 1\nE"
-            "dges 1\n1 2 1\nTriangles\n1\n1 3 2 1\nTetrahedra 1 1 2 3 4 2\nQuadrilaterals 1\n1 2 3 4 0\nEnd\n", 3, 4, 3, 3),
+            "dges 1\n1 2 1\nTriangles\n1\n1 3 2 1\nTetrahedra 1 1 2 3 4 2\nQuadrilaterals 1\n1 2 3 4 0\nEnd\n",
+            3, 4, 3, 3),
     IO_TEXT("text.vtu",
             "<\077xml version=\"1.0\"\077>\n<VTKFile type=\"UnstructuredGrid\" version=\"1.0\" byte_order=\"Litt"
             "leEndian\">\n<UnstructuredGrid>\n<Piece NumberOfPoints=\"4\" NumberOfCells=\"2\">\n<Points><DataArr"

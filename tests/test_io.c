@@ -1,5 +1,5 @@
-/* test_io.c: examples/lib/pbw_io.h and examples/lib/pbw_picture.h: numbers, every reader on good and on broken files, every
-   writer read back, full disks, memory that runs out; and the program pbw, if it lies beside this one. */
+/* test_io.c: examples/lib/pbw_io.h and examples/lib/pbw_picture.h: numbers, every reader on good and on broken files,
+   every writer read back, full disks, memory that runs out; and the program pbw, if it lies beside this one. */
 #define _GNU_SOURCE
 #include <fcntl.h>
 #include <locale.h>
@@ -174,7 +174,8 @@ static const bad_file bad_files[] = {
     { "a.xyz", "1 2 3\n", "1", NULL, 0, "a.xyz:1: 1 coordinates where 2 are needed" },
     { "a.xyz", "1 2 3\n", NULL, NULL, 7, "a.xyz: dimension 7 is not 2 or 3" },
     { "a.csv", "1,2,3\n4,,6\n", NULL, NULL, 0, "a.csv:2: column 2, \"\", is not a finite number" },
-    { "a.csv", "1,5;2,5\n", NULL, NULL, 0, "a.csv:1: column 1, \"1,5\", is not a finite number (decimal commas are read on request)" },
+    { "a.csv", "1,5;2,5\n", NULL, NULL, 0,
+      "a.csv:1: column 1, \"1,5\", is not a finite number (decimal commas are read on request)" },
     { "a.csv", "x,y,z\n1,2,3\n", NULL, "mass", 0, "a.csv:2: there is no column \"mass\"" },
     { "a.csv", "east,north\n1,2\n", "east,up", NULL, 0, "a.csv:2: there is no column \"up\"" },
     { "a.txt", "1 2 3\r4 5 6\r", NULL, NULL, 0, "a.txt: lines end with CR alone: convert them to LF or CR LF" },
@@ -195,7 +196,8 @@ static const bad_file bad_files[] = {
     { "a.json", "[1, 2, 3, 4, 5, 6, 7, 8, 9, 10, 11, 12, 13, 14, 15, 16, 17]", NULL, NULL, 0,
       "a.json: byte 59: a list of many numbers: points are arrays of two or three" },
     { "a.json", "{\"x\": [1, 2", NULL, NULL, 0, "a.json: byte 11: the file ends inside brackets" },
-    { "a.json", "{\"a\": 1}", NULL, NULL, 0, "a.json: byte 8: no points: arrays of numbers, or objects with x and y" },
+    { "a.json", "{\"a\": 1}", NULL, NULL, 0,
+      "a.json: byte 8: no points: arrays of numbers, or objects with x and y" },
     { "a.msh", "$MeshFormat\n1 0 8\n", NULL, NULL, 0, "a.msh:2: version 1: 2.2 and 4.1 are read" },
     { "a.msh", "$MeshFormat\n2.2 0 8\n$Nodes\n1\n7 0 0 0\n$EndNodes\n$Elements\n1\n1 2 0 7 7 8\n", NULL, NULL, 0,
       "a.msh:9: an element has a point that is not there, of 1" },
@@ -1075,7 +1077,8 @@ static void fill_in(const char *from, char to[512])
 }
 
 /* The program examples/program/pbw.c: exit status and last line for right and wrong uses. */
-#define EVERY "vtu msh msh2 mesh inp su2 node ele neigh face edge obj ply stl off xyz csv txt pts asc dat tsv svg html"
+#define EVERY "vtu msh msh2 mesh inp su2 node ele neigh face edge obj ply stl off xyz csv txt pts asc dat tsv " \
+              "svg html"
 static void test_program(void)
 {
     static const struct { const char *arguments, *says; int status; } uses[] = {
@@ -1094,7 +1097,8 @@ static void test_program(void)
           "spiral, plane, anisotropic, moment is needed", 2 },
         { "/no/such.xyz", "pbw: /no/such.xyz: No such file or directory", 1 },
         { "--generate uniform 2", "pbw: the points do not span the space: there are no simplices", 1 },
-        { "--generate uniform 50000 --memory-limit 1M", "pbw: out of memory within --memory-limit 1M: 50000 points in 3D "
+        { "--generate uniform 50000 --memory-limit 1M",
+          "pbw: out of memory within --memory-limit 1M: 50000 points in 3D "
           "need about 16 MB, and more where many lie on few lines", 1 },
         { "--generate uniform 100 --inside",
           "pbw: --inside: what is generated has no faces; --surface names a model that has", 2 },
@@ -1111,7 +1115,8 @@ static void test_program(void)
         { "view a.xyz -o a.vtu",
           "pbw: -o a.vtu: its ending tells the format, else --format; pbw view writes html", 2 },
         { "view FOLDER/a.node", "open this in a browser: FOLDER/a.html", 0 },
-        { "view --generate uniform 100 -o /no/such/a.html", "pbw: -o /no/such/a.html: there is no folder /no/such/", 2 },
+        { "view --generate uniform 100 -o /no/such/a.html",
+          "pbw: -o /no/such/a.html: there is no folder /no/such/", 2 },
         { "mesh --generate lattice 27 --quiet -o FOLDER/d.obj", "", 0 },
         { "sample", "pbw: an input is needed; see pbw sample --help", 2 },
         { "sample --dim 2 a.obj", "pbw: pbw sample has no option --dim, pbw mesh has", 2 },

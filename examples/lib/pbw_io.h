@@ -25,9 +25,21 @@
              own three corners
      .off    OFF, COFF, NOFF, STOFF                   numbers of the vertex line
      .node   TetGen and Triangle, 0- or 1-based       x y (z), then attributes, then the marker
+     .ele    the simplices; points: the .node file    as .node
+             of that name
+     .msh    Gmsh 2.2 and 4.1, ascii and binary       x y z
+     .mesh   Medit, ascii                             x y (z)
+     .vtu    one piece; ascii, base64 or raw, plain   weights: an array of the points by name
+             or compressed by zlib
+     .json .geojson  arrays of numbers; objects with  numbers in an array, members of an object
+             x and y; "coordinates"
+     .xyz    molecules: count, comment, then rows     symbol x y z, then numbers
+             of symbol x y z
      .xyz .csv .txt .tsv .pts .asc .dat               by name if there is a header line, or number;
              separated by blanks, commas, semicolons  a line that starts with # is a comment
-     Any other name: the content decides.
+     Any other name: the content decides.  All of them compressed by gzip, too, with the ending .gz or not.
+     Of meshes, triangles, quadrilaterals and polygons are faces, tetrahedra are cells, other elements are passed over.
+     A first line of counts is passed if the rows below agree with it, and refused where it may as well be a point.
 
    WRITES    what                                             text or binary     read by
      .vtu    simplices, quality, point ids                    both               ParaView, VTK
@@ -151,9 +163,9 @@ PBWIODEF void pbwio_free(pbwio_cloud *cloud);
 PBWIODEF pbwio_status pbwio_write(const char *path, const pbw_mesh *mesh, const pbwio_output *output,
                                   pbwio_error *error);
 /* Writes any file whole or not at all: emit writes to the stream and need not look for errors; "path.part" is then
-   renamed to path, or removed if the disk was full.  A file that is replaced gives its mode to the new one; a symbolic
-   link stays, and what it leads to is replaced.  "-" is the standard output; that, FIFOs, devices and names under /dev
-   are written in place. */
+   renamed to path, or removed if the disk was full.  A file that is replaced gives its mode to the new one; a
+   symbolic link stays, and what it leads to is replaced.  "-" is the standard output; that, FIFOs, devices and names
+   under /dev are written in place. */
 PBWIODEF pbwio_status pbwio_save(const char *path, void (*emit)(void *user, FILE *file), void *user,
                                  pbwio_error *error);
 /* The format that a name's ending stands for, PBWIO_AUTO if none. */
@@ -271,8 +283,9 @@ static double pbwio__long_number(const char *s, const char *end, char mark, long
     return negative ? -strtod(digits, NULL) : strtod(digits, NULL);
 }
 
-/* 1 if [s, end) is a finite decimal number, with that decimal mark, and nothing else.  Up to 2^53 times a power of ten up to 10^22 is one
-   rounding of two exact doubles, so correct (Clinger 1990, "How to read floating point numbers accurately"). */
+/* 1 if [s, end) is a finite decimal number, with that decimal mark, and nothing else.  Up to 2^53 times a power of ten
+   up to 10^22 is one rounding of two exact doubles, so correct (Clinger 1990, "How to read floating point numbers
+   accurately"). */
 static int pbwio__decimal(const char *s, const char *end, char mark, double *value)
 {
     static const double power[] = { 1e0, 1e1, 1e2, 1e3, 1e4, 1e5, 1e6, 1e7, 1e8, 1e9, 1e10, 1e11, 1e12, 1e13, 1e14,
@@ -1009,9 +1022,9 @@ static void pbwio__point(pbwio__reader *r)
         }
         for (k = 0; k < 4; k++) {
             if (r->column[k] == i && !pbwio__decimal(field.begin, field.end, r->mark, &value[k])) {
+                int comma = r->mark == '.' && pbwio__decimal(field.begin, field.end, ',', &value[k]);
                 pbwio__fail(r, PBWIO_ERROR_FORMAT, "column %d, \"%s\", is not a finite number%s", i + 1,
-                            pbwio__show(r, field), r->mark == '.' && pbwio__decimal(field.begin, field.end, ',', &value[k])
-                            ? " (decimal commas are read on request)" : "");
+                            pbwio__show(r, field), comma ? " (decimal commas are read on request)" : "");
             }
         }
     }
@@ -1170,12 +1183,13 @@ static int pbwio__pass_counts(pbwio__reader *r)
         if (head.columns != row.columns && head.second == row.columns && !counted && head.first >= 4) {
             pbwio__fail(&after, PBWIO_ERROR_FORMAT, "%lld points are announced, %zu rows follow", head.first, rows);
         } else if (counted && head.columns == row.columns && row.naturals < row.numbers) {
-            pbwio__fail(&after, PBWIO_ERROR_FORMAT, "this looks like a header of counts, %zu rows follow: remove it, or "
-                        "write it with decimal points if it is a point", rows);
+            pbwio__fail(&after, PBWIO_ERROR_FORMAT, "this looks like a header of counts, %zu rows follow: remove it, "
+                        "or write it with decimal points if it is a point", rows);
         } else if (!counted || head.columns == row.columns) {
             head.columns = 0;
         } else if (rows != (unsigned long long)head.first) {
-            pbwio__fail(&after, PBWIO_ERROR_FORMAT, "counts of points and faces: this looks like .off without its name");
+            pbwio__fail(&after, PBWIO_ERROR_FORMAT, "counts of points and faces: this looks like .off without its "
+                        "name");
         }
         r->status = after.status;
     }
@@ -2025,7 +2039,7 @@ static void pbwio__read_msh(pbwio__reader *r)
 enum { PBWIO__POINTS, PBWIO__WEIGHTS, PBWIO__CORNERS, PBWIO__ENDS, PBWIO__KINDS, PBWIO__ARRAYS };
 
 typedef struct pbwio__array {
-    int is, type, text, appended;            /* type: out of the table; text, appended: else base64 between the tags */
+    int is, type, text, appended;            /* type: out of the table; neither text nor appended: base64 in place */
     int components;
     const char *begin, *end;                 /* between its tags */
     double offset;                           /* behind them all */
@@ -2078,7 +2092,8 @@ static void pbwio__vtu_array(pbwio__reader *r, pbwio__vtu *v, const char *sectio
     int k;
     if (strcmp(section, "Points") == 0) {
         a = &v->array[PBWIO__POINTS];
-    } else if (strcmp(section, "PointData") == 0 && r->options->weight != NULL && pbwio__is(name, r->options->weight)) {
+    } else if (strcmp(section, "PointData") == 0 && r->options->weight != NULL
+               && pbwio__is(name, r->options->weight)) {
         a = &v->array[PBWIO__WEIGHTS];
     }
     for (k = 0; k < 3 && strcmp(section, "Cells") == 0; k++) {
@@ -2180,7 +2195,8 @@ static int pbwio__base64(const char **at, const char *end, unsigned char *out, s
 }
 
 /* Bytes of the array at *at, plain or out of base64, into a block that the array then has. */
-static const char *pbwio__vtu_bytes(pbwio__reader *r, const pbwio__vtu *v, pbwio__array *a, const char **at, size_t count)
+static const char *pbwio__vtu_bytes(pbwio__reader *r, const pbwio__vtu *v, pbwio__array *a, const char **at,
+                                    size_t count)
 {
     const char *end = a->appended ? r->end : a->end, *bytes = *at;
     int raw = a->appended && v->raw;
@@ -2214,7 +2230,8 @@ static size_t pbwio__vtu_length(const pbwio__vtu *v, const char *s)
 }
 
 /* Unpacks the blocks at `in`, whose packed sizes follow each other in head from its fourth entry on. */
-static void pbwio__vtu_unpack(pbwio__reader *r, const pbwio__vtu *v, pbwio__array *a, const char *head, const char *in)
+static void pbwio__vtu_unpack(pbwio__reader *r, const pbwio__vtu *v, pbwio__array *a, const char *head,
+                              const char *in)
 {
     size_t blocks = pbwio__vtu_length(v, head), size = pbwio__vtu_length(v, head + v->head), i;
     size_t last = pbwio__vtu_length(v, head + 2 * v->head), packed = 0, total, length;
@@ -2297,7 +2314,8 @@ static void pbwio__vtu_open(pbwio__reader *r, const pbwio__vtu *v, pbwio__array 
     if (!v->packed) {
         bytes = length < (size_t)(r->end - from) ? pbwio__vtu_bytes(r, v, a, &at, v->head + length) : NULL;
         if (bytes == NULL) {
-            pbwio__fail(r, PBWIO_ERROR_FORMAT, "an array of %zu bytes, %zu are left", length, (size_t)(r->end - from));
+            pbwio__fail(r, PBWIO_ERROR_FORMAT, "an array of %zu bytes, %zu are left", length,
+                        (size_t)(r->end - from));
             return;
         }
         a->values.begin = bytes;
@@ -2531,8 +2549,9 @@ static void pbwio__json_number(pbwio__reader *r, pbwio__json *j, pbwio__field fi
         j->numbers += j->numbers <= PBWIO__NUMBERS;
     } else {
         for (k = 0; k < 4; k++) {
-            if (j->wanted[k].begin < j->wanted[k].end && pbwio__same(j->key.begin, (size_t)(j->key.end - j->key.begin),
-                j->wanted[k].begin, (size_t)(j->wanted[k].end - j->wanted[k].begin))) {
+            size_t length = (size_t)(j->wanted[k].end - j->wanted[k].begin);
+            if (length > 0 && pbwio__same(j->key.begin, (size_t)(j->key.end - j->key.begin), j->wanted[k].begin,
+                                          length)) {
                 j->member[j->depth][k] = value;
                 j->found[j->depth] |= 1 << k;
             }

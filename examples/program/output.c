@@ -106,7 +106,7 @@ static int one_file(const char *a, const char *b)
 #endif
 }
 
-/* Whether writing to the path would destroy an input: as the output, or as the file that is renamed to it at the end. */
+/* Whether writing to the path would destroy an input, which is that file or the one that is renamed to it at the end. */
 static int destroys(const char *path, const char *input)
 {
     char other[1100];
