@@ -53,7 +53,7 @@ static int run(job *j)
         if (best < 0) {
             return FAILURE;
         }
-        found = pbw_hash(&j->mesh);
+        found = pbw_hash(&j->mesh, NULL);
         fputs(j->terminal ? "\r\033[K" : "", stderr);
         printf("%7d %9.3f %12.3f %13.0f %11zu   %016llx\n", threads, best, (double)j->cloud.count / best * 1e-6,
                (double)j->mesh.statistics.peak_bytes / (double)j->cloud.count, j->mesh.simplex_count,

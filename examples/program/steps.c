@@ -123,7 +123,7 @@ void describe(const job *j)
                  (double)mesh->statistics.peak_bytes / (double)mesh->point_count);
     }
     tell(j, "peak memory %.2f MB%s, hash %016llx", (double)mesh->statistics.peak_bytes * 1e-6, share,
-         (unsigned long long)pbw_hash(mesh));
+         (unsigned long long)pbw_hash(mesh, NULL));
 }
 
 pbwsample_model model_of(const pbwio_cloud *cloud)
