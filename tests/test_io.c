@@ -166,12 +166,12 @@ static const bad_file bad_files[] = {
     { "a.ply", "ply\nformat ascii 1.0\nelement vertex 1\nproperty int x\nproperty int y\nelement vertex 1\n"
       "property int x\nproperty int y\nend_header\n1 2\n1 2\n", NULL, NULL, 0,
       "a.ply:10: element \"vertex\" comes twice" },
-    { "a.xyz", "5\n6\n", NULL, NULL, 0, "a.xyz:2: 1 coordinates where 2 are needed" },
+    { "a.xyz", "5\n6\n", NULL, NULL, 0, "a.xyz:2: 1 coordinate where 2 are needed" },
     { "a.xyz", "1 2\n", NULL, NULL, 3, "a.xyz:1: 2 coordinates where 3 are needed" },
     { "a.xyz", "1 2 3\n", NULL, "4", 0, "a.xyz:1: column 4 is asked for, there are 3" },
     { "a.xyz", "1 2 3\n", "1,9", NULL, 0, "a.xyz:1: column 9 is asked for, there are 3" },
     { "a.xyz", "1 2 3\n", "1,,3", NULL, 0, "a.xyz:1: there is no column \"\"" },
-    { "a.xyz", "1 2 3\n", "1", NULL, 0, "a.xyz:1: 1 coordinates where 2 are needed" },
+    { "a.xyz", "1 2 3\n", "1", NULL, 0, "a.xyz:1: 1 coordinate where 2 are needed" },
     { "a.xyz", "1 2 3\n", NULL, NULL, 7, "a.xyz: dimension 7 is not 2 or 3" },
     { "a.csv", "1,2,3\n4,,6\n", NULL, NULL, 0, "a.csv:2: column 2, \"\", is not a finite number" },
     { "a.csv", "1,5;2,5\n", NULL, NULL, 0,
@@ -250,7 +250,7 @@ static const bad_file bad_files[] = {
     { "a.ply", "ply\nformat ascii 1.0\nelement vertex many\nend_header\n", NULL, NULL, 0,
       "a.ply:3: \"many\" is not a number of elements" },
     { "a.ply", "ply\nformat binary_little_endian 1.0\nelement vertex 1\nproperty float x\nproperty float y\n"
-      "end_header\n12345", NULL, NULL, 0, "a.ply: byte 98: 1 points are announced, 5 bytes follow" },
+      "end_header\n12345", NULL, NULL, 0, "a.ply: byte 98: 1 point is announced, 5 bytes follow" },
     { "a.ply", "ply\nformat binary_big_endian 1.0\nelement vertex 1\nproperty float x\nproperty float y\n"
       "end_header\n\x7f\xc0zzabcd", NULL, NULL, 0, "a.ply: byte 99: a value is not a finite number" },
     { "a.ply", "ply\nformat ascii 1.0\nelement vertex 1\nproperty float x\nproperty float y\nelement face 1\n"
@@ -419,7 +419,7 @@ static void test_no_memory(void)
     int i;
     for (i = 0; i < IO_SAMPLES; i++) {
         io_sample s = io_get_sample(i, buffer);
-        for (k = 1; k < 8; k++) {
+        for (k = 1; k < 32; k++) {
             pbwio_cloud cloud;
             pbwio_status status;
             fail_at = k;

@@ -946,7 +946,8 @@ static void pbwio__choose(pbwio__reader *r, const pbwio__field *names, int name_
         }
     }
     if (dim < 2 || dim < o->dim) {
-        pbwio__fail(r, PBWIO_ERROR_FORMAT, "%d coordinates where %d are needed", dim, o->dim > 2 ? o->dim : 2);
+        pbwio__fail(r, PBWIO_ERROR_FORMAT, "%d coordinate%s where %d are needed", dim, dim == 1 ? "" : "s",
+                    o->dim > 2 ? o->dim : 2);
     }
     if (o->dim == 2) {
         dim = 2;
@@ -969,7 +970,8 @@ static void pbwio__reserve(pbwio__reader *r, unsigned long long announced, size_
 {
     size_t left = (size_t)(r->end - r->at), dim = (size_t)r->cloud->dim, count;
     if (r->status == PBWIO_OK && announced > (left + 1) / smallest) {
-        pbwio__fail(r, PBWIO_ERROR_FORMAT, "%llu points are announced, %zu bytes follow", announced, left);
+        pbwio__fail(r, PBWIO_ERROR_FORMAT, "%llu point%s announced, %zu bytes follow", announced,
+                    announced == 1 ? " is" : "s are", left);
     }
     if (r->status == PBWIO_OK && announced >= PBW_NONE) {
         pbwio__fail(r, PBWIO_ERROR_FORMAT, "more than %lu points", (unsigned long)PBW_NONE - 1);
@@ -1309,7 +1311,7 @@ static void pbwio__read_obj(pbwio__reader *r)
         }
     }
     if (r->cloud->count < r->point_capacity && r->cloud->triangle_count != 0) {
-        pbwio__fail(r, PBWIO_ERROR_FORMAT, "%zu points where %zu are announced", r->cloud->count, r->point_capacity);
+        pbwio__fail(r, PBWIO_ERROR_FORMAT, "points: %zu, announced: %zu", r->cloud->count, r->point_capacity);
     }
 }
 
@@ -1401,7 +1403,7 @@ static void pbwio__read_stl_binary(pbwio__reader *r, size_t count)
     r->at += 84;
     r->line_number = 0;
     if ((size_t)(r->end - r->at) / 50 < count) {
-        pbwio__fail(r, PBWIO_ERROR_FORMAT, "%zu triangles are announced, %zu bytes follow", count,
+        pbwio__fail(r, PBWIO_ERROR_FORMAT, "%zu triangle%s announced, %zu bytes follow", count, count == 1 ? " is" : "s are",
                     (size_t)(r->end - r->at));
     }
     pbwio__reserve(r, 3 * (unsigned long long)count, 16);
@@ -2383,7 +2385,7 @@ static void pbwio__vtu_points(pbwio__reader *r, pbwio__vtu *v)
         r->held = all.held;
         r->point_capacity = all.point_capacity;
     } else {
-        pbwio__fail(r, PBWIO_ERROR_FORMAT, "%.0f points are announced, the array is shorter", v->points);
+        pbwio__fail(r, PBWIO_ERROR_FORMAT, "points: %.0f announced, the array is shorter", v->points);
     }
     for (i = 0; i < v->points && r->status == PBWIO_OK; i++) {
         for (k = 0; k < 3; k++) {

@@ -258,8 +258,8 @@ static pbwio_status write_page(const job *j, const char *path, pbwio_error *erro
     memset(&view, 0, sizeof view);
     snprintf(error->text, sizeof error->text, "out of memory");
     if (mesh->duplicate_count + mesh->hidden_count > 0) {
-        snprintf(note, sizeof note, "%zu duplicate and %zu hidden points left out", mesh->duplicate_count,
-                 mesh->hidden_count);
+        snprintf(note, sizeof note, "%zu duplicate and %zu hidden point%s left out", mesh->duplicate_count,
+                 mesh->hidden_count, plural(mesh->duplicate_count + mesh->hidden_count));
     }
     set_up_view(j, &view);
     view.note = note;
