@@ -1403,8 +1403,8 @@ static void pbwio__read_stl_binary(pbwio__reader *r, size_t count)
     r->at += 84;
     r->line_number = 0;
     if ((size_t)(r->end - r->at) / 50 < count) {
-        pbwio__fail(r, PBWIO_ERROR_FORMAT, "%zu triangle%s announced, %zu bytes follow", count, count == 1 ? " is" : "s are",
-                    (size_t)(r->end - r->at));
+        pbwio__fail(r, PBWIO_ERROR_FORMAT, "%zu triangle%s announced, %zu bytes follow", count,
+                    count == 1 ? " is" : "s are", (size_t)(r->end - r->at));
     }
     pbwio__reserve(r, 3 * (unsigned long long)count, 16);
     for (i = 0; i < count && r->status == PBWIO_OK; i++, r->at += 2) {
