@@ -38,7 +38,7 @@
      .xyz .csv .txt .tsv .pts .asc .dat               by name if there is a header line, or number;
              separated by blanks, commas, semicolons  a line that starts with # is a comment
      Any other name: the content decides.  All of them compressed by gzip, too, with the ending .gz or not.
-     Of meshes, triangles, quadrilaterals and polygons are faces, tetrahedra are cells, other elements are passed over.
+     Of meshes, triangles, quadrilaterals, polygons are faces, tetrahedra are cells; other elements are passed over.
      A first line of counts is passed if the rows below agree with it, and refused where it may as well be a point.
 
    WRITES    what                                             text or binary     read by
@@ -283,8 +283,8 @@ static double pbwio__long_number(const char *s, const char *end, char mark, long
     return negative ? -strtod(digits, NULL) : strtod(digits, NULL);
 }
 
-/* 1 if [s, end) is a finite decimal number, with that decimal mark, and nothing else.  Up to 2^53 times a power of ten
-   up to 10^22 is one rounding of two exact doubles, so correct (Clinger 1990, "How to read floating point numbers
+/* 1 if [s, end) is a finite decimal number, with that decimal mark, and nothing else.  Up to 2^53 times a power of
+   ten up to 10^22 is one rounding of two exact doubles, so correct (Clinger 1990, "How to read floating point numbers
    accurately"). */
 static int pbwio__decimal(const char *s, const char *end, char mark, double *value)
 {

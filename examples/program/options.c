@@ -202,7 +202,7 @@ static int is_allowed(const option *o, const char *value, const char *more)
     double x[4], n;
     switch (o->kind) {
         case WHOLE: n = whole(value); return n >= o->least && n <= o->most;
-        case SIZE: n = whole(value); return n >= 1 && n <= (double)((size_t)-1 / 2);
+        case BYTES: n = whole(value); return n >= 1 && n <= (double)((size_t)-1 / 2);
         case POSITIVE: return numbers(value, 1, x) && x[0] > 0;
         case DIRECTION: return numbers(value, 3, x) && fabs(x[0]) + fabs(x[1]) + fabs(x[2]) > 0;
         case PLANE: return numbers(value, 4, x) && fabs(x[0]) + fabs(x[1]) + fabs(x[2]) > 0 && fabs(x[3]) <= 1;
@@ -231,9 +231,9 @@ static int refuse(const option *o, const char *value, const char *more)
     if (o->kind == GENERATE && more != NULL && find(o->choices, n.word) >= 0) {
         fprintf(stderr, " %s", more);
     }
-    switch (value != NULL || o->kind != TEXT ? o->kind : SWITCH) {
+    switch (value != NULL || o->kind != PLAIN ? o->kind : SWITCH) {
         case WHOLE: fprintf(stderr, ": a whole number from %.0f to %.0f is needed", o->least, o->most); break;
-        case SIZE: fputs(": a number of bytes such as 500M or 4G is needed", stderr); break;
+        case BYTES: fputs(": a number of bytes such as 500M or 4G is needed", stderr); break;
         case POSITIVE: fputs(": a number above 0 is needed", stderr); break;
         case DIRECTION: fputs(": a direction X,Y,Z other than 0,0,0 is needed", stderr); break;
         case PLANE:

@@ -14,8 +14,8 @@ static const char *const colours[] = { "quality", "part", "thread", "round", "or
 
 const option look_options[] = {
     { "--inside", NULL, "only what is inside the surface of the model", SWITCH, 0, 0, NULL },
-    { "--surface", "MODEL", "the model for --inside, if it is not the input", TEXT, 0, 0, NULL },
-    { "--title", "TEXT", "pages: default: the name of the input", TEXT, 0, 0, NULL },
+    { "--surface", "MODEL", "the model for --inside, if it is not the input", PLAIN, 0, 0, NULL },
+    { "--title", "TEXT", "pages: default: the name of the input", PLAIN, 0, 0, NULL },
     { "--colour", "NAME", "pages: what the colours show at first: quality, part (of the curve, as many as\n"
       "threads), thread (in whose share a point was) and round (that inserted it),\n"
       "order (of the points in the input), weight, z", CHOICE, 0, 0, colours },
@@ -31,7 +31,7 @@ const option look_options[] = {
 const option output_options[] = {
     { "-o", "FILE", "an output; - is the standard output, the report then goes to standard error", OUTPUT,
       0, 0, NULL },
-    { "--format", "ENDING", "the format of outputs whose name has no known ending, such as -", TEXT, 0, 0, NULL },
+    { "--format", "ENDING", "the format of outputs whose name has no known ending, such as -", PLAIN, 0, 0, NULL },
     { NULL, NULL, NULL, SWITCH, 0, 0, NULL }
 };
 
@@ -106,7 +106,7 @@ static int one_file(const char *a, const char *b)
 #endif
 }
 
-/* Whether writing to the path would destroy an input, which is that file or the one that is renamed to it at the end. */
+/* Whether writing to the path would destroy an input: that file, or the one that is renamed to it at the end. */
 static int destroys(const char *path, const char *input)
 {
     char other[1100];
@@ -254,15 +254,15 @@ static pbwio_status write_page(const job *j, const char *path, pbwio_error *erro
     pbwview_array arrays[5];
     pbwview_options view;
     pbwio_status status = PBWIO_ERROR_MEMORY;
-    char note[128] = "";
+    char left_out[128] = "";
     memset(&view, 0, sizeof view);
     snprintf(error->text, sizeof error->text, "out of memory");
     if (mesh->duplicate_count + mesh->hidden_count > 0) {
-        snprintf(note, sizeof note, "%zu duplicate and %zu hidden point%s left out", mesh->duplicate_count,
+        snprintf(left_out, sizeof left_out, "%zu duplicate and %zu hidden point%s left out", mesh->duplicate_count,
                  mesh->hidden_count, plural(mesh->duplicate_count + mesh->hidden_count));
     }
     set_up_view(j, &view);
-    view.note = note;
+    view.note = left_out;
     view.arrays = arrays;
     add_array(&view, "order", order, NULL, 1, 0);
     add_array(&view, "part", part, NULL, 0, 1);

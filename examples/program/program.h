@@ -33,9 +33,9 @@ enum { MOST_OUTPUTS = 32, FAILURE = 1, USAGE = 2 };
 /* What the value of an option is. */
 typedef enum value_kind {
     SWITCH,                                          /* none */
-    TEXT,
+    PLAIN,
     WHOLE, POSITIVE,                                 /* a number from least to most; a number above 0 */
-    SIZE,                                            /* bytes, with K, M or G */
+    BYTES,                                            /* bytes, with K, M or G */
     DIRECTION, PLANE,                                /* X,Y,Z; A,B,C,D with D from -1 to 1; not 0,0,0 */
     CHOICE,                                          /* one of choices */
     GENERATE,                                        /* one of choices, and a count in the next argument */
@@ -121,7 +121,7 @@ int stopped(const job *j);                                            /* the sam
 PRINTF(2, 3) void warn(const job *j, const char *format, ...);
 /* A line of the report, with and without a time. */
 PRINTF(4, 5) void say(const job *j, const char *what, double seconds, const char *format, ...);
-PRINTF(2, 3) void tell(const job *j, const char *format, ...);
+PRINTF(2, 3) void note(const job *j, const char *format, ...);
 const char *plural(size_t count);                                          /* "" for 1, else "s" */
 
 /* ---- steps.c: steps of commands; each returns 0 or the exit status ---- */

@@ -4,7 +4,7 @@
 
 const option input_options[] = {
     { "--dim", "2|3", "dimension; default 3, or 2 for files of two columns or of one z", WHOLE, 2, 3, NULL },
-    { "--columns", "X,Y[,Z]", "which columns, by number from 1 or by name", TEXT, 0, 0, NULL },
+    { "--columns", "X,Y[,Z]", "which columns, by number from 1 or by name", PLAIN, 0, 0, NULL },
     { "--decimal-comma", NULL, "tables: numbers such as 1,5; columns set apart by ; or blanks", SWITCH, 0, 0, NULL },
     { "--generate", "KIND N", "N points instead of an input: uniform gauss ball sphere lattice\n"
       "clusters lines spiral plane anisotropic moment", GENERATE, 1, 4e9, pbwgen_kinds },
@@ -13,9 +13,9 @@ const option input_options[] = {
 };
 
 const option build_options[] = {
-    { "--weights", "COLUMN", "regular triangulation with the weights of that column", TEXT, 0, 0, NULL },
+    { "--weights", "COLUMN", "regular triangulation with the weights of that column", PLAIN, 0, 0, NULL },
     { "--threads", "N", "default 0: all cores", WHOLE, 0, 256, NULL },
-    { "--memory-limit", "SIZE", "such as 500M or 4G: fail rather than use more for the triangulation", SIZE, 0, 0,
+    { "--memory-limit", "SIZE", "such as 500M or 4G: fail rather than use more for the triangulation", BYTES, 0, 0,
       NULL },
     { NULL, NULL, NULL, SWITCH, 0, 0, NULL }
 };
@@ -54,7 +54,7 @@ int load(job *j, int flat)
     if (flat && j->read.dim == 0 && j->cloud.dim == 3) {
         flatten(&j->cloud);
     }
-    tell(j, "%zu point%s in %dD%s, %zu face%s", j->cloud.count, plural(j->cloud.count), j->cloud.dim,
+    note(j, "%zu point%s in %dD%s, %zu face%s", j->cloud.count, plural(j->cloud.count), j->cloud.dim,
          j->cloud.weights != NULL ? ", weighted" : "", j->cloud.triangle_count, plural(j->cloud.triangle_count));
     say(j, "read", now() - start, "%s", "");
     return 0;
@@ -115,14 +115,14 @@ void describe(const job *j)
     for (i = 0; i < mesh->simplex_count * (size_t)(mesh->dim + 1); i++) {
         hull += mesh->neighbors[i] == PBW_NONE;
     }
-    tell(j, "%zu %s, %zu facet%s on the hull, %zu duplicate%s, %zu hidden point%s", mesh->simplex_count,
+    note(j, "%zu %s, %zu facet%s on the hull, %zu duplicate%s, %zu hidden point%s", mesh->simplex_count,
          simplices(mesh, mesh->simplex_count), hull, plural(hull), mesh->duplicate_count,
          plural(mesh->duplicate_count), mesh->hidden_count, plural(mesh->hidden_count));
     if (mesh->point_count >= 10000) {                /* below, what the threads hold is most of it */
         snprintf(share, sizeof share, ", %.0f bytes a point",
                  (double)mesh->statistics.peak_bytes / (double)mesh->point_count);
     }
-    tell(j, "peak memory %.2f MB%s, hash %016llx", (double)mesh->statistics.peak_bytes * 1e-6, share,
+    note(j, "peak memory %.2f MB%s, hash %016llx", (double)mesh->statistics.peak_bytes * 1e-6, share,
          (unsigned long long)pbw_hash(mesh, NULL));
 }
 

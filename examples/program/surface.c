@@ -165,7 +165,7 @@ static int find_faults(surface *f)
 static void list_components(const job *j, const surface *f)
 {
     size_t i, shown = 0;
-    tell(j, "%zu component%s:", f->components, plural(f->components));
+    note(j, "%zu component%s:", f->components, plural(f->components));
     for (i = 0; i < f->cloud->count && shown < MOST_SHOWN; i++) {
         const part *at = f->parts + i;
         if (at->faces == 0) {
@@ -173,14 +173,14 @@ static void list_components(const job *j, const surface *f)
         }
         shown++;
         if (at->open + at->crowded + at->turned == 0) {
-            tell(j, "  with point %zu: %zu face%s, closed, volume %g", i, at->faces, plural(at->faces), at->volume);
+            note(j, "  with point %zu: %zu face%s, closed, volume %g", i, at->faces, plural(at->faces), at->volume);
         } else {
-            tell(j, "  with point %zu: %zu face%s, %zu open, %zu crowded, %zu turned edges", i, at->faces,
+            note(j, "  with point %zu: %zu face%s, %zu open, %zu crowded, %zu turned edges", i, at->faces,
                  plural(at->faces), at->open, at->crowded, at->turned);
         }
     }
     if (shown < f->components) {
-        tell(j, "  and %zu more", f->components - shown);
+        note(j, "  and %zu more", f->components - shown);
     }
 }
 
@@ -189,7 +189,7 @@ static void list_loops(const job *j, surface *f)
 {
     size_t i, k, end, next, length, loops = 0;
     pbw_index last = PBW_NONE;
-    tell(j, "%zu open edge%s in %zu loop%s:", f->open, plural(f->open), f->loops, plural(f->loops));
+    note(j, "%zu open edge%s in %zu loop%s:", f->open, plural(f->open), f->loops, plural(f->loops));
     for (i = 0; i < f->side_count && loops < MOST_SHOWN; i = end) {
         pbw_index a = f->sides[i].a;
         char text[512] = "";
@@ -204,19 +204,19 @@ static void list_loops(const job *j, surface *f)
                          (unsigned long)f->sides[k].b);
             }
         }
-        tell(j, "  %zu edge%s from (%g, %g, %g):%s%s", length, plural(length), p[0], p[1], p[2], text,
+        note(j, "  %zu edge%s from (%g, %g, %g):%s%s", length, plural(length), p[0], p[1], p[2], text,
              length > MOST_SHOWN ? " ..." : "");
         loops++;
     }
     if (loops < f->loops) {
-        tell(j, "  and %zu more", f->loops - loops);
+        note(j, "  and %zu more", f->loops - loops);
     }
 }
 
 static void list_edges(const job *j, const surface *f, fault what, size_t count, const char *name)
 {
     size_t i, k, end, shown = 0;
-    tell(j, "%zu %s edge%s:", count, name, plural(count));
+    note(j, "%zu %s edge%s:", count, name, plural(count));
     for (i = 0; i < f->side_count && shown < MOST_SHOWN; i = end) {
         char text[256] = "";
         if (fault_of(f, i, &end) != what) {
@@ -225,12 +225,12 @@ static void list_edges(const job *j, const surface *f, fault what, size_t count,
         for (k = i; k < end && k < i + 6; k++) {
             snprintf(text + strlen(text), sizeof text - strlen(text), " %lu", (unsigned long)f->sides[k].face);
         }
-        tell(j, "  %lu-%lu: faces%s%s", (unsigned long)f->sides[i].a, (unsigned long)f->sides[i].b, text,
+        note(j, "  %lu-%lu: faces%s%s", (unsigned long)f->sides[i].a, (unsigned long)f->sides[i].b, text,
              k < end ? " ..." : "");
         shown++;
     }
     if (shown < count) {
-        tell(j, "  and %zu more", count - shown);
+        note(j, "  and %zu more", count - shown);
     }
 }
 
@@ -255,11 +255,11 @@ int describe_surface(const job *j, const pbwio_cloud *cloud, int details)
         say(j, "surface", now() - start, closed ? "closed, %zu component%s" : "not closed, %zu component%s",
             f.components, plural(f.components));
         if (closed) {
-            tell(j, "area %g, volume %g, %zu flat face%s, %zu unused and %zu duplicate points", report.area,
+            note(j, "area %g, volume %g, %zu flat face%s, %zu unused and %zu duplicate points", report.area,
                  report.volume, report.flat_triangles, plural(report.flat_triangles), report.unused_points,
                  report.duplicate_points);
         } else {
-            tell(j, "area %g, no volume: %zu open, %zu crowded, %zu turned edges in %zu loop%s; %zu flat face%s, "
+            note(j, "area %g, no volume: %zu open, %zu crowded, %zu turned edges in %zu loop%s; %zu flat face%s, "
                  "%zu unused and %zu duplicate points", report.area, f.open, f.crowded, f.turned, f.loops,
                  plural(f.loops), report.flat_triangles, plural(report.flat_triangles), report.unused_points,
                  report.duplicate_points);

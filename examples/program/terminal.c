@@ -101,7 +101,7 @@ void say(const job *j, const char *what, double seconds, const char *format, ...
     }
 }
 
-void tell(const job *j, const char *format, ...)
+void note(const job *j, const char *format, ...)
 {
     va_list list;
     if (!j->quiet) {

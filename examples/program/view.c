@@ -27,7 +27,7 @@ static int run(job *j)
     }
     status = status != 0 ? status : write_mesh(j);
     if (status == 0) {
-        tell(j, "open this in a browser: %s", j->output[j->outputs - 1]);
+        note(j, "open this in a browser: %s", j->output[j->outputs - 1]);
     }
     return status;
 }
