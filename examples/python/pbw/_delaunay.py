@@ -81,11 +81,11 @@ class Delaunay:
         self._mesh = Mesh(points, weights, threads, progress)
 
     def __repr__(self):
-        extra = "".join(", %d %s" % (len(rows), what)
-                        for rows, what in ((self.hidden, "hidden"), (self.coplanar, "duplicates")) if len(rows))
-        return "<pbw.%s: %s%d points in %dD, %d simplices%s>" % (
-            type(self).__name__, "" if self._mesh.weights is None else "regular, ", self.npoints, self.ndim,
-            self.nsimplex, extra)
+        kind = "points" if self._mesh.weights is None else "weighted points"
+        rest = "".join(", %d %s" % (len(rows), what)
+                       for rows, what in ((self.hidden, "hidden"), (self.coplanar, "duplicate")) if len(rows))
+        return "<pbw.%s: %d %s in %dD%s, %d simplices>" % (type(self).__name__, self.npoints, kind, self.ndim, rest,
+                                                          self.nsimplex)
 
     def __reduce__(self):
         """Without what can be made again.  (pickle's own way stops at a __class__ that is not the type.)"""
@@ -182,7 +182,8 @@ class Delaunay:
         """
         xi = np.asarray(xi, dtype=np.float64)
         if xi.ndim == 0 or xi.shape[-1] != self.ndim:
-            raise ValueError("wrong dimensionality in xi: its shape must be (..., %d), not %s" % (self.ndim, xi.shape))
+            raise ValueError("wrong dimensionality in xi: the shape must be (..., %d), not %s"
+                             % (self.ndim, xi.shape))
         queries = np.ascontiguousarray(xi.reshape(-1, self.ndim))
         order = slice(None)
         if len(queries) > 100 and not bruteforce:

@@ -27,7 +27,7 @@ def not_finite(name, array):
 def _degenerate(points):
     distinct, dim = len(np.unique(points, axis=0)), points.shape[1]
     if distinct <= dim:
-        what = "%d distinct points, and %dD needs at least %d" % (distinct, dim, dim + 1)
+        what = "%d of %d points are distinct, and %dD needs at least %d" % (distinct, len(points), dim, dim + 1)
     else:
         what = "all %d points lie exactly %s" % (len(points), "on one line" if dim == 2 else "in one plane")
     return "no triangulation: " + what

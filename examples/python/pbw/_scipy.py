@@ -1,8 +1,8 @@
 """Classes of ours that SciPy takes for its own.
 
-SciPy's interpolators accept instances of scipy.spatial.Delaunay only, which is decided by type(x) or x.__class__; what
-they then read are documented attributes.  So an object of ours has as __class__ a subclass of both, from the moment
-that somebody has loaded SciPy; we never load it.
+SciPy's interpolators accept instances of scipy.spatial.Delaunay only; isinstance looks at type(x), then at
+x.__class__.  What they read next are documented attributes.  So the __class__ of an object of ours is a subclass of
+both classes once scipy.spatial is loaded; this package never loads it.
 """
 import functools
 import sys
