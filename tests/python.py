@@ -5,9 +5,11 @@ import itertools
 import os
 import pickle
 import re
+import shutil
 import signal
 import subprocess
 import sys
+import tempfile
 import threading
 import traceback
 import types
@@ -405,6 +407,46 @@ def several_at_once():
     for a, b in zip(want, got):
         equal(a, b)
     equal(pbw.Delaunay(points[0], threads=1).simplices, pbw.Delaunay(points[0], threads=3).simplices)
+
+
+def command(*words, **environment):
+    """The exit status of a Python command, and all that it prints; it sees no library and no package of ours."""
+    kept = {name: value for name, value in os.environ.items() if name not in ("PYTHONPATH", "PBW_LIBRARY")}
+    done = subprocess.run([sys.executable, *words], stdout=subprocess.PIPE, stderr=subprocess.STDOUT,
+                          env={**kept, "PYTHONDONTWRITEBYTECODE": "1", **environment})
+    return done.returncode, done.stdout.decode()
+
+
+@test
+def installed_by_pip():
+    """From the source tree, and from a source archive; compiled anew, without network."""
+    if command("-m", "pip", "--version")[0] != 0:
+        raise Skip("no pip")
+    points = np.random.default_rng(13).random((50, 3))
+    code = "import numpy, pbw; print(pbw.__file__, pbw.Delaunay(numpy.load('points.npy')).simplices.tolist())"
+    with tempfile.TemporaryDirectory() as folder:
+        np.save(os.path.join(folder, "points.npy"), points)
+        status, said = command("-c", "import build; build.build_sdist(%r)" % folder, PYTHONPATH="examples/python")
+        check(status == 0, said)
+        archive = os.path.join(folder, "pbw-%s.tar.gz" % pbw.__version__)
+        for source in ("./examples/python", archive):
+            site = os.path.join(folder, "site" + str(source == archive))
+            status, said = command("-m", "pip", "install", "--no-index", "--no-deps", "--no-warn-script-location",
+                                   "--target", site, source, CFLAGS="-O1")
+            check(status == 0, said)
+            status, said = command("-c", "import os; os.chdir(%r); %s" % (folder, code), PYTHONPATH=site)
+            equal(said.split(None, 1), [os.path.join(site, "pbw", "__init__.py"),
+                                        "%s\n" % pbw.Delaunay(points).simplices.tolist()])
+
+
+@test
+def wheel_that_cannot_be_built():
+    with tempfile.TemporaryDirectory() as folder:
+        check("no C compiler: no-such-cc" in command("examples/python/build.py", folder, CC="no-such-cc -O2")[1])
+        check("the C compiler failed" in command("examples/python/build.py", folder, CFLAGS="-ffast-math")[1])
+        shutil.copytree("examples/python", os.path.join(folder, "alone"))
+        check("from the whole source tree" in command(os.path.join(folder, "alone", "build.py"), folder)[1])
+        equal(os.listdir(folder), ["alone"])
 
 
 def run_examples(text):
