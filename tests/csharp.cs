@@ -2,6 +2,8 @@
 using System;
 using System.Collections.Generic;
 using System.Linq;
+using System.Reflection;
+using System.Runtime.InteropServices;
 
 public static class Tests
 {
@@ -50,8 +52,16 @@ public static class Tests
         return true;
     }
 
-    public static int Main()
+    private static int Bytes(string structure)
     {
+        return Marshal.SizeOf(typeof(Pbw).GetNestedType(structure, BindingFlags.NonPublic));
+    }
+
+    /* sizes: those of pbw_options and pbw_mesh in C. */
+    public static int Main(string[] sizes)
+    {
+        Check("Options is as large as pbw_options", Bytes("Options") == int.Parse(sizes[0]));
+        Check("Mesh is as large as pbw_mesh", Bytes("Mesh") == int.Parse(sizes[1]));
         double[] points = Random(30000, 1);
         foreach (int dim in new int[] { 2, 3 }) {
             Pbw one = new Pbw(dim, points, null, 1), all = new Pbw(dim, points);

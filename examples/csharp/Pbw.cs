@@ -63,7 +63,7 @@ public sealed class Pbw
             Canonical = Copy(mesh.Canonical, count);
             Duplicates = (int)mesh.DuplicateCount;
             Hidden = (int)mesh.HiddenCount;
-            Hash = pbw_hash(ref mesh);
+            Hash = pbw_hash(ref mesh, IntPtr.Zero);
         } finally {
             pbw_free(ref mesh);
         }
@@ -111,7 +111,7 @@ public sealed class Pbw
         public UIntPtr PointCount, SimplexCount;
         public IntPtr Simplices, Neighbors, Incident, Canonical;
         public UIntPtr DuplicateCount, HiddenCount;
-        public IntPtr Points, Weights;
+        public IntPtr Original, Points, Weights;
         public Statistics Statistics;
         public IntPtr Memory;
     }
@@ -122,7 +122,7 @@ public sealed class Pbw
     [DllImport("pbw", CallingConvention = CallingConvention.Cdecl)]
     private static extern void pbw_free(ref Mesh mesh);
     [DllImport("pbw", CallingConvention = CallingConvention.Cdecl)]
-    private static extern ulong pbw_hash(ref Mesh mesh);
+    private static extern ulong pbw_hash(ref Mesh mesh, IntPtr options);
     [DllImport("pbw", CallingConvention = CallingConvention.Cdecl)]
     private static extern IntPtr pbw_status_string(int status);
 }

@@ -34,7 +34,7 @@ static int on_progress(void *user, pbw_stage stage, double done)
     return *w->stop || (w->progress != NULL && w->progress((int)stage, done));
 }
 
-/* A mesh to copy and free, and how many simplices it has; NULL on failure, *status says which. */
+/* A mesh to copy and free before the points, and how many simplices it has; NULL on failure, *status says which. */
 pbw_mesh *pbw_python_build(int dim, const double *points, const double *weights, size_t count, int threads,
                            const volatile int *stop, int (*progress)(int stage, double done), int *status,
                            size_t *simplices)
@@ -46,6 +46,7 @@ pbw_mesh *pbw_python_build(int dim, const double *points, const double *weights,
     *simplices = 0;
     if (mesh != NULL) {
         options.threads = threads;
+        options.flags = PBW_BORROW;
         options.progress = on_progress;
         options.progress_user = &w;
         *status = (int)pbw_triangulate(dim, points, weights, count, &options, mesh);
