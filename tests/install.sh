@@ -1,6 +1,6 @@
 #!/bin/sh
-# install.sh FOLDER: `make install` of what is built in FOLDER, staged and then moved; what is there works with a plain
-# compiler, pkg-config and CMake's find_package; `make uninstall` leaves only what others put there.
+# install.sh FOLDER: `make install` of what is built in FOLDER, staged and then moved; it works with a plain compiler,
+# pkg-config and CMake's find_package; `make uninstall` leaves only what others put there.
 CC=${CC:-cc} work=$1/install-test
 . tests/check.sh
 staged="$work/stage with space" prefix="$(cd "$work" && pwd)/moved"
@@ -33,7 +33,8 @@ if command -v pkg-config > /dev/null; then
     check "pkg-config: static: compiles" \
         $CC examples/cmake/app.c $cflags -static $(pkg-config --static --libs pbw) -o "$work/static"
     check "pkg-config: static: runs" says "$work/static"
-    check "pkg-config: header: compiles" $CC examples/cmake/app.c examples/cmake/pbw.c $cflags -lpthread -o "$work/header"
+    check "pkg-config: header: compiles" \
+        $CC examples/cmake/app.c examples/cmake/pbw.c $cflags -lpthread -o "$work/header"
     check "pkg-config: header: runs" says "$work/header"
 else
     skip "pkg-config: not installed"

@@ -1,5 +1,5 @@
-/* pbw_python.c: pbw.h as a shared library for the Python package pbw: a triangulation copied into arrays that Python owns, and the
-   simplices that many points lie in.
+/* pbw_python.c: pbw.h as a shared library for the Python package pbw: a triangulation copied into arrays that Python
+   owns, and the simplices that many points lie in.
    cc -O2 -I. -fPIC -shared examples/python/pbw_python.c -o libpbw_python.so -lpthread -lm */
 #define PBW_IMPLEMENTATION
 #include "pbw.h"
