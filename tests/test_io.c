@@ -1076,7 +1076,7 @@ static void fill_in(const char *from, char to[512])
     }
 }
 
-/* The program examples/program/pbw.c: exit status and last line for right and wrong uses. */
+/* The program of examples/program: exit status and last line for right and wrong uses. */
 #define EVERY "vtu msh msh2 mesh inp su2 node ele neigh face edge obj ply stl off xyz csv txt pts asc dat tsv " \
               "svg html"
 static void test_program(void)
