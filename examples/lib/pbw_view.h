@@ -68,11 +68,345 @@ PBWVIEWDEF pbwio_status pbwview_write(const char *path, const pbw_mesh *mesh, co
 #include <stdlib.h>
 #include <string.h>
 
+/* The page, in three parts: up to its title, up to the data, and behind them; the lines of each end with NULL.  They
+   stand at the end of this file. */
+static const char *const *pbwview__part(int part);
+
 /* ------------------------------------------------------------------------------------------------------
-   The page: what stands before the data, and the script behind them.  Single quotes only.
+   The data: in base64, little-endian.
    ------------------------------------------------------------------------------------------------------ */
 
-static const char *const pbwview__head[] = {
+typedef struct pbwview__page {
+    const pbw_mesh *mesh;
+    const pbwview_options *options;
+    pbw_index *number;                 /* per point: its number on the page, which is the order in which corners meet
+                                          it; PBW_NONE if it is not there.  NULL: a page of points, all there */
+    size_t simplices, points;          /* that are there */
+    double middle[3], half;            /* of the box of the points */
+    FILE *file;
+    unsigned char in[3];               /* bytes on their way to base64 */
+    int in_count, out_count;
+    char out[4096];
+} pbwview__page;
+
+static void pbwview__flush(pbwview__page *page)
+{
+    fwrite(page->out, 1, (size_t)page->out_count, page->file);
+    putc('\n', page->file);
+    page->out_count = 0;
+}
+
+static void pbwview__group(pbwview__page *page)
+{
+    static const char digits[] = "ABCDEFGHIJKLMNOPQRSTUVWXYZabcdefghijklmnopqrstuvwxyz0123456789+/";
+    unsigned bits = (unsigned)page->in[0] << 16 | (unsigned)page->in[1] << 8 | page->in[2];
+    int i;
+    for (i = 0; i < 4; i++) {
+        page->out[page->out_count++] = i <= page->in_count ? digits[bits >> (18 - 6 * i) & 63] : '=';
+    }
+    page->in_count = 0;
+    if (page->out_count == (int)sizeof page->out) {
+        pbwview__flush(page);
+    }
+}
+
+static void pbwview__byte(pbwview__page *page, unsigned byte)
+{
+    page->in[page->in_count++] = (unsigned char)byte;
+    if (page->in_count == 3) {
+        pbwview__group(page);
+    }
+}
+
+static void pbwview__end(pbwview__page *page)
+{
+    if (page->in_count > 0) {
+        page->in[2] = 0;
+        page->in[1] = page->in_count == 1 ? 0 : page->in[1];
+        pbwview__group(page);
+    }
+    pbwview__flush(page);
+    fputs("</script>\n", page->file);
+}
+
+/* Seven bits a byte, the lowest first; all bytes but the last have the top bit. */
+static void pbwview__whole(pbwview__page *page, uint64_t x)
+{
+    for (; x > 127; x >>= 7) {
+        pbwview__byte(page, (unsigned)(x & 127) | 128);
+    }
+    pbwview__byte(page, (unsigned)x);
+}
+
+static void pbwview__float(pbwview__page *page, double x)
+{
+    float f = x > FLT_MAX ? FLT_MAX : x < -FLT_MAX ? -FLT_MAX : (float)x;
+    uint32_t bits;
+    int i;
+    memcpy(&bits, &f, sizeof bits);
+    for (i = 0; i < 32; i += 8) {
+        pbwview__byte(page, bits >> i & 255);
+    }
+}
+
+static void pbwview__doubles(pbwview__page *page, const double *x, int count)
+{
+    uint64_t bits;
+    int i, k;
+    for (i = 0; i < count; i++) {
+        memcpy(&bits, x + i, sizeof bits);
+        for (k = 0; k < 64; k += 8) {
+            pbwview__byte(page, (unsigned)(bits >> k & 255));
+        }
+    }
+}
+
+/* Text for between tags and for between quotes. */
+static void pbwview__text(FILE *file, const char *text)
+{
+    for (; *text != 0; text++) {
+        if (strchr("&<>\"'", *text) != NULL) {
+            fprintf(file, "&#%d;", *text);
+        } else {
+            putc(*text, file);
+        }
+    }
+}
+
+static void pbwview__lines(FILE *file, const char *const *line)
+{
+    for (; *line != NULL; line++) {
+        fputs(*line, file);
+    }
+}
+
+static int pbwview__kept(const pbwview__page *page, size_t simplex)
+{
+    return page->options->keep == NULL || page->options->keep[simplex];
+}
+
+static double pbwview__coordinate(const pbwview__page *page, size_t point, int k)
+{
+    return k < page->mesh->dim ? page->mesh->points[point * (size_t)page->mesh->dim + (size_t)k]
+         : page->options->heights != NULL ? page->options->heights[point] : 0;
+}
+
+/* The points that are there, in the order of their numbers: calls emit for each. */
+static void pbwview__each_point(pbwview__page *page, void (*emit)(pbwview__page *, size_t, void *), void *user)
+{
+    size_t n = (size_t)page->mesh->dim + 1, i, next = 0;
+    if (page->number == NULL) {
+        for (i = 0; i < page->points; i++) {
+            emit(page, i, user);
+        }
+        return;
+    }
+    for (i = 0; i < n * page->mesh->simplex_count; i++) {
+        pbw_index point = page->mesh->simplices[i];
+        if (pbwview__kept(page, i / n) && page->number[point] == next) {
+            emit(page, point, user);
+            next++;
+        }
+    }
+}
+
+/* Grows the box: user is its low, then its high corner. */
+static void pbwview__measure(pbwview__page *page, size_t point, void *user)
+{
+    double *box = (double *)user;
+    int k;
+    for (k = 0; k < 3; k++) {
+        double x = pbwview__coordinate(page, point, k);
+        box[k] = x < box[k] ? x : box[k];
+        box[3 + k] = x > box[3 + k] ? x : box[3 + k];
+    }
+}
+
+static void pbwview__point(pbwview__page *page, size_t point, void *user)
+{
+    int k, dim = page->options->heights != NULL ? 3 : page->mesh->dim;
+    (void)user;
+    for (k = 0; k < dim; k++) {
+        pbwview__float(page, (pbwview__coordinate(page, point, k) - page->middle[k]) / page->half);
+    }
+}
+
+typedef struct pbwview__column { const pbwview_array *array; uint32_t last; } pbwview__column;
+
+/* A number of an array; whole ones as differences: 0 -1 1 -2 2 ... are written 0 1 2 3 4 ... */
+static void pbwview__value(pbwview__page *page, size_t i, void *user)
+{
+    pbwview__column *column = (pbwview__column *)user;
+    if (column->array->real != NULL) {
+        double x = column->array->real[i];
+        pbwview__float(page, x >= -DBL_MAX && x <= DBL_MAX ? x : HUGE_VAL - HUGE_VAL);
+    } else {
+        uint32_t x = column->array->whole[i];
+        int up = x >= column->last;
+        uint64_t step = up ? x - column->last : column->last - x;
+        pbwview__whole(page, up ? 2 * step : 2 * step - 1);
+        column->last = x;
+    }
+}
+
+static void pbwview__array(pbwview__page *page, const pbwview_array *array)
+{
+    pbwview__column column;
+    size_t i;
+    if (!array->of_points && page->number == NULL) {
+        return;
+    }
+    column.array = array;
+    column.last = 0;
+    fputs("<script type='text/plain' data-name='", page->file);
+    pbwview__text(page->file, array->name);
+    fprintf(page->file, "' data-of='%s' data-kind='%s'>\n", array->of_points ? "points" : "simplices",
+            array->real != NULL ? "real" : array->classes ? "classes" : "whole");
+    if (array->of_points) {
+        pbwview__each_point(page, pbwview__value, &column);
+    }
+    for (i = 0; !array->of_points && i < page->mesh->simplex_count; i++) {
+        if (pbwview__kept(page, i)) {
+            pbwview__value(page, i, &column);
+        }
+    }
+    pbwview__end(page);
+}
+
+/* A corner is written as how many points before the newest it is, 0 if it is a new one. */
+static void pbwview__corners(pbwview__page *page)
+{
+    size_t n = (size_t)page->mesh->dim + 1, i, next = 0;
+    for (i = 0; i < n * page->mesh->simplex_count; i++) {
+        if (pbwview__kept(page, i / n)) {
+            size_t number = page->number[page->mesh->simplices[i]];
+            pbwview__whole(page, next - number);
+            next += number == next;
+        }
+    }
+}
+
+static void pbwview__emit(void *user, FILE *file)
+{
+    static const double flat_eye[3] = { 0, -1, 0 }, usual_eye[3] = { 0.55, -1, 0.5 }, usual_up[3] = { 0, 0, 1 };
+    pbwview__page *page = (pbwview__page *)user;
+    const pbwview_options *o = page->options;
+    int flat = page->mesh->dim == 2 && o->heights == NULL, k;
+    double lens[14];
+    size_t i;
+    memcpy(lens, page->middle, 3 * sizeof *lens);
+    lens[3] = page->half;
+    memcpy(lens + 4, o->eye[0] * o->eye[0] + o->eye[1] * o->eye[1] + o->eye[2] * o->eye[2] > 0 ? o->eye
+           : flat ? flat_eye : usual_eye, 3 * sizeof *lens);
+    memcpy(lens + 7, o->up[0] * o->up[0] + o->up[1] * o->up[1] + o->up[2] * o->up[2] > 0 ? o->up : usual_up,
+           3 * sizeof *lens);
+    memcpy(lens + 10, o->cut, 4 * sizeof *lens);
+    for (k = 0; k < 3 && !(o->cut[k] < 0 || o->cut[k] > 0); k++) {}
+    lens[13] = k == 3 && (page->number == NULL || page->mesh->dim == 2) ? 1 : 0.5 + 0.5 * o->cut[3];
+    page->file = file;
+    page->in_count = page->out_count = 0;
+    pbwview__lines(file, pbwview__part(0));
+    fputs("<title>", file);
+    pbwview__text(file, o->title != NULL && *o->title != 0 ? o->title : "pbw");
+    fputs("</title>\n", file);
+    pbwview__lines(file, pbwview__part(1));
+    fprintf(file, "<div id='mesh' hidden data-dim='%d' data-points='%lu' data-simplices='%lu' data-heights='%d' "
+            "data-cap='%d' data-plain='%d' data-note='", page->mesh->dim, (unsigned long)page->points,
+            (unsigned long)page->simplices, o->heights != NULL, o->cut_through != 0, o->colour_outside == 0);
+    pbwview__text(file, o->note != NULL ? o->note : "");
+    fputs("' data-colour='", file);
+    pbwview__text(file, o->colour != NULL ? o->colour : "");
+    fputs("'></div>\n<script type='text/plain' id='lens'>\n", file);
+    pbwview__doubles(page, lens, 14);
+    pbwview__end(page);
+    fputs("<script type='text/plain' id='points'>\n", file);
+    pbwview__each_point(page, pbwview__point, NULL);
+    pbwview__end(page);
+    if (page->number != NULL) {
+        fputs("<script type='text/plain' id='corners'>\n", file);
+        pbwview__corners(page);
+        pbwview__end(page);
+    }
+    for (i = 0; i < o->array_count; i++) {
+        pbwview__array(page, &o->arrays[i]);
+    }
+    pbwview__lines(file, pbwview__part(2));
+}
+
+/* Numbers the points, counts and measures; returns what is wrong, NULL if nothing. */
+static const char *pbwview__prepare(pbwview__page *page)
+{
+    const pbw_mesh *mesh = page->mesh;
+    size_t n = (size_t)mesh->dim + 1, i;
+    double box[6] = { DBL_MAX, DBL_MAX, DBL_MAX, -DBL_MAX, -DBL_MAX, -DBL_MAX };
+    int k;
+    for (i = 0; i < mesh->simplex_count; i++) {
+        page->simplices += pbwview__kept(page, i) != 0;
+    }
+    page->points = mesh->point_count;
+    if (page->simplices > 0) {
+        page->number = (pbw_index *)malloc(mesh->point_count * sizeof *page->number);
+        if (page->number == NULL) {
+            return "out of memory";
+        }
+        memset(page->number, 0xff, mesh->point_count * sizeof *page->number);
+        page->points = 0;
+        for (i = 0; i < n * mesh->simplex_count; i++) {
+            pbw_index *number = &page->number[mesh->simplices[i]];
+            if (pbwview__kept(page, i / n) && *number == PBW_NONE) {
+                *number = (pbw_index)page->points++;
+            }
+        }
+    }
+    if (page->points == 0) {
+        return "there is nothing to show";
+    }
+    if (page->simplices > PBWVIEW_MOST || page->points > PBWVIEW_MOST) {
+        return "more than 8388608 simplices or points are too much for a browser";
+    }
+    pbwview__each_point(page, pbwview__measure, box);
+    for (k = 0; k < 3; k++) {
+        double half = 0.5 * box[3 + k] - 0.5 * box[k];
+        page->middle[k] = 0.5 * box[3 + k] + 0.5 * box[k];
+        page->half = half > page->half ? half : page->half;
+    }
+    page->half = page->half > 0 ? page->half : 1;
+    return NULL;
+}
+
+PBWVIEWDEF pbwio_status pbwview_write(const char *path, const pbw_mesh *mesh, const pbwview_options *options,
+                                      pbwio_error *error)
+{
+    static const pbwview_options defaults = { NULL, NULL, NULL, NULL, NULL, 0, NULL, { 0, 0, 0 }, { 0, 0, 0 },
+                                              { 0, 0, 0, 0 }, 0, 0 };
+    const char *what;
+    pbwio_status status;
+    pbwview__page page;
+    memset(&page, 0, sizeof page);
+    page.mesh = mesh;
+    page.options = options == NULL ? &defaults : options;
+    what = pbwview__prepare(&page);
+    if (what == NULL) {
+        status = pbwio_save(path, pbwview__emit, &page, error);
+    } else {
+        status = page.simplices > 0 && page.number == NULL ? PBWIO_ERROR_MEMORY : PBWIO_ERROR_ARGUMENT;
+        if (error != NULL) {
+            snprintf(error->text, sizeof error->text, "%.200s: %s", path, what);
+        }
+    }
+    free(page.number);
+    return status;
+}
+/* ------------------------------------------------------------------------------------------------------
+   The page, made of the files in examples/lib/view/ by `make page`: edit it there.
+   ------------------------------------------------------------------------------------------------------ */
+static const char *const pbwview__part0[] = {
+    "<!DOCTYPE html>\n",
+    "<html lang='en'>\n",
+    "<meta charset='utf-8'>\n",
+    NULL
+};
+static const char *const pbwview__part1[] = {
     "<meta name='viewport' content='width=device-width, initial-scale=1'>\n",
     "<meta http-equiv='Content-Security-Policy' content='default-src &#39;none&#39;; img-src data:;\n",
     " script-src &#39;unsafe-inline&#39;; style-src &#39;unsafe-inline&#39;'>\n",
@@ -176,8 +510,8 @@ static const char *const pbwview__head[] = {
     "</main>\n",
     NULL
 };
-
-static const char *const pbwview__script[] = {
+static const char *const pbwview__part2[] = {
+    "<script>\n",
     "(() => {\n",
     "'use strict';\n",
     "const $ = id => document.getElementById(id), given = $('mesh').dataset, css = name =>\n",
@@ -193,9 +527,6 @@ static const char *const pbwview__script[] = {
     "$('facts').textContent = (count ? whole(count) + ' ' + simplex + ', ' : '') + whole(points) + ' points in '\n",
     "  + dim + 'D' + (given.note ? '; ' + given.note : '');\n",
     "canvas.addEventListener('webglcontextlost', () => say('The graphics driver gave up: reload the page.'));\n",
-    "\n",
-    "// ---- data ----\n",
-    "\n",
     "function bytes(node) {\n",
     "  const text = atob(node.textContent), out = new Uint8Array(text.length);\n",
     "  for (let i = 0; i < text.length; i++) out[i] = text.charCodeAt(i);\n",
@@ -316,9 +647,6 @@ static const char *const pbwview__script[] = {
     "  const value = Float32Array.from({ length: points }, (_, i) => point[4 * i + up] * half + middle[up]);\n",
     "  add_array(dim === 2 && !flat ? 'height' : 'xyz'[up], value, true, false, false);\n",
     "}\n",
-    "\n",
-    "// ---- colours ----\n",
-    "\n",
     "// OKLab (Ottosson 2020, 'A perceptual color space for image processing') to sRGB, with less chroma where the\n",
     "// screen has not as much.\n",
     "function oklch(light, chroma, turn) {\n",
@@ -348,9 +676,6 @@ static const char *const pbwview__script[] = {
     "const rgb = c => 'rgb(' + c.join() + ')';\n",
     "const class_of = x => classes[(x % 256 + 256) % 256];\n",
     "const at_scale = (a, x) => a.high > a.low ? (x - a.low) / (a.high - a.low) : 0.5;\n",
-    "\n",
-    "// ---- the state that the controls show ----\n",
-    "\n",
     "const dot = (a, b) => a[0] * b[0] + a[1] * b[1] + a[2] * b[2];\n",
     "const cross = (a, b) => [a[1] * b[2] - a[2] * b[1], a[2] * b[0] - a[0] * b[2], a[0] * b[1] - a[1] * b[0]];\n",
     "const unit = a => { const l = Math.hypot(...a) || 1; return a.map(x => x / l); };\n",
@@ -435,9 +760,6 @@ static const char *const pbwview__script[] = {
     "  fit();\n",
     "  set_array(array);\n",
     "}\n",
-    "\n",
-    "// ---- chart ----\n",
-    "\n",
     "const svg = (tag, attributes, text) => {\n",
     "  const node = document.createElementNS('http://www.w3.org/2000/svg', tag);\n",
     "  for (const k in attributes) node.setAttribute(k, attributes[k]);\n",
@@ -484,9 +806,6 @@ static const char *const pbwview__script[] = {
     "  draw_chart();\n",
     "  change();\n",
     "}\n",
-    "\n",
-    "// ---- what is drawn ----\n",
-    "\n",
     "function limit(id) {                                    // the value that a slider stands for\n",
     "  const x = array.low + number(id) * (array.high - array.low);\n",
     "  return array.integer ? Math.round(x) : x;\n",
@@ -563,9 +882,6 @@ static const char *const pbwview__script[] = {
     "  }\n",
     "  for (let t = 0; t < count; t++) if (state[t] > 2) state[t] = 1;\n",
     "}\n",
-    "\n",
-    "// ---- WebGL ----\n",
-    "\n",
     "let gl = canvas.getContext('webgl2', { antialias: false, alpha: false });\n",
     "let trouble = gl ? '' : 'no WebGL 2 here';\n",
     "// All that goes in is the number of a vertex: shaders fetch what they need from textures, 4096 texels a row.\n",
@@ -894,9 +1210,6 @@ static const char *const pbwview__script[] = {
     "}\n",
     "const look = () => { if (!asked) { asked = true; requestAnimationFrame(paint); } };\n",
     "const change = () => { selected = false; look(); };\n",
-    "\n",
-    "// ---- mouse, touch, keys ----\n",
-    "\n",
     "const move = (dx, dy) => {                              // in pixels of the page\n",
     "  const [, right, up] = frame(), step = 2 * distance * TAN / Math.max(1, canvas.clientHeight);\n",
     "  target = target.map((x, k) => x - step * (dx * right[k] - dy * up[k]));\n",
@@ -998,333 +1311,13 @@ static const char *const pbwview__script[] = {
     "paint();\n",
     "say(gl ? '' : 'No picture: ' + trouble + '.  The numbers beside this are right.');\n",
     "})();\n",
+    "</script>\n",
+    "</html>\n",
     NULL
 };
 
-/* ------------------------------------------------------------------------------------------------------
-   The data: in base64, little-endian.
-   ------------------------------------------------------------------------------------------------------ */
-
-typedef struct pbwview__page {
-    const pbw_mesh *mesh;
-    const pbwview_options *options;
-    pbw_index *number;                 /* per point: its number on the page, which is the order in which corners meet
-                                          it; PBW_NONE if it is not there.  NULL: a page of points, all there */
-    size_t simplices, points;          /* that are there */
-    double middle[3], half;            /* of the box of the points */
-    FILE *file;
-    unsigned char in[3];               /* bytes on their way to base64 */
-    int in_count, out_count;
-    char out[4096];
-} pbwview__page;
-
-static void pbwview__flush(pbwview__page *page)
+static const char *const *pbwview__part(int part)
 {
-    fwrite(page->out, 1, (size_t)page->out_count, page->file);
-    putc('\n', page->file);
-    page->out_count = 0;
-}
-
-static void pbwview__group(pbwview__page *page)
-{
-    static const char digits[] = "ABCDEFGHIJKLMNOPQRSTUVWXYZabcdefghijklmnopqrstuvwxyz0123456789+/";
-    unsigned bits = (unsigned)page->in[0] << 16 | (unsigned)page->in[1] << 8 | page->in[2];
-    int i;
-    for (i = 0; i < 4; i++) {
-        page->out[page->out_count++] = i <= page->in_count ? digits[bits >> (18 - 6 * i) & 63] : '=';
-    }
-    page->in_count = 0;
-    if (page->out_count == (int)sizeof page->out) {
-        pbwview__flush(page);
-    }
-}
-
-static void pbwview__byte(pbwview__page *page, unsigned byte)
-{
-    page->in[page->in_count++] = (unsigned char)byte;
-    if (page->in_count == 3) {
-        pbwview__group(page);
-    }
-}
-
-static void pbwview__end(pbwview__page *page)
-{
-    if (page->in_count > 0) {
-        page->in[2] = 0;
-        page->in[1] = page->in_count == 1 ? 0 : page->in[1];
-        pbwview__group(page);
-    }
-    pbwview__flush(page);
-    fputs("</script>\n", page->file);
-}
-
-/* Seven bits a byte, the lowest first; all bytes but the last have the top bit. */
-static void pbwview__whole(pbwview__page *page, uint64_t x)
-{
-    for (; x > 127; x >>= 7) {
-        pbwview__byte(page, (unsigned)(x & 127) | 128);
-    }
-    pbwview__byte(page, (unsigned)x);
-}
-
-static void pbwview__float(pbwview__page *page, double x)
-{
-    float f = x > FLT_MAX ? FLT_MAX : x < -FLT_MAX ? -FLT_MAX : (float)x;
-    uint32_t bits;
-    int i;
-    memcpy(&bits, &f, sizeof bits);
-    for (i = 0; i < 32; i += 8) {
-        pbwview__byte(page, bits >> i & 255);
-    }
-}
-
-static void pbwview__doubles(pbwview__page *page, const double *x, int count)
-{
-    uint64_t bits;
-    int i, k;
-    for (i = 0; i < count; i++) {
-        memcpy(&bits, x + i, sizeof bits);
-        for (k = 0; k < 64; k += 8) {
-            pbwview__byte(page, (unsigned)(bits >> k & 255));
-        }
-    }
-}
-
-/* Text for between tags and for between quotes. */
-static void pbwview__text(FILE *file, const char *text)
-{
-    for (; *text != 0; text++) {
-        if (strchr("&<>\"'", *text) != NULL) {
-            fprintf(file, "&#%d;", *text);
-        } else {
-            putc(*text, file);
-        }
-    }
-}
-
-static void pbwview__lines(FILE *file, const char *const *line)
-{
-    for (; *line != NULL; line++) {
-        fputs(*line, file);
-    }
-}
-
-static int pbwview__kept(const pbwview__page *page, size_t simplex)
-{
-    return page->options->keep == NULL || page->options->keep[simplex];
-}
-
-static double pbwview__coordinate(const pbwview__page *page, size_t point, int k)
-{
-    return k < page->mesh->dim ? page->mesh->points[point * (size_t)page->mesh->dim + (size_t)k]
-         : page->options->heights != NULL ? page->options->heights[point] : 0;
-}
-
-/* The points that are there, in the order of their numbers: calls emit for each. */
-static void pbwview__each_point(pbwview__page *page, void (*emit)(pbwview__page *, size_t, void *), void *user)
-{
-    size_t n = (size_t)page->mesh->dim + 1, i, next = 0;
-    if (page->number == NULL) {
-        for (i = 0; i < page->points; i++) {
-            emit(page, i, user);
-        }
-        return;
-    }
-    for (i = 0; i < n * page->mesh->simplex_count; i++) {
-        pbw_index point = page->mesh->simplices[i];
-        if (pbwview__kept(page, i / n) && page->number[point] == next) {
-            emit(page, point, user);
-            next++;
-        }
-    }
-}
-
-/* Grows the box: user is its low, then its high corner. */
-static void pbwview__measure(pbwview__page *page, size_t point, void *user)
-{
-    double *box = (double *)user;
-    int k;
-    for (k = 0; k < 3; k++) {
-        double x = pbwview__coordinate(page, point, k);
-        box[k] = x < box[k] ? x : box[k];
-        box[3 + k] = x > box[3 + k] ? x : box[3 + k];
-    }
-}
-
-static void pbwview__point(pbwview__page *page, size_t point, void *user)
-{
-    int k, dim = page->options->heights != NULL ? 3 : page->mesh->dim;
-    (void)user;
-    for (k = 0; k < dim; k++) {
-        pbwview__float(page, (pbwview__coordinate(page, point, k) - page->middle[k]) / page->half);
-    }
-}
-
-typedef struct pbwview__column { const pbwview_array *array; uint32_t last; } pbwview__column;
-
-/* A number of an array; whole ones as differences: 0 -1 1 -2 2 ... are written 0 1 2 3 4 ... */
-static void pbwview__value(pbwview__page *page, size_t i, void *user)
-{
-    pbwview__column *column = (pbwview__column *)user;
-    if (column->array->real != NULL) {
-        double x = column->array->real[i];
-        pbwview__float(page, x >= -DBL_MAX && x <= DBL_MAX ? x : HUGE_VAL - HUGE_VAL);
-    } else {
-        uint32_t x = column->array->whole[i];
-        int up = x >= column->last;
-        uint64_t step = up ? x - column->last : column->last - x;
-        pbwview__whole(page, up ? 2 * step : 2 * step - 1);
-        column->last = x;
-    }
-}
-
-static void pbwview__array(pbwview__page *page, const pbwview_array *array)
-{
-    pbwview__column column;
-    size_t i;
-    if (!array->of_points && page->number == NULL) {
-        return;
-    }
-    column.array = array;
-    column.last = 0;
-    fputs("<script type='text/plain' data-name='", page->file);
-    pbwview__text(page->file, array->name);
-    fprintf(page->file, "' data-of='%s' data-kind='%s'>\n", array->of_points ? "points" : "simplices",
-            array->real != NULL ? "real" : array->classes ? "classes" : "whole");
-    if (array->of_points) {
-        pbwview__each_point(page, pbwview__value, &column);
-    }
-    for (i = 0; !array->of_points && i < page->mesh->simplex_count; i++) {
-        if (pbwview__kept(page, i)) {
-            pbwview__value(page, i, &column);
-        }
-    }
-    pbwview__end(page);
-}
-
-/* A corner is written as how many points before the newest it is, 0 if it is a new one. */
-static void pbwview__corners(pbwview__page *page)
-{
-    size_t n = (size_t)page->mesh->dim + 1, i, next = 0;
-    for (i = 0; i < n * page->mesh->simplex_count; i++) {
-        if (pbwview__kept(page, i / n)) {
-            size_t number = page->number[page->mesh->simplices[i]];
-            pbwview__whole(page, next - number);
-            next += number == next;
-        }
-    }
-}
-
-static void pbwview__emit(void *user, FILE *file)
-{
-    static const double flat_eye[3] = { 0, -1, 0 }, usual_eye[3] = { 0.55, -1, 0.5 }, usual_up[3] = { 0, 0, 1 };
-    pbwview__page *page = (pbwview__page *)user;
-    const pbwview_options *o = page->options;
-    int flat = page->mesh->dim == 2 && o->heights == NULL, k;
-    double lens[14];
-    size_t i;
-    memcpy(lens, page->middle, 3 * sizeof *lens);
-    lens[3] = page->half;
-    memcpy(lens + 4, o->eye[0] * o->eye[0] + o->eye[1] * o->eye[1] + o->eye[2] * o->eye[2] > 0 ? o->eye
-           : flat ? flat_eye : usual_eye, 3 * sizeof *lens);
-    memcpy(lens + 7, o->up[0] * o->up[0] + o->up[1] * o->up[1] + o->up[2] * o->up[2] > 0 ? o->up : usual_up,
-           3 * sizeof *lens);
-    memcpy(lens + 10, o->cut, 4 * sizeof *lens);
-    for (k = 0; k < 3 && !(o->cut[k] < 0 || o->cut[k] > 0); k++) {}
-    lens[13] = k == 3 && (page->number == NULL || page->mesh->dim == 2) ? 1 : 0.5 + 0.5 * o->cut[3];
-    page->file = file;
-    page->in_count = page->out_count = 0;
-    fputs("<!DOCTYPE html>\n<html lang='en'>\n<meta charset='utf-8'>\n<title>", file);
-    pbwview__text(file, o->title != NULL && *o->title != 0 ? o->title : "pbw");
-    fputs("</title>\n", file);
-    pbwview__lines(file, pbwview__head);
-    fprintf(file, "<div id='mesh' hidden data-dim='%d' data-points='%lu' data-simplices='%lu' data-heights='%d' "
-            "data-cap='%d' data-plain='%d' data-note='", page->mesh->dim, (unsigned long)page->points,
-            (unsigned long)page->simplices, o->heights != NULL, o->cut_through != 0, o->colour_outside == 0);
-    pbwview__text(file, o->note != NULL ? o->note : "");
-    fputs("' data-colour='", file);
-    pbwview__text(file, o->colour != NULL ? o->colour : "");
-    fputs("'></div>\n<script type='text/plain' id='lens'>\n", file);
-    pbwview__doubles(page, lens, 14);
-    pbwview__end(page);
-    fputs("<script type='text/plain' id='points'>\n", file);
-    pbwview__each_point(page, pbwview__point, NULL);
-    pbwview__end(page);
-    if (page->number != NULL) {
-        fputs("<script type='text/plain' id='corners'>\n", file);
-        pbwview__corners(page);
-        pbwview__end(page);
-    }
-    for (i = 0; i < o->array_count; i++) {
-        pbwview__array(page, &o->arrays[i]);
-    }
-    fputs("<script>\n", file);
-    pbwview__lines(file, pbwview__script);
-    fputs("</script>\n</html>\n", file);
-}
-
-/* Numbers the points, counts and measures; returns what is wrong, NULL if nothing. */
-static const char *pbwview__prepare(pbwview__page *page)
-{
-    const pbw_mesh *mesh = page->mesh;
-    size_t n = (size_t)mesh->dim + 1, i;
-    double box[6] = { DBL_MAX, DBL_MAX, DBL_MAX, -DBL_MAX, -DBL_MAX, -DBL_MAX };
-    int k;
-    for (i = 0; i < mesh->simplex_count; i++) {
-        page->simplices += pbwview__kept(page, i) != 0;
-    }
-    page->points = mesh->point_count;
-    if (page->simplices > 0) {
-        page->number = (pbw_index *)malloc(mesh->point_count * sizeof *page->number);
-        if (page->number == NULL) {
-            return "out of memory";
-        }
-        memset(page->number, 0xff, mesh->point_count * sizeof *page->number);
-        page->points = 0;
-        for (i = 0; i < n * mesh->simplex_count; i++) {
-            pbw_index *number = &page->number[mesh->simplices[i]];
-            if (pbwview__kept(page, i / n) && *number == PBW_NONE) {
-                *number = (pbw_index)page->points++;
-            }
-        }
-    }
-    if (page->points == 0) {
-        return "there is nothing to show";
-    }
-    if (page->simplices > PBWVIEW_MOST || page->points > PBWVIEW_MOST) {
-        return "more than 8388608 simplices or points are too much for a browser";
-    }
-    pbwview__each_point(page, pbwview__measure, box);
-    for (k = 0; k < 3; k++) {
-        double half = 0.5 * box[3 + k] - 0.5 * box[k];
-        page->middle[k] = 0.5 * box[3 + k] + 0.5 * box[k];
-        page->half = half > page->half ? half : page->half;
-    }
-    page->half = page->half > 0 ? page->half : 1;
-    return NULL;
-}
-
-PBWVIEWDEF pbwio_status pbwview_write(const char *path, const pbw_mesh *mesh, const pbwview_options *options,
-                                      pbwio_error *error)
-{
-    static const pbwview_options defaults = { NULL, NULL, NULL, NULL, NULL, 0, NULL, { 0, 0, 0 }, { 0, 0, 0 },
-                                              { 0, 0, 0, 0 }, 0, 0 };
-    const char *what;
-    pbwio_status status;
-    pbwview__page page;
-    memset(&page, 0, sizeof page);
-    page.mesh = mesh;
-    page.options = options == NULL ? &defaults : options;
-    what = pbwview__prepare(&page);
-    if (what == NULL) {
-        status = pbwio_save(path, pbwview__emit, &page, error);
-    } else {
-        status = page.simplices > 0 && page.number == NULL ? PBWIO_ERROR_MEMORY : PBWIO_ERROR_ARGUMENT;
-        if (error != NULL) {
-            snprintf(error->text, sizeof error->text, "%.200s: %s", path, what);
-        }
-    }
-    free(page.number);
-    return status;
+    return part == 0 ? pbwview__part0 : part == 1 ? pbwview__part1 : pbwview__part2;
 }
 #endif /* PBW_VIEW_IMPLEMENTATION */
