@@ -8,8 +8,8 @@
    Writes one file that needs nothing else, no network and no server, but a browser with WebGL 2: the mesh turns, can
    be cut open (simplices whole or cut through), exploded, thinned out by value, coloured by quality and by arrays of
    yours, with a histogram; by mouse, touch and keys.  Of a mesh without simplices (dim, point_count and points set,
-   the rest 0) it shows the points.
-   Size: about 7 bytes a tetrahedron, 4 a triangle, 16 a point (11 in 2D), and for each array 1 to 6 bytes a number.
+   the rest 0) it shows the points, and with triangles of a model its surface.  A click tells the ids of the mesh.
+   Size: about 7 bytes a tetrahedron, 4 a triangle, 20 a point (15 in 2D), and for each array 1 to 6 bytes a number.
    No dependency, no globals.  Memory: 4 bytes a point.
 */
 #ifndef PBW_VIEW_H
@@ -40,13 +40,16 @@ typedef struct pbwview_array {         /* numbers to colour by */
 typedef struct pbwview_options {       /* NULL or all zero = best defaults */
     const char *title, *note;          /* UTF-8, any characters; NULL = "pbw", none */
     const unsigned char *keep;         /* one a simplex, 0 = not part of the body; NULL = all are */
+    const unsigned char *inside;       /* one a simplex, 0 = outside the model: hidden at first; NULL = not known */
+    const pbw_index *triangles;        /* faces of the model, three points each: shown first, not cut; NULL = none */
+    size_t triangle_count;
     const double *heights;             /* 2D: one a point, shown as a surface in space; NULL = flat */
     const pbwview_array *arrays;
     size_t array_count;
     const char *colour;                /* name of the array shown first; NULL = the quality, or the first array */
-    double eye[3], up[3];              /* directions from the middle to the viewer and upwards (0: z) */
+    double eye[3], up[3];              /* directions from the middle to the viewer and upwards (0: guessed) */
     double cut[4];                     /* normal of the cut, and its place: -1 cuts all, 1 nothing; 0: through the
-                                          middle, towards the viewer */
+                                          middle, towards the viewer; nothing where there are triangles */
     int cut_through;                   /* 1: tetrahedra at the cut are cut through, 0: they stay whole or go */
     int colour_outside;                /* 3D: 1: colours on the outside too, 0: where it is cut open */
 } pbwview_options;
@@ -208,6 +211,12 @@ static void pbwview__each_point(pbwview__page *page, void (*emit)(pbwview__page 
             next++;
         }
     }
+    for (i = 0; i < 3 * page->options->triangle_count; i++) {
+        if (page->number[page->options->triangles[i]] == next) {
+            emit(page, page->options->triangles[i], user);
+            next++;
+        }
+    }
 }
 
 /* Grows the box: user is its low, then its high corner. */
@@ -231,9 +240,16 @@ static void pbwview__point(pbwview__page *page, size_t point, void *user)
     }
 }
 
-typedef struct pbwview__column { const pbwview_array *array; uint32_t last; } pbwview__column;
+typedef struct pbwview__column { const pbwview_array *array; uint64_t last; } pbwview__column;
 
-/* A number of an array; whole ones as differences: 0 -1 1 -2 2 ... are written 0 1 2 3 4 ... */
+/* Differences of whole numbers: 0 -1 1 -2 2 ... are written 0 1 2 3 4 ... */
+static void pbwview__step(pbwview__page *page, uint64_t x, uint64_t *last)
+{
+    pbwview__whole(page, x >= *last ? 2 * (x - *last) : 2 * (*last - x) - 1);
+    *last = x;
+}
+
+/* A number of an array. */
 static void pbwview__value(pbwview__page *page, size_t i, void *user)
 {
     pbwview__column *column = (pbwview__column *)user;
@@ -241,11 +257,7 @@ static void pbwview__value(pbwview__page *page, size_t i, void *user)
         double x = column->array->real[i];
         pbwview__float(page, x >= -DBL_MAX && x <= DBL_MAX ? x : HUGE_VAL - HUGE_VAL);
     } else {
-        uint32_t x = column->array->whole[i];
-        int up = x >= column->last;
-        uint64_t step = up ? x - column->last : column->last - x;
-        pbwview__whole(page, up ? 2 * step : 2 * step - 1);
-        column->last = x;
+        pbwview__step(page, column->array->whole[i], &column->last);
     }
 }
 
@@ -286,23 +298,70 @@ static void pbwview__corners(pbwview__page *page)
     }
 }
 
+static void pbwview__id(pbwview__page *page, size_t point, void *user)
+{
+    pbwview__step(page, point, (uint64_t *)user);
+}
+
+/* Lengths of runs of flags, the first of zeros; where keep is given, only of simplices that are kept. */
+static void pbwview__runs(pbwview__page *page, const char *id, const unsigned char *flags, const unsigned char *keep)
+{
+    size_t i, run = 0;
+    int now = 0;
+    fprintf(page->file, "<script type='text/plain' id='%s'>\n", id);
+    for (i = 0; i < page->mesh->simplex_count; i++) {
+        if (keep == NULL || keep[i]) {
+            if ((flags[i] != 0) != now) {
+                pbwview__whole(page, run);
+                run = 0;
+                now = !now;
+            }
+            run++;
+        }
+    }
+    pbwview__whole(page, run);
+    pbwview__end(page);
+}
+
+/* The ids that points and simplices have in the mesh, which simplices are inside, and the faces of the model. */
+static void pbwview__model(pbwview__page *page)
+{
+    const pbwview_options *o = page->options;
+    uint64_t last = 0;
+    size_t i;
+    fputs("<script type='text/plain' id='ids'>\n", page->file);
+    pbwview__each_point(page, pbwview__id, &last);
+    pbwview__end(page);
+    if (page->simplices > 0 && o->keep != NULL) {
+        pbwview__runs(page, "kept", o->keep, NULL);
+    }
+    if (page->simplices > 0 && o->inside != NULL) {
+        pbwview__runs(page, "inside", o->inside, o->keep);
+    }
+    if (o->triangle_count > 0) {
+        fputs("<script type='text/plain' id='triangles'>\n", page->file);
+        for (i = 0, last = 0; i < 3 * o->triangle_count; i++) {
+            pbw_index point = o->triangles[i];
+            pbwview__step(page, page->number == NULL ? point : page->number[point], &last);
+        }
+        pbwview__end(page);
+    }
+}
+
 static void pbwview__emit(void *user, FILE *file)
 {
-    static const double flat_eye[3] = { 0, -1, 0 }, usual_eye[3] = { 0.55, -1, 0.5 }, usual_up[3] = { 0, 0, 1 };
     pbwview__page *page = (pbwview__page *)user;
     const pbwview_options *o = page->options;
-    int flat = page->mesh->dim == 2 && o->heights == NULL, k;
     double lens[14];
     size_t i;
+    int k;
     memcpy(lens, page->middle, 3 * sizeof *lens);
     lens[3] = page->half;
-    memcpy(lens + 4, o->eye[0] * o->eye[0] + o->eye[1] * o->eye[1] + o->eye[2] * o->eye[2] > 0 ? o->eye
-           : flat ? flat_eye : usual_eye, 3 * sizeof *lens);
-    memcpy(lens + 7, o->up[0] * o->up[0] + o->up[1] * o->up[1] + o->up[2] * o->up[2] > 0 ? o->up : usual_up,
-           3 * sizeof *lens);
+    memcpy(lens + 4, o->eye, 3 * sizeof *lens);
+    memcpy(lens + 7, o->up, 3 * sizeof *lens);
     memcpy(lens + 10, o->cut, 4 * sizeof *lens);
     for (k = 0; k < 3 && !(o->cut[k] < 0 || o->cut[k] > 0); k++) {}
-    lens[13] = k == 3 && (page->number == NULL || page->mesh->dim == 2) ? 1 : 0.5 + 0.5 * o->cut[3];
+    lens[13] = k == 3 && (page->number == NULL || page->mesh->dim == 2 || o->triangle_count > 0) ? 1 : 0.5 + 0.5 * o->cut[3];
     page->file = file;
     page->in_count = page->out_count = 0;
     pbwview__lines(file, pbwview__part(0));
@@ -311,8 +370,9 @@ static void pbwview__emit(void *user, FILE *file)
     fputs("</title>\n", file);
     pbwview__lines(file, pbwview__part(1));
     fprintf(file, "<div id='mesh' hidden data-dim='%d' data-points='%lu' data-simplices='%lu' data-heights='%d' "
-            "data-cap='%d' data-plain='%d' data-note='", page->mesh->dim, (unsigned long)page->points,
-            (unsigned long)page->simplices, o->heights != NULL, o->cut_through != 0, o->colour_outside == 0);
+            "data-cap='%d' data-plain='%d' data-triangles='%lu' data-kept='%d' data-note='", page->mesh->dim, (unsigned long)page->points,
+            (unsigned long)page->simplices, o->heights != NULL, o->cut_through != 0, o->colour_outside == 0,
+            (unsigned long)o->triangle_count, o->keep != NULL);
     pbwview__text(file, o->note != NULL ? o->note : "");
     fputs("' data-colour='", file);
     pbwview__text(file, o->colour != NULL ? o->colour : "");
@@ -327,6 +387,7 @@ static void pbwview__emit(void *user, FILE *file)
         pbwview__corners(page);
         pbwview__end(page);
     }
+    pbwview__model(page);
     for (i = 0; i < o->array_count; i++) {
         pbwview__array(page, &o->arrays[i]);
     }
@@ -343,6 +404,11 @@ static const char *pbwview__prepare(pbwview__page *page)
     for (i = 0; i < mesh->simplex_count; i++) {
         page->simplices += pbwview__kept(page, i) != 0;
     }
+    for (i = 0; i < 3 * page->options->triangle_count; i++) {
+        if (page->options->triangles[i] >= mesh->point_count) {
+            return "a triangle has a corner that is no point";
+        }
+    }
     page->points = mesh->point_count;
     if (page->simplices > 0) {
         page->number = (pbw_index *)malloc(mesh->point_count * sizeof *page->number);
@@ -357,11 +423,18 @@ static const char *pbwview__prepare(pbwview__page *page)
                 *number = (pbw_index)page->points++;
             }
         }
+        for (i = 0; i < 3 * page->options->triangle_count; i++) {
+            pbw_index *number = &page->number[page->options->triangles[i]];
+            if (*number == PBW_NONE) {
+                *number = (pbw_index)page->points++;
+            }
+        }
     }
     if (page->points == 0) {
         return "there is nothing to show";
     }
-    if (page->simplices > PBWVIEW_MOST || page->points > PBWVIEW_MOST) {
+    if (page->simplices > PBWVIEW_MOST || page->points > PBWVIEW_MOST
+        || page->options->triangle_count > PBWVIEW_MOST) {
         return "more than 8388608 simplices or points are too much for a browser";
     }
     pbwview__each_point(page, pbwview__measure, box);
@@ -377,11 +450,11 @@ static const char *pbwview__prepare(pbwview__page *page)
 PBWVIEWDEF pbwio_status pbwview_write(const char *path, const pbw_mesh *mesh, const pbwview_options *options,
                                       pbwio_error *error)
 {
-    static const pbwview_options defaults = { NULL, NULL, NULL, NULL, NULL, 0, NULL, { 0, 0, 0 }, { 0, 0, 0 },
-                                              { 0, 0, 0, 0 }, 0, 0 };
+    pbwview_options defaults;
     const char *what;
     pbwio_status status;
     pbwview__page page;
+    memset(&defaults, 0, sizeof defaults);
     memset(&page, 0, sizeof page);
     page.mesh = mesh;
     page.options = options == NULL ? &defaults : options;
@@ -389,7 +462,7 @@ PBWVIEWDEF pbwio_status pbwview_write(const char *path, const pbw_mesh *mesh, co
     if (what == NULL) {
         status = pbwio_save(path, pbwview__emit, &page, error);
     } else {
-        status = page.simplices > 0 && page.number == NULL ? PBWIO_ERROR_MEMORY : PBWIO_ERROR_ARGUMENT;
+        status = strcmp(what, "out of memory") == 0 ? PBWIO_ERROR_MEMORY : PBWIO_ERROR_ARGUMENT;
         if (error != NULL) {
             snprintf(error->text, sizeof error->text, "%.200s: %s", path, what);
         }
@@ -439,7 +512,17 @@ static const char *const pbwview__part1[] = {
     ".row { display: flex; align-items: center; gap: 8px; min-height: 26px; clear: left; }\n",
     "legend + .row { clear: none; }\n",
     ".row > span:first-child { width: 4.9em; flex: none; color: var(--soft); }\n",
-    ".row output { width: 5.2em; flex: none; text-align: right; font-variant-numeric: tabular-nums; }\n",
+    ".row .typed { width: 5.2em; flex: none; text-align: right; font: inherit; font-variant-numeric: tabular-nums;\n",
+    "  color: inherit; background: none; border: 1px solid transparent; border-radius: 4px; padding: 1px 3px; }\n",
+    ".row .typed:hover, .row .typed:focus, #go { border-color: var(--rule); background: var(--paper); }\n",
+    "#views button { flex: 1; padding: 2px 0; }\n",
+    "#mark { position: absolute; width: 100%; height: 100%; pointer-events: none; }\n",
+    "#mark line { stroke: var(--mark); stroke-width: 1.5; }\n",
+    "#mark circle { fill: var(--mark); stroke: #ffffff; }\n",
+    "#bar { position: absolute; left: 100px; bottom: 18px; border: 1.5px solid var(--soft); border-top: 0; text-align: center;\n",
+    "  font-size: 12px; line-height: 15px; color: var(--soft); pointer-events: none; }\n",
+    "#tip { position: absolute; left: 0; top: 0; max-width: 240px; padding: 4px 8px; font-size: 12px; pointer-events: none;\n",
+    "  background: var(--panel); border: 1px solid var(--rule); border-radius: 5px; }\n",
     "select, button { font: inherit; color: inherit; background: var(--paper); border: 1px solid var(--rule);\n",
     "  border-radius: 5px; padding: 2px 8px; min-width: 0; }\n",
     "select { flex: 1; }\n",
@@ -461,6 +544,9 @@ static const char *const pbwview__part1[] = {
     "<div id='stage'>\n",
     "<canvas id='canvas' tabindex='0' role='img' aria-describedby='keys'></canvas>\n",
     "<svg id='axes' viewBox='-38 -38 76 76' aria-hidden='true'></svg>\n",
+    "<svg id='mark' aria-hidden='true'></svg>\n",
+    "<div id='bar'></div>\n",
+    "<div id='tip' hidden></div>\n",
     "<p id='say' role='status'>Loading &#8230;</p>\n",
     "</div>\n",
     "<main id='panel'>\n",
@@ -472,10 +558,11 @@ static const char *const pbwview__part1[] = {
     "<svg id='chart' viewBox='0 0 268 92' role='img'></svg>\n",
     "<div id='classes'></div>\n",
     "<p id='summary'></p>\n",
-    "<label class='row'><span>from</span><input id='from' type='range' min='0' max='1' step='.002'>\n",
-    "<output id='from-is'></output></label>\n",
-    "<label class='row'><span>to</span><input id='to' type='range' min='0' max='1' step='.002'>\n",
-    "<output id='to-is'></output></label>\n",
+    "<p id='about'></p>\n",
+    "<label class='row'><span>from</span><input id='from' type='range' min='0' max='1' step='any'>\n",
+    "<input class='typed' id='from-is' aria-label='from, typed'></label>\n",
+    "<label class='row'><span>to</span><input id='to' type='range' min='0' max='1' step='any'>\n",
+    "<input class='typed' id='to-is' aria-label='to, typed'></label>\n",
     "<label class='row solid'><input id='plain' type='checkbox' checked> plain outside</label>\n",
     "</fieldset>\n",
     "<fieldset class='cut'><legend>Cut</legend>\n",
@@ -483,23 +570,40 @@ static const char *const pbwview__part1[] = {
     "<option value='0'>across x<option value='1'>across y<option value='2'>across z<option value='3'>facing me\n",
     "<option value='4' hidden>oblique\n",
     "</select><button id='flip' title='Show the other side of the cut'>flip</button></div>\n",
-    "<label class='row'><span>place</span><input id='cut' type='range' min='0' max='1' step='.002'>\n",
-    "<output id='cut-is'></output></label>\n",
+    "<label class='row'><span>place</span><input id='cut' type='range' min='0' max='1' step='any'>\n",
+    "<input class='typed' id='cut-is' aria-label='cut, typed'></label>\n",
     "<div class='row solid'><span>simplices</span><select id='cap' aria-label='Simplices at the cut'>\n",
     "<option value='0'>whole<option value='1'>cut through</select></div>\n",
     "</fieldset>\n",
     "<fieldset><legend>Draw</legend>\n",
+    "<div class='row'><select id='show' aria-label='Show'><option value='1'>the model<option value='0'>simplices</select></div>\n",
     "<div class='row'><select id='draw' aria-label='Draw'><option value='3'>faces and edges<option value='1'>faces\n",
     "<option value='2'>edges<option value='4'>points</select></div>\n",
-    "<label class='row relief'><span>heights</span><input id='relief' type='range' min='1' max='20' step='1'>\n",
-    "<output id='relief-is'></output></label>\n",
-    "<label class='row mesh'><span>explode</span><input id='explode' type='range' min='0' max='1' step='.01'>\n",
-    "<output id='explode-is'></output></label>\n",
-    "<label class='row dots'><span>point size</span><input id='size' type='range' min='.2' max='4' step='.1'>\n",
-    "<output id='size-is'></output></label>\n",
+    "<label class='row'><input id='outside' type='checkbox'> outside the model, too</label>\n",
+    "<label class='row'><input id='slivers' type='checkbox'> hide slivers at the hull</label>\n",
+    "<label class='row relief'><span>heights</span><input id='relief' type='range' min='1' max='20' step='any'>\n",
+    "<input class='typed' id='relief-is' aria-label='relief, typed'></label>\n",
+    "<label class='row mesh'><span>explode</span><input id='explode' type='range' min='0' max='1' step='any'>\n",
+    "<input class='typed' id='explode-is' aria-label='explode, typed'></label>\n",
+    "<label class='row dots'><span>point size</span><input id='size' type='range' min='.2' max='4' step='any'>\n",
+    "<input class='typed' id='size-is' aria-label='size, typed'></label>\n",
     "</fieldset>\n",
-    "<fieldset><button id='reset'>Reset view</button></fieldset>\n",
+    "<fieldset class='view'><legend>View</legend>\n",
+    "<div class='row'><select id='projection' aria-label='Projection'><option value='0'>perspective\n",
+    "<option value='1'>parallel</select><select class='space' id='up' aria-label='Up'><option value='0'>x up<option value='1'>y up\n",
+    "<option value='2'>z up<option value='3'>up as given</select></div>\n",
+    "<div class='row space' id='views'><button title='From x'>x</button><button title='From -x'>-x</button>\n",
+    "<button title='From y'>y</button><button title='From -y'>-y</button><button title='From z'>z</button>\n",
+    "<button title='From -z'>-z</button></div>\n",
+    "<div class='row'><button id='reset'>Reset view</button><button id='save'>Save PNG</button></div>\n",
+    "</fieldset>\n",
+    "<fieldset><legend>Find</legend>\n",
+    "<div class='row'><select id='go-kind' aria-label='Go to'><option value='1'>simplex<option value='3'>point</select>\n",
+    "<input class='typed' id='go' type='number' min='0' aria-label='Id' placeholder='id'></div>\n",
+    "<p id='picked' role='status'>Click the picture, or type an id.</p>\n",
+    "</fieldset>\n",
     "<details id='keys'><summary>Mouse, touch and keys</summary>\n",
+    "A click tells ids, coordinates and measures; the address keeps the view, as a link.\n",
     "Drag turns, right or shift drag moves, the wheel zooms; one finger turns, two move and zoom.\n",
     "With the picture in focus: arrows turn (with shift: move), <kbd>+</kbd> <kbd>-</kbd> zoom,\n",
     "<kbd>[</kbd> <kbd>]</kbd> move the cut, <kbd>f</kbd> turns it to face me,\n",
@@ -527,13 +631,18 @@ static const char *const pbwview__part2[] = {
     "$('facts').textContent = (count ? whole(count) + ' ' + simplex + ', ' : '') + whole(points) + ' points in '\n",
     "  + dim + 'D' + (given.note ? '; ' + given.note : '');\n",
     "canvas.addEventListener('webglcontextlost', () => say('The graphics driver gave up: reload the page.'));\n",
+    "\n",
+    "const dot = (a, b) => a[0] * b[0] + a[1] * b[1] + a[2] * b[2];\n",
+    "const cross = (a, b) => [a[1] * b[2] - a[2] * b[1], a[2] * b[0] - a[0] * b[2], a[0] * b[1] - a[1] * b[0]];\n",
+    "const unit = a => { const l = Math.hypot(...a) || 1; return a.map(x => x / l); };\n",
     "function bytes(node) {\n",
     "  const text = atob(node.textContent), out = new Uint8Array(text.length);\n",
     "  for (let i = 0; i < text.length; i++) out[i] = text.charCodeAt(i);\n",
     "  node.remove();\n",
     "  return out;\n",
     "}\n",
-    "const rows = (size, each) => Math.max(1, Math.ceil(size / W)) * W * each;      // textures have whole rows\n",
+    "// Textures have whole rows of W texels.\n",
+    "const rows = (size, each) => Math.max(1, Math.ceil(size / W)) * W * each;\n",
     "\n",
     "// A number with each call: seven bits a byte, the lowest first; all bytes but the last have the top bit.\n",
     "function reader(raw) {\n",
@@ -596,6 +705,46 @@ static const char *const pbwview__part2[] = {
     "const point = read_points(), corner = count ? read_corners() : null;\n",
     "const other = count && dim === 3 ? read_neighbors(corner) : null;\n",
     "\n",
+    "// The ids that points and simplices have in the mesh of the program, runs of flags, the faces of the model.\n",
+    "function read_steps(id, size) {                         // differences: 0 -1 1 -2 2 ... are 0 1 2 3 4 ...\n",
+    "  const number = reader(bytes($(id))), out = new Uint32Array(size);\n",
+    "  for (let i = 0, last = 0; i < size; i++) {\n",
+    "    const x = number();\n",
+    "    out[i] = last += x % 2 ? -(x + 1) / 2 : x / 2;\n",
+    "  }\n",
+    "  return out;\n",
+    "}\n",
+    "function each_run(id, then) {                           // the first run is of zeros\n",
+    "  const raw = bytes($(id)), number = reader(raw);\n",
+    "  for (let i = 0, flag = 0; i < raw.length; flag = 1 - flag) {\n",
+    "    const size = number();\n",
+    "    then(flag, size);\n",
+    "    for (let x = size; x > 127; x = Math.floor(x / 128)) i++;\n",
+    "    i++;\n",
+    "  }\n",
+    "}\n",
+    "const point_id = read_steps('ids', points), simplex_id = new Uint32Array(count);\n",
+    "if ($('kept')) {\n",
+    "  let id = 0, next = 0;\n",
+    "  each_run('kept', (kept, size) => {\n",
+    "    if (kept) for (let i = 0; i < size; i++) simplex_id[next++] = id + i;\n",
+    "    id += size;\n",
+    "  });\n",
+    "} else {\n",
+    "  for (let i = 0; i < count; i++) simplex_id[i] = i;\n",
+    "}\n",
+    "let inside = null;\n",
+    "if ($('inside')) {\n",
+    "  let next = 0;\n",
+    "  inside = new Uint8Array(count);\n",
+    "  each_run('inside', (flag, size) => inside.fill(flag, next, next += size));\n",
+    "}\n",
+    "const kept_only = given.kept === '1';\n",
+    "const triangle_count = +given.triangles, triangle = new Uint32Array(rows(triangle_count, 4));\n",
+    "if (triangle_count) {\n",
+    "  read_steps('triangles', 3 * triangle_count).forEach((p, i) => { triangle[4 * (i / 3 | 0) + i % 3] = p; });\n",
+    "}\n",
+    "\n",
     "// The mean ratio: 1 for the regular simplex, 0 for a flat one.\n",
     "function quality() {\n",
     "  const out = new Float32Array(count), e = [[0, 0, 0], [0, 0, 0], [0, 0, 1]];\n",
@@ -613,19 +762,71 @@ static const char *const pbwview__part2[] = {
     "  }\n",
     "  return out;\n",
     "}\n",
+    "// Measures of simplices, from coordinates in single precision (of a surface over the plane: in the plane).\n",
+    "function measures() {\n",
+    "  const out = {};\n",
+    "  for (const k of ['least', 'largest', 'aspect', 'size', 'shortest', 'longest']) out[k] = new Float32Array(count);\n",
+    "  const p = [[0, 0, 0], [0, 0, 0], [0, 0, 0], [0, 0, 0]], degrees = 180 / Math.PI;\n",
+    "  const minus = (a, b) => [a[0] - b[0], a[1] - b[1], a[2] - b[2]];\n",
+    "  const angle = (a, b) => degrees * Math.atan2(Math.hypot(...cross(a, b)), dot(a, b));\n",
+    "  for (let t = 0; t < count; t++) {\n",
+    "    let short = Infinity, long = 0, least = 180, largest = 0, around = 0;\n",
+    "    for (let a = 0; a < n; a++) for (let k = 0; k < dim; k++) p[a][k] = point[4 * corner[4 * t + a] + k];\n",
+    "    for (let a = 0; a < n; a++) for (let b = a + 1; b < n; b++) {\n",
+    "      const length = Math.hypot(p[a][0] - p[b][0], p[a][1] - p[b][1], p[a][2] - p[b][2]);\n",
+    "      short = Math.min(short, length); long = Math.max(long, length);\n",
+    "      around += length;\n",
+    "      const [c, d] = [0, 1, 2, 3].filter(x => x !== a && x !== b), e = minus(p[b], p[a]);\n",
+    "      const x = dim === 3 ? angle(cross(e, minus(p[c], p[a])), cross(e, minus(p[d], p[a])))\n",
+    "        : angle(minus(p[a], p[c]), minus(p[b], p[c]));\n",
+    "      least = Math.min(least, x); largest = Math.max(largest, x);\n",
+    "    }\n",
+    "    const u = minus(p[1], p[0]), v = minus(p[2], p[0]), w = minus(p[3], p[0]), uv = cross(u, v);\n",
+    "    const size = dim === 3 ? Math.abs(dot(uv, w)) / 6 : Math.abs(uv[2]) / 2;\n",
+    "    if (dim === 3) {                                    // the inradius: 3 volume / area of the faces\n",
+    "      around = (Math.hypot(...uv) + Math.hypot(...cross(v, w)) + Math.hypot(...cross(w, u))\n",
+    "        + Math.hypot(...cross(minus(v, u), minus(w, u)))) / 2;\n",
+    "    }\n",
+    "    const radius = dim * size / around;\n",
+    "    out.least[t] = least; out.largest[t] = largest;\n",
+    "    out.aspect[t] = Math.min(1e30, long / ((dim === 3 ? 2 * Math.sqrt(6) : 2 * Math.sqrt(3)) * radius));\n",
+    "    out.size[t] = size * half ** dim;\n",
+    "    out.shortest[t] = short * half; out.longest[t] = long * half;\n",
+    "  }\n",
+    "  return out;\n",
+    "}\n",
     "\n",
     "// What colours can show: name, values (of simplices, or of points), classes or a scale.\n",
     "const arrays = [];\n",
-    "function add_array(name, value, of_points, classes, integer) {\n",
+    "function add_array(name, value, of_points, classes, integer, about = '', log = false) {\n",
     "  const sorted = value.filter(x => x === x && Math.abs(x) < 1e38).sort(), m = sorted.length;\n",
     "  let low = m ? sorted[0] : 0, high = m ? sorted[m - 1] : 0, sum = 0;\n",
     "  for (let i = 0; i < m; i++) sum += sorted[i];\n",
     "  const a = { name, value, of_points, classes, integer, low, high, least: low, largest: high,\n",
-    "    mean: m ? sum / m : 0, hundredth: m ? sorted[m / 100 | 0] : 0 };\n",
+    "    mean: m ? sum / m : 0, hundredth: m ? sorted[m / 100 | 0] : 0,\n",
+    "    about, log };\n",
+    "  if (log) {                                            // from the least that is above 0, or a millionth of the top\n",
+    "    a.high = Math.max(a.high, 1e-30);\n",
+    "    a.low = Math.max(a.high / 1e6, sorted.find(x => x > 0) || 0);\n",
+    "  }\n",
     "  if (name === 'quality' && !integer) { a.low = 0; a.high = 1; }\n",
     "  arrays.push(a);\n",
     "}\n",
-    "if (count) add_array('quality', quality(), false, false, false);\n",
+    "if (count) {\n",
+    "  const m = measures(), solid = dim === 3, add = (name, value, about, log) =>\n",
+    "    add_array(name, value, false, false, false, about, log);\n",
+    "  add('quality', quality(), 'Mean ratio: ' + (solid ? '12 (3 volume)^(2/3)' : '4 sqrt(3) area')\n",
+    "    + ' / sum of squared edges; 1 regular, 0 flat.');\n",
+    "  add(solid ? 'least dihedral angle' : 'least angle', m.least, 'Degrees' + (solid ? ' between faces; 70.5' : '; 60')\n",
+    "    + ' in the regular ' + (solid ? 'tetrahedron.' : 'triangle.'));\n",
+    "  add(solid ? 'largest dihedral angle' : 'largest angle', m.largest, 'Degrees; near 180: flat.');\n",
+    "  add('aspect ratio', m.aspect, 'Longest edge / (' + (solid ? '2 sqrt(6)' : '2 sqrt(3)')\n",
+    "    + ' inradius); 1 regular, larger is worse.  Logarithmic.', true);\n",
+    "  add(solid ? 'volume' : 'area', m.size, 'Of each ' + (solid ? 'tetrahedron' : 'triangle') + '.  Logarithmic.', true);\n",
+    "  add('shortest edge', m.shortest, 'Length.  Logarithmic.', true);\n",
+    "  add('longest edge', m.longest, 'Length.  Logarithmic.', true);\n",
+    "}\n",
+    "add_array('order', Float32Array.from(point_id), true, false, true, 'Id in the input.');\n",
     "for (const node of [...document.querySelectorAll('script[data-name]')]) {\n",
     "  const d = node.dataset, size = d.of === 'points' ? points : count;\n",
     "  let value;\n",
@@ -669,18 +870,53 @@ static const char *const pbwview__part2[] = {
     "const scale = [], classes = [], okabe = [[0, 114, 178], [230, 159, 0], [0, 158, 115], [204, 121, 167],\n",
     "  [86, 180, 233], [213, 94, 0], [240, 228, 66], [150, 150, 150]];\n",
     "for (let i = 0; i < 256; i++) {\n",
-    "  scale.push(oklch(0.3 + 0.62 * i / 255, 0.165, (285 + 175 * i / 255) * Math.PI / 180));\n",
+    "  scale.push(oklch(0.5 + 0.43 * i / 255, 0.165, (285 + 175 * i / 255) * Math.PI / 180));\n",
     "  const step = (i >> 3) % 3, to = step === 1 ? 255 : 0;\n",
     "  classes.push(okabe[i % 8].map(x => Math.round(step ? 0.6 * x + 0.4 * to : x)));\n",
     "}\n",
     "const rgb = c => 'rgb(' + c.join() + ')';\n",
     "const class_of = x => classes[(x % 256 + 256) % 256];\n",
-    "const at_scale = (a, x) => a.high > a.low ? (x - a.low) / (a.high - a.low) : 0.5;\n",
-    "const dot = (a, b) => a[0] * b[0] + a[1] * b[1] + a[2] * b[2];\n",
-    "const cross = (a, b) => [a[1] * b[2] - a[2] * b[1], a[2] * b[0] - a[0] * b[2], a[0] * b[1] - a[1] * b[0]];\n",
-    "const unit = a => { const l = Math.hypot(...a) || 1; return a.map(x => x / l); };\n",
-    "const UP = unit(lens.slice(7, 10)), SIDE = unit(cross(UP, Math.abs(dot(UP, unit(EYE))) < 0.999 ? EYE :\n",
-    "  Math.abs(UP[1]) < 0.9 ? [0, -1, 0] : [0, 0, 1])), FRONT = cross(SIDE, UP);\n",
+    "const at_scale = (a, x) => !(a.high > a.low) ? 0.5 : a.log ? Math.log(Math.max(x, a.low) / a.low)\n",
+    "  / Math.log(a.high / a.low) : (x - a.low) / (a.high - a.low);\n",
+    "const off_scale = (a, t) => a.log ? a.low * (a.high / a.low) ** t : a.low + t * (a.high - a.low);\n",
+    "// Up: as given, or guessed: y where the body stands on a flat base across y and on less across z, or is much flatter\n",
+    "// in y than in x and z, as ground is; else z.\n",
+    "function guess_up() {\n",
+    "  const low = [9, 9, 9], high = [-9, -9, -9], base = [0, 0, 0];\n",
+    "  for (let i = 0; i < points; i++) for (let k = 0; k < 3; k++) {\n",
+    "    low[k] = Math.min(low[k], point[4 * i + k]); high[k] = Math.max(high[k], point[4 * i + k]);\n",
+    "  }\n",
+    "  const size = [0, 1, 2].map(k => high[k] - low[k]), corners = triangle_count ? triangle : corner;\n",
+    "  const at = (c, k) => point[4 * c + k];\n",
+    "  const facets = triangle_count || (other ? 4 * count : 0), order = [[1, 2, 3], [0, 3, 2], [0, 1, 3], [0, 2, 1]];\n",
+    "  for (let f = 0; f < facets; f++) {\n",
+    "    if (!triangle_count && other[f] >= 0) continue;\n",
+    "    const c = triangle_count ? [0, 1, 2].map(k => corners[4 * f + k]) : order[f & 3].map(k => corners[(f & ~3) + k]);\n",
+    "    const [u, v] = [1, 2].map(j => [0, 1, 2].map(k => at(c[j], k) - at(c[0], k)));\n",
+    "    const area = cross(u, v), all = Math.hypot(...area);\n",
+    "    for (let k = 1; k < 3; k++) {\n",
+    "      if (Math.abs(area[k]) > 0.97 * all && at(c[0], k) < low[k] + 0.03 * size[k]) base[k] += Math.abs(area[k]) / 2;\n",
+    "    }\n",
+    "  }\n",
+    "  const stands = [0, 1, 2].map(k => base[k] * size[k] / Math.max(1e-30, size[0] * size[1] * size[2]));\n",
+    "  return stands[1] > 0.05 && stands[1] > 1.5 * stands[2] || size[1] < 0.4 * Math.min(size[0], size[2]) && size[1] > 0\n",
+    "    ? 1 : 2;\n",
+    "}\n",
+    "let UP, SIDE, FRONT, home, parallel = false, moved = false;\n",
+    "const EYES = [[1, 0.5, 0.5], [0.55, 0.5, 1], [0.55, -1, 0.5]], FACES = [[1, 0, 0], [0, 0, 1], [0, -1, 0]];\n",
+    "const given_up = lens.slice(7, 10), has_up = Math.hypot(...given_up) > 0, has_eye = Math.hypot(...EYE) > 0;\n",
+    "function set_up_axis(k) {                               // 3: as given\n",
+    "  UP = k < 3 ? [0, 1, 2].map(i => +(i === k)) : unit(given_up);\n",
+    "  home = flat ? [0, -1, 0] : has_eye ? unit(EYE) : unit(k < 3 ? EYES[k] : EYES[Math.abs(UP[1]) > 0.9 ? 1 : 2]);\n",
+    "  const front = Math.abs(dot(UP, home)) < 0.999 ? home : FACES[k < 3 ? k : Math.abs(UP[1]) < 0.9 ? 2 : 1];\n",
+    "  SIDE = unit(cross(UP, front));\n",
+    "  FRONT = cross(SIDE, UP);\n",
+    "}\n",
+    "const first_up = flat ? 2 : has_up ? 3 : dim === 2 ? 2 : guess_up();\n",
+    "function look_along(eye) {\n",
+    "  lift = flat ? Math.PI / 2 : Math.asin(Math.max(-1, Math.min(1, dot(eye, UP))));\n",
+    "  turn = flat ? 0 : Math.atan2(dot(eye, SIDE), dot(eye, FRONT));\n",
+    "}\n",
     "let turn, lift, distance, target, normal, offset, low, high, shown = 0, facets = 0, caps = 0;\n",
     "let array = arrays.find(a => a.name === given.colour) || arrays[0];\n",
     "const number = id => +$(id).value;\n",
@@ -703,7 +939,7 @@ static const char *const pbwview__part2[] = {
     "      const x = dot(p, right), y = dot(p, up);\n",
     "      if (pass) {\n",
     "        distance = Math.max(distance,\n",
-    "          dot(p, eye) + 1.06 * Math.max(Math.abs(x) / aspect(), Math.abs(y)) / TAN);\n",
+    "          (parallel ? 0 : dot(p, eye)) + 1.06 * Math.max(Math.abs(x) / aspect(), Math.abs(y)) / TAN);\n",
     "      } else {\n",
     "        box[0] = Math.min(box[0], x); box[1] = Math.max(box[1], x);\n",
     "        box[2] = Math.min(box[2], y); box[3] = Math.max(box[3], y);\n",
@@ -712,6 +948,24 @@ static const char *const pbwview__part2[] = {
     "    if (!pass) target = [0, 1, 2].map(k => (box[0] + box[1]) / 2 * right[k] + (box[2] + box[3]) / 2 * up[k]);\n",
     "  }\n",
     "  distance = Math.max(distance, 1e-6);\n",
+    "  moved = false;\n",
+    "}\n",
+    "// From coordinates to clip space, by columns; how far before the target it begins, and ends.\n",
+    "function camera() {\n",
+    "  const [eye, right, up] = frame(), reach = Math.hypot(...target) + 1.8 * relief;\n",
+    "  const near = parallel ? distance - reach : Math.max(distance - reach, distance * 0.01), far = distance + reach;\n",
+    "  const sx = 1 / (TAN * aspect()), sy = 1 / TAN, e = dot(eye, target), s = parallel ? 1 / distance : 1;\n",
+    "  const c = (parallel ? 2 : far + near) / (near - far);\n",
+    "  const d = (parallel ? far + near : 2 * far * near) / (near - far), w = parallel ? 0 : 1;\n",
+    "  const column = k => [s * sx * right[k], s * sy * up[k], c * eye[k], -w * eye[k]];\n",
+    "  const matrix = [...column(0), ...column(1), ...column(2), -s * sx * dot(right, target), -s * sy * dot(up, target),\n",
+    "    c * (-e - distance) + d, parallel ? 1 : e + distance];\n",
+    "  return { eye, right, up, near, far, matrix };\n",
+    "}\n",
+    "function project(i) {                                   // where point i is on the canvas\n",
+    "  const m = camera().matrix, p = [point[4 * i], point[4 * i + 1], point[4 * i + 2], 1];\n",
+    "  const clip = [0, 1, 3].map(r => p.reduce((sum, x, k) => sum + m[4 * k + r] * x, 0));\n",
+    "  return [canvas.clientWidth * (clip[0] / clip[2] + 1) / 2, canvas.clientHeight * (1 - clip[1] / clip[2]) / 2];\n",
     "}\n",
     "const across = i => normal[0] * point[4 * i] + normal[1] * point[4 * i + 1] + normal[2] * point[4 * i + 2];\n",
     "// Heights over the plane, times a factor; their range is at least a sixth of the others', if that does it.\n",
@@ -741,9 +995,13 @@ static const char *const pbwview__part2[] = {
     "  if (k < 4) set_normal(k === 3 ? eye : [0, 1, 2].map(i => i === k ? eye[k] < 0 ? -1 : 1 : 0));\n",
     "}\n",
     "function reset() {\n",
-    "  const eye = unit(EYE), along = [0, 1, 2].filter(k => CUT[k]);\n",
-    "  lift = flat ? Math.PI / 2 : Math.asin(Math.max(-1, Math.min(1, dot(eye, UP))));\n",
-    "  turn = flat ? 0 : Math.atan2(dot(eye, SIDE), dot(eye, FRONT));\n",
+    "  $('up').value = first_up;\n",
+    "  set_up_axis(first_up);\n",
+    "  const eye = home, along = [0, 1, 2].filter(k => CUT[k]);\n",
+    "  look_along(eye);\n",
+    "  $('projection').value = 0; parallel = false;\n",
+    "  $('show').value = triangle_count ? 1 : 0;\n",
+    "  $('outside').checked = false; $('slivers').checked = dim === 3 && count > 0 && !kept_only;\n",
     "  if (along.length) {\n",
     "    set_normal(unit(CUT.slice(0, 3)));\n",
     "    $('axis').value = along.length > 1 ? 4 : along[0];\n",
@@ -757,6 +1015,7 @@ static const char *const pbwview__part2[] = {
     "  if (dim === 2) set_relief(number('relief'));\n",
     "  $('explode').value = 0; $('size').value = 1; $('draw').value = count ? 3 : 4; $('cap').value = given.cap;\n",
     "  $('plain').checked = dim === 3 && count > 0 && given.plain === '1';\n",
+    "  set_body();\n",
     "  fit();\n",
     "  set_array(array);\n",
     "}\n",
@@ -783,12 +1042,13 @@ static const char *const pbwview__part2[] = {
     "      fill: rgb(c) }), svg('rect', { x: k * wide, width: wide + 0.3, y: 73, height: 5, fill: rgb(c) }));\n",
     "  }\n",
     "  if (!a.classes) [0, 0.5, 1].forEach((t, i) => chart.append(svg('text', { x: 268 * t, y: 90,\n",
-    "    'text-anchor': ['start', 'middle', 'end'][i] }, short(a.low + t * span, span))));\n",
+    "    'text-anchor': ['start', 'middle', 'end'][i] }, short(off_scale(a, t), a.log ? 0 : span))));\n",
     "  const facts = a.classes ? 'classes ' + short(a.low) + ' to ' + short(a.high)\n",
-    "    : 'least ' + short(a.least, span) + ', 1 % below ' + short(a.hundredth, span) + ', mean '\n",
+    "    : 'least ' + short(a.least, a.log ? 0 : span) + ', 1 % below ' + short(a.hundredth, span) + ', mean '\n",
     "      + short(a.mean, span) + ', largest ' + short(a.largest);\n",
     "  chart.setAttribute('aria-label', 'Histogram of ' + a.name + ': ' + facts);\n",
     "  $('summary').textContent = facts;\n",
+    "  $('about').textContent = a.about;\n",
     "  $('classes').replaceChildren();\n",
     "  for (let k = 0; a.classes && k < bins && span < 64; k++) {\n",
     "    const label = document.createElement('span'), mark = document.createElement('i');\n",
@@ -807,13 +1067,38 @@ static const char *const pbwview__part2[] = {
     "  change();\n",
     "}\n",
     "function limit(id) {                                    // the value that a slider stands for\n",
-    "  const x = array.low + number(id) * (array.high - array.low);\n",
+    "  const x = off_scale(array, number(id));\n",
     "  return array.integer ? Math.round(x) : x;\n",
     "}\n",
     "const ids = new Uint32Array(rows(Math.max(4 * count, points), 1));\n",
+    "const faces = new Uint32Array(triangle_count ? rows(triangle_count, 1) : W);\n",
+    "for (let i = 0; i < triangle_count; i++) faces[i] = 4 * i + 3;\n",
     "const cut_ids = new Uint32Array(dim === 3 ? rows(count, 1) : W), state = new Uint8Array(count);\n",
     "const side = new Float32Array(points);\n",
     "const MOST_EXPLODED = 500000;\n",
+    "const as_model = () => triangle_count > 0 && $('show').value === '1' && $('draw').value !== '4';\n",
+    "const as_points = () => !as_model() && (!count || $('draw').value === '4');\n",
+    "\n",
+    "// The simplices that may be shown: not those outside the model; else not slivers that the hull joins by slivers.\n",
+    "const body = new Uint8Array(count), SLIVER = 0.05;\n",
+    "let hidden = 0;\n",
+    "function set_body() {\n",
+    "  body.fill(1);\n",
+    "  if (inside && !$('outside').checked) {\n",
+    "    body.set(inside);\n",
+    "  } else if (dim === 3 && count && $('slivers').checked && !inside) {\n",
+    "    const value = arrays[0].value, stack = [];\n",
+    "    const take = t => { if (body[t] && value[t] < SLIVER) { body[t] = 0; stack.push(t); } };\n",
+    "    for (let f = 0; f < 4 * count; f++) if (other[f] < 0) take(f >> 2);\n",
+    "    while (stack.length) {\n",
+    "      const t = stack.pop();\n",
+    "      for (let f = 4 * t; f < 4 * t + 4; f++) if (other[f] >= 0) take(other[f] >> 2);\n",
+    "    }\n",
+    "  }\n",
+    "  if (!body.includes(1)) body.fill(1);\n",
+    "  hidden = 0;\n",
+    "  for (let t = 0; t < count; t++) hidden += !body[t];\n",
+    "}\n",
     "function select() {\n",
     "  const from = number('from') > 0 ? limit('from') : -Infinity;\n",
     "  const to = number('to') < 1 ? limit('to') : Infinity;\n",
@@ -825,7 +1110,7 @@ static const char *const pbwview__part2[] = {
     "    side[i] = cutting ? across(i) - offset : -1;\n",
     "  }\n",
     "  shown = facets = caps = 0;\n",
-    "  if (!count || number('draw') === 4) {\n",
+    "  if (as_points()) {\n",
     "    for (let i = 0; i < points; i++) {\n",
     "      if (side[i] <= 0 && (!array.of_points || fits(value[i]))) ids[facets++] = i;\n",
     "    }\n",
@@ -848,6 +1133,8 @@ static const char *const pbwview__part2[] = {
     "        s = a + b + d + (dim === 3 ? e : 0) <= 0 ? 1 : 0;\n",
     "      }\n",
     "    }\n",
+    "    s &= body[t];\n",
+    "    if (!s && cap && caps && cut_ids[caps - 1] === t) caps--;\n",
     "    state[t] = s;\n",
     "    shown += s;\n",
     "  }\n",
@@ -855,15 +1142,17 @@ static const char *const pbwview__part2[] = {
     "    for (let t = 0; t < count; t++) if (state[t]) ids[facets++] = 4 * t + 3;\n",
     "    return;\n",
     "  }\n",
-    "  const apart = number('explode') > 0 || number('draw') === 2;\n",
+    "  const model = as_model(), apart = !model && (number('explode') > 0 || number('draw') === 2);\n",
     "  if (apart && shown > MOST_EXPLODED) peel();\n",
     "  for (let f = 0; f < 4 * count; f++) {\n",
     "    if (state[f >> 2] === 1) {\n",
-    "      const g = other[f], bared = g >= 0 && (cap || !state[g >> 2]);\n",
+    "      const g = other[f], bared = g >= 0 && body[g >> 2] && (cap || !state[g >> 2]);\n",
+    "      if (model && !bared && (!cutting || cap || !crosses(f >> 2))) continue;\n",
     "      if (apart || g < 0 || !state[g >> 2]) ids[facets++] = bared || apart && g >= 0 ? 4 * count + f : f;\n",
     "    }\n",
     "  }\n",
     "}\n",
+    "const crosses = t => [0, 1, 2, 3].some(k => side[corner[4 * t + k]] > 0);\n",
     "// Exploded and many: only the outer layers are drawn, state 1; what lies deeper, state 2, they hide.\n",
     "function peel() {\n",
     "  let budget = MOST_EXPLODED, layer = 3, left = shown, grown = 1;\n",
@@ -882,18 +1171,95 @@ static const char *const pbwview__part2[] = {
     "  }\n",
     "  for (let t = 0; t < count; t++) if (state[t] > 2) state[t] = 1;\n",
     "}\n",
+    "// What stands beside and over the picture: numbers at the controls, axes, the scale bar, what is picked.\n",
+    "const place_sign = () => number('axis') < 3 && normal[number('axis')] < 0 ? -1 : 1;\n",
+    "const put = (id, text) => { if (document.activeElement !== $(id)) $(id).value = text; };\n",
+    "function show_numbers() {\n",
+    "  const dots = as_points(), model = as_model() && (number('cut') >= 1 || dim === 2);\n",
+    "  const all = dots ? points : count;\n",
+    "  $('shown').textContent = model ? whole(triangle_count) + ' faces of the model shown' : whole(shown) + ' of '\n",
+    "    + whole(all) + ' ' + (dots ? 'points' : simplex) + ' shown';\n",
+    "  document.querySelector('.dots').hidden = !dots;\n",
+    "  canvas.setAttribute('aria-label', document.title + '. ' + $('shown').textContent + ', coloured by ' + array.name);\n",
+    "  const place = place_sign() * (offset * half / (number('axis') === 2 ? relief : 1) + dot(normal, middle));\n",
+    "  put('cut-is', number('cut') < 1 ? short(place, half) : 'no cut');\n",
+    "  put('relief-is', relief > 1 ? 'times ' + relief : 'as they are');\n",
+    "  for (const id of ['from', 'to']) put(id + '-is', short(limit(id), array.log ? 0 : array.high - array.low));\n",
+    "  put('explode-is', Math.round(100 * number('explode')) + ' %');\n",
+    "  put('size-is', short(number('size')));\n",
+    "}\n",
+    "// Numbers that are typed beside a slider, as the place of the slider.\n",
+    "const from_typed = {\n",
+    "  from: x => at_scale(array, x), to: x => at_scale(array, x), explode: x => x / 100, size: x => x, relief: x => x,\n",
+    "  cut: x => ((place_sign() * x - dot(normal, middle)) / half * (number('axis') === 2 ? relief : 1) - low) / (high - low)\n",
+    "};\n",
+    "let picked = null;                                      // { layer, i } as pick() returns it\n",
+    "const coordinates = i => [0, 1, 2].slice(0, flat ? 2 : 3).map(k =>\n",
+    "  +((k === 2 && dim === 2 ? height[i] : point[4 * i + k]) * half + middle[k]).toPrecision(7));\n",
+    "const corners_of = at => at.layer === 3 ? [at.i] : at.layer === 2 ? [...triangle.subarray(4 * at.i, 4 * at.i + 3)]\n",
+    "  : [...corner.subarray(4 * at.i, 4 * at.i + n)];\n",
+    "function describe(at, x, y) {                           // x, y: the corner nearest to that place is told, too\n",
+    "  const c = corners_of(at), values = arrays.filter(a => a.of_points === (at.layer === 3) && at.layer !== 2)\n",
+    "    .map(a => a.name + ' ' + short(a.value[at.i])), point_text = i => 'point ' + point_id[i] + ' ('\n",
+    "      + coordinates(i).join(', ') + ')';\n",
+    "  if (at.layer === 3) return point_text(at.i) + '; ' + values.join('; ');\n",
+    "  const far = i => { const [a, b] = project(i); return Math.hypot(a - x, b - y); };\n",
+    "  const nearest = x === undefined ? null : c.reduce((a, b) => far(b) < far(a) ? b : a);\n",
+    "  return (at.layer === 2 ? 'face ' + at.i : (dim === 3 ? 'tetrahedron ' : 'triangle ') + simplex_id[at.i])\n",
+    "    + '; points ' + c.map(i => point_id[i]).join(', ') + (values.length ? '; ' + values.join('; ') : '')\n",
+    "    + (nearest === null ? '' : '; nearest: ' + point_text(nearest));\n",
+    "}\n",
+    "function set_picked(at, x, y) {\n",
+    "  picked = at;\n",
+    "  $('picked').textContent = at ? describe(at, x, y) : '';\n",
+    "  look();\n",
+    "}\n",
+    "// To a point or simplex by its id in the mesh: it comes to the middle and is marked.\n",
+    "function go_to(kind, id) {\n",
+    "  const i = (kind === 3 ? point_id : simplex_id).indexOf(id);\n",
+    "  if (i < 0) {\n",
+    "    $('picked').textContent = 'None of that id is here.';\n",
+    "    return;\n",
+    "  }\n",
+    "  const c = corners_of({ layer: kind, i }), size = [0, 1, 2].map(k =>\n",
+    "    Math.max(...c.map(p => point[4 * p + k])) - Math.min(...c.map(p => point[4 * p + k])));\n",
+    "  target = [0, 1, 2].map(k => c.reduce((sum, p) => sum + point[4 * p + k], 0) / c.length);\n",
+    "  distance = Math.min(distance, Math.max(0.02, 4 * Math.hypot(...size) / TAN, kind === 3 ? 0.3 / TAN : 0));\n",
+    "  moved = true;\n",
+    "  set_picked({ layer: kind, i });\n",
+    "}\n",
+    "function draw_marks({ eye, right, up }) {\n",
+    "  $('axes').replaceChildren();\n",
+    "  for (const k of [0, 1, 2].slice(0, flat ? 2 : 3).sort((a, b) => eye[a] - eye[b])) {\n",
+    "    const x = 25 * right[k], y = -25 * up[k], stroke = ['#d55e00', '#009e73', '#0072b2'][k];\n",
+    "    $('axes').append(svg('line', { x1: 0, y1: 0, x2: x, y2: y, stroke }),\n",
+    "      svg('text', { x: 1.28 * x, y: 1.28 * y }, 'xyz'[k]));\n",
+    "  }\n",
+    "  const pixel = 2 * distance * TAN * half / Math.max(1, canvas.clientHeight), most = 140 * pixel;\n",
+    "  const ten = 10 ** Math.floor(Math.log10(most)), length = [5, 2, 1].find(x => x * ten <= most) * ten;\n",
+    "  $('bar').style.width = length / pixel + 'px';\n",
+    "  $('bar').textContent = +length.toPrecision(1);\n",
+    "  $('bar').title = parallel || flat ? 'length' : 'length at the middle of the view';\n",
+    "  $('mark').replaceChildren();\n",
+    "  if (!picked) return;\n",
+    "  const at = corners_of(picked).map(project);\n",
+    "  at.forEach(([x, y], i) => {\n",
+    "    for (const [a, b] of at.slice(i + 1)) $('mark').append(svg('line', { x1: x, y1: y, x2: a, y2: b }));\n",
+    "    $('mark').append(svg('circle', { cx: x, cy: y, r: picked.layer === 3 ? 7 : 3.5 }));\n",
+    "  });\n",
+    "}\n",
     "let gl = canvas.getContext('webgl2', { antialias: false, alpha: false });\n",
     "let trouble = gl ? '' : 'no WebGL 2 here';\n",
     "// All that goes in is the number of a vertex: shaders fetch what they need from textures, 4096 texels a row.\n",
     "const HEAD = `#version 300 es\n",
     "precision highp float; precision highp int; precision highp sampler2D; precision highp usampler2D;\n",
     "uniform mat4 camera; uniform mat3 axes; uniform vec3 skin, ink; uniform vec4 plane;\n",
-    "uniform int n, of_points, classes, plain, draw, clip, lit; uniform uint bit; uniform float explode, size;\n",
+    "uniform int n, of_points, classes, plain, draw, clip, lit; uniform uint bit, layer; uniform float explode, size;\n",
     "uniform sampler2D points, values, colours; uniform usampler2D corners, ids;\n",
     "ivec2 texel(uint i) { return ivec2(i & 4095u, i >> 12); }\n",
     "`;\n",
     "const PLACE = HEAD + `\n",
-    "out vec3 edge, weight, at; flat out vec3 value, normal; flat out int bared;\n",
+    "out vec3 edge, weight, at; flat out vec3 value, normal; flat out int bared; flat out uint id;\n",
     "vec3 p[4]; float x[4], s[4];\n",
     "vec3 load(uint t) {\n",
     "  uvec4 c = texelFetch(corners, texel(t), 0);\n",
@@ -921,7 +1287,8 @@ static const char *const pbwview__part2[] = {
     "  f = f >= bit ? f - bit : f;\n",
     "  uint i = f & 3u;\n",
     "  ivec3 o = i == 0u ? ivec3(1, 2, 3) : i == 1u ? ivec3(0, 3, 2) : i == 2u ? ivec3(0, 1, 3) : ivec3(0, 2, 1);\n",
-    "  vec3 centre = load(f >> 2);\n",
+    "  id = f >> 2;\n",
+    "  vec3 centre = load(id);\n",
     "  emit(gl_VertexID % 3, p[o.x], p[o.y], p[o.z], centre);\n",
     "  value = vec3(x[o.x], x[o.y], x[o.z]);\n",
     "}`;\n",
@@ -935,7 +1302,8 @@ static const char *const pbwview__part2[] = {
     "}\n",
     "void main() {\n",
     "  int j = gl_VertexID % 6, o[4], m = 0, below;\n",
-    "  vec3 centre = load(texelFetch(ids, texel(uint(gl_VertexID / 6)), 0).x);\n",
+    "  id = texelFetch(ids, texel(uint(gl_VertexID / 6)), 0).x;\n",
+    "  vec3 centre = load(id);\n",
     "  for (int i = 0; i < 4; i++) if (s[i] <= 0.0) o[m++] = i;\n",
     "  below = m;\n",
     "  for (int i = 0; i < 4; i++) if (s[i] > 0.0) o[m++] = i;\n",
@@ -980,12 +1348,21 @@ static const char *const pbwview__part2[] = {
     "  if (draw == 2 && near > 1.0) discard;\n",
     "  result = vec4(mix(c, ink, draw == 3 ? line * (bare ? 0.24 : 0.5) : 0.0), 1);\n",
     "}`;\n",
+    "// What is under a pixel: the layer (1 simplices, 2 the model, 3 points) and the number in it.\n",
+    "const PICK = HEAD + `\n",
+    "in vec3 at; flat in uint id; out uvec2 result;\n",
+    "void main() {\n",
+    "  if (clip == 1 && dot(plane.xyz, at) > plane.w) discard;\n",
+    "  result = uvec2(layer, id);\n",
+    "}`;\n",
     "const DOT = HEAD + `\n",
-    "flat out float value;\n",
+    "flat out float value; flat out uint id; out vec3 at;\n",
     "void main() {\n",
     "  uint i = texelFetch(ids, texel(uint(gl_VertexID)), 0).x;\n",
+    "  id = i;\n",
+    "  at = texelFetch(points, texel(i), 0).xyz;\n",
     "  value = of_points == 1 ? texelFetch(values, texel(i), 0).x : -1.0;\n",
-    "  gl_Position = camera * vec4(texelFetch(points, texel(i), 0).xyz, 1);\n",
+    "  gl_Position = camera * vec4(at, 1);\n",
     "  gl_PointSize = clamp(size / gl_Position.w, 1.5, 64.0);\n",
     "}`;\n",
     "const BALL = HEAD + COLOUR + `\n",
@@ -1003,10 +1380,11 @@ static const char *const pbwview__part2[] = {
     "// Bukowski and Hennessy 2011, 'The Alchemy screen-space ambient obscurance algorithm').\n",
     "const SHADE = `#version 300 es\n",
     "precision highp float; precision highp sampler2D;\n",
-    "uniform sampler2D picture, depth; uniform vec4 lens; uniform float reach; out vec4 result;\n",
+    "uniform sampler2D picture, depth; uniform vec4 lens; uniform float reach; uniform int parallel; out vec4 result;\n",
     "vec3 spot(ivec2 p) {\n",
-    "  float z = lens.x / (lens.y - texelFetch(depth, p, 0).x);\n",
-    "  return vec3((2.0 * (vec2(p) + 0.5) / vec2(textureSize(depth, 0)) - 1.0) * lens.zw * z, -z);\n",
+    "  float d = texelFetch(depth, p, 0).x, z = parallel == 1 ? mix(lens.x, lens.y, d) : lens.x / (lens.y - d);\n",
+    "  vec2 q = (2.0 * (vec2(p) + 0.5) / vec2(textureSize(depth, 0)) - 1.0) * lens.zw;\n",
+    "  return vec3(parallel == 1 ? q : q * z, -z);\n",
     "}\n",
     "void main() {\n",
     "  ivec2 p = ivec2(gl_FragCoord.xy), most = textureSize(depth, 0) - 1;\n",
@@ -1015,7 +1393,7 @@ static const char *const pbwview__part2[] = {
     "  ivec2 h = ivec2(1, 0), v = ivec2(0, 1);\n",
     "  vec3 a = spot(p), l = a - spot(p - h), r = spot(p + h) - a, d = a - spot(p - v), u = spot(p + v) - a;\n",
     "  vec3 normal = normalize(cross(abs(l.z) < abs(r.z) ? l : r, abs(d.z) < abs(u.z) ? d : u));\n",
-    "  float pixels = clamp(reach * float(most.y) / (2.0 * lens.w * -a.z), 4.0, 200.0), sum = 0.0;\n",
+    "  float pixels = clamp(reach * float(most.y) / (2.0 * lens.w * (parallel == 1 ? 1.0 : -a.z)), 4.0, 200.0), sum = 0.0;\n",
     "  for (int i = 0; i < 32; i++) {\n",
     "    float t = (float(i) + 0.5) / 32.0, angle = float(i) * 2.399963;\n",
     "    vec3 to = spot(clamp(p + ivec2(round(pixels * t * vec2(cos(angle), sin(angle)))), ivec2(0), most)) - a;\n",
@@ -1057,14 +1435,17 @@ static const char *const pbwview__part2[] = {
     "}\n",
     "const table = (unit, internal, format, type, data, each) =>\n",
     "  texture(unit, internal, format, type, W, data.length / each / W, data);\n",
-    "let programs, buffers, value_data, cut_texture, id_texture;\n",
+    "let programs, buffers, value_data, cut_texture, id_texture, face_texture, corner_texture, triangle_texture, pick_frame;\n",
     "function set_up() {\n",
     "  const most = gl.getParameter(gl.MAX_TEXTURE_SIZE);\n",
     "  if (most < W || ids.length / W > most) throw new Error('too large for this graphics card');\n",
     "  programs = { facet: program(FACET, SURFACE), cap: program(CAP, SURFACE), dot: program(DOT, BALL),\n",
-    "    shade: program(SCREEN, SHADE) };\n",
+    "    shade: program(SCREEN, SHADE), pick_facet: program(FACET, PICK), pick_cap: program(CAP, PICK),\n",
+    "    pick_dot: program(DOT, PICK) };\n",
     "  table(0, gl.RGBA32F, gl.RGBA, gl.FLOAT, point, 4);\n",
-    "  table(3, gl.RGBA32UI, gl.RGBA_INTEGER, gl.UNSIGNED_INT, corner || new Uint32Array(4 * W), 4);\n",
+    "  triangle_texture = table(3, gl.RGBA32UI, gl.RGBA_INTEGER, gl.UNSIGNED_INT, triangle, 4);\n",
+    "  corner_texture = table(3, gl.RGBA32UI, gl.RGBA_INTEGER, gl.UNSIGNED_INT, corner || new Uint32Array(4 * W), 4);\n",
+    "  face_texture = table(4, gl.R32UI, gl.RED_INTEGER, gl.UNSIGNED_INT, faces, 1);\n",
     "  cut_texture = table(4, gl.R32UI, gl.RED_INTEGER, gl.UNSIGNED_INT, cut_ids, 1);\n",
     "  id_texture = table(4, gl.R32UI, gl.RED_INTEGER, gl.UNSIGNED_INT, ids, 1);\n",
     "  const pixels = new Uint8Array([...scale, ...classes].flatMap(c => [...c, 255]));\n",
@@ -1125,7 +1506,7 @@ static const char *const pbwview__part2[] = {
     "  for (const name in p.at) {\n",
     "    const unit = UNITS.indexOf(name), x = values[name], at = p.at[name];\n",
     "    if (unit >= 0) gl.uniform1i(at, unit);\n",
-    "    else if (name === 'bit') gl.uniform1ui(at, x);\n",
+    "    else if (name === 'bit' || name === 'layer') gl.uniform1ui(at, x);\n",
     "    else if (['explode', 'size', 'reach'].includes(name)) gl.uniform1f(at, x);\n",
     "    else if (typeof x === 'number') gl.uniform1i(at, x);\n",
     "    else if (x.length === 16) gl.uniformMatrix4fv(at, false, x);\n",
@@ -1135,88 +1516,114 @@ static const char *const pbwview__part2[] = {
     "  }\n",
     "}\n",
     "const hex = text => [1, 3, 5].map(i => parseInt(text.slice(i, i + 2), 16) / 255);\n",
+    "const bind = (unit, what) => { gl.activeTexture(gl.TEXTURE0 + unit); gl.bindTexture(gl.TEXTURE_2D, what); };\n",
+    "function uniforms(view) {\n",
+    "  return { camera: new Float32Array(view.matrix), axes: new Float32Array([...view.right, ...view.up, ...view.eye]),\n",
+    "    skin: hex(css('--skin')), ink: [0.04, 0.07, 0.11], plane: [...normal, offset], n, of_points: +array.of_points,\n",
+    "    classes: +array.classes, plain: +$('plain').checked, draw: number('draw'), clip: 0, lit: +!flat,\n",
+    "    bit: count ? 4 * count : 1, layer: 1, explode: number('explode'),\n",
+    "    size: number('size') * canvas.height / TAN * Math.min(0.02, (flat ? 0.7 : 1.3) / Math.sqrt(points))\n",
+    "      / (parallel ? distance : 1) };\n",
+    "}\n",
+    "// Draws what select() chose, by the programs for pictures or for picking.\n",
+    "function draw_scene(values, facet, cap, dot) {\n",
+    "  bind(4, id_texture);\n",
+    "  if (as_points()) {\n",
+    "    use(dot, { ...values, layer: 3 });\n",
+    "    gl.drawArrays(gl.POINTS, 0, facets);\n",
+    "    return;\n",
+    "  }\n",
+    "  if (as_model()) {                                     // point values colour it; those of simplices do not\n",
+    "    const cutting = !flat && number('cut') < 1, skin = values.plain || !array.of_points;\n",
+    "    bind(3, triangle_texture); bind(4, face_texture);\n",
+    "    use(facet, { ...values, n: 3, layer: 2, plain: +skin, clip: +cutting, bit: 4 * triangle_count + 4 });\n",
+    "    gl.drawArrays(gl.TRIANGLES, 0, 3 * triangle_count);\n",
+    "    bind(3, corner_texture); bind(4, id_texture);\n",
+    "    if (!cutting || dim === 2) return;\n",
+    "  }\n",
+    "  use(facet, { ...values, clip: caps ? 1 : 0 });\n",
+    "  gl.drawArrays(gl.TRIANGLES, 0, 3 * facets);\n",
+    "  if (caps) {\n",
+    "    bind(4, cut_texture);\n",
+    "    use(cap, values);\n",
+    "    gl.drawArrays(gl.TRIANGLES, 0, 6 * caps);\n",
+    "  }\n",
+    "}\n",
+    "// What is at that place of the canvas: a window of 65 pixels around it, as points reach into it from beside.\n",
+    "const WINDOW = 65;\n",
+    "function pick(x, y) {\n",
+    "  if (!gl || !buffers) return null;\n",
+    "  if (!pick_frame) {\n",
+    "    const frame = gl.createFramebuffer(), depth = gl.createRenderbuffer();\n",
+    "    const what = texture(5, gl.RG32UI, gl.RG_INTEGER, gl.UNSIGNED_INT, WINDOW, WINDOW, null);\n",
+    "    bind(5, buffers.textures[0]);\n",
+    "    gl.bindFramebuffer(gl.FRAMEBUFFER, frame);\n",
+    "    gl.framebufferTexture2D(gl.FRAMEBUFFER, gl.COLOR_ATTACHMENT0, gl.TEXTURE_2D, what, 0);\n",
+    "    gl.bindRenderbuffer(gl.RENDERBUFFER, depth);\n",
+    "    gl.renderbufferStorage(gl.RENDERBUFFER, gl.DEPTH_COMPONENT24, WINDOW, WINDOW);\n",
+    "    gl.framebufferRenderbuffer(gl.FRAMEBUFFER, gl.DEPTH_ATTACHMENT, gl.RENDERBUFFER, depth);\n",
+    "    pick_frame = frame;\n",
+    "  }\n",
+    "  const view = camera(), m = view.matrix, a = 2 * x / canvas.clientWidth - 1, b = 1 - 2 * y / canvas.clientHeight;\n",
+    "  for (let k = 0; k < 4; k++) {\n",
+    "    m[4 * k] = (m[4 * k] - a * m[4 * k + 3]) * canvas.width / WINDOW;\n",
+    "    m[4 * k + 1] = (m[4 * k + 1] - b * m[4 * k + 3]) * canvas.height / WINDOW;\n",
+    "  }\n",
+    "  gl.bindFramebuffer(gl.FRAMEBUFFER, pick_frame);\n",
+    "  gl.viewport(0, 0, WINDOW, WINDOW);\n",
+    "  gl.enable(gl.DEPTH_TEST);\n",
+    "  gl.clearBufferuiv(gl.COLOR, 0, new Uint32Array(4));\n",
+    "  gl.clearBufferfv(gl.DEPTH, 0, new Float32Array([1]));\n",
+    "  draw_scene(uniforms(view), programs.pick_facet, programs.pick_cap, programs.pick_dot);\n",
+    "  const out = new Uint32Array(4);\n",
+    "  gl.readPixels(WINDOW >> 1, WINDOW >> 1, 1, 1, gl.RGBA_INTEGER, gl.UNSIGNED_INT, out);\n",
+    "  gl.bindFramebuffer(gl.FRAMEBUFFER, null);\n",
+    "  return out[0] ? { layer: out[0], i: out[1] } : null;\n",
+    "}\n",
     "let selected = false, asked = false;\n",
     "function paint() {\n",
     "  asked = false;\n",
     "  if (!selected) {\n",
-    "    const dots = !count || number('draw') === 4;\n",
     "    select();\n",
     "    selected = true;\n",
     "    if (gl) {\n",
     "      upload_ids(id_texture, ids, facets);\n",
     "      if (caps) upload_ids(cut_texture, cut_ids, caps);\n",
     "    }\n",
-    "    $('shown').textContent = whole(shown) + ' of ' + whole(dots ? points : count) + ' '\n",
-    "      + (dots ? 'points' : simplex) + ' shown';\n",
-    "    document.querySelector('.dots').hidden = !dots;\n",
-    "    canvas.setAttribute('aria-label', document.title + '. ' + $('shown').textContent + ', coloured by '\n",
-    "      + array.name);\n",
     "  }\n",
-    "  const sign = number('axis') < 3 && normal[number('axis')] < 0 ? -1 : 1;\n",
-    "  const place = sign * (offset * half / (number('axis') === 2 ? relief : 1) + dot(normal, middle));\n",
-    "  $('cut-is').textContent = number('cut') < 1 ? short(place, half) : 'no cut';\n",
-    "  $('relief-is').textContent = relief > 1 ? 'times ' + relief : 'as they are';\n",
-    "  for (const id of ['from', 'to']) $(id + '-is').textContent = short(limit(id), array.high - array.low);\n",
-    "  $('explode-is').textContent = Math.round(100 * number('explode')) + ' %';\n",
-    "  $('size-is').textContent = short(number('size'));\n",
+    "  show_numbers();\n",
     "  if (!gl) return;\n",
     "  resize();\n",
-    "  const [eye, right, up] = frame(), reach = Math.hypot(...target) + 1.8 * relief;\n",
-    "  const near = Math.max(distance - reach, distance * 0.01), far = distance + reach, e = dot(eye, target);\n",
-    "  const c = (far + near) / (near - far), d = 2 * far * near / (near - far);\n",
-    "  const sx = 1 / (TAN * aspect()), sy = 1 / TAN;\n",
-    "  const column = k => [sx * right[k], sy * up[k], c * eye[k], -eye[k]];\n",
-    "  const move = [-sx * dot(right, target), -sy * dot(up, target), c * (-e - distance) + d, e + distance];\n",
-    "  const values = { camera: new Float32Array([...column(0), ...column(1), ...column(2), ...move]),\n",
-    "    axes: new Float32Array([...right, ...up, ...eye]), skin: hex(css('--skin')), ink: [0.04, 0.07, 0.11],\n",
-    "    plane: [...normal, offset], n, of_points: +array.of_points, classes: +array.classes,\n",
-    "    plain: +$('plain').checked, draw: number('draw'), clip: 0, lit: +!flat, bit: count ? 4 * count : 1,\n",
-    "    explode: number('explode'),\n",
-    "    size: number('size') * canvas.height * sy * Math.min(0.02, (flat ? 0.7 : 1.3) / Math.sqrt(points)) };\n",
+    "  const view = camera(), { near, far } = view, wide = parallel ? distance : 1;\n",
     "  gl.bindFramebuffer(gl.FRAMEBUFFER, buffers.frames[0]);\n",
     "  gl.viewport(0, 0, canvas.width, canvas.height);\n",
     "  gl.clearColor(...hex(css('--paper')), 1);\n",
     "  gl.enable(gl.DEPTH_TEST);\n",
     "  gl.clear(gl.COLOR_BUFFER_BIT | gl.DEPTH_BUFFER_BIT);\n",
-    "  gl.activeTexture(gl.TEXTURE4);\n",
-    "  gl.bindTexture(gl.TEXTURE_2D, id_texture);\n",
-    "  if (!count || number('draw') === 4) {\n",
-    "    use(programs.dot, values);\n",
-    "    gl.drawArrays(gl.POINTS, 0, facets);\n",
-    "  } else {\n",
-    "    use(programs.facet, { ...values, clip: caps ? 1 : 0 });\n",
-    "    gl.drawArrays(gl.TRIANGLES, 0, 3 * facets);\n",
-    "    if (caps) {\n",
-    "      gl.bindTexture(gl.TEXTURE_2D, cut_texture);\n",
-    "      use(programs.cap, values);\n",
-    "      gl.drawArrays(gl.TRIANGLES, 0, 6 * caps);\n",
-    "    }\n",
-    "  }\n",
+    "  draw_scene(uniforms(view), programs.facet, programs.cap, programs.dot);\n",
     "  gl.bindFramebuffer(gl.READ_FRAMEBUFFER, buffers.frames[0]);\n",
     "  gl.bindFramebuffer(gl.DRAW_FRAMEBUFFER, buffers.frames[1]);\n",
     "  gl.blitFramebuffer(0, 0, canvas.width, canvas.height, 0, 0, canvas.width, canvas.height,\n",
     "    gl.COLOR_BUFFER_BIT | gl.DEPTH_BUFFER_BIT, gl.NEAREST);\n",
     "  gl.bindFramebuffer(gl.FRAMEBUFFER, null);\n",
     "  gl.disable(gl.DEPTH_TEST);\n",
-    "  use(programs.shade, { reach: flat || number('draw') === 2 ? 0 : 0.25, lens: [far * near / (far - near),\n",
-    "    far / (far - near), TAN * aspect(), TAN] });\n",
+    "  use(programs.shade, { parallel: +parallel, reach: flat || number('draw') === 2 ? 0 : 0.25,\n",
+    "    lens: [...(parallel ? [near, far] : [far * near / (far - near), far / (far - near)]), wide * TAN * aspect(),\n",
+    "      wide * TAN] });\n",
     "  gl.drawArrays(gl.TRIANGLES, 0, 3);\n",
-    "  $('axes').replaceChildren();\n",
-    "  for (const k of [0, 1, 2].slice(0, flat ? 2 : 3).sort((a, b) => eye[a] - eye[b])) {\n",
-    "    const x = 25 * right[k], y = -25 * up[k], stroke = ['#d55e00', '#009e73', '#0072b2'][k];\n",
-    "    $('axes').append(svg('line', { x1: 0, y1: 0, x2: x, y2: y, stroke }),\n",
-    "      svg('text', { x: 1.28 * x, y: 1.28 * y }, 'xyz'[k]));\n",
-    "  }\n",
+    "  draw_marks(view);\n",
     "}\n",
     "const look = () => { if (!asked) { asked = true; requestAnimationFrame(paint); } };\n",
     "const change = () => { selected = false; look(); };\n",
     "const move = (dx, dy) => {                              // in pixels of the page\n",
     "  const [, right, up] = frame(), step = 2 * distance * TAN / Math.max(1, canvas.clientHeight);\n",
+    "  moved = true;\n",
     "  target = target.map((x, k) => x - step * (dx * right[k] - dy * up[k]));\n",
     "  look();\n",
     "};\n",
     "const rotate = (dx, dy) => {\n",
     "  if (flat) { move(dx, dy); return; }\n",
+    "  moved = true;\n",
     "  turn -= 0.008 * dx;\n",
     "  lift = Math.max(-Math.PI / 2, Math.min(Math.PI / 2, lift + 0.008 * dy));\n",
     "  look();\n",
@@ -1230,11 +1637,12 @@ static const char *const pbwview__part2[] = {
     "const fingers = new Map();\n",
     "canvas.addEventListener('pointerdown', e => {\n",
     "  canvas.setPointerCapture(e.pointerId);\n",
-    "  fingers.set(e.pointerId, { x: e.clientX, y: e.clientY, pans: e.button === 2 || e.shiftKey });\n",
+    "  $('tip').hidden = true;\n",
+    "  fingers.set(e.pointerId, { x: e.clientX, y: e.clientY, from: [e.offsetX, e.offsetY], far: 0, pans: e.button === 2 || e.shiftKey });\n",
     "});\n",
     "canvas.addEventListener('pointermove', e => {\n",
     "  const f = fingers.get(e.pointerId);\n",
-    "  if (!f) return;\n",
+    "  if (!f) { hover(e.offsetX, e.offsetY); return; }\n",
     "  const dx = e.clientX - f.x, dy = e.clientY - f.y, second = [...fingers].find(([id]) => id !== e.pointerId);\n",
     "  if (second) {\n",
     "    const g = second[1], before = Math.hypot(f.x - g.x, f.y - g.y);\n",
@@ -1246,9 +1654,29 @@ static const char *const pbwview__part2[] = {
     "  } else {\n",
     "    rotate(dx, dy);\n",
     "  }\n",
-    "  f.x = e.clientX; f.y = e.clientY;\n",
+    "  f.x = e.clientX; f.y = e.clientY; f.far += Math.abs(dx) + Math.abs(dy);\n",
     "});\n",
-    "const release = e => fingers.delete(e.pointerId);\n",
+    "// A press that does not move picks; a mouse that passes over little enough is told what is there.\n",
+    "const MOST_HOVERED = 400000;\n",
+    "let hovered = null;\n",
+    "function hover(x, y) {\n",
+    "  if (facets + triangle_count > MOST_HOVERED) return;\n",
+    "  if (!hovered) requestAnimationFrame(() => {\n",
+    "    const at = pick(...hovered);\n",
+    "    $('tip').hidden = !at;\n",
+    "    if (at) $('tip').textContent = describe(at, ...hovered);\n",
+    "    $('tip').style.transform = 'translate(' + Math.min(hovered[0] + 14, canvas.clientWidth - 250) + 'px,'\n",
+    "      + Math.min(hovered[1] + 14, canvas.clientHeight - 90) + 'px)';\n",
+    "    hovered = null;\n",
+    "  });\n",
+    "  hovered = [x, y];\n",
+    "}\n",
+    "canvas.addEventListener('pointerleave', () => { $('tip').hidden = true; });\n",
+    "const release = e => {\n",
+    "  const f = fingers.get(e.pointerId);\n",
+    "  fingers.delete(e.pointerId);\n",
+    "  if (f && f.far < 4 && e.type === 'pointerup' && !fingers.size) set_picked(pick(...f.from), ...f.from);\n",
+    "};\n",
     "canvas.addEventListener('pointerup', release);\n",
     "canvas.addEventListener('pointercancel', release);\n",
     "canvas.addEventListener('contextmenu', e => e.preventDefault());\n",
@@ -1277,10 +1705,92 @@ static const char *const pbwview__part2[] = {
     "  e.preventDefault();\n",
     "});\n",
     "const on = (id, what, then) => $(id).addEventListener(what, then);\n",
-    "for (const id of ['from', 'to', 'cut', 'explode', 'draw', 'cap', 'plain']) on(id, 'input', change);\n",
+    "for (const id of ['from', 'to', 'cut', 'explode', 'draw', 'cap', 'plain', 'show']) on(id, 'input', change);\n",
+    "for (const id in from_typed) {\n",
+    "  on(id + '-is', 'change', () => {\n",
+    "    const x = parseFloat($(id + '-is').value);\n",
+    "    if (x === x) {\n",
+    "      $(id).value = from_typed[id](x);\n",
+    "      $(id).dispatchEvent(new Event('input'));\n",
+    "    }\n",
+    "    $(id + '-is').blur();\n",
+    "    look();\n",
+    "  });\n",
+    "}\n",
+    "for (const id of ['outside', 'slivers']) on(id, 'input', () => { set_body(); change(); });\n",
+    "on('projection', 'input', () => { parallel = number('projection') === 1; look(); });\n",
+    "function turn_to(eye) {\n",
+    "  look_along(eye);\n",
+    "  if (!moved) fit();\n",
+    "  look();\n",
+    "}\n",
+    "on('up', 'input', () => {\n",
+    "  set_up_axis(number('up'));\n",
+    "  turn_to(home);\n",
+    "});\n",
+    "document.querySelectorAll('#views button').forEach((b, i) => b.addEventListener('click', () =>\n",
+    "  turn_to([0, 1, 2].map(k => k === i >> 1 ? 1 - 2 * (i & 1) : 0))));\n",
+    "on('go', 'change', () => {\n",
+    "  const id = parseInt($('go').value, 10);\n",
+    "  if (id >= 0) go_to(number('go-kind'), id);\n",
+    "});\n",
+    "on('save', 'click', () => {\n",
+    "  paint();\n",
+    "  canvas.toBlob(blob => {\n",
+    "    const link = document.createElement('a');\n",
+    "    link.href = URL.createObjectURL(blob);\n",
+    "    link.download = document.title.replace(/[^A-Za-z0-9._-]+/g, '-') + '.png';\n",
+    "    link.click();\n",
+    "    URL.revokeObjectURL(link.href);\n",
+    "  });\n",
+    "});\n",
+    "\n",
+    "// ---- the link: the address names the view, and brings it back ----\n",
+    "\n",
+    "const KEPT = ['up', 'projection', 'show', 'draw', 'axis', 'cap', 'cut', 'relief', 'explode', 'size', 'from', 'to'];\n",
+    "const BOXES = ['outside', 'slivers', 'plain'];\n",
+    "function link_text() {\n",
+    "  const numbers = [turn, lift, distance, ...target, ...normal].map(x => +x.toPrecision(6)).join();\n",
+    "  return 'view=' + numbers + '&colour=' + encodeURIComponent(array.name) + KEPT.map(id => '&' + id + '='\n",
+    "    + +number(id).toPrecision(6)).join('') + BOXES.map(id => '&' + id + '=' + +$(id).checked).join('');\n",
+    "}\n",
+    "function follow_link() {\n",
+    "  const given = new URLSearchParams(location.hash.slice(1)), view = (given.get('view') || '').split(',').map(Number);\n",
+    "  if (view.length !== 9 || !view.every(x => Math.abs(x) < 1e9) || !(view[2] > 0)) return;\n",
+    "  const a = arrays.find(x => x.name === given.get('colour'));\n",
+    "  if (a) set_array(a);\n",
+    "  for (const id of KEPT) if (given.has(id)) $(id).value = given.get(id);\n",
+    "  for (const id of BOXES) $(id).checked = given.get(id) === '1';\n",
+    "  for (const id of ['show', 'draw', 'axis', 'up']) if ($(id).selectedIndex < 0) $(id).selectedIndex = 0;\n",
+    "  set_up_axis(number('up') === 3 && !has_up ? 2 : number('up'));\n",
+    "  parallel = number('projection') === 1;\n",
+    "  if (dim === 2) set_relief(number('relief'));\n",
+    "  set_normal(unit(view.slice(6)));\n",
+    "  set_body();\n",
+    "  [turn, lift, distance] = view;\n",
+    "  target = view.slice(3, 6);\n",
+    "  moved = true;\n",
+    "  change();\n",
+    "}\n",
+    "let waiting = 0;                                        // browsers count changes of the address: one after each rest\n",
+    "function keep_link() {\n",
+    "  clearTimeout(waiting);\n",
+    "  waiting = setTimeout(() => { if (moved || location.hash) history.replaceState(null, '', '#' + link_text()); }, 300);\n",
+    "}\n",
+    "for (const what of ['pointerup', 'wheel', 'keyup', 'input', 'change', 'click']) {\n",
+    "  document.addEventListener(what, e => { if (e.target.id !== 'reset' && what !== 'pointerup') moved = moved\n",
+    "    || e.target.id === 'canvas'; keep_link(); });\n",
+    "}\n",
+    "window.addEventListener('hashchange', follow_link);\n",
+    "\n",
     "on('size', 'input', look);\n",
     "on('relief', 'input', () => { set_relief(number('relief')); change(); });\n",
-    "on('colour', 'input', () => set_array(arrays[number('colour')]));\n",
+    "on('colour', 'input', () => {                           // the colours must be seen\n",
+    "  const a = arrays[number('colour')];\n",
+    "  if (as_model() && !a.of_points && number('cut') >= 1) $('show').value = 0;\n",
+    "  if (number('cut') >= 1) $('plain').checked = false;\n",
+    "  set_array(a);\n",
+    "});\n",
     "on('axis', 'input', () => {\n",
     "  face(frame()[0]);\n",
     "  if (number('cut') >= 1) $('cut').value = 0.5;\n",
@@ -1293,14 +1803,20 @@ static const char *const pbwview__part2[] = {
     "});\n",
     "on('reset', 'click', reset);\n",
     "matchMedia('(prefers-color-scheme: dark)').addEventListener('change', look);\n",
-    "new ResizeObserver(look).observe(canvas);\n",
+    "new ResizeObserver(() => { if (!moved) fit(); look(); }).observe(canvas);\n",
     "\n",
     "arrays.forEach((a, i) => $('colour').append(new Option(a.name, i)));\n",
     "if (!count) document.querySelectorAll('.mesh').forEach(x => { x.hidden = true; });\n",
     "if (!count || dim === 2) document.querySelectorAll('.solid').forEach(x => { x.hidden = true; });\n",
     "document.querySelector('.relief').hidden = flat || dim === 3;\n",
     "if (flat) document.querySelectorAll('.cut').forEach(x => { x.hidden = true; });\n",
-    "if (!count) $('draw').parentNode.hidden = true;\n",
+    "if (!count && !triangle_count) $('draw').parentNode.hidden = true;\n",
+    "$('show').parentNode.hidden = !triangle_count || !count;\n",
+    "$('outside').parentNode.hidden = !inside;\n",
+    "$('slivers').parentNode.hidden = dim === 2 || !count || kept_only || inside !== null;\n",
+    "if (flat) document.querySelectorAll('.space').forEach(x => { x.hidden = true; });\n",
+    "$('up').options[3].hidden = !has_up;\n",
+    "if (!count) $('go-kind').value = 3;\n",
     "try {\n",
     "  if (gl) set_up();\n",
     "} catch (e) {\n",
@@ -1309,6 +1825,7 @@ static const char *const pbwview__part2[] = {
     "}\n",
     "reset();\n",
     "paint();\n",
+    "follow_link();\n",
     "say(gl ? '' : 'No picture: ' + trouble + '.  The numbers beside this are right.');\n",
     "})();\n",
     "</script>\n",

@@ -94,7 +94,7 @@ static const struct { const char *text; unsigned commands; } shared_help[] = {
       "                        threads), thread (in whose share a point was) and round (that inserted it),\n"
       "                        order (of the points in the input), weight, z\n"
       "  --eye X,Y,Z           pictures and pages: direction to the viewer\n"
-      "  --up X,Y,Z            pictures and pages: upwards; default 0,0,1\n"
+      "  --up X,Y,Z            upwards; pictures: default 0,0,1; pages: guessed\n"
       "  --cut A,B,C,D         pictures and pages: cut away Ax+By+Cz > D, D from -1 to 1; D = 1 cuts nothing\n"
       "  --cut-through         pages: cut simplices through instead of leaving them out\n"
       "  --colour-outside      pages: colours on the outside too, not only where it is cut\n", SHOWN },
@@ -154,6 +154,7 @@ typedef struct job {
     pbwio_cloud cloud, normals, surface_cloud;       /* what is read and made */
     pbwsample_set samples;
     pbw_mesh mesh;
+    unsigned char *inside;                           /* pages: one a tetrahedron, whether its centre is in the model */
 } job;
 
 static int complain(const char *what, const char *detail)
@@ -449,7 +450,7 @@ static int build(job *j)
         }
     }
     status = pbw_triangulate(j->cloud.dim, j->cloud.points, j->cloud.weights, j->cloud.count, &j->build, &j->mesh);
-    if (status != PBW_OK) {
+    if (status != PBW_OK && !(status == PBW_DEGENERATE && j->command == VIEW)) {
         return fail(j, status == PBW_CANCELLED ? "cancelled" : pbw_status_string(status));
     }
     say(j, "order", j->mesh.statistics.order_seconds, "");
@@ -557,10 +558,9 @@ static pbwio_status write_page(const job *j, const char *path, pbwio_error *erro
     size_t parts = j->build.threads > 0 ? (size_t)j->build.threads : 8, count = mesh->simplex_count, i;
     size_t traced = j->build.trace != NULL ? mesh->point_count : 0;
     uint32_t *part = (uint32_t *)malloc((count + 1) * sizeof *part);
-    uint32_t *order = (uint32_t *)malloc((mesh->point_count + 1) * sizeof *order);
     uint32_t *thread = (uint32_t *)malloc((traced + 1) * sizeof *thread);
     uint32_t *round = (uint32_t *)malloc((traced + 1) * sizeof *round);
-    pbwview_array arrays[5];
+    pbwview_array arrays[4];
     pbwview_options view;
     pbwio_status status = PBWIO_ERROR_MEMORY;
     char note[128] = "";
@@ -574,6 +574,9 @@ static pbwio_status write_page(const job *j, const char *path, pbwio_error *erro
                : slash != NULL ? slash + 1 : j->input;
     view.note = note;
     view.keep = j->picture.keep;
+    view.inside = j->inside;
+    view.triangles = j->surface == NULL ? j->cloud.triangles : NULL;
+    view.triangle_count = view.triangles != NULL ? j->cloud.triangle_count : 0;
     view.colour = j->colour;
     view.cut_through = j->on[CUT_THROUGH];
     view.colour_outside = j->on[COLOUR_OUTSIDE];
@@ -581,7 +584,6 @@ static pbwio_status write_page(const job *j, const char *path, pbwio_error *erro
     memcpy(view.up, j->picture.up, sizeof view.up);
     memcpy(view.cut, j->picture.cut, sizeof view.cut);
     view.arrays = arrays;
-    add_array(&view, "order", order, NULL, 1, 0);
     add_array(&view, "part", part, NULL, 0, 1);
     if (traced > 0) {
         add_array(&view, "thread", thread, NULL, 1, 1);
@@ -590,12 +592,9 @@ static pbwio_status write_page(const job *j, const char *path, pbwio_error *erro
     if (mesh->weights != NULL) {
         add_array(&view, "weight", NULL, mesh->weights, 1, 0);
     }
-    if (part != NULL && order != NULL && thread != NULL && round != NULL) {
+    if (part != NULL && thread != NULL && round != NULL) {
         for (i = 0; i < count; i++) {                /* simplices follow the curve */
             part[i] = (uint32_t)(i * parts / count);
-        }
-        for (i = 0; i < mesh->point_count; i++) {
-            order[i] = (uint32_t)i;
         }
         for (i = 0; i < traced; i++) {               /* duplicates were inserted by nobody, and are in no simplex */
             thread[i] = j->build.trace[i] == PBW_NONE ? 0 : j->build.trace[i] % 256;
@@ -604,7 +603,6 @@ static pbwio_status write_page(const job *j, const char *path, pbwio_error *erro
         status = pbwview_write(path, mesh, &view, error);
     }
     free(part);
-    free(order);
     free(thread);
     free(round);
     return status;
@@ -689,7 +687,14 @@ static int run_view(job *j)
         if (status == 0) {
             describe(j);
         }
-        status = status != 0 || !j->on[INSIDE] ? status : mark_inside(j);
+        if (status == 0 && (j->on[INSIDE] || (j->mesh.dim == 3 && j->mesh.simplex_count > 0 && j->surface == NULL
+                                              && j->cloud.triangle_count > 0))) {
+            status = mark_inside(j);
+        }
+        if (!j->on[INSIDE]) {                                        /* hidden at first, but there */
+            j->inside = (unsigned char *)(uintptr_t)j->picture.keep;
+            j->write.keep = j->picture.keep = NULL;
+        }
     }
     status = status != 0 ? status : write_mesh(j);
     if (status == 0 && !j->on[QUIET]) {
@@ -871,6 +876,7 @@ int main(int argc, char **argv)
         default: status = run_mesh(&j);
     }
     free((void *)j.write.keep);
+    free(j.inside);
     free(j.build.trace);
     pbw_free(&j.mesh);
     pbwio_free(&j.cloud);

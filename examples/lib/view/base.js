@@ -11,3 +11,7 @@ $('title').textContent = document.title;
 $('facts').textContent = (count ? whole(count) + ' ' + simplex + ', ' : '') + whole(points) + ' points in '
   + dim + 'D' + (given.note ? '; ' + given.note : '');
 canvas.addEventListener('webglcontextlost', () => say('The graphics driver gave up: reload the page.'));
+
+const dot = (a, b) => a[0] * b[0] + a[1] * b[1] + a[2] * b[2];
+const cross = (a, b) => [a[1] * b[2] - a[2] * b[1], a[2] * b[0] - a[0] * b[2], a[0] * b[1] - a[1] * b[0]];
+const unit = a => { const l = Math.hypot(...a) || 1; return a.map(x => x / l); };

@@ -21,12 +21,13 @@ function draw_chart() {
       fill: rgb(c) }), svg('rect', { x: k * wide, width: wide + 0.3, y: 73, height: 5, fill: rgb(c) }));
   }
   if (!a.classes) [0, 0.5, 1].forEach((t, i) => chart.append(svg('text', { x: 268 * t, y: 90,
-    'text-anchor': ['start', 'middle', 'end'][i] }, short(a.low + t * span, span))));
+    'text-anchor': ['start', 'middle', 'end'][i] }, short(off_scale(a, t), a.log ? 0 : span))));
   const facts = a.classes ? 'classes ' + short(a.low) + ' to ' + short(a.high)
-    : 'least ' + short(a.least, span) + ', 1 % below ' + short(a.hundredth, span) + ', mean '
+    : 'least ' + short(a.least, a.log ? 0 : span) + ', 1 % below ' + short(a.hundredth, span) + ', mean '
       + short(a.mean, span) + ', largest ' + short(a.largest);
   chart.setAttribute('aria-label', 'Histogram of ' + a.name + ': ' + facts);
   $('summary').textContent = facts;
+  $('about').textContent = a.about;
   $('classes').replaceChildren();
   for (let k = 0; a.classes && k < bins && span < 64; k++) {
     const label = document.createElement('span'), mark = document.createElement('i');

@@ -20,10 +20,12 @@ function oklch(light, chroma, turn) {
 const scale = [], classes = [], okabe = [[0, 114, 178], [230, 159, 0], [0, 158, 115], [204, 121, 167],
   [86, 180, 233], [213, 94, 0], [240, 228, 66], [150, 150, 150]];
 for (let i = 0; i < 256; i++) {
-  scale.push(oklch(0.3 + 0.62 * i / 255, 0.165, (285 + 175 * i / 255) * Math.PI / 180));
+  scale.push(oklch(0.5 + 0.43 * i / 255, 0.165, (285 + 175 * i / 255) * Math.PI / 180));
   const step = (i >> 3) % 3, to = step === 1 ? 255 : 0;
   classes.push(okabe[i % 8].map(x => Math.round(step ? 0.6 * x + 0.4 * to : x)));
 }
 const rgb = c => 'rgb(' + c.join() + ')';
 const class_of = x => classes[(x % 256 + 256) % 256];
-const at_scale = (a, x) => a.high > a.low ? (x - a.low) / (a.high - a.low) : 0.5;
+const at_scale = (a, x) => !(a.high > a.low) ? 0.5 : a.log ? Math.log(Math.max(x, a.low) / a.low)
+  / Math.log(a.high / a.low) : (x - a.low) / (a.high - a.low);
+const off_scale = (a, t) => a.log ? a.low * (a.high / a.low) ** t : a.low + t * (a.high - a.low);

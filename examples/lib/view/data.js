@@ -4,7 +4,8 @@ function bytes(node) {
   node.remove();
   return out;
 }
-const rows = (size, each) => Math.max(1, Math.ceil(size / W)) * W * each;      // textures have whole rows
+// Textures have whole rows of W texels.
+const rows = (size, each) => Math.max(1, Math.ceil(size / W)) * W * each;
 
 // A number with each call: seven bits a byte, the lowest first; all bytes but the last have the top bit.
 function reader(raw) {
@@ -67,6 +68,46 @@ const middle = lens.slice(0, 3), half = lens[3], EYE = lens.slice(4, 7), CUT = l
 const point = read_points(), corner = count ? read_corners() : null;
 const other = count && dim === 3 ? read_neighbors(corner) : null;
 
+// The ids that points and simplices have in the mesh of the program, runs of flags, the faces of the model.
+function read_steps(id, size) {                         // differences: 0 -1 1 -2 2 ... are 0 1 2 3 4 ...
+  const number = reader(bytes($(id))), out = new Uint32Array(size);
+  for (let i = 0, last = 0; i < size; i++) {
+    const x = number();
+    out[i] = last += x % 2 ? -(x + 1) / 2 : x / 2;
+  }
+  return out;
+}
+function each_run(id, then) {                           // the first run is of zeros
+  const raw = bytes($(id)), number = reader(raw);
+  for (let i = 0, flag = 0; i < raw.length; flag = 1 - flag) {
+    const size = number();
+    then(flag, size);
+    for (let x = size; x > 127; x = Math.floor(x / 128)) i++;
+    i++;
+  }
+}
+const point_id = read_steps('ids', points), simplex_id = new Uint32Array(count);
+if ($('kept')) {
+  let id = 0, next = 0;
+  each_run('kept', (kept, size) => {
+    if (kept) for (let i = 0; i < size; i++) simplex_id[next++] = id + i;
+    id += size;
+  });
+} else {
+  for (let i = 0; i < count; i++) simplex_id[i] = i;
+}
+let inside = null;
+if ($('inside')) {
+  let next = 0;
+  inside = new Uint8Array(count);
+  each_run('inside', (flag, size) => inside.fill(flag, next, next += size));
+}
+const kept_only = given.kept === '1';
+const triangle_count = +given.triangles, triangle = new Uint32Array(rows(triangle_count, 4));
+if (triangle_count) {
+  read_steps('triangles', 3 * triangle_count).forEach((p, i) => { triangle[4 * (i / 3 | 0) + i % 3] = p; });
+}
+
 // The mean ratio: 1 for the regular simplex, 0 for a flat one.
 function quality() {
   const out = new Float32Array(count), e = [[0, 0, 0], [0, 0, 0], [0, 0, 1]];
@@ -83,38 +124,4 @@ function quality() {
                                              : 2 * Math.sqrt(3) * size / sum) : 0;
   }
   return out;
-}
-
-// What colours can show: name, values (of simplices, or of points), classes or a scale.
-const arrays = [];
-function add_array(name, value, of_points, classes, integer) {
-  const sorted = value.filter(x => x === x && Math.abs(x) < 1e38).sort(), m = sorted.length;
-  let low = m ? sorted[0] : 0, high = m ? sorted[m - 1] : 0, sum = 0;
-  for (let i = 0; i < m; i++) sum += sorted[i];
-  const a = { name, value, of_points, classes, integer, low, high, least: low, largest: high,
-    mean: m ? sum / m : 0, hundredth: m ? sorted[m / 100 | 0] : 0 };
-  if (name === 'quality' && !integer) { a.low = 0; a.high = 1; }
-  arrays.push(a);
-}
-if (count) add_array('quality', quality(), false, false, false);
-for (const node of [...document.querySelectorAll('script[data-name]')]) {
-  const d = node.dataset, size = d.of === 'points' ? points : count;
-  let value;
-  if (d.kind === 'real') {
-    value = new Float32Array(bytes(node).buffer);
-  } else {
-    const number = reader(bytes(node));
-    value = new Float32Array(size);
-    for (let i = 0, last = 0; i < size; i++) {          // differences: 0 -1 1 -2 2 ... are 0 1 2 3 4 ...
-      const x = number();
-      last += x % 2 ? -(x + 1) / 2 : x / 2;
-      value[i] = last;
-    }
-  }
-  add_array(d.name, value, d.of === 'points', d.kind === 'classes', d.kind !== 'real');
-}
-const up = flat ? 1 : 2;
-if (!flat || !arrays.some(a => a.of_points)) {
-  const value = Float32Array.from({ length: points }, (_, i) => point[4 * i + up] * half + middle[up]);
-  add_array(dim === 2 && !flat ? 'height' : 'xyz'[up], value, true, false, false);
 }

@@ -4,12 +4,12 @@ let trouble = gl ? '' : 'no WebGL 2 here';
 const HEAD = `#version 300 es
 precision highp float; precision highp int; precision highp sampler2D; precision highp usampler2D;
 uniform mat4 camera; uniform mat3 axes; uniform vec3 skin, ink; uniform vec4 plane;
-uniform int n, of_points, classes, plain, draw, clip, lit; uniform uint bit; uniform float explode, size;
+uniform int n, of_points, classes, plain, draw, clip, lit; uniform uint bit, layer; uniform float explode, size;
 uniform sampler2D points, values, colours; uniform usampler2D corners, ids;
 ivec2 texel(uint i) { return ivec2(i & 4095u, i >> 12); }
 `;
 const PLACE = HEAD + `
-out vec3 edge, weight, at; flat out vec3 value, normal; flat out int bared;
+out vec3 edge, weight, at; flat out vec3 value, normal; flat out int bared; flat out uint id;
 vec3 p[4]; float x[4], s[4];
 vec3 load(uint t) {
   uvec4 c = texelFetch(corners, texel(t), 0);
@@ -37,7 +37,8 @@ void main() {
   f = f >= bit ? f - bit : f;
   uint i = f & 3u;
   ivec3 o = i == 0u ? ivec3(1, 2, 3) : i == 1u ? ivec3(0, 3, 2) : i == 2u ? ivec3(0, 1, 3) : ivec3(0, 2, 1);
-  vec3 centre = load(f >> 2);
+  id = f >> 2;
+  vec3 centre = load(id);
   emit(gl_VertexID % 3, p[o.x], p[o.y], p[o.z], centre);
   value = vec3(x[o.x], x[o.y], x[o.z]);
 }`;
@@ -51,7 +52,8 @@ void meet(int i, int a, int b) {
 }
 void main() {
   int j = gl_VertexID % 6, o[4], m = 0, below;
-  vec3 centre = load(texelFetch(ids, texel(uint(gl_VertexID / 6)), 0).x);
+  id = texelFetch(ids, texel(uint(gl_VertexID / 6)), 0).x;
+  vec3 centre = load(id);
   for (int i = 0; i < 4; i++) if (s[i] <= 0.0) o[m++] = i;
   below = m;
   for (int i = 0; i < 4; i++) if (s[i] > 0.0) o[m++] = i;
@@ -96,12 +98,21 @@ void main() {
   if (draw == 2 && near > 1.0) discard;
   result = vec4(mix(c, ink, draw == 3 ? line * (bare ? 0.24 : 0.5) : 0.0), 1);
 }`;
+// What is under a pixel: the layer (1 simplices, 2 the model, 3 points) and the number in it.
+const PICK = HEAD + `
+in vec3 at; flat in uint id; out uvec2 result;
+void main() {
+  if (clip == 1 && dot(plane.xyz, at) > plane.w) discard;
+  result = uvec2(layer, id);
+}`;
 const DOT = HEAD + `
-flat out float value;
+flat out float value; flat out uint id; out vec3 at;
 void main() {
   uint i = texelFetch(ids, texel(uint(gl_VertexID)), 0).x;
+  id = i;
+  at = texelFetch(points, texel(i), 0).xyz;
   value = of_points == 1 ? texelFetch(values, texel(i), 0).x : -1.0;
-  gl_Position = camera * vec4(texelFetch(points, texel(i), 0).xyz, 1);
+  gl_Position = camera * vec4(at, 1);
   gl_PointSize = clamp(size / gl_Position.w, 1.5, 64.0);
 }`;
 const BALL = HEAD + COLOUR + `
@@ -119,10 +130,11 @@ void main() { gl_Position = vec4(vec2(gl_VertexID & 1, gl_VertexID >> 1) * 4.0 -
 // Bukowski and Hennessy 2011, 'The Alchemy screen-space ambient obscurance algorithm').
 const SHADE = `#version 300 es
 precision highp float; precision highp sampler2D;
-uniform sampler2D picture, depth; uniform vec4 lens; uniform float reach; out vec4 result;
+uniform sampler2D picture, depth; uniform vec4 lens; uniform float reach; uniform int parallel; out vec4 result;
 vec3 spot(ivec2 p) {
-  float z = lens.x / (lens.y - texelFetch(depth, p, 0).x);
-  return vec3((2.0 * (vec2(p) + 0.5) / vec2(textureSize(depth, 0)) - 1.0) * lens.zw * z, -z);
+  float d = texelFetch(depth, p, 0).x, z = parallel == 1 ? mix(lens.x, lens.y, d) : lens.x / (lens.y - d);
+  vec2 q = (2.0 * (vec2(p) + 0.5) / vec2(textureSize(depth, 0)) - 1.0) * lens.zw;
+  return vec3(parallel == 1 ? q : q * z, -z);
 }
 void main() {
   ivec2 p = ivec2(gl_FragCoord.xy), most = textureSize(depth, 0) - 1;
@@ -131,7 +143,7 @@ void main() {
   ivec2 h = ivec2(1, 0), v = ivec2(0, 1);
   vec3 a = spot(p), l = a - spot(p - h), r = spot(p + h) - a, d = a - spot(p - v), u = spot(p + v) - a;
   vec3 normal = normalize(cross(abs(l.z) < abs(r.z) ? l : r, abs(d.z) < abs(u.z) ? d : u));
-  float pixels = clamp(reach * float(most.y) / (2.0 * lens.w * -a.z), 4.0, 200.0), sum = 0.0;
+  float pixels = clamp(reach * float(most.y) / (2.0 * lens.w * (parallel == 1 ? 1.0 : -a.z)), 4.0, 200.0), sum = 0.0;
   for (int i = 0; i < 32; i++) {
     float t = (float(i) + 0.5) / 32.0, angle = float(i) * 2.399963;
     vec3 to = spot(clamp(p + ivec2(round(pixels * t * vec2(cos(angle), sin(angle)))), ivec2(0), most)) - a;
@@ -173,14 +185,17 @@ function texture(unit, internal, format, type, width, height, data) {
 }
 const table = (unit, internal, format, type, data, each) =>
   texture(unit, internal, format, type, W, data.length / each / W, data);
-let programs, buffers, value_data, cut_texture, id_texture;
+let programs, buffers, value_data, cut_texture, id_texture, face_texture, corner_texture, triangle_texture, pick_frame;
 function set_up() {
   const most = gl.getParameter(gl.MAX_TEXTURE_SIZE);
   if (most < W || ids.length / W > most) throw new Error('too large for this graphics card');
   programs = { facet: program(FACET, SURFACE), cap: program(CAP, SURFACE), dot: program(DOT, BALL),
-    shade: program(SCREEN, SHADE) };
+    shade: program(SCREEN, SHADE), pick_facet: program(FACET, PICK), pick_cap: program(CAP, PICK),
+    pick_dot: program(DOT, PICK) };
   table(0, gl.RGBA32F, gl.RGBA, gl.FLOAT, point, 4);
-  table(3, gl.RGBA32UI, gl.RGBA_INTEGER, gl.UNSIGNED_INT, corner || new Uint32Array(4 * W), 4);
+  triangle_texture = table(3, gl.RGBA32UI, gl.RGBA_INTEGER, gl.UNSIGNED_INT, triangle, 4);
+  corner_texture = table(3, gl.RGBA32UI, gl.RGBA_INTEGER, gl.UNSIGNED_INT, corner || new Uint32Array(4 * W), 4);
+  face_texture = table(4, gl.R32UI, gl.RED_INTEGER, gl.UNSIGNED_INT, faces, 1);
   cut_texture = table(4, gl.R32UI, gl.RED_INTEGER, gl.UNSIGNED_INT, cut_ids, 1);
   id_texture = table(4, gl.R32UI, gl.RED_INTEGER, gl.UNSIGNED_INT, ids, 1);
   const pixels = new Uint8Array([...scale, ...classes].flatMap(c => [...c, 255]));
@@ -241,7 +256,7 @@ function use(p, values) {
   for (const name in p.at) {
     const unit = UNITS.indexOf(name), x = values[name], at = p.at[name];
     if (unit >= 0) gl.uniform1i(at, unit);
-    else if (name === 'bit') gl.uniform1ui(at, x);
+    else if (name === 'bit' || name === 'layer') gl.uniform1ui(at, x);
     else if (['explode', 'size', 'reach'].includes(name)) gl.uniform1f(at, x);
     else if (typeof x === 'number') gl.uniform1i(at, x);
     else if (x.length === 16) gl.uniformMatrix4fv(at, false, x);
@@ -251,78 +266,102 @@ function use(p, values) {
   }
 }
 const hex = text => [1, 3, 5].map(i => parseInt(text.slice(i, i + 2), 16) / 255);
+const bind = (unit, what) => { gl.activeTexture(gl.TEXTURE0 + unit); gl.bindTexture(gl.TEXTURE_2D, what); };
+function uniforms(view) {
+  return { camera: new Float32Array(view.matrix), axes: new Float32Array([...view.right, ...view.up, ...view.eye]),
+    skin: hex(css('--skin')), ink: [0.04, 0.07, 0.11], plane: [...normal, offset], n, of_points: +array.of_points,
+    classes: +array.classes, plain: +$('plain').checked, draw: number('draw'), clip: 0, lit: +!flat,
+    bit: count ? 4 * count : 1, layer: 1, explode: number('explode'),
+    size: number('size') * canvas.height / TAN * Math.min(0.02, (flat ? 0.7 : 1.3) / Math.sqrt(points))
+      / (parallel ? distance : 1) };
+}
+// Draws what select() chose, by the programs for pictures or for picking.
+function draw_scene(values, facet, cap, dot) {
+  bind(4, id_texture);
+  if (as_points()) {
+    use(dot, { ...values, layer: 3 });
+    gl.drawArrays(gl.POINTS, 0, facets);
+    return;
+  }
+  if (as_model()) {                                     // point values colour it; those of simplices do not
+    const cutting = !flat && number('cut') < 1, skin = values.plain || !array.of_points;
+    bind(3, triangle_texture); bind(4, face_texture);
+    use(facet, { ...values, n: 3, layer: 2, plain: +skin, clip: +cutting, bit: 4 * triangle_count + 4 });
+    gl.drawArrays(gl.TRIANGLES, 0, 3 * triangle_count);
+    bind(3, corner_texture); bind(4, id_texture);
+    if (!cutting || dim === 2) return;
+  }
+  use(facet, { ...values, clip: caps ? 1 : 0 });
+  gl.drawArrays(gl.TRIANGLES, 0, 3 * facets);
+  if (caps) {
+    bind(4, cut_texture);
+    use(cap, values);
+    gl.drawArrays(gl.TRIANGLES, 0, 6 * caps);
+  }
+}
+// What is at that place of the canvas: a window of 65 pixels around it, as points reach into it from beside.
+const WINDOW = 65;
+function pick(x, y) {
+  if (!gl || !buffers) return null;
+  if (!pick_frame) {
+    const frame = gl.createFramebuffer(), depth = gl.createRenderbuffer();
+    const what = texture(5, gl.RG32UI, gl.RG_INTEGER, gl.UNSIGNED_INT, WINDOW, WINDOW, null);
+    bind(5, buffers.textures[0]);
+    gl.bindFramebuffer(gl.FRAMEBUFFER, frame);
+    gl.framebufferTexture2D(gl.FRAMEBUFFER, gl.COLOR_ATTACHMENT0, gl.TEXTURE_2D, what, 0);
+    gl.bindRenderbuffer(gl.RENDERBUFFER, depth);
+    gl.renderbufferStorage(gl.RENDERBUFFER, gl.DEPTH_COMPONENT24, WINDOW, WINDOW);
+    gl.framebufferRenderbuffer(gl.FRAMEBUFFER, gl.DEPTH_ATTACHMENT, gl.RENDERBUFFER, depth);
+    pick_frame = frame;
+  }
+  const view = camera(), m = view.matrix, a = 2 * x / canvas.clientWidth - 1, b = 1 - 2 * y / canvas.clientHeight;
+  for (let k = 0; k < 4; k++) {
+    m[4 * k] = (m[4 * k] - a * m[4 * k + 3]) * canvas.width / WINDOW;
+    m[4 * k + 1] = (m[4 * k + 1] - b * m[4 * k + 3]) * canvas.height / WINDOW;
+  }
+  gl.bindFramebuffer(gl.FRAMEBUFFER, pick_frame);
+  gl.viewport(0, 0, WINDOW, WINDOW);
+  gl.enable(gl.DEPTH_TEST);
+  gl.clearBufferuiv(gl.COLOR, 0, new Uint32Array(4));
+  gl.clearBufferfv(gl.DEPTH, 0, new Float32Array([1]));
+  draw_scene(uniforms(view), programs.pick_facet, programs.pick_cap, programs.pick_dot);
+  const out = new Uint32Array(4);
+  gl.readPixels(WINDOW >> 1, WINDOW >> 1, 1, 1, gl.RGBA_INTEGER, gl.UNSIGNED_INT, out);
+  gl.bindFramebuffer(gl.FRAMEBUFFER, null);
+  return out[0] ? { layer: out[0], i: out[1] } : null;
+}
 let selected = false, asked = false;
 function paint() {
   asked = false;
   if (!selected) {
-    const dots = !count || number('draw') === 4;
     select();
     selected = true;
     if (gl) {
       upload_ids(id_texture, ids, facets);
       if (caps) upload_ids(cut_texture, cut_ids, caps);
     }
-    $('shown').textContent = whole(shown) + ' of ' + whole(dots ? points : count) + ' '
-      + (dots ? 'points' : simplex) + ' shown';
-    document.querySelector('.dots').hidden = !dots;
-    canvas.setAttribute('aria-label', document.title + '. ' + $('shown').textContent + ', coloured by '
-      + array.name);
   }
-  const sign = number('axis') < 3 && normal[number('axis')] < 0 ? -1 : 1;
-  const place = sign * (offset * half / (number('axis') === 2 ? relief : 1) + dot(normal, middle));
-  $('cut-is').textContent = number('cut') < 1 ? short(place, half) : 'no cut';
-  $('relief-is').textContent = relief > 1 ? 'times ' + relief : 'as they are';
-  for (const id of ['from', 'to']) $(id + '-is').textContent = short(limit(id), array.high - array.low);
-  $('explode-is').textContent = Math.round(100 * number('explode')) + ' %';
-  $('size-is').textContent = short(number('size'));
+  show_numbers();
   if (!gl) return;
   resize();
-  const [eye, right, up] = frame(), reach = Math.hypot(...target) + 1.8 * relief;
-  const near = Math.max(distance - reach, distance * 0.01), far = distance + reach, e = dot(eye, target);
-  const c = (far + near) / (near - far), d = 2 * far * near / (near - far);
-  const sx = 1 / (TAN * aspect()), sy = 1 / TAN;
-  const column = k => [sx * right[k], sy * up[k], c * eye[k], -eye[k]];
-  const move = [-sx * dot(right, target), -sy * dot(up, target), c * (-e - distance) + d, e + distance];
-  const values = { camera: new Float32Array([...column(0), ...column(1), ...column(2), ...move]),
-    axes: new Float32Array([...right, ...up, ...eye]), skin: hex(css('--skin')), ink: [0.04, 0.07, 0.11],
-    plane: [...normal, offset], n, of_points: +array.of_points, classes: +array.classes,
-    plain: +$('plain').checked, draw: number('draw'), clip: 0, lit: +!flat, bit: count ? 4 * count : 1,
-    explode: number('explode'),
-    size: number('size') * canvas.height * sy * Math.min(0.02, (flat ? 0.7 : 1.3) / Math.sqrt(points)) };
+  const view = camera(), { near, far } = view, wide = parallel ? distance : 1;
   gl.bindFramebuffer(gl.FRAMEBUFFER, buffers.frames[0]);
   gl.viewport(0, 0, canvas.width, canvas.height);
   gl.clearColor(...hex(css('--paper')), 1);
   gl.enable(gl.DEPTH_TEST);
   gl.clear(gl.COLOR_BUFFER_BIT | gl.DEPTH_BUFFER_BIT);
-  gl.activeTexture(gl.TEXTURE4);
-  gl.bindTexture(gl.TEXTURE_2D, id_texture);
-  if (!count || number('draw') === 4) {
-    use(programs.dot, values);
-    gl.drawArrays(gl.POINTS, 0, facets);
-  } else {
-    use(programs.facet, { ...values, clip: caps ? 1 : 0 });
-    gl.drawArrays(gl.TRIANGLES, 0, 3 * facets);
-    if (caps) {
-      gl.bindTexture(gl.TEXTURE_2D, cut_texture);
-      use(programs.cap, values);
-      gl.drawArrays(gl.TRIANGLES, 0, 6 * caps);
-    }
-  }
+  draw_scene(uniforms(view), programs.facet, programs.cap, programs.dot);
   gl.bindFramebuffer(gl.READ_FRAMEBUFFER, buffers.frames[0]);
   gl.bindFramebuffer(gl.DRAW_FRAMEBUFFER, buffers.frames[1]);
   gl.blitFramebuffer(0, 0, canvas.width, canvas.height, 0, 0, canvas.width, canvas.height,
     gl.COLOR_BUFFER_BIT | gl.DEPTH_BUFFER_BIT, gl.NEAREST);
   gl.bindFramebuffer(gl.FRAMEBUFFER, null);
   gl.disable(gl.DEPTH_TEST);
-  use(programs.shade, { reach: flat || number('draw') === 2 ? 0 : 0.25, lens: [far * near / (far - near),
-    far / (far - near), TAN * aspect(), TAN] });
+  use(programs.shade, { parallel: +parallel, reach: flat || number('draw') === 2 ? 0 : 0.25,
+    lens: [...(parallel ? [near, far] : [far * near / (far - near), far / (far - near)]), wide * TAN * aspect(),
+      wide * TAN] });
   gl.drawArrays(gl.TRIANGLES, 0, 3);
-  $('axes').replaceChildren();
-  for (const k of [0, 1, 2].slice(0, flat ? 2 : 3).sort((a, b) => eye[a] - eye[b])) {
-    const x = 25 * right[k], y = -25 * up[k], stroke = ['#d55e00', '#009e73', '#0072b2'][k];
-    $('axes').append(svg('line', { x1: 0, y1: 0, x2: x, y2: y, stroke }),
-      svg('text', { x: 1.28 * x, y: 1.28 * y }, 'xyz'[k]));
-  }
+  draw_marks(view);
 }
 const look = () => { if (!asked) { asked = true; requestAnimationFrame(paint); } };
 const change = () => { selected = false; look(); };
