@@ -132,7 +132,7 @@ function reset() {
   $('cut').value = flat ? 1 : CUT[3];
   $('relief').value = own_relief();
   if (dim === 2) set_relief(number('relief'));
-  $('explode').value = 0; $('size').value = 1; $('draw').value = count ? 3 : 4; $('cap').value = given.cap;
+  $('explode').value = 0; $('size').value = 1; $('draw').value = count || triangle_count ? 3 : 4; $('cap').value = given.cap;
   $('plain').checked = dim === 3 && count > 0 && given.plain === '1';
   set_body();
   fit();
