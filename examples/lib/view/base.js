@@ -1,3 +1,6 @@
+// Helpers: elements by id, numbers as text, vectors.  The files of this folder become one function, in the order in
+// which page.html names them: base, data, measures, colour, camera, chart, scene, marks, draw, panel.
+
 const $ = id => document.getElementById(id), given = $('mesh').dataset, css = name =>
   getComputedStyle(document.documentElement).getPropertyValue(name).trim();
 const dim = +given.dim, flat = dim === 2 && given.heights !== '1', n = dim + 1, W = 4096;

@@ -1,3 +1,5 @@
+// Camera: up, the eye, what is in the middle, how far; fitting, matrices, where a point is on the page.
+
 // Up: as given, or guessed: y where the body stands on a flat base across y and on less across z, or is much flatter
 // in y than in x and z, as ground is; else z.
 function guess_up() {
@@ -132,7 +134,8 @@ function reset() {
   $('cut').value = flat ? 1 : CUT[3];
   $('relief').value = own_relief();
   if (dim === 2) set_relief(number('relief'));
-  $('explode').value = 0; $('size').value = 1; $('draw').value = count || triangle_count ? 3 : 4; $('cap').value = given.cap;
+  $('explode').value = 0; $('size').value = 1; $('cap').value = given.cap;
+  $('draw').value = count || triangle_count ? 3 : 4;
   $('plain').checked = dim === 3 && count > 0 && given.plain === '1';
   set_body();
   fit();

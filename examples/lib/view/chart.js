@@ -1,3 +1,5 @@
+// Chart: the histogram of the array that colours show, and its facts.
+
 const svg = (tag, attributes, text) => {
   const node = document.createElementNS('http://www.w3.org/2000/svg', tag);
   for (const k in attributes) node.setAttribute(k, attributes[k]);

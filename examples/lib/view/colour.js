@@ -1,3 +1,5 @@
+// Colours: values to the scale, classes to colours that tell them apart.
+
 // OKLab (Ottosson 2020, 'A perceptual color space for image processing') to sRGB, with less chroma where the
 // screen has not as much.
 function oklch(light, chroma, turn) {

@@ -1,3 +1,6 @@
+// Data: what the page carries becomes points, corners, neighbors, ids, the faces of the model.
+// Cells (polygons), frames of an animation and regions would be decoded here, too.
+
 function bytes(node) {
   const text = atob(node.textContent), out = new Uint8Array(text.length);
   for (let i = 0; i < text.length; i++) out[i] = text.charCodeAt(i);

@@ -1,3 +1,5 @@
+// Drawing: WebGL 2.  Shaders, textures, the picture, and what lies under a pixel.
+
 let gl = canvas.getContext('webgl2', { antialias: false, alpha: false });
 let trouble = gl ? '' : 'no WebGL 2 here';
 // All that goes in is the number of a vertex: shaders fetch what they need from textures, 4096 texels a row.
@@ -185,7 +187,8 @@ function texture(unit, internal, format, type, width, height, data) {
 }
 const table = (unit, internal, format, type, data, each) =>
   texture(unit, internal, format, type, W, data.length / each / W, data);
-let programs, buffers, value_data, cut_texture, id_texture, face_texture, corner_texture, triangle_texture, pick_frame;
+let programs, buffers, value_data, pick_frame;
+let cut_texture, id_texture, face_texture, corner_texture, triangle_texture;
 function set_up() {
   const most = gl.getParameter(gl.MAX_TEXTURE_SIZE);
   if (most < W || ids.length / W > most) throw new Error('too large for this graphics card');

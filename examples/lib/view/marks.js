@@ -18,7 +18,8 @@ function show_numbers() {
 // Numbers that are typed beside a slider, as the place of the slider.
 const from_typed = {
   from: x => at_scale(array, x), to: x => at_scale(array, x), explode: x => x / 100, size: x => x, relief: x => x,
-  cut: x => ((place_sign() * x - dot(normal, middle)) / half * (number('axis') === 2 ? relief : 1) - low) / (high - low)
+  cut: x => ((place_sign() * x - dot(normal, middle)) / half * (number('axis') === 2 ? relief : 1) - low)
+    / (high - low)
 };
 let picked = null;                                      // { layer, i } as pick() returns it
 const coordinates = i => [0, 1, 2].slice(0, flat ? 2 : 3).map(k =>

@@ -1,3 +1,5 @@
+// Panel: mouse, touch, keys, controls, the link; then the start.
+
 const move = (dx, dy) => {                              // in pixels of the page
   const [, right, up] = frame(), step = 2 * distance * TAN / Math.max(1, canvas.clientHeight);
   moved = true;
@@ -21,7 +23,8 @@ const fingers = new Map();
 canvas.addEventListener('pointerdown', e => {
   canvas.setPointerCapture(e.pointerId);
   $('tip').hidden = true;
-  fingers.set(e.pointerId, { x: e.clientX, y: e.clientY, from: [e.offsetX, e.offsetY], far: 0, pans: e.button === 2 || e.shiftKey });
+  fingers.set(e.pointerId, { x: e.clientX, y: e.clientY, from: [e.offsetX, e.offsetY], far: 0,
+    pans: e.button === 2 || e.shiftKey });
 });
 canvas.addEventListener('pointermove', e => {
   const f = fingers.get(e.pointerId);

@@ -1,3 +1,6 @@
+// Scene: which simplices, faces and points are drawn, from cut, limits, body and mode.  In: the controls; out: ids,
+// facets, cut_ids, caps, shown.
+
 function limit(id) {                                    // the value that a slider stands for
   const x = off_scale(array, number(id));
   return array.integer ? Math.round(x) : x;
