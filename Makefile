@@ -16,7 +16,7 @@ EXAMPLES = $(patsubst examples/%.c,%,$(wildcard examples/*.c))
 EXAMPLES_CXX = $(if $(shell command -v $(firstword $(CXX))),$(patsubst examples/%.cpp,%,$(wildcard examples/*.cpp)))
 EXPECTED = $(patsubst examples/expected/%.txt,%,$(wildcard examples/expected/*.txt))
 FUZZERS = $(patsubst tests/%.c,%,$(wildcard tests/fuzz_*.c))
-HEADERS = pbw.h $(wildcard tests/*.h examples/lib/*.h examples/program/*.h)
+HEADERS = pbw.h $(wildcard tests/*.h examples/*.h examples/lib/*.h examples/program/*.h)
 SCRIPTS = $(filter packaging hashes examples asm oracle cmake csharp install page python programs view, \
     $(patsubst tests/%.sh,%,$(wildcard tests/*.sh)))
 SUITES = test programs examples oracle asm arm names fuzz-long
