@@ -17,7 +17,10 @@ static int run(job *j)
     if (status == 0) {
         describe(j);
     }
-    status = status != 0 ? status : mark_inside(j);
+    if (status == 0 && is_given(j, "--inside")) {
+        status = mark_inside(j);
+        j->write.keep = j->picture.keep = j->inside;
+    }
     return status != 0 ? status : write_mesh(j);
 }
 

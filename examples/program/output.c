@@ -20,7 +20,7 @@ const option look_options[] = {
       "threads), thread (in whose share a point was) and round (that inserted it),\n"
       "order (of the points in the input), weight, z", CHOICE, 0, 0, colours },
     { "--eye", "X,Y,Z", "pictures and pages: direction to the viewer", DIRECTION, 0, 0, NULL },
-    { "--up", "X,Y,Z", "pictures and pages: upwards; default 0,0,1", DIRECTION, 0, 0, NULL },
+    { "--up", "X,Y,Z", "upwards; pictures: default 0,0,1; pages: guessed", DIRECTION, 0, 0, NULL },
     { "--cut", "A,B,C,D", "pictures and pages: cut away Ax+By+Cz > D, D from -1 to 1; D = 1 cuts nothing", PLANE,
       0, 0, NULL },
     { "--cut-through", NULL, "pages: cut simplices through instead of leaving them out", SWITCH, 0, 0, NULL },
@@ -214,14 +214,11 @@ static void add_array(pbwview_options *view, const char *name, const uint32_t *i
     array->classes = classes;
 }
 
-static void fill_arrays(const job *j, uint32_t *part, uint32_t *order, uint32_t *thread, uint32_t *round)
+static void fill_arrays(const job *j, uint32_t *part, uint32_t *thread, uint32_t *round)
 {
     size_t parts = j->build.threads > 0 ? (size_t)j->build.threads : 8, count = j->mesh.simplex_count, i;
     for (i = 0; i < count; i++) {                    /* simplices follow the curve */
         part[i] = (uint32_t)(i * parts / count);
-    }
-    for (i = 0; i < j->mesh.point_count; i++) {
-        order[i] = (uint32_t)i;
     }
     for (i = 0; j->build.trace != NULL && i < j->mesh.point_count; i++) {        /* duplicates: none, in no simplex */
         thread[i] = j->build.trace[i] == PBW_NONE ? 0 : j->build.trace[i] % 256;
@@ -235,6 +232,9 @@ static void set_up_view(const job *j, pbwview_options *view)
     view->title = text_of(j, "--title") != NULL ? text_of(j, "--title") : j->generate != NULL ? j->generate
                 : slash != NULL ? slash + 1 : j->input;
     view->keep = j->picture.keep;
+    view->inside = j->picture.keep == NULL ? j->inside : NULL;
+    view->triangles = is_given(j, "--surface") ? NULL : j->cloud.triangles;
+    view->triangle_count = view->triangles != NULL ? j->cloud.triangle_count : 0;
     view->colour = text_of(j, "--colour");
     view->cut_through = is_given(j, "--cut-through");
     view->colour_outside = is_given(j, "--colour-outside");
@@ -248,10 +248,9 @@ static pbwio_status write_page(const job *j, const char *path, pbwio_error *erro
     const pbw_mesh *mesh = &j->mesh;
     size_t traced = j->build.trace != NULL ? mesh->point_count : 0;
     uint32_t *part = (uint32_t *)malloc((mesh->simplex_count + 1) * sizeof *part);
-    uint32_t *order = (uint32_t *)malloc((mesh->point_count + 1) * sizeof *order);
     uint32_t *thread = (uint32_t *)malloc((traced + 1) * sizeof *thread);
     uint32_t *round = (uint32_t *)malloc((traced + 1) * sizeof *round);
-    pbwview_array arrays[5];
+    pbwview_array arrays[4];
     pbwview_options view;
     pbwio_status status = PBWIO_ERROR_MEMORY;
     char left_out[128] = "";
@@ -264,7 +263,6 @@ static pbwio_status write_page(const job *j, const char *path, pbwio_error *erro
     set_up_view(j, &view);
     view.note = left_out;
     view.arrays = arrays;
-    add_array(&view, "order", order, NULL, 1, 0);
     add_array(&view, "part", part, NULL, 0, 1);
     if (traced > 0) {
         add_array(&view, "thread", thread, NULL, 1, 1);
@@ -273,12 +271,11 @@ static pbwio_status write_page(const job *j, const char *path, pbwio_error *erro
     if (mesh->weights != NULL) {
         add_array(&view, "weight", NULL, mesh->weights, 1, 0);
     }
-    if (part != NULL && order != NULL && thread != NULL && round != NULL) {
-        fill_arrays(j, part, order, thread, round);
+    if (part != NULL && thread != NULL && round != NULL) {
+        fill_arrays(j, part, thread, round);
         status = pbwview_write(path, mesh, &view, error);
     }
     free(part);
-    free(order);
     free(thread);
     free(round);
     return status;

@@ -12,7 +12,7 @@
 
 static int on_progress(void *user, pbw_stage stage, double done)
 {
-    static const char *const names[] = { "order", "build", "output", "check" };
+    static const char *const names[] = { "order", "build", "output", "check", "work" };
     return draw_bar((const job *)user, names[stage], done);
 }
 
@@ -50,7 +50,7 @@ int main(int argc, char **argv)
         status = j.command->run(&j);
     }
     free(j.given);
-    free((void *)(uintptr_t)j.write.keep);
+    free(j.inside);
     free(j.build.trace);
     pbw_free(&j.mesh);
     pbwio_free(&j.cloud);

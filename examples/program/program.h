@@ -91,6 +91,7 @@ struct job {
     pbw_options build;
     pbwio_cloud cloud, surface;                      /* what is read and made; surface: of --surface */
     pbw_mesh mesh;
+    unsigned char *inside;                           /* per simplex: is its centre inside the surface?  NULL: not known */
 };
 
 /* ---- options.c ---- */

@@ -79,7 +79,7 @@ int build(job *j)
         j->build.trace = (uint32_t *)malloc((j->cloud.count + 1) * sizeof(uint32_t));
     }
     status = pbw_triangulate(j->cloud.dim, j->cloud.points, j->cloud.weights, j->cloud.count, &j->build, &j->mesh);
-    if (status != PBW_OK) {
+    if (status != PBW_OK && !(status == PBW_DEGENERATE && j->command == &command_view)) {
         return status == PBW_CANCELLED ? stopped(j) : status == PBW_ERROR_MEMORY ? out_of_memory(j)
              : fail(j, "%s", pbw_status_string(status));
     }
@@ -176,30 +176,26 @@ int mark_inside(job *j)
     pbwsample_model model = model_of(surface);
     pbwsample_status status = PBWSAMPLE_ERROR_MEMORY;
     double start = now(), *centre;
-    unsigned char *inside;
     size_t i, k, kept = 0;
-    if (!is_given(j, "--inside")) {
-        return 0;
-    }
     if (j->mesh.dim != 3) {
         return fail(j, "--inside needs points in 3D");
     }
     centre = (double *)calloc(j->mesh.simplex_count + 1, 3 * sizeof *centre);
-    j->write.keep = j->picture.keep = inside = (unsigned char *)calloc(j->mesh.simplex_count + 1, 1);
+    j->inside = (unsigned char *)calloc(j->mesh.simplex_count + 1, 1);
     for (i = 0; i < j->mesh.simplex_count && centre != NULL; i++) {
         for (k = 0; k < 12; k++) {
             centre[3 * i + k % 3] += 0.25 * j->mesh.points[3 * (size_t)j->mesh.simplices[4 * i + k / 3] + k % 3];
         }
     }
-    if (centre != NULL && inside != NULL) {
-        status = pbwsample_inside(&model, centre, j->mesh.simplex_count, inside);
+    if (centre != NULL && j->inside != NULL) {
+        status = pbwsample_inside(&model, centre, j->mesh.simplex_count, j->inside);
     }
     free(centre);
     if (status != PBWSAMPLE_OK) {
         return fail(j, "%s", pbwsample_status_string(status));
     }
     for (i = 0; i < j->mesh.simplex_count; i++) {
-        kept += inside[i];
+        kept += j->inside[i];
     }
     say(j, "inside", now() - start, "%zu %s", kept, simplices(&j->mesh, kept));
     return 0;

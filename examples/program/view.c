@@ -23,7 +23,11 @@ static int run(job *j)
         if (status == 0) {
             describe(j);
         }
-        status = status != 0 ? status : mark_inside(j);
+        if (status == 0 && (is_given(j, "--inside") || (j->mesh.simplex_count > 0 && j->mesh.dim == 3
+                                                        && j->cloud.triangle_count > 0))) {
+            status = mark_inside(j);                                 /* of models not asked for: hidden at first */
+            j->write.keep = j->picture.keep = is_given(j, "--inside") ? j->inside : NULL;
+        }
     }
     status = status != 0 ? status : write_mesh(j);
     if (status == 0) {
