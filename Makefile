@@ -16,8 +16,8 @@ EXAMPLES = $(patsubst examples/%.c,%,$(wildcard examples/*.c))
 EXAMPLES_CXX = $(if $(shell command -v $(firstword $(CXX))),$(patsubst examples/%.cpp,%,$(wildcard examples/*.cpp)))
 EXPECTED = $(patsubst examples/expected/%.txt,%,$(wildcard examples/expected/*.txt))
 FUZZERS = $(patsubst tests/%.c,%,$(wildcard tests/fuzz_*.c))
-HEADERS = pbw.h $(wildcard tests/*.h examples/lib/*.h examples/program/*.h)
-SCRIPTS = $(filter packaging hashes examples asm oracle cmake python programs view, \
+HEADERS = pbw.h $(wildcard tests/*.h examples/*.h examples/lib/*.h examples/program/*.h)
+SCRIPTS = $(filter packaging hashes examples asm oracle cmake csharp install page python program programs view, \
     $(patsubst tests/%.sh,%,$(wildcard tests/*.sh)))
 SUITES = test programs examples oracle asm arm names fuzz-long
 export CC CXX
@@ -37,7 +37,7 @@ ifneq ($(word 2,$(filter $(SUITES),$(MAKECMDGOALS))),)
 endif
 endif
 
-.PHONY: all demo examples test programs oracle arm asan ubsan tsan valgrind fuzz fuzz-long asm names clean help FORCE
+.PHONY: all page demo examples test programs oracle arm asan ubsan tsan valgrind fuzz fuzz-long asm names clean help FORCE
 .DELETE_ON_ERROR:
 .SECONDARY:
 
@@ -46,11 +46,13 @@ all: $B/pbw $(EXAMPLES:%=$B/%) $(EXAMPLES_CXX:%=$B/%) $B/libpbw_python.so
 help:
 	@echo 'make             builds the examples into $B/, the pbw program among them'
 	@echo 'make demo        makes a model, samples, triangulates, proves, draws and writes it'
+	@echo 'make page        puts examples/lib/view/ into pbw_view.h'
 	@echo 'make examples    runs the examples and compares what they print with examples/expected'
 	@echo 'make test        all tests; the last line is `N passed, N failed, N skipped`'
 	@echo 'make bench       compares speed and memory with rivals that are installed (bench/bench.mk)'
 	@echo 'make oracle      compares with CGAL            make names   names, warnings, copies, documentation'
 	@echo 'make asm         looks for fused operations    make arm     64-bit Arm, in an emulator'
+	@echo 'make install PREFIX=/usr/local DESTDIR=         and make uninstall: see examples/install/install.mk'
 	@echo 'make clean       removes $B/'
 	@echo 'make asan ubsan tsan valgrind                  the test programs under sanitizers'
 	@echo 'make fuzz        fuzzers, TIME=60 each         make fuzz-long  ten million random small inputs'
@@ -100,7 +102,9 @@ $B/test_io.log: $B/pbw
 $B/view.log: $B/pbw $B/terrain
 $B/examples.log: $(patsubst %,$B/%,$(filter $(EXAMPLES) $(EXAMPLES_CXX),$(EXPECTED)))
 $B/python.log: $B/libpbw_python.so
-$B/programs.log: $B/pbw
+$B/csharp.log: $B/libpbw.so
+$B/install.log: $B/pbw $B/pbw_pic.o $B/libpbw.so
+$B/program.log $B/programs.log: $B/pbw
 $B/oracle.log: $B/libpbw.a
 
 # One that does not compile is a failure, and the others still run.
@@ -116,6 +120,13 @@ $(SUITES):
 	@rm -f $(LOGS)
 	@$(MAKE) --no-print-directory -k $(LOGS) || true
 	@sh tests/run.sh --total $(LOGS)
+
+# The page of pbw_view.h, from the files that web developers edit; tests/page.sh finds a header that is not up to date.
+PAGE = examples/lib/view/embed.awk examples/lib/view/page.html examples/lib/pbw_view.h
+page:
+	@mkdir -p $B
+	awk -f $(PAGE) > $B/page.h
+	cmp -s $B/page.h examples/lib/pbw_view.h || cp $B/page.h examples/lib/pbw_view.h
 
 demo: $B/pbw $B/model
 	sh examples/demo.sh $B
@@ -152,3 +163,4 @@ clean:
 
 -include bench/bench.mk
 -include tests/cuda.mk
+-include examples/install/install.mk
