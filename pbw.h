@@ -54,7 +54,8 @@
 
    DOES      Delaunay triangulations (weights NULL) and regular triangulations (weights given) of points in
              the plane and in space: simplices, neighbours, one incident simplex for each point, duplicates,
-             hidden points; an exact check and a hash of the result; exact predicates.
+             hidden points; an exact check and a hash of the result; exact predicates; which simplex contains a
+             point, nearest vertices, vertices in a ball, interpolation.
    DOES NOT  constraints, periodic domains, meshing of solids, dimensions above 3.
 
    PROMISES  (and the test that guards each)
@@ -63,6 +64,7 @@
      never exits no assert, abort, exit or print on your input; failures are statuses       tests/test_api.c
      re-entrant  no globals, no init call; many builds at once                              tests/test_api.c
      bounded     no recursion; a 256 KiB stack is enough                                    tests/test_resources.c
+     queries     exact answers, one for any number of threads                               tests/test_query.c
 
    CONVENTIONS
             3            A simplex has dim+1 corners; neighbor i is across the facet opposite to corner i.
@@ -438,7 +440,7 @@ extern void pbw_cuda_free(pbw_cuda_mesh *mesh, void *stream);
 #endif
 
 #include <float.h>
-#include <math.h>                                    /* HUGE_VAL only: nothing to link */
+#include <math.h>                                    /* HUGE_VAL, nothing to link; sqrt where >>nearest knows no instruction */
 #include <stdlib.h>
 #include <string.h>
 #ifdef _MSC_VER
