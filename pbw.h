@@ -440,7 +440,7 @@ extern void pbw_cuda_free(pbw_cuda_mesh *mesh, void *stream);
 #endif
 
 #include <float.h>
-#include <math.h>                                    /* HUGE_VAL, nothing to link; sqrt where >>nearest knows no instruction */
+#include <math.h>                                    /* HUGE_VAL; sqrt only where >>nearest has no better */
 #include <stdlib.h>
 #include <string.h>
 #ifdef _MSC_VER
