@@ -22,15 +22,14 @@
                    and, where they leave it open, doubles; then with exact tests and more room.
      third rung    the same with room for 1000 vertices and with the last exact stage of pbw.h.  A handful; the few
                    that search for too long are given much longer once.
-     the CPU       takes the whole input if a star does not fit any rung, if the work would be quadratic (points
-                   exactly on a sphere: each of its spheres touches all points), if the points are few, or if a
-                   sample of stars says that it is quicker: on lines they are too large, nearly in a plane too
-                   flat for floats.  Points on the device are copied to the host then, and the arrays back; if the
-                   caller names no CPU, they are built by the rungs above or not at all.
+     the CPU       takes the whole input if a star fits no rung, if the points are few, or if a sample of stars
+                   predicts that the CPU is faster: on lines stars are too large, nearly in a plane too flat for
+                   floats, and on a common sphere, even a noisy one, each circumsphere passes near all points.
+                   Points on the device are then copied to the host, and the arrays back; if the caller names no
+                   CPU, the rungs above build them or the call fails.
 
-   Unweighted points in space on surfaces (scans, terrain) are known by a sample of 1024 stars, of which the first
-   rung certifies less than half; those on a common sphere but for noise, as rounding leaves it, by a sample of 64
-   points.  They have rungs of their own: >>wide, which search another tree; >>smooth, which have another lift too.
+   Unweighted points in space on surfaces (scans, terrain) have rungs of their own, >>wide, which search another tree.
+   They are recognised by a sample of 1024 stars of which the first rung certifies less than half.
 
    SEVERAL DEVICES.  Stars need no agreement, so each card makes those of its share, a run of the curve, and writes
    its run of the simplices, over its own link to the host.  All put all points into order, a twentieth of the work of
@@ -54,7 +53,6 @@
      >>near      the first rung
      >>far       the second and third rung
      >>wide      the rungs for points on surfaces
-     >>smooth    the rungs for points on a sphere
      >>cells     simplices, neighbours, incident simplices
      >>check     the exact verdict on a mesh
      >>run       the stages in order
@@ -779,9 +777,6 @@ const float slack = 9.5367431640625e-7f;             /* 2^-20 */
 const float far_away = 5.192296858534828e33f;        /* 2^112 */
 const int open_sign = PBW__OPEN;
 
-/* WEIGHTED: all weights are equal, or given, or stand for the lifts of nearly cospherical points (>>smooth). */
-enum { equal, given, residual };
-
 template <typename REAL> struct place {              /* relative to v, in units */
     REAL x[3], w;
 };
@@ -858,7 +853,7 @@ template <int DIM, typename REAL> __device__ inline REAL square(const REAL *x)
     return DIM == 3 ? x[0] * x[0] + x[1] * x[1] + x[2] * x[2] : x[0] * x[0] + x[1] * x[1];
 }
 
-template <int DIM, int WEIGHTED, typename REAL> __device__ inline probe probe_of(const place<REAL> &p)
+template <int DIM, bool WEIGHTED, typename REAL> __device__ inline probe probe_of(const place<REAL> &p)
 {
     probe r;
     REAL l = square<DIM>(p.x);
@@ -869,7 +864,6 @@ template <int DIM, int WEIGHTED, typename REAL> __device__ inline probe probe_of
     r.lift = WEIGHTED ? (float)(l - p.w) : r.load;
     r.size = r.load > sizes<REAL>::least() ? slack * root(r.load) : HUGE_VALF;
     r.load = slack * (WEIGHTED ? r.load + fabsf((float)p.w) : r.load);
-    r.load += WEIGHTED == residual ? slack * 0.25f : 0.0f;
     return r;
 }
 
@@ -916,7 +910,7 @@ __device__ inline float4 sphere_of(const REAL *n, REAL d, REAL e, REAL product)
                        (float)(size + sizes<REAL>::error() * (e + size * product) * inverse));
 }
 
-template <int DIM, int WEIGHTED, typename REAL>
+template <int DIM, bool WEIGHTED, typename REAL>
 __device__ inline float4 sphere(const place<REAL> &pa, const place<REAL> &pb, const place<REAL> &pc)
 {
     const REAL *a = pa.x, *b = pb.x, *c = pc.x, least = sizes<REAL>::least();
@@ -928,8 +922,7 @@ __device__ inline float4 sphere(const place<REAL> &pa, const place<REAL> &pb, co
     REAL A = root((float)la), B = root((float)lb), C = DIM == 3 ? root((float)lc) : 1.0f;
     REAL La = la, Lb = lb, Lc = lc;
     if (WEIGHTED) {
-        const REAL blur = WEIGHTED == residual ? (REAL)67108864.0 : (REAL)0;
-        La += fabs(pa.w) + blur, Lb += fabs(pb.w) + blur, Lc += fabs(pc.w) + blur;
+        La += fabs(pa.w), Lb += fabs(pb.w), Lc += fabs(pc.w);
         la -= pa.w, lb -= pb.w, lc -= pc.w;
     }
     if (DIM == 2) {
@@ -1033,7 +1026,7 @@ template <int DIM> __device__ int triangle_with(const uint32_t *triangle, int co
 
 /* The exact answer where floats leave it open: is point p in conflict with triangle t of the star of v?
    For an infinite simplex with p in the plane of its facet it is that of the finite simplex behind the facet. */
-template <int DIM, int WEIGHTED>
+template <int DIM, bool WEIGHTED>
 __device__ __noinline__ int settle(const space &s, uint32_t v, const uint32_t *id, const uint32_t *triangle,
                                    int count, int t, uint32_t p, pbw__digit *pool)
 {
@@ -1073,14 +1066,6 @@ __device__ __noinline__ int settle(const space &s, uint32_t v, const uint32_t *i
         }
         row[k + 1] = s.point[id[a]].c;
     }
-    record plain[DIM + 2];
-    if (WEIGHTED == residual) {                      /* the points themselves have no weights */
-        for (int i = 0; i <= DIM + 1; i++) {
-            plain[i] = *(const record *)(i <= DIM ? row[i] : origin);
-            plain[i].c[DIM] = 0.0;
-            (i <= DIM ? row[i <= DIM ? i : 0] : origin) = plain[i].c;
-        }
-    }
     return finite_conflict<DIM>(s.grid, row, origin, pool);
 }
 
@@ -1107,7 +1092,7 @@ template <bool EXACT> struct rung_real { typedef float type; };
 template <> struct rung_real<true> { typedef double type; };
 
 /* NT triangles, NV vertices, SCRATCH words for the rung's search. */
-template <int DIM, int WEIGHTED, int NT, int NV, int SCRATCH, typename REAL> struct star {
+template <int DIM, bool WEIGHTED, int NT, int NV, int SCRATCH, typename REAL> struct star {
     typedef star_types<(NT > 256)> types;
     static const int words = NV / 32;
     float4 sphere[NT];
@@ -1127,7 +1112,7 @@ __device__ inline uint32_t pack(uint32_t a, uint32_t b, uint32_t c)
     return a | b << 10 | c << 20;
 }
 
-template <int DIM, int WEIGHTED, int NT, int NV, int SCRATCH, typename REAL>
+template <int DIM, bool WEIGHTED, int NT, int NV, int SCRATCH, typename REAL>
 __device__ inline void set_vertex(star<DIM, WEIGHTED, NT, NV, SCRATCH, REAL> &s, uint32_t number, uint32_t id,
                                   const place<REAL> &p)
 {
@@ -1140,7 +1125,7 @@ __device__ inline void set_vertex(star<DIM, WEIGHTED, NT, NV, SCRATCH, REAL> &s,
     }
 }
 
-template <int DIM, int WEIGHTED, int NT, int NV, int SCRATCH, typename REAL>
+template <int DIM, bool WEIGHTED, int NT, int NV, int SCRATCH, typename REAL>
 __device__ inline place<REAL> vertex_place(const star<DIM, WEIGHTED, NT, NV, SCRATCH, REAL> &s, uint32_t number)
 {
     place<REAL> p;
@@ -1152,7 +1137,7 @@ __device__ inline place<REAL> vertex_place(const star<DIM, WEIGHTED, NT, NV, SCR
 }
 
 /* The sphere of triangle (a, b, c); in the plane of edge (a, b).  0 is the vertex at infinity. */
-template <int DIM, int WEIGHTED, typename REAL>
+template <int DIM, bool WEIGHTED, typename REAL>
 __device__ inline float4 sphere_of_triangle(uint32_t a, uint32_t b, uint32_t c, const place<REAL> &pa,
                                             const place<REAL> &pb, const place<REAL> &pc, unsigned walls)
 {
@@ -1178,7 +1163,7 @@ __device__ inline float4 sphere_of_triangle(uint32_t a, uint32_t b, uint32_t c, 
 }
 
 /* used: the vertices that triangles have, and 0. */
-template <int T, int DIM, int WEIGHTED, int NT, int NV, int SCRATCH, typename REAL>
+template <int T, int DIM, bool WEIGHTED, int NT, int NV, int SCRATCH, typename REAL>
 __device__ inline void find_used(star<DIM, WEIGHTED, NT, NV, SCRATCH, REAL> &s, bool go, int count)
 {
     int lane = (int)threadIdx.x & (T - 1);
@@ -1209,7 +1194,7 @@ struct hole {
 /* As settle, for p relative to v, by doubles that round nothing: on a small grid all products are integers in its
    unit, below 2^53 (>>cavity3 of pbw.h: there p is the origin, here v, but the 24 products have the same bound).  The
    coefficients of the lifts are those of pbw__tie.  open_sign if a height is too large for that. */
-template <int DIM, int WEIGHTED, int NT, int NV, int SCRATCH, typename REAL>
+template <int DIM, bool WEIGHTED, int NT, int NV, int SCRATCH, typename REAL>
 __device__ __noinline__ int settle_on_grid(const star<DIM, WEIGHTED, NT, NV, SCRATCH, REAL> &s, int count, int t,
                                            double limit, double px, double py, double pz, double pw)
 {
@@ -1283,7 +1268,7 @@ __device__ __noinline__ int settle_on_grid(const star<DIM, WEIGHTED, NT, NV, SCR
 }
 
 /* The sphere of the facet (a, b, c), none being the vertex at infinity, and the answer for point p, by doubles. */
-template <int DIM, int WEIGHTED>
+template <int DIM, bool WEIGHTED>
 __device__ __noinline__ int refine(const space &all, uint32_t v, uint32_t a, uint32_t b, uint32_t c, uint32_t p,
                                    float4 *sphere)
 {
@@ -1297,7 +1282,7 @@ __device__ __noinline__ int refine(const space &all, uint32_t v, uint32_t a, uin
 }
 
 /* What floats leave open: is point id in conflict with triangle t?  A star in floats gets the sphere from doubles. */
-template <int DIM, int WEIGHTED, int NT, int NV, int SCRATCH>
+template <int DIM, bool WEIGHTED, int NT, int NV, int SCRATCH>
 __device__ inline int decide(star<DIM, WEIGHTED, NT, NV, SCRATCH, float> &s, const space &all, uint32_t v, int, int t,
                              uint32_t id, const place<float> &, pbw__digit *)
 {
@@ -1310,7 +1295,7 @@ __device__ inline int decide(star<DIM, WEIGHTED, NT, NV, SCRATCH, float> &s, con
 }
 
 /* The exact answer: is point id, at p relative to v, in conflict with triangle t? */
-template <int DIM, int WEIGHTED, int NT, int NV, int SCRATCH>
+template <int DIM, bool WEIGHTED, int NT, int NV, int SCRATCH>
 __device__ inline int decide(star<DIM, WEIGHTED, NT, NV, SCRATCH, double> &s, const space &all, uint32_t v, int count,
                              int t, uint32_t id, const place<double> &p, pbw__digit *pool)
 {
@@ -1320,7 +1305,7 @@ __device__ inline int decide(star<DIM, WEIGHTED, NT, NV, SCRATCH, double> &s, co
 
 /* Finds the cavity of point id, at p relative to v, in the stars of those tiles that go, and makes the point a vertex
    of theirs; count: their triangles.  Without SETTLES what floats leave open stays open. */
-template <int T, bool SETTLES, int DIM, int WEIGHTED, int NT, int NV, int SCRATCH, typename REAL>
+template <int T, bool SETTLES, int DIM, bool WEIGHTED, int NT, int NV, int SCRATCH, typename REAL>
 __device__ inline int carve(star<DIM, WEIGHTED, NT, NV, SCRATCH, REAL> &s, const space &all, uint32_t v, bool go,
                             uint32_t id, const place<REAL> &p, int count, pbw__digit *pool, hole &cavity)
 {
@@ -1454,7 +1439,7 @@ __device__ inline int carve(star<DIM, WEIGHTED, NT, NV, SCRATCH, REAL> &s, const
 
 /* Replaces the cavities of the tiles that go by the triangles from the first fans edges of their borders to the new
    vertex, and from the others to infinity; in the plane the border is the new edges. */
-template <int T, int DIM, int WEIGHTED, int NT, int NV, int SCRATCH, typename REAL>
+template <int T, int DIM, bool WEIGHTED, int NT, int NV, int SCRATCH, typename REAL>
 __device__ inline void fan(star<DIM, WEIGHTED, NT, NV, SCRATCH, REAL> &s, bool go, const hole &cavity, int fans,
                            int &count, unsigned walls)
 {
@@ -1491,7 +1476,7 @@ __device__ inline void fan(star<DIM, WEIGHTED, NT, NV, SCRATCH, REAL> &s, bool g
 
 /* The star of v and the points a, b, c, one finite triangle and an infinite one on each of its edges, as the border
    of a hole that fan fills. */
-template <int T, int DIM, int WEIGHTED, int NT, int NV, int SCRATCH, typename REAL>
+template <int T, int DIM, bool WEIGHTED, int NT, int NV, int SCRATCH, typename REAL>
 __device__ inline void start(star<DIM, WEIGHTED, NT, NV, SCRATCH, REAL> &s, bool go, const uint32_t *id,
                              const place<REAL> *p)
 {
@@ -1530,7 +1515,7 @@ template <int DIM> __device__ inline hole first_hole()
 }
 
 /* Stores the finished stars of the tiles that go. */
-template <int T, int DIM, int WEIGHTED, int NT, int NV, int SCRATCH, typename REAL>
+template <int T, int DIM, bool WEIGHTED, int NT, int NV, int SCRATCH, typename REAL>
 __device__ inline void finish(star<DIM, WEIGHTED, NT, NV, SCRATCH, REAL> &s, bool go, uint32_t v, int count,
                               const store &out)
 {
@@ -1653,7 +1638,7 @@ template <int T, typename REAL> __device__ inline place<REAL> tile_place(const p
 
 /* Starts the stars of the tiles that go with points id, at p, of their own lanes, candidates being those of lanes
    below have, nearest first: fan is left to do.  Returns the lanes used, or 0 where no fat corner was found. */
-template <int T, int DIM, int WEIGHTED, int NT, int NV, int SCRATCH, typename REAL>
+template <int T, int DIM, bool WEIGHTED, int NT, int NV, int SCRATCH, typename REAL>
 __device__ inline unsigned start_from_lanes(star<DIM, WEIGHTED, NT, NV, SCRATCH, REAL> &s, bool go, uint32_t id,
                                             const place<REAL> &p, int have)
 {
@@ -1661,7 +1646,7 @@ __device__ inline unsigned start_from_lanes(star<DIM, WEIGHTED, NT, NV, SCRATCH,
     bool here = go && lane < have;
     place<REAL> a = tile_place<T>(p, 0), b;
     uint32_t ids[3];
-    const float thin = WEIGHTED == residual ? 1e-8f : 0.01f, flat = WEIGHTED == residual ? 1e-20f : 1e-4f;
+    const float thin = 0.01f, flat = 1e-4f;
     unsigned vote = tile_ballot<T>(here && lane > 0 && line_fatness(a, p) > thin);
     int second = vote != 0 ? __ffs((int)vote) - 1 : 0, third = second;
     b = tile_place<T>(p, second);
@@ -1714,7 +1699,7 @@ __device__ inline float rough_square(const float4 &p, const float *v, float *x)
 
 /* The radius around q / 2 within which a point of the largest weight may be in conflict, grown by more than all
    roundings and by the error of the centre. */
-template <int WEIGHTED> __device__ inline float radius_of(float4 q, float heaviest)
+template <bool WEIGHTED> __device__ inline float radius_of(float4 q, float heaviest)
 {
     float size = root(fmaf(q.x, q.x, fmaf(q.y, q.y, q.z * q.z)));
     float radius = q.w < far_away ? fmaf(0.5f, size, slack * q.w) : 0.5f * q.w;
@@ -1722,7 +1707,7 @@ template <int WEIGHTED> __device__ inline float radius_of(float4 q, float heavie
 }
 
 /* Bounds of the spheres of a star. */
-template <int T, int DIM, int WEIGHTED, int NT, int NV, int SCRATCH, typename REAL>
+template <int T, int DIM, bool WEIGHTED, int NT, int NV, int SCRATCH, typename REAL>
 __device__ inline span reach_of(const star<DIM, WEIGHTED, NT, NV, SCRATCH, REAL> &s, bool go, int count,
                                 float heaviest)
 {
@@ -1750,7 +1735,7 @@ __device__ inline span reach_of(const star<DIM, WEIGHTED, NT, NV, SCRATCH, REAL>
 
 /* Whether floats leave it open that point p is in conflict with some simplex of the star; all lanes of a tile go or
    none does, each with its own point.  The test is that of side, with the bound in the sum; a wall adds to it. */
-template <int T, int DIM, int WEIGHTED, int NT, int NV, int SCRATCH, typename REAL>
+template <int T, int DIM, bool WEIGHTED, int NT, int NV, int SCRATCH, typename REAL>
 __device__ inline bool may_conflict(const star<DIM, WEIGHTED, NT, NV, SCRATCH, REAL> &s, bool go, int count,
                                     const place<REAL> &p)
 {
@@ -1786,11 +1771,11 @@ template <int DIM, bool EXACT> struct near_blocks {
     static const int count = EXACT ? 4 : DIM == 2 ? 8 : 6;
 };
 
-template <int DIM, int WEIGHTED, typename REAL> struct near_star {
+template <int DIM, bool WEIGHTED, typename REAL> struct near_star {
     typedef star<DIM, WEIGHTED, near_triangles, near_vertices, near_points, REAL> type;
 };
 
-template <int DIM, int WEIGHTED, bool EXACT>
+template <int DIM, bool WEIGHTED, bool EXACT>
 __global__ void __launch_bounds__(near_block, near_blocks<DIM, EXACT>::count)
 near_kernel(const __grid_constant__ space all, const box *group, const uint32_t *lists, const near_list *infos,
             uint32_t first, uint32_t stride, uint32_t count_of, bool keeps, const __grid_constant__ store out,
@@ -2053,7 +2038,7 @@ struct talk {
     int changed;
 };
 
-template <int DIM, int WEIGHTED, typename RUNG> struct far_star {
+template <int DIM, bool WEIGHTED, typename RUNG> struct far_star {
     typedef star<DIM, WEIGHTED, RUNG::triangles, RUNG::vertices,
                  RUNG::warps * stack_size + (int)(sizeof(talk) / sizeof(uint32_t)),
                  typename rung_real<RUNG::exact>::type> type;
@@ -2069,7 +2054,7 @@ template <int WARPS> __device__ inline void meet()
 }
 
 /* Whether a simplex of the star, not a wall, may be in conflict with a point in a box. */
-template <int DIM, int WEIGHTED>
+template <int DIM, bool WEIGHTED>
 __device__ inline bool box_may_conflict(const float4 &sphere, const span &b, float weight)
 {
     float q[3] = { sphere.x, sphere.y, sphere.z }, size = sphere.w, sum = 0.0f, squares = 0.0f, ones = 0.0f;
@@ -2087,7 +2072,7 @@ __device__ inline bool box_may_conflict(const float4 &sphere, const span &b, flo
 }
 
 /* The largest weight in a box relative to v's, rounded up. */
-template <int WEIGHTED> __device__ inline float relative_weight(const box &b, double own_weight)
+template <bool WEIGHTED> __device__ inline float relative_weight(const box &b, double own_weight)
 {
     return WEIGHTED ? b.weight - (float)own_weight + slack * fabsf((float)own_weight) : 0.0f;
 }
@@ -2123,7 +2108,7 @@ __global__ void seed_kernel(const __grid_constant__ space s, int dim, int found,
 
 /* Starts a star from the points of the warp's lanes where start_from_lanes cannot: the nearest and two that, with v,
    come nearest to spanning the space, among them four seeds that do span it. */
-template <int DIM, int WEIGHTED, int NT, int NV, int SCRATCH, typename REAL>
+template <int DIM, bool WEIGHTED, int NT, int NV, int SCRATCH, typename REAL>
 __device__ inline bool start_from_seeds(star<DIM, WEIGHTED, NT, NV, SCRATCH, REAL> &s, const space &all, uint32_t v,
                                         uint32_t id, const place<REAL> &p, bool here, pbw__digit *pool)
 {
@@ -2166,7 +2151,7 @@ __device__ inline bool start_from_seeds(star<DIM, WEIGHTED, NT, NV, SCRATCH, REA
 
 /* Inserts a point into the star of a warp.  The exact one is a call: inlined into the search, some insertions come
    out wrong with nvcc 13.0 (with ptxas -O1 none do).  The reason is not known. */
-template <int DIM, int WEIGHTED, int NT, int NV, int SCRATCH, typename REAL>
+template <int DIM, bool WEIGHTED, int NT, int NV, int SCRATCH, typename REAL>
 __device__ inline int insert(star<DIM, WEIGHTED, NT, NV, SCRATCH, REAL> &s, const space &all, uint32_t v, uint32_t id,
                              const place<REAL> &p, int &count, unsigned walls, pbw__digit *pool)
 {
@@ -2176,7 +2161,7 @@ __device__ inline int insert(star<DIM, WEIGHTED, NT, NV, SCRATCH, REAL> &s, cons
     return result;
 }
 
-template <int DIM, int WEIGHTED, int NT, int NV, int SCRATCH, typename REAL>
+template <int DIM, bool WEIGHTED, int NT, int NV, int SCRATCH, typename REAL>
 __device__ __noinline__ int insert_exactly(star<DIM, WEIGHTED, NT, NV, SCRATCH, REAL> &s, const space &all,
                                            uint32_t v, uint32_t id, const place<REAL> &p, int &count, unsigned walls,
                                            pbw__digit *pool)
@@ -2186,7 +2171,7 @@ __device__ __noinline__ int insert_exactly(star<DIM, WEIGHTED, NT, NV, SCRATCH, 
 
 /* A star of v from 28 points at growing distances along the curve, so that it is bounded in all directions from the
    start; false if they and, with EXACT, the seeds span no simplex. */
-template <bool EXACT, int DIM, int WEIGHTED, int NT, int NV, int SCRATCH, typename REAL>
+template <bool EXACT, int DIM, bool WEIGHTED, int NT, int NV, int SCRATCH, typename REAL>
 __device__ inline bool start_on_curve(star<DIM, WEIGHTED, NT, NV, SCRATCH, REAL> &s, const space &all,
                                       const unsigned long long *seed, uint32_t v, const record &own, unsigned walls,
                                       pbw__digit *pool, uint32_t &candidate, place<REAL> &p, int &count)
@@ -2230,7 +2215,7 @@ __device__ inline bool start_on_curve(star<DIM, WEIGHTED, NT, NV, SCRATCH, REAL>
 }
 
 /* The stars of the tiles that go as the store has them. */
-template <int T, int DIM, int WEIGHTED, int NT, int NV, int SCRATCH, typename REAL>
+template <int T, int DIM, bool WEIGHTED, int NT, int NV, int SCRATCH, typename REAL>
 __device__ inline void start_from_store(star<DIM, WEIGHTED, NT, NV, SCRATCH, REAL> &s, bool go, const space &all,
                                         const store &in, uint32_t v, const record &own, unsigned walls, int &count)
 {
@@ -2272,7 +2257,7 @@ enum { far_busy, far_certified, far_hidden, far_lost, far_capped };
 
 /* One star, by all warps of a block: each searches for conflicts of its own simplex, then they insert in turns. 
    resume: the store holds what was found so far; changed: whether the star is another than that. */
-template <bool EXACT, int WARPS, int DIM, int WEIGHTED, int NT, int NV, int SCRATCH, typename REAL>
+template <bool EXACT, int WARPS, int DIM, bool WEIGHTED, int NT, int NV, int SCRATCH, typename REAL>
 __device__ inline int far_star_of(star<DIM, WEIGHTED, NT, NV, SCRATCH, REAL> &s, const space &all, const tree &boxes,
                                   const unsigned long long *seed, const store &in, uint32_t v, bool resume, int cap,
                                   pbw__digit *pool, int &count, bool &changed)
@@ -2475,7 +2460,7 @@ __device__ inline int far_star_of(star<DIM, WEIGHTED, NT, NV, SCRATCH, REAL> &s,
 /* A star in shared memory, a block each; else in scratch, and blocks take vertices in turn.
    The exact stages are for the warp whose turn it is, so that a block needs one pool.
    Too many failures mean that the input is not for this method: then nothing more is tried. */
-template <int DIM, int WEIGHTED, typename RUNG>
+template <int DIM, bool WEIGHTED, typename RUNG>
 __global__ void __launch_bounds__(32 * RUNG::warps, RUNG::blocks)
 far_kernel(const __grid_constant__ space all, const __grid_constant__ tree boxes, const unsigned long long *seed,
            queue work, uint32_t total, int cap, uint32_t limit, void *scratch, pbw__digit *pool,
@@ -2674,7 +2659,7 @@ struct last_wide_rung {
 const int group_room = 36;                           /* for groups, of which 4 are searched as soon as they wait */
 
 template <typename RUNG> struct wide_star {
-    typedef star<3, equal, RUNG::triangles, RUNG::vertices, RUNG::room + group_room, double> type;
+    typedef star<3, false, RUNG::triangles, RUNG::vertices, RUNG::room + group_room, double> type;
     type s;                                          /* scratch: bricks that wait, levels << 28 | number; groups */
     float inverse[RUNG::triangles];                  /* 1 / Q, or 0: no point that matters is in conflict with it */
     uint16_t depth[RUNG::room];                      /* of bricks that wait, half of a float */
@@ -2712,7 +2697,7 @@ __device__ inline float depth_of_brick(const STAR &w, int count, const brick &b,
 template <typename STAR>
 __device__ inline float depth_of_place(const STAR &w, int count, const place<double> &p)
 {
-    const probe f = probe_of<3, equal>(p);
+    const probe f = probe_of<3, false>(p);
     const float lift = fmaf(-1.25f, f.load, f.lift), size = -1.25f * f.size;
     float depth = 0.0f;
 #pragma unroll 2
@@ -2893,458 +2878,6 @@ wide_kernel(const __grid_constant__ space all, const __grid_constant__ brick_tre
         finish<32>(s, started, v, count, out);
         enqueue(failed, lane == 0 && lost, v);
         enqueue(large, lane == 0 && !lost && count > small_triangles - 4, v);
-    }
-}
-
-/* ------------------------------------------------------------------------------------------------------
-   >>smooth       The rungs for points on a common sphere but for noise: a lift that tells them apart, a tree of caps.
-   All circumspheres are nearly the one sphere, so floats and doubles could decide nothing.  But a conflict does not
-   depend on what affine function is added to the lift.  For a centre c and a square s, which may be any, the residual
-
-       e(p) = |p - c|^2 - s = |p|^2 + an affine function of p
-
-   is a lift too, and small where p is near the sphere.  So is the sum of the lift and k e, for a factor k > 0, which
-   is (k + 1) |p|^2 and an affine function.  That is what the stars calculate with when the points get the weights
-   -k e, the largest of them about 2^12 in units of the space: the lifts then differ by about as much as they are.
-   Stars of such points are local, in a way: those of a few points with low residuals reach far.
-
-     e    d = p - c is exact as two doubles, d = h + t, |t| <= g |h|, and h^2 as two more; h^2 and -s are summed with
-          their errors, which are at most g M, where M = |d|^2 + s; the errors, 2 h t of each axis and s are summed
-          in at most 10 steps: error at most 2^-98 M, and g |e| when rounded at the end.
-
-   The mode is taken if k 2^-98 M is below 2^-28 (>>run); then lifts relative to v are off by 2^-27.  In >>sphere
-   that is 2^-27 (BC + AC + AB) more in N, and 2^-26 (BC + AC + AB) / D more in q: 2^26 more in each of L_a, L_b and
-   L_c makes Q larger by half of (BC + AC + AB) / D, and 2^-20 Q holds that.  In the test it is 2^-27 more, which 1/4
-   more in L_p holds.
-
-   The tree is one of caps: balls with their middles m near the sphere.  With v for the origin let x = p / |p|^2.  On
-   the sphere the part of p along the normal n at v is -|p|^2 / 2R, so
-
-       (l - q . p) / |p|^2 = l / |p|^2 - q . x = l / |p|^2 - q_t . x_t + q . n / 2R,
-
-   q_t and x_t being the parts across n.  (So a star is the lower hull of the points (x_t, l / |p|^2), far points in
-   its middle.)  The ball |p - m| <= r becomes the ball of radius r / (|m|^2 - r^2) around m / (|m|^2 - r^2): that
-   bounds q_t . x_t, and none of its points is in conflict if the least l / |p|^2 is above
-
-       q_t . m_t / (|m|^2 - r^2) + |q_t| r / (|m|^2 - r^2) - q . n / 2R.
-
-   A face is q so taken apart.  Errors: v and m - v are rounded to floats, so r grows by 4e-7.  The part along n is
-
-       (v - c) . p / R = (|p + v - c|^2 - |v - c|^2 - |p|^2) / 2R = (e(p + v) - e(v)) / 2R - |p|^2 / 2R
-
-   for a c that is off by 2e-7 R: the noise, and 8e-7 |p| with v and n rounded.  Axes, q and what is calculated from
-   it: 10^-6 Q |p|.  The middle and the radius of the ball of x, where |m| > 1.1 r: 6e-6 of |m| / (|m|^2 - r^2), and
-   1e-5 of the radius.  On the way to the least l / |p|^2: 1e-5.
-   ------------------------------------------------------------------------------------------------------ */
-struct common_sphere {
-    double middle[3], square;
-};
-
-__device__ inline void sum_exactly(double &high, double &low, double more)
-{
-    double sum = high + more, part = sum - high;
-    low += (high - (sum - part)) + (more - part);
-    high = sum;
-}
-
-/* The residuals of all points become weights, times factor; or, for a factor of 0, only the largest is found. */
-__global__ void residual_kernel(record *point, uint32_t count, common_sphere on, double factor,
-                                unsigned long long *largest)
-{
-    unsigned long long most = 0;
-    for (size_t i = thread_number(); i < count; i += (size_t)gridDim.x * blockDim.x) {
-        double high = -on.square, low = 0.0;
-        record p = point[i];
-        for (int k = 0; k < 3; k++) {
-            double h = p.c[k] - on.middle[k], part = p.c[k] - h;
-            double t = (p.c[k] - (h + part)) + (part - on.middle[k]), square_h = __dmul_rn(h, h);
-            sum_exactly(high, low, square_h);
-            low += fma(h, h, -square_h) + 2.0 * h * t;
-        }
-        unsigned long long size = (unsigned long long)__double_as_longlong(fabs(high + low));
-        most = size > most ? size : most;
-        if (factor != 0.0) {
-            point[i].c[3] = -factor * (high + low);
-        }
-    }
-    for (int step = 16; step > 0; step /= 2) {
-        unsigned long long other = __shfl_xor_sync(all_lanes, most, step);
-        most = other > most ? other : most;
-    }
-    if ((threadIdx.x & 31) == 0) {
-        atomicMax(largest, most);
-    }
-}
-
-/* A ball around 8 points or 8 caps; weight: the largest. */
-struct alignas(16) cap {
-    float middle[3], radius, weight, unused[3];
-};
-
-const int cap_levels = 10;                           /* 8 * 8^9 points are as many as there may be */
-struct cap_tree {
-    const cap *level[cap_levels];                    /* level[0]: groups of 8 points */
-    uint32_t size[cap_levels];
-    int levels;                                      /* level[levels-1] has at most 8 caps */
-    float middle[3], bend, noise;                    /* the sphere in units: its centre, 1 / radius, and noise */
-};
-
-/* The caps of a level, of 8 points or of 8 caps: all but the radius. */
-__global__ void cap_kernel(const __grid_constant__ space s, const __grid_constant__ cap_tree t, const cap *child,
-                           uint32_t children, cap *out, uint32_t size)
-{
-    size_t g = thread_number();
-    if (g < size) {
-        double sum[3] = { 0.0, 0.0, 0.0 }, length = 0.0;
-        cap b = { { 0.0f, 0.0f, 0.0f }, 0.0f, -HUGE_VALF, { 0.0f, 0.0f, 0.0f } };
-        uint32_t first = (uint32_t)g * group_size, end = children - first < 8 ? children : first + 8;
-        for (uint32_t i = first; i < end; i++) {
-            record r = s.point[child == NULL ? i : 0];
-            for (int k = 0; k < 3; k++) {
-                sum[k] += child == NULL ? in_units(s, r, k) : (double)child[i].middle[k];
-            }
-            b.weight = fmaxf(b.weight,
-                             child == NULL ? __double2float_ru(r.c[3] * (s.unit * s.unit)) : child[i].weight);
-        }
-        for (int k = 0; k < 3; k++) {
-            sum[k] = sum[k] / (end - first) - (double)t.middle[k];
-            length += sum[k] * sum[k];
-        }
-        length = sqrt(length) * (double)t.bend;
-        for (int k = 0; k < 3; k++) {
-            b.middle[k] = (float)((double)t.middle[k] + (length > 1e-3 ? sum[k] / length : sum[k]));
-        }
-        out[g] = b;
-    }
-}
-
-/* The radii: a thread a point. */
-__global__ void radius_kernel(const __grid_constant__ space s, const __grid_constant__ cap_tree t)
-{
-    const size_t i = thread_number() < s.count ? thread_number() : s.count - 1;
-    const record r = s.point[i];
-    size_t above = i / group_size;
-    for (int level = 0; level < t.levels; level++, above /= 8) {
-        cap &b = ((cap *)t.level[level])[above];
-        double d = 0.0;
-        for (int k = 0; k < 3; k++) {
-            double x = in_units(s, r, k) - (double)b.middle[k];
-            d += x * x;
-        }
-        int reach = __float_as_int(__double2float_ru(sqrt(d)));
-        for (int step = level == 0 ? 4 : 16; step > 0; step /= 2) {      /* the points of a warp are all in one */
-            int other = __shfl_xor_sync(all_lanes, reach, step);
-            reach = other > reach ? other : reach;
-        }
-        if ((threadIdx.x & (level == 0 ? 7 : 31)) == 0) {
-            atomicMax((int *)&b.radius, reach);
-        }
-    }
-}
-
-/* Stars in shared memory, or in scratch.  What a rung has no room for goes on to the next. */
-struct smooth_rung {
-    static const int lanes = 8, block = 96, blocks = 5, triangles = 48, vertices = 32;
-    static const bool shared = true;
-};
-struct middle_smooth_rung {
-    static const int lanes = 32, block = 32, blocks = 12, triangles = 256, vertices = 128;
-    static const bool shared = true;
-};
-struct large_smooth_rung {
-    static const int lanes = 32, block = 32, blocks = 5, triangles = 512, vertices = 256;
-    static const bool shared = true;
-};
-struct last_smooth_rung {
-    static const int lanes = 32, block = 32, blocks = 5, triangles = 2048, vertices = 1024;
-    static const bool shared = false;
-};
-
-template <typename RUNG> struct smooth_star {
-    typedef star<3, residual, RUNG::triangles, RUNG::vertices, 8 * cap_levels * (RUNG::lanes / 8), double> type;
-    type s;
-    alignas(16) float4 face[RUNG::triangles];        /* of each triangle q_t, -q . n / 2R, |q_t| */
-    float size[RUNG::triangles];                     /* Q, negative if the simplex is infinite */
-};
-
-struct axes {                                        /* at v */
-    float across[2][3], normal[3];
-};
-
-__device__ inline axes axes_at(const cap_tree &t, const float *v)
-{
-    axes r;
-    float n[3], a[3] = { 0.0f, 0.0f, 0.0f }, inverse;
-    for (int k = 0; k < 3; k++) {
-        n[k] = (v[k] - t.middle[k]) * t.bend;
-    }
-    const bool first = fabsf(n[0]) < 0.6f;
-    a[0] = first ? 1.0f : 0.0f;
-    a[1] = first ? 0.0f : 1.0f;
-    const float along = first ? n[0] : n[1];
-    for (int k = 0; k < 3; k++) {
-        a[k] = fmaf(-along, n[k], a[k]);
-    }
-    inverse = 1.0f / sqrtf(dot(a, a));
-    for (int k = 0; k < 3; k++) {
-        r.across[0][k] = a[k] * inverse;
-        r.normal[k] = n[k];
-    }
-    for (int k = 0; k < 3; k++) {
-        const int i = (k + 1) % 3, j = (k + 2) % 3;
-        r.across[1][k] = n[i] * r.across[0][j] - n[j] * r.across[0][i];
-    }
-    return r;
-}
-
-/* Infinite ones are scaled to stay finite; no cap is in conflict with a wall. */
-__device__ inline void put_face(const axes &at, float bend, float4 sphere, float4 &face, float &size)
-{
-    const float scale = sphere.w >= far_away ? 8.673617379884035e-19f : 1.0f;   /* 2^-60 */
-    const float q[3] = { sphere.x * scale, sphere.y * scale, sphere.z * scale };
-    face.x = dot(q, at.across[0]);
-    face.y = dot(q, at.across[1]);
-    face.z = is_wall(sphere) ? -HUGE_VALF : -0.5f * bend * dot(q, at.normal);
-    face.w = root(fmaf(face.x, face.x, face.y * face.y)) * 1.000001f;
-    size = sphere.w >= far_away ? -sphere.w * scale : is_wall(sphere) ? 0.0f : sphere.w;
-}
-
-/* A cap as seen from v: the ball of x, the least lift / |p|^2, the factor of Q in the error. */
-struct image {
-    float x[2], radius, least, error;
-};
-
-__device__ inline image image_of(const axes &at, const cap &b, const float *v, double own_weight, float noise)
-{
-    image r = { { 0.0f, 0.0f }, 0.0f, 0.0f, HUGE_VALF };
-    const float m[3] = { b.middle[0] - v[0], b.middle[1] - v[1], b.middle[2] - v[2] };
-    const float radius = b.radius + 4e-7f, square_m = dot(m, m), length = root(square_m);
-    if (length > 1.1f * radius) {
-        const float low = length - radius, high = length + radius, inverse = __fdividef(1.0f, low * high);
-        const float lift = __double2float_rd(own_weight - (double)b.weight) - 1e-6f;
-        r.x[0] = dot(m, at.across[0]) * inverse;
-        r.x[1] = dot(m, at.across[1]) * inverse;
-        r.radius = fmaf(radius, 1.00001f, 6e-6f * length) * inverse;
-        r.least = lift * (lift > 0.0f ? low / high : high / low) * inverse;
-        r.least -= 1e-5f * fabsf(r.least);
-        r.error = fmaf(3e-6f, high, noise) * (high / low) * inverse;
-    }
-    return r;
-}
-
-/* How far a cap may lie below the faces of a star, or 0. */
-template <int T, typename STAR>
-__device__ inline float depth_of_cap(const STAR &w, int end, int count, const image &b)
-{
-    const float below_0 = fminf(b.least, 0.0f);
-    float depth = 0.0f;
-#pragma unroll 2
-    for (int t = 0; t < end; t++) {
-        const int at = t < count ? t : 0;
-        const float4 face = w.face[at];
-        const float size = w.size[at];
-        const float sum = fmaf(face.x, b.x[0], fmaf(face.y, b.x[1], fmaf(face.w, b.radius, face.z)));
-        depth = fmaxf(depth, fmaf(fabsf(size), b.error, sum) - (size < 0.0f ? below_0 : b.least));
-    }
-    return b.error < HUGE_VALF ? depth : HUGE_VALF;
-}
-
-/* How far a point may lie below the faces of a star: (q . p - l) / |p|^2, with the bound of side; or 0. */
-template <int T, typename STAR>
-__device__ inline float depth_of_point(const STAR &w, int end, int count, const place<double> &p)
-{
-    const probe f = probe_of<3, residual>(p);
-    const float lift = fmaf(-1.25f, f.load, f.lift), size = -1.25f * f.size;
-    float least = HUGE_VALF;
-#pragma unroll 2
-    for (int t = 0; t < end; t++) {
-        const float4 q = w.s.sphere[t < count ? t : 0];
-        least = fminf(least, fmaf(-q.x, f.x[0], fmaf(-q.y, f.x[1], fmaf(-q.z, f.x[2], fmaf(q.w, size, lift)))));
-    }
-    const float square_p = fmaf(f.x[0], f.x[0], fmaf(f.x[1], f.x[1], f.x[2] * f.x[2]));
-    return least > 0.0f ? 0.0f : fmaxf(__fdividef(-least, square_p), 1e-30f);
-}
-
-/* RUNG::lanes lanes a star, from the points of its group on.  The tree is searched once: a point or cap that no
-   simplex of the star is in conflict with will never be, because stars only shrink; so when there is nothing left to
-   search the star is certified.  The deepest point is inserted first: it stays a vertex as far as the others at hand
-   are concerned.  Each tile has a star, and takes another when it is done; those of a block with nothing to insert
-   search, until half of them have a point.  vertex: NULL for all from first on; next: the first that nobody has. */
-template <typename RUNG>
-__global__ void __launch_bounds__(RUNG::block, RUNG::blocks)
-smooth_kernel(const __grid_constant__ space all, const __grid_constant__ cap_tree caps, const uint32_t *lists,
-              const near_list *infos, const uint32_t *vertex, uint32_t first, uint32_t total, uint32_t *next,
-              int cap_of_work, uint32_t limit, void *scratch, pbw__digit *pool, const __grid_constant__ store out,
-              queue failed, queue large)
-{
-    const int T = RUNG::lanes, tiles = RUNG::block / T, lane = (int)threadIdx.x & (T - 1);
-    extern __shared__ float4 shared_words[];
-    smooth_star<RUNG> &w = RUNG::shared ? ((smooth_star<RUNG> *)shared_words)[threadIdx.x / T]
-                                        : ((smooth_star<RUNG> *)scratch)[blockIdx.x * tiles + threadIdx.x / T];
-    typename smooth_star<RUNG>::type &s = w.s;
-    const int room = (int)(sizeof s.scratch / sizeof s.scratch[0]);
-    uint32_t *stack = s.scratch, v = first, candidate = none;
-    pbw__digit *digits = pool == NULL ? NULL : pool + (blockIdx.x * 32 + (threadIdx.x & 31)) * (size_t)PBW__POOL;
-    record own = all.point[v];
-    float origin[3] = { 0.0f, 0.0f, 0.0f }, deep = 0.0f;        /* deep: the lane's candidate */
-    axes at = axes_at(caps, origin);
-    int depth = 0, count = 0, spent = 0;
-    unsigned walls = 0, pending = 0;
-    bool go = false, more = true, started = false, fresh = false;
-    place<double> p = relative<3, double>(all, own, own);
-    for (;;) {
-        const bool takes = !go && more;
-        if (any(takes)) {                            /* the next star */
-            uint32_t i = takes && lane == 0 ? atomicAdd(next, 1u) : 0;
-            i = tile_read<T>(i, 0);
-            if (takes) {
-                more = i < total && *(volatile uint32_t *)failed.count <= limit && *out.stop == 0;
-                go = more;
-            }
-            if (takes && go) {
-                v = vertex == NULL ? first + i : vertex[i];
-                own = all.point[v];
-                const float4 rough = all.rough[v];
-                origin[0] = rough.x, origin[1] = rough.y, origin[2] = rough.z;
-                at = axes_at(caps, origin);
-                walls = walls_of<3>(all, own);
-                pending = 0;
-                count = spent = 0;
-                started = false;
-                for (int k = lane; k < RUNG::vertices; k += T) {
-                    s.id[k] = none;
-                }
-                const uint32_t row = v / group_size - out.first / group_size;
-                const int length = (int)infos[row].length, near = length < 1 ? 1 : length < 5 ? length : 5;
-                if (lane <= near) {                  /* the groups near it first, its own on top */
-                    stack[lane] = lane == 0 ? (uint32_t)caps.levels << 28 : lane == near ? v / group_size
-                                : lists[(size_t)row * list_size + (uint32_t)(near - lane)];
-                }
-                depth = near + 1;
-            }
-            __syncwarp();
-        }
-        if (__syncthreads_or(go) == 0) {
-            break;
-        }
-        const bool look = go && pending == 0 && depth > 0;
-        if (any(look)) {                             /* the search */
-            const int end = warp_max<T>(look ? count : 0), take = depth < T / 8 ? depth : T / 8;
-            if (any(look && fresh)) {
-                for (int t = lane; look && fresh && t < count; t += T) {
-                    put_face(at, caps.bend, s.sphere[t], w.face[t], w.size[t]);
-                }
-                fresh = fresh && !look;
-                __syncwarp();
-            }
-            const uint32_t node = look && lane / 8 < take ? stack[depth - 1 - lane / 8] : none;
-            const uint32_t level = node >> 28, index = (node & 0xfffffff) * 8 + (uint32_t)(lane & 7);
-            const bool is_cap = node != none && level > 0 && index < caps.size[level > 0 ? level - 1 : 0];
-            const bool is_point = node != none && level == 0 && index < all.count && index != v;
-            depth -= look ? take : 0;
-            spent += look;
-            __syncwarp();
-            if (any(is_cap)) {
-                float may = 0.0f;
-                if (is_cap) {
-                    const double own_weight = own.c[3] * (all.unit * all.unit);
-                    may = depth_of_cap<T>(w, end, count,
-                                          image_of(at, caps.level[level - 1][index], origin, own_weight, caps.noise));
-                    may = started ? may : HUGE_VALF;
-                }
-                int before = 0;                      /* the deepest on top */
-                for (int k = 0; k < T; k++) {
-                    float other = tile_read<T>(may, k);
-                    before += other > 0.0f && (other < may || (other == may && k < lane));
-                }
-                const unsigned vote = tile_ballot<T>(may > 0.0f);
-                if (look && may > 0.0f && depth + before < room) {
-                    stack[depth + before] = (level - 1) << 28 | index;
-                }
-                depth += look ? __popc(vote) : 0;
-                __syncwarp();
-            }
-            if (any(is_point)) {
-                if (look) {
-                    p = relative<3, double>(all, own, all.point[is_point ? index : v]);
-                    deep = depth_of_point<T>(w, end, count, p);
-                    candidate = is_point && (deep > 0.0f || !started) ? index : none;
-                    for (int k = 0; k < RUNG::vertices; k++) {  /* it may be a vertex, as it was met before */
-                        candidate = s.id[k] == candidate ? none : candidate;
-                    }
-                }
-                const unsigned vote = tile_ballot<T>(candidate != none);
-                pending = look ? vote : pending;
-            }
-        }
-        bool lost = go && (depth > room || spent > cap_of_work);
-        go = go && !lost;
-        const int waiting = __syncthreads_count(go && pending != 0);
-        if (waiting * 2 >= __syncthreads_count(go && (pending != 0 || depth > 0))) {
-            hole cavity = first_hole<3>();
-            const bool starting = go && pending != 0 && !started;
-            bool now = go && pending != 0 && started;
-            if (any(starting)) {                     /* from the lowest, seen from v */
-                float height = starting && candidate != none ? -(float)p.w / (float)square<3>(p.x) : HUGE_VALF;
-                int before = 0;
-                for (int k = 0; k < T; k++) {
-                    float other = tile_read<T>(height, k);
-                    before += other < height || (other == height && k < lane);
-                }
-                if (starting) {
-                    s.matrix[before] = candidate;
-                }
-                __syncwarp();
-                const unsigned here = tile_ballot<T>(candidate != none);
-                const int have = __popc(here);
-                if (starting) {
-                    candidate = s.matrix[lane];
-                    p = relative<3, double>(all, own, all.point[candidate != none ? candidate : v]);
-                }
-                __syncwarp();
-                const unsigned used = start_from_lanes<T>(s, starting, candidate, p, have);
-                pending = starting ? ((1u << (have & 31)) - 1) & ~used : pending;
-                lost = lost || (starting && used == 0);
-                go = go && !lost;
-            }
-            const bool begins = starting && go;
-            int fans = 1;
-            if (any(now)) {
-                const bool waits = (pending >> lane & 1) != 0;
-                const float most = -tile_min<T>(waits ? -deep : 1.0f);
-                const unsigned best = tile_ballot<T>(waits && deep == most);
-                const int from = now ? __ffs((int)best) - 1 : 0;
-                const uint32_t id = tile_read<T>(candidate, from);
-                const place<double> where = tile_place<T>(p, from);
-                pending &= now ? ~(1u << from) : ~0u;
-                const int result = T == 32 ? insert_exactly(s, all, v, id, where, count, walls, digits)
-                                           : carve<T, true>(s, all, v, now, id, where, count, digits, cavity);
-                lost = lost || (now && (result & ~star_changed) != 0);
-                go = go && !lost;
-                now = now && result == star_changed;
-                fans = now ? cavity.edges : fans;
-            }
-            if (begins) {
-                cavity = first_hole<3>();
-            }
-            fan<T>(s, begins || (now && T < 32), cavity, fans, count, walls);
-            const bool changed = begins || now;
-            const int end = warp_max<T>(changed ? count : 0);
-            if (any(changed)) {
-                started = started || begins;
-                fresh = fresh || changed;
-                deep = changed ? depth_of_point<T>(w, end, count, p) : deep;
-                const unsigned vote = tile_ballot<T>(deep > 0.0f);
-                pending &= changed ? vote : ~0u;
-            }
-        }
-        const bool done = go && pending == 0 && depth == 0;
-        if (any(done || lost)) {
-            finish<T>(s, done && started, v, count, out);
-            enqueue(failed, lane == 0 && (lost || (done && !started)), v);
-            enqueue(large, lane == 0 && done && started, v);
-            go = go && !done;
-        }
     }
 }
 
@@ -4608,7 +4141,7 @@ bool grow_tree(call &c, space &s, int dim, tree &t)
 }
 
 /* Looks at 32 boxes or points, of a warp; an insertion counts as 4. */
-const int quick_cap = 1024, smooth_cap = 512, far_cap = 4096, last_cap[2] = { 1 << 17, 1 << 20 };
+const int quick_cap = 1024, far_cap = 4096, last_cap[2] = { 1 << 17, 1 << 20 };
 const uint32_t last_blocks = 128;
 
 /* Of a star of a sample on the rungs for surfaces: where to stop, and how many there may be of each on average. */
@@ -4620,7 +4153,7 @@ const uint32_t sample_size = 1024, sampled_from = 1u << 14;
 
 /* Whether a sample shows that the first rung certifies less than half: points on surfaces and curves, where spheres
    are large. */
-template <int DIM, int WEIGHTED>
+template <int DIM, bool WEIGHTED>
 bool sample_stars(call &c, const space &s, const tree &t, const uint32_t *lists, const near_list *infos,
                   const store &out, const queue *q, size_t near_bytes, size_t exact_bytes, bool &far)
 {
@@ -4645,116 +4178,6 @@ bool sample_stars(call &c, const space &s, const tree &t, const uint32_t *lists,
     return true;
 }
 
-/* The largest residual of points that are taken to be on a common sphere, as a part of the square of its radius. */
-const double smooth_noise = 2e-7;
-
-/* The sphere that all points are near, if there is one: by four of a sample, then by all.  Their residuals become
-   their weights, and the tree gets caps. */
-bool find_sphere(call &c, space &s, cap_tree &t, unsigned long long *largest, bool &found)
-{
-    const int count = 64;
-    const uint32_t stride = s.count / count;
-    record r[count], *point = (record *)s.point;
-    common_sphere on;
-    double a[3][3], m[3][3], most, size, squares[3], d = 0.0, radius = 0.0;
-    unsigned long long bits;
-    unsigned blocks = blocks_for(s.count, 256);
-    found = false;
-    if (stride == 0) {
-        return true;
-    }
-    if (!good(c, cudaMemcpy2DAsync(r, sizeof *r, s.point, stride * sizeof *r, sizeof *r, (size_t)count,
-                                   cudaMemcpyDeviceToHost, c.stream), "reading points")
-        || !good(c, cudaStreamSynchronize(c.stream), "reading points")) {
-        return false;
-    }
-    for (int i = 0; i < 3; i++) {                    /* the one farthest from the span of the others */
-        int best = 0;
-        most = 0.0;
-        for (int j = 1; j < count; j++) {
-            double x[3], y[3];
-            for (int k = 0; k < 3; k++) {
-                x[k] = (r[j].c[k] - r[0].c[k]) * s.unit;
-            }
-            const double *u = a[0], *w = a[1];
-            y[0] = i == 1 ? u[1] * x[2] - u[2] * x[1] : x[0];
-            y[1] = i == 1 ? u[2] * x[0] - u[0] * x[2] : x[1];
-            y[2] = i == 1 ? u[0] * x[1] - u[1] * x[0] : x[2];
-            size = i < 2 ? y[0] * y[0] + y[1] * y[1] + y[2] * y[2]
-                 : fabs(x[0] * (u[1] * w[2] - u[2] * w[1]) + x[1] * (u[2] * w[0] - u[0] * w[2])
-                        + x[2] * (u[0] * w[1] - u[1] * w[0]));
-            best = size > most ? j : best;
-            most = size > most ? size : most;
-        }
-        squares[i] = 0.0;
-        for (int k = 0; k < 3; k++) {
-            a[i][k] = (r[best].c[k] - r[0].c[k]) * s.unit;
-            squares[i] += 0.5 * a[i][k] * a[i][k];
-        }
-    }
-    for (int i = 0; i < 3; i++) {                    /* a . x = a^2 / 2 by Cramer's rule */
-        const double *u = a[(i + 1) % 3], *w = a[(i + 2) % 3];
-        m[i][0] = u[1] * w[2] - u[2] * w[1];
-        m[i][1] = u[2] * w[0] - u[0] * w[2];
-        m[i][2] = u[0] * w[1] - u[1] * w[0];
-    }
-    d = a[0][0] * m[0][0] + a[0][1] * m[0][1] + a[0][2] * m[0][2];
-    if (!(fabs(d) > 1e-6)) {
-        return true;
-    }
-    for (int k = 0; k < 3; k++) {
-        double x = (squares[0] * m[0][k] + squares[1] * m[1][k] + squares[2] * m[2][k]) / d;
-        on.middle[k] = r[0].c[k] + x / s.unit;
-        t.middle[k] = (float)((on.middle[k] - s.low[k]) * s.unit);
-        radius += x * x;
-        if (!(t.middle[k] > -8.0f && t.middle[k] < 10.0f)) {
-            return true;
-        }
-    }
-    on.square = radius / (s.unit * s.unit);
-    t.bend = (float)(1.0 / sqrt(radius));
-    for (int i = 0; i < count; i++) {
-        double e = -on.square;
-        for (int k = 0; k < 3; k++) {
-            e += (r[i].c[k] - on.middle[k]) * (r[i].c[k] - on.middle[k]);
-        }
-        if (!(fabs(e) < smooth_noise * on.square)) {
-            return true;
-        }
-    }
-    blocks = blocks < 1024 ? blocks : 1024;
-    fill(c, largest, 0, 1);
-    residual_kernel<<<blocks, 256, 0, c.stream>>>(point, s.count, on, 0.0, largest);
-    if (!launched(c, "residuals") || !read_back(c, bits, largest, PBW_STAGE_BUILD, 0.0)) {
-        return false;
-    }
-    memcpy(&most, &bits, sizeof most);
-    /* the factor of the weights, and 2^-98 M: points of a common sphere have |d|^2 near s */
-    if (!(most < smooth_noise * on.square && most > 0x1p-56 * on.square)) {
-        return true;
-    }
-    int exponent;
-    t.noise = (float)(1.01 * most * (s.unit * s.unit)) * t.bend;
-    (void)frexp(most * (s.unit * s.unit), &exponent);
-    residual_kernel<<<blocks, 256, 0, c.stream>>>(point, s.count, on, ldexp(1.0, 12 - exponent), largest);
-    s.heaviest = s.exact_height = 0.0;
-    for (uint32_t size = s.count; t.levels == 0 || size > 8; t.levels++) {
-        const cap *child = t.levels > 0 ? t.level[t.levels - 1] : NULL;
-        const uint32_t children = size;
-        cap *b = NULL;
-        size = (size + 7) / 8;
-        if (!allocate(c, b, size)) {
-            return false;
-        }
-        cap_kernel<<<blocks_for(size, 128), 128, 0, c.stream>>>(s, t, child, children, b, size);
-        t.level[t.levels] = b;
-        t.size[t.levels] = size;
-    }
-    radius_kernel<<<blocks_for(s.count, 256), 256, 0, c.stream>>>(s, t);
-    found = true;
-    return launched(c, "caps");
-}
-
 /* The copy of the points that a mesh keeps is made while the device is at work. */
 bool keep_points(call &c)
 {
@@ -4768,7 +4191,7 @@ bool keep_points(call &c)
 }
 
 /* The stars that earlier rungs left in q[1]. */
-template <int DIM, int WEIGHTED>
+template <int DIM, bool WEIGHTED>
 bool build_far_stars(call &c, const space &s, const tree &t, const store &out, const queue *q,
                      unsigned long long *seed, uint32_t failed, size_t *stars)
 {
@@ -4904,7 +4327,7 @@ bool build_wide_stars(call &c, const space &s, const tree &t, const brick_tree &
                       const near_list *infos, store &out, const queue *q, unsigned long long *seed, uint32_t *next,
                       size_t *stars, bool &wide)
 {
-    const size_t near_bytes = sizeof(near_star<3, equal, float>::type) * (near_block / 8);
+    const size_t near_bytes = sizeof(near_star<3, false, float>::type) * (near_block / 8);
     const uint32_t mine = out.end - out.first;
     const unsigned blocks = blocks_for(s.count, 256) < 1024 ? blocks_for(s.count, 256) : 1024;
     unsigned long long used = 0, looks = 0, *const looks_of_all = seed + 4;
@@ -4920,7 +4343,7 @@ bool build_wide_stars(call &c, const space &s, const tree &t, const brick_tree &
         fill(c, out.used, 0, 1);
         fill(c, out.owned + mine, 0, 1);
         fill(c, out.place, 0xff, mine);
-        near_kernel<3, equal, false><<<blocks_for(total, near_block / 8), near_block, near_bytes, c.stream>>>(
+        near_kernel<3, false, false><<<blocks_for(total, near_block / 8), near_block, near_bytes, c.stream>>>(
             s, t.level[0], lists, infos, out.first, stride, total, true, out, q[0], q[1]);
         if (pass == 0) {
             if (!launched(c, "near stars") || !fill(c, looks_of_all, 0, 1)
@@ -4976,7 +4399,7 @@ bool build_wide_stars(call &c, const space &s, const tree &t, const brick_tree &
 }
 
 /* All stars into out.  t.level[0] and lists come from before. */
-template <int DIM, int WEIGHTED>
+template <int DIM, bool WEIGHTED>
 bool build_stars(call &c, const space &s, const tree &t, const uint32_t *lists, const near_list *infos,
                  store &out, const queue *q, unsigned long long *seed, uint32_t *next, size_t *stars)
 {
@@ -5061,54 +4484,6 @@ bool build_stars(call &c, const space &s, const tree &t, const uint32_t *lists, 
         }
     }
     return build_far_stars<DIM, WEIGHTED>(c, s, t, out, q, seed, failed, stars);
-}
-
-template <typename RUNG>
-bool run_smooth_rung(call &c, const space &s, const cap_tree &t, const uint32_t *lists, const near_list *infos,
-                     const uint32_t *vertex, uint32_t first, uint32_t total, uint32_t *next, int cap_of_work,
-                     uint32_t limit, const store &out, const queue &failed, const queue &large, uint32_t &count)
-{
-    return run_rung<RUNG, smooth_star<RUNG> >(
-        c, total, RUNG::block / RUNG::lanes, next, failed, count,
-        [&](unsigned blocks, size_t bytes, smooth_star<RUNG> *scratch, pbw__digit *pool) {
-            smooth_kernel<RUNG><<<blocks, RUNG::block, bytes, c.stream>>>(s, t, lists, infos, vertex, first, total,
-                                                                          next, cap_of_work, limit, scratch, pool,
-                                                                          out, failed, large);
-        });
-}
-
-/* Stars of points on a common sphere. */
-bool build_smooth_stars(call &c, const space &s, const cap_tree &t, const uint32_t *lists, const near_list *infos,
-                        const store &out, const queue *q, uint32_t *next, size_t *stars)
-{
-    const uint32_t mine = out.end - out.first, limit = 128 + mine / 8;
-    uint32_t failed = 0, last = 0;
-    fill(c, q[2].count, 0, 1);
-    fill(c, out.used, 0, 1);
-    fill(c, out.owned + mine, 0, 1);
-    fill(c, out.place, 0xff, mine);
-    note(c, 3);
-    if (!run_smooth_rung<smooth_rung>(c, s, t, lists, infos, NULL, out.first, mine, next, smooth_cap, limit, out,
-                                      q[0], q[2], failed)) {
-        return false;
-    }
-    if (failed > limit) {
-        return decline(c, "most stars reach far (points on a surface or a curve?): quicker on the CPU");
-    }
-    stars[0] = stars[1] = mine;
-    if (!run_smooth_rung<middle_smooth_rung>(c, s, t, lists, infos, q[0].vertex, 0, failed, next, far_cap, limit, out,
-                                             q[1], q[2], last)
-        || !run_smooth_rung<large_smooth_rung>(c, s, t, lists, infos, q[1].vertex, 0, last, next, far_cap, limit, out,
-                                               q[0], q[2], failed)) {
-        return false;
-    }
-    stars[2] = failed;
-    if (!run_smooth_rung<last_smooth_rung>(c, s, t, lists, infos, q[0].vertex, 0, failed, next, last_cap[0],
-                                           last_blocks, out, q[1], q[2], last)) {
-        return false;
-    }
-    note(c, 4);
-    return last == 0 ? c.status == PBW_OK : decline_stars(c, last);
 }
 
 /* In parts: memory that is not pinned makes the host wait for each. */
@@ -5308,7 +4683,7 @@ bool fetch_incident(call &c, const uint32_t *id, pbw_index *incident)
     return launched(c, "incident simplices");
 }
 
-template <int DIM, int WEIGHTED>
+template <int DIM, bool WEIGHTED>
 bool build(call &c, const input &in, space &s, const uint32_t *id, unsigned flags, pbw_cuda_mesh *mesh)
 {
     tree t;
@@ -5320,12 +4695,9 @@ bool build(call &c, const input &in, space &s, const uint32_t *id, unsigned flag
     cell<DIM> *cells = NULL;
     directory<DIM> all;
     const bool alone = c.cards == NULL || c.cards->cards == 1, with_neighbors = (flags & PBW_NO_NEIGHBORS) == 0;
-    cap_tree caps;
-    bool smooth = false;
 
     memset(&out, 0, sizeof out);
     memset(&t, 0, sizeof t);
-    memset(&caps, 0, sizeof caps);
     memset(&all, 0, sizeof all);
     if (!share_points(c, s, out.first, out.end)) {
         return false;
@@ -5363,15 +4735,10 @@ bool build(call &c, const input &in, space &s, const uint32_t *id, unsigned flag
     if (!launched(c, "lists")) {
         return false;
     }
-    if (DIM == 3 && !WEIGHTED && !find_sphere(c, s, caps, used_and_seed + 1, smooth)) {
-        return false;
-    }
     note(c, 2);
     for (;;) {                                       /* again if the store turns out too small */
         if (!allocate(c, out.word, (size_t)out.capacity * 4)
-            || !(smooth ? build_smooth_stars(c, s, caps, lists, infos, out, q, counts + 3, mesh->stars)
-                 : build_stars<DIM, WEIGHTED>(c, s, t, lists, infos, out, q, used_and_seed + 1, counts + 3,
-                                              mesh->stars))
+            || !build_stars<DIM, WEIGHTED>(c, s, t, lists, infos, out, q, used_and_seed + 1, counts + 3, mesh->stars)
             || !read_back(c, used, out.used, PBW_STAGE_BUILD, 0.95)) {
             return false;
         }
@@ -5509,9 +4876,9 @@ bool run(call &c, const input &in, unsigned flags, pbw_cuda_mesh *mesh)
     release(c, in.weights, false);
     note(c, 1);
     if (in.dim == 3) {
-        done = weighted ? build<3, given>(c, in, s, id, flags, mesh) : build<3, equal>(c, in, s, id, flags, mesh);
+        done = weighted ? build<3, true>(c, in, s, id, flags, mesh) : build<3, false>(c, in, s, id, flags, mesh);
     } else {
-        done = weighted ? build<2, given>(c, in, s, id, flags, mesh) : build<2, equal>(c, in, s, id, flags, mesh);
+        done = weighted ? build<2, true>(c, in, s, id, flags, mesh) : build<2, false>(c, in, s, id, flags, mesh);
     }
     for (int i = 0; i < 8 && done; i++) {
         done = good(c, cudaEventElapsedTime(&mesh->milliseconds[i], c.mark[i < 7 ? i : 0], c.mark[i < 7 ? i + 1 : 7]),
