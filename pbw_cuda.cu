@@ -1775,89 +1775,110 @@ template <int DIM, bool WEIGHTED, typename REAL> struct near_star {
     typedef star<DIM, WEIGHTED, near_triangles, near_vertices, near_points, REAL> type;
 };
 
-template <int DIM, bool WEIGHTED, bool EXACT>
-__global__ void __launch_bounds__(near_block, near_blocks<DIM, EXACT>::count)
-near_kernel(const __grid_constant__ space all, const box *group, const uint32_t *lists, const near_list *infos,
-            uint32_t first, uint32_t stride, uint32_t count_of, bool keeps, const __grid_constant__ store out,
-            queue failed, queue undecided)
-{
-    typedef typename rung_real<EXACT>::type REAL;
-    typedef typename near_star<DIM, WEIGHTED, REAL>::type star_type;
-    extern __shared__ float4 shared_words[];
-    const int T = 8;
-    star_type &s = ((star_type *)shared_words)[threadIdx.x / T];
-    const int lane = (int)threadIdx.x & (T - 1);
-    const unsigned below = lanes_below<T>();
-    uint32_t v = (blockIdx.x * near_block + threadIdx.x) / T;
-    bool valid = v < count_of, open = false, kept = false;
-    v = valid ? v : count_of - 1;
-    v = EXACT ? undecided.vertex[v] : first + v * stride;
-    const record own = all.point[v];
-    const uint32_t g = v / group_size, row = g - out.first / group_size;
-    const uint32_t *list = lists + (size_t)row * list_size;
-    const near_list info = infos[row];
-    const int length = (int)info.length;
-    const float4 rough = all.rough[v];
-    const float origin[3] = { rough.x, rough.y, rough.z };
-    const float heaviest = WEIGHTED ? (float)((all.heaviest - own.c[DIM]) * (all.unit * all.unit)) * 1.000001f : 0.0f;
-    const unsigned walls = walls_of<DIM>(all, own);
-    uint32_t *sorted = s.scratch, *waiting = s.scratch;     /* one after the other */
-    uint32_t *collected = (uint32_t *)s.sphere;             /* before there is a star */
+/* A launch of the first rung.  Without EXACT it builds total vertices from first on, each stride-th, with EXACT those of
+   undecided. */
+struct near_launch {
+    space all;
+    const box *group;
+    const uint32_t *lists;
+    const near_list *infos;
+    uint32_t first, stride, total;
+    bool keeps;
+    store out;
+    queue failed, undecided;
+};
 
-    bool go = valid && length > 0 && *out.stop == 0;
-    float start2 = info.start * info.start;
-    int have = 0;
-    int shrinks = 0;                                 /* points too close for floats cannot be told apart: give up */
-    for (bool again = go; any(again); shrinks++) {   /* 1. */
-        have = again ? 0 : have;
-        for (int base = 0; any(again && base < (int)info.close); base += T) {
-            uint32_t candidate = again && base + lane < length ? list[base + lane] : none;
+/* A star of the first rung while its tile builds it. */
+template <int DIM, bool WEIGHTED, typename REAL> struct near_state {
+    typename near_star<DIM, WEIGHTED, REAL>::type &s;
+    const near_launch &a;
+    const uint32_t *list;                            /* the groups near v */
+    near_list info;
+    record own;
+    uint32_t v;
+    int lane, length;
+    float origin[3], heaviest;                       /* v; the largest weight relative to v's */
+    unsigned walls;
+    bool go, walking, changed;                       /* walking: step 3; changed: reach is out of date */
+    float start2;                                    /* the square of the start radius */
+    int have, cursor;                                /* points collected, and those of them already tried */
+    int count, stored, position;                     /* triangles; points waiting; groups of the list read */
+    uint32_t candidate, group_here;                  /* of each lane */
+    unsigned pending, groups;                        /* lanes with a candidate to insert; with a group to read */
+    place<REAL> p;                                   /* of the candidate */
+    span reach;
+};
+const int near_lanes = 8;
+
+/* Appends the points of the tile's group candidate closer than the start radius. */
+template <int DIM, bool WEIGHTED, typename REAL>
+__device__ __forceinline__ void collect_group(near_state<DIM, WEIGHTED, REAL> &n, uint32_t group, bool here)
+{
+    uint32_t p = group * group_size + (uint32_t)n.lane;
+    bool take = here && p < n.a.all.count && p != n.v;
+    float d = 0.0f, x[3];
+    if (take) {
+        d = rough_square(n.a.all.rough[p], n.origin, x);
+        take = d < n.start2;
+    }
+    unsigned takers = tile_ballot<near_lanes>(take);
+    int at = n.have + __popc(takers & lanes_below<near_lanes>());
+    if (take && at < near_points) {
+        ((uint32_t *)n.s.sphere)[at] = p;            /* free before there is a star */
+        n.s.scratch[at] = (__float_as_uint(d) & ~63u) | (uint32_t)at;
+    }
+    n.have += __popc(takers);
+}
+
+/* Step 1: the points within the start radius, which shrinks until there is room for them.  Stars whose points are too
+   close for floats to tell apart are given up. */
+template <int DIM, bool WEIGHTED, typename REAL>
+__device__ __forceinline__ void collect_close(near_state<DIM, WEIGHTED, REAL> &n)
+{
+    int shrinks = 0;
+    for (bool again = n.go; any(again); shrinks++) {
+        n.have = again ? 0 : n.have;
+        for (int base = 0; any(again && base < (int)n.info.close); base += near_lanes) {
+            uint32_t group = again && base + n.lane < n.length ? n.list[base + n.lane] : none;
             bool close = false;
-            if (candidate != none) {
-                span b = relative_box<DIM>(group[candidate], origin);
+            if (group != none) {
+                span b = relative_box<DIM>(n.a.group[group], n.origin);
                 float d = 0.0f;
                 for (int k = 0; k < DIM; k++) {
                     float t = fmaxf(fmaxf(b.low[k], -b.high[k]), 0.0f);
                     d = fmaf(t, t, d);
                 }
-                close = d * 0.99999f < start2;
+                close = d * 0.99999f < n.start2;
             }
-            unsigned vote = tile_ballot<T>(close);
-            while (any(vote != 0)) {
-                uint32_t from = tile_read<T>(candidate, vote != 0 ? __ffs((int)vote) - 1 : 0);
-                uint32_t p = from * group_size + (uint32_t)lane;
-                bool take = vote != 0 && p < all.count && p != v;
-                float d = 0.0f, x[3];
-                if (take) {
-                    d = rough_square(all.rough[p], origin, x);
-                    take = d < start2;
-                }
-                vote &= vote - 1;
-                unsigned takers = tile_ballot<T>(take);
-                int at = have + __popc(takers & below);
-                if (take && at < near_points) {
-                    collected[at] = p;
-                    sorted[at] = (__float_as_uint(d) & ~63u) | (uint32_t)at;
-                }
-                have += __popc(takers);
+            for (unsigned vote = tile_ballot<near_lanes>(close); any(vote != 0); vote &= vote - 1) {
+                uint32_t from = tile_read<near_lanes>(group, vote != 0 ? __ffs((int)vote) - 1 : 0);
+                collect_group(n, from, vote != 0);
             }
         }
-        again = again && have > near_points;
-        go = go && (!again || shrinks < 16);
-        again = again && go;
-        start2 = again ? start2 * 0.7f : start2;
+        again = again && n.have > near_points;
+        n.go = n.go && (!again || shrinks < 16);
+        again = again && n.go;
+        n.start2 = again ? n.start2 * 0.7f : n.start2;
         __syncwarp();
     }
+}
+
+/* Sorts the collected points by distance into scratch. */
+template <int DIM, bool WEIGHTED, typename REAL>
+__device__ __forceinline__ void sort_collected(near_state<DIM, WEIGHTED, REAL> &n)
+{
+    const int T = near_lanes;
+    uint32_t *sorted = n.s.scratch, *collected = (uint32_t *)n.s.sphere;
     uint32_t key[near_points / T], value[near_points / T];
-    int before[near_points / T], most = warp_max<T>(go ? have : 0);
+    int before[near_points / T], most = warp_max<T>(n.go ? n.have : 0);
     for (int i = 0; i < near_points / T; i++) {
-        bool mine = go && i * T + lane < have;
-        key[i] = mine ? sorted[i * T + lane] : none;
-        value[i] = mine ? collected[i * T + lane] : none;
+        bool mine = n.go && i * T + n.lane < n.have;
+        key[i] = mine ? sorted[i * T + n.lane] : none;
+        value[i] = mine ? collected[i * T + n.lane] : none;
         before[i] = 0;
     }
     for (int j = 0; j < most; j++) {
-        uint32_t other = go && j < have ? sorted[j] : none;
+        uint32_t other = n.go && j < n.have ? sorted[j] : none;
         for (int i = 0; i < near_points / T; i++) {
             before[i] += other < key[i];
         }
@@ -1869,139 +1890,228 @@ near_kernel(const __grid_constant__ space all, const box *group, const uint32_t 
         }
     }
     __syncwarp();
+}
 
-    uint32_t candidate = go && lane < have ? sorted[lane] : none;   /* 2. */
-    place<REAL> p = relative<DIM, REAL>(all, own, all.point[candidate != none ? candidate : v]);
-    int count = 0, cursor = T, stored = 0, position;
-    unsigned used = start_from_lanes<T>(s, go, candidate, p, have);
-    go = go && used != 0;
-    unsigned pending = go ? ((1u << (have < T ? have : T)) - 1) & ~used : 0, groups = 0;
-    uint32_t group_here = none;
-    bool walking = false, changed = true;
-    position = keeps ? length : 0;
-    span reach = { { 0.0f, 0.0f, 0.0f }, { 0.0f, 0.0f, 0.0f } };
-    for (bool starting = true;; starting = false) {
-        for (; !starting;) {                         /* the next points to insert */
-            bool feed = go && pending == 0 && (walking ? stored > 0 : cursor < have);
-            if (!any(feed)) {
-                break;
-            }
-            int rest = walking ? stored : have - cursor, take = rest < T ? rest : T;
-            __syncwarp();
-            if (feed) {
-                candidate = lane < take ? s.scratch[(walking ? stored - take : cursor) + lane] : none;
-                stored -= walking ? take : 0;
-            }
-            p = relative<DIM, REAL>(all, own, all.point[candidate != none ? candidate : v]);
-            bool screened = walking || cursor >= 2 * T;
-            bool may = may_conflict<T>(s, feed && screened, count, p) || !screened;
-            unsigned vote = tile_ballot<T>(feed && candidate != none && may);
-            pending = feed ? vote : pending;
-            cursor += feed && !walking ? T : 0;
+/* The next candidates that may be in conflict, until each tile has some or no more at hand. */
+template <int DIM, bool WEIGHTED, typename REAL>
+__device__ __forceinline__ void next_candidates(near_state<DIM, WEIGHTED, REAL> &n)
+{
+    const int T = near_lanes;
+    for (;;) {
+        bool feed = n.go && n.pending == 0 && (n.walking ? n.stored > 0 : n.cursor < n.have);
+        if (!any(feed)) {
+            return;
         }
-        if (__syncthreads_or(go && (starting || pending != 0)) == 0) {      /* 3. */
-            if (walking && __syncthreads_or(go && (groups != 0 || position < length)) == 0) {
+        int rest = n.walking ? n.stored : n.have - n.cursor, take = rest < T ? rest : T;
+        __syncwarp();
+        if (feed) {
+            n.candidate = n.lane < take ? n.s.scratch[(n.walking ? n.stored - take : n.cursor) + n.lane] : none;
+            n.stored -= n.walking ? take : 0;
+        }
+        n.p = relative<DIM, REAL>(n.a.all, n.own, n.a.all.point[n.candidate != none ? n.candidate : n.v]);
+        bool screened = n.walking || n.cursor >= 2 * T;
+        bool may = may_conflict<T>(n.s, feed && screened, n.count, n.p) || !screened;
+        unsigned vote = tile_ballot<T>(feed && n.candidate != none && may);
+        n.pending = feed ? vote : n.pending;
+        n.cursor += feed && !n.walking ? T : 0;
+    }
+}
+
+/* The next 8 groups of the list that touch the reach of the star. */
+template <int DIM, bool WEIGHTED, typename REAL>
+__device__ __forceinline__ void next_groups(near_state<DIM, WEIGHTED, REAL> &n, bool load)
+{
+    bool touches = false;
+    if (load && n.position + n.lane < n.length) {
+        n.group_here = n.list[n.position + n.lane];
+        span b = relative_box<DIM>(n.a.group[n.group_here], n.origin);
+        touches = true;
+        for (int k = 0; k < DIM; k++) {
+            touches = touches && b.low[k] <= n.reach.high[k] && b.high[k] >= n.reach.low[k];
+        }
+    }
+    unsigned vote = tile_ballot<near_lanes>(touches);
+    n.groups = load ? vote : n.groups;
+    n.position += load ? near_lanes : 0;
+}
+
+/* Stores the points of several groups that are within the reach; several, to have several loads in flight. */
+template <int DIM, bool WEIGHTED, typename REAL>
+__device__ __forceinline__ void store_points(near_state<DIM, WEIGHTED, REAL> &n, bool fill)
+{
+    const int T = near_lanes;
+    uint32_t other[at_once];
+    float4 place_of[at_once];
+    for (int i = 0; i < at_once; i++) {
+        bool is_there = fill && n.groups != 0;
+        uint32_t from = tile_read<T>(n.group_here, is_there ? __ffs((int)n.groups) - 1 : 0);
+        n.groups &= is_there ? n.groups - 1 : n.groups;
+        other[i] = from * group_size + (uint32_t)n.lane;
+        other[i] = is_there && other[i] < n.a.all.count && other[i] != n.v ? other[i] : none;
+        place_of[i] = n.a.all.rough[other[i] != none ? other[i] : n.v];
+    }
+    for (int i = 0; i < at_once; i++) {
+        float x[3];
+        bool take = rough_square(place_of[i], n.origin, x) >= n.start2 && other[i] != none;
+        for (int k = 0; k < DIM; k++) {
+            take = take && x[k] >= n.reach.low[k] && x[k] <= n.reach.high[k];
+        }
+        unsigned takers = tile_ballot<T>(take);
+        if (take) {
+            n.s.scratch[n.stored + __popc(takers & lanes_below<T>())] = other[i];
+        }
+        n.stored += __popc(takers);
+    }
+}
+
+/* Step 3: walks on through the list, for all tiles of the block that have room. */
+template <int DIM, bool WEIGHTED, typename REAL>
+__device__ __forceinline__ void walk_list(near_state<DIM, WEIGHTED, REAL> &n)
+{
+    n.walking = true;
+    bool renew = n.go && n.changed;
+    if (any(renew)) {
+        span r = reach_of<near_lanes>(n.s, renew, n.count, n.heaviest);
+        n.reach = renew ? r : n.reach;
+        n.changed = n.changed && !renew;
+    }
+    __syncwarp();
+    for (;;) {
+        bool fill = n.go && n.stored <= near_points - at_once * near_lanes
+                 && (n.groups != 0 || n.position < n.length);
+        if (!any(fill)) {
+            return;
+        }
+        bool load = fill && n.groups == 0;
+        if (any(load)) {
+            next_groups(n, load);
+        }
+        store_points(n, fill);
+    }
+}
+
+/* Step 4: marks the simplices whose spheres lie within the box that the list covers; returns whether all do. */
+template <int DIM, bool WEIGHTED, typename REAL>
+__device__ __forceinline__ bool certify(near_state<DIM, WEIGHTED, REAL> &n)
+{
+    const box b = n.a.group[n.v / group_size];
+    span covered;
+    for (int k = 0; k < 3; k++) {
+        const float low = b.low[k] - n.info.reach, high = b.high[k] + n.info.reach;
+        covered.low[k] = low <= 0.0f ? -HUGE_VALF : low - n.origin[k] + 4.8e-7f;
+        covered.high[k] = high >= n.a.all.high[k] ? HUGE_VALF : high - n.origin[k] - 4.8e-7f;
+    }
+    bool certified = true;
+    for (int t = n.lane; n.go && t < n.count; t += near_lanes) {
+        float4 q = n.s.sphere[t];
+        float c[3] = { 0.5f * q.x, 0.5f * q.y, 0.5f * q.z }, radius = radius_of<WEIGHTED>(q, n.heaviest);
+        bool inside = true;
+        for (int k = 0; k < DIM; k++) {
+            inside = inside && c[k] - radius > covered.low[k] && c[k] + radius < covered.high[k];
+        }
+        inside = inside || is_wall(q);
+        n.s.triangle[t] |= inside && !n.a.keeps ? verified : 0;
+        certified = certified && inside;
+    }
+    return tile_ballot<near_lanes>(!certified) == 0;
+}
+
+/* The vertex of a tile, with nothing collected yet. */
+template <int DIM, bool WEIGHTED, typename REAL>
+__device__ __forceinline__ void open_near(near_state<DIM, WEIGHTED, REAL> &n, uint32_t v, bool valid)
+{
+    const space &all = n.a.all;
+    const uint32_t row = v / group_size - n.a.out.first / group_size;
+    const float4 rough = all.rough[v];
+    n.v = v;
+    n.own = all.point[v];
+    n.list = n.a.lists + (size_t)row * list_size;
+    n.info = n.a.infos[row];
+    n.length = (int)n.info.length;
+    n.lane = (int)threadIdx.x & (near_lanes - 1);
+    n.origin[0] = rough.x, n.origin[1] = rough.y, n.origin[2] = rough.z;
+    n.heaviest = WEIGHTED ? (float)((all.heaviest - n.own.c[DIM]) * (all.unit * all.unit)) * 1.000001f : 0.0f;
+    n.walls = walls_of<DIM>(all, n.own);
+    n.go = valid && n.length > 0 && *n.a.out.stop == 0;
+    n.start2 = n.info.start * n.info.start;
+    n.have = 0;
+}
+
+/* Step 2: the star of the nearest points that make a fat corner; the others are candidates. */
+template <int DIM, bool WEIGHTED, typename REAL>
+__device__ __forceinline__ void start_near(near_state<DIM, WEIGHTED, REAL> &n)
+{
+    const int T = near_lanes;
+    n.candidate = n.go && n.lane < n.have ? n.s.scratch[n.lane] : none;
+    n.p = relative<DIM, REAL>(n.a.all, n.own, n.a.all.point[n.candidate != none ? n.candidate : n.v]);
+    const unsigned used = start_from_lanes<T>(n.s, n.go, n.candidate, n.p, n.have);
+    n.go = n.go && used != 0;
+    n.pending = n.go ? ((1u << (n.have < T ? n.have : T)) - 1) & ~used : 0;
+    n.groups = 0;
+    n.group_here = none;
+    n.walking = false;
+    n.changed = true;
+    n.count = n.stored = 0;
+    n.cursor = T;
+    n.position = n.a.keeps ? n.length : 0;
+    n.reach = { { 0.0f, 0.0f, 0.0f }, { 0.0f, 0.0f, 0.0f } };
+}
+
+template <int DIM, bool WEIGHTED, bool EXACT>
+__global__ void __launch_bounds__(near_block, near_blocks<DIM, EXACT>::count)
+near_kernel(const __grid_constant__ near_launch a)
+{
+    typedef typename rung_real<EXACT>::type REAL;
+    typedef typename near_star<DIM, WEIGHTED, REAL>::type star_type;
+    extern __shared__ float4 shared_words[];
+    const int T = near_lanes;
+    near_state<DIM, WEIGHTED, REAL> n = { ((star_type *)shared_words)[threadIdx.x / T], a };
+    const uint32_t tile = (blockIdx.x * near_block + threadIdx.x) / T;
+    const bool valid = tile < a.total;
+    const uint32_t item = valid ? tile : a.total - 1;
+    bool open = false, kept = false;
+    open_near(n, EXACT ? a.undecided.vertex[item] : a.first + item * a.stride, valid);
+    collect_close(n);
+    sort_collected(n);
+    start_near(n);
+    for (bool starting = true;; starting = false) {
+        if (!starting) {
+            next_candidates(n);
+        }
+        if (__syncthreads_or(n.go && (starting || n.pending != 0)) == 0) {
+            if (n.walking && __syncthreads_or(n.go && (n.groups != 0 || n.position < n.length)) == 0) {
                 break;
             }
-            walking = true;
-            bool renew = go && changed;
-            if (any(renew)) {
-                span r = reach_of<T>(s, renew, count, heaviest);
-                reach = renew ? r : reach;
-                changed = changed && !renew;
-            }
-            __syncwarp();
-            for (;;) {
-                bool fill = go && stored <= near_points - at_once * T && (groups != 0 || position < length);
-                if (!any(fill)) {
-                    break;
-                }
-                bool load = fill && groups == 0, touches = false;
-                if (any(load)) {
-                    if (load && position + lane < length) {
-                        group_here = list[position + lane];
-                        span b = relative_box<DIM>(group[group_here], origin);
-                        touches = true;
-                        for (int k = 0; k < DIM; k++) {
-                            touches = touches && b.low[k] <= reach.high[k] && b.high[k] >= reach.low[k];
-                        }
-                    }
-                    unsigned vote = tile_ballot<T>(touches);
-                    groups = load ? vote : groups;
-                    position += load ? T : 0;
-                }
-                uint32_t other[at_once];
-                float4 place_of[at_once];            /* several groups at a time, to have several loads at once */
-                for (int i = 0; i < at_once; i++) {
-                    bool is_there = fill && groups != 0;
-                    uint32_t from = tile_read<T>(group_here, is_there ? __ffs((int)groups) - 1 : 0);
-                    groups &= is_there ? groups - 1 : groups;
-                    other[i] = from * group_size + (uint32_t)lane;
-                    other[i] = is_there && other[i] < all.count && other[i] != v ? other[i] : none;
-                    place_of[i] = all.rough[other[i] != none ? other[i] : v];
-                }
-                for (int i = 0; i < at_once; i++) {
-                    float x[3];
-                    bool take = rough_square(place_of[i], origin, x) >= start2 && other[i] != none;
-                    for (int k = 0; k < DIM; k++) {
-                        take = take && x[k] >= reach.low[k] && x[k] <= reach.high[k];
-                    }
-                    unsigned takers = tile_ballot<T>(take);
-                    if (take) {
-                        waiting[stored + __popc(takers & below)] = other[i];
-                    }
-                    stored += __popc(takers);
-                }
-            }
+            walk_list(n);
             continue;
         }
-        bool now = go && (starting || pending != 0);
+        bool now = n.go && (starting || n.pending != 0);
         if (!any(now)) {
             continue;
         }
         hole cavity = first_hole<DIM>();
         int fans = 1;
         if (!starting) {
-            int from = now ? __ffs((int)pending) - 1 : 0;
-            pending &= pending - 1;
-            uint32_t next = tile_read<T>(candidate, from);
-            place<REAL> at = tile_place<T>(p, from);
-            int result = carve<T, EXACT>(s, all, v, now, next, at, count, NULL, cavity);
+            int from = now ? __ffs((int)n.pending) - 1 : 0;
+            n.pending &= n.pending - 1;
+            uint32_t next = tile_read<T>(n.candidate, from);
+            place<REAL> at = tile_place<T>(n.p, from);
+            int result = carve<T, EXACT>(n.s, a.all, n.v, now, next, at, n.count, NULL, cavity);
             now = result == star_changed;
             fans = cavity.edges;
-            changed = changed || now;
+            n.changed = n.changed || now;
             open = open || (!EXACT && (result & star_open) != 0);
-            kept = kept || (keeps && (result & star_full) != 0);
-            go = go && (result & (keeps ? star_full : ~star_changed)) == 0;
+            kept = kept || (a.keeps && (result & star_full) != 0);
+            n.go = n.go && (result & (a.keeps ? star_full : ~star_changed)) == 0;
         }
-        fan<T>(s, now, cavity, fans, count, walls);
+        fan<T>(n.s, now, cavity, fans, n.count, n.walls);
     }
-    box b = group[g];                                /* 4. */
-    span covered;
-    for (int k = 0; k < 3; k++) {
-        covered.low[k] = b.low[k] - info.reach <= 0.0f ? -HUGE_VALF : b.low[k] - info.reach - origin[k] + 4.8e-7f;
-        covered.high[k] =
-            b.high[k] + info.reach >= all.high[k] ? HUGE_VALF : b.high[k] + info.reach - origin[k] - 4.8e-7f;
-    }
-    bool certified = true;
-    if (go) {
-        for (int t = lane; t < count; t += T) {
-            float4 q = s.sphere[t];
-            float c[3] = { 0.5f * q.x, 0.5f * q.y, 0.5f * q.z }, radius = radius_of<WEIGHTED>(q, heaviest);
-            bool inside = true;
-            for (int k = 0; k < DIM; k++) {
-                inside = inside && c[k] - radius > covered.low[k] && c[k] + radius < covered.high[k];
-            }
-            inside = inside || is_wall(q);
-            s.triangle[t] |= inside && !keeps ? verified : 0;
-            certified = certified && inside;
-        }
-    }
-    certified = tile_ballot<T>(!certified) == 0;
-    finish<T>(s, go || kept, v, count, out);
-    enqueue(failed, !keeps && valid && lane == 0 && !open && !(go && certified), v | (go ? stored_mark : 0));
+    const bool certified = certify(n);
+    finish<T>(n.s, n.go || kept, n.v, n.count, a.out);
+    enqueue(a.failed, !a.keeps && valid && n.lane == 0 && !open && !(n.go && certified),
+            n.v | (n.go ? stored_mark : 0));
     if (!EXACT) {
-        enqueue(undecided, !keeps && valid && lane == 0 && open, v);
+        enqueue(a.undecided, !a.keeps && valid && n.lane == 0 && open, n.v);
     }
 }
 
@@ -2255,13 +2365,39 @@ __device__ inline void start_from_store(star<DIM, WEIGHTED, NT, NV, SCRATCH, REA
 
 enum { far_busy, far_certified, far_hidden, far_lost, far_capped };
 
-/* One star, by all warps of a block: each searches for conflicts of its own simplex, then they insert in turns. 
-   resume: the store holds what was found so far; changed: whether the star is another than that. */
+/* A launch of the second or third rung: total stars of work, each with at most cap looks.  After more than limit
+   failures the remaining stars are not tried.  Without shared memory stars live in scratch. */
+struct far_launch {
+    space all;
+    tree boxes;
+    const unsigned long long *seed;
+    queue work;
+    uint32_t total, limit;
+    int cap;
+    void *scratch;
+    pbw__digit *pool;
+    store out;
+    queue failed, large;
+};
+
+struct far_task {                                    /* resume: the store holds what was found so far */
+    uint32_t v;
+    bool resume;
+    pbw__digit *pool;
+};
+
+/* One star, by all warps of a block: each searches for conflicts of its own simplex, then they insert in turns.
+   changed: whether the star differs from the stored one. */
 template <bool EXACT, int WARPS, int DIM, bool WEIGHTED, int NT, int NV, int SCRATCH, typename REAL>
-__device__ inline int far_star_of(star<DIM, WEIGHTED, NT, NV, SCRATCH, REAL> &s, const space &all, const tree &boxes,
-                                  const unsigned long long *seed, const store &in, uint32_t v, bool resume, int cap,
-                                  pbw__digit *pool, int &count, bool &changed)
+__device__ inline int far_star_of(star<DIM, WEIGHTED, NT, NV, SCRATCH, REAL> &s, const far_launch &a,
+                                  const far_task &task, int &count, bool &changed)
 {
+    const space &all = a.all;
+    const tree &boxes = a.boxes;
+    const store &in = a.out;
+    const uint32_t v = task.v;
+    const int cap = a.cap;
+    pbw__digit *const pool = task.pool;
     const int lane = (int)threadIdx.x & 31, warp = (int)threadIdx.x / 32;
     const unsigned below = lanes_below<32>();
     const record own = all.point[v];
@@ -2279,16 +2415,16 @@ __device__ inline int far_star_of(star<DIM, WEIGHTED, NT, NV, SCRATCH, REAL> &s,
     count = 0;
     if (warp == 0) {
         bool started = true;
-        if (resume) {
+        if (task.resume) {
             start_from_store<32>(s, true, all, in, v, own, walls, count);
         } else {
-            started = start_on_curve<EXACT>(s, all, seed, v, own, walls, pool, candidate, p, count);
+            started = start_on_curve<EXACT>(s, all, a.seed, v, own, walls, pool, candidate, p, count);
             pending = started ? __ballot_sync(all_lanes, candidate != none) : 0;
         }
         if (lane == 0) {
             shared.count = count;
             shared.verdict = started ? far_busy : far_lost;
-            shared.changed = !resume;
+            shared.changed = !task.resume;
         }
     }
     meet<WARPS>();
@@ -2458,43 +2594,40 @@ __device__ inline int far_star_of(star<DIM, WEIGHTED, NT, NV, SCRATCH, REAL> &s,
 }
 
 /* A star in shared memory, a block each; else in scratch, and blocks take vertices in turn.
-   The exact stages are for the warp whose turn it is, so that a block needs one pool.
-   Too many failures mean that the input is not for this method: then nothing more is tried. */
+   Only the warp that inserts calls the exact stages, so one pool serves a block. */
 template <int DIM, bool WEIGHTED, typename RUNG>
 __global__ void __launch_bounds__(32 * RUNG::warps, RUNG::blocks)
-far_kernel(const __grid_constant__ space all, const __grid_constant__ tree boxes, const unsigned long long *seed,
-           queue work, uint32_t total, int cap, uint32_t limit, void *scratch, pbw__digit *pool,
-           const __grid_constant__ store out, queue failed, queue large)
+far_kernel(const __grid_constant__ far_launch a)
 {
     typedef typename far_star<DIM, WEIGHTED, RUNG>::type star_type;
     extern __shared__ float4 shared_words[];
-    star_type &s = *(RUNG::shared ? (star_type *)shared_words : (star_type *)scratch + blockIdx.x);
-    pbw__digit *digits = pool == NULL ? NULL : pool + (blockIdx.x * 32 + (threadIdx.x & 31)) * (size_t)PBW__POOL;
+    star_type &s = *(RUNG::shared ? (star_type *)shared_words : (star_type *)a.scratch + blockIdx.x);
+    pbw__digit *digits = a.pool == NULL ? NULL : a.pool + (blockIdx.x * 32 + (threadIdx.x & 31)) * (size_t)PBW__POOL;
     __shared__ bool ends;
-    for (uint32_t i = blockIdx.x; i < total; i += gridDim.x) {
-        uint32_t entry = work.vertex[i], v = entry & ~stored_mark;
-        bool resume = entry != v && out.place[v - out.first] != none, changed;  /* none: the store was too small */
+    for (uint32_t i = blockIdx.x; i < a.total; i += gridDim.x) {
+        uint32_t entry = a.work.vertex[i], v = entry & ~stored_mark;
+        bool resume = entry != v && a.out.place[v - a.out.first] != none, changed;  /* none: the store was too small */
         int count = 0;
         if (threadIdx.x == 0) {
-            ends = *(volatile uint32_t *)failed.count > limit || *out.stop != 0;
+            ends = *(volatile uint32_t *)a.failed.count > a.limit || *a.out.stop != 0;
         }
         meet<RUNG::warps>();
         if (ends) {
             return;
         }
         int verdict =
-            far_star_of<RUNG::exact, RUNG::warps>(s, all, boxes, seed, out, v, resume, cap, digits, count, changed);
+            far_star_of<RUNG::exact, RUNG::warps>(s, a, far_task{ v, resume, digits }, count, changed);
         if (threadIdx.x < 32) {
             bool fails = verdict == far_lost || verdict == far_capped, stays = verdict != far_lost;
             if (verdict == far_capped || (verdict == far_certified && changed)) {
-                finish<32>(s, true, v, count, out);
+                finish<32>(s, true, v, count, a.out);
             }
             if (verdict == far_hidden && threadIdx.x == 0) {
-                out.place[v - out.first] = hidden;
-                out.owned[v - out.first] = 0;
+                a.out.place[v - a.out.first] = hidden;
+                a.out.owned[v - a.out.first] = 0;
             }
-            enqueue(failed, fails && threadIdx.x == 0, stays ? v | stored_mark : entry);
-            enqueue(large, verdict == far_certified && threadIdx.x == 0, v);
+            enqueue(a.failed, fails && threadIdx.x == 0, stays ? v | stored_mark : entry);
+            enqueue(a.large, verdict == far_certified && threadIdx.x == 0, v);
         }
         meet<RUNG::warps>();
     }
@@ -2754,39 +2887,52 @@ template <typename RUNG> __device__ inline uint32_t deepest(const wide_star<RUNG
     return best;
 }
 
+/* A launch of a rung for surfaces: the vertices of a list, or if it is NULL total from first on, each stride-th.  next:
+   the first that no warp has taken; work, unless NULL: the sum of all looks. */
+struct wide_launch {
+    space all;
+    brick_tree bricks;
+    const unsigned long long *seed;
+    const uint32_t *vertex;
+    uint32_t first, stride, total, limit;
+    uint32_t *next;
+    unsigned long long *work;
+    int cap;
+    void *scratch;
+    pbw__digit *pool;
+    store in, out;
+    queue failed, large;
+};
+
 /* A warp a star, from that of an earlier rung on.  The tree is searched once: a point or brick that no simplex of the
    star is in conflict with will never be, because stars only shrink; so when nothing waits any more the star is
-   certified.  The deepest brick is searched first, the deepest point inserted first.  vertex: NULL for all from first
-   on, by stride; next: the first that nobody has; work: how much was searched. */
+   certified.  The deepest brick is searched first, the deepest point inserted first. */
 template <typename RUNG>
-__global__ void __launch_bounds__(32, RUNG::blocks)
-wide_kernel(const __grid_constant__ space all, const __grid_constant__ brick_tree bricks,
-            const unsigned long long *seed, const uint32_t *vertex, uint32_t first, uint32_t stride, uint32_t total,
-            uint32_t *next, unsigned long long *work, int cap_of_work, uint32_t limit, void *scratch,
-            pbw__digit *pool, const __grid_constant__ store in, const __grid_constant__ store out, queue failed,
-            queue large)
+__global__ void __launch_bounds__(32, RUNG::blocks) wide_kernel(const __grid_constant__ wide_launch a)
 {
+    const space &all = a.all;
+    const brick_tree &bricks = a.bricks;
     const int lane = (int)threadIdx.x;
     const unsigned below = lanes_below<32>();
     extern __shared__ float4 shared_words[];
-    wide_star<RUNG> &w = RUNG::shared ? *(wide_star<RUNG> *)shared_words : ((wide_star<RUNG> *)scratch)[blockIdx.x];
+    wide_star<RUNG> &w = RUNG::shared ? *(wide_star<RUNG> *)shared_words : ((wide_star<RUNG> *)a.scratch)[blockIdx.x];
     typename wide_star<RUNG>::type &s = w.s;
     uint32_t *waiting = s.scratch, *group = s.scratch + RUNG::room;
-    pbw__digit *digits = pool == NULL ? NULL : pool + (blockIdx.x * 32 + (uint32_t)lane) * (size_t)PBW__POOL;
+    pbw__digit *digits = a.pool == NULL ? NULL : a.pool + (blockIdx.x * 32 + (uint32_t)lane) * (size_t)PBW__POOL;
     for (;;) {
-        uint32_t i = lane == 0 ? atomicAdd(next, 1u) : 0;
+        uint32_t i = lane == 0 ? atomicAdd(a.next, 1u) : 0;
         i = __shfl_sync(all_lanes, i, 0);
-        if (any(i >= total || *(volatile uint32_t *)failed.count > limit || *out.stop != 0)) {
+        if (any(i >= a.total || *(volatile uint32_t *)a.failed.count > a.limit || *a.out.stop != 0)) {
             return;
         }
-        const uint32_t v = vertex == NULL ? first + i * stride : vertex[i];
+        const uint32_t v = a.vertex == NULL ? a.first + i * a.stride : a.vertex[i];
         const record own = all.point[v];
         const double origin[3] = { in_units(all, own, 0), in_units(all, own, 1), in_units(all, own, 2) };
         const unsigned walls = walls_of<3>(all, own);
         uint32_t candidate = none;
         place<double> p = relative<3, double>(all, own, own);
         int count = 0, waits = 4, groups = 0, spent = 0;
-        bool started = in.place[v - in.first] != none, lost;
+        bool started = a.in.place[v - a.in.first] != none, lost;
         unsigned pending = 0;
         float deep = 0.0f;                           /* the lane's candidate */
         for (int k = lane; k < RUNG::vertices; k += 32) {
@@ -2794,9 +2940,9 @@ wide_kernel(const __grid_constant__ space all, const __grid_constant__ brick_tre
         }
         __syncwarp();
         if (started) {
-            start_from_store<32>(s, true, all, in, v, own, walls, count);
+            start_from_store<32>(s, true, all, a.in, v, own, walls, count);
         } else {
-            started = start_on_curve<true>(s, all, seed, v, own, walls, digits, candidate, p, count);
+            started = start_on_curve<true>(s, all, a.seed, v, own, walls, digits, candidate, p, count);
             pending = started ? __ballot_sync(all_lanes, candidate != none) : 0;
         }
         lost = !started;
@@ -2870,14 +3016,14 @@ wide_kernel(const __grid_constant__ space all, const __grid_constant__ brick_tre
                     pending &= __ballot_sync(all_lanes, deep > 0.0f);
                 }
             }
-            lost = lost || spent > cap_of_work || ((spent & 63) == 0 && any(*out.stop != 0));
+            lost = lost || spent > a.cap || ((spent & 63) == 0 && any(*a.out.stop != 0));
         }
-        if (work != NULL && lane == 0) {
-            atomicAdd(work, (unsigned long long)spent);
+        if (a.work != NULL && lane == 0) {
+            atomicAdd(a.work, (unsigned long long)spent);
         }
-        finish<32>(s, started, v, count, out);
-        enqueue(failed, lane == 0 && lost, v);
-        enqueue(large, lane == 0 && !lost && count > small_triangles - 4, v);
+        finish<32>(s, started, v, count, a.out);
+        enqueue(a.failed, lane == 0 && lost, v);
+        enqueue(a.large, lane == 0 && !lost && count > small_triangles - 4, v);
     }
 }
 
@@ -3763,6 +3909,16 @@ void release(call &c, const void *address, bool keep)
     }
 }
 
+/* Device memory that is freed at the end of its scope. */
+template <typename V> struct buffer {
+    call &c;
+    V *at;
+    explicit buffer(call &of) : c(of), at(NULL) {}
+    buffer(const buffer &) = delete;
+    ~buffer() { release(c, at, false); }
+    bool make(size_t count) { return allocate(c, at, count); }
+};
+
 /* Progress, on the caller's thread; whether to stop. */
 void look_up(call &c, pbw_stage stage, double done)
 {
@@ -4151,33 +4307,6 @@ const unsigned long long most_looks = 128;
 /* Few points are built soon on any rung. */
 const uint32_t sample_size = 1024, sampled_from = 1u << 14;
 
-/* Whether a sample shows that the first rung certifies less than half: points on surfaces and curves, where spheres
-   are large. */
-template <int DIM, bool WEIGHTED>
-bool sample_stars(call &c, const space &s, const tree &t, const uint32_t *lists, const near_list *infos,
-                  const store &out, const queue *q, size_t near_bytes, size_t exact_bytes, bool &far)
-{
-    fill(c, q[0].count, 0, 3);
-    fill(c, out.used, 0, 1);
-    const uint32_t stride = (out.end - out.first) / sample_size;
-    const unsigned blocks = blocks_for(sample_size, near_block / 8);
-    uint2 counts;                                    /* of q[0] and q[1] */
-    near_kernel<DIM, WEIGHTED, false><<<blocks, near_block, near_bytes, c.stream>>>(
-        s, t.level[0], lists, infos, out.first, stride, sample_size, false, out, q[0], q[1]);
-    if (!launched(c, "sample") || !read_back(c, counts, (const uint2 *)q[0].count, PBW_STAGE_BUILD, 0.0)) {
-        return false;
-    }
-    if (counts.y > 0 && counts.x + counts.y > sample_size / 2) {
-        near_kernel<DIM, WEIGHTED, true><<<blocks_for(counts.y, near_block / 8), near_block, exact_bytes, c.stream>>>(
-            s, t.level[0], lists, infos, 0, 1, counts.y, false, out, q[0], q[1]);
-        if (!launched(c, "sample") || !read_back(c, counts, (const uint2 *)q[0].count, PBW_STAGE_BUILD, 0.0)) {
-            return false;
-        }
-    }
-    far = counts.x > sample_size / 2;
-    return true;
-}
-
 /* The copy of the points that a mesh keeps is made while the device is at work. */
 bool keep_points(call &c)
 {
@@ -4190,110 +4319,162 @@ bool keep_points(call &c)
     return true;
 }
 
-/* The stars that earlier rungs left in q[1]. */
-template <int DIM, bool WEIGHTED>
-bool build_far_stars(call &c, const space &s, const tree &t, const store &out, const queue *q,
-                     unsigned long long *seed, uint32_t failed, size_t *stars)
+/* The stars of a card's share while the rungs make them. */
+struct workshop {
+    space s;
+    tree t;
+    uint32_t *lists;                                 /* of groups near each group of the share */
+    near_list *infos;
+    store out;
+    queue q[3];                                      /* stars for the next rung, in turn; q[2]: large stars */
+    unsigned long long *seed;                        /* behind it: looks of a sample */
+    uint32_t *next;
+    size_t *made;                                    /* stars of each rung */
+};
+
+/* Empties the store and the queues. */
+void start_over(call &c, const workshop &w)
 {
-    typedef far_star<DIM, WEIGHTED, last_rung> last_type;
-    const size_t far_bytes = sizeof(typename far_star<DIM, WEIGHTED, far_rung>::type);
-    const uint32_t limit = 128 + (out.end - out.first) / 2048;
-    uint32_t last = 0;
-    if (failed > 0) {
-        fill(c, seed, 0, 4);
-        fill(c, q[0].count, 0, 1);
-        for (int found = 1; found <= DIM; found++) {
-            unsigned blocks = blocks_for(s.count, 256);
-            seed_kernel<<<blocks < 1024 ? blocks : 1024, 256, 0, c.stream>>>(s, DIM, found, seed);
-        }
-        far_kernel<DIM, WEIGHTED, far_rung><<<failed, 32 * far_rung::warps, far_bytes, c.stream>>>(
-            s, t, seed, q[1], failed, far_cap, limit, NULL, NULL, out, q[0], q[2]);
-        if (!launched(c, "far stars") || !read_back(c, last, q[0].count, PBW_STAGE_BUILD, 0.95)) {
-            return false;
-        }
-    }
-    stars[2] = last;
-    if (last > limit) {
-        return decline_stars(c, last);
-    }
-    if (last > 0) {
-        uint32_t blocks = last < last_blocks ? last : last_blocks, lost = last;
-        bool going = true;
-        typename last_type::type *scratch = NULL;
-        pbw__digit *pool = NULL;
-        if (!allocate(c, scratch, blocks) || !allocate(c, pool, (size_t)blocks * 32 * PBW__POOL)) {
-            return false;
-        }
-        for (int i = 0; i < 2 && going; i++) {       /* again with a larger cap, but only a few */
-            const queue &from = q[i], to = { q[1 - i].vertex, q[1 - i].count };
-            uint32_t given = lost;
-            if (!fill(c, to.count, 0, 1)) {
-                return false;
-            }
-            far_kernel<DIM, WEIGHTED, last_rung><<<blocks, 32 * last_rung::warps, 0, c.stream>>>(
-                s, t, seed, from, given, last_cap[i], i == 0 ? last_blocks : 0, scratch, pool, out, to, q[2]);
-            if (!launched(c, "last stars") || !read_back(c, lost, to.count, PBW_STAGE_BUILD, 0.95)) {
-                return false;
-            }
-            going = lost > 0 && lost <= last_blocks;
-        }
-        release(c, scratch, false);
-        release(c, pool, false);
-        if (lost > 0) {
-            return decline_stars(c, lost);
-        }
-    }
-    note(c, 4);
-    return c.status == PBW_OK;
+    const uint32_t mine = w.out.end - w.out.first;
+    fill(c, w.q[0].count, 0, 3);
+    fill(c, w.out.used, 0, 1);
+    fill(c, w.out.owned + mine, 0, 1);
+    fill(c, w.out.place, 0xff, mine);
 }
 
-/* The stars of a list by one rung: launch gets the number of its blocks, the shared bytes of each, and what a rung
-   without those has in place of them.  next is scratch.  Says how many failed. */
-template <typename RUNG, typename STAR, typename LAUNCH>
-bool run_rung(call &c, uint32_t total, int tiles, uint32_t *next, const queue &failed, uint32_t &count, LAUNCH launch)
+template <int DIM> void find_seeds(call &c, const workshop &w)
 {
-    int device = 0, processors = 1;
-    STAR *scratch = NULL;
-    pbw__digit *pool = NULL;
-    count = 0;
-    if (total == 0) {
-        return true;
+    const unsigned blocks = blocks_for(w.s.count, 256);
+    fill(c, w.seed, 0, 4);
+    for (int found = 1; found <= DIM; found++) {
+        seed_kernel<<<blocks < 1024 ? blocks : 1024, 256, 0, c.stream>>>(w.s, DIM, found, w.seed);
     }
-    if (!good(c, cudaGetDevice(&device), "cudaGetDevice")
-        || !good(c, cudaDeviceGetAttribute(&processors, cudaDevAttrMultiProcessorCount, device),
-                 "cudaDeviceGetAttribute")
-        || !fill(c, next, 0, 1) || !fill(c, failed.count, 0, 1)) {
+}
+
+/* The first rung for total vertices from first on, each stride-th; with EXACT for the first total of q[1]. */
+template <int DIM, bool WEIGHTED, bool EXACT>
+bool launch_near(call &c, const workshop &w, uint32_t first, uint32_t stride, uint32_t total, bool keeps = false)
+{
+    typedef typename near_star<DIM, WEIGHTED, typename rung_real<EXACT>::type>::type star_type;
+    const size_t bytes = sizeof(star_type) * (near_block / near_lanes);
+    static_assert(sizeof(star_type) * (near_block / near_lanes) <= 48 << 10,
+                  "the stars of a block fit what every device has of shared memory");
+    const near_launch a = { w.s, w.t.level[0], w.lists, w.infos, first, stride, total, keeps, w.out, w.q[0], w.q[1] };
+    near_kernel<DIM, WEIGHTED, EXACT><<<blocks_for(total, near_block / near_lanes), near_block, bytes, c.stream>>>(a);
+    return launched(c, "near stars");
+}
+
+/* far: whether a sample shows that the first rung certifies less than half, as where points lie on surfaces and
+   curves and spheres are large. */
+template <int DIM, bool WEIGHTED> bool sample_stars(call &c, const workshop &w, bool &far)
+{
+    uint2 counts;                                    /* of q[0] and q[1] */
+    fill(c, w.q[0].count, 0, 3);
+    fill(c, w.out.used, 0, 1);
+    if (!launch_near<DIM, WEIGHTED, false>(c, w, w.out.first, (w.out.end - w.out.first) / sample_size, sample_size)
+        || !read_back(c, counts, (const uint2 *)w.q[0].count, PBW_STAGE_BUILD, 0.0)) {
         return false;
     }
-    const unsigned most = RUNG::shared ? (unsigned)(processors * RUNG::blocks) : last_blocks;
-    const unsigned blocks = blocks_for(total, (unsigned)tiles) < most ? blocks_for(total, (unsigned)tiles) : most;
-    if (!RUNG::shared
-        && (!allocate(c, scratch, blocks * (size_t)tiles) || !allocate(c, pool, (size_t)blocks * 32 * PBW__POOL))) {
+    if (counts.y > 0 && counts.x + counts.y > sample_size / 2
+        && (!launch_near<DIM, WEIGHTED, true>(c, w, 0, 1, counts.y)
+            || !read_back(c, counts, (const uint2 *)w.q[0].count, PBW_STAGE_BUILD, 0.0))) {
         return false;
     }
-    launch(blocks, RUNG::shared ? sizeof(STAR) * (size_t)tiles : 0, scratch, pool);
-    if (!launched(c, "stars of a rung") || !keep_points(c)
-        || !read_back(c, count, failed.count, PBW_STAGE_BUILD, 0.8)) {
-        return false;
-    }
-    release(c, scratch, false);
-    release(c, pool, false);
+    far = counts.x > sample_size / 2;
     return true;
 }
 
-template <typename RUNG>
-bool run_wide_rung(call &c, const space &s, const brick_tree &t, const unsigned long long *seed,
-                   const uint32_t *vertex, uint32_t first, uint32_t stride, uint32_t total, uint32_t *next,
-                   unsigned long long *work, int cap_of_work, uint32_t limit, const store &in, const store &out,
-                   const queue &failed, const queue &large, uint32_t &count)
+/* The first rung: all stars of the share, then those that floats left open. */
+template <int DIM, bool WEIGHTED> bool build_near_stars(call &c, const workshop &w, uint32_t &failed)
 {
-    return run_rung<RUNG, wide_star<RUNG> >(
-        c, total, 1, next, failed, count,
-        [&](unsigned blocks, size_t bytes, wide_star<RUNG> *scratch, pbw__digit *pool) {
-            wide_kernel<RUNG><<<blocks, 32, bytes, c.stream>>>(s, t, seed, vertex, first, stride, total, next, work,
-                                                               cap_of_work, limit, scratch, pool, in, out, failed,
-                                                               large);
-        });
+    const uint32_t chunk = 1u << 22, mine = w.out.end - w.out.first;
+    uint32_t open = 0;
+    start_over(c, w);
+    w.made[0] = mine;
+    for (uint32_t first = w.out.first; first < w.out.end && c.status == PBW_OK; first += chunk) {
+        const uint32_t count = w.out.end - first < chunk ? w.out.end - first : chunk;
+        const bool more = first + count < w.out.end;
+        if (!launch_near<DIM, WEIGHTED, false>(c, w, first, 1, count)) {
+            return false;
+        }
+        if (first == w.out.first && more) {          /* one ahead: the host has time for its part */
+            continue;
+        }
+        if (!keep_points(c)) {
+            return false;
+        }
+        if (more) {
+            wait(c, c.stream, PBW_STAGE_BUILD, 0.7 * (double)(first - w.out.first) / (double)mine);
+        }
+    }
+    if (!read_back(c, open, w.q[1].count, PBW_STAGE_BUILD, 0.7)
+        || (open > 0 && !launch_near<DIM, WEIGHTED, true>(c, w, 0, 1, open))) {
+        return false;
+    }
+    note(c, 3);
+    return read_back(c, failed, w.q[0].count, PBW_STAGE_BUILD, 0.8);
+}
+
+/* The second rung without exact tests: failed stars of q[0]; those that it fails come to q[1]. */
+template <int DIM, bool WEIGHTED> bool build_quick_stars(call &c, const workshop &w, uint32_t &failed)
+{
+    const size_t bytes = sizeof(typename far_star<DIM, WEIGHTED, quick_rung>::type);
+    const uint32_t chunk = 1u << 18, total = failed;
+    if (!fill(c, w.q[1].count, 0, 1) || total == 0) {
+        return c.status == PBW_OK;
+    }
+    for (uint32_t first = 0; first < total; first += chunk) {
+        const uint32_t count = total - first < chunk ? total - first : chunk;
+        const queue some = { w.q[0].vertex + first, NULL };
+        const far_launch a = { w.s, w.t, w.seed, some, count, none, quick_cap, NULL, NULL, w.out, w.q[1], w.q[2] };
+        far_kernel<DIM, WEIGHTED, quick_rung><<<count, 32 * quick_rung::warps, bytes, c.stream>>>(a);
+        if (!launched(c, "far stars") || (first + count < total && !wait(c, c.stream, PBW_STAGE_BUILD, 0.8))) {
+            return false;
+        }
+    }
+    return read_back(c, failed, w.q[1].count, PBW_STAGE_BUILD, 0.9);
+}
+
+/* The second rung with exact tests: failed stars of q[1]; those that it fails come to q[0]. */
+template <int DIM, bool WEIGHTED> bool build_far_stars(call &c, const workshop &w, uint32_t &failed)
+{
+    const size_t bytes = sizeof(typename far_star<DIM, WEIGHTED, far_rung>::type);
+    const uint32_t limit = 128 + (w.out.end - w.out.first) / 2048;
+    if (failed > 0) {
+        const far_launch a = { w.s, w.t, w.seed, w.q[1], failed, limit, far_cap, NULL, NULL, w.out, w.q[0], w.q[2] };
+        find_seeds<DIM>(c, w);
+        fill(c, w.q[0].count, 0, 1);
+        far_kernel<DIM, WEIGHTED, far_rung><<<failed, 32 * far_rung::warps, bytes, c.stream>>>(a);
+        if (!launched(c, "far stars") || !read_back(c, failed, w.q[0].count, PBW_STAGE_BUILD, 0.95)) {
+            return false;
+        }
+    }
+    w.made[2] = failed;
+    return failed <= limit || decline_stars(c, failed);
+}
+
+/* The third rung: lost stars of q[0], and those that it fails once more with a larger cap, if they are few. */
+template <int DIM, bool WEIGHTED> bool build_last_stars(call &c, const workshop &w, uint32_t lost)
+{
+    const uint32_t blocks = lost < last_blocks ? lost : last_blocks;
+    buffer<typename far_star<DIM, WEIGHTED, last_rung>::type> scratch(c);
+    buffer<pbw__digit> pool(c);
+    if (lost > 0 && (!scratch.make(blocks) || !pool.make((size_t)blocks * 32 * PBW__POOL))) {
+        return false;
+    }
+    for (int i = 0; i < 2 && lost > 0 && (i == 0 || lost <= last_blocks); i++) {
+        const far_launch a = { w.s, w.t, w.seed, w.q[i], lost, i == 0 ? last_blocks : 0, last_cap[i], scratch.at,
+                               pool.at, w.out, { w.q[1 - i].vertex, w.q[1 - i].count }, w.q[2] };
+        if (!fill(c, w.q[1 - i].count, 0, 1)) {
+            return false;
+        }
+        far_kernel<DIM, WEIGHTED, last_rung><<<blocks, 32 * last_rung::warps, 0, c.stream>>>(a);
+        if (!launched(c, "last stars") || !read_back(c, lost, w.q[1 - i].count, PBW_STAGE_BUILD, 0.95)) {
+            return false;
+        }
+    }
+    note(c, 4);
+    return lost == 0 ? c.status == PBW_OK : decline_stars(c, lost);
 }
 
 bool lay_bricks(call &c, const space &s, brick_tree &t)
@@ -4320,106 +4501,140 @@ bool lay_bricks(call &c, const space &s, brick_tree &t)
     return launched(c, "bricks");
 }
 
-/* Stars of points on surfaces.  Those that the first rung begins go to a store of their own, which is given back.
-   wide comes out false, and nothing is done, if a sample shows that too many stars are large or searched for long:
-   the CPU takes 150 to 250 ns a point on 16 threads, a warp of each four here 3 us for a look at 32 places. */
-bool build_wide_stars(call &c, const space &s, const tree &t, const brick_tree &bricks, const uint32_t *lists,
-                      const near_list *infos, store &out, const queue *q, unsigned long long *seed, uint32_t *next,
-                      size_t *stars, bool &wide)
+/* A rung for surfaces; failed: how many stars it left. */
+template <typename RUNG> bool run_wide_rung(call &c, wide_launch a, uint32_t &failed)
 {
-    const size_t near_bytes = sizeof(near_star<3, false, float>::type) * (near_block / 8);
-    const uint32_t mine = out.end - out.first;
-    const unsigned blocks = blocks_for(s.count, 256) < 1024 ? blocks_for(s.count, 256) : 1024;
-    unsigned long long used = 0, looks = 0, *const looks_of_all = seed + 4;
-    uint32_t failed = 0, last = 0;
-    fill(c, seed, 0, 4);
-    for (int found = 1; found <= 3; found++) {
-        seed_kernel<<<blocks, 256, 0, c.stream>>>(s, 3, found, seed);
-    }
-    for (int pass = 0; pass < 2; pass++) {           /* a sample, then all */
-        const uint32_t total = pass == 0 ? sample_size : mine, stride = pass == 0 ? mine / sample_size : 1;
-        const store in = out;
-        fill(c, q[0].count, 0, 3);
-        fill(c, out.used, 0, 1);
-        fill(c, out.owned + mine, 0, 1);
-        fill(c, out.place, 0xff, mine);
-        near_kernel<3, false, false><<<blocks_for(total, near_block / 8), near_block, near_bytes, c.stream>>>(
-            s, t.level[0], lists, infos, out.first, stride, total, true, out, q[0], q[1]);
-        if (pass == 0) {
-            if (!launched(c, "near stars") || !fill(c, looks_of_all, 0, 1)
-                || !run_wide_rung<wide_rung>(c, s, bricks, seed, NULL, out.first, stride, total, next, looks_of_all,
-                                             sample_cap, none, in, out, q[0], q[2], failed)
-                || !read_back(c, looks, looks_of_all, PBW_STAGE_BUILD, 0.1)) {
-                return false;
-            }
-            wide = failed <= total / 64 && looks <= most_looks * total;
-            if (!wide) {
-                return true;
-            }
-            continue;
-        }
-        note(c, 3);
-        if (!launched(c, "near stars") || !read_back(c, used, out.used, PBW_STAGE_BUILD, 0.2)) {
-            return false;
-        }
-        if (used > out.capacity) {
-            return true;
-        }
-        const unsigned long long enough = (unsigned long long)mine * 15 + 4096;
-        out.capacity = out.capacity > enough ? out.capacity : enough;
-        if (!fill(c, out.used, 0, 1) || !allocate(c, out.word, (size_t)out.capacity * 4)
-            || !run_wide_rung<wide_rung>(c, s, bricks, seed, NULL, out.first, 1, mine, next, NULL, quick_cap,
-                                         128 + mine / 16, in, out, q[0], q[2], failed)
-            || !read_back(c, used, out.used, PBW_STAGE_BUILD, 0.8)) {
-            return false;
-        }
-        release(c, in.word, false);
-    }
-    if (used > out.capacity) {
+    int device = 0, processors = 1;
+    buffer<wide_star<RUNG> > scratch(c);
+    buffer<pbw__digit> pool(c);
+    failed = 0;
+    if (a.total == 0) {
         return true;
     }
-    if (failed > 128 + mine / 16) {
-        return decline_stars(c, failed);
-    }
-    if (!run_wide_rung<large_wide_rung>(c, s, bricks, seed, q[0].vertex, 0, 1, failed, next, NULL, far_cap,
-                                        128 + mine / 2048, out, out, q[1], q[2], last)) {
+    if (!good(c, cudaGetDevice(&device), "cudaGetDevice")
+        || !good(c, cudaDeviceGetAttribute(&processors, cudaDevAttrMultiProcessorCount, device),
+                 "cudaDeviceGetAttribute")
+        || !fill(c, a.next, 0, 1) || !fill(c, a.failed.count, 0, 1)) {
         return false;
     }
-    if (last > 128 + mine / 2048) {                  /* beyond its limit a rung leaves stars untried, uncounted */
+    const unsigned most = RUNG::shared ? (unsigned)(processors * RUNG::blocks) : last_blocks;
+    const unsigned blocks = a.total < most ? a.total : most;
+    if (!RUNG::shared && (!scratch.make(blocks) || !pool.make((size_t)blocks * 32 * PBW__POOL))) {
+        return false;
+    }
+    a.scratch = scratch.at;
+    a.pool = pool.at;
+    wide_kernel<RUNG><<<blocks, 32, RUNG::shared ? sizeof(wide_star<RUNG>) : 0, c.stream>>>(a);
+    return launched(c, "stars of a rung") && keep_points(c)
+        && read_back(c, failed, a.failed.count, PBW_STAGE_BUILD, 0.8);
+}
+
+/* wide: whether a sample shows that few stars are large or searched for long.  The CPU takes 150 to 250 ns a point on
+   16 threads; 4 warps a multiprocessor take 3 us each for a look at 32 places. */
+bool sample_wide_stars(call &c, const workshop &w, wide_launch a, bool &wide)
+{
+    unsigned long long looks = 0;
+    uint32_t failed = 0;
+    a.total = sample_size;
+    a.stride = (w.out.end - w.out.first) / sample_size;
+    a.work = w.seed + 4;
+    a.cap = sample_cap;
+    start_over(c, w);
+    if (!launch_near<3, false, false>(c, w, w.out.first, a.stride, a.total, true) || !fill(c, a.work, 0, 1)
+        || !run_wide_rung<wide_rung>(c, a, failed) || !read_back(c, looks, a.work, PBW_STAGE_BUILD, 0.1)) {
+        return false;
+    }
+    wide = failed <= a.total / 64 && looks <= most_looks * a.total;
+    return true;
+}
+
+/* Stars that the first rung for surfaces left in q[0]. */
+bool build_large_wide_stars(call &c, const workshop &w, wide_launch a, uint32_t failed)
+{
+    const uint32_t limit = 128 + (w.out.end - w.out.first) / 2048;
+    uint32_t last = 0;
+    a.in = w.out;
+    a.stride = 1;
+    a.first = 0;
+    a.vertex = w.q[0].vertex;
+    a.failed = w.q[1];
+    a.total = failed;
+    a.cap = far_cap;
+    a.limit = limit;
+    if (!run_wide_rung<large_wide_rung>(c, a, last)) {
+        return false;
+    }
+    if (last > limit) {                              /* beyond its limit a rung leaves stars untried, uncounted */
         return decline_stars(c, last);
     }
-    if (!run_wide_rung<last_wide_rung>(c, s, bricks, seed, q[1].vertex, 0, 1, last, next, NULL, last_cap[0], 0,
-                                       out, out, q[0], q[2], failed)) {
+    a.vertex = w.q[1].vertex;
+    a.failed = w.q[0];
+    a.total = last;
+    a.cap = last_cap[0];
+    a.limit = 0;
+    if (!run_wide_rung<last_wide_rung>(c, a, failed)) {
         return false;
     }
-    stars[0] = stars[1] = mine;
-    stars[2] = last;
+    w.made[2] = last;
     note(c, 4);
     return failed == 0 ? c.status == PBW_OK : decline_stars(c, failed);
 }
 
-/* All stars into out.  t.level[0] and lists come from before. */
-template <int DIM, bool WEIGHTED>
-bool build_stars(call &c, const space &s, const tree &t, const uint32_t *lists, const near_list *infos,
-                 store &out, const queue *q, unsigned long long *seed, uint32_t *next, size_t *stars)
+/* Stars of points on surfaces, unless a sample speaks against it: then wide comes out false.  Those that the first
+   rung begins go to a store of their own, which is given back. */
+bool build_wide_stars(call &c, workshop &w, const brick_tree &bricks, bool &wide)
 {
-    const size_t quick_bytes = sizeof(typename far_star<DIM, WEIGHTED, quick_rung>::type);
-    const size_t near_bytes = sizeof(typename near_star<DIM, WEIGHTED, float>::type) * (near_block / 8);
-    const size_t exact_bytes = sizeof(typename near_star<DIM, WEIGHTED, double>::type) * (near_block / 8);
-    static_assert(exact_bytes <= 48 << 10, "the stars of a block fit what every device has of shared memory");
-    const uint32_t chunk = 1u << 22, far_chunk = 1u << 18, mine = out.end - out.first;
-    uint32_t open = 0, failed = 0;
+    const uint32_t mine = w.out.end - w.out.first;
+    const unsigned long long enough = (unsigned long long)mine * 15 + 4096;
+    const store in = w.out;
+    unsigned long long used = 0;
+    uint32_t failed = 0;
+    wide_launch a = { w.s, bricks, w.seed, NULL, in.first, 1, mine, none, w.next, NULL, quick_cap, NULL, NULL, in, in,
+                      w.q[0], w.q[2] };
+    find_seeds<3>(c, w);
+    if (!sample_wide_stars(c, w, a, wide) || !wide) {
+        return c.status == PBW_OK;
+    }
+    start_over(c, w);
+    if (!launch_near<3, false, false>(c, w, in.first, 1, mine, true)) {
+        return false;
+    }
+    note(c, 3);
+    if (!read_back(c, used, w.out.used, PBW_STAGE_BUILD, 0.2)) {
+        return false;
+    }
+    if (used > w.out.capacity) {
+        return true;
+    }
+    w.out.capacity = w.out.capacity > enough ? w.out.capacity : enough;
+    if (!fill(c, w.out.used, 0, 1) || !allocate(c, w.out.word, (size_t)w.out.capacity * 4)) {
+        return false;
+    }
+    a.out = w.out;
+    a.limit = 128 + mine / 16;
+    if (!run_wide_rung<wide_rung>(c, a, failed) || !read_back(c, used, w.out.used, PBW_STAGE_BUILD, 0.8)) {
+        return false;
+    }
+    release(c, in.word, false);
+    if (used > w.out.capacity) {
+        return true;
+    }
+    w.made[0] = w.made[1] = mine;
+    return failed > a.limit ? decline_stars(c, failed) : build_large_wide_stars(c, w, a, failed);
+}
 
-    bool far = false, wide = false;
-    /* weights hide points, which is quick */
-    if (!WEIGHTED && !patient && s.count >= sampled_from && mine >= sample_size
-        && !sample_stars<DIM, WEIGHTED>(c, s, t, lists, infos, out, q, near_bytes, exact_bytes, far)) {
+/* All stars of the share. */
+template <int DIM, bool WEIGHTED> bool build_stars(call &c, workshop &w)
+{
+    uint32_t failed = 0;
+    bool far = false, wide = false;                  /* weights hide points, which is quick: no sample */
+    if (!WEIGHTED && !patient && w.s.count >= sampled_from && w.out.end - w.out.first >= sample_size
+        && !sample_stars<DIM, WEIGHTED>(c, w, far)) {
         return false;
     }
     if (far && DIM == 3) {
         brick_tree bricks;
-        if (!lay_bricks(c, s, bricks)
-            || !build_wide_stars(c, s, t, bricks, lists, infos, out, q, seed, next, stars, wide)) {
+        if (!lay_bricks(c, w.s, bricks) || !build_wide_stars(c, w, bricks, wide)) {
             return false;
         }
         for (int level = 0; level < bricks.levels; level++) {
@@ -4432,58 +4647,12 @@ bool build_stars(call &c, const space &s, const tree &t, const uint32_t *lists, 
     if (far && !c.must) {
         return decline(c, "most stars reach far (points on lines, or nearly in a plane?): quicker on the CPU");
     }
-    fill(c, q[0].count, 0, 3);
-    fill(c, out.used, 0, 1);
-    fill(c, out.owned + mine, 0, 1);
-    fill(c, out.place, 0xff, mine);
-    stars[0] = mine;
-    for (uint32_t first = out.first; first < out.end && c.status == PBW_OK; first += chunk) {
-        uint32_t count = out.end - first < chunk ? out.end - first : chunk;
-        near_kernel<DIM, WEIGHTED, false><<<blocks_for(count, near_block / 8), near_block, near_bytes, c.stream>>>(
-            s, t.level[0], lists, infos, first, 1, count, false, out, q[0], q[1]);
-        if (!launched(c, "near stars")) {
-            return false;
-        }
-        const bool more = first + count < out.end;
-        if (first == out.first && more) {            /* one ahead: the host has time for its part */
-            continue;
-        }
-        if (!keep_points(c)) {
-            return false;
-        }
-        if (more) {
-            wait(c, c.stream, PBW_STAGE_BUILD, 0.7 * (double)(first - out.first) / (double)mine);
-        }
-    }
-    if (!read_back(c, open, q[1].count, PBW_STAGE_BUILD, 0.7)) {
+    if (!build_near_stars<DIM, WEIGHTED>(c, w, failed)) {
         return false;
     }
-    if (open > 0) {
-        near_kernel<DIM, WEIGHTED, true><<<blocks_for(open, near_block / 8), near_block, exact_bytes, c.stream>>>(
-            s, t.level[0], lists, infos, 0, 1, open, false, out, q[0], q[1]);
-    }
-    note(c, 3);
-    if (!launched(c, "near stars") || !read_back(c, failed, q[0].count, PBW_STAGE_BUILD, 0.8)
-        || !fill(c, q[1].count, 0, 1)) {
-        return false;
-    }
-    stars[1] = failed;
-    if (failed > 0) {
-        for (uint32_t first = 0; first < failed; first += far_chunk) {
-            uint32_t count = failed - first < far_chunk ? failed - first : far_chunk;
-            const queue some = { q[0].vertex + first, NULL };
-            far_kernel<DIM, WEIGHTED, quick_rung><<<count, 32 * quick_rung::warps, quick_bytes, c.stream>>>(
-                s, t, seed, some, count, quick_cap, none, NULL, NULL, out, q[1], q[2]);
-            if (!launched(c, "far stars")
-                || (first + count < failed && !wait(c, c.stream, PBW_STAGE_BUILD, 0.8))) {
-                return false;
-            }
-        }
-        if (!read_back(c, failed, q[1].count, PBW_STAGE_BUILD, 0.9)) {
-            return false;
-        }
-    }
-    return build_far_stars<DIM, WEIGHTED>(c, s, t, out, q, seed, failed, stars);
+    w.made[1] = failed;
+    return build_quick_stars<DIM, WEIGHTED>(c, w, failed) && build_far_stars<DIM, WEIGHTED>(c, w, failed)
+        && build_last_stars<DIM, WEIGHTED>(c, w, failed);
 }
 
 /* In parts: memory that is not pinned makes the host wait for each. */
@@ -4683,170 +4852,195 @@ bool fetch_incident(call &c, const uint32_t *id, pbw_index *incident)
     return launched(c, "incident simplices");
 }
 
-template <int DIM, bool WEIGHTED>
-bool build(call &c, const input &in, space &s, const uint32_t *id, unsigned flags, pbw_cuda_mesh *mesh)
+/* Shares the points, grows the tree, and allocates what the rungs need. */
+bool open_workshop(call &c, workshop &w, int dim)
 {
-    tree t;
-    store out;
-    queue q[3] = { { NULL, NULL }, { NULL, NULL }, { NULL, NULL } };
-    uint32_t *lists = NULL, *counts = NULL, *offset = NULL, total = 0, hidden_count = 0;
-    near_list *infos = NULL;
-    unsigned long long *used_and_seed = NULL, used = 0;
-    cell<DIM> *cells = NULL;
-    directory<DIM> all;
-    const bool alone = c.cards == NULL || c.cards->cards == 1, with_neighbors = (flags & PBW_NO_NEIGHBORS) == 0;
-
-    memset(&out, 0, sizeof out);
-    memset(&t, 0, sizeof t);
-    memset(&all, 0, sizeof all);
-    if (!share_points(c, s, out.first, out.end)) {
+    unsigned long long *used_and_seed = NULL;
+    uint32_t *counts = NULL;                         /* of the queues, next, stop */
+    if (!share_points(c, w.s, w.out.first, w.out.end)) {
         return false;
     }
-    const uint32_t mine = out.end - out.first, groups = (mine + group_size - 1) / group_size;
-    const unsigned star_blocks = blocks_for(mine, emit_block / 8);
-    out.capacity = (unsigned long long)mine * (DIM == 3 ? 13 : 5) + 4096;
+    const uint32_t mine = w.out.end - w.out.first, groups = (mine + group_size - 1) / group_size;
+    w.out.capacity = (unsigned long long)mine * (dim == 3 ? 13 : 5) + 4096;
     /* rough points and boxes; the store, queues, places and counts; lists and their heads of 8 points */
-    if (!fits(c, (size_t)s.count * 16 + (size_t)s.count / group_size * sizeof(box) + (size_t)out.capacity * 16
-                 + (size_t)mine * (12 + 8) + (size_t)groups * (list_size * 4 + sizeof(near_list)))) {
-        return false;
-    }
-    if (!grow_tree(c, s, DIM, t) || !allocate(c, lists, (size_t)groups * list_size) || !allocate(c, infos, groups)
-        || !allocate(c, counts, 5) || !allocate(c, used_and_seed, 6) || !allocate(c, out.place, mine)
-        || !allocate(c, out.owned, (size_t)mine + 1)) {
+    if (!fits(c, (size_t)w.s.count * 16 + (size_t)w.s.count / group_size * sizeof(box) + (size_t)w.out.capacity * 16
+                 + (size_t)mine * (12 + 8) + (size_t)groups * (list_size * 4 + sizeof(near_list)))
+        || !grow_tree(c, w.s, dim, w.t) || !allocate(c, w.lists, (size_t)groups * list_size)
+        || !allocate(c, w.infos, groups) || !allocate(c, counts, 5) || !allocate(c, used_and_seed, 6)
+        || !allocate(c, w.out.place, mine) || !allocate(c, w.out.owned, (size_t)mine + 1)
+        || !fill(c, counts + 4, 0, 1)) {
         return false;
     }
     for (int i = 0; i < 3; i++) {
-        q[i].count = counts + i;
-        if (!allocate(c, q[i].vertex, mine)) {
+        w.q[i].count = counts + i;
+        if (!allocate(c, w.q[i].vertex, mine)) {
             return false;
         }
     }
-    out.used = used_and_seed;
-    out.stop = counts + 4;
-    if (!fill(c, counts + 4, 0, 1)) {
-        return false;
-    }
+    w.next = counts + 3;
+    w.out.stop = counts + 4;
+    w.out.used = used_and_seed;
+    w.seed = used_and_seed + 1;
     if (c.copies != NULL && good(c, cudaEventRecord(c.copied, c.stream), "cudaEventRecord")
         && good(c, cudaStreamWaitEvent(c.copies, c.copied, 0), "cudaStreamWaitEvent")) {
         c.stop = counts + 4;
     }
-    list_kernel<<<blocks_for(groups, 4), 128, 0, c.stream>>>(t, DIM, out.first / group_size,
-                                                             out.first / group_size + groups, lists, infos);
-    if (!launched(c, "lists")) {
-        return false;
-    }
+    list_kernel<<<blocks_for(groups, 4), 128, 0, c.stream>>>(w.t, dim, w.out.first / group_size,
+                                                             w.out.first / group_size + groups, w.lists, w.infos);
+    return launched(c, "lists");
+}
+
+/* All stars into the store, again if it turns out too small. */
+template <int DIM, bool WEIGHTED> bool fill_store(call &c, workshop &w)
+{
+    unsigned long long used = 0;
     note(c, 2);
-    for (;;) {                                       /* again if the store turns out too small */
-        if (!allocate(c, out.word, (size_t)out.capacity * 4)
-            || !build_stars<DIM, WEIGHTED>(c, s, t, lists, infos, out, q, used_and_seed + 1, counts + 3, mesh->stars)
-            || !read_back(c, used, out.used, PBW_STAGE_BUILD, 0.95)) {
+    for (;;) {
+        if (!allocate(c, w.out.word, (size_t)w.out.capacity * 4) || !build_stars<DIM, WEIGHTED>(c, w)
+            || !read_back(c, used, w.out.used, PBW_STAGE_BUILD, 0.95)) {
             return false;
         }
-        if (used <= out.capacity) {
+        if (used <= w.out.capacity) {
             break;
         }
-        release(c, out.word, false);
-        out.capacity = used + used / 16;
+        release(c, w.out.word, false);
+        w.out.capacity = used + used / 16;
     }
-    if (used > ((unsigned long long)1 << 32) - 16) {
-        return fail(c, PBW_ERROR_TOO_LARGE, "too many simplices for the index type");
-    }
-    release(c, lists, false);
-    release(c, infos, false);
-    if (!allocate(c, offset, (size_t)mine + 1) || !sum_before(c, out.owned, offset, (size_t)mine + 1)
-        || !read_back(c, total, offset + mine, PBW_STAGE_OUTPUT, 0.0)) {
+    release(c, w.lists, false);
+    release(c, w.infos, false);
+    return used <= ((unsigned long long)1 << 32) - 16
+        || fail(c, PBW_ERROR_TOO_LARGE, "too many simplices for the index type");
+}
+
+/* The simplices of a share on their way out. */
+struct output {
+    const uint32_t *id;
+    bool alone, with_neighbors, to_host;
+    uint32_t *offset, total;                         /* of each vertex; of the share */
+    size_t before;                                   /* simplices of lower shares */
+};
+
+/* Numbers the simplices of all shares. */
+bool number_simplices(call &c, const workshop &w, output &o, pbw_cuda_mesh *mesh)
+{
+    const uint32_t mine = w.out.end - w.out.first;
+    if (!allocate(c, o.offset, (size_t)mine + 1) || !sum_before(c, w.out.owned, o.offset, (size_t)mine + 1)
+        || !read_back(c, o.total, o.offset + mine, PBW_STAGE_OUTPUT, 0.0)) {
         return false;
     }
-    size_t before = 0, everywhere = total;
-    if (!alone) {
+    mesh->simplex_count = o.total;
+    if (!o.alone) {
         offer &own = c.cards->of[c.card];
-        own.first = out.first;
-        own.end = out.end;
-        own.simplices = total;
+        own.first = w.out.first;
+        own.end = w.out.end;
+        own.simplices = o.total;
         if (!meet_cards(c, false, 0.0)) {
             return false;
         }
         for (int i = 0; i < c.cards->cards; i++) {
-            before += i < c.card ? c.cards->of[i].simplices : 0;
-            everywhere += i != c.card ? c.cards->of[i].simplices : 0;
-        }
-        if (everywhere >= hidden) {
-            return fail(c, PBW_ERROR_TOO_LARGE, "too many simplices for the index type");
+            o.before += i < c.card ? c.cards->of[i].simplices : 0;
+            mesh->simplex_count += i != c.card ? c.cards->of[i].simplices : 0;
         }
     }
-    mesh->simplex_count = everywhere;
     note(c, 5);
-    const size_t incident_count = alone ? in.count : mine;
-    if (!fits(c, (size_t)total * (with_neighbors ? 3 : 2) * sizeof(cell<DIM>) + in.count * 4)) {
+    return mesh->simplex_count < hidden || fail(c, PBW_ERROR_TOO_LARGE, "too many simplices for the index type");
+}
+
+/* Writes the simplices, and lists those that other cards need. */
+template <int DIM>
+bool emit_simplices(call &c, const workshop &w, const output &o, directory<DIM> &all, pbw_cuda_mesh *mesh)
+{
+    const uint32_t mine = w.out.end - w.out.first;
+    const size_t links = (size_t)o.total * (DIM + 1), incident = o.alone ? c.count : mine;
+    cell<DIM> *cells = NULL;
+    if (!fits(c, (size_t)o.total * (o.with_neighbors ? 3 : 2) * sizeof(cell<DIM>) + c.count * 4)
+        || !allocate(c, cells, o.total) || !allocate(c, mesh->simplices, links)
+        || !allocate(c, mesh->incident, incident) || (o.with_neighbors && !allocate(c, mesh->neighbors, links))
+        || !fill(c, mesh->incident, 0xff, incident) || !fill(c, w.next, 0, 1)) {
         return false;
     }
-    if (!allocate(c, cells, total) || !allocate(c, mesh->simplices, (size_t)total * (DIM + 1))
-        || !allocate(c, mesh->incident, incident_count)
-        || (with_neighbors && !allocate(c, mesh->neighbors, (size_t)total * (DIM + 1)))
-        || !fill(c, mesh->incident, 0xff, incident_count) || !fill(c, counts + 3, 0, 1)) {
-        return false;
-    }
-    emit_kernel<DIM><<<star_blocks, emit_block, 0, c.stream>>>(out, offset, id, cells, mesh->simplices);
+    emit_kernel<DIM><<<blocks_for(mine, emit_block / 8), emit_block, 0, c.stream>>>(w.out, o.offset, o.id, cells,
+                                                                                   mesh->simplices);
     if (!launched(c, "simplices")) {
         return false;
     }
     note(c, 6);
-    all.first = out.first;
-    all.base = (uint32_t)before;
-    all.offset = offset;
+    all.first = w.out.first;
+    all.base = (uint32_t)o.before;
+    all.offset = o.offset;
     all.cells = cells;
-    const bool to_host = c.job->reserve != NULL;
-    if (to_host && c.card == 0) {
-        pbw_status status = c.job->reserve(c.job, everywhere);
-        if (status != PBW_OK) {
-            return fail(c, status, "out of memory on the host");
-        }
+    pbw_status status = o.to_host && c.card == 0 ? c.job->reserve(c.job, mesh->simplex_count) : PBW_OK;
+    if (status != PBW_OK) {
+        return fail(c, status, "out of memory on the host");
     }
-    if (!alone && (!list_guests<DIM>(c, all, mine) || !meet_cards(c, false, 0.1) || !fetch_guests<DIM>(c, all))) {
-        return false;
-    }
-    if (to_host
-        && !copy_out(c, c.job->simplices + before * (DIM + 1), mesh->simplices, (size_t)total * sizeof(cell<DIM>),
-                     0.1)) {
-        return false;
-    }
-    pbw_index *beyond = alone ? NULL : c.cards->of[c.card].beyond;
-    neighbor_kernel<DIM><<<star_blocks, emit_block, 0, c.stream>>>(out, all, alone ? id : NULL, mesh->neighbors,
-                                                                   beyond, mesh->incident, counts + 3);
+    return (o.alone
+            || (list_guests<DIM>(c, all, mine) && meet_cards(c, false, 0.1) && fetch_guests<DIM>(c, all)))
+        && (!o.to_host
+            || copy_out(c, c.job->simplices + o.before * (DIM + 1), mesh->simplices, links * sizeof(pbw_index), 0.1));
+}
+
+/* Finds the neighbours and incident simplices; w.next counts hidden points. */
+template <int DIM>
+bool find_neighbors(call &c, const workshop &w, const output &o, const directory<DIM> &all, pbw_cuda_mesh *mesh)
+{
+    const uint32_t mine = w.out.end - w.out.first, *id = o.alone ? o.id : NULL;
+    pbw_index *beyond = o.alone ? NULL : c.cards->of[c.card].beyond;
+    neighbor_kernel<DIM><<<blocks_for(mine, emit_block / 8), emit_block, 0, c.stream>>>(
+        w.out, all, id, mesh->neighbors, beyond, mesh->incident, w.next);
     if (mesh->stars[1] > 0) {
         large_neighbor_kernel<DIM><<<blocks_for(mesh->stars[1], 4), 128, 0, c.stream>>>(
-            q[2], out, all, alone ? id : NULL, mesh->neighbors, beyond, mesh->incident);
+            w.q[2], w.out, all, id, mesh->neighbors, beyond, mesh->incident);
     }
     note(c, 7);
     if (!launched(c, "neighbours")) {
         return false;
     }
-    pbw_index *incident = mesh->incident;
-    if (!alone) {
+    if (!o.alone) {
         c.cards->of[c.card].incident = mesh->incident;
         if (!wait(c, c.stream, PBW_STAGE_OUTPUT, 0.2) || !meet_cards(c, false, 0.3)
-            || (with_neighbors && !fetch_beyond<DIM>(c, all, mesh->neighbors))) {
+            || (o.with_neighbors && !fetch_beyond<DIM>(c, all, mesh->neighbors))) {
             return false;
         }
     }
-    if (to_host && with_neighbors
-        && !copy_out(c, c.job->neighbors + before * (DIM + 1), mesh->neighbors, (size_t)total * sizeof(cell<DIM>),
-                     0.4)) {
+    return !o.to_host || !o.with_neighbors
+        || copy_out(c, c.job->neighbors + o.before * (DIM + 1), mesh->neighbors,
+                    (size_t)o.total * (DIM + 1) * sizeof(pbw_index), 0.4);
+}
+
+/* The arrays of points: the first card writes the incident simplices of all, the last the canonical points. */
+bool copy_points(call &c, const output &o, const pbw_cuda_mesh *mesh)
+{
+    pbw_index *incident = mesh->incident;
+    const size_t bytes = c.count * sizeof(pbw_index);
+    if (!o.alone && c.card == 0
+        && (!allocate(c, incident, c.count) || !fill(c, incident, 0xff, c.count)
+            || !fetch_incident(c, o.id, incident))) {
         return false;
     }
-    if (!alone && c.card == 0
-        && (!allocate(c, incident, in.count) || !fill(c, incident, 0xff, in.count)
-            || !fetch_incident(c, id, incident))) {
-        return false;
-    }
-    if (to_host && c.card == 0 && !copy_out(c, c.job->incident, incident, in.count * sizeof(pbw_index), 0.4)) {
-        return false;
-    }
-    if (to_host && c.card + 1 == c.cards->cards
-        && !copy_out(c, c.job->canonical, mesh->canonical, in.count * sizeof(pbw_index), 0.4)) {
-        return false;
-    }
-    if (!read_back(c, hidden_count, counts + 3, PBW_STAGE_OUTPUT, 0.5)) {
+    return !o.to_host
+        || ((c.card > 0 || copy_out(c, c.job->incident, incident, bytes, 0.4))
+            && (c.card + 1 < c.cards->cards || copy_out(c, c.job->canonical, mesh->canonical, bytes, 0.4)));
+}
+
+template <int DIM, bool WEIGHTED>
+bool build(call &c, const space &s, const uint32_t *id, unsigned flags, pbw_cuda_mesh *mesh)
+{
+    workshop w;
+    output o;
+    directory<DIM> all;
+    uint32_t hidden_count = 0;
+    memset(&w, 0, sizeof w);
+    memset(&o, 0, sizeof o);
+    memset(&all, 0, sizeof all);
+    w.s = s;
+    w.made = mesh->stars;
+    o.id = id;
+    o.alone = c.cards == NULL || c.cards->cards == 1;
+    o.with_neighbors = (flags & PBW_NO_NEIGHBORS) == 0;
+    o.to_host = c.job->reserve != NULL;
+    if (!open_workshop(c, w, DIM) || !fill_store<DIM, WEIGHTED>(c, w) || !number_simplices(c, w, o, mesh)
+        || !emit_simplices<DIM>(c, w, o, all, mesh) || !find_neighbors<DIM>(c, w, o, all, mesh)
+        || !copy_points(c, o, mesh) || !read_back(c, hidden_count, w.next, PBW_STAGE_OUTPUT, 0.5)) {
         return false;
     }
     mesh->hidden_count = hidden_count;
@@ -4876,9 +5070,9 @@ bool run(call &c, const input &in, unsigned flags, pbw_cuda_mesh *mesh)
     release(c, in.weights, false);
     note(c, 1);
     if (in.dim == 3) {
-        done = weighted ? build<3, true>(c, in, s, id, flags, mesh) : build<3, false>(c, in, s, id, flags, mesh);
+        done = weighted ? build<3, true>(c, s, id, flags, mesh) : build<3, false>(c, s, id, flags, mesh);
     } else {
-        done = weighted ? build<2, true>(c, in, s, id, flags, mesh) : build<2, false>(c, in, s, id, flags, mesh);
+        done = weighted ? build<2, true>(c, s, id, flags, mesh) : build<2, false>(c, s, id, flags, mesh);
     }
     for (int i = 0; i < 8 && done; i++) {
         done = good(c, cudaEventElapsedTime(&mesh->milliseconds[i], c.mark[i < 7 ? i : 0], c.mark[i < 7 ? i + 1 : 7]),
