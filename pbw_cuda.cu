@@ -225,8 +225,6 @@ __host__ __device__ inline double unordered(unsigned long long bits)
    the points of a long run get keys from a grid over their own box, and so on.  The long runs of one depth are taken
    together: their points are gathered, sorted by the new key, then by their run, and put back.
    ------------------------------------------------------------------------------------------------------ */
-const int short_run = 12;
-
 struct input {
     const void *points, *weights;
     size_t count;
@@ -345,16 +343,6 @@ __global__ void key_kernel(input in, pbw__box domain, const __grid_constant__ cu
     }
 }
 
-__device__ bool comes_before(const double *x, uint64_t i, const double *y, uint64_t j, int dim)
-{
-    for (int k = 0; k < dim; k++) {
-        if (x[k] != y[k]) {
-            return x[k] < y[k];
-        }
-    }
-    return x[dim] != y[dim] ? x[dim] > y[dim] : i < j;
-}
-
 /* Long runs: where they begin and end among all keys, and among the gathered ones. */
 struct run_list {
     uint32_t *head, *end, *length, *offset;
@@ -380,10 +368,10 @@ __global__ void run_kernel(input in, int index_bits, uint64_t *key, size_t count
     if (i > begin && key[i - 1] >> index_bits == key[i] >> index_bits) {
         return;
     }
-    while (end < limit && end - i <= short_run && key[end] >> index_bits == key[i] >> index_bits) {
+    while (end < limit && end - i <= PBW__SHORT_RUN && key[end] >> index_bits == key[i] >> index_bits) {
         end++;
     }
-    if (end - i > short_run) {
+    if (end - i > PBW__SHORT_RUN) {
         uint32_t at = atomicAdd(&out->long_runs, 1u);
         found.head[at] = (uint32_t)(i + shift);
         found.end[at] = (uint32_t)(limit + shift);
@@ -396,7 +384,7 @@ __global__ void run_kernel(input in, int index_bits, uint64_t *key, size_t count
         fetch(in, (size_t)(moving & mask), x);
         for (; hole > i; hole--) {
             fetch(in, (size_t)(key[hole - 1] & mask), y);
-            if (!comes_before(x, moving & mask, y, key[hole - 1] & mask, in.dim)) {
+            if (!pbw__comes_before(x, moving & mask, y, key[hole - 1] & mask, in.dim)) {
                 break;
             }
             key[hole] = key[hole - 1];
@@ -430,7 +418,7 @@ __global__ void measure_kernel(input in, int index_bits, uint64_t *key, run_list
                 highest[k] = value > highest[k] ? value : highest[k];
             }
             fetch(in, (size_t)(key[head + best] & mask), d);
-            best = comes_before(c, key[end + lane] & mask, d, key[head + best] & mask, in.dim) ? end + lane - head
+            best = pbw__comes_before(c, key[end + lane] & mask, d, key[head + best] & mask, in.dim) ? end + lane - head
                                                                                                : best;
         }
         end += (uint32_t)__popc(vote);
@@ -443,7 +431,7 @@ __global__ void measure_kernel(input in, int index_bits, uint64_t *key, run_list
         double c[4], d[4];
         fetch(in, (size_t)(key[head + best] & mask), c);
         fetch(in, (size_t)(key[head + other] & mask), d);
-        best = comes_before(d, key[head + other] & mask, c, key[head + best] & mask, in.dim) ? other : best;
+        best = pbw__comes_before(d, key[head + other] & mask, c, key[head + best] & mask, in.dim) ? other : best;
         for (int k = 0; k < in.dim; k++) {
             unsigned long long l = __shfl_xor_sync(all_lanes, lowest[k], step);
             unsigned long long h = __shfl_xor_sync(all_lanes, highest[k], step);
@@ -502,11 +490,6 @@ __global__ void put_back_kernel(const uint64_t *gathered, const uint32_t *segmen
     }
 }
 
-__device__ bool same_place(const double *x, const double *y, int dim)
-{
-    return x[0] == y[0] && x[1] == y[1] && (dim == 2 || x[2] == y[2]);
-}
-
 /* first[i] = 1 if the i-th point on the curve lies at a place of its own; the best of a place comes first.  root:
    NULL, or where a long run at one place begins. */
 __global__ void place_kernel(input in, int index_bits, const uint64_t *key, const uint32_t *root_of, uint32_t *first,
@@ -522,7 +505,7 @@ __global__ void place_kernel(input in, int index_bits, const uint64_t *key, cons
         while (root > 0 && (root_of == NULL || root_of[i] == none)
                && key[root - 1] >> index_bits == key[i] >> index_bits) {
             fetch(in, (size_t)(key[root - 1] & mask), y);
-            if (!same_place(x, y, in.dim)) {
+            if (!pbw__same_place(x, y, in.dim)) {
                 break;
             }
             root--;
@@ -3518,7 +3501,7 @@ template <int DIM> __device__ verdict check_point(const view &m, uint32_t p)
         double x[4], y[4];
         fetch(m.in, p, x);
         fetch(m.in, kept, y);
-        if (!same_place(x, y, DIM)) {
+        if (!pbw__same_place(x, y, DIM)) {
             return fault_at(check_place, none, -1, p);
         }
         if (x[DIM] != y[DIM] ? x[DIM] > y[DIM] : p < kept) {
@@ -3679,7 +3662,7 @@ template <int DIM> __device__ verdict check_walk(const view &m, uint32_t point, 
         }
     }
     for (int i = 0; i <= DIM; i++) {
-        if (same_place(p, c.x[i], DIM)) {
+        if (pbw__same_place(p, c.x[i], DIM)) {
             return fault_at(check_repeated, here, -1, point);
         }
     }
@@ -4001,55 +3984,55 @@ void note(call &c, int mark)
     good(c, cudaEventRecord(c.mark[mark], c.stream), "cudaEventRecord");
 }
 
-/* Keys sorted by their bits from low up. */
-bool sort_keys(call &c, uint64_t *&key, uint64_t *&spare, size_t count, int low, int high)
-{
-    size_t bytes = 0;
-    char *scratch = NULL;
-    cub::DoubleBuffer<uint64_t> buffer(key, spare);
-    if (!good(c, cub::DeviceRadixSort::SortKeys(NULL, bytes, buffer, count, low, high, c.stream), "sort")
-        || !allocate(c, scratch, bytes)
-        || !good(c, cub::DeviceRadixSort::SortKeys(scratch, bytes, buffer, count, low, high, c.stream), "sort")) {
-        return false;
-    }
-    key = buffer.Current();
-    spare = buffer.Alternate();
-    release(c, scratch, false);
-    return true;
-}
+/* Sorts by the bits of the keys from low to high - 1. */
+struct key_bits {
+    int low, high;
+};
 
-template <typename K, typename V>
-bool sort_pairs(call &c, K *&key, K *&spare, V *&value, V *&spare_value, size_t count, int low, int high)
+bool sort_keys(call &c, uint64_t *&key, uint64_t *&spare, size_t count, key_bits by)
 {
     size_t bytes = 0;
-    char *scratch = NULL;
-    cub::DoubleBuffer<K> keys(key, spare);
-    cub::DoubleBuffer<V> values(value, spare_value);
-    if (!good(c, cub::DeviceRadixSort::SortPairs(NULL, bytes, keys, values, count, low, high, c.stream), "sort")
-        || !allocate(c, scratch, bytes)
-        || !good(c, cub::DeviceRadixSort::SortPairs(scratch, bytes, keys, values, count, low, high, c.stream),
+    buffer<char> scratch(c);
+    cub::DoubleBuffer<uint64_t> keys(key, spare);
+    if (!good(c, cub::DeviceRadixSort::SortKeys(NULL, bytes, keys, count, by.low, by.high, c.stream), "sort")
+        || !scratch.make(bytes)
+        || !good(c, cub::DeviceRadixSort::SortKeys(scratch.at, bytes, keys, count, by.low, by.high, c.stream),
                  "sort")) {
         return false;
     }
     key = keys.Current();
     spare = keys.Alternate();
-    value = values.Current();
-    spare_value = values.Alternate();
-    release(c, scratch, false);
+    return true;
+}
+
+template <typename K, typename V>
+bool sort_pairs(call &c, buffer<K> &key, buffer<K> &spare, buffer<V> &value, buffer<V> &spare_value, size_t count,
+                key_bits by)
+{
+    size_t bytes = 0;
+    buffer<char> scratch(c);
+    cub::DoubleBuffer<K> keys(key.at, spare.at);
+    cub::DoubleBuffer<V> values(value.at, spare_value.at);
+    if (!good(c, cub::DeviceRadixSort::SortPairs(NULL, bytes, keys, values, count, by.low, by.high, c.stream), "sort")
+        || !scratch.make(bytes)
+        || !good(c, cub::DeviceRadixSort::SortPairs(scratch.at, bytes, keys, values, count, by.low, by.high,
+                                                    c.stream), "sort")) {
+        return false;
+    }
+    key.at = keys.Current();
+    spare.at = keys.Alternate();
+    value.at = values.Current();
+    spare_value.at = values.Alternate();
     return true;
 }
 
 bool sum_before(call &c, const uint32_t *value, uint32_t *sum, size_t count)
 {
     size_t bytes = 0;
-    char *scratch = NULL;
-    if (!good(c, cub::DeviceScan::ExclusiveSum(NULL, bytes, value, sum, count, c.stream), "scan")
-        || !allocate(c, scratch, bytes)
-        || !good(c, cub::DeviceScan::ExclusiveSum(scratch, bytes, value, sum, count, c.stream), "scan")) {
-        return false;
-    }
-    release(c, scratch, false);
-    return true;
+    buffer<char> scratch(c);
+    return good(c, cub::DeviceScan::ExclusiveSum(NULL, bytes, value, sum, count, c.stream), "scan")
+        && scratch.make(bytes)
+        && good(c, cub::DeviceScan::ExclusiveSum(scratch.at, bytes, value, sum, count, c.stream), "scan");
 }
 
 bool allocate_runs(call &c, run_list &list, size_t count)
@@ -4066,72 +4049,77 @@ void release_runs(call &c, run_list &list)
     release(c, list.offset, false);
 }
 
-/* Puts the runs of equal keys into order; root comes out NULL if there were no long ones.  The depth is bounded as in
-   >>order of pbw.h: each level divides the extent by 2^bits. */
-bool order_runs(call &c, const input &in, const curve &automaton, int index_bits, int bits, uint64_t *key,
-                uint32_t *&root, survey *found_on_device)
+/* Points on their way into the order of the curve. */
+struct ordering {
+    const input &in;
+    curve automaton;
+    int index_bits, bits;                            /* of a key: the index, and a coordinate */
+    uint64_t *key, *spare;
+    uint32_t *root;                                  /* NULL if there are no long runs */
+    survey *found;
+};
+
+/* The points of the long runs of a list get keys from grids of their own and are put back in their order; found: the
+   long runs among those. */
+bool order_long_runs(call &c, ordering &o, const run_list &runs, run_list &next, uint32_t &count)
+{
+    const unsigned warps = blocks_for(count, 4);
+    buffer<double> low(c), extent(c);
+    buffer<uint64_t> gathered(c), spare(c);
+    buffer<uint32_t> segment(c), spare_segment(c);
+    uint32_t total = 0;
+    int run_bits = 1;
+    while (run_bits < 32 && (count - 1) >> run_bits != 0) {
+        run_bits++;
+    }
+    if (!low.make((size_t)count * 3) || !extent.make(count) || !fill(c, runs.length + count, 0, 1)) {
+        return false;
+    }
+    measure_kernel<<<warps, 128, 0, c.stream>>>(o.in, o.index_bits, o.key, runs, count, low.at, extent.at, o.root);
+    if (!launched(c, "runs") || !sum_before(c, runs.length, runs.offset, (size_t)count + 1)
+        || !read_back(c, total, runs.offset + count, PBW_STAGE_ORDER, 0.4)) {
+        return false;
+    }
+    if (total == 0) {
+        count = 0;
+        return true;
+    }
+    if (!gathered.make(total) || !spare.make(total) || !segment.make(total) || !spare_segment.make(total)) {
+        return false;
+    }
+    rekey_kernel<<<warps, 128, 0, c.stream>>>(o.in, o.index_bits, o.bits, o.key, runs, count, low.at, extent.at,
+                                              o.automaton, gathered.at, segment.at);
+    const key_bits by_key = { o.index_bits, o.index_bits + o.bits * o.in.dim }, by_run = { 0, run_bits };
+    if (!launched(c, "runs") || !sort_pairs(c, gathered, spare, segment, spare_segment, total, by_key)
+        || !sort_pairs(c, segment, spare_segment, gathered, spare, total, by_run)
+        || !allocate_runs(c, next, total / PBW__SHORT_RUN + 1) || !fill(c, &o.found->long_runs, 0, 1)) {
+        return false;
+    }
+    run_kernel<<<blocks_for(total, 256), 256, 0, c.stream>>>(o.in, o.index_bits, gathered.at, total, segment.at, runs,
+                                                             next, o.found);
+    put_back_kernel<<<blocks_for(total, 256), 256, 0, c.stream>>>(gathered.at, segment.at, total, runs, o.key);
+    return launched(c, "runs") && read_back(c, count, &o.found->long_runs, PBW_STAGE_ORDER, 0.4);
+}
+
+/* Puts the runs of equal keys into order.  The depth is bounded as in >>order of pbw.h: each level divides the extent
+   by 2^bits. */
+bool order_runs(call &c, ordering &o)
 {
     run_list none_yet = { NULL, NULL, NULL, NULL }, runs = none_yet, next = none_yet;
-    size_t n = in.count;
-    uint32_t count = 0, total = 0;
-    if (!allocate_runs(c, runs, n / short_run + 1)) {
+    const size_t n = o.in.count;
+    uint32_t count = 0;
+    if (!allocate_runs(c, runs, n / PBW__SHORT_RUN + 1)) {
         return false;
     }
-    run_kernel<<<blocks_for(n, 256), 256, 0, c.stream>>>(in, index_bits, key, n, NULL, none_yet, runs,
-                                                         found_on_device);
-    if (!launched(c, "runs") || !read_back(c, count, &found_on_device->long_runs, PBW_STAGE_ORDER, 0.4)) {
-        return false;
-    }
-    if (count > 0 && (!allocate(c, root, n) || !fill(c, root, 0xff, n))) {
+    run_kernel<<<blocks_for(n, 256), 256, 0, c.stream>>>(o.in, o.index_bits, o.key, n, NULL, none_yet, runs, o.found);
+    if (!launched(c, "runs") || !read_back(c, count, &o.found->long_runs, PBW_STAGE_ORDER, 0.4)
+        || (count > 0 && (!allocate(c, o.root, n) || !fill(c, o.root, 0xff, n)))) {
         return false;
     }
     while (count > 0) {
-        double *low = NULL, *extent = NULL;
-        uint64_t *gathered = NULL, *spare = NULL;
-        uint32_t *segment = NULL, *spare_segment = NULL;
-        unsigned warps = blocks_for(count, 4);
-        int run_bits = 1;
-        while (run_bits < 32 && (count - 1) >> run_bits != 0) {
-            run_bits++;
-        }
-        if (!allocate(c, low, (size_t)count * 3) || !allocate(c, extent, count)
-            || !fill(c, runs.length + count, 0, 1)) {
+        if (!order_long_runs(c, o, runs, next, count)) {
             return false;
         }
-        measure_kernel<<<warps, 128, 0, c.stream>>>(in, index_bits, key, runs, count, low, extent, root);
-        if (!launched(c, "runs") || !sum_before(c, runs.length, runs.offset, (size_t)count + 1)
-            || !read_back(c, total, runs.offset + count, PBW_STAGE_ORDER, 0.4)) {
-            return false;
-        }
-        if (total > 0) {
-            if (!allocate(c, gathered, total) || !allocate(c, spare, total) || !allocate(c, segment, total)
-                || !allocate(c, spare_segment, total)) {
-                return false;
-            }
-            rekey_kernel<<<warps, 128, 0, c.stream>>>(in, index_bits, bits, key, runs, count, low, extent, automaton,
-                                                      gathered, segment);
-            if (!launched(c, "runs")
-                || !sort_pairs(c, gathered, spare, segment, spare_segment, total, index_bits,
-                               index_bits + bits * in.dim)
-                || !sort_pairs(c, segment, spare_segment, gathered, spare, total, 0, run_bits)
-                || !allocate_runs(c, next, total / short_run + 1) || !fill(c, &found_on_device->long_runs, 0, 1)) {
-                return false;
-            }
-            run_kernel<<<blocks_for(total, 256), 256, 0, c.stream>>>(in, index_bits, gathered, total, segment, runs,
-                                                                     next, found_on_device);
-            put_back_kernel<<<blocks_for(total, 256), 256, 0, c.stream>>>(gathered, segment, total, runs, key);
-            if (!launched(c, "runs") || !read_back(c, count, &found_on_device->long_runs, PBW_STAGE_ORDER, 0.4)) {
-                return false;
-            }
-        } else {
-            count = 0;
-        }
-        release(c, low, false);
-        release(c, extent, false);
-        release(c, gathered, false);
-        release(c, spare, false);
-        release(c, segment, false);
-        release(c, spare_segment, false);
         release_runs(c, runs);
         runs = next;
         next = none_yet;
@@ -4140,130 +4128,132 @@ bool order_runs(call &c, const input &in, const curve &automaton, int index_bits
     return true;
 }
 
-/* Finds the ranges of coordinates and weights and the grid that all are on; found_on_device keeps them. */
-bool survey_points(call &c, const input &in, survey *&found_on_device, pbw__box &domain, double &weight_low,
-                   double &weight_high, pbw__grid &grid)
+/* The ranges of coordinates and weights, and the grid that all are on. */
+struct extents {
+    pbw__box domain;
+    double lightest, heaviest;
+    pbw__grid grid;
+};
+
+/* on_device: what the survey found, for later kernels. */
+bool survey_points(call &c, const input &in, survey *&on_device, extents &e)
 {
     survey found;
+    pbw__grid_share share;
     unsigned blocks = blocks_for(in.count, 256);
     memset(&found, 0, sizeof found);
     memset(found.low, 0xff, sizeof found.low);
     found.unit = 1024;
-    if (!allocate(c, found_on_device, 1)
-        || !good(c, cudaMemcpyAsync(found_on_device, &found, sizeof found, cudaMemcpyHostToDevice, c.stream),
-                 "copy")) {
+    if (!allocate(c, on_device, 1)
+        || !good(c, cudaMemcpyAsync(on_device, &found, sizeof found, cudaMemcpyHostToDevice, c.stream), "copy")) {
         return false;
     }
-    survey_kernel<<<blocks < 2048 ? blocks : 2048, 256, 0, c.stream>>>(in, found_on_device);
-    if (!launched(c, "survey") || !read_back(c, found, found_on_device, PBW_STAGE_ORDER, 0.1)) {
+    survey_kernel<<<blocks < 2048 ? blocks : 2048, 256, 0, c.stream>>>(in, on_device);
+    if (!launched(c, "survey") || !read_back(c, found, on_device, PBW_STAGE_ORDER, 0.1)) {
         return false;
     }
     if (found.bad != 0) {
         return fail(c, PBW_ERROR_NOT_FINITE, "a coordinate or weight is not a finite number");
     }
+    pbw__grid_share_reset(&share);
+    share.unit = found.unit;
+    for (int k = 0; k <= in.dim; k++) {
+        share.low[k] = unordered(found.low[k]);
+        share.high[k] = unordered(found.high[k]);
+    }
     for (int k = 0; k < in.dim; k++) {
-        domain.low[k] = unordered(found.low[k]);
-        domain.high[k] = unordered(found.high[k]);
+        e.domain.low[k] = share.low[k];
+        e.domain.high[k] = share.high[k];
     }
-    pbw__box_close(&domain, in.dim);
-    weight_low = unordered(found.low[in.dim]);
-    weight_high = unordered(found.high[in.dim]);
-    grid.inverse_unit = 0.0;
-    grid.bits = 0;
-    if (found.unit > -500 && found.unit < 500) {
-        double inverse = ldexp(1.0, -found.unit), limit = 1.0;
-        int bits = 0;
-        while (bits < 54
-               && !(domain.extent * inverse < limit
-                    && (weight_high - weight_low) * inverse * inverse < limit * limit)) {
-            limit *= 2.0;
-            bits++;
-        }
-        if (bits < 54) {
-            grid.inverse_unit = inverse;
-            grid.bits = bits;
-        }
-    }
+    pbw__box_close(&e.domain, in.dim);
+    e.lightest = share.low[in.dim];
+    e.heaviest = share.high[in.dim];
+    pbw__grid_close(&e.grid, &share, 1, in.dim);
     return true;
 }
 
-/* Fills s (all but high[] beyond dim), id and canonical. */
-bool order_points(call &c, const input &in, space &s, uint32_t *&id, uint32_t *canonical, bool &weighted,
-                  size_t &duplicates)
+/* The units of the space, from the extents; false if the device code cannot work in them. */
+bool measure_space(call &c, const extents &e, int dim, space &s)
 {
-    survey *found_on_device = NULL, found;
-    uint64_t *key = NULL, *spare = NULL;
-    uint32_t *first = NULL, *rank = NULL, *root = NULL;
-    record *point = NULL;
-    double lightest = 0.0, heaviest = 0.0;
-    pbw__box domain;
-    curve automaton;
-    size_t n = in.count;
-    int index_bits = pbw__index_bits(n), dim = in.dim, bits = pbw__grid_bits(index_bits, dim);
-    unsigned blocks = blocks_for(n, 256);
-
-    pbw__box_reset(&domain, bits);
-    if (!survey_points(c, in, found_on_device, domain, lightest, heaviest, s.grid)) {
-        return false;
-    }
-    double weight_range = heaviest - lightest;
-    if (!(domain.extent > 1e-100 && domain.extent < 1e100)) {
+    const double weight_range = e.heaviest - e.lightest;
+    int exponent;
+    if (!(e.domain.extent > 1e-100 && e.domain.extent < 1e100)) {
         return decline(c, "the extent of the points is beyond the range of the device code");
     }
-    int exponent;
-    (void)frexp(domain.extent, &exponent);
+    (void)frexp(e.domain.extent, &exponent);
     s.unit = ldexp(1.0, 1 - exponent);
     if (!(weight_range * (s.unit * s.unit) < 1e12)) {
         return decline(c, "the weights are beyond the range of the device code");
     }
-    weighted = in.weights != NULL && weight_range > 0.0;
-    s.heaviest = heaviest;
+    s.heaviest = e.heaviest;
+    s.grid = e.grid;
     for (int k = 0; k < 3; k++) {
-        s.low[k] = k < dim ? domain.low[k] : 0.0;
-        s.end[k] = k < dim ? domain.high[k] : 0.0;
-        s.high[k] = k < dim ? (float)((domain.high[k] - domain.low[k]) * s.unit) : 0.0f;
+        s.low[k] = k < dim ? e.domain.low[k] : 0.0;
+        s.end[k] = k < dim ? e.domain.high[k] : 0.0;
+        s.high[k] = k < dim ? (float)((e.domain.high[k] - e.domain.low[k]) * s.unit) : 0.0f;
     }
     s.exact_height = 0.0;                            /* within 2^+-100 nothing underflows or overflows */
     if (s.grid.inverse_unit > 1e-30 && s.grid.inverse_unit < 1e30) {
         double step = s.unit / s.grid.inverse_unit;
         s.exact_height = (dim == 3 ? PBW__EXACT_HEIGHT3 : PBW__EXACT_HEIGHT2) * (step * step);
     }
-    memcpy(automaton.plane, pbw__hilbert2, sizeof automaton.plane);
-    memcpy(automaton.space, pbw__hilbert3, sizeof automaton.space);
-    if (!allocate(c, key, n) || !allocate(c, spare, n)) {
+    return true;
+}
+
+/* Sets duplicates aside: fills id, canonical and the points of s. */
+bool gather_points(call &c, const ordering &o, space &s, uint32_t *&id, pbw_cuda_mesh *mesh)
+{
+    const size_t n = o.in.count;
+    const unsigned blocks = blocks_for(n, 256);
+    survey found;
+    buffer<uint32_t> first(c), rank(c);
+    record *point = NULL;
+    if (!first.make(n)) {
         return false;
     }
-    key_kernel<<<blocks, 256, 0, c.stream>>>(in, domain, automaton, index_bits, key);
-    if (!launched(c, "keys") || !sort_keys(c, key, spare, n, index_bits, index_bits + bits * dim)) {
+    place_kernel<<<blocks, 256, 0, c.stream>>>(o.in, o.index_bits, o.key, o.root, first.at, mesh->canonical, o.found);
+    if (!launched(c, "places") || !read_back(c, found, o.found, PBW_STAGE_ORDER, 0.5)) {
         return false;
     }
-    if (!order_runs(c, in, automaton, index_bits, bits, key, root, found_on_device) || !allocate(c, first, n)) {
-        return false;
-    }
-    place_kernel<<<blocks, 256, 0, c.stream>>>(in, index_bits, key, root, first, canonical, found_on_device);
-    if (!launched(c, "places") || !read_back(c, found, found_on_device, PBW_STAGE_ORDER, 0.5)) {
-        return false;
-    }
-    duplicates = found.duplicates;
-    s.count = (uint32_t)(n - duplicates);
+    mesh->duplicate_count = found.duplicates;
+    s.count = (uint32_t)(n - found.duplicates);
     if (s.count < PBW_CUDA_FEW) {
         return decline(c, few_points);
     }
-    if (duplicates > 0 && (!allocate(c, rank, n) || !sum_before(c, first, rank, n))) {
+    if ((found.duplicates > 0 && (!rank.make(n) || !sum_before(c, first.at, rank.at, n)))
+        || !allocate(c, point, s.count) || !allocate(c, id, s.count)) {
         return false;
     }
-    if (!allocate(c, point, s.count) || !allocate(c, id, s.count)) {
-        return false;
-    }
-    gather_kernel<<<blocks, 256, 0, c.stream>>>(in, index_bits, key, first, rank, point, id);
+    gather_kernel<<<blocks, 256, 0, c.stream>>>(o.in, o.index_bits, o.key, first.at, rank.at, point, id);
     s.point = point;
-    release(c, key, false);
-    release(c, spare, false);
-    release(c, first, false);
-    release(c, rank, false);
-    release(c, root, false);
-    release(c, found_on_device, false);
     return launched(c, "gather");
+}
+
+/* Fills s (all but high[] beyond dim), id and canonical. */
+bool order_points(call &c, const input &in, space &s, uint32_t *&id, bool &weighted, pbw_cuda_mesh *mesh)
+{
+    const size_t n = in.count;
+    const int index_bits = pbw__index_bits(n), bits = pbw__grid_bits(index_bits, in.dim);
+    ordering o = { in, {}, index_bits, bits, NULL, NULL, NULL, NULL };
+    extents e;
+    pbw__box_reset(&e.domain, bits);
+    memcpy(o.automaton.plane, pbw__hilbert2, sizeof o.automaton.plane);
+    memcpy(o.automaton.space, pbw__hilbert3, sizeof o.automaton.space);
+    if (!survey_points(c, in, o.found, e) || !measure_space(c, e, in.dim, s) || !allocate(c, o.key, n)
+        || !allocate(c, o.spare, n)) {
+        return false;
+    }
+    weighted = in.weights != NULL && e.heaviest > e.lightest;
+    key_kernel<<<blocks_for(n, 256), 256, 0, c.stream>>>(in, e.domain, o.automaton, index_bits, o.key);
+    if (!launched(c, "keys") || !sort_keys(c, o.key, o.spare, n, { index_bits, index_bits + bits * in.dim })
+        || !order_runs(c, o) || !gather_points(c, o, s, id, mesh)) {
+        return false;
+    }
+    release(c, o.key, false);
+    release(c, o.spare, false);
+    release(c, o.root, false);
+    release(c, o.found, false);
+    return true;
 }
 
 bool grow_tree(call &c, space &s, int dim, tree &t)
@@ -5063,7 +5053,7 @@ bool run(call &c, const input &in, unsigned flags, pbw_cuda_mesh *mesh)
     }
     note(c, 0);
     if (!allocate(c, mesh->canonical, in.count)
-        || !order_points(c, in, s, id, mesh->canonical, weighted, mesh->duplicate_count)) {
+        || !order_points(c, in, s, id, weighted, mesh)) {
         return false;
     }
     release(c, in.points, false);                    /* those of a job: the records have all */
@@ -5131,14 +5121,13 @@ template <int DIM> bool check_mesh(call &c, const pbw_cuda_mesh &mesh, const inp
     pbw__digit *pool = NULL;
     uint32_t *open = NULL;
     pbw_index first[DIM + 1];
-    double lightest, heaviest;
-    pbw__box domain;
+    extents e;
     view m = { in, mesh.simplices, mesh.neighbors, mesh.incident, mesh.canonical, (uint32_t)mesh.simplex_count,
                { 0.0, 0 }, { { 0.0 } } };
-    pbw__box_reset(&domain, 1);
+    pbw__box_reset(&e.domain, 1);
     memset(&found, 0, sizeof found);
     found.least = ~0ull;
-    if (!survey_points(c, in, found_on_device, domain, lightest, heaviest, m.grid) || !allocate(c, on_device, 1)
+    if (!survey_points(c, in, found_on_device, e) || !allocate(c, on_device, 1)
         || !allocate(c, open, mesh.simplex_count > in.count ? mesh.simplex_count : in.count)
         || !allocate(c, pool, (size_t)check_blocks * 32 * PBW__POOL)
         || !good(c, cudaMemcpyAsync(on_device, &found, sizeof found, cudaMemcpyHostToDevice, c.stream), "copy")
@@ -5146,6 +5135,7 @@ template <int DIM> bool check_mesh(call &c, const pbw_cuda_mesh &mesh, const inp
         || !good(c, cudaStreamSynchronize(c.stream), "copy")) {
         return false;
     }
+    m.grid = e.grid;
     size_t size = in.is_float ? sizeof(float) : sizeof(double);
     for (int i = 0; i <= DIM; i++) {
         size_t at = first[i] < in.count ? first[i] : 0;
