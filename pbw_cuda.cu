@@ -418,8 +418,9 @@ __global__ void measure_kernel(input in, int index_bits, uint64_t *key, run_list
                 highest[k] = value > highest[k] ? value : highest[k];
             }
             fetch(in, (size_t)(key[head + best] & mask), d);
-            best = pbw__comes_before(c, key[end + lane] & mask, d, key[head + best] & mask, in.dim) ? end + lane - head
-                                                                                               : best;
+            if (pbw__comes_before(c, key[end + lane] & mask, d, key[head + best] & mask, in.dim)) {
+                best = end + lane - head;
+            }
         }
         end += (uint32_t)__popc(vote);
         if (vote != all_lanes) {
@@ -1758,8 +1759,8 @@ template <int DIM, bool WEIGHTED, typename REAL> struct near_star {
     typedef star<DIM, WEIGHTED, near_triangles, near_vertices, near_points, REAL> type;
 };
 
-/* A launch of the first rung.  Without EXACT it builds total vertices from first on, each stride-th, with EXACT those of
-   undecided. */
+/* A launch of the first rung.  Without EXACT it builds total vertices from first on, each stride-th; with EXACT those
+   of undecided. */
 struct near_launch {
     space all;
     const box *group;
@@ -2242,8 +2243,11 @@ __device__ inline bool start_from_seeds(star<DIM, WEIGHTED, NT, NV, SCRATCH, REA
     return true;
 }
 
-/* Inserts a point into the star of a warp.  The exact one is a call: inlined into the search, some insertions come
-   out wrong with nvcc 13.0 (with ptxas -O1 none do).  The reason is not known. */
+/* Inserts a point into the star of a warp.  With exact tests it must stay a call: inlined into the search and compiled
+   by CUDA 13.0 for sm_90 it builds wrong stars, the same tests of the zoo failing in each build.  The cause is not
+   found.  ptxas -O1 makes right code of the same PTX, and so does -O3 if fan alone is a call.  These leave it wrong:
+   barriers around the insertion and inside it, exact tests by one lane at a time, digit loops that are not unrolled,
+   unfused arithmetic, twice the registers; count, result and candidates are uniform throughout. */
 template <int DIM, bool WEIGHTED, int NT, int NV, int SCRATCH, typename REAL>
 __device__ inline int insert(star<DIM, WEIGHTED, NT, NV, SCRATCH, REAL> &s, const space &all, uint32_t v, uint32_t id,
                              const place<REAL> &p, int &count, unsigned walls, pbw__digit *pool)
@@ -2589,7 +2593,7 @@ far_kernel(const __grid_constant__ far_launch a)
     __shared__ bool ends;
     for (uint32_t i = blockIdx.x; i < a.total; i += gridDim.x) {
         uint32_t entry = a.work.vertex[i], v = entry & ~stored_mark;
-        bool resume = entry != v && a.out.place[v - a.out.first] != none, changed;  /* none: the store was too small */
+        bool resume = entry != v && a.out.place[v - a.out.first] != none, changed;      /* none: the store was full */
         int count = 0;
         if (threadIdx.x == 0) {
             ends = *(volatile uint32_t *)a.failed.count > a.limit || *a.out.stop != 0;
@@ -2870,8 +2874,8 @@ template <typename RUNG> __device__ inline uint32_t deepest(const wide_star<RUNG
     return best;
 }
 
-/* A launch of a rung for surfaces: the vertices of a list, or if it is NULL total from first on, each stride-th.  next:
-   the first that no warp has taken; work, unless NULL: the sum of all looks. */
+/* A launch of a rung for surfaces: the vertices of a list, or if it is NULL total from first on, each stride-th.
+   next: the first that no warp has taken; work, unless NULL: the sum of all looks. */
 struct wide_launch {
     space all;
     brick_tree bricks;
@@ -4787,7 +4791,8 @@ template <int DIM> bool fetch_guests(call &c, directory<DIM> &all)
         count += of[i].guest_count[c.card];
     }
     if (!allocate(c, guest, count) || !allocate(c, number, count)
-        || !allocate(c, c.cards->of[c.card].beyond, count)) {
+        || !allocate(c, c.cards->of[c.card].beyond, count)
+        || !fill(c, c.cards->of[c.card].beyond, 0xff, count)) {      /* guests without a facet here leave theirs */
         return false;
     }
     all.guest = guest;
