@@ -20,8 +20,8 @@
      second rung   a warp a star; candidates from a search of the box tree for points in conflict with the simplices
                    that the first rung left uncertified.  Hull stars, sparse places, larger stars.  At first by floats
                    and, where they leave it open, doubles; then with exact tests and more room.
-     third rung    the same with room for 1000 vertices and with the last exact stage of pbw.h.  A handful; the few
-                   that search for too long are given much longer once.
+     third rung    like the second, with room for 1000 vertices and with the last exact stage of pbw.h.  A handful;
+                   the few that reach the cap on their search get a much larger one once.
      the CPU       takes the whole input if a star fits no rung, if the points are few, or if a sample of stars
                    predicts that the CPU is faster: on lines stars are too large, nearly in a plane too flat for
                    floats, and on a common sphere, even a noisy one, each circumsphere passes near all points.
@@ -35,7 +35,7 @@
    its run of the simplices, over its own link to the host.  All put all points into order, a twentieth of the work of
    one, and exchange what numbers the simplices across the borders of the shares (>>cells).  A card holds all points
    and its share of the rest: 90 + 560 / cards bytes a point (2D: 75 + 155 / cards).  So two cards of one kind take
-   1.7 times the points of one, and many cards as many as there are numbers for the simplices (600 million points).
+   1.7 times the points of one, and many cards up to the limit of the simplex numbers (600 million points).
    An input of which one card leaves a star to the CPU is left to it as a whole.
    Where two devices can reach each other, each opens its pool to the other, and leaves it so; for a pool that keeps
    60 GB the first call takes half a second longer.
@@ -126,7 +126,7 @@ struct space {
     const float4 *rough;                             /* the coordinates in units, as floats: where a look will do */
     uint32_t count;
     double low[3], end[3], unit, heaviest;           /* end: the other corner of the box of all points */
-    float high[3];                                   /* the same in units */
+    float high[3];                                   /* end in units, relative to low */
     pbw__grid grid;
     double exact_height;                             /* >>sphere: below it doubles are exact; 0 if nowhere */
 };
@@ -143,7 +143,7 @@ const uint32_t stored_mark = 1u << 31;               /* in a queue: the store ho
 struct store {
     uint32_t first, end;                             /* the share: vertices whose stars are made here */
     uint32_t *word;
-    unsigned long long *used; /* units of 16 bytes asked for: more than capacity if too small */
+    unsigned long long *used;                        /* units of 16 bytes needed: above capacity if it is too small */
     unsigned long long capacity;
     uint32_t *place;                                 /* of each vertex from first: the unit where its star begins */
     uint32_t *owned;                                 /* likewise: simplices of which it is the lowest vertex */
@@ -765,7 +765,7 @@ template <typename REAL> struct place {              /* relative to v, in units 
     REAL x[3], w;
 };
 
-/* The same float from a double but that what is not 0 stays so: on walls that counts. */
+/* Rounds to float, but never to 0 what is not 0: walls depend on it. */
 __device__ inline float narrow(double difference, double unit)
 {
     float x = (float)(difference * unit);
@@ -790,7 +790,7 @@ template <> struct sizes<float> {
     static __device__ float inverse(float d) { return __fdividef(1.0f, d); }    /* relative error 2^-22 */
 };
 
-struct probe {                                       /* the same in floats */
+struct probe {                                       /* a place in floats, with the sizes of its errors */
     float x[3], lift, load, size;                    /* load: 2^-20 L_p; size: 2^-20 P, or infinity */
 };
 
@@ -1585,7 +1585,7 @@ __device__ inline void enqueue(const queue &q, bool put, uint32_t v)
     }
 }
 
-/* The sizes of three points' frame: a fat corner is one whose determinant the filter need not look at. */
+/* The determinant of three points relative to v: a fat corner is one whose sign needs no filter. */
 template <int DIM, typename REAL>
 __device__ inline REAL corner_size(const place<REAL> &a, const place<REAL> &b, const place<REAL> &c)
 {
@@ -2243,11 +2243,11 @@ __device__ inline bool start_from_seeds(star<DIM, WEIGHTED, NT, NV, SCRATCH, REA
     return true;
 }
 
-/* Inserts a point into the star of a warp.  With exact tests it must stay a call: inlined into the search and compiled
-   by CUDA 13.0 for sm_90 it builds wrong stars, the same tests of the zoo failing in each build.  The cause is not
-   found.  ptxas -O1 makes right code of the same PTX, and so does -O3 if fan alone is a call.  These leave it wrong:
-   barriers around the insertion and inside it, exact tests by one lane at a time, digit loops that are not unrolled,
-   unfused arithmetic, twice the registers; count, result and candidates are uniform throughout. */
+/* Inserts a point into the star of a warp.  With exact tests it must stay a call: inlined into the search and
+   compiled by CUDA 13.0 for sm_90 it builds wrong stars, and tests of the zoo fail.  The cause is not found.  ptxas
+   -O1 makes right code of the same PTX, and so does -O3 if fan alone is a call.  These leave it wrong: barriers
+   around the insertion and inside it, exact tests by one lane at a time, digit loops that are not unrolled, unfused
+   arithmetic, twice the registers.  Count, result and candidates are uniform throughout. */
 template <int DIM, bool WEIGHTED, int NT, int NV, int SCRATCH, typename REAL>
 __device__ inline int insert(star<DIM, WEIGHTED, NT, NV, SCRATCH, REAL> &s, const space &all, uint32_t v, uint32_t id,
                              const place<REAL> &p, int &count, unsigned walls, pbw__digit *pool)
@@ -2396,7 +2396,7 @@ __device__ inline int far_star_of(star<DIM, WEIGHTED, NT, NV, SCRATCH, REAL> &s,
     const double own_weight = (own.c[DIM] - all.heaviest) * (all.unit * all.unit);
     uint32_t candidate = none, word = 0, node = 0;
     place<REAL> p;
-    unsigned pending = 0, hit = 0;                   /* lanes whose candidates, whose groups are to be looked at */
+    unsigned pending = 0, hit = 0;                   /* lanes with a candidate to insert, with a group to search */
     int depth = 0, spent = 0, t = -1;                /* t: the simplex in hand, word: its triangle */
 
     count = 0;
@@ -2838,7 +2838,7 @@ template <typename STAR> __device__ inline void find_inverses(STAR &w, int count
     __syncwarp();
 }
 
-/* The lanes whose candidates are no vertices: those come by in the search. */
+/* Returns the lanes with candidates that are not yet vertices: the search meets vertices too. */
 template <typename RUNG>
 __device__ inline unsigned without_vertices(const wide_star<RUNG> &w, unsigned lanes, uint32_t candidate)
 {
@@ -3111,7 +3111,7 @@ template <int DIM> struct directory {
     const cell<DIM> *cells, *guest;
 };
 
-/* 8 lanes a star.  cells: by ranks; out: the same with the caller's ids. */
+/* 8 lanes a star.  cells: simplices by ranks; out: by the caller's ids. */
 template <int DIM>
 __global__ void emit_kernel(const __grid_constant__ store in, const uint32_t *offset, const uint32_t *id,
                             cell<DIM> *cells, pbw_index *out)
@@ -3761,7 +3761,7 @@ struct call {
     int blocks;
 };
 
-/* The first card that fails says why, and all stop. */
+/* Reports the first failure of any card; then all stop. */
 void fall_out(call &c, const char *text)
 {
     std::lock_guard<std::mutex> hold(c.cards->lock);
@@ -3825,7 +3825,7 @@ bool launched(call &c, const char *what)
     return good(c, cudaGetLastError(), what);
 }
 
-/* Whether more bytes fit on the device: into its free memory or into what its pool keeps.  If not, says what is
+/* Returns whether more bytes fit into the device's free memory and its pool.  If not, the message says what is
    needed in all, for this input as far as is known. */
 bool fits(call &c, size_t more)
 {
@@ -3881,7 +3881,7 @@ template <typename V> bool allocate(call &c, V *&address, size_t count)
     return c.status == PBW_OK;
 }
 
-/* Frees, or with keep only forgets, a block. */
+/* Frees a block, or with keep only drops it from the list. */
 void release(call &c, const void *address, bool keep)
 {
     for (int i = 0; i < c.blocks; i++) {
@@ -3902,11 +3902,12 @@ template <typename V> struct buffer {
     V *at;
     explicit buffer(call &of) : c(of), at(NULL) {}
     buffer(const buffer &) = delete;
+    buffer(buffer &&from) : c(from.c), at(from.at) { from.at = NULL; }
     ~buffer() { release(c, at, false); }
     bool make(size_t count) { return allocate(c, at, count); }
 };
 
-/* Progress, on the caller's thread; whether to stop. */
+/* Reports progress on the caller's thread, and takes over a cancellation or another card's failure. */
 void look_up(call &c, pbw_stage stage, double done)
 {
     if (c.card == 0 && c.status == PBW_OK && c.job->report(c.job, stage, done) != 0) {
@@ -3920,8 +3921,8 @@ void look_up(call &c, pbw_stage stage, double done)
     }
 }
 
-/* Waits for what a stream has so far; a job hears of progress meanwhile.  When it is cancelled, or another card has
-   failed, the kernels hear of it over the other stream. */
+/* Waits for a stream and reports progress meanwhile.  When the call is cancelled or another card has failed, sets the
+   stop word of the kernels through the other stream. */
 bool wait(call &c, cudaStream_t stream, pbw_stage stage, double done)
 {
     static const uint32_t one = 1;
@@ -4009,24 +4010,30 @@ bool sort_keys(call &c, uint64_t *&key, uint64_t *&spare, size_t count, key_bits
     return true;
 }
 
+/* An array and room to sort it. */
+template <typename V> struct sortable {
+    buffer<V> array, spare;
+    explicit sortable(call &c) : array(c), spare(c) {}
+    bool make(size_t count) { return array.make(count) && spare.make(count); }
+};
+
 template <typename K, typename V>
-bool sort_pairs(call &c, buffer<K> &key, buffer<K> &spare, buffer<V> &value, buffer<V> &spare_value, size_t count,
-                key_bits by)
+bool sort_pairs(call &c, sortable<K> &key, sortable<V> &value, size_t count, key_bits by)
 {
     size_t bytes = 0;
     buffer<char> scratch(c);
-    cub::DoubleBuffer<K> keys(key.at, spare.at);
-    cub::DoubleBuffer<V> values(value.at, spare_value.at);
+    cub::DoubleBuffer<K> keys(key.array.at, key.spare.at);
+    cub::DoubleBuffer<V> values(value.array.at, value.spare.at);
     if (!good(c, cub::DeviceRadixSort::SortPairs(NULL, bytes, keys, values, count, by.low, by.high, c.stream), "sort")
         || !scratch.make(bytes)
         || !good(c, cub::DeviceRadixSort::SortPairs(scratch.at, bytes, keys, values, count, by.low, by.high,
                                                     c.stream), "sort")) {
         return false;
     }
-    key.at = keys.Current();
-    spare.at = keys.Alternate();
-    value.at = values.Current();
-    spare_value.at = values.Alternate();
+    key.array.at = keys.Current();
+    key.spare.at = keys.Alternate();
+    value.array.at = values.Current();
+    value.spare.at = values.Alternate();
     return true;
 }
 
@@ -4069,8 +4076,8 @@ bool order_long_runs(call &c, ordering &o, const run_list &runs, run_list &next,
 {
     const unsigned warps = blocks_for(count, 4);
     buffer<double> low(c), extent(c);
-    buffer<uint64_t> gathered(c), spare(c);
-    buffer<uint32_t> segment(c), spare_segment(c);
+    sortable<uint64_t> gathered(c);
+    sortable<uint32_t> segment(c);
     uint32_t total = 0;
     int run_bits = 1;
     while (run_bits < 32 && (count - 1) >> run_bits != 0) {
@@ -4088,20 +4095,21 @@ bool order_long_runs(call &c, ordering &o, const run_list &runs, run_list &next,
         count = 0;
         return true;
     }
-    if (!gathered.make(total) || !spare.make(total) || !segment.make(total) || !spare_segment.make(total)) {
+    if (!gathered.make(total) || !segment.make(total)) {
         return false;
     }
     rekey_kernel<<<warps, 128, 0, c.stream>>>(o.in, o.index_bits, o.bits, o.key, runs, count, low.at, extent.at,
-                                              o.automaton, gathered.at, segment.at);
+                                              o.automaton, gathered.array.at, segment.array.at);
     const key_bits by_key = { o.index_bits, o.index_bits + o.bits * o.in.dim }, by_run = { 0, run_bits };
-    if (!launched(c, "runs") || !sort_pairs(c, gathered, spare, segment, spare_segment, total, by_key)
-        || !sort_pairs(c, segment, spare_segment, gathered, spare, total, by_run)
+    if (!launched(c, "runs") || !sort_pairs(c, gathered, segment, total, by_key)
+        || !sort_pairs(c, segment, gathered, total, by_run)
         || !allocate_runs(c, next, total / PBW__SHORT_RUN + 1) || !fill(c, &o.found->long_runs, 0, 1)) {
         return false;
     }
-    run_kernel<<<blocks_for(total, 256), 256, 0, c.stream>>>(o.in, o.index_bits, gathered.at, total, segment.at, runs,
-                                                             next, o.found);
-    put_back_kernel<<<blocks_for(total, 256), 256, 0, c.stream>>>(gathered.at, segment.at, total, runs, o.key);
+    run_kernel<<<blocks_for(total, 256), 256, 0, c.stream>>>(o.in, o.index_bits, gathered.array.at, total,
+                                                             segment.array.at, runs, next, o.found);
+    put_back_kernel<<<blocks_for(total, 256), 256, 0, c.stream>>>(gathered.array.at, segment.array.at, total, runs,
+                                                                  o.key);
     return launched(c, "runs") && read_back(c, count, &o.found->long_runs, PBW_STAGE_ORDER, 0.4);
 }
 
@@ -5076,39 +5084,50 @@ bool run(call &c, const input &in, unsigned flags, pbw_cuda_mesh *mesh)
     return done;
 }
 
-/* One pass; false: a fault, which report then has, or no verdict. */
-template <int DIM>
-bool check_pass(call &c, const view &m, int pass, uint32_t *open, pbw__digit *pool, finding *on_device,
-                finding &found, pbw_report *report)
+/* A check while it runs. */
+struct checking {
+    call &c;
+    view m;
+    buffer<uint32_t> open;                           /* items that the stages without memory leave open */
+    buffer<pbw__digit> pool;
+    buffer<finding> on_device;
+    finding found;
+    pbw_report *report;
+};
+
+/* One pass; false: a fault, which the report then names, or no verdict. */
+template <int DIM> bool check_pass(checking &k, int pass)
 {
+    call &c = k.c;
     const bool of_points = pass == check_points || pass == check_hidden;
-    uint32_t count = of_points ? (uint32_t)m.in.count : m.count;
+    const uint32_t count = of_points ? (uint32_t)k.m.in.count : k.m.count;
     unsigned blocks = blocks_for(count, 128);
     blocks = blocks < 1u << 16 ? blocks : 1u << 16;
-    check_kernel<DIM><<<blocks, 128, 0, c.stream>>>(m, pass, count, NULL, open, NULL, on_device);
-    if (!launched(c, "check") || !read_back(c, found, on_device, PBW_STAGE_BUILD, 0.0)) {
+    check_kernel<DIM><<<blocks, 128, 0, c.stream>>>(k.m, pass, count, NULL, k.open.at, NULL, k.on_device.at);
+    if (!launched(c, "check") || !read_back(c, k.found, k.on_device.at, PBW_STAGE_BUILD, 0.0)) {
         return false;
     }
-    if (found.open > 0) {
-        check_kernel<DIM><<<check_blocks, 32, 0, c.stream>>>(m, pass, found.open, open, NULL, pool, on_device);
-        if (!fill(c, &on_device->open, 0, 1) || !launched(c, "check")
-            || !read_back(c, found, on_device, PBW_STAGE_BUILD, 0.0)) {
+    if (k.found.open > 0) {
+        check_kernel<DIM><<<check_blocks, 32, 0, c.stream>>>(k.m, pass, k.found.open, k.open.at, NULL, k.pool.at,
+                                                             k.on_device.at);
+        if (!fill(c, &k.on_device.at->open, 0, 1) || !launched(c, "check")
+            || !read_back(c, k.found, k.on_device.at, PBW_STAGE_BUILD, 0.0)) {
             return false;
         }
     }
-    if (found.least == ~0ull) {
+    if (k.found.least == ~0ull) {
         return true;
     }
-    uint32_t item = (uint32_t)(found.least >> 32);   /* once more, to hear all about it */
-    if (!good(c, cudaMemcpyAsync(open, &item, sizeof item, cudaMemcpyHostToDevice, c.stream), "copy")) {
+    uint32_t item = (uint32_t)(k.found.least >> 32);     /* once more, for a description of it */
+    if (!good(c, cudaMemcpyAsync(k.open.at, &item, sizeof item, cudaMemcpyHostToDevice, c.stream), "copy")) {
         return false;
     }
-    check_kernel<DIM><<<1, 32, 0, c.stream>>>(m, pass, 1, open, NULL, pool, on_device);
-    if (launched(c, "check") && read_back(c, found, on_device, PBW_STAGE_BUILD, 0.0)) {
-        report->what = faults[found.first.fault];
-        report->simplex = found.first.simplex;
-        report->facet = (pbw_index)found.first.facet;
-        report->point = found.first.point;
+    check_kernel<DIM><<<1, 32, 0, c.stream>>>(k.m, pass, 1, k.open.at, NULL, k.pool.at, k.on_device.at);
+    if (launched(c, "check") && read_back(c, k.found, k.on_device.at, PBW_STAGE_BUILD, 0.0)) {
+        k.report->what = faults[k.found.first.fault];
+        k.report->simplex = k.found.first.simplex;
+        k.report->facet = (pbw_index)k.found.first.facet;
+        k.report->point = k.found.first.point;
     }
     return false;
 }
@@ -5119,62 +5138,70 @@ bool miscounts(pbw_report *report, size_t said, size_t counted, const char *what
     return said != counted;
 }
 
-template <int DIM> bool check_mesh(call &c, const pbw_cuda_mesh &mesh, const input &in, pbw_report *report)
+/* Copies the corners of simplex 0 to the host. */
+template <int DIM> bool read_basis(call &c, view &m)
 {
-    survey *found_on_device = NULL;
-    finding *on_device = NULL, found;
-    pbw__digit *pool = NULL;
-    uint32_t *open = NULL;
+    const size_t size = m.in.is_float ? sizeof(float) : sizeof(double);
     pbw_index first[DIM + 1];
-    extents e;
-    view m = { in, mesh.simplices, mesh.neighbors, mesh.incident, mesh.canonical, (uint32_t)mesh.simplex_count,
-               { 0.0, 0 }, { { 0.0 } } };
-    pbw__box_reset(&e.domain, 1);
-    memset(&found, 0, sizeof found);
-    found.least = ~0ull;
-    if (!survey_points(c, in, found_on_device, e) || !allocate(c, on_device, 1)
-        || !allocate(c, open, mesh.simplex_count > in.count ? mesh.simplex_count : in.count)
-        || !allocate(c, pool, (size_t)check_blocks * 32 * PBW__POOL)
-        || !good(c, cudaMemcpyAsync(on_device, &found, sizeof found, cudaMemcpyHostToDevice, c.stream), "copy")
-        || !good(c, cudaMemcpyAsync(first, mesh.simplices, sizeof first, cudaMemcpyDeviceToHost, c.stream), "copy")
+    if (!good(c, cudaMemcpyAsync(first, m.simplices, sizeof first, cudaMemcpyDeviceToHost, c.stream), "copy")
         || !good(c, cudaStreamSynchronize(c.stream), "copy")) {
         return false;
     }
-    m.grid = e.grid;
-    size_t size = in.is_float ? sizeof(float) : sizeof(double);
     for (int i = 0; i <= DIM; i++) {
-        size_t at = first[i] < in.count ? first[i] : 0;
+        size_t at = first[i] < m.in.count ? first[i] : 0;
         float narrow[4] = { 0.0f, 0.0f, 0.0f, 0.0f };
-        void *to = in.is_float ? (void *)narrow : (void *)m.basis[i];
-        if (!good(c, cudaMemcpyAsync(to, (const char *)in.points + at * DIM * size, DIM * size,
+        void *to = m.in.is_float ? (void *)narrow : (void *)m.basis[i];
+        if (!good(c, cudaMemcpyAsync(to, (const char *)m.in.points + at * DIM * size, DIM * size,
                                      cudaMemcpyDeviceToHost, c.stream), "copy")
             || !good(c, cudaStreamSynchronize(c.stream), "copy")) {
             return false;
         }
-        for (int k = 0; k < DIM && in.is_float; k++) {
+        for (int k = 0; k < DIM && m.in.is_float; k++) {
             m.basis[i][k] = (double)narrow[k];
         }
     }
-    if (!check_pass<DIM>(c, m, check_points, open, pool, on_device, found, report)) {
+    return true;
+}
+
+template <int DIM> bool check_mesh(call &c, const pbw_cuda_mesh &mesh, const input &in, pbw_report *report)
+{
+    survey *surveyed = NULL;
+    extents e;
+    checking k = { c,
+                   { in, mesh.simplices, mesh.neighbors, mesh.incident, mesh.canonical, (uint32_t)mesh.simplex_count,
+                     { 0.0, 0 }, { { 0.0 } } },
+                   buffer<uint32_t>(c), buffer<pbw__digit>(c), buffer<finding>(c), finding(), report };
+    pbw__box_reset(&e.domain, 1);
+    k.found.least = ~0ull;
+    if (!survey_points(c, in, surveyed, e) || !k.on_device.make(1)
+        || !k.open.make(mesh.simplex_count > in.count ? mesh.simplex_count : in.count)
+        || !k.pool.make((size_t)check_blocks * 32 * PBW__POOL)
+        || !good(c, cudaMemcpyAsync(k.on_device.at, &k.found, sizeof k.found, cudaMemcpyHostToDevice, c.stream),
+                 "copy")
+        || !read_basis<DIM>(c, k.m)) {
         return false;
     }
-    size_t vertices = (size_t)found.counted[check_points][0], others = (size_t)found.counted[check_points][1];
+    k.m.grid = e.grid;
+    if (!check_pass<DIM>(k, check_points)) {
+        return false;
+    }
+    const size_t vertices = (size_t)k.found.counted[check_points][0];
+    const size_t others = (size_t)k.found.counted[check_points][1];
     report->vertex_count = vertices;
     if (miscounts(report, mesh.duplicate_count, in.count - vertices - others, "duplicate_count is wrong")
         || miscounts(report, mesh.hidden_count, others, "hidden_count is wrong")
-        || !check_pass<DIM>(c, m, check_simplices, open, pool, on_device, found, report)) {
+        || !check_pass<DIM>(k, check_simplices)) {
         return false;
     }
-    report->facet_count = (size_t)found.counted[check_simplices][0];
-    report->hull_facet_count = (size_t)found.counted[check_simplices][1];
-    return check_pass<DIM>(c, m, check_hull, open, pool, on_device, found, report)
-        && (others == 0 || check_pass<DIM>(c, m, check_hidden, open, pool, on_device, found, report));
+    report->facet_count = (size_t)k.found.counted[check_simplices][0];
+    report->hull_facet_count = (size_t)k.found.counted[check_simplices][1];
+    return check_pass<DIM>(k, check_hull) && (others == 0 || check_pass<DIM>(k, check_hidden));
 }
 
 /* ------------------------------------------------------------------------------------------------------
    >>entry        The backend, and the entries for points on the device.
    ------------------------------------------------------------------------------------------------------ */
-/* count: 0 if the call is no triangulation of as many points. */
+/* count: the points to triangulate; 0 in a check. */
 bool open_call(call &c, cudaStream_t stream, int dim, size_t count)
 {
     int device = 0, pools = 0;
@@ -5460,7 +5487,7 @@ bool build_by(pbw_triangulator *cpu, call &c, const input &in, pbw_options optio
         mesh->simplex_count = host.simplex_count;
         mesh->duplicate_count = host.duplicate_count;
         mesh->hidden_count = host.hidden_count;
-        wait(c, c.stream, PBW_STAGE_OUTPUT, 0.9);    /* what is copied is freed next */
+        wait(c, c.stream, PBW_STAGE_OUTPUT, 0.9);    /* the host arrays are freed next */
         c.status = c.status == PBW_OK ? status : c.status;
     }
     pbw_free(&host);
@@ -5473,7 +5500,7 @@ bool build_by(pbw_triangulator *cpu, call &c, const input &in, pbw_options optio
 extern "C" const pbw_backend *pbw_cuda_backend_multi(const int *devices, int count)
 {
     static std::mutex lock;
-    static device_list *lists = NULL;                /* one for each list that was ever asked for */
+    static device_list *lists = NULL;                /* one for each list of devices seen so far */
     device_list *list;
     for (int i = 0; i < count; i++) {
         if (devices[i] < 0) {
