@@ -17,7 +17,7 @@ EXAMPLES_CXX = $(if $(shell command -v $(firstword $(CXX))),$(patsubst examples/
 EXPECTED = $(patsubst examples/expected/%.txt,%,$(wildcard examples/expected/*.txt))
 FUZZERS = $(patsubst tests/%.c,%,$(wildcard tests/fuzz_*.c))
 HEADERS = pbw.h $(wildcard tests/*.h examples/*.h examples/lib/*.h examples/program/*.h)
-SCRIPTS = $(filter packaging hashes examples asm oracle cmake csharp install python programs view, \
+SCRIPTS = $(filter packaging hashes examples asm oracle cmake csharp install page python program programs view, \
     $(patsubst tests/%.sh,%,$(wildcard tests/*.sh)))
 SUITES = test programs examples oracle asm arm names fuzz-long
 export CC CXX
@@ -37,7 +37,7 @@ ifneq ($(word 2,$(filter $(SUITES),$(MAKECMDGOALS))),)
 endif
 endif
 
-.PHONY: all demo examples test programs oracle arm asan ubsan tsan valgrind fuzz fuzz-long asm names clean help FORCE
+.PHONY: all page demo examples test programs oracle arm asan ubsan tsan valgrind fuzz fuzz-long asm names clean help FORCE
 .DELETE_ON_ERROR:
 .SECONDARY:
 
@@ -46,6 +46,7 @@ all: $B/pbw $(EXAMPLES:%=$B/%) $(EXAMPLES_CXX:%=$B/%) $B/libpbw_python.so
 help:
 	@echo 'make             builds the examples into $B/, the pbw program among them'
 	@echo 'make demo        makes a model, samples, triangulates, proves, draws and writes it'
+	@echo 'make page        puts examples/lib/view/ into pbw_view.h'
 	@echo 'make examples    runs the examples and compares what they print with examples/expected'
 	@echo 'make test        all tests; the last line is `N passed, N failed, N skipped`'
 	@echo 'make bench       compares speed and memory with rivals that are installed (bench/bench.mk)'
@@ -103,7 +104,7 @@ $B/examples.log: $(patsubst %,$B/%,$(filter $(EXAMPLES) $(EXAMPLES_CXX),$(EXPECT
 $B/python.log: $B/libpbw_python.so
 $B/csharp.log: $B/libpbw.so
 $B/install.log: $B/pbw $B/pbw_pic.o $B/libpbw.so
-$B/programs.log: $B/pbw
+$B/program.log $B/programs.log: $B/pbw
 $B/oracle.log: $B/libpbw.a
 
 # One that does not compile is a failure, and the others still run.
@@ -119,6 +120,13 @@ $(SUITES):
 	@rm -f $(LOGS)
 	@$(MAKE) --no-print-directory -k $(LOGS) || true
 	@sh tests/run.sh --total $(LOGS)
+
+# The page of pbw_view.h, from the files that web developers edit; tests/page.sh finds a header that is not up to date.
+PAGE = examples/lib/view/embed.awk examples/lib/view/page.html examples/lib/pbw_view.h
+page:
+	@mkdir -p $B
+	awk -f $(PAGE) > $B/page.h
+	cmp -s $B/page.h examples/lib/pbw_view.h || cp $B/page.h examples/lib/pbw_view.h
 
 demo: $B/pbw $B/model
 	sh examples/demo.sh $B
