@@ -3159,7 +3159,7 @@ static uint64_t *pbw__sort_keys(pbw__context *context, uint64_t *a, uint64_t *b,
 }
 
 /* Order of points of equal keys: lexicographic, then the larger weight, then the lower index. */
-static int pbw__comes_before(const double *x, size_t i, const double *y, size_t j, int dim)
+PBW__DEVICE static int pbw__comes_before(const double *x, size_t i, const double *y, size_t j, int dim)
 {
     int k;
     for (k = 0; k < dim; k++) {
