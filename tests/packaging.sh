@@ -57,7 +57,8 @@ cp "$work/caller.c" "$work/caller.cpp"
 
 # Compilers and standards: no warning, of the interface alone and with everything.
 compilers=
-for compiler in "$CC" gcc clang; do
+for compiler in "$CC" ${QUICK:-gcc clang}; do
+    [ "$compiler" = 1 ] && continue
     case " $compilers " in *" $compiler "*) continue ;; esac
     if command -v "${compiler%% *}" > /dev/null; then
         compilers="$compilers $compiler"
@@ -163,6 +164,8 @@ else
 fi
 check "the root holds nothing that should be elsewhere" sh -c \
     "! ls | grep -vxE 'pbw\\.h|pbw_cuda\\.cu|examples|tests|bench|Makefile|README\\.md|build'"
+
+[ -z "$QUICK" ] || finish
 
 # Other machines, where their compilers and libraries are installed.
 printf '#include <stdlib.h>\nint main(void) { return 0; }\n' > "$work/empty.c"
