@@ -131,8 +131,8 @@ for file in interface whole; do
 done
 
 # Text: contents and rooms, versions, the quick start.
-sed -n 's/^     >>\([a-z]*\) .*/\1/p' pbw.h > "$work/contents"
-sed -n 's/^   >>\([a-z]*\).*/\1/p' pbw.h > "$work/rooms"
+sed -n 's/^     >>\([a-z0-9]*\) .*/\1/p' pbw.h > "$work/contents"
+sed -n 's/^   >>\([a-z0-9]*\).*/\1/p' pbw.h > "$work/rooms"
 check "the contents list names the rooms, in order" same "$work/contents" "$work/rooms"
 title=$(sed -n '1s/.* - v\([0-9.]*\) - .*/\1/p' pbw.h)
 macros=$(sed -n 's/^#define PBW_VERSION_[MP][A-Z]* \([0-9]*\)$/\1/p' pbw.h | paste -s -d . -)
