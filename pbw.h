@@ -1350,18 +1350,18 @@ static void *pbw__allocate_large(pbw__context *context, size_t count, size_t siz
    thread writes and another reads; it is only ever set, and a late view of it costs time only, so relaxed order
    serves.
    ------------------------------------------------------------------------------------------------------ */
-/* Items below which a further thread, task or part does not pay.  PBW_SMALL_SHARES is for tests: then few points make
-   many.  So are PBW_PAUSE(), a place where threads may be held up, and PBW_MAY_START(): whether another may start. */
-#ifdef PBW_SMALL_SHARES
+/* Items below which a further thread, task or part does not pay.  Three hooks for tests: PBW__TEST_SMALL_SHARES makes
+   many of few points, PBW__TEST_PAUSE() may delay a thread, PBW__TEST_MAY_START() may refuse to start one. */
+#ifdef PBW__TEST_SMALL_SHARES
 #define PBW__SMALLER(items) ((items) / 1024 + 1)
 #else
 #define PBW__SMALLER(items) (items)
 #endif
-#ifndef PBW_PAUSE
-#define PBW_PAUSE() ((void)0)
+#ifndef PBW__TEST_PAUSE
+#define PBW__TEST_PAUSE() ((void)0)
 #endif
-#ifndef PBW_MAY_START
-#define PBW_MAY_START() 1
+#ifndef PBW__TEST_MAY_START
+#define PBW__TEST_MAY_START() 1
 #endif
 
 #define PBW__TICK ((size_t)1 << 16)                  /* items between looks at the clock in streaming loops: < 2 ms */
@@ -1437,9 +1437,9 @@ static void pbw__work(pbw__team *team)
     unsigned work = PBW__LOAD(&team->work);
     while (work >= PBW__UNTAKEN) {
         if (PBW__TAKE(&team->work, &work, work - PBW__UNTAKEN + PBW__RUNS)) {
-            PBW_PAUSE();
+            PBW__TEST_PAUSE();
             team->task(team->arg, team->tasks - (int)(work / PBW__UNTAKEN));
-            PBW_PAUSE();
+            PBW__TEST_PAUSE();
             work = PBW__LEAVE(&team->work, PBW__RUNS) - PBW__RUNS;
             if (work == PBW__SLEEPS) {
                 PBW__LOCK(&team->mutex);
@@ -1495,7 +1495,7 @@ static void pbw__team_start(pbw__context *context)
     PBW__MUTEX_INIT(&team->mutex);
     PBW__CONDITION_INIT(&team->wake);
     PBW__CONDITION_INIT(&team->done);
-    while (team->count + 1 < context->threads && PBW_MAY_START()
+    while (team->count + 1 < context->threads && PBW__TEST_MAY_START()
            && pbw__thread_start(&team->thread[team->count], 256 * 1024, pbw__team_member, team)) {
         team->count++;
     }
@@ -3668,9 +3668,9 @@ typedef uint64_t pbw__link;
 typedef uint32_t pbw__link;
 #define PBW__SIMPLEX_LIMIT ((size_t)1 << 30)
 #endif
-#ifdef PBW_SIMPLEX_LIMIT                             /* for tests: a limit that small inputs reach */
+#ifdef PBW__TEST_SIMPLEX_LIMIT                       /* for tests: a limit that small inputs reach */
 #undef PBW__SIMPLEX_LIMIT
-#define PBW__SIMPLEX_LIMIT ((size_t)PBW_SIMPLEX_LIMIT)
+#define PBW__SIMPLEX_LIMIT ((size_t)PBW__TEST_SIMPLEX_LIMIT)
 #endif
 
 #define PBW__GHOST 0u
@@ -4009,7 +4009,7 @@ static PBW__NOINLINE pbw_status pbw__more_tail(pbw__kernel *kernel, size_t neede
     }
     from = PBW__LOAD(&store->count);
     do {
-        PBW_PAUSE();
+        PBW__TEST_PAUSE();
         if (store->capacity - from < block) {
             kernel->no_room = 1;                     /* at the end of the round there will be more */
             return PBW__LEFT;
@@ -4905,7 +4905,7 @@ static pbw_status pbw__carve3_scalar(pbw__kernel *kernel, pbw_index t, const dou
 #ifdef PBW__SIMD
 /* The rows of the latest simplices of the cavity, and of the vertices across their facets.  Few in tests with small
    shares, which are to meet simplices out of their reach. */
-#ifdef PBW_SMALL_SHARES
+#ifdef PBW__TEST_SMALL_SHARES
 #define PBW__HELD 8
 #else
 #define PBW__HELD 64
@@ -6443,7 +6443,7 @@ static int pbw__level_insert(pbw__build *build, pbw__kernel *kernel, pbw_index v
             return 0;
         }
         kernel->left[kernel->left_count++] = v;
-        PBW_PAUSE();
+        PBW__TEST_PAUSE();
     } else if (status != PBW_OK) {
         kernel->status = status;
         return 0;
@@ -6835,7 +6835,7 @@ static pbw_status pbw__build_all(pbw__context *context, pbw__store *store, const
 static PBW__NOINLINE int pbw__claim(pbw__kernel *kernel, size_t cell)
 {
     uint8_t nobody = PBW__NOBODY;
-    PBW_PAUSE();
+    PBW__TEST_PAUSE();
     if (kernel->claim_count == PBW__CLAIMS || !PBW__TAKE(kernel->owner + cell, &nobody, kernel->me)) {
         return 0;
     }
@@ -7035,7 +7035,7 @@ static void pbw__give_back(pbw__build *build, pbw__kernel *kernel, int count)
     }
     for (i = 0; i < count; i++) {
         PBW__TELL(kernel->owner + kernel->claim[i], PBW__NOBODY);
-        PBW_PAUSE();
+        PBW__TEST_PAUSE();
     }
     kernel->claim_count -= count;
     memmove(kernel->claim, kernel->claim + count, (size_t)kernel->claim_count * sizeof(pbw_index));
@@ -7992,7 +7992,7 @@ static void pbw__emit_pass2(void *arg, int task)
    more. */
 PBW__INLINE int pbw__chunk_bits(int dim, int tasks, size_t slots)
 {
-#ifdef PBW_SMALL_SHARES
+#ifdef PBW__TEST_SMALL_SHARES
     (void)tasks;
     (void)slots;
     return dim + 3;
