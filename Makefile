@@ -23,6 +23,14 @@ SUITES = test programs examples oracle asm arm names fuzz-long
 export CC CXX
 
 ifeq ($(MAKELEVEL),0)
+# One make at a time in a folder: $B/.make is a link to the number of the process that works there.
+ifneq ($(filter-out help clean,$(or $(MAKECMDGOALS),all)),)
+OTHER := $(shell mkdir -p $B; ln -s $$PPID $B/.make 2> /dev/null || { \
+    other=$$(readlink $B/.make); \
+    if [ "$$other" != $$PPID ] && kill -0 "$$other" 2> /dev/null && ps -o comm= -p "$$other" | grep -q make; \
+    then echo "$$other"; else ln -sfn $$PPID $B/.make; fi; })
+$(if $(OTHER),$(error another make (process $(OTHER)) works in $B: wait for it, or use a folder of your own, make B=build2))
+endif
 MAKEFLAGS += -j$(shell getconf _NPROCESSORS_ONLN 2>/dev/null || echo 2)
 ifneq ($(word 2,$(filter $(SUITES),$(MAKECMDGOALS))),)
 .NOTPARALLEL:                   # they share folders: one after the other, each with all jobs
@@ -47,7 +55,6 @@ help:
 	@echo 'make asan ubsan tsan valgrind                  the test programs under sanitizers'
 	@echo 'make fuzz        fuzzers, TIME=60 each         make fuzz-long  ten million random small inputs'
 	@echo 'CC=clang CXX=clang++ CFLAGS=-O3 B=build/clang  for any of them;  COUNT=n random inputs in tests'
-	@echo 'one make at a time in a folder: a second one needs another B'
 
 # Programs
 $B/libpbw.a: pbw.h
