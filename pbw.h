@@ -2069,10 +2069,8 @@ static void pbw__grid_scan(pbw__context *context, const double *records, size_t 
       power    dim+1 rows:  sum_i lift_i * orientation_i, where lift_i = |row[i] - origin|^2 - (w[i] - w[origin]) and
                             orientation_i is that of the simplex row[0..dim] with corner i replaced by the origin:
                             +1 for an origin in conflict with a positive simplex
-   Stages in the order of what they cost (power3: 20, 50 to 110, 160, 1400 ns); each but the last may leave the sign
-   open.  Integers come before pairs, because they also know zeros and the orientations that decide ties.
-   mx, my, mz are the largest |x|, |y|, |z| and ml the largest |row - origin|^2 + |dw| of this very test: no bound
-   depends on the rest of the input.
+   Stages, from the cheapest (power3: 20, 50 to 110, 160, 1400 ns); each but the last may leave the sign open.
+   Integers come before pairs because they also decide zeros and give the orientations that break ties.
 
       filter      plain doubles and a bound; any rounding mode, with and without flush-to-zero
       integers    for differences that fit one digit of >>exact in a common unit: nearly all that a filter leaves
@@ -2080,12 +2078,49 @@ static void pbw__grid_scan(pbw__context *context, const double *records, size_t 
       pairs       unevaluated sums of two doubles, 93 correct bits; only where rounding is known to be to nearest
       >>exact     all finite doubles
    ------------------------------------------------------------------------------------------------------ */
+/* ---- the bounds
+   All error bounds of this file; tests/gappa.py proves each one for the operations that it belongs to.
+   A determinant is a sum of products of differences.  A rounding multiplies a product by 1 + d, |d| <= u: so with n
+   roundings on each product, the error is at most n u / (1 - n u) times the sum of the absolute products (Higham
+   2002, section 3.1).  u is 2^-53 in round-to-nearest and 2^-52 in any mode.  A fused operation saves a rounding.
+   mx, my, mz are the largest |x|, |y|, |z| and ml the largest |row - origin|^2 + |dw| of this very test: no bound
+   depends on the rest of the input.  In the kernels h is ml, so |x|, |y|, |z| <= h^(1/2).
+
+                roundings on a product                                absolute products       bound
+      orient2   2 differences, product, sum                      4    2 mx my                   8 u mx my
+      orient3   4, difference, product, 2 sums                   8    6 mx my mz               48 u mx my mz
+      power2    lift 2+1+1+1, minor 4, product, 2 sums          12    6 mx my ml               72 u mx my ml
+      power3    lift 2+1+2+1, minor 8, product, 2 sums          17    24 mx my mz ml          408 u mx my mz ml
+      circle    the kernels' power2, one rounding more          13    6 h^2                    78 u h^2
+      sphere    the kernels' power3, two roundings more         19    24 h^(5/2)              456 u h^(5/2)
+      thin      circle, by the sum of the absolute products     13    that sum                 13 u that sum
+      pairs     see there; the pairs of the sphere test add the four terms one after the other
+
+   The constants leave about one percent, for the roundings of the bound itself and what underflow takes. */
+#define PBW__FILTER_ORIENT2_ERROR 8.1                /* times 2^-52: any rounding mode */
+#define PBW__FILTER_ORIENT3_ERROR 48.5
+#define PBW__FILTER_POWER2_ERROR 72.8
+#define PBW__FILTER_POWER3_ERROR 412.0
+#define PBW__PAIRS_ORIENT2_ERROR 31.0                /* times u^2 */
+#define PBW__PAIRS_ORIENT3_ERROR 382.0
+#define PBW__PAIRS_POWER2_ERROR 794.0
+#define PBW__PAIRS_POWER3_ERROR 6133.0
+#define PBW__ORIENT2_ERROR 9e-16                     /* the kernels': times h, h^(3/2), h^2, h^(5/2) */
+#define PBW__ORIENT3_ERROR 5.4e-15
+#define PBW__CIRCLE_ERROR 9e-15
+#define PBW__SPHERE_ERROR 5.2e-14
+#define PBW__THIN_ERROR 1.5e-15                      /* times the sum of the absolute products */
+#define PBW__SPHERE_PAIRS_ERROR 9e-29
+/* Heights below which the kernels' determinants are exact, in units of a grid, squared: there all partial results are
+   integers below 2^53, as 6 H^2 and 24 H^(5/2) are. */
+#define PBW__EXACT_HEIGHT2 3.8e7
+#define PBW__EXACT_HEIGHT3 6.5e5
+
 #define PBW__OPEN 2                                  /* a stage's answer if it does not know the sign */
 
-/* The sign of a value computed with an error below bound.  low is the least of mx, my, mz; high the largest, or ml.
-   In this range nothing overflows (6 high^3 and 24 high^2.5 are below 1e301).  An underflow, or a denormal read as 0,
-   costs less than 2^-1020, beside terms bounded by products of maxima above 1e-250: a relative 2^-189, for which
-   every bound has room.  NaN is open. */
+/* Returns the sign of a value whose error is below bound.  low: the least of mx, my, mz; high: the largest, or ml.
+   In this range nothing overflows: 6 high^3 and 24 high^2.5 are below 1e301.  An underflow, or a denormal read as 0,
+   costs less than 2^-1020, and the products of maxima are above 1e-250: a relative 2^-189.  NaN leaves it open. */
 PBW__INLINE int pbw__certain(double value, double bound, double low, double high)
 {
     if (low > 1e-50 && high < 1e100) {
@@ -2099,24 +2134,15 @@ PBW__INLINE int pbw__certain(double value, double bound, double low, double high
     return PBW__OPEN;
 }
 
-/* ---- filter
-   Each operation errs by a factor 1 + d, |d| <= e = 2^-52 = DBL_EPSILON in every rounding mode.  Count the factors on
-   a product of the expanded determinant (Higham 2002, section 3.1): to first order the error is at most their number
-   times e times the sum of the absolute products.  Fused operations have fewer factors and do no harm.
-
-                factors on a product                                  sum of products    bound / e
-      orient2   2 differences, product, sum                      4    2 mx my               8
-      orient3   4, difference, product, 2 sums                   8    6 mx my mz           48
-      power2    lift 2+1+1+1, minor 4, product, 2 sums          12    6 mx my ml           72
-      power3    lift 2+1+2+1, minor 8, product, 2 sums          17    24 mx my mz ml      408
-   and one percent for higher orders and for the rounding of the bound itself. */
+/* ---- filter */
 PBW__INLINE int pbw__filter_orient2(const double *a, const double *b, const double *c)
 {
     double x0 = a[0] - c[0], y0 = a[1] - c[1];
     double x1 = b[0] - c[0], y1 = b[1] - c[1];
     double mx = pbw__largest(x0, x1, x1, x1), my = pbw__largest(y0, y1, y1, y1);
     double det = x0 * y1 - x1 * y0;
-    return pbw__certain(det, 8.1 * DBL_EPSILON * mx * my, mx < my ? mx : my, pbw__larger(mx, my));
+    return pbw__certain(det, PBW__FILTER_ORIENT2_ERROR * DBL_EPSILON * mx * my, mx < my ? mx : my,
+                        pbw__larger(mx, my));
 }
 
 PBW__INLINE int pbw__filter_orient3(const double *a, const double *b, const double *c, const double *d)
@@ -2127,7 +2153,8 @@ PBW__INLINE int pbw__filter_orient3(const double *a, const double *b, const doub
     double mx = pbw__largest(x0, x1, x2, x2), my = pbw__largest(y0, y1, y2, y2), mz = pbw__largest(z0, z1, z2, z2);
     double low = mx < my ? mx : my, high = pbw__larger(mx, my);
     double det = z1 * (x0 * y2 - x2 * y0) - z0 * (x1 * y2 - x2 * y1) - z2 * (x0 * y1 - x1 * y0);
-    return pbw__certain(det, 48.5 * DBL_EPSILON * mx * my * mz, low < mz ? low : mz, pbw__larger(high, mz));
+    return pbw__certain(det, PBW__FILTER_ORIENT3_ERROR * DBL_EPSILON * mx * my * mz, low < mz ? low : mz,
+                        pbw__larger(high, mz));
 }
 
 PBW__INLINE int pbw__filter_power2(const double *a, const double *b, const double *c, const double *p)
@@ -2139,7 +2166,7 @@ PBW__INLINE int pbw__filter_power2(const double *a, const double *b, const doubl
     double ml = pbw__larger(pbw__larger(l0 + pbw__size(w0), l1 + pbw__size(w1)), l2 + pbw__size(w2));
     double det = (l0 - w0) * (x1 * y2 - x2 * y1) - (l1 - w1) * (x0 * y2 - x2 * y0)
                + (l2 - w2) * (x0 * y1 - x1 * y0);
-    return pbw__certain(det, 72.8 * DBL_EPSILON * mx * my * ml, mx < my ? mx : my, ml);
+    return pbw__certain(det, PBW__FILTER_POWER2_ERROR * DBL_EPSILON * mx * my * ml, mx < my ? mx : my, ml);
 }
 
 PBW__INLINE int pbw__filter_power3(const double *a, const double *b, const double *c, const double *d,
@@ -2156,7 +2183,7 @@ PBW__INLINE int pbw__filter_power3(const double *a, const double *b, const doubl
     double det = ((l0 - w0) * (z1 * s23 - z2 * s13 + z3 * s12) - (l1 - w1) * (z0 * s23 - z2 * s03 + z3 * s02))
                + ((l2 - w2) * (z0 * s13 - z1 * s03 + z3 * s01) - (l3 - w3) * (z0 * s12 - z1 * s02 + z2 * s01));
     double low = mx < my ? mx : my;
-    return pbw__certain(det, 412.0 * DBL_EPSILON * mx * my * mz * ml, low < mz ? low : mz, ml);
+    return pbw__certain(det, PBW__FILTER_POWER3_ERROR * DBL_EPSILON * mx * my * mz * ml, low < mz ? low : mz, ml);
 }
 
 /* ---- integers
@@ -2363,14 +2390,14 @@ PBW__DEVICE static int pbw__integers(int dim, int count, const double *const *ro
                               K    E                              K    E
       difference of doubles   1    0      |u|^2 - dw, plane       5   24
       product of two          3    8      |u|^2 - dw, space       6   35
-      cross                   4   15      bound of orient2:   15 *  2 =   30 u^2 mx my
+      cross                   4   15      orient2    15 *  2 =   30 u^2 mx my
       z cross                 6   35
-      minor, sum of 3         8   63      bound of orient3:   63 *  6 =  378 u^2 mx my mz
+      minor, sum of 3         8   63      orient3    63 *  6 =  378 u^2 mx my mz
       lift cross             10   87
-      sum of 3               12  131      bound of power2:   131 *  6 =  786 u^2 mx my ml
+      sum of 3               12  131      power2    131 *  6 =  786 u^2 mx my ml
       lift minor             15  189
-      sum of 4               17  253      bound of power3:   253 * 24 = 6072 u^2 mx my mz ml
-   and one percent for the rest.
+      sum of 4               17  253      power3    253 * 24 = 6072 u^2 mx my mz ml
+      the sphere test's cofactors, its 4 terms one after the other     17  288    288 * 24 = 6912 u^2 h^(5/2)
 
    One value here must not be fused into a sum, the head of a product.  Where there are fused operations it is made by
    one that adds 0.0, which is no multiplication for a compiler (-0.0 + 0.0 is not -0.0), so that neither clang's
@@ -2464,7 +2491,8 @@ PBW__DEVICE static int pbw__pairs(int dim, int count, const double *const *row, 
     }
     if (count == dim) {
         det = dim == 2 ? pbw__pair_cross(u, 0, 1) : pbw__pair_minor(u, 0, 2, 1);
-        return pbw__certain(det.head + det.tail, (dim == 2 ? 31.0 : 382.0) * size, low, high);
+        return pbw__certain(det.head + det.tail,
+                            (dim == 2 ? PBW__PAIRS_ORIENT2_ERROR : PBW__PAIRS_ORIENT3_ERROR) * size, low, high);
     }
     high = 0.0;
     for (i = 0; i < count; i++) {
@@ -2480,13 +2508,13 @@ PBW__DEVICE static int pbw__pairs(int dim, int count, const double *const *row, 
     if (dim == 2) {
         det = pbw__pair_sum(lift[0], pbw__pair_cross(u, 1, 2), lift[1], pbw__pair_cross(u, 0, 2),
                             lift[2], pbw__pair_cross(u, 0, 1));
-        return pbw__certain(det.head + det.tail, 794.0 * size, low, high);
+        return pbw__certain(det.head + det.tail, PBW__PAIRS_POWER2_ERROR * size, low, high);
     }
     det = pbw__pair_plus(pbw__pair_minus(pbw__pair_times(lift[0], pbw__pair_minor(u, 1, 2, 3)),
                                          pbw__pair_times(lift[1], pbw__pair_minor(u, 0, 2, 3))),
                          pbw__pair_minus(pbw__pair_times(lift[2], pbw__pair_minor(u, 0, 1, 3)),
                                          pbw__pair_times(lift[3], pbw__pair_minor(u, 0, 1, 2))));
-    return pbw__certain(det.head + det.tail, 6133.0 * size, low, high);
+    return pbw__certain(det.head + det.tail, PBW__PAIRS_POWER3_ERROR * size, low, high);
 }
 
 /* ---- the ladder below the filter; orientation is filled where the sign of a power determinant is 0 */
@@ -4103,22 +4131,10 @@ PBW__INLINE pbw_status pbw__take_slots(pbw__kernel *kernel)
    it longer at worst.  The four orientations S_i also give the sphere test, sum(lift_i * S_i), so the walk stops at
    the first simplex that is certainly in conflict; its neighbourhood is the cavity's all the same.
 
-   Errors.  With coordinates relative to the point, S_i is a sum of 6 products of 3 factors.  A product carries 3
-   rounded translations, 2 multiplications, 1 + 2 additions: |error| <= 8u/(1-8u) * 6 m^3 < 5.4e-15 m^3, m the largest
-   |coordinate|, so m^2 <= h of >>cavity3.  Compared as S^2 > (5.4e-15)^2 h^3; h is computed with 3 roundings, which
-   the next digit of the constant covers, and raised to 1e-55 if it is less.  2D: 2 products, 2 translations, 1
-   multiplication, 1 addition: < 4u * 2 m^2 < 9e-16 m^2.  An underflow adds at most 2^-1074 a product, far below the
-   bounds.  Where something overflows the bound is infinite, or a comparison with it false.  In vectors the bound is
-   9e-16 h with h >= |x|^2 >= m^2; on a small grid (>>cavity3) it is less than a unit^2: a side that it leaves open is
-   zero.
+   Errors: see >>predicates.  An orientation S is compared as S^2 with the square of its bound, h raised to 1e-55 if
+   it is less; in 2D as it is.  Where something overflows the bound is infinite, or a comparison with it false.  On a
+   small grid (>>cavity3) the bound of 2D is less than a unit^2: a side that it leaves open is zero.
    ------------------------------------------------------------------------------------------------------ */
-#define PBW__ORIENT2_ERROR 9e-16
-#define PBW__ORIENT3_ERROR 5.4e-15
-#define PBW__CIRCLE_ERROR 9e-15                      /* derived in >>cavity2 */
-#define PBW__SPHERE_ERROR 5.2e-14
-#define PBW__EXACT_HEIGHT2 3.8e7                     /* in units of a grid, squared */
-#define PBW__EXACT_HEIGHT3 6.5e5
-
 PBW__INLINE double pbw__det3(const double *a, const double *b, const double *c)
 {
     return a[0] * (b[1] * c[2] - b[2] * c[1]) - a[1] * (b[0] * c[2] - b[2] * c[0])
@@ -4526,13 +4542,8 @@ PBW__INLINE pbw_status pbw__located(pbw__kernel *kernel, pbw_index t)
    has three vertices in common with the one that it was met from, and the fourth was the far vertex there: vectors
    take rows and numbers over, with one lane replaced, in the order of the corners in memory.
 
-   Errors.  The determinant is a sum of 24 products of x, y, z and a lift.  A product carries 3 rounded translations;
-   in the lift 2 translations, 1 multiplication, 2 additions and for the weight 2 subtractions; 3 multiplications; 1 +
-   2 + 3 additions of the expansion: 19 roundings.  So |error| <= 19u/(1-19u) * 24 h^(3/2) h < 5.1e-14 h^(5/2) where h
-   bounds |x|^2 + |weight difference| of the rows.  h itself is computed with 5 roundings and raised to 5/2: 5.2e-14
-   covers that; a fused multiplication and addition saves a rounding.  Compared as det^2 > (5.2e-14)^2 h^5, h raised
-   to 1e-55 if it is less, so that what underflows is far below the bound; above 4e61 the product h^5, computed first,
-   is infinite and nothing exceeds it.
+   Errors: see >>predicates.  Compared as det^2 with the square of the bound, h raised to 1e-55 if it is less; above
+   4e61 the product h^5, computed first, is infinite and nothing exceeds it.
    Everything the bound leaves open goes to >>predicates.
 
    Small grids.  Where all coordinates are multiples of a unit and all weights of its square (>>predicates has the
@@ -4743,10 +4754,7 @@ PBW__SIMD_INLINE void pbw__raise_ghost4(pbw__pairs4 *rows, const pbw_index *v, p
 
 /* The determinants of pbw__carve3_simd in pairs, without weights; v: the corners of a simplex, far: the vertices
    across its facets.  Returns which are certain; *inside: which are positive.
-   With K and E of >>predicates: lift 5, 24; minor with a lift 8, 63; cofactor 12, 143, the last one 8, 63; times the
-   row of the far vertex 14, 195; sum of 4, one after the other, 17, 288.  So |error| <= 288 u^2 * 24 h^(5/2) <
-   8.6e-29 h^(5/2); 9e-29 leaves room for the higher orders and for h.  With h above 1e-20 what underflows is far
-   below that; above 4e61 h^5 is infinite. */
+   With h above 1e-20 what underflows is far below the bound; above 4e61 h^5 is infinite. */
 PBW__SIMD static PBW__NOINLINE unsigned pbw__power4_pairs(const double *record, const pbw_index *v,
                                                           const pbw_index *far, const double *p, unsigned *inside)
 {
@@ -4768,7 +4776,7 @@ PBW__SIMD static PBW__NOINLINE unsigned pbw__power4_pairs(const double *record, 
     det = pbw__minus4(det, pbw__times4(o.lift, pbw__sum4(a.x, yz, a.y, xz, a.z, xy)));
     det.head += det.tail;
     *inside = pbw__signs(det.head) ^ 15u;
-    limit = limit * limit * h * pbw__each(9e-29 * 9e-29);
+    limit = limit * limit * h * pbw__each(PBW__SPHERE_PAIRS_ERROR * PBW__SPHERE_PAIRS_ERROR);
     return pbw__signs(pbw__keep(pbw__above(det.head * det.head, limit), pbw__above(h, pbw__each(1e-20))));
 }
 
@@ -5205,11 +5213,10 @@ PBW__SIMD_INLINE pbw_status pbw__refill3_simd(pbw__kernel *kernel, pbw_index ver
    In: a triangle in conflict.  Out: the star of the new vertex.   (Bowyer 1981, Watson 1981)
    Holds before and after: the invariants of >>mesh.
 
-   Errors, counted as in >>cavity3.  2D: 6 products of x, y and a lift; 2 translations; lift 2 + 1 + 1 + 2; 2
-   multiplications; 1 + 2 additions: 13 roundings, 13u * 6 h^2 < 8.7e-15 h^2; 9e-15 with the roundings of h; h raised
-   to 1e-140.  In vectors the triangle (o, e, s) across an edge s e has the determinant o.x (s.l e.y - e.l s.y) + o.y
-   (e.l s.x - s.l e.x) - o.l (s.x e.y - e.x s.y), with as many roundings.  There the bound is computed from 8 h h,
-   which is infinite before a partial sum, of at most 6 h^2, can be.  What the bound leaves open goes to >>predicates.
+   Errors: see >>predicates; h is raised to 1e-140.  In vectors the triangle (o, e, s) across an edge s e has the
+   determinant o.x (s.l e.y - e.l s.y) + o.y (e.l s.x - s.l e.x) - o.l (s.x e.y - e.x s.y).  There the bound is
+   computed from 8 h h, which is infinite before a partial sum, of at most 6 h^2, can be.  What it leaves open goes to
+   >>predicates.
    ------------------------------------------------------------------------------------------------------ */
 /* det of rows (x, y, lift) of the corners relative to p: > 0 if the triangle is in conflict.  Returns the verdict. */
 PBW__INLINE int pbw__test2(pbw__kernel *kernel, pbw_index t, const double *p)
@@ -5364,16 +5371,15 @@ PBW__SIMD_INLINE unsigned pbw__test2_simd(pbw__rows2 s, pbw__rows2 e, pbw__rows2
 }
 
 /* A bound of the errors that takes longer: the sum of the absolute products, which is far below 6 h^2 where only some
-   of the vertices are far from the point, as in the thin triangles of points on a curve.  13u times that is less than
-   1.5e-15 times what is computed here, of as many roundings.  What underflows, a product of two or three rows or a
-   lift, is multiplied by two coordinates at most: less than 1e-300 (1 + h) in all. */
+   of the vertices are far from the point, as in the thin triangles of points on a curve.  What underflows, a product
+   of two or three rows or a lift, is multiplied by two coordinates at most: less than 1e-300 (1 + h) in all. */
 PBW__SIMD_INLINE pbw__d4 pbw__thin_limit(pbw__rows2 s, pbw__rows2 e, pbw__rows2 o, pbw__d4 h)
 {
     const pbw__d4 sx = pbw__size4(s.x), sy = pbw__size4(s.y), ex = pbw__size4(e.x), ey = pbw__size4(e.y);
     pbw__d4 sum = pbw__size4(o.y) * pbw__fma(e.height, sx, s.height * ex);
     sum = pbw__fma(pbw__size4(o.x), pbw__fma(s.height, ey, e.height * sy), sum);
     sum = pbw__fma(o.height, pbw__fma(sx, ey, sy * ex), sum) * pbw__each(8.0);
-    return pbw__fma(sum, pbw__each(1.5e-15 / 8.0), pbw__fma(h, pbw__each(1e-300), pbw__each(1e-300)));
+    return pbw__fma(sum, pbw__each(PBW__THIN_ERROR / 8.0), pbw__fma(h, pbw__each(1e-300), pbw__each(1e-300)));
 }
 
 /* The lanes that pbw__test2_simd left open and that can be settled here; their verdicts in *inside.  Where nothing is
@@ -5764,7 +5770,7 @@ PBW__SIMD_INLINE int pbw__circle2(const pbw__corner2 *s, const pbw__corner2 *e, 
     pbw__d2 det = o->x * pbw__minus_sized(e->lift, s->y, s->lift * e->y);
     det = pbw__fma2(o->y, pbw__minus_sized(s->lift, e->x, e->lift * s->x), det);
     det = pbw__minus_sized(o->lift, pbw__minus_sized(e->x, s->y, s->x * e->y), det);
-    return pbw__sign_sized(det, 1.5e-15, (h + 1.0) * 1e-300);
+    return pbw__sign_sized(det, PBW__THIN_ERROR, (h + 1.0) * 1e-300);
 }
 
 /* Is a ghost in conflict, of corners a and b, the only one?  The edges of the hull that have p beyond them, or in
