@@ -233,6 +233,69 @@ static void fail_each(int dim, const double *points, size_t count, unsigned flag
     free(order);
 }
 
+/* A backend that lets the CPU do the work: its arrays must be numbered along the curve all the same. */
+static pbw_status forward(const pbw_backend *backend, pbw_job *job)
+{
+    pbw_mesh mesh;
+    pbw_status status = pbw_triangulate(job->dim, (const double *)job->points, (const double *)job->weights,
+                                        job->count, NULL, &mesh);
+    size_t links = mesh.simplex_count * ((size_t)job->dim + 1) * sizeof(pbw_index);
+    (void)backend;
+    if (status != PBW_OK) {
+        return status;
+    }
+    status = job->reserve(job, mesh.simplex_count);
+    if (status == PBW_OK) {
+        memcpy(job->simplices, mesh.simplices, links);
+        memcpy(job->neighbors, mesh.neighbors, links);
+        memcpy(job->incident, mesh.incident, job->count * sizeof(pbw_index));
+        memcpy(job->canonical, mesh.canonical, job->count * sizeof(pbw_index));
+        job->duplicate_count = mesh.duplicate_count;
+        job->hidden_count = mesh.hidden_count;
+    }
+    pbw_free(&mesh);
+    return status;
+}
+
+static void test_backend(void)
+{
+    int dim, weighted;
+    for (dim = 2; dim <= 3; dim++) {
+        for (weighted = 0; weighted < 2 && test_begin("a backend in curve order, %dD, weights %d", dim, weighted);
+             weighted++) {
+            static double points[3 * 3000], weights[3000];
+            pbw_backend backend = { PBW_VERSION, forward, NULL };
+            pbw_options options;
+            pbw_mesh here, there;
+            meter m;
+            long k;
+            memset(&options, 0, sizeof options);
+            input_fill(INPUT_CLUSTERS, dim, 3000, 5, points);
+            memcpy(points + 300, points, 60 * sizeof(double));
+            input_fill_weights(INPUT_WEIGHTS_HALF, dim, 3000, 5, points, weights);
+            options.flags = PBW_CURVE_ORDER;
+            CHECK_EQUAL(pbw_triangulate(dim, points, weighted ? weights : NULL, 3000, &options, &here), PBW_OK);
+            options.backend = &backend;
+            options.resize = meter_resize;
+            options.resize_user = &m;
+            for (k = 1; k == 1 || m.refused > 0; k++) {
+                meter_start(&m, k, 0);
+                if (pbw_triangulate(dim, points, weighted ? weights : NULL, 3000, &options, &there) == PBW_OK) {
+                    CHECK(meshes_equal(&here, &there));
+                    CHECK(memcmp(here.original, there.original, 3000 * sizeof(pbw_index)) == 0);
+                    CHECK_EQUAL(there.statistics.by_backend, 1);
+                } else {
+                    CHECK(m.refused > 0);
+                }
+                pbw_free(&there);
+                CHECK(m.blocks == 0 && m.faults == 0);
+            }
+            pbw_free(&here);
+            test_end();
+        }
+    }
+}
+
 static void test_order(void)
 {
     zoo animals;
@@ -288,7 +351,8 @@ static void test_borrow(void)
 {
     int dim, weighted;
     for (dim = 2; dim <= 3; dim++) {
-        for (weighted = 0; weighted < 2 && test_begin("borrowed points, %dD, weights %d", dim, weighted); weighted++) {
+        for (weighted = 0; weighted < 2 && test_begin("borrowed points, %dD, weights %d", dim, weighted);
+             weighted++) {
             static double points[3 * 1000], weights[1000], kept[3 * 1000];
             static float single[3 * 1000];
             pbw_options options;
@@ -478,6 +542,7 @@ int main(int argc, char **argv)
     test_start(argc, argv, 0);
     test_for();
     test_order();
+    test_backend();
     test_borrow();
     test_conflicts();
     test_hashes();

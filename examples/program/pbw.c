@@ -481,7 +481,7 @@ static void describe(const job *j)
                j->mesh.dim == 3 ? "tetrahedra" : "triangles", hull, j->mesh.duplicate_count, j->mesh.hidden_count);
         printf("peak memory %.0f bytes a point, hash %016llx\n",
                (double)j->mesh.statistics.peak_bytes / (double)j->mesh.point_count,
-               (unsigned long long)pbw_hash(&j->mesh));
+               (unsigned long long)pbw_hash(&j->mesh, NULL));
     }
 }
 
@@ -829,7 +829,7 @@ static int run_bench(job *j)
             }
         }
         if (status == 0) {
-            uint64_t found = pbw_hash(&j->mesh);
+            uint64_t found = pbw_hash(&j->mesh, NULL);
             fputs(j->terminal ? "\r\033[K" : "", stderr);
             printf("%7d %9.3f %12.3f %13.0f %11zu   %016llx\n", threads, best, (double)j->cloud.count / best * 1e-6,
                    (double)j->mesh.statistics.peak_bytes / (double)j->cloud.count, j->mesh.simplex_count,
