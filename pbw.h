@@ -486,21 +486,21 @@ enum { PBW__WALK, PBW__CAVITY, PBW__STAR, PBW__EXACT, PBW__OTHER };
 #define PBW__STORE(x, y) __atomic_store_n(x, y, __ATOMIC_RELAXED)
 #define PBW__ADD(x, y) __atomic_fetch_add(x, y, __ATOMIC_RELAXED)
 #define PBW__SWAP(x, y) __atomic_exchange_n(x, y, __ATOMIC_RELAXED)
-#define PBW__REPLACE(x, old, y) __atomic_compare_exchange_n(x, old, y, 1, __ATOMIC_RELAXED, __ATOMIC_RELAXED)
+#define PBW__CAS(x, old, y) __atomic_compare_exchange_n(x, old, y, 1, __ATOMIC_RELAXED, __ATOMIC_RELAXED)
 /* What came before TELL or LEAVE is seen by what comes after SEEN or TAKE. */
-#define PBW__TELL(x, y) __atomic_store_n(x, y, __ATOMIC_RELEASE)
-#define PBW__SEEN(x) __atomic_load_n(x, __ATOMIC_ACQUIRE)
-#define PBW__TAKE(x, old, y) __atomic_compare_exchange_n(x, old, y, 0, __ATOMIC_ACQUIRE, __ATOMIC_RELAXED)
-#define PBW__LEAVE(x, y) __atomic_fetch_sub(x, y, __ATOMIC_RELEASE)
+#define PBW__STORE_RELEASE(x, y) __atomic_store_n(x, y, __ATOMIC_RELEASE)
+#define PBW__LOAD_ACQUIRE(x) __atomic_load_n(x, __ATOMIC_ACQUIRE)
+#define PBW__CAS_ACQUIRE(x, old, y) __atomic_compare_exchange_n(x, old, y, 0, __ATOMIC_ACQUIRE, __ATOMIC_RELAXED)
+#define PBW__SUB_RELEASE(x, y) __atomic_fetch_sub(x, y, __ATOMIC_RELEASE)
 #else
 #define PBW__LOAD(x) (*(x))
 #define PBW__STORE(x, y) ((void)(*(x) = (y)))
 #define PBW__ADD(x, y) ((*(x) += (y)) - (y))
 #define PBW__SWAP(x, y) pbw__swap(x, y)
-#define PBW__REPLACE(x, old, y) ((void)(old), *(x) = (y), 1)
-#define PBW__TELL(x, y) PBW__STORE(x, y)
-#define PBW__SEEN(x) PBW__LOAD(x)
-#define PBW__TAKE(x, old, y) PBW__REPLACE(x, old, y)
+#define PBW__CAS(x, old, y) ((void)(old), *(x) = (y), 1)
+#define PBW__STORE_RELEASE(x, y) PBW__STORE(x, y)
+#define PBW__LOAD_ACQUIRE(x) PBW__LOAD(x)
+#define PBW__CAS_ACQUIRE(x, old, y) PBW__CAS(x, old, y)
 #endif
 
 #ifndef PBW__THREADS
@@ -514,19 +514,19 @@ PBW__INLINE pbw_index pbw__swap(pbw_index *x, pbw_index y)
 
 #define PBW__EPSILON 1.1102230246251565e-16          /* u = 2^-53: half an ulp of 1 */
 
-PBW__INLINE double pbw__larger(double a, double b)
+PBW__INLINE double pbw__max(double a, double b)
 {
     return a > b ? a : b;
 }
 
-PBW__INLINE double pbw__size(double a)
+PBW__INLINE double pbw__abs(double a)
 {
-    return pbw__larger(a, -a);
+    return pbw__max(a, -a);
 }
 
-PBW__INLINE double pbw__largest(double a, double b, double c, double d)
+PBW__INLINE double pbw__max_abs(double a, double b, double c, double d)
 {
-    return pbw__larger(pbw__larger(pbw__size(a), pbw__size(b)), pbw__larger(pbw__size(c), pbw__size(d)));
+    return pbw__max(pbw__max(pbw__abs(a), pbw__abs(b)), pbw__max(pbw__abs(c), pbw__abs(d)));
 }
 
 static double pbw__seconds(void)                     /* wall clock: statistics, progress, short waits */
@@ -687,7 +687,7 @@ static void pbw__wait_50ms(pbw__condition *condition, pbw__mutex *mutex)
 
    Vectors of four doubles or four 32-bit integers, in lanes 0 to 3, and of two doubles.  + - * == | << work lane by
    lane.  A mask has all bits of a lane set, or none.  A set of lanes is a number with bit i for lane i.  A NaN comes
-   of an overflow only, where the bounds of the kernels are infinite: pbw__larger4, pbw__highest and pbw__lowest may
+   of an overflow only, where the bounds of the kernels are infinite: pbw__max4, pbw__max_lane and pbw__min_lane may
    drop it or not.
    Functions that use vectors are compiled for AVX2 and chosen when a build starts; NEON is there on every 64-bit Arm.
    PBW_NO_SIMD leaves the scalar code only, with the same answers.
@@ -700,7 +700,7 @@ static void pbw__wait_50ms(pbw__condition *condition, pbw__mutex *mutex)
 #ifdef PBW__SIMD
 #define PBW__SIMD_INLINE static inline PBW__SIMD __attribute__((always_inline, unused))
 #ifdef PBW__NEON
-#define PBW__EITHER(avx2, neon) neon
+#define PBW__BY_ISA(avx2, neon) neon
 #define PBW__HALVES2(f, a, b) pbw__join(f(pbw__half0(a), pbw__half0(b)), f(pbw__half1(a), pbw__half1(b)))
 #define PBW__HALVES3(f, a, b, c) \
     pbw__join(f(pbw__half0(a), pbw__half0(b), pbw__half0(c)), f(pbw__half1(a), pbw__half1(b), pbw__half1(c)))
@@ -708,7 +708,7 @@ typedef float64x2_t pbw__d2;
 typedef double pbw__d4 __attribute__((vector_size(32), aligned(16)));      /* the compiler splits sums and products */
 typedef union pbw__halves { pbw__d4 whole; pbw__d2 half[2]; } pbw__halves;
 #else
-#define PBW__EITHER(avx2, neon) avx2
+#define PBW__BY_ISA(avx2, neon) avx2
 typedef __m128d pbw__d2;
 typedef __m256d pbw__d4;
 #endif
@@ -716,7 +716,7 @@ typedef int32_t pbw__i4 __attribute__((vector_size(16)));
 
 PBW__INLINE int pbw__simd_works(void)
 {
-    return PBW__EITHER(__builtin_cpu_supports("avx2") && __builtin_cpu_supports("fma")
+    return PBW__BY_ISA(__builtin_cpu_supports("avx2") && __builtin_cpu_supports("fma")
                        && __builtin_cpu_supports("bmi2") && __builtin_cpu_supports("popcnt"), 1);
 }
 
@@ -743,7 +743,7 @@ PBW__SIMD_INLINE pbw__d4 pbw__join(pbw__d2 low, pbw__d2 high)
     return halves.whole;
 }
 
-PBW__SIMD_INLINE pbw__d2 pbw__select2(pbw__d2 x, pbw__d2 y, pbw__d2 mask)
+PBW__SIMD_INLINE pbw__d2 pbw__blend2(pbw__d2 x, pbw__d2 y, pbw__d2 mask)
 {
     return vbslq_f64((uint64x2_t)mask, y, x);
 }
@@ -758,7 +758,7 @@ PBW__SIMD_INLINE pbw__d2 pbw__or2(pbw__d2 x, pbw__d2 y)
     return (pbw__d2)vorrq_u64((uint64x2_t)x, (uint64x2_t)y);
 }
 
-PBW__SIMD_INLINE pbw__d2 pbw__clear2(pbw__d2 x, pbw__d2 y)
+PBW__SIMD_INLINE pbw__d2 pbw__andnot2(pbw__d2 x, pbw__d2 y)
 {
     return (pbw__d2)vbicq_u64((uint64x2_t)y, (uint64x2_t)x);
 }
@@ -793,9 +793,9 @@ PBW__SIMD_INLINE pbw__i4 pbw__pick4(pbw__i4 x, int i, int j, int k, int l)
 #define PBW__PICK4(x, i, j, k, l) pbw__pick4(x, i, j, k, l)
 #endif
 
-PBW__SIMD_INLINE pbw__d4 pbw__each(double x)         /* x in each lane */
+PBW__SIMD_INLINE pbw__d4 pbw__splat(double x)         /* x in each lane */
 {
-    return PBW__EITHER(_mm256_set1_pd(x), pbw__join(vdupq_n_f64(x), vdupq_n_f64(x)));
+    return PBW__BY_ISA(_mm256_set1_pd(x), pbw__join(vdupq_n_f64(x), vdupq_n_f64(x)));
 }
 
 PBW__SIMD_INLINE pbw__d4 pbw__four(double a, double b, double c, double d)
@@ -810,7 +810,7 @@ PBW__SIMD_INLINE pbw__d4 pbw__four(double a, double b, double c, double d)
 
 PBW__SIMD_INLINE double pbw__first(pbw__d4 x)        /* lane 0 */
 {
-    return PBW__EITHER(_mm256_cvtsd_f64(x), vgetq_lane_f64(pbw__half0(x), 0));
+    return PBW__BY_ISA(_mm256_cvtsd_f64(x), vgetq_lane_f64(pbw__half0(x), 0));
 }
 
 /* The first two entries of four records. */
@@ -831,69 +831,69 @@ PBW__SIMD_INLINE void pbw__columns(const double *a, const double *b, const doubl
 
 PBW__SIMD_INLINE pbw__d4 pbw__fma(pbw__d4 a, pbw__d4 b, pbw__d4 c)         /* a b + c, rounded once */
 {
-    return PBW__EITHER(_mm256_fmadd_pd(a, b, c), PBW__HALVES3(vfmaq_f64, c, a, b));
+    return PBW__BY_ISA(_mm256_fmadd_pd(a, b, c), PBW__HALVES3(vfmaq_f64, c, a, b));
 }
 
 PBW__SIMD_INLINE pbw__d4 pbw__fms(pbw__d4 a, pbw__d4 b, pbw__d4 c)         /* a b - c */
 {
-    return PBW__EITHER(_mm256_fmsub_pd(a, b, c), pbw__fma(a, b, -c));
+    return PBW__BY_ISA(_mm256_fmsub_pd(a, b, c), pbw__fma(a, b, -c));
 }
 
 PBW__SIMD_INLINE pbw__d4 pbw__fnma(pbw__d4 a, pbw__d4 b, pbw__d4 c)        /* c - a b */
 {
-    return PBW__EITHER(_mm256_fnmadd_pd(a, b, c), PBW__HALVES3(vfmsq_f64, c, a, b));
+    return PBW__BY_ISA(_mm256_fnmadd_pd(a, b, c), PBW__HALVES3(vfmsq_f64, c, a, b));
 }
 
 /* a d - b c, with one of the products rounded. */
 PBW__SIMD_INLINE pbw__d4 pbw__det2(pbw__d4 a, pbw__d4 b, pbw__d4 c, pbw__d4 d)
 {
-    return PBW__EITHER(_mm256_fmsub_pd(a, d, b * c), pbw__fnma(b, c, a * d));
+    return PBW__BY_ISA(_mm256_fmsub_pd(a, d, b * c), pbw__fnma(b, c, a * d));
 }
 
-PBW__SIMD_INLINE pbw__d4 pbw__larger4(pbw__d4 a, pbw__d4 b)
+PBW__SIMD_INLINE pbw__d4 pbw__max4(pbw__d4 a, pbw__d4 b)
 {
-    return PBW__EITHER(_mm256_max_pd(a, b), PBW__HALVES2(vmaxq_f64, a, b));
+    return PBW__BY_ISA(_mm256_max_pd(a, b), PBW__HALVES2(vmaxq_f64, a, b));
 }
 
-PBW__SIMD_INLINE pbw__d4 pbw__smaller4(pbw__d4 a, pbw__d4 b)
+PBW__SIMD_INLINE pbw__d4 pbw__min4(pbw__d4 a, pbw__d4 b)
 {
-    return PBW__EITHER(_mm256_min_pd(a, b), PBW__HALVES2(vminq_f64, a, b));
+    return PBW__BY_ISA(_mm256_min_pd(a, b), PBW__HALVES2(vminq_f64, a, b));
 }
 
-PBW__SIMD_INLINE pbw__d4 pbw__size4(pbw__d4 x)
+PBW__SIMD_INLINE pbw__d4 pbw__abs4(pbw__d4 x)
 {
-    return PBW__EITHER(_mm256_andnot_pd(_mm256_set1_pd(-0.0), x),
+    return PBW__BY_ISA(_mm256_andnot_pd(_mm256_set1_pd(-0.0), x),
                        pbw__join(vabsq_f64(pbw__half0(x)), vabsq_f64(pbw__half1(x))));
 }
 
 /* The largest lane, the least, the sum of all; in all lanes. */
-PBW__SIMD_INLINE pbw__d4 pbw__highest(pbw__d4 x)
+PBW__SIMD_INLINE pbw__d4 pbw__max_lane(pbw__d4 x)
 {
 #ifdef PBW__AVX2
     x = _mm256_max_pd(x, _mm256_permute_pd(x, 5));
     return _mm256_max_pd(x, _mm256_permute2f128_pd(x, x, 1));
 #else
-    return pbw__each(vmaxvq_f64(vmaxq_f64(pbw__half0(x), pbw__half1(x))));
+    return pbw__splat(vmaxvq_f64(vmaxq_f64(pbw__half0(x), pbw__half1(x))));
 #endif
 }
 
-PBW__SIMD_INLINE pbw__d4 pbw__lowest(pbw__d4 x)
+PBW__SIMD_INLINE pbw__d4 pbw__min_lane(pbw__d4 x)
 {
 #ifdef PBW__AVX2
     x = _mm256_min_pd(x, _mm256_permute_pd(x, 5));
     return _mm256_min_pd(x, _mm256_permute2f128_pd(x, x, 1));
 #else
-    return pbw__each(vminvq_f64(vminq_f64(pbw__half0(x), pbw__half1(x))));
+    return pbw__splat(vminvq_f64(vminq_f64(pbw__half0(x), pbw__half1(x))));
 #endif
 }
 
-PBW__SIMD_INLINE pbw__d4 pbw__total(pbw__d4 x)
+PBW__SIMD_INLINE pbw__d4 pbw__sum_lanes(pbw__d4 x)
 {
 #ifdef PBW__AVX2
     x = x + _mm256_permute_pd(x, 5);
     return x + _mm256_permute2f128_pd(x, x, 1);
 #else
-    return pbw__each(vaddvq_f64(vpaddq_f64(pbw__half0(x), pbw__half1(x))));
+    return pbw__splat(vaddvq_f64(vpaddq_f64(pbw__half0(x), pbw__half1(x))));
 #endif
 }
 
@@ -934,62 +934,62 @@ PBW__SIMD_INLINE pbw__d4 pbw__reorder(pbw__d4 x, pbw__order4 order)
 
 PBW__SIMD_INLINE pbw__d4 pbw__drop_last(pbw__d4 x)   /* zero in lane 3 */
 {
-    return PBW__EITHER(_mm256_blend_pd(x, _mm256_setzero_pd(), 8),
+    return PBW__BY_ISA(_mm256_blend_pd(x, _mm256_setzero_pd(), 8),
                        pbw__join(pbw__half0(x), vsetq_lane_f64(0.0, pbw__half1(x), 1)));
 }
 
 /* Masks, and what is done with them. */
-PBW__SIMD_INLINE pbw__d4 pbw__above(pbw__d4 a, pbw__d4 b)
+PBW__SIMD_INLINE pbw__d4 pbw__greater(pbw__d4 a, pbw__d4 b)
 {
-    return PBW__EITHER(_mm256_cmp_pd(a, b, _CMP_GT_OQ), PBW__HALVES2((pbw__d2)vcgtq_f64, a, b));
+    return PBW__BY_ISA(_mm256_cmp_pd(a, b, _CMP_GT_OQ), PBW__HALVES2((pbw__d2)vcgtq_f64, a, b));
 }
 
 PBW__SIMD_INLINE pbw__d4 pbw__at_least(pbw__d4 a, pbw__d4 b)
 {
-    return PBW__EITHER(_mm256_cmp_pd(a, b, _CMP_GE_OQ), PBW__HALVES2((pbw__d2)vcgeq_f64, a, b));
+    return PBW__BY_ISA(_mm256_cmp_pd(a, b, _CMP_GE_OQ), PBW__HALVES2((pbw__d2)vcgeq_f64, a, b));
 }
 
 PBW__SIMD_INLINE pbw__d4 pbw__equal(pbw__d4 a, pbw__d4 b)
 {
-    return PBW__EITHER(_mm256_cmp_pd(a, b, _CMP_EQ_OQ), PBW__HALVES2((pbw__d2)vceqq_f64, a, b));
+    return PBW__BY_ISA(_mm256_cmp_pd(a, b, _CMP_EQ_OQ), PBW__HALVES2((pbw__d2)vceqq_f64, a, b));
 }
 
 PBW__SIMD_INLINE pbw__d4 pbw__zeros(pbw_index a, pbw_index b, pbw_index c, pbw_index d)
 {
     const pbw__i4 x = { (int32_t)a, (int32_t)b, (int32_t)c, (int32_t)d }, zero = { 0, 0, 0, 0 }, mask = x == zero;
-    return PBW__EITHER(_mm256_castsi256_pd(_mm256_cvtepi32_epi64((__m128i)mask)),
+    return PBW__BY_ISA(_mm256_castsi256_pd(_mm256_cvtepi32_epi64((__m128i)mask)),
                        pbw__join((pbw__d2)vmovl_s32(vget_low_s32(mask)), (pbw__d2)vmovl_high_s32(mask)));
 }
 
 PBW__SIMD_INLINE pbw__d4 pbw__mask(const int64_t *from)
 {
-    return PBW__EITHER(_mm256_castsi256_pd(_mm256_loadu_si256((const __m256i *)(const void *)from)),
+    return PBW__BY_ISA(_mm256_castsi256_pd(_mm256_loadu_si256((const __m256i *)(const void *)from)),
                        pbw__join((pbw__d2)vld1q_s64(from), (pbw__d2)vld1q_s64(from + 2)));
 }
 
-PBW__SIMD_INLINE pbw__d4 pbw__select(pbw__d4 x, pbw__d4 y, pbw__d4 mask)   /* y in the lanes of the mask */
+PBW__SIMD_INLINE pbw__d4 pbw__blend(pbw__d4 x, pbw__d4 y, pbw__d4 mask)   /* y in the lanes of the mask */
 {
-    return PBW__EITHER(_mm256_blendv_pd(x, y, mask), PBW__HALVES3(pbw__select2, x, y, mask));
+    return PBW__BY_ISA(_mm256_blendv_pd(x, y, mask), PBW__HALVES3(pbw__blend2, x, y, mask));
 }
 
-PBW__SIMD_INLINE pbw__d4 pbw__keep(pbw__d4 mask, pbw__d4 x)        /* x, zero in other lanes */
+PBW__SIMD_INLINE pbw__d4 pbw__and4(pbw__d4 mask, pbw__d4 x)        /* x, zero in other lanes */
 {
-    return PBW__EITHER(_mm256_and_pd(mask, x), PBW__HALVES2(pbw__and2, mask, x));
+    return PBW__BY_ISA(_mm256_and_pd(mask, x), PBW__HALVES2(pbw__and2, mask, x));
 }
 
-PBW__SIMD_INLINE pbw__d4 pbw__clear(pbw__d4 mask, pbw__d4 x)       /* x, zero in the lanes of the mask */
+PBW__SIMD_INLINE pbw__d4 pbw__andnot4(pbw__d4 mask, pbw__d4 x)       /* x, zero in the lanes of the mask */
 {
-    return PBW__EITHER(_mm256_andnot_pd(mask, x), PBW__HALVES2(pbw__clear2, mask, x));
+    return PBW__BY_ISA(_mm256_andnot_pd(mask, x), PBW__HALVES2(pbw__andnot2, mask, x));
 }
 
-PBW__SIMD_INLINE pbw__d4 pbw__either(pbw__d4 mask, pbw__d4 other)
+PBW__SIMD_INLINE pbw__d4 pbw__or4(pbw__d4 mask, pbw__d4 other)
 {
-    return PBW__EITHER(_mm256_or_pd(mask, other), PBW__HALVES2(pbw__or2, mask, other));
+    return PBW__BY_ISA(_mm256_or_pd(mask, other), PBW__HALVES2(pbw__or2, mask, other));
 }
 
-PBW__SIMD_INLINE pbw__d4 pbw__raise(pbw__d4 x, pbw__d4 mask, pbw__d4 y)    /* y where x, zero there, is masked */
+PBW__SIMD_INLINE pbw__d4 pbw__blend_zero(pbw__d4 x, pbw__d4 mask, pbw__d4 y)    /* y where x, zero there, is masked */
 {
-    return PBW__EITHER(_mm256_or_pd(x, _mm256_and_pd(mask, y)), pbw__select(x, y, mask));
+    return PBW__BY_ISA(_mm256_or_pd(x, _mm256_and_pd(mask, y)), pbw__blend(x, y, mask));
 }
 
 PBW__SIMD_INLINE unsigned pbw__signs(pbw__d4 x)      /* the lanes with the sign bit */
@@ -1006,12 +1006,12 @@ PBW__SIMD_INLINE unsigned pbw__signs(pbw__d4 x)      /* the lanes with the sign 
 /* Sets of lanes: their number; the first so many, or all four. */
 PBW__SIMD_INLINE unsigned pbw__count4(unsigned set)
 {
-    return PBW__EITHER((unsigned)__builtin_popcount(set), (unsigned)(0x4332322132212110u >> 4 * set) & 15);
+    return PBW__BY_ISA((unsigned)__builtin_popcount(set), (unsigned)(0x4332322132212110u >> 4 * set) & 15);
 }
 
 PBW__SIMD_INLINE unsigned pbw__first_lanes(unsigned count)
 {
-    return PBW__EITHER(_bzhi_u32(15, count), count < 4 ? (1u << count) - 1 : 15);
+    return PBW__BY_ISA(_bzhi_u32(15, count), count < 4 ? (1u << count) - 1 : 15);
 }
 
 /* Lanes 0 to 2 of each set by turns, in pairs; of the pairs those in `chosen`, one after the other. */
@@ -1032,44 +1032,44 @@ PBW__SIMD_INLINE unsigned pbw__pairs_of(unsigned first, unsigned second, unsigne
 /* Two doubles. */
 PBW__SIMD_INLINE pbw__d2 pbw__load2(const double *from)
 {
-    return PBW__EITHER(_mm_loadu_pd(from), vld1q_f64(from));
+    return PBW__BY_ISA(_mm_loadu_pd(from), vld1q_f64(from));
 }
 
 PBW__SIMD_INLINE double pbw__lane0(pbw__d2 x)
 {
-    return PBW__EITHER(_mm_cvtsd_f64(x), vgetq_lane_f64(x, 0));
+    return PBW__BY_ISA(_mm_cvtsd_f64(x), vgetq_lane_f64(x, 0));
 }
 
 PBW__SIMD_INLINE double pbw__lane1(pbw__d2 x)
 {
-    return PBW__EITHER(_mm_cvtsd_f64(_mm_unpackhi_pd(x, x)), vgetq_lane_f64(x, 1));
+    return PBW__BY_ISA(_mm_cvtsd_f64(_mm_unpackhi_pd(x, x)), vgetq_lane_f64(x, 1));
 }
 
 /* A number and its size: of lane 0, of lane 1; of a difference, where the sizes are added.  Fused, to wait less. */
 PBW__SIMD_INLINE pbw__d2 pbw__sized0(pbw__d2 x)
 {
-    return PBW__EITHER(_mm_andnot_pd(_mm_set_pd(-0.0, 0.0), _mm_unpacklo_pd(x, x)), vzip1q_f64(x, vabsq_f64(x)));
+    return PBW__BY_ISA(_mm_andnot_pd(_mm_set_pd(-0.0, 0.0), _mm_unpacklo_pd(x, x)), vzip1q_f64(x, vabsq_f64(x)));
 }
 
 PBW__SIMD_INLINE pbw__d2 pbw__sized1(pbw__d2 x)
 {
-    return PBW__EITHER(_mm_andnot_pd(_mm_set_pd(-0.0, 0.0), _mm_unpackhi_pd(x, x)), vzip2q_f64(x, vabsq_f64(x)));
+    return PBW__BY_ISA(_mm_andnot_pd(_mm_set_pd(-0.0, 0.0), _mm_unpackhi_pd(x, x)), vzip2q_f64(x, vabsq_f64(x)));
 }
 
 PBW__SIMD_INLINE pbw__d2 pbw__minus_sized(pbw__d2 x, pbw__d2 y, pbw__d2 z)       /* x y - z */
 {
-    return PBW__EITHER(_mm_fmaddsub_pd(x, y, z),
+    return PBW__BY_ISA(_mm_fmaddsub_pd(x, y, z),
                        vcopyq_laneq_f64(vfmaq_f64(z, x, y), 0, vfmaq_f64(vnegq_f64(z), x, y), 0));
 }
 
 PBW__SIMD_INLINE pbw__d2 pbw__fma2(pbw__d2 a, pbw__d2 b, pbw__d2 c)        /* a b + c, rounded once */
 {
-    return PBW__EITHER(_mm_fmadd_pd(a, b, c), vfmaq_f64(c, a, b));
+    return PBW__BY_ISA(_mm_fmadd_pd(a, b, c), vfmaq_f64(c, a, b));
 }
 
 PBW__SIMD_INLINE pbw__d2 pbw__turn_right(pbw__d2 x)       /* (y, -x) */
 {
-    return PBW__EITHER(_mm_xor_pd(_mm_shuffle_pd(x, x, 1), _mm_set_pd(-0.0, 0.0)),
+    return PBW__BY_ISA(_mm_xor_pd(_mm_shuffle_pd(x, x, 1), _mm_set_pd(-0.0, 0.0)),
                        vcopyq_laneq_f64(vextq_f64(x, x, 1), 1, vnegq_f64(x), 0));
 }
 
@@ -1086,27 +1086,27 @@ PBW__SIMD_INLINE unsigned pbw__signs2(pbw__d2 x, pbw__d2 y)        /* of the sum
 /* Four integers, from and to arrays of any type. */
 PBW__SIMD_INLINE pbw__i4 pbw__load4(const void *from)
 {
-    return (pbw__i4)PBW__EITHER(_mm_loadu_si128((const __m128i *)from), vld1q_u8((const unsigned char *)from));
+    return (pbw__i4)PBW__BY_ISA(_mm_loadu_si128((const __m128i *)from), vld1q_u8((const unsigned char *)from));
 }
 
 PBW__SIMD_INLINE void pbw__store4(void *to, pbw__i4 x)
 {
-    PBW__EITHER(_mm_storeu_si128((__m128i *)to, (__m128i)x), vst1q_u8((unsigned char *)to, (uint8x16_t)x));
+    PBW__BY_ISA(_mm_storeu_si128((__m128i *)to, (__m128i)x), vst1q_u8((unsigned char *)to, (uint8x16_t)x));
 }
 
-PBW__SIMD_INLINE pbw__i4 pbw__repeat(int32_t x)      /* x in each lane */
+PBW__SIMD_INLINE pbw__i4 pbw__splat_i(int32_t x)      /* x in each lane */
 {
-    return PBW__EITHER((pbw__i4)_mm_set1_epi32(x), vdupq_n_s32(x));
+    return PBW__BY_ISA((pbw__i4)_mm_set1_epi32(x), vdupq_n_s32(x));
 }
 
 PBW__SIMD_INLINE pbw__i4 pbw__lead(pbw__i4 x, pbw__i4 y)   /* y in lane 0 */
 {
-    return PBW__EITHER((pbw__i4)_mm_blend_epi32((__m128i)x, (__m128i)y, 1), vcopyq_laneq_s32(x, 0, y, 0));
+    return PBW__BY_ISA((pbw__i4)_mm_blend_epi32((__m128i)x, (__m128i)y, 1), vcopyq_laneq_s32(x, 0, y, 0));
 }
 
 PBW__SIMD_INLINE pbw__i4 pbw__shuffle4(pbw__i4 x, const unsigned char *bytes)      /* the bytes of these numbers */
 {
-    return (pbw__i4)PBW__EITHER(_mm_shuffle_epi8((__m128i)x, (__m128i)pbw__load4(bytes)),
+    return (pbw__i4)PBW__BY_ISA(_mm_shuffle_epi8((__m128i)x, (__m128i)pbw__load4(bytes)),
                                 vqtbl1q_u8((uint8x16_t)x, vld1q_u8(bytes)));
 }
 
@@ -1122,7 +1122,7 @@ PBW__SIMD_INLINE pbw__i4 pbw__permute4(pbw__i4 x, pbw__i4 lanes)   /* lanes of x
 
 PBW__SIMD_INLINE pbw__i4 pbw__widen(int32_t bytes)   /* a byte to each lane */
 {
-    return (pbw__i4)PBW__EITHER(_mm_cvtepu8_epi32(_mm_cvtsi32_si128(bytes)),
+    return (pbw__i4)PBW__BY_ISA(_mm_cvtepu8_epi32(_mm_cvtsi32_si128(bytes)),
                                 vmovl_u16(vget_low_u16(vmovl_u8((uint8x8_t)vdup_n_s32(bytes)))));
 }
 
@@ -1140,12 +1140,12 @@ PBW__SIMD_INLINE uint32_t pbw__apart4(pbw__i4 x, pbw__i4 y)        /* the sum of
 
 PBW__SIMD_INLINE uint64_t pbw__lanes01(pbw__i4 x)    /* lane 0, and lane 1 above it */
 {
-    return PBW__EITHER((uint64_t)_mm_cvtsi128_si64((__m128i)x), vgetq_lane_u64((uint64x2_t)x, 0));
+    return PBW__BY_ISA((uint64_t)_mm_cvtsi128_si64((__m128i)x), vgetq_lane_u64((uint64x2_t)x, 0));
 }
 
 PBW__SIMD_INLINE uint64_t pbw__lanes23(pbw__i4 x)
 {
-    return PBW__EITHER((uint64_t)_mm_extract_epi64((__m128i)x, 1), vgetq_lane_u64((uint64x2_t)x, 1));
+    return PBW__BY_ISA((uint64_t)_mm_extract_epi64((__m128i)x, 1), vgetq_lane_u64((uint64x2_t)x, 1));
 }
 
 /* Pair arithmetic of >>predicates, four at once, and here with fused operations for sure. */
@@ -1167,7 +1167,7 @@ PBW__SIMD_INLINE pbw__pair4 pbw__minus4(pbw__pair4 a, pbw__pair4 b)
 
 PBW__SIMD_INLINE pbw__pair4 pbw__times4(pbw__pair4 a, pbw__pair4 b)
 {
-    pbw__d4 head = pbw__fma(a.head, b.head, pbw__each(0.0));                 /* not to be fused, see there */
+    pbw__d4 head = pbw__fma(a.head, b.head, pbw__splat(0.0));                 /* not to be fused, see there */
     pbw__d4 error = pbw__fms(a.head, b.head, head);
     pbw__pair4 result = { head, pbw__fma(a.head, b.tail, pbw__fma(a.tail, b.head, error)) };
     return result;
@@ -1189,10 +1189,10 @@ PBW__SIMD_INLINE pbw__pair4 pbw__sum4(pbw__pair4 a0, pbw__pair4 b0, pbw__pair4 a
 /* The difference of a and b, zero in masked lanes. */
 PBW__SIMD_INLINE pbw__pair4 pbw__difference4(pbw__d4 a, pbw__d4 b, pbw__d4 mask)
 {
-    pbw__pair4 x = { a, pbw__each(0.0) }, y = { b, pbw__each(0.0) };
+    pbw__pair4 x = { a, pbw__splat(0.0) }, y = { b, pbw__splat(0.0) };
     x = pbw__minus4(x, y);
-    x.head = pbw__clear(mask, x.head);
-    x.tail = pbw__clear(mask, x.tail);
+    x.head = pbw__andnot4(mask, x.head);
+    x.tail = pbw__andnot4(mask, x.tail);
     return x;
 }
 #endif
@@ -1249,7 +1249,7 @@ static void *pbw__resize(pbw__memory *memory, void *ptr, size_t old_count, size_
     } else if (grown == 0) {
         (void)PBW__ADD(&memory->used, bytes - old_bytes);        /* wraps around */
     } else {
-        for (peak = PBW__LOAD(&memory->peak); used > peak && !PBW__REPLACE(&memory->peak, &peak, used); ) {
+        for (peak = PBW__LOAD(&memory->peak); used > peak && !PBW__CAS(&memory->peak, &peak, used); ) {
         }
     }
     return block;
@@ -1489,11 +1489,11 @@ static void pbw__work(pbw__team *team)
 {
     unsigned work = PBW__LOAD(&team->work);
     while (work >= PBW__UNTAKEN) {
-        if (PBW__TAKE(&team->work, &work, work - PBW__UNTAKEN + PBW__RUNS)) {
+        if (PBW__CAS_ACQUIRE(&team->work, &work, work - PBW__UNTAKEN + PBW__RUNS)) {
             PBW__TEST_PAUSE();
             team->task(team->arg, team->tasks - (int)(work / PBW__UNTAKEN));
             PBW__TEST_PAUSE();
-            work = PBW__LEAVE(&team->work, PBW__RUNS) - PBW__RUNS;
+            work = PBW__SUB_RELEASE(&team->work, PBW__RUNS) - PBW__RUNS;
             if (work == PBW__SLEEPS) {
                 PBW__LOCK(&team->mutex);
                 PBW__WAKE(&team->done);
@@ -1507,13 +1507,13 @@ static void pbw__work(pbw__team *team)
 static int pbw__work_soon(const pbw__team *team, int wanted)
 {
     double start, waited = 0.0;
-    unsigned work = PBW__SEEN(&team->work);
+    unsigned work = PBW__LOAD_ACQUIRE(&team->work);
     for (start = pbw__seconds(); PBW__LOAD(&team->alone) && waited >= 0.0 && waited < 2e-4;
          waited = pbw__seconds() - start) {
         if (wanted ? work >= PBW__UNTAKEN || PBW__LOAD(&team->stop) : work < PBW__RUNS) {
             break;
         }
-        work = PBW__SEEN(&team->work);
+        work = PBW__LOAD_ACQUIRE(&team->work);
     }
     return wanted ? work >= PBW__UNTAKEN : work < PBW__RUNS;
 }
@@ -1601,7 +1601,7 @@ static void pbw__for(pbw__context *context, int tasks, pbw__task *task, void *ar
         team->task = task;
         team->arg = arg;
         team->tasks = tasks;
-        PBW__TELL(&team->work, (unsigned)tasks * PBW__UNTAKEN);
+        PBW__STORE_RELEASE(&team->work, (unsigned)tasks * PBW__UNTAKEN);
         PBW__LOCK(&team->mutex);
         PBW__WAKE_ALL(&team->wake);
         PBW__UNLOCK(&team->mutex);
@@ -1693,7 +1693,7 @@ static void pbw__take_ranges(void *arg, int task)
         failure = block * 64 + (size_t)ranges->body(ranges->arg, from, rest < ranges->grain ? ranges->count
                                                                                               : from + ranges->grain);
         old = PBW__LOAD(&ranges->failure);
-        while (failure % 64 != PBW_OK && failure < old && !PBW__REPLACE(&ranges->failure, &old, failure)) {
+        while (failure % 64 != PBW_OK && failure < old && !PBW__CAS(&ranges->failure, &old, failure)) {
         }
         old = failure % 64 != PBW_OK ? failure : old;
     }
@@ -1985,7 +1985,7 @@ static int pbw__grid_span(const pbw__grid_share *share, int dim, double *inverse
     }
     memcpy(inverse, &pattern, sizeof(pattern));
     for (*span = 0.0, k = 0; k < dim; k++) {
-        *span = pbw__larger(*span, (share->high[k] - share->low[k]) * *inverse);
+        *span = pbw__max(*span, (share->high[k] - share->low[k]) * *inverse);
     }
     return *span < 9007199254740992.0;
 }
@@ -2029,7 +2029,7 @@ PBW__INLINE void pbw__grid_add_of(pbw__grid_share *share, const double *q, size_
     for (; q < end && share->unit != PBW__NO_UNIT; q += dim + 1) {
         uint64_t off = 0;
         for (k = 0; k <= dim; k++) {
-            const double many = share->limit[k == dim], size = pbw__size(q[k]) < many ? pbw__size(q[k]) : many;
+            const double many = share->limit[k == dim], size = pbw__abs(q[k]) < many ? pbw__abs(q[k]) : many;
             off |= pbw__bits(size + many - many - size);
             low[k] = q[k] < low[k] ? q[k] : low[k];
             high[k] = q[k] > high[k] ? q[k] : high[k];
@@ -2058,9 +2058,9 @@ PBW__SIMD_INLINE size_t pbw__grid_add_simd(pbw__grid_share *share, const double 
         many = pbw__four(share->limit[0], share->limit[0], share->limit[dim == 2], share->limit[dim == 3]);
         for (; on == 15 && i < some; i++) {
             memcpy(&x, q + i * step, sizeof(x));
-            low = pbw__smaller4(x, low);
-            high = pbw__larger4(x, high);
-            size = pbw__smaller4(pbw__size4(x), many);
+            low = pbw__min4(x, low);
+            high = pbw__max4(x, high);
+            size = pbw__min4(pbw__abs4(x), many);
             on = pbw__signs(pbw__equal(size + many - many, size));
         }
         memcpy(share->low, &low, sizeof(low));
@@ -2246,10 +2246,10 @@ PBW__INLINE int pbw__filter_orient2(const double *a, const double *b, const doub
 {
     double x0 = a[0] - c[0], y0 = a[1] - c[1];
     double x1 = b[0] - c[0], y1 = b[1] - c[1];
-    double mx = pbw__largest(x0, x1, x1, x1), my = pbw__largest(y0, y1, y1, y1);
+    double mx = pbw__max_abs(x0, x1, x1, x1), my = pbw__max_abs(y0, y1, y1, y1);
     double det = x0 * y1 - x1 * y0;
     return pbw__certain(det, PBW__FILTER_ORIENT2_ERROR * DBL_EPSILON * mx * my, mx < my ? mx : my,
-                        pbw__larger(mx, my));
+                        pbw__max(mx, my));
 }
 
 PBW__INLINE int pbw__filter_orient3(const double *a, const double *b, const double *c, const double *d)
@@ -2257,11 +2257,11 @@ PBW__INLINE int pbw__filter_orient3(const double *a, const double *b, const doub
     double x0 = a[0] - d[0], y0 = a[1] - d[1], z0 = a[2] - d[2];
     double x1 = b[0] - d[0], y1 = b[1] - d[1], z1 = b[2] - d[2];
     double x2 = c[0] - d[0], y2 = c[1] - d[1], z2 = c[2] - d[2];
-    double mx = pbw__largest(x0, x1, x2, x2), my = pbw__largest(y0, y1, y2, y2), mz = pbw__largest(z0, z1, z2, z2);
-    double low = mx < my ? mx : my, high = pbw__larger(mx, my);
+    double mx = pbw__max_abs(x0, x1, x2, x2), my = pbw__max_abs(y0, y1, y2, y2), mz = pbw__max_abs(z0, z1, z2, z2);
+    double low = mx < my ? mx : my, high = pbw__max(mx, my);
     double det = z1 * (x0 * y2 - x2 * y0) - z0 * (x1 * y2 - x2 * y1) - z2 * (x0 * y1 - x1 * y0);
     return pbw__certain(det, PBW__FILTER_ORIENT3_ERROR * DBL_EPSILON * mx * my * mz, low < mz ? low : mz,
-                        pbw__larger(high, mz));
+                        pbw__max(high, mz));
 }
 
 PBW__INLINE int pbw__filter_power2(const double *a, const double *b, const double *c, const double *p)
@@ -2269,8 +2269,8 @@ PBW__INLINE int pbw__filter_power2(const double *a, const double *b, const doubl
     double x0 = a[0] - p[0], y0 = a[1] - p[1], w0 = a[2] - p[2], l0 = x0 * x0 + y0 * y0;
     double x1 = b[0] - p[0], y1 = b[1] - p[1], w1 = b[2] - p[2], l1 = x1 * x1 + y1 * y1;
     double x2 = c[0] - p[0], y2 = c[1] - p[1], w2 = c[2] - p[2], l2 = x2 * x2 + y2 * y2;
-    double mx = pbw__largest(x0, x1, x2, x2), my = pbw__largest(y0, y1, y2, y2);
-    double ml = pbw__larger(pbw__larger(l0 + pbw__size(w0), l1 + pbw__size(w1)), l2 + pbw__size(w2));
+    double mx = pbw__max_abs(x0, x1, x2, x2), my = pbw__max_abs(y0, y1, y2, y2);
+    double ml = pbw__max(pbw__max(l0 + pbw__abs(w0), l1 + pbw__abs(w1)), l2 + pbw__abs(w2));
     double det = (l0 - w0) * (x1 * y2 - x2 * y1) - (l1 - w1) * (x0 * y2 - x2 * y0)
                + (l2 - w2) * (x0 * y1 - x1 * y0);
     return pbw__certain(det, PBW__FILTER_POWER2_ERROR * DBL_EPSILON * mx * my * ml, mx < my ? mx : my, ml);
@@ -2283,8 +2283,8 @@ PBW__INLINE int pbw__filter_power3(const double *a, const double *b, const doubl
     double x1 = b[0] - p[0], y1 = b[1] - p[1], z1 = b[2] - p[2], w1 = b[3] - p[3], l1 = x1 * x1 + y1 * y1 + z1 * z1;
     double x2 = c[0] - p[0], y2 = c[1] - p[1], z2 = c[2] - p[2], w2 = c[3] - p[3], l2 = x2 * x2 + y2 * y2 + z2 * z2;
     double x3 = d[0] - p[0], y3 = d[1] - p[1], z3 = d[2] - p[2], w3 = d[3] - p[3], l3 = x3 * x3 + y3 * y3 + z3 * z3;
-    double mx = pbw__largest(x0, x1, x2, x3), my = pbw__largest(y0, y1, y2, y3), mz = pbw__largest(z0, z1, z2, z3);
-    double ml = pbw__largest(l0 + pbw__size(w0), l1 + pbw__size(w1), l2 + pbw__size(w2), l3 + pbw__size(w3));
+    double mx = pbw__max_abs(x0, x1, x2, x3), my = pbw__max_abs(y0, y1, y2, y3), mz = pbw__max_abs(z0, z1, z2, z3);
+    double ml = pbw__max_abs(l0 + pbw__abs(w0), l1 + pbw__abs(w1), l2 + pbw__abs(w2), l3 + pbw__abs(w3));
     double s01 = x0 * y1 - x1 * y0, s02 = x0 * y2 - x2 * y0, s03 = x0 * y3 - x3 * y0;
     double s12 = x1 * y2 - x2 * y1, s13 = x1 * y3 - x3 * y1, s23 = x2 * y3 - x3 * y2;
     double det = ((l0 - w0) * (z1 * s23 - z2 * s13 + z3 * s12) - (l1 - w1) * (z0 * s23 - z2 * s03 + z3 * s02))
@@ -2345,10 +2345,10 @@ PBW__INLINE int pbw__read_rows(int dim, int count, const double *const *row, con
         double largest = 0.0, heaviest = 0.0;
         for (i = 0; i < count; i++) {
             for (k = 0; k < dim; k++) {
-                largest = pbw__larger(largest, pbw__size(row[i][k] - origin[k]));
+                largest = pbw__max(largest, pbw__abs(row[i][k] - origin[k]));
             }
             if (count > dim) {
-                heaviest = pbw__larger(heaviest, pbw__size(row[i][dim] - origin[dim]));
+                heaviest = pbw__max(heaviest, pbw__abs(row[i][dim] - origin[dim]));
             }
         }
         if (!(largest > 1e-150)) {                   /* then neither largest nor heaviest suffers from flushing */
@@ -2590,10 +2590,10 @@ PBW__DEVICE static int pbw__pairs(int dim, int count, const double *const *row, 
         double largest = 0.0;
         for (i = 0; i < count; i++) {
             u[k][i] = pbw__pair_difference(row[i][k], origin[k]);
-            largest = pbw__larger(largest, pbw__size(u[k][i].head));
+            largest = pbw__max(largest, pbw__abs(u[k][i].head));
         }
         low = largest < low ? largest : low;
-        high = pbw__larger(high, largest);
+        high = pbw__max(high, largest);
         size *= largest;
     }
     if (count == dim) {
@@ -2608,7 +2608,7 @@ PBW__DEVICE static int pbw__pairs(int dim, int count, const double *const *row, 
         if (dim == 3) {
             lift[i] = pbw__pair_plus(lift[i], pbw__pair_times(u[2][i], u[2][i]));
         }
-        high = pbw__larger(high, lift[i].head + pbw__size(weight.head));
+        high = pbw__max(high, lift[i].head + pbw__abs(weight.head));
         lift[i] = pbw__pair_minus(lift[i], weight);
     }
     size *= high;
@@ -3269,8 +3269,8 @@ typedef uint32_t pbw__u8 __attribute__((vector_size(32)));
 PBW__SIMD_INLINE pbw__u8 pbw__cells8(const pbw__box *box, int k, pbw__d4 x0, pbw__d4 x1)
 {
     const double last = (double)(((uint32_t)1 << box->bits) - 1);
-    const pbw__d4 scale = pbw__each(box->scale), low = scale * pbw__each(box->low[k]), cells = pbw__each(last + 1.0);
-    const pbw__d4 extent = pbw__each(box->extent), most = pbw__each(last);
+    const pbw__d4 scale = pbw__splat(box->scale), low = scale * pbw__splat(box->low[k]), cells = pbw__splat(last + 1.0);
+    const pbw__d4 extent = pbw__splat(box->extent), most = pbw__splat(last);
     const __m128i first = _mm256_cvttpd_epi32(_mm256_min_pd((scale * x0 - low) / extent * cells, most));
     const __m128i second = _mm256_cvttpd_epi32(_mm256_min_pd((scale * x1 - low) / extent * cells, most));
     return (pbw__u8)_mm256_inserti128_si256(_mm256_castsi128_si256(first), second, 1);
@@ -3951,7 +3951,7 @@ typedef struct pbw__store {
     pbw_index *hint;                                 /* per region: a simplex of one of its vertices, or PBW_NONE */
     size_t region_count, region_slots;               /* slots from region_slots on are the tail */
     size_t slots_each, ahead;                        /* of a region; how many more the first has */
-    int cell_bits;                                   /* vertex >> cell_bits is the number of its region */
+    int region_bits;                                   /* vertex >> region_bits is the number of its region */
 } pbw__store;
 
 /* One thread's view of a triangulation, with the scratch memory of one insertion. */
@@ -4147,17 +4147,17 @@ static pbw_status pbw__store_create(pbw__context *context, pbw__store *store, si
     pbw__memory *memory = &context->memory;
     size_t slots, tail = 64 + vertices / 32, side = 1, r;
     pbw_status status;
-    for (store->cell_bits = dim == 3 ? 7 : 9; vertices >> store->cell_bits >= 65536; ) {
-        store->cell_bits++;
+    for (store->region_bits = dim == 3 ? 7 : 9; vertices >> store->region_bits >= 65536; ) {
+        store->region_bits++;
     }
-    store->slots_each = ((size_t)1 << store->cell_bits) / 16 * (dim == 3 ? 112 : 33);
+    store->slots_each = ((size_t)1 << store->region_bits) / 16 * (dim == 3 ? 112 : 33);
     while (side * side * side < vertices) {
         side++;
     }
     store->ahead = dim == 3 ? 4 * side * side : 0;
-    slots = (size_t)((uint64_t)(vertices + 1) * store->slots_each >> store->cell_bits) + store->ahead + 16;
+    slots = (size_t)((uint64_t)(vertices + 1) * store->slots_each >> store->region_bits) + store->ahead + 16;
     store->region_slots = slots < PBW__SIMPLEX_LIMIT ? slots : PBW__SIMPLEX_LIMIT;
-    store->region_count = (vertices >> store->cell_bits) + 1;
+    store->region_count = (vertices >> store->region_bits) + 1;
     store->region = (pbw_index *)pbw__allocate(memory, store->region_count, sizeof(pbw_index));
     store->hint = (pbw_index *)pbw__allocate(memory, store->region_count, sizeof(pbw_index));
     slots = store->region_slots + tail < PBW__SIMPLEX_LIMIT ? store->region_slots + tail : PBW__SIMPLEX_LIMIT;
@@ -4257,7 +4257,7 @@ static PBW__NOINLINE pbw_status pbw__more_tail(pbw__kernel *kernel, size_t neede
             kernel->no_room = 1;                     /* at the end of the round there will be more */
             return PBW__LEFT;
         }
-    } while (!PBW__REPLACE(&store->count, &from, from + block));
+    } while (!PBW__CAS(&store->count, &from, from + block));
     for (t = kernel->tail; t < kernel->tail_end; t++) {
         kernel->corner[4 * t] = PBW_NONE;
         kernel->corner[4 * t + 1] = kernel->free_list;
@@ -4370,7 +4370,7 @@ PBW__INLINE double pbw__row3(const pbw__kernel *kernel, pbw_index v, const doubl
     row[2] = record[2] - p[2];
     square = row[0] * row[0] + row[1] * row[1] + row[2] * row[2];
     row[3] = square - weight;
-    return square + pbw__size(weight);
+    return square + pbw__abs(weight);
 }
 
 #ifdef PBW__SIMD
@@ -4386,10 +4386,10 @@ typedef struct pbw__point3 { pbw__d4 x, y, z, weight; int weighted; } pbw__point
 PBW__SIMD_INLINE pbw__point3 pbw__point3_of(const double *p, int weighted)
 {
     pbw__point3 point;
-    point.x = pbw__each(p[0]);
-    point.y = pbw__each(p[1]);
-    point.z = pbw__each(p[2]);
-    point.weight = pbw__each(p[3]);
+    point.x = pbw__splat(p[0]);
+    point.y = pbw__splat(p[1]);
+    point.z = pbw__splat(p[2]);
+    point.weight = pbw__splat(p[3]);
     point.weighted = weighted;
     return point;
 }
@@ -4406,18 +4406,18 @@ PBW__SIMD_INLINE pbw__rows3 pbw__rows3_of(const double *record, int hull, pbw_in
     rows.x = x - p->x;
     rows.y = y - p->y;
     rows.z = z - p->z;
-    rows.ghost = pbw__each(0.0);
+    rows.ghost = pbw__splat(0.0);
     if (hull) {                                      /* the ghost's record is at infinity */
-        rows.ghost = pbw__equal(x, pbw__each(HUGE_VAL));
-        rows.x = pbw__clear(rows.ghost, rows.x);
-        rows.y = pbw__clear(rows.ghost, rows.y);
-        rows.z = pbw__clear(rows.ghost, rows.z);
+        rows.ghost = pbw__equal(x, pbw__splat(HUGE_VAL));
+        rows.x = pbw__andnot4(rows.ghost, rows.x);
+        rows.y = pbw__andnot4(rows.ghost, rows.y);
+        rows.z = pbw__andnot4(rows.ghost, rows.z);
     }
     rows.lift = rows.height = pbw__fma(rows.z, rows.z, pbw__fma(rows.y, rows.y, rows.x * rows.x));
     if (p->weighted) {
-        pbw__d4 weight = pbw__clear(rows.ghost, w - p->weight);
+        pbw__d4 weight = pbw__andnot4(rows.ghost, w - p->weight);
         rows.lift = rows.lift - weight;
-        rows.height = rows.height + pbw__size4(weight);
+        rows.height = rows.height + pbw__abs4(weight);
     }
     return rows;
 }
@@ -4432,9 +4432,9 @@ typedef struct pbw__point2 { pbw__d4 x, y, weight; int weighted; } pbw__point2;
 PBW__SIMD_INLINE pbw__point2 pbw__point2_of(const double *p, int weighted)
 {
     pbw__point2 point;
-    point.x = pbw__each(p[0]);
-    point.y = pbw__each(p[1]);
-    point.weight = pbw__each(p[2]);
+    point.x = pbw__splat(p[0]);
+    point.y = pbw__splat(p[1]);
+    point.weight = pbw__splat(p[2]);
     point.weighted = weighted;
     return point;
 }
@@ -4453,7 +4453,7 @@ PBW__SIMD_INLINE pbw__rows2 pbw__rows2_of(const double *record, pbw_index v0, pb
     if (p.weighted) {
         pbw__d4 weight = pbw__four(a[2], b[2], c[2], d[2]) - p.weight;
         rows.lift = rows.lift - weight;
-        rows.height = rows.height + pbw__size4(weight);
+        rows.height = rows.height + pbw__abs4(weight);
     }
     return rows;
 }
@@ -4510,7 +4510,7 @@ static pbw_index pbw__locate3_scalar(pbw__kernel *kernel, pbw_index t, const dou
             return t;
         }
         for (i = 0; i < 4; i++) {
-            height = pbw__larger(height, pbw__row3(kernel, v[i], p, u[i]));
+            height = pbw__max(height, pbw__row3(kernel, v[i], p, u[i]));
         }
         bound = height * height * height * (PBW__ORIENT3_ERROR * PBW__ORIENT3_ERROR);
         for (i = 0; i < 4; i++) {
@@ -4565,20 +4565,20 @@ PBW__SIMD_INLINE pbw_index pbw__locate3_simd(pbw__kernel *kernel, pbw_index t, c
         side = ax * pbw__det2(by, bz, cy, cz);
         side = pbw__fnma(ay, pbw__det2(bx, bz, cx, cz), side);
         side = pbw__fma(az, pbw__det2(bx, by, cx, cy), side);
-        power = pbw__total(r.lift * side);
-        h = pbw__larger4(pbw__highest(r.height), pbw__each(1e-55));
+        power = pbw__sum_lanes(r.lift * side);
+        h = pbw__max4(pbw__max_lane(r.height), pbw__splat(1e-55));
         square = h * h;
-        rounded = pbw__at_least(h, pbw__each(kernel->exact_height));
-        bound = pbw__keep(rounded, square * h * pbw__each(PBW__ORIENT3_ERROR * PBW__ORIENT3_ERROR));
-        limit = pbw__keep(rounded, square * square * h * pbw__each(PBW__SPHERE_ERROR * PBW__SPHERE_ERROR));
+        rounded = pbw__at_least(h, pbw__splat(kernel->exact_height));
+        bound = pbw__and4(rounded, square * h * pbw__splat(PBW__ORIENT3_ERROR * PBW__ORIENT3_ERROR));
+        limit = pbw__and4(rounded, square * square * h * pbw__splat(PBW__SPHERE_ERROR * PBW__SPHERE_ERROR));
         if (pbw__first(power) > 0.0 && pbw__first(power * power) > pbw__first(limit)) {
             return t;
         }
-        lowest = pbw__lowest(side);
+        lowest = pbw__min_lane(side);
         outer = pbw__signs(pbw__equal(side, lowest));
         exit = (unsigned)__builtin_ctz(outer | 16u);
         if (PBW__UNLIKELY(!(pbw__first(lowest) < 0.0 && pbw__first(lowest * lowest) > pbw__first(bound)))) {
-            unsigned inner = pbw__signs(pbw__above(side * side, bound));
+            unsigned inner = pbw__signs(pbw__greater(side * side, bound));
             inner &= pbw__signs(side) ^ 15u;
             exit = pbw__signs(rounded) == 0 ? 4 : pbw__exit3(kernel, t, p, inner);
             if (exit == 4) {
@@ -4611,7 +4611,7 @@ static pbw_index pbw__locate2_scalar(pbw__kernel *kernel, pbw_index t, const dou
             const double *record = pbw__record2(kernel, v[i]);
             u[i][0] = record[0] - p[0];
             u[i][1] = record[1] - p[1];
-            size = pbw__larger(size, pbw__larger(pbw__size(u[i][0]), pbw__size(u[i][1])));
+            size = pbw__max(size, pbw__max(pbw__abs(u[i][0]), pbw__abs(u[i][1])));
         }
         bound = size > 1e-140 && size < 1e140 ? PBW__ORIENT2_ERROR * size * size : HUGE_VAL;
         for (i = 0; i < 3; i++) {
@@ -4645,7 +4645,7 @@ static pbw_index pbw__locate2_scalar(pbw__kernel *kernel, pbw_index t, const dou
 /* The bound on the error of an in-circle determinant of rows no higher than h. */
 PBW__SIMD_INLINE pbw__d4 pbw__circle_limit(pbw__d4 h)
 {
-    return pbw__each(8.0) * h * h * pbw__each(PBW__CIRCLE_ERROR / 8.0);
+    return pbw__splat(8.0) * h * h * pbw__splat(PBW__CIRCLE_ERROR / 8.0);
 }
 
 /* From ghost t along the hull: the ghost that has p certainly beyond its edge, or PBW_NONE if it is not near. */
@@ -4656,7 +4656,7 @@ PBW__INLINE pbw_index pbw__walk_hull(pbw__kernel *kernel, pbw_index t, const dou
         const double *a = pbw__record2(kernel, kernel->corner[4 * (size_t)t]);
         const double *b = pbw__record2(kernel, kernel->corner[4 * (size_t)t + 1]);
         double ax = a[0] - p[0], ay = a[1] - p[1], bx = b[0] - p[0], by = b[1] - p[1];
-        double height = pbw__larger(pbw__larger(ax * ax + ay * ay, bx * bx + by * by), 1e-140);
+        double height = pbw__max(pbw__max(ax * ax + ay * ay, bx * bx + by * by), 1e-140);
         int past_a = ax * (bx - ax) + ay * (by - ay) > 0.0, past_b = bx * (bx - ax) + by * (by - ay) < 0.0;
         kernel->statistics.walk_steps++;
         if (ax * by - ay * bx > height * PBW__ORIENT2_ERROR) {
@@ -4695,18 +4695,18 @@ PBW__SIMD_INLINE pbw_index pbw__locate2_simd(pbw__kernel *kernel, pbw_index t, c
         sx = PBW__EDGE_START(rows->x), sy = PBW__EDGE_START(rows->y), sh = PBW__EDGE_START(rows->height);
         ex = PBW__EDGE_END(rows->x), ey = PBW__EDGE_END(rows->y), eh = PBW__EDGE_END(rows->height);
         side = pbw__det2(sx, sy, ex, ey);
-        h = pbw__larger4(pbw__larger4(rows->height, pbw__each(1e-140)), pbw__larger4(sh, eh));
-        power = pbw__total(pbw__drop_last(rows->lift * side));
+        h = pbw__max4(pbw__max4(rows->height, pbw__splat(1e-140)), pbw__max4(sh, eh));
+        power = pbw__sum_lanes(pbw__drop_last(rows->lift * side));
         if (pbw__first(power) > pbw__first(pbw__circle_limit(h))) {
             break;
         }
-        bound = h * pbw__each(PBW__ORIENT2_ERROR);
-        outer = pbw__above(-side, bound);
-        far = pbw__keep(outer, rows->height * -side);
-        exits = pbw__signs(outer) & pbw__signs(pbw__equal(far, pbw__highest(far)));
+        bound = h * pbw__splat(PBW__ORIENT2_ERROR);
+        outer = pbw__greater(-side, bound);
+        far = pbw__and4(outer, rows->height * -side);
+        exits = pbw__signs(outer) & pbw__signs(pbw__equal(far, pbw__max_lane(far)));
         exit = (unsigned)__builtin_ctz(exits | 8u);
         if (PBW__UNLIKELY(exits == 0)) {
-            unsigned inner = pbw__signs(pbw__above(side, bound));
+            unsigned inner = pbw__signs(pbw__greater(side, bound));
             exit = pbw__first(h) < kernel->exact_height ? 3 : pbw__exit2(kernel, t, p, inner);
             if (exit == 3) {
                 t = !weighted || pbw__in_conflict2(kernel, t, p) ? t : PBW_NONE;
@@ -4728,7 +4728,7 @@ PBW__SIMD_INLINE pbw_index pbw__locate2_simd(pbw__kernel *kernel, pbw_index t, c
 /* Where the walk to a vertex starts. */
 PBW__INLINE pbw_index pbw__insert_start(pbw__kernel *kernel, pbw_index vertex)
 {
-    size_t region = vertex >> kernel->store->cell_bits;
+    size_t region = vertex >> kernel->store->region_bits;
     if (PBW__UNLIKELY(region != kernel->region)) {
         pbw__enter_region(kernel, region);
     }
@@ -4919,7 +4919,7 @@ PBW__SIMD_INLINE void pbw__search_sort4(pbw__search *search, pbw_index facet, co
     pbw_index o0 = link[0] >> 2, o1 = link[1] >> 2, o2 = link[2] >> 2, o3 = link[3] >> 2;
     unsigned marked = PBW__LOAD(mark + o0) + 2u * PBW__LOAD(mark + o1)
                     + 4u * (PBW__LOAD(mark + o2) + 2u * PBW__LOAD(mark + o3)), outside;
-    const pbw__i4 lanes = { 0, 1, 2, 3 }, from = pbw__repeat((int32_t)facet) + lanes;
+    const pbw__i4 lanes = { 0, 1, 2, 3 }, from = pbw__splat_i((int32_t)facet) + lanes;
     PBW__PREFETCH(search->link + 4 * (size_t)o0);
     PBW__PREFETCH(search->link + 4 * (size_t)o1);
     PBW__PREFETCH(search->link + 4 * (size_t)o2);
@@ -4943,7 +4943,7 @@ typedef struct pbw__pairs4 { pbw__pair4 x, y, z, lift; pbw__d4 height; } pbw__pa
 
 PBW__SIMD_INLINE pbw__pairs4 pbw__pairs4_of(const double *record, const pbw_index *v, const pbw__point3 *p)
 {
-    const pbw__d4 zero = pbw__each(0.0);
+    const pbw__d4 zero = pbw__splat(0.0);
     const pbw__point3 origin = { zero, zero, zero, zero, 0 };
     pbw__rows3 at = pbw__rows3_of(record, 1, v[0], v[1], v[2], v[3], &origin);
     pbw__pairs4 rows;
@@ -4956,9 +4956,9 @@ PBW__SIMD_INLINE pbw__pairs4 pbw__pairs4_of(const double *record, const pbw_inde
     return rows;
 }
 
-PBW__SIMD_INLINE void pbw__raise_ghost4(pbw__pairs4 *rows, const pbw_index *v, pbw__d4 height)
+PBW__SIMD_INLINE void pbw__lift_ghosts4(pbw__pairs4 *rows, const pbw_index *v, pbw__d4 height)
 {
-    rows->lift.head = pbw__raise(rows->lift.head, pbw__zeros(v[0], v[1], v[2], v[3]), height);
+    rows->lift.head = pbw__blend_zero(rows->lift.head, pbw__zeros(v[0], v[1], v[2], v[3]), height);
 }
 
 #define PBW__CORNERS4(to, from, corner) \
@@ -4976,9 +4976,9 @@ PBW__SIMD static PBW__NOINLINE unsigned pbw__power4_pairs(const double *record, 
     const pbw__point3 point = pbw__point3_of(p, 0);
     pbw__pairs4 r = pbw__pairs4_of(record, v, &point), o = pbw__pairs4_of(record, far, &point), a, b, c;
     pbw__pair4 xy, xz, yz, xl, yl, zl, det;
-    pbw__d4 height = pbw__highest(r.height), h = pbw__larger4(height, o.height), limit = h * h;
-    pbw__raise_ghost4(&r, v, height);
-    pbw__raise_ghost4(&o, far, height);
+    pbw__d4 height = pbw__max_lane(r.height), h = pbw__max4(height, o.height), limit = h * h;
+    pbw__lift_ghosts4(&r, v, height);
+    pbw__lift_ghosts4(&o, far, height);
     PBW__CORNERS4(a, r, PBW__CORNER_A);
     PBW__CORNERS4(b, r, PBW__CORNER_B);
     PBW__CORNERS4(c, r, PBW__CORNER_C);
@@ -4991,8 +4991,8 @@ PBW__SIMD static PBW__NOINLINE unsigned pbw__power4_pairs(const double *record, 
     det = pbw__minus4(det, pbw__times4(o.lift, pbw__sum4(a.x, yz, a.y, xz, a.z, xy)));
     det.head += det.tail;
     *inside = pbw__signs(det.head) ^ 15u;
-    limit = limit * limit * h * pbw__each(PBW__SPHERE_PAIRS_ERROR * PBW__SPHERE_PAIRS_ERROR);
-    return pbw__signs(pbw__keep(pbw__above(det.head * det.head, limit), pbw__above(h, pbw__each(1e-20))));
+    limit = limit * limit * h * pbw__splat(PBW__SPHERE_PAIRS_ERROR * PBW__SPHERE_PAIRS_ERROR);
+    return pbw__signs(pbw__and4(pbw__greater(det.head * det.head, limit), pbw__greater(h, pbw__splat(1e-20))));
 }
 
 PBW__SIMD_INLINE pbw__d4 pbw__dot4(pbw__d4 x, pbw__d4 y, pbw__d4 z, pbw__d4 u, pbw__d4 v, pbw__d4 w)
@@ -5007,7 +5007,7 @@ PBW__SIMD static PBW__NOINLINE unsigned pbw__ties4(const double *record, const p
                                                    const double *p)
 {
     const pbw__point3 point = pbw__point3_of(p, 0);
-    const pbw__d4 zero = pbw__each(0.0), radix = pbw__each(2048.0);
+    const pbw__d4 zero = pbw__splat(0.0), radix = pbw__splat(2048.0);
     pbw__rows3 r = pbw__rows3_of(record, 1, v[0], v[1], v[2], v[3], &point);
     pbw__rows3 o = pbw__rows3_of(record, 1, far[0], far[1], far[2], far[3], &point);
     pbw__d4 ax = PBW__CORNER_A(r.x), ay = PBW__CORNER_A(r.y), az = PBW__CORNER_A(r.z);
@@ -5026,11 +5026,11 @@ PBW__SIMD static PBW__NOINLINE unsigned pbw__ties4(const double *record, const p
     x = ay * bz - az * by, y = az * bx - ax * bz, z = ax * by - ay * bx;
     coefficient[2] = pbw__dot4(x, y, z, o.x, o.y, o.z);
     for (i = 0; i < 4; i++) {
-        pbw__d4 larger = pbw__clear(pbw__equal(coefficient[i], zero), pbw__above(key[i], largest));
-        largest = pbw__select(largest, key[i], larger);
-        verdict = pbw__select(verdict, coefficient[i], larger);
+        pbw__d4 larger = pbw__andnot4(pbw__equal(coefficient[i], zero), pbw__greater(key[i], largest));
+        largest = pbw__blend(largest, key[i], larger);
+        verdict = pbw__blend(verdict, coefficient[i], larger);
     }
-    return pbw__signs(pbw__above(verdict, zero));
+    return pbw__signs(pbw__greater(verdict, zero));
 }
 
 /* Neighbours of a simplex of the cavity that the filter left open (bits of `certain` not set): the exact verdicts.
@@ -5092,7 +5092,7 @@ static pbw_status pbw__carve3_scalar(pbw__kernel *kernel, pbw_index t, const dou
         link = search.carved[i].link;
         v = search.carved[i].v;
         for (k = 0; k < 4; k++) {
-            height = pbw__larger(height, pbw__row3(kernel, v[k], p, row[k]));
+            height = pbw__max(height, pbw__row3(kernel, v[k], p, row[k]));
         }
         row[3][3] = v[3] == PBW__GHOST ? height : row[3][3];
         for (k = 0; k < 4; k++) {
@@ -5104,7 +5104,7 @@ static pbw_status pbw__carve3_scalar(pbw__kernel *kernel, pbw_index t, const dou
             if (PBW__LOAD(search.mark + (link[k] >> 2))) {
                 continue;
             }
-            h = pbw__larger(pbw__larger(height, pbw__row3(kernel, far, p, row[4])), 1e-55);
+            h = pbw__max(pbw__max(height, pbw__row3(kernel, far, p, row[4])), 1e-55);
             row[4][3] = far == PBW__GHOST ? height : row[4][3];
             xy = b[0] * c[1] - b[1] * c[0], xz = b[0] * c[2] - b[2] * c[0], yz = b[1] * c[2] - b[2] * c[1];
             xl = b[0] * c[3] - b[3] * c[0], yl = b[1] * c[3] - b[3] * c[1], zl = b[2] * c[3] - b[3] * c[2];
@@ -5169,14 +5169,14 @@ PBW__SIMD_INLINE pbw__order4 pbw__search_inherit(pbw__search *search, size_t i, 
 /* Lanes of a, or of b where `lane` says so, in an order that pbw__search_inherit found. */
 PBW__SIMD_INLINE pbw__d4 pbw__take_over(pbw__d4 a, pbw__d4 b, pbw__d4 lane, pbw__order4 order)
 {
-    return pbw__reorder(pbw__select(a, b, lane), order);
+    return pbw__reorder(pbw__blend(a, b, lane), order);
 }
 
 /* The same, a facet in each lane. */
 PBW__SIMD_INLINE pbw_status pbw__carve3_simd(pbw__kernel *kernel, pbw_index t, const double *p, int weighted)
 {
     const pbw__point3 point = pbw__point3_of(p, weighted);
-    const pbw__d4 exact_height = pbw__each(kernel->exact_height);
+    const pbw__d4 exact_height = pbw__splat(kernel->exact_height);
     const pbw_index *corner = kernel->corner;
     const double *record = kernel->record;
     const int owned = kernel->owner != NULL;
@@ -5205,9 +5205,9 @@ PBW__SIMD_INLINE pbw_status pbw__carve3_simd(pbw__kernel *kernel, pbw_index t, c
         if (PBW__UNLIKELY(i - met >= PBW__HELD)) {
             pbw__search_number(&search, i, link);
             r = pbw__rows3_of(record, 1, carved->v[0], carved->v[1], carved->v[2], carved->v[3], &point);
-            height = pbw__highest(r.height);
-            r.lift = pbw__raise(r.lift, r.ghost, height);
-            r.height = pbw__raise(r.height, r.ghost, height);
+            height = pbw__max_lane(r.height);
+            r.lift = pbw__blend_zero(r.lift, r.ghost, height);
+            r.height = pbw__blend_zero(r.height, r.ghost, height);
         } else {                                     /* raised before: minors need not wait for the height */
             const pbw__held *from = held + met % PBW__HELD;
             const pbw__d4 *from_height = heights[met % PBW__HELD];
@@ -5218,17 +5218,17 @@ PBW__SIMD_INLINE pbw_status pbw__carve3_simd(pbw__kernel *kernel, pbw_index t, c
             r.z = pbw__take_over(from->z, from->far_z, lane, order);
             r.lift = pbw__take_over(from->lift, from->far_lift, lane, order);
             r.height = weighted ? pbw__take_over(from_height[0], from_height[1], lane, order) : r.lift;
-            height = pbw__highest(r.height);
+            height = pbw__max_lane(r.height);
         }
         around = search.link + (link & ~(pbw__link)3);           /* as carved->link, which is only being written */
         o = pbw__rows3_of(record, 1, corner[around[0]], corner[around[1]], corner[around[2]], corner[around[3]],
                           &point);
-        o.lift = pbw__raise(o.lift, o.ghost, height);
+        o.lift = pbw__blend_zero(o.lift, o.ghost, height);
         here->x = r.x, here->y = r.y, here->z = r.z, here->lift = r.lift;
         here->far_x = o.x, here->far_y = o.y, here->far_z = o.z, here->far_lift = o.lift;
         if (weighted) {
             heights[i % PBW__HELD][0] = r.height;
-            heights[i % PBW__HELD][1] = pbw__raise(o.height, o.ghost, height);
+            heights[i % PBW__HELD][1] = pbw__blend_zero(o.height, o.ghost, height);
         }
         ax = PBW__CORNER_A(r.x), ay = PBW__CORNER_A(r.y), az = PBW__CORNER_A(r.z), al = PBW__CORNER_A(r.lift);
         bx = PBW__CORNER_B(r.x), by = PBW__CORNER_B(r.y), bz = PBW__CORNER_B(r.z), bl = PBW__CORNER_B(r.lift);
@@ -5240,11 +5240,11 @@ PBW__SIMD_INLINE pbw_status pbw__carve3_simd(pbw__kernel *kernel, pbw_index t, c
         det = pbw__fnma(o.y, pbw__fma(al, xz, pbw__det2(ax, az, xl, zl)), det);
         det = pbw__fma(o.z, pbw__fma(al, xy, pbw__det2(ax, ay, xl, yl)), det);
         det = pbw__fnma(o.lift, pbw__fma(az, xy, pbw__det2(ax, ay, xz, yz)), det);
-        h = pbw__larger4(pbw__larger4(height, o.height), pbw__each(1e-55));
+        h = pbw__max4(pbw__max4(height, o.height), pbw__splat(1e-55));
         limit = h * h;
         rounded = pbw__at_least(h, exact_height);
-        limit = pbw__keep(rounded, limit * limit * h * pbw__each(PBW__SPHERE_ERROR * PBW__SPHERE_ERROR));
-        certain = pbw__signs(pbw__above(det * det, limit));
+        limit = pbw__and4(rounded, limit * limit * h * pbw__splat(PBW__SPHERE_ERROR * PBW__SPHERE_ERROR));
+        certain = pbw__signs(pbw__greater(det * det, limit));
         inside = pbw__signs(det) ^ 15u;
         if (PBW__UNLIKELY(certain != 15)) {
             inside = pbw__search_exact(kernel, carved, certain, inside, pbw__signs(rounded), p);
@@ -5376,7 +5376,7 @@ PBW__SIMD_INLINE pbw__i4 pbw__facet_lanes(pbw_index facet)
 /* The same, a simplex in one vector. */
 PBW__SIMD_INLINE pbw_status pbw__refill3_simd(pbw__kernel *kernel, pbw_index vertex)
 {
-    const pbw__i4 new_corner = pbw__repeat((int32_t)vertex);
+    const pbw__i4 new_corner = pbw__splat_i((int32_t)vertex);
     pbw__carved *carved = kernel->carved;
     pbw_index *corners = kernel->corner;
     const pbw_index *cavity = kernel->cavity, *from = kernel->from;
@@ -5445,7 +5445,7 @@ PBW__INLINE int pbw__test2(pbw__kernel *kernel, pbw_index t, const double *p)
         double a2 = ax * ax + ay * ay, b2 = bx * bx + by * by, c2 = cx * cx + cy * cy;
         double det =
             (a2 - aw) * (bx * cy - by * cx) + (b2 - bw) * (cx * ay - cy * ax) + (c2 - cw) * (ax * by - ay * bx);
-        double height = pbw__larger(pbw__larger(a2 + pbw__size(aw), b2 + pbw__size(bw)), c2 + pbw__size(cw));
+        double height = pbw__max(pbw__max(a2 + pbw__abs(aw), b2 + pbw__abs(bw)), c2 + pbw__abs(cw));
         limit = height > 1e-140 && height < 1e140 ? PBW__CIRCLE_ERROR * height * height : HUGE_VAL;
         if (det > limit || det < -limit) {
             return det > 0.0;
@@ -5453,7 +5453,7 @@ PBW__INLINE int pbw__test2(pbw__kernel *kernel, pbw_index t, const double *p)
     } else {
         double side = ax * by - ay * bx;
         double size =
-            pbw__larger(pbw__larger(pbw__size(ax), pbw__size(ay)), pbw__larger(pbw__size(bx), pbw__size(by)));
+            pbw__max(pbw__max(pbw__abs(ax), pbw__abs(ay)), pbw__max(pbw__abs(bx), pbw__abs(by)));
         limit = size > 1e-140 && size < 1e140 ? PBW__ORIENT2_ERROR * size * size : HUGE_VAL;
         if (side > limit || side < -limit) {
             return side > 0.0;
@@ -5573,7 +5573,7 @@ PBW__SIMD_INLINE pbw__d4 pbw__circle4(pbw__rows2 s, pbw__rows2 e, pbw__rows2 o, 
 {
     pbw__d4 det = o.y * pbw__det2(e.lift, s.lift, e.x, s.x);
     det = pbw__fma(o.x, pbw__det2(s.lift, e.lift, s.y, e.y), det);
-    *height = pbw__larger4(pbw__larger4(s.height, e.height), pbw__larger4(o.height, pbw__each(1e-140)));
+    *height = pbw__max4(pbw__max4(s.height, e.height), pbw__max4(o.height, pbw__splat(1e-140)));
     return pbw__fnma(o.lift, pbw__det2(s.x, s.y, e.x, e.y), det);
 }
 
@@ -5581,7 +5581,7 @@ PBW__SIMD_INLINE pbw__d4 pbw__circle4(pbw__rows2 s, pbw__rows2 e, pbw__rows2 o, 
 PBW__SIMD_INLINE unsigned pbw__test2_simd(pbw__rows2 s, pbw__rows2 e, pbw__rows2 o, unsigned *certain)
 {
     pbw__d4 h, det = pbw__circle4(s, e, o, &h);
-    *certain = pbw__signs(pbw__above(pbw__size4(det), pbw__circle_limit(h)));
+    *certain = pbw__signs(pbw__greater(pbw__abs4(det), pbw__circle_limit(h)));
     return pbw__signs(det) ^ 15u;
 }
 
@@ -5590,11 +5590,11 @@ PBW__SIMD_INLINE unsigned pbw__test2_simd(pbw__rows2 s, pbw__rows2 e, pbw__rows2
    of two or three rows or a lift, is multiplied by two coordinates at most: less than 1e-300 (1 + h) in all. */
 PBW__SIMD_INLINE pbw__d4 pbw__thin_limit(pbw__rows2 s, pbw__rows2 e, pbw__rows2 o, pbw__d4 h)
 {
-    const pbw__d4 sx = pbw__size4(s.x), sy = pbw__size4(s.y), ex = pbw__size4(e.x), ey = pbw__size4(e.y);
-    pbw__d4 sum = pbw__size4(o.y) * pbw__fma(e.height, sx, s.height * ex);
-    sum = pbw__fma(pbw__size4(o.x), pbw__fma(s.height, ey, e.height * sy), sum);
-    sum = pbw__fma(o.height, pbw__fma(sx, ey, sy * ex), sum) * pbw__each(8.0);
-    return pbw__fma(sum, pbw__each(PBW__THIN_ERROR / 8.0), pbw__fma(h, pbw__each(1e-300), pbw__each(1e-300)));
+    const pbw__d4 sx = pbw__abs4(s.x), sy = pbw__abs4(s.y), ex = pbw__abs4(e.x), ey = pbw__abs4(e.y);
+    pbw__d4 sum = pbw__abs4(o.y) * pbw__fma(e.height, sx, s.height * ex);
+    sum = pbw__fma(pbw__abs4(o.x), pbw__fma(s.height, ey, e.height * sy), sum);
+    sum = pbw__fma(o.height, pbw__fma(sx, ey, sy * ex), sum) * pbw__splat(8.0);
+    return pbw__fma(sum, pbw__splat(PBW__THIN_ERROR / 8.0), pbw__fma(h, pbw__splat(1e-300), pbw__splat(1e-300)));
 }
 
 /* The lanes that pbw__test2_simd left open and that can be settled here; their verdicts in *inside.  Where nothing is
@@ -5604,15 +5604,15 @@ PBW__SIMD static PBW__NOINLINE unsigned pbw__settle2_rows(pbw__kernel *kernel, c
                                                           const pbw__rows2 *e, const pbw__rows2 *o,
                                                           unsigned open, unsigned *inside)
 {
-    const pbw__d4 zero = pbw__each(0.0);
+    const pbw__d4 zero = pbw__splat(0.0);
     const pbw__rows2 *corner[3];
     pbw__d4 h, det = pbw__circle4(*s, *e, *o, &h);
-    pbw__d4 exact = pbw__above(pbw__each(kernel->exact_height), h), side[3], x = zero, y = zero;
-    pbw__d4 verdict = zero, tied = pbw__keep(exact, pbw__equal(det, zero));
-    unsigned settled = pbw__signs(pbw__clear(tied, exact)) & open, ties;
+    pbw__d4 exact = pbw__greater(pbw__splat(kernel->exact_height), h), side[3], x = zero, y = zero;
+    pbw__d4 verdict = zero, tied = pbw__and4(exact, pbw__equal(det, zero));
+    unsigned settled = pbw__signs(pbw__andnot4(tied, exact)) & open, ties;
     int i;
     if ((open & ~pbw__signs(exact)) != 0) {
-        settled |= open & pbw__signs(pbw__above(pbw__size4(det), pbw__thin_limit(*s, *e, *o, h)));
+        settled |= open & pbw__signs(pbw__greater(pbw__abs4(det), pbw__thin_limit(*s, *e, *o, h)));
     }
     ties = pbw__signs(tied) & open;
     if (ties == 0) {
@@ -5624,12 +5624,12 @@ PBW__SIMD static PBW__NOINLINE unsigned pbw__settle2_rows(pbw__kernel *kernel, c
     side[2] = pbw__det2(e->x, e->y, s->x, s->y);
     for (i = 0; i < 3; i++) {                        /* the lexicographically largest, if it is larger than p */
         const pbw__d4 vx = corner[i]->x, vy = corner[i]->y;
-        pbw__d4 larger = pbw__keep(pbw__equal(vx, x), pbw__above(vy, y));
-        larger = pbw__either(larger, pbw__above(vx, x));
-        larger = pbw__clear(pbw__equal(side[i], zero), larger);
-        x = pbw__select(x, vx, larger);
-        y = pbw__select(y, vy, larger);
-        verdict = pbw__select(verdict, pbw__above(side[i], zero), larger);
+        pbw__d4 larger = pbw__and4(pbw__equal(vx, x), pbw__greater(vy, y));
+        larger = pbw__or4(larger, pbw__greater(vx, x));
+        larger = pbw__andnot4(pbw__equal(side[i], zero), larger);
+        x = pbw__blend(x, vx, larger);
+        y = pbw__blend(y, vy, larger);
+        verdict = pbw__blend(verdict, pbw__greater(side[i], zero), larger);
     }
     *inside = (*inside & ~ties) | (pbw__signs(verdict) & ties);
     kernel->statistics.exact_tests += pbw__count4(ties);
@@ -5645,8 +5645,8 @@ PBW__SIMD_INLINE pbw__pairs2 pbw__pairs2_of(const double *record, const pbw_inde
     pbw__columns(record + 3 * (size_t)v[0], record + 3 * (size_t)v[1], record + 3 * (size_t)v[2],
                  record + 3 * (size_t)v[3], &x, &y);
     rows.ghost = pbw__zeros(v[0], v[1], v[2], v[3]); /* PBW__GHOST */
-    rows.x = pbw__difference4(x, pbw__each(p[0]), rows.ghost);
-    rows.y = pbw__difference4(y, pbw__each(p[1]), rows.ghost);
+    rows.x = pbw__difference4(x, pbw__splat(p[0]), rows.ghost);
+    rows.y = pbw__difference4(y, pbw__splat(p[1]), rows.ghost);
     rows.lift = pbw__plus4(pbw__times4(rows.x, rows.x), pbw__times4(rows.y, rows.y));
     return rows;
 }
@@ -5662,17 +5662,17 @@ PBW__SIMD static PBW__NOINLINE unsigned pbw__circle4_pairs(const double *record,
 {
     pbw__pairs2 s = pbw__pairs2_of(record, start, p), e = pbw__pairs2_of(record, end, p);
     pbw__pairs2 o = pbw__pairs2_of(record, far, p);
-    pbw__d4 h = pbw__larger4(pbw__larger4(s.lift.head, e.lift.head), o.lift.head), size;
+    pbw__d4 h = pbw__max4(pbw__max4(s.lift.head, e.lift.head), o.lift.head), size;
     pbw__pair4 det;
-    s.lift.head = pbw__raise(s.lift.head, s.ghost, h);
-    e.lift.head = pbw__raise(e.lift.head, e.ghost, h);
-    o.lift.head = pbw__raise(o.lift.head, o.ghost, h);
+    s.lift.head = pbw__blend_zero(s.lift.head, s.ghost, h);
+    e.lift.head = pbw__blend_zero(e.lift.head, e.ghost, h);
+    o.lift.head = pbw__blend_zero(o.lift.head, o.ghost, h);
     det = pbw__sum4(o.x, pbw__cross4(s.lift, s.y, e.lift, e.y), o.y, pbw__cross4(s.lift, s.x, e.lift, e.x),
                     o.lift, pbw__cross4(e.x, e.y, s.x, s.y));
     det.head += det.tail;
     *inside = pbw__signs(det.head) ^ 15u;
-    size = pbw__size4(det.head);
-    return pbw__signs(pbw__keep(pbw__above(size, h * h * pbw__each(9e-30)), pbw__above(h, pbw__each(1e-20))));
+    size = pbw__abs4(det.head);
+    return pbw__signs(pbw__and4(pbw__greater(size, h * h * pbw__splat(9e-30)), pbw__greater(h, pbw__splat(1e-20))));
 }
 
 /* Whether triangle t = (o, e, s) is in conflict, where the filter leaves it open; without weights. */
@@ -5967,7 +5967,7 @@ PBW__SIMD_INLINE pbw__corner2 pbw__corner2_of(const double *record, pbw_index v,
 PBW__SIMD_INLINE int pbw__sign_sized(pbw__d2 x, double factor, double tiny)
 {
     const double value = pbw__lane0(x);
-    return PBW__LIKELY(pbw__size(value) > pbw__lane1(x) * factor + tiny) ? (value > 0.0) - (value < 0.0) : PBW__OPEN;
+    return PBW__LIKELY(pbw__abs(value) > pbw__lane1(x) * factor + tiny) ? (value > 0.0) - (value < 0.0) : PBW__OPEN;
 }
 
 /* On which side of the way from s to e the point lies: 1 left, -1 right.  Errors: 2 translations, 1 multiplication, 1
@@ -5997,8 +5997,8 @@ PBW__SIMD_INLINE int pbw__is_only_ghost(const pbw__kernel *kernel, pbw_index t, 
     const pbw_index before = kernel->corner[link[1]], after = kernel->corner[link[0]];
     const pbw__rows2 s = pbw__rows2_of(kernel->record, before, b, before, b, p);
     const pbw__rows2 e = pbw__rows2_of(kernel->record, a, after, a, after, p);
-    const pbw__d4 h = pbw__larger4(pbw__larger4(s.height, e.height), pbw__each(1e-140));
-    return pbw__signs(pbw__above(pbw__det2(e.x, e.y, s.x, s.y), h * pbw__each(PBW__ORIENT2_ERROR))) == 15;
+    const pbw__d4 h = pbw__max4(pbw__max4(s.height, e.height), pbw__splat(1e-140));
+    return pbw__signs(pbw__greater(pbw__det2(e.x, e.y, s.x, s.y), h * pbw__splat(PBW__ORIENT2_ERROR))) == 15;
 }
 
 /* The verdicts on the triangle behind a ghost, (c, b, a), and on the two across its edges a c and c b: all three at
@@ -6017,7 +6017,7 @@ PBW__SIMD_INLINE unsigned pbw__behind_ghost(pbw__kernel *kernel, pbw_index a, pb
     e.x = PBW__PICK(r.x, 1, 2, 1, 1), e.y = PBW__PICK(r.y, 1, 2, 1, 1), e.lift = PBW__PICK(r.lift, 1, 2, 1, 1);
     s.height = s.lift, e.height = e.lift;
     det = pbw__circle4(s, e, o, &h);
-    open = 7 & ~(pbw__signs(pbw__above(pbw__size4(det), pbw__thin_limit(s, e, o, h))) | ghosts);
+    open = 7 & ~(pbw__signs(pbw__greater(pbw__abs4(det), pbw__thin_limit(s, e, o, h))) | ghosts);
     inside = 7 & ~(pbw__signs(det) | ghosts);
     if (PBW__UNLIKELY(open != 0)) {
         inside &= ~open;
@@ -6356,7 +6356,7 @@ PBW__SIMD_INLINE pbw_status pbw__insert2_with(pbw__kernel *kernel, pbw_index ver
     pbw_status status;
     pbw__ask_ahead2(kernel, vertex);
     PBW__PHASE(PBW__WALK);
-    rows.x = rows.y = rows.lift = rows.height = pbw__each(0.0);
+    rows.x = rows.y = rows.lift = rows.height = pbw__splat(0.0);
     t = t != PBW__FOREIGN ? pbw__locate2_simd(kernel, t, p, weighted, &rows) : t;
     status = pbw__located(kernel, t);
     if (PBW__UNLIKELY(t == PBW_NONE) || PBW__UNLIKELY(status != PBW_OK)) {
@@ -6543,7 +6543,7 @@ static pbw_status pbw__first_star(pbw__kernel *kernel, int dim, const pbw_index 
         }
         v[i + 1][dim] = PBW__GHOST;
     }
-    pbw__enter_region(kernel, seed[0] >> kernel->store->cell_bits);
+    pbw__enter_region(kernel, seed[0] >> kernel->store->region_bits);
     if (kernel->fresh_end - kernel->fresh < (size_t)dim + 2) {
         pbw_status status = pbw__more_tail(kernel, (size_t)dim + 2);
         if (status != PBW_OK) {
@@ -6620,7 +6620,7 @@ static pbw_status pbw__rounds(pbw__build *build);
 /* Cells of a level hold several regions where few vertices of a region are in yet: a cell's first region. */
 PBW__INLINE size_t pbw__first_region(const pbw__build *build, size_t cell)
 {
-    size_t region = cell << (build->owner_bits - build->store->cell_bits);
+    size_t region = cell << (build->owner_bits - build->store->region_bits);
     return region < build->store->region_count ? region : build->store->region_count;
 }
 
@@ -6631,7 +6631,7 @@ static int pbw__find_start(pbw__build *build, pbw__kernel *kernel, pbw_index v)
 {
     pbw__store *store = build->store;
     const size_t cell = v >> build->owner_bits;
-    const size_t from = kernel->region << store->cell_bits >> build->owner_bits;     /* far off, if there is none */
+    const size_t from = kernel->region << store->region_bits >> build->owner_bits;     /* far off, if there is none */
     const pbw_index last = kernel->last;
     size_t k;
     kernel->last = from - cell + 1 <= 2 ? last : PBW_NONE;
@@ -6774,7 +6774,7 @@ static pbw_status pbw__build_parts(pbw__build *build, const pbw__grid *grid)
 static void pbw__plan(pbw__build *build, size_t vertices, size_t apart)
 {
     size_t parts = vertices / PBW__LEAST_PART, cells;
-    for (build->owner_bits = build->store->cell_bits;
+    for (build->owner_bits = build->store->region_bits;
          (size_t)1 << build->owner_bits < apart * (size_t)(build->vertices->dim - 1); build->owner_bits++) {
     }
     cells = (build->vertices->count >> build->owner_bits) + 1;
@@ -7057,7 +7057,7 @@ static PBW__NOINLINE int pbw__claim(pbw__kernel *kernel, size_t cell)
 {
     uint8_t nobody = PBW__NOBODY;
     PBW__TEST_PAUSE();
-    if (kernel->claim_count == PBW__CLAIMS || !PBW__TAKE(kernel->owner + cell, &nobody, kernel->me)) {
+    if (kernel->claim_count == PBW__CLAIMS || !PBW__CAS_ACQUIRE(kernel->owner + cell, &nobody, kernel->me)) {
         return 0;
     }
     kernel->claim[kernel->claim_count++] = (pbw_index)cell;
@@ -7255,7 +7255,7 @@ static void pbw__give_back(pbw__build *build, pbw__kernel *kernel, int count)
         v[k] = kernel->corner[4 * (size_t)kernel->last + (size_t)k];     /* may change once cells are given back */
     }
     for (i = 0; i < count; i++) {
-        PBW__TELL(kernel->owner + kernel->claim[i], PBW__NOBODY);
+        PBW__STORE_RELEASE(kernel->owner + kernel->claim[i], PBW__NOBODY);
         PBW__TEST_PAUSE();
     }
     kernel->claim_count -= count;
@@ -7382,7 +7382,7 @@ static void pbw__round(void *arg, int part)
         kernel->share = (uint8_t)share;
         while ((taken & 65535) + (taken >> 16) < batches) {
             size_t from;
-            if (!PBW__REPLACE(build->taken + share, &taken, taken + (k == 0 ? 1 : 65536))) {
+            if (!PBW__CAS(build->taken + share, &taken, taken + (k == 0 ? 1 : 65536))) {
                 continue;
             }
             from = begin + (k == 0 ? taken & 65535 : batches - 1 - (taken >> 16)) * batch;
@@ -7633,7 +7633,7 @@ PBW__INLINE void pbw__emit_batch(const pbw__emission *emission, pbw__listing *li
 {
     pbw_index *number = emission->number, *chain = emission->chain, *head = emission->head;
     const size_t ranks = listing->ranks, own = listing->own;
-    const int bits = emission->store->cell_bits;
+    const int bits = emission->store->region_bits;
     unsigned at;
     for (at = 0; all ? at < PBW__BATCH : used != 0; at++, used &= used - 1) {
         const pbw_index low = lowest[at = all ? at : pbw__first_bit(used)], t = (pbw_index)(from + at);
@@ -7677,7 +7677,7 @@ static void pbw__emit_chains(const pbw__emission *emission, pbw__listing *listin
 /* The first rank of a region; past the last region, the number of ranks. */
 PBW__INLINE size_t pbw__emit_ranks(const pbw__emission *emission, size_t region)
 {
-    size_t ranks = region << emission->store->cell_bits;
+    size_t ranks = region << emission->store->region_bits;
     return ranks <= emission->vertex_count ? ranks : emission->vertex_count + 1;
 }
 
@@ -7699,8 +7699,8 @@ static void pbw__emit_pass1(void *arg, int task)
     size_t tail_to = store->region_slots + pbw__share(tail, task + 1, emission->tasks);
     size_t ranks = pbw__emit_ranks(emission, first), end = pbw__emit_ranks(emission, last);
     pbw__listing listing;
-    listing.ranks = first << store->cell_bits;
-    listing.own = (last << store->cell_bits) - listing.ranks;
+    listing.ranks = first << store->region_bits;
+    listing.own = (last << store->region_bits) - listing.ranks;
     listing.others = PBW_NONE;
     memset(emission->chain + first, 0xff, (last - first) * sizeof(pbw_index));       /* PBW_NONE */
     memset(emission->head + ranks, 0, (end - ranks) * sizeof(pbw_index));
@@ -7719,7 +7719,7 @@ static void pbw__emit_others(void *arg, int task)
     for (; t != PBW_NONE; t = next) {
         next = emission->number[t];
         (void)pbw__lowest_ranks(emission, t, 1, &low);
-        emission->number[t] = PBW__SWAP(emission->chain + (low >> emission->store->cell_bits), t);
+        emission->number[t] = PBW__SWAP(emission->chain + (low >> emission->store->region_bits), t);
         (void)PBW__ADD(emission->head + low, 1);
     }
 }
@@ -7803,7 +7803,7 @@ PBW__SIMD static void pbw__fill_lists_simd(const pbw__emission *emission, const 
 }
 
 /* y in the lanes of the mask.  Not by bytes: gcc 12 takes those of a mask for unsigned with -funsigned-char. */
-PBW__SIMD_INLINE __m256i pbw__select8(__m256i x, __m256i y, __m256i mask)
+PBW__SIMD_INLINE __m256i pbw__blend8(__m256i x, __m256i y, __m256i mask)
 {
     return (__m256i)_mm256_blendv_ps((__m256)x, (__m256)y, (__m256)mask);
 }
@@ -7825,7 +7825,7 @@ PBW__SIMD_INLINE void pbw__sort_list_simd(const pbw__item *item, pbw_index begin
         const __m256i b = _mm256_loadu_si256((const __m256i *)(const void *)(item + j + 2));
         keys[j / 4] = _mm256_xor_si256(_mm256_unpacklo_epi64(a, b), sign);
         if (j + 4 == all) {
-            keys[j / 4] = pbw__select8(highest, keys[j / 4], real);
+            keys[j / 4] = pbw__blend8(highest, keys[j / 4], real);
         }
         _mm256_storeu_si256((__m256i *)(void *)(key + j), keys[j / 4]);
     }
@@ -8040,7 +8040,7 @@ PBW__INLINE void pbw__emit_first(pbw_index *head, pbw_index *first, pbw_index ve
         head[vertex] = place;
     } else {
         pbw_index old = PBW__LOAD(first += vertex);
-        while (place < old && !PBW__REPLACE(first, &old, place)) {
+        while (place < old && !PBW__CAS(first, &old, place)) {
         }
     }
 }
@@ -8162,8 +8162,8 @@ PBW__INLINE int pbw__emit_read(const pbw__emission *emission, size_t place, size
 {
     size_t from = place * ((size_t)dim + 1), first = from / entries >> emission->chunk_bits;
     size_t last = (from + (size_t)dim) / entries >> emission->chunk_bits;
-    return PBW__SEEN(emission->chunk_done + first) != 0
-        && (first == last || PBW__SEEN(emission->chunk_done + last) != 0);
+    return PBW__LOAD_ACQUIRE(emission->chunk_done + first) != 0
+        && (first == last || PBW__LOAD_ACQUIRE(emission->chunk_done + last) != 0);
 }
 
 /* Returns whether a place is free: its corners and links have been read; wide links are 8 entries a slot. */
@@ -8367,7 +8367,7 @@ static void pbw__emit_pass3(void *arg, int task)
     while ((next = PBW__ADD(&emission->chunk, 1)) < chunks && !PBW__LOAD(&emission->failed)
            && !pbw__report(emission->context, 0.5 + 0.45 * (double)next / (double)chunks)) {
         size_t chunk = next < turned ? turned - 1 - next : next, from = chunk * size, end = from + size;
-        while (done < next && PBW__SEEN(emission->chunk_done + (done < turned ? turned - 1 - done : done)) != 0) {
+        while (done < next && PBW__LOAD_ACQUIRE(emission->chunk_done + (done < turned ? turned - 1 - done : done)) != 0) {
             done++;
         }
         aside.free_from = done < turned ? ((turned - done) * size * 4 + corners - 1) / corners : 0;
@@ -8377,7 +8377,7 @@ static void pbw__emit_pass3(void *arg, int task)
             break;
         }
         pbw__emit_slots(emission, from, end < emission->slot_count ? end : emission->slot_count, &aside);
-        PBW__TELL(emission->chunk_done + chunk, 1);
+        PBW__STORE_RELEASE(emission->chunk_done + chunk, 1);
     }
     emission->aside[task] = aside;
 }
@@ -8553,7 +8553,7 @@ static pbw_index *pbw__borrow(pbw__context *context, pbw__spare *spare, size_t c
     return (pbw_index *)pbw__allocate_large(context, count, sizeof(pbw_index));
 }
 
-static void pbw__give_up(pbw__memory *memory, pbw_index *block, size_t allocated)
+static void pbw__release_borrowed(pbw__memory *memory, pbw_index *block, size_t allocated)
 {
     if (allocated > 0) {
         pbw__release(memory, block, allocated, sizeof(pbw_index));
@@ -8640,9 +8640,9 @@ static pbw_status pbw__output(pbw__context *context, pbw__store *store, pbw__ver
             status = pbw__emit_status(&emission);
         }
     }
-    pbw__give_up(memory, emission.number, allocated[0]);
-    pbw__give_up(memory, emission.head, allocated[1]);
-    pbw__give_up(memory, emission.first, allocated[2]);
+    pbw__release_borrowed(memory, emission.number, allocated[0]);
+    pbw__release_borrowed(memory, emission.head, allocated[1]);
+    pbw__release_borrowed(memory, emission.first, allocated[2]);
     pbw__release(memory, store->mark, store->mark_capacity, 1);
     store->mark = NULL;
     mesh->hidden_count = vertices->count - emission.visible;
@@ -8758,7 +8758,7 @@ static void pbw__check_task(void *arg, int task)
         }
         stopped = PBW__LOAD(&run->stopped);
         if (!run->range(run->check, run->part + task, from, to)) {
-            while (task < stopped && !PBW__REPLACE(&run->stopped, &stopped, task)) {
+            while (task < stopped && !PBW__CAS(&run->stopped, &stopped, task)) {
             }
             return;
         }
@@ -9601,7 +9601,7 @@ static pbw_status pbw__make_original(pbw__context *context, pbw__vertices *verti
     return original != NULL ? pbw__number_along_curve(context, vertices, original) : PBW_ERROR_MEMORY;
 }
 
-static pbw_status pbw__run(pbw__context *context, const pbw__input *input, unsigned flags, pbw_mesh *mesh)
+static pbw_status pbw__build_on_cpu(pbw__context *context, const pbw__input *input, unsigned flags, pbw_mesh *mesh)
 {
     pbw__memory *memory = &context->memory;
     pbw__owned *owned = (pbw__owned *)pbw__allocate(memory, 1, sizeof(pbw__owned));
@@ -9922,7 +9922,7 @@ static pbw_status pbw__triangulate(int dim, int is_float, const void *points, co
     for (on_cpu = options->backend == NULL || count == 0; status == PBW_ERROR_BACKEND; on_cpu = 1) {
         pbw__context_start(&context, options, count);
         if (on_cpu) {
-            status = pbw__run(&context, &input, options->flags, mesh);
+            status = pbw__build_on_cpu(&context, &input, options->flags, mesh);
         } else {
             status = pbw__run_backend(&context, &input, options, mesh, &declined);
             if (status == PBW_ERROR_BACKEND && !declined && (options->flags & PBW_BACKEND_OR_CPU) == 0) {

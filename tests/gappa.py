@@ -291,10 +291,10 @@ def fma(a, b, c):
     return value(a).times(b).plus(c).rounded()
 
 
-ENV = {'DBL_EPSILON': 2.0 ** -52, 'pbw__each': same, 'pbw__highest': same, 'pbw__fma': fma, 'pbw__fnma': fma,
+ENV = {'DBL_EPSILON': 2.0 ** -52, 'pbw__splat': same, 'pbw__max_lane': same, 'pbw__fma': fma, 'pbw__fnma': fma,
        'pbw__det2': lambda a, b, c, d: value(b * c).plus(value(a).times(d)).rounded(),
-       'pbw__keep': lambda mask, x: x, 'pbw__clear': lambda mask, x: x,
-       'pbw__total': lambda x: x.sum if isinstance(x, Three) else (x + x) + (x + x),
+       'pbw__and4': lambda mask, x: x, 'pbw__andnot4': lambda mask, x: x,
+       'pbw__sum_lanes': lambda x: x.sum if isinstance(x, Three) else (x + x) + (x + x),
        'pbw__drop_last': lambda x: Three(x), 'pbw__certain': lambda det, bound, low, high: (det, bound),
        'pbw__pair_difference': lambda a, b: Pair(U * (1 + U), 0, a.P), 'pbw__pair_plus': pair_plus,
        'pbw__pair_minus': pair_plus, 'pbw__pair_times': pair_times, 'pbw__plus4': pair_plus, 'pbw__minus4': pair_plus,
@@ -409,7 +409,7 @@ def walks():
     prove(name, local['side'][0], local['bound'], least ** 2)
     name = 'pbw__locate2_simd'
     define('pbw__circle_limit')
-    least = literal(name, r'pbw__each\((1e-[-\d.e]+)\)')
+    least = literal(name, r'pbw__splat\((1e-[-\d.e]+)\)')
     r = vectors(2)
     local = run(name, dict(rows=r, sx=r.x, sy=r.y, ex=r.x, ey=r.y, h=r.height), ['side', 'power', 'bound'])[1]
     prove(name + ' side', local['side'], local['bound'], least)
@@ -438,7 +438,7 @@ def cavities():
     scaled(r.lift, r.height)
     names = [n for n in names if n[0] in 'xyz' and len(n) == 2 and n[1] in 'xyzl']
     local = run(name, dict(o=r, a=r, b=r, c=r, h=r.height, height=r.height), names + ['det', 'limit'])[1]
-    least = literal(name, r'pbw__each\((1e-\d+)\)')
+    least = literal(name, r'pbw__splat\((1e-\d+)\)')
     prove(name, local['det'], local['limit'], least ** 2 * Fraction(1, 10 ** 10), True)
 
     name = 'pbw__test2'
