@@ -39,7 +39,8 @@
      >>cavity2      in the plane: find, carve, refill
      >>build        insertion, its order, the seed simplex, levels
      >>parallel     ownership; a level by many threads
-     >>output       canonical order, ids, in place
+     >>number       canonical order
+     >>output       the caller's arrays, in place
      >>check        the exact verdict on a finished mesh
      >>hash         one number for a triangulation
      >>tools        what companion headers build on
@@ -450,6 +451,16 @@ extern int madvise(void *address, size_t length, int advice);    /* strict C mod
 #endif
 /* For array[i], where `i` goes on to `end`: processors that ask ahead on their own do not for the next page. */
 #define PBW__PREFETCH_STREAM(array, i, end) PBW__PREFETCH((array) + ((i) + 512 < (end) ? (i) + 512 : (i)))
+
+/* Calls f(..., dim), compiled for each dimension. */
+#define PBW__BY_DIM(dim, f, ...) \
+    do { \
+        if ((dim) == 3) { \
+            f(__VA_ARGS__, 3); \
+        } else { \
+            f(__VA_ARGS__, 2); \
+        } \
+    } while (0)
 
 /* The instructions of vectors: see >>lanes. */
 #if !defined(PBW_NO_SIMD) && defined(__GNUC__) && !(defined(PBW__FMA) && PBW__FMA == 0)
@@ -2134,10 +2145,8 @@ static void pbw__grid_scan(pbw__context *context, const double *records, size_t 
       power    dim+1 rows:  sum_i lift_i * orientation_i, where lift_i = |row[i] - origin|^2 - (w[i] - w[origin]) and
                             orientation_i is that of the simplex row[0..dim] with corner i replaced by the origin:
                             +1 for an origin in conflict with a positive simplex
-   Stages in the order of what they cost (power3: 20, 50 to 110, 160, 1400 ns); each but the last may leave the sign
-   open.  Integers come before pairs, because they also know zeros and the orientations that decide ties.
-   mx, my, mz are the largest |x|, |y|, |z| and ml the largest |row - origin|^2 + |dw| of this very test: no bound
-   depends on the rest of the input.
+   Stages, from the cheapest (power3: 20, 50 to 110, 160, 1400 ns); each but the last may leave the sign open.
+   Integers come before pairs because they also decide zeros and give the orientations that break ties.
 
       filter      plain doubles and a bound; any rounding mode, with and without flush-to-zero
       integers    for differences that fit one digit of >>exact in a common unit: nearly all that a filter leaves
@@ -2145,12 +2154,49 @@ static void pbw__grid_scan(pbw__context *context, const double *records, size_t 
       pairs       unevaluated sums of two doubles, 93 correct bits; only where rounding is known to be to nearest
       >>exact     all finite doubles
    ------------------------------------------------------------------------------------------------------ */
+/* ---- the bounds
+   All error bounds of this file; tests/gappa.py proves each one for the operations that it belongs to.
+   A determinant is a sum of products of differences.  A rounding multiplies a product by 1 + d, |d| <= u: so with n
+   roundings on each product, the error is at most n u / (1 - n u) times the sum of the absolute products (Higham
+   2002, section 3.1).  u is 2^-53 in round-to-nearest and 2^-52 in any mode.  A fused operation saves a rounding.
+   mx, my, mz are the largest |x|, |y|, |z| and ml the largest |row - origin|^2 + |dw| of this very test: no bound
+   depends on the rest of the input.  In the kernels h is ml, so |x|, |y|, |z| <= h^(1/2).
+
+                roundings on a product                                absolute products       bound
+      orient2   2 differences, product, sum                      4    2 mx my                   8 u mx my
+      orient3   4, difference, product, 2 sums                   8    6 mx my mz               48 u mx my mz
+      power2    lift 2+1+1+1, minor 4, product, 2 sums          12    6 mx my ml               72 u mx my ml
+      power3    lift 2+1+2+1, minor 8, product, 2 sums          17    24 mx my mz ml          408 u mx my mz ml
+      circle    the kernels' power2, one rounding more          13    6 h^2                    78 u h^2
+      sphere    the kernels' power3, two roundings more         19    24 h^(5/2)              456 u h^(5/2)
+      thin      circle, by the sum of the absolute products     13    that sum                 13 u that sum
+      pairs     see there; the pairs of the sphere test add the four terms one after the other
+
+   The constants leave about one percent, for the roundings of the bound itself and what underflow takes. */
+#define PBW__FILTER_ORIENT2_ERROR 8.1                /* times 2^-52: any rounding mode */
+#define PBW__FILTER_ORIENT3_ERROR 48.5
+#define PBW__FILTER_POWER2_ERROR 72.8
+#define PBW__FILTER_POWER3_ERROR 412.0
+#define PBW__PAIRS_ORIENT2_ERROR 31.0                /* times u^2 */
+#define PBW__PAIRS_ORIENT3_ERROR 382.0
+#define PBW__PAIRS_POWER2_ERROR 794.0
+#define PBW__PAIRS_POWER3_ERROR 6133.0
+#define PBW__ORIENT2_ERROR 9e-16                     /* the kernels': times h, h^(3/2), h^2, h^(5/2) */
+#define PBW__ORIENT3_ERROR 5.4e-15
+#define PBW__CIRCLE_ERROR 9e-15
+#define PBW__SPHERE_ERROR 5.2e-14
+#define PBW__THIN_ERROR 1.5e-15                      /* times the sum of the absolute products */
+#define PBW__SPHERE_PAIRS_ERROR 9e-29
+/* Heights below which the kernels' determinants are exact, in units of a grid, squared: there all partial results are
+   integers below 2^53, as 6 H^2 and 24 H^(5/2) are. */
+#define PBW__EXACT_HEIGHT2 3.8e7
+#define PBW__EXACT_HEIGHT3 6.5e5
+
 #define PBW__OPEN 2                                  /* a stage's answer if it does not know the sign */
 
-/* The sign of a value computed with an error below bound.  low is the least of mx, my, mz; high the largest, or ml.
-   In this range nothing overflows (6 high^3 and 24 high^2.5 are below 1e301).  An underflow, or a denormal read as 0,
-   costs less than 2^-1020, beside terms bounded by products of maxima above 1e-250: a relative 2^-189, for which
-   every bound has room.  NaN is open. */
+/* Returns the sign of a value whose error is below bound.  low: the least of mx, my, mz; high: the largest, or ml.
+   In this range nothing overflows: 6 high^3 and 24 high^2.5 are below 1e301.  An underflow, or a denormal read as 0,
+   costs less than 2^-1020, and the products of maxima are above 1e-250: a relative 2^-189.  NaN leaves it open. */
 PBW__INLINE int pbw__certain(double value, double bound, double low, double high)
 {
     if (low > 1e-50 && high < 1e100) {
@@ -2164,24 +2210,15 @@ PBW__INLINE int pbw__certain(double value, double bound, double low, double high
     return PBW__OPEN;
 }
 
-/* ---- filter
-   Each operation errs by a factor 1 + d, |d| <= e = 2^-52 = DBL_EPSILON in every rounding mode.  Count the factors on
-   a product of the expanded determinant (Higham 2002, section 3.1): to first order the error is at most their number
-   times e times the sum of the absolute products.  Fused operations have fewer factors and do no harm.
-
-                factors on a product                                  sum of products    bound / e
-      orient2   2 differences, product, sum                      4    2 mx my               8
-      orient3   4, difference, product, 2 sums                   8    6 mx my mz           48
-      power2    lift 2+1+1+1, minor 4, product, 2 sums          12    6 mx my ml           72
-      power3    lift 2+1+2+1, minor 8, product, 2 sums          17    24 mx my mz ml      408
-   and one percent for higher orders and for the rounding of the bound itself. */
+/* ---- filter */
 PBW__INLINE int pbw__filter_orient2(const double *a, const double *b, const double *c)
 {
     double x0 = a[0] - c[0], y0 = a[1] - c[1];
     double x1 = b[0] - c[0], y1 = b[1] - c[1];
     double mx = pbw__max_abs(x0, x1, x1, x1), my = pbw__max_abs(y0, y1, y1, y1);
     double det = x0 * y1 - x1 * y0;
-    return pbw__certain(det, 8.1 * DBL_EPSILON * mx * my, mx < my ? mx : my, pbw__max(mx, my));
+    return pbw__certain(det, PBW__FILTER_ORIENT2_ERROR * DBL_EPSILON * mx * my, mx < my ? mx : my,
+                        pbw__max(mx, my));
 }
 
 PBW__INLINE int pbw__filter_orient3(const double *a, const double *b, const double *c, const double *d)
@@ -2192,7 +2229,8 @@ PBW__INLINE int pbw__filter_orient3(const double *a, const double *b, const doub
     double mx = pbw__max_abs(x0, x1, x2, x2), my = pbw__max_abs(y0, y1, y2, y2), mz = pbw__max_abs(z0, z1, z2, z2);
     double low = mx < my ? mx : my, high = pbw__max(mx, my);
     double det = z1 * (x0 * y2 - x2 * y0) - z0 * (x1 * y2 - x2 * y1) - z2 * (x0 * y1 - x1 * y0);
-    return pbw__certain(det, 48.5 * DBL_EPSILON * mx * my * mz, low < mz ? low : mz, pbw__max(high, mz));
+    return pbw__certain(det, PBW__FILTER_ORIENT3_ERROR * DBL_EPSILON * mx * my * mz, low < mz ? low : mz,
+                        pbw__max(high, mz));
 }
 
 PBW__INLINE int pbw__filter_power2(const double *a, const double *b, const double *c, const double *p)
@@ -2204,7 +2242,7 @@ PBW__INLINE int pbw__filter_power2(const double *a, const double *b, const doubl
     double ml = pbw__max(pbw__max(l0 + pbw__abs(w0), l1 + pbw__abs(w1)), l2 + pbw__abs(w2));
     double det = (l0 - w0) * (x1 * y2 - x2 * y1) - (l1 - w1) * (x0 * y2 - x2 * y0)
                + (l2 - w2) * (x0 * y1 - x1 * y0);
-    return pbw__certain(det, 72.8 * DBL_EPSILON * mx * my * ml, mx < my ? mx : my, ml);
+    return pbw__certain(det, PBW__FILTER_POWER2_ERROR * DBL_EPSILON * mx * my * ml, mx < my ? mx : my, ml);
 }
 
 PBW__INLINE int pbw__filter_power3(const double *a, const double *b, const double *c, const double *d,
@@ -2221,7 +2259,7 @@ PBW__INLINE int pbw__filter_power3(const double *a, const double *b, const doubl
     double det = ((l0 - w0) * (z1 * s23 - z2 * s13 + z3 * s12) - (l1 - w1) * (z0 * s23 - z2 * s03 + z3 * s02))
                + ((l2 - w2) * (z0 * s13 - z1 * s03 + z3 * s01) - (l3 - w3) * (z0 * s12 - z1 * s02 + z2 * s01));
     double low = mx < my ? mx : my;
-    return pbw__certain(det, 412.0 * DBL_EPSILON * mx * my * mz * ml, low < mz ? low : mz, ml);
+    return pbw__certain(det, PBW__FILTER_POWER3_ERROR * DBL_EPSILON * mx * my * mz * ml, low < mz ? low : mz, ml);
 }
 
 /* ---- integers
@@ -2428,14 +2466,14 @@ PBW__DEVICE static int pbw__integers(int dim, int count, const double *const *ro
                               K    E                              K    E
       difference of doubles   1    0      |u|^2 - dw, plane       5   24
       product of two          3    8      |u|^2 - dw, space       6   35
-      cross                   4   15      bound of orient2:   15 *  2 =   30 u^2 mx my
+      cross                   4   15      orient2    15 *  2 =   30 u^2 mx my
       z cross                 6   35
-      minor, sum of 3         8   63      bound of orient3:   63 *  6 =  378 u^2 mx my mz
+      minor, sum of 3         8   63      orient3    63 *  6 =  378 u^2 mx my mz
       lift cross             10   87
-      sum of 3               12  131      bound of power2:   131 *  6 =  786 u^2 mx my ml
+      sum of 3               12  131      power2    131 *  6 =  786 u^2 mx my ml
       lift minor             15  189
-      sum of 4               17  253      bound of power3:   253 * 24 = 6072 u^2 mx my mz ml
-   and one percent for the rest.
+      sum of 4               17  253      power3    253 * 24 = 6072 u^2 mx my mz ml
+      the sphere test's cofactors, its 4 terms one after the other     17  288    288 * 24 = 6912 u^2 h^(5/2)
 
    One value here must not be fused into a sum, the head of a product.  Where there are fused operations it is made by
    one that adds 0.0, which is no multiplication for a compiler (-0.0 + 0.0 is not -0.0), so that neither clang's
@@ -2529,7 +2567,8 @@ PBW__DEVICE static int pbw__pairs(int dim, int count, const double *const *row, 
     }
     if (count == dim) {
         det = dim == 2 ? pbw__pair_cross(u, 0, 1) : pbw__pair_minor(u, 0, 2, 1);
-        return pbw__certain(det.head + det.tail, (dim == 2 ? 31.0 : 382.0) * size, low, high);
+        return pbw__certain(det.head + det.tail,
+                            (dim == 2 ? PBW__PAIRS_ORIENT2_ERROR : PBW__PAIRS_ORIENT3_ERROR) * size, low, high);
     }
     high = 0.0;
     for (i = 0; i < count; i++) {
@@ -2545,13 +2584,13 @@ PBW__DEVICE static int pbw__pairs(int dim, int count, const double *const *row, 
     if (dim == 2) {
         det = pbw__pair_sum(lift[0], pbw__pair_cross(u, 1, 2), lift[1], pbw__pair_cross(u, 0, 2),
                             lift[2], pbw__pair_cross(u, 0, 1));
-        return pbw__certain(det.head + det.tail, 794.0 * size, low, high);
+        return pbw__certain(det.head + det.tail, PBW__PAIRS_POWER2_ERROR * size, low, high);
     }
     det = pbw__pair_plus(pbw__pair_minus(pbw__pair_times(lift[0], pbw__pair_minor(u, 1, 2, 3)),
                                          pbw__pair_times(lift[1], pbw__pair_minor(u, 0, 2, 3))),
                          pbw__pair_minus(pbw__pair_times(lift[2], pbw__pair_minor(u, 0, 1, 3)),
                                          pbw__pair_times(lift[3], pbw__pair_minor(u, 0, 1, 2))));
-    return pbw__certain(det.head + det.tail, 6133.0 * size, low, high);
+    return pbw__certain(det.head + det.tail, PBW__PAIRS_POWER3_ERROR * size, low, high);
 }
 
 /* ---- the ladder below the filter; orientation is filled where the sign of a power determinant is 0 */
@@ -2797,6 +2836,7 @@ static const unsigned char pbw__hilbert3[12][8] = {
 
 #define PBW__LEVELS2 5
 #define PBW__LEVELS3 3
+#define PBW__LEVELS_TABLE 1024                       /* of one level less: at least 4 << 8 and 12 << 6 */
 
 /* Some levels of the automaton at a step: entry state << dim*levels | bits holds next state << dim*levels | digits of
    the key, where bits are the next `levels` bits of each coordinate, those of coordinate k from bit k*levels on. */
@@ -2807,21 +2847,29 @@ typedef struct pbw__curve {
 
 static void pbw__curve_create(pbw__curve *curve, size_t count, int dim)
 {
-    int levels = count < PBW__SMALLER(10000) ? 1 : dim == 3 ? PBW__LEVELS3 : PBW__LEVELS2, k, bit;
-    unsigned width = (unsigned)(dim * levels), states = dim == 3 ? 12 : 4, entry;
-    curve->levels = levels;
-    for (entry = 0; entry < states << width; entry++) {
-        unsigned state = entry >> width, digits = 0;
-        for (bit = levels; bit-- > 0; ) {
-            unsigned octant = 0, step;
+    const unsigned states = dim == 3 ? 12 : 4;
+    uint16_t fewer[PBW__LEVELS_TABLE];               /* the same for one level less */
+    unsigned entry, level;
+    int k;
+    curve->levels = count < PBW__SMALLER(3000) ? 1 : dim == 3 ? PBW__LEVELS3 : PBW__LEVELS2;
+    for (entry = 0; entry < states; entry++) {
+        curve->step[entry] = (uint16_t)entry;
+    }
+    for (level = 0; level < (unsigned)curve->levels; level++) {      /* one more level, above the others */
+        const unsigned low = (unsigned)dim * level, width = low + (unsigned)dim;
+        memcpy(fewer, curve->step, (states << low) * sizeof(fewer[0]));
+        for (entry = 0; entry < states << width; entry++) {
+            unsigned octant = 0, rest = 0, step, next;
             for (k = 0; k < dim; k++) {
-                octant |= (entry >> (k * levels + bit) & 1) << k;
+                const unsigned bits = entry >> (unsigned)k * (level + 1);
+                octant |= (bits >> level & 1) << k;
+                rest |= (bits & ((1u << level) - 1)) << (unsigned)k * level;
             }
-            step = dim == 3 ? pbw__hilbert3[state][octant] : pbw__hilbert2[state][octant];
-            digits = digits << dim | (step & ((1u << dim) - 1));
-            state = step >> dim;
+            step = dim == 3 ? pbw__hilbert3[entry >> width][octant] : pbw__hilbert2[entry >> width][octant];
+            next = fewer[step >> dim << low | rest];
+            curve->step[entry] = (uint16_t)(next >> low << width | (step & ((1u << dim) - 1)) << low
+                                            | (next & ((1u << low) - 1)));
         }
-        curve->step[entry] = (uint16_t)(state << width | digits);
     }
 }
 
@@ -4269,22 +4317,10 @@ PBW__INLINE pbw_status pbw__take_slots(pbw__kernel *kernel)
    it longer at worst.  The four orientations S_i also give the sphere test, sum(lift_i * S_i), so the walk stops at
    the first simplex that is certainly in conflict; its neighbourhood is the cavity's all the same.
 
-   Errors.  With coordinates relative to the point, S_i is a sum of 6 products of 3 factors.  A product carries 3
-   rounded translations, 2 multiplications, 1 + 2 additions: |error| <= 8u/(1-8u) * 6 m^3 < 5.4e-15 m^3, m the largest
-   |coordinate|, so m^2 <= h of >>cavity3.  Compared as S^2 > (5.4e-15)^2 h^3; h is computed with 3 roundings, which
-   the next digit of the constant covers, and raised to 1e-55 if it is less.  2D: 2 products, 2 translations, 1
-   multiplication, 1 addition: < 4u * 2 m^2 < 9e-16 m^2.  An underflow adds at most 2^-1074 a product, far below the
-   bounds.  Where something overflows the bound is infinite, or a comparison with it false.  In vectors the bound is
-   9e-16 h with h >= |x|^2 >= m^2; on a small grid (>>cavity3) it is less than a unit^2: a side that it leaves open is
-   zero.
+   Errors: see >>predicates.  An orientation S is compared as S^2 with the square of its bound, h raised to 1e-55 if
+   it is less; in 2D as it is.  Where something overflows the bound is infinite, or a comparison with it false.  On a
+   small grid (>>cavity3) the bound of 2D is less than a unit^2: a side that it leaves open is zero.
    ------------------------------------------------------------------------------------------------------ */
-#define PBW__ORIENT2_ERROR 9e-16
-#define PBW__ORIENT3_ERROR 5.4e-15
-#define PBW__CIRCLE_ERROR 9e-15                      /* derived in >>cavity2 */
-#define PBW__SPHERE_ERROR 5.2e-14
-#define PBW__EXACT_HEIGHT2 3.8e7                     /* in units of a grid, squared */
-#define PBW__EXACT_HEIGHT3 6.5e5
-
 PBW__INLINE double pbw__det3(const double *a, const double *b, const double *c)
 {
     return a[0] * (b[1] * c[2] - b[2] * c[1]) - a[1] * (b[0] * c[2] - b[2] * c[0])
@@ -4710,13 +4746,8 @@ PBW__INLINE pbw_status pbw__located(pbw__kernel *kernel, pbw_index t)
    has three vertices in common with the one that it was met from, and the fourth was the far vertex there: vectors
    take rows and numbers over, with one lane replaced, in the order of the corners in memory.
 
-   Errors.  The determinant is a sum of 24 products of x, y, z and a lift.  A product carries 3 rounded translations;
-   in the lift 2 translations, 1 multiplication, 2 additions and for the weight 2 subtractions; 3 multiplications; 1 +
-   2 + 3 additions of the expansion: 19 roundings.  So |error| <= 19u/(1-19u) * 24 h^(3/2) h < 5.1e-14 h^(5/2) where h
-   bounds |x|^2 + |weight difference| of the rows.  h itself is computed with 5 roundings and raised to 5/2: 5.2e-14
-   covers that; a fused multiplication and addition saves a rounding.  Compared as det^2 > (5.2e-14)^2 h^5, h raised
-   to 1e-55 if it is less, so that what underflows is far below the bound; above 4e61 the product h^5, computed first,
-   is infinite and nothing exceeds it.
+   Errors: see >>predicates.  Compared as det^2 with the square of the bound, h raised to 1e-55 if it is less; above
+   4e61 the product h^5, computed first, is infinite and nothing exceeds it.
    Everything the bound leaves open goes to >>predicates.
 
    Small grids.  Where all coordinates are multiples of a unit and all weights of its square (>>predicates has the
@@ -4927,10 +4958,7 @@ PBW__SIMD_INLINE void pbw__lift_ghosts4(pbw__pairs4 *rows, const pbw_index *v, p
 
 /* The determinants of pbw__carve3_simd in pairs, without weights; v: the corners of a simplex, far: the vertices
    across its facets.  Returns which are certain; *inside: which are positive.
-   With K and E of >>predicates: lift 5, 24; minor with a lift 8, 63; cofactor 12, 143, the last one 8, 63; times the
-   row of the far vertex 14, 195; sum of 4, one after the other, 17, 288.  So |error| <= 288 u^2 * 24 h^(5/2) <
-   8.6e-29 h^(5/2); 9e-29 leaves room for the higher orders and for h.  With h above 1e-20 what underflows is far
-   below that; above 4e61 h^5 is infinite. */
+   With h above 1e-20 what underflows is far below the bound; above 4e61 h^5 is infinite. */
 PBW__SIMD static PBW__NOINLINE unsigned pbw__power4_pairs(const double *record, const pbw_index *v,
                                                           const pbw_index *far, const double *p, unsigned *inside)
 {
@@ -4952,7 +4980,7 @@ PBW__SIMD static PBW__NOINLINE unsigned pbw__power4_pairs(const double *record, 
     det = pbw__minus4(det, pbw__times4(o.lift, pbw__sum4(a.x, yz, a.y, xz, a.z, xy)));
     det.head += det.tail;
     *inside = pbw__signs(det.head) ^ 15u;
-    limit = limit * limit * h * pbw__splat(9e-29 * 9e-29);
+    limit = limit * limit * h * pbw__splat(PBW__SPHERE_PAIRS_ERROR * PBW__SPHERE_PAIRS_ERROR);
     return pbw__signs(pbw__and4(pbw__greater(det.head * det.head, limit), pbw__greater(h, pbw__splat(1e-20))));
 }
 
@@ -5389,11 +5417,10 @@ PBW__SIMD_INLINE pbw_status pbw__refill3_simd(pbw__kernel *kernel, pbw_index ver
    In: a triangle in conflict.  Out: the star of the new vertex.   (Bowyer 1981, Watson 1981)
    Holds before and after: the invariants of >>mesh.
 
-   Errors, counted as in >>cavity3.  2D: 6 products of x, y and a lift; 2 translations; lift 2 + 1 + 1 + 2; 2
-   multiplications; 1 + 2 additions: 13 roundings, 13u * 6 h^2 < 8.7e-15 h^2; 9e-15 with the roundings of h; h raised
-   to 1e-140.  In vectors the triangle (o, e, s) across an edge s e has the determinant o.x (s.l e.y - e.l s.y) + o.y
-   (e.l s.x - s.l e.x) - o.l (s.x e.y - e.x s.y), with as many roundings.  There the bound is computed from 8 h h,
-   which is infinite before a partial sum, of at most 6 h^2, can be.  What the bound leaves open goes to >>predicates.
+   Errors: see >>predicates; h is raised to 1e-140.  In vectors the triangle (o, e, s) across an edge s e has the
+   determinant o.x (s.l e.y - e.l s.y) + o.y (e.l s.x - s.l e.x) - o.l (s.x e.y - e.x s.y).  There the bound is
+   computed from 8 h h, which is infinite before a partial sum, of at most 6 h^2, can be.  What it leaves
+   open goes to >>predicates.
    ------------------------------------------------------------------------------------------------------ */
 /* det of rows (x, y, lift) of the corners relative to p: > 0 if the triangle is in conflict.  Returns the verdict. */
 PBW__INLINE int pbw__test2(pbw__kernel *kernel, pbw_index t, const double *p)
@@ -5552,7 +5579,7 @@ PBW__SIMD_INLINE pbw__d4 pbw__thin_limit(const pbw__triangles *t, pbw__d4 h)
     pbw__d4 sum = pbw__abs4(t->o.y) * pbw__fma(t->e.height, sx, t->s.height * ex);
     sum = pbw__fma(pbw__abs4(t->o.x), pbw__fma(t->s.height, ey, t->e.height * sy), sum);
     sum = pbw__fma(t->o.height, pbw__fma(sx, ey, sy * ex), sum) * pbw__splat(8.0);
-    return pbw__fma(sum, pbw__splat(1.5e-15 / 8.0), pbw__fma(h, pbw__splat(1e-300), pbw__splat(1e-300)));
+    return pbw__fma(sum, pbw__splat(PBW__THIN_ERROR / 8.0), pbw__fma(h, pbw__splat(1e-300), pbw__splat(1e-300)));
 }
 
 /* Returns which of them are in conflict; in `certain` the lanes for which that is known.  At the hull triangles are
@@ -6091,9 +6118,8 @@ PBW__SIMD_INLINE pbw_status pbw__insert_simd(pbw__kernel *kernel, pbw_index vert
         pbw__ask_ahead2(kernel, vertex);
     }
     PBW__PHASE(PBW__WALK);
-    if (PBW__LIKELY(t != PBW__FOREIGN)) {
-        t = dim == 3 ? pbw__locate3_simd(kernel, t, p, weighted) : pbw__locate2_simd(kernel, t, p, weighted, &rows);
-    }
+    rows.x = rows.y = rows.lift = rows.height = pbw__splat(0.0);
+    t = t != PBW__FOREIGN ? pbw__locate2_simd(kernel, t, p, weighted, &rows) : t;
     status = pbw__located(kernel, t);
     if (PBW__UNLIKELY(t == PBW_NONE) || PBW__UNLIKELY(status != PBW_OK)) {
         return status;                               /* hidden, or not ours */
@@ -7215,51 +7241,36 @@ static pbw_status pbw__rounds(pbw__build *build)
     return status;
 }
 /* ------------------------------------------------------------------------------------------------------
-   >>output       From the store's simplices to the caller's arrays, in place.
-   In: a finished triangulation of ranks.  Out: simplices and neighbours in canonical order, with the caller's ids;
-   the first simplex of each point.
+   >>number       The canonical order of the simplices.
+   In: a finished triangulation of ranks.  Out: for each slot the place of its simplex in the caller's arrays; for
+   each rank the place of its first simplex.
 
    Canonical form of a simplex: by an even permutation of the corners, the lowest rank comes first and the lowest of
    the rest second (2D: the lowest first).  Canonical order: by the ranks of the corners, first to last.  So the
    simplices follow the Hilbert curve, and any method that finds the triangulation can produce the same arrays.
 
-   The store's arrays become the caller's: a copy beside them would be the peak of the memory.  What else is needed
-   lies in what the build left, whose pages are there.  Passes: count the simplices of each lowest rank, and chain
-   those of each region of ranks; region by region, sort the simplices of each rank and number them; translate each
-   and write it to its place, unless a slot is there that is still to be read; then write those.
+   Each simplex belongs to the list of its lowest rank.  Pass 1 counts the lists and chains the slots of each region's
+   lists.  Pass 2 sorts the lists, region by region, and numbers their simplices.
    ------------------------------------------------------------------------------------------------------ */
-/* A simplex in the list of its lowest rank: in space by its second and third corner, and with the last one; in the
-   plane by its first and second, an edge has one triangle on its left. */
+/* A simplex in its list, without its lowest rank: in space the key is the second and the third corner, `last` the
+   fourth; in the plane the key is the first and the second corner, as an edge has one triangle on its left. */
 typedef struct pbw__item { uint64_t key; pbw_index simplex, last; } pbw__item;
 
-static void pbw__sift(pbw__item *heap, size_t root, size_t count)
-{
-    pbw__item item = heap[root];
-    size_t child;
-    while ((child = 2 * root + 1) < count) {
-        child += child + 1 < count && heap[child + 1].key > heap[child].key;
-        if (heap[child].key <= item.key) {
-            break;
-        }
-        heap[root] = heap[child];
-        root = child;
-    }
-    heap[root] = item;
-}
-
+/* A simplex in canonical form, with the caller's ids and the places of its neighbours. */
 typedef struct pbw__emitted {
     pbw_index place, corner[4], neighbor[4];
 } pbw__emitted;
 
+/* Simplices that wait until their places are free.  Places free_from .. free_from+free_count-1 are known to be. */
 typedef struct pbw__aside {
     pbw__emitted *simplex;
-    size_t count, capacity;
+    size_t count, capacity, free_from, free_count;
 } pbw__aside;
 
-#define PBW__CHAINS 16                               /* followed at a time: memory answers many at once */
-#define PBW__SOON 48                                 /* so far ahead is asked for what is anywhere */
+#define PBW__CHAINS 16                               /* followed at a time: memory answers many requests at once */
+#define PBW__SOON 48                                 /* distance of prefetches in arrays that are read in any order */
 #define PBW__LISTS 64                                /* sorted at a time */
-#define PBW__SHORT 48                                /* simplices of a list that is not a hub's */
+#define PBW__SHORT 48                                /* simplices of the longest list that is not a hub's */
 
 typedef struct pbw__emission {
     pbw__context *context;
@@ -7267,30 +7278,22 @@ typedef struct pbw__emission {
     pbw_index *corner;
     pbw__link *link;                                 /* NULL: not wanted */
     size_t slot_count, simplex_count, vertex_count, visible;
-    int dim, any_order, tasks, failed;
-    const pbw_index *id;                             /* of each rank */
+    int dim, any_order, tasks, failed, simd;
+    const pbw_index *id;                             /* per rank */
     pbw_index *number;                               /* per slot: the next of its chain; then its place */
-    pbw_index *chain;                                /* per region: the last slot of a simplex of its lists */
+    pbw_index *chain;                                /* per region: the last slot of its chain */
     pbw_index *head;                                 /* per rank: the length of its list; then its first simplex */
-    pbw_index *first;                                /* per rank, for several tasks: the same from earlier shares */
-    size_t *end;                                     /* per task: its last slot for others; where its simplices end */
+    pbw_index *first;                                /* per rank, with several tasks: the same from earlier shares */
+    size_t *end;                                     /* per task: its last slot for other tasks; its last place */
     pbw_index *incident;                             /* per point of the caller */
     int chunk_bits;                                  /* slot >> chunk_bits is the number of its chunk */
-    size_t chunk;                                    /* the next to be read, in that order */
+    size_t chunk;                                    /* the next to be read, in the order of >>output */
     unsigned char *chunk_done;
     pbw__aside *aside;                               /* per task */
-    /* For this dimension and this CPU: the lowest ranks; simplices into their lists; lists in order; the simplices
-       of a chunk to their places. */
-    uint64_t (*lowest_ranks)(const pbw_index *corner, size_t count, pbw_index *low);
-    void (*fill_lists)(const pbw_index *corner, const pbw_index *slot, size_t count, pbw_index *end, pbw__item *item);
-    void (*sort_lists)(const pbw__item *item, const pbw_index *end, unsigned lists, pbw_index begin,
-                       pbw__item *sorted);
-    size_t (*emit)(const struct pbw__emission *emission, size_t from, size_t end, size_t first_free,
-                   size_t free_count, pbw__emitted *out);
 } pbw__emission;
 
-/* The even permutation of the canonical form: corner k of the output is corner (order >> 2k) & 3 here.  Looked up by
-   which of the pairs (0,1) (0,2) (0,3) (1,2) (1,3) (2,3), in 2D (0,1) (0,2) (1,2), are descending: no branches. */
+/* The even permutation of the canonical form: corner k of the output is corner (order >> 2k) & 3 here.  Branchless:
+   looked up by which of the pairs (0,1) (0,2) (0,3) (1,2) (1,3) (2,3), in 2D (0,1) (0,2) (1,2), are descending. */
 static const uint32_t pbw__turn3[64] = {
     228, 177, 0, 201, 0, 0, 0, 201, 120, 0, 210, 54, 0, 0, 0, 54,
     0, 0, 0, 0, 0, 0, 0, 0, 120, 0, 210, 0, 0, 0, 78, 78,
@@ -7309,9 +7312,9 @@ PBW__INLINE unsigned pbw__canonical_order(const pbw_index *v, int dim)
 
 #ifdef PBW__AVX2
 /* The same as the lanes to take, in order. */
-PBW__SIMD_INLINE __m128i pbw__canonical_lanes(__m128i v, int dim)
+PBW__SIMD_INLINE pbw__i4 pbw__canonical_lanes(pbw__i4 v, int dim)
 {
-    const __m256i both = _mm256_castsi128_si256(v);
+    const __m256i both = _mm256_castsi128_si256((__m128i)v);
     const __m256i a = _mm256_permutevar8x32_epi32(both, dim == 3 ? _mm256_setr_epi32(0, 0, 0, 1, 1, 2, 0, 0)
                                                                  : _mm256_setr_epi32(0, 0, 1, 0, 0, 0, 0, 0));
     const __m256i b = _mm256_permutevar8x32_epi32(both, dim == 3 ? _mm256_setr_epi32(1, 2, 3, 2, 3, 3, 0, 0)
@@ -7319,11 +7322,11 @@ PBW__SIMD_INLINE __m128i pbw__canonical_lanes(__m128i v, int dim)
     const __m256i descending = _mm256_cmpeq_epi32(_mm256_max_epu32(a, b), a);
     const unsigned pairs = (unsigned)_mm256_movemask_ps(_mm256_castsi256_ps(descending));
     const uint32_t order = dim == 3 ? pbw__turn3[pairs & 63] : pbw__turn2[pairs & 7];
-    return _mm_srlv_epi32(_mm_set1_epi32((int)order), _mm_setr_epi32(0, 2, 4, 6));
+    return (pbw__i4)_mm_srlv_epi32(_mm_set1_epi32((int)order), _mm_setr_epi32(0, 2, 4, 6));
 }
 #endif
 
-/* The lowest of the bits that are set. */
+/* The number of the lowest bit that is set. */
 PBW__INLINE unsigned pbw__first_bit(uint64_t set)
 {
 #ifdef __GNUC__
@@ -7337,9 +7340,9 @@ PBW__INLINE unsigned pbw__first_bit(uint64_t set)
 #endif
 }
 
-/* The lowest ranks of the simplices in `count` slots from `corner` on; 0 for a ghost and for a slot that is free.
-   Returns the set of the others, of the first 64. */
-PBW__INLINE uint64_t pbw__lowest_ranks(const pbw_index *corner, size_t count, pbw_index *low, int dim)
+/* Stores the lowest ranks of the simplices in `count` slots from `corner` on, at most 64; 0 for ghosts and free
+   slots.  Returns the set of the other slots. */
+PBW__INLINE uint64_t pbw__lowest_ranks_of(const pbw_index *corner, size_t count, pbw_index *low, int dim)
 {
     uint64_t set = 0;
     size_t i;
@@ -7353,87 +7356,63 @@ PBW__INLINE uint64_t pbw__lowest_ranks(const pbw_index *corner, size_t count, pb
     return set;
 }
 
-static uint64_t pbw__lowest_ranks3(const pbw_index *corner, size_t count, pbw_index *low)
-{
-    return pbw__lowest_ranks(corner, count, low, 3);
-}
-
-static uint64_t pbw__lowest_ranks2(const pbw_index *corner, size_t count, pbw_index *low)
-{
-    return pbw__lowest_ranks(corner, count, low, 2);
-}
-
 #ifdef PBW__AVX2
-PBW__SIMD_INLINE __m256i pbw__pick_even(__m256i a, __m256i b)
+PBW__SIMD_INLINE uint64_t pbw__lowest_ranks_simd_of(const pbw_index *corner, size_t count, pbw_index *low, int dim)
 {
-    return _mm256_castps_si256(_mm256_shuffle_ps(_mm256_castsi256_ps(a), _mm256_castsi256_ps(b), 0x88));
-}
-
-PBW__SIMD_INLINE __m256i pbw__pick_odd(__m256i a, __m256i b)
-{
-    return _mm256_castps_si256(_mm256_shuffle_ps(_mm256_castsi256_ps(a), _mm256_castsi256_ps(b), 0xdd));
-}
-
-/* Which of eight numbers are not `x`. */
-PBW__SIMD_INLINE uint64_t pbw__not_equal8(__m256i numbers, int x)
-{
-    const __m256i equal = _mm256_cmpeq_epi32(numbers, _mm256_set1_epi32(x));
-    return (uint64_t)(255 & ~_mm256_movemask_ps(_mm256_castsi256_ps(equal)));
-}
-
-/* Eight at a time. */
-PBW__SIMD_INLINE uint64_t pbw__lowest_ranks_avx2(const pbw_index *corner, size_t count, pbw_index *low, int dim)
-{
+    const __m128i zero = _mm_setzero_si128(), unused = dim == 3 ? zero : _mm_setr_epi32(0, 0, -1, -1);
     uint64_t set = 0;
-    const __m256i unused = _mm256_set1_epi64x(dim == 3 ? 0 : (int64_t)((uint64_t)PBW_NONE << 32));
-    const __m256i order = _mm256_setr_epi32(0, 4, 1, 5, 2, 6, 3, 7), none = _mm256_set1_epi32(-1);
-    size_t i, j;
-    for (i = 0; i + 8 <= count; i += 8) {
-        __m256i a[4], least[2], ranks;
-        for (j = 0; j < 4; j += 2) {
-            const __m256i x = _mm256_loadu_si256((const __m256i *)(const void *)(corner + 4 * (i + 2 * j)));
-            const __m256i y = _mm256_loadu_si256((const __m256i *)(const void *)(corner + 4 * (i + 2 * j + 2)));
-            a[j] = _mm256_unpacklo_epi64(x, y);
-            a[j + 1] = _mm256_or_si256(_mm256_unpackhi_epi64(x, y), unused);
-            least[j / 2] = _mm256_min_epu32(a[j], a[j + 1]);
-        }
-        ranks = _mm256_cmpeq_epi32(pbw__pick_even(a[0], a[2]), none);
-        ranks = _mm256_andnot_si256(ranks, _mm256_min_epu32(pbw__pick_even(least[0], least[1]),
-                                                      pbw__pick_odd(least[0], least[1])));
-        ranks = _mm256_permutevar8x32_epi32(ranks, order);
-        _mm256_storeu_si256((__m256i *)(void *)(low + i), ranks);
-        set |= pbw__not_equal8(ranks, 0) << i;
+    size_t i;
+    for (i = 0; i + 4 <= count; i += 4) {
+        const __m128i *v = (const __m128i *)(const void *)(corner + 4 * i);
+        const __m128i a = _mm_loadu_si128(v), b = _mm_loadu_si128(v + 1), ab = _mm_unpacklo_epi32(a, b);
+        const __m128i c = _mm_loadu_si128(v + 2), d = _mm_loadu_si128(v + 3), cd = _mm_unpacklo_epi32(c, d);
+        const __m128i x = _mm_min_epu32(ab, _mm_or_si128(_mm_unpackhi_epi32(a, b), unused));
+        const __m128i y = _mm_min_epu32(cd, _mm_or_si128(_mm_unpackhi_epi32(c, d), unused));
+        const __m128i least = _mm_min_epu32(_mm_unpacklo_epi64(x, y), _mm_unpackhi_epi64(x, y));
+        const __m128i free = _mm_cmpeq_epi32(_mm_unpacklo_epi64(ab, cd), _mm_set1_epi32(-1));
+        const __m128i ranks = _mm_andnot_si128(free, least), none = _mm_cmpeq_epi32(ranks, zero);
+        _mm_storeu_si128((__m128i *)(void *)(low + i), ranks);
+        set |= (uint64_t)(15 & ~_mm_movemask_ps(_mm_castsi128_ps(none))) << i;
     }
-    return i < count ? set | pbw__lowest_ranks(corner + 4 * i, count - i, low + i, dim) << i : set;
+    return i < count ? set | pbw__lowest_ranks_of(corner + 4 * i, count - i, low + i, dim) << i : set;
 }
 
-PBW__SIMD static uint64_t pbw__lowest_ranks3_avx2(const pbw_index *corner, size_t count, pbw_index *low)
+PBW__SIMD static uint64_t pbw__lowest_ranks_simd(const pbw_index *corner, size_t count, pbw_index *low, int dim)
 {
-    return pbw__lowest_ranks_avx2(corner, count, low, 3);
-}
-
-PBW__SIMD static uint64_t pbw__lowest_ranks2_avx2(const pbw_index *corner, size_t count, pbw_index *low)
-{
-    return pbw__lowest_ranks_avx2(corner, count, low, 2);
+    return dim == 3 ? pbw__lowest_ranks_simd_of(corner, count, low, 3)
+                    : pbw__lowest_ranks_simd_of(corner, count, low, 2);
 }
 #endif
 
-/* Pass 1.  A task has the slots of a run of regions, and the lists of the ranks of their cells.  Simplices for the
-   lists of other tasks, few, make a chain of their own and are left for a second look, with atomic exchanges. */
-#define PBW__RUN 64                                  /* slots whose lowest ranks are found at a time: a set of bits */
+PBW__INLINE uint64_t pbw__lowest_ranks(const pbw__emission *emission, size_t slot, size_t count, pbw_index *low)
+{
+    const pbw_index *corner = emission->corner + 4 * slot;
+#ifdef PBW__AVX2
+    if (emission->simd) {
+        return pbw__lowest_ranks_simd(corner, count, low, emission->dim);
+    }
+#endif
+    return emission->dim == 3 ? pbw__lowest_ranks_of(corner, count, low, 3)
+                              : pbw__lowest_ranks_of(corner, count, low, 2);
+}
 
-/* Lists of a task: `own` ranks from `ranks` on; `others` is the last slot for other tasks. */
+/* ---- pass 1: lists
+   A task reads the slots of a range of regions and makes the lists of the ranks of these regions.  The few simplices
+   for lists of other tasks are chained apart, and added by pbw__emit_others with atomic exchanges. */
+#define PBW__SET 64                                  /* slots whose lowest ranks are found at a time: bits of a set */
+
+/* A task has the lists of `own` ranks from `ranks` on; `others` is the last slot for other tasks. */
 typedef struct pbw__listing { size_t ranks, own; pbw_index others; } pbw__listing;
 
-/* The slots of a run that are used into chains.  If all of them are, they need no looking for. */
-PBW__INLINE void pbw__emit_run(const pbw__emission *emission, pbw__listing *listing, const pbw_index *lowest,
-                               uint64_t used, size_t from, int all)
+/* Chains the slots of a batch that are in `used`; `all`: every one is. */
+PBW__INLINE void pbw__emit_batch(const pbw__emission *emission, pbw__listing *listing, const pbw_index *lowest,
+                                 uint64_t used, size_t from, int all)
 {
     pbw_index *number = emission->number, *chain = emission->chain, *head = emission->head;
     const size_t ranks = listing->ranks, own = listing->own;
     const int bits = emission->store->region_bits;
     unsigned at;
-    for (at = 0; all ? at < PBW__RUN : used != 0; at++, used &= used - 1) {
+    for (at = 0; all ? at < PBW__BATCH : used != 0; at++, used &= used - 1) {
         const pbw_index low = lowest[at = all ? at : pbw__first_bit(used)], t = (pbw_index)(from + at);
         if (PBW__LIKELY(low - ranks < own)) {
             number[t] = chain[low >> bits];
@@ -7446,28 +7425,28 @@ PBW__INLINE void pbw__emit_run(const pbw__emission *emission, pbw__listing *list
     }
 }
 
-/* The slots from..end-1 into chains. */
+/* Chains the slots from..end-1. */
 static void pbw__emit_chains(const pbw__emission *emission, pbw__listing *listing, size_t from, size_t end)
 {
     const pbw_index *corner = emission->corner;
-    pbw_index lowest[PBW__RUN];
+    pbw_index lowest[PBW__BATCH];
     uint64_t used;
     size_t t, to;
     for (; from < end; from = to) {
-        if ((from / PBW__RUN & 1023) == 0
+        if ((from / PBW__BATCH & 1023) == 0
             && pbw__report(emission->context, 0.25 * (double)from / (double)emission->slot_count)) {
             break;
         }
-        to = end - from < PBW__RUN ? end : from + PBW__RUN;
-        for (t = to; t < end && t < to + PBW__RUN; t += 4) {
+        to = end - from < PBW__BATCH ? end : from + PBW__BATCH;
+        for (t = to; t < end && t < to + PBW__BATCH; t += 4) {
             PBW__PREFETCH(corner + 4 * t);
         }
-        used = emission->lowest_ranks(corner + 4 * from, to - from, lowest);
+        used = pbw__lowest_ranks(emission, from, to - from, lowest);
         if (used == ~(uint64_t)0) {
-            pbw__emit_run(emission, listing, lowest, used, from, 1);
-        } else {                                     /* on a circle half are ghosts: no predictor could guess which */
+            pbw__emit_batch(emission, listing, lowest, used, from, 1);
+        } else {                                     /* on a circle half are ghosts, at unpredictable places */
             memset(emission->number + from, 0xff, (to - from) * sizeof(pbw_index));      /* PBW_NONE */
-            pbw__emit_run(emission, listing, lowest, used, from, 0);
+            pbw__emit_batch(emission, listing, lowest, used, from, 0);
         }
     }
 }
@@ -7479,7 +7458,7 @@ PBW__INLINE size_t pbw__emit_ranks(const pbw__emission *emission, size_t region)
     return ranks <= emission->vertex_count ? ranks : emission->vertex_count + 1;
 }
 
-/* The first slot of the region that comes so many before this one, or of the first region. */
+/* The first slot of the region `before` places ahead of this one, or of the first region. */
 PBW__INLINE size_t pbw__emit_start(const pbw__emission *emission, size_t region, size_t before)
 {
     return region > before ? pbw__region_end(emission->store, region - before - 1) : 0;
@@ -7516,13 +7495,13 @@ static void pbw__emit_others(void *arg, int task)
     pbw_index t = (pbw_index)emission->end[task], next, low;
     for (; t != PBW_NONE; t = next) {
         next = emission->number[t];
-        (void)emission->lowest_ranks(emission->corner + 4 * (size_t)t, 1, &low);
+        (void)pbw__lowest_ranks(emission, t, 1, &low);
         emission->number[t] = PBW__SWAP(emission->chain + (low >> emission->store->region_bits), t);
         (void)PBW__ADD(emission->head + low, 1);
     }
 }
 
-/* The simplices of lists. */
+/* The number of simplices in some lists. */
 PBW__INLINE size_t pbw__emit_count(const pbw_index *length, size_t lists)
 {
     size_t i, sum = 0;
@@ -7541,9 +7520,10 @@ static void pbw__emit_counts(void *arg, int task)
     emission->end[task] = pbw__emit_count(emission->head + from, to - from);
 }
 
-/* Simplices into their lists: to the item end[rank], which is then the next. */
-PBW__INLINE void pbw__fill_lists(const pbw_index *corner, const pbw_index *slot, size_t count, pbw_index *end,
-                                 pbw__item *item, int dim)
+/* ---- lists in order
+   Puts simplices into their lists: into the item end[rank], which is then the next. */
+PBW__INLINE void pbw__fill_lists_of(const pbw_index *corner, const pbw_index *slot, size_t count, pbw_index *end,
+                                    pbw__item *item, int dim)
 {
     size_t i;
     for (i = 0; i < count; i++) {
@@ -7557,20 +7537,8 @@ PBW__INLINE void pbw__fill_lists(const pbw_index *corner, const pbw_index *slot,
     }
 }
 
-static void pbw__fill_lists3(const pbw_index *corner, const pbw_index *slot, size_t count, pbw_index *end,
-                             pbw__item *item)
-{
-    pbw__fill_lists(corner, slot, count, end, item, 3);
-}
-
-static void pbw__fill_lists2(const pbw_index *corner, const pbw_index *slot, size_t count, pbw_index *end,
-                             pbw__item *item)
-{
-    pbw__fill_lists(corner, slot, count, end, item, 2);
-}
-
-/* Short lists, the first from item `begin` on and each up to its `end`, by their keys; sorted[0] is for the waste.
-   By counting pair by pair: no predictor could guess their order. */
+/* Sorts short lists by their keys, the first from item `begin` on and each up to its `end`; sorted[0] takes what is
+   to be dropped.  Branchless, by counting for each pair which is larger: the order is unpredictable. */
 static void pbw__sort_lists(const pbw__item *item, const pbw_index *end, unsigned lists, pbw_index begin,
                             pbw__item *sorted)
 {
@@ -7591,9 +7559,24 @@ static void pbw__sort_lists(const pbw__item *item, const pbw_index *end, unsigne
 }
 
 #ifdef PBW__AVX2
-PBW__SIMD_INLINE __m256i pbw__two(const pbw_index *a, const pbw_index *b)
+PBW__SIMD_INLINE void pbw__fill_lists_simd_of(const pbw_index *corner, const pbw_index *slot, size_t count,
+                                              pbw_index *end, pbw__item *item, int dim)
 {
-    return _mm256_inserti128_si256(_mm256_castsi128_si256((__m128i)pbw__load4(a)), (__m128i)pbw__load4(b), 1);
+    size_t i;
+    for (i = 0; i < count; i++) {
+        const pbw__i4 v = pbw__load4(corner + 4 * (size_t)slot[i]);
+        const pbw__i4 canonical = pbw__permute4(v, pbw__canonical_lanes(v, dim));
+        const __m128i entry = (__m128i)(dim == 3 ? PBW__PICK4(canonical, 2, 1, 0, 3)
+                                                 : PBW__PICK4(canonical, 1, 0, 0, 2));
+        pbw_index *next = end + (pbw_index)_mm_cvtsi128_si32((__m128i)canonical);
+        pbw__store4(item + (*next)++, (pbw__i4)_mm_insert_epi32(entry, (int)slot[i], 2));
+    }
+}
+
+PBW__SIMD static void pbw__fill_lists_simd(const pbw__emission *emission, const pbw_index *slot, size_t count,
+                                           pbw__item *item)
+{
+    PBW__BY_DIM(emission->dim, pbw__fill_lists_simd_of, emission->corner, slot, count, emission->head, item);
 }
 
 /* y in the lanes of the mask.  Not by bytes: gcc 12 takes those of a mask for unsigned with -funsigned-char. */
@@ -7602,89 +7585,9 @@ PBW__SIMD_INLINE __m256i pbw__blend8(__m256i x, __m256i y, __m256i mask)
     return (__m256i)_mm256_blendv_ps((__m256)x, (__m256)y, (__m256)mask);
 }
 
-/* Where the mask is set, exchanges a and b. */
-PBW__SIMD_INLINE void pbw__exchange(__m256i *a, __m256i *b, __m256i mask)
-{
-    const __m256i change = _mm256_and_si256(_mm256_xor_si256(*a, *b), mask);
-    *a = _mm256_xor_si256(*a, change);
-    *b = _mm256_xor_si256(*b, change);
-}
-
-/* Rows to columns, in each half. */
-PBW__SIMD_INLINE void pbw__transpose(__m256i *a)
-{
-    const __m256i x = _mm256_unpacklo_epi32(a[0], a[1]), y = _mm256_unpackhi_epi32(a[0], a[1]);
-    const __m256i z = _mm256_unpacklo_epi32(a[2], a[3]), w = _mm256_unpackhi_epi32(a[2], a[3]);
-    a[0] = _mm256_unpacklo_epi64(x, z);
-    a[1] = _mm256_unpackhi_epi64(x, z);
-    a[2] = _mm256_unpacklo_epi64(y, w);
-    a[3] = _mm256_unpackhi_epi64(y, w);
-}
-
-/* Eight at a time. */
-PBW__SIMD_INLINE void pbw__fill_lists_avx2(const pbw_index *corner, const pbw_index *slot, size_t count,
-                                           pbw_index *end, pbw__item *item, int dim)
-{
-    size_t i;
-    int k;
-    for (i = 0; i + 8 <= count; i += 8) {
-        __m256i v[4], low, last, odd, entry[4];
-        pbw_index rank[8];
-        for (k = 0; k < 4; k++) {
-            v[k] = pbw__two(corner + 4 * (size_t)slot[i + (size_t)k], corner + 4 * (size_t)slot[i + (size_t)k + 4]);
-        }
-        pbw__transpose(v);
-        if (dim == 3) {
-            /* The lowest first, by (0 2)(1 3), (0 1)(2 3) or both; then the other three in a cycle. */
-            low = _mm256_min_epu32(_mm256_min_epu32(v[0], v[1]), _mm256_min_epu32(v[2], v[3]));
-            last = _mm256_cmpeq_epi32(v[3], low);
-            odd = _mm256_or_si256(last, _mm256_cmpeq_epi32(v[1], low));
-            last = _mm256_or_si256(last, _mm256_cmpeq_epi32(v[2], low));
-            pbw__exchange(v, v + 2, last);
-            pbw__exchange(v + 1, v + 3, last);
-            v[1] = _mm256_xor_si256(v[1], _mm256_and_si256(_mm256_xor_si256(v[0], v[1]), odd));
-            pbw__exchange(v + 2, v + 3, odd);
-            entry[1] = _mm256_min_epu32(_mm256_min_epu32(v[1], v[2]), v[3]);
-            odd = _mm256_cmpeq_epi32(v[1], entry[1]);
-            last = _mm256_cmpeq_epi32(v[2], entry[1]);
-            entry[0] = pbw__blend8(pbw__blend8(v[1], v[3], last), v[2], odd);
-            entry[3] = pbw__blend8(pbw__blend8(v[2], v[1], last), v[3], odd);
-        } else {
-            low = _mm256_min_epu32(_mm256_min_epu32(v[0], v[1]), v[2]);
-            odd = _mm256_cmpeq_epi32(v[0], low);
-            last = _mm256_cmpeq_epi32(v[2], low);
-            entry[1] = low;
-            entry[0] = pbw__blend8(pbw__blend8(v[2], v[0], last), v[1], odd);
-            entry[3] = pbw__blend8(pbw__blend8(v[0], v[1], last), v[2], odd);
-        }
-        entry[2] = _mm256_loadu_si256((const __m256i *)(const void *)(slot + i));
-        pbw__transpose(entry);
-        _mm256_storeu_si256((__m256i *)(void *)rank, low);
-        for (k = 0; k < 4; k++) {
-            pbw__store4(item + end[rank[k]]++, (pbw__i4)_mm256_castsi256_si128(entry[k]));
-        }
-        for (k = 0; k < 4; k++) {
-            pbw__store4(item + end[rank[k + 4]]++, (pbw__i4)_mm256_extracti128_si256(entry[k], 1));
-        }
-    }
-    pbw__fill_lists(corner, slot + i, count - i, end, item, dim);
-}
-
-PBW__SIMD static void pbw__fill_lists3_avx2(const pbw_index *corner, const pbw_index *slot, size_t count,
-                                            pbw_index *end, pbw__item *item)
-{
-    pbw__fill_lists_avx2(corner, slot, count, end, item, 3);
-}
-
-PBW__SIMD static void pbw__fill_lists2_avx2(const pbw_index *corner, const pbw_index *slot, size_t count,
-                                            pbw_index *end, pbw__item *item)
-{
-    pbw__fill_lists_avx2(corner, slot, count, end, item, 2);
-}
-
-/* A list of `count` simplices by fours, `all` in all: what is too much in the last four is of the highest key for the
-   others and goes to the waste. */
-PBW__SIMD_INLINE void pbw__sort_list_avx2(const pbw__item *item, pbw_index begin, unsigned count, unsigned all,
+/* Sorts a list of `count` simplices, `all` if rounded up to fours.  The surplus of the last four has the highest key
+   and goes to sorted[0]. */
+PBW__SIMD_INLINE void pbw__sort_list_simd(const pbw__item *item, pbw_index begin, unsigned count, unsigned all,
                                           pbw__item *sorted)
 {
     const __m256i sign = _mm256_set1_epi64x((int64_t)((uint64_t)1 << 63));
@@ -7722,8 +7625,8 @@ PBW__SIMD_INLINE void pbw__sort_list_avx2(const pbw__item *item, pbw_index begin
     }
 }
 
-/* By their lengths, which cannot be predicted. */
-PBW__SIMD static void pbw__sort_lists_avx2(const pbw__item *item, const pbw_index *end, unsigned lists,
+/* The same as pbw__sort_lists.  Grouped by length first, as lengths are unpredictable. */
+PBW__SIMD static void pbw__sort_lists_simd(const pbw__item *item, const pbw_index *end, unsigned lists,
                                            pbw_index begin, pbw__item *sorted)
 {
     pbw_index by_fours[PBW__SHORT / 4 + 2][PBW__LISTS][2];
@@ -7739,13 +7642,13 @@ PBW__SIMD static void pbw__sort_lists_avx2(const pbw__item *item, const pbw_inde
         for (i = 0; i < n[fours]; i++) {
             const pbw_index *list = by_fours[fours][i];
             if (fours == 1) {
-                pbw__sort_list_avx2(item, list[0], list[1], 4, sorted);
+                pbw__sort_list_simd(item, list[0], list[1], 4, sorted);
             } else if (fours == 2) {
-                pbw__sort_list_avx2(item, list[0], list[1], 8, sorted);
+                pbw__sort_list_simd(item, list[0], list[1], 8, sorted);
             } else if (fours == 3) {
-                pbw__sort_list_avx2(item, list[0], list[1], 12, sorted);
+                pbw__sort_list_simd(item, list[0], list[1], 12, sorted);
             } else {
-                pbw__sort_list_avx2(item, list[0], list[1], 4 * fours, sorted);
+                pbw__sort_list_simd(item, list[0], list[1], 4 * fours, sorted);
             }
         }
     }
@@ -7756,7 +7659,7 @@ PBW__SIMD static void pbw__sort_lists_avx2(const pbw__item *item, const pbw_inde
    many simplices. */
 #define PBW__REACH 12
 
-PBW__SIMD static void pbw__sort_lists2_avx2(const pbw__item *item, const pbw_index *end, unsigned lists,
+PBW__SIMD static void pbw__sort_lists2_simd(const pbw__item *item, const pbw_index *end, unsigned lists,
                                             pbw_index begin, pbw__item *sorted)
 {
     int64_t key[PBW__REACH + PBW__LISTS * PBW__REACH + 4 + PBW__REACH];
@@ -7765,7 +7668,7 @@ PBW__SIMD static void pbw__sort_lists2_avx2(const pbw__item *item, const pbw_ind
         longest = end[i] - from > longest ? end[i] - from : longest;
     }
     if (longest > PBW__REACH) {
-        pbw__sort_lists_avx2(item, end, lists, begin, sorted);
+        pbw__sort_lists_simd(item, end, lists, begin, sorted);
         return;
     }
     item += begin;
@@ -7790,59 +7693,40 @@ PBW__SIMD static void pbw__sort_lists2_avx2(const pbw__item *item, const pbw_ind
             place = _mm256_sub_epi64(place, _mm256_cmpgt_epi64(four, after));
         }
         _mm256_storeu_si256((__m256i *)(void *)half, _mm256_add_epi64(place, place));
-        for (k = 0; k < 4; k++) {                    /* what is too much is overwritten by the next lists */
+        for (k = 0; k < 4; k++) {                    /* the surplus is overwritten by the next lists */
             pbw__store4((uint64_t *)(void *)sorted + half[k], pbw__load4(item + i + k));
         }
     }
 }
 #endif
 
-/* Pass 2: numbers, for the lists of a share of the regions, from the last list to the first.  So the number that is
-   noted last for a vertex is its first simplex.  It is noted in head: the vertex' own list has been read when a
-   simplex has its number, as no corner comes before the one whose list it is in.  For vertices of later shares it is
-   noted in `first`. */
-
-/* The slots of the chains of `count` regions, one chain after the other. */
-PBW__INLINE void pbw__emit_follow(const pbw__emission *emission, size_t region, unsigned count, const size_t *length,
-                                  pbw_index *slot)
+PBW__INLINE void pbw__fill_lists(const pbw__emission *emission, const pbw_index *slot, size_t count, pbw__item *item)
 {
-    const pbw_index *number = emission->number, *corner = emission->corner;
-    pbw_index next[PBW__CHAINS], *to[PBW__CHAINS];
-    size_t left[PBW__CHAINS], steps, last, k;
-    unsigned open, i, j;
-    for (i = open = 0; i < count; slot += length[i++]) {
-        next[open] = emission->chain[region + i];
-        to[open] = slot;
-        left[open] = length[i];
-        open += length[i] > 0;
+#ifdef PBW__AVX2
+    if (emission->simd) {
+        pbw__fill_lists_simd(emission, slot, count, item);
+        return;
     }
-    last = pbw__emit_start(emission, region, PBW__CHAINS);
-    for (k = pbw__emit_start(emission, region, 2 * PBW__CHAINS); k < last; k += 16) {
-        PBW__PREFETCH(number + k);                   /* what the next regions' chains mostly go through */
-    }
-    while (open > 0) {
-        for (steps = left[0], i = 1; i < open; i++) {
-            steps = left[i] < steps ? left[i] : steps;
-        }
-        for (k = 0; k < steps; k++) {
-            for (i = 0; i < open; i++) {
-                pbw_index t = next[i];
-                to[i][k] = t;
-                next[i] = number[t];
-                PBW__PREFETCH(corner + 4 * (size_t)t);
-            }
-        }
-        for (i = j = 0; i < open; i++) {
-            next[j] = next[i];
-            to[j] = to[i] + steps;
-            left[j] = left[i] - steps;
-            j += left[j] > 0;
-        }
-        open = j;
-    }
+#endif
+    PBW__BY_DIM(emission->dim, pbw__fill_lists_of, emission->corner, slot, count, emission->head, item);
 }
 
-/* A hub's list: by a heap sort. */
+PBW__INLINE void pbw__sift(pbw__item *heap, size_t root, size_t count)
+{
+    pbw__item item = heap[root];
+    size_t child;
+    while ((child = 2 * root + 1) < count) {
+        child += child + 1 < count && heap[child + 1].key > heap[child].key;
+        if (heap[child].key <= item.key) {
+            break;
+        }
+        heap[root] = heap[child];
+        root = child;
+    }
+    heap[root] = item;
+}
+
+/* Sorts the list of a hub, a vertex of many simplices: a heap sort. */
 static PBW__NOINLINE void pbw__sort_hub(pbw__item *heap, size_t count, pbw__item *sorted)
 {
     size_t i;
@@ -7853,6 +7737,76 @@ static PBW__NOINLINE void pbw__sort_hub(pbw__item *heap, size_t count, pbw__item
         sorted[i] = heap[0];
         heap[0] = heap[i];
         pbw__sift(heap, 0, i);
+    }
+}
+
+/* Sorts the lists of a region, which end at end[0] .. end[lists-1]. */
+PBW__INLINE void pbw__sort_region(const pbw__emission *emission, pbw__item *item, const pbw_index *end, size_t lists,
+                                  pbw__item *sorted)
+{
+    pbw_index begin = 0;
+    size_t r, i;
+    for (r = 0; r < lists && !emission->any_order; r += PBW__LISTS) {
+        const unsigned n = lists - r < PBW__LISTS ? (unsigned)(lists - r) : PBW__LISTS;
+#ifdef PBW__AVX2
+        if (emission->simd) {
+            (emission->dim == 3 ? pbw__sort_lists_simd : pbw__sort_lists2_simd)(item, end + r, n, begin, sorted);
+        } else
+#endif
+        {
+            pbw__sort_lists(item, end + r, n, begin, sorted);
+        }
+        for (i = r; i < r + n; begin = end[i++]) {
+            if (end[i] - begin > PBW__SHORT) {
+                pbw__sort_hub(item + begin, end[i] - begin, sorted + 1 + begin);
+            }
+        }
+    }
+}
+
+/* ---- pass 2: numbers
+   A task numbers the lists of a share of the regions, from the last list to the first.  So the number that is noted
+   last for a vertex is its first simplex.  It is noted in `head`: a vertex' own list has been read when a simplex of
+   the vertex gets its number, as no corner comes before the one whose list the simplex is in.  For vertices of later
+   shares it is noted in `first`. */
+
+/* Lists the slots of the chains of `count` regions, one chain after the other.  All chains are followed at once. */
+PBW__INLINE void pbw__emit_follow(const pbw__emission *emission, size_t region, unsigned count, const size_t *length,
+                                  pbw_index *slot)
+{
+    const pbw_index *number = emission->number, *corner = emission->corner;
+    pbw_index next[PBW__CHAINS], *to[PBW__CHAINS];
+    size_t left[PBW__CHAINS], steps, last, k;
+    unsigned chains, i, j;
+    for (i = chains = 0; i < count; slot += length[i++]) {
+        next[chains] = emission->chain[region + i];
+        to[chains] = slot;
+        left[chains] = length[i];
+        chains += length[i] > 0;
+    }
+    last = pbw__emit_start(emission, region, PBW__CHAINS);
+    for (k = pbw__emit_start(emission, region, 2 * PBW__CHAINS); k < last; k += 16) {
+        PBW__PREFETCH(number + k);                   /* the chains of the next regions go through there mostly */
+    }
+    while (chains > 0) {
+        for (steps = left[0], i = 1; i < chains; i++) {
+            steps = left[i] < steps ? left[i] : steps;
+        }
+        for (k = 0; k < steps; k++) {
+            for (i = 0; i < chains; i++) {
+                pbw_index t = next[i];
+                to[i][k] = t;
+                next[i] = number[t];
+                PBW__PREFETCH(corner + 4 * (size_t)t);
+            }
+        }
+        for (i = j = 0; i < chains; i++) {
+            next[j] = next[i];
+            to[j] = to[i] + steps;
+            left[j] = left[i] - steps;
+            j += left[j] > 0;
+        }
+        chains = j;
     }
 }
 
@@ -7868,34 +7822,36 @@ PBW__INLINE void pbw__emit_first(pbw_index *head, pbw_index *first, pbw_index ve
     }
 }
 
-/* The numbers of a region's simplices, `count` in the slots of `slot`, from `place` on. */
-PBW__INLINE void pbw__emit_region(const pbw__emission *emission, size_t region, const pbw_index *slot, size_t count,
-                                  pbw__item *item, pbw__item *sorted, pbw_index place, pbw_index later)
+/* A task's buffers: the slots of chains; the lists of a region, and in order. */
+typedef struct pbw__list_numbering {
+    pbw_index *slot;
+    pbw__item *item, *sorted;
+    size_t slot_capacity, item_capacity;
+    pbw_index place;                                 /* after those that are still to be numbered */
+} pbw__list_numbering;
+
+/* Numbers the simplices of a region, in `count` slots.  later: the first rank of later shares, PBW_NONE if there are
+   none. */
+PBW__INLINE void pbw__emit_region(const pbw__emission *emission, pbw__list_numbering *numbering, size_t region,
+                                  const pbw_index *slot, size_t count, pbw_index later)
 {
-    size_t ranks = pbw__emit_ranks(emission, region), lists = pbw__emit_ranks(emission, region + 1) - ranks, r, i;
+    size_t ranks = pbw__emit_ranks(emission, region), lists = pbw__emit_ranks(emission, region + 1) - ranks, r;
     pbw_index *head = emission->head, *end = head + ranks, *first = emission->first, *number = emission->number;
-    pbw_index begin = 0;
+    pbw__item *item = numbering->item;
+    pbw_index begin = 0, place = numbering->place;
+    numbering->place -= (pbw_index)count;
     for (r = 0; r < lists; r++) {
         pbw_index length = end[r];
         end[r] = begin;
         begin += length;
     }
-    emission->fill_lists(emission->corner, slot, count, head, item);
-    for (r = 0, begin = 0; r < lists && !emission->any_order; r += PBW__LISTS) {
-        unsigned n = lists - r < PBW__LISTS ? (unsigned)(lists - r) : PBW__LISTS;
-        emission->sort_lists(item, end + r, n, begin, sorted);
-        for (i = r; i < r + n; begin = end[i++]) {
-            if (end[i] - begin > PBW__SHORT) {
-                pbw__sort_hub(item + begin, end[i] - begin, sorted + 1 + begin);
-            }
-        }
-    }
+    pbw__fill_lists(emission, slot, count, item);
+    pbw__sort_region(emission, item, end, lists, numbering->sorted);
+    item = emission->any_order ? item : numbering->sorted + 1;
     for (r = lists; r-- > 0; ) {
-        begin = r > 0 ? end[r - 1] : 0;
-        end[r] = (place + begin) | (0 - (pbw_index)(begin == end[r]));   /* PBW_NONE if empty, without a branch */
+        begin = r > 0 ? end[r - 1] : 0;              /* PBW_NONE if empty, branchless */
+        end[r] = (numbering->place + begin) | (0 - (pbw_index)(begin == end[r]));
     }
-    item = emission->any_order ? item : sorted + 1;
-    place += (pbw_index)count;
     for (item += count; count > 0; count--) {
         item--;
         place--;
@@ -7911,11 +7867,9 @@ static void pbw__emit_pass2(void *arg, int task)
     pbw__emission *emission = (pbw__emission *)arg;
     pbw__memory *memory = &emission->context->memory;
     size_t regions = emission->store->region_count, least = pbw__share(regions, task, emission->tasks);
-    size_t region = pbw__share(regions, task + 1, emission->tasks), place = emission->end[task];
-    pbw_index later = region < regions ? (pbw_index)pbw__emit_ranks(emission, region) : PBW_NONE;
-    pbw_index *slot = NULL;                          /* of chains */
-    pbw__item *item = NULL;                          /* a region's lists; the same in order */
-    size_t slot_capacity = 0, item_capacity = 0;
+    size_t region = pbw__share(regions, task + 1, emission->tasks);
+    const pbw_index later = region < regions ? (pbw_index)pbw__emit_ranks(emission, region) : PBW_NONE;
+    pbw__list_numbering numbering = { NULL, NULL, NULL, 0, 0, (pbw_index)emission->end[task] };
     while (region > least && !pbw__report(emission->context, 0.5 - 0.25 * (double)region / (double)regions)) {
         unsigned count = region - least < PBW__CHAINS ? (unsigned)(region - least) : PBW__CHAINS, i;
         size_t length[PBW__CHAINS], sum = 0, longest = 0;
@@ -7926,42 +7880,49 @@ static void pbw__emit_pass2(void *arg, int task)
             sum += length[i];
             longest = length[i] > longest ? length[i] : longest;
         }
-        longest += 4;                                /* for the waste, and what comes with the last of a four */
-        if ((sum >= slot_capacity && !pbw__resize_array(memory, &slot, &slot_capacity, sum + 1, sizeof(pbw_index)))
-            || (2 * longest > item_capacity
-                && !pbw__resize_array(memory, &item, &item_capacity, 2 * longest, sizeof(pbw__item)))) {
+        longest += 4;                                /* for sorted[0], and the surplus of the last four */
+        if ((sum >= numbering.slot_capacity
+             && !pbw__resize_array(memory, &numbering.slot, &numbering.slot_capacity, sum + 1, sizeof(pbw_index)))
+            || (2 * longest > numbering.item_capacity
+                && !pbw__resize_array(memory, &numbering.item, &numbering.item_capacity, 2 * longest,
+                                      sizeof(pbw__item)))) {
             PBW__STORE(&emission->failed, 1);
             break;
         }
-        pbw__emit_follow(emission, region, count, length, slot);
+        numbering.sorted = numbering.item + longest;
+        pbw__emit_follow(emission, region, count, length, numbering.slot);
         for (i = count; i-- > 0; ) {
-            sum -= length[i];
-            place -= length[i];
-            if (later == PBW_NONE) {                 /* compiled without a look at it */
-                pbw__emit_region(emission, region + i, slot + sum, length[i], item, item + longest, (pbw_index)place,
-                                 PBW_NONE);
+            const pbw_index *slot = numbering.slot + (sum -= length[i]);
+            if (later == PBW_NONE) {                 /* compiled without comparisons with it */
+                pbw__emit_region(emission, &numbering, region + i, slot, length[i], PBW_NONE);
             } else {
-                pbw__emit_region(emission, region + i, slot + sum, length[i], item, item + longest, (pbw_index)place,
-                                 later);
+                pbw__emit_region(emission, &numbering, region + i, slot, length[i], later);
             }
         }
     }
-    pbw__release(memory, slot, slot_capacity, sizeof(pbw_index));
-    pbw__release(memory, item, item_capacity, sizeof(pbw__item));
+    pbw__release(memory, numbering.slot, numbering.slot_capacity, sizeof(pbw_index));
+    pbw__release(memory, numbering.item, numbering.item_capacity, sizeof(pbw__item));
 }
+/* ------------------------------------------------------------------------------------------------------
+   >>output       From the store's simplices to the caller's arrays, in place.
+   In: the places of >>number.  Out: simplices and neighbours in canonical order, with the caller's ids; the first
+   simplex of each point; the points.
 
-/* Pass 3: each simplex in canonical form, with ids for ranks and places for slots, from its slot to its place.  Slots
-   are read in order, and most places lie before the slots, among those already read, because slots are left over
-   where simplices were deleted.  Where there are more simplices than slots in regions, places lie behind the slots,
-   which are read from the last place on to the first.  A simplex whose place is still to be read is set aside.  Tasks
-   take the slots by chunks.  chunk_done, set in release order and seen in acquire order, tells all that a chunk was
-   read. */
-#define PBW__CHUNK ((size_t)1 << 12)                 /* at most */
+   The store's arrays become the caller's: a copy beside them would be the peak of the memory.  Other arrays are
+   borrowed from what the build leaves, whose pages are there.
 
-/* Several tasks take large chunks: slots that are near have places in the same lines of the cache, which go from
-   thread to thread.  One task takes small ones, fewer simplices of few points are then set aside; but what a chunk
-   begins with is not asked for ahead, which costs more where memory is far.  In the plane what is set aside weighs
-   more. */
+   Pass 3 writes each simplex in canonical form, with ids for ranks and places for slots, from its slot to its place.
+   Slots are read in order, and most places lie before the slots, among those already read, because slots are left
+   over where simplices were deleted.  Where there are more simplices than slots in regions, places lie behind the
+   slots, which are read from the last place on to the first.  A simplex is set aside if its place is still to be
+   read; pass 4 writes these.  Tasks take the slots by chunks.  A chunk's flag in chunk_done, stored with release
+   order and loaded with acquire order, says that the chunk was read.
+   ------------------------------------------------------------------------------------------------------ */
+#define PBW__CHUNK ((size_t)1 << 12)                 /* the largest */
+
+/* Several tasks take large chunks: slots that are near have places in the same cache lines, which would go from
+   thread to thread.  One task takes small ones, so that fewer simplices of few points are set aside; but the start of
+   a chunk is not prefetched, which costs more where memory is far.  In the plane what is set aside weighs more. */
 PBW__INLINE int pbw__chunk_bits(int dim, int tasks, size_t slots)
 {
 #ifdef PBW__TEST_SMALL_SHARES
@@ -7973,7 +7934,7 @@ PBW__INLINE int pbw__chunk_bits(int dim, int tasks, size_t slots)
 #endif
 }
 
-/* Whether the slots that a place covers, in an array of so many entries a slot, have been read. */
+/* Returns whether the slots that a place covers, in an array of `entries` a slot, have been read. */
 PBW__INLINE int pbw__emit_read(const pbw__emission *emission, size_t place, size_t entries, int dim)
 {
     size_t from = place * ((size_t)dim + 1), first = from / entries >> emission->chunk_bits;
@@ -7982,11 +7943,12 @@ PBW__INLINE int pbw__emit_read(const pbw__emission *emission, size_t place, size
         && (first == last || PBW__LOAD_ACQUIRE(emission->chunk_done + last) != 0);
 }
 
-/* Whether a place is free: the corners there have been read, and the links; wide ones are 8 entries a slot. */
-PBW__INLINE int pbw__emit_free(const pbw__emission *emission, size_t place, int dim)
+/* Returns whether a place is free: its corners and links have been read; wide links are 8 entries a slot. */
+PBW__INLINE int pbw__emit_free(const pbw__emission *emission, const pbw__aside *aside, size_t place, int dim)
 {
-    return pbw__emit_read(emission, place, 4, dim)
-        && (sizeof(pbw__link) == sizeof(pbw_index) || pbw__emit_read(emission, place, 8, dim));
+    return PBW__LIKELY(place - aside->free_from < aside->free_count)
+        || (pbw__emit_read(emission, place, 4, dim)
+            && (sizeof(pbw__link) == sizeof(pbw_index) || pbw__emit_read(emission, place, 8, dim)));
 }
 
 PBW__INLINE void pbw__emit_place(const pbw__emission *emission, const pbw__emitted *simplex, int dim)
@@ -7999,16 +7961,15 @@ PBW__INLINE void pbw__emit_place(const pbw__emission *emission, const pbw__emitt
     }
 }
 
-/* Writes the simplices in slots from..end-1 to their places, of which free_count from first_free on are free.  Sets
-   aside, at `out`, those whose places are not; returns how many. */
-PBW__INLINE size_t pbw__emit_slots(const pbw__emission *emission, size_t from, size_t end, size_t first_free,
-                                   size_t free_count, pbw__emitted *out, int dim)
+/* Writes the simplices in slots from..end-1 to their places, or sets them aside. */
+PBW__INLINE void pbw__emit_slots_of(const pbw__emission *emission, size_t from, size_t end, pbw__aside *aside,
+                                    int dim)
 {
     const pbw_index *number = emission->number;
-    size_t count = 0, t;
+    size_t t;
     for (t = from; t < end; t++) {
         const pbw_index *v = emission->corner + 4 * t;
-        pbw__emitted *simplex = out + count;
+        pbw__emitted *simplex = aside->simplex + aside->count;
         unsigned order, k;
         if (number[t] == PBW_NONE) {
             continue;
@@ -8021,29 +7982,16 @@ PBW__INLINE size_t pbw__emit_slots(const pbw__emission *emission, size_t from, s
         for (k = 0; k <= (unsigned)dim && emission->link != NULL; k++) {
             simplex->neighbor[k] = number[emission->link[4 * t + (order >> 2 * k & 3)] >> 2];
         }
-        if (PBW__LIKELY(simplex->place - first_free < free_count) || pbw__emit_free(emission, simplex->place, dim)) {
+        if (pbw__emit_free(emission, aside, simplex->place, dim)) {
             pbw__emit_place(emission, simplex, dim);
         } else {
-            count++;
+            aside->count++;
         }
     }
-    return count;
-}
-
-static size_t pbw__emit_slots3(const pbw__emission *emission, size_t from, size_t end, size_t first_free,
-                               size_t free_count, pbw__emitted *out)
-{
-    return pbw__emit_slots(emission, from, end, first_free, free_count, out, 3);
-}
-
-static size_t pbw__emit_slots2(const pbw__emission *emission, size_t from, size_t end, size_t first_free,
-                               size_t free_count, pbw__emitted *out)
-{
-    return pbw__emit_slots(emission, from, end, first_free, free_count, out, 2);
 }
 
 #ifdef PBW__AVX2
-/* A vector to the dim+1 entries from `to` on. */
+/* Stores a vector in dim+1 entries. */
 PBW__SIMD_INLINE void pbw__emit_store(pbw_index *to, pbw__i4 x, int dim)
 {
     if (dim == 3) {
@@ -8054,36 +8002,45 @@ PBW__SIMD_INLINE void pbw__emit_store(pbw_index *to, pbw__i4 x, int dim)
     }
 }
 
-PBW__SIMD_INLINE size_t pbw__emit_slots_avx2(const pbw__emission *emission, size_t from, size_t end,
-                                             size_t first_free, size_t free_count, pbw__emitted *out, int dim,
-                                             int links)
+/* Lists the slots from..end-1 that have a number; returns how many. */
+PBW__SIMD_INLINE size_t pbw__emit_used(const pbw_index *number, size_t from, size_t end, pbw_index *slot)
 {
-    const pbw_index *number = emission->number, *id = emission->id;
-    pbw__link *link = emission->link;
-    pbw_index *corner = emission->corner, slot[PBW__CHUNK + PBW__SOON];
-    const size_t corners = (size_t)dim + 1;
-    size_t used_count = 0, count = 0, i, n;
+    size_t count = 0, i;
     for (; from < end; from += 64) {
         uint64_t used = 0;
         for (i = 0; i < 64 && from + i + 8 <= end; i += 8) {
             const __m256i eight = _mm256_loadu_si256((const __m256i *)(const void *)(number + from + i));
-            used |= pbw__not_equal8(eight, -1) << i;         /* PBW_NONE */
+            const __m256i none = _mm256_cmpeq_epi32(eight, _mm256_set1_epi32(-1));       /* PBW_NONE */
+            used |= (uint64_t)(255 & ~_mm256_movemask_ps(_mm256_castsi256_ps(none))) << i;
         }
         for (; i < 64 && from + i < end; i++) {
             used |= (uint64_t)(number[from + i] != PBW_NONE) << i;
         }
         for (; used != 0; used &= used - 1) {
-            slot[used_count++] = (pbw_index)(from + pbw__first_bit(used));
+            slot[count++] = (pbw_index)(from + pbw__first_bit(used));
         }
     }
-    for (i = 0; i < PBW__SOON && used_count > 0; i++) {
-        slot[used_count + i] = slot[used_count - 1];
+    return count;
+}
+
+/* The same as pbw__emit_slots_of. */
+PBW__SIMD_INLINE void pbw__emit_slots_simd_of(const pbw__emission *emission, size_t from, size_t end,
+                                              pbw__aside *aside, int links, int dim)
+{
+    const pbw_index *number = emission->number, *id = emission->id;
+    pbw__link *link = emission->link;
+    pbw_index *corner = emission->corner, slot[PBW__CHUNK + PBW__SOON];
+    const size_t corners = (size_t)dim + 1, used = pbw__emit_used(number, from, end, slot);
+    const pbw__aside free = *aside;
+    size_t count = aside->count, i, n;
+    for (i = 0; i < PBW__SOON && used > 0; i++) {
+        slot[used + i] = slot[used - 1];
     }
-    for (n = 0; n < used_count; n++) {
+    for (n = 0; n < used; n++) {
         const size_t t = slot[n], soon = slot[n + PBW__SOON];
         const pbw_index *v = corner + 4 * t, place = number[t];
         pbw__i4 lanes, ids, neighbors = { 0, 0, 0, 0 };
-        if (n % 4 == 0) {                            /* so many are in a line of the cache */
+        if (n % 4 == 0) {                            /* slots in a cache line */
             PBW__PREFETCH_STREAM(corner, 4 * t, 4 * emission->slot_count);
             if (links) {
                 PBW__PREFETCH_STREAM(link, 4 * t, 4 * emission->slot_count);
@@ -8099,48 +8056,54 @@ PBW__SIMD_INLINE size_t pbw__emit_slots_avx2(const pbw__emission *emission, size
             neighbors = (pbw__i4)_mm_setr_epi32((int)number[l[0] >> 2], (int)number[l[1] >> 2],
                                                 (int)number[l[2] >> 2], dim == 3 ? (int)number[l[3] >> 2] : 0);
         }
-        lanes = (pbw__i4)pbw__canonical_lanes((__m128i)pbw__load4(v), dim);
+        lanes = pbw__canonical_lanes(pbw__load4(v), dim);
         ids = (pbw__i4)_mm_setr_epi32((int)id[v[0]], (int)id[v[1]], (int)id[v[2]], dim == 3 ? (int)id[v[3]] : 0);
         ids = pbw__permute4(ids, lanes);
         neighbors = pbw__permute4(neighbors, lanes);
-        if (PBW__LIKELY(place - first_free < free_count) || pbw__emit_free(emission, place, dim)) {
+        if (pbw__emit_free(emission, &free, place, dim)) {
             pbw__emit_store(corner + corners * place, ids, dim);
             if (links) {
                 pbw__emit_store((pbw_index *)(void *)link + corners * place, neighbors, dim);
             }
         } else {
-            out[count].place = place;
-            pbw__store4(out[count].corner, ids);
-            pbw__store4(out[count++].neighbor, neighbors);
+            pbw__emitted *simplex = free.simplex + count++;
+            simplex->place = place;
+            pbw__store4(simplex->corner, ids);
+            pbw__store4(simplex->neighbor, neighbors);
         }
     }
-    return count;
+    aside->count = count;
 }
 
-PBW__SIMD static size_t pbw__emit_slots3_avx2(const pbw__emission *emission, size_t from, size_t end,
-                                              size_t first_free, size_t free_count, pbw__emitted *out)
+PBW__SIMD static void pbw__emit_slots_simd(const pbw__emission *emission, size_t from, size_t end, pbw__aside *aside)
 {
-    return emission->link != NULL ? pbw__emit_slots_avx2(emission, from, end, first_free, free_count, out, 3, 1)
-                                  : pbw__emit_slots_avx2(emission, from, end, first_free, free_count, out, 3, 0);
-}
-
-PBW__SIMD static size_t pbw__emit_slots2_avx2(const pbw__emission *emission, size_t from, size_t end,
-                                              size_t first_free, size_t free_count, pbw__emitted *out)
-{
-    return emission->link != NULL ? pbw__emit_slots_avx2(emission, from, end, first_free, free_count, out, 2, 1)
-                                  : pbw__emit_slots_avx2(emission, from, end, first_free, free_count, out, 2, 0);
+    if (emission->link != NULL) {
+        PBW__BY_DIM(emission->dim, pbw__emit_slots_simd_of, emission, from, end, aside, 1);
+    } else {
+        PBW__BY_DIM(emission->dim, pbw__emit_slots_simd_of, emission, from, end, aside, 0);
+    }
 }
 #endif
 
-/* Writes what can be written by now; free_count places from first_free on are free. */
-PBW__INLINE void pbw__emit_what_can(const pbw__emission *emission, pbw__aside *aside, size_t first_free,
-                                    size_t free_count, int dim)
+static void pbw__emit_slots(const pbw__emission *emission, size_t from, size_t end, pbw__aside *aside)
+{
+#ifdef PBW__AVX2
+    if (emission->simd) {
+        pbw__emit_slots_simd(emission, from, end, aside);
+        return;
+    }
+#endif
+    PBW__BY_DIM(emission->dim, pbw__emit_slots_of, emission, from, end, aside);
+}
+
+/* Writes those simplices set aside whose places are free. */
+static void pbw__emit_aside(const pbw__emission *emission, pbw__aside *aside)
 {
     size_t i = 0;
     while (i < aside->count) {
         pbw__emitted *simplex = aside->simplex + i;
-        if (simplex->place - first_free < free_count || pbw__emit_free(emission, simplex->place, dim)) {
-            pbw__emit_place(emission, simplex, dim);
+        if (pbw__emit_free(emission, aside, simplex->place, emission->dim)) {
+            pbw__emit_place(emission, simplex, emission->dim);
             *simplex = aside->simplex[--aside->count];
         } else {
             i++;
@@ -8148,24 +8111,15 @@ PBW__INLINE void pbw__emit_what_can(const pbw__emission *emission, pbw__aside *a
     }
 }
 
-static void pbw__emit_set_aside(const pbw__emission *emission, pbw__aside *aside, size_t first_free,
-                                size_t free_count)
-{
-    if (emission->dim == 3) {
-        pbw__emit_what_can(emission, aside, first_free, free_count, 3);
-    } else {
-        pbw__emit_what_can(emission, aside, first_free, free_count, 2);
-    }
-}
-
-/* Room for those of a chunk.  What waits is looked at again when there is an eighth more, and a chunk. */
-static int pbw__emit_reserve(pbw__emission *emission, pbw__aside *aside, size_t first_free, size_t free_count)
+/* Makes room for the simplices of a chunk.  Those set aside are tried again when there is an eighth more, and a
+   chunk. */
+static int pbw__emit_reserve(pbw__emission *emission, pbw__aside *aside)
 {
     const size_t most = (size_t)1 << emission->chunk_bits;
     const size_t chunk = emission->slot_count < most ? emission->slot_count : most;
     size_t wanted;
     if (aside->capacity - aside->count < chunk) {
-        pbw__emit_set_aside(emission, aside, first_free, free_count);
+        pbw__emit_aside(emission, aside);
         wanted = aside->count + aside->count / 8 + chunk;
         if (wanted > aside->capacity
             && !pbw__resize_array(&emission->context->memory, &aside->simplex, &aside->capacity, wanted,
@@ -8182,54 +8136,53 @@ static void pbw__emit_pass3(void *arg, int task)
     pbw__emission *emission = (pbw__emission *)arg;
     const size_t size = (size_t)1 << emission->chunk_bits, corners = (size_t)emission->dim + 1;
     const size_t chunks = (emission->slot_count + size - 1) / size, simplices = emission->simplex_count;
-    /* So many chunks are read from the last one to the first; wide links of a place lie in half as many slots. */
+    /* The first `turned` chunks are read backwards; wide links of a place lie in half as many slots. */
     const int ahead = simplices > emission->store->region_slots && sizeof(pbw__link) == sizeof(pbw_index);
     const size_t turned = ahead ? (simplices + size - 1) / size : 0;
     size_t next, done = 0;
-    pbw__aside aside = { NULL, 0, 0 };               /* not in a line of the cache with those of other tasks */
+    pbw__aside aside = { NULL, 0, 0, 0, 0 };         /* on the stack: no false sharing with other tasks */
     while ((next = PBW__ADD(&emission->chunk, 1)) < chunks && !PBW__LOAD(&emission->failed)
            && !pbw__report(emission->context, 0.5 + 0.45 * (double)next / (double)chunks)) {
         size_t chunk = next < turned ? turned - 1 - next : next, from = chunk * size, end = from + size;
-        size_t first_free, free_count;
         while (done < next
                && PBW__LOAD_ACQUIRE(emission->chunk_done + (done < turned ? turned - 1 - done : done)) != 0) {
             done++;
         }
-        first_free = done < turned ? ((turned - done) * size * 4 + corners - 1) / corners : 0;
-        free_count = (done < turned ? turned : done) * size * 4 / corners;
-        free_count = free_count > first_free ? free_count - first_free : 0;
-        if (!pbw__emit_reserve(emission, &aside, first_free, free_count)) {
+        aside.free_from = done < turned ? ((turned - done) * size * 4 + corners - 1) / corners : 0;
+        aside.free_count = (done < turned ? turned : done) * size * 4 / corners;
+        aside.free_count = aside.free_count > aside.free_from ? aside.free_count - aside.free_from : 0;
+        if (!pbw__emit_reserve(emission, &aside)) {
             break;
         }
-        aside.count += emission->emit(emission, from, end < emission->slot_count ? end : emission->slot_count,
-                                      first_free, free_count, aside.simplex + aside.count);
+        pbw__emit_slots(emission, from, end < emission->slot_count ? end : emission->slot_count, &aside);
         PBW__STORE_RELEASE(emission->chunk_done + chunk, 1);
     }
     emission->aside[task] = aside;
 }
 
-/* Pass 4: those that a task set aside. */
 static void pbw__emit_pass4(void *arg, int task)
 {
     pbw__emission *emission = (pbw__emission *)arg;
     pbw__aside *aside = emission->aside + task;
     if (!PBW__LOAD(&emission->failed) && !pbw__report(emission->context, 0.95)) {
-        pbw__emit_set_aside(emission, aside, 0, emission->simplex_count);
+        aside->free_from = 0;
+        aside->free_count = emission->simplex_count;
+        pbw__emit_aside(emission, aside);
     }
     pbw__release(&emission->context->memory, aside->simplex, aside->capacity, sizeof(pbw__emitted));
 }
 
-/* The first simplex of each vertex, by the caller's ids, which are anywhere: asked for ahead. */
+/* The first simplex of each vertex, by the caller's ids. */
 static void pbw__emit_pass5(void *arg, int task)
 {
     pbw__emission *emission = (pbw__emission *)arg;
     size_t v = 1 + pbw__share(emission->vertex_count, task, emission->tasks), visible = 0;
     size_t end = 1 + pbw__share(emission->vertex_count, task + 1, emission->tasks);
     for (; v < end; v++) {
+        pbw_index first = emission->head[v];
         if ((v & (PBW__TICK - 1)) == 0 && pbw__report(emission->context, 0.98)) {
             return;
         }
-        pbw_index first = emission->head[v];
         PBW__PREFETCH_STREAM(emission->head, v, end);
         PBW__PREFETCH_STREAM(emission->id, v, end);
         PBW__PREFETCH_TO_WRITE(emission->incident + emission->id[v + PBW__SOON < end ? v + PBW__SOON : v]);
@@ -8242,23 +8195,16 @@ static void pbw__emit_pass5(void *arg, int task)
     (void)PBW__ADD(&emission->visible, visible);
 }
 
+static pbw_status pbw__emit_status(const pbw__emission *emission)
+{
+    return emission->failed ? PBW_ERROR_MEMORY : PBW__LOAD(&emission->context->cancelled) ? PBW_CANCELLED : PBW_OK;
+}
+
 static pbw_status pbw__emit(pbw__emission *emission)
 {
     pbw__context *context = emission->context;
     size_t sum = 0;
     int tasks = emission->tasks, task;
-    emission->lowest_ranks = emission->dim == 3 ? pbw__lowest_ranks3 : pbw__lowest_ranks2;
-    emission->fill_lists = emission->dim == 3 ? pbw__fill_lists3 : pbw__fill_lists2;
-    emission->sort_lists = pbw__sort_lists;
-    emission->emit = emission->dim == 3 ? pbw__emit_slots3 : pbw__emit_slots2;
-#ifdef PBW__AVX2
-    if (pbw__simd_works()) {
-        emission->lowest_ranks = emission->dim == 3 ? pbw__lowest_ranks3_avx2 : pbw__lowest_ranks2_avx2;
-        emission->fill_lists = emission->dim == 3 ? pbw__fill_lists3_avx2 : pbw__fill_lists2_avx2;
-        emission->sort_lists = emission->dim == 3 ? pbw__sort_lists_avx2 : pbw__sort_lists2_avx2;
-        emission->emit = emission->dim == 3 ? pbw__emit_slots3_avx2 : pbw__emit_slots2_avx2;
-    }
-#endif
     pbw__for(context, tasks, pbw__emit_pass1, emission);
     if (tasks > 1) {
         pbw__for(context, tasks, pbw__emit_others, emission);
@@ -8268,25 +8214,16 @@ static pbw_status pbw__emit(pbw__emission *emission)
         emission->end[task] = sum += emission->end[task];
     }
     emission->simplex_count = sum;
-    if (PBW__LOAD(&context->cancelled)) {
-        return PBW_CANCELLED;
+    if (pbw__emit_status(emission) != PBW_OK) {
+        return pbw__emit_status(emission);
     }
     pbw__for(context, tasks, pbw__emit_pass2, emission);
-    if (PBW__LOAD(&context->cancelled) || emission->failed) {
-        return emission->failed ? PBW_ERROR_MEMORY : PBW_CANCELLED;
+    if (pbw__emit_status(emission) != PBW_OK) {
+        return pbw__emit_status(emission);
     }
     pbw__for(context, tasks, pbw__emit_pass3, emission);
     pbw__for(context, tasks, pbw__emit_pass4, emission);
-    if (PBW__LOAD(&context->cancelled) || emission->failed) {
-        return emission->failed ? PBW_ERROR_MEMORY : PBW_CANCELLED;
-    }
-    return PBW_OK;
-}
-
-static pbw_status pbw__emit_incident(pbw__emission *emission)
-{
-    pbw__for(emission->context, emission->tasks, pbw__emit_pass5, emission);
-    return PBW__LOAD(&emission->context->cancelled) ? PBW_CANCELLED : PBW_OK;
+    return pbw__emit_status(emission);
 }
 
 /* What a mesh holds; lives behind mesh->memory. */
@@ -8432,6 +8369,9 @@ static pbw_status pbw__output(pbw__context *context, pbw__store *store, pbw__ver
     emission.vertex_count = vertices->count;
     emission.dim = vertices->dim;
     emission.any_order = (flags & PBW_ANY_ORDER) != 0;
+#ifdef PBW__AVX2
+    emission.simd = pbw__simd_works();
+#endif
     emission.id = vertices->id;
     emission.tasks = pbw__tasks(context, vertices->count, 16384);
     emission.chunk_bits = pbw__chunk_bits(emission.dim, emission.tasks, store->count);
@@ -8471,7 +8411,12 @@ static pbw_status pbw__output(pbw__context *context, pbw__store *store, pbw__ver
         store->corner = NULL;
         store->link = NULL;
         emission.incident = pbw__make_incident(context, owned, mesh, vertices->duplicate_count > 0);
-        status = emission.incident != NULL ? pbw__emit_incident(&emission) : PBW_ERROR_MEMORY;
+        if (emission.incident == NULL) {
+            status = PBW_ERROR_MEMORY;
+        } else {
+            pbw__for(context, emission.tasks, pbw__emit_pass5, &emission);
+            status = pbw__emit_status(&emission);
+        }
     }
     pbw__release_borrowed(memory, emission.number, allocated[0]);
     pbw__release_borrowed(memory, emission.head, allocated[1]);

@@ -2,7 +2,7 @@
    threads; here by sorting each set of points by the keys of its own grid, one set after the other. */
 #include <pthread.h>
 
-#define PBW__TEST_SMALL_SHARES                             /* few points make many tasks */
+#define PBW__TEST_SMALL_SHARES                       /* few points make many tasks */
 #define PBW_STATIC
 #define PBW_IMPLEMENTATION
 #include "../pbw.h"
