@@ -1051,38 +1051,6 @@ PBW__SIMD_INLINE pbw__d2 pbw__load2(const double *from)
     return PBW__BY_ISA(_mm_loadu_pd(from), vld1q_f64(from));
 }
 
-PBW__SIMD_INLINE double pbw__lane0(pbw__d2 x)
-{
-    return PBW__BY_ISA(_mm_cvtsd_f64(x), vgetq_lane_f64(x, 0));
-}
-
-PBW__SIMD_INLINE double pbw__lane1(pbw__d2 x)
-{
-    return PBW__BY_ISA(_mm_cvtsd_f64(_mm_unpackhi_pd(x, x)), vgetq_lane_f64(x, 1));
-}
-
-/* A number and its size: of lane 0, of lane 1; of a difference, where the sizes are added.  Fused, to wait less. */
-PBW__SIMD_INLINE pbw__d2 pbw__sized0(pbw__d2 x)
-{
-    return PBW__BY_ISA(_mm_andnot_pd(_mm_set_pd(-0.0, 0.0), _mm_unpacklo_pd(x, x)), vzip1q_f64(x, vabsq_f64(x)));
-}
-
-PBW__SIMD_INLINE pbw__d2 pbw__sized1(pbw__d2 x)
-{
-    return PBW__BY_ISA(_mm_andnot_pd(_mm_set_pd(-0.0, 0.0), _mm_unpackhi_pd(x, x)), vzip2q_f64(x, vabsq_f64(x)));
-}
-
-PBW__SIMD_INLINE pbw__d2 pbw__minus_sized(pbw__d2 x, pbw__d2 y, pbw__d2 z)       /* x y - z */
-{
-    return PBW__BY_ISA(_mm_fmaddsub_pd(x, y, z),
-                       vcopyq_laneq_f64(vfmaq_f64(z, x, y), 0, vfmaq_f64(vnegq_f64(z), x, y), 0));
-}
-
-PBW__SIMD_INLINE pbw__d2 pbw__fma2(pbw__d2 a, pbw__d2 b, pbw__d2 c)        /* a b + c, rounded once */
-{
-    return PBW__BY_ISA(_mm_fmadd_pd(a, b, c), vfmaq_f64(c, a, b));
-}
-
 PBW__SIMD_INLINE pbw__d2 pbw__turn_right(pbw__d2 x)       /* (y, -x) */
 {
     return PBW__BY_ISA(_mm_xor_pd(_mm_shuffle_pd(x, x, 1), _mm_set_pd(-0.0, 0.0)),
@@ -1419,8 +1387,9 @@ static void *pbw__allocate_large(pbw__context *context, size_t count, size_t siz
    thread writes and another reads; it is only ever set, and a late view of it costs time only, so relaxed order
    serves.
    ------------------------------------------------------------------------------------------------------ */
-/* Items below which a further thread, task or part does not pay.  Three hooks for tests: PBW__TEST_SMALL_SHARES makes
-   many of few points, PBW__TEST_PAUSE() may delay a thread, PBW__TEST_MAY_START() may refuse to start one. */
+/* Hooks for tests.  PBW__TEST_SMALL_SHARES: few points make many tasks; else PBW__SMALLER(items) are the items below
+   which another task does not pay.  PBW__TEST_PAUSE(): a place where a test may delay a thread.
+   PBW__TEST_MAY_START(): whether another thread starts. */
 #ifdef PBW__TEST_SMALL_SHARES
 #define PBW__SMALLER(items) ((items) / 1024 + 1)
 #else
@@ -3285,7 +3254,8 @@ typedef uint32_t pbw__u8 __attribute__((vector_size(32)));
 PBW__SIMD_INLINE pbw__u8 pbw__cells8(const pbw__box *box, int k, pbw__d4 x0, pbw__d4 x1)
 {
     const double last = (double)(((uint32_t)1 << box->bits) - 1);
-    const pbw__d4 scale = pbw__splat(box->scale), low = scale * pbw__splat(box->low[k]), cells = pbw__splat(last + 1.0);
+    const pbw__d4 scale = pbw__splat(box->scale), low = scale * pbw__splat(box->low[k]);
+    const pbw__d4 cells = pbw__splat(last + 1.0);
     const pbw__d4 extent = pbw__splat(box->extent), most = pbw__splat(last);
     const __m128i first = _mm256_cvttpd_epi32(_mm256_min_pd((scale * x0 - low) / extent * cells, most));
     const __m128i second = _mm256_cvttpd_epi32(_mm256_min_pd((scale * x1 - low) / extent * cells, most));
@@ -3779,7 +3749,7 @@ static pbw_status pbw__order(pbw__context *context, const pbw__input *input, pbw
         goto done;
     }
     memset(vertices->record, 0, step * sizeof(double));
-    vertices->record[0] = dim == 3 ? HUGE_VAL : 0.0; /* vectors know the ghost by it */
+    vertices->record[0] = HUGE_VAL;                  /* vectors know the ghost by it */
     vertices->id[0] = PBW_NONE;
     pbw__for(context, parts, pbw__order_part, &ordering);
     if (PBW__LOAD(&context->cancelled)) {
@@ -3927,13 +3897,14 @@ typedef uint64_t pbw__link;
 typedef uint32_t pbw__link;
 #define PBW__SIMPLEX_LIMIT ((size_t)1 << 30)
 #endif
-#ifdef PBW__TEST_SIMPLEX_LIMIT                       /* for tests: a limit that small inputs reach */
+#ifdef PBW__TEST_SIMPLEX_LIMIT                       /* a limit that small inputs reach */
 #undef PBW__SIMPLEX_LIMIT
 #define PBW__SIMPLEX_LIMIT ((size_t)PBW__TEST_SIMPLEX_LIMIT)
 #endif
 
 #define PBW__GHOST 0u
 #define PBW__LEFT ((pbw_status)15)                   /* not inserted: for the next round of >>parallel */
+#define PBW__NO_FIT ((pbw_status)14)                 /* not inserted: the cavity does not fit >>cavity2's ring */
 #define PBW__FOREIGN (PBW_NONE - 1)                  /* a walk's answer: it would lead out of our cells */
 
 /* A simplex of the cavity: its corners, their local numbers, and the links across from them (3D). */
@@ -4438,9 +4409,9 @@ PBW__SIMD_INLINE pbw__rows3 pbw__rows3_of(const double *record, int hull, pbw_in
     return rows;
 }
 
-/* The same in the plane, without a hull. */
-typedef struct pbw__rows2 { pbw__d4 x, y, lift, height; } pbw__rows2;
-typedef struct pbw__point2 { pbw__d4 x, y, weight; int weighted; } pbw__point2;
+/* The same in the plane. */
+typedef struct pbw__rows2 { pbw__d4 x, y, lift, height, ghost; } pbw__rows2;
+typedef struct pbw__point2 { pbw__d4 x, y, weight; const double *p; int weighted; } pbw__point2;
 
 #define PBW__EDGE_START(x) PBW__PICK(x, 1, 2, 0, 1)   /* the edge across starts there */
 #define PBW__EDGE_END(x) PBW__PICK(x, 2, 0, 1, 2) /* and ends there */
@@ -4451,23 +4422,29 @@ PBW__SIMD_INLINE pbw__point2 pbw__point2_of(const double *p, int weighted)
     point.x = pbw__splat(p[0]);
     point.y = pbw__splat(p[1]);
     point.weight = pbw__splat(p[2]);
+    point.p = p;
     point.weighted = weighted;
     return point;
 }
 
-PBW__SIMD_INLINE pbw__rows2 pbw__rows2_of(const double *record, pbw_index v0, pbw_index v1, pbw_index v2,
-                                          pbw_index v3, pbw__point2 p)
+PBW__SIMD_INLINE pbw__rows2 pbw__rows2_of(const double *record, const pbw_index *v, int hull, pbw__point2 p)
 {
-    const double *a = record + 3 * (size_t)v0, *b = record + 3 * (size_t)v1, *c = record + 3 * (size_t)v2,
-                 *d = record + 3 * (size_t)v3;
+    const double *a = record + 3 * (size_t)v[0], *b = record + 3 * (size_t)v[1], *c = record + 3 * (size_t)v[2],
+                 *d = record + 3 * (size_t)v[3];
     pbw__d4 x, y;
     pbw__rows2 rows;
     pbw__columns(a, b, c, d, &x, &y);
     rows.x = x - p.x;
     rows.y = y - p.y;
+    rows.ghost = pbw__splat(0.0);
+    if (hull) {                                      /* the ghost's record is at infinity */
+        rows.ghost = pbw__equal(x, pbw__splat(HUGE_VAL));
+        rows.x = pbw__andnot4(rows.ghost, rows.x);
+        rows.y = pbw__andnot4(rows.ghost, rows.y);
+    }
     rows.lift = rows.height = pbw__fma(rows.y, rows.y, rows.x * rows.x);
     if (p.weighted) {
-        pbw__d4 weight = pbw__four(a[2], b[2], c[2], d[2]) - p.weight;
+        pbw__d4 weight = pbw__andnot4(rows.ghost, pbw__four(a[2], b[2], c[2], d[2]) - p.weight);
         rows.lift = rows.lift - weight;
         rows.height = rows.height + pbw__abs4(weight);
     }
@@ -4664,6 +4641,15 @@ PBW__SIMD_INLINE pbw__d4 pbw__circle_limit(pbw__d4 h)
     return pbw__splat(8.0) * h * h * pbw__splat(PBW__CIRCLE_ERROR / 8.0);
 }
 
+/* Above 0 where p is to the right of the way from a to b, with an error below *error. */
+PBW__INLINE double pbw__right_of(const double *a, const double *b, const double *p, double *error)
+{
+    const double ax = a[0] - p[0], ay = a[1] - p[1], bx = b[0] - p[0], by = b[1] - p[1];
+    const double height = pbw__max(pbw__max(ax * ax + ay * ay, bx * bx + by * by), 1e-140);
+    *error = height * PBW__ORIENT2_ERROR;
+    return ax * by - ay * bx;
+}
+
 /* From ghost t along the hull: the ghost that has p certainly beyond its edge, or PBW_NONE if it is not near. */
 PBW__INLINE pbw_index pbw__walk_hull(pbw__kernel *kernel, pbw_index t, const double *p)
 {
@@ -4707,7 +4693,10 @@ PBW__SIMD_INLINE pbw_index pbw__locate2_simd(pbw__kernel *kernel, pbw_index t, c
         if (v[2] == PBW__GHOST) {
             break;
         }
-        *rows = pbw__rows2_of(kernel->record, v[0], v[1], v[2], v[0], point);
+        {
+            const pbw_index four[4] = { v[0], v[1], v[2], v[0] };
+            *rows = pbw__rows2_of(kernel->record, four, 0, point);
+        }
         sx = PBW__EDGE_START(rows->x), sy = PBW__EDGE_START(rows->y), sh = PBW__EDGE_START(rows->height);
         ex = PBW__EDGE_END(rows->x), ey = PBW__EDGE_END(rows->y), eh = PBW__EDGE_END(rows->height);
         side = pbw__det2(sx, sy, ex, ey);
@@ -5446,8 +5435,8 @@ PBW__SIMD_INLINE pbw_status pbw__refill3_simd(pbw__kernel *kernel, pbw_index ver
 
    Errors: see >>predicates; h is raised to 1e-140.  In vectors the triangle (o, e, s) across an edge s e has the
    determinant o.x (s.l e.y - e.l s.y) + o.y (e.l s.x - s.l e.x) - o.l (s.x e.y - e.x s.y).  There the bound is
-   computed from 8 h h, which is infinite before a partial sum, of at most 6 h^2, can be.  Tests that it leaves open
-   go to >>predicates.
+   computed from 8 h h, which is infinite before a partial sum, of at most 6 h^2, can be.  What it leaves
+   open goes to >>predicates.
    ------------------------------------------------------------------------------------------------------ */
 /* det of rows (x, y, lift) of the corners relative to p: > 0 if the triangle is in conflict.  Returns the verdict. */
 PBW__INLINE int pbw__test2(pbw__kernel *kernel, pbw_index t, const double *p)
@@ -5535,10 +5524,6 @@ static pbw_status pbw__refill2(pbw__kernel *kernel, pbw_index vertex)
 {
     size_t count = kernel->facet_count, i;
     pbw_index last_start = pbw__edge_start(kernel, kernel->beyond[count - 1]);
-    pbw_status status = pbw__take_slots(kernel);
-    if (status != PBW_OK) {
-        return status;
-    }
     kernel->beyond[count] = kernel->beyond[0];
     for (i = 0; i < count; i++) {
         pbw__link beyond = kernel->beyond[i], base = (pbw__link)kernel->cavity[i] << 2;
@@ -5564,12 +5549,16 @@ static pbw_status pbw__refill2(pbw__kernel *kernel, pbw_index vertex)
 }
 
 #ifdef PBW__SIMD
-/* 2D, where no vertex becomes hidden: then all vertices of the cavity lie on its boundary, and no triangle is met
-   twice: there is nothing to mark.  The boundary is kept as a ring.  Edge i goes from start to end, counter-clockwise
-   seen from inside; beyond is the link across it.  When the triangle there joins the cavity, two edges take the place
-   of this one, with the far vertex between them: the first keeps its number, the second goes behind it in the ring.
-   The queue has the numbers of the edges to be tested, four at a time, and zeros behind them.  Nothing is written to
-   the triangulation before the star is, so what does not fit a ring is left to pbw__carve2. */
+/* The vector search, for cavities from which no vertex disappears, as without weights none does: then all vertices of
+   the cavity are on its boundary and no triangle is met twice, so nothing is marked.  The boundary is a ring of
+   edges.  Edge i goes from start to end, counter-clockwise seen from inside; beyond is the link across it.  When the
+   triangle there joins the cavity, two edges replace this one, with the far vertex between them: the first keeps its
+   number, the second follows it in the ring.  The queue has the numbers of the edges to be tested, four at a time,
+   and zeros behind them.  Nothing is written to the triangulation before the star is: a cavity that does not fit the
+   ring is left to pbw__carve2.
+
+   The ghost vertex has the row (0, 0, W), W the height of the triangle, as in >>cavity3.  The search begins without
+   ghosts and goes on in pbw__ring_hull once it meets one. */
 #define PBW__RING 32
 
 /* The corners of a triangle after and before this one. */
@@ -5580,61 +5569,64 @@ typedef struct pbw__ring {
     pbw_index start[PBW__RING], end[PBW__RING];
     pbw_index slot[PBW__RING];                       /* of the cavity; then of the star */
     pbw__link beyond[PBW__RING];
-    unsigned next[PBW__RING], count, tail;
+    unsigned next[PBW__RING], count, tail, hull;     /* hull: the search has met the ghost vertex */
     unsigned char queue[2 * PBW__RING + 4];
 } pbw__ring;
 
-/* The determinants of four triangles (o, e, s), met across the edges s e, and what bounds the heights. */
-PBW__SIMD_INLINE pbw__d4 pbw__circle4(pbw__rows2 s, pbw__rows2 e, pbw__rows2 o, pbw__d4 *height)
+/* Four triangles (o, e, s), met across the edges s e. */
+typedef struct pbw__triangles { pbw__rows2 s, e, o; } pbw__triangles;
+
+/* Their determinants, and a bound of the heights. */
+PBW__SIMD_INLINE pbw__d4 pbw__circle4(const pbw__triangles *t, pbw__d4 *height)
 {
-    pbw__d4 det = o.y * pbw__det2(e.lift, s.lift, e.x, s.x);
-    det = pbw__fma(o.x, pbw__det2(s.lift, e.lift, s.y, e.y), det);
-    *height = pbw__max4(pbw__max4(s.height, e.height), pbw__max4(o.height, pbw__splat(1e-140)));
-    return pbw__fnma(o.lift, pbw__det2(s.x, s.y, e.x, e.y), det);
+    pbw__d4 det = t->o.y * pbw__det2(t->e.lift, t->s.lift, t->e.x, t->s.x);
+    det = pbw__fma(t->o.x, pbw__det2(t->s.lift, t->e.lift, t->s.y, t->e.y), det);
+    *height = pbw__max4(pbw__max4(t->s.height, t->e.height), pbw__max4(t->o.height, pbw__splat(1e-140)));
+    return pbw__fnma(t->o.lift, pbw__det2(t->s.x, t->s.y, t->e.x, t->e.y), det);
 }
 
-/* Which of them are in conflict; in `certain` the lanes for which that is known. */
-PBW__SIMD_INLINE unsigned pbw__test2_simd(pbw__rows2 s, pbw__rows2 e, pbw__rows2 o, unsigned *certain)
+/* A tighter bound of the errors, which takes longer: the sum of the absolute products is far below 6 h^2 where only
+   some of the vertices are far from the point, as in the thin triangles of points on a curve.  13u times that sum is
+   less than 1.5e-15 times what is computed here, with as many roundings.  What underflows, a product of two or three
+   rows or a lift, is multiplied by two coordinates at most: less than 1e-300 (1 + h) in all. */
+PBW__SIMD_INLINE pbw__d4 pbw__thin_limit(const pbw__triangles *t, pbw__d4 h)
 {
-    pbw__d4 h, det = pbw__circle4(s, e, o, &h);
-    *certain = pbw__signs(pbw__greater(pbw__abs4(det), pbw__circle_limit(h)));
-    return pbw__signs(det) ^ 15u;
-}
-
-/* A bound of the errors that takes longer: the sum of the absolute products, which is far below 6 h^2 where only some
-   of the vertices are far from the point, as in the thin triangles of points on a curve.  What underflows, a product
-   of two or three rows or a lift, is multiplied by two coordinates at most: less than 1e-300 (1 + h) in all. */
-PBW__SIMD_INLINE pbw__d4 pbw__thin_limit(pbw__rows2 s, pbw__rows2 e, pbw__rows2 o, pbw__d4 h)
-{
-    const pbw__d4 sx = pbw__abs4(s.x), sy = pbw__abs4(s.y), ex = pbw__abs4(e.x), ey = pbw__abs4(e.y);
-    pbw__d4 sum = pbw__abs4(o.y) * pbw__fma(e.height, sx, s.height * ex);
-    sum = pbw__fma(pbw__abs4(o.x), pbw__fma(s.height, ey, e.height * sy), sum);
-    sum = pbw__fma(o.height, pbw__fma(sx, ey, sy * ex), sum) * pbw__splat(8.0);
+    const pbw__d4 sx = pbw__abs4(t->s.x), sy = pbw__abs4(t->s.y), ex = pbw__abs4(t->e.x), ey = pbw__abs4(t->e.y);
+    pbw__d4 sum = pbw__abs4(t->o.y) * pbw__fma(t->e.height, sx, t->s.height * ex);
+    sum = pbw__fma(pbw__abs4(t->o.x), pbw__fma(t->s.height, ey, t->e.height * sy), sum);
+    sum = pbw__fma(t->o.height, pbw__fma(sx, ey, sy * ex), sum) * pbw__splat(8.0);
     return pbw__fma(sum, pbw__splat(PBW__THIN_ERROR / 8.0), pbw__fma(h, pbw__splat(1e-300), pbw__splat(1e-300)));
 }
 
-/* The lanes that pbw__test2_simd left open and that can be settled here; their verdicts in *inside.  Where nothing is
+/* Returns which of them are in conflict; in `certain` the lanes for which that is known.  At the hull triangles are
+   often thin. */
+PBW__SIMD_INLINE unsigned pbw__test2_simd(const pbw__triangles *t, int hull, unsigned *certain)
+{
+    pbw__d4 h, det = pbw__circle4(t, &h);
+    *certain = pbw__signs(pbw__greater(pbw__abs4(det), hull ? pbw__thin_limit(t, h) : pbw__circle_limit(h)));
+    return pbw__signs(det) ^ 15u;
+}
+
+/* Settles lanes that pbw__test2_simd left open, and returns them; their verdicts are in *inside.  Where nothing is
    rounded, the sign is the sign, and the rule of pbw__conflict in >>predicates breaks ties between finite vertices.
    The coefficients of the lifts are those of the determinant. */
-PBW__SIMD static PBW__NOINLINE unsigned pbw__settle2_rows(pbw__kernel *kernel, const pbw__rows2 *s,
-                                                          const pbw__rows2 *e, const pbw__rows2 *o,
+PBW__SIMD static PBW__NOINLINE unsigned pbw__settle2_rows(pbw__kernel *kernel, const pbw__triangles *t,
                                                           unsigned open, unsigned *inside)
 {
+    const pbw__rows2 *const s = &t->s, *const e = &t->e, *const o = &t->o, *const corner[3] = { s, e, o };
     const pbw__d4 zero = pbw__splat(0.0);
-    const pbw__rows2 *corner[3];
-    pbw__d4 h, det = pbw__circle4(*s, *e, *o, &h);
+    pbw__d4 h, det = pbw__circle4(t, &h);
     pbw__d4 exact = pbw__greater(pbw__splat(kernel->exact_height), h), side[3], x = zero, y = zero;
     pbw__d4 verdict = zero, tied = pbw__and4(exact, pbw__equal(det, zero));
     unsigned settled = pbw__signs(pbw__andnot4(tied, exact)) & open, ties;
     int i;
     if ((open & ~pbw__signs(exact)) != 0) {
-        settled |= open & pbw__signs(pbw__greater(pbw__abs4(det), pbw__thin_limit(*s, *e, *o, h)));
+        settled |= open & pbw__signs(pbw__greater(pbw__abs4(det), pbw__thin_limit(t, h)));
     }
-    ties = pbw__signs(tied) & open;
+    ties = open & pbw__signs(pbw__andnot4(pbw__or4(pbw__or4(s->ghost, e->ghost), o->ghost), tied));
     if (ties == 0) {
         return settled;
     }
-    corner[0] = s, corner[1] = e, corner[2] = o;
     side[0] = pbw__det2(o->x, o->y, e->x, e->y);
     side[1] = pbw__det2(s->x, s->y, o->x, o->y);
     side[2] = pbw__det2(e->x, e->y, s->x, s->y);
@@ -5652,6 +5644,19 @@ PBW__SIMD static PBW__NOINLINE unsigned pbw__settle2_rows(pbw__kernel *kernel, c
     return settled | ties;
 }
 
+/* Calls it with a copy of the rows, so that the compiler keeps them in memory only where a lane is open.  (And no
+   vector is an argument of a call: gcc for Windows leaves those unaligned.) */
+PBW__SIMD_INLINE unsigned pbw__settle2(pbw__kernel *kernel, const pbw__triangles *t, unsigned open, unsigned *inside)
+{
+    if (open != 0) {
+        const pbw__triangles copy = *t;
+        unsigned verdicts = *inside;
+        open = pbw__settle2_rows(kernel, &copy, open, &verdicts);
+        *inside = verdicts;
+    }
+    return open;
+}
+
 typedef struct pbw__pairs2 { pbw__pair4 x, y, lift; pbw__d4 ghost; } pbw__pairs2;
 
 PBW__SIMD_INLINE pbw__pairs2 pbw__pairs2_of(const double *record, const pbw_index *v, const double *p)
@@ -5667,17 +5672,16 @@ PBW__SIMD_INLINE pbw__pairs2 pbw__pairs2_of(const double *record, const pbw_inde
     return rows;
 }
 
-/* The determinants of pbw__test2_simd in pairs, without weights.  Returns which are certain; *inside: which are
-   positive.
+/* The determinants of pbw__test2_simd in pairs, without weights; corner: starts, ends and far vertices of four edges.
+   Returns which are certain; *inside: which are positive.
    With K and E of >>predicates: lift 4, 15; cross 4, 15, with a lift 7, 48; times the row of the far vertex 9, 80 and
    9, 71; sum of 3, one after the other, 11, 120.  So |error| <= 120 u^2 * 6 h^2 < 8.9e-30 h^2; 9e-30 leaves room for
    the higher orders and for h.  With h above 1e-20 what underflows is far below that; above 1e154 h^2 is infinite. */
-PBW__SIMD static PBW__NOINLINE unsigned pbw__circle4_pairs(const double *record, const pbw_index *start,
-                                                           const pbw_index *end, const pbw_index *far,
+PBW__SIMD static PBW__NOINLINE unsigned pbw__circle4_pairs(const double *record, pbw_index corner[3][4],
                                                            const double *p, unsigned *inside)
 {
-    pbw__pairs2 s = pbw__pairs2_of(record, start, p), e = pbw__pairs2_of(record, end, p);
-    pbw__pairs2 o = pbw__pairs2_of(record, far, p);
+    pbw__pairs2 s = pbw__pairs2_of(record, corner[0], p), e = pbw__pairs2_of(record, corner[1], p);
+    pbw__pairs2 o = pbw__pairs2_of(record, corner[2], p);
     pbw__d4 h = pbw__max4(pbw__max4(s.lift.head, e.lift.head), o.lift.head), size;
     pbw__pair4 det;
     s.lift.head = pbw__blend_zero(s.lift.head, s.ghost, h);
@@ -5691,41 +5695,20 @@ PBW__SIMD static PBW__NOINLINE unsigned pbw__circle4_pairs(const double *record,
     return pbw__signs(pbw__and4(pbw__greater(size, h * h * pbw__splat(9e-30)), pbw__greater(h, pbw__splat(1e-20))));
 }
 
-/* Whether triangle t = (o, e, s) is in conflict, where the filter leaves it open; without weights. */
-PBW__SIMD static PBW__NOINLINE int pbw__open2(pbw__kernel *kernel, pbw_index s, pbw_index e, pbw_index o, pbw_index t,
-                                              const double *p)
-{
-    const pbw_index start[4] = { s, s, s, s }, end[4] = { e, e, e, e }, far[4] = { o, o, o, o };
-    unsigned inside;
-    return pbw__circle4_pairs(kernel->record, start, end, far, p, &inside) != 0 ? inside != 0
-                                                                                : pbw__in_conflict2(kernel, t, p);
-}
-
-/* The same with copies of what it looks at, so that the compiler need not keep that in memory for those who have no
-   such lanes.  (And no vector is an argument of a call: gcc for Windows leaves those unaligned.) */
-PBW__SIMD_INLINE unsigned pbw__settle2(pbw__kernel *kernel, pbw__rows2 s, pbw__rows2 e, pbw__rows2 o, unsigned open,
-                                       unsigned *inside)
-{
-    unsigned verdicts = *inside;
-    open = open != 0 ? pbw__settle2_rows(kernel, &s, &e, &o, open, &verdicts) : 0;
-    *inside = verdicts;
-    return open;
-}
-
-/* The verdicts that are still open. */
+/* The exact verdicts on the next edges of the queue, for lanes that are still open. */
 static PBW__NOINLINE unsigned pbw__ring_exact(pbw__kernel *kernel, const pbw__ring *ring, unsigned head,
                                               unsigned open, const double *p)
 {
-    pbw_index start[4], end[4], far[4];
+    pbw_index corner[3][4];
     unsigned inside = 0, k;
     for (k = 0; k < 4; k++) {
         unsigned edge = ring->queue[head + k];
-        start[k] = ring->start[edge];
-        end[k] = ring->end[edge];
-        far[k] = kernel->corner[ring->beyond[edge]];
+        corner[0][k] = ring->start[edge];
+        corner[1][k] = ring->end[edge];
+        corner[2][k] = kernel->corner[ring->beyond[edge]];
     }
     if (!kernel->weighted) {
-        unsigned positive, certain = open & pbw__circle4_pairs(kernel->record, start, end, far, p, &positive);
+        unsigned positive, certain = open & pbw__circle4_pairs(kernel->record, corner, p, &positive);
         inside = certain & positive;
         open &= ~certain;
     }
@@ -5738,8 +5721,8 @@ static PBW__NOINLINE unsigned pbw__ring_exact(pbw__kernel *kernel, const pbw__ri
     return inside;
 }
 
-/* The triangles beyond these of the next edges in the queue join the cavity.  PBW_ERROR_TOO_LARGE: with weights, a
-   vertex was met again, and may become hidden. */
+/* The triangles beyond these of the next edges in the queue join the cavity.  PBW__NO_FIT: with weights, a vertex was
+   met again, and may become hidden. */
 PBW__SIMD_INLINE pbw_status pbw__ring_split(pbw__kernel *kernel, pbw__ring *ring, unsigned head,
                                             unsigned inside, int weighted)
 {
@@ -5755,7 +5738,7 @@ PBW__SIMD_INLINE pbw_status pbw__ring_split(pbw__kernel *kernel, pbw__ring *ring
             met |= ring->start[i] == far;
         }
         if (PBW__UNLIKELY(met)) {
-            return PBW_ERROR_TOO_LARGE;
+            return PBW__NO_FIT;
         }
         if (PBW__UNLIKELY(kernel->owner != NULL) && far != PBW__GHOST && !pbw__owns(kernel, far)) {
             return PBW__LEFT;                        /* all others of the ring are ours, or the ghost */
@@ -5779,26 +5762,121 @@ PBW__SIMD_INLINE pbw_status pbw__ring_split(pbw__kernel *kernel, pbw__ring *ring
     return PBW_OK;
 }
 
-/* Tests the next edges of the queue, of rows s and e, with the far vertices o.  PBW_ERROR_TOO_LARGE: they may not fit
-   the ring. */
-PBW__SIMD_INLINE pbw_status pbw__ring_step(pbw__kernel *kernel, pbw__ring *ring, unsigned head, int weighted,
-                                           pbw__rows2 s, pbw__rows2 e, pbw__rows2 o, const double *p)
+/* Tests the triangles across the next edges of the queue; those in conflict join the cavity.  PBW__NO_FIT: they may
+   not fit the ring. */
+PBW__SIMD_INLINE pbw_status pbw__ring_step(pbw__kernel *kernel, pbw__ring *ring, unsigned head,
+                                           const pbw__triangles *t, pbw__point2 point, int hull)
 {
-    unsigned certain, inside = pbw__test2_simd(s, e, o, &certain);
+    unsigned certain, inside = pbw__test2_simd(t, hull, &certain);
     unsigned all = pbw__first_lanes(ring->tail - head);
     inside &= all;
     if (PBW__UNLIKELY((certain & all) != all)) {
         PBW__PHASE(PBW__EXACT);
-        certain |= pbw__settle2(kernel, s, e, o, all & ~certain, &inside);
+        certain |= pbw__settle2(kernel, t, all & ~certain, &inside);
         if ((certain & all) != all) {
-            inside = (inside & certain) | pbw__ring_exact(kernel, ring, head, all & ~certain, p);
+            inside = (inside & certain) | pbw__ring_exact(kernel, ring, head, all & ~certain, point.p);
         }
         PBW__PHASE(PBW__CAVITY);
     }
     if (PBW__UNLIKELY(ring->count > PBW__RING - 4)) {
-        return PBW_ERROR_TOO_LARGE;
+        return PBW__NO_FIT;
     }
-    return pbw__ring_split(kernel, ring, head, inside, weighted);
+    return pbw__ring_split(kernel, ring, head, inside, point.weighted);
+}
+
+PBW__SIMD static PBW__NOINLINE pbw_status pbw__ring_hull(pbw__kernel *kernel, pbw__ring *ring, unsigned head,
+                                                         const double *p);
+
+PBW__SIMD_INLINE void pbw__lift_ghosts2(pbw__rows2 *rows, pbw__d4 height)
+{
+    rows->lift = pbw__blend_zero(rows->lift, rows->ghost, height);
+    rows->height = pbw__blend_zero(rows->height, rows->ghost, height);
+}
+
+/* Tests the edges of the queue from `head` on, as long as there are any. */
+PBW__SIMD_INLINE pbw_status pbw__ring_finish(pbw__kernel *kernel, pbw__ring *ring, unsigned head, pbw__point2 point,
+                                             int hull)
+{
+    const pbw_index *corner = kernel->corner;
+    const double *record = kernel->record;
+    pbw_status status = PBW_OK;
+    while (head < ring->tail && status == PBW_OK) {
+        const unsigned char *queue = ring->queue + head;
+        const unsigned i0 = queue[0], i1 = queue[1], i2 = queue[2], i3 = queue[3];
+        const unsigned next = head + 4 < ring->tail ? head + 4 : ring->tail;
+        const pbw_index start[4] = { ring->start[i0], ring->start[i1], ring->start[i2], ring->start[i3] };
+        const pbw_index end[4] = { ring->end[i0], ring->end[i1], ring->end[i2], ring->end[i3] };
+        const pbw_index far[4] = { corner[ring->beyond[i0]], corner[ring->beyond[i1]], corner[ring->beyond[i2]],
+                                   corner[ring->beyond[i3]] };
+        pbw__triangles t;
+        if (!hull && PBW__UNLIKELY(far[0] == PBW__GHOST || far[1] == PBW__GHOST || far[2] == PBW__GHOST
+                                   || far[3] == PBW__GHOST)) {
+            return pbw__ring_hull(kernel, ring, head, point.p);
+        }
+        t.s = pbw__rows2_of(record, start, hull, point);
+        t.e = pbw__rows2_of(record, end, hull, point);
+        t.o = pbw__rows2_of(record, far, hull, point);
+        if (hull) {
+            const pbw__d4 h = pbw__max4(pbw__max4(t.s.height, t.e.height), t.o.height);
+            pbw__lift_ghosts2(&t.s, h);
+            pbw__lift_ghosts2(&t.e, h);
+            pbw__lift_ghosts2(&t.o, h);
+        }
+        status = pbw__ring_step(kernel, ring, head, &t, point, hull);
+        head = next;
+    }
+    return status;
+}
+
+/* From a ghost of corners a and b: tests the triangle behind it, (c, b, a), and the two across its edges a c and c b,
+   all at once.  *head is then how many edges of the queue are done with: 0 if another ghost may be in conflict.  The
+   edges of the hull that have the point beyond them, or in line with them, follow one another: so this ghost is the
+   only one if the point is strictly behind the next edge on either side.  Without weights. */
+PBW__SIMD_INLINE pbw_status pbw__ring_start_hull(pbw__kernel *kernel, pbw__ring *ring, pbw__point2 point,
+                                                 unsigned *head)
+{
+    const pbw_index *corner = kernel->corner;
+    const pbw__link *link = kernel->link, behind = ring->beyond[2];
+    const pbw_index a = ring->start[2], b = ring->end[2], c = corner[behind];
+    const pbw_index far[4] = { c, corner[link[PBW__AFTER(behind)]], corner[link[PBW__BEFORE(behind)]], c };
+    const pbw_index rows[4] = { a, b, c, a };
+    const pbw__rows2 r = pbw__rows2_of(kernel->record, rows, 0, point);
+    const double *next = pbw__record2(kernel, corner[ring->beyond[0]]);
+    const double *last = pbw__record2(kernel, corner[ring->beyond[1]]);
+    double error[2];
+    const double after = pbw__right_of(pbw__record2(kernel, b), next, point.p, error);
+    const double before = pbw__right_of(last, pbw__record2(kernel, a), point.p, error + 1);
+    const unsigned finite = 1u | (unsigned)(far[1] != PBW__GHOST) << 1 | (unsigned)(far[2] != PBW__GHOST) << 2;
+    pbw__triangles t;
+    unsigned certain, inside;
+    pbw_status status;
+    t.o = pbw__rows2_of(kernel->record, far, 1, point);
+    t.s.x = PBW__PICK(r.x, 0, 0, 2, 0), t.s.y = PBW__PICK(r.y, 0, 0, 2, 0), t.s.lift = PBW__PICK(r.lift, 0, 0, 2, 0);
+    t.e.x = PBW__PICK(r.x, 1, 2, 1, 1), t.e.y = PBW__PICK(r.y, 1, 2, 1, 1), t.e.lift = PBW__PICK(r.lift, 1, 2, 1, 1);
+    t.s.height = t.s.lift, t.e.height = t.e.lift;
+    t.s.ghost = t.e.ghost = pbw__splat(0.0);
+    inside = pbw__test2_simd(&t, 1, &certain) & finite;
+    if (!(after < -error[0] && before < -error[1]) || ((certain | ~finite) & 7) != 7) {
+        return PBW_OK;
+    }
+    ring->queue[0] = 2;
+    ring->tail = 1;
+    status = pbw__ring_split(kernel, ring, 0, inside & 1, 0);
+    *head = ring->tail;
+    return status == PBW_OK && (inside & 1) != 0 ? pbw__ring_split(kernel, ring, 1, inside >> 1, 0) : status;
+}
+
+/* The same at the hull. */
+PBW__SIMD static PBW__NOINLINE pbw_status pbw__ring_hull(pbw__kernel *kernel, pbw__ring *ring, unsigned head,
+                                                         const double *p)
+{
+    const pbw__point2 point = pbw__point2_of(p, kernel->weighted);
+    pbw_status status = PBW_OK;
+    ring->hull = 1;
+    if (head == 0 && ring->start[1] == PBW__GHOST && !kernel->weighted) {
+        status = pbw__ring_start_hull(kernel, ring, point, &head);
+    }
+    return status == PBW_OK ? pbw__ring_finish(kernel, ring, head, point, 1) : status;
 }
 
 /* Tests the first three edges, and at the same time the six that would take their places: waiting for the verdicts
@@ -5806,57 +5884,54 @@ PBW__SIMD_INLINE pbw_status pbw__ring_step(pbw__kernel *kernel, pbw__ring *ring,
    Only without weights.  A triangle that is looked at and not deleted has a vertex of the first one, which is ours:
    (a) and (b) of >>parallel hold for it. */
 PBW__SIMD_INLINE pbw_status pbw__ring_start(pbw__kernel *kernel, pbw__ring *ring, const pbw__link *beyond,
-                                            const pbw__rows2 *s, const pbw__rows2 *e, const pbw__rows2 *o,
-                                            pbw__point2 point, unsigned *head)
+                                            const pbw__triangles *t, pbw__point2 point, unsigned *head)
 {
     const pbw_index *corner = kernel->corner;
     const pbw__link *link = kernel->link;
-    pbw_index a0 = corner[link[PBW__AFTER(beyond[0])]], a1 = corner[link[PBW__AFTER(beyond[1])]],
-              a2 = corner[link[PBW__AFTER(beyond[2])]], b0 = corner[link[PBW__BEFORE(beyond[0])]],
-              b1 = corner[link[PBW__BEFORE(beyond[1])]], b2 = corner[link[PBW__BEFORE(beyond[2])]];
-    pbw__rows2 far_after = pbw__rows2_of(kernel->record, a0, a1, a2, a0, point);
-    pbw__rows2 far_before = pbw__rows2_of(kernel->record, b0, b1, b2, b0, point);
-    unsigned certain[3], inside = pbw__test2_simd(*s, *e, *o, &certain[0]) & 7;
-    unsigned after = pbw__test2_simd(*s, *o, far_after, &certain[1]);
-    unsigned before = pbw__test2_simd(*o, *e, far_before, &certain[2]);
+    const pbw_index a0 = corner[link[PBW__AFTER(beyond[0])]], a1 = corner[link[PBW__AFTER(beyond[1])]],
+                    a2 = corner[link[PBW__AFTER(beyond[2])]], b0 = corner[link[PBW__BEFORE(beyond[0])]],
+                    b1 = corner[link[PBW__BEFORE(beyond[1])]], b2 = corner[link[PBW__BEFORE(beyond[2])]];
+    const pbw_index a[4] = { a0, a1, a2, a0 }, b[4] = { b0, b1, b2, b0 };
+    pbw__triangles after, before;
+    unsigned certain[3], inside[3];
     pbw_status status;
+    after.s = t->s, after.e = t->o, after.o = pbw__rows2_of(kernel->record, a, 0, point);
+    before.s = t->o, before.e = t->e, before.o = pbw__rows2_of(kernel->record, b, 0, point);
+    inside[0] = pbw__test2_simd(t, 0, &certain[0]) & 7;
+    inside[1] = pbw__test2_simd(&after, 0, &certain[1]);
+    inside[2] = pbw__test2_simd(&before, 0, &certain[2]);
     if (PBW__UNLIKELY(a0 == PBW__GHOST || a1 == PBW__GHOST || a2 == PBW__GHOST || b0 == PBW__GHOST || b1 == PBW__GHOST
                       || b2 == PBW__GHOST)) {
         return PBW_OK;
     }
     if (PBW__UNLIKELY((certain[0] & certain[1] & certain[2]) != 15)) {
         PBW__PHASE(PBW__EXACT);
-        certain[0] |= pbw__settle2(kernel, *s, *e, *o, 7 & ~certain[0], &inside);
-        certain[1] |= pbw__settle2(kernel, *s, *o, far_after, inside & ~certain[1], &after);
-        certain[2] |= pbw__settle2(kernel, *o, *e, far_before, inside & ~certain[2], &before);
+        certain[0] |= pbw__settle2(kernel, t, 7 & ~certain[0], &inside[0]);
+        certain[1] |= pbw__settle2(kernel, &after, inside[0] & ~certain[1], &inside[1]);
+        certain[2] |= pbw__settle2(kernel, &before, inside[0] & ~certain[2], &inside[2]);
         PBW__PHASE(PBW__CAVITY);
-        if ((certain[0] & 7) != 7 || (inside & ~(certain[1] & certain[2])) != 0) {
+        if ((certain[0] & 7) != 7 || (inside[0] & ~(certain[1] & certain[2])) != 0) {
             return PBW_OK;
         }
     }
-    status = pbw__ring_split(kernel, ring, 0, inside, 0);
+    status = pbw__ring_split(kernel, ring, 0, inside[0], 0);
     *head = ring->tail;
     return status != PBW_OK ? status                 /* those in the queue */
-                            : pbw__ring_split(kernel, ring, 3, pbw__pairs_of(after, before, inside), 0);
+                            : pbw__ring_split(kernel, ring, 3, pbw__pairs_of(inside[1], inside[2], inside[0]), 0);
 }
 
-/* Finds the cavity of p from t, a finite triangle in conflict, of these rows.  PBW_ERROR_TOO_LARGE: it may have
-   ghosts, or not fit the ring. */
+/* Finds the cavity of the point from t, a triangle in conflict, of these rows if it is finite.  PBW__NO_FIT: the
+   cavity does not fit the ring, or a vertex may become hidden. */
 PBW__SIMD_INLINE pbw_status pbw__carve2_simd(pbw__kernel *kernel, pbw__ring *ring, pbw_index t,
-                                             const pbw__rows2 *rows, const double *p, int weighted)
+                                             const pbw__rows2 *rows, pbw__point2 point)
 {
     const pbw_index *corner = kernel->corner, *v = corner + 4 * (size_t)t;
     const pbw__link *link = kernel->link + 4 * (size_t)t;
     const pbw__link beyond[3] = { link[0], link[1], link[2] };
-    const pbw_index far[3] = { corner[beyond[0]], corner[beyond[1]], corner[beyond[2]] };
-    const double *record = kernel->record;
-    const pbw__point2 point = pbw__point2_of(p, weighted);
-    pbw__rows2 s, e, o;
+    const pbw_index far[4] = { corner[beyond[0]], corner[beyond[1]], corner[beyond[2]], corner[beyond[0]] };
+    pbw__triangles first;
     pbw_status status = PBW_OK;
     unsigned head = 0;
-    if (PBW__UNLIKELY(far[0] == PBW__GHOST || far[1] == PBW__GHOST || far[2] == PBW__GHOST)) {
-        return PBW_ERROR_TOO_LARGE;
-    }
     ring->slot[0] = t;
     ring->start[0] = ring->end[2] = v[1];
     ring->start[1] = ring->end[0] = v[2];
@@ -5872,33 +5947,24 @@ PBW__SIMD_INLINE pbw_status pbw__carve2_simd(pbw__kernel *kernel, pbw__ring *rin
     ring->queue[2] = 2;
     ring->queue[3] = 0;
     ring->count = ring->tail = 3;
-    o = pbw__rows2_of(record, far[0], far[1], far[2], far[0], point);
-    s.x = PBW__EDGE_START(rows->x), s.y = PBW__EDGE_START(rows->y), s.lift = PBW__EDGE_START(rows->lift);
-    e.x = PBW__EDGE_END(rows->x), e.y = PBW__EDGE_END(rows->y), e.lift = PBW__EDGE_END(rows->lift);
-    s.height = PBW__EDGE_START(rows->height), e.height = PBW__EDGE_END(rows->height);
-    if (!weighted) {
-        status = pbw__ring_start(kernel, ring, beyond, &s, &e, &o, point, &head);
+    ring->hull = 0;
+    if (PBW__UNLIKELY(v[2] == PBW__GHOST || far[0] == PBW__GHOST || far[1] == PBW__GHOST || far[2] == PBW__GHOST)) {
+        return pbw__ring_hull(kernel, ring, 0, point.p);
+    }
+    first.o = pbw__rows2_of(kernel->record, far, 0, point);
+    first.s.x = PBW__EDGE_START(rows->x), first.s.y = PBW__EDGE_START(rows->y);
+    first.e.x = PBW__EDGE_END(rows->x), first.e.y = PBW__EDGE_END(rows->y);
+    first.s.lift = PBW__EDGE_START(rows->lift), first.s.height = PBW__EDGE_START(rows->height);
+    first.e.lift = PBW__EDGE_END(rows->lift), first.e.height = PBW__EDGE_END(rows->height);
+    first.s.ghost = first.e.ghost = pbw__splat(0.0);
+    if (!point.weighted) {
+        status = pbw__ring_start(kernel, ring, beyond, &first, point, &head);
     }
     if (PBW__UNLIKELY(head == 0)) {
-        status = pbw__ring_step(kernel, ring, 0, weighted, s, e, o, p);
+        status = pbw__ring_step(kernel, ring, 0, &first, point, 0);
         head = 3;
     }
-    while (head < ring->tail && status == PBW_OK) {
-        const unsigned char *queue = ring->queue + head;
-        unsigned i0 = queue[0], i1 = queue[1], i2 = queue[2], i3 = queue[3], next;
-        pbw_index far0 = corner[ring->beyond[i0]], far1 = corner[ring->beyond[i1]], far2 = corner[ring->beyond[i2]],
-                  far3 = corner[ring->beyond[i3]];
-        if (PBW__UNLIKELY(far0 == PBW__GHOST || far1 == PBW__GHOST || far2 == PBW__GHOST || far3 == PBW__GHOST)) {
-            return PBW_ERROR_TOO_LARGE;
-        }
-        s = pbw__rows2_of(record, ring->start[i0], ring->start[i1], ring->start[i2], ring->start[i3], point);
-        e = pbw__rows2_of(record, ring->end[i0], ring->end[i1], ring->end[i2], ring->end[i3], point);
-        o = pbw__rows2_of(record, far0, far1, far2, far3, point);
-        next = head + 4 < ring->tail ? head + 4 : ring->tail;
-        status = pbw__ring_step(kernel, ring, head, weighted, s, e, o, p);
-        head = next;
-    }
-    return status;
+    return status == PBW_OK ? pbw__ring_finish(kernel, ring, head, point, 0) : status;
 }
 
 /* The vertex that comes next, by a guess: as far along the curve as this one from the last. */
@@ -5909,6 +5975,41 @@ PBW__INLINE pbw_index pbw__guess2(pbw__kernel *kernel, pbw_index vertex)
     return guess <= kernel->vertex_count ? guess : vertex;
 }
 
+/* Turns the triangle (vertex, ghost, end) of a new star, if there is one, to (end, vertex, ghost).  The next walk
+   then starts at one of the two ghosts of the star, the one towards the next vertex. */
+static PBW__NOINLINE void pbw__turn_ghost(pbw__kernel *kernel, const pbw__ring *ring, pbw_index vertex,
+                                          pbw_index guess)
+{
+    pbw_index *corner = kernel->corner;
+    pbw__link *link = kernel->link, base, last;
+    unsigned i, k = 0;
+    for (i = 0; i < ring->count && ring->start[i] != PBW__GHOST; i++) {
+    }
+    if (i == ring->count) {
+        return;
+    }
+    while (ring->next[k] != i) {
+        k++;
+    }
+    {
+        const double *p = pbw__record2(kernel, vertex), *next = pbw__record2(kernel, guess);
+        const double *a = pbw__record2(kernel, ring->start[k]), *b = pbw__record2(kernel, ring->end[i]);
+        const int back = (next[0] - p[0]) * (b[0] - a[0]) + (next[1] - p[1]) * (b[1] - a[1]) < 0.0;
+        kernel->last = ring->slot[back ? k : i];
+    }
+    base = (pbw__link)ring->slot[i] << 2;
+    last = link[base + 2];
+    corner[base] = corner[base + 2];
+    corner[base + 1] = vertex;
+    corner[base + 2] = PBW__GHOST;
+    link[base + 2] = link[base + 1];
+    link[base + 1] = link[base];
+    link[base] = last;
+    link[link[base]] = base;
+    link[link[base + 1]] = base | 1;
+    link[link[base + 2]] = base | 2;
+}
+
 /* The star, in the slots of the cavity and two more; pbw__refill2 has the numbers of the corners.  The next walk is
    to start in the triangle towards the next vertex, by a guess: as far along the curve as this from the last. */
 PBW__SIMD_INLINE void pbw__refill2_simd(pbw__kernel *kernel, pbw__ring *ring, pbw_index vertex)
@@ -5917,10 +6018,9 @@ PBW__SIMD_INLINE void pbw__refill2_simd(pbw__kernel *kernel, pbw__ring *ring, pb
     pbw__link *link = kernel->link;
     const double *record = kernel->record;
     unsigned count = ring->count, i;
-    pbw_index last = ring->slot[0];
+    pbw_index last = ring->slot[0], guess = pbw__guess2(kernel, vertex);
     const pbw__d2 p = pbw__load2(record + 3 * (size_t)vertex);
-    pbw__d2 normal = pbw__load2(record + 3 * (size_t)pbw__guess2(kernel, vertex)) - p;
-    normal = pbw__turn_right(normal);
+    const pbw__d2 normal = pbw__turn_right(pbw__load2(record + 3 * (size_t)guess) - p);
     ring->slot[count - 2] = (pbw_index)kernel->fresh;
     ring->slot[count - 1] = (pbw_index)kernel->fresh + 1;
     kernel->mark[kernel->fresh] = kernel->mark[kernel->fresh + 1] = 0;
@@ -5938,329 +6038,20 @@ PBW__SIMD_INLINE void pbw__refill2_simd(pbw__kernel *kernel, pbw__ring *ring, pb
         link[base + 1] = after | 2;
         link[after + 2] = base | 1;
         link[ring->beyond[i]] = base;
-        between = pbw__signs2((pbw__load2(record + 3 * (size_t)start) - p) * normal,
-                              (pbw__load2(record + 3 * (size_t)end) - p) * normal);
-        last = between == 2 ? ring->slot[i] : last;
+        if (PBW__LIKELY(!ring->hull)) {
+            between = pbw__signs2((pbw__load2(record + 3 * (size_t)start) - p) * normal,
+                                  (pbw__load2(record + 3 * (size_t)end) - p) * normal);
+            last = between == 2 ? ring->slot[i] : last;
+        }
     }
     kernel->last = last;
+    if (PBW__UNLIKELY(ring->hull)) {
+        pbw__turn_ghost(kernel, ring, vertex, guess);
+    }
     if (PBW__UNLIKELY(kernel->owner != NULL)) {      /* >>parallel looks for hints there */
         memcpy(kernel->cavity, ring->slot, sizeof(ring->slot));      /* all: so many are quicker than some */
         kernel->facet_count = count;
     }
-}
-
-/* At the hull, without weights, with one ghost in the cavity or none: a depth-first search as in pbw__carve2.  Edge i
-   goes from start[i] to start[i + 1]. */
-typedef struct pbw__fan {
-    pbw_index start[PBW__RING], slot[PBW__RING];
-    pbw__link beyond[PBW__RING];
-    unsigned count, ghost;                           /* ghost: the edge that starts there, or PBW__RING */
-} pbw__fan;
-
-/* A vertex of the fan relative to the point, each number beside its size; the link across the edge that ends there;
-   the end of the edge that comes then. */
-typedef struct pbw__corner2 {
-    pbw__d2 x, y, lift;
-    struct pbw__corner2 *then;
-    pbw__link link;
-    pbw_index v;
-} pbw__corner2;
-
-PBW__SIMD_INLINE pbw__corner2 pbw__corner2_of(const double *record, pbw_index v, pbw__link link, pbw__d2 p)
-{
-    const pbw__d2 place = pbw__load2(record + 3 * (size_t)v) - p;
-    pbw__corner2 corner;
-    corner.x = pbw__sized0(place);
-    corner.y = pbw__sized1(place);
-    corner.lift = pbw__fma2(corner.x, corner.x, corner.y * corner.y);
-    corner.link = link;
-    corner.v = v;
-    return corner;
-}
-
-/* The sign of a number computed with an error of less than `factor` times its size, or PBW__OPEN.  No step makes more
-   of a number than of its size: where the size is finite, nothing has overflowed. */
-PBW__SIMD_INLINE int pbw__sign_sized(pbw__d2 x, double factor, double tiny)
-{
-    const double value = pbw__lane0(x);
-    return PBW__LIKELY(pbw__abs(value) > pbw__lane1(x) * factor + tiny) ? (value > 0.0) - (value < 0.0) : PBW__OPEN;
-}
-
-/* On which side of the way from s to e the point lies: 1 left, -1 right.  Errors: 2 translations, 1 multiplication, 1
-   addition. */
-PBW__SIMD_INLINE int pbw__side2(const pbw__corner2 *s, const pbw__corner2 *e)
-{
-    return pbw__sign_sized(pbw__minus_sized(s->x, e->y, e->x * s->y), PBW__ORIENT2_ERROR, 1e-300);
-}
-
-/* 1 if the triangle (o, e, s) across the edge s e is in conflict.  With the bound of pbw__settle2_rows at once, as
-   triangles of points on curves are thin. */
-PBW__SIMD_INLINE int pbw__circle2(const pbw__corner2 *s, const pbw__corner2 *e, const pbw__corner2 *o)
-{
-    const double h = pbw__lane0(s->lift) + pbw__lane0(e->lift) + pbw__lane0(o->lift);
-    pbw__d2 det = o->x * pbw__minus_sized(e->lift, s->y, s->lift * e->y);
-    det = pbw__fma2(o->y, pbw__minus_sized(s->lift, e->x, e->lift * s->x), det);
-    det = pbw__minus_sized(o->lift, pbw__minus_sized(e->x, s->y, s->x * e->y), det);
-    return pbw__sign_sized(det, PBW__THIN_ERROR, (h + 1.0) * 1e-300);
-}
-
-/* Is a ghost in conflict, of corners a and b, the only one?  The edges of the hull that have p beyond them, or in
-   line with them, follow one another: so it is, if p is strictly behind the next edge on either side. */
-PBW__SIMD_INLINE int pbw__is_only_ghost(const pbw__kernel *kernel, pbw_index t, pbw_index a, pbw_index b,
-                                        pbw__point2 p)
-{
-    const pbw__link *link = kernel->link + 4 * (size_t)t;
-    const pbw_index before = kernel->corner[link[1]], after = kernel->corner[link[0]];
-    const pbw__rows2 s = pbw__rows2_of(kernel->record, before, b, before, b, p);
-    const pbw__rows2 e = pbw__rows2_of(kernel->record, a, after, a, after, p);
-    const pbw__d4 h = pbw__max4(pbw__max4(s.height, e.height), pbw__splat(1e-140));
-    return pbw__signs(pbw__greater(pbw__det2(e.x, e.y, s.x, s.y), h * pbw__splat(PBW__ORIENT2_ERROR))) == 15;
-}
-
-/* The verdicts on the triangle behind a ghost, (c, b, a), and on the two across its edges a c and c b: all three at
-   once, as waiting for the first costs more.  Ghosts there are none to be deleted: there is one only. */
-PBW__SIMD_INLINE unsigned pbw__behind_ghost(pbw__kernel *kernel, pbw_index a, pbw_index b, pbw__link behind,
-                                            pbw__link left, pbw__link right, const double *p, pbw__point2 point)
-{
-    const pbw_index *corner = kernel->corner, c = corner[behind], far_left = corner[left], far_right = corner[right];
-    const pbw__rows2 r = pbw__rows2_of(kernel->record, a, b, c, a, point);
-    const pbw__rows2 o = pbw__rows2_of(kernel->record, c, far_left, far_right, c, point);
-    const unsigned ghosts = (unsigned)(far_left == PBW__GHOST) << 1 | (unsigned)(far_right == PBW__GHOST) << 2;
-    pbw__rows2 s, e;
-    pbw__d4 h, det;
-    unsigned inside, open;
-    s.x = PBW__PICK(r.x, 0, 0, 2, 0), s.y = PBW__PICK(r.y, 0, 0, 2, 0), s.lift = PBW__PICK(r.lift, 0, 0, 2, 0);
-    e.x = PBW__PICK(r.x, 1, 2, 1, 1), e.y = PBW__PICK(r.y, 1, 2, 1, 1), e.lift = PBW__PICK(r.lift, 1, 2, 1, 1);
-    s.height = s.lift, e.height = e.lift;
-    det = pbw__circle4(s, e, o, &h);
-    open = 7 & ~(pbw__signs(pbw__greater(pbw__abs4(det), pbw__thin_limit(s, e, o, h))) | ghosts);
-    inside = 7 & ~(pbw__signs(det) | ghosts);
-    if (PBW__UNLIKELY(open != 0)) {
-        inside &= ~open;
-        if ((open & 1) != 0) {
-            inside |= (unsigned)pbw__open2(kernel, a, b, c, (pbw_index)(behind >> 2), p);
-        }
-        if ((open & 2) != 0 && (inside & 1) != 0) {
-            inside |= (unsigned)pbw__open2(kernel, a, c, far_left, (pbw_index)(left >> 2), p) << 1;
-        }
-        if ((open & 4) != 0 && (inside & 1) != 0) {
-            inside |= (unsigned)pbw__open2(kernel, c, b, far_right, (pbw_index)(right >> 2), p) << 2;
-        }
-    }
-    return inside;
-}
-
-/* Whether we own a far vertex of the fan; all others of its cavity are ours, or the ghost. */
-PBW__INLINE int pbw__owns_far(pbw__kernel *kernel, pbw_index v)
-{
-    return PBW__LIKELY(kernel->owner == NULL) || pbw__owns(kernel, v);
-}
-
-/* Finds the cavity of p from t, a triangle in conflict.  PBW_ERROR_TOO_LARGE: it may not be as simple as that. */
-PBW__SIMD_INLINE pbw_status pbw__carve2_fan(pbw__kernel *kernel, pbw__fan *fan, pbw_index t, const double *p)
-{
-    const pbw_index *corner = kernel->corner, *v = corner + 4 * (size_t)t;
-    const pbw__link *link = kernel->link, *across = link + 4 * (size_t)t;
-    const double *record = kernel->record;
-    const pbw__d2 place = pbw__load2(p);
-    const pbw__point2 point = pbw__point2_of(p, 0);
-    pbw__corner2 pool[PBW__RING], *start = pool, *end = pool + 1, *far = pool + 2;
-    unsigned count = 0, triangles = 1, ghost = PBW__RING;
-    pbw_index last_start = PBW__GHOST;               /* if another vertex: what is known of the last edge */
-    pbw__link last_beyond = 0;
-    fan->slot[0] = t;
-    if (v[2] == PBW__GHOST) {                        /* to the ghost, to v[0], then the edge that has p beyond it */
-        const pbw__link behind = across[2], left = link[PBW__AFTER(behind)], right = link[PBW__BEFORE(behind)];
-        const pbw_index c = corner[behind];
-        const unsigned inside = pbw__behind_ghost(kernel, v[0], v[1], behind, left, right, p, point);
-        if (!pbw__is_only_ghost(kernel, t, v[0], v[1], point)) {
-            return PBW_ERROR_TOO_LARGE;
-        }
-        fan->start[0] = v[1];
-        fan->start[1] = PBW__GHOST;
-        fan->start[2] = v[0];
-        fan->beyond[0] = across[0];
-        fan->beyond[1] = across[1];
-        fan->beyond[2] = behind;
-        fan->count = 3;
-        fan->ghost = ghost = 1;
-        if ((inside & 1) == 0) {
-            return PBW_OK;
-        }
-        if (!pbw__owns_far(kernel, c)) {
-            return PBW__LEFT;
-        }
-        fan->slot[1] = (pbw_index)(behind >> 2);
-        fan->start[3] = c;
-        fan->beyond[2] = left;
-        fan->beyond[3] = right;
-        fan->count = 4;
-        if (inside == 1) {
-            return PBW_OK;
-        }
-        count = triangles = 2;
-        pool[0] = pbw__corner2_of(record, v[0], 0, place);
-        pool[1] = pbw__corner2_of(record, c, left, place);
-        pool[1].then = NULL;
-        if ((inside & 4) != 0) {
-            const pbw_index o = corner[right];
-            if (!pbw__owns_far(kernel, o)) {
-                return PBW__LEFT;
-            }
-            pool[1].then = pool + 2;
-            pool[2] = pbw__corner2_of(record, o, link[PBW__AFTER(right)], place);
-            pool[2].then = pool + 3;
-            pool[3] = pbw__corner2_of(record, v[1], link[PBW__BEFORE(right)], place);
-            pool[3].then = NULL;
-            far = pool + 4;
-            fan->slot[triangles++] = (pbw_index)(right >> 2);
-        } else {
-            last_start = c;
-            last_beyond = right;
-        }
-        if ((inside & 2) != 0) {
-            const pbw_index o = corner[left];
-            if (!pbw__owns_far(kernel, o)) {
-                return PBW__LEFT;
-            }
-            *far = pbw__corner2_of(record, o, link[PBW__AFTER(left)], place);
-            far->then = end;
-            end->link = link[PBW__BEFORE(left)];
-            end = far++;
-            fan->slot[triangles++] = (pbw_index)(left >> 2);
-        } else {                                     /* fan->start and fan->beyond have this edge */
-            count = 3;
-            start = end;
-            end = end->then;
-        }
-    } else {
-        pool[0] = pbw__corner2_of(record, v[0], across[1], place);
-        pool[1] = pbw__corner2_of(record, v[1], across[2], place);
-        pool[1].then = pool + 2;
-        pool[2] = pbw__corner2_of(record, v[2], across[0], place);
-        pool[3] = pool[0];
-        pool[2].then = pool + 3;
-        pool[3].then = NULL;
-        far = pool + 4;
-    }
-    do {
-        const pbw__link beyond = end->link;
-        const pbw_index o = corner[beyond];
-        fan->start[count] = start->v;
-        if (PBW__UNLIKELY(ghost == PBW__RING) && o == PBW__GHOST) {
-            const int side = pbw__side2(start, end);
-            if (side == -1 && pbw__is_only_ghost(kernel, (pbw_index)(beyond >> 2), end->v, start->v, point)) {
-                fan->slot[triangles++] = (pbw_index)(beyond >> 2);
-                fan->beyond[count] = link[PBW__AFTER(beyond)];
-                ghost = ++count;
-                fan->start[count] = PBW__GHOST;
-                end->link = link[PBW__BEFORE(beyond)];
-            } else if (side != 1) {
-                return PBW_ERROR_TOO_LARGE;
-            }
-        } else {                                     /* no branch for the ghost: no predictor could guess it */
-            int sign;
-            *far = pbw__corner2_of(record, o, link[PBW__AFTER(beyond)], place);
-            far->then = end;
-            sign = pbw__circle2(start, end, far);
-            if (PBW__UNLIKELY(sign == PBW__OPEN)) {
-                sign = pbw__open2(kernel, start->v, end->v, o, (pbw_index)(beyond >> 2), p);
-            }
-            if (sign * (o != PBW__GHOST) > 0) {      /* one branch, where & makes two */
-                if (!pbw__owns_far(kernel, o)) {
-                    return PBW__LEFT;
-                }
-                if (PBW__UNLIKELY(far == pool + PBW__RING - 3)) {
-                    return PBW_ERROR_TOO_LARGE;
-                }
-                fan->slot[triangles++] = (pbw_index)(beyond >> 2);
-                end->link = link[PBW__BEFORE(beyond)];
-                end = far++;
-                continue;
-            }
-        }
-        fan->beyond[count++] = end->link;
-        start = end;
-        end = end->then;
-    } while (end != NULL);
-    if (last_start != PBW__GHOST) {
-        fan->start[count] = last_start;
-        fan->beyond[count++] = last_beyond;
-    }
-    fan->count = count;
-    fan->ghost = ghost;
-    return PBW_OK;
-}
-
-/* The star, in the slots of the cavity and two more.  The next walk is to start at a ghost of the new vertex, the one
-   towards the next vertex. */
-PBW__SIMD_INLINE void pbw__refill2_fan(pbw__kernel *kernel, pbw__fan *fan, pbw_index vertex)
-{
-    const double *p = pbw__record2(kernel, vertex), *next = pbw__record2(kernel, pbw__guess2(kernel, vertex));
-    const unsigned count = fan->count;
-    pbw_index *corner = kernel->corner;
-    pbw__link *link = kernel->link, base, last;
-    unsigned i;
-    fan->slot[count - 2] = (pbw_index)kernel->fresh;
-    fan->slot[count - 1] = (pbw_index)kernel->fresh + 1;
-    fan->slot[count] = fan->slot[0];
-    fan->start[count] = fan->start[0];
-    kernel->mark[kernel->fresh] = kernel->mark[kernel->fresh + 1] = 0;
-    kernel->fresh += 2;
-    kernel->last = fan->slot[0];
-    kernel->statistics.created += count;
-    kernel->statistics.conflict_tests += 2 * count - 3;
-    last = (pbw__link)fan->slot[count - 1] << 2;
-    for (i = 0; i < count; i++) {
-        base = (pbw__link)fan->slot[i] << 2;
-        corner[base] = vertex;
-        corner[base + 1] = fan->start[i];
-        corner[base + 2] = fan->start[i + 1];
-        link[base] = fan->beyond[i];
-        link[base + 1] = (pbw__link)fan->slot[i + 1] << 2 | 2;
-        link[base + 2] = last | 1;
-        link[fan->beyond[i]] = base;
-        last = base;
-    }
-    if (fan->ghost != PBW__RING) {                   /* (vertex, ghost, end) turns to (end, vertex, ghost) */
-        const double *a = pbw__record2(kernel, fan->start[fan->ghost - 1]);
-        const double *b = pbw__record2(kernel, fan->start[fan->ghost + 1]);
-        const int back = (next[0] - p[0]) * (b[0] - a[0]) + (next[1] - p[1]) * (b[1] - a[1]) < 0.0;
-        kernel->last = fan->slot[fan->ghost - (unsigned)back];
-        base = (pbw__link)fan->slot[fan->ghost] << 2;
-        last = link[base + 2];
-        corner[base] = corner[base + 2];
-        corner[base + 1] = vertex;
-        corner[base + 2] = PBW__GHOST;
-        link[base + 2] = link[base + 1];
-        link[base + 1] = link[base];
-        link[base] = last;
-        link[link[base]] = base;
-        link[link[base + 1]] = base | 1;
-        link[link[base + 2]] = base | 2;
-    }
-    if (PBW__UNLIKELY(kernel->owner != NULL)) {      /* >>parallel looks for hints there */
-        memcpy(kernel->cavity, fan->slot, sizeof(fan->slot));
-        kernel->facet_count = count;
-    }
-}
-
-/* The same insertion at the hull, or where it does not fit the ring. */
-PBW__SIMD static PBW__NOINLINE pbw_status pbw__hull2_simd(pbw__kernel *kernel, pbw_index t, pbw_index vertex)
-{
-    const double *p = pbw__record2(kernel, vertex);
-    pbw__fan fan;
-    pbw_status status = kernel->weighted ? PBW_ERROR_TOO_LARGE : pbw__carve2_fan(kernel, &fan, t, p);
-    if (PBW__UNLIKELY(status == PBW_ERROR_TOO_LARGE) || PBW__UNLIKELY(kernel->fresh_end - kernel->fresh < 2)) {
-        status = pbw__carve2(kernel, t, p);
-        return status == PBW_OK ? pbw__refill2(kernel, vertex) : status;
-    }
-    PBW__PHASE(PBW__STAR);
-    if (status == PBW_OK) {
-        pbw__refill2_fan(kernel, &fan, vertex);
-    }
-    PBW__PHASE(PBW__OTHER);
-    return status;
 }
 #endif
 /* ------------------------------------------------------------------------------------------------------
@@ -6283,76 +6074,43 @@ PBW__SIMD static PBW__NOINLINE pbw_status pbw__hull2_simd(pbw__kernel *kernel, p
    what is near only; of its two finest levels one is left out.  (Of a million points on 8 lines 28,000 have
    neighbours on other lines; 13,000 are extremes.)
    ------------------------------------------------------------------------------------------------------ */
-static pbw_status pbw__insert3_scalar(pbw__kernel *kernel, pbw_index vertex)
+/* Replaces the cavity of a vertex, which t is in, by its star. */
+static PBW__NOINLINE pbw_status pbw__replace(pbw__kernel *kernel, pbw_index t, pbw_index vertex)
 {
-    const double *p = pbw__record3(kernel, vertex);
-    pbw_index t = pbw__insert_start(kernel, vertex);
+    const int dim = kernel->dim;
     pbw_status status;
-    PBW__PHASE(PBW__WALK);
-    t = t != PBW__FOREIGN ? pbw__locate3_scalar(kernel, t, p) : t;
-    status = pbw__located(kernel, t);
-    if (PBW__UNLIKELY(t == PBW_NONE) || PBW__UNLIKELY(status != PBW_OK)) {
-        return status;                               /* hidden, or not ours */
-    }
     PBW__PHASE(PBW__CAVITY);
-    status = pbw__carve3_scalar(kernel, t, p);
+    status = dim == 3 ? pbw__carve3_scalar(kernel, t, pbw__record3(kernel, vertex))
+                      : pbw__carve2(kernel, t, pbw__record2(kernel, vertex));
     PBW__PHASE(PBW__STAR);
     status = status == PBW_OK ? pbw__take_slots(kernel) : status;
-    status = status == PBW_OK ? pbw__refill3(kernel, vertex) : status;
-    PBW__PHASE(PBW__OTHER);
+    if (status == PBW_OK) {
+        status = dim == 3 ? pbw__refill3(kernel, vertex) : pbw__refill2(kernel, vertex);
+    }
     return status;
 }
 
-static pbw_status pbw__insert2_scalar(pbw__kernel *kernel, pbw_index vertex)
+/* Inserts a vertex, which may turn out to be hidden.  PBW__LEFT: another task owns what this one needs. */
+static pbw_status pbw__insert_scalar(pbw__kernel *kernel, pbw_index vertex)
 {
-    const double *p = pbw__record2(kernel, vertex);
+    const int dim = kernel->dim;
+    const double *p = dim == 3 ? pbw__record3(kernel, vertex) : pbw__record2(kernel, vertex);
     pbw_index t = pbw__insert_start(kernel, vertex);
     pbw_status status;
     PBW__PHASE(PBW__WALK);
-    t = t != PBW__FOREIGN ? pbw__locate2_scalar(kernel, t, p) : t;
+    if (t != PBW__FOREIGN) {
+        t = dim == 3 ? pbw__locate3_scalar(kernel, t, p) : pbw__locate2_scalar(kernel, t, p);
+    }
     status = pbw__located(kernel, t);
-    if (PBW__UNLIKELY(t == PBW_NONE) || PBW__UNLIKELY(status != PBW_OK)) {
+    if (t == PBW_NONE || status != PBW_OK) {
         return status;                               /* hidden, or not ours */
     }
-    PBW__PHASE(PBW__CAVITY);
-    status = pbw__carve2(kernel, t, p);
-    PBW__PHASE(PBW__STAR);
-    status = status == PBW_OK ? pbw__refill2(kernel, vertex) : status;
+    status = pbw__replace(kernel, t, vertex);
     PBW__PHASE(PBW__OTHER);
     return status;
 }
 
 #ifdef PBW__SIMD
-PBW__SIMD_INLINE pbw_status pbw__insert3_with(pbw__kernel *kernel, pbw_index vertex, int weighted)
-{
-    const double *p = pbw__record3(kernel, vertex);
-    pbw_index t = pbw__insert_start(kernel, vertex);
-    pbw_status status;
-    PBW__PHASE(PBW__WALK);
-    t = t != PBW__FOREIGN ? pbw__locate3_simd(kernel, t, p, weighted) : t;
-    status = pbw__located(kernel, t);
-    if (PBW__UNLIKELY(t == PBW_NONE) || PBW__UNLIKELY(status != PBW_OK)) {
-        return status;                               /* hidden, or not ours */
-    }
-    PBW__PHASE(PBW__CAVITY);
-    status = pbw__carve3_simd(kernel, t, p, weighted);
-    PBW__PHASE(PBW__STAR);
-    status = PBW__LIKELY(status == PBW_OK) ? pbw__take_slots(kernel) : status;
-    status = PBW__LIKELY(status == PBW_OK) ? pbw__refill3_simd(kernel, vertex) : status;
-    PBW__PHASE(PBW__OTHER);
-    return status;
-}
-
-PBW__SIMD static pbw_status pbw__insert3_simd(pbw__kernel *kernel, pbw_index vertex)
-{
-    return pbw__insert3_with(kernel, vertex, 0);
-}
-
-PBW__SIMD static pbw_status pbw__insert3_weighted_simd(pbw__kernel *kernel, pbw_index vertex)
-{
-    return pbw__insert3_with(kernel, vertex, 1);
-}
-
 /* What is written and read four vertices on is asked for: at coarse levels each has lines of the cache of its own. */
 PBW__INLINE void pbw__ask_ahead2(const pbw__kernel *kernel, pbw_index vertex)
 {
@@ -6363,14 +6121,18 @@ PBW__INLINE void pbw__ask_ahead2(const pbw__kernel *kernel, pbw_index vertex)
     PBW__PREFETCH(pbw__record2(kernel, later <= kernel->vertex_count ? later : vertex));
 }
 
-PBW__SIMD_INLINE pbw_status pbw__insert2_with(pbw__kernel *kernel, pbw_index vertex, int weighted)
+/* The same with vectors; dim and weighted are constants. */
+PBW__SIMD_INLINE pbw_status pbw__insert_simd(pbw__kernel *kernel, pbw_index vertex, int dim, int weighted)
 {
-    const double *p = pbw__record2(kernel, vertex);
+    const double *p = dim == 3 ? pbw__record3(kernel, vertex) : pbw__record2(kernel, vertex);
+    const pbw__d4 zero = pbw__splat(0.0);
+    pbw__rows2 rows = { zero, zero, zero, zero, zero };
     pbw_index t = pbw__insert_start(kernel, vertex);
     pbw__ring ring;
-    pbw__rows2 rows;
     pbw_status status;
-    pbw__ask_ahead2(kernel, vertex);
+    if (dim == 2) {
+        pbw__ask_ahead2(kernel, vertex);
+    }
     PBW__PHASE(PBW__WALK);
     rows.x = rows.y = rows.lift = rows.height = pbw__splat(0.0);
     t = t != PBW__FOREIGN ? pbw__locate2_simd(kernel, t, p, weighted, &rows) : t;
@@ -6379,28 +6141,43 @@ PBW__SIMD_INLINE pbw_status pbw__insert2_with(pbw__kernel *kernel, pbw_index ver
         return status;                               /* hidden, or not ours */
     }
     PBW__PHASE(PBW__CAVITY);
-    if (PBW__UNLIKELY(kernel->corner[4 * (size_t)t + 2] == PBW__GHOST)
-        || PBW__UNLIKELY(kernel->fresh_end - kernel->fresh < 2)) {
-        return pbw__hull2_simd(kernel, t, vertex);
+    if (dim == 3) {
+        status = pbw__carve3_simd(kernel, t, p, weighted);
+        PBW__PHASE(PBW__STAR);
+        status = PBW__LIKELY(status == PBW_OK) ? pbw__take_slots(kernel) : status;
+        status = PBW__LIKELY(status == PBW_OK) ? pbw__refill3_simd(kernel, vertex) : status;
+    } else {
+        status = PBW__LIKELY(kernel->fresh_end - kernel->fresh >= 2)
+               ? pbw__carve2_simd(kernel, &ring, t, &rows, pbw__point2_of(p, weighted)) : PBW__NO_FIT;
+        PBW__PHASE(PBW__STAR);
+        if (PBW__LIKELY(status == PBW_OK)) {
+            pbw__refill2_simd(kernel, &ring, vertex);
+        } else if (status == PBW__NO_FIT) {
+            status = pbw__replace(kernel, t, vertex);
+        }
     }
-    status = pbw__carve2_simd(kernel, &ring, t, &rows, p, weighted);
-    if (PBW__UNLIKELY(status != PBW_OK)) {
-        return status == PBW_ERROR_TOO_LARGE ? pbw__hull2_simd(kernel, t, vertex) : status;
-    }
-    PBW__PHASE(PBW__STAR);
-    pbw__refill2_simd(kernel, &ring, vertex);
     PBW__PHASE(PBW__OTHER);
-    return PBW_OK;
+    return status;
+}
+
+PBW__SIMD static pbw_status pbw__insert3_simd(pbw__kernel *kernel, pbw_index vertex)
+{
+    return pbw__insert_simd(kernel, vertex, 3, 0);
+}
+
+PBW__SIMD static pbw_status pbw__insert3_weighted_simd(pbw__kernel *kernel, pbw_index vertex)
+{
+    return pbw__insert_simd(kernel, vertex, 3, 1);
 }
 
 PBW__SIMD static pbw_status pbw__insert2_simd(pbw__kernel *kernel, pbw_index vertex)
 {
-    return pbw__insert2_with(kernel, vertex, 0);
+    return pbw__insert_simd(kernel, vertex, 2, 0);
 }
 
 PBW__SIMD static pbw_status pbw__insert2_weighted_simd(pbw__kernel *kernel, pbw_index vertex)
 {
-    return pbw__insert2_with(kernel, vertex, 1);
+    return pbw__insert_simd(kernel, vertex, 2, 1);
 }
 #endif
 
@@ -6439,7 +6216,7 @@ static pbw_status pbw__kernel_create(pbw__kernel *kernel, pbw__context *context,
                            / (grid->inverse_unit * grid->inverse_unit) : 0.0;
     kernel->region = (size_t)-1;
     kernel->last = kernel->last_entered = PBW_NONE;
-    kernel->insert = dim == 2 ? pbw__insert2_scalar : pbw__insert3_scalar;
+    kernel->insert = pbw__insert_scalar;
 #ifdef PBW__SIMD
     if (pbw__simd_works()) {
         kernel->insert = kernel->weighted ? (dim == 3 ? pbw__insert3_weighted_simd : pbw__insert2_weighted_simd)
@@ -8383,7 +8160,8 @@ static void pbw__emit_pass3(void *arg, int task)
     while ((next = PBW__ADD(&emission->chunk, 1)) < chunks && !PBW__LOAD(&emission->failed)
            && !pbw__report(emission->context, 0.5 + 0.45 * (double)next / (double)chunks)) {
         size_t chunk = next < turned ? turned - 1 - next : next, from = chunk * size, end = from + size;
-        while (done < next && PBW__LOAD_ACQUIRE(emission->chunk_done + (done < turned ? turned - 1 - done : done)) != 0) {
+        while (done < next
+               && PBW__LOAD_ACQUIRE(emission->chunk_done + (done < turned ? turned - 1 - done : done)) != 0) {
             done++;
         }
         aside.free_from = done < turned ? ((turned - done) * size * 4 + corners - 1) / corners : 0;

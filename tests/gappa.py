@@ -299,7 +299,7 @@ ENV = {'DBL_EPSILON': 2.0 ** -52, 'pbw__splat': same, 'pbw__max_lane': same, 'pb
        'pbw__pair_difference': lambda a, b: Pair(U * (1 + U), 0, a.P), 'pbw__pair_plus': pair_plus,
        'pbw__pair_minus': pair_plus, 'pbw__pair_times': pair_times, 'pbw__plus4': pair_plus, 'pbw__minus4': pair_plus,
        'pbw__times4': pair_times, 'pbw__first': same, 'HUGE_VAL': 0}
-for name in 'larger', 'size', 'largest', 'larger4', 'size4':
+for name in 'max', 'abs', 'max_abs', 'max4', 'abs4':
     ENV['pbw__' + name] = same
 ENV['PBW__CORNER_A'] = ENV['PBW__CORNER_B'] = ENV['PBW__CORNER_C'] = same
 for name in re.findall(r'#define (PBW__\w+_ERROR)', TEXT) + ['PBW__EPSILON']:
@@ -453,9 +453,11 @@ def cavities():
     prove(name + ' side', local['side'], local['limit'], least ** 2)
     name = 'pbw__circle4'
     r = vectors(2)
-    det = run(name, dict(o=r, s=r, e=r, height=None), ['det', 'return'])[0]
+    t = Rows()
+    t.o = t.s = t.e = r
+    det = run(name, dict(t=t, height=None), ['det', 'return'])[0]
     prove(name, det, ENV['pbw__circle_limit'](r.height), least ** 2)
-    bound = run('pbw__thin_limit', dict(o=r, s=r, e=r, sx=r.x, sy=r.y, ex=r.x, ey=r.y, h=Value(0, 0)),
+    bound = run('pbw__thin_limit', dict(t=t, sx=r.x, sy=r.y, ex=r.x, ey=r.y, h=Value(0, 0)),
                 ['sum', 'return'])[0]
     prove('pbw__thin_limit', det, bound)
 
