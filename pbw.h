@@ -2186,7 +2186,7 @@ static void pbw__grid_scan(pbw__context *context, const double *records, size_t 
       circle    the kernels' power2, one rounding more          13    6 h^2                    78 u h^2
       sphere    the kernels' power3, two roundings more         19    24 h^(5/2)              456 u h^(5/2)
       thin      circle, by the sum of the absolute products     13    that sum                 13 u that sum
-      pairs     see there; the pairs of the sphere test add the four terms one after the other
+      pairs     see there
 
    The constants leave about one percent, for the roundings of the bound itself and what underflow takes. */
 #define PBW__FILTER_ORIENT2_ERROR 8.1                /* times 2^-52: any rounding mode */
@@ -2202,6 +2202,7 @@ static void pbw__grid_scan(pbw__context *context, const double *records, size_t 
 #define PBW__CIRCLE_ERROR 9e-15
 #define PBW__SPHERE_ERROR 5.2e-14
 #define PBW__THIN_ERROR 1.5e-15                      /* times the sum of the absolute products */
+#define PBW__CIRCLE_PAIRS_ERROR 9e-30                /* the kernels' in pairs: times h^2, h^(5/2) */
 #define PBW__SPHERE_PAIRS_ERROR 9e-29
 /* Heights below which the kernels' determinants are exact, in units of a grid, squared: there all partial results are
    integers below 2^53, as 6 H^2 and 24 H^(5/2) are. */
@@ -2489,7 +2490,8 @@ PBW__DEVICE static int pbw__integers(int dim, int count, const double *const *ro
       sum of 3               12  131      power2    131 *  6 =  786 u^2 mx my ml
       lift minor             15  189
       sum of 4               17  253      power3    253 * 24 = 6072 u^2 mx my mz ml
-      the sphere test's cofactors, its 4 terms one after the other     17  288    288 * 24 = 6912 u^2 h^(5/2)
+      the kernels' circle     11  120     120 * 6 =   720 u^2 h^2
+      the kernels' sphere     17  288    288 * 24 =  6912 u^2 h^(5/2)
 
    One value here must not be fused into a sum, the head of a product.  Where there are fused operations it is made by
    one that adds 0.0, which is no multiplication for a compiler (-0.0 + 0.0 is not -0.0), so that neither clang's
@@ -5674,9 +5676,7 @@ PBW__SIMD_INLINE pbw__pairs2 pbw__pairs2_of(const double *record, const pbw_inde
 
 /* The determinants of pbw__test2_simd in pairs, without weights; corner: starts, ends and far vertices of four edges.
    Returns which are certain; *inside: which are positive.
-   With K and E of >>predicates: lift 4, 15; cross 4, 15, with a lift 7, 48; times the row of the far vertex 9, 80 and
-   9, 71; sum of 3, one after the other, 11, 120.  So |error| <= 120 u^2 * 6 h^2 < 8.9e-30 h^2; 9e-30 leaves room for
-   the higher orders and for h.  With h above 1e-20 what underflows is far below that; above 1e154 h^2 is infinite. */
+   With h above 1e-20 what underflows is far below the bound; above 1e154 h^2 is infinite. */
 PBW__SIMD static PBW__NOINLINE unsigned pbw__circle4_pairs(const double *record, pbw_index corner[3][4],
                                                            const double *p, unsigned *inside)
 {
@@ -5692,7 +5692,8 @@ PBW__SIMD static PBW__NOINLINE unsigned pbw__circle4_pairs(const double *record,
     det.head += det.tail;
     *inside = pbw__signs(det.head) ^ 15u;
     size = pbw__abs4(det.head);
-    return pbw__signs(pbw__and4(pbw__greater(size, h * h * pbw__splat(9e-30)), pbw__greater(h, pbw__splat(1e-20))));
+    return pbw__signs(pbw__and4(pbw__greater(size, h * h * pbw__splat(PBW__CIRCLE_PAIRS_ERROR)),
+                                pbw__greater(h, pbw__splat(1e-20))));
 }
 
 /* The exact verdicts on the next edges of the queue, for lanes that are still open. */
