@@ -77,10 +77,15 @@
      -0.0 equals 0.0.  The others are listed in mesh.canonical.
      Hidden points (weights only).  A point whose power cell is empty is no vertex; mesh.incident says PBW_NONE.
 
+   COMPILING
+     C99 or later, C++11 or later.  Optimise (-O2): without that every call takes eight times as long.  32-bit x86
+     needs -msse2 -mfpmath=sse.
+
    CONFIGURATION MACROS
      PBW_IMPLEMENTATION   in one source file: compile the implementation there
      PBW_STATIC           everywhere: make every function static (several private copies in one program)
      PBWDEF               everywhere: your own linkage for the public functions
+     PBW_CUDA             where a program calls pbw_cuda.cu: declares its functions; nvcc needs no such macro
      PBW_WIDE             where PBW_IMPLEMENTATION is: 64-bit links, up to 4.29e9 simplices instead of 1.07e9,
                           for 16 more bytes a simplex while building
      PBW_NO_SIMD          where PBW_IMPLEMENTATION is: scalar code only; the same answers, slower.  Without it gcc and
@@ -116,7 +121,7 @@ extern "C" {
 #endif
 
 typedef uint32_t pbw_index;                /* a point or a simplex */
-#define PBW_NONE ((pbw_index)-1)           /* no such: outside the hull, not a vertex */
+#define PBW_NONE 0xffffffffu               /* no such: outside the hull, not a vertex */
 
 typedef enum pbw_status {                  /* every function that can fail returns one; 0 is success */
     PBW_OK = 0,
@@ -191,7 +196,7 @@ typedef struct pbw_statistics {            /* of the build that filled a mesh */
     int by_backend;                        /* 1: options.backend built this, 0: the CPU */
 } pbw_statistics;
 
-struct pbw_mesh {                          /* start from {0}; read, do not write; pbw_free when done */
+struct pbw_mesh {                          /* start from {0}, in C++ {}; read, do not write; pbw_free when done */
     int dim;                               /* 2 or 3; a simplex has dim+1 corners */
     size_t point_count, simplex_count;
     const pbw_index *simplices;            /* simplex_count*(dim+1) ids of the caller's points, positively oriented;
@@ -320,7 +325,8 @@ PBWDEF int pbw_conflict3(const double a[3], const double b[3], const double c[3]
 PBWDEF const char *pbw_status_string(pbw_status status);    /* never NULL, never freed */
 PBWDEF int pbw_version(void);              /* differs from PBW_VERSION if header and implementation do */
 
-/* In pbw_cuda.cu, for programs that link it. */
+#if defined(PBW_CUDA) || defined(__CUDACC__)
+/* ---- in pbw_cuda.cu, for programs that link it */
 extern const pbw_backend *pbw_cuda_backend(int device);     /* NULL for a number that no device can have */
 /* Several devices, of any kinds, for one triangulation: the same bytes.  Each holds all points, 90 bytes a point (2D:
    75), and its share of the rest, together 560 (155).  A device may be listed more than once.  NULL for more than 16,
@@ -351,6 +357,7 @@ extern pbw_status pbw_cuda_triangulate(int dim, int is_float, const void *points
 extern pbw_status pbw_cuda_check(const pbw_cuda_mesh *mesh, int is_float, const void *points, const void *weights,
                                  const pbw_options *options, void *stream, pbw_report *report);
 extern void pbw_cuda_free(pbw_cuda_mesh *mesh, void *stream);
+#endif
 
 #ifdef __cplusplus
 }
@@ -359,7 +366,10 @@ extern void pbw_cuda_free(pbw_cuda_mesh *mesh, void *stream);
 
 /* Interface ends here; what follows is for those who want to know how it works. */
 
-#if defined(PBW_IMPLEMENTATION) && !defined(PBW__IMPLEMENTED)
+#if defined(PBW_IMPLEMENTATION) && !defined(__cplusplus) && !defined(_MSC_VER) \
+    && (!defined(__STDC_VERSION__) || __STDC_VERSION__ < 199901L)
+#error "pbw.h: compile the file with PBW_IMPLEMENTATION as C99 or later, or as C++11 or later"
+#elif defined(PBW_IMPLEMENTATION) && !defined(PBW__IMPLEMENTED)
 #define PBW__IMPLEMENTED
 /* ------------------------------------------------------------------------------------------------------
    >>platform     Compilers, atomics, clocks, floating-point state, the system's threads.
@@ -373,6 +383,9 @@ extern void pbw_cuda_free(pbw_cuda_mesh *mesh, void *stream);
 #endif
 
 #include <float.h>
+#if defined(FLT_EVAL_METHOD) && (FLT_EVAL_METHOD < 0 || FLT_EVAL_METHOD == 2)
+#error "pbw.h is exact only where doubles are computed as doubles: on 32-bit x86 compile with -msse2 -mfpmath=sse"
+#endif
 #include <math.h>                                    /* HUGE_VAL only: nothing to link */
 #include <stdlib.h>
 #include <string.h>
@@ -411,6 +424,9 @@ extern int madvise(void *address, size_t length, int advice);    /* strict C mod
 /* Contraction must be off for both compilers; each ignores the other's pragma.  (gcc 12 fuses even so, in vector
    code of the form a*b +- c*d under -mfma: `make asm` looks for that in the predicates.) */
 #if defined(__clang__)
+#if defined(__x86_64__) || defined(__i386__)
+#pragma float_control(push)
+#endif
 #pragma STDC FP_CONTRACT OFF
 #elif defined(__GNUC__)
 #ifdef __NVCC__                                      /* it hands the next pragmas on to gcc, with a warning */
@@ -2174,7 +2190,7 @@ static void pbw__grid_scan(pbw__context *context, const double *records, size_t 
       circle    the kernels' power2, one rounding more          13    6 h^2                    78 u h^2
       sphere    the kernels' power3, two roundings more         19    24 h^(5/2)              456 u h^(5/2)
       thin      circle, by the sum of the absolute products     13    that sum                 13 u that sum
-      pairs     see there; the pairs of the sphere test add the four terms one after the other
+      pairs     see there
 
    The constants leave about one percent, for the roundings of the bound itself and what underflow takes. */
 #define PBW__FILTER_ORIENT2_ERROR 8.1                /* times 2^-52: any rounding mode */
@@ -2190,6 +2206,7 @@ static void pbw__grid_scan(pbw__context *context, const double *records, size_t 
 #define PBW__CIRCLE_ERROR 9e-15
 #define PBW__SPHERE_ERROR 5.2e-14
 #define PBW__THIN_ERROR 1.5e-15                      /* times the sum of the absolute products */
+#define PBW__CIRCLE_PAIRS_ERROR 9e-30                /* the kernels' in pairs: times h^2, h^(5/2) */
 #define PBW__SPHERE_PAIRS_ERROR 9e-29
 /* Heights below which the kernels' determinants are exact, in units of a grid, squared: there all partial results are
    integers below 2^53, as 6 H^2 and 24 H^(5/2) are. */
@@ -2477,7 +2494,8 @@ PBW__DEVICE static int pbw__integers(int dim, int count, const double *const *ro
       sum of 3               12  131      power2    131 *  6 =  786 u^2 mx my ml
       lift minor             15  189
       sum of 4               17  253      power3    253 * 24 = 6072 u^2 mx my mz ml
-      the sphere test's cofactors, its 4 terms one after the other     17  288    288 * 24 = 6912 u^2 h^(5/2)
+      the kernels' circle     11  120     120 * 6 =   720 u^2 h^2
+      the kernels' sphere     17  288    288 * 24 =  6912 u^2 h^(5/2)
 
    One value here must not be fused into a sum, the head of a product.  Where there are fused operations it is made by
    one that adds 0.0, which is no multiplication for a compiler (-0.0 + 0.0 is not -0.0), so that neither clang's
@@ -5683,9 +5701,7 @@ PBW__SIMD_INLINE pbw__pairs2 pbw__pairs2_of(const double *record, const pbw_inde
 
 /* The determinants of pbw__test2_simd in pairs, without weights; corner: starts, ends and far vertices of four edges.
    Returns which are certain; *inside: which are positive.
-   With K and E of >>predicates: lift 4, 15; cross 4, 15, with a lift 7, 48; times the row of the far vertex 9, 80 and
-   9, 71; sum of 3, one after the other, 11, 120.  So |error| <= 120 u^2 * 6 h^2 < 8.9e-30 h^2; 9e-30 leaves room for
-   the higher orders and for h.  With h above 1e-20 what underflows is far below that; above 1e154 h^2 is infinite. */
+   With h above 1e-20 what underflows is far below the bound; above 1e154 h^2 is infinite. */
 PBW__SIMD static PBW__NOINLINE unsigned pbw__circle4_pairs(const double *record, pbw_index corner[3][4],
                                                            const double *p, unsigned *inside)
 {
@@ -5701,7 +5717,8 @@ PBW__SIMD static PBW__NOINLINE unsigned pbw__circle4_pairs(const double *record,
     det.head += det.tail;
     *inside = pbw__signs(det.head) ^ 15u;
     size = pbw__abs4(det.head);
-    return pbw__signs(pbw__and4(pbw__greater(size, h * h * pbw__splat(9e-30)), pbw__greater(h, pbw__splat(1e-20))));
+    return pbw__signs(pbw__and4(pbw__greater(size, h * h * pbw__splat(PBW__CIRCLE_PAIRS_ERROR)),
+                                pbw__greater(h, pbw__splat(1e-20))));
 }
 
 /* The exact verdicts on the next edges of the queue, for lanes that are still open. */
@@ -7850,34 +7867,34 @@ PBW__INLINE void pbw__emit_first(pbw_index *head, pbw_index *first, pbw_index ve
 }
 
 /* A task's buffers: the slots of chains; the lists of a region, and in order. */
-typedef struct pbw__list_numbering {
+typedef struct pbw__buffers {
     pbw_index *slot;
     pbw__item *item, *sorted;
     size_t slot_capacity, item_capacity;
     pbw_index place;                                 /* after those that are still to be numbered */
-} pbw__list_numbering;
+} pbw__buffers;
 
 /* Numbers the simplices of a region, in `count` slots.  later: the first rank of later shares, PBW_NONE if there are
    none. */
-PBW__INLINE void pbw__emit_region(const pbw__emission *emission, pbw__list_numbering *numbering, size_t region,
+PBW__INLINE void pbw__emit_region(const pbw__emission *emission, pbw__buffers *buffers, size_t region,
                                   const pbw_index *slot, size_t count, pbw_index later)
 {
     size_t ranks = pbw__emit_ranks(emission, region), lists = pbw__emit_ranks(emission, region + 1) - ranks, r;
     pbw_index *head = emission->head, *end = head + ranks, *first = emission->first, *number = emission->number;
-    pbw__item *item = numbering->item;
-    pbw_index begin = 0, place = numbering->place;
-    numbering->place -= (pbw_index)count;
+    pbw__item *item = buffers->item;
+    pbw_index begin = 0, place = buffers->place;
+    buffers->place -= (pbw_index)count;
     for (r = 0; r < lists; r++) {
         pbw_index length = end[r];
         end[r] = begin;
         begin += length;
     }
     pbw__fill_lists(emission, slot, count, item);
-    pbw__sort_region(emission, item, end, lists, numbering->sorted);
-    item = emission->any_order ? item : numbering->sorted + 1;
+    pbw__sort_region(emission, item, end, lists, buffers->sorted);
+    item = emission->any_order ? item : buffers->sorted + 1;
     for (r = lists; r-- > 0; ) {
         begin = r > 0 ? end[r - 1] : 0;              /* PBW_NONE if empty, branchless */
-        end[r] = (numbering->place + begin) | (0 - (pbw_index)(begin == end[r]));
+        end[r] = (buffers->place + begin) | (0 - (pbw_index)(begin == end[r]));
     }
     for (item += count; count > 0; count--) {
         item--;
@@ -7896,7 +7913,7 @@ static void pbw__emit_pass2(void *arg, int task)
     size_t regions = emission->store->region_count, least = pbw__share(regions, task, emission->tasks);
     size_t region = pbw__share(regions, task + 1, emission->tasks);
     const pbw_index later = region < regions ? (pbw_index)pbw__emit_ranks(emission, region) : PBW_NONE;
-    pbw__list_numbering numbering = { NULL, NULL, NULL, 0, 0, (pbw_index)emission->end[task] };
+    pbw__buffers buffers = { NULL, NULL, NULL, 0, 0, (pbw_index)emission->end[task] };
     while (region > least && !pbw__report(emission->context, 0.5 - 0.25 * (double)region / (double)regions)) {
         unsigned count = region - least < PBW__CHAINS ? (unsigned)(region - least) : PBW__CHAINS, i;
         size_t length[PBW__CHAINS], sum = 0, longest = 0;
@@ -7908,27 +7925,27 @@ static void pbw__emit_pass2(void *arg, int task)
             longest = length[i] > longest ? length[i] : longest;
         }
         longest += 4;                                /* for sorted[0], and the surplus of the last four */
-        if ((sum >= numbering.slot_capacity
-             && !pbw__resize_array(memory, &numbering.slot, &numbering.slot_capacity, sum + 1, sizeof(pbw_index)))
-            || (2 * longest > numbering.item_capacity
-                && !pbw__resize_array(memory, &numbering.item, &numbering.item_capacity, 2 * longest,
+        if ((sum >= buffers.slot_capacity
+             && !pbw__resize_array(memory, &buffers.slot, &buffers.slot_capacity, sum + 1, sizeof(pbw_index)))
+            || (2 * longest > buffers.item_capacity
+                && !pbw__resize_array(memory, &buffers.item, &buffers.item_capacity, 2 * longest,
                                       sizeof(pbw__item)))) {
             PBW__STORE(&emission->failed, 1);
             break;
         }
-        numbering.sorted = numbering.item + longest;
-        pbw__emit_follow(emission, region, count, length, numbering.slot);
+        buffers.sorted = buffers.item + longest;
+        pbw__emit_follow(emission, region, count, length, buffers.slot);
         for (i = count; i-- > 0; ) {
-            const pbw_index *slot = numbering.slot + (sum -= length[i]);
+            const pbw_index *slot = buffers.slot + (sum -= length[i]);
             if (later == PBW_NONE) {                 /* compiled without comparisons with it */
-                pbw__emit_region(emission, &numbering, region + i, slot, length[i], PBW_NONE);
+                pbw__emit_region(emission, &buffers, region + i, slot, length[i], PBW_NONE);
             } else {
-                pbw__emit_region(emission, &numbering, region + i, slot, length[i], later);
+                pbw__emit_region(emission, &buffers, region + i, slot, length[i], later);
             }
         }
     }
-    pbw__release(memory, numbering.slot, numbering.slot_capacity, sizeof(pbw_index));
-    pbw__release(memory, numbering.item, numbering.item_capacity, sizeof(pbw__item));
+    pbw__release(memory, buffers.slot, buffers.slot_capacity, sizeof(pbw_index));
+    pbw__release(memory, buffers.item, buffers.item_capacity, sizeof(pbw__item));
 }
 /* ------------------------------------------------------------------------------------------------------
    >>output       From the store's simplices to the caller's arrays, in place.
@@ -9757,7 +9774,11 @@ PBWDEF pbw_status pbw_triangulatef(int dim, const float *points, const float *we
     return pbw__triangulate(dim, 1, points, weights, count, options, mesh);
 }
 
-#if defined(__GNUC__) && !defined(__clang__)
+#if defined(__clang__) && (defined(__x86_64__) || defined(__i386__))
+#pragma float_control(pop)
+#elif defined(__clang__)
+#pragma STDC FP_CONTRACT DEFAULT                     /* clang 14 has no stack of modes there */
+#elif defined(__GNUC__)
 #pragma GCC pop_options
 #endif
 #ifdef _WIN32

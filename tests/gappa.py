@@ -4,9 +4,9 @@ The operations are read from the header: each predicate's expressions are evalua
 operations.  A different order of operations, or a different constant, gives a different proof.
 
 Let a value x be computed for an exact value X, a sum of products, and let P be the sum of the absolute products, its
-permanent.  Then |X| <= P, and Gappa proves |x - X| <= k P for the result of each operation from the k of the operands.
-Operands are scaled by their permanents, so every lemma has P = 1.  In a sum, errors and permanents add up: the larger k
-holds for both terms.  Gappa's relative rounding has no smallest exponent; the loss to underflow is added at the end.
+permanent.  Then |X| <= P, and Gappa proves |x - X| <= k P for the result of each operation from those of its operands.
+Operands are scaled by their permanents, so every lemma has P = 1.  In a sum, errors and permanents add up: the larger
+k holds for both terms.  Gappa's relative rounding has no smallest exponent; the loss to underflow is added at the end.
 There Gappa proves that the error is below the bound, rounding errors of the bound included, and must fail to prove it
 for a tenth of the bound.
 
@@ -453,13 +453,27 @@ def cavities():
     prove(name + ' side', local['side'], local['limit'], least ** 2)
     name = 'pbw__circle4'
     r = vectors(2)
-    t = Rows()
-    t.o = t.s = t.e = r
-    det = run(name, dict(t=t, height=None), ['det', 'return'])[0]
+    edges = Rows()
+    edges.s = edges.e = edges.o = r
+    det = run(name, dict(t=edges, height=None), ['det', 'return'])[0]
     prove(name, det, ENV['pbw__circle_limit'](r.height), least ** 2)
-    bound = run('pbw__thin_limit', dict(t=t, sx=r.x, sy=r.y, ex=r.x, ey=r.y, h=Value(0, 0)),
-                ['sum', 'return'])[0]
+    bound = run('pbw__thin_limit', dict(t=edges, sx=r.x, sy=r.y, ex=r.x, ey=r.y, h=Value(0, 0)), ['sum', 'return'])[0]
     prove('pbw__thin_limit', det, bound)
+    record = [Number(1)] * 2
+    local = run('pbw__right_of', dict(a=record, b=record, p=record), ['ax', 'ay', 'bx', 'by'])[1]
+    local['height'] = local['ax'] * local['ax'] + local['ay'] * local['ay']
+    scaled(local['height'])
+    prove('pbw__right_of', run('pbw__right_of', local, ['return'])[0],
+          local['height'] * ENV['PBW__ORIENT2_ERROR'], least)
+
+    name = 'pbw__circle4_pairs'
+    r = Rows()
+    r.x = r.y = Pair(U * (1 + U), 0)
+    local = run('pbw__pairs2_of', dict(rows=r, pbw__difference4=lambda *x: r.x), ['rows.lift'])[1]
+    scaled(r.lift)
+    det = run(name, dict(o=r, s=r, e=r), ['det'])[1]['det']
+    h = r.lift.head
+    prove(name, det, h * h * ENV['PBW__CIRCLE_PAIRS_ERROR'], literal(name, r'pbw__splat\((1e-\d+)\)') ** 2)
 
 
 filters()
