@@ -1253,6 +1253,10 @@ static void pbw__release(pbw__memory *memory, void *ptr, size_t count, size_t si
     }
 }
 
+/* The array x, a member of `owner` beside its size x_capacity, gets another size, or is released. */
+#define PBW__RESIZE(memory, owner, x, wanted) \
+    pbw__resize_array(memory, &(owner)->x, &(owner)->x##_capacity, wanted, sizeof(*(owner)->x))
+#define PBW__RELEASE(memory, owner, x) pbw__release(memory, (owner)->x, (owner)->x##_capacity, sizeof(*(owner)->x))
 static int pbw__resize_array(pbw__memory *memory, void *array, size_t *capacity, size_t wanted, size_t size)
 {
     void *old, *block;
@@ -3865,106 +3869,119 @@ typedef uint32_t pbw__link;
 #define PBW__NO_FIT ((pbw_status)14)                 /* not inserted: the cavity does not fit >>cavity2's ring */
 #define PBW__FOREIGN (PBW_NONE - 1)                  /* a walk's answer: it would lead out of our cells */
 
-/* A simplex of the cavity: its corners, their local numbers, and the links across from them (3D). */
-typedef struct pbw__carved {
-    pbw_index v[4], local[4];
-    pbw__link link[4];
-#ifndef PBW_WIDE
-    pbw_index pad[4];                                /* to a line of the cache */
-#endif
-} pbw__carved;
-
-/* The vertices of one cavity are numbered from 0 in the order of meeting them, by a hash: a slot holds stamp << 40 |
-   vertex << 8 | number, and is empty if the stamp is not that of this insertion.  Larger cavities do without. */
-#define PBW__SLOTS 1024
-#define PBW__LOCALS 256
-#define PBW__STAMP ((uint64_t)1 << 40)
-#define PBW__STAMPS (1u << 24)
-#define PBW__FEW 64                                  /* most cavities have fewer vertices: a small table will do */
-
-/* A facet of the new star, by the edge of the cavity's boundary that it has. */
-typedef struct pbw__edge { pbw_index low, high; pbw__link link; } pbw__edge;
-
 /* The simplices, shared by all threads. */
 typedef struct pbw__store {
     pbw_index *corner;
     pbw__link *link;
     unsigned char *mark;                             /* per simplex: 1 = in the cavity of an insertion */
-    size_t corner_capacity, link_capacity, mark_capacity, capacity;      /* simplices held; the least of the three */
+    size_t corner_capacity, link_capacity, mark_capacity;
+    size_t capacity;                                 /* in simplices, the least of all three */
     size_t count;                                    /* slots given to regions and threads */
     pbw_index *region;                               /* per region: its first slot that was never used */
     pbw_index *hint;                                 /* per region: a simplex of one of its vertices, or PBW_NONE */
     size_t region_count, region_slots;               /* slots from region_slots on are the tail */
-    size_t slots_each, ahead;                        /* of a region; how many more the first has */
-    int region_bits;                                   /* vertex >> region_bits is the number of its region */
+    size_t slots_each, ahead;                        /* of a region; how many more the first one has */
+    int region_bits;                                 /* vertex >> region_bits is the number of its region */
 } pbw__store;
 
-/* One thread's view of a triangulation, with the scratch memory of one insertion. */
-#define PBW__CLAIMS 2048                             /* cells that a task takes, at most */
-#define PBW__NOBODY 255                              /* the owner of a cell that any task may take */
-
-typedef struct pbw__kernel {
-    char apart[128];                                 /* from what another thread writes */
-    uint8_t asked;                                   /* >>parallel: whether another task lacks a cell of ours */
-    char asked_apart[127];                           /* others write that, and we look at it after each vertex */
-    pbw__context *context;
-    pbw__store *store;
-    const double *record;                            /* vertex records, (dim+1) doubles each */
-    const pbw__grid *grid;
-    int dim, weighted;                               /* not weighted: every vertex becomes one, none is hidden */
-    double exact_height;                             /* below it the filters make no error, see >>cavity3 */
-    pbw_index *corner;                               /* the store's arrays */
-    pbw__link *link;
-    unsigned char *mark;
+/* >>slots: those that one thread may use. */
+typedef struct pbw__slots {
+    size_t region;                                   /* of the last vertex; (size_t)-1: none yet */
     size_t fresh, fresh_end;                         /* slots of this region that were never used */
     size_t tail, tail_end;                           /* slots of the tail that were never used */
-    size_t region;                                   /* of the last vertex; (size_t)-1: none yet */
     size_t free_count;
-    pbw_index free_list;                             /* slots that became free */
-    pbw_index last, last_entered;                    /* a simplex of the last star; what it was in the last region */
-    pbw_index previous, vertex_count;                /* 2D: the last vertex; how many there are */
-
-    uint8_t *owner;                                  /* >>parallel: whose each cell is; NULL: all are ours */
-    uint8_t me, share;                               /* of the vertices, that the task is at */
-    uint8_t blocker;                                 /* who had the last cell that was lacking */
-    int owner_bits;                                  /* vertex >> owner_bits is the number of its cell */
-    int claim_count;                                 /* cells that we took */
-    int renewed;                                     /* simplices were made since we last gave back cells */
-    size_t missed;                                   /* tries of the round in vain */
-    pbw_index claim[PBW__CLAIMS];
+    pbw_index free_list;                             /* slots that became free, linked through corner 1 */
     int no_room;                                     /* the store has no more blocks */
-    pbw_index *left;                                 /* vertices left for the next round */
-    size_t left_count, left_capacity, done, reported;
-    pbw_status status;
+} pbw__slots;
 
+/* >>parallel: the cells that one task owns. */
+#define PBW__CLAIMS 2048                             /* cells that a task owns, at most */
+#define PBW__NOBODY 255                              /* the owner of a cell that any task may take */
+typedef struct pbw__ownership {
+    uint8_t *owner;                                  /* per cell: the task that owns it; NULL: all cells are ours */
+    uint8_t me, share;                               /* this task; the share of the vertices that it works on */
+    uint8_t blocker;                                 /* the owner of the last cell that was not to be had */
+    int owner_bits;                                  /* vertex >> owner_bits is the number of its cell */
+    int renewed;                                     /* simplices were made since cells were last given back */
+    int claim_count;
+    size_t missed;                                   /* tries of the round in vain */
+    pbw_index claim[PBW__CLAIMS];                    /* our cells */
+} pbw__ownership;
+
+/* A simplex of the cavity: its corners, their local numbers, and the links across from them (3D). */
+typedef struct pbw__carved {
+    pbw_index v[4], local[4];
+    pbw__link link[4];
+#ifndef PBW_WIDE
+    pbw_index pad[4];                                /* to a cache line */
+#endif
+} pbw__carved;
+
+/* A facet of the new star, by the edge of the cavity's boundary that it has. */
+typedef struct pbw__edge { pbw_index low, high; pbw__link link; } pbw__edge;
+
+/* In 3D the vertices of a cavity get local numbers, in the order in which they are met, from a hash table: an entry
+   is stamp << 40 | vertex << 8 | number, and empty if the stamp is not that of this insertion.  Larger cavities do
+   without. */
+#define PBW__TABLE 1024
+#define PBW__LOCALS 256
+#define PBW__STAMP ((uint64_t)1 << 40)
+#define PBW__STAMPS (1u << 24)
+#define PBW__FEW 64                                  /* most cavities have fewer vertices: a small table is enough */
+
+/* The memory of one insertion. */
+typedef struct pbw__scratch {
     pbw_index *cavity;                               /* simplices in conflict; then the slots of the star */
     pbw_index *parent;                               /* 3D: the facet that each was met through, as in `from` */
     pbw__carved *carved;                             /* 3D: what the refill needs of them */
     pbw__link *beyond;                               /* 2D: the boundary of the cavity: the link across each edge */
     pbw_index *from;                                 /* 3D: the facets there: 4 * place in the cavity + which one */
-    pbw__link *stack;                                /* 2D: links still to look through */
+    pbw__link *stack;                                /* 2D: links that are still to be searched */
     size_t cavity_count, facet_count;
     size_t cavity_capacity, parent_capacity, carved_capacity, beyond_capacity, from_capacity, stack_capacity;
-    /* One vertex into the triangulation, for this dimension and this CPU; a hidden one changes nothing. */
-    pbw_status (*insert)(struct pbw__kernel *kernel, pbw_index vertex);
-
-    uint64_t *slot;                                  /* 3D: local numbers */
+    uint64_t *table;                                 /* 3D: local numbers */
     uint32_t stamp, local_count;
     pbw__link *edge;                                 /* 3D: by pairs of local numbers, of few or of all */
-    size_t edge_capacity;
-    pbw_index back[4 * 2 * PBW__FEW];                /* places in it; at most 2 * 64 - 4 facets have 64 vertices */
-    pbw__edge *wide_edge;                            /* the same as a hash of pairs of vertices */
-    size_t wide_capacity;
+    pbw__edge *wide;                                 /* 3D: a hash table by pairs of vertices, for large cavities */
+    size_t edge_capacity, wide_capacity;
+    pbw_index back[4 * 2 * PBW__FEW];                /* places in `edge`; 64 vertices have at most 124 facets */
+} pbw__scratch;
+
+/* One thread's view of a triangulation. */
+typedef struct pbw__kernel {
+    char apart[128];                                 /* against false sharing */
+    uint8_t asked;                                   /* >>parallel: another task needs one of our cells */
+    char asked_apart[127];                           /* others write `asked`, and we read it after each vertex */
+    pbw__context *context;
+    pbw__store *store;
+    const double *record;                            /* vertex records, (dim+1) doubles each */
+    const pbw__grid *grid;
+    int dim, weighted;                               /* not weighted: every vertex stays one, none becomes hidden */
+    double exact_height;                             /* below it the filters make no error, see >>predicates */
+    pbw_index *corner;                               /* the store's arrays */
+    pbw__link *link;
+    unsigned char *mark;
+    pbw_index last, last_entered;                    /* a simplex of the last star; what it was in the last region */
+    pbw_index previous, vertex_count;                /* 2D: the last vertex; how many there are */
+    /* Inserts a vertex, with the code for this dimension and processor; a hidden one changes nothing. */
+    pbw_status (*insert)(struct pbw__kernel *kernel, pbw_index vertex);
+    pbw__slots slots;
+    pbw__scratch scratch;
+    pbw__ownership own;
+    pbw_index *left;                                 /* vertices left for the next round */
+    size_t left_count, left_capacity, done, reported;
+    pbw_status status;
     pbw_statistics statistics;
     char apart_too[128];
 } pbw__kernel;
 
-/* Room for `needed` items in a scratch array of the kernel; grows by half. */
-static int pbw__grow(pbw__kernel *kernel, void *array, size_t *capacity, size_t needed, size_t size)
+/* Makes room for `needed` items in the array x, whose size x_capacity is beside it; grows by half. */
+#define PBW__GROW(kernel, owner, x, needed) \
+    pbw__grow(&(kernel)->context->memory, &(owner)->x, &(owner)->x##_capacity, needed, sizeof(*(owner)->x))
+static int pbw__grow(pbw__memory *memory, void *array, size_t *capacity, size_t needed, size_t size)
 {
     size_t bigger = *capacity + *capacity / 2;
-    return needed <= *capacity || pbw__resize_array(&kernel->context->memory, array, capacity,
-                                                    bigger > needed ? bigger : needed, size);
+    return needed <= *capacity || pbw__resize_array(memory, array, capacity, bigger > needed ? bigger : needed, size);
 }
 
 PBW__INLINE void pbw__kernel_attach(pbw__kernel *kernel)
@@ -4053,9 +4070,9 @@ static PBW__NOINLINE pbw_status pbw__store_reserve(pbw__context *context, pbw__s
     if (needed > PBW__SIMPLEX_LIMIT) {
         return PBW_ERROR_TOO_LARGE;
     }
-    if (!pbw__resize_array(memory, &store->corner, &store->corner_capacity, 4 * needed, sizeof(pbw_index))
-        || !pbw__resize_array(memory, &store->link, &store->link_capacity, 4 * needed, sizeof(pbw__link))
-        || !pbw__resize_array(memory, &store->mark, &store->mark_capacity, needed, 1)) {
+    if (!PBW__RESIZE(memory, store, corner, 4 * needed)
+        || !PBW__RESIZE(memory, store, link, 4 * needed)
+        || !PBW__RESIZE(memory, store, mark, needed)) {
         return PBW_ERROR_MEMORY;
     }
     block[0] = pbw__block_of(store->corner, 4 * old * sizeof(pbw_index), 4 * needed * sizeof(pbw_index));
@@ -4120,9 +4137,9 @@ static void pbw__store_free(pbw__memory *memory, pbw__store *store)
 {
     pbw__release(memory, store->region, store->region_count, sizeof(pbw_index));
     pbw__release(memory, store->hint, store->region_count, sizeof(pbw_index));
-    pbw__release(memory, store->corner, store->corner_capacity, sizeof(pbw_index));
-    pbw__release(memory, store->link, store->link_capacity, sizeof(pbw__link));
-    pbw__release(memory, store->mark, store->mark_capacity, 1);
+    PBW__RELEASE(memory, store, corner);
+    PBW__RELEASE(memory, store, link);
+    PBW__RELEASE(memory, store, mark);
     memset(store, 0, sizeof(*store));
 }
 
@@ -4131,7 +4148,7 @@ static PBW__NOINLINE pbw_status pbw__leave_cavity(pbw__kernel *kernel, size_t co
 {
     size_t i;
     for (i = 0; i < count; i++) {
-        kernel->mark[kernel->cavity[i]] = 0;
+        kernel->mark[kernel->scratch.cavity[i]] = 0;
     }
     return PBW__LEFT;
 }
@@ -4140,25 +4157,25 @@ static PBW__NOINLINE pbw_status pbw__leave_cavity(pbw__kernel *kernel, size_t co
 static PBW__NOINLINE int pbw__grow_lists(pbw__kernel *kernel, size_t needed)
 {
     return (kernel->dim == 2 || needed <= PBW_NONE / 4)          /* a facet in 32 bits */
-        && pbw__grow(kernel, &kernel->cavity, &kernel->cavity_capacity, needed, sizeof(pbw_index))
+        && PBW__GROW(kernel, &kernel->scratch, cavity, needed)
         && (kernel->dim == 2
-                ? pbw__grow(kernel, &kernel->beyond, &kernel->beyond_capacity, needed, sizeof(pbw__link))
-                : pbw__grow(kernel, &kernel->carved, &kernel->carved_capacity, needed, sizeof(pbw__carved))
-                  && pbw__grow(kernel, &kernel->parent, &kernel->parent_capacity, needed, sizeof(pbw_index))
-                  && pbw__grow(kernel, &kernel->from, &kernel->from_capacity, needed, sizeof(pbw_index)));
+                ? PBW__GROW(kernel, &kernel->scratch, beyond, needed)
+                : PBW__GROW(kernel, &kernel->scratch, carved, needed)
+                  && PBW__GROW(kernel, &kernel->scratch, parent, needed)
+                  && PBW__GROW(kernel, &kernel->scratch, from, needed));
 }
 
 static void pbw__leave_region(pbw__kernel *kernel)
 {
     pbw__store *store = kernel->store;
-    if (kernel->region != (size_t)-1) {
-        store->region[kernel->region] = (pbw_index)kernel->fresh;
-        if (kernel->owner == NULL && kernel->last != kernel->last_entered) {         /* else see >>parallel */
-            store->hint[kernel->region] = kernel->last;
+    if (kernel->slots.region != (size_t)-1) {
+        store->region[kernel->slots.region] = (pbw_index)kernel->slots.fresh;
+        if (kernel->own.owner == NULL && kernel->last != kernel->last_entered) {         /* else see >>parallel */
+            store->hint[kernel->slots.region] = kernel->last;
         }
-        kernel->region = (size_t)-1;
+        kernel->slots.region = (size_t)-1;
     }
-    kernel->fresh = kernel->fresh_end = 0;
+    kernel->slots.fresh = kernel->slots.fresh_end = 0;
 }
 
 /* The region of the next vertex becomes the one that slots are taken from. */
@@ -4166,17 +4183,26 @@ static PBW__NOINLINE void pbw__enter_region(pbw__kernel *kernel, size_t region)
 {
     pbw__store *store = kernel->store;
     /* In a task the last star is as near as any hint, and ours, if it was in the region beside. */
-    const int near = kernel->owner != NULL && kernel->last != PBW_NONE && kernel->region - region + 1 <= 2;
+    const int near = kernel->own.owner != NULL && kernel->last != PBW_NONE && kernel->slots.region - region + 1 <= 2;
     pbw_index hint;
     pbw__leave_region(kernel);
-    kernel->region = region;
-    kernel->fresh = store->region[region];
-    kernel->fresh_end = pbw__region_end(store, region);
+    kernel->slots.region = region;
+    kernel->slots.fresh = store->region[region];
+    kernel->slots.fresh_end = pbw__region_end(store, region);
     hint = store->hint[region];
     if (!near && hint != PBW_NONE && kernel->corner[4 * (size_t)hint] != PBW_NONE) {
         kernel->last = hint;                         /* the way from the last vertex may be long, or lead abroad */
     }
     kernel->last_entered = kernel->last;
+}
+
+/* Puts a slot into the list of free ones. */
+PBW__INLINE void pbw__free_slot(pbw__kernel *kernel, pbw_index t)
+{
+    kernel->corner[4 * (size_t)t] = PBW_NONE;
+    kernel->corner[4 * (size_t)t + 1] = kernel->slots.free_list;
+    kernel->slots.free_list = t;
+    kernel->slots.free_count++;
 }
 
 /* Room in the tail for `needed` simplices: a block of what there is; alone, we can make more. */
@@ -4185,7 +4211,7 @@ static PBW__NOINLINE pbw_status pbw__more_tail(pbw__kernel *kernel, size_t neede
     pbw__store *store = kernel->store;
     size_t block = needed > 1024 ? needed : 1024, from, t;
     pbw_status status = PBW_OK;
-    if (kernel->owner == NULL && store->capacity - store->count < block) {
+    if (kernel->own.owner == NULL && store->capacity - store->count < block) {
         size_t bigger = pbw__store_bigger(store), least = store->count + needed;
         status = store->capacity >= least && store->capacity == PBW__SIMPLEX_LIMIT ? PBW_OK
                : pbw__store_reserve(kernel->context, store, bigger > least ? bigger : least);
@@ -4199,49 +4225,50 @@ static PBW__NOINLINE pbw_status pbw__more_tail(pbw__kernel *kernel, size_t neede
     do {
         PBW__TEST_PAUSE();
         if (store->capacity - from < block) {
-            kernel->no_room = 1;                     /* at the end of the round there will be more */
+            kernel->slots.no_room = 1;                     /* at the end of the round there will be more */
             return PBW__LEFT;
         }
     } while (!PBW__CAS(&store->count, &from, from + block));
-    for (t = kernel->tail; t < kernel->tail_end; t++) {
-        kernel->corner[4 * t] = PBW_NONE;
-        kernel->corner[4 * t + 1] = kernel->free_list;
+    for (t = kernel->slots.tail; t < kernel->slots.tail_end; t++) {
         kernel->mark[t] = 0;
-        kernel->free_list = (pbw_index)t;
-        kernel->free_count++;
+        pbw__free_slot(kernel, (pbw_index)t);
     }
-    kernel->tail = from;
-    kernel->tail_end = from + block;
+    kernel->slots.tail = from;
+    kernel->slots.tail_end = from + block;
     for (t = from; t < from + block; t++) {
         kernel->corner[4 * t] = PBW_NONE;
     }
     return PBW_OK;
 }
 
-/* A slot that the caller knows to be there. */
+/* Returns a slot; the caller knows that there is one. */
 static PBW__NOINLINE pbw_index pbw__take_slot(pbw__kernel *kernel)
 {
+    pbw__slots *slots = &kernel->slots;
     pbw_index t;
-    if (kernel->fresh < kernel->fresh_end) {
-        t = (pbw_index)kernel->fresh++;
+    if (slots->fresh < slots->fresh_end) {
+        t = (pbw_index)slots->fresh++;
         kernel->mark[t] = 0;
-    } else if (kernel->free_count > 0) {
-        t = kernel->free_list;
-        kernel->free_list = kernel->corner[4 * (size_t)t + 1];
-        kernel->free_count--;
+    } else if (slots->free_count > 0) {
+        t = slots->free_list;
+        slots->free_list = kernel->corner[4 * (size_t)t + 1];
+        slots->free_count--;
     } else {
-        t = (pbw_index)kernel->tail++;
+        t = (pbw_index)slots->tail++;
         kernel->mark[t] = 0;
     }
     return t;
 }
 
-/* The slots of the star: those of the cavity first, still marked; cavity slots too many become free. */
+/* The slots of the star: those of the cavity first, still marked; slots of the cavity beyond that become free. */
 PBW__INLINE pbw_status pbw__take_slots(pbw__kernel *kernel)
 {
-    size_t have = kernel->cavity_count, needed = kernel->facet_count, i;
-    size_t room = have + (kernel->fresh_end - kernel->fresh) + kernel->free_count + (kernel->tail_end - kernel->tail);
+    pbw__slots *slots = &kernel->slots;
+    const size_t have = kernel->scratch.cavity_count, needed = kernel->scratch.facet_count;
+    const size_t fresh = slots->fresh_end - slots->fresh, tail = slots->tail_end - slots->tail;
+    const size_t room = have + fresh + slots->free_count + tail;
     pbw_index *cavity;
+    size_t i;
     if (PBW__UNLIKELY(needed > room)) {
         pbw_status status = pbw__more_tail(kernel, needed - room);
         if (status != PBW_OK) {
@@ -4249,30 +4276,26 @@ PBW__INLINE pbw_status pbw__take_slots(pbw__kernel *kernel)
             return status;
         }
     }
-    if (PBW__UNLIKELY(needed + 8 > kernel->cavity_capacity) && !pbw__grow_lists(kernel, needed + 8)) {
+    if (PBW__UNLIKELY(needed + 8 > kernel->scratch.cavity_capacity) && !pbw__grow_lists(kernel, needed + 8)) {
         return PBW_ERROR_MEMORY;
     }
-    cavity = kernel->cavity;
-    if (PBW__LIKELY(needed >= have) && PBW__LIKELY(kernel->fresh_end - kernel->fresh >= needed - have)) {
-        for (i = have; i < needed; i += 8) {         /* by eights: no predictor could guess how many are needed */
-            pbw_index fresh = (pbw_index)(kernel->fresh + (i - have)), k;
+    cavity = kernel->scratch.cavity;
+    if (PBW__LIKELY(needed >= have) && PBW__LIKELY(fresh >= needed - have)) {
+        for (i = have; i < needed; i += 8) {         /* by eights: how many are needed is unpredictable */
+            pbw_index next = (pbw_index)(slots->fresh + (i - have)), k;
             for (k = 0; k < 8; k++) {
-                cavity[i + k] = fresh + k;
+                cavity[i + k] = next + k;
             }
         }
-        kernel->fresh += needed - have;
+        slots->fresh += needed - have;
     } else {
         for (i = have; i < needed; i++) {
             cavity[i] = pbw__take_slot(kernel);
         }
     }
     for (i = needed; i < have; i++) {
-        pbw_index *corner = kernel->corner + 4 * (size_t)cavity[i];
         kernel->mark[cavity[i]] = 0;
-        corner[0] = PBW_NONE;
-        corner[1] = kernel->free_list;
-        kernel->free_list = cavity[i];
-        kernel->free_count++;
+        pbw__free_slot(kernel, cavity[i]);
     }
     kernel->statistics.created += needed;
     kernel->last = cavity[needed - 1];
@@ -4486,7 +4509,7 @@ static pbw_index pbw__locate3_scalar(pbw__kernel *kernel, pbw_index t, const dou
                 return !kernel->weighted || pbw__in_conflict3(kernel, t, p) ? t : PBW_NONE;
             }
         }
-        if (PBW__UNLIKELY(kernel->owner != NULL) && !pbw__may_cross(kernel, t, exit)) {
+        if (PBW__UNLIKELY(kernel->own.owner != NULL) && !pbw__may_cross(kernel, t, exit)) {
             kernel->last = t;
             return PBW__FOREIGN;
         }
@@ -4536,7 +4559,7 @@ PBW__SIMD_INLINE pbw_index pbw__locate3_simd(pbw__kernel *kernel, pbw_index t, c
                 return !weighted || pbw__in_conflict3(kernel, t, p) ? t : PBW_NONE;
             }
         }
-        if (PBW__UNLIKELY(kernel->owner != NULL) && !pbw__may_cross(kernel, t, exit)) {
+        if (PBW__UNLIKELY(kernel->own.owner != NULL) && !pbw__may_cross(kernel, t, exit)) {
             kernel->last = t;
             return PBW__FOREIGN;
         }
@@ -4584,7 +4607,7 @@ static pbw_index pbw__locate2_scalar(pbw__kernel *kernel, pbw_index t, const dou
                 return !kernel->weighted || pbw__in_conflict2(kernel, t, p) ? t : PBW_NONE;
             }
         }
-        if (PBW__UNLIKELY(kernel->owner != NULL) && !pbw__may_cross(kernel, t, exit)) {
+        if (PBW__UNLIKELY(kernel->own.owner != NULL) && !pbw__may_cross(kernel, t, exit)) {
             kernel->last = t;
             return PBW__FOREIGN;
         }
@@ -4623,7 +4646,7 @@ PBW__INLINE pbw_index pbw__walk_hull(pbw__kernel *kernel, pbw_index t, const dou
             return t;
         }
         if (past_a == past_b
-            || (PBW__UNLIKELY(kernel->owner != NULL) && !pbw__may_cross(kernel, t, (unsigned)past_a))) {
+            || (PBW__UNLIKELY(kernel->own.owner != NULL) && !pbw__may_cross(kernel, t, (unsigned)past_a))) {
             break;
         }
         t = (pbw_index)(kernel->link[4 * (size_t)t + (size_t)past_a] >> 2);
@@ -4676,7 +4699,7 @@ PBW__SIMD_INLINE pbw_index pbw__locate2_simd(pbw__kernel *kernel, pbw_index t, c
                 break;
             }
         }
-        if (PBW__UNLIKELY(kernel->owner != NULL) && !pbw__may_cross(kernel, t, exit)) {
+        if (PBW__UNLIKELY(kernel->own.owner != NULL) && !pbw__may_cross(kernel, t, exit)) {
             kernel->last = t;
             t = PBW__FOREIGN;
             break;
@@ -4692,7 +4715,7 @@ PBW__SIMD_INLINE pbw_index pbw__locate2_simd(pbw__kernel *kernel, pbw_index t, c
 PBW__INLINE pbw_index pbw__insert_start(pbw__kernel *kernel, pbw_index vertex)
 {
     size_t region = vertex >> kernel->store->region_bits;
-    if (PBW__UNLIKELY(region != kernel->region)) {
+    if (PBW__UNLIKELY(region != kernel->slots.region)) {
         pbw__enter_region(kernel, region);
     }
     return kernel->last != PBW_NONE ? kernel->last : PBW__FOREIGN;
@@ -4702,8 +4725,10 @@ PBW__INLINE pbw_index pbw__insert_start(pbw__kernel *kernel, pbw_index vertex)
 PBW__INLINE pbw_status pbw__located(pbw__kernel *kernel, pbw_index t)
 {
     kernel->last = t < PBW__FOREIGN ? t : kernel->last;
-    return t == PBW__FOREIGN || (t != PBW_NONE && kernel->owner != NULL && !pbw__may_delete(kernel, t)) ? PBW__LEFT
-                                                                                                       : PBW_OK;
+    if (t == PBW__FOREIGN || (t != PBW_NONE && kernel->own.owner != NULL && !pbw__may_delete(kernel, t))) {
+        return PBW__LEFT;
+    }
+    return PBW_OK;
 }
 /* ------------------------------------------------------------------------------------------------------
    >>cavity3      In space: carve every simplex in conflict with the point, refill with the point's star.
@@ -4738,7 +4763,7 @@ PBW__INLINE uint32_t pbw__local(uint64_t *slot, uint64_t stamp, uint32_t *count,
     uint32_t at = (v * 0x9e3779b1u) >> 22, number, old;
     for (found = slot[at] ^ key; PBW__UNLIKELY(found - PBW__LOCALS < PBW__STAMP - PBW__LOCALS);
          found = slot[at] ^ key) {
-        at = (at + 1) % PBW__SLOTS;
+        at = (at + 1) % PBW__TABLE;
     }
     old = found < PBW__LOCALS;
     number = old ? (uint32_t)found : *count;
@@ -4755,7 +4780,7 @@ typedef struct pbw__search {
     pbw_index *cavity;
     pbw__carved *carved;
     pbw_index *from, *parent;
-    uint64_t *slot;
+    uint64_t *table;
     size_t cavity_count, facet_count, capacity;
     uint64_t stamp;
     uint32_t local_count;
@@ -4763,22 +4788,22 @@ typedef struct pbw__search {
 
 PBW__INLINE void pbw__search_begin(pbw__kernel *kernel, pbw__search *search, pbw_index t)
 {
-    if (PBW__UNLIKELY(++kernel->stamp == PBW__STAMPS)) {
-        memset(kernel->slot, 0, PBW__SLOTS * sizeof(uint64_t));
-        kernel->stamp = 1;
+    if (PBW__UNLIKELY(++kernel->scratch.stamp == PBW__STAMPS)) {
+        memset(kernel->scratch.table, 0, PBW__TABLE * sizeof(uint64_t));
+        kernel->scratch.stamp = 1;
     }
     search->corner = kernel->corner;
     search->link = kernel->link;
     search->mark = kernel->mark;
-    search->cavity = kernel->cavity;
-    search->carved = kernel->carved;
-    search->from = kernel->from;
-    search->parent = kernel->parent;
-    search->slot = kernel->slot;
+    search->cavity = kernel->scratch.cavity;
+    search->carved = kernel->scratch.carved;
+    search->from = kernel->scratch.from;
+    search->parent = kernel->scratch.parent;
+    search->table = kernel->scratch.table;
     search->cavity_count = 1;
     search->facet_count = 0;
-    search->capacity = kernel->from_capacity;        /* the last of the lists to grow */
-    search->stamp = kernel->stamp * PBW__STAMP;
+    search->capacity = kernel->scratch.from_capacity;        /* the last of the lists to grow */
+    search->stamp = kernel->scratch.stamp * PBW__STAMP;
     search->local_count = 1;                         /* number 0 stands for none */
     search->parent[0] = 4;                           /* the first was met from nowhere: the second stands in */
     search->carved[1].link[0] = (pbw__link)t * 4;
@@ -4805,9 +4830,9 @@ static PBW__NOINLINE pbw_status pbw__search_leave(pbw__kernel *kernel, pbw__sear
 
 PBW__INLINE void pbw__search_end(pbw__kernel *kernel, const pbw__search *search)
 {
-    kernel->cavity_count = search->cavity_count;
-    kernel->facet_count = search->facet_count;
-    kernel->local_count = search->local_count;
+    kernel->scratch.cavity_count = search->cavity_count;
+    kernel->scratch.facet_count = search->facet_count;
+    kernel->scratch.local_count = search->local_count;
     kernel->statistics.conflict_tests += search->cavity_count + search->facet_count - 1;
 }
 
@@ -4818,11 +4843,11 @@ PBW__INLINE int pbw__search_room(pbw__kernel *kernel, pbw__search *search)
         if (!pbw__grow_lists(kernel, search->cavity_count + search->facet_count + 8)) {
             return 0;
         }
-        search->cavity = kernel->cavity;
-        search->carved = kernel->carved;
-        search->from = kernel->from;
-        search->parent = kernel->parent;
-        search->capacity = kernel->from_capacity;
+        search->cavity = kernel->scratch.cavity;
+        search->carved = kernel->scratch.carved;
+        search->from = kernel->scratch.from;
+        search->parent = kernel->scratch.parent;
+        search->capacity = kernel->scratch.from_capacity;
     }
     return 1;
 }
@@ -4835,10 +4860,10 @@ PBW__INLINE void pbw__search_number(pbw__search *search, size_t i, pbw__link lin
     memcpy(carved->v, search->corner + first, sizeof(carved->v));
     memcpy(carved->link, search->link + first, sizeof(carved->link));
     if (PBW__LIKELY(search->local_count <= PBW__LOCALS - 4)) {
-        carved->local[0] = pbw__local(search->slot, search->stamp, &search->local_count, carved->v[0]);
-        carved->local[1] = pbw__local(search->slot, search->stamp, &search->local_count, carved->v[1]);
-        carved->local[2] = pbw__local(search->slot, search->stamp, &search->local_count, carved->v[2]);
-        carved->local[3] = pbw__local(search->slot, search->stamp, &search->local_count, carved->v[3]);
+        carved->local[0] = pbw__local(search->table, search->stamp, &search->local_count, carved->v[0]);
+        carved->local[1] = pbw__local(search->table, search->stamp, &search->local_count, carved->v[1]);
+        carved->local[2] = pbw__local(search->table, search->stamp, &search->local_count, carved->v[2]);
+        carved->local[3] = pbw__local(search->table, search->stamp, &search->local_count, carved->v[3]);
     }
 }
 
@@ -5078,7 +5103,7 @@ static pbw_status pbw__carve3_scalar(pbw__kernel *kernel, pbw_index t, const dou
             if (PBW__UNLIKELY(!(det * det > limit))) {
                 inside = (unsigned)pbw__in_conflict3(kernel, (pbw_index)(link[k] >> 2), p);
             }
-            if (inside && kernel->owner != NULL && !pbw__may_delete(kernel, (pbw_index)(link[k] >> 2))) {
+            if (inside && kernel->own.owner != NULL && !pbw__may_delete(kernel, (pbw_index)(link[k] >> 2))) {
                 return pbw__search_leave(kernel, &search, i);
             }
             pbw__search_sort(&search, (pbw_index)(4 * i + k), (pbw_index)(link[k] >> 2), inside);
@@ -5122,7 +5147,7 @@ PBW__SIMD_INLINE pbw__order4 pbw__search_inherit(pbw__search *search, size_t i, 
     pbw__store4(carved->v, v);
     memcpy(carved->link, search->link + first, sizeof(carved->link));
     if (PBW__LIKELY(search->local_count < PBW__LOCALS)) {
-        uint32_t fresh = pbw__local(search->slot, search->stamp, &search->local_count, search->corner[link]);
+        uint32_t fresh = pbw__local(search->table, search->stamp, &search->local_count, search->corner[link]);
         pbw__store4(carved->local, pbw__permute4(pbw__load4(parent->local), place));
         carved->local[link & 3] = fresh;
     }
@@ -5142,7 +5167,7 @@ PBW__SIMD_INLINE pbw_status pbw__carve3_simd(pbw__kernel *kernel, pbw_index t, c
     const pbw__d4 exact_height = pbw__splat(kernel->exact_height);
     const pbw_index *corner = kernel->corner;
     const double *record = kernel->record;
-    const int owned = kernel->owner != NULL;
+    const int owned = kernel->own.owner != NULL;
     unsigned char lacking[PBW__HELD];                /* >>parallel: which corner is not ours, as a set */
     pbw__held held[PBW__HELD];
     pbw__d4 heights[PBW__HELD][2];                   /* of weighted rows; else they are the lifts */
@@ -5244,26 +5269,25 @@ static PBW__NOINLINE pbw_status pbw__sew3_wide(pbw__kernel *kernel)
 {
     size_t slots = 256, i;
     unsigned k;
-    while (slots < 3 * kernel->facet_count) {        /* 3 edges for 2 facets: at most half full */
+    while (slots < 3 * kernel->scratch.facet_count) {        /* 3 edges for 2 facets: at most half full */
         slots *= 2;
     }
-    if (slots > kernel->wide_capacity
-        && !pbw__resize_array(&kernel->context->memory, &kernel->wide_edge, &kernel->wide_capacity, slots,
-                              sizeof(pbw__edge))) {
+    if (slots > kernel->scratch.wide_capacity
+        && !PBW__RESIZE(&kernel->context->memory, &kernel->scratch, wide, slots)) {
         return PBW_ERROR_MEMORY;
     }
-    memset(kernel->wide_edge, 0, slots * sizeof(pbw__edge));     /* low == high: empty */
-    for (i = 0; i < kernel->facet_count; i++) {
-        const pbw_index *v = kernel->corner + 4 * (size_t)kernel->cavity[i];
+    memset(kernel->scratch.wide, 0, slots * sizeof(pbw__edge));     /* low == high: empty */
+    for (i = 0; i < kernel->scratch.facet_count; i++) {
+        const pbw_index *v = kernel->corner + 4 * (size_t)kernel->scratch.cavity[i];
         for (k = 1; k < 4; k++) {
             pbw_index a = v[k == 1 ? 3 : k - 1], b = v[k == 3 ? 1 : k + 1];
             pbw_index low = a < b ? a : b, high = a < b ? b : a;
-            pbw__link here = (pbw__link)kernel->cavity[i] * 4 + k;
+            pbw__link here = (pbw__link)kernel->scratch.cavity[i] * 4 + k;
             size_t at = (size_t)((((uint64_t)low << 32 | high) * 0x9e3779b97f4a7c15u) >> 32) & (slots - 1);
-            pbw__edge *edge = kernel->wide_edge + at;
+            pbw__edge *edge = kernel->scratch.wide + at;
             while (edge->low != edge->high && (edge->low != low || edge->high != high)) {
                 at = (at + 1) & (slots - 1);
-                edge = kernel->wide_edge + at;
+                edge = kernel->scratch.wide + at;
             }
             if (edge->low == edge->high) {
                 edge->low = low;
@@ -5282,16 +5306,17 @@ static PBW__NOINLINE pbw_status pbw__sew3_wide(pbw__kernel *kernel)
    the one whose vertices are nearest along the curve: others may reach far. */
 static PBW__NOINLINE pbw_status pbw__refill3(pbw__kernel *kernel, pbw_index vertex)
 {
-    const size_t count = kernel->facet_count, side = kernel->local_count > PBW__FEW - 4 ? PBW__LOCALS : PBW__FEW;
+    const size_t count = kernel->scratch.facet_count;
+    const size_t side = kernel->scratch.local_count > PBW__FEW - 4 ? PBW__LOCALS : PBW__FEW;
     uint64_t least = UINT64_MAX;
     size_t i;
     unsigned k;
     for (i = 0; i < count; i++) {
-        const pbw__carved *carved = kernel->carved + (kernel->from[i] >> 2);
-        const unsigned char *corner = pbw__facet_corners[kernel->from[i] & 3] + 1;
-        pbw__link base = (pbw__link)kernel->cavity[i] * 4, beyond = carved->link[kernel->from[i] & 3];
+        const pbw__carved *carved = kernel->scratch.carved + (kernel->scratch.from[i] >> 2);
+        const unsigned char *corner = pbw__facet_corners[kernel->scratch.from[i] & 3] + 1;
+        pbw__link base = (pbw__link)kernel->scratch.cavity[i] * 4, beyond = carved->link[kernel->scratch.from[i] & 3];
         uint64_t apart = 0;
-        PBW__STORE(kernel->mark + kernel->cavity[i], 0);
+        PBW__STORE(kernel->mark + kernel->scratch.cavity[i], 0);
         kernel->corner[base] = vertex;
         kernel->link[base] = beyond;
         kernel->link[beyond] = base;
@@ -5300,30 +5325,30 @@ static PBW__NOINLINE pbw_status pbw__refill3(pbw__kernel *kernel, pbw_index vert
             kernel->corner[base + k + 1] = v;
             apart += v < vertex ? vertex - v : v - vertex;
         }
-        kernel->last = apart < least ? kernel->cavity[i] : kernel->last;
+        kernel->last = apart < least ? kernel->scratch.cavity[i] : kernel->last;
         least = apart < least ? apart : least;
     }
-    if (PBW__UNLIKELY(kernel->local_count > PBW__LOCALS - 4)) {
+    if (PBW__UNLIKELY(kernel->scratch.local_count > PBW__LOCALS - 4)) {
         return pbw__sew3_wide(kernel);
     }
-    if (!pbw__grow(kernel, &kernel->edge, &kernel->edge_capacity, side * side, sizeof(pbw__link))) {
+    if (!PBW__GROW(kernel, &kernel->scratch, edge, side * side)) {
         return PBW_ERROR_MEMORY;
     }
     for (i = 0; i < count; i++) {
-        const pbw_index *local = kernel->carved[kernel->from[i] >> 2].local;
-        const unsigned char *corner = pbw__facet_corners[kernel->from[i] & 3] + 1;
-        pbw__link base = (pbw__link)kernel->cavity[i] * 4;
-        kernel->edge[local[corner[1]] * side + local[corner[2]]] = base + 1;
-        kernel->edge[local[corner[2]] * side + local[corner[0]]] = base + 2;
-        kernel->edge[local[corner[0]] * side + local[corner[1]]] = base + 3;
+        const pbw_index *local = kernel->scratch.carved[kernel->scratch.from[i] >> 2].local;
+        const unsigned char *corner = pbw__facet_corners[kernel->scratch.from[i] & 3] + 1;
+        pbw__link base = (pbw__link)kernel->scratch.cavity[i] * 4;
+        kernel->scratch.edge[local[corner[1]] * side + local[corner[2]]] = base + 1;
+        kernel->scratch.edge[local[corner[2]] * side + local[corner[0]]] = base + 2;
+        kernel->scratch.edge[local[corner[0]] * side + local[corner[1]]] = base + 3;
     }
     for (i = 0; i < count; i++) {
-        const pbw_index *local = kernel->carved[kernel->from[i] >> 2].local;
-        const unsigned char *corner = pbw__facet_corners[kernel->from[i] & 3] + 1;
-        pbw__link *link = kernel->link + (pbw__link)kernel->cavity[i] * 4;
-        link[1] = kernel->edge[local[corner[2]] * side + local[corner[1]]];
-        link[2] = kernel->edge[local[corner[0]] * side + local[corner[2]]];
-        link[3] = kernel->edge[local[corner[1]] * side + local[corner[0]]];
+        const pbw_index *local = kernel->scratch.carved[kernel->scratch.from[i] >> 2].local;
+        const unsigned char *corner = pbw__facet_corners[kernel->scratch.from[i] & 3] + 1;
+        pbw__link *link = kernel->link + (pbw__link)kernel->scratch.cavity[i] * 4;
+        link[1] = kernel->scratch.edge[local[corner[2]] * side + local[corner[1]]];
+        link[2] = kernel->scratch.edge[local[corner[0]] * side + local[corner[2]]];
+        link[3] = kernel->scratch.edge[local[corner[1]] * side + local[corner[0]]];
     }
     return PBW_OK;
 }
@@ -5340,15 +5365,15 @@ PBW__SIMD_INLINE pbw__i4 pbw__facet_lanes(pbw_index facet)
 PBW__SIMD_INLINE pbw_status pbw__refill3_simd(pbw__kernel *kernel, pbw_index vertex)
 {
     const pbw__i4 new_corner = pbw__splat_i((int32_t)vertex);
-    pbw__carved *carved = kernel->carved;
+    pbw__carved *carved = kernel->scratch.carved;
     pbw_index *corners = kernel->corner;
-    const pbw_index *cavity = kernel->cavity, *from = kernel->from;
-    pbw__link *links = kernel->link, *edge = kernel->edge;
+    const pbw_index *cavity = kernel->scratch.cavity, *from = kernel->scratch.from;
+    pbw__link *links = kernel->link, *edge = kernel->scratch.edge;
     unsigned char *mark = kernel->mark;
-    size_t i, count = kernel->facet_count;
+    size_t i, count = kernel->scratch.facet_count;
     uint32_t least = UINT32_MAX;
     pbw_index nearest = cavity[0];
-    if (PBW__UNLIKELY(kernel->local_count > PBW__FEW - 4)) {
+    if (PBW__UNLIKELY(kernel->scratch.local_count > PBW__FEW - 4)) {
         return pbw__refill3(kernel, vertex);
     }
     for (i = 0; i < count; i++) {
@@ -5366,7 +5391,7 @@ PBW__SIMD_INLINE pbw_status pbw__refill3_simd(pbw__kernel *kernel, pbw_index ver
         pbw__store4(corners + base, v);
         links[base] = beyond;
         links[beyond] = base;
-        pbw__store4(kernel->back + 4 * i, (last << 6) + next);
+        pbw__store4(kernel->scratch.back + 4 * i, (last << 6) + next);
         nearest = apart < least ? slot : nearest;
         least = apart < least ? apart : least;
         edge[low >> 32] = base + 1;
@@ -5374,7 +5399,7 @@ PBW__SIMD_INLINE pbw_status pbw__refill3_simd(pbw__kernel *kernel, pbw_index ver
         edge[high >> 32] = base + 3;
     }
     for (i = 0; i < count; i++) {
-        const pbw_index *back = kernel->back + 4 * i;
+        const pbw_index *back = kernel->scratch.back + 4 * i;
         pbw__link *link = links + cavity[i] * 4;
         link[1] = edge[back[1]];
         link[2] = edge[back[2]];
@@ -5433,40 +5458,39 @@ static pbw_status pbw__carve2(pbw__kernel *kernel, pbw_index t, const double *p)
     const pbw__link *links = kernel->link;
     size_t stack_count = 3;
     int k;
-    kernel->cavity[0] = t;
-    kernel->cavity_count = 1;
-    kernel->facet_count = 0;
+    kernel->scratch.cavity[0] = t;
+    kernel->scratch.cavity_count = 1;
+    kernel->scratch.facet_count = 0;
     kernel->mark[t] = 1;
     for (k = 0; k < 3; k++) {
-        kernel->stack[k] = links[4 * (size_t)t + 2 - (size_t)k];
+        kernel->scratch.stack[k] = links[4 * (size_t)t + 2 - (size_t)k];
     }
     while (stack_count > 0) {
-        pbw__link link = kernel->stack[--stack_count];
+        pbw__link link = kernel->scratch.stack[--stack_count];
         pbw_index o = (pbw_index)(link >> 2);
         unsigned via = (unsigned)(link & 3), left = via == 2 ? 0 : via + 1, right = via == 0 ? 2 : via - 1;
         if (kernel->mark[o]) {
             continue;
         }
         if (pbw__test2(kernel, o, p)) {
-            if (kernel->owner != NULL && !pbw__may_delete(kernel, o)) {
-                return pbw__leave_cavity(kernel, kernel->cavity_count);
+            if (kernel->own.owner != NULL && !pbw__may_delete(kernel, o)) {
+                return pbw__leave_cavity(kernel, kernel->scratch.cavity_count);
             }
-            if ((kernel->cavity_count == kernel->cavity_capacity
-                 && !pbw__grow_lists(kernel, kernel->cavity_count + 1))
-                || !pbw__grow(kernel, &kernel->stack, &kernel->stack_capacity, stack_count + 2,
-                              sizeof(pbw__link))) {
+            if ((kernel->scratch.cavity_count == kernel->scratch.cavity_capacity
+                 && !pbw__grow_lists(kernel, kernel->scratch.cavity_count + 1))
+                || !PBW__GROW(kernel, &kernel->scratch, stack, stack_count + 2)) {
                 return PBW_ERROR_MEMORY;
             }
             kernel->mark[o] = 1;
-            kernel->cavity[kernel->cavity_count++] = o;
-            kernel->stack[stack_count++] = links[4 * (size_t)o + right];
-            kernel->stack[stack_count++] = links[4 * (size_t)o + left];
+            kernel->scratch.cavity[kernel->scratch.cavity_count++] = o;
+            kernel->scratch.stack[stack_count++] = links[4 * (size_t)o + right];
+            kernel->scratch.stack[stack_count++] = links[4 * (size_t)o + left];
         } else {
-            if (kernel->facet_count + 1 >= kernel->beyond_capacity
-                && !pbw__grow_lists(kernel, kernel->facet_count + 2)) {
+            if (kernel->scratch.facet_count + 1 >= kernel->scratch.beyond_capacity
+                && !pbw__grow_lists(kernel, kernel->scratch.facet_count + 2)) {
                 return PBW_ERROR_MEMORY;
             }
-            kernel->beyond[kernel->facet_count++] = link;
+            kernel->scratch.beyond[kernel->scratch.facet_count++] = link;
         }
     }
     return PBW_OK;
@@ -5480,26 +5504,27 @@ PBW__INLINE pbw_index pbw__edge_start(const pbw__kernel *kernel, pbw__link beyon
 
 static pbw_status pbw__refill2(pbw__kernel *kernel, pbw_index vertex)
 {
-    size_t count = kernel->facet_count, i;
-    pbw_index last_start = pbw__edge_start(kernel, kernel->beyond[count - 1]);
-    kernel->beyond[count] = kernel->beyond[0];
+    size_t count = kernel->scratch.facet_count, i;
+    pbw_index last_start = pbw__edge_start(kernel, kernel->scratch.beyond[count - 1]);
+    kernel->scratch.beyond[count] = kernel->scratch.beyond[0];
     for (i = 0; i < count; i++) {
-        pbw__link beyond = kernel->beyond[i], base = (pbw__link)kernel->cavity[i] << 2;
+        pbw__link beyond = kernel->scratch.beyond[i], base = (pbw__link)kernel->scratch.cavity[i] << 2;
         pbw_index *v = kernel->corner + base;
         pbw__link *n = kernel->link + base;
-        pbw_index start = pbw__edge_start(kernel, beyond), end = pbw__edge_start(kernel, kernel->beyond[i + 1]);
+        pbw_index start = pbw__edge_start(kernel, beyond);
+        pbw_index end = pbw__edge_start(kernel, kernel->scratch.beyond[i + 1]);
         /* Corner numbers in (vertex, start, end), turned once if `start` is the ghost. */
         unsigned turn = start == PBW__GHOST, from = turn ? 2 : 1, to = turn ? 0 : 2;
         /* Across from `end` lies the triangle before, which ends where we begin: its corner across from us is its
            `start`. */
         unsigned before_from = last_start == PBW__GHOST ? 2 : 1, after_to = end == PBW__GHOST ? 0 : 2;
-        kernel->mark[kernel->cavity[i]] = 0;
+        kernel->mark[kernel->scratch.cavity[i]] = 0;
         v[turn] = vertex;
         v[from] = start;
         v[to] = end;
         n[turn] = beyond;
-        n[to] = (pbw__link)kernel->cavity[i == 0 ? count - 1 : i - 1] << 2 | before_from;
-        n[from] = (pbw__link)kernel->cavity[i + 1 == count ? 0 : i + 1] << 2 | after_to;
+        n[to] = (pbw__link)kernel->scratch.cavity[i == 0 ? count - 1 : i - 1] << 2 | before_from;
+        n[from] = (pbw__link)kernel->scratch.cavity[i + 1 == count ? 0 : i + 1] << 2 | after_to;
         kernel->link[beyond] = base | turn;
         last_start = start;
     }
@@ -5697,7 +5722,7 @@ PBW__SIMD_INLINE pbw_status pbw__ring_split(pbw__kernel *kernel, pbw__ring *ring
         if (PBW__UNLIKELY(met)) {
             return PBW__NO_FIT;
         }
-        if (PBW__UNLIKELY(kernel->owner != NULL) && far != PBW__GHOST && !pbw__owns(kernel, far)) {
+        if (PBW__UNLIKELY(kernel->own.owner != NULL) && far != PBW__GHOST && !pbw__owns(kernel, far)) {
             return PBW__LEFT;                        /* all others of the ring are ours, or the ghost */
         }
         ring->slot[count - 2] = (pbw_index)(beyond >> 2);
@@ -5978,10 +6003,10 @@ PBW__SIMD_INLINE void pbw__refill2_simd(pbw__kernel *kernel, pbw__ring *ring, pb
     pbw_index last = ring->slot[0], guess = pbw__guess2(kernel, vertex);
     const pbw__d2 p = pbw__load2(record + 3 * (size_t)vertex);
     const pbw__d2 normal = pbw__turn_right(pbw__load2(record + 3 * (size_t)guess) - p);
-    ring->slot[count - 2] = (pbw_index)kernel->fresh;
-    ring->slot[count - 1] = (pbw_index)kernel->fresh + 1;
-    kernel->mark[kernel->fresh] = kernel->mark[kernel->fresh + 1] = 0;
-    kernel->fresh += 2;
+    ring->slot[count - 2] = (pbw_index)kernel->slots.fresh;
+    ring->slot[count - 1] = (pbw_index)kernel->slots.fresh + 1;
+    kernel->mark[kernel->slots.fresh] = kernel->mark[kernel->slots.fresh + 1] = 0;
+    kernel->slots.fresh += 2;
     kernel->statistics.created += count;
     kernel->statistics.conflict_tests += ring->tail;
     for (i = 0; i < count; i++) {
@@ -6005,9 +6030,9 @@ PBW__SIMD_INLINE void pbw__refill2_simd(pbw__kernel *kernel, pbw__ring *ring, pb
     if (PBW__UNLIKELY(ring->hull)) {
         pbw__turn_ghost(kernel, ring, vertex, guess);
     }
-    if (PBW__UNLIKELY(kernel->owner != NULL)) {      /* >>parallel looks for hints there */
-        memcpy(kernel->cavity, ring->slot, sizeof(ring->slot));      /* all: so many are quicker than some */
-        kernel->facet_count = count;
+    if (PBW__UNLIKELY(kernel->own.owner != NULL)) {      /* >>parallel looks for hints there */
+        memcpy(kernel->scratch.cavity, ring->slot, sizeof(ring->slot));      /* all: so many are quicker than some */
+        kernel->scratch.facet_count = count;
     }
 }
 #endif
@@ -6071,7 +6096,7 @@ static pbw_status pbw__insert_scalar(pbw__kernel *kernel, pbw_index vertex)
 /* What is written and read four vertices on is asked for: at coarse levels each has lines of the cache of its own. */
 PBW__INLINE void pbw__ask_ahead2(const pbw__kernel *kernel, pbw_index vertex)
 {
-    const size_t slot = kernel->fresh + 8 < kernel->fresh_end ? kernel->fresh + 8 : kernel->fresh;
+    const size_t fresh = kernel->slots.fresh, slot = fresh + 8 < kernel->slots.fresh_end ? fresh + 8 : fresh;
     const pbw_index later = vertex + 4 * (vertex - kernel->previous);
     PBW__PREFETCH_TO_WRITE(kernel->corner + 4 * slot);
     PBW__PREFETCH_TO_WRITE(kernel->link + 4 * slot);
@@ -6091,8 +6116,9 @@ PBW__SIMD_INLINE pbw_status pbw__insert_simd(pbw__kernel *kernel, pbw_index vert
         pbw__ask_ahead2(kernel, vertex);
     }
     PBW__PHASE(PBW__WALK);
-    rows.x = rows.y = rows.lift = rows.height = pbw__splat(0.0);
-    t = t != PBW__FOREIGN ? pbw__locate2_simd(kernel, t, p, weighted, &rows) : t;
+    if (PBW__LIKELY(t != PBW__FOREIGN)) {
+        t = dim == 3 ? pbw__locate3_simd(kernel, t, p, weighted) : pbw__locate2_simd(kernel, t, p, weighted, &rows);
+    }
     status = pbw__located(kernel, t);
     if (PBW__UNLIKELY(t == PBW_NONE) || PBW__UNLIKELY(status != PBW_OK)) {
         return status;                               /* hidden, or not ours */
@@ -6104,7 +6130,7 @@ PBW__SIMD_INLINE pbw_status pbw__insert_simd(pbw__kernel *kernel, pbw_index vert
         status = PBW__LIKELY(status == PBW_OK) ? pbw__take_slots(kernel) : status;
         status = PBW__LIKELY(status == PBW_OK) ? pbw__refill3_simd(kernel, vertex) : status;
     } else {
-        status = PBW__LIKELY(kernel->fresh_end - kernel->fresh >= 2)
+        status = PBW__LIKELY(kernel->slots.fresh_end - kernel->slots.fresh >= 2)
                ? pbw__carve2_simd(kernel, &ring, t, &rows, pbw__point2_of(p, weighted)) : PBW__NO_FIT;
         PBW__PHASE(PBW__STAR);
         if (PBW__LIKELY(status == PBW_OK)) {
@@ -6141,16 +6167,16 @@ PBW__SIMD static pbw_status pbw__insert2_weighted_simd(pbw__kernel *kernel, pbw_
 static void pbw__kernel_free(pbw__kernel *kernel)
 {
     pbw__memory *memory = &kernel->context->memory;
-    pbw__release(memory, kernel->cavity, kernel->cavity_capacity, sizeof(pbw_index));
-    pbw__release(memory, kernel->parent, kernel->parent_capacity, sizeof(pbw_index));
-    pbw__release(memory, kernel->carved, kernel->carved_capacity, sizeof(pbw__carved));
-    pbw__release(memory, kernel->beyond, kernel->beyond_capacity, sizeof(pbw__link));
-    pbw__release(memory, kernel->from, kernel->from_capacity, sizeof(pbw_index));
-    pbw__release(memory, kernel->stack, kernel->stack_capacity, sizeof(pbw__link));
-    pbw__release(memory, kernel->slot, PBW__SLOTS, sizeof(uint64_t));
-    pbw__release(memory, kernel->edge, kernel->edge_capacity, sizeof(pbw__link));
-    pbw__release(memory, kernel->left, kernel->left_capacity, sizeof(pbw_index));
-    pbw__release(memory, kernel->wide_edge, kernel->wide_capacity, sizeof(pbw__edge));
+    PBW__RELEASE(memory, &kernel->scratch, cavity);
+    PBW__RELEASE(memory, &kernel->scratch, parent);
+    PBW__RELEASE(memory, &kernel->scratch, carved);
+    PBW__RELEASE(memory, &kernel->scratch, beyond);
+    PBW__RELEASE(memory, &kernel->scratch, from);
+    PBW__RELEASE(memory, &kernel->scratch, stack);
+    pbw__release(memory, kernel->scratch.table, PBW__TABLE, sizeof(uint64_t));
+    PBW__RELEASE(memory, &kernel->scratch, edge);
+    PBW__RELEASE(memory, kernel, left);
+    PBW__RELEASE(memory, &kernel->scratch, wide);
 }
 
 /* Scratch memory for one thread; on failure the kernel can and must still be freed. */
@@ -6171,7 +6197,7 @@ static pbw_status pbw__kernel_create(pbw__kernel *kernel, pbw__context *context,
     kernel->exact_height = grid->inverse_unit > 1e-30 && grid->inverse_unit < 1e30
                          ? (dim == 3 ? PBW__EXACT_HEIGHT3 : PBW__EXACT_HEIGHT2)
                            / (grid->inverse_unit * grid->inverse_unit) : 0.0;
-    kernel->region = (size_t)-1;
+    kernel->slots.region = (size_t)-1;
     kernel->last = kernel->last_entered = PBW_NONE;
     kernel->insert = pbw__insert_scalar;
 #ifdef PBW__SIMD
@@ -6185,15 +6211,15 @@ static pbw_status pbw__kernel_create(pbw__kernel *kernel, pbw__context *context,
         return PBW_ERROR_MEMORY;
     }
     if (dim == 2) {
-        return pbw__grow(kernel, &kernel->stack, &kernel->stack_capacity, 64, sizeof(pbw__link)) ? PBW_OK
+        return PBW__GROW(kernel, &kernel->scratch, stack, 64) ? PBW_OK
                                                                                                   : PBW_ERROR_MEMORY;
     }
-    kernel->slot = (uint64_t *)pbw__allocate(memory, PBW__SLOTS, sizeof(uint64_t));
-    if (kernel->slot == NULL
-        || !pbw__grow(kernel, &kernel->edge, &kernel->edge_capacity, PBW__FEW * PBW__FEW, sizeof(pbw__link))) {
+    kernel->scratch.table = (uint64_t *)pbw__allocate(memory, PBW__TABLE, sizeof(uint64_t));
+    if (kernel->scratch.table == NULL
+        || !PBW__GROW(kernel, &kernel->scratch, edge, PBW__FEW * PBW__FEW)) {
         return PBW_ERROR_MEMORY;
     }
-    memset(kernel->slot, 0, PBW__SLOTS * sizeof(uint64_t));
+    memset(kernel->scratch.table, 0, PBW__TABLE * sizeof(uint64_t));
     return PBW_OK;
 }
 
@@ -6294,7 +6320,7 @@ static pbw_status pbw__first_star(pbw__kernel *kernel, int dim, const pbw_index 
         v[i + 1][dim] = PBW__GHOST;
     }
     pbw__enter_region(kernel, seed[0] >> kernel->store->region_bits);
-    if (kernel->fresh_end - kernel->fresh < (size_t)dim + 2) {
+    if (kernel->slots.fresh_end - kernel->slots.fresh < (size_t)dim + 2) {
         pbw_status status = pbw__more_tail(kernel, (size_t)dim + 2);
         if (status != PBW_OK) {
             return status;
@@ -6381,14 +6407,14 @@ static int pbw__find_start(pbw__build *build, pbw__kernel *kernel, pbw_index v)
 {
     pbw__store *store = build->store;
     const size_t cell = v >> build->owner_bits;
-    const size_t from = kernel->region << store->region_bits >> build->owner_bits;     /* far off, if there is none */
+    const size_t from = kernel->slots.region << store->region_bits >> build->owner_bits;     /* far off, if none */
     const pbw_index last = kernel->last;
     size_t k;
     kernel->last = from - cell + 1 <= 2 ? last : PBW_NONE;
     for (k = 0; k < 16 && kernel->last == PBW_NONE; k++) {
         size_t near = (k & 1) != 0 ? cell + (k + 1) / 2 : cell - k / 2, region = pbw__first_region(build, near);
         if (near <= build->vertices->count >> build->owner_bits && PBW__LOAD(store->hint + region) != PBW_NONE
-            && (kernel->owner == NULL || pbw__owns_cell(kernel, near))) {
+            && (kernel->own.owner == NULL || pbw__owns_cell(kernel, near))) {
             pbw_index hint = store->hint[region];
             kernel->last = hint != PBW_NONE && kernel->corner[4 * (size_t)hint] != PBW_NONE ? hint : PBW_NONE;
         }
@@ -6400,16 +6426,17 @@ static int pbw__find_start(pbw__build *build, pbw__kernel *kernel, pbw_index v)
 /* Inserts a vertex, or leaves it for later; 0 = stop. */
 static int pbw__level_insert(pbw__build *build, pbw__kernel *kernel, pbw_index v)
 {
+    const int alone = kernel->own.owner == NULL;
     size_t work;
     pbw_status status;
     if (v == build->seed[0] || v == build->seed[1] || v == build->seed[2] || v == build->seed[3]) {
         return 1;
     }
     /* That there is no room for a star is known when all but the star is done: no more tries then. */
-    status = kernel->owner == NULL ? kernel->insert(kernel, v)
-           : kernel->no_room ? PBW__LEFT : pbw__insert_claiming(build, kernel, v);
+    status = alone ? kernel->insert(kernel, v)
+           : kernel->slots.no_room ? PBW__LEFT : pbw__insert_claiming(build, kernel, v);
     if (status == PBW__LEFT) {
-        if (!pbw__grow(kernel, &kernel->left, &kernel->left_capacity, kernel->left_count + 1, sizeof(pbw_index))) {
+        if (!PBW__GROW(kernel, kernel, left, kernel->left_count + 1)) {
             kernel->status = PBW_ERROR_MEMORY;
             return 0;
         }
@@ -6420,13 +6447,13 @@ static int pbw__level_insert(pbw__build *build, pbw__kernel *kernel, pbw_index v
         return 0;
     }
     if (build->context->trace != NULL) {
-        build->context->trace[build->vertices->id[v]] = build->trace | (kernel->owner != NULL ? kernel->share : 0u);
+        build->context->trace[build->vertices->id[v]] = build->trace | (alone ? 0u : kernel->own.share);
     }
     kernel->done += status == PBW_OK;
     /* An exact test of extreme exponents may take 0.2 ms, a new simplex takes 0.1 us. */
     work = kernel->statistics.created + kernel->statistics.walk_steps + 64 * kernel->statistics.exact_tests;
     if (work - kernel->reported > 4096) {
-        double done = (double)build->done + (double)kernel->done * (double)(kernel->owner != NULL ? build->parts : 1);
+        double done = (double)build->done + (double)kernel->done * (double)(alone ? 1 : build->parts);
         kernel->reported = work;
         done /= (double)build->vertices->count;      /* a guess: other parts may be slower */
         if (pbw__report(build->context, done < 0.999 ? done : 0.999)) {
@@ -6464,7 +6491,7 @@ static pbw_status pbw__level_serial(pbw__build *build, int all)
     const pbw_index *corner = store->corner;
     size_t i, r;
     pbw__kernel_attach(kernel);
-    kernel->owner = NULL;
+    kernel->own.owner = NULL;
     kernel->status = PBW_OK;
     /* Any simplex will do as a start, best the last one: there is always one among the used slots of the regions, as
        the simplices of the seeds, or what replaced them, are there, unless all regions are full. */
@@ -6626,7 +6653,7 @@ static pbw_status pbw__level_extremes(pbw__build *build, const pbw__grid *grid)
         return PBW_CANCELLED;
     }
     if (most > build->left_capacity
-        && !pbw__resize_array(memory, &build->left, &build->left_capacity, most, sizeof(pbw_index))) {
+        && !PBW__RESIZE(memory, build, left, most)) {
         return PBW_ERROR_MEMORY;
     }
     pbw__plan(build, most, 0);
@@ -6680,7 +6707,7 @@ static void pbw__build_free(pbw__build *build)
         pbw__kernel_free(build->kernel[i]);
         pbw__release(memory, build->kernel[i], 1, sizeof(pbw__kernel));
     }
-    pbw__release(memory, build->left, build->left_capacity, sizeof(pbw_index));
+    PBW__RELEASE(memory, build, left);
     pbw__release(memory, build->owner, cells, 1);
     pbw__release(memory, build->early, build->vertices->count / 8 + 1, 1);
 }
@@ -6805,33 +6832,34 @@ static pbw_status pbw__build_all(pbw__context *context, pbw__store *store, const
 /* Takes a cell that is nobody's; 0 = another task was quicker, or we have too many. */
 static PBW__NOINLINE int pbw__claim(pbw__kernel *kernel, size_t cell)
 {
+    pbw__ownership *own = &kernel->own;
     uint8_t nobody = PBW__NOBODY;
     PBW__TEST_PAUSE();
-    if (kernel->claim_count == PBW__CLAIMS || !PBW__CAS_ACQUIRE(kernel->owner + cell, &nobody, kernel->me)) {
+    if (own->claim_count == PBW__CLAIMS || !PBW__CAS_ACQUIRE(own->owner + cell, &nobody, own->me)) {
         return 0;
     }
-    kernel->claim[kernel->claim_count++] = (pbw_index)cell;
+    own->claim[own->claim_count++] = (pbw_index)cell;
     return 1;
 }
 
 PBW__INLINE int pbw__owns_cell(pbw__kernel *kernel, size_t cell)
 {
-    uint8_t owner = PBW__LOAD(kernel->owner + cell);
-    if (owner == kernel->me || (owner == PBW__NOBODY && pbw__claim(kernel, cell))) {
+    uint8_t owner = PBW__LOAD(kernel->own.owner + cell);
+    if (owner == kernel->own.me || (owner == PBW__NOBODY && pbw__claim(kernel, cell))) {
         return 1;
     }
-    kernel->blocker = owner;
+    kernel->own.blocker = owner;
     return 0;
 }
 
 PBW__INLINE int pbw__owns(pbw__kernel *kernel, pbw_index v)
 {
-    return v != PBW__GHOST && pbw__owns_cell(kernel, v >> kernel->owner_bits);
+    return v != PBW__GHOST && pbw__owns_cell(kernel, v >> kernel->own.owner_bits);
 }
 
 PBW__INLINE unsigned pbw__is_ours(const pbw__kernel *kernel, pbw_index v)
 {
-    return (v != PBW__GHOST) & (PBW__LOAD(kernel->owner + (v >> kernel->owner_bits)) == kernel->me);
+    return (v != PBW__GHOST) & (PBW__LOAD(kernel->own.owner + (v >> kernel->own.owner_bits)) == kernel->own.me);
 }
 
 /* Cells are taken only for the corners that are lacking: whatever we hold is in other tasks' way. */
@@ -6897,18 +6925,18 @@ static void pbw__round_begin(pbw__build *build, int part)
 {
     pbw__kernel *kernel = build->kernel[part];
     pbw__kernel_attach(kernel);                      /* the store may have moved */
-    kernel->owner = build->owner;
-    kernel->owner_bits = build->owner_bits;
-    kernel->me = (uint8_t)part;
-    kernel->region = (size_t)-1;
+    kernel->own.owner = build->owner;
+    kernel->own.owner_bits = build->owner_bits;
+    kernel->own.me = (uint8_t)part;
+    kernel->slots.region = (size_t)-1;
     kernel->last = PBW_NONE;
     kernel->left_count = 0;
-    kernel->claim_count = 0;
-    kernel->renewed = 0;
-    kernel->missed = 0;
-    kernel->blocker = PBW__NOBODY;
-    kernel->facet_count = 0;
-    kernel->no_room = 0;
+    kernel->own.claim_count = 0;
+    kernel->own.renewed = 0;
+    kernel->own.missed = 0;
+    kernel->own.blocker = PBW__NOBODY;
+    kernel->scratch.facet_count = 0;
+    kernel->slots.no_room = 0;
     kernel->status = PBW_OK;
 }
 
@@ -6940,10 +6968,10 @@ static void pbw__renew_hint(pbw__build *build, pbw__kernel *kernel, pbw_index ve
     pbw_index hint = kernel->last;
     size_t i;
     for (i = 0; kernel->dim == 3 && !pbw__is_in_cell(build, hint, cell); i++) {
-        if (i == kernel->facet_count) {
+        if (i == kernel->scratch.facet_count) {
             return;
         }
-        hint = kernel->cavity[i];
+        hint = kernel->scratch.cavity[i];
     }
     PBW__STORE(build->store->hint + pbw__first_region(build, cell), hint);
 }
@@ -6990,32 +7018,32 @@ static void pbw__give_back(pbw__build *build, pbw__kernel *kernel, int count)
     size_t t;
     int i, k, ours = 0, missing = 0;
     pbw__leave_region(kernel);
-    for (i = 0; kernel->renewed && i < kernel->claim_count; i++) {
-        const size_t cell = kernel->claim[i];
+    for (i = 0; kernel->own.renewed && i < kernel->own.claim_count; i++) {
+        const size_t cell = kernel->own.claim[i];
         pbw_index *hint = build->store->hint + pbw__first_region(build, cell);
         if (!pbw__is_in_cell(build, *hint, cell)) {
             PBW__STORE(hint, PBW_NONE);
             missing = 1;
         }
     }
-    for (t = 0; missing && t < kernel->facet_count; t++) {
-        pbw__offer_hint(build, kernel->cavity[t], kernel->me);
+    for (t = 0; missing && t < kernel->scratch.facet_count; t++) {
+        pbw__offer_hint(build, kernel->scratch.cavity[t], kernel->own.me);
     }
     for (k = 0; kernel->last != PBW_NONE && k <= kernel->dim; k++) {
         v[k] = kernel->corner[4 * (size_t)kernel->last + (size_t)k];     /* may change once cells are given back */
     }
     for (i = 0; i < count; i++) {
-        PBW__STORE_RELEASE(kernel->owner + kernel->claim[i], PBW__NOBODY);
+        PBW__STORE_RELEASE(kernel->own.owner + kernel->own.claim[i], PBW__NOBODY);
         PBW__TEST_PAUSE();
     }
-    kernel->claim_count -= count;
-    memmove(kernel->claim, kernel->claim + count, (size_t)kernel->claim_count * sizeof(pbw_index));
+    kernel->own.claim_count -= count;
+    memmove(kernel->own.claim, kernel->own.claim + count, (size_t)kernel->own.claim_count * sizeof(pbw_index));
     for (k = 0; k <= kernel->dim; k++) {
-        ours += v[k] != PBW__GHOST && PBW__LOAD(kernel->owner + (v[k] >> kernel->owner_bits)) == kernel->me;
+        ours += (int)pbw__is_ours(kernel, v[k]);
     }
     kernel->last = ours + 1 >= kernel->dim ? kernel->last : PBW_NONE;
-    kernel->renewed = 0;
-    kernel->facet_count = 0;
+    kernel->own.renewed = 0;
+    kernel->scratch.facet_count = 0;
 }
 
 /* Inserts a vertex with cells that are taken for it, and held for the next ones, which are often near.  Who asks for
@@ -7030,21 +7058,21 @@ static pbw_status pbw__insert_claiming(pbw__build *build, pbw__kernel *kernel, p
     }
     if (kernel->statistics.created > created) {
         pbw__renew_hint(build, kernel, v);
-        kernel->renewed = 1;
+        kernel->own.renewed = 1;
     } else {
-        kernel->facet_count = 0;
+        kernel->scratch.facet_count = 0;
     }
     if (PBW__UNLIKELY(status == PBW__LEFT)) {
-        kernel->missed++;
-        if (kernel->blocker != PBW__NOBODY) {
-            PBW__STORE(&build->kernel[kernel->blocker]->asked, 1);
+        kernel->own.missed++;
+        if (kernel->own.blocker != PBW__NOBODY) {
+            PBW__STORE(&build->kernel[kernel->own.blocker]->asked, 1);
         }
     }
     if (PBW__UNLIKELY(status == PBW__LEFT) || PBW__UNLIKELY(PBW__LOAD(&kernel->asked))) {
         PBW__STORE(&kernel->asked, 0);
-        pbw__give_back(build, kernel, kernel->claim_count);
-    } else if (kernel->claim_count > build->hold) {
-        pbw__give_back(build, kernel, (kernel->claim_count + 1) / 2);
+        pbw__give_back(build, kernel, kernel->own.claim_count);
+    } else if (kernel->own.claim_count > build->hold) {
+        pbw__give_back(build, kernel, (kernel->own.claim_count + 1) / 2);
     }
     return status;
 }
@@ -7129,7 +7157,7 @@ static void pbw__round(void *arg, int part)
         const size_t least = (end - begin + PBW__BATCHES - 1) / PBW__BATCHES;
         const size_t batch = least < PBW__BATCH ? PBW__BATCH : least, batches = (end - begin + batch - 1) / batch;
         uint32_t taken = PBW__LOAD(build->taken + share);
-        kernel->share = (uint8_t)share;
+        kernel->own.share = (uint8_t)share;
         while ((taken & 65535) + (taken >> 16) < batches) {
             size_t from;
             if (!PBW__CAS(build->taken + share, &taken, taken + (k == 0 ? 1 : 65536))) {
@@ -7142,7 +7170,7 @@ static void pbw__round(void *arg, int part)
             taken = PBW__LOAD(build->taken + share);
         }
     }
-    pbw__give_back(build, kernel, kernel->claim_count);
+    pbw__give_back(build, kernel, kernel->own.claim_count);
 }
 
 /* After a round: collects the vertices left, finds room if some task had none. */
@@ -7155,8 +7183,8 @@ static pbw_status pbw__end_round(pbw__build *build)
     for (part = 0; part < build->parts; part++) {
         pbw__kernel *kernel = build->kernel[part];
         count += kernel->left_count;
-        missed += kernel->missed;
-        no_room |= kernel->no_room;
+        missed += kernel->own.missed;
+        no_room |= kernel->slots.no_room;
         status = status != PBW_OK ? status : kernel->status;
         build->done += kernel->done;
         kernel->done = 0;
@@ -7165,8 +7193,7 @@ static pbw_status pbw__end_round(pbw__build *build)
         return status;
     }
     if (count > build->left_capacity
-        && !pbw__resize_array(&build->context->memory, &build->left, &build->left_capacity, count,
-                              sizeof(pbw_index))) {
+        && !PBW__RESIZE(&build->context->memory, build, left, count)) {
         return PBW_ERROR_MEMORY;
     }
     build->left_count = 0;
