@@ -7992,7 +7992,7 @@ PBW__INLINE void pbw__emit_slots_of(const pbw__emission *emission, size_t from, 
 
 #ifdef PBW__AVX2
 /* Stores a vector in dim+1 entries. */
-PBW__SIMD_INLINE void pbw__emit_store(pbw_index *to, pbw__i4 x, int dim)
+PBW__SIMD_INLINE void pbw__emit_entries(pbw_index *to, pbw__i4 x, int dim)
 {
     if (dim == 3) {
         pbw__store4(to, x);
@@ -8061,9 +8061,9 @@ PBW__SIMD_INLINE void pbw__emit_slots_simd_of(const pbw__emission *emission, siz
         ids = pbw__permute4(ids, lanes);
         neighbors = pbw__permute4(neighbors, lanes);
         if (pbw__emit_free(emission, &free, place, dim)) {
-            pbw__emit_store(corner + corners * place, ids, dim);
+            pbw__emit_entries(corner + corners * place, ids, dim);
             if (links) {
-                pbw__emit_store((pbw_index *)(void *)link + corners * place, neighbors, dim);
+                pbw__emit_entries((pbw_index *)(void *)link + corners * place, neighbors, dim);
             }
         } else {
             pbw__emitted *simplex = free.simplex + count++;
@@ -8338,16 +8338,62 @@ static void pbw__release_borrowed(pbw__memory *memory, pbw_index *block, size_t 
     }
 }
 
-/* The store's triangulation as the mesh's arrays. */
+/* Borrows or allocates the arrays of an emission and runs it. */
+static pbw_status pbw__emit_all(pbw__emission *emission, pbw__spare *spare, size_t allocated[3])
+{
+    pbw__context *context = emission->context;
+    pbw__memory *memory = &context->memory;
+    const size_t chunks = (emission->slot_count >> emission->chunk_bits) + 1, tasks = (size_t)emission->tasks;
+    pbw_status status = PBW_ERROR_MEMORY;
+    emission->number = pbw__borrow(context, spare, emission->slot_count, allocated);
+    emission->head = pbw__borrow(context, spare, emission->vertex_count + 1, allocated + 1);
+    if (tasks > 1) {
+        emission->first = pbw__borrow(context, spare, emission->vertex_count + 1, allocated + 2);
+    }
+    emission->end = (size_t *)pbw__allocate(memory, tasks, sizeof(size_t));
+    emission->chunk_done = (unsigned char *)pbw__allocate(memory, chunks, 1);
+    emission->aside = (pbw__aside *)pbw__allocate(memory, tasks, sizeof(pbw__aside));
+    if (emission->number != NULL && emission->head != NULL && (emission->first != NULL || tasks == 1)
+        && emission->end != NULL && emission->chunk_done != NULL && emission->aside != NULL) {
+        memset(emission->chunk_done, 0, chunks);
+        memset(emission->aside, 0, tasks * sizeof(pbw__aside));
+        status = pbw__emit(emission);
+    }
+    pbw__release(memory, emission->end, tasks, sizeof(size_t));
+    pbw__release(memory, emission->chunk_done, chunks, 1);
+    pbw__release(memory, emission->aside, tasks, sizeof(pbw__aside));
+    return status;
+}
+
+/* Cuts the store's arrays to size and hands them to the mesh. */
+static pbw_status pbw__hand_over(pbw__emission *emission, pbw__store *store, pbw__owned *owned, pbw_mesh *mesh)
+{
+    pbw__memory *memory = &emission->context->memory;
+    const size_t entries = emission->simplex_count * ((size_t)emission->dim + 1);
+    size_t links = store->link_capacity * (sizeof(pbw__link) / sizeof(pbw_index));
+    if (!pbw__resize_array(memory, &store->corner, &store->corner_capacity, entries, sizeof(pbw_index))
+        || (store->link != NULL && !pbw__resize_array(memory, &store->link, &links, entries, sizeof(pbw_index)))) {
+        return PBW_ERROR_MEMORY;
+    }
+    mesh->simplex_count = emission->simplex_count;
+    mesh->simplices = store->corner;
+    mesh->neighbors = (pbw_index *)(void *)store->link;
+    owned->simplices = entries;
+    owned->neighbors = store->link != NULL ? entries : 0;
+    store->corner = NULL;
+    store->link = NULL;
+    return PBW_OK;
+}
+
+/* Turns the store's triangulation into the mesh's arrays. */
 static pbw_status pbw__output(pbw__context *context, pbw__store *store, pbw__vertices *vertices, unsigned flags,
                               pbw__owned *owned, pbw_mesh *mesh)
 {
     pbw__memory *memory = &context->memory;
     pbw__emission emission;
     pbw__spare spare;
-    size_t corners = (size_t)vertices->dim + 1, chunks, entries, links, allocated[3] = { 0, 0, 0 };
-    pbw_status status = PBW_ERROR_MEMORY;
-
+    size_t allocated[3] = { 0, 0, 0 };
+    pbw_status status;
     if (store->capacity - store->count > store->capacity / 64 + 64       /* not of few points */
         && pbw__store_reserve(context, store, store->count) != PBW_OK) {     /* gives the rest of the tail back */
         return PBW_ERROR_MEMORY;
@@ -8357,7 +8403,8 @@ static pbw_status pbw__output(pbw__context *context, pbw__store *store, pbw__ver
         store->link = NULL;
     }
     spare.block[0] = (pbw_index *)(void *)vertices->record;
-    spare.count[0] = (vertices->point_count + 1) * corners * (sizeof(double) / sizeof(pbw_index));
+    spare.count[0] =
+        (vertices->point_count + 1) * ((size_t)vertices->dim + 1) * (sizeof(double) / sizeof(pbw_index));
     spare.block[1] = (pbw_index *)(void *)store->mark;
     spare.count[1] = store->mark_capacity / sizeof(pbw_index);
     memset(&emission, 0, sizeof(emission));
@@ -8373,47 +8420,17 @@ static pbw_status pbw__output(pbw__context *context, pbw__store *store, pbw__ver
     emission.simd = pbw__simd_works();
 #endif
     emission.id = vertices->id;
+    emission.chain = store->hint;
     emission.tasks = pbw__tasks(context, vertices->count, 16384);
     emission.chunk_bits = pbw__chunk_bits(emission.dim, emission.tasks, store->count);
-    chunks = (store->count >> emission.chunk_bits) + 1;
-    emission.number = pbw__borrow(context, &spare, store->count, allocated);
-    emission.head = pbw__borrow(context, &spare, vertices->count + 1, allocated + 1);
-    if (emission.tasks > 1) {
-        emission.first = pbw__borrow(context, &spare, vertices->count + 1, allocated + 2);
-    }
-    emission.chain = store->hint;
-    emission.end = (size_t *)pbw__allocate(memory, (size_t)emission.tasks, sizeof(size_t));
-    emission.chunk_done = (unsigned char *)pbw__allocate(memory, chunks, 1);
-    emission.aside = (pbw__aside *)pbw__allocate(memory, (size_t)emission.tasks, sizeof(pbw__aside));
-    if (emission.number != NULL && emission.head != NULL && (emission.first != NULL || emission.tasks == 1)
-        && emission.end != NULL && emission.chunk_done != NULL && emission.aside != NULL) {
-        memset(emission.chunk_done, 0, chunks);
-        memset(emission.aside, 0, (size_t)emission.tasks * sizeof(pbw__aside));
-        status = pbw__emit(&emission);
-    }
-    pbw__release(memory, emission.end, (size_t)emission.tasks, sizeof(size_t));
-    pbw__release(memory, emission.chunk_done, chunks, 1);
-    pbw__release(memory, emission.aside, (size_t)emission.tasks, sizeof(pbw__aside));
-    entries = emission.simplex_count * corners;
-    links = store->link_capacity * (sizeof(pbw__link) / sizeof(pbw_index));
-    if (status == PBW_OK
-        && (!pbw__resize_array(memory, &store->corner, &store->corner_capacity, entries, sizeof(pbw_index))
-            || (store->link != NULL
-                && !pbw__resize_array(memory, &store->link, &links, entries, sizeof(pbw_index))))) {
-        status = PBW_ERROR_MEMORY;
+    status = pbw__emit_all(&emission, &spare, allocated);
+    if (status == PBW_OK) {
+        status = pbw__hand_over(&emission, store, owned, mesh);
     }
     if (status == PBW_OK) {
-        mesh->simplex_count = emission.simplex_count;
-        mesh->simplices = store->corner;
-        mesh->neighbors = (pbw_index *)(void *)store->link;
-        owned->simplices = entries;
-        owned->neighbors = store->link != NULL ? entries : 0;
-        store->corner = NULL;
-        store->link = NULL;
         emission.incident = pbw__make_incident(context, owned, mesh, vertices->duplicate_count > 0);
-        if (emission.incident == NULL) {
-            status = PBW_ERROR_MEMORY;
-        } else {
+        status = PBW_ERROR_MEMORY;
+        if (emission.incident != NULL) {
             pbw__for(context, emission.tasks, pbw__emit_pass5, &emission);
             status = pbw__emit_status(&emission);
         }
