@@ -172,16 +172,15 @@ typedef struct pbw_options {               /* NULL or all zero = best defaults *
        build has no threads: see PBW_NO_THREADS. */
     void  (*run)(void *user, int tasks, void (*task)(void *arg, int i), void *arg);
     /* Called on the caller's thread at least ten times a second; done runs from 0 to 1 in each stage.  A nonzero
-       answer ends the call with PBW_CANCELLED within 100 ms.  (While options.run has tasks, only as often as that
-       gives some to the caller's thread.) */
+       answer ends the call with PBW_CANCELLED within 100 ms.  With options.run, progress is reported only while the
+       caller's own thread runs tasks. */
     int   (*progress)(void *user, pbw_stage stage, double done);
     void *resize_user, *run_user, *progress_user;
     const pbw_backend *backend;            /* NULL = this CPU */
-    uint32_t *trace;                       /* where to note for each point which thread's share of the curve, or of
-                                              what was left, it was in when it was inserted, and in which round, as
-                                              share + 256*round, PBW_NONE for duplicates and for all points that a
-                                              backend inserted; count entries, NULL = nowhere */
-    char    *message;                      /* where a backend says in words what was missing; NULL = nowhere */
+    uint32_t *trace;                       /* NULL, or count entries to fill, per point: which thread inserted it, and
+                                              in which round (thread + 256 * round); PBW_NONE for duplicates and for
+                                              points that a backend inserted */
+    char    *message;                      /* NULL, or room for a text: what a backend lacked */
     size_t   message_size;                 /* its bytes; the text is cut to fit and ends with a 0 */
 } pbw_options;
 
@@ -1966,7 +1965,7 @@ static void pbw__grid_share_reset(pbw__grid_share *share)
     share->limit[0] = share->limit[1] = HUGE_VAL;
 }
 
-/* 1 / unit and the longest side in units; 0 if that is too long for a grid. */
+/* Stores 1 / unit and the longest side in units; returns 0 if that is too long for a grid. */
 static int pbw__grid_span(const pbw__grid_share *share, int dim, double *inverse, double *span)
 {
     uint64_t pattern = (uint64_t)(1023 - share->unit) << 52;
@@ -1981,7 +1980,7 @@ static int pbw__grid_span(const pbw__grid_share *share, int dim, double *inverse
     return *span < 9007199254740992.0;
 }
 
-/* A unit for this record too. */
+/* Refines the unit of a share so that it fits this record too. */
 static PBW__NOINLINE void pbw__grid_refine(pbw__grid_share *share, const double *q, int dim)
 {
     int old = share->unit, k;
@@ -2036,7 +2035,8 @@ PBW__INLINE void pbw__grid_add_of(pbw__grid_share *share, const double *q, size_
 }
 
 #ifdef PBW__SIMD
-/* The same; in the plane lane 3 has a number of the next record, so the last one is left.  How many it did. */
+/* pbw__grid_add_of by vectors.  In the plane lane 3 has a number of the next record, so the last record is left.
+   Returns how many records were added. */
 PBW__SIMD_INLINE size_t pbw__grid_add_simd(pbw__grid_share *share, const double *q, size_t count, int dim)
 {
     const size_t some = dim == 2 && count > 0 ? count - 1 : count, step = (size_t)dim + 1;
@@ -2063,31 +2063,23 @@ PBW__SIMD_INLINE size_t pbw__grid_add_simd(pbw__grid_share *share, const double 
     return i;
 }
 
-PBW__SIMD static size_t pbw__grid_add2_simd(pbw__grid_share *share, const double *q, size_t count)
+PBW__SIMD static size_t pbw__grid_add_vectors(pbw__grid_share *share, const double *q, size_t count, int dim)
 {
-    return pbw__grid_add_simd(share, q, count, 2);
-}
-
-PBW__SIMD static size_t pbw__grid_add3_simd(pbw__grid_share *share, const double *q, size_t count)
-{
-    return pbw__grid_add_simd(share, q, count, 3);
+    return dim == 3 ? pbw__grid_add_simd(share, q, count, 3) : pbw__grid_add_simd(share, q, count, 2);
 }
 #endif
 
-/* `count` records more, from q on, for a share. */
+/* Adds `count` records, from q on, to a share. */
 static void pbw__grid_add(pbw__grid_share *share, const double *q, size_t count, int dim)
 {
     size_t done = 0;
 #ifdef PBW__SIMD
     if (pbw__simd_works()) {
-        done = dim == 3 ? pbw__grid_add3_simd(share, q, count) : pbw__grid_add2_simd(share, q, count);
+        done = pbw__grid_add_vectors(share, q, count, dim);
     }
 #endif
-    if (dim == 3) {
-        pbw__grid_add_of(share, q + done * 4, count - done, 3);
-    } else {
-        pbw__grid_add_of(share, q + done * 3, count - done, 2);
-    }
+    q += done * ((size_t)dim + 1);
+    PBW__BY_DIM(dim, pbw__grid_add_of, share, q, count - done);
 }
 
 /* The coarsest grid that holds the records of all shares, of dim coordinates and a weight, if differences are below
@@ -2120,7 +2112,7 @@ static void pbw__grid_close(pbw__grid *grid, const pbw__grid_share *shares, int 
     }
 }
 
-/* The same for records that are there. */
+/* The grid of records that exist already. */
 typedef struct pbw__grid_scanning {
     pbw__context *context;
     const double *records;
@@ -2990,7 +2982,7 @@ PBW__INLINE uint64_t pbw__hilbert_key(const pbw__curve *curve, const pbw__box *b
 }
 
 #ifdef PBW__AVX2
-/* Eight keys at once, in the plane, where the automaton has a formula.  Of the next bits x and y of the coordinates
+/* Eight keys at once, in the plane, where the automaton is a formula.  Of the next bits x and y of the coordinates
    let u = x ^ y; of state s let c = s >> 1, a = (s & 1) ^ c.  Then the table says: the digit is x ^ ((a ^ c) & u) ^ c
    and u after it; if u = 0 the next a is a ^ c ^ !x, if u = 1 the next c is c ^ a ^ x, and the other stays.  Over
    bits that is affine: a' = m00 a + m01 c + ta, c' = m10 a + m11 c + tc.  So are several levels in a row; all that
@@ -3012,7 +3004,7 @@ PBW__SIMD_INLINE pbw__u8 pbw__cells8(const pbw__box *box, int k, pbw__d4 x0, pbw
 
 typedef struct pbw__levels8 { pbw__u8 n00, m01, m10, n11, ta, tc; } pbw__levels8;
 
-/* For each bit, from `count` levels that end there and as many before them: both. */
+/* For each bit, composes the `count` levels that end there with the `count` levels before them. */
 PBW__SIMD_INLINE void pbw__levels_join(pbw__levels8 *levels, int count)
 {
     const pbw__levels8 m = *levels;
@@ -3158,7 +3150,7 @@ static uint64_t *pbw__sort_by(pbw__sorting *sorting, int low, int bits)
     return sorting->a;
 }
 
-/* The same on the calling thread, for keys without bits above, or with equal ones; few keys by insertion. */
+/* pbw__sort_by on the calling thread alone; few keys by insertion.  Keys have equal bits above the sorted ones. */
 static uint64_t *pbw__sort_keys(pbw__sorting *sorting, int low, int bits)
 {
     uint32_t start[2 * PBW__DIGITS];
@@ -3189,9 +3181,9 @@ static uint64_t *pbw__sort_keys(pbw__sorting *sorting, int low, int bits)
    A grid over a tight box separates its extremes: each nesting divides the extent by 2^bits, and doubles span 2^2098,
    which bounds the depth.
 
-   The grid is fine, as points on a curve lie in few of its cells.  Where points fill space, the first bits of their
-   keys tell nearly all of them apart.  So all are sorted by those, and then those that are equal there by the rest;
-   where points lie in few cells, all by twice as many.
+   The grid is fine because points on lines and surfaces lie in few of its cells.  Where points fill space, the first
+   22 bits of their keys separate nearly all: all keys are sorted by these bits, and ties by the rest.  Where points
+   lie in few cells, all keys are sorted by 44 bits.
    ------------------------------------------------------------------------------------------------------ */
 typedef struct pbw__vertices {
     int dim, weighted;
@@ -3248,10 +3240,9 @@ typedef struct pbw__keying {
     pbw__box *boxes, box;                            /* per task; of all tasks */
 } pbw__keying;
 
-#define PBW__AHEAD 128                               /* points asked for before they are needed */
+#define PBW__AHEAD 128                               /* distance of prefetches, in points */
 
-/* The i-th of those points; the one that will soon be needed, if before `to`, is asked for: the keys from there on
-   are another task's to write. */
+/* Returns the i-th point of this range and prefetches a later one (never past `to`: another task writes there). */
 PBW__INLINE size_t pbw__keying_index(const pbw__keying *keying, const pbw__input *input, size_t i, size_t to)
 {
     const pbw__ordering *ordering = keying->ordering;
@@ -3263,7 +3254,7 @@ PBW__INLINE size_t pbw__keying_index(const pbw__keying *keying, const pbw__input
 
 PBW__INLINE void pbw__keying_box_share(const pbw__keying *keying, int task, int dim)
 {
-    const pbw__keying here = *keying;                /* no word of these changes while boxes are written */
+    const pbw__keying here = *keying;                /* a copy, as the stores below might alias it */
     const pbw__input input = *here.ordering->input;
     size_t i = pbw__share(here.count, task, here.tasks), end;
     const size_t to = pbw__share(here.count, task + 1, here.tasks);
@@ -3454,7 +3445,7 @@ static void pbw__order_short_run(const pbw__ordering *ordering, uint64_t *keys, 
     const int dim = ordering->input->dim;
     double x[PBW__SHORT_RUN][4], y[4];
     size_t i, hole;
-    for (i = 0; i < count; i++) {                    /* all at once, as each has to be waited for */
+    for (i = 0; i < count; i++) {                    /* first, so that the cache misses overlap */
         pbw__fetch(ordering->input, (size_t)(keys[i] & mask), x[i]);
     }
     for (i = 1; i < count; i++) {
@@ -3470,7 +3461,7 @@ static void pbw__order_short_run(const pbw__ordering *ordering, uint64_t *keys, 
     }
 }
 
-/* Puts the first of points at one place first. */
+/* Of points at one place, puts the one that stays first. */
 static void pbw__order_one_place(const pbw__ordering *ordering, uint64_t *keys, size_t count)
 {
     const uint64_t mask = ((uint64_t)1 << ordering->index_bits) - 1;
@@ -3488,7 +3479,7 @@ static void pbw__order_one_place(const pbw__ordering *ordering, uint64_t *keys, 
     }
 }
 
-/* Sorts a part by all bits; 0 if cancelled.  Runs are looked for only where keys are not in order. */
+/* Sorts the ties of a part by the remaining bits; 0 if cancelled.  A tie that is in order already needs no sort. */
 static int pbw__order_rest(pbw__ordering *ordering, const pbw__part *part)
 {
     const uint64_t *keys = ordering->keys;
@@ -3536,7 +3527,8 @@ PBW__INLINE void pbw__order_place(const pbw__ordering *ordering, const pbw__part
     }
 }
 
-/* The same for a run of equal keys, in order, behind record r: notes duplicates.  Returns the last record. */
+/* Writes the points of a run of equal keys, in order, behind record r, and notes duplicates.  Returns the last
+   record. */
 static size_t pbw__order_place_run(const pbw__ordering *ordering, const pbw__part *run, size_t end, size_t r)
 {
     const uint64_t *keys = ordering->keys, mask = ((uint64_t)1 << ordering->index_bits) - 1;
@@ -3558,8 +3550,8 @@ static size_t pbw__order_place_run(const pbw__ordering *ordering, const pbw__par
     return r;
 }
 
-/* Puts a run of equal keys into order: points at one place follow each other, the one that stays first.  Or gives it
-   keys of its own, in order, that make runs in the run: -1.  0: cancelled. */
+/* Puts a run of equal keys into order, points at one place next to each other, the one that stays first.  Returns 1;
+   or -1 if the run got keys of its own, in order, which may have runs in turn; or 0 if cancelled. */
 static int pbw__order_run(pbw__ordering *ordering, pbw__part *run)
 {
     const size_t count = run->to - run->from;
@@ -3579,7 +3571,7 @@ static int pbw__order_run(pbw__ordering *ordering, pbw__part *run)
     return 1;
 }
 
-#define PBW__SCANNED 1024                            /* records to look for a grid in, while the cache has them */
+#define PBW__SCANNED 1024                            /* records that are scanned for a grid at a time, in the cache */
 
 /* Puts the runs of a part into order and its points into the records, as if no other part had duplicates. */
 static void pbw__order_part(void *arg, int task)
@@ -3649,7 +3641,7 @@ static void pbw__order_part(void *arg, int task)
     ordering->shares[task] = share;
 }
 
-/* Where keys[from..to), in order by the bits from `low` on, first has those bits not below `value`. */
+/* Returns the first of keys[from..to) whose bits from `low` on are not below `value`: a binary search. */
 static size_t pbw__order_find(const uint64_t *keys, size_t from, size_t to, int low, uint64_t value)
 {
     while (from < to) {
@@ -3663,9 +3655,9 @@ static size_t pbw__order_find(const uint64_t *keys, size_t from, size_t to, int 
     return from;
 }
 
-/* Cuts the only part, all keys, into parts of one to two shares, where no run is cut in two; runs longer than 16
-   shares, a thread's portion, are put into order by all threads, to be cut in turn.  The number of parts, at most
-   PBW__CUTS * tasks; 0 if cancelled. */
+/* Cuts the only part, all keys, into parts of one to two shares, but never a run.  Runs longer than 16 shares get
+   keys of their own by all threads, and are cut in turn.  Returns the number of parts, at most PBW__CUTS * tasks; 0 if
+   cancelled. */
 #define PBW__CUTS 16
 static int pbw__order_cut(pbw__ordering *ordering)
 {
@@ -3700,8 +3692,8 @@ static int pbw__order_cut(pbw__ordering *ordering)
     return parts;
 }
 
-/* Whether the points lie in few cells of the grid, on lines, surfaces or in clusters: then the first bits tell few of
-   them apart, and it is quicker to sort all by twice as many.  By the 11 bits below `high`, of some keys. */
+/* Returns whether the points lie in few cells of the grid: on lines, surfaces or in clusters.  Samples the 11 bits
+   below `high` of 4096 keys. */
 static int pbw__order_is_thin(const pbw__ordering *ordering, int high)
 {
     const size_t step = ordering->input->count / 4096;
@@ -7311,7 +7303,7 @@ PBW__INLINE unsigned pbw__canonical_order(const pbw_index *v, int dim)
 }
 
 #ifdef PBW__AVX2
-/* The same as the lanes to take, in order. */
+/* pbw__canonical_order as lane numbers. */
 PBW__SIMD_INLINE pbw__i4 pbw__canonical_lanes(pbw__i4 v, int dim)
 {
     const __m256i both = _mm256_castsi128_si256((__m128i)v);
@@ -7625,7 +7617,7 @@ PBW__SIMD_INLINE void pbw__sort_list_simd(const pbw__item *item, pbw_index begin
     }
 }
 
-/* The same as pbw__sort_lists.  Grouped by length first, as lengths are unpredictable. */
+/* pbw__sort_lists by vectors.  Groups lists by length first, as lengths are unpredictable. */
 PBW__SIMD static void pbw__sort_lists_simd(const pbw__item *item, const pbw_index *end, unsigned lists,
                                            pbw_index begin, pbw__item *sorted)
 {
@@ -8023,7 +8015,7 @@ PBW__SIMD_INLINE size_t pbw__emit_used(const pbw_index *number, size_t from, siz
     return count;
 }
 
-/* The same as pbw__emit_slots_of. */
+/* pbw__emit_slots_of by vectors. */
 PBW__SIMD_INLINE void pbw__emit_slots_simd_of(const pbw__emission *emission, size_t from, size_t end,
                                               pbw__aside *aside, int links, int dim)
 {
@@ -8272,7 +8264,7 @@ static void pbw__copy_points(void *arg, int task)
     }
 }
 
-/* In `spare`, a block of at least as many doubles, or in one of its own. */
+/* Copies the points into `spare`, a block of at least their size, or into a new block if that is NULL. */
 static pbw_status pbw__keep_points(pbw__context *context, const pbw__input *input, pbw__owned *owned, pbw_mesh *mesh,
                                    double *spare, size_t spare_count)
 {
@@ -8314,10 +8306,10 @@ static pbw_index *pbw__make_incident(pbw__context *context, pbw__owned *owned, p
     return incident;
 }
 
-/* What the build needs no more is there for the output, with its pages: the vertices' records and the marks. */
+/* Blocks that the build no longer needs, with pages in place: the vertices' records and the marks. */
 typedef struct pbw__spare { pbw_index *block[2]; size_t count[2]; } pbw__spare;
 
-/* `count` indices there, or in a block of their own. */
+/* Returns room for `count` indices in a spare block, or in a new one. */
 static pbw_index *pbw__borrow(pbw__context *context, pbw__spare *spare, size_t count, size_t *allocated)
 {
     int i;
@@ -8605,7 +8597,7 @@ static int pbw__check_pass(pbw__check *check, pbw__check_range *range, size_t co
     return run.stopped == tasks && !PBW__LOAD(&check->context->cancelled);
 }
 
-/* The dimension is an argument of what is called for each simplex, so that the compiler can count on it. */
+/* Functions called for each simplex take the dimension as an argument, so that it is a constant there. */
 PBW__INLINE const double *pbw__check_record(const pbw__check *check, int dim, size_t point)
 {
     return check->record + point * (size_t)(dim + 1);
@@ -8625,7 +8617,7 @@ PBW__INLINE int pbw__check_orient(const pbw__check *check, int dim, const double
                     : pbw__orient3(x[0], x[1], x[2], x[3], &check->grid);
 }
 
-/* The same with p in place of corner i. */
+/* The same determinant, with p in place of corner i. */
 static int pbw__check_side(const pbw__check *check, const double **x, int i, const double *p)
 {
     const double *corner = x[i];
@@ -8743,10 +8735,11 @@ PBW__INLINE int pbw__check_facets_match(const pbw_index *v, int i, const pbw_ind
 /* One facet of simplex s, whose corners are known to be right; each facet between two simplices is compared and
    tested once, from the higher of the two. */
 PBW__INLINE int pbw__check_facet(const pbw__check *check, pbw__check_part *part, int dim, size_t s, int i,
-                                 const pbw_index *v, const double **x)
+                                 const double **x)
 {
     const pbw_mesh *mesh = check->mesh;
     const size_t corners = (size_t)dim + 1;
+    const pbw_index *v = mesh->simplices + s * corners;
     const pbw_index t = mesh->neighbors[s * corners + (size_t)i], *u, *back;
     int links = 0, j = 0, m;
     if (t == PBW_NONE) {
@@ -8808,7 +8801,7 @@ PBW__INLINE int pbw__check_simplex(const pbw__check *check, pbw__check_part *par
         return pbw__fault(&part->report, "two simplices overlap, the first of the mesh and this", s, -1, PBW_NONE);
     }
     for (i = 0; i <= dim && sound; i++) {
-        sound = pbw__check_facet(check, part, dim, s, i, v, x);
+        sound = pbw__check_facet(check, part, dim, s, i, x);
     }
     return sound;
 }
