@@ -3813,7 +3813,7 @@ static pbw_status pbw__order(pbw__context *context, const pbw__input *input, pbw
     if (pbw__order_begin(&ordering)) {
         parts = pbw__order_parts(&ordering);
         memset(vertices->record, 0, ((size_t)dim + 1) * sizeof(double));
-        vertices->record[0] = dim == 3 ? HUGE_VAL : 0.0;     /* vectors know the ghost by it */
+        vertices->record[0] = HUGE_VAL;              /* vectors know the ghost by it */
         vertices->id[0] = PBW_NONE;
         pbw__for(context, parts, pbw__order_part, &ordering);
         status = ordering.not_finite ? PBW_ERROR_NOT_FINITE : PBW__LOAD(&context->cancelled) ? PBW_CANCELLED : PBW_OK;
