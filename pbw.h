@@ -4028,6 +4028,21 @@ static int pbw__grow(pbw__memory *memory, void *array, size_t *capacity, size_t 
     return needed <= *capacity || pbw__resize_array(memory, array, capacity, bigger > needed ? bigger : needed, size);
 }
 
+static void pbw__kernel_free(pbw__kernel *kernel)
+{
+    pbw__memory *memory = &kernel->context->memory;
+    PBW__RELEASE(memory, &kernel->scratch, cavity);
+    PBW__RELEASE(memory, &kernel->scratch, parent);
+    PBW__RELEASE(memory, &kernel->scratch, carved);
+    PBW__RELEASE(memory, &kernel->scratch, beyond);
+    PBW__RELEASE(memory, &kernel->scratch, from);
+    PBW__RELEASE(memory, &kernel->scratch, stack);
+    pbw__release(memory, kernel->scratch.table, PBW__TABLE, sizeof(uint64_t));
+    PBW__RELEASE(memory, &kernel->scratch, edge);
+    PBW__RELEASE(memory, kernel, left);
+    PBW__RELEASE(memory, &kernel->scratch, wide);
+}
+
 PBW__INLINE void pbw__kernel_attach(pbw__kernel *kernel)
 {
     kernel->corner = kernel->store->corner;
@@ -4175,6 +4190,19 @@ static pbw_status pbw__store_create(pbw__context *context, pbw__store *store, si
     }
     store->count = store->region_slots;
     return status;
+}
+
+/* Marks the slots of regions that were never used as free. */
+static pbw_status pbw__close_regions(void *arg, size_t from, size_t to)
+{
+    pbw__store *store = (pbw__store *)arg;
+    size_t t, end;
+    for (; from < to; from++) {
+        for (t = store->region[from], end = pbw__region_end(store, from); t < end; t++) {
+            store->corner[4 * t] = PBW_NONE;
+        }
+    }
+    return PBW_OK;
 }
 
 static void pbw__store_free(pbw__memory *memory, pbw__store *store)
@@ -6225,21 +6253,6 @@ PBW__SIMD static pbw_status pbw__insert2_weighted_simd(pbw__kernel *kernel, pbw_
 }
 #endif
 
-static void pbw__kernel_free(pbw__kernel *kernel)
-{
-    pbw__memory *memory = &kernel->context->memory;
-    PBW__RELEASE(memory, &kernel->scratch, cavity);
-    PBW__RELEASE(memory, &kernel->scratch, parent);
-    PBW__RELEASE(memory, &kernel->scratch, carved);
-    PBW__RELEASE(memory, &kernel->scratch, beyond);
-    PBW__RELEASE(memory, &kernel->scratch, from);
-    PBW__RELEASE(memory, &kernel->scratch, stack);
-    pbw__release(memory, kernel->scratch.table, PBW__TABLE, sizeof(uint64_t));
-    PBW__RELEASE(memory, &kernel->scratch, edge);
-    PBW__RELEASE(memory, kernel, left);
-    PBW__RELEASE(memory, &kernel->scratch, wide);
-}
-
 /* Scratch memory for one thread; on failure the kernel can and must still be freed. */
 static pbw_status pbw__kernel_create(pbw__kernel *kernel, pbw__context *context, pbw__store *store,
                                      const pbw__vertices *vertices, const pbw__grid *grid)
@@ -6453,6 +6466,7 @@ typedef struct pbw__build {
 /* Several threads' share of it: >>parallel. */
 static pbw_status pbw__insert_claiming(pbw__build *build, pbw__kernel *kernel, pbw_index v);
 static pbw_status pbw__rounds(pbw__build *build);
+static pbw_status pbw__build_parts(pbw__build *build, const pbw__grid *grid);
 
 /* Cells of a level hold several regions where few vertices of a region are in yet: a cell's first region. */
 PBW__INLINE size_t pbw__first_region(const pbw__build *build, size_t cell)
@@ -6595,19 +6609,6 @@ static pbw_status pbw__more_kernels(pbw__build *build, const pbw__grid *grid, in
     return PBW_OK;
 }
 
-/* Room for the work of several tasks. */
-static pbw_status pbw__build_parts(pbw__build *build, const pbw__grid *grid)
-{
-    pbw__memory *memory = &build->context->memory;
-    size_t cells = build->store->region_count;
-    if (build->owner == NULL) {
-        build->owner = (uint8_t *)pbw__allocate(memory, cells, 1);
-    }
-    return build->owner != NULL ? pbw__more_kernels(build, grid, build->context->threads < PBW__PARTS
-                                                               ? build->context->threads : PBW__PARTS)
-                                : PBW_ERROR_MEMORY;
-}
-
 /* Plans the tasks for so many vertices, and cells large enough to hold two of the vertices (in 2D one) that are in,
    `apart` ranks from each other. */
 static void pbw__plan(pbw__build *build, size_t vertices, size_t apart)
@@ -6745,21 +6746,6 @@ static double pbw__mean_star(const pbw__build *build, size_t *before)
     return (double)(*before - old) / (double)(count / build->stride - count / build->coarser + 1);
 }
 
-/* All slots of a share of the regions that hold nothing are made to say so. */
-static void pbw__close_regions(void *arg, int part)
-{
-    pbw__build *build = (pbw__build *)arg;
-    pbw__store *store = build->store;
-    size_t r = pbw__share(store->region_count, part, build->parts), t;
-    size_t last = pbw__share(store->region_count, part + 1, build->parts);
-    for (; r < last; r++) {
-        size_t end = pbw__region_end(store, r);
-        for (t = store->region[r]; t < end; t++) {
-            store->corner[4 * t] = PBW_NONE;
-        }
-    }
-}
-
 static void pbw__build_free(pbw__build *build)
 {
     pbw__memory *memory = &build->context->memory;
@@ -6826,8 +6812,7 @@ static pbw_status pbw__build_all(pbw__context *context, pbw__store *store, const
         statistics->created += build.kernel[i]->statistics.created;
     }
     if (status == PBW_OK) {
-        build.parts = pbw__tasks(context, store->region_count, 256);
-        pbw__for(context, build.parts, pbw__close_regions, &build);
+        status = pbw__for_range(context, store->region_count, 256, 0.0, 0.0, pbw__close_regions, store);
     }
     pbw__build_free(&build);
     return status;
@@ -6982,6 +6967,19 @@ static PBW__NOINLINE int pbw__may_delete_all(pbw__kernel *kernel, const pbw__car
     return 1;
 }
 #endif
+
+/* Room for the work of several tasks. */
+static pbw_status pbw__build_parts(pbw__build *build, const pbw__grid *grid)
+{
+    pbw__memory *memory = &build->context->memory;
+    size_t cells = build->store->region_count;
+    if (build->owner == NULL) {
+        build->owner = (uint8_t *)pbw__allocate(memory, cells, 1);
+    }
+    return build->owner != NULL ? pbw__more_kernels(build, grid, build->context->threads < PBW__PARTS
+                                                               ? build->context->threads : PBW__PARTS)
+                                : PBW_ERROR_MEMORY;
+}
 
 static void pbw__round_begin(pbw__build *build, int part)
 {
