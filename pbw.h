@@ -31,6 +31,8 @@
      >>exact        integers of just enough width
      >>grid         the coarsest grid that holds all records
      >>predicates   signs: filter, exact stage, perturbation
+     >>curve        keys on a Hilbert curve
+     >>sort         a radix sort by several threads
      >>order        Hilbert keys, sorting, duplicates
      >>mesh         simplices, ghosts, one thread's view of them, invariants
      >>slots        where simplices are stored
@@ -2765,19 +2767,9 @@ PBWDEF int pbw_insphere(const double a[3], const double b[3], const double c[3],
     return pbw_power3(a, b, c, d, p, NULL);
 }
 /* ------------------------------------------------------------------------------------------------------
-   >>order        Points in the order of a Hilbert curve, duplicates set aside.
-   In: the caller's points and weights.  Out: vertex records 1..vertex_count along the curve (record 0 stands for
-   the ghost vertex and is zero), the caller's id of each, their grid, and for each point the one that it duplicates.
-   Holds: the order of the records depends on the coordinates alone; a vertex number is a rank on the curve.
-
-   Points in one cell of the curve's grid form a run.  Short runs are put into lexicographic order; long ones get
-   keys of their own from a grid over their own bounding box, and so on, so that clusters of any scale keep an order.
-   A grid over a tight box separates its extremes: each nesting divides the extent by 2^bits, and doubles span 2^2098,
-   which bounds the depth.
-
-   The grid is fine, as points on a curve lie in few of its cells.  Where points fill space, the first bits of their
-   keys tell nearly all of them apart.  So all are sorted by those, and then those that are equal there by the rest;
-   where points lie in few cells, all by twice as many.
+   >>curve        Points, and their keys on a Hilbert curve.
+   In: the caller's points and weights, and a box.  Out: their records; the key of a point: the number of its cell in
+   the box's grid, along the curve.
    ------------------------------------------------------------------------------------------------------ */
 typedef struct pbw__input {
     int dim, is_float, borrow;
@@ -2785,19 +2777,36 @@ typedef struct pbw__input {
     const char *points, *weights;
 } pbw__input;
 
-typedef struct pbw__vertices {
-    int dim, weighted;
-    size_t count;                                    /* vertices, the ghost not counted */
-    size_t point_count, duplicate_count;
-    double *record;                                  /* (count+1)*(dim+1): coordinates, weight */
-    pbw_index *id;                                   /* count+1: the caller's number of each vertex */
-    pbw_index *canonical;                            /* point_count */
-    pbw__grid grid;                                  /* of the records */
-} pbw__vertices;
+/* The arguments of a call, checked.  A borrowed array must be one that the mesh could have made. */
+static pbw_status pbw__input_of(int dim, int is_float, const void *points, const void *weights, size_t count,
+                                const pbw_options *options, pbw__input *input)
+{
+    const size_t size = is_float ? sizeof(float) : sizeof(double), packed = (size_t)dim * size;
+    const unsigned all = PBW_ANY_ORDER | PBW_NO_NEIGHBORS | PBW_BACKEND_OR_CPU | PBW_CURVE_ORDER | PBW_BORROW;
+    input->dim = dim;
+    input->is_float = is_float;
+    input->borrow = (options->flags & PBW_BORROW) != 0;
+    input->count = count;
+    input->stride = options->stride != 0 ? options->stride : packed;
+    input->weight_stride = options->weight_stride != 0 ? options->weight_stride : size;
+    input->points = (const char *)points;
+    input->weights = (const char *)weights;
+    if ((dim != 2 && dim != 3) || (points == NULL && count != 0) || options->threads < 0 || options->threads > 256
+        || (options->flags & ~all) != 0 || input->stride < packed || input->weight_stride < size
+        || (input->borrow && (is_float || input->stride != packed || (weights != NULL && input->weight_stride != size)
+                              || (options->flags & PBW_CURVE_ORDER) != 0))) {
+        return PBW_ERROR_ARGUMENT;
+    }
+    if (count >= PBW_NONE || count > (size_t)-1 / input->stride || count > (size_t)-1 / input->weight_stride
+        || count > (size_t)-1 / 256) {
+        return PBW_ERROR_TOO_LARGE;
+    }
+    return PBW_OK;
+}
 
-/* Coordinates and weight of point i; adding zero turns -0.0 into 0.0.  memcpy, for strides of any alignment; of a
-   size that the compiler knows, it is no call. */
-PBW__INLINE void pbw__fetch_of(int dim, const pbw__input *input, size_t i, double *record)
+/* Reads coordinates and weight of point i; adding zero turns -0.0 into 0.0.  By memcpy, as strides may have any
+   alignment; with a constant size it is no call. */
+PBW__INLINE void pbw__fetch_of(const pbw__input *input, size_t i, double *record, int dim)
 {
     const char *point = input->points + i * input->stride;
     int k;
@@ -2826,14 +2835,10 @@ PBW__INLINE void pbw__fetch_of(int dim, const pbw__input *input, size_t i, doubl
 
 PBW__INLINE void pbw__fetch(const pbw__input *input, size_t i, double *record)
 {
-    if (input->dim == 2) {
-        pbw__fetch_of(2, input, i, record);
-    } else {
-        pbw__fetch_of(3, input, i, record);
-    }
+    PBW__BY_DIM(input->dim, pbw__fetch_of, input, i, record);
 }
 
-/* Point i will soon be needed; it may lie in two lines of the cache. */
+/* Prefetches point i, which may lie in two cache lines. */
 PBW__INLINE void pbw__fetch_soon(const pbw__input *input, size_t i)
 {
     const char *point = input->points + i * input->stride;
@@ -2860,10 +2865,10 @@ static const unsigned char pbw__hilbert3[12][8] = {
 #define PBW__LEVELS3 3
 #define PBW__LEVELS_TABLE 1024                       /* of one level less: at least 4 << 8 and 12 << 6 */
 
-/* Some levels of the automaton at a step: entry state << dim*levels | bits holds next state << dim*levels | digits of
-   the key, where bits are the next `levels` bits of each coordinate, those of coordinate k from bit k*levels on. */
+/* Several levels of the automaton in one step: entry state << dim*levels | bits holds next state << dim*levels |
+   digits of the key, where bits are the next `levels` bits of each coordinate, coordinate k from bit k*levels on. */
 typedef struct pbw__curve {
-    int levels;                                      /* one for few points, which would not pay for the table */
+    int levels;                                      /* 1 for few points, for which the table would not pay */
     uint16_t step[12 << 3 * PBW__LEVELS3];
 } pbw__curve;
 
@@ -2902,7 +2907,7 @@ typedef struct pbw__box {
     int bits;
 } pbw__box;
 
-/* Bits of an index below count. */
+/* Returns the bits of an index below count. */
 static int pbw__index_bits(size_t count)
 {
     int bits = 1;
@@ -2912,8 +2917,8 @@ static int pbw__index_bits(size_t count)
     return bits;
 }
 
-/* Bits of a coordinate in a key.  A curve through a grid of 2^index_bits cells a side meets more cells than there are
-   points. */
+/* Returns the bits of a coordinate in a key.  A grid of 2^index_bits cells a side has more cells on any line through
+   it than there are points. */
 static int pbw__grid_bits(int index_bits, int dim)
 {
     int bits = index_bits > 10 ? index_bits : 10, most = (64 - index_bits) / dim;
@@ -2939,7 +2944,7 @@ PBW__INLINE void pbw__box_add(pbw__box *box, const double *x, int dim)
     }
 }
 
-/* extent > 0 unless all points are equal; then the lowest and the highest point of the longest side get different
+/* The extent is 0 if all points are equal; else the lowest and the highest point of the longest side get different
    cells. */
 static void pbw__box_close(pbw__box *box, int dim)
 {
@@ -2956,7 +2961,8 @@ static void pbw__box_close(pbw__box *box, int dim)
     }
 }
 
-/* levels: the curve's.  Those that fill up the first step lead by digits 0 from another state to the first, 0. */
+/* levels: the curve's, as a constant.  The first step is filled up with zeros; it starts in the state from which they
+   lead to state 0. */
 PBW__INLINE uint64_t pbw__hilbert_key(const pbw__curve *curve, const pbw__box *box, const double *x, int dim,
                                       int levels)
 {
@@ -2981,270 +2987,6 @@ PBW__INLINE uint64_t pbw__hilbert_key(const pbw__curve *curve, const pbw__box *b
         state = step & ~digits;
     }
     return key;
-}
-
-/* One pass of a radix sort, by shares: count the digits of each share, then move its keys behind those of equal or
-   lower digits before it. */
-typedef struct pbw__sorting {
-    pbw__context *context;
-    uint64_t *a, *b;
-    uint32_t *start;                                 /* PBW__DIGITS a task, and as many for all */
-    size_t count;
-    int shift, digit, tasks;
-} pbw__sorting;
-#define PBW__DIGITS 2048
-
-static void pbw__count_digits(void *arg, int task)
-{
-    const pbw__sorting *sorting = (const pbw__sorting *)arg;
-    const uint64_t *a = sorting->a, mask = ((uint64_t)1 << sorting->digit) - 1;
-    uint32_t *start = sorting->start + (size_t)task * PBW__DIGITS;
-    size_t i = pbw__share(sorting->count, task, sorting->tasks);
-    size_t to = pbw__share(sorting->count, task + 1, sorting->tasks), end;
-    memset(start, 0, ((size_t)mask + 1) * sizeof(start[0]));
-    for (; i < to; i = end) {
-        for (end = to - i < PBW__TICK ? to : i + PBW__TICK; i < end; i++) {
-            PBW__PREFETCH_STREAM(a, i, to);
-            start[(a[i] >> sorting->shift) & mask]++;
-        }
-        if (sorting->count > PBW__TICK && pbw__report(sorting->context, 0.5)) {
-            return;
-        }
-    }
-}
-
-static void pbw__move_keys(void *arg, int task)
-{
-    const pbw__sorting *sorting = (const pbw__sorting *)arg;
-    const uint64_t *a = sorting->a, mask = ((uint64_t)1 << sorting->digit) - 1;
-    uint64_t *b = sorting->b;
-    uint32_t *start = sorting->start + (size_t)task * PBW__DIGITS;
-    const uint32_t *before = sorting->start + (size_t)sorting->tasks * PBW__DIGITS;
-    const size_t line = 64 / sizeof(b[0]);           /* the next of this digit: its turn comes long after */
-    size_t i, to = pbw__share(sorting->count, task + 1, sorting->tasks), end;
-    for (i = 0; i <= mask; i++) {
-        start[i] += before[i];
-    }
-    for (i = pbw__share(sorting->count, task, sorting->tasks); i < to; i = end) {
-        for (end = to - i < PBW__TICK ? to : i + PBW__TICK; i < end; i++) {
-            size_t place = start[(a[i] >> sorting->shift) & mask]++;
-            PBW__PREFETCH_STREAM(a, i, to);
-            PBW__PREFETCH_TO_WRITE(b + (place + line < sorting->count ? place + line : place));
-            b[place] = a[i];
-        }
-        if (sorting->count > PBW__TICK && pbw__report(sorting->context, 0.5)) {
-            return;
-        }
-    }
-}
-
-/* Sorts a[0..count) by the bits from `low` on, with the help of b[0..count); returns where the result is, or NULL if
-   cancelled.  start: PBW__DIGITS words a task, and as many for all.  A task for each thread will do: more of them
-   leave each so few keys of a digit that two threads write most lines of the cache. */
-static uint64_t *pbw__sort_by(pbw__context *context, uint64_t *a, uint64_t *b, size_t count, int low, int bits,
-                              uint32_t *start, int most)
-{
-    const int tasks = most < context->threads ? most : context->threads;
-    int widest = count < 4096 ? 9 : 11, passes = (bits + widest - 1) / widest, task;
-    int digit = (bits + passes - 1) / passes;
-    uint32_t *all = start + (size_t)tasks * PBW__DIGITS;
-    pbw__sorting sorting;
-    sorting.context = context;
-    sorting.a = a;
-    sorting.b = b;
-    sorting.start = start;
-    sorting.count = count;
-    sorting.digit = digit;
-    sorting.tasks = tasks;
-    for (sorting.shift = low; sorting.shift < low + bits; sorting.shift += digit) {
-        size_t size = (size_t)1 << digit, i;
-        uint32_t sum = 0;
-        uint64_t *swap = sorting.a;
-        pbw__for(context, tasks, pbw__count_digits, &sorting);
-        memset(all, 0, size * sizeof(all[0]));
-        for (task = 0; task < tasks; task++) {       /* from counts to places: among the same digits, then of all */
-            uint32_t *own = start + (size_t)task * PBW__DIGITS;
-            for (i = 0; i < size; i++) {
-                uint32_t here = own[i];
-                own[i] = all[i];
-                all[i] += here;
-            }
-        }
-        for (i = 0; i < size; i++) {
-            uint32_t here = all[i];
-            all[i] = sum;
-            sum += here;
-        }
-        if (PBW__LOAD(&context->cancelled)) {
-            return NULL;
-        }
-        pbw__for(context, tasks, pbw__move_keys, &sorting);
-        if (PBW__LOAD(&context->cancelled)) {
-            return NULL;
-        }
-        sorting.a = sorting.b;
-        sorting.b = swap;
-    }
-    return sorting.a;
-}
-
-/* The same on this thread alone, where keys have no bits above those, or the same; few keys by insertion. */
-static uint64_t *pbw__sort_keys(pbw__context *context, uint64_t *a, uint64_t *b, size_t count, int low, int bits)
-{
-    uint32_t start[2 * PBW__DIGITS];
-    const int end = low + bits;
-    if (count < 64) {
-        size_t i, hole;
-        for (i = 1; i < count; i++) {
-            uint64_t moving = a[i];
-            for (hole = i; hole > 0 && a[hole - 1] >> low > moving >> low; hole--) {
-                a[hole] = a[hole - 1];
-            }
-            a[hole] = moving;
-        }
-        return a;
-    }
-    if (count >= 512) {
-        return pbw__sort_by(context, a, b, count, low, bits, start, 1);
-    }
-    for (; low < end; low += 6) {
-        uint64_t *swap = a;
-        uint32_t sum = 0;
-        size_t i;
-        memset(start, 0, 64 * sizeof(start[0]));
-        for (i = 0; i < count; i++) {
-            start[a[i] >> low & 63]++;
-        }
-        for (i = 0; i < 64; i++) {
-            const uint32_t here = start[i];
-            start[i] = sum;
-            sum += here;
-        }
-        for (i = 0; i < count; i++) {
-            b[start[a[i] >> low & 63]++] = a[i];
-        }
-        a = b;
-        b = swap;
-    }
-    return a;
-}
-
-/* Order of points of equal keys: lexicographic, then the larger weight, then the lower index. */
-static int pbw__comes_before(const double *x, size_t i, const double *y, size_t j, int dim)
-{
-    int k;
-    for (k = 0; k < dim; k++) {
-        if (x[k] != y[k]) {
-            return x[k] < y[k];
-        }
-    }
-    return x[dim] != y[dim] ? x[dim] > y[dim] : i < j;
-}
-
-PBW__INLINE int pbw__same_place(const double *x, const double *y, int dim)
-{
-    return x[0] == y[0] && x[1] == y[1] && (dim == 2 || x[2] == y[2]);
-}
-
-/* A range of the keys, in order by the bits from `low` on, not yet by those from there down to the index. */
-typedef struct pbw__part {
-    size_t from, to;
-    int low, settled;                                /* settled: all points lie at one place */
-    size_t unique;                                   /* vertices in it */
-} pbw__part;
-
-typedef struct pbw__ordering {
-    pbw__context *context;
-    const pbw__input *input;
-    pbw__vertices *vertices;
-    uint64_t *keys;                                  /* key << index_bits | index */
-    pbw__part *parts;
-    pbw__grid_share *shares;                         /* per part: of its records */
-    int index_bits, bits, not_finite;
-    pbw__curve curve;
-} pbw__ordering;
-
-/* Keys of the points keys[from..from+count), or of all points, from a grid over their own box. */
-typedef struct pbw__keying {
-    pbw__ordering *ordering;
-    size_t from, count;
-    int all, tasks;
-    pbw__box *boxes, box;                            /* per task; of all tasks */
-} pbw__keying;
-
-#define PBW__AHEAD 128                               /* points asked for before they are needed */
-
-/* The i-th of those points; the one that will soon be needed, if before `to`, is asked for: the keys from there on
-   are another task's to write. */
-PBW__INLINE size_t pbw__keying_index(const pbw__keying *keying, const pbw__input *input, size_t i, size_t to)
-{
-    const pbw__ordering *ordering = keying->ordering;
-    const uint64_t *keys = ordering->keys + keying->from, mask = ((uint64_t)1 << ordering->index_bits) - 1;
-    const size_t soon = i + PBW__AHEAD < to ? i + PBW__AHEAD : i;
-    pbw__fetch_soon(input, keying->all ? soon : (size_t)(keys[soon] & mask));
-    return keying->all ? i : (size_t)(keys[i] & mask);
-}
-
-PBW__INLINE void pbw__keying_box_share(const pbw__keying *keying, int task, int dim)
-{
-    const pbw__keying here = *keying;                /* no word of these changes while boxes are written */
-    const pbw__input input = *here.ordering->input;
-    size_t i = pbw__share(here.count, task, here.tasks), end;
-    const size_t to = pbw__share(here.count, task + 1, here.tasks);
-    double zero = 0.0;
-    pbw__box box;
-    pbw__box_reset(&box, here.ordering->bits);
-    for (; i < to; i = end) {
-        for (end = to - i < PBW__TICK ? to : i + PBW__TICK; i < end; i++) {
-            double x[4], none = 0.0;
-            int k;
-            pbw__fetch_of(dim, &input, pbw__keying_index(&here, &input, i, to), x);
-            for (k = 0; k <= dim; k++) {
-                none += x[k] - x[k];                 /* NaN if not finite */
-            }
-            zero += none;
-            pbw__box_add(&box, x, dim);
-        }
-        if (pbw__report(here.ordering->context, 0.1 * (double)i / (double)here.count)) {
-            break;
-        }
-    }
-    if (zero != 0.0) {
-        PBW__STORE(&here.ordering->not_finite, 1);
-    }
-    here.boxes[task] = box;
-}
-
-static void pbw__keying_box(void *arg, int task)
-{
-    const pbw__keying *keying = (const pbw__keying *)arg;
-    if (keying->ordering->input->dim == 3) {
-        pbw__keying_box_share(keying, task, 3);
-    } else {
-        pbw__keying_box_share(keying, task, 2);
-    }
-}
-
-/* The keys of points i..to-1. */
-PBW__INLINE void pbw__keying_share(const pbw__keying *keying, size_t i, size_t to, int dim, int levels)
-{
-    const pbw__ordering *ordering = keying->ordering;
-    const pbw__box box = keying->box;
-    const int index_bits = ordering->index_bits;
-    uint64_t *keys = ordering->keys + keying->from;
-    for (; i < to; i++) {
-        double x[4];
-        size_t index = pbw__keying_index(keying, ordering->input, i, to);
-        if ((i & (PBW__TICK - 1)) == PBW__TICK - 1
-            && pbw__report(ordering->context, 0.1 + 0.2 * (double)i / (double)keying->count)) {
-            return;
-        }
-        pbw__fetch_of(dim, ordering->input, index, x);
-        keys[i] = pbw__hilbert_key(&ordering->curve, &box, x, dim, levels) << index_bits | (uint64_t)index;
-        if (keying->all) {
-            ordering->vertices->canonical[i] = (pbw_index)i;
-        }
-    }
 }
 
 #ifdef PBW__AVX2
@@ -3311,7 +3053,273 @@ PBW__SIMD_INLINE __m256i pbw__interleave4(__m128i first, __m128i second)
     const __m256i spread = pbw__spread4(first);
     return _mm256_or_si256(_mm256_add_epi64(spread, spread), pbw__spread4(second));
 }
+#endif
+/* ------------------------------------------------------------------------------------------------------
+   >>sort         Keys in ascending order: a radix sort by several threads.
+   In: keys of 64 bits.  Out: the keys, ordered by some of their bits; keys of equal bits keep their order.
+   A pass sorts by one digit: each task counts the digits of its share of the keys, then moves the keys behind all of
+   lower digits, and behind those of the same digit in earlier shares.
+   ------------------------------------------------------------------------------------------------------ */
+#define PBW__DIGITS 2048
 
+typedef struct pbw__sorting {
+    pbw__context *context;
+    uint64_t *a, *b;                                 /* count keys; room for count keys */
+    uint32_t *start;                                 /* PBW__DIGITS words a task, and once more for all tasks */
+    size_t count;
+    int tasks;                                       /* at most a task a thread is used */
+    int shift, digit;                                /* of this pass */
+} pbw__sorting;
+
+static void pbw__count_digits(void *arg, int task)
+{
+    const pbw__sorting *sorting = (const pbw__sorting *)arg;
+    const uint64_t *a = sorting->a, mask = ((uint64_t)1 << sorting->digit) - 1;
+    uint32_t *start = sorting->start + (size_t)task * PBW__DIGITS;
+    size_t i = pbw__share(sorting->count, task, sorting->tasks);
+    size_t to = pbw__share(sorting->count, task + 1, sorting->tasks), end;
+    memset(start, 0, ((size_t)mask + 1) * sizeof(start[0]));
+    for (; i < to; i = end) {
+        for (end = to - i < PBW__TICK ? to : i + PBW__TICK; i < end; i++) {
+            PBW__PREFETCH_STREAM(a, i, to);
+            start[(a[i] >> sorting->shift) & mask]++;
+        }
+        if (sorting->count > PBW__TICK && pbw__report(sorting->context, 0.5)) {
+            return;
+        }
+    }
+}
+
+static void pbw__move_keys(void *arg, int task)
+{
+    const pbw__sorting *sorting = (const pbw__sorting *)arg;
+    const uint64_t *a = sorting->a, mask = ((uint64_t)1 << sorting->digit) - 1;
+    uint64_t *b = sorting->b;
+    uint32_t *start = sorting->start + (size_t)task * PBW__DIGITS;
+    const uint32_t *before = sorting->start + (size_t)sorting->tasks * PBW__DIGITS;
+    const size_t line = 64 / sizeof(b[0]);           /* prefetch the next line of this digit */
+    size_t i, to = pbw__share(sorting->count, task + 1, sorting->tasks), end;
+    for (i = 0; i <= mask; i++) {
+        start[i] += before[i];
+    }
+    for (i = pbw__share(sorting->count, task, sorting->tasks); i < to; i = end) {
+        for (end = to - i < PBW__TICK ? to : i + PBW__TICK; i < end; i++) {
+            size_t place = start[(a[i] >> sorting->shift) & mask]++;
+            PBW__PREFETCH_STREAM(a, i, to);
+            PBW__PREFETCH_TO_WRITE(b + (place + line < sorting->count ? place + line : place));
+            b[place] = a[i];
+        }
+        if (sorting->count > PBW__TICK && pbw__report(sorting->context, 0.5)) {
+            return;
+        }
+    }
+}
+
+/* Sorts the keys by `bits` bits from `low` on; returns where the result is, a or b, or NULL if cancelled.  With more
+   than one task a thread, each has so few keys of a digit that threads falsely share cache lines. */
+static uint64_t *pbw__sort_by(pbw__sorting *sorting, int low, int bits)
+{
+    pbw__context *context = sorting->context;
+    const int tasks = sorting->tasks < context->threads ? sorting->tasks : context->threads;
+    const int widest = sorting->count < 4096 ? 9 : 11, passes = (bits + widest - 1) / widest;
+    uint32_t *all = sorting->start + (size_t)tasks * PBW__DIGITS;
+    int task;
+    sorting->tasks = tasks;
+    sorting->digit = (bits + passes - 1) / passes;
+    for (sorting->shift = low; sorting->shift < low + bits; sorting->shift += sorting->digit) {
+        size_t size = (size_t)1 << sorting->digit, i;
+        uint32_t sum = 0;
+        uint64_t *swap = sorting->a;
+        pbw__for(context, tasks, pbw__count_digits, sorting);
+        memset(all, 0, size * sizeof(all[0]));
+        for (task = 0; task < tasks; task++) {       /* counts to places: within each digit, then of digits */
+            uint32_t *own = sorting->start + (size_t)task * PBW__DIGITS;
+            for (i = 0; i < size; i++) {
+                uint32_t here = own[i];
+                own[i] = all[i];
+                all[i] += here;
+            }
+        }
+        for (i = 0; i < size; i++) {
+            uint32_t here = all[i];
+            all[i] = sum;
+            sum += here;
+        }
+        if (PBW__LOAD(&context->cancelled)) {
+            return NULL;
+        }
+        pbw__for(context, tasks, pbw__move_keys, sorting);
+        if (PBW__LOAD(&context->cancelled)) {
+            return NULL;
+        }
+        sorting->a = sorting->b;
+        sorting->b = swap;
+    }
+    return sorting->a;
+}
+
+/* The same on the calling thread, for keys without bits above, or with equal ones; few keys by insertion. */
+static uint64_t *pbw__sort_keys(pbw__sorting *sorting, int low, int bits)
+{
+    uint32_t start[2 * PBW__DIGITS];
+    uint64_t *a = sorting->a;
+    size_t i, hole;
+    if (sorting->count >= 64) {
+        sorting->start = start;
+        sorting->tasks = 1;
+        return pbw__sort_by(sorting, low, bits);
+    }
+    for (i = 1; i < sorting->count; i++) {
+        const uint64_t moving = a[i];
+        for (hole = i; hole > 0 && a[hole - 1] >> low > moving >> low; hole--) {
+            a[hole] = a[hole - 1];
+        }
+        a[hole] = moving;
+    }
+    return a;
+}
+/* ------------------------------------------------------------------------------------------------------
+   >>order        Points in the order of a Hilbert curve, duplicates set aside.
+   In: the caller's points and weights.  Out: vertex records 1..vertex_count along the curve (record 0 stands for
+   the ghost vertex and is zero), the caller's id of each, their grid, and for each point the one that it duplicates.
+   Holds: the order of the records depends on the coordinates alone; a vertex number is a rank on the curve.
+
+   Points in one cell of the curve's grid form a run.  Short runs are put into lexicographic order; long ones get
+   keys of their own from a grid over their own bounding box, and so on, so that clusters of any scale keep an order.
+   A grid over a tight box separates its extremes: each nesting divides the extent by 2^bits, and doubles span 2^2098,
+   which bounds the depth.
+
+   The grid is fine, as points on a curve lie in few of its cells.  Where points fill space, the first bits of their
+   keys tell nearly all of them apart.  So all are sorted by those, and then those that are equal there by the rest;
+   where points lie in few cells, all by twice as many.
+   ------------------------------------------------------------------------------------------------------ */
+typedef struct pbw__vertices {
+    int dim, weighted;
+    size_t count;                                    /* vertices, the ghost not counted */
+    size_t point_count, duplicate_count;
+    double *record;                                  /* (count+1)*(dim+1): coordinates, weight */
+    pbw_index *id;                                   /* count+1: the caller's number of each vertex */
+    pbw_index *canonical;                            /* point_count */
+    pbw__grid grid;                                  /* of the records */
+} pbw__vertices;
+
+/* Order of points of equal keys: lexicographic, then the larger weight, then the lower index. */
+static int pbw__comes_before(const double *x, size_t i, const double *y, size_t j, int dim)
+{
+    int k;
+    for (k = 0; k < dim; k++) {
+        if (x[k] != y[k]) {
+            return x[k] < y[k];
+        }
+    }
+    return x[dim] != y[dim] ? x[dim] > y[dim] : i < j;
+}
+
+PBW__INLINE int pbw__same_place(const double *x, const double *y, int dim)
+{
+    return x[0] == y[0] && x[1] == y[1] && (dim == 2 || x[2] == y[2]);
+}
+
+/* A range of the keys, in order by the bits from `low` on, not yet by those from there down to the index. */
+typedef struct pbw__part {
+    size_t from, to;
+    int low, settled;                                /* settled: all points lie at one place */
+    size_t unique;                                   /* vertices in it */
+} pbw__part;
+
+typedef struct pbw__ordering {
+    pbw__context *context;
+    const pbw__input *input;
+    pbw__vertices *vertices;
+    uint64_t *keys;                                  /* key << index_bits | index */
+    pbw__part *parts;
+    pbw__grid_share *shares;                         /* per part: of its records */
+    pbw__box *boxes;                                 /* per task */
+    uint32_t *start;                                 /* see pbw__sorting */
+    int tasks, index_bits, bits, not_finite;
+    pbw__curve curve;
+} pbw__ordering;
+
+/* Keys of the points keys[from..from+count), or of all points, from a grid over their own box. */
+typedef struct pbw__keying {
+    pbw__ordering *ordering;
+    size_t from, count;
+    int all, tasks;
+    pbw__box *boxes, box;                            /* per task; of all tasks */
+} pbw__keying;
+
+#define PBW__AHEAD 128                               /* points asked for before they are needed */
+
+/* The i-th of those points; the one that will soon be needed, if before `to`, is asked for: the keys from there on
+   are another task's to write. */
+PBW__INLINE size_t pbw__keying_index(const pbw__keying *keying, const pbw__input *input, size_t i, size_t to)
+{
+    const pbw__ordering *ordering = keying->ordering;
+    const uint64_t *keys = ordering->keys + keying->from, mask = ((uint64_t)1 << ordering->index_bits) - 1;
+    const size_t soon = i + PBW__AHEAD < to ? i + PBW__AHEAD : i;
+    pbw__fetch_soon(input, keying->all ? soon : (size_t)(keys[soon] & mask));
+    return keying->all ? i : (size_t)(keys[i] & mask);
+}
+
+PBW__INLINE void pbw__keying_box_share(const pbw__keying *keying, int task, int dim)
+{
+    const pbw__keying here = *keying;                /* no word of these changes while boxes are written */
+    const pbw__input input = *here.ordering->input;
+    size_t i = pbw__share(here.count, task, here.tasks), end;
+    const size_t to = pbw__share(here.count, task + 1, here.tasks);
+    double zero = 0.0;
+    pbw__box box;
+    pbw__box_reset(&box, here.ordering->bits);
+    for (; i < to; i = end) {
+        for (end = to - i < PBW__TICK ? to : i + PBW__TICK; i < end; i++) {
+            double x[4], none = 0.0;
+            int k;
+            pbw__fetch_of(&input, pbw__keying_index(&here, &input, i, to), x, dim);
+            for (k = 0; k <= dim; k++) {
+                none += x[k] - x[k];                 /* NaN if not finite */
+            }
+            zero += none;
+            pbw__box_add(&box, x, dim);
+        }
+        if (pbw__report(here.ordering->context, 0.1 * (double)i / (double)here.count)) {
+            break;
+        }
+    }
+    if (zero != 0.0) {
+        PBW__STORE(&here.ordering->not_finite, 1);
+    }
+    here.boxes[task] = box;
+}
+
+static void pbw__keying_box(void *arg, int task)
+{
+    const pbw__keying *keying = (const pbw__keying *)arg;
+    PBW__BY_DIM(keying->ordering->input->dim, pbw__keying_box_share, keying, task);
+}
+
+/* The keys of points i..to-1. */
+PBW__INLINE void pbw__keying_share(const pbw__keying *keying, size_t i, size_t to, int dim, int levels)
+{
+    const pbw__ordering *ordering = keying->ordering;
+    const pbw__box box = keying->box;
+    const int index_bits = ordering->index_bits;
+    uint64_t *keys = ordering->keys + keying->from;
+    for (; i < to; i++) {
+        double x[4];
+        size_t index = pbw__keying_index(keying, ordering->input, i, to);
+        if ((i & (PBW__TICK - 1)) == PBW__TICK - 1
+            && pbw__report(ordering->context, 0.1 + 0.2 * (double)i / (double)keying->count)) {
+            return;
+        }
+        pbw__fetch_of(ordering->input, index, x, dim);
+        keys[i] = pbw__hilbert_key(&ordering->curve, &box, x, dim, levels) << index_bits | (uint64_t)index;
+        if (keying->all) {
+            ordering->vertices->canonical[i] = (pbw_index)i;
+        }
+    }
+}
+
+#ifdef PBW__AVX2
 PBW__SIMD_INLINE const double *pbw__double_at(const pbw__input *input, size_t i)
 {
     return (const double *)(const void *)(input->points + i * input->stride);
@@ -3414,19 +3422,23 @@ static int pbw__order_keys(pbw__ordering *ordering, pbw__part *part, int all, pb
     return !PBW__LOAD(&ordering->context->cancelled);
 }
 
-/* Sorts the keys of a part by their next bits, those from `low` on; 0 if cancelled.  start: see pbw__sort_by, or
-   NULL: on this thread alone.  The help are the records of the part, which are written later. */
+/* Sorts the keys of a part by their next bits, those from `low` on; 0 if cancelled.  start: see pbw__sorting, or
+   NULL: on this thread alone.  The records of the part, which are written later, serve as room. */
 static int pbw__order_sort(pbw__ordering *ordering, pbw__part *part, int low, uint32_t *start, int tasks)
 {
-    const size_t count = part->to - part->from;
-    const int bits = part->low - low;
     const size_t step = (size_t)ordering->input->dim + 1;
     uint64_t *keys = ordering->keys + part->from, *sorted;
-    uint64_t *spare = (uint64_t *)(void *)(ordering->vertices->record + (part->from + 1) * step);
-    sorted = start == NULL ? pbw__sort_keys(ordering->context, keys, spare, count, low, bits)
-           : pbw__sort_by(ordering->context, keys, spare, count, low, bits, start, tasks);
+    pbw__sorting sorting;
+    sorting.context = ordering->context;
+    sorting.a = keys;
+    sorting.b = (uint64_t *)(void *)(ordering->vertices->record + (part->from + 1) * step);
+    sorting.start = start;
+    sorting.count = part->to - part->from;
+    sorting.tasks = tasks;
+    sorted = start == NULL ? pbw__sort_keys(&sorting, low, part->low - low)
+                           : pbw__sort_by(&sorting, low, part->low - low);
     if (sorted != NULL && sorted != keys) {
-        memcpy(keys, sorted, count * sizeof(keys[0]));
+        memcpy(keys, sorted, sorting.count * sizeof(keys[0]));
     }
     part->low = low;
     return sorted != NULL;
@@ -3505,21 +3517,45 @@ static int pbw__order_rest(pbw__ordering *ordering, const pbw__part *part)
     return 1;
 }
 
-/* The points of keys[from..to), of different keys and so at different places, to the records from r on.  Those that
-   will soon be needed are asked for, if before `end`. */
-PBW__INLINE void pbw__order_place(const pbw__ordering *ordering, size_t from, size_t to, size_t end, size_t r,
+/* Writes the points of a range of different keys, so at different places, to the records from r on.  Prefetches
+   later points, of keys before `end`. */
+PBW__INLINE void pbw__order_place(const pbw__ordering *ordering, const pbw__part *range, size_t end, size_t r,
                                   int dim)
 {
     const uint64_t *keys = ordering->keys, mask = ((uint64_t)1 << ordering->index_bits) - 1;
     const pbw__input input = *ordering->input;
+    const size_t to = range->to;
+    size_t from = range->from;
     double *record = ordering->vertices->record + r * (size_t)(dim + 1);
     pbw_index *id = ordering->vertices->id + r;
     for (; from < to; from++, record += dim + 1) {
         const size_t index = (size_t)(keys[from] & mask);
         pbw__fetch_soon(&input, (size_t)(keys[from + PBW__AHEAD < end ? from + PBW__AHEAD : from] & mask));
-        pbw__fetch_of(dim, &input, index, record);
+        pbw__fetch_of(&input, index, record, dim);
         *id++ = (pbw_index)index;
     }
+}
+
+/* The same for a run of equal keys, in order, behind record r: notes duplicates.  Returns the last record. */
+static size_t pbw__order_place_run(const pbw__ordering *ordering, const pbw__part *run, size_t end, size_t r)
+{
+    const uint64_t *keys = ordering->keys, mask = ((uint64_t)1 << ordering->index_bits) - 1;
+    const pbw__input *input = ordering->input;
+    const size_t step = (size_t)input->dim + 1;
+    pbw__vertices *vertices = ordering->vertices;
+    size_t i;
+    for (i = run->from; i < run->to; i++) {
+        const size_t index = (size_t)(keys[i] & mask);
+        double *record = vertices->record + (r + 1) * step;
+        pbw__fetch_soon(input, (size_t)(keys[i + PBW__AHEAD < end ? i + PBW__AHEAD : i] & mask));
+        pbw__fetch(input, index, record);
+        if (i > run->from && pbw__same_place(record, record - step, input->dim)) {
+            vertices->canonical[index] = vertices->id[r];
+        } else {
+            vertices->id[++r] = (pbw_index)index;
+        }
+    }
+    return r;
 }
 
 /* Puts a run of equal keys into order: points at one place follow each other, the one that stays first.  Or gives it
@@ -3553,7 +3589,7 @@ static void pbw__order_part(void *arg, int task)
     const pbw__input *input = ordering->input;
     pbw__vertices *vertices = ordering->vertices;
     const int bits = ordering->index_bits, dim = input->dim;
-    const uint64_t index_mask = ((uint64_t)1 << bits) - 1, *keys = ordering->keys;
+    const uint64_t *keys = ordering->keys;
     size_t end_of[PBW__RUN_DEPTH], r = part->from, i = part->from, steps = 0, step = (size_t)dim + 1, scanned = r;
     pbw__grid_share share;
     int depth = 0;
@@ -3569,10 +3605,10 @@ static void pbw__order_part(void *arg, int task)
             next++;
         }
         next -= next < limit;                        /* a run may begin there */
-        if (next > i && dim == 3) {
-            pbw__order_place(ordering, i, next, part->to, r + 1, 3);
-        } else if (next > i) {
-            pbw__order_place(ordering, i, next, part->to, r + 1, 2);
+        if (next > i) {
+            run.from = i;
+            run.to = next;
+            PBW__BY_DIM(dim, pbw__order_place, ordering, &run, part->to, r + 1);
         }
         steps += next + 1 - i;
         r += next - i;
@@ -3592,17 +3628,8 @@ static void pbw__order_part(void *arg, int task)
                 continue;
             }
             steps += run.to - i;
-            for (; i < run.to; i++) {
-                const size_t index = (size_t)(keys[i] & index_mask);
-                double *record = vertices->record + (r + 1) * step;
-                pbw__fetch_soon(input, (size_t)(keys[i + PBW__AHEAD < part->to ? i + PBW__AHEAD : i] & index_mask));
-                pbw__fetch(input, index, record);
-                if (i > run.from && pbw__same_place(record, record - step, dim)) {
-                    vertices->canonical[index] = vertices->id[r];
-                } else {
-                    vertices->id[++r] = (pbw_index)index;
-                }
-            }
+            r = pbw__order_place_run(ordering, &run, part->to, r);
+            i = run.to;
         }
         while (depth > 0 && i == end_of[depth]) {
             depth--;
@@ -3640,8 +3667,9 @@ static size_t pbw__order_find(const uint64_t *keys, size_t from, size_t to, int 
    shares, a thread's portion, are put into order by all threads, to be cut in turn.  The number of parts, at most
    PBW__CUTS * tasks; 0 if cancelled. */
 #define PBW__CUTS 16
-static int pbw__order_cut(pbw__ordering *ordering, pbw__box *boxes, uint32_t *start, int tasks)
+static int pbw__order_cut(pbw__ordering *ordering)
 {
+    const int tasks = ordering->tasks;
     const size_t share = (ordering->input->count - 1) / ((size_t)tasks * 4) + 1;
     int parts = 1, p;
     for (p = 0; p < parts && tasks > 1; p++) {
@@ -3660,8 +3688,9 @@ static int pbw__order_cut(pbw__ordering *ordering, pbw__box *boxes, uint32_t *st
         next[0].to = next[1].from = pbw__order_find(keys, at, part.to, part.low, value + 1);
         if (next->to - next->from > 16 * share) {
             const int all = pbw__tasks(ordering->context, next->to - next->from, 16384);
-            if ((part.low == ordering->index_bits && !pbw__order_keys(ordering, next, 0, boxes, all))
-                || (!next->settled && !pbw__order_sort(ordering, next, ordering->index_bits, start, all))) {
+            if ((part.low == ordering->index_bits && !pbw__order_keys(ordering, next, 0, ordering->boxes, all))
+                || (!next->settled
+                    && !pbw__order_sort(ordering, next, ordering->index_bits, ordering->start, all))) {
                 return 0;
             }
         } else {
@@ -3698,72 +3727,67 @@ static void pbw__vertices_free(pbw__context *context, pbw__vertices *vertices)
     vertices->canonical = NULL;
 }
 
-/* PBW_OK, or an error with nothing held.  input->count >= 1 and < 2^32 - 1. */
-static pbw_status pbw__order(pbw__context *context, const pbw__input *input, pbw__vertices *vertices)
+/* Allocates the arrays of an ordering and its vertices; 0 if memory is short. */
+static int pbw__order_begin(pbw__ordering *ordering)
 {
+    pbw__context *context = ordering->context;
     pbw__memory *memory = &context->memory;
-    size_t count = input->count, step = (size_t)input->dim + 1, p;
-    int dim = input->dim, tasks = pbw__tasks(context, count, 16384), limit = PBW__CUTS * tasks, parts = 0;
-    uint32_t *start;                                 /* see pbw__sort_by */
-    pbw__box *boxes;
+    pbw__vertices *vertices = ordering->vertices;
+    const size_t count = ordering->input->count, tasks = (size_t)ordering->tasks, step = (size_t)vertices->dim + 1;
     pbw__block block[4];
-    pbw__ordering ordering;
-    pbw_status status = PBW_ERROR_MEMORY;
-
-    memset(&ordering, 0, sizeof(ordering));
-    ordering.context = context;
-    ordering.input = input;
-    ordering.vertices = vertices;
-    ordering.index_bits = pbw__index_bits(count);
-    ordering.bits = pbw__grid_bits(ordering.index_bits, dim);
-    memset(vertices, 0, sizeof(*vertices));
-    vertices->dim = dim;
-    vertices->weighted = input->weights != NULL;
-    vertices->point_count = count;
-    pbw__curve_create(&ordering.curve, count, dim);
-
-    boxes = (pbw__box *)pbw__allocate(memory, (size_t)tasks, sizeof(pbw__box));
-    start = (uint32_t *)pbw__allocate(memory, ((size_t)tasks + 1) * PBW__DIGITS, sizeof(uint32_t));
-    ordering.parts = (pbw__part *)pbw__allocate(memory, (size_t)limit, sizeof(pbw__part));
-    ordering.shares = (pbw__grid_share *)pbw__allocate(memory, (size_t)limit, sizeof(pbw__grid_share));
-    ordering.keys = (uint64_t *)pbw__allocate(memory, count, sizeof(uint64_t));
+    ordering->boxes = (pbw__box *)pbw__allocate(memory, tasks, sizeof(pbw__box));
+    ordering->start = (uint32_t *)pbw__allocate(memory, (tasks + 1) * PBW__DIGITS, sizeof(uint32_t));
+    ordering->parts = (pbw__part *)pbw__allocate(memory, PBW__CUTS * tasks, sizeof(pbw__part));
+    ordering->shares = (pbw__grid_share *)pbw__allocate(memory, PBW__CUTS * tasks, sizeof(pbw__grid_share));
+    ordering->keys = (uint64_t *)pbw__allocate(memory, count, sizeof(uint64_t));
     vertices->canonical = (pbw_index *)pbw__allocate(memory, count, sizeof(pbw_index));
     vertices->id = (pbw_index *)pbw__allocate(memory, count + 1, sizeof(pbw_index));
     vertices->record = (double *)pbw__allocate(memory, (count + 1) * step, sizeof(double));
-    block[0] = pbw__block_of(ordering.keys, 0, count * sizeof(uint64_t));
+    block[0] = pbw__block_of(ordering->keys, 0, count * sizeof(uint64_t));
     block[1] = pbw__block_of(vertices->canonical, 0, count * sizeof(pbw_index));
     block[2] = pbw__block_of(vertices->id, 0, (count + 1) * sizeof(pbw_index));
     block[3] = pbw__block_of(vertices->record, 0, (count + 1) * step * sizeof(double));
     pbw__populate(context, block, 4);
-    if (boxes == NULL || start == NULL || ordering.parts == NULL || ordering.shares == NULL
-        || ordering.keys == NULL || vertices->canonical == NULL || vertices->id == NULL || vertices->record == NULL) {
-        goto done;
+    return ordering->boxes != NULL && ordering->start != NULL && ordering->parts != NULL && ordering->shares != NULL
+        && ordering->keys != NULL && vertices->canonical != NULL && vertices->id != NULL && vertices->record != NULL;
+}
+
+static void pbw__order_end(pbw__ordering *ordering)
+{
+    pbw__memory *memory = &ordering->context->memory;
+    const size_t tasks = (size_t)ordering->tasks;
+    pbw__release(memory, ordering->boxes, tasks, sizeof(pbw__box));
+    pbw__release(memory, ordering->start, (tasks + 1) * PBW__DIGITS, sizeof(uint32_t));
+    pbw__release(memory, ordering->parts, PBW__CUTS * tasks, sizeof(pbw__part));
+    pbw__release(memory, ordering->shares, PBW__CUTS * tasks, sizeof(pbw__grid_share));
+    pbw__release(memory, ordering->keys, ordering->input->count, sizeof(uint64_t));
+}
+
+/* Sorts all keys and cuts them into parts; returns how many, 0 if cancelled or a number is not finite. */
+static int pbw__order_parts(pbw__ordering *ordering)
+{
+    const size_t count = ordering->input->count;
+    pbw__part *all = ordering->parts;
+    int low;
+    all->from = 0;
+    all->to = count;
+    if (!pbw__order_keys(ordering, all, 1, ordering->boxes, ordering->tasks)) {
+        return 0;
     }
-    ordering.parts[0].from = 0;
-    ordering.parts[0].to = count;
-    if (pbw__order_keys(&ordering, ordering.parts, 1, boxes, tasks)) {
-        /* by one digit of pbw__sort_by or two: at most 4 of 16 million uniform points are equal there; or by four */
-        const int high = ordering.parts[0].low;
-        const int low = high - (count < 8192 ? 11 : pbw__order_is_thin(&ordering, high) ? 44 : 22);
-        if (pbw__order_sort(&ordering, ordering.parts, low > ordering.index_bits ? low : ordering.index_bits, start,
-                            tasks)) {
-            parts = pbw__order_cut(&ordering, boxes, start, tasks);
-        }
-    }
-    if (parts == 0) {
-        status = ordering.not_finite ? PBW_ERROR_NOT_FINITE : PBW_CANCELLED;
-        goto done;
-    }
-    memset(vertices->record, 0, step * sizeof(double));
-    vertices->record[0] = HUGE_VAL;                  /* vectors know the ghost by it */
-    vertices->id[0] = PBW_NONE;
-    pbw__for(context, parts, pbw__order_part, &ordering);
-    if (PBW__LOAD(&context->cancelled)) {
-        status = PBW_CANCELLED;
-        goto done;
-    }
-    for (p = 0; p < (size_t)parts; p++) {            /* close the gaps that duplicates have left */
-        size_t from = ordering.parts[p].from + 1, unique = ordering.parts[p].unique;
+    /* By one digit of pbw__sort_by or two: at most 4 of 16 million uniform points are equal there; or by four. */
+    low = all->low - (count < 8192 ? 11 : pbw__order_is_thin(ordering, all->low) ? 44 : 22);
+    low = low > ordering->index_bits ? low : ordering->index_bits;
+    return pbw__order_sort(ordering, all, low, ordering->start, ordering->tasks) ? pbw__order_cut(ordering) : 0;
+}
+
+/* Closes the gaps that duplicates have left between the vertices of the parts. */
+static void pbw__order_close(const pbw__ordering *ordering, int parts)
+{
+    pbw__vertices *vertices = ordering->vertices;
+    const size_t step = (size_t)vertices->dim + 1;
+    int p;
+    for (p = 0; p < parts; p++) {
+        const size_t from = ordering->parts[p].from + 1, unique = ordering->parts[p].unique;
         if (from != vertices->count + 1 && unique > 0) {
             memmove(vertices->record + (vertices->count + 1) * step, vertices->record + from * step,
                     unique * step * sizeof(double));
@@ -3771,113 +3795,45 @@ static pbw_status pbw__order(pbw__context *context, const pbw__input *input, pbw
         }
         vertices->count += unique;
     }
-    vertices->duplicate_count = count - vertices->count;
-    pbw__grid_close(&vertices->grid, ordering.shares, parts, dim);
-    status = PBW_OK;
-done:
-    pbw__release(memory, boxes, (size_t)tasks, sizeof(pbw__box));
-    pbw__release(memory, start, ((size_t)tasks + 1) * PBW__DIGITS, sizeof(uint32_t));
-    pbw__release(memory, ordering.parts, (size_t)limit, sizeof(pbw__part));
-    pbw__release(memory, ordering.shares, (size_t)limit, sizeof(pbw__grid_share));
-    pbw__release(memory, ordering.keys, count, sizeof(uint64_t));
+    vertices->duplicate_count = vertices->point_count - vertices->count;
+    pbw__grid_close(&vertices->grid, ordering->shares, parts, vertices->dim);
+}
+
+/* Returns PBW_OK, or an error with all memory released.  input->count >= 1 and < 2^32 - 1. */
+static pbw_status pbw__order(pbw__context *context, const pbw__input *input, pbw__vertices *vertices)
+{
+    const int dim = input->dim;
+    pbw__ordering ordering;
+    pbw_status status = PBW_ERROR_MEMORY;
+    int parts;
+    memset(&ordering, 0, sizeof(ordering));
+    ordering.context = context;
+    ordering.input = input;
+    ordering.vertices = vertices;
+    ordering.tasks = pbw__tasks(context, input->count, 16384);
+    ordering.index_bits = pbw__index_bits(input->count);
+    ordering.bits = pbw__grid_bits(ordering.index_bits, dim);
+    memset(vertices, 0, sizeof(*vertices));
+    vertices->dim = dim;
+    vertices->weighted = input->weights != NULL;
+    vertices->point_count = input->count;
+    pbw__curve_create(&ordering.curve, input->count, dim);
+    if (pbw__order_begin(&ordering)) {
+        parts = pbw__order_parts(&ordering);
+        memset(vertices->record, 0, ((size_t)dim + 1) * sizeof(double));
+        vertices->record[0] = dim == 3 ? HUGE_VAL : 0.0;     /* vectors know the ghost by it */
+        vertices->id[0] = PBW_NONE;
+        pbw__for(context, parts, pbw__order_part, &ordering);
+        status = ordering.not_finite ? PBW_ERROR_NOT_FINITE : PBW__LOAD(&context->cancelled) ? PBW_CANCELLED : PBW_OK;
+        if (status == PBW_OK) {
+            pbw__order_close(&ordering, parts);
+        }
+    }
+    pbw__order_end(&ordering);
     if (status != PBW_OK) {
         pbw__vertices_free(context, vertices);
     }
     return status;
-}
-
-/* Numbers along the curve, for pbw_order and PBW_CURVE_ORDER: each vertex is followed by its duplicates, ascending.
-   Fills original (the caller's number of each new one), and turns the ids of the vertices and the canonical points
-   into new numbers. */
-typedef struct pbw__numbering {
-    pbw__vertices *vertices;
-    pbw_index *original, *next;                      /* next: per canonical point of the caller, the first free
-                                                        number of its group; unused if there are no duplicates */
-} pbw__numbering;
-
-static pbw_status pbw__number_range(void *arg, size_t from, size_t to)
-{
-    const pbw__numbering *numbering = (const pbw__numbering *)arg;
-    pbw_index *id = numbering->vertices->id + 1;
-    for (; from < to; from++) {
-        numbering->original[from] = id[from];
-        id[from] = (pbw_index)from;
-    }
-    return PBW_OK;
-}
-
-static void pbw__number_groups(pbw__numbering *numbering)
-{
-    pbw__vertices *vertices = numbering->vertices;
-    pbw_index *next = numbering->next, *original = numbering->original, *canonical = vertices->canonical;
-    size_t i, r, free_number = 0;
-    memset(next, 0, vertices->point_count * sizeof(pbw_index));
-    for (i = 0; i < vertices->point_count; i++) {
-        next[canonical[i]]++;
-    }
-    for (r = 1; r <= vertices->count; r++) {
-        const pbw_index point = vertices->id[r];
-        const size_t points = next[point];
-        original[free_number] = point;
-        vertices->id[r] = (pbw_index)free_number;
-        next[point] = (pbw_index)free_number + 1;
-        free_number += points;
-    }
-    for (i = 0; i < vertices->point_count; i++) {
-        if (canonical[i] != i) {
-            original[next[canonical[i]]++] = (pbw_index)i;
-        }
-    }
-    for (r = 1; r <= vertices->count; r++) {         /* groups lie between the numbers of successive vertices */
-        const size_t first = vertices->id[r], end = r < vertices->count ? vertices->id[r + 1] : vertices->point_count;
-        for (i = first; i < end; i++) {
-            canonical[i] = (pbw_index)first;
-        }
-    }
-}
-
-static pbw_status pbw__number_along_curve(pbw__context *context, pbw__vertices *vertices, pbw_index *original)
-{
-    pbw__numbering numbering;
-    numbering.vertices = vertices;
-    numbering.original = original;
-    if (vertices->duplicate_count == 0) {
-        return pbw__for_range(context, vertices->count, 65536, 1.0, 1.0, pbw__number_range, &numbering);
-    }
-    numbering.next = (pbw_index *)pbw__allocate(&context->memory, vertices->point_count, sizeof(pbw_index));
-    if (numbering.next == NULL) {
-        return PBW_ERROR_MEMORY;
-    }
-    pbw__number_groups(&numbering);
-    pbw__release(&context->memory, numbering.next, vertices->point_count, sizeof(pbw_index));
-    return PBW_OK;
-}
-
-/* The arguments of a call, checked.  A borrowed array must be one that the mesh could have made. */
-static pbw_status pbw__input_of(int dim, int is_float, const void *points, const void *weights, size_t count,
-                                const pbw_options *options, pbw__input *input)
-{
-    const size_t size = is_float ? sizeof(float) : sizeof(double), packed = (size_t)dim * size;
-    const unsigned all = PBW_ANY_ORDER | PBW_NO_NEIGHBORS | PBW_BACKEND_OR_CPU | PBW_CURVE_ORDER | PBW_BORROW;
-    input->dim = dim;
-    input->is_float = is_float;
-    input->borrow = (options->flags & PBW_BORROW) != 0;
-    input->count = count;
-    input->stride = options->stride != 0 ? options->stride : packed;
-    input->weight_stride = options->weight_stride != 0 ? options->weight_stride : size;
-    input->points = (const char *)points;
-    input->weights = (const char *)weights;
-    if ((dim != 2 && dim != 3) || (points == NULL && count != 0) || options->threads < 0 || options->threads > 256
-        || (options->flags & ~all) != 0 || input->stride < packed || input->weight_stride < size
-        || (input->borrow && (is_float || input->stride != packed || (weights != NULL && input->weight_stride != size)
-                              || (options->flags & PBW_CURVE_ORDER) != 0))) {
-        return PBW_ERROR_ARGUMENT;
-    }
-    if (count >= PBW_NONE || count > (size_t)-1 / input->stride || count > (size_t)-1 / input->weight_stride
-        || count > (size_t)-1 / 256) {
-        return PBW_ERROR_TOO_LARGE;
-    }
-    return PBW_OK;
 }
 /* ------------------------------------------------------------------------------------------------------
    >>mesh         The triangulation while it is built, and one thread's view of it.
@@ -8052,7 +8008,7 @@ PBW__INLINE void pbw__emit_slots_of(const pbw__emission *emission, size_t from, 
 
 #ifdef PBW__AVX2
 /* Stores a vector in dim+1 entries. */
-PBW__SIMD_INLINE void pbw__emit_store(pbw_index *to, pbw__i4 x, int dim)
+PBW__SIMD_INLINE void pbw__emit_entries(pbw_index *to, pbw__i4 x, int dim)
 {
     if (dim == 3) {
         pbw__store4(to, x);
@@ -8121,9 +8077,9 @@ PBW__SIMD_INLINE void pbw__emit_slots_simd_of(const pbw__emission *emission, siz
         ids = pbw__permute4(ids, lanes);
         neighbors = pbw__permute4(neighbors, lanes);
         if (pbw__emit_free(emission, &free, place, dim)) {
-            pbw__emit_store(corner + corners * place, ids, dim);
+            pbw__emit_entries(corner + corners * place, ids, dim);
             if (links) {
-                pbw__emit_store((pbw_index *)(void *)link + corners * place, neighbors, dim);
+                pbw__emit_entries((pbw_index *)(void *)link + corners * place, neighbors, dim);
             }
         } else {
             pbw__emitted *simplex = free.simplex + count++;
@@ -8398,16 +8354,62 @@ static void pbw__release_borrowed(pbw__memory *memory, pbw_index *block, size_t 
     }
 }
 
-/* The store's triangulation as the mesh's arrays. */
+/* Borrows or allocates the arrays of an emission and runs it. */
+static pbw_status pbw__emit_all(pbw__emission *emission, pbw__spare *spare, size_t allocated[3])
+{
+    pbw__context *context = emission->context;
+    pbw__memory *memory = &context->memory;
+    const size_t chunks = (emission->slot_count >> emission->chunk_bits) + 1, tasks = (size_t)emission->tasks;
+    pbw_status status = PBW_ERROR_MEMORY;
+    emission->number = pbw__borrow(context, spare, emission->slot_count, allocated);
+    emission->head = pbw__borrow(context, spare, emission->vertex_count + 1, allocated + 1);
+    if (tasks > 1) {
+        emission->first = pbw__borrow(context, spare, emission->vertex_count + 1, allocated + 2);
+    }
+    emission->end = (size_t *)pbw__allocate(memory, tasks, sizeof(size_t));
+    emission->chunk_done = (unsigned char *)pbw__allocate(memory, chunks, 1);
+    emission->aside = (pbw__aside *)pbw__allocate(memory, tasks, sizeof(pbw__aside));
+    if (emission->number != NULL && emission->head != NULL && (emission->first != NULL || tasks == 1)
+        && emission->end != NULL && emission->chunk_done != NULL && emission->aside != NULL) {
+        memset(emission->chunk_done, 0, chunks);
+        memset(emission->aside, 0, tasks * sizeof(pbw__aside));
+        status = pbw__emit(emission);
+    }
+    pbw__release(memory, emission->end, tasks, sizeof(size_t));
+    pbw__release(memory, emission->chunk_done, chunks, 1);
+    pbw__release(memory, emission->aside, tasks, sizeof(pbw__aside));
+    return status;
+}
+
+/* Cuts the store's arrays to size and hands them to the mesh. */
+static pbw_status pbw__hand_over(pbw__emission *emission, pbw__store *store, pbw__owned *owned, pbw_mesh *mesh)
+{
+    pbw__memory *memory = &emission->context->memory;
+    const size_t entries = emission->simplex_count * ((size_t)emission->dim + 1);
+    size_t links = store->link_capacity * (sizeof(pbw__link) / sizeof(pbw_index));
+    if (!pbw__resize_array(memory, &store->corner, &store->corner_capacity, entries, sizeof(pbw_index))
+        || (store->link != NULL && !pbw__resize_array(memory, &store->link, &links, entries, sizeof(pbw_index)))) {
+        return PBW_ERROR_MEMORY;
+    }
+    mesh->simplex_count = emission->simplex_count;
+    mesh->simplices = store->corner;
+    mesh->neighbors = (pbw_index *)(void *)store->link;
+    owned->simplices = entries;
+    owned->neighbors = store->link != NULL ? entries : 0;
+    store->corner = NULL;
+    store->link = NULL;
+    return PBW_OK;
+}
+
+/* Turns the store's triangulation into the mesh's arrays. */
 static pbw_status pbw__output(pbw__context *context, pbw__store *store, pbw__vertices *vertices, unsigned flags,
                               pbw__owned *owned, pbw_mesh *mesh)
 {
     pbw__memory *memory = &context->memory;
     pbw__emission emission;
     pbw__spare spare;
-    size_t corners = (size_t)vertices->dim + 1, chunks, entries, links, allocated[3] = { 0, 0, 0 };
-    pbw_status status = PBW_ERROR_MEMORY;
-
+    size_t allocated[3] = { 0, 0, 0 };
+    pbw_status status;
     if (store->capacity - store->count > store->capacity / 64 + 64       /* not of few points */
         && pbw__store_reserve(context, store, store->count) != PBW_OK) {     /* gives the rest of the tail back */
         return PBW_ERROR_MEMORY;
@@ -8417,7 +8419,8 @@ static pbw_status pbw__output(pbw__context *context, pbw__store *store, pbw__ver
         store->link = NULL;
     }
     spare.block[0] = (pbw_index *)(void *)vertices->record;
-    spare.count[0] = (vertices->point_count + 1) * corners * (sizeof(double) / sizeof(pbw_index));
+    spare.count[0] =
+        (vertices->point_count + 1) * ((size_t)vertices->dim + 1) * (sizeof(double) / sizeof(pbw_index));
     spare.block[1] = (pbw_index *)(void *)store->mark;
     spare.count[1] = store->mark_capacity / sizeof(pbw_index);
     memset(&emission, 0, sizeof(emission));
@@ -8433,47 +8436,17 @@ static pbw_status pbw__output(pbw__context *context, pbw__store *store, pbw__ver
     emission.simd = pbw__simd_works();
 #endif
     emission.id = vertices->id;
+    emission.chain = store->hint;
     emission.tasks = pbw__tasks(context, vertices->count, 16384);
     emission.chunk_bits = pbw__chunk_bits(emission.dim, emission.tasks, store->count);
-    chunks = (store->count >> emission.chunk_bits) + 1;
-    emission.number = pbw__borrow(context, &spare, store->count, allocated);
-    emission.head = pbw__borrow(context, &spare, vertices->count + 1, allocated + 1);
-    if (emission.tasks > 1) {
-        emission.first = pbw__borrow(context, &spare, vertices->count + 1, allocated + 2);
-    }
-    emission.chain = store->hint;
-    emission.end = (size_t *)pbw__allocate(memory, (size_t)emission.tasks, sizeof(size_t));
-    emission.chunk_done = (unsigned char *)pbw__allocate(memory, chunks, 1);
-    emission.aside = (pbw__aside *)pbw__allocate(memory, (size_t)emission.tasks, sizeof(pbw__aside));
-    if (emission.number != NULL && emission.head != NULL && (emission.first != NULL || emission.tasks == 1)
-        && emission.end != NULL && emission.chunk_done != NULL && emission.aside != NULL) {
-        memset(emission.chunk_done, 0, chunks);
-        memset(emission.aside, 0, (size_t)emission.tasks * sizeof(pbw__aside));
-        status = pbw__emit(&emission);
-    }
-    pbw__release(memory, emission.end, (size_t)emission.tasks, sizeof(size_t));
-    pbw__release(memory, emission.chunk_done, chunks, 1);
-    pbw__release(memory, emission.aside, (size_t)emission.tasks, sizeof(pbw__aside));
-    entries = emission.simplex_count * corners;
-    links = store->link_capacity * (sizeof(pbw__link) / sizeof(pbw_index));
-    if (status == PBW_OK
-        && (!pbw__resize_array(memory, &store->corner, &store->corner_capacity, entries, sizeof(pbw_index))
-            || (store->link != NULL
-                && !pbw__resize_array(memory, &store->link, &links, entries, sizeof(pbw_index))))) {
-        status = PBW_ERROR_MEMORY;
+    status = pbw__emit_all(&emission, &spare, allocated);
+    if (status == PBW_OK) {
+        status = pbw__hand_over(&emission, store, owned, mesh);
     }
     if (status == PBW_OK) {
-        mesh->simplex_count = emission.simplex_count;
-        mesh->simplices = store->corner;
-        mesh->neighbors = (pbw_index *)(void *)store->link;
-        owned->simplices = entries;
-        owned->neighbors = store->link != NULL ? entries : 0;
-        store->corner = NULL;
-        store->link = NULL;
         emission.incident = pbw__make_incident(context, owned, mesh, vertices->duplicate_count > 0);
-        if (emission.incident == NULL) {
-            status = PBW_ERROR_MEMORY;
-        } else {
+        status = PBW_ERROR_MEMORY;
+        if (emission.incident != NULL) {
             pbw__for(context, emission.tasks, pbw__emit_pass5, &emission);
             status = pbw__emit_status(&emission);
         }
@@ -9095,7 +9068,14 @@ static int pbw__check_others(pbw__check *check)
     uint64_t *keys = (uint64_t *)pbw__allocate(memory, count, sizeof(uint64_t));
     uint64_t *spare = (uint64_t *)pbw__allocate(memory, count, sizeof(uint64_t));
     uint32_t *start = (uint32_t *)pbw__allocate(memory, ((size_t)tasks + 1) * PBW__DIGITS, sizeof(uint32_t));
+    pbw__sorting sorting;
     int going = 0;
+    sorting.context = context;
+    sorting.a = keys;
+    sorting.b = spare;
+    sorting.start = start;
+    sorting.count = count;
+    sorting.tasks = tasks;
     check->block = (size_t *)pbw__allocate(memory, blocks, sizeof(size_t));
     if (keys == NULL || spare == NULL || start == NULL || check->block == NULL) {
         check->status = PBW_ERROR_MEMORY;
@@ -9111,7 +9091,7 @@ static int pbw__check_others(pbw__check *check)
         check->by_hash = keys;
         going = going && pbw__check_pass(check, pbw__check_gather, blocks, 64, 0.905, 0.91)
             && pbw__check_pass(check, pbw__check_hashes, count, 4096, 0.91, 0.92)
-            && (check->by_hash = pbw__sort_by(context, keys, spare, count, 32, 32, start, tasks)) != NULL;
+            && (check->by_hash = pbw__sort_by(&sorting, 32, 32)) != NULL;
         if (going) {
             pbw__box_close(&check->box, check->dim);
             check->box.extent = check->box.extent > 0.0 ? check->box.extent : 1.0;
@@ -9119,8 +9099,9 @@ static int pbw__check_others(pbw__check *check)
             going = pbw__check_pass(check, pbw__check_apart, count, 4096, 0.92, 0.94);
         }
         if (going && check->mesh->simplex_count > 0) {
-            check->other = pbw__sort_by(context, check->other, check->by_hash, count, 32, bits * check->dim, start,
-                                        tasks);
+            sorting.a = check->other;
+            sorting.b = check->by_hash;
+            check->other = pbw__sort_by(&sorting, 32, bits * check->dim);
             going = check->other != NULL && pbw__check_pass(check, pbw__check_hidden, count, 1024, 0.94, 1.0);
         }
     }
@@ -9299,6 +9280,73 @@ PBWDEF uint64_t pbw_hash(const pbw_mesh *mesh, const pbw_options *options)
    >>tools        For companion headers: ranges on threads, the order of the curve, verdicts on conflicts.
    In: the caller's arrays.  Out: the library's threads, sort and tie rule, behind public names.
    ------------------------------------------------------------------------------------------------------ */
+/* Numbers along the curve, for pbw_order and PBW_CURVE_ORDER: each vertex is followed by its duplicates, ascending.
+   Fills original (the caller's number of each new one), and turns the ids of the vertices and the canonical points
+   into new numbers. */
+typedef struct pbw__numbering {
+    pbw__vertices *vertices;
+    pbw_index *original, *next;                      /* next: per canonical point of the caller, the first free
+                                                        number of its group; unused if there are no duplicates */
+} pbw__numbering;
+
+static pbw_status pbw__number_range(void *arg, size_t from, size_t to)
+{
+    const pbw__numbering *numbering = (const pbw__numbering *)arg;
+    pbw_index *id = numbering->vertices->id + 1;
+    for (; from < to; from++) {
+        numbering->original[from] = id[from];
+        id[from] = (pbw_index)from;
+    }
+    return PBW_OK;
+}
+
+static void pbw__number_groups(pbw__numbering *numbering)
+{
+    pbw__vertices *vertices = numbering->vertices;
+    pbw_index *next = numbering->next, *original = numbering->original, *canonical = vertices->canonical;
+    size_t i, r, free_number = 0;
+    memset(next, 0, vertices->point_count * sizeof(pbw_index));
+    for (i = 0; i < vertices->point_count; i++) {
+        next[canonical[i]]++;
+    }
+    for (r = 1; r <= vertices->count; r++) {
+        const pbw_index point = vertices->id[r];
+        const size_t points = next[point];
+        original[free_number] = point;
+        vertices->id[r] = (pbw_index)free_number;
+        next[point] = (pbw_index)free_number + 1;
+        free_number += points;
+    }
+    for (i = 0; i < vertices->point_count; i++) {
+        if (canonical[i] != i) {
+            original[next[canonical[i]]++] = (pbw_index)i;
+        }
+    }
+    for (r = 1; r <= vertices->count; r++) {         /* groups lie between the numbers of successive vertices */
+        const size_t first = vertices->id[r], end = r < vertices->count ? vertices->id[r + 1] : vertices->point_count;
+        for (i = first; i < end; i++) {
+            canonical[i] = (pbw_index)first;
+        }
+    }
+}
+
+static pbw_status pbw__number_along_curve(pbw__context *context, pbw__vertices *vertices, pbw_index *original)
+{
+    pbw__numbering numbering;
+    numbering.vertices = vertices;
+    numbering.original = original;
+    if (vertices->duplicate_count == 0) {
+        return pbw__for_range(context, vertices->count, 65536, 1.0, 1.0, pbw__number_range, &numbering);
+    }
+    numbering.next = (pbw_index *)pbw__allocate(&context->memory, vertices->point_count, sizeof(pbw_index));
+    if (numbering.next == NULL) {
+        return PBW_ERROR_MEMORY;
+    }
+    pbw__number_groups(&numbering);
+    pbw__release(&context->memory, numbering.next, vertices->point_count, sizeof(pbw_index));
+    return PBW_OK;
+}
+
 PBWDEF pbw_status pbw_for(const pbw_options *options, size_t count, size_t grain, pbw_body *body, void *arg)
 {
     const size_t blocks = grain > 0 ? count / grain + (count % grain != 0) : 0, most = (size_t)-1 / 8192;
