@@ -249,7 +249,7 @@ for compiler in "$other-gcc -std=c99" "$other-g++ -std=c++11" "clang --target=$o
     fi
 done
 if $other-gcc "$work/empty.c" -o "$work/empty" > /dev/null 2>&1; then
-    check "$other: the pbw program" $other-gcc -std=c99 -O1 -I. -Iexamples/lib examples/program/pbw.c -o "$work/pbw.exe"
+    check "$other: the pbw program" $other-gcc -std=c99 -O1 -I. -Iexamples/lib examples/program/*.c -o "$work/pbw.exe"
     if command -v wine > /dev/null; then
         check "$other: the implementation compiles" $other-gcc -std=c99 -Os -I. -c "$work/whole.c" -o "$work/other.o"
         check "$other: a test compiles" \
