@@ -466,7 +466,7 @@ extern int madvise(void *address, size_t length, int advice);    /* strict C mod
 #define PBW__PREFETCH(address) ((void)(address))
 #define PBW__PREFETCH_TO_WRITE(address) ((void)(address))
 #endif
-/* For array[i], where `i` goes on to `end`: processors that ask ahead on their own do not for the next page. */
+/* For array[i], where `i` goes on to `end`: hardware prefetchers stop at page ends, this goes across them. */
 #define PBW__PREFETCH_STREAM(array, i, end) PBW__PREFETCH((array) + ((i) + 512 < (end) ? (i) + 512 : (i)))
 
 /* Calls f(..., dim), compiled for each dimension. */
@@ -483,7 +483,7 @@ extern int madvise(void *address, size_t length, int advice);    /* strict C mod
 #if !defined(PBW_NO_SIMD) && defined(__GNUC__) && !(defined(PBW__FMA) && PBW__FMA == 0)
 #if defined(__x86_64__)
 #define PBW__AVX2
-/* prfchw: a prefetch that writes will follow, which does nothing on processors of AVX2 that do not know it. */
+/* prfchw: prefetch for writing; a no-op on AVX2 processors without it. */
 #define PBW__SIMD __attribute__((target("avx2,fma,bmi,bmi2,popcnt,prfchw")))
 #elif defined(__AARCH64EL__) && defined(__ARM_NEON)
 #define PBW__NEON
@@ -491,20 +491,20 @@ extern int madvise(void *address, size_t length, int advice);    /* strict C mod
 #endif
 #endif
 
-/* For profilers, such as bench: told what an insertion turns to. */
+/* Hook for profilers, such as bench: called when an insertion enters a new phase. */
 #ifndef PBW__PHASE
 #define PBW__PHASE(phase) ((void)0)
 #endif
 enum { PBW__WALK, PBW__CAVITY, PBW__STAR, PBW__EXACT, PBW__OTHER };
 
-/* Words that several threads may touch at once; in relaxed order, see >>threads and >>parallel. */
+/* Atomic access to words that threads share; in relaxed order, see >>threads and >>parallel. */
 #ifdef PBW__THREADS
 #define PBW__LOAD(x) __atomic_load_n(x, __ATOMIC_RELAXED)
 #define PBW__STORE(x, y) __atomic_store_n(x, y, __ATOMIC_RELAXED)
 #define PBW__ADD(x, y) __atomic_fetch_add(x, y, __ATOMIC_RELAXED)
 #define PBW__SWAP(x, y) __atomic_exchange_n(x, y, __ATOMIC_RELAXED)
 #define PBW__CAS(x, old, y) __atomic_compare_exchange_n(x, old, y, 1, __ATOMIC_RELAXED, __ATOMIC_RELAXED)
-/* What came before TELL or LEAVE is seen by what comes after SEEN or TAKE. */
+/* Release pairs with acquire: what was written before a release is visible after the acquire. */
 #define PBW__STORE_RELEASE(x, y) __atomic_store_n(x, y, __ATOMIC_RELEASE)
 #define PBW__LOAD_ACQUIRE(x) __atomic_load_n(x, __ATOMIC_ACQUIRE)
 #define PBW__CAS_ACQUIRE(x, old, y) __atomic_compare_exchange_n(x, old, y, 0, __ATOMIC_ACQUIRE, __ATOMIC_RELAXED)
@@ -608,7 +608,7 @@ static int pbw__fp_is_exact(void)
         && !(infinite - infinite == 0.0);                    /* finite numbers only */
 }
 
-/* The system's threads: pthreads, or those of Win32, declared here since windows.h would leave its macros behind. */
+/* The system's threads: pthreads, or those of Win32, declared here, as windows.h would leave its macros behind. */
 #if defined(PBW__THREADS) && defined(_WIN32)
 #ifdef __i386__
 #define PBW__SYMBOL(name, bytes) __asm__("_" name bytes)
@@ -703,16 +703,16 @@ static void pbw__wait_50ms(pbw__condition *condition, pbw__mutex *mutex)
    In: AVX2 or NEON.  Out: PBW__SIMD, and what the rooms of insertion do with vectors, by its meaning.
 
    Vectors of four doubles or four 32-bit integers, in lanes 0 to 3, and of two doubles.  + - * == | << work lane by
-   lane.  A mask has all bits of a lane set, or none.  A set of lanes is a number with bit i for lane i.  A NaN comes
-   of an overflow only, where the bounds of the kernels are infinite: pbw__max4, pbw__max_lane and pbw__min_lane may
-   drop it or not.
+   lane.  A mask has all bits of a lane set, or none.  A set of lanes is a number with bit i for lane i.  NaNs arise
+   only after overflow, where the error bounds are infinite anyway: pbw__max4, pbw__max_lane and pbw__min_lane may
+   drop them.
    Functions that use vectors are compiled for AVX2 and chosen when a build starts; NEON is there on every 64-bit Arm.
    PBW_NO_SIMD leaves the scalar code only, with the same answers.
 
-   There is no path for AVX-512: eight lanes would hold two simplices of a cavity, but processors have two units for
-   them instead of three, and what surrounds the arithmetic stays.  It was 1 to 3 % quicker, for 170 lines; the same
-   four lanes compiled for its registers and masks, 0 to 2 %, or slower.  A search waits for verdicts, which say where
-   it goes on, as much as for instructions.
+   There is no path for AVX-512: eight lanes would hold two simplices of a cavity, but AVX-512 issues on two ports,
+   not three, and the scalar code around the arithmetic does not shrink.  It was 1 to 3 % faster, for 170 lines; four
+   lanes with its registers and masks, 0 to 2 %, or slower.  A search is bound by the latency of its verdicts as much
+   as by its instructions.
    ------------------------------------------------------------------------------------------------------ */
 #ifdef PBW__SIMD
 #define PBW__SIMD_INLINE static inline PBW__SIMD __attribute__((always_inline, unused))
@@ -1211,7 +1211,7 @@ static void pbw__memory_start(pbw__memory *memory, const pbw_options *options)
     memory->limit = options->memory_limit;
 }
 
-/* count*size bytes in place of an old block of old_count*size; NULL leaves the old block as it was.  Any thread. */
+/* Resizes a block of old_count*size bytes to count*size; NULL leaves the old block as it was.  Any thread. */
 static void *pbw__resize(pbw__memory *memory, void *ptr, size_t old_count, size_t count, size_t size)
 {
     size_t old_bytes = old_count * size, bytes, grown = 0, used, peak;
@@ -1220,7 +1220,7 @@ static void *pbw__resize(pbw__memory *memory, void *ptr, size_t old_count, size_
         return NULL;
     }
     bytes = count * size;
-    if (bytes > old_bytes) {                         /* counted before it is there, and until it is gone */
+    if (bytes > old_bytes) {                         /* counted before it is allocated, until after it is freed */
         grown = bytes - old_bytes;
         used = PBW__ADD(&memory->used, grown) + grown;
         if (memory->limit != 0 && used > memory->limit) {
@@ -1293,8 +1293,8 @@ static void pbw__for(pbw__context *context, int tasks, pbw__task *task, void *ar
 static int pbw__report(pbw__context *context, double done);
 PBW__INLINE size_t pbw__share(size_t count, int i, int tasks);
 
-/* Bytes of large blocks, whose pages are made at once, in huge pages if there are any: met one by one, page by page,
-   they cost as much as a quarter of a build.  Advice only: it may fail.  The caller's allocator is left alone. */
+/* Commits the pages of large blocks up front, as huge pages where there are any; taking the faults one by one costs
+   up to a quarter of a build.  Advice only: it may fail.  Memory of the caller's allocator is left alone. */
 typedef struct pbw__block { void *start; size_t from, to; } pbw__block;
 static pbw__block pbw__block_of(void *start, size_t from, size_t to)
 {
@@ -1409,8 +1409,8 @@ static void *pbw__allocate_large(pbw__context *context, size_t count, size_t siz
 
 #define PBW__TICK ((size_t)1 << 16)                  /* items between looks at the clock in streaming loops: < 2 ms */
 
-/* Reports progress if 20 ms have passed, or at the ends of a stage; 1 = the caller wants to stop.  On other threads
-   than the caller's it only tells what he said.  Progress never falls: who knows no number gives 0. */
+/* Reports progress if 20 ms have passed, or at the ends of a stage; returns 1 if the caller wants to stop.  Other
+   threads only read the cancel flag.  Progress is monotonic; pass 0 if the fraction is unknown. */
 static int pbw__report(pbw__context *context, double done)
 {
     double now;
@@ -1439,12 +1439,12 @@ static int pbw__report(pbw__context *context, double done)
 static int pbw__enter_stage(pbw__context *context, pbw_stage stage)
 {
     context->stage = stage;
-    context->last_report = -1.0;                     /* the start is told at once */
+    context->last_report = -1.0;                     /* the start is reported at once */
     context->last_done = 0.0;
     return pbw__report(context, 0.0);
 }
 
-/* A task as options.run gets it: any thread may run it, in any floating-point mode. */
+/* A task for options.run: any thread may run it, in any floating-point mode. */
 typedef struct pbw__guarded { pbw__task *task; void *arg; } pbw__guarded;
 
 static void pbw__run_guarded(void *arg, int i)
@@ -1456,10 +1456,10 @@ static void pbw__run_guarded(void *arg, int i)
 }
 
 #ifdef PBW__THREADS
-/* What a team has to do is one word: the tasks that nobody has taken, times PBW__UNTAKEN, those that run, times
-   PBW__RUNS, and whether the caller sleeps.  Who takes a task sees what came before pbw__for; the caller sees what
-   tasks wrote that have ended.  What the tasks are is read by those that run one only: while any does it stays.
-   There are less than 65536: the most are the parts of >>order, 16 for each of 4 shares of at most 256 threads. */
+/* `work` packs three fields: the tasks not yet taken, times PBW__UNTAKEN, the tasks running, times PBW__RUNS, and
+   whether the caller sleeps.  Taking a task acquires what was written before pbw__for; ending one releases what the
+   task wrote to the caller.  Only running tasks read `task` and `arg`, which stay while any runs.  There are at most
+   65535 tasks: >>order has the most, 16 for each of 4 shares of at most 256 threads. */
 typedef struct pbw__team {
     pbw__mutex mutex;
     pbw__condition wake, done;
@@ -1493,7 +1493,7 @@ static void pbw__work(pbw__team *team)
     }
 }
 
-/* Waits a moment for tasks to take, or for those that run: it takes as long to be woken.  Whether they came. */
+/* Spins for up to 0.2 ms, about the cost of a wake-up.  Returns whether tasks arrived (or all running ones ended). */
 static int pbw__work_soon(const pbw__team *team, int wanted)
 {
     double start, waited = 0.0;
@@ -1526,7 +1526,7 @@ static pbw__thread_result PBW__THREAD_CALL pbw__team_member(void *arg)
     return 0;
 }
 
-/* Starts the threads.  Fewer than asked for will do; with none the tasks run here. */
+/* Starts the threads.  Fewer are enough; with none the tasks run on the caller's thread. */
 static void pbw__team_start(pbw__context *context)
 {
     pbw__team *team = (pbw__team *)pbw__allocate(&context->memory, 1, sizeof(pbw__team));
@@ -1613,7 +1613,7 @@ static void pbw__for(pbw__context *context, int tasks, pbw__task *task, void *ar
     }
 }
 
-/* Threads for a call on `count` points: few points are done before a thread has started. */
+/* Returns the threads for a call on `count` points: few points are finished before a thread has started. */
 static int pbw__thread_count(int asked, size_t count)
 {
 #ifdef PBW__THREADS
@@ -1645,7 +1645,7 @@ static void pbw__context_start(pbw__context *context, const pbw_options *options
 #endif
 }
 
-/* Tasks to cut `count` items into, each of at least `least`. */
+/* Returns into how many tasks to cut `count` items, of at least `least` each. */
 static int pbw__tasks(const pbw__context *context, size_t count, size_t least)
 {
     size_t most = context->threads > 1 ? (size_t)context->threads * 4 : 1, tasks = count / PBW__SMALLER(least);
@@ -3976,6 +3976,21 @@ static int pbw__grow(pbw__memory *memory, void *array, size_t *capacity, size_t 
     return needed <= *capacity || pbw__resize_array(memory, array, capacity, bigger > needed ? bigger : needed, size);
 }
 
+static void pbw__kernel_free(pbw__kernel *kernel)
+{
+    pbw__memory *memory = &kernel->context->memory;
+    PBW__RELEASE(memory, &kernel->scratch, cavity);
+    PBW__RELEASE(memory, &kernel->scratch, parent);
+    PBW__RELEASE(memory, &kernel->scratch, carved);
+    PBW__RELEASE(memory, &kernel->scratch, beyond);
+    PBW__RELEASE(memory, &kernel->scratch, from);
+    PBW__RELEASE(memory, &kernel->scratch, stack);
+    pbw__release(memory, kernel->scratch.table, PBW__TABLE, sizeof(uint64_t));
+    PBW__RELEASE(memory, &kernel->scratch, edge);
+    PBW__RELEASE(memory, kernel, left);
+    PBW__RELEASE(memory, &kernel->scratch, wide);
+}
+
 PBW__INLINE void pbw__kernel_attach(pbw__kernel *kernel)
 {
     kernel->corner = kernel->store->corner;
@@ -4125,6 +4140,19 @@ static pbw_status pbw__store_create(pbw__context *context, pbw__store *store, si
     return status;
 }
 
+/* Marks the slots of regions that were never used as free. */
+static pbw_status pbw__close_regions(void *arg, size_t from, size_t to)
+{
+    pbw__store *store = (pbw__store *)arg;
+    size_t t, end;
+    for (; from < to; from++) {
+        for (t = store->region[from], end = pbw__region_end(store, from); t < end; t++) {
+            store->corner[4 * t] = PBW_NONE;
+        }
+    }
+    return PBW_OK;
+}
+
 static void pbw__store_free(pbw__memory *memory, pbw__store *store)
 {
     pbw__release(memory, store->region, store->region_count, sizeof(pbw_index));
@@ -4135,7 +4163,7 @@ static void pbw__store_free(pbw__memory *memory, pbw__store *store)
     memset(store, 0, sizeof(*store));
 }
 
-/* Takes back the marks of a cavity that will not be. */
+/* Clears the marks of an abandoned cavity. */
 static PBW__NOINLINE pbw_status pbw__leave_cavity(pbw__kernel *kernel, size_t count)
 {
     size_t i;
@@ -4174,7 +4202,7 @@ static void pbw__leave_region(pbw__kernel *kernel)
 static PBW__NOINLINE void pbw__enter_region(pbw__kernel *kernel, size_t region)
 {
     pbw__store *store = kernel->store;
-    /* In a task the last star is as near as any hint, and ours, if it was in the region beside. */
+    /* In a task the last star is as near as any hint, and ours, if its vertex was in a region next to this one. */
     const int near = kernel->own.owner != NULL && kernel->last != PBW_NONE && kernel->slots.region - region + 1 <= 2;
     pbw_index hint;
     pbw__leave_region(kernel);
@@ -4183,7 +4211,7 @@ static PBW__NOINLINE void pbw__enter_region(pbw__kernel *kernel, size_t region)
     kernel->slots.fresh_end = pbw__region_end(store, region);
     hint = store->hint[region];
     if (!near && hint != PBW_NONE && kernel->corner[4 * (size_t)hint] != PBW_NONE) {
-        kernel->last = hint;                         /* the way from the last vertex may be long, or lead abroad */
+        kernel->last = hint;            /* the last vertex may be far away, or in another task's cells */
     }
     kernel->last_entered = kernel->last;
 }
@@ -4197,7 +4225,7 @@ PBW__INLINE void pbw__free_slot(pbw__kernel *kernel, pbw_index t)
     kernel->slots.free_count++;
 }
 
-/* Room in the tail for `needed` simplices: a block of what there is; alone, we can make more. */
+/* Takes a block of the tail for `needed` simplices.  Only a thread that is alone can grow the tail. */
 static PBW__NOINLINE pbw_status pbw__more_tail(pbw__kernel *kernel, size_t needed)
 {
     pbw__store *store = kernel->store;
@@ -4354,11 +4382,10 @@ PBW__SIMD_INLINE pbw__point3 pbw__point3_of(const double *p, int weighted)
     return point;
 }
 
-PBW__SIMD_INLINE pbw__rows3 pbw__rows3_of(const double *record, int hull, pbw_index v0, pbw_index v1, pbw_index v2,
-                                          pbw_index v3, const pbw__point3 *p)
+PBW__SIMD_INLINE pbw__rows3 pbw__rows3_of(const double *record, const pbw_index *v, int hull, const pbw__point3 *p)
 {
-    const double *a = record + 4 * (size_t)v0, *b = record + 4 * (size_t)v1, *c = record + 4 * (size_t)v2,
-                 *d = record + 4 * (size_t)v3;
+    const double *a = record + 4 * (size_t)v[0], *b = record + 4 * (size_t)v[1], *c = record + 4 * (size_t)v[2],
+                 *d = record + 4 * (size_t)v[3];
     pbw__d4 x, y, z, w;
     pbw__rows3 rows;
     pbw__columns(a, b, c, d, &x, &y);
@@ -4524,7 +4551,7 @@ PBW__SIMD_INLINE pbw_index pbw__locate3_simd(pbw__kernel *kernel, pbw_index t, c
         if (v[3] == PBW__GHOST) {
             return t;
         }
-        r = pbw__rows3_of(kernel->record, 0, v[0], v[1], v[2], v[3], &point);
+        r = pbw__rows3_of(kernel->record, v, 0, &point);
         ax = PBW__CORNER_A(r.x), ay = PBW__CORNER_A(r.y), az = PBW__CORNER_A(r.z);
         bx = PBW__CORNER_B(r.x), by = PBW__CORNER_B(r.y), bz = PBW__CORNER_B(r.z);
         cx = PBW__CORNER_C(r.x), cy = PBW__CORNER_C(r.y), cz = PBW__CORNER_C(r.z);
@@ -4560,8 +4587,8 @@ PBW__SIMD_INLINE pbw_index pbw__locate3_simd(pbw__kernel *kernel, pbw_index t, c
 }
 #endif
 
-/* In 2D: of the edges that have p outside, through the one that p is far outside of and the corner across far from.
-   Long thin triangles may have p near a corner, but outside the edge across, behind which all is far away. */
+/* In 2D: leaves through the edge that maximises (distance outside) x (distance of the opposite corner).  With the
+   distance outside alone, a long thin triangle with p near a corner would be left through the far edge. */
 static pbw_index pbw__locate2_scalar(pbw__kernel *kernel, pbw_index t, const double *p)
 {
     t = pbw__walk_start(kernel, t, 2);
@@ -4646,7 +4673,7 @@ PBW__INLINE pbw_index pbw__walk_hull(pbw__kernel *kernel, pbw_index t, const dou
     return PBW_NONE;
 }
 
-/* The same, an edge in each lane.  Leaves the rows of a finite triangle; the fourth is the first again. */
+/* The same with vectors, an edge in each lane.  *rows: those of a finite triangle; the fourth is the first again. */
 PBW__SIMD_INLINE pbw_index pbw__locate2_simd(pbw__kernel *kernel, pbw_index t, const double *p, int weighted,
                                              pbw__rows2 *rows)
 {
@@ -4746,8 +4773,8 @@ PBW__INLINE pbw_status pbw__located(pbw__kernel *kernel, pbw_index t)
    products, 24 H^(5/2) for a height of H units^2.  With H < 6.5e5 that is below 2^53: nothing is rounded, the sign is
    the sign, and zero is a tie.  2D: 6 H^2, H < 3.8e7.  Lattices and coarse scans live on this.
    ------------------------------------------------------------------------------------------------------ */
-/* The local number of a vertex.  Whether it is new takes no branch: no predictor could guess it.  Whether the slot is
-   another vertex's of this cavity, which is rare, is one comparison: compilers make branches of two. */
+/* Returns the local number of a vertex.  Branchless but for collisions, which are rare: whether the vertex is new is
+   unpredictable.  A collision is one comparison: compilers would make two branches of two. */
 PBW__INLINE uint32_t pbw__local(uint64_t *slot, uint64_t stamp, uint32_t *count, pbw_index v)
 {
     const uint64_t key = stamp | (uint64_t)v * PBW__LOCALS;
@@ -4802,7 +4829,7 @@ PBW__INLINE void pbw__search_begin(pbw__kernel *kernel, pbw__search *search, pbw
     search->mark[t] = 1;
 }
 
-/* The link to the i-th simplex of the cavity from the one that it was met from. */
+/* Returns the link to the i-th simplex of the cavity from the one through which it was reached. */
 PBW__INLINE pbw__link pbw__search_take(pbw__search *search, size_t i)
 {
     pbw_index facet = search->parent[i];
@@ -4859,17 +4886,17 @@ PBW__INLINE void pbw__search_number(pbw__search *search, size_t i, pbw__link lin
     }
 }
 
-/* The neighbour across a facet of the cavity, in conflict or not, to the list where it belongs.  Written to both
-   without a branch; the counts move by the verdicts, which no predictor could guess. */
+/* Appends the neighbour across a facet to the cavity or to its boundary.  Branchless: writes to both lists, and the
+   verdict, which is unpredictable, moves one of the counts. */
 PBW__INLINE void pbw__search_sort(pbw__search *search, pbw_index facet, pbw_index o, unsigned inside)
 {
-    unsigned fresh = PBW__LOAD(search->mark + o) ^ 1u;
-    inside &= fresh;
-    PBW__STORE(search->mark + o, (unsigned char)(fresh ^ 1u ^ inside));
+    unsigned unmarked = PBW__LOAD(search->mark + o) ^ 1u;
+    inside &= unmarked;
+    PBW__STORE(search->mark + o, (unsigned char)(unmarked ^ 1u ^ inside));
     search->parent[search->cavity_count] = facet;
     search->cavity_count += inside;
     search->from[search->facet_count] = facet;
-    search->facet_count += fresh ^ inside;
+    search->facet_count += unmarked ^ inside;
 }
 
 #if defined(PBW__SIMD) && !defined(PBW_WIDE)
@@ -4891,8 +4918,8 @@ static const unsigned char pbw__lane_bits[16][4] = {
     { 0, 1, 1, 1 }, { 1, 1, 1, 1 }
 };
 
-/* The same for all four neighbours, which are different simplices: two simplices share at most one facet.  The refill
-   writes links back to those that stay; their lines of the cache are asked for while there are tests to do. */
+/* The same for all four neighbours, which are different simplices: two simplices share at most one facet.  Prefetches
+   the links of those that stay: the refill writes there. */
 PBW__SIMD_INLINE void pbw__search_sort4(pbw__search *search, pbw_index facet, const pbw__link *link, unsigned inside)
 {
     unsigned char *mark = search->mark;
@@ -4916,6 +4943,14 @@ PBW__SIMD_INLINE void pbw__search_sort4(pbw__search *search, pbw_index facet, co
     pbw__store4(search->from + search->facet_count, pbw__shuffle4(from, pbw__front[outside]));
     search->facet_count += pbw__count4(outside);
 }
+#elif defined(PBW__SIMD)
+PBW__SIMD_INLINE void pbw__search_sort4(pbw__search *search, pbw_index facet, const pbw__link *link, unsigned inside)
+{
+    unsigned k;
+    for (k = 0; k < 4; k++) {
+        pbw__search_sort(search, facet + k, (pbw_index)(link[k] >> 2), inside >> k & 1);
+    }
+}
 #endif
 
 #ifdef PBW__SIMD
@@ -4925,7 +4960,7 @@ PBW__SIMD_INLINE pbw__pairs4 pbw__pairs4_of(const double *record, const pbw_inde
 {
     const pbw__d4 zero = pbw__splat(0.0);
     const pbw__point3 origin = { zero, zero, zero, zero, 0 };
-    pbw__rows3 at = pbw__rows3_of(record, 1, v[0], v[1], v[2], v[3], &origin);
+    pbw__rows3 at = pbw__rows3_of(record, v, 1, &origin);
     pbw__pairs4 rows;
     rows.x = pbw__difference4(at.x, p->x, at.ghost);
     rows.y = pbw__difference4(at.y, p->y, at.ghost);
@@ -4988,8 +5023,8 @@ PBW__SIMD static PBW__NOINLINE unsigned pbw__ties4(const double *record, const p
 {
     const pbw__point3 point = pbw__point3_of(p, 0);
     const pbw__d4 zero = pbw__splat(0.0), radix = pbw__splat(2048.0);
-    pbw__rows3 r = pbw__rows3_of(record, 1, v[0], v[1], v[2], v[3], &point);
-    pbw__rows3 o = pbw__rows3_of(record, 1, far[0], far[1], far[2], far[3], &point);
+    pbw__rows3 r = pbw__rows3_of(record, v, 1, &point);
+    pbw__rows3 o = pbw__rows3_of(record, far, 1, &point);
     pbw__d4 ax = PBW__CORNER_A(r.x), ay = PBW__CORNER_A(r.y), az = PBW__CORNER_A(r.z);
     pbw__d4 bx = PBW__CORNER_B(r.x), by = PBW__CORNER_B(r.y), bz = PBW__CORNER_B(r.z);
     pbw__d4 cx = PBW__CORNER_C(r.x), cy = PBW__CORNER_C(r.y), cz = PBW__CORNER_C(r.z);
@@ -5106,14 +5141,19 @@ static pbw_status pbw__carve3_scalar(pbw__kernel *kernel, pbw_index t, const dou
 }
 
 #ifdef PBW__SIMD
-/* The rows of the latest simplices of the cavity, and of the vertices across their facets.  Few in tests with small
-   shares, which are to meet simplices out of their reach. */
+/* The rows of the latest simplices of the cavity, and of the vertices across their facets.  Tests hold few, so that
+   they also reach simplices that are no longer held. */
 #ifdef PBW__TEST_SMALL_SHARES
 #define PBW__HELD 8
 #else
 #define PBW__HELD 64
 #endif
 typedef struct pbw__held { pbw__d4 x, y, z, lift, far_x, far_y, far_z, far_lift; } pbw__held;
+typedef struct pbw__latest {
+    pbw__held held[PBW__HELD];
+    pbw__d4 heights[PBW__HELD][2];                   /* of weighted rows; else they are the lifts */
+    unsigned char lacking[PBW__HELD];                /* >>parallel: the corners that are not ours, as a set */
+} pbw__latest;
 
 /* By lanes: all bits in lane k; the number m in lane k, at 4 * k + m. */
 static const int64_t pbw__lane[4][4] = { { -1, 0, 0, 0 }, { 0, -1, 0, 0 }, { 0, 0, -1, 0 }, { 0, 0, 0, -1 } };
@@ -5139,9 +5179,9 @@ PBW__SIMD_INLINE pbw__order4 pbw__search_inherit(pbw__search *search, size_t i, 
     pbw__store4(carved->v, v);
     memcpy(carved->link, search->link + first, sizeof(carved->link));
     if (PBW__LIKELY(search->local_count < PBW__LOCALS)) {
-        uint32_t fresh = pbw__local(search->table, search->stamp, &search->local_count, search->corner[link]);
+            uint32_t number = pbw__local(search->table, search->stamp, &search->local_count, search->corner[link]);
         pbw__store4(carved->local, pbw__permute4(pbw__load4(parent->local), place));
-        carved->local[link & 3] = fresh;
+        carved->local[link & 3] = number;
     }
     return pbw__order4_of(place);
 }
@@ -5152,7 +5192,50 @@ PBW__SIMD_INLINE pbw__d4 pbw__take_over(pbw__d4 a, pbw__d4 b, pbw__d4 lane, pbw_
     return pbw__reorder(pbw__blend(a, b, lane), order);
 }
 
-/* The same, a facet in each lane. */
+/* The rows of the i-th simplex of the cavity, numbered on the way; the ghost's is raised, so minors need not wait for
+   the height.  Rows that are still held are taken over. */
+PBW__SIMD_INLINE pbw__rows3 pbw__carve_rows(pbw__search *search, size_t i, pbw__link link, const double *record,
+                                            const pbw__point3 *point, const pbw__latest *latest)
+{
+    const pbw_index facet = search->parent[i];
+    pbw__rows3 r;
+    if (PBW__UNLIKELY(i - (facet >> 2) >= PBW__HELD)) {
+        pbw__d4 height;
+        pbw__search_number(search, i, link);
+        r = pbw__rows3_of(record, search->carved[i].v, 1, point);
+        height = pbw__max_lane(r.height);
+        r.lift = pbw__blend_zero(r.lift, r.ghost, height);
+        r.height = pbw__blend_zero(r.height, r.ghost, height);
+    } else {
+        const pbw__held *from = latest->held + (facet >> 2) % PBW__HELD;
+        const pbw__d4 *heights = latest->heights[(facet >> 2) % PBW__HELD];
+        const pbw__d4 lane = pbw__mask(pbw__lane[facet & 3]);
+        const pbw__order4 order = pbw__search_inherit(search, i, facet, link);
+        r.x = pbw__take_over(from->x, from->far_x, lane, order);
+        r.y = pbw__take_over(from->y, from->far_y, lane, order);
+        r.z = pbw__take_over(from->z, from->far_z, lane, order);
+        r.lift = pbw__take_over(from->lift, from->far_lift, lane, order);
+        r.height = point->weighted ? pbw__take_over(heights[0], heights[1], lane, order) : r.lift;
+    }
+    return r;
+}
+
+/* The determinants of the neighbours: rows r of the simplex, rows o of the far vertices. */
+PBW__SIMD_INLINE pbw__d4 pbw__sphere4(const pbw__rows3 *r, const pbw__rows3 *o)
+{
+    const pbw__d4 ax = PBW__CORNER_A(r->x), ay = PBW__CORNER_A(r->y), az = PBW__CORNER_A(r->z);
+    const pbw__d4 bx = PBW__CORNER_B(r->x), by = PBW__CORNER_B(r->y), bz = PBW__CORNER_B(r->z);
+    const pbw__d4 cx = PBW__CORNER_C(r->x), cy = PBW__CORNER_C(r->y), cz = PBW__CORNER_C(r->z);
+    const pbw__d4 al = PBW__CORNER_A(r->lift), bl = PBW__CORNER_B(r->lift), cl = PBW__CORNER_C(r->lift);
+    const pbw__d4 xy = pbw__det2(bx, by, cx, cy), xz = pbw__det2(bx, bz, cx, cz), yz = pbw__det2(by, bz, cy, cz);
+    const pbw__d4 xl = pbw__det2(bx, bl, cx, cl), yl = pbw__det2(by, bl, cy, cl), zl = pbw__det2(bz, bl, cz, cl);
+    pbw__d4 det = o->x * pbw__fma(al, yz, pbw__det2(ay, az, yl, zl));
+    det = pbw__fnma(o->y, pbw__fma(al, xz, pbw__det2(ax, az, xl, zl)), det);
+    det = pbw__fma(o->z, pbw__fma(al, xy, pbw__det2(ax, ay, xl, yl)), det);
+    return pbw__fnma(o->lift, pbw__fma(az, xy, pbw__det2(ax, ay, xz, yz)), det);
+}
+
+/* The same with vectors, a facet in each lane. */
 PBW__SIMD_INLINE pbw_status pbw__carve3_simd(pbw__kernel *kernel, pbw_index t, const double *p, int weighted)
 {
     const pbw__point3 point = pbw__point3_of(p, weighted);
@@ -5160,66 +5243,36 @@ PBW__SIMD_INLINE pbw_status pbw__carve3_simd(pbw__kernel *kernel, pbw_index t, c
     const pbw_index *corner = kernel->corner;
     const double *record = kernel->record;
     const int owned = kernel->own.owner != NULL;
-    unsigned char lacking[PBW__HELD];                /* >>parallel: which corner is not ours, as a set */
-    pbw__held held[PBW__HELD];
-    pbw__d4 heights[PBW__HELD][2];                   /* of weighted rows; else they are the lifts */
+    pbw__latest latest;
     pbw__search search;
     size_t i;
     pbw__search_begin(kernel, &search, t);
     for (i = 0; i < search.cavity_count; i++) {
-        const pbw_index facet = search.parent[i];
-        const size_t met = facet >> 2;
-        pbw__held *here = held + i % PBW__HELD;
-        const pbw__link *around;
-        pbw__carved *carved;
+        const size_t met = search.parent[i] >> 2;    /* the simplex from which this one was reached */
+        pbw__held *here = latest.held + i % PBW__HELD;
         pbw__link link;
         pbw__rows3 r, o;
-        pbw__d4 height, ax, ay, az, al, bx, by, bz, bl, cx, cy, cz, cl, xy, xz, yz, xl, yl, zl, det, h, limit;
-        pbw__d4 rounded;
+        pbw__d4 height, det, h, limit, rounded;
         unsigned certain, inside;
         if (PBW__UNLIKELY(!pbw__search_room(kernel, &search))) {
             return PBW_ERROR_MEMORY;
         }
-        carved = search.carved + i;
         link = pbw__search_take(&search, i);
-        if (PBW__UNLIKELY(i - met >= PBW__HELD)) {
-            pbw__search_number(&search, i, link);
-            r = pbw__rows3_of(record, 1, carved->v[0], carved->v[1], carved->v[2], carved->v[3], &point);
-            height = pbw__max_lane(r.height);
-            r.lift = pbw__blend_zero(r.lift, r.ghost, height);
-            r.height = pbw__blend_zero(r.height, r.ghost, height);
-        } else {                                     /* raised before: minors need not wait for the height */
-            const pbw__held *from = held + met % PBW__HELD;
-            const pbw__d4 *from_height = heights[met % PBW__HELD];
-            const pbw__d4 lane = pbw__mask(pbw__lane[facet & 3]);
-            const pbw__order4 order = pbw__search_inherit(&search, i, facet, link);
-            r.x = pbw__take_over(from->x, from->far_x, lane, order);
-            r.y = pbw__take_over(from->y, from->far_y, lane, order);
-            r.z = pbw__take_over(from->z, from->far_z, lane, order);
-            r.lift = pbw__take_over(from->lift, from->far_lift, lane, order);
-            r.height = weighted ? pbw__take_over(from_height[0], from_height[1], lane, order) : r.lift;
-            height = pbw__max_lane(r.height);
+        r = pbw__carve_rows(&search, i, link, record, &point, &latest);
+        height = pbw__max_lane(r.height);
+        {
+            const pbw__link *around = search.link + (link & ~(pbw__link)3);      /* carved->link is being written */
+            const pbw_index far[4] = { corner[around[0]], corner[around[1]], corner[around[2]], corner[around[3]] };
+            o = pbw__rows3_of(record, far, 1, &point);
         }
-        around = search.link + (link & ~(pbw__link)3);           /* as carved->link, which is only being written */
-        o = pbw__rows3_of(record, 1, corner[around[0]], corner[around[1]], corner[around[2]], corner[around[3]],
-                          &point);
         o.lift = pbw__blend_zero(o.lift, o.ghost, height);
         here->x = r.x, here->y = r.y, here->z = r.z, here->lift = r.lift;
         here->far_x = o.x, here->far_y = o.y, here->far_z = o.z, here->far_lift = o.lift;
         if (weighted) {
-            heights[i % PBW__HELD][0] = r.height;
-            heights[i % PBW__HELD][1] = pbw__blend_zero(o.height, o.ghost, height);
+            latest.heights[i % PBW__HELD][0] = r.height;
+            latest.heights[i % PBW__HELD][1] = pbw__blend_zero(o.height, o.ghost, height);
         }
-        ax = PBW__CORNER_A(r.x), ay = PBW__CORNER_A(r.y), az = PBW__CORNER_A(r.z), al = PBW__CORNER_A(r.lift);
-        bx = PBW__CORNER_B(r.x), by = PBW__CORNER_B(r.y), bz = PBW__CORNER_B(r.z), bl = PBW__CORNER_B(r.lift);
-        cx = PBW__CORNER_C(r.x), cy = PBW__CORNER_C(r.y), cz = PBW__CORNER_C(r.z), cl = PBW__CORNER_C(r.lift);
-        xy = pbw__det2(bx, by, cx, cy), xz = pbw__det2(bx, bz, cx, cz);
-        yz = pbw__det2(by, bz, cy, cz), xl = pbw__det2(bx, bl, cx, cl);
-        yl = pbw__det2(by, bl, cy, cl), zl = pbw__det2(bz, bl, cz, cl);
-        det = o.x * pbw__fma(al, yz, pbw__det2(ay, az, yl, zl));
-        det = pbw__fnma(o.y, pbw__fma(al, xz, pbw__det2(ax, az, xl, zl)), det);
-        det = pbw__fma(o.z, pbw__fma(al, xy, pbw__det2(ax, ay, xl, yl)), det);
-        det = pbw__fnma(o.lift, pbw__fma(az, xy, pbw__det2(ax, ay, xz, yz)), det);
+        det = pbw__sphere4(&r, &o);
         h = pbw__max4(pbw__max4(height, o.height), pbw__splat(1e-55));
         limit = h * h;
         rounded = pbw__at_least(h, exact_height);
@@ -5227,28 +5280,20 @@ PBW__SIMD_INLINE pbw_status pbw__carve3_simd(pbw__kernel *kernel, pbw_index t, c
         certain = pbw__signs(pbw__greater(det * det, limit));
         inside = pbw__signs(det) ^ 15u;
         if (PBW__UNLIKELY(certain != 15)) {
-            inside = pbw__search_exact(kernel, carved, certain, inside, pbw__signs(rounded), p);
+            inside = pbw__search_exact(kernel, search.carved + i, certain, inside, pbw__signs(rounded), p);
         }
-        if (PBW__UNLIKELY(owned)) {                  /* of the one that it was met from three corners are the same */
-            const unsigned lack = i - met < PBW__HELD && lacking[met % PBW__HELD] == 0
+        if (PBW__UNLIKELY(owned)) {                  /* three corners are also corners of the simplex met before */
+            const pbw__carved *carved = search.carved + i;
+            const unsigned lack = i - met < PBW__HELD && latest.lacking[met % PBW__HELD] == 0
                                 ? (pbw__is_ours(kernel, corner[link]) ^ 1u) << (link & 3)
                                 : pbw__lacking4(kernel, carved->v[0], carved->v[1], carved->v[2], carved->v[3]);
-            lacking[i % PBW__HELD] = (unsigned char)lack;
+            latest.lacking[i % PBW__HELD] = (unsigned char)lack;
             if (PBW__UNLIKELY(lack != 0) && (inside & ~lack) != 0
                 && !pbw__may_delete_all(kernel, carved, lack, inside)) {
                 return pbw__search_leave(kernel, &search, i);
             }
         }
-#ifdef PBW_WIDE
-        {
-            unsigned k;
-            for (k = 0; k < 4; k++) {
-                pbw__search_sort(&search, (pbw_index)(4 * i + k), (pbw_index)(carved->link[k] >> 2), inside >> k & 1);
-            }
-        }
-#else
-        pbw__search_sort4(&search, (pbw_index)(4 * i), carved->link, inside);
-#endif
+        pbw__search_sort4(&search, (pbw_index)(4 * i), search.carved[i].link, inside);
     }
     pbw__search_end(kernel, &search);
     return PBW_OK;
@@ -6023,7 +6068,7 @@ PBW__SIMD_INLINE void pbw__refill2_simd(pbw__kernel *kernel, pbw__ring *ring, pb
         pbw__turn_ghost(kernel, ring, vertex, guess);
     }
     if (PBW__UNLIKELY(kernel->own.owner != NULL)) {      /* >>parallel looks for hints there */
-        memcpy(kernel->scratch.cavity, ring->slot, sizeof(ring->slot));      /* all: so many are quicker than some */
+        memcpy(kernel->scratch.cavity, ring->slot, sizeof(ring->slot));      /* a constant size is faster */
         kernel->scratch.facet_count = count;
     }
 }
@@ -6038,8 +6083,8 @@ PBW__SIMD_INLINE void pbw__refill2_simd(pbw__kernel *kernel, pbw__ring *ring, pb
    second sort; within a level the next point lies near the last one, so the walk is short and the caches warm.  The
    finest level goes backwards: a vertex is the lowest one around when it comes, so that most simplices of which it is
    the lowest rank are those that its star was made of, in slots side by side, as >>output wants them.
-   Fewer levels are quicker on one thread, whom coarse levels cost a miss of the caches at every step, until cavities
-   grow: in space, where they grow on lattices, and tasks are in each other's way, eighths are the better measure.
+   Fewer levels are faster on one thread (each coarse step is a cache miss) until cavities grow.  In space, where they
+   grow on lattices and tasks contend for cells, a ratio of 8 is better.
 
    Of vertices along a line those on other lines see only the outermost, whose stars are large: they reach all that
    see them.  Such stars are made and unmade in each level, as vertices farther out come.  So in space, once the stars
@@ -6085,7 +6130,7 @@ static pbw_status pbw__insert_scalar(pbw__kernel *kernel, pbw_index vertex)
 }
 
 #ifdef PBW__SIMD
-/* What is written and read four vertices on is asked for: at coarse levels each has lines of the cache of its own. */
+/* Prefetches for the insertion four vertices on: at coarse levels each vertex has cache lines of its own. */
 PBW__INLINE void pbw__ask_ahead2(const pbw__kernel *kernel, pbw_index vertex)
 {
     const size_t fresh = kernel->slots.fresh, slot = fresh + 8 < kernel->slots.fresh_end ? fresh + 8 : fresh;
@@ -6155,21 +6200,6 @@ PBW__SIMD static pbw_status pbw__insert2_weighted_simd(pbw__kernel *kernel, pbw_
     return pbw__insert_simd(kernel, vertex, 2, 1);
 }
 #endif
-
-static void pbw__kernel_free(pbw__kernel *kernel)
-{
-    pbw__memory *memory = &kernel->context->memory;
-    PBW__RELEASE(memory, &kernel->scratch, cavity);
-    PBW__RELEASE(memory, &kernel->scratch, parent);
-    PBW__RELEASE(memory, &kernel->scratch, carved);
-    PBW__RELEASE(memory, &kernel->scratch, beyond);
-    PBW__RELEASE(memory, &kernel->scratch, from);
-    PBW__RELEASE(memory, &kernel->scratch, stack);
-    pbw__release(memory, kernel->scratch.table, PBW__TABLE, sizeof(uint64_t));
-    PBW__RELEASE(memory, &kernel->scratch, edge);
-    PBW__RELEASE(memory, kernel, left);
-    PBW__RELEASE(memory, &kernel->scratch, wide);
-}
 
 /* Scratch memory for one thread; on failure the kernel can and must still be freed. */
 static pbw_status pbw__kernel_create(pbw__kernel *kernel, pbw__context *context, pbw__store *store,
@@ -6384,6 +6414,7 @@ typedef struct pbw__build {
 /* Several threads' share of it: >>parallel. */
 static pbw_status pbw__insert_claiming(pbw__build *build, pbw__kernel *kernel, pbw_index v);
 static pbw_status pbw__rounds(pbw__build *build);
+static pbw_status pbw__build_parts(pbw__build *build, const pbw__grid *grid);
 
 /* Cells of a level hold several regions where few vertices of a region are in yet: a cell's first region. */
 PBW__INLINE size_t pbw__first_region(const pbw__build *build, size_t cell)
@@ -6392,9 +6423,9 @@ PBW__INLINE size_t pbw__first_region(const pbw__build *build, size_t cell)
     return region < build->store->region_count ? region : build->store->region_count;
 }
 
-/* Where the walk to a vertex starts, kernel->last: where the last one ended, unless that is not near and a cell
-   nearby has a hint.  A task must have the cell or take it: on the way from far off it would take cells all along;
-   and where points are on a line, a walk passes by all that are between.  0 = nowhere. */
+/* Sets kernel->last to where the walk to a vertex starts: where the last walk ended, unless that is far and a cell
+   nearby has a hint.  A task must own the cell of the hint or claim it.  From far away a walk would claim every cell
+   on its way, and among points on a line it would visit all of them.  Returns 0 if there is no start. */
 static int pbw__find_start(pbw__build *build, pbw__kernel *kernel, pbw_index v)
 {
     pbw__store *store = build->store;
@@ -6424,7 +6455,7 @@ static int pbw__level_insert(pbw__build *build, pbw__kernel *kernel, pbw_index v
     if (v == build->seed[0] || v == build->seed[1] || v == build->seed[2] || v == build->seed[3]) {
         return 1;
     }
-    /* That there is no room for a star is known when all but the star is done: no more tries then. */
+    /* Once a star finds no room, the rest of the round would search cavities in vain: leave the vertices. */
     status = alone ? kernel->insert(kernel, v)
            : kernel->slots.no_room ? PBW__LEFT : pbw__insert_claiming(build, kernel, v);
     if (status == PBW__LEFT) {
@@ -6526,20 +6557,8 @@ static pbw_status pbw__more_kernels(pbw__build *build, const pbw__grid *grid, in
     return PBW_OK;
 }
 
-/* Room for the work of several tasks. */
-static pbw_status pbw__build_parts(pbw__build *build, const pbw__grid *grid)
-{
-    pbw__memory *memory = &build->context->memory;
-    size_t cells = build->store->region_count;
-    if (build->owner == NULL) {
-        build->owner = (uint8_t *)pbw__allocate(memory, cells, 1);
-    }
-    return build->owner != NULL ? pbw__more_kernels(build, grid, build->context->threads < PBW__PARTS
-                                                               ? build->context->threads : PBW__PARTS)
-                                : PBW_ERROR_MEMORY;
-}
-
-/* Tasks for so many vertices, and cells with two vertices, in 2D one, of those that are in, which are `apart`. */
+/* Plans the tasks for so many vertices, and cells large enough to hold two of the vertices (in 2D one) that are in,
+   `apart` ranks from each other. */
 static void pbw__plan(pbw__build *build, size_t vertices, size_t apart)
 {
     size_t parts = vertices / PBW__LEAST_PART, cells;
@@ -6675,21 +6694,6 @@ static double pbw__mean_star(const pbw__build *build, size_t *before)
     return (double)(*before - old) / (double)(count / build->stride - count / build->coarser + 1);
 }
 
-/* All slots of a share of the regions that hold nothing are made to say so. */
-static void pbw__close_regions(void *arg, int part)
-{
-    pbw__build *build = (pbw__build *)arg;
-    pbw__store *store = build->store;
-    size_t r = pbw__share(store->region_count, part, build->parts), t;
-    size_t last = pbw__share(store->region_count, part + 1, build->parts);
-    for (; r < last; r++) {
-        size_t end = pbw__region_end(store, r);
-        for (t = store->region[r]; t < end; t++) {
-            store->corner[4 * t] = PBW_NONE;
-        }
-    }
-}
-
 static void pbw__build_free(pbw__build *build)
 {
     pbw__memory *memory = &build->context->memory;
@@ -6756,8 +6760,7 @@ static pbw_status pbw__build_all(pbw__context *context, pbw__store *store, const
         statistics->created += build.kernel[i]->statistics.created;
     }
     if (status == PBW_OK) {
-        build.parts = pbw__tasks(context, store->region_count, 256);
-        pbw__for(context, build.parts, pbw__close_regions, &build);
+        status = pbw__for_range(context, store->region_count, 256, 0.0, 0.0, pbw__close_regions, store);
     }
     pbw__build_free(&build);
     return status;
@@ -6894,9 +6897,9 @@ PBW__INLINE unsigned pbw__lacking4(const pbw__kernel *kernel, pbw_index a, pbw_i
                   | pbw__is_ours(kernel, d) << 3);
 }
 
-/* Whether we may delete those of the neighbours that are in conflict, where one corner is not ours.  The neighbour
-   across from it has three that are; the others have two, and the vertex across.  These vertices are taken first:
-   whose corner ours lack is often of so many simplices that others need it too. */
+/* Whether we may delete the neighbours that are in conflict, of a simplex of which we do not own one corner.  We own
+   three corners of the neighbour across from it; of the others two, so we claim their far vertices.  We claim those
+   first: the missing corner usually has a large star that other tasks need. */
 static PBW__NOINLINE int pbw__may_delete_all(pbw__kernel *kernel, const pbw__carved *carved, unsigned lacking,
                                              unsigned inside)
 {
@@ -6912,6 +6915,19 @@ static PBW__NOINLINE int pbw__may_delete_all(pbw__kernel *kernel, const pbw__car
     return 1;
 }
 #endif
+
+/* Room for the work of several tasks. */
+static pbw_status pbw__build_parts(pbw__build *build, const pbw__grid *grid)
+{
+    pbw__memory *memory = &build->context->memory;
+    size_t cells = build->store->region_count;
+    if (build->owner == NULL) {
+        build->owner = (uint8_t *)pbw__allocate(memory, cells, 1);
+    }
+    return build->owner != NULL ? pbw__more_kernels(build, grid, build->context->threads < PBW__PARTS
+                                                               ? build->context->threads : PBW__PARTS)
+                                : PBW_ERROR_MEMORY;
+}
 
 static void pbw__round_begin(pbw__build *build, int part)
 {
@@ -7002,8 +7018,8 @@ static void pbw__offer_hint(pbw__build *build, pbw_index t, uint8_t owner)
     }
 }
 
-/* Gives back the cells that were taken first.  Before that all get hints that are in them, as they still have if we
-   made no simplices: a slot may have come into a new simplex, which others may delete from now on. */
+/* Gives back the cells that were claimed first.  If simplices were made, all cells get new hints before: the slot of
+   an old hint may now be in a simplex that another task may delete from now on. */
 static void pbw__give_back(pbw__build *build, pbw__kernel *kernel, int count)
 {
     pbw_index v[4] = { PBW__GHOST, PBW__GHOST, PBW__GHOST, PBW__GHOST };
@@ -7038,8 +7054,8 @@ static void pbw__give_back(pbw__build *build, pbw__kernel *kernel, int count)
     kernel->scratch.facet_count = 0;
 }
 
-/* Inserts a vertex with cells that are taken for it, and held for the next ones, which are often near.  Who asks for
-   one of them gets all: it needs what is around, too. */
+/* Inserts a vertex, claiming cells for it, and keeps them for the next vertices, which are often near.  If another
+   task asks for one of the cells, gives back all: it needs the cells around, too. */
 static pbw_status pbw__insert_claiming(pbw__build *build, pbw__kernel *kernel, pbw_index v)
 {
     size_t created = kernel->statistics.created;

@@ -424,11 +424,12 @@ def cavities():
     names = ['xy', 'xz', 'yz', 'xl', 'yl', 'zl', 'det', 'limit']
     local = run(name, dict(o=row, a=row, b=row, c=row, h=h), names)[1]
     prove(name, local['det'], local['limit'], least ** 2 * root, True)
-    name = 'pbw__carve3_simd'
+    name = 'pbw__sphere4'
     r = vectors(3)
     names += [a + c for a in 'abc' for c in 'xyzl']
-    local = run(name, dict(r=r, o=r, h=r.height, rounded=0), names)[1]
-    prove(name, local['det'], local['limit'], least ** 2 * root, True)
+    det = run(name, dict(r=r, o=r), names + ['return'])[0]
+    local = run('pbw__carve3_simd', dict(h=r.height, rounded=0), ['limit'])[1]
+    prove(name, det, local['limit'], least ** 2 * root, True)
 
     name = 'pbw__power4_pairs'
     define('pbw__cross4', 'pbw__sum4')
