@@ -3,6 +3,7 @@
    pbw_cuda.cu that was compiled for few points too (PBW_CUDA_FEW). */
 #define _POSIX_C_SOURCE 200112L
 #define PBW_IMPLEMENTATION
+#define PBW_CUDA
 #include "../pbw.h"
 #include "test.h"
 #include "meshes.h"
