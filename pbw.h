@@ -3821,7 +3821,7 @@ static pbw_status pbw__order(pbw__context *context, const pbw__input *input, pbw
     if (pbw__order_begin(&ordering)) {
         parts = pbw__order_parts(&ordering);
         memset(vertices->record, 0, ((size_t)dim + 1) * sizeof(double));
-        vertices->record[0] = dim == 3 ? HUGE_VAL : 0.0;     /* vectors know the ghost by it */
+        vertices->record[0] = HUGE_VAL;              /* vectors know the ghost by it */
         vertices->id[0] = PBW_NONE;
         pbw__for(context, parts, pbw__order_part, &ordering);
         status = ordering.not_finite ? PBW_ERROR_NOT_FINITE : PBW__LOAD(&context->cancelled) ? PBW_CANCELLED : PBW_OK;
@@ -6787,15 +6787,14 @@ static pbw_status pbw__build_all(pbw__context *context, pbw__store *store, const
    its ends.  No task owns the ghost in 3D.  A task claims the free cells that it needs.  Where it needs a cell of
    another task, it leaves the vertex for the next round; no task ever waits.
 
-   A task inserts the vertices of a share of the curve, one after the other, so an insertion mostly needs the cells of
-   the last ones.  A task keeps its cells and gives back the older half when they are many, and all of them when it
-   leaves a vertex, when another task asks for one of them, and at the end.  A task that leaves a vertex asks the
-   owner of the missing cell.  The owner reads that word after its current vertex or later; a late view costs time only, so
-   relaxed order serves.
-   The cells of all tasks are a small part of all cells, and mostly far apart.  Shares are worked off in batches;
-   after a batch the vertices left are tried again, as other tasks have moved on.  A task that has finished its own share
-   continues with the ends of other shares, far from their tasks.  A walk starts in the cell of its vertex or near it:
-   a long one would claim cells all along.
+   A task inserts the vertices of a share of the curve, one after the other, so an insertion mostly needs the cells
+   of the last ones.  A task keeps its cells and gives back the older half when they are many, and all of them when
+   it leaves a vertex, when another task asks for one of them, and at the end.  A task that leaves a vertex asks the
+   owner of the missing cell.  The owner reads that word after its current vertex or later; a late view costs time
+   only, so relaxed order serves.  The cells of all tasks are a small part of all cells, and mostly far apart.
+   Shares are worked off in batches; after a batch the vertices left are tried again, as other tasks have moved on.
+   A task that has finished its own share continues with the ends of other shares, far from their tasks.  A walk
+   starts in the cell of its vertex or near it: a long one would claim cells all along.
 
    The extremes of >>build are a level too, except for one in eight, which one thread inserts first: the stars of the
    first extremes reach so many cells that hardly a task would find the cells that it needs free.
@@ -6822,10 +6821,10 @@ static pbw_status pbw__build_all(pbw__context *context, pbw__store *store, const
    vertex in the hint's cell.  Two tasks may share an edge's ghost end only, and a mark is written only when its
    triangle joins a cavity.
 
-   Claiming a cell acquires what its former owners released with it: cells are claimed in acquire order and given back
-   in release order.  That is enough, because any two tasks of which one writes a word in (a), (b) or (c) that the other reads or
-   writes, now or later, both own a vertex of the same simplex: of four vertices one owns three and the other two; of
-   a facet's three vertices both own two.
+   Claiming a cell acquires what its former owners released with it: cells are claimed in acquire order and given
+   back in release order.  That is enough, because any two tasks of which one writes a word in (a), (b) or (c) that
+   the other reads or writes, now or later, both own a vertex of the same simplex: of four vertices one owns three
+   and the other two; of a facet's three vertices both own two.
 
    Why it ends.  A round is followed by another only if on the whole as many tries succeeded as one task makes; if
    fewer do, one thread, which needs no cells, is as quick.  What is left then, or is too little for two tasks, is
