@@ -4174,8 +4174,8 @@ PBW__INLINE size_t pbw__region_end(const pbw__store *store, size_t region)
 }
 
 /* Regions and a tail.  A region has slots for 7 simplices a vertex in space, 2 1/16 in the plane: uniform points need
-   6.77 and 2, ghosts included.  There are at most 65536 regions, lest rounds of >>parallel, which look at each, take
-   long; with less than 128 ranks (2D: 512) too many would be full while others are not.
+   6.77 and 2, ghosts included.  There are at most 65536 regions, as each round of >>parallel visits all of
+   them; with less than 128 ranks (2D: 512) too many would be full while others are not.
    The output moves each simplex to its place in the order of lowest ranks.  Of n ranks on the curve, and so of the
    places they fill, a border of about n^(2/3) has simplices with higher ranks, in slots of later regions: in space
    the first region has slots for these too, so that places are not ahead of slots. */
@@ -4605,7 +4605,7 @@ static pbw_index pbw__locate3_scalar(pbw__kernel *kernel, pbw_index t, const dou
 }
 
 #ifdef PBW__SIMD
-/* The same, a facet in each lane. */
+/* The walk with vectors, a facet in each lane. */
 PBW__SIMD_INLINE pbw_index pbw__locate3_simd(pbw__kernel *kernel, pbw_index t, const double *p, int weighted)
 {
     const pbw__point3 point = pbw__point3_of(p, weighted);
@@ -5303,7 +5303,7 @@ PBW__SIMD_INLINE pbw__d4 pbw__sphere4(const pbw__rows3 *r, const pbw__rows3 *o)
     return pbw__fnma(o->lift, pbw__fma(az, xy, pbw__det2(ax, ay, xz, yz)), det);
 }
 
-/* The same with vectors, a facet in each lane. */
+/* The search with vectors, a facet in each lane. */
 PBW__SIMD_INLINE pbw_status pbw__carve3_simd(pbw__kernel *kernel, pbw_index t, const double *p, int weighted)
 {
     const pbw__point3 point = pbw__point3_of(p, weighted);
@@ -5466,7 +5466,7 @@ PBW__SIMD_INLINE pbw__i4 pbw__facet_lanes(pbw_index facet)
     return pbw__widen(corners);
 }
 
-/* The same, a simplex in one vector. */
+/* The refill with vectors, a simplex in each. */
 PBW__SIMD_INLINE pbw_status pbw__refill3_simd(pbw__kernel *kernel, pbw_index vertex)
 {
     const pbw__i4 new_corner = pbw__splat_i((int32_t)vertex);
@@ -5953,7 +5953,7 @@ PBW__SIMD_INLINE pbw_status pbw__ring_start_hull(pbw__kernel *kernel, pbw__ring 
     return status == PBW_OK && (inside & 1) != 0 ? pbw__ring_split(kernel, ring, 1, inside >> 1, 0) : status;
 }
 
-/* The same at the hull. */
+/* The rest of a search that has met the ghost vertex. */
 PBW__SIMD static PBW__NOINLINE pbw_status pbw__ring_hull(pbw__kernel *kernel, pbw__ring *ring, unsigned head,
                                                          const double *p)
 {
@@ -6208,7 +6208,7 @@ PBW__INLINE void pbw__ask_ahead2(const pbw__kernel *kernel, pbw_index vertex)
     PBW__PREFETCH(pbw__record2(kernel, later <= kernel->vertex_count ? later : vertex));
 }
 
-/* The same with vectors; dim and weighted are constants. */
+/* Insertion with vectors; dim and weighted are constants. */
 PBW__SIMD_INLINE pbw_status pbw__insert_simd(pbw__kernel *kernel, pbw_index vertex, int dim, int weighted)
 {
     const double *p = dim == 3 ? pbw__record3(kernel, vertex) : pbw__record2(kernel, vertex);
@@ -6838,27 +6838,26 @@ static pbw_status pbw__build_all(pbw__context *context, pbw__store *store, const
    In: a triangulation, the vertices to insert.  Out: the triangulation with them.   (Marot, Pellerin & Remacle 2019,
    "One machine, one minute, three billion tetrahedra", from whom the rule of ownership is)
 
-   Vertices are owned in cells, runs of ranks: one of >>slots' regions, or in coarse levels as many of them as hold
-   two vertices of coarser levels, in 2D one: there may be a simplex in the cell to start from.  A cell is nobody's or
-   a task's.  A task in 3D
+   Vertices are owned in cells.  A cell is a run of ranks: one of the regions of >>slots, or, in coarse levels, as
+   many regions as hold two vertices of coarser levels (in 2D one), so that a walk may find a simplex to start from.
+   A cell is free or belongs to one task.  A task in 3D
      - deletes a simplex only if it owns three of its vertices,
      - walks through a facet only if it owns two of its vertices;
    in 2D it deletes a triangle only if it owns all its finite vertices, and walks through an edge if it owns one of
-   its ends.  The ghost is nobody's in 3D.  Cells that this takes and that are nobody's become the task's.  Where it
-   would take another's, the vertex is left for the next round; no task ever waits.
+   its ends.  No task owns the ghost in 3D.  A task claims the free cells that it needs.  Where it needs a cell of
+   another task, it leaves the vertex for the next round; no task ever waits.
 
-   A task inserts the vertices of a share of the curve, one after the other.  So the cells that an insertion needs are
-   mostly those that the last ones needed: a task holds them, and gives back the older half when they are many, all
-   when it has to leave a vertex, when another task asks for one of them, and at the end.  Who leaves a vertex asks
-   the owner of the cell that was lacking.  The owner hears of it after the vertex that it is at, or later, which
-   costs time only; so that word is written and read in relaxed order.
-   What tasks hold is little of what there is, and they are mostly far apart.  Shares are done in batches; after a
-   batch what it left is tried again, as others have gone on since.  A task that is through with its share goes on
-   with the others', from their ends, where nobody is at work.  A walk starts in the cell of its vertex or near it,
-   lest it take cells all along.
+   A task inserts the vertices of a share of the curve, one after the other, so an insertion mostly needs the cells
+   of the last ones.  A task keeps its cells and gives back the older half when they are many, and all of them when
+   it leaves a vertex, when another task asks for one of them, and at the end.  A task that leaves a vertex asks the
+   owner of the missing cell.  The owner reads that word after its current vertex or later; a late view costs time
+   only, so relaxed order serves.  The cells of all tasks are a small part of all cells, and mostly far apart.
+   Shares are worked off in batches; after a batch the vertices left are tried again, as other tasks have moved on.
+   A task that has finished its own share continues with the ends of other shares, far from their tasks.  A walk
+   starts in the cell of its vertex or near it: a long one would claim cells all along.
 
-   The extremes of >>build are such a level too, but for one in eight, which one thread inserts before: the stars of
-   the first reach so many cells that hardly a task would find its own free.
+   The extremes of >>build are a level too, except for one in eight, which one thread inserts first: the stars of the
+   first extremes reach so many cells that hardly a task would find the cells that it needs free.
 
    Why no word is written by one task while another reads or writes it, in 3D.  Call a simplex mine if I own two of
    its vertices: nobody else then owns three, so nobody else deletes it, and its corners do not change under me.
@@ -6872,9 +6871,9 @@ static pbw_status pbw__build_all(pbw__context *context, pbw__store *store, const
      (d) A slot belongs to the task that took it from a region of its cells, from its free list, or in a block of the
      tail.  The count of these is atomic, in relaxed order: it numbers slots, and what the slots hold is handed over
      at the end of a round (>>threads).
-     (e) A cell's hint, where walks start, is a simplex with two vertices in the cell: mine, if the cell is.  Who
-     deletes it owns the cell, and puts another one in its place, or none, before giving back any cell; until then
-     the slot is still that task's own.  The hint, and what is left of the cell's regions, are the owner's to read and
+     (e) A cell's hint, where walks start, is a simplex with two vertices in the cell: mine, if the cell is.  The task
+     that deletes it owns the cell, and stores another hint, or none, before it gives back any cell; until then the
+     slot is still that task's own.  The hint, and what is left of the cell's regions, are the owner's to read and
      write; others only look whether there is a hint, before they take the cell, therefore hints are written
      atomically, in relaxed order.
    In 2D call a triangle mine if I own one of its vertices: nobody else then owns all of them.  Both ends of an edge
@@ -6882,17 +6881,17 @@ static pbw_status pbw__build_all(pbw__context *context, pbw__store *store, const
    vertex in the hint's cell.  Two tasks may share an edge's ghost end only, and a mark is written only when its
    triangle joins a cavity.
 
-   Who takes a cell sees what those wrote that had it before: it is taken in acquire order and given back in release
-   order.  That is enough, because any two tasks of which one writes a word in (a), (b) or (c) that the other reads or
-   writes, now or later, both own a vertex of the same simplex: of four vertices one owns three and the other two; of
-   a facet's three vertices both own two.
+   Claiming a cell acquires what its former owners released with it: cells are claimed in acquire order and given
+   back in release order.  That is enough, because any two tasks of which one writes a word in (a), (b) or (c) that
+   the other reads or writes, now or later, both own a vertex of the same simplex: of four vertices one owns three
+   and the other two; of a facet's three vertices both own two.
 
    Why it ends.  A round is followed by another only if on the whole as many tries succeeded as one task makes; if
    fewer do, one thread, which needs no cells, is as quick.  What is left then, or is too little for two tasks, is
    inserted by one thread, which owns everything, before the next level begins: vertices near the hull are among it,
    and cavities there would grow from level to level without them.
    ------------------------------------------------------------------------------------------------------ */
-/* Takes a cell that is nobody's; 0 = another task was quicker, or we have too many. */
+/* Claims a free cell; returns 0 if another task was faster, or we own too many. */
 static PBW__NOINLINE int pbw__claim(pbw__kernel *kernel, size_t cell)
 {
     pbw__ownership *own = &kernel->own;
@@ -7061,7 +7060,7 @@ PBW__INLINE void pbw__offer(pbw__build *build, size_t cell, pbw_index t, uint8_t
     }
 }
 
-/* The same for all cells that it is in. */
+/* Offers a simplex as a hint to all cells that it is in. */
 static void pbw__offer_hint(pbw__build *build, pbw_index t, uint8_t owner)
 {
     const pbw_index *v = build->store->corner + 4 * (size_t)t;
@@ -7153,7 +7152,7 @@ static pbw_status pbw__insert_claiming(pbw__build *build, pbw__kernel *kernel, p
     return status;
 }
 
-/* Before the first round of a level: cells are nobody's, and have a hint that is in them or none. */
+/* Before the first round of a level: all cells are free, and have a hint that is in them or none. */
 static void pbw__begin_cells(void *arg, int part)
 {
     pbw__build *build = (pbw__build *)arg;
