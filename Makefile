@@ -29,7 +29,8 @@ ifneq ($(word 2,$(filter $(SUITES),$(MAKECMDGOALS))),)
 endif
 endif
 
-.PHONY: all demo web examples test programs oracle arm asan ubsan tsan valgrind fuzz fuzz-long asm names clean help FORCE
+.PHONY: all demo web examples test programs oracle arm asan ubsan tsan valgrind fuzz fuzz-long asm names clean help \
+    FORCE
 .DELETE_ON_ERROR:
 .SECONDARY:
 

@@ -21,7 +21,8 @@ declare class Triangulation {
   readonly incident: Int32Array;
   /** For each point itself, or the point that it duplicates. */
   readonly canonical: Uint32Array;
-  /** Triangulates again, after a change of coords or weights; makes new arrays.  Where it throws, the old ones stay. */
+  /** Triangulates again, after a change of coords or weights; makes new arrays.  Where it throws, the old ones
+   *  stay. */
   update(): this;
   /** The points that share an edge with point i. */
   neighbors(i: number): IterableIterator<number>;

@@ -100,8 +100,9 @@ function gather(points, getters) {
 }
 
 function checked(name, numbers) {
-  if (!ArrayBuffer.isView(numbers) && !Array.isArray(numbers)) throw new TypeError(name + ': expected an array of numbers');
-  return ArrayBuffer.isView(numbers) ? numbers : Float64Array.from(numbers);
+  if (ArrayBuffer.isView(numbers)) return numbers;
+  if (!Array.isArray(numbers)) throw new TypeError(name + ': expected an array of numbers');
+  return Float64Array.from(numbers);
 }
 
 class Triangulation {
@@ -115,7 +116,9 @@ class Triangulation {
   // The arrays of the changed coords and weights; where that fails, all arrays stay as they were.
   arrays() {
     const { dim, coords, weights } = this;
-    if (coords.length % dim !== 0) throw new RangeError('coords: ' + coords.length + ' numbers are no points of ' + dim);
+    if (coords.length % dim !== 0) {
+      throw new RangeError('coords: ' + coords.length + ' numbers are no multiple of ' + dim);
+    }
     if (weights && weights.length !== coords.length / dim) {
       throw new RangeError('weights: ' + weights.length + ' for ' + coords.length / dim + ' points');
     }

@@ -116,8 +116,8 @@ EMSCRIPTEN_KEEPALIVE void web_free(web_mesh *out)
     }
 }
 
-/* Frees points and weights, which are of malloc, as soon as they are read.  Returns NULL where there is no memory even
-   for a status; else to be freed by web_free. */
+/* Frees points and weights, which are of malloc, as soon as they are read.  Returns NULL where there is no memory
+   even for a status; else web_free frees it. */
 EMSCRIPTEN_KEEPALIVE web_mesh *web_triangulate(int dim, double *points, double *weights, size_t count)
 {
     web_mesh *out = (web_mesh *)calloc(1, sizeof *out);
