@@ -16,21 +16,29 @@ EXAMPLES = $(patsubst examples/%.c,%,$(wildcard examples/*.c))
 EXAMPLES_CXX = $(if $(shell command -v $(firstword $(CXX))),$(patsubst examples/%.cpp,%,$(wildcard examples/*.cpp)))
 EXPECTED = $(patsubst examples/expected/%.txt,%,$(wildcard examples/expected/*.txt))
 FUZZERS = $(patsubst tests/%.c,%,$(wildcard tests/fuzz_*.c))
-HEADERS = pbw.h $(wildcard tests/*.h examples/lib/*.h examples/program/*.h)
-SCRIPTS = $(filter packaging hashes examples asm oracle cmake python programs view web, \
+HEADERS = pbw.h $(wildcard tests/*.h examples/*.h examples/lib/*.h examples/program/*.h)
+SCRIPTS = $(filter packaging hashes examples asm oracle cmake csharp install page python program programs view web, \
     $(patsubst tests/%.sh,%,$(wildcard tests/*.sh)))
 SUITES = test programs examples oracle asm arm names fuzz-long
 export CC CXX
 
 ifeq ($(MAKELEVEL),0)
+# One make at a time in a folder: $B/.make is a link to the number of the process that works there.
+ifneq ($(filter-out help clean,$(or $(MAKECMDGOALS),all)),)
+OTHER := $(shell mkdir -p $B; ln -s $$PPID $B/.make 2> /dev/null || { \
+    other=$$(readlink $B/.make); \
+    if [ "$$other" != $$PPID ] && kill -0 "$$other" 2> /dev/null && ps -o comm= -p "$$other" | grep -q make; \
+    then echo "$$other"; else ln -sfn $$PPID $B/.make; fi; })
+$(if $(OTHER),$(error another make (process $(OTHER)) works in $B: wait for it, or use a folder of your own, make B=build2))
+endif
 MAKEFLAGS += -j$(shell getconf _NPROCESSORS_ONLN 2>/dev/null || echo 2)
 ifneq ($(word 2,$(filter $(SUITES),$(MAKECMDGOALS))),)
 .NOTPARALLEL:                   # they share folders: one after the other, each with all jobs
 endif
 endif
 
-.PHONY: all demo web examples test programs oracle arm asan ubsan tsan valgrind fuzz fuzz-long asm names clean help \
-    FORCE
+.PHONY: all page demo web examples test programs oracle arm asan ubsan tsan valgrind fuzz fuzz-long asm names clean \
+    help FORCE
 .DELETE_ON_ERROR:
 .SECONDARY:
 
@@ -40,16 +48,17 @@ help:
 	@echo 'make             builds the examples into $B/, the pbw program among them'
 	@echo 'make demo        makes a model, samples, triangulates, proves, draws and writes it'
 	@echo 'make web         WebAssembly for JavaScript and a page that shows it, by emscripten, into $B/web'
+	@echo 'make page        puts examples/lib/view/ into pbw_view.h'
 	@echo 'make examples    runs the examples and compares what they print with examples/expected'
 	@echo 'make test        all tests; the last line is `N passed, N failed, N skipped`'
 	@echo 'make bench       compares speed and memory with rivals that are installed (bench/bench.mk)'
 	@echo 'make oracle      compares with CGAL            make names   names, warnings, copies, documentation'
 	@echo 'make asm         looks for fused operations    make arm     64-bit Arm, in an emulator'
+	@echo 'make install PREFIX=/usr/local DESTDIR=         and make uninstall: see examples/install/install.mk'
 	@echo 'make clean       removes $B/'
 	@echo 'make asan ubsan tsan valgrind                  the test programs under sanitizers'
 	@echo 'make fuzz        fuzzers, TIME=60 each         make fuzz-long  ten million random small inputs'
 	@echo 'CC=clang CXX=clang++ CFLAGS=-O3 B=build/clang  for any of them;  COUNT=n random inputs in tests'
-	@echo 'one make at a time in a folder: a second one needs another B'
 
 # Programs
 $B/libpbw.a: pbw.h
@@ -115,7 +124,9 @@ $B/test_io.log: $B/pbw
 $B/view.log: $B/pbw $B/terrain
 $B/examples.log: $(patsubst %,$B/%,$(filter $(EXAMPLES) $(EXAMPLES_CXX),$(EXPECTED)))
 $B/python.log: $B/libpbw_python.so
-$B/programs.log: $B/pbw
+$B/csharp.log: $B/libpbw.so
+$B/install.log: $B/pbw $B/pbw_pic.o $B/libpbw.so
+$B/program.log $B/programs.log: $B/pbw
 $B/oracle.log: $B/libpbw.a
 
 # One that does not compile is a failure, and the others still run.
@@ -131,6 +142,13 @@ $(SUITES):
 	@rm -f $(LOGS)
 	@$(MAKE) --no-print-directory -k $(LOGS) || true
 	@sh tests/run.sh --total $(LOGS)
+
+# The page of pbw_view.h, from the files that web developers edit; tests/page.sh finds a header that is not up to date.
+PAGE = examples/lib/view/embed.awk examples/lib/view/page.html examples/lib/pbw_view.h
+page:
+	@mkdir -p $B
+	awk -f $(PAGE) > $B/page.h
+	cmp -s $B/page.h examples/lib/pbw_view.h || cp $B/page.h examples/lib/pbw_view.h
 
 demo: $B/pbw $B/model
 	sh examples/demo.sh $B
@@ -167,3 +185,4 @@ clean:
 
 -include bench/bench.mk
 -include tests/cuda.mk
+-include examples/install/install.mk

@@ -24,22 +24,26 @@
 
    CONTENTS  (search for the marks)
      >>interface    types and functions
-     >>platform     compilers, clocks, floating-point state
+     >>platform     compilers, atomics, clocks, floating-point state, the system's threads
      >>lanes        four numbers at once: AVX2, NEON
-     >>memory       the one allocator hook, growth, limits
+     >>memory       the one allocator hook, limits, pages of large blocks
      >>threads      one call's team of threads, tasks, progress
      >>exact        integers of just enough width
+     >>grid         the coarsest grid that holds all records
      >>predicates   signs: filter, exact stage, perturbation
-     >>order        Hilbert keys, sorting, duplicates, insertion levels
-     >>mesh         simplices, ghosts, slots, invariants
+     >>order        Hilbert keys, sorting, duplicates
+     >>mesh         simplices, ghosts, one thread's view of them, invariants
+     >>slots        where simplices are stored
      >>walk         point location
-     >>cavity       find, carve, refill
-     >>build        insertion order, seed simplex
-     >>parallel     levels, by many threads or by one
+     >>cavity3      in space: find, carve, refill
+     >>cavity2      in the plane: find, carve, refill
+     >>build        insertion, its order, the seed simplex, levels
+     >>parallel     ownership; a level by many threads
      >>output       canonical order, ids, in place
      >>check        the exact verdict on a finished mesh
      >>hash         one number for a triangulation
-     >>api          argument checks, defaults, status texts
+     >>tools        what companion headers build on
+     >>api          argument checks, the stages in order, status texts
      >>history      versions
      >>license      MIT No Attribution
 
@@ -126,7 +130,10 @@ typedef enum pbw_status {                  /* every function that can fail retur
     PBW_ERROR_BACKEND                      /* the backend failed or does not fit this version */
 } pbw_status;
 
-typedef enum pbw_stage { PBW_STAGE_ORDER, PBW_STAGE_BUILD, PBW_STAGE_OUTPUT, PBW_STAGE_CHECK } pbw_stage;
+typedef enum pbw_stage {
+    PBW_STAGE_ORDER, PBW_STAGE_BUILD, PBW_STAGE_OUTPUT, PBW_STAGE_CHECK,
+    PBW_STAGE_WORK                         /* of pbw_for and pbw_hash */
+} pbw_stage;
 
 typedef struct pbw_mesh pbw_mesh;
 typedef struct pbw_backend pbw_backend;
@@ -135,10 +142,15 @@ typedef struct pbw_backend pbw_backend;
                                               on one thread, but not the same arrays for all thread counts */
 #define PBW_NO_NEIGHBORS 2u                /* leave mesh.neighbors NULL */
 #define PBW_BACKEND_OR_CPU 4u              /* where options.backend cannot work, use the CPU */
+#define PBW_CURVE_ORDER  8u                /* number the mesh's points along the curve, as pbw_order does: loops over
+                                              its simplices and points then run in the cache, 1.7 to 5 times as fast
+                                              for many points; mesh.original has the caller's numbers */
+#define PBW_BORROW      16u                /* mesh.points and weights are the caller's packed doubles, not copies:
+                                              they must outlive the mesh.  Not with floats, strides or curve order */
 
 typedef struct pbw_options {               /* NULL or all zero = best defaults */
     int      threads;                      /* 0 = one per core, 1 = start none; at most 256 */
-    unsigned flags;                        /* PBW_ANY_ORDER | PBW_NO_NEIGHBORS | PBW_BACKEND_OR_CPU */
+    unsigned flags;                        /* PBW_ANY_ORDER and so on, or'ed */
     size_t   stride, weight_stride;        /* bytes from one point / weight to the next, 0 = packed */
     size_t   memory_limit;                 /* bytes held at once, 0 = no limit; over it: PBW_ERROR_MEMORY.  As much
                                               again on each device of a backend; over that: PBW_ERROR_BACKEND */
@@ -187,8 +199,10 @@ struct pbw_mesh {                          /* start from {0}; read, do not write
     const pbw_index *incident;             /* per point: the first simplex that has it, PBW_NONE if it is no vertex */
     const pbw_index *canonical;            /* per point: itself, or the point that it duplicates */
     size_t duplicate_count, hidden_count;  /* why a point may be no vertex */
-    const double *points, *weights;        /* the library's own packed copies, in the caller's order; weights NULL
-                                              if none were given */
+    const pbw_index *original;             /* with PBW_CURVE_ORDER, per point: its number in the caller's arrays; else
+                                              NULL, the numbers are the caller's */
+    const double *points, *weights;        /* the library's own packed copies, or the caller's (PBW_BORROW); weights
+                                              NULL if none were given */
     pbw_statistics statistics;
     void *memory;                          /* private */
 };
@@ -253,9 +267,17 @@ typedef struct pbw_report {                /* what pbw_check found */
 PBWDEF pbw_status pbw_check(const pbw_mesh *mesh, const pbw_options *options, pbw_report *report);
 
 /* Equal for two meshes if and only if (up to 2^-64 chance) they are the same triangulation of the same points:
-   independent of the order of points and simplices, of ids, and of float or double input.  0 for an empty mesh.
-   Uses all cores for many points. */
-PBWDEF uint64_t pbw_hash(const pbw_mesh *mesh);
+   independent of the order of points and simplices, of ids, and of float or double input.  0 for an empty mesh, and
+   if options.progress cancels. */
+PBWDEF uint64_t pbw_hash(const pbw_mesh *mesh, const pbw_options *options);
+
+/* The two sums of which pbw_hash is made, over chosen points and simplices: those with a nonzero byte, NULL = all.
+   Sums of disjoint choices add up, member by member and modulo 2^64: so the hash of a triangulation that is too large
+   for one memory is pbw_hash_of the sums of its parts. */
+typedef struct pbw_hash_sums { uint64_t points, simplices; } pbw_hash_sums;
+PBWDEF pbw_status pbw_hash_parts(const pbw_mesh *mesh, const unsigned char *points, const unsigned char *simplices,
+                                 const pbw_options *options, pbw_hash_sums *sums);
+PBWDEF uint64_t pbw_hash_of(const pbw_hash_sums *sums);
 
 /* Exact signs -1, 0, +1 for all finite doubles, in every rounding mode; no setup, any thread.
    orient: +1 if the simplex is positively oriented (see CONVENTIONS).
@@ -270,6 +292,29 @@ PBWDEF int pbw_insphere(const double a[3], const double b[3], const double c[3],
 PBWDEF int pbw_power2(const double a[2], const double b[2], const double c[2], const double p[2], const double w[4]);
 PBWDEF int pbw_power3(const double a[3], const double b[3], const double c[3], const double d[3], const double p[3],
                       const double w[5]);
+
+/* ---- for companion headers, and for loops of your own over a mesh */
+
+/* Calls body(arg, from, to) once for each range of `grain` items, 0..grain-1, grain..2*grain-1, ..., the last one cut
+   at `count`: the same ranges for any number of threads, begun in ascending order, several at once.  They run on
+   options.threads threads or by options.run, in IEEE double arithmetic, rounded to nearest.  A status other than
+   PBW_OK ends the call: ranges that have begun are finished.  Returns the status of the lowest range that failed,
+   again the same for any number of threads.  Progress is PBW_STAGE_WORK, before each range. */
+typedef pbw_status pbw_body(void *arg, size_t from, size_t to);
+PBWDEF pbw_status pbw_for(const pbw_options *options, size_t count, size_t grain, pbw_body *body, void *arg);
+
+/* Fills order with 0..count-1 in the order of a Hilbert curve through the points; points at one place follow each
+   other, ascending.  Reads points as pbw_triangulate does (options.stride) and fails as it does. */
+PBWDEF pbw_status pbw_order(int dim, const double *points, size_t count, const pbw_options *options,
+                            pbw_index *order);
+
+/* Returns 1 if p is in conflict with the positively oriented simplex: inside its circle or sphere (with weights:
+   below its lifted plane), or, by the tie rule of CONVENTIONS, on it; else 0.  w: weights of the corners, then of p,
+   or NULL.  p and the corners are at different places. */
+PBWDEF int pbw_conflict2(const double a[2], const double b[2], const double c[2], const double p[2],
+                         const double w[4]);
+PBWDEF int pbw_conflict3(const double a[3], const double b[3], const double c[3], const double d[3],
+                         const double p[3], const double w[5]);
 
 PBWDEF const char *pbw_status_string(pbw_status status);    /* never NULL, never freed */
 PBWDEF int pbw_version(void);              /* differs from PBW_VERSION if header and implementation do */
@@ -316,9 +361,10 @@ extern void pbw_cuda_free(pbw_cuda_mesh *mesh, void *stream);
 #if defined(PBW_IMPLEMENTATION) && !defined(PBW__IMPLEMENTED)
 #define PBW__IMPLEMENTED
 /* ------------------------------------------------------------------------------------------------------
-   >>platform     Compilers, clocks, floating-point state.
+   >>platform     Compilers, atomics, clocks, floating-point state, the system's threads.
    In: whatever the user compiles with.  Out: IEEE 754 double arithmetic, rounded to nearest, with no product
-   fused into a sum unless we say so; or a compile error; or PBW_ERROR_FP_MODE.
+   fused into a sum unless we say so; or a compile error; or PBW_ERROR_FP_MODE.  Names for what compilers and systems
+   do in different ways.
    ------------------------------------------------------------------------------------------------------ */
 #if defined(__FAST_MATH__) || defined(__ASSOCIATIVE_MATH__) || defined(__RECIPROCAL_MATH__) \
     || defined(__NO_SIGNED_ZEROS__) || (defined(__FINITE_MATH_ONLY__) && __FINITE_MATH_ONLY__) || defined(_M_FP_FAST)
@@ -457,6 +503,21 @@ PBW__INLINE pbw_index pbw__swap(pbw_index *x, pbw_index y)
 
 #define PBW__EPSILON 1.1102230246251565e-16          /* u = 2^-53: half an ulp of 1 */
 
+PBW__INLINE double pbw__larger(double a, double b)
+{
+    return a > b ? a : b;
+}
+
+PBW__INLINE double pbw__size(double a)
+{
+    return pbw__larger(a, -a);
+}
+
+PBW__INLINE double pbw__largest(double a, double b, double c, double d)
+{
+    return pbw__larger(pbw__larger(pbw__size(a), pbw__size(b)), pbw__larger(pbw__size(c), pbw__size(d)));
+}
+
 static double pbw__seconds(void)                     /* wall clock: statistics, progress, short waits */
 {
 #ifdef _MSC_VER
@@ -518,9 +579,100 @@ static int pbw__fp_is_exact(void)
         && one / (zero + 0.0) > 0.0                          /* zeros without a sign */
         && !(infinite - infinite == 0.0);                    /* finite numbers only */
 }
+
+/* The system's threads: pthreads, or those of Win32, declared here since windows.h would leave its macros behind. */
+#if defined(PBW__THREADS) && defined(_WIN32)
+#ifdef __i386__
+#define PBW__SYMBOL(name, bytes) __asm__("_" name bytes)
+#else
+#define PBW__SYMBOL(name, bytes) __asm__(name)
+#endif
+#define PBW__WIN32(result, name, arguments, bytes) \
+    extern result __stdcall pbw__##name arguments PBW__SYMBOL(#name, "@" #bytes)
+typedef void *pbw__thread, *pbw__mutex, *pbw__condition;     /* HANDLE; SRWLOCK, CONDITION_VARIABLE: NULL at first */
+typedef unsigned pbw__thread_id, pbw__thread_result;
+typedef pbw__thread_result (__stdcall pbw__thread_body)(void *arg);
+extern uintptr_t pbw__beginthreadex(void *security, unsigned stack, pbw__thread_body *body, void *arg, unsigned flags,
+                                    unsigned *id) PBW__SYMBOL("_beginthreadex", "");
+PBW__WIN32(unsigned, WaitForSingleObject, (pbw__thread thread, unsigned milliseconds), 8);
+PBW__WIN32(int, CloseHandle, (pbw__thread thread), 4);
+PBW__WIN32(pbw__thread_id, GetCurrentThreadId, (void), 0);
+PBW__WIN32(unsigned, GetActiveProcessorCount, (unsigned short group), 4);
+PBW__WIN32(void, AcquireSRWLockExclusive, (pbw__mutex *mutex), 4);
+PBW__WIN32(void, ReleaseSRWLockExclusive, (pbw__mutex *mutex), 4);
+PBW__WIN32(void, WakeConditionVariable, (pbw__condition *condition), 4);
+PBW__WIN32(void, WakeAllConditionVariable, (pbw__condition *condition), 4);
+PBW__WIN32(int, SleepConditionVariableSRW, (pbw__condition *condition, pbw__mutex *mutex, unsigned milliseconds,
+                                            unsigned flags), 16);
+#define PBW__FOREVER 0xffffffffu
+#define PBW__THREAD_CALL __stdcall
+#define PBW__CORES() ((long)pbw__GetActiveProcessorCount(0xffff))            /* of all groups of processors */
+#define PBW__THIS_THREAD() pbw__GetCurrentThreadId()
+#define PBW__SAME_THREAD(a, b) ((a) == (b))
+#define PBW__THREAD_JOIN(thread) \
+    ((void)pbw__WaitForSingleObject(thread, PBW__FOREVER), (void)pbw__CloseHandle(thread))
+#define PBW__MUTEX_INIT(mutex) ((void)(mutex))
+#define PBW__MUTEX_DESTROY(mutex) ((void)(mutex))
+#define PBW__LOCK(mutex) pbw__AcquireSRWLockExclusive(mutex)
+#define PBW__UNLOCK(mutex) pbw__ReleaseSRWLockExclusive(mutex)
+#define PBW__CONDITION_INIT(condition) ((void)(condition))
+#define PBW__CONDITION_DESTROY(condition) ((void)(condition))
+#define PBW__WAKE(condition) pbw__WakeConditionVariable(condition)
+#define PBW__WAKE_ALL(condition) pbw__WakeAllConditionVariable(condition)
+#define PBW__WAIT(condition, mutex) ((void)pbw__SleepConditionVariableSRW(condition, mutex, PBW__FOREVER, 0))
+#define PBW__WAIT_50MS(condition, mutex) ((void)pbw__SleepConditionVariableSRW(condition, mutex, 50, 0))
+
+static int pbw__thread_start(pbw__thread *thread, unsigned stack, pbw__thread_body *body, void *arg)
+{
+    *thread = (pbw__thread)pbw__beginthreadex(NULL, stack, body, arg, 0x10000, NULL);      /* stack: to reserve */
+    return *thread != NULL;
+}
+#elif defined(PBW__THREADS)
+typedef pthread_t pbw__thread, pbw__thread_id;
+typedef pthread_mutex_t pbw__mutex;
+typedef pthread_cond_t pbw__condition;
+typedef void *pbw__thread_result;
+typedef pbw__thread_result (pbw__thread_body)(void *arg);
+#define PBW__THREAD_CALL
+#define PBW__CORES() sysconf(_SC_NPROCESSORS_ONLN)
+#define PBW__THIS_THREAD() pthread_self()
+#define PBW__SAME_THREAD(a, b) pthread_equal(a, b)
+#define PBW__THREAD_JOIN(thread) pthread_join(thread, NULL)
+#define PBW__MUTEX_INIT(mutex) pthread_mutex_init(mutex, NULL)
+#define PBW__MUTEX_DESTROY(mutex) pthread_mutex_destroy(mutex)
+#define PBW__LOCK(mutex) pthread_mutex_lock(mutex)
+#define PBW__UNLOCK(mutex) pthread_mutex_unlock(mutex)
+#define PBW__CONDITION_INIT(condition) pthread_cond_init(condition, NULL)
+#define PBW__CONDITION_DESTROY(condition) pthread_cond_destroy(condition)
+#define PBW__WAKE(condition) pthread_cond_signal(condition)
+#define PBW__WAKE_ALL(condition) pthread_cond_broadcast(condition)
+#define PBW__WAIT(condition, mutex) pthread_cond_wait(condition, mutex)
+#define PBW__WAIT_50MS(condition, mutex) pbw__wait_50ms(condition, mutex)
+
+static int pbw__thread_start(pbw__thread *thread, size_t stack, pbw__thread_body *body, void *arg)
+{
+    pthread_attr_t attributes;
+    int failed;
+    pthread_attr_init(&attributes);
+    pthread_attr_setstacksize(&attributes, stack);
+    failed = pthread_create(thread, &attributes, body, arg);
+    pthread_attr_destroy(&attributes);
+    return !failed;
+}
+
+static void pbw__wait_50ms(pbw__condition *condition, pbw__mutex *mutex)
+{
+    struct timeval now;
+    struct timespec until;
+    gettimeofday(&now, NULL);
+    until.tv_sec = now.tv_sec + (now.tv_usec >= 950000);
+    until.tv_nsec = (now.tv_usec + 50000) % 1000000 * 1000;
+    pthread_cond_timedwait(condition, mutex, &until);
+}
+#endif
 /* ------------------------------------------------------------------------------------------------------
    >>lanes        Four numbers at once.
-   In: AVX2 or NEON.  Out: PBW__SIMD, and what >>walk and >>cavity do with vectors, by its meaning.
+   In: AVX2 or NEON.  Out: PBW__SIMD, and what the rooms of insertion do with vectors, by its meaning.
 
    Vectors of four doubles or four 32-bit integers, in lanes 0 to 3, and of two doubles.  + - * == | << work lane by
    lane.  A mask has all bits of a lane set, or none.  A set of lanes is a number with bit i for lane i.  A NaN comes
@@ -984,9 +1136,57 @@ PBW__SIMD_INLINE uint64_t pbw__lanes23(pbw__i4 x)
 {
     return PBW__EITHER((uint64_t)_mm_extract_epi64((__m128i)x, 1), vgetq_lane_u64((uint64x2_t)x, 1));
 }
+
+/* Pair arithmetic of >>predicates, four at once, and here with fused operations for sure. */
+typedef struct pbw__pair4 { pbw__d4 head, tail; } pbw__pair4;
+
+PBW__SIMD_INLINE pbw__pair4 pbw__plus4(pbw__pair4 a, pbw__pair4 b)
+{
+    pbw__d4 head = a.head + b.head, other = head - a.head;
+    pbw__pair4 result = { head, ((a.head - (head - other)) + (b.head - other)) + (a.tail + b.tail) };
+    return result;
+}
+
+PBW__SIMD_INLINE pbw__pair4 pbw__minus4(pbw__pair4 a, pbw__pair4 b)
+{
+    pbw__d4 head = a.head - b.head, other = head - a.head;
+    pbw__pair4 result = { head, ((a.head - (head - other)) - (b.head + other)) + (a.tail - b.tail) };
+    return result;
+}
+
+PBW__SIMD_INLINE pbw__pair4 pbw__times4(pbw__pair4 a, pbw__pair4 b)
+{
+    pbw__d4 head = pbw__fma(a.head, b.head, pbw__each(0.0));                 /* not to be fused, see there */
+    pbw__d4 error = pbw__fms(a.head, b.head, head);
+    pbw__pair4 result = { head, pbw__fma(a.head, b.tail, pbw__fma(a.tail, b.head, error)) };
+    return result;
+}
+
+/* a0 b1 - a1 b0 */
+PBW__SIMD_INLINE pbw__pair4 pbw__cross4(pbw__pair4 a0, pbw__pair4 a1, pbw__pair4 b0, pbw__pair4 b1)
+{
+    return pbw__minus4(pbw__times4(a0, b1), pbw__times4(a1, b0));
+}
+
+/* a0 b0 - a1 b1 + a2 b2 */
+PBW__SIMD_INLINE pbw__pair4 pbw__sum4(pbw__pair4 a0, pbw__pair4 b0, pbw__pair4 a1, pbw__pair4 b1, pbw__pair4 a2,
+                                      pbw__pair4 b2)
+{
+    return pbw__plus4(pbw__minus4(pbw__times4(a0, b0), pbw__times4(a1, b1)), pbw__times4(a2, b2));
+}
+
+/* The difference of a and b, zero in masked lanes. */
+PBW__SIMD_INLINE pbw__pair4 pbw__difference4(pbw__d4 a, pbw__d4 b, pbw__d4 mask)
+{
+    pbw__pair4 x = { a, pbw__each(0.0) }, y = { b, pbw__each(0.0) };
+    x = pbw__minus4(x, y);
+    x.head = pbw__clear(mask, x.head);
+    x.tail = pbw__clear(mask, x.tail);
+    return x;
+}
 #endif
 /* ------------------------------------------------------------------------------------------------------
-   >>memory      The one allocator hook, and the count of what is held through it.
+   >>memory       One call's memory: the one allocator hook, the count of what is held through it, pages.
    In: options.resize or NULL, options.memory_limit.  Out: blocks, or NULL for out of memory or over the limit.
    Holds: used = sum of the sizes of live blocks <= peak; with a limit, peak <= limit.
    ------------------------------------------------------------------------------------------------------ */
@@ -1055,120 +1255,21 @@ static void pbw__release(pbw__memory *memory, void *ptr, size_t count, size_t si
         (void)pbw__resize(memory, ptr, count == 0 ? 1 : count, 0, size);
     }
 }
-/* ------------------------------------------------------------------------------------------------------
-   >>threads      One call's memory, progress and team of threads.
-   In: options.threads, run, progress.  Out: pbw__for, which runs tasks that do not wait on each other, here, on our
-   threads or on the caller's; and the caller's answers to progress.
-   Holds: between two calls of pbw__for no task runs, and what tasks wrote is seen by all that follows (the team's
-   word of work, or the promise of options.run, orders it).  While tasks run, `cancelled` is the only word that one
-   thread writes and another reads; it is only ever set, and a late view of it costs time only, so relaxed order
-   serves.
-   ------------------------------------------------------------------------------------------------------ */
-/* The system's threads: pthreads, or those of Win32, declared here since windows.h would leave its macros behind. */
-#if defined(PBW__THREADS) && defined(_WIN32)
-#ifdef __i386__
-#define PBW__SYMBOL(name, bytes) __asm__("_" name bytes)
-#else
-#define PBW__SYMBOL(name, bytes) __asm__(name)
-#endif
-#define PBW__WIN32(result, name, arguments, bytes) \
-    extern result __stdcall pbw__##name arguments PBW__SYMBOL(#name, "@" #bytes)
-typedef void *pbw__thread, *pbw__mutex, *pbw__condition;     /* HANDLE; SRWLOCK, CONDITION_VARIABLE: NULL at first */
-typedef unsigned pbw__thread_id, pbw__thread_result;
-typedef pbw__thread_result (__stdcall pbw__thread_body)(void *arg);
-extern uintptr_t pbw__beginthreadex(void *security, unsigned stack, pbw__thread_body *body, void *arg, unsigned flags,
-                                    unsigned *id) PBW__SYMBOL("_beginthreadex", "");
-PBW__WIN32(unsigned, WaitForSingleObject, (pbw__thread thread, unsigned milliseconds), 8);
-PBW__WIN32(int, CloseHandle, (pbw__thread thread), 4);
-PBW__WIN32(pbw__thread_id, GetCurrentThreadId, (void), 0);
-PBW__WIN32(unsigned, GetActiveProcessorCount, (unsigned short group), 4);
-PBW__WIN32(void, AcquireSRWLockExclusive, (pbw__mutex *mutex), 4);
-PBW__WIN32(void, ReleaseSRWLockExclusive, (pbw__mutex *mutex), 4);
-PBW__WIN32(void, WakeConditionVariable, (pbw__condition *condition), 4);
-PBW__WIN32(void, WakeAllConditionVariable, (pbw__condition *condition), 4);
-PBW__WIN32(int, SleepConditionVariableSRW, (pbw__condition *condition, pbw__mutex *mutex, unsigned milliseconds,
-                                            unsigned flags), 16);
-#define PBW__FOREVER 0xffffffffu
-#define PBW__THREAD_CALL __stdcall
-#define PBW__CORES() ((long)pbw__GetActiveProcessorCount(0xffff))            /* of all groups of processors */
-#define PBW__THIS_THREAD() pbw__GetCurrentThreadId()
-#define PBW__SAME_THREAD(a, b) ((a) == (b))
-#define PBW__THREAD_JOIN(thread) \
-    ((void)pbw__WaitForSingleObject(thread, PBW__FOREVER), (void)pbw__CloseHandle(thread))
-#define PBW__MUTEX_INIT(mutex) ((void)(mutex))
-#define PBW__MUTEX_DESTROY(mutex) ((void)(mutex))
-#define PBW__LOCK(mutex) pbw__AcquireSRWLockExclusive(mutex)
-#define PBW__UNLOCK(mutex) pbw__ReleaseSRWLockExclusive(mutex)
-#define PBW__CONDITION_INIT(condition) ((void)(condition))
-#define PBW__CONDITION_DESTROY(condition) ((void)(condition))
-#define PBW__WAKE(condition) pbw__WakeConditionVariable(condition)
-#define PBW__WAKE_ALL(condition) pbw__WakeAllConditionVariable(condition)
-#define PBW__WAIT(condition, mutex) ((void)pbw__SleepConditionVariableSRW(condition, mutex, PBW__FOREVER, 0))
-#define PBW__WAIT_50MS(condition, mutex) ((void)pbw__SleepConditionVariableSRW(condition, mutex, 50, 0))
 
-static int pbw__thread_start(pbw__thread *thread, unsigned stack, pbw__thread_body *body, void *arg)
+static int pbw__resize_array(pbw__memory *memory, void *array, size_t *capacity, size_t wanted, size_t size)
 {
-    *thread = (pbw__thread)pbw__beginthreadex(NULL, stack, body, arg, 0x10000, NULL);      /* stack: to reserve */
-    return *thread != NULL;
-}
-#elif defined(PBW__THREADS)
-typedef pthread_t pbw__thread, pbw__thread_id;
-typedef pthread_mutex_t pbw__mutex;
-typedef pthread_cond_t pbw__condition;
-typedef void *pbw__thread_result;
-typedef pbw__thread_result (pbw__thread_body)(void *arg);
-#define PBW__THREAD_CALL
-#define PBW__CORES() sysconf(_SC_NPROCESSORS_ONLN)
-#define PBW__THIS_THREAD() pthread_self()
-#define PBW__SAME_THREAD(a, b) pthread_equal(a, b)
-#define PBW__THREAD_JOIN(thread) pthread_join(thread, NULL)
-#define PBW__MUTEX_INIT(mutex) pthread_mutex_init(mutex, NULL)
-#define PBW__MUTEX_DESTROY(mutex) pthread_mutex_destroy(mutex)
-#define PBW__LOCK(mutex) pthread_mutex_lock(mutex)
-#define PBW__UNLOCK(mutex) pthread_mutex_unlock(mutex)
-#define PBW__CONDITION_INIT(condition) pthread_cond_init(condition, NULL)
-#define PBW__CONDITION_DESTROY(condition) pthread_cond_destroy(condition)
-#define PBW__WAKE(condition) pthread_cond_signal(condition)
-#define PBW__WAKE_ALL(condition) pthread_cond_broadcast(condition)
-#define PBW__WAIT(condition, mutex) pthread_cond_wait(condition, mutex)
-#define PBW__WAIT_50MS(condition, mutex) pbw__wait_50ms(condition, mutex)
-
-static int pbw__thread_start(pbw__thread *thread, size_t stack, pbw__thread_body *body, void *arg)
-{
-    pthread_attr_t attributes;
-    int failed;
-    pthread_attr_init(&attributes);
-    pthread_attr_setstacksize(&attributes, stack);
-    failed = pthread_create(thread, &attributes, body, arg);
-    pthread_attr_destroy(&attributes);
-    return !failed;
+    void *old, *block;
+    memcpy(&old, array, sizeof(old));
+    block = pbw__resize(memory, old, *capacity, wanted, size);
+    if (block == NULL) {
+        return 0;
+    }
+    memcpy(array, &block, sizeof(block));
+    *capacity = wanted;
+    return 1;
 }
 
-static void pbw__wait_50ms(pbw__condition *condition, pbw__mutex *mutex)
-{
-    struct timeval now;
-    struct timespec until;
-    gettimeofday(&now, NULL);
-    until.tv_sec = now.tv_sec + (now.tv_usec >= 950000);
-    until.tv_nsec = (now.tv_usec + 50000) % 1000000 * 1000;
-    pthread_cond_timedwait(condition, mutex, &until);
-}
-#endif
-
-/* Items below which a further thread, task or part does not pay.  PBW_SMALL_SHARES is for tests: then few points make
-   many.  So are PBW_PAUSE(), a place where threads may be held up, and PBW_MAY_START(): whether another may start. */
-#ifdef PBW_SMALL_SHARES
-#define PBW__SMALLER(items) ((items) / 1024 + 1)
-#else
-#define PBW__SMALLER(items) (items)
-#endif
-#ifndef PBW_PAUSE
-#define PBW_PAUSE() ((void)0)
-#endif
-#ifndef PBW_MAY_START
-#define PBW_MAY_START() 1
-#endif
-
+/* One call: its memory, progress and threads. */
 typedef struct pbw__context {
     pbw__memory memory;
     int (*progress)(void *user, pbw_stage stage, double done);
@@ -1185,6 +1286,125 @@ typedef struct pbw__context {
     struct pbw__team *team;                          /* NULL: not started */
 #endif
 } pbw__context;
+
+typedef void pbw__task(void *arg, int i);
+
+static void pbw__for(pbw__context *context, int tasks, pbw__task *task, void *arg);      /* these three: >>threads */
+static int pbw__report(pbw__context *context, double done);
+PBW__INLINE size_t pbw__share(size_t count, int i, int tasks);
+
+/* Bytes of large blocks, whose pages are made at once, in huge pages if there are any: met one by one, page by page,
+   they cost as much as a quarter of a build.  Advice only: it may fail.  The caller's allocator is left alone. */
+typedef struct pbw__block { void *start; size_t from, to; } pbw__block;
+static pbw__block pbw__block_of(void *start, size_t from, size_t to)
+{
+    pbw__block block;
+    block.start = start;
+    block.from = from;
+    block.to = to;
+    return block;
+}
+
+typedef struct pbw__pages { char *start; size_t length, huge; } pbw__pages;      /* on so many huge ones */
+#define PBW__BLOCKS 4                                /* at a time */
+#define PBW__HUGE ((size_t)1 << 21)                  /* bytes of a huge page; two tasks at one would both make it */
+typedef struct pbw__populating {
+    pbw__context *context;
+    pbw__pages pages[PBW__BLOCKS];
+    size_t huge;                                     /* of all blocks */
+    int blocks, tasks;
+} pbw__populating;
+
+static void pbw__make_pages(void *arg, int task)
+{
+#ifdef __linux__
+    const pbw__populating *populating = (const pbw__populating *)arg;
+    size_t first = pbw__share(populating->huge, task, populating->tasks);
+    size_t last = pbw__share(populating->huge, task + 1, populating->tasks);
+    int i;
+    for (i = 0; i < populating->blocks; i++) {
+        const pbw__pages *pages = populating->pages + i;
+        const size_t skip = (size_t)(uintptr_t)pages->start % PBW__HUGE;
+        size_t from = (first < pages->huge ? first : pages->huge) * PBW__HUGE;
+        size_t to = (last < pages->huge ? last : pages->huge) * PBW__HUGE;
+        first -= from / PBW__HUGE;                   /* what lies in the next blocks */
+        last -= to / PBW__HUGE;
+        from = from > skip ? from - skip : 0;
+        to = to > skip ? to - skip : 0;              /* small shares may be empty */
+        to = to < pages->length ? to : pages->length;
+        while (from < to && !pbw__report(populating->context, 0.0)) {
+            const size_t most = 2 * PBW__HUGE;       /* 1 ms; where a host has none ready, 10 */
+            const size_t step = to - from < most ? to - from : most;
+            (void)madvise(pages->start + from, step, 23);        /* MADV_POPULATE_WRITE, since Linux 5.14 */
+            from += step;
+        }
+    }
+#else
+    (void)arg;
+    (void)task;
+#endif
+}
+
+static void pbw__populate(pbw__context *context, const pbw__block *block, int blocks)
+{
+    const size_t page = 4096, large = (size_t)1 << 20;
+    const int most = context->threads > 1 ? 16 * context->threads : 1;       /* pages take times that differ */
+    pbw__populating populating;
+    populating.context = context;
+    populating.huge = 0;
+    populating.blocks = 0;
+    for (; blocks > 0; block++, blocks--) {
+        pbw__pages *pages = populating.pages + populating.blocks;
+        size_t skip = (page - ((size_t)(uintptr_t)block->start + block->from) % page) % page;
+        if (block->start == NULL || block->to < large || block->to - large < block->from
+            || context->memory.resize != pbw__default_resize) {
+            continue;
+        }
+        pages->start = (char *)block->start + block->from + skip;
+        pages->length = (block->to - block->from - skip) / page * page;
+        pages->huge = ((size_t)(uintptr_t)pages->start % PBW__HUGE + pages->length + PBW__HUGE - 1) / PBW__HUGE;
+        populating.huge += pages->huge;
+        populating.blocks++;
+#ifdef __linux__
+        /* MADV_HUGEPAGE, with the pages at the ends, where other bytes may be: of a mapping in two parts realloc
+           makes a copy, page by page, instead of moving it. */
+        skip = (size_t)(uintptr_t)block->start % page;
+        (void)madvise((char *)block->start - skip, (skip + block->to + page - 1) / page * page, 14);
+#endif
+    }
+    populating.tasks = populating.huge < (size_t)most ? (int)populating.huge : most;
+    pbw__for(context, populating.tasks, pbw__make_pages, &populating);
+}
+
+/* pbw__allocate for arrays of the size of the input. */
+static void *pbw__allocate_large(pbw__context *context, size_t count, size_t size)
+{
+    const pbw__block block = pbw__block_of(pbw__allocate(&context->memory, count, size), 0, count * size);
+    pbw__populate(context, &block, 1);
+    return block.start;
+}
+/* ------------------------------------------------------------------------------------------------------
+   >>threads      One call's team of threads, tasks and progress.
+   In: options.threads, run, progress.  Out: pbw__for, which runs tasks that do not wait on each other, here, on our
+   threads or on the caller's; and the caller's answers to progress.
+   Holds: between two calls of pbw__for no task runs, and what tasks wrote is seen by all that follows (the team's
+   word of work, or the promise of options.run, orders it).  While tasks run, `cancelled` is the only word that one
+   thread writes and another reads; it is only ever set, and a late view of it costs time only, so relaxed order
+   serves.
+   ------------------------------------------------------------------------------------------------------ */
+/* Items below which a further thread, task or part does not pay.  PBW_SMALL_SHARES is for tests: then few points make
+   many.  So are PBW_PAUSE(), a place where threads may be held up, and PBW_MAY_START(): whether another may start. */
+#ifdef PBW_SMALL_SHARES
+#define PBW__SMALLER(items) ((items) / 1024 + 1)
+#else
+#define PBW__SMALLER(items) (items)
+#endif
+#ifndef PBW_PAUSE
+#define PBW_PAUSE() ((void)0)
+#endif
+#ifndef PBW_MAY_START
+#define PBW_MAY_START() 1
+#endif
 
 #define PBW__TICK ((size_t)1 << 16)                  /* items between looks at the clock in streaming loops: < 2 ms */
 
@@ -1222,8 +1442,6 @@ static int pbw__enter_stage(pbw__context *context, pbw_stage stage)
     context->last_done = 0.0;
     return pbw__report(context, 0.0);
 }
-
-typedef void pbw__task(void *arg, int i);
 
 /* A task as options.run gets it: any thread may run it, in any floating-point mode. */
 typedef struct pbw__guarded { pbw__task *task; void *arg; } pbw__guarded;
@@ -1438,97 +1656,60 @@ PBW__INLINE size_t pbw__share(size_t count, int i, int tasks)
 {
     return count / (size_t)tasks * (size_t)i + count % (size_t)tasks * (size_t)i / (size_t)tasks;
 }
-/* Bytes of large blocks, whose pages are made at once, in huge pages if there are any: met one by one, page by page,
-   they cost as much as a quarter of a build.  Advice only: it may fail.  The caller's allocator is left alone. */
-typedef struct pbw__block { void *start; size_t from, to; } pbw__block;
-static pbw__block pbw__block_of(void *start, size_t from, size_t to)
-{
-    pbw__block block;
-    block.start = start;
-    block.from = from;
-    block.to = to;
-    return block;
-}
 
-typedef struct pbw__pages { char *start; size_t length, huge; } pbw__pages;      /* on so many huge ones */
-#define PBW__BLOCKS 4                                /* at a time */
-#define PBW__HUGE ((size_t)1 << 21)                  /* bytes of a huge page; two tasks at one would both make it */
-typedef struct pbw__populating {
+/* body(arg, from, to) for each range of `grain` items.  Threads take ranges in ascending order, so all ranges below
+   one that fails have begun before it, and the lowest failure does not depend on the threads. */
+typedef struct pbw__ranges {
     pbw__context *context;
-    pbw__pages pages[PBW__BLOCKS];
-    size_t huge;                                     /* of all blocks */
-    int blocks, tasks;
-} pbw__populating;
+    pbw_body *body;
+    void *arg;
+    size_t count, grain, blocks, next;               /* next: the first range that no thread has taken */
+    size_t failure;                                  /* 64 * the lowest range that failed + its status; or -1 */
+    double begin, end;                               /* of the stage's progress */
+} pbw__ranges;
 
-static void pbw__make_pages(void *arg, int task)
+static void pbw__take_ranges(void *arg, int task)
 {
-#ifdef __linux__
-    const pbw__populating *populating = (const pbw__populating *)arg;
-    size_t first = pbw__share(populating->huge, task, populating->tasks);
-    size_t last = pbw__share(populating->huge, task + 1, populating->tasks);
-    int i;
-    for (i = 0; i < populating->blocks; i++) {
-        const pbw__pages *pages = populating->pages + i;
-        const size_t skip = (size_t)(uintptr_t)pages->start % PBW__HUGE;
-        size_t from = (first < pages->huge ? first : pages->huge) * PBW__HUGE;
-        size_t to = (last < pages->huge ? last : pages->huge) * PBW__HUGE;
-        first -= from / PBW__HUGE;                   /* what lies in the next blocks */
-        last -= to / PBW__HUGE;
-        from = from > skip ? from - skip : 0;
-        to = to > skip ? to - skip : 0;              /* small shares may be empty */
-        to = to < pages->length ? to : pages->length;
-        while (from < to && !pbw__report(populating->context, 0.0)) {
-            const size_t most = 2 * PBW__HUGE;       /* 1 ms; where a host has none ready, 10 */
-            const size_t step = to - from < most ? to - from : most;
-            (void)madvise(pages->start + from, step, 23);        /* MADV_POPULATE_WRITE, since Linux 5.14 */
-            from += step;
-        }
-    }
-#else
-    (void)arg;
+    pbw__ranges *ranges = (pbw__ranges *)arg;
+    const double step = (ranges->end - ranges->begin) / (double)ranges->blocks;
+    size_t block, failure, old = PBW__LOAD(&ranges->failure);
     (void)task;
-#endif
-}
-
-static void pbw__populate(pbw__context *context, const pbw__block *block, int blocks)
-{
-    const size_t page = 4096, large = (size_t)1 << 20;
-    const int most = context->threads > 1 ? 16 * context->threads : 1;       /* pages take times that differ */
-    pbw__populating populating;
-    populating.context = context;
-    populating.huge = 0;
-    populating.blocks = 0;
-    for (; blocks > 0; block++, blocks--) {
-        pbw__pages *pages = populating.pages + populating.blocks;
-        size_t skip = (page - ((size_t)(uintptr_t)block->start + block->from) % page) % page;
-        if (block->start == NULL || block->to < large || block->to - large < block->from
-            || context->memory.resize != pbw__default_resize) {
-            continue;
+    while (old == (size_t)-1 && (block = PBW__ADD(&ranges->next, 1)) < ranges->blocks) {
+        const size_t from = block * ranges->grain, rest = ranges->count - from;
+        if (pbw__report(ranges->context, ranges->begin + step * (double)block)) {
+            return;
         }
-        pages->start = (char *)block->start + block->from + skip;
-        pages->length = (block->to - block->from - skip) / page * page;
-        pages->huge = ((size_t)(uintptr_t)pages->start % PBW__HUGE + pages->length + PBW__HUGE - 1) / PBW__HUGE;
-        populating.huge += pages->huge;
-        populating.blocks++;
-#ifdef __linux__
-        /* MADV_HUGEPAGE, with the pages at the ends, where other bytes may be: of a mapping in two parts realloc
-           makes a copy, page by page, instead of moving it. */
-        skip = (size_t)(uintptr_t)block->start % page;
-        (void)madvise((char *)block->start - skip, (skip + block->to + page - 1) / page * page, 14);
-#endif
+        failure = block * 64 + (size_t)ranges->body(ranges->arg, from, rest < ranges->grain ? ranges->count
+                                                                                              : from + ranges->grain);
+        old = PBW__LOAD(&ranges->failure);
+        while (failure % 64 != PBW_OK && failure < old && !PBW__REPLACE(&ranges->failure, &old, failure)) {
+        }
+        old = failure % 64 != PBW_OK ? failure : old;
     }
-    populating.tasks = populating.huge < (size_t)most ? (int)populating.huge : most;
-    pbw__for(context, populating.tasks, pbw__make_pages, &populating);
 }
 
-/* pbw__allocate for arrays of the size of the input. */
-static void *pbw__allocate_large(pbw__context *context, size_t count, size_t size)
+/* Progress goes from `begin` to `end` of the stage.  Returns PBW_OK, PBW_CANCELLED or the lowest failure. */
+static pbw_status pbw__for_range(pbw__context *context, size_t count, size_t grain, double begin, double end,
+                                 pbw_body *body, void *arg)
 {
-    const pbw__block block = pbw__block_of(pbw__allocate(&context->memory, count, size), 0, count * size);
-    pbw__populate(context, &block, 1);
-    return block.start;
+    pbw__ranges ranges;
+    ranges.context = context;
+    ranges.body = body;
+    ranges.arg = arg;
+    ranges.count = count;
+    ranges.grain = grain;
+    ranges.blocks = count / grain + (count % grain != 0);
+    ranges.next = 0;
+    ranges.failure = (size_t)-1;
+    ranges.begin = begin;
+    ranges.end = end;
+    pbw__for(context, ranges.blocks < (size_t)context->threads ? (int)ranges.blocks : context->threads,
+             pbw__take_ranges, &ranges);
+    if (ranges.failure != (size_t)-1) {
+        return (pbw_status)(ranges.failure % 64);
+    }
+    return PBW__LOAD(&context->cancelled) ? PBW_CANCELLED : PBW_OK;
 }
-
 /* ------------------------------------------------------------------------------------------------------
    >>exact     Integers of just enough width, and the one determinant that is computed with them.
    In: finite doubles, read as mantissa * 2^exponent.  Out: the exact sign of an orientation or power determinant.
@@ -1755,6 +1936,226 @@ static PBW__NOINLINE int pbw__exact_determinant(int dim, int count, const double
     return pbw__exact_determinant_in(pool, dim, count, row, origin, orientation);
 }
 /* ------------------------------------------------------------------------------------------------------
+   >>grid         The coarsest grid that holds all records.
+   In: records of the kernel, {x, y, w} in the plane and {x, y, z, w} in space.  Out: their grid, or that there is
+   none.  Holds: every coordinate is a multiple of the unit and every weight of its square, exactly.
+   ------------------------------------------------------------------------------------------------------ */
+/* What a build knows of its records.  inverse_unit is 0 if they have no common grid, else a power of two: coordinates
+   are multiples of the unit and weights of its square, and they differ by less than 2^bits units and 4^bits unit^2.
+   A NULL grid means a call from outside: nothing is known, not even the rounding mode. */
+typedef struct pbw__grid {
+    double inverse_unit;
+    int bits;
+} pbw__grid;
+
+/* What a share of the records has: a unit 2^unit, and its extremes; limit: 2^52 units, of coordinates and of weights.
+   Where the grid gets too fine it is given up: at once for random doubles. */
+typedef struct pbw__grid_share { int unit; double low[4], high[4], limit[2]; } pbw__grid_share;
+#define PBW__NO_UNIT (-501)
+
+static void pbw__grid_share_reset(pbw__grid_share *share)
+{
+    int k;
+    share->unit = 501;
+    for (k = 0; k < 4; k++) {
+        share->low[k] = DBL_MAX;
+        share->high[k] = -DBL_MAX;
+    }
+    share->limit[0] = share->limit[1] = HUGE_VAL;
+}
+
+/* 1 / unit and the longest side in units; 0 if that is too long for a grid. */
+static int pbw__grid_span(const pbw__grid_share *share, int dim, double *inverse, double *span)
+{
+    uint64_t pattern = (uint64_t)(1023 - share->unit) << 52;
+    int k;
+    if (share->unit < -500 || share->unit > 500) {
+        return 0;
+    }
+    memcpy(inverse, &pattern, sizeof(pattern));
+    for (*span = 0.0, k = 0; k < dim; k++) {
+        *span = pbw__larger(*span, (share->high[k] - share->low[k]) * *inverse);
+    }
+    return *span < 9007199254740992.0;
+}
+
+/* A unit for this record too. */
+static PBW__NOINLINE void pbw__grid_refine(pbw__grid_share *share, const double *q, int dim)
+{
+    int old = share->unit, k;
+    double inverse, span;
+    for (k = 0; k <= dim; k++) {
+        int64_t mantissa;
+        int exponent = pbw__decode(q[k], &mantissa), finest = k < dim ? share->unit : 2 * share->unit;
+        if (mantissa != 0 && exponent < finest
+            && (finest - exponent > 52 || (mantissa & (((int64_t)1 << (finest - exponent)) - 1)) != 0)) {
+            while (mantissa % 2 == 0) {              /* off the grid: the lowest bit makes a finer one */
+                mantissa /= 2;
+                exponent++;
+            }
+            share->unit = k < dim ? exponent : (exponent - (exponent & 1)) / 2;
+        }
+    }
+    if (share->unit == old) {
+        return;
+    }
+    if (pbw__grid_span(share, dim, &inverse, &span)) {
+        share->limit[0] = 4503599627370496.0 / inverse;
+        share->limit[1] = share->limit[0] / inverse;
+    } else {
+        share->unit = PBW__NO_UNIT;
+    }
+}
+
+/* A number is on the grid if it is of 2^52 units or more, or the sum of its size and 2^52 units is not rounded. */
+PBW__INLINE void pbw__grid_add_of(pbw__grid_share *share, const double *q, size_t count, int dim)
+{
+    const double *end = q + count * (size_t)(dim + 1);
+    double low[4], high[4];
+    int k;
+    memcpy(low, share->low, sizeof(low));
+    memcpy(high, share->high, sizeof(high));
+    for (; q < end && share->unit != PBW__NO_UNIT; q += dim + 1) {
+        uint64_t off = 0;
+        for (k = 0; k <= dim; k++) {
+            const double many = share->limit[k == dim], size = pbw__size(q[k]) < many ? pbw__size(q[k]) : many;
+            off |= pbw__bits(size + many - many - size);
+            low[k] = q[k] < low[k] ? q[k] : low[k];
+            high[k] = q[k] > high[k] ? q[k] : high[k];
+        }
+        if (PBW__UNLIKELY(off != 0)) {
+            memcpy(share->low, low, sizeof(low));
+            memcpy(share->high, high, sizeof(high));
+            pbw__grid_refine(share, q, dim);
+        }
+    }
+    memcpy(share->low, low, sizeof(low));
+    memcpy(share->high, high, sizeof(high));
+}
+
+#ifdef PBW__SIMD
+/* The same; in the plane lane 3 has a number of the next record, so the last one is left.  How many it did. */
+PBW__SIMD_INLINE size_t pbw__grid_add_simd(pbw__grid_share *share, const double *q, size_t count, int dim)
+{
+    const size_t some = dim == 2 && count > 0 ? count - 1 : count, step = (size_t)dim + 1;
+    pbw__d4 low, high, many, x, size;
+    size_t i = 0;
+    memcpy(&low, share->low, sizeof(low));
+    memcpy(&high, share->high, sizeof(high));
+    while (i < some && share->unit != PBW__NO_UNIT) {
+        unsigned on = 15;
+        many = pbw__four(share->limit[0], share->limit[0], share->limit[dim == 2], share->limit[dim == 3]);
+        for (; on == 15 && i < some; i++) {
+            memcpy(&x, q + i * step, sizeof(x));
+            low = pbw__smaller4(x, low);
+            high = pbw__larger4(x, high);
+            size = pbw__smaller4(pbw__size4(x), many);
+            on = pbw__signs(pbw__equal(size + many - many, size));
+        }
+        memcpy(share->low, &low, sizeof(low));
+        memcpy(share->high, &high, sizeof(high));
+        if (on != 15) {
+            pbw__grid_refine(share, q + (i - 1) * step, dim);
+        }
+    }
+    return i;
+}
+
+PBW__SIMD static size_t pbw__grid_add2_simd(pbw__grid_share *share, const double *q, size_t count)
+{
+    return pbw__grid_add_simd(share, q, count, 2);
+}
+
+PBW__SIMD static size_t pbw__grid_add3_simd(pbw__grid_share *share, const double *q, size_t count)
+{
+    return pbw__grid_add_simd(share, q, count, 3);
+}
+#endif
+
+/* `count` records more, from q on, for a share. */
+static void pbw__grid_add(pbw__grid_share *share, const double *q, size_t count, int dim)
+{
+    size_t done = 0;
+#ifdef PBW__SIMD
+    if (pbw__simd_works()) {
+        done = dim == 3 ? pbw__grid_add3_simd(share, q, count) : pbw__grid_add2_simd(share, q, count);
+    }
+#endif
+    if (dim == 3) {
+        pbw__grid_add_of(share, q + done * 4, count - done, 3);
+    } else {
+        pbw__grid_add_of(share, q + done * 3, count - done, 2);
+    }
+}
+
+/* The coarsest grid that holds the records of all shares, of dim coordinates and a weight, if differences are below
+   2^53 units, so that doubles hold them. */
+static void pbw__grid_close(pbw__grid *grid, const pbw__grid_share *shares, int count, int dim)
+{
+    pbw__grid_share all;
+    double inverse = 0.0, span = 0.0, limit = 1.0;
+    int bits = 0, i, k;
+    grid->inverse_unit = 0.0;
+    grid->bits = 0;
+    pbw__grid_share_reset(&all);
+    for (i = 0; i < count; i++) {
+        all.unit = shares[i].unit < all.unit ? shares[i].unit : all.unit;
+        for (k = 0; k <= dim; k++) {
+            all.low[k] = shares[i].low[k] < all.low[k] ? shares[i].low[k] : all.low[k];
+            all.high[k] = shares[i].high[k] > all.high[k] ? shares[i].high[k] : all.high[k];
+        }
+    }
+    if (!pbw__grid_span(&all, dim, &inverse, &span)) {
+        return;
+    }
+    while (bits < 54 && !(span < limit && (all.high[dim] - all.low[dim]) * inverse * inverse < limit * limit)) {
+        limit *= 2.0;
+        bits++;
+    }
+    if (bits < 54) {
+        grid->inverse_unit = inverse;
+        grid->bits = bits;
+    }
+}
+
+/* The same for records that are there. */
+typedef struct pbw__grid_scanning {
+    pbw__context *context;
+    const double *records;
+    size_t count;
+    int dim, tasks;
+    pbw__grid_share *share;
+} pbw__grid_scanning;
+
+static void pbw__grid_scan_share(void *arg, int task)
+{
+    const pbw__grid_scanning *scanning = (const pbw__grid_scanning *)arg;
+    const size_t end = pbw__share(scanning->count, task + 1, scanning->tasks);
+    size_t i = pbw__share(scanning->count, task, scanning->tasks), to;
+    pbw__grid_share share;
+    pbw__grid_share_reset(&share);
+    for (; i < end && !pbw__report(scanning->context, 0.01); i = to) {
+        to = end - i < PBW__TICK ? end : i + PBW__TICK;
+        pbw__grid_add(&share, scanning->records + i * (size_t)(scanning->dim + 1), to - i, scanning->dim);
+    }
+    scanning->share[task] = share;
+}
+
+static void pbw__grid_scan(pbw__context *context, const double *records, size_t count, int dim, pbw__grid *grid)
+{
+    pbw__grid_scanning scanning;
+    pbw__grid_share shares[64];
+    scanning.context = context;
+    scanning.records = records;
+    scanning.count = count;
+    scanning.dim = dim;
+    scanning.tasks = pbw__tasks(context, count, 65536);
+    scanning.tasks = scanning.tasks < 64 ? scanning.tasks : 64;
+    scanning.share = shares;
+    pbw__for(context, scanning.tasks, pbw__grid_scan_share, &scanning);
+    pbw__grid_close(grid, shares, scanning.tasks, dim);
+}
+/* ------------------------------------------------------------------------------------------------------
    >>predicates   Signs: filter, integers, pairs of doubles, exact determinant; and the verdict on ties.
    In: records of the kernel, {x, y, w} in the plane and {x, y, z, w} in space; w = 0 without weights; all finite.
    Out: exact signs, and for each positive simplex and point the one perturbed answer: in conflict or not.
@@ -1775,30 +2176,7 @@ static PBW__NOINLINE int pbw__exact_determinant(int dim, int count, const double
       pairs       unevaluated sums of two doubles, 93 correct bits; only where rounding is known to be to nearest
       >>exact     all finite doubles
    ------------------------------------------------------------------------------------------------------ */
-/* What a build knows of its records.  inverse_unit is 0 if they have no common grid, else a power of two: coordinates
-   are multiples of the unit and weights of its square, and they differ by less than 2^bits units and 4^bits unit^2.
-   A NULL grid means a call from outside: nothing is known, not even the rounding mode. */
-typedef struct pbw__grid {
-    double inverse_unit;
-    int bits;
-} pbw__grid;
-
 #define PBW__OPEN 2                                  /* a stage's answer if it does not know the sign */
-
-PBW__INLINE double pbw__larger(double a, double b)
-{
-    return a > b ? a : b;
-}
-
-PBW__INLINE double pbw__size(double a)
-{
-    return pbw__larger(a, -a);
-}
-
-PBW__INLINE double pbw__largest(double a, double b, double c, double d)
-{
-    return pbw__larger(pbw__larger(pbw__size(a), pbw__size(b)), pbw__larger(pbw__size(c), pbw__size(d)));
-}
 
 /* The sign of a value computed with an error below bound.  low is the least of mx, my, mz; high the largest, or ml.
    In this range nothing overflows (6 high^3 and 24 high^2.5 are below 1e301).  An underflow, or a denormal read as 0,
@@ -2304,215 +2682,6 @@ static int pbw__collinear3(const double *a, const double *b, const double *c, co
     return collinear;
 }
 
-/* ---- the grid of a set of records
-   What a share of the records has: a unit 2^unit, and its extremes; limit: 2^52 units, of coordinates and of weights.
-   Where the grid gets too fine it is given up: at once for random doubles. */
-typedef struct pbw__grid_share { int unit; double low[4], high[4], limit[2]; } pbw__grid_share;
-#define PBW__NO_UNIT (-501)
-
-static void pbw__grid_share_reset(pbw__grid_share *share)
-{
-    int k;
-    share->unit = 501;
-    for (k = 0; k < 4; k++) {
-        share->low[k] = DBL_MAX;
-        share->high[k] = -DBL_MAX;
-    }
-    share->limit[0] = share->limit[1] = HUGE_VAL;
-}
-
-/* 1 / unit and the longest side in units; 0 if that is too long for a grid. */
-static int pbw__grid_span(const pbw__grid_share *share, int dim, double *inverse, double *span)
-{
-    uint64_t pattern = (uint64_t)(1023 - share->unit) << 52;
-    int k;
-    if (share->unit < -500 || share->unit > 500) {
-        return 0;
-    }
-    memcpy(inverse, &pattern, sizeof(pattern));
-    for (*span = 0.0, k = 0; k < dim; k++) {
-        *span = pbw__larger(*span, (share->high[k] - share->low[k]) * *inverse);
-    }
-    return *span < 9007199254740992.0;
-}
-
-/* A unit for this record too. */
-static PBW__NOINLINE void pbw__grid_refine(pbw__grid_share *share, const double *q, int dim)
-{
-    int old = share->unit, k;
-    double inverse, span;
-    for (k = 0; k <= dim; k++) {
-        int64_t mantissa;
-        int exponent = pbw__decode(q[k], &mantissa), finest = k < dim ? share->unit : 2 * share->unit;
-        if (mantissa != 0 && exponent < finest
-            && (finest - exponent > 52 || (mantissa & (((int64_t)1 << (finest - exponent)) - 1)) != 0)) {
-            while (mantissa % 2 == 0) {              /* off the grid: the lowest bit makes a finer one */
-                mantissa /= 2;
-                exponent++;
-            }
-            share->unit = k < dim ? exponent : (exponent - (exponent & 1)) / 2;
-        }
-    }
-    if (share->unit == old) {
-        return;
-    }
-    if (pbw__grid_span(share, dim, &inverse, &span)) {
-        share->limit[0] = 4503599627370496.0 / inverse;
-        share->limit[1] = share->limit[0] / inverse;
-    } else {
-        share->unit = PBW__NO_UNIT;
-    }
-}
-
-/* A number is on the grid if it is of 2^52 units or more, or the sum of its size and 2^52 units is not rounded. */
-PBW__INLINE void pbw__grid_add_of(pbw__grid_share *share, const double *q, size_t count, int dim)
-{
-    const double *end = q + count * (size_t)(dim + 1);
-    double low[4], high[4];
-    int k;
-    memcpy(low, share->low, sizeof(low));
-    memcpy(high, share->high, sizeof(high));
-    for (; q < end && share->unit != PBW__NO_UNIT; q += dim + 1) {
-        uint64_t off = 0;
-        for (k = 0; k <= dim; k++) {
-            const double many = share->limit[k == dim], size = pbw__size(q[k]) < many ? pbw__size(q[k]) : many;
-            off |= pbw__bits(size + many - many - size);
-            low[k] = q[k] < low[k] ? q[k] : low[k];
-            high[k] = q[k] > high[k] ? q[k] : high[k];
-        }
-        if (PBW__UNLIKELY(off != 0)) {
-            memcpy(share->low, low, sizeof(low));
-            memcpy(share->high, high, sizeof(high));
-            pbw__grid_refine(share, q, dim);
-        }
-    }
-    memcpy(share->low, low, sizeof(low));
-    memcpy(share->high, high, sizeof(high));
-}
-
-#ifdef PBW__SIMD
-/* The same; in the plane lane 3 has a number of the next record, so the last one is left.  How many it did. */
-PBW__SIMD_INLINE size_t pbw__grid_add_simd(pbw__grid_share *share, const double *q, size_t count, int dim)
-{
-    const size_t some = dim == 2 && count > 0 ? count - 1 : count, step = (size_t)dim + 1;
-    pbw__d4 low, high, many, x, size;
-    size_t i = 0;
-    memcpy(&low, share->low, sizeof(low));
-    memcpy(&high, share->high, sizeof(high));
-    while (i < some && share->unit != PBW__NO_UNIT) {
-        unsigned on = 15;
-        many = pbw__four(share->limit[0], share->limit[0], share->limit[dim == 2], share->limit[dim == 3]);
-        for (; on == 15 && i < some; i++) {
-            memcpy(&x, q + i * step, sizeof(x));
-            low = pbw__smaller4(x, low);
-            high = pbw__larger4(x, high);
-            size = pbw__smaller4(pbw__size4(x), many);
-            on = pbw__signs(pbw__equal(size + many - many, size));
-        }
-        memcpy(share->low, &low, sizeof(low));
-        memcpy(share->high, &high, sizeof(high));
-        if (on != 15) {
-            pbw__grid_refine(share, q + (i - 1) * step, dim);
-        }
-    }
-    return i;
-}
-
-PBW__SIMD static size_t pbw__grid_add2_simd(pbw__grid_share *share, const double *q, size_t count)
-{
-    return pbw__grid_add_simd(share, q, count, 2);
-}
-
-PBW__SIMD static size_t pbw__grid_add3_simd(pbw__grid_share *share, const double *q, size_t count)
-{
-    return pbw__grid_add_simd(share, q, count, 3);
-}
-#endif
-
-/* `count` records more, from q on, for a share. */
-static void pbw__grid_add(pbw__grid_share *share, const double *q, size_t count, int dim)
-{
-    size_t done = 0;
-#ifdef PBW__SIMD
-    if (pbw__simd_works()) {
-        done = dim == 3 ? pbw__grid_add3_simd(share, q, count) : pbw__grid_add2_simd(share, q, count);
-    }
-#endif
-    if (dim == 3) {
-        pbw__grid_add_of(share, q + done * 4, count - done, 3);
-    } else {
-        pbw__grid_add_of(share, q + done * 3, count - done, 2);
-    }
-}
-
-/* The coarsest grid that holds the records of all shares, of dim coordinates and a weight, if differences are below
-   2^53 units, so that doubles hold them. */
-static void pbw__grid_close(pbw__grid *grid, const pbw__grid_share *shares, int count, int dim)
-{
-    pbw__grid_share all;
-    double inverse = 0.0, span = 0.0, limit = 1.0;
-    int bits = 0, i, k;
-    grid->inverse_unit = 0.0;
-    grid->bits = 0;
-    pbw__grid_share_reset(&all);
-    for (i = 0; i < count; i++) {
-        all.unit = shares[i].unit < all.unit ? shares[i].unit : all.unit;
-        for (k = 0; k <= dim; k++) {
-            all.low[k] = shares[i].low[k] < all.low[k] ? shares[i].low[k] : all.low[k];
-            all.high[k] = shares[i].high[k] > all.high[k] ? shares[i].high[k] : all.high[k];
-        }
-    }
-    if (!pbw__grid_span(&all, dim, &inverse, &span)) {
-        return;
-    }
-    while (bits < 54 && !(span < limit && (all.high[dim] - all.low[dim]) * inverse * inverse < limit * limit)) {
-        limit *= 2.0;
-        bits++;
-    }
-    if (bits < 54) {
-        grid->inverse_unit = inverse;
-        grid->bits = bits;
-    }
-}
-
-/* The same for records that are there. */
-typedef struct pbw__grid_scanning {
-    pbw__context *context;
-    const double *records;
-    size_t count;
-    int dim, tasks;
-    pbw__grid_share *share;
-} pbw__grid_scanning;
-
-static void pbw__grid_scan_share(void *arg, int task)
-{
-    const pbw__grid_scanning *scanning = (const pbw__grid_scanning *)arg;
-    const size_t end = pbw__share(scanning->count, task + 1, scanning->tasks);
-    size_t i = pbw__share(scanning->count, task, scanning->tasks), to;
-    pbw__grid_share share;
-    pbw__grid_share_reset(&share);
-    for (; i < end && !pbw__report(scanning->context, 0.01); i = to) {
-        to = end - i < PBW__TICK ? end : i + PBW__TICK;
-        pbw__grid_add(&share, scanning->records + i * (size_t)(scanning->dim + 1), to - i, scanning->dim);
-    }
-    scanning->share[task] = share;
-}
-
-static void pbw__grid_scan(pbw__context *context, const double *records, size_t count, int dim, pbw__grid *grid)
-{
-    pbw__grid_scanning scanning;
-    pbw__grid_share shares[64];
-    scanning.context = context;
-    scanning.records = records;
-    scanning.count = count;
-    scanning.dim = dim;
-    scanning.tasks = pbw__tasks(context, count, 65536);
-    scanning.tasks = scanning.tasks < 64 ? scanning.tasks : 64;
-    scanning.share = shares;
-    pbw__for(context, scanning.tasks, pbw__grid_scan_share, &scanning);
-    pbw__grid_close(grid, shares, scanning.tasks, dim);
-}
-
 /* ---- for callers from outside */
 PBWDEF int pbw_orient2(const double a[2], const double b[2], const double c[2])
 {
@@ -2524,10 +2693,9 @@ PBWDEF int pbw_orient3(const double a[3], const double b[3], const double c[3], 
     return pbw__orient3(a, b, c, d, NULL);
 }
 
-/* point[0..dim+1], the last one p, and their weights or NULL, as records. */
-static int pbw__power(int dim, const double *const *point, const double *weight)
+/* The points, the last one p, and their weights or NULL, as records. */
+static void pbw__records(int dim, const double *const *point, const double *weight, double q[5][4])
 {
-    double q[5][4];
     int i, k;
     for (i = 0; i < dim + 2; i++) {
         for (k = 0; k < dim; k++) {
@@ -2535,6 +2703,12 @@ static int pbw__power(int dim, const double *const *point, const double *weight)
         }
         q[i][dim] = weight != NULL ? weight[i] : 0.0;
     }
+}
+
+static int pbw__power(int dim, const double *const *point, const double *weight)
+{
+    double q[5][4];
+    pbw__records(dim, point, weight, q);
     return dim == 2 ? pbw__power2(q[0], q[1], q[2], q[3], NULL) : pbw__power3(q[0], q[1], q[2], q[3], q[4], NULL);
 }
 
@@ -2576,7 +2750,7 @@ PBWDEF int pbw_insphere(const double a[3], const double b[3], const double c[3],
    where points lie in few cells, all by twice as many.
    ------------------------------------------------------------------------------------------------------ */
 typedef struct pbw__input {
-    int dim, is_float;
+    int dim, is_float, borrow;
     size_t count, stride, weight_stride;
     const char *points, *weights;
 } pbw__input;
@@ -3571,19 +3745,108 @@ done:
     }
     return status;
 }
+
+/* Numbers along the curve, for pbw_order and PBW_CURVE_ORDER: each vertex is followed by its duplicates, ascending.
+   Fills original (the caller's number of each new one), and turns the ids of the vertices and the canonical points
+   into new numbers. */
+typedef struct pbw__numbering {
+    pbw__vertices *vertices;
+    pbw_index *original, *next;                      /* next: per canonical point of the caller, the first free
+                                                        number of its group; unused if there are no duplicates */
+} pbw__numbering;
+
+static pbw_status pbw__number_range(void *arg, size_t from, size_t to)
+{
+    const pbw__numbering *numbering = (const pbw__numbering *)arg;
+    pbw_index *id = numbering->vertices->id + 1;
+    for (; from < to; from++) {
+        numbering->original[from] = id[from];
+        id[from] = (pbw_index)from;
+    }
+    return PBW_OK;
+}
+
+static void pbw__number_groups(pbw__numbering *numbering)
+{
+    pbw__vertices *vertices = numbering->vertices;
+    pbw_index *next = numbering->next, *original = numbering->original, *canonical = vertices->canonical;
+    size_t i, r, free_number = 0;
+    memset(next, 0, vertices->point_count * sizeof(pbw_index));
+    for (i = 0; i < vertices->point_count; i++) {
+        next[canonical[i]]++;
+    }
+    for (r = 1; r <= vertices->count; r++) {
+        const pbw_index point = vertices->id[r];
+        const size_t points = next[point];
+        original[free_number] = point;
+        vertices->id[r] = (pbw_index)free_number;
+        next[point] = (pbw_index)free_number + 1;
+        free_number += points;
+    }
+    for (i = 0; i < vertices->point_count; i++) {
+        if (canonical[i] != i) {
+            original[next[canonical[i]]++] = (pbw_index)i;
+        }
+    }
+    for (r = 1; r <= vertices->count; r++) {         /* groups lie between the numbers of successive vertices */
+        const size_t first = vertices->id[r], end = r < vertices->count ? vertices->id[r + 1] : vertices->point_count;
+        for (i = first; i < end; i++) {
+            canonical[i] = (pbw_index)first;
+        }
+    }
+}
+
+static pbw_status pbw__number_along_curve(pbw__context *context, pbw__vertices *vertices, pbw_index *original)
+{
+    pbw__numbering numbering;
+    numbering.vertices = vertices;
+    numbering.original = original;
+    if (vertices->duplicate_count == 0) {
+        return pbw__for_range(context, vertices->count, 65536, 1.0, 1.0, pbw__number_range, &numbering);
+    }
+    numbering.next = (pbw_index *)pbw__allocate(&context->memory, vertices->point_count, sizeof(pbw_index));
+    if (numbering.next == NULL) {
+        return PBW_ERROR_MEMORY;
+    }
+    pbw__number_groups(&numbering);
+    pbw__release(&context->memory, numbering.next, vertices->point_count, sizeof(pbw_index));
+    return PBW_OK;
+}
+
+/* The arguments of a call, checked.  A borrowed array must be one that the mesh could have made. */
+static pbw_status pbw__input_of(int dim, int is_float, const void *points, const void *weights, size_t count,
+                                const pbw_options *options, pbw__input *input)
+{
+    const size_t size = is_float ? sizeof(float) : sizeof(double), packed = (size_t)dim * size;
+    const unsigned all = PBW_ANY_ORDER | PBW_NO_NEIGHBORS | PBW_BACKEND_OR_CPU | PBW_CURVE_ORDER | PBW_BORROW;
+    input->dim = dim;
+    input->is_float = is_float;
+    input->borrow = (options->flags & PBW_BORROW) != 0;
+    input->count = count;
+    input->stride = options->stride != 0 ? options->stride : packed;
+    input->weight_stride = options->weight_stride != 0 ? options->weight_stride : size;
+    input->points = (const char *)points;
+    input->weights = (const char *)weights;
+    if ((dim != 2 && dim != 3) || (points == NULL && count != 0) || options->threads < 0 || options->threads > 256
+        || (options->flags & ~all) != 0 || input->stride < packed || input->weight_stride < size
+        || (input->borrow && (is_float || input->stride != packed || (weights != NULL && input->weight_stride != size)
+                              || (options->flags & PBW_CURVE_ORDER) != 0))) {
+        return PBW_ERROR_ARGUMENT;
+    }
+    if (count >= PBW_NONE || count > (size_t)-1 / input->stride || count > (size_t)-1 / input->weight_stride
+        || count > (size_t)-1 / 256) {
+        return PBW_ERROR_TOO_LARGE;
+    }
+    return PBW_OK;
+}
 /* ------------------------------------------------------------------------------------------------------
-   >>mesh         The triangulation while it is built.
+   >>mesh         The triangulation while it is built, and one thread's view of it.
    Simplex t has the vertices corner[4*t + i] and, across from each, link[4*t + i]: 4*neighbour + the number of the
    neighbour's corner across the shared facet.  So corner[link] is the far vertex, link[link] the link back, each one
    load.  In 3D that is 32 bytes a simplex; in 2D the fourth entries are not used.
 
    Vertex 0 is the ghost vertex at infinity: each facet of the hull carries a ghost simplex, so that every facet has
    two sides and the hull needs no cases of its own.
-
-   Each run of ranks has a region of slots: a star takes the slots of its cavity, and what it needs more from the
-   region of its vertex.  Ranks follow the Hilbert curve; so what is close in space is close in memory, whenever it
-   was made, and the output finds the simplices nearly in order.  Past the regions lies the tail, for regions that are
-   full.
 
    Holds, between insertions:
      - every link's link back is itself; the two simplices have the facet's vertices in common;
@@ -3656,7 +3919,7 @@ typedef struct pbw__kernel {
     const double *record;                            /* vertex records, (dim+1) doubles each */
     const pbw__grid *grid;
     int dim, weighted;                               /* not weighted: every vertex becomes one, none is hidden */
-    double exact_height;                             /* below it the filters make no error, see >>cavity */
+    double exact_height;                             /* below it the filters make no error, see >>cavity3 */
     pbw_index *corner;                               /* the store's arrays */
     pbw__link *link;
     unsigned char *mark;
@@ -3703,19 +3966,6 @@ typedef struct pbw__kernel {
     char apart_too[128];
 } pbw__kernel;
 
-static int pbw__resize_array(pbw__memory *memory, void *array, size_t *capacity, size_t wanted, size_t size)
-{
-    void *old, *block;
-    memcpy(&old, array, sizeof(old));
-    block = pbw__resize(memory, old, *capacity, wanted, size);
-    if (block == NULL) {
-        return 0;
-    }
-    memcpy(array, &block, sizeof(block));
-    *capacity = wanted;
-    return 1;
-}
-
 /* Room for `needed` items in a scratch array of the kernel; grows by half. */
 static int pbw__grow(pbw__kernel *kernel, void *array, size_t *capacity, size_t needed, size_t size)
 {
@@ -3724,6 +3974,83 @@ static int pbw__grow(pbw__kernel *kernel, void *array, size_t *capacity, size_t 
                                                     bigger > needed ? bigger : needed, size);
 }
 
+PBW__INLINE void pbw__kernel_attach(pbw__kernel *kernel)
+{
+    kernel->corner = kernel->store->corner;
+    kernel->link = kernel->store->link;
+    kernel->mark = kernel->store->mark;
+}
+
+/* Corners of facet i, from the second entry on, in the order that makes (p, a, b, c) positive for p inside. */
+static const unsigned char pbw__facet_corners[4][4] = {
+    { 0, 1, 2, 3 }, { 0, 2, 0, 3 }, { 0, 0, 1, 3 }, { 0, 0, 2, 1 }
+};
+
+PBW__INLINE const double *pbw__record2(const pbw__kernel *kernel, pbw_index v)
+{
+    return kernel->record + (size_t)v * 3;
+}
+PBW__INLINE const double *pbw__record3(const pbw__kernel *kernel, pbw_index v)
+{
+    return kernel->record + (size_t)v * 4;
+}
+
+/* The exact verdict on any simplex, ghosts included.  A ghost with the point in its facet's plane is in conflict
+   exactly when the finite simplex behind the facet is. */
+static PBW__NOINLINE int pbw__in_conflict3(pbw__kernel *kernel, pbw_index t, const double *p)
+{
+    const pbw_index *v = kernel->corner + 4 * (size_t)t;
+    kernel->statistics.exact_tests++;
+    if (v[3] == PBW__GHOST) {
+        int side = pbw__orient3(pbw__record3(kernel, v[0]), pbw__record3(kernel, v[1]), pbw__record3(kernel, v[2]), p,
+                                kernel->grid);
+        if (side != 0) {
+            return side > 0;
+        }
+        v = kernel->corner + (kernel->link[4 * (size_t)t + 3] & ~(pbw__link)3);
+    }
+    return pbw__conflict3(pbw__record3(kernel, v[0]), pbw__record3(kernel, v[1]), pbw__record3(kernel, v[2]),
+                          pbw__record3(kernel, v[3]), p, kernel->grid);
+}
+
+static PBW__NOINLINE int pbw__in_conflict2(pbw__kernel *kernel, pbw_index t, const double *p)
+{
+    const pbw_index *v = kernel->corner + 4 * (size_t)t;
+    kernel->statistics.exact_tests++;
+    if (v[2] == PBW__GHOST) {
+        int side = pbw__orient2(pbw__record2(kernel, v[0]), pbw__record2(kernel, v[1]), p, kernel->grid);
+        if (side != 0) {
+            return side > 0;
+        }
+        v = kernel->corner + (kernel->link[4 * (size_t)t + 2] & ~(pbw__link)3);
+    }
+    return pbw__conflict2(pbw__record2(kernel, v[0]), pbw__record2(kernel, v[1]), pbw__record2(kernel, v[2]), p,
+                          kernel->grid);
+}
+
+/* Ownership, defined in >>parallel: whether this thread owns a vertex or a cell of them, may delete a simplex, may
+   cross a facet. */
+PBW__INLINE int pbw__owns_cell(pbw__kernel *kernel, size_t cell);
+PBW__INLINE int pbw__owns(pbw__kernel *kernel, pbw_index v);
+PBW__INLINE unsigned pbw__is_ours(const pbw__kernel *kernel, pbw_index v);
+PBW__INLINE int pbw__may_delete(pbw__kernel *kernel, pbw_index t);
+PBW__INLINE int pbw__may_cross(pbw__kernel *kernel, pbw_index t, unsigned facet);
+#ifdef PBW__SIMD
+PBW__INLINE unsigned pbw__lacking4(const pbw__kernel *kernel, pbw_index a, pbw_index b, pbw_index c, pbw_index d);
+static PBW__NOINLINE int pbw__may_delete_all(pbw__kernel *kernel, const pbw__carved *carved, unsigned lacking,
+                                             unsigned inside);
+#endif
+/* ------------------------------------------------------------------------------------------------------
+   >>slots        Where simplices are stored.
+   In: the number of vertices; then, for each insertion, the slots of its cavity and how many its star needs.
+   Out: slots for the star.
+   Holds: a slot is in a simplex, free in one thread's list, or was never used.
+
+   Each run of ranks has a region of slots: a star takes the slots of its cavity, and what it needs more from the
+   region of its vertex.  Ranks follow the Hilbert curve; so what is close in space is close in memory, whenever it
+   was made, and the output finds the simplices nearly in order.  Past the regions lies the tail, for regions that are
+   full.
+   ------------------------------------------------------------------------------------------------------ */
 /* Room for `needed` simplices in all, more or less than before. */
 static PBW__NOINLINE pbw_status pbw__store_reserve(pbw__context *context, pbw__store *store, size_t needed)
 {
@@ -3806,11 +4133,157 @@ static void pbw__store_free(pbw__memory *memory, pbw__store *store)
     memset(store, 0, sizeof(*store));
 }
 
-PBW__INLINE void pbw__kernel_attach(pbw__kernel *kernel)
+/* Takes back the marks of a cavity that will not be. */
+static PBW__NOINLINE pbw_status pbw__leave_cavity(pbw__kernel *kernel, size_t count)
 {
-    kernel->corner = kernel->store->corner;
-    kernel->link = kernel->store->link;
-    kernel->mark = kernel->store->mark;
+    size_t i;
+    for (i = 0; i < count; i++) {
+        kernel->mark[kernel->cavity[i]] = 0;
+    }
+    return PBW__LEFT;
+}
+
+/* Room for `needed` items in each of the lists of cavity and boundary. */
+static PBW__NOINLINE int pbw__grow_lists(pbw__kernel *kernel, size_t needed)
+{
+    return (kernel->dim == 2 || needed <= PBW_NONE / 4)          /* a facet in 32 bits */
+        && pbw__grow(kernel, &kernel->cavity, &kernel->cavity_capacity, needed, sizeof(pbw_index))
+        && (kernel->dim == 2
+                ? pbw__grow(kernel, &kernel->beyond, &kernel->beyond_capacity, needed, sizeof(pbw__link))
+                : pbw__grow(kernel, &kernel->carved, &kernel->carved_capacity, needed, sizeof(pbw__carved))
+                  && pbw__grow(kernel, &kernel->parent, &kernel->parent_capacity, needed, sizeof(pbw_index))
+                  && pbw__grow(kernel, &kernel->from, &kernel->from_capacity, needed, sizeof(pbw_index)));
+}
+
+static void pbw__leave_region(pbw__kernel *kernel)
+{
+    pbw__store *store = kernel->store;
+    if (kernel->region != (size_t)-1) {
+        store->region[kernel->region] = (pbw_index)kernel->fresh;
+        if (kernel->owner == NULL && kernel->last != kernel->last_entered) {         /* else see >>parallel */
+            store->hint[kernel->region] = kernel->last;
+        }
+        kernel->region = (size_t)-1;
+    }
+    kernel->fresh = kernel->fresh_end = 0;
+}
+
+/* The region of the next vertex becomes the one that slots are taken from. */
+static PBW__NOINLINE void pbw__enter_region(pbw__kernel *kernel, size_t region)
+{
+    pbw__store *store = kernel->store;
+    /* In a task the last star is as near as any hint, and ours, if it was in the region beside. */
+    const int near = kernel->owner != NULL && kernel->last != PBW_NONE && kernel->region - region + 1 <= 2;
+    pbw_index hint;
+    pbw__leave_region(kernel);
+    kernel->region = region;
+    kernel->fresh = store->region[region];
+    kernel->fresh_end = pbw__region_end(store, region);
+    hint = store->hint[region];
+    if (!near && hint != PBW_NONE && kernel->corner[4 * (size_t)hint] != PBW_NONE) {
+        kernel->last = hint;                         /* the way from the last vertex may be long, or lead abroad */
+    }
+    kernel->last_entered = kernel->last;
+}
+
+/* Room in the tail for `needed` simplices: a block of what there is; alone, we can make more. */
+static PBW__NOINLINE pbw_status pbw__more_tail(pbw__kernel *kernel, size_t needed)
+{
+    pbw__store *store = kernel->store;
+    size_t block = needed > 1024 ? needed : 1024, from, t;
+    pbw_status status = PBW_OK;
+    if (kernel->owner == NULL && store->capacity - store->count < block) {
+        size_t bigger = pbw__store_bigger(store), least = store->count + needed;
+        status = store->capacity >= least && store->capacity == PBW__SIMPLEX_LIMIT ? PBW_OK
+               : pbw__store_reserve(kernel->context, store, bigger > least ? bigger : least);
+        pbw__kernel_attach(kernel);
+        if (status != PBW_OK) {
+            return status;
+        }
+        block = block < store->capacity - store->count ? block : store->capacity - store->count;
+    }
+    from = PBW__LOAD(&store->count);
+    do {
+        PBW_PAUSE();
+        if (store->capacity - from < block) {
+            kernel->no_room = 1;                     /* at the end of the round there will be more */
+            return PBW__LEFT;
+        }
+    } while (!PBW__REPLACE(&store->count, &from, from + block));
+    for (t = kernel->tail; t < kernel->tail_end; t++) {
+        kernel->corner[4 * t] = PBW_NONE;
+        kernel->corner[4 * t + 1] = kernel->free_list;
+        kernel->mark[t] = 0;
+        kernel->free_list = (pbw_index)t;
+        kernel->free_count++;
+    }
+    kernel->tail = from;
+    kernel->tail_end = from + block;
+    for (t = from; t < from + block; t++) {
+        kernel->corner[4 * t] = PBW_NONE;
+    }
+    return PBW_OK;
+}
+
+/* A slot that the caller knows to be there. */
+static PBW__NOINLINE pbw_index pbw__take_slot(pbw__kernel *kernel)
+{
+    pbw_index t;
+    if (kernel->fresh < kernel->fresh_end) {
+        t = (pbw_index)kernel->fresh++;
+        kernel->mark[t] = 0;
+    } else if (kernel->free_count > 0) {
+        t = kernel->free_list;
+        kernel->free_list = kernel->corner[4 * (size_t)t + 1];
+        kernel->free_count--;
+    } else {
+        t = (pbw_index)kernel->tail++;
+        kernel->mark[t] = 0;
+    }
+    return t;
+}
+
+/* The slots of the star: those of the cavity first, still marked; cavity slots too many become free. */
+PBW__INLINE pbw_status pbw__take_slots(pbw__kernel *kernel)
+{
+    size_t have = kernel->cavity_count, needed = kernel->facet_count, i;
+    size_t room = have + (kernel->fresh_end - kernel->fresh) + kernel->free_count + (kernel->tail_end - kernel->tail);
+    pbw_index *cavity;
+    if (PBW__UNLIKELY(needed > room)) {
+        pbw_status status = pbw__more_tail(kernel, needed - room);
+        if (status != PBW_OK) {
+            (void)pbw__leave_cavity(kernel, have);
+            return status;
+        }
+    }
+    if (PBW__UNLIKELY(needed + 8 > kernel->cavity_capacity) && !pbw__grow_lists(kernel, needed + 8)) {
+        return PBW_ERROR_MEMORY;
+    }
+    cavity = kernel->cavity;
+    if (PBW__LIKELY(needed >= have) && PBW__LIKELY(kernel->fresh_end - kernel->fresh >= needed - have)) {
+        for (i = have; i < needed; i += 8) {         /* by eights: no predictor could guess how many are needed */
+            pbw_index fresh = (pbw_index)(kernel->fresh + (i - have)), k;
+            for (k = 0; k < 8; k++) {
+                cavity[i + k] = fresh + k;
+            }
+        }
+        kernel->fresh += needed - have;
+    } else {
+        for (i = have; i < needed; i++) {
+            cavity[i] = pbw__take_slot(kernel);
+        }
+    }
+    for (i = needed; i < have; i++) {
+        pbw_index *corner = kernel->corner + 4 * (size_t)cavity[i];
+        kernel->mark[cavity[i]] = 0;
+        corner[0] = PBW_NONE;
+        corner[1] = kernel->free_list;
+        kernel->free_list = cavity[i];
+        kernel->free_count++;
+    }
+    kernel->statistics.created += needed;
+    kernel->last = cavity[needed - 1];
+    return PBW_OK;
 }
 /* ------------------------------------------------------------------------------------------------------
    >>walk         Where a point lies.
@@ -3827,38 +4300,24 @@ PBW__INLINE void pbw__kernel_attach(pbw__kernel *kernel)
 
    Errors.  With coordinates relative to the point, S_i is a sum of 6 products of 3 factors.  A product carries 3
    rounded translations, 2 multiplications, 1 + 2 additions: |error| <= 8u/(1-8u) * 6 m^3 < 5.4e-15 m^3, m the largest
-   |coordinate|, so m^2 <= h of >>cavity.  Compared as S^2 > (5.4e-15)^2 h^3; h is computed with 3 roundings, which
+   |coordinate|, so m^2 <= h of >>cavity3.  Compared as S^2 > (5.4e-15)^2 h^3; h is computed with 3 roundings, which
    the next digit of the constant covers, and raised to 1e-55 if it is less.  2D: 2 products, 2 translations, 1
    multiplication, 1 addition: < 4u * 2 m^2 < 9e-16 m^2.  An underflow adds at most 2^-1074 a product, far below the
    bounds.  Where something overflows the bound is infinite, or a comparison with it false.  In vectors the bound is
-   9e-16 h with h >= |x|^2 >= m^2; on a small grid (>>cavity) it is less than a unit^2: a side that it leaves open is
+   9e-16 h with h >= |x|^2 >= m^2; on a small grid (>>cavity3) it is less than a unit^2: a side that it leaves open is
    zero.
    ------------------------------------------------------------------------------------------------------ */
 #define PBW__ORIENT2_ERROR 9e-16
 #define PBW__ORIENT3_ERROR 5.4e-15
-#define PBW__CIRCLE_ERROR 9e-15                      /* derived in >>cavity */
+#define PBW__CIRCLE_ERROR 9e-15                      /* derived in >>cavity2 */
 #define PBW__SPHERE_ERROR 5.2e-14
 #define PBW__EXACT_HEIGHT2 3.8e7                     /* in units of a grid, squared */
 #define PBW__EXACT_HEIGHT3 6.5e5
-
-/* Corners of facet i, from the second entry on, in the order that makes (p, a, b, c) positive for p inside. */
-static const unsigned char pbw__facet_corners[4][4] = {
-    { 0, 1, 2, 3 }, { 0, 2, 0, 3 }, { 0, 0, 1, 3 }, { 0, 0, 2, 1 }
-};
 
 PBW__INLINE double pbw__det3(const double *a, const double *b, const double *c)
 {
     return a[0] * (b[1] * c[2] - b[2] * c[1]) - a[1] * (b[0] * c[2] - b[2] * c[0])
          + a[2] * (b[0] * c[1] - b[1] * c[0]);
-}
-
-PBW__INLINE const double *pbw__record2(const pbw__kernel *kernel, pbw_index v)
-{
-    return kernel->record + (size_t)v * 3;
-}
-PBW__INLINE const double *pbw__record3(const pbw__kernel *kernel, pbw_index v)
-{
-    return kernel->record + (size_t)v * 4;
 }
 
 /* The row (x, y, z, lift) of a vertex relative to p, zero for the ghost; returns its height. */
@@ -3964,39 +4423,6 @@ PBW__SIMD_INLINE pbw__rows2 pbw__rows2_of(const double *record, pbw_index v0, pb
 }
 #endif
 
-/* The exact verdict on any simplex, ghosts included.  A ghost with the point in its facet's plane is in conflict
-   exactly when the finite simplex behind the facet is. */
-static PBW__NOINLINE int pbw__in_conflict3(pbw__kernel *kernel, pbw_index t, const double *p)
-{
-    const pbw_index *v = kernel->corner + 4 * (size_t)t;
-    kernel->statistics.exact_tests++;
-    if (v[3] == PBW__GHOST) {
-        int side = pbw__orient3(pbw__record3(kernel, v[0]), pbw__record3(kernel, v[1]), pbw__record3(kernel, v[2]), p,
-                                kernel->grid);
-        if (side != 0) {
-            return side > 0;
-        }
-        v = kernel->corner + (kernel->link[4 * (size_t)t + 3] & ~(pbw__link)3);
-    }
-    return pbw__conflict3(pbw__record3(kernel, v[0]), pbw__record3(kernel, v[1]), pbw__record3(kernel, v[2]),
-                          pbw__record3(kernel, v[3]), p, kernel->grid);
-}
-
-static PBW__NOINLINE int pbw__in_conflict2(pbw__kernel *kernel, pbw_index t, const double *p)
-{
-    const pbw_index *v = kernel->corner + 4 * (size_t)t;
-    kernel->statistics.exact_tests++;
-    if (v[2] == PBW__GHOST) {
-        int side = pbw__orient2(pbw__record2(kernel, v[0]), pbw__record2(kernel, v[1]), p, kernel->grid);
-        if (side != 0) {
-            return side > 0;
-        }
-        v = kernel->corner + (kernel->link[4 * (size_t)t + 2] & ~(pbw__link)3);
-    }
-    return pbw__conflict2(pbw__record2(kernel, v[0]), pbw__record2(kernel, v[1]), pbw__record2(kernel, v[2]), p,
-                          kernel->grid);
-}
-
 /* The first facet of a finite simplex that has p strictly outside, exactly; 4 if there is none.  Facets in `inner`
    are known to have it inside.  2D: an edge, or 3. */
 static PBW__NOINLINE unsigned pbw__exit3(const pbw__kernel *kernel, pbw_index t, const double *p, unsigned inner)
@@ -4026,73 +4452,6 @@ static PBW__NOINLINE unsigned pbw__exit2(const pbw__kernel *kernel, pbw_index t,
         }
     }
     return i;
-}
-
-/* >>parallel: whether we own a vertex, may delete a simplex, may cross a facet.  The ghost is nobody's in 3D,
-   everybody's in 2D. */
-
-/* Takes a cell that is nobody's; 0 = another task was quicker, or we have too many. */
-static PBW__NOINLINE int pbw__claim(pbw__kernel *kernel, size_t cell)
-{
-    uint8_t nobody = PBW__NOBODY;
-    PBW_PAUSE();
-    if (kernel->claim_count == PBW__CLAIMS || !PBW__TAKE(kernel->owner + cell, &nobody, kernel->me)) {
-        return 0;
-    }
-    kernel->claim[kernel->claim_count++] = (pbw_index)cell;
-    return 1;
-}
-
-PBW__INLINE int pbw__owns_cell(pbw__kernel *kernel, size_t cell)
-{
-    uint8_t owner = PBW__LOAD(kernel->owner + cell);
-    if (owner == kernel->me || (owner == PBW__NOBODY && pbw__claim(kernel, cell))) {
-        return 1;
-    }
-    kernel->blocker = owner;
-    return 0;
-}
-
-PBW__INLINE int pbw__owns(pbw__kernel *kernel, pbw_index v)
-{
-    return v != PBW__GHOST && pbw__owns_cell(kernel, v >> kernel->owner_bits);
-}
-
-PBW__INLINE unsigned pbw__is_ours(const pbw__kernel *kernel, pbw_index v)
-{
-    return (v != PBW__GHOST) & (PBW__LOAD(kernel->owner + (v >> kernel->owner_bits)) == kernel->me);
-}
-
-/* Cells are taken only for the corners that are lacking: whatever we hold is in other tasks' way. */
-static PBW__NOINLINE int pbw__take_corners(pbw__kernel *kernel, const pbw_index *v, unsigned except, int wanted)
-{
-    unsigned k, others = 0;
-    for (k = 0; k <= (unsigned)kernel->dim; k++) {
-        unsigned ours = pbw__is_ours(kernel, v[k]);
-        wanted -= (int)ours & (k != except);
-        others |= ((ours ^ 1u) & (k != except)) << k;
-    }
-    for (k = 0; wanted > 0 && others >> k != 0; k++) {
-        wanted -= (others >> k & 1) != 0 && pbw__owns(kernel, v[k]);
-    }
-    return wanted <= 0;
-}
-
-PBW__INLINE int pbw__may_delete(pbw__kernel *kernel, pbw_index t)
-{
-    const pbw_index *v = kernel->corner + 4 * (size_t)t;
-    unsigned ours = pbw__is_ours(kernel, v[0]) + pbw__is_ours(kernel, v[1]) + pbw__is_ours(kernel, v[2]);
-    unsigned wanted = kernel->dim == 2 && v[2] == PBW__GHOST ? 2 : 3;
-    ours += kernel->dim == 3 ? pbw__is_ours(kernel, v[3]) : 0;
-    return ours >= wanted || pbw__take_corners(kernel, v, 4, (int)wanted);
-}
-
-PBW__INLINE int pbw__may_cross(pbw__kernel *kernel, pbw_index t, unsigned facet)
-{
-    const pbw_index *v = kernel->corner + 4 * (size_t)t;
-    unsigned ours = pbw__is_ours(kernel, v[facet == 0]) + pbw__is_ours(kernel, v[facet < 2 ? 2 : 1]);
-    ours += kernel->dim == 3 ? pbw__is_ours(kernel, v[facet == 3 ? 2 : 3]) : 0;
-    return (int)ours >= kernel->dim - 1 || pbw__take_corners(kernel, v, facet, kernel->dim - 1);
 }
 
 /* The walk starts at a finite simplex: across from the ghost vertex, if need be. */
@@ -4329,12 +4688,30 @@ PBW__SIMD_INLINE pbw_index pbw__locate2_simd(pbw__kernel *kernel, pbw_index t, c
     return t;
 }
 #endif
+
+/* Where the walk to a vertex starts. */
+PBW__INLINE pbw_index pbw__insert_start(pbw__kernel *kernel, pbw_index vertex)
+{
+    size_t region = vertex >> kernel->store->cell_bits;
+    if (PBW__UNLIKELY(region != kernel->region)) {
+        pbw__enter_region(kernel, region);
+    }
+    return kernel->last != PBW_NONE ? kernel->last : PBW__FOREIGN;
+}
+
+/* What came of a walk: PBW_OK with a simplex to delete.  The next walk begins there, if the vertex is left. */
+PBW__INLINE pbw_status pbw__located(pbw__kernel *kernel, pbw_index t)
+{
+    kernel->last = t < PBW__FOREIGN ? t : kernel->last;
+    return t == PBW__FOREIGN || (t != PBW_NONE && kernel->owner != NULL && !pbw__may_delete(kernel, t)) ? PBW__LEFT
+                                                                                                       : PBW_OK;
+}
 /* ------------------------------------------------------------------------------------------------------
-   >>cavity       Carve every simplex in conflict with the point, refill with the point's star.
+   >>cavity3      In space: carve every simplex in conflict with the point, refill with the point's star.
    In: a simplex in conflict.  Out: the star of the new vertex.   (Bowyer 1981, Watson 1981)
    Holds before and after: the invariants of >>mesh.
 
-   3D.  The search takes one simplex of the cavity after the other and tests its four neighbours at once.  The
+   The search takes one simplex of the cavity after the other and tests its four neighbours at once.  The
    neighbour across facet i is this simplex with corner i replaced by the far vertex o: with rows (x, y, z, lift)
    relative to the point, det(rows, row i replaced by o's) > 0 exactly if it is in conflict.  Expanded along row i
    this is a dot product of o's row with four cofactors, and the cofactors of the four facets share their 2x2 minors.
@@ -4351,27 +4728,13 @@ PBW__SIMD_INLINE pbw_index pbw__locate2_simd(pbw__kernel *kernel, pbw_index t, c
    covers that; a fused multiplication and addition saves a rounding.  Compared as det^2 > (5.2e-14)^2 h^5, h raised
    to 1e-55 if it is less, so that what underflows is far below the bound; above 4e61 the product h^5, computed first,
    is infinite and nothing exceeds it.
-   2D: 6 products of x, y and a lift; 2 translations; lift 2 + 1 + 1 + 2; 2 multiplications; 1 + 2 additions: 13
-   roundings, 13u * 6 h^2 < 8.7e-15 h^2; 9e-15 with the roundings of h; h raised to 1e-140.  In vectors the triangle
-   (o, e, s) across an edge s e has the determinant o.x (s.l e.y - e.l s.y) + o.y (e.l s.x - s.l e.x) - o.l (s.x e.y -
-   e.x s.y), with as many roundings.  There the bound is computed from 8 h h, which is infinite before a partial
-   sum, of at most 6 h^2, can be.  Everything the bound leaves open goes to >>predicates.
+   Everything the bound leaves open goes to >>predicates.
 
    Small grids.  Where all coordinates are multiples of a unit and all weights of its square (>>predicates has the
    grid), the rows and all partial results are integers in that unit, none larger than the sum of the absolute
    products, 24 H^(5/2) for a height of H units^2.  With H < 6.5e5 that is below 2^53: nothing is rounded, the sign is
    the sign, and zero is a tie.  2D: 6 H^2, H < 3.8e7.  Lattices and coarse scans live on this.
    ------------------------------------------------------------------------------------------------------ */
-/* Takes back the marks of a cavity that will not be. */
-static PBW__NOINLINE pbw_status pbw__leave_cavity(pbw__kernel *kernel, size_t count)
-{
-    size_t i;
-    for (i = 0; i < count; i++) {
-        kernel->mark[kernel->cavity[i]] = 0;
-    }
-    return PBW__LEFT;
-}
-
 /* The local number of a vertex.  Whether it is new takes no branch: no predictor could guess it.  Whether the slot is
    another vertex's of this cavity, which is rare, is one comparison: compilers make branches of two. */
 PBW__INLINE uint32_t pbw__local(uint64_t *slot, uint64_t stamp, uint32_t *count, pbw_index v)
@@ -4390,18 +4753,6 @@ PBW__INLINE uint32_t pbw__local(uint64_t *slot, uint64_t stamp, uint32_t *count,
     return number;
 }
 
-/* Room for `needed` items in each of the lists of cavity and boundary. */
-static PBW__NOINLINE int pbw__grow_lists(pbw__kernel *kernel, size_t needed)
-{
-    return (kernel->dim == 2 || needed <= PBW_NONE / 4)          /* a facet in 32 bits */
-        && pbw__grow(kernel, &kernel->cavity, &kernel->cavity_capacity, needed, sizeof(pbw_index))
-        && (kernel->dim == 2
-                ? pbw__grow(kernel, &kernel->beyond, &kernel->beyond_capacity, needed, sizeof(pbw__link))
-                : pbw__grow(kernel, &kernel->carved, &kernel->carved_capacity, needed, sizeof(pbw__carved))
-                  && pbw__grow(kernel, &kernel->parent, &kernel->parent_capacity, needed, sizeof(pbw_index))
-                  && pbw__grow(kernel, &kernel->from, &kernel->from_capacity, needed, sizeof(pbw_index)));
-}
-
 /* The state of a search: a copy of what it needs of the kernel, which the compiler can keep in registers. */
 typedef struct pbw__search {
     const pbw_index *corner;
@@ -4415,33 +4766,6 @@ typedef struct pbw__search {
     uint64_t stamp;
     uint32_t local_count;
 } pbw__search;
-
-#ifdef PBW__SIMD
-/* Which of four corners are not ours. */
-PBW__INLINE unsigned pbw__lacking4(const pbw__kernel *kernel, pbw_index a, pbw_index b, pbw_index c, pbw_index d)
-{
-    return 15u ^ (pbw__is_ours(kernel, a) | pbw__is_ours(kernel, b) << 1 | pbw__is_ours(kernel, c) << 2
-                  | pbw__is_ours(kernel, d) << 3);
-}
-
-/* Whether we may delete those of the neighbours that are in conflict, where one corner is not ours.  The neighbour
-   across from it has three that are; the others have two, and the vertex across.  These vertices are taken first:
-   whose corner ours lack is often of so many simplices that others need it too. */
-static PBW__NOINLINE int pbw__may_delete_all(pbw__kernel *kernel, const pbw__carved *carved, unsigned lacking,
-                                             unsigned inside)
-{
-    const pbw_index *corner = kernel->corner;
-    const pbw__link *link = carved->link;
-    unsigned set = inside & ~lacking;
-    set &= pbw__lacking4(kernel, corner[link[0]], corner[link[1]], corner[link[2]], corner[link[3]]);
-    for (; set != 0; set &= set - 1) {
-        if (!pbw__owns(kernel, corner[link[__builtin_ctz(set)]])) {
-            return pbw__owns(kernel, carved->v[__builtin_ctz(lacking)]);
-        }
-    }
-    return 1;
-}
-#endif
 
 PBW__INLINE void pbw__search_begin(pbw__kernel *kernel, pbw__search *search, pbw_index t)
 {
@@ -4584,54 +4908,7 @@ PBW__SIMD_INLINE void pbw__search_sort4(pbw__search *search, pbw_index facet, co
 #endif
 
 #ifdef PBW__SIMD
-/* Pair arithmetic of >>predicates, four at once, and here with fused operations for sure. */
-typedef struct pbw__pair4 { pbw__d4 head, tail; } pbw__pair4;
 typedef struct pbw__pairs4 { pbw__pair4 x, y, z, lift; pbw__d4 height; } pbw__pairs4;
-
-PBW__SIMD_INLINE pbw__pair4 pbw__plus4(pbw__pair4 a, pbw__pair4 b)
-{
-    pbw__d4 head = a.head + b.head, other = head - a.head;
-    pbw__pair4 result = { head, ((a.head - (head - other)) + (b.head - other)) + (a.tail + b.tail) };
-    return result;
-}
-
-PBW__SIMD_INLINE pbw__pair4 pbw__minus4(pbw__pair4 a, pbw__pair4 b)
-{
-    pbw__d4 head = a.head - b.head, other = head - a.head;
-    pbw__pair4 result = { head, ((a.head - (head - other)) - (b.head + other)) + (a.tail - b.tail) };
-    return result;
-}
-
-PBW__SIMD_INLINE pbw__pair4 pbw__times4(pbw__pair4 a, pbw__pair4 b)
-{
-    pbw__d4 head = pbw__fma(a.head, b.head, pbw__each(0.0));                 /* not to be fused, see there */
-    pbw__d4 error = pbw__fms(a.head, b.head, head);
-    pbw__pair4 result = { head, pbw__fma(a.head, b.tail, pbw__fma(a.tail, b.head, error)) };
-    return result;
-}
-
-/* a0 b1 - a1 b0 */
-PBW__SIMD_INLINE pbw__pair4 pbw__cross4(pbw__pair4 a0, pbw__pair4 a1, pbw__pair4 b0, pbw__pair4 b1)
-{
-    return pbw__minus4(pbw__times4(a0, b1), pbw__times4(a1, b0));
-}
-
-/* a0 b0 - a1 b1 + a2 b2 */
-PBW__SIMD_INLINE pbw__pair4 pbw__sum4(pbw__pair4 a0, pbw__pair4 b0, pbw__pair4 a1, pbw__pair4 b1, pbw__pair4 a2,
-                                      pbw__pair4 b2)
-{
-    return pbw__plus4(pbw__minus4(pbw__times4(a0, b0), pbw__times4(a1, b1)), pbw__times4(a2, b2));
-}
-
-/* The difference of a and b, zero in masked lanes. */
-PBW__SIMD_INLINE pbw__pair4 pbw__difference4(pbw__d4 a, pbw__d4 b, pbw__d4 mask)
-{
-    pbw__pair4 x = { a, pbw__each(0.0) }, y = { b, pbw__each(0.0) };
-    x = pbw__minus4(x, y);
-    x.head = pbw__clear(mask, x.head);
-    x.tail = pbw__clear(mask, x.tail);
-    return x;
-}
 
 PBW__SIMD_INLINE pbw__pairs4 pbw__pairs4_of(const double *record, const pbw_index *v, const pbw__point3 *p)
 {
@@ -4970,137 +5247,6 @@ PBW__SIMD_INLINE pbw_status pbw__carve3_simd(pbw__kernel *kernel, pbw_index t, c
 }
 #endif
 
-static void pbw__leave_region(pbw__kernel *kernel)
-{
-    pbw__store *store = kernel->store;
-    if (kernel->region != (size_t)-1) {
-        store->region[kernel->region] = (pbw_index)kernel->fresh;
-        if (kernel->owner == NULL && kernel->last != kernel->last_entered) {         /* else see >>parallel */
-            store->hint[kernel->region] = kernel->last;
-        }
-        kernel->region = (size_t)-1;
-    }
-    kernel->fresh = kernel->fresh_end = 0;
-}
-
-/* The region of the next vertex becomes the one that slots are taken from. */
-static PBW__NOINLINE void pbw__enter_region(pbw__kernel *kernel, size_t region)
-{
-    pbw__store *store = kernel->store;
-    /* In a task the last star is as near as any hint, and ours, if it was in the region beside. */
-    const int near = kernel->owner != NULL && kernel->last != PBW_NONE && kernel->region - region + 1 <= 2;
-    pbw_index hint;
-    pbw__leave_region(kernel);
-    kernel->region = region;
-    kernel->fresh = store->region[region];
-    kernel->fresh_end = pbw__region_end(store, region);
-    hint = store->hint[region];
-    if (!near && hint != PBW_NONE && kernel->corner[4 * (size_t)hint] != PBW_NONE) {
-        kernel->last = hint;                         /* the way from the last vertex may be long, or lead abroad */
-    }
-    kernel->last_entered = kernel->last;
-}
-
-/* Room in the tail for `needed` simplices: a block of what there is; alone, we can make more. */
-static PBW__NOINLINE pbw_status pbw__more_tail(pbw__kernel *kernel, size_t needed)
-{
-    pbw__store *store = kernel->store;
-    size_t block = needed > 1024 ? needed : 1024, from, t;
-    pbw_status status = PBW_OK;
-    if (kernel->owner == NULL && store->capacity - store->count < block) {
-        size_t bigger = pbw__store_bigger(store), least = store->count + needed;
-        status = store->capacity >= least && store->capacity == PBW__SIMPLEX_LIMIT ? PBW_OK
-               : pbw__store_reserve(kernel->context, store, bigger > least ? bigger : least);
-        pbw__kernel_attach(kernel);
-        if (status != PBW_OK) {
-            return status;
-        }
-        block = block < store->capacity - store->count ? block : store->capacity - store->count;
-    }
-    from = PBW__LOAD(&store->count);
-    do {
-        PBW_PAUSE();
-        if (store->capacity - from < block) {
-            kernel->no_room = 1;                     /* at the end of the round there will be more */
-            return PBW__LEFT;
-        }
-    } while (!PBW__REPLACE(&store->count, &from, from + block));
-    for (t = kernel->tail; t < kernel->tail_end; t++) {
-        kernel->corner[4 * t] = PBW_NONE;
-        kernel->corner[4 * t + 1] = kernel->free_list;
-        kernel->mark[t] = 0;
-        kernel->free_list = (pbw_index)t;
-        kernel->free_count++;
-    }
-    kernel->tail = from;
-    kernel->tail_end = from + block;
-    for (t = from; t < from + block; t++) {
-        kernel->corner[4 * t] = PBW_NONE;
-    }
-    return PBW_OK;
-}
-
-/* A slot that the caller knows to be there. */
-static PBW__NOINLINE pbw_index pbw__take_slot(pbw__kernel *kernel)
-{
-    pbw_index t;
-    if (kernel->fresh < kernel->fresh_end) {
-        t = (pbw_index)kernel->fresh++;
-        kernel->mark[t] = 0;
-    } else if (kernel->free_count > 0) {
-        t = kernel->free_list;
-        kernel->free_list = kernel->corner[4 * (size_t)t + 1];
-        kernel->free_count--;
-    } else {
-        t = (pbw_index)kernel->tail++;
-        kernel->mark[t] = 0;
-    }
-    return t;
-}
-
-/* The slots of the star: those of the cavity first, still marked; cavity slots too many become free. */
-PBW__INLINE pbw_status pbw__take_slots(pbw__kernel *kernel)
-{
-    size_t have = kernel->cavity_count, needed = kernel->facet_count, i;
-    size_t room = have + (kernel->fresh_end - kernel->fresh) + kernel->free_count + (kernel->tail_end - kernel->tail);
-    pbw_index *cavity;
-    if (PBW__UNLIKELY(needed > room)) {
-        pbw_status status = pbw__more_tail(kernel, needed - room);
-        if (status != PBW_OK) {
-            (void)pbw__leave_cavity(kernel, have);
-            return status;
-        }
-    }
-    if (PBW__UNLIKELY(needed + 8 > kernel->cavity_capacity) && !pbw__grow_lists(kernel, needed + 8)) {
-        return PBW_ERROR_MEMORY;
-    }
-    cavity = kernel->cavity;
-    if (PBW__LIKELY(needed >= have) && PBW__LIKELY(kernel->fresh_end - kernel->fresh >= needed - have)) {
-        for (i = have; i < needed; i += 8) {         /* by eights: no predictor could guess how many are needed */
-            pbw_index fresh = (pbw_index)(kernel->fresh + (i - have)), k;
-            for (k = 0; k < 8; k++) {
-                cavity[i + k] = fresh + k;
-            }
-        }
-        kernel->fresh += needed - have;
-    } else {
-        for (i = have; i < needed; i++) {
-            cavity[i] = pbw__take_slot(kernel);
-        }
-    }
-    for (i = needed; i < have; i++) {
-        pbw_index *corner = kernel->corner + 4 * (size_t)cavity[i];
-        kernel->mark[cavity[i]] = 0;
-        corner[0] = PBW_NONE;
-        corner[1] = kernel->free_list;
-        kernel->free_list = cavity[i];
-        kernel->free_count++;
-    }
-    kernel->statistics.created += needed;
-    kernel->last = cavity[needed - 1];
-    return PBW_OK;
-}
-
 /* Joins the facets of the star of a large cavity.  An edge of the boundary belongs to two of them: the first leaves
    its corner in a hash, the second finds it there. */
 static PBW__NOINLINE pbw_status pbw__sew3_wide(pbw__kernel *kernel)
@@ -5249,77 +5395,17 @@ PBW__SIMD_INLINE pbw_status pbw__refill3_simd(pbw__kernel *kernel, pbw_index ver
 #else
 #define pbw__refill3_simd pbw__refill3
 #endif
+/* ------------------------------------------------------------------------------------------------------
+   >>cavity2      In the plane: carve every triangle in conflict with the point, refill with the point's star.
+   In: a triangle in conflict.  Out: the star of the new vertex.   (Bowyer 1981, Watson 1981)
+   Holds before and after: the invariants of >>mesh.
 
-/* Where the walk to a vertex starts. */
-PBW__INLINE pbw_index pbw__insert_start(pbw__kernel *kernel, pbw_index vertex)
-{
-    size_t region = vertex >> kernel->store->cell_bits;
-    if (PBW__UNLIKELY(region != kernel->region)) {
-        pbw__enter_region(kernel, region);
-    }
-    return kernel->last != PBW_NONE ? kernel->last : PBW__FOREIGN;
-}
-
-/* What came of a walk: PBW_OK with a simplex to delete.  The next walk begins there, if the vertex is left. */
-PBW__INLINE pbw_status pbw__located(pbw__kernel *kernel, pbw_index t)
-{
-    kernel->last = t < PBW__FOREIGN ? t : kernel->last;
-    return t == PBW__FOREIGN || (t != PBW_NONE && kernel->owner != NULL && !pbw__may_delete(kernel, t)) ? PBW__LEFT
-                                                                                                       : PBW_OK;
-}
-
-static pbw_status pbw__insert3_scalar(pbw__kernel *kernel, pbw_index vertex)
-{
-    const double *p = pbw__record3(kernel, vertex);
-    pbw_index t = pbw__insert_start(kernel, vertex);
-    pbw_status status;
-    PBW__PHASE(PBW__WALK);
-    t = t != PBW__FOREIGN ? pbw__locate3_scalar(kernel, t, p) : t;
-    status = pbw__located(kernel, t);
-    if (PBW__UNLIKELY(t == PBW_NONE) || PBW__UNLIKELY(status != PBW_OK)) {
-        return status;                               /* hidden, or not ours */
-    }
-    PBW__PHASE(PBW__CAVITY);
-    status = pbw__carve3_scalar(kernel, t, p);
-    PBW__PHASE(PBW__STAR);
-    status = status == PBW_OK ? pbw__take_slots(kernel) : status;
-    status = status == PBW_OK ? pbw__refill3(kernel, vertex) : status;
-    PBW__PHASE(PBW__OTHER);
-    return status;
-}
-
-#ifdef PBW__SIMD
-PBW__SIMD_INLINE pbw_status pbw__insert3_with(pbw__kernel *kernel, pbw_index vertex, int weighted)
-{
-    const double *p = pbw__record3(kernel, vertex);
-    pbw_index t = pbw__insert_start(kernel, vertex);
-    pbw_status status;
-    PBW__PHASE(PBW__WALK);
-    t = t != PBW__FOREIGN ? pbw__locate3_simd(kernel, t, p, weighted) : t;
-    status = pbw__located(kernel, t);
-    if (PBW__UNLIKELY(t == PBW_NONE) || PBW__UNLIKELY(status != PBW_OK)) {
-        return status;                               /* hidden, or not ours */
-    }
-    PBW__PHASE(PBW__CAVITY);
-    status = pbw__carve3_simd(kernel, t, p, weighted);
-    PBW__PHASE(PBW__STAR);
-    status = PBW__LIKELY(status == PBW_OK) ? pbw__take_slots(kernel) : status;
-    status = PBW__LIKELY(status == PBW_OK) ? pbw__refill3_simd(kernel, vertex) : status;
-    PBW__PHASE(PBW__OTHER);
-    return status;
-}
-
-PBW__SIMD static pbw_status pbw__insert3_simd(pbw__kernel *kernel, pbw_index vertex)
-{
-    return pbw__insert3_with(kernel, vertex, 0);
-}
-
-PBW__SIMD static pbw_status pbw__insert3_weighted_simd(pbw__kernel *kernel, pbw_index vertex)
-{
-    return pbw__insert3_with(kernel, vertex, 1);
-}
-#endif
-
+   Errors, counted as in >>cavity3.  2D: 6 products of x, y and a lift; 2 translations; lift 2 + 1 + 1 + 2; 2
+   multiplications; 1 + 2 additions: 13 roundings, 13u * 6 h^2 < 8.7e-15 h^2; 9e-15 with the roundings of h; h raised
+   to 1e-140.  In vectors the triangle (o, e, s) across an edge s e has the determinant o.x (s.l e.y - e.l s.y) + o.y
+   (e.l s.x - s.l e.x) - o.l (s.x e.y - e.x s.y), with as many roundings.  There the bound is computed from 8 h h,
+   which is infinite before a partial sum, of at most 6 h^2, can be.  What the bound leaves open goes to >>predicates.
+   ------------------------------------------------------------------------------------------------------ */
 /* det of rows (x, y, lift) of the corners relative to p: > 0 if the triangle is in conflict.  Returns the verdict. */
 PBW__INLINE int pbw__test2(pbw__kernel *kernel, pbw_index t, const double *p)
 {
@@ -5432,25 +5518,6 @@ static pbw_status pbw__refill2(pbw__kernel *kernel, pbw_index vertex)
         last_start = start;
     }
     return PBW_OK;
-}
-
-static pbw_status pbw__insert2_scalar(pbw__kernel *kernel, pbw_index vertex)
-{
-    const double *p = pbw__record2(kernel, vertex);
-    pbw_index t = pbw__insert_start(kernel, vertex);
-    pbw_status status;
-    PBW__PHASE(PBW__WALK);
-    t = t != PBW__FOREIGN ? pbw__locate2_scalar(kernel, t, p) : t;
-    status = pbw__located(kernel, t);
-    if (PBW__UNLIKELY(t == PBW_NONE) || PBW__UNLIKELY(status != PBW_OK)) {
-        return status;                               /* hidden, or not ours */
-    }
-    PBW__PHASE(PBW__CAVITY);
-    status = pbw__carve2(kernel, t, p);
-    PBW__PHASE(PBW__STAR);
-    status = status == PBW_OK ? pbw__refill2(kernel, vertex) : status;
-    PBW__PHASE(PBW__OTHER);
-    return status;
 }
 
 #ifdef PBW__SIMD
@@ -6153,6 +6220,96 @@ PBW__SIMD static PBW__NOINLINE pbw_status pbw__hull2_simd(pbw__kernel *kernel, p
     PBW__PHASE(PBW__OTHER);
     return status;
 }
+#endif
+/* ------------------------------------------------------------------------------------------------------
+   >>build        All vertices into one triangulation.
+   In: vertices along the Hilbert curve.  Out: the store with their triangulation, or PBW_DEGENERATE.
+
+   Insertion order: level l holds the ranks divisible by 8^l (2D: 64^l) that no higher level holds; levels go from
+   coarse to fine, along the curve, alternately forwards and backwards.  Coarse levels keep the cavities small, as the
+   random rounds of Amenta, Choi & Rote 2003 ("Incremental constructions con BRIO") do, but need no shuffle and no
+   second sort; within a level the next point lies near the last one, so the walk is short and the caches warm.  The
+   finest level goes backwards: a vertex is the lowest one around when it comes, so that most simplices of which it is
+   the lowest rank are those that its star was made of, in slots side by side, as >>output wants them.
+   Fewer levels are quicker on one thread, whom coarse levels cost a miss of the caches at every step, until cavities
+   grow: in space, where they grow on lattices, and tasks are in each other's way, eighths are the better measure.
+
+   Of vertices along a line those on other lines see only the outermost, whose stars are large: they reach all that
+   see them.  Such stars are made and unmade in each level, as vertices farther out come.  So in space, once the stars
+   of a level are large, the extremes come next: of each run of ranks the vertices farthest from the line along it, on
+   eight sides.  (In directions that are not across the run its ends would be farthest.)  The rest is mostly seen by
+   what is near only; of its two finest levels one is left out.  (Of a million points on 8 lines 28,000 have
+   neighbours on other lines; 13,000 are extremes.)
+   ------------------------------------------------------------------------------------------------------ */
+static pbw_status pbw__insert3_scalar(pbw__kernel *kernel, pbw_index vertex)
+{
+    const double *p = pbw__record3(kernel, vertex);
+    pbw_index t = pbw__insert_start(kernel, vertex);
+    pbw_status status;
+    PBW__PHASE(PBW__WALK);
+    t = t != PBW__FOREIGN ? pbw__locate3_scalar(kernel, t, p) : t;
+    status = pbw__located(kernel, t);
+    if (PBW__UNLIKELY(t == PBW_NONE) || PBW__UNLIKELY(status != PBW_OK)) {
+        return status;                               /* hidden, or not ours */
+    }
+    PBW__PHASE(PBW__CAVITY);
+    status = pbw__carve3_scalar(kernel, t, p);
+    PBW__PHASE(PBW__STAR);
+    status = status == PBW_OK ? pbw__take_slots(kernel) : status;
+    status = status == PBW_OK ? pbw__refill3(kernel, vertex) : status;
+    PBW__PHASE(PBW__OTHER);
+    return status;
+}
+
+static pbw_status pbw__insert2_scalar(pbw__kernel *kernel, pbw_index vertex)
+{
+    const double *p = pbw__record2(kernel, vertex);
+    pbw_index t = pbw__insert_start(kernel, vertex);
+    pbw_status status;
+    PBW__PHASE(PBW__WALK);
+    t = t != PBW__FOREIGN ? pbw__locate2_scalar(kernel, t, p) : t;
+    status = pbw__located(kernel, t);
+    if (PBW__UNLIKELY(t == PBW_NONE) || PBW__UNLIKELY(status != PBW_OK)) {
+        return status;                               /* hidden, or not ours */
+    }
+    PBW__PHASE(PBW__CAVITY);
+    status = pbw__carve2(kernel, t, p);
+    PBW__PHASE(PBW__STAR);
+    status = status == PBW_OK ? pbw__refill2(kernel, vertex) : status;
+    PBW__PHASE(PBW__OTHER);
+    return status;
+}
+
+#ifdef PBW__SIMD
+PBW__SIMD_INLINE pbw_status pbw__insert3_with(pbw__kernel *kernel, pbw_index vertex, int weighted)
+{
+    const double *p = pbw__record3(kernel, vertex);
+    pbw_index t = pbw__insert_start(kernel, vertex);
+    pbw_status status;
+    PBW__PHASE(PBW__WALK);
+    t = t != PBW__FOREIGN ? pbw__locate3_simd(kernel, t, p, weighted) : t;
+    status = pbw__located(kernel, t);
+    if (PBW__UNLIKELY(t == PBW_NONE) || PBW__UNLIKELY(status != PBW_OK)) {
+        return status;                               /* hidden, or not ours */
+    }
+    PBW__PHASE(PBW__CAVITY);
+    status = pbw__carve3_simd(kernel, t, p, weighted);
+    PBW__PHASE(PBW__STAR);
+    status = PBW__LIKELY(status == PBW_OK) ? pbw__take_slots(kernel) : status;
+    status = PBW__LIKELY(status == PBW_OK) ? pbw__refill3_simd(kernel, vertex) : status;
+    PBW__PHASE(PBW__OTHER);
+    return status;
+}
+
+PBW__SIMD static pbw_status pbw__insert3_simd(pbw__kernel *kernel, pbw_index vertex)
+{
+    return pbw__insert3_with(kernel, vertex, 0);
+}
+
+PBW__SIMD static pbw_status pbw__insert3_weighted_simd(pbw__kernel *kernel, pbw_index vertex)
+{
+    return pbw__insert3_with(kernel, vertex, 1);
+}
 
 /* What is written and read four vertices on is asked for: at coarse levels each has lines of the cache of its own. */
 PBW__INLINE void pbw__ask_ahead2(const pbw__kernel *kernel, pbw_index vertex)
@@ -6204,26 +6361,66 @@ PBW__SIMD static pbw_status pbw__insert2_weighted_simd(pbw__kernel *kernel, pbw_
     return pbw__insert2_with(kernel, vertex, 1);
 }
 #endif
-/* ------------------------------------------------------------------------------------------------------
-   >>build        All vertices into one triangulation, on one thread.
-   In: vertices along the Hilbert curve.  Out: a kernel with their triangulation, or PBW_DEGENERATE.
 
-   Insertion order: level l holds the ranks divisible by 8^l (2D: 64^l) that no higher level holds; levels go from
-   coarse to fine, along the curve, alternately forwards and backwards.  Coarse levels keep the cavities small, as the
-   random rounds of Amenta, Choi & Rote 2003 ("Incremental constructions con BRIO") do, but need no shuffle and no
-   second sort; within a level the next point lies near the last one, so the walk is short and the caches warm.  The
-   finest level goes backwards: a vertex is the lowest one around when it comes, so that most simplices of which it is
-   the lowest rank are those that its star was made of, in slots side by side, as >>output wants them.
-   Fewer levels are quicker on one thread, whom coarse levels cost a miss of the caches at every step, until cavities
-   grow: in space, where they grow on lattices, and tasks are in each other's way, eighths are the better measure.
+static void pbw__kernel_free(pbw__kernel *kernel)
+{
+    pbw__memory *memory = &kernel->context->memory;
+    pbw__release(memory, kernel->cavity, kernel->cavity_capacity, sizeof(pbw_index));
+    pbw__release(memory, kernel->parent, kernel->parent_capacity, sizeof(pbw_index));
+    pbw__release(memory, kernel->carved, kernel->carved_capacity, sizeof(pbw__carved));
+    pbw__release(memory, kernel->beyond, kernel->beyond_capacity, sizeof(pbw__link));
+    pbw__release(memory, kernel->from, kernel->from_capacity, sizeof(pbw_index));
+    pbw__release(memory, kernel->stack, kernel->stack_capacity, sizeof(pbw__link));
+    pbw__release(memory, kernel->slot, PBW__SLOTS, sizeof(uint64_t));
+    pbw__release(memory, kernel->edge, kernel->edge_capacity, sizeof(pbw__link));
+    pbw__release(memory, kernel->left, kernel->left_capacity, sizeof(pbw_index));
+    pbw__release(memory, kernel->wide_edge, kernel->wide_capacity, sizeof(pbw__edge));
+}
 
-   Of vertices along a line those on other lines see only the outermost, whose stars are large: they reach all that
-   see them.  Such stars are made and unmade in each level, as vertices farther out come.  So in space, once the stars
-   of a level are large, the extremes come next: of each run of ranks the vertices farthest from the line along it, on
-   eight sides.  (In directions that are not across the run its ends would be farthest.)  The rest is mostly seen by
-   what is near only; of its two finest levels one is left out.  (Of a million points on 8 lines 28,000 have
-   neighbours on other lines; 13,000 are extremes.)
-   ------------------------------------------------------------------------------------------------------ */
+/* Scratch memory for one thread; on failure the kernel can and must still be freed. */
+static pbw_status pbw__kernel_create(pbw__kernel *kernel, pbw__context *context, pbw__store *store,
+                                     const pbw__vertices *vertices, const pbw__grid *grid)
+{
+    pbw__memory *memory = &context->memory;
+    int dim = vertices->dim;
+    memset(kernel, 0, sizeof(*kernel));
+    kernel->context = context;
+    kernel->store = store;
+    kernel->record = vertices->record;
+    kernel->vertex_count = (pbw_index)vertices->count;
+    kernel->grid = grid;
+    kernel->dim = dim;
+    kernel->weighted = vertices->weighted;
+    /* Within 2^+-100 no power up to the tenth of a unit underflows or overflows. */
+    kernel->exact_height = grid->inverse_unit > 1e-30 && grid->inverse_unit < 1e30
+                         ? (dim == 3 ? PBW__EXACT_HEIGHT3 : PBW__EXACT_HEIGHT2)
+                           / (grid->inverse_unit * grid->inverse_unit) : 0.0;
+    kernel->region = (size_t)-1;
+    kernel->last = kernel->last_entered = PBW_NONE;
+    kernel->insert = dim == 2 ? pbw__insert2_scalar : pbw__insert3_scalar;
+#ifdef PBW__SIMD
+    if (pbw__simd_works()) {
+        kernel->insert = kernel->weighted ? (dim == 3 ? pbw__insert3_weighted_simd : pbw__insert2_weighted_simd)
+                                          : (dim == 3 ? pbw__insert3_simd : pbw__insert2_simd);
+    }
+#endif
+    pbw__kernel_attach(kernel);
+    if (!pbw__grow_lists(kernel, 64)) {
+        return PBW_ERROR_MEMORY;
+    }
+    if (dim == 2) {
+        return pbw__grow(kernel, &kernel->stack, &kernel->stack_capacity, 64, sizeof(pbw__link)) ? PBW_OK
+                                                                                                  : PBW_ERROR_MEMORY;
+    }
+    kernel->slot = (uint64_t *)pbw__allocate(memory, PBW__SLOTS, sizeof(uint64_t));
+    if (kernel->slot == NULL
+        || !pbw__grow(kernel, &kernel->edge, &kernel->edge_capacity, PBW__FEW * PBW__FEW, sizeof(pbw__link))) {
+        return PBW_ERROR_MEMORY;
+    }
+    memset(kernel->slot, 0, PBW__SLOTS * sizeof(uint64_t));
+    return PBW_OK;
+}
+
 typedef struct pbw__sequence {
     size_t count, ratio;                             /* of all vertices; of one level's stride to the next one's */
     size_t stride, rank;                             /* of the level; of the next vertex */
@@ -6355,70 +6552,427 @@ static pbw_status pbw__first_star(pbw__kernel *kernel, int dim, const pbw_index 
     return PBW_OK;
 }
 
-static void pbw__kernel_free(pbw__kernel *kernel)
+#define PBW__PARTS 255
+#define PBW__LEAST_PART ((size_t)PBW__SMALLER(512))  /* vertices for each task, below which they are too near */
+#define PBW__HOLD ((size_t)PBW__SMALLER(256))        /* cells that a task holds from vertex to vertex, at most, */
+#define PBW__HOLDS 8                                 /* or one in so many of its share: others have to get by */
+#define PBW__BATCH ((size_t)PBW__SMALLER(64))        /* vertices that a task comes to at a time, at least, */
+#define PBW__BATCHES 32                              /* or a share in so many */
+#define PBW__LEAST_SHARE 32                          /* vertices left for each task, or there are fewer tasks */
+#define PBW__LARGE_STAR 36.0                         /* simplices for a vertex; terrain makes 31, lines 42 and more */
+#define PBW__SPAN 512                                /* ranks with extremes of their own */
+#define PBW__FIRST 8                                 /* one in so many is inserted on one thread, before the others */
+
+typedef struct pbw__build {
+    pbw__context *context;
+    pbw__store *store;
+    const pbw__vertices *vertices;
+    pbw__kernel *kernel[PBW__PARTS];                 /* one for each task */
+    pbw_statistics *statistics;
+    uint32_t trace;                                  /* 256 * the round */
+    int kernel_count, parts;
+    uint8_t *owner;                                  /* per cell */
+    uint32_t taken[PBW__PARTS];                      /* per share of the vertices: batches taken from its front, and
+                                                        65536 times those from its end */
+    size_t count;                                    /* vertices of the round */
+    size_t stride, coarser;                          /* the level: ranks divisible by stride, not by coarser */
+    unsigned char *early;                            /* a bit for each rank: an extreme, which comes before its level;
+                                                        NULL: no vertex does */
+    int backwards;
+    int hold;                                        /* cells that a task holds, at most */
+    int owner_bits, hint_bits;                       /* of the level's cells, of the last level's that had hints */
+    pbw_index seed[4];
+    pbw_index *left;                                 /* vertices left */
+    size_t left_count, left_capacity;
+    size_t done;
+} pbw__build;
+
+/* Several threads' share of it: >>parallel. */
+static pbw_status pbw__insert_claiming(pbw__build *build, pbw__kernel *kernel, pbw_index v);
+static pbw_status pbw__rounds(pbw__build *build);
+
+/* Cells of a level hold several regions where few vertices of a region are in yet: a cell's first region. */
+PBW__INLINE size_t pbw__first_region(const pbw__build *build, size_t cell)
 {
-    pbw__memory *memory = &kernel->context->memory;
-    pbw__release(memory, kernel->cavity, kernel->cavity_capacity, sizeof(pbw_index));
-    pbw__release(memory, kernel->parent, kernel->parent_capacity, sizeof(pbw_index));
-    pbw__release(memory, kernel->carved, kernel->carved_capacity, sizeof(pbw__carved));
-    pbw__release(memory, kernel->beyond, kernel->beyond_capacity, sizeof(pbw__link));
-    pbw__release(memory, kernel->from, kernel->from_capacity, sizeof(pbw_index));
-    pbw__release(memory, kernel->stack, kernel->stack_capacity, sizeof(pbw__link));
-    pbw__release(memory, kernel->slot, PBW__SLOTS, sizeof(uint64_t));
-    pbw__release(memory, kernel->edge, kernel->edge_capacity, sizeof(pbw__link));
-    pbw__release(memory, kernel->left, kernel->left_capacity, sizeof(pbw_index));
-    pbw__release(memory, kernel->wide_edge, kernel->wide_capacity, sizeof(pbw__edge));
+    size_t region = cell << (build->owner_bits - build->store->cell_bits);
+    return region < build->store->region_count ? region : build->store->region_count;
 }
 
-/* Scratch memory for one thread; on failure the kernel can and must still be freed. */
-static pbw_status pbw__kernel_create(pbw__kernel *kernel, pbw__context *context, pbw__store *store,
-                                     const pbw__vertices *vertices, const pbw__grid *grid)
+/* Where the walk to a vertex starts, kernel->last: where the last one ended, unless that is not near and a cell
+   nearby has a hint.  A task must have the cell or take it: on the way from far off it would take cells all along;
+   and where points are on a line, a walk passes by all that are between.  0 = nowhere. */
+static int pbw__find_start(pbw__build *build, pbw__kernel *kernel, pbw_index v)
 {
-    pbw__memory *memory = &context->memory;
-    int dim = vertices->dim;
-    memset(kernel, 0, sizeof(*kernel));
-    kernel->context = context;
-    kernel->store = store;
-    kernel->record = vertices->record;
-    kernel->vertex_count = (pbw_index)vertices->count;
-    kernel->grid = grid;
-    kernel->dim = dim;
-    kernel->weighted = vertices->weighted;
-    /* Within 2^+-100 no power up to the tenth of a unit underflows or overflows. */
-    kernel->exact_height = grid->inverse_unit > 1e-30 && grid->inverse_unit < 1e30
-                         ? (dim == 3 ? PBW__EXACT_HEIGHT3 : PBW__EXACT_HEIGHT2)
-                           / (grid->inverse_unit * grid->inverse_unit) : 0.0;
-    kernel->region = (size_t)-1;
-    kernel->last = kernel->last_entered = PBW_NONE;
-    kernel->insert = dim == 2 ? pbw__insert2_scalar : pbw__insert3_scalar;
-#ifdef PBW__SIMD
-    if (pbw__simd_works()) {
-        kernel->insert = kernel->weighted ? (dim == 3 ? pbw__insert3_weighted_simd : pbw__insert2_weighted_simd)
-                                          : (dim == 3 ? pbw__insert3_simd : pbw__insert2_simd);
+    pbw__store *store = build->store;
+    const size_t cell = v >> build->owner_bits;
+    const size_t from = kernel->region << store->cell_bits >> build->owner_bits;     /* far off, if there is none */
+    const pbw_index last = kernel->last;
+    size_t k;
+    kernel->last = from - cell + 1 <= 2 ? last : PBW_NONE;
+    for (k = 0; k < 16 && kernel->last == PBW_NONE; k++) {
+        size_t near = (k & 1) != 0 ? cell + (k + 1) / 2 : cell - k / 2, region = pbw__first_region(build, near);
+        if (near <= build->vertices->count >> build->owner_bits && PBW__LOAD(store->hint + region) != PBW_NONE
+            && (kernel->owner == NULL || pbw__owns_cell(kernel, near))) {
+            pbw_index hint = store->hint[region];
+            kernel->last = hint != PBW_NONE && kernel->corner[4 * (size_t)hint] != PBW_NONE ? hint : PBW_NONE;
+        }
     }
-#endif
+    kernel->last = kernel->last != PBW_NONE ? kernel->last : last;
+    return kernel->last != PBW_NONE;
+}
+
+/* Inserts a vertex, or leaves it for later; 0 = stop. */
+static int pbw__level_insert(pbw__build *build, pbw__kernel *kernel, pbw_index v)
+{
+    size_t work;
+    pbw_status status;
+    if (v == build->seed[0] || v == build->seed[1] || v == build->seed[2] || v == build->seed[3]) {
+        return 1;
+    }
+    /* That there is no room for a star is known when all but the star is done: no more tries then. */
+    status = kernel->owner == NULL ? kernel->insert(kernel, v)
+           : kernel->no_room ? PBW__LEFT : pbw__insert_claiming(build, kernel, v);
+    if (status == PBW__LEFT) {
+        if (!pbw__grow(kernel, &kernel->left, &kernel->left_capacity, kernel->left_count + 1, sizeof(pbw_index))) {
+            kernel->status = PBW_ERROR_MEMORY;
+            return 0;
+        }
+        kernel->left[kernel->left_count++] = v;
+        PBW_PAUSE();
+    } else if (status != PBW_OK) {
+        kernel->status = status;
+        return 0;
+    }
+    if (build->context->trace != NULL) {
+        build->context->trace[build->vertices->id[v]] = build->trace | (kernel->owner != NULL ? kernel->share : 0u);
+    }
+    kernel->done += status == PBW_OK;
+    /* An exact test of extreme exponents may take 0.2 ms, a new simplex takes 0.1 us. */
+    work = kernel->statistics.created + kernel->statistics.walk_steps + 64 * kernel->statistics.exact_tests;
+    if (work - kernel->reported > 4096) {
+        double done = (double)build->done + (double)kernel->done * (double)(kernel->owner != NULL ? build->parts : 1);
+        kernel->reported = work;
+        done /= (double)build->vertices->count;      /* a guess: other parts may be slower */
+        if (pbw__report(build->context, done < 0.999 ? done : 0.999)) {
+            kernel->status = PBW_CANCELLED;
+            return 0;
+        }
+    }
+    return 1;
+}
+
+/* Whether a vertex comes before its level. */
+PBW__INLINE int pbw__is_early(const pbw__build *build, size_t rank)
+{
+    return PBW__UNLIKELY(build->early != NULL) && (build->early[rank >> 3] >> (rank & 7) & 1) != 0;
+}
+
+/* All vertices of the level: along the curve, or back. */
+static void pbw__level_ranks(pbw__build *build, pbw__kernel *kernel)
+{
+    const size_t count = build->vertices->count, stride = build->stride, coarser = build->coarser;
+    size_t rank = pbw__first_rank(count, stride, build->backwards);
+    for (; rank < count; rank = build->backwards ? rank - stride : rank + stride) {      /* below 0 it wraps */
+        if (((rank & (coarser - 1)) != 0 || coarser > count) && !pbw__is_early(build, rank)
+            && !pbw__level_insert(build, kernel, (pbw_index)rank + 1)) {
+            return;
+        }
+    }
+}
+
+/* Work for one thread: all that is left of a level, or the level. */
+static pbw_status pbw__level_serial(pbw__build *build, int all)
+{
+    pbw__kernel *kernel = build->kernel[0];
+    const pbw__store *store = build->store;
+    const pbw_index *corner = store->corner;
+    size_t i, r;
     pbw__kernel_attach(kernel);
-    if (!pbw__grow_lists(kernel, 64)) {
-        return PBW_ERROR_MEMORY;
+    kernel->owner = NULL;
+    kernel->status = PBW_OK;
+    /* Any simplex will do as a start, best the last one: there is always one among the used slots of the regions, as
+       the simplices of the seeds, or what replaced them, are there, unless all regions are full. */
+    kernel->last = kernel->last != PBW_NONE && corner[4 * (size_t)kernel->last] != PBW_NONE ? kernel->last : PBW_NONE;
+    for (r = 0; r <= store->region_count && kernel->last == PBW_NONE; r++) {
+        size_t end = r < store->region_count ? store->region[r] : store->count;
+        i = r < store->region_count ? r > 0 ? pbw__region_end(store, r - 1) : 0 : store->region_slots;
+        for (; i < end && kernel->last == PBW_NONE; i++) {
+            kernel->last = corner[4 * i] != PBW_NONE ? (pbw_index)i : PBW_NONE;
+        }
     }
-    if (dim == 2) {
-        return pbw__grow(kernel, &kernel->stack, &kernel->stack_capacity, 64, sizeof(pbw__link)) ? PBW_OK
-                                                                                                  : PBW_ERROR_MEMORY;
+    if (all) {                                       /* the last star is nearer than what coarser levels remember */
+        memset(store->hint, 0xff, store->region_count * sizeof(pbw_index));
+        pbw__level_ranks(build, kernel);
     }
-    kernel->slot = (uint64_t *)pbw__allocate(memory, PBW__SLOTS, sizeof(uint64_t));
-    if (kernel->slot == NULL
-        || !pbw__grow(kernel, &kernel->edge, &kernel->edge_capacity, PBW__FEW * PBW__FEW, sizeof(pbw__link))) {
-        return PBW_ERROR_MEMORY;
+    for (i = 0; !all && i < build->left_count && pbw__find_start(build, kernel, build->left[i])
+                && pbw__level_insert(build, kernel, build->left[i]); i++) {
     }
-    memset(kernel->slot, 0, PBW__SLOTS * sizeof(uint64_t));
+    pbw__leave_region(kernel);
+    build->done += kernel->done;
+    build->statistics->serial += kernel->done;
+    build->trace += kernel->done > 0 ? 256 : 0;
+    kernel->done = 0;
+    return kernel->status;
+}
+
+/* Kernels for `count` tasks. */
+static pbw_status pbw__more_kernels(pbw__build *build, const pbw__grid *grid, int count)
+{
+    while (build->kernel_count < count) {
+        pbw__kernel *kernel = (pbw__kernel *)pbw__allocate(&build->context->memory, 1, sizeof(pbw__kernel));
+        if (kernel == NULL) {
+            return PBW_ERROR_MEMORY;
+        }
+        build->kernel[build->kernel_count++] = kernel;
+        if (pbw__kernel_create(kernel, build->context, build->store, build->vertices, grid) != PBW_OK) {
+            return PBW_ERROR_MEMORY;
+        }
+    }
     return PBW_OK;
 }
+
+/* Room for the work of several tasks. */
+static pbw_status pbw__build_parts(pbw__build *build, const pbw__grid *grid)
+{
+    pbw__memory *memory = &build->context->memory;
+    size_t cells = build->store->region_count;
+    if (build->owner == NULL) {
+        build->owner = (uint8_t *)pbw__allocate(memory, cells, 1);
+    }
+    return build->owner != NULL ? pbw__more_kernels(build, grid, build->context->threads < PBW__PARTS
+                                                               ? build->context->threads : PBW__PARTS)
+                                : PBW_ERROR_MEMORY;
+}
+
+/* Tasks for so many vertices, and cells with two vertices, in 2D one, of those that are in, which are `apart`. */
+static void pbw__plan(pbw__build *build, size_t vertices, size_t apart)
+{
+    size_t parts = vertices / PBW__LEAST_PART, cells;
+    for (build->owner_bits = build->store->cell_bits;
+         (size_t)1 << build->owner_bits < apart * (size_t)(build->vertices->dim - 1); build->owner_bits++) {
+    }
+    cells = (build->vertices->count >> build->owner_bits) + 1;
+    parts = parts < cells / PBW__SMALLER(4) ? parts : cells / PBW__SMALLER(4);
+    build->parts = (size_t)build->context->threads < parts ? build->context->threads : (int)parts;
+}
+
+/* The level, or the vertices left, by the tasks planned. */
+static pbw_status pbw__level(pbw__build *build, const pbw__grid *grid)
+{
+    pbw_status status;
+    if (build->parts <= 1) {
+        return pbw__level_serial(build, build->left_count == 0);
+    }
+    status = pbw__build_parts(build, grid);
+    if (status == PBW_OK) {
+        pbw__leave_region(build->kernel[0]);
+        status = pbw__rounds(build);
+    }
+    return status == PBW_OK ? pbw__level_serial(build, 0) : status;
+}
+
+/* The line that fits best along a run of vertices: how the two coordinates after its longest axis grow with that. */
+static int pbw__line_along(const double *record, size_t count, double slope[2])
+{
+    double sum[3] = { 0, 0, 0 }, square[3] = { 0, 0, 0 }, product[3] = { 0, 0, 0 };      /* of k and k + 1 */
+    const double *p = record;
+    size_t i;
+    int k, axis = 0;
+    for (i = 0; i < count; i++, p += 4) {
+        const double x = p[0] - record[0], y = p[1] - record[1], z = p[2] - record[2];
+        sum[0] += x, sum[1] += y, sum[2] += z;
+        square[0] += x * x, square[1] += y * y, square[2] += z * z;
+        product[0] += x * y, product[1] += y * z, product[2] += z * x;
+    }
+    for (k = 0; k < 3; k++) {
+        square[k] -= sum[k] * sum[k] / (double)count;
+        product[k] -= sum[k] * sum[(k + 1) % 3] / (double)count;
+        axis = square[k] > square[axis] ? k : axis;
+    }
+    slope[0] = square[axis] > 0.0 ? product[axis] / square[axis] : 0.0;
+    slope[1] = square[axis] > 0.0 ? product[(axis + 2) % 3] / square[axis] : 0.0;
+    return axis;
+}
+
+/* The extremes of a share of the runs, but for those that are in: the farthest from its line on eight sides. */
+static void pbw__find_extremes(void *arg, int part)
+{
+    pbw__build *build = (pbw__build *)arg;
+    const size_t count = build->vertices->count, runs = (count + PBW__SPAN - 1) / PBW__SPAN;
+    const size_t to = pbw__share(runs, part + 1, build->parts);
+    size_t run = pbw__share(runs, part, build->parts);
+    for (; run < to && !pbw__report(build->context, 0.0); run++) {
+        const size_t begin = run * PBW__SPAN, end = begin + PBW__SPAN < count ? begin + PBW__SPAN : count;
+        const double *first = build->vertices->record + 4 * (begin + 1), *p = first;
+        double slope[2], low[4], high[4];
+        const int axis = pbw__line_along(first, end - begin, slope), next = (axis + 1) % 3, last = (axis + 2) % 3;
+        size_t rank, lowest[4], highest[4];
+        int k;
+        for (k = 0; k < 4; k++) {
+            low[k] = high[k] = 0.0;                  /* as the first has it, on all sides */
+            lowest[k] = highest[k] = begin;
+        }
+        for (rank = begin; rank < end; rank++, p += 4) {
+            const double along = p[axis] - first[axis];
+            const double u = p[next] - first[next] - slope[0] * along, v = p[last] - first[last] - slope[1] * along;
+            const double off[4] = { u, v, u + v, u - v };
+            for (k = 0; k < 4; k++) {
+                lowest[k] = off[k] < low[k] ? rank : lowest[k];
+                low[k] = off[k] < low[k] ? off[k] : low[k];
+                highest[k] = off[k] > high[k] ? rank : highest[k];
+                high[k] = off[k] > high[k] ? off[k] : high[k];
+            }
+        }
+        memset(build->early + begin / 8, 0, (end - begin + 7) / 8);
+        for (k = 0; k < 8; k++) {
+            rank = k < 4 ? lowest[k] : highest[k - 4];
+            build->early[rank >> 3] |= (unsigned char)(((rank & (build->stride - 1)) != 0) << (rank & 7));
+        }
+    }
+}
+
+/* Inserts the extremes; some on one thread, before several tasks come to the others: they reach so many cells that
+   tasks would be in each other's way, and cells need vertices for tasks to start from.  So tasks are fewer, too. */
+static pbw_status pbw__level_extremes(pbw__build *build, const pbw__grid *grid)
+{
+    pbw__memory *memory = &build->context->memory;
+    const size_t count = build->vertices->count, most = 8 * (count / PBW__SPAN + 1);
+    size_t rank, seen, first;
+    pbw_status status = PBW_OK;
+    int turn;
+    build->early = (unsigned char *)pbw__allocate(memory, count / 8 + 1, 1);
+    if (build->early == NULL) {
+        return PBW_ERROR_MEMORY;
+    }
+    build->parts = pbw__tasks(build->context, count, PBW__SPAN);
+    pbw__for(build->context, build->parts, pbw__find_extremes, build);
+    if (pbw__report(build->context, 0.0)) {
+        return PBW_CANCELLED;
+    }
+    if (most > build->left_capacity
+        && !pbw__resize_array(memory, &build->left, &build->left_capacity, most, sizeof(pbw_index))) {
+        return PBW_ERROR_MEMORY;
+    }
+    pbw__plan(build, most, 0);
+    first = build->parts > 1 ? PBW__FIRST : 1;
+    for (turn = 0; turn < 2 && status == PBW_OK; turn++) {
+        for (rank = seen = build->left_count = 0; rank < count; rank += build->early[rank >> 3] != 0 ? 1 : 8) {
+            if (pbw__is_early(build, rank) && (seen++ % first != 0) == turn) {
+                build->left[build->left_count++] = (pbw_index)rank + 1;
+            }
+        }
+        if (build->left_count > 0) {
+            pbw__plan(build, turn > 0 ? build->left_count / 4 : 0, 0);
+            status = pbw__level(build, grid);
+        }
+    }
+    return status;
+}
+
+/* Simplices made for a vertex of the level, on average; *before: those made in all. */
+static double pbw__mean_star(const pbw__build *build, size_t *before)
+{
+    const size_t count = build->vertices->count, old = *before;
+    int i;
+    for (i = 0, *before = 0; i < build->kernel_count; i++) {
+        *before += build->kernel[i]->statistics.created;
+    }
+    return (double)(*before - old) / (double)(count / build->stride - count / build->coarser + 1);
+}
+
+/* All slots of a share of the regions that hold nothing are made to say so. */
+static void pbw__close_regions(void *arg, int part)
+{
+    pbw__build *build = (pbw__build *)arg;
+    pbw__store *store = build->store;
+    size_t r = pbw__share(store->region_count, part, build->parts), t;
+    size_t last = pbw__share(store->region_count, part + 1, build->parts);
+    for (; r < last; r++) {
+        size_t end = pbw__region_end(store, r);
+        for (t = store->region[r]; t < end; t++) {
+            store->corner[4 * t] = PBW_NONE;
+        }
+    }
+}
+
+static void pbw__build_free(pbw__build *build)
+{
+    pbw__memory *memory = &build->context->memory;
+    size_t cells = build->store->region_count;
+    int i;
+    for (i = 0; i < build->kernel_count; i++) {
+        pbw__kernel_free(build->kernel[i]);
+        pbw__release(memory, build->kernel[i], 1, sizeof(pbw__kernel));
+    }
+    pbw__release(memory, build->left, build->left_capacity, sizeof(pbw_index));
+    pbw__release(memory, build->owner, cells, 1);
+    pbw__release(memory, build->early, build->vertices->count / 8 + 1, 1);
+}
+
+/* PBW_OK, PBW_DEGENERATE or an error; the store is the caller's to free in every case. */
+static pbw_status pbw__build_all(pbw__context *context, pbw__store *store, const pbw__vertices *vertices,
+                                 const pbw__grid *grid, pbw_statistics *statistics)
+{
+    pbw__build build;
+    const pbw__sequence sequence = pbw__sequence_start(vertices->count, vertices->dim);
+    const size_t ratio = sequence.ratio;
+    size_t created = 0;
+    pbw_status status;
+    int i;
+    memset(&build, 0, sizeof(build));
+    build.context = context;
+    build.store = store;
+    build.vertices = vertices;
+    build.statistics = statistics;
+    status = pbw__store_create(context, store, vertices->count, vertices->dim);
+    if (status == PBW_OK) {
+        status = pbw__more_kernels(&build, grid, 1);
+    }
+    if (status == PBW_OK) {
+        status = pbw__seeds(build.kernel[0], vertices->count, vertices->dim, build.seed);
+    }
+    if (status == PBW_OK) {
+        status = pbw__first_star(build.kernel[0], vertices->dim, build.seed);
+    }
+    for (i = 0; status == PBW_OK && context->trace != NULL && i <= vertices->dim; i++) {
+        context->trace[vertices->id[build.seed[i]]] = 0;
+    }
+    build.stride = sequence.stride;
+    build.coarser = build.stride * ratio;
+    build.backwards = sequence.backwards;
+    while (status == PBW_OK && build.stride > 0) {
+        pbw__plan(&build, vertices->count / build.stride, build.early != NULL ? 0 : build.coarser);
+        build.parts = build.coarser <= vertices->count ? build.parts : 1;
+        build.left_count = 0;
+        status = pbw__level(&build, grid);
+        if (pbw__mean_star(&build, &created) > PBW__LARGE_STAR && vertices->dim == 3 && build.stride > 1
+            && build.early == NULL && status == PBW_OK) {
+            status = pbw__level_extremes(&build, grid);
+        }
+        build.coarser = build.stride;
+        build.stride = build.stride > (build.early != NULL ? ratio * ratio : ratio) ? build.stride / ratio
+                     : build.stride > 1 ? 1 : 0;
+        build.backwards = build.stride == 1 || !build.backwards;
+    }
+    for (i = 0; i < build.kernel_count; i++) {
+        statistics->walk_steps += build.kernel[i]->statistics.walk_steps;
+        statistics->conflict_tests += build.kernel[i]->statistics.conflict_tests;
+        statistics->exact_tests += build.kernel[i]->statistics.exact_tests;
+        statistics->created += build.kernel[i]->statistics.created;
+    }
+    if (status == PBW_OK) {
+        build.parts = pbw__tasks(context, store->region_count, 256);
+        pbw__for(context, build.parts, pbw__close_regions, &build);
+    }
+    pbw__build_free(&build);
+    return status;
+}
 /* ------------------------------------------------------------------------------------------------------
-   >>parallel     One level of vertices by many threads at once.
+   >>parallel     Ownership, and one level of vertices by many threads at once.
    In: a triangulation, the vertices to insert.  Out: the triangulation with them.   (Marot, Pellerin & Remacle 2019,
    "One machine, one minute, three billion tetrahedra", from whom the rule of ownership is)
 
-   Vertices are owned in cells, runs of ranks: one of >>mesh's regions, or in coarse levels as many of them as hold
+   Vertices are owned in cells, runs of ranks: one of >>slots' regions, or in coarse levels as many of them as hold
    two vertices of coarser levels, in 2D one: there may be a simplex in the cell to start from.  A cell is nobody's or
    a task's.  A task in 3D
      - deletes a simplex only if it owns three of its vertices,
@@ -6472,47 +7026,96 @@ static pbw_status pbw__kernel_create(pbw__kernel *kernel, pbw__context *context,
    inserted by one thread, which owns everything, before the next level begins: vertices near the hull are among it,
    and cavities there would grow from level to level without them.
    ------------------------------------------------------------------------------------------------------ */
-#define PBW__PARTS 255
-#define PBW__LEAST_PART ((size_t)PBW__SMALLER(512))  /* vertices for each task, below which they are too near */
-#define PBW__HOLD ((size_t)PBW__SMALLER(256))        /* cells that a task holds from vertex to vertex, at most, */
-#define PBW__HOLDS 8                                 /* or one in so many of its share: others have to get by */
-#define PBW__BATCH ((size_t)PBW__SMALLER(64))        /* vertices that a task comes to at a time, at least, */
-#define PBW__BATCHES 32                              /* or a share in so many */
-#define PBW__LEAST_SHARE 32                          /* vertices left for each task, or there are fewer tasks */
-#define PBW__LARGE_STAR 36.0                         /* simplices for a vertex; terrain makes 31, lines 42 and more */
-#define PBW__SPAN 512                                /* ranks with extremes of their own */
-#define PBW__FIRST 8                                 /* one in so many is inserted on one thread, before the others */
-
-typedef struct pbw__build {
-    pbw__context *context;
-    pbw__store *store;
-    const pbw__vertices *vertices;
-    pbw__kernel *kernel[PBW__PARTS];                 /* one for each task */
-    pbw_statistics *statistics;
-    uint32_t trace;                                  /* 256 * the round */
-    int kernel_count, parts;
-    uint8_t *owner;                                  /* per cell */
-    uint32_t taken[PBW__PARTS];                      /* per share of the vertices: batches taken from its front, and
-                                                        65536 times those from its end */
-    size_t count;                                    /* vertices of the round */
-    size_t stride, coarser;                          /* the level: ranks divisible by stride, not by coarser */
-    unsigned char *early;                            /* a bit for each rank: an extreme, which comes before its level;
-                                                        NULL: no vertex does */
-    int backwards;
-    int hold;                                        /* cells that a task holds, at most */
-    int owner_bits, hint_bits;                       /* of the level's cells, of the last level's that had hints */
-    pbw_index seed[4];
-    pbw_index *left;                                 /* vertices left */
-    size_t left_count, left_capacity;
-    size_t done;
-} pbw__build;
-
-/* Cells of a level hold several regions where few vertices of a region are in yet: a cell's first region. */
-PBW__INLINE size_t pbw__first_region(const pbw__build *build, size_t cell)
+/* Takes a cell that is nobody's; 0 = another task was quicker, or we have too many. */
+static PBW__NOINLINE int pbw__claim(pbw__kernel *kernel, size_t cell)
 {
-    size_t region = cell << (build->owner_bits - build->store->cell_bits);
-    return region < build->store->region_count ? region : build->store->region_count;
+    uint8_t nobody = PBW__NOBODY;
+    PBW_PAUSE();
+    if (kernel->claim_count == PBW__CLAIMS || !PBW__TAKE(kernel->owner + cell, &nobody, kernel->me)) {
+        return 0;
+    }
+    kernel->claim[kernel->claim_count++] = (pbw_index)cell;
+    return 1;
 }
+
+PBW__INLINE int pbw__owns_cell(pbw__kernel *kernel, size_t cell)
+{
+    uint8_t owner = PBW__LOAD(kernel->owner + cell);
+    if (owner == kernel->me || (owner == PBW__NOBODY && pbw__claim(kernel, cell))) {
+        return 1;
+    }
+    kernel->blocker = owner;
+    return 0;
+}
+
+PBW__INLINE int pbw__owns(pbw__kernel *kernel, pbw_index v)
+{
+    return v != PBW__GHOST && pbw__owns_cell(kernel, v >> kernel->owner_bits);
+}
+
+PBW__INLINE unsigned pbw__is_ours(const pbw__kernel *kernel, pbw_index v)
+{
+    return (v != PBW__GHOST) & (PBW__LOAD(kernel->owner + (v >> kernel->owner_bits)) == kernel->me);
+}
+
+/* Cells are taken only for the corners that are lacking: whatever we hold is in other tasks' way. */
+static PBW__NOINLINE int pbw__take_corners(pbw__kernel *kernel, const pbw_index *v, unsigned except, int wanted)
+{
+    unsigned k, others = 0;
+    for (k = 0; k <= (unsigned)kernel->dim; k++) {
+        unsigned ours = pbw__is_ours(kernel, v[k]);
+        wanted -= (int)ours & (k != except);
+        others |= ((ours ^ 1u) & (k != except)) << k;
+    }
+    for (k = 0; wanted > 0 && others >> k != 0; k++) {
+        wanted -= (others >> k & 1) != 0 && pbw__owns(kernel, v[k]);
+    }
+    return wanted <= 0;
+}
+
+PBW__INLINE int pbw__may_delete(pbw__kernel *kernel, pbw_index t)
+{
+    const pbw_index *v = kernel->corner + 4 * (size_t)t;
+    unsigned ours = pbw__is_ours(kernel, v[0]) + pbw__is_ours(kernel, v[1]) + pbw__is_ours(kernel, v[2]);
+    unsigned wanted = kernel->dim == 2 && v[2] == PBW__GHOST ? 2 : 3;
+    ours += kernel->dim == 3 ? pbw__is_ours(kernel, v[3]) : 0;
+    return ours >= wanted || pbw__take_corners(kernel, v, 4, (int)wanted);
+}
+
+PBW__INLINE int pbw__may_cross(pbw__kernel *kernel, pbw_index t, unsigned facet)
+{
+    const pbw_index *v = kernel->corner + 4 * (size_t)t;
+    unsigned ours = pbw__is_ours(kernel, v[facet == 0]) + pbw__is_ours(kernel, v[facet < 2 ? 2 : 1]);
+    ours += kernel->dim == 3 ? pbw__is_ours(kernel, v[facet == 3 ? 2 : 3]) : 0;
+    return (int)ours >= kernel->dim - 1 || pbw__take_corners(kernel, v, facet, kernel->dim - 1);
+}
+
+#ifdef PBW__SIMD
+/* Which of four corners are not ours. */
+PBW__INLINE unsigned pbw__lacking4(const pbw__kernel *kernel, pbw_index a, pbw_index b, pbw_index c, pbw_index d)
+{
+    return 15u ^ (pbw__is_ours(kernel, a) | pbw__is_ours(kernel, b) << 1 | pbw__is_ours(kernel, c) << 2
+                  | pbw__is_ours(kernel, d) << 3);
+}
+
+/* Whether we may delete those of the neighbours that are in conflict, where one corner is not ours.  The neighbour
+   across from it has three that are; the others have two, and the vertex across.  These vertices are taken first:
+   whose corner ours lack is often of so many simplices that others need it too. */
+static PBW__NOINLINE int pbw__may_delete_all(pbw__kernel *kernel, const pbw__carved *carved, unsigned lacking,
+                                             unsigned inside)
+{
+    const pbw_index *corner = kernel->corner;
+    const pbw__link *link = carved->link;
+    unsigned set = inside & ~lacking;
+    set &= pbw__lacking4(kernel, corner[link[0]], corner[link[1]], corner[link[2]], corner[link[3]]);
+    for (; set != 0; set &= set - 1) {
+        if (!pbw__owns(kernel, corner[link[__builtin_ctz(set)]])) {
+            return pbw__owns(kernel, carved->v[__builtin_ctz(lacking)]);
+        }
+    }
+    return 1;
+}
+#endif
 
 static void pbw__round_begin(pbw__build *build, int part)
 {
@@ -6639,29 +7242,6 @@ static void pbw__give_back(pbw__build *build, pbw__kernel *kernel, int count)
     kernel->facet_count = 0;
 }
 
-/* Where the walk to a vertex starts, kernel->last: where the last one ended, unless that is not near and a cell
-   nearby has a hint.  A task must have the cell or take it: on the way from far off it would take cells all along;
-   and where points are on a line, a walk passes by all that are between.  0 = nowhere. */
-static int pbw__find_start(pbw__build *build, pbw__kernel *kernel, pbw_index v)
-{
-    pbw__store *store = build->store;
-    const size_t cell = v >> build->owner_bits;
-    const size_t from = kernel->region << store->cell_bits >> build->owner_bits;     /* far off, if there is none */
-    const pbw_index last = kernel->last;
-    size_t k;
-    kernel->last = from - cell + 1 <= 2 ? last : PBW_NONE;
-    for (k = 0; k < 16 && kernel->last == PBW_NONE; k++) {
-        size_t near = (k & 1) != 0 ? cell + (k + 1) / 2 : cell - k / 2, region = pbw__first_region(build, near);
-        if (near <= build->vertices->count >> build->owner_bits && PBW__LOAD(store->hint + region) != PBW_NONE
-            && (kernel->owner == NULL || pbw__owns_cell(kernel, near))) {
-            pbw_index hint = store->hint[region];
-            kernel->last = hint != PBW_NONE && kernel->corner[4 * (size_t)hint] != PBW_NONE ? hint : PBW_NONE;
-        }
-    }
-    kernel->last = kernel->last != PBW_NONE ? kernel->last : last;
-    return kernel->last != PBW_NONE;
-}
-
 /* Inserts a vertex with cells that are taken for it, and held for the next ones, which are often near.  Who asks for
    one of them gets all: it needs what is around, too. */
 static pbw_status pbw__insert_claiming(pbw__build *build, pbw__kernel *kernel, pbw_index v)
@@ -6691,65 +7271,6 @@ static pbw_status pbw__insert_claiming(pbw__build *build, pbw__kernel *kernel, p
         pbw__give_back(build, kernel, (kernel->claim_count + 1) / 2);
     }
     return status;
-}
-
-/* Inserts a vertex, or leaves it for later; 0 = stop. */
-static int pbw__level_insert(pbw__build *build, pbw__kernel *kernel, pbw_index v)
-{
-    size_t work;
-    pbw_status status;
-    if (v == build->seed[0] || v == build->seed[1] || v == build->seed[2] || v == build->seed[3]) {
-        return 1;
-    }
-    /* That there is no room for a star is known when all but the star is done: no more tries then. */
-    status = kernel->owner == NULL ? kernel->insert(kernel, v)
-           : kernel->no_room ? PBW__LEFT : pbw__insert_claiming(build, kernel, v);
-    if (status == PBW__LEFT) {
-        if (!pbw__grow(kernel, &kernel->left, &kernel->left_capacity, kernel->left_count + 1, sizeof(pbw_index))) {
-            kernel->status = PBW_ERROR_MEMORY;
-            return 0;
-        }
-        kernel->left[kernel->left_count++] = v;
-        PBW_PAUSE();
-    } else if (status != PBW_OK) {
-        kernel->status = status;
-        return 0;
-    }
-    if (build->context->trace != NULL) {
-        build->context->trace[build->vertices->id[v]] = build->trace | (kernel->owner != NULL ? kernel->share : 0u);
-    }
-    kernel->done += status == PBW_OK;
-    /* An exact test of extreme exponents may take 0.2 ms, a new simplex takes 0.1 us. */
-    work = kernel->statistics.created + kernel->statistics.walk_steps + 64 * kernel->statistics.exact_tests;
-    if (work - kernel->reported > 4096) {
-        double done = (double)build->done + (double)kernel->done * (double)(kernel->owner != NULL ? build->parts : 1);
-        kernel->reported = work;
-        done /= (double)build->vertices->count;      /* a guess: other parts may be slower */
-        if (pbw__report(build->context, done < 0.999 ? done : 0.999)) {
-            kernel->status = PBW_CANCELLED;
-            return 0;
-        }
-    }
-    return 1;
-}
-
-/* Whether a vertex comes before its level. */
-PBW__INLINE int pbw__is_early(const pbw__build *build, size_t rank)
-{
-    return PBW__UNLIKELY(build->early != NULL) && (build->early[rank >> 3] >> (rank & 7) & 1) != 0;
-}
-
-/* All vertices of the level: along the curve, or back. */
-static void pbw__level_ranks(pbw__build *build, pbw__kernel *kernel)
-{
-    const size_t count = build->vertices->count, stride = build->stride, coarser = build->coarser;
-    size_t rank = pbw__first_rank(count, stride, build->backwards);
-    for (; rank < count; rank = build->backwards ? rank - stride : rank + stride) {      /* below 0 it wraps */
-        if (((rank & (coarser - 1)) != 0 || coarser > count) && !pbw__is_early(build, rank)
-            && !pbw__level_insert(build, kernel, (pbw_index)rank + 1)) {
-            return;
-        }
-    }
 }
 
 /* Before the first round of a level: cells are nobody's, and have a hint that is in them or none. */
@@ -6914,294 +7435,6 @@ static pbw_status pbw__rounds(pbw__build *build)
             build->parts = (int)(build->left_count / PBW__LEAST_SHARE);
         }
     } while (status == PBW_OK && build->parts > 1);
-    return status;
-}
-
-/* All slots of a share of the regions that hold nothing are made to say so. */
-static void pbw__close_regions(void *arg, int part)
-{
-    pbw__build *build = (pbw__build *)arg;
-    pbw__store *store = build->store;
-    size_t r = pbw__share(store->region_count, part, build->parts), t;
-    size_t last = pbw__share(store->region_count, part + 1, build->parts);
-    for (; r < last; r++) {
-        size_t end = pbw__region_end(store, r);
-        for (t = store->region[r]; t < end; t++) {
-            store->corner[4 * t] = PBW_NONE;
-        }
-    }
-}
-
-static void pbw__build_free(pbw__build *build)
-{
-    pbw__memory *memory = &build->context->memory;
-    size_t cells = build->store->region_count;
-    int i;
-    for (i = 0; i < build->kernel_count; i++) {
-        pbw__kernel_free(build->kernel[i]);
-        pbw__release(memory, build->kernel[i], 1, sizeof(pbw__kernel));
-    }
-    pbw__release(memory, build->left, build->left_capacity, sizeof(pbw_index));
-    pbw__release(memory, build->owner, cells, 1);
-    pbw__release(memory, build->early, build->vertices->count / 8 + 1, 1);
-}
-
-/* Kernels for `count` tasks. */
-static pbw_status pbw__more_kernels(pbw__build *build, const pbw__grid *grid, int count)
-{
-    while (build->kernel_count < count) {
-        pbw__kernel *kernel = (pbw__kernel *)pbw__allocate(&build->context->memory, 1, sizeof(pbw__kernel));
-        if (kernel == NULL) {
-            return PBW_ERROR_MEMORY;
-        }
-        build->kernel[build->kernel_count++] = kernel;
-        if (pbw__kernel_create(kernel, build->context, build->store, build->vertices, grid) != PBW_OK) {
-            return PBW_ERROR_MEMORY;
-        }
-    }
-    return PBW_OK;
-}
-
-/* Work for one thread: all that is left of a level, or the level. */
-static pbw_status pbw__level_serial(pbw__build *build, int all)
-{
-    pbw__kernel *kernel = build->kernel[0];
-    const pbw__store *store = build->store;
-    const pbw_index *corner = store->corner;
-    size_t i, r;
-    pbw__kernel_attach(kernel);
-    kernel->owner = NULL;
-    kernel->status = PBW_OK;
-    /* Any simplex will do as a start, best the last one: there is always one among the used slots of the regions, as
-       the simplices of the seeds, or what replaced them, are there, unless all regions are full. */
-    kernel->last = kernel->last != PBW_NONE && corner[4 * (size_t)kernel->last] != PBW_NONE ? kernel->last : PBW_NONE;
-    for (r = 0; r <= store->region_count && kernel->last == PBW_NONE; r++) {
-        size_t end = r < store->region_count ? store->region[r] : store->count;
-        i = r < store->region_count ? r > 0 ? pbw__region_end(store, r - 1) : 0 : store->region_slots;
-        for (; i < end && kernel->last == PBW_NONE; i++) {
-            kernel->last = corner[4 * i] != PBW_NONE ? (pbw_index)i : PBW_NONE;
-        }
-    }
-    if (all) {                                       /* the last star is nearer than what coarser levels remember */
-        memset(store->hint, 0xff, store->region_count * sizeof(pbw_index));
-        pbw__level_ranks(build, kernel);
-    }
-    for (i = 0; !all && i < build->left_count && pbw__find_start(build, kernel, build->left[i])
-                && pbw__level_insert(build, kernel, build->left[i]); i++) {
-    }
-    pbw__leave_region(kernel);
-    build->done += kernel->done;
-    build->statistics->serial += kernel->done;
-    build->trace += kernel->done > 0 ? 256 : 0;
-    kernel->done = 0;
-    return kernel->status;
-}
-
-/* The line that fits best along a run of vertices: how the two coordinates after its longest axis grow with that. */
-static int pbw__line_along(const double *record, size_t count, double slope[2])
-{
-    double sum[3] = { 0, 0, 0 }, square[3] = { 0, 0, 0 }, product[3] = { 0, 0, 0 };      /* of k and k + 1 */
-    const double *p = record;
-    size_t i;
-    int k, axis = 0;
-    for (i = 0; i < count; i++, p += 4) {
-        const double x = p[0] - record[0], y = p[1] - record[1], z = p[2] - record[2];
-        sum[0] += x, sum[1] += y, sum[2] += z;
-        square[0] += x * x, square[1] += y * y, square[2] += z * z;
-        product[0] += x * y, product[1] += y * z, product[2] += z * x;
-    }
-    for (k = 0; k < 3; k++) {
-        square[k] -= sum[k] * sum[k] / (double)count;
-        product[k] -= sum[k] * sum[(k + 1) % 3] / (double)count;
-        axis = square[k] > square[axis] ? k : axis;
-    }
-    slope[0] = square[axis] > 0.0 ? product[axis] / square[axis] : 0.0;
-    slope[1] = square[axis] > 0.0 ? product[(axis + 2) % 3] / square[axis] : 0.0;
-    return axis;
-}
-
-/* The extremes of a share of the runs, but for those that are in: the farthest from its line on eight sides. */
-static void pbw__find_extremes(void *arg, int part)
-{
-    pbw__build *build = (pbw__build *)arg;
-    const size_t count = build->vertices->count, runs = (count + PBW__SPAN - 1) / PBW__SPAN;
-    const size_t to = pbw__share(runs, part + 1, build->parts);
-    size_t run = pbw__share(runs, part, build->parts);
-    for (; run < to && !pbw__report(build->context, 0.0); run++) {
-        const size_t begin = run * PBW__SPAN, end = begin + PBW__SPAN < count ? begin + PBW__SPAN : count;
-        const double *first = build->vertices->record + 4 * (begin + 1), *p = first;
-        double slope[2], low[4], high[4];
-        const int axis = pbw__line_along(first, end - begin, slope), next = (axis + 1) % 3, last = (axis + 2) % 3;
-        size_t rank, lowest[4], highest[4];
-        int k;
-        for (k = 0; k < 4; k++) {
-            low[k] = high[k] = 0.0;                  /* as the first has it, on all sides */
-            lowest[k] = highest[k] = begin;
-        }
-        for (rank = begin; rank < end; rank++, p += 4) {
-            const double along = p[axis] - first[axis];
-            const double u = p[next] - first[next] - slope[0] * along, v = p[last] - first[last] - slope[1] * along;
-            const double off[4] = { u, v, u + v, u - v };
-            for (k = 0; k < 4; k++) {
-                lowest[k] = off[k] < low[k] ? rank : lowest[k];
-                low[k] = off[k] < low[k] ? off[k] : low[k];
-                highest[k] = off[k] > high[k] ? rank : highest[k];
-                high[k] = off[k] > high[k] ? off[k] : high[k];
-            }
-        }
-        memset(build->early + begin / 8, 0, (end - begin + 7) / 8);
-        for (k = 0; k < 8; k++) {
-            rank = k < 4 ? lowest[k] : highest[k - 4];
-            build->early[rank >> 3] |= (unsigned char)(((rank & (build->stride - 1)) != 0) << (rank & 7));
-        }
-    }
-}
-
-/* Room for the work of several tasks. */
-static pbw_status pbw__build_parts(pbw__build *build, const pbw__grid *grid)
-{
-    pbw__memory *memory = &build->context->memory;
-    size_t cells = build->store->region_count;
-    if (build->owner == NULL) {
-        build->owner = (uint8_t *)pbw__allocate(memory, cells, 1);
-    }
-    return build->owner != NULL ? pbw__more_kernels(build, grid, build->context->threads < PBW__PARTS
-                                                               ? build->context->threads : PBW__PARTS)
-                                : PBW_ERROR_MEMORY;
-}
-
-/* Tasks for so many vertices, and cells with two vertices, in 2D one, of those that are in, which are `apart`. */
-static void pbw__plan(pbw__build *build, size_t vertices, size_t apart)
-{
-    size_t parts = vertices / PBW__LEAST_PART, cells;
-    for (build->owner_bits = build->store->cell_bits;
-         (size_t)1 << build->owner_bits < apart * (size_t)(build->vertices->dim - 1); build->owner_bits++) {
-    }
-    cells = (build->vertices->count >> build->owner_bits) + 1;
-    parts = parts < cells / PBW__SMALLER(4) ? parts : cells / PBW__SMALLER(4);
-    build->parts = (size_t)build->context->threads < parts ? build->context->threads : (int)parts;
-}
-
-/* The level, or the vertices left, by the tasks planned. */
-static pbw_status pbw__level(pbw__build *build, const pbw__grid *grid)
-{
-    pbw_status status;
-    if (build->parts <= 1) {
-        return pbw__level_serial(build, build->left_count == 0);
-    }
-    status = pbw__build_parts(build, grid);
-    if (status == PBW_OK) {
-        pbw__leave_region(build->kernel[0]);
-        status = pbw__rounds(build);
-    }
-    return status == PBW_OK ? pbw__level_serial(build, 0) : status;
-}
-
-/* Inserts the extremes; some on one thread, before several tasks come to the others: they reach so many cells that
-   tasks would be in each other's way, and cells need vertices for tasks to start from.  So tasks are fewer, too. */
-static pbw_status pbw__level_extremes(pbw__build *build, const pbw__grid *grid)
-{
-    pbw__memory *memory = &build->context->memory;
-    const size_t count = build->vertices->count, most = 8 * (count / PBW__SPAN + 1);
-    size_t rank, seen, first;
-    pbw_status status = PBW_OK;
-    int turn;
-    build->early = (unsigned char *)pbw__allocate(memory, count / 8 + 1, 1);
-    if (build->early == NULL) {
-        return PBW_ERROR_MEMORY;
-    }
-    build->parts = pbw__tasks(build->context, count, PBW__SPAN);
-    pbw__for(build->context, build->parts, pbw__find_extremes, build);
-    if (pbw__report(build->context, 0.0)) {
-        return PBW_CANCELLED;
-    }
-    if (most > build->left_capacity
-        && !pbw__resize_array(memory, &build->left, &build->left_capacity, most, sizeof(pbw_index))) {
-        return PBW_ERROR_MEMORY;
-    }
-    pbw__plan(build, most, 0);
-    first = build->parts > 1 ? PBW__FIRST : 1;
-    for (turn = 0; turn < 2 && status == PBW_OK; turn++) {
-        for (rank = seen = build->left_count = 0; rank < count; rank += build->early[rank >> 3] != 0 ? 1 : 8) {
-            if (pbw__is_early(build, rank) && (seen++ % first != 0) == turn) {
-                build->left[build->left_count++] = (pbw_index)rank + 1;
-            }
-        }
-        if (build->left_count > 0) {
-            pbw__plan(build, turn > 0 ? build->left_count / 4 : 0, 0);
-            status = pbw__level(build, grid);
-        }
-    }
-    return status;
-}
-
-/* Simplices made for a vertex of the level, on average; *before: those made in all. */
-static double pbw__mean_star(const pbw__build *build, size_t *before)
-{
-    const size_t count = build->vertices->count, old = *before;
-    int i;
-    for (i = 0, *before = 0; i < build->kernel_count; i++) {
-        *before += build->kernel[i]->statistics.created;
-    }
-    return (double)(*before - old) / (double)(count / build->stride - count / build->coarser + 1);
-}
-
-/* PBW_OK, PBW_DEGENERATE or an error; the store is the caller's to free in every case. */
-static pbw_status pbw__build_all(pbw__context *context, pbw__store *store, const pbw__vertices *vertices,
-                                 const pbw__grid *grid, pbw_statistics *statistics)
-{
-    pbw__build build;
-    const pbw__sequence sequence = pbw__sequence_start(vertices->count, vertices->dim);
-    const size_t ratio = sequence.ratio;
-    size_t created = 0;
-    pbw_status status;
-    int i;
-    memset(&build, 0, sizeof(build));
-    build.context = context;
-    build.store = store;
-    build.vertices = vertices;
-    build.statistics = statistics;
-    status = pbw__store_create(context, store, vertices->count, vertices->dim);
-    if (status == PBW_OK) {
-        status = pbw__more_kernels(&build, grid, 1);
-    }
-    if (status == PBW_OK) {
-        status = pbw__seeds(build.kernel[0], vertices->count, vertices->dim, build.seed);
-    }
-    if (status == PBW_OK) {
-        status = pbw__first_star(build.kernel[0], vertices->dim, build.seed);
-    }
-    for (i = 0; status == PBW_OK && context->trace != NULL && i <= vertices->dim; i++) {
-        context->trace[vertices->id[build.seed[i]]] = 0;
-    }
-    build.stride = sequence.stride;
-    build.coarser = build.stride * ratio;
-    build.backwards = sequence.backwards;
-    while (status == PBW_OK && build.stride > 0) {
-        pbw__plan(&build, vertices->count / build.stride, build.early != NULL ? 0 : build.coarser);
-        build.parts = build.coarser <= vertices->count ? build.parts : 1;
-        build.left_count = 0;
-        status = pbw__level(&build, grid);
-        if (pbw__mean_star(&build, &created) > PBW__LARGE_STAR && vertices->dim == 3 && build.stride > 1
-            && build.early == NULL && status == PBW_OK) {
-            status = pbw__level_extremes(&build, grid);
-        }
-        build.coarser = build.stride;
-        build.stride = build.stride > (build.early != NULL ? ratio * ratio : ratio) ? build.stride / ratio
-                     : build.stride > 1 ? 1 : 0;
-        build.backwards = build.stride == 1 || !build.backwards;
-    }
-    for (i = 0; i < build.kernel_count; i++) {
-        statistics->walk_steps += build.kernel[i]->statistics.walk_steps;
-        statistics->conflict_tests += build.kernel[i]->statistics.conflict_tests;
-        statistics->exact_tests += build.kernel[i]->statistics.exact_tests;
-        statistics->created += build.kernel[i]->statistics.created;
-    }
-    if (status == PBW_OK) {
-        build.parts = pbw__tasks(context, store->region_count, 256);
-        pbw__for(context, build.parts, pbw__close_regions, &build);
-    }
-    pbw__build_free(&build);
     return status;
 }
 /* ------------------------------------------------------------------------------------------------------
@@ -8277,6 +8510,199 @@ static pbw_status pbw__emit_incident(pbw__emission *emission)
     pbw__for(emission->context, emission->tasks, pbw__emit_pass5, emission);
     return PBW__LOAD(&emission->context->cancelled) ? PBW_CANCELLED : PBW_OK;
 }
+
+/* What a mesh holds; lives behind mesh->memory. */
+typedef struct pbw__owned {
+    pbw__memory memory;
+    size_t simplices, neighbors, incident, canonical, original, points, weights;        /* items in each array; 0: not
+                                                                                           the mesh's own */
+} pbw__owned;
+
+/* The mesh's copy of the input, in the caller's order or that of mesh->original. */
+typedef struct pbw__copying {
+    pbw__context *context;
+    const pbw__input *input;
+    const pbw_index *original;
+    double *points, *weights;
+    int tasks;
+} pbw__copying;
+
+static void pbw__copy_points(void *arg, int task)
+{
+    const pbw__copying *copying = (const pbw__copying *)arg;
+    const pbw__input *input = copying->input;
+    size_t dim = (size_t)input->dim, k, i, to, end = pbw__share(input->count, task + 1, copying->tasks);
+    int packed = !input->is_float && input->stride == dim * sizeof(double) && input->weights == NULL
+        && copying->original == NULL;
+    for (i = pbw__share(input->count, task, copying->tasks); i < end; i = to) {
+        to = end - i < PBW__TICK ? end : i + PBW__TICK;
+        if (pbw__report(copying->context, 0.98)) {
+            return;
+        }
+        for (k = i * dim; packed && k < to * dim; k++) {
+            double x;
+            memcpy(&x, input->points + k * sizeof(double), sizeof(double));      /* of any alignment */
+            copying->points[k] = x + 0.0;            /* no -0.0 */
+        }
+        for (; !packed && i < to; i++) {
+            double record[4];
+            pbw__fetch(input, copying->original != NULL ? copying->original[i] : i, record);
+            for (k = 0; k < dim; k++) {
+                copying->points[i * dim + k] = record[k];
+            }
+            if (copying->weights != NULL) {
+                copying->weights[i] = record[dim];
+            }
+        }
+    }
+}
+
+/* In `spare`, a block of at least as many doubles, or in one of its own. */
+static pbw_status pbw__keep_points(pbw__context *context, const pbw__input *input, pbw__owned *owned, pbw_mesh *mesh,
+                                   double *spare, size_t spare_count)
+{
+    pbw__copying copying;
+    if (input->borrow) {
+        mesh->points = (const double *)(const void *)input->points;
+        mesh->weights = (const double *)(const void *)input->weights;
+        return PBW_OK;
+    }
+    copying.context = context;
+    copying.input = input;
+    copying.original = mesh->original;
+    copying.tasks = pbw__tasks(context, input->count, 65536);
+    copying.weights = NULL;
+    owned->points = input->count * (size_t)input->dim;
+    mesh->points = copying.points = (double *)(spare == NULL
+                 ? pbw__allocate_large(context, owned->points, sizeof(double))
+                 : pbw__resize(&context->memory, spare, spare_count, owned->points, sizeof(double)));
+    if (input->weights != NULL) {
+        owned->weights = input->count;
+        mesh->weights = copying.weights = (double *)pbw__allocate_large(context, input->count, sizeof(double));
+    }
+    if (copying.points == NULL || (input->weights != NULL && copying.weights == NULL)) {
+        return PBW_ERROR_MEMORY;
+    }
+    pbw__for(context, copying.tasks, pbw__copy_points, &copying);
+    return PBW__LOAD(&context->cancelled) ? PBW_CANCELLED : PBW_OK;
+}
+
+/* mesh->incident, filled with PBW_NONE if `none`. */
+static pbw_index *pbw__make_incident(pbw__context *context, pbw__owned *owned, pbw_mesh *mesh, int none)
+{
+    pbw_index *incident = (pbw_index *)pbw__allocate_large(context, mesh->point_count, sizeof(pbw_index));
+    mesh->incident = incident;
+    owned->incident = mesh->point_count;
+    if (incident != NULL && none) {
+        memset(incident, 0xff, mesh->point_count * sizeof(pbw_index));
+    }
+    return incident;
+}
+
+/* What the build needs no more is there for the output, with its pages: the vertices' records and the marks. */
+typedef struct pbw__spare { pbw_index *block[2]; size_t count[2]; } pbw__spare;
+
+/* `count` indices there, or in a block of their own. */
+static pbw_index *pbw__borrow(pbw__context *context, pbw__spare *spare, size_t count, size_t *allocated)
+{
+    int i;
+    for (i = 0; i < 2; i++) {
+        if (spare->count[i] >= count) {
+            spare->count[i] -= count;
+            return spare->block[i] + spare->count[i];
+        }
+    }
+    *allocated = count;
+    return (pbw_index *)pbw__allocate_large(context, count, sizeof(pbw_index));
+}
+
+static void pbw__give_up(pbw__memory *memory, pbw_index *block, size_t allocated)
+{
+    if (allocated > 0) {
+        pbw__release(memory, block, allocated, sizeof(pbw_index));
+    }
+}
+
+/* The store's triangulation as the mesh's arrays. */
+static pbw_status pbw__output(pbw__context *context, pbw__store *store, pbw__vertices *vertices, unsigned flags,
+                              pbw__owned *owned, pbw_mesh *mesh)
+{
+    pbw__memory *memory = &context->memory;
+    pbw__emission emission;
+    pbw__spare spare;
+    size_t corners = (size_t)vertices->dim + 1, chunks, entries, links, allocated[3] = { 0, 0, 0 };
+    pbw_status status = PBW_ERROR_MEMORY;
+
+    if (store->capacity - store->count > store->capacity / 64 + 64       /* not of few points */
+        && pbw__store_reserve(context, store, store->count) != PBW_OK) {     /* gives the rest of the tail back */
+        return PBW_ERROR_MEMORY;
+    }
+    if ((flags & PBW_NO_NEIGHBORS) != 0) {
+        pbw__release(memory, store->link, store->link_capacity, sizeof(pbw__link));
+        store->link = NULL;
+    }
+    spare.block[0] = (pbw_index *)(void *)vertices->record;
+    spare.count[0] = (vertices->point_count + 1) * corners * (sizeof(double) / sizeof(pbw_index));
+    spare.block[1] = (pbw_index *)(void *)store->mark;
+    spare.count[1] = store->mark_capacity / sizeof(pbw_index);
+    memset(&emission, 0, sizeof(emission));
+    emission.context = context;
+    emission.store = store;
+    emission.corner = store->corner;
+    emission.link = store->link;
+    emission.slot_count = store->count;
+    emission.vertex_count = vertices->count;
+    emission.dim = vertices->dim;
+    emission.any_order = (flags & PBW_ANY_ORDER) != 0;
+    emission.id = vertices->id;
+    emission.tasks = pbw__tasks(context, vertices->count, 16384);
+    emission.chunk_bits = pbw__chunk_bits(emission.dim, emission.tasks, store->count);
+    chunks = (store->count >> emission.chunk_bits) + 1;
+    emission.number = pbw__borrow(context, &spare, store->count, allocated);
+    emission.head = pbw__borrow(context, &spare, vertices->count + 1, allocated + 1);
+    if (emission.tasks > 1) {
+        emission.first = pbw__borrow(context, &spare, vertices->count + 1, allocated + 2);
+    }
+    emission.chain = store->hint;
+    emission.end = (size_t *)pbw__allocate(memory, (size_t)emission.tasks, sizeof(size_t));
+    emission.chunk_done = (unsigned char *)pbw__allocate(memory, chunks, 1);
+    emission.aside = (pbw__aside *)pbw__allocate(memory, (size_t)emission.tasks, sizeof(pbw__aside));
+    if (emission.number != NULL && emission.head != NULL && (emission.first != NULL || emission.tasks == 1)
+        && emission.end != NULL && emission.chunk_done != NULL && emission.aside != NULL) {
+        memset(emission.chunk_done, 0, chunks);
+        memset(emission.aside, 0, (size_t)emission.tasks * sizeof(pbw__aside));
+        status = pbw__emit(&emission);
+    }
+    pbw__release(memory, emission.end, (size_t)emission.tasks, sizeof(size_t));
+    pbw__release(memory, emission.chunk_done, chunks, 1);
+    pbw__release(memory, emission.aside, (size_t)emission.tasks, sizeof(pbw__aside));
+    entries = emission.simplex_count * corners;
+    links = store->link_capacity * (sizeof(pbw__link) / sizeof(pbw_index));
+    if (status == PBW_OK
+        && (!pbw__resize_array(memory, &store->corner, &store->corner_capacity, entries, sizeof(pbw_index))
+            || (store->link != NULL
+                && !pbw__resize_array(memory, &store->link, &links, entries, sizeof(pbw_index))))) {
+        status = PBW_ERROR_MEMORY;
+    }
+    if (status == PBW_OK) {
+        mesh->simplex_count = emission.simplex_count;
+        mesh->simplices = store->corner;
+        mesh->neighbors = (pbw_index *)(void *)store->link;
+        owned->simplices = entries;
+        owned->neighbors = store->link != NULL ? entries : 0;
+        store->corner = NULL;
+        store->link = NULL;
+        emission.incident = pbw__make_incident(context, owned, mesh, vertices->duplicate_count > 0);
+        status = emission.incident != NULL ? pbw__emit_incident(&emission) : PBW_ERROR_MEMORY;
+    }
+    pbw__give_up(memory, emission.number, allocated[0]);
+    pbw__give_up(memory, emission.head, allocated[1]);
+    pbw__give_up(memory, emission.first, allocated[2]);
+    pbw__release(memory, store->mark, store->mark_capacity, 1);
+    store->mark = NULL;
+    mesh->hidden_count = vertices->count - emission.visible;
+    return status;
+}
 /* ------------------------------------------------------------------------------------------------------
    >>check        The exact verdict on a finished mesh.
    In: the public arrays of a mesh.  Out: a report; the first fault has a name and a place.
@@ -9010,64 +9436,164 @@ static uint64_t pbw__hash_point(const pbw_mesh *mesh, size_t p)
 
 typedef struct pbw__hashing {
     const pbw_mesh *mesh;
-    uint64_t points[4 * 256], simplices[4 * 256];    /* sums, per task: at most 4 a thread */
-    int tasks;
+    const unsigned char *chosen;                     /* NULL: all */
+    uint64_t sum;                                    /* ranges add theirs, in any order */
 } pbw__hashing;
 
-static void pbw__hash_task(void *arg, int task)
+static pbw_status pbw__hash_points(void *arg, size_t p, size_t end)
 {
     pbw__hashing *hashing = (pbw__hashing *)arg;
-    const pbw_mesh *mesh = hashing->mesh;
-    uint64_t points = 0, simplices = 0;
-    size_t corners = (size_t)mesh->dim + 1, p = pbw__share(mesh->point_count, task, hashing->tasks), k;
-    size_t s = pbw__share(mesh->simplex_count, task, hashing->tasks);
-    for (; p < pbw__share(mesh->point_count, task + 1, hashing->tasks); p++) {
-        if (mesh->canonical[p] == p) {
-            points += pbw__hash_point(mesh, p);      /* mixed well enough to be summed */
+    uint64_t sum = 0;
+    for (; p < end; p++) {
+        if (hashing->mesh->canonical[p] == p && (hashing->chosen == NULL || hashing->chosen[p])) {
+            sum += pbw__hash_point(hashing->mesh, p);        /* mixed well enough to be summed */
         }
     }
-    for (; s < pbw__share(mesh->simplex_count, task + 1, hashing->tasks); s++) {
-        uint64_t sum = 0;
-        for (k = 0; k < corners; k++) {
-            sum += pbw__hash_point(mesh, mesh->simplices[s * corners + k]);
-        }
-        simplices += pbw__mix(sum);
-    }
-    hashing->points[task] = points;
-    hashing->simplices[task] = simplices;
+    (void)PBW__ADD(&hashing->sum, sum);
+    return PBW_OK;
 }
 
-PBWDEF uint64_t pbw_hash(const pbw_mesh *mesh)
+static pbw_status pbw__hash_simplices(void *arg, size_t s, size_t end)
 {
-    pbw_options options;
+    pbw__hashing *hashing = (pbw__hashing *)arg;
+    const size_t corners = (size_t)hashing->mesh->dim + 1;
+    uint64_t sum = 0;
+    size_t k;
+    for (; s < end; s++) {
+        uint64_t points = 0;
+        for (k = 0; k < corners; k++) {
+            points += pbw__hash_point(hashing->mesh, hashing->mesh->simplices[s * corners + k]);
+        }
+        sum += hashing->chosen == NULL || hashing->chosen[s] ? pbw__mix(points) : 0;
+    }
+    (void)PBW__ADD(&hashing->sum, sum);
+    return PBW_OK;
+}
+
+PBWDEF pbw_status pbw_hash_parts(const pbw_mesh *mesh, const unsigned char *points, const unsigned char *simplices,
+                                 const pbw_options *options, pbw_hash_sums *sums)
+{
+    pbw_options defaults;
     pbw__context context;
     pbw__hashing hashing;
-    uint64_t points = 0, simplices = 0;
-    int task;
-    if (mesh == NULL || mesh->point_count == 0) {
+    pbw_status status;
+    memset(&defaults, 0, sizeof(defaults));
+    options = options != NULL ? options : &defaults;
+    if (mesh == NULL || sums == NULL || options->threads < 0 || options->threads > 256) {
+        return PBW_ERROR_ARGUMENT;
+    }
+    pbw__context_start(&context, options, mesh->point_count);
+    hashing.mesh = mesh;
+    hashing.chosen = points;
+    hashing.sum = 0;
+    status = pbw__enter_stage(&context, PBW_STAGE_WORK) ? PBW_CANCELLED
+           : pbw__for_range(&context, mesh->point_count, 16384, 0.0, 0.1, pbw__hash_points, &hashing);
+    sums->points = hashing.sum;
+    hashing.chosen = simplices;
+    hashing.sum = 0;
+    if (status == PBW_OK) {
+        status = pbw__for_range(&context, mesh->simplex_count, 16384, 0.1, 1.0, pbw__hash_simplices, &hashing);
+    }
+    sums->simplices = hashing.sum;
+    pbw__team_stop(&context);
+    return status == PBW_OK && pbw__report(&context, 1.0) ? PBW_CANCELLED : status;
+}
+
+PBWDEF uint64_t pbw_hash_of(const pbw_hash_sums *sums)
+{
+    return pbw__mix(sums->points + pbw__mix(sums->simplices));
+}
+
+PBWDEF uint64_t pbw_hash(const pbw_mesh *mesh, const pbw_options *options)
+{
+    pbw_hash_sums sums;
+    if (mesh == NULL || mesh->point_count == 0 || pbw_hash_parts(mesh, NULL, NULL, options, &sums) != PBW_OK) {
         return 0;
     }
-    memset(&options, 0, sizeof(options));
-    pbw__context_start(&context, &options, mesh->point_count);
-    hashing.mesh = mesh;
-    hashing.tasks = pbw__tasks(&context, mesh->point_count, 16384);
-    pbw__for(&context, hashing.tasks, pbw__hash_task, &hashing);
-    pbw__team_stop(&context);
-    for (task = 0; task < hashing.tasks; task++) {
-        points += hashing.points[task];
-        simplices += hashing.simplices[task];
+    return pbw_hash_of(&sums);
+}
+/* ------------------------------------------------------------------------------------------------------
+   >>tools        For companion headers: ranges on threads, the order of the curve, verdicts on conflicts.
+   In: the caller's arrays.  Out: the library's threads, sort and tie rule, behind public names.
+   ------------------------------------------------------------------------------------------------------ */
+PBWDEF pbw_status pbw_for(const pbw_options *options, size_t count, size_t grain, pbw_body *body, void *arg)
+{
+    const size_t blocks = grain > 0 ? count / grain + (count % grain != 0) : 0, most = (size_t)-1 / 8192;
+    pbw_options defaults;
+    pbw__context context;
+    pbw__fp fp;
+    pbw_status status = PBW_OK;
+    memset(&defaults, 0, sizeof(defaults));
+    options = options != NULL ? options : &defaults;
+    if (body == NULL || grain == 0 || options->threads < 0 || options->threads > 256) {
+        return PBW_ERROR_ARGUMENT;
     }
-    return pbw__mix(points + pbw__mix(simplices));
+    if (blocks > most / 64) {
+        return PBW_ERROR_TOO_LARGE;
+    }
+    fp = pbw__fp_enter();
+    pbw__context_start(&context, options, blocks * 8192);        /* each range is worth a thread */
+    if (pbw__enter_stage(&context, PBW_STAGE_WORK)) {
+        status = PBW_CANCELLED;
+    } else if (blocks > 0) {
+        status = pbw__for_range(&context, count, grain, 0.0, 1.0, body, arg);
+    }
+    pbw__team_stop(&context);
+    pbw__fp_leave(fp);
+    return status == PBW_OK && pbw__report(&context, 1.0) ? PBW_CANCELLED : status;
+}
+
+PBWDEF pbw_status pbw_order(int dim, const double *points, size_t count, const pbw_options *options, pbw_index *order)
+{
+    pbw_options defaults;
+    pbw__context context;
+    pbw__vertices vertices;
+    pbw__input input;
+    pbw__fp fp;
+    pbw_status status;
+    memset(&defaults, 0, sizeof(defaults));
+    options = options != NULL ? options : &defaults;
+    status = pbw__input_of(dim, 0, points, NULL, count, options, &input);
+    if (status != PBW_OK || count == 0) {
+        return status;
+    }
+    if (order == NULL) {
+        return PBW_ERROR_ARGUMENT;
+    }
+    fp = pbw__fp_enter();
+    pbw__context_start(&context, options, count);
+    status = !pbw__fp_is_exact() ? PBW_ERROR_FP_MODE
+           : pbw__enter_stage(&context, PBW_STAGE_ORDER) ? PBW_CANCELLED : pbw__order(&context, &input, &vertices);
+    if (status == PBW_OK) {
+        status = pbw__number_along_curve(&context, &vertices, order);
+        pbw__vertices_free(&context, &vertices);
+    }
+    pbw__team_stop(&context);
+    pbw__fp_leave(fp);
+    return status == PBW_OK && pbw__report(&context, 1.0) ? PBW_CANCELLED : status;
+}
+
+PBWDEF int pbw_conflict2(const double a[2], const double b[2], const double c[2], const double p[2],
+                         const double w[4])
+{
+    const double *point[4] = { a, b, c, p };
+    double q[5][4];
+    pbw__records(2, point, w, q);
+    return pbw__conflict2(q[0], q[1], q[2], q[3], NULL);
+}
+
+PBWDEF int pbw_conflict3(const double a[3], const double b[3], const double c[3], const double d[3],
+                         const double p[3], const double w[5])
+{
+    const double *point[5] = { a, b, c, d, p };
+    double q[5][4];
+    pbw__records(3, point, w, q);
+    return pbw__conflict3(q[0], q[1], q[2], q[3], q[4], NULL);
 }
 /* ------------------------------------------------------------------------------------------------------
    >>api          The front door: argument checks, defaults, the stages in order, status texts.
+   In: what the caller passes.  Out: a mesh or a status; nothing is left allocated after a failure.
    ------------------------------------------------------------------------------------------------------ */
-/* What a mesh holds; lives behind mesh->memory. */
-typedef struct pbw__owned {
-    pbw__memory memory;
-    size_t simplices, neighbors, incident, canonical, points, weights;      /* items in each array */
-} pbw__owned;
-
 PBWDEF const char *pbw_status_string(pbw_status status)
 {
     switch (status) {
@@ -9099,191 +9625,16 @@ PBWDEF void pbw_free(pbw_mesh *mesh)
         pbw__release(&memory, (void *)(uintptr_t)mesh->neighbors, owned->neighbors, sizeof(pbw_index));
         pbw__release(&memory, (void *)(uintptr_t)mesh->incident, owned->incident, sizeof(pbw_index));
         pbw__release(&memory, (void *)(uintptr_t)mesh->canonical, owned->canonical, sizeof(pbw_index));
-        pbw__release(&memory, (void *)(uintptr_t)mesh->points, owned->points, sizeof(double));
-        pbw__release(&memory, (void *)(uintptr_t)mesh->weights, owned->weights, sizeof(double));
+        pbw__release(&memory, (void *)(uintptr_t)mesh->original, owned->original, sizeof(pbw_index));
+        if (owned->points > 0) {
+            pbw__release(&memory, (void *)(uintptr_t)mesh->points, owned->points, sizeof(double));
+            pbw__release(&memory, (void *)(uintptr_t)mesh->weights, owned->weights, sizeof(double));
+        }
         pbw__release(&memory, owned, 1, sizeof(pbw__owned));
     }
     if (mesh != NULL) {
         memset(mesh, 0, sizeof(*mesh));
     }
-}
-
-/* The mesh's copy of the input, in the caller's order. */
-typedef struct pbw__copying {
-    pbw__context *context;
-    const pbw__input *input;
-    double *points, *weights;
-    int tasks;
-} pbw__copying;
-
-static void pbw__copy_points(void *arg, int task)
-{
-    const pbw__copying *copying = (const pbw__copying *)arg;
-    const pbw__input *input = copying->input;
-    size_t dim = (size_t)input->dim, k, i, to, end = pbw__share(input->count, task + 1, copying->tasks);
-    int packed = !input->is_float && input->stride == dim * sizeof(double) && input->weights == NULL;
-    for (i = pbw__share(input->count, task, copying->tasks); i < end; i = to) {
-        to = end - i < PBW__TICK ? end : i + PBW__TICK;
-        if (pbw__report(copying->context, 0.98)) {
-            return;
-        }
-        for (k = i * dim; packed && k < to * dim; k++) {
-            double x;
-            memcpy(&x, input->points + k * sizeof(double), sizeof(double));      /* of any alignment */
-            copying->points[k] = x + 0.0;            /* no -0.0 */
-        }
-        for (; !packed && i < to; i++) {
-            double record[4];
-            pbw__fetch(input, i, record);
-            for (k = 0; k < dim; k++) {
-                copying->points[i * dim + k] = record[k];
-            }
-            if (copying->weights != NULL) {
-                copying->weights[i] = record[dim];
-            }
-        }
-    }
-}
-
-/* In `spare`, a block of at least as many doubles, or in one of its own. */
-static pbw_status pbw__keep_points(pbw__context *context, const pbw__input *input, pbw__owned *owned, pbw_mesh *mesh,
-                                   double *spare, size_t spare_count)
-{
-    pbw__copying copying;
-    copying.context = context;
-    copying.input = input;
-    copying.tasks = pbw__tasks(context, input->count, 65536);
-    copying.weights = NULL;
-    owned->points = input->count * (size_t)input->dim;
-    mesh->points = copying.points = (double *)(spare == NULL
-                 ? pbw__allocate_large(context, owned->points, sizeof(double))
-                 : pbw__resize(&context->memory, spare, spare_count, owned->points, sizeof(double)));
-    if (input->weights != NULL) {
-        owned->weights = input->count;
-        mesh->weights = copying.weights = (double *)pbw__allocate_large(context, input->count, sizeof(double));
-    }
-    if (copying.points == NULL || (input->weights != NULL && copying.weights == NULL)) {
-        return PBW_ERROR_MEMORY;
-    }
-    pbw__for(context, copying.tasks, pbw__copy_points, &copying);
-    return PBW__LOAD(&context->cancelled) ? PBW_CANCELLED : PBW_OK;
-}
-
-/* mesh->incident, filled with PBW_NONE if `none`. */
-static pbw_index *pbw__make_incident(pbw__context *context, pbw__owned *owned, pbw_mesh *mesh, int none)
-{
-    pbw_index *incident = (pbw_index *)pbw__allocate_large(context, mesh->point_count, sizeof(pbw_index));
-    mesh->incident = incident;
-    owned->incident = mesh->point_count;
-    if (incident != NULL && none) {
-        memset(incident, 0xff, mesh->point_count * sizeof(pbw_index));
-    }
-    return incident;
-}
-
-/* What the build needs no more is there for the output, with its pages: the vertices' records and the marks. */
-typedef struct pbw__spare { pbw_index *block[2]; size_t count[2]; } pbw__spare;
-
-/* `count` indices there, or in a block of their own. */
-static pbw_index *pbw__borrow(pbw__context *context, pbw__spare *spare, size_t count, size_t *allocated)
-{
-    int i;
-    for (i = 0; i < 2; i++) {
-        if (spare->count[i] >= count) {
-            spare->count[i] -= count;
-            return spare->block[i] + spare->count[i];
-        }
-    }
-    *allocated = count;
-    return (pbw_index *)pbw__allocate_large(context, count, sizeof(pbw_index));
-}
-
-static void pbw__give_up(pbw__memory *memory, pbw_index *block, size_t allocated)
-{
-    if (allocated > 0) {
-        pbw__release(memory, block, allocated, sizeof(pbw_index));
-    }
-}
-
-/* The store's triangulation as the mesh's arrays. */
-static pbw_status pbw__output(pbw__context *context, pbw__store *store, pbw__vertices *vertices, unsigned flags,
-                              pbw__owned *owned, pbw_mesh *mesh)
-{
-    pbw__memory *memory = &context->memory;
-    pbw__emission emission;
-    pbw__spare spare;
-    size_t corners = (size_t)vertices->dim + 1, chunks, entries, links, allocated[3] = { 0, 0, 0 };
-    pbw_status status = PBW_ERROR_MEMORY;
-
-    if (store->capacity - store->count > store->capacity / 64 + 64       /* not of few points */
-        && pbw__store_reserve(context, store, store->count) != PBW_OK) {     /* gives the rest of the tail back */
-        return PBW_ERROR_MEMORY;
-    }
-    if ((flags & PBW_NO_NEIGHBORS) != 0) {
-        pbw__release(memory, store->link, store->link_capacity, sizeof(pbw__link));
-        store->link = NULL;
-    }
-    spare.block[0] = (pbw_index *)(void *)vertices->record;
-    spare.count[0] = (vertices->point_count + 1) * corners * (sizeof(double) / sizeof(pbw_index));
-    spare.block[1] = (pbw_index *)(void *)store->mark;
-    spare.count[1] = store->mark_capacity / sizeof(pbw_index);
-    memset(&emission, 0, sizeof(emission));
-    emission.context = context;
-    emission.store = store;
-    emission.corner = store->corner;
-    emission.link = store->link;
-    emission.slot_count = store->count;
-    emission.vertex_count = vertices->count;
-    emission.dim = vertices->dim;
-    emission.any_order = (flags & PBW_ANY_ORDER) != 0;
-    emission.id = vertices->id;
-    emission.tasks = pbw__tasks(context, vertices->count, 16384);
-    emission.chunk_bits = pbw__chunk_bits(emission.dim, emission.tasks, store->count);
-    chunks = (store->count >> emission.chunk_bits) + 1;
-    emission.number = pbw__borrow(context, &spare, store->count, allocated);
-    emission.head = pbw__borrow(context, &spare, vertices->count + 1, allocated + 1);
-    if (emission.tasks > 1) {
-        emission.first = pbw__borrow(context, &spare, vertices->count + 1, allocated + 2);
-    }
-    emission.chain = store->hint;
-    emission.end = (size_t *)pbw__allocate(memory, (size_t)emission.tasks, sizeof(size_t));
-    emission.chunk_done = (unsigned char *)pbw__allocate(memory, chunks, 1);
-    emission.aside = (pbw__aside *)pbw__allocate(memory, (size_t)emission.tasks, sizeof(pbw__aside));
-    if (emission.number != NULL && emission.head != NULL && (emission.first != NULL || emission.tasks == 1)
-        && emission.end != NULL && emission.chunk_done != NULL && emission.aside != NULL) {
-        memset(emission.chunk_done, 0, chunks);
-        memset(emission.aside, 0, (size_t)emission.tasks * sizeof(pbw__aside));
-        status = pbw__emit(&emission);
-    }
-    pbw__release(memory, emission.end, (size_t)emission.tasks, sizeof(size_t));
-    pbw__release(memory, emission.chunk_done, chunks, 1);
-    pbw__release(memory, emission.aside, (size_t)emission.tasks, sizeof(pbw__aside));
-    entries = emission.simplex_count * corners;
-    links = store->link_capacity * (sizeof(pbw__link) / sizeof(pbw_index));
-    if (status == PBW_OK
-        && (!pbw__resize_array(memory, &store->corner, &store->corner_capacity, entries, sizeof(pbw_index))
-            || (store->link != NULL
-                && !pbw__resize_array(memory, &store->link, &links, entries, sizeof(pbw_index))))) {
-        status = PBW_ERROR_MEMORY;
-    }
-    if (status == PBW_OK) {
-        mesh->simplex_count = emission.simplex_count;
-        mesh->simplices = store->corner;
-        mesh->neighbors = (pbw_index *)(void *)store->link;
-        owned->simplices = entries;
-        owned->neighbors = store->link != NULL ? entries : 0;
-        store->corner = NULL;
-        store->link = NULL;
-        emission.incident = pbw__make_incident(context, owned, mesh, vertices->duplicate_count > 0);
-        status = emission.incident != NULL ? pbw__emit_incident(&emission) : PBW_ERROR_MEMORY;
-    }
-    pbw__give_up(memory, emission.number, allocated[0]);
-    pbw__give_up(memory, emission.head, allocated[1]);
-    pbw__give_up(memory, emission.first, allocated[2]);
-    pbw__release(memory, store->mark, store->mark_capacity, 1);
-    store->mark = NULL;
-    mesh->hidden_count = vertices->count - emission.visible;
-    return status;
 }
 
 /* Notes the time that a stage took; of a good one, reports the end. */
@@ -9293,6 +9644,16 @@ static pbw_status pbw__leave_stage(pbw__context *context, pbw_status status, dou
     *seconds = now - *start;
     *start = now;
     return (status == PBW_OK || status == PBW_DEGENERATE) && pbw__report(context, 1.0) ? PBW_CANCELLED : status;
+}
+
+/* mesh->original: see pbw__number_along_curve. */
+static pbw_status pbw__make_original(pbw__context *context, pbw__vertices *vertices, pbw__owned *owned,
+                                     pbw_mesh *mesh)
+{
+    pbw_index *original = (pbw_index *)pbw__allocate_large(context, vertices->point_count, sizeof(pbw_index));
+    mesh->original = original;
+    owned->original = vertices->point_count;
+    return original != NULL ? pbw__number_along_curve(context, vertices, original) : PBW_ERROR_MEMORY;
 }
 
 static pbw_status pbw__run(pbw__context *context, const pbw__input *input, unsigned flags, pbw_mesh *mesh)
@@ -9330,6 +9691,10 @@ static pbw_status pbw__run(pbw__context *context, const pbw__input *input, unsig
     if ((status == PBW_OK || status == PBW_DEGENERATE) && pbw__enter_stage(context, PBW_STAGE_OUTPUT)) {
         status = PBW_CANCELLED;
     }
+    if ((status == PBW_OK || status == PBW_DEGENERATE) && (flags & PBW_CURVE_ORDER) != 0) {
+        const pbw_status numbered = pbw__make_original(context, &vertices, owned, mesh);
+        status = numbered != PBW_OK ? numbered : status;
+    }
     if (status == PBW_OK) {
         status = pbw__output(context, &store, &vertices, flags, owned, mesh);
     } else if (status == PBW_DEGENERATE && pbw__make_incident(context, owned, mesh, 1) == NULL) {
@@ -9342,7 +9707,7 @@ static pbw_status pbw__run(pbw__context *context, const pbw__input *input, unsig
         vertices.canonical = NULL;
         kept = pbw__keep_points(context, input, owned, mesh, vertices.record,
                                 (vertices.point_count + 1) * ((size_t)input->dim + 1));
-        vertices.record = mesh->points != NULL ? NULL : vertices.record;
+        vertices.record = mesh->points != NULL && !input->borrow ? NULL : vertices.record;
         status = pbw__leave_stage(context, kept != PBW_OK ? kept : status, &start, &mesh->statistics.output_seconds);
     }
     mesh->statistics.threads = context->threads;
@@ -9433,6 +9798,92 @@ static void pbw__job_say(pbw_job *job, const char *text)
     }
 }
 
+/* Numbers what a backend made along the curve: the arrays are then those that the CPU makes. */
+typedef struct pbw__renumbering {
+    const pbw_mesh *mesh;
+    const pbw_index *original, *old_incident;
+    pbw_index *number, *simplices, *incident;
+    const double *old_points, *old_weights;
+    double *points, *weights;
+} pbw__renumbering;
+
+static pbw_status pbw__renumber_points(void *arg, size_t from, size_t to)
+{
+    const pbw__renumbering *r = (const pbw__renumbering *)arg;
+    const size_t dim = (size_t)r->mesh->dim;
+    for (; from < to; from++) {
+        const size_t old = r->original[from];
+        r->number[old] = (pbw_index)from;
+        r->incident[from] = r->old_incident[old];
+        memcpy(r->points + from * dim, r->old_points + old * dim, dim * sizeof(double));
+        if (r->weights != NULL) {
+            r->weights[from] = r->old_weights[old];
+        }
+    }
+    return PBW_OK;
+}
+
+static pbw_status pbw__renumber_corners(void *arg, size_t from, size_t to)
+{
+    const pbw__renumbering *r = (const pbw__renumbering *)arg;
+    for (; from < to; from++) {
+        r->simplices[from] = r->number[r->simplices[from]];
+    }
+    return PBW_OK;
+}
+
+static pbw_status pbw__renumber(pbw__dispatch *dispatch)
+{
+    pbw__context *context = dispatch->context;
+    pbw__memory *memory = &context->memory;
+    pbw__owned *owned = dispatch->owned;
+    pbw_mesh *mesh = dispatch->mesh;
+    const size_t count = mesh->point_count, corners = mesh->simplex_count * ((size_t)mesh->dim + 1);
+    pbw__vertices vertices;
+    pbw__renumbering r;
+    pbw_status status = pbw__order(context, dispatch->input, &vertices);
+    if (status != PBW_OK) {
+        return status;
+    }
+    memset(&r, 0, sizeof(r));
+    status = pbw__make_original(context, &vertices, owned, mesh);
+    r.mesh = mesh;
+    r.original = mesh->original;
+    r.old_incident = mesh->incident;
+    r.old_points = mesh->points;
+    r.old_weights = mesh->weights;
+    r.simplices = (pbw_index *)(uintptr_t)mesh->simplices;
+    r.number = (pbw_index *)pbw__allocate(memory, count, sizeof(pbw_index));
+    r.incident = (pbw_index *)pbw__allocate(memory, count, sizeof(pbw_index));
+    r.points = (double *)pbw__allocate(memory, owned->points, sizeof(double));
+    r.weights = mesh->weights != NULL ? (double *)pbw__allocate(memory, count, sizeof(double)) : NULL;
+    if (status == PBW_OK && (r.number == NULL || r.incident == NULL || r.points == NULL
+                             || (r.weights == NULL && mesh->weights != NULL))) {
+        status = PBW_ERROR_MEMORY;
+    }
+    if (status == PBW_OK) {
+        const pbw_index *canonical = mesh->canonical;
+        status = pbw__for_range(context, count, 16384, 1.0, 1.0, pbw__renumber_points, &r);
+        if (status == PBW_OK) {
+            status = pbw__for_range(context, corners, 65536, 1.0, 1.0, pbw__renumber_corners, &r);
+        }
+        mesh->incident = r.incident;
+        mesh->points = r.points;
+        mesh->weights = r.weights;
+        mesh->canonical = vertices.canonical;
+        r.incident = (pbw_index *)(uintptr_t)r.old_incident;
+        r.points = (double *)(uintptr_t)r.old_points;
+        r.weights = (double *)(uintptr_t)r.old_weights;
+        vertices.canonical = (pbw_index *)(uintptr_t)canonical;
+    }
+    pbw__release(memory, r.number, count, sizeof(pbw_index));
+    pbw__release(memory, r.incident, count, sizeof(pbw_index));
+    pbw__release(memory, r.points, owned->points, sizeof(double));
+    pbw__release(memory, r.weights, count, sizeof(double));
+    pbw__vertices_free(context, &vertices);
+    return status;
+}
+
 /* Sets *declined if the input is for the CPU. */
 static pbw_status pbw__run_backend(pbw__context *context, const pbw__input *input, const pbw_options *options,
                                    pbw_mesh *mesh, int *declined)
@@ -9480,6 +9931,10 @@ static pbw_status pbw__run_backend(pbw__context *context, const pbw__input *inpu
     if (status == PBW_OK && job.kept_points == NULL) {
         status = pbw__job_keep(&job);
     }
+    if ((status == PBW_OK || status == PBW_DEGENERATE) && (options->flags & PBW_CURVE_ORDER) != 0) {
+        const pbw_status numbered = pbw__renumber(&dispatch);
+        status = numbered != PBW_OK ? numbered : status;
+    }
     if (status == PBW_OK && (pbw__report(context, 1.0) || pbw__job_report(&job, PBW_STAGE_OUTPUT, 1.0))) {
         status = PBW_CANCELLED;
     }
@@ -9497,7 +9952,6 @@ static pbw_status pbw__run_backend(pbw__context *context, const pbw__input *inpu
 static pbw_status pbw__triangulate(int dim, int is_float, const void *points, const void *weights, size_t count,
                                    const pbw_options *options, pbw_mesh *mesh)
 {
-    const size_t size = is_float ? sizeof(float) : sizeof(double);
     pbw_options defaults;
     pbw__context context;
     pbw__input input;
@@ -9511,22 +9965,9 @@ static pbw_status pbw__triangulate(int dim, int is_float, const void *points, co
     memset(mesh, 0, sizeof(*mesh));
     memset(&defaults, 0, sizeof(defaults));
     options = options != NULL ? options : &defaults;
-    if ((dim != 2 && dim != 3) || (points == NULL && count != 0) || options->threads < 0 || options->threads > 256
-        || (options->flags & ~(PBW_ANY_ORDER | PBW_NO_NEIGHBORS | PBW_BACKEND_OR_CPU)) != 0
-        || (options->stride != 0 && options->stride < (size_t)dim * size)
-        || (options->weight_stride != 0 && options->weight_stride < size)) {
-        return PBW_ERROR_ARGUMENT;
-    }
-    input.dim = dim;
-    input.is_float = is_float;
-    input.count = count;
-    input.stride = options->stride != 0 ? options->stride : (size_t)dim * size;
-    input.weight_stride = options->weight_stride != 0 ? options->weight_stride : size;
-    input.points = (const char *)points;
-    input.weights = (const char *)weights;
-    if (count >= PBW_NONE || count > (size_t)-1 / input.stride || count > (size_t)-1 / input.weight_stride
-        || count > (size_t)-1 / 256) {
-        return PBW_ERROR_TOO_LARGE;
+    status = pbw__input_of(dim, is_float, points, weights, count, options, &input);
+    if (status != PBW_OK) {
+        return status;
     }
     if (options->trace != NULL && count > 0) {
         memset(options->trace, 0xff, count * sizeof(uint32_t));      /* PBW_NONE */

@@ -1207,7 +1207,7 @@ struct hole {
 };
 
 /* As settle, for p relative to v, by doubles that round nothing: on a small grid all products are integers in its
-   unit, below 2^53 (>>cavity of pbw.h: there p is the origin, here v, but the 24 products have the same bound).  The
+   unit, below 2^53 (>>cavity3 of pbw.h: there p is the origin, here v, but the 24 products have the same bound).  The
    coefficients of the lifts are those of pbw__tie.  open_sign if a height is too large for that. */
 template <int DIM, int WEIGHTED, int NT, int NV, int SCRATCH, typename REAL>
 __device__ __noinline__ int settle_on_grid(const star<DIM, WEIGHTED, NT, NV, SCRATCH, REAL> &s, int count, int t,

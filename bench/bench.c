@@ -153,7 +153,7 @@ static void bench_report(void *that, bench_sample *sample)
     }
     sample->simplices = job->mesh.simplex_count;
     sample->held = statistics->peak_bytes;
-    sample->hash = pbw_hash(&job->mesh);
+    sample->hash = pbw_hash(&job->mesh, NULL);
     sample->phases[0] = statistics->order_seconds;
     sample->phases[1] = statistics->build_seconds;
     sample->phases[2] = statistics->output_seconds;

@@ -32,7 +32,7 @@ static void print_hashes(const zoo_input *in, pbw_status status, const pbw_mesh 
 {
     printf("%s: %d %lu %lu %lu %016llx %016llx\n", in->name, (int)status, (unsigned long)mesh->simplex_count,
            (unsigned long)mesh->duplicate_count, (unsigned long)mesh->hidden_count,
-           (unsigned long long)hash_mesh(mesh), (unsigned long long)pbw_hash(mesh));
+           (unsigned long long)hash_mesh(mesh), (unsigned long long)pbw_hash(mesh, NULL));
 }
 
 /* What these inputs gave when this was written, in the plane and in space: every version, compiler and processor is to
@@ -85,7 +85,7 @@ static void print_changed(void)
         }
         in = zoo_last(&z);
         status = pbw_triangulate(dim, in->points, in->weights, in->count, NULL, &mesh);
-        if (hash_mesh(&mesh) != was->hash[dim - 2][0] || pbw_hash(&mesh) != was->hash[dim - 2][1]) {
+        if (hash_mesh(&mesh) != was->hash[dim - 2][0] || pbw_hash(&mesh, NULL) != was->hash[dim - 2][1]) {
             printf("CHANGED, entry %d of the table: ", (int)(i / 2));
             print_hashes(in, status, &mesh);
         }

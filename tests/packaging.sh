@@ -131,8 +131,8 @@ for file in interface whole; do
 done
 
 # Text: contents and rooms, versions, the quick start.
-sed -n 's/^     >>\([a-z]*\) .*/\1/p' pbw.h > "$work/contents"
-sed -n 's/^   >>\([a-z]*\).*/\1/p' pbw.h > "$work/rooms"
+sed -n 's/^     >>\([a-z0-9]*\) .*/\1/p' pbw.h > "$work/contents"
+sed -n 's/^   >>\([a-z0-9]*\).*/\1/p' pbw.h > "$work/rooms"
 check "the contents list names the rooms, in order" same "$work/contents" "$work/rooms"
 title=$(sed -n '1s/.* - v\([0-9.]*\) - .*/\1/p' pbw.h)
 macros=$(sed -n 's/^#define PBW_VERSION_[MP][A-Z]* \([0-9]*\)$/\1/p' pbw.h | paste -s -d . -)
@@ -200,7 +200,7 @@ for compiler in "$other-gcc -std=c99" "$other-g++ -std=c++11" "clang --target=$o
     fi
 done
 if $other-gcc "$work/empty.c" -o "$work/empty" > /dev/null 2>&1; then
-    check "$other: the pbw program" $other-gcc -std=c99 -O1 -I. -Iexamples/lib examples/program/pbw.c -o "$work/pbw.exe"
+    check "$other: the pbw program" $other-gcc -std=c99 -O1 -I. -Iexamples/lib examples/program/*.c -o "$work/pbw.exe"
     if command -v wine > /dev/null; then
         check "$other: the implementation compiles" $other-gcc -std=c99 -Os -I. -c "$work/whole.c" -o "$work/other.o"
         check "$other: a test compiles" \

@@ -1029,12 +1029,12 @@ static void test_modes(void)
     for (k = 0; k < 36; k++) {
         m.points[k] *= 4.9406564584124654e-324;      /* denormal: to flush them would make all equal */
     }
-    hash = pbw_hash(&m.mesh);
+    hash = pbw_hash(&m.mesh, NULL);
     for (k = 0; k < 4; k++) {
         pbw_status status;
         fesetround(modes[k]);
         status = pbw_check(&m.mesh, NULL, &report);
-        CHECK(fegetround() == modes[k] && pbw_hash(&m.mesh) == hash);
+        CHECK(fegetround() == modes[k] && pbw_hash(&m.mesh, NULL) == hash);
         fesetround(FE_TONEAREST);
         CHECK(status == PBW_OK && report.valid);
     }
@@ -1043,7 +1043,7 @@ static void test_modes(void)
         unsigned kept = _mm_getcsr(), flushing;
         _mm_setcsr(kept | 0x8040u);                  /* flush denormals, results and operands */
         flushing = _mm_getcsr() & 0x8040u;           /* valgrind has no such mode */
-        CHECK(pbw_check(&m.mesh, NULL, &report) == PBW_OK && report.valid && pbw_hash(&m.mesh) == hash);
+        CHECK(pbw_check(&m.mesh, NULL, &report) == PBW_OK && report.valid && pbw_hash(&m.mesh, NULL) == hash);
         CHECK((_mm_getcsr() & 0x8040u) == flushing);
         _mm_setcsr(kept);
     }
@@ -1148,11 +1148,11 @@ static void test_hash(int dim, int weighted)
         if (m.mesh.simplex_count == 0) {
             continue;
         }
-        hash = pbw_hash(&m.mesh);
+        hash = pbw_hash(&m.mesh, NULL);
         CHECK(hash != 0);
         model_copy(&other, &m);
         model_shuffle(&other);
-        CHECK(pbw_hash(&other.mesh) == hash);        /* any order of simplices and corners */
+        CHECK(pbw_hash(&other.mesh, NULL) == hash);        /* any order of simplices and corners */
 
         model_copy(&other, &m);                      /* any order of points */
         for (i = 0; i < n; i++) {
@@ -1165,41 +1165,41 @@ static void test_hash(int dim, int weighted)
             other.weights[rank[i]] = m.weights[i];
         }
         model_build(&other, 0, 0);
-        CHECK(pbw_hash(&other.mesh) == hash);
+        CHECK(pbw_hash(&other.mesh, NULL) == hash);
 
         model_copy(&other, &m);                      /* a duplicate more */
         memcpy(other.points + n * (size_t)dim, m.points, (size_t)dim * sizeof(double));
         other.weights[n] = m.weights[0];
         other.mesh.point_count++;
         model_build(&other, 0, 0);
-        CHECK(pbw_hash(&other.mesh) == hash);
+        CHECK(pbw_hash(&other.mesh, NULL) == hash);
 
         model_copy(&other, &m);                      /* -0.0 for 0.0 */
         for (i = 0; i < n * (size_t)dim; i++) {
             other.points[i] = m.points[i] == 0.0 ? -0.0 : m.points[i];
         }
-        CHECK(pbw_hash(&other.mesh) == hash);
+        CHECK(pbw_hash(&other.mesh, NULL) == hash);
 
         for (i = find_neighbor_facet(&m, 0); i < entries_of(&m); i = find_neighbor_facet(&m, i + 1)) {
             model_copy(&other, &m);                  /* other simplices */
             if (flip(&other, i)) {
-                CHECK(pbw_hash(&other.mesh) != hash);
+                CHECK(pbw_hash(&other.mesh, NULL) != hash);
             }
         }
         for (i = 0; i < m.mesh.simplex_count; i++) {
             model_copy(&other, &m);
             remove_simplex(&other, i);
-            CHECK(pbw_hash(&other.mesh) != hash);
+            CHECK(pbw_hash(&other.mesh, NULL) != hash);
         }
         for (i = 0; i < n; i++) {                    /* other points or weights with the same simplices */
             if (m.canonical[i] == i) {
                 model_copy(&other, &m);
                 other.points[i * (size_t)dim] += 1e-9;
-                CHECK(pbw_hash(&other.mesh) != hash);
+                CHECK(pbw_hash(&other.mesh, NULL) != hash);
                 if (weighted) {
                     model_copy(&other, &m);
                     other.weights[i] += 1e-9;
-                    CHECK(pbw_hash(&other.mesh) != hash);
+                    CHECK(pbw_hash(&other.mesh, NULL) != hash);
                 }
             }
         }
@@ -1207,9 +1207,9 @@ static void test_hash(int dim, int weighted)
             m.weights[i] = 0.0;
         }
         m.mesh.weights = NULL;                       /* no weights, all weights zero */
-        hash = pbw_hash(&m.mesh);
+        hash = pbw_hash(&m.mesh, NULL);
         m.mesh.weights = m.weights;
-        CHECK(pbw_hash(&m.mesh) == hash);
+        CHECK(pbw_hash(&m.mesh, NULL) == hash);
     }
     test_end();
 }
@@ -1225,21 +1225,21 @@ static void test_hash_special(void)
         return;
     }
     memset(&none, 0, sizeof none);
-    CHECK(pbw_hash(&none) == 0);
-    CHECK(pbw_hash(NULL) == 0);
+    CHECK(pbw_hash(&none, NULL) == 0);
+    CHECK(pbw_hash(NULL, NULL) == 0);
     model_points(&m, 2, 2, flat2, NULL);             /* degenerate: the points count */
-    hash = pbw_hash(&m.mesh);
+    hash = pbw_hash(&m.mesh, NULL);
     CHECK(hash != 0);
     model_points(&m, 3, 2, flat3, NULL);
-    CHECK(pbw_hash(&m.mesh) != hash);
+    CHECK(pbw_hash(&m.mesh, NULL) != hash);
     model_points(&m, 2, 1, flat2, NULL);
-    CHECK(pbw_hash(&m.mesh) != hash);
+    CHECK(pbw_hash(&m.mesh, NULL) != hash);
     model_random(&m, 2, 6, 1000, 0);                 /* the same corners in other company */
     memcpy(m.simplices, apart, sizeof apart);
     m.mesh.simplex_count = 2;
-    hash = pbw_hash(&m.mesh);
+    hash = pbw_hash(&m.mesh, NULL);
     memcpy(m.simplices, mixed, sizeof mixed);
-    CHECK(pbw_hash(&m.mesh) != hash);
+    CHECK(pbw_hash(&m.mesh, NULL) != hash);
     test_end();
 }
 
@@ -1262,8 +1262,8 @@ static void test_hash_triangulated(int dim)
         }
         CHECK_EQUAL(pbw_triangulatef(dim, narrow, NULL, COUNT, NULL, &a), PBW_OK);
         CHECK_EQUAL(pbw_triangulate(dim, wide, NULL, COUNT, NULL, &b), PBW_OK);
-        seen[k] = pbw_hash(&a);
-        CHECK(seen[k] == pbw_hash(&b));
+        seen[k] = pbw_hash(&a, NULL);
+        CHECK(seen[k] == pbw_hash(&b, NULL));
         for (i = 0; i < k; i++) {
             CHECK(seen[i] != seen[k]);
         }

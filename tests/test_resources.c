@@ -305,7 +305,7 @@ static void *run_on_small_stack(void *argument)
         options.threads = i % 4 == 0 ? 3 : 1;
         if (meshes_make(job->animals->items + i, &options, &mesh) <= PBW_DEGENERATE) {
             job->wrong += pbw_check(&mesh, &options, &report) != PBW_OK || !report.valid;
-            (void)pbw_hash(&mesh);
+            (void)pbw_hash(&mesh, NULL);
         } else {
             job->wrong += job->animals->items[i].finite;
         }
