@@ -3724,8 +3724,8 @@ static size_t pbw__order_find(const uint64_t *keys, size_t from, size_t to, int 
 }
 
 /* Cuts the only part, all keys, into parts of one to two shares, but never a run.  Runs longer than 16 shares get
-   keys of their own by all threads, and are cut in turn.  Returns the number of parts, at most PBW__CUTS * tasks; 0 if
-   cancelled. */
+   keys of their own by all threads, and are cut in turn.  Returns the number of parts, at most PBW__CUTS * tasks; 0
+   if cancelled. */
 #define PBW__CUTS 16
 static int pbw__order_cut(pbw__ordering *ordering)
 {
