@@ -1,0 +1,1786 @@
+/* pbw_cells.h - v0.1.0 - cells of the Voronoi and of the power diagram - MIT-0
+
+   QUICK START
+   In one source file, define PBW_CELLS_IMPLEMENTATION before the include; in all others, only include.
+   Needs pbw.h, with its implementation in some source file.
+
+       const double box[6] = { 0,0,0, 1,1,1 };                       // low corner, high corner
+       pbw_domain domain = {0};
+       pbw_cells cells = {0};
+       domain.box = box;
+       pbw_triangulate(3, points, NULL, count, NULL, &mesh);
+       pbw_cells_of(&mesh, &domain, 0, NULL, &cells);                // of weighted points: power cells
+       printf("%g\n", cells.volumes[7]);
+       pbw_cells_free(&cells);
+
+   HOW
+   The cell of a vertex is the dual of its star: its corners are the centres of the star's simplices, its facets belong
+   to the edges at the vertex.  A cell whose corners all lie inside the domain is read off the star.  The others are
+   cut: the domain's polytope, by one half-space for each neighbour; only neighbours in the triangulation matter, as the
+   cell is the intersection of their half-spaces.  Both ways sum signed determinants relative to the site, so the order
+   of the points, obtuse simplices and centres outside their simplex need no case.
+   Cutting classifies each corner once, as inside or outside, and shares each new corner between its two facets: however
+   the signs are rounded, the surface stays closed.
+
+   PROMISES  (tests/test_cells.c guards them)
+     same        the same bytes for any number of threads, and whatever else is asked of a call
+     whole       volumes in a domain add up to it, to 1e-12
+     closed      areas times normals of a bounded cell add up to zero
+     exact       with PBW_CELLS_MERGE, combinatorics are those of the true diagram, degenerate corners and all
+
+   CONFIGURATION MACROS
+     PBW_CELLS_IMPLEMENTATION    in one source file: compile the implementation there
+     PBWCELLSDEF                 everywhere: your own linkage for the functions, for example static
+*/
+#ifndef PBW_CELLS_H
+#define PBW_CELLS_H
+#ifndef PBW_H
+#include "pbw.h"
+#endif
+
+#ifndef PBWCELLSDEF
+#define PBWCELLSDEF extern
+#endif
+
+#ifdef __cplusplus
+extern "C" {
+#endif
+
+/* Where cells end.  All zero: nowhere, and cells at the hull are unbounded. */
+typedef struct pbw_domain {
+    const double *box;                     /* low corner, high corner: 2*dim numbers; NULL = none */
+    const double *planes;                  /* half-spaces n.x <= c: dim numbers n, then c, each; NULL = none */
+    size_t plane_count;
+    unsigned periodic;                     /* pbw_cells_periodic: bit k = the box repeats along axis k */
+} pbw_domain;
+
+#define PBW_CELLS_FACETS 1u                /* fill first, neighbors, areas */
+#define PBW_CELLS_SHAPES 2u                /* and vertices, loop_first, loops, rays */
+#define PBW_CELLS_MERGE  4u                /* the true diagram: centres that coincide are one vertex, facets without area
+                                              are left out.  Slower: an exact sign for each pair of simplices */
+
+typedef struct pbw_cells {                 /* start from {0}; read, do not write; pbw_cells_free when done */
+    int dim;
+    size_t cell_count;                     /* the mesh's points; hidden points and duplicates have empty cells */
+    size_t facet_count, vertex_count, ray_count;
+    const double *volumes;                 /* per cell: volume, in the plane area; HUGE_VAL if unbounded */
+    const double *centroids;               /* dim per cell; of empty and unbounded cells the point itself */
+    const size_t *first;                   /* cell_count + 1: the facets of cell i are first[i] .. first[i+1]-1 */
+    const pbw_index *neighbors;            /* per facet: the point beyond; PBW_NONE - 1 - k: wall k of the domain, where
+                                              2*axis and 2*axis+1 are the box, low and high, and planes follow */
+    const signed char *shifts;             /* pbw_cells_periodic: dim per facet: the neighbour is the point + shift * box
+                                              size; else NULL */
+    const double *areas;                   /* per facet: area, in the plane length; HUGE_VAL if unbounded */
+    const double *vertices;                /* dim each; the first ones are the centres of the mesh's simplices */
+    const size_t *loop_first;              /* facet_count + 1 */
+    const pbw_index *loops;                /* corners of facet j: loop_first[j] .. loop_first[j+1]-1, counter-clockwise
+                                              from outside the cell; in the plane two, and a cell's facets are in
+                                              order.  PBW_NONE - 1 - k: at infinity, in direction k of rays */
+    const double *rays;                    /* dim each: directions of length 1 */
+    void *memory;                          /* private */
+} pbw_cells;
+
+/* Computes the cells of a mesh's points: Voronoi cells, with weights power cells; what: PBW_CELLS_* or'ed.
+   domain: NULL = the whole space; else convex and bounded: a box, planes, or both.  Needs mesh->neighbors.
+   A mesh of PBW_DEGENERATE points gives PBW_DEGENERATE and empty cells.  Fails as pbw_triangulate does, with
+   PBW_ERROR_ARGUMENT also for a domain that is unbounded or empty, or periodic; cells is then left empty. */
+PBWCELLSDEF pbw_status pbw_cells_of(const pbw_mesh *mesh, const pbw_domain *domain, unsigned what,
+                                    const pbw_options *options, pbw_cells *cells);
+PBWCELLSDEF void pbw_cells_free(pbw_cells *cells);           /* fine on {0}, fine twice */
+
+#ifdef __cplusplus
+}
+#endif
+#endif /* PBW_CELLS_H */
+
+#if defined(PBW_CELLS_IMPLEMENTATION) && !defined(PBWCELLS__IMPLEMENTED)
+#define PBWCELLS__IMPLEMENTED
+
+#include <math.h>
+#include <stdlib.h>
+#include <string.h>
+
+#if defined(__GNUC__)
+#define PBWC__ADD(x, y) __atomic_add_fetch(x, y, __ATOMIC_RELAXED)
+#else
+#define PBWC__ADD(x, y) (*(x) += (y))      /* such a pbw.h has one thread */
+#endif
+
+/* ------------------------------------------------------------------------------------------------------
+   Memory: growing arrays through options.resize.
+   Holds: used = the sum of all live arrays; over the limit nothing grows.
+   ------------------------------------------------------------------------------------------------------ */
+typedef struct pbwc__memory {
+    void *(*resize)(void *user, void *ptr, size_t old_size, size_t new_size);
+    void *user;
+    size_t limit, used;
+} pbwc__memory;
+
+typedef struct pbwc__array { void *data; size_t count, bytes; } pbwc__array;     /* count: the owner's */
+
+static void *pbwc__default_resize(void *user, void *ptr, size_t old_size, size_t new_size)
+{
+    (void)user;
+    (void)old_size;
+    if (new_size == 0) {
+        free(ptr);
+        return NULL;
+    }
+    return realloc(ptr, new_size);
+}
+
+static void pbwc__release(pbwc__memory *memory, pbwc__array *array)
+{
+    if (array->data != NULL) {
+        (void)memory->resize(memory->user, array->data, array->bytes, 0);
+        (void)PBWC__ADD(&memory->used, (size_t)0 - array->bytes);
+    }
+    memset(array, 0, sizeof *array);
+}
+
+/* Makes the array `bytes` long.  Returns 0 and leaves it alone if there is no memory. */
+static int pbwc__resize(pbwc__memory *memory, pbwc__array *array, size_t bytes)
+{
+    void *data = NULL;
+    const size_t used = PBWC__ADD(&memory->used, bytes - array->bytes);
+    if (memory->limit == 0 || used <= memory->limit) {
+        data = memory->resize(memory->user, array->data, array->bytes, bytes);
+    }
+    if (data == NULL) {
+        (void)PBWC__ADD(&memory->used, array->bytes - bytes);
+        return 0;
+    }
+    array->data = data;
+    array->bytes = bytes;
+    return 1;
+}
+
+/* Makes room for `extra` items after the last.  Returns the place of the first of them, or NULL. */
+static void *pbwc__room(pbwc__memory *memory, pbwc__array *array, size_t extra, size_t size)
+{
+    const size_t need = (array->count + extra) * size;
+    if (need > array->bytes && !pbwc__resize(memory, array, need > 2 * array->bytes ? need + 256 : 2 * array->bytes)) {
+        return NULL;
+    }
+    return (char *)array->data + array->count * size;
+}
+
+static int pbwc__push(pbwc__memory *memory, pbwc__array *array, pbw_index item)
+{
+    pbw_index *place = (pbw_index *)pbwc__room(memory, array, 1, sizeof item);
+    if (place == NULL) {
+        return 0;
+    }
+    *place = item;
+    array->count++;
+    return 1;
+}
+#define PBWC__INDICES(array) ((pbw_index *)(array).data)
+#define PBWC__DOUBLES(array) ((double *)(array).data)
+
+/* ------------------------------------------------------------------------------------------------------
+   Centres: where the bisectors (with weights: radical planes) of a simplex meet, relative to its first corner a.
+   With B, C, D the other corners relative to a and B2 = |B|^2 - (w_b - w_a), and so on,
+       centre = (B2 CxD + C2 DxB + D2 BxC) / (2 B.CxD).
+   The relative error is some 1e-15 L^3 / |B.CxD|, L the longest edge at a; below 1e-6 L^3 all is computed again in
+   pairs of doubles, from exact differences, which leaves 1e-26 L^3 / |B.CxD|.
+   ------------------------------------------------------------------------------------------------------ */
+typedef struct pbwc__dd { double high, low; } pbwc__dd;
+
+static pbwc__dd pbwc__dd_sum(double a, double b)                     /* exact (Knuth 1969) */
+{
+    pbwc__dd s;
+    double t;
+    s.high = a + b;
+    t = s.high - a;
+    s.low = (a - (s.high - t)) + (b - t);
+    return s;
+}
+
+static pbwc__dd pbwc__dd_add(pbwc__dd a, pbwc__dd b)
+{
+    pbwc__dd s = pbwc__dd_sum(a.high, b.high);
+    return pbwc__dd_sum(s.high, s.low + (a.low + b.low));
+}
+
+static pbwc__dd pbwc__dd_times(pbwc__dd a, pbwc__dd b)
+{
+    const double p = a.high * b.high, e = fma(a.high, b.high, -p);
+    return pbwc__dd_sum(p, e + (a.high * b.low + a.low * b.high));
+}
+
+static pbwc__dd pbwc__dd_minus(pbwc__dd a)
+{
+    a.high = -a.high;
+    a.low = -a.low;
+    return a;
+}
+
+static pbwc__dd pbwc__dd_minor(pbwc__dd a, pbwc__dd b, pbwc__dd c, pbwc__dd d)   /* a d - b c */
+{
+    return pbwc__dd_add(pbwc__dd_times(a, d), pbwc__dd_minus(pbwc__dd_times(b, c)));
+}
+
+/* row[i]: corner i + 1 relative to corner 0; height[i]: B2, C2, D2. */
+static void pbwc__centre_slow(int dim, const pbwc__dd row[3][3], const pbwc__dd *height, double least, double *centre)
+{
+    pbwc__dd sum[3], minor[3][3], det = { 0, 0 };
+    int i, k;
+    memset(sum, 0, sizeof sum);
+    for (i = 0; i < dim; i++) {
+        if (dim == 3) {                              /* the cross product of the other two rows */
+            const pbwc__dd *p = row[(i + 1) % 3], *q = row[(i + 2) % 3];
+            for (k = 0; k < 3; k++) {
+                minor[i][k] = pbwc__dd_minor(p[(k + 1) % 3], p[(k + 2) % 3], q[(k + 1) % 3], q[(k + 2) % 3]);
+            }
+        } else {                                     /* the other row, turned */
+            minor[i][0] = i == 0 ? row[1][1] : pbwc__dd_minus(row[0][1]);
+            minor[i][1] = i == 0 ? pbwc__dd_minus(row[1][0]) : row[0][0];
+        }
+        for (k = 0; k < dim; k++) {
+            sum[k] = pbwc__dd_add(sum[k], pbwc__dd_times(height[i], minor[i][k]));
+        }
+    }
+    for (k = 0; k < dim; k++) {
+        det = pbwc__dd_add(det, pbwc__dd_times(row[0][k], minor[0][k]));
+    }
+    for (k = 0; k < dim; k++) {                      /* positive, but perhaps below what pairs resolve */
+        centre[k] = sum[k].high / (2 * (det.high > least ? det.high : least));
+    }
+}
+
+typedef struct pbwc__job pbwc__job;
+typedef struct pbwc__centre {
+    pbw_index simplex;
+    int inside;                            /* the domain, for certain */
+    double x[3];                           /* relative to the simplex's first corner */
+} pbwc__centre;
+
+static void pbwc__centre_exactly(const pbw_mesh *mesh, const pbw_index *corner, double least, double *centre)
+{
+    const size_t dim = (size_t)mesh->dim;
+    const double *a = mesh->points + corner[0] * dim;
+    pbwc__dd row[3][3], height[3];
+    size_t i, k;
+    memset(row, 0, sizeof row);
+    for (i = 0; i < dim; i++) {
+        const double *b = mesh->points + corner[i + 1] * dim;
+        height[i].high = height[i].low = 0;
+        if (mesh->weights != NULL) {
+            height[i] = pbwc__dd_sum(mesh->weights[corner[0]], -mesh->weights[corner[i + 1]]);
+        }
+        for (k = 0; k < dim; k++) {
+            row[i][k] = pbwc__dd_sum(b[k], -a[k]);
+            height[i] = pbwc__dd_add(height[i], pbwc__dd_times(row[i][k], row[i][k]));
+        }
+    }
+    pbwc__centre_slow(mesh->dim, (const pbwc__dd (*)[3])row, height, least, centre);
+}
+
+static void pbwc__centre_of(const pbw_mesh *mesh, pbw_index simplex, double *centre)
+{
+    const size_t dim = (size_t)mesh->dim;
+    const pbw_index *corner = mesh->simplices + simplex * (dim + 1);
+    const double *a = mesh->points + corner[0] * dim, *w = mesh->weights;
+    double r[3][3], height[3], largest = 0, det, least;
+    size_t i, k;
+    for (i = 0; i < dim; i++) {
+        const double *b = mesh->points + corner[i + 1] * dim;
+        height[i] = 0;
+        for (k = 0; k < dim; k++) {
+            r[i][k] = b[k] - a[k];
+            height[i] += r[i][k] * r[i][k];
+        }
+        largest = height[i] > largest ? height[i] : largest;
+        height[i] -= w != NULL ? w[corner[i + 1]] - w[corner[0]] : 0;
+    }
+    if (dim == 2) {
+        det = r[0][0] * r[1][1] - r[0][1] * r[1][0];
+        least = largest * 1e-30;
+        if (det > 1e-6 * largest) {
+            centre[0] = (height[0] * r[1][1] - height[1] * r[0][1]) / (2 * det);
+            centre[1] = (height[1] * r[0][0] - height[0] * r[1][0]) / (2 * det);
+            return;
+        }
+    } else {
+        double m[3][3];
+        for (i = 0; i < 3; i++) {
+            const double *p = r[(i + 1) % 3], *q = r[(i + 2) % 3];
+            m[i][0] = p[1] * q[2] - p[2] * q[1];
+            m[i][1] = p[2] * q[0] - p[0] * q[2];
+            m[i][2] = p[0] * q[1] - p[1] * q[0];
+        }
+        det = r[0][0] * m[0][0] + r[0][1] * m[0][1] + r[0][2] * m[0][2];
+        least = largest * sqrt(largest) * 1e-30;
+        if (det > 0 && det * det > 1e-12 * largest * largest * largest) {
+            const double scale = 0.5 / det;
+            for (k = 0; k < 3; k++) {
+                centre[k] = (height[0] * m[0][k] + height[1] * m[1][k] + height[2] * m[2][k]) * scale;
+            }
+            return;
+        }
+    }
+    pbwc__centre_exactly(mesh, corner, least, centre);
+}
+
+/* ------------------------------------------------------------------------------------------------------
+   Polytopes: corners, and facets as loops of corners, counter-clockwise from outside.  In the plane one loop, whose
+   i-th edge, from corner i to the next, is facet i.
+   Holds: each edge of a polytope in space is in two loops, once in each direction; so the surface is closed.
+   ------------------------------------------------------------------------------------------------------ */
+typedef struct pbwc__poly {
+    pbwc__array x;                         /* 3 doubles a corner (in the plane the last is 0); some belong to no loop */
+    pbwc__array name, start, loop;         /* per facet: the neighbour or wall, where its loop starts; the loops */
+} pbwc__poly;
+
+typedef struct pbwc__cutter {
+    pbwc__poly poly, next;
+    pbwc__array side;                      /* per corner: distance beyond the plane, scaled */
+    pbwc__array edges, cap;                /* cut edges: two corners and the new one; after each new one in the cap */
+} pbwc__cutter;
+
+static void pbwc__poly_clear(pbwc__poly *poly)
+{
+    poly->name.count = poly->start.count = poly->loop.count = 0;
+}
+
+static void pbwc__poly_release(pbwc__memory *memory, pbwc__poly *poly)
+{
+    pbwc__release(memory, &poly->x);
+    pbwc__release(memory, &poly->name);
+    pbwc__release(memory, &poly->start);
+    pbwc__release(memory, &poly->loop);
+}
+
+static void pbwc__cutter_release(pbwc__memory *memory, pbwc__cutter *cutter)
+{
+    pbwc__poly_release(memory, &cutter->poly);
+    pbwc__poly_release(memory, &cutter->next);
+    pbwc__release(memory, &cutter->side);
+    pbwc__release(memory, &cutter->edges);
+    pbwc__release(memory, &cutter->cap);
+}
+
+static size_t pbwc__loop_end(const pbwc__poly *poly, size_t facet)
+{
+    return facet + 1 < poly->start.count ? PBWC__INDICES(poly->start)[facet + 1] : poly->loop.count;
+}
+
+static int pbwc__open_facet(pbwc__memory *memory, pbwc__poly *poly, pbw_index name)
+{
+    return pbwc__push(memory, &poly->start, (pbw_index)poly->loop.count) && pbwc__push(memory, &poly->name, name);
+}
+
+/* The box with low and high corner, its walls named as in pbw_cells.neighbors. */
+static int pbwc__poly_box(pbwc__memory *memory, pbwc__poly *poly, int dim, const double *low, const double *high)
+{
+    static const unsigned char face[6][4] = { { 0, 4, 6, 2 }, { 1, 3, 7, 5 }, { 0, 1, 5, 4 }, { 2, 6, 7, 3 },
+                                              { 0, 2, 3, 1 }, { 4, 5, 7, 6 } };
+    static const unsigned char edge[4][2] = { { 0, 2 }, { 1, 1 }, { 3, 3 }, { 2, 0 } };     /* corner, wall */
+    const unsigned corners = dim == 3 ? 8 : 4;
+    double *x;
+    unsigned i, k;
+    pbwc__poly_clear(poly);
+    poly->x.count = 0;
+    x = (double *)pbwc__room(memory, &poly->x, corners, 3 * sizeof(double));
+    for (i = 0; x != NULL && i < corners; i++, poly->x.count++) {
+        for (k = 0; k < 3; k++) {
+            x[3 * i + k] = k == 2 && dim == 2 ? 0 : (i >> k & 1) != 0 ? high[k] : low[k];
+        }
+    }
+    for (i = 0; dim == 3 && i < 24; i++) {
+        if ((i % 4 == 0 && !pbwc__open_facet(memory, poly, PBW_NONE - 1 - i / 4))
+            || !pbwc__push(memory, &poly->loop, face[i / 4][i % 4])) {
+            return 0;
+        }
+    }
+    for (i = 0; dim == 2 && i < 4; i++) {
+        if (!pbwc__open_facet(memory, poly, PBW_NONE - 1 - edge[i][1]) || !pbwc__push(memory, &poly->loop, edge[i][0])) {
+            return 0;
+        }
+    }
+    return x != NULL;
+}
+
+/* The new corner on the edge from p to q, made at its first use.  Returns PBW_NONE if there is no memory. */
+static pbw_index pbwc__cut_edge(pbwc__memory *memory, pbwc__cutter *cutter, pbw_index p, pbw_index q)
+{
+    const pbw_index low = p < q ? p : q, high = p < q ? q : p;
+    const double *side = PBWC__DOUBLES(cutter->side);
+    pbw_index *edge = PBWC__INDICES(cutter->edges);
+    double *x, t;
+    size_t i;
+    for (i = cutter->edges.count; i > 0; i -= 3) {
+        if (edge[i - 3] == low && edge[i - 2] == high) {
+            return edge[i - 1];
+        }
+    }
+    x = (double *)pbwc__room(memory, &cutter->poly.x, 1, 3 * sizeof(double));
+    edge = (pbw_index *)pbwc__room(memory, &cutter->edges, 3, sizeof(pbw_index));
+    if (x == NULL || edge == NULL) {
+        return PBW_NONE;
+    }
+    t = side[low] / (side[low] - side[high]);
+    for (i = 0; i < 3; i++) {
+        const double *a = PBWC__DOUBLES(cutter->poly.x) + 3 * low, *b = PBWC__DOUBLES(cutter->poly.x) + 3 * high;
+        x[i] = a[i] + t * (b[i] - a[i]);
+    }
+    edge[0] = low;
+    edge[1] = high;
+    edge[2] = (pbw_index)cutter->poly.x.count++;
+    cutter->edges.count += 3;
+    return edge[2];
+}
+
+/* What is left of one facet's loop in space; notes the cap's edges.  Returns 0 if there is no memory. */
+static int pbwc__cut_loop(pbwc__memory *memory, pbwc__cutter *cutter, size_t facet)
+{
+    const double *side = PBWC__DOUBLES(cutter->side);
+    const size_t begin = PBWC__INDICES(cutter->poly.start)[facet], end = pbwc__loop_end(&cutter->poly, facet);
+    const size_t old = cutter->side.count, from = cutter->next.loop.count;
+    pbw_index left = PBW_NONE, first = PBW_NONE;
+    size_t i;
+    for (i = begin; i < end; i++) {
+        const pbw_index *loop = PBWC__INDICES(cutter->poly.loop);
+        const pbw_index a = loop[i], b = loop[i + 1 < end ? i + 1 : begin];
+        pbw_index cut;
+        if (i == begin && !pbwc__open_facet(memory, &cutter->next, PBWC__INDICES(cutter->poly.name)[facet])) {
+            return 0;
+        }
+        if (!(side[a] > 0) && !pbwc__push(memory, &cutter->next.loop, a)) {
+            return 0;
+        }
+        if ((side[a] > 0) == (side[b] > 0)) {
+            continue;
+        }
+        cut = pbwc__cut_edge(memory, cutter, a, b);
+        if (cut == PBW_NONE || !pbwc__push(memory, &cutter->next.loop, cut)) {
+            return 0;
+        }
+        while (cutter->cap.count + old < cutter->poly.x.count) {
+            if (!pbwc__push(memory, &cutter->cap, PBW_NONE)) {
+                return 0;
+            }
+        }
+        if (side[b] > 0) {
+            left = cut;
+        } else if (left != PBW_NONE) {
+            PBWC__INDICES(cutter->cap)[cut - old] = left;
+        } else {
+            first = cut;
+        }
+    }
+    if (first != PBW_NONE) {
+        PBWC__INDICES(cutter->cap)[first - old] = left;
+    }
+    if (cutter->next.loop.count - from < 3) {        /* nothing left, or an edge */
+        cutter->next.loop.count = from;
+        cutter->next.start.count--;
+        cutter->next.name.count--;
+    }
+    return 1;
+}
+
+/* In the plane: the loop of all edges; the cut's own edge starts where the loop leaves the half-plane. */
+static int pbwc__cut_polygon(pbwc__memory *memory, pbwc__cutter *cutter, pbw_index name)
+{
+    const double *side = PBWC__DOUBLES(cutter->side);
+    const size_t count = cutter->poly.loop.count;
+    size_t i;
+    for (i = 0; i < count; i++) {
+        const pbw_index *loop = PBWC__INDICES(cutter->poly.loop);
+        const pbw_index a = loop[i], b = loop[i + 1 < count ? i + 1 : 0], edge = PBWC__INDICES(cutter->poly.name)[i];
+        if (!(side[a] > 0) && (!pbwc__open_facet(memory, &cutter->next, edge)
+                               || !pbwc__push(memory, &cutter->next.loop, a))) {
+            return 0;
+        }
+        if ((side[a] > 0) != (side[b] > 0)) {
+            const pbw_index cut = pbwc__cut_edge(memory, cutter, a, b);
+            if (cut == PBW_NONE || !pbwc__open_facet(memory, &cutter->next, side[b] > 0 ? name : edge)
+                || !pbwc__push(memory, &cutter->next.loop, cut)) {
+                return 0;
+            }
+        }
+    }
+    return 1;
+}
+
+/* The facets that close a cut in space: the cycles of new corners, one unless rounding has bent the surface. */
+static int pbwc__cut_cap(pbwc__memory *memory, pbwc__cutter *cutter, pbw_index name)
+{
+    const size_t old = cutter->side.count;
+    pbw_index *after = PBWC__INDICES(cutter->cap), i, at, then;
+    for (i = 0; i < cutter->cap.count; i++) {
+        size_t from = cutter->next.loop.count;
+        if (after[i] == PBW_NONE) {
+            continue;
+        }
+        if (!pbwc__open_facet(memory, &cutter->next, name)) {
+            return 0;
+        }
+        for (at = i; after[at] != PBW_NONE; at = then) {
+            if (!pbwc__push(memory, &cutter->next.loop, (pbw_index)(at + old))) {
+                return 0;
+            }
+            then = after[at] - (pbw_index)old;
+            after[at] = PBW_NONE;
+        }
+        if (cutter->next.loop.count - from < 3) {
+            cutter->next.loop.count = from;
+            cutter->next.start.count--;
+            cutter->next.name.count--;
+        }
+    }
+    return 1;
+}
+
+/* Keeps the part with n.x <= c, whose new facet gets the name.  Returns 0 if there is no memory. */
+static int pbwc__cut(pbwc__memory *memory, pbwc__cutter *cutter, int dim, const double *plane, pbw_index name)
+{
+    const size_t count = cutter->poly.x.count;
+    const double c = plane[dim];
+    size_t i, outside = 0;
+    double *side, *x;
+    pbwc__poly swap;
+    cutter->side.count = 0;
+    side = (double *)pbwc__room(memory, &cutter->side, count, sizeof(double));
+    if (side == NULL) {
+        return 0;
+    }
+    x = PBWC__DOUBLES(cutter->poly.x);
+    for (i = 0; i < count; i++) {
+        side[i] = plane[0] * x[3 * i] + plane[1] * x[3 * i + 1] + (dim == 3 ? plane[2] * x[3 * i + 2] : 0) - c;
+        outside += side[i] > 0;
+    }
+    if (outside == 0) {
+        return 1;
+    }
+    cutter->side.count = count;
+    cutter->edges.count = cutter->cap.count = 0;
+    pbwc__poly_clear(&cutter->next);
+    if (dim == 2) {
+        if (!pbwc__cut_polygon(memory, cutter, name)) {
+            return 0;
+        }
+    } else {
+        for (i = 0; i < cutter->poly.start.count; i++) {
+            if (!pbwc__cut_loop(memory, cutter, i)) {
+                return 0;
+            }
+        }
+        if (!pbwc__cut_cap(memory, cutter, name)) {
+            return 0;
+        }
+    }
+    swap = cutter->poly;
+    cutter->poly = cutter->next;
+    cutter->next = swap;
+    cutter->poly.x = cutter->next.x;                 /* corners are not moved */
+    memset(&cutter->next.x, 0, sizeof cutter->next.x);
+    return 1;
+}
+
+/* ------------------------------------------------------------------------------------------------------
+   Stars: the simplices at a vertex v, numbered from 0, and their other vertices, the links, numbered too.
+   Simplex i has the links i0 i1 (i2) with v i0 i1 (i2) positively oriented, and beyond the facet across from its j-th
+   link simplex beyond[j] of the star, -1 on the hull.
+   ------------------------------------------------------------------------------------------------------ */
+typedef struct pbwc__part { pbw_index simplex; int link[3], beyond[3]; double centre[3]; } pbwc__part;
+typedef struct pbwc__link {
+    pbw_index vertex;
+    int part;                              /* the first that has it */
+    double d[3], foot;                     /* from v; the plane between the cells is at foot * d */
+    double area[3];                        /* twice the facet's area vector */
+} pbwc__link;
+
+typedef struct pbwc__map { pbwc__array slots; size_t mask, count; uint32_t epoch; } pbwc__map;
+typedef struct pbwc__slot { uint32_t epoch; pbw_index key; int value; } pbwc__slot;
+
+/* The place of a key, with an epoch of its own if it is new.  NULL: no memory. */
+static pbwc__slot *pbwc__find(pbwc__memory *memory, pbwc__map *map, pbw_index key)
+{
+    pbwc__slot *slots = (pbwc__slot *)map->slots.data, *slot;
+    size_t i;
+    if (2 * map->count >= map->mask) {               /* at first, or too full: twice the slots */
+        const size_t size = map->mask != 0 ? 2 * (map->mask + 1) : 256;
+        pbwc__map larger;
+        memset(&larger, 0, sizeof larger);
+        if (!pbwc__resize(memory, &larger.slots, size * sizeof *slot)) {
+            return NULL;
+        }
+        memset(larger.slots.data, 0, size * sizeof *slot);
+        larger.mask = size - 1;
+        larger.epoch = 1;
+        for (i = 0; map->mask != 0 && i <= map->mask; i++) {
+            if (slots[i].epoch == map->epoch) {
+                slot = pbwc__find(memory, &larger, slots[i].key);
+                slot->epoch = 1;
+                slot->key = slots[i].key;
+                slot->value = slots[i].value;
+                larger.count++;
+            }
+        }
+        pbwc__release(memory, &map->slots);
+        *map = larger;
+        slots = (pbwc__slot *)map->slots.data;
+    }
+    for (i = (key * 2654435761u >> 7) & map->mask; slots[i].epoch == map->epoch && slots[i].key != key; ) {
+        i = (i + 1) & map->mask;
+    }
+    return slots + i;
+}
+
+/* The number of a key, `fresh` if it had none.  Returns -1 if there is no memory. */
+static int pbwc__number(pbwc__memory *memory, pbwc__map *map, pbw_index key, int fresh)
+{
+    pbwc__slot *slot = pbwc__find(memory, map, key);
+    if (slot == NULL) {
+        return -1;
+    }
+    if (slot->epoch != map->epoch) {
+        slot->epoch = map->epoch;
+        slot->key = key;
+        slot->value = fresh;
+        map->count++;
+    }
+    return slot->value;
+}
+
+static void pbwc__map_clear(pbwc__map *map)
+{
+    map->epoch++;                                    /* a range has less than 2^32 points */
+    map->count = 0;
+}
+
+#define PBWC__CENTRES 4096                 /* centres that a range keeps, by the low bits of their simplex */
+
+typedef struct pbwc__range {               /* what a range of points gives, if asked */
+    pbwc__array neighbors, areas, loop_counts, loops, vertices, rays;
+} pbwc__range;
+
+typedef struct pbwc__work {                /* of one range */
+    pbwc__job *job;
+    pbwc__memory *memory;
+    pbwc__range *out;
+    pbwc__array parts, links;
+    pbwc__map part_of, link_of;
+    pbwc__cutter cutter;
+    pbwc__centre *centres;
+    int open, inside;                      /* the star: at the hull; all centres in the domain */
+} pbwc__work;
+
+struct pbwc__job {
+    const pbw_mesh *mesh;
+    pbwc__memory memory;
+    unsigned what;
+    int bounded;
+    pbwc__array planes;                    /* of the domain: normal and offset */
+    size_t plane_count;
+    pbwc__poly domain;
+    pbwc__array merged, ranges;            /* per simplex: the first whose centre is the same place */
+    size_t grain;
+    pbw_cells *cells;
+    double *volumes, *centroids;
+    size_t *first;
+};
+
+#define PBWC__PARTS(work) ((pbwc__part *)(work)->parts.data)
+#define PBWC__LINKS(work) ((pbwc__link *)(work)->links.data)
+
+/* Centre of a simplex relative to its first corner; kept, as the other corners need it too. */
+static const pbwc__centre *pbwc__centre_kept(pbwc__work *work, pbw_index simplex)
+{
+    pbwc__centre *centre = work->centres + simplex % PBWC__CENTRES;
+    const pbwc__job *job = work->job;
+    const size_t dim = (size_t)job->mesh->dim;
+    if (centre->simplex != simplex) {
+        const double *a = job->mesh->points + job->mesh->simplices[simplex * (dim + 1)] * dim;
+        const double *plane = PBWC__DOUBLES(job->planes);
+        double radius = 0;
+        size_t i, k;
+        centre->simplex = simplex;
+        pbwc__centre_of(job->mesh, simplex, centre->x);
+        for (k = 0; k < dim; k++) {
+            radius += fabs(centre->x[k]);
+        }
+        centre->inside = 1;
+        for (i = 0; i < job->plane_count; i++, plane += dim + 1) {
+            double far_out = -plane[dim], size = fabs(plane[dim]), normal = 0;
+            for (k = 0; k < dim; k++) {
+                const double at = plane[k] * a[k];
+                far_out += at + plane[k] * centre->x[k];
+                size += fabs(at);
+                normal += fabs(plane[k]);
+            }
+            centre->inside &= far_out < -1e-12 * (normal * radius) - 1e-14 * size;       /* if in doubt, cut */
+        }
+    }
+    return centre;
+}
+
+/* The number of the link `vertex`; a new one is put down with its bisector.  Returns -1 if there is no memory. */
+static int pbwc__link_number(pbwc__work *work, pbw_index v, pbw_index vertex, int part)
+{
+    const pbw_mesh *mesh = work->job->mesh;
+    const size_t dim = (size_t)mesh->dim;
+    const int number = pbwc__number(work->memory, &work->link_of, vertex, (int)work->links.count);
+    pbwc__link *link;
+    double square = 0;
+    size_t k;
+    if (number != (int)work->links.count) {
+        return number;
+    }
+    link = (pbwc__link *)pbwc__room(work->memory, &work->links, 1, sizeof *link);
+    if (link == NULL) {
+        return -1;
+    }
+    memset(link, 0, sizeof *link);
+    link->vertex = vertex;
+    link->part = part;
+    for (k = 0; k < dim; k++) {
+        link->d[k] = mesh->points[vertex * dim + k] - mesh->points[v * dim + k];
+        square += link->d[k] * link->d[k];
+    }
+    link->foot = 0.5;
+    if (mesh->weights != NULL) {
+        link->foot += (mesh->weights[v] - mesh->weights[vertex]) / (2 * square);
+    }
+    work->links.count++;
+    return number;
+}
+
+/* Gathers the star of v, breadth first from its first simplex.  Returns 0 if there is no memory. */
+static int pbwc__gather(pbwc__work *work, pbw_index v)
+{
+    static const unsigned char other3[4][3] = { { 1, 2, 3 }, { 0, 3, 2 }, { 3, 0, 1 }, { 2, 1, 0 } };
+    static const unsigned char other2[3][3] = { { 1, 2, 0 }, { 2, 0, 0 }, { 0, 1, 0 } };
+    const pbw_mesh *mesh = work->job->mesh;
+    const size_t dim = (size_t)mesh->dim;
+    const double *site = mesh->points + v * dim;
+    size_t i, j, k;
+    work->parts.count = work->links.count = 0;
+    work->open = 0;
+    work->inside = 1;
+    pbwc__map_clear(&work->part_of);
+    pbwc__map_clear(&work->link_of);
+    if (pbwc__room(work->memory, &work->parts, 1, sizeof(pbwc__part)) == NULL
+        || pbwc__number(work->memory, &work->part_of, mesh->incident[v], 0) < 0) {
+        return 0;
+    }
+    PBWC__PARTS(work)[work->parts.count++].simplex = mesh->incident[v];
+    for (i = 0; i < work->parts.count; i++) {
+        const pbw_index simplex = PBWC__PARTS(work)[i].simplex;
+        const pbw_index *corner = mesh->simplices + simplex * (dim + 1), *beyond = mesh->neighbors + simplex * (dim + 1);
+        const pbwc__centre *centre = pbwc__centre_kept(work, simplex);
+        const double *a = mesh->points + corner[0] * dim;
+        const unsigned char *other;
+        pbwc__part *part;
+        for (k = 0; corner[k] != v; k++) {
+        }
+        other = dim == 3 ? other3[k] : other2[k];
+        work->inside &= centre->inside;
+        for (k = 0; k < dim; k++) {
+            PBWC__PARTS(work)[i].centre[k] = centre->x[k] + (a[k] - site[k]);
+        }
+        for (j = 0; j < dim; j++) {
+            const pbw_index next = beyond[other[j]];
+            const int link = pbwc__link_number(work, v, corner[other[j]], (int)i);
+            int number = -1;
+            if (next != PBW_NONE) {
+                number = pbwc__number(work->memory, &work->part_of, next, (int)work->parts.count);
+                part = (pbwc__part *)pbwc__room(work->memory, &work->parts, 1, sizeof *part);
+                if (number < 0 || part == NULL) {
+                    return 0;
+                }
+                if (number == (int)work->parts.count) {
+                    part->simplex = next;
+                    work->parts.count++;
+                }
+            } else {
+                work->open = 1;
+            }
+            if (link < 0) {
+                return 0;
+            }
+            PBWC__PARTS(work)[i].link[j] = link;
+            PBWC__PARTS(work)[i].beyond[j] = number;
+        }
+    }
+    return 1;
+}
+
+/* ------------------------------------------------------------------------------------------------------
+   Cells read off their stars.  Going counter-clockwise around link u, seen from u, the simplices' centres S T ... are
+   the corners of the facet towards u; twice its area vector is the sum of S x T, its cone over the site has the volume
+   foot d.(S x T) / 6, summed, and each part of it the centroid (foot d + S + T) / 4.
+   ------------------------------------------------------------------------------------------------------ */
+static void pbwc__cross(const double *s, const double *t, double *x)
+{
+    x[0] = s[1] * t[2] - s[2] * t[1];
+    x[1] = s[2] * t[0] - s[0] * t[2];
+    x[2] = s[0] * t[1] - s[1] * t[0];
+}
+
+/* Adds the cone over one side of a link's facet, of S x T with the sign. */
+static void pbwc__add_cone(pbwc__link *link, const double *across, const double *middle, double sign, double *sum)
+{
+    double w = 0;
+    int k;
+    for (k = 0; k < 3; k++) {
+        w += link->d[k] * across[k];
+        link->area[k] += sign * across[k];
+    }
+    w *= sign * link->foot;
+    sum[3] += w;
+    for (k = 0; k < 3; k++) {
+        sum[k] += w * (middle[k] + link->foot * link->d[k]);
+    }
+}
+
+/* sum: moments * 24 (in the plane 6), volume * 6 (2). */
+static void pbwc__sum_star(pbwc__work *work, double *sum)
+{
+    const pbwc__part *parts = PBWC__PARTS(work);
+    pbwc__link *links = PBWC__LINKS(work);
+    int i, j, k;
+    memset(sum, 0, 4 * sizeof *sum);
+    for (i = 0; i < (int)work->parts.count; i++) {
+        const pbwc__part *p = parts + i;
+        for (j = 0; work->job->mesh->dim == 3 && j < 3; j++) {
+            double across[3], middle[3];
+            if (p->beyond[j] > i) {                  /* the other way it is the other simplex's */
+                const pbwc__part *q = parts + p->beyond[j];
+                pbwc__cross(p->centre, q->centre, across);
+                for (k = 0; k < 3; k++) {
+                    middle[k] = p->centre[k] + q->centre[k];
+                }
+                pbwc__add_cone(links + p->link[(j + 2) % 3], across, middle, 1.0, sum);
+                pbwc__add_cone(links + p->link[(j + 1) % 3], across, middle, -1.0, sum);
+            }
+        }
+        if (work->job->mesh->dim == 2 && p->beyond[0] >= 0) {
+            const pbwc__part *q = parts + p->beyond[0];
+            pbwc__link *link = links + p->link[1];
+            const double w = p->centre[0] * q->centre[1] - p->centre[1] * q->centre[0];
+            link->area[0] = q->centre[1] - p->centre[1];
+            link->area[1] = p->centre[0] - q->centre[0];
+            sum[3] += w;
+            sum[0] += w * (p->centre[0] + q->centre[0]);
+            sum[1] += w * (p->centre[1] + q->centre[1]);
+        }
+    }
+}
+
+/* Two numbers or three at the end of an array of doubles.  Returns their number there, PBW_NONE if there is no
+   memory. */
+static pbw_index pbwc__push_vector(pbwc__work *work, pbwc__array *array, const double *x)
+{
+    const size_t dim = (size_t)work->job->mesh->dim;
+    double *place = (double *)pbwc__room(work->memory, array, dim, sizeof(double));
+    size_t k;
+    if (place == NULL) {
+        return PBW_NONE;
+    }
+    for (k = 0; k < dim; k++) {
+        place[k] = x[k];
+    }
+    array->count += dim;
+    return (pbw_index)(array->count / dim - 1);
+}
+
+/* The direction from the hull facet across from link j of a part, outward, as an entry of a loop.  Its number counts
+   the range's own rays.  Returns 0 if there is no memory. */
+static int pbwc__push_ray(pbwc__work *work, const pbwc__part *part, int j)
+{
+    const pbwc__link *links = PBWC__LINKS(work);
+    const int dim = work->job->mesh->dim;
+    const double *a = links[part->link[(j + dim - 1) % dim]].d, *c = links[part->link[(j + 1) % dim]].d;
+    double ray[3] = { 0, 0, 0 }, unit[2][3], length[2] = { 0, 0 };
+    pbw_index number;
+    int k;
+    for (k = 0; k < dim; k++) {                      /* first to length 1: products must not vanish */
+        length[0] = fabs(a[k]) > length[0] ? fabs(a[k]) : length[0];
+        length[1] = fabs(c[k]) > length[1] ? fabs(c[k]) : length[1];
+    }
+    for (k = 0; k < 3; k++) {
+        unit[0][k] = k < dim ? a[k] / length[0] : 0;
+        unit[1][k] = k < dim ? c[k] / length[1] : 0;
+    }
+    if (dim == 3) {
+        pbwc__cross(unit[0], unit[1], ray);
+    } else {
+        ray[0] = j == 0 ? -unit[0][1] : unit[0][1];  /* the facet goes to the other link */
+        ray[1] = j == 0 ? unit[0][0] : -unit[0][0];
+    }
+    length[0] = sqrt(ray[0] * ray[0] + ray[1] * ray[1] + ray[2] * ray[2]);
+    for (k = 0; k < dim && length[0] > 0; k++) {
+        ray[k] /= length[0];
+    }
+    number = pbwc__push_vector(work, &work->out->rays, ray);
+    return number != PBW_NONE && pbwc__push(work->memory, &work->out->loops, PBW_NONE - 1 - number);
+}
+
+/* A corner of a loop: the centre of a part, not twice in a row where centres are merged. */
+static int pbwc__push_centre(pbwc__work *work, const pbwc__part *part, size_t begin)
+{
+    const pbw_index *merged = PBWC__INDICES(work->job->merged);
+    const pbw_index vertex = merged != NULL ? merged[part->simplex] : part->simplex;
+    pbwc__array *loops = &work->out->loops;
+    if (merged != NULL && loops->count > begin && PBWC__INDICES(*loops)[loops->count - 1] == vertex) {
+        return 1;
+    }
+    return pbwc__push(work->memory, loops, vertex);
+}
+
+/* In space: the part after p counter-clockwise around the link u (step 1), or clockwise (2); -1 beyond the hull. */
+static int pbwc__around(const pbwc__part *p, int u, int step)
+{
+    int j = 0;
+    while (p->link[j] != u) {
+        j++;
+    }
+    return p->beyond[(j + step) % 3];
+}
+
+/* The loop of a link's facet in space, with two rays if it is open.  Returns 0 if there is no memory. */
+static int pbwc__loop3(pbwc__work *work, int u)
+{
+    const pbwc__part *parts = PBWC__PARTS(work);
+    const pbwc__array *loops = &work->out->loops;
+    const size_t begin = loops->count;
+    const int start = PBWC__LINKS(work)[u].part;
+    int first = start, at, then, j;
+    while ((then = pbwc__around(parts + first, u, 2)) >= 0 && then != start) {
+        first = then;
+    }
+    first = then < 0 ? first : start;
+    for (at = first; ; at = then) {
+        if (!pbwc__push_centre(work, parts + at, begin)) {
+            return 0;
+        }
+        then = pbwc__around(parts + at, u, 1);
+        if (then < 0 || then == first) {
+            break;
+        }
+    }
+    if (then < 0) {
+        for (j = 0; parts[at].link[j] != u; j++) {
+        }
+        if (!pbwc__push_ray(work, parts + at, (j + 1) % 3)) {
+            return 0;
+        }
+        for (j = 0; parts[first].link[j] != u; j++) {
+        }
+        return pbwc__push_ray(work, parts + first, (j + 2) % 3);
+    }
+    if (loops->count > begin + 1 && PBWC__INDICES(*loops)[begin] == PBWC__INDICES(*loops)[loops->count - 1]) {
+        work->out->loops.count--;                    /* merged across the start */
+    }
+    return 1;
+}
+
+/* Has the facet of a link an area in the true diagram?  Open ones have. */
+static int pbwc__is_facet(const pbwc__work *work, int u)
+{
+    const pbw_index *merged = PBWC__INDICES(work->job->merged);
+    const pbwc__part *parts = PBWC__PARTS(work);
+    const int start = PBWC__LINKS(work)[u].part, dim = work->job->mesh->dim;
+    int at = start, then, differ = 0;
+    pbw_index last;
+    if (merged == NULL) {
+        return 1;
+    }
+    last = merged[parts[start].simplex];
+    if (dim == 2) {                                  /* the triangles on both sides of the edge to u */
+        then = parts[start].beyond[parts[start].link[0] == u];
+        return then < 0 || merged[parts[then].simplex] != last;
+    }
+    do {
+        then = pbwc__around(parts + at, u, 1);
+        if (then < 0) {
+            return 1;
+        }
+        differ += merged[parts[then].simplex] != last;
+        last = merged[parts[then].simplex];
+        at = then;
+    } while (at != start);
+    return differ > 2;                               /* a ring of two places is an edge */
+}
+
+static int pbwc__facet_done(pbwc__work *work, pbw_index neighbor, double area, size_t loop_begin)
+{
+    pbwc__range *out = work->out;
+    double *place = (double *)pbwc__room(work->memory, &out->areas, 1, sizeof(double));
+    if (place == NULL || !pbwc__push(work->memory, &out->neighbors, neighbor)
+        || ((work->job->what & PBW_CELLS_SHAPES) != 0
+            && !pbwc__push(work->memory, &out->loop_counts, (pbw_index)(out->loops.count - loop_begin)))) {
+        return 0;
+    }
+    *place = area;
+    out->areas.count++;
+    return 1;
+}
+
+static double pbwc__area_of(const pbwc__link *link, int dim)
+{
+    const double square = link->d[0] * link->d[0] + link->d[1] * link->d[1] + link->d[2] * link->d[2];
+    const double along = link->d[0] * link->area[0] + link->d[1] * link->area[1] + link->d[2] * link->area[2];
+    return along / sqrt(square) / (dim == 3 ? 2 : 1);
+}
+
+static int pbwc__star_facets3(pbwc__work *work)
+{
+    int u;
+    for (u = 0; u < (int)work->links.count; u++) {
+        const pbwc__link *link = PBWC__LINKS(work) + u;
+        const size_t begin = work->out->loops.count;
+        int open = 0, then = link->part;
+        if (!pbwc__is_facet(work, u)) {
+            continue;
+        }
+        do {
+            then = work->open ? pbwc__around(PBWC__PARTS(work) + then, u, 1) : link->part;
+            open = then < 0;
+        } while (!open && then != link->part);
+        if (((work->job->what & PBW_CELLS_SHAPES) != 0 && !pbwc__loop3(work, u))
+            || !pbwc__facet_done(work, link->vertex, open ? HUGE_VAL : pbwc__area_of(link, 3), begin)) {
+            return 0;
+        }
+    }
+    return 1;
+}
+
+/* An edge of a cell in the plane, between the centres of two parts, of which one may be -1: then it is a ray. */
+static int pbwc__edge2(pbwc__work *work, int from, int to, const pbwc__link *link)
+{
+    const pbwc__part *parts = PBWC__PARTS(work);
+    const pbw_index *merged = PBWC__INDICES(work->job->merged);
+    const size_t begin = work->out->loops.count;
+    if (from >= 0 && to >= 0 && merged != NULL && merged[parts[from].simplex] == merged[parts[to].simplex]) {
+        return 1;                                    /* one place: no edge */
+    }
+    if ((work->job->what & PBW_CELLS_SHAPES) != 0
+        && !((from >= 0 ? pbwc__push_centre(work, parts + from, begin) : pbwc__push_ray(work, parts + to, 1))
+             && (to >= 0 ? pbwc__push_centre(work, parts + to, begin) : pbwc__push_ray(work, parts + from, 0)))) {
+        return 0;
+    }
+    return pbwc__facet_done(work, link->vertex, from >= 0 && to >= 0 ? pbwc__area_of(link, 2) : HUGE_VAL, begin);
+}
+
+static int pbwc__star_facets2(pbwc__work *work)
+{
+    const pbwc__part *parts = PBWC__PARTS(work);
+    const pbwc__link *links = PBWC__LINKS(work);
+    int first = 0, at;
+    while (parts[first].beyond[1] >= 0 && parts[first].beyond[1] != 0) {     /* clockwise, to the hull or around */
+        first = parts[first].beyond[1];
+    }
+    first = parts[first].beyond[1] < 0 ? first : 0;
+    if (work->open && !pbwc__edge2(work, -1, first, links + parts[first].link[0])) {
+        return 0;
+    }
+    for (at = first; ; at = parts[at].beyond[0]) {
+        if (!pbwc__edge2(work, at, parts[at].beyond[0], links + parts[at].link[1])) {
+            return 0;
+        }
+        if (parts[at].beyond[0] < 0 || parts[at].beyond[0] == first) {
+            return 1;
+        }
+    }
+}
+
+/* ------------------------------------------------------------------------------------------------------
+   Cells cut from the domain, for what the star cannot give: corners outside the domain, sites on the hull.
+   ------------------------------------------------------------------------------------------------------ */
+/* The domain's polytope relative to the site, cut by the bisectors of all links.  Returns 0 if there is no memory. */
+static int pbwc__cut_cell(pbwc__work *work, pbw_index v)
+{
+    const pbwc__job *job = work->job;
+    const size_t dim = (size_t)job->mesh->dim, corners = job->domain.x.count, facets = job->domain.start.count;
+    const double *from = PBWC__DOUBLES(job->domain.x), *site = job->mesh->points + v * dim;
+    pbwc__poly *poly = &work->cutter.poly;
+    double *x;
+    size_t i, k;
+    int u;
+    pbwc__poly_clear(poly);
+    poly->x.count = 0;
+    x = (double *)pbwc__room(work->memory, &poly->x, corners, 3 * sizeof(double));
+    if (x == NULL) {
+        return 0;
+    }
+    for (i = 0; i < corners; i++) {
+        for (k = 0; k < 3; k++) {
+            x[3 * i + k] = k < dim ? from[3 * i + k] - site[k] : 0;
+        }
+    }
+    poly->x.count = corners;
+    for (i = 0; i < facets; i++) {
+        if (!pbwc__open_facet(work->memory, poly, PBWC__INDICES(job->domain.name)[i])) {
+            return 0;
+        }
+        for (k = PBWC__INDICES(job->domain.start)[i]; k < pbwc__loop_end(&job->domain, i); k++) {
+            if (!pbwc__push(work->memory, &poly->loop, PBWC__INDICES(job->domain.loop)[k])) {
+                return 0;
+            }
+        }
+    }
+    for (u = 0; u < (int)work->links.count; u++) {
+        const pbwc__link *link = PBWC__LINKS(work) + u;
+        double plane[4] = { 0, 0, 0, 0 }, square = 0;
+        for (k = 0; k < dim; k++) {
+            plane[k] = link->d[k];
+            square += link->d[k] * link->d[k];
+        }
+        plane[dim] = link->foot * square;
+        if (pbwc__is_facet(work, u) && !pbwc__cut(work->memory, &work->cutter, (int)dim, plane, (pbw_index)u)) {
+            return 0;
+        }
+    }
+    return 1;
+}
+
+/* Twice the area vector of a facet, or an edge's vector; adds its cone over the site to sum. */
+static double pbwc__sum_facet(const pbwc__poly *poly, size_t facet, int dim, double *sum)
+{
+    const double *x = PBWC__DOUBLES(poly->x);
+    const pbw_index *loop = PBWC__INDICES(poly->loop) + PBWC__INDICES(poly->start)[facet];
+    const size_t count = pbwc__loop_end(poly, facet) - PBWC__INDICES(poly->start)[facet];
+    double area[3] = { 0, 0, 0 }, across[3], w;
+    size_t i;
+    int k;
+    if (dim == 2) {
+        const double *a = x + 3 * loop[0];
+        const double *b = x + 3 * PBWC__INDICES(poly->loop)[facet + 1 < poly->loop.count ? facet + 1 : 0];
+        w = a[0] * b[1] - a[1] * b[0];
+        sum[3] += w;
+        sum[0] += w * (a[0] + b[0]);
+        sum[1] += w * (a[1] + b[1]);
+        return sqrt((b[0] - a[0]) * (b[0] - a[0]) + (b[1] - a[1]) * (b[1] - a[1]));
+    }
+    for (i = 1; i + 1 < count; i++) {
+        const double *a = x + 3 * loop[0], *b = x + 3 * loop[i], *c = x + 3 * loop[i + 1];
+        double p[3], q[3];
+        pbwc__cross(b, c, across);
+        w = a[0] * across[0] + a[1] * across[1] + a[2] * across[2];
+        sum[3] += w;
+        for (k = 0; k < 3; k++) {
+            sum[k] += w * (a[k] + b[k] + c[k]);
+            p[k] = b[k] - a[k];
+            q[k] = c[k] - a[k];
+        }
+        pbwc__cross(p, q, across);
+        for (k = 0; k < 3; k++) {
+            area[k] += across[k];
+        }
+    }
+    return 0.5 * sqrt(area[0] * area[0] + area[1] * area[1] + area[2] * area[2]);
+}
+
+/* The corners of a facet as the range's own vertices: each corner of the cell once. */
+static int pbwc__cut_loop_out(pbwc__work *work, pbw_index v, size_t facet, pbw_index *number)
+{
+    const pbwc__poly *poly = &work->cutter.poly;
+    const size_t dim = (size_t)work->job->mesh->dim, simplices = work->job->mesh->simplex_count;
+    const double *site = work->job->mesh->points + v * dim;
+    size_t i, k, begin = PBWC__INDICES(poly->start)[facet], end = pbwc__loop_end(poly, facet) + (dim == 2);
+    for (i = begin; i < end; i++) {
+        const pbw_index corner = PBWC__INDICES(poly->loop)[i < poly->loop.count ? i : 0];
+        if (number[corner] == PBW_NONE) {
+            double x[3];
+            for (k = 0; k < dim; k++) {
+                x[k] = site[k] + PBWC__DOUBLES(poly->x)[3 * corner + k];
+            }
+            number[corner] = pbwc__push_vector(work, &work->out->vertices, x);
+            if (number[corner] == PBW_NONE) {
+                return 0;
+            }
+        }
+        if (!pbwc__push(work->memory, &work->out->loops, (pbw_index)simplices + number[corner])) {
+            return 0;
+        }
+    }
+    return 1;
+}
+
+static int pbwc__cut_facets(pbwc__work *work, pbw_index v, double *sum)
+{
+    const pbwc__poly *poly = &work->cutter.poly;
+    pbwc__array *numbers = &work->cutter.cap;        /* of corners; the cap is done */
+    const pbw_index *name = PBWC__INDICES(poly->name);
+    size_t i;
+    memset(sum, 0, 4 * sizeof *sum);
+    numbers->count = 0;
+    if (pbwc__room(work->memory, numbers, poly->x.count + 1, sizeof(pbw_index)) == NULL) {
+        return 0;
+    }
+    memset(numbers->data, 0xff, poly->x.count * sizeof(pbw_index));
+    for (i = 0; i < poly->start.count; i++) {
+        const size_t begin = work->out->loops.count;
+        const double area = pbwc__sum_facet(poly, i, work->job->mesh->dim, sum);
+        const pbw_index neighbor = name[i] < work->links.count ? PBWC__LINKS(work)[name[i]].vertex : name[i];
+        if ((work->job->what & PBW_CELLS_FACETS) == 0) {
+            continue;
+        }
+        if (((work->job->what & PBW_CELLS_SHAPES) != 0
+             && !pbwc__cut_loop_out(work, v, i, PBWC__INDICES(*numbers)))
+            || !pbwc__facet_done(work, neighbor, area, begin)) {
+            return 0;
+        }
+    }
+    return 1;
+}
+
+/* ------------------------------------------------------------------------------------------------------
+   Ranges of points, each with memory of its own; then their parts in one.
+   ------------------------------------------------------------------------------------------------------ */
+static int pbwc__cell(pbwc__work *work, pbw_index v)
+{
+    pbwc__job *job = work->job;
+    const size_t dim = (size_t)job->mesh->dim, before = work->out->neighbors.count;
+    double sum[4], *centroid = job->centroids + v * dim;
+    const int cut = job->bounded;
+    size_t k;
+    job->volumes[v] = 0;
+    memcpy(centroid, job->mesh->points + v * dim, dim * sizeof(double));
+    if (job->mesh->incident[v] == PBW_NONE) {
+        return 1;
+    }
+    if (!pbwc__gather(work, v)) {
+        return 0;
+    }
+    if (cut && (work->open || !work->inside)) {
+        if (!pbwc__cut_cell(work, v) || !pbwc__cut_facets(work, v, sum)) {
+            return 0;
+        }
+    } else {
+        pbwc__sum_star(work, sum);
+        if ((job->what & PBW_CELLS_FACETS) != 0 && !(dim == 3 ? pbwc__star_facets3(work) : pbwc__star_facets2(work))) {
+            return 0;
+        }
+        if (work->open) {
+            job->volumes[v] = HUGE_VAL;
+        }
+    }
+    if (job->first != NULL) {
+        job->first[v + 1] = work->out->neighbors.count - before;
+    }
+    if (job->volumes[v] == 0 && sum[3] > 0) {
+        job->volumes[v] = sum[3] / (dim == 3 ? 6 : 2);
+        for (k = 0; k < dim; k++) {
+            centroid[k] += sum[k] / (sum[3] * (dim == 3 ? 4 : 3));
+        }
+    }
+    return 1;
+}
+
+static pbw_status pbwc__cells_range(void *arg, size_t from, size_t to)
+{
+    pbwc__job *job = (pbwc__job *)arg;
+    pbwc__array centres;
+    pbwc__work work;
+    size_t v;
+    int good;
+    memset(&work, 0, sizeof work);
+    memset(&centres, 0, sizeof centres);
+    work.job = job;
+    work.memory = &job->memory;
+    work.out = (pbwc__range *)job->ranges.data + from / job->grain;
+    good = pbwc__resize(work.memory, &centres, PBWC__CENTRES * sizeof(pbwc__centre));
+    work.centres = (pbwc__centre *)centres.data;
+    for (v = 0; good && v < PBWC__CENTRES; v++) {
+        work.centres[v].simplex = PBW_NONE;
+    }
+    for (v = from; good && v < to; v++) {
+        good = pbwc__cell(&work, (pbw_index)v);
+    }
+    pbwc__release(work.memory, &centres);
+    pbwc__release(work.memory, &work.parts);
+    pbwc__release(work.memory, &work.links);
+    pbwc__release(work.memory, &work.part_of.slots);
+    pbwc__release(work.memory, &work.link_of.slots);
+    pbwc__cutter_release(work.memory, &work.cutter);
+    return good ? PBW_OK : PBW_ERROR_MEMORY;
+}
+
+/* Where a range's items begin in the arrays of all. */
+typedef struct pbwc__joining {
+    pbwc__job *job;
+    size_t *facets, *entries, *vertices, *rays;      /* per range */
+    pbw_index *neighbors, *loops;
+    double *areas, *all_vertices, *all_rays;
+    size_t *loop_first;
+} pbwc__joining;
+
+static pbw_status pbwc__join(void *arg, size_t from, size_t to)
+{
+    const pbwc__joining *joining = (const pbwc__joining *)arg;
+    const pbwc__job *job = joining->job;
+    const size_t dim = (size_t)job->mesh->dim, simplices = job->mesh->simplex_count;
+    size_t r, i;
+    for (r = from; r < to; r++) {
+        const pbwc__range *range = (const pbwc__range *)job->ranges.data + r;
+        const size_t facets = range->neighbors.count, rays = range->rays.count / dim;
+        size_t entry = joining->entries[r];
+        if (facets > 0) {
+            memcpy(joining->neighbors + joining->facets[r], range->neighbors.data, facets * sizeof(pbw_index));
+            memcpy(joining->areas + joining->facets[r], range->areas.data, facets * sizeof(double));
+        }
+        for (i = 0; i < range->loop_counts.count; i++) {
+            joining->loop_first[joining->facets[r] + i] = entry;
+            entry += PBWC__INDICES(range->loop_counts)[i];
+        }
+        for (i = 0; i < range->loops.count; i++) {
+            pbw_index corner = PBWC__INDICES(range->loops)[i];
+            corner = corner >= PBW_NONE - rays ? corner - (pbw_index)(joining->rays[r] / dim)
+                   : corner >= simplices ? corner + (pbw_index)(joining->vertices[r] / dim - simplices) : corner;
+            joining->loops[joining->entries[r] + i] = corner;
+        }
+        if (range->vertices.count > 0) {
+            memcpy(joining->all_vertices + joining->vertices[r], range->vertices.data,
+                   range->vertices.count * sizeof(double));
+        }
+        if (range->rays.count > 0) {
+            memcpy(joining->all_rays + joining->rays[r], range->rays.data, range->rays.count * sizeof(double));
+        }
+    }
+    return PBW_OK;
+}
+
+static pbw_status pbwc__all_centres(void *arg, size_t from, size_t to)
+{
+    const pbwc__joining *joining = (const pbwc__joining *)arg;
+    const pbw_mesh *mesh = joining->job->mesh;
+    const size_t dim = (size_t)mesh->dim;
+    for (; from < to; from++) {
+        const double *a = mesh->points + mesh->simplices[from * (dim + 1)] * dim;
+        double centre[3];
+        size_t k;
+        pbwc__centre_of(mesh, (pbw_index)from, centre);
+        for (k = 0; k < dim; k++) {
+            joining->all_vertices[from * dim + k] = a[k] + centre[k];
+        }
+    }
+    return PBW_OK;
+}
+
+/* What pbw_cells.memory points at. */
+enum { PBWC__VOLUMES, PBWC__CENTROIDS, PBWC__FIRST, PBWC__NEIGHBORS, PBWC__SHIFTS, PBWC__AREAS, PBWC__VERTICES,
+       PBWC__LOOP_FIRST, PBWC__LOOPS, PBWC__RAYS, PBWC__ARRAYS };
+typedef struct pbwc__owned {
+    pbwc__memory memory;
+    pbwc__array array[PBWC__ARRAYS];
+} pbwc__owned;
+
+PBWCELLSDEF void pbw_cells_free(pbw_cells *cells)
+{
+    if (cells != NULL && cells->memory != NULL) {
+        pbwc__owned *owned = (pbwc__owned *)cells->memory;
+        pbwc__memory memory = owned->memory;
+        pbwc__array self = { owned, 0, sizeof *owned };
+        int i;
+        for (i = 0; i < PBWC__ARRAYS; i++) {
+            pbwc__release(&memory, owned->array + i);
+        }
+        pbwc__release(&memory, &self);
+    }
+    if (cells != NULL) {
+        memset(cells, 0, sizeof *cells);
+    }
+}
+
+/* An array of the result; at least one byte, so that NULL means: no memory. */
+static void *pbwc__own(pbwc__job *job, int which, size_t count, size_t size)
+{
+    pbwc__owned *owned = (pbwc__owned *)job->cells->memory;
+    return pbwc__resize(&job->memory, owned->array + which, count * size + 1) ? owned->array[which].data : NULL;
+}
+
+static void pbwc__place_ranges(pbwc__joining *joining, size_t ranges, size_t *sums)
+{
+    const pbwc__job *job = joining->job;
+    size_t r;
+    sums[0] = sums[1] = sums[3] = 0;
+    sums[2] = (job->what & PBW_CELLS_SHAPES) != 0 ? job->mesh->simplex_count * (size_t)job->mesh->dim : 0;
+    for (r = 0; r < ranges; r++) {
+        const pbwc__range *range = (const pbwc__range *)job->ranges.data + r;
+        joining->facets[r] = sums[0];
+        joining->entries[r] = sums[1];
+        joining->vertices[r] = sums[2];
+        joining->rays[r] = sums[3];
+        sums[0] += range->neighbors.count;
+        sums[1] += range->loops.count;
+        sums[2] += range->vertices.count;
+        sums[3] += range->rays.count;
+    }
+}
+
+/* Facets and shapes of all ranges, one after the other. */
+static pbw_status pbwc__join_all(pbwc__job *job, size_t ranges, const pbw_options *options)
+{
+    const size_t dim = (size_t)job->mesh->dim;
+    const int shapes = (job->what & PBW_CELLS_SHAPES) != 0;
+    pbw_cells *cells = job->cells;
+    pbwc__array places;
+    pbwc__joining joining;
+    size_t sums[4], v;
+    pbw_status status = PBW_OK;
+    memset(&places, 0, sizeof places);
+    memset(&joining, 0, sizeof joining);
+    if (!pbwc__resize(&job->memory, &places, (4 * ranges + 1) * sizeof(size_t))) {
+        return PBW_ERROR_MEMORY;
+    }
+    joining.job = job;
+    joining.facets = (size_t *)places.data;
+    joining.entries = joining.facets + ranges;
+    joining.vertices = joining.entries + ranges;
+    joining.rays = joining.vertices + ranges;
+    pbwc__place_ranges(&joining, ranges, sums);
+    cells->neighbors = joining.neighbors = (pbw_index *)pbwc__own(job, PBWC__NEIGHBORS, sums[0], sizeof(pbw_index));
+    cells->areas = joining.areas = (double *)pbwc__own(job, PBWC__AREAS, sums[0], sizeof(double));
+    if (shapes) {
+        cells->loop_first = joining.loop_first = (size_t *)pbwc__own(job, PBWC__LOOP_FIRST, sums[0] + 1, sizeof(size_t));
+        cells->loops = joining.loops = (pbw_index *)pbwc__own(job, PBWC__LOOPS, sums[1], sizeof(pbw_index));
+        cells->vertices = joining.all_vertices = (double *)pbwc__own(job, PBWC__VERTICES, sums[2], sizeof(double));
+        cells->rays = joining.all_rays = (double *)pbwc__own(job, PBWC__RAYS, sums[3], sizeof(double));
+    }
+    if (joining.neighbors == NULL || joining.areas == NULL
+        || (shapes && (joining.loop_first == NULL || joining.loops == NULL || joining.all_vertices == NULL
+                       || joining.all_rays == NULL))) {
+        status = PBW_ERROR_MEMORY;
+    } else if (sums[2] / dim + sums[3] / dim >= PBW_NONE) {
+        status = PBW_ERROR_TOO_LARGE;
+    }
+    if (status == PBW_OK && shapes) {
+        joining.loop_first[sums[0]] = sums[1];
+        status = pbw_for(options, job->mesh->simplex_count, 8192, pbwc__all_centres, &joining);
+    }
+    if (status == PBW_OK) {
+        status = pbw_for(options, ranges, 1, pbwc__join, &joining);
+    }
+    for (v = 0; v < cells->cell_count; v++) {
+        job->first[v + 1] += job->first[v];
+    }
+    cells->facet_count = sums[0];
+    cells->vertex_count = sums[2] / dim;
+    cells->ray_count = sums[3] / dim;
+    pbwc__release(&job->memory, &places);
+    return status;
+}
+
+/* ------------------------------------------------------------------------------------------------------
+   Merging: two simplices that share a facet have one centre if and only if the far corner of either lies exactly on
+   the sphere of the other.  merged[s] is the first simplex that is connected to s by such facets.
+   ------------------------------------------------------------------------------------------------------ */
+typedef struct pbwc__ties { const pbw_mesh *mesh; unsigned char *tied; } pbwc__ties;     /* a bit per corner */
+
+static int pbwc__is_tied(const pbw_mesh *mesh, size_t simplex, size_t facet)
+{
+    const size_t dim = (size_t)mesh->dim, corners = dim + 1;
+    const pbw_index *v = mesh->simplices + simplex * corners;
+    const size_t beyond = mesh->neighbors[simplex * corners + facet];
+    const double *x[5];
+    double w[5];
+    size_t i, j = 0;
+    while (mesh->neighbors[beyond * corners + j] != simplex) {
+        j++;
+    }
+    for (i = 0; i <= corners; i++) {
+        const size_t p = i < corners ? v[i] : mesh->simplices[beyond * corners + j];
+        x[i] = mesh->points + p * dim;
+        w[i] = mesh->weights != NULL ? mesh->weights[p] : 0;
+    }
+    return (dim == 2 ? pbw_power2(x[0], x[1], x[2], x[3], w) : pbw_power3(x[0], x[1], x[2], x[3], x[4], w)) == 0;
+}
+
+static pbw_status pbwc__find_ties(void *arg, size_t from, size_t to)
+{
+    const pbwc__ties *ties = (const pbwc__ties *)arg;
+    const size_t corners = (size_t)ties->mesh->dim + 1;
+    size_t i;
+    for (; from < to; from++) {
+        unsigned char bits = 0;
+        for (i = 0; i < corners; i++) {
+            const pbw_index beyond = ties->mesh->neighbors[from * corners + i];
+            if (beyond != PBW_NONE && beyond > from && pbwc__is_tied(ties->mesh, from, i)) {
+                bits = (unsigned char)(bits | 1u << i);
+            }
+        }
+        ties->tied[from] = bits;
+    }
+    return PBW_OK;
+}
+
+static pbw_index pbwc__root(pbw_index *merged, pbw_index s)
+{
+    while (merged[s] != s) {
+        merged[s] = merged[merged[s]];
+        s = merged[s];
+    }
+    return s;
+}
+
+static pbw_status pbwc__merge(pbwc__job *job, const pbw_options *options)
+{
+    const pbw_mesh *mesh = job->mesh;
+    const size_t count = mesh->simplex_count, corners = (size_t)mesh->dim + 1;
+    pbwc__array tied;
+    pbwc__ties ties;
+    pbw_index *merged;
+    size_t s, i;
+    pbw_status status;
+    memset(&tied, 0, sizeof tied);
+    if (!pbwc__resize(&job->memory, &job->merged, (count + 1) * sizeof(pbw_index))
+        || !pbwc__resize(&job->memory, &tied, count + 1)) {
+        pbwc__release(&job->memory, &tied);
+        return PBW_ERROR_MEMORY;
+    }
+    ties.mesh = mesh;
+    ties.tied = (unsigned char *)tied.data;
+    status = pbw_for(options, count, 4096, pbwc__find_ties, &ties);
+    merged = PBWC__INDICES(job->merged);
+    for (s = 0; s < count; s++) {
+        merged[s] = (pbw_index)s;
+    }
+    for (s = 0; s < count && status == PBW_OK; s++) {
+        for (i = 0; i < corners; i++) {
+            if ((ties.tied[s] >> i & 1) != 0) {
+                const pbw_index a = pbwc__root(merged, (pbw_index)s);
+                const pbw_index b = pbwc__root(merged, mesh->neighbors[s * corners + i]);
+                merged[a > b ? a : b] = a > b ? b : a;
+            }
+        }
+    }
+    for (s = 0; s < count; s++) {
+        merged[s] = pbwc__root(merged, (pbw_index)s);
+    }
+    pbwc__release(&job->memory, &tied);
+    return status;
+}
+
+/* ------------------------------------------------------------------------------------------------------
+   The domain as a polytope and as planes.
+   ------------------------------------------------------------------------------------------------------ */
+static int pbwc__add_plane(pbwc__job *job, const double *normal, double sign, double offset)
+{
+    const size_t dim = (size_t)job->mesh->dim;
+    double *plane = (double *)pbwc__room(&job->memory, &job->planes, dim + 1, sizeof(double));
+    size_t k;
+    if (plane == NULL) {
+        return 0;
+    }
+    for (k = 0; k < dim; k++) {
+        plane[k] = sign * normal[k];
+    }
+    plane[dim] = offset;
+    job->planes.count += dim + 1;
+    job->plane_count++;
+    return 1;
+}
+
+/* The box cut by all planes.  Returns PBW_ERROR_ARGUMENT if nothing is left. */
+static pbw_status pbwc__cut_domain(pbwc__job *job, const pbw_domain *domain, const double *low, const double *high)
+{
+    const size_t dim = (size_t)job->mesh->dim;
+    pbwc__cutter cutter;
+    size_t i;
+    int good;
+    memset(&cutter, 0, sizeof cutter);
+    good = pbwc__poly_box(&job->memory, &cutter.poly, (int)dim, low, high);
+    for (i = 0; good && i < domain->plane_count; i++) {
+        good = pbwc__cut(&job->memory, &cutter, (int)dim, domain->planes + i * (dim + 1),
+                         (pbw_index)(PBW_NONE - 1 - 2 * dim - i));
+    }
+    pbwc__poly_release(&job->memory, &job->domain);
+    job->domain = cutter.poly;
+    memset(&cutter.poly, 0, sizeof cutter.poly);
+    pbwc__cutter_release(&job->memory, &cutter);
+    return !good ? PBW_ERROR_MEMORY : job->domain.loop.count == 0 ? PBW_ERROR_ARGUMENT : PBW_OK;
+}
+
+/* The bounds of the domain's corners that are in a loop.  Returns 1 if a wall of the box is left. */
+static int pbwc__bounds(const pbwc__job *job, double *low, double *high)
+{
+    const size_t dim = (size_t)job->mesh->dim;
+    size_t i, k;
+    int walls = 0;
+    for (i = 0; i < job->domain.loop.count; i++) {
+        const double *x = PBWC__DOUBLES(job->domain.x) + 3 * PBWC__INDICES(job->domain.loop)[i];
+        for (k = 0; k < dim; k++) {
+            low[k] = i == 0 || x[k] < low[k] ? x[k] : low[k];
+            high[k] = i == 0 || x[k] > high[k] ? x[k] : high[k];
+        }
+    }
+    for (i = 0; i < job->domain.name.count; i++) {
+        walls |= PBWC__INDICES(job->domain.name)[i] > PBW_NONE - 1 - 2 * dim;
+    }
+    return walls;
+}
+
+/* A domain of planes alone: cut from a box so large that a wall left of it means an unbounded domain, then again from
+   a box that fits, so that the corners are as exact as they can be. */
+static pbw_status pbwc__bound_planes(pbwc__job *job, const pbw_domain *domain, double *low, double *high)
+{
+    const size_t dim = (size_t)job->mesh->dim;
+    double size = 0;
+    size_t i, k;
+    pbw_status status;
+    for (i = 0; i < domain->plane_count; i++) {
+        const double *plane = domain->planes + i * (dim + 1);
+        double normal = 0;
+        for (k = 0; k < dim; k++) {
+            normal += fabs(plane[k]);
+        }
+        size = normal > 0 && fabs(plane[dim]) / normal > size ? fabs(plane[dim]) / normal : size;
+    }
+    for (k = 0; k < dim; k++) {
+        low[k] = -1e6 * (size > 0 ? size : 1);
+        high[k] = -low[k];
+    }
+    status = pbwc__cut_domain(job, domain, low, high);
+    if (status == PBW_OK && pbwc__bounds(job, low, high)) {
+        status = PBW_ERROR_ARGUMENT;
+    }
+    for (k = 0; k < dim; k++) {
+        const double margin = 0.01 * (high[k] - low[k]);
+        low[k] -= margin;
+        high[k] += margin;
+    }
+    return status;
+}
+
+static pbw_status pbwc__prepare_domain(pbwc__job *job, const pbw_domain *domain)
+{
+    const size_t dim = (size_t)job->mesh->dim;
+    double low[3], high[3], axis[3];
+    size_t i, k;
+    pbw_status status = PBW_OK;
+    if (domain == NULL || (domain->box == NULL && domain->plane_count == 0)) {
+        return PBW_OK;
+    }
+    job->bounded = 1;
+    for (k = 0; k < dim && domain->box != NULL; k++) {
+        low[k] = domain->box[k];
+        high[k] = domain->box[dim + k];
+        if (!(low[k] < high[k]) || !(high[k] - low[k] < HUGE_VAL)) {
+            return PBW_ERROR_ARGUMENT;
+        }
+        memset(axis, 0, sizeof axis);
+        axis[k] = 1;
+        if (!pbwc__add_plane(job, axis, -1.0, -low[k]) || !pbwc__add_plane(job, axis, 1.0, high[k])) {
+            return PBW_ERROR_MEMORY;
+        }
+    }
+    for (i = 0; i < domain->plane_count; i++) {
+        const double *plane = domain->planes + i * (dim + 1);
+        double normal = 0;
+        for (k = 0; k < dim; k++) {
+            normal += fabs(plane[k]);
+        }
+        if (!(normal > 0) || !(normal < HUGE_VAL) || !(fabs(plane[dim]) < HUGE_VAL)) {
+            return PBW_ERROR_ARGUMENT;
+        }
+        if (!pbwc__add_plane(job, plane, 1.0, plane[dim])) {
+            return PBW_ERROR_MEMORY;
+        }
+    }
+    if (domain->box == NULL) {
+        status = pbwc__bound_planes(job, domain, low, high);
+    }
+    return status == PBW_OK ? pbwc__cut_domain(job, domain, low, high) : status;
+}
+
+/* ------------------------------------------------------------------------------------------------------
+   The call.
+   ------------------------------------------------------------------------------------------------------ */
+static pbw_status pbwc__compute(pbwc__job *job, const pbw_domain *domain, const pbw_options *options)
+{
+    const size_t count = job->cells->cell_count, dim = (size_t)job->mesh->dim;
+    size_t ranges, r;
+    pbw_status status = pbwc__prepare_domain(job, domain);
+    job->grain = 2048;
+    ranges = (count + job->grain - 1) / job->grain;
+    job->volumes = (double *)pbwc__own(job, PBWC__VOLUMES, count, sizeof(double));
+    job->centroids = (double *)pbwc__own(job, PBWC__CENTROIDS, count * dim, sizeof(double));
+    job->first = (size_t *)pbwc__own(job, PBWC__FIRST, count + 1, sizeof(size_t));
+    job->cells->volumes = job->volumes;
+    job->cells->centroids = job->centroids;
+    job->cells->first = job->first;
+    if (status == PBW_OK && (job->volumes == NULL || job->centroids == NULL || job->first == NULL
+                             || !pbwc__resize(&job->memory, &job->ranges, (ranges + 1) * sizeof(pbwc__range)))) {
+        status = PBW_ERROR_MEMORY;
+    }
+    if (status != PBW_OK) {
+        return status;
+    }
+    memset(job->first, 0, (count + 1) * sizeof(size_t));
+    memset(job->ranges.data, 0, job->ranges.bytes);
+    if ((job->what & PBW_CELLS_MERGE) != 0) {
+        status = pbwc__merge(job, options);
+    }
+    if (status == PBW_OK) {
+        status = pbw_for(options, count, job->grain, pbwc__cells_range, job);
+    }
+    if (status == PBW_OK && (job->what & PBW_CELLS_FACETS) != 0) {
+        status = pbwc__join_all(job, ranges, options);
+    }
+    for (r = 0; r < ranges; r++) {
+        pbwc__range *range = (pbwc__range *)job->ranges.data + r;
+        pbwc__release(&job->memory, &range->neighbors);
+        pbwc__release(&job->memory, &range->areas);
+        pbwc__release(&job->memory, &range->loop_counts);
+        pbwc__release(&job->memory, &range->loops);
+        pbwc__release(&job->memory, &range->vertices);
+        pbwc__release(&job->memory, &range->rays);
+    }
+    return status;
+}
+
+PBWCELLSDEF pbw_status pbw_cells_of(const pbw_mesh *mesh, const pbw_domain *domain, unsigned what,
+                                    const pbw_options *options, pbw_cells *cells)
+{
+    pbwc__job job;
+    pbwc__array self;
+    pbw_status status;
+    if (cells == NULL) {
+        return PBW_ERROR_ARGUMENT;
+    }
+    memset(cells, 0, sizeof *cells);
+    if (mesh == NULL || (mesh->dim != 2 && mesh->dim != 3) || (mesh->simplex_count > 0 && mesh->neighbors == NULL)
+        || (what & ~(PBW_CELLS_FACETS | PBW_CELLS_SHAPES | PBW_CELLS_MERGE)) != 0
+        || (domain != NULL && (domain->periodic != 0 || (domain->plane_count > 0 && domain->planes == NULL)))) {
+        return PBW_ERROR_ARGUMENT;
+    }
+    memset(&job, 0, sizeof job);
+    memset(&self, 0, sizeof self);
+    job.mesh = mesh;
+    job.what = what | ((what & PBW_CELLS_SHAPES) != 0 ? PBW_CELLS_FACETS : 0);
+    job.cells = cells;
+    job.memory.resize = options != NULL && options->resize != NULL ? options->resize : pbwc__default_resize;
+    job.memory.user = options != NULL ? options->resize_user : NULL;
+    job.memory.limit = options != NULL ? options->memory_limit : 0;
+    cells->dim = mesh->dim;
+    cells->cell_count = mesh->point_count;
+    if (!pbwc__resize(&job.memory, &self, sizeof(pbwc__owned))) {
+        memset(cells, 0, sizeof *cells);
+        return PBW_ERROR_MEMORY;
+    }
+    memset(self.data, 0, self.bytes);
+    cells->memory = self.data;
+    status = pbwc__compute(&job, domain, options);
+    if (status == PBW_OK && (job.what & PBW_CELLS_FACETS) == 0) {
+        pbwc__release(&job.memory, ((pbwc__owned *)cells->memory)->array + PBWC__FIRST);
+        cells->first = NULL;
+    }
+    pbwc__poly_release(&job.memory, &job.domain);
+    pbwc__release(&job.memory, &job.planes);
+    pbwc__release(&job.memory, &job.merged);
+    pbwc__release(&job.memory, &job.ranges);
+    ((pbwc__owned *)cells->memory)->memory = job.memory;
+    if (status != PBW_OK) {
+        pbw_cells_free(cells);
+        return status;
+    }
+    return mesh->simplex_count == 0 ? PBW_DEGENERATE : PBW_OK;
+}
+
+#endif /* PBW_CELLS_IMPLEMENTATION */
