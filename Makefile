@@ -17,7 +17,7 @@ EXAMPLES_CXX = $(if $(shell command -v $(firstword $(CXX))),$(patsubst examples/
 EXPECTED = $(patsubst examples/expected/%.txt,%,$(wildcard examples/expected/*.txt))
 FUZZERS = $(patsubst tests/%.c,%,$(wildcard tests/fuzz_*.c))
 HEADERS = pbw.h $(wildcard tests/*.h examples/lib/*.h examples/program/*.h)
-SCRIPTS = $(filter packaging hashes examples asm oracle cmake python programs view, \
+SCRIPTS = $(filter packaging hashes examples asm oracle cmake csharp install python programs view, \
     $(patsubst tests/%.sh,%,$(wildcard tests/*.sh)))
 SUITES = test programs examples oracle asm arm names fuzz-long
 export CC CXX
@@ -51,6 +51,7 @@ help:
 	@echo 'make bench       compares speed and memory with rivals that are installed (bench/bench.mk)'
 	@echo 'make oracle      compares with CGAL            make names   names, warnings, copies, documentation'
 	@echo 'make asm         looks for fused operations    make arm     64-bit Arm, in an emulator'
+	@echo 'make install PREFIX=/usr/local DESTDIR=         and make uninstall: see examples/install/install.mk'
 	@echo 'make clean       removes $B/'
 	@echo 'make asan ubsan tsan valgrind                  the test programs under sanitizers'
 	@echo 'make fuzz        fuzzers, TIME=60 each         make fuzz-long  ten million random small inputs'
@@ -100,6 +101,8 @@ $B/test_io.log: $B/pbw
 $B/view.log: $B/pbw $B/terrain
 $B/examples.log: $(patsubst %,$B/%,$(filter $(EXAMPLES) $(EXAMPLES_CXX),$(EXPECTED)))
 $B/python.log: $B/libpbw_python.so
+$B/csharp.log: $B/libpbw.so
+$B/install.log: $B/pbw $B/pbw_pic.o $B/libpbw.so
 $B/programs.log: $B/pbw
 $B/oracle.log: $B/libpbw.a
 
@@ -152,3 +155,4 @@ clean:
 
 -include bench/bench.mk
 -include tests/cuda.mk
+-include examples/install/install.mk

@@ -1,5 +1,5 @@
 #!/bin/sh
-# python.sh FOLDER: examples/python/pbw.py on the library in FOLDER, where there is a Python with NumPy; compared with
+# python.sh FOLDER: examples/python on the library in FOLDER, where there is a Python with NumPy; compared with
 # scipy.spatial where that is installed too.
 for python in "${PYTHON:-python3}" /usr/bin/python3; do
     for modules in numpy,scipy.spatial numpy; do

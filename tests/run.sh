@@ -27,4 +27,7 @@ case "$code $last" in
 *) last="exit status $code, and no count of failures to explain it"; echo "$last" >> "$log" ;;
 esac
 sed -e '/ passed, .* skipped$/d' -e '/^passed /d' -e "s|^|$(basename "$log" .log): |" "$log" | head -n 40
-echo "$(basename "$log" .log): $last"
+times > "$log.times"
+cpu=$(tail -n 1 "$log.times" | tr 'ms' '  ' | awk '{ printf "%.0f", 60 * ($1 + $3) + $2 + $4 }')
+rm -f "$log.times"
+echo "$(basename "$log" .log): $last ($cpu s of processors)"

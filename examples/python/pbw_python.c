@@ -1,5 +1,5 @@
-/* pbw_python.c: pbw.h as a shared library for pbw.py: a triangulation copied into arrays that Python owns, and the
-   simplices that many points lie in.
+/* pbw_python.c: pbw.h as a shared library for the Python package pbw: a triangulation copied into arrays that Python
+   owns, and the simplices that many points lie in.
    cc -O2 -I. -fPIC -shared examples/python/pbw_python.c -o libpbw_python.so -lpthread -lm */
 #define PBW_IMPLEMENTATION
 #include "pbw.h"
@@ -9,6 +9,7 @@
 /* Python has indices in 32 signed bits, as SciPy does; -1 has the bits of PBW_NONE. */
 typedef struct arrays {
     int dim;
+    size_t point_count, simplex_count;
     const double *points;
     const int32_t *simplices, *neighbors;
 } arrays;
@@ -24,10 +25,8 @@ pbw_mesh *pbw_python_build(int dim, const double *points, const double *weights,
 void pbw_python_copy(const pbw_mesh *mesh, int32_t *simplices, int32_t *neighbors, int32_t *incident,
                      int32_t *canonical);
 void pbw_python_free(pbw_mesh *mesh);
-int pbw_python_find(int dim, const double *points, const int32_t *simplices, const int32_t *neighbors, size_t count,
-                    const double *queries, size_t query_count, int every, int32_t *found);
-int64_t pbw_python_stars(int dim, const int32_t *simplices, size_t count, size_t points, int32_t *indptr,
-                         int32_t *indices);
+int pbw_python_find(const arrays *mesh, const double *queries, size_t count, int every, int32_t *found);
+int64_t pbw_python_stars(const arrays *mesh, int32_t *indptr, int32_t *indices);
 
 static int on_progress(void *user, pbw_stage stage, double done)
 {
@@ -35,7 +34,7 @@ static int on_progress(void *user, pbw_stage stage, double done)
     return *w->stop || (w->progress != NULL && w->progress((int)stage, done));
 }
 
-/* A mesh to copy and free, and how many simplices it has; NULL on failure, *status says which. */
+/* A mesh to copy and free before the points, and how many simplices it has; NULL on failure, *status says which. */
 pbw_mesh *pbw_python_build(int dim, const double *points, const double *weights, size_t count, int threads,
                            const volatile int *stop, int (*progress)(int stage, double done), int *status,
                            size_t *simplices)
@@ -47,6 +46,7 @@ pbw_mesh *pbw_python_build(int dim, const double *points, const double *weights,
     *simplices = 0;
     if (mesh != NULL) {
         options.threads = threads;
+        options.flags = PBW_BORROW;
         options.progress = on_progress;
         options.progress_user = &w;
         *status = (int)pbw_triangulate(dim, points, weights, count, &options, mesh);
@@ -140,12 +140,11 @@ static int32_t lowest(const arrays *m, int32_t t, const double *q, int32_t *link
 /* For each query the lowest simplex that has it, or -1 - t if it is outside of the hull, t being a simplex to that
    side; each walk starts where the one before ended.  every: try all simplices in turn instead, for comparison.
    1 if there is no memory, else 0. */
-int pbw_python_find(int dim, const double *points, const int32_t *simplices, const int32_t *neighbors, size_t count,
-                    const double *queries, size_t query_count, int every, int32_t *found)
+int pbw_python_find(const arrays *mesh, const double *queries, size_t count, int every, int32_t *found)
 {
-    arrays m = { dim, points, simplices, neighbors };
-    int32_t *link = (int32_t *)calloc(count, sizeof *link), at = 0;
-    for (size_t i = 0; link != NULL && i < query_count; i++) {
+    int32_t *link = (int32_t *)calloc(mesh->simplex_count, sizeof *link), at = 0;
+    int dim = mesh->dim;
+    for (size_t i = 0; link != NULL && i < count; i++) {
         const double *q = queries + i * (size_t)dim;
         int zero = 0, finite = 1;
         for (int k = 0; k < dim; k++) {
@@ -153,17 +152,17 @@ int pbw_python_find(int dim, const double *points, const int32_t *simplices, con
         }
         found[i] = -1 - at;
         if (every && finite) {
-            for (at = 0; found[i] < 0 && (size_t)at < count; at++) {
+            for (at = 0; found[i] < 0 && (size_t)at < mesh->simplex_count; at++) {
                 int inside = 1;
                 for (int k = 0; k <= dim && inside; k++) {
-                    inside = side(&m, at, k, q) >= 0;
+                    inside = side(mesh, at, k, q) >= 0;
                 }
                 found[i] = inside ? at : found[i];
             }
             at = 0;
         } else if (finite) {
-            found[i] = walk(&m, at, q, &zero);
-            found[i] = zero != 0 && found[i] >= 0 ? lowest(&m, found[i], q, link) : found[i];
+            found[i] = walk(mesh, at, q, &zero);
+            found[i] = zero != 0 && found[i] >= 0 ? lowest(mesh, found[i], q, link) : found[i];
             at = found[i] < 0 ? -1 - found[i] : found[i];
         }
     }
@@ -174,10 +173,10 @@ int pbw_python_find(int dim, const double *points, const int32_t *simplices, con
 /* The neighbours of each point p, ascending, in indices[indptr[p]] to indices[indptr[p + 1] - 1].  Point by point,
    its number is appended to the rows of its neighbours, for each is the other's.  The length of indices, which may be
    NULL in a first call for indptr alone; -1 if there is no memory, or if the length is above 2^31 - 1. */
-int64_t pbw_python_stars(int dim, const int32_t *simplices, size_t count, size_t points, int32_t *indptr,
-                         int32_t *indices)
+int64_t pbw_python_stars(const arrays *mesh, int32_t *indptr, int32_t *indices)
 {
-    size_t corners = (size_t)dim + 1, total = count * corners;
+    size_t corners = (size_t)mesh->dim + 1, total = mesh->simplex_count * corners, points = mesh->point_count;
+    const int32_t *simplices = mesh->simplices;
     size_t *first = (size_t *)calloc(points + 2, sizeof *first);     /* of a point's simplices in around */
     int32_t *around = (int32_t *)malloc((total + 1) * sizeof *around);
     int32_t *seen = (int32_t *)calloc(points + 1, sizeof *seen);     /* one more than the last point beside it */

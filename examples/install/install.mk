@@ -1,0 +1,45 @@
+# install.mk: `make install PREFIX=/where` (default /usr/local; DESTDIR is put in front of it, as packagers need), and
+# `make uninstall` with the same PREFIX and DESTDIR.  What is installed may be moved as a whole.
+#   bin/pbw                            the program
+#   include/pbw/                       pbw.h and its companions, to be included as "pbw.h"; pbw_cuda.cu beside it
+#   lib/libpbw.a, lib/libpbw.so        the implementation, compiled; a program that defines PBW_IMPLEMENTATION needs
+#                                      neither.  (Shared library: systems with ELF.)
+#   lib/pkgconfig/pbw.pc               cc program.c $(pkg-config --cflags --libs pbw)
+#   lib/cmake/pbw/                     find_package(pbw): see pbwConfig.cmake
+PREFIX ?= /usr/local
+DESTDIR =
+INSTALL = install
+VERSION := $(shell sed -n '1s/.* - v\([0-9.]*\) - .*/\1/p' pbw.h)
+SONAME = libpbw.so.$(basename $(VERSION))
+ROOT = $(DESTDIR)$(PREFIX)
+CONFIG = pbwConfig pbwConfigVersion
+INSTALLED = bin/pbw include/pbw lib/libpbw.a lib/libpbw.so lib/$(SONAME) lib/libpbw.so.$(VERSION) \
+    lib/pkgconfig/pbw.pc lib/cmake/pbw
+
+.PHONY: install uninstall
+
+$B/pbw_pic.o: examples/cmake/pbw.c pbw.h
+	@mkdir -p $B
+	$C -fPIC -c $< -o $@
+
+$B/libpbw.so: $B/pbw_pic.o
+	$(CC) $(CFLAGS) -shared -Wl,-soname,$(SONAME) $< -o $@ $(LIBS)
+
+$B/install/%: examples/install/% pbw.h
+	@mkdir -p $(@D)
+	sed 's/@VERSION@/$(VERSION)/' $< > $@
+
+install: $B/pbw $B/pbw_pic.o $B/libpbw.so $B/install/pbw.pc $(CONFIG:%=$B/install/%.cmake)
+	$(INSTALL) -d $(addprefix "$(ROOT)"/,bin include/pbw lib/pkgconfig lib/cmake/pbw)
+	$(INSTALL) -m 755 $B/pbw "$(ROOT)"/bin/pbw
+	$(INSTALL) -m 644 pbw.h pbw_cuda.cu $(wildcard examples/lib/*.h) "$(ROOT)"/include/pbw
+	rm -f "$(ROOT)"/lib/libpbw.a && ar rcs "$(ROOT)"/lib/libpbw.a $B/pbw_pic.o
+	$(INSTALL) -m 755 $B/libpbw.so "$(ROOT)"/lib/libpbw.so.$(VERSION)
+	ln -sf libpbw.so.$(VERSION) "$(ROOT)"/lib/$(SONAME)
+	ln -sf $(SONAME) "$(ROOT)"/lib/libpbw.so
+	$(INSTALL) -m 644 $(CONFIG:%=$B/install/%.cmake) "$(ROOT)"/lib/cmake/pbw
+	$(INSTALL) -m 644 $B/install/pbw.pc "$(ROOT)"/lib/pkgconfig
+
+# Folders that others use as well stay.
+uninstall:
+	rm -rf $(addprefix "$(ROOT)"/,$(INSTALLED))

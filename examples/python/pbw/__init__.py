@@ -1,0 +1,30 @@
+"""Exact Delaunay and regular triangulations for NumPy, with the interface of scipy.spatial.Delaunay.
+
+    import numpy, pbw
+    points = numpy.random.rand(1000000, 3)
+    tri = pbw.Delaunay(points)                       # or with weights=, which SciPy has not
+    tri.simplices, tri.neighbors, tri.find_simplex([0.5, 0.5, 0.5])
+    scipy.interpolate.LinearNDInterpolator(tri, values)
+
+Needs NumPy; no SciPy.  Two ways to have it:
+    pip install ./examples/python                    # from the source tree: a C compiler, no network
+    make && PYTHONPATH=examples/python python3       # without installing: finds build/libpbw_python.so
+PBW_LIBRARY in the environment names another library file.
+
+What is different from SciPy
+  * All answers are exact.  Points are not dropped or merged for being nearly coplanar or nearly equal, simplices may
+    be as thin as the points make them, and a lattice is tiled without overlaps.  `coplanar` has duplicates only.
+  * Simplices are positively oriented in 3D as in 2D; facets of `convex_hull` are turned outward.
+  * find_simplex gives the lowest of the simplices that a point on a common face belongs to.  tol is 0 unless given.
+  * Cocircular and cospherical points: any triangulation is right; ours depends on the set of points alone.
+  * 2D and 3D only, no furthest_site.  qhull_options have no effect; Qu, QG and QV, which ask for other simplices, are
+    refused.  QJ moves no point: a duplicate stays one.
+  * add_points triangulates anew.
+  * Arrays are copies, made at first use: what is written to them changes no later find_simplex.
+  * paraboloid_scale is 1 and paraboloid_shift is 0: `equations` are those of the plain lift |p|^2 - weight.
+"""
+from ._delaunay import Delaunay, tsearch
+from ._errors import Error, QhullError
+from ._library import version as __version__
+
+__all__ = ["Delaunay", "Error", "QhullError", "tsearch", "__version__"]

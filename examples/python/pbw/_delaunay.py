@@ -1,0 +1,229 @@
+"""The class Delaunay."""
+import operator
+from functools import cached_property
+
+import numpy as np
+
+from . import _geometry
+from ._library import Mesh
+from ._scipy import as_scipy, own
+
+
+def _checked_points(points):
+    if np.ma.isMaskedArray(points):
+        raise ValueError("points cannot be a masked array")
+    points = np.array(points, dtype=np.float64, order="C")
+    if points.ndim != 2 or points.shape[1] not in (2, 3):
+        raise ValueError("points must have the shape (npoints, 2) or (npoints, 3), not %s" % (points.shape,))
+    if len(points) >= 2 ** 31:
+        raise ValueError("%d points are too many for 32-bit indices" % len(points))
+    return points
+
+
+def _checked_weights(weights, count):
+    weights = np.array(weights, dtype=np.float64, order="C")
+    if weights.shape != (count,):
+        raise ValueError("weights must have the shape (%d,), one for each point, not %s" % (count, weights.shape))
+    return weights
+
+
+def _check_options(furthest_site, qhull_options, threads):
+    if isinstance(qhull_options, bytes):
+        qhull_options = qhull_options.decode("ascii", "replace")
+    for option in (qhull_options or "").split():
+        if option[:2] in ("Qu", "QG", "QV"):
+            raise ValueError("the Qhull option %s is not supported" % option)
+    if furthest_site:
+        raise ValueError("furthest_site is not supported")
+    if not 0 <= operator.index(threads) <= 256:
+        raise ValueError("threads must be 0 (one for each core) to 256, not %d" % threads)
+
+
+def _empty(cls):
+    return cls.__new__(cls)
+
+
+class Delaunay:
+    """Delaunay triangulation of points, an array of shape (npoints, 2) or (npoints, 3); see scipy.spatial.Delaunay.
+
+    weights   one for each point: the regular triangulation (power diagram's dual) instead
+    threads   0 is one for each core
+    progress  called with a stage's name and the share of it that is done; an exception from it ends the build
+
+    points, weights, ndim, npoints, nsimplex, min_bound, max_bound
+    simplices               (nsimplex, ndim+1) int32
+    neighbors               same shape: across from each corner, -1 outside
+    vertex_to_simplex       (npoints,) int32: a simplex at each point, -1 if it is hidden
+    vertex_neighbor_vertices   (indptr, indices): the neighbours of point k are indices[indptr[k]:indptr[k+1]]
+    convex_hull             (nfacets, ndim) int32
+    coplanar                (n, 3) int32: a duplicate, a simplex at it, the point that it duplicates
+    hidden                  (n,) int32: points whose power cell is empty (with weights only)
+    good                    (nsimplex,) int32: ones
+    transform               (nsimplex, ndim+1, ndim): to barycentric coordinates; NaN for simplices that are so thin
+                            that these would be noise (condition above 1/(1000 eps), as in SciPy)
+    equations               (nsimplex, ndim+2): planes of the lifted simplices
+
+    Arrays are made at first use, and are copies that one may write to.
+    """
+
+    __module__ = "pbw"
+    __class__ = property(lambda self: as_scipy(type(self), "Delaunay"))
+    furthest_site = False
+    paraboloid_scale, paraboloid_shift = 1.0, 0.0
+
+    def __init__(self, points, furthest_site=False, incremental=False, qhull_options=None, *, weights=None,
+                 threads=0, progress=None):
+        _check_options(furthest_site, qhull_options, threads)
+        points = _checked_points(points)
+        if weights is not None:
+            weights = _checked_weights(weights, len(points))
+        self._incremental, self._threads, self._progress = bool(incremental), threads, progress
+        self._mesh = Mesh(points, weights, threads, progress)
+
+    def __repr__(self):
+        kind = "points" if self._mesh.weights is None else "weighted points"
+        rest = "".join(", %d %s" % (len(rows), what)
+                       for rows, what in ((self.hidden, "hidden"), (self.coplanar, "duplicate")) if len(rows))
+        return "<pbw.%s: %d %s in %dD%s, %d simplices>" % (type(self).__name__, self.npoints, kind, self.ndim, rest,
+                                                          self.nsimplex)
+
+    def __reduce__(self):
+        """Without what can be made again.  (pickle's own way stops at a __class__ that is not the type.)"""
+        state = {name: value for name, value in self.__dict__.items() if name not in _MADE}
+        state["_progress"] = None
+        return _empty, (own(type(self)),), state
+
+    # Shape and arrays
+    @property
+    def npoints(self):
+        return len(self._mesh.points)
+
+    @property
+    def ndim(self):
+        return self._mesh.points.shape[1]
+
+    @property
+    def nsimplex(self):
+        return len(self._mesh.simplices)
+
+    @cached_property
+    def points(self):
+        return self._mesh.points.copy()
+
+    @cached_property
+    def weights(self):
+        return None if self._mesh.weights is None else self._mesh.weights.copy()
+
+    @cached_property
+    def simplices(self):
+        return self._mesh.simplices.copy()
+
+    @cached_property
+    def neighbors(self):
+        return self._mesh.neighbors.copy()
+
+    @cached_property
+    def min_bound(self):
+        return self._mesh.points.min(axis=0)
+
+    @cached_property
+    def max_bound(self):
+        return self._mesh.points.max(axis=0)
+
+    @cached_property
+    def good(self):
+        return np.ones(self.nsimplex, np.int32)
+
+    @cached_property
+    def vertex_to_simplex(self):
+        return self._mesh.incident[self._mesh.canonical]
+
+    @cached_property
+    def coplanar(self):
+        canonical, incident = self._mesh.canonical, self._mesh.incident
+        duplicates = np.flatnonzero(canonical != np.arange(self.npoints)).astype(np.int32)
+        return np.column_stack([duplicates, incident[canonical[duplicates]], canonical[duplicates]])
+
+    @cached_property
+    def hidden(self):
+        own_place = self._mesh.canonical == np.arange(self.npoints)
+        return np.flatnonzero(own_place & (self._mesh.incident < 0)).astype(np.int32)
+
+    @cached_property
+    def convex_hull(self):
+        return _geometry.hull(self._mesh.simplices, self._mesh.neighbors)
+
+    @cached_property
+    def vertex_neighbor_vertices(self):
+        return self._mesh.stars()
+
+    @cached_property
+    def transform(self):
+        return _geometry.transforms(self._mesh.points, self._mesh.simplices)
+
+    @cached_property
+    def equations(self):
+        return _geometry.planes(self._mesh.points, self._mesh.weights, self._mesh.simplices)
+
+    # Queries
+    def lift_points(self, x):
+        """The points with their height on the paraboloid as one more coordinate."""
+        return _geometry.lift(x)
+
+    def plane_distance(self, xi):
+        """Distances to the planes of all lifted simplices: positive where a point is inside the circumsphere."""
+        return self.lift_points(xi) @ self.equations[:, :-1].T + self.equations[:, -1]
+
+    def find_simplex(self, xi, bruteforce=False, tol=None):
+        """The simplex that has each point of xi, an array of shape (..., ndim), exactly; -1 outside of the hull.
+
+        A point on a common face is in the lowest of its simplices.  bruteforce tries all, with the same answers.
+        tol: points outside by no more than this barycentric coordinate are in the simplex where the hull was left.
+        """
+        xi = np.asarray(xi, dtype=np.float64)
+        if xi.ndim == 0 or xi.shape[-1] != self.ndim:
+            raise ValueError("wrong dimensionality in xi: the shape must be (..., %d), not %s"
+                             % (self.ndim, xi.shape))
+        queries = np.ascontiguousarray(xi.reshape(-1, self.ndim))
+        order = slice(None)
+        if len(queries) > 100 and not bruteforce:
+            order = _geometry.z_order(queries, self.min_bound, self.max_bound)
+            queries = queries[order]
+        found = self._mesh.find(queries, bool(bruteforce))
+        outside = np.flatnonzero(found < 0)
+        if tol and len(outside):
+            last = -1 - self._mesh.find(queries[outside], False)
+            t = self.transform[last]
+            b = np.einsum("ijk,ik->ij", t[:, :-1], queries[outside] - t[:, -1])
+            near = (b >= -tol).all(axis=1) & (b.sum(axis=1) <= 1 + tol)
+            found[outside] = np.where(near, last, -1)
+        found[found < 0] = -1
+        result = np.empty_like(found)
+        result[order] = found
+        return result.reshape(xi.shape[:-1])
+
+    # Changes
+    def add_points(self, points, restart=False):
+        """The triangulation of the old points and these, made anew; for Delaunay(..., incremental=True)."""
+        if not self._incremental:
+            raise RuntimeError("points are added after Delaunay(..., incremental=True) and before close() only")
+        if self._mesh.weights is not None:
+            raise ValueError("points are added to triangulations without weights only")
+        points = _checked_points(points)
+        if points.shape[1] != self.ndim:
+            raise ValueError("points to add must have the shape (n, %d), not %s" % (self.ndim, points.shape))
+        self._mesh = Mesh(np.concatenate([self._mesh.points, points]), None, self._threads, self._progress)
+        for name in _MADE:
+            self.__dict__.pop(name, None)
+
+    def close(self):
+        """No more points will be added."""
+        self._incremental = False
+
+
+_MADE = [name for name, value in vars(Delaunay).items() if isinstance(value, cached_property)]
+
+
+def tsearch(tri, xi):
+    """The simplices that have the points xi: tri.find_simplex(xi)."""
+    return tri.find_simplex(xi)

@@ -1,0 +1,62 @@
+"""Derived arrays of a triangulation, in ordinary floating-point arithmetic: nothing here decides topology."""
+import numpy as np
+
+
+def hull(simplices, neighbors):
+    """The facets without a neighbour, turned outward."""
+    corners = {3: [[1, 2], [2, 0], [0, 1]], 4: [[1, 2, 3], [0, 3, 2], [0, 1, 3], [0, 2, 1]]}[simplices.shape[1]]
+    simplex, facet = np.nonzero(neighbors < 0)
+    return simplices[simplex[:, None], np.array(corners)[facet]]
+
+
+def _frames(points, simplices):
+    """For each simplex its last corner, the edges to it from the others, and their inverse matrix."""
+    corner = points[simplices]
+    edge = corner[:, :-1] - corner[:, -1:]
+    if points.shape[1] == 2:
+        turned = edge[:, ::-1, ::-1] * [1, -1]         # (v1, -v0), (u1, -u0)
+        inverse = turned * np.array([1, -1])[:, None]
+    else:
+        inverse = np.stack([np.cross(edge[:, i - 2], edge[:, i - 1]) for i in range(3)], axis=1)
+    with np.errstate(all="ignore"):
+        inverse /= np.einsum("ik,ik->i", edge[:, 0], inverse[:, 0])[:, None, None]
+    return corner[:, -1], edge, inverse
+
+
+def transforms(points, simplices):
+    """To barycentric coordinates; NaN where these would be noise: condition above 1/(1000 eps), as in SciPy."""
+    last, edge, inverse = _frames(points, simplices)
+    with np.errstate(all="ignore"):
+        condition = np.abs(edge).sum(axis=2).max(axis=1) * np.abs(inverse).sum(axis=1).max(axis=1)
+        inverse[~(condition * 1000 * np.finfo(float).eps <= 1)] = np.nan
+    return np.concatenate([inverse, last[:, None]], axis=1)
+
+
+def planes(points, weights, simplices):
+    """Normal and offset of each lifted simplex, turned down."""
+    last, edge, inverse = _frames(points, simplices)
+    height = np.einsum("ik,ik->i", points, points)
+    height = (height if weights is None else height - weights)[simplices]
+    slope = np.einsum("ij,ijk->ik", height[:, :-1] - height[:, -1:], inverse)
+    offset = height[:, -1] - np.einsum("ik,ik->i", slope, last)
+    equations = np.column_stack([slope, -np.ones(len(simplices)), offset])
+    return equations / np.sqrt(1 + np.einsum("ik,ik->i", slope, slope))[:, None]
+
+
+def lift(x):
+    """The points with their height on the paraboloid as one more coordinate."""
+    x = np.asarray(x, dtype=np.float64)
+    return np.concatenate([x, np.sum(x * x, axis=-1, keepdims=True)], axis=-1)
+
+
+def z_order(points, low, high):
+    """The order of the points along a Z-shaped curve, so that one is near the next."""
+    bits = 32 // points.shape[1]
+    with np.errstate(all="ignore"):
+        span = np.where(high > low, high - low, 1)
+        cell = (np.clip(np.nan_to_num((points - low) / span), 0, 1) * (2 ** bits - 1)).astype(np.uint64)
+    key = np.zeros(len(points), np.uint64)
+    for bit in range(bits):
+        for k in range(points.shape[1]):
+            key |= (cell[:, k] >> np.uint64(bit) & np.uint64(1)) << np.uint64(bit * points.shape[1] + k)
+    return np.argsort(key, kind="stable")
