@@ -1202,28 +1202,43 @@ static int pbwc__cut_loop_out(pbwc__work *work, pbw_index v, size_t facet, pbw_i
     return 1;
 }
 
+/* Facets of a cut cell are named by their link or wall. */
+static pbw_index pbwc__name_of(const pbwc__work *work, pbw_index name)
+{
+    return name < work->links.count ? PBWC__LINKS(work)[name].vertex : name;
+}
+
+/* The facets of the cut cell, and its sums.  Where rounding has bent the surface, a plane may have several facets in a
+   row: one takes all their areas, with the loop of the largest. */
 static int pbwc__cut_facets(pbwc__work *work, pbw_index v, double *sum)
 {
     const pbwc__poly *poly = &work->cutter.poly;
     pbwc__array *numbers = &work->cutter.cap;        /* of corners; the cap is done */
     const pbw_index *name = PBWC__INDICES(poly->name);
-    size_t i;
+    const int dim = work->job->mesh->dim;
+    size_t i, next;
     memset(sum, 0, 4 * sizeof *sum);
     numbers->count = 0;
     if (pbwc__room(work->memory, numbers, poly->x.count + 1, sizeof(pbw_index)) == NULL) {
         return 0;
     }
     memset(numbers->data, 0xff, poly->x.count * sizeof(pbw_index));
-    for (i = 0; i < poly->start.count; i++) {
+    for (i = 0; i < poly->start.count; i = next) {
         const size_t begin = work->out->loops.count;
-        const double area = pbwc__sum_facet(poly, i, work->job->mesh->dim, sum);
-        const pbw_index neighbor = name[i] < work->links.count ? PBWC__LINKS(work)[name[i]].vertex : name[i];
+        double area = pbwc__sum_facet(poly, i, dim, sum), largest = area;
+        size_t best = i;
+        for (next = i + 1; dim == 3 && next < poly->start.count && name[next] == name[i]; next++) {
+            const double more = pbwc__sum_facet(poly, next, dim, sum);
+            best = more > largest ? next : best;
+            largest = more > largest ? more : largest;
+            area += more;
+        }
         if ((work->job->what & PBW_CELLS_FACETS) == 0) {
             continue;
         }
         if (((work->job->what & PBW_CELLS_SHAPES) != 0
-             && !pbwc__cut_loop_out(work, v, i, PBWC__INDICES(*numbers)))
-            || !pbwc__facet_done(work, neighbor, area, begin)) {
+             && !pbwc__cut_loop_out(work, v, best, PBWC__INDICES(*numbers)))
+            || !pbwc__facet_done(work, pbwc__name_of(work, name[i]), area, begin)) {
             return 0;
         }
     }

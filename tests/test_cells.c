@@ -1,0 +1,380 @@
+/* test_cells.c: Voronoi and power cells: whole, closed, symmetric, equal to cells cut by brute force, exact where points
+   are degenerate, the same bytes for every number of threads, and sound after every failure. */
+#define PBW_CELLS_IMPLEMENTATION
+#include "pbw_cells.h"
+#include "inputs.h"
+#include "meter.h"
+#include "test.h"
+#include "zoo.h"
+#include <math.h>
+
+#define ALL (PBW_CELLS_FACETS | PBW_CELLS_SHAPES)
+
+typedef struct sites { int dim; size_t count; double *x, *w; double box[6]; } sites;
+
+static void *take(size_t bytes)
+{
+    return zoo_grow(NULL, bytes + 1);
+}
+
+/* The bounds of the points and `margin` of their extent more. */
+static void bound(const sites *s, double margin, double *box)
+{
+    const size_t dim = (size_t)s->dim;
+    double extent = 0;
+    size_t i, k;
+    for (k = 0; k < dim; k++) {
+        box[k] = box[dim + k] = s->count > 0 ? s->x[k] : 0;
+        for (i = 0; i < s->count; i++) {
+            box[k] = fmin(box[k], s->x[i * dim + k]);
+            box[dim + k] = fmax(box[dim + k], s->x[i * dim + k]);
+        }
+        extent = fmax(extent, box[dim + k] - box[k]);
+    }
+    for (k = 0; k < dim; k++) {
+        const double more = margin * (box[dim + k] > box[k] ? box[dim + k] - box[k] : extent > 0 ? extent : 1);
+        box[k] -= more;
+        box[dim + k] += more;
+    }
+}
+
+static sites sites_make(int kind, int dim, size_t count, int weights)
+{
+    sites s;
+    s.dim = dim;
+    s.count = count;
+    s.x = (double *)take(count * (size_t)dim * sizeof(double));
+    s.w = weights != INPUT_WEIGHTS_ZERO ? (double *)take(count * sizeof(double)) : NULL;
+    input_fill(kind, dim, count, test_seed, s.x);
+    if (s.w != NULL) {
+        input_fill_weights(weights, dim, count, test_seed, s.x, s.w);
+    }
+    bound(&s, 0.05, s.box);
+    return s;
+}
+
+static void sites_free(sites *s)
+{
+    free(s->x);
+    free(s->w);
+}
+
+static double volume_of(int dim, const double *box)
+{
+    double volume = 1;
+    int k;
+    for (k = 0; k < dim; k++) {
+        volume *= box[dim + k] - box[k];
+    }
+    return volume;
+}
+
+static double sum_of(const pbw_cells *cells)
+{
+    double sum = 0, lost = 0;
+    size_t i;
+    for (i = 0; i < cells->cell_count; i++) {        /* Kahan's */
+        const double x = cells->volumes[i] - lost, next = sum + x;
+        lost = next - sum - x;
+        sum = next;
+    }
+    return sum;
+}
+
+/* The normal of a facet of cell i, outward, of length 1. */
+static void normal_of(const pbw_mesh *mesh, const pbw_domain *domain, size_t i, pbw_index neighbor, double *n)
+{
+    const size_t dim = (size_t)mesh->dim;
+    double length = 0;
+    size_t k;
+    for (k = 0; k < dim; k++) {
+        if (neighbor < mesh->point_count) {
+            n[k] = mesh->points[neighbor * dim + k] - mesh->points[i * dim + k];
+        } else if (PBW_NONE - 1 - neighbor < 2 * dim) {
+            const pbw_index wall = PBW_NONE - 1 - neighbor;
+            n[k] = wall / 2 != k ? 0 : wall % 2 != 0 ? 1 : -1;
+        } else {
+            n[k] = domain->planes[(PBW_NONE - 1 - neighbor - 2 * dim) * (dim + 1) + k];
+        }
+        length += n[k] * n[k];
+    }
+    for (k = 0; k < dim; k++) {
+        n[k] /= sqrt(length);
+    }
+}
+
+static double area_to(const pbw_cells *cells, size_t i, pbw_index j)
+{
+    double area = 0;
+    size_t f;
+    for (f = cells->first[i]; f < cells->first[i + 1]; f++) {
+        area += cells->neighbors[f] == j ? cells->areas[f] : 0;
+    }
+    return area;
+}
+
+/* Areas times normals add up to 0, and what i says of its facet with j, j says of its facet with i.  Returns the
+   largest fault, relative to the extent of the box. */
+static double faults_of(const pbw_mesh *mesh, const pbw_domain *domain, const pbw_cells *cells, double extent)
+{
+    const double unit = mesh->dim == 3 ? extent * extent : extent;
+    double worst = 0;
+    size_t i, f;
+    int k;
+    for (i = 0; i < cells->cell_count; i++) {
+        double sum[3] = { 0, 0, 0 }, n[3];
+        if (cells->volumes[i] >= HUGE_VAL) {
+            continue;
+        }
+        for (f = cells->first[i]; f < cells->first[i + 1]; f++) {
+            const pbw_index j = cells->neighbors[f];
+            normal_of(mesh, domain, i, j, n);
+            for (k = 0; k < mesh->dim; k++) {
+                sum[k] += cells->areas[f] * n[k];
+            }
+            if (j < mesh->point_count && cells->volumes[j] < HUGE_VAL) {
+                worst = fmax(worst, fabs(area_to(cells, j, (pbw_index)i) - cells->areas[f]) / unit);
+            }
+        }
+        for (k = 0; k < mesh->dim; k++) {
+            worst = fmax(worst, fabs(sum[k]) / unit);
+        }
+    }
+    return worst;
+}
+
+static double extent_of(const sites *s)
+{
+    double extent = 0;
+    int k;
+    for (k = 0; k < s->dim; k++) {
+        extent = fmax(extent, s->box[s->dim + k] - s->box[k]);
+    }
+    return extent;
+}
+
+static int equal(const void *a, const void *b, size_t bytes)
+{
+    return bytes == 0 || (a == NULL) != (b == NULL) ? a == b || bytes == 0 : memcmp(a, b, bytes) == 0;
+}
+
+static int same_volumes(const pbw_cells *a, const pbw_cells *b)
+{
+    const size_t n = a->cell_count;
+    return n == b->cell_count && equal(a->volumes, b->volumes, n * sizeof(double))
+           && equal(a->centroids, b->centroids, n * (size_t)a->dim * sizeof(double));
+}
+
+static int same_cells(const pbw_cells *a, const pbw_cells *b)
+{
+    const size_t dim = (size_t)a->dim, n = a->facet_count;
+    return same_volumes(a, b) && n == b->facet_count && a->vertex_count == b->vertex_count
+           && a->ray_count == b->ray_count && equal(a->first, b->first, (a->cell_count + 1) * sizeof(size_t))
+           && equal(a->neighbors, b->neighbors, n * sizeof(pbw_index)) && equal(a->areas, b->areas, n * sizeof(double))
+           && equal(a->vertices, b->vertices, a->vertex_count * dim * sizeof(double))
+           && equal(a->rays, b->rays, a->ray_count * dim * sizeof(double))
+           && (a->loops == NULL || (equal(a->loop_first, b->loop_first, (n + 1) * sizeof(size_t))
+                                    && equal(a->loops, b->loops, a->loop_first[n] * sizeof(pbw_index))))
+           && (a->shifts == NULL) == (b->shifts == NULL) && (a->shifts == NULL || equal(a->shifts, b->shifts, n * dim));
+}
+
+static pbw_options threads(int count)
+{
+    pbw_options options;
+    memset(&options, 0, sizeof options);
+    options.threads = count;
+    return options;
+}
+
+/* ---- the volumes of kinds of points */
+
+static void test_kinds(void)
+{
+    static const int weights[3] = { INPUT_WEIGHTS_ZERO, INPUT_WEIGHTS_HIDING, INPUT_WEIGHTS_HALF };
+    int dim, kind, w;
+    for (dim = 2; dim <= 3; dim++) {
+        for (kind = 0; kind < INPUT_KINDS; kind++) {
+            for (w = 0; w < 3; w++) {
+                if (kind != INPUT_MOMENT
+                    && test_begin("whole: %dD %s, weights %s", dim, input_name(kind), input_weights_name(weights[w]))) {
+                    sites s = sites_make(kind, dim, 3000, weights[w]);
+                    pbw_options options = threads(2);
+                    pbw_domain domain;
+                    pbw_mesh mesh;
+                    pbw_cells cells, plain;
+                    double sum, fault;
+                    memset(&domain, 0, sizeof domain);
+                    domain.box = s.box;
+                    CHECK_EQUAL(pbw_triangulate(dim, s.x, s.w, s.count, &options, &mesh), PBW_OK);
+                    CHECK_EQUAL(pbw_cells_of(&mesh, &domain, PBW_CELLS_FACETS, &options, &cells), PBW_OK);
+                    CHECK_EQUAL(pbw_cells_of(&mesh, &domain, 0, &options, &plain), PBW_OK);
+                    CHECK(same_volumes(&cells, &plain));
+                    sum = fabs(sum_of(&cells) / volume_of(dim, s.box) - 1);
+                    fault = faults_of(&mesh, &domain, &cells, extent_of(&s));
+                    if (!CHECK(sum < 1e-12) | !CHECK(fault < 1e-12)) {
+                        test_say("volumes %g, areas %g", sum, fault);
+                    }
+                    pbw_cells_free(&cells);
+                    pbw_cells_free(&plain);
+                    pbw_free(&mesh);
+                    sites_free(&s);
+                    test_end();
+                }
+            }
+        }
+    }
+}
+
+/* ---- brute force: each facet is a large square in its plane, cut by all other half-spaces (Sutherland, Hodgman) */
+
+enum { BRUTE_PLANES = 80 };
+typedef struct brute { int count; double plane[BRUTE_PLANES][4]; pbw_index name[BRUTE_PLANES]; } brute;
+
+static void brute_add(brute *b, double x, double y, double z, double c, pbw_index name)
+{
+    double *plane = b->plane[b->count];
+    plane[0] = x, plane[1] = y, plane[2] = z, plane[3] = c;
+    b->name[b->count++] = name;
+}
+
+static int brute_clip(double (*polygon)[3], int count, const double *plane)
+{
+    double next[BRUTE_PLANES + 8][3];
+    int i, k, made = 0;
+    for (i = 0; i < count; i++) {
+        const double *p = polygon[i], *q = polygon[(i + 1) % count];
+        const double a = plane[0] * p[0] + plane[1] * p[1] + plane[2] * p[2] - plane[3];
+        const double b = plane[0] * q[0] + plane[1] * q[1] + plane[2] * q[2] - plane[3];
+        for (k = 0; a <= 0 && k < 3; k++) {
+            next[made][k] = p[k];
+        }
+        made += a <= 0;
+        for (k = 0; (a <= 0) != (b <= 0) && k < 3; k++) {
+            next[made][k] = p[k] + a / (a - b) * (q[k] - p[k]);
+        }
+        made += (a <= 0) != (b <= 0);
+    }
+    memcpy(polygon, next, (size_t)made * sizeof *next);
+    return made;
+}
+
+/* The area of facet f; *cone: the volume of its cone over the origin. */
+static double brute_area(const brute *b, int f, double size, double *cone)
+{
+    const double *n = b->plane[f];
+    const double square = n[0] * n[0] + n[1] * n[1] + n[2] * n[2];
+    double polygon[BRUTE_PLANES + 8][3], u[3] = { 0, 0, 0 }, v[3], area[3] = { 0, 0, 0 }, length;
+    int i, k, count = 4, axis = fabs(n[0]) < fabs(n[1]) ? 0 : 1;
+    axis = fabs(n[2]) < fabs(n[axis]) ? 2 : axis;
+    u[axis] = 1;
+    for (k = 0; k < 3; k++) {
+        v[k] = n[(k + 1) % 3] * u[(k + 2) % 3] - n[(k + 2) % 3] * u[(k + 1) % 3];
+    }
+    for (k = 0; k < 3; k++) {
+        u[k] = v[(k + 1) % 3] * n[(k + 2) % 3] - v[(k + 2) % 3] * n[(k + 1) % 3];
+    }
+    length = sqrt(v[0] * v[0] + v[1] * v[1] + v[2] * v[2]);
+    for (i = 0; i < 4; i++) {
+        for (k = 0; k < 3; k++) {
+            polygon[i][k] = n[k] * n[3] / square + size / length * ((i == 0 || i == 3 ? 1 : -1) * u[k] / sqrt(square)
+                                                                    + (i < 2 ? 1 : -1) * v[k]);
+        }
+    }
+    for (i = 0; i < b->count && count > 0; i++) {
+        count = i == f ? count : brute_clip(polygon, count, b->plane[i]);
+    }
+    for (i = 1; i + 1 < count; i++) {
+        for (k = 0; k < 3; k++) {
+            const int l = (k + 1) % 3, m = (k + 2) % 3;
+            area[k] += (polygon[i][l] - polygon[0][l]) * (polygon[i + 1][m] - polygon[0][m])
+                       - (polygon[i][m] - polygon[0][m]) * (polygon[i + 1][l] - polygon[0][l]);
+        }
+    }
+    length = 0.5 * sqrt(area[0] * area[0] + area[1] * area[1] + area[2] * area[2]);
+    *cone = length * n[3] / sqrt(square) / 3;
+    return length;
+}
+
+/* All half-spaces of point i, relative to it; in the plane a slab of height 1. */
+static void brute_cell(const sites *s, const double *points, size_t i, brute *b)
+{
+    const size_t dim = (size_t)s->dim;
+    const double *p = points + i * dim;
+    size_t j, k;
+    b->count = 0;
+    for (k = 0; k < 3; k++) {
+        const double low = k < dim ? s->box[k] - p[k] : 0, high = k < dim ? s->box[dim + k] - p[k] : 1;
+        brute_add(b, -(k == 0), -(k == 1), -(k == 2), -low, (pbw_index)(PBW_NONE - 1 - 2 * k));
+        brute_add(b, k == 0, k == 1, k == 2, high, (pbw_index)(PBW_NONE - 2 - 2 * k));
+    }
+    for (j = 0; j < s->count; j++) {
+        double d[3] = { 0, 0, 0 }, square = 0;
+        for (k = 0; k < dim; k++) {
+            d[k] = points[j * dim + k] - p[k];
+            square += d[k] * d[k];
+        }
+        if (square > 0) {
+            brute_add(b, d[0], d[1], d[2], (square + (s->w != NULL ? s->w[i] - s->w[j] : 0)) / 2, (pbw_index)j);
+        }
+    }
+}
+
+static void test_brute(int dim, int kind, int weights, double margin)
+{
+    sites s = sites_make(kind, dim, 40, weights);
+    pbw_domain domain;
+    pbw_mesh mesh;
+    pbw_cells cells;
+    double unit, size;
+    size_t i;
+    memset(&domain, 0, sizeof domain);
+    bound(&s, margin, s.box);
+    domain.box = s.box;
+    size = 10 * extent_of(&s);
+    unit = dim == 3 ? size * size : size;
+    CHECK_EQUAL(pbw_triangulate(dim, s.x, s.w, s.count, NULL, &mesh), PBW_OK);
+    CHECK_EQUAL(pbw_cells_of(&mesh, &domain, PBW_CELLS_FACETS, NULL, &cells), PBW_OK);
+    for (i = 0; i < s.count && cells.first != NULL; i++) {
+        double volume = 0, cone;
+        brute b;
+        int f;
+        brute_cell(&s, mesh.points, i, &b);
+        for (f = 0; f < b.count; f++) {
+            const double area = brute_area(&b, f, size, &cone);
+            volume += cone;
+            CHECK((dim == 2 && b.name[f] >= PBW_NONE - 6 && b.name[f] <= PBW_NONE - 5)
+                  || fabs(area_to(&cells, i, b.name[f]) - area) < 1e-12 * unit);
+        }
+        CHECK(fabs(cells.volumes[i] - volume) < 1e-12 * unit * size);
+    }
+    pbw_cells_free(&cells);
+    pbw_free(&mesh);
+    sites_free(&s);
+}
+
+static void test_brutes(void)
+{
+    static const int weights[3] = { INPUT_WEIGHTS_ZERO, INPUT_WEIGHTS_HIDING, INPUT_WEIGHTS_HALF };
+    int dim, kind, w, tight;
+    for (dim = 2; dim <= 3; dim++) {
+        for (kind = 0; kind <= INPUT_LINES; kind++) {
+            for (w = 0; w < 3; w++) {
+                for (tight = 0; tight < 2; tight++) {
+                    if (test_begin("brute force: %dD %s, weights %s, %s", dim, input_name(kind),
+                                   input_weights_name(weights[w]), tight ? "box inside the points" : "box")) {
+                        test_brute(dim, kind, weights[w], tight ? -0.2 : 0.1);
+                        test_end();
+                    }
+                }
+            }
+        }
+    }
+}
+
+int main(int argc, char **argv)
+{
+    test_start(argc, argv, 0);
+    test_kinds();
+    test_brutes();
+    return test_finish();
+}
