@@ -652,7 +652,12 @@ static void pbwc__map_clear(pbwc__map *map)
     map->count = 0;
 }
 
-#define PBWC__CENTRES 4096                 /* centres that a range keeps, by the low bits of their simplex */
+#define PBWC__CENTRES 8192                 /* centres that a range keeps, by the low bits of their simplex */
+#define PBWC__CHUNK   8192                 /* simplices */
+
+/* The other corners of a simplex, so that it is positively oriented with the i-th before them. */
+static const unsigned char pbwc__other3[4][3] = { { 1, 2, 3 }, { 0, 3, 2 }, { 3, 0, 1 }, { 2, 1, 0 } };
+static const unsigned char pbwc__other2[3][3] = { { 1, 2, 0 }, { 2, 0, 0 }, { 0, 1, 0 } };
 
 typedef struct pbwc__range {               /* what a range of points gives, if asked */
     pbwc__array neighbors, areas, loop_counts, loops, vertices, rays;
@@ -666,7 +671,7 @@ typedef struct pbwc__work {                /* of one range */
     pbwc__map part_of, link_of;
     pbwc__cutter cutter;
     pbwc__centre *centres;
-    int open, inside;                      /* the star: at the hull; all centres in the domain */
+    int open;                              /* the star is at the hull */
 } pbwc__work;
 
 struct pbwc__job {
@@ -682,16 +687,28 @@ struct pbwc__job {
     pbw_cells *cells;
     double *volumes, *centroids;
     size_t *first;
+    pbwc__array states, shares;            /* per point: PBWC__OPEN and so on; per chunk of simplices: its shares */
 };
 
 #define PBWC__PARTS(work) ((pbwc__part *)(work)->parts.data)
 #define PBWC__LINKS(work) ((pbwc__link *)(work)->links.data)
 
-/* Centre of a simplex relative to its first corner; kept, as the other corners need it too. */
-static const pbwc__centre *pbwc__centre_kept(pbwc__work *work, pbw_index simplex)
+static int pbwc__centres_new(pbwc__memory *memory, pbwc__array *centres)
 {
-    pbwc__centre *centre = work->centres + simplex % PBWC__CENTRES;
-    const pbwc__job *job = work->job;
+    size_t i;
+    if (!pbwc__resize(memory, centres, PBWC__CENTRES * sizeof(pbwc__centre))) {
+        return 0;
+    }
+    for (i = 0; i < PBWC__CENTRES; i++) {
+        ((pbwc__centre *)centres->data)[i].simplex = PBW_NONE;
+    }
+    return 1;
+}
+
+/* Centre of a simplex relative to its first corner; kept, as the other corners need it too. */
+static const pbwc__centre *pbwc__centre_kept(const pbwc__job *job, pbwc__centre *centres, pbw_index simplex)
+{
+    pbwc__centre *centre = centres + simplex % PBWC__CENTRES;
     const size_t dim = (size_t)job->mesh->dim;
     if (centre->simplex != simplex) {
         const double *a = job->mesh->points + job->mesh->simplices[simplex * (dim + 1)] * dim;
@@ -752,15 +769,12 @@ static int pbwc__link_number(pbwc__work *work, pbw_index v, pbw_index vertex, in
 /* Gathers the star of v, breadth first from its first simplex.  Returns 0 if there is no memory. */
 static int pbwc__gather(pbwc__work *work, pbw_index v)
 {
-    static const unsigned char other3[4][3] = { { 1, 2, 3 }, { 0, 3, 2 }, { 3, 0, 1 }, { 2, 1, 0 } };
-    static const unsigned char other2[3][3] = { { 1, 2, 0 }, { 2, 0, 0 }, { 0, 1, 0 } };
     const pbw_mesh *mesh = work->job->mesh;
     const size_t dim = (size_t)mesh->dim;
     const double *site = mesh->points + v * dim;
     size_t i, j, k;
     work->parts.count = work->links.count = 0;
     work->open = 0;
-    work->inside = 1;
     pbwc__map_clear(&work->part_of);
     pbwc__map_clear(&work->link_of);
     if (pbwc__room(work->memory, &work->parts, 1, sizeof(pbwc__part)) == NULL
@@ -771,14 +785,13 @@ static int pbwc__gather(pbwc__work *work, pbw_index v)
     for (i = 0; i < work->parts.count; i++) {
         const pbw_index simplex = PBWC__PARTS(work)[i].simplex;
         const pbw_index *corner = mesh->simplices + simplex * (dim + 1), *beyond = mesh->neighbors + simplex * (dim + 1);
-        const pbwc__centre *centre = pbwc__centre_kept(work, simplex);
+        const pbwc__centre *centre = pbwc__centre_kept(work->job, work->centres, simplex);
         const double *a = mesh->points + corner[0] * dim;
         const unsigned char *other;
         pbwc__part *part;
         for (k = 0; corner[k] != v; k++) {
         }
-        other = dim == 3 ? other3[k] : other2[k];
-        work->inside &= centre->inside;
+        other = dim == 3 ? pbwc__other3[k] : pbwc__other2[k];
         for (k = 0; k < dim; k++) {
             PBWC__PARTS(work)[i].centre[k] = centre->x[k] + (a[k] - site[k]);
         }
@@ -810,9 +823,8 @@ static int pbwc__gather(pbwc__work *work, pbw_index v)
 }
 
 /* ------------------------------------------------------------------------------------------------------
-   Cells read off their stars.  Going counter-clockwise around link u, seen from u, the simplices' centres S T ... are
-   the corners of the facet towards u; twice its area vector is the sum of S x T, its cone over the site has the volume
-   foot d.(S x T) / 6, summed, and each part of it the centroid (foot d + S + T) / 4.
+   Facets read off stars.  Going counter-clockwise around link u, seen from u, the simplices' centres S T ... are the
+   corners of the facet towards u; twice its area vector is the sum of S x T.
    ------------------------------------------------------------------------------------------------------ */
 static void pbwc__cross(const double *s, const double *t, double *x)
 {
@@ -821,52 +833,27 @@ static void pbwc__cross(const double *s, const double *t, double *x)
     x[2] = s[0] * t[1] - s[1] * t[0];
 }
 
-/* Adds the cone over one side of a link's facet, of S x T with the sign. */
-static void pbwc__add_cone(pbwc__link *link, const double *across, const double *middle, double sign, double *sum)
-{
-    double w = 0;
-    int k;
-    for (k = 0; k < 3; k++) {
-        w += link->d[k] * across[k];
-        link->area[k] += sign * across[k];
-    }
-    w *= sign * link->foot;
-    sum[3] += w;
-    for (k = 0; k < 3; k++) {
-        sum[k] += w * (middle[k] + link->foot * link->d[k]);
-    }
-}
-
-/* sum: moments * 24 (in the plane 6), volume * 6 (2). */
-static void pbwc__sum_star(pbwc__work *work, double *sum)
+static void pbwc__add_areas(pbwc__work *work)
 {
     const pbwc__part *parts = PBWC__PARTS(work);
     pbwc__link *links = PBWC__LINKS(work);
     int i, j, k;
-    memset(sum, 0, 4 * sizeof *sum);
     for (i = 0; i < (int)work->parts.count; i++) {
         const pbwc__part *p = parts + i;
         for (j = 0; work->job->mesh->dim == 3 && j < 3; j++) {
-            double across[3], middle[3];
             if (p->beyond[j] > i) {                  /* the other way it is the other simplex's */
-                const pbwc__part *q = parts + p->beyond[j];
-                pbwc__cross(p->centre, q->centre, across);
+                double across[3];
+                pbwc__cross(p->centre, parts[p->beyond[j]].centre, across);
                 for (k = 0; k < 3; k++) {
-                    middle[k] = p->centre[k] + q->centre[k];
+                    links[p->link[(j + 2) % 3]].area[k] += across[k];
+                    links[p->link[(j + 1) % 3]].area[k] -= across[k];
                 }
-                pbwc__add_cone(links + p->link[(j + 2) % 3], across, middle, 1.0, sum);
-                pbwc__add_cone(links + p->link[(j + 1) % 3], across, middle, -1.0, sum);
             }
         }
         if (work->job->mesh->dim == 2 && p->beyond[0] >= 0) {
             const pbwc__part *q = parts + p->beyond[0];
-            pbwc__link *link = links + p->link[1];
-            const double w = p->centre[0] * q->centre[1] - p->centre[1] * q->centre[0];
-            link->area[0] = q->centre[1] - p->centre[1];
-            link->area[1] = p->centre[0] - q->centre[0];
-            sum[3] += w;
-            sum[0] += w * (p->centre[0] + q->centre[0]);
-            sum[1] += w * (p->centre[1] + q->centre[1]);
+            links[p->link[1]].area[0] = q->centre[1] - p->centre[1];
+            links[p->link[1]].area[1] = p->centre[0] - q->centre[0];
         }
     }
 }
@@ -1090,10 +1077,280 @@ static int pbwc__star_facets2(pbwc__work *work)
 }
 
 /* ------------------------------------------------------------------------------------------------------
+   Volumes and centroids of cells, from one pass over the facets of the mesh.  The facet a b c between simplices with
+   centres S and T gives to the cell of a, for its edge ab and likewise ac, the tetrahedron of a, the foot of the plane
+   between the cells on ab, S and T: 6 times its volume is foot (b - a).((S - a) x (T - a)), with a sign.  In the plane
+   the edge ab gives to a the triangle a S T.
+   Simplices are taken in chunks; a chunk adds up what it gives to each vertex.  A vertex all of whose simplices are
+   in one chunk is done; of the others (on facets between chunks) the chunks' shares are added in the chunks' order.
+   Holds: which sums are added, and in which order, depends on the mesh alone.
+   ------------------------------------------------------------------------------------------------------ */
+#define PBWC__OPEN   1                     /* state of a vertex: on the hull */
+#define PBWC__OUT    2                     /* some centre may be outside the domain */
+#define PBWC__BORDER 4                     /* in several chunks */
+
+typedef struct pbwc__share { double sum[4]; pbw_index vertex; int state; } pbwc__share;   /* moments, volume: scaled */
+
+typedef struct pbwc__adder {               /* of one chunk */
+    const pbwc__job *job;
+    pbwc__memory *memory;
+    pbwc__centre *centres;
+    pbwc__map number_of;
+    pbwc__array shares;
+} pbwc__adder;
+
+/* Ends the sums of a vertex: moments * 24 (in the plane 6), volume * 6 (2). */
+static void pbwc__set_cell(pbwc__job *job, pbw_index v, const double *sum)
+{
+    const size_t dim = (size_t)job->mesh->dim;
+    size_t k;
+    job->volumes[v] = sum[3] > 0 ? sum[3] / (dim == 3 ? 6 : 2) : 0;
+    for (k = 0; k < dim; k++) {
+        const double site = job->mesh->points[v * dim + k];
+        job->centroids[v * dim + k] = sum[3] > 0 ? site + sum[k] / (sum[3] * (dim == 3 ? 4 : 3)) : site;
+    }
+}
+
+/* Where the plane between the cells of a and b crosses the edge d from a to b, from 0 at a to 1 at b. */
+static double pbwc__foot(const double *weights, pbw_index a, pbw_index b, const double *d)
+{
+    return weights == NULL ? 0.5 : 0.5 + (weights[a] - weights[b]) / (2 * (d[0] * d[0] + d[1] * d[1] + d[2] * d[2]));
+}
+
+static void pbwc__give(double *sum, double volume, const double *middle, const double *site)
+{
+    int k;
+    for (k = 0; k < 3; k++) {
+        sum[k] += volume * (middle[k] - 3 * site[k]);
+    }
+    sum[3] += volume;
+}
+
+/* A facet in space; all relative to its corner a: edge[0] to b, edge[1] to c, the centres s and t.  With X = s x t the
+   determinants of the edges ab and ca are b.X and -c.X, that of bc is c.X - b.X + (t - s).(b x c). */
+static void pbwc__add_facet3(const double edge[2][3], const double *s, const double *t, const double *foot,
+                             double *const sum[3])
+{
+    static const double origin[3] = { 0, 0, 0 };
+    const double *b = edge[0], *c = edge[1];
+    double across[3], normal[3], middle[3], ab, bc, ca;
+    int k;
+    pbwc__cross(s, t, across);
+    pbwc__cross(b, c, normal);
+    ab = b[0] * across[0] + b[1] * across[1] + b[2] * across[2];
+    ca = -(c[0] * across[0] + c[1] * across[1] + c[2] * across[2]);
+    bc = (t[0] - s[0]) * normal[0] + (t[1] - s[1]) * normal[1] + (t[2] - s[2]) * normal[2] - ab - ca;
+    for (k = 0; k < 3; k++) {
+        middle[k] = foot[0] * b[k] + s[k] + t[k];
+    }
+    pbwc__give(sum[0], foot[0] * ab, middle, origin);
+    pbwc__give(sum[1], (1 - foot[0]) * ab, middle, b);
+    for (k = 0; k < 3; k++) {
+        middle[k] = b[k] + foot[1] * (c[k] - b[k]) + s[k] + t[k];
+    }
+    pbwc__give(sum[1], foot[1] * bc, middle, b);
+    pbwc__give(sum[2], (1 - foot[1]) * bc, middle, c);
+    for (k = 0; k < 3; k++) {
+        middle[k] = (1 - foot[2]) * c[k] + s[k] + t[k];
+    }
+    pbwc__give(sum[2], foot[2] * ca, middle, c);
+    pbwc__give(sum[0], (1 - foot[2]) * ca, middle, origin);
+}
+
+/* The same in the plane, for an edge ab. */
+static void pbwc__add_facet2(const double *b, const double *s, const double *t, double *const sum[3])
+{
+    const double u[2] = { s[0] - b[0], s[1] - b[1] }, v[2] = { t[0] - b[0], t[1] - b[1] };
+    const double at_a = t[0] * s[1] - t[1] * s[0], at_b = u[0] * v[1] - u[1] * v[0];
+    sum[0][0] += at_a * (s[0] + t[0]);
+    sum[0][1] += at_a * (s[1] + t[1]);
+    sum[0][3] += at_a;
+    sum[1][0] += at_b * (u[0] + v[0]);
+    sum[1][1] += at_b * (u[1] + v[1]);
+    sum[1][3] += at_b;
+}
+
+/* Facet j of a simplex, towards `next`; share: of the simplex's corners. */
+static void pbwc__add_facet(pbwc__adder *adder, pbw_index simplex, pbw_index next, const unsigned char *other,
+                            pbwc__share *const *share)
+{
+    const pbw_mesh *mesh = adder->job->mesh;
+    const size_t dim = (size_t)mesh->dim;
+    const pbw_index *corner = mesh->simplices + simplex * (dim + 1), *beyond = mesh->simplices + next * (dim + 1);
+    const double *x = mesh->points, *a = x + corner[other[0]] * dim;
+    const double *near = pbwc__centre_kept(adder->job, adder->centres, simplex)->x, *far;
+    double edge[3][3] = { { 0, 0, 0 }, { 0, 0, 0 }, { 0, 0, 0 } }, s[3] = { 0, 0, 0 }, t[3] = { 0, 0, 0 }, foot[3];
+    double *sum[3] = { NULL, NULL, NULL };
+    size_t i, k;
+    for (k = 0; k < dim; k++) {
+        s[k] = near[k] + (x[corner[0] * dim + k] - a[k]);
+        sum[k] = share[other[k]]->sum;
+    }
+    far = pbwc__centre_kept(adder->job, adder->centres, next)->x;
+    for (k = 0; k < dim; k++) {
+        t[k] = far[k] + (x[beyond[0] * dim + k] - a[k]);
+        for (i = 0; i + 1 < dim; i++) {
+            edge[i][k] = x[corner[other[i + 1]] * dim + k] - a[k];
+        }
+        edge[2][k] = edge[1][k] - edge[0][k];
+    }
+    if (dim == 2) {
+        pbwc__add_facet2(edge[0], s, t, sum);
+        return;
+    }
+    foot[0] = pbwc__foot(mesh->weights, corner[other[0]], corner[other[1]], edge[0]);
+    foot[1] = pbwc__foot(mesh->weights, corner[other[1]], corner[other[2]], edge[2]);
+    foot[2] = pbwc__foot(mesh->weights, corner[other[2]], corner[other[0]], edge[1]);
+    pbwc__add_facet3((const double (*)[3])edge, s, t, foot, sum);
+}
+
+/* What a simplex gives, and the states of its corners.  Returns 0 if there is no memory. */
+static int pbwc__add_simplex(pbwc__adder *adder, pbw_index simplex, size_t from, size_t to)
+{
+    const pbw_mesh *mesh = adder->job->mesh;
+    const size_t dim = (size_t)mesh->dim;
+    const pbw_index *corner = mesh->simplices + simplex * (dim + 1), *beyond = mesh->neighbors + simplex * (dim + 1);
+    const int out = pbwc__centre_kept(adder->job, adder->centres, simplex)->inside ? 0 : PBWC__OUT;
+    pbwc__share *share[4];
+    size_t i, k;
+    int number[4];
+    if (pbwc__room(adder->memory, &adder->shares, 4, sizeof(pbwc__share)) == NULL) {
+        return 0;
+    }
+    for (i = 0; i <= dim; i++) {
+        pbwc__share *fresh = (pbwc__share *)adder->shares.data + adder->shares.count;
+        number[i] = pbwc__number(adder->memory, &adder->number_of, corner[i], (int)adder->shares.count);
+        if (number[i] == (int)adder->shares.count) {
+            memset(fresh, 0, sizeof *fresh);
+            fresh->vertex = corner[i];
+            adder->shares.count++;
+        } else if (number[i] < 0) {
+            return 0;
+        }
+        share[i] = (pbwc__share *)adder->shares.data + number[i];
+        share[i]->state |= out;
+    }
+    for (i = 0; i <= dim; i++) {
+        const unsigned char *other = dim == 3 ? pbwc__other3[i] : pbwc__other2[i];
+        const int state = beyond[i] == PBW_NONE ? PBWC__OPEN : beyond[i] < from || beyond[i] >= to ? PBWC__BORDER : 0;
+        for (k = 0; state != 0 && k < dim; k++) {
+            share[other[k]]->state |= state;
+        }
+        if (beyond[i] != PBW_NONE && beyond[i] > simplex) {
+            pbwc__add_facet(adder, simplex, beyond[i], other, share);
+        }
+    }
+    return 1;
+}
+
+static pbw_status pbwc__add_chunk(void *arg, size_t from, size_t to)
+{
+    pbwc__job *job = (pbwc__job *)arg;
+    pbwc__array centres, *shares = (pbwc__array *)job->shares.data + from / PBWC__CHUNK;
+    pbwc__share *share;
+    pbwc__adder adder;
+    size_t i, left = 0;
+    int good;
+    memset(&adder, 0, sizeof adder);
+    memset(&centres, 0, sizeof centres);
+    adder.job = job;
+    adder.memory = &job->memory;
+    good = pbwc__centres_new(&job->memory, &centres);
+    adder.centres = (pbwc__centre *)centres.data;
+    adder.number_of.epoch = 1;
+    for (i = from; good && i < to; i++) {
+        good = pbwc__add_simplex(&adder, (pbw_index)i, from, to);
+    }
+    share = (pbwc__share *)adder.shares.data;
+    for (i = 0; good && i < adder.shares.count; i++) {
+        if ((share[i].state & PBWC__BORDER) != 0) {
+            share[left++] = share[i];
+        } else {
+            pbwc__set_cell(job, share[i].vertex, share[i].sum);
+            ((unsigned char *)job->states.data)[share[i].vertex] = (unsigned char)share[i].state;
+        }
+    }
+    pbwc__release(&job->memory, &centres);
+    pbwc__release(&job->memory, &adder.number_of.slots);
+    adder.shares.count = left;
+    *shares = adder.shares;
+    return good ? PBW_OK : PBW_ERROR_MEMORY;
+}
+
+/* Adds the shares of vertices from..to-1, in the order of the chunks. */
+static pbw_status pbwc__add_shares(void *arg, size_t from, size_t to)
+{
+    pbwc__job *job = (pbwc__job *)arg;
+    const size_t dim = (size_t)job->mesh->dim, chunks = job->shares.count;
+    unsigned char *state = (unsigned char *)job->states.data;
+    size_t c, i, k;
+    for (c = 0; c < chunks; c++) {
+        const pbwc__array *shares = (const pbwc__array *)job->shares.data + c;
+        const pbwc__share *share = (const pbwc__share *)shares->data;
+        for (i = 0; i < shares->count; i++, share++) {
+            const size_t v = share->vertex;
+            if (v >= from && v < to) {
+                for (k = 0; k < dim; k++) {
+                    job->centroids[v * dim + k] = share->sum[k] + (state[v] != 0 ? job->centroids[v * dim + k] : 0);
+                }
+                job->volumes[v] = share->sum[3] + (state[v] != 0 ? job->volumes[v] : 0);
+                state[v] = (unsigned char)(state[v] | share->state);
+            }
+        }
+    }
+    for (i = from; i < to; i++) {
+        if ((state[i] & PBWC__BORDER) != 0) {
+            double sum[4] = { 0, 0, 0, 0 };
+            for (k = 0; k < dim; k++) {
+                sum[k] = job->centroids[i * dim + k];
+            }
+            sum[3] = job->volumes[i];
+            pbwc__set_cell(job, (pbw_index)i, sum);
+            state[i] = (unsigned char)(state[i] & ~PBWC__BORDER);
+        }
+        if ((state[i] & PBWC__OPEN) != 0 && !job->bounded) {
+            memcpy(job->centroids + i * dim, job->mesh->points + i * dim, dim * sizeof(double));
+            job->volumes[i] = HUGE_VAL;
+        }
+    }
+    return PBW_OK;
+}
+
+/* All volumes and centroids but those of cells that must be cut; the states tell which. */
+static pbw_status pbwc__add_up(pbwc__job *job, const pbw_options *options)
+{
+    const size_t simplices = job->mesh->simplex_count, count = job->cells->cell_count;
+    const size_t chunks = (simplices + PBWC__CHUNK - 1) / PBWC__CHUNK, dim = (size_t)job->mesh->dim;
+    size_t i;
+    pbw_status status;
+    if (!pbwc__resize(&job->memory, &job->states, count + 1)
+        || !pbwc__resize(&job->memory, &job->shares, chunks * sizeof(pbwc__array) + 1)) {
+        return PBW_ERROR_MEMORY;
+    }
+    memset(job->states.data, 0, count + 1);
+    memset(job->shares.data, 0, chunks * sizeof(pbwc__array) + 1);
+    memset(job->volumes, 0, count * sizeof(double));
+    if (count > 0) {
+        memcpy(job->centroids, job->mesh->points, count * dim * sizeof(double));
+    }
+    job->shares.count = chunks;
+    status = pbw_for(options, simplices, PBWC__CHUNK, pbwc__add_chunk, job);
+    if (status == PBW_OK) {
+        status = pbw_for(options, count, count / 16 + 1, pbwc__add_shares, job);
+    }
+    for (i = 0; i < chunks; i++) {
+        pbwc__release(&job->memory, (pbwc__array *)job->shares.data + i);
+    }
+    pbwc__release(&job->memory, &job->shares);
+    return status;
+}
+
+/* ------------------------------------------------------------------------------------------------------
    Cells cut from the domain, for what the star cannot give: corners outside the domain, sites on the hull.
    ------------------------------------------------------------------------------------------------------ */
-/* The domain's polytope relative to the site, cut by the bisectors of all links.  Returns 0 if there is no memory. */
-static int pbwc__cut_cell(pbwc__work *work, pbw_index v)
+/* The domain's polytope relative to the site, cut by the bisectors of all links, or (merge) of those that have a facet
+   in the true diagram.  Returns 0 if there is no memory. */
+static int pbwc__cut_cell(pbwc__work *work, pbw_index v, int merge)
 {
     const pbwc__job *job = work->job;
     const size_t dim = (size_t)job->mesh->dim, corners = job->domain.x.count, facets = job->domain.start.count;
@@ -1132,7 +1389,7 @@ static int pbwc__cut_cell(pbwc__work *work, pbw_index v)
             square += link->d[k] * link->d[k];
         }
         plane[dim] = link->foot * square;
-        if (pbwc__is_facet(work, u) && !pbwc__cut(work->memory, &work->cutter, (int)dim, plane, (pbw_index)u)) {
+        if ((!merge || pbwc__is_facet(work, u)) && !pbwc__cut(work->memory, &work->cutter, (int)dim, plane, (pbw_index)u)) {
             return 0;
         }
     }
@@ -1208,16 +1465,16 @@ static pbw_index pbwc__name_of(const pbwc__work *work, pbw_index name)
     return name < work->links.count ? PBWC__LINKS(work)[name].vertex : name;
 }
 
-/* The facets of the cut cell, and its sums.  Where rounding has bent the surface, a plane may have several facets in a
-   row: one takes all their areas, with the loop of the largest. */
-static int pbwc__cut_facets(pbwc__work *work, pbw_index v, double *sum)
+/* The facets of the cut cell.  Where rounding has bent the surface, a plane may have several facets in a row: one takes
+   all their areas, with the loop of the largest. */
+static int pbwc__cut_facets(pbwc__work *work, pbw_index v)
 {
     const pbwc__poly *poly = &work->cutter.poly;
     pbwc__array *numbers = &work->cutter.cap;        /* of corners; the cap is done */
     const pbw_index *name = PBWC__INDICES(poly->name);
     const int dim = work->job->mesh->dim;
+    double sum[4] = { 0, 0, 0, 0 };
     size_t i, next;
-    memset(sum, 0, 4 * sizeof *sum);
     numbers->count = 0;
     if (pbwc__room(work->memory, numbers, poly->x.count + 1, sizeof(pbw_index)) == NULL) {
         return 0;
@@ -1232,9 +1489,6 @@ static int pbwc__cut_facets(pbwc__work *work, pbw_index v, double *sum)
             best = more > largest ? next : best;
             largest = more > largest ? more : largest;
             area += more;
-        }
-        if ((work->job->what & PBW_CELLS_FACETS) == 0) {
-            continue;
         }
         if (((work->job->what & PBW_CELLS_SHAPES) != 0
              && !pbwc__cut_loop_out(work, v, best, PBWC__INDICES(*numbers)))
@@ -1251,40 +1505,36 @@ static int pbwc__cut_facets(pbwc__work *work, pbw_index v, double *sum)
 static int pbwc__cell(pbwc__work *work, pbw_index v)
 {
     pbwc__job *job = work->job;
-    const size_t dim = (size_t)job->mesh->dim, before = work->out->neighbors.count;
-    double sum[4], *centroid = job->centroids + v * dim;
-    const int cut = job->bounded;
+    const size_t before = work->out->neighbors.count;
+    const int cut = ((unsigned char *)job->states.data)[v] != 0 && job->bounded;
+    double sum[4];
     size_t k;
-    job->volumes[v] = 0;
-    memcpy(centroid, job->mesh->points + v * dim, dim * sizeof(double));
-    if (job->mesh->incident[v] == PBW_NONE) {
+    if (job->mesh->incident[v] == PBW_NONE || (!cut && (job->what & PBW_CELLS_FACETS) == 0)) {
         return 1;
     }
     if (!pbwc__gather(work, v)) {
         return 0;
     }
-    if (cut && (work->open || !work->inside)) {
-        if (!pbwc__cut_cell(work, v) || !pbwc__cut_facets(work, v, sum)) {
+    if (cut) {
+        if (!pbwc__cut_cell(work, v, 0)) {
+            return 0;
+        }
+        memset(sum, 0, sizeof sum);
+        for (k = 0; k < work->cutter.poly.start.count; k++) {
+            (void)pbwc__sum_facet(&work->cutter.poly, k, job->mesh->dim, sum);
+        }
+        pbwc__set_cell(job, v, sum);
+        if ((job->what & PBW_CELLS_FACETS) != 0
+            && ((PBWC__INDICES(job->merged) != NULL && !pbwc__cut_cell(work, v, 1)) || !pbwc__cut_facets(work, v))) {
             return 0;
         }
     } else {
-        pbwc__sum_star(work, sum);
-        if ((job->what & PBW_CELLS_FACETS) != 0 && !(dim == 3 ? pbwc__star_facets3(work) : pbwc__star_facets2(work))) {
+        pbwc__add_areas(work);
+        if (!(job->mesh->dim == 3 ? pbwc__star_facets3(work) : pbwc__star_facets2(work))) {
             return 0;
         }
-        if (work->open) {
-            job->volumes[v] = HUGE_VAL;
-        }
     }
-    if (job->first != NULL) {
-        job->first[v + 1] = work->out->neighbors.count - before;
-    }
-    if (job->volumes[v] == 0 && sum[3] > 0) {
-        job->volumes[v] = sum[3] / (dim == 3 ? 6 : 2);
-        for (k = 0; k < dim; k++) {
-            centroid[k] += sum[k] / (sum[3] * (dim == 3 ? 4 : 3));
-        }
-    }
+    job->first[v + 1] = work->out->neighbors.count - before;
     return 1;
 }
 
@@ -1300,11 +1550,8 @@ static pbw_status pbwc__cells_range(void *arg, size_t from, size_t to)
     work.job = job;
     work.memory = &job->memory;
     work.out = (pbwc__range *)job->ranges.data + from / job->grain;
-    good = pbwc__resize(work.memory, &centres, PBWC__CENTRES * sizeof(pbwc__centre));
+    good = pbwc__centres_new(work.memory, &centres);
     work.centres = (pbwc__centre *)centres.data;
-    for (v = 0; good && v < PBWC__CENTRES; v++) {
-        work.centres[v].simplex = PBW_NONE;
-    }
     for (v = from; good && v < to; v++) {
         good = pbwc__cell(&work, (pbw_index)v);
     }
@@ -1733,6 +1980,9 @@ static pbw_status pbwc__compute(pbwc__job *job, const pbw_domain *domain, const 
         status = pbwc__merge(job, options);
     }
     if (status == PBW_OK) {
+        status = pbwc__add_up(job, options);
+    }
+    if (status == PBW_OK && (job->bounded || (job->what & PBW_CELLS_FACETS) != 0)) {
         status = pbw_for(options, count, job->grain, pbwc__cells_range, job);
     }
     if (status == PBW_OK && (job->what & PBW_CELLS_FACETS) != 0) {
@@ -1790,6 +2040,7 @@ PBWCELLSDEF pbw_status pbw_cells_of(const pbw_mesh *mesh, const pbw_domain *doma
     pbwc__release(&job.memory, &job.planes);
     pbwc__release(&job.memory, &job.merged);
     pbwc__release(&job.memory, &job.ranges);
+    pbwc__release(&job.memory, &job.states);
     ((pbwc__owned *)cells->memory)->memory = job.memory;
     if (status != PBW_OK) {
         pbw_cells_free(cells);
