@@ -438,25 +438,27 @@ static int pbwc__cut_loop(pbwc__memory *memory, pbwc__cutter *cutter, size_t fac
     const double *side = PBWC__DOUBLES(cutter->side);
     const size_t begin = PBWC__INDICES(cutter->poly.start)[facet], end = pbwc__loop_end(&cutter->poly, facet);
     const size_t old = cutter->side.count, from = cutter->next.loop.count;
+    const pbw_index *loop = PBWC__INDICES(cutter->poly.loop);
     pbw_index left = PBW_NONE, first = PBW_NONE;
-    size_t i;
+    pbw_index *out = (pbw_index *)pbwc__room(memory, &cutter->next.loop, 2 * (end - begin), sizeof(pbw_index));
+    size_t i, count = 0;
+    if (out == NULL || !pbwc__open_facet(memory, &cutter->next, PBWC__INDICES(cutter->poly.name)[facet])) {
+        return 0;
+    }
     for (i = begin; i < end; i++) {
-        const pbw_index *loop = PBWC__INDICES(cutter->poly.loop);
         const pbw_index a = loop[i], b = loop[i + 1 < end ? i + 1 : begin];
         pbw_index cut;
-        if (i == begin && !pbwc__open_facet(memory, &cutter->next, PBWC__INDICES(cutter->poly.name)[facet])) {
-            return 0;
-        }
-        if (!(side[a] > 0) && !pbwc__push(memory, &cutter->next.loop, a)) {
-            return 0;
+        if (!(side[a] > 0)) {
+            out[count++] = a;
         }
         if ((side[a] > 0) == (side[b] > 0)) {
             continue;
         }
         cut = pbwc__cut_edge(memory, cutter, a, b);
-        if (cut == PBW_NONE || !pbwc__push(memory, &cutter->next.loop, cut)) {
+        if (cut == PBW_NONE) {
             return 0;
         }
+        out[count++] = cut;
         while (cutter->cap.count + old < cutter->poly.x.count) {
             if (!pbwc__push(memory, &cutter->cap, PBW_NONE)) {
                 return 0;
@@ -473,7 +475,8 @@ static int pbwc__cut_loop(pbwc__memory *memory, pbwc__cutter *cutter, size_t fac
     if (first != PBW_NONE) {
         PBWC__INDICES(cutter->cap)[first - old] = left;
     }
-    if (cutter->next.loop.count - from < 3) {        /* nothing left, or an edge */
+    cutter->next.loop.count += count;
+    if (count < 3) {                                 /* nothing left, or an edge */
         cutter->next.loop.count = from;
         cutter->next.start.count--;
         cutter->next.name.count--;
@@ -679,7 +682,8 @@ struct pbwc__job {
     pbwc__memory memory;
     unsigned what;
     int bounded;
-    pbwc__array planes;                    /* of the domain: normal and offset */
+    double low[3], high[3], slack[3];      /* of the box, else infinite; slack: for its rounding */
+    const double *planes;                  /* of the domain: normal and offset */
     size_t plane_count;
     pbwc__poly domain;
     pbwc__array merged, ranges;            /* per simplex: the first whose centre is the same place */
@@ -705,6 +709,26 @@ static int pbwc__centres_new(pbwc__memory *memory, pbwc__array *centres)
     return 1;
 }
 
+/* Is a + x in all half-spaces of the domain, for certain?  radius: sum of |x|. */
+static int pbwc__in_planes(const pbwc__job *job, const double *a, const double *x, double radius)
+{
+    const size_t dim = (size_t)job->mesh->dim;
+    const double *plane = job->planes;
+    int inside = 1;
+    size_t i, k;
+    for (i = 0; i < job->plane_count; i++, plane += dim + 1) {
+        double beyond = -plane[dim], size = fabs(plane[dim]), normal = 0;
+        for (k = 0; k < dim; k++) {
+            const double at = plane[k] * a[k];
+            beyond += at + plane[k] * x[k];
+            size += fabs(at);
+            normal += fabs(plane[k]);
+        }
+        inside &= beyond < -1e-12 * (normal * radius) - 1e-14 * size;
+    }
+    return inside;
+}
+
 /* Centre of a simplex relative to its first corner; kept, as the other corners need it too. */
 static const pbwc__centre *pbwc__centre_kept(const pbwc__job *job, pbwc__centre *centres, pbw_index simplex)
 {
@@ -712,24 +736,20 @@ static const pbwc__centre *pbwc__centre_kept(const pbwc__job *job, pbwc__centre 
     const size_t dim = (size_t)job->mesh->dim;
     if (centre->simplex != simplex) {
         const double *a = job->mesh->points + job->mesh->simplices[simplex * (dim + 1)] * dim;
-        const double *plane = PBWC__DOUBLES(job->planes);
         double radius = 0;
-        size_t i, k;
+        size_t k;
         centre->simplex = simplex;
         pbwc__centre_of(job->mesh, simplex, centre->x);
         for (k = 0; k < dim; k++) {
             radius += fabs(centre->x[k]);
         }
         centre->inside = 1;
-        for (i = 0; i < job->plane_count; i++, plane += dim + 1) {
-            double far_out = -plane[dim], size = fabs(plane[dim]), normal = 0;
-            for (k = 0; k < dim; k++) {
-                const double at = plane[k] * a[k];
-                far_out += at + plane[k] * centre->x[k];
-                size += fabs(at);
-                normal += fabs(plane[k]);
-            }
-            centre->inside &= far_out < -1e-12 * (normal * radius) - 1e-14 * size;       /* if in doubt, cut */
+        for (k = 0; k < dim; k++) {                  /* if in doubt, cut */
+            const double at = a[k] + centre->x[k], slack = 1e-12 * radius + job->slack[k];
+            centre->inside &= at - job->low[k] > slack && job->high[k] - at > slack;
+        }
+        if (job->plane_count > 0) {
+            centre->inside &= pbwc__in_planes(job, a, centre->x, radius);
         }
     }
     return centre;
@@ -1740,7 +1760,7 @@ static int pbwc__is_tied(const pbw_mesh *mesh, size_t simplex, size_t facet)
     const size_t dim = (size_t)mesh->dim, corners = dim + 1;
     const pbw_index *v = mesh->simplices + simplex * corners;
     const size_t beyond = mesh->neighbors[simplex * corners + facet];
-    const double *x[5];
+    const double *x[5] = { NULL, NULL, NULL, NULL, NULL };
     double w[5];
     size_t i, j = 0;
     while (mesh->neighbors[beyond * corners + j] != simplex) {
@@ -1822,23 +1842,6 @@ static pbw_status pbwc__merge(pbwc__job *job, const pbw_options *options)
 /* ------------------------------------------------------------------------------------------------------
    The domain as a polytope and as planes.
    ------------------------------------------------------------------------------------------------------ */
-static int pbwc__add_plane(pbwc__job *job, const double *normal, double sign, double offset)
-{
-    const size_t dim = (size_t)job->mesh->dim;
-    double *plane = (double *)pbwc__room(&job->memory, &job->planes, dim + 1, sizeof(double));
-    size_t k;
-    if (plane == NULL) {
-        return 0;
-    }
-    for (k = 0; k < dim; k++) {
-        plane[k] = sign * normal[k];
-    }
-    plane[dim] = offset;
-    job->planes.count += dim + 1;
-    job->plane_count++;
-    return 1;
-}
-
 /* The box cut by all planes.  Returns PBW_ERROR_ARGUMENT if nothing is left. */
 static pbw_status pbwc__cut_domain(pbwc__job *job, const pbw_domain *domain, const double *low, const double *high)
 {
@@ -1913,25 +1916,27 @@ static pbw_status pbwc__bound_planes(pbwc__job *job, const pbw_domain *domain, d
 static pbw_status pbwc__prepare_domain(pbwc__job *job, const pbw_domain *domain)
 {
     const size_t dim = (size_t)job->mesh->dim;
-    double low[3], high[3], axis[3];
+    double low[3], high[3];
     size_t i, k;
     pbw_status status = PBW_OK;
+    for (k = 0; k < 3; k++) {
+        job->low[k] = -HUGE_VAL;
+        job->high[k] = HUGE_VAL;
+    }
     if (domain == NULL || (domain->box == NULL && domain->plane_count == 0)) {
         return PBW_OK;
     }
     job->bounded = 1;
     for (k = 0; k < dim && domain->box != NULL; k++) {
-        low[k] = domain->box[k];
-        high[k] = domain->box[dim + k];
+        job->low[k] = low[k] = domain->box[k];
+        job->high[k] = high[k] = domain->box[dim + k];
+        job->slack[k] = 1e-14 * (fabs(low[k]) + fabs(high[k]));
         if (!(low[k] < high[k]) || !(high[k] - low[k] < HUGE_VAL)) {
             return PBW_ERROR_ARGUMENT;
         }
-        memset(axis, 0, sizeof axis);
-        axis[k] = 1;
-        if (!pbwc__add_plane(job, axis, -1.0, -low[k]) || !pbwc__add_plane(job, axis, 1.0, high[k])) {
-            return PBW_ERROR_MEMORY;
-        }
     }
+    job->planes = domain->planes;
+    job->plane_count = domain->plane_count;
     for (i = 0; i < domain->plane_count; i++) {
         const double *plane = domain->planes + i * (dim + 1);
         double normal = 0;
@@ -1940,9 +1945,6 @@ static pbw_status pbwc__prepare_domain(pbwc__job *job, const pbw_domain *domain)
         }
         if (!(normal > 0) || !(normal < HUGE_VAL) || !(fabs(plane[dim]) < HUGE_VAL)) {
             return PBW_ERROR_ARGUMENT;
-        }
-        if (!pbwc__add_plane(job, plane, 1.0, plane[dim])) {
-            return PBW_ERROR_MEMORY;
         }
     }
     if (domain->box == NULL) {
@@ -2037,7 +2039,6 @@ PBWCELLSDEF pbw_status pbw_cells_of(const pbw_mesh *mesh, const pbw_domain *doma
         cells->first = NULL;
     }
     pbwc__poly_release(&job.memory, &job.domain);
-    pbwc__release(&job.memory, &job.planes);
     pbwc__release(&job.memory, &job.merged);
     pbwc__release(&job.memory, &job.ranges);
     pbwc__release(&job.memory, &job.states);
