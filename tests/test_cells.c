@@ -143,6 +143,16 @@ static double faults_of(const pbw_mesh *mesh, const pbw_domain *domain, const pb
     return worst;
 }
 
+static double thinnest_of(const sites *s)
+{
+    double extent = HUGE_VAL;
+    int k;
+    for (k = 0; k < s->dim; k++) {
+        extent = fmin(extent, s->box[s->dim + k] - s->box[k]);
+    }
+    return extent;
+}
+
 static double extent_of(const sites *s)
 {
     double extent = 0;
@@ -371,10 +381,260 @@ static void test_brutes(void)
     }
 }
 
+/* ---- the true diagram of lattices */
+
+/* Points of an n^3 block of the lattice with the offsets (in halves) in each unit cube, times 2. */
+static sites lattice(int dim, int n, const signed char (*offset)[3], int offsets)
+{
+    sites s;
+    int i, j, k, m;
+    memset(&s, 0, sizeof s);
+    s.dim = dim;
+    s.x = (double *)take((size_t)n * (size_t)n * (size_t)n * (size_t)offsets * 3 * sizeof(double));
+    for (i = 0; i < n; i++) {
+        for (j = 0; j < n; j++) {
+            for (k = 0; k < (dim == 3 ? n : 1); k++) {
+                for (m = 0; m < offsets; m++) {
+                    double *p = s.x + s.count++ * (size_t)dim;
+                    p[0] = 2 * i + offset[m][0];
+                    p[1] = 2 * j + offset[m][1];
+                    p[dim - 1] = dim == 3 ? 2 * k + offset[m][2] : p[1];
+                }
+            }
+        }
+    }
+    bound(&s, 0.05, s.box);
+    return s;
+}
+
+static void test_lattice(const char *name, int dim, const signed char (*offset)[3], int offsets, const int *expected)
+{
+    if (test_begin("lattice: %dD %s", dim, name)) {
+        sites s = lattice(dim, 6, offset, offsets);
+        pbw_mesh mesh;
+        pbw_cells cells;
+        size_t i, f, l, m, inner = 0;
+        CHECK_EQUAL(pbw_triangulate(dim, s.x, NULL, s.count, NULL, &mesh), PBW_OK);
+        CHECK_EQUAL(pbw_cells_of(&mesh, NULL, ALL | PBW_CELLS_MERGE, NULL, &cells), PBW_OK);
+        for (i = 0; i < s.count; i++) {
+            pbw_index corner[64];
+            size_t corners = 0;
+            int k, inside = 1;
+            for (k = 0; k < dim; k++) {
+                inside &= s.x[i * (size_t)dim + (size_t)k] >= 4 && s.x[i * (size_t)dim + (size_t)k] <= 7;
+            }
+            if (!inside) {
+                continue;
+            }
+            inner++;
+            for (f = cells.first[i]; f < cells.first[i + 1]; f++) {
+                for (l = cells.loop_first[f]; l < cells.loop_first[f + 1]; l++) {
+                    for (m = 0; m < corners && corner[m] != cells.loops[l]; m++) {
+                    }
+                    corner[m] = cells.loops[l];
+                    corners += m == corners && corners < 63;
+                }
+                CHECK(cells.areas[f] > 0);
+            }
+            CHECK_EQUAL(cells.first[i + 1] - cells.first[i], expected[0]);
+            CHECK_EQUAL(corners, expected[1]);
+            CHECK(fabs(cells.volumes[i] - (dim == 3 ? 8.0 : 4.0) / offsets) < 1e-13);
+        }
+        CHECK(inner > 0);
+        pbw_cells_free(&cells);
+        pbw_free(&mesh);
+        sites_free(&s);
+        test_end();
+    }
+}
+
+static void test_lattices(void)
+{
+    static const signed char sc[1][3] = { { 0, 0, 0 } }, bcc[2][3] = { { 0, 0, 0 }, { 1, 1, 1 } };
+    static const signed char fcc[4][3] = { { 0, 0, 0 }, { 1, 1, 0 }, { 1, 0, 1 }, { 0, 1, 1 } };
+    static const int square[2] = { 4, 4 }, cube[2] = { 6, 8 }, truncated[2] = { 14, 24 }, rhombic[2] = { 12, 14 };
+    test_lattice("square", 2, sc, 1, square);
+    test_lattice("cubic", 3, sc, 1, cube);
+    test_lattice("body-centred", 3, bcc, 2, truncated);
+    test_lattice("face-centred", 3, fcc, 4, rhombic);
+}
+
+/* ---- the zoo: each input with a box around it */
+
+static void test_zoo(void)
+{
+    zoo animals;
+    size_t i;
+    zoo_fill(&animals);
+    for (i = 0; i < animals.count; i++) {
+        const zoo_input *in = animals.items + i;
+        sites s;
+        memset(&s, 0, sizeof s);
+        s.dim = in->dim, s.count = in->count, s.x = in->points, s.w = in->weights;
+        if (in->finite && in->count <= 3000 && test_begin("zoo: %s", in->name)) {
+            pbw_domain domain;
+            pbw_mesh mesh;
+            pbw_cells cells, plain;
+            pbw_status status, expected;
+            memset(&domain, 0, sizeof domain);
+            bound(&s, 0.05, s.box);
+            domain.box = s.box;
+            expected = pbw_triangulate(s.dim, s.x, s.w, s.count, NULL, &mesh);
+            status = pbw_cells_of(&mesh, &domain, ALL, NULL, &cells);
+            CHECK(status == expected || (status == PBW_ERROR_ARGUMENT && !(thinnest_of(&s) > 0 && extent_of(&s) < 1e300)));
+            if (status == PBW_OK) {
+                const double extent = extent_of(&s), sum = fabs(sum_of(&cells) / volume_of(s.dim, s.box) - 1);
+                double largest = 0;
+                size_t k;
+                for (k = 0; k < s.count * (size_t)s.dim; k++) {
+                    largest = fmax(largest, fabs(s.x[k]));
+                }
+                for (k = 0; k < s.count && s.w != NULL; k++) {
+                    largest = fmax(largest, sqrt(fabs(s.w[k])));
+                }
+                if (extent < 1e90 && extent > 1e-90 && largest < 1e4 * thinnest_of(&s)
+                    && !CHECK(sum < 1e-11)) {        /* else volumes over- or underflow, or the input's ulps are cells */
+                    test_say("volumes %g", sum);
+                }
+                CHECK_EQUAL(pbw_cells_of(&mesh, &domain, 0, NULL, &plain), PBW_OK);
+                CHECK(same_volumes(&cells, &plain));
+                pbw_cells_free(&plain);
+                CHECK_EQUAL(pbw_cells_of(&mesh, NULL, ALL | PBW_CELLS_MERGE, NULL, &plain), PBW_OK);
+                pbw_cells_free(&plain);
+            }
+            pbw_cells_free(&cells);
+            pbw_free(&mesh);
+            test_end();
+        }
+    }
+    zoo_free(&animals);
+}
+
+/* ---- periodic boxes */
+
+/* The sum of volumes, Gauss, and each facet seen from the other side with the opposite shift.  Returns the worst. */
+static double periodic_faults(const pbw_cells *cells, const double *box)
+{
+    const size_t dim = (size_t)cells->dim;
+    const double unit = pow(volume_of(cells->dim, box), (cells->dim - 1.0) / cells->dim);
+    double worst = 10 * fabs(sum_of(cells) / volume_of(cells->dim, box) - 1);
+    size_t i, f, g, k;
+    for (i = 0; i < cells->cell_count; i++) {
+        for (f = cells->first[i]; f < cells->first[i + 1]; f++) {
+            const pbw_index j = cells->neighbors[f];
+            double back = 0;
+            if (j >= cells->cell_count) {
+                continue;                            /* a wall */
+            }
+            for (g = cells->first[j]; g < cells->first[j + 1]; g++) {
+                int opposite = cells->neighbors[g] == i;
+                for (k = 0; k < dim; k++) {
+                    opposite &= cells->shifts[g * dim + k] == -cells->shifts[f * dim + k];
+                }
+                back += opposite ? cells->areas[g] : 0;
+            }
+            worst = fmax(worst, fabs(back - cells->areas[f]) / unit);
+        }
+    }
+    return worst;
+}
+
+static void test_periodic(int dim, size_t count, int kind, int weights, unsigned axes)
+{
+    if (test_begin("periodic: %dD, %d %s, weights %s, axes %u", dim, (int)count, input_name(kind),
+                   input_weights_name(weights), axes)) {
+        sites s = sites_make(kind, dim, count, weights);
+        pbw_options one = threads(1), four = threads(4);
+        pbw_domain domain;
+        pbw_cells cells, again;
+        double worst;
+        memset(&domain, 0, sizeof domain);
+        domain.box = s.box;
+        domain.periodic = axes;
+        CHECK_EQUAL(pbw_cells_periodic(dim, s.x, s.w, count, &domain, ALL, &one, &cells), PBW_OK);
+        CHECK_EQUAL(pbw_cells_periodic(dim, s.x, s.w, count, &domain, ALL, &four, &again), PBW_OK);
+        CHECK(same_cells(&cells, &again));
+        worst = cells.first != NULL ? periodic_faults(&cells, s.box) : 1;
+        if (!CHECK(worst < 1e-11)) {
+            test_say("%g", worst);
+        }
+        pbw_cells_free(&cells);
+        pbw_cells_free(&again);
+        sites_free(&s);
+        test_end();
+    }
+}
+
+/* Points all moved by one vector of multiples of the unit: the same neighbours and volumes. */
+static void test_moved(int dim, int kind, size_t count)
+{
+    if (test_begin("periodic: %dD, %d %s, moved", dim, (int)count, input_name(kind))) {
+        const double box[6] = { 0, 0, dim == 3 ? 0.0 : 8, 8, 8, 8 }, move[3] = { 2.375, -5.5, 1.0 / 1024 };
+        const size_t size = (size_t)dim;
+        sites s = sites_make(kind, dim, count, INPUT_WEIGHTS_ZERO);
+        pbw_domain domain;
+        pbw_cells a, b;
+        size_t i, j, differ = 0;
+        memset(&domain, 0, sizeof domain);
+        domain.box = box;
+        domain.periodic = dim == 3 ? 7 : 3;
+        for (i = 0; i < count * size; i++) {
+            s.x[i] = kind == INPUT_LATTICE ? s.x[i] : floor(s.x[i] * 8192) / 1024;
+        }
+        CHECK_EQUAL(pbw_cells_periodic(dim, s.x, NULL, count, &domain, PBW_CELLS_FACETS, NULL, &a), PBW_OK);
+        for (i = 0; i < count * size; i++) {
+            s.x[i] += move[i % size];
+        }
+        CHECK_EQUAL(pbw_cells_periodic(dim, s.x, NULL, count, &domain, PBW_CELLS_FACETS, NULL, &b), PBW_OK);
+        CHECK_EQUAL(a.facet_count, b.facet_count);
+        for (i = 0; i < count; i++) {
+            CHECK(fabs(a.volumes[i] - b.volumes[i]) < 1e-12 * volume_of(dim, box));
+            for (j = 0; j < count; j++) {
+                differ += fabs(area_to(&a, i, (pbw_index)j) - area_to(&b, i, (pbw_index)j)) > 1e-11;
+            }
+            if (kind == INPUT_LATTICE) {             /* 8 per axis */
+                CHECK(fabs(a.volumes[i] - 1) < 1e-13);
+            }
+        }
+        CHECK_EQUAL(differ, 0);
+        pbw_cells_free(&a);
+        pbw_cells_free(&b);
+        sites_free(&s);
+        test_end();
+    }
+}
+
+static void test_periodics(void)
+{
+    static const size_t counts[7] = { 1, 2, 3, 10, 60, 500, 3000 };
+    static const int weights[3] = { INPUT_WEIGHTS_ZERO, INPUT_WEIGHTS_HIDING, INPUT_WEIGHTS_HALF };
+    unsigned axes;
+    int dim, i, w;
+    for (dim = 2; dim <= 3; dim++) {
+        for (i = 0; i < 7; i++) {
+            for (axes = 1; axes < 1u << dim; axes++) {
+                for (w = 0; w < 3; w++) {
+                    test_periodic(dim, counts[i], INPUT_UNIFORM, weights[w], axes);
+                }
+            }
+        }
+        test_periodic(dim, 2000, INPUT_CLUSTERS, INPUT_WEIGHTS_ZERO, (1u << dim) - 1);
+        test_periodic(dim, 2000, INPUT_CLUSTERS, INPUT_WEIGHTS_HIDING, 1);
+        test_periodic(dim, 1000, INPUT_LINES, INPUT_WEIGHTS_ZERO, (1u << dim) - 1);
+        test_periodic(dim, 512, INPUT_LATTICE, INPUT_WEIGHTS_ZERO, (1u << dim) - 1);
+        test_periodic(dim, 1000, INPUT_SPHERE, INPUT_WEIGHTS_ZERO, (1u << dim) - 1);
+        test_moved(dim, INPUT_UNIFORM, 300);
+        test_moved(dim, INPUT_LATTICE, dim == 3 ? 512 : 64);
+    }
+}
+
 int main(int argc, char **argv)
 {
     test_start(argc, argv, 0);
     test_kinds();
     test_brutes();
+    test_lattices();
+    test_zoo();
+    test_periodics();
     return test_finish();
 }

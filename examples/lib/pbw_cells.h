@@ -86,6 +86,14 @@ typedef struct pbw_cells {                 /* start from {0}; read, do not write
    PBW_ERROR_ARGUMENT also for a domain that is unbounded or empty, or periodic; cells is then left empty. */
 PBWCELLSDEF pbw_status pbw_cells_of(const pbw_mesh *mesh, const pbw_domain *domain, unsigned what,
                                     const pbw_options *options, pbw_cells *cells);
+/* The cells of points in a box that repeats along the axes of domain->periodic; along the others the box is a wall.
+   First moves points into the box, and along periodic axes rounds coordinates and the box's size to multiples of some
+   2^-48 of it (very long boxes: coarser), so that copies are exact translates.  Returns PBW_OK for any number of
+   points from 1, and PBW_ERROR_ARGUMENT without a box, with planes, and where weights differ by so much that copies
+   are not exact.  A point may be its own neighbour, or one point's twice, with different shifts. */
+PBWCELLSDEF pbw_status pbw_cells_periodic(int dim, const double *points, const double *weights, size_t count,
+                                          const pbw_domain *domain, unsigned what, const pbw_options *options,
+                                          pbw_cells *cells);
 PBWCELLSDEF void pbw_cells_free(pbw_cells *cells);           /* fine on {0}, fine twice */
 
 #ifdef __cplusplus
@@ -102,7 +110,11 @@ PBWCELLSDEF void pbw_cells_free(pbw_cells *cells);           /* fine on {0}, fin
 
 #if defined(__GNUC__)
 #define PBWC__ADD(x, y) __atomic_add_fetch(x, y, __ATOMIC_RELAXED)
+#define PBWC__READ(x) __atomic_load_n(x, __ATOMIC_RELAXED)
+#define PBWC__WRITE(x, y) __atomic_store_n(x, y, __ATOMIC_RELAXED)
 #else
+#define PBWC__READ(x) (*(x))
+#define PBWC__WRITE(x, y) (*(x) = (y))
 #define PBWC__ADD(x, y) (*(x) += (y))      /* such a pbw.h has one thread */
 #endif
 
@@ -221,8 +233,9 @@ static pbwc__dd pbwc__dd_minor(pbwc__dd a, pbwc__dd b, pbwc__dd c, pbwc__dd d)  
     return pbwc__dd_add(pbwc__dd_times(a, d), pbwc__dd_minus(pbwc__dd_times(b, c)));
 }
 
-/* row[i]: corner i + 1 relative to corner 0; height[i]: B2, C2, D2. */
-static void pbwc__centre_slow(int dim, const pbwc__dd row[3][3], const pbwc__dd *height, double least, double *centre)
+/* row[i]: corner i + 1 relative to corner 0; height[i]: B2, C2, D2.  Returns 0 where pairs do not do: the simplex is
+   flat to 14 digits. */
+static int pbwc__centre_slow(int dim, const pbwc__dd row[3][3], const pbwc__dd *height, double least, double *centre)
 {
     pbwc__dd sum[3], minor[3][3], det = { 0, 0 };
     int i, k;
@@ -247,16 +260,18 @@ static void pbwc__centre_slow(int dim, const pbwc__dd row[3][3], const pbwc__dd 
     for (k = 0; k < dim; k++) {                      /* positive, but perhaps below what pairs resolve */
         centre[k] = sum[k].high / (2 * (det.high > least ? det.high : least));
     }
+    return det.high > 1e16 * least;
 }
 
 typedef struct pbwc__job pbwc__job;
+typedef struct pbwc__period pbwc__period;
 typedef struct pbwc__centre {
     pbw_index simplex;
     int inside;                            /* the domain, for certain */
     double x[3];                           /* relative to the simplex's first corner */
 } pbwc__centre;
 
-static void pbwc__centre_exactly(const pbw_mesh *mesh, const pbw_index *corner, double least, double *centre)
+static int pbwc__centre_exactly(const pbw_mesh *mesh, const pbw_index *corner, double least, double *centre)
 {
     const size_t dim = (size_t)mesh->dim;
     const double *a = mesh->points + corner[0] * dim;
@@ -274,10 +289,11 @@ static void pbwc__centre_exactly(const pbw_mesh *mesh, const pbw_index *corner, 
             height[i] = pbwc__dd_add(height[i], pbwc__dd_times(row[i][k], row[i][k]));
         }
     }
-    pbwc__centre_slow(mesh->dim, (const pbwc__dd (*)[3])row, height, least, centre);
+    return pbwc__centre_slow(mesh->dim, (const pbwc__dd (*)[3])row, height, least, centre);
 }
 
-static void pbwc__centre_of(const pbw_mesh *mesh, pbw_index simplex, double *centre)
+/* Returns 0 if the centre may be far off. */
+static int pbwc__centre_of(const pbw_mesh *mesh, pbw_index simplex, double *centre)
 {
     const size_t dim = (size_t)mesh->dim;
     const pbw_index *corner = mesh->simplices + simplex * (dim + 1);
@@ -300,7 +316,7 @@ static void pbwc__centre_of(const pbw_mesh *mesh, pbw_index simplex, double *cen
         if (det > 1e-6 * largest) {
             centre[0] = (height[0] * r[1][1] - height[1] * r[0][1]) / (2 * det);
             centre[1] = (height[1] * r[0][0] - height[0] * r[1][0]) / (2 * det);
-            return;
+            return 1;
         }
     } else {
         double m[3][3];
@@ -317,10 +333,10 @@ static void pbwc__centre_of(const pbw_mesh *mesh, pbw_index simplex, double *cen
             for (k = 0; k < 3; k++) {
                 centre[k] = (height[0] * m[0][k] + height[1] * m[1][k] + height[2] * m[2][k]) * scale;
             }
-            return;
+            return 1;
         }
     }
-    pbwc__centre_exactly(mesh, corner, least, centre);
+    return pbwc__centre_exactly(mesh, corner, least, centre);
 }
 
 /* ------------------------------------------------------------------------------------------------------
@@ -677,11 +693,28 @@ typedef struct pbwc__work {                /* of one range */
     int open;                              /* the star is at the hull */
 } pbwc__work;
 
+#define PBWC__GRID 64
+
+struct pbwc__period {
+    int dim, apexes;                       /* apexes: dim + 1 points far out, where the others are flat */
+    unsigned axes;
+    size_t count, total;                   /* points; with copies */
+    pbwc__memory *memory;
+    double size[3], unit[3], margin[3];    /* of the box; all are multiples of the units; of the padded box */
+    double low[3], high[3];                /* of the grid */
+    double heaviest, lightest;             /* weight */
+    double from[3], to[3];                 /* bounds of the marked part */
+    pbwc__array x, w, source, marks;       /* source: of each copy */
+    int marked;                            /* new marks in this round */
+};
+
 struct pbwc__job {
     const pbw_mesh *mesh;
     pbwc__memory memory;
+    pbwc__period *period;                  /* NULL: not periodic */
     unsigned what;
-    int bounded;
+    int bounded, weighted;
+    size_t count;                          /* cells: of the mesh's first points */
     double low[3], high[3], slack[3];      /* of the box, else infinite; slack: for its rounding */
     const double *planes;                  /* of the domain: normal and offset */
     size_t plane_count;
@@ -739,11 +772,10 @@ static const pbwc__centre *pbwc__centre_kept(const pbwc__job *job, pbwc__centre 
         double radius = 0;
         size_t k;
         centre->simplex = simplex;
-        pbwc__centre_of(job->mesh, simplex, centre->x);
+        centre->inside = pbwc__centre_of(job->mesh, simplex, centre->x);
         for (k = 0; k < dim; k++) {
             radius += fabs(centre->x[k]);
         }
-        centre->inside = 1;
         for (k = 0; k < dim; k++) {                  /* if in doubt, cut */
             const double at = a[k] + centre->x[k], slack = 1e-12 * radius + job->slack[k];
             centre->inside &= at - job->low[k] > slack && job->high[k] - at > slack;
@@ -1285,7 +1317,7 @@ static pbw_status pbwc__add_chunk(void *arg, size_t from, size_t to)
     for (i = 0; good && i < adder.shares.count; i++) {
         if ((share[i].state & PBWC__BORDER) != 0) {
             share[left++] = share[i];
-        } else {
+        } else if (share[i].vertex < job->count) {
             pbwc__set_cell(job, share[i].vertex, share[i].sum);
             ((unsigned char *)job->states.data)[share[i].vertex] = (unsigned char)share[i].state;
         }
@@ -1375,6 +1407,7 @@ static int pbwc__cut_cell(pbwc__work *work, pbw_index v, int merge)
     const pbwc__job *job = work->job;
     const size_t dim = (size_t)job->mesh->dim, corners = job->domain.x.count, facets = job->domain.start.count;
     const double *from = PBWC__DOUBLES(job->domain.x), *site = job->mesh->points + v * dim;
+    const unsigned axes = job->period != NULL ? job->period->axes : 0;
     pbwc__poly *poly = &work->cutter.poly;
     double *x;
     size_t i, k;
@@ -1387,7 +1420,7 @@ static int pbwc__cut_cell(pbwc__work *work, pbw_index v, int merge)
     }
     for (i = 0; i < corners; i++) {
         for (k = 0; k < 3; k++) {
-            x[3 * i + k] = k < dim ? from[3 * i + k] - site[k] : 0;
+            x[3 * i + k] = from[3 * i + k] - (k >= dim || (axes >> k & 1) != 0 ? 0 : site[k]);
         }
     }
     poly->x.count = corners;
@@ -1520,6 +1553,98 @@ static int pbwc__cut_facets(pbwc__work *work, pbw_index v)
 }
 
 /* ------------------------------------------------------------------------------------------------------
+   Periodic boxes: the cells of the points in a mesh with copies of them beyond the box's walls.  Copies are exact
+   translates, as coordinates and box sizes are made multiples of one power of two per axis.  Enough copies, for
+   certain: a copy that is not in the mesh could take from a cell only if it takes one of the cell's corners, so if it
+   is in the ball around that corner that reaches to the site (with weights: whose square is the corner's power
+   distance plus the largest weight).  Balls that leave the padded box mark a grid, and the copies there are added.
+   A cell that becomes smaller has smaller balls, in the union of its old ones; so a second round is the last.
+   Along a periodic axis a cell reaches at most half the box from its site, where its images begin.  It is cut from 3/4.
+   ------------------------------------------------------------------------------------------------------ */
+
+/* The cell of the grid along axis k. */
+static int pbwc__grid_at(const pbwc__period *period, int k, double x)
+{
+    const double at = (x - period->low[k]) / (period->high[k] - period->low[k]) * PBWC__GRID;
+    return !(at > 0) ? 0 : at >= PBWC__GRID ? PBWC__GRID - 1 : (int)at;
+}
+
+static unsigned char *pbwc__grid_mark(const pbwc__period *period, const int at[3])
+{
+    return (unsigned char *)period->marks.data + ((size_t)at[2] * PBWC__GRID + (size_t)at[1]) * PBWC__GRID + at[0];
+}
+
+/* Marks what the ball around x covers if it leaves the padded box; square: of its radius, less the largest weight. */
+static void pbwc__certify(pbwc__period *period, const double *x, double square)
+{
+    const double radius = sqrt(square + period->heaviest > 0 ? square + period->heaviest : 0) * (1 + 1e-9);
+    int from[3] = { 0, 0, 0 }, to[3] = { 0, 0, 0 }, at[3], k, inside = 1;
+    for (k = 0; k < period->dim; k++) {
+        const double slack = radius + 1e-12 * (period->high[k] - period->low[k]);
+        from[k] = pbwc__grid_at(period, k, x[k] - slack);
+        to[k] = pbwc__grid_at(period, k, x[k] + slack);
+        if ((period->axes >> k & 1) != 0) {
+            inside &= x[k] - slack > -period->margin[k] && x[k] + slack < period->size[k] + period->margin[k];
+        }
+    }
+    for (at[2] = from[2]; !inside && at[2] <= to[2]; at[2]++) {
+        for (at[1] = from[1]; at[1] <= to[1]; at[1]++) {
+            for (at[0] = from[0]; at[0] <= to[0]; at[0]++) {
+                unsigned char *mark = pbwc__grid_mark(period, at);
+                if (PBWC__READ(mark) == 0) {         /* threads may write the same */
+                    PBWC__WRITE(mark, 1);
+                    PBWC__WRITE(&period->marked, 1);
+                }
+            }
+        }
+    }
+}
+
+/* The balls of a cut cell. */
+static void pbwc__certify_cut(const pbwc__work *work, pbw_index v)
+{
+    const pbw_mesh *mesh = work->job->mesh;
+    const pbwc__poly *poly = &work->cutter.poly;
+    const size_t dim = (size_t)mesh->dim;
+    size_t i, k;
+    for (i = 0; i < poly->loop.count; i++) {
+        const double *d = PBWC__DOUBLES(poly->x) + 3 * PBWC__INDICES(poly->loop)[i];
+        double x[3], square = mesh->weights != NULL ? -mesh->weights[v] : 0;
+        for (k = 0; k < dim; k++) {
+            x[k] = mesh->points[v * dim + k] + d[k];
+            square += d[k] * d[k];
+        }
+        pbwc__certify(work->job->period, x, square);
+    }
+}
+
+/* The balls of the simplices at cells that are not cut. */
+static pbw_status pbwc__certify_simplices(void *arg, size_t from, size_t to)
+{
+    const pbwc__job *job = (const pbwc__job *)arg;
+    const pbw_mesh *mesh = job->mesh;
+    const size_t dim = (size_t)mesh->dim;
+    size_t k;
+    for (; from < to; from++) {
+        const pbw_index *corner = mesh->simplices + from * (dim + 1);
+        double x[3], square = mesh->weights != NULL ? -mesh->weights[corner[0]] : 0;
+        int read = 0;
+        for (k = 0; k <= dim; k++) {
+            read |= corner[k] < job->count && ((const unsigned char *)job->states.data)[corner[k]] == 0;
+        }
+        if (read) {
+            (void)pbwc__centre_of(mesh, (pbw_index)from, x);
+            for (k = 0; k < dim; k++) {
+                square += x[k] * x[k];
+                x[k] += mesh->points[corner[0] * dim + k];
+            }
+            pbwc__certify(job->period, x, square);
+        }
+    }
+    return PBW_OK;
+}
+
+/* ------------------------------------------------------------------------------------------------------
    Ranges of points, each with memory of its own; then their parts in one.
    ------------------------------------------------------------------------------------------------------ */
 static int pbwc__cell(pbwc__work *work, pbw_index v)
@@ -1544,6 +1669,9 @@ static int pbwc__cell(pbwc__work *work, pbw_index v)
             (void)pbwc__sum_facet(&work->cutter.poly, k, job->mesh->dim, sum);
         }
         pbwc__set_cell(job, v, sum);
+        if (job->period != NULL) {
+            pbwc__certify_cut(work, v);
+        }
         if ((job->what & PBW_CELLS_FACETS) != 0
             && ((PBWC__INDICES(job->merged) != NULL && !pbwc__cut_cell(work, v, 1)) || !pbwc__cut_facets(work, v))) {
             return 0;
@@ -1637,7 +1765,7 @@ static pbw_status pbwc__all_centres(void *arg, size_t from, size_t to)
         const double *a = mesh->points + mesh->simplices[from * (dim + 1)] * dim;
         double centre[3];
         size_t k;
-        pbwc__centre_of(mesh, (pbw_index)from, centre);
+        (void)pbwc__centre_of(mesh, (pbw_index)from, centre);
         for (k = 0; k < dim; k++) {
             joining->all_vertices[from * dim + k] = a[k] + centre[k];
         }
@@ -1653,20 +1781,23 @@ typedef struct pbwc__owned {
     pbwc__array array[PBWC__ARRAYS];
 } pbwc__owned;
 
+static void pbwc__drop(pbwc__memory *memory, pbw_cells *cells)
+{
+    pbwc__owned *owned = (pbwc__owned *)cells->memory;
+    pbwc__array self = { owned, 0, sizeof *owned };
+    int i;
+    for (i = 0; i < PBWC__ARRAYS; i++) {
+        pbwc__release(memory, owned->array + i);
+    }
+    pbwc__release(memory, &self);
+    memset(cells, 0, sizeof *cells);
+}
+
 PBWCELLSDEF void pbw_cells_free(pbw_cells *cells)
 {
     if (cells != NULL && cells->memory != NULL) {
-        pbwc__owned *owned = (pbwc__owned *)cells->memory;
-        pbwc__memory memory = owned->memory;
-        pbwc__array self = { owned, 0, sizeof *owned };
-        int i;
-        for (i = 0; i < PBWC__ARRAYS; i++) {
-            pbwc__release(&memory, owned->array + i);
-        }
-        pbwc__release(&memory, &self);
-    }
-    if (cells != NULL) {
-        memset(cells, 0, sizeof *cells);
+        pbwc__memory memory = ((pbwc__owned *)cells->memory)->memory;
+        pbwc__drop(&memory, cells);
     }
 }
 
@@ -1928,8 +2059,12 @@ static pbw_status pbwc__prepare_domain(pbwc__job *job, const pbw_domain *domain)
     }
     job->bounded = 1;
     for (k = 0; k < dim && domain->box != NULL; k++) {
-        job->low[k] = low[k] = domain->box[k];
-        job->high[k] = high[k] = domain->box[dim + k];
+        low[k] = domain->box[k];
+        high[k] = domain->box[dim + k];
+        if (job->period == NULL || (job->period->axes >> k & 1) == 0) {
+            job->low[k] = low[k];
+            job->high[k] = high[k];
+        }
         job->slack[k] = 1e-14 * (fabs(low[k]) + fabs(high[k]));
         if (!(low[k] < high[k]) || !(high[k] - low[k] < HUGE_VAL)) {
             return PBW_ERROR_ARGUMENT;
@@ -1987,6 +2122,9 @@ static pbw_status pbwc__compute(pbwc__job *job, const pbw_domain *domain, const 
     if (status == PBW_OK && (job->bounded || (job->what & PBW_CELLS_FACETS) != 0)) {
         status = pbw_for(options, count, job->grain, pbwc__cells_range, job);
     }
+    if (status == PBW_OK && job->period != NULL) {
+        status = pbw_for(options, job->mesh->simplex_count, PBWC__CHUNK, pbwc__certify_simplices, job);
+    }
     if (status == PBW_OK && (job->what & PBW_CELLS_FACETS) != 0) {
         status = pbwc__join_all(job, ranges, options);
     }
@@ -2002,52 +2140,408 @@ static pbw_status pbwc__compute(pbwc__job *job, const pbw_domain *domain, const 
     return status;
 }
 
+static int pbwc__knows(unsigned what)
+{
+    return (what & ~(PBW_CELLS_FACETS | PBW_CELLS_SHAPES | PBW_CELLS_MERGE)) == 0;
+}
+
+static void pbwc__job_start(pbwc__job *job, unsigned what, const pbw_options *options)
+{
+    memset(job, 0, sizeof *job);
+    job->what = what | ((what & PBW_CELLS_SHAPES) != 0 ? PBW_CELLS_FACETS : 0);
+    job->memory.resize = options != NULL && options->resize != NULL ? options->resize : pbwc__default_resize;
+    job->memory.user = options != NULL ? options->resize_user : NULL;
+    job->memory.limit = options != NULL ? options->memory_limit : 0;
+}
+
+/* Fills job->cells, with the mesh, the count, what and the memory of the job.  Leaves them empty if it fails. */
+static pbw_status pbwc__run(pbwc__job *job, const pbw_domain *domain, const pbw_options *options)
+{
+    pbw_cells *cells = job->cells;
+    pbwc__array self;
+    pbw_status status;
+    memset(&self, 0, sizeof self);
+    if (!pbwc__resize(&job->memory, &self, sizeof(pbwc__owned))) {
+        return PBW_ERROR_MEMORY;
+    }
+    memset(self.data, 0, self.bytes);
+    cells->dim = job->mesh->dim;
+    cells->cell_count = job->count;
+    cells->memory = self.data;
+    status = pbwc__compute(job, domain, options);
+    if (status == PBW_OK && (job->what & PBW_CELLS_FACETS) == 0) {
+        pbwc__release(&job->memory, ((pbwc__owned *)cells->memory)->array + PBWC__FIRST);
+        cells->first = NULL;
+    }
+    pbwc__poly_release(&job->memory, &job->domain);
+    pbwc__release(&job->memory, &job->merged);
+    pbwc__release(&job->memory, &job->ranges);
+    pbwc__release(&job->memory, &job->states);
+    ((pbwc__owned *)cells->memory)->memory = job->memory;
+    if (status != PBW_OK) {
+        pbwc__drop(&job->memory, job->cells);
+    }
+    return status;
+}
+
 PBWCELLSDEF pbw_status pbw_cells_of(const pbw_mesh *mesh, const pbw_domain *domain, unsigned what,
                                     const pbw_options *options, pbw_cells *cells)
 {
     pbwc__job job;
-    pbwc__array self;
     pbw_status status;
     if (cells == NULL) {
         return PBW_ERROR_ARGUMENT;
     }
     memset(cells, 0, sizeof *cells);
     if (mesh == NULL || (mesh->dim != 2 && mesh->dim != 3) || (mesh->simplex_count > 0 && mesh->neighbors == NULL)
-        || (what & ~(PBW_CELLS_FACETS | PBW_CELLS_SHAPES | PBW_CELLS_MERGE)) != 0
+        || !pbwc__knows(what)
         || (domain != NULL && (domain->periodic != 0 || (domain->plane_count > 0 && domain->planes == NULL)))) {
         return PBW_ERROR_ARGUMENT;
     }
-    memset(&job, 0, sizeof job);
-    memset(&self, 0, sizeof self);
+    pbwc__job_start(&job, what, options);
     job.mesh = mesh;
-    job.what = what | ((what & PBW_CELLS_SHAPES) != 0 ? PBW_CELLS_FACETS : 0);
+    job.count = mesh->point_count;
     job.cells = cells;
-    job.memory.resize = options != NULL && options->resize != NULL ? options->resize : pbwc__default_resize;
-    job.memory.user = options != NULL ? options->resize_user : NULL;
-    job.memory.limit = options != NULL ? options->memory_limit : 0;
-    cells->dim = mesh->dim;
-    cells->cell_count = mesh->point_count;
-    if (!pbwc__resize(&job.memory, &self, sizeof(pbwc__owned))) {
-        memset(cells, 0, sizeof *cells);
+    status = pbwc__run(&job, domain, options);
+    return status == PBW_OK && mesh->simplex_count == 0 ? PBW_DEGENERATE : status;
+}
+
+/* Sizes and points in the units, in [0, size) along periodic axes. */
+static pbw_status pbwc__snap(pbwc__period *period, const double *points, const double *weights, const double *box)
+{
+    const size_t dim = (size_t)period->dim;
+    double *x = PBWC__DOUBLES(period->x), *w = PBWC__DOUBLES(period->w);
+    size_t i, k;
+    for (i = 0; i < period->count * dim; i++) {
+        k = i % dim;
+        x[i] = points[i] + 0.0;
+        if (!(fabs(x[i]) < HUGE_VAL)) {
+            return PBW_ERROR_NOT_FINITE;
+        }
+        if ((period->axes >> k & 1) != 0) {
+            x[i] = fmod(floor((x[i] - box[k]) / period->unit[k] + 0.5) * period->unit[k], period->size[k]);
+            x[i] += x[i] < 0 ? period->size[k] : 0;
+        }
+        period->low[k] = x[i] < period->low[k] ? x[i] : period->low[k];
+        period->high[k] = x[i] > period->high[k] ? x[i] : period->high[k];
+    }
+    for (i = 0; weights != NULL && i < period->count; i++) {
+        w[i] = weights[i];
+        if (!(fabs(w[i]) < HUGE_VAL)) {
+            return PBW_ERROR_NOT_FINITE;
+        }
+        period->heaviest = i == 0 || w[i] > period->heaviest ? w[i] : period->heaviest;
+        period->lightest = i == 0 || w[i] < period->lightest ? w[i] : period->lightest;
+    }
+    return PBW_OK;
+}
+
+/* Units so fine that all copies within reach are exact: 2^-51 of the box, coarser in very long boxes. */
+static pbw_status pbwc__units(pbwc__period *period, const double *box)
+{
+    const size_t dim = (size_t)period->dim;
+    double longest = 0, volume = 1;
+    size_t k;
+    for (k = 0; k < dim; k++) {
+        period->size[k] = box[dim + k] - box[k];
+        if (!(period->size[k] > 1e-150) || !(period->size[k] < 1e150)) {
+            return PBW_ERROR_ARGUMENT;
+        }
+        longest = period->size[k] > longest ? period->size[k] : longest;
+        volume *= period->size[k];
+        period->low[k] = (period->axes >> k & 1) != 0 ? 0 : box[k];
+        period->high[k] = (period->axes >> k & 1) != 0 ? period->size[k] : box[dim + k];
+    }
+    for (k = 0; k < dim; k++) {
+        const double spacing = pow(volume / (double)(period->count > 0 ? period->count : 1), 1.0 / (double)dim);
+        double reach = longest / period->size[k];
+        int exponent;
+        (void)frexp(period->size[k], &exponent);
+        for (exponent -= 51; reach > 1; reach /= 2) {
+            exponent++;
+        }
+        period->unit[k] = ldexp(1, exponent + 3);
+        period->size[k] = floor(period->size[k] / period->unit[k] + 0.5) * period->unit[k];
+        period->margin[k] = 3.2 * spacing < period->size[k] ? 3.2 * spacing : period->size[k];
+    }
+    return PBW_OK;
+}
+
+/* The grid: where balls of cells can reach. */
+static pbw_status pbwc__reach(pbwc__period *period)
+{
+    double square = period->heaviest - period->lightest, radius;
+    int k;
+    for (k = 0; k < period->dim; k++) {
+        const double half = (period->high[k] - period->low[k]) * ((period->axes >> k & 1) != 0 ? 0.75 : 1);
+        square += half * half;
+    }
+    radius = 1.001 * sqrt(square);
+    for (k = 0; k < period->dim; k++) {
+        if ((period->axes >> k & 1) != 0) {
+            period->low[k] = -0.75 * period->size[k] - radius;
+            period->high[k] = 1.75 * period->size[k] + radius;
+            if (period->high[k] > 4e15 * period->unit[k]) {      /* copies would not be exact */
+                return PBW_ERROR_ARGUMENT;
+            }
+        }
+    }
+    if (!pbwc__resize(period->memory, &period->marks, (size_t)PBWC__GRID * PBWC__GRID * PBWC__GRID)) {
         return PBW_ERROR_MEMORY;
     }
-    memset(self.data, 0, self.bytes);
-    cells->memory = self.data;
-    status = pbwc__compute(&job, domain, options);
-    if (status == PBW_OK && (job.what & PBW_CELLS_FACETS) == 0) {
-        pbwc__release(&job.memory, ((pbwc__owned *)cells->memory)->array + PBWC__FIRST);
-        cells->first = NULL;
+    memset(period->marks.data, 0, period->marks.bytes);
+    return PBW_OK;
+}
+
+/* Where copies may be: the padded box and all marks. */
+static void pbwc__extent(pbwc__period *period)
+{
+    const double step = 1.0 / PBWC__GRID;
+    int at[3], k;
+    for (k = 0; k < period->dim; k++) {
+        period->from[k] = -period->margin[k];
+        period->to[k] = period->size[k] + period->margin[k];
     }
-    pbwc__poly_release(&job.memory, &job.domain);
-    pbwc__release(&job.memory, &job.merged);
-    pbwc__release(&job.memory, &job.ranges);
-    pbwc__release(&job.memory, &job.states);
-    ((pbwc__owned *)cells->memory)->memory = job.memory;
-    if (status != PBW_OK) {
-        pbw_cells_free(cells);
-        return status;
+    for (at[2] = 0; at[2] < PBWC__GRID; at[2]++) {
+        for (at[1] = 0; at[1] < PBWC__GRID; at[1]++) {
+            for (at[0] = 0; at[0] < PBWC__GRID; at[0]++) {
+                for (k = 0; *pbwc__grid_mark(period, at) != 0 && k < period->dim; k++) {
+                    const double size = period->high[k] - period->low[k];
+                    const double low = period->low[k] + size * step * (at[k] - 0.01);
+                    const double high = period->low[k] + size * step * (at[k] + 1.01);
+                    period->from[k] = low < period->from[k] ? low : period->from[k];
+                    period->to[k] = high > period->to[k] ? high : period->to[k];
+                }
+            }
+        }
     }
-    return mesh->simplex_count == 0 ? PBW_DEGENERATE : PBW_OK;
+}
+
+static int pbwc__is_copied(const pbwc__period *period, const double *x)
+{
+    int at[3] = { 0, 0, 0 }, k, inside = 1;
+    for (k = 0; k < period->dim; k++) {
+        at[k] = pbwc__grid_at(period, k, x[k]);
+        if ((period->axes >> k & 1) != 0) {
+            inside &= x[k] >= -period->margin[k] && x[k] <= period->size[k] + period->margin[k];
+        }
+    }
+    return inside || *pbwc__grid_mark(period, at) != 0;
+}
+
+/* One more point.  Returns 0 if there is no memory. */
+static int pbwc__add_copy(pbwc__period *period, const double *x, double weight, pbw_index source)
+{
+    const size_t dim = (size_t)period->dim;
+    double *place, *w;
+    period->x.count = period->total * dim;
+    period->w.count = period->total;
+    place = (double *)pbwc__room(period->memory, &period->x, dim, sizeof(double));
+    w = (double *)pbwc__room(period->memory, &period->w, 1, sizeof(double));
+    if (place == NULL || w == NULL || !pbwc__push(period->memory, &period->source, source)) {
+        return 0;
+    }
+    memcpy(place, x, dim * sizeof(double));
+    *w = weight;
+    period->total++;
+    return 1;
+}
+
+static int pbwc__add_copies(pbwc__period *period, size_t i)
+{
+    const size_t dim = (size_t)period->dim;
+    const double weight = PBWC__DOUBLES(period->w)[i];
+    double p[3], x[3], first[3] = { 0, 0, 0 }, last[3] = { 0, 0, 0 }, shift[3];
+    size_t k;
+    for (k = 0; k < dim; k++) {
+        p[k] = x[k] = PBWC__DOUBLES(period->x)[i * dim + k];
+        if ((period->axes >> k & 1) != 0) {
+            first[k] = ceil((period->from[k] - p[k]) / period->size[k]);
+            last[k] = floor((period->to[k] - p[k]) / period->size[k]);
+        }
+    }
+    for (shift[2] = first[2]; shift[2] <= last[2]; shift[2]++) {
+        for (shift[1] = first[1]; shift[1] <= last[1]; shift[1]++) {
+            for (shift[0] = first[0]; shift[0] <= last[0]; shift[0]++) {
+                if (shift[0] == 0 && shift[1] == 0 && shift[2] == 0) {
+                    continue;
+                }
+                for (k = 0; k < dim; k++) {
+                    x[k] = p[k] + shift[k] * period->size[k];
+                }
+                if (pbwc__is_copied(period, x) && !pbwc__add_copy(period, x, weight, (pbw_index)i)) {
+                    return 0;
+                }
+            }
+        }
+    }
+    return 1;
+}
+
+/* All points with their copies, and the apexes of a simplex so large that no cell of theirs meets the grid. */
+static pbw_status pbwc__copies(pbwc__period *period)
+{
+    static const signed char corner[4][3] = { { 1, 1, 1 }, { -1, -1, 1 }, { -1, 1, -1 }, { 1, -1, -1 } };
+    double far_out = 0, x[3];
+    size_t i;
+    int k;
+    period->total = period->count;
+    period->source.count = 0;
+    pbwc__extent(period);
+    for (i = 0; i < period->count; i++) {
+        if (period->total >= PBW_NONE - 16) {
+            return PBW_ERROR_TOO_LARGE;
+        }
+        if (!pbwc__add_copies(period, i)) {
+            return PBW_ERROR_MEMORY;
+        }
+    }
+    for (k = 0; k < period->dim; k++) {
+        far_out += 8 * (period->high[k] - period->low[k]);
+    }
+    for (i = 0; period->apexes && i <= (size_t)period->dim; i++) {
+        for (k = 0; k < period->dim; k++) {
+            x[k] = period->low[k] + corner[i][k] * far_out;
+        }
+        if (!pbwc__add_copy(period, x, period->lightest, 0)) {
+            return PBW_ERROR_MEMORY;
+        }
+    }
+    return PBW_OK;
+}
+
+/* Names copies by their points and shifts, and moves all back to where the box is. */
+static pbw_status pbwc__unwrap(pbwc__job *job, const double *box)
+{
+    const pbwc__period *period = job->period;
+    const size_t dim = (size_t)period->dim, facets = job->cells->facet_count;
+    pbwc__owned *owned = (pbwc__owned *)job->cells->memory;
+    pbw_index *neighbors = PBWC__INDICES(owned->array[PBWC__NEIGHBORS]);
+    double *vertices = PBWC__DOUBLES(owned->array[PBWC__VERTICES]);
+    const double *x = PBWC__DOUBLES(period->x);
+    size_t i, k;
+    for (i = 0; i < period->count * dim; i++) {
+        job->centroids[i] += (period->axes >> i % dim & 1) != 0 ? box[i % dim] : 0;
+    }
+    for (i = 0; i < job->cells->vertex_count * dim; i++) {
+        vertices[i] += (period->axes >> i % dim & 1) != 0 ? box[i % dim] : 0;
+    }
+    if ((job->what & PBW_CELLS_FACETS) != 0) {
+        signed char *shifts = (signed char *)pbwc__own(job, PBWC__SHIFTS, facets * dim, 1);
+        job->cells->shifts = shifts;
+        if (shifts == NULL) {
+            return PBW_ERROR_MEMORY;
+        }
+        memset(shifts, 0, facets * dim);
+        for (i = 0; i < facets; i++) {
+            const size_t copy = neighbors[i];
+            if (copy >= period->count && copy < period->total) {
+                neighbors[i] = PBWC__INDICES(period->source)[copy - period->count];
+                for (k = 0; k < dim; k++) {
+                    const double shift = (x[copy * dim + k] - x[neighbors[i] * dim + k]) / period->size[k];
+                    shifts[i * dim + k] = (signed char)((period->axes >> k & 1) == 0 ? 0 : shift);
+                }
+            }
+        }
+    }
+    return PBW_OK;
+}
+
+/* One round: the mesh of points and copies, and its cells; period->marked tells if more copies are needed. */
+static pbw_status pbwc__round(pbwc__job *job, const double *box, const pbw_options *options)
+{
+    pbwc__period *period = job->period;
+    pbw_options own;
+    pbw_domain domain;
+    pbw_mesh mesh;
+    double walls[6];
+    const size_t dim = (size_t)period->dim;
+    size_t k;
+    pbw_status status = pbwc__copies(period);
+    memset(&own, 0, sizeof own);
+    memset(&domain, 0, sizeof domain);
+    memset(&mesh, 0, sizeof mesh);
+    if (options != NULL) {
+        own = *options;
+    }
+    own.stride = own.weight_stride = 0;
+    own.flags = PBW_BORROW;
+    own.trace = NULL;
+    if (status == PBW_OK) {
+        status = pbw_triangulate(period->dim, PBWC__DOUBLES(period->x), job->weighted ? PBWC__DOUBLES(period->w) : NULL,
+                                 period->total, &own, &mesh);
+    }
+    if (status == PBW_DEGENERATE && period->count > 0) {
+        period->apexes = period->marked = 1;
+        status = PBW_OK;
+    } else if (status == PBW_OK || status == PBW_DEGENERATE) {
+        for (k = 0; k < dim; k++) {
+            walls[k] = (period->axes >> k & 1) != 0 ? -0.75 * period->size[k] : box[k];
+            walls[dim + k] = (period->axes >> k & 1) != 0 ? 0.75 * period->size[k] : box[dim + k];
+        }
+        domain.box = walls;
+        job->mesh = &mesh;
+        status = pbwc__run(job, &domain, options);
+        if (status == PBW_OK && !period->marked) {
+            status = pbwc__unwrap(job, box);
+        }
+        if (job->cells->memory != NULL && (status != PBW_OK || period->marked)) {
+            pbwc__drop(&job->memory, job->cells);
+        }
+    }
+    pbw_free(&mesh);
+    return status;
+}
+
+PBWCELLSDEF pbw_status pbw_cells_periodic(int dim, const double *points, const double *weights, size_t count,
+                                          const pbw_domain *domain, unsigned what, const pbw_options *options,
+                                          pbw_cells *cells)
+{
+    pbwc__period period;
+    pbwc__job job;
+    pbw_status status;
+    if (cells == NULL) {
+        return PBW_ERROR_ARGUMENT;
+    }
+    memset(cells, 0, sizeof *cells);
+    if ((dim != 2 && dim != 3) || (points == NULL && count > 0) || domain == NULL || domain->box == NULL
+        || domain->plane_count != 0 || domain->periodic == 0 || domain->periodic >> dim != 0 || !pbwc__knows(what)
+        || (options != NULL && (options->stride != 0 || options->weight_stride != 0))) {
+        return PBW_ERROR_ARGUMENT;
+    }
+    if (count >= PBW_NONE / 2) {
+        return PBW_ERROR_TOO_LARGE;
+    }
+    memset(&period, 0, sizeof period);
+    pbwc__job_start(&job, what, options);
+    period.dim = dim;
+    period.axes = domain->periodic;
+    period.count = count;
+    period.memory = &job.memory;
+    job.period = &period;
+    job.count = count;
+    job.cells = cells;
+    job.weighted = weights != NULL;
+    status = pbwc__resize(&job.memory, &period.x, count * (size_t)dim * sizeof(double) + 1)
+             && pbwc__resize(&job.memory, &period.w, count * sizeof(double) + 1) ? PBW_OK : PBW_ERROR_MEMORY;
+    if (status == PBW_OK) {
+        memset(period.w.data, 0, period.w.bytes);
+        status = pbwc__units(&period, domain->box);
+    }
+    status = status == PBW_OK ? pbwc__snap(&period, points, weights, domain->box) : status;
+    status = status == PBW_OK ? pbwc__reach(&period) : status;
+    do {
+        period.marked = 0;
+        status = status == PBW_OK ? pbwc__round(&job, domain->box, options) : status;
+    } while (status == PBW_OK && period.marked);
+    pbwc__release(&job.memory, &period.x);
+    pbwc__release(&job.memory, &period.w);
+    pbwc__release(&job.memory, &period.source);
+    pbwc__release(&job.memory, &period.marks);
+    if (cells->memory != NULL) {
+        ((pbwc__owned *)cells->memory)->memory = job.memory;
+    }
+    return status;
 }
 
 #endif /* PBW_CELLS_IMPLEMENTATION */
