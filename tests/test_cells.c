@@ -628,6 +628,274 @@ static void test_periodics(void)
     }
 }
 
+/* ---- domains and unbounded cells */
+
+/* An octahedron in space, a diamond in the plane: |x| + |y| + |z| <= 1. */
+static size_t diamond(int dim, double *planes)
+{
+    size_t i, count = (size_t)1 << dim;
+    int k;
+    for (i = 0; i < count; i++) {
+        for (k = 0; k < dim; k++) {
+            planes[i * ((size_t)dim + 1) + (size_t)k] = (i >> k & 1) != 0 ? -1 : 1;
+        }
+        planes[i * ((size_t)dim + 1) + (size_t)dim] = 1;
+    }
+    return count;
+}
+
+static void test_domains(void)
+{
+    int dim, boxed;
+    for (dim = 2; dim <= 3; dim++) {
+        for (boxed = 0; boxed < 2; boxed++) {
+            if (test_begin("planes: %dD, %s", dim, boxed ? "with a box" : "alone")) {
+                const double box[6] = { 0, -2, dim == 3 ? -2.0 : 2, 2, 2, 2 };
+                const double whole = dim == 3 ? 4.0 / 3 : 2;
+                sites s = sites_make(INPUT_GAUSS, dim, 2000, INPUT_WEIGHTS_HIDING);
+                double planes[32];
+                pbw_domain domain;
+                pbw_mesh mesh;
+                pbw_cells cells;
+                memset(&domain, 0, sizeof domain);
+                domain.planes = planes;
+                domain.plane_count = diamond(dim, planes);
+                domain.box = boxed ? box : NULL;
+                CHECK_EQUAL(pbw_triangulate(dim, s.x, s.w, s.count, NULL, &mesh), PBW_OK);
+                CHECK_EQUAL(pbw_cells_of(&mesh, &domain, ALL, NULL, &cells), PBW_OK);
+                CHECK(fabs(sum_of(&cells) / (boxed ? whole / 2 : whole) - 1) < 1e-12);
+                CHECK(faults_of(&mesh, &domain, &cells, 2) < 1e-11);
+                pbw_cells_free(&cells);
+                pbw_free(&mesh);
+                sites_free(&s);
+                test_end();
+            }
+        }
+    }
+}
+
+/* Loops of unbounded facets end in two rays, each perpendicular to the edge between the sites, and outward. */
+static void test_rays(int dim)
+{
+    if (test_begin("rays: %dD", dim)) {
+        sites s = sites_make(INPUT_UNIFORM, dim, 300, INPUT_WEIGHTS_ZERO);
+        const size_t size = (size_t)dim;
+        pbw_mesh mesh;
+        pbw_cells cells;
+        size_t i, f, l, k, open = 0;
+        CHECK_EQUAL(pbw_triangulate(dim, s.x, NULL, s.count, NULL, &mesh), PBW_OK);
+        CHECK_EQUAL(pbw_cells_of(&mesh, NULL, ALL, NULL, &cells), PBW_OK);
+        for (i = 0; i < s.count; i++) {
+            int has_rays = 0;
+            for (f = cells.first[i]; f < cells.first[i + 1]; f++) {
+                size_t rays = 0;
+                for (l = cells.loop_first[f]; l < cells.loop_first[f + 1]; l++) {
+                    if (cells.loops[l] > PBW_NONE - 1 - cells.ray_count) {
+                        const double *ray = cells.rays + (PBW_NONE - 1 - cells.loops[l]) * size;
+                        double along = 0, length = 0;
+                        for (k = 0; k < size; k++) {
+                            along += ray[k] * (mesh.points[cells.neighbors[f] * size + k] - mesh.points[i * size + k]);
+                            length += ray[k] * ray[k];
+                        }
+                        CHECK(fabs(along) < 1e-14 && fabs(length - 1) < 1e-14);
+                        rays++;
+                    } else {
+                        CHECK(cells.loops[l] < cells.vertex_count);
+                    }
+                }
+                CHECK_EQUAL(rays, cells.areas[f] < HUGE_VAL ? 0 : dim - 1);
+                has_rays |= rays > 0;
+            }
+            CHECK_EQUAL(has_rays, !(cells.volumes[i] < HUGE_VAL));
+            open += (size_t)has_rays;
+        }
+        CHECK(open > (size_t)dim);
+        pbw_cells_free(&cells);
+        pbw_free(&mesh);
+        sites_free(&s);
+        test_end();
+    }
+}
+
+static void test_arguments(void)
+{
+    if (test_begin("arguments")) {
+        const double points[12] = { 0, 0, 0, 1, 0, 0, 0, 1, 0, 0, 0, 1 }, nan = HUGE_VAL - HUGE_VAL, broken[3] = { 0, nan, 0 };
+        const double empty[6] = { 1, 1, 1, 0, 0, 0 }, unit[6] = { -1, -1, -1, 2, 2, 2 };
+        double planes[8] = { 1, 0, 0, 0, -1, 0, 0, -1 };
+        pbw_domain domain;
+        pbw_mesh mesh;
+        pbw_cells cells;
+        memset(&domain, 0, sizeof domain);
+        CHECK_EQUAL(pbw_triangulate(3, points, NULL, 4, NULL, &mesh), PBW_OK);
+        CHECK_EQUAL(pbw_cells_of(NULL, NULL, 0, NULL, &cells), PBW_ERROR_ARGUMENT);
+        CHECK_EQUAL(pbw_cells_of(&mesh, NULL, 0, NULL, NULL), PBW_ERROR_ARGUMENT);
+        CHECK_EQUAL(pbw_cells_of(&mesh, NULL, 8, NULL, &cells), PBW_ERROR_ARGUMENT);
+        domain.box = empty;
+        CHECK_EQUAL(pbw_cells_of(&mesh, &domain, 0, NULL, &cells), PBW_ERROR_ARGUMENT);
+        domain.box = NULL;
+        domain.plane_count = 1;
+        CHECK_EQUAL(pbw_cells_of(&mesh, &domain, 0, NULL, &cells), PBW_ERROR_ARGUMENT);
+        domain.planes = planes;
+        CHECK_EQUAL(pbw_cells_of(&mesh, &domain, 0, NULL, &cells), PBW_ERROR_ARGUMENT);      /* unbounded */
+        domain.box = unit;
+        CHECK_EQUAL(pbw_cells_of(&mesh, &domain, 0, NULL, &cells), PBW_OK);
+        CHECK(fabs(sum_of(&cells) - 9) < 1e-12);
+        pbw_cells_free(&cells);
+        domain.plane_count = 2;                                                             /* x <= 0 and x >= 1 */
+        CHECK_EQUAL(pbw_cells_of(&mesh, &domain, 0, NULL, &cells), PBW_ERROR_ARGUMENT);
+        planes[1] = nan;
+        CHECK_EQUAL(pbw_cells_of(&mesh, &domain, 0, NULL, &cells), PBW_ERROR_ARGUMENT);
+        CHECK(cells.memory == NULL && cells.cell_count == 0);
+        domain.plane_count = 0;
+        CHECK_EQUAL(pbw_cells_periodic(3, points, NULL, 4, &domain, 0, NULL, &cells), PBW_ERROR_ARGUMENT);
+        domain.periodic = 7;
+        CHECK_EQUAL(pbw_cells_of(&mesh, &domain, 0, NULL, &cells), PBW_ERROR_ARGUMENT);
+        CHECK_EQUAL(pbw_cells_periodic(3, broken, NULL, 1, &domain, 0, NULL, &cells), PBW_ERROR_NOT_FINITE);
+        pbw_free(&mesh);
+        test_end();
+    }
+}
+
+/* ---- threads, failures */
+
+static int stop(void *user, pbw_stage stage, double done)
+{
+    (void)done;
+    return stage == PBW_STAGE_WORK && --*(int *)user < 0;
+}
+
+/* Cells of a mesh, or (mesh NULL) periodic ones. */
+static pbw_status compute(const sites *s, const pbw_mesh *mesh, const pbw_options *options, pbw_cells *cells)
+{
+    pbw_domain domain;
+    memset(&domain, 0, sizeof domain);
+    domain.box = s->box;
+    domain.periodic = mesh != NULL ? 0 : 1;
+    return mesh != NULL ? pbw_cells_of(mesh, &domain, ALL | PBW_CELLS_MERGE, options, cells)
+                        : pbw_cells_periodic(s->dim, s->x, s->w, s->count, &domain, ALL, options, cells);
+}
+
+static void test_threads(int dim, int kind, int weights)
+{
+    if (test_begin("threads: %dD %s, weights %s", dim, input_name(kind), input_weights_name(weights))) {
+        sites s = sites_make(kind, dim, 20000, weights);
+        static const int counts[3] = { 1, 4, 8 };
+        pbw_mesh mesh;
+        pbw_cells cells[3];
+        int i;
+        CHECK_EQUAL(pbw_triangulate(dim, s.x, s.w, s.count, NULL, &mesh), PBW_OK);
+        for (i = 0; i < 3; i++) {
+            pbw_options options = threads(counts[i]);
+            CHECK_EQUAL(compute(&s, &mesh, &options, cells + i), PBW_OK);
+        }
+        CHECK(same_cells(cells, cells + 1));
+        CHECK(same_cells(cells, cells + 2));
+        CHECK(fabs(sum_of(cells) / volume_of(dim, s.box) - 1) < 1e-12);
+        for (i = 0; i < 3; i++) {
+            pbw_cells_free(cells + i);
+        }
+        pbw_free(&mesh);
+        sites_free(&s);
+        test_end();
+    }
+}
+
+static void test_failures(int dim, int periodic)
+{
+    if (test_begin("failures: %dD%s", dim, periodic ? ", periodic" : "")) {
+        sites s = sites_make(INPUT_UNIFORM, dim, 60, INPUT_WEIGHTS_ZERO);
+        pbw_options options = threads(1);
+        pbw_mesh mesh;
+        pbw_cells cells;
+        meter m;
+        long k;
+        int left;
+        pbw_status status = PBW_ERROR_MEMORY;
+        CHECK_EQUAL(pbw_triangulate(dim, s.x, NULL, s.count, NULL, &mesh), PBW_OK);
+        options.resize = meter_resize;
+        options.resize_user = &m;
+        for (k = 1; status == PBW_ERROR_MEMORY && k < 100000; k++) {
+            meter_start(&m, k, k % 2 != 0);
+            status = compute(&s, periodic ? NULL : &mesh, &options, &cells);
+            CHECK(status == PBW_OK || cells.memory == NULL);
+            pbw_cells_free(&cells);
+            CHECK(m.blocks == 0 && m.bytes == 0 && m.faults == 0);
+        }
+        CHECK_EQUAL(status, PBW_OK);
+        CHECK(k > 20);
+        meter_start(&m, 0, 0);
+        options.memory_limit = 1000;
+        CHECK_EQUAL(compute(&s, periodic ? NULL : &mesh, &options, &cells), PBW_ERROR_MEMORY);
+        CHECK(m.blocks == 0 && m.peak <= 1000);
+        options.memory_limit = 0;
+        options.progress = stop;
+        options.progress_user = &left;
+        for (left = k = 0, status = PBW_CANCELLED; status == PBW_CANCELLED && k < 1000; k++) {
+            left = (int)(k & 1023);
+            status = compute(&s, periodic ? NULL : &mesh, &options, &cells);
+            CHECK(status == PBW_OK || (status == PBW_CANCELLED && cells.memory == NULL));
+            pbw_cells_free(&cells);
+            CHECK(m.blocks == 0);
+        }
+        CHECK(status == PBW_OK && k > 3);
+        pbw_free(&mesh);
+        sites_free(&s);
+        test_end();
+    }
+}
+
+static void test_degenerate(void)
+{
+    if (test_begin("degenerate, and hidden points")) {
+        const double line[9] = { 0, 0, 0, 1, 1, 1, 2, 2, 2 }, box[6] = { -1, -1, -1, 3, 3, 3 };
+        sites s = sites_make(INPUT_UNIFORM, 3, 1000, INPUT_WEIGHTS_HALF);
+        pbw_domain domain;
+        pbw_mesh mesh;
+        pbw_cells cells;
+        size_t i, hidden = 0;
+        memset(&domain, 0, sizeof domain);
+        domain.box = box;
+        CHECK_EQUAL(pbw_triangulate(3, line, NULL, 3, NULL, &mesh), PBW_DEGENERATE);
+        CHECK_EQUAL(pbw_cells_of(&mesh, &domain, ALL | PBW_CELLS_MERGE, NULL, &cells), PBW_DEGENERATE);
+        CHECK(cells.cell_count == 3 && cells.facet_count == 0 && !(sum_of(&cells) > 0));
+        pbw_cells_free(&cells);
+        pbw_cells_free(&cells);
+        pbw_free(&mesh);
+        CHECK_EQUAL(pbw_triangulate(3, s.x, s.w, s.count, NULL, &mesh), PBW_OK);
+        CHECK_EQUAL(pbw_cells_of(&mesh, &domain, PBW_CELLS_FACETS, NULL, &cells), PBW_OK);
+        for (i = 0; i < s.count; i++) {
+            if (mesh.incident[i] == PBW_NONE) {
+                CHECK(!(cells.volumes[i] > 0) && cells.first[i] == cells.first[i + 1]);
+                hidden++;
+            }
+        }
+        CHECK_EQUAL(hidden, mesh.hidden_count);
+        CHECK(hidden > 100);
+        pbw_cells_free(&cells);
+        pbw_free(&mesh);
+        sites_free(&s);
+        test_end();
+    }
+}
+
+static void test_rest(void)
+{
+    int dim, periodic;
+    test_domains();
+    test_arguments();
+    test_degenerate();
+    for (dim = 2; dim <= 3; dim++) {
+        test_rays(dim);
+        test_threads(dim, INPUT_UNIFORM, INPUT_WEIGHTS_ZERO);
+        test_threads(dim, INPUT_LATTICE, INPUT_WEIGHTS_ZERO);
+        test_threads(dim, INPUT_CLUSTERS, INPUT_WEIGHTS_HALF);
+        for (periodic = 0; periodic < 2; periodic++) {
+            test_failures(dim, periodic);
+        }
+    }
+}
+
 int main(int argc, char **argv)
 {
     test_start(argc, argv, 0);
@@ -636,5 +904,6 @@ int main(int argc, char **argv)
     test_lattices();
     test_zoo();
     test_periodics();
+    test_rest();
     return test_finish();
 }
