@@ -49,6 +49,7 @@ help:
 	@echo 'make examples    runs the examples and compares what they print with examples/expected'
 	@echo 'make test        all tests; the last line is `N passed, N failed, N skipped`'
 	@echo 'make bench       compares speed and memory with rivals that are installed (bench/bench.mk)'
+	@echo 'make bench-cells Voronoi cells per second, beside voro++'
 	@echo 'make oracle      compares with CGAL            make names   names, warnings, copies, documentation'
 	@echo 'make asm         looks for fused operations    make arm     64-bit Arm, in an emulator'
 	@echo 'make install PREFIX=/usr/local DESTDIR=         and make uninstall: see examples/install/install.mk'
