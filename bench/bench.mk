@@ -69,3 +69,12 @@ build/bench_cells: bench/cells.cpp examples/lib/pbw_cells.h $(BENCH_INPUTS)
 .PHONY: bench-cells
 bench-cells: build/bench_cells
 	$<
+
+# Queries beside CGAL and nanoflann: bench/query.cpp
+build/bench_query: bench/query.cpp $(BENCH_INPUTS)
+	@mkdir -p build
+	$(CXX) -std=c++17 -frounding-math $(BENCH_FLAGS) -DNDEBUG -I. $< -o $@ -lgmp -lmpfr -lpthread -lm
+
+.PHONY: bench-query
+bench-query: build/bench_query
+	$< $(POINTS)

@@ -37,10 +37,12 @@ check "terrain: of the size it says" [ "$(head -n 2 "$work/terrain.pgm" | tail -
     tr -d ' ')" = "720 480,345615" ]
 check "terrain writes a page" "$bin/terrain" "$work/terrain.pgm" "$work/terrain.html"
 check "terrain: a whole one" [ "$(tail -n 1 "$work/terrain.html")" = "</html>" ]
-check "steps writes pictures" "$bin/steps" "$work/steps.svg"
-check "steps: six of them, whole" \
-    [ "$(grep -c '<text' "$work/steps.svg"),$(tail -n 1 "$work/steps.svg")" = "6,</svg>" ]
-check "steps: no space left is an error" sh -c "[ ! -e /dev/full ] || ! $bin/steps /dev/full"
+for name in steps shares; do
+    check "$name writes pictures" "$bin/$name" "$work/$name.svg"
+    check "$name: three of them, whole" \
+        [ "$(grep -c '<text' "$work/$name.svg"),$(tail -n 1 "$work/$name.svg")" = "3,</svg>" ]
+    check "$name: no space left is an error" sh -c "[ ! -e /dev/full ] || ! $bin/$name /dev/full"
+done
 awk 'BEGIN { printf "P6\n# grey\n40 30\n255\n"; for (i = 0; i < 3600; i++) printf "%c", 48 + i % 75 }' \
     > "$work/in.ppm"
 check "lowpoly reads a PPM file" "$bin/lowpoly" "$work/in.ppm" "$work/lowpoly.svg"

@@ -55,16 +55,17 @@ static void count_free(void *ptr)
 int LLVMFuzzerTestOneInput(const unsigned char *data, size_t size);
 
 /* What is wrong with the outcome of a reader, NULL if nothing is. */
-static const char *judge(const pbwio_cloud *cloud, pbwio_status status, const pbwio_error *error, size_t size)
+static const char *judge(const pbwio_cloud *cloud, pbwio_status status, const pbwio_error *error, size_t bound)
 {
     size_t i;
-    if (peak > 8 * size + 65536) {
+    if (peak > bound) {
         return "too much memory";
     }
     if (status != PBWIO_OK) {
         size_t length = strlen(error->text);
         return held != 0 ? "memory held after a failure"
-             : cloud->count != 0 || cloud->points != NULL || cloud->triangles != NULL ? "not empty after a failure"
+             : cloud->count != 0 || cloud->points != NULL || cloud->triangles != NULL || cloud->tetrahedra != NULL
+             ? "not empty after a failure"
              : length == 0 || length >= sizeof error->text || strchr(error->text, '\n') != NULL ? "no proper message"
              : strncmp(error->text, "fuzz:", 5) != 0 ? "a message without the name of the file" : NULL;
     }
@@ -84,6 +85,11 @@ static const char *judge(const pbwio_cloud *cloud, pbwio_status status, const pb
     for (i = 0; i < 3 * cloud->triangle_count; i++) {
         if (cloud->triangles[i] >= cloud->count) {
             return "a triangle with a point that is none";
+        }
+    }
+    for (i = 0; i < 4 * cloud->tetrahedron_count; i++) {
+        if (cloud->tetrahedra[i] >= cloud->count) {
+            return "a tetrahedron with a point that is none";
         }
     }
     return NULL;
@@ -153,7 +159,7 @@ int LLVMFuzzerTestOneInput(const unsigned char *data, size_t size)
     static const char *const columns[] = { NULL, NULL, "2,1", "x,y", "1,2,3" };
     static const char *const weights[] = { NULL, NULL, NULL, "4", "w" };
     int format;
-    for (format = PBWIO_AUTO; format <= PBWIO_CSV; format++) {
+    for (format = PBWIO_AUTO; format <= PBWIO_JSON; format++) {
         pbwio_options options;
         pbwio_cloud cloud;
         pbwio_error error;
@@ -164,9 +170,10 @@ int LLVMFuzzerTestOneInput(const unsigned char *data, size_t size)
         options.columns = columns[size % 5];
         options.weight = weights[size / 5 % 5];
         options.dim = size % 7 == 6 ? 2 : size % 7 == 5 ? 3 : 0;
+        options.flags = size % 11 == 0 ? PBWIO_DECIMAL_COMMA : 0;
         held = peak = 0;
         status = pbwio_read_memory("fuzz", data, size, &options, &cloud, &error);
-        fault = judge(&cloud, status, &error, size);
+        fault = judge(&cloud, status, &error, io_bound(data, size));
         if (fault == NULL && format == PBWIO_AUTO && cloud.dim == 3 && cloud.triangle_count <= 100) {
             fault = sample(&cloud, size);
         }
@@ -199,7 +206,9 @@ static size_t mutate(unsigned char *bytes, size_t size)
     static const char *const words[] = {
         "0", "-1", "1e999", "nan", "4294967295", "4294967296", "18446744073709551616", "1e-400", " ", "\n", "\r\n",
         "#", "\\\n", ",", ";", "\"", "v ", "f ", "element vertex 99999999\n", "property list uchar int x\n",
-        "end_header\n", "vertex ", "endloop\n", "OFF\n", "-", "/", "0x1p3", "1.", ".", "999999999999999999"
+        "end_header\n", "vertex ", "endloop\n", "OFF\n", "-", "/", "0x1p3", "1.", ".", "999999999999999999",
+        "[", "]", "{\"x\":1,\"y\":2}", "\"coordinates\":", "$Nodes\n", "$Elements\n", "Vertices ", "Tetrahedra ",
+        "C ", "<DataArray ", "format=\"appended\" ", "offset=\"", "<AppendedData encoding=\"raw\">_"
     };
     size_t kind = below(6), at = below(size + 1), length = 1 + below(1 + below(32)), grow;
     const char *word = words[below(sizeof words / sizeof words[0])];

@@ -41,11 +41,129 @@ static const io_sample io_text_samples[] = {
             "property list uchar int vertex_indices\nelement edge 1\nproperty int a\nend_header\n"
             "nan 0 0 0 0\n0 1 0 1 9 0\n0 1 1 0 0\n0 0 1 2 7 8 0\n4 0 1 2 3\n3 0 1 2\n5\n", 3, 4, 3, 4),
     IO_TEXT("flat.ply", "ply\nformat ascii 1.0\nelement vertex 1\nproperty int y\nproperty int x\nend_header\n7 5\n",
-            2, 1, 0, 12)
+            2, 1, 0, 12),
+    IO_TEXT("water.xyz",
+            "3\nwater, 0 K\nO 0 0 0.5\nH 0.75 0 -0.5 9\nH -0.75 1 -0.5\n", 3, 3, 0, 0.5),
+    IO_TEXT("blank.xyz",
+            "2\n\nC 1 2 3\nC 4 5 6\n", 3, 2, 0, 21),
+    IO_TEXT("qhull.txt",
+            "2\n3\n0 0\n1 0\n0 1.5\n", 2, 3, 0, 2.5),
+    IO_TEXT("counts.txt",
+            "4 3\n0 0 0.5\n1 0 0\n0 1 0\n0 0 1\n", 3, 4, 0, 3.5),
+    IO_TEXT("list.json",
+            "[[0, 0], [1.5, 0],\n [0, 1e0]]", 2, 3, 0, 2.5),
+    IO_TEXT("objects.json",
+            "{\"crs\": \"local\", \"points\": [{\"x\": 1, \"Y\": 2, \"z\": 3, \"tags\": [7, 8, {\"a\": null}], "
+            "\"w\": 0.5},\n{\"z\": 6, \"y\": 5, \"x\": 4, \"n\": \"a \\\" ]\", \"w\": 1}]}", 3, 2, 0, 21),
+    IO_TEXT("map.geojson",
+            "{\"type\": \"FeatureCollection\", \"bbox\": [0, 0, 9, 9], \"features\": [{\"type\": \"Feature\", \""
+            "properties\":\n{\"ids\": [7, 8]}, \"geometry\": {\"type\": \"Polygon\", \"coordinates\": [[[0, 0], "
+            "[4, 0], [0, 4], [0, 0]]]}},\n{\"type\": \"Feature\", \"geometry\": {\"type\": \"Point\", \"coordina"
+            "tes\": [1, 2, 3]}}]}", 2, 5, 0, 11),
+    IO_TEXT("two.msh",
+            "$MeshFormat\n2.2 0 8\n$EndMeshFormat\n$PhysicalNames\n1\n2 1 \"skin\"\n$EndPhysicalNames\n$Nodes\n5"
+            "\n9 0 0 0\n7 1 0 0\n5 0 1 0\n3 0 0 1\n2 .5 .5 .5\n$EndNodes\n$Elements\n4\n1 15 2 1 1 9\n2 2 2 1 1 "
+            "9 5 7\n3 4 2 2 1 9 7 5 3\n4 3 0 9 7 5 3\n$EndElements\n", 3, 5, 3, 4.5),
+    IO_TEXT("four.msh",
+            "$MeshFormat\n4.1 0 8\n$EndMeshFormat\n$Nodes\n2 4 1 4\n2 1 1 1\n4\n0 0 0 .1 .2\n3 1 0 3\n1\n2\n3\n1"
+            " 0 0\n0 1 0\n0 0 1\n$EndNodes\n$Elements\n2 2 1 2\n2 1 9 1\n1 1 2 3 4 1 2\n3 1 4 1\n2 4 1 2 3\n$End"
+            "Elements\n", 3, 4, 1, 3),
+    IO_TEXT("binary.msh",
+            "$MeshFormat\n2.2 1 8\n\001\000\000\000\n$EndMeshFormat\n$Nodes\n4\n\001\000\000\000\000\000\000\000"
+            "\000\000\000\000\000\000\000\000\000\000\000\000\000\000\000\000\000\000\000\000\002\000\000\000"
+            "\000\000\000\000\000\000\360\077\000\000\000\000\000\000\000\000\000\000\000\000\000\000\000\000"
+            "\003\000\000\000\000\000\000\000\000\000\000\000\000\000\000\000\000\000\360\077\000\000\000\000"
+            "\000\000\000\000\004\000\000\000\000\000\000\000\000\000\000\000\000\000\000\000\000\000\000\000"
+            "\000\000\000\000\000\000\360\077\n$EndNodes\n$Elements\n2\n\004\000\000\000\001\000\000\000\001\000"
+            "\000\000\007\000\000\000\001\000\000\000\001\000\000\000\002\000\000\000\003\000\000\000\004\000"
+            "\000\000\002\000\000\000\001\000\000\000\000\000\000\000\002\000\000\000\001\000\000\000\002\000"
+            "\000\000\003\000\000\000\n$EndElements\n", 3, 4, 1, 3),
+    IO_TEXT("binary41.msh",
+            "$MeshFormat\n4.1 1 8\n\001\000\000\000\n$EndMeshFormat\n$Entities\n\000\000\n$EndEntities\n$Nodes\n"
+            "\001\000\000\000\000\000\000\000\004\000\000\000\000\000\000\000\001\000\000\000\000\000\000\000"
+            "\004\000\000\000\000\000\000\000\003\000\000\000\001\000\000\000\000\000\000\000\004\000\000\000"
+            "\000\000\000\000\004\000\000\000\000\000\000\000\003\000\000\000\000\000\000\000\002\000\000\000"
+            "\000\000\000\000\001\000\000\000\000\000\000\000\000\000\000\000\000\000\000\000\000\000\000\000"
+            "\000\000\000\000\000\000\000\000\000\000\000\000\000\000\000\000\000\000\360\077\000\000\000\000"
+            "\000\000\000\000\000\000\000\000\000\000\000\000\000\000\000\000\000\000\000\000\000\000\000\000"
+            "\000\000\360\077\000\000\000\000\000\000\000\000\000\000\000\000\000\000\000\000\000\000\000\000"
+            "\000\000\000\000\000\000\000\000\000\000\360\077\n$EndNodes\n$Elements\n\001\000\000\000\000\000"
+            "\000\000\001\000\000\000\000\000\000\000\001\000\000\000\000\000\000\000\001\000\000\000\000\000"
+            "\000\000\003\000\000\000\001\000\000\000\004\000\000\000\001\000\000\000\000\000\000\000\001\000"
+            "\000\000\000\000\000\000\004\000\000\000\000\000\000\000\003\000\000\000\000\000\000\000\002\000"
+            "\000\000\000\000\000\000\001\000\000\000\000\000\000\000\n$EndElements\n", 3, 4, 0, 3),
+    IO_TEXT("medit.mesh",
+            "MeshVersionFormatted 2\nDimension\n3\n# points\nVertices\n4\n0 0 0 1\n1 0 0 1\n0 1 0 -1\n0 0 1 1\nE"
+            "dges 1\n1 2 1\nTriangles\n1\n1 3 2 1\nTetrahedra 1 1 2 3 4 2\nQuadrilaterals 1\n1 2 3 4 0\nEnd\n",
+            3, 4, 3, 3),
+    IO_TEXT("text.vtu",
+            "<\077xml version=\"1.0\"\077>\n<VTKFile type=\"UnstructuredGrid\" version=\"1.0\" byte_order=\"Litt"
+            "leEndian\">\n<UnstructuredGrid>\n<Piece NumberOfPoints=\"4\" NumberOfCells=\"2\">\n<Points><DataArr"
+            "ay type=\"Float32\" Name=\"p\" NumberOfComponents=\"3\" format=\"ascii\">0 0 0 1 0 0\n0 1 0 0 0 1</"
+            "DataArray></Points>\n<Cells><DataArray type=\"Int32\" Name=\"connectivity\" format=\"ascii\">0 1 2 "
+            "3 0 2 1</DataArray>\n<DataArray type=\"Int64\" Name=\"offsets\" format=\"ascii\">4 7</DataArray>\n<"
+            "DataArray type=\"UInt8\" Name=\"types\" format=\"ascii\">10 5</DataArray></Cells>\n</Piece></Unstru"
+            "cturedGrid></VTKFile>\n", 3, 4, 1, 3),
+    IO_TEXT("base64.vtu",
+            "<\077xml version=\"1.0\"\077>\n<VTKFile type=\"UnstructuredGrid\" version=\"1.0\" byte_order=\"Litt"
+            "leEndian\" header_type=\"UInt32\">\n<UnstructuredGrid>\n<Piece NumberOfPoints=\"4\" NumberOfCells="
+            "\"2\">\n<Points><DataArray type=\"Float32\" Name=\"p\" NumberOfComponents=\"3\" format=\"binary\">"
+            "\nMAAAAAAAAAAAAAAAAAAAAAAAgD8AAAAAAAAAAAAAAAAAAIA/AAAAAAAAAAAAAAAAAACAPw==\n</DataArray></Points>\n"
+            "<Cells><DataArray type=\"Int32\" Name=\"connectivity\" format=\"binary\">\nHAAAAAAAAAABAAAAAgAAAAMA"
+            "AAAAAAAAAgAAAAEAAAA=\n</DataArray>\n<DataArray type=\"Int64\" Name=\"offsets\" format=\"binary\">\n"
+            "EAAAAAQAAAAAAAAABwAAAAAAAAA=\n</DataArray>\n<DataArray type=\"UInt8\" Name=\"types\" format=\"binar"
+            "y\">\nAgAAAAoF\n</DataArray></Cells>\n</Piece></UnstructuredGrid></VTKFile>\n", 3, 4, 1, 3),
+    IO_TEXT("zlib.vtu",
+            "<\077xml version=\"1.0\"\077>\n<VTKFile type=\"UnstructuredGrid\" version=\"1.0\" byte_order=\"Litt"
+            "leEndian\" compressor=\"vtkZLibDataCompressor\">\n<UnstructuredGrid>\n<Piece NumberOfPoints=\"4\" N"
+            "umberOfCells=\"2\">\n<Points><DataArray type=\"Float32\" Name=\"p\" NumberOfComponents=\"3\" format"
+            "=\"binary\">AgAAACAAAAAQAAAAEAAAAA0AAAA=eJxjYEAGDfYMaHwADo4Bf3icY2BABg32AAFPAMA=</DataArray></Point"
+            "s>\n<Cells><DataArray type=\"Int32\" Name=\"connectivity\" format=\"binary\">AQAAAEAAAAAcAAAAFwAAAA"
+            "==eJxjYGBgYARiJiBmZoAAJqgYAACgAAo=</DataArray>\n<DataArray type=\"Int64\" Name=\"offsets\" format="
+            "\"binary\">AQAAAEAAAAAQAAAADgAAAA==eJxjYYAAdigNAACIAAw=</DataArray>\n<DataArray type=\"UInt8\" Name"
+            "=\"types\" format=\"binary\">AQAAAEAAAAACAAAACgAAAA==eJzjYgUAABsAEA==</DataArray></Cells>\n</Piece>"
+            "</UnstructuredGrid></VTKFile>\n", 3, 4, 1, 3),
+    IO_TEXT("raw.vtu",
+            "<\077xml version=\"1.0\"\077>\n<VTKFile type=\"UnstructuredGrid\" version=\"1.0\" byte_order=\"Litt"
+            "leEndian\" header_type=\"UInt64\">\n<UnstructuredGrid>\n<Piece NumberOfPoints=\"4\" NumberOfCells="
+            "\"2\">\n<Points><DataArray type=\"Float32\" Name=\"p\" NumberOfComponents=\"3\" format=\"appended\""
+            " offset=\"0\"></DataArray></Points>\n<Cells><DataArray type=\"Int32\" Name=\"connectivity\" format="
+            "\"appended\" offset=\"56\"></DataArray>\n<DataArray type=\"Int64\" Name=\"offsets\" format=\"append"
+            "ed\" offset=\"92\"></DataArray>\n<DataArray type=\"UInt8\" Name=\"types\" format=\"appended\" offse"
+            "t=\"116\"></DataArray></Cells>\n</Piece></UnstructuredGrid><AppendedData encoding=\"raw\">_0\000"
+            "\000\000\000\000\000\000\000\000\000\000\000\000\000\000\000\000\000\000\000\000\200\077\000\000"
+            "\000\000\000\000\000\000\000\000\000\000\000\000\200\077\000\000\000\000\000\000\000\000\000\000"
+            "\000\000\000\000\200\077\034\000\000\000\000\000\000\000\000\000\000\000\001\000\000\000\002\000"
+            "\000\000\003\000\000\000\000\000\000\000\002\000\000\000\001\000\000\000\020\000\000\000\000\000"
+            "\000\000\004\000\000\000\000\000\000\000\007\000\000\000\000\000\000\000\002\000\000\000\000\000"
+            "\000\000\n\005</AppendedData></VTKFile>\n", 3, 4, 1, 3),
+    IO_TEXT("named.csv.gz",
+            "\037\213\010\010\000\000\000\000\002\377points.csv\0005\220I\016\3030\024B\3679\313W\345\077x\272Y"
+            "\232\323\267rx\312\002L\000#\337\366\265\347j\366\377>\375r\363\203eq0,\205%\275\3137\0166\233:/"
+            "\375\337\362{\203\320\350\301\025\251\254\027J\3073HM\010\305\276e\216\246x8J0\232\265Q\020\232c`"
+            "\236\304\027\312\226'\331\234\016\2419S\346,\305\223\227\310\201\207\315\271 o\363\017S\373\343Wd"
+            "\001\000\000", 3, 40, 0, 879.0),
+    IO_TEXT("members.xyz.gz",
+            "\037\213\010\000\000\000\000\000\000\377\001\014\000\363\3770 0 0\n1 0 0\n\264\351\315\333\014\000"
+            "\000\000\037\213\010\000\000\000\000\000\000\3773P0T0\3402P0P0\304B\002\000o\351\336\017\036\000"
+            "\000\000\000\000", 3, 7, 0, 6)
 };
 
 #define IO_TEXT_SAMPLES ((int)(sizeof io_text_samples / sizeof io_text_samples[0]))
 #define IO_SAMPLES (IO_TEXT_SAMPLES + 3)
+
+/* The most bytes that a reader of a file may hold.  Deflate packs 1032 bytes into one at best. */
+static size_t io_bound(const void *data, size_t size)
+{
+    const char *text = (const char *)data;
+    int packed = size >= 2 && memcmp(text, "\x1f\x8b", 2) == 0;
+    size_t i, n = size;
+    for (i = 0; i + 20 < size && !packed; i++) {
+        packed = memcmp(text + i, "vtkZLibDataCompressor", 21 < size - i ? 21 : size - i) == 0;
+    }
+    n = packed ? 1032 * size : n;
+    return 8 * n + 65536 + (packed ? 3 * n + 65536 : 0);
+}
 
 static size_t io_append(char *out, size_t at, uint64_t bits, int size, int big)
 {

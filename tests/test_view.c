@@ -188,6 +188,59 @@ static void test_content(int dim, double scale)
     pbw_free(&mesh);
 }
 
+/* The faces of a model, the ids of points and which simplices are inside; a face that has no point is refused. */
+static void test_model(void)
+{
+    static pbw_index faces[6] = { 7, 2, 7, 1, 40, 3 };
+    pbw_mesh mesh;
+    pbwview_options options;
+    pbwio_error error;
+    static unsigned char inside[2000];
+    uint64_t ids[100], last = 0, step;
+    unsigned char *read;
+    size_t size, at = 0, i, run = 0;
+    char *page;
+    memset(&mesh, 0, sizeof mesh);
+    memset(&options, 0, sizeof options);
+    random_mesh(3, 50, 1, &mesh);
+    for (i = 0; i < mesh.simplex_count; i++) {
+        inside[i] = i % 5 < 2;
+    }
+    options.triangles = faces;
+    options.triangle_count = 2;
+    options.inside = inside;
+    CHECK(pbwview_write(path, &mesh, &options, &error) == PBWIO_OK);
+    page = read_page();
+    read = block(page, "id='ids'>", &size);
+    for (i = 0; i < 50; i++) {
+        step = whole_at(read, &at);
+        last = step % 2 != 0 ? last - (step + 1) / 2 : last + step / 2;
+        ids[i] = last;
+    }
+    CHECK_EQUAL(at, size);
+    free(read);
+    read = block(page, "id='triangles'>", &size);
+    for (i = 0, at = 0, last = 0; i < 6; i++) {
+        step = whole_at(read, &at);
+        last = step % 2 != 0 ? last - (step + 1) / 2 : last + step / 2;
+        CHECK(last < 50 && ids[last] == faces[i]);
+    }
+    CHECK_EQUAL(at, size);
+    free(read);
+    read = block(page, "id='inside'>", &size);
+    CHECK_EQUAL(whole_at(read, (at = 0, &at)), 0);                   /* the first run is of zeros: none */
+    for (run = 0; at < size && run < 8; run++) {
+        CHECK_EQUAL(whole_at(read, &at), run % 2 == 0 ? 2 : 3);
+    }
+    free(read);
+    free(page);
+    faces[3] = 50;
+    CHECK(pbwview_write(path, &mesh, &options, &error) == PBWIO_ERROR_ARGUMENT);
+    CHECK(strstr(error.text, "a corner that is no point") != NULL);
+    unlink(path);
+    pbw_free(&mesh);
+}
+
 static void test_points_only(void)
 {
     static const double points[6] = { 5, 1, 5, 1, 5, 1 };            /* all at one place */
@@ -279,6 +332,10 @@ int main(int argc, char **argv)
                 test_end();
             }
         }
+    }
+    if (test_begin("a page of a model")) {
+        test_model();
+        test_end();
     }
     if (test_begin("a page of points")) {
         test_points_only();

@@ -25,6 +25,22 @@ page flat --generate gauss 2000 --dim 2
 page threads --generate uniform 70000 --dim 2 --threads 8 --colour thread
 page points --generate sphere 5000 --points
 "$bin/terrain" "$work/terrain.pgm" "$work/terrain.html" > "$work/terrain.txt" || echo "FAILED making terrain.html"
+awk 'BEGIN { # a body of revolution that stands on y = 0, an OFF model with y up
+    split("0 1 1 .5 .3 .3 .5 .4 0", r); split("0 0 .2 .5 .9 1.8 2 2.4 2.6", h); n = 24
+    print "OFF"; print 7 * n + 2, 14 * n, 0; print 0, 0, 0
+    for (k = 2; k <= 8; k++) for (i = 0; i < n; i++)
+        print r[k] * cos(6.2831853 * i / n), h[k], r[k] * sin(6.2831853 * i / n)
+    print 0, 2.6, 0
+    for (i = 0; i < n; i++) {
+        j = (i + 1) % n; print 3, 0, 1 + i, 1 + j; print 3, 7 * n + 1, 6 * n + 1 + j, 6 * n + 1 + i
+        for (k = 0; k < 6; k++) { a = 1 + k * n; print 3, a + i, a + n + i, a + j; print 3, a + j, a + n + i, a + n + j }
+    } }' > "$work/pawn.off"
+awk 'BEGIN { # a disc in the plane y = 1: no tetrahedra
+    print "OFF"; print 61, 60, 0; print 0, 1, 0
+    for (i = 0; i < 60; i++) print cos(6.2831853 * i / 60), 1, sin(6.2831853 * i / 60)
+    for (i = 0; i < 60; i++) print 3, 0, 1 + i, 1 + (i + 1) % 60 }' > "$work/disc.off"
+page pawn "$work/pawn.off"
+page disc "$work/disc.off"
 page million --generate uniform 150000
 "$bin/pbw" mesh --quiet --generate uniform 3000 --text -o "$work/solid.vtu"
 awk '/Name="quality"/ { on = 1; next } /<\/DataArray>/ { on = 0 } on { for (i = 1; i <= NF; i++) print $i }' \

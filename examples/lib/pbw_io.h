@@ -25,9 +25,21 @@
              own three corners
      .off    OFF, COFF, NOFF, STOFF                   numbers of the vertex line
      .node   TetGen and Triangle, 0- or 1-based       x y (z), then attributes, then the marker
+     .ele    the simplices; points: the .node file    as .node
+             of that name
+     .msh    Gmsh 2.2 and 4.1, ascii and binary       x y z
+     .mesh   Medit, ascii                             x y (z)
+     .vtu    one piece; ascii, base64 or raw, plain   weights: an array of the points by name
+             or compressed by zlib
+     .json .geojson  arrays of numbers; objects with  numbers in an array, members of an object
+             x and y; "coordinates"
+     .xyz    molecules: count, comment, then rows     symbol x y z, then numbers
+             of symbol x y z
      .xyz .csv .txt .tsv .pts .asc .dat               by name if there is a header line, or number;
              separated by blanks, commas, semicolons  a line that starts with # is a comment
-     Any other name: the content decides.
+     Any other name: the content decides.  All of them compressed by gzip, too, with the ending .gz or not.
+     Of meshes, triangles, quadrilaterals, polygons are faces, tetrahedra are cells; other elements are passed over.
+     A first line of counts is passed if the rows below agree with it, and refused where it may as well be a point.
 
    WRITES    what                                             text or binary     read by
      .vtu    simplices, quality, point ids                    both               ParaView, VTK
@@ -46,8 +58,9 @@
      exact       numbers are read correctly rounded and written so that they read back the same, in every
                  locale                                                                     tests/test_io.c
      says where  a bad file is refused with "name:line: what" or "name: byte N: what"       tests/test_io.c
-     bounded     a file of n bytes makes the readers hold at most 8 n bytes + 64 KiB beside its own text;
-                 nothing recurses; the stack needed is below 64 KiB                         tests/test_io.c
+     bounded     a file of n bytes makes the readers hold at most 8 n bytes + 64 KiB beside its own text, n counted
+                 unpacked; unpacking needs at most 3 n + 64 KiB; nothing recurses; the stack needed is below 64 KiB
+                                                                                            tests/test_io.c
      safe        no input, however broken, crashes or hangs a reader                        tests/fuzz_io.c
      whole       a file is written under another name and renamed at the end: there is the whole file or
                  none                                                                       tests/test_io.c
@@ -100,8 +113,9 @@ typedef struct pbwio_error {           /* filled when a function fails; may be N
 typedef enum pbwio_format {
     PBWIO_AUTO = 0,                    /* reading: by name, then by content; writing: by name */
     PBWIO_OBJ, PBWIO_PLY, PBWIO_STL, PBWIO_OFF, PBWIO_NODE, PBWIO_XYZ, PBWIO_CSV,     /* XYZ, CSV: any table */
-    PBWIO_VTU, PBWIO_MSH, PBWIO_MESH, PBWIO_ELE, PBWIO_NEIGH,                         /* from here: written only */
-    PBWIO_FACE, PBWIO_MSH2, PBWIO_INP, PBWIO_SU2
+    PBWIO_VTU, PBWIO_MSH, PBWIO_MESH, PBWIO_ELE,
+    PBWIO_NEIGH, PBWIO_FACE, PBWIO_MSH2, PBWIO_INP, PBWIO_SU2,                        /* written only, but MSH2 */
+    PBWIO_JSON                                                                        /* read only */
 } pbwio_format;
 
 typedef struct pbwio_cloud {           /* start from {0}; pbwio_free when done */
@@ -111,6 +125,8 @@ typedef struct pbwio_cloud {           /* start from {0}; pbwio_free when done *
     double *weights;                   /* count, or NULL if no weight column was asked for */
     size_t triangle_count;             /* faces of a model, polygons cut into fans; 0 for tables and .node */
     pbw_index *triangles;              /* triangle_count*3 ids of points, each < count */
+    size_t tetrahedron_count;          /* of .ele .msh .mesh .vtu; their triangles are faces as above */
+    pbw_index *tetrahedra;             /* tetrahedron_count*4 ids of points, turned as the file has them */
 } pbwio_cloud;
 
 typedef struct pbwio_options {         /* NULL or all zero = best defaults */
@@ -119,7 +135,10 @@ typedef struct pbwio_options {         /* NULL or all zero = best defaults */
     const char *columns;               /* "2,3,4" or "east,north": x,y or x,y,z, numbered from 1 or named; NULL = the
                                           columns named x y z, else the first that are not the weight */
     const char *weight;                /* the same for the weight; NULL = no weights */
+    unsigned flags;                    /* PBWIO_DECIMAL_COMMA */
 } pbwio_options;
+
+#define PBWIO_DECIMAL_COMMA 1u         /* tables: numbers such as 1,5; columns are set apart by ; or blanks */
 
 #define PBWIO_TEXT       1u            /* text even where the format has a binary form */
 #define PBWIO_NO_ORPHANS 2u            /* leave out points that are corners of nothing written */
@@ -144,7 +163,9 @@ PBWIODEF void pbwio_free(pbwio_cloud *cloud);
 PBWIODEF pbwio_status pbwio_write(const char *path, const pbw_mesh *mesh, const pbwio_output *output,
                                   pbwio_error *error);
 /* Writes any file whole or not at all: emit writes to the stream and need not look for errors; "path.part" is then
-   renamed to path, or removed if the disk was full.  Names under /dev are written in place. */
+   renamed to path, or removed if the disk was full.  A file that is replaced gives its mode to the new one; a
+   symbolic link stays, and what it leads to is replaced.  "-" is the standard output; that, FIFOs, devices and names
+   under /dev are written in place. */
 PBWIODEF pbwio_status pbwio_save(const char *path, void (*emit)(void *user, FILE *file), void *user,
                                  pbwio_error *error);
 /* The format that a name's ending stands for, PBWIO_AUTO if none. */
@@ -164,6 +185,13 @@ PBWIODEF pbwio_format pbwio_format_of(const char *path);
 #include <stdarg.h>
 #include <stdlib.h>
 #include <string.h>
+#include <sys/stat.h>
+#ifndef _WIN32
+#include <unistd.h>
+#ifndef __cplusplus
+extern ssize_t readlink(const char *path, char *link, size_t size);     /* strict C modes hide it */
+#endif
+#endif
 
 #ifndef PBWIO_REALLOC
 #define PBWIO_REALLOC(ptr, size) realloc(ptr, size)
@@ -224,12 +252,12 @@ static pbwio_status pbwio__file_error(pbwio_error *error, pbwio_status status, c
 /* The digits of a number that has been found well-formed, as an integer and a power of ten, so that no decimal point
    and no locale is involved.  A double or a midpoint of two has at most 767 significant digits; of more digits than
    that it matters only whether the rest is zero. */
-static double pbwio__long_number(const char *s, const char *end, long long exponent)
+static double pbwio__long_number(const char *s, const char *end, char mark, long long exponent)
 {
     char digits[840];
     int count = 0, point = 0, rest = 0, negative = *s == '-';
     for (s += *s == '-' || *s == '+'; s < end; s++) {
-        if (*s == '.') {
+        if (*s == mark) {
             point = 1;
             continue;
         }
@@ -255,9 +283,10 @@ static double pbwio__long_number(const char *s, const char *end, long long expon
     return negative ? -strtod(digits, NULL) : strtod(digits, NULL);
 }
 
-/* 1 if [s, end) is a finite decimal number and nothing else.  Up to 2^53 times a power of ten up to 10^22 is one
-   rounding of two exact doubles, so correct (Clinger 1990, "How to read floating point numbers accurately"). */
-static int pbwio__number(const char *s, const char *end, double *value)
+/* 1 if [s, end) is a finite decimal number, with that decimal mark, and nothing else.  Up to 2^53 times a power of
+   ten up to 10^22 is one rounding of two exact doubles, so correct (Clinger 1990, "How to read floating point numbers
+   accurately"). */
+static int pbwio__decimal(const char *s, const char *end, char mark, double *value)
 {
     static const double power[] = { 1e0, 1e1, 1e2, 1e3, 1e4, 1e5, 1e6, 1e7, 1e8, 1e9, 1e10, 1e11, 1e12, 1e13, 1e14,
                                     1e15, 1e16, 1e17, 1e18, 1e19, 1e20, 1e21, 1e22 };
@@ -273,7 +302,7 @@ static int pbwio__number(const char *s, const char *end, double *value)
             exponent -= point;
             exact &= mantissa < 900719925474099u;
             mantissa = mantissa * 10 + digit;                       /* wraps only where exact is 0 */
-        } else if (*s == '.' && !point) {
+        } else if (*s == mark && !point) {
             point = 1;
         } else {
             break;
@@ -306,8 +335,13 @@ static int pbwio__number(const char *s, const char *end, double *value)
         return 1;
     }
 #endif
-    *value = pbwio__long_number(begin, digits_end, written);
+    *value = pbwio__long_number(begin, digits_end, mark, written);
     return *value <= DBL_MAX && *value >= -DBL_MAX;
+}
+
+static int pbwio__number(const char *s, const char *end, double *value)
+{
+    return pbwio__decimal(s, end, '.', value);
 }
 
 /* The digits d.ddd times 10^exponent as text; returns the length. */
@@ -371,6 +405,319 @@ static int pbwio__print_number(char text[40], double x, int longest)
 }
 
 /* ------------------------------------------------------------------------------------------------------
+   Compressed data: Deflate (RFC 1951) as gzip (RFC 1952) and zlib (RFC 1950) wrap it.
+   In: bytes.  Out: a block.  Holds: no read beyond end; copies reach back no farther than the member's start.
+   ------------------------------------------------------------------------------------------------------ */
+#define PBWIO__FAST 10                       /* codes of at most so many bits are looked up at once */
+
+typedef struct pbwio__codes {                /* a canonical Huffman code */
+    uint16_t count[16], symbol[288];         /* codes of each length; symbols in the order of their codes */
+    uint16_t fast[1 << PBWIO__FAST];         /* by the next bits: 16 * symbol + length; 0: the code is longer */
+} pbwio__codes;
+
+typedef struct pbwio__inflater {
+    const unsigned char *in, *end;
+    unsigned char *out;
+    size_t used, capacity, start;            /* of out; start: where this member's bytes start */
+    uint64_t bits;
+    int bit_count, grows, failed, no_memory; /* grows: out may be resized */
+    pbwio__codes literals, distances;
+} pbwio__inflater;
+
+/* The next bits, the first of them lowest; zeros beyond the end. */
+static unsigned pbwio__peek(pbwio__inflater *z, int count)
+{
+    while (z->bit_count < count && z->in < z->end) {
+        z->bits |= (uint64_t)*z->in++ << z->bit_count;
+        z->bit_count += 8;
+    }
+    return (unsigned)(z->bits & (((uint64_t)1 << count) - 1));
+}
+
+static void pbwio__drop(pbwio__inflater *z, int count)
+{
+    z->failed |= count > z->bit_count;
+    z->bits >>= count;
+    z->bit_count = count > z->bit_count ? 0 : z->bit_count - count;
+}
+
+static unsigned pbwio__take(pbwio__inflater *z, int count)
+{
+    unsigned value = pbwio__peek(z, count);
+    pbwio__drop(z, count);
+    return value;
+}
+
+/* Makes a code from the lengths of its symbols; a code that has too many words is refused. */
+static void pbwio__make_codes(pbwio__inflater *z, pbwio__codes *codes, const unsigned char *length, int count)
+{
+    unsigned next[16], first[16], code = 0, i, k, reversed;
+    int symbol, left = 1;
+    memset(codes, 0, sizeof *codes);
+    for (symbol = 0; symbol < count; symbol++) {
+        codes->count[length[symbol]]++;
+    }
+    codes->count[0] = 0;
+    for (i = 1, first[0] = next[0] = k = 0; i < 16; i++) {
+        code = (code + codes->count[i - 1]) << 1;
+        next[i] = code;
+        first[i] = k;
+        k += codes->count[i];
+        left = 2 * left - codes->count[i];
+        z->failed |= left < 0;
+    }
+    for (symbol = 0; symbol < count && !z->failed; symbol++) {
+        i = length[symbol];
+        if (i != 0) {
+            codes->symbol[first[i]++] = (uint16_t)symbol;
+            for (k = 0, reversed = 0; k < i; k++) {
+                reversed |= (next[i] >> k & 1) << (i - 1 - k);
+            }
+            for (; i <= PBWIO__FAST && reversed < 1 << PBWIO__FAST; reversed += 1u << i) {
+                codes->fast[reversed] = (uint16_t)(16 * symbol + (int)i);
+            }
+            next[i]++;
+        }
+    }
+}
+
+static int pbwio__symbol(pbwio__inflater *z, const pbwio__codes *codes)
+{
+    unsigned bits = pbwio__peek(z, 15), fast = codes->fast[bits & ((1 << PBWIO__FAST) - 1)];
+    int code = 0, first = 0, at = 0, length;
+    if (fast != 0) {
+        pbwio__drop(z, (int)(fast & 15));
+        return (int)(fast >> 4);
+    }
+    for (length = 1; length < 16; length++, bits >>= 1) {
+        code |= (int)(bits & 1);
+        if (code - first < codes->count[length]) {
+            pbwio__drop(z, length);
+            return codes->symbol[at + code - first];
+        }
+        at += codes->count[length];
+        first = (first + codes->count[length]) << 1;
+        code <<= 1;
+    }
+    z->failed = 1;
+    return 0;
+}
+
+/* Room for more bytes of output. */
+static int pbwio__room(pbwio__inflater *z, size_t more)
+{
+    if (z->capacity - z->used < more) {
+        size_t capacity = z->capacity + z->capacity / 2 + more + 4096;
+        void *block = z->grows && capacity > z->capacity ? PBWIO_REALLOC(z->out, capacity) : NULL;
+        if (block == NULL) {
+            z->no_memory = z->grows;
+            z->failed = 1;
+            return 0;
+        }
+        z->out = (unsigned char *)block;
+        z->capacity = capacity;
+    }
+    return 1;
+}
+
+/* The lengths of the codes of a block: its own, or fixed ones. */
+static void pbwio__read_codes(pbwio__inflater *z, int fixed)
+{
+    static const unsigned char order[19] = { 16, 17, 18, 0, 8, 7, 9, 6, 10, 5, 11, 4, 12, 3, 13, 2, 14, 1, 15 };
+    unsigned char length[320];
+    int literals = 288, distances = 30, count, i, symbol, repeat;
+    memset(length, 0, sizeof length);
+    if (fixed) {
+        for (i = 0; i < 288; i++) {
+            length[i] = (unsigned char)(i < 144 ? 8 : i < 256 ? 9 : i < 280 ? 7 : 8);
+        }
+        memset(length + 288, 5, 30);
+    } else {
+        literals = 257 + (int)pbwio__take(z, 5);
+        distances = 1 + (int)pbwio__take(z, 5);
+        count = 4 + (int)pbwio__take(z, 4);
+        for (i = 0; i < count; i++) {
+            length[order[i]] = (unsigned char)pbwio__take(z, 3);
+        }
+        pbwio__make_codes(z, &z->literals, length, 19);
+        memset(length, 0, sizeof length);
+        for (i = 0; i < literals + distances && !z->failed;) {
+            symbol = pbwio__symbol(z, &z->literals);
+            repeat = symbol < 16 ? 1 : symbol == 16 ? 3 + (int)pbwio__take(z, 2)
+                   : symbol == 17 ? 3 + (int)pbwio__take(z, 3) : 11 + (int)pbwio__take(z, 7);
+            z->failed |= i + repeat > literals + distances || (symbol == 16 && i == 0);
+            for (; repeat > 0 && !z->failed; repeat--, i++) {
+                length[i] = (unsigned char)(symbol < 16 ? symbol : symbol == 16 ? length[i - 1] : 0);
+            }
+        }
+        z->failed |= literals > 286 || distances > 30;
+    }
+    if (!z->failed) {
+        pbwio__make_codes(z, &z->literals, length, literals);
+        pbwio__make_codes(z, &z->distances, length + literals, distances);
+    }
+}
+
+static void pbwio__read_block(pbwio__inflater *z)
+{
+    static const uint16_t length_base[29] = { 3, 4, 5, 6, 7, 8, 9, 10, 11, 13, 15, 17, 19, 23, 27, 31, 35, 43, 51, 59,
+                                              67, 83, 99, 115, 131, 163, 195, 227, 258 };
+    int symbol, code, length, extra;
+    size_t distance;
+    while (!z->failed && (symbol = pbwio__symbol(z, &z->literals)) != 256 && !z->failed) {
+        if (symbol < 256) {
+            if (pbwio__room(z, 1)) {
+                z->out[z->used++] = (unsigned char)symbol;
+            }
+            continue;
+        }
+        symbol -= 257;
+        if (symbol > 28) {
+            z->failed = 1;
+            return;
+        }
+        extra = symbol < 8 || symbol == 28 ? 0 : symbol / 4 - 1;
+        length = length_base[symbol] + (int)pbwio__take(z, extra);
+        code = pbwio__symbol(z, &z->distances);
+        if (code > 29) {
+            z->failed = 1;
+            return;
+        }
+        extra = code < 4 ? 0 : code / 2 - 1;
+        distance = (code < 4 ? (size_t)code + 1 : ((size_t)(2 + code % 2) << extra) + 1) + pbwio__take(z, extra);
+        z->failed |= distance > z->used - z->start;
+        if (!z->failed && pbwio__room(z, (size_t)length)) {
+            for (; length > 0; length--, z->used++) {                /* byte by byte: it may overlap */
+                z->out[z->used] = z->out[z->used - distance];
+            }
+        }
+    }
+}
+
+/* Appends what a Deflate stream holds to out; in is then behind its last byte. */
+static void pbwio__inflate(pbwio__inflater *z)
+{
+    int last = 0, kind;
+    size_t length;
+    z->bits = 0;
+    z->bit_count = 0;
+    z->start = z->used;
+    while (!last && !z->failed) {
+        last = (int)pbwio__take(z, 1);
+        kind = (int)pbwio__take(z, 2);
+        if (kind == 0) {
+            pbwio__drop(z, z->bit_count % 8);
+            length = pbwio__take(z, 16);
+            z->failed |= (pbwio__take(z, 16) ^ length) != 0xffff;
+            z->in -= z->bit_count / 8;
+            z->bits = 0;
+            z->bit_count = 0;
+            z->failed |= length > (size_t)(z->end - z->in);
+            if (!z->failed && (length == 0 || pbwio__room(z, length))) {
+                memcpy(z->out + z->used, z->in, length);
+                z->used += length;
+                z->in += length;
+            }
+        } else {
+            z->failed |= kind == 3;
+            if (!z->failed) {
+                pbwio__read_codes(z, kind == 1);
+                pbwio__read_block(z);
+            }
+        }
+    }
+    z->in -= z->bit_count / 8;
+}
+
+static uint32_t pbwio__crc(const unsigned char *data, size_t size)
+{
+    uint32_t table[256], crc = 0xffffffff;
+    size_t i;
+    int k;
+    for (i = 0; i < 256; i++) {
+        table[i] = (uint32_t)i;
+        for (k = 0; k < 8; k++) {
+            table[i] = table[i] >> 1 ^ (table[i] & 1 ? 0xedb88320 : 0);
+        }
+    }
+    for (i = 0; i < size; i++) {
+        crc = crc >> 8 ^ table[(crc ^ data[i]) & 255];
+    }
+    return ~crc;
+}
+
+static uint32_t pbwio__word(const unsigned char *s)                  /* of 4 bytes, the lowest first */
+{
+    return (uint32_t)s[0] | (uint32_t)s[1] << 8 | (uint32_t)s[2] << 16 | (uint32_t)s[3] << 24;
+}
+
+/* Passes the header of a gzip member; returns whether it is one. */
+static int pbwio__gzip_header(pbwio__inflater *z)
+{
+    int flags, text;
+    if (z->end - z->in < 18 || z->in[0] != 0x1f || z->in[1] != 0x8b || z->in[2] != 8) {
+        return 0;
+    }
+    flags = z->in[3];
+    z->in += 10;
+    if (flags & 4) {                                                 /* extra fields */
+        size_t length = (size_t)z->in[0] | (size_t)z->in[1] << 8;
+        if ((size_t)(z->end - z->in) < length + 2) {
+            return 0;
+        }
+        z->in += length + 2;
+    }
+    for (text = 0; text < ((flags & 8) != 0) + ((flags & 16) != 0); text++) {        /* name, comment */
+        while (z->in < z->end && *z->in != 0) {
+            z->in++;
+        }
+        z->in += z->in < z->end;
+    }
+    z->in += flags & 2 && z->end - z->in > 1 ? 2 : 0;
+    return 1;
+}
+
+/* Unpacks a .gz file, of one member or several: *data and *size become a block for the caller to free.  What is left
+   behind the last member, such as the zeros of tapes, does not matter. */
+static pbwio_status pbwio__gunzip(const char *name, const char **data, size_t *size, pbwio_error *error)
+{
+    pbwio__inflater *z = (pbwio__inflater *)PBWIO_REALLOC(NULL, sizeof *z);
+    pbwio_status status = PBWIO_OK;
+    int members = 0;
+    if (z == NULL) {
+        *data = NULL;
+        return pbwio__file_error(error, PBWIO_ERROR_MEMORY, name, "out of memory");
+    }
+    memset(z, 0, sizeof *z);
+    z->in = (const unsigned char *)*data;
+    z->end = z->in + *size;
+    z->grows = 1;
+    pbwio__room(z, 1);                                               /* a block even for no bytes */
+    for (; !z->failed && (members == 0 || (z->end - z->in >= 2 && z->in[0] == 0x1f && z->in[1] == 0x8b)); members++) {
+        z->failed |= !pbwio__gzip_header(z);
+        if (!z->failed) {
+            pbwio__inflate(z);
+        }
+        z->failed |= z->end - z->in < 8;
+        if (!z->failed && (pbwio__word(z->in) != pbwio__crc(z->out + z->start, z->used - z->start)
+                           || pbwio__word(z->in + 4) != (uint32_t)(z->used - z->start))) {
+            z->failed = 1;
+        }
+        z->in += z->failed ? 0 : 8;
+    }
+    if (z->failed) {
+        status = z->no_memory ? pbwio__file_error(error, PBWIO_ERROR_MEMORY, name, "out of memory")
+               : pbwio__file_error(error, PBWIO_ERROR_FORMAT, name, "the compressed data are damaged");
+        PBWIO_FREE(z->out);
+        z->out = NULL;
+    }
+    *data = (const char *)z->out;
+    *size = z->used;
+    PBWIO_FREE(z);
+    return status;
+}
+
+/* ------------------------------------------------------------------------------------------------------
    The reader: lines, fields, points, triangles.
    In: the whole file in memory.  Out: a cloud.  Holds: every pointer stays in [begin, end]; held <= budget.
    The first failure stays in status; from then on there are no more lines and fields, so that loops end.
@@ -385,11 +732,12 @@ typedef struct pbwio__reader {
     const char *line, *line_end, *cursor;    /* the current line without its end; where its next field starts */
     size_t line_number;                      /* 0 where there are no lines: in binary data */
     int separator;                           /* ',' or ';', 0 = blanks */
+    char mark;                               /* of decimals: '.' or ',' */
     int joined, over;                        /* this line is continued with backslashes; has no more fields */
     int column[4], last_column;              /* where x, y, z and the weight are, from 0; -1 = nowhere */
     const pbwio_options *options;
     pbwio_cloud *cloud;
-    size_t point_capacity, triangle_capacity, held, budget;
+    size_t point_capacity, triangle_capacity, tetrahedron_capacity, held, budget;
     size_t fan[2];                           /* the first and the last corner of the polygon at hand */
     pbwio_error *error;
     char shown[32];                          /* a field for a message */
@@ -598,7 +946,8 @@ static void pbwio__choose(pbwio__reader *r, const pbwio__field *names, int name_
         }
     }
     if (dim < 2 || dim < o->dim) {
-        pbwio__fail(r, PBWIO_ERROR_FORMAT, "%d coordinates where %d are needed", dim, o->dim > 2 ? o->dim : 2);
+        pbwio__fail(r, PBWIO_ERROR_FORMAT, "%d coordinate%s where %d are needed", dim, dim == 1 ? "" : "s",
+                    o->dim > 2 ? o->dim : 2);
     }
     if (o->dim == 2) {
         dim = 2;
@@ -621,7 +970,8 @@ static void pbwio__reserve(pbwio__reader *r, unsigned long long announced, size_
 {
     size_t left = (size_t)(r->end - r->at), dim = (size_t)r->cloud->dim, count;
     if (r->status == PBWIO_OK && announced > (left + 1) / smallest) {
-        pbwio__fail(r, PBWIO_ERROR_FORMAT, "%llu points are announced, %zu bytes follow", announced, left);
+        pbwio__fail(r, PBWIO_ERROR_FORMAT, "%llu point%s announced, %zu bytes follow", announced,
+                    announced == 1 ? " is" : "s are", left);
     }
     if (r->status == PBWIO_OK && announced >= PBW_NONE) {
         pbwio__fail(r, PBWIO_ERROR_FORMAT, "more than %lu points", (unsigned long)PBW_NONE - 1);
@@ -673,9 +1023,10 @@ static void pbwio__point(pbwio__reader *r)
             return;
         }
         for (k = 0; k < 4; k++) {
-            if (r->column[k] == i && !pbwio__number(field.begin, field.end, &value[k])) {
-                pbwio__fail(r, PBWIO_ERROR_FORMAT, "column %d, \"%s\", is not a finite number", i + 1,
-                            pbwio__show(r, field));
+            if (r->column[k] == i && !pbwio__decimal(field.begin, field.end, r->mark, &value[k])) {
+                int comma = r->mark == '.' && pbwio__decimal(field.begin, field.end, ',', &value[k]);
+                pbwio__fail(r, PBWIO_ERROR_FORMAT, "column %d, \"%s\", is not a finite number%s", i + 1,
+                            pbwio__show(r, field), comma ? " (decimal commas are read on request)" : "");
             }
         }
     }
@@ -736,18 +1087,139 @@ static size_t pbwio__count_lines(const pbwio__reader *r, char letter)
     return count;
 }
 
+/* What a row is made of. */
+typedef struct pbwio__shape {
+    int columns, numbers, naturals;          /* numbers: fields that start like one */
+    int letter;                              /* the first field starts with a letter */
+    long long first, second;                 /* the first two fields, where they are natural numbers */
+} pbwio__shape;
+
+static pbwio__shape pbwio__shape_of(pbwio__reader *r)
+{
+    pbwio__shape shape;
+    pbwio__field field;
+    long long value;
+    memset(&shape, 0, sizeof shape);
+    for (r->cursor = r->line, r->over = 0; pbwio__next(r, &field); shape.columns++) {
+        int letter = field.begin < field.end ? *field.begin | 32 : 0;
+        shape.numbers += field.begin < field.end && memchr("+-.0123456789", *field.begin, 13) != NULL;
+        shape.letter |= shape.columns == 0 && letter >= 'a' && letter <= 'z';
+        if (pbwio__natural(field, &value)) {
+            shape.naturals++;
+            shape.first = shape.columns == 0 ? value : shape.first;
+            shape.second = shape.columns == 1 ? value : shape.second;
+        }
+    }
+    return shape;
+}
+
+static pbwio__shape pbwio__next_shape(pbwio__reader *r)
+{
+    pbwio__shape none;
+    memset(&none, 0, sizeof none);
+    return pbwio__row_line(r) ? pbwio__shape_of(r) : none;
+}
+
+/* Chemistry's .xyz: a count, a comment, then a symbol, x, y, z and perhaps more in each line.  Reads it and returns 1
+   if the third line looks so; head: behind the first line. */
+static int pbwio__read_molecule(pbwio__reader *r, pbwio__reader head, long long count)
+{
+    static const char names[] = "symbol x y z";
+    pbwio__field name[4] = { { names, names + 6 }, { names + 7, names + 8 }, { names + 9, names + 10 },
+                             { names + 11, names + 12 } };
+    pbwio__reader rows;
+    pbwio__shape shape;
+    long long i;
+    if (!pbwio__line(&head)) {
+        return 0;
+    }
+    rows = head;
+    shape = pbwio__line(&head) ? pbwio__shape_of(&head) : pbwio__next_shape(&head);
+    if (!shape.letter || shape.columns < 4 || shape.numbers < 3) {
+        return 0;
+    }
+    r->at = rows.at;
+    r->line_number = rows.line_number;
+    pbwio__choose(r, name, 4, shape.columns);
+    pbwio__reserve(r, (unsigned long long)count, 8);
+    for (i = 0; i < count && r->status == PBWIO_OK; i++) {
+        if (!pbwio__row_line(r)) {
+            pbwio__fail(r, PBWIO_ERROR_FORMAT, "the file ends after %lld of %lld atoms", i, count);
+        }
+        pbwio__point(r);
+    }
+    if (pbwio__row_line(r)) {
+        pbwio__fail(r, PBWIO_ERROR_FORMAT, "more than %lld atoms: files of one frame are read", count);
+    }
+    return 1;
+}
+
+/* A first line of natural numbers may be the count that .pts files and molecules start with, the dimension before the
+   count (Qhull), or a count and a dimension or others; passes it.  One that may as well be a point is refused.
+   Returns 1 if all is read. */
+static int pbwio__pass_counts(pbwio__reader *r)
+{
+    pbwio__reader look = *r, after;
+    pbwio__shape head = pbwio__next_shape(&look), row;
+    size_t rows = 1;
+    int counted;
+    if (head.columns == 0 || head.naturals < head.columns) {
+        return 0;
+    }
+    if (head.columns == 1 && pbwio__read_molecule(r, look, head.first)) {
+        return 1;
+    }
+    after = look;
+    row = pbwio__next_shape(&look);
+    if (head.columns == 1 && row.columns == 1 && row.naturals == 1 && (head.first == 2 || head.first == 3)) {
+        pbwio__reader second = look;
+        row = pbwio__next_shape(&look);
+        after = row.columns == head.first ? second : after;
+    }
+    if (head.columns > 1 && row.columns > 1) {
+        while (pbwio__row_line(&look)) {
+            rows++;
+        }
+        counted = rows == (unsigned long long)head.first || rows == (unsigned long long)(head.first + head.second);
+        counted = counted && head.first >= 4;                        /* of fewer rows a point may be the count */
+        if (head.columns != row.columns && head.second == row.columns && !counted && head.first >= 4) {
+            pbwio__fail(&after, PBWIO_ERROR_FORMAT, "%lld points are announced, %zu rows follow", head.first, rows);
+        } else if (counted && head.columns == row.columns && row.naturals < row.numbers) {
+            pbwio__fail(&after, PBWIO_ERROR_FORMAT, "this looks like a header of counts, %zu rows follow: remove it, "
+                        "or write it with decimal points if it is a point", rows);
+        } else if (!counted || head.columns == row.columns) {
+            head.columns = 0;
+        } else if (rows != (unsigned long long)head.first) {
+            pbwio__fail(&after, PBWIO_ERROR_FORMAT, "counts of points and faces: this looks like .off without its "
+                        "name");
+        }
+        r->status = after.status;
+    }
+    if (head.columns == 1 || (head.columns > 0 && row.columns > 1)) {
+        r->at = after.at;
+        r->line_number = after.line_number;
+    }
+    return 0;
+}
+
 /* The first lines tell the separator, the names and the number of columns: a first line in which nothing starts like
-   a number is a header; a first line that is one whole number is the count that .pts files start with. */
+   a number is a header. */
 static void pbwio__read_table(pbwio__reader *r)
 {
     pbwio__field names[PBWIO__MOST_COLUMNS], columns[PBWIO__MOST_COLUMNS];
+    pbwio__reader head = *r;
     int name_count = 0, count, numbers, first;
-    long long announced;
+    size_t length;
+    r->mark = r->options->flags & PBWIO_DECIMAL_COMMA ? ',' : '.';
+    if (pbwio__row_line(&head)) {
+        length = (size_t)(head.line_end - head.line);
+        r->separator = memchr(head.line, ';', length) ? ';'
+                     : r->mark == '.' && memchr(head.line, ',', length) ? ',' : 0;
+    }
+    if (pbwio__pass_counts(r)) {
+        return;
+    }
     for (first = 1; pbwio__row_line(r); first = 0) {
-        if (first) {
-            size_t length = (size_t)(r->line_end - r->line);
-            r->separator = memchr(r->line, ';', length) ? ';' : memchr(r->line, ',', length) ? ',' : 0;
-        }
         for (count = numbers = 0; count < PBWIO__MOST_COLUMNS && pbwio__next(r, &columns[count]); count++) {
             const char *s = columns[count].begin;
             numbers += s < columns[count].end && memchr("+-.0123456789", *s, 13) != NULL;
@@ -755,14 +1227,14 @@ static void pbwio__read_table(pbwio__reader *r)
         if (first && numbers == 0) {
             memcpy(names, columns, sizeof columns);
             name_count = count;
-        } else if (!(first && count == 1 && pbwio__natural(columns[0], &announced))) {
-            pbwio__choose(r, names, name_count, count);
-            r->at = r->line;
-            r->line_number--;
-            pbwio__reserve(r, pbwio__most(r, pbwio__count_lines(r, 0)), 1);
-            while (pbwio__row_line(r)) {
-                pbwio__point(r);
-            }
+            continue;
+        }
+        pbwio__choose(r, names, name_count, count);
+        r->at = r->line;
+        r->line_number--;
+        pbwio__reserve(r, pbwio__most(r, pbwio__count_lines(r, 0)), 1);
+        while (pbwio__row_line(r)) {
+            pbwio__point(r);
         }
     }
 }
@@ -839,7 +1311,7 @@ static void pbwio__read_obj(pbwio__reader *r)
         }
     }
     if (r->cloud->count < r->point_capacity && r->cloud->triangle_count != 0) {
-        pbwio__fail(r, PBWIO_ERROR_FORMAT, "%zu points where %zu are announced", r->cloud->count, r->point_capacity);
+        pbwio__fail(r, PBWIO_ERROR_FORMAT, "points: %zu, announced: %zu", r->cloud->count, r->point_capacity);
     }
 }
 
@@ -891,7 +1363,8 @@ static void pbwio__read_off(pbwio__reader *r)
    ------------------------------------------------------------------------------------------------------ */
 static const struct { const char *name, *old_name; size_t size; } pbwio__types[] = {
     { "int8", "char", 1 }, { "uint8", "uchar", 1 }, { "int16", "short", 2 }, { "uint16", "ushort", 2 },
-    { "int32", "int", 4 }, { "uint32", "uint", 4 }, { "float32", "float", 4 }, { "float64", "double", 8 }
+    { "int32", "int", 4 }, { "uint32", "uint", 4 }, { "float32", "float", 4 }, { "float64", "double", 8 },
+    { "int64", "", 8 }, { "uint64", "", 8 }                          /* not in .ply */
 };
 
 /* The next value of a type out of the table, in the byte order of the file. */
@@ -930,8 +1403,8 @@ static void pbwio__read_stl_binary(pbwio__reader *r, size_t count)
     r->at += 84;
     r->line_number = 0;
     if ((size_t)(r->end - r->at) / 50 < count) {
-        pbwio__fail(r, PBWIO_ERROR_FORMAT, "%zu triangles are announced, %zu bytes follow", count,
-                    (size_t)(r->end - r->at));
+        pbwio__fail(r, PBWIO_ERROR_FORMAT, "%zu triangle%s announced, %zu bytes follow", count,
+                    count == 1 ? " is" : "s are", (size_t)(r->end - r->at));
     }
     pbwio__reserve(r, 3 * (unsigned long long)count, 16);
     for (i = 0; i < count && r->status == PBWIO_OK; i++, r->at += 2) {
@@ -1170,6 +1643,1044 @@ static void pbwio__read_ply(pbwio__reader *r)
         }
         r->status = r->status == PBWIO_OK ? header.status : r->status;
     }
+}
+
+/* ------------------------------------------------------------------------------------------------------
+   Meshes: .mesh, .msh, .ele.  Points, faces and tetrahedra; other elements are passed over.
+   ------------------------------------------------------------------------------------------------------ */
+
+/* The next field, on this line or a later one. */
+static int pbwio__token(pbwio__reader *r, pbwio__field *field)
+{
+    while (!pbwio__next(r, field)) {
+        if (!pbwio__row_line(r)) {
+            pbwio__fail(r, PBWIO_ERROR_FORMAT, "the file ends too early");
+            return 0;
+        }
+    }
+    return 1;
+}
+
+static double pbwio__token_number(pbwio__reader *r)
+{
+    pbwio__field field;
+    double value = 0;
+    if (pbwio__token(r, &field) && !pbwio__number(field.begin, field.end, &value)) {
+        pbwio__fail(r, PBWIO_ERROR_FORMAT, "\"%s\" is not a finite number", pbwio__show(r, field));
+    }
+    return value;
+}
+
+static long long pbwio__token_count(pbwio__reader *r, const char *what)
+{
+    pbwio__field field;
+    long long value = 0;
+    if (pbwio__token(r, &field) && !pbwio__natural(field, &value)) {
+        pbwio__fail(r, PBWIO_ERROR_FORMAT, "\"%s\" is not a %s", pbwio__show(r, field), what);
+    }
+    return value;
+}
+
+/* A point from all of its coordinates. */
+static void pbwio__add_row(pbwio__reader *r, const double *row)
+{
+    double value[4] = { 0, 0, 0, 0 };
+    int k;
+    for (k = 0; k < 3; k++) {
+        value[k] = r->column[k] >= 0 ? row[r->column[k]] : 0;
+    }
+    pbwio__add_point(r, value);
+}
+
+static void pbwio__add_tetrahedron(pbwio__reader *r, const long long id[4])
+{
+    pbwio_cloud *cloud = r->cloud;
+    int k;
+    if (cloud->tetrahedron_count == r->tetrahedron_capacity) {
+        size_t capacity = r->tetrahedron_capacity + r->tetrahedron_capacity / 2 + 64;
+        void *block = pbwio__resize(r, cloud->tetrahedra, r->tetrahedron_capacity, capacity, 4 * sizeof(pbw_index));
+        if (block == NULL) {
+            return;
+        }
+        cloud->tetrahedra = (pbw_index *)block;
+        r->tetrahedron_capacity = capacity;
+    }
+    for (k = 0; k < 4; k++) {
+        cloud->tetrahedra[4 * cloud->tetrahedron_count + (size_t)k] = (pbw_index)id[k];
+    }
+    cloud->tetrahedron_count++;
+}
+
+/* An element with the ids of its corners: a tetrahedron if solid, else a polygon; all of the points are known. */
+static void pbwio__add_element(pbwio__reader *r, int solid, int corners, const long long *id)
+{
+    int k;
+    for (k = 0; k < corners; k++) {
+        if (id[k] < 0 || (unsigned long long)id[k] >= r->cloud->count) {
+            pbwio__fail(r, PBWIO_ERROR_FORMAT, "an element has a point that is not there, of %zu", r->cloud->count);
+            return;
+        }
+    }
+    if (solid) {
+        pbwio__add_tetrahedron(r, id);
+    }
+    for (k = 2; k < corners && !solid; k++) {
+        pbwio__add_triangle(r, (size_t)id[0], (size_t)id[k - 1], (size_t)id[k]);
+    }
+}
+
+/* Medit: keywords, each followed by a count and its rows. */
+static void pbwio__read_medit(pbwio__reader *r)
+{
+    pbwio__field word;
+    long long dim = 0, count, i, id[4];
+    double row[3] = { 0, 0, 0 };
+    int k, corners;
+    while (r->status == PBWIO_OK && (pbwio__next(r, &word) || pbwio__row_line(r))) {
+        if (word.begin == word.end || (unsigned)(*word.begin | 32) - 'a' > 25) {
+            continue;                                                /* numbers of a section that is passed over */
+        }
+        corners = pbwio__is(word, "Triangles") ? 3
+                : pbwio__is(word, "Quadrilaterals") || pbwio__is(word, "Tetrahedra") ? 4 : 0;
+        if (pbwio__is(word, "End")) {
+            break;
+        } else if (pbwio__is(word, "Dimension")) {
+            dim = pbwio__token_count(r, "dimension");
+        } else if (pbwio__is(word, "Vertices")) {
+            if (dim < 2 || dim > 3 || r->cloud->points != NULL) {
+                pbwio__fail(r, PBWIO_ERROR_FORMAT, "vertices twice, or in %lld dimensions", dim);
+            }
+            count = pbwio__token_count(r, "number of points");
+            pbwio__choose(r, NULL, dim == 2 ? 2 : 3, dim == 2 ? 2 : 3);
+            pbwio__reserve(r, (unsigned long long)count, 2 * (size_t)dim + 2);
+            for (i = 0; i < count && r->status == PBWIO_OK; i++) {
+                for (k = 0; k < dim && k < 3; k++) {
+                    row[k] = pbwio__token_number(r);
+                }
+                pbwio__token(r, &word);                              /* its reference */
+                pbwio__add_row(r, row);
+            }
+        } else if (corners > 0) {
+            int solid = pbwio__is(word, "Tetrahedra");
+            count = pbwio__token_count(r, "number of elements");
+            for (i = 0; i < count && r->status == PBWIO_OK; i++) {
+                for (k = 0; k < corners; k++) {
+                    id[k] = pbwio__token_count(r, "point number") - 1;
+                }
+                pbwio__token(r, &word);
+                if (r->status == PBWIO_OK) {
+                    pbwio__add_element(r, solid, corners, id);
+                }
+            }
+        }
+    }
+}
+
+/* "count corners attributes", then "id corners attributes"; the points are in the .node file.  Its ids start where
+   those of the elements do. */
+static void pbwio__read_ele(pbwio__reader *r)
+{
+    long long count, corners, i, first = 0, id, corner[4];
+    int k, used = r->cloud->dim + 1;
+    if (r->cloud->count == 0) {
+        pbwio__fail(r, PBWIO_ERROR_ARGUMENT, "the points of an .ele file are in the .node file beside it");
+        return;
+    }
+    count = pbwio__token_count(r, "number of elements");
+    corners = pbwio__token_count(r, "number of corners");
+    if (corners < used || corners > 10) {
+        pbwio__fail(r, PBWIO_ERROR_FORMAT, "elements of %lld corners in %dD", corners, r->cloud->dim);
+    }
+    for (i = 0; i < count && r->status == PBWIO_OK; i++) {
+        if (!pbwio__row_line(r)) {
+            pbwio__fail(r, PBWIO_ERROR_FORMAT, "the file ends after %lld of %lld elements", i, count);
+        }
+        id = pbwio__count(r, "element number");
+        first = i == 0 ? id : first;
+        for (k = 0; k < used; k++) {
+            corner[k] = pbwio__count(r, "point number") - first;
+        }
+        if (r->status == PBWIO_OK) {
+            pbwio__add_element(r, used == 4, used, corner);
+        }
+    }
+}
+
+typedef struct pbwio__msh {
+    int version, binary, big;                /* 2 or 4; of numbers; their byte order */
+    pbw_index *of;                           /* the point that a number of the file stands for; PBW_NONE = none */
+    size_t of_count;
+} pbwio__msh;
+
+/* The next integer, of 4 or 8 bytes in binary files. */
+static long long pbwio__msh_integer(pbwio__reader *r, const pbwio__msh *m, int size)
+{
+    pbwio__field field;
+    long long value = 0;
+    int minus;
+    double high, low;
+    if (m->binary && size == 4) {
+        return (long long)pbwio__binary(r, 4, m->big);
+    }
+    if (m->binary) {
+        low = pbwio__binary(r, 5, m->big);
+        high = pbwio__binary(r, 5, m->big);
+        value = m->big ? (long long)high + (long long)(low < 1e9 ? low : 1e9) * 4294967296
+                       : (long long)low + (long long)(high < 1e9 ? high : 1e9) * 4294967296;
+        return value;
+    }
+    if (pbwio__token(r, &field)) {
+        minus = field.begin < field.end && *field.begin == '-';
+        field.begin += minus;
+        if (!pbwio__natural(field, &value)) {
+            pbwio__fail(r, PBWIO_ERROR_FORMAT, "\"%s\" is not an integer", pbwio__show(r, field));
+        }
+        value = minus ? -value : value;
+    }
+    return value;
+}
+
+static double pbwio__msh_real(pbwio__reader *r, const pbwio__msh *m)
+{
+    double value = m->binary ? pbwio__binary(r, 7, m->big) : pbwio__token_number(r);
+    if (!pbwio__finite(value)) {
+        pbwio__fail(r, PBWIO_ERROR_FORMAT, "a coordinate is not a finite number");
+        return 0;
+    }
+    return value;
+}
+
+/* Notes that the number of the file stands for that point. */
+static void pbwio__msh_number(pbwio__reader *r, pbwio__msh *m, long long number, size_t point)
+{
+    size_t count = m->of_count, i;
+    void *block;
+    if (number < 0 || number > 0x7fffffffffff || r->status != PBWIO_OK) {
+        pbwio__fail(r, PBWIO_ERROR_FORMAT, "%lld is not a point number", number);
+        return;
+    }
+    if ((size_t)number >= count) {
+        count = (size_t)number + 1 > count + count / 2 ? (size_t)number + 1 : count + count / 2;
+        block = pbwio__resize(r, m->of, m->of_count, count, sizeof *m->of);
+        if (block == NULL) {
+            return;
+        }
+        m->of = (pbw_index *)block;
+        for (i = m->of_count; i < count; i++) {
+            m->of[i] = PBW_NONE;
+        }
+        m->of_count = count;
+    }
+    m->of[number] = (pbw_index)point;
+}
+
+static void pbwio__msh_nodes(pbwio__reader *r, pbwio__msh *m)
+{
+    long long blocks = 1, count, i, k, in_block, total = 0;
+    double row[3];
+    int dim = 0, parametric = 0, n;
+    if (r->cloud->points != NULL) {
+        pbwio__fail(r, PBWIO_ERROR_FORMAT, "a second section of nodes");
+    }
+    blocks = m->version == 4 ? pbwio__msh_integer(r, m, 8) : 1;
+    count = m->version == 4 ? pbwio__msh_integer(r, m, 8) : pbwio__token_count(r, "number of points");
+    if (m->version == 4) {
+        pbwio__msh_integer(r, m, 8);                                 /* the least and the greatest number */
+        pbwio__msh_integer(r, m, 8);
+    }
+    pbwio__choose(r, NULL, 3, 3);
+    pbwio__reserve(r, (unsigned long long)count, m->binary ? 28 : 8);
+    for (i = 0; i < blocks && r->status == PBWIO_OK; i++) {
+        in_block = count;
+        if (m->version == 4) {
+            dim = (int)pbwio__msh_integer(r, m, 4);
+            pbwio__msh_integer(r, m, 4);
+            parametric = pbwio__msh_integer(r, m, 4) != 0;
+            in_block = pbwio__msh_integer(r, m, 8);
+            if (in_block < 0 || in_block > count - total || dim < 0 || dim > 3) {
+                pbwio__fail(r, PBWIO_ERROR_FORMAT, "a block of %lld nodes of dimension %d", in_block, dim);
+            }
+            for (k = 0; k < in_block && r->status == PBWIO_OK; k++) {
+                pbwio__msh_number(r, m, pbwio__msh_integer(r, m, 8), (size_t)(total + k));
+            }
+        }
+        for (k = 0; k < in_block && r->status == PBWIO_OK; k++) {
+            if (m->version == 2) {
+                pbwio__msh_number(r, m, pbwio__msh_integer(r, m, 4), (size_t)k);
+            }
+            for (n = 0; n < 3; n++) {
+                row[n] = pbwio__msh_real(r, m);
+            }
+            for (n = 0; n < dim && parametric; n++) {
+                pbwio__msh_real(r, m);
+            }
+            pbwio__add_row(r, row);
+        }
+        total += in_block;
+    }
+}
+
+/* How many nodes an element of that type of Gmsh has, and the corners of it that are used; 0: unknown, none. */
+static int pbwio__msh_shape(long long type, int *corners, int *solid)
+{
+    static const unsigned char nodes[20] = { 0, 2, 3, 4, 4, 8, 6, 5, 3, 6, 9, 10, 27, 18, 14, 1, 8, 20, 15, 13 };
+    *solid = type == 4 || type == 11;
+    *corners = type == 2 || type == 9 ? 3 : *solid || type == 3 || type == 10 || type == 16 ? 4 : 0;
+    return type >= 0 && type < 20 ? nodes[type] : 0;
+}
+
+/* One element of count nodes, the first of which are its corners. */
+static void pbwio__msh_element(pbwio__reader *r, const pbwio__msh *m, int count, int corners, int solid)
+{
+    long long id[4] = { -1, -1, -1, -1 }, number;
+    int k;
+    for (k = 0; k < (m->binary ? count : corners) && r->status == PBWIO_OK; k++) {
+        number = pbwio__msh_integer(r, m, m->version == 4 ? 8 : 4);
+        if (k < corners) {
+            id[k] = number >= 0 && (unsigned long long)number < m->of_count && m->of[number] != PBW_NONE
+                  ? (long long)m->of[number] : -1;
+        }
+    }
+    if (r->status == PBWIO_OK && corners > 0) {
+        pbwio__add_element(r, solid, corners, id);
+    }
+    if (!m->binary) {
+        r->cursor = r->line_end;                                     /* nodes within edges and faces */
+    }
+}
+
+static void pbwio__msh_elements(pbwio__reader *r, const pbwio__msh *m)
+{
+    int groups = m->version == 4 || m->binary, count, corners, solid;
+    long long blocks = m->version == 4 ? pbwio__msh_integer(r, m, 8) : 0, total, type = 0, tags = 0, in_block, k, i;
+    total = m->version == 4 ? pbwio__msh_integer(r, m, 8) : pbwio__token_count(r, "number of elements");
+    if (m->version == 4) {
+        pbwio__msh_integer(r, m, 8);
+        pbwio__msh_integer(r, m, 8);
+    }
+    for (; (m->version == 4 ? blocks-- > 0 : total > 0) && r->status == PBWIO_OK; total -= in_block) {
+        in_block = 1;
+        if (m->version == 4) {
+            pbwio__msh_integer(r, m, 4);
+            pbwio__msh_integer(r, m, 4);
+        }
+        if (groups) {
+            type = pbwio__msh_integer(r, m, 4);
+            in_block = pbwio__msh_integer(r, m, m->version == 4 ? 8 : 4);
+            tags = m->version == 4 ? 0 : pbwio__msh_integer(r, m, 4);
+        }
+        if (in_block < 0 || in_block > total || tags < 0 || (m->version == 2 && in_block == 0)) {
+            pbwio__fail(r, PBWIO_ERROR_FORMAT, "a block of %lld elements, %lld are left", in_block, total);
+        }
+        for (k = 0; k < in_block && r->status == PBWIO_OK; k++) {
+            pbwio__msh_integer(r, m, m->version == 4 ? 8 : 4);       /* its number */
+            type = groups ? type : pbwio__msh_integer(r, m, 4);
+            tags = groups ? tags : pbwio__msh_integer(r, m, 4);
+            for (i = 0; i < tags && r->status == PBWIO_OK; i++) {
+                pbwio__msh_integer(r, m, 4);
+            }
+            count = pbwio__msh_shape(type, &corners, &solid);
+            if (count == 0 && m->binary) {
+                pbwio__fail(r, PBWIO_ERROR_FORMAT, "elements of type %lld are not read in binary files", type);
+            }
+            pbwio__msh_element(r, m, count, corners, solid);
+        }
+    }
+}
+
+/* $MeshFormat with "version binary size", in binary files then the integer 1; sections $Name ... $EndName. */
+static void pbwio__read_msh(pbwio__reader *r)
+{
+    static const char end[] = "$End";
+    pbwio__field word;
+    pbwio__msh m;
+    double version;
+    memset(&m, 0, sizeof m);
+    if (!pbwio__row_line(r) || !pbwio__next(r, &word) || !pbwio__is(word, "$MeshFormat")) {
+        pbwio__fail(r, PBWIO_ERROR_FORMAT, "the first line is not \"$MeshFormat\"");
+    }
+    version = pbwio__token_number(r);
+    m.binary = pbwio__token_number(r) > 0;
+    pbwio__token_number(r);
+    m.version = version >= 2 && version < 3 ? 2 : version > 4.05 && version < 5 ? 4 : 0;
+    if (m.version == 0) {
+        pbwio__fail(r, PBWIO_ERROR_FORMAT, "version %g: 2.2 and 4.1 are read", version);
+    }
+    if (m.binary && r->status == PBWIO_OK) {
+        m.big = pbwio__binary(r, 4, 0) > 1;
+    }
+    while (pbwio__row_line(r)) {
+        pbwio__next(r, &word);
+        if (pbwio__is(word, "$Nodes") || pbwio__is(word, "$Elements")) {
+            if (m.binary && m.version == 4) {
+                r->line_number = 0;
+            } else if (m.binary) {
+                pbwio__field count;                                  /* a line of text before the numbers */
+                pbwio__token(r, &count);
+                r->cursor = count.begin;
+            }
+            if (pbwio__is(word, "$Nodes")) {
+                pbwio__msh_nodes(r, &m);
+            } else {
+                pbwio__msh_elements(r, &m);
+            }
+        } else if (m.binary && word.begin < word.end && *word.begin == '$' && word.end - word.begin > 4
+                   && !pbwio__same(word.begin, 4, end, 4)) {
+            while (r->at < r->end && (r->end - r->at < 4 || memcmp(r->at, end, 4) != 0)) {
+                const char *next = (const char *)memchr(r->at + 1, '$', (size_t)(r->end - r->at) - 1);
+                r->at = next == NULL ? r->end : next;
+            }
+        }
+    }
+    PBWIO_FREE(m.of);
+}
+
+/* ------------------------------------------------------------------------------------------------------
+   .vtu: arrays of numbers between tags, as text, in base64 or raw behind all tags, plain or in zlib's blocks.
+   ------------------------------------------------------------------------------------------------------ */
+enum { PBWIO__POINTS, PBWIO__WEIGHTS, PBWIO__CORNERS, PBWIO__ENDS, PBWIO__KINDS, PBWIO__ARRAYS };
+
+typedef struct pbwio__array {
+    int is, type, text, appended;            /* type: out of the table; neither text nor appended: base64 in place */
+    int components;
+    const char *begin, *end;                 /* between its tags */
+    double offset;                           /* behind them all */
+    char *block;                             /* the decoded bytes, if they are not in the file as they are */
+    pbwio__reader values;
+} pbwio__array;
+
+typedef struct pbwio__vtu {
+    int big, packed, raw;                    /* byte order; zlib; what is appended is not base64 */
+    size_t head;                             /* bytes of a length: 4 or 8 */
+    double points, cells;
+    const char *appended;                    /* the first byte behind the underscore; NULL: none */
+    pbwio__array array[PBWIO__ARRAYS];
+} pbwio__vtu;
+
+/* The value of an attribute of the tag [s, end); an empty field if there is none. */
+static pbwio__field pbwio__attribute(const char *s, const char *end, const char *name)
+{
+    size_t length = strlen(name);
+    pbwio__field field;
+    const char *stop;
+    field.begin = field.end = end;
+    for (; s < end && (size_t)(end - s) > length + 2; s++) {
+        if ((s[0] == ' ' || s[0] == '\n' || s[0] == '\t' || s[0] == '\r') && memcmp(s + 1, name, length) == 0
+            && s[length + 1] == '=' && (s[length + 2] == '"' || s[length + 2] == '\'')) {
+            field.begin = s + length + 3;
+            stop = (const char *)memchr(field.begin, s[length + 2], (size_t)(end - field.begin));
+            field.end = stop == NULL ? field.begin : stop;
+            return field;
+        }
+    }
+    return field;
+}
+
+static double pbwio__attribute_number(const char *s, const char *end, const char *name)
+{
+    pbwio__field field = pbwio__attribute(s, end, name);
+    double value;
+    return pbwio__number(field.begin, field.end, &value) && value >= 0 ? value : 0;
+}
+
+/* Notes an array that is needed: the tag is [s, end), its content starts behind end. */
+static void pbwio__vtu_array(pbwio__reader *r, pbwio__vtu *v, const char *section, const char *s, const char *end)
+{
+    static const char *const names[] = { "connectivity", "offsets", "types" };
+    pbwio__field name = pbwio__attribute(s, end, "Name"), type = pbwio__attribute(s, end, "type");
+    pbwio__field format = pbwio__attribute(s, end, "format");
+    pbwio__array *a = NULL;
+    const char *stop;
+    int k;
+    if (strcmp(section, "Points") == 0) {
+        a = &v->array[PBWIO__POINTS];
+    } else if (strcmp(section, "PointData") == 0 && r->options->weight != NULL
+               && pbwio__is(name, r->options->weight)) {
+        a = &v->array[PBWIO__WEIGHTS];
+    }
+    for (k = 0; k < 3 && strcmp(section, "Cells") == 0; k++) {
+        a = pbwio__is(name, names[k]) ? &v->array[PBWIO__CORNERS + k] : a;
+    }
+    if (a == NULL) {
+        return;
+    }
+    for (k = 0; k < 10 && !pbwio__is(type, pbwio__types[k].name); k++) {
+    }
+    if (a->is || k == 10) {
+        pbwio__fail(r, PBWIO_ERROR_FORMAT, "array \"%s\" comes twice, or its type is unknown", pbwio__show(r, name));
+        return;
+    }
+    a->is = 1;
+    a->type = k;
+    a->text = pbwio__is(format, "ascii");
+    a->appended = pbwio__is(format, "appended");
+    a->offset = pbwio__attribute_number(s, end, "offset");
+    a->components = (int)fmin(pbwio__attribute_number(s, end, "NumberOfComponents"), 1000);
+    a->begin = end < r->end ? end + 1 : end;
+    stop = (const char *)memchr(a->begin, '<', (size_t)(r->end - a->begin));
+    a->end = stop == NULL ? r->end : stop;
+}
+
+/* Goes through all tags. */
+static void pbwio__vtu_tags(pbwio__reader *r, pbwio__vtu *v)
+{
+    static const char *const sections[] = { "PointData", "CellData", "Points", "Cells", "" };
+    const char *section = "", *s = r->at, *end;
+    int pieces = 0, k;
+    while (r->status == PBWIO_OK && (s = (const char *)memchr(s, '<', (size_t)(r->end - s))) != NULL) {
+        pbwio__field name;
+        r->at = s++;
+        end = (const char *)memchr(s, '>', (size_t)(r->end - s));
+        end = end == NULL ? r->end : end;
+        name.begin = s;
+        for (name.end = s; name.end < end && !pbwio__blank(r, *name.end); name.end++) {
+        }
+        for (k = 0; k < 4; k++) {
+            section = pbwio__is(name, sections[k]) ? sections[k] : section;
+        }
+        if (pbwio__is(name, "VTKFile")) {
+            pbwio__field packed = pbwio__attribute(s, end, "compressor");
+            v->big = pbwio__is(pbwio__attribute(s, end, "byte_order"), "BigEndian");
+            v->head = pbwio__is(pbwio__attribute(s, end, "header_type"), "UInt64") ? 8 : 4;
+            v->packed = pbwio__is(packed, "vtkZLibDataCompressor");
+            if (!pbwio__is(pbwio__attribute(s, end, "type"), "UnstructuredGrid")
+                || (packed.begin < packed.end && !v->packed)) {
+                pbwio__fail(r, PBWIO_ERROR_FORMAT, "unstructured grids are read, plain or compressed by zlib");
+            }
+        } else if (pbwio__is(name, "Piece")) {
+            v->points = pbwio__attribute_number(s, end, "NumberOfPoints");
+            v->cells = pbwio__attribute_number(s, end, "NumberOfCells");
+            if (pieces++ > 0) {
+                pbwio__fail(r, PBWIO_ERROR_FORMAT, "files of one piece are read");
+            }
+        } else if (pbwio__is(name, "DataArray")) {
+            pbwio__vtu_array(r, v, section, s, end);
+        } else if (pbwio__is(name, "AppendedData")) {
+            v->raw = pbwio__is(pbwio__attribute(s, end, "encoding"), "raw");
+            v->appended = (const char *)memchr(end, '_', (size_t)(r->end - end));
+            v->appended = v->appended == NULL ? r->end : v->appended + 1;
+            return;                                                  /* what follows may have any bytes */
+        }
+        s = end;
+    }
+}
+
+/* Decodes the next count bytes of base64, which end with a group of four letters; returns whether they are there. */
+static int pbwio__base64(const char **at, const char *end, unsigned char *out, size_t count)
+{
+    static const char letters[] = "ABCDEFGHIJKLMNOPQRSTUVWXYZabcdefghijklmnopqrstuvwxyz0123456789+/";
+    unsigned char value[256];
+    unsigned long group = 0;
+    size_t i, done = 0;
+    int have = 0, c;
+    memset(value, 255, sizeof value);
+    for (i = 0; i < 64; i++) {
+        value[(unsigned char)letters[i]] = (unsigned char)i;
+    }
+    for (; done < count && *at < end; (*at)++) {
+        c = (unsigned char)**at;
+        if (c == ' ' || c == '\n' || c == '\r' || c == '\t') {
+            continue;
+        }
+        if (value[c] == 255 && c != '=') {
+            return 0;
+        }
+        group = group << 6 | (c == '=' ? 0 : value[c]);
+        if (++have == 4) {
+            for (have = 0; have < 3 && done < count; have++) {
+                out[done++] = (unsigned char)(group >> (16 - 8 * have) & 255);
+            }
+            have = 0;
+        }
+    }
+    return done == count;
+}
+
+/* Bytes of the array at *at, plain or out of base64, into a block that the array then has. */
+static const char *pbwio__vtu_bytes(pbwio__reader *r, const pbwio__vtu *v, pbwio__array *a, const char **at,
+                                    size_t count)
+{
+    const char *end = a->appended ? r->end : a->end, *bytes = *at;
+    int raw = a->appended && v->raw;
+    if (count > (size_t)(end - *at)) {
+        pbwio__fail(r, PBWIO_ERROR_FORMAT, "an array of %zu bytes, %zu are left", count, (size_t)(end - *at));
+        return NULL;
+    }
+    if (raw) {
+        *at += count;
+        return bytes;
+    }
+    PBWIO_FREE(a->block);
+    a->block = NULL;
+    a->block = (char *)pbwio__resize(r, NULL, 0, count + 1, 1);
+    if (a->block != NULL && !pbwio__base64(at, end, (unsigned char *)a->block, count)) {
+        pbwio__fail(r, PBWIO_ERROR_FORMAT, "the base64 code ends too early");
+    }
+    r->held -= a->block != NULL ? count + 1 : 0;                     /* it is given back before the next one */
+    return r->status == PBWIO_OK ? a->block : NULL;
+}
+
+/* A length, of 4 or 8 bytes. */
+static size_t pbwio__vtu_length(const pbwio__vtu *v, const char *s)
+{
+    uint64_t value = 0;
+    size_t i;
+    for (i = 0; i < v->head; i++) {
+        value |= (uint64_t)(unsigned char)s[v->big ? v->head - 1 - i : i] << (8 * i);
+    }
+    return value > (size_t)-1 / 4 ? (size_t)-1 / 4 : (size_t)value;
+}
+
+/* Unpacks the blocks at `in`, whose packed sizes follow each other in head from its fourth entry on. */
+static void pbwio__vtu_unpack(pbwio__reader *r, const pbwio__vtu *v, pbwio__array *a, const char *head,
+                              const char *in)
+{
+    size_t blocks = pbwio__vtu_length(v, head), size = pbwio__vtu_length(v, head + v->head), i;
+    size_t last = pbwio__vtu_length(v, head + 2 * v->head), packed = 0, total, length;
+    pbwio__inflater *z;
+    for (i = 0; i < blocks; i++) {
+        packed += pbwio__vtu_length(v, head + (3 + i) * v->head);
+    }
+    total = blocks == 0 ? 0 : (last != 0 ? last : size);
+    if (blocks > 1 && size > (packed * 1032 + 64) / (blocks - 1)) {
+        total = (size_t)-1;
+    } else if (blocks > 1) {
+        total += (blocks - 1) * size;
+    }
+    if (total > packed * 1032 + 64) {                                /* Deflate packs no better than that */
+        pbwio__fail(r, PBWIO_ERROR_FORMAT, "the compressed data are damaged");
+        return;
+    }
+    r->budget += 8 * total;                                          /* the size of the file counts unpacked */
+    z = (pbwio__inflater *)PBWIO_REALLOC(NULL, sizeof *z);
+    if (z != NULL) {
+        memset(z, 0, sizeof *z);
+        z->out = (unsigned char *)pbwio__resize(r, NULL, 0, total + 1, 1);
+        z->failed = z->out == NULL;
+        for (i = 0; i < blocks && !z->failed; i++, in += length) {
+            length = pbwio__vtu_length(v, head + (3 + i) * v->head);
+            z->in = (const unsigned char *)in + 2;                   /* behind zlib's header */
+            z->end = (const unsigned char *)in + length;
+            z->capacity = i + 1 < blocks ? z->used + size : total;
+            z->failed |= length < 6;
+            if (!z->failed) {
+                pbwio__inflate(z);
+            }
+            z->failed |= z->used != z->capacity;
+        }
+        PBWIO_FREE(a->block);
+        a->block = (char *)z->out;
+        if (z->failed) {
+            pbwio__fail(r, PBWIO_ERROR_FORMAT, "the compressed data are damaged");
+        }
+        a->values.begin = a->values.at = a->block;
+        a->values.end = a->block == NULL ? NULL : a->block + total;
+    } else {
+        pbwio__fail(r, PBWIO_ERROR_MEMORY, "out of memory");
+    }
+    PBWIO_FREE(z);
+}
+
+/* Makes the values of an array ready to be read one after the other. */
+static void pbwio__vtu_open(pbwio__reader *r, const pbwio__vtu *v, pbwio__array *a)
+{
+    const char *at = a->appended ? v->appended : a->begin, *from, *bytes, *head;
+    size_t length, count;
+    char *kept;
+    a->values = *r;
+    a->values.line_number = 0;
+    a->values.line = a->values.line_end = a->values.cursor = a->values.at = at;
+    a->values.end = a->end;
+    if (a->text || r->status != PBWIO_OK) {
+        return;
+    }
+    if (at == NULL || a->offset > (double)(r->end - at) || (!a->appended && a->offset > 0)) {
+        pbwio__fail(r, PBWIO_ERROR_FORMAT, "an array without data");
+        return;
+    }
+    at += a->appended ? (size_t)a->offset : 0;
+    for (from = at; !v->raw || !a->appended;) {                      /* blanks before base64 */
+        if (from == r->end || !pbwio__blank(r, *from)) {
+            at = from;
+            break;
+        }
+        from++;
+    }
+    from = at;
+    bytes = pbwio__vtu_bytes(r, v, a, &at, v->head);
+    if (bytes == NULL) {
+        return;
+    }
+    length = pbwio__vtu_length(v, bytes);
+    at = from;
+    if (!v->packed) {
+        bytes = length < (size_t)(r->end - from) ? pbwio__vtu_bytes(r, v, a, &at, v->head + length) : NULL;
+        if (bytes == NULL) {
+            pbwio__fail(r, PBWIO_ERROR_FORMAT, "an array of %zu bytes, %zu are left", length,
+                        (size_t)(r->end - from));
+            return;
+        }
+        a->values.begin = bytes;
+        a->values.at = bytes + v->head;
+        a->values.end = bytes + v->head + length;
+        return;
+    }
+    count = length < (size_t)(r->end - from) ? (3 + length) * v->head : (size_t)-1 / 2;
+    head = pbwio__vtu_bytes(r, v, a, &at, count);
+    if (head == NULL) {
+        return;
+    }
+    for (count = 0, bytes = head; count < length; count++) {
+        size_t part = pbwio__vtu_length(v, head + (3 + count) * v->head);
+        bytes = bytes != NULL && part <= (size_t)(r->end - from) ? head : NULL;
+    }
+    for (count = 0; bytes != NULL && length > 0; length--) {
+        count += pbwio__vtu_length(v, head + (2 + length) * v->head);
+    }
+    kept = a->block;
+    a->block = NULL;                                                 /* the head stays while the rest is decoded */
+    bytes = bytes != NULL ? pbwio__vtu_bytes(r, v, a, &at, count) : NULL;
+    if (bytes != NULL) {
+        pbwio__vtu_unpack(r, v, a, head, bytes);
+    } else {
+        pbwio__fail(r, PBWIO_ERROR_FORMAT, "the compressed data are damaged");
+    }
+    PBWIO_FREE(kept);
+}
+
+static double pbwio__vtu_value(pbwio__reader *r, const pbwio__vtu *v, pbwio__array *a)
+{
+    double value = a->text ? pbwio__token_number(&a->values) : pbwio__binary(&a->values, a->type, v->big);
+    if (a->values.status != PBWIO_OK && r->status == PBWIO_OK) {
+        r->status = a->values.status;
+    } else if (!pbwio__finite(value)) {
+        pbwio__fail(r, PBWIO_ERROR_FORMAT, "a value is not a finite number");
+    }
+    return r->status == PBWIO_OK ? value : 0;
+}
+
+static void pbwio__vtu_points(pbwio__reader *r, pbwio__vtu *v)
+{
+    pbwio__array *points = &v->array[PBWIO__POINTS], *weights = &v->array[PBWIO__WEIGHTS];
+    double value[4], row[3], i;
+    int k;
+    if (!points->is || points->components != 3 || (r->options->weight != NULL && !weights->is)) {
+        pbwio__fail(r, PBWIO_ERROR_FORMAT, points->is && points->components == 3 ? "there is no such array of weights"
+                    : "there are no points of three coordinates");
+    }
+    pbwio__vtu_open(r, v, points);
+    r->at = points->values.at;
+    if (weights->is) {
+        pbwio__vtu_open(r, v, weights);
+        r->column[3] = 3;
+    }
+    if (r->status == PBWIO_OK && (points->text || v->points * 3 * (double)pbwio__types[points->type].size
+                                  <= (double)(points->values.end - points->values.at))) {
+        pbwio__reader *source = &points->values;
+        pbwio__reader all = *r;
+        all.at = source->at;
+        all.end = source->end;
+        pbwio__reserve(&all, (unsigned long long)fmin(v->points, 1e18), points->text ? 6 : 3);
+        r->status = all.status;
+        r->held = all.held;
+        r->point_capacity = all.point_capacity;
+    } else {
+        pbwio__fail(r, PBWIO_ERROR_FORMAT, "points: %.0f announced, the array is shorter", v->points);
+    }
+    for (i = 0; i < v->points && r->status == PBWIO_OK; i++) {
+        for (k = 0; k < 3; k++) {
+            row[k] = pbwio__vtu_value(r, v, points);
+        }
+        for (k = 0; k < 3; k++) {
+            value[k] = r->column[k] >= 0 ? row[r->column[k]] : 0;
+        }
+        value[3] = weights->is ? pbwio__vtu_value(r, v, weights) : 0;
+        pbwio__add_point(r, value);
+    }
+}
+
+/* Triangles, quadrilaterals, polygons and tetrahedra. */
+static void pbwio__vtu_cells(pbwio__reader *r, pbwio__vtu *v)
+{
+    pbwio__array *corners = &v->array[PBWIO__CORNERS], *ends = corners + 1, *kinds = corners + 2;
+    double i, at = 0, end, id;
+    long long corner[4] = { 0, 0, 0, 0 };
+    int k, kind;
+    if (!(v->cells > 0) || !corners->is || !ends->is || !kinds->is) {
+        return;
+    }
+    for (k = 0; k < 3; k++) {
+        pbwio__vtu_open(r, v, corners + k);
+    }
+    for (i = 0; i < v->cells && r->status == PBWIO_OK; i++) {
+        kind = (int)fmin(fmax(pbwio__vtu_value(r, v, kinds), 0), 1000);
+        end = pbwio__vtu_value(r, v, ends);
+        if (end < at) {
+            pbwio__fail(r, PBWIO_ERROR_FORMAT, "offsets that fall");
+        }
+        for (k = 0; at < end && r->status == PBWIO_OK; at++, k += k < 4) {
+            id = pbwio__vtu_value(r, v, corners);
+            if (kind == 10 && k < 4) {
+                corner[k] = id >= 0 && id < (double)r->cloud->count ? (long long)id : -1;
+            } else if (kind == 5 || kind == 7 || kind == 9) {
+                pbwio__add_corner(r, id, (long long)r->cloud->count, k);
+            }
+        }
+        if (kind == 10 && r->status == PBWIO_OK) {
+            if (k != 4) {
+                pbwio__fail(r, PBWIO_ERROR_FORMAT, "a tetrahedron of other than 4 corners");
+            }
+            pbwio__add_element(r, 1, 4, corner);
+        }
+    }
+}
+
+static void pbwio__read_vtu(pbwio__reader *r)
+{
+    pbwio__vtu *v = (pbwio__vtu *)PBWIO_REALLOC(NULL, sizeof *v);
+    const char *weight = r->options->weight;
+    pbwio_options options = *r->options;
+    int k;
+    if (v == NULL) {
+        pbwio__fail(r, PBWIO_ERROR_MEMORY, "out of memory");
+        return;
+    }
+    memset(v, 0, sizeof *v);
+    options.weight = NULL;
+    r->options = &options;
+    pbwio__choose(r, NULL, 3, 3);
+    options.weight = weight;
+    pbwio__vtu_tags(r, v);
+    pbwio__vtu_points(r, v);
+    pbwio__vtu_cells(r, v);
+    for (k = 0; k < PBWIO__ARRAYS; k++) {
+        PBWIO_FREE(v->array[k].block);
+    }
+    PBWIO_FREE(v);
+}
+
+/* ------------------------------------------------------------------------------------------------------
+   JSON and GeoJSON.  A point is an array of two numbers or more, or an object with the members x and y (or those that
+   the options name).  Where there are "coordinates", as in GeoJSON, only arrays within them are points.
+   Two passes: the first counts, the second fills.
+   ------------------------------------------------------------------------------------------------------ */
+#define PBWIO__DEEPEST 64
+#define PBWIO__NUMBERS 16                    /* an array of more numbers is a list, not a point */
+
+typedef struct pbwio__json {
+    int depth, inside;                       /* of brackets; the depth where "coordinates" start, 0 = not in them */
+    char kind[PBWIO__DEEPEST + 1];           /* '[' or '{' at each depth */
+    int found[PBWIO__DEEPEST + 1];           /* of objects: bit k is set if member k was there */
+    double member[PBWIO__DEEPEST + 1][4];
+    pbwio__field key, wanted[4];             /* the last key; the members x y z weight */
+    double row[PBWIO__NUMBERS];              /* of the innermost array: its numbers, how many; pure: nothing else */
+    int numbers, pure, columns, longest;     /* columns: of the first point; longest: the most numbers of an array */
+    size_t in_coordinates, arrays, objects;  /* points of each kind */
+    int way;                                 /* 0: counts; else fills with 'c', 'a' or 'o' */
+} pbwio__json;
+
+/* What "a,b,c" names, or x y z. */
+static void pbwio__json_names(pbwio__reader *r, pbwio__json *j)
+{
+    const char *s = r->options->columns != NULL ? r->options->columns : "x,y,z";
+    int k;
+    memset(j->wanted, 0, sizeof j->wanted);
+    for (k = 0; k < 3; k++) {
+        j->wanted[k].begin = s;
+        s += strcspn(s, ",");
+        j->wanted[k].end = s;
+        s += *s == ',';
+    }
+    j->wanted[3].begin = r->options->weight != NULL ? r->options->weight : "";
+    j->wanted[3].end = j->wanted[3].begin + strlen(j->wanted[3].begin);
+}
+
+static void pbwio__json_array(pbwio__reader *r, pbwio__json *j)
+{
+    double value[4];
+    int k, inside = j->inside != 0 && j->depth >= j->inside;
+    if (!j->pure || j->numbers < 2) {
+        return;
+    }
+    j->columns = j->columns == 0 || (inside && j->in_coordinates == 0) ? j->numbers : j->columns;
+    j->longest = j->numbers > j->longest ? j->numbers : j->longest;
+    j->arrays++;
+    j->in_coordinates += (size_t)inside;
+    if (j->way == 'a' || (j->way == 'c' && inside)) {
+        if (j->numbers <= r->last_column) {
+            pbwio__fail(r, PBWIO_ERROR_FORMAT, "%d columns where %d are needed", j->numbers, r->last_column + 1);
+            return;
+        }
+        for (k = 0; k < 4; k++) {
+            value[k] = r->column[k] >= 0 ? j->row[r->column[k]] : 0;
+        }
+        pbwio__add_point(r, value);
+    }
+}
+
+static void pbwio__json_object(pbwio__reader *r, pbwio__json *j)
+{
+    int found = j->found[j->depth], needed = 3, k;
+    if ((found & 3) != 3) {
+        return;
+    }
+    j->columns = j->objects == 0 ? (found & 4 ? 3 : 2) : j->columns;
+    j->objects++;
+    if (j->way == 'o') {
+        for (k = 2; k < 4; k++) {
+            needed |= r->column[k] >= 0 ? 1 << k : 0;
+        }
+        if ((found & needed) != needed) {
+            pbwio__fail(r, PBWIO_ERROR_FORMAT, "a point lacks a coordinate or its weight");
+            return;
+        }
+        pbwio__add_point(r, j->member[j->depth]);
+    }
+}
+
+static void pbwio__json_number(pbwio__reader *r, pbwio__json *j, pbwio__field field)
+{
+    double value;
+    int k;
+    if (!pbwio__number(field.begin, field.end, &value)) {
+        pbwio__fail(r, PBWIO_ERROR_FORMAT, "\"%s\" is not a finite number", pbwio__show(r, field));
+    } else if (j->kind[j->depth] == '[') {
+        if (j->numbers < PBWIO__NUMBERS) {
+            j->row[j->numbers] = value;
+        }
+        j->numbers += j->numbers <= PBWIO__NUMBERS;
+    } else {
+        for (k = 0; k < 4; k++) {
+            size_t length = (size_t)(j->wanted[k].end - j->wanted[k].begin);
+            if (length > 0 && pbwio__same(j->key.begin, (size_t)(j->key.end - j->key.begin), j->wanted[k].begin,
+                                          length)) {
+                j->member[j->depth][k] = value;
+                j->found[j->depth] |= 1 << k;
+            }
+        }
+    }
+}
+
+/* An opening or closing bracket. */
+static void pbwio__json_bracket(pbwio__reader *r, pbwio__json *j, char c)
+{
+    if (c == '[' || c == '{') {
+        if (j->depth == PBWIO__DEEPEST) {
+            pbwio__fail(r, PBWIO_ERROR_FORMAT, "brackets more than %d deep", PBWIO__DEEPEST);
+            return;
+        }
+        if (j->inside == 0 && c == '[' && j->kind[j->depth] == '{' && pbwio__is(j->key, "coordinates")) {
+            j->inside = j->depth + 1;
+        }
+        j->kind[++j->depth] = c;
+        j->found[j->depth] = j->numbers = 0;
+        j->pure = c == '[';
+        return;
+    }
+    if (j->depth == 0 || j->kind[j->depth] != (c == ']' ? '[' : '{')) {
+        pbwio__fail(r, PBWIO_ERROR_FORMAT, "\"%c\" closes nothing", c);
+        return;
+    }
+    if (c == ']') {
+        pbwio__json_array(r, j);
+    } else {
+        pbwio__json_object(r, j);
+    }
+    j->inside = j->depth == j->inside ? 0 : j->inside;
+    j->pure = 0;                                                     /* what it is in has more than numbers */
+    j->depth--;
+}
+
+/* A string, a number or a word at r->at. */
+static void pbwio__json_value(pbwio__reader *r, pbwio__json *j)
+{
+    pbwio__field field;
+    const char *s = r->at;
+    if (*s == '"') {
+        for (s++; s < r->end && *s != '"'; s++) {
+            s += *s == '\\' && s + 1 < r->end;
+        }
+        field.begin = r->at + 1;
+        field.end = s;
+        r->at = s < r->end ? s + 1 : s;
+        while (s < r->end && ++s < r->end && pbwio__blank(r, *s)) {
+        }
+        if (j->kind[j->depth] == '{' && s < r->end && *s == ':') {
+            j->key = field;
+            r->at = s + 1;
+        } else {
+            j->pure = 0;
+        }
+        return;
+    }
+    for (; s < r->end && !pbwio__blank(r, *s) && strchr(",:[]{}\"", *s) == NULL; s++) {
+    }
+    field.begin = r->at;
+    field.end = s;
+    if (s == r->at) {
+        pbwio__fail(r, PBWIO_ERROR_FORMAT, "\"%c\" has no place here", *s == 0 ? '?' : *s);
+    } else if (pbwio__is(field, "null") || pbwio__is(field, "true") || pbwio__is(field, "false")) {
+        j->pure = 0;
+    } else {
+        pbwio__json_number(r, j, field);
+    }
+    r->at = s;
+}
+
+static void pbwio__json_pass(pbwio__reader *r, pbwio__json *j)
+{
+    while (r->at < r->end && r->status == PBWIO_OK) {
+        char c = *r->at;
+        if (pbwio__blank(r, c) || c == ',') {
+            r->at++;
+        } else if (c == '[' || c == '{' || c == ']' || c == '}') {
+            pbwio__json_bracket(r, j, c);
+            r->at++;
+        } else {
+            pbwio__json_value(r, j);
+        }
+    }
+    if (j->depth != 0) {
+        pbwio__fail(r, PBWIO_ERROR_FORMAT, "the file ends inside brackets");
+    }
+}
+
+static void pbwio__read_json(pbwio__reader *r)
+{
+    const char *begin = r->at;
+    pbwio__json j;
+    size_t count;
+    int columns, way, k, longest;
+    memset(&j, 0, sizeof j);
+    j.key.begin = j.key.end = begin;
+    pbwio__json_names(r, &j);
+    pbwio__json_pass(r, &j);
+    way = j.in_coordinates > 0 ? 'c' : j.objects > 0 ? 'o' : 'a';
+    count = way == 'c' ? j.in_coordinates : way == 'o' ? j.objects : j.arrays;
+    columns = j.columns;
+    longest = j.longest;
+    if (r->status == PBWIO_OK && (count == 0 || (way != 'o' && longest > PBWIO__NUMBERS))) {
+        pbwio__fail(r, PBWIO_ERROR_FORMAT, count == 0 ? "no points: arrays of numbers, or objects with x and y"
+                    : "a list of many numbers: points are arrays of two or three");
+    }
+    r->at = begin;
+    if (way == 'o') {
+        r->cloud->dim = columns == 3 && r->options->dim != 2 ? 3 : 2;
+        for (k = 0; k < 4; k++) {
+            r->column[k] = k < r->cloud->dim || (k == 3 && r->options->weight != NULL) ? k : -1;
+        }
+        if (r->options->dim > r->cloud->dim) {
+            pbwio__fail(r, PBWIO_ERROR_FORMAT, "%d coordinates where 3 are needed", columns);
+        }
+    } else {
+        pbwio__choose(r, NULL, columns < 3 ? columns : 3, columns);
+    }
+    pbwio__reserve(r, count, 4);
+    memset(&j, 0, sizeof j);
+    j.key.begin = j.key.end = begin;
+    pbwio__json_names(r, &j);
+    j.way = way;
+    pbwio__json_pass(r, &j);
 }
 
 /* ------------------------------------------------------------------------------------------------------
@@ -1696,22 +3207,22 @@ static const pbwio__kind pbwio__kinds[] = {
     { "node", PBWIO__BOUNDARY, pbwio__read_node, NULL, "%n%d[w1][W0] 1\n@p%i%x%w%b\n" },
     { "xyz txt pts asc dat tsv", 0, pbwio__read_table, NULL, "@p%x%w%m\n" },
     { "csv", PBWIO__COMMAS, pbwio__read_table, NULL, "x,y[3,z][w,weight][m,nx,ny,nz]\n@p%x%w%m\n" },
-    { "vtu", PBWIO__BINARY, NULL, pbwio__write_vtu, NULL },
+    { "vtu", PBWIO__BINARY, pbwio__read_vtu, pbwio__write_vtu, NULL },
     /* Entity 1 of dimension dim-1 is the boundary, entity 1 of dimension dim the domain with all points: tag, box,
        physical groups, entities that bound it.  Blocks start with dimension, entity, type, count. */
-    { "msh", PBWIO__BINARY | PBWIO__FROM_1, NULL, NULL,
+    { "msh", PBWIO__BINARY | PBWIO__FROM_1, pbwio__read_msh, NULL,
       "$MeshFormat\n4.1 [t0][b1] 8\n[b@1#1\n\n]$EndMeshFormat\n" PBWIO__GROUPS
       "$Entities\n@1&0[2&1][3&0]&1[2&0][3&1]\n@1#1%B&1#1&0\n@1#1%B&1#2&1#1\n[b\n]$EndEntities\n"
       "$Nodes\n@1&1%n&1%n\n@1%d#1#0%n\n@p%i\n@p%X\n[b\n]$EndNodes\n"
       "$Elements\n@1[f&2][F&1]%e&1%e\n[f@1[2#1][3#2]#1[2#1][3#2]%f\n@f%j%v\n]@1%d#1[2#2][3#4]%c\n@c%j%v\n"
       "[b\n]$EndElements\n" },
-    { "mesh", PBWIO__FROM_1, NULL, NULL,
+    { "mesh", PBWIO__FROM_1, pbwio__read_medit, NULL,
       "MeshVersionFormatted 2\nDimension %d\nVertices\n%n\n@p%x0\n[f[2Edges][3Triangles]\n%f\n@f%v1\n]"
       "[2Triangles][3Tetrahedra]\n%c\n@c%v2\nEnd\n" },
-    { "ele", 0, NULL, NULL, "%c[23][34] 0\n@c%j%v\n" },
+    { "ele", 0, pbwio__read_ele, NULL, "%c[23][34] 0\n@c%j%v\n" },
     { "neigh", PBWIO__SIMPLICES, NULL, NULL, "%c[23][34]\n@c%j%g\n" },
     { "face edge", 0, NULL, NULL, "%f1\n@f%j%v1\n" },
-    { "msh2", PBWIO__FROM_1, NULL, NULL,
+    { "msh2", PBWIO__FROM_1, pbwio__read_msh, NULL,
       "$MeshFormat\n2.2 0 8\n$EndMeshFormat\n" PBWIO__GROUPS
       "$Nodes\n%n\n@p%i%X\n$EndNodes\n"
       "$Elements\n%e\n@f%j[21][32] 2 1 1 %v\n@c%j[22][34] 2 2 1 %v\n$EndElements\n" },
@@ -1720,7 +3231,8 @@ static const pbwio__kind pbwio__kinds[] = {
       "[f*NSET, NSET=BOUNDARY\n@b%i\n*SURFACE, NAME=BOUNDARY, TYPE=ELEMENT\n@f%pS%k\n]" },
     { "su2", PBWIO__NO_ORPHANS, NULL, NULL,
       "NDIME= %d\nNELEM= %c\n@c[25][310] %v\nNPOIN= %n\n@p%x\n"
-      "[fNMARK= 1\nMARKER_TAG= boundary\nMARKER_ELEMS= %f\n@f[23][35] %v\n]" }
+      "[fNMARK= 1\nMARKER_TAG= boundary\nMARKER_ELEMS= %f\n@f[23][35] %v\n]" },
+    { "json geojson", 0, pbwio__read_json, NULL, NULL }
 };
 
 static const pbwio__kind *pbwio__kind_of(pbwio_format format)
@@ -1763,6 +3275,15 @@ static pbwio_format pbwio__sniff(pbwio__reader r)
         if (pbwio__is(word, "v") || pbwio__is(word, "o") || pbwio__is(word, "g") || pbwio__is(word, "mtllib")) {
             return PBWIO_OBJ;
         }
+        if (*word.begin == '[' || *word.begin == '{') {
+            return PBWIO_JSON;
+        }
+        if (*word.begin == '<') {
+            return PBWIO_VTU;
+        }
+        if (pbwio__is(word, "$MeshFormat") || pbwio__is(word, "MeshVersionFormatted")) {
+            return *word.begin == '$' ? PBWIO_MSH : PBWIO_MESH;
+        }
         return pbwio__is(word, "ply") ? PBWIO_PLY : pbwio__is(word, "solid") ? PBWIO_STL
              : word.end - word.begin >= 3 && pbwio__same(word.end - 3, 3, "OFF", 3) ? PBWIO_OFF : PBWIO_XYZ;
     }
@@ -1775,6 +3296,7 @@ PBWIODEF void pbwio_free(pbwio_cloud *cloud)
         PBWIO_FREE(cloud->points);
         PBWIO_FREE(cloud->weights);
         PBWIO_FREE(cloud->triangles);
+        PBWIO_FREE(cloud->tetrahedra);
         memset(cloud, 0, sizeof *cloud);
     }
 }
@@ -1786,20 +3308,51 @@ static void *pbwio__shrink(void *ptr, size_t size)
     return block != NULL ? block : ptr;
 }
 
-PBWIODEF pbwio_status pbwio_read_memory(const char *name, const void *data, size_t size, const pbwio_options *options,
-                                        pbwio_cloud *cloud, pbwio_error *error)
+/* The format that the name of a file to read stands for, without an ending .gz. */
+static pbwio_format pbwio__format_to_read(const char *path)
 {
-    static const pbwio_options defaults = { PBWIO_AUTO, 0, NULL, NULL };
-    const char *wrong = NULL;
+    size_t length = strlen(path), at;
+    char ending[16];
+    if (length < 3 || !pbwio__same(path + length - 3, 3, ".gz", 3)) {
+        return pbwio_format_of(path);
+    }
+    for (at = length - 3; at > 0 && path[at - 1] != '.'; at--) {
+    }
+    snprintf(ending, sizeof ending, ".%.*s", length - 3 - at < 12 ? (int)(length - 3 - at) : 0, path + at);
+    return pbwio_format_of(ending);
+}
+
+/* What is wrong with content, whatever its format; NULL: nothing. */
+static const char *pbwio__wrong(const char *at, size_t left, pbwio_format format)
+{
+    if (left == 0) {
+        return "the file is empty";
+    }
+    if (left >= 2 && (memcmp(at, "\xff\xfe", 2) == 0 || memcmp(at, "\xfe\xff", 2) == 0)) {
+        return "the file is UTF-16 text: save it as UTF-8";
+    }
+    if (left >= 4 && (memcmp(at, "PK\3\4", 4) == 0 || memcmp(at, "BZh", 3) == 0 || memcmp(at, "\xfd" "7zX", 4) == 0
+                      || memcmp(at, "\x28\xb5\x2f\xfd", 4) == 0)) {
+        return "the file is compressed, and not by gzip: unpack it first";
+    }
+    if (format != PBWIO_STL && format != PBWIO_JSON && format != PBWIO_VTU && memchr(at, '\n', left) == NULL
+        && memchr(at, '\r', left) != NULL) {
+        return "lines end with CR alone: convert them to LF or CR LF";
+    }
+    return NULL;
+}
+
+/* Reads content into a cloud that is empty or, for .ele, has its points. */
+static pbwio_status pbwio__read(const char *name, const void *data, size_t size, const pbwio_options *options,
+                                pbwio_cloud *cloud, pbwio_error *error)
+{
+    static const pbwio_options defaults = { PBWIO_AUTO, 0, NULL, NULL, 0 };
+    const char *wrong;
     pbwio_format format;
     pbwio__reader r;
-    size_t left;
-    if (cloud == NULL || name == NULL || (data == NULL && size != 0)) {
-        return pbwio__file_error(error, PBWIO_ERROR_ARGUMENT, "pbwio_read_memory", "an argument is NULL");
-    }
-    memset(cloud, 0, sizeof *cloud);
     memset(&r, 0, sizeof r);
     r.name = name;
+    r.mark = '.';
     r.begin = r.at = r.line = r.line_end = r.cursor = size == 0 ? "" : (const char *)data;
     r.end = r.begin + size;
     r.options = options == NULL ? &defaults : options;
@@ -1812,18 +3365,9 @@ PBWIODEF pbwio_status pbwio_read_memory(const char *name, const void *data, size
     if (size >= 3 && memcmp(r.at, "\xef\xbb\xbf", 3) == 0) {
         r.at += 3;                                                   /* UTF-8 byte order mark */
     }
-    format = r.options->format != PBWIO_AUTO ? r.options->format : pbwio_format_of(name);
+    format = r.options->format != PBWIO_AUTO ? r.options->format : pbwio__format_to_read(name);
     format = format != PBWIO_AUTO ? format : pbwio__sniff(r);
-    left = (size_t)(r.end - r.at);
-    if (left == 0) {
-        wrong = "the file is empty";
-    } else if (left >= 2 && memcmp(r.at, "\x1f\x8b", 2) == 0) {
-        wrong = "the file is compressed: unpack it first";
-    } else if (left >= 2 && (memcmp(r.at, "\xff\xfe", 2) == 0 || memcmp(r.at, "\xfe\xff", 2) == 0)) {
-        wrong = "the file is UTF-16 text: save it as UTF-8";
-    } else if (format != PBWIO_STL && memchr(r.at, '\n', left) == NULL && memchr(r.at, '\r', left) != NULL) {
-        wrong = "lines end with CR alone: convert them to LF or CR LF";
-    }
+    wrong = pbwio__wrong(r.at, (size_t)(r.end - r.at), format);
     if (wrong != NULL) {
         return pbwio__file_error(error, PBWIO_ERROR_FORMAT, name, "%s", wrong);
     }
@@ -1841,10 +3385,33 @@ PBWIODEF pbwio_status pbwio_read_memory(const char *name, const void *data, size
     cloud->points = (double *)pbwio__shrink(cloud->points, cloud->count * (size_t)cloud->dim * sizeof(double));
     cloud->weights = (double *)pbwio__shrink(cloud->weights, cloud->count * sizeof(double));
     cloud->triangles = (pbw_index *)pbwio__shrink(cloud->triangles, cloud->triangle_count * 3 * sizeof(pbw_index));
+    cloud->tetrahedra = (pbw_index *)pbwio__shrink(cloud->tetrahedra,
+                                                   cloud->tetrahedron_count * 4 * sizeof(pbw_index));
     return PBWIO_OK;
 }
 
-/* The whole of a file, "-" is the standard input, in a block for the caller to free; NULL: see *status. */
+PBWIODEF pbwio_status pbwio_read_memory(const char *name, const void *data, size_t size, const pbwio_options *options,
+                                        pbwio_cloud *cloud, pbwio_error *error)
+{
+    const char *text = (const char *)data;
+    pbwio_status status = PBWIO_OK;
+    int packed;
+    if (cloud == NULL || name == NULL || (data == NULL && size != 0)) {
+        return pbwio__file_error(error, PBWIO_ERROR_ARGUMENT, "pbwio_read_memory", "an argument is NULL");
+    }
+    memset(cloud, 0, sizeof *cloud);
+    packed = size >= 2 && memcmp(text, "\x1f\x8b", 2) == 0;
+    if (packed) {
+        status = pbwio__gunzip(name, &text, &size, error);
+    }
+    status = status != PBWIO_OK ? status : pbwio__read(name, text, size, options, cloud, error);
+    if (packed) {
+        PBWIO_FREE((void *)(uintptr_t)text);
+    }
+    return status;
+}
+
+/* The whole of a file, unpacked, "-" is the standard input, in a block for the caller to free; NULL: see *status. */
 static char *pbwio__load(const char *path, size_t *size, pbwio_status *status, pbwio_error *error)
 {
     int standard = strcmp(path, "-") == 0;
@@ -1877,6 +3444,12 @@ static char *pbwio__load(const char *path, size_t *size, pbwio_status *status, p
     if (!standard) {
         fclose(file);
     }
+    if (*status == PBWIO_OK && *size >= 2 && memcmp(data, "\x1f\x8b", 2) == 0) {
+        const char *text = data;
+        *status = pbwio__gunzip(path, &text, size, error);
+        PBWIO_FREE(data);
+        data = (char *)(uintptr_t)text;
+    }
     if (*status != PBWIO_OK) {
         PBWIO_FREE(data);
         return NULL;
@@ -1884,22 +3457,52 @@ static char *pbwio__load(const char *path, size_t *size, pbwio_status *status, p
     return (char *)pbwio__shrink(data, *size);
 }
 
+/* Reads a file into a cloud that is empty or, for .ele, has its points. */
+static pbwio_status pbwio__read_file(const char *path, const pbwio_options *options, pbwio_cloud *cloud,
+                                     pbwio_error *error)
+{
+    size_t size;
+    pbwio_status status;
+    char *data = pbwio__load(path, &size, &status, error);
+    if (data != NULL) {
+        status = pbwio__read(strcmp(path, "-") == 0 ? "standard input" : path, data, size, options, cloud, error);
+        PBWIO_FREE(data);
+    }
+    return status;
+}
+
 PBWIODEF pbwio_status pbwio_read(const char *path, const pbwio_options *options, pbwio_cloud *cloud,
                                  pbwio_error *error)
 {
-    size_t size;
-    char *data;
-    pbwio_status status;
+    pbwio_options nodes;
+    pbwio_status status = PBWIO_OK;
+    pbwio_format format;
+    char *name;
     if (path == NULL || cloud == NULL) {
         return pbwio__file_error(error, PBWIO_ERROR_ARGUMENT, "pbwio_read", "an argument is NULL");
     }
     memset(cloud, 0, sizeof *cloud);
-    data = pbwio__load(path, &size, &status, error);
-    if (data != NULL) {
-        status = pbwio_read_memory(strcmp(path, "-") == 0 ? "standard input" : path, data, size, options, cloud,
-                                   error);
+    format = options != NULL && options->format != PBWIO_AUTO ? options->format : pbwio__format_to_read(path);
+    if (format == PBWIO_ELE) {                                       /* the points are in the .node file beside it */
+        size_t length = strlen(path);
+        length -= length > 3 && pbwio__same(path + length - 3, 3, ".gz", 3) ? 3u : 0u;
+        length -= length > 4 && pbwio__same(path + length - 4, 4, ".ele", 4) ? 4u : 0u;
+        memset(&nodes, 0, sizeof nodes);
+        nodes = options != NULL ? *options : nodes;
+        nodes.format = PBWIO_NODE;
+        name = (char *)PBWIO_REALLOC(NULL, length + 6);
+        if (name == NULL) {
+            return pbwio__file_error(error, PBWIO_ERROR_MEMORY, path, "out of memory");
+        }
+        memcpy(name, path, length);
+        strcpy(name + length, ".node");
+        status = pbwio__read_file(name, &nodes, cloud, error);
+        PBWIO_FREE(name);
     }
-    PBWIO_FREE(data);
+    status = status != PBWIO_OK ? status : pbwio__read_file(path, options, cloud, error);
+    if (status != PBWIO_OK) {
+        pbwio_free(cloud);
+    }
     return status;
 }
 
@@ -1907,47 +3510,104 @@ PBWIODEF pbwio_status pbwio_read(const char *path, const pbwio_options *options,
    Writing: a file that is whole or is not there.
    ------------------------------------------------------------------------------------------------------ */
 
+#ifdef _WIN32
+static char *pbwio__target(const char *path, size_t extra)
+{
+    char *name = (char *)PBWIO_REALLOC(NULL, strlen(path) + extra);
+    return name != NULL ? strcpy(name, path) : NULL;
+}
+#else
+/* The name that symbolic links at the end of a path lead to, in a block with extra bytes for the caller to free;
+   NULL: out of memory.  After 40 links it is left as it is. */
+static char *pbwio__target(const char *path, size_t extra)
+{
+    enum { MOST = 4096 };
+    char *name = (char *)PBWIO_REALLOC(NULL, strlen(path) + extra), link[MOST], *longer;
+    int links;
+    ssize_t length;
+    if (name == NULL) {
+        return NULL;
+    }
+    strcpy(name, path);
+    for (links = 0; links < 40 && (length = readlink(name, link, MOST - 1)) > 0; links++) {
+        const char *slash = strrchr(name, '/');
+        size_t folder = *link == '/' || slash == NULL ? 0 : (size_t)(slash - name) + 1;
+        longer = (char *)PBWIO_REALLOC(name, folder + (size_t)length + extra);
+        if (longer == NULL) {
+            PBWIO_FREE(name);
+            return NULL;
+        }
+        name = longer;
+        memcpy(name + folder, link, (size_t)length);
+        name[folder + (size_t)length] = 0;
+    }
+    return name;
+}
+#endif
+
+/* Writes to a stream and closes it, unless it is the standard output; returns whether that failed. */
+static int pbwio__stream(FILE *file, void (*emit)(void *user, FILE *file), void *user)
+{
+    int failed;
+    emit(user, file);
+    failed = ferror(file) | fflush(file);
+    return file == stdout ? failed : failed | fclose(file);
+}
+
 PBWIODEF pbwio_status pbwio_save(const char *path, void (*emit)(void *user, FILE *file), void *user,
                                  pbwio_error *error)
 {
     static const char ending[] = ".part";
-    pbwio_status status = PBWIO_OK;
-    size_t length = path == NULL ? 0 : strlen(path);
-    int in_place = length > 5 && memcmp(path, "/dev/", 5) == 0, failed;
-    char *name;
+    struct stat old;
+    char *target, *name = NULL;
     FILE *file;
+    int in_place, is, failed;
     if (path == NULL || emit == NULL) {
         return pbwio__file_error(error, PBWIO_ERROR_ARGUMENT, "pbwio_save", "an argument is NULL");
     }
-    name = (char *)PBWIO_REALLOC(NULL, length + sizeof ending);
-    if (name == NULL) {
+    errno = 0;
+    is = stat(path, &old) == 0;
+    in_place = strcmp(path, "-") == 0 || strncmp(path, "/dev/", 5) == 0 || (is && !S_ISREG(old.st_mode));
+    target = pbwio__target(path, 1);
+    name = target != NULL && !in_place ? pbwio__target(target, sizeof ending) : NULL;
+    if (target == NULL || (name == NULL && !in_place)) {
+        PBWIO_FREE(target);
         return pbwio__file_error(error, PBWIO_ERROR_MEMORY, path, "out of memory");
     }
-    strcpy(name, path);
-    strcat(name, in_place ? "" : ending);
+    if (!in_place) {
+        strcat(name, ending);
+    }
     errno = 0;
-    file = fopen(name, "wb");
-    if (file == NULL) {
-        status = pbwio__file_error(error, PBWIO_ERROR_FILE, path, "%s", strerror(errno));
-    } else {
-        emit(user, file);
-        failed = ferror(file) | fflush(file);
-        failed |= fclose(file);
+    file = strcmp(path, "-") == 0 ? stdout : in_place ? fopen(path, "wb") : NULL;
+    if (!in_place && is) {                           /* a file that may not be written to may not be replaced */
+        file = fopen(target, "r+b");
+        failed = file == NULL || fclose(file) != 0;
+        file = failed ? NULL : fopen(name, "wb");
+    } else if (!in_place) {
+        file = fopen(name, "wb");
+    }
+    failed = file == NULL || pbwio__stream(file, emit, user);
+    if (file != NULL && !in_place) {
+        if (!failed && is) {
+            chmod(name, old.st_mode & 07777);
+        }
 #ifdef _WIN32
-        if (!failed && !in_place) {
-            remove(path);                                            /* rename does not replace there */
+        if (!failed) {
+            remove(target);                          /* rename does not replace there */
         }
 #endif
-        if (failed || (!in_place && rename(name, path) != 0)) {
-            status = pbwio__file_error(error, PBWIO_ERROR_FILE, path, "%s",
-                                       errno == 0 ? "cannot write" : strerror(errno));
-            if (!in_place) {
-                remove(name);
-            }
+        failed = failed || rename(name, target) != 0;
+    }
+    if (failed) {
+        pbwio__file_error(error, PBWIO_ERROR_FILE, strcmp(path, "-") == 0 ? "standard output" : path, "%s",
+                          errno == 0 ? "cannot write" : strerror(errno));
+        if (file != NULL && !in_place) {
+            remove(name);
         }
     }
     PBWIO_FREE(name);
-    return status;
+    PBWIO_FREE(target);
+    return failed ? PBWIO_ERROR_FILE : PBWIO_OK;
 }
 
 static void pbwio__emit(void *user, FILE *file)

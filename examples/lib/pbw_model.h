@@ -27,6 +27,7 @@ typedef struct pbwmodel_content {      /* what is written; the arrays are the ca
     size_t point_count, triangle_count;
     const double *points, *normals;    /* normals: 3 coordinates for each point, or NULL */
     const pbw_index *triangles;
+    pbwio_format format;               /* PBWIO_AUTO = by the name of the file */
 } pbwmodel_content;
 
 /* Reads the normals that a file has beside its points: `vn` of .obj; properties or columns nx ny nz of .ply, .xyz and
@@ -80,7 +81,7 @@ static void pbwmodel__turn_to_normals(char *text, size_t size)
 extern int pbwmodel_read_normals(const char *path, const pbwio_cloud *model, pbwio_cloud *normals)
 {
     pbwio_options options;
-    pbwio_format format = pbwio_format_of(path);
+    pbwio_format format = pbwio__format_to_read(path);
     pbwio_status status;
     size_t size, i;
     char *text;
@@ -118,7 +119,7 @@ extern int pbwmodel_read_normals(const char *path, const pbwio_cloud *model, pbw
 extern pbwio_status pbwmodel_write(const char *path, const pbwmodel_content *content, unsigned flags,
                                    pbwio_error *error)
 {
-    pbwio_format format = pbwio_format_of(path);
+    pbwio_format format = content->format != PBWIO_AUTO ? content->format : pbwio_format_of(path);
     pbwio_output output;
     pbw_mesh mesh;
     if (format == PBWIO_AUTO || format == PBWIO_NODE || format > PBWIO_CSV
@@ -128,6 +129,7 @@ extern pbwio_status pbwmodel_write(const char *path, const pbwmodel_content *con
     }
     memset(&output, 0, sizeof output);
     memset(&mesh, 0, sizeof mesh);
+    output.format = format;
     output.flags = flags & PBWIO_TEXT;
     mesh.dim = content->dim;
     mesh.points = content->points;

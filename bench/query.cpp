@@ -1,0 +1,202 @@
+/* query.cpp: queries of pbw.h beside CGAL and nanoflann: one thread, in one run, on the same points and queries
+
+   make bench-query [POINTS=n]     uniform points and queries, processor time; each row is the median of five runs,
+                                   ours and the rival's in turn.  speed: how many times faster ours is.
+
+   CGAL gets its points as one range, and locates each query of a batch from the last answer, after its own spatial
+   sort, which is timed as ours is; so does nanoflann get the queries sorted in the one row, and as they come in the
+   other.  Its leaves have 10 points, as it recommends. */
+#define PBW_IMPLEMENTATION
+#include "../pbw.h"
+#include "../tests/inputs.h"
+
+#include <CGAL/Delaunay_triangulation_2.h>
+#include <CGAL/Delaunay_triangulation_3.h>
+#include <CGAL/Exact_predicates_inexact_constructions_kernel.h>
+#include <CGAL/natural_neighbor_coordinates_2.h>
+#include <CGAL/natural_neighbor_coordinates_3.h>
+#include <CGAL/spatial_sort.h>
+#include <nanoflann.hpp>
+
+#include <algorithm>
+#include <cstdio>
+#include <ctime>
+#include <functional>
+#include <iterator>
+#include <vector>
+
+namespace {
+
+typedef CGAL::Exact_predicates_inexact_constructions_kernel kernel;
+typedef CGAL::Delaunay_triangulation_2<kernel> delaunay2;
+typedef CGAL::Delaunay_triangulation_3<kernel> delaunay3;
+
+struct cloud {                             /* for nanoflann */
+    const double *points;
+    std::size_t count, dim;
+    std::size_t kdtree_get_point_count() const { return count; }
+    double kdtree_get_pt(std::size_t i, std::size_t k) const { return points[i * dim + k]; }
+    template <class box> bool kdtree_get_bbox(box &) const { return false; }
+};
+
+void natural(const delaunay2 &mesh, const delaunay2::Point &p)
+{
+    std::vector<std::pair<delaunay2::Point, double>> weights;
+    CGAL::natural_neighbor_coordinates_2(mesh, p, std::back_inserter(weights));
+}
+
+void natural(const delaunay3 &mesh, const delaunay3::Point &p)
+{
+    std::vector<std::pair<delaunay3::Vertex_handle, double>> weights;
+    double norm;
+    CGAL::sibson_natural_neighbor_coordinates_3(mesh, p, std::back_inserter(weights), norm);
+}
+
+double seconds(const std::function<void()> &work)
+{
+    std::timespec from, to;
+    clock_gettime(CLOCK_PROCESS_CPUTIME_ID, &from);
+    work();
+    clock_gettime(CLOCK_PROCESS_CPUTIME_ID, &to);
+    return double(to.tv_sec - from.tv_sec) + 1e-9 * double(to.tv_nsec - from.tv_nsec);
+}
+
+std::size_t volatile sink;
+
+void row(const char *name, std::size_t count, const std::function<void()> &ours, const char *rival,
+         const std::function<void()> &theirs, double part = 1)
+{
+    std::vector<double> a, b;
+    for (int i = 0; i < 5; i++) {
+        a.push_back(seconds(ours));
+        b.push_back(seconds(theirs) / part);
+    }
+    std::sort(a.begin(), a.end());
+    std::sort(b.begin(), b.end());
+    std::printf("%-38s %8.3f us   %-12s %8.3f us   speed %6.2f\n", name, a[2] / double(count) * 1e6, rival,
+                b[2] / double(count) * 1e6, b[2] / a[2]);
+    std::fflush(stdout);
+}
+
+template <int dim, class triangulation> struct locating {
+    typedef typename triangulation::Point point;
+    static std::vector<point> points(const std::vector<double> &x)
+    {
+        std::vector<point> made;
+        for (std::size_t i = 0; i < x.size(); i += dim) {
+            made.push_back(make(&x[i], std::integral_constant<int, dim>()));
+        }
+        return made;
+    }
+    static point make(const double *p, std::integral_constant<int, 2>) { return point(p[0], p[1]); }
+    template <class three> static point make(const double *p, three) { return point(p[0], p[1], p[2]); }
+};
+
+void nearest_rows(int dim, const pbw_mesh &mesh, const pbw_lists &stars, const std::vector<double> &queries,
+                  const char *how)
+{
+    const std::size_t count = queries.size() / std::size_t(dim);
+    const cloud all = { mesh.points, mesh.point_count, std::size_t(dim) };
+    typedef nanoflann::L2_Simple_Adaptor<double, cloud> metric;
+    nanoflann::KDTreeSingleIndexAdaptor<metric, cloud> tree(dim, all, nanoflann::KDTreeSingleIndexAdaptorParams(10));
+    std::vector<pbw_index> found(8 * count);
+    std::vector<double> distances(8 * count);
+    pbw_options options = {};
+    options.threads = 1;
+    tree.buildIndex();
+    for (std::size_t k = 1; k <= 8; k += 7) {
+        char name[80];
+        std::snprintf(name, sizeof name, "%dD %d nearest, %s", dim, int(k), how);
+        row(name, count, [&] {
+            pbw_nearest(&mesh, &stars, queries.data(), count, k, &options, found.data(), distances.data());
+        }, "nanoflann", [&] {
+            std::vector<std::size_t> index(k);
+            std::vector<double> square(k);
+            for (std::size_t i = 0; i < count; i++) {
+                nanoflann::KNNResultSet<double> result(k);
+                result.init(index.data(), square.data());
+                tree.findNeighbors(result, &queries[i * std::size_t(dim)], nanoflann::SearchParams());
+                sink = sink + index[0];
+            }
+        });
+    }
+}
+
+template <int dim, class triangulation> void run(std::size_t n, unsigned flags, const char *numbering)
+{
+    typedef locating<dim, triangulation> with;
+    std::vector<double> points(n * dim), queries(n * dim);
+    pbw_options options = {};
+    pbw_mesh mesh;
+    pbw_lists stars, lists;
+    std::vector<pbw_index> found(n), order(n);
+    char name[80];
+    input_fill(INPUT_UNIFORM, dim, n, 1, points.data());
+    input_fill(INPUT_UNIFORM, dim, n, 2, queries.data());
+    options.threads = 1;
+    options.flags = flags;
+    const double build = seconds([&] { pbw_triangulate(dim, points.data(), nullptr, n, &options, &mesh); });
+    options.flags = 0;
+    const double star = seconds([&] { pbw_stars(&mesh, &options, &stars); });
+    std::printf("%dD, %zu points, %s: build %.3f us, stars %.3f us a point\n", dim, n, numbering,
+                build / double(n) * 1e6, star / double(n) * 1e6);
+
+    const auto other = with::points(points);
+    const triangulation theirs(other.begin(), other.end());
+    std::snprintf(name, sizeof name, "%dD locate, batch", dim);
+    row(name, n, [&] { pbw_locate(&mesh, queries.data(), n, &options, found.data(), nullptr); }, "CGAL", [&] {
+        auto sorted = with::points(queries);
+        CGAL::spatial_sort(sorted.begin(), sorted.end());
+        auto at = theirs.locate(sorted[0]);
+        for (const auto &p : sorted) {
+            at = theirs.locate(p, at);
+        }
+    });
+    pbw_finder *finder;
+    pbw_finder_create(&mesh, &options, &finder);
+    const std::size_t some = n / 20;
+    std::snprintf(name, sizeof name, "%dD locate, single, finder", dim);
+    row(name, some, [&] {
+        for (std::size_t i = 0; i < some; i++) {
+            sink = sink + pbw_finder_locate(finder, &queries[i * dim], nullptr);
+        }
+    }, "CGAL", [&] {
+        const auto asked = with::points(std::vector<double>(queries.begin(), queries.begin() + long(some * dim)));
+        for (const auto &p : asked) {
+            sink = sink + std::size_t(theirs.is_infinite(theirs.locate(p)));
+        }
+    });
+    pbw_finder_free(finder);
+    nearest_rows(dim, mesh, stars, queries, "as they come");
+    pbw_order(dim, queries.data(), n, &options, order.data());
+    std::vector<double> sorted;
+    for (pbw_index i : order) {
+        sorted.insert(sorted.end(), &queries[i * dim], &queries[i * dim] + dim);
+    }
+    nearest_rows(dim, mesh, stars, sorted, "sorted");
+    const std::size_t few = n / 10;
+    const auto asked = with::points(std::vector<double>(sorted.begin(), sorted.begin() + long(few * dim)));
+    std::snprintf(name, sizeof name, "%dD Sibson", dim);
+    row(name, few, [&] {
+        pbw_coordinates(&mesh, sorted.data(), few, PBW_SIBSON, &options, &lists);
+        pbw_lists_free(&lists);
+    }, "CGAL", [&] {
+        for (std::size_t i = 0; i < asked.size() / 10; i++) {        /* the first tenth: it takes long */
+            natural(theirs, asked[i]);
+        }
+    }, 0.1);
+    pbw_lists_free(&stars);
+    pbw_free(&mesh);
+}
+
+} // namespace
+
+int main(int argc, char **argv)
+{
+    const std::size_t n = argc > 1 ? std::size_t(std::atof(argv[1])) : 100000;
+    run<3, delaunay3>(n, 0, "numbered at random");
+    run<3, delaunay3>(n, PBW_CURVE_ORDER, "numbered along the curve");
+    run<2, delaunay2>(n, 0, "numbered at random");
+    run<2, delaunay2>(n, PBW_CURVE_ORDER, "numbered along the curve");
+    return 0;
+}

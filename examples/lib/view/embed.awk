@@ -1,0 +1,71 @@
+# embed.awk: prints pbw_view.h with the page of this folder in it: awk -f embed.awk FOLDER/page.html pbw_view.h
+# Style sheets and scripts that page.html names are put into it, all scripts as one function; <!-- title --> and
+# <!-- data --> end the first and the second part.  Files are ASCII: mawk and gawk then print the same bytes.
+function emit(text)
+{
+    gsub(/\\/, "\\\\", text)
+    gsub(/"/, "\\\"", text)
+    line[++lines] = "    \"" text "\\n\","
+}
+function inline(name,   text, status)
+{
+    while ((status = (getline text < (folder name))) > 0) {
+        emit(text)
+    }
+    if (status < 0) {
+        print "embed.awk: no " folder name > "/dev/stderr"
+        failed = 1
+        exit
+    }
+    close(folder name)
+}
+function part()
+{
+    line[++lines] = "    NULL"
+    line[++lines] = "};"
+    line[++lines] = "static const char *const pbwview__part" ++parts "[] = {"
+}
+function named(text)
+{
+    sub(/.*(src|href)='/, "", text)
+    sub(/'.*/, "", text)
+    return text
+}
+FNR == 1 && NR == 1 {
+    folder = FILENAME
+    sub(/[^\/]*$/, "", folder)
+    line[++lines] = "static const char *const pbwview__part0[] = {"
+}
+NR != FNR && !ends { line[++lines] = "    NULL"; line[++lines] = "};"; ends = 1 }
+NR == FNR && /^<!-- (title|data) -->$/ { part(); next }
+NR == FNR && /^<link rel='stylesheet'/ { emit("<style>"); inline(named($0)); emit("</style>"); next }
+NR == FNR && /^<script src=/ {
+    if (!scripts++) {
+        emit("<script>"); emit("(() => {"); emit("'use strict';")
+    }
+    inline(named($0))
+    next
+}
+NR == FNR {
+    if (scripts && !closed++) {
+        emit("})();"); emit("</script>")
+    }
+    emit($0)
+    next
+}
+skipping && /^#endif/ { skipping = 0 }
+!skipping { print }
+/The page, made of the files in/ { made = 1 }
+made && /^ +-+ \*\/$/ {
+    made = 0
+    skipping = 1
+    for (i = 1; i <= lines; i++) {
+        print line[i]
+    }
+    print ""
+    print "static const char *const *pbwview__part(int part)"
+    print "{"
+    print "    return part == 0 ? pbwview__part0 : part == 1 ? pbwview__part1 : pbwview__part2;"
+    print "}"
+}
+END { exit failed }

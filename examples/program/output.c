@@ -1,0 +1,331 @@
+/* output.c: outputs are checked before the work and written after it; the options for that. */
+#include "program.h"
+#include <errno.h>
+#include <sys/stat.h>
+#ifdef _WIN32
+#include <io.h>
+#define access _access
+#define W_OK 2
+#else
+#include <unistd.h>
+#endif
+
+static const char *const colours[] = { "quality", "part", "thread", "round", "order", "weight", "z", NULL };
+
+const option look_options[] = {
+    { "--inside", NULL, "only what is inside the surface of the model", SWITCH, 0, 0, NULL },
+    { "--surface", "MODEL", "the model for --inside, if it is not the input", PLAIN, 0, 0, NULL },
+    { "--title", "TEXT", "pages: default: the name of the input", PLAIN, 0, 0, NULL },
+    { "--colour", "NAME", "pages: what the colours show at first: quality, part (of the curve, as many as\n"
+      "threads), thread (in whose share a point was) and round (that inserted it),\n"
+      "order (of the points in the input), weight, z", CHOICE, 0, 0, colours },
+    { "--eye", "X,Y,Z", "pictures and pages: direction to the viewer", DIRECTION, 0, 0, NULL },
+    { "--up", "X,Y,Z", "upwards; pictures: default 0,0,1; pages: guessed", DIRECTION, 0, 0, NULL },
+    { "--cut", "A,B,C,D", "pictures and pages: cut away Ax+By+Cz > D, D from -1 to 1; D = 1 cuts nothing", PLANE,
+      0, 0, NULL },
+    { "--cut-through", NULL, "pages: cut simplices through instead of leaving them out", SWITCH, 0, 0, NULL },
+    { "--colour-outside", NULL, "pages: colours on the outside too, not only where it is cut", SWITCH, 0, 0, NULL },
+    { NULL, NULL, NULL, SWITCH, 0, 0, NULL }
+};
+
+const option output_options[] = {
+    { "-o", "FILE", "an output; - is the standard output, the report then goes to standard error", OUTPUT,
+      0, 0, NULL },
+    { "--format", "ENDING", "the format of outputs whose name has no known ending, such as -", PLAIN, 0, 0, NULL },
+    { NULL, NULL, NULL, SWITCH, 0, 0, NULL }
+};
+
+const option text_options[] = {
+    { "--text", NULL, "text instead of binary output", SWITCH, 0, 0, NULL },
+    { NULL, NULL, NULL, SWITCH, 0, 0, NULL }
+};
+
+/* ---- formats ---- */
+
+/* The word of a list with blanks between that an ending is, whatever the case of its letters; NULL: none. */
+static const char *find_word(const char *list, const char *ending)
+{
+    static char word[8];
+    size_t length, i;
+    for (; *list != 0; list += length + (list[length] == ' ')) {
+        length = strcspn(list, " ");
+        for (i = 0; i < length && (ending[i] | 32) == list[i]; i++) {
+        }
+        if ((i == length || (ending[i] >= '0' && ending[i] == list[i])) && strlen(ending) == length) {
+            snprintf(word, sizeof word, "%.*s", (int)length, list);
+            return word;
+        }
+    }
+    return NULL;
+}
+
+const char *ending_of(const job *j, const char *path)
+{
+    const char *dot = strrchr(path, '.'), *format = text_of(j, "--format"), *found = NULL;
+    if (j->command->writes == NULL) {
+        return NULL;
+    }
+    if (dot != NULL && strpbrk(dot, "/\\") == NULL) {
+        found = find_word(j->command->writes, dot + 1);
+    }
+    if (found == NULL && format != NULL) {
+        found = find_word(j->command->writes, format + (*format == '.'));
+    }
+    return found;
+}
+
+int writes_pages(const job *j)
+{
+    int i;
+    for (i = 0; i < j->outputs && strcmp(ending_of(j, j->output[i]), "html") != 0; i++) {
+    }
+    return i < j->outputs;
+}
+
+/* ---- before the work ---- */
+
+/* Whether two names, or a name and the standard input, "-", stand for one file. */
+static int one_file(const char *a, const char *b)
+{
+    struct stat first, second;
+    if (strcmp(a, b) == 0 && strcmp(a, "-") != 0) {
+        return 1;
+    }
+    if (strcmp(a, "-") == 0 || stat(a, &first) != 0
+        || (strcmp(b, "-") == 0 ? fstat(0, &second) : stat(b, &second)) != 0) {
+        return 0;
+    }
+#ifdef _WIN32
+    {
+        char one[1024], other[1024];                 /* there st_ino is 0 */
+        return _fullpath(one, a, sizeof one) != NULL && _fullpath(other, b, sizeof other) != NULL
+            && _stricmp(one, other) == 0;
+    }
+#else
+    return S_ISREG(first.st_mode) && first.st_dev == second.st_dev && first.st_ino == second.st_ino;
+#endif
+}
+
+/* Whether writing to the path would destroy an input: that file, or the one that is renamed to it at the end. */
+static int destroys(const char *path, const char *input)
+{
+    char other[1100];
+    const char *dot;
+    if (input == NULL) {
+        return 0;
+    }
+    snprintf(other, sizeof other, "%s.part", path);
+    if (one_file(path, input) || one_file(other, input)) {
+        return 1;
+    }
+    dot = strstr(input, ".ele");
+    if (dot == NULL || (strcmp(dot, ".ele") != 0 && strcmp(dot, ".ele.gz") != 0)) {
+        return 0;
+    }
+    snprintf(other, sizeof other, "%.*s.node", (int)(dot - input), input);       /* has its points */
+    return one_file(path, other);
+}
+
+/* A folder that is there and can be written to. */
+static int check_folder(const char *path)
+{
+    const char *slash = strrchr(path, '/');
+    char folder[1100];
+    struct stat info;
+    snprintf(folder, sizeof folder, "%.*s", slash == NULL ? 1 : (int)(slash - path) + 1, slash == NULL ? "." : path);
+    if (stat(folder, &info) != 0 || !S_ISDIR(info.st_mode)) {
+        return complain("-o %s: there is no folder %s", path, folder);
+    }
+    if (access(folder, W_OK) != 0) {
+        return complain("-o %s: %s", path, strerror(errno));
+    }
+    return 0;
+}
+
+static int check_output(const job *j, const char *path)
+{
+    const char *format = text_of(j, "--format");
+    struct stat info;
+    if (strlen(path) > 1000) {
+        return complain("-o: a name of more than 1000 characters");
+    }
+    if (ending_of(j, path) == NULL) {
+        if (format != NULL) {
+            return complain("--format %s: pbw %s writes %s", format, j->command->name, j->command->writes);
+        }
+        return complain("-o %s: its ending tells the format, else --format; pbw %s writes %s", path, j->command->name,
+                        j->command->writes);
+    }
+    if (strcmp(path, "-") == 0) {
+        return 0;
+    }
+    if (destroys(path, j->input) || destroys(path, text_of(j, "--surface"))) {
+        return complain("-o %s: it is an input, which would be lost; name another output", path);
+    }
+    if (stat(path, &info) != 0) {
+        return check_folder(path);
+    }
+    if (S_ISDIR(info.st_mode)) {
+        return complain("-o %s: it is a folder", path);
+    }
+    return access(path, W_OK) != 0 ? complain("-o %s: %s", path, strerror(errno)) : 0;
+}
+
+int check_outputs(const job *j)
+{
+    const char *surface = text_of(j, "--surface"), *colour = text_of(j, "--colour");
+    FILE *file;
+    int i, k, status = 0;
+    for (i = 0; i < j->outputs && status == 0; i++) {
+        status = check_output(j, j->output[i]);
+        for (k = 0; k < i && status == 0; k++) {
+            if (strcmp(j->output[k], j->output[i]) == 0 || one_file(j->output[k], j->output[i])) {
+                status = complain("-o %s: it is named twice", j->output[i]);
+            }
+        }
+    }
+    if (status == 0 && surface != NULL) {
+        file = fopen(surface, "rb");
+        if (file == NULL) {
+            return complain("--surface %s: %s", surface, strerror(errno));
+        }
+        fclose(file);
+    }
+    if (status == 0 && surface == NULL && is_given(j, "--inside") && j->generate != NULL) {
+        return complain("--inside: what is generated has no faces; --surface names a model that has");
+    }
+    if (status == 0 && colour != NULL && strcmp(colour, "weight") == 0 && !is_given(j, "--weights")) {
+        return complain("--colour weight: --weights is needed");
+    }
+    return status;
+}
+
+/* ---- after the work ---- */
+
+static void add_array(pbwview_options *view, const char *name, const uint32_t *integers, const double *real,
+                      int of_points, int classes)
+{
+    pbwview_array *array = (pbwview_array *)(uintptr_t)(view->arrays + view->array_count++);
+    memset(array, 0, sizeof *array);
+    array->name = name;
+    array->whole = integers;
+    array->real = real;
+    array->of_points = of_points;
+    array->classes = classes;
+}
+
+static void fill_arrays(const job *j, uint32_t *part, uint32_t *thread, uint32_t *round)
+{
+    size_t parts = j->build.threads > 0 ? (size_t)j->build.threads : 8, count = j->mesh.simplex_count, i;
+    for (i = 0; i < count; i++) {                    /* simplices follow the curve */
+        part[i] = (uint32_t)(i * parts / count);
+    }
+    for (i = 0; j->build.trace != NULL && i < j->mesh.point_count; i++) {        /* duplicates: none, in no simplex */
+        thread[i] = j->build.trace[i] == PBW_NONE ? 0 : j->build.trace[i] % 256;
+        round[i] = j->build.trace[i] == PBW_NONE ? 0 : j->build.trace[i] / 256;
+    }
+}
+
+static void set_up_view(const job *j, pbwview_options *view)
+{
+    const char *slash = j->input == NULL ? NULL : strrchr(j->input, '/');
+    view->title = text_of(j, "--title") != NULL ? text_of(j, "--title") : j->generate != NULL ? j->generate
+                : slash != NULL ? slash + 1 : j->input;
+    view->keep = j->picture.keep;
+    view->inside = j->picture.keep == NULL ? j->inside : NULL;
+    view->triangles = is_given(j, "--surface") ? NULL : j->cloud.triangles;
+    view->triangle_count = view->triangles != NULL ? j->cloud.triangle_count : 0;
+    view->colour = text_of(j, "--colour");
+    view->cut_through = is_given(j, "--cut-through");
+    view->colour_outside = is_given(j, "--colour-outside");
+    memcpy(view->eye, j->picture.eye, sizeof view->eye);
+    memcpy(view->up, j->picture.up, sizeof view->up);
+    memcpy(view->cut, j->picture.cut, sizeof view->cut);
+}
+
+static pbwio_status write_page(const job *j, const char *path, pbwio_error *error)
+{
+    const pbw_mesh *mesh = &j->mesh;
+    size_t traced = j->build.trace != NULL ? mesh->point_count : 0;
+    uint32_t *part = (uint32_t *)malloc((mesh->simplex_count + 1) * sizeof *part);
+    uint32_t *thread = (uint32_t *)malloc((traced + 1) * sizeof *thread);
+    uint32_t *round = (uint32_t *)malloc((traced + 1) * sizeof *round);
+    pbwview_array arrays[4];
+    pbwview_options view;
+    pbwio_status status = PBWIO_ERROR_MEMORY;
+    char left_out[128] = "";
+    memset(&view, 0, sizeof view);
+    snprintf(error->text, sizeof error->text, "out of memory");
+    if (mesh->duplicate_count + mesh->hidden_count > 0) {
+        snprintf(left_out, sizeof left_out, "%zu duplicate and %zu hidden point%s left out", mesh->duplicate_count,
+                 mesh->hidden_count, plural(mesh->duplicate_count + mesh->hidden_count));
+    }
+    set_up_view(j, &view);
+    view.note = left_out;
+    view.arrays = arrays;
+    add_array(&view, "part", part, NULL, 0, 1);
+    if (traced > 0) {
+        add_array(&view, "thread", thread, NULL, 1, 1);
+        add_array(&view, "round", round, NULL, 1, 0);
+    }
+    if (mesh->weights != NULL) {
+        add_array(&view, "weight", NULL, mesh->weights, 1, 0);
+    }
+    if (part != NULL && thread != NULL && round != NULL) {
+        fill_arrays(j, part, thread, round);
+        status = pbwview_write(path, mesh, &view, error);
+    }
+    free(part);
+    free(thread);
+    free(round);
+    return status;
+}
+
+static pbwio_format format_of(const char *ending)
+{
+    char name[16];
+    snprintf(name, sizeof name, "a.%s", ending);
+    return pbwio_format_of(name);
+}
+
+/* One output: of a mesh, or of content if there is any. */
+static pbwio_status write_one(job *j, const char *path, pbwmodel_content *content, pbwio_error *error)
+{
+    const char *ending = ending_of(j, path);
+    if (content != NULL) {
+        content->format = format_of(ending);
+        return pbwmodel_write(path, content, j->write.flags, error);
+    }
+    if (strcmp(ending, "svg") == 0) {
+        return pbwpic_write(path, &j->mesh, &j->picture, error);
+    }
+    if (strcmp(ending, "html") == 0) {
+        return write_page(j, path, error);
+    }
+    j->write.format = format_of(ending);
+    return pbwio_write(path, &j->mesh, &j->write, error);
+}
+
+static int write_outputs(job *j, pbwmodel_content *content)
+{
+    pbwio_error error;
+    for (; j->written < j->outputs && !interrupted; j->written++) {
+        const char *path = j->output[j->written];
+        double start = now();
+        if (write_one(j, path, content, &error) != PBWIO_OK) {
+            return interrupted ? stopped(j) : fail(j, "%s", error.text);
+        }
+        say(j, "write", now() - start, "%s", strcmp(path, "-") == 0 ? "standard output" : path);
+    }
+    return interrupted ? stopped(j) : 0;
+}
+
+int write_mesh(job *j)
+{
+    return write_outputs(j, NULL);
+}
+
+int write_model(job *j, pbwmodel_content *content)
+{
+    return write_outputs(j, content);
+}

@@ -1,0 +1,152 @@
+/* program.h: what the files of the pbw program share.
+
+   A command is one file, which defines a `const command command_NAME`, and one line in COMMANDS below; its help, the
+   list of commands and the search for misspelt names follow from that. */
+#ifndef PROGRAM_H
+#define PROGRAM_H
+
+#include "pbw.h"
+#include "pbw_io.h"
+#include "pbw_model.h"
+#include "pbw_picture.h"
+#include "pbw_sample.h"
+#include "pbw_view.h"
+#include <float.h>
+#include <math.h>
+#include <signal.h>
+#include <stdio.h>
+#include <stdlib.h>
+#include <string.h>
+
+#define COMMANDS(X) X(mesh) X(sample) X(check) X(convert) X(bench) X(view)
+
+#if defined(__GNUC__)
+#define PRINTF(a, b) __attribute__((format(printf, a, b)))
+#else
+#define PRINTF(a, b)
+#endif
+
+enum { MOST_OUTPUTS = 32, FAILURE = 1, USAGE = 2 };
+
+/* ---- options ---- */
+
+/* What the value of an option is. */
+typedef enum value_kind {
+    SWITCH,                                          /* none */
+    PLAIN,
+    WHOLE, POSITIVE,                                 /* a number from least to most; a number above 0 */
+    BYTES,                                            /* bytes, with K, M or G */
+    DIRECTION, PLANE,                                /* X,Y,Z; A,B,C,D with D from -1 to 1; not 0,0,0 */
+    CHOICE,                                          /* one of choices */
+    GENERATE,                                        /* one of choices, and a count in the next argument */
+    OUTPUT                                           /* a file; it may come several times */
+} value_kind;
+
+typedef struct option {
+    const char *name, *value, *help;                 /* "--count", "N", lines for --help */
+    value_kind kind;
+    double least, most;
+    const char *const *choices;                      /* NULL ends them */
+} option;
+
+/* Groups of options that commands share; an option without a name ends each. */
+extern const option input_options[], build_options[], look_options[], output_options[], text_options[],
+                    common_options[];
+
+/* ---- commands ---- */
+
+typedef struct job job;
+
+typedef struct command {
+    const char *name, *summary;                      /* summary: for the list of commands */
+    const char *usage;                               /* what its --help says before the options */
+    const char *writes;                              /* endings of its outputs with blanks between; NULL: none */
+    const option *options[8];                        /* groups; NULL ends them */
+    int (*run)(job *j);                              /* returns the exit status */
+    int may_lack_input;
+    int outputs_follow;                              /* arguments after the input are outputs */
+    int names_output;                                /* without an output: the input's name with its only ending */
+} command;
+
+#define DECLARE(name) extern const command command_##name;
+COMMANDS(DECLARE)
+#undef DECLARE
+
+typedef struct given { const option *option; const char *value, *more; } given;
+
+struct job {
+    const command *command;
+    const char *input, *output[MOST_OUTPUTS];        /* input: NULL if points are generated */
+    char named[1024];                                /* the output that the program names */
+    int outputs, written;                            /* how many are named, how many of them are there */
+    given *given;                                    /* options, in their order */
+    int given_count;
+    int terminal, quiet;
+    FILE *report;                                    /* standard output, unless an output goes there */
+    const char *generate;                            /* kind of points, NULL = they are read */
+    size_t count;                                    /* how many of them */
+    pbwio_options read;                              /* filled from the options */
+    pbwio_output write;
+    pbwpic_options picture;
+    pbw_options build;
+    pbwio_cloud cloud, surface;                      /* what is read and made; surface: of --surface */
+    pbw_mesh mesh;
+    unsigned char *inside;                           /* per simplex: is its centre inside the surface?  NULL: not known */
+};
+
+/* ---- options.c ---- */
+
+/* Fills the job; returns 0, or the exit status plus one. */
+int parse(int argc, char **argv, job *j);
+int is_given(const job *j, const char *name);
+const char *text_of(const job *j, const char *name);                  /* NULL: it is not given */
+double number_of(const job *j, const char *name, double otherwise);
+int choice_of(const job *j, const char *name);                        /* its number in choices; -1: it is not given */
+void vector_of(const job *j, const char *name, int count, double *out);      /* leaves out as it is if not given */
+PRINTF(1, 2) int complain(const char *format, ...);                   /* prints; returns USAGE */
+
+/* The best of the names that were considered, if it is near enough to be meant. */
+typedef struct nearest { const char *word, *name; int distance; } nearest;
+void consider(nearest *n, const char *name);
+
+void print_help(const command *c, int all);
+
+/* ---- terminal.c ---- */
+
+extern volatile sig_atomic_t interrupted;
+void catch_interrupt(void);
+double now(void);
+int draw_bar(const job *j, const char *name, double done);            /* returns whether the work must stop */
+PRINTF(2, 3) int fail(const job *j, const char *format, ...);         /* prints; returns FAILURE */
+int stopped(const job *j);                                            /* the same after an interrupt */
+PRINTF(2, 3) void warn(const job *j, const char *format, ...);
+/* A line of the report, with and without a time. */
+PRINTF(4, 5) void say(const job *j, const char *what, double seconds, const char *format, ...);
+PRINTF(2, 3) void note(const job *j, const char *format, ...);
+const char *plural(size_t count);                                          /* "" for 1, else "s" */
+
+/* ---- steps.c: steps of commands; each returns 0 or the exit status ---- */
+
+int load(job *j, int flat);                                          /* flat: without z if all have the same */
+int load_surface(job *j);                                             /* for --inside, before the work */
+int build(job *j);
+int check(job *j);
+void describe(const job *j);
+int mark_inside(job *j);
+int out_of_memory(const job *j);
+pbwsample_model model_of(const pbwio_cloud *cloud);
+
+/* ---- output.c ---- */
+
+int check_outputs(const job *j);                                      /* before the work; returns 0 or USAGE */
+const char *ending_of(const job *j, const char *path);                /* of what the command writes; NULL: none */
+int writes_pages(const job *j);
+int write_mesh(job *j);
+int write_model(job *j, pbwmodel_content *content);
+
+/* ---- surface.c ---- */
+
+/* Reports the faults of a surface; details: where they are.  Returns whether it has an inside. */
+int describe_surface(const job *j, const pbwio_cloud *cloud, int details);
+
+#endif

@@ -1,0 +1,125 @@
+/* sample.c: pbw sample. */
+#include "program.h"
+
+static const char *const fills[] = { "lattice", "poisson", NULL };
+
+static const option sample_options[] = {
+    { "--count", "N", "that many on the surface; default 20000", WHOLE, 1, 4e9, NULL },
+    { "--radius", "R", "instead: that distance apart, as many as there is room for", POSITIVE, 0, 0, NULL },
+    { "--uniform", NULL, "independent random points instead, with --count", SWITCH, 0, 0, NULL },
+    { "--fill", "WAY", "add points inside, as far apart: lattice (a jittered one) or poisson\n(blue noise)", CHOICE,
+      0, 0, fills },
+    { "--thin", NULL, "sides of a sheet thinner than the radius do not keep points apart", SWITCH, 0, 0, NULL },
+    { "--facet-normals", NULL, "normals of the faces, not interpolated ones", SWITCH, 0, 0, NULL },
+    { "--seed", "S", "of random numbers, up to 1000000; default 1", WHOLE, 0, 1e6, NULL },
+    { NULL, NULL, NULL, SWITCH, 0, 0, NULL }
+};
+
+static int on_sampled(void *user, double done)
+{
+    return draw_bar((const job *)user, "sample", done);
+}
+
+/* Fills the set: on the surface, then inside. */
+static pbwsample_status make(job *j, const pbwsample_model *model, pbwsample_set *set)
+{
+    pbwsample_options options;
+    pbwsample_status status;
+    double start = now();
+    size_t on_surface;
+    int uniform = is_given(j, "--uniform");
+    memset(&options, 0, sizeof options);
+    options.seed = (uint64_t)number_of(j, "--seed", 1);
+    options.radius = number_of(j, "--radius", 0);
+    options.count = (size_t)number_of(j, "--count", options.radius > 0 ? 0 : 20000);
+    options.flags = PBWSAMPLE_NORMALS | (is_given(j, "--thin") ? PBWSAMPLE_THIN : 0)
+                  | (is_given(j, "--facet-normals") ? PBWSAMPLE_FACET_NORMALS : 0);
+    options.progress = on_sampled;
+    options.progress_user = j;
+    status = uniform ? pbwsample_uniform(model, &options, set) : pbwsample_poisson(model, &options, set);
+    if (status != PBWSAMPLE_OK) {
+        return status;
+    }
+    on_surface = set->count;
+    if (uniform) {
+        say(j, "sample", now() - start, "%zu point%s", set->count, plural(set->count));
+    } else {
+        say(j, "sample", now() - start, "%zu point%s, none closer than %g", set->count, plural(set->count),
+            set->radius);
+    }
+    if (is_given(j, "--fill")) {
+        start = now();
+        options.count = 0;
+        options.radius = 0;
+        options.flags |= choice_of(j, "--fill") == 0 ? PBWSAMPLE_LATTICE : 0;
+        status = pbwsample_volume(model, &options, set);
+        if (status == PBWSAMPLE_OK) {
+            say(j, "fill", now() - start, "%zu point%s inside", set->count - on_surface,
+                plural(set->count - on_surface));
+        }
+    }
+    return status;
+}
+
+static int run(job *j)
+{
+    pbwio_cloud normals;
+    pbwsample_model model;
+    pbwsample_set set;
+    pbwsample_status status;
+    pbwmodel_content content;
+    int failed;
+    if (is_given(j, "--count") && is_given(j, "--radius")) {
+        return complain("--count and --radius exclude each other");
+    }
+    if (is_given(j, "--uniform") && (is_given(j, "--radius") || is_given(j, "--fill"))) {
+        return complain("--uniform goes with neither --radius nor --fill");
+    }
+    j->read.dim = 3;
+    failed = load(j, 0);
+    if (failed) {
+        return failed;
+    }
+    if (j->cloud.triangle_count == 0) {
+        return fail(j, "%s: a model with faces is needed", j->input);
+    }
+    memset(&normals, 0, sizeof normals);
+    memset(&set, 0, sizeof set);
+    model = model_of(&j->cloud);
+    if (pbwmodel_read_normals(j->input, &j->cloud, &normals)) {
+        model.normals = normals.points;
+        model.normal_count = normals.count;
+        model.normal_ids = normals.triangles;
+    }
+    if (!describe_surface(j, &j->cloud, 0) && is_given(j, "--fill")) {
+        warn(j, "the surface is not closed: what is inside is decided by two of three rays");
+    }
+    status = make(j, &model, &set);
+    if (status != PBWSAMPLE_OK) {
+        failed = interrupted ? stopped(j) : fail(j, "%s", pbwsample_status_string(status));
+    } else {
+        memset(&content, 0, sizeof content);
+        content.dim = 3;
+        content.points = set.points;
+        content.point_count = set.count;
+        content.normals = is_given(j, "--fill") ? NULL : set.normals;        /* there are none inside */
+        failed = write_model(j, &content);
+    }
+    pbwio_free(&normals);
+    pbwsample_free(&set);
+    return failed;
+}
+
+const command command_sample = {
+    "sample", "spread points over a model",
+    "usage: pbw sample [options] model -o output...\n"
+    "\n"
+    "Points spread evenly over the surface of a model, none closer to another than a radius, with normals.\n"
+    "\n"
+    "input:   .obj .ply .stl .off .msh .mesh .vtu with faces\n"
+    "output:  .ply .obj .off .xyz .csv; any number of them\n"
+    "\n",
+    "ply obj off xyz csv txt pts asc dat tsv",
+    { sample_options, output_options, text_options, common_options, NULL, NULL, NULL, NULL },
+    run, 0, 0, 0
+};

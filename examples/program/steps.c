@@ -1,0 +1,202 @@
+/* steps.c: reads, triangulates, checks, describes; the options for that. */
+#include "program.h"
+#include "pbw_generate.h"
+
+const option input_options[] = {
+    { "--dim", "2|3", "dimension; default 3, or 2 for files of two columns or of one z", WHOLE, 2, 3, NULL },
+    { "--columns", "X,Y[,Z]", "which columns, by number from 1 or by name", PLAIN, 0, 0, NULL },
+    { "--decimal-comma", NULL, "tables: numbers such as 1,5; columns set apart by ; or blanks", SWITCH, 0, 0, NULL },
+    { "--generate", "KIND N", "N points instead of an input: uniform gauss ball sphere lattice\n"
+      "clusters lines spiral plane anisotropic moment", GENERATE, 1, 4e9, pbwgen_kinds },
+    { "--seed", "S", "of random numbers, up to 1000000; default 1", WHOLE, 0, 1e6, NULL },
+    { NULL, NULL, NULL, SWITCH, 0, 0, NULL }
+};
+
+const option build_options[] = {
+    { "--weights", "COLUMN", "regular triangulation with the weights of that column", PLAIN, 0, 0, NULL },
+    { "--threads", "N", "default 0: all cores", WHOLE, 0, 256, NULL },
+    { "--memory-limit", "SIZE", "such as 500M or 4G: fail rather than use more for the triangulation", BYTES, 0, 0,
+      NULL },
+    { NULL, NULL, NULL, SWITCH, 0, 0, NULL }
+};
+
+/* Leaves z out if all points have the same. */
+static void flatten(pbwio_cloud *cloud)
+{
+    size_t i;
+    for (i = 0; i < cloud->count; i++) {
+        if (cloud->points[3 * i + 2] < cloud->points[2] || cloud->points[3 * i + 2] > cloud->points[2]) {
+            return;
+        }
+    }
+    for (i = 0; i < cloud->count; i++) {
+        memmove(cloud->points + 2 * i, cloud->points + 3 * i, 2 * sizeof(double));
+    }
+    cloud->dim = 2;
+}
+
+int load(job *j, int flat)
+{
+    double start = now();
+    pbwio_error error;
+    if (j->generate != NULL) {
+        int kind = choice_of(j, "--generate");
+        if (!pbwgen_points(kind < 0 ? 0 : kind, j->read.dim == 2 ? 2 : 3, j->count,
+                           (uint64_t)number_of(j, "--seed", 1), &j->cloud)) {
+            return fail(j, "out of memory: %zu points need %.0f bytes", j->count, 24 * (double)j->count);
+        }
+    } else if (pbwio_read(j->input, &j->read, &j->cloud, &error) != PBWIO_OK && !interrupted) {
+        return fail(j, "%s", error.text);
+    }
+    if (interrupted) {
+        return stopped(j);
+    }
+    if (flat && j->read.dim == 0 && j->cloud.dim == 3) {
+        flatten(&j->cloud);
+    }
+    note(j, "%zu point%s in %dD%s, %zu face%s", j->cloud.count, plural(j->cloud.count), j->cloud.dim,
+         j->cloud.weights != NULL ? ", weighted" : "", j->cloud.triangle_count, plural(j->cloud.triangle_count));
+    say(j, "read", now() - start, "%s", "");
+    return 0;
+}
+
+/* The need is what pbw.h promises for uniform points. */
+int out_of_memory(const job *j)
+{
+    double need = (j->cloud.dim == 3 ? 300.0 : 105.0) * (double)j->cloud.count * 1e-6 + 1;
+    char limit[80] = "";
+    if (j->build.memory_limit > 0) {
+        snprintf(limit, sizeof limit, " within --memory-limit %s", text_of(j, "--memory-limit"));
+    }
+    return fail(j, "out of memory%s: %zu points in %dD need about %.0f MB, and more where many lie on few lines",
+                limit, j->cloud.count, j->cloud.dim, need);
+}
+
+int build(job *j)
+{
+    pbw_status status;
+    if (writes_pages(j)) {                           /* pages can show who inserted what; not if memory is short */
+        j->build.trace = (uint32_t *)malloc((j->cloud.count + 1) * sizeof(uint32_t));
+    }
+    status = pbw_triangulate(j->cloud.dim, j->cloud.points, j->cloud.weights, j->cloud.count, &j->build, &j->mesh);
+    if (status != PBW_OK && !(status == PBW_DEGENERATE && j->command == &command_view)) {
+        return status == PBW_CANCELLED ? stopped(j) : status == PBW_ERROR_MEMORY ? out_of_memory(j)
+             : fail(j, "%s", pbw_status_string(status));
+    }
+    say(j, "order", j->mesh.statistics.order_seconds, "%s", "");
+    say(j, "build", j->mesh.statistics.build_seconds, "%s", "");
+    say(j, "output", j->mesh.statistics.output_seconds, "%s", "");
+    return 0;
+}
+
+int check(job *j)
+{
+    double start = now();
+    pbw_report report;
+    pbw_status status = pbw_check(&j->mesh, &j->build, &report);
+    if (status != PBW_OK) {
+        return status == PBW_CANCELLED ? stopped(j) : status == PBW_ERROR_MEMORY ? out_of_memory(j)
+             : fail(j, "%s", pbw_status_string(status));
+    }
+    say(j, "check", now() - start, "%s", report.valid ? "valid" : report.what);
+    return report.valid ? 0 : fail(j, "the result is wrong: please report this");
+}
+
+static const char *simplices(const pbw_mesh *mesh, size_t count)
+{
+    return mesh->dim == 3 ? count == 1 ? "tetrahedron" : "tetrahedra" : count == 1 ? "triangle" : "triangles";
+}
+
+void describe(const job *j)
+{
+    const pbw_mesh *mesh = &j->mesh;
+    size_t i, hull = 0;
+    char share[48] = "";
+    for (i = 0; i < mesh->simplex_count * (size_t)(mesh->dim + 1); i++) {
+        hull += mesh->neighbors[i] == PBW_NONE;
+    }
+    note(j, "%zu %s, %zu facet%s on the hull, %zu duplicate%s, %zu hidden point%s", mesh->simplex_count,
+         simplices(mesh, mesh->simplex_count), hull, plural(hull), mesh->duplicate_count,
+         plural(mesh->duplicate_count), mesh->hidden_count, plural(mesh->hidden_count));
+    if (mesh->point_count >= 10000) {                /* below, what the threads hold is most of it */
+        snprintf(share, sizeof share, ", %.0f bytes a point",
+                 (double)mesh->statistics.peak_bytes / (double)mesh->point_count);
+    }
+    note(j, "peak memory %.2f MB%s, hash %016llx", (double)mesh->statistics.peak_bytes * 1e-6, share,
+         (unsigned long long)pbw_hash(mesh, NULL));
+}
+
+pbwsample_model model_of(const pbwio_cloud *cloud)
+{
+    pbwsample_model model;
+    memset(&model, 0, sizeof model);
+    model.points = cloud->points;
+    model.point_count = cloud->count;
+    model.triangles = cloud->triangles;
+    model.triangle_count = cloud->triangle_count;
+    return model;
+}
+
+/* ---- inside ---- */
+
+int load_surface(job *j)
+{
+    const char *path = text_of(j, "--surface");
+    const pbwio_cloud *surface = path != NULL ? &j->surface : &j->cloud;
+    pbwio_error error;
+    pbwsample_model model;
+    pbwsample_report report;
+    pbwsample_status status;
+    if (!is_given(j, "--inside")) {
+        return path != NULL ? complain("--surface %s: it goes with --inside", path) : 0;
+    }
+    if (path != NULL && pbwio_read(path, NULL, &j->surface, &error) != PBWIO_OK) {
+        return fail(j, "--surface: %s", error.text);
+    }
+    if (surface->dim != 3 || surface->triangle_count == 0) {
+        return fail(j, "--inside needs a model with faces in 3D, %s has none",
+                    path != NULL ? path : j->input != NULL ? j->input : "what is generated");
+    }
+    model = model_of(surface);
+    status = pbwsample_inspect(&model, &report);
+    if (status != PBWSAMPLE_OK) {
+        return fail(j, "%s: %s", path != NULL ? path : j->input, pbwsample_status_string(status));
+    }
+    if (!report.closed) {
+        warn(j, "the surface is not closed (%zu open, %zu crowded, %zu turned edges): what is inside is decided by "
+             "two of three rays", report.open_edges, report.crowded_edges, report.turned_edges);
+        describe_surface(j, surface, 0);
+    }
+    return 0;
+}
+
+int mark_inside(job *j)
+{
+    const pbwio_cloud *surface = is_given(j, "--surface") ? &j->surface : &j->cloud;
+    pbwsample_model model = model_of(surface);
+    pbwsample_status status = PBWSAMPLE_ERROR_MEMORY;
+    double start = now(), *centre;
+    size_t i, k, kept = 0;
+    if (j->mesh.dim != 3) {
+        return fail(j, "--inside needs points in 3D");
+    }
+    centre = (double *)calloc(j->mesh.simplex_count + 1, 3 * sizeof *centre);
+    j->inside = (unsigned char *)calloc(j->mesh.simplex_count + 1, 1);
+    for (i = 0; i < j->mesh.simplex_count && centre != NULL; i++) {
+        for (k = 0; k < 12; k++) {
+            centre[3 * i + k % 3] += 0.25 * j->mesh.points[3 * (size_t)j->mesh.simplices[4 * i + k / 3] + k % 3];
+        }
+    }
+    if (centre != NULL && j->inside != NULL) {
+        status = pbwsample_inside(&model, centre, j->mesh.simplex_count, j->inside);
+    }
+    free(centre);
+    if (status != PBWSAMPLE_OK) {
+        return fail(j, "%s", pbwsample_status_string(status));
+    }
+    for (i = 0; i < j->mesh.simplex_count; i++) {
+        kept += j->inside[i];
+    }
+    say(j, "inside", now() - start, "%zu %s", kept, simplices(&j->mesh, kept));
+    return 0;
+}

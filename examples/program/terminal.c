@@ -1,0 +1,118 @@
+/* terminal.c: the report, the bar, failures, Ctrl-C. */
+#include "program.h"
+#include <stdarg.h>
+#ifdef _WIN32
+#include <windows.h>
+#else
+#include <sys/time.h>
+#endif
+
+volatile sig_atomic_t interrupted;
+
+static void on_interrupt(int number)                 /* the first stops the work, a second one the program */
+{
+    interrupted = 1;
+    signal(number, SIG_DFL);
+}
+
+void catch_interrupt(void)
+{
+    if (signal(SIGINT, on_interrupt) == SIG_IGN) {   /* as in the background of a shell: leave it so */
+        signal(SIGINT, SIG_IGN);
+    }
+}
+
+double now(void)
+{
+#ifdef _WIN32
+    return (double)GetTickCount64() * 1e-3;
+#else
+    struct timeval time;
+    gettimeofday(&time, NULL);
+    return (double)time.tv_sec + 1e-6 * (double)time.tv_usec;
+#endif
+}
+
+int draw_bar(const job *j, const char *name, double done)
+{
+    int length = (int)(40 * done);
+    if (j->terminal) {
+        fprintf(stderr, "\r%-6s [%.*s%*s] %3.0f %%", name, length, "########################################",
+                40 - length, "", 100 * done);
+    }
+    return interrupted;
+}
+
+static void clear_bar(const job *j)
+{
+    fflush(j->report);
+    fputs(j->terminal ? "\r\033[K" : "", stderr);
+}
+
+int fail(const job *j, const char *format, ...)
+{
+    va_list list;
+    clear_bar(j);
+    fputs("pbw: ", stderr);
+    va_start(list, format);
+    vfprintf(stderr, format, list);
+    va_end(list);
+    fputc('\n', stderr);
+    return FAILURE;
+}
+
+int stopped(const job *j)
+{
+    int i;
+    clear_bar(j);
+    fputs("pbw: interrupted", stderr);
+    for (i = 0; i < j->outputs; i++) {
+        fprintf(stderr, "%s%s", i == 0 && i < j->written ? "; written: " : i == j->written ? "; not written: " : ", ",
+                j->output[i]);
+    }
+    fputc('\n', stderr);
+    return FAILURE;
+}
+
+void warn(const job *j, const char *format, ...)
+{
+    va_list list;
+    clear_bar(j);
+    if (!j->quiet) {
+        fputs("pbw: warning: ", stderr);
+        va_start(list, format);
+        vfprintf(stderr, format, list);
+        va_end(list);
+        fputc('\n', stderr);
+    }
+}
+
+void say(const job *j, const char *what, double seconds, const char *format, ...)
+{
+    va_list list;
+    char text[1200];                                 /* the names of outputs have at most 1000 */
+    va_start(list, format);
+    vsnprintf(text, sizeof text, format, list);
+    va_end(list);
+    clear_bar(j);
+    if (!j->quiet) {
+        fprintf(j->report, "%-9s %8.3f s%s%s\n", what, seconds, *text != 0 ? "   " : "", text);
+        fflush(j->report);
+    }
+}
+
+void note(const job *j, const char *format, ...)
+{
+    va_list list;
+    if (!j->quiet) {
+        va_start(list, format);
+        vfprintf(j->report, format, list);
+        va_end(list);
+        fputc('\n', j->report);
+    }
+}
+
+const char *plural(size_t count)
+{
+    return count == 1 ? "" : "s";
+}

@@ -1,0 +1,156 @@
+#!/bin/sh
+# program.sh FOLDER: the command line of FOLDER/pbw: what it refuses and with which words, what it leaves whole, which
+# files it reads.  Every check is of an exit status and of what is printed or written.
+bin=$(cd "$1" && pwd)
+pbw=$bin/pbw work=$bin/program
+. tests/check.sh
+cd "$work" || exit 2
+
+says() {    # says STATUS TEXT ARGUMENT...: the exit status, and a line of the output that has the text
+    status=$1 text=$2
+    shift 2
+    "$pbw" "$@" < /dev/null > said 2>&1
+    code=$?
+    cat said
+    [ $code = "$status" ] && grep -qF -- "$text" said
+}
+same_mesh() {   # same_mesh FILE FILE [OPTION...]: the same triangulation
+    a=$1 b=$2
+    shift 2
+    "$pbw" mesh "$a" > one && "$pbw" mesh "$b" "$@" > two && grep -o 'hash.*' one > hash && grep -F "$(cat hash)" two
+}
+silent() { "$pbw" "$@" > said 2>&1 && ! [ -s said ]; }
+kept() { cmp "$1" "$1.old"; }
+
+printf 'name,x,y,z,r\nC,0,0,0,1\nN,1,0,0,1\nO,0,1,0,1\nH,0,0,1,1\nH,1,1,1.5,2\n' > atoms.csv
+cp atoms.csv atoms.csv.old
+printf 'v 0 0 0\nv 1 0 0\nv 0 1 0\nv 0 0 1\nf 1 3 2\nf 1 2 4\nf 2 3 4\n' > open.obj
+(cat open.obj; echo 'f 1 4 3') > closed.obj
+(cat closed.obj; printf 'f 1 4 3\nv 5 5 5\nv 6 5 5\nv 5 6 5\nf 5 6 7\n') > crowded.obj
+"$pbw" mesh --generate uniform 500 --quiet -o m.csv -o m.vtu -o m.msh -o m.msh2 -o m.mesh -o m.node -o m.ele
+"$pbw" mesh --generate uniform 500 --quiet --text -o t.vtu
+"$pbw" mesh --generate uniform 500 --quiet --dim 2 -o p.csv -o p.vtu -o p.msh -o p.mesh -o p.node -o p.ele
+
+# An input is never an output, by whichever name.
+ln -s atoms.csv link.csv
+ln atoms.csv hard.csv
+for output in atoms.csv ./atoms.csv link.csv hard.csv; do
+    check "the input is no output: $output" says 2 "-o $output: it is an input" mesh atoms.csv --weights r -o $output
+done
+check "the input is kept" kept atoms.csv
+from_input() { ! "$pbw" mesh - -o atoms.csv < atoms.csv > said 2>&1 && grep 'it is an input' said; }
+check "standard input is no output" from_input
+check "the surface is no output" says 2 "it is an input" mesh atoms.csv --inside --surface closed.obj -o closed.obj
+check "the points of an .ele file are no output" says 2 "it is an input" mesh m.ele -o m.node
+check "an output twice" says 2 "it is named twice" mesh atoms.csv -o a.obj -o a.obj
+
+# Links stay, modes too; FIFOs are written to; what may not be written is not replaced.
+echo old > target.obj
+chmod 640 target.obj
+mkdir folder
+ln -s ../target.obj folder/link.obj
+ln -s later.obj dangling.obj
+check "a link is written through" silent mesh atoms.csv --quiet -o folder/link.obj -o dangling.obj
+check "a link stays" sh -c "[ -h folder/link.obj ] && [ -h dangling.obj ]"
+check "what it leads to is written" sh -c "grep '^f' target.obj && grep '^f' later.obj && ! [ -e target.obj.part ]"
+check "a mode stays" sh -c "ls -l target.obj | grep '^-rw-r-----'"
+mkfifo fifo
+fifo() {
+    cat fifo > got &
+    "$pbw" mesh atoms.csv --quiet --format obj -o fifo && wait $! && [ -p fifo ] && grep '^f' got
+}
+check "a FIFO is written to" fifo
+output() { "$pbw" mesh atoms.csv -o - --format csv 2> report | grep -c '[0-9],' | grep 5 && grep valid report; }
+check "-o -" output
+full() { ! "$pbw" "$@" > /dev/full 2> said && grep 'standard output: No space left' said; }
+if [ -w /dev/full ]; then
+    check "a report on a full disk is a failure" full mesh atoms.csv
+    check "help on a full disk is a failure" full --help
+    check "an output on a full disk is a failure" says 1 "/dev/full: No space left" mesh atoms.csv --format obj \
+        -o /dev/full
+else
+    skip "full disks: there is no /dev/full"
+fi
+
+# Refused before the work: nothing is read or reported.
+early() { says "$@" && [ "$(wc -l < said)" = 1 ]; }
+check "a missing folder" early 2 "there is no folder no/" mesh atoms.csv -o no/a.obj
+check "a folder" early 2 "it is a folder" mesh atoms.csv --format obj -o folder
+check "an unknown ending" early 2 "-o a.docx: its ending tells the format" mesh atoms.csv -o a.docx
+check "the endings are named" early 2 "pbw sample writes ply obj off xyz csv" sample open.obj -o a.vtu
+check "-o - without a format" early 2 "else --format" mesh atoms.csv -o -
+check "an unknown format" early 2 "--format docx: pbw mesh writes vtu" mesh atoms.csv --format docx -o -
+check "a missing surface" early 2 "--surface no.obj: No such file" mesh atoms.csv --inside --surface no.obj
+check "--surface alone" says 2 "it goes with --inside" mesh atoms.csv --surface open.obj
+check "--inside of generated points" early 2 "has no faces" mesh --generate uniform 9 --inside
+unbuilt() { says "$@" && ! grep build said; }
+check "--inside without faces" unbuilt 1 "atoms.csv has none" mesh atoms.csv --inside
+check "a surface without faces" unbuilt 1 "atoms.csv has none" mesh m.csv --inside --surface atoms.csv
+
+# Wrong usage names the option, the value and what is allowed.
+check "--threads" early 2 "--threads 1000: a whole number from 0 to 256 is needed" mesh atoms.csv --threads 1000
+check "--threads, no number" early 2 "--threads x: a whole" mesh atoms.csv --threads x
+check "--dim" early 2 "--dim 4: a whole number from 2 to 3 is needed" mesh atoms.csv --dim 4
+check "--generate" early 2 "one of uniform, gauss, ball, sphere, lattice" mesh --generate bogus 9
+check "--generate, nearly" early 2 "the nearest is sphere" mesh --generate shpere 9
+check "--generate without a count" early 2 "--generate sphere: a count from 1 to 4000000000" mesh --generate sphere
+check "--generate and an input" early 2 "exclude each other" mesh --generate sphere 9 atoms.csv
+check "--colour" early 2 "--colour bogus: one of quality, part" mesh atoms.csv --colour bogus -o a.html
+check "--colour weight" early 2 "--weights is needed" mesh atoms.csv --colour weight -o a.html
+check "--eye" early 2 "--eye 0,0,0: a direction X,Y,Z other than 0,0,0" mesh atoms.csv --eye 0,0,0
+check "--cut" early 2 "D from -1 to 1" mesh atoms.csv --cut 1,0,0,2
+check "--memory-limit" early 2 "--memory-limit much: a number of bytes" mesh atoms.csv --memory-limit much
+check "a missing value" early 2 "--dim: a whole number" mesh atoms.csv --dim
+check "a misspelt option" early 2 "the nearest is --threads" mesh atoms.csv --thraeds 3
+check "an option of another command" early 2 "pbw check has no option --eye, pbw mesh has" check open.obj --eye 1,2,3
+check "a misspelt command" early 2 "the nearest command is check" chekc open.obj
+check "no command at all" early 2 "pbw help lists the commands" xyzzy
+check "pbw help" says 0 "pbw convert  --help" help
+check "pbw help COMMAND" says 0 "usage: pbw sample" help sample
+check "a file that starts with -" says 1 "-a.xyz: No such file" mesh -- -a.xyz
+check "out of memory" says 1 "out of memory within --memory-limit 1M: 50000 points in 3D need about 16 MB" \
+    mesh --generate uniform 50000 --memory-limit 1M
+
+# Surfaces: where their faults are.
+check "an open surface" says 1 "no volume: 3 open, 0 crowded, 0 turned edges in 1 loop" check open.obj
+check "its edges" grep -F "3 edges from (0, 0, 0): 0-2 0-3 2-3" said
+check "its components" grep -F "with point 0: 3 faces, 3 open, 0 crowded, 0 turned edges" said
+check "a closed surface" says 0 "volume 0.166667" check closed.obj
+check "a crowded surface" says 1 "2 components" check crowded.obj
+check "its crowded edges" grep -F "0-3: faces 1 3 4" said
+check "its loop" grep -F "3 edges from (5, 5, 5): 4-5 4-6 5-6" said
+(sed 's/f 1 2 4/f 1 4 2/' closed.obj) > turned.obj
+check "a turned surface" says 1 "3 turned edges:" check turned.obj
+check "--inside of an open surface" says 0 "warning: the surface is not closed (3 open" mesh open.obj --inside
+check "one tetrahedron" says 0 "1 tetrahedron, 4 facets on the hull, 0 duplicates, 0 hidden points" mesh open.obj
+printf '0,0\n1,0\n0,1\n' > three.csv
+check "one triangle" says 0 "1 triangle, 3 facets" mesh three.csv
+check "memory of few points" sh -c "'$pbw' mesh three.csv | grep 'peak memory 0' | grep -v 'a point'"
+
+# What is read: the points and cells of meshes, everything with .gz, molecules, JSON, decimal commas.
+for file in m.vtu t.vtu m.msh m.msh2 m.mesh m.ele; do
+    check "$file is read" same_mesh m.csv $file
+    check "$file.gz is read" sh -c "gzip -c $file > z.$file.gz"
+    cp m.node z.m.node
+    check "$file.gz is read" same_mesh m.csv z.$file.gz
+done
+for file in p.vtu p.msh p.mesh p.ele; do
+    check "$file is read" same_mesh p.csv $file
+done
+gzip -c m.csv > m.csv.gz
+from_gz() { "$pbw" mesh - < m.csv.gz | grep -o 'hash.*' > one; "$pbw" mesh m.csv | grep -Ff one; }
+check "standard input is unpacked" from_gz
+head -c 200 m.csv.gz > cut.csv.gz
+check "a .gz cut short" says 1 "cut.csv.gz: the compressed data are damaged" mesh cut.csv.gz
+sed 1d m.csv | tr ,. ';,' > commas.csv
+check "decimal commas" same_mesh m.csv commas.csv --decimal-comma
+check "decimal commas without the option" says 1 "decimal commas are read on request" mesh commas.csv
+(echo 500; echo a molecule; sed 1d m.csv | sed 's/^/C /' | tr , ' ') > molecule.xyz
+check "a molecule" same_mesh m.csv molecule.xyz
+(echo '{"type": "MultiPoint", "coordinates": ['; sed 1d m.csv | sed 's/.*/[&],/;$s/,$//'; echo ']}') > m.geojson
+check "GeoJSON" same_mesh m.csv m.geojson
+(echo 500 3; sed 1d m.csv | tr , ' ') > counts.txt
+check "a header of counts" same_mesh m.csv counts.txt
+(echo 500 0 0; sed 1d m.csv | tr , ' ') > counts.txt
+check "a header that may be a point" says 1 "this looks like a header of counts" mesh counts.txt
+finish
