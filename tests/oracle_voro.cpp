@@ -8,7 +8,8 @@
 
 static void compare(int kind, size_t count, bool periodic)
 {
-    if (test_begin("voro++: %s, %d points%s", input_name(kind), static_cast<int>(count), periodic ? ", periodic" : "")) {
+    const char *const suffix = periodic ? ", periodic" : "";
+    if (test_begin("voro++: %s, %d points%s", input_name(kind), static_cast<int>(count), suffix)) {
         std::vector<double> x(3 * count);
         const double box[6] = { 0, 0, 0, 1, 1, 1 };
         pbw_domain domain = pbw_domain();
