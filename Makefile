@@ -17,7 +17,7 @@ EXAMPLES_CXX = $(if $(shell command -v $(firstword $(CXX))),$(patsubst examples/
 EXPECTED = $(patsubst examples/expected/%.txt,%,$(wildcard examples/expected/*.txt))
 FUZZERS = $(patsubst tests/%.c,%,$(wildcard tests/fuzz_*.c))
 HEADERS = pbw.h $(wildcard tests/*.h examples/*.h examples/lib/*.h examples/program/*.h)
-SCRIPTS = $(filter packaging hashes examples asm oracle cmake csharp gappa install page python program programs view web, \
+SCRIPTS = $(filter packaging hashes examples asm oracle cells cmake csharp gappa install page python program programs view web, \
     $(patsubst tests/%.sh,%,$(wildcard tests/*.sh)))
 # `make test` leaves these to `make test-all`, and tells the scripts by QUICK that one compiler is enough.
 LONG = asm cmake csharp install oracle programs view web
@@ -55,6 +55,7 @@ help:
 	@echo 'make test        tests of every kind with one compiler; ends with `N passed, N failed, N skipped`'
 	@echo 'make test-all    all tests: other compilers, libraries and programs where they are installed'
 	@echo 'make bench       compares speed and memory with rivals that are installed (bench/bench.mk)'
+	@echo 'make bench-cells Voronoi cells per second, beside voro++'
 	@echo 'make oracle      compares with CGAL            make names   names, warnings, copies, documentation'
 	@echo 'make asm         looks for fused operations    make arm     64-bit Arm, in an emulator'
 	@echo 'make install PREFIX=/usr/local DESTDIR=         and make uninstall: see examples/install/install.mk'
@@ -115,6 +116,9 @@ $B/web/index.html: examples/web/page.html $(WEB) $B/web/pbw.wasm
 	sed -e '/^export default/d' -e '/^import .*wasm/d' -e 's/^export //' $(@D)/wasm.js $(@D)/index.js > $(@D)/inline.js
 	sed -e '/^import .*index\.js/r $(@D)/inline.js' -e '/^import .*index\.js/d' $< > $@
 
+$B/oracle_voro: tests/oracle_voro.cpp $(HEADERS) $B/libpbw.a
+	$(CXX) -std=c++17 $(CXXFLAGS) -Iexamples/lib -I. $< -o $@ $B/libpbw.a -lvoro++ $(LIBS)
+
 # Tests: each writes $B/NAME.log, which ends with its counts
 $(TESTS:%=$B/%.log): $B/%.log: $B/% FORCE
 	@sh tests/run.sh $@ $(UNDER) $< $(COUNT:%=--count %) $(if $(UNDER),$(UNDER_$(<F)))
@@ -130,7 +134,7 @@ $B/python.log: $B/libpbw_python.so
 $B/csharp.log: $B/libpbw.so
 $B/install.log: $B/pbw $B/pbw_pic.o $B/libpbw.so
 $B/program.log $B/programs.log: $B/pbw
-$B/oracle.log: $B/libpbw.a
+$B/oracle.log $B/cells.log: $B/libpbw.a
 
 # One that does not compile is a failure, and the others still run.
 test-all: LOGS = $(TESTS:%=$B/%.log) $(SCRIPTS:%=$B/%.log)
