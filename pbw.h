@@ -455,7 +455,7 @@ extern void pbw_cuda_free(pbw_cuda_mesh *mesh, void *stream);
 #if defined(FLT_EVAL_METHOD) && (FLT_EVAL_METHOD < 0 || FLT_EVAL_METHOD == 2)
 #error "pbw.h is exact only where doubles are computed as doubles: on 32-bit x86 compile with -msse2 -mfpmath=sse"
 #endif
-#include <math.h>                                    /* HUGE_VAL; sqrt only where >>nearest has no better */
+#include <math.h>                                    /* HUGE_VAL; sqrt where no instruction serves */
 #include <stdlib.h>
 #include <string.h>
 #ifdef _MSC_VER

@@ -1,8 +1,7 @@
 /* fracture.c: a gem broken into convex pieces by a blow: the Voronoi cells of points that crowd where it hit.
    cc -O2 -I. -Iexamples/lib examples/fracture.c -o fracture -lpthread -lm
    fracture [pieces.obj [pieces.svg]] writes the pieces, and a picture of them, moved apart.
-   Prints expected/fracture.txt; the exit status is 1 if a piece is not watertight or volume is lost.
-   The gem is an intersection of half-spaces, and so is each piece. */
+   Prints expected/fracture.txt; the exit status is 1 if a piece is not watertight or volume is lost. */
 #define PBW_IMPLEMENTATION
 #include "pbw.h"
 #define PBW_CELLS_IMPLEMENTATION
@@ -10,7 +9,6 @@
 #include <stdio.h>
 
 enum { PIECES = 400, PLANES = 42 };
-
 static const double blow[3] = { 0.5, -0.6, 0.45 };
 
 static double random_number(void)                    /* in [-1, 1) */
@@ -123,11 +121,9 @@ int main(int argc, char **argv)
     size_t closed = 0;
     pbw_mesh mesh = { 0 };
     pbw_cells cells = { 0 };
-    pbw_domain domain = { 0 };
+    const pbw_domain domain = { NULL, planes, PLANES, 0 };
     cut_gem(planes);
     crack(points);
-    domain.planes = planes;
-    domain.plane_count = PLANES;
     if (pbw_triangulate(3, points, NULL, PIECES, NULL, &mesh) != PBW_OK
         || pbw_cells_of(&mesh, &domain, PBW_CELLS_SHAPES, NULL, &cells) != PBW_OK) {
         return 1;
@@ -139,13 +135,10 @@ int main(int argc, char **argv)
             whole += cells.neighbors[f] >= PIECES ? cells.areas[f] / 3 : 0;
         }
     }
-    printf("%zu of %d pieces are watertight\n", closed, PIECES);
-    printf("volume: pieces %.9f, gem %.9f\n", sum, whole);
+    printf("%zu of %d pieces are watertight\nvolume: pieces %.9f, gem %.9f\n", closed, PIECES, sum, whole);
     for (int i = 1; i < argc && i < 3; i++) {
         FILE *file = fopen(argv[i], "w");
-        if (file != NULL) {
-            i == 1 ? write_pieces(file, &cells) : draw(file, &cells);
-        }
+        file == NULL ? (void)0 : i == 1 ? write_pieces(file, &cells) : draw(file, &cells);
         if (file == NULL || ferror(file) | fclose(file)) {
             perror(argv[i]);
             return 1;

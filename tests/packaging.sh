@@ -9,7 +9,7 @@ declines() {   # declines COMPILER FLAGS...: does not compile and says why, or a
     if "$@" -I. "$work/mode.c" -o "$work/mode" -lpthread 2> "$work/refused"; then
         "$work/mode"
     else
-        grep 'exact only with IEEE arithmetic' "$work/refused"
+        grep 'exact only w[hi]' "$work/refused"
     fi
 }
 
