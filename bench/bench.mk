@@ -67,3 +67,14 @@ build/bench_query: bench/query.cpp $(BENCH_INPUTS)
 .PHONY: bench-query
 bench-query: build/bench_query
 	$< $(POINTS)
+
+# Cells: the library beside voro++, if it is installed.
+BENCH_VORO = $(shell printf '\043include <voro++/voro++.hh>\nint main() { voro::voronoicell c; return 0; }\n' | \
+    $(CXX) -x c++ - -o /dev/null -lvoro++ 2>/dev/null && echo yes)
+build/bench_cells: bench/cells.cpp examples/lib/pbw_cells.h $(BENCH_INPUTS)
+	@mkdir -p build
+	$(CXX) -std=c++17 $(BENCH_FLAGS) $(if $(BENCH_VORO),-DBENCH_VORO) -I. -Iexamples/lib $< -o $@ \
+	    $(if $(BENCH_VORO),-lvoro++) -lpthread -lm
+.PHONY: bench-cells
+bench-cells: build/bench_cells
+	$<

@@ -1,0 +1,909 @@
+/* test_cells.c: Voronoi and power cells: whole, closed, symmetric, equal to cells cut by brute force, exact where points
+   are degenerate, the same bytes for every number of threads, and sound after every failure. */
+#define PBW_CELLS_IMPLEMENTATION
+#include "pbw_cells.h"
+#include "inputs.h"
+#include "meter.h"
+#include "test.h"
+#include "zoo.h"
+#include <math.h>
+
+#define ALL (PBW_CELLS_FACETS | PBW_CELLS_SHAPES)
+
+typedef struct sites { int dim; size_t count; double *x, *w; double box[6]; } sites;
+
+static void *take(size_t bytes)
+{
+    return zoo_grow(NULL, bytes + 1);
+}
+
+/* The bounds of the points and `margin` of their extent more. */
+static void bound(const sites *s, double margin, double *box)
+{
+    const size_t dim = (size_t)s->dim;
+    double extent = 0;
+    size_t i, k;
+    for (k = 0; k < dim; k++) {
+        box[k] = box[dim + k] = s->count > 0 ? s->x[k] : 0;
+        for (i = 0; i < s->count; i++) {
+            box[k] = fmin(box[k], s->x[i * dim + k]);
+            box[dim + k] = fmax(box[dim + k], s->x[i * dim + k]);
+        }
+        extent = fmax(extent, box[dim + k] - box[k]);
+    }
+    for (k = 0; k < dim; k++) {
+        const double more = margin * (box[dim + k] > box[k] ? box[dim + k] - box[k] : extent > 0 ? extent : 1);
+        box[k] -= more;
+        box[dim + k] += more;
+    }
+}
+
+static sites sites_make(int kind, int dim, size_t count, int weights)
+{
+    sites s;
+    s.dim = dim;
+    s.count = count;
+    s.x = (double *)take(count * (size_t)dim * sizeof(double));
+    s.w = weights != INPUT_WEIGHTS_ZERO ? (double *)take(count * sizeof(double)) : NULL;
+    input_fill(kind, dim, count, test_seed, s.x);
+    if (s.w != NULL) {
+        input_fill_weights(weights, dim, count, test_seed, s.x, s.w);
+    }
+    bound(&s, 0.05, s.box);
+    return s;
+}
+
+static void sites_free(sites *s)
+{
+    free(s->x);
+    free(s->w);
+}
+
+static double volume_of(int dim, const double *box)
+{
+    double volume = 1;
+    int k;
+    for (k = 0; k < dim; k++) {
+        volume *= box[dim + k] - box[k];
+    }
+    return volume;
+}
+
+static double sum_of(const pbw_cells *cells)
+{
+    double sum = 0, lost = 0;
+    size_t i;
+    for (i = 0; i < cells->cell_count; i++) {        /* Kahan's */
+        const double x = cells->volumes[i] - lost, next = sum + x;
+        lost = next - sum - x;
+        sum = next;
+    }
+    return sum;
+}
+
+/* The normal of a facet of cell i, outward, of length 1. */
+static void normal_of(const pbw_mesh *mesh, const pbw_domain *domain, size_t i, pbw_index neighbor, double *n)
+{
+    const size_t dim = (size_t)mesh->dim;
+    double length = 0;
+    size_t k;
+    for (k = 0; k < dim; k++) {
+        if (neighbor < mesh->point_count) {
+            n[k] = mesh->points[neighbor * dim + k] - mesh->points[i * dim + k];
+        } else if (PBW_NONE - 1 - neighbor < 2 * dim) {
+            const pbw_index wall = PBW_NONE - 1 - neighbor;
+            n[k] = wall / 2 != k ? 0 : wall % 2 != 0 ? 1 : -1;
+        } else {
+            n[k] = domain->planes[(PBW_NONE - 1 - neighbor - 2 * dim) * (dim + 1) + k];
+        }
+        length += n[k] * n[k];
+    }
+    for (k = 0; k < dim; k++) {
+        n[k] /= sqrt(length);
+    }
+}
+
+static double area_to(const pbw_cells *cells, size_t i, pbw_index j)
+{
+    double area = 0;
+    size_t f;
+    for (f = cells->first[i]; f < cells->first[i + 1]; f++) {
+        area += cells->neighbors[f] == j ? cells->areas[f] : 0;
+    }
+    return area;
+}
+
+/* Areas times normals add up to 0, and what i says of its facet with j, j says of its facet with i.  Returns the
+   largest fault, relative to the extent of the box. */
+static double faults_of(const pbw_mesh *mesh, const pbw_domain *domain, const pbw_cells *cells, double extent)
+{
+    const double unit = mesh->dim == 3 ? extent * extent : extent;
+    double worst = 0;
+    size_t i, f;
+    int k;
+    for (i = 0; i < cells->cell_count; i++) {
+        double sum[3] = { 0, 0, 0 }, n[3];
+        if (cells->volumes[i] >= HUGE_VAL) {
+            continue;
+        }
+        for (f = cells->first[i]; f < cells->first[i + 1]; f++) {
+            const pbw_index j = cells->neighbors[f];
+            normal_of(mesh, domain, i, j, n);
+            for (k = 0; k < mesh->dim; k++) {
+                sum[k] += cells->areas[f] * n[k];
+            }
+            if (j < mesh->point_count && cells->volumes[j] < HUGE_VAL) {
+                worst = fmax(worst, fabs(area_to(cells, j, (pbw_index)i) - cells->areas[f]) / unit);
+            }
+        }
+        for (k = 0; k < mesh->dim; k++) {
+            worst = fmax(worst, fabs(sum[k]) / unit);
+        }
+    }
+    return worst;
+}
+
+static double thinnest_of(const sites *s)
+{
+    double extent = HUGE_VAL;
+    int k;
+    for (k = 0; k < s->dim; k++) {
+        extent = fmin(extent, s->box[s->dim + k] - s->box[k]);
+    }
+    return extent;
+}
+
+static double extent_of(const sites *s)
+{
+    double extent = 0;
+    int k;
+    for (k = 0; k < s->dim; k++) {
+        extent = fmax(extent, s->box[s->dim + k] - s->box[k]);
+    }
+    return extent;
+}
+
+static int equal(const void *a, const void *b, size_t bytes)
+{
+    return bytes == 0 || (a == NULL) != (b == NULL) ? a == b || bytes == 0 : memcmp(a, b, bytes) == 0;
+}
+
+static int same_volumes(const pbw_cells *a, const pbw_cells *b)
+{
+    const size_t n = a->cell_count;
+    return n == b->cell_count && equal(a->volumes, b->volumes, n * sizeof(double))
+           && equal(a->centroids, b->centroids, n * (size_t)a->dim * sizeof(double));
+}
+
+static int same_cells(const pbw_cells *a, const pbw_cells *b)
+{
+    const size_t dim = (size_t)a->dim, n = a->facet_count;
+    return same_volumes(a, b) && n == b->facet_count && a->vertex_count == b->vertex_count
+           && a->ray_count == b->ray_count && equal(a->first, b->first, (a->cell_count + 1) * sizeof(size_t))
+           && equal(a->neighbors, b->neighbors, n * sizeof(pbw_index)) && equal(a->areas, b->areas, n * sizeof(double))
+           && equal(a->vertices, b->vertices, a->vertex_count * dim * sizeof(double))
+           && equal(a->rays, b->rays, a->ray_count * dim * sizeof(double))
+           && (a->loops == NULL || (equal(a->loop_first, b->loop_first, (n + 1) * sizeof(size_t))
+                                    && equal(a->loops, b->loops, a->loop_first[n] * sizeof(pbw_index))))
+           && (a->shifts == NULL) == (b->shifts == NULL) && (a->shifts == NULL || equal(a->shifts, b->shifts, n * dim));
+}
+
+static pbw_options threads(int count)
+{
+    pbw_options options;
+    memset(&options, 0, sizeof options);
+    options.threads = count;
+    return options;
+}
+
+/* ---- the volumes of kinds of points */
+
+static void test_kinds(void)
+{
+    static const int weights[3] = { INPUT_WEIGHTS_ZERO, INPUT_WEIGHTS_HIDING, INPUT_WEIGHTS_HALF };
+    int dim, kind, w;
+    for (dim = 2; dim <= 3; dim++) {
+        for (kind = 0; kind < INPUT_KINDS; kind++) {
+            for (w = 0; w < 3; w++) {
+                if (kind != INPUT_MOMENT
+                    && test_begin("whole: %dD %s, weights %s", dim, input_name(kind), input_weights_name(weights[w]))) {
+                    sites s = sites_make(kind, dim, 3000, weights[w]);
+                    pbw_options options = threads(2);
+                    pbw_domain domain;
+                    pbw_mesh mesh;
+                    pbw_cells cells, plain;
+                    double sum, fault;
+                    memset(&domain, 0, sizeof domain);
+                    domain.box = s.box;
+                    CHECK_EQUAL(pbw_triangulate(dim, s.x, s.w, s.count, &options, &mesh), PBW_OK);
+                    CHECK_EQUAL(pbw_cells_of(&mesh, &domain, PBW_CELLS_FACETS, &options, &cells), PBW_OK);
+                    CHECK_EQUAL(pbw_cells_of(&mesh, &domain, 0, &options, &plain), PBW_OK);
+                    CHECK(same_volumes(&cells, &plain));
+                    sum = fabs(sum_of(&cells) / volume_of(dim, s.box) - 1);
+                    fault = faults_of(&mesh, &domain, &cells, extent_of(&s));
+                    if (!CHECK(sum < 1e-12) | !CHECK(fault < (kind == INPUT_SPHERE ? 1e-7 : 1e-11))) {
+                        test_say("volumes %g, areas %g", sum, fault);
+                    }
+                    pbw_cells_free(&cells);
+                    pbw_cells_free(&plain);
+                    pbw_free(&mesh);
+                    sites_free(&s);
+                    test_end();
+                }
+            }
+        }
+    }
+}
+
+/* ---- brute force: each facet is a large square in its plane, cut by all other half-spaces (Sutherland, Hodgman) */
+
+enum { BRUTE_PLANES = 80 };
+typedef struct brute { int count; double plane[BRUTE_PLANES][4]; pbw_index name[BRUTE_PLANES]; } brute;
+
+static void brute_add(brute *b, double x, double y, double z, double c, pbw_index name)
+{
+    double *plane = b->plane[b->count];
+    plane[0] = x, plane[1] = y, plane[2] = z, plane[3] = c;
+    b->name[b->count++] = name;
+}
+
+static int brute_clip(double (*polygon)[3], int count, const double *plane)
+{
+    double next[BRUTE_PLANES + 8][3];
+    int i, k, made = 0;
+    for (i = 0; i < count; i++) {
+        const double *p = polygon[i], *q = polygon[(i + 1) % count];
+        const double a = plane[0] * p[0] + plane[1] * p[1] + plane[2] * p[2] - plane[3];
+        const double b = plane[0] * q[0] + plane[1] * q[1] + plane[2] * q[2] - plane[3];
+        for (k = 0; a <= 0 && k < 3; k++) {
+            next[made][k] = p[k];
+        }
+        made += a <= 0;
+        for (k = 0; (a <= 0) != (b <= 0) && k < 3; k++) {
+            next[made][k] = p[k] + a / (a - b) * (q[k] - p[k]);
+        }
+        made += (a <= 0) != (b <= 0);
+    }
+    memcpy(polygon, next, (size_t)made * sizeof *next);
+    return made;
+}
+
+/* The area of facet f; *cone: the volume of its cone over the origin. */
+static double brute_area(const brute *b, int f, double size, double *cone)
+{
+    const double *n = b->plane[f];
+    const double square = n[0] * n[0] + n[1] * n[1] + n[2] * n[2];
+    double polygon[BRUTE_PLANES + 8][3], u[3] = { 0, 0, 0 }, v[3], area[3] = { 0, 0, 0 }, length;
+    int i, k, count = 4, axis = fabs(n[0]) < fabs(n[1]) ? 0 : 1;
+    axis = fabs(n[2]) < fabs(n[axis]) ? 2 : axis;
+    u[axis] = 1;
+    for (k = 0; k < 3; k++) {
+        v[k] = n[(k + 1) % 3] * u[(k + 2) % 3] - n[(k + 2) % 3] * u[(k + 1) % 3];
+    }
+    for (k = 0; k < 3; k++) {
+        u[k] = v[(k + 1) % 3] * n[(k + 2) % 3] - v[(k + 2) % 3] * n[(k + 1) % 3];
+    }
+    length = sqrt(v[0] * v[0] + v[1] * v[1] + v[2] * v[2]);
+    for (i = 0; i < 4; i++) {
+        for (k = 0; k < 3; k++) {
+            polygon[i][k] = n[k] * n[3] / square + size / length * ((i == 0 || i == 3 ? 1 : -1) * u[k] / sqrt(square)
+                                                                    + (i < 2 ? 1 : -1) * v[k]);
+        }
+    }
+    for (i = 0; i < b->count && count > 0; i++) {
+        count = i == f ? count : brute_clip(polygon, count, b->plane[i]);
+    }
+    for (i = 1; i + 1 < count; i++) {
+        for (k = 0; k < 3; k++) {
+            const int l = (k + 1) % 3, m = (k + 2) % 3;
+            area[k] += (polygon[i][l] - polygon[0][l]) * (polygon[i + 1][m] - polygon[0][m])
+                       - (polygon[i][m] - polygon[0][m]) * (polygon[i + 1][l] - polygon[0][l]);
+        }
+    }
+    length = 0.5 * sqrt(area[0] * area[0] + area[1] * area[1] + area[2] * area[2]);
+    *cone = length * n[3] / sqrt(square) / 3;
+    return length;
+}
+
+/* All half-spaces of point i, relative to it; in the plane a slab of height 1. */
+static void brute_cell(const sites *s, const double *points, size_t i, brute *b)
+{
+    const size_t dim = (size_t)s->dim;
+    const double *p = points + i * dim;
+    size_t j, k;
+    b->count = 0;
+    for (k = 0; k < 3; k++) {
+        const double low = k < dim ? s->box[k] - p[k] : 0, high = k < dim ? s->box[dim + k] - p[k] : 1;
+        brute_add(b, -(k == 0), -(k == 1), -(k == 2), -low, (pbw_index)(PBW_NONE - 1 - 2 * k));
+        brute_add(b, k == 0, k == 1, k == 2, high, (pbw_index)(PBW_NONE - 2 - 2 * k));
+    }
+    for (j = 0; j < s->count; j++) {
+        double d[3] = { 0, 0, 0 }, square = 0;
+        for (k = 0; k < dim; k++) {
+            d[k] = points[j * dim + k] - p[k];
+            square += d[k] * d[k];
+        }
+        if (square > 0) {
+            brute_add(b, d[0], d[1], d[2], (square + (s->w != NULL ? s->w[i] - s->w[j] : 0)) / 2, (pbw_index)j);
+        }
+    }
+}
+
+static void test_brute(int dim, int kind, int weights, double margin)
+{
+    sites s = sites_make(kind, dim, 40, weights);
+    pbw_domain domain;
+    pbw_mesh mesh;
+    pbw_cells cells;
+    double unit, size;
+    size_t i;
+    memset(&domain, 0, sizeof domain);
+    bound(&s, margin, s.box);
+    domain.box = s.box;
+    size = 10 * extent_of(&s);
+    unit = dim == 3 ? size * size : size;
+    CHECK_EQUAL(pbw_triangulate(dim, s.x, s.w, s.count, NULL, &mesh), PBW_OK);
+    CHECK_EQUAL(pbw_cells_of(&mesh, &domain, PBW_CELLS_FACETS, NULL, &cells), PBW_OK);
+    for (i = 0; i < s.count && cells.first != NULL; i++) {
+        double volume = 0, cone;
+        brute b;
+        int f;
+        brute_cell(&s, mesh.points, i, &b);
+        for (f = 0; f < b.count; f++) {
+            const double area = brute_area(&b, f, size, &cone);
+            volume += cone;
+            CHECK((dim == 2 && b.name[f] >= PBW_NONE - 6 && b.name[f] <= PBW_NONE - 5)
+                  || fabs(area_to(&cells, i, b.name[f]) - area) < 1e-12 * unit);
+        }
+        CHECK(fabs(cells.volumes[i] - volume) < 1e-12 * unit * size);
+    }
+    pbw_cells_free(&cells);
+    pbw_free(&mesh);
+    sites_free(&s);
+}
+
+static void test_brutes(void)
+{
+    static const int weights[3] = { INPUT_WEIGHTS_ZERO, INPUT_WEIGHTS_HIDING, INPUT_WEIGHTS_HALF };
+    int dim, kind, w, tight;
+    for (dim = 2; dim <= 3; dim++) {
+        for (kind = 0; kind <= INPUT_LINES; kind++) {
+            for (w = 0; w < 3; w++) {
+                for (tight = 0; tight < 2; tight++) {
+                    if (test_begin("brute force: %dD %s, weights %s, %s", dim, input_name(kind),
+                                   input_weights_name(weights[w]), tight ? "box inside the points" : "box")) {
+                        test_brute(dim, kind, weights[w], tight ? -0.2 : 0.1);
+                        test_end();
+                    }
+                }
+            }
+        }
+    }
+}
+
+/* ---- the true diagram of lattices */
+
+/* Points of an n^3 block of the lattice with the offsets (in halves) in each unit cube, times 2. */
+static sites lattice(int dim, int n, const signed char (*offset)[3], int offsets)
+{
+    sites s;
+    int i, j, k, m;
+    memset(&s, 0, sizeof s);
+    s.dim = dim;
+    s.x = (double *)take((size_t)n * (size_t)n * (size_t)n * (size_t)offsets * 3 * sizeof(double));
+    for (i = 0; i < n; i++) {
+        for (j = 0; j < n; j++) {
+            for (k = 0; k < (dim == 3 ? n : 1); k++) {
+                for (m = 0; m < offsets; m++) {
+                    double *p = s.x + s.count++ * (size_t)dim;
+                    p[0] = 2 * i + offset[m][0];
+                    p[1] = 2 * j + offset[m][1];
+                    p[dim - 1] = dim == 3 ? 2 * k + offset[m][2] : p[1];
+                }
+            }
+        }
+    }
+    bound(&s, 0.05, s.box);
+    return s;
+}
+
+static void test_lattice(const char *name, int dim, const signed char (*offset)[3], int offsets, const int *expected)
+{
+    if (test_begin("lattice: %dD %s", dim, name)) {
+        sites s = lattice(dim, 6, offset, offsets);
+        pbw_mesh mesh;
+        pbw_cells cells;
+        size_t i, f, l, m, inner = 0;
+        CHECK_EQUAL(pbw_triangulate(dim, s.x, NULL, s.count, NULL, &mesh), PBW_OK);
+        CHECK_EQUAL(pbw_cells_of(&mesh, NULL, ALL | PBW_CELLS_MERGE, NULL, &cells), PBW_OK);
+        for (i = 0; i < s.count; i++) {
+            pbw_index corner[64];
+            size_t corners = 0;
+            int k, inside = 1;
+            for (k = 0; k < dim; k++) {
+                inside &= s.x[i * (size_t)dim + (size_t)k] >= 4 && s.x[i * (size_t)dim + (size_t)k] <= 7;
+            }
+            if (!inside) {
+                continue;
+            }
+            inner++;
+            for (f = cells.first[i]; f < cells.first[i + 1]; f++) {
+                for (l = cells.loop_first[f]; l < cells.loop_first[f + 1]; l++) {
+                    for (m = 0; m < corners && corner[m] != cells.loops[l]; m++) {
+                    }
+                    corner[m] = cells.loops[l];
+                    corners += m == corners && corners < 63;
+                }
+                CHECK(cells.areas[f] > 0);
+            }
+            CHECK_EQUAL(cells.first[i + 1] - cells.first[i], expected[0]);
+            CHECK_EQUAL(corners, expected[1]);
+            CHECK(fabs(cells.volumes[i] - (dim == 3 ? 8.0 : 4.0) / offsets) < 1e-13);
+        }
+        CHECK(inner > 0);
+        pbw_cells_free(&cells);
+        pbw_free(&mesh);
+        sites_free(&s);
+        test_end();
+    }
+}
+
+static void test_lattices(void)
+{
+    static const signed char sc[1][3] = { { 0, 0, 0 } }, bcc[2][3] = { { 0, 0, 0 }, { 1, 1, 1 } };
+    static const signed char fcc[4][3] = { { 0, 0, 0 }, { 1, 1, 0 }, { 1, 0, 1 }, { 0, 1, 1 } };
+    static const int square[2] = { 4, 4 }, cube[2] = { 6, 8 }, truncated[2] = { 14, 24 }, rhombic[2] = { 12, 14 };
+    test_lattice("square", 2, sc, 1, square);
+    test_lattice("cubic", 3, sc, 1, cube);
+    test_lattice("body-centred", 3, bcc, 2, truncated);
+    test_lattice("face-centred", 3, fcc, 4, rhombic);
+}
+
+/* ---- the zoo: each input with a box around it */
+
+static void test_zoo(void)
+{
+    zoo animals;
+    size_t i;
+    zoo_fill(&animals);
+    for (i = 0; i < animals.count; i++) {
+        const zoo_input *in = animals.items + i;
+        sites s;
+        memset(&s, 0, sizeof s);
+        s.dim = in->dim, s.count = in->count, s.x = in->points, s.w = in->weights;
+        if (in->finite && in->count <= 3000 && test_begin("zoo: %s", in->name)) {
+            pbw_domain domain;
+            pbw_mesh mesh;
+            pbw_cells cells, plain;
+            pbw_status status, expected;
+            memset(&domain, 0, sizeof domain);
+            bound(&s, 0.05, s.box);
+            domain.box = s.box;
+            expected = pbw_triangulate(s.dim, s.x, s.w, s.count, NULL, &mesh);
+            status = pbw_cells_of(&mesh, &domain, ALL, NULL, &cells);
+            CHECK(status == expected || (status == PBW_ERROR_ARGUMENT && !(thinnest_of(&s) > 0 && extent_of(&s) < 1e300)));
+            if (status == PBW_OK) {
+                const double extent = extent_of(&s), sum = fabs(sum_of(&cells) / volume_of(s.dim, s.box) - 1);
+                double largest = 0;
+                size_t k;
+                for (k = 0; k < s.count * (size_t)s.dim; k++) {
+                    largest = fmax(largest, fabs(s.x[k]));
+                }
+                for (k = 0; k < s.count && s.w != NULL; k++) {
+                    largest = fmax(largest, sqrt(fabs(s.w[k])));
+                }
+                if (extent < 1e90 && extent > 1e-90 && largest < 1e4 * thinnest_of(&s)
+                    && !CHECK(sum < 1e-11)) {        /* else volumes over- or underflow, or the input's ulps are cells */
+                    test_say("volumes %g", sum);
+                }
+                CHECK_EQUAL(pbw_cells_of(&mesh, &domain, 0, NULL, &plain), PBW_OK);
+                CHECK(same_volumes(&cells, &plain));
+                pbw_cells_free(&plain);
+                CHECK_EQUAL(pbw_cells_of(&mesh, NULL, ALL | PBW_CELLS_MERGE, NULL, &plain), PBW_OK);
+                pbw_cells_free(&plain);
+            }
+            pbw_cells_free(&cells);
+            pbw_free(&mesh);
+            test_end();
+        }
+    }
+    zoo_free(&animals);
+}
+
+/* ---- periodic boxes */
+
+/* The sum of volumes, Gauss, and each facet seen from the other side with the opposite shift.  Returns the worst. */
+static double periodic_faults(const pbw_cells *cells, const double *box)
+{
+    const size_t dim = (size_t)cells->dim;
+    const double unit = pow(volume_of(cells->dim, box), (cells->dim - 1.0) / cells->dim);
+    double worst = 10 * fabs(sum_of(cells) / volume_of(cells->dim, box) - 1);
+    size_t i, f, g, k;
+    for (i = 0; i < cells->cell_count; i++) {
+        for (f = cells->first[i]; f < cells->first[i + 1]; f++) {
+            const pbw_index j = cells->neighbors[f];
+            double back = 0;
+            if (j >= cells->cell_count) {
+                continue;                            /* a wall */
+            }
+            for (g = cells->first[j]; g < cells->first[j + 1]; g++) {
+                int opposite = cells->neighbors[g] == i;
+                for (k = 0; k < dim; k++) {
+                    opposite &= cells->shifts[g * dim + k] == -cells->shifts[f * dim + k];
+                }
+                back += opposite ? cells->areas[g] : 0;
+            }
+            worst = fmax(worst, fabs(back - cells->areas[f]) / unit);
+        }
+    }
+    return worst;
+}
+
+static void test_periodic(int dim, size_t count, int kind, int weights, unsigned axes)
+{
+    if (test_begin("periodic: %dD, %d %s, weights %s, axes %u", dim, (int)count, input_name(kind),
+                   input_weights_name(weights), axes)) {
+        sites s = sites_make(kind, dim, count, weights);
+        pbw_options one = threads(1), four = threads(4);
+        pbw_domain domain;
+        pbw_cells cells, again;
+        double worst;
+        memset(&domain, 0, sizeof domain);
+        domain.box = s.box;
+        domain.periodic = axes;
+        CHECK_EQUAL(pbw_cells_periodic(dim, s.x, s.w, count, &domain, ALL, &one, &cells), PBW_OK);
+        CHECK_EQUAL(pbw_cells_periodic(dim, s.x, s.w, count, &domain, ALL, &four, &again), PBW_OK);
+        CHECK(same_cells(&cells, &again));
+        worst = cells.first != NULL ? periodic_faults(&cells, s.box) : 1;
+        if (!CHECK(worst < 1e-11)) {
+            test_say("%g", worst);
+        }
+        pbw_cells_free(&cells);
+        pbw_cells_free(&again);
+        sites_free(&s);
+        test_end();
+    }
+}
+
+/* Points all moved by one vector of multiples of the unit: the same neighbours and volumes. */
+static void test_moved(int dim, int kind, size_t count)
+{
+    if (test_begin("periodic: %dD, %d %s, moved", dim, (int)count, input_name(kind))) {
+        const double box[6] = { 0, 0, dim == 3 ? 0.0 : 8, 8, 8, 8 }, move[3] = { 2.375, -5.5, 1.0 / 1024 };
+        const size_t size = (size_t)dim;
+        sites s = sites_make(kind, dim, count, INPUT_WEIGHTS_ZERO);
+        pbw_domain domain;
+        pbw_cells a, b;
+        size_t i, j, differ = 0;
+        memset(&domain, 0, sizeof domain);
+        domain.box = box;
+        domain.periodic = dim == 3 ? 7 : 3;
+        for (i = 0; i < count * size; i++) {
+            s.x[i] = kind == INPUT_LATTICE ? s.x[i] : floor(s.x[i] * 8192) / 1024;
+        }
+        CHECK_EQUAL(pbw_cells_periodic(dim, s.x, NULL, count, &domain, PBW_CELLS_FACETS, NULL, &a), PBW_OK);
+        for (i = 0; i < count * size; i++) {
+            s.x[i] += move[i % size];
+        }
+        CHECK_EQUAL(pbw_cells_periodic(dim, s.x, NULL, count, &domain, PBW_CELLS_FACETS, NULL, &b), PBW_OK);
+        CHECK_EQUAL(a.facet_count, b.facet_count);
+        for (i = 0; i < count; i++) {
+            CHECK(fabs(a.volumes[i] - b.volumes[i]) < 1e-12 * volume_of(dim, box));
+            for (j = 0; j < count; j++) {
+                differ += fabs(area_to(&a, i, (pbw_index)j) - area_to(&b, i, (pbw_index)j)) > 1e-11;
+            }
+            if (kind == INPUT_LATTICE) {             /* 8 per axis */
+                CHECK(fabs(a.volumes[i] - 1) < 1e-13);
+            }
+        }
+        CHECK_EQUAL(differ, 0);
+        pbw_cells_free(&a);
+        pbw_cells_free(&b);
+        sites_free(&s);
+        test_end();
+    }
+}
+
+static void test_periodics(void)
+{
+    static const size_t counts[7] = { 1, 2, 3, 10, 60, 500, 3000 };
+    static const int weights[3] = { INPUT_WEIGHTS_ZERO, INPUT_WEIGHTS_HIDING, INPUT_WEIGHTS_HALF };
+    unsigned axes;
+    int dim, i, w;
+    for (dim = 2; dim <= 3; dim++) {
+        for (i = 0; i < 7; i++) {
+            for (axes = 1; axes < 1u << dim; axes++) {
+                for (w = 0; w < 3; w++) {
+                    test_periodic(dim, counts[i], INPUT_UNIFORM, weights[w], axes);
+                }
+            }
+        }
+        test_periodic(dim, 2000, INPUT_CLUSTERS, INPUT_WEIGHTS_ZERO, (1u << dim) - 1);
+        test_periodic(dim, 2000, INPUT_CLUSTERS, INPUT_WEIGHTS_HIDING, 1);
+        test_periodic(dim, 1000, INPUT_LINES, INPUT_WEIGHTS_ZERO, (1u << dim) - 1);
+        test_periodic(dim, 512, INPUT_LATTICE, INPUT_WEIGHTS_ZERO, (1u << dim) - 1);
+        test_periodic(dim, 1000, INPUT_SPHERE, INPUT_WEIGHTS_ZERO, (1u << dim) - 1);
+        test_moved(dim, INPUT_UNIFORM, 300);
+        test_moved(dim, INPUT_LATTICE, dim == 3 ? 512 : 64);
+    }
+}
+
+/* ---- domains and unbounded cells */
+
+/* An octahedron in space, a diamond in the plane: |x| + |y| + |z| <= 1. */
+static size_t diamond(int dim, double *planes)
+{
+    size_t i, count = (size_t)1 << dim;
+    int k;
+    for (i = 0; i < count; i++) {
+        for (k = 0; k < dim; k++) {
+            planes[i * ((size_t)dim + 1) + (size_t)k] = (i >> k & 1) != 0 ? -1 : 1;
+        }
+        planes[i * ((size_t)dim + 1) + (size_t)dim] = 1;
+    }
+    return count;
+}
+
+static void test_domains(void)
+{
+    int dim, boxed;
+    for (dim = 2; dim <= 3; dim++) {
+        for (boxed = 0; boxed < 2; boxed++) {
+            if (test_begin("planes: %dD, %s", dim, boxed ? "with a box" : "alone")) {
+                const double box[6] = { 0, -2, dim == 3 ? -2.0 : 2, 2, 2, 2 };
+                const double whole = dim == 3 ? 4.0 / 3 : 2;
+                sites s = sites_make(INPUT_GAUSS, dim, 2000, INPUT_WEIGHTS_HIDING);
+                double planes[32];
+                pbw_domain domain;
+                pbw_mesh mesh;
+                pbw_cells cells;
+                memset(&domain, 0, sizeof domain);
+                domain.planes = planes;
+                domain.plane_count = diamond(dim, planes);
+                domain.box = boxed ? box : NULL;
+                CHECK_EQUAL(pbw_triangulate(dim, s.x, s.w, s.count, NULL, &mesh), PBW_OK);
+                CHECK_EQUAL(pbw_cells_of(&mesh, &domain, ALL, NULL, &cells), PBW_OK);
+                CHECK(fabs(sum_of(&cells) / (boxed ? whole / 2 : whole) - 1) < 1e-12);
+                CHECK(faults_of(&mesh, &domain, &cells, 2) < 1e-11);
+                pbw_cells_free(&cells);
+                pbw_free(&mesh);
+                sites_free(&s);
+                test_end();
+            }
+        }
+    }
+}
+
+/* Loops of unbounded facets end in two rays, each perpendicular to the edge between the sites, and outward. */
+static void test_rays(int dim)
+{
+    if (test_begin("rays: %dD", dim)) {
+        sites s = sites_make(INPUT_UNIFORM, dim, 300, INPUT_WEIGHTS_ZERO);
+        const size_t size = (size_t)dim;
+        pbw_mesh mesh;
+        pbw_cells cells;
+        size_t i, f, l, k, open = 0;
+        CHECK_EQUAL(pbw_triangulate(dim, s.x, NULL, s.count, NULL, &mesh), PBW_OK);
+        CHECK_EQUAL(pbw_cells_of(&mesh, NULL, ALL, NULL, &cells), PBW_OK);
+        for (i = 0; i < s.count; i++) {
+            int has_rays = 0;
+            for (f = cells.first[i]; f < cells.first[i + 1]; f++) {
+                size_t rays = 0;
+                for (l = cells.loop_first[f]; l < cells.loop_first[f + 1]; l++) {
+                    if (cells.loops[l] > PBW_NONE - 1 - cells.ray_count) {
+                        const double *ray = cells.rays + (PBW_NONE - 1 - cells.loops[l]) * size;
+                        double along = 0, length = 0;
+                        for (k = 0; k < size; k++) {
+                            along += ray[k] * (mesh.points[cells.neighbors[f] * size + k] - mesh.points[i * size + k]);
+                            length += ray[k] * ray[k];
+                        }
+                        CHECK(fabs(along) < 1e-14 && fabs(length - 1) < 1e-14);
+                        rays++;
+                    } else {
+                        CHECK(cells.loops[l] < cells.vertex_count);
+                    }
+                }
+                CHECK_EQUAL(rays, cells.areas[f] < HUGE_VAL ? 0 : dim - 1);
+                has_rays |= rays > 0;
+            }
+            CHECK_EQUAL(has_rays, !(cells.volumes[i] < HUGE_VAL));
+            open += (size_t)has_rays;
+        }
+        CHECK(open > (size_t)dim);
+        pbw_cells_free(&cells);
+        pbw_free(&mesh);
+        sites_free(&s);
+        test_end();
+    }
+}
+
+static void test_arguments(void)
+{
+    if (test_begin("arguments")) {
+        const double points[12] = { 0, 0, 0, 1, 0, 0, 0, 1, 0, 0, 0, 1 }, nan = HUGE_VAL - HUGE_VAL, broken[3] = { 0, nan, 0 };
+        const double empty[6] = { 1, 1, 1, 0, 0, 0 }, unit[6] = { -1, -1, -1, 2, 2, 2 };
+        double planes[8] = { 1, 0, 0, 0, -1, 0, 0, -1 };
+        pbw_domain domain;
+        pbw_mesh mesh;
+        pbw_cells cells;
+        memset(&domain, 0, sizeof domain);
+        CHECK_EQUAL(pbw_triangulate(3, points, NULL, 4, NULL, &mesh), PBW_OK);
+        CHECK_EQUAL(pbw_cells_of(NULL, NULL, 0, NULL, &cells), PBW_ERROR_ARGUMENT);
+        CHECK_EQUAL(pbw_cells_of(&mesh, NULL, 0, NULL, NULL), PBW_ERROR_ARGUMENT);
+        CHECK_EQUAL(pbw_cells_of(&mesh, NULL, 8, NULL, &cells), PBW_ERROR_ARGUMENT);
+        domain.box = empty;
+        CHECK_EQUAL(pbw_cells_of(&mesh, &domain, 0, NULL, &cells), PBW_ERROR_ARGUMENT);
+        domain.box = NULL;
+        domain.plane_count = 1;
+        CHECK_EQUAL(pbw_cells_of(&mesh, &domain, 0, NULL, &cells), PBW_ERROR_ARGUMENT);
+        domain.planes = planes;
+        CHECK_EQUAL(pbw_cells_of(&mesh, &domain, 0, NULL, &cells), PBW_ERROR_ARGUMENT);      /* unbounded */
+        domain.box = unit;
+        CHECK_EQUAL(pbw_cells_of(&mesh, &domain, 0, NULL, &cells), PBW_OK);
+        CHECK(fabs(sum_of(&cells) - 9) < 1e-12);
+        pbw_cells_free(&cells);
+        domain.plane_count = 2;                                                             /* x <= 0 and x >= 1 */
+        CHECK_EQUAL(pbw_cells_of(&mesh, &domain, 0, NULL, &cells), PBW_ERROR_ARGUMENT);
+        planes[1] = nan;
+        CHECK_EQUAL(pbw_cells_of(&mesh, &domain, 0, NULL, &cells), PBW_ERROR_ARGUMENT);
+        CHECK(cells.memory == NULL && cells.cell_count == 0);
+        domain.plane_count = 0;
+        CHECK_EQUAL(pbw_cells_periodic(3, points, NULL, 4, &domain, 0, NULL, &cells), PBW_ERROR_ARGUMENT);
+        domain.periodic = 7;
+        CHECK_EQUAL(pbw_cells_of(&mesh, &domain, 0, NULL, &cells), PBW_ERROR_ARGUMENT);
+        CHECK_EQUAL(pbw_cells_periodic(3, broken, NULL, 1, &domain, 0, NULL, &cells), PBW_ERROR_NOT_FINITE);
+        pbw_free(&mesh);
+        test_end();
+    }
+}
+
+/* ---- threads, failures */
+
+static int stop(void *user, pbw_stage stage, double done)
+{
+    (void)done;
+    return stage == PBW_STAGE_WORK && --*(int *)user < 0;
+}
+
+/* Cells of a mesh, or (mesh NULL) periodic ones. */
+static pbw_status compute(const sites *s, const pbw_mesh *mesh, const pbw_options *options, pbw_cells *cells)
+{
+    pbw_domain domain;
+    memset(&domain, 0, sizeof domain);
+    domain.box = s->box;
+    domain.periodic = mesh != NULL ? 0 : 1;
+    return mesh != NULL ? pbw_cells_of(mesh, &domain, ALL | PBW_CELLS_MERGE, options, cells)
+                        : pbw_cells_periodic(s->dim, s->x, s->w, s->count, &domain, ALL, options, cells);
+}
+
+static void test_threads(int dim, int kind, int weights)
+{
+    if (test_begin("threads: %dD %s, weights %s", dim, input_name(kind), input_weights_name(weights))) {
+        sites s = sites_make(kind, dim, 20000, weights);
+        static const int counts[3] = { 1, 4, 8 };
+        pbw_mesh mesh;
+        pbw_cells cells[3];
+        int i;
+        CHECK_EQUAL(pbw_triangulate(dim, s.x, s.w, s.count, NULL, &mesh), PBW_OK);
+        for (i = 0; i < 3; i++) {
+            pbw_options options = threads(counts[i]);
+            CHECK_EQUAL(compute(&s, &mesh, &options, cells + i), PBW_OK);
+        }
+        CHECK(same_cells(cells, cells + 1));
+        CHECK(same_cells(cells, cells + 2));
+        CHECK(fabs(sum_of(cells) / volume_of(dim, s.box) - 1) < 1e-12);
+        for (i = 0; i < 3; i++) {
+            pbw_cells_free(cells + i);
+        }
+        pbw_free(&mesh);
+        sites_free(&s);
+        test_end();
+    }
+}
+
+static void test_failures(int dim, int periodic)
+{
+    if (test_begin("failures: %dD%s", dim, periodic ? ", periodic" : "")) {
+        sites s = sites_make(INPUT_UNIFORM, dim, 60, INPUT_WEIGHTS_ZERO);
+        pbw_options options = threads(1);
+        pbw_mesh mesh;
+        pbw_cells cells;
+        meter m;
+        long k;
+        int left;
+        pbw_status status = PBW_ERROR_MEMORY;
+        CHECK_EQUAL(pbw_triangulate(dim, s.x, NULL, s.count, NULL, &mesh), PBW_OK);
+        options.resize = meter_resize;
+        options.resize_user = &m;
+        for (k = 1; status == PBW_ERROR_MEMORY && k < 100000; k++) {
+            meter_start(&m, k, k % 2 != 0);
+            status = compute(&s, periodic ? NULL : &mesh, &options, &cells);
+            CHECK(status == PBW_OK || cells.memory == NULL);
+            pbw_cells_free(&cells);
+            CHECK(m.blocks == 0 && m.bytes == 0 && m.faults == 0);
+        }
+        CHECK_EQUAL(status, PBW_OK);
+        CHECK(k > 20);
+        meter_start(&m, 0, 0);
+        options.memory_limit = 1000;
+        CHECK_EQUAL(compute(&s, periodic ? NULL : &mesh, &options, &cells), PBW_ERROR_MEMORY);
+        CHECK(m.blocks == 0 && m.peak <= 1000);
+        options.memory_limit = 0;
+        options.progress = stop;
+        options.progress_user = &left;
+        for (left = k = 0, status = PBW_CANCELLED; status == PBW_CANCELLED && k < 1000; k++) {
+            left = (int)(k & 1023);
+            status = compute(&s, periodic ? NULL : &mesh, &options, &cells);
+            CHECK(status == PBW_OK || (status == PBW_CANCELLED && cells.memory == NULL));
+            pbw_cells_free(&cells);
+            CHECK(m.blocks == 0);
+        }
+        CHECK(status == PBW_OK && k > 3);
+        pbw_free(&mesh);
+        sites_free(&s);
+        test_end();
+    }
+}
+
+static void test_degenerate(void)
+{
+    if (test_begin("degenerate, and hidden points")) {
+        const double line[9] = { 0, 0, 0, 1, 1, 1, 2, 2, 2 }, box[6] = { -1, -1, -1, 3, 3, 3 };
+        sites s = sites_make(INPUT_UNIFORM, 3, 1000, INPUT_WEIGHTS_HALF);
+        pbw_domain domain;
+        pbw_mesh mesh;
+        pbw_cells cells;
+        size_t i, hidden = 0;
+        memset(&domain, 0, sizeof domain);
+        domain.box = box;
+        CHECK_EQUAL(pbw_triangulate(3, line, NULL, 3, NULL, &mesh), PBW_DEGENERATE);
+        CHECK_EQUAL(pbw_cells_of(&mesh, &domain, ALL | PBW_CELLS_MERGE, NULL, &cells), PBW_DEGENERATE);
+        CHECK(cells.cell_count == 3 && cells.facet_count == 0 && !(sum_of(&cells) > 0));
+        pbw_cells_free(&cells);
+        pbw_cells_free(&cells);
+        pbw_free(&mesh);
+        CHECK_EQUAL(pbw_triangulate(3, s.x, s.w, s.count, NULL, &mesh), PBW_OK);
+        CHECK_EQUAL(pbw_cells_of(&mesh, &domain, PBW_CELLS_FACETS, NULL, &cells), PBW_OK);
+        for (i = 0; i < s.count; i++) {
+            if (mesh.incident[i] == PBW_NONE) {
+                CHECK(!(cells.volumes[i] > 0) && cells.first[i] == cells.first[i + 1]);
+                hidden++;
+            }
+        }
+        CHECK_EQUAL(hidden, mesh.hidden_count);
+        CHECK(hidden > 100);
+        pbw_cells_free(&cells);
+        pbw_free(&mesh);
+        sites_free(&s);
+        test_end();
+    }
+}
+
+static void test_rest(void)
+{
+    int dim, periodic;
+    test_domains();
+    test_arguments();
+    test_degenerate();
+    for (dim = 2; dim <= 3; dim++) {
+        test_rays(dim);
+        test_threads(dim, INPUT_UNIFORM, INPUT_WEIGHTS_ZERO);
+        test_threads(dim, INPUT_LATTICE, INPUT_WEIGHTS_ZERO);
+        test_threads(dim, INPUT_CLUSTERS, INPUT_WEIGHTS_HALF);
+        for (periodic = 0; periodic < 2; periodic++) {
+            test_failures(dim, periodic);
+        }
+    }
+}
+
+int main(int argc, char **argv)
+{
+    test_start(argc, argv, 0);
+    test_kinds();
+    test_brutes();
+    test_lattices();
+    test_zoo();
+    test_periodics();
+    test_rest();
+    return test_finish();
+}
