@@ -810,7 +810,7 @@ static void test_failures(int dim, int periodic)
         pbw_cells cells;
         meter m;
         long k;
-        int left;
+        int left = 0;
         pbw_status status = PBW_ERROR_MEMORY;
         CHECK_EQUAL(pbw_triangulate(dim, s.x, NULL, s.count, NULL, &mesh), PBW_OK);
         options.resize = meter_resize;
@@ -831,8 +831,8 @@ static void test_failures(int dim, int periodic)
         options.memory_limit = 0;
         options.progress = stop;
         options.progress_user = &left;
-        for (left = k = 0, status = PBW_CANCELLED; status == PBW_CANCELLED && k < 1000; k++) {
-            left = (int)(k & 1023);
+        for (k = 0, status = PBW_CANCELLED; status == PBW_CANCELLED && k < 1000; k++) {
+            left = (int)k;
             status = compute(&s, periodic ? NULL : &mesh, &options, &cells);
             CHECK(status == PBW_OK || (status == PBW_CANCELLED && cells.memory == NULL));
             pbw_cells_free(&cells);

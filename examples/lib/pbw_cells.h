@@ -267,7 +267,7 @@ typedef struct pbwc__job pbwc__job;
 typedef struct pbwc__period pbwc__period;
 typedef struct pbwc__centre {
     pbw_index simplex;
-    int inside;                            /* the domain, for certain */
+    int good, inside;                      /* right to 12 digits; in the domain, for certain */
     double x[3];                           /* relative to the simplex's first corner */
 } pbwc__centre;
 
@@ -690,7 +690,7 @@ typedef struct pbwc__work {                /* of one range */
     pbwc__map part_of, link_of;
     pbwc__cutter cutter;
     pbwc__centre *centres;
-    int open;                              /* the star is at the hull */
+    int open, good;                        /* the star: at the hull; with good centres, none far from the domain */
 } pbwc__work;
 
 #define PBWC__GRID 64
@@ -716,6 +716,7 @@ struct pbwc__job {
     int bounded, weighted;
     size_t count;                          /* cells: of the mesh's first points */
     double low[3], high[3], slack[3];      /* of the box, else infinite; slack: for its rounding */
+    double extent[3];                      /* of the domain */
     const double *planes;                  /* of the domain: normal and offset */
     size_t plane_count;
     pbwc__poly domain;
@@ -772,7 +773,7 @@ static const pbwc__centre *pbwc__centre_kept(const pbwc__job *job, pbwc__centre 
         double radius = 0;
         size_t k;
         centre->simplex = simplex;
-        centre->inside = pbwc__centre_of(job->mesh, simplex, centre->x);
+        centre->inside = centre->good = pbwc__centre_of(job->mesh, simplex, centre->x);
         for (k = 0; k < dim; k++) {
             radius += fabs(centre->x[k]);
         }
@@ -827,6 +828,7 @@ static int pbwc__gather(pbwc__work *work, pbw_index v)
     size_t i, j, k;
     work->parts.count = work->links.count = 0;
     work->open = 0;
+    work->good = 1;
     pbwc__map_clear(&work->part_of);
     pbwc__map_clear(&work->link_of);
     if (pbwc__room(work->memory, &work->parts, 1, sizeof(pbwc__part)) == NULL
@@ -844,8 +846,10 @@ static int pbwc__gather(pbwc__work *work, pbw_index v)
         for (k = 0; corner[k] != v; k++) {
         }
         other = dim == 3 ? pbwc__other3[k] : pbwc__other2[k];
+        work->good &= centre->good;
         for (k = 0; k < dim; k++) {
             PBWC__PARTS(work)[i].centre[k] = centre->x[k] + (a[k] - site[k]);
+            work->good &= fabs(PBWC__PARTS(work)[i].centre[k]) < 4 * work->job->extent[k];
         }
         for (j = 0; j < dim; j++) {
             const pbw_index next = beyond[other[j]];
@@ -1449,6 +1453,79 @@ static int pbwc__cut_cell(pbwc__work *work, pbw_index v, int merge)
     return 1;
 }
 
+/* The polytope of a closed star with good centres. */
+static int pbwc__star_poly(pbwc__work *work)
+{
+    const pbwc__part *parts = PBWC__PARTS(work);
+    const int count = (int)work->parts.count;
+    pbwc__memory *memory = work->memory;
+    pbwc__poly *poly = &work->cutter.poly;
+    double *x;
+    int i, u, at = 0, start;
+    pbwc__poly_clear(poly);
+    poly->x.count = 0;
+    x = (double *)pbwc__room(memory, &poly->x, work->parts.count, 3 * sizeof(double));
+    for (i = 0; x != NULL && i < count; i++) {
+        memcpy(x + 3 * i, parts[i].centre, 2 * sizeof(double));
+        x[3 * i + 2] = work->job->mesh->dim == 3 ? parts[i].centre[2] : 0;
+    }
+    poly->x.count = work->parts.count;
+    for (i = 0; x != NULL && i < count && work->job->mesh->dim == 2; i++, at = parts[at].beyond[0]) {
+        if (!pbwc__open_facet(memory, poly, (pbw_index)parts[at].link[1])
+            || !pbwc__push(memory, &poly->loop, (pbw_index)at)) {
+            return 0;
+        }
+    }
+    for (u = 0; x != NULL && u < (int)work->links.count && work->job->mesh->dim == 3; u++) {
+        if (!pbwc__open_facet(memory, poly, (pbw_index)u)) {
+            return 0;
+        }
+        at = start = PBWC__LINKS(work)[u].part;
+        do {
+            if (!pbwc__push(memory, &poly->loop, (pbw_index)at)) {
+                return 0;
+            }
+            at = pbwc__around(parts + at, u, 1);
+        } while (at != start);
+    }
+    return x != NULL;
+}
+
+/* The star's polytope cut by the walls of the domain. */
+static int pbwc__cut_star(pbwc__work *work, pbw_index v)
+{
+    const pbwc__job *job = work->job;
+    const size_t dim = (size_t)job->mesh->dim;
+    const double *site = job->mesh->points + v * dim;
+    double plane[4];
+    size_t i, k;
+    if (!pbwc__star_poly(work)) {
+        return 0;
+    }
+    for (i = 0; i < 2 * dim; i++) {
+        const double wall = i % 2 != 0 ? job->high[i / 2] - site[i / 2] : site[i / 2] - job->low[i / 2];
+        memset(plane, 0, sizeof plane);
+        plane[i / 2] = i % 2 != 0 ? 1 : -1;
+        plane[dim] = wall;
+        if (wall < HUGE_VAL
+            && !pbwc__cut(work->memory, &work->cutter, (int)dim, plane, (pbw_index)(PBW_NONE - 1 - i))) {
+            return 0;
+        }
+    }
+    for (i = 0; i < job->plane_count; i++) {
+        const double *from = job->planes + i * (dim + 1);
+        plane[dim] = from[dim];
+        for (k = 0; k < dim; k++) {
+            plane[k] = from[k];
+            plane[dim] -= from[k] * site[k];
+        }
+        if (!pbwc__cut(work->memory, &work->cutter, (int)dim, plane, (pbw_index)(PBW_NONE - 1 - 2 * dim - i))) {
+            return 0;
+        }
+    }
+    return 1;
+}
+
 /* Twice the area vector of a facet, or an edge's vector; adds its cone over the site to sum. */
 static double pbwc__sum_facet(const pbwc__poly *poly, size_t facet, int dim, double *sum)
 {
@@ -1661,7 +1738,7 @@ static int pbwc__cell(pbwc__work *work, pbw_index v)
         return 0;
     }
     if (cut) {
-        if (!pbwc__cut_cell(work, v, 0)) {
+        if (!(work->open || !work->good ? pbwc__cut_cell(work, v, 0) : pbwc__cut_star(work, v))) {
             return 0;
         }
         memset(sum, 0, sizeof sum);
@@ -2084,6 +2161,9 @@ static pbw_status pbwc__prepare_domain(pbwc__job *job, const pbw_domain *domain)
     }
     if (domain->box == NULL) {
         status = pbwc__bound_planes(job, domain, low, high);
+    }
+    for (k = 0; k < dim; k++) {
+        job->extent[k] = high[k] - low[k];
     }
     return status == PBW_OK ? pbwc__cut_domain(job, domain, low, high) : status;
 }
