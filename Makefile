@@ -17,8 +17,8 @@ EXAMPLES_CXX = $(if $(shell command -v $(firstword $(CXX))),$(patsubst examples/
 EXPECTED = $(patsubst examples/expected/%.txt,%,$(wildcard examples/expected/*.txt))
 FUZZERS = $(patsubst tests/%.c,%,$(wildcard tests/fuzz_*.c))
 HEADERS = pbw.h $(wildcard tests/*.h examples/*.h examples/lib/*.h examples/program/*.h)
-SCRIPTS = $(filter packaging hashes examples asm oracle cmake csharp install page python program programs queries view, \
-    $(patsubst tests/%.sh,%,$(wildcard tests/*.sh)))
+SCRIPTS = $(filter packaging hashes examples asm oracle cmake csharp install page python program programs \
+    queries view, $(patsubst tests/%.sh,%,$(wildcard tests/*.sh)))
 SUITES = test programs examples oracle asm arm names fuzz-long
 export CC CXX
 

@@ -17,7 +17,7 @@ says() {    # says STATUS TEXT ARGUMENT...: the exit status, and a line of the o
 early() { says "$@" && [ "$(wc -l < said)" = 1 ]; }
 lines() { [ "$(grep -c "$1" "$2")" = "$3" ] || { grep -c "$1" "$2"; return 1; }; }
 
-# located DIM: the corners of l.csv are those of m.ele; no corner of a simplex, and each of a facet's, is across from q.
+# located DIM: corners in l.csv are those of m.ele; a simplex has its query, and a facet of the hull sees it.
 located() {
     awk -F, -v dim="$1" '
         function det(a, b, c, d) {       # six times the volume, in the plane twice the area
@@ -31,7 +31,10 @@ located() {
         FNR == 1 { file++; if (file != 3) next }
         file == 1 { x[FNR-2] = $1; y[FNR-2] = $2; z[FNR-2] = $3 }
         file == 2 { qx[FNR-2] = $1; qy[FNR-2] = $2; qz[FNR-2] = $3 }
-        file == 3 { split($0, w, " "); if (FNR > 1) row[w[1]] = dim == 3 ? w[2]","w[3]","w[4]","w[5] : w[2]","w[3]","w[4] }
+        file == 3 && FNR > 1 {
+            split($0, w, " ")
+            row[w[1]] = w[2] "," w[3] "," w[4] (dim == 3 ? "," w[5] : "")
+        }
         file == 4 {
             x["q"] = qx[$1]; y["q"] = qy[$1]; z["q"] = qz[$1]
             for (k = 0; k <= dim; k++) c[k] = $(3 + k)
@@ -60,7 +63,8 @@ located() {
                 }
             }
         }
-        END { print inside, outside; exit wrong || !inside || !outside || inside + outside != 60 }' m.csv q.csv m.ele l.csv
+        END { print inside, outside; exit wrong || !inside || !outside || inside + outside != 60 }' \
+        m.csv q.csv m.ele l.csv
 }
 # nearest DIM K [WEIGHTED]: for each query the K lines of n.csv are those of the least distances to all points.
 nearest() {
@@ -148,11 +152,12 @@ for more in "" "--periodic xyz" "--periodic y"; do
     # shellcheck disable=SC2086
     check "cubes $more" says 0 "$whole" cells lattice.csv --box $box --merge $more -o c.csv -o c.obj -o c.vtu
     check "cubes $more: volumes" every c.csv 2 1
-    check "cubes $more: facets" every c.csv 6 6
     check "cubes $more: closed" enclosed
-    check "cubes $more: quadrilaterals" lines '^f [0-9]* [0-9]* [0-9]* [0-9]*$' c.obj 384
     check "cubes $more: polyhedra" polyhedra c.vtu 64
 done
+"$pbw" cells lattice.csv --box $box --periodic xyz --merge --quiet -o c.csv -o c.obj
+check "cubes: facets" every c.csv 6 6
+check "cubes: quadrilaterals" lines '^f [0-9]* [0-9]* [0-9]* [0-9]*$' c.obj 384
 check "centroids" sh -c "sed 1d c.csv | cut -d, -f3-5 | awk -F, '{ printf \"%.12g,%.12g,%.12g\\n\", \$1, \$2, \$3 }' |
     sed 's/-0\\>/0/g' | cmp - lattice.csv"
 check "cells without a box" says 0 "64 cells, 0 of them empty, 56 unbounded" cells lattice.csv -o c.csv -o c.obj
@@ -172,10 +177,11 @@ check "cells without walls are closed" enclosed
 check "periodic cells" "$pbw" cells --generate uniform 500 --box 0,0,0,1,1,1 --periodic xz -o c.csv -o c.obj
 check "periodic cells are closed" enclosed
 "$pbw" mesh --generate uniform 60 --dim 2 --quiet -o some.csv
-awk -F, 'NR == 1 { print "x,y,w"; next } { print $0 ",0" } NR < 5 { print $1 + 1e-3 "," $2 ",-0.01" }' some.csv > heavy.csv
+awk -F, 'NR == 1 { print "x,y,w"; next }
+    { print $0 ",0" } NR < 5 { print $1 + 1e-3 "," $2 ",-0.01" }' some.csv > heavy.csv
 check "power cells" says 0 "3 of them empty, 0 unbounded" cells heavy.csv --weights w --box 0,0,1,1 -o c.svg -o c.csv
 area() {    # of all polygons of an .svg, as a share of its square of 1000
-    tr '">' '\n\n' < "$1" | awk -F'[ ,]' '/^ [0-9.-]*,/ {
+    tr '">' '\n\n' < "$1" | awk -F'[ ,]' '/^ [0-9.e-]*,/ {
         n++
         for (i = 2; i < NF; i += 2) { k = i + 2 > NF ? 2 : i + 2; sum += $i * $(k + 1) - $(i + 1) * $k }
     } END { printf "%d %.4f\n", n, -sum / 2e6 }'
