@@ -77,7 +77,7 @@ $(EXAMPLES_CXX:%=$B/%): $B/%: examples/%.cpp pbw.h
 	@mkdir -p $B
 	$(CXX) -std=c++11 $(CXXFLAGS) $(WARN) -I. $< -o $@ $(LIBS)
 
-$B/libpbw_python.so: examples/python/pbw_python.c pbw.h
+$B/libpbw_python.so: examples/python/pbw_python.c pbw.h examples/lib/pbw_cells.h
 	@mkdir -p $B
 	$C -fPIC -shared $< -o $@ $(LIBS)
 
