@@ -14,25 +14,28 @@ _PROGRESS = ctypes.CFUNCTYPE(ctypes.c_int, ctypes.c_int, ctypes.c_double)
 _STAGES = ("order", "build", "output", "check")
 
 
+def _pointers(names):
+    return [(name, ctypes.c_void_p) for name in names.split()]
+
+
 class _Arrays(ctypes.Structure):
     """struct arrays of pbw_python.c."""
     _fields_ = [("dim", ctypes.c_int), ("threads", ctypes.c_int), ("point_count", ctypes.c_size_t),
                 ("simplex_count", ctypes.c_size_t),
-                *((name, ctypes.c_void_p) for name in ("points", "weights", "simplices", "neighbors", "incident",
-                                                       "canonical")), ("stop", ctypes.POINTER(ctypes.c_int))]
+                *_pointers("points weights simplices neighbors incident canonical"),
+                ("stop", ctypes.POINTER(ctypes.c_int))]
 
 
 class _Lists(ctypes.Structure):
     """pbw_lists."""
-    _fields_ = [("count", ctypes.c_size_t), *((name, ctypes.c_void_p) for name in ("first", "item", "value", "memory"))]
+    _fields_ = [("count", ctypes.c_size_t), *_pointers("first item value memory")]
 
 
 class _Cells(ctypes.Structure):
     """pbw_cells."""
     _fields_ = [("dim", ctypes.c_int), *((name, ctypes.c_size_t) for name in ("cell_count", "facet_count",
                                                                             "vertex_count", "ray_count")),
-                *((name, ctypes.c_void_p) for name in ("volumes", "centroids", "first", "neighbors", "shifts", "areas",
-                                                       "vertices", "loop_first", "loops", "rays", "memory"))]
+                *_pointers("volumes centroids first neighbors shifts areas vertices loop_first loops rays memory")]
 
 
 def _load():
@@ -68,7 +71,8 @@ def _declare(library):
     library.pbw_python_locate.argtypes = [arrays, doubles, size, ints, ints]
     library.pbw_python_nearest.argtypes = [arrays, doubles, size, size, ints, doubles]
     library.pbw_python_coordinates.argtypes = [arrays, doubles, size, ctypes.c_int, ctypes.POINTER(_Lists)]
-    library.pbw_python_cells.argtypes = [arrays, ctypes.c_void_p, ctypes.c_uint, ctypes.c_uint, ctypes.POINTER(_Cells)]
+    library.pbw_python_cells.argtypes = [arrays, ctypes.c_void_p, ctypes.c_uint, ctypes.c_uint,
+                                         ctypes.POINTER(_Cells)]
     library.pbw_lists_free.restype = library.pbw_cells_free.restype = None
     library.pbw_lists_free.argtypes = [ctypes.POINTER(_Lists)]
     library.pbw_cells_free.argtypes = [ctypes.POINTER(_Cells)]
@@ -242,9 +246,10 @@ class Mesh:
 
     def nearest(self, queries, k):
         """The k nearest points of each query, -1 where there are fewer, and their distances."""
-        found, distances = np.empty((len(queries), k), np.int32), np.empty((len(queries), k))
-        _answer(self._arrays(), len(queries),
-                lambda arrays: _library.pbw_python_nearest(arrays, queries, len(queries), k, found, distances), queries)
+        count = len(queries)
+        found, distances = np.empty((count, k), np.int32), np.empty((count, k))
+        _answer(self._arrays(), count,
+                lambda arrays: _library.pbw_python_nearest(arrays, queries, count, k, found, distances), queries)
         return found, distances
 
     def coordinates(self, queries, scheme):
