@@ -17,9 +17,11 @@ EXAMPLES_CXX = $(if $(shell command -v $(firstword $(CXX))),$(patsubst examples/
 EXPECTED = $(patsubst examples/expected/%.txt,%,$(wildcard examples/expected/*.txt))
 FUZZERS = $(patsubst tests/%.c,%,$(wildcard tests/fuzz_*.c))
 HEADERS = pbw.h $(wildcard tests/*.h examples/*.h examples/lib/*.h examples/program/*.h)
-SCRIPTS = $(filter packaging hashes examples asm oracle cmake csharp install page python program programs \
-    queries view, $(patsubst tests/%.sh,%,$(wildcard tests/*.sh)))
-SUITES = test programs examples oracle asm arm names fuzz-long
+SCRIPTS = $(filter packaging hashes examples asm oracle cells cmake csharp gappa install page python program \
+    programs queries view web, $(patsubst tests/%.sh,%,$(wildcard tests/*.sh)))
+# `make test` leaves these to `make test-all`, and tells the scripts by QUICK that one compiler is enough.
+LONG = asm cmake csharp install oracle programs view web
+SUITES = test test-all programs examples oracle asm arm names fuzz-long
 export CC CXX
 
 ifeq ($(MAKELEVEL),0)
@@ -37,7 +39,8 @@ ifneq ($(word 2,$(filter $(SUITES),$(MAKECMDGOALS))),)
 endif
 endif
 
-.PHONY: all page demo examples test programs oracle arm asan ubsan tsan valgrind fuzz fuzz-long asm names clean help FORCE
+.PHONY: all page demo web examples test test-all programs oracle arm asan ubsan tsan valgrind fuzz fuzz-long asm names \
+    clean help FORCE
 .DELETE_ON_ERROR:
 .SECONDARY:
 
@@ -46,10 +49,13 @@ all: $B/pbw $(EXAMPLES:%=$B/%) $(EXAMPLES_CXX:%=$B/%) $B/libpbw_python.so
 help:
 	@echo 'make             builds the examples into $B/, the pbw program among them'
 	@echo 'make demo        makes a model, samples, triangulates, proves, draws and writes it'
+	@echo 'make web         WebAssembly for JavaScript and a page that shows it, by emscripten, into $B/web'
 	@echo 'make page        puts examples/lib/view/ into pbw_view.h'
 	@echo 'make examples    runs the examples and compares what they print with examples/expected'
-	@echo 'make test        all tests; the last line is `N passed, N failed, N skipped`'
+	@echo 'make test        tests of every kind with one compiler; ends with `N passed, N failed, N skipped`'
+	@echo 'make test-all    all tests: other compilers, libraries and programs where they are installed'
 	@echo 'make bench       compares speed and memory with rivals that are installed (bench/bench.mk)'
+	@echo 'make bench-cells Voronoi cells per second, beside voro++'
 	@echo 'make oracle      compares with CGAL            make names   names, warnings, copies, documentation'
 	@echo 'make asm         looks for fused operations    make arm     64-bit Arm, in an emulator'
 	@echo 'make install PREFIX=/usr/local DESTDIR=         and make uninstall: see examples/install/install.mk'
@@ -90,6 +96,29 @@ $B/test_digits: tests/test_predicates.c
 $B/oracle_cgal: tests/oracle_cgal.cpp $(HEADERS) $B/libpbw.a
 	$(CXX) -std=c++17 -frounding-math $(CXXFLAGS) $< -o $@ $B/libpbw.a -lgmp -lmpfr $(LIBS)
 
+# WebAssembly, as a package for `npm install ./build/web`, and index.html with all of it inside.  The stack lies first
+# in memory, so that an overflow stops the program instead of changing data.
+EMCC = emcc
+WEB_MEMORY = 4GB
+WEB_FLAGS = -sSTANDALONE_WASM --no-entry -sFILESYSTEM=0 -sEXPORTED_FUNCTIONS=_malloc,_free -sALLOW_MEMORY_GROWTH \
+    -sINITIAL_MEMORY=1MB -sMAXIMUM_MEMORY=$(WEB_MEMORY) -sTOTAL_STACK=256KB -Wl,--stack-first
+WEB = $(addprefix examples/web/,index.js index.d.ts package.json)
+
+web: $B/web/index.html
+
+$B/web/pbw.wasm: examples/web/pbw_web.c pbw.h
+	@mkdir -p $(@D)
+	$(EMCC) -std=c99 -O3 $(WARN) -I. $(WEB_FLAGS) $< -o $@
+
+$B/web/index.html: examples/web/page.html $(WEB) $B/web/pbw.wasm
+	cp $(WEB) $(@D)
+	{ printf 'export const wasm = "'; base64 $(@D)/pbw.wasm | tr -d '\n'; printf '";\n'; } > $(@D)/wasm.js
+	sed -e '/^export default/d' -e '/^import .*wasm/d' -e 's/^export //' $(@D)/wasm.js $(@D)/index.js > $(@D)/inline.js
+	sed -e '/^import .*index\.js/r $(@D)/inline.js' -e '/^import .*index\.js/d' $< > $@
+
+$B/oracle_voro: tests/oracle_voro.cpp $(HEADERS) $B/libpbw.a
+	$(CXX) -std=c++17 $(CXXFLAGS) -Iexamples/lib -I. $< -o $@ $B/libpbw.a -lvoro++ $(LIBS)
+
 # Tests: each writes $B/NAME.log, which ends with its counts
 $(TESTS:%=$B/%.log): $B/%.log: $B/% FORCE
 	@sh tests/run.sh $@ $(UNDER) $< $(COUNT:%=--count %) $(if $(UNDER),$(UNDER_$(<F)))
@@ -105,10 +134,12 @@ $B/python.log: $B/libpbw_python.so
 $B/csharp.log: $B/libpbw.so
 $B/install.log: $B/pbw $B/pbw_pic.o $B/libpbw.so
 $B/program.log $B/programs.log $B/queries.log: $B/pbw
-$B/oracle.log: $B/libpbw.a
+$B/oracle.log $B/cells.log: $B/libpbw.a
 
 # One that does not compile is a failure, and the others still run.
-test: LOGS = $(TESTS:%=$B/%.log) $(SCRIPTS:%=$B/%.log)
+test-all: LOGS = $(TESTS:%=$B/%.log) $(SCRIPTS:%=$B/%.log)
+test: LOGS = $(TESTS:%=$B/%.log) $(patsubst %,$B/%.log,$(filter-out $(LONG),$(SCRIPTS)))
+test: export QUICK = 1
 programs: LOGS = $(TESTS:%=$B/%.log)
 examples: LOGS = $B/examples.log
 oracle: LOGS = $B/oracle.log

@@ -31,6 +31,8 @@
      >>exact        integers of just enough width
      >>grid         the coarsest grid that holds all records
      >>predicates   signs: filter, exact stage, perturbation
+     >>curve        keys on a Hilbert curve
+     >>sort         a radix sort by several threads
      >>order        Hilbert keys, sorting, duplicates
      >>mesh         simplices, ghosts, one thread's view of them, invariants
      >>slots        where simplices are stored
@@ -39,7 +41,8 @@
      >>cavity2      in the plane: find, carve, refill
      >>build        insertion, its order, the seed simplex, levels
      >>parallel     ownership; a level by many threads
-     >>output       canonical order, ids, in place
+     >>number       canonical order
+     >>output       the caller's arrays, in place
      >>check        the exact verdict on a finished mesh
      >>hash         one number for a triangulation
      >>tools        what companion headers build on
@@ -83,10 +86,15 @@
      -0.0 equals 0.0.  The others are listed in mesh.canonical.
      Hidden points (weights only).  A point whose power cell is empty is no vertex; mesh.incident says PBW_NONE.
 
+   COMPILING
+     C99 or later, C++11 or later.  Optimise (-O2): without that every call takes eight times as long.  32-bit x86
+     needs -msse2 -mfpmath=sse.
+
    CONFIGURATION MACROS
      PBW_IMPLEMENTATION   in one source file: compile the implementation there
      PBW_STATIC           everywhere: make every function static (several private copies in one program)
      PBWDEF               everywhere: your own linkage for the public functions
+     PBW_CUDA             where a program calls pbw_cuda.cu: declares its functions; nvcc needs no such macro
      PBW_WIDE             where PBW_IMPLEMENTATION is: 64-bit links, up to 4.29e9 simplices instead of 1.07e9,
                           for 16 more bytes a simplex while building
      PBW_NO_SIMD          where PBW_IMPLEMENTATION is: scalar code only; the same answers, slower.  Without it gcc and
@@ -122,7 +130,7 @@ extern "C" {
 #endif
 
 typedef uint32_t pbw_index;                /* a point or a simplex */
-#define PBW_NONE ((pbw_index)-1)           /* no such: outside the hull, not a vertex */
+#define PBW_NONE 0xffffffffu               /* no such: outside the hull, not a vertex */
 
 typedef enum pbw_status {                  /* every function that can fail returns one; 0 is success */
     PBW_OK = 0,
@@ -171,16 +179,15 @@ typedef struct pbw_options {               /* NULL or all zero = best defaults *
        build has no threads: see PBW_NO_THREADS. */
     void  (*run)(void *user, int tasks, void (*task)(void *arg, int i), void *arg);
     /* Called on the caller's thread at least ten times a second; done runs from 0 to 1 in each stage.  A nonzero
-       answer ends the call with PBW_CANCELLED within 100 ms.  (While options.run has tasks, only as often as that
-       gives some to the caller's thread.) */
+       answer ends the call with PBW_CANCELLED within 100 ms.  With options.run, progress is reported only while the
+       caller's own thread runs tasks. */
     int   (*progress)(void *user, pbw_stage stage, double done);
     void *resize_user, *run_user, *progress_user;
     const pbw_backend *backend;            /* NULL = this CPU */
-    uint32_t *trace;                       /* where to note for each point which thread's share of the curve, or of
-                                              what was left, it was in when it was inserted, and in which round, as
-                                              share + 256*round, PBW_NONE for duplicates and for all points that a
-                                              backend inserted; count entries, NULL = nowhere */
-    char    *message;                      /* where a backend says in words what was missing; NULL = nowhere */
+    uint32_t *trace;                       /* NULL, or count entries to fill, per point: which thread inserted it, and
+                                              in which round (thread + 256 * round); PBW_NONE for duplicates and for
+                                              points that a backend inserted */
+    char    *message;                      /* NULL, or room for a text: what a backend lacked */
     size_t   message_size;                 /* its bytes; the text is cut to fit and ends with a 0 */
 } pbw_options;
 
@@ -197,7 +204,7 @@ typedef struct pbw_statistics {            /* of the build that filled a mesh */
     int by_backend;                        /* 1: options.backend built this, 0: the CPU */
 } pbw_statistics;
 
-struct pbw_mesh {                          /* start from {0}; read, do not write; pbw_free when done */
+struct pbw_mesh {                          /* start from {0}, in C++ {}; read, do not write; pbw_free when done */
     int dim;                               /* 2 or 3; a simplex has dim+1 corners */
     size_t point_count, simplex_count;
     const pbw_index *simplices;            /* simplex_count*(dim+1) ids of the caller's points, positively oriented;
@@ -387,7 +394,8 @@ typedef enum pbw_scheme { PBW_BARYCENTRIC, PBW_SIBSON, PBW_LAPLACE } pbw_scheme;
 PBWDEF pbw_status pbw_coordinates(const pbw_mesh *mesh, const double *points, size_t count, pbw_scheme scheme,
                                   const pbw_options *options, pbw_lists *lists);
 
-/* In pbw_cuda.cu, for programs that link it. */
+#if defined(PBW_CUDA) || defined(__CUDACC__)
+/* ---- in pbw_cuda.cu, for programs that link it */
 extern const pbw_backend *pbw_cuda_backend(int device);     /* NULL for a number that no device can have */
 /* Several devices, of any kinds, for one triangulation: the same bytes.  Each holds all points, 90 bytes a point (2D:
    75), and its share of the rest, together 560 (155).  A device may be listed more than once.  NULL for more than 16,
@@ -418,6 +426,7 @@ extern pbw_status pbw_cuda_triangulate(int dim, int is_float, const void *points
 extern pbw_status pbw_cuda_check(const pbw_cuda_mesh *mesh, int is_float, const void *points, const void *weights,
                                  const pbw_options *options, void *stream, pbw_report *report);
 extern void pbw_cuda_free(pbw_cuda_mesh *mesh, void *stream);
+#endif
 
 #ifdef __cplusplus
 }
@@ -426,7 +435,10 @@ extern void pbw_cuda_free(pbw_cuda_mesh *mesh, void *stream);
 
 /* Interface ends here; what follows is for those who want to know how it works. */
 
-#if defined(PBW_IMPLEMENTATION) && !defined(PBW__IMPLEMENTED)
+#if defined(PBW_IMPLEMENTATION) && !defined(__cplusplus) && !defined(_MSC_VER) \
+    && (!defined(__STDC_VERSION__) || __STDC_VERSION__ < 199901L)
+#error "pbw.h: compile the file with PBW_IMPLEMENTATION as C99 or later, or as C++11 or later"
+#elif defined(PBW_IMPLEMENTATION) && !defined(PBW__IMPLEMENTED)
 #define PBW__IMPLEMENTED
 /* ------------------------------------------------------------------------------------------------------
    >>platform     Compilers, atomics, clocks, floating-point state, the system's threads.
@@ -440,6 +452,9 @@ extern void pbw_cuda_free(pbw_cuda_mesh *mesh, void *stream);
 #endif
 
 #include <float.h>
+#if defined(FLT_EVAL_METHOD) && (FLT_EVAL_METHOD < 0 || FLT_EVAL_METHOD == 2)
+#error "pbw.h is exact only where doubles are computed as doubles: on 32-bit x86 compile with -msse2 -mfpmath=sse"
+#endif
 #include <math.h>                                    /* HUGE_VAL; sqrt only where >>nearest has no better */
 #include <stdlib.h>
 #include <string.h>
@@ -478,6 +493,9 @@ extern int madvise(void *address, size_t length, int advice);    /* strict C mod
 /* Contraction must be off for both compilers; each ignores the other's pragma.  (gcc 12 fuses even so, in vector
    code of the form a*b +- c*d under -mfma: `make asm` looks for that in the predicates.) */
 #if defined(__clang__)
+#if defined(__x86_64__) || defined(__i386__)
+#pragma float_control(push)
+#endif
 #pragma STDC FP_CONTRACT OFF
 #elif defined(__GNUC__)
 #ifdef __NVCC__                                      /* it hands the next pragmas on to gcc, with a warning */
@@ -516,14 +534,24 @@ extern int madvise(void *address, size_t length, int advice);    /* strict C mod
 #define PBW__PREFETCH(address) ((void)(address))
 #define PBW__PREFETCH_TO_WRITE(address) ((void)(address))
 #endif
-/* For array[i], where `i` goes on to `end`: processors that ask ahead on their own do not for the next page. */
+/* For array[i], where `i` goes on to `end`: hardware prefetchers stop at page ends, this goes across them. */
 #define PBW__PREFETCH_STREAM(array, i, end) PBW__PREFETCH((array) + ((i) + 512 < (end) ? (i) + 512 : (i)))
+
+/* Calls f(..., dim), compiled for each dimension. */
+#define PBW__BY_DIM(dim, f, ...) \
+    do { \
+        if ((dim) == 3) { \
+            f(__VA_ARGS__, 3); \
+        } else { \
+            f(__VA_ARGS__, 2); \
+        } \
+    } while (0)
 
 /* The instructions of vectors: see >>lanes. */
 #if !defined(PBW_NO_SIMD) && defined(__GNUC__) && !(defined(PBW__FMA) && PBW__FMA == 0)
 #if defined(__x86_64__)
 #define PBW__AVX2
-/* prfchw: a prefetch that writes will follow, which does nothing on processors of AVX2 that do not know it. */
+/* prfchw: prefetch for writing; a no-op on AVX2 processors without it. */
 #define PBW__SIMD __attribute__((target("avx2,fma,bmi,bmi2,popcnt,prfchw")))
 #elif defined(__AARCH64EL__) && defined(__ARM_NEON)
 #define PBW__NEON
@@ -531,33 +559,33 @@ extern int madvise(void *address, size_t length, int advice);    /* strict C mod
 #endif
 #endif
 
-/* For profilers, such as bench: told what an insertion turns to. */
+/* Hook for profilers, such as bench: called when an insertion enters a new phase. */
 #ifndef PBW__PHASE
 #define PBW__PHASE(phase) ((void)0)
 #endif
 enum { PBW__WALK, PBW__CAVITY, PBW__STAR, PBW__EXACT, PBW__OTHER };
 
-/* Words that several threads may touch at once; in relaxed order, see >>threads and >>parallel. */
+/* Atomic access to words that threads share; in relaxed order, see >>threads and >>parallel. */
 #ifdef PBW__THREADS
 #define PBW__LOAD(x) __atomic_load_n(x, __ATOMIC_RELAXED)
 #define PBW__STORE(x, y) __atomic_store_n(x, y, __ATOMIC_RELAXED)
 #define PBW__ADD(x, y) __atomic_fetch_add(x, y, __ATOMIC_RELAXED)
 #define PBW__SWAP(x, y) __atomic_exchange_n(x, y, __ATOMIC_RELAXED)
-#define PBW__REPLACE(x, old, y) __atomic_compare_exchange_n(x, old, y, 1, __ATOMIC_RELAXED, __ATOMIC_RELAXED)
-/* What came before TELL or LEAVE is seen by what comes after SEEN or TAKE. */
-#define PBW__TELL(x, y) __atomic_store_n(x, y, __ATOMIC_RELEASE)
-#define PBW__SEEN(x) __atomic_load_n(x, __ATOMIC_ACQUIRE)
-#define PBW__TAKE(x, old, y) __atomic_compare_exchange_n(x, old, y, 0, __ATOMIC_ACQUIRE, __ATOMIC_RELAXED)
-#define PBW__LEAVE(x, y) __atomic_fetch_sub(x, y, __ATOMIC_RELEASE)
+#define PBW__CAS(x, old, y) __atomic_compare_exchange_n(x, old, y, 1, __ATOMIC_RELAXED, __ATOMIC_RELAXED)
+/* Release pairs with acquire: what was written before a release is visible after the acquire. */
+#define PBW__STORE_RELEASE(x, y) __atomic_store_n(x, y, __ATOMIC_RELEASE)
+#define PBW__LOAD_ACQUIRE(x) __atomic_load_n(x, __ATOMIC_ACQUIRE)
+#define PBW__CAS_ACQUIRE(x, old, y) __atomic_compare_exchange_n(x, old, y, 0, __ATOMIC_ACQUIRE, __ATOMIC_RELAXED)
+#define PBW__SUB_RELEASE(x, y) __atomic_fetch_sub(x, y, __ATOMIC_RELEASE)
 #else
 #define PBW__LOAD(x) (*(x))
 #define PBW__STORE(x, y) ((void)(*(x) = (y)))
 #define PBW__ADD(x, y) ((*(x) += (y)) - (y))
 #define PBW__SWAP(x, y) pbw__swap(x, y)
-#define PBW__REPLACE(x, old, y) ((void)(old), *(x) = (y), 1)
-#define PBW__TELL(x, y) PBW__STORE(x, y)
-#define PBW__SEEN(x) PBW__LOAD(x)
-#define PBW__TAKE(x, old, y) PBW__REPLACE(x, old, y)
+#define PBW__CAS(x, old, y) ((void)(old), *(x) = (y), 1)
+#define PBW__STORE_RELEASE(x, y) PBW__STORE(x, y)
+#define PBW__LOAD_ACQUIRE(x) PBW__LOAD(x)
+#define PBW__CAS_ACQUIRE(x, old, y) PBW__CAS(x, old, y)
 #endif
 
 #ifndef PBW__THREADS
@@ -571,19 +599,19 @@ PBW__INLINE pbw_index pbw__swap(pbw_index *x, pbw_index y)
 
 #define PBW__EPSILON 1.1102230246251565e-16          /* u = 2^-53: half an ulp of 1 */
 
-PBW__INLINE double pbw__larger(double a, double b)
+PBW__INLINE double pbw__max(double a, double b)
 {
     return a > b ? a : b;
 }
 
-PBW__INLINE double pbw__size(double a)
+PBW__INLINE double pbw__abs(double a)
 {
-    return pbw__larger(a, -a);
+    return pbw__max(a, -a);
 }
 
-PBW__INLINE double pbw__largest(double a, double b, double c, double d)
+PBW__INLINE double pbw__max_abs(double a, double b, double c, double d)
 {
-    return pbw__larger(pbw__larger(pbw__size(a), pbw__size(b)), pbw__larger(pbw__size(c), pbw__size(d)));
+    return pbw__max(pbw__max(pbw__abs(a), pbw__abs(b)), pbw__max(pbw__abs(c), pbw__abs(d)));
 }
 
 static double pbw__seconds(void)                     /* wall clock: statistics, progress, short waits */
@@ -648,7 +676,7 @@ static int pbw__fp_is_exact(void)
         && !(infinite - infinite == 0.0);                    /* finite numbers only */
 }
 
-/* The system's threads: pthreads, or those of Win32, declared here since windows.h would leave its macros behind. */
+/* The system's threads: pthreads, or those of Win32, declared here, as windows.h would leave its macros behind. */
 #if defined(PBW__THREADS) && defined(_WIN32)
 #ifdef __i386__
 #define PBW__SYMBOL(name, bytes) __asm__("_" name bytes)
@@ -743,21 +771,21 @@ static void pbw__wait_50ms(pbw__condition *condition, pbw__mutex *mutex)
    In: AVX2 or NEON.  Out: PBW__SIMD, and what the rooms of insertion do with vectors, by its meaning.
 
    Vectors of four doubles or four 32-bit integers, in lanes 0 to 3, and of two doubles.  + - * == | << work lane by
-   lane.  A mask has all bits of a lane set, or none.  A set of lanes is a number with bit i for lane i.  A NaN comes
-   of an overflow only, where the bounds of the kernels are infinite: pbw__larger4, pbw__highest and pbw__lowest may
-   drop it or not.
+   lane.  A mask has all bits of a lane set, or none.  A set of lanes is a number with bit i for lane i.  NaNs arise
+   only after overflow, where the error bounds are infinite anyway: pbw__max4, pbw__max_lane and pbw__min_lane may
+   drop them.
    Functions that use vectors are compiled for AVX2 and chosen when a build starts; NEON is there on every 64-bit Arm.
    PBW_NO_SIMD leaves the scalar code only, with the same answers.
 
-   There is no path for AVX-512: eight lanes would hold two simplices of a cavity, but processors have two units for
-   them instead of three, and what surrounds the arithmetic stays.  It was 1 to 3 % quicker, for 170 lines; the same
-   four lanes compiled for its registers and masks, 0 to 2 %, or slower.  A search waits for verdicts, which say where
-   it goes on, as much as for instructions.
+   There is no path for AVX-512: eight lanes would hold two simplices of a cavity, but AVX-512 issues on two ports,
+   not three, and the scalar code around the arithmetic does not shrink.  It was 1 to 3 % faster, for 170 lines; four
+   lanes with its registers and masks, 0 to 2 %, or slower.  A search is bound by the latency of its verdicts as much
+   as by its instructions.
    ------------------------------------------------------------------------------------------------------ */
 #ifdef PBW__SIMD
 #define PBW__SIMD_INLINE static inline PBW__SIMD __attribute__((always_inline, unused))
 #ifdef PBW__NEON
-#define PBW__EITHER(avx2, neon) neon
+#define PBW__BY_ISA(avx2, neon) neon
 #define PBW__HALVES2(f, a, b) pbw__join(f(pbw__half0(a), pbw__half0(b)), f(pbw__half1(a), pbw__half1(b)))
 #define PBW__HALVES3(f, a, b, c) \
     pbw__join(f(pbw__half0(a), pbw__half0(b), pbw__half0(c)), f(pbw__half1(a), pbw__half1(b), pbw__half1(c)))
@@ -765,7 +793,7 @@ typedef float64x2_t pbw__d2;
 typedef double pbw__d4 __attribute__((vector_size(32), aligned(16)));      /* the compiler splits sums and products */
 typedef union pbw__halves { pbw__d4 whole; pbw__d2 half[2]; } pbw__halves;
 #else
-#define PBW__EITHER(avx2, neon) avx2
+#define PBW__BY_ISA(avx2, neon) avx2
 typedef __m128d pbw__d2;
 typedef __m256d pbw__d4;
 #endif
@@ -773,7 +801,7 @@ typedef int32_t pbw__i4 __attribute__((vector_size(16)));
 
 PBW__INLINE int pbw__simd_works(void)
 {
-    return PBW__EITHER(__builtin_cpu_supports("avx2") && __builtin_cpu_supports("fma")
+    return PBW__BY_ISA(__builtin_cpu_supports("avx2") && __builtin_cpu_supports("fma")
                        && __builtin_cpu_supports("bmi2") && __builtin_cpu_supports("popcnt"), 1);
 }
 
@@ -800,7 +828,7 @@ PBW__SIMD_INLINE pbw__d4 pbw__join(pbw__d2 low, pbw__d2 high)
     return halves.whole;
 }
 
-PBW__SIMD_INLINE pbw__d2 pbw__select2(pbw__d2 x, pbw__d2 y, pbw__d2 mask)
+PBW__SIMD_INLINE pbw__d2 pbw__blend2(pbw__d2 x, pbw__d2 y, pbw__d2 mask)
 {
     return vbslq_f64((uint64x2_t)mask, y, x);
 }
@@ -815,7 +843,7 @@ PBW__SIMD_INLINE pbw__d2 pbw__or2(pbw__d2 x, pbw__d2 y)
     return (pbw__d2)vorrq_u64((uint64x2_t)x, (uint64x2_t)y);
 }
 
-PBW__SIMD_INLINE pbw__d2 pbw__clear2(pbw__d2 x, pbw__d2 y)
+PBW__SIMD_INLINE pbw__d2 pbw__andnot2(pbw__d2 x, pbw__d2 y)
 {
     return (pbw__d2)vbicq_u64((uint64x2_t)y, (uint64x2_t)x);
 }
@@ -850,9 +878,9 @@ PBW__SIMD_INLINE pbw__i4 pbw__pick4(pbw__i4 x, int i, int j, int k, int l)
 #define PBW__PICK4(x, i, j, k, l) pbw__pick4(x, i, j, k, l)
 #endif
 
-PBW__SIMD_INLINE pbw__d4 pbw__each(double x)         /* x in each lane */
+PBW__SIMD_INLINE pbw__d4 pbw__splat(double x)         /* x in each lane */
 {
-    return PBW__EITHER(_mm256_set1_pd(x), pbw__join(vdupq_n_f64(x), vdupq_n_f64(x)));
+    return PBW__BY_ISA(_mm256_set1_pd(x), pbw__join(vdupq_n_f64(x), vdupq_n_f64(x)));
 }
 
 PBW__SIMD_INLINE pbw__d4 pbw__four(double a, double b, double c, double d)
@@ -867,7 +895,7 @@ PBW__SIMD_INLINE pbw__d4 pbw__four(double a, double b, double c, double d)
 
 PBW__SIMD_INLINE double pbw__first(pbw__d4 x)        /* lane 0 */
 {
-    return PBW__EITHER(_mm256_cvtsd_f64(x), vgetq_lane_f64(pbw__half0(x), 0));
+    return PBW__BY_ISA(_mm256_cvtsd_f64(x), vgetq_lane_f64(pbw__half0(x), 0));
 }
 
 /* The first two entries of four records. */
@@ -888,69 +916,69 @@ PBW__SIMD_INLINE void pbw__columns(const double *a, const double *b, const doubl
 
 PBW__SIMD_INLINE pbw__d4 pbw__fma(pbw__d4 a, pbw__d4 b, pbw__d4 c)         /* a b + c, rounded once */
 {
-    return PBW__EITHER(_mm256_fmadd_pd(a, b, c), PBW__HALVES3(vfmaq_f64, c, a, b));
+    return PBW__BY_ISA(_mm256_fmadd_pd(a, b, c), PBW__HALVES3(vfmaq_f64, c, a, b));
 }
 
 PBW__SIMD_INLINE pbw__d4 pbw__fms(pbw__d4 a, pbw__d4 b, pbw__d4 c)         /* a b - c */
 {
-    return PBW__EITHER(_mm256_fmsub_pd(a, b, c), pbw__fma(a, b, -c));
+    return PBW__BY_ISA(_mm256_fmsub_pd(a, b, c), pbw__fma(a, b, -c));
 }
 
 PBW__SIMD_INLINE pbw__d4 pbw__fnma(pbw__d4 a, pbw__d4 b, pbw__d4 c)        /* c - a b */
 {
-    return PBW__EITHER(_mm256_fnmadd_pd(a, b, c), PBW__HALVES3(vfmsq_f64, c, a, b));
+    return PBW__BY_ISA(_mm256_fnmadd_pd(a, b, c), PBW__HALVES3(vfmsq_f64, c, a, b));
 }
 
 /* a d - b c, with one of the products rounded. */
 PBW__SIMD_INLINE pbw__d4 pbw__det2(pbw__d4 a, pbw__d4 b, pbw__d4 c, pbw__d4 d)
 {
-    return PBW__EITHER(_mm256_fmsub_pd(a, d, b * c), pbw__fnma(b, c, a * d));
+    return PBW__BY_ISA(_mm256_fmsub_pd(a, d, b * c), pbw__fnma(b, c, a * d));
 }
 
-PBW__SIMD_INLINE pbw__d4 pbw__larger4(pbw__d4 a, pbw__d4 b)
+PBW__SIMD_INLINE pbw__d4 pbw__max4(pbw__d4 a, pbw__d4 b)
 {
-    return PBW__EITHER(_mm256_max_pd(a, b), PBW__HALVES2(vmaxq_f64, a, b));
+    return PBW__BY_ISA(_mm256_max_pd(a, b), PBW__HALVES2(vmaxq_f64, a, b));
 }
 
-PBW__SIMD_INLINE pbw__d4 pbw__smaller4(pbw__d4 a, pbw__d4 b)
+PBW__SIMD_INLINE pbw__d4 pbw__min4(pbw__d4 a, pbw__d4 b)
 {
-    return PBW__EITHER(_mm256_min_pd(a, b), PBW__HALVES2(vminq_f64, a, b));
+    return PBW__BY_ISA(_mm256_min_pd(a, b), PBW__HALVES2(vminq_f64, a, b));
 }
 
-PBW__SIMD_INLINE pbw__d4 pbw__size4(pbw__d4 x)
+PBW__SIMD_INLINE pbw__d4 pbw__abs4(pbw__d4 x)
 {
-    return PBW__EITHER(_mm256_andnot_pd(_mm256_set1_pd(-0.0), x),
+    return PBW__BY_ISA(_mm256_andnot_pd(_mm256_set1_pd(-0.0), x),
                        pbw__join(vabsq_f64(pbw__half0(x)), vabsq_f64(pbw__half1(x))));
 }
 
 /* The largest lane, the least, the sum of all; in all lanes. */
-PBW__SIMD_INLINE pbw__d4 pbw__highest(pbw__d4 x)
+PBW__SIMD_INLINE pbw__d4 pbw__max_lane(pbw__d4 x)
 {
 #ifdef PBW__AVX2
     x = _mm256_max_pd(x, _mm256_permute_pd(x, 5));
     return _mm256_max_pd(x, _mm256_permute2f128_pd(x, x, 1));
 #else
-    return pbw__each(vmaxvq_f64(vmaxq_f64(pbw__half0(x), pbw__half1(x))));
+    return pbw__splat(vmaxvq_f64(vmaxq_f64(pbw__half0(x), pbw__half1(x))));
 #endif
 }
 
-PBW__SIMD_INLINE pbw__d4 pbw__lowest(pbw__d4 x)
+PBW__SIMD_INLINE pbw__d4 pbw__min_lane(pbw__d4 x)
 {
 #ifdef PBW__AVX2
     x = _mm256_min_pd(x, _mm256_permute_pd(x, 5));
     return _mm256_min_pd(x, _mm256_permute2f128_pd(x, x, 1));
 #else
-    return pbw__each(vminvq_f64(vminq_f64(pbw__half0(x), pbw__half1(x))));
+    return pbw__splat(vminvq_f64(vminq_f64(pbw__half0(x), pbw__half1(x))));
 #endif
 }
 
-PBW__SIMD_INLINE pbw__d4 pbw__total(pbw__d4 x)
+PBW__SIMD_INLINE pbw__d4 pbw__sum_lanes(pbw__d4 x)
 {
 #ifdef PBW__AVX2
     x = x + _mm256_permute_pd(x, 5);
     return x + _mm256_permute2f128_pd(x, x, 1);
 #else
-    return pbw__each(vaddvq_f64(vpaddq_f64(pbw__half0(x), pbw__half1(x))));
+    return pbw__splat(vaddvq_f64(vpaddq_f64(pbw__half0(x), pbw__half1(x))));
 #endif
 }
 
@@ -991,62 +1019,62 @@ PBW__SIMD_INLINE pbw__d4 pbw__reorder(pbw__d4 x, pbw__order4 order)
 
 PBW__SIMD_INLINE pbw__d4 pbw__drop_last(pbw__d4 x)   /* zero in lane 3 */
 {
-    return PBW__EITHER(_mm256_blend_pd(x, _mm256_setzero_pd(), 8),
+    return PBW__BY_ISA(_mm256_blend_pd(x, _mm256_setzero_pd(), 8),
                        pbw__join(pbw__half0(x), vsetq_lane_f64(0.0, pbw__half1(x), 1)));
 }
 
 /* Masks, and what is done with them. */
-PBW__SIMD_INLINE pbw__d4 pbw__above(pbw__d4 a, pbw__d4 b)
+PBW__SIMD_INLINE pbw__d4 pbw__greater(pbw__d4 a, pbw__d4 b)
 {
-    return PBW__EITHER(_mm256_cmp_pd(a, b, _CMP_GT_OQ), PBW__HALVES2((pbw__d2)vcgtq_f64, a, b));
+    return PBW__BY_ISA(_mm256_cmp_pd(a, b, _CMP_GT_OQ), PBW__HALVES2((pbw__d2)vcgtq_f64, a, b));
 }
 
 PBW__SIMD_INLINE pbw__d4 pbw__at_least(pbw__d4 a, pbw__d4 b)
 {
-    return PBW__EITHER(_mm256_cmp_pd(a, b, _CMP_GE_OQ), PBW__HALVES2((pbw__d2)vcgeq_f64, a, b));
+    return PBW__BY_ISA(_mm256_cmp_pd(a, b, _CMP_GE_OQ), PBW__HALVES2((pbw__d2)vcgeq_f64, a, b));
 }
 
 PBW__SIMD_INLINE pbw__d4 pbw__equal(pbw__d4 a, pbw__d4 b)
 {
-    return PBW__EITHER(_mm256_cmp_pd(a, b, _CMP_EQ_OQ), PBW__HALVES2((pbw__d2)vceqq_f64, a, b));
+    return PBW__BY_ISA(_mm256_cmp_pd(a, b, _CMP_EQ_OQ), PBW__HALVES2((pbw__d2)vceqq_f64, a, b));
 }
 
 PBW__SIMD_INLINE pbw__d4 pbw__zeros(pbw_index a, pbw_index b, pbw_index c, pbw_index d)
 {
     const pbw__i4 x = { (int32_t)a, (int32_t)b, (int32_t)c, (int32_t)d }, zero = { 0, 0, 0, 0 }, mask = x == zero;
-    return PBW__EITHER(_mm256_castsi256_pd(_mm256_cvtepi32_epi64((__m128i)mask)),
+    return PBW__BY_ISA(_mm256_castsi256_pd(_mm256_cvtepi32_epi64((__m128i)mask)),
                        pbw__join((pbw__d2)vmovl_s32(vget_low_s32(mask)), (pbw__d2)vmovl_high_s32(mask)));
 }
 
 PBW__SIMD_INLINE pbw__d4 pbw__mask(const int64_t *from)
 {
-    return PBW__EITHER(_mm256_castsi256_pd(_mm256_loadu_si256((const __m256i *)(const void *)from)),
+    return PBW__BY_ISA(_mm256_castsi256_pd(_mm256_loadu_si256((const __m256i *)(const void *)from)),
                        pbw__join((pbw__d2)vld1q_s64(from), (pbw__d2)vld1q_s64(from + 2)));
 }
 
-PBW__SIMD_INLINE pbw__d4 pbw__select(pbw__d4 x, pbw__d4 y, pbw__d4 mask)   /* y in the lanes of the mask */
+PBW__SIMD_INLINE pbw__d4 pbw__blend(pbw__d4 x, pbw__d4 y, pbw__d4 mask)   /* y in the lanes of the mask */
 {
-    return PBW__EITHER(_mm256_blendv_pd(x, y, mask), PBW__HALVES3(pbw__select2, x, y, mask));
+    return PBW__BY_ISA(_mm256_blendv_pd(x, y, mask), PBW__HALVES3(pbw__blend2, x, y, mask));
 }
 
-PBW__SIMD_INLINE pbw__d4 pbw__keep(pbw__d4 mask, pbw__d4 x)        /* x, zero in other lanes */
+PBW__SIMD_INLINE pbw__d4 pbw__and4(pbw__d4 mask, pbw__d4 x)        /* x, zero in other lanes */
 {
-    return PBW__EITHER(_mm256_and_pd(mask, x), PBW__HALVES2(pbw__and2, mask, x));
+    return PBW__BY_ISA(_mm256_and_pd(mask, x), PBW__HALVES2(pbw__and2, mask, x));
 }
 
-PBW__SIMD_INLINE pbw__d4 pbw__clear(pbw__d4 mask, pbw__d4 x)       /* x, zero in the lanes of the mask */
+PBW__SIMD_INLINE pbw__d4 pbw__andnot4(pbw__d4 mask, pbw__d4 x)       /* x, zero in the lanes of the mask */
 {
-    return PBW__EITHER(_mm256_andnot_pd(mask, x), PBW__HALVES2(pbw__clear2, mask, x));
+    return PBW__BY_ISA(_mm256_andnot_pd(mask, x), PBW__HALVES2(pbw__andnot2, mask, x));
 }
 
-PBW__SIMD_INLINE pbw__d4 pbw__either(pbw__d4 mask, pbw__d4 other)
+PBW__SIMD_INLINE pbw__d4 pbw__or4(pbw__d4 mask, pbw__d4 other)
 {
-    return PBW__EITHER(_mm256_or_pd(mask, other), PBW__HALVES2(pbw__or2, mask, other));
+    return PBW__BY_ISA(_mm256_or_pd(mask, other), PBW__HALVES2(pbw__or2, mask, other));
 }
 
-PBW__SIMD_INLINE pbw__d4 pbw__raise(pbw__d4 x, pbw__d4 mask, pbw__d4 y)    /* y where x, zero there, is masked */
+PBW__SIMD_INLINE pbw__d4 pbw__blend_zero(pbw__d4 x, pbw__d4 mask, pbw__d4 y)    /* y where x, zero there, is masked */
 {
-    return PBW__EITHER(_mm256_or_pd(x, _mm256_and_pd(mask, y)), pbw__select(x, y, mask));
+    return PBW__BY_ISA(_mm256_or_pd(x, _mm256_and_pd(mask, y)), pbw__blend(x, y, mask));
 }
 
 PBW__SIMD_INLINE unsigned pbw__signs(pbw__d4 x)      /* the lanes with the sign bit */
@@ -1063,12 +1091,12 @@ PBW__SIMD_INLINE unsigned pbw__signs(pbw__d4 x)      /* the lanes with the sign 
 /* Sets of lanes: their number; the first so many, or all four. */
 PBW__SIMD_INLINE unsigned pbw__count4(unsigned set)
 {
-    return PBW__EITHER((unsigned)__builtin_popcount(set), (unsigned)(0x4332322132212110u >> 4 * set) & 15);
+    return PBW__BY_ISA((unsigned)__builtin_popcount(set), (unsigned)(0x4332322132212110u >> 4 * set) & 15);
 }
 
 PBW__SIMD_INLINE unsigned pbw__first_lanes(unsigned count)
 {
-    return PBW__EITHER(_bzhi_u32(15, count), count < 4 ? (1u << count) - 1 : 15);
+    return PBW__BY_ISA(_bzhi_u32(15, count), count < 4 ? (1u << count) - 1 : 15);
 }
 
 /* Lanes 0 to 2 of each set by turns, in pairs; of the pairs those in `chosen`, one after the other. */
@@ -1089,44 +1117,12 @@ PBW__SIMD_INLINE unsigned pbw__pairs_of(unsigned first, unsigned second, unsigne
 /* Two doubles. */
 PBW__SIMD_INLINE pbw__d2 pbw__load2(const double *from)
 {
-    return PBW__EITHER(_mm_loadu_pd(from), vld1q_f64(from));
-}
-
-PBW__SIMD_INLINE double pbw__lane0(pbw__d2 x)
-{
-    return PBW__EITHER(_mm_cvtsd_f64(x), vgetq_lane_f64(x, 0));
-}
-
-PBW__SIMD_INLINE double pbw__lane1(pbw__d2 x)
-{
-    return PBW__EITHER(_mm_cvtsd_f64(_mm_unpackhi_pd(x, x)), vgetq_lane_f64(x, 1));
-}
-
-/* A number and its size: of lane 0, of lane 1; of a difference, where the sizes are added.  Fused, to wait less. */
-PBW__SIMD_INLINE pbw__d2 pbw__sized0(pbw__d2 x)
-{
-    return PBW__EITHER(_mm_andnot_pd(_mm_set_pd(-0.0, 0.0), _mm_unpacklo_pd(x, x)), vzip1q_f64(x, vabsq_f64(x)));
-}
-
-PBW__SIMD_INLINE pbw__d2 pbw__sized1(pbw__d2 x)
-{
-    return PBW__EITHER(_mm_andnot_pd(_mm_set_pd(-0.0, 0.0), _mm_unpackhi_pd(x, x)), vzip2q_f64(x, vabsq_f64(x)));
-}
-
-PBW__SIMD_INLINE pbw__d2 pbw__minus_sized(pbw__d2 x, pbw__d2 y, pbw__d2 z)       /* x y - z */
-{
-    return PBW__EITHER(_mm_fmaddsub_pd(x, y, z),
-                       vcopyq_laneq_f64(vfmaq_f64(z, x, y), 0, vfmaq_f64(vnegq_f64(z), x, y), 0));
-}
-
-PBW__SIMD_INLINE pbw__d2 pbw__fma2(pbw__d2 a, pbw__d2 b, pbw__d2 c)        /* a b + c, rounded once */
-{
-    return PBW__EITHER(_mm_fmadd_pd(a, b, c), vfmaq_f64(c, a, b));
+    return PBW__BY_ISA(_mm_loadu_pd(from), vld1q_f64(from));
 }
 
 PBW__SIMD_INLINE pbw__d2 pbw__turn_right(pbw__d2 x)       /* (y, -x) */
 {
-    return PBW__EITHER(_mm_xor_pd(_mm_shuffle_pd(x, x, 1), _mm_set_pd(-0.0, 0.0)),
+    return PBW__BY_ISA(_mm_xor_pd(_mm_shuffle_pd(x, x, 1), _mm_set_pd(-0.0, 0.0)),
                        vcopyq_laneq_f64(vextq_f64(x, x, 1), 1, vnegq_f64(x), 0));
 }
 
@@ -1143,27 +1139,27 @@ PBW__SIMD_INLINE unsigned pbw__signs2(pbw__d2 x, pbw__d2 y)        /* of the sum
 /* Four integers, from and to arrays of any type. */
 PBW__SIMD_INLINE pbw__i4 pbw__load4(const void *from)
 {
-    return (pbw__i4)PBW__EITHER(_mm_loadu_si128((const __m128i *)from), vld1q_u8((const unsigned char *)from));
+    return (pbw__i4)PBW__BY_ISA(_mm_loadu_si128((const __m128i *)from), vld1q_u8((const unsigned char *)from));
 }
 
 PBW__SIMD_INLINE void pbw__store4(void *to, pbw__i4 x)
 {
-    PBW__EITHER(_mm_storeu_si128((__m128i *)to, (__m128i)x), vst1q_u8((unsigned char *)to, (uint8x16_t)x));
+    PBW__BY_ISA(_mm_storeu_si128((__m128i *)to, (__m128i)x), vst1q_u8((unsigned char *)to, (uint8x16_t)x));
 }
 
-PBW__SIMD_INLINE pbw__i4 pbw__repeat(int32_t x)      /* x in each lane */
+PBW__SIMD_INLINE pbw__i4 pbw__splat_i(int32_t x)      /* x in each lane */
 {
-    return PBW__EITHER((pbw__i4)_mm_set1_epi32(x), vdupq_n_s32(x));
+    return PBW__BY_ISA((pbw__i4)_mm_set1_epi32(x), vdupq_n_s32(x));
 }
 
 PBW__SIMD_INLINE pbw__i4 pbw__lead(pbw__i4 x, pbw__i4 y)   /* y in lane 0 */
 {
-    return PBW__EITHER((pbw__i4)_mm_blend_epi32((__m128i)x, (__m128i)y, 1), vcopyq_laneq_s32(x, 0, y, 0));
+    return PBW__BY_ISA((pbw__i4)_mm_blend_epi32((__m128i)x, (__m128i)y, 1), vcopyq_laneq_s32(x, 0, y, 0));
 }
 
 PBW__SIMD_INLINE pbw__i4 pbw__shuffle4(pbw__i4 x, const unsigned char *bytes)      /* the bytes of these numbers */
 {
-    return (pbw__i4)PBW__EITHER(_mm_shuffle_epi8((__m128i)x, (__m128i)pbw__load4(bytes)),
+    return (pbw__i4)PBW__BY_ISA(_mm_shuffle_epi8((__m128i)x, (__m128i)pbw__load4(bytes)),
                                 vqtbl1q_u8((uint8x16_t)x, vld1q_u8(bytes)));
 }
 
@@ -1179,7 +1175,7 @@ PBW__SIMD_INLINE pbw__i4 pbw__permute4(pbw__i4 x, pbw__i4 lanes)   /* lanes of x
 
 PBW__SIMD_INLINE pbw__i4 pbw__widen(int32_t bytes)   /* a byte to each lane */
 {
-    return (pbw__i4)PBW__EITHER(_mm_cvtepu8_epi32(_mm_cvtsi32_si128(bytes)),
+    return (pbw__i4)PBW__BY_ISA(_mm_cvtepu8_epi32(_mm_cvtsi32_si128(bytes)),
                                 vmovl_u16(vget_low_u16(vmovl_u8((uint8x8_t)vdup_n_s32(bytes)))));
 }
 
@@ -1197,12 +1193,12 @@ PBW__SIMD_INLINE uint32_t pbw__apart4(pbw__i4 x, pbw__i4 y)        /* the sum of
 
 PBW__SIMD_INLINE uint64_t pbw__lanes01(pbw__i4 x)    /* lane 0, and lane 1 above it */
 {
-    return PBW__EITHER((uint64_t)_mm_cvtsi128_si64((__m128i)x), vgetq_lane_u64((uint64x2_t)x, 0));
+    return PBW__BY_ISA((uint64_t)_mm_cvtsi128_si64((__m128i)x), vgetq_lane_u64((uint64x2_t)x, 0));
 }
 
 PBW__SIMD_INLINE uint64_t pbw__lanes23(pbw__i4 x)
 {
-    return PBW__EITHER((uint64_t)_mm_extract_epi64((__m128i)x, 1), vgetq_lane_u64((uint64x2_t)x, 1));
+    return PBW__BY_ISA((uint64_t)_mm_extract_epi64((__m128i)x, 1), vgetq_lane_u64((uint64x2_t)x, 1));
 }
 
 /* Pair arithmetic of >>predicates, four at once, and here with fused operations for sure. */
@@ -1224,7 +1220,7 @@ PBW__SIMD_INLINE pbw__pair4 pbw__minus4(pbw__pair4 a, pbw__pair4 b)
 
 PBW__SIMD_INLINE pbw__pair4 pbw__times4(pbw__pair4 a, pbw__pair4 b)
 {
-    pbw__d4 head = pbw__fma(a.head, b.head, pbw__each(0.0));                 /* not to be fused, see there */
+    pbw__d4 head = pbw__fma(a.head, b.head, pbw__splat(0.0));                 /* not to be fused, see there */
     pbw__d4 error = pbw__fms(a.head, b.head, head);
     pbw__pair4 result = { head, pbw__fma(a.head, b.tail, pbw__fma(a.tail, b.head, error)) };
     return result;
@@ -1246,10 +1242,10 @@ PBW__SIMD_INLINE pbw__pair4 pbw__sum4(pbw__pair4 a0, pbw__pair4 b0, pbw__pair4 a
 /* The difference of a and b, zero in masked lanes. */
 PBW__SIMD_INLINE pbw__pair4 pbw__difference4(pbw__d4 a, pbw__d4 b, pbw__d4 mask)
 {
-    pbw__pair4 x = { a, pbw__each(0.0) }, y = { b, pbw__each(0.0) };
+    pbw__pair4 x = { a, pbw__splat(0.0) }, y = { b, pbw__splat(0.0) };
     x = pbw__minus4(x, y);
-    x.head = pbw__clear(mask, x.head);
-    x.tail = pbw__clear(mask, x.tail);
+    x.head = pbw__andnot4(mask, x.head);
+    x.tail = pbw__andnot4(mask, x.tail);
     return x;
 }
 #endif
@@ -1283,7 +1279,7 @@ static void pbw__memory_start(pbw__memory *memory, const pbw_options *options)
     memory->limit = options->memory_limit;
 }
 
-/* count*size bytes in place of an old block of old_count*size; NULL leaves the old block as it was.  Any thread. */
+/* Resizes a block of old_count*size bytes to count*size; NULL leaves the old block as it was.  Any thread. */
 static void *pbw__resize(pbw__memory *memory, void *ptr, size_t old_count, size_t count, size_t size)
 {
     size_t old_bytes = old_count * size, bytes, grown = 0, used, peak;
@@ -1292,7 +1288,7 @@ static void *pbw__resize(pbw__memory *memory, void *ptr, size_t old_count, size_
         return NULL;
     }
     bytes = count * size;
-    if (bytes > old_bytes) {                         /* counted before it is there, and until it is gone */
+    if (bytes > old_bytes) {                         /* counted before it is allocated, until after it is freed */
         grown = bytes - old_bytes;
         used = PBW__ADD(&memory->used, grown) + grown;
         if (memory->limit != 0 && used > memory->limit) {
@@ -1306,7 +1302,7 @@ static void *pbw__resize(pbw__memory *memory, void *ptr, size_t old_count, size_
     } else if (grown == 0) {
         (void)PBW__ADD(&memory->used, bytes - old_bytes);        /* wraps around */
     } else {
-        for (peak = PBW__LOAD(&memory->peak); used > peak && !PBW__REPLACE(&memory->peak, &peak, used); ) {
+        for (peak = PBW__LOAD(&memory->peak); used > peak && !PBW__CAS(&memory->peak, &peak, used); ) {
         }
     }
     return block;
@@ -1324,6 +1320,10 @@ static void pbw__release(pbw__memory *memory, void *ptr, size_t count, size_t si
     }
 }
 
+/* The array x, a member of `owner` beside its size x_capacity, gets another size, or is released. */
+#define PBW__RESIZE(memory, owner, x, wanted) \
+    pbw__resize_array(memory, &(owner)->x, &(owner)->x##_capacity, wanted, sizeof(*(owner)->x))
+#define PBW__RELEASE(memory, owner, x) pbw__release(memory, (owner)->x, (owner)->x##_capacity, sizeof(*(owner)->x))
 static int pbw__resize_array(pbw__memory *memory, void *array, size_t *capacity, size_t wanted, size_t size)
 {
     void *old, *block;
@@ -1361,8 +1361,8 @@ static void pbw__for(pbw__context *context, int tasks, pbw__task *task, void *ar
 static int pbw__report(pbw__context *context, double done);
 PBW__INLINE size_t pbw__share(size_t count, int i, int tasks);
 
-/* Bytes of large blocks, whose pages are made at once, in huge pages if there are any: met one by one, page by page,
-   they cost as much as a quarter of a build.  Advice only: it may fail.  The caller's allocator is left alone. */
+/* Commits the pages of large blocks up front, as huge pages where there are any; taking the faults one by one costs
+   up to a quarter of a build.  Advice only: it may fail.  Memory of the caller's allocator is left alone. */
 typedef struct pbw__block { void *start; size_t from, to; } pbw__block;
 static pbw__block pbw__block_of(void *start, size_t from, size_t to)
 {
@@ -1460,24 +1460,25 @@ static void *pbw__allocate_large(pbw__context *context, size_t count, size_t siz
    thread writes and another reads; it is only ever set, and a late view of it costs time only, so relaxed order
    serves.
    ------------------------------------------------------------------------------------------------------ */
-/* Items below which a further thread, task or part does not pay.  PBW_SMALL_SHARES is for tests: then few points make
-   many.  So are PBW_PAUSE(), a place where threads may be held up, and PBW_MAY_START(): whether another may start. */
-#ifdef PBW_SMALL_SHARES
+/* Hooks for tests.  PBW__TEST_SMALL_SHARES: few points make many tasks; else PBW__SMALLER(items) are the items below
+   which another task does not pay.  PBW__TEST_PAUSE(): a place where a test may delay a thread.
+   PBW__TEST_MAY_START(): whether another thread starts. */
+#ifdef PBW__TEST_SMALL_SHARES
 #define PBW__SMALLER(items) ((items) / 1024 + 1)
 #else
 #define PBW__SMALLER(items) (items)
 #endif
-#ifndef PBW_PAUSE
-#define PBW_PAUSE() ((void)0)
+#ifndef PBW__TEST_PAUSE
+#define PBW__TEST_PAUSE() ((void)0)
 #endif
-#ifndef PBW_MAY_START
-#define PBW_MAY_START() 1
+#ifndef PBW__TEST_MAY_START
+#define PBW__TEST_MAY_START() 1
 #endif
 
 #define PBW__TICK ((size_t)1 << 16)                  /* items between looks at the clock in streaming loops: < 2 ms */
 
-/* Reports progress if 20 ms have passed, or at the ends of a stage; 1 = the caller wants to stop.  On other threads
-   than the caller's it only tells what he said.  Progress never falls: who knows no number gives 0. */
+/* Reports progress if 20 ms have passed, or at the ends of a stage; returns 1 if the caller wants to stop.  Other
+   threads only read the cancel flag.  Progress is monotonic; pass 0 if the fraction is unknown. */
 static int pbw__report(pbw__context *context, double done)
 {
     double now;
@@ -1506,12 +1507,12 @@ static int pbw__report(pbw__context *context, double done)
 static int pbw__enter_stage(pbw__context *context, pbw_stage stage)
 {
     context->stage = stage;
-    context->last_report = -1.0;                     /* the start is told at once */
+    context->last_report = -1.0;                     /* the start is reported at once */
     context->last_done = 0.0;
     return pbw__report(context, 0.0);
 }
 
-/* A task as options.run gets it: any thread may run it, in any floating-point mode. */
+/* A task for options.run: any thread may run it, in any floating-point mode. */
 typedef struct pbw__guarded { pbw__task *task; void *arg; } pbw__guarded;
 
 static void pbw__run_guarded(void *arg, int i)
@@ -1523,10 +1524,10 @@ static void pbw__run_guarded(void *arg, int i)
 }
 
 #ifdef PBW__THREADS
-/* What a team has to do is one word: the tasks that nobody has taken, times PBW__UNTAKEN, those that run, times
-   PBW__RUNS, and whether the caller sleeps.  Who takes a task sees what came before pbw__for; the caller sees what
-   tasks wrote that have ended.  What the tasks are is read by those that run one only: while any does it stays.
-   There are less than 65536: the most are the parts of >>order, 16 for each of 4 shares of at most 256 threads. */
+/* `work` packs three fields: the tasks not yet taken, times PBW__UNTAKEN, the tasks running, times PBW__RUNS, and
+   whether the caller sleeps.  Taking a task acquires what was written before pbw__for; ending one releases what the
+   task wrote to the caller.  Only running tasks read `task` and `arg`, which stay while any runs.  There are at most
+   65535 tasks: >>order has the most, 16 for each of 4 shares of at most 256 threads. */
 typedef struct pbw__team {
     pbw__mutex mutex;
     pbw__condition wake, done;
@@ -1546,11 +1547,11 @@ static void pbw__work(pbw__team *team)
 {
     unsigned work = PBW__LOAD(&team->work);
     while (work >= PBW__UNTAKEN) {
-        if (PBW__TAKE(&team->work, &work, work - PBW__UNTAKEN + PBW__RUNS)) {
-            PBW_PAUSE();
+        if (PBW__CAS_ACQUIRE(&team->work, &work, work - PBW__UNTAKEN + PBW__RUNS)) {
+            PBW__TEST_PAUSE();
             team->task(team->arg, team->tasks - (int)(work / PBW__UNTAKEN));
-            PBW_PAUSE();
-            work = PBW__LEAVE(&team->work, PBW__RUNS) - PBW__RUNS;
+            PBW__TEST_PAUSE();
+            work = PBW__SUB_RELEASE(&team->work, PBW__RUNS) - PBW__RUNS;
             if (work == PBW__SLEEPS) {
                 PBW__LOCK(&team->mutex);
                 PBW__WAKE(&team->done);
@@ -1560,17 +1561,17 @@ static void pbw__work(pbw__team *team)
     }
 }
 
-/* Waits a moment for tasks to take, or for those that run: it takes as long to be woken.  Whether they came. */
+/* Spins for up to 0.2 ms, about the cost of a wake-up.  Returns whether tasks arrived (or all running ones ended). */
 static int pbw__work_soon(const pbw__team *team, int wanted)
 {
     double start, waited = 0.0;
-    unsigned work = PBW__SEEN(&team->work);
+    unsigned work = PBW__LOAD_ACQUIRE(&team->work);
     for (start = pbw__seconds(); PBW__LOAD(&team->alone) && waited >= 0.0 && waited < 2e-4;
          waited = pbw__seconds() - start) {
         if (wanted ? work >= PBW__UNTAKEN || PBW__LOAD(&team->stop) : work < PBW__RUNS) {
             break;
         }
-        work = PBW__SEEN(&team->work);
+        work = PBW__LOAD_ACQUIRE(&team->work);
     }
     return wanted ? work >= PBW__UNTAKEN : work < PBW__RUNS;
 }
@@ -1593,7 +1594,7 @@ static pbw__thread_result PBW__THREAD_CALL pbw__team_member(void *arg)
     return 0;
 }
 
-/* Starts the threads.  Fewer than asked for will do; with none the tasks run here. */
+/* Starts the threads.  Fewer are enough; with none the tasks run on the caller's thread. */
 static void pbw__team_start(pbw__context *context)
 {
     pbw__team *team = (pbw__team *)pbw__allocate(&context->memory, 1, sizeof(pbw__team));
@@ -1605,7 +1606,7 @@ static void pbw__team_start(pbw__context *context)
     PBW__MUTEX_INIT(&team->mutex);
     PBW__CONDITION_INIT(&team->wake);
     PBW__CONDITION_INIT(&team->done);
-    while (team->count + 1 < context->threads && PBW_MAY_START()
+    while (team->count + 1 < context->threads && PBW__TEST_MAY_START()
            && pbw__thread_start(&team->thread[team->count], 256 * 1024, pbw__team_member, team)) {
         team->count++;
     }
@@ -1658,7 +1659,7 @@ static void pbw__for(pbw__context *context, int tasks, pbw__task *task, void *ar
         team->task = task;
         team->arg = arg;
         team->tasks = tasks;
-        PBW__TELL(&team->work, (unsigned)tasks * PBW__UNTAKEN);
+        PBW__STORE_RELEASE(&team->work, (unsigned)tasks * PBW__UNTAKEN);
         PBW__LOCK(&team->mutex);
         PBW__WAKE_ALL(&team->wake);
         PBW__UNLOCK(&team->mutex);
@@ -1680,7 +1681,7 @@ static void pbw__for(pbw__context *context, int tasks, pbw__task *task, void *ar
     }
 }
 
-/* Threads for a call on `count` points: few points are done before a thread has started. */
+/* Returns the threads for a call on `count` points: few points are finished before a thread has started. */
 static int pbw__thread_count(int asked, size_t count)
 {
 #ifdef PBW__THREADS
@@ -1712,7 +1713,7 @@ static void pbw__context_start(pbw__context *context, const pbw_options *options
 #endif
 }
 
-/* Tasks to cut `count` items into, each of at least `least`. */
+/* Returns into how many tasks to cut `count` items, of at least `least` each. */
 static int pbw__tasks(const pbw__context *context, size_t count, size_t least)
 {
     size_t most = context->threads > 1 ? (size_t)context->threads * 4 : 1, tasks = count / PBW__SMALLER(least);
@@ -1750,7 +1751,7 @@ static void pbw__take_ranges(void *arg, int task)
         failure = block * 64 + (size_t)ranges->body(ranges->arg, from, rest < ranges->grain ? ranges->count
                                                                                               : from + ranges->grain);
         old = PBW__LOAD(&ranges->failure);
-        while (failure % 64 != PBW_OK && failure < old && !PBW__REPLACE(&ranges->failure, &old, failure)) {
+        while (failure % 64 != PBW_OK && failure < old && !PBW__CAS(&ranges->failure, &old, failure)) {
         }
         old = failure % 64 != PBW_OK ? failure : old;
     }
@@ -2032,7 +2033,7 @@ static void pbw__grid_share_reset(pbw__grid_share *share)
     share->limit[0] = share->limit[1] = HUGE_VAL;
 }
 
-/* 1 / unit and the longest side in units; 0 if that is too long for a grid. */
+/* Stores 1 / unit and the longest side in units; returns 0 if that is too long for a grid. */
 static int pbw__grid_span(const pbw__grid_share *share, int dim, double *inverse, double *span)
 {
     uint64_t pattern = (uint64_t)(1023 - share->unit) << 52;
@@ -2042,12 +2043,12 @@ static int pbw__grid_span(const pbw__grid_share *share, int dim, double *inverse
     }
     memcpy(inverse, &pattern, sizeof(pattern));
     for (*span = 0.0, k = 0; k < dim; k++) {
-        *span = pbw__larger(*span, (share->high[k] - share->low[k]) * *inverse);
+        *span = pbw__max(*span, (share->high[k] - share->low[k]) * *inverse);
     }
     return *span < 9007199254740992.0;
 }
 
-/* A unit for this record too. */
+/* Refines the unit of a share so that it fits this record too. */
 static PBW__NOINLINE void pbw__grid_refine(pbw__grid_share *share, const double *q, int dim)
 {
     int old = share->unit, k;
@@ -2086,7 +2087,7 @@ PBW__INLINE void pbw__grid_add_of(pbw__grid_share *share, const double *q, size_
     for (; q < end && share->unit != PBW__NO_UNIT; q += dim + 1) {
         uint64_t off = 0;
         for (k = 0; k <= dim; k++) {
-            const double many = share->limit[k == dim], size = pbw__size(q[k]) < many ? pbw__size(q[k]) : many;
+            const double many = share->limit[k == dim], size = pbw__abs(q[k]) < many ? pbw__abs(q[k]) : many;
             off |= pbw__bits(size + many - many - size);
             low[k] = q[k] < low[k] ? q[k] : low[k];
             high[k] = q[k] > high[k] ? q[k] : high[k];
@@ -2102,7 +2103,8 @@ PBW__INLINE void pbw__grid_add_of(pbw__grid_share *share, const double *q, size_
 }
 
 #ifdef PBW__SIMD
-/* The same; in the plane lane 3 has a number of the next record, so the last one is left.  How many it did. */
+/* pbw__grid_add_of by vectors.  In the plane lane 3 has a number of the next record, so the last record is left.
+   Returns how many records were added. */
 PBW__SIMD_INLINE size_t pbw__grid_add_simd(pbw__grid_share *share, const double *q, size_t count, int dim)
 {
     const size_t some = dim == 2 && count > 0 ? count - 1 : count, step = (size_t)dim + 1;
@@ -2115,9 +2117,9 @@ PBW__SIMD_INLINE size_t pbw__grid_add_simd(pbw__grid_share *share, const double 
         many = pbw__four(share->limit[0], share->limit[0], share->limit[dim == 2], share->limit[dim == 3]);
         for (; on == 15 && i < some; i++) {
             memcpy(&x, q + i * step, sizeof(x));
-            low = pbw__smaller4(x, low);
-            high = pbw__larger4(x, high);
-            size = pbw__smaller4(pbw__size4(x), many);
+            low = pbw__min4(x, low);
+            high = pbw__max4(x, high);
+            size = pbw__min4(pbw__abs4(x), many);
             on = pbw__signs(pbw__equal(size + many - many, size));
         }
         memcpy(share->low, &low, sizeof(low));
@@ -2129,31 +2131,23 @@ PBW__SIMD_INLINE size_t pbw__grid_add_simd(pbw__grid_share *share, const double 
     return i;
 }
 
-PBW__SIMD static size_t pbw__grid_add2_simd(pbw__grid_share *share, const double *q, size_t count)
+PBW__SIMD static size_t pbw__grid_add_vectors(pbw__grid_share *share, const double *q, size_t count, int dim)
 {
-    return pbw__grid_add_simd(share, q, count, 2);
-}
-
-PBW__SIMD static size_t pbw__grid_add3_simd(pbw__grid_share *share, const double *q, size_t count)
-{
-    return pbw__grid_add_simd(share, q, count, 3);
+    return dim == 3 ? pbw__grid_add_simd(share, q, count, 3) : pbw__grid_add_simd(share, q, count, 2);
 }
 #endif
 
-/* `count` records more, from q on, for a share. */
+/* Adds `count` records, from q on, to a share. */
 static void pbw__grid_add(pbw__grid_share *share, const double *q, size_t count, int dim)
 {
     size_t done = 0;
 #ifdef PBW__SIMD
     if (pbw__simd_works()) {
-        done = dim == 3 ? pbw__grid_add3_simd(share, q, count) : pbw__grid_add2_simd(share, q, count);
+        done = pbw__grid_add_vectors(share, q, count, dim);
     }
 #endif
-    if (dim == 3) {
-        pbw__grid_add_of(share, q + done * 4, count - done, 3);
-    } else {
-        pbw__grid_add_of(share, q + done * 3, count - done, 2);
-    }
+    q += done * ((size_t)dim + 1);
+    PBW__BY_DIM(dim, pbw__grid_add_of, share, q, count - done);
 }
 
 /* The coarsest grid that holds the records of all shares, of dim coordinates and a weight, if differences are below
@@ -2186,7 +2180,7 @@ static void pbw__grid_close(pbw__grid *grid, const pbw__grid_share *shares, int 
     }
 }
 
-/* The same for records that are there. */
+/* The grid of records that exist already. */
 typedef struct pbw__grid_scanning {
     pbw__context *context;
     const double *records;
@@ -2233,10 +2227,8 @@ static void pbw__grid_scan(pbw__context *context, const double *records, size_t 
       power    dim+1 rows:  sum_i lift_i * orientation_i, where lift_i = |row[i] - origin|^2 - (w[i] - w[origin]) and
                             orientation_i is that of the simplex row[0..dim] with corner i replaced by the origin:
                             +1 for an origin in conflict with a positive simplex
-   Stages in the order of what they cost (power3: 20, 50 to 110, 160, 1400 ns); each but the last may leave the sign
-   open.  Integers come before pairs, because they also know zeros and the orientations that decide ties.
-   mx, my, mz are the largest |x|, |y|, |z| and ml the largest |row - origin|^2 + |dw| of this very test: no bound
-   depends on the rest of the input.
+   Stages, from the cheapest (power3: 20, 50 to 110, 160, 1400 ns); each but the last may leave the sign open.
+   Integers come before pairs because they also decide zeros and give the orientations that break ties.
 
       filter      plain doubles and a bound; any rounding mode, with and without flush-to-zero
       integers    for differences that fit one digit of >>exact in a common unit: nearly all that a filter leaves
@@ -2244,12 +2236,50 @@ static void pbw__grid_scan(pbw__context *context, const double *records, size_t 
       pairs       unevaluated sums of two doubles, 93 correct bits; only where rounding is known to be to nearest
       >>exact     all finite doubles
    ------------------------------------------------------------------------------------------------------ */
+/* ---- the bounds
+   All error bounds of this file; tests/gappa.py proves each one for the operations that it belongs to.
+   A determinant is a sum of products of differences.  A rounding multiplies a product by 1 + d, |d| <= u: so with n
+   roundings on each product, the error is at most n u / (1 - n u) times the sum of the absolute products (Higham
+   2002, section 3.1).  u is 2^-53 in round-to-nearest and 2^-52 in any mode.  A fused operation saves a rounding.
+   mx, my, mz are the largest |x|, |y|, |z| and ml the largest |row - origin|^2 + |dw| of this very test: no bound
+   depends on the rest of the input.  In the kernels h is ml, so |x|, |y|, |z| <= h^(1/2).
+
+                roundings on a product                                absolute products       bound
+      orient2   2 differences, product, sum                      4    2 mx my                   8 u mx my
+      orient3   4, difference, product, 2 sums                   8    6 mx my mz               48 u mx my mz
+      power2    lift 2+1+1+1, minor 4, product, 2 sums          12    6 mx my ml               72 u mx my ml
+      power3    lift 2+1+2+1, minor 8, product, 2 sums          17    24 mx my mz ml          408 u mx my mz ml
+      circle    the kernels' power2, one rounding more          13    6 h^2                    78 u h^2
+      sphere    the kernels' power3, two roundings more         19    24 h^(5/2)              456 u h^(5/2)
+      thin      circle, by the sum of the absolute products     13    that sum                 13 u that sum
+      pairs     see there
+
+   The constants leave about one percent, for the roundings of the bound itself and what underflow takes. */
+#define PBW__FILTER_ORIENT2_ERROR 8.1                /* times 2^-52: any rounding mode */
+#define PBW__FILTER_ORIENT3_ERROR 48.5
+#define PBW__FILTER_POWER2_ERROR 72.8
+#define PBW__FILTER_POWER3_ERROR 412.0
+#define PBW__PAIRS_ORIENT2_ERROR 31.0                /* times u^2 */
+#define PBW__PAIRS_ORIENT3_ERROR 382.0
+#define PBW__PAIRS_POWER2_ERROR 794.0
+#define PBW__PAIRS_POWER3_ERROR 6133.0
+#define PBW__ORIENT2_ERROR 9e-16                     /* the kernels': times h, h^(3/2), h^2, h^(5/2) */
+#define PBW__ORIENT3_ERROR 5.4e-15
+#define PBW__CIRCLE_ERROR 9e-15
+#define PBW__SPHERE_ERROR 5.2e-14
+#define PBW__THIN_ERROR 1.5e-15                      /* times the sum of the absolute products */
+#define PBW__CIRCLE_PAIRS_ERROR 9e-30                /* the kernels' in pairs: times h^2, h^(5/2) */
+#define PBW__SPHERE_PAIRS_ERROR 9e-29
+/* Heights below which the kernels' determinants are exact, in units of a grid, squared: there all partial results are
+   integers below 2^53, as 6 H^2 and 24 H^(5/2) are. */
+#define PBW__EXACT_HEIGHT2 3.8e7
+#define PBW__EXACT_HEIGHT3 6.5e5
+
 #define PBW__OPEN 2                                  /* a stage's answer if it does not know the sign */
 
-/* The sign of a value computed with an error below bound.  low is the least of mx, my, mz; high the largest, or ml.
-   In this range nothing overflows (6 high^3 and 24 high^2.5 are below 1e301).  An underflow, or a denormal read as 0,
-   costs less than 2^-1020, beside terms bounded by products of maxima above 1e-250: a relative 2^-189, for which
-   every bound has room.  NaN is open. */
+/* Returns the sign of a value whose error is below bound.  low: the least of mx, my, mz; high: the largest, or ml.
+   In this range nothing overflows: 6 high^3 and 24 high^2.5 are below 1e301.  An underflow, or a denormal read as 0,
+   costs less than 2^-1020, and the products of maxima are above 1e-250: a relative 2^-189.  NaN leaves it open. */
 PBW__INLINE int pbw__certain(double value, double bound, double low, double high)
 {
     if (low > 1e-50 && high < 1e100) {
@@ -2263,24 +2293,15 @@ PBW__INLINE int pbw__certain(double value, double bound, double low, double high
     return PBW__OPEN;
 }
 
-/* ---- filter
-   Each operation errs by a factor 1 + d, |d| <= e = 2^-52 = DBL_EPSILON in every rounding mode.  Count the factors on
-   a product of the expanded determinant (Higham 2002, section 3.1): to first order the error is at most their number
-   times e times the sum of the absolute products.  Fused operations have fewer factors and do no harm.
-
-                factors on a product                                  sum of products    bound / e
-      orient2   2 differences, product, sum                      4    2 mx my               8
-      orient3   4, difference, product, 2 sums                   8    6 mx my mz           48
-      power2    lift 2+1+1+1, minor 4, product, 2 sums          12    6 mx my ml           72
-      power3    lift 2+1+2+1, minor 8, product, 2 sums          17    24 mx my mz ml      408
-   and one percent for higher orders and for the rounding of the bound itself. */
+/* ---- filter */
 PBW__INLINE int pbw__filter_orient2(const double *a, const double *b, const double *c)
 {
     double x0 = a[0] - c[0], y0 = a[1] - c[1];
     double x1 = b[0] - c[0], y1 = b[1] - c[1];
-    double mx = pbw__largest(x0, x1, x1, x1), my = pbw__largest(y0, y1, y1, y1);
+    double mx = pbw__max_abs(x0, x1, x1, x1), my = pbw__max_abs(y0, y1, y1, y1);
     double det = x0 * y1 - x1 * y0;
-    return pbw__certain(det, 8.1 * DBL_EPSILON * mx * my, mx < my ? mx : my, pbw__larger(mx, my));
+    return pbw__certain(det, PBW__FILTER_ORIENT2_ERROR * DBL_EPSILON * mx * my, mx < my ? mx : my,
+                        pbw__max(mx, my));
 }
 
 PBW__INLINE int pbw__filter_orient3(const double *a, const double *b, const double *c, const double *d)
@@ -2288,10 +2309,11 @@ PBW__INLINE int pbw__filter_orient3(const double *a, const double *b, const doub
     double x0 = a[0] - d[0], y0 = a[1] - d[1], z0 = a[2] - d[2];
     double x1 = b[0] - d[0], y1 = b[1] - d[1], z1 = b[2] - d[2];
     double x2 = c[0] - d[0], y2 = c[1] - d[1], z2 = c[2] - d[2];
-    double mx = pbw__largest(x0, x1, x2, x2), my = pbw__largest(y0, y1, y2, y2), mz = pbw__largest(z0, z1, z2, z2);
-    double low = mx < my ? mx : my, high = pbw__larger(mx, my);
+    double mx = pbw__max_abs(x0, x1, x2, x2), my = pbw__max_abs(y0, y1, y2, y2), mz = pbw__max_abs(z0, z1, z2, z2);
+    double low = mx < my ? mx : my, high = pbw__max(mx, my);
     double det = z1 * (x0 * y2 - x2 * y0) - z0 * (x1 * y2 - x2 * y1) - z2 * (x0 * y1 - x1 * y0);
-    return pbw__certain(det, 48.5 * DBL_EPSILON * mx * my * mz, low < mz ? low : mz, pbw__larger(high, mz));
+    return pbw__certain(det, PBW__FILTER_ORIENT3_ERROR * DBL_EPSILON * mx * my * mz, low < mz ? low : mz,
+                        pbw__max(high, mz));
 }
 
 PBW__INLINE int pbw__filter_power2(const double *a, const double *b, const double *c, const double *p)
@@ -2299,11 +2321,11 @@ PBW__INLINE int pbw__filter_power2(const double *a, const double *b, const doubl
     double x0 = a[0] - p[0], y0 = a[1] - p[1], w0 = a[2] - p[2], l0 = x0 * x0 + y0 * y0;
     double x1 = b[0] - p[0], y1 = b[1] - p[1], w1 = b[2] - p[2], l1 = x1 * x1 + y1 * y1;
     double x2 = c[0] - p[0], y2 = c[1] - p[1], w2 = c[2] - p[2], l2 = x2 * x2 + y2 * y2;
-    double mx = pbw__largest(x0, x1, x2, x2), my = pbw__largest(y0, y1, y2, y2);
-    double ml = pbw__larger(pbw__larger(l0 + pbw__size(w0), l1 + pbw__size(w1)), l2 + pbw__size(w2));
+    double mx = pbw__max_abs(x0, x1, x2, x2), my = pbw__max_abs(y0, y1, y2, y2);
+    double ml = pbw__max(pbw__max(l0 + pbw__abs(w0), l1 + pbw__abs(w1)), l2 + pbw__abs(w2));
     double det = (l0 - w0) * (x1 * y2 - x2 * y1) - (l1 - w1) * (x0 * y2 - x2 * y0)
                + (l2 - w2) * (x0 * y1 - x1 * y0);
-    return pbw__certain(det, 72.8 * DBL_EPSILON * mx * my * ml, mx < my ? mx : my, ml);
+    return pbw__certain(det, PBW__FILTER_POWER2_ERROR * DBL_EPSILON * mx * my * ml, mx < my ? mx : my, ml);
 }
 
 PBW__INLINE int pbw__filter_power3(const double *a, const double *b, const double *c, const double *d,
@@ -2313,14 +2335,14 @@ PBW__INLINE int pbw__filter_power3(const double *a, const double *b, const doubl
     double x1 = b[0] - p[0], y1 = b[1] - p[1], z1 = b[2] - p[2], w1 = b[3] - p[3], l1 = x1 * x1 + y1 * y1 + z1 * z1;
     double x2 = c[0] - p[0], y2 = c[1] - p[1], z2 = c[2] - p[2], w2 = c[3] - p[3], l2 = x2 * x2 + y2 * y2 + z2 * z2;
     double x3 = d[0] - p[0], y3 = d[1] - p[1], z3 = d[2] - p[2], w3 = d[3] - p[3], l3 = x3 * x3 + y3 * y3 + z3 * z3;
-    double mx = pbw__largest(x0, x1, x2, x3), my = pbw__largest(y0, y1, y2, y3), mz = pbw__largest(z0, z1, z2, z3);
-    double ml = pbw__largest(l0 + pbw__size(w0), l1 + pbw__size(w1), l2 + pbw__size(w2), l3 + pbw__size(w3));
+    double mx = pbw__max_abs(x0, x1, x2, x3), my = pbw__max_abs(y0, y1, y2, y3), mz = pbw__max_abs(z0, z1, z2, z3);
+    double ml = pbw__max_abs(l0 + pbw__abs(w0), l1 + pbw__abs(w1), l2 + pbw__abs(w2), l3 + pbw__abs(w3));
     double s01 = x0 * y1 - x1 * y0, s02 = x0 * y2 - x2 * y0, s03 = x0 * y3 - x3 * y0;
     double s12 = x1 * y2 - x2 * y1, s13 = x1 * y3 - x3 * y1, s23 = x2 * y3 - x3 * y2;
     double det = ((l0 - w0) * (z1 * s23 - z2 * s13 + z3 * s12) - (l1 - w1) * (z0 * s23 - z2 * s03 + z3 * s02))
                + ((l2 - w2) * (z0 * s13 - z1 * s03 + z3 * s01) - (l3 - w3) * (z0 * s12 - z1 * s02 + z2 * s01));
     double low = mx < my ? mx : my;
-    return pbw__certain(det, 412.0 * DBL_EPSILON * mx * my * mz * ml, low < mz ? low : mz, ml);
+    return pbw__certain(det, PBW__FILTER_POWER3_ERROR * DBL_EPSILON * mx * my * mz * ml, low < mz ? low : mz, ml);
 }
 
 /* ---- integers
@@ -2375,10 +2397,10 @@ PBW__INLINE int pbw__read_rows(int dim, int count, const double *const *row, con
         double largest = 0.0, heaviest = 0.0;
         for (i = 0; i < count; i++) {
             for (k = 0; k < dim; k++) {
-                largest = pbw__larger(largest, pbw__size(row[i][k] - origin[k]));
+                largest = pbw__max(largest, pbw__abs(row[i][k] - origin[k]));
             }
             if (count > dim) {
-                heaviest = pbw__larger(heaviest, pbw__size(row[i][dim] - origin[dim]));
+                heaviest = pbw__max(heaviest, pbw__abs(row[i][dim] - origin[dim]));
             }
         }
         if (!(largest > 1e-150)) {                   /* then neither largest nor heaviest suffers from flushing */
@@ -2527,14 +2549,15 @@ PBW__DEVICE static int pbw__integers(int dim, int count, const double *const *ro
                               K    E                              K    E
       difference of doubles   1    0      |u|^2 - dw, plane       5   24
       product of two          3    8      |u|^2 - dw, space       6   35
-      cross                   4   15      bound of orient2:   15 *  2 =   30 u^2 mx my
+      cross                   4   15      orient2    15 *  2 =   30 u^2 mx my
       z cross                 6   35
-      minor, sum of 3         8   63      bound of orient3:   63 *  6 =  378 u^2 mx my mz
+      minor, sum of 3         8   63      orient3    63 *  6 =  378 u^2 mx my mz
       lift cross             10   87
-      sum of 3               12  131      bound of power2:   131 *  6 =  786 u^2 mx my ml
+      sum of 3               12  131      power2    131 *  6 =  786 u^2 mx my ml
       lift minor             15  189
-      sum of 4               17  253      bound of power3:   253 * 24 = 6072 u^2 mx my mz ml
-   and one percent for the rest.
+      sum of 4               17  253      power3    253 * 24 = 6072 u^2 mx my mz ml
+      the kernels' circle     11  120     120 * 6 =   720 u^2 h^2
+      the kernels' sphere     17  288    288 * 24 =  6912 u^2 h^(5/2)
 
    One value here must not be fused into a sum, the head of a product.  Where there are fused operations it is made by
    one that adds 0.0, which is no multiplication for a compiler (-0.0 + 0.0 is not -0.0), so that neither clang's
@@ -2620,15 +2643,16 @@ PBW__DEVICE static int pbw__pairs(int dim, int count, const double *const *row, 
         double largest = 0.0;
         for (i = 0; i < count; i++) {
             u[k][i] = pbw__pair_difference(row[i][k], origin[k]);
-            largest = pbw__larger(largest, pbw__size(u[k][i].head));
+            largest = pbw__max(largest, pbw__abs(u[k][i].head));
         }
         low = largest < low ? largest : low;
-        high = pbw__larger(high, largest);
+        high = pbw__max(high, largest);
         size *= largest;
     }
     if (count == dim) {
         det = dim == 2 ? pbw__pair_cross(u, 0, 1) : pbw__pair_minor(u, 0, 2, 1);
-        return pbw__certain(det.head + det.tail, (dim == 2 ? 31.0 : 382.0) * size, low, high);
+        return pbw__certain(det.head + det.tail,
+                            (dim == 2 ? PBW__PAIRS_ORIENT2_ERROR : PBW__PAIRS_ORIENT3_ERROR) * size, low, high);
     }
     high = 0.0;
     for (i = 0; i < count; i++) {
@@ -2637,20 +2661,20 @@ PBW__DEVICE static int pbw__pairs(int dim, int count, const double *const *row, 
         if (dim == 3) {
             lift[i] = pbw__pair_plus(lift[i], pbw__pair_times(u[2][i], u[2][i]));
         }
-        high = pbw__larger(high, lift[i].head + pbw__size(weight.head));
+        high = pbw__max(high, lift[i].head + pbw__abs(weight.head));
         lift[i] = pbw__pair_minus(lift[i], weight);
     }
     size *= high;
     if (dim == 2) {
         det = pbw__pair_sum(lift[0], pbw__pair_cross(u, 1, 2), lift[1], pbw__pair_cross(u, 0, 2),
                             lift[2], pbw__pair_cross(u, 0, 1));
-        return pbw__certain(det.head + det.tail, 794.0 * size, low, high);
+        return pbw__certain(det.head + det.tail, PBW__PAIRS_POWER2_ERROR * size, low, high);
     }
     det = pbw__pair_plus(pbw__pair_minus(pbw__pair_times(lift[0], pbw__pair_minor(u, 1, 2, 3)),
                                          pbw__pair_times(lift[1], pbw__pair_minor(u, 0, 2, 3))),
                          pbw__pair_minus(pbw__pair_times(lift[2], pbw__pair_minor(u, 0, 1, 3)),
                                          pbw__pair_times(lift[3], pbw__pair_minor(u, 0, 1, 2))));
-    return pbw__certain(det.head + det.tail, 6133.0 * size, low, high);
+    return pbw__certain(det.head + det.tail, PBW__PAIRS_POWER3_ERROR * size, low, high);
 }
 
 /* ---- the ladder below the filter; orientation is filled where the sign of a power determinant is 0 */
@@ -2803,19 +2827,9 @@ PBWDEF int pbw_insphere(const double a[3], const double b[3], const double c[3],
     return pbw_power3(a, b, c, d, p, NULL);
 }
 /* ------------------------------------------------------------------------------------------------------
-   >>order        Points in the order of a Hilbert curve, duplicates set aside.
-   In: the caller's points and weights.  Out: vertex records 1..vertex_count along the curve (record 0 stands for
-   the ghost vertex and is zero), the caller's id of each, their grid, and for each point the one that it duplicates.
-   Holds: the order of the records depends on the coordinates alone; a vertex number is a rank on the curve.
-
-   Points in one cell of the curve's grid form a run.  Short runs are put into lexicographic order; long ones get
-   keys of their own from a grid over their own bounding box, and so on, so that clusters of any scale keep an order.
-   A grid over a tight box separates its extremes: each nesting divides the extent by 2^bits, and doubles span 2^2098,
-   which bounds the depth.
-
-   The grid is fine, as points on a curve lie in few of its cells.  Where points fill space, the first bits of their
-   keys tell nearly all of them apart.  So all are sorted by those, and then those that are equal there by the rest;
-   where points lie in few cells, all by twice as many.
+   >>curve        Points, and their keys on a Hilbert curve.
+   In: the caller's points and weights, and a box.  Out: their records; the key of a point: the number of its cell in
+   the box's grid, along the curve.
    ------------------------------------------------------------------------------------------------------ */
 typedef struct pbw__input {
     int dim, is_float, borrow;
@@ -2823,19 +2837,36 @@ typedef struct pbw__input {
     const char *points, *weights;
 } pbw__input;
 
-typedef struct pbw__vertices {
-    int dim, weighted;
-    size_t count;                                    /* vertices, the ghost not counted */
-    size_t point_count, duplicate_count;
-    double *record;                                  /* (count+1)*(dim+1): coordinates, weight */
-    pbw_index *id;                                   /* count+1: the caller's number of each vertex */
-    pbw_index *canonical;                            /* point_count */
-    pbw__grid grid;                                  /* of the records */
-} pbw__vertices;
+/* The arguments of a call, checked.  A borrowed array must be one that the mesh could have made. */
+static pbw_status pbw__input_of(int dim, int is_float, const void *points, const void *weights, size_t count,
+                                const pbw_options *options, pbw__input *input)
+{
+    const size_t size = is_float ? sizeof(float) : sizeof(double), packed = (size_t)dim * size;
+    const unsigned all = PBW_ANY_ORDER | PBW_NO_NEIGHBORS | PBW_BACKEND_OR_CPU | PBW_CURVE_ORDER | PBW_BORROW;
+    input->dim = dim;
+    input->is_float = is_float;
+    input->borrow = (options->flags & PBW_BORROW) != 0;
+    input->count = count;
+    input->stride = options->stride != 0 ? options->stride : packed;
+    input->weight_stride = options->weight_stride != 0 ? options->weight_stride : size;
+    input->points = (const char *)points;
+    input->weights = (const char *)weights;
+    if ((dim != 2 && dim != 3) || (points == NULL && count != 0) || options->threads < 0 || options->threads > 256
+        || (options->flags & ~all) != 0 || input->stride < packed || input->weight_stride < size
+        || (input->borrow && (is_float || input->stride != packed || (weights != NULL && input->weight_stride != size)
+                              || (options->flags & PBW_CURVE_ORDER) != 0))) {
+        return PBW_ERROR_ARGUMENT;
+    }
+    if (count >= PBW_NONE || count > (size_t)-1 / input->stride || count > (size_t)-1 / input->weight_stride
+        || count > (size_t)-1 / 256) {
+        return PBW_ERROR_TOO_LARGE;
+    }
+    return PBW_OK;
+}
 
-/* Coordinates and weight of point i; adding zero turns -0.0 into 0.0.  memcpy, for strides of any alignment; of a
-   size that the compiler knows, it is no call. */
-PBW__INLINE void pbw__fetch_of(int dim, const pbw__input *input, size_t i, double *record)
+/* Reads coordinates and weight of point i; adding zero turns -0.0 into 0.0.  By memcpy, as strides may have any
+   alignment; with a constant size it is no call. */
+PBW__INLINE void pbw__fetch_of(const pbw__input *input, size_t i, double *record, int dim)
 {
     const char *point = input->points + i * input->stride;
     int k;
@@ -2864,14 +2895,10 @@ PBW__INLINE void pbw__fetch_of(int dim, const pbw__input *input, size_t i, doubl
 
 PBW__INLINE void pbw__fetch(const pbw__input *input, size_t i, double *record)
 {
-    if (input->dim == 2) {
-        pbw__fetch_of(2, input, i, record);
-    } else {
-        pbw__fetch_of(3, input, i, record);
-    }
+    PBW__BY_DIM(input->dim, pbw__fetch_of, input, i, record);
 }
 
-/* Point i will soon be needed; it may lie in two lines of the cache. */
+/* Prefetches point i, which may lie in two cache lines. */
 PBW__INLINE void pbw__fetch_soon(const pbw__input *input, size_t i)
 {
     const char *point = input->points + i * input->stride;
@@ -2896,31 +2923,40 @@ static const unsigned char pbw__hilbert3[12][8] = {
 
 #define PBW__LEVELS2 5
 #define PBW__LEVELS3 3
+#define PBW__LEVELS_TABLE 1024                       /* of one level less: at least 4 << 8 and 12 << 6 */
 
-/* Some levels of the automaton at a step: entry state << dim*levels | bits holds next state << dim*levels | digits of
-   the key, where bits are the next `levels` bits of each coordinate, those of coordinate k from bit k*levels on. */
+/* Several levels of the automaton in one step: entry state << dim*levels | bits holds next state << dim*levels |
+   digits of the key, where bits are the next `levels` bits of each coordinate, coordinate k from bit k*levels on. */
 typedef struct pbw__curve {
-    int levels;                                      /* one for few points, which would not pay for the table */
+    int levels;                                      /* 1 for few points, for which the table would not pay */
     uint16_t step[12 << 3 * PBW__LEVELS3];
 } pbw__curve;
 
 static void pbw__curve_create(pbw__curve *curve, size_t count, int dim)
 {
-    int levels = count < PBW__SMALLER(10000) ? 1 : dim == 3 ? PBW__LEVELS3 : PBW__LEVELS2, k, bit;
-    unsigned width = (unsigned)(dim * levels), states = dim == 3 ? 12 : 4, entry;
-    curve->levels = levels;
-    for (entry = 0; entry < states << width; entry++) {
-        unsigned state = entry >> width, digits = 0;
-        for (bit = levels; bit-- > 0; ) {
-            unsigned octant = 0, step;
+    const unsigned states = dim == 3 ? 12 : 4;
+    uint16_t fewer[PBW__LEVELS_TABLE];               /* the same for one level less */
+    unsigned entry, level;
+    int k;
+    curve->levels = count < PBW__SMALLER(3000) ? 1 : dim == 3 ? PBW__LEVELS3 : PBW__LEVELS2;
+    for (entry = 0; entry < states; entry++) {
+        curve->step[entry] = (uint16_t)entry;
+    }
+    for (level = 0; level < (unsigned)curve->levels; level++) {      /* one more level, above the others */
+        const unsigned low = (unsigned)dim * level, width = low + (unsigned)dim;
+        memcpy(fewer, curve->step, (states << low) * sizeof(fewer[0]));
+        for (entry = 0; entry < states << width; entry++) {
+            unsigned octant = 0, rest = 0, step, next;
             for (k = 0; k < dim; k++) {
-                octant |= (entry >> (k * levels + bit) & 1) << k;
+                const unsigned bits = entry >> (unsigned)k * (level + 1);
+                octant |= (bits >> level & 1) << k;
+                rest |= (bits & ((1u << level) - 1)) << (unsigned)k * level;
             }
-            step = dim == 3 ? pbw__hilbert3[state][octant] : pbw__hilbert2[state][octant];
-            digits = digits << dim | (step & ((1u << dim) - 1));
-            state = step >> dim;
+            step = dim == 3 ? pbw__hilbert3[entry >> width][octant] : pbw__hilbert2[entry >> width][octant];
+            next = fewer[step >> dim << low | rest];
+            curve->step[entry] = (uint16_t)(next >> low << width | (step & ((1u << dim) - 1)) << low
+                                            | (next & ((1u << low) - 1)));
         }
-        curve->step[entry] = (uint16_t)(state << width | digits);
     }
 }
 
@@ -2931,7 +2967,7 @@ typedef struct pbw__box {
     int bits;
 } pbw__box;
 
-/* Bits of an index below count. */
+/* Returns the bits of an index below count. */
 static int pbw__index_bits(size_t count)
 {
     int bits = 1;
@@ -2941,8 +2977,8 @@ static int pbw__index_bits(size_t count)
     return bits;
 }
 
-/* Bits of a coordinate in a key.  A curve through a grid of 2^index_bits cells a side meets more cells than there are
-   points. */
+/* Returns the bits of a coordinate in a key.  A grid of 2^index_bits cells a side has more cells on any line through
+   it than there are points. */
 static int pbw__grid_bits(int index_bits, int dim)
 {
     int bits = index_bits > 10 ? index_bits : 10, most = (64 - index_bits) / dim;
@@ -2968,7 +3004,7 @@ PBW__INLINE void pbw__box_add(pbw__box *box, const double *x, int dim)
     }
 }
 
-/* extent > 0 unless all points are equal; then the lowest and the highest point of the longest side get different
+/* The extent is 0 if all points are equal; else the lowest and the highest point of the longest side get different
    cells. */
 static void pbw__box_close(pbw__box *box, int dim)
 {
@@ -2985,7 +3021,8 @@ static void pbw__box_close(pbw__box *box, int dim)
     }
 }
 
-/* levels: the curve's.  Those that fill up the first step lead by digits 0 from another state to the first, 0. */
+/* levels: the curve's, as a constant.  The first step is filled up with zeros; it starts in the state from which they
+   lead to state 0. */
 PBW__INLINE uint64_t pbw__hilbert_key(const pbw__curve *curve, const pbw__box *box, const double *x, int dim,
                                       int levels)
 {
@@ -3012,272 +3049,8 @@ PBW__INLINE uint64_t pbw__hilbert_key(const pbw__curve *curve, const pbw__box *b
     return key;
 }
 
-/* One pass of a radix sort, by shares: count the digits of each share, then move its keys behind those of equal or
-   lower digits before it. */
-typedef struct pbw__sorting {
-    pbw__context *context;
-    uint64_t *a, *b;
-    uint32_t *start;                                 /* PBW__DIGITS a task, and as many for all */
-    size_t count;
-    int shift, digit, tasks;
-} pbw__sorting;
-#define PBW__DIGITS 2048
-
-static void pbw__count_digits(void *arg, int task)
-{
-    const pbw__sorting *sorting = (const pbw__sorting *)arg;
-    const uint64_t *a = sorting->a, mask = ((uint64_t)1 << sorting->digit) - 1;
-    uint32_t *start = sorting->start + (size_t)task * PBW__DIGITS;
-    size_t i = pbw__share(sorting->count, task, sorting->tasks);
-    size_t to = pbw__share(sorting->count, task + 1, sorting->tasks), end;
-    memset(start, 0, ((size_t)mask + 1) * sizeof(start[0]));
-    for (; i < to; i = end) {
-        for (end = to - i < PBW__TICK ? to : i + PBW__TICK; i < end; i++) {
-            PBW__PREFETCH_STREAM(a, i, to);
-            start[(a[i] >> sorting->shift) & mask]++;
-        }
-        if (sorting->count > PBW__TICK && pbw__report(sorting->context, 0.5)) {
-            return;
-        }
-    }
-}
-
-static void pbw__move_keys(void *arg, int task)
-{
-    const pbw__sorting *sorting = (const pbw__sorting *)arg;
-    const uint64_t *a = sorting->a, mask = ((uint64_t)1 << sorting->digit) - 1;
-    uint64_t *b = sorting->b;
-    uint32_t *start = sorting->start + (size_t)task * PBW__DIGITS;
-    const uint32_t *before = sorting->start + (size_t)sorting->tasks * PBW__DIGITS;
-    const size_t line = 64 / sizeof(b[0]);           /* the next of this digit: its turn comes long after */
-    size_t i, to = pbw__share(sorting->count, task + 1, sorting->tasks), end;
-    for (i = 0; i <= mask; i++) {
-        start[i] += before[i];
-    }
-    for (i = pbw__share(sorting->count, task, sorting->tasks); i < to; i = end) {
-        for (end = to - i < PBW__TICK ? to : i + PBW__TICK; i < end; i++) {
-            size_t place = start[(a[i] >> sorting->shift) & mask]++;
-            PBW__PREFETCH_STREAM(a, i, to);
-            PBW__PREFETCH_TO_WRITE(b + (place + line < sorting->count ? place + line : place));
-            b[place] = a[i];
-        }
-        if (sorting->count > PBW__TICK && pbw__report(sorting->context, 0.5)) {
-            return;
-        }
-    }
-}
-
-/* Sorts a[0..count) by the bits from `low` on, with the help of b[0..count); returns where the result is, or NULL if
-   cancelled.  start: PBW__DIGITS words a task, and as many for all.  A task for each thread will do: more of them
-   leave each so few keys of a digit that two threads write most lines of the cache. */
-static uint64_t *pbw__sort_by(pbw__context *context, uint64_t *a, uint64_t *b, size_t count, int low, int bits,
-                              uint32_t *start, int most)
-{
-    const int tasks = most < context->threads ? most : context->threads;
-    int widest = count < 4096 ? 9 : 11, passes = (bits + widest - 1) / widest, task;
-    int digit = (bits + passes - 1) / passes;
-    uint32_t *all = start + (size_t)tasks * PBW__DIGITS;
-    pbw__sorting sorting;
-    sorting.context = context;
-    sorting.a = a;
-    sorting.b = b;
-    sorting.start = start;
-    sorting.count = count;
-    sorting.digit = digit;
-    sorting.tasks = tasks;
-    for (sorting.shift = low; sorting.shift < low + bits; sorting.shift += digit) {
-        size_t size = (size_t)1 << digit, i;
-        uint32_t sum = 0;
-        uint64_t *swap = sorting.a;
-        pbw__for(context, tasks, pbw__count_digits, &sorting);
-        memset(all, 0, size * sizeof(all[0]));
-        for (task = 0; task < tasks; task++) {       /* from counts to places: among the same digits, then of all */
-            uint32_t *own = start + (size_t)task * PBW__DIGITS;
-            for (i = 0; i < size; i++) {
-                uint32_t here = own[i];
-                own[i] = all[i];
-                all[i] += here;
-            }
-        }
-        for (i = 0; i < size; i++) {
-            uint32_t here = all[i];
-            all[i] = sum;
-            sum += here;
-        }
-        if (PBW__LOAD(&context->cancelled)) {
-            return NULL;
-        }
-        pbw__for(context, tasks, pbw__move_keys, &sorting);
-        if (PBW__LOAD(&context->cancelled)) {
-            return NULL;
-        }
-        sorting.a = sorting.b;
-        sorting.b = swap;
-    }
-    return sorting.a;
-}
-
-/* The same on this thread alone, where keys have no bits above those, or the same; few keys by insertion. */
-static uint64_t *pbw__sort_keys(pbw__context *context, uint64_t *a, uint64_t *b, size_t count, int low, int bits)
-{
-    uint32_t start[2 * PBW__DIGITS];
-    const int end = low + bits;
-    if (count < 64) {
-        size_t i, hole;
-        for (i = 1; i < count; i++) {
-            uint64_t moving = a[i];
-            for (hole = i; hole > 0 && a[hole - 1] >> low > moving >> low; hole--) {
-                a[hole] = a[hole - 1];
-            }
-            a[hole] = moving;
-        }
-        return a;
-    }
-    if (count >= 512) {
-        return pbw__sort_by(context, a, b, count, low, bits, start, 1);
-    }
-    for (; low < end; low += 6) {
-        uint64_t *swap = a;
-        uint32_t sum = 0;
-        size_t i;
-        memset(start, 0, 64 * sizeof(start[0]));
-        for (i = 0; i < count; i++) {
-            start[a[i] >> low & 63]++;
-        }
-        for (i = 0; i < 64; i++) {
-            const uint32_t here = start[i];
-            start[i] = sum;
-            sum += here;
-        }
-        for (i = 0; i < count; i++) {
-            b[start[a[i] >> low & 63]++] = a[i];
-        }
-        a = b;
-        b = swap;
-    }
-    return a;
-}
-
-/* Order of points of equal keys: lexicographic, then the larger weight, then the lower index. */
-static int pbw__comes_before(const double *x, size_t i, const double *y, size_t j, int dim)
-{
-    int k;
-    for (k = 0; k < dim; k++) {
-        if (x[k] != y[k]) {
-            return x[k] < y[k];
-        }
-    }
-    return x[dim] != y[dim] ? x[dim] > y[dim] : i < j;
-}
-
-PBW__INLINE int pbw__same_place(const double *x, const double *y, int dim)
-{
-    return x[0] == y[0] && x[1] == y[1] && (dim == 2 || x[2] == y[2]);
-}
-
-/* A range of the keys, in order by the bits from `low` on, not yet by those from there down to the index. */
-typedef struct pbw__part {
-    size_t from, to;
-    int low, settled;                                /* settled: all points lie at one place */
-    size_t unique;                                   /* vertices in it */
-} pbw__part;
-
-typedef struct pbw__ordering {
-    pbw__context *context;
-    const pbw__input *input;
-    pbw__vertices *vertices;
-    uint64_t *keys;                                  /* key << index_bits | index */
-    pbw__part *parts;
-    pbw__grid_share *shares;                         /* per part: of its records */
-    int index_bits, bits, not_finite;
-    pbw__curve curve;
-} pbw__ordering;
-
-/* Keys of the points keys[from..from+count), or of all points, from a grid over their own box. */
-typedef struct pbw__keying {
-    pbw__ordering *ordering;
-    size_t from, count;
-    int all, tasks;
-    pbw__box *boxes, box;                            /* per task; of all tasks */
-} pbw__keying;
-
-#define PBW__AHEAD 128                               /* points asked for before they are needed */
-
-/* The i-th of those points; the one that will soon be needed, if before `to`, is asked for: the keys from there on
-   are another task's to write. */
-PBW__INLINE size_t pbw__keying_index(const pbw__keying *keying, const pbw__input *input, size_t i, size_t to)
-{
-    const pbw__ordering *ordering = keying->ordering;
-    const uint64_t *keys = ordering->keys + keying->from, mask = ((uint64_t)1 << ordering->index_bits) - 1;
-    const size_t soon = i + PBW__AHEAD < to ? i + PBW__AHEAD : i;
-    pbw__fetch_soon(input, keying->all ? soon : (size_t)(keys[soon] & mask));
-    return keying->all ? i : (size_t)(keys[i] & mask);
-}
-
-PBW__INLINE void pbw__keying_box_share(const pbw__keying *keying, int task, int dim)
-{
-    const pbw__keying here = *keying;                /* no word of these changes while boxes are written */
-    const pbw__input input = *here.ordering->input;
-    size_t i = pbw__share(here.count, task, here.tasks), end;
-    const size_t to = pbw__share(here.count, task + 1, here.tasks);
-    double zero = 0.0;
-    pbw__box box;
-    pbw__box_reset(&box, here.ordering->bits);
-    for (; i < to; i = end) {
-        for (end = to - i < PBW__TICK ? to : i + PBW__TICK; i < end; i++) {
-            double x[4], none = 0.0;
-            int k;
-            pbw__fetch_of(dim, &input, pbw__keying_index(&here, &input, i, to), x);
-            for (k = 0; k <= dim; k++) {
-                none += x[k] - x[k];                 /* NaN if not finite */
-            }
-            zero += none;
-            pbw__box_add(&box, x, dim);
-        }
-        if (pbw__report(here.ordering->context, 0.1 * (double)i / (double)here.count)) {
-            break;
-        }
-    }
-    if (zero != 0.0) {
-        PBW__STORE(&here.ordering->not_finite, 1);
-    }
-    here.boxes[task] = box;
-}
-
-static void pbw__keying_box(void *arg, int task)
-{
-    const pbw__keying *keying = (const pbw__keying *)arg;
-    if (keying->ordering->input->dim == 3) {
-        pbw__keying_box_share(keying, task, 3);
-    } else {
-        pbw__keying_box_share(keying, task, 2);
-    }
-}
-
-/* The keys of points i..to-1. */
-PBW__INLINE void pbw__keying_share(const pbw__keying *keying, size_t i, size_t to, int dim, int levels)
-{
-    const pbw__ordering *ordering = keying->ordering;
-    const pbw__box box = keying->box;
-    const int index_bits = ordering->index_bits;
-    uint64_t *keys = ordering->keys + keying->from;
-    for (; i < to; i++) {
-        double x[4];
-        size_t index = pbw__keying_index(keying, ordering->input, i, to);
-        if ((i & (PBW__TICK - 1)) == PBW__TICK - 1
-            && pbw__report(ordering->context, 0.1 + 0.2 * (double)i / (double)keying->count)) {
-            return;
-        }
-        pbw__fetch_of(dim, ordering->input, index, x);
-        keys[i] = pbw__hilbert_key(&ordering->curve, &box, x, dim, levels) << index_bits | (uint64_t)index;
-        if (keying->all) {
-            ordering->vertices->canonical[i] = (pbw_index)i;
-        }
-    }
-}
-
 #ifdef PBW__AVX2
-/* Eight keys at once, in the plane, where the automaton has a formula.  Of the next bits x and y of the coordinates
+/* Eight keys at once, in the plane, where the automaton is a formula.  Of the next bits x and y of the coordinates
    let u = x ^ y; of state s let c = s >> 1, a = (s & 1) ^ c.  Then the table says: the digit is x ^ ((a ^ c) & u) ^ c
    and u after it; if u = 0 the next a is a ^ c ^ !x, if u = 1 the next c is c ^ a ^ x, and the other stays.  Over
    bits that is affine: a' = m00 a + m01 c + ta, c' = m10 a + m11 c + tc.  So are several levels in a row; all that
@@ -3289,8 +3062,9 @@ typedef uint32_t pbw__u8 __attribute__((vector_size(32)));
 PBW__SIMD_INLINE pbw__u8 pbw__cells8(const pbw__box *box, int k, pbw__d4 x0, pbw__d4 x1)
 {
     const double last = (double)(((uint32_t)1 << box->bits) - 1);
-    const pbw__d4 scale = pbw__each(box->scale), low = scale * pbw__each(box->low[k]), cells = pbw__each(last + 1.0);
-    const pbw__d4 extent = pbw__each(box->extent), most = pbw__each(last);
+    const pbw__d4 scale = pbw__splat(box->scale), low = scale * pbw__splat(box->low[k]);
+    const pbw__d4 cells = pbw__splat(last + 1.0);
+    const pbw__d4 extent = pbw__splat(box->extent), most = pbw__splat(last);
     const __m128i first = _mm256_cvttpd_epi32(_mm256_min_pd((scale * x0 - low) / extent * cells, most));
     const __m128i second = _mm256_cvttpd_epi32(_mm256_min_pd((scale * x1 - low) / extent * cells, most));
     return (pbw__u8)_mm256_inserti128_si256(_mm256_castsi128_si256(first), second, 1);
@@ -3298,7 +3072,7 @@ PBW__SIMD_INLINE pbw__u8 pbw__cells8(const pbw__box *box, int k, pbw__d4 x0, pbw
 
 typedef struct pbw__levels8 { pbw__u8 n00, m01, m10, n11, ta, tc; } pbw__levels8;
 
-/* For each bit, from `count` levels that end there and as many before them: both. */
+/* For each bit, composes the `count` levels that end there with the `count` levels before them. */
 PBW__SIMD_INLINE void pbw__levels_join(pbw__levels8 *levels, int count)
 {
     const pbw__levels8 m = *levels;
@@ -3339,7 +3113,272 @@ PBW__SIMD_INLINE __m256i pbw__interleave4(__m128i first, __m128i second)
     const __m256i spread = pbw__spread4(first);
     return _mm256_or_si256(_mm256_add_epi64(spread, spread), pbw__spread4(second));
 }
+#endif
+/* ------------------------------------------------------------------------------------------------------
+   >>sort         Keys in ascending order: a radix sort by several threads.
+   In: keys of 64 bits.  Out: the keys, ordered by some of their bits; keys of equal bits keep their order.
+   A pass sorts by one digit: each task counts the digits of its share of the keys, then moves the keys behind all of
+   lower digits, and behind those of the same digit in earlier shares.
+   ------------------------------------------------------------------------------------------------------ */
+#define PBW__DIGITS 2048
 
+typedef struct pbw__sorting {
+    pbw__context *context;
+    uint64_t *a, *b;                                 /* count keys; room for count keys */
+    uint32_t *start;                                 /* PBW__DIGITS words a task, and once more for all tasks */
+    size_t count;
+    int tasks;                                       /* at most a task a thread is used */
+    int shift, digit;                                /* of this pass */
+} pbw__sorting;
+
+static void pbw__count_digits(void *arg, int task)
+{
+    const pbw__sorting *sorting = (const pbw__sorting *)arg;
+    const uint64_t *a = sorting->a, mask = ((uint64_t)1 << sorting->digit) - 1;
+    uint32_t *start = sorting->start + (size_t)task * PBW__DIGITS;
+    size_t i = pbw__share(sorting->count, task, sorting->tasks);
+    size_t to = pbw__share(sorting->count, task + 1, sorting->tasks), end;
+    memset(start, 0, ((size_t)mask + 1) * sizeof(start[0]));
+    for (; i < to; i = end) {
+        for (end = to - i < PBW__TICK ? to : i + PBW__TICK; i < end; i++) {
+            PBW__PREFETCH_STREAM(a, i, to);
+            start[(a[i] >> sorting->shift) & mask]++;
+        }
+        if (sorting->count > PBW__TICK && pbw__report(sorting->context, 0.5)) {
+            return;
+        }
+    }
+}
+
+static void pbw__move_keys(void *arg, int task)
+{
+    const pbw__sorting *sorting = (const pbw__sorting *)arg;
+    const uint64_t *a = sorting->a, mask = ((uint64_t)1 << sorting->digit) - 1;
+    uint64_t *b = sorting->b;
+    uint32_t *start = sorting->start + (size_t)task * PBW__DIGITS;
+    const uint32_t *before = sorting->start + (size_t)sorting->tasks * PBW__DIGITS;
+    const size_t line = 64 / sizeof(b[0]);           /* prefetch the next line of this digit */
+    size_t i, to = pbw__share(sorting->count, task + 1, sorting->tasks), end;
+    for (i = 0; i <= mask; i++) {
+        start[i] += before[i];
+    }
+    for (i = pbw__share(sorting->count, task, sorting->tasks); i < to; i = end) {
+        for (end = to - i < PBW__TICK ? to : i + PBW__TICK; i < end; i++) {
+            size_t place = start[(a[i] >> sorting->shift) & mask]++;
+            PBW__PREFETCH_STREAM(a, i, to);
+            PBW__PREFETCH_TO_WRITE(b + (place + line < sorting->count ? place + line : place));
+            b[place] = a[i];
+        }
+        if (sorting->count > PBW__TICK && pbw__report(sorting->context, 0.5)) {
+            return;
+        }
+    }
+}
+
+/* Sorts the keys by `bits` bits from `low` on; returns where the result is, a or b, or NULL if cancelled.  With more
+   than one task a thread, each has so few keys of a digit that threads falsely share cache lines. */
+static uint64_t *pbw__sort_by(pbw__sorting *sorting, int low, int bits)
+{
+    pbw__context *context = sorting->context;
+    const int tasks = sorting->tasks < context->threads ? sorting->tasks : context->threads;
+    const int widest = sorting->count < 4096 ? 9 : 11, passes = (bits + widest - 1) / widest;
+    uint32_t *all = sorting->start + (size_t)tasks * PBW__DIGITS;
+    int task;
+    sorting->tasks = tasks;
+    sorting->digit = (bits + passes - 1) / passes;
+    for (sorting->shift = low; sorting->shift < low + bits; sorting->shift += sorting->digit) {
+        size_t size = (size_t)1 << sorting->digit, i;
+        uint32_t sum = 0;
+        uint64_t *swap = sorting->a;
+        pbw__for(context, tasks, pbw__count_digits, sorting);
+        memset(all, 0, size * sizeof(all[0]));
+        for (task = 0; task < tasks; task++) {       /* counts to places: within each digit, then of digits */
+            uint32_t *own = sorting->start + (size_t)task * PBW__DIGITS;
+            for (i = 0; i < size; i++) {
+                uint32_t here = own[i];
+                own[i] = all[i];
+                all[i] += here;
+            }
+        }
+        for (i = 0; i < size; i++) {
+            uint32_t here = all[i];
+            all[i] = sum;
+            sum += here;
+        }
+        if (PBW__LOAD(&context->cancelled)) {
+            return NULL;
+        }
+        pbw__for(context, tasks, pbw__move_keys, sorting);
+        if (PBW__LOAD(&context->cancelled)) {
+            return NULL;
+        }
+        sorting->a = sorting->b;
+        sorting->b = swap;
+    }
+    return sorting->a;
+}
+
+/* pbw__sort_by on the calling thread alone; few keys by insertion.  Keys have equal bits above the sorted ones. */
+static uint64_t *pbw__sort_keys(pbw__sorting *sorting, int low, int bits)
+{
+    uint32_t start[2 * PBW__DIGITS];
+    uint64_t *a = sorting->a;
+    size_t i, hole;
+    if (sorting->count >= 64) {
+        sorting->start = start;
+        sorting->tasks = 1;
+        return pbw__sort_by(sorting, low, bits);
+    }
+    for (i = 1; i < sorting->count; i++) {
+        const uint64_t moving = a[i];
+        for (hole = i; hole > 0 && a[hole - 1] >> low > moving >> low; hole--) {
+            a[hole] = a[hole - 1];
+        }
+        a[hole] = moving;
+    }
+    return a;
+}
+/* ------------------------------------------------------------------------------------------------------
+   >>order        Points in the order of a Hilbert curve, duplicates set aside.
+   In: the caller's points and weights.  Out: vertex records 1..vertex_count along the curve (record 0 stands for
+   the ghost vertex and is zero), the caller's id of each, their grid, and for each point the one that it duplicates.
+   Holds: the order of the records depends on the coordinates alone; a vertex number is a rank on the curve.
+
+   Points in one cell of the curve's grid form a run.  Short runs are put into lexicographic order; long ones get
+   keys of their own from a grid over their own bounding box, and so on, so that clusters of any scale keep an order.
+   A grid over a tight box separates its extremes: each nesting divides the extent by 2^bits, and doubles span 2^2098,
+   which bounds the depth.
+
+   The grid is fine because points on lines and surfaces lie in few of its cells.  Where points fill space, the first
+   22 bits of their keys separate nearly all: all keys are sorted by these bits, and ties by the rest.  Where points
+   lie in few cells, all keys are sorted by 44 bits.
+   ------------------------------------------------------------------------------------------------------ */
+typedef struct pbw__vertices {
+    int dim, weighted;
+    size_t count;                                    /* vertices, the ghost not counted */
+    size_t point_count, duplicate_count;
+    double *record;                                  /* (count+1)*(dim+1): coordinates, weight */
+    pbw_index *id;                                   /* count+1: the caller's number of each vertex */
+    pbw_index *canonical;                            /* point_count */
+    pbw__grid grid;                                  /* of the records */
+} pbw__vertices;
+
+/* Order of points of equal keys: lexicographic, then the larger weight, then the lower index. */
+PBW__DEVICE static int pbw__comes_before(const double *x, size_t i, const double *y, size_t j, int dim)
+{
+    int k;
+    for (k = 0; k < dim; k++) {
+        if (x[k] != y[k]) {
+            return x[k] < y[k];
+        }
+    }
+    return x[dim] != y[dim] ? x[dim] > y[dim] : i < j;
+}
+
+PBW__INLINE int pbw__same_place(const double *x, const double *y, int dim)
+{
+    return x[0] == y[0] && x[1] == y[1] && (dim == 2 || x[2] == y[2]);
+}
+
+/* A range of the keys, in order by the bits from `low` on, not yet by those from there down to the index. */
+typedef struct pbw__part {
+    size_t from, to;
+    int low, settled;                                /* settled: all points lie at one place */
+    size_t unique;                                   /* vertices in it */
+} pbw__part;
+
+typedef struct pbw__ordering {
+    pbw__context *context;
+    const pbw__input *input;
+    pbw__vertices *vertices;
+    uint64_t *keys;                                  /* key << index_bits | index */
+    pbw__part *parts;
+    pbw__grid_share *shares;                         /* per part: of its records */
+    pbw__box *boxes;                                 /* per task */
+    uint32_t *start;                                 /* see pbw__sorting */
+    int tasks, index_bits, bits, not_finite;
+    pbw__curve curve;
+} pbw__ordering;
+
+/* Keys of the points keys[from..from+count), or of all points, from a grid over their own box. */
+typedef struct pbw__keying {
+    pbw__ordering *ordering;
+    size_t from, count;
+    int all, tasks;
+    pbw__box *boxes, box;                            /* per task; of all tasks */
+} pbw__keying;
+
+#define PBW__AHEAD 128                               /* distance of prefetches, in points */
+
+/* Returns the i-th point of this range and prefetches a later one (never past `to`: another task writes there). */
+PBW__INLINE size_t pbw__keying_index(const pbw__keying *keying, const pbw__input *input, size_t i, size_t to)
+{
+    const pbw__ordering *ordering = keying->ordering;
+    const uint64_t *keys = ordering->keys + keying->from, mask = ((uint64_t)1 << ordering->index_bits) - 1;
+    const size_t soon = i + PBW__AHEAD < to ? i + PBW__AHEAD : i;
+    pbw__fetch_soon(input, keying->all ? soon : (size_t)(keys[soon] & mask));
+    return keying->all ? i : (size_t)(keys[i] & mask);
+}
+
+PBW__INLINE void pbw__keying_box_share(const pbw__keying *keying, int task, int dim)
+{
+    const pbw__keying here = *keying;                /* a copy, as the stores below might alias it */
+    const pbw__input input = *here.ordering->input;
+    size_t i = pbw__share(here.count, task, here.tasks), end;
+    const size_t to = pbw__share(here.count, task + 1, here.tasks);
+    double zero = 0.0;
+    pbw__box box;
+    pbw__box_reset(&box, here.ordering->bits);
+    for (; i < to; i = end) {
+        for (end = to - i < PBW__TICK ? to : i + PBW__TICK; i < end; i++) {
+            double x[4], none = 0.0;
+            int k;
+            pbw__fetch_of(&input, pbw__keying_index(&here, &input, i, to), x, dim);
+            for (k = 0; k <= dim; k++) {
+                none += x[k] - x[k];                 /* NaN if not finite */
+            }
+            zero += none;
+            pbw__box_add(&box, x, dim);
+        }
+        if (pbw__report(here.ordering->context, 0.1 * (double)i / (double)here.count)) {
+            break;
+        }
+    }
+    if (zero != 0.0) {
+        PBW__STORE(&here.ordering->not_finite, 1);
+    }
+    here.boxes[task] = box;
+}
+
+static void pbw__keying_box(void *arg, int task)
+{
+    const pbw__keying *keying = (const pbw__keying *)arg;
+    PBW__BY_DIM(keying->ordering->input->dim, pbw__keying_box_share, keying, task);
+}
+
+/* The keys of points i..to-1. */
+PBW__INLINE void pbw__keying_share(const pbw__keying *keying, size_t i, size_t to, int dim, int levels)
+{
+    const pbw__ordering *ordering = keying->ordering;
+    const pbw__box box = keying->box;
+    const int index_bits = ordering->index_bits;
+    uint64_t *keys = ordering->keys + keying->from;
+    for (; i < to; i++) {
+        double x[4];
+        size_t index = pbw__keying_index(keying, ordering->input, i, to);
+        if ((i & (PBW__TICK - 1)) == PBW__TICK - 1
+            && pbw__report(ordering->context, 0.1 + 0.2 * (double)i / (double)keying->count)) {
+            return;
+        }
+        pbw__fetch_of(ordering->input, index, x, dim);
+        keys[i] = pbw__hilbert_key(&ordering->curve, &box, x, dim, levels) << index_bits | (uint64_t)index;
+        if (keying->all) {
+            ordering->vertices->canonical[i] = (pbw_index)i;
+        }
+    }
+}
+
+#ifdef PBW__AVX2
 PBW__SIMD_INLINE const double *pbw__double_at(const pbw__input *input, size_t i)
 {
     return (const double *)(const void *)(input->points + i * input->stride);
@@ -3442,19 +3481,23 @@ static int pbw__order_keys(pbw__ordering *ordering, pbw__part *part, int all, pb
     return !PBW__LOAD(&ordering->context->cancelled);
 }
 
-/* Sorts the keys of a part by their next bits, those from `low` on; 0 if cancelled.  start: see pbw__sort_by, or
-   NULL: on this thread alone.  The help are the records of the part, which are written later. */
+/* Sorts the keys of a part by their next bits, those from `low` on; 0 if cancelled.  start: see pbw__sorting, or
+   NULL: on this thread alone.  The records of the part, which are written later, serve as room. */
 static int pbw__order_sort(pbw__ordering *ordering, pbw__part *part, int low, uint32_t *start, int tasks)
 {
-    const size_t count = part->to - part->from;
-    const int bits = part->low - low;
     const size_t step = (size_t)ordering->input->dim + 1;
     uint64_t *keys = ordering->keys + part->from, *sorted;
-    uint64_t *spare = (uint64_t *)(void *)(ordering->vertices->record + (part->from + 1) * step);
-    sorted = start == NULL ? pbw__sort_keys(ordering->context, keys, spare, count, low, bits)
-           : pbw__sort_by(ordering->context, keys, spare, count, low, bits, start, tasks);
+    pbw__sorting sorting;
+    sorting.context = ordering->context;
+    sorting.a = keys;
+    sorting.b = (uint64_t *)(void *)(ordering->vertices->record + (part->from + 1) * step);
+    sorting.start = start;
+    sorting.count = part->to - part->from;
+    sorting.tasks = tasks;
+    sorted = start == NULL ? pbw__sort_keys(&sorting, low, part->low - low)
+                           : pbw__sort_by(&sorting, low, part->low - low);
     if (sorted != NULL && sorted != keys) {
-        memcpy(keys, sorted, count * sizeof(keys[0]));
+        memcpy(keys, sorted, sorting.count * sizeof(keys[0]));
     }
     part->low = low;
     return sorted != NULL;
@@ -3470,7 +3513,7 @@ static void pbw__order_short_run(const pbw__ordering *ordering, uint64_t *keys, 
     const int dim = ordering->input->dim;
     double x[PBW__SHORT_RUN][4], y[4];
     size_t i, hole;
-    for (i = 0; i < count; i++) {                    /* all at once, as each has to be waited for */
+    for (i = 0; i < count; i++) {                    /* first, so that the cache misses overlap */
         pbw__fetch(ordering->input, (size_t)(keys[i] & mask), x[i]);
     }
     for (i = 1; i < count; i++) {
@@ -3486,7 +3529,7 @@ static void pbw__order_short_run(const pbw__ordering *ordering, uint64_t *keys, 
     }
 }
 
-/* Puts the first of points at one place first. */
+/* Of points at one place, puts the one that stays first. */
 static void pbw__order_one_place(const pbw__ordering *ordering, uint64_t *keys, size_t count)
 {
     const uint64_t mask = ((uint64_t)1 << ordering->index_bits) - 1;
@@ -3504,7 +3547,7 @@ static void pbw__order_one_place(const pbw__ordering *ordering, uint64_t *keys, 
     }
 }
 
-/* Sorts a part by all bits; 0 if cancelled.  Runs are looked for only where keys are not in order. */
+/* Sorts the ties of a part by the remaining bits; 0 if cancelled.  A tie that is in order already needs no sort. */
 static int pbw__order_rest(pbw__ordering *ordering, const pbw__part *part)
 {
     const uint64_t *keys = ordering->keys;
@@ -3533,25 +3576,50 @@ static int pbw__order_rest(pbw__ordering *ordering, const pbw__part *part)
     return 1;
 }
 
-/* The points of keys[from..to), of different keys and so at different places, to the records from r on.  Those that
-   will soon be needed are asked for, if before `end`. */
-PBW__INLINE void pbw__order_place(const pbw__ordering *ordering, size_t from, size_t to, size_t end, size_t r,
+/* Writes the points of a range of different keys, so at different places, to the records from r on.  Prefetches
+   later points, of keys before `end`. */
+PBW__INLINE void pbw__order_place(const pbw__ordering *ordering, const pbw__part *range, size_t end, size_t r,
                                   int dim)
 {
     const uint64_t *keys = ordering->keys, mask = ((uint64_t)1 << ordering->index_bits) - 1;
     const pbw__input input = *ordering->input;
+    const size_t to = range->to;
+    size_t from = range->from;
     double *record = ordering->vertices->record + r * (size_t)(dim + 1);
     pbw_index *id = ordering->vertices->id + r;
     for (; from < to; from++, record += dim + 1) {
         const size_t index = (size_t)(keys[from] & mask);
         pbw__fetch_soon(&input, (size_t)(keys[from + PBW__AHEAD < end ? from + PBW__AHEAD : from] & mask));
-        pbw__fetch_of(dim, &input, index, record);
+        pbw__fetch_of(&input, index, record, dim);
         *id++ = (pbw_index)index;
     }
 }
 
-/* Puts a run of equal keys into order: points at one place follow each other, the one that stays first.  Or gives it
-   keys of its own, in order, that make runs in the run: -1.  0: cancelled. */
+/* Writes the points of a run of equal keys, in order, behind record r, and notes duplicates.  Returns the last
+   record. */
+static size_t pbw__order_place_run(const pbw__ordering *ordering, const pbw__part *run, size_t end, size_t r)
+{
+    const uint64_t *keys = ordering->keys, mask = ((uint64_t)1 << ordering->index_bits) - 1;
+    const pbw__input *input = ordering->input;
+    const size_t step = (size_t)input->dim + 1;
+    pbw__vertices *vertices = ordering->vertices;
+    size_t i;
+    for (i = run->from; i < run->to; i++) {
+        const size_t index = (size_t)(keys[i] & mask);
+        double *record = vertices->record + (r + 1) * step;
+        pbw__fetch_soon(input, (size_t)(keys[i + PBW__AHEAD < end ? i + PBW__AHEAD : i] & mask));
+        pbw__fetch(input, index, record);
+        if (i > run->from && pbw__same_place(record, record - step, input->dim)) {
+            vertices->canonical[index] = vertices->id[r];
+        } else {
+            vertices->id[++r] = (pbw_index)index;
+        }
+    }
+    return r;
+}
+
+/* Puts a run of equal keys into order, points at one place next to each other, the one that stays first.  Returns 1;
+   or -1 if the run got keys of its own, in order, which may have runs in turn; or 0 if cancelled. */
 static int pbw__order_run(pbw__ordering *ordering, pbw__part *run)
 {
     const size_t count = run->to - run->from;
@@ -3571,7 +3639,7 @@ static int pbw__order_run(pbw__ordering *ordering, pbw__part *run)
     return 1;
 }
 
-#define PBW__SCANNED 1024                            /* records to look for a grid in, while the cache has them */
+#define PBW__SCANNED 1024                            /* records that are scanned for a grid at a time, in the cache */
 
 /* Puts the runs of a part into order and its points into the records, as if no other part had duplicates. */
 static void pbw__order_part(void *arg, int task)
@@ -3581,7 +3649,7 @@ static void pbw__order_part(void *arg, int task)
     const pbw__input *input = ordering->input;
     pbw__vertices *vertices = ordering->vertices;
     const int bits = ordering->index_bits, dim = input->dim;
-    const uint64_t index_mask = ((uint64_t)1 << bits) - 1, *keys = ordering->keys;
+    const uint64_t *keys = ordering->keys;
     size_t end_of[PBW__RUN_DEPTH], r = part->from, i = part->from, steps = 0, step = (size_t)dim + 1, scanned = r;
     pbw__grid_share share;
     int depth = 0;
@@ -3597,10 +3665,10 @@ static void pbw__order_part(void *arg, int task)
             next++;
         }
         next -= next < limit;                        /* a run may begin there */
-        if (next > i && dim == 3) {
-            pbw__order_place(ordering, i, next, part->to, r + 1, 3);
-        } else if (next > i) {
-            pbw__order_place(ordering, i, next, part->to, r + 1, 2);
+        if (next > i) {
+            run.from = i;
+            run.to = next;
+            PBW__BY_DIM(dim, pbw__order_place, ordering, &run, part->to, r + 1);
         }
         steps += next + 1 - i;
         r += next - i;
@@ -3620,17 +3688,8 @@ static void pbw__order_part(void *arg, int task)
                 continue;
             }
             steps += run.to - i;
-            for (; i < run.to; i++) {
-                const size_t index = (size_t)(keys[i] & index_mask);
-                double *record = vertices->record + (r + 1) * step;
-                pbw__fetch_soon(input, (size_t)(keys[i + PBW__AHEAD < part->to ? i + PBW__AHEAD : i] & index_mask));
-                pbw__fetch(input, index, record);
-                if (i > run.from && pbw__same_place(record, record - step, dim)) {
-                    vertices->canonical[index] = vertices->id[r];
-                } else {
-                    vertices->id[++r] = (pbw_index)index;
-                }
-            }
+            r = pbw__order_place_run(ordering, &run, part->to, r);
+            i = run.to;
         }
         while (depth > 0 && i == end_of[depth]) {
             depth--;
@@ -3650,7 +3709,7 @@ static void pbw__order_part(void *arg, int task)
     ordering->shares[task] = share;
 }
 
-/* Where keys[from..to), in order by the bits from `low` on, first has those bits not below `value`. */
+/* Returns the first of keys[from..to) whose bits from `low` on are not below `value`: a binary search. */
 static size_t pbw__order_find(const uint64_t *keys, size_t from, size_t to, int low, uint64_t value)
 {
     while (from < to) {
@@ -3664,12 +3723,13 @@ static size_t pbw__order_find(const uint64_t *keys, size_t from, size_t to, int 
     return from;
 }
 
-/* Cuts the only part, all keys, into parts of one to two shares, where no run is cut in two; runs longer than 16
-   shares, a thread's portion, are put into order by all threads, to be cut in turn.  The number of parts, at most
-   PBW__CUTS * tasks; 0 if cancelled. */
+/* Cuts the only part, all keys, into parts of one to two shares, but never a run.  Runs longer than 16 shares get
+   keys of their own by all threads, and are cut in turn.  Returns the number of parts, at most PBW__CUTS * tasks; 0
+   if cancelled. */
 #define PBW__CUTS 16
-static int pbw__order_cut(pbw__ordering *ordering, pbw__box *boxes, uint32_t *start, int tasks)
+static int pbw__order_cut(pbw__ordering *ordering)
 {
+    const int tasks = ordering->tasks;
     const size_t share = (ordering->input->count - 1) / ((size_t)tasks * 4) + 1;
     int parts = 1, p;
     for (p = 0; p < parts && tasks > 1; p++) {
@@ -3688,8 +3748,9 @@ static int pbw__order_cut(pbw__ordering *ordering, pbw__box *boxes, uint32_t *st
         next[0].to = next[1].from = pbw__order_find(keys, at, part.to, part.low, value + 1);
         if (next->to - next->from > 16 * share) {
             const int all = pbw__tasks(ordering->context, next->to - next->from, 16384);
-            if ((part.low == ordering->index_bits && !pbw__order_keys(ordering, next, 0, boxes, all))
-                || (!next->settled && !pbw__order_sort(ordering, next, ordering->index_bits, start, all))) {
+            if ((part.low == ordering->index_bits && !pbw__order_keys(ordering, next, 0, ordering->boxes, all))
+                || (!next->settled
+                    && !pbw__order_sort(ordering, next, ordering->index_bits, ordering->start, all))) {
                 return 0;
             }
         } else {
@@ -3699,8 +3760,8 @@ static int pbw__order_cut(pbw__ordering *ordering, pbw__box *boxes, uint32_t *st
     return parts;
 }
 
-/* Whether the points lie in few cells of the grid, on lines, surfaces or in clusters: then the first bits tell few of
-   them apart, and it is quicker to sort all by twice as many.  By the 11 bits below `high`, of some keys. */
+/* Returns whether the points lie in few cells of the grid: on lines, surfaces or in clusters.  Samples the 11 bits
+   below `high` of 4096 keys. */
 static int pbw__order_is_thin(const pbw__ordering *ordering, int high)
 {
     const size_t step = ordering->input->count / 4096;
@@ -3726,72 +3787,67 @@ static void pbw__vertices_free(pbw__context *context, pbw__vertices *vertices)
     vertices->canonical = NULL;
 }
 
-/* PBW_OK, or an error with nothing held.  input->count >= 1 and < 2^32 - 1. */
-static pbw_status pbw__order(pbw__context *context, const pbw__input *input, pbw__vertices *vertices)
+/* Allocates the arrays of an ordering and its vertices; 0 if memory is short. */
+static int pbw__order_begin(pbw__ordering *ordering)
 {
+    pbw__context *context = ordering->context;
     pbw__memory *memory = &context->memory;
-    size_t count = input->count, step = (size_t)input->dim + 1, p;
-    int dim = input->dim, tasks = pbw__tasks(context, count, 16384), limit = PBW__CUTS * tasks, parts = 0;
-    uint32_t *start;                                 /* see pbw__sort_by */
-    pbw__box *boxes;
+    pbw__vertices *vertices = ordering->vertices;
+    const size_t count = ordering->input->count, tasks = (size_t)ordering->tasks, step = (size_t)vertices->dim + 1;
     pbw__block block[4];
-    pbw__ordering ordering;
-    pbw_status status = PBW_ERROR_MEMORY;
-
-    memset(&ordering, 0, sizeof(ordering));
-    ordering.context = context;
-    ordering.input = input;
-    ordering.vertices = vertices;
-    ordering.index_bits = pbw__index_bits(count);
-    ordering.bits = pbw__grid_bits(ordering.index_bits, dim);
-    memset(vertices, 0, sizeof(*vertices));
-    vertices->dim = dim;
-    vertices->weighted = input->weights != NULL;
-    vertices->point_count = count;
-    pbw__curve_create(&ordering.curve, count, dim);
-
-    boxes = (pbw__box *)pbw__allocate(memory, (size_t)tasks, sizeof(pbw__box));
-    start = (uint32_t *)pbw__allocate(memory, ((size_t)tasks + 1) * PBW__DIGITS, sizeof(uint32_t));
-    ordering.parts = (pbw__part *)pbw__allocate(memory, (size_t)limit, sizeof(pbw__part));
-    ordering.shares = (pbw__grid_share *)pbw__allocate(memory, (size_t)limit, sizeof(pbw__grid_share));
-    ordering.keys = (uint64_t *)pbw__allocate(memory, count, sizeof(uint64_t));
+    ordering->boxes = (pbw__box *)pbw__allocate(memory, tasks, sizeof(pbw__box));
+    ordering->start = (uint32_t *)pbw__allocate(memory, (tasks + 1) * PBW__DIGITS, sizeof(uint32_t));
+    ordering->parts = (pbw__part *)pbw__allocate(memory, PBW__CUTS * tasks, sizeof(pbw__part));
+    ordering->shares = (pbw__grid_share *)pbw__allocate(memory, PBW__CUTS * tasks, sizeof(pbw__grid_share));
+    ordering->keys = (uint64_t *)pbw__allocate(memory, count, sizeof(uint64_t));
     vertices->canonical = (pbw_index *)pbw__allocate(memory, count, sizeof(pbw_index));
     vertices->id = (pbw_index *)pbw__allocate(memory, count + 1, sizeof(pbw_index));
     vertices->record = (double *)pbw__allocate(memory, (count + 1) * step, sizeof(double));
-    block[0] = pbw__block_of(ordering.keys, 0, count * sizeof(uint64_t));
+    block[0] = pbw__block_of(ordering->keys, 0, count * sizeof(uint64_t));
     block[1] = pbw__block_of(vertices->canonical, 0, count * sizeof(pbw_index));
     block[2] = pbw__block_of(vertices->id, 0, (count + 1) * sizeof(pbw_index));
     block[3] = pbw__block_of(vertices->record, 0, (count + 1) * step * sizeof(double));
     pbw__populate(context, block, 4);
-    if (boxes == NULL || start == NULL || ordering.parts == NULL || ordering.shares == NULL
-        || ordering.keys == NULL || vertices->canonical == NULL || vertices->id == NULL || vertices->record == NULL) {
-        goto done;
+    return ordering->boxes != NULL && ordering->start != NULL && ordering->parts != NULL && ordering->shares != NULL
+        && ordering->keys != NULL && vertices->canonical != NULL && vertices->id != NULL && vertices->record != NULL;
+}
+
+static void pbw__order_end(pbw__ordering *ordering)
+{
+    pbw__memory *memory = &ordering->context->memory;
+    const size_t tasks = (size_t)ordering->tasks;
+    pbw__release(memory, ordering->boxes, tasks, sizeof(pbw__box));
+    pbw__release(memory, ordering->start, (tasks + 1) * PBW__DIGITS, sizeof(uint32_t));
+    pbw__release(memory, ordering->parts, PBW__CUTS * tasks, sizeof(pbw__part));
+    pbw__release(memory, ordering->shares, PBW__CUTS * tasks, sizeof(pbw__grid_share));
+    pbw__release(memory, ordering->keys, ordering->input->count, sizeof(uint64_t));
+}
+
+/* Sorts all keys and cuts them into parts; returns how many, 0 if cancelled or a number is not finite. */
+static int pbw__order_parts(pbw__ordering *ordering)
+{
+    const size_t count = ordering->input->count;
+    pbw__part *all = ordering->parts;
+    int low;
+    all->from = 0;
+    all->to = count;
+    if (!pbw__order_keys(ordering, all, 1, ordering->boxes, ordering->tasks)) {
+        return 0;
     }
-    ordering.parts[0].from = 0;
-    ordering.parts[0].to = count;
-    if (pbw__order_keys(&ordering, ordering.parts, 1, boxes, tasks)) {
-        /* by one digit of pbw__sort_by or two: at most 4 of 16 million uniform points are equal there; or by four */
-        const int high = ordering.parts[0].low;
-        const int low = high - (count < 8192 ? 11 : pbw__order_is_thin(&ordering, high) ? 44 : 22);
-        if (pbw__order_sort(&ordering, ordering.parts, low > ordering.index_bits ? low : ordering.index_bits, start,
-                            tasks)) {
-            parts = pbw__order_cut(&ordering, boxes, start, tasks);
-        }
-    }
-    if (parts == 0) {
-        status = ordering.not_finite ? PBW_ERROR_NOT_FINITE : PBW_CANCELLED;
-        goto done;
-    }
-    memset(vertices->record, 0, step * sizeof(double));
-    vertices->record[0] = dim == 3 ? HUGE_VAL : 0.0; /* vectors know the ghost by it */
-    vertices->id[0] = PBW_NONE;
-    pbw__for(context, parts, pbw__order_part, &ordering);
-    if (PBW__LOAD(&context->cancelled)) {
-        status = PBW_CANCELLED;
-        goto done;
-    }
-    for (p = 0; p < (size_t)parts; p++) {            /* close the gaps that duplicates have left */
-        size_t from = ordering.parts[p].from + 1, unique = ordering.parts[p].unique;
+    /* By one digit of pbw__sort_by or two: at most 4 of 16 million uniform points are equal there; or by four. */
+    low = all->low - (count < 8192 ? 11 : pbw__order_is_thin(ordering, all->low) ? 44 : 22);
+    low = low > ordering->index_bits ? low : ordering->index_bits;
+    return pbw__order_sort(ordering, all, low, ordering->start, ordering->tasks) ? pbw__order_cut(ordering) : 0;
+}
+
+/* Closes the gaps that duplicates have left between the vertices of the parts. */
+static void pbw__order_close(const pbw__ordering *ordering, int parts)
+{
+    pbw__vertices *vertices = ordering->vertices;
+    const size_t step = (size_t)vertices->dim + 1;
+    int p;
+    for (p = 0; p < parts; p++) {
+        const size_t from = ordering->parts[p].from + 1, unique = ordering->parts[p].unique;
         if (from != vertices->count + 1 && unique > 0) {
             memmove(vertices->record + (vertices->count + 1) * step, vertices->record + from * step,
                     unique * step * sizeof(double));
@@ -3799,113 +3855,45 @@ static pbw_status pbw__order(pbw__context *context, const pbw__input *input, pbw
         }
         vertices->count += unique;
     }
-    vertices->duplicate_count = count - vertices->count;
-    pbw__grid_close(&vertices->grid, ordering.shares, parts, dim);
-    status = PBW_OK;
-done:
-    pbw__release(memory, boxes, (size_t)tasks, sizeof(pbw__box));
-    pbw__release(memory, start, ((size_t)tasks + 1) * PBW__DIGITS, sizeof(uint32_t));
-    pbw__release(memory, ordering.parts, (size_t)limit, sizeof(pbw__part));
-    pbw__release(memory, ordering.shares, (size_t)limit, sizeof(pbw__grid_share));
-    pbw__release(memory, ordering.keys, count, sizeof(uint64_t));
+    vertices->duplicate_count = vertices->point_count - vertices->count;
+    pbw__grid_close(&vertices->grid, ordering->shares, parts, vertices->dim);
+}
+
+/* Returns PBW_OK, or an error with all memory released.  input->count >= 1 and < 2^32 - 1. */
+static pbw_status pbw__order(pbw__context *context, const pbw__input *input, pbw__vertices *vertices)
+{
+    const int dim = input->dim;
+    pbw__ordering ordering;
+    pbw_status status = PBW_ERROR_MEMORY;
+    int parts;
+    memset(&ordering, 0, sizeof(ordering));
+    ordering.context = context;
+    ordering.input = input;
+    ordering.vertices = vertices;
+    ordering.tasks = pbw__tasks(context, input->count, 16384);
+    ordering.index_bits = pbw__index_bits(input->count);
+    ordering.bits = pbw__grid_bits(ordering.index_bits, dim);
+    memset(vertices, 0, sizeof(*vertices));
+    vertices->dim = dim;
+    vertices->weighted = input->weights != NULL;
+    vertices->point_count = input->count;
+    pbw__curve_create(&ordering.curve, input->count, dim);
+    if (pbw__order_begin(&ordering)) {
+        parts = pbw__order_parts(&ordering);
+        memset(vertices->record, 0, ((size_t)dim + 1) * sizeof(double));
+        vertices->record[0] = HUGE_VAL;              /* vectors know the ghost by it */
+        vertices->id[0] = PBW_NONE;
+        pbw__for(context, parts, pbw__order_part, &ordering);
+        status = ordering.not_finite ? PBW_ERROR_NOT_FINITE : PBW__LOAD(&context->cancelled) ? PBW_CANCELLED : PBW_OK;
+        if (status == PBW_OK) {
+            pbw__order_close(&ordering, parts);
+        }
+    }
+    pbw__order_end(&ordering);
     if (status != PBW_OK) {
         pbw__vertices_free(context, vertices);
     }
     return status;
-}
-
-/* Numbers along the curve, for pbw_order and PBW_CURVE_ORDER: each vertex is followed by its duplicates, ascending.
-   Fills original (the caller's number of each new one), and turns the ids of the vertices and the canonical points
-   into new numbers. */
-typedef struct pbw__numbering {
-    pbw__vertices *vertices;
-    pbw_index *original, *next;                      /* next: per canonical point of the caller, the first free
-                                                        number of its group; unused if there are no duplicates */
-} pbw__numbering;
-
-static pbw_status pbw__number_range(void *arg, size_t from, size_t to)
-{
-    const pbw__numbering *numbering = (const pbw__numbering *)arg;
-    pbw_index *id = numbering->vertices->id + 1;
-    for (; from < to; from++) {
-        numbering->original[from] = id[from];
-        id[from] = (pbw_index)from;
-    }
-    return PBW_OK;
-}
-
-static void pbw__number_groups(pbw__numbering *numbering)
-{
-    pbw__vertices *vertices = numbering->vertices;
-    pbw_index *next = numbering->next, *original = numbering->original, *canonical = vertices->canonical;
-    size_t i, r, free_number = 0;
-    memset(next, 0, vertices->point_count * sizeof(pbw_index));
-    for (i = 0; i < vertices->point_count; i++) {
-        next[canonical[i]]++;
-    }
-    for (r = 1; r <= vertices->count; r++) {
-        const pbw_index point = vertices->id[r];
-        const size_t points = next[point];
-        original[free_number] = point;
-        vertices->id[r] = (pbw_index)free_number;
-        next[point] = (pbw_index)free_number + 1;
-        free_number += points;
-    }
-    for (i = 0; i < vertices->point_count; i++) {
-        if (canonical[i] != i) {
-            original[next[canonical[i]]++] = (pbw_index)i;
-        }
-    }
-    for (r = 1; r <= vertices->count; r++) {         /* groups lie between the numbers of successive vertices */
-        const size_t first = vertices->id[r], end = r < vertices->count ? vertices->id[r + 1] : vertices->point_count;
-        for (i = first; i < end; i++) {
-            canonical[i] = (pbw_index)first;
-        }
-    }
-}
-
-static pbw_status pbw__number_along_curve(pbw__context *context, pbw__vertices *vertices, pbw_index *original)
-{
-    pbw__numbering numbering;
-    numbering.vertices = vertices;
-    numbering.original = original;
-    if (vertices->duplicate_count == 0) {
-        return pbw__for_range(context, vertices->count, 65536, 1.0, 1.0, pbw__number_range, &numbering);
-    }
-    numbering.next = (pbw_index *)pbw__allocate(&context->memory, vertices->point_count, sizeof(pbw_index));
-    if (numbering.next == NULL) {
-        return PBW_ERROR_MEMORY;
-    }
-    pbw__number_groups(&numbering);
-    pbw__release(&context->memory, numbering.next, vertices->point_count, sizeof(pbw_index));
-    return PBW_OK;
-}
-
-/* The arguments of a call, checked.  A borrowed array must be one that the mesh could have made. */
-static pbw_status pbw__input_of(int dim, int is_float, const void *points, const void *weights, size_t count,
-                                const pbw_options *options, pbw__input *input)
-{
-    const size_t size = is_float ? sizeof(float) : sizeof(double), packed = (size_t)dim * size;
-    const unsigned all = PBW_ANY_ORDER | PBW_NO_NEIGHBORS | PBW_BACKEND_OR_CPU | PBW_CURVE_ORDER | PBW_BORROW;
-    input->dim = dim;
-    input->is_float = is_float;
-    input->borrow = (options->flags & PBW_BORROW) != 0;
-    input->count = count;
-    input->stride = options->stride != 0 ? options->stride : packed;
-    input->weight_stride = options->weight_stride != 0 ? options->weight_stride : size;
-    input->points = (const char *)points;
-    input->weights = (const char *)weights;
-    if ((dim != 2 && dim != 3) || (points == NULL && count != 0) || options->threads < 0 || options->threads > 256
-        || (options->flags & ~all) != 0 || input->stride < packed || input->weight_stride < size
-        || (input->borrow && (is_float || input->stride != packed || (weights != NULL && input->weight_stride != size)
-                              || (options->flags & PBW_CURVE_ORDER) != 0))) {
-        return PBW_ERROR_ARGUMENT;
-    }
-    if (count >= PBW_NONE || count > (size_t)-1 / input->stride || count > (size_t)-1 / input->weight_stride
-        || count > (size_t)-1 / 256) {
-        return PBW_ERROR_TOO_LARGE;
-    }
-    return PBW_OK;
 }
 /* ------------------------------------------------------------------------------------------------------
    >>mesh         The triangulation while it is built, and one thread's view of it.
@@ -3931,115 +3919,144 @@ typedef uint64_t pbw__link;
 typedef uint32_t pbw__link;
 #define PBW__SIMPLEX_LIMIT ((size_t)1 << 30)
 #endif
-#ifdef PBW_SIMPLEX_LIMIT                             /* for tests: a limit that small inputs reach */
+#ifdef PBW__TEST_SIMPLEX_LIMIT                       /* a limit that small inputs reach */
 #undef PBW__SIMPLEX_LIMIT
-#define PBW__SIMPLEX_LIMIT ((size_t)PBW_SIMPLEX_LIMIT)
+#define PBW__SIMPLEX_LIMIT ((size_t)PBW__TEST_SIMPLEX_LIMIT)
 #endif
 
 #define PBW__GHOST 0u
 #define PBW__LEFT ((pbw_status)15)                   /* not inserted: for the next round of >>parallel */
+#define PBW__NO_FIT ((pbw_status)14)                 /* not inserted: the cavity does not fit >>cavity2's ring */
 #define PBW__FOREIGN (PBW_NONE - 1)                  /* a walk's answer: it would lead out of our cells */
-
-/* A simplex of the cavity: its corners, their local numbers, and the links across from them (3D). */
-typedef struct pbw__carved {
-    pbw_index v[4], local[4];
-    pbw__link link[4];
-#ifndef PBW_WIDE
-    pbw_index pad[4];                                /* to a line of the cache */
-#endif
-} pbw__carved;
-
-/* The vertices of one cavity are numbered from 0 in the order of meeting them, by a hash: a slot holds stamp << 40 |
-   vertex << 8 | number, and is empty if the stamp is not that of this insertion.  Larger cavities do without. */
-#define PBW__SLOTS 1024
-#define PBW__LOCALS 256
-#define PBW__STAMP ((uint64_t)1 << 40)
-#define PBW__STAMPS (1u << 24)
-#define PBW__FEW 64                                  /* most cavities have fewer vertices: a small table will do */
-
-/* A facet of the new star, by the edge of the cavity's boundary that it has. */
-typedef struct pbw__edge { pbw_index low, high; pbw__link link; } pbw__edge;
 
 /* The simplices, shared by all threads. */
 typedef struct pbw__store {
     pbw_index *corner;
     pbw__link *link;
     unsigned char *mark;                             /* per simplex: 1 = in the cavity of an insertion */
-    size_t corner_capacity, link_capacity, mark_capacity, capacity;      /* simplices held; the least of the three */
+    size_t corner_capacity, link_capacity, mark_capacity;
+    size_t capacity;                                 /* in simplices, the least of all three */
     size_t count;                                    /* slots given to regions and threads */
     pbw_index *region;                               /* per region: its first slot that was never used */
     pbw_index *hint;                                 /* per region: a simplex of one of its vertices, or PBW_NONE */
     size_t region_count, region_slots;               /* slots from region_slots on are the tail */
-    size_t slots_each, ahead;                        /* of a region; how many more the first has */
-    int cell_bits;                                   /* vertex >> cell_bits is the number of its region */
+    size_t slots_each, ahead;                        /* of a region; how many more the first one has */
+    int region_bits;                                 /* vertex >> region_bits is the number of its region */
 } pbw__store;
 
-/* One thread's view of a triangulation, with the scratch memory of one insertion. */
-#define PBW__CLAIMS 2048                             /* cells that a task takes, at most */
-#define PBW__NOBODY 255                              /* the owner of a cell that any task may take */
-
-typedef struct pbw__kernel {
-    char apart[128];                                 /* from what another thread writes */
-    uint8_t asked;                                   /* >>parallel: whether another task lacks a cell of ours */
-    char asked_apart[127];                           /* others write that, and we look at it after each vertex */
-    pbw__context *context;
-    pbw__store *store;
-    const double *record;                            /* vertex records, (dim+1) doubles each */
-    const pbw__grid *grid;
-    int dim, weighted;                               /* not weighted: every vertex becomes one, none is hidden */
-    double exact_height;                             /* below it the filters make no error, see >>cavity3 */
-    pbw_index *corner;                               /* the store's arrays */
-    pbw__link *link;
-    unsigned char *mark;
+/* >>slots: those that one thread may use. */
+typedef struct pbw__slots {
+    size_t region;                                   /* of the last vertex; (size_t)-1: none yet */
     size_t fresh, fresh_end;                         /* slots of this region that were never used */
     size_t tail, tail_end;                           /* slots of the tail that were never used */
-    size_t region;                                   /* of the last vertex; (size_t)-1: none yet */
     size_t free_count;
-    pbw_index free_list;                             /* slots that became free */
-    pbw_index last, last_entered;                    /* a simplex of the last star; what it was in the last region */
-    pbw_index previous, vertex_count;                /* 2D: the last vertex; how many there are */
-
-    uint8_t *owner;                                  /* >>parallel: whose each cell is; NULL: all are ours */
-    uint8_t me, share;                               /* of the vertices, that the task is at */
-    uint8_t blocker;                                 /* who had the last cell that was lacking */
-    int owner_bits;                                  /* vertex >> owner_bits is the number of its cell */
-    int claim_count;                                 /* cells that we took */
-    int renewed;                                     /* simplices were made since we last gave back cells */
-    size_t missed;                                   /* tries of the round in vain */
-    pbw_index claim[PBW__CLAIMS];
+    pbw_index free_list;                             /* slots that became free, linked through corner 1 */
     int no_room;                                     /* the store has no more blocks */
-    pbw_index *left;                                 /* vertices left for the next round */
-    size_t left_count, left_capacity, done, reported;
-    pbw_status status;
+} pbw__slots;
 
+/* >>parallel: the cells that one task owns. */
+#define PBW__CLAIMS 2048                             /* cells that a task owns, at most */
+#define PBW__NOBODY 255                              /* the owner of a cell that any task may take */
+typedef struct pbw__ownership {
+    uint8_t *owner;                                  /* per cell: the task that owns it; NULL: all cells are ours */
+    uint8_t me, share;                               /* this task; the share of the vertices that it works on */
+    uint8_t blocker;                                 /* the owner of the last cell that was not to be had */
+    int owner_bits;                                  /* vertex >> owner_bits is the number of its cell */
+    int renewed;                                     /* simplices were made since cells were last given back */
+    int claim_count;
+    size_t missed;                                   /* tries of the round in vain */
+    pbw_index claim[PBW__CLAIMS];                    /* our cells */
+} pbw__ownership;
+
+/* A simplex of the cavity: its corners, their local numbers, and the links across from them (3D). */
+typedef struct pbw__carved {
+    pbw_index v[4], local[4];
+    pbw__link link[4];
+#ifndef PBW_WIDE
+    pbw_index pad[4];                                /* to a cache line */
+#endif
+} pbw__carved;
+
+/* A facet of the new star, by the edge of the cavity's boundary that it has. */
+typedef struct pbw__edge { pbw_index low, high; pbw__link link; } pbw__edge;
+
+/* In 3D the vertices of a cavity get local numbers, in the order in which they are met, from a hash table: an entry
+   is stamp << 40 | vertex << 8 | number, and empty if the stamp is not that of this insertion.  Larger cavities do
+   without. */
+#define PBW__TABLE 1024
+#define PBW__LOCALS 256
+#define PBW__STAMP ((uint64_t)1 << 40)
+#define PBW__STAMPS (1u << 24)
+#define PBW__FEW 64                                  /* most cavities have fewer vertices: a small table is enough */
+
+/* The memory of one insertion. */
+typedef struct pbw__scratch {
     pbw_index *cavity;                               /* simplices in conflict; then the slots of the star */
     pbw_index *parent;                               /* 3D: the facet that each was met through, as in `from` */
     pbw__carved *carved;                             /* 3D: what the refill needs of them */
     pbw__link *beyond;                               /* 2D: the boundary of the cavity: the link across each edge */
     pbw_index *from;                                 /* 3D: the facets there: 4 * place in the cavity + which one */
-    pbw__link *stack;                                /* 2D: links still to look through */
+    pbw__link *stack;                                /* 2D: links that are still to be searched */
     size_t cavity_count, facet_count;
     size_t cavity_capacity, parent_capacity, carved_capacity, beyond_capacity, from_capacity, stack_capacity;
-    /* One vertex into the triangulation, for this dimension and this CPU; a hidden one changes nothing. */
-    pbw_status (*insert)(struct pbw__kernel *kernel, pbw_index vertex);
-
-    uint64_t *slot;                                  /* 3D: local numbers */
+    uint64_t *table;                                 /* 3D: local numbers */
     uint32_t stamp, local_count;
     pbw__link *edge;                                 /* 3D: by pairs of local numbers, of few or of all */
-    size_t edge_capacity;
-    pbw_index back[4 * 2 * PBW__FEW];                /* places in it; at most 2 * 64 - 4 facets have 64 vertices */
-    pbw__edge *wide_edge;                            /* the same as a hash of pairs of vertices */
-    size_t wide_capacity;
+    pbw__edge *wide;                                 /* 3D: a hash table by pairs of vertices, for large cavities */
+    size_t edge_capacity, wide_capacity;
+    pbw_index back[4 * 2 * PBW__FEW];                /* places in `edge`; 64 vertices have at most 124 facets */
+} pbw__scratch;
+
+/* One thread's view of a triangulation. */
+typedef struct pbw__kernel {
+    char apart[128];                                 /* against false sharing */
+    uint8_t asked;                                   /* >>parallel: another task needs one of our cells */
+    char asked_apart[127];                           /* others write `asked`, and we read it after each vertex */
+    pbw__context *context;
+    pbw__store *store;
+    const double *record;                            /* vertex records, (dim+1) doubles each */
+    const pbw__grid *grid;
+    int dim, weighted;                               /* not weighted: every vertex stays one, none becomes hidden */
+    double exact_height;                             /* below it the filters make no error, see >>predicates */
+    pbw_index *corner;                               /* the store's arrays */
+    pbw__link *link;
+    unsigned char *mark;
+    pbw_index last, last_entered;                    /* a simplex of the last star; what it was in the last region */
+    pbw_index previous, vertex_count;                /* 2D: the last vertex; how many there are */
+    /* Inserts a vertex, with the code for this dimension and processor; a hidden one changes nothing. */
+    pbw_status (*insert)(struct pbw__kernel *kernel, pbw_index vertex);
+    pbw__slots slots;
+    pbw__scratch scratch;
+    pbw__ownership own;
+    pbw_index *left;                                 /* vertices left for the next round */
+    size_t left_count, left_capacity, done, reported;
+    pbw_status status;
     pbw_statistics statistics;
     char apart_too[128];
 } pbw__kernel;
 
-/* Room for `needed` items in a scratch array of the kernel; grows by half. */
-static int pbw__grow(pbw__kernel *kernel, void *array, size_t *capacity, size_t needed, size_t size)
+/* Makes room for `needed` items in the array x, whose size x_capacity is beside it; grows by half. */
+#define PBW__GROW(kernel, owner, x, needed) \
+    pbw__grow(&(kernel)->context->memory, &(owner)->x, &(owner)->x##_capacity, needed, sizeof(*(owner)->x))
+static int pbw__grow(pbw__memory *memory, void *array, size_t *capacity, size_t needed, size_t size)
 {
     size_t bigger = *capacity + *capacity / 2;
-    return needed <= *capacity || pbw__resize_array(&kernel->context->memory, array, capacity,
-                                                    bigger > needed ? bigger : needed, size);
+    return needed <= *capacity || pbw__resize_array(memory, array, capacity, bigger > needed ? bigger : needed, size);
+}
+
+static void pbw__kernel_free(pbw__kernel *kernel)
+{
+    pbw__memory *memory = &kernel->context->memory;
+    PBW__RELEASE(memory, &kernel->scratch, cavity);
+    PBW__RELEASE(memory, &kernel->scratch, parent);
+    PBW__RELEASE(memory, &kernel->scratch, carved);
+    PBW__RELEASE(memory, &kernel->scratch, beyond);
+    PBW__RELEASE(memory, &kernel->scratch, from);
+    PBW__RELEASE(memory, &kernel->scratch, stack);
+    pbw__release(memory, kernel->scratch.table, PBW__TABLE, sizeof(uint64_t));
+    PBW__RELEASE(memory, &kernel->scratch, edge);
+    PBW__RELEASE(memory, kernel, left);
+    PBW__RELEASE(memory, &kernel->scratch, wide);
 }
 
 PBW__INLINE void pbw__kernel_attach(pbw__kernel *kernel)
@@ -4128,9 +4145,9 @@ static PBW__NOINLINE pbw_status pbw__store_reserve(pbw__context *context, pbw__s
     if (needed > PBW__SIMPLEX_LIMIT) {
         return PBW_ERROR_TOO_LARGE;
     }
-    if (!pbw__resize_array(memory, &store->corner, &store->corner_capacity, 4 * needed, sizeof(pbw_index))
-        || !pbw__resize_array(memory, &store->link, &store->link_capacity, 4 * needed, sizeof(pbw__link))
-        || !pbw__resize_array(memory, &store->mark, &store->mark_capacity, needed, 1)) {
+    if (!PBW__RESIZE(memory, store, corner, 4 * needed)
+        || !PBW__RESIZE(memory, store, link, 4 * needed)
+        || !PBW__RESIZE(memory, store, mark, needed)) {
         return PBW_ERROR_MEMORY;
     }
     block[0] = pbw__block_of(store->corner, 4 * old * sizeof(pbw_index), 4 * needed * sizeof(pbw_index));
@@ -4157,8 +4174,8 @@ PBW__INLINE size_t pbw__region_end(const pbw__store *store, size_t region)
 }
 
 /* Regions and a tail.  A region has slots for 7 simplices a vertex in space, 2 1/16 in the plane: uniform points need
-   6.77 and 2, ghosts included.  There are at most 65536 regions, lest rounds of >>parallel, which look at each, take
-   long; with less than 128 ranks (2D: 512) too many would be full while others are not.
+   6.77 and 2, ghosts included.  There are at most 65536 regions, as each round of >>parallel visits all of
+   them; with less than 128 ranks (2D: 512) too many would be full while others are not.
    The output moves each simplex to its place in the order of lowest ranks.  Of n ranks on the curve, and so of the
    places they fill, a border of about n^(2/3) has simplices with higher ranks, in slots of later regions: in space
    the first region has slots for these too, so that places are not ahead of slots. */
@@ -4167,17 +4184,17 @@ static pbw_status pbw__store_create(pbw__context *context, pbw__store *store, si
     pbw__memory *memory = &context->memory;
     size_t slots, tail = 64 + vertices / 32, side = 1, r;
     pbw_status status;
-    for (store->cell_bits = dim == 3 ? 7 : 9; vertices >> store->cell_bits >= 65536; ) {
-        store->cell_bits++;
+    for (store->region_bits = dim == 3 ? 7 : 9; vertices >> store->region_bits >= 65536; ) {
+        store->region_bits++;
     }
-    store->slots_each = ((size_t)1 << store->cell_bits) / 16 * (dim == 3 ? 112 : 33);
+    store->slots_each = ((size_t)1 << store->region_bits) / 16 * (dim == 3 ? 112 : 33);
     while (side * side * side < vertices) {
         side++;
     }
     store->ahead = dim == 3 ? 4 * side * side : 0;
-    slots = (size_t)((uint64_t)(vertices + 1) * store->slots_each >> store->cell_bits) + store->ahead + 16;
+    slots = (size_t)((uint64_t)(vertices + 1) * store->slots_each >> store->region_bits) + store->ahead + 16;
     store->region_slots = slots < PBW__SIMPLEX_LIMIT ? slots : PBW__SIMPLEX_LIMIT;
-    store->region_count = (vertices >> store->cell_bits) + 1;
+    store->region_count = (vertices >> store->region_bits) + 1;
     store->region = (pbw_index *)pbw__allocate(memory, store->region_count, sizeof(pbw_index));
     store->hint = (pbw_index *)pbw__allocate(memory, store->region_count, sizeof(pbw_index));
     slots = store->region_slots + tail < PBW__SIMPLEX_LIMIT ? store->region_slots + tail : PBW__SIMPLEX_LIMIT;
@@ -4191,22 +4208,35 @@ static pbw_status pbw__store_create(pbw__context *context, pbw__store *store, si
     return status;
 }
 
+/* Marks the slots of regions that were never used as free. */
+static pbw_status pbw__close_regions(void *arg, size_t from, size_t to)
+{
+    pbw__store *store = (pbw__store *)arg;
+    size_t t, end;
+    for (; from < to; from++) {
+        for (t = store->region[from], end = pbw__region_end(store, from); t < end; t++) {
+            store->corner[4 * t] = PBW_NONE;
+        }
+    }
+    return PBW_OK;
+}
+
 static void pbw__store_free(pbw__memory *memory, pbw__store *store)
 {
     pbw__release(memory, store->region, store->region_count, sizeof(pbw_index));
     pbw__release(memory, store->hint, store->region_count, sizeof(pbw_index));
-    pbw__release(memory, store->corner, store->corner_capacity, sizeof(pbw_index));
-    pbw__release(memory, store->link, store->link_capacity, sizeof(pbw__link));
-    pbw__release(memory, store->mark, store->mark_capacity, 1);
+    PBW__RELEASE(memory, store, corner);
+    PBW__RELEASE(memory, store, link);
+    PBW__RELEASE(memory, store, mark);
     memset(store, 0, sizeof(*store));
 }
 
-/* Takes back the marks of a cavity that will not be. */
+/* Clears the marks of an abandoned cavity. */
 static PBW__NOINLINE pbw_status pbw__leave_cavity(pbw__kernel *kernel, size_t count)
 {
     size_t i;
     for (i = 0; i < count; i++) {
-        kernel->mark[kernel->cavity[i]] = 0;
+        kernel->mark[kernel->scratch.cavity[i]] = 0;
     }
     return PBW__LEFT;
 }
@@ -4215,52 +4245,61 @@ static PBW__NOINLINE pbw_status pbw__leave_cavity(pbw__kernel *kernel, size_t co
 static PBW__NOINLINE int pbw__grow_lists(pbw__kernel *kernel, size_t needed)
 {
     return (kernel->dim == 2 || needed <= PBW_NONE / 4)          /* a facet in 32 bits */
-        && pbw__grow(kernel, &kernel->cavity, &kernel->cavity_capacity, needed, sizeof(pbw_index))
+        && PBW__GROW(kernel, &kernel->scratch, cavity, needed)
         && (kernel->dim == 2
-                ? pbw__grow(kernel, &kernel->beyond, &kernel->beyond_capacity, needed, sizeof(pbw__link))
-                : pbw__grow(kernel, &kernel->carved, &kernel->carved_capacity, needed, sizeof(pbw__carved))
-                  && pbw__grow(kernel, &kernel->parent, &kernel->parent_capacity, needed, sizeof(pbw_index))
-                  && pbw__grow(kernel, &kernel->from, &kernel->from_capacity, needed, sizeof(pbw_index)));
+                ? PBW__GROW(kernel, &kernel->scratch, beyond, needed)
+                : PBW__GROW(kernel, &kernel->scratch, carved, needed)
+                  && PBW__GROW(kernel, &kernel->scratch, parent, needed)
+                  && PBW__GROW(kernel, &kernel->scratch, from, needed));
 }
 
 static void pbw__leave_region(pbw__kernel *kernel)
 {
     pbw__store *store = kernel->store;
-    if (kernel->region != (size_t)-1) {
-        store->region[kernel->region] = (pbw_index)kernel->fresh;
-        if (kernel->owner == NULL && kernel->last != kernel->last_entered) {         /* else see >>parallel */
-            store->hint[kernel->region] = kernel->last;
+    if (kernel->slots.region != (size_t)-1) {
+        store->region[kernel->slots.region] = (pbw_index)kernel->slots.fresh;
+        if (kernel->own.owner == NULL && kernel->last != kernel->last_entered) {         /* else see >>parallel */
+            store->hint[kernel->slots.region] = kernel->last;
         }
-        kernel->region = (size_t)-1;
+        kernel->slots.region = (size_t)-1;
     }
-    kernel->fresh = kernel->fresh_end = 0;
+    kernel->slots.fresh = kernel->slots.fresh_end = 0;
 }
 
 /* The region of the next vertex becomes the one that slots are taken from. */
 static PBW__NOINLINE void pbw__enter_region(pbw__kernel *kernel, size_t region)
 {
     pbw__store *store = kernel->store;
-    /* In a task the last star is as near as any hint, and ours, if it was in the region beside. */
-    const int near = kernel->owner != NULL && kernel->last != PBW_NONE && kernel->region - region + 1 <= 2;
+    /* In a task the last star is as near as any hint, and ours, if its vertex was in a region next to this one. */
+    const int near = kernel->own.owner != NULL && kernel->last != PBW_NONE && kernel->slots.region - region + 1 <= 2;
     pbw_index hint;
     pbw__leave_region(kernel);
-    kernel->region = region;
-    kernel->fresh = store->region[region];
-    kernel->fresh_end = pbw__region_end(store, region);
+    kernel->slots.region = region;
+    kernel->slots.fresh = store->region[region];
+    kernel->slots.fresh_end = pbw__region_end(store, region);
     hint = store->hint[region];
     if (!near && hint != PBW_NONE && kernel->corner[4 * (size_t)hint] != PBW_NONE) {
-        kernel->last = hint;                         /* the way from the last vertex may be long, or lead abroad */
+        kernel->last = hint;            /* the last vertex may be far away, or in another task's cells */
     }
     kernel->last_entered = kernel->last;
 }
 
-/* Room in the tail for `needed` simplices: a block of what there is; alone, we can make more. */
+/* Puts a slot into the list of free ones. */
+PBW__INLINE void pbw__free_slot(pbw__kernel *kernel, pbw_index t)
+{
+    kernel->corner[4 * (size_t)t] = PBW_NONE;
+    kernel->corner[4 * (size_t)t + 1] = kernel->slots.free_list;
+    kernel->slots.free_list = t;
+    kernel->slots.free_count++;
+}
+
+/* Takes a block of the tail for `needed` simplices.  Only a thread that is alone can grow the tail. */
 static PBW__NOINLINE pbw_status pbw__more_tail(pbw__kernel *kernel, size_t needed)
 {
     pbw__store *store = kernel->store;
     size_t block = needed > 1024 ? needed : 1024, from, t;
     pbw_status status = PBW_OK;
-    if (kernel->owner == NULL && store->capacity - store->count < block) {
+    if (kernel->own.owner == NULL && store->capacity - store->count < block) {
         size_t bigger = pbw__store_bigger(store), least = store->count + needed;
         status = store->capacity >= least && store->capacity == PBW__SIMPLEX_LIMIT ? PBW_OK
                : pbw__store_reserve(kernel->context, store, bigger > least ? bigger : least);
@@ -4272,51 +4311,52 @@ static PBW__NOINLINE pbw_status pbw__more_tail(pbw__kernel *kernel, size_t neede
     }
     from = PBW__LOAD(&store->count);
     do {
-        PBW_PAUSE();
+        PBW__TEST_PAUSE();
         if (store->capacity - from < block) {
-            kernel->no_room = 1;                     /* at the end of the round there will be more */
+            kernel->slots.no_room = 1;                     /* at the end of the round there will be more */
             return PBW__LEFT;
         }
-    } while (!PBW__REPLACE(&store->count, &from, from + block));
-    for (t = kernel->tail; t < kernel->tail_end; t++) {
-        kernel->corner[4 * t] = PBW_NONE;
-        kernel->corner[4 * t + 1] = kernel->free_list;
+    } while (!PBW__CAS(&store->count, &from, from + block));
+    for (t = kernel->slots.tail; t < kernel->slots.tail_end; t++) {
         kernel->mark[t] = 0;
-        kernel->free_list = (pbw_index)t;
-        kernel->free_count++;
+        pbw__free_slot(kernel, (pbw_index)t);
     }
-    kernel->tail = from;
-    kernel->tail_end = from + block;
+    kernel->slots.tail = from;
+    kernel->slots.tail_end = from + block;
     for (t = from; t < from + block; t++) {
         kernel->corner[4 * t] = PBW_NONE;
     }
     return PBW_OK;
 }
 
-/* A slot that the caller knows to be there. */
+/* Returns a slot; the caller knows that there is one. */
 static PBW__NOINLINE pbw_index pbw__take_slot(pbw__kernel *kernel)
 {
+    pbw__slots *slots = &kernel->slots;
     pbw_index t;
-    if (kernel->fresh < kernel->fresh_end) {
-        t = (pbw_index)kernel->fresh++;
+    if (slots->fresh < slots->fresh_end) {
+        t = (pbw_index)slots->fresh++;
         kernel->mark[t] = 0;
-    } else if (kernel->free_count > 0) {
-        t = kernel->free_list;
-        kernel->free_list = kernel->corner[4 * (size_t)t + 1];
-        kernel->free_count--;
+    } else if (slots->free_count > 0) {
+        t = slots->free_list;
+        slots->free_list = kernel->corner[4 * (size_t)t + 1];
+        slots->free_count--;
     } else {
-        t = (pbw_index)kernel->tail++;
+        t = (pbw_index)slots->tail++;
         kernel->mark[t] = 0;
     }
     return t;
 }
 
-/* The slots of the star: those of the cavity first, still marked; cavity slots too many become free. */
+/* The slots of the star: those of the cavity first, still marked; slots of the cavity beyond that become free. */
 PBW__INLINE pbw_status pbw__take_slots(pbw__kernel *kernel)
 {
-    size_t have = kernel->cavity_count, needed = kernel->facet_count, i;
-    size_t room = have + (kernel->fresh_end - kernel->fresh) + kernel->free_count + (kernel->tail_end - kernel->tail);
+    pbw__slots *slots = &kernel->slots;
+    const size_t have = kernel->scratch.cavity_count, needed = kernel->scratch.facet_count;
+    const size_t fresh = slots->fresh_end - slots->fresh, tail = slots->tail_end - slots->tail;
+    const size_t room = have + fresh + slots->free_count + tail;
     pbw_index *cavity;
+    size_t i;
     if (PBW__UNLIKELY(needed > room)) {
         pbw_status status = pbw__more_tail(kernel, needed - room);
         if (status != PBW_OK) {
@@ -4324,30 +4364,26 @@ PBW__INLINE pbw_status pbw__take_slots(pbw__kernel *kernel)
             return status;
         }
     }
-    if (PBW__UNLIKELY(needed + 8 > kernel->cavity_capacity) && !pbw__grow_lists(kernel, needed + 8)) {
+    if (PBW__UNLIKELY(needed + 8 > kernel->scratch.cavity_capacity) && !pbw__grow_lists(kernel, needed + 8)) {
         return PBW_ERROR_MEMORY;
     }
-    cavity = kernel->cavity;
-    if (PBW__LIKELY(needed >= have) && PBW__LIKELY(kernel->fresh_end - kernel->fresh >= needed - have)) {
-        for (i = have; i < needed; i += 8) {         /* by eights: no predictor could guess how many are needed */
-            pbw_index fresh = (pbw_index)(kernel->fresh + (i - have)), k;
+    cavity = kernel->scratch.cavity;
+    if (PBW__LIKELY(needed >= have) && PBW__LIKELY(fresh >= needed - have)) {
+        for (i = have; i < needed; i += 8) {         /* by eights: how many are needed is unpredictable */
+            pbw_index next = (pbw_index)(slots->fresh + (i - have)), k;
             for (k = 0; k < 8; k++) {
-                cavity[i + k] = fresh + k;
+                cavity[i + k] = next + k;
             }
         }
-        kernel->fresh += needed - have;
+        slots->fresh += needed - have;
     } else {
         for (i = have; i < needed; i++) {
             cavity[i] = pbw__take_slot(kernel);
         }
     }
     for (i = needed; i < have; i++) {
-        pbw_index *corner = kernel->corner + 4 * (size_t)cavity[i];
         kernel->mark[cavity[i]] = 0;
-        corner[0] = PBW_NONE;
-        corner[1] = kernel->free_list;
-        kernel->free_list = cavity[i];
-        kernel->free_count++;
+        pbw__free_slot(kernel, cavity[i]);
     }
     kernel->statistics.created += needed;
     kernel->last = cavity[needed - 1];
@@ -4366,22 +4402,10 @@ PBW__INLINE pbw_status pbw__take_slots(pbw__kernel *kernel)
    it longer at worst.  The four orientations S_i also give the sphere test, sum(lift_i * S_i), so the walk stops at
    the first simplex that is certainly in conflict; its neighbourhood is the cavity's all the same.
 
-   Errors.  With coordinates relative to the point, S_i is a sum of 6 products of 3 factors.  A product carries 3
-   rounded translations, 2 multiplications, 1 + 2 additions: |error| <= 8u/(1-8u) * 6 m^3 < 5.4e-15 m^3, m the largest
-   |coordinate|, so m^2 <= h of >>cavity3.  Compared as S^2 > (5.4e-15)^2 h^3; h is computed with 3 roundings, which
-   the next digit of the constant covers, and raised to 1e-55 if it is less.  2D: 2 products, 2 translations, 1
-   multiplication, 1 addition: < 4u * 2 m^2 < 9e-16 m^2.  An underflow adds at most 2^-1074 a product, far below the
-   bounds.  Where something overflows the bound is infinite, or a comparison with it false.  In vectors the bound is
-   9e-16 h with h >= |x|^2 >= m^2; on a small grid (>>cavity3) it is less than a unit^2: a side that it leaves open is
-   zero.
+   Errors: see >>predicates.  An orientation S is compared as S^2 with the square of its bound, h raised to 1e-55 if
+   it is less; in 2D as it is.  Where something overflows the bound is infinite, or a comparison with it false.  On a
+   small grid (>>cavity3) the bound of 2D is less than a unit^2: a side that it leaves open is zero.
    ------------------------------------------------------------------------------------------------------ */
-#define PBW__ORIENT2_ERROR 9e-16
-#define PBW__ORIENT3_ERROR 5.4e-15
-#define PBW__CIRCLE_ERROR 9e-15                      /* derived in >>cavity2 */
-#define PBW__SPHERE_ERROR 5.2e-14
-#define PBW__EXACT_HEIGHT2 3.8e7                     /* in units of a grid, squared */
-#define PBW__EXACT_HEIGHT3 6.5e5
-
 PBW__INLINE double pbw__det3(const double *a, const double *b, const double *c)
 {
     return a[0] * (b[1] * c[2] - b[2] * c[1]) - a[1] * (b[0] * c[2] - b[2] * c[0])
@@ -4402,7 +4426,7 @@ PBW__INLINE double pbw__row3(const pbw__kernel *kernel, pbw_index v, const doubl
     row[2] = record[2] - p[2];
     square = row[0] * row[0] + row[1] * row[1] + row[2] * row[2];
     row[3] = square - weight;
-    return square + pbw__size(weight);
+    return square + pbw__abs(weight);
 }
 
 #ifdef PBW__SIMD
@@ -4418,19 +4442,18 @@ typedef struct pbw__point3 { pbw__d4 x, y, z, weight; int weighted; } pbw__point
 PBW__SIMD_INLINE pbw__point3 pbw__point3_of(const double *p, int weighted)
 {
     pbw__point3 point;
-    point.x = pbw__each(p[0]);
-    point.y = pbw__each(p[1]);
-    point.z = pbw__each(p[2]);
-    point.weight = pbw__each(p[3]);
+    point.x = pbw__splat(p[0]);
+    point.y = pbw__splat(p[1]);
+    point.z = pbw__splat(p[2]);
+    point.weight = pbw__splat(p[3]);
     point.weighted = weighted;
     return point;
 }
 
-PBW__SIMD_INLINE pbw__rows3 pbw__rows3_of(const double *record, int hull, pbw_index v0, pbw_index v1, pbw_index v2,
-                                          pbw_index v3, const pbw__point3 *p)
+PBW__SIMD_INLINE pbw__rows3 pbw__rows3_of(const double *record, const pbw_index *v, int hull, const pbw__point3 *p)
 {
-    const double *a = record + 4 * (size_t)v0, *b = record + 4 * (size_t)v1, *c = record + 4 * (size_t)v2,
-                 *d = record + 4 * (size_t)v3;
+    const double *a = record + 4 * (size_t)v[0], *b = record + 4 * (size_t)v[1], *c = record + 4 * (size_t)v[2],
+                 *d = record + 4 * (size_t)v[3];
     pbw__d4 x, y, z, w;
     pbw__rows3 rows;
     pbw__columns(a, b, c, d, &x, &y);
@@ -4438,25 +4461,25 @@ PBW__SIMD_INLINE pbw__rows3 pbw__rows3_of(const double *record, int hull, pbw_in
     rows.x = x - p->x;
     rows.y = y - p->y;
     rows.z = z - p->z;
-    rows.ghost = pbw__each(0.0);
+    rows.ghost = pbw__splat(0.0);
     if (hull) {                                      /* the ghost's record is at infinity */
-        rows.ghost = pbw__equal(x, pbw__each(HUGE_VAL));
-        rows.x = pbw__clear(rows.ghost, rows.x);
-        rows.y = pbw__clear(rows.ghost, rows.y);
-        rows.z = pbw__clear(rows.ghost, rows.z);
+        rows.ghost = pbw__equal(x, pbw__splat(HUGE_VAL));
+        rows.x = pbw__andnot4(rows.ghost, rows.x);
+        rows.y = pbw__andnot4(rows.ghost, rows.y);
+        rows.z = pbw__andnot4(rows.ghost, rows.z);
     }
     rows.lift = rows.height = pbw__fma(rows.z, rows.z, pbw__fma(rows.y, rows.y, rows.x * rows.x));
     if (p->weighted) {
-        pbw__d4 weight = pbw__clear(rows.ghost, w - p->weight);
+        pbw__d4 weight = pbw__andnot4(rows.ghost, w - p->weight);
         rows.lift = rows.lift - weight;
-        rows.height = rows.height + pbw__size4(weight);
+        rows.height = rows.height + pbw__abs4(weight);
     }
     return rows;
 }
 
-/* The same in the plane, without a hull. */
-typedef struct pbw__rows2 { pbw__d4 x, y, lift, height; } pbw__rows2;
-typedef struct pbw__point2 { pbw__d4 x, y, weight; int weighted; } pbw__point2;
+/* The same in the plane. */
+typedef struct pbw__rows2 { pbw__d4 x, y, lift, height, ghost; } pbw__rows2;
+typedef struct pbw__point2 { pbw__d4 x, y, weight; const double *p; int weighted; } pbw__point2;
 
 #define PBW__EDGE_START(x) PBW__PICK(x, 1, 2, 0, 1)   /* the edge across starts there */
 #define PBW__EDGE_END(x) PBW__PICK(x, 2, 0, 1, 2) /* and ends there */
@@ -4464,28 +4487,34 @@ typedef struct pbw__point2 { pbw__d4 x, y, weight; int weighted; } pbw__point2;
 PBW__SIMD_INLINE pbw__point2 pbw__point2_of(const double *p, int weighted)
 {
     pbw__point2 point;
-    point.x = pbw__each(p[0]);
-    point.y = pbw__each(p[1]);
-    point.weight = pbw__each(p[2]);
+    point.x = pbw__splat(p[0]);
+    point.y = pbw__splat(p[1]);
+    point.weight = pbw__splat(p[2]);
+    point.p = p;
     point.weighted = weighted;
     return point;
 }
 
-PBW__SIMD_INLINE pbw__rows2 pbw__rows2_of(const double *record, pbw_index v0, pbw_index v1, pbw_index v2,
-                                          pbw_index v3, pbw__point2 p)
+PBW__SIMD_INLINE pbw__rows2 pbw__rows2_of(const double *record, const pbw_index *v, int hull, pbw__point2 p)
 {
-    const double *a = record + 3 * (size_t)v0, *b = record + 3 * (size_t)v1, *c = record + 3 * (size_t)v2,
-                 *d = record + 3 * (size_t)v3;
+    const double *a = record + 3 * (size_t)v[0], *b = record + 3 * (size_t)v[1], *c = record + 3 * (size_t)v[2],
+                 *d = record + 3 * (size_t)v[3];
     pbw__d4 x, y;
     pbw__rows2 rows;
     pbw__columns(a, b, c, d, &x, &y);
     rows.x = x - p.x;
     rows.y = y - p.y;
+    rows.ghost = pbw__splat(0.0);
+    if (hull) {                                      /* the ghost's record is at infinity */
+        rows.ghost = pbw__equal(x, pbw__splat(HUGE_VAL));
+        rows.x = pbw__andnot4(rows.ghost, rows.x);
+        rows.y = pbw__andnot4(rows.ghost, rows.y);
+    }
     rows.lift = rows.height = pbw__fma(rows.y, rows.y, rows.x * rows.x);
     if (p.weighted) {
-        pbw__d4 weight = pbw__four(a[2], b[2], c[2], d[2]) - p.weight;
+        pbw__d4 weight = pbw__andnot4(rows.ghost, pbw__four(a[2], b[2], c[2], d[2]) - p.weight);
         rows.lift = rows.lift - weight;
-        rows.height = rows.height + pbw__size4(weight);
+        rows.height = rows.height + pbw__abs4(weight);
     }
     return rows;
 }
@@ -4542,7 +4571,7 @@ static pbw_index pbw__locate3_scalar(pbw__kernel *kernel, pbw_index t, const dou
             return t;
         }
         for (i = 0; i < 4; i++) {
-            height = pbw__larger(height, pbw__row3(kernel, v[i], p, u[i]));
+            height = pbw__max(height, pbw__row3(kernel, v[i], p, u[i]));
         }
         bound = height * height * height * (PBW__ORIENT3_ERROR * PBW__ORIENT3_ERROR);
         for (i = 0; i < 4; i++) {
@@ -4567,7 +4596,7 @@ static pbw_index pbw__locate3_scalar(pbw__kernel *kernel, pbw_index t, const dou
                 return !kernel->weighted || pbw__in_conflict3(kernel, t, p) ? t : PBW_NONE;
             }
         }
-        if (PBW__UNLIKELY(kernel->owner != NULL) && !pbw__may_cross(kernel, t, exit)) {
+        if (PBW__UNLIKELY(kernel->own.owner != NULL) && !pbw__may_cross(kernel, t, exit)) {
             kernel->last = t;
             return PBW__FOREIGN;
         }
@@ -4576,7 +4605,7 @@ static pbw_index pbw__locate3_scalar(pbw__kernel *kernel, pbw_index t, const dou
 }
 
 #ifdef PBW__SIMD
-/* The same, a facet in each lane. */
+/* The walk with vectors, a facet in each lane. */
 PBW__SIMD_INLINE pbw_index pbw__locate3_simd(pbw__kernel *kernel, pbw_index t, const double *p, int weighted)
 {
     const pbw__point3 point = pbw__point3_of(p, weighted);
@@ -4590,34 +4619,34 @@ PBW__SIMD_INLINE pbw_index pbw__locate3_simd(pbw__kernel *kernel, pbw_index t, c
         if (v[3] == PBW__GHOST) {
             return t;
         }
-        r = pbw__rows3_of(kernel->record, 0, v[0], v[1], v[2], v[3], &point);
+        r = pbw__rows3_of(kernel->record, v, 0, &point);
         ax = PBW__CORNER_A(r.x), ay = PBW__CORNER_A(r.y), az = PBW__CORNER_A(r.z);
         bx = PBW__CORNER_B(r.x), by = PBW__CORNER_B(r.y), bz = PBW__CORNER_B(r.z);
         cx = PBW__CORNER_C(r.x), cy = PBW__CORNER_C(r.y), cz = PBW__CORNER_C(r.z);
         side = ax * pbw__det2(by, bz, cy, cz);
         side = pbw__fnma(ay, pbw__det2(bx, bz, cx, cz), side);
         side = pbw__fma(az, pbw__det2(bx, by, cx, cy), side);
-        power = pbw__total(r.lift * side);
-        h = pbw__larger4(pbw__highest(r.height), pbw__each(1e-55));
+        power = pbw__sum_lanes(r.lift * side);
+        h = pbw__max4(pbw__max_lane(r.height), pbw__splat(1e-55));
         square = h * h;
-        rounded = pbw__at_least(h, pbw__each(kernel->exact_height));
-        bound = pbw__keep(rounded, square * h * pbw__each(PBW__ORIENT3_ERROR * PBW__ORIENT3_ERROR));
-        limit = pbw__keep(rounded, square * square * h * pbw__each(PBW__SPHERE_ERROR * PBW__SPHERE_ERROR));
+        rounded = pbw__at_least(h, pbw__splat(kernel->exact_height));
+        bound = pbw__and4(rounded, square * h * pbw__splat(PBW__ORIENT3_ERROR * PBW__ORIENT3_ERROR));
+        limit = pbw__and4(rounded, square * square * h * pbw__splat(PBW__SPHERE_ERROR * PBW__SPHERE_ERROR));
         if (pbw__first(power) > 0.0 && pbw__first(power * power) > pbw__first(limit)) {
             return t;
         }
-        lowest = pbw__lowest(side);
+        lowest = pbw__min_lane(side);
         outer = pbw__signs(pbw__equal(side, lowest));
         exit = (unsigned)__builtin_ctz(outer | 16u);
         if (PBW__UNLIKELY(!(pbw__first(lowest) < 0.0 && pbw__first(lowest * lowest) > pbw__first(bound)))) {
-            unsigned inner = pbw__signs(pbw__above(side * side, bound));
+            unsigned inner = pbw__signs(pbw__greater(side * side, bound));
             inner &= pbw__signs(side) ^ 15u;
             exit = pbw__signs(rounded) == 0 ? 4 : pbw__exit3(kernel, t, p, inner);
             if (exit == 4) {
                 return !weighted || pbw__in_conflict3(kernel, t, p) ? t : PBW_NONE;
             }
         }
-        if (PBW__UNLIKELY(kernel->owner != NULL) && !pbw__may_cross(kernel, t, exit)) {
+        if (PBW__UNLIKELY(kernel->own.owner != NULL) && !pbw__may_cross(kernel, t, exit)) {
             kernel->last = t;
             return PBW__FOREIGN;
         }
@@ -4626,8 +4655,8 @@ PBW__SIMD_INLINE pbw_index pbw__locate3_simd(pbw__kernel *kernel, pbw_index t, c
 }
 #endif
 
-/* In 2D: of the edges that have p outside, through the one that p is far outside of and the corner across far from.
-   Long thin triangles may have p near a corner, but outside the edge across, behind which all is far away. */
+/* In 2D: leaves through the edge that maximises (distance outside) x (distance of the opposite corner).  With the
+   distance outside alone, a long thin triangle with p near a corner would be left through the far edge. */
 static pbw_index pbw__locate2_scalar(pbw__kernel *kernel, pbw_index t, const double *p)
 {
     t = pbw__walk_start(kernel, t, 2);
@@ -4643,7 +4672,7 @@ static pbw_index pbw__locate2_scalar(pbw__kernel *kernel, pbw_index t, const dou
             const double *record = pbw__record2(kernel, v[i]);
             u[i][0] = record[0] - p[0];
             u[i][1] = record[1] - p[1];
-            size = pbw__larger(size, pbw__larger(pbw__size(u[i][0]), pbw__size(u[i][1])));
+            size = pbw__max(size, pbw__max(pbw__abs(u[i][0]), pbw__abs(u[i][1])));
         }
         bound = size > 1e-140 && size < 1e140 ? PBW__ORIENT2_ERROR * size * size : HUGE_VAL;
         for (i = 0; i < 3; i++) {
@@ -4665,7 +4694,7 @@ static pbw_index pbw__locate2_scalar(pbw__kernel *kernel, pbw_index t, const dou
                 return !kernel->weighted || pbw__in_conflict2(kernel, t, p) ? t : PBW_NONE;
             }
         }
-        if (PBW__UNLIKELY(kernel->owner != NULL) && !pbw__may_cross(kernel, t, exit)) {
+        if (PBW__UNLIKELY(kernel->own.owner != NULL) && !pbw__may_cross(kernel, t, exit)) {
             kernel->last = t;
             return PBW__FOREIGN;
         }
@@ -4677,7 +4706,16 @@ static pbw_index pbw__locate2_scalar(pbw__kernel *kernel, pbw_index t, const dou
 /* The bound on the error of an in-circle determinant of rows no higher than h. */
 PBW__SIMD_INLINE pbw__d4 pbw__circle_limit(pbw__d4 h)
 {
-    return pbw__each(8.0) * h * h * pbw__each(PBW__CIRCLE_ERROR / 8.0);
+    return pbw__splat(8.0) * h * h * pbw__splat(PBW__CIRCLE_ERROR / 8.0);
+}
+
+/* Above 0 where p is to the right of the way from a to b, with an error below *error. */
+PBW__INLINE double pbw__right_of(const double *a, const double *b, const double *p, double *error)
+{
+    const double ax = a[0] - p[0], ay = a[1] - p[1], bx = b[0] - p[0], by = b[1] - p[1];
+    const double height = pbw__max(pbw__max(ax * ax + ay * ay, bx * bx + by * by), 1e-140);
+    *error = height * PBW__ORIENT2_ERROR;
+    return ax * by - ay * bx;
 }
 
 /* From ghost t along the hull: the ghost that has p certainly beyond its edge, or PBW_NONE if it is not near. */
@@ -4688,14 +4726,14 @@ PBW__INLINE pbw_index pbw__walk_hull(pbw__kernel *kernel, pbw_index t, const dou
         const double *a = pbw__record2(kernel, kernel->corner[4 * (size_t)t]);
         const double *b = pbw__record2(kernel, kernel->corner[4 * (size_t)t + 1]);
         double ax = a[0] - p[0], ay = a[1] - p[1], bx = b[0] - p[0], by = b[1] - p[1];
-        double height = pbw__larger(pbw__larger(ax * ax + ay * ay, bx * bx + by * by), 1e-140);
+        double height = pbw__max(pbw__max(ax * ax + ay * ay, bx * bx + by * by), 1e-140);
         int past_a = ax * (bx - ax) + ay * (by - ay) > 0.0, past_b = bx * (bx - ax) + by * (by - ay) < 0.0;
         kernel->statistics.walk_steps++;
         if (ax * by - ay * bx > height * PBW__ORIENT2_ERROR) {
             return t;
         }
         if (past_a == past_b
-            || (PBW__UNLIKELY(kernel->owner != NULL) && !pbw__may_cross(kernel, t, (unsigned)past_a))) {
+            || (PBW__UNLIKELY(kernel->own.owner != NULL) && !pbw__may_cross(kernel, t, (unsigned)past_a))) {
             break;
         }
         t = (pbw_index)(kernel->link[4 * (size_t)t + (size_t)past_a] >> 2);
@@ -4703,7 +4741,7 @@ PBW__INLINE pbw_index pbw__walk_hull(pbw__kernel *kernel, pbw_index t, const dou
     return PBW_NONE;
 }
 
-/* The same, an edge in each lane.  Leaves the rows of a finite triangle; the fourth is the first again. */
+/* The same with vectors, an edge in each lane.  *rows: those of a finite triangle; the fourth is the first again. */
 PBW__SIMD_INLINE pbw_index pbw__locate2_simd(pbw__kernel *kernel, pbw_index t, const double *p, int weighted,
                                              pbw__rows2 *rows)
 {
@@ -4723,29 +4761,32 @@ PBW__SIMD_INLINE pbw_index pbw__locate2_simd(pbw__kernel *kernel, pbw_index t, c
         if (v[2] == PBW__GHOST) {
             break;
         }
-        *rows = pbw__rows2_of(kernel->record, v[0], v[1], v[2], v[0], point);
+        {
+            const pbw_index four[4] = { v[0], v[1], v[2], v[0] };
+            *rows = pbw__rows2_of(kernel->record, four, 0, point);
+        }
         sx = PBW__EDGE_START(rows->x), sy = PBW__EDGE_START(rows->y), sh = PBW__EDGE_START(rows->height);
         ex = PBW__EDGE_END(rows->x), ey = PBW__EDGE_END(rows->y), eh = PBW__EDGE_END(rows->height);
         side = pbw__det2(sx, sy, ex, ey);
-        h = pbw__larger4(pbw__larger4(rows->height, pbw__each(1e-140)), pbw__larger4(sh, eh));
-        power = pbw__total(pbw__drop_last(rows->lift * side));
+        h = pbw__max4(pbw__max4(rows->height, pbw__splat(1e-140)), pbw__max4(sh, eh));
+        power = pbw__sum_lanes(pbw__drop_last(rows->lift * side));
         if (pbw__first(power) > pbw__first(pbw__circle_limit(h))) {
             break;
         }
-        bound = h * pbw__each(PBW__ORIENT2_ERROR);
-        outer = pbw__above(-side, bound);
-        far = pbw__keep(outer, rows->height * -side);
-        exits = pbw__signs(outer) & pbw__signs(pbw__equal(far, pbw__highest(far)));
+        bound = h * pbw__splat(PBW__ORIENT2_ERROR);
+        outer = pbw__greater(-side, bound);
+        far = pbw__and4(outer, rows->height * -side);
+        exits = pbw__signs(outer) & pbw__signs(pbw__equal(far, pbw__max_lane(far)));
         exit = (unsigned)__builtin_ctz(exits | 8u);
         if (PBW__UNLIKELY(exits == 0)) {
-            unsigned inner = pbw__signs(pbw__above(side, bound));
+            unsigned inner = pbw__signs(pbw__greater(side, bound));
             exit = pbw__first(h) < kernel->exact_height ? 3 : pbw__exit2(kernel, t, p, inner);
             if (exit == 3) {
                 t = !weighted || pbw__in_conflict2(kernel, t, p) ? t : PBW_NONE;
                 break;
             }
         }
-        if (PBW__UNLIKELY(kernel->owner != NULL) && !pbw__may_cross(kernel, t, exit)) {
+        if (PBW__UNLIKELY(kernel->own.owner != NULL) && !pbw__may_cross(kernel, t, exit)) {
             kernel->last = t;
             t = PBW__FOREIGN;
             break;
@@ -4760,8 +4801,8 @@ PBW__SIMD_INLINE pbw_index pbw__locate2_simd(pbw__kernel *kernel, pbw_index t, c
 /* Where the walk to a vertex starts. */
 PBW__INLINE pbw_index pbw__insert_start(pbw__kernel *kernel, pbw_index vertex)
 {
-    size_t region = vertex >> kernel->store->cell_bits;
-    if (PBW__UNLIKELY(region != kernel->region)) {
+    size_t region = vertex >> kernel->store->region_bits;
+    if (PBW__UNLIKELY(region != kernel->slots.region)) {
         pbw__enter_region(kernel, region);
     }
     return kernel->last != PBW_NONE ? kernel->last : PBW__FOREIGN;
@@ -4771,8 +4812,10 @@ PBW__INLINE pbw_index pbw__insert_start(pbw__kernel *kernel, pbw_index vertex)
 PBW__INLINE pbw_status pbw__located(pbw__kernel *kernel, pbw_index t)
 {
     kernel->last = t < PBW__FOREIGN ? t : kernel->last;
-    return t == PBW__FOREIGN || (t != PBW_NONE && kernel->owner != NULL && !pbw__may_delete(kernel, t)) ? PBW__LEFT
-                                                                                                       : PBW_OK;
+    if (t == PBW__FOREIGN || (t != PBW_NONE && kernel->own.owner != NULL && !pbw__may_delete(kernel, t))) {
+        return PBW__LEFT;
+    }
+    return PBW_OK;
 }
 /* ------------------------------------------------------------------------------------------------------
    >>cavity3      In space: carve every simplex in conflict with the point, refill with the point's star.
@@ -4789,13 +4832,8 @@ PBW__INLINE pbw_status pbw__located(pbw__kernel *kernel, pbw_index t)
    has three vertices in common with the one that it was met from, and the fourth was the far vertex there: vectors
    take rows and numbers over, with one lane replaced, in the order of the corners in memory.
 
-   Errors.  The determinant is a sum of 24 products of x, y, z and a lift.  A product carries 3 rounded translations;
-   in the lift 2 translations, 1 multiplication, 2 additions and for the weight 2 subtractions; 3 multiplications; 1 +
-   2 + 3 additions of the expansion: 19 roundings.  So |error| <= 19u/(1-19u) * 24 h^(3/2) h < 5.1e-14 h^(5/2) where h
-   bounds |x|^2 + |weight difference| of the rows.  h itself is computed with 5 roundings and raised to 5/2: 5.2e-14
-   covers that; a fused multiplication and addition saves a rounding.  Compared as det^2 > (5.2e-14)^2 h^5, h raised
-   to 1e-55 if it is less, so that what underflows is far below the bound; above 4e61 the product h^5, computed first,
-   is infinite and nothing exceeds it.
+   Errors: see >>predicates.  Compared as det^2 with the square of the bound, h raised to 1e-55 if it is less; above
+   4e61 the product h^5, computed first, is infinite and nothing exceeds it.
    Everything the bound leaves open goes to >>predicates.
 
    Small grids.  Where all coordinates are multiples of a unit and all weights of its square (>>predicates has the
@@ -4803,8 +4841,8 @@ PBW__INLINE pbw_status pbw__located(pbw__kernel *kernel, pbw_index t)
    products, 24 H^(5/2) for a height of H units^2.  With H < 6.5e5 that is below 2^53: nothing is rounded, the sign is
    the sign, and zero is a tie.  2D: 6 H^2, H < 3.8e7.  Lattices and coarse scans live on this.
    ------------------------------------------------------------------------------------------------------ */
-/* The local number of a vertex.  Whether it is new takes no branch: no predictor could guess it.  Whether the slot is
-   another vertex's of this cavity, which is rare, is one comparison: compilers make branches of two. */
+/* Returns the local number of a vertex.  Branchless but for collisions, which are rare: whether the vertex is new is
+   unpredictable.  A collision is one comparison: compilers would make two branches of two. */
 PBW__INLINE uint32_t pbw__local(uint64_t *slot, uint64_t stamp, uint32_t *count, pbw_index v)
 {
     const uint64_t key = stamp | (uint64_t)v * PBW__LOCALS;
@@ -4812,7 +4850,7 @@ PBW__INLINE uint32_t pbw__local(uint64_t *slot, uint64_t stamp, uint32_t *count,
     uint32_t at = (v * 0x9e3779b1u) >> 22, number, old;
     for (found = slot[at] ^ key; PBW__UNLIKELY(found - PBW__LOCALS < PBW__STAMP - PBW__LOCALS);
          found = slot[at] ^ key) {
-        at = (at + 1) % PBW__SLOTS;
+        at = (at + 1) % PBW__TABLE;
     }
     old = found < PBW__LOCALS;
     number = old ? (uint32_t)found : *count;
@@ -4829,7 +4867,7 @@ typedef struct pbw__search {
     pbw_index *cavity;
     pbw__carved *carved;
     pbw_index *from, *parent;
-    uint64_t *slot;
+    uint64_t *table;
     size_t cavity_count, facet_count, capacity;
     uint64_t stamp;
     uint32_t local_count;
@@ -4837,29 +4875,29 @@ typedef struct pbw__search {
 
 PBW__INLINE void pbw__search_begin(pbw__kernel *kernel, pbw__search *search, pbw_index t)
 {
-    if (PBW__UNLIKELY(++kernel->stamp == PBW__STAMPS)) {
-        memset(kernel->slot, 0, PBW__SLOTS * sizeof(uint64_t));
-        kernel->stamp = 1;
+    if (PBW__UNLIKELY(++kernel->scratch.stamp == PBW__STAMPS)) {
+        memset(kernel->scratch.table, 0, PBW__TABLE * sizeof(uint64_t));
+        kernel->scratch.stamp = 1;
     }
     search->corner = kernel->corner;
     search->link = kernel->link;
     search->mark = kernel->mark;
-    search->cavity = kernel->cavity;
-    search->carved = kernel->carved;
-    search->from = kernel->from;
-    search->parent = kernel->parent;
-    search->slot = kernel->slot;
+    search->cavity = kernel->scratch.cavity;
+    search->carved = kernel->scratch.carved;
+    search->from = kernel->scratch.from;
+    search->parent = kernel->scratch.parent;
+    search->table = kernel->scratch.table;
     search->cavity_count = 1;
     search->facet_count = 0;
-    search->capacity = kernel->from_capacity;        /* the last of the lists to grow */
-    search->stamp = kernel->stamp * PBW__STAMP;
+    search->capacity = kernel->scratch.from_capacity;        /* the last of the lists to grow */
+    search->stamp = kernel->scratch.stamp * PBW__STAMP;
     search->local_count = 1;                         /* number 0 stands for none */
     search->parent[0] = 4;                           /* the first was met from nowhere: the second stands in */
     search->carved[1].link[0] = (pbw__link)t * 4;
     search->mark[t] = 1;
 }
 
-/* The link to the i-th simplex of the cavity from the one that it was met from. */
+/* Returns the link to the i-th simplex of the cavity from the one through which it was reached. */
 PBW__INLINE pbw__link pbw__search_take(pbw__search *search, size_t i)
 {
     pbw_index facet = search->parent[i];
@@ -4879,9 +4917,9 @@ static PBW__NOINLINE pbw_status pbw__search_leave(pbw__kernel *kernel, pbw__sear
 
 PBW__INLINE void pbw__search_end(pbw__kernel *kernel, const pbw__search *search)
 {
-    kernel->cavity_count = search->cavity_count;
-    kernel->facet_count = search->facet_count;
-    kernel->local_count = search->local_count;
+    kernel->scratch.cavity_count = search->cavity_count;
+    kernel->scratch.facet_count = search->facet_count;
+    kernel->scratch.local_count = search->local_count;
     kernel->statistics.conflict_tests += search->cavity_count + search->facet_count - 1;
 }
 
@@ -4892,11 +4930,11 @@ PBW__INLINE int pbw__search_room(pbw__kernel *kernel, pbw__search *search)
         if (!pbw__grow_lists(kernel, search->cavity_count + search->facet_count + 8)) {
             return 0;
         }
-        search->cavity = kernel->cavity;
-        search->carved = kernel->carved;
-        search->from = kernel->from;
-        search->parent = kernel->parent;
-        search->capacity = kernel->from_capacity;
+        search->cavity = kernel->scratch.cavity;
+        search->carved = kernel->scratch.carved;
+        search->from = kernel->scratch.from;
+        search->parent = kernel->scratch.parent;
+        search->capacity = kernel->scratch.from_capacity;
     }
     return 1;
 }
@@ -4909,24 +4947,24 @@ PBW__INLINE void pbw__search_number(pbw__search *search, size_t i, pbw__link lin
     memcpy(carved->v, search->corner + first, sizeof(carved->v));
     memcpy(carved->link, search->link + first, sizeof(carved->link));
     if (PBW__LIKELY(search->local_count <= PBW__LOCALS - 4)) {
-        carved->local[0] = pbw__local(search->slot, search->stamp, &search->local_count, carved->v[0]);
-        carved->local[1] = pbw__local(search->slot, search->stamp, &search->local_count, carved->v[1]);
-        carved->local[2] = pbw__local(search->slot, search->stamp, &search->local_count, carved->v[2]);
-        carved->local[3] = pbw__local(search->slot, search->stamp, &search->local_count, carved->v[3]);
+        carved->local[0] = pbw__local(search->table, search->stamp, &search->local_count, carved->v[0]);
+        carved->local[1] = pbw__local(search->table, search->stamp, &search->local_count, carved->v[1]);
+        carved->local[2] = pbw__local(search->table, search->stamp, &search->local_count, carved->v[2]);
+        carved->local[3] = pbw__local(search->table, search->stamp, &search->local_count, carved->v[3]);
     }
 }
 
-/* The neighbour across a facet of the cavity, in conflict or not, to the list where it belongs.  Written to both
-   without a branch; the counts move by the verdicts, which no predictor could guess. */
+/* Appends the neighbour across a facet to the cavity or to its boundary.  Branchless: writes to both lists, and the
+   verdict, which is unpredictable, moves one of the counts. */
 PBW__INLINE void pbw__search_sort(pbw__search *search, pbw_index facet, pbw_index o, unsigned inside)
 {
-    unsigned fresh = PBW__LOAD(search->mark + o) ^ 1u;
-    inside &= fresh;
-    PBW__STORE(search->mark + o, (unsigned char)(fresh ^ 1u ^ inside));
+    unsigned unmarked = PBW__LOAD(search->mark + o) ^ 1u;
+    inside &= unmarked;
+    PBW__STORE(search->mark + o, (unsigned char)(unmarked ^ 1u ^ inside));
     search->parent[search->cavity_count] = facet;
     search->cavity_count += inside;
     search->from[search->facet_count] = facet;
-    search->facet_count += fresh ^ inside;
+    search->facet_count += unmarked ^ inside;
 }
 
 #if defined(PBW__SIMD) && !defined(PBW_WIDE)
@@ -4948,15 +4986,15 @@ static const unsigned char pbw__lane_bits[16][4] = {
     { 0, 1, 1, 1 }, { 1, 1, 1, 1 }
 };
 
-/* The same for all four neighbours, which are different simplices: two simplices share at most one facet.  The refill
-   writes links back to those that stay; their lines of the cache are asked for while there are tests to do. */
+/* The same for all four neighbours, which are different simplices: two simplices share at most one facet.  Prefetches
+   the links of those that stay: the refill writes there. */
 PBW__SIMD_INLINE void pbw__search_sort4(pbw__search *search, pbw_index facet, const pbw__link *link, unsigned inside)
 {
     unsigned char *mark = search->mark;
     pbw_index o0 = link[0] >> 2, o1 = link[1] >> 2, o2 = link[2] >> 2, o3 = link[3] >> 2;
     unsigned marked = PBW__LOAD(mark + o0) + 2u * PBW__LOAD(mark + o1)
                     + 4u * (PBW__LOAD(mark + o2) + 2u * PBW__LOAD(mark + o3)), outside;
-    const pbw__i4 lanes = { 0, 1, 2, 3 }, from = pbw__repeat((int32_t)facet) + lanes;
+    const pbw__i4 lanes = { 0, 1, 2, 3 }, from = pbw__splat_i((int32_t)facet) + lanes;
     PBW__PREFETCH(search->link + 4 * (size_t)o0);
     PBW__PREFETCH(search->link + 4 * (size_t)o1);
     PBW__PREFETCH(search->link + 4 * (size_t)o2);
@@ -4973,6 +5011,14 @@ PBW__SIMD_INLINE void pbw__search_sort4(pbw__search *search, pbw_index facet, co
     pbw__store4(search->from + search->facet_count, pbw__shuffle4(from, pbw__front[outside]));
     search->facet_count += pbw__count4(outside);
 }
+#elif defined(PBW__SIMD)
+PBW__SIMD_INLINE void pbw__search_sort4(pbw__search *search, pbw_index facet, const pbw__link *link, unsigned inside)
+{
+    unsigned k;
+    for (k = 0; k < 4; k++) {
+        pbw__search_sort(search, facet + k, (pbw_index)(link[k] >> 2), inside >> k & 1);
+    }
+}
 #endif
 
 #ifdef PBW__SIMD
@@ -4980,9 +5026,9 @@ typedef struct pbw__pairs4 { pbw__pair4 x, y, z, lift; pbw__d4 height; } pbw__pa
 
 PBW__SIMD_INLINE pbw__pairs4 pbw__pairs4_of(const double *record, const pbw_index *v, const pbw__point3 *p)
 {
-    const pbw__d4 zero = pbw__each(0.0);
+    const pbw__d4 zero = pbw__splat(0.0);
     const pbw__point3 origin = { zero, zero, zero, zero, 0 };
-    pbw__rows3 at = pbw__rows3_of(record, 1, v[0], v[1], v[2], v[3], &origin);
+    pbw__rows3 at = pbw__rows3_of(record, v, 1, &origin);
     pbw__pairs4 rows;
     rows.x = pbw__difference4(at.x, p->x, at.ghost);
     rows.y = pbw__difference4(at.y, p->y, at.ghost);
@@ -4993,9 +5039,9 @@ PBW__SIMD_INLINE pbw__pairs4 pbw__pairs4_of(const double *record, const pbw_inde
     return rows;
 }
 
-PBW__SIMD_INLINE void pbw__raise_ghost4(pbw__pairs4 *rows, const pbw_index *v, pbw__d4 height)
+PBW__SIMD_INLINE void pbw__lift_ghosts4(pbw__pairs4 *rows, const pbw_index *v, pbw__d4 height)
 {
-    rows->lift.head = pbw__raise(rows->lift.head, pbw__zeros(v[0], v[1], v[2], v[3]), height);
+    rows->lift.head = pbw__blend_zero(rows->lift.head, pbw__zeros(v[0], v[1], v[2], v[3]), height);
 }
 
 #define PBW__CORNERS4(to, from, corner) \
@@ -5006,19 +5052,16 @@ PBW__SIMD_INLINE void pbw__raise_ghost4(pbw__pairs4 *rows, const pbw_index *v, p
 
 /* The determinants of pbw__carve3_simd in pairs, without weights; v: the corners of a simplex, far: the vertices
    across its facets.  Returns which are certain; *inside: which are positive.
-   With K and E of >>predicates: lift 5, 24; minor with a lift 8, 63; cofactor 12, 143, the last one 8, 63; times the
-   row of the far vertex 14, 195; sum of 4, one after the other, 17, 288.  So |error| <= 288 u^2 * 24 h^(5/2) <
-   8.6e-29 h^(5/2); 9e-29 leaves room for the higher orders and for h.  With h above 1e-20 what underflows is far
-   below that; above 4e61 h^5 is infinite. */
+   With h above 1e-20 what underflows is far below the bound; above 4e61 h^5 is infinite. */
 PBW__SIMD static PBW__NOINLINE unsigned pbw__power4_pairs(const double *record, const pbw_index *v,
                                                           const pbw_index *far, const double *p, unsigned *inside)
 {
     const pbw__point3 point = pbw__point3_of(p, 0);
     pbw__pairs4 r = pbw__pairs4_of(record, v, &point), o = pbw__pairs4_of(record, far, &point), a, b, c;
     pbw__pair4 xy, xz, yz, xl, yl, zl, det;
-    pbw__d4 height = pbw__highest(r.height), h = pbw__larger4(height, o.height), limit = h * h;
-    pbw__raise_ghost4(&r, v, height);
-    pbw__raise_ghost4(&o, far, height);
+    pbw__d4 height = pbw__max_lane(r.height), h = pbw__max4(height, o.height), limit = h * h;
+    pbw__lift_ghosts4(&r, v, height);
+    pbw__lift_ghosts4(&o, far, height);
     PBW__CORNERS4(a, r, PBW__CORNER_A);
     PBW__CORNERS4(b, r, PBW__CORNER_B);
     PBW__CORNERS4(c, r, PBW__CORNER_C);
@@ -5031,8 +5074,8 @@ PBW__SIMD static PBW__NOINLINE unsigned pbw__power4_pairs(const double *record, 
     det = pbw__minus4(det, pbw__times4(o.lift, pbw__sum4(a.x, yz, a.y, xz, a.z, xy)));
     det.head += det.tail;
     *inside = pbw__signs(det.head) ^ 15u;
-    limit = limit * limit * h * pbw__each(9e-29 * 9e-29);
-    return pbw__signs(pbw__keep(pbw__above(det.head * det.head, limit), pbw__above(h, pbw__each(1e-20))));
+    limit = limit * limit * h * pbw__splat(PBW__SPHERE_PAIRS_ERROR * PBW__SPHERE_PAIRS_ERROR);
+    return pbw__signs(pbw__and4(pbw__greater(det.head * det.head, limit), pbw__greater(h, pbw__splat(1e-20))));
 }
 
 PBW__SIMD_INLINE pbw__d4 pbw__dot4(pbw__d4 x, pbw__d4 y, pbw__d4 z, pbw__d4 u, pbw__d4 v, pbw__d4 w)
@@ -5047,9 +5090,9 @@ PBW__SIMD static PBW__NOINLINE unsigned pbw__ties4(const double *record, const p
                                                    const double *p)
 {
     const pbw__point3 point = pbw__point3_of(p, 0);
-    const pbw__d4 zero = pbw__each(0.0), radix = pbw__each(2048.0);
-    pbw__rows3 r = pbw__rows3_of(record, 1, v[0], v[1], v[2], v[3], &point);
-    pbw__rows3 o = pbw__rows3_of(record, 1, far[0], far[1], far[2], far[3], &point);
+    const pbw__d4 zero = pbw__splat(0.0), radix = pbw__splat(2048.0);
+    pbw__rows3 r = pbw__rows3_of(record, v, 1, &point);
+    pbw__rows3 o = pbw__rows3_of(record, far, 1, &point);
     pbw__d4 ax = PBW__CORNER_A(r.x), ay = PBW__CORNER_A(r.y), az = PBW__CORNER_A(r.z);
     pbw__d4 bx = PBW__CORNER_B(r.x), by = PBW__CORNER_B(r.y), bz = PBW__CORNER_B(r.z);
     pbw__d4 cx = PBW__CORNER_C(r.x), cy = PBW__CORNER_C(r.y), cz = PBW__CORNER_C(r.z);
@@ -5066,11 +5109,11 @@ PBW__SIMD static PBW__NOINLINE unsigned pbw__ties4(const double *record, const p
     x = ay * bz - az * by, y = az * bx - ax * bz, z = ax * by - ay * bx;
     coefficient[2] = pbw__dot4(x, y, z, o.x, o.y, o.z);
     for (i = 0; i < 4; i++) {
-        pbw__d4 larger = pbw__clear(pbw__equal(coefficient[i], zero), pbw__above(key[i], largest));
-        largest = pbw__select(largest, key[i], larger);
-        verdict = pbw__select(verdict, coefficient[i], larger);
+        pbw__d4 larger = pbw__andnot4(pbw__equal(coefficient[i], zero), pbw__greater(key[i], largest));
+        largest = pbw__blend(largest, key[i], larger);
+        verdict = pbw__blend(verdict, coefficient[i], larger);
     }
-    return pbw__signs(pbw__above(verdict, zero));
+    return pbw__signs(pbw__greater(verdict, zero));
 }
 
 /* Neighbours of a simplex of the cavity that the filter left open (bits of `certain` not set): the exact verdicts.
@@ -5132,7 +5175,7 @@ static pbw_status pbw__carve3_scalar(pbw__kernel *kernel, pbw_index t, const dou
         link = search.carved[i].link;
         v = search.carved[i].v;
         for (k = 0; k < 4; k++) {
-            height = pbw__larger(height, pbw__row3(kernel, v[k], p, row[k]));
+            height = pbw__max(height, pbw__row3(kernel, v[k], p, row[k]));
         }
         row[3][3] = v[3] == PBW__GHOST ? height : row[3][3];
         for (k = 0; k < 4; k++) {
@@ -5144,7 +5187,7 @@ static pbw_status pbw__carve3_scalar(pbw__kernel *kernel, pbw_index t, const dou
             if (PBW__LOAD(search.mark + (link[k] >> 2))) {
                 continue;
             }
-            h = pbw__larger(pbw__larger(height, pbw__row3(kernel, far, p, row[4])), 1e-55);
+            h = pbw__max(pbw__max(height, pbw__row3(kernel, far, p, row[4])), 1e-55);
             row[4][3] = far == PBW__GHOST ? height : row[4][3];
             xy = b[0] * c[1] - b[1] * c[0], xz = b[0] * c[2] - b[2] * c[0], yz = b[1] * c[2] - b[2] * c[1];
             xl = b[0] * c[3] - b[3] * c[0], yl = b[1] * c[3] - b[3] * c[1], zl = b[2] * c[3] - b[3] * c[2];
@@ -5155,7 +5198,7 @@ static pbw_status pbw__carve3_scalar(pbw__kernel *kernel, pbw_index t, const dou
             if (PBW__UNLIKELY(!(det * det > limit))) {
                 inside = (unsigned)pbw__in_conflict3(kernel, (pbw_index)(link[k] >> 2), p);
             }
-            if (inside && kernel->owner != NULL && !pbw__may_delete(kernel, (pbw_index)(link[k] >> 2))) {
+            if (inside && kernel->own.owner != NULL && !pbw__may_delete(kernel, (pbw_index)(link[k] >> 2))) {
                 return pbw__search_leave(kernel, &search, i);
             }
             pbw__search_sort(&search, (pbw_index)(4 * i + k), (pbw_index)(link[k] >> 2), inside);
@@ -5166,14 +5209,19 @@ static pbw_status pbw__carve3_scalar(pbw__kernel *kernel, pbw_index t, const dou
 }
 
 #ifdef PBW__SIMD
-/* The rows of the latest simplices of the cavity, and of the vertices across their facets.  Few in tests with small
-   shares, which are to meet simplices out of their reach. */
-#ifdef PBW_SMALL_SHARES
+/* The rows of the latest simplices of the cavity, and of the vertices across their facets.  Tests hold few, so that
+   they also reach simplices that are no longer held. */
+#ifdef PBW__TEST_SMALL_SHARES
 #define PBW__HELD 8
 #else
 #define PBW__HELD 64
 #endif
 typedef struct pbw__held { pbw__d4 x, y, z, lift, far_x, far_y, far_z, far_lift; } pbw__held;
+typedef struct pbw__latest {
+    pbw__held held[PBW__HELD];
+    pbw__d4 heights[PBW__HELD][2];                   /* of weighted rows; else they are the lifts */
+    unsigned char lacking[PBW__HELD];                /* >>parallel: the corners that are not ours, as a set */
+} pbw__latest;
 
 /* By lanes: all bits in lane k; the number m in lane k, at 4 * k + m. */
 static const int64_t pbw__lane[4][4] = { { -1, 0, 0, 0 }, { 0, -1, 0, 0 }, { 0, 0, -1, 0 }, { 0, 0, 0, -1 } };
@@ -5199,9 +5247,9 @@ PBW__SIMD_INLINE pbw__order4 pbw__search_inherit(pbw__search *search, size_t i, 
     pbw__store4(carved->v, v);
     memcpy(carved->link, search->link + first, sizeof(carved->link));
     if (PBW__LIKELY(search->local_count < PBW__LOCALS)) {
-        uint32_t fresh = pbw__local(search->slot, search->stamp, &search->local_count, search->corner[link]);
+            uint32_t number = pbw__local(search->table, search->stamp, &search->local_count, search->corner[link]);
         pbw__store4(carved->local, pbw__permute4(pbw__load4(parent->local), place));
-        carved->local[link & 3] = fresh;
+        carved->local[link & 3] = number;
     }
     return pbw__order4_of(place);
 }
@@ -5209,106 +5257,111 @@ PBW__SIMD_INLINE pbw__order4 pbw__search_inherit(pbw__search *search, size_t i, 
 /* Lanes of a, or of b where `lane` says so, in an order that pbw__search_inherit found. */
 PBW__SIMD_INLINE pbw__d4 pbw__take_over(pbw__d4 a, pbw__d4 b, pbw__d4 lane, pbw__order4 order)
 {
-    return pbw__reorder(pbw__select(a, b, lane), order);
+    return pbw__reorder(pbw__blend(a, b, lane), order);
 }
 
-/* The same, a facet in each lane. */
+/* The rows of the i-th simplex of the cavity, numbered on the way; the ghost's is raised, so minors need not wait for
+   the height.  Rows that are still held are taken over. */
+PBW__SIMD_INLINE pbw__rows3 pbw__carve_rows(pbw__search *search, size_t i, pbw__link link, const double *record,
+                                            const pbw__point3 *point, const pbw__latest *latest)
+{
+    const pbw_index facet = search->parent[i];
+    pbw__rows3 r;
+    if (PBW__UNLIKELY(i - (facet >> 2) >= PBW__HELD)) {
+        pbw__d4 height;
+        pbw__search_number(search, i, link);
+        r = pbw__rows3_of(record, search->carved[i].v, 1, point);
+        height = pbw__max_lane(r.height);
+        r.lift = pbw__blend_zero(r.lift, r.ghost, height);
+        r.height = pbw__blend_zero(r.height, r.ghost, height);
+    } else {
+        const pbw__held *from = latest->held + (facet >> 2) % PBW__HELD;
+        const pbw__d4 *heights = latest->heights[(facet >> 2) % PBW__HELD];
+        const pbw__d4 lane = pbw__mask(pbw__lane[facet & 3]);
+        const pbw__order4 order = pbw__search_inherit(search, i, facet, link);
+        r.x = pbw__take_over(from->x, from->far_x, lane, order);
+        r.y = pbw__take_over(from->y, from->far_y, lane, order);
+        r.z = pbw__take_over(from->z, from->far_z, lane, order);
+        r.lift = pbw__take_over(from->lift, from->far_lift, lane, order);
+        r.height = point->weighted ? pbw__take_over(heights[0], heights[1], lane, order) : r.lift;
+    }
+    return r;
+}
+
+/* The determinants of the neighbours: rows r of the simplex, rows o of the far vertices. */
+PBW__SIMD_INLINE pbw__d4 pbw__sphere4(const pbw__rows3 *r, const pbw__rows3 *o)
+{
+    const pbw__d4 ax = PBW__CORNER_A(r->x), ay = PBW__CORNER_A(r->y), az = PBW__CORNER_A(r->z);
+    const pbw__d4 bx = PBW__CORNER_B(r->x), by = PBW__CORNER_B(r->y), bz = PBW__CORNER_B(r->z);
+    const pbw__d4 cx = PBW__CORNER_C(r->x), cy = PBW__CORNER_C(r->y), cz = PBW__CORNER_C(r->z);
+    const pbw__d4 al = PBW__CORNER_A(r->lift), bl = PBW__CORNER_B(r->lift), cl = PBW__CORNER_C(r->lift);
+    const pbw__d4 xy = pbw__det2(bx, by, cx, cy), xz = pbw__det2(bx, bz, cx, cz), yz = pbw__det2(by, bz, cy, cz);
+    const pbw__d4 xl = pbw__det2(bx, bl, cx, cl), yl = pbw__det2(by, bl, cy, cl), zl = pbw__det2(bz, bl, cz, cl);
+    pbw__d4 det = o->x * pbw__fma(al, yz, pbw__det2(ay, az, yl, zl));
+    det = pbw__fnma(o->y, pbw__fma(al, xz, pbw__det2(ax, az, xl, zl)), det);
+    det = pbw__fma(o->z, pbw__fma(al, xy, pbw__det2(ax, ay, xl, yl)), det);
+    return pbw__fnma(o->lift, pbw__fma(az, xy, pbw__det2(ax, ay, xz, yz)), det);
+}
+
+/* The search with vectors, a facet in each lane. */
 PBW__SIMD_INLINE pbw_status pbw__carve3_simd(pbw__kernel *kernel, pbw_index t, const double *p, int weighted)
 {
     const pbw__point3 point = pbw__point3_of(p, weighted);
-    const pbw__d4 exact_height = pbw__each(kernel->exact_height);
+    const pbw__d4 exact_height = pbw__splat(kernel->exact_height);
     const pbw_index *corner = kernel->corner;
     const double *record = kernel->record;
-    const int owned = kernel->owner != NULL;
-    unsigned char lacking[PBW__HELD];                /* >>parallel: which corner is not ours, as a set */
-    pbw__held held[PBW__HELD];
-    pbw__d4 heights[PBW__HELD][2];                   /* of weighted rows; else they are the lifts */
+    const int owned = kernel->own.owner != NULL;
+    pbw__latest latest;
     pbw__search search;
     size_t i;
     pbw__search_begin(kernel, &search, t);
     for (i = 0; i < search.cavity_count; i++) {
-        const pbw_index facet = search.parent[i];
-        const size_t met = facet >> 2;
-        pbw__held *here = held + i % PBW__HELD;
-        const pbw__link *around;
-        pbw__carved *carved;
+        const size_t met = search.parent[i] >> 2;    /* the simplex from which this one was reached */
+        pbw__held *here = latest.held + i % PBW__HELD;
         pbw__link link;
         pbw__rows3 r, o;
-        pbw__d4 height, ax, ay, az, al, bx, by, bz, bl, cx, cy, cz, cl, xy, xz, yz, xl, yl, zl, det, h, limit;
-        pbw__d4 rounded;
+        pbw__d4 height, det, h, limit, rounded;
         unsigned certain, inside;
         if (PBW__UNLIKELY(!pbw__search_room(kernel, &search))) {
             return PBW_ERROR_MEMORY;
         }
-        carved = search.carved + i;
         link = pbw__search_take(&search, i);
-        if (PBW__UNLIKELY(i - met >= PBW__HELD)) {
-            pbw__search_number(&search, i, link);
-            r = pbw__rows3_of(record, 1, carved->v[0], carved->v[1], carved->v[2], carved->v[3], &point);
-            height = pbw__highest(r.height);
-            r.lift = pbw__raise(r.lift, r.ghost, height);
-            r.height = pbw__raise(r.height, r.ghost, height);
-        } else {                                     /* raised before: minors need not wait for the height */
-            const pbw__held *from = held + met % PBW__HELD;
-            const pbw__d4 *from_height = heights[met % PBW__HELD];
-            const pbw__d4 lane = pbw__mask(pbw__lane[facet & 3]);
-            const pbw__order4 order = pbw__search_inherit(&search, i, facet, link);
-            r.x = pbw__take_over(from->x, from->far_x, lane, order);
-            r.y = pbw__take_over(from->y, from->far_y, lane, order);
-            r.z = pbw__take_over(from->z, from->far_z, lane, order);
-            r.lift = pbw__take_over(from->lift, from->far_lift, lane, order);
-            r.height = weighted ? pbw__take_over(from_height[0], from_height[1], lane, order) : r.lift;
-            height = pbw__highest(r.height);
+        r = pbw__carve_rows(&search, i, link, record, &point, &latest);
+        height = pbw__max_lane(r.height);
+        {
+            const pbw__link *around = search.link + (link & ~(pbw__link)3);      /* carved->link is being written */
+            const pbw_index far[4] = { corner[around[0]], corner[around[1]], corner[around[2]], corner[around[3]] };
+            o = pbw__rows3_of(record, far, 1, &point);
         }
-        around = search.link + (link & ~(pbw__link)3);           /* as carved->link, which is only being written */
-        o = pbw__rows3_of(record, 1, corner[around[0]], corner[around[1]], corner[around[2]], corner[around[3]],
-                          &point);
-        o.lift = pbw__raise(o.lift, o.ghost, height);
+        o.lift = pbw__blend_zero(o.lift, o.ghost, height);
         here->x = r.x, here->y = r.y, here->z = r.z, here->lift = r.lift;
         here->far_x = o.x, here->far_y = o.y, here->far_z = o.z, here->far_lift = o.lift;
         if (weighted) {
-            heights[i % PBW__HELD][0] = r.height;
-            heights[i % PBW__HELD][1] = pbw__raise(o.height, o.ghost, height);
+            latest.heights[i % PBW__HELD][0] = r.height;
+            latest.heights[i % PBW__HELD][1] = pbw__blend_zero(o.height, o.ghost, height);
         }
-        ax = PBW__CORNER_A(r.x), ay = PBW__CORNER_A(r.y), az = PBW__CORNER_A(r.z), al = PBW__CORNER_A(r.lift);
-        bx = PBW__CORNER_B(r.x), by = PBW__CORNER_B(r.y), bz = PBW__CORNER_B(r.z), bl = PBW__CORNER_B(r.lift);
-        cx = PBW__CORNER_C(r.x), cy = PBW__CORNER_C(r.y), cz = PBW__CORNER_C(r.z), cl = PBW__CORNER_C(r.lift);
-        xy = pbw__det2(bx, by, cx, cy), xz = pbw__det2(bx, bz, cx, cz);
-        yz = pbw__det2(by, bz, cy, cz), xl = pbw__det2(bx, bl, cx, cl);
-        yl = pbw__det2(by, bl, cy, cl), zl = pbw__det2(bz, bl, cz, cl);
-        det = o.x * pbw__fma(al, yz, pbw__det2(ay, az, yl, zl));
-        det = pbw__fnma(o.y, pbw__fma(al, xz, pbw__det2(ax, az, xl, zl)), det);
-        det = pbw__fma(o.z, pbw__fma(al, xy, pbw__det2(ax, ay, xl, yl)), det);
-        det = pbw__fnma(o.lift, pbw__fma(az, xy, pbw__det2(ax, ay, xz, yz)), det);
-        h = pbw__larger4(pbw__larger4(height, o.height), pbw__each(1e-55));
+        det = pbw__sphere4(&r, &o);
+        h = pbw__max4(pbw__max4(height, o.height), pbw__splat(1e-55));
         limit = h * h;
         rounded = pbw__at_least(h, exact_height);
-        limit = pbw__keep(rounded, limit * limit * h * pbw__each(PBW__SPHERE_ERROR * PBW__SPHERE_ERROR));
-        certain = pbw__signs(pbw__above(det * det, limit));
+        limit = pbw__and4(rounded, limit * limit * h * pbw__splat(PBW__SPHERE_ERROR * PBW__SPHERE_ERROR));
+        certain = pbw__signs(pbw__greater(det * det, limit));
         inside = pbw__signs(det) ^ 15u;
         if (PBW__UNLIKELY(certain != 15)) {
-            inside = pbw__search_exact(kernel, carved, certain, inside, pbw__signs(rounded), p);
+            inside = pbw__search_exact(kernel, search.carved + i, certain, inside, pbw__signs(rounded), p);
         }
-        if (PBW__UNLIKELY(owned)) {                  /* of the one that it was met from three corners are the same */
-            const unsigned lack = i - met < PBW__HELD && lacking[met % PBW__HELD] == 0
+        if (PBW__UNLIKELY(owned)) {                  /* three corners are also corners of the simplex met before */
+            const pbw__carved *carved = search.carved + i;
+            const unsigned lack = i - met < PBW__HELD && latest.lacking[met % PBW__HELD] == 0
                                 ? (pbw__is_ours(kernel, corner[link]) ^ 1u) << (link & 3)
                                 : pbw__lacking4(kernel, carved->v[0], carved->v[1], carved->v[2], carved->v[3]);
-            lacking[i % PBW__HELD] = (unsigned char)lack;
+            latest.lacking[i % PBW__HELD] = (unsigned char)lack;
             if (PBW__UNLIKELY(lack != 0) && (inside & ~lack) != 0
                 && !pbw__may_delete_all(kernel, carved, lack, inside)) {
                 return pbw__search_leave(kernel, &search, i);
             }
         }
-#ifdef PBW_WIDE
-        {
-            unsigned k;
-            for (k = 0; k < 4; k++) {
-                pbw__search_sort(&search, (pbw_index)(4 * i + k), (pbw_index)(carved->link[k] >> 2), inside >> k & 1);
-            }
-        }
-#else
-        pbw__search_sort4(&search, (pbw_index)(4 * i), carved->link, inside);
-#endif
+        pbw__search_sort4(&search, (pbw_index)(4 * i), search.carved[i].link, inside);
     }
     pbw__search_end(kernel, &search);
     return PBW_OK;
@@ -5321,26 +5374,25 @@ static PBW__NOINLINE pbw_status pbw__sew3_wide(pbw__kernel *kernel)
 {
     size_t slots = 256, i;
     unsigned k;
-    while (slots < 3 * kernel->facet_count) {        /* 3 edges for 2 facets: at most half full */
+    while (slots < 3 * kernel->scratch.facet_count) {        /* 3 edges for 2 facets: at most half full */
         slots *= 2;
     }
-    if (slots > kernel->wide_capacity
-        && !pbw__resize_array(&kernel->context->memory, &kernel->wide_edge, &kernel->wide_capacity, slots,
-                              sizeof(pbw__edge))) {
+    if (slots > kernel->scratch.wide_capacity
+        && !PBW__RESIZE(&kernel->context->memory, &kernel->scratch, wide, slots)) {
         return PBW_ERROR_MEMORY;
     }
-    memset(kernel->wide_edge, 0, slots * sizeof(pbw__edge));     /* low == high: empty */
-    for (i = 0; i < kernel->facet_count; i++) {
-        const pbw_index *v = kernel->corner + 4 * (size_t)kernel->cavity[i];
+    memset(kernel->scratch.wide, 0, slots * sizeof(pbw__edge));     /* low == high: empty */
+    for (i = 0; i < kernel->scratch.facet_count; i++) {
+        const pbw_index *v = kernel->corner + 4 * (size_t)kernel->scratch.cavity[i];
         for (k = 1; k < 4; k++) {
             pbw_index a = v[k == 1 ? 3 : k - 1], b = v[k == 3 ? 1 : k + 1];
             pbw_index low = a < b ? a : b, high = a < b ? b : a;
-            pbw__link here = (pbw__link)kernel->cavity[i] * 4 + k;
+            pbw__link here = (pbw__link)kernel->scratch.cavity[i] * 4 + k;
             size_t at = (size_t)((((uint64_t)low << 32 | high) * 0x9e3779b97f4a7c15u) >> 32) & (slots - 1);
-            pbw__edge *edge = kernel->wide_edge + at;
+            pbw__edge *edge = kernel->scratch.wide + at;
             while (edge->low != edge->high && (edge->low != low || edge->high != high)) {
                 at = (at + 1) & (slots - 1);
-                edge = kernel->wide_edge + at;
+                edge = kernel->scratch.wide + at;
             }
             if (edge->low == edge->high) {
                 edge->low = low;
@@ -5359,16 +5411,17 @@ static PBW__NOINLINE pbw_status pbw__sew3_wide(pbw__kernel *kernel)
    the one whose vertices are nearest along the curve: others may reach far. */
 static PBW__NOINLINE pbw_status pbw__refill3(pbw__kernel *kernel, pbw_index vertex)
 {
-    const size_t count = kernel->facet_count, side = kernel->local_count > PBW__FEW - 4 ? PBW__LOCALS : PBW__FEW;
+    const size_t count = kernel->scratch.facet_count;
+    const size_t side = kernel->scratch.local_count > PBW__FEW - 4 ? PBW__LOCALS : PBW__FEW;
     uint64_t least = UINT64_MAX;
     size_t i;
     unsigned k;
     for (i = 0; i < count; i++) {
-        const pbw__carved *carved = kernel->carved + (kernel->from[i] >> 2);
-        const unsigned char *corner = pbw__facet_corners[kernel->from[i] & 3] + 1;
-        pbw__link base = (pbw__link)kernel->cavity[i] * 4, beyond = carved->link[kernel->from[i] & 3];
+        const pbw__carved *carved = kernel->scratch.carved + (kernel->scratch.from[i] >> 2);
+        const unsigned char *corner = pbw__facet_corners[kernel->scratch.from[i] & 3] + 1;
+        pbw__link base = (pbw__link)kernel->scratch.cavity[i] * 4, beyond = carved->link[kernel->scratch.from[i] & 3];
         uint64_t apart = 0;
-        PBW__STORE(kernel->mark + kernel->cavity[i], 0);
+        PBW__STORE(kernel->mark + kernel->scratch.cavity[i], 0);
         kernel->corner[base] = vertex;
         kernel->link[base] = beyond;
         kernel->link[beyond] = base;
@@ -5377,30 +5430,30 @@ static PBW__NOINLINE pbw_status pbw__refill3(pbw__kernel *kernel, pbw_index vert
             kernel->corner[base + k + 1] = v;
             apart += v < vertex ? vertex - v : v - vertex;
         }
-        kernel->last = apart < least ? kernel->cavity[i] : kernel->last;
+        kernel->last = apart < least ? kernel->scratch.cavity[i] : kernel->last;
         least = apart < least ? apart : least;
     }
-    if (PBW__UNLIKELY(kernel->local_count > PBW__LOCALS - 4)) {
+    if (PBW__UNLIKELY(kernel->scratch.local_count > PBW__LOCALS - 4)) {
         return pbw__sew3_wide(kernel);
     }
-    if (!pbw__grow(kernel, &kernel->edge, &kernel->edge_capacity, side * side, sizeof(pbw__link))) {
+    if (!PBW__GROW(kernel, &kernel->scratch, edge, side * side)) {
         return PBW_ERROR_MEMORY;
     }
     for (i = 0; i < count; i++) {
-        const pbw_index *local = kernel->carved[kernel->from[i] >> 2].local;
-        const unsigned char *corner = pbw__facet_corners[kernel->from[i] & 3] + 1;
-        pbw__link base = (pbw__link)kernel->cavity[i] * 4;
-        kernel->edge[local[corner[1]] * side + local[corner[2]]] = base + 1;
-        kernel->edge[local[corner[2]] * side + local[corner[0]]] = base + 2;
-        kernel->edge[local[corner[0]] * side + local[corner[1]]] = base + 3;
+        const pbw_index *local = kernel->scratch.carved[kernel->scratch.from[i] >> 2].local;
+        const unsigned char *corner = pbw__facet_corners[kernel->scratch.from[i] & 3] + 1;
+        pbw__link base = (pbw__link)kernel->scratch.cavity[i] * 4;
+        kernel->scratch.edge[local[corner[1]] * side + local[corner[2]]] = base + 1;
+        kernel->scratch.edge[local[corner[2]] * side + local[corner[0]]] = base + 2;
+        kernel->scratch.edge[local[corner[0]] * side + local[corner[1]]] = base + 3;
     }
     for (i = 0; i < count; i++) {
-        const pbw_index *local = kernel->carved[kernel->from[i] >> 2].local;
-        const unsigned char *corner = pbw__facet_corners[kernel->from[i] & 3] + 1;
-        pbw__link *link = kernel->link + (pbw__link)kernel->cavity[i] * 4;
-        link[1] = kernel->edge[local[corner[2]] * side + local[corner[1]]];
-        link[2] = kernel->edge[local[corner[0]] * side + local[corner[2]]];
-        link[3] = kernel->edge[local[corner[1]] * side + local[corner[0]]];
+        const pbw_index *local = kernel->scratch.carved[kernel->scratch.from[i] >> 2].local;
+        const unsigned char *corner = pbw__facet_corners[kernel->scratch.from[i] & 3] + 1;
+        pbw__link *link = kernel->link + (pbw__link)kernel->scratch.cavity[i] * 4;
+        link[1] = kernel->scratch.edge[local[corner[2]] * side + local[corner[1]]];
+        link[2] = kernel->scratch.edge[local[corner[0]] * side + local[corner[2]]];
+        link[3] = kernel->scratch.edge[local[corner[1]] * side + local[corner[0]]];
     }
     return PBW_OK;
 }
@@ -5413,19 +5466,19 @@ PBW__SIMD_INLINE pbw__i4 pbw__facet_lanes(pbw_index facet)
     return pbw__widen(corners);
 }
 
-/* The same, a simplex in one vector. */
+/* The refill with vectors, a simplex in each. */
 PBW__SIMD_INLINE pbw_status pbw__refill3_simd(pbw__kernel *kernel, pbw_index vertex)
 {
-    const pbw__i4 new_corner = pbw__repeat((int32_t)vertex);
-    pbw__carved *carved = kernel->carved;
+    const pbw__i4 new_corner = pbw__splat_i((int32_t)vertex);
+    pbw__carved *carved = kernel->scratch.carved;
     pbw_index *corners = kernel->corner;
-    const pbw_index *cavity = kernel->cavity, *from = kernel->from;
-    pbw__link *links = kernel->link, *edge = kernel->edge;
+    const pbw_index *cavity = kernel->scratch.cavity, *from = kernel->scratch.from;
+    pbw__link *links = kernel->link, *edge = kernel->scratch.edge;
     unsigned char *mark = kernel->mark;
-    size_t i, count = kernel->facet_count;
+    size_t i, count = kernel->scratch.facet_count;
     uint32_t least = UINT32_MAX;
     pbw_index nearest = cavity[0];
-    if (PBW__UNLIKELY(kernel->local_count > PBW__FEW - 4)) {
+    if (PBW__UNLIKELY(kernel->scratch.local_count > PBW__FEW - 4)) {
         return pbw__refill3(kernel, vertex);
     }
     for (i = 0; i < count; i++) {
@@ -5443,7 +5496,7 @@ PBW__SIMD_INLINE pbw_status pbw__refill3_simd(pbw__kernel *kernel, pbw_index ver
         pbw__store4(corners + base, v);
         links[base] = beyond;
         links[beyond] = base;
-        pbw__store4(kernel->back + 4 * i, (last << 6) + next);
+        pbw__store4(kernel->scratch.back + 4 * i, (last << 6) + next);
         nearest = apart < least ? slot : nearest;
         least = apart < least ? apart : least;
         edge[low >> 32] = base + 1;
@@ -5451,7 +5504,7 @@ PBW__SIMD_INLINE pbw_status pbw__refill3_simd(pbw__kernel *kernel, pbw_index ver
         edge[high >> 32] = base + 3;
     }
     for (i = 0; i < count; i++) {
-        const pbw_index *back = kernel->back + 4 * i;
+        const pbw_index *back = kernel->scratch.back + 4 * i;
         pbw__link *link = links + cavity[i] * 4;
         link[1] = edge[back[1]];
         link[2] = edge[back[2]];
@@ -5468,11 +5521,10 @@ PBW__SIMD_INLINE pbw_status pbw__refill3_simd(pbw__kernel *kernel, pbw_index ver
    In: a triangle in conflict.  Out: the star of the new vertex.   (Bowyer 1981, Watson 1981)
    Holds before and after: the invariants of >>mesh.
 
-   Errors, counted as in >>cavity3.  2D: 6 products of x, y and a lift; 2 translations; lift 2 + 1 + 1 + 2; 2
-   multiplications; 1 + 2 additions: 13 roundings, 13u * 6 h^2 < 8.7e-15 h^2; 9e-15 with the roundings of h; h raised
-   to 1e-140.  In vectors the triangle (o, e, s) across an edge s e has the determinant o.x (s.l e.y - e.l s.y) + o.y
-   (e.l s.x - s.l e.x) - o.l (s.x e.y - e.x s.y), with as many roundings.  There the bound is computed from 8 h h,
-   which is infinite before a partial sum, of at most 6 h^2, can be.  What the bound leaves open goes to >>predicates.
+   Errors: see >>predicates; h is raised to 1e-140.  In vectors the triangle (o, e, s) across an edge s e has the
+   determinant o.x (s.l e.y - e.l s.y) + o.y (e.l s.x - s.l e.x) - o.l (s.x e.y - e.x s.y).  There the bound is
+   computed from 8 h h, which is infinite before a partial sum, of at most 6 h^2, can be.  What it leaves
+   open goes to >>predicates.
    ------------------------------------------------------------------------------------------------------ */
 /* det of rows (x, y, lift) of the corners relative to p: > 0 if the triangle is in conflict.  Returns the verdict. */
 PBW__INLINE int pbw__test2(pbw__kernel *kernel, pbw_index t, const double *p)
@@ -5486,7 +5538,7 @@ PBW__INLINE int pbw__test2(pbw__kernel *kernel, pbw_index t, const double *p)
         double a2 = ax * ax + ay * ay, b2 = bx * bx + by * by, c2 = cx * cx + cy * cy;
         double det =
             (a2 - aw) * (bx * cy - by * cx) + (b2 - bw) * (cx * ay - cy * ax) + (c2 - cw) * (ax * by - ay * bx);
-        double height = pbw__larger(pbw__larger(a2 + pbw__size(aw), b2 + pbw__size(bw)), c2 + pbw__size(cw));
+        double height = pbw__max(pbw__max(a2 + pbw__abs(aw), b2 + pbw__abs(bw)), c2 + pbw__abs(cw));
         limit = height > 1e-140 && height < 1e140 ? PBW__CIRCLE_ERROR * height * height : HUGE_VAL;
         if (det > limit || det < -limit) {
             return det > 0.0;
@@ -5494,7 +5546,7 @@ PBW__INLINE int pbw__test2(pbw__kernel *kernel, pbw_index t, const double *p)
     } else {
         double side = ax * by - ay * bx;
         double size =
-            pbw__larger(pbw__larger(pbw__size(ax), pbw__size(ay)), pbw__larger(pbw__size(bx), pbw__size(by)));
+            pbw__max(pbw__max(pbw__abs(ax), pbw__abs(ay)), pbw__max(pbw__abs(bx), pbw__abs(by)));
         limit = size > 1e-140 && size < 1e140 ? PBW__ORIENT2_ERROR * size * size : HUGE_VAL;
         if (side > limit || side < -limit) {
             return side > 0.0;
@@ -5511,40 +5563,39 @@ static pbw_status pbw__carve2(pbw__kernel *kernel, pbw_index t, const double *p)
     const pbw__link *links = kernel->link;
     size_t stack_count = 3;
     int k;
-    kernel->cavity[0] = t;
-    kernel->cavity_count = 1;
-    kernel->facet_count = 0;
+    kernel->scratch.cavity[0] = t;
+    kernel->scratch.cavity_count = 1;
+    kernel->scratch.facet_count = 0;
     kernel->mark[t] = 1;
     for (k = 0; k < 3; k++) {
-        kernel->stack[k] = links[4 * (size_t)t + 2 - (size_t)k];
+        kernel->scratch.stack[k] = links[4 * (size_t)t + 2 - (size_t)k];
     }
     while (stack_count > 0) {
-        pbw__link link = kernel->stack[--stack_count];
+        pbw__link link = kernel->scratch.stack[--stack_count];
         pbw_index o = (pbw_index)(link >> 2);
         unsigned via = (unsigned)(link & 3), left = via == 2 ? 0 : via + 1, right = via == 0 ? 2 : via - 1;
         if (kernel->mark[o]) {
             continue;
         }
         if (pbw__test2(kernel, o, p)) {
-            if (kernel->owner != NULL && !pbw__may_delete(kernel, o)) {
-                return pbw__leave_cavity(kernel, kernel->cavity_count);
+            if (kernel->own.owner != NULL && !pbw__may_delete(kernel, o)) {
+                return pbw__leave_cavity(kernel, kernel->scratch.cavity_count);
             }
-            if ((kernel->cavity_count == kernel->cavity_capacity
-                 && !pbw__grow_lists(kernel, kernel->cavity_count + 1))
-                || !pbw__grow(kernel, &kernel->stack, &kernel->stack_capacity, stack_count + 2,
-                              sizeof(pbw__link))) {
+            if ((kernel->scratch.cavity_count == kernel->scratch.cavity_capacity
+                 && !pbw__grow_lists(kernel, kernel->scratch.cavity_count + 1))
+                || !PBW__GROW(kernel, &kernel->scratch, stack, stack_count + 2)) {
                 return PBW_ERROR_MEMORY;
             }
             kernel->mark[o] = 1;
-            kernel->cavity[kernel->cavity_count++] = o;
-            kernel->stack[stack_count++] = links[4 * (size_t)o + right];
-            kernel->stack[stack_count++] = links[4 * (size_t)o + left];
+            kernel->scratch.cavity[kernel->scratch.cavity_count++] = o;
+            kernel->scratch.stack[stack_count++] = links[4 * (size_t)o + right];
+            kernel->scratch.stack[stack_count++] = links[4 * (size_t)o + left];
         } else {
-            if (kernel->facet_count + 1 >= kernel->beyond_capacity
-                && !pbw__grow_lists(kernel, kernel->facet_count + 2)) {
+            if (kernel->scratch.facet_count + 1 >= kernel->scratch.beyond_capacity
+                && !pbw__grow_lists(kernel, kernel->scratch.facet_count + 2)) {
                 return PBW_ERROR_MEMORY;
             }
-            kernel->beyond[kernel->facet_count++] = link;
+            kernel->scratch.beyond[kernel->scratch.facet_count++] = link;
         }
     }
     return PBW_OK;
@@ -5558,30 +5609,27 @@ PBW__INLINE pbw_index pbw__edge_start(const pbw__kernel *kernel, pbw__link beyon
 
 static pbw_status pbw__refill2(pbw__kernel *kernel, pbw_index vertex)
 {
-    size_t count = kernel->facet_count, i;
-    pbw_index last_start = pbw__edge_start(kernel, kernel->beyond[count - 1]);
-    pbw_status status = pbw__take_slots(kernel);
-    if (status != PBW_OK) {
-        return status;
-    }
-    kernel->beyond[count] = kernel->beyond[0];
+    size_t count = kernel->scratch.facet_count, i;
+    pbw_index last_start = pbw__edge_start(kernel, kernel->scratch.beyond[count - 1]);
+    kernel->scratch.beyond[count] = kernel->scratch.beyond[0];
     for (i = 0; i < count; i++) {
-        pbw__link beyond = kernel->beyond[i], base = (pbw__link)kernel->cavity[i] << 2;
+        pbw__link beyond = kernel->scratch.beyond[i], base = (pbw__link)kernel->scratch.cavity[i] << 2;
         pbw_index *v = kernel->corner + base;
         pbw__link *n = kernel->link + base;
-        pbw_index start = pbw__edge_start(kernel, beyond), end = pbw__edge_start(kernel, kernel->beyond[i + 1]);
+        pbw_index start = pbw__edge_start(kernel, beyond);
+        pbw_index end = pbw__edge_start(kernel, kernel->scratch.beyond[i + 1]);
         /* Corner numbers in (vertex, start, end), turned once if `start` is the ghost. */
         unsigned turn = start == PBW__GHOST, from = turn ? 2 : 1, to = turn ? 0 : 2;
         /* Across from `end` lies the triangle before, which ends where we begin: its corner across from us is its
            `start`. */
         unsigned before_from = last_start == PBW__GHOST ? 2 : 1, after_to = end == PBW__GHOST ? 0 : 2;
-        kernel->mark[kernel->cavity[i]] = 0;
+        kernel->mark[kernel->scratch.cavity[i]] = 0;
         v[turn] = vertex;
         v[from] = start;
         v[to] = end;
         n[turn] = beyond;
-        n[to] = (pbw__link)kernel->cavity[i == 0 ? count - 1 : i - 1] << 2 | before_from;
-        n[from] = (pbw__link)kernel->cavity[i + 1 == count ? 0 : i + 1] << 2 | after_to;
+        n[to] = (pbw__link)kernel->scratch.cavity[i == 0 ? count - 1 : i - 1] << 2 | before_from;
+        n[from] = (pbw__link)kernel->scratch.cavity[i + 1 == count ? 0 : i + 1] << 2 | after_to;
         kernel->link[beyond] = base | turn;
         last_start = start;
     }
@@ -5589,12 +5637,16 @@ static pbw_status pbw__refill2(pbw__kernel *kernel, pbw_index vertex)
 }
 
 #ifdef PBW__SIMD
-/* 2D, where no vertex becomes hidden: then all vertices of the cavity lie on its boundary, and no triangle is met
-   twice: there is nothing to mark.  The boundary is kept as a ring.  Edge i goes from start to end, counter-clockwise
-   seen from inside; beyond is the link across it.  When the triangle there joins the cavity, two edges take the place
-   of this one, with the far vertex between them: the first keeps its number, the second goes behind it in the ring.
-   The queue has the numbers of the edges to be tested, four at a time, and zeros behind them.  Nothing is written to
-   the triangulation before the star is, so what does not fit a ring is left to pbw__carve2. */
+/* The vector search, for cavities from which no vertex disappears, as without weights none does: then all vertices of
+   the cavity are on its boundary and no triangle is met twice, so nothing is marked.  The boundary is a ring of
+   edges.  Edge i goes from start to end, counter-clockwise seen from inside; beyond is the link across it.  When the
+   triangle there joins the cavity, two edges replace this one, with the far vertex between them: the first keeps its
+   number, the second follows it in the ring.  The queue has the numbers of the edges to be tested, four at a time,
+   and zeros behind them.  Nothing is written to the triangulation before the star is: a cavity that does not fit the
+   ring is left to pbw__carve2.
+
+   The ghost vertex has the row (0, 0, W), W the height of the triangle, as in >>cavity3.  The search begins without
+   ghosts and goes on in pbw__ring_hull once it meets one. */
 #define PBW__RING 32
 
 /* The corners of a triangle after and before this one. */
@@ -5605,77 +5657,92 @@ typedef struct pbw__ring {
     pbw_index start[PBW__RING], end[PBW__RING];
     pbw_index slot[PBW__RING];                       /* of the cavity; then of the star */
     pbw__link beyond[PBW__RING];
-    unsigned next[PBW__RING], count, tail;
+    unsigned next[PBW__RING], count, tail, hull;     /* hull: the search has met the ghost vertex */
     unsigned char queue[2 * PBW__RING + 4];
 } pbw__ring;
 
-/* The determinants of four triangles (o, e, s), met across the edges s e, and what bounds the heights. */
-PBW__SIMD_INLINE pbw__d4 pbw__circle4(pbw__rows2 s, pbw__rows2 e, pbw__rows2 o, pbw__d4 *height)
+/* Four triangles (o, e, s), met across the edges s e. */
+typedef struct pbw__triangles { pbw__rows2 s, e, o; } pbw__triangles;
+
+/* Their determinants, and a bound of the heights. */
+PBW__SIMD_INLINE pbw__d4 pbw__circle4(const pbw__triangles *t, pbw__d4 *height)
 {
-    pbw__d4 det = o.y * pbw__det2(e.lift, s.lift, e.x, s.x);
-    det = pbw__fma(o.x, pbw__det2(s.lift, e.lift, s.y, e.y), det);
-    *height = pbw__larger4(pbw__larger4(s.height, e.height), pbw__larger4(o.height, pbw__each(1e-140)));
-    return pbw__fnma(o.lift, pbw__det2(s.x, s.y, e.x, e.y), det);
+    pbw__d4 det = t->o.y * pbw__det2(t->e.lift, t->s.lift, t->e.x, t->s.x);
+    det = pbw__fma(t->o.x, pbw__det2(t->s.lift, t->e.lift, t->s.y, t->e.y), det);
+    *height = pbw__max4(pbw__max4(t->s.height, t->e.height), pbw__max4(t->o.height, pbw__splat(1e-140)));
+    return pbw__fnma(t->o.lift, pbw__det2(t->s.x, t->s.y, t->e.x, t->e.y), det);
 }
 
-/* Which of them are in conflict; in `certain` the lanes for which that is known. */
-PBW__SIMD_INLINE unsigned pbw__test2_simd(pbw__rows2 s, pbw__rows2 e, pbw__rows2 o, unsigned *certain)
+/* A tighter bound of the errors, which takes longer: the sum of the absolute products is far below 6 h^2 where only
+   some of the vertices are far from the point, as in the thin triangles of points on a curve.  13u times that sum is
+   less than 1.5e-15 times what is computed here, with as many roundings.  What underflows, a product of two or three
+   rows or a lift, is multiplied by two coordinates at most: less than 1e-300 (1 + h) in all. */
+PBW__SIMD_INLINE pbw__d4 pbw__thin_limit(const pbw__triangles *t, pbw__d4 h)
 {
-    pbw__d4 h, det = pbw__circle4(s, e, o, &h);
-    *certain = pbw__signs(pbw__above(pbw__size4(det), pbw__circle_limit(h)));
+    const pbw__d4 sx = pbw__abs4(t->s.x), sy = pbw__abs4(t->s.y), ex = pbw__abs4(t->e.x), ey = pbw__abs4(t->e.y);
+    pbw__d4 sum = pbw__abs4(t->o.y) * pbw__fma(t->e.height, sx, t->s.height * ex);
+    sum = pbw__fma(pbw__abs4(t->o.x), pbw__fma(t->s.height, ey, t->e.height * sy), sum);
+    sum = pbw__fma(t->o.height, pbw__fma(sx, ey, sy * ex), sum) * pbw__splat(8.0);
+    return pbw__fma(sum, pbw__splat(PBW__THIN_ERROR / 8.0), pbw__fma(h, pbw__splat(1e-300), pbw__splat(1e-300)));
+}
+
+/* Returns which of them are in conflict; in `certain` the lanes for which that is known.  At the hull triangles are
+   often thin. */
+PBW__SIMD_INLINE unsigned pbw__test2_simd(const pbw__triangles *t, int hull, unsigned *certain)
+{
+    pbw__d4 h, det = pbw__circle4(t, &h);
+    *certain = pbw__signs(pbw__greater(pbw__abs4(det), hull ? pbw__thin_limit(t, h) : pbw__circle_limit(h)));
     return pbw__signs(det) ^ 15u;
 }
 
-/* A bound of the errors that takes longer: the sum of the absolute products, which is far below 6 h^2 where only some
-   of the vertices are far from the point, as in the thin triangles of points on a curve.  13u times that is less than
-   1.5e-15 times what is computed here, of as many roundings.  What underflows, a product of two or three rows or a
-   lift, is multiplied by two coordinates at most: less than 1e-300 (1 + h) in all. */
-PBW__SIMD_INLINE pbw__d4 pbw__thin_limit(pbw__rows2 s, pbw__rows2 e, pbw__rows2 o, pbw__d4 h)
-{
-    const pbw__d4 sx = pbw__size4(s.x), sy = pbw__size4(s.y), ex = pbw__size4(e.x), ey = pbw__size4(e.y);
-    pbw__d4 sum = pbw__size4(o.y) * pbw__fma(e.height, sx, s.height * ex);
-    sum = pbw__fma(pbw__size4(o.x), pbw__fma(s.height, ey, e.height * sy), sum);
-    sum = pbw__fma(o.height, pbw__fma(sx, ey, sy * ex), sum) * pbw__each(8.0);
-    return pbw__fma(sum, pbw__each(1.5e-15 / 8.0), pbw__fma(h, pbw__each(1e-300), pbw__each(1e-300)));
-}
-
-/* The lanes that pbw__test2_simd left open and that can be settled here; their verdicts in *inside.  Where nothing is
+/* Settles lanes that pbw__test2_simd left open, and returns them; their verdicts are in *inside.  Where nothing is
    rounded, the sign is the sign, and the rule of pbw__conflict in >>predicates breaks ties between finite vertices.
    The coefficients of the lifts are those of the determinant. */
-PBW__SIMD static PBW__NOINLINE unsigned pbw__settle2_rows(pbw__kernel *kernel, const pbw__rows2 *s,
-                                                          const pbw__rows2 *e, const pbw__rows2 *o,
+PBW__SIMD static PBW__NOINLINE unsigned pbw__settle2_rows(pbw__kernel *kernel, const pbw__triangles *t,
                                                           unsigned open, unsigned *inside)
 {
-    const pbw__d4 zero = pbw__each(0.0);
-    const pbw__rows2 *corner[3];
-    pbw__d4 h, det = pbw__circle4(*s, *e, *o, &h);
-    pbw__d4 exact = pbw__above(pbw__each(kernel->exact_height), h), side[3], x = zero, y = zero;
-    pbw__d4 verdict = zero, tied = pbw__keep(exact, pbw__equal(det, zero));
-    unsigned settled = pbw__signs(pbw__clear(tied, exact)) & open, ties;
+    const pbw__rows2 *const s = &t->s, *const e = &t->e, *const o = &t->o, *const corner[3] = { s, e, o };
+    const pbw__d4 zero = pbw__splat(0.0);
+    pbw__d4 h, det = pbw__circle4(t, &h);
+    pbw__d4 exact = pbw__greater(pbw__splat(kernel->exact_height), h), side[3], x = zero, y = zero;
+    pbw__d4 verdict = zero, tied = pbw__and4(exact, pbw__equal(det, zero));
+    unsigned settled = pbw__signs(pbw__andnot4(tied, exact)) & open, ties;
     int i;
     if ((open & ~pbw__signs(exact)) != 0) {
-        settled |= open & pbw__signs(pbw__above(pbw__size4(det), pbw__thin_limit(*s, *e, *o, h)));
+        settled |= open & pbw__signs(pbw__greater(pbw__abs4(det), pbw__thin_limit(t, h)));
     }
-    ties = pbw__signs(tied) & open;
+    ties = open & pbw__signs(pbw__andnot4(pbw__or4(pbw__or4(s->ghost, e->ghost), o->ghost), tied));
     if (ties == 0) {
         return settled;
     }
-    corner[0] = s, corner[1] = e, corner[2] = o;
     side[0] = pbw__det2(o->x, o->y, e->x, e->y);
     side[1] = pbw__det2(s->x, s->y, o->x, o->y);
     side[2] = pbw__det2(e->x, e->y, s->x, s->y);
     for (i = 0; i < 3; i++) {                        /* the lexicographically largest, if it is larger than p */
         const pbw__d4 vx = corner[i]->x, vy = corner[i]->y;
-        pbw__d4 larger = pbw__keep(pbw__equal(vx, x), pbw__above(vy, y));
-        larger = pbw__either(larger, pbw__above(vx, x));
-        larger = pbw__clear(pbw__equal(side[i], zero), larger);
-        x = pbw__select(x, vx, larger);
-        y = pbw__select(y, vy, larger);
-        verdict = pbw__select(verdict, pbw__above(side[i], zero), larger);
+        pbw__d4 larger = pbw__and4(pbw__equal(vx, x), pbw__greater(vy, y));
+        larger = pbw__or4(larger, pbw__greater(vx, x));
+        larger = pbw__andnot4(pbw__equal(side[i], zero), larger);
+        x = pbw__blend(x, vx, larger);
+        y = pbw__blend(y, vy, larger);
+        verdict = pbw__blend(verdict, pbw__greater(side[i], zero), larger);
     }
     *inside = (*inside & ~ties) | (pbw__signs(verdict) & ties);
     kernel->statistics.exact_tests += pbw__count4(ties);
     return settled | ties;
+}
+
+/* Calls it with a copy of the rows, so that the compiler keeps them in memory only where a lane is open.  (And no
+   vector is an argument of a call: gcc for Windows leaves those unaligned.) */
+PBW__SIMD_INLINE unsigned pbw__settle2(pbw__kernel *kernel, const pbw__triangles *t, unsigned open, unsigned *inside)
+{
+    if (open != 0) {
+        const pbw__triangles copy = *t;
+        unsigned verdicts = *inside;
+        open = pbw__settle2_rows(kernel, &copy, open, &verdicts);
+        *inside = verdicts;
+    }
+    return open;
 }
 
 typedef struct pbw__pairs2 { pbw__pair4 x, y, lift; pbw__d4 ghost; } pbw__pairs2;
@@ -5687,71 +5754,48 @@ PBW__SIMD_INLINE pbw__pairs2 pbw__pairs2_of(const double *record, const pbw_inde
     pbw__columns(record + 3 * (size_t)v[0], record + 3 * (size_t)v[1], record + 3 * (size_t)v[2],
                  record + 3 * (size_t)v[3], &x, &y);
     rows.ghost = pbw__zeros(v[0], v[1], v[2], v[3]); /* PBW__GHOST */
-    rows.x = pbw__difference4(x, pbw__each(p[0]), rows.ghost);
-    rows.y = pbw__difference4(y, pbw__each(p[1]), rows.ghost);
+    rows.x = pbw__difference4(x, pbw__splat(p[0]), rows.ghost);
+    rows.y = pbw__difference4(y, pbw__splat(p[1]), rows.ghost);
     rows.lift = pbw__plus4(pbw__times4(rows.x, rows.x), pbw__times4(rows.y, rows.y));
     return rows;
 }
 
-/* The determinants of pbw__test2_simd in pairs, without weights.  Returns which are certain; *inside: which are
-   positive.
-   With K and E of >>predicates: lift 4, 15; cross 4, 15, with a lift 7, 48; times the row of the far vertex 9, 80 and
-   9, 71; sum of 3, one after the other, 11, 120.  So |error| <= 120 u^2 * 6 h^2 < 8.9e-30 h^2; 9e-30 leaves room for
-   the higher orders and for h.  With h above 1e-20 what underflows is far below that; above 1e154 h^2 is infinite. */
-PBW__SIMD static PBW__NOINLINE unsigned pbw__circle4_pairs(const double *record, const pbw_index *start,
-                                                           const pbw_index *end, const pbw_index *far,
+/* The determinants of pbw__test2_simd in pairs, without weights; corner: starts, ends and far vertices of four edges.
+   Returns which are certain; *inside: which are positive.
+   With h above 1e-20 what underflows is far below the bound; above 1e154 h^2 is infinite. */
+PBW__SIMD static PBW__NOINLINE unsigned pbw__circle4_pairs(const double *record, pbw_index corner[3][4],
                                                            const double *p, unsigned *inside)
 {
-    pbw__pairs2 s = pbw__pairs2_of(record, start, p), e = pbw__pairs2_of(record, end, p);
-    pbw__pairs2 o = pbw__pairs2_of(record, far, p);
-    pbw__d4 h = pbw__larger4(pbw__larger4(s.lift.head, e.lift.head), o.lift.head), size;
+    pbw__pairs2 s = pbw__pairs2_of(record, corner[0], p), e = pbw__pairs2_of(record, corner[1], p);
+    pbw__pairs2 o = pbw__pairs2_of(record, corner[2], p);
+    pbw__d4 h = pbw__max4(pbw__max4(s.lift.head, e.lift.head), o.lift.head), size;
     pbw__pair4 det;
-    s.lift.head = pbw__raise(s.lift.head, s.ghost, h);
-    e.lift.head = pbw__raise(e.lift.head, e.ghost, h);
-    o.lift.head = pbw__raise(o.lift.head, o.ghost, h);
+    s.lift.head = pbw__blend_zero(s.lift.head, s.ghost, h);
+    e.lift.head = pbw__blend_zero(e.lift.head, e.ghost, h);
+    o.lift.head = pbw__blend_zero(o.lift.head, o.ghost, h);
     det = pbw__sum4(o.x, pbw__cross4(s.lift, s.y, e.lift, e.y), o.y, pbw__cross4(s.lift, s.x, e.lift, e.x),
                     o.lift, pbw__cross4(e.x, e.y, s.x, s.y));
     det.head += det.tail;
     *inside = pbw__signs(det.head) ^ 15u;
-    size = pbw__size4(det.head);
-    return pbw__signs(pbw__keep(pbw__above(size, h * h * pbw__each(9e-30)), pbw__above(h, pbw__each(1e-20))));
+    size = pbw__abs4(det.head);
+    return pbw__signs(pbw__and4(pbw__greater(size, h * h * pbw__splat(PBW__CIRCLE_PAIRS_ERROR)),
+                                pbw__greater(h, pbw__splat(1e-20))));
 }
 
-/* Whether triangle t = (o, e, s) is in conflict, where the filter leaves it open; without weights. */
-PBW__SIMD static PBW__NOINLINE int pbw__open2(pbw__kernel *kernel, pbw_index s, pbw_index e, pbw_index o, pbw_index t,
-                                              const double *p)
-{
-    const pbw_index start[4] = { s, s, s, s }, end[4] = { e, e, e, e }, far[4] = { o, o, o, o };
-    unsigned inside;
-    return pbw__circle4_pairs(kernel->record, start, end, far, p, &inside) != 0 ? inside != 0
-                                                                                : pbw__in_conflict2(kernel, t, p);
-}
-
-/* The same with copies of what it looks at, so that the compiler need not keep that in memory for those who have no
-   such lanes.  (And no vector is an argument of a call: gcc for Windows leaves those unaligned.) */
-PBW__SIMD_INLINE unsigned pbw__settle2(pbw__kernel *kernel, pbw__rows2 s, pbw__rows2 e, pbw__rows2 o, unsigned open,
-                                       unsigned *inside)
-{
-    unsigned verdicts = *inside;
-    open = open != 0 ? pbw__settle2_rows(kernel, &s, &e, &o, open, &verdicts) : 0;
-    *inside = verdicts;
-    return open;
-}
-
-/* The verdicts that are still open. */
+/* The exact verdicts on the next edges of the queue, for lanes that are still open. */
 static PBW__NOINLINE unsigned pbw__ring_exact(pbw__kernel *kernel, const pbw__ring *ring, unsigned head,
                                               unsigned open, const double *p)
 {
-    pbw_index start[4], end[4], far[4];
+    pbw_index corner[3][4];
     unsigned inside = 0, k;
     for (k = 0; k < 4; k++) {
         unsigned edge = ring->queue[head + k];
-        start[k] = ring->start[edge];
-        end[k] = ring->end[edge];
-        far[k] = kernel->corner[ring->beyond[edge]];
+        corner[0][k] = ring->start[edge];
+        corner[1][k] = ring->end[edge];
+        corner[2][k] = kernel->corner[ring->beyond[edge]];
     }
     if (!kernel->weighted) {
-        unsigned positive, certain = open & pbw__circle4_pairs(kernel->record, start, end, far, p, &positive);
+        unsigned positive, certain = open & pbw__circle4_pairs(kernel->record, corner, p, &positive);
         inside = certain & positive;
         open &= ~certain;
     }
@@ -5764,8 +5808,8 @@ static PBW__NOINLINE unsigned pbw__ring_exact(pbw__kernel *kernel, const pbw__ri
     return inside;
 }
 
-/* The triangles beyond these of the next edges in the queue join the cavity.  PBW_ERROR_TOO_LARGE: with weights, a
-   vertex was met again, and may become hidden. */
+/* The triangles beyond these of the next edges in the queue join the cavity.  PBW__NO_FIT: with weights, a vertex was
+   met again, and may become hidden. */
 PBW__SIMD_INLINE pbw_status pbw__ring_split(pbw__kernel *kernel, pbw__ring *ring, unsigned head,
                                             unsigned inside, int weighted)
 {
@@ -5781,9 +5825,9 @@ PBW__SIMD_INLINE pbw_status pbw__ring_split(pbw__kernel *kernel, pbw__ring *ring
             met |= ring->start[i] == far;
         }
         if (PBW__UNLIKELY(met)) {
-            return PBW_ERROR_TOO_LARGE;
+            return PBW__NO_FIT;
         }
-        if (PBW__UNLIKELY(kernel->owner != NULL) && far != PBW__GHOST && !pbw__owns(kernel, far)) {
+        if (PBW__UNLIKELY(kernel->own.owner != NULL) && far != PBW__GHOST && !pbw__owns(kernel, far)) {
             return PBW__LEFT;                        /* all others of the ring are ours, or the ghost */
         }
         ring->slot[count - 2] = (pbw_index)(beyond >> 2);
@@ -5805,26 +5849,121 @@ PBW__SIMD_INLINE pbw_status pbw__ring_split(pbw__kernel *kernel, pbw__ring *ring
     return PBW_OK;
 }
 
-/* Tests the next edges of the queue, of rows s and e, with the far vertices o.  PBW_ERROR_TOO_LARGE: they may not fit
-   the ring. */
-PBW__SIMD_INLINE pbw_status pbw__ring_step(pbw__kernel *kernel, pbw__ring *ring, unsigned head, int weighted,
-                                           pbw__rows2 s, pbw__rows2 e, pbw__rows2 o, const double *p)
+/* Tests the triangles across the next edges of the queue; those in conflict join the cavity.  PBW__NO_FIT: they may
+   not fit the ring. */
+PBW__SIMD_INLINE pbw_status pbw__ring_step(pbw__kernel *kernel, pbw__ring *ring, unsigned head,
+                                           const pbw__triangles *t, pbw__point2 point, int hull)
 {
-    unsigned certain, inside = pbw__test2_simd(s, e, o, &certain);
+    unsigned certain, inside = pbw__test2_simd(t, hull, &certain);
     unsigned all = pbw__first_lanes(ring->tail - head);
     inside &= all;
     if (PBW__UNLIKELY((certain & all) != all)) {
         PBW__PHASE(PBW__EXACT);
-        certain |= pbw__settle2(kernel, s, e, o, all & ~certain, &inside);
+        certain |= pbw__settle2(kernel, t, all & ~certain, &inside);
         if ((certain & all) != all) {
-            inside = (inside & certain) | pbw__ring_exact(kernel, ring, head, all & ~certain, p);
+            inside = (inside & certain) | pbw__ring_exact(kernel, ring, head, all & ~certain, point.p);
         }
         PBW__PHASE(PBW__CAVITY);
     }
     if (PBW__UNLIKELY(ring->count > PBW__RING - 4)) {
-        return PBW_ERROR_TOO_LARGE;
+        return PBW__NO_FIT;
     }
-    return pbw__ring_split(kernel, ring, head, inside, weighted);
+    return pbw__ring_split(kernel, ring, head, inside, point.weighted);
+}
+
+PBW__SIMD static PBW__NOINLINE pbw_status pbw__ring_hull(pbw__kernel *kernel, pbw__ring *ring, unsigned head,
+                                                         const double *p);
+
+PBW__SIMD_INLINE void pbw__lift_ghosts2(pbw__rows2 *rows, pbw__d4 height)
+{
+    rows->lift = pbw__blend_zero(rows->lift, rows->ghost, height);
+    rows->height = pbw__blend_zero(rows->height, rows->ghost, height);
+}
+
+/* Tests the edges of the queue from `head` on, as long as there are any. */
+PBW__SIMD_INLINE pbw_status pbw__ring_finish(pbw__kernel *kernel, pbw__ring *ring, unsigned head, pbw__point2 point,
+                                             int hull)
+{
+    const pbw_index *corner = kernel->corner;
+    const double *record = kernel->record;
+    pbw_status status = PBW_OK;
+    while (head < ring->tail && status == PBW_OK) {
+        const unsigned char *queue = ring->queue + head;
+        const unsigned i0 = queue[0], i1 = queue[1], i2 = queue[2], i3 = queue[3];
+        const unsigned next = head + 4 < ring->tail ? head + 4 : ring->tail;
+        const pbw_index start[4] = { ring->start[i0], ring->start[i1], ring->start[i2], ring->start[i3] };
+        const pbw_index end[4] = { ring->end[i0], ring->end[i1], ring->end[i2], ring->end[i3] };
+        const pbw_index far[4] = { corner[ring->beyond[i0]], corner[ring->beyond[i1]], corner[ring->beyond[i2]],
+                                   corner[ring->beyond[i3]] };
+        pbw__triangles t;
+        if (!hull && PBW__UNLIKELY(far[0] == PBW__GHOST || far[1] == PBW__GHOST || far[2] == PBW__GHOST
+                                   || far[3] == PBW__GHOST)) {
+            return pbw__ring_hull(kernel, ring, head, point.p);
+        }
+        t.s = pbw__rows2_of(record, start, hull, point);
+        t.e = pbw__rows2_of(record, end, hull, point);
+        t.o = pbw__rows2_of(record, far, hull, point);
+        if (hull) {
+            const pbw__d4 h = pbw__max4(pbw__max4(t.s.height, t.e.height), t.o.height);
+            pbw__lift_ghosts2(&t.s, h);
+            pbw__lift_ghosts2(&t.e, h);
+            pbw__lift_ghosts2(&t.o, h);
+        }
+        status = pbw__ring_step(kernel, ring, head, &t, point, hull);
+        head = next;
+    }
+    return status;
+}
+
+/* From a ghost of corners a and b: tests the triangle behind it, (c, b, a), and the two across its edges a c and c b,
+   all at once.  *head is then how many edges of the queue are done with: 0 if another ghost may be in conflict.  The
+   edges of the hull that have the point beyond them, or in line with them, follow one another: so this ghost is the
+   only one if the point is strictly behind the next edge on either side.  Without weights. */
+PBW__SIMD_INLINE pbw_status pbw__ring_start_hull(pbw__kernel *kernel, pbw__ring *ring, pbw__point2 point,
+                                                 unsigned *head)
+{
+    const pbw_index *corner = kernel->corner;
+    const pbw__link *link = kernel->link, behind = ring->beyond[2];
+    const pbw_index a = ring->start[2], b = ring->end[2], c = corner[behind];
+    const pbw_index far[4] = { c, corner[link[PBW__AFTER(behind)]], corner[link[PBW__BEFORE(behind)]], c };
+    const pbw_index rows[4] = { a, b, c, a };
+    const pbw__rows2 r = pbw__rows2_of(kernel->record, rows, 0, point);
+    const double *next = pbw__record2(kernel, corner[ring->beyond[0]]);
+    const double *last = pbw__record2(kernel, corner[ring->beyond[1]]);
+    double error[2];
+    const double after = pbw__right_of(pbw__record2(kernel, b), next, point.p, error);
+    const double before = pbw__right_of(last, pbw__record2(kernel, a), point.p, error + 1);
+    const unsigned finite = 1u | (unsigned)(far[1] != PBW__GHOST) << 1 | (unsigned)(far[2] != PBW__GHOST) << 2;
+    pbw__triangles t;
+    unsigned certain, inside;
+    pbw_status status;
+    t.o = pbw__rows2_of(kernel->record, far, 1, point);
+    t.s.x = PBW__PICK(r.x, 0, 0, 2, 0), t.s.y = PBW__PICK(r.y, 0, 0, 2, 0), t.s.lift = PBW__PICK(r.lift, 0, 0, 2, 0);
+    t.e.x = PBW__PICK(r.x, 1, 2, 1, 1), t.e.y = PBW__PICK(r.y, 1, 2, 1, 1), t.e.lift = PBW__PICK(r.lift, 1, 2, 1, 1);
+    t.s.height = t.s.lift, t.e.height = t.e.lift;
+    t.s.ghost = t.e.ghost = pbw__splat(0.0);
+    inside = pbw__test2_simd(&t, 1, &certain) & finite;
+    if (!(after < -error[0] && before < -error[1]) || ((certain | ~finite) & 7) != 7) {
+        return PBW_OK;
+    }
+    ring->queue[0] = 2;
+    ring->tail = 1;
+    status = pbw__ring_split(kernel, ring, 0, inside & 1, 0);
+    *head = ring->tail;
+    return status == PBW_OK && (inside & 1) != 0 ? pbw__ring_split(kernel, ring, 1, inside >> 1, 0) : status;
+}
+
+/* The rest of a search that has met the ghost vertex. */
+PBW__SIMD static PBW__NOINLINE pbw_status pbw__ring_hull(pbw__kernel *kernel, pbw__ring *ring, unsigned head,
+                                                         const double *p)
+{
+    const pbw__point2 point = pbw__point2_of(p, kernel->weighted);
+    pbw_status status = PBW_OK;
+    ring->hull = 1;
+    if (head == 0 && ring->start[1] == PBW__GHOST && !kernel->weighted) {
+        status = pbw__ring_start_hull(kernel, ring, point, &head);
+    }
+    return status == PBW_OK ? pbw__ring_finish(kernel, ring, head, point, 1) : status;
 }
 
 /* Tests the first three edges, and at the same time the six that would take their places: waiting for the verdicts
@@ -5832,57 +5971,54 @@ PBW__SIMD_INLINE pbw_status pbw__ring_step(pbw__kernel *kernel, pbw__ring *ring,
    Only without weights.  A triangle that is looked at and not deleted has a vertex of the first one, which is ours:
    (a) and (b) of >>parallel hold for it. */
 PBW__SIMD_INLINE pbw_status pbw__ring_start(pbw__kernel *kernel, pbw__ring *ring, const pbw__link *beyond,
-                                            const pbw__rows2 *s, const pbw__rows2 *e, const pbw__rows2 *o,
-                                            pbw__point2 point, unsigned *head)
+                                            const pbw__triangles *t, pbw__point2 point, unsigned *head)
 {
     const pbw_index *corner = kernel->corner;
     const pbw__link *link = kernel->link;
-    pbw_index a0 = corner[link[PBW__AFTER(beyond[0])]], a1 = corner[link[PBW__AFTER(beyond[1])]],
-              a2 = corner[link[PBW__AFTER(beyond[2])]], b0 = corner[link[PBW__BEFORE(beyond[0])]],
-              b1 = corner[link[PBW__BEFORE(beyond[1])]], b2 = corner[link[PBW__BEFORE(beyond[2])]];
-    pbw__rows2 far_after = pbw__rows2_of(kernel->record, a0, a1, a2, a0, point);
-    pbw__rows2 far_before = pbw__rows2_of(kernel->record, b0, b1, b2, b0, point);
-    unsigned certain[3], inside = pbw__test2_simd(*s, *e, *o, &certain[0]) & 7;
-    unsigned after = pbw__test2_simd(*s, *o, far_after, &certain[1]);
-    unsigned before = pbw__test2_simd(*o, *e, far_before, &certain[2]);
+    const pbw_index a0 = corner[link[PBW__AFTER(beyond[0])]], a1 = corner[link[PBW__AFTER(beyond[1])]],
+                    a2 = corner[link[PBW__AFTER(beyond[2])]], b0 = corner[link[PBW__BEFORE(beyond[0])]],
+                    b1 = corner[link[PBW__BEFORE(beyond[1])]], b2 = corner[link[PBW__BEFORE(beyond[2])]];
+    const pbw_index a[4] = { a0, a1, a2, a0 }, b[4] = { b0, b1, b2, b0 };
+    pbw__triangles after, before;
+    unsigned certain[3], inside[3];
     pbw_status status;
+    after.s = t->s, after.e = t->o, after.o = pbw__rows2_of(kernel->record, a, 0, point);
+    before.s = t->o, before.e = t->e, before.o = pbw__rows2_of(kernel->record, b, 0, point);
+    inside[0] = pbw__test2_simd(t, 0, &certain[0]) & 7;
+    inside[1] = pbw__test2_simd(&after, 0, &certain[1]);
+    inside[2] = pbw__test2_simd(&before, 0, &certain[2]);
     if (PBW__UNLIKELY(a0 == PBW__GHOST || a1 == PBW__GHOST || a2 == PBW__GHOST || b0 == PBW__GHOST || b1 == PBW__GHOST
                       || b2 == PBW__GHOST)) {
         return PBW_OK;
     }
     if (PBW__UNLIKELY((certain[0] & certain[1] & certain[2]) != 15)) {
         PBW__PHASE(PBW__EXACT);
-        certain[0] |= pbw__settle2(kernel, *s, *e, *o, 7 & ~certain[0], &inside);
-        certain[1] |= pbw__settle2(kernel, *s, *o, far_after, inside & ~certain[1], &after);
-        certain[2] |= pbw__settle2(kernel, *o, *e, far_before, inside & ~certain[2], &before);
+        certain[0] |= pbw__settle2(kernel, t, 7 & ~certain[0], &inside[0]);
+        certain[1] |= pbw__settle2(kernel, &after, inside[0] & ~certain[1], &inside[1]);
+        certain[2] |= pbw__settle2(kernel, &before, inside[0] & ~certain[2], &inside[2]);
         PBW__PHASE(PBW__CAVITY);
-        if ((certain[0] & 7) != 7 || (inside & ~(certain[1] & certain[2])) != 0) {
+        if ((certain[0] & 7) != 7 || (inside[0] & ~(certain[1] & certain[2])) != 0) {
             return PBW_OK;
         }
     }
-    status = pbw__ring_split(kernel, ring, 0, inside, 0);
+    status = pbw__ring_split(kernel, ring, 0, inside[0], 0);
     *head = ring->tail;
     return status != PBW_OK ? status                 /* those in the queue */
-                            : pbw__ring_split(kernel, ring, 3, pbw__pairs_of(after, before, inside), 0);
+                            : pbw__ring_split(kernel, ring, 3, pbw__pairs_of(inside[1], inside[2], inside[0]), 0);
 }
 
-/* Finds the cavity of p from t, a finite triangle in conflict, of these rows.  PBW_ERROR_TOO_LARGE: it may have
-   ghosts, or not fit the ring. */
+/* Finds the cavity of the point from t, a triangle in conflict, of these rows if it is finite.  PBW__NO_FIT: the
+   cavity does not fit the ring, or a vertex may become hidden. */
 PBW__SIMD_INLINE pbw_status pbw__carve2_simd(pbw__kernel *kernel, pbw__ring *ring, pbw_index t,
-                                             const pbw__rows2 *rows, const double *p, int weighted)
+                                             const pbw__rows2 *rows, pbw__point2 point)
 {
     const pbw_index *corner = kernel->corner, *v = corner + 4 * (size_t)t;
     const pbw__link *link = kernel->link + 4 * (size_t)t;
     const pbw__link beyond[3] = { link[0], link[1], link[2] };
-    const pbw_index far[3] = { corner[beyond[0]], corner[beyond[1]], corner[beyond[2]] };
-    const double *record = kernel->record;
-    const pbw__point2 point = pbw__point2_of(p, weighted);
-    pbw__rows2 s, e, o;
+    const pbw_index far[4] = { corner[beyond[0]], corner[beyond[1]], corner[beyond[2]], corner[beyond[0]] };
+    pbw__triangles first;
     pbw_status status = PBW_OK;
     unsigned head = 0;
-    if (PBW__UNLIKELY(far[0] == PBW__GHOST || far[1] == PBW__GHOST || far[2] == PBW__GHOST)) {
-        return PBW_ERROR_TOO_LARGE;
-    }
     ring->slot[0] = t;
     ring->start[0] = ring->end[2] = v[1];
     ring->start[1] = ring->end[0] = v[2];
@@ -5898,33 +6034,24 @@ PBW__SIMD_INLINE pbw_status pbw__carve2_simd(pbw__kernel *kernel, pbw__ring *rin
     ring->queue[2] = 2;
     ring->queue[3] = 0;
     ring->count = ring->tail = 3;
-    o = pbw__rows2_of(record, far[0], far[1], far[2], far[0], point);
-    s.x = PBW__EDGE_START(rows->x), s.y = PBW__EDGE_START(rows->y), s.lift = PBW__EDGE_START(rows->lift);
-    e.x = PBW__EDGE_END(rows->x), e.y = PBW__EDGE_END(rows->y), e.lift = PBW__EDGE_END(rows->lift);
-    s.height = PBW__EDGE_START(rows->height), e.height = PBW__EDGE_END(rows->height);
-    if (!weighted) {
-        status = pbw__ring_start(kernel, ring, beyond, &s, &e, &o, point, &head);
+    ring->hull = 0;
+    if (PBW__UNLIKELY(v[2] == PBW__GHOST || far[0] == PBW__GHOST || far[1] == PBW__GHOST || far[2] == PBW__GHOST)) {
+        return pbw__ring_hull(kernel, ring, 0, point.p);
+    }
+    first.o = pbw__rows2_of(kernel->record, far, 0, point);
+    first.s.x = PBW__EDGE_START(rows->x), first.s.y = PBW__EDGE_START(rows->y);
+    first.e.x = PBW__EDGE_END(rows->x), first.e.y = PBW__EDGE_END(rows->y);
+    first.s.lift = PBW__EDGE_START(rows->lift), first.s.height = PBW__EDGE_START(rows->height);
+    first.e.lift = PBW__EDGE_END(rows->lift), first.e.height = PBW__EDGE_END(rows->height);
+    first.s.ghost = first.e.ghost = pbw__splat(0.0);
+    if (!point.weighted) {
+        status = pbw__ring_start(kernel, ring, beyond, &first, point, &head);
     }
     if (PBW__UNLIKELY(head == 0)) {
-        status = pbw__ring_step(kernel, ring, 0, weighted, s, e, o, p);
+        status = pbw__ring_step(kernel, ring, 0, &first, point, 0);
         head = 3;
     }
-    while (head < ring->tail && status == PBW_OK) {
-        const unsigned char *queue = ring->queue + head;
-        unsigned i0 = queue[0], i1 = queue[1], i2 = queue[2], i3 = queue[3], next;
-        pbw_index far0 = corner[ring->beyond[i0]], far1 = corner[ring->beyond[i1]], far2 = corner[ring->beyond[i2]],
-                  far3 = corner[ring->beyond[i3]];
-        if (PBW__UNLIKELY(far0 == PBW__GHOST || far1 == PBW__GHOST || far2 == PBW__GHOST || far3 == PBW__GHOST)) {
-            return PBW_ERROR_TOO_LARGE;
-        }
-        s = pbw__rows2_of(record, ring->start[i0], ring->start[i1], ring->start[i2], ring->start[i3], point);
-        e = pbw__rows2_of(record, ring->end[i0], ring->end[i1], ring->end[i2], ring->end[i3], point);
-        o = pbw__rows2_of(record, far0, far1, far2, far3, point);
-        next = head + 4 < ring->tail ? head + 4 : ring->tail;
-        status = pbw__ring_step(kernel, ring, head, weighted, s, e, o, p);
-        head = next;
-    }
-    return status;
+    return status == PBW_OK ? pbw__ring_finish(kernel, ring, head, point, 0) : status;
 }
 
 /* The vertex that comes next, by a guess: as far along the curve as this one from the last. */
@@ -5935,6 +6062,41 @@ PBW__INLINE pbw_index pbw__guess2(pbw__kernel *kernel, pbw_index vertex)
     return guess <= kernel->vertex_count ? guess : vertex;
 }
 
+/* Turns the triangle (vertex, ghost, end) of a new star, if there is one, to (end, vertex, ghost).  The next walk
+   then starts at one of the two ghosts of the star, the one towards the next vertex. */
+static PBW__NOINLINE void pbw__turn_ghost(pbw__kernel *kernel, const pbw__ring *ring, pbw_index vertex,
+                                          pbw_index guess)
+{
+    pbw_index *corner = kernel->corner;
+    pbw__link *link = kernel->link, base, last;
+    unsigned i, k = 0;
+    for (i = 0; i < ring->count && ring->start[i] != PBW__GHOST; i++) {
+    }
+    if (i == ring->count) {
+        return;
+    }
+    while (ring->next[k] != i) {
+        k++;
+    }
+    {
+        const double *p = pbw__record2(kernel, vertex), *next = pbw__record2(kernel, guess);
+        const double *a = pbw__record2(kernel, ring->start[k]), *b = pbw__record2(kernel, ring->end[i]);
+        const int back = (next[0] - p[0]) * (b[0] - a[0]) + (next[1] - p[1]) * (b[1] - a[1]) < 0.0;
+        kernel->last = ring->slot[back ? k : i];
+    }
+    base = (pbw__link)ring->slot[i] << 2;
+    last = link[base + 2];
+    corner[base] = corner[base + 2];
+    corner[base + 1] = vertex;
+    corner[base + 2] = PBW__GHOST;
+    link[base + 2] = link[base + 1];
+    link[base + 1] = link[base];
+    link[base] = last;
+    link[link[base]] = base;
+    link[link[base + 1]] = base | 1;
+    link[link[base + 2]] = base | 2;
+}
+
 /* The star, in the slots of the cavity and two more; pbw__refill2 has the numbers of the corners.  The next walk is
    to start in the triangle towards the next vertex, by a guess: as far along the curve as this from the last. */
 PBW__SIMD_INLINE void pbw__refill2_simd(pbw__kernel *kernel, pbw__ring *ring, pbw_index vertex)
@@ -5943,14 +6105,13 @@ PBW__SIMD_INLINE void pbw__refill2_simd(pbw__kernel *kernel, pbw__ring *ring, pb
     pbw__link *link = kernel->link;
     const double *record = kernel->record;
     unsigned count = ring->count, i;
-    pbw_index last = ring->slot[0];
+    pbw_index last = ring->slot[0], guess = pbw__guess2(kernel, vertex);
     const pbw__d2 p = pbw__load2(record + 3 * (size_t)vertex);
-    pbw__d2 normal = pbw__load2(record + 3 * (size_t)pbw__guess2(kernel, vertex)) - p;
-    normal = pbw__turn_right(normal);
-    ring->slot[count - 2] = (pbw_index)kernel->fresh;
-    ring->slot[count - 1] = (pbw_index)kernel->fresh + 1;
-    kernel->mark[kernel->fresh] = kernel->mark[kernel->fresh + 1] = 0;
-    kernel->fresh += 2;
+    const pbw__d2 normal = pbw__turn_right(pbw__load2(record + 3 * (size_t)guess) - p);
+    ring->slot[count - 2] = (pbw_index)kernel->slots.fresh;
+    ring->slot[count - 1] = (pbw_index)kernel->slots.fresh + 1;
+    kernel->mark[kernel->slots.fresh] = kernel->mark[kernel->slots.fresh + 1] = 0;
+    kernel->slots.fresh += 2;
     kernel->statistics.created += count;
     kernel->statistics.conflict_tests += ring->tail;
     for (i = 0; i < count; i++) {
@@ -5964,329 +6125,20 @@ PBW__SIMD_INLINE void pbw__refill2_simd(pbw__kernel *kernel, pbw__ring *ring, pb
         link[base + 1] = after | 2;
         link[after + 2] = base | 1;
         link[ring->beyond[i]] = base;
-        between = pbw__signs2((pbw__load2(record + 3 * (size_t)start) - p) * normal,
-                              (pbw__load2(record + 3 * (size_t)end) - p) * normal);
-        last = between == 2 ? ring->slot[i] : last;
+        if (PBW__LIKELY(!ring->hull)) {
+            between = pbw__signs2((pbw__load2(record + 3 * (size_t)start) - p) * normal,
+                                  (pbw__load2(record + 3 * (size_t)end) - p) * normal);
+            last = between == 2 ? ring->slot[i] : last;
+        }
     }
     kernel->last = last;
-    if (PBW__UNLIKELY(kernel->owner != NULL)) {      /* >>parallel looks for hints there */
-        memcpy(kernel->cavity, ring->slot, sizeof(ring->slot));      /* all: so many are quicker than some */
-        kernel->facet_count = count;
+    if (PBW__UNLIKELY(ring->hull)) {
+        pbw__turn_ghost(kernel, ring, vertex, guess);
     }
-}
-
-/* At the hull, without weights, with one ghost in the cavity or none: a depth-first search as in pbw__carve2.  Edge i
-   goes from start[i] to start[i + 1]. */
-typedef struct pbw__fan {
-    pbw_index start[PBW__RING], slot[PBW__RING];
-    pbw__link beyond[PBW__RING];
-    unsigned count, ghost;                           /* ghost: the edge that starts there, or PBW__RING */
-} pbw__fan;
-
-/* A vertex of the fan relative to the point, each number beside its size; the link across the edge that ends there;
-   the end of the edge that comes then. */
-typedef struct pbw__corner2 {
-    pbw__d2 x, y, lift;
-    struct pbw__corner2 *then;
-    pbw__link link;
-    pbw_index v;
-} pbw__corner2;
-
-PBW__SIMD_INLINE pbw__corner2 pbw__corner2_of(const double *record, pbw_index v, pbw__link link, pbw__d2 p)
-{
-    const pbw__d2 place = pbw__load2(record + 3 * (size_t)v) - p;
-    pbw__corner2 corner;
-    corner.x = pbw__sized0(place);
-    corner.y = pbw__sized1(place);
-    corner.lift = pbw__fma2(corner.x, corner.x, corner.y * corner.y);
-    corner.link = link;
-    corner.v = v;
-    return corner;
-}
-
-/* The sign of a number computed with an error of less than `factor` times its size, or PBW__OPEN.  No step makes more
-   of a number than of its size: where the size is finite, nothing has overflowed. */
-PBW__SIMD_INLINE int pbw__sign_sized(pbw__d2 x, double factor, double tiny)
-{
-    const double value = pbw__lane0(x);
-    return PBW__LIKELY(pbw__size(value) > pbw__lane1(x) * factor + tiny) ? (value > 0.0) - (value < 0.0) : PBW__OPEN;
-}
-
-/* On which side of the way from s to e the point lies: 1 left, -1 right.  Errors: 2 translations, 1 multiplication, 1
-   addition. */
-PBW__SIMD_INLINE int pbw__side2(const pbw__corner2 *s, const pbw__corner2 *e)
-{
-    return pbw__sign_sized(pbw__minus_sized(s->x, e->y, e->x * s->y), PBW__ORIENT2_ERROR, 1e-300);
-}
-
-/* 1 if the triangle (o, e, s) across the edge s e is in conflict.  With the bound of pbw__settle2_rows at once, as
-   triangles of points on curves are thin. */
-PBW__SIMD_INLINE int pbw__circle2(const pbw__corner2 *s, const pbw__corner2 *e, const pbw__corner2 *o)
-{
-    const double h = pbw__lane0(s->lift) + pbw__lane0(e->lift) + pbw__lane0(o->lift);
-    pbw__d2 det = o->x * pbw__minus_sized(e->lift, s->y, s->lift * e->y);
-    det = pbw__fma2(o->y, pbw__minus_sized(s->lift, e->x, e->lift * s->x), det);
-    det = pbw__minus_sized(o->lift, pbw__minus_sized(e->x, s->y, s->x * e->y), det);
-    return pbw__sign_sized(det, 1.5e-15, (h + 1.0) * 1e-300);
-}
-
-/* Is a ghost in conflict, of corners a and b, the only one?  The edges of the hull that have p beyond them, or in
-   line with them, follow one another: so it is, if p is strictly behind the next edge on either side. */
-PBW__SIMD_INLINE int pbw__is_only_ghost(const pbw__kernel *kernel, pbw_index t, pbw_index a, pbw_index b,
-                                        pbw__point2 p)
-{
-    const pbw__link *link = kernel->link + 4 * (size_t)t;
-    const pbw_index before = kernel->corner[link[1]], after = kernel->corner[link[0]];
-    const pbw__rows2 s = pbw__rows2_of(kernel->record, before, b, before, b, p);
-    const pbw__rows2 e = pbw__rows2_of(kernel->record, a, after, a, after, p);
-    const pbw__d4 h = pbw__larger4(pbw__larger4(s.height, e.height), pbw__each(1e-140));
-    return pbw__signs(pbw__above(pbw__det2(e.x, e.y, s.x, s.y), h * pbw__each(PBW__ORIENT2_ERROR))) == 15;
-}
-
-/* The verdicts on the triangle behind a ghost, (c, b, a), and on the two across its edges a c and c b: all three at
-   once, as waiting for the first costs more.  Ghosts there are none to be deleted: there is one only. */
-PBW__SIMD_INLINE unsigned pbw__behind_ghost(pbw__kernel *kernel, pbw_index a, pbw_index b, pbw__link behind,
-                                            pbw__link left, pbw__link right, const double *p, pbw__point2 point)
-{
-    const pbw_index *corner = kernel->corner, c = corner[behind], far_left = corner[left], far_right = corner[right];
-    const pbw__rows2 r = pbw__rows2_of(kernel->record, a, b, c, a, point);
-    const pbw__rows2 o = pbw__rows2_of(kernel->record, c, far_left, far_right, c, point);
-    const unsigned ghosts = (unsigned)(far_left == PBW__GHOST) << 1 | (unsigned)(far_right == PBW__GHOST) << 2;
-    pbw__rows2 s, e;
-    pbw__d4 h, det;
-    unsigned inside, open;
-    s.x = PBW__PICK(r.x, 0, 0, 2, 0), s.y = PBW__PICK(r.y, 0, 0, 2, 0), s.lift = PBW__PICK(r.lift, 0, 0, 2, 0);
-    e.x = PBW__PICK(r.x, 1, 2, 1, 1), e.y = PBW__PICK(r.y, 1, 2, 1, 1), e.lift = PBW__PICK(r.lift, 1, 2, 1, 1);
-    s.height = s.lift, e.height = e.lift;
-    det = pbw__circle4(s, e, o, &h);
-    open = 7 & ~(pbw__signs(pbw__above(pbw__size4(det), pbw__thin_limit(s, e, o, h))) | ghosts);
-    inside = 7 & ~(pbw__signs(det) | ghosts);
-    if (PBW__UNLIKELY(open != 0)) {
-        inside &= ~open;
-        if ((open & 1) != 0) {
-            inside |= (unsigned)pbw__open2(kernel, a, b, c, (pbw_index)(behind >> 2), p);
-        }
-        if ((open & 2) != 0 && (inside & 1) != 0) {
-            inside |= (unsigned)pbw__open2(kernel, a, c, far_left, (pbw_index)(left >> 2), p) << 1;
-        }
-        if ((open & 4) != 0 && (inside & 1) != 0) {
-            inside |= (unsigned)pbw__open2(kernel, c, b, far_right, (pbw_index)(right >> 2), p) << 2;
-        }
+    if (PBW__UNLIKELY(kernel->own.owner != NULL)) {      /* >>parallel looks for hints there */
+        memcpy(kernel->scratch.cavity, ring->slot, sizeof(ring->slot));      /* a constant size is faster */
+        kernel->scratch.facet_count = count;
     }
-    return inside;
-}
-
-/* Whether we own a far vertex of the fan; all others of its cavity are ours, or the ghost. */
-PBW__INLINE int pbw__owns_far(pbw__kernel *kernel, pbw_index v)
-{
-    return PBW__LIKELY(kernel->owner == NULL) || pbw__owns(kernel, v);
-}
-
-/* Finds the cavity of p from t, a triangle in conflict.  PBW_ERROR_TOO_LARGE: it may not be as simple as that. */
-PBW__SIMD_INLINE pbw_status pbw__carve2_fan(pbw__kernel *kernel, pbw__fan *fan, pbw_index t, const double *p)
-{
-    const pbw_index *corner = kernel->corner, *v = corner + 4 * (size_t)t;
-    const pbw__link *link = kernel->link, *across = link + 4 * (size_t)t;
-    const double *record = kernel->record;
-    const pbw__d2 place = pbw__load2(p);
-    const pbw__point2 point = pbw__point2_of(p, 0);
-    pbw__corner2 pool[PBW__RING], *start = pool, *end = pool + 1, *far = pool + 2;
-    unsigned count = 0, triangles = 1, ghost = PBW__RING;
-    pbw_index last_start = PBW__GHOST;               /* if another vertex: what is known of the last edge */
-    pbw__link last_beyond = 0;
-    fan->slot[0] = t;
-    if (v[2] == PBW__GHOST) {                        /* to the ghost, to v[0], then the edge that has p beyond it */
-        const pbw__link behind = across[2], left = link[PBW__AFTER(behind)], right = link[PBW__BEFORE(behind)];
-        const pbw_index c = corner[behind];
-        const unsigned inside = pbw__behind_ghost(kernel, v[0], v[1], behind, left, right, p, point);
-        if (!pbw__is_only_ghost(kernel, t, v[0], v[1], point)) {
-            return PBW_ERROR_TOO_LARGE;
-        }
-        fan->start[0] = v[1];
-        fan->start[1] = PBW__GHOST;
-        fan->start[2] = v[0];
-        fan->beyond[0] = across[0];
-        fan->beyond[1] = across[1];
-        fan->beyond[2] = behind;
-        fan->count = 3;
-        fan->ghost = ghost = 1;
-        if ((inside & 1) == 0) {
-            return PBW_OK;
-        }
-        if (!pbw__owns_far(kernel, c)) {
-            return PBW__LEFT;
-        }
-        fan->slot[1] = (pbw_index)(behind >> 2);
-        fan->start[3] = c;
-        fan->beyond[2] = left;
-        fan->beyond[3] = right;
-        fan->count = 4;
-        if (inside == 1) {
-            return PBW_OK;
-        }
-        count = triangles = 2;
-        pool[0] = pbw__corner2_of(record, v[0], 0, place);
-        pool[1] = pbw__corner2_of(record, c, left, place);
-        pool[1].then = NULL;
-        if ((inside & 4) != 0) {
-            const pbw_index o = corner[right];
-            if (!pbw__owns_far(kernel, o)) {
-                return PBW__LEFT;
-            }
-            pool[1].then = pool + 2;
-            pool[2] = pbw__corner2_of(record, o, link[PBW__AFTER(right)], place);
-            pool[2].then = pool + 3;
-            pool[3] = pbw__corner2_of(record, v[1], link[PBW__BEFORE(right)], place);
-            pool[3].then = NULL;
-            far = pool + 4;
-            fan->slot[triangles++] = (pbw_index)(right >> 2);
-        } else {
-            last_start = c;
-            last_beyond = right;
-        }
-        if ((inside & 2) != 0) {
-            const pbw_index o = corner[left];
-            if (!pbw__owns_far(kernel, o)) {
-                return PBW__LEFT;
-            }
-            *far = pbw__corner2_of(record, o, link[PBW__AFTER(left)], place);
-            far->then = end;
-            end->link = link[PBW__BEFORE(left)];
-            end = far++;
-            fan->slot[triangles++] = (pbw_index)(left >> 2);
-        } else {                                     /* fan->start and fan->beyond have this edge */
-            count = 3;
-            start = end;
-            end = end->then;
-        }
-    } else {
-        pool[0] = pbw__corner2_of(record, v[0], across[1], place);
-        pool[1] = pbw__corner2_of(record, v[1], across[2], place);
-        pool[1].then = pool + 2;
-        pool[2] = pbw__corner2_of(record, v[2], across[0], place);
-        pool[3] = pool[0];
-        pool[2].then = pool + 3;
-        pool[3].then = NULL;
-        far = pool + 4;
-    }
-    do {
-        const pbw__link beyond = end->link;
-        const pbw_index o = corner[beyond];
-        fan->start[count] = start->v;
-        if (PBW__UNLIKELY(ghost == PBW__RING) && o == PBW__GHOST) {
-            const int side = pbw__side2(start, end);
-            if (side == -1 && pbw__is_only_ghost(kernel, (pbw_index)(beyond >> 2), end->v, start->v, point)) {
-                fan->slot[triangles++] = (pbw_index)(beyond >> 2);
-                fan->beyond[count] = link[PBW__AFTER(beyond)];
-                ghost = ++count;
-                fan->start[count] = PBW__GHOST;
-                end->link = link[PBW__BEFORE(beyond)];
-            } else if (side != 1) {
-                return PBW_ERROR_TOO_LARGE;
-            }
-        } else {                                     /* no branch for the ghost: no predictor could guess it */
-            int sign;
-            *far = pbw__corner2_of(record, o, link[PBW__AFTER(beyond)], place);
-            far->then = end;
-            sign = pbw__circle2(start, end, far);
-            if (PBW__UNLIKELY(sign == PBW__OPEN)) {
-                sign = pbw__open2(kernel, start->v, end->v, o, (pbw_index)(beyond >> 2), p);
-            }
-            if (sign * (o != PBW__GHOST) > 0) {      /* one branch, where & makes two */
-                if (!pbw__owns_far(kernel, o)) {
-                    return PBW__LEFT;
-                }
-                if (PBW__UNLIKELY(far == pool + PBW__RING - 3)) {
-                    return PBW_ERROR_TOO_LARGE;
-                }
-                fan->slot[triangles++] = (pbw_index)(beyond >> 2);
-                end->link = link[PBW__BEFORE(beyond)];
-                end = far++;
-                continue;
-            }
-        }
-        fan->beyond[count++] = end->link;
-        start = end;
-        end = end->then;
-    } while (end != NULL);
-    if (last_start != PBW__GHOST) {
-        fan->start[count] = last_start;
-        fan->beyond[count++] = last_beyond;
-    }
-    fan->count = count;
-    fan->ghost = ghost;
-    return PBW_OK;
-}
-
-/* The star, in the slots of the cavity and two more.  The next walk is to start at a ghost of the new vertex, the one
-   towards the next vertex. */
-PBW__SIMD_INLINE void pbw__refill2_fan(pbw__kernel *kernel, pbw__fan *fan, pbw_index vertex)
-{
-    const double *p = pbw__record2(kernel, vertex), *next = pbw__record2(kernel, pbw__guess2(kernel, vertex));
-    const unsigned count = fan->count;
-    pbw_index *corner = kernel->corner;
-    pbw__link *link = kernel->link, base, last;
-    unsigned i;
-    fan->slot[count - 2] = (pbw_index)kernel->fresh;
-    fan->slot[count - 1] = (pbw_index)kernel->fresh + 1;
-    fan->slot[count] = fan->slot[0];
-    fan->start[count] = fan->start[0];
-    kernel->mark[kernel->fresh] = kernel->mark[kernel->fresh + 1] = 0;
-    kernel->fresh += 2;
-    kernel->last = fan->slot[0];
-    kernel->statistics.created += count;
-    kernel->statistics.conflict_tests += 2 * count - 3;
-    last = (pbw__link)fan->slot[count - 1] << 2;
-    for (i = 0; i < count; i++) {
-        base = (pbw__link)fan->slot[i] << 2;
-        corner[base] = vertex;
-        corner[base + 1] = fan->start[i];
-        corner[base + 2] = fan->start[i + 1];
-        link[base] = fan->beyond[i];
-        link[base + 1] = (pbw__link)fan->slot[i + 1] << 2 | 2;
-        link[base + 2] = last | 1;
-        link[fan->beyond[i]] = base;
-        last = base;
-    }
-    if (fan->ghost != PBW__RING) {                   /* (vertex, ghost, end) turns to (end, vertex, ghost) */
-        const double *a = pbw__record2(kernel, fan->start[fan->ghost - 1]);
-        const double *b = pbw__record2(kernel, fan->start[fan->ghost + 1]);
-        const int back = (next[0] - p[0]) * (b[0] - a[0]) + (next[1] - p[1]) * (b[1] - a[1]) < 0.0;
-        kernel->last = fan->slot[fan->ghost - (unsigned)back];
-        base = (pbw__link)fan->slot[fan->ghost] << 2;
-        last = link[base + 2];
-        corner[base] = corner[base + 2];
-        corner[base + 1] = vertex;
-        corner[base + 2] = PBW__GHOST;
-        link[base + 2] = link[base + 1];
-        link[base + 1] = link[base];
-        link[base] = last;
-        link[link[base]] = base;
-        link[link[base + 1]] = base | 1;
-        link[link[base + 2]] = base | 2;
-    }
-    if (PBW__UNLIKELY(kernel->owner != NULL)) {      /* >>parallel looks for hints there */
-        memcpy(kernel->cavity, fan->slot, sizeof(fan->slot));
-        kernel->facet_count = count;
-    }
-}
-
-/* The same insertion at the hull, or where it does not fit the ring. */
-PBW__SIMD static PBW__NOINLINE pbw_status pbw__hull2_simd(pbw__kernel *kernel, pbw_index t, pbw_index vertex)
-{
-    const double *p = pbw__record2(kernel, vertex);
-    pbw__fan fan;
-    pbw_status status = kernel->weighted ? PBW_ERROR_TOO_LARGE : pbw__carve2_fan(kernel, &fan, t, p);
-    if (PBW__UNLIKELY(status == PBW_ERROR_TOO_LARGE) || PBW__UNLIKELY(kernel->fresh_end - kernel->fresh < 2)) {
-        status = pbw__carve2(kernel, t, p);
-        return status == PBW_OK ? pbw__refill2(kernel, vertex) : status;
-    }
-    PBW__PHASE(PBW__STAR);
-    if (status == PBW_OK) {
-        pbw__refill2_fan(kernel, &fan, vertex);
-    }
-    PBW__PHASE(PBW__OTHER);
-    return status;
 }
 #endif
 /* ------------------------------------------------------------------------------------------------------
@@ -6299,8 +6151,8 @@ PBW__SIMD static PBW__NOINLINE pbw_status pbw__hull2_simd(pbw__kernel *kernel, p
    second sort; within a level the next point lies near the last one, so the walk is short and the caches warm.  The
    finest level goes backwards: a vertex is the lowest one around when it comes, so that most simplices of which it is
    the lowest rank are those that its star was made of, in slots side by side, as >>output wants them.
-   Fewer levels are quicker on one thread, whom coarse levels cost a miss of the caches at every step, until cavities
-   grow: in space, where they grow on lattices, and tasks are in each other's way, eighths are the better measure.
+   Fewer levels are faster on one thread (each coarse step is a cache miss) until cavities grow.  In space, where they
+   grow on lattices and tasks contend for cells, a ratio of 8 is better.
 
    Of vertices along a line those on other lines see only the outermost, whose stars are large: they reach all that
    see them.  Such stars are made and unmade in each level, as vertices farther out come.  So in space, once the stars
@@ -6309,141 +6161,113 @@ PBW__SIMD static PBW__NOINLINE pbw_status pbw__hull2_simd(pbw__kernel *kernel, p
    what is near only; of its two finest levels one is left out.  (Of a million points on 8 lines 28,000 have
    neighbours on other lines; 13,000 are extremes.)
    ------------------------------------------------------------------------------------------------------ */
-static pbw_status pbw__insert3_scalar(pbw__kernel *kernel, pbw_index vertex)
+/* Replaces the cavity of a vertex, which t is in, by its star. */
+static PBW__NOINLINE pbw_status pbw__replace(pbw__kernel *kernel, pbw_index t, pbw_index vertex)
 {
-    const double *p = pbw__record3(kernel, vertex);
-    pbw_index t = pbw__insert_start(kernel, vertex);
+    const int dim = kernel->dim;
     pbw_status status;
-    PBW__PHASE(PBW__WALK);
-    t = t != PBW__FOREIGN ? pbw__locate3_scalar(kernel, t, p) : t;
-    status = pbw__located(kernel, t);
-    if (PBW__UNLIKELY(t == PBW_NONE) || PBW__UNLIKELY(status != PBW_OK)) {
-        return status;                               /* hidden, or not ours */
-    }
     PBW__PHASE(PBW__CAVITY);
-    status = pbw__carve3_scalar(kernel, t, p);
+    status = dim == 3 ? pbw__carve3_scalar(kernel, t, pbw__record3(kernel, vertex))
+                      : pbw__carve2(kernel, t, pbw__record2(kernel, vertex));
     PBW__PHASE(PBW__STAR);
     status = status == PBW_OK ? pbw__take_slots(kernel) : status;
-    status = status == PBW_OK ? pbw__refill3(kernel, vertex) : status;
-    PBW__PHASE(PBW__OTHER);
+    if (status == PBW_OK) {
+        status = dim == 3 ? pbw__refill3(kernel, vertex) : pbw__refill2(kernel, vertex);
+    }
     return status;
 }
 
-static pbw_status pbw__insert2_scalar(pbw__kernel *kernel, pbw_index vertex)
+/* Inserts a vertex, which may turn out to be hidden.  PBW__LEFT: another task owns what this one needs. */
+static pbw_status pbw__insert_scalar(pbw__kernel *kernel, pbw_index vertex)
 {
-    const double *p = pbw__record2(kernel, vertex);
+    const int dim = kernel->dim;
+    const double *p = dim == 3 ? pbw__record3(kernel, vertex) : pbw__record2(kernel, vertex);
     pbw_index t = pbw__insert_start(kernel, vertex);
     pbw_status status;
     PBW__PHASE(PBW__WALK);
-    t = t != PBW__FOREIGN ? pbw__locate2_scalar(kernel, t, p) : t;
+    if (t != PBW__FOREIGN) {
+        t = dim == 3 ? pbw__locate3_scalar(kernel, t, p) : pbw__locate2_scalar(kernel, t, p);
+    }
     status = pbw__located(kernel, t);
-    if (PBW__UNLIKELY(t == PBW_NONE) || PBW__UNLIKELY(status != PBW_OK)) {
+    if (t == PBW_NONE || status != PBW_OK) {
         return status;                               /* hidden, or not ours */
     }
-    PBW__PHASE(PBW__CAVITY);
-    status = pbw__carve2(kernel, t, p);
-    PBW__PHASE(PBW__STAR);
-    status = status == PBW_OK ? pbw__refill2(kernel, vertex) : status;
+    status = pbw__replace(kernel, t, vertex);
     PBW__PHASE(PBW__OTHER);
     return status;
 }
 
 #ifdef PBW__SIMD
-PBW__SIMD_INLINE pbw_status pbw__insert3_with(pbw__kernel *kernel, pbw_index vertex, int weighted)
-{
-    const double *p = pbw__record3(kernel, vertex);
-    pbw_index t = pbw__insert_start(kernel, vertex);
-    pbw_status status;
-    PBW__PHASE(PBW__WALK);
-    t = t != PBW__FOREIGN ? pbw__locate3_simd(kernel, t, p, weighted) : t;
-    status = pbw__located(kernel, t);
-    if (PBW__UNLIKELY(t == PBW_NONE) || PBW__UNLIKELY(status != PBW_OK)) {
-        return status;                               /* hidden, or not ours */
-    }
-    PBW__PHASE(PBW__CAVITY);
-    status = pbw__carve3_simd(kernel, t, p, weighted);
-    PBW__PHASE(PBW__STAR);
-    status = PBW__LIKELY(status == PBW_OK) ? pbw__take_slots(kernel) : status;
-    status = PBW__LIKELY(status == PBW_OK) ? pbw__refill3_simd(kernel, vertex) : status;
-    PBW__PHASE(PBW__OTHER);
-    return status;
-}
-
-PBW__SIMD static pbw_status pbw__insert3_simd(pbw__kernel *kernel, pbw_index vertex)
-{
-    return pbw__insert3_with(kernel, vertex, 0);
-}
-
-PBW__SIMD static pbw_status pbw__insert3_weighted_simd(pbw__kernel *kernel, pbw_index vertex)
-{
-    return pbw__insert3_with(kernel, vertex, 1);
-}
-
-/* What is written and read four vertices on is asked for: at coarse levels each has lines of the cache of its own. */
+/* Prefetches for the insertion four vertices on: at coarse levels each vertex has cache lines of its own. */
 PBW__INLINE void pbw__ask_ahead2(const pbw__kernel *kernel, pbw_index vertex)
 {
-    const size_t slot = kernel->fresh + 8 < kernel->fresh_end ? kernel->fresh + 8 : kernel->fresh;
+    const size_t fresh = kernel->slots.fresh, slot = fresh + 8 < kernel->slots.fresh_end ? fresh + 8 : fresh;
     const pbw_index later = vertex + 4 * (vertex - kernel->previous);
     PBW__PREFETCH_TO_WRITE(kernel->corner + 4 * slot);
     PBW__PREFETCH_TO_WRITE(kernel->link + 4 * slot);
     PBW__PREFETCH(pbw__record2(kernel, later <= kernel->vertex_count ? later : vertex));
 }
 
-PBW__SIMD_INLINE pbw_status pbw__insert2_with(pbw__kernel *kernel, pbw_index vertex, int weighted)
+/* Insertion with vectors; dim and weighted are constants. */
+PBW__SIMD_INLINE pbw_status pbw__insert_simd(pbw__kernel *kernel, pbw_index vertex, int dim, int weighted)
 {
-    const double *p = pbw__record2(kernel, vertex);
+    const double *p = dim == 3 ? pbw__record3(kernel, vertex) : pbw__record2(kernel, vertex);
+    const pbw__d4 zero = pbw__splat(0.0);
+    pbw__rows2 rows = { zero, zero, zero, zero, zero };
     pbw_index t = pbw__insert_start(kernel, vertex);
     pbw__ring ring;
-    pbw__rows2 rows;
     pbw_status status;
-    pbw__ask_ahead2(kernel, vertex);
+    if (dim == 2) {
+        pbw__ask_ahead2(kernel, vertex);
+    }
     PBW__PHASE(PBW__WALK);
-    rows.x = rows.y = rows.lift = rows.height = pbw__each(0.0);
-    t = t != PBW__FOREIGN ? pbw__locate2_simd(kernel, t, p, weighted, &rows) : t;
+    if (PBW__LIKELY(t != PBW__FOREIGN)) {
+        t = dim == 3 ? pbw__locate3_simd(kernel, t, p, weighted) : pbw__locate2_simd(kernel, t, p, weighted, &rows);
+    }
     status = pbw__located(kernel, t);
     if (PBW__UNLIKELY(t == PBW_NONE) || PBW__UNLIKELY(status != PBW_OK)) {
         return status;                               /* hidden, or not ours */
     }
     PBW__PHASE(PBW__CAVITY);
-    if (PBW__UNLIKELY(kernel->corner[4 * (size_t)t + 2] == PBW__GHOST)
-        || PBW__UNLIKELY(kernel->fresh_end - kernel->fresh < 2)) {
-        return pbw__hull2_simd(kernel, t, vertex);
+    if (dim == 3) {
+        status = pbw__carve3_simd(kernel, t, p, weighted);
+        PBW__PHASE(PBW__STAR);
+        status = PBW__LIKELY(status == PBW_OK) ? pbw__take_slots(kernel) : status;
+        status = PBW__LIKELY(status == PBW_OK) ? pbw__refill3_simd(kernel, vertex) : status;
+    } else {
+        status = PBW__LIKELY(kernel->slots.fresh_end - kernel->slots.fresh >= 2)
+               ? pbw__carve2_simd(kernel, &ring, t, &rows, pbw__point2_of(p, weighted)) : PBW__NO_FIT;
+        PBW__PHASE(PBW__STAR);
+        if (PBW__LIKELY(status == PBW_OK)) {
+            pbw__refill2_simd(kernel, &ring, vertex);
+        } else if (status == PBW__NO_FIT) {
+            status = pbw__replace(kernel, t, vertex);
+        }
     }
-    status = pbw__carve2_simd(kernel, &ring, t, &rows, p, weighted);
-    if (PBW__UNLIKELY(status != PBW_OK)) {
-        return status == PBW_ERROR_TOO_LARGE ? pbw__hull2_simd(kernel, t, vertex) : status;
-    }
-    PBW__PHASE(PBW__STAR);
-    pbw__refill2_simd(kernel, &ring, vertex);
     PBW__PHASE(PBW__OTHER);
-    return PBW_OK;
+    return status;
+}
+
+PBW__SIMD static pbw_status pbw__insert3_simd(pbw__kernel *kernel, pbw_index vertex)
+{
+    return pbw__insert_simd(kernel, vertex, 3, 0);
+}
+
+PBW__SIMD static pbw_status pbw__insert3_weighted_simd(pbw__kernel *kernel, pbw_index vertex)
+{
+    return pbw__insert_simd(kernel, vertex, 3, 1);
 }
 
 PBW__SIMD static pbw_status pbw__insert2_simd(pbw__kernel *kernel, pbw_index vertex)
 {
-    return pbw__insert2_with(kernel, vertex, 0);
+    return pbw__insert_simd(kernel, vertex, 2, 0);
 }
 
 PBW__SIMD static pbw_status pbw__insert2_weighted_simd(pbw__kernel *kernel, pbw_index vertex)
 {
-    return pbw__insert2_with(kernel, vertex, 1);
+    return pbw__insert_simd(kernel, vertex, 2, 1);
 }
 #endif
-
-static void pbw__kernel_free(pbw__kernel *kernel)
-{
-    pbw__memory *memory = &kernel->context->memory;
-    pbw__release(memory, kernel->cavity, kernel->cavity_capacity, sizeof(pbw_index));
-    pbw__release(memory, kernel->parent, kernel->parent_capacity, sizeof(pbw_index));
-    pbw__release(memory, kernel->carved, kernel->carved_capacity, sizeof(pbw__carved));
-    pbw__release(memory, kernel->beyond, kernel->beyond_capacity, sizeof(pbw__link));
-    pbw__release(memory, kernel->from, kernel->from_capacity, sizeof(pbw_index));
-    pbw__release(memory, kernel->stack, kernel->stack_capacity, sizeof(pbw__link));
-    pbw__release(memory, kernel->slot, PBW__SLOTS, sizeof(uint64_t));
-    pbw__release(memory, kernel->edge, kernel->edge_capacity, sizeof(pbw__link));
-    pbw__release(memory, kernel->left, kernel->left_capacity, sizeof(pbw_index));
-    pbw__release(memory, kernel->wide_edge, kernel->wide_capacity, sizeof(pbw__edge));
-}
 
 /* Scratch memory for one thread; on failure the kernel can and must still be freed. */
 static pbw_status pbw__kernel_create(pbw__kernel *kernel, pbw__context *context, pbw__store *store,
@@ -6463,9 +6287,9 @@ static pbw_status pbw__kernel_create(pbw__kernel *kernel, pbw__context *context,
     kernel->exact_height = grid->inverse_unit > 1e-30 && grid->inverse_unit < 1e30
                          ? (dim == 3 ? PBW__EXACT_HEIGHT3 : PBW__EXACT_HEIGHT2)
                            / (grid->inverse_unit * grid->inverse_unit) : 0.0;
-    kernel->region = (size_t)-1;
+    kernel->slots.region = (size_t)-1;
     kernel->last = kernel->last_entered = PBW_NONE;
-    kernel->insert = dim == 2 ? pbw__insert2_scalar : pbw__insert3_scalar;
+    kernel->insert = pbw__insert_scalar;
 #ifdef PBW__SIMD
     if (pbw__simd_works()) {
         kernel->insert = kernel->weighted ? (dim == 3 ? pbw__insert3_weighted_simd : pbw__insert2_weighted_simd)
@@ -6477,15 +6301,15 @@ static pbw_status pbw__kernel_create(pbw__kernel *kernel, pbw__context *context,
         return PBW_ERROR_MEMORY;
     }
     if (dim == 2) {
-        return pbw__grow(kernel, &kernel->stack, &kernel->stack_capacity, 64, sizeof(pbw__link)) ? PBW_OK
+        return PBW__GROW(kernel, &kernel->scratch, stack, 64) ? PBW_OK
                                                                                                   : PBW_ERROR_MEMORY;
     }
-    kernel->slot = (uint64_t *)pbw__allocate(memory, PBW__SLOTS, sizeof(uint64_t));
-    if (kernel->slot == NULL
-        || !pbw__grow(kernel, &kernel->edge, &kernel->edge_capacity, PBW__FEW * PBW__FEW, sizeof(pbw__link))) {
+    kernel->scratch.table = (uint64_t *)pbw__allocate(memory, PBW__TABLE, sizeof(uint64_t));
+    if (kernel->scratch.table == NULL
+        || !PBW__GROW(kernel, &kernel->scratch, edge, PBW__FEW * PBW__FEW)) {
         return PBW_ERROR_MEMORY;
     }
-    memset(kernel->slot, 0, PBW__SLOTS * sizeof(uint64_t));
+    memset(kernel->scratch.table, 0, PBW__TABLE * sizeof(uint64_t));
     return PBW_OK;
 }
 
@@ -6585,8 +6409,8 @@ static pbw_status pbw__first_star(pbw__kernel *kernel, int dim, const pbw_index 
         }
         v[i + 1][dim] = PBW__GHOST;
     }
-    pbw__enter_region(kernel, seed[0] >> kernel->store->cell_bits);
-    if (kernel->fresh_end - kernel->fresh < (size_t)dim + 2) {
+    pbw__enter_region(kernel, seed[0] >> kernel->store->region_bits);
+    if (kernel->slots.fresh_end - kernel->slots.fresh < (size_t)dim + 2) {
         pbw_status status = pbw__more_tail(kernel, (size_t)dim + 2);
         if (status != PBW_OK) {
             return status;
@@ -6658,29 +6482,30 @@ typedef struct pbw__build {
 /* Several threads' share of it: >>parallel. */
 static pbw_status pbw__insert_claiming(pbw__build *build, pbw__kernel *kernel, pbw_index v);
 static pbw_status pbw__rounds(pbw__build *build);
+static pbw_status pbw__build_parts(pbw__build *build, const pbw__grid *grid);
 
 /* Cells of a level hold several regions where few vertices of a region are in yet: a cell's first region. */
 PBW__INLINE size_t pbw__first_region(const pbw__build *build, size_t cell)
 {
-    size_t region = cell << (build->owner_bits - build->store->cell_bits);
+    size_t region = cell << (build->owner_bits - build->store->region_bits);
     return region < build->store->region_count ? region : build->store->region_count;
 }
 
-/* Where the walk to a vertex starts, kernel->last: where the last one ended, unless that is not near and a cell
-   nearby has a hint.  A task must have the cell or take it: on the way from far off it would take cells all along;
-   and where points are on a line, a walk passes by all that are between.  0 = nowhere. */
+/* Sets kernel->last to where the walk to a vertex starts: where the last walk ended, unless that is far and a cell
+   nearby has a hint.  A task must own the cell of the hint or claim it.  From far away a walk would claim every cell
+   on its way, and among points on a line it would visit all of them.  Returns 0 if there is no start. */
 static int pbw__find_start(pbw__build *build, pbw__kernel *kernel, pbw_index v)
 {
     pbw__store *store = build->store;
     const size_t cell = v >> build->owner_bits;
-    const size_t from = kernel->region << store->cell_bits >> build->owner_bits;     /* far off, if there is none */
+    const size_t from = kernel->slots.region << store->region_bits >> build->owner_bits;     /* far off, if none */
     const pbw_index last = kernel->last;
     size_t k;
     kernel->last = from - cell + 1 <= 2 ? last : PBW_NONE;
     for (k = 0; k < 16 && kernel->last == PBW_NONE; k++) {
         size_t near = (k & 1) != 0 ? cell + (k + 1) / 2 : cell - k / 2, region = pbw__first_region(build, near);
         if (near <= build->vertices->count >> build->owner_bits && PBW__LOAD(store->hint + region) != PBW_NONE
-            && (kernel->owner == NULL || pbw__owns_cell(kernel, near))) {
+            && (kernel->own.owner == NULL || pbw__owns_cell(kernel, near))) {
             pbw_index hint = store->hint[region];
             kernel->last = hint != PBW_NONE && kernel->corner[4 * (size_t)hint] != PBW_NONE ? hint : PBW_NONE;
         }
@@ -6692,33 +6517,34 @@ static int pbw__find_start(pbw__build *build, pbw__kernel *kernel, pbw_index v)
 /* Inserts a vertex, or leaves it for later; 0 = stop. */
 static int pbw__level_insert(pbw__build *build, pbw__kernel *kernel, pbw_index v)
 {
+    const int alone = kernel->own.owner == NULL;
     size_t work;
     pbw_status status;
     if (v == build->seed[0] || v == build->seed[1] || v == build->seed[2] || v == build->seed[3]) {
         return 1;
     }
-    /* That there is no room for a star is known when all but the star is done: no more tries then. */
-    status = kernel->owner == NULL ? kernel->insert(kernel, v)
-           : kernel->no_room ? PBW__LEFT : pbw__insert_claiming(build, kernel, v);
+    /* Once a star finds no room, the rest of the round would search cavities in vain: leave the vertices. */
+    status = alone ? kernel->insert(kernel, v)
+           : kernel->slots.no_room ? PBW__LEFT : pbw__insert_claiming(build, kernel, v);
     if (status == PBW__LEFT) {
-        if (!pbw__grow(kernel, &kernel->left, &kernel->left_capacity, kernel->left_count + 1, sizeof(pbw_index))) {
+        if (!PBW__GROW(kernel, kernel, left, kernel->left_count + 1)) {
             kernel->status = PBW_ERROR_MEMORY;
             return 0;
         }
         kernel->left[kernel->left_count++] = v;
-        PBW_PAUSE();
+        PBW__TEST_PAUSE();
     } else if (status != PBW_OK) {
         kernel->status = status;
         return 0;
     }
     if (build->context->trace != NULL) {
-        build->context->trace[build->vertices->id[v]] = build->trace | (kernel->owner != NULL ? kernel->share : 0u);
+        build->context->trace[build->vertices->id[v]] = build->trace | (alone ? 0u : kernel->own.share);
     }
     kernel->done += status == PBW_OK;
     /* An exact test of extreme exponents may take 0.2 ms, a new simplex takes 0.1 us. */
     work = kernel->statistics.created + kernel->statistics.walk_steps + 64 * kernel->statistics.exact_tests;
     if (work - kernel->reported > 4096) {
-        double done = (double)build->done + (double)kernel->done * (double)(kernel->owner != NULL ? build->parts : 1);
+        double done = (double)build->done + (double)kernel->done * (double)(alone ? 1 : build->parts);
         kernel->reported = work;
         done /= (double)build->vertices->count;      /* a guess: other parts may be slower */
         if (pbw__report(build->context, done < 0.999 ? done : 0.999)) {
@@ -6756,7 +6582,7 @@ static pbw_status pbw__level_serial(pbw__build *build, int all)
     const pbw_index *corner = store->corner;
     size_t i, r;
     pbw__kernel_attach(kernel);
-    kernel->owner = NULL;
+    kernel->own.owner = NULL;
     kernel->status = PBW_OK;
     /* Any simplex will do as a start, best the last one: there is always one among the used slots of the regions, as
        the simplices of the seeds, or what replaced them, are there, unless all regions are full. */
@@ -6799,24 +6625,12 @@ static pbw_status pbw__more_kernels(pbw__build *build, const pbw__grid *grid, in
     return PBW_OK;
 }
 
-/* Room for the work of several tasks. */
-static pbw_status pbw__build_parts(pbw__build *build, const pbw__grid *grid)
-{
-    pbw__memory *memory = &build->context->memory;
-    size_t cells = build->store->region_count;
-    if (build->owner == NULL) {
-        build->owner = (uint8_t *)pbw__allocate(memory, cells, 1);
-    }
-    return build->owner != NULL ? pbw__more_kernels(build, grid, build->context->threads < PBW__PARTS
-                                                               ? build->context->threads : PBW__PARTS)
-                                : PBW_ERROR_MEMORY;
-}
-
-/* Tasks for so many vertices, and cells with two vertices, in 2D one, of those that are in, which are `apart`. */
+/* Plans the tasks for so many vertices, and cells large enough to hold two of the vertices (in 2D one) that are in,
+   `apart` ranks from each other. */
 static void pbw__plan(pbw__build *build, size_t vertices, size_t apart)
 {
     size_t parts = vertices / PBW__LEAST_PART, cells;
-    for (build->owner_bits = build->store->cell_bits;
+    for (build->owner_bits = build->store->region_bits;
          (size_t)1 << build->owner_bits < apart * (size_t)(build->vertices->dim - 1); build->owner_bits++) {
     }
     cells = (build->vertices->count >> build->owner_bits) + 1;
@@ -6918,7 +6732,7 @@ static pbw_status pbw__level_extremes(pbw__build *build, const pbw__grid *grid)
         return PBW_CANCELLED;
     }
     if (most > build->left_capacity
-        && !pbw__resize_array(memory, &build->left, &build->left_capacity, most, sizeof(pbw_index))) {
+        && !PBW__RESIZE(memory, build, left, most)) {
         return PBW_ERROR_MEMORY;
     }
     pbw__plan(build, most, 0);
@@ -6948,21 +6762,6 @@ static double pbw__mean_star(const pbw__build *build, size_t *before)
     return (double)(*before - old) / (double)(count / build->stride - count / build->coarser + 1);
 }
 
-/* All slots of a share of the regions that hold nothing are made to say so. */
-static void pbw__close_regions(void *arg, int part)
-{
-    pbw__build *build = (pbw__build *)arg;
-    pbw__store *store = build->store;
-    size_t r = pbw__share(store->region_count, part, build->parts), t;
-    size_t last = pbw__share(store->region_count, part + 1, build->parts);
-    for (; r < last; r++) {
-        size_t end = pbw__region_end(store, r);
-        for (t = store->region[r]; t < end; t++) {
-            store->corner[4 * t] = PBW_NONE;
-        }
-    }
-}
-
 static void pbw__build_free(pbw__build *build)
 {
     pbw__memory *memory = &build->context->memory;
@@ -6972,7 +6771,7 @@ static void pbw__build_free(pbw__build *build)
         pbw__kernel_free(build->kernel[i]);
         pbw__release(memory, build->kernel[i], 1, sizeof(pbw__kernel));
     }
-    pbw__release(memory, build->left, build->left_capacity, sizeof(pbw_index));
+    PBW__RELEASE(memory, build, left);
     pbw__release(memory, build->owner, cells, 1);
     pbw__release(memory, build->early, build->vertices->count / 8 + 1, 1);
 }
@@ -7029,8 +6828,7 @@ static pbw_status pbw__build_all(pbw__context *context, pbw__store *store, const
         statistics->created += build.kernel[i]->statistics.created;
     }
     if (status == PBW_OK) {
-        build.parts = pbw__tasks(context, store->region_count, 256);
-        pbw__for(context, build.parts, pbw__close_regions, &build);
+        status = pbw__for_range(context, store->region_count, 256, 0.0, 0.0, pbw__close_regions, store);
     }
     pbw__build_free(&build);
     return status;
@@ -7040,27 +6838,26 @@ static pbw_status pbw__build_all(pbw__context *context, pbw__store *store, const
    In: a triangulation, the vertices to insert.  Out: the triangulation with them.   (Marot, Pellerin & Remacle 2019,
    "One machine, one minute, three billion tetrahedra", from whom the rule of ownership is)
 
-   Vertices are owned in cells, runs of ranks: one of >>slots' regions, or in coarse levels as many of them as hold
-   two vertices of coarser levels, in 2D one: there may be a simplex in the cell to start from.  A cell is nobody's or
-   a task's.  A task in 3D
+   Vertices are owned in cells.  A cell is a run of ranks: one of the regions of >>slots, or, in coarse levels, as
+   many regions as hold two vertices of coarser levels (in 2D one), so that a walk may find a simplex to start from.
+   A cell is free or belongs to one task.  A task in 3D
      - deletes a simplex only if it owns three of its vertices,
      - walks through a facet only if it owns two of its vertices;
    in 2D it deletes a triangle only if it owns all its finite vertices, and walks through an edge if it owns one of
-   its ends.  The ghost is nobody's in 3D.  Cells that this takes and that are nobody's become the task's.  Where it
-   would take another's, the vertex is left for the next round; no task ever waits.
+   its ends.  No task owns the ghost in 3D.  A task claims the free cells that it needs.  Where it needs a cell of
+   another task, it leaves the vertex for the next round; no task ever waits.
 
-   A task inserts the vertices of a share of the curve, one after the other.  So the cells that an insertion needs are
-   mostly those that the last ones needed: a task holds them, and gives back the older half when they are many, all
-   when it has to leave a vertex, when another task asks for one of them, and at the end.  Who leaves a vertex asks
-   the owner of the cell that was lacking.  The owner hears of it after the vertex that it is at, or later, which
-   costs time only; so that word is written and read in relaxed order.
-   What tasks hold is little of what there is, and they are mostly far apart.  Shares are done in batches; after a
-   batch what it left is tried again, as others have gone on since.  A task that is through with its share goes on
-   with the others', from their ends, where nobody is at work.  A walk starts in the cell of its vertex or near it,
-   lest it take cells all along.
+   A task inserts the vertices of a share of the curve, one after the other, so an insertion mostly needs the cells
+   of the last ones.  A task keeps its cells and gives back the older half when they are many, and all of them when
+   it leaves a vertex, when another task asks for one of them, and at the end.  A task that leaves a vertex asks the
+   owner of the missing cell.  The owner reads that word after its current vertex or later; a late view costs time
+   only, so relaxed order serves.  The cells of all tasks are a small part of all cells, and mostly far apart.
+   Shares are worked off in batches; after a batch the vertices left are tried again, as other tasks have moved on.
+   A task that has finished its own share continues with the ends of other shares, far from their tasks.  A walk
+   starts in the cell of its vertex or near it: a long one would claim cells all along.
 
-   The extremes of >>build are such a level too, but for one in eight, which one thread inserts before: the stars of
-   the first reach so many cells that hardly a task would find its own free.
+   The extremes of >>build are a level too, except for one in eight, which one thread inserts first: the stars of the
+   first extremes reach so many cells that hardly a task would find the cells that it needs free.
 
    Why no word is written by one task while another reads or writes it, in 3D.  Call a simplex mine if I own two of
    its vertices: nobody else then owns three, so nobody else deletes it, and its corners do not change under me.
@@ -7074,9 +6871,9 @@ static pbw_status pbw__build_all(pbw__context *context, pbw__store *store, const
      (d) A slot belongs to the task that took it from a region of its cells, from its free list, or in a block of the
      tail.  The count of these is atomic, in relaxed order: it numbers slots, and what the slots hold is handed over
      at the end of a round (>>threads).
-     (e) A cell's hint, where walks start, is a simplex with two vertices in the cell: mine, if the cell is.  Who
-     deletes it owns the cell, and puts another one in its place, or none, before giving back any cell; until then
-     the slot is still that task's own.  The hint, and what is left of the cell's regions, are the owner's to read and
+     (e) A cell's hint, where walks start, is a simplex with two vertices in the cell: mine, if the cell is.  The task
+     that deletes it owns the cell, and stores another hint, or none, before it gives back any cell; until then the
+     slot is still that task's own.  The hint, and what is left of the cell's regions, are the owner's to read and
      write; others only look whether there is a hint, before they take the cell, therefore hints are written
      atomically, in relaxed order.
    In 2D call a triangle mine if I own one of its vertices: nobody else then owns all of them.  Both ends of an edge
@@ -7084,46 +6881,47 @@ static pbw_status pbw__build_all(pbw__context *context, pbw__store *store, const
    vertex in the hint's cell.  Two tasks may share an edge's ghost end only, and a mark is written only when its
    triangle joins a cavity.
 
-   Who takes a cell sees what those wrote that had it before: it is taken in acquire order and given back in release
-   order.  That is enough, because any two tasks of which one writes a word in (a), (b) or (c) that the other reads or
-   writes, now or later, both own a vertex of the same simplex: of four vertices one owns three and the other two; of
-   a facet's three vertices both own two.
+   Claiming a cell acquires what its former owners released with it: cells are claimed in acquire order and given
+   back in release order.  That is enough, because any two tasks of which one writes a word in (a), (b) or (c) that
+   the other reads or writes, now or later, both own a vertex of the same simplex: of four vertices one owns three
+   and the other two; of a facet's three vertices both own two.
 
    Why it ends.  A round is followed by another only if on the whole as many tries succeeded as one task makes; if
    fewer do, one thread, which needs no cells, is as quick.  What is left then, or is too little for two tasks, is
    inserted by one thread, which owns everything, before the next level begins: vertices near the hull are among it,
    and cavities there would grow from level to level without them.
    ------------------------------------------------------------------------------------------------------ */
-/* Takes a cell that is nobody's; 0 = another task was quicker, or we have too many. */
+/* Claims a free cell; returns 0 if another task was faster, or we own too many. */
 static PBW__NOINLINE int pbw__claim(pbw__kernel *kernel, size_t cell)
 {
+    pbw__ownership *own = &kernel->own;
     uint8_t nobody = PBW__NOBODY;
-    PBW_PAUSE();
-    if (kernel->claim_count == PBW__CLAIMS || !PBW__TAKE(kernel->owner + cell, &nobody, kernel->me)) {
+    PBW__TEST_PAUSE();
+    if (own->claim_count == PBW__CLAIMS || !PBW__CAS_ACQUIRE(own->owner + cell, &nobody, own->me)) {
         return 0;
     }
-    kernel->claim[kernel->claim_count++] = (pbw_index)cell;
+    own->claim[own->claim_count++] = (pbw_index)cell;
     return 1;
 }
 
 PBW__INLINE int pbw__owns_cell(pbw__kernel *kernel, size_t cell)
 {
-    uint8_t owner = PBW__LOAD(kernel->owner + cell);
-    if (owner == kernel->me || (owner == PBW__NOBODY && pbw__claim(kernel, cell))) {
+    uint8_t owner = PBW__LOAD(kernel->own.owner + cell);
+    if (owner == kernel->own.me || (owner == PBW__NOBODY && pbw__claim(kernel, cell))) {
         return 1;
     }
-    kernel->blocker = owner;
+    kernel->own.blocker = owner;
     return 0;
 }
 
 PBW__INLINE int pbw__owns(pbw__kernel *kernel, pbw_index v)
 {
-    return v != PBW__GHOST && pbw__owns_cell(kernel, v >> kernel->owner_bits);
+    return v != PBW__GHOST && pbw__owns_cell(kernel, v >> kernel->own.owner_bits);
 }
 
 PBW__INLINE unsigned pbw__is_ours(const pbw__kernel *kernel, pbw_index v)
 {
-    return (v != PBW__GHOST) & (PBW__LOAD(kernel->owner + (v >> kernel->owner_bits)) == kernel->me);
+    return (v != PBW__GHOST) & (PBW__LOAD(kernel->own.owner + (v >> kernel->own.owner_bits)) == kernel->own.me);
 }
 
 /* Cells are taken only for the corners that are lacking: whatever we hold is in other tasks' way. */
@@ -7166,9 +6964,9 @@ PBW__INLINE unsigned pbw__lacking4(const pbw__kernel *kernel, pbw_index a, pbw_i
                   | pbw__is_ours(kernel, d) << 3);
 }
 
-/* Whether we may delete those of the neighbours that are in conflict, where one corner is not ours.  The neighbour
-   across from it has three that are; the others have two, and the vertex across.  These vertices are taken first:
-   whose corner ours lack is often of so many simplices that others need it too. */
+/* Whether we may delete the neighbours that are in conflict, of a simplex of which we do not own one corner.  We own
+   three corners of the neighbour across from it; of the others two, so we claim their far vertices.  We claim those
+   first: the missing corner usually has a large star that other tasks need. */
 static PBW__NOINLINE int pbw__may_delete_all(pbw__kernel *kernel, const pbw__carved *carved, unsigned lacking,
                                              unsigned inside)
 {
@@ -7185,22 +6983,35 @@ static PBW__NOINLINE int pbw__may_delete_all(pbw__kernel *kernel, const pbw__car
 }
 #endif
 
+/* Room for the work of several tasks. */
+static pbw_status pbw__build_parts(pbw__build *build, const pbw__grid *grid)
+{
+    pbw__memory *memory = &build->context->memory;
+    size_t cells = build->store->region_count;
+    if (build->owner == NULL) {
+        build->owner = (uint8_t *)pbw__allocate(memory, cells, 1);
+    }
+    return build->owner != NULL ? pbw__more_kernels(build, grid, build->context->threads < PBW__PARTS
+                                                               ? build->context->threads : PBW__PARTS)
+                                : PBW_ERROR_MEMORY;
+}
+
 static void pbw__round_begin(pbw__build *build, int part)
 {
     pbw__kernel *kernel = build->kernel[part];
     pbw__kernel_attach(kernel);                      /* the store may have moved */
-    kernel->owner = build->owner;
-    kernel->owner_bits = build->owner_bits;
-    kernel->me = (uint8_t)part;
-    kernel->region = (size_t)-1;
+    kernel->own.owner = build->owner;
+    kernel->own.owner_bits = build->owner_bits;
+    kernel->own.me = (uint8_t)part;
+    kernel->slots.region = (size_t)-1;
     kernel->last = PBW_NONE;
     kernel->left_count = 0;
-    kernel->claim_count = 0;
-    kernel->renewed = 0;
-    kernel->missed = 0;
-    kernel->blocker = PBW__NOBODY;
-    kernel->facet_count = 0;
-    kernel->no_room = 0;
+    kernel->own.claim_count = 0;
+    kernel->own.renewed = 0;
+    kernel->own.missed = 0;
+    kernel->own.blocker = PBW__NOBODY;
+    kernel->scratch.facet_count = 0;
+    kernel->slots.no_room = 0;
     kernel->status = PBW_OK;
 }
 
@@ -7232,10 +7043,10 @@ static void pbw__renew_hint(pbw__build *build, pbw__kernel *kernel, pbw_index ve
     pbw_index hint = kernel->last;
     size_t i;
     for (i = 0; kernel->dim == 3 && !pbw__is_in_cell(build, hint, cell); i++) {
-        if (i == kernel->facet_count) {
+        if (i == kernel->scratch.facet_count) {
             return;
         }
-        hint = kernel->cavity[i];
+        hint = kernel->scratch.cavity[i];
     }
     PBW__STORE(build->store->hint + pbw__first_region(build, cell), hint);
 }
@@ -7249,7 +7060,7 @@ PBW__INLINE void pbw__offer(pbw__build *build, size_t cell, pbw_index t, uint8_t
     }
 }
 
-/* The same for all cells that it is in. */
+/* Offers a simplex as a hint to all cells that it is in. */
 static void pbw__offer_hint(pbw__build *build, pbw_index t, uint8_t owner)
 {
     const pbw_index *v = build->store->corner + 4 * (size_t)t;
@@ -7274,44 +7085,44 @@ static void pbw__offer_hint(pbw__build *build, pbw_index t, uint8_t owner)
     }
 }
 
-/* Gives back the cells that were taken first.  Before that all get hints that are in them, as they still have if we
-   made no simplices: a slot may have come into a new simplex, which others may delete from now on. */
+/* Gives back the cells that were claimed first.  If simplices were made, all cells get new hints before: the slot of
+   an old hint may now be in a simplex that another task may delete from now on. */
 static void pbw__give_back(pbw__build *build, pbw__kernel *kernel, int count)
 {
     pbw_index v[4] = { PBW__GHOST, PBW__GHOST, PBW__GHOST, PBW__GHOST };
     size_t t;
     int i, k, ours = 0, missing = 0;
     pbw__leave_region(kernel);
-    for (i = 0; kernel->renewed && i < kernel->claim_count; i++) {
-        const size_t cell = kernel->claim[i];
+    for (i = 0; kernel->own.renewed && i < kernel->own.claim_count; i++) {
+        const size_t cell = kernel->own.claim[i];
         pbw_index *hint = build->store->hint + pbw__first_region(build, cell);
         if (!pbw__is_in_cell(build, *hint, cell)) {
             PBW__STORE(hint, PBW_NONE);
             missing = 1;
         }
     }
-    for (t = 0; missing && t < kernel->facet_count; t++) {
-        pbw__offer_hint(build, kernel->cavity[t], kernel->me);
+    for (t = 0; missing && t < kernel->scratch.facet_count; t++) {
+        pbw__offer_hint(build, kernel->scratch.cavity[t], kernel->own.me);
     }
     for (k = 0; kernel->last != PBW_NONE && k <= kernel->dim; k++) {
         v[k] = kernel->corner[4 * (size_t)kernel->last + (size_t)k];     /* may change once cells are given back */
     }
     for (i = 0; i < count; i++) {
-        PBW__TELL(kernel->owner + kernel->claim[i], PBW__NOBODY);
-        PBW_PAUSE();
+        PBW__STORE_RELEASE(kernel->own.owner + kernel->own.claim[i], PBW__NOBODY);
+        PBW__TEST_PAUSE();
     }
-    kernel->claim_count -= count;
-    memmove(kernel->claim, kernel->claim + count, (size_t)kernel->claim_count * sizeof(pbw_index));
+    kernel->own.claim_count -= count;
+    memmove(kernel->own.claim, kernel->own.claim + count, (size_t)kernel->own.claim_count * sizeof(pbw_index));
     for (k = 0; k <= kernel->dim; k++) {
-        ours += v[k] != PBW__GHOST && PBW__LOAD(kernel->owner + (v[k] >> kernel->owner_bits)) == kernel->me;
+        ours += (int)pbw__is_ours(kernel, v[k]);
     }
     kernel->last = ours + 1 >= kernel->dim ? kernel->last : PBW_NONE;
-    kernel->renewed = 0;
-    kernel->facet_count = 0;
+    kernel->own.renewed = 0;
+    kernel->scratch.facet_count = 0;
 }
 
-/* Inserts a vertex with cells that are taken for it, and held for the next ones, which are often near.  Who asks for
-   one of them gets all: it needs what is around, too. */
+/* Inserts a vertex, claiming cells for it, and keeps them for the next vertices, which are often near.  If another
+   task asks for one of the cells, gives back all: it needs the cells around, too. */
 static pbw_status pbw__insert_claiming(pbw__build *build, pbw__kernel *kernel, pbw_index v)
 {
     size_t created = kernel->statistics.created;
@@ -7322,26 +7133,26 @@ static pbw_status pbw__insert_claiming(pbw__build *build, pbw__kernel *kernel, p
     }
     if (kernel->statistics.created > created) {
         pbw__renew_hint(build, kernel, v);
-        kernel->renewed = 1;
+        kernel->own.renewed = 1;
     } else {
-        kernel->facet_count = 0;
+        kernel->scratch.facet_count = 0;
     }
     if (PBW__UNLIKELY(status == PBW__LEFT)) {
-        kernel->missed++;
-        if (kernel->blocker != PBW__NOBODY) {
-            PBW__STORE(&build->kernel[kernel->blocker]->asked, 1);
+        kernel->own.missed++;
+        if (kernel->own.blocker != PBW__NOBODY) {
+            PBW__STORE(&build->kernel[kernel->own.blocker]->asked, 1);
         }
     }
     if (PBW__UNLIKELY(status == PBW__LEFT) || PBW__UNLIKELY(PBW__LOAD(&kernel->asked))) {
         PBW__STORE(&kernel->asked, 0);
-        pbw__give_back(build, kernel, kernel->claim_count);
-    } else if (kernel->claim_count > build->hold) {
-        pbw__give_back(build, kernel, (kernel->claim_count + 1) / 2);
+        pbw__give_back(build, kernel, kernel->own.claim_count);
+    } else if (kernel->own.claim_count > build->hold) {
+        pbw__give_back(build, kernel, (kernel->own.claim_count + 1) / 2);
     }
     return status;
 }
 
-/* Before the first round of a level: cells are nobody's, and have a hint that is in them or none. */
+/* Before the first round of a level: all cells are free, and have a hint that is in them or none. */
 static void pbw__begin_cells(void *arg, int part)
 {
     pbw__build *build = (pbw__build *)arg;
@@ -7421,10 +7232,10 @@ static void pbw__round(void *arg, int part)
         const size_t least = (end - begin + PBW__BATCHES - 1) / PBW__BATCHES;
         const size_t batch = least < PBW__BATCH ? PBW__BATCH : least, batches = (end - begin + batch - 1) / batch;
         uint32_t taken = PBW__LOAD(build->taken + share);
-        kernel->share = (uint8_t)share;
+        kernel->own.share = (uint8_t)share;
         while ((taken & 65535) + (taken >> 16) < batches) {
             size_t from;
-            if (!PBW__REPLACE(build->taken + share, &taken, taken + (k == 0 ? 1 : 65536))) {
+            if (!PBW__CAS(build->taken + share, &taken, taken + (k == 0 ? 1 : 65536))) {
                 continue;
             }
             from = begin + (k == 0 ? taken & 65535 : batches - 1 - (taken >> 16)) * batch;
@@ -7434,7 +7245,7 @@ static void pbw__round(void *arg, int part)
             taken = PBW__LOAD(build->taken + share);
         }
     }
-    pbw__give_back(build, kernel, kernel->claim_count);
+    pbw__give_back(build, kernel, kernel->own.claim_count);
 }
 
 /* After a round: collects the vertices left, finds room if some task had none. */
@@ -7447,8 +7258,8 @@ static pbw_status pbw__end_round(pbw__build *build)
     for (part = 0; part < build->parts; part++) {
         pbw__kernel *kernel = build->kernel[part];
         count += kernel->left_count;
-        missed += kernel->missed;
-        no_room |= kernel->no_room;
+        missed += kernel->own.missed;
+        no_room |= kernel->slots.no_room;
         status = status != PBW_OK ? status : kernel->status;
         build->done += kernel->done;
         kernel->done = 0;
@@ -7457,8 +7268,7 @@ static pbw_status pbw__end_round(pbw__build *build)
         return status;
     }
     if (count > build->left_capacity
-        && !pbw__resize_array(&build->context->memory, &build->left, &build->left_capacity, count,
-                              sizeof(pbw_index))) {
+        && !PBW__RESIZE(&build->context->memory, build, left, count)) {
         return PBW_ERROR_MEMORY;
     }
     build->left_count = 0;
@@ -7506,51 +7316,36 @@ static pbw_status pbw__rounds(pbw__build *build)
     return status;
 }
 /* ------------------------------------------------------------------------------------------------------
-   >>output       From the store's simplices to the caller's arrays, in place.
-   In: a finished triangulation of ranks.  Out: simplices and neighbours in canonical order, with the caller's ids;
-   the first simplex of each point.
+   >>number       The canonical order of the simplices.
+   In: a finished triangulation of ranks.  Out: for each slot the place of its simplex in the caller's arrays; for
+   each rank the place of its first simplex.
 
    Canonical form of a simplex: by an even permutation of the corners, the lowest rank comes first and the lowest of
    the rest second (2D: the lowest first).  Canonical order: by the ranks of the corners, first to last.  So the
    simplices follow the Hilbert curve, and any method that finds the triangulation can produce the same arrays.
 
-   The store's arrays become the caller's: a copy beside them would be the peak of the memory.  What else is needed
-   lies in what the build left, whose pages are there.  Passes: count the simplices of each lowest rank, and chain
-   those of each region of ranks; region by region, sort the simplices of each rank and number them; translate each
-   and write it to its place, unless a slot is there that is still to be read; then write those.
+   Each simplex belongs to the list of its lowest rank.  Pass 1 counts the lists and chains the slots of each region's
+   lists.  Pass 2 sorts the lists, region by region, and numbers their simplices.
    ------------------------------------------------------------------------------------------------------ */
-/* A simplex in the list of its lowest rank: in space by its second and third corner, and with the last one; in the
-   plane by its first and second, an edge has one triangle on its left. */
+/* A simplex in its list, without its lowest rank: in space the key is the second and the third corner, `last` the
+   fourth; in the plane the key is the first and the second corner, as an edge has one triangle on its left. */
 typedef struct pbw__item { uint64_t key; pbw_index simplex, last; } pbw__item;
 
-static void pbw__sift(pbw__item *heap, size_t root, size_t count)
-{
-    pbw__item item = heap[root];
-    size_t child;
-    while ((child = 2 * root + 1) < count) {
-        child += child + 1 < count && heap[child + 1].key > heap[child].key;
-        if (heap[child].key <= item.key) {
-            break;
-        }
-        heap[root] = heap[child];
-        root = child;
-    }
-    heap[root] = item;
-}
-
+/* A simplex in canonical form, with the caller's ids and the places of its neighbours. */
 typedef struct pbw__emitted {
     pbw_index place, corner[4], neighbor[4];
 } pbw__emitted;
 
+/* Simplices that wait until their places are free.  Places free_from .. free_from+free_count-1 are known to be. */
 typedef struct pbw__aside {
     pbw__emitted *simplex;
-    size_t count, capacity;
+    size_t count, capacity, free_from, free_count;
 } pbw__aside;
 
-#define PBW__CHAINS 16                               /* followed at a time: memory answers many at once */
-#define PBW__SOON 48                                 /* so far ahead is asked for what is anywhere */
+#define PBW__CHAINS 16                               /* followed at a time: memory answers many requests at once */
+#define PBW__SOON 48                                 /* distance of prefetches in arrays that are read in any order */
 #define PBW__LISTS 64                                /* sorted at a time */
-#define PBW__SHORT 48                                /* simplices of a list that is not a hub's */
+#define PBW__SHORT 48                                /* simplices of the longest list that is not a hub's */
 
 typedef struct pbw__emission {
     pbw__context *context;
@@ -7558,30 +7353,22 @@ typedef struct pbw__emission {
     pbw_index *corner;
     pbw__link *link;                                 /* NULL: not wanted */
     size_t slot_count, simplex_count, vertex_count, visible;
-    int dim, any_order, tasks, failed;
-    const pbw_index *id;                             /* of each rank */
+    int dim, any_order, tasks, failed, simd;
+    const pbw_index *id;                             /* per rank */
     pbw_index *number;                               /* per slot: the next of its chain; then its place */
-    pbw_index *chain;                                /* per region: the last slot of a simplex of its lists */
+    pbw_index *chain;                                /* per region: the last slot of its chain */
     pbw_index *head;                                 /* per rank: the length of its list; then its first simplex */
-    pbw_index *first;                                /* per rank, for several tasks: the same from earlier shares */
-    size_t *end;                                     /* per task: its last slot for others; where its simplices end */
+    pbw_index *first;                                /* per rank, with several tasks: the same from earlier shares */
+    size_t *end;                                     /* per task: its last slot for other tasks; its last place */
     pbw_index *incident;                             /* per point of the caller */
     int chunk_bits;                                  /* slot >> chunk_bits is the number of its chunk */
-    size_t chunk;                                    /* the next to be read, in that order */
+    size_t chunk;                                    /* the next to be read, in the order of >>output */
     unsigned char *chunk_done;
     pbw__aside *aside;                               /* per task */
-    /* For this dimension and this CPU: the lowest ranks; simplices into their lists; lists in order; the simplices
-       of a chunk to their places. */
-    uint64_t (*lowest_ranks)(const pbw_index *corner, size_t count, pbw_index *low);
-    void (*fill_lists)(const pbw_index *corner, const pbw_index *slot, size_t count, pbw_index *end, pbw__item *item);
-    void (*sort_lists)(const pbw__item *item, const pbw_index *end, unsigned lists, pbw_index begin,
-                       pbw__item *sorted);
-    size_t (*emit)(const struct pbw__emission *emission, size_t from, size_t end, size_t first_free,
-                   size_t free_count, pbw__emitted *out);
 } pbw__emission;
 
-/* The even permutation of the canonical form: corner k of the output is corner (order >> 2k) & 3 here.  Looked up by
-   which of the pairs (0,1) (0,2) (0,3) (1,2) (1,3) (2,3), in 2D (0,1) (0,2) (1,2), are descending: no branches. */
+/* The even permutation of the canonical form: corner k of the output is corner (order >> 2k) & 3 here.  Branchless:
+   looked up by which of the pairs (0,1) (0,2) (0,3) (1,2) (1,3) (2,3), in 2D (0,1) (0,2) (1,2), are descending. */
 static const uint32_t pbw__turn3[64] = {
     228, 177, 0, 201, 0, 0, 0, 201, 120, 0, 210, 54, 0, 0, 0, 54,
     0, 0, 0, 0, 0, 0, 0, 0, 120, 0, 210, 0, 0, 0, 78, 78,
@@ -7599,10 +7386,10 @@ PBW__INLINE unsigned pbw__canonical_order(const pbw_index *v, int dim)
 }
 
 #ifdef PBW__AVX2
-/* The same as the lanes to take, in order. */
-PBW__SIMD_INLINE __m128i pbw__canonical_lanes(__m128i v, int dim)
+/* pbw__canonical_order as lane numbers. */
+PBW__SIMD_INLINE pbw__i4 pbw__canonical_lanes(pbw__i4 v, int dim)
 {
-    const __m256i both = _mm256_castsi128_si256(v);
+    const __m256i both = _mm256_castsi128_si256((__m128i)v);
     const __m256i a = _mm256_permutevar8x32_epi32(both, dim == 3 ? _mm256_setr_epi32(0, 0, 0, 1, 1, 2, 0, 0)
                                                                  : _mm256_setr_epi32(0, 0, 1, 0, 0, 0, 0, 0));
     const __m256i b = _mm256_permutevar8x32_epi32(both, dim == 3 ? _mm256_setr_epi32(1, 2, 3, 2, 3, 3, 0, 0)
@@ -7610,11 +7397,11 @@ PBW__SIMD_INLINE __m128i pbw__canonical_lanes(__m128i v, int dim)
     const __m256i descending = _mm256_cmpeq_epi32(_mm256_max_epu32(a, b), a);
     const unsigned pairs = (unsigned)_mm256_movemask_ps(_mm256_castsi256_ps(descending));
     const uint32_t order = dim == 3 ? pbw__turn3[pairs & 63] : pbw__turn2[pairs & 7];
-    return _mm_srlv_epi32(_mm_set1_epi32((int)order), _mm_setr_epi32(0, 2, 4, 6));
+    return (pbw__i4)_mm_srlv_epi32(_mm_set1_epi32((int)order), _mm_setr_epi32(0, 2, 4, 6));
 }
 #endif
 
-/* The lowest of the bits that are set. */
+/* The number of the lowest bit that is set. */
 PBW__INLINE unsigned pbw__first_bit(uint64_t set)
 {
 #ifdef __GNUC__
@@ -7628,9 +7415,9 @@ PBW__INLINE unsigned pbw__first_bit(uint64_t set)
 #endif
 }
 
-/* The lowest ranks of the simplices in `count` slots from `corner` on; 0 for a ghost and for a slot that is free.
-   Returns the set of the others, of the first 64. */
-PBW__INLINE uint64_t pbw__lowest_ranks(const pbw_index *corner, size_t count, pbw_index *low, int dim)
+/* Stores the lowest ranks of the simplices in `count` slots from `corner` on, at most 64; 0 for ghosts and free
+   slots.  Returns the set of the other slots. */
+PBW__INLINE uint64_t pbw__lowest_ranks_of(const pbw_index *corner, size_t count, pbw_index *low, int dim)
 {
     uint64_t set = 0;
     size_t i;
@@ -7644,87 +7431,63 @@ PBW__INLINE uint64_t pbw__lowest_ranks(const pbw_index *corner, size_t count, pb
     return set;
 }
 
-static uint64_t pbw__lowest_ranks3(const pbw_index *corner, size_t count, pbw_index *low)
-{
-    return pbw__lowest_ranks(corner, count, low, 3);
-}
-
-static uint64_t pbw__lowest_ranks2(const pbw_index *corner, size_t count, pbw_index *low)
-{
-    return pbw__lowest_ranks(corner, count, low, 2);
-}
-
 #ifdef PBW__AVX2
-PBW__SIMD_INLINE __m256i pbw__pick_even(__m256i a, __m256i b)
+PBW__SIMD_INLINE uint64_t pbw__lowest_ranks_simd_of(const pbw_index *corner, size_t count, pbw_index *low, int dim)
 {
-    return _mm256_castps_si256(_mm256_shuffle_ps(_mm256_castsi256_ps(a), _mm256_castsi256_ps(b), 0x88));
-}
-
-PBW__SIMD_INLINE __m256i pbw__pick_odd(__m256i a, __m256i b)
-{
-    return _mm256_castps_si256(_mm256_shuffle_ps(_mm256_castsi256_ps(a), _mm256_castsi256_ps(b), 0xdd));
-}
-
-/* Which of eight numbers are not `x`. */
-PBW__SIMD_INLINE uint64_t pbw__not_equal8(__m256i numbers, int x)
-{
-    const __m256i equal = _mm256_cmpeq_epi32(numbers, _mm256_set1_epi32(x));
-    return (uint64_t)(255 & ~_mm256_movemask_ps(_mm256_castsi256_ps(equal)));
-}
-
-/* Eight at a time. */
-PBW__SIMD_INLINE uint64_t pbw__lowest_ranks_avx2(const pbw_index *corner, size_t count, pbw_index *low, int dim)
-{
+    const __m128i zero = _mm_setzero_si128(), unused = dim == 3 ? zero : _mm_setr_epi32(0, 0, -1, -1);
     uint64_t set = 0;
-    const __m256i unused = _mm256_set1_epi64x(dim == 3 ? 0 : (int64_t)((uint64_t)PBW_NONE << 32));
-    const __m256i order = _mm256_setr_epi32(0, 4, 1, 5, 2, 6, 3, 7), none = _mm256_set1_epi32(-1);
-    size_t i, j;
-    for (i = 0; i + 8 <= count; i += 8) {
-        __m256i a[4], least[2], ranks;
-        for (j = 0; j < 4; j += 2) {
-            const __m256i x = _mm256_loadu_si256((const __m256i *)(const void *)(corner + 4 * (i + 2 * j)));
-            const __m256i y = _mm256_loadu_si256((const __m256i *)(const void *)(corner + 4 * (i + 2 * j + 2)));
-            a[j] = _mm256_unpacklo_epi64(x, y);
-            a[j + 1] = _mm256_or_si256(_mm256_unpackhi_epi64(x, y), unused);
-            least[j / 2] = _mm256_min_epu32(a[j], a[j + 1]);
-        }
-        ranks = _mm256_cmpeq_epi32(pbw__pick_even(a[0], a[2]), none);
-        ranks = _mm256_andnot_si256(ranks, _mm256_min_epu32(pbw__pick_even(least[0], least[1]),
-                                                      pbw__pick_odd(least[0], least[1])));
-        ranks = _mm256_permutevar8x32_epi32(ranks, order);
-        _mm256_storeu_si256((__m256i *)(void *)(low + i), ranks);
-        set |= pbw__not_equal8(ranks, 0) << i;
+    size_t i;
+    for (i = 0; i + 4 <= count; i += 4) {
+        const __m128i *v = (const __m128i *)(const void *)(corner + 4 * i);
+        const __m128i a = _mm_loadu_si128(v), b = _mm_loadu_si128(v + 1), ab = _mm_unpacklo_epi32(a, b);
+        const __m128i c = _mm_loadu_si128(v + 2), d = _mm_loadu_si128(v + 3), cd = _mm_unpacklo_epi32(c, d);
+        const __m128i x = _mm_min_epu32(ab, _mm_or_si128(_mm_unpackhi_epi32(a, b), unused));
+        const __m128i y = _mm_min_epu32(cd, _mm_or_si128(_mm_unpackhi_epi32(c, d), unused));
+        const __m128i least = _mm_min_epu32(_mm_unpacklo_epi64(x, y), _mm_unpackhi_epi64(x, y));
+        const __m128i free = _mm_cmpeq_epi32(_mm_unpacklo_epi64(ab, cd), _mm_set1_epi32(-1));
+        const __m128i ranks = _mm_andnot_si128(free, least), none = _mm_cmpeq_epi32(ranks, zero);
+        _mm_storeu_si128((__m128i *)(void *)(low + i), ranks);
+        set |= (uint64_t)(15 & ~_mm_movemask_ps(_mm_castsi128_ps(none))) << i;
     }
-    return i < count ? set | pbw__lowest_ranks(corner + 4 * i, count - i, low + i, dim) << i : set;
+    return i < count ? set | pbw__lowest_ranks_of(corner + 4 * i, count - i, low + i, dim) << i : set;
 }
 
-PBW__SIMD static uint64_t pbw__lowest_ranks3_avx2(const pbw_index *corner, size_t count, pbw_index *low)
+PBW__SIMD static uint64_t pbw__lowest_ranks_simd(const pbw_index *corner, size_t count, pbw_index *low, int dim)
 {
-    return pbw__lowest_ranks_avx2(corner, count, low, 3);
-}
-
-PBW__SIMD static uint64_t pbw__lowest_ranks2_avx2(const pbw_index *corner, size_t count, pbw_index *low)
-{
-    return pbw__lowest_ranks_avx2(corner, count, low, 2);
+    return dim == 3 ? pbw__lowest_ranks_simd_of(corner, count, low, 3)
+                    : pbw__lowest_ranks_simd_of(corner, count, low, 2);
 }
 #endif
 
-/* Pass 1.  A task has the slots of a run of regions, and the lists of the ranks of their cells.  Simplices for the
-   lists of other tasks, few, make a chain of their own and are left for a second look, with atomic exchanges. */
-#define PBW__RUN 64                                  /* slots whose lowest ranks are found at a time: a set of bits */
+PBW__INLINE uint64_t pbw__lowest_ranks(const pbw__emission *emission, size_t slot, size_t count, pbw_index *low)
+{
+    const pbw_index *corner = emission->corner + 4 * slot;
+#ifdef PBW__AVX2
+    if (emission->simd) {
+        return pbw__lowest_ranks_simd(corner, count, low, emission->dim);
+    }
+#endif
+    return emission->dim == 3 ? pbw__lowest_ranks_of(corner, count, low, 3)
+                              : pbw__lowest_ranks_of(corner, count, low, 2);
+}
 
-/* Lists of a task: `own` ranks from `ranks` on; `others` is the last slot for other tasks. */
+/* ---- pass 1: lists
+   A task reads the slots of a range of regions and makes the lists of the ranks of these regions.  The few simplices
+   for lists of other tasks are chained apart, and added by pbw__emit_others with atomic exchanges. */
+#define PBW__SET 64                                  /* slots whose lowest ranks are found at a time: bits of a set */
+
+/* A task has the lists of `own` ranks from `ranks` on; `others` is the last slot for other tasks. */
 typedef struct pbw__listing { size_t ranks, own; pbw_index others; } pbw__listing;
 
-/* The slots of a run that are used into chains.  If all of them are, they need no looking for. */
-PBW__INLINE void pbw__emit_run(const pbw__emission *emission, pbw__listing *listing, const pbw_index *lowest,
-                               uint64_t used, size_t from, int all)
+/* Chains the slots of a batch that are in `used`; `all`: every one is. */
+PBW__INLINE void pbw__emit_batch(const pbw__emission *emission, pbw__listing *listing, const pbw_index *lowest,
+                                 uint64_t used, size_t from, int all)
 {
     pbw_index *number = emission->number, *chain = emission->chain, *head = emission->head;
     const size_t ranks = listing->ranks, own = listing->own;
-    const int bits = emission->store->cell_bits;
+    const int bits = emission->store->region_bits;
     unsigned at;
-    for (at = 0; all ? at < PBW__RUN : used != 0; at++, used &= used - 1) {
+    for (at = 0; all ? at < PBW__BATCH : used != 0; at++, used &= used - 1) {
         const pbw_index low = lowest[at = all ? at : pbw__first_bit(used)], t = (pbw_index)(from + at);
         if (PBW__LIKELY(low - ranks < own)) {
             number[t] = chain[low >> bits];
@@ -7737,28 +7500,28 @@ PBW__INLINE void pbw__emit_run(const pbw__emission *emission, pbw__listing *list
     }
 }
 
-/* The slots from..end-1 into chains. */
+/* Chains the slots from..end-1. */
 static void pbw__emit_chains(const pbw__emission *emission, pbw__listing *listing, size_t from, size_t end)
 {
     const pbw_index *corner = emission->corner;
-    pbw_index lowest[PBW__RUN];
+    pbw_index lowest[PBW__BATCH];
     uint64_t used;
     size_t t, to;
     for (; from < end; from = to) {
-        if ((from / PBW__RUN & 1023) == 0
+        if ((from / PBW__BATCH & 1023) == 0
             && pbw__report(emission->context, 0.25 * (double)from / (double)emission->slot_count)) {
             break;
         }
-        to = end - from < PBW__RUN ? end : from + PBW__RUN;
-        for (t = to; t < end && t < to + PBW__RUN; t += 4) {
+        to = end - from < PBW__BATCH ? end : from + PBW__BATCH;
+        for (t = to; t < end && t < to + PBW__BATCH; t += 4) {
             PBW__PREFETCH(corner + 4 * t);
         }
-        used = emission->lowest_ranks(corner + 4 * from, to - from, lowest);
+        used = pbw__lowest_ranks(emission, from, to - from, lowest);
         if (used == ~(uint64_t)0) {
-            pbw__emit_run(emission, listing, lowest, used, from, 1);
-        } else {                                     /* on a circle half are ghosts: no predictor could guess which */
+            pbw__emit_batch(emission, listing, lowest, used, from, 1);
+        } else {                                     /* on a circle half are ghosts, at unpredictable places */
             memset(emission->number + from, 0xff, (to - from) * sizeof(pbw_index));      /* PBW_NONE */
-            pbw__emit_run(emission, listing, lowest, used, from, 0);
+            pbw__emit_batch(emission, listing, lowest, used, from, 0);
         }
     }
 }
@@ -7766,11 +7529,11 @@ static void pbw__emit_chains(const pbw__emission *emission, pbw__listing *listin
 /* The first rank of a region; past the last region, the number of ranks. */
 PBW__INLINE size_t pbw__emit_ranks(const pbw__emission *emission, size_t region)
 {
-    size_t ranks = region << emission->store->cell_bits;
+    size_t ranks = region << emission->store->region_bits;
     return ranks <= emission->vertex_count ? ranks : emission->vertex_count + 1;
 }
 
-/* The first slot of the region that comes so many before this one, or of the first region. */
+/* The first slot of the region `before` places ahead of this one, or of the first region. */
 PBW__INLINE size_t pbw__emit_start(const pbw__emission *emission, size_t region, size_t before)
 {
     return region > before ? pbw__region_end(emission->store, region - before - 1) : 0;
@@ -7788,8 +7551,8 @@ static void pbw__emit_pass1(void *arg, int task)
     size_t tail_to = store->region_slots + pbw__share(tail, task + 1, emission->tasks);
     size_t ranks = pbw__emit_ranks(emission, first), end = pbw__emit_ranks(emission, last);
     pbw__listing listing;
-    listing.ranks = first << store->cell_bits;
-    listing.own = (last << store->cell_bits) - listing.ranks;
+    listing.ranks = first << store->region_bits;
+    listing.own = (last << store->region_bits) - listing.ranks;
     listing.others = PBW_NONE;
     memset(emission->chain + first, 0xff, (last - first) * sizeof(pbw_index));       /* PBW_NONE */
     memset(emission->head + ranks, 0, (end - ranks) * sizeof(pbw_index));
@@ -7807,13 +7570,13 @@ static void pbw__emit_others(void *arg, int task)
     pbw_index t = (pbw_index)emission->end[task], next, low;
     for (; t != PBW_NONE; t = next) {
         next = emission->number[t];
-        (void)emission->lowest_ranks(emission->corner + 4 * (size_t)t, 1, &low);
-        emission->number[t] = PBW__SWAP(emission->chain + (low >> emission->store->cell_bits), t);
+        (void)pbw__lowest_ranks(emission, t, 1, &low);
+        emission->number[t] = PBW__SWAP(emission->chain + (low >> emission->store->region_bits), t);
         (void)PBW__ADD(emission->head + low, 1);
     }
 }
 
-/* The simplices of lists. */
+/* The number of simplices in some lists. */
 PBW__INLINE size_t pbw__emit_count(const pbw_index *length, size_t lists)
 {
     size_t i, sum = 0;
@@ -7832,9 +7595,10 @@ static void pbw__emit_counts(void *arg, int task)
     emission->end[task] = pbw__emit_count(emission->head + from, to - from);
 }
 
-/* Simplices into their lists: to the item end[rank], which is then the next. */
-PBW__INLINE void pbw__fill_lists(const pbw_index *corner, const pbw_index *slot, size_t count, pbw_index *end,
-                                 pbw__item *item, int dim)
+/* ---- lists in order
+   Puts simplices into their lists: into the item end[rank], which is then the next. */
+PBW__INLINE void pbw__fill_lists_of(const pbw_index *corner, const pbw_index *slot, size_t count, pbw_index *end,
+                                    pbw__item *item, int dim)
 {
     size_t i;
     for (i = 0; i < count; i++) {
@@ -7848,20 +7612,8 @@ PBW__INLINE void pbw__fill_lists(const pbw_index *corner, const pbw_index *slot,
     }
 }
 
-static void pbw__fill_lists3(const pbw_index *corner, const pbw_index *slot, size_t count, pbw_index *end,
-                             pbw__item *item)
-{
-    pbw__fill_lists(corner, slot, count, end, item, 3);
-}
-
-static void pbw__fill_lists2(const pbw_index *corner, const pbw_index *slot, size_t count, pbw_index *end,
-                             pbw__item *item)
-{
-    pbw__fill_lists(corner, slot, count, end, item, 2);
-}
-
-/* Short lists, the first from item `begin` on and each up to its `end`, by their keys; sorted[0] is for the waste.
-   By counting pair by pair: no predictor could guess their order. */
+/* Sorts short lists by their keys, the first from item `begin` on and each up to its `end`; sorted[0] takes what is
+   to be dropped.  Branchless, by counting for each pair which is larger: the order is unpredictable. */
 static void pbw__sort_lists(const pbw__item *item, const pbw_index *end, unsigned lists, pbw_index begin,
                             pbw__item *sorted)
 {
@@ -7882,100 +7634,35 @@ static void pbw__sort_lists(const pbw__item *item, const pbw_index *end, unsigne
 }
 
 #ifdef PBW__AVX2
-PBW__SIMD_INLINE __m256i pbw__two(const pbw_index *a, const pbw_index *b)
+PBW__SIMD_INLINE void pbw__fill_lists_simd_of(const pbw_index *corner, const pbw_index *slot, size_t count,
+                                              pbw_index *end, pbw__item *item, int dim)
 {
-    return _mm256_inserti128_si256(_mm256_castsi128_si256((__m128i)pbw__load4(a)), (__m128i)pbw__load4(b), 1);
+    size_t i;
+    for (i = 0; i < count; i++) {
+        const pbw__i4 v = pbw__load4(corner + 4 * (size_t)slot[i]);
+        const pbw__i4 canonical = pbw__permute4(v, pbw__canonical_lanes(v, dim));
+        const __m128i entry = (__m128i)(dim == 3 ? PBW__PICK4(canonical, 2, 1, 0, 3)
+                                                 : PBW__PICK4(canonical, 1, 0, 0, 2));
+        pbw_index *next = end + (pbw_index)_mm_cvtsi128_si32((__m128i)canonical);
+        pbw__store4(item + (*next)++, (pbw__i4)_mm_insert_epi32(entry, (int)slot[i], 2));
+    }
+}
+
+PBW__SIMD static void pbw__fill_lists_simd(const pbw__emission *emission, const pbw_index *slot, size_t count,
+                                           pbw__item *item)
+{
+    PBW__BY_DIM(emission->dim, pbw__fill_lists_simd_of, emission->corner, slot, count, emission->head, item);
 }
 
 /* y in the lanes of the mask.  Not by bytes: gcc 12 takes those of a mask for unsigned with -funsigned-char. */
-PBW__SIMD_INLINE __m256i pbw__select8(__m256i x, __m256i y, __m256i mask)
+PBW__SIMD_INLINE __m256i pbw__blend8(__m256i x, __m256i y, __m256i mask)
 {
     return (__m256i)_mm256_blendv_ps((__m256)x, (__m256)y, (__m256)mask);
 }
 
-/* Where the mask is set, exchanges a and b. */
-PBW__SIMD_INLINE void pbw__exchange(__m256i *a, __m256i *b, __m256i mask)
-{
-    const __m256i change = _mm256_and_si256(_mm256_xor_si256(*a, *b), mask);
-    *a = _mm256_xor_si256(*a, change);
-    *b = _mm256_xor_si256(*b, change);
-}
-
-/* Rows to columns, in each half. */
-PBW__SIMD_INLINE void pbw__transpose(__m256i *a)
-{
-    const __m256i x = _mm256_unpacklo_epi32(a[0], a[1]), y = _mm256_unpackhi_epi32(a[0], a[1]);
-    const __m256i z = _mm256_unpacklo_epi32(a[2], a[3]), w = _mm256_unpackhi_epi32(a[2], a[3]);
-    a[0] = _mm256_unpacklo_epi64(x, z);
-    a[1] = _mm256_unpackhi_epi64(x, z);
-    a[2] = _mm256_unpacklo_epi64(y, w);
-    a[3] = _mm256_unpackhi_epi64(y, w);
-}
-
-/* Eight at a time. */
-PBW__SIMD_INLINE void pbw__fill_lists_avx2(const pbw_index *corner, const pbw_index *slot, size_t count,
-                                           pbw_index *end, pbw__item *item, int dim)
-{
-    size_t i;
-    int k;
-    for (i = 0; i + 8 <= count; i += 8) {
-        __m256i v[4], low, last, odd, entry[4];
-        pbw_index rank[8];
-        for (k = 0; k < 4; k++) {
-            v[k] = pbw__two(corner + 4 * (size_t)slot[i + (size_t)k], corner + 4 * (size_t)slot[i + (size_t)k + 4]);
-        }
-        pbw__transpose(v);
-        if (dim == 3) {
-            /* The lowest first, by (0 2)(1 3), (0 1)(2 3) or both; then the other three in a cycle. */
-            low = _mm256_min_epu32(_mm256_min_epu32(v[0], v[1]), _mm256_min_epu32(v[2], v[3]));
-            last = _mm256_cmpeq_epi32(v[3], low);
-            odd = _mm256_or_si256(last, _mm256_cmpeq_epi32(v[1], low));
-            last = _mm256_or_si256(last, _mm256_cmpeq_epi32(v[2], low));
-            pbw__exchange(v, v + 2, last);
-            pbw__exchange(v + 1, v + 3, last);
-            v[1] = _mm256_xor_si256(v[1], _mm256_and_si256(_mm256_xor_si256(v[0], v[1]), odd));
-            pbw__exchange(v + 2, v + 3, odd);
-            entry[1] = _mm256_min_epu32(_mm256_min_epu32(v[1], v[2]), v[3]);
-            odd = _mm256_cmpeq_epi32(v[1], entry[1]);
-            last = _mm256_cmpeq_epi32(v[2], entry[1]);
-            entry[0] = pbw__select8(pbw__select8(v[1], v[3], last), v[2], odd);
-            entry[3] = pbw__select8(pbw__select8(v[2], v[1], last), v[3], odd);
-        } else {
-            low = _mm256_min_epu32(_mm256_min_epu32(v[0], v[1]), v[2]);
-            odd = _mm256_cmpeq_epi32(v[0], low);
-            last = _mm256_cmpeq_epi32(v[2], low);
-            entry[1] = low;
-            entry[0] = pbw__select8(pbw__select8(v[2], v[0], last), v[1], odd);
-            entry[3] = pbw__select8(pbw__select8(v[0], v[1], last), v[2], odd);
-        }
-        entry[2] = _mm256_loadu_si256((const __m256i *)(const void *)(slot + i));
-        pbw__transpose(entry);
-        _mm256_storeu_si256((__m256i *)(void *)rank, low);
-        for (k = 0; k < 4; k++) {
-            pbw__store4(item + end[rank[k]]++, (pbw__i4)_mm256_castsi256_si128(entry[k]));
-        }
-        for (k = 0; k < 4; k++) {
-            pbw__store4(item + end[rank[k + 4]]++, (pbw__i4)_mm256_extracti128_si256(entry[k], 1));
-        }
-    }
-    pbw__fill_lists(corner, slot + i, count - i, end, item, dim);
-}
-
-PBW__SIMD static void pbw__fill_lists3_avx2(const pbw_index *corner, const pbw_index *slot, size_t count,
-                                            pbw_index *end, pbw__item *item)
-{
-    pbw__fill_lists_avx2(corner, slot, count, end, item, 3);
-}
-
-PBW__SIMD static void pbw__fill_lists2_avx2(const pbw_index *corner, const pbw_index *slot, size_t count,
-                                            pbw_index *end, pbw__item *item)
-{
-    pbw__fill_lists_avx2(corner, slot, count, end, item, 2);
-}
-
-/* A list of `count` simplices by fours, `all` in all: what is too much in the last four is of the highest key for the
-   others and goes to the waste. */
-PBW__SIMD_INLINE void pbw__sort_list_avx2(const pbw__item *item, pbw_index begin, unsigned count, unsigned all,
+/* Sorts a list of `count` simplices, `all` if rounded up to fours.  The surplus of the last four has the highest key
+   and goes to sorted[0]. */
+PBW__SIMD_INLINE void pbw__sort_list_simd(const pbw__item *item, pbw_index begin, unsigned count, unsigned all,
                                           pbw__item *sorted)
 {
     const __m256i sign = _mm256_set1_epi64x((int64_t)((uint64_t)1 << 63));
@@ -7990,7 +7677,7 @@ PBW__SIMD_INLINE void pbw__sort_list_avx2(const pbw__item *item, pbw_index begin
         const __m256i b = _mm256_loadu_si256((const __m256i *)(const void *)(item + j + 2));
         keys[j / 4] = _mm256_xor_si256(_mm256_unpacklo_epi64(a, b), sign);
         if (j + 4 == all) {
-            keys[j / 4] = pbw__select8(highest, keys[j / 4], real);
+            keys[j / 4] = pbw__blend8(highest, keys[j / 4], real);
         }
         _mm256_storeu_si256((__m256i *)(void *)(key + j), keys[j / 4]);
     }
@@ -8013,8 +7700,8 @@ PBW__SIMD_INLINE void pbw__sort_list_avx2(const pbw__item *item, pbw_index begin
     }
 }
 
-/* By their lengths, which cannot be predicted. */
-PBW__SIMD static void pbw__sort_lists_avx2(const pbw__item *item, const pbw_index *end, unsigned lists,
+/* pbw__sort_lists by vectors.  Groups lists by length first, as lengths are unpredictable. */
+PBW__SIMD static void pbw__sort_lists_simd(const pbw__item *item, const pbw_index *end, unsigned lists,
                                            pbw_index begin, pbw__item *sorted)
 {
     pbw_index by_fours[PBW__SHORT / 4 + 2][PBW__LISTS][2];
@@ -8030,13 +7717,13 @@ PBW__SIMD static void pbw__sort_lists_avx2(const pbw__item *item, const pbw_inde
         for (i = 0; i < n[fours]; i++) {
             const pbw_index *list = by_fours[fours][i];
             if (fours == 1) {
-                pbw__sort_list_avx2(item, list[0], list[1], 4, sorted);
+                pbw__sort_list_simd(item, list[0], list[1], 4, sorted);
             } else if (fours == 2) {
-                pbw__sort_list_avx2(item, list[0], list[1], 8, sorted);
+                pbw__sort_list_simd(item, list[0], list[1], 8, sorted);
             } else if (fours == 3) {
-                pbw__sort_list_avx2(item, list[0], list[1], 12, sorted);
+                pbw__sort_list_simd(item, list[0], list[1], 12, sorted);
             } else {
-                pbw__sort_list_avx2(item, list[0], list[1], 4 * fours, sorted);
+                pbw__sort_list_simd(item, list[0], list[1], 4 * fours, sorted);
             }
         }
     }
@@ -8047,7 +7734,7 @@ PBW__SIMD static void pbw__sort_lists_avx2(const pbw__item *item, const pbw_inde
    many simplices. */
 #define PBW__REACH 12
 
-PBW__SIMD static void pbw__sort_lists2_avx2(const pbw__item *item, const pbw_index *end, unsigned lists,
+PBW__SIMD static void pbw__sort_lists2_simd(const pbw__item *item, const pbw_index *end, unsigned lists,
                                             pbw_index begin, pbw__item *sorted)
 {
     int64_t key[PBW__REACH + PBW__LISTS * PBW__REACH + 4 + PBW__REACH];
@@ -8056,7 +7743,7 @@ PBW__SIMD static void pbw__sort_lists2_avx2(const pbw__item *item, const pbw_ind
         longest = end[i] - from > longest ? end[i] - from : longest;
     }
     if (longest > PBW__REACH) {
-        pbw__sort_lists_avx2(item, end, lists, begin, sorted);
+        pbw__sort_lists_simd(item, end, lists, begin, sorted);
         return;
     }
     item += begin;
@@ -8081,59 +7768,40 @@ PBW__SIMD static void pbw__sort_lists2_avx2(const pbw__item *item, const pbw_ind
             place = _mm256_sub_epi64(place, _mm256_cmpgt_epi64(four, after));
         }
         _mm256_storeu_si256((__m256i *)(void *)half, _mm256_add_epi64(place, place));
-        for (k = 0; k < 4; k++) {                    /* what is too much is overwritten by the next lists */
+        for (k = 0; k < 4; k++) {                    /* the surplus is overwritten by the next lists */
             pbw__store4((uint64_t *)(void *)sorted + half[k], pbw__load4(item + i + k));
         }
     }
 }
 #endif
 
-/* Pass 2: numbers, for the lists of a share of the regions, from the last list to the first.  So the number that is
-   noted last for a vertex is its first simplex.  It is noted in head: the vertex' own list has been read when a
-   simplex has its number, as no corner comes before the one whose list it is in.  For vertices of later shares it is
-   noted in `first`. */
-
-/* The slots of the chains of `count` regions, one chain after the other. */
-PBW__INLINE void pbw__emit_follow(const pbw__emission *emission, size_t region, unsigned count, const size_t *length,
-                                  pbw_index *slot)
+PBW__INLINE void pbw__fill_lists(const pbw__emission *emission, const pbw_index *slot, size_t count, pbw__item *item)
 {
-    const pbw_index *number = emission->number, *corner = emission->corner;
-    pbw_index next[PBW__CHAINS], *to[PBW__CHAINS];
-    size_t left[PBW__CHAINS], steps, last, k;
-    unsigned open, i, j;
-    for (i = open = 0; i < count; slot += length[i++]) {
-        next[open] = emission->chain[region + i];
-        to[open] = slot;
-        left[open] = length[i];
-        open += length[i] > 0;
+#ifdef PBW__AVX2
+    if (emission->simd) {
+        pbw__fill_lists_simd(emission, slot, count, item);
+        return;
     }
-    last = pbw__emit_start(emission, region, PBW__CHAINS);
-    for (k = pbw__emit_start(emission, region, 2 * PBW__CHAINS); k < last; k += 16) {
-        PBW__PREFETCH(number + k);                   /* what the next regions' chains mostly go through */
-    }
-    while (open > 0) {
-        for (steps = left[0], i = 1; i < open; i++) {
-            steps = left[i] < steps ? left[i] : steps;
-        }
-        for (k = 0; k < steps; k++) {
-            for (i = 0; i < open; i++) {
-                pbw_index t = next[i];
-                to[i][k] = t;
-                next[i] = number[t];
-                PBW__PREFETCH(corner + 4 * (size_t)t);
-            }
-        }
-        for (i = j = 0; i < open; i++) {
-            next[j] = next[i];
-            to[j] = to[i] + steps;
-            left[j] = left[i] - steps;
-            j += left[j] > 0;
-        }
-        open = j;
-    }
+#endif
+    PBW__BY_DIM(emission->dim, pbw__fill_lists_of, emission->corner, slot, count, emission->head, item);
 }
 
-/* A hub's list: by a heap sort. */
+PBW__INLINE void pbw__sift(pbw__item *heap, size_t root, size_t count)
+{
+    pbw__item item = heap[root];
+    size_t child;
+    while ((child = 2 * root + 1) < count) {
+        child += child + 1 < count && heap[child + 1].key > heap[child].key;
+        if (heap[child].key <= item.key) {
+            break;
+        }
+        heap[root] = heap[child];
+        root = child;
+    }
+    heap[root] = item;
+}
+
+/* Sorts the list of a hub, a vertex of many simplices: a heap sort. */
 static PBW__NOINLINE void pbw__sort_hub(pbw__item *heap, size_t count, pbw__item *sorted)
 {
     size_t i;
@@ -8147,6 +7815,76 @@ static PBW__NOINLINE void pbw__sort_hub(pbw__item *heap, size_t count, pbw__item
     }
 }
 
+/* Sorts the lists of a region, which end at end[0] .. end[lists-1]. */
+PBW__INLINE void pbw__sort_region(const pbw__emission *emission, pbw__item *item, const pbw_index *end, size_t lists,
+                                  pbw__item *sorted)
+{
+    pbw_index begin = 0;
+    size_t r, i;
+    for (r = 0; r < lists && !emission->any_order; r += PBW__LISTS) {
+        const unsigned n = lists - r < PBW__LISTS ? (unsigned)(lists - r) : PBW__LISTS;
+#ifdef PBW__AVX2
+        if (emission->simd) {
+            (emission->dim == 3 ? pbw__sort_lists_simd : pbw__sort_lists2_simd)(item, end + r, n, begin, sorted);
+        } else
+#endif
+        {
+            pbw__sort_lists(item, end + r, n, begin, sorted);
+        }
+        for (i = r; i < r + n; begin = end[i++]) {
+            if (end[i] - begin > PBW__SHORT) {
+                pbw__sort_hub(item + begin, end[i] - begin, sorted + 1 + begin);
+            }
+        }
+    }
+}
+
+/* ---- pass 2: numbers
+   A task numbers the lists of a share of the regions, from the last list to the first.  So the number that is noted
+   last for a vertex is its first simplex.  It is noted in `head`: a vertex' own list has been read when a simplex of
+   the vertex gets its number, as no corner comes before the one whose list the simplex is in.  For vertices of later
+   shares it is noted in `first`. */
+
+/* Lists the slots of the chains of `count` regions, one chain after the other.  All chains are followed at once. */
+PBW__INLINE void pbw__emit_follow(const pbw__emission *emission, size_t region, unsigned count, const size_t *length,
+                                  pbw_index *slot)
+{
+    const pbw_index *number = emission->number, *corner = emission->corner;
+    pbw_index next[PBW__CHAINS], *to[PBW__CHAINS];
+    size_t left[PBW__CHAINS], steps, last, k;
+    unsigned chains, i, j;
+    for (i = chains = 0; i < count; slot += length[i++]) {
+        next[chains] = emission->chain[region + i];
+        to[chains] = slot;
+        left[chains] = length[i];
+        chains += length[i] > 0;
+    }
+    last = pbw__emit_start(emission, region, PBW__CHAINS);
+    for (k = pbw__emit_start(emission, region, 2 * PBW__CHAINS); k < last; k += 16) {
+        PBW__PREFETCH(number + k);                   /* the chains of the next regions go through there mostly */
+    }
+    while (chains > 0) {
+        for (steps = left[0], i = 1; i < chains; i++) {
+            steps = left[i] < steps ? left[i] : steps;
+        }
+        for (k = 0; k < steps; k++) {
+            for (i = 0; i < chains; i++) {
+                pbw_index t = next[i];
+                to[i][k] = t;
+                next[i] = number[t];
+                PBW__PREFETCH(corner + 4 * (size_t)t);
+            }
+        }
+        for (i = j = 0; i < chains; i++) {
+            next[j] = next[i];
+            to[j] = to[i] + steps;
+            left[j] = left[i] - steps;
+            j += left[j] > 0;
+        }
+        chains = j;
+    }
+}
+
 PBW__INLINE void pbw__emit_first(pbw_index *head, pbw_index *first, pbw_index vertex, pbw_index place,
                                  pbw_index later)
 {
@@ -8154,39 +7892,41 @@ PBW__INLINE void pbw__emit_first(pbw_index *head, pbw_index *first, pbw_index ve
         head[vertex] = place;
     } else {
         pbw_index old = PBW__LOAD(first += vertex);
-        while (place < old && !PBW__REPLACE(first, &old, place)) {
+        while (place < old && !PBW__CAS(first, &old, place)) {
         }
     }
 }
 
-/* The numbers of a region's simplices, `count` in the slots of `slot`, from `place` on. */
-PBW__INLINE void pbw__emit_region(const pbw__emission *emission, size_t region, const pbw_index *slot, size_t count,
-                                  pbw__item *item, pbw__item *sorted, pbw_index place, pbw_index later)
+/* A task's buffers: the slots of chains; the lists of a region, and in order. */
+typedef struct pbw__buffers {
+    pbw_index *slot;
+    pbw__item *item, *sorted;
+    size_t slot_capacity, item_capacity;
+    pbw_index place;                                 /* after those that are still to be numbered */
+} pbw__buffers;
+
+/* Numbers the simplices of a region, in `count` slots.  later: the first rank of later shares, PBW_NONE if there are
+   none. */
+PBW__INLINE void pbw__emit_region(const pbw__emission *emission, pbw__buffers *buffers, size_t region,
+                                  const pbw_index *slot, size_t count, pbw_index later)
 {
-    size_t ranks = pbw__emit_ranks(emission, region), lists = pbw__emit_ranks(emission, region + 1) - ranks, r, i;
+    size_t ranks = pbw__emit_ranks(emission, region), lists = pbw__emit_ranks(emission, region + 1) - ranks, r;
     pbw_index *head = emission->head, *end = head + ranks, *first = emission->first, *number = emission->number;
-    pbw_index begin = 0;
+    pbw__item *item = buffers->item;
+    pbw_index begin = 0, place = buffers->place;
+    buffers->place -= (pbw_index)count;
     for (r = 0; r < lists; r++) {
         pbw_index length = end[r];
         end[r] = begin;
         begin += length;
     }
-    emission->fill_lists(emission->corner, slot, count, head, item);
-    for (r = 0, begin = 0; r < lists && !emission->any_order; r += PBW__LISTS) {
-        unsigned n = lists - r < PBW__LISTS ? (unsigned)(lists - r) : PBW__LISTS;
-        emission->sort_lists(item, end + r, n, begin, sorted);
-        for (i = r; i < r + n; begin = end[i++]) {
-            if (end[i] - begin > PBW__SHORT) {
-                pbw__sort_hub(item + begin, end[i] - begin, sorted + 1 + begin);
-            }
-        }
-    }
+    pbw__fill_lists(emission, slot, count, item);
+    pbw__sort_region(emission, item, end, lists, buffers->sorted);
+    item = emission->any_order ? item : buffers->sorted + 1;
     for (r = lists; r-- > 0; ) {
-        begin = r > 0 ? end[r - 1] : 0;
-        end[r] = (place + begin) | (0 - (pbw_index)(begin == end[r]));   /* PBW_NONE if empty, without a branch */
+        begin = r > 0 ? end[r - 1] : 0;              /* PBW_NONE if empty, branchless */
+        end[r] = (buffers->place + begin) | (0 - (pbw_index)(begin == end[r]));
     }
-    item = emission->any_order ? item : sorted + 1;
-    place += (pbw_index)count;
     for (item += count; count > 0; count--) {
         item--;
         place--;
@@ -8202,11 +7942,9 @@ static void pbw__emit_pass2(void *arg, int task)
     pbw__emission *emission = (pbw__emission *)arg;
     pbw__memory *memory = &emission->context->memory;
     size_t regions = emission->store->region_count, least = pbw__share(regions, task, emission->tasks);
-    size_t region = pbw__share(regions, task + 1, emission->tasks), place = emission->end[task];
-    pbw_index later = region < regions ? (pbw_index)pbw__emit_ranks(emission, region) : PBW_NONE;
-    pbw_index *slot = NULL;                          /* of chains */
-    pbw__item *item = NULL;                          /* a region's lists; the same in order */
-    size_t slot_capacity = 0, item_capacity = 0;
+    size_t region = pbw__share(regions, task + 1, emission->tasks);
+    const pbw_index later = region < regions ? (pbw_index)pbw__emit_ranks(emission, region) : PBW_NONE;
+    pbw__buffers buffers = { NULL, NULL, NULL, 0, 0, (pbw_index)emission->end[task] };
     while (region > least && !pbw__report(emission->context, 0.5 - 0.25 * (double)region / (double)regions)) {
         unsigned count = region - least < PBW__CHAINS ? (unsigned)(region - least) : PBW__CHAINS, i;
         size_t length[PBW__CHAINS], sum = 0, longest = 0;
@@ -8217,45 +7955,52 @@ static void pbw__emit_pass2(void *arg, int task)
             sum += length[i];
             longest = length[i] > longest ? length[i] : longest;
         }
-        longest += 4;                                /* for the waste, and what comes with the last of a four */
-        if ((sum >= slot_capacity && !pbw__resize_array(memory, &slot, &slot_capacity, sum + 1, sizeof(pbw_index)))
-            || (2 * longest > item_capacity
-                && !pbw__resize_array(memory, &item, &item_capacity, 2 * longest, sizeof(pbw__item)))) {
+        longest += 4;                                /* for sorted[0], and the surplus of the last four */
+        if ((sum >= buffers.slot_capacity
+             && !pbw__resize_array(memory, &buffers.slot, &buffers.slot_capacity, sum + 1, sizeof(pbw_index)))
+            || (2 * longest > buffers.item_capacity
+                && !pbw__resize_array(memory, &buffers.item, &buffers.item_capacity, 2 * longest,
+                                      sizeof(pbw__item)))) {
             PBW__STORE(&emission->failed, 1);
             break;
         }
-        pbw__emit_follow(emission, region, count, length, slot);
+        buffers.sorted = buffers.item + longest;
+        pbw__emit_follow(emission, region, count, length, buffers.slot);
         for (i = count; i-- > 0; ) {
-            sum -= length[i];
-            place -= length[i];
-            if (later == PBW_NONE) {                 /* compiled without a look at it */
-                pbw__emit_region(emission, region + i, slot + sum, length[i], item, item + longest, (pbw_index)place,
-                                 PBW_NONE);
+            const pbw_index *slot = buffers.slot + (sum -= length[i]);
+            if (later == PBW_NONE) {                 /* compiled without comparisons with it */
+                pbw__emit_region(emission, &buffers, region + i, slot, length[i], PBW_NONE);
             } else {
-                pbw__emit_region(emission, region + i, slot + sum, length[i], item, item + longest, (pbw_index)place,
-                                 later);
+                pbw__emit_region(emission, &buffers, region + i, slot, length[i], later);
             }
         }
     }
-    pbw__release(memory, slot, slot_capacity, sizeof(pbw_index));
-    pbw__release(memory, item, item_capacity, sizeof(pbw__item));
+    pbw__release(memory, buffers.slot, buffers.slot_capacity, sizeof(pbw_index));
+    pbw__release(memory, buffers.item, buffers.item_capacity, sizeof(pbw__item));
 }
+/* ------------------------------------------------------------------------------------------------------
+   >>output       From the store's simplices to the caller's arrays, in place.
+   In: the places of >>number.  Out: simplices and neighbours in canonical order, with the caller's ids; the first
+   simplex of each point; the points.
 
-/* Pass 3: each simplex in canonical form, with ids for ranks and places for slots, from its slot to its place.  Slots
-   are read in order, and most places lie before the slots, among those already read, because slots are left over
-   where simplices were deleted.  Where there are more simplices than slots in regions, places lie behind the slots,
-   which are read from the last place on to the first.  A simplex whose place is still to be read is set aside.  Tasks
-   take the slots by chunks.  chunk_done, set in release order and seen in acquire order, tells all that a chunk was
-   read. */
-#define PBW__CHUNK ((size_t)1 << 12)                 /* at most */
+   The store's arrays become the caller's: a copy beside them would be the peak of the memory.  Other arrays are
+   borrowed from what the build leaves, whose pages are there.
 
-/* Several tasks take large chunks: slots that are near have places in the same lines of the cache, which go from
-   thread to thread.  One task takes small ones, fewer simplices of few points are then set aside; but what a chunk
-   begins with is not asked for ahead, which costs more where memory is far.  In the plane what is set aside weighs
-   more. */
+   Pass 3 writes each simplex in canonical form, with ids for ranks and places for slots, from its slot to its place.
+   Slots are read in order, and most places lie before the slots, among those already read, because slots are left
+   over where simplices were deleted.  Where there are more simplices than slots in regions, places lie behind the
+   slots, which are read from the last place on to the first.  A simplex is set aside if its place is still to be
+   read; pass 4 writes these.  Tasks take the slots by chunks.  A chunk's flag in chunk_done, stored with release
+   order and loaded with acquire order, says that the chunk was read.
+   ------------------------------------------------------------------------------------------------------ */
+#define PBW__CHUNK ((size_t)1 << 12)                 /* the largest */
+
+/* Several tasks take large chunks: slots that are near have places in the same cache lines, which would go from
+   thread to thread.  One task takes small ones, so that fewer simplices of few points are set aside; but the start of
+   a chunk is not prefetched, which costs more where memory is far.  In the plane what is set aside weighs more. */
 PBW__INLINE int pbw__chunk_bits(int dim, int tasks, size_t slots)
 {
-#ifdef PBW_SMALL_SHARES
+#ifdef PBW__TEST_SMALL_SHARES
     (void)tasks;
     (void)slots;
     return dim + 3;
@@ -8264,20 +8009,21 @@ PBW__INLINE int pbw__chunk_bits(int dim, int tasks, size_t slots)
 #endif
 }
 
-/* Whether the slots that a place covers, in an array of so many entries a slot, have been read. */
+/* Returns whether the slots that a place covers, in an array of `entries` a slot, have been read. */
 PBW__INLINE int pbw__emit_read(const pbw__emission *emission, size_t place, size_t entries, int dim)
 {
     size_t from = place * ((size_t)dim + 1), first = from / entries >> emission->chunk_bits;
     size_t last = (from + (size_t)dim) / entries >> emission->chunk_bits;
-    return PBW__SEEN(emission->chunk_done + first) != 0
-        && (first == last || PBW__SEEN(emission->chunk_done + last) != 0);
+    return PBW__LOAD_ACQUIRE(emission->chunk_done + first) != 0
+        && (first == last || PBW__LOAD_ACQUIRE(emission->chunk_done + last) != 0);
 }
 
-/* Whether a place is free: the corners there have been read, and the links; wide ones are 8 entries a slot. */
-PBW__INLINE int pbw__emit_free(const pbw__emission *emission, size_t place, int dim)
+/* Returns whether a place is free: its corners and links have been read; wide links are 8 entries a slot. */
+PBW__INLINE int pbw__emit_free(const pbw__emission *emission, const pbw__aside *aside, size_t place, int dim)
 {
-    return pbw__emit_read(emission, place, 4, dim)
-        && (sizeof(pbw__link) == sizeof(pbw_index) || pbw__emit_read(emission, place, 8, dim));
+    return PBW__LIKELY(place - aside->free_from < aside->free_count)
+        || (pbw__emit_read(emission, place, 4, dim)
+            && (sizeof(pbw__link) == sizeof(pbw_index) || pbw__emit_read(emission, place, 8, dim)));
 }
 
 PBW__INLINE void pbw__emit_place(const pbw__emission *emission, const pbw__emitted *simplex, int dim)
@@ -8290,16 +8036,15 @@ PBW__INLINE void pbw__emit_place(const pbw__emission *emission, const pbw__emitt
     }
 }
 
-/* Writes the simplices in slots from..end-1 to their places, of which free_count from first_free on are free.  Sets
-   aside, at `out`, those whose places are not; returns how many. */
-PBW__INLINE size_t pbw__emit_slots(const pbw__emission *emission, size_t from, size_t end, size_t first_free,
-                                   size_t free_count, pbw__emitted *out, int dim)
+/* Writes the simplices in slots from..end-1 to their places, or sets them aside. */
+PBW__INLINE void pbw__emit_slots_of(const pbw__emission *emission, size_t from, size_t end, pbw__aside *aside,
+                                    int dim)
 {
     const pbw_index *number = emission->number;
-    size_t count = 0, t;
+    size_t t;
     for (t = from; t < end; t++) {
         const pbw_index *v = emission->corner + 4 * t;
-        pbw__emitted *simplex = out + count;
+        pbw__emitted *simplex = aside->simplex + aside->count;
         unsigned order, k;
         if (number[t] == PBW_NONE) {
             continue;
@@ -8312,30 +8057,17 @@ PBW__INLINE size_t pbw__emit_slots(const pbw__emission *emission, size_t from, s
         for (k = 0; k <= (unsigned)dim && emission->link != NULL; k++) {
             simplex->neighbor[k] = number[emission->link[4 * t + (order >> 2 * k & 3)] >> 2];
         }
-        if (PBW__LIKELY(simplex->place - first_free < free_count) || pbw__emit_free(emission, simplex->place, dim)) {
+        if (pbw__emit_free(emission, aside, simplex->place, dim)) {
             pbw__emit_place(emission, simplex, dim);
         } else {
-            count++;
+            aside->count++;
         }
     }
-    return count;
-}
-
-static size_t pbw__emit_slots3(const pbw__emission *emission, size_t from, size_t end, size_t first_free,
-                               size_t free_count, pbw__emitted *out)
-{
-    return pbw__emit_slots(emission, from, end, first_free, free_count, out, 3);
-}
-
-static size_t pbw__emit_slots2(const pbw__emission *emission, size_t from, size_t end, size_t first_free,
-                               size_t free_count, pbw__emitted *out)
-{
-    return pbw__emit_slots(emission, from, end, first_free, free_count, out, 2);
 }
 
 #ifdef PBW__AVX2
-/* A vector to the dim+1 entries from `to` on. */
-PBW__SIMD_INLINE void pbw__emit_store(pbw_index *to, pbw__i4 x, int dim)
+/* Stores a vector in dim+1 entries. */
+PBW__SIMD_INLINE void pbw__emit_entries(pbw_index *to, pbw__i4 x, int dim)
 {
     if (dim == 3) {
         pbw__store4(to, x);
@@ -8345,36 +8077,45 @@ PBW__SIMD_INLINE void pbw__emit_store(pbw_index *to, pbw__i4 x, int dim)
     }
 }
 
-PBW__SIMD_INLINE size_t pbw__emit_slots_avx2(const pbw__emission *emission, size_t from, size_t end,
-                                             size_t first_free, size_t free_count, pbw__emitted *out, int dim,
-                                             int links)
+/* Lists the slots from..end-1 that have a number; returns how many. */
+PBW__SIMD_INLINE size_t pbw__emit_used(const pbw_index *number, size_t from, size_t end, pbw_index *slot)
 {
-    const pbw_index *number = emission->number, *id = emission->id;
-    pbw__link *link = emission->link;
-    pbw_index *corner = emission->corner, slot[PBW__CHUNK + PBW__SOON];
-    const size_t corners = (size_t)dim + 1;
-    size_t used_count = 0, count = 0, i, n;
+    size_t count = 0, i;
     for (; from < end; from += 64) {
         uint64_t used = 0;
         for (i = 0; i < 64 && from + i + 8 <= end; i += 8) {
             const __m256i eight = _mm256_loadu_si256((const __m256i *)(const void *)(number + from + i));
-            used |= pbw__not_equal8(eight, -1) << i;         /* PBW_NONE */
+            const __m256i none = _mm256_cmpeq_epi32(eight, _mm256_set1_epi32(-1));       /* PBW_NONE */
+            used |= (uint64_t)(255 & ~_mm256_movemask_ps(_mm256_castsi256_ps(none))) << i;
         }
         for (; i < 64 && from + i < end; i++) {
             used |= (uint64_t)(number[from + i] != PBW_NONE) << i;
         }
         for (; used != 0; used &= used - 1) {
-            slot[used_count++] = (pbw_index)(from + pbw__first_bit(used));
+            slot[count++] = (pbw_index)(from + pbw__first_bit(used));
         }
     }
-    for (i = 0; i < PBW__SOON && used_count > 0; i++) {
-        slot[used_count + i] = slot[used_count - 1];
+    return count;
+}
+
+/* pbw__emit_slots_of by vectors. */
+PBW__SIMD_INLINE void pbw__emit_slots_simd_of(const pbw__emission *emission, size_t from, size_t end,
+                                              pbw__aside *aside, int links, int dim)
+{
+    const pbw_index *number = emission->number, *id = emission->id;
+    pbw__link *link = emission->link;
+    pbw_index *corner = emission->corner, slot[PBW__CHUNK + PBW__SOON];
+    const size_t corners = (size_t)dim + 1, used = pbw__emit_used(number, from, end, slot);
+    const pbw__aside free = *aside;
+    size_t count = aside->count, i, n;
+    for (i = 0; i < PBW__SOON && used > 0; i++) {
+        slot[used + i] = slot[used - 1];
     }
-    for (n = 0; n < used_count; n++) {
+    for (n = 0; n < used; n++) {
         const size_t t = slot[n], soon = slot[n + PBW__SOON];
         const pbw_index *v = corner + 4 * t, place = number[t];
         pbw__i4 lanes, ids, neighbors = { 0, 0, 0, 0 };
-        if (n % 4 == 0) {                            /* so many are in a line of the cache */
+        if (n % 4 == 0) {                            /* slots in a cache line */
             PBW__PREFETCH_STREAM(corner, 4 * t, 4 * emission->slot_count);
             if (links) {
                 PBW__PREFETCH_STREAM(link, 4 * t, 4 * emission->slot_count);
@@ -8390,48 +8131,54 @@ PBW__SIMD_INLINE size_t pbw__emit_slots_avx2(const pbw__emission *emission, size
             neighbors = (pbw__i4)_mm_setr_epi32((int)number[l[0] >> 2], (int)number[l[1] >> 2],
                                                 (int)number[l[2] >> 2], dim == 3 ? (int)number[l[3] >> 2] : 0);
         }
-        lanes = (pbw__i4)pbw__canonical_lanes((__m128i)pbw__load4(v), dim);
+        lanes = pbw__canonical_lanes(pbw__load4(v), dim);
         ids = (pbw__i4)_mm_setr_epi32((int)id[v[0]], (int)id[v[1]], (int)id[v[2]], dim == 3 ? (int)id[v[3]] : 0);
         ids = pbw__permute4(ids, lanes);
         neighbors = pbw__permute4(neighbors, lanes);
-        if (PBW__LIKELY(place - first_free < free_count) || pbw__emit_free(emission, place, dim)) {
-            pbw__emit_store(corner + corners * place, ids, dim);
+        if (pbw__emit_free(emission, &free, place, dim)) {
+            pbw__emit_entries(corner + corners * place, ids, dim);
             if (links) {
-                pbw__emit_store((pbw_index *)(void *)link + corners * place, neighbors, dim);
+                pbw__emit_entries((pbw_index *)(void *)link + corners * place, neighbors, dim);
             }
         } else {
-            out[count].place = place;
-            pbw__store4(out[count].corner, ids);
-            pbw__store4(out[count++].neighbor, neighbors);
+            pbw__emitted *simplex = free.simplex + count++;
+            simplex->place = place;
+            pbw__store4(simplex->corner, ids);
+            pbw__store4(simplex->neighbor, neighbors);
         }
     }
-    return count;
+    aside->count = count;
 }
 
-PBW__SIMD static size_t pbw__emit_slots3_avx2(const pbw__emission *emission, size_t from, size_t end,
-                                              size_t first_free, size_t free_count, pbw__emitted *out)
+PBW__SIMD static void pbw__emit_slots_simd(const pbw__emission *emission, size_t from, size_t end, pbw__aside *aside)
 {
-    return emission->link != NULL ? pbw__emit_slots_avx2(emission, from, end, first_free, free_count, out, 3, 1)
-                                  : pbw__emit_slots_avx2(emission, from, end, first_free, free_count, out, 3, 0);
-}
-
-PBW__SIMD static size_t pbw__emit_slots2_avx2(const pbw__emission *emission, size_t from, size_t end,
-                                              size_t first_free, size_t free_count, pbw__emitted *out)
-{
-    return emission->link != NULL ? pbw__emit_slots_avx2(emission, from, end, first_free, free_count, out, 2, 1)
-                                  : pbw__emit_slots_avx2(emission, from, end, first_free, free_count, out, 2, 0);
+    if (emission->link != NULL) {
+        PBW__BY_DIM(emission->dim, pbw__emit_slots_simd_of, emission, from, end, aside, 1);
+    } else {
+        PBW__BY_DIM(emission->dim, pbw__emit_slots_simd_of, emission, from, end, aside, 0);
+    }
 }
 #endif
 
-/* Writes what can be written by now; free_count places from first_free on are free. */
-PBW__INLINE void pbw__emit_what_can(const pbw__emission *emission, pbw__aside *aside, size_t first_free,
-                                    size_t free_count, int dim)
+static void pbw__emit_slots(const pbw__emission *emission, size_t from, size_t end, pbw__aside *aside)
+{
+#ifdef PBW__AVX2
+    if (emission->simd) {
+        pbw__emit_slots_simd(emission, from, end, aside);
+        return;
+    }
+#endif
+    PBW__BY_DIM(emission->dim, pbw__emit_slots_of, emission, from, end, aside);
+}
+
+/* Writes those simplices set aside whose places are free. */
+static void pbw__emit_aside(const pbw__emission *emission, pbw__aside *aside)
 {
     size_t i = 0;
     while (i < aside->count) {
         pbw__emitted *simplex = aside->simplex + i;
-        if (simplex->place - first_free < free_count || pbw__emit_free(emission, simplex->place, dim)) {
-            pbw__emit_place(emission, simplex, dim);
+        if (pbw__emit_free(emission, aside, simplex->place, emission->dim)) {
+            pbw__emit_place(emission, simplex, emission->dim);
             *simplex = aside->simplex[--aside->count];
         } else {
             i++;
@@ -8439,24 +8186,15 @@ PBW__INLINE void pbw__emit_what_can(const pbw__emission *emission, pbw__aside *a
     }
 }
 
-static void pbw__emit_set_aside(const pbw__emission *emission, pbw__aside *aside, size_t first_free,
-                                size_t free_count)
-{
-    if (emission->dim == 3) {
-        pbw__emit_what_can(emission, aside, first_free, free_count, 3);
-    } else {
-        pbw__emit_what_can(emission, aside, first_free, free_count, 2);
-    }
-}
-
-/* Room for those of a chunk.  What waits is looked at again when there is an eighth more, and a chunk. */
-static int pbw__emit_reserve(pbw__emission *emission, pbw__aside *aside, size_t first_free, size_t free_count)
+/* Makes room for the simplices of a chunk.  Those set aside are tried again when there is an eighth more, and a
+   chunk. */
+static int pbw__emit_reserve(pbw__emission *emission, pbw__aside *aside)
 {
     const size_t most = (size_t)1 << emission->chunk_bits;
     const size_t chunk = emission->slot_count < most ? emission->slot_count : most;
     size_t wanted;
     if (aside->capacity - aside->count < chunk) {
-        pbw__emit_set_aside(emission, aside, first_free, free_count);
+        pbw__emit_aside(emission, aside);
         wanted = aside->count + aside->count / 8 + chunk;
         if (wanted > aside->capacity
             && !pbw__resize_array(&emission->context->memory, &aside->simplex, &aside->capacity, wanted,
@@ -8473,53 +8211,53 @@ static void pbw__emit_pass3(void *arg, int task)
     pbw__emission *emission = (pbw__emission *)arg;
     const size_t size = (size_t)1 << emission->chunk_bits, corners = (size_t)emission->dim + 1;
     const size_t chunks = (emission->slot_count + size - 1) / size, simplices = emission->simplex_count;
-    /* So many chunks are read from the last one to the first; wide links of a place lie in half as many slots. */
+    /* The first `turned` chunks are read backwards; wide links of a place lie in half as many slots. */
     const int ahead = simplices > emission->store->region_slots && sizeof(pbw__link) == sizeof(pbw_index);
     const size_t turned = ahead ? (simplices + size - 1) / size : 0;
     size_t next, done = 0;
-    pbw__aside aside = { NULL, 0, 0 };               /* not in a line of the cache with those of other tasks */
+    pbw__aside aside = { NULL, 0, 0, 0, 0 };         /* on the stack: no false sharing with other tasks */
     while ((next = PBW__ADD(&emission->chunk, 1)) < chunks && !PBW__LOAD(&emission->failed)
            && !pbw__report(emission->context, 0.5 + 0.45 * (double)next / (double)chunks)) {
         size_t chunk = next < turned ? turned - 1 - next : next, from = chunk * size, end = from + size;
-        size_t first_free, free_count;
-        while (done < next && PBW__SEEN(emission->chunk_done + (done < turned ? turned - 1 - done : done)) != 0) {
+        while (done < next
+               && PBW__LOAD_ACQUIRE(emission->chunk_done + (done < turned ? turned - 1 - done : done)) != 0) {
             done++;
         }
-        first_free = done < turned ? ((turned - done) * size * 4 + corners - 1) / corners : 0;
-        free_count = (done < turned ? turned : done) * size * 4 / corners;
-        free_count = free_count > first_free ? free_count - first_free : 0;
-        if (!pbw__emit_reserve(emission, &aside, first_free, free_count)) {
+        aside.free_from = done < turned ? ((turned - done) * size * 4 + corners - 1) / corners : 0;
+        aside.free_count = (done < turned ? turned : done) * size * 4 / corners;
+        aside.free_count = aside.free_count > aside.free_from ? aside.free_count - aside.free_from : 0;
+        if (!pbw__emit_reserve(emission, &aside)) {
             break;
         }
-        aside.count += emission->emit(emission, from, end < emission->slot_count ? end : emission->slot_count,
-                                      first_free, free_count, aside.simplex + aside.count);
-        PBW__TELL(emission->chunk_done + chunk, 1);
+        pbw__emit_slots(emission, from, end < emission->slot_count ? end : emission->slot_count, &aside);
+        PBW__STORE_RELEASE(emission->chunk_done + chunk, 1);
     }
     emission->aside[task] = aside;
 }
 
-/* Pass 4: those that a task set aside. */
 static void pbw__emit_pass4(void *arg, int task)
 {
     pbw__emission *emission = (pbw__emission *)arg;
     pbw__aside *aside = emission->aside + task;
     if (!PBW__LOAD(&emission->failed) && !pbw__report(emission->context, 0.95)) {
-        pbw__emit_set_aside(emission, aside, 0, emission->simplex_count);
+        aside->free_from = 0;
+        aside->free_count = emission->simplex_count;
+        pbw__emit_aside(emission, aside);
     }
     pbw__release(&emission->context->memory, aside->simplex, aside->capacity, sizeof(pbw__emitted));
 }
 
-/* The first simplex of each vertex, by the caller's ids, which are anywhere: asked for ahead. */
+/* The first simplex of each vertex, by the caller's ids. */
 static void pbw__emit_pass5(void *arg, int task)
 {
     pbw__emission *emission = (pbw__emission *)arg;
     size_t v = 1 + pbw__share(emission->vertex_count, task, emission->tasks), visible = 0;
     size_t end = 1 + pbw__share(emission->vertex_count, task + 1, emission->tasks);
     for (; v < end; v++) {
+        pbw_index first = emission->head[v];
         if ((v & (PBW__TICK - 1)) == 0 && pbw__report(emission->context, 0.98)) {
             return;
         }
-        pbw_index first = emission->head[v];
         PBW__PREFETCH_STREAM(emission->head, v, end);
         PBW__PREFETCH_STREAM(emission->id, v, end);
         PBW__PREFETCH_TO_WRITE(emission->incident + emission->id[v + PBW__SOON < end ? v + PBW__SOON : v]);
@@ -8532,23 +8270,16 @@ static void pbw__emit_pass5(void *arg, int task)
     (void)PBW__ADD(&emission->visible, visible);
 }
 
+static pbw_status pbw__emit_status(const pbw__emission *emission)
+{
+    return emission->failed ? PBW_ERROR_MEMORY : PBW__LOAD(&emission->context->cancelled) ? PBW_CANCELLED : PBW_OK;
+}
+
 static pbw_status pbw__emit(pbw__emission *emission)
 {
     pbw__context *context = emission->context;
     size_t sum = 0;
     int tasks = emission->tasks, task;
-    emission->lowest_ranks = emission->dim == 3 ? pbw__lowest_ranks3 : pbw__lowest_ranks2;
-    emission->fill_lists = emission->dim == 3 ? pbw__fill_lists3 : pbw__fill_lists2;
-    emission->sort_lists = pbw__sort_lists;
-    emission->emit = emission->dim == 3 ? pbw__emit_slots3 : pbw__emit_slots2;
-#ifdef PBW__AVX2
-    if (pbw__simd_works()) {
-        emission->lowest_ranks = emission->dim == 3 ? pbw__lowest_ranks3_avx2 : pbw__lowest_ranks2_avx2;
-        emission->fill_lists = emission->dim == 3 ? pbw__fill_lists3_avx2 : pbw__fill_lists2_avx2;
-        emission->sort_lists = emission->dim == 3 ? pbw__sort_lists_avx2 : pbw__sort_lists2_avx2;
-        emission->emit = emission->dim == 3 ? pbw__emit_slots3_avx2 : pbw__emit_slots2_avx2;
-    }
-#endif
     pbw__for(context, tasks, pbw__emit_pass1, emission);
     if (tasks > 1) {
         pbw__for(context, tasks, pbw__emit_others, emission);
@@ -8558,25 +8289,16 @@ static pbw_status pbw__emit(pbw__emission *emission)
         emission->end[task] = sum += emission->end[task];
     }
     emission->simplex_count = sum;
-    if (PBW__LOAD(&context->cancelled)) {
-        return PBW_CANCELLED;
+    if (pbw__emit_status(emission) != PBW_OK) {
+        return pbw__emit_status(emission);
     }
     pbw__for(context, tasks, pbw__emit_pass2, emission);
-    if (PBW__LOAD(&context->cancelled) || emission->failed) {
-        return emission->failed ? PBW_ERROR_MEMORY : PBW_CANCELLED;
+    if (pbw__emit_status(emission) != PBW_OK) {
+        return pbw__emit_status(emission);
     }
     pbw__for(context, tasks, pbw__emit_pass3, emission);
     pbw__for(context, tasks, pbw__emit_pass4, emission);
-    if (PBW__LOAD(&context->cancelled) || emission->failed) {
-        return emission->failed ? PBW_ERROR_MEMORY : PBW_CANCELLED;
-    }
-    return PBW_OK;
-}
-
-static pbw_status pbw__emit_incident(pbw__emission *emission)
-{
-    pbw__for(emission->context, emission->tasks, pbw__emit_pass5, emission);
-    return PBW__LOAD(&emission->context->cancelled) ? PBW_CANCELLED : PBW_OK;
+    return pbw__emit_status(emission);
 }
 
 /* What a mesh holds; lives behind mesh->memory. */
@@ -8625,7 +8347,7 @@ static void pbw__copy_points(void *arg, int task)
     }
 }
 
-/* In `spare`, a block of at least as many doubles, or in one of its own. */
+/* Copies the points into `spare`, a block of at least their size, or into a new block if that is NULL. */
 static pbw_status pbw__keep_points(pbw__context *context, const pbw__input *input, pbw__owned *owned, pbw_mesh *mesh,
                                    double *spare, size_t spare_count)
 {
@@ -8667,10 +8389,10 @@ static pbw_index *pbw__make_incident(pbw__context *context, pbw__owned *owned, p
     return incident;
 }
 
-/* What the build needs no more is there for the output, with its pages: the vertices' records and the marks. */
+/* Blocks that the build no longer needs, with pages in place: the vertices' records and the marks. */
 typedef struct pbw__spare { pbw_index *block[2]; size_t count[2]; } pbw__spare;
 
-/* `count` indices there, or in a block of their own. */
+/* Returns room for `count` indices in a spare block, or in a new one. */
 static pbw_index *pbw__borrow(pbw__context *context, pbw__spare *spare, size_t count, size_t *allocated)
 {
     int i;
@@ -8684,23 +8406,69 @@ static pbw_index *pbw__borrow(pbw__context *context, pbw__spare *spare, size_t c
     return (pbw_index *)pbw__allocate_large(context, count, sizeof(pbw_index));
 }
 
-static void pbw__give_up(pbw__memory *memory, pbw_index *block, size_t allocated)
+static void pbw__release_borrowed(pbw__memory *memory, pbw_index *block, size_t allocated)
 {
     if (allocated > 0) {
         pbw__release(memory, block, allocated, sizeof(pbw_index));
     }
 }
 
-/* The store's triangulation as the mesh's arrays. */
+/* Borrows or allocates the arrays of an emission and runs it. */
+static pbw_status pbw__emit_all(pbw__emission *emission, pbw__spare *spare, size_t allocated[3])
+{
+    pbw__context *context = emission->context;
+    pbw__memory *memory = &context->memory;
+    const size_t chunks = (emission->slot_count >> emission->chunk_bits) + 1, tasks = (size_t)emission->tasks;
+    pbw_status status = PBW_ERROR_MEMORY;
+    emission->number = pbw__borrow(context, spare, emission->slot_count, allocated);
+    emission->head = pbw__borrow(context, spare, emission->vertex_count + 1, allocated + 1);
+    if (tasks > 1) {
+        emission->first = pbw__borrow(context, spare, emission->vertex_count + 1, allocated + 2);
+    }
+    emission->end = (size_t *)pbw__allocate(memory, tasks, sizeof(size_t));
+    emission->chunk_done = (unsigned char *)pbw__allocate(memory, chunks, 1);
+    emission->aside = (pbw__aside *)pbw__allocate(memory, tasks, sizeof(pbw__aside));
+    if (emission->number != NULL && emission->head != NULL && (emission->first != NULL || tasks == 1)
+        && emission->end != NULL && emission->chunk_done != NULL && emission->aside != NULL) {
+        memset(emission->chunk_done, 0, chunks);
+        memset(emission->aside, 0, tasks * sizeof(pbw__aside));
+        status = pbw__emit(emission);
+    }
+    pbw__release(memory, emission->end, tasks, sizeof(size_t));
+    pbw__release(memory, emission->chunk_done, chunks, 1);
+    pbw__release(memory, emission->aside, tasks, sizeof(pbw__aside));
+    return status;
+}
+
+/* Cuts the store's arrays to size and hands them to the mesh. */
+static pbw_status pbw__hand_over(pbw__emission *emission, pbw__store *store, pbw__owned *owned, pbw_mesh *mesh)
+{
+    pbw__memory *memory = &emission->context->memory;
+    const size_t entries = emission->simplex_count * ((size_t)emission->dim + 1);
+    size_t links = store->link_capacity * (sizeof(pbw__link) / sizeof(pbw_index));
+    if (!pbw__resize_array(memory, &store->corner, &store->corner_capacity, entries, sizeof(pbw_index))
+        || (store->link != NULL && !pbw__resize_array(memory, &store->link, &links, entries, sizeof(pbw_index)))) {
+        return PBW_ERROR_MEMORY;
+    }
+    mesh->simplex_count = emission->simplex_count;
+    mesh->simplices = store->corner;
+    mesh->neighbors = (pbw_index *)(void *)store->link;
+    owned->simplices = entries;
+    owned->neighbors = store->link != NULL ? entries : 0;
+    store->corner = NULL;
+    store->link = NULL;
+    return PBW_OK;
+}
+
+/* Turns the store's triangulation into the mesh's arrays. */
 static pbw_status pbw__output(pbw__context *context, pbw__store *store, pbw__vertices *vertices, unsigned flags,
                               pbw__owned *owned, pbw_mesh *mesh)
 {
     pbw__memory *memory = &context->memory;
     pbw__emission emission;
     pbw__spare spare;
-    size_t corners = (size_t)vertices->dim + 1, chunks, entries, links, allocated[3] = { 0, 0, 0 };
-    pbw_status status = PBW_ERROR_MEMORY;
-
+    size_t allocated[3] = { 0, 0, 0 };
+    pbw_status status;
     if (store->capacity - store->count > store->capacity / 64 + 64       /* not of few points */
         && pbw__store_reserve(context, store, store->count) != PBW_OK) {     /* gives the rest of the tail back */
         return PBW_ERROR_MEMORY;
@@ -8710,7 +8478,8 @@ static pbw_status pbw__output(pbw__context *context, pbw__store *store, pbw__ver
         store->link = NULL;
     }
     spare.block[0] = (pbw_index *)(void *)vertices->record;
-    spare.count[0] = (vertices->point_count + 1) * corners * (sizeof(double) / sizeof(pbw_index));
+    spare.count[0] =
+        (vertices->point_count + 1) * ((size_t)vertices->dim + 1) * (sizeof(double) / sizeof(pbw_index));
     spare.block[1] = (pbw_index *)(void *)store->mark;
     spare.count[1] = store->mark_capacity / sizeof(pbw_index);
     memset(&emission, 0, sizeof(emission));
@@ -8722,50 +8491,28 @@ static pbw_status pbw__output(pbw__context *context, pbw__store *store, pbw__ver
     emission.vertex_count = vertices->count;
     emission.dim = vertices->dim;
     emission.any_order = (flags & PBW_ANY_ORDER) != 0;
+#ifdef PBW__AVX2
+    emission.simd = pbw__simd_works();
+#endif
     emission.id = vertices->id;
+    emission.chain = store->hint;
     emission.tasks = pbw__tasks(context, vertices->count, 16384);
     emission.chunk_bits = pbw__chunk_bits(emission.dim, emission.tasks, store->count);
-    chunks = (store->count >> emission.chunk_bits) + 1;
-    emission.number = pbw__borrow(context, &spare, store->count, allocated);
-    emission.head = pbw__borrow(context, &spare, vertices->count + 1, allocated + 1);
-    if (emission.tasks > 1) {
-        emission.first = pbw__borrow(context, &spare, vertices->count + 1, allocated + 2);
-    }
-    emission.chain = store->hint;
-    emission.end = (size_t *)pbw__allocate(memory, (size_t)emission.tasks, sizeof(size_t));
-    emission.chunk_done = (unsigned char *)pbw__allocate(memory, chunks, 1);
-    emission.aside = (pbw__aside *)pbw__allocate(memory, (size_t)emission.tasks, sizeof(pbw__aside));
-    if (emission.number != NULL && emission.head != NULL && (emission.first != NULL || emission.tasks == 1)
-        && emission.end != NULL && emission.chunk_done != NULL && emission.aside != NULL) {
-        memset(emission.chunk_done, 0, chunks);
-        memset(emission.aside, 0, (size_t)emission.tasks * sizeof(pbw__aside));
-        status = pbw__emit(&emission);
-    }
-    pbw__release(memory, emission.end, (size_t)emission.tasks, sizeof(size_t));
-    pbw__release(memory, emission.chunk_done, chunks, 1);
-    pbw__release(memory, emission.aside, (size_t)emission.tasks, sizeof(pbw__aside));
-    entries = emission.simplex_count * corners;
-    links = store->link_capacity * (sizeof(pbw__link) / sizeof(pbw_index));
-    if (status == PBW_OK
-        && (!pbw__resize_array(memory, &store->corner, &store->corner_capacity, entries, sizeof(pbw_index))
-            || (store->link != NULL
-                && !pbw__resize_array(memory, &store->link, &links, entries, sizeof(pbw_index))))) {
-        status = PBW_ERROR_MEMORY;
+    status = pbw__emit_all(&emission, &spare, allocated);
+    if (status == PBW_OK) {
+        status = pbw__hand_over(&emission, store, owned, mesh);
     }
     if (status == PBW_OK) {
-        mesh->simplex_count = emission.simplex_count;
-        mesh->simplices = store->corner;
-        mesh->neighbors = (pbw_index *)(void *)store->link;
-        owned->simplices = entries;
-        owned->neighbors = store->link != NULL ? entries : 0;
-        store->corner = NULL;
-        store->link = NULL;
         emission.incident = pbw__make_incident(context, owned, mesh, vertices->duplicate_count > 0);
-        status = emission.incident != NULL ? pbw__emit_incident(&emission) : PBW_ERROR_MEMORY;
+        status = PBW_ERROR_MEMORY;
+        if (emission.incident != NULL) {
+            pbw__for(context, emission.tasks, pbw__emit_pass5, &emission);
+            status = pbw__emit_status(&emission);
+        }
     }
-    pbw__give_up(memory, emission.number, allocated[0]);
-    pbw__give_up(memory, emission.head, allocated[1]);
-    pbw__give_up(memory, emission.first, allocated[2]);
+    pbw__release_borrowed(memory, emission.number, allocated[0]);
+    pbw__release_borrowed(memory, emission.head, allocated[1]);
+    pbw__release_borrowed(memory, emission.first, allocated[2]);
     pbw__release(memory, store->mark, store->mark_capacity, 1);
     store->mark = NULL;
     mesh->hidden_count = vertices->count - emission.visible;
@@ -8881,7 +8628,7 @@ static void pbw__check_task(void *arg, int task)
         }
         stopped = PBW__LOAD(&run->stopped);
         if (!run->range(run->check, run->part + task, from, to)) {
-            while (task < stopped && !PBW__REPLACE(&run->stopped, &stopped, task)) {
+            while (task < stopped && !PBW__CAS(&run->stopped, &stopped, task)) {
             }
             return;
         }
@@ -8933,7 +8680,7 @@ static int pbw__check_pass(pbw__check *check, pbw__check_range *range, size_t co
     return run.stopped == tasks && !PBW__LOAD(&check->context->cancelled);
 }
 
-/* The dimension is an argument of what is called for each simplex, so that the compiler can count on it. */
+/* Functions called for each simplex take the dimension as an argument, so that it is a constant there. */
 PBW__INLINE const double *pbw__check_record(const pbw__check *check, int dim, size_t point)
 {
     return check->record + point * (size_t)(dim + 1);
@@ -8953,7 +8700,7 @@ PBW__INLINE int pbw__check_orient(const pbw__check *check, int dim, const double
                     : pbw__orient3(x[0], x[1], x[2], x[3], &check->grid);
 }
 
-/* The same with p in place of corner i. */
+/* The same determinant, with p in place of corner i. */
 static int pbw__check_side(const pbw__check *check, const double **x, int i, const double *p)
 {
     const double *corner = x[i];
@@ -9071,10 +8818,11 @@ PBW__INLINE int pbw__check_facets_match(const pbw_index *v, int i, const pbw_ind
 /* One facet of simplex s, whose corners are known to be right; each facet between two simplices is compared and
    tested once, from the higher of the two. */
 PBW__INLINE int pbw__check_facet(const pbw__check *check, pbw__check_part *part, int dim, size_t s, int i,
-                                 const pbw_index *v, const double **x)
+                                 const double **x)
 {
     const pbw_mesh *mesh = check->mesh;
     const size_t corners = (size_t)dim + 1;
+    const pbw_index *v = mesh->simplices + s * corners;
     const pbw_index t = mesh->neighbors[s * corners + (size_t)i], *u, *back;
     int links = 0, j = 0, m;
     if (t == PBW_NONE) {
@@ -9136,7 +8884,7 @@ PBW__INLINE int pbw__check_simplex(const pbw__check *check, pbw__check_part *par
         return pbw__fault(&part->report, "two simplices overlap, the first of the mesh and this", s, -1, PBW_NONE);
     }
     for (i = 0; i <= dim && sound; i++) {
-        sound = pbw__check_facet(check, part, dim, s, i, v, x);
+        sound = pbw__check_facet(check, part, dim, s, i, x);
     }
     return sound;
 }
@@ -9380,7 +9128,14 @@ static int pbw__check_others(pbw__check *check)
     uint64_t *keys = (uint64_t *)pbw__allocate(memory, count, sizeof(uint64_t));
     uint64_t *spare = (uint64_t *)pbw__allocate(memory, count, sizeof(uint64_t));
     uint32_t *start = (uint32_t *)pbw__allocate(memory, ((size_t)tasks + 1) * PBW__DIGITS, sizeof(uint32_t));
+    pbw__sorting sorting;
     int going = 0;
+    sorting.context = context;
+    sorting.a = keys;
+    sorting.b = spare;
+    sorting.start = start;
+    sorting.count = count;
+    sorting.tasks = tasks;
     check->block = (size_t *)pbw__allocate(memory, blocks, sizeof(size_t));
     if (keys == NULL || spare == NULL || start == NULL || check->block == NULL) {
         check->status = PBW_ERROR_MEMORY;
@@ -9396,7 +9151,7 @@ static int pbw__check_others(pbw__check *check)
         check->by_hash = keys;
         going = going && pbw__check_pass(check, pbw__check_gather, blocks, 64, 0.905, 0.91)
             && pbw__check_pass(check, pbw__check_hashes, count, 4096, 0.91, 0.92)
-            && (check->by_hash = pbw__sort_by(context, keys, spare, count, 32, 32, start, tasks)) != NULL;
+            && (check->by_hash = pbw__sort_by(&sorting, 32, 32)) != NULL;
         if (going) {
             pbw__box_close(&check->box, check->dim);
             check->box.extent = check->box.extent > 0.0 ? check->box.extent : 1.0;
@@ -9404,8 +9159,9 @@ static int pbw__check_others(pbw__check *check)
             going = pbw__check_pass(check, pbw__check_apart, count, 4096, 0.92, 0.94);
         }
         if (going && check->mesh->simplex_count > 0) {
-            check->other = pbw__sort_by(context, check->other, check->by_hash, count, 32, bits * check->dim, start,
-                                        tasks);
+            sorting.a = check->other;
+            sorting.b = check->by_hash;
+            check->other = pbw__sort_by(&sorting, 32, bits * check->dim);
             going = check->other != NULL && pbw__check_pass(check, pbw__check_hidden, count, 1024, 0.94, 1.0);
         }
     }
@@ -9584,6 +9340,73 @@ PBWDEF uint64_t pbw_hash(const pbw_mesh *mesh, const pbw_options *options)
    >>tools        For companion headers: ranges on threads, the order of the curve, verdicts on conflicts.
    In: the caller's arrays.  Out: the library's threads, sort and tie rule, behind public names.
    ------------------------------------------------------------------------------------------------------ */
+/* Numbers along the curve, for pbw_order and PBW_CURVE_ORDER: each vertex is followed by its duplicates, ascending.
+   Fills original (the caller's number of each new one), and turns the ids of the vertices and the canonical points
+   into new numbers. */
+typedef struct pbw__numbering {
+    pbw__vertices *vertices;
+    pbw_index *original, *next;                      /* next: per canonical point of the caller, the first free
+                                                        number of its group; unused if there are no duplicates */
+} pbw__numbering;
+
+static pbw_status pbw__number_range(void *arg, size_t from, size_t to)
+{
+    const pbw__numbering *numbering = (const pbw__numbering *)arg;
+    pbw_index *id = numbering->vertices->id + 1;
+    for (; from < to; from++) {
+        numbering->original[from] = id[from];
+        id[from] = (pbw_index)from;
+    }
+    return PBW_OK;
+}
+
+static void pbw__number_groups(pbw__numbering *numbering)
+{
+    pbw__vertices *vertices = numbering->vertices;
+    pbw_index *next = numbering->next, *original = numbering->original, *canonical = vertices->canonical;
+    size_t i, r, free_number = 0;
+    memset(next, 0, vertices->point_count * sizeof(pbw_index));
+    for (i = 0; i < vertices->point_count; i++) {
+        next[canonical[i]]++;
+    }
+    for (r = 1; r <= vertices->count; r++) {
+        const pbw_index point = vertices->id[r];
+        const size_t points = next[point];
+        original[free_number] = point;
+        vertices->id[r] = (pbw_index)free_number;
+        next[point] = (pbw_index)free_number + 1;
+        free_number += points;
+    }
+    for (i = 0; i < vertices->point_count; i++) {
+        if (canonical[i] != i) {
+            original[next[canonical[i]]++] = (pbw_index)i;
+        }
+    }
+    for (r = 1; r <= vertices->count; r++) {         /* groups lie between the numbers of successive vertices */
+        const size_t first = vertices->id[r], end = r < vertices->count ? vertices->id[r + 1] : vertices->point_count;
+        for (i = first; i < end; i++) {
+            canonical[i] = (pbw_index)first;
+        }
+    }
+}
+
+static pbw_status pbw__number_along_curve(pbw__context *context, pbw__vertices *vertices, pbw_index *original)
+{
+    pbw__numbering numbering;
+    numbering.vertices = vertices;
+    numbering.original = original;
+    if (vertices->duplicate_count == 0) {
+        return pbw__for_range(context, vertices->count, 65536, 1.0, 1.0, pbw__number_range, &numbering);
+    }
+    numbering.next = (pbw_index *)pbw__allocate(&context->memory, vertices->point_count, sizeof(pbw_index));
+    if (numbering.next == NULL) {
+        return PBW_ERROR_MEMORY;
+    }
+    pbw__number_groups(&numbering);
+    pbw__release(&context->memory, numbering.next, vertices->point_count, sizeof(pbw_index));
+    return PBW_OK;
+}
+
 PBWDEF pbw_status pbw_for(const pbw_options *options, size_t count, size_t grain, pbw_body *body, void *arg)
 {
     const size_t blocks = grain > 0 ? count / grain + (count % grain != 0) : 0, most = (size_t)-1 / 8192;
@@ -9710,9 +9533,9 @@ PBW__INLINE double pbw__sides3(const double *points, const pbw_index *v, const d
         y[i] = q[1] - p[1];
         z[i] = q[2] - p[2];
     }
-    mx = pbw__largest(x[0], x[1], x[2], x[3]);
-    my = pbw__largest(y[0], y[1], y[2], y[3]);
-    mz = pbw__largest(z[0], z[1], z[2], z[3]);
+    mx = pbw__max_abs(x[0], x[1], x[2], x[3]);
+    my = pbw__max_abs(y[0], y[1], y[2], y[3]);
+    mz = pbw__max_abs(z[0], z[1], z[2], z[3]);
     s01 = x[0] * y[1] - x[1] * y[0];
     s02 = x[0] * y[2] - x[2] * y[0];
     s03 = x[0] * y[3] - x[3] * y[0];
@@ -9725,7 +9548,7 @@ PBW__INLINE double pbw__sides3(const double *points, const pbw_index *v, const d
     side[3] = z[1] * s02 - z[0] * s12 - z[2] * s01;
     low = mx < my ? mx : my;
     low = low < mz ? low : mz;
-    high = pbw__larger(pbw__larger(mx, my), mz);
+    high = pbw__max(pbw__max(mx, my), mz);
     return low > 1e-50 && high < 1e100 ? 48.5 * DBL_EPSILON * mx * my * mz : HUGE_VAL;
 }
 
@@ -9738,12 +9561,12 @@ PBW__INLINE double pbw__sides2(const double *points, const pbw_index *v, const d
         x[i] = q[0] - p[0];
         y[i] = q[1] - p[1];
     }
-    mx = pbw__largest(x[0], x[1], x[2], x[2]);
-    my = pbw__largest(y[0], y[1], y[2], y[2]);
+    mx = pbw__max_abs(x[0], x[1], x[2], x[2]);
+    my = pbw__max_abs(y[0], y[1], y[2], y[2]);
     side[0] = x[1] * y[2] - x[2] * y[1];
     side[1] = x[2] * y[0] - x[0] * y[2];
     side[2] = x[0] * y[1] - x[1] * y[0];
-    return (mx < my ? mx : my) > 1e-50 && pbw__larger(mx, my) < 1e100 ? 8.1 * DBL_EPSILON * mx * my : HUGE_VAL;
+    return (mx < my ? mx : my) > 1e-50 && pbw__max(mx, my) < 1e100 ? 8.1 * DBL_EPSILON * mx * my : HUGE_VAL;
 }
 
 /* Walks to p from simplex t.  Returns the simplex where it ends; leave: the corner opposite to the hull facet with
@@ -9861,7 +9684,7 @@ PBWDEF pbw_index pbw_locate_one(const pbw_mesh *mesh, const double *point, pbw_i
         return PBW_NONE;
     }
     for (k = 0; k < mesh->dim; k++) {
-        if (!(pbw__size(point[k]) <= DBL_MAX)) {
+        if (!(pbw__abs(point[k]) <= DBL_MAX)) {
             return PBW_NONE;
         }
     }
@@ -10132,10 +9955,16 @@ static pbw_status pbw__query_sort(pbw__queries *queries)
     status = pbw__for_range(context, count, PBW__TICK, 0.01, 0.02, pbw__query_keys, queries);
     if (status == PBW_OK) {
         const int low = queries->index_bits;
-        queries->order = count < PBW__TICK
-                       ? pbw__sort_keys(context, queries->keys, queries->spare, count, low, dim * bits)
-                       : pbw__sort_by(context, queries->keys, queries->spare, count, low, dim * bits, queries->digits,
-                                      context->threads);
+        pbw__sorting sorting;
+        memset(&sorting, 0, sizeof(sorting));
+        sorting.context = context;
+        sorting.a = queries->keys;
+        sorting.b = queries->spare;
+        sorting.start = queries->digits;
+        sorting.count = count;
+        sorting.tasks = context->threads;
+        queries->order = count < PBW__TICK ? pbw__sort_keys(&sorting, low, dim * bits)
+                                           : pbw__sort_by(&sorting, low, dim * bits);
         status = queries->order == NULL ? PBW_CANCELLED : PBW_OK;
     }
     return status;
@@ -10434,7 +10263,7 @@ static void pbw__finder_grid(pbw_finder *finder)
         pbw__box_add(&box, mesh->points + v * (size_t)dim, dim);
     }
     for (k = 0; k < dim; k++) {
-        edge = pbw__larger(edge, box.high[k] - box.low[k]);
+        edge = pbw__max(edge, box.high[k] - box.low[k]);
     }
     finder->cells = 1;
     for (k = 0; k < dim; k++) {
@@ -10650,7 +10479,7 @@ PBW__INLINE pbw__reach pbw__reach_to(const pbw_mesh *mesh, int dim, const double
     reach.slack = 8.0 * DBL_EPSILON * squared + 1e-300;
     if (mesh->weights != NULL) {
         reach.squared -= mesh->weights[vertex];
-        reach.slack += 8.0 * DBL_EPSILON * pbw__size(mesh->weights[vertex]);
+        reach.slack += 8.0 * DBL_EPSILON * pbw__abs(mesh->weights[vertex]);
     }
     reach.vertex = vertex;
     reach.done = 0;
@@ -11429,7 +11258,7 @@ PBW__INLINE pbw__vector pbw__centre_of(int fine, int dim, const pbw__vector *row
         sum.z = pbw__number(0.0);
         det = pbw__vector_area(fine, row[0], row[1]);
     }
-    *flat = !(pbw__size(det.head) > 1e-6);           /* then pairs lack bits, too */
+    *flat = !(pbw__abs(det.head) > 1e-6);           /* then pairs lack bits, too */
     return pbw__vector_times(fine, sum, pbw__div(fine, pbw__number(0.5), det));
 }
 
@@ -11692,8 +11521,8 @@ PBW__INLINE void pbw__cell_place(const pbw_mesh *mesh, int dim, pbw__cell *cell,
     memcpy(cell->query, q, (size_t)dim * sizeof(q[0]));
     for (i = 0; i < cell->sites; i++) {
         for (k = 0; k < dim; k++) {
-            largest = pbw__larger(largest,
-                                  pbw__size(mesh->points[cell->site[i].vertex * (size_t)dim + (size_t)k] - q[k]));
+            largest = pbw__max(largest,
+                                  pbw__abs(mesh->points[cell->site[i].vertex * (size_t)dim + (size_t)k] - q[k]));
         }
     }
     cell->scale = largest < 1e300 ? -pbw__exponent(largest) : -1000;
@@ -11901,7 +11730,7 @@ PBW__INLINE int pbw__cell_weigh(int fine, int dim, int weighted, int laplace, co
         mean[1] += share * site->at.y.head;
         mean[2] += share * site->at.z.head;
     }
-    off = pbw__larger(pbw__size(mean[0]), pbw__larger(pbw__size(mean[1]), pbw__size(mean[2])));
+    off = pbw__max(pbw__abs(mean[0]), pbw__max(pbw__abs(mean[1]), pbw__abs(mean[2])));
     return total > 0.0 && off <= (fine ? 1e-12 : 1e-14) * total;
 }
 
@@ -12120,7 +11949,7 @@ static pbw_status pbw__make_original(pbw__context *context, pbw__vertices *verti
     return original != NULL ? pbw__number_along_curve(context, vertices, original) : PBW_ERROR_MEMORY;
 }
 
-static pbw_status pbw__run(pbw__context *context, const pbw__input *input, unsigned flags, pbw_mesh *mesh)
+static pbw_status pbw__build_on_cpu(pbw__context *context, const pbw__input *input, unsigned flags, pbw_mesh *mesh)
 {
     pbw__memory *memory = &context->memory;
     pbw__owned *owned = (pbw__owned *)pbw__allocate(memory, 1, sizeof(pbw__owned));
@@ -12441,7 +12270,7 @@ static pbw_status pbw__triangulate(int dim, int is_float, const void *points, co
     for (on_cpu = options->backend == NULL || count == 0; status == PBW_ERROR_BACKEND; on_cpu = 1) {
         pbw__context_start(&context, options, count);
         if (on_cpu) {
-            status = pbw__run(&context, &input, options->flags, mesh);
+            status = pbw__build_on_cpu(&context, &input, options->flags, mesh);
         } else {
             status = pbw__run_backend(&context, &input, options, mesh, &declined);
             if (status == PBW_ERROR_BACKEND && !declined && (options->flags & PBW_BACKEND_OR_CPU) == 0) {
@@ -12471,7 +12300,11 @@ PBWDEF pbw_status pbw_triangulatef(int dim, const float *points, const float *we
     return pbw__triangulate(dim, 1, points, weights, count, options, mesh);
 }
 
-#if defined(__GNUC__) && !defined(__clang__)
+#if defined(__clang__) && (defined(__x86_64__) || defined(__i386__))
+#pragma float_control(pop)
+#elif defined(__clang__)
+#pragma STDC FP_CONTRACT DEFAULT                     /* clang 14 has no stack of modes there */
+#elif defined(__GNUC__)
 #pragma GCC pop_options
 #endif
 #ifdef _WIN32

@@ -20,23 +20,22 @@
      second rung   a warp a star; candidates from a search of the box tree for points in conflict with the simplices
                    that the first rung left uncertified.  Hull stars, sparse places, larger stars.  At first by floats
                    and, where they leave it open, doubles; then with exact tests and more room.
-     third rung    the same with room for 1000 vertices and with the last exact stage of pbw.h.  A handful; the few
-                   that search for too long are given much longer once.
-     the CPU       takes the whole input if a star does not fit any rung, if the work would be quadratic (points
-                   exactly on a sphere: each of its spheres touches all points), if the points are few, or if a
-                   sample of stars says that it is quicker: on lines they are too large, nearly in a plane too
-                   flat for floats.  Points on the device are copied to the host then, and the arrays back; if the
-                   caller names no CPU, they are built by the rungs above or not at all.
+     third rung    like the second, with room for 1000 vertices and with the last exact stage of pbw.h.  A handful;
+                   the few that reach the cap on their search get a much larger one once.
+     the CPU       takes the whole input if a star fits no rung, if the points are few, or if a sample of stars
+                   predicts that the CPU is faster: on lines stars are too large, nearly in a plane too flat for
+                   floats, and on a common sphere, even a noisy one, each circumsphere passes near all points.
+                   Points on the device are then copied to the host, and the arrays back; if the caller names no
+                   CPU, the rungs above build them or the call fails.
 
-   Unweighted points in space on surfaces (scans, terrain) are known by a sample of 1024 stars, of which the first
-   rung certifies less than half; those on a common sphere but for noise, as rounding leaves it, by a sample of 64
-   points.  They have rungs of their own: >>wide, which search another tree; >>smooth, which have another lift too.
+   Unweighted points in space on surfaces (scans, terrain) have rungs of their own, >>wide, which search another tree.
+   They are recognised by a sample of 1024 stars of which the first rung certifies less than half.
 
    SEVERAL DEVICES.  Stars need no agreement, so each card makes those of its share, a run of the curve, and writes
    its run of the simplices, over its own link to the host.  All put all points into order, a twentieth of the work of
    one, and exchange what numbers the simplices across the borders of the shares (>>cells).  A card holds all points
    and its share of the rest: 90 + 560 / cards bytes a point (2D: 75 + 155 / cards).  So two cards of one kind take
-   1.7 times the points of one, and many cards as many as there are numbers for the simplices (600 million points).
+   1.7 times the points of one, and many cards up to the limit of the simplex numbers (600 million points).
    An input of which one card leaves a star to the CPU is left to it as a whole.
    Where two devices can reach each other, each opens its pool to the other, and leaves it so; for a pool that keeps
    60 GB the first call takes half a second longer.
@@ -54,7 +53,6 @@
      >>near      the first rung
      >>far       the second and third rung
      >>wide      the rungs for points on surfaces
-     >>smooth    the rungs for points on a sphere
      >>cells     simplices, neighbours, incident simplices
      >>check     the exact verdict on a mesh
      >>run       the stages in order
@@ -128,7 +126,7 @@ struct space {
     const float4 *rough;                             /* the coordinates in units, as floats: where a look will do */
     uint32_t count;
     double low[3], end[3], unit, heaviest;           /* end: the other corner of the box of all points */
-    float high[3];                                   /* the same in units */
+    float high[3];                                   /* end in units, relative to low */
     pbw__grid grid;
     double exact_height;                             /* >>sphere: below it doubles are exact; 0 if nowhere */
 };
@@ -145,7 +143,7 @@ const uint32_t stored_mark = 1u << 31;               /* in a queue: the store ho
 struct store {
     uint32_t first, end;                             /* the share: vertices whose stars are made here */
     uint32_t *word;
-    unsigned long long *used; /* units of 16 bytes asked for: more than capacity if too small */
+    unsigned long long *used;                        /* units of 16 bytes needed: above capacity if it is too small */
     unsigned long long capacity;
     uint32_t *place;                                 /* of each vertex from first: the unit where its star begins */
     uint32_t *owned;                                 /* likewise: simplices of which it is the lowest vertex */
@@ -227,8 +225,6 @@ __host__ __device__ inline double unordered(unsigned long long bits)
    the points of a long run get keys from a grid over their own box, and so on.  The long runs of one depth are taken
    together: their points are gathered, sorted by the new key, then by their run, and put back.
    ------------------------------------------------------------------------------------------------------ */
-const int short_run = 12;
-
 struct input {
     const void *points, *weights;
     size_t count;
@@ -347,16 +343,6 @@ __global__ void key_kernel(input in, pbw__box domain, const __grid_constant__ cu
     }
 }
 
-__device__ bool comes_before(const double *x, uint64_t i, const double *y, uint64_t j, int dim)
-{
-    for (int k = 0; k < dim; k++) {
-        if (x[k] != y[k]) {
-            return x[k] < y[k];
-        }
-    }
-    return x[dim] != y[dim] ? x[dim] > y[dim] : i < j;
-}
-
 /* Long runs: where they begin and end among all keys, and among the gathered ones. */
 struct run_list {
     uint32_t *head, *end, *length, *offset;
@@ -382,10 +368,10 @@ __global__ void run_kernel(input in, int index_bits, uint64_t *key, size_t count
     if (i > begin && key[i - 1] >> index_bits == key[i] >> index_bits) {
         return;
     }
-    while (end < limit && end - i <= short_run && key[end] >> index_bits == key[i] >> index_bits) {
+    while (end < limit && end - i <= PBW__SHORT_RUN && key[end] >> index_bits == key[i] >> index_bits) {
         end++;
     }
-    if (end - i > short_run) {
+    if (end - i > PBW__SHORT_RUN) {
         uint32_t at = atomicAdd(&out->long_runs, 1u);
         found.head[at] = (uint32_t)(i + shift);
         found.end[at] = (uint32_t)(limit + shift);
@@ -398,7 +384,7 @@ __global__ void run_kernel(input in, int index_bits, uint64_t *key, size_t count
         fetch(in, (size_t)(moving & mask), x);
         for (; hole > i; hole--) {
             fetch(in, (size_t)(key[hole - 1] & mask), y);
-            if (!comes_before(x, moving & mask, y, key[hole - 1] & mask, in.dim)) {
+            if (!pbw__comes_before(x, moving & mask, y, key[hole - 1] & mask, in.dim)) {
                 break;
             }
             key[hole] = key[hole - 1];
@@ -432,8 +418,9 @@ __global__ void measure_kernel(input in, int index_bits, uint64_t *key, run_list
                 highest[k] = value > highest[k] ? value : highest[k];
             }
             fetch(in, (size_t)(key[head + best] & mask), d);
-            best = comes_before(c, key[end + lane] & mask, d, key[head + best] & mask, in.dim) ? end + lane - head
-                                                                                               : best;
+            if (pbw__comes_before(c, key[end + lane] & mask, d, key[head + best] & mask, in.dim)) {
+                best = end + lane - head;
+            }
         }
         end += (uint32_t)__popc(vote);
         if (vote != all_lanes) {
@@ -445,7 +432,7 @@ __global__ void measure_kernel(input in, int index_bits, uint64_t *key, run_list
         double c[4], d[4];
         fetch(in, (size_t)(key[head + best] & mask), c);
         fetch(in, (size_t)(key[head + other] & mask), d);
-        best = comes_before(d, key[head + other] & mask, c, key[head + best] & mask, in.dim) ? other : best;
+        best = pbw__comes_before(d, key[head + other] & mask, c, key[head + best] & mask, in.dim) ? other : best;
         for (int k = 0; k < in.dim; k++) {
             unsigned long long l = __shfl_xor_sync(all_lanes, lowest[k], step);
             unsigned long long h = __shfl_xor_sync(all_lanes, highest[k], step);
@@ -504,11 +491,6 @@ __global__ void put_back_kernel(const uint64_t *gathered, const uint32_t *segmen
     }
 }
 
-__device__ bool same_place(const double *x, const double *y, int dim)
-{
-    return x[0] == y[0] && x[1] == y[1] && (dim == 2 || x[2] == y[2]);
-}
-
 /* first[i] = 1 if the i-th point on the curve lies at a place of its own; the best of a place comes first.  root:
    NULL, or where a long run at one place begins. */
 __global__ void place_kernel(input in, int index_bits, const uint64_t *key, const uint32_t *root_of, uint32_t *first,
@@ -524,7 +506,7 @@ __global__ void place_kernel(input in, int index_bits, const uint64_t *key, cons
         while (root > 0 && (root_of == NULL || root_of[i] == none)
                && key[root - 1] >> index_bits == key[i] >> index_bits) {
             fetch(in, (size_t)(key[root - 1] & mask), y);
-            if (!same_place(x, y, in.dim)) {
+            if (!pbw__same_place(x, y, in.dim)) {
                 break;
             }
             root--;
@@ -779,14 +761,11 @@ const float slack = 9.5367431640625e-7f;             /* 2^-20 */
 const float far_away = 5.192296858534828e33f;        /* 2^112 */
 const int open_sign = PBW__OPEN;
 
-/* WEIGHTED: all weights are equal, or given, or stand for the lifts of nearly cospherical points (>>smooth). */
-enum { equal, given, residual };
-
 template <typename REAL> struct place {              /* relative to v, in units */
     REAL x[3], w;
 };
 
-/* The same float from a double but that what is not 0 stays so: on walls that counts. */
+/* Rounds to float, but never to 0 what is not 0: walls depend on it. */
 __device__ inline float narrow(double difference, double unit)
 {
     float x = (float)(difference * unit);
@@ -811,7 +790,7 @@ template <> struct sizes<float> {
     static __device__ float inverse(float d) { return __fdividef(1.0f, d); }    /* relative error 2^-22 */
 };
 
-struct probe {                                       /* the same in floats */
+struct probe {                                       /* a place in floats, with the sizes of its errors */
     float x[3], lift, load, size;                    /* load: 2^-20 L_p; size: 2^-20 P, or infinity */
 };
 
@@ -858,7 +837,7 @@ template <int DIM, typename REAL> __device__ inline REAL square(const REAL *x)
     return DIM == 3 ? x[0] * x[0] + x[1] * x[1] + x[2] * x[2] : x[0] * x[0] + x[1] * x[1];
 }
 
-template <int DIM, int WEIGHTED, typename REAL> __device__ inline probe probe_of(const place<REAL> &p)
+template <int DIM, bool WEIGHTED, typename REAL> __device__ inline probe probe_of(const place<REAL> &p)
 {
     probe r;
     REAL l = square<DIM>(p.x);
@@ -869,7 +848,6 @@ template <int DIM, int WEIGHTED, typename REAL> __device__ inline probe probe_of
     r.lift = WEIGHTED ? (float)(l - p.w) : r.load;
     r.size = r.load > sizes<REAL>::least() ? slack * root(r.load) : HUGE_VALF;
     r.load = slack * (WEIGHTED ? r.load + fabsf((float)p.w) : r.load);
-    r.load += WEIGHTED == residual ? slack * 0.25f : 0.0f;
     return r;
 }
 
@@ -916,7 +894,7 @@ __device__ inline float4 sphere_of(const REAL *n, REAL d, REAL e, REAL product)
                        (float)(size + sizes<REAL>::error() * (e + size * product) * inverse));
 }
 
-template <int DIM, int WEIGHTED, typename REAL>
+template <int DIM, bool WEIGHTED, typename REAL>
 __device__ inline float4 sphere(const place<REAL> &pa, const place<REAL> &pb, const place<REAL> &pc)
 {
     const REAL *a = pa.x, *b = pb.x, *c = pc.x, least = sizes<REAL>::least();
@@ -928,8 +906,7 @@ __device__ inline float4 sphere(const place<REAL> &pa, const place<REAL> &pb, co
     REAL A = root((float)la), B = root((float)lb), C = DIM == 3 ? root((float)lc) : 1.0f;
     REAL La = la, Lb = lb, Lc = lc;
     if (WEIGHTED) {
-        const REAL blur = WEIGHTED == residual ? (REAL)67108864.0 : (REAL)0;
-        La += fabs(pa.w) + blur, Lb += fabs(pb.w) + blur, Lc += fabs(pc.w) + blur;
+        La += fabs(pa.w), Lb += fabs(pb.w), Lc += fabs(pc.w);
         la -= pa.w, lb -= pb.w, lc -= pc.w;
     }
     if (DIM == 2) {
@@ -1033,7 +1010,7 @@ template <int DIM> __device__ int triangle_with(const uint32_t *triangle, int co
 
 /* The exact answer where floats leave it open: is point p in conflict with triangle t of the star of v?
    For an infinite simplex with p in the plane of its facet it is that of the finite simplex behind the facet. */
-template <int DIM, int WEIGHTED>
+template <int DIM, bool WEIGHTED>
 __device__ __noinline__ int settle(const space &s, uint32_t v, const uint32_t *id, const uint32_t *triangle,
                                    int count, int t, uint32_t p, pbw__digit *pool)
 {
@@ -1073,14 +1050,6 @@ __device__ __noinline__ int settle(const space &s, uint32_t v, const uint32_t *i
         }
         row[k + 1] = s.point[id[a]].c;
     }
-    record plain[DIM + 2];
-    if (WEIGHTED == residual) {                      /* the points themselves have no weights */
-        for (int i = 0; i <= DIM + 1; i++) {
-            plain[i] = *(const record *)(i <= DIM ? row[i] : origin);
-            plain[i].c[DIM] = 0.0;
-            (i <= DIM ? row[i <= DIM ? i : 0] : origin) = plain[i].c;
-        }
-    }
     return finite_conflict<DIM>(s.grid, row, origin, pool);
 }
 
@@ -1107,7 +1076,7 @@ template <bool EXACT> struct rung_real { typedef float type; };
 template <> struct rung_real<true> { typedef double type; };
 
 /* NT triangles, NV vertices, SCRATCH words for the rung's search. */
-template <int DIM, int WEIGHTED, int NT, int NV, int SCRATCH, typename REAL> struct star {
+template <int DIM, bool WEIGHTED, int NT, int NV, int SCRATCH, typename REAL> struct star {
     typedef star_types<(NT > 256)> types;
     static const int words = NV / 32;
     float4 sphere[NT];
@@ -1127,7 +1096,7 @@ __device__ inline uint32_t pack(uint32_t a, uint32_t b, uint32_t c)
     return a | b << 10 | c << 20;
 }
 
-template <int DIM, int WEIGHTED, int NT, int NV, int SCRATCH, typename REAL>
+template <int DIM, bool WEIGHTED, int NT, int NV, int SCRATCH, typename REAL>
 __device__ inline void set_vertex(star<DIM, WEIGHTED, NT, NV, SCRATCH, REAL> &s, uint32_t number, uint32_t id,
                                   const place<REAL> &p)
 {
@@ -1140,7 +1109,7 @@ __device__ inline void set_vertex(star<DIM, WEIGHTED, NT, NV, SCRATCH, REAL> &s,
     }
 }
 
-template <int DIM, int WEIGHTED, int NT, int NV, int SCRATCH, typename REAL>
+template <int DIM, bool WEIGHTED, int NT, int NV, int SCRATCH, typename REAL>
 __device__ inline place<REAL> vertex_place(const star<DIM, WEIGHTED, NT, NV, SCRATCH, REAL> &s, uint32_t number)
 {
     place<REAL> p;
@@ -1152,7 +1121,7 @@ __device__ inline place<REAL> vertex_place(const star<DIM, WEIGHTED, NT, NV, SCR
 }
 
 /* The sphere of triangle (a, b, c); in the plane of edge (a, b).  0 is the vertex at infinity. */
-template <int DIM, int WEIGHTED, typename REAL>
+template <int DIM, bool WEIGHTED, typename REAL>
 __device__ inline float4 sphere_of_triangle(uint32_t a, uint32_t b, uint32_t c, const place<REAL> &pa,
                                             const place<REAL> &pb, const place<REAL> &pc, unsigned walls)
 {
@@ -1178,7 +1147,7 @@ __device__ inline float4 sphere_of_triangle(uint32_t a, uint32_t b, uint32_t c, 
 }
 
 /* used: the vertices that triangles have, and 0. */
-template <int T, int DIM, int WEIGHTED, int NT, int NV, int SCRATCH, typename REAL>
+template <int T, int DIM, bool WEIGHTED, int NT, int NV, int SCRATCH, typename REAL>
 __device__ inline void find_used(star<DIM, WEIGHTED, NT, NV, SCRATCH, REAL> &s, bool go, int count)
 {
     int lane = (int)threadIdx.x & (T - 1);
@@ -1209,7 +1178,7 @@ struct hole {
 /* As settle, for p relative to v, by doubles that round nothing: on a small grid all products are integers in its
    unit, below 2^53 (>>cavity3 of pbw.h: there p is the origin, here v, but the 24 products have the same bound).  The
    coefficients of the lifts are those of pbw__tie.  open_sign if a height is too large for that. */
-template <int DIM, int WEIGHTED, int NT, int NV, int SCRATCH, typename REAL>
+template <int DIM, bool WEIGHTED, int NT, int NV, int SCRATCH, typename REAL>
 __device__ __noinline__ int settle_on_grid(const star<DIM, WEIGHTED, NT, NV, SCRATCH, REAL> &s, int count, int t,
                                            double limit, double px, double py, double pz, double pw)
 {
@@ -1283,7 +1252,7 @@ __device__ __noinline__ int settle_on_grid(const star<DIM, WEIGHTED, NT, NV, SCR
 }
 
 /* The sphere of the facet (a, b, c), none being the vertex at infinity, and the answer for point p, by doubles. */
-template <int DIM, int WEIGHTED>
+template <int DIM, bool WEIGHTED>
 __device__ __noinline__ int refine(const space &all, uint32_t v, uint32_t a, uint32_t b, uint32_t c, uint32_t p,
                                    float4 *sphere)
 {
@@ -1297,7 +1266,7 @@ __device__ __noinline__ int refine(const space &all, uint32_t v, uint32_t a, uin
 }
 
 /* What floats leave open: is point id in conflict with triangle t?  A star in floats gets the sphere from doubles. */
-template <int DIM, int WEIGHTED, int NT, int NV, int SCRATCH>
+template <int DIM, bool WEIGHTED, int NT, int NV, int SCRATCH>
 __device__ inline int decide(star<DIM, WEIGHTED, NT, NV, SCRATCH, float> &s, const space &all, uint32_t v, int, int t,
                              uint32_t id, const place<float> &, pbw__digit *)
 {
@@ -1310,7 +1279,7 @@ __device__ inline int decide(star<DIM, WEIGHTED, NT, NV, SCRATCH, float> &s, con
 }
 
 /* The exact answer: is point id, at p relative to v, in conflict with triangle t? */
-template <int DIM, int WEIGHTED, int NT, int NV, int SCRATCH>
+template <int DIM, bool WEIGHTED, int NT, int NV, int SCRATCH>
 __device__ inline int decide(star<DIM, WEIGHTED, NT, NV, SCRATCH, double> &s, const space &all, uint32_t v, int count,
                              int t, uint32_t id, const place<double> &p, pbw__digit *pool)
 {
@@ -1320,7 +1289,7 @@ __device__ inline int decide(star<DIM, WEIGHTED, NT, NV, SCRATCH, double> &s, co
 
 /* Finds the cavity of point id, at p relative to v, in the stars of those tiles that go, and makes the point a vertex
    of theirs; count: their triangles.  Without SETTLES what floats leave open stays open. */
-template <int T, bool SETTLES, int DIM, int WEIGHTED, int NT, int NV, int SCRATCH, typename REAL>
+template <int T, bool SETTLES, int DIM, bool WEIGHTED, int NT, int NV, int SCRATCH, typename REAL>
 __device__ inline int carve(star<DIM, WEIGHTED, NT, NV, SCRATCH, REAL> &s, const space &all, uint32_t v, bool go,
                             uint32_t id, const place<REAL> &p, int count, pbw__digit *pool, hole &cavity)
 {
@@ -1454,7 +1423,7 @@ __device__ inline int carve(star<DIM, WEIGHTED, NT, NV, SCRATCH, REAL> &s, const
 
 /* Replaces the cavities of the tiles that go by the triangles from the first fans edges of their borders to the new
    vertex, and from the others to infinity; in the plane the border is the new edges. */
-template <int T, int DIM, int WEIGHTED, int NT, int NV, int SCRATCH, typename REAL>
+template <int T, int DIM, bool WEIGHTED, int NT, int NV, int SCRATCH, typename REAL>
 __device__ inline void fan(star<DIM, WEIGHTED, NT, NV, SCRATCH, REAL> &s, bool go, const hole &cavity, int fans,
                            int &count, unsigned walls)
 {
@@ -1491,7 +1460,7 @@ __device__ inline void fan(star<DIM, WEIGHTED, NT, NV, SCRATCH, REAL> &s, bool g
 
 /* The star of v and the points a, b, c, one finite triangle and an infinite one on each of its edges, as the border
    of a hole that fan fills. */
-template <int T, int DIM, int WEIGHTED, int NT, int NV, int SCRATCH, typename REAL>
+template <int T, int DIM, bool WEIGHTED, int NT, int NV, int SCRATCH, typename REAL>
 __device__ inline void start(star<DIM, WEIGHTED, NT, NV, SCRATCH, REAL> &s, bool go, const uint32_t *id,
                              const place<REAL> *p)
 {
@@ -1530,7 +1499,7 @@ template <int DIM> __device__ inline hole first_hole()
 }
 
 /* Stores the finished stars of the tiles that go. */
-template <int T, int DIM, int WEIGHTED, int NT, int NV, int SCRATCH, typename REAL>
+template <int T, int DIM, bool WEIGHTED, int NT, int NV, int SCRATCH, typename REAL>
 __device__ inline void finish(star<DIM, WEIGHTED, NT, NV, SCRATCH, REAL> &s, bool go, uint32_t v, int count,
                               const store &out)
 {
@@ -1616,7 +1585,7 @@ __device__ inline void enqueue(const queue &q, bool put, uint32_t v)
     }
 }
 
-/* The sizes of three points' frame: a fat corner is one whose determinant the filter need not look at. */
+/* The determinant of three points relative to v: a fat corner is one whose sign needs no filter. */
 template <int DIM, typename REAL>
 __device__ inline REAL corner_size(const place<REAL> &a, const place<REAL> &b, const place<REAL> &c)
 {
@@ -1653,7 +1622,7 @@ template <int T, typename REAL> __device__ inline place<REAL> tile_place(const p
 
 /* Starts the stars of the tiles that go with points id, at p, of their own lanes, candidates being those of lanes
    below have, nearest first: fan is left to do.  Returns the lanes used, or 0 where no fat corner was found. */
-template <int T, int DIM, int WEIGHTED, int NT, int NV, int SCRATCH, typename REAL>
+template <int T, int DIM, bool WEIGHTED, int NT, int NV, int SCRATCH, typename REAL>
 __device__ inline unsigned start_from_lanes(star<DIM, WEIGHTED, NT, NV, SCRATCH, REAL> &s, bool go, uint32_t id,
                                             const place<REAL> &p, int have)
 {
@@ -1661,7 +1630,7 @@ __device__ inline unsigned start_from_lanes(star<DIM, WEIGHTED, NT, NV, SCRATCH,
     bool here = go && lane < have;
     place<REAL> a = tile_place<T>(p, 0), b;
     uint32_t ids[3];
-    const float thin = WEIGHTED == residual ? 1e-8f : 0.01f, flat = WEIGHTED == residual ? 1e-20f : 1e-4f;
+    const float thin = 0.01f, flat = 1e-4f;
     unsigned vote = tile_ballot<T>(here && lane > 0 && line_fatness(a, p) > thin);
     int second = vote != 0 ? __ffs((int)vote) - 1 : 0, third = second;
     b = tile_place<T>(p, second);
@@ -1714,7 +1683,7 @@ __device__ inline float rough_square(const float4 &p, const float *v, float *x)
 
 /* The radius around q / 2 within which a point of the largest weight may be in conflict, grown by more than all
    roundings and by the error of the centre. */
-template <int WEIGHTED> __device__ inline float radius_of(float4 q, float heaviest)
+template <bool WEIGHTED> __device__ inline float radius_of(float4 q, float heaviest)
 {
     float size = root(fmaf(q.x, q.x, fmaf(q.y, q.y, q.z * q.z)));
     float radius = q.w < far_away ? fmaf(0.5f, size, slack * q.w) : 0.5f * q.w;
@@ -1722,7 +1691,7 @@ template <int WEIGHTED> __device__ inline float radius_of(float4 q, float heavie
 }
 
 /* Bounds of the spheres of a star. */
-template <int T, int DIM, int WEIGHTED, int NT, int NV, int SCRATCH, typename REAL>
+template <int T, int DIM, bool WEIGHTED, int NT, int NV, int SCRATCH, typename REAL>
 __device__ inline span reach_of(const star<DIM, WEIGHTED, NT, NV, SCRATCH, REAL> &s, bool go, int count,
                                 float heaviest)
 {
@@ -1750,7 +1719,7 @@ __device__ inline span reach_of(const star<DIM, WEIGHTED, NT, NV, SCRATCH, REAL>
 
 /* Whether floats leave it open that point p is in conflict with some simplex of the star; all lanes of a tile go or
    none does, each with its own point.  The test is that of side, with the bound in the sum; a wall adds to it. */
-template <int T, int DIM, int WEIGHTED, int NT, int NV, int SCRATCH, typename REAL>
+template <int T, int DIM, bool WEIGHTED, int NT, int NV, int SCRATCH, typename REAL>
 __device__ inline bool may_conflict(const star<DIM, WEIGHTED, NT, NV, SCRATCH, REAL> &s, bool go, int count,
                                     const place<REAL> &p)
 {
@@ -1786,93 +1755,114 @@ template <int DIM, bool EXACT> struct near_blocks {
     static const int count = EXACT ? 4 : DIM == 2 ? 8 : 6;
 };
 
-template <int DIM, int WEIGHTED, typename REAL> struct near_star {
+template <int DIM, bool WEIGHTED, typename REAL> struct near_star {
     typedef star<DIM, WEIGHTED, near_triangles, near_vertices, near_points, REAL> type;
 };
 
-template <int DIM, int WEIGHTED, bool EXACT>
-__global__ void __launch_bounds__(near_block, near_blocks<DIM, EXACT>::count)
-near_kernel(const __grid_constant__ space all, const box *group, const uint32_t *lists, const near_list *infos,
-            uint32_t first, uint32_t stride, uint32_t count_of, bool keeps, const __grid_constant__ store out,
-            queue failed, queue undecided)
-{
-    typedef typename rung_real<EXACT>::type REAL;
-    typedef typename near_star<DIM, WEIGHTED, REAL>::type star_type;
-    extern __shared__ float4 shared_words[];
-    const int T = 8;
-    star_type &s = ((star_type *)shared_words)[threadIdx.x / T];
-    const int lane = (int)threadIdx.x & (T - 1);
-    const unsigned below = lanes_below<T>();
-    uint32_t v = (blockIdx.x * near_block + threadIdx.x) / T;
-    bool valid = v < count_of, open = false, kept = false;
-    v = valid ? v : count_of - 1;
-    v = EXACT ? undecided.vertex[v] : first + v * stride;
-    const record own = all.point[v];
-    const uint32_t g = v / group_size, row = g - out.first / group_size;
-    const uint32_t *list = lists + (size_t)row * list_size;
-    const near_list info = infos[row];
-    const int length = (int)info.length;
-    const float4 rough = all.rough[v];
-    const float origin[3] = { rough.x, rough.y, rough.z };
-    const float heaviest = WEIGHTED ? (float)((all.heaviest - own.c[DIM]) * (all.unit * all.unit)) * 1.000001f : 0.0f;
-    const unsigned walls = walls_of<DIM>(all, own);
-    uint32_t *sorted = s.scratch, *waiting = s.scratch;     /* one after the other */
-    uint32_t *collected = (uint32_t *)s.sphere;             /* before there is a star */
+/* A launch of the first rung.  Without EXACT it builds total vertices from first on, each stride-th; with EXACT those
+   of undecided. */
+struct near_launch {
+    space all;
+    const box *group;
+    const uint32_t *lists;
+    const near_list *infos;
+    uint32_t first, stride, total;
+    bool keeps;
+    store out;
+    queue failed, undecided;
+};
 
-    bool go = valid && length > 0 && *out.stop == 0;
-    float start2 = info.start * info.start;
-    int have = 0;
-    int shrinks = 0;                                 /* points too close for floats cannot be told apart: give up */
-    for (bool again = go; any(again); shrinks++) {   /* 1. */
-        have = again ? 0 : have;
-        for (int base = 0; any(again && base < (int)info.close); base += T) {
-            uint32_t candidate = again && base + lane < length ? list[base + lane] : none;
+/* A star of the first rung while its tile builds it. */
+template <int DIM, bool WEIGHTED, typename REAL> struct near_state {
+    typename near_star<DIM, WEIGHTED, REAL>::type &s;
+    const near_launch &a;
+    const uint32_t *list;                            /* the groups near v */
+    near_list info;
+    record own;
+    uint32_t v;
+    int lane, length;
+    float origin[3], heaviest;                       /* v; the largest weight relative to v's */
+    unsigned walls;
+    bool go, walking, changed;                       /* walking: step 3; changed: reach is out of date */
+    float start2;                                    /* the square of the start radius */
+    int have, cursor;                                /* points collected, and those of them already tried */
+    int count, stored, position;                     /* triangles; points waiting; groups of the list read */
+    uint32_t candidate, group_here;                  /* of each lane */
+    unsigned pending, groups;                        /* lanes with a candidate to insert; with a group to read */
+    place<REAL> p;                                   /* of the candidate */
+    span reach;
+};
+const int near_lanes = 8;
+
+/* Appends the points of the tile's group candidate closer than the start radius. */
+template <int DIM, bool WEIGHTED, typename REAL>
+__device__ __forceinline__ void collect_group(near_state<DIM, WEIGHTED, REAL> &n, uint32_t group, bool here)
+{
+    uint32_t p = group * group_size + (uint32_t)n.lane;
+    bool take = here && p < n.a.all.count && p != n.v;
+    float d = 0.0f, x[3];
+    if (take) {
+        d = rough_square(n.a.all.rough[p], n.origin, x);
+        take = d < n.start2;
+    }
+    unsigned takers = tile_ballot<near_lanes>(take);
+    int at = n.have + __popc(takers & lanes_below<near_lanes>());
+    if (take && at < near_points) {
+        ((uint32_t *)n.s.sphere)[at] = p;            /* free before there is a star */
+        n.s.scratch[at] = (__float_as_uint(d) & ~63u) | (uint32_t)at;
+    }
+    n.have += __popc(takers);
+}
+
+/* Step 1: the points within the start radius, which shrinks until there is room for them.  Stars whose points are too
+   close for floats to tell apart are given up. */
+template <int DIM, bool WEIGHTED, typename REAL>
+__device__ __forceinline__ void collect_close(near_state<DIM, WEIGHTED, REAL> &n)
+{
+    int shrinks = 0;
+    for (bool again = n.go; any(again); shrinks++) {
+        n.have = again ? 0 : n.have;
+        for (int base = 0; any(again && base < (int)n.info.close); base += near_lanes) {
+            uint32_t group = again && base + n.lane < n.length ? n.list[base + n.lane] : none;
             bool close = false;
-            if (candidate != none) {
-                span b = relative_box<DIM>(group[candidate], origin);
+            if (group != none) {
+                span b = relative_box<DIM>(n.a.group[group], n.origin);
                 float d = 0.0f;
                 for (int k = 0; k < DIM; k++) {
                     float t = fmaxf(fmaxf(b.low[k], -b.high[k]), 0.0f);
                     d = fmaf(t, t, d);
                 }
-                close = d * 0.99999f < start2;
+                close = d * 0.99999f < n.start2;
             }
-            unsigned vote = tile_ballot<T>(close);
-            while (any(vote != 0)) {
-                uint32_t from = tile_read<T>(candidate, vote != 0 ? __ffs((int)vote) - 1 : 0);
-                uint32_t p = from * group_size + (uint32_t)lane;
-                bool take = vote != 0 && p < all.count && p != v;
-                float d = 0.0f, x[3];
-                if (take) {
-                    d = rough_square(all.rough[p], origin, x);
-                    take = d < start2;
-                }
-                vote &= vote - 1;
-                unsigned takers = tile_ballot<T>(take);
-                int at = have + __popc(takers & below);
-                if (take && at < near_points) {
-                    collected[at] = p;
-                    sorted[at] = (__float_as_uint(d) & ~63u) | (uint32_t)at;
-                }
-                have += __popc(takers);
+            for (unsigned vote = tile_ballot<near_lanes>(close); any(vote != 0); vote &= vote - 1) {
+                uint32_t from = tile_read<near_lanes>(group, vote != 0 ? __ffs((int)vote) - 1 : 0);
+                collect_group(n, from, vote != 0);
             }
         }
-        again = again && have > near_points;
-        go = go && (!again || shrinks < 16);
-        again = again && go;
-        start2 = again ? start2 * 0.7f : start2;
+        again = again && n.have > near_points;
+        n.go = n.go && (!again || shrinks < 16);
+        again = again && n.go;
+        n.start2 = again ? n.start2 * 0.7f : n.start2;
         __syncwarp();
     }
+}
+
+/* Sorts the collected points by distance into scratch. */
+template <int DIM, bool WEIGHTED, typename REAL>
+__device__ __forceinline__ void sort_collected(near_state<DIM, WEIGHTED, REAL> &n)
+{
+    const int T = near_lanes;
+    uint32_t *sorted = n.s.scratch, *collected = (uint32_t *)n.s.sphere;
     uint32_t key[near_points / T], value[near_points / T];
-    int before[near_points / T], most = warp_max<T>(go ? have : 0);
+    int before[near_points / T], most = warp_max<T>(n.go ? n.have : 0);
     for (int i = 0; i < near_points / T; i++) {
-        bool mine = go && i * T + lane < have;
-        key[i] = mine ? sorted[i * T + lane] : none;
-        value[i] = mine ? collected[i * T + lane] : none;
+        bool mine = n.go && i * T + n.lane < n.have;
+        key[i] = mine ? sorted[i * T + n.lane] : none;
+        value[i] = mine ? collected[i * T + n.lane] : none;
         before[i] = 0;
     }
     for (int j = 0; j < most; j++) {
-        uint32_t other = go && j < have ? sorted[j] : none;
+        uint32_t other = n.go && j < n.have ? sorted[j] : none;
         for (int i = 0; i < near_points / T; i++) {
             before[i] += other < key[i];
         }
@@ -1884,139 +1874,228 @@ near_kernel(const __grid_constant__ space all, const box *group, const uint32_t 
         }
     }
     __syncwarp();
+}
 
-    uint32_t candidate = go && lane < have ? sorted[lane] : none;   /* 2. */
-    place<REAL> p = relative<DIM, REAL>(all, own, all.point[candidate != none ? candidate : v]);
-    int count = 0, cursor = T, stored = 0, position;
-    unsigned used = start_from_lanes<T>(s, go, candidate, p, have);
-    go = go && used != 0;
-    unsigned pending = go ? ((1u << (have < T ? have : T)) - 1) & ~used : 0, groups = 0;
-    uint32_t group_here = none;
-    bool walking = false, changed = true;
-    position = keeps ? length : 0;
-    span reach = { { 0.0f, 0.0f, 0.0f }, { 0.0f, 0.0f, 0.0f } };
-    for (bool starting = true;; starting = false) {
-        for (; !starting;) {                         /* the next points to insert */
-            bool feed = go && pending == 0 && (walking ? stored > 0 : cursor < have);
-            if (!any(feed)) {
-                break;
-            }
-            int rest = walking ? stored : have - cursor, take = rest < T ? rest : T;
-            __syncwarp();
-            if (feed) {
-                candidate = lane < take ? s.scratch[(walking ? stored - take : cursor) + lane] : none;
-                stored -= walking ? take : 0;
-            }
-            p = relative<DIM, REAL>(all, own, all.point[candidate != none ? candidate : v]);
-            bool screened = walking || cursor >= 2 * T;
-            bool may = may_conflict<T>(s, feed && screened, count, p) || !screened;
-            unsigned vote = tile_ballot<T>(feed && candidate != none && may);
-            pending = feed ? vote : pending;
-            cursor += feed && !walking ? T : 0;
+/* The next candidates that may be in conflict, until each tile has some or no more at hand. */
+template <int DIM, bool WEIGHTED, typename REAL>
+__device__ __forceinline__ void next_candidates(near_state<DIM, WEIGHTED, REAL> &n)
+{
+    const int T = near_lanes;
+    for (;;) {
+        bool feed = n.go && n.pending == 0 && (n.walking ? n.stored > 0 : n.cursor < n.have);
+        if (!any(feed)) {
+            return;
         }
-        if (__syncthreads_or(go && (starting || pending != 0)) == 0) {      /* 3. */
-            if (walking && __syncthreads_or(go && (groups != 0 || position < length)) == 0) {
+        int rest = n.walking ? n.stored : n.have - n.cursor, take = rest < T ? rest : T;
+        __syncwarp();
+        if (feed) {
+            n.candidate = n.lane < take ? n.s.scratch[(n.walking ? n.stored - take : n.cursor) + n.lane] : none;
+            n.stored -= n.walking ? take : 0;
+        }
+        n.p = relative<DIM, REAL>(n.a.all, n.own, n.a.all.point[n.candidate != none ? n.candidate : n.v]);
+        bool screened = n.walking || n.cursor >= 2 * T;
+        bool may = may_conflict<T>(n.s, feed && screened, n.count, n.p) || !screened;
+        unsigned vote = tile_ballot<T>(feed && n.candidate != none && may);
+        n.pending = feed ? vote : n.pending;
+        n.cursor += feed && !n.walking ? T : 0;
+    }
+}
+
+/* The next 8 groups of the list that touch the reach of the star. */
+template <int DIM, bool WEIGHTED, typename REAL>
+__device__ __forceinline__ void next_groups(near_state<DIM, WEIGHTED, REAL> &n, bool load)
+{
+    bool touches = false;
+    if (load && n.position + n.lane < n.length) {
+        n.group_here = n.list[n.position + n.lane];
+        span b = relative_box<DIM>(n.a.group[n.group_here], n.origin);
+        touches = true;
+        for (int k = 0; k < DIM; k++) {
+            touches = touches && b.low[k] <= n.reach.high[k] && b.high[k] >= n.reach.low[k];
+        }
+    }
+    unsigned vote = tile_ballot<near_lanes>(touches);
+    n.groups = load ? vote : n.groups;
+    n.position += load ? near_lanes : 0;
+}
+
+/* Stores the points of several groups that are within the reach; several, to have several loads in flight. */
+template <int DIM, bool WEIGHTED, typename REAL>
+__device__ __forceinline__ void store_points(near_state<DIM, WEIGHTED, REAL> &n, bool fill)
+{
+    const int T = near_lanes;
+    uint32_t other[at_once];
+    float4 place_of[at_once];
+    for (int i = 0; i < at_once; i++) {
+        bool is_there = fill && n.groups != 0;
+        uint32_t from = tile_read<T>(n.group_here, is_there ? __ffs((int)n.groups) - 1 : 0);
+        n.groups &= is_there ? n.groups - 1 : n.groups;
+        other[i] = from * group_size + (uint32_t)n.lane;
+        other[i] = is_there && other[i] < n.a.all.count && other[i] != n.v ? other[i] : none;
+        place_of[i] = n.a.all.rough[other[i] != none ? other[i] : n.v];
+    }
+    for (int i = 0; i < at_once; i++) {
+        float x[3];
+        bool take = rough_square(place_of[i], n.origin, x) >= n.start2 && other[i] != none;
+        for (int k = 0; k < DIM; k++) {
+            take = take && x[k] >= n.reach.low[k] && x[k] <= n.reach.high[k];
+        }
+        unsigned takers = tile_ballot<T>(take);
+        if (take) {
+            n.s.scratch[n.stored + __popc(takers & lanes_below<T>())] = other[i];
+        }
+        n.stored += __popc(takers);
+    }
+}
+
+/* Step 3: walks on through the list, for all tiles of the block that have room. */
+template <int DIM, bool WEIGHTED, typename REAL>
+__device__ __forceinline__ void walk_list(near_state<DIM, WEIGHTED, REAL> &n)
+{
+    n.walking = true;
+    bool renew = n.go && n.changed;
+    if (any(renew)) {
+        span r = reach_of<near_lanes>(n.s, renew, n.count, n.heaviest);
+        n.reach = renew ? r : n.reach;
+        n.changed = n.changed && !renew;
+    }
+    __syncwarp();
+    for (;;) {
+        bool fill = n.go && n.stored <= near_points - at_once * near_lanes
+                 && (n.groups != 0 || n.position < n.length);
+        if (!any(fill)) {
+            return;
+        }
+        bool load = fill && n.groups == 0;
+        if (any(load)) {
+            next_groups(n, load);
+        }
+        store_points(n, fill);
+    }
+}
+
+/* Step 4: marks the simplices whose spheres lie within the box that the list covers; returns whether all do. */
+template <int DIM, bool WEIGHTED, typename REAL>
+__device__ __forceinline__ bool certify(near_state<DIM, WEIGHTED, REAL> &n)
+{
+    const box b = n.a.group[n.v / group_size];
+    span covered;
+    for (int k = 0; k < 3; k++) {
+        const float low = b.low[k] - n.info.reach, high = b.high[k] + n.info.reach;
+        covered.low[k] = low <= 0.0f ? -HUGE_VALF : low - n.origin[k] + 4.8e-7f;
+        covered.high[k] = high >= n.a.all.high[k] ? HUGE_VALF : high - n.origin[k] - 4.8e-7f;
+    }
+    bool certified = true;
+    for (int t = n.lane; n.go && t < n.count; t += near_lanes) {
+        float4 q = n.s.sphere[t];
+        float c[3] = { 0.5f * q.x, 0.5f * q.y, 0.5f * q.z }, radius = radius_of<WEIGHTED>(q, n.heaviest);
+        bool inside = true;
+        for (int k = 0; k < DIM; k++) {
+            inside = inside && c[k] - radius > covered.low[k] && c[k] + radius < covered.high[k];
+        }
+        inside = inside || is_wall(q);
+        n.s.triangle[t] |= inside && !n.a.keeps ? verified : 0;
+        certified = certified && inside;
+    }
+    return tile_ballot<near_lanes>(!certified) == 0;
+}
+
+/* The vertex of a tile, with nothing collected yet. */
+template <int DIM, bool WEIGHTED, typename REAL>
+__device__ __forceinline__ void open_near(near_state<DIM, WEIGHTED, REAL> &n, uint32_t v, bool valid)
+{
+    const space &all = n.a.all;
+    const uint32_t row = v / group_size - n.a.out.first / group_size;
+    const float4 rough = all.rough[v];
+    n.v = v;
+    n.own = all.point[v];
+    n.list = n.a.lists + (size_t)row * list_size;
+    n.info = n.a.infos[row];
+    n.length = (int)n.info.length;
+    n.lane = (int)threadIdx.x & (near_lanes - 1);
+    n.origin[0] = rough.x, n.origin[1] = rough.y, n.origin[2] = rough.z;
+    n.heaviest = WEIGHTED ? (float)((all.heaviest - n.own.c[DIM]) * (all.unit * all.unit)) * 1.000001f : 0.0f;
+    n.walls = walls_of<DIM>(all, n.own);
+    n.go = valid && n.length > 0 && *n.a.out.stop == 0;
+    n.start2 = n.info.start * n.info.start;
+    n.have = 0;
+}
+
+/* Step 2: the star of the nearest points that make a fat corner; the others are candidates. */
+template <int DIM, bool WEIGHTED, typename REAL>
+__device__ __forceinline__ void start_near(near_state<DIM, WEIGHTED, REAL> &n)
+{
+    const int T = near_lanes;
+    n.candidate = n.go && n.lane < n.have ? n.s.scratch[n.lane] : none;
+    n.p = relative<DIM, REAL>(n.a.all, n.own, n.a.all.point[n.candidate != none ? n.candidate : n.v]);
+    const unsigned used = start_from_lanes<T>(n.s, n.go, n.candidate, n.p, n.have);
+    n.go = n.go && used != 0;
+    n.pending = n.go ? ((1u << (n.have < T ? n.have : T)) - 1) & ~used : 0;
+    n.groups = 0;
+    n.group_here = none;
+    n.walking = false;
+    n.changed = true;
+    n.count = n.stored = 0;
+    n.cursor = T;
+    n.position = n.a.keeps ? n.length : 0;
+    n.reach = { { 0.0f, 0.0f, 0.0f }, { 0.0f, 0.0f, 0.0f } };
+}
+
+template <int DIM, bool WEIGHTED, bool EXACT>
+__global__ void __launch_bounds__(near_block, near_blocks<DIM, EXACT>::count)
+near_kernel(const __grid_constant__ near_launch a)
+{
+    typedef typename rung_real<EXACT>::type REAL;
+    typedef typename near_star<DIM, WEIGHTED, REAL>::type star_type;
+    extern __shared__ float4 shared_words[];
+    const int T = near_lanes;
+    near_state<DIM, WEIGHTED, REAL> n = { ((star_type *)shared_words)[threadIdx.x / T], a };
+    const uint32_t tile = (blockIdx.x * near_block + threadIdx.x) / T;
+    const bool valid = tile < a.total;
+    const uint32_t item = valid ? tile : a.total - 1;
+    bool open = false, kept = false;
+    open_near(n, EXACT ? a.undecided.vertex[item] : a.first + item * a.stride, valid);
+    collect_close(n);
+    sort_collected(n);
+    start_near(n);
+    for (bool starting = true;; starting = false) {
+        if (!starting) {
+            next_candidates(n);
+        }
+        if (__syncthreads_or(n.go && (starting || n.pending != 0)) == 0) {
+            if (n.walking && __syncthreads_or(n.go && (n.groups != 0 || n.position < n.length)) == 0) {
                 break;
             }
-            walking = true;
-            bool renew = go && changed;
-            if (any(renew)) {
-                span r = reach_of<T>(s, renew, count, heaviest);
-                reach = renew ? r : reach;
-                changed = changed && !renew;
-            }
-            __syncwarp();
-            for (;;) {
-                bool fill = go && stored <= near_points - at_once * T && (groups != 0 || position < length);
-                if (!any(fill)) {
-                    break;
-                }
-                bool load = fill && groups == 0, touches = false;
-                if (any(load)) {
-                    if (load && position + lane < length) {
-                        group_here = list[position + lane];
-                        span b = relative_box<DIM>(group[group_here], origin);
-                        touches = true;
-                        for (int k = 0; k < DIM; k++) {
-                            touches = touches && b.low[k] <= reach.high[k] && b.high[k] >= reach.low[k];
-                        }
-                    }
-                    unsigned vote = tile_ballot<T>(touches);
-                    groups = load ? vote : groups;
-                    position += load ? T : 0;
-                }
-                uint32_t other[at_once];
-                float4 place_of[at_once];            /* several groups at a time, to have several loads at once */
-                for (int i = 0; i < at_once; i++) {
-                    bool is_there = fill && groups != 0;
-                    uint32_t from = tile_read<T>(group_here, is_there ? __ffs((int)groups) - 1 : 0);
-                    groups &= is_there ? groups - 1 : groups;
-                    other[i] = from * group_size + (uint32_t)lane;
-                    other[i] = is_there && other[i] < all.count && other[i] != v ? other[i] : none;
-                    place_of[i] = all.rough[other[i] != none ? other[i] : v];
-                }
-                for (int i = 0; i < at_once; i++) {
-                    float x[3];
-                    bool take = rough_square(place_of[i], origin, x) >= start2 && other[i] != none;
-                    for (int k = 0; k < DIM; k++) {
-                        take = take && x[k] >= reach.low[k] && x[k] <= reach.high[k];
-                    }
-                    unsigned takers = tile_ballot<T>(take);
-                    if (take) {
-                        waiting[stored + __popc(takers & below)] = other[i];
-                    }
-                    stored += __popc(takers);
-                }
-            }
+            walk_list(n);
             continue;
         }
-        bool now = go && (starting || pending != 0);
+        bool now = n.go && (starting || n.pending != 0);
         if (!any(now)) {
             continue;
         }
         hole cavity = first_hole<DIM>();
         int fans = 1;
         if (!starting) {
-            int from = now ? __ffs((int)pending) - 1 : 0;
-            pending &= pending - 1;
-            uint32_t next = tile_read<T>(candidate, from);
-            place<REAL> at = tile_place<T>(p, from);
-            int result = carve<T, EXACT>(s, all, v, now, next, at, count, NULL, cavity);
+            int from = now ? __ffs((int)n.pending) - 1 : 0;
+            n.pending &= n.pending - 1;
+            uint32_t next = tile_read<T>(n.candidate, from);
+            place<REAL> at = tile_place<T>(n.p, from);
+            int result = carve<T, EXACT>(n.s, a.all, n.v, now, next, at, n.count, NULL, cavity);
             now = result == star_changed;
             fans = cavity.edges;
-            changed = changed || now;
+            n.changed = n.changed || now;
             open = open || (!EXACT && (result & star_open) != 0);
-            kept = kept || (keeps && (result & star_full) != 0);
-            go = go && (result & (keeps ? star_full : ~star_changed)) == 0;
+            kept = kept || (a.keeps && (result & star_full) != 0);
+            n.go = n.go && (result & (a.keeps ? star_full : ~star_changed)) == 0;
         }
-        fan<T>(s, now, cavity, fans, count, walls);
+        fan<T>(n.s, now, cavity, fans, n.count, n.walls);
     }
-    box b = group[g];                                /* 4. */
-    span covered;
-    for (int k = 0; k < 3; k++) {
-        covered.low[k] = b.low[k] - info.reach <= 0.0f ? -HUGE_VALF : b.low[k] - info.reach - origin[k] + 4.8e-7f;
-        covered.high[k] =
-            b.high[k] + info.reach >= all.high[k] ? HUGE_VALF : b.high[k] + info.reach - origin[k] - 4.8e-7f;
-    }
-    bool certified = true;
-    if (go) {
-        for (int t = lane; t < count; t += T) {
-            float4 q = s.sphere[t];
-            float c[3] = { 0.5f * q.x, 0.5f * q.y, 0.5f * q.z }, radius = radius_of<WEIGHTED>(q, heaviest);
-            bool inside = true;
-            for (int k = 0; k < DIM; k++) {
-                inside = inside && c[k] - radius > covered.low[k] && c[k] + radius < covered.high[k];
-            }
-            inside = inside || is_wall(q);
-            s.triangle[t] |= inside && !keeps ? verified : 0;
-            certified = certified && inside;
-        }
-    }
-    certified = tile_ballot<T>(!certified) == 0;
-    finish<T>(s, go || kept, v, count, out);
-    enqueue(failed, !keeps && valid && lane == 0 && !open && !(go && certified), v | (go ? stored_mark : 0));
+    const bool certified = certify(n);
+    finish<T>(n.s, n.go || kept, n.v, n.count, a.out);
+    enqueue(a.failed, !a.keeps && valid && n.lane == 0 && !open && !(n.go && certified),
+            n.v | (n.go ? stored_mark : 0));
     if (!EXACT) {
-        enqueue(undecided, !keeps && valid && lane == 0 && open, v);
+        enqueue(a.undecided, !a.keeps && valid && n.lane == 0 && open, n.v);
     }
 }
 
@@ -2053,7 +2132,7 @@ struct talk {
     int changed;
 };
 
-template <int DIM, int WEIGHTED, typename RUNG> struct far_star {
+template <int DIM, bool WEIGHTED, typename RUNG> struct far_star {
     typedef star<DIM, WEIGHTED, RUNG::triangles, RUNG::vertices,
                  RUNG::warps * stack_size + (int)(sizeof(talk) / sizeof(uint32_t)),
                  typename rung_real<RUNG::exact>::type> type;
@@ -2069,7 +2148,7 @@ template <int WARPS> __device__ inline void meet()
 }
 
 /* Whether a simplex of the star, not a wall, may be in conflict with a point in a box. */
-template <int DIM, int WEIGHTED>
+template <int DIM, bool WEIGHTED>
 __device__ inline bool box_may_conflict(const float4 &sphere, const span &b, float weight)
 {
     float q[3] = { sphere.x, sphere.y, sphere.z }, size = sphere.w, sum = 0.0f, squares = 0.0f, ones = 0.0f;
@@ -2087,7 +2166,7 @@ __device__ inline bool box_may_conflict(const float4 &sphere, const span &b, flo
 }
 
 /* The largest weight in a box relative to v's, rounded up. */
-template <int WEIGHTED> __device__ inline float relative_weight(const box &b, double own_weight)
+template <bool WEIGHTED> __device__ inline float relative_weight(const box &b, double own_weight)
 {
     return WEIGHTED ? b.weight - (float)own_weight + slack * fabsf((float)own_weight) : 0.0f;
 }
@@ -2123,7 +2202,7 @@ __global__ void seed_kernel(const __grid_constant__ space s, int dim, int found,
 
 /* Starts a star from the points of the warp's lanes where start_from_lanes cannot: the nearest and two that, with v,
    come nearest to spanning the space, among them four seeds that do span it. */
-template <int DIM, int WEIGHTED, int NT, int NV, int SCRATCH, typename REAL>
+template <int DIM, bool WEIGHTED, int NT, int NV, int SCRATCH, typename REAL>
 __device__ inline bool start_from_seeds(star<DIM, WEIGHTED, NT, NV, SCRATCH, REAL> &s, const space &all, uint32_t v,
                                         uint32_t id, const place<REAL> &p, bool here, pbw__digit *pool)
 {
@@ -2164,9 +2243,12 @@ __device__ inline bool start_from_seeds(star<DIM, WEIGHTED, NT, NV, SCRATCH, REA
     return true;
 }
 
-/* Inserts a point into the star of a warp.  The exact one is a call: inlined into the search, some insertions come
-   out wrong with nvcc 13.0 (with ptxas -O1 none do).  The reason is not known. */
-template <int DIM, int WEIGHTED, int NT, int NV, int SCRATCH, typename REAL>
+/* Inserts a point into the star of a warp.  With exact tests it must stay a call: inlined into the search and
+   compiled by CUDA 13.0 for sm_90 it builds wrong stars, and tests of the zoo fail.  The cause is not found.  ptxas
+   -O1 makes right code of the same PTX, and so does -O3 if fan alone is a call.  These leave it wrong: barriers
+   around the insertion and inside it, exact tests by one lane at a time, digit loops that are not unrolled, unfused
+   arithmetic, twice the registers.  Count, result and candidates are uniform throughout. */
+template <int DIM, bool WEIGHTED, int NT, int NV, int SCRATCH, typename REAL>
 __device__ inline int insert(star<DIM, WEIGHTED, NT, NV, SCRATCH, REAL> &s, const space &all, uint32_t v, uint32_t id,
                              const place<REAL> &p, int &count, unsigned walls, pbw__digit *pool)
 {
@@ -2176,7 +2258,7 @@ __device__ inline int insert(star<DIM, WEIGHTED, NT, NV, SCRATCH, REAL> &s, cons
     return result;
 }
 
-template <int DIM, int WEIGHTED, int NT, int NV, int SCRATCH, typename REAL>
+template <int DIM, bool WEIGHTED, int NT, int NV, int SCRATCH, typename REAL>
 __device__ __noinline__ int insert_exactly(star<DIM, WEIGHTED, NT, NV, SCRATCH, REAL> &s, const space &all,
                                            uint32_t v, uint32_t id, const place<REAL> &p, int &count, unsigned walls,
                                            pbw__digit *pool)
@@ -2186,7 +2268,7 @@ __device__ __noinline__ int insert_exactly(star<DIM, WEIGHTED, NT, NV, SCRATCH, 
 
 /* A star of v from 28 points at growing distances along the curve, so that it is bounded in all directions from the
    start; false if they and, with EXACT, the seeds span no simplex. */
-template <bool EXACT, int DIM, int WEIGHTED, int NT, int NV, int SCRATCH, typename REAL>
+template <bool EXACT, int DIM, bool WEIGHTED, int NT, int NV, int SCRATCH, typename REAL>
 __device__ inline bool start_on_curve(star<DIM, WEIGHTED, NT, NV, SCRATCH, REAL> &s, const space &all,
                                       const unsigned long long *seed, uint32_t v, const record &own, unsigned walls,
                                       pbw__digit *pool, uint32_t &candidate, place<REAL> &p, int &count)
@@ -2230,7 +2312,7 @@ __device__ inline bool start_on_curve(star<DIM, WEIGHTED, NT, NV, SCRATCH, REAL>
 }
 
 /* The stars of the tiles that go as the store has them. */
-template <int T, int DIM, int WEIGHTED, int NT, int NV, int SCRATCH, typename REAL>
+template <int T, int DIM, bool WEIGHTED, int NT, int NV, int SCRATCH, typename REAL>
 __device__ inline void start_from_store(star<DIM, WEIGHTED, NT, NV, SCRATCH, REAL> &s, bool go, const space &all,
                                         const store &in, uint32_t v, const record &own, unsigned walls, int &count)
 {
@@ -2270,13 +2352,39 @@ __device__ inline void start_from_store(star<DIM, WEIGHTED, NT, NV, SCRATCH, REA
 
 enum { far_busy, far_certified, far_hidden, far_lost, far_capped };
 
-/* One star, by all warps of a block: each searches for conflicts of its own simplex, then they insert in turns. 
-   resume: the store holds what was found so far; changed: whether the star is another than that. */
-template <bool EXACT, int WARPS, int DIM, int WEIGHTED, int NT, int NV, int SCRATCH, typename REAL>
-__device__ inline int far_star_of(star<DIM, WEIGHTED, NT, NV, SCRATCH, REAL> &s, const space &all, const tree &boxes,
-                                  const unsigned long long *seed, const store &in, uint32_t v, bool resume, int cap,
-                                  pbw__digit *pool, int &count, bool &changed)
+/* A launch of the second or third rung: total stars of work, each with at most cap looks.  After more than limit
+   failures the remaining stars are not tried.  Without shared memory stars live in scratch. */
+struct far_launch {
+    space all;
+    tree boxes;
+    const unsigned long long *seed;
+    queue work;
+    uint32_t total, limit;
+    int cap;
+    void *scratch;
+    pbw__digit *pool;
+    store out;
+    queue failed, large;
+};
+
+struct far_task {                                    /* resume: the store holds what was found so far */
+    uint32_t v;
+    bool resume;
+    pbw__digit *pool;
+};
+
+/* One star, by all warps of a block: each searches for conflicts of its own simplex, then they insert in turns.
+   changed: whether the star differs from the stored one. */
+template <bool EXACT, int WARPS, int DIM, bool WEIGHTED, int NT, int NV, int SCRATCH, typename REAL>
+__device__ inline int far_star_of(star<DIM, WEIGHTED, NT, NV, SCRATCH, REAL> &s, const far_launch &a,
+                                  const far_task &task, int &count, bool &changed)
 {
+    const space &all = a.all;
+    const tree &boxes = a.boxes;
+    const store &in = a.out;
+    const uint32_t v = task.v;
+    const int cap = a.cap;
+    pbw__digit *const pool = task.pool;
     const int lane = (int)threadIdx.x & 31, warp = (int)threadIdx.x / 32;
     const unsigned below = lanes_below<32>();
     const record own = all.point[v];
@@ -2288,22 +2396,22 @@ __device__ inline int far_star_of(star<DIM, WEIGHTED, NT, NV, SCRATCH, REAL> &s,
     const double own_weight = (own.c[DIM] - all.heaviest) * (all.unit * all.unit);
     uint32_t candidate = none, word = 0, node = 0;
     place<REAL> p;
-    unsigned pending = 0, hit = 0;                   /* lanes whose candidates, whose groups are to be looked at */
+    unsigned pending = 0, hit = 0;                   /* lanes with a candidate to insert, with a group to search */
     int depth = 0, spent = 0, t = -1;                /* t: the simplex in hand, word: its triangle */
 
     count = 0;
     if (warp == 0) {
         bool started = true;
-        if (resume) {
+        if (task.resume) {
             start_from_store<32>(s, true, all, in, v, own, walls, count);
         } else {
-            started = start_on_curve<EXACT>(s, all, seed, v, own, walls, pool, candidate, p, count);
+            started = start_on_curve<EXACT>(s, all, a.seed, v, own, walls, pool, candidate, p, count);
             pending = started ? __ballot_sync(all_lanes, candidate != none) : 0;
         }
         if (lane == 0) {
             shared.count = count;
             shared.verdict = started ? far_busy : far_lost;
-            shared.changed = !resume;
+            shared.changed = !task.resume;
         }
     }
     meet<WARPS>();
@@ -2473,43 +2581,40 @@ __device__ inline int far_star_of(star<DIM, WEIGHTED, NT, NV, SCRATCH, REAL> &s,
 }
 
 /* A star in shared memory, a block each; else in scratch, and blocks take vertices in turn.
-   The exact stages are for the warp whose turn it is, so that a block needs one pool.
-   Too many failures mean that the input is not for this method: then nothing more is tried. */
-template <int DIM, int WEIGHTED, typename RUNG>
+   Only the warp that inserts calls the exact stages, so one pool serves a block. */
+template <int DIM, bool WEIGHTED, typename RUNG>
 __global__ void __launch_bounds__(32 * RUNG::warps, RUNG::blocks)
-far_kernel(const __grid_constant__ space all, const __grid_constant__ tree boxes, const unsigned long long *seed,
-           queue work, uint32_t total, int cap, uint32_t limit, void *scratch, pbw__digit *pool,
-           const __grid_constant__ store out, queue failed, queue large)
+far_kernel(const __grid_constant__ far_launch a)
 {
     typedef typename far_star<DIM, WEIGHTED, RUNG>::type star_type;
     extern __shared__ float4 shared_words[];
-    star_type &s = *(RUNG::shared ? (star_type *)shared_words : (star_type *)scratch + blockIdx.x);
-    pbw__digit *digits = pool == NULL ? NULL : pool + (blockIdx.x * 32 + (threadIdx.x & 31)) * (size_t)PBW__POOL;
+    star_type &s = *(RUNG::shared ? (star_type *)shared_words : (star_type *)a.scratch + blockIdx.x);
+    pbw__digit *digits = a.pool == NULL ? NULL : a.pool + (blockIdx.x * 32 + (threadIdx.x & 31)) * (size_t)PBW__POOL;
     __shared__ bool ends;
-    for (uint32_t i = blockIdx.x; i < total; i += gridDim.x) {
-        uint32_t entry = work.vertex[i], v = entry & ~stored_mark;
-        bool resume = entry != v && out.place[v - out.first] != none, changed;  /* none: the store was too small */
+    for (uint32_t i = blockIdx.x; i < a.total; i += gridDim.x) {
+        uint32_t entry = a.work.vertex[i], v = entry & ~stored_mark;
+        bool resume = entry != v && a.out.place[v - a.out.first] != none, changed;      /* none: the store was full */
         int count = 0;
         if (threadIdx.x == 0) {
-            ends = *(volatile uint32_t *)failed.count > limit || *out.stop != 0;
+            ends = *(volatile uint32_t *)a.failed.count > a.limit || *a.out.stop != 0;
         }
         meet<RUNG::warps>();
         if (ends) {
             return;
         }
         int verdict =
-            far_star_of<RUNG::exact, RUNG::warps>(s, all, boxes, seed, out, v, resume, cap, digits, count, changed);
+            far_star_of<RUNG::exact, RUNG::warps>(s, a, far_task{ v, resume, digits }, count, changed);
         if (threadIdx.x < 32) {
             bool fails = verdict == far_lost || verdict == far_capped, stays = verdict != far_lost;
             if (verdict == far_capped || (verdict == far_certified && changed)) {
-                finish<32>(s, true, v, count, out);
+                finish<32>(s, true, v, count, a.out);
             }
             if (verdict == far_hidden && threadIdx.x == 0) {
-                out.place[v - out.first] = hidden;
-                out.owned[v - out.first] = 0;
+                a.out.place[v - a.out.first] = hidden;
+                a.out.owned[v - a.out.first] = 0;
             }
-            enqueue(failed, fails && threadIdx.x == 0, stays ? v | stored_mark : entry);
-            enqueue(large, verdict == far_certified && threadIdx.x == 0, v);
+            enqueue(a.failed, fails && threadIdx.x == 0, stays ? v | stored_mark : entry);
+            enqueue(a.large, verdict == far_certified && threadIdx.x == 0, v);
         }
         meet<RUNG::warps>();
     }
@@ -2674,7 +2779,7 @@ struct last_wide_rung {
 const int group_room = 36;                           /* for groups, of which 4 are searched as soon as they wait */
 
 template <typename RUNG> struct wide_star {
-    typedef star<3, equal, RUNG::triangles, RUNG::vertices, RUNG::room + group_room, double> type;
+    typedef star<3, false, RUNG::triangles, RUNG::vertices, RUNG::room + group_room, double> type;
     type s;                                          /* scratch: bricks that wait, levels << 28 | number; groups */
     float inverse[RUNG::triangles];                  /* 1 / Q, or 0: no point that matters is in conflict with it */
     uint16_t depth[RUNG::room];                      /* of bricks that wait, half of a float */
@@ -2712,7 +2817,7 @@ __device__ inline float depth_of_brick(const STAR &w, int count, const brick &b,
 template <typename STAR>
 __device__ inline float depth_of_place(const STAR &w, int count, const place<double> &p)
 {
-    const probe f = probe_of<3, equal>(p);
+    const probe f = probe_of<3, false>(p);
     const float lift = fmaf(-1.25f, f.load, f.lift), size = -1.25f * f.size;
     float depth = 0.0f;
 #pragma unroll 2
@@ -2733,7 +2838,7 @@ template <typename STAR> __device__ inline void find_inverses(STAR &w, int count
     __syncwarp();
 }
 
-/* The lanes whose candidates are no vertices: those come by in the search. */
+/* Returns the lanes with candidates that are not yet vertices: the search meets vertices too. */
 template <typename RUNG>
 __device__ inline unsigned without_vertices(const wide_star<RUNG> &w, unsigned lanes, uint32_t candidate)
 {
@@ -2769,39 +2874,52 @@ template <typename RUNG> __device__ inline uint32_t deepest(const wide_star<RUNG
     return best;
 }
 
+/* A launch of a rung for surfaces: the vertices of a list, or if it is NULL total from first on, each stride-th.
+   next: the first that no warp has taken; work, unless NULL: the sum of all looks. */
+struct wide_launch {
+    space all;
+    brick_tree bricks;
+    const unsigned long long *seed;
+    const uint32_t *vertex;
+    uint32_t first, stride, total, limit;
+    uint32_t *next;
+    unsigned long long *work;
+    int cap;
+    void *scratch;
+    pbw__digit *pool;
+    store in, out;
+    queue failed, large;
+};
+
 /* A warp a star, from that of an earlier rung on.  The tree is searched once: a point or brick that no simplex of the
    star is in conflict with will never be, because stars only shrink; so when nothing waits any more the star is
-   certified.  The deepest brick is searched first, the deepest point inserted first.  vertex: NULL for all from first
-   on, by stride; next: the first that nobody has; work: how much was searched. */
+   certified.  The deepest brick is searched first, the deepest point inserted first. */
 template <typename RUNG>
-__global__ void __launch_bounds__(32, RUNG::blocks)
-wide_kernel(const __grid_constant__ space all, const __grid_constant__ brick_tree bricks,
-            const unsigned long long *seed, const uint32_t *vertex, uint32_t first, uint32_t stride, uint32_t total,
-            uint32_t *next, unsigned long long *work, int cap_of_work, uint32_t limit, void *scratch,
-            pbw__digit *pool, const __grid_constant__ store in, const __grid_constant__ store out, queue failed,
-            queue large)
+__global__ void __launch_bounds__(32, RUNG::blocks) wide_kernel(const __grid_constant__ wide_launch a)
 {
+    const space &all = a.all;
+    const brick_tree &bricks = a.bricks;
     const int lane = (int)threadIdx.x;
     const unsigned below = lanes_below<32>();
     extern __shared__ float4 shared_words[];
-    wide_star<RUNG> &w = RUNG::shared ? *(wide_star<RUNG> *)shared_words : ((wide_star<RUNG> *)scratch)[blockIdx.x];
+    wide_star<RUNG> &w = RUNG::shared ? *(wide_star<RUNG> *)shared_words : ((wide_star<RUNG> *)a.scratch)[blockIdx.x];
     typename wide_star<RUNG>::type &s = w.s;
     uint32_t *waiting = s.scratch, *group = s.scratch + RUNG::room;
-    pbw__digit *digits = pool == NULL ? NULL : pool + (blockIdx.x * 32 + (uint32_t)lane) * (size_t)PBW__POOL;
+    pbw__digit *digits = a.pool == NULL ? NULL : a.pool + (blockIdx.x * 32 + (uint32_t)lane) * (size_t)PBW__POOL;
     for (;;) {
-        uint32_t i = lane == 0 ? atomicAdd(next, 1u) : 0;
+        uint32_t i = lane == 0 ? atomicAdd(a.next, 1u) : 0;
         i = __shfl_sync(all_lanes, i, 0);
-        if (any(i >= total || *(volatile uint32_t *)failed.count > limit || *out.stop != 0)) {
+        if (any(i >= a.total || *(volatile uint32_t *)a.failed.count > a.limit || *a.out.stop != 0)) {
             return;
         }
-        const uint32_t v = vertex == NULL ? first + i * stride : vertex[i];
+        const uint32_t v = a.vertex == NULL ? a.first + i * a.stride : a.vertex[i];
         const record own = all.point[v];
         const double origin[3] = { in_units(all, own, 0), in_units(all, own, 1), in_units(all, own, 2) };
         const unsigned walls = walls_of<3>(all, own);
         uint32_t candidate = none;
         place<double> p = relative<3, double>(all, own, own);
         int count = 0, waits = 4, groups = 0, spent = 0;
-        bool started = in.place[v - in.first] != none, lost;
+        bool started = a.in.place[v - a.in.first] != none, lost;
         unsigned pending = 0;
         float deep = 0.0f;                           /* the lane's candidate */
         for (int k = lane; k < RUNG::vertices; k += 32) {
@@ -2809,9 +2927,9 @@ wide_kernel(const __grid_constant__ space all, const __grid_constant__ brick_tre
         }
         __syncwarp();
         if (started) {
-            start_from_store<32>(s, true, all, in, v, own, walls, count);
+            start_from_store<32>(s, true, all, a.in, v, own, walls, count);
         } else {
-            started = start_on_curve<true>(s, all, seed, v, own, walls, digits, candidate, p, count);
+            started = start_on_curve<true>(s, all, a.seed, v, own, walls, digits, candidate, p, count);
             pending = started ? __ballot_sync(all_lanes, candidate != none) : 0;
         }
         lost = !started;
@@ -2885,466 +3003,14 @@ wide_kernel(const __grid_constant__ space all, const __grid_constant__ brick_tre
                     pending &= __ballot_sync(all_lanes, deep > 0.0f);
                 }
             }
-            lost = lost || spent > cap_of_work || ((spent & 63) == 0 && any(*out.stop != 0));
+            lost = lost || spent > a.cap || ((spent & 63) == 0 && any(*a.out.stop != 0));
         }
-        if (work != NULL && lane == 0) {
-            atomicAdd(work, (unsigned long long)spent);
+        if (a.work != NULL && lane == 0) {
+            atomicAdd(a.work, (unsigned long long)spent);
         }
-        finish<32>(s, started, v, count, out);
-        enqueue(failed, lane == 0 && lost, v);
-        enqueue(large, lane == 0 && !lost && count > small_triangles - 4, v);
-    }
-}
-
-/* ------------------------------------------------------------------------------------------------------
-   >>smooth       The rungs for points on a common sphere but for noise: a lift that tells them apart, a tree of caps.
-   All circumspheres are nearly the one sphere, so floats and doubles could decide nothing.  But a conflict does not
-   depend on what affine function is added to the lift.  For a centre c and a square s, which may be any, the residual
-
-       e(p) = |p - c|^2 - s = |p|^2 + an affine function of p
-
-   is a lift too, and small where p is near the sphere.  So is the sum of the lift and k e, for a factor k > 0, which
-   is (k + 1) |p|^2 and an affine function.  That is what the stars calculate with when the points get the weights
-   -k e, the largest of them about 2^12 in units of the space: the lifts then differ by about as much as they are.
-   Stars of such points are local, in a way: those of a few points with low residuals reach far.
-
-     e    d = p - c is exact as two doubles, d = h + t, |t| <= g |h|, and h^2 as two more; h^2 and -s are summed with
-          their errors, which are at most g M, where M = |d|^2 + s; the errors, 2 h t of each axis and s are summed
-          in at most 10 steps: error at most 2^-98 M, and g |e| when rounded at the end.
-
-   The mode is taken if k 2^-98 M is below 2^-28 (>>run); then lifts relative to v are off by 2^-27.  In >>sphere
-   that is 2^-27 (BC + AC + AB) more in N, and 2^-26 (BC + AC + AB) / D more in q: 2^26 more in each of L_a, L_b and
-   L_c makes Q larger by half of (BC + AC + AB) / D, and 2^-20 Q holds that.  In the test it is 2^-27 more, which 1/4
-   more in L_p holds.
-
-   The tree is one of caps: balls with their middles m near the sphere.  With v for the origin let x = p / |p|^2.  On
-   the sphere the part of p along the normal n at v is -|p|^2 / 2R, so
-
-       (l - q . p) / |p|^2 = l / |p|^2 - q . x = l / |p|^2 - q_t . x_t + q . n / 2R,
-
-   q_t and x_t being the parts across n.  (So a star is the lower hull of the points (x_t, l / |p|^2), far points in
-   its middle.)  The ball |p - m| <= r becomes the ball of radius r / (|m|^2 - r^2) around m / (|m|^2 - r^2): that
-   bounds q_t . x_t, and none of its points is in conflict if the least l / |p|^2 is above
-
-       q_t . m_t / (|m|^2 - r^2) + |q_t| r / (|m|^2 - r^2) - q . n / 2R.
-
-   A face is q so taken apart.  Errors: v and m - v are rounded to floats, so r grows by 4e-7.  The part along n is
-
-       (v - c) . p / R = (|p + v - c|^2 - |v - c|^2 - |p|^2) / 2R = (e(p + v) - e(v)) / 2R - |p|^2 / 2R
-
-   for a c that is off by 2e-7 R: the noise, and 8e-7 |p| with v and n rounded.  Axes, q and what is calculated from
-   it: 10^-6 Q |p|.  The middle and the radius of the ball of x, where |m| > 1.1 r: 6e-6 of |m| / (|m|^2 - r^2), and
-   1e-5 of the radius.  On the way to the least l / |p|^2: 1e-5.
-   ------------------------------------------------------------------------------------------------------ */
-struct common_sphere {
-    double middle[3], square;
-};
-
-__device__ inline void sum_exactly(double &high, double &low, double more)
-{
-    double sum = high + more, part = sum - high;
-    low += (high - (sum - part)) + (more - part);
-    high = sum;
-}
-
-/* The residuals of all points become weights, times factor; or, for a factor of 0, only the largest is found. */
-__global__ void residual_kernel(record *point, uint32_t count, common_sphere on, double factor,
-                                unsigned long long *largest)
-{
-    unsigned long long most = 0;
-    for (size_t i = thread_number(); i < count; i += (size_t)gridDim.x * blockDim.x) {
-        double high = -on.square, low = 0.0;
-        record p = point[i];
-        for (int k = 0; k < 3; k++) {
-            double h = p.c[k] - on.middle[k], part = p.c[k] - h;
-            double t = (p.c[k] - (h + part)) + (part - on.middle[k]), square_h = __dmul_rn(h, h);
-            sum_exactly(high, low, square_h);
-            low += fma(h, h, -square_h) + 2.0 * h * t;
-        }
-        unsigned long long size = (unsigned long long)__double_as_longlong(fabs(high + low));
-        most = size > most ? size : most;
-        if (factor != 0.0) {
-            point[i].c[3] = -factor * (high + low);
-        }
-    }
-    for (int step = 16; step > 0; step /= 2) {
-        unsigned long long other = __shfl_xor_sync(all_lanes, most, step);
-        most = other > most ? other : most;
-    }
-    if ((threadIdx.x & 31) == 0) {
-        atomicMax(largest, most);
-    }
-}
-
-/* A ball around 8 points or 8 caps; weight: the largest. */
-struct alignas(16) cap {
-    float middle[3], radius, weight, unused[3];
-};
-
-const int cap_levels = 10;                           /* 8 * 8^9 points are as many as there may be */
-struct cap_tree {
-    const cap *level[cap_levels];                    /* level[0]: groups of 8 points */
-    uint32_t size[cap_levels];
-    int levels;                                      /* level[levels-1] has at most 8 caps */
-    float middle[3], bend, noise;                    /* the sphere in units: its centre, 1 / radius, and noise */
-};
-
-/* The caps of a level, of 8 points or of 8 caps: all but the radius. */
-__global__ void cap_kernel(const __grid_constant__ space s, const __grid_constant__ cap_tree t, const cap *child,
-                           uint32_t children, cap *out, uint32_t size)
-{
-    size_t g = thread_number();
-    if (g < size) {
-        double sum[3] = { 0.0, 0.0, 0.0 }, length = 0.0;
-        cap b = { { 0.0f, 0.0f, 0.0f }, 0.0f, -HUGE_VALF, { 0.0f, 0.0f, 0.0f } };
-        uint32_t first = (uint32_t)g * group_size, end = children - first < 8 ? children : first + 8;
-        for (uint32_t i = first; i < end; i++) {
-            record r = s.point[child == NULL ? i : 0];
-            for (int k = 0; k < 3; k++) {
-                sum[k] += child == NULL ? in_units(s, r, k) : (double)child[i].middle[k];
-            }
-            b.weight = fmaxf(b.weight,
-                             child == NULL ? __double2float_ru(r.c[3] * (s.unit * s.unit)) : child[i].weight);
-        }
-        for (int k = 0; k < 3; k++) {
-            sum[k] = sum[k] / (end - first) - (double)t.middle[k];
-            length += sum[k] * sum[k];
-        }
-        length = sqrt(length) * (double)t.bend;
-        for (int k = 0; k < 3; k++) {
-            b.middle[k] = (float)((double)t.middle[k] + (length > 1e-3 ? sum[k] / length : sum[k]));
-        }
-        out[g] = b;
-    }
-}
-
-/* The radii: a thread a point. */
-__global__ void radius_kernel(const __grid_constant__ space s, const __grid_constant__ cap_tree t)
-{
-    const size_t i = thread_number() < s.count ? thread_number() : s.count - 1;
-    const record r = s.point[i];
-    size_t above = i / group_size;
-    for (int level = 0; level < t.levels; level++, above /= 8) {
-        cap &b = ((cap *)t.level[level])[above];
-        double d = 0.0;
-        for (int k = 0; k < 3; k++) {
-            double x = in_units(s, r, k) - (double)b.middle[k];
-            d += x * x;
-        }
-        int reach = __float_as_int(__double2float_ru(sqrt(d)));
-        for (int step = level == 0 ? 4 : 16; step > 0; step /= 2) {      /* the points of a warp are all in one */
-            int other = __shfl_xor_sync(all_lanes, reach, step);
-            reach = other > reach ? other : reach;
-        }
-        if ((threadIdx.x & (level == 0 ? 7 : 31)) == 0) {
-            atomicMax((int *)&b.radius, reach);
-        }
-    }
-}
-
-/* Stars in shared memory, or in scratch.  What a rung has no room for goes on to the next. */
-struct smooth_rung {
-    static const int lanes = 8, block = 96, blocks = 5, triangles = 48, vertices = 32;
-    static const bool shared = true;
-};
-struct middle_smooth_rung {
-    static const int lanes = 32, block = 32, blocks = 12, triangles = 256, vertices = 128;
-    static const bool shared = true;
-};
-struct large_smooth_rung {
-    static const int lanes = 32, block = 32, blocks = 5, triangles = 512, vertices = 256;
-    static const bool shared = true;
-};
-struct last_smooth_rung {
-    static const int lanes = 32, block = 32, blocks = 5, triangles = 2048, vertices = 1024;
-    static const bool shared = false;
-};
-
-template <typename RUNG> struct smooth_star {
-    typedef star<3, residual, RUNG::triangles, RUNG::vertices, 8 * cap_levels * (RUNG::lanes / 8), double> type;
-    type s;
-    alignas(16) float4 face[RUNG::triangles];        /* of each triangle q_t, -q . n / 2R, |q_t| */
-    float size[RUNG::triangles];                     /* Q, negative if the simplex is infinite */
-};
-
-struct axes {                                        /* at v */
-    float across[2][3], normal[3];
-};
-
-__device__ inline axes axes_at(const cap_tree &t, const float *v)
-{
-    axes r;
-    float n[3], a[3] = { 0.0f, 0.0f, 0.0f }, inverse;
-    for (int k = 0; k < 3; k++) {
-        n[k] = (v[k] - t.middle[k]) * t.bend;
-    }
-    const bool first = fabsf(n[0]) < 0.6f;
-    a[0] = first ? 1.0f : 0.0f;
-    a[1] = first ? 0.0f : 1.0f;
-    const float along = first ? n[0] : n[1];
-    for (int k = 0; k < 3; k++) {
-        a[k] = fmaf(-along, n[k], a[k]);
-    }
-    inverse = 1.0f / sqrtf(dot(a, a));
-    for (int k = 0; k < 3; k++) {
-        r.across[0][k] = a[k] * inverse;
-        r.normal[k] = n[k];
-    }
-    for (int k = 0; k < 3; k++) {
-        const int i = (k + 1) % 3, j = (k + 2) % 3;
-        r.across[1][k] = n[i] * r.across[0][j] - n[j] * r.across[0][i];
-    }
-    return r;
-}
-
-/* Infinite ones are scaled to stay finite; no cap is in conflict with a wall. */
-__device__ inline void put_face(const axes &at, float bend, float4 sphere, float4 &face, float &size)
-{
-    const float scale = sphere.w >= far_away ? 8.673617379884035e-19f : 1.0f;   /* 2^-60 */
-    const float q[3] = { sphere.x * scale, sphere.y * scale, sphere.z * scale };
-    face.x = dot(q, at.across[0]);
-    face.y = dot(q, at.across[1]);
-    face.z = is_wall(sphere) ? -HUGE_VALF : -0.5f * bend * dot(q, at.normal);
-    face.w = root(fmaf(face.x, face.x, face.y * face.y)) * 1.000001f;
-    size = sphere.w >= far_away ? -sphere.w * scale : is_wall(sphere) ? 0.0f : sphere.w;
-}
-
-/* A cap as seen from v: the ball of x, the least lift / |p|^2, the factor of Q in the error. */
-struct image {
-    float x[2], radius, least, error;
-};
-
-__device__ inline image image_of(const axes &at, const cap &b, const float *v, double own_weight, float noise)
-{
-    image r = { { 0.0f, 0.0f }, 0.0f, 0.0f, HUGE_VALF };
-    const float m[3] = { b.middle[0] - v[0], b.middle[1] - v[1], b.middle[2] - v[2] };
-    const float radius = b.radius + 4e-7f, square_m = dot(m, m), length = root(square_m);
-    if (length > 1.1f * radius) {
-        const float low = length - radius, high = length + radius, inverse = __fdividef(1.0f, low * high);
-        const float lift = __double2float_rd(own_weight - (double)b.weight) - 1e-6f;
-        r.x[0] = dot(m, at.across[0]) * inverse;
-        r.x[1] = dot(m, at.across[1]) * inverse;
-        r.radius = fmaf(radius, 1.00001f, 6e-6f * length) * inverse;
-        r.least = lift * (lift > 0.0f ? low / high : high / low) * inverse;
-        r.least -= 1e-5f * fabsf(r.least);
-        r.error = fmaf(3e-6f, high, noise) * (high / low) * inverse;
-    }
-    return r;
-}
-
-/* How far a cap may lie below the faces of a star, or 0. */
-template <int T, typename STAR>
-__device__ inline float depth_of_cap(const STAR &w, int end, int count, const image &b)
-{
-    const float below_0 = fminf(b.least, 0.0f);
-    float depth = 0.0f;
-#pragma unroll 2
-    for (int t = 0; t < end; t++) {
-        const int at = t < count ? t : 0;
-        const float4 face = w.face[at];
-        const float size = w.size[at];
-        const float sum = fmaf(face.x, b.x[0], fmaf(face.y, b.x[1], fmaf(face.w, b.radius, face.z)));
-        depth = fmaxf(depth, fmaf(fabsf(size), b.error, sum) - (size < 0.0f ? below_0 : b.least));
-    }
-    return b.error < HUGE_VALF ? depth : HUGE_VALF;
-}
-
-/* How far a point may lie below the faces of a star: (q . p - l) / |p|^2, with the bound of side; or 0. */
-template <int T, typename STAR>
-__device__ inline float depth_of_point(const STAR &w, int end, int count, const place<double> &p)
-{
-    const probe f = probe_of<3, residual>(p);
-    const float lift = fmaf(-1.25f, f.load, f.lift), size = -1.25f * f.size;
-    float least = HUGE_VALF;
-#pragma unroll 2
-    for (int t = 0; t < end; t++) {
-        const float4 q = w.s.sphere[t < count ? t : 0];
-        least = fminf(least, fmaf(-q.x, f.x[0], fmaf(-q.y, f.x[1], fmaf(-q.z, f.x[2], fmaf(q.w, size, lift)))));
-    }
-    const float square_p = fmaf(f.x[0], f.x[0], fmaf(f.x[1], f.x[1], f.x[2] * f.x[2]));
-    return least > 0.0f ? 0.0f : fmaxf(__fdividef(-least, square_p), 1e-30f);
-}
-
-/* RUNG::lanes lanes a star, from the points of its group on.  The tree is searched once: a point or cap that no
-   simplex of the star is in conflict with will never be, because stars only shrink; so when there is nothing left to
-   search the star is certified.  The deepest point is inserted first: it stays a vertex as far as the others at hand
-   are concerned.  Each tile has a star, and takes another when it is done; those of a block with nothing to insert
-   search, until half of them have a point.  vertex: NULL for all from first on; next: the first that nobody has. */
-template <typename RUNG>
-__global__ void __launch_bounds__(RUNG::block, RUNG::blocks)
-smooth_kernel(const __grid_constant__ space all, const __grid_constant__ cap_tree caps, const uint32_t *lists,
-              const near_list *infos, const uint32_t *vertex, uint32_t first, uint32_t total, uint32_t *next,
-              int cap_of_work, uint32_t limit, void *scratch, pbw__digit *pool, const __grid_constant__ store out,
-              queue failed, queue large)
-{
-    const int T = RUNG::lanes, tiles = RUNG::block / T, lane = (int)threadIdx.x & (T - 1);
-    extern __shared__ float4 shared_words[];
-    smooth_star<RUNG> &w = RUNG::shared ? ((smooth_star<RUNG> *)shared_words)[threadIdx.x / T]
-                                        : ((smooth_star<RUNG> *)scratch)[blockIdx.x * tiles + threadIdx.x / T];
-    typename smooth_star<RUNG>::type &s = w.s;
-    const int room = (int)(sizeof s.scratch / sizeof s.scratch[0]);
-    uint32_t *stack = s.scratch, v = first, candidate = none;
-    pbw__digit *digits = pool == NULL ? NULL : pool + (blockIdx.x * 32 + (threadIdx.x & 31)) * (size_t)PBW__POOL;
-    record own = all.point[v];
-    float origin[3] = { 0.0f, 0.0f, 0.0f }, deep = 0.0f;        /* deep: the lane's candidate */
-    axes at = axes_at(caps, origin);
-    int depth = 0, count = 0, spent = 0;
-    unsigned walls = 0, pending = 0;
-    bool go = false, more = true, started = false, fresh = false;
-    place<double> p = relative<3, double>(all, own, own);
-    for (;;) {
-        const bool takes = !go && more;
-        if (any(takes)) {                            /* the next star */
-            uint32_t i = takes && lane == 0 ? atomicAdd(next, 1u) : 0;
-            i = tile_read<T>(i, 0);
-            if (takes) {
-                more = i < total && *(volatile uint32_t *)failed.count <= limit && *out.stop == 0;
-                go = more;
-            }
-            if (takes && go) {
-                v = vertex == NULL ? first + i : vertex[i];
-                own = all.point[v];
-                const float4 rough = all.rough[v];
-                origin[0] = rough.x, origin[1] = rough.y, origin[2] = rough.z;
-                at = axes_at(caps, origin);
-                walls = walls_of<3>(all, own);
-                pending = 0;
-                count = spent = 0;
-                started = false;
-                for (int k = lane; k < RUNG::vertices; k += T) {
-                    s.id[k] = none;
-                }
-                const uint32_t row = v / group_size - out.first / group_size;
-                const int length = (int)infos[row].length, near = length < 1 ? 1 : length < 5 ? length : 5;
-                if (lane <= near) {                  /* the groups near it first, its own on top */
-                    stack[lane] = lane == 0 ? (uint32_t)caps.levels << 28 : lane == near ? v / group_size
-                                : lists[(size_t)row * list_size + (uint32_t)(near - lane)];
-                }
-                depth = near + 1;
-            }
-            __syncwarp();
-        }
-        if (__syncthreads_or(go) == 0) {
-            break;
-        }
-        const bool look = go && pending == 0 && depth > 0;
-        if (any(look)) {                             /* the search */
-            const int end = warp_max<T>(look ? count : 0), take = depth < T / 8 ? depth : T / 8;
-            if (any(look && fresh)) {
-                for (int t = lane; look && fresh && t < count; t += T) {
-                    put_face(at, caps.bend, s.sphere[t], w.face[t], w.size[t]);
-                }
-                fresh = fresh && !look;
-                __syncwarp();
-            }
-            const uint32_t node = look && lane / 8 < take ? stack[depth - 1 - lane / 8] : none;
-            const uint32_t level = node >> 28, index = (node & 0xfffffff) * 8 + (uint32_t)(lane & 7);
-            const bool is_cap = node != none && level > 0 && index < caps.size[level > 0 ? level - 1 : 0];
-            const bool is_point = node != none && level == 0 && index < all.count && index != v;
-            depth -= look ? take : 0;
-            spent += look;
-            __syncwarp();
-            if (any(is_cap)) {
-                float may = 0.0f;
-                if (is_cap) {
-                    const double own_weight = own.c[3] * (all.unit * all.unit);
-                    may = depth_of_cap<T>(w, end, count,
-                                          image_of(at, caps.level[level - 1][index], origin, own_weight, caps.noise));
-                    may = started ? may : HUGE_VALF;
-                }
-                int before = 0;                      /* the deepest on top */
-                for (int k = 0; k < T; k++) {
-                    float other = tile_read<T>(may, k);
-                    before += other > 0.0f && (other < may || (other == may && k < lane));
-                }
-                const unsigned vote = tile_ballot<T>(may > 0.0f);
-                if (look && may > 0.0f && depth + before < room) {
-                    stack[depth + before] = (level - 1) << 28 | index;
-                }
-                depth += look ? __popc(vote) : 0;
-                __syncwarp();
-            }
-            if (any(is_point)) {
-                if (look) {
-                    p = relative<3, double>(all, own, all.point[is_point ? index : v]);
-                    deep = depth_of_point<T>(w, end, count, p);
-                    candidate = is_point && (deep > 0.0f || !started) ? index : none;
-                    for (int k = 0; k < RUNG::vertices; k++) {  /* it may be a vertex, as it was met before */
-                        candidate = s.id[k] == candidate ? none : candidate;
-                    }
-                }
-                const unsigned vote = tile_ballot<T>(candidate != none);
-                pending = look ? vote : pending;
-            }
-        }
-        bool lost = go && (depth > room || spent > cap_of_work);
-        go = go && !lost;
-        const int waiting = __syncthreads_count(go && pending != 0);
-        if (waiting * 2 >= __syncthreads_count(go && (pending != 0 || depth > 0))) {
-            hole cavity = first_hole<3>();
-            const bool starting = go && pending != 0 && !started;
-            bool now = go && pending != 0 && started;
-            if (any(starting)) {                     /* from the lowest, seen from v */
-                float height = starting && candidate != none ? -(float)p.w / (float)square<3>(p.x) : HUGE_VALF;
-                int before = 0;
-                for (int k = 0; k < T; k++) {
-                    float other = tile_read<T>(height, k);
-                    before += other < height || (other == height && k < lane);
-                }
-                if (starting) {
-                    s.matrix[before] = candidate;
-                }
-                __syncwarp();
-                const unsigned here = tile_ballot<T>(candidate != none);
-                const int have = __popc(here);
-                if (starting) {
-                    candidate = s.matrix[lane];
-                    p = relative<3, double>(all, own, all.point[candidate != none ? candidate : v]);
-                }
-                __syncwarp();
-                const unsigned used = start_from_lanes<T>(s, starting, candidate, p, have);
-                pending = starting ? ((1u << (have & 31)) - 1) & ~used : pending;
-                lost = lost || (starting && used == 0);
-                go = go && !lost;
-            }
-            const bool begins = starting && go;
-            int fans = 1;
-            if (any(now)) {
-                const bool waits = (pending >> lane & 1) != 0;
-                const float most = -tile_min<T>(waits ? -deep : 1.0f);
-                const unsigned best = tile_ballot<T>(waits && deep == most);
-                const int from = now ? __ffs((int)best) - 1 : 0;
-                const uint32_t id = tile_read<T>(candidate, from);
-                const place<double> where = tile_place<T>(p, from);
-                pending &= now ? ~(1u << from) : ~0u;
-                const int result = T == 32 ? insert_exactly(s, all, v, id, where, count, walls, digits)
-                                           : carve<T, true>(s, all, v, now, id, where, count, digits, cavity);
-                lost = lost || (now && (result & ~star_changed) != 0);
-                go = go && !lost;
-                now = now && result == star_changed;
-                fans = now ? cavity.edges : fans;
-            }
-            if (begins) {
-                cavity = first_hole<3>();
-            }
-            fan<T>(s, begins || (now && T < 32), cavity, fans, count, walls);
-            const bool changed = begins || now;
-            const int end = warp_max<T>(changed ? count : 0);
-            if (any(changed)) {
-                started = started || begins;
-                fresh = fresh || changed;
-                deep = changed ? depth_of_point<T>(w, end, count, p) : deep;
-                const unsigned vote = tile_ballot<T>(deep > 0.0f);
-                pending &= changed ? vote : ~0u;
-            }
-        }
-        const bool done = go && pending == 0 && depth == 0;
-        if (any(done || lost)) {
-            finish<T>(s, done && started, v, count, out);
-            enqueue(failed, lane == 0 && (lost || (done && !started)), v);
-            enqueue(large, lane == 0 && done && started, v);
-            go = go && !done;
-        }
+        finish<32>(s, started, v, count, a.out);
+        enqueue(a.failed, lane == 0 && lost, v);
+        enqueue(a.large, lane == 0 && !lost && count > small_triangles - 4, v);
     }
 }
 
@@ -3445,7 +3111,7 @@ template <int DIM> struct directory {
     const cell<DIM> *cells, *guest;
 };
 
-/* 8 lanes a star.  cells: by ranks; out: the same with the caller's ids. */
+/* 8 lanes a star.  cells: simplices by ranks; out: by the caller's ids. */
 template <int DIM>
 __global__ void emit_kernel(const __grid_constant__ store in, const uint32_t *offset, const uint32_t *id,
                             cell<DIM> *cells, pbw_index *out)
@@ -3839,7 +3505,7 @@ template <int DIM> __device__ verdict check_point(const view &m, uint32_t p)
         double x[4], y[4];
         fetch(m.in, p, x);
         fetch(m.in, kept, y);
-        if (!same_place(x, y, DIM)) {
+        if (!pbw__same_place(x, y, DIM)) {
             return fault_at(check_place, none, -1, p);
         }
         if (x[DIM] != y[DIM] ? x[DIM] > y[DIM] : p < kept) {
@@ -4000,7 +3666,7 @@ template <int DIM> __device__ verdict check_walk(const view &m, uint32_t point, 
         }
     }
     for (int i = 0; i <= DIM; i++) {
-        if (same_place(p, c.x[i], DIM)) {
+        if (pbw__same_place(p, c.x[i], DIM)) {
             return fault_at(check_repeated, here, -1, point);
         }
     }
@@ -4095,7 +3761,7 @@ struct call {
     int blocks;
 };
 
-/* The first card that fails says why, and all stop. */
+/* Reports the first failure of any card; then all stop. */
 void fall_out(call &c, const char *text)
 {
     std::lock_guard<std::mutex> hold(c.cards->lock);
@@ -4159,7 +3825,7 @@ bool launched(call &c, const char *what)
     return good(c, cudaGetLastError(), what);
 }
 
-/* Whether more bytes fit on the device: into its free memory or into what its pool keeps.  If not, says what is
+/* Returns whether more bytes fit into the device's free memory and its pool.  If not, the message says what is
    needed in all, for this input as far as is known. */
 bool fits(call &c, size_t more)
 {
@@ -4215,7 +3881,7 @@ template <typename V> bool allocate(call &c, V *&address, size_t count)
     return c.status == PBW_OK;
 }
 
-/* Frees, or with keep only forgets, a block. */
+/* Frees a block, or with keep only drops it from the list. */
 void release(call &c, const void *address, bool keep)
 {
     for (int i = 0; i < c.blocks; i++) {
@@ -4230,7 +3896,18 @@ void release(call &c, const void *address, bool keep)
     }
 }
 
-/* Progress, on the caller's thread; whether to stop. */
+/* Device memory that is freed at the end of its scope. */
+template <typename V> struct buffer {
+    call &c;
+    V *at;
+    explicit buffer(call &of) : c(of), at(NULL) {}
+    buffer(const buffer &) = delete;
+    buffer(buffer &&from) : c(from.c), at(from.at) { from.at = NULL; }
+    ~buffer() { release(c, at, false); }
+    bool make(size_t count) { return allocate(c, at, count); }
+};
+
+/* Reports progress on the caller's thread, and takes over a cancellation or another card's failure. */
 void look_up(call &c, pbw_stage stage, double done)
 {
     if (c.card == 0 && c.status == PBW_OK && c.job->report(c.job, stage, done) != 0) {
@@ -4244,8 +3921,8 @@ void look_up(call &c, pbw_stage stage, double done)
     }
 }
 
-/* Waits for what a stream has so far; a job hears of progress meanwhile.  When it is cancelled, or another card has
-   failed, the kernels hear of it over the other stream. */
+/* Waits for a stream and reports progress meanwhile.  When the call is cancelled or another card has failed, sets the
+   stop word of the kernels through the other stream. */
 bool wait(call &c, cudaStream_t stream, pbw_stage stage, double done)
 {
     static const uint32_t one = 1;
@@ -4312,55 +3989,61 @@ void note(call &c, int mark)
     good(c, cudaEventRecord(c.mark[mark], c.stream), "cudaEventRecord");
 }
 
-/* Keys sorted by their bits from low up. */
-bool sort_keys(call &c, uint64_t *&key, uint64_t *&spare, size_t count, int low, int high)
-{
-    size_t bytes = 0;
-    char *scratch = NULL;
-    cub::DoubleBuffer<uint64_t> buffer(key, spare);
-    if (!good(c, cub::DeviceRadixSort::SortKeys(NULL, bytes, buffer, count, low, high, c.stream), "sort")
-        || !allocate(c, scratch, bytes)
-        || !good(c, cub::DeviceRadixSort::SortKeys(scratch, bytes, buffer, count, low, high, c.stream), "sort")) {
-        return false;
-    }
-    key = buffer.Current();
-    spare = buffer.Alternate();
-    release(c, scratch, false);
-    return true;
-}
+/* Sorts by the bits of the keys from low to high - 1. */
+struct key_bits {
+    int low, high;
+};
 
-template <typename K, typename V>
-bool sort_pairs(call &c, K *&key, K *&spare, V *&value, V *&spare_value, size_t count, int low, int high)
+bool sort_keys(call &c, uint64_t *&key, uint64_t *&spare, size_t count, key_bits by)
 {
     size_t bytes = 0;
-    char *scratch = NULL;
-    cub::DoubleBuffer<K> keys(key, spare);
-    cub::DoubleBuffer<V> values(value, spare_value);
-    if (!good(c, cub::DeviceRadixSort::SortPairs(NULL, bytes, keys, values, count, low, high, c.stream), "sort")
-        || !allocate(c, scratch, bytes)
-        || !good(c, cub::DeviceRadixSort::SortPairs(scratch, bytes, keys, values, count, low, high, c.stream),
+    buffer<char> scratch(c);
+    cub::DoubleBuffer<uint64_t> keys(key, spare);
+    if (!good(c, cub::DeviceRadixSort::SortKeys(NULL, bytes, keys, count, by.low, by.high, c.stream), "sort")
+        || !scratch.make(bytes)
+        || !good(c, cub::DeviceRadixSort::SortKeys(scratch.at, bytes, keys, count, by.low, by.high, c.stream),
                  "sort")) {
         return false;
     }
     key = keys.Current();
     spare = keys.Alternate();
-    value = values.Current();
-    spare_value = values.Alternate();
-    release(c, scratch, false);
+    return true;
+}
+
+/* An array and room to sort it. */
+template <typename V> struct sortable {
+    buffer<V> array, spare;
+    explicit sortable(call &c) : array(c), spare(c) {}
+    bool make(size_t count) { return array.make(count) && spare.make(count); }
+};
+
+template <typename K, typename V>
+bool sort_pairs(call &c, sortable<K> &key, sortable<V> &value, size_t count, key_bits by)
+{
+    size_t bytes = 0;
+    buffer<char> scratch(c);
+    cub::DoubleBuffer<K> keys(key.array.at, key.spare.at);
+    cub::DoubleBuffer<V> values(value.array.at, value.spare.at);
+    if (!good(c, cub::DeviceRadixSort::SortPairs(NULL, bytes, keys, values, count, by.low, by.high, c.stream), "sort")
+        || !scratch.make(bytes)
+        || !good(c, cub::DeviceRadixSort::SortPairs(scratch.at, bytes, keys, values, count, by.low, by.high,
+                                                    c.stream), "sort")) {
+        return false;
+    }
+    key.array.at = keys.Current();
+    key.spare.at = keys.Alternate();
+    value.array.at = values.Current();
+    value.spare.at = values.Alternate();
     return true;
 }
 
 bool sum_before(call &c, const uint32_t *value, uint32_t *sum, size_t count)
 {
     size_t bytes = 0;
-    char *scratch = NULL;
-    if (!good(c, cub::DeviceScan::ExclusiveSum(NULL, bytes, value, sum, count, c.stream), "scan")
-        || !allocate(c, scratch, bytes)
-        || !good(c, cub::DeviceScan::ExclusiveSum(scratch, bytes, value, sum, count, c.stream), "scan")) {
-        return false;
-    }
-    release(c, scratch, false);
-    return true;
+    buffer<char> scratch(c);
+    return good(c, cub::DeviceScan::ExclusiveSum(NULL, bytes, value, sum, count, c.stream), "scan")
+        && scratch.make(bytes)
+        && good(c, cub::DeviceScan::ExclusiveSum(scratch.at, bytes, value, sum, count, c.stream), "scan");
 }
 
 bool allocate_runs(call &c, run_list &list, size_t count)
@@ -4377,72 +4060,78 @@ void release_runs(call &c, run_list &list)
     release(c, list.offset, false);
 }
 
-/* Puts the runs of equal keys into order; root comes out NULL if there were no long ones.  The depth is bounded as in
-   >>order of pbw.h: each level divides the extent by 2^bits. */
-bool order_runs(call &c, const input &in, const curve &automaton, int index_bits, int bits, uint64_t *key,
-                uint32_t *&root, survey *found_on_device)
+/* Points on their way into the order of the curve. */
+struct ordering {
+    const input &in;
+    curve automaton;
+    int index_bits, bits;                            /* of a key: the index, and a coordinate */
+    uint64_t *key, *spare;
+    uint32_t *root;                                  /* NULL if there are no long runs */
+    survey *found;
+};
+
+/* The points of the long runs of a list get keys from grids of their own and are put back in their order; found: the
+   long runs among those. */
+bool order_long_runs(call &c, ordering &o, const run_list &runs, run_list &next, uint32_t &count)
+{
+    const unsigned warps = blocks_for(count, 4);
+    buffer<double> low(c), extent(c);
+    sortable<uint64_t> gathered(c);
+    sortable<uint32_t> segment(c);
+    uint32_t total = 0;
+    int run_bits = 1;
+    while (run_bits < 32 && (count - 1) >> run_bits != 0) {
+        run_bits++;
+    }
+    if (!low.make((size_t)count * 3) || !extent.make(count) || !fill(c, runs.length + count, 0, 1)) {
+        return false;
+    }
+    measure_kernel<<<warps, 128, 0, c.stream>>>(o.in, o.index_bits, o.key, runs, count, low.at, extent.at, o.root);
+    if (!launched(c, "runs") || !sum_before(c, runs.length, runs.offset, (size_t)count + 1)
+        || !read_back(c, total, runs.offset + count, PBW_STAGE_ORDER, 0.4)) {
+        return false;
+    }
+    if (total == 0) {
+        count = 0;
+        return true;
+    }
+    if (!gathered.make(total) || !segment.make(total)) {
+        return false;
+    }
+    rekey_kernel<<<warps, 128, 0, c.stream>>>(o.in, o.index_bits, o.bits, o.key, runs, count, low.at, extent.at,
+                                              o.automaton, gathered.array.at, segment.array.at);
+    const key_bits by_key = { o.index_bits, o.index_bits + o.bits * o.in.dim }, by_run = { 0, run_bits };
+    if (!launched(c, "runs") || !sort_pairs(c, gathered, segment, total, by_key)
+        || !sort_pairs(c, segment, gathered, total, by_run)
+        || !allocate_runs(c, next, total / PBW__SHORT_RUN + 1) || !fill(c, &o.found->long_runs, 0, 1)) {
+        return false;
+    }
+    run_kernel<<<blocks_for(total, 256), 256, 0, c.stream>>>(o.in, o.index_bits, gathered.array.at, total,
+                                                             segment.array.at, runs, next, o.found);
+    put_back_kernel<<<blocks_for(total, 256), 256, 0, c.stream>>>(gathered.array.at, segment.array.at, total, runs,
+                                                                  o.key);
+    return launched(c, "runs") && read_back(c, count, &o.found->long_runs, PBW_STAGE_ORDER, 0.4);
+}
+
+/* Puts the runs of equal keys into order.  The depth is bounded as in >>order of pbw.h: each level divides the extent
+   by 2^bits. */
+bool order_runs(call &c, ordering &o)
 {
     run_list none_yet = { NULL, NULL, NULL, NULL }, runs = none_yet, next = none_yet;
-    size_t n = in.count;
-    uint32_t count = 0, total = 0;
-    if (!allocate_runs(c, runs, n / short_run + 1)) {
+    const size_t n = o.in.count;
+    uint32_t count = 0;
+    if (!allocate_runs(c, runs, n / PBW__SHORT_RUN + 1)) {
         return false;
     }
-    run_kernel<<<blocks_for(n, 256), 256, 0, c.stream>>>(in, index_bits, key, n, NULL, none_yet, runs,
-                                                         found_on_device);
-    if (!launched(c, "runs") || !read_back(c, count, &found_on_device->long_runs, PBW_STAGE_ORDER, 0.4)) {
-        return false;
-    }
-    if (count > 0 && (!allocate(c, root, n) || !fill(c, root, 0xff, n))) {
+    run_kernel<<<blocks_for(n, 256), 256, 0, c.stream>>>(o.in, o.index_bits, o.key, n, NULL, none_yet, runs, o.found);
+    if (!launched(c, "runs") || !read_back(c, count, &o.found->long_runs, PBW_STAGE_ORDER, 0.4)
+        || (count > 0 && (!allocate(c, o.root, n) || !fill(c, o.root, 0xff, n)))) {
         return false;
     }
     while (count > 0) {
-        double *low = NULL, *extent = NULL;
-        uint64_t *gathered = NULL, *spare = NULL;
-        uint32_t *segment = NULL, *spare_segment = NULL;
-        unsigned warps = blocks_for(count, 4);
-        int run_bits = 1;
-        while (run_bits < 32 && (count - 1) >> run_bits != 0) {
-            run_bits++;
-        }
-        if (!allocate(c, low, (size_t)count * 3) || !allocate(c, extent, count)
-            || !fill(c, runs.length + count, 0, 1)) {
+        if (!order_long_runs(c, o, runs, next, count)) {
             return false;
         }
-        measure_kernel<<<warps, 128, 0, c.stream>>>(in, index_bits, key, runs, count, low, extent, root);
-        if (!launched(c, "runs") || !sum_before(c, runs.length, runs.offset, (size_t)count + 1)
-            || !read_back(c, total, runs.offset + count, PBW_STAGE_ORDER, 0.4)) {
-            return false;
-        }
-        if (total > 0) {
-            if (!allocate(c, gathered, total) || !allocate(c, spare, total) || !allocate(c, segment, total)
-                || !allocate(c, spare_segment, total)) {
-                return false;
-            }
-            rekey_kernel<<<warps, 128, 0, c.stream>>>(in, index_bits, bits, key, runs, count, low, extent, automaton,
-                                                      gathered, segment);
-            if (!launched(c, "runs")
-                || !sort_pairs(c, gathered, spare, segment, spare_segment, total, index_bits,
-                               index_bits + bits * in.dim)
-                || !sort_pairs(c, segment, spare_segment, gathered, spare, total, 0, run_bits)
-                || !allocate_runs(c, next, total / short_run + 1) || !fill(c, &found_on_device->long_runs, 0, 1)) {
-                return false;
-            }
-            run_kernel<<<blocks_for(total, 256), 256, 0, c.stream>>>(in, index_bits, gathered, total, segment, runs,
-                                                                     next, found_on_device);
-            put_back_kernel<<<blocks_for(total, 256), 256, 0, c.stream>>>(gathered, segment, total, runs, key);
-            if (!launched(c, "runs") || !read_back(c, count, &found_on_device->long_runs, PBW_STAGE_ORDER, 0.4)) {
-                return false;
-            }
-        } else {
-            count = 0;
-        }
-        release(c, low, false);
-        release(c, extent, false);
-        release(c, gathered, false);
-        release(c, spare, false);
-        release(c, segment, false);
-        release(c, spare_segment, false);
         release_runs(c, runs);
         runs = next;
         next = none_yet;
@@ -4451,130 +4140,132 @@ bool order_runs(call &c, const input &in, const curve &automaton, int index_bits
     return true;
 }
 
-/* Finds the ranges of coordinates and weights and the grid that all are on; found_on_device keeps them. */
-bool survey_points(call &c, const input &in, survey *&found_on_device, pbw__box &domain, double &weight_low,
-                   double &weight_high, pbw__grid &grid)
+/* The ranges of coordinates and weights, and the grid that all are on. */
+struct extents {
+    pbw__box domain;
+    double lightest, heaviest;
+    pbw__grid grid;
+};
+
+/* on_device: what the survey found, for later kernels. */
+bool survey_points(call &c, const input &in, survey *&on_device, extents &e)
 {
     survey found;
+    pbw__grid_share share;
     unsigned blocks = blocks_for(in.count, 256);
     memset(&found, 0, sizeof found);
     memset(found.low, 0xff, sizeof found.low);
     found.unit = 1024;
-    if (!allocate(c, found_on_device, 1)
-        || !good(c, cudaMemcpyAsync(found_on_device, &found, sizeof found, cudaMemcpyHostToDevice, c.stream),
-                 "copy")) {
+    if (!allocate(c, on_device, 1)
+        || !good(c, cudaMemcpyAsync(on_device, &found, sizeof found, cudaMemcpyHostToDevice, c.stream), "copy")) {
         return false;
     }
-    survey_kernel<<<blocks < 2048 ? blocks : 2048, 256, 0, c.stream>>>(in, found_on_device);
-    if (!launched(c, "survey") || !read_back(c, found, found_on_device, PBW_STAGE_ORDER, 0.1)) {
+    survey_kernel<<<blocks < 2048 ? blocks : 2048, 256, 0, c.stream>>>(in, on_device);
+    if (!launched(c, "survey") || !read_back(c, found, on_device, PBW_STAGE_ORDER, 0.1)) {
         return false;
     }
     if (found.bad != 0) {
         return fail(c, PBW_ERROR_NOT_FINITE, "a coordinate or weight is not a finite number");
     }
+    pbw__grid_share_reset(&share);
+    share.unit = found.unit;
+    for (int k = 0; k <= in.dim; k++) {
+        share.low[k] = unordered(found.low[k]);
+        share.high[k] = unordered(found.high[k]);
+    }
     for (int k = 0; k < in.dim; k++) {
-        domain.low[k] = unordered(found.low[k]);
-        domain.high[k] = unordered(found.high[k]);
+        e.domain.low[k] = share.low[k];
+        e.domain.high[k] = share.high[k];
     }
-    pbw__box_close(&domain, in.dim);
-    weight_low = unordered(found.low[in.dim]);
-    weight_high = unordered(found.high[in.dim]);
-    grid.inverse_unit = 0.0;
-    grid.bits = 0;
-    if (found.unit > -500 && found.unit < 500) {
-        double inverse = ldexp(1.0, -found.unit), limit = 1.0;
-        int bits = 0;
-        while (bits < 54
-               && !(domain.extent * inverse < limit
-                    && (weight_high - weight_low) * inverse * inverse < limit * limit)) {
-            limit *= 2.0;
-            bits++;
-        }
-        if (bits < 54) {
-            grid.inverse_unit = inverse;
-            grid.bits = bits;
-        }
-    }
+    pbw__box_close(&e.domain, in.dim);
+    e.lightest = share.low[in.dim];
+    e.heaviest = share.high[in.dim];
+    pbw__grid_close(&e.grid, &share, 1, in.dim);
     return true;
 }
 
-/* Fills s (all but high[] beyond dim), id and canonical. */
-bool order_points(call &c, const input &in, space &s, uint32_t *&id, uint32_t *canonical, bool &weighted,
-                  size_t &duplicates)
+/* The units of the space, from the extents; false if the device code cannot work in them. */
+bool measure_space(call &c, const extents &e, int dim, space &s)
 {
-    survey *found_on_device = NULL, found;
-    uint64_t *key = NULL, *spare = NULL;
-    uint32_t *first = NULL, *rank = NULL, *root = NULL;
-    record *point = NULL;
-    double lightest = 0.0, heaviest = 0.0;
-    pbw__box domain;
-    curve automaton;
-    size_t n = in.count;
-    int index_bits = pbw__index_bits(n), dim = in.dim, bits = pbw__grid_bits(index_bits, dim);
-    unsigned blocks = blocks_for(n, 256);
-
-    pbw__box_reset(&domain, bits);
-    if (!survey_points(c, in, found_on_device, domain, lightest, heaviest, s.grid)) {
-        return false;
-    }
-    double weight_range = heaviest - lightest;
-    if (!(domain.extent > 1e-100 && domain.extent < 1e100)) {
+    const double weight_range = e.heaviest - e.lightest;
+    int exponent;
+    if (!(e.domain.extent > 1e-100 && e.domain.extent < 1e100)) {
         return decline(c, "the extent of the points is beyond the range of the device code");
     }
-    int exponent;
-    (void)frexp(domain.extent, &exponent);
+    (void)frexp(e.domain.extent, &exponent);
     s.unit = ldexp(1.0, 1 - exponent);
     if (!(weight_range * (s.unit * s.unit) < 1e12)) {
         return decline(c, "the weights are beyond the range of the device code");
     }
-    weighted = in.weights != NULL && weight_range > 0.0;
-    s.heaviest = heaviest;
+    s.heaviest = e.heaviest;
+    s.grid = e.grid;
     for (int k = 0; k < 3; k++) {
-        s.low[k] = k < dim ? domain.low[k] : 0.0;
-        s.end[k] = k < dim ? domain.high[k] : 0.0;
-        s.high[k] = k < dim ? (float)((domain.high[k] - domain.low[k]) * s.unit) : 0.0f;
+        s.low[k] = k < dim ? e.domain.low[k] : 0.0;
+        s.end[k] = k < dim ? e.domain.high[k] : 0.0;
+        s.high[k] = k < dim ? (float)((e.domain.high[k] - e.domain.low[k]) * s.unit) : 0.0f;
     }
     s.exact_height = 0.0;                            /* within 2^+-100 nothing underflows or overflows */
     if (s.grid.inverse_unit > 1e-30 && s.grid.inverse_unit < 1e30) {
         double step = s.unit / s.grid.inverse_unit;
         s.exact_height = (dim == 3 ? PBW__EXACT_HEIGHT3 : PBW__EXACT_HEIGHT2) * (step * step);
     }
-    memcpy(automaton.plane, pbw__hilbert2, sizeof automaton.plane);
-    memcpy(automaton.space, pbw__hilbert3, sizeof automaton.space);
-    if (!allocate(c, key, n) || !allocate(c, spare, n)) {
+    return true;
+}
+
+/* Sets duplicates aside: fills id, canonical and the points of s. */
+bool gather_points(call &c, const ordering &o, space &s, uint32_t *&id, pbw_cuda_mesh *mesh)
+{
+    const size_t n = o.in.count;
+    const unsigned blocks = blocks_for(n, 256);
+    survey found;
+    buffer<uint32_t> first(c), rank(c);
+    record *point = NULL;
+    if (!first.make(n)) {
         return false;
     }
-    key_kernel<<<blocks, 256, 0, c.stream>>>(in, domain, automaton, index_bits, key);
-    if (!launched(c, "keys") || !sort_keys(c, key, spare, n, index_bits, index_bits + bits * dim)) {
+    place_kernel<<<blocks, 256, 0, c.stream>>>(o.in, o.index_bits, o.key, o.root, first.at, mesh->canonical, o.found);
+    if (!launched(c, "places") || !read_back(c, found, o.found, PBW_STAGE_ORDER, 0.5)) {
         return false;
     }
-    if (!order_runs(c, in, automaton, index_bits, bits, key, root, found_on_device) || !allocate(c, first, n)) {
-        return false;
-    }
-    place_kernel<<<blocks, 256, 0, c.stream>>>(in, index_bits, key, root, first, canonical, found_on_device);
-    if (!launched(c, "places") || !read_back(c, found, found_on_device, PBW_STAGE_ORDER, 0.5)) {
-        return false;
-    }
-    duplicates = found.duplicates;
-    s.count = (uint32_t)(n - duplicates);
+    mesh->duplicate_count = found.duplicates;
+    s.count = (uint32_t)(n - found.duplicates);
     if (s.count < PBW_CUDA_FEW) {
         return decline(c, few_points);
     }
-    if (duplicates > 0 && (!allocate(c, rank, n) || !sum_before(c, first, rank, n))) {
+    if ((found.duplicates > 0 && (!rank.make(n) || !sum_before(c, first.at, rank.at, n)))
+        || !allocate(c, point, s.count) || !allocate(c, id, s.count)) {
         return false;
     }
-    if (!allocate(c, point, s.count) || !allocate(c, id, s.count)) {
-        return false;
-    }
-    gather_kernel<<<blocks, 256, 0, c.stream>>>(in, index_bits, key, first, rank, point, id);
+    gather_kernel<<<blocks, 256, 0, c.stream>>>(o.in, o.index_bits, o.key, first.at, rank.at, point, id);
     s.point = point;
-    release(c, key, false);
-    release(c, spare, false);
-    release(c, first, false);
-    release(c, rank, false);
-    release(c, root, false);
-    release(c, found_on_device, false);
     return launched(c, "gather");
+}
+
+/* Fills s (all but high[] beyond dim), id and canonical. */
+bool order_points(call &c, const input &in, space &s, uint32_t *&id, bool &weighted, pbw_cuda_mesh *mesh)
+{
+    const size_t n = in.count;
+    const int index_bits = pbw__index_bits(n), bits = pbw__grid_bits(index_bits, in.dim);
+    ordering o = { in, {}, index_bits, bits, NULL, NULL, NULL, NULL };
+    extents e;
+    pbw__box_reset(&e.domain, bits);
+    memcpy(o.automaton.plane, pbw__hilbert2, sizeof o.automaton.plane);
+    memcpy(o.automaton.space, pbw__hilbert3, sizeof o.automaton.space);
+    if (!survey_points(c, in, o.found, e) || !measure_space(c, e, in.dim, s) || !allocate(c, o.key, n)
+        || !allocate(c, o.spare, n)) {
+        return false;
+    }
+    weighted = in.weights != NULL && e.heaviest > e.lightest;
+    key_kernel<<<blocks_for(n, 256), 256, 0, c.stream>>>(in, e.domain, o.automaton, index_bits, o.key);
+    if (!launched(c, "keys") || !sort_keys(c, o.key, o.spare, n, { index_bits, index_bits + bits * in.dim })
+        || !order_runs(c, o) || !gather_points(c, o, s, id, mesh)) {
+        return false;
+    }
+    release(c, o.key, false);
+    release(c, o.spare, false);
+    release(c, o.root, false);
+    release(c, o.found, false);
+    return true;
 }
 
 bool grow_tree(call &c, space &s, int dim, tree &t)
@@ -4608,7 +4299,7 @@ bool grow_tree(call &c, space &s, int dim, tree &t)
 }
 
 /* Looks at 32 boxes or points, of a warp; an insertion counts as 4. */
-const int quick_cap = 1024, smooth_cap = 512, far_cap = 4096, last_cap[2] = { 1 << 17, 1 << 20 };
+const int quick_cap = 1024, far_cap = 4096, last_cap[2] = { 1 << 17, 1 << 20 };
 const uint32_t last_blocks = 128;
 
 /* Of a star of a sample on the rungs for surfaces: where to stop, and how many there may be of each on average. */
@@ -4617,143 +4308,6 @@ const unsigned long long most_looks = 128;
 
 /* Few points are built soon on any rung. */
 const uint32_t sample_size = 1024, sampled_from = 1u << 14;
-
-/* Whether a sample shows that the first rung certifies less than half: points on surfaces and curves, where spheres
-   are large. */
-template <int DIM, int WEIGHTED>
-bool sample_stars(call &c, const space &s, const tree &t, const uint32_t *lists, const near_list *infos,
-                  const store &out, const queue *q, size_t near_bytes, size_t exact_bytes, bool &far)
-{
-    fill(c, q[0].count, 0, 3);
-    fill(c, out.used, 0, 1);
-    const uint32_t stride = (out.end - out.first) / sample_size;
-    const unsigned blocks = blocks_for(sample_size, near_block / 8);
-    uint2 counts;                                    /* of q[0] and q[1] */
-    near_kernel<DIM, WEIGHTED, false><<<blocks, near_block, near_bytes, c.stream>>>(
-        s, t.level[0], lists, infos, out.first, stride, sample_size, false, out, q[0], q[1]);
-    if (!launched(c, "sample") || !read_back(c, counts, (const uint2 *)q[0].count, PBW_STAGE_BUILD, 0.0)) {
-        return false;
-    }
-    if (counts.y > 0 && counts.x + counts.y > sample_size / 2) {
-        near_kernel<DIM, WEIGHTED, true><<<blocks_for(counts.y, near_block / 8), near_block, exact_bytes, c.stream>>>(
-            s, t.level[0], lists, infos, 0, 1, counts.y, false, out, q[0], q[1]);
-        if (!launched(c, "sample") || !read_back(c, counts, (const uint2 *)q[0].count, PBW_STAGE_BUILD, 0.0)) {
-            return false;
-        }
-    }
-    far = counts.x > sample_size / 2;
-    return true;
-}
-
-/* The largest residual of points that are taken to be on a common sphere, as a part of the square of its radius. */
-const double smooth_noise = 2e-7;
-
-/* The sphere that all points are near, if there is one: by four of a sample, then by all.  Their residuals become
-   their weights, and the tree gets caps. */
-bool find_sphere(call &c, space &s, cap_tree &t, unsigned long long *largest, bool &found)
-{
-    const int count = 64;
-    const uint32_t stride = s.count / count;
-    record r[count], *point = (record *)s.point;
-    common_sphere on;
-    double a[3][3], m[3][3], most, size, squares[3], d = 0.0, radius = 0.0;
-    unsigned long long bits;
-    unsigned blocks = blocks_for(s.count, 256);
-    found = false;
-    if (stride == 0) {
-        return true;
-    }
-    if (!good(c, cudaMemcpy2DAsync(r, sizeof *r, s.point, stride * sizeof *r, sizeof *r, (size_t)count,
-                                   cudaMemcpyDeviceToHost, c.stream), "reading points")
-        || !good(c, cudaStreamSynchronize(c.stream), "reading points")) {
-        return false;
-    }
-    for (int i = 0; i < 3; i++) {                    /* the one farthest from the span of the others */
-        int best = 0;
-        most = 0.0;
-        for (int j = 1; j < count; j++) {
-            double x[3], y[3];
-            for (int k = 0; k < 3; k++) {
-                x[k] = (r[j].c[k] - r[0].c[k]) * s.unit;
-            }
-            const double *u = a[0], *w = a[1];
-            y[0] = i == 1 ? u[1] * x[2] - u[2] * x[1] : x[0];
-            y[1] = i == 1 ? u[2] * x[0] - u[0] * x[2] : x[1];
-            y[2] = i == 1 ? u[0] * x[1] - u[1] * x[0] : x[2];
-            size = i < 2 ? y[0] * y[0] + y[1] * y[1] + y[2] * y[2]
-                 : fabs(x[0] * (u[1] * w[2] - u[2] * w[1]) + x[1] * (u[2] * w[0] - u[0] * w[2])
-                        + x[2] * (u[0] * w[1] - u[1] * w[0]));
-            best = size > most ? j : best;
-            most = size > most ? size : most;
-        }
-        squares[i] = 0.0;
-        for (int k = 0; k < 3; k++) {
-            a[i][k] = (r[best].c[k] - r[0].c[k]) * s.unit;
-            squares[i] += 0.5 * a[i][k] * a[i][k];
-        }
-    }
-    for (int i = 0; i < 3; i++) {                    /* a . x = a^2 / 2 by Cramer's rule */
-        const double *u = a[(i + 1) % 3], *w = a[(i + 2) % 3];
-        m[i][0] = u[1] * w[2] - u[2] * w[1];
-        m[i][1] = u[2] * w[0] - u[0] * w[2];
-        m[i][2] = u[0] * w[1] - u[1] * w[0];
-    }
-    d = a[0][0] * m[0][0] + a[0][1] * m[0][1] + a[0][2] * m[0][2];
-    if (!(fabs(d) > 1e-6)) {
-        return true;
-    }
-    for (int k = 0; k < 3; k++) {
-        double x = (squares[0] * m[0][k] + squares[1] * m[1][k] + squares[2] * m[2][k]) / d;
-        on.middle[k] = r[0].c[k] + x / s.unit;
-        t.middle[k] = (float)((on.middle[k] - s.low[k]) * s.unit);
-        radius += x * x;
-        if (!(t.middle[k] > -8.0f && t.middle[k] < 10.0f)) {
-            return true;
-        }
-    }
-    on.square = radius / (s.unit * s.unit);
-    t.bend = (float)(1.0 / sqrt(radius));
-    for (int i = 0; i < count; i++) {
-        double e = -on.square;
-        for (int k = 0; k < 3; k++) {
-            e += (r[i].c[k] - on.middle[k]) * (r[i].c[k] - on.middle[k]);
-        }
-        if (!(fabs(e) < smooth_noise * on.square)) {
-            return true;
-        }
-    }
-    blocks = blocks < 1024 ? blocks : 1024;
-    fill(c, largest, 0, 1);
-    residual_kernel<<<blocks, 256, 0, c.stream>>>(point, s.count, on, 0.0, largest);
-    if (!launched(c, "residuals") || !read_back(c, bits, largest, PBW_STAGE_BUILD, 0.0)) {
-        return false;
-    }
-    memcpy(&most, &bits, sizeof most);
-    /* the factor of the weights, and 2^-98 M: points of a common sphere have |d|^2 near s */
-    if (!(most < smooth_noise * on.square && most > 0x1p-56 * on.square)) {
-        return true;
-    }
-    int exponent;
-    t.noise = (float)(1.01 * most * (s.unit * s.unit)) * t.bend;
-    (void)frexp(most * (s.unit * s.unit), &exponent);
-    residual_kernel<<<blocks, 256, 0, c.stream>>>(point, s.count, on, ldexp(1.0, 12 - exponent), largest);
-    s.heaviest = s.exact_height = 0.0;
-    for (uint32_t size = s.count; t.levels == 0 || size > 8; t.levels++) {
-        const cap *child = t.levels > 0 ? t.level[t.levels - 1] : NULL;
-        const uint32_t children = size;
-        cap *b = NULL;
-        size = (size + 7) / 8;
-        if (!allocate(c, b, size)) {
-            return false;
-        }
-        cap_kernel<<<blocks_for(size, 128), 128, 0, c.stream>>>(s, t, child, children, b, size);
-        t.level[t.levels] = b;
-        t.size[t.levels] = size;
-    }
-    radius_kernel<<<blocks_for(s.count, 256), 256, 0, c.stream>>>(s, t);
-    found = true;
-    return launched(c, "caps");
-}
 
 /* The copy of the points that a mesh keeps is made while the device is at work. */
 bool keep_points(call &c)
@@ -4767,110 +4321,162 @@ bool keep_points(call &c)
     return true;
 }
 
-/* The stars that earlier rungs left in q[1]. */
-template <int DIM, int WEIGHTED>
-bool build_far_stars(call &c, const space &s, const tree &t, const store &out, const queue *q,
-                     unsigned long long *seed, uint32_t failed, size_t *stars)
+/* The stars of a card's share while the rungs make them. */
+struct workshop {
+    space s;
+    tree t;
+    uint32_t *lists;                                 /* of groups near each group of the share */
+    near_list *infos;
+    store out;
+    queue q[3];                                      /* stars for the next rung, in turn; q[2]: large stars */
+    unsigned long long *seed;                        /* behind it: looks of a sample */
+    uint32_t *next;
+    size_t *made;                                    /* stars of each rung */
+};
+
+/* Empties the store and the queues. */
+void start_over(call &c, const workshop &w)
 {
-    typedef far_star<DIM, WEIGHTED, last_rung> last_type;
-    const size_t far_bytes = sizeof(typename far_star<DIM, WEIGHTED, far_rung>::type);
-    const uint32_t limit = 128 + (out.end - out.first) / 2048;
-    uint32_t last = 0;
-    if (failed > 0) {
-        fill(c, seed, 0, 4);
-        fill(c, q[0].count, 0, 1);
-        for (int found = 1; found <= DIM; found++) {
-            unsigned blocks = blocks_for(s.count, 256);
-            seed_kernel<<<blocks < 1024 ? blocks : 1024, 256, 0, c.stream>>>(s, DIM, found, seed);
-        }
-        far_kernel<DIM, WEIGHTED, far_rung><<<failed, 32 * far_rung::warps, far_bytes, c.stream>>>(
-            s, t, seed, q[1], failed, far_cap, limit, NULL, NULL, out, q[0], q[2]);
-        if (!launched(c, "far stars") || !read_back(c, last, q[0].count, PBW_STAGE_BUILD, 0.95)) {
-            return false;
-        }
-    }
-    stars[2] = last;
-    if (last > limit) {
-        return decline_stars(c, last);
-    }
-    if (last > 0) {
-        uint32_t blocks = last < last_blocks ? last : last_blocks, lost = last;
-        bool going = true;
-        typename last_type::type *scratch = NULL;
-        pbw__digit *pool = NULL;
-        if (!allocate(c, scratch, blocks) || !allocate(c, pool, (size_t)blocks * 32 * PBW__POOL)) {
-            return false;
-        }
-        for (int i = 0; i < 2 && going; i++) {       /* again with a larger cap, but only a few */
-            const queue &from = q[i], to = { q[1 - i].vertex, q[1 - i].count };
-            uint32_t given = lost;
-            if (!fill(c, to.count, 0, 1)) {
-                return false;
-            }
-            far_kernel<DIM, WEIGHTED, last_rung><<<blocks, 32 * last_rung::warps, 0, c.stream>>>(
-                s, t, seed, from, given, last_cap[i], i == 0 ? last_blocks : 0, scratch, pool, out, to, q[2]);
-            if (!launched(c, "last stars") || !read_back(c, lost, to.count, PBW_STAGE_BUILD, 0.95)) {
-                return false;
-            }
-            going = lost > 0 && lost <= last_blocks;
-        }
-        release(c, scratch, false);
-        release(c, pool, false);
-        if (lost > 0) {
-            return decline_stars(c, lost);
-        }
-    }
-    note(c, 4);
-    return c.status == PBW_OK;
+    const uint32_t mine = w.out.end - w.out.first;
+    fill(c, w.q[0].count, 0, 3);
+    fill(c, w.out.used, 0, 1);
+    fill(c, w.out.owned + mine, 0, 1);
+    fill(c, w.out.place, 0xff, mine);
 }
 
-/* The stars of a list by one rung: launch gets the number of its blocks, the shared bytes of each, and what a rung
-   without those has in place of them.  next is scratch.  Says how many failed. */
-template <typename RUNG, typename STAR, typename LAUNCH>
-bool run_rung(call &c, uint32_t total, int tiles, uint32_t *next, const queue &failed, uint32_t &count, LAUNCH launch)
+template <int DIM> void find_seeds(call &c, const workshop &w)
 {
-    int device = 0, processors = 1;
-    STAR *scratch = NULL;
-    pbw__digit *pool = NULL;
-    count = 0;
-    if (total == 0) {
-        return true;
+    const unsigned blocks = blocks_for(w.s.count, 256);
+    fill(c, w.seed, 0, 4);
+    for (int found = 1; found <= DIM; found++) {
+        seed_kernel<<<blocks < 1024 ? blocks : 1024, 256, 0, c.stream>>>(w.s, DIM, found, w.seed);
     }
-    if (!good(c, cudaGetDevice(&device), "cudaGetDevice")
-        || !good(c, cudaDeviceGetAttribute(&processors, cudaDevAttrMultiProcessorCount, device),
-                 "cudaDeviceGetAttribute")
-        || !fill(c, next, 0, 1) || !fill(c, failed.count, 0, 1)) {
+}
+
+/* The first rung for total vertices from first on, each stride-th; with EXACT for the first total of q[1]. */
+template <int DIM, bool WEIGHTED, bool EXACT>
+bool launch_near(call &c, const workshop &w, uint32_t first, uint32_t stride, uint32_t total, bool keeps = false)
+{
+    typedef typename near_star<DIM, WEIGHTED, typename rung_real<EXACT>::type>::type star_type;
+    const size_t bytes = sizeof(star_type) * (near_block / near_lanes);
+    static_assert(sizeof(star_type) * (near_block / near_lanes) <= 48 << 10,
+                  "the stars of a block fit what every device has of shared memory");
+    const near_launch a = { w.s, w.t.level[0], w.lists, w.infos, first, stride, total, keeps, w.out, w.q[0], w.q[1] };
+    near_kernel<DIM, WEIGHTED, EXACT><<<blocks_for(total, near_block / near_lanes), near_block, bytes, c.stream>>>(a);
+    return launched(c, "near stars");
+}
+
+/* far: whether a sample shows that the first rung certifies less than half, as where points lie on surfaces and
+   curves and spheres are large. */
+template <int DIM, bool WEIGHTED> bool sample_stars(call &c, const workshop &w, bool &far)
+{
+    uint2 counts;                                    /* of q[0] and q[1] */
+    fill(c, w.q[0].count, 0, 3);
+    fill(c, w.out.used, 0, 1);
+    if (!launch_near<DIM, WEIGHTED, false>(c, w, w.out.first, (w.out.end - w.out.first) / sample_size, sample_size)
+        || !read_back(c, counts, (const uint2 *)w.q[0].count, PBW_STAGE_BUILD, 0.0)) {
         return false;
     }
-    const unsigned most = RUNG::shared ? (unsigned)(processors * RUNG::blocks) : last_blocks;
-    const unsigned blocks = blocks_for(total, (unsigned)tiles) < most ? blocks_for(total, (unsigned)tiles) : most;
-    if (!RUNG::shared
-        && (!allocate(c, scratch, blocks * (size_t)tiles) || !allocate(c, pool, (size_t)blocks * 32 * PBW__POOL))) {
+    if (counts.y > 0 && counts.x + counts.y > sample_size / 2
+        && (!launch_near<DIM, WEIGHTED, true>(c, w, 0, 1, counts.y)
+            || !read_back(c, counts, (const uint2 *)w.q[0].count, PBW_STAGE_BUILD, 0.0))) {
         return false;
     }
-    launch(blocks, RUNG::shared ? sizeof(STAR) * (size_t)tiles : 0, scratch, pool);
-    if (!launched(c, "stars of a rung") || !keep_points(c)
-        || !read_back(c, count, failed.count, PBW_STAGE_BUILD, 0.8)) {
-        return false;
-    }
-    release(c, scratch, false);
-    release(c, pool, false);
+    far = counts.x > sample_size / 2;
     return true;
 }
 
-template <typename RUNG>
-bool run_wide_rung(call &c, const space &s, const brick_tree &t, const unsigned long long *seed,
-                   const uint32_t *vertex, uint32_t first, uint32_t stride, uint32_t total, uint32_t *next,
-                   unsigned long long *work, int cap_of_work, uint32_t limit, const store &in, const store &out,
-                   const queue &failed, const queue &large, uint32_t &count)
+/* The first rung: all stars of the share, then those that floats left open. */
+template <int DIM, bool WEIGHTED> bool build_near_stars(call &c, const workshop &w, uint32_t &failed)
 {
-    return run_rung<RUNG, wide_star<RUNG> >(
-        c, total, 1, next, failed, count,
-        [&](unsigned blocks, size_t bytes, wide_star<RUNG> *scratch, pbw__digit *pool) {
-            wide_kernel<RUNG><<<blocks, 32, bytes, c.stream>>>(s, t, seed, vertex, first, stride, total, next, work,
-                                                               cap_of_work, limit, scratch, pool, in, out, failed,
-                                                               large);
-        });
+    const uint32_t chunk = 1u << 22, mine = w.out.end - w.out.first;
+    uint32_t open = 0;
+    start_over(c, w);
+    w.made[0] = mine;
+    for (uint32_t first = w.out.first; first < w.out.end && c.status == PBW_OK; first += chunk) {
+        const uint32_t count = w.out.end - first < chunk ? w.out.end - first : chunk;
+        const bool more = first + count < w.out.end;
+        if (!launch_near<DIM, WEIGHTED, false>(c, w, first, 1, count)) {
+            return false;
+        }
+        if (first == w.out.first && more) {          /* one ahead: the host has time for its part */
+            continue;
+        }
+        if (!keep_points(c)) {
+            return false;
+        }
+        if (more) {
+            wait(c, c.stream, PBW_STAGE_BUILD, 0.7 * (double)(first - w.out.first) / (double)mine);
+        }
+    }
+    if (!read_back(c, open, w.q[1].count, PBW_STAGE_BUILD, 0.7)
+        || (open > 0 && !launch_near<DIM, WEIGHTED, true>(c, w, 0, 1, open))) {
+        return false;
+    }
+    note(c, 3);
+    return read_back(c, failed, w.q[0].count, PBW_STAGE_BUILD, 0.8);
+}
+
+/* The second rung without exact tests: failed stars of q[0]; those that it fails come to q[1]. */
+template <int DIM, bool WEIGHTED> bool build_quick_stars(call &c, const workshop &w, uint32_t &failed)
+{
+    const size_t bytes = sizeof(typename far_star<DIM, WEIGHTED, quick_rung>::type);
+    const uint32_t chunk = 1u << 18, total = failed;
+    if (!fill(c, w.q[1].count, 0, 1) || total == 0) {
+        return c.status == PBW_OK;
+    }
+    for (uint32_t first = 0; first < total; first += chunk) {
+        const uint32_t count = total - first < chunk ? total - first : chunk;
+        const queue some = { w.q[0].vertex + first, NULL };
+        const far_launch a = { w.s, w.t, w.seed, some, count, none, quick_cap, NULL, NULL, w.out, w.q[1], w.q[2] };
+        far_kernel<DIM, WEIGHTED, quick_rung><<<count, 32 * quick_rung::warps, bytes, c.stream>>>(a);
+        if (!launched(c, "far stars") || (first + count < total && !wait(c, c.stream, PBW_STAGE_BUILD, 0.8))) {
+            return false;
+        }
+    }
+    return read_back(c, failed, w.q[1].count, PBW_STAGE_BUILD, 0.9);
+}
+
+/* The second rung with exact tests: failed stars of q[1]; those that it fails come to q[0]. */
+template <int DIM, bool WEIGHTED> bool build_far_stars(call &c, const workshop &w, uint32_t &failed)
+{
+    const size_t bytes = sizeof(typename far_star<DIM, WEIGHTED, far_rung>::type);
+    const uint32_t limit = 128 + (w.out.end - w.out.first) / 2048;
+    if (failed > 0) {
+        const far_launch a = { w.s, w.t, w.seed, w.q[1], failed, limit, far_cap, NULL, NULL, w.out, w.q[0], w.q[2] };
+        find_seeds<DIM>(c, w);
+        fill(c, w.q[0].count, 0, 1);
+        far_kernel<DIM, WEIGHTED, far_rung><<<failed, 32 * far_rung::warps, bytes, c.stream>>>(a);
+        if (!launched(c, "far stars") || !read_back(c, failed, w.q[0].count, PBW_STAGE_BUILD, 0.95)) {
+            return false;
+        }
+    }
+    w.made[2] = failed;
+    return failed <= limit || decline_stars(c, failed);
+}
+
+/* The third rung: lost stars of q[0], and those that it fails once more with a larger cap, if they are few. */
+template <int DIM, bool WEIGHTED> bool build_last_stars(call &c, const workshop &w, uint32_t lost)
+{
+    const uint32_t blocks = lost < last_blocks ? lost : last_blocks;
+    buffer<typename far_star<DIM, WEIGHTED, last_rung>::type> scratch(c);
+    buffer<pbw__digit> pool(c);
+    if (lost > 0 && (!scratch.make(blocks) || !pool.make((size_t)blocks * 32 * PBW__POOL))) {
+        return false;
+    }
+    for (int i = 0; i < 2 && lost > 0 && (i == 0 || lost <= last_blocks); i++) {
+        const far_launch a = { w.s, w.t, w.seed, w.q[i], lost, i == 0 ? last_blocks : 0, last_cap[i], scratch.at,
+                               pool.at, w.out, { w.q[1 - i].vertex, w.q[1 - i].count }, w.q[2] };
+        if (!fill(c, w.q[1 - i].count, 0, 1)) {
+            return false;
+        }
+        far_kernel<DIM, WEIGHTED, last_rung><<<blocks, 32 * last_rung::warps, 0, c.stream>>>(a);
+        if (!launched(c, "last stars") || !read_back(c, lost, w.q[1 - i].count, PBW_STAGE_BUILD, 0.95)) {
+            return false;
+        }
+    }
+    note(c, 4);
+    return lost == 0 ? c.status == PBW_OK : decline_stars(c, lost);
 }
 
 bool lay_bricks(call &c, const space &s, brick_tree &t)
@@ -4897,106 +4503,140 @@ bool lay_bricks(call &c, const space &s, brick_tree &t)
     return launched(c, "bricks");
 }
 
-/* Stars of points on surfaces.  Those that the first rung begins go to a store of their own, which is given back.
-   wide comes out false, and nothing is done, if a sample shows that too many stars are large or searched for long:
-   the CPU takes 150 to 250 ns a point on 16 threads, a warp of each four here 3 us for a look at 32 places. */
-bool build_wide_stars(call &c, const space &s, const tree &t, const brick_tree &bricks, const uint32_t *lists,
-                      const near_list *infos, store &out, const queue *q, unsigned long long *seed, uint32_t *next,
-                      size_t *stars, bool &wide)
+/* A rung for surfaces; failed: how many stars it left. */
+template <typename RUNG> bool run_wide_rung(call &c, wide_launch a, uint32_t &failed)
 {
-    const size_t near_bytes = sizeof(near_star<3, equal, float>::type) * (near_block / 8);
-    const uint32_t mine = out.end - out.first;
-    const unsigned blocks = blocks_for(s.count, 256) < 1024 ? blocks_for(s.count, 256) : 1024;
-    unsigned long long used = 0, looks = 0, *const looks_of_all = seed + 4;
-    uint32_t failed = 0, last = 0;
-    fill(c, seed, 0, 4);
-    for (int found = 1; found <= 3; found++) {
-        seed_kernel<<<blocks, 256, 0, c.stream>>>(s, 3, found, seed);
-    }
-    for (int pass = 0; pass < 2; pass++) {           /* a sample, then all */
-        const uint32_t total = pass == 0 ? sample_size : mine, stride = pass == 0 ? mine / sample_size : 1;
-        const store in = out;
-        fill(c, q[0].count, 0, 3);
-        fill(c, out.used, 0, 1);
-        fill(c, out.owned + mine, 0, 1);
-        fill(c, out.place, 0xff, mine);
-        near_kernel<3, equal, false><<<blocks_for(total, near_block / 8), near_block, near_bytes, c.stream>>>(
-            s, t.level[0], lists, infos, out.first, stride, total, true, out, q[0], q[1]);
-        if (pass == 0) {
-            if (!launched(c, "near stars") || !fill(c, looks_of_all, 0, 1)
-                || !run_wide_rung<wide_rung>(c, s, bricks, seed, NULL, out.first, stride, total, next, looks_of_all,
-                                             sample_cap, none, in, out, q[0], q[2], failed)
-                || !read_back(c, looks, looks_of_all, PBW_STAGE_BUILD, 0.1)) {
-                return false;
-            }
-            wide = failed <= total / 64 && looks <= most_looks * total;
-            if (!wide) {
-                return true;
-            }
-            continue;
-        }
-        note(c, 3);
-        if (!launched(c, "near stars") || !read_back(c, used, out.used, PBW_STAGE_BUILD, 0.2)) {
-            return false;
-        }
-        if (used > out.capacity) {
-            return true;
-        }
-        const unsigned long long enough = (unsigned long long)mine * 15 + 4096;
-        out.capacity = out.capacity > enough ? out.capacity : enough;
-        if (!fill(c, out.used, 0, 1) || !allocate(c, out.word, (size_t)out.capacity * 4)
-            || !run_wide_rung<wide_rung>(c, s, bricks, seed, NULL, out.first, 1, mine, next, NULL, quick_cap,
-                                         128 + mine / 16, in, out, q[0], q[2], failed)
-            || !read_back(c, used, out.used, PBW_STAGE_BUILD, 0.8)) {
-            return false;
-        }
-        release(c, in.word, false);
-    }
-    if (used > out.capacity) {
+    int device = 0, processors = 1;
+    buffer<wide_star<RUNG> > scratch(c);
+    buffer<pbw__digit> pool(c);
+    failed = 0;
+    if (a.total == 0) {
         return true;
     }
-    if (failed > 128 + mine / 16) {
-        return decline_stars(c, failed);
-    }
-    if (!run_wide_rung<large_wide_rung>(c, s, bricks, seed, q[0].vertex, 0, 1, failed, next, NULL, far_cap,
-                                        128 + mine / 2048, out, out, q[1], q[2], last)) {
+    if (!good(c, cudaGetDevice(&device), "cudaGetDevice")
+        || !good(c, cudaDeviceGetAttribute(&processors, cudaDevAttrMultiProcessorCount, device),
+                 "cudaDeviceGetAttribute")
+        || !fill(c, a.next, 0, 1) || !fill(c, a.failed.count, 0, 1)) {
         return false;
     }
-    if (last > 128 + mine / 2048) {                  /* beyond its limit a rung leaves stars untried, uncounted */
+    const unsigned most = RUNG::shared ? (unsigned)(processors * RUNG::blocks) : last_blocks;
+    const unsigned blocks = a.total < most ? a.total : most;
+    if (!RUNG::shared && (!scratch.make(blocks) || !pool.make((size_t)blocks * 32 * PBW__POOL))) {
+        return false;
+    }
+    a.scratch = scratch.at;
+    a.pool = pool.at;
+    wide_kernel<RUNG><<<blocks, 32, RUNG::shared ? sizeof(wide_star<RUNG>) : 0, c.stream>>>(a);
+    return launched(c, "stars of a rung") && keep_points(c)
+        && read_back(c, failed, a.failed.count, PBW_STAGE_BUILD, 0.8);
+}
+
+/* wide: whether a sample shows that few stars are large or searched for long.  The CPU takes 150 to 250 ns a point on
+   16 threads; 4 warps a multiprocessor take 3 us each for a look at 32 places. */
+bool sample_wide_stars(call &c, const workshop &w, wide_launch a, bool &wide)
+{
+    unsigned long long looks = 0;
+    uint32_t failed = 0;
+    a.total = sample_size;
+    a.stride = (w.out.end - w.out.first) / sample_size;
+    a.work = w.seed + 4;
+    a.cap = sample_cap;
+    start_over(c, w);
+    if (!launch_near<3, false, false>(c, w, w.out.first, a.stride, a.total, true) || !fill(c, a.work, 0, 1)
+        || !run_wide_rung<wide_rung>(c, a, failed) || !read_back(c, looks, a.work, PBW_STAGE_BUILD, 0.1)) {
+        return false;
+    }
+    wide = failed <= a.total / 64 && looks <= most_looks * a.total;
+    return true;
+}
+
+/* Stars that the first rung for surfaces left in q[0]. */
+bool build_large_wide_stars(call &c, const workshop &w, wide_launch a, uint32_t failed)
+{
+    const uint32_t limit = 128 + (w.out.end - w.out.first) / 2048;
+    uint32_t last = 0;
+    a.in = w.out;
+    a.stride = 1;
+    a.first = 0;
+    a.vertex = w.q[0].vertex;
+    a.failed = w.q[1];
+    a.total = failed;
+    a.cap = far_cap;
+    a.limit = limit;
+    if (!run_wide_rung<large_wide_rung>(c, a, last)) {
+        return false;
+    }
+    if (last > limit) {                              /* beyond its limit a rung leaves stars untried, uncounted */
         return decline_stars(c, last);
     }
-    if (!run_wide_rung<last_wide_rung>(c, s, bricks, seed, q[1].vertex, 0, 1, last, next, NULL, last_cap[0], 0,
-                                       out, out, q[0], q[2], failed)) {
+    a.vertex = w.q[1].vertex;
+    a.failed = w.q[0];
+    a.total = last;
+    a.cap = last_cap[0];
+    a.limit = 0;
+    if (!run_wide_rung<last_wide_rung>(c, a, failed)) {
         return false;
     }
-    stars[0] = stars[1] = mine;
-    stars[2] = last;
+    w.made[2] = last;
     note(c, 4);
     return failed == 0 ? c.status == PBW_OK : decline_stars(c, failed);
 }
 
-/* All stars into out.  t.level[0] and lists come from before. */
-template <int DIM, int WEIGHTED>
-bool build_stars(call &c, const space &s, const tree &t, const uint32_t *lists, const near_list *infos,
-                 store &out, const queue *q, unsigned long long *seed, uint32_t *next, size_t *stars)
+/* Stars of points on surfaces, unless a sample speaks against it: then wide comes out false.  Those that the first
+   rung begins go to a store of their own, which is given back. */
+bool build_wide_stars(call &c, workshop &w, const brick_tree &bricks, bool &wide)
 {
-    const size_t quick_bytes = sizeof(typename far_star<DIM, WEIGHTED, quick_rung>::type);
-    const size_t near_bytes = sizeof(typename near_star<DIM, WEIGHTED, float>::type) * (near_block / 8);
-    const size_t exact_bytes = sizeof(typename near_star<DIM, WEIGHTED, double>::type) * (near_block / 8);
-    static_assert(exact_bytes <= 48 << 10, "the stars of a block fit what every device has of shared memory");
-    const uint32_t chunk = 1u << 22, far_chunk = 1u << 18, mine = out.end - out.first;
-    uint32_t open = 0, failed = 0;
+    const uint32_t mine = w.out.end - w.out.first;
+    const unsigned long long enough = (unsigned long long)mine * 15 + 4096;
+    const store in = w.out;
+    unsigned long long used = 0;
+    uint32_t failed = 0;
+    wide_launch a = { w.s, bricks, w.seed, NULL, in.first, 1, mine, none, w.next, NULL, quick_cap, NULL, NULL, in, in,
+                      w.q[0], w.q[2] };
+    find_seeds<3>(c, w);
+    if (!sample_wide_stars(c, w, a, wide) || !wide) {
+        return c.status == PBW_OK;
+    }
+    start_over(c, w);
+    if (!launch_near<3, false, false>(c, w, in.first, 1, mine, true)) {
+        return false;
+    }
+    note(c, 3);
+    if (!read_back(c, used, w.out.used, PBW_STAGE_BUILD, 0.2)) {
+        return false;
+    }
+    if (used > w.out.capacity) {
+        return true;
+    }
+    w.out.capacity = w.out.capacity > enough ? w.out.capacity : enough;
+    if (!fill(c, w.out.used, 0, 1) || !allocate(c, w.out.word, (size_t)w.out.capacity * 4)) {
+        return false;
+    }
+    a.out = w.out;
+    a.limit = 128 + mine / 16;
+    if (!run_wide_rung<wide_rung>(c, a, failed) || !read_back(c, used, w.out.used, PBW_STAGE_BUILD, 0.8)) {
+        return false;
+    }
+    release(c, in.word, false);
+    if (used > w.out.capacity) {
+        return true;
+    }
+    w.made[0] = w.made[1] = mine;
+    return failed > a.limit ? decline_stars(c, failed) : build_large_wide_stars(c, w, a, failed);
+}
 
-    bool far = false, wide = false;
-    /* weights hide points, which is quick */
-    if (!WEIGHTED && !patient && s.count >= sampled_from && mine >= sample_size
-        && !sample_stars<DIM, WEIGHTED>(c, s, t, lists, infos, out, q, near_bytes, exact_bytes, far)) {
+/* All stars of the share. */
+template <int DIM, bool WEIGHTED> bool build_stars(call &c, workshop &w)
+{
+    uint32_t failed = 0;
+    bool far = false, wide = false;                  /* weights hide points, which is quick: no sample */
+    if (!WEIGHTED && !patient && w.s.count >= sampled_from && w.out.end - w.out.first >= sample_size
+        && !sample_stars<DIM, WEIGHTED>(c, w, far)) {
         return false;
     }
     if (far && DIM == 3) {
         brick_tree bricks;
-        if (!lay_bricks(c, s, bricks)
-            || !build_wide_stars(c, s, t, bricks, lists, infos, out, q, seed, next, stars, wide)) {
+        if (!lay_bricks(c, w.s, bricks) || !build_wide_stars(c, w, bricks, wide)) {
             return false;
         }
         for (int level = 0; level < bricks.levels; level++) {
@@ -5009,106 +4649,12 @@ bool build_stars(call &c, const space &s, const tree &t, const uint32_t *lists, 
     if (far && !c.must) {
         return decline(c, "most stars reach far (points on lines, or nearly in a plane?): quicker on the CPU");
     }
-    fill(c, q[0].count, 0, 3);
-    fill(c, out.used, 0, 1);
-    fill(c, out.owned + mine, 0, 1);
-    fill(c, out.place, 0xff, mine);
-    stars[0] = mine;
-    for (uint32_t first = out.first; first < out.end && c.status == PBW_OK; first += chunk) {
-        uint32_t count = out.end - first < chunk ? out.end - first : chunk;
-        near_kernel<DIM, WEIGHTED, false><<<blocks_for(count, near_block / 8), near_block, near_bytes, c.stream>>>(
-            s, t.level[0], lists, infos, first, 1, count, false, out, q[0], q[1]);
-        if (!launched(c, "near stars")) {
-            return false;
-        }
-        const bool more = first + count < out.end;
-        if (first == out.first && more) {            /* one ahead: the host has time for its part */
-            continue;
-        }
-        if (!keep_points(c)) {
-            return false;
-        }
-        if (more) {
-            wait(c, c.stream, PBW_STAGE_BUILD, 0.7 * (double)(first - out.first) / (double)mine);
-        }
-    }
-    if (!read_back(c, open, q[1].count, PBW_STAGE_BUILD, 0.7)) {
+    if (!build_near_stars<DIM, WEIGHTED>(c, w, failed)) {
         return false;
     }
-    if (open > 0) {
-        near_kernel<DIM, WEIGHTED, true><<<blocks_for(open, near_block / 8), near_block, exact_bytes, c.stream>>>(
-            s, t.level[0], lists, infos, 0, 1, open, false, out, q[0], q[1]);
-    }
-    note(c, 3);
-    if (!launched(c, "near stars") || !read_back(c, failed, q[0].count, PBW_STAGE_BUILD, 0.8)
-        || !fill(c, q[1].count, 0, 1)) {
-        return false;
-    }
-    stars[1] = failed;
-    if (failed > 0) {
-        for (uint32_t first = 0; first < failed; first += far_chunk) {
-            uint32_t count = failed - first < far_chunk ? failed - first : far_chunk;
-            const queue some = { q[0].vertex + first, NULL };
-            far_kernel<DIM, WEIGHTED, quick_rung><<<count, 32 * quick_rung::warps, quick_bytes, c.stream>>>(
-                s, t, seed, some, count, quick_cap, none, NULL, NULL, out, q[1], q[2]);
-            if (!launched(c, "far stars")
-                || (first + count < failed && !wait(c, c.stream, PBW_STAGE_BUILD, 0.8))) {
-                return false;
-            }
-        }
-        if (!read_back(c, failed, q[1].count, PBW_STAGE_BUILD, 0.9)) {
-            return false;
-        }
-    }
-    return build_far_stars<DIM, WEIGHTED>(c, s, t, out, q, seed, failed, stars);
-}
-
-template <typename RUNG>
-bool run_smooth_rung(call &c, const space &s, const cap_tree &t, const uint32_t *lists, const near_list *infos,
-                     const uint32_t *vertex, uint32_t first, uint32_t total, uint32_t *next, int cap_of_work,
-                     uint32_t limit, const store &out, const queue &failed, const queue &large, uint32_t &count)
-{
-    return run_rung<RUNG, smooth_star<RUNG> >(
-        c, total, RUNG::block / RUNG::lanes, next, failed, count,
-        [&](unsigned blocks, size_t bytes, smooth_star<RUNG> *scratch, pbw__digit *pool) {
-            smooth_kernel<RUNG><<<blocks, RUNG::block, bytes, c.stream>>>(s, t, lists, infos, vertex, first, total,
-                                                                          next, cap_of_work, limit, scratch, pool,
-                                                                          out, failed, large);
-        });
-}
-
-/* Stars of points on a common sphere. */
-bool build_smooth_stars(call &c, const space &s, const cap_tree &t, const uint32_t *lists, const near_list *infos,
-                        const store &out, const queue *q, uint32_t *next, size_t *stars)
-{
-    const uint32_t mine = out.end - out.first, limit = 128 + mine / 8;
-    uint32_t failed = 0, last = 0;
-    fill(c, q[2].count, 0, 1);
-    fill(c, out.used, 0, 1);
-    fill(c, out.owned + mine, 0, 1);
-    fill(c, out.place, 0xff, mine);
-    note(c, 3);
-    if (!run_smooth_rung<smooth_rung>(c, s, t, lists, infos, NULL, out.first, mine, next, smooth_cap, limit, out,
-                                      q[0], q[2], failed)) {
-        return false;
-    }
-    if (failed > limit) {
-        return decline(c, "most stars reach far (points on a surface or a curve?): quicker on the CPU");
-    }
-    stars[0] = stars[1] = mine;
-    if (!run_smooth_rung<middle_smooth_rung>(c, s, t, lists, infos, q[0].vertex, 0, failed, next, far_cap, limit, out,
-                                             q[1], q[2], last)
-        || !run_smooth_rung<large_smooth_rung>(c, s, t, lists, infos, q[1].vertex, 0, last, next, far_cap, limit, out,
-                                               q[0], q[2], failed)) {
-        return false;
-    }
-    stars[2] = failed;
-    if (!run_smooth_rung<last_smooth_rung>(c, s, t, lists, infos, q[0].vertex, 0, failed, next, last_cap[0],
-                                           last_blocks, out, q[1], q[2], last)) {
-        return false;
-    }
-    note(c, 4);
-    return last == 0 ? c.status == PBW_OK : decline_stars(c, last);
+    w.made[1] = failed;
+    return build_quick_stars<DIM, WEIGHTED>(c, w, failed) && build_far_stars<DIM, WEIGHTED>(c, w, failed)
+        && build_last_stars<DIM, WEIGHTED>(c, w, failed);
 }
 
 /* In parts: memory that is not pinned makes the host wait for each. */
@@ -5253,7 +4799,8 @@ template <int DIM> bool fetch_guests(call &c, directory<DIM> &all)
         count += of[i].guest_count[c.card];
     }
     if (!allocate(c, guest, count) || !allocate(c, number, count)
-        || !allocate(c, c.cards->of[c.card].beyond, count)) {
+        || !allocate(c, c.cards->of[c.card].beyond, count)
+        || !fill(c, c.cards->of[c.card].beyond, 0xff, count)) {      /* guests without a facet here leave theirs */
         return false;
     }
     all.guest = guest;
@@ -5308,178 +4855,195 @@ bool fetch_incident(call &c, const uint32_t *id, pbw_index *incident)
     return launched(c, "incident simplices");
 }
 
-template <int DIM, int WEIGHTED>
-bool build(call &c, const input &in, space &s, const uint32_t *id, unsigned flags, pbw_cuda_mesh *mesh)
+/* Shares the points, grows the tree, and allocates what the rungs need. */
+bool open_workshop(call &c, workshop &w, int dim)
 {
-    tree t;
-    store out;
-    queue q[3] = { { NULL, NULL }, { NULL, NULL }, { NULL, NULL } };
-    uint32_t *lists = NULL, *counts = NULL, *offset = NULL, total = 0, hidden_count = 0;
-    near_list *infos = NULL;
-    unsigned long long *used_and_seed = NULL, used = 0;
-    cell<DIM> *cells = NULL;
-    directory<DIM> all;
-    const bool alone = c.cards == NULL || c.cards->cards == 1, with_neighbors = (flags & PBW_NO_NEIGHBORS) == 0;
-    cap_tree caps;
-    bool smooth = false;
-
-    memset(&out, 0, sizeof out);
-    memset(&t, 0, sizeof t);
-    memset(&caps, 0, sizeof caps);
-    memset(&all, 0, sizeof all);
-    if (!share_points(c, s, out.first, out.end)) {
+    unsigned long long *used_and_seed = NULL;
+    uint32_t *counts = NULL;                         /* of the queues, next, stop */
+    if (!share_points(c, w.s, w.out.first, w.out.end)) {
         return false;
     }
-    const uint32_t mine = out.end - out.first, groups = (mine + group_size - 1) / group_size;
-    const unsigned star_blocks = blocks_for(mine, emit_block / 8);
-    out.capacity = (unsigned long long)mine * (DIM == 3 ? 13 : 5) + 4096;
+    const uint32_t mine = w.out.end - w.out.first, groups = (mine + group_size - 1) / group_size;
+    w.out.capacity = (unsigned long long)mine * (dim == 3 ? 13 : 5) + 4096;
     /* rough points and boxes; the store, queues, places and counts; lists and their heads of 8 points */
-    if (!fits(c, (size_t)s.count * 16 + (size_t)s.count / group_size * sizeof(box) + (size_t)out.capacity * 16
-                 + (size_t)mine * (12 + 8) + (size_t)groups * (list_size * 4 + sizeof(near_list)))) {
-        return false;
-    }
-    if (!grow_tree(c, s, DIM, t) || !allocate(c, lists, (size_t)groups * list_size) || !allocate(c, infos, groups)
-        || !allocate(c, counts, 5) || !allocate(c, used_and_seed, 6) || !allocate(c, out.place, mine)
-        || !allocate(c, out.owned, (size_t)mine + 1)) {
+    if (!fits(c, (size_t)w.s.count * 16 + (size_t)w.s.count / group_size * sizeof(box) + (size_t)w.out.capacity * 16
+                 + (size_t)mine * (12 + 8) + (size_t)groups * (list_size * 4 + sizeof(near_list)))
+        || !grow_tree(c, w.s, dim, w.t) || !allocate(c, w.lists, (size_t)groups * list_size)
+        || !allocate(c, w.infos, groups) || !allocate(c, counts, 5) || !allocate(c, used_and_seed, 6)
+        || !allocate(c, w.out.place, mine) || !allocate(c, w.out.owned, (size_t)mine + 1)
+        || !fill(c, counts + 4, 0, 1)) {
         return false;
     }
     for (int i = 0; i < 3; i++) {
-        q[i].count = counts + i;
-        if (!allocate(c, q[i].vertex, mine)) {
+        w.q[i].count = counts + i;
+        if (!allocate(c, w.q[i].vertex, mine)) {
             return false;
         }
     }
-    out.used = used_and_seed;
-    out.stop = counts + 4;
-    if (!fill(c, counts + 4, 0, 1)) {
-        return false;
-    }
+    w.next = counts + 3;
+    w.out.stop = counts + 4;
+    w.out.used = used_and_seed;
+    w.seed = used_and_seed + 1;
     if (c.copies != NULL && good(c, cudaEventRecord(c.copied, c.stream), "cudaEventRecord")
         && good(c, cudaStreamWaitEvent(c.copies, c.copied, 0), "cudaStreamWaitEvent")) {
         c.stop = counts + 4;
     }
-    list_kernel<<<blocks_for(groups, 4), 128, 0, c.stream>>>(t, DIM, out.first / group_size,
-                                                             out.first / group_size + groups, lists, infos);
-    if (!launched(c, "lists")) {
-        return false;
-    }
-    if (DIM == 3 && !WEIGHTED && !find_sphere(c, s, caps, used_and_seed + 1, smooth)) {
-        return false;
-    }
+    list_kernel<<<blocks_for(groups, 4), 128, 0, c.stream>>>(w.t, dim, w.out.first / group_size,
+                                                             w.out.first / group_size + groups, w.lists, w.infos);
+    return launched(c, "lists");
+}
+
+/* All stars into the store, again if it turns out too small. */
+template <int DIM, bool WEIGHTED> bool fill_store(call &c, workshop &w)
+{
+    unsigned long long used = 0;
     note(c, 2);
-    for (;;) {                                       /* again if the store turns out too small */
-        if (!allocate(c, out.word, (size_t)out.capacity * 4)
-            || !(smooth ? build_smooth_stars(c, s, caps, lists, infos, out, q, counts + 3, mesh->stars)
-                 : build_stars<DIM, WEIGHTED>(c, s, t, lists, infos, out, q, used_and_seed + 1, counts + 3,
-                                              mesh->stars))
-            || !read_back(c, used, out.used, PBW_STAGE_BUILD, 0.95)) {
+    for (;;) {
+        if (!allocate(c, w.out.word, (size_t)w.out.capacity * 4) || !build_stars<DIM, WEIGHTED>(c, w)
+            || !read_back(c, used, w.out.used, PBW_STAGE_BUILD, 0.95)) {
             return false;
         }
-        if (used <= out.capacity) {
+        if (used <= w.out.capacity) {
             break;
         }
-        release(c, out.word, false);
-        out.capacity = used + used / 16;
+        release(c, w.out.word, false);
+        w.out.capacity = used + used / 16;
     }
-    if (used > ((unsigned long long)1 << 32) - 16) {
-        return fail(c, PBW_ERROR_TOO_LARGE, "too many simplices for the index type");
-    }
-    release(c, lists, false);
-    release(c, infos, false);
-    if (!allocate(c, offset, (size_t)mine + 1) || !sum_before(c, out.owned, offset, (size_t)mine + 1)
-        || !read_back(c, total, offset + mine, PBW_STAGE_OUTPUT, 0.0)) {
+    release(c, w.lists, false);
+    release(c, w.infos, false);
+    return used <= ((unsigned long long)1 << 32) - 16
+        || fail(c, PBW_ERROR_TOO_LARGE, "too many simplices for the index type");
+}
+
+/* The simplices of a share on their way out. */
+struct output {
+    const uint32_t *id;
+    bool alone, with_neighbors, to_host;
+    uint32_t *offset, total;                         /* of each vertex; of the share */
+    size_t before;                                   /* simplices of lower shares */
+};
+
+/* Numbers the simplices of all shares. */
+bool number_simplices(call &c, const workshop &w, output &o, pbw_cuda_mesh *mesh)
+{
+    const uint32_t mine = w.out.end - w.out.first;
+    if (!allocate(c, o.offset, (size_t)mine + 1) || !sum_before(c, w.out.owned, o.offset, (size_t)mine + 1)
+        || !read_back(c, o.total, o.offset + mine, PBW_STAGE_OUTPUT, 0.0)) {
         return false;
     }
-    size_t before = 0, everywhere = total;
-    if (!alone) {
+    mesh->simplex_count = o.total;
+    if (!o.alone) {
         offer &own = c.cards->of[c.card];
-        own.first = out.first;
-        own.end = out.end;
-        own.simplices = total;
+        own.first = w.out.first;
+        own.end = w.out.end;
+        own.simplices = o.total;
         if (!meet_cards(c, false, 0.0)) {
             return false;
         }
         for (int i = 0; i < c.cards->cards; i++) {
-            before += i < c.card ? c.cards->of[i].simplices : 0;
-            everywhere += i != c.card ? c.cards->of[i].simplices : 0;
-        }
-        if (everywhere >= hidden) {
-            return fail(c, PBW_ERROR_TOO_LARGE, "too many simplices for the index type");
+            o.before += i < c.card ? c.cards->of[i].simplices : 0;
+            mesh->simplex_count += i != c.card ? c.cards->of[i].simplices : 0;
         }
     }
-    mesh->simplex_count = everywhere;
     note(c, 5);
-    const size_t incident_count = alone ? in.count : mine;
-    if (!fits(c, (size_t)total * (with_neighbors ? 3 : 2) * sizeof(cell<DIM>) + in.count * 4)) {
+    return mesh->simplex_count < hidden || fail(c, PBW_ERROR_TOO_LARGE, "too many simplices for the index type");
+}
+
+/* Writes the simplices, and lists those that other cards need. */
+template <int DIM>
+bool emit_simplices(call &c, const workshop &w, const output &o, directory<DIM> &all, pbw_cuda_mesh *mesh)
+{
+    const uint32_t mine = w.out.end - w.out.first;
+    const size_t links = (size_t)o.total * (DIM + 1), incident = o.alone ? c.count : mine;
+    cell<DIM> *cells = NULL;
+    if (!fits(c, (size_t)o.total * (o.with_neighbors ? 3 : 2) * sizeof(cell<DIM>) + c.count * 4)
+        || !allocate(c, cells, o.total) || !allocate(c, mesh->simplices, links)
+        || !allocate(c, mesh->incident, incident) || (o.with_neighbors && !allocate(c, mesh->neighbors, links))
+        || !fill(c, mesh->incident, 0xff, incident) || !fill(c, w.next, 0, 1)) {
         return false;
     }
-    if (!allocate(c, cells, total) || !allocate(c, mesh->simplices, (size_t)total * (DIM + 1))
-        || !allocate(c, mesh->incident, incident_count)
-        || (with_neighbors && !allocate(c, mesh->neighbors, (size_t)total * (DIM + 1)))
-        || !fill(c, mesh->incident, 0xff, incident_count) || !fill(c, counts + 3, 0, 1)) {
-        return false;
-    }
-    emit_kernel<DIM><<<star_blocks, emit_block, 0, c.stream>>>(out, offset, id, cells, mesh->simplices);
+    emit_kernel<DIM><<<blocks_for(mine, emit_block / 8), emit_block, 0, c.stream>>>(w.out, o.offset, o.id, cells,
+                                                                                   mesh->simplices);
     if (!launched(c, "simplices")) {
         return false;
     }
     note(c, 6);
-    all.first = out.first;
-    all.base = (uint32_t)before;
-    all.offset = offset;
+    all.first = w.out.first;
+    all.base = (uint32_t)o.before;
+    all.offset = o.offset;
     all.cells = cells;
-    const bool to_host = c.job->reserve != NULL;
-    if (to_host && c.card == 0) {
-        pbw_status status = c.job->reserve(c.job, everywhere);
-        if (status != PBW_OK) {
-            return fail(c, status, "out of memory on the host");
-        }
+    pbw_status status = o.to_host && c.card == 0 ? c.job->reserve(c.job, mesh->simplex_count) : PBW_OK;
+    if (status != PBW_OK) {
+        return fail(c, status, "out of memory on the host");
     }
-    if (!alone && (!list_guests<DIM>(c, all, mine) || !meet_cards(c, false, 0.1) || !fetch_guests<DIM>(c, all))) {
-        return false;
-    }
-    if (to_host
-        && !copy_out(c, c.job->simplices + before * (DIM + 1), mesh->simplices, (size_t)total * sizeof(cell<DIM>),
-                     0.1)) {
-        return false;
-    }
-    pbw_index *beyond = alone ? NULL : c.cards->of[c.card].beyond;
-    neighbor_kernel<DIM><<<star_blocks, emit_block, 0, c.stream>>>(out, all, alone ? id : NULL, mesh->neighbors,
-                                                                   beyond, mesh->incident, counts + 3);
+    return (o.alone
+            || (list_guests<DIM>(c, all, mine) && meet_cards(c, false, 0.1) && fetch_guests<DIM>(c, all)))
+        && (!o.to_host
+            || copy_out(c, c.job->simplices + o.before * (DIM + 1), mesh->simplices, links * sizeof(pbw_index), 0.1));
+}
+
+/* Finds the neighbours and incident simplices; w.next counts hidden points. */
+template <int DIM>
+bool find_neighbors(call &c, const workshop &w, const output &o, const directory<DIM> &all, pbw_cuda_mesh *mesh)
+{
+    const uint32_t mine = w.out.end - w.out.first, *id = o.alone ? o.id : NULL;
+    pbw_index *beyond = o.alone ? NULL : c.cards->of[c.card].beyond;
+    neighbor_kernel<DIM><<<blocks_for(mine, emit_block / 8), emit_block, 0, c.stream>>>(
+        w.out, all, id, mesh->neighbors, beyond, mesh->incident, w.next);
     if (mesh->stars[1] > 0) {
         large_neighbor_kernel<DIM><<<blocks_for(mesh->stars[1], 4), 128, 0, c.stream>>>(
-            q[2], out, all, alone ? id : NULL, mesh->neighbors, beyond, mesh->incident);
+            w.q[2], w.out, all, id, mesh->neighbors, beyond, mesh->incident);
     }
     note(c, 7);
     if (!launched(c, "neighbours")) {
         return false;
     }
-    pbw_index *incident = mesh->incident;
-    if (!alone) {
+    if (!o.alone) {
         c.cards->of[c.card].incident = mesh->incident;
         if (!wait(c, c.stream, PBW_STAGE_OUTPUT, 0.2) || !meet_cards(c, false, 0.3)
-            || (with_neighbors && !fetch_beyond<DIM>(c, all, mesh->neighbors))) {
+            || (o.with_neighbors && !fetch_beyond<DIM>(c, all, mesh->neighbors))) {
             return false;
         }
     }
-    if (to_host && with_neighbors
-        && !copy_out(c, c.job->neighbors + before * (DIM + 1), mesh->neighbors, (size_t)total * sizeof(cell<DIM>),
-                     0.4)) {
+    return !o.to_host || !o.with_neighbors
+        || copy_out(c, c.job->neighbors + o.before * (DIM + 1), mesh->neighbors,
+                    (size_t)o.total * (DIM + 1) * sizeof(pbw_index), 0.4);
+}
+
+/* The arrays of points: the first card writes the incident simplices of all, the last the canonical points. */
+bool copy_points(call &c, const output &o, const pbw_cuda_mesh *mesh)
+{
+    pbw_index *incident = mesh->incident;
+    const size_t bytes = c.count * sizeof(pbw_index);
+    if (!o.alone && c.card == 0
+        && (!allocate(c, incident, c.count) || !fill(c, incident, 0xff, c.count)
+            || !fetch_incident(c, o.id, incident))) {
         return false;
     }
-    if (!alone && c.card == 0
-        && (!allocate(c, incident, in.count) || !fill(c, incident, 0xff, in.count)
-            || !fetch_incident(c, id, incident))) {
-        return false;
-    }
-    if (to_host && c.card == 0 && !copy_out(c, c.job->incident, incident, in.count * sizeof(pbw_index), 0.4)) {
-        return false;
-    }
-    if (to_host && c.card + 1 == c.cards->cards
-        && !copy_out(c, c.job->canonical, mesh->canonical, in.count * sizeof(pbw_index), 0.4)) {
-        return false;
-    }
-    if (!read_back(c, hidden_count, counts + 3, PBW_STAGE_OUTPUT, 0.5)) {
+    return !o.to_host
+        || ((c.card > 0 || copy_out(c, c.job->incident, incident, bytes, 0.4))
+            && (c.card + 1 < c.cards->cards || copy_out(c, c.job->canonical, mesh->canonical, bytes, 0.4)));
+}
+
+template <int DIM, bool WEIGHTED>
+bool build(call &c, const space &s, const uint32_t *id, unsigned flags, pbw_cuda_mesh *mesh)
+{
+    workshop w;
+    output o;
+    directory<DIM> all;
+    uint32_t hidden_count = 0;
+    memset(&w, 0, sizeof w);
+    memset(&o, 0, sizeof o);
+    memset(&all, 0, sizeof all);
+    w.s = s;
+    w.made = mesh->stars;
+    o.id = id;
+    o.alone = c.cards == NULL || c.cards->cards == 1;
+    o.with_neighbors = (flags & PBW_NO_NEIGHBORS) == 0;
+    o.to_host = c.job->reserve != NULL;
+    if (!open_workshop(c, w, DIM) || !fill_store<DIM, WEIGHTED>(c, w) || !number_simplices(c, w, o, mesh)
+        || !emit_simplices<DIM>(c, w, o, all, mesh) || !find_neighbors<DIM>(c, w, o, all, mesh)
+        || !copy_points(c, o, mesh) || !read_back(c, hidden_count, w.next, PBW_STAGE_OUTPUT, 0.5)) {
         return false;
     }
     mesh->hidden_count = hidden_count;
@@ -5502,16 +5066,16 @@ bool run(call &c, const input &in, unsigned flags, pbw_cuda_mesh *mesh)
     }
     note(c, 0);
     if (!allocate(c, mesh->canonical, in.count)
-        || !order_points(c, in, s, id, mesh->canonical, weighted, mesh->duplicate_count)) {
+        || !order_points(c, in, s, id, weighted, mesh)) {
         return false;
     }
     release(c, in.points, false);                    /* those of a job: the records have all */
     release(c, in.weights, false);
     note(c, 1);
     if (in.dim == 3) {
-        done = weighted ? build<3, given>(c, in, s, id, flags, mesh) : build<3, equal>(c, in, s, id, flags, mesh);
+        done = weighted ? build<3, true>(c, s, id, flags, mesh) : build<3, false>(c, s, id, flags, mesh);
     } else {
-        done = weighted ? build<2, given>(c, in, s, id, flags, mesh) : build<2, equal>(c, in, s, id, flags, mesh);
+        done = weighted ? build<2, true>(c, s, id, flags, mesh) : build<2, false>(c, s, id, flags, mesh);
     }
     for (int i = 0; i < 8 && done; i++) {
         done = good(c, cudaEventElapsedTime(&mesh->milliseconds[i], c.mark[i < 7 ? i : 0], c.mark[i < 7 ? i + 1 : 7]),
@@ -5520,39 +5084,50 @@ bool run(call &c, const input &in, unsigned flags, pbw_cuda_mesh *mesh)
     return done;
 }
 
-/* One pass; false: a fault, which report then has, or no verdict. */
-template <int DIM>
-bool check_pass(call &c, const view &m, int pass, uint32_t *open, pbw__digit *pool, finding *on_device,
-                finding &found, pbw_report *report)
+/* A check while it runs. */
+struct checking {
+    call &c;
+    view m;
+    buffer<uint32_t> open;                           /* items that the stages without memory leave open */
+    buffer<pbw__digit> pool;
+    buffer<finding> on_device;
+    finding found;
+    pbw_report *report;
+};
+
+/* One pass; false: a fault, which the report then names, or no verdict. */
+template <int DIM> bool check_pass(checking &k, int pass)
 {
+    call &c = k.c;
     const bool of_points = pass == check_points || pass == check_hidden;
-    uint32_t count = of_points ? (uint32_t)m.in.count : m.count;
+    const uint32_t count = of_points ? (uint32_t)k.m.in.count : k.m.count;
     unsigned blocks = blocks_for(count, 128);
     blocks = blocks < 1u << 16 ? blocks : 1u << 16;
-    check_kernel<DIM><<<blocks, 128, 0, c.stream>>>(m, pass, count, NULL, open, NULL, on_device);
-    if (!launched(c, "check") || !read_back(c, found, on_device, PBW_STAGE_BUILD, 0.0)) {
+    check_kernel<DIM><<<blocks, 128, 0, c.stream>>>(k.m, pass, count, NULL, k.open.at, NULL, k.on_device.at);
+    if (!launched(c, "check") || !read_back(c, k.found, k.on_device.at, PBW_STAGE_BUILD, 0.0)) {
         return false;
     }
-    if (found.open > 0) {
-        check_kernel<DIM><<<check_blocks, 32, 0, c.stream>>>(m, pass, found.open, open, NULL, pool, on_device);
-        if (!fill(c, &on_device->open, 0, 1) || !launched(c, "check")
-            || !read_back(c, found, on_device, PBW_STAGE_BUILD, 0.0)) {
+    if (k.found.open > 0) {
+        check_kernel<DIM><<<check_blocks, 32, 0, c.stream>>>(k.m, pass, k.found.open, k.open.at, NULL, k.pool.at,
+                                                             k.on_device.at);
+        if (!fill(c, &k.on_device.at->open, 0, 1) || !launched(c, "check")
+            || !read_back(c, k.found, k.on_device.at, PBW_STAGE_BUILD, 0.0)) {
             return false;
         }
     }
-    if (found.least == ~0ull) {
+    if (k.found.least == ~0ull) {
         return true;
     }
-    uint32_t item = (uint32_t)(found.least >> 32);   /* once more, to hear all about it */
-    if (!good(c, cudaMemcpyAsync(open, &item, sizeof item, cudaMemcpyHostToDevice, c.stream), "copy")) {
+    uint32_t item = (uint32_t)(k.found.least >> 32);     /* once more, for a description of it */
+    if (!good(c, cudaMemcpyAsync(k.open.at, &item, sizeof item, cudaMemcpyHostToDevice, c.stream), "copy")) {
         return false;
     }
-    check_kernel<DIM><<<1, 32, 0, c.stream>>>(m, pass, 1, open, NULL, pool, on_device);
-    if (launched(c, "check") && read_back(c, found, on_device, PBW_STAGE_BUILD, 0.0)) {
-        report->what = faults[found.first.fault];
-        report->simplex = found.first.simplex;
-        report->facet = (pbw_index)found.first.facet;
-        report->point = found.first.point;
+    check_kernel<DIM><<<1, 32, 0, c.stream>>>(k.m, pass, 1, k.open.at, NULL, k.pool.at, k.on_device.at);
+    if (launched(c, "check") && read_back(c, k.found, k.on_device.at, PBW_STAGE_BUILD, 0.0)) {
+        k.report->what = faults[k.found.first.fault];
+        k.report->simplex = k.found.first.simplex;
+        k.report->facet = (pbw_index)k.found.first.facet;
+        k.report->point = k.found.first.point;
     }
     return false;
 }
@@ -5563,62 +5138,70 @@ bool miscounts(pbw_report *report, size_t said, size_t counted, const char *what
     return said != counted;
 }
 
-template <int DIM> bool check_mesh(call &c, const pbw_cuda_mesh &mesh, const input &in, pbw_report *report)
+/* Copies the corners of simplex 0 to the host. */
+template <int DIM> bool read_basis(call &c, view &m)
 {
-    survey *found_on_device = NULL;
-    finding *on_device = NULL, found;
-    pbw__digit *pool = NULL;
-    uint32_t *open = NULL;
+    const size_t size = m.in.is_float ? sizeof(float) : sizeof(double);
     pbw_index first[DIM + 1];
-    double lightest, heaviest;
-    pbw__box domain;
-    view m = { in, mesh.simplices, mesh.neighbors, mesh.incident, mesh.canonical, (uint32_t)mesh.simplex_count,
-               { 0.0, 0 }, { { 0.0 } } };
-    pbw__box_reset(&domain, 1);
-    memset(&found, 0, sizeof found);
-    found.least = ~0ull;
-    if (!survey_points(c, in, found_on_device, domain, lightest, heaviest, m.grid) || !allocate(c, on_device, 1)
-        || !allocate(c, open, mesh.simplex_count > in.count ? mesh.simplex_count : in.count)
-        || !allocate(c, pool, (size_t)check_blocks * 32 * PBW__POOL)
-        || !good(c, cudaMemcpyAsync(on_device, &found, sizeof found, cudaMemcpyHostToDevice, c.stream), "copy")
-        || !good(c, cudaMemcpyAsync(first, mesh.simplices, sizeof first, cudaMemcpyDeviceToHost, c.stream), "copy")
+    if (!good(c, cudaMemcpyAsync(first, m.simplices, sizeof first, cudaMemcpyDeviceToHost, c.stream), "copy")
         || !good(c, cudaStreamSynchronize(c.stream), "copy")) {
         return false;
     }
-    size_t size = in.is_float ? sizeof(float) : sizeof(double);
     for (int i = 0; i <= DIM; i++) {
-        size_t at = first[i] < in.count ? first[i] : 0;
+        size_t at = first[i] < m.in.count ? first[i] : 0;
         float narrow[4] = { 0.0f, 0.0f, 0.0f, 0.0f };
-        void *to = in.is_float ? (void *)narrow : (void *)m.basis[i];
-        if (!good(c, cudaMemcpyAsync(to, (const char *)in.points + at * DIM * size, DIM * size,
+        void *to = m.in.is_float ? (void *)narrow : (void *)m.basis[i];
+        if (!good(c, cudaMemcpyAsync(to, (const char *)m.in.points + at * DIM * size, DIM * size,
                                      cudaMemcpyDeviceToHost, c.stream), "copy")
             || !good(c, cudaStreamSynchronize(c.stream), "copy")) {
             return false;
         }
-        for (int k = 0; k < DIM && in.is_float; k++) {
+        for (int k = 0; k < DIM && m.in.is_float; k++) {
             m.basis[i][k] = (double)narrow[k];
         }
     }
-    if (!check_pass<DIM>(c, m, check_points, open, pool, on_device, found, report)) {
+    return true;
+}
+
+template <int DIM> bool check_mesh(call &c, const pbw_cuda_mesh &mesh, const input &in, pbw_report *report)
+{
+    survey *surveyed = NULL;
+    extents e;
+    checking k = { c,
+                   { in, mesh.simplices, mesh.neighbors, mesh.incident, mesh.canonical, (uint32_t)mesh.simplex_count,
+                     { 0.0, 0 }, { { 0.0 } } },
+                   buffer<uint32_t>(c), buffer<pbw__digit>(c), buffer<finding>(c), finding(), report };
+    pbw__box_reset(&e.domain, 1);
+    k.found.least = ~0ull;
+    if (!survey_points(c, in, surveyed, e) || !k.on_device.make(1)
+        || !k.open.make(mesh.simplex_count > in.count ? mesh.simplex_count : in.count)
+        || !k.pool.make((size_t)check_blocks * 32 * PBW__POOL)
+        || !good(c, cudaMemcpyAsync(k.on_device.at, &k.found, sizeof k.found, cudaMemcpyHostToDevice, c.stream),
+                 "copy")
+        || !read_basis<DIM>(c, k.m)) {
         return false;
     }
-    size_t vertices = (size_t)found.counted[check_points][0], others = (size_t)found.counted[check_points][1];
+    k.m.grid = e.grid;
+    if (!check_pass<DIM>(k, check_points)) {
+        return false;
+    }
+    const size_t vertices = (size_t)k.found.counted[check_points][0];
+    const size_t others = (size_t)k.found.counted[check_points][1];
     report->vertex_count = vertices;
     if (miscounts(report, mesh.duplicate_count, in.count - vertices - others, "duplicate_count is wrong")
         || miscounts(report, mesh.hidden_count, others, "hidden_count is wrong")
-        || !check_pass<DIM>(c, m, check_simplices, open, pool, on_device, found, report)) {
+        || !check_pass<DIM>(k, check_simplices)) {
         return false;
     }
-    report->facet_count = (size_t)found.counted[check_simplices][0];
-    report->hull_facet_count = (size_t)found.counted[check_simplices][1];
-    return check_pass<DIM>(c, m, check_hull, open, pool, on_device, found, report)
-        && (others == 0 || check_pass<DIM>(c, m, check_hidden, open, pool, on_device, found, report));
+    report->facet_count = (size_t)k.found.counted[check_simplices][0];
+    report->hull_facet_count = (size_t)k.found.counted[check_simplices][1];
+    return check_pass<DIM>(k, check_hull) && (others == 0 || check_pass<DIM>(k, check_hidden));
 }
 
 /* ------------------------------------------------------------------------------------------------------
    >>entry        The backend, and the entries for points on the device.
    ------------------------------------------------------------------------------------------------------ */
-/* count: 0 if the call is no triangulation of as many points. */
+/* count: the points to triangulate; 0 in a check. */
 bool open_call(call &c, cudaStream_t stream, int dim, size_t count)
 {
     int device = 0, pools = 0;
@@ -5904,7 +5487,7 @@ bool build_by(pbw_triangulator *cpu, call &c, const input &in, pbw_options optio
         mesh->simplex_count = host.simplex_count;
         mesh->duplicate_count = host.duplicate_count;
         mesh->hidden_count = host.hidden_count;
-        wait(c, c.stream, PBW_STAGE_OUTPUT, 0.9);    /* what is copied is freed next */
+        wait(c, c.stream, PBW_STAGE_OUTPUT, 0.9);    /* the host arrays are freed next */
         c.status = c.status == PBW_OK ? status : c.status;
     }
     pbw_free(&host);
@@ -5917,7 +5500,7 @@ bool build_by(pbw_triangulator *cpu, call &c, const input &in, pbw_options optio
 extern "C" const pbw_backend *pbw_cuda_backend_multi(const int *devices, int count)
 {
     static std::mutex lock;
-    static device_list *lists = NULL;                /* one for each list that was ever asked for */
+    static device_list *lists = NULL;                /* one for each list of devices seen so far */
     device_list *list;
     for (int i = 0; i < count; i++) {
         if (devices[i] < 0) {

@@ -59,15 +59,6 @@ build/rival_%.o: bench/rival_%.c bench/bench.h bench/bench.mk
 bench: build/bench$(PHASES:%=_clocks)
 	$< $(SWEEP:%=--sweep) $(PHASES:%=--phases) $(CSV:%=--csv %) $(ARGS)
 
-# Queries beside CGAL and nanoflann: bench/query.cpp
-build/bench_query: bench/query.cpp $(BENCH_INPUTS)
-	@mkdir -p build
-	$(CXX) -std=c++17 -frounding-math $(BENCH_FLAGS) -DNDEBUG -I. $< -o $@ -lgmp -lmpfr -lpthread -lm
-
-.PHONY: bench-query
-bench-query: build/bench_query
-	$< $(POINTS)
-
 # Cells: the library beside voro++, if it is installed.
 BENCH_VORO = $(shell printf '\043include <voro++/voro++.hh>\nint main() { voro::voronoicell c; return 0; }\n' | \
     $(CXX) -x c++ - -o /dev/null -lvoro++ 2>/dev/null && echo yes)
@@ -78,3 +69,12 @@ build/bench_cells: bench/cells.cpp examples/lib/pbw_cells.h $(BENCH_INPUTS)
 .PHONY: bench-cells
 bench-cells: build/bench_cells
 	$<
+
+# Queries beside CGAL and nanoflann: bench/query.cpp
+build/bench_query: bench/query.cpp $(BENCH_INPUTS)
+	@mkdir -p build
+	$(CXX) -std=c++17 -frounding-math $(BENCH_FLAGS) -DNDEBUG -I. $< -o $@ -lgmp -lmpfr -lpthread -lm
+
+.PHONY: bench-query
+bench-query: build/bench_query
+	$< $(POINTS)

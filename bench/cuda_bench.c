@@ -13,6 +13,7 @@
               equal, byte for byte, or the row says DIFFERENT and the exit status is 1
    The first run of each row warms up and is not counted.  Memory stays in the device's pool between runs. */
 #define _POSIX_C_SOURCE 200112L
+#define PBW_CUDA
 #include "../pbw.h"
 #include "../tests/inputs.h"
 #include <cuda_runtime_api.h>

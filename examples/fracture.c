@@ -25,9 +25,7 @@ static void cut_gem(double *planes)
 {
     for (int i = 0; i < PLANES; i++) {
         const double z = 1 - (2 * i + 1) / (double)PLANES, r = sqrt(1 - z * z), turn = 2.39996322972865332 * i;
-        planes[4 * i] = r * cos(turn);
-        planes[4 * i + 1] = r * sin(turn);
-        planes[4 * i + 2] = z;
+        planes[4 * i] = r * cos(turn), planes[4 * i + 1] = r * sin(turn), planes[4 * i + 2] = z;
         planes[4 * i + 3] = 1;
     }
 }
@@ -57,7 +55,8 @@ static int is_watertight(const pbw_cells *cells, size_t i)
     unsigned long long balance = 0;
     for (size_t f = cells->first[i]; f < cells->first[i + 1]; f++) {
         for (size_t l = cells->loop_first[f], end = cells->loop_first[f + 1]; l < end; l++) {
-            const unsigned long long a = cells->loops[l], b = cells->loops[l + 1 < end ? l + 1 : cells->loop_first[f]];
+            const unsigned long long a = cells->loops[l];
+            const unsigned long long b = cells->loops[l + 1 < end ? l + 1 : cells->loop_first[f]];
             balance += (a * a * a + 7 * b) * 0x9e3779b97f4a7c15u ^ a;
             balance -= (b * b * b + 7 * a) * 0x9e3779b97f4a7c15u ^ b;
         }

@@ -43,6 +43,8 @@ cuda-test: $B/cuda_test $B/gpu
 ifneq ($(CUDA_SANITIZER),)
 	$(CUDA_SANITIZER) --tool memcheck --leak-check full --error-exitcode 1 $B/cuda_test --filter grids --count 5
 	$(CUDA_SANITIZER) --tool racecheck --error-exitcode 1 $B/cuda_test --filter grids --count 3
+	$(CUDA_SANITIZER) --tool synccheck --error-exitcode 1 $B/cuda_test --filter grids --count 3
+	$(CUDA_SANITIZER) --tool initcheck --error-exitcode 1 $B/cuda_test --filter grids --count 3
 endif
 	$B/gpu | diff - examples/expected/gpu.txt
 endif

@@ -3,6 +3,7 @@
    pbw_cuda.cu that was compiled for few points too (PBW_CUDA_FEW). */
 #define _POSIX_C_SOURCE 200112L
 #define PBW_IMPLEMENTATION
+#define PBW_CUDA
 #include "../pbw.h"
 #include "test.h"
 #include "meshes.h"
@@ -545,7 +546,7 @@ static void test_beyond(size_t count, int by_cards, int cards)
     free(points);
 }
 
-/* Points on lines are left to the CPU before much is done; others are not. */
+/* Points on lines and on a sphere are left to the CPU before much is done; others are not. */
 static void test_declined(void)
 {
     const size_t count = 50000;
@@ -558,7 +559,7 @@ static void test_declined(void)
     options.message = message;
     options.message_size = sizeof message;
     for (kind = 0; kind < INPUT_KINDS && kind != INPUT_MOMENT; kind++) {
-        int reaches_far = kind == INPUT_LINES;
+        int reaches_far = kind == INPUT_LINES || kind == INPUT_SPHERE;
         int stays_near = kind == INPUT_TERRAIN || kind == INPUT_UNIFORM || kind == INPUT_GAUSS || kind == INPUT_BALL
                       || kind == INPUT_LATTICE;
         if (!reaches_far && !stays_near) {
@@ -586,7 +587,7 @@ static void test_declined(void)
     free(points);
 }
 
-/* Points on a sphere, rounded, and nearly on it. */
+/* Points on a sphere, rounded, and nearly on it: whoever builds them, the mesh is the same. */
 static void test_spheres(void)
 {
     enum { plain, apart, twice, some_off, a_part, floats, forms };
@@ -601,7 +602,6 @@ static void test_spheres(void)
         for (form = 0; form < forms; form++) {
             for (noise = 0; noise < (form == plain ? 4 : 1); noise++) {
                 uint64_t state = test_seed;
-                long before = by_gpu;
                 if (!test_begin("%lu points on a sphere%s, noise %g", (unsigned long)count, names[form],
                                 noises[noise])) {
                     continue;
@@ -624,7 +624,6 @@ static void test_spheres(void)
                 pbw_cuda_patient = 0;
                 compare(3, points, NULL, count, 0);
                 pbw_cuda_patient = 1;
-                CHECK(form == some_off || noises[noise] > 2e-7 || by_gpu > before);
                 test_end();
             }
         }

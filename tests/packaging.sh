@@ -57,7 +57,8 @@ cp "$work/caller.c" "$work/caller.cpp"
 
 # Compilers and standards: no warning, of the interface alone and with everything.
 compilers=
-for compiler in "$CC" gcc clang; do
+for compiler in "$CC" ${QUICK:-gcc clang}; do
+    [ "$compiler" = 1 ] && continue
     case " $compilers " in *" $compiler "*) continue ;; esac
     if command -v "${compiler%% *}" > /dev/null; then
         compilers="$compilers $compiler"
@@ -97,6 +98,55 @@ for compiler in $compilers; do
             check "$compiler: $flags is refused" declines $compiler -O2 $flags
         fi
     done
+done
+
+# What strangers trip over.
+refuses() {   # refuses TEXT COMMAND...: it fails, with one error, of this text
+    text=$1
+    shift
+    ! LC_ALL=C "$@" > "$work/refused" 2>&1 && [ "$(grep -c 'error:' "$work/refused")" = 1 ] &&
+        grep -q -e "$text" "$work/refused"
+}
+cat > "$work/first.cpp" << 'END'
+#include "pbw.h"
+pbw_mesh empty(void);
+pbw_mesh empty(void) { pbw_mesh mesh = {}; return mesh; }
+bool is_none(pbw_index i);
+bool is_none(pbw_index i) { return i == PBW_NONE; }
+END
+cat > "$work/fused.c" << 'END'
+#define PBW_IMPLEMENTATION
+#include "pbw.h"
+double fused(double a, double b, double c);
+double fused(double a, double b, double c) { return a * b + c; }
+END
+for compiler in $compilers; do
+    case $compiler in
+    gcc) plus=g++ ;;
+    clang) plus=clang++ ;;
+    *) plus=$CXX ;;
+    esac
+    for std in c89 gnu89; do
+        check "$compiler -std=$std: one clear error" refuses 'C99 or later' \
+            $compiler -std=$std -I. -c "$work/whole.c" -o "$work/c89.o"
+        check "$compiler -std=$std: the interface" $compiler -std=$std -Wall -I. -fsyntax-only "$work/interface.c"
+    done
+    if command -v "${plus%% *}" > /dev/null; then
+        check "$plus: mesh = {} and PBW_NONE" $plus -std=c++11 $warn -Wold-style-cast -I. -fsyntax-only \
+            "$work/first.cpp"
+    fi
+    if $compiler -mfpmath=387 -Werror -c "$work/double.c" -o "$work/x87.o" 2> /dev/null; then
+        check "$compiler: x87 arithmetic is a compile error" refuses '-msse2 -mfpmath=sse' \
+            $compiler -std=c99 -mfpmath=387 -I. -c "$work/whole.c" -o "$work/x87.o"
+    fi
+    # Contraction is the user's again after the implementation.
+    if [ "$(uname -m)" = x86_64 ] && command -v objdump > /dev/null; then
+        $compiler -std=gnu99 -O2 -mfma -ffp-contract=on -I. -c "$work/fused.c" -o "$work/fused.o"
+        objdump -d "$work/fused.o" | sed -n '/<fused>:/,/ret/p' > "$work/fused"
+        case $($compiler --version) in
+        *clang*) check "$compiler: contracts the code after the implementation" grep -q vfmadd "$work/fused" ;;
+        esac
+    fi
 done
 
 # Copies and callers.
@@ -163,6 +213,8 @@ else
 fi
 check "the root holds nothing that should be elsewhere" sh -c \
     "! ls | grep -vxE 'pbw\\.h|pbw_cuda\\.cu|examples|tests|bench|Makefile|README\\.md|build'"
+
+[ -z "$QUICK" ] || finish
 
 # Other machines, where their compilers and libraries are installed.
 printf '#include <stdlib.h>\nint main(void) { return 0; }\n' > "$work/empty.c"

@@ -1,5 +1,5 @@
-/* test_cells.c: Voronoi and power cells: whole, closed, symmetric, equal to cells cut by brute force, exact where points
-   are degenerate, the same bytes for every number of threads, and sound after every failure. */
+/* test_cells.c: Voronoi and power cells: whole, closed, symmetric, equal to cells cut by brute force, exact where
+   points are degenerate, the same bytes for every number of threads, and sound after every failure. */
 #define PBW_CELLS_IMPLEMENTATION
 #include "pbw_cells.h"
 #include "inputs.h"
@@ -180,12 +180,14 @@ static int same_cells(const pbw_cells *a, const pbw_cells *b)
     const size_t dim = (size_t)a->dim, n = a->facet_count;
     return same_volumes(a, b) && n == b->facet_count && a->vertex_count == b->vertex_count
            && a->ray_count == b->ray_count && equal(a->first, b->first, (a->cell_count + 1) * sizeof(size_t))
-           && equal(a->neighbors, b->neighbors, n * sizeof(pbw_index)) && equal(a->areas, b->areas, n * sizeof(double))
+           && equal(a->neighbors, b->neighbors, n * sizeof(pbw_index))
+           && equal(a->areas, b->areas, n * sizeof(double))
            && equal(a->vertices, b->vertices, a->vertex_count * dim * sizeof(double))
            && equal(a->rays, b->rays, a->ray_count * dim * sizeof(double))
            && (a->loops == NULL || (equal(a->loop_first, b->loop_first, (n + 1) * sizeof(size_t))
                                     && equal(a->loops, b->loops, a->loop_first[n] * sizeof(pbw_index))))
-           && (a->shifts == NULL) == (b->shifts == NULL) && (a->shifts == NULL || equal(a->shifts, b->shifts, n * dim));
+           && (a->shifts == NULL) == (b->shifts == NULL)
+           && (a->shifts == NULL || equal(a->shifts, b->shifts, n * dim));
 }
 
 static pbw_options threads(int count)
@@ -206,7 +208,8 @@ static void test_kinds(void)
         for (kind = 0; kind < INPUT_KINDS; kind++) {
             for (w = 0; w < 3; w++) {
                 if (kind != INPUT_MOMENT
-                    && test_begin("whole: %dD %s, weights %s", dim, input_name(kind), input_weights_name(weights[w]))) {
+                    && test_begin("whole: %dD %s, weights %s", dim, input_name(kind),
+                                  input_weights_name(weights[w]))) {
                     sites s = sites_make(kind, dim, 3000, weights[w]);
                     pbw_options options = threads(2);
                     pbw_domain domain;
@@ -481,7 +484,8 @@ static void test_zoo(void)
             domain.box = s.box;
             expected = pbw_triangulate(s.dim, s.x, s.w, s.count, NULL, &mesh);
             status = pbw_cells_of(&mesh, &domain, ALL, NULL, &cells);
-            CHECK(status == expected || (status == PBW_ERROR_ARGUMENT && !(thinnest_of(&s) > 0 && extent_of(&s) < 1e300)));
+            CHECK(status == expected
+                  || (status == PBW_ERROR_ARGUMENT && !(thinnest_of(&s) > 0 && extent_of(&s) < 1e300)));
             if (status == PBW_OK) {
                 const double extent = extent_of(&s), sum = fabs(sum_of(&cells) / volume_of(s.dim, s.box) - 1);
                 double largest = 0;
@@ -493,7 +497,7 @@ static void test_zoo(void)
                     largest = fmax(largest, sqrt(fabs(s.w[k])));
                 }
                 if (extent < 1e90 && extent > 1e-90 && largest < 1e4 * thinnest_of(&s)
-                    && !CHECK(sum < 1e-11)) {        /* else volumes over- or underflow, or the input's ulps are cells */
+                    && !CHECK(sum < 1e-11)) {        /* else volumes over- or underflow, or cells are ulps */
                     test_say("volumes %g", sum);
                 }
                 CHECK_EQUAL(pbw_cells_of(&mesh, &domain, 0, NULL, &plain), PBW_OK);
@@ -694,7 +698,8 @@ static void test_rays(int dim)
                         const double *ray = cells.rays + (PBW_NONE - 1 - cells.loops[l]) * size;
                         double along = 0, length = 0;
                         for (k = 0; k < size; k++) {
-                            along += ray[k] * (mesh.points[cells.neighbors[f] * size + k] - mesh.points[i * size + k]);
+                            const double to = mesh.points[cells.neighbors[f] * size + k];
+                            along += ray[k] * (to - mesh.points[i * size + k]);
                             length += ray[k] * ray[k];
                         }
                         CHECK(fabs(along) < 1e-14 && fabs(length - 1) < 1e-14);
@@ -720,7 +725,8 @@ static void test_rays(int dim)
 static void test_arguments(void)
 {
     if (test_begin("arguments")) {
-        const double points[12] = { 0, 0, 0, 1, 0, 0, 0, 1, 0, 0, 0, 1 }, nan = HUGE_VAL - HUGE_VAL, broken[3] = { 0, nan, 0 };
+        const double points[12] = { 0, 0, 0, 1, 0, 0, 0, 1, 0, 0, 0, 1 }, nan = HUGE_VAL - HUGE_VAL;
+        const double broken[3] = { 0, nan, 0 };
         const double empty[6] = { 1, 1, 1, 0, 0, 0 }, unit[6] = { -1, -1, -1, 2, 2, 2 };
         double planes[8] = { 1, 0, 0, 0, -1, 0, 0, -1 };
         pbw_domain domain;

@@ -2,7 +2,7 @@
    a new point of the plane takes two. */
 #define PBW_STATIC
 #define PBW_IMPLEMENTATION
-#define PBW_SIMPLEX_LIMIT 2999
+#define PBW__TEST_SIMPLEX_LIMIT 2999
 #include "../pbw.h"
 #include "meshes.h"
 #include "meter.h"

@@ -2,7 +2,7 @@
    threads; here by sorting each set of points by the keys of its own grid, one set after the other. */
 #include <pthread.h>
 
-#define PBW_SMALL_SHARES                             /* few points make many tasks */
+#define PBW__TEST_SMALL_SHARES                       /* few points make many tasks */
 #define PBW_STATIC
 #define PBW_IMPLEMENTATION
 #include "../pbw.h"
@@ -282,7 +282,8 @@ static void test_cut(void)
         ordering.index_bits = BITS;
         part[0].to = COUNT;
         part[0].low = BITS;
-        parts = pbw__order_cut(&ordering, NULL, NULL, TASKS);
+        ordering.tasks = TASKS;
+        parts = pbw__order_cut(&ordering);
         for (p = 0; p < parts; p++) {
             const int run = part[p].from == FROM && part[p].to == TO;
             CHECK(part[p].from == end && (run || part[p].to - part[p].from <= 2 * SHARE));

@@ -337,10 +337,10 @@ static int true_perturbed_sign(const points *p, const int *rank)
 
 /* --- the predicates, by stage --- */
 
-enum { FILTER, INTEGERS, GRID, PAIRS, LANES, EXACT, KERNEL, PUBLIC, STAGES, VECTORS = STAGES, SIZED };
+enum { FILTER, INTEGERS, GRID, PAIRS, LANES, EXACT, KERNEL, PUBLIC, STAGES, VECTORS = STAGES, HULL };
 
 static const char *const stage_name[] = { "filter", "integers", "grid", "pairs", "lanes", "exact", "kernel", "public",
-                                          "vectors", "sizes" };
+                                          "vectors", "the hull" };
 
 static int have_vectors(void)
 {
@@ -356,7 +356,8 @@ static int have_vectors(void)
    determinant of the simplex, but negative, as if it was seen from a neighbour. */
 static int lanes_sign(const points *p, int power)
 {
-    static const pbw_index corner[4] = { 1, 2, 3, 4 }, turn[6] = { 1, 2, 3, 1, 2, 3 };
+    static const pbw_index corner[4] = { 1, 2, 3, 4 };
+    pbw_index turn[3][4] = { { 3, 1, 2, 3 }, { 2, 3, 1, 2 }, { 1, 2, 3, 1 } };
     double record[5 * 4] = { 0 };
     unsigned certain, inside;
     int i, k, weighted = 0, dim = p->dim;
@@ -370,7 +371,7 @@ static int lanes_sign(const points *p, int power)
         return PBW__OPEN;
     }
     certain = dim == 3 ? pbw__power4_pairs(record, corner, corner, p->at[4], &inside)
-                       : pbw__circle4_pairs(record, turn + 2, turn + 1, turn, p->at[3], &inside);
+                       : pbw__circle4_pairs(record, turn, p->at[3], &inside);
     inside &= certain;
     CHECK(inside == 0 || inside == certain);
     return certain == 0 ? PBW__OPEN : (inside == 0) == (dim == 3) ? 1 : -1;
@@ -407,11 +408,12 @@ static int public_sign(const points *p, int power)
 /* --- edges in the plane, as an insertion tests them --- */
 
 /* Four at once: the lanes hold the same determinant, of three points by turns.  Returns the sign, if some lane knows
-   it, and 2 lanes that differ make 3; also the first lane's value and height. */
+   it, and 2 lanes that differ make 3; also the first lane's value and height.
+   hull: by the bound for thin triangles. */
 #ifdef PBW__SIMD
 PBW__SIMD
 #endif
-static int vector_sign(const points *p, double *value, double *height)
+static int vector_sign(const points *p, int hull, double *value, double *height)
 {
     int sign = PBW__OPEN;
     *value = *height = 0;
@@ -420,6 +422,7 @@ static int vector_sign(const points *p, double *value, double *height)
         { 0, 1, 2, 0 }, { 2, 0, 1, 2 }, { 1, 2, 0, 1 }
     };
     double records[3 * 3], det[4], h[4];
+    pbw__triangles triangles;
     pbw__rows2 rows[3];
     pbw__point2 origin;
     pbw__d4 vector, heights;
@@ -431,11 +434,13 @@ static int vector_sign(const points *p, double *value, double *height)
     }
     origin = pbw__point2_of(p->at[3], weighted);
     for (k = 0; k < 3; k++) {
-        const pbw_index *v = lanes[k];
-        rows[k] = pbw__rows2_of(records, v[0], v[1], v[2], v[3], origin);
+        rows[k] = pbw__rows2_of(records, lanes[k], 0, origin);
     }
-    inside = pbw__test2_simd(rows[1], rows[2], rows[0], &certain);
-    vector = pbw__circle4(rows[1], rows[2], rows[0], &heights);
+    triangles.o = rows[0];
+    triangles.s = rows[1];
+    triangles.e = rows[2];
+    inside = hull ? pbw__test2_simd(&triangles, 1, &certain) : pbw__test2_simd(&triangles, 0, &certain);
+    vector = pbw__circle4(&triangles, &heights);
     memcpy(det, &vector, sizeof det);
     memcpy(h, &heights, sizeof h);
     *value = det[0];
@@ -448,23 +453,21 @@ static int vector_sign(const points *p, double *value, double *height)
     }
 #else
     (void)p;
+    (void)hull;
 #endif
     return sign;
 }
 
-/* At the hull, where numbers have their sizes beside them; without weights. */
-#ifdef PBW__SIMD
-PBW__SIMD
-#endif
-static int sized_sign(const points *p, int power)
+/* At the hull. */
+static int hull_sign(const points *p, int power)
 {
 #ifdef PBW__SIMD
-    pbw__d2 origin = pbw__load2(p->at[2 + power]);
-    pbw__corner2 a = pbw__corner2_of(p->at[0], 0, 0, origin), b = pbw__corner2_of(p->at[1], 0, 0, origin);
-    pbw__corner2 c = pbw__corner2_of(p->at[2], 0, 0, origin);
-    return !power ? pbw__side2(&a, &b)
-         : p->at[0][2] != p->at[3][2] || p->at[1][2] != p->at[3][2] || p->at[2][2] != p->at[3][2] ? PBW__OPEN
-         : pbw__circle2(&c, &b, &a);
+    double value, error;
+    if (power) {
+        return vector_sign(p, 1, &value, &error);
+    }
+    value = pbw__right_of(p->at[0], p->at[1], p->at[2], &error);
+    return value > error ? 1 : value < -error ? -1 : PBW__OPEN;
 #else
     (void)p;
     (void)power;
@@ -507,8 +510,8 @@ static int stage_sign(const points *p, int power, int stage, const pbw__grid *gr
                             : pbw__power3(q[0], q[1], q[2], q[3], q[4], grid);
         }
         return dim == 2 ? pbw__orient2(q[0], q[1], q[2], grid) : pbw__orient3(q[0], q[1], q[2], q[3], grid);
-    case VECTORS: return vector_sign(p, &value, &height);
-    case SIZED: return sized_sign(p, power);
+    case VECTORS: return vector_sign(p, 0, &value, &height);
+    case HULL: return hull_sign(p, power);
     default: return public_sign(p, power);
     }
 }
@@ -891,12 +894,17 @@ static void test_tiling(long calls)
 /* The true value, about, and the bound below which the stage must not answer. */
 static double true_value(const points *p, int power, int stage, double *bound)
 {
-    static const double factor[2][2][2] = { { { 8.1, 31 }, { 72.8, 794 } }, { { 48.5, 382 }, { 412, 6133 } } };
+    static const double factor[2][2][2] = {
+        { { PBW__FILTER_ORIENT2_ERROR, PBW__PAIRS_ORIENT2_ERROR },
+          { PBW__FILTER_POWER2_ERROR, PBW__PAIRS_POWER2_ERROR } },
+        { { PBW__FILTER_ORIENT3_ERROR, PBW__PAIRS_ORIENT3_ERROR },
+          { PBW__FILTER_POWER3_ERROR, PBW__PAIRS_POWER3_ERROR } }
+    };
     int dim = p->dim, count = dim + power, i, k;
     double value = 0, lift = 0;
     oracle_big truth;
     int unit = true_determinant(p, power, NULL, &truth) * (power ? dim + 2 : dim);
-    *bound = stage == LANES ? dim == 3 ? 9e-29 : 9e-30
+    *bound = stage == LANES ? dim == 3 ? PBW__SPHERE_PAIRS_ERROR : PBW__CIRCLE_PAIRS_ERROR
            : factor[dim - 2][power][stage == PAIRS] * (stage == PAIRS ? 0x1p-106 : 0x1p-52);
     for (k = 0; k < dim && stage != LANES; k++) {
         double largest = 0;
@@ -906,7 +914,7 @@ static double true_value(const points *p, int power, int stage, double *bound)
         *bound *= largest;
     }
     for (i = 0; i < count; i++) {
-        double norm = !power ? 0 : fabs(p->at[i][dim] - p->at[count][dim]);
+        double norm = !power && stage != HULL ? 0 : fabs(p->at[i][dim] - p->at[count][dim]);
         for (k = 0; k < dim; k++) {
             norm += (p->at[i][k] - p->at[count][k]) * (p->at[i][k] - p->at[count][k]);
         }
@@ -916,11 +924,13 @@ static double true_value(const points *p, int power, int stage, double *bound)
     if (stage == VECTORS) {
         *bound = PBW__CIRCLE_ERROR * lift * lift;
     }
-    for (*bound *= stage != SIZED, i = 0; i < count && stage == SIZED; i++) {
+    if (stage == HULL) {
+        *bound = power ? 0 : PBW__ORIENT2_ERROR * lift;
+    }
+    for (i = 0; i < count && power && stage == HULL; i++) {
         const double *a = p->at[(i + 1) % count], *b = p->at[(i + 2) % count], *c = p->at[i], *o = p->at[count];
-        *bound += power ? 1.5e-15 * ((c[0] - o[0]) * (c[0] - o[0]) + (c[1] - o[1]) * (c[1] - o[1]))
-                        * (fabs((a[0] - o[0]) * (b[1] - o[1])) + fabs((a[1] - o[1]) * (b[0] - o[0])))
-                        : PBW__ORIENT2_ERROR * fabs((a[0] - o[0]) * (c[1] - o[1]));
+        *bound += PBW__THIN_ERROR * ((c[0] - o[0]) * (c[0] - o[0]) + (c[1] - o[1]) * (c[1] - o[1]))
+                * (fabs((a[0] - o[0]) * (b[1] - o[1])) + fabs((a[1] - o[1]) * (b[0] - o[0])));
     }
     for (i = truth.length - 1; i >= 0 && i >= truth.length - 3; i--) {
         value += ldexp(truth.limb[i], 32 * i + unit);
@@ -937,13 +947,13 @@ static void test_attack(long steps)
     int dim, power, start;
     for (dim = 2; dim <= 3; dim++) {
         for (power = 0; power < 2; power++) {
-            static const int stages[5] = { FILTER, PAIRS, LANES, VECTORS, SIZED };
+            static const int stages[5] = { FILTER, PAIRS, LANES, VECTORS, HULL };
             int attacked;
             for (attacked = 0; attacked < 5; attacked++) {
                 int stage = stages[attacked];
                 double nearest = HUGE_VAL;
                 long answers = 0;
-                int columns = stage == LANES || stage == SIZED ? dim : dim + power;
+                int columns = stage == LANES || stage == HULL ? dim : dim + power;
                 if (((stage == LANES || stage == VECTORS) && !power) || (stage >= VECTORS && dim == 3)
                     || !test_begin("attack on %s, %s%d", stage_name[stage], power ? "power" : "orient", dim)) {
                     continue;
@@ -1145,11 +1155,11 @@ static void test_vectors(long calls)
                     p.at[k][2] *= !flat;
                 }
                 truth = true_sign(&p, power, NULL);
-                sign = sized_sign(&p, power);
+                sign = hull_sign(&p, power);
                 if (!CHECK(sign == PBW__OPEN || sign == truth)) {
                     print_points(&p);
                 }
-                sign = power ? vector_sign(&p, &value, &height) : PBW__OPEN;
+                sign = power ? vector_sign(&p, 0, &value, &height) : PBW__OPEN;
                 if (!CHECK(sign == PBW__OPEN || sign == truth)) {
                     print_points(&p);
                 }

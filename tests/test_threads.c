@@ -10,9 +10,9 @@
 static void pause_a_while(void);
 static int may_start_thread(void);
 static long threads_allowed = -1;                    /* that may still be started; -1 = any number */
-#define PBW_PAUSE() pause_a_while()
-#define PBW_MAY_START() may_start_thread()
-#define PBW_SMALL_SHARES
+#define PBW__TEST_PAUSE() pause_a_while()
+#define PBW__TEST_MAY_START() may_start_thread()
+#define PBW__TEST_SMALL_SHARES
 #define PBW_STATIC
 #define PBW_IMPLEMENTATION
 #include "../pbw.h"

@@ -14,16 +14,17 @@
        pbw_cells_free(&cells);
 
    HOW
-   The cell of a vertex is the dual of its star: its corners are the centres of the star's simplices, its facets belong
-   to the edges at the vertex.  A cell whose corners all lie inside the domain is read off the star.  The others are
-   cut: the domain's polytope, by one half-space for each neighbour; only neighbours in the triangulation matter, as the
-   cell is the intersection of their half-spaces.  Both ways sum signed determinants relative to the site, so the order
-   of the points, obtuse simplices and centres outside their simplex need no case.
-   Cutting classifies each corner once, as inside or outside, and shares each new corner between its two facets: however
-   the signs are rounded, the surface stays closed.
+   The cell of a vertex is the dual of its star: its corners are the centres of the star's simplices, its facets
+   belong to the edges at the vertex.  Volumes and centroids come from one pass over the facets of the mesh: no cell
+   is built.  Facets are read off the stars.  Cells with a corner outside the domain are cut: their polytope by the
+   walls, or, at the hull, the domain by one half-space for each neighbour; only neighbours in the triangulation matter, as
+   the cell is the intersection of their half-spaces.  All ways sum signed determinants relative to the site, so the
+   order of the points, obtuse simplices and centres outside their simplex need no case.
+   Cutting classifies each corner once, as inside or outside, and shares each new corner between its two facets:
+   however the signs are rounded, the surface stays closed.
 
    PROMISES  (tests/test_cells.c guards them)
-     same        the same bytes for any number of threads, and whatever else is asked of a call
+     same        the same bytes for any number of threads; volumes and centroids also whatever else a call computes
      whole       volumes in a domain add up to it, to 1e-12
      closed      areas times normals of a bounded cell add up to zero
      exact       with PBW_CELLS_MERGE, combinatorics are those of the true diagram, degenerate corners and all
@@ -56,8 +57,8 @@ typedef struct pbw_domain {
 
 #define PBW_CELLS_FACETS 1u                /* fill first, neighbors, areas */
 #define PBW_CELLS_SHAPES 2u                /* and vertices, loop_first, loops, rays */
-#define PBW_CELLS_MERGE  4u                /* the true diagram: centres that coincide are one vertex, facets without area
-                                              are left out.  Slower: an exact sign for each pair of simplices */
+#define PBW_CELLS_MERGE  4u                /* the true diagram: centres that coincide are one vertex, facets without
+                                              area are left out.  Slower: an exact sign for each pair of simplices */
 
 typedef struct pbw_cells {                 /* start from {0}; read, do not write; pbw_cells_free when done */
     int dim;
@@ -66,16 +67,17 @@ typedef struct pbw_cells {                 /* start from {0}; read, do not write
     const double *volumes;                 /* per cell: volume, in the plane area; HUGE_VAL if unbounded */
     const double *centroids;               /* dim per cell; of empty and unbounded cells the point itself */
     const size_t *first;                   /* cell_count + 1: the facets of cell i are first[i] .. first[i+1]-1 */
-    const pbw_index *neighbors;            /* per facet: the point beyond; PBW_NONE - 1 - k: wall k of the domain, where
-                                              2*axis and 2*axis+1 are the box, low and high, and planes follow */
-    const signed char *shifts;             /* pbw_cells_periodic: dim per facet: the neighbour is the point + shift * box
-                                              size; else NULL */
+    const pbw_index *neighbors;            /* per facet: the point beyond; PBW_NONE - 1 - k: wall k of the domain,
+                                              where 2*axis and 2*axis+1 are the box, low and high, and planes
+                                              follow */
+    const signed char *shifts;             /* pbw_cells_periodic: dim per facet: the neighbour is the point +
+                                              shift * box size; else NULL */
     const double *areas;                   /* per facet: area, in the plane length; HUGE_VAL if unbounded */
     const double *vertices;                /* dim each; the first ones are the centres of the mesh's simplices */
     const size_t *loop_first;              /* facet_count + 1 */
-    const pbw_index *loops;                /* corners of facet j: loop_first[j] .. loop_first[j+1]-1, counter-clockwise
-                                              from outside the cell; in the plane two, and a cell's facets are in
-                                              order.  PBW_NONE - 1 - k: at infinity, in direction k of rays */
+    const pbw_index *loops;                /* corners of facet j: loop_first[j] .. loop_first[j+1]-1,
+                                              counter-clockwise from outside the cell; in the plane two, and a
+                                              cell's facets are in order.  PBW_NONE - 1 - k: at infinity, in direction k of rays */
     const double *rays;                    /* dim each: directions of length 1 */
     void *memory;                          /* private */
 } pbw_cells;
@@ -116,6 +118,13 @@ PBWCELLSDEF void pbw_cells_free(pbw_cells *cells);           /* fine on {0}, fin
 #define PBWC__READ(x) (*(x))
 #define PBWC__WRITE(x, y) (*(x) = (y))
 #define PBWC__ADD(x, y) (*(x) += (y))      /* such a pbw.h has one thread */
+#endif
+
+/* Compiled for each dimension, where the compiler can. */
+#if defined(__GNUC__)
+#define PBWC__INLINE inline __attribute__((always_inline))
+#else
+#define PBWC__INLINE
 #endif
 
 /* ------------------------------------------------------------------------------------------------------
@@ -170,8 +179,8 @@ static int pbwc__resize(pbwc__memory *memory, pbwc__array *array, size_t bytes)
 /* Makes room for `extra` items after the last.  Returns the place of the first of them, or NULL. */
 static void *pbwc__room(pbwc__memory *memory, pbwc__array *array, size_t extra, size_t size)
 {
-    const size_t need = (array->count + extra) * size;
-    if (need > array->bytes && !pbwc__resize(memory, array, need > 2 * array->bytes ? need + 256 : 2 * array->bytes)) {
+    const size_t need = (array->count + extra) * size, twice = 2 * array->bytes;
+    if (need > array->bytes && !pbwc__resize(memory, array, need > twice ? need + 256 : twice)) {
         return NULL;
     }
     return (char *)array->data + array->count * size;
@@ -345,7 +354,7 @@ static int pbwc__centre_of(const pbw_mesh *mesh, pbw_index simplex, double *cent
    Holds: each edge of a polytope in space is in two loops, once in each direction; so the surface is closed.
    ------------------------------------------------------------------------------------------------------ */
 typedef struct pbwc__poly {
-    pbwc__array x;                         /* 3 doubles a corner (in the plane the last is 0); some belong to no loop */
+    pbwc__array x;                         /* 3 doubles a corner (in the plane the last is 0); some in no loop */
     pbwc__array name, start, loop;         /* per facet: the neighbour or wall, where its loop starts; the loops */
 } pbwc__poly;
 
@@ -411,7 +420,8 @@ static int pbwc__poly_box(pbwc__memory *memory, pbwc__poly *poly, int dim, const
         }
     }
     for (i = 0; dim == 2 && i < 4; i++) {
-        if (!pbwc__open_facet(memory, poly, PBW_NONE - 1 - edge[i][1]) || !pbwc__push(memory, &poly->loop, edge[i][0])) {
+        if (!pbwc__open_facet(memory, poly, PBW_NONE - 1 - edge[i][1])
+            || !pbwc__push(memory, &poly->loop, edge[i][0])) {
             return 0;
         }
     }
@@ -838,7 +848,8 @@ static int pbwc__gather(pbwc__work *work, pbw_index v)
     PBWC__PARTS(work)[work->parts.count++].simplex = mesh->incident[v];
     for (i = 0; i < work->parts.count; i++) {
         const pbw_index simplex = PBWC__PARTS(work)[i].simplex;
-        const pbw_index *corner = mesh->simplices + simplex * (dim + 1), *beyond = mesh->neighbors + simplex * (dim + 1);
+        const pbw_index *corner = mesh->simplices + simplex * (dim + 1);
+        const pbw_index *beyond = mesh->neighbors + simplex * (dim + 1);
         const pbwc__centre *centre = pbwc__centre_kept(work->job, work->centres, simplex);
         const double *a = mesh->points + corner[0] * dim;
         const unsigned char *other;
@@ -1134,9 +1145,9 @@ static int pbwc__star_facets2(pbwc__work *work)
 
 /* ------------------------------------------------------------------------------------------------------
    Volumes and centroids of cells, from one pass over the facets of the mesh.  The facet a b c between simplices with
-   centres S and T gives to the cell of a, for its edge ab and likewise ac, the tetrahedron of a, the foot of the plane
-   between the cells on ab, S and T: 6 times its volume is foot (b - a).((S - a) x (T - a)), with a sign.  In the plane
-   the edge ab gives to a the triangle a S T.
+   centres S and T gives to the cell of a, for its edge ab and likewise ac, the tetrahedron of a, the foot of the
+   plane between the cells on ab, S and T: 6 times its volume is foot (b - a).((S - a) x (T - a)), with a sign.  In
+   the plane the edge ab gives to a the triangle a S T.
    Simplices are taken in chunks; a chunk adds up what it gives to each vertex.  A vertex all of whose simplices are
    in one chunk is done; of the others (on facets between chunks) the chunks' shares are added in the chunks' order.
    Holds: which sums are added, and in which order, depends on the mesh alone.
@@ -1145,7 +1156,7 @@ static int pbwc__star_facets2(pbwc__work *work)
 #define PBWC__OUT    2                     /* some centre may be outside the domain */
 #define PBWC__BORDER 4                     /* in several chunks */
 
-typedef struct pbwc__share { double sum[4]; pbw_index vertex; int state; } pbwc__share;   /* moments, volume: scaled */
+typedef struct pbwc__share { double sum[4]; pbw_index vertex; int state; } pbwc__share;   /* moments, volume */
 
 typedef struct pbwc__adder {               /* of one chunk */
     const pbwc__job *job;
@@ -1182,8 +1193,8 @@ static void pbwc__give(double *sum, double volume, const double *middle, const d
     sum[3] += volume;
 }
 
-/* A facet in space; all relative to its corner a: edge[0] to b, edge[1] to c, the centres s and t.  With X = s x t the
-   determinants of the edges ab and ca are b.X and -c.X, that of bc is c.X - b.X + (t - s).(b x c). */
+/* A facet in space; all relative to its corner a: edge[0] to b, edge[1] to c, the centres s and t.  With X = s x t
+   the determinants of the edges ab and ca are b.X and -c.X, that of bc is c.X - b.X + (t - s).(b x c). */
 static void pbwc__add_facet3(const double edge[2][3], const double *s, const double *t, const double *foot,
                              double *const sum[3])
 {
@@ -1227,11 +1238,10 @@ static void pbwc__add_facet2(const double *b, const double *s, const double *t, 
 }
 
 /* Facet j of a simplex, towards `next`; share: of the simplex's corners. */
-static void pbwc__add_facet(pbwc__adder *adder, pbw_index simplex, pbw_index next, const unsigned char *other,
-                            pbwc__share *const *share)
+static PBWC__INLINE void pbwc__add_facet(pbwc__adder *adder, size_t dim, pbw_index simplex, pbw_index next,
+                                         const unsigned char *other, pbwc__share *const *share)
 {
     const pbw_mesh *mesh = adder->job->mesh;
-    const size_t dim = (size_t)mesh->dim;
     const pbw_index *corner = mesh->simplices + simplex * (dim + 1), *beyond = mesh->simplices + next * (dim + 1);
     const double *x = mesh->points, *a = x + corner[other[0]] * dim;
     const double *near = pbwc__centre_kept(adder->job, adder->centres, simplex)->x, *far;
@@ -1261,10 +1271,9 @@ static void pbwc__add_facet(pbwc__adder *adder, pbw_index simplex, pbw_index nex
 }
 
 /* What a simplex gives, and the states of its corners.  Returns 0 if there is no memory. */
-static int pbwc__add_simplex(pbwc__adder *adder, pbw_index simplex, size_t from, size_t to)
+static PBWC__INLINE int pbwc__add_simplex(pbwc__adder *adder, size_t dim, pbw_index simplex, size_t from, size_t to)
 {
     const pbw_mesh *mesh = adder->job->mesh;
-    const size_t dim = (size_t)mesh->dim;
     const pbw_index *corner = mesh->simplices + simplex * (dim + 1), *beyond = mesh->neighbors + simplex * (dim + 1);
     const int out = pbwc__centre_kept(adder->job, adder->centres, simplex)->inside ? 0 : PBWC__OUT;
     pbwc__share *share[4];
@@ -1293,7 +1302,7 @@ static int pbwc__add_simplex(pbwc__adder *adder, pbw_index simplex, size_t from,
             share[other[k]]->state |= state;
         }
         if (beyond[i] != PBW_NONE && beyond[i] > simplex) {
-            pbwc__add_facet(adder, simplex, beyond[i], other, share);
+            pbwc__add_facet(adder, dim, simplex, beyond[i], other, share);
         }
     }
     return 1;
@@ -1315,7 +1324,8 @@ static pbw_status pbwc__add_chunk(void *arg, size_t from, size_t to)
     adder.centres = (pbwc__centre *)centres.data;
     adder.number_of.epoch = 1;
     for (i = from; good && i < to; i++) {
-        good = pbwc__add_simplex(&adder, (pbw_index)i, from, to);
+        good = job->mesh->dim == 3 ? pbwc__add_simplex(&adder, 3, (pbw_index)i, from, to)
+                                   : pbwc__add_simplex(&adder, 2, (pbw_index)i, from, to);
     }
     share = (pbwc__share *)adder.shares.data;
     for (i = 0; good && i < adder.shares.count; i++) {
@@ -1404,8 +1414,8 @@ static pbw_status pbwc__add_up(pbwc__job *job, const pbw_options *options)
 /* ------------------------------------------------------------------------------------------------------
    Cells cut from the domain, for what the star cannot give: corners outside the domain, sites on the hull.
    ------------------------------------------------------------------------------------------------------ */
-/* The domain's polytope relative to the site, cut by the bisectors of all links, or (merge) of those that have a facet
-   in the true diagram.  Returns 0 if there is no memory. */
+/* The domain's polytope relative to the site, cut by the bisectors of all links, or (merge) of those that have a
+   facet in the true diagram.  Returns 0 if there is no memory. */
 static int pbwc__cut_cell(pbwc__work *work, pbw_index v, int merge)
 {
     const pbwc__job *job = work->job;
@@ -1446,7 +1456,8 @@ static int pbwc__cut_cell(pbwc__work *work, pbw_index v, int merge)
             square += link->d[k] * link->d[k];
         }
         plane[dim] = link->foot * square;
-        if ((!merge || pbwc__is_facet(work, u)) && !pbwc__cut(work->memory, &work->cutter, (int)dim, plane, (pbw_index)u)) {
+        if ((!merge || pbwc__is_facet(work, u))
+            && !pbwc__cut(work->memory, &work->cutter, (int)dim, plane, (pbw_index)u)) {
             return 0;
         }
     }
@@ -1595,8 +1606,8 @@ static pbw_index pbwc__name_of(const pbwc__work *work, pbw_index name)
     return name < work->links.count ? PBWC__LINKS(work)[name].vertex : name;
 }
 
-/* The facets of the cut cell.  Where rounding has bent the surface, a plane may have several facets in a row: one takes
-   all their areas, with the loop of the largest. */
+/* The facets of the cut cell.  Where rounding has bent the surface, a plane may have several facets in a row: one
+   takes all their areas, with the loop of the largest. */
 static int pbwc__cut_facets(pbwc__work *work, pbw_index v)
 {
     const pbwc__poly *poly = &work->cutter.poly;
@@ -1636,7 +1647,8 @@ static int pbwc__cut_facets(pbwc__work *work, pbw_index v)
    is in the ball around that corner that reaches to the site (with weights: whose square is the corner's power
    distance plus the largest weight).  Balls that leave the padded box mark a grid, and the copies there are added.
    A cell that becomes smaller has smaller balls, in the union of its old ones; so a second round is the last.
-   Along a periodic axis a cell reaches at most half the box from its site, where its images begin.  It is cut from 3/4.
+   Along a periodic axis a cell reaches at most half the box from its site, as its images have the rest; so a box of
+   3/4 to each side is what it is cut from.
    ------------------------------------------------------------------------------------------------------ */
 
 /* The cell of the grid along axis k. */
@@ -1928,7 +1940,8 @@ static pbw_status pbwc__join_all(pbwc__job *job, size_t ranges, const pbw_option
     cells->neighbors = joining.neighbors = (pbw_index *)pbwc__own(job, PBWC__NEIGHBORS, sums[0], sizeof(pbw_index));
     cells->areas = joining.areas = (double *)pbwc__own(job, PBWC__AREAS, sums[0], sizeof(double));
     if (shapes) {
-        cells->loop_first = joining.loop_first = (size_t *)pbwc__own(job, PBWC__LOOP_FIRST, sums[0] + 1, sizeof(size_t));
+        joining.loop_first = (size_t *)pbwc__own(job, PBWC__LOOP_FIRST, sums[0] + 1, sizeof(size_t));
+        cells->loop_first = joining.loop_first;
         cells->loops = joining.loops = (pbw_index *)pbwc__own(job, PBWC__LOOPS, sums[1], sizeof(pbw_index));
         cells->vertices = joining.all_vertices = (double *)pbwc__own(job, PBWC__VERTICES, sums[2], sizeof(double));
         cells->rays = joining.all_rays = (double *)pbwc__own(job, PBWC__RAYS, sums[3], sizeof(double));
@@ -2548,8 +2561,8 @@ static pbw_status pbwc__round(pbwc__job *job, const double *box, const pbw_optio
     own.flags = PBW_BORROW;
     own.trace = NULL;
     if (status == PBW_OK) {
-        status = pbw_triangulate(period->dim, PBWC__DOUBLES(period->x), job->weighted ? PBWC__DOUBLES(period->w) : NULL,
-                                 period->total, &own, &mesh);
+        const double *weights = job->weighted ? PBWC__DOUBLES(period->w) : NULL;
+        status = pbw_triangulate(period->dim, PBWC__DOUBLES(period->x), weights, period->total, &own, &mesh);
     }
     if (status == PBW_DEGENERATE && period->count > 0) {
         period->apexes = period->marked = 1;
