@@ -10579,7 +10579,7 @@ PBW__INLINE int pbw__reach_within(const pbw_mesh *mesh, const double *q, const p
                                 mesh->weights != NULL ? mesh->weights[a->vertex] : 0.0) <= 0;
 }
 
-PBW__INLINE double pbw__square_root(double x)        /* an instruction, and nothing to link, where we can */
+static inline double pbw__square_root(double x)      /* an instruction, and nothing to link, where we can */
 {
 #if defined(__SSE2__)
     const __m128d y = _mm_set_sd(x);
