@@ -307,7 +307,8 @@ def cells_of_lattices_and_of_weights():
         share = np.bincount(distance.argmin(axis=0), minlength=40) / len(grid)
         check(np.abs(share - cells.volumes).max() < 5e-3, share, cells.volumes)
         equal(pbw.power_cells(points, weights, unit, threads=1).vertices, cells.vertices)
-        for axes, bad, text in (("xw", unit, "periodic must have letters of"), ("x", None, "periodic='x' needs a box"),
+        for axes, bad, text in (("xw", unit, "periodic must have letters of"),
+                                ("x", None, "periodic='x' needs a box"),
                                 ("", unit[::-1], "box must be a low corner and a high"),
                                 ("", [0, 1], "%d finite numbers, not" % (2 * dim))):
             raises_text(ValueError, text, pbw.power_cells, points, weights, bad, periodic=axes)
