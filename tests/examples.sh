@@ -37,11 +37,11 @@ check "terrain: of the size it says" [ "$(head -n 2 "$work/terrain.pgm" | tail -
     tr -d ' ')" = "720 480,345615" ]
 check "terrain writes a page" "$bin/terrain" "$work/terrain.pgm" "$work/terrain.html"
 check "terrain: a whole one" [ "$(tail -n 1 "$work/terrain.html")" = "</html>" ]
-for name in steps shares; do
-    check "$name writes pictures" "$bin/$name" "$work/$name.svg"
-    check "$name: three of them, whole" \
-        [ "$(grep -c '<text' "$work/$name.svg"),$(tail -n 1 "$work/$name.svg")" = "3,</svg>" ]
-    check "$name: no space left is an error" sh -c "[ ! -e /dev/full ] || ! $bin/$name /dev/full"
+for example in steps shares; do
+    check "$example writes pictures" "$bin/$example" "$work/$example.svg"
+    check "$example: three of them, whole" \
+        [ "$(grep -c '<text' "$work/$example.svg"),$(tail -n 1 "$work/$example.svg")" = "3,</svg>" ]
+    check "$example: no space left is an error" sh -c "[ ! -e /dev/full ] || ! $bin/$example /dev/full"
 done
 awk 'BEGIN { printf "P6\n# grey\n40 30\n255\n"; for (i = 0; i < 3600; i++) printf "%c", 48 + i % 75 }' \
     > "$work/in.ppm"
