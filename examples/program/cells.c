@@ -75,7 +75,7 @@ static unsigned axes_of(const job *j)
 
 static int make(job *j, const pbw_domain *domain, unsigned what, pbw_cells *cells)
 {
-    const pbwio_cloud *cloud = &j->cloud;
+    const pbwio_cloud *c = &j->cloud;
     pbw_status status;
     double start;
     int failed = 0;
@@ -90,7 +90,7 @@ static int make(job *j, const pbw_domain *domain, unsigned what, pbw_cells *cell
         return failed;
     }
     status = domain->periodic == 0 ? pbw_cells_of(&j->mesh, domain, what, &j->build, cells)
-           : pbw_cells_periodic(cloud->dim, cloud->points, cloud->weights, cloud->count, domain, what, &j->build, cells);
+           : pbw_cells_periodic(c->dim, c->points, c->weights, c->count, domain, what, &j->build, cells);
     failed = explain(j, status);
     if (!failed) {
         say(j, "cells", now() - start, "%s", "");
@@ -144,8 +144,8 @@ const command command_cells = {
     "usage: pbw cells [options] points [-o output]...\n"
     "\n"
     "Computes the Voronoi cells of points, or with --weights the power cells.  Without --box those at the hull\n"
-    "are unbounded.  Duplicates, points whose power cell is empty and points whose cell is outside of the box have empty\n"
-    "cells.  With --periodic, points outside of the box are moved into it.\n"
+    "are unbounded.  Duplicates, points whose power cell is empty and points whose cell is outside of the box have\n"
+    "empty cells.  With --periodic, points outside of the box are moved into it.\n"
     "\n"
     "input:   as for pbw mesh\n"
     "output:  .csv: id, volume (2D: area; unbounded: inf), centroid, number of facets;\n"
