@@ -27,7 +27,8 @@ What is different from SciPy
   * add_points triangulates anew.
   * Arrays are copies, made at first use: what is written to them changes no later find_simplex.
   * Voronoi merges vertices that coincide exactly, and no others.  Vertices, ridges and regions come in another order.
-    In 3D there are ridges of one vertex and -1, wedges to infinity, which Qhull leaves out.
+    In 3D there are ridges of one vertex and -1, wedges to infinity, which Qhull leaves out; where more than three
+    points of the hull are in one plane, some of these have no area.
   * paraboloid_scale is 1 and paraboloid_shift is 0: `equations` are those of the plain lift |p|^2 - weight.
 """
 from ._cells import Cells, Voronoi, lloyd, power_cells
