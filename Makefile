@@ -17,8 +17,8 @@ EXAMPLES_CXX = $(if $(shell command -v $(firstword $(CXX))),$(patsubst examples/
 EXPECTED = $(patsubst examples/expected/%.txt,%,$(wildcard examples/expected/*.txt))
 FUZZERS = $(patsubst tests/%.c,%,$(wildcard tests/fuzz_*.c))
 HEADERS = pbw.h $(wildcard tests/*.h examples/*.h examples/lib/*.h examples/program/*.h)
-SCRIPTS = $(filter packaging hashes examples asm oracle cells cmake csharp gappa install page python program programs view web, \
-    $(patsubst tests/%.sh,%,$(wildcard tests/*.sh)))
+SCRIPTS = $(filter packaging hashes examples asm oracle cells cmake csharp gappa install page python program \
+    programs queries view web, $(patsubst tests/%.sh,%,$(wildcard tests/*.sh)))
 # `make test` leaves these to `make test-all`, and tells the scripts by QUICK that one compiler is enough.
 LONG = asm cmake csharp install oracle programs view web
 SUITES = test test-all programs examples oracle asm arm names fuzz-long
@@ -83,7 +83,7 @@ $(EXAMPLES_CXX:%=$B/%): $B/%: examples/%.cpp pbw.h
 	@mkdir -p $B
 	$(CXX) -std=c++11 $(CXXFLAGS) $(WARN) -I. $< -o $@ $(LIBS)
 
-$B/libpbw_python.so: examples/python/pbw_python.c pbw.h
+$B/libpbw_python.so: examples/python/pbw_python.c pbw.h examples/lib/pbw_cells.h
 	@mkdir -p $B
 	$C -fPIC -shared $< -o $@ $(LIBS)
 
@@ -133,7 +133,7 @@ $B/examples.log: $(patsubst %,$B/%,$(filter $(EXAMPLES) $(EXAMPLES_CXX),$(EXPECT
 $B/python.log: $B/libpbw_python.so
 $B/csharp.log: $B/libpbw.so
 $B/install.log: $B/pbw $B/pbw_pic.o $B/libpbw.so
-$B/program.log $B/programs.log: $B/pbw
+$B/program.log $B/programs.log $B/queries.log: $B/pbw
 $B/oracle.log $B/cells.log: $B/libpbw.a
 
 # One that does not compile is a failure, and the others still run.

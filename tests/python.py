@@ -189,6 +189,181 @@ def find_simplex_shapes_and_strange_queries():
 
 
 @test
+def nearest_by_trying_all():
+    for dim in (2, 3):
+        for points in list(inputs(dim))[:4]:
+            tri = pbw.Delaunay(points)
+            rng = np.random.default_rng(7)
+            queries = np.concatenate([points[:20], rng.integers(0, 7, (40, dim)) / 2, rng.random((20, dim)) * 9 - 4])
+            distances, found = tri.nearest(queries, 7)
+            own = sorted(set(range(len(points))) - set(tri.coplanar[:, 0].tolist()))
+            exact = [[Fraction(x) for x in p] for p in points.tolist()]
+            for i, q in enumerate(queries.tolist()):
+                square = [sum((Fraction(x) - y) ** 2 for x, y in zip(q, exact[p])) for p in own]
+                order = sorted(zip(square, own))[:7]
+                equal(found[i], [p for _, p in order])
+                check(np.allclose(distances[i] ** 2, [float(s) for s, _ in order], rtol=1e-13, atol=0))
+            d, p = tri.nearest(queries)
+            equal(p, found[:, 0])
+            equal(d, distances[:, 0])
+    square = pbw.Delaunay([[0, 0], [1, 0], [0, 1], [1, 1]])
+    d, p = square.nearest([[[0, 0], [1, 1]]], 6)
+    check(d.shape == p.shape == (1, 2, 6))
+    equal(p[0], [[0, 1, 2, 3, 4, 4], [3, 1, 2, 0, 4, 4]])
+    equal(np.isinf(d[0, 0]), [False] * 4 + [True] * 2)
+    check(square.nearest([0.1, 0])[1].shape == () and square.nearest(np.zeros((0, 2)), 3)[0].shape == (0, 3))
+    heavy = pbw.Delaunay([[0, 0], [1, 0], [0, 1], [1, 1]], weights=[0, 0, 0, 0.75])
+    d, p = heavy.nearest([0.25, 0.5], 2)
+    equal(p, [3, 0])
+    equal(d, [0.0625, 0.3125])         # squares less weights
+    raises_text(ValueError, r"xi\[1, 0\] is nan", square.nearest, [[0, 0], [np.nan, 0]])
+    raises_text(ValueError, "k must be at least 1, not 0", square.nearest, [0, 0], 0)
+    raises_text(ValueError, "wrong dimensionality", square.nearest, [0, 0, 0])
+
+
+@test
+def linear_functions_are_interpolated():
+    for dim in (2, 3):
+        slope = np.arange(1, dim + 1)
+        for points in list(inputs(dim, 300))[:4]:
+            tri = pbw.Delaunay(points)
+            inside = tri.points[tri.simplices].mean(axis=1)
+            inside = np.concatenate([inside, points, points[tri.simplices[:, :2]].mean(axis=1)])
+            rounded_outside = tri.find_simplex(inside) < 0
+            check(np.isnan(pbw.interpolate(points, points @ slope, inside[rounded_outside])).all())
+            inside = inside[~rounded_outside]
+            check(len(inside) > len(points))
+            for method in ("linear", "sibson", "laplace"):
+                found = pbw.interpolate(points, points @ slope + 3, inside, method=method)
+                check(np.abs(found - inside @ slope - 3).max() < 1e-12, method)
+                indptr, near, weights = tri.coordinates(inside, method)
+                check((weights >= 0).all() and np.allclose(np.add.reduceat(weights, indptr[:-1]), 1, rtol=1e-13))
+    rng = np.random.default_rng(1)
+    points, xi = rng.random((200, 2)), rng.random((5, 40, 2)) * 2 - 0.5
+    values = rng.random((200, 2, 3)) + 1j * rng.random((200, 2, 3))
+    tri = pbw.Delaunay(points)
+    outside = tri.find_simplex(xi) < 0
+    check(outside.any() and not outside.all())
+    for method in ("linear", "sibson", "laplace"):
+        found = pbw.interpolate(tri, values, xi, method)
+        check(found.shape == (5, 40, 2, 3) and found.dtype == complex)
+        equal(np.isnan(found).all(axis=(2, 3)), outside)
+        check(np.allclose(found[~outside][:, 1, 2].imag,
+                          pbw.interpolate(points, values[:, 1, 2].imag, xi, method)[~outside]))
+        check(np.allclose(pbw.interpolate(points, values, points, method), values))
+    different = pbw.interpolate(tri, values, xi, "sibson") - pbw.interpolate(tri, values, xi)
+    check(np.abs(different[~outside]).max() > 1e-3)
+    equal(pbw.interpolate(np.vstack([points, points[:1]]), np.arange(201), points[0]), 0)
+    raises_text(ValueError, "method must be one of linear, sibson, laplace, not 'cubic'", pbw.interpolate, points,
+                values, xi, "cubic")
+    raises_text(ValueError, r"values must have the shape \(200, ...\), .* not \(3,\)", pbw.interpolate, points,
+                [1, 2, 3], xi)
+    raises_text(ValueError, "values must be numbers", pbw.interpolate, points, ["a"] * 200, xi)
+    raises_text(ValueError, r"xi\[0\] is inf", tri.coordinates, [np.inf, 0])
+
+
+def closed(cells, dim):
+    """For each bounded cell areas times normals add up to zero, and its pyramids to its volume."""
+    for i, volume in enumerate(cells.volumes.tolist()):
+        if not 0 < volume < np.inf:
+            continue
+        total, pyramids = np.zeros(dim), 0.0
+        for j in range(cells.first[i], cells.first[i + 1]):
+            corner = cells.vertices[cells.loops[cells.loop_first[j]:cells.loop_first[j + 1]]]
+            if dim == 2:
+                normal = (corner[1] - corner[0])[::-1] * [1, -1]
+            else:
+                normal = np.cross(corner[1:-1] - corner[0], corner[2:] - corner[0]).sum(axis=0) / 2
+            check(abs(np.sqrt(normal @ normal) - cells.areas[j]) < 1e-12)
+            total += normal
+            pyramids += normal @ corner[0] / dim
+        check(np.abs(total).max() < 1e-12 and abs(pyramids - volume) < 1e-12, i, total, pyramids, volume)
+
+
+@test
+def cells_of_lattices_and_of_weights():
+    for dim in (2, 3):
+        lattice = np.array(list(itertools.product(range(4), repeat=dim)), float)
+        box = [[-0.5] * dim, [3.5] * dim]
+        for axes in ("", "x", "xyz"[:dim]):
+            cells = pbw.power_cells(lattice, None, box, periodic=axes, merge=True)
+            check(np.allclose(cells.volumes, 1, rtol=1e-13) and np.allclose(cells.centroids, lattice, atol=1e-13))
+            closed(cells, dim)
+        equal(np.diff(cells.first), [2 * dim] * len(lattice))
+        check(np.allclose(cells.areas, 1) and set(cells.shifts.ravel().tolist()) == {-1, 0, 1})
+        one = pbw.power_cells([[0.25] * dim], box=[[0] * dim, [1, 2, 3][:dim]], periodic="xyz"[:dim], merge=True)
+        check(np.isclose(one.volumes[0], [2, 6][dim - 2]) and set(one.neighbors.tolist()) == {0})
+        free = pbw.power_cells(lattice, merge=True)
+        check(free.shifts is None and np.isinf(free.volumes).sum() == 4 ** dim - 2 ** dim)
+        check(np.isclose(free.volumes[np.isfinite(free.volumes)], 1).all())
+        rng = np.random.default_rng(2)
+        points, weights = rng.random((40, dim)), rng.random(40) * 0.2
+        unit = [[0] * dim, [1] * dim]
+        cells = pbw.power_cells(points, weights, box=unit)
+        closed(cells, dim)
+        check(abs(cells.volumes.sum() - 1) < 1e-13 and (cells.volumes == 0).sum() > 1)
+        grid = np.stack(np.meshgrid(*[(np.arange(40) + 0.5) / 40] * dim), axis=-1).reshape(-1, dim)
+        distance = np.array([((grid - p) ** 2).sum(axis=1) - w for p, w in zip(points, weights)])
+        share = np.bincount(distance.argmin(axis=0), minlength=40) / len(grid)
+        check(np.abs(share - cells.volumes).max() < 5e-3, share, cells.volumes)
+        equal(pbw.power_cells(points, weights, unit, threads=1).vertices, cells.vertices)
+        for axes, bad, text in (("xw", unit, "periodic must have letters of"),
+                                ("x", None, "periodic='x' needs a box"),
+                                ("", unit[::-1], "box must be a low corner and a high"),
+                                ("", [0, 1], "%d finite numbers, not" % (2 * dim))):
+            raises_text(ValueError, text, pbw.power_cells, points, weights, bad, periodic=axes)
+    raises(pbw.Error, pbw.power_cells, np.zeros((5, 2)))
+
+
+@test
+def lloyd_lowers_the_energy():
+    for dim in (2, 3):
+        for axes in ("", "x"):
+            start = np.random.default_rng(3).random((200, dim))
+            box, energy = [[0] * dim, [1] * dim], []
+            equal(pbw.lloyd(start, 0), start)
+            sample = np.random.default_rng(4).random((20000, dim))
+            for steps in (0, 1, 2, 4, 16):
+                points = pbw.lloyd(start, steps, box, periodic=axes)
+                shifts = (-1, 0, 1) if axes else (0,)
+                copies = np.concatenate([points + np.eye(dim)[0] * s for s in shifts])
+                energy.append((pbw.Delaunay(copies).nearest(sample)[0] ** 2).mean())
+            check(all(a > b for a, b in zip(energy, energy[1:])) and energy[-1] < 0.8 * energy[0], energy)
+            equal(pbw.lloyd(pbw.lloyd(start, 2, box, periodic=axes), 2, box, periodic=axes),
+                  pbw.lloyd(start, 4, box, periodic=axes))
+    raises_text(ValueError, "steps must not be negative", pbw.lloyd, start, -1)
+
+
+@test
+def voronoi_in_scipys_words():
+    """The example of SciPy's documentation, whatever the order."""
+    points = np.array(list(itertools.product(range(3), repeat=2)))
+    vor = pbw.Voronoi(points)
+    named = {tuple(p): i for i, p in enumerate([[0.5, 0.5], [0.5, 1.5], [1.5, 0.5], [1.5, 1.5]])}
+    name = {-1: -1, **{i: named[tuple(p)] for i, p in enumerate(vor.vertices.tolist())}}
+    check(len(vor.vertices) == 4)
+    pairs = [(0, 3), (0, 1), (2, 5), (2, 1), (1, 4), (7, 8), (7, 6), (7, 4), (8, 5), (6, 3), (4, 5), (4, 3)]
+    ends = [[-1, 0], [-1, 0], [-1, 1], [-1, 1], [0, 1], [-1, 3], [-1, 2], [2, 3], [-1, 3], [-1, 2], [1, 3], [0, 2]]
+    ridges = {tuple(pair): sorted(map(name.get, ridge)) for pair, ridge in vor.ridge_dict.items()}
+    check(ridges == {tuple(sorted(pair)): end for pair, end in zip(pairs, ends)}, ridges)
+    regions = sorted(sorted(map(name.get, region)) for region in vor.regions)
+    check(regions == sorted(map(sorted, [[], [-1, 0], [-1, 1], [1, -1, 0], [3, -1, 2], [-1, 3], [-1, 2], [0, 1, 3, 2],
+                                         [2, -1, 0], [3, -1, 1]])), regions)
+    middle = [vor.vertices[v] for v in vor.regions[vor.point_region[4]]]
+    check(all(np.abs(a - b).sum() == 1 for a, b in zip(middle, middle[1:] + middle[:1])))      # in order
+    check(repr(vor) == "<pbw.Voronoi: 9 points in 2D, 4 vertices, 12 ridges>")
+    again = pbw.Voronoi(np.concatenate([points, points[:2]]))
+    equal(again.point_region, list(range(1, 10)) + [1, 2])
+    vor = pbw.Voronoi(points[:5], incremental=True)
+    vor.add_points(points[5:])
+    check(sets(vor.ridge_points) == sets(pbw.Voronoi(points).ridge_points) and vor.npoints == 9)
+    vor.close()
+    raises(RuntimeError, vor.add_points, points)
+    raises(pbw.QhullError, pbw.Voronoi, points * [1, 0])
+    raises_text(ValueError, "furthest_site is not", pbw.Voronoi, points, furthest_site=True)
+
+
+@test
 def barycentric_coordinates():
     for dim in (2, 3):
         tri = pbw.Delaunay(np.random.default_rng(3).random((300, dim)))
@@ -449,10 +624,11 @@ def wheel_that_cannot_be_built():
         equal(os.listdir(folder), ["alone"])
 
 
-def run_examples(text):
-    """The code of a docstring, with our Delaunay for SciPy's; what is printed that has one answer is compared."""
+def run_examples(text, made="Delaunay("):
+    """The code of a docstring, with our classes for SciPy's; what is printed that has one answer is compared."""
     stand_in = types.ModuleType("scipy.spatial")
     stand_in.Delaunay, stand_in.tsearch, stand_in.delaunay_plot_2d = pbw.Delaunay, pbw.tsearch, lambda tri: None
+    stand_in.Voronoi, stand_in.voronoi_plot_2d = pbw.Voronoi, lambda vor: None
     plot = unittest.mock.MagicMock()
     with unittest.mock.patch.dict(sys.modules, {"scipy.spatial": stand_in, "matplotlib": plot,
                                                 "matplotlib.pyplot": plot}):
@@ -460,7 +636,7 @@ def run_examples(text):
         examples = doctest.DocTestParser().get_examples(text)
         for example in examples:
             exec(compile(example.source, example.source, "exec"), names)
-    check(any("Delaunay(" in e.source for e in examples))
+    check(any(made in e.source for e in examples))
     return names
 
 
@@ -470,6 +646,44 @@ def scipy_docstrings():
     check(isinstance(names["tri"], pbw.Delaunay) and names["b"].shape == (2, 3))
     names = run_examples(scipy.spatial.tsearch.__doc__)
     check(isinstance(names["tri"], pbw.Delaunay))
+    names = run_examples(scipy.spatial.Voronoi.__doc__, "Voronoi(")
+    check(isinstance(names["vor"], pbw.Voronoi) and isinstance(names["vor"], scipy.spatial.Voronoi))
+
+
+@with_scipy
+def scipy_finds_the_same_nearest():
+    for dim in (2, 3):
+        rng = np.random.default_rng(dim)
+        points, q = rng.random((3000, dim)), rng.random((20, 50, dim)) * 1.4 - 0.2
+        for k in (1, 8):
+            ours, theirs = pbw.Delaunay(points).nearest(q, k), scipy.spatial.cKDTree(points).query(q, k)
+            check(np.allclose(ours[0], theirs[0], rtol=1e-14))
+            equal(ours[1], theirs[1])
+
+
+@with_scipy
+def scipy_has_the_same_voronoi_diagram():
+    for dim in (2, 3):
+        points = np.random.default_rng(dim).random((200, dim))
+        ours, theirs = pbw.Voronoi(points), scipy.spatial.Voronoi(points)
+        check(len(ours.vertices) == len(theirs.vertices) and len(ours.regions[0]) == 0)
+        distance, number = scipy.spatial.cKDTree(theirs.vertices).query(ours.vertices)
+        check((distance <= 1e-9 * np.maximum(1, np.abs(ours.vertices).max(axis=1))).all())
+        check(len(set(number.tolist())) == len(number))
+        number = {-1: -1, **dict(enumerate(number.tolist()))}
+        pairs = np.sort(theirs.ridge_points, axis=1).tolist()
+        known = dict(zip(map(tuple, pairs), theirs.ridge_vertices))
+        check(known.keys() <= ours.ridge_dict.keys())
+        for pair, ridge in ours.ridge_dict.items():
+            if pair not in known:      # Qhull has no ridge that is a wedge, from one vertex to infinity
+                check(dim == 3 and len(ridge) == 2 and -1 in ridge, ridge)
+                continue
+            ridge, other = [number[v] for v in ridge], known[pair]
+            turns = [ridge[k:] + ridge[:k] for k in range(len(ridge))]
+            check(other in turns or other[::-1] in turns, ridge, other)
+        for i in range(200):
+            check({number[v] for v in ours.regions[ours.point_region[i]]}
+                  == set(theirs.regions[theirs.point_region[i]]))
 
 
 @with_scipy

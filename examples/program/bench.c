@@ -26,8 +26,7 @@ static double best_of_three(job *j, int threads)
         built = pbw_triangulate(j->cloud.dim, j->cloud.points, j->cloud.weights, j->cloud.count, &j->build, &j->mesh);
         best = now() - start < best ? now() - start : best;
         if (built != PBW_OK) {
-            (void)(built == PBW_CANCELLED ? stopped(j) : built == PBW_ERROR_MEMORY ? out_of_memory(j)
-                   : fail(j, "%s", pbw_status_string(built)));
+            (void)explain(j, built);
             return -1;
         }
     }
@@ -77,5 +76,5 @@ const command command_bench = {
     "\n",
     NULL,
     { input_options, build_options, common_options, NULL, NULL, NULL, NULL, NULL },
-    run, 1, 0, 0
+    run, 1, 0, 0, NULL, 0
 };

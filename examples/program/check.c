@@ -26,5 +26,5 @@ const command command_check = {
     "\n",
     NULL,
     { input_options, build_options, common_options, NULL, NULL, NULL, NULL, NULL },
-    run, 0, 0, 0
+    run, 0, 0, 0, NULL, 0
 };

@@ -47,5 +47,5 @@ const command command_convert = {
     "\n",
     "obj ply off stl xyz csv txt pts asc dat tsv",
     { input_options, output_options, text_options, common_options, NULL, NULL, NULL, NULL },
-    run, 0, 1, 0
+    run, 0, 1, 0, NULL, 0
 };

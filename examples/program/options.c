@@ -199,13 +199,18 @@ static int find(const char *const *names, const char *name)          /* -1: it i
 
 static int is_allowed(const option *o, const char *value, const char *more)
 {
-    double x[4], n;
+    double x[6], n;
+    int k;
     switch (o->kind) {
         case WHOLE: n = whole(value); return n >= o->least && n <= o->most;
         case BYTES: n = whole(value); return n >= 1 && n <= (double)((size_t)-1 / 2);
         case POSITIVE: return numbers(value, 1, x) && x[0] > 0;
         case DIRECTION: return numbers(value, 3, x) && fabs(x[0]) + fabs(x[1]) + fabs(x[2]) > 0;
         case PLANE: return numbers(value, 4, x) && fabs(x[0]) + fabs(x[1]) + fabs(x[2]) > 0 && fabs(x[3]) <= 1;
+        case BOX:
+            k = numbers(value, 4, x) ? 2 : numbers(value, 6, x) ? 3 : 0;
+            return k > 0 && x[0] < x[k] && x[1] < x[k + 1] && (k == 2 || x[2] < x[5]);
+        case AXES: return *value != 0 && strspn(value, "xyz") == strlen(value) && strlen(value) <= 3;
         case CHOICE: return find(o->choices, value) >= 0;
         case GENERATE:
             n = more != NULL ? whole(more) : -1;
@@ -239,6 +244,8 @@ static int refuse(const option *o, const char *value, const char *more)
         case PLANE:
             fputs(": A,B,C,D is needed, a direction A,B,C other than 0,0,0 and D from -1 to 1", stderr);
             break;
+        case BOX: fputs(": the low corner and the high corner are needed, X,Y,X,Y or X,Y,Z,X,Y,Z", stderr); break;
+        case AXES: fputs(": some of the letters x, y, z are needed", stderr); break;
         case GENERATE:
             if (find(o->choices, n.word) >= 0) {
                 fprintf(stderr, ": a count from %.0f to %.0f is needed", o->least, o->most);
@@ -293,12 +300,10 @@ int choice_of(const job *j, const char *name)
     return g != NULL ? find(g->option->choices, g->value) : -1;
 }
 
-void vector_of(const job *j, const char *name, int count, double *out)
+int vector_of(const job *j, const char *name, int count, double *out)
 {
     const given *g = find_given(j, name);
-    if (g != NULL) {
-        numbers(g->value, count, out);
-    }
+    return g != NULL && numbers(g->value, count, out);
 }
 
 /* ---- parsing ---- */
@@ -340,8 +345,13 @@ static int take_file(job *j, const char *path)
     if (j->command->outputs_follow && (j->input != NULL || is_given(j, "--generate"))) {
         return add_output(j, path);
     }
+    if (j->input != NULL && j->command->second != NULL && j->second == NULL) {
+        j->second = path;
+        return 0;
+    }
     if (j->input != NULL) {
-        return complain("more than one input: %s and %s", j->input, path);
+        return complain("more than %s: %s and %s", j->second != NULL ? "two inputs" : "one input",
+                        j->second != NULL ? j->second : j->input, path);
     }
     j->input = path;
     return 0;
@@ -374,6 +384,29 @@ static void fill(job *j)
     vector_of(j, "--eye", 3, j->picture.eye);
     vector_of(j, "--up", 3, j->picture.up);
     vector_of(j, "--cut", 4, j->picture.cut);
+}
+
+/* Returns 0 or USAGE.  Where points are generated, the only file is the second input. */
+static int check_inputs(job *j)
+{
+    const command *c = j->command;
+    if (c->second != NULL && j->generate != NULL && j->second == NULL) {
+        j->second = j->input;
+        j->input = NULL;
+    }
+    if (j->input != NULL && j->generate != NULL) {
+        return complain("an input and --generate exclude each other: %s", j->input);
+    }
+    if (j->input == NULL && j->generate == NULL && !c->may_lack_input) {
+        return complain("an input is needed; see pbw %s --help", c->name);
+    }
+    if (c->second != NULL && j->second == NULL) {
+        return complain("a file of %s is needed after that of points; see pbw %s --help", c->second, c->name);
+    }
+    if (j->input != NULL && j->second != NULL && strcmp(j->input, "-") == 0 && strcmp(j->second, "-") == 0) {
+        return complain("points and %s cannot both be the standard input", c->second);
+    }
+    return 0;
 }
 
 /* Whether somebody may have meant that for a command: no such file, and no character that names of files have. */
@@ -439,11 +472,8 @@ int parse(int argc, char **argv, job *j)
         }
     }
     fill(j);
-    if (j->input != NULL && j->generate != NULL) {
-        return 1 + complain("an input and --generate exclude each other: %s", j->input);
-    }
-    if (j->input == NULL && j->generate == NULL && !j->command->may_lack_input) {
-        return 1 + complain("an input is needed; see pbw %s --help", j->command->name);
+    if (check_inputs(j) != 0) {
+        return 1 + USAGE;
     }
     if (j->command->names_output && j->outputs == 0) {
         name_output(j);

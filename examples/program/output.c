@@ -159,7 +159,7 @@ static int check_output(const job *j, const char *path)
     if (strcmp(path, "-") == 0) {
         return 0;
     }
-    if (destroys(path, j->input) || destroys(path, text_of(j, "--surface"))) {
+    if (destroys(path, j->input) || destroys(path, j->second) || destroys(path, text_of(j, "--surface"))) {
         return complain("-o %s: it is an input, which would be lost; name another output", path);
     }
     if (stat(path, &info) != 0) {
@@ -289,9 +289,9 @@ static pbwio_format format_of(const char *ending)
 }
 
 /* One output: of a mesh, or of content if there is any. */
-static pbwio_status write_one(job *j, const char *path, pbwmodel_content *content, pbwio_error *error)
+static pbwio_status write_one(job *j, const char *path, const char *ending, void *user, pbwio_error *error)
 {
-    const char *ending = ending_of(j, path);
+    pbwmodel_content *content = (pbwmodel_content *)user;
     if (content != NULL) {
         content->format = format_of(ending);
         return pbwmodel_write(path, content, j->write.flags, error);
@@ -306,13 +306,13 @@ static pbwio_status write_one(job *j, const char *path, pbwmodel_content *conten
     return pbwio_write(path, &j->mesh, &j->write, error);
 }
 
-static int write_outputs(job *j, pbwmodel_content *content)
+int write_with(job *j, writer *write, void *user)
 {
     pbwio_error error;
     for (; j->written < j->outputs && !interrupted; j->written++) {
         const char *path = j->output[j->written];
         double start = now();
-        if (write_one(j, path, content, &error) != PBWIO_OK) {
+        if (write(j, path, ending_of(j, path), user, &error) != PBWIO_OK) {
             return interrupted ? stopped(j) : fail(j, "%s", error.text);
         }
         say(j, "write", now() - start, "%s", strcmp(path, "-") == 0 ? "standard output" : path);
@@ -322,10 +322,10 @@ static int write_outputs(job *j, pbwmodel_content *content)
 
 int write_mesh(job *j)
 {
-    return write_outputs(j, NULL);
+    return write_with(j, write_one, NULL);
 }
 
 int write_model(job *j, pbwmodel_content *content)
 {
-    return write_outputs(j, content);
+    return write_with(j, write_one, content);
 }

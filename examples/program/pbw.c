@@ -55,6 +55,7 @@ int main(int argc, char **argv)
     pbw_free(&j.mesh);
     pbwio_free(&j.cloud);
     pbwio_free(&j.surface);
+    pbwio_free(&j.queries);
     status = end_report(&j, status);
     if (interrupted) {                               /* by the signal itself, so that a loop of a shell ends, too */
         signal(SIGINT, SIG_DFL);

@@ -6,6 +6,7 @@
 #define PROGRAM_H
 
 #include "pbw.h"
+#include "pbw_cells.h"
 #include "pbw_io.h"
 #include "pbw_model.h"
 #include "pbw_picture.h"
@@ -18,7 +19,7 @@
 #include <stdlib.h>
 #include <string.h>
 
-#define COMMANDS(X) X(mesh) X(sample) X(check) X(convert) X(bench) X(view)
+#define COMMANDS(X) X(mesh) X(sample) X(check) X(convert) X(bench) X(view) X(locate) X(nearest) X(cells)
 
 #if defined(__GNUC__)
 #define PRINTF(a, b) __attribute__((format(printf, a, b)))
@@ -38,6 +39,8 @@ typedef enum value_kind {
     BYTES,                                            /* bytes, with K, M or G */
     DIRECTION, PLANE,                                /* X,Y,Z; A,B,C,D with D from -1 to 1; not 0,0,0 */
     CHOICE,                                          /* one of choices */
+    BOX,                                             /* low corner, high corner: 4 or 6 numbers */
+    AXES,                                            /* some of the letters x, y, z */
     GENERATE,                                        /* one of choices, and a count in the next argument */
     OUTPUT                                           /* a file; it may come several times */
 } value_kind;
@@ -66,6 +69,8 @@ typedef struct command {
     int may_lack_input;
     int outputs_follow;                              /* arguments after the input are outputs */
     int names_output;                                /* without an output: the input's name with its only ending */
+    const char *second;                              /* what the second input is: "queries"; NULL: none */
+    int may_be_flat;                                 /* points that span no simplex will do */
 } command;
 
 #define DECLARE(name) extern const command command_##name;
@@ -77,6 +82,7 @@ typedef struct given { const option *option; const char *value, *more; } given;
 struct job {
     const command *command;
     const char *input, *output[MOST_OUTPUTS];        /* input: NULL if points are generated */
+    const char *second;                              /* the second input */
     char named[1024];                                /* the output that the program names */
     int outputs, written;                            /* how many are named, how many of them are there */
     given *given;                                    /* options, in their order */
@@ -89,7 +95,7 @@ struct job {
     pbwio_output write;
     pbwpic_options picture;
     pbw_options build;
-    pbwio_cloud cloud, surface;                      /* what is read and made; surface: of --surface */
+    pbwio_cloud cloud, surface, queries;             /* what is read and made; surface: of --surface */
     pbw_mesh mesh;
     unsigned char *inside;                           /* per simplex: is its centre inside the surface?  NULL: not known */
 };
@@ -102,7 +108,8 @@ int is_given(const job *j, const char *name);
 const char *text_of(const job *j, const char *name);                  /* NULL: it is not given */
 double number_of(const job *j, const char *name, double otherwise);
 int choice_of(const job *j, const char *name);                        /* its number in choices; -1: it is not given */
-void vector_of(const job *j, const char *name, int count, double *out);      /* leaves out as it is if not given */
+/* Returns whether it is given as so many numbers; leaves out as it is if not given. */
+int vector_of(const job *j, const char *name, int count, double *out);
 PRINTF(1, 2) int complain(const char *format, ...);                   /* prints; returns USAGE */
 
 /* The best of the names that were considered, if it is near enough to be meant. */
@@ -129,11 +136,13 @@ const char *plural(size_t count);                                          /* ""
 
 int load(job *j, int flat);                                          /* flat: without z if all have the same */
 int load_surface(job *j);                                             /* for --inside, before the work */
+int load_queries(job *j);                                            /* in the dimension of the points */
 int build(job *j);
 int check(job *j);
 void describe(const job *j);
 int mark_inside(job *j);
-int out_of_memory(const job *j);
+/* Says why the library failed; the exit status, 0 for PBW_OK. */
+int explain(const job *j, pbw_status status);
 pbwsample_model model_of(const pbwio_cloud *cloud);
 
 /* ---- output.c ---- */
@@ -143,6 +152,14 @@ const char *ending_of(const job *j, const char *path);                /* of what
 int writes_pages(const job *j);
 int write_mesh(job *j);
 int write_model(job *j, pbwmodel_content *content);
+/* Writes each output by a function that gets its path, its ending and user. */
+typedef pbwio_status writer(job *j, const char *path, const char *ending, void *user, pbwio_error *error);
+int write_with(job *j, writer *write, void *user);
+
+/* ---- diagram.c ---- */
+
+/* Cells with shapes as .obj, .vtu, .svg; without what is unbounded. */
+pbwio_status write_diagram(const char *path, const char *ending, const pbw_cells *cells, pbwio_error *error);
 
 /* ---- surface.c ---- */
 

@@ -121,5 +121,5 @@ const command command_sample = {
     "\n",
     "ply obj off xyz csv txt pts asc dat tsv",
     { sample_options, output_options, text_options, common_options, NULL, NULL, NULL, NULL },
-    run, 0, 0, 0
+    run, 0, 0, 0, NULL, 0
 };

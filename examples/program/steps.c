@@ -20,19 +20,20 @@ const option build_options[] = {
     { NULL, NULL, NULL, SWITCH, 0, 0, NULL }
 };
 
-/* Leaves z out if all points have the same. */
-static void flatten(pbwio_cloud *cloud)
+/* Leaves z out if all points have the same; returns whether they do. */
+static int flatten(pbwio_cloud *cloud)
 {
     size_t i;
     for (i = 0; i < cloud->count; i++) {
         if (cloud->points[3 * i + 2] < cloud->points[2] || cloud->points[3 * i + 2] > cloud->points[2]) {
-            return;
+            return 0;
         }
     }
     for (i = 0; i < cloud->count; i++) {
         memmove(cloud->points + 2 * i, cloud->points + 3 * i, 2 * sizeof(double));
     }
     cloud->dim = 2;
+    return 1;
 }
 
 int load(job *j, int flat)
@@ -60,8 +61,26 @@ int load(job *j, int flat)
     return 0;
 }
 
+int load_queries(job *j)
+{
+    double start = now();
+    pbwio_options read = j->read;
+    pbwio_cloud *queries = &j->queries;
+    pbwio_error error;
+    read.weight = NULL;
+    if (pbwio_read(j->second, &read, queries, &error) != PBWIO_OK) {
+        return interrupted ? stopped(j) : fail(j, "%s", error.text);
+    }
+    if (queries->dim != j->cloud.dim && !(queries->dim == 3 && flatten(queries))) {
+        return fail(j, "%s: %s in %dD, but points in %dD%s", j->second, j->command->second, queries->dim,
+                    j->cloud.dim, queries->dim == 3 ? "; --dim 2 leaves z out" : "");
+    }
+    say(j, "read", now() - start, "%zu %s", queries->count, j->command->second);
+    return 0;
+}
+
 /* The need is what pbw.h promises for uniform points. */
-int out_of_memory(const job *j)
+static int out_of_memory(const job *j)
 {
     double need = (j->cloud.dim == 3 ? 300.0 : 105.0) * (double)j->cloud.count * 1e-6 + 1;
     char limit[80] = "";
@@ -72,6 +91,12 @@ int out_of_memory(const job *j)
                 limit, j->cloud.count, j->cloud.dim, need);
 }
 
+int explain(const job *j, pbw_status status)
+{
+    return status == PBW_OK ? 0 : status == PBW_CANCELLED ? stopped(j) : status == PBW_ERROR_MEMORY ? out_of_memory(j)
+         : fail(j, "%s", pbw_status_string(status));
+}
+
 int build(job *j)
 {
     pbw_status status;
@@ -79,9 +104,8 @@ int build(job *j)
         j->build.trace = (uint32_t *)malloc((j->cloud.count + 1) * sizeof(uint32_t));
     }
     status = pbw_triangulate(j->cloud.dim, j->cloud.points, j->cloud.weights, j->cloud.count, &j->build, &j->mesh);
-    if (status != PBW_OK && !(status == PBW_DEGENERATE && j->command == &command_view)) {
-        return status == PBW_CANCELLED ? stopped(j) : status == PBW_ERROR_MEMORY ? out_of_memory(j)
-             : fail(j, "%s", pbw_status_string(status));
+    if (status != PBW_OK && !(status == PBW_DEGENERATE && j->command->may_be_flat)) {
+        return explain(j, status);
     }
     say(j, "order", j->mesh.statistics.order_seconds, "%s", "");
     say(j, "build", j->mesh.statistics.build_seconds, "%s", "");
@@ -95,8 +119,7 @@ int check(job *j)
     pbw_report report;
     pbw_status status = pbw_check(&j->mesh, &j->build, &report);
     if (status != PBW_OK) {
-        return status == PBW_CANCELLED ? stopped(j) : status == PBW_ERROR_MEMORY ? out_of_memory(j)
-             : fail(j, "%s", pbw_status_string(status));
+        return explain(j, status);
     }
     say(j, "check", now() - start, "%s", report.valid ? "valid" : report.what);
     return report.valid ? 0 : fail(j, "the result is wrong: please report this");

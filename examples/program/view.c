@@ -47,5 +47,5 @@ const command command_view = {
     "\n",
     "html",
     { view_options, look_options, input_options, build_options, output_options, common_options, NULL, NULL },
-    run, 0, 0, 1
+    run, 0, 0, 1, NULL, 1
 };

@@ -4,7 +4,7 @@
     python3 examples/python/build.py DIST    # the wheel alone, into the folder DIST, without pip
 
 CC and CFLAGS come from the environment.  The wheel fits every Python 3 of this machine's kind, for the library is
-loaded by ctypes.  pbw.h is read from the root of the source tree, or from beside this file in a source archive.
+loaded by ctypes.  Headers are read from the source tree, or from beside this file in a source archive.
 """
 import base64
 import glob
@@ -32,12 +32,16 @@ Requires-Dist: numpy
 """
 
 
-def _header():
-    for folder in (HERE, os.path.join(HERE, "..", "..")):
-        path = os.path.join(folder, "pbw.h")
+def _header(name="pbw.h", folder=""):
+    """The path of a header: of a source archive, or in that folder of the source tree."""
+    for path in (os.path.join(HERE, name), os.path.join(HERE, "..", "..", folder, name)):
         if os.path.exists(path):
             return path
-    raise SystemExit("pbw.h is neither beside build.py nor two folders up: install from the whole source tree")
+    raise SystemExit("%s is neither beside build.py nor two folders up: install from the whole source tree" % name)
+
+
+def _headers():
+    return _header(), _header("pbw_cells.h", os.path.join("examples", "lib"))
 
 
 def _read(path):
@@ -63,8 +67,8 @@ def _compile():
     flags = ["-std=c99", "-O2", *shlex.split(os.environ.get("CFLAGS", "")), "-fPIC", "-shared"]
     with tempfile.TemporaryDirectory() as folder:
         target = os.path.join(folder, LIBRARY)
-        command = [*compiler, *flags, "-I", os.path.dirname(_header()), os.path.join(HERE, "pbw_python.c"),
-                   "-o", target, "-lpthread", "-lm"]
+        command = [*compiler, *flags, *("-I" + os.path.dirname(path) for path in _headers()),
+                   os.path.join(HERE, "pbw_python.c"), "-o", target, "-lpthread", "-lm"]
         print(shlex.join(command))
         try:
             subprocess.run(command, check=True)
@@ -104,7 +108,8 @@ def build_wheel(wheel_directory, config_settings=None, metadata_directory=None):
 def build_sdist(sdist_directory, config_settings=None):
     version = _version()
     files = [(name, _read(os.path.join(HERE, name))) for name in ("build.py", "pyproject.toml", "pbw_python.c")]
-    files += [("pbw.h", _read(_header())), ("PKG-INFO", (METADATA % version).encode()), *_modules()]
+    files += [*((os.path.basename(path), _read(path)) for path in _headers()),
+              ("PKG-INFO", (METADATA % version).encode()), *_modules()]
     name = "pbw-%s.tar.gz" % version
     with tarfile.open(os.path.join(sdist_directory, name), "w:gz", format=tarfile.PAX_FORMAT) as archive:
         for path, data in files:

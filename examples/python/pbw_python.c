@@ -1,17 +1,20 @@
-/* pbw_python.c: pbw.h as a shared library for the Python package pbw: a triangulation copied into arrays that Python
-   owns, and the simplices that many points lie in.
-   cc -O2 -I. -fPIC -shared examples/python/pbw_python.c -o libpbw_python.so -lpthread -lm */
+/* pbw_python.c: pbw.h and pbw_cells.h as a shared library for the Python package pbw: a triangulation copied into
+   arrays that Python owns, and what is computed from these.
+   cc -O2 -I. -Iexamples/lib -fPIC -shared examples/python/pbw_python.c -o libpbw_python.so -lpthread -lm */
 #define PBW_IMPLEMENTATION
 #include "pbw.h"
+#define PBW_CELLS_IMPLEMENTATION
+#include "pbw_cells.h"
 #include <stdlib.h>
 #include <string.h>
 
 /* Python has indices in 32 signed bits, as SciPy does; -1 has the bits of PBW_NONE. */
 typedef struct arrays {
-    int dim;
+    int dim, threads;
     size_t point_count, simplex_count;
-    const double *points;
-    const int32_t *simplices, *neighbors;
+    const double *points, *weights;    /* weights: or NULL */
+    const int32_t *simplices, *neighbors, *incident, *canonical;
+    const volatile int *stop;          /* as in watch */
 } arrays;
 
 typedef struct watch {
@@ -25,7 +28,12 @@ pbw_mesh *pbw_python_build(int dim, const double *points, const double *weights,
 void pbw_python_copy(const pbw_mesh *mesh, int32_t *simplices, int32_t *neighbors, int32_t *incident,
                      int32_t *canonical);
 void pbw_python_free(pbw_mesh *mesh);
-int pbw_python_find(const arrays *mesh, const double *queries, size_t count, int every, int32_t *found);
+void pbw_python_try_all(const arrays *mesh, const double *queries, size_t count, int32_t *found);
+int pbw_python_locate(const arrays *a, const double *queries, size_t count, int32_t *found, int32_t *facets);
+int pbw_python_nearest(const arrays *a, const double *queries, size_t count, size_t k, int32_t *points,
+                       double *distances);
+int pbw_python_coordinates(const arrays *a, const double *queries, size_t count, int scheme, pbw_lists *lists);
+int pbw_python_cells(const arrays *a, const double *box, unsigned periodic, unsigned what, pbw_cells *cells);
 int64_t pbw_python_stars(const arrays *mesh, int32_t *indptr, int32_t *indices);
 
 static int on_progress(void *user, pbw_stage stage, double done)
@@ -87,87 +95,88 @@ static int side(const arrays *m, int32_t t, int k, const double *q)
     return m->dim == 2 ? pbw_orient2(p[0], p[1], p[2]) : pbw_orient3(p[0], p[1], p[2], p[3]);
 }
 
-/* Walks from t through facets that have q on their far side, which ends since no such walk in a regular triangulation
-   has a cycle (Edelsbrunner 1990, "An acyclicity theorem for cell complexes in d dimensions").  The simplex with q in
-   it, or -1 - t if the walk leaves the hull from t.  *zero: a bit for each facet that q is on. */
-static int32_t walk(const arrays *m, int32_t t, const double *q, int *zero)
+/* For each query the lowest simplex that has it, found by trying all in turn; -1 if it is outside of the hull. */
+void pbw_python_try_all(const arrays *mesh, const double *queries, size_t count, int32_t *found)
 {
-    int32_t from = -1;
-    for (;;) {
-        const int32_t *neighbor = m->neighbors + (size_t)t * (size_t)(m->dim + 1);
-        int k, far = 0;
-        *zero = 0;
-        for (k = 0; k <= m->dim && !far; k++) {
-            int sign = from >= 0 && neighbor[k] == from ? 1 : side(m, t, k, q);
-            far = sign < 0;
-            *zero |= (sign == 0) << k;
-        }
-        if (!far) {
-            return t;
-        }
-        from = t;
-        t = neighbor[k - 1];
-        if (t < 0) {
-            return -1 - from;
+    for (size_t i = 0; i < count; i++) {
+        found[i] = -1;
+        for (size_t t = 0; found[i] < 0 && t < mesh->simplex_count; t++) {
+            int inside = 1;
+            for (int k = 0; k <= mesh->dim && inside; k++) {
+                inside = side(mesh, (int32_t)t, k, queries + i * (size_t)mesh->dim) >= 0;
+            }
+            found[i] = inside ? (int32_t)t : -1;
         }
     }
 }
 
-/* The lowest of all simplices that have q, of which t is one: they hang together by facets that have q.  link: per
-   simplex 0 if it was not seen yet, else one more than the simplex seen after it, or -1; all 0 again at the end. */
-static int32_t lowest(const arrays *m, int32_t t, const double *q, int32_t *link)
+/* The library's view of Python's arrays, and options that end its work when Python says so. */
+static void view(const arrays *a, pbw_mesh *mesh, pbw_options *options, watch *w)
 {
-    int32_t best = t, last = t, s, next;
-    link[t] = -1;
-    for (s = t; s >= 0; s = link[s] - (link[s] > 0)) {
-        best = s < best ? s : best;
-        for (int k = 0; k <= m->dim; k++) {
-            int32_t n = m->neighbors[(size_t)s * (size_t)(m->dim + 1) + (size_t)k];
-            if (n >= 0 && link[n] == 0 && side(m, s, k, q) == 0) {
-                link[last] = n + 1;
-                link[n] = -1;
-                last = n;
-            }
-        }
-    }
-    for (s = t; s >= 0; s = next) {
-        next = link[s] - (link[s] > 0);
-        link[s] = 0;
-    }
-    return best;
+    memset(mesh, 0, sizeof *mesh);
+    memset(options, 0, sizeof *options);
+    mesh->dim = a->dim;
+    mesh->point_count = a->point_count;
+    mesh->simplex_count = a->simplex_count;
+    mesh->simplices = (const pbw_index *)a->simplices;
+    mesh->neighbors = (const pbw_index *)a->neighbors;
+    mesh->incident = (const pbw_index *)a->incident;
+    mesh->canonical = (const pbw_index *)a->canonical;
+    mesh->points = a->points;
+    mesh->weights = a->weights;
+    w->stop = a->stop;
+    w->progress = NULL;
+    options->threads = a->threads;
+    options->progress = on_progress;
+    options->progress_user = w;
 }
 
-/* For each query the lowest simplex that has it, or -1 - t if it is outside of the hull, t being a simplex to that
-   side; each walk starts where the one before ended.  every: try all simplices in turn instead, for comparison.
-   1 if there is no memory, else 0. */
-int pbw_python_find(const arrays *mesh, const double *queries, size_t count, int every, int32_t *found)
+/* For each query the lowest simplex that has it, or -1 - t if it is outside of the hull, t being a simplex at it to
+   that side.  facets: room for as many. */
+int pbw_python_locate(const arrays *a, const double *queries, size_t count, int32_t *found, int32_t *facets)
 {
-    int32_t *link = (int32_t *)calloc(mesh->simplex_count, sizeof *link), at = 0;
-    int dim = mesh->dim;
-    for (size_t i = 0; link != NULL && i < count; i++) {
-        const double *q = queries + i * (size_t)dim;
-        int zero = 0, finite = 1;
-        for (int k = 0; k < dim; k++) {
-            finite &= q[k] - q[k] == 0.0;
-        }
-        found[i] = -1 - at;
-        if (every && finite) {
-            for (at = 0; found[i] < 0 && (size_t)at < mesh->simplex_count; at++) {
-                int inside = 1;
-                for (int k = 0; k <= dim && inside; k++) {
-                    inside = side(mesh, at, k, q) >= 0;
-                }
-                found[i] = inside ? at : found[i];
-            }
-            at = 0;
-        } else if (finite) {
-            found[i] = walk(mesh, at, q, &zero);
-            found[i] = zero != 0 && found[i] >= 0 ? lowest(mesh, found[i], q, link) : found[i];
-            at = found[i] < 0 ? -1 - found[i] : found[i];
-        }
+    pbw_mesh mesh;
+    pbw_options options;
+    watch w;
+    view(a, &mesh, &options, &w);
+    int status = (int)pbw_locate(&mesh, queries, count, &options, (pbw_index *)found, (pbw_index *)facets);
+    for (size_t i = 0; status == (int)PBW_OK && i < count; i++) {
+        found[i] = found[i] < 0 ? -1 - (int32_t)((pbw_index)facets[i] / (pbw_index)(a->dim + 1)) : found[i];
     }
-    free(link);
-    return link == NULL;
+    return status;
+}
+
+int pbw_python_nearest(const arrays *a, const double *queries, size_t count, size_t k, int32_t *points,
+                       double *distances)
+{
+    pbw_mesh mesh;
+    pbw_options options;
+    watch w;
+    view(a, &mesh, &options, &w);
+    return (int)pbw_nearest(&mesh, NULL, queries, count, k, &options, (pbw_index *)points, distances);
+}
+
+int pbw_python_coordinates(const arrays *a, const double *queries, size_t count, int scheme, pbw_lists *lists)
+{
+    pbw_mesh mesh;
+    pbw_options options;
+    watch w;
+    view(a, &mesh, &options, &w);
+    return (int)pbw_coordinates(&mesh, queries, count, (pbw_scheme)scheme, &options, lists);
+}
+
+/* box: NULL = the whole space.  periodic: bits of axes; then only the points of the arrays count. */
+int pbw_python_cells(const arrays *a, const double *box, unsigned periodic, unsigned what, pbw_cells *cells)
+{
+    pbw_mesh mesh;
+    pbw_options options;
+    pbw_domain domain = { 0 };
+    watch w;
+    view(a, &mesh, &options, &w);
+    domain.box = box;
+    domain.periodic = periodic;
+    return (int)(periodic == 0 ? pbw_cells_of(&mesh, &domain, what, &options, cells)
+                 : pbw_cells_periodic(a->dim, a->points, a->weights, a->point_count, &domain, what, &options, cells));
 }
 
 /* The neighbours of each point p, ascending, in indices[indptr[p]] to indices[indptr[p + 1] - 1].  Point by point,

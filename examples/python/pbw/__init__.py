@@ -1,10 +1,15 @@
-"""Exact Delaunay and regular triangulations for NumPy, with the interface of scipy.spatial.Delaunay.
+"""Exact Delaunay and regular triangulations and their cells for NumPy, with the interface of scipy.spatial.
 
     import numpy, pbw
     points = numpy.random.rand(1000000, 3)
     tri = pbw.Delaunay(points)                       # or with weights=, which SciPy has not
     tri.simplices, tri.neighbors, tri.find_simplex([0.5, 0.5, 0.5])
+    tri.nearest([[0.5, 0.5, 0.5]], k=8)              # distances, points
     scipy.interpolate.LinearNDInterpolator(tri, values)
+    pbw.interpolate(points, values, xi, method="sibson")
+    pbw.Voronoi(points).regions                      # as scipy.spatial.Voronoi
+    pbw.power_cells(points, weights, box=[(0, 0, 0), (1, 1, 1)], periodic="xyz").volumes
+    pbw.lloyd(points, steps=20)
 
 Needs NumPy; no SciPy.  Two ways to have it:
     pip install ./examples/python                    # from the source tree: a C compiler, no network
@@ -21,10 +26,16 @@ What is different from SciPy
     refused.  QJ moves no point: a duplicate stays one.
   * add_points triangulates anew.
   * Arrays are copies, made at first use: what is written to them changes no later find_simplex.
+  * Voronoi merges vertices that coincide exactly, and no others.  Vertices, ridges and regions come in another order.
+    In 3D there are ridges of one vertex and -1, wedges to infinity, which Qhull leaves out; where more than three
+    points of the hull are in one plane, some of these have no area.
   * paraboloid_scale is 1 and paraboloid_shift is 0: `equations` are those of the plain lift |p|^2 - weight.
 """
+from ._cells import Cells, Voronoi, lloyd, power_cells
 from ._delaunay import Delaunay, tsearch
 from ._errors import Error, QhullError
+from ._interpolate import interpolate
 from ._library import version as __version__
 
-__all__ = ["Delaunay", "Error", "QhullError", "tsearch", "__version__"]
+__all__ = ["Cells", "Delaunay", "Error", "QhullError", "Voronoi", "interpolate", "lloyd", "power_cells", "tsearch",
+           "__version__"]

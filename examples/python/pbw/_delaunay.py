@@ -5,11 +5,14 @@ from functools import cached_property
 import numpy as np
 
 from . import _geometry
+from ._errors import not_finite
 from ._library import Mesh
 from ._scipy import as_scipy, own
 
+SCHEMES = "linear", "sibson", "laplace"           # in the order of pbw_scheme
 
-def _checked_points(points):
+
+def checked_points(points):
     if np.ma.isMaskedArray(points):
         raise ValueError("points cannot be a masked array")
     points = np.array(points, dtype=np.float64, order="C")
@@ -20,14 +23,14 @@ def _checked_points(points):
     return points
 
 
-def _checked_weights(weights, count):
+def checked_weights(weights, count):
     weights = np.array(weights, dtype=np.float64, order="C")
     if weights.shape != (count,):
         raise ValueError("weights must have the shape (%d,), one for each point, not %s" % (count, weights.shape))
     return weights
 
 
-def _check_options(furthest_site, qhull_options, threads):
+def check_options(furthest_site, qhull_options, threads):
     if isinstance(qhull_options, bytes):
         qhull_options = qhull_options.decode("ascii", "replace")
     for option in (qhull_options or "").split():
@@ -73,10 +76,10 @@ class Delaunay:
 
     def __init__(self, points, furthest_site=False, incremental=False, qhull_options=None, *, weights=None,
                  threads=0, progress=None):
-        _check_options(furthest_site, qhull_options, threads)
-        points = _checked_points(points)
+        check_options(furthest_site, qhull_options, threads)
+        points = checked_points(points)
         if weights is not None:
-            weights = _checked_weights(weights, len(points))
+            weights = checked_weights(weights, len(points))
         self._incremental, self._threads, self._progress = bool(incremental), threads, progress
         self._mesh = Mesh(points, weights, threads, progress)
 
@@ -180,27 +183,58 @@ class Delaunay:
         A point on a common face is in the lowest of its simplices.  bruteforce tries all, with the same answers.
         tol: points outside by no more than this barycentric coordinate are in the simplex where the hull was left.
         """
-        xi = np.asarray(xi, dtype=np.float64)
-        if xi.ndim == 0 or xi.shape[-1] != self.ndim:
-            raise ValueError("wrong dimensionality in xi: the shape must be (..., %d), not %s"
-                             % (self.ndim, xi.shape))
-        queries = np.ascontiguousarray(xi.reshape(-1, self.ndim))
-        order = slice(None)
-        if len(queries) > 100 and not bruteforce:
-            order = _geometry.z_order(queries, self.min_bound, self.max_bound)
-            queries = queries[order]
-        found = self._mesh.find(queries, bool(bruteforce))
+        shape, queries = self._checked_queries(xi)
+        result = np.full(len(queries), -1, np.int32)
+        finite = np.isfinite(queries).all(axis=1)
+        queries = queries[finite]
+        found = self._mesh.find_by_trying(queries) if bruteforce else self._mesh.find(queries)
         outside = np.flatnonzero(found < 0)
         if tol and len(outside):
-            last = -1 - self._mesh.find(queries[outside], False)
+            last = -1 - self._mesh.find(queries[outside])
             t = self.transform[last]
             b = np.einsum("ijk,ik->ij", t[:, :-1], queries[outside] - t[:, -1])
             near = (b >= -tol).all(axis=1) & (b.sum(axis=1) <= 1 + tol)
             found[outside] = np.where(near, last, -1)
         found[found < 0] = -1
-        result = np.empty_like(found)
-        result[order] = found
-        return result.reshape(xi.shape[:-1])
+        result[finite] = found
+        return result.reshape(shape)
+
+    def nearest(self, q, k=1):
+        """Distances to the k nearest points of each of q, and these points, as scipy.spatial.cKDTree.query returns
+        them: the nearest first, in exact order, equally near ones by index; for k=1 without the last axis.  Where
+        there are fewer than k: inf and npoints.
+
+        Of duplicates only the first point is found.  With weights, distances are power distances, |q - p|^2 - weight,
+        and hidden points are not found.
+        """
+        shape, queries = self._checked_queries(q, finite=True)
+        if operator.index(k) < 1:
+            raise ValueError("k must be at least 1, not %d" % k)
+        found, distances = self._mesh.nearest(queries, k)
+        found = np.where(found < 0, self.npoints, found)
+        shape += (k,) if k > 1 else ()
+        return distances.reshape(shape), found.reshape(shape)
+
+    def coordinates(self, xi, method="linear"):
+        """Generalised barycentric coordinates: indptr, points, weights.  The weights of query i, from indptr[i] to
+        indptr[i + 1], are not negative, sum to 1, and its points have the query as their mean by them.
+
+        "linear": the corners of its simplex; "sibson": the shares that its Voronoi cell would take of theirs;
+        "laplace": facets of that cell over distances.  Outside of the hull there are none.
+        """
+        if method not in SCHEMES:
+            raise ValueError("method must be one of %s, not %r" % (", ".join(SCHEMES), method))
+        return tuple(self._mesh.coordinates(self._checked_queries(xi, finite=True)[1], SCHEMES.index(method)))
+
+    def _checked_queries(self, xi, finite=False):
+        """Their shape without the last axis, and as rows."""
+        xi = np.asarray(xi, dtype=np.float64)
+        if xi.ndim == 0 or xi.shape[-1] != self.ndim:
+            raise ValueError("wrong dimensionality in xi: the shape must be (..., %d), not %s"
+                             % (self.ndim, xi.shape))
+        if finite and not np.isfinite(xi).all():
+            raise ValueError(not_finite("xi", xi))
+        return xi.shape[:-1], np.ascontiguousarray(xi.reshape(-1, self.ndim))
 
     # Changes
     def add_points(self, points, restart=False):
@@ -209,7 +243,7 @@ class Delaunay:
             raise RuntimeError("points are added after Delaunay(..., incremental=True) and before close() only")
         if self._mesh.weights is not None:
             raise ValueError("points are added to triangulations without weights only")
-        points = _checked_points(points)
+        points = checked_points(points)
         if points.shape[1] != self.ndim:
             raise ValueError("points to add must have the shape (n, %d), not %s" % (self.ndim, points.shape))
         self._mesh = Mesh(np.concatenate([self._mesh.points, points]), None, self._threads, self._progress)

@@ -47,16 +47,3 @@ def lift(x):
     """The points with their height on the paraboloid as one more coordinate."""
     x = np.asarray(x, dtype=np.float64)
     return np.concatenate([x, np.sum(x * x, axis=-1, keepdims=True)], axis=-1)
-
-
-def z_order(points, low, high):
-    """The order of the points along a Z-shaped curve, so that one is near the next."""
-    bits = 32 // points.shape[1]
-    with np.errstate(all="ignore"):
-        span = np.where(high > low, high - low, 1)
-        cell = (np.clip(np.nan_to_num((points - low) / span), 0, 1) * (2 ** bits - 1)).astype(np.uint64)
-    key = np.zeros(len(points), np.uint64)
-    for bit in range(bits):
-        for k in range(points.shape[1]):
-            key |= (cell[:, k] >> np.uint64(bit) & np.uint64(1)) << np.uint64(bit * points.shape[1] + k)
-    return np.argsort(key, kind="stable")

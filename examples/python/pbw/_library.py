@@ -14,10 +14,28 @@ _PROGRESS = ctypes.CFUNCTYPE(ctypes.c_int, ctypes.c_int, ctypes.c_double)
 _STAGES = ("order", "build", "output", "check")
 
 
+def _pointers(names):
+    return [(name, ctypes.c_void_p) for name in names.split()]
+
+
 class _Arrays(ctypes.Structure):
     """struct arrays of pbw_python.c."""
-    _fields_ = [("dim", ctypes.c_int), ("point_count", ctypes.c_size_t), ("simplex_count", ctypes.c_size_t),
-                ("points", ctypes.c_void_p), ("simplices", ctypes.c_void_p), ("neighbors", ctypes.c_void_p)]
+    _fields_ = [("dim", ctypes.c_int), ("threads", ctypes.c_int), ("point_count", ctypes.c_size_t),
+                ("simplex_count", ctypes.c_size_t),
+                *_pointers("points weights simplices neighbors incident canonical"),
+                ("stop", ctypes.POINTER(ctypes.c_int))]
+
+
+class _Lists(ctypes.Structure):
+    """pbw_lists."""
+    _fields_ = [("count", ctypes.c_size_t), *_pointers("first item value memory")]
+
+
+class _Cells(ctypes.Structure):
+    """pbw_cells."""
+    _fields_ = [("dim", ctypes.c_int), *((name, ctypes.c_size_t) for name in ("cell_count", "facet_count",
+                                                                            "vertex_count", "ray_count")),
+                *_pointers("volumes centroids first neighbors shifts areas vertices loop_first loops rays memory")]
 
 
 def _load():
@@ -48,7 +66,16 @@ def _declare(library):
     library.pbw_python_copy.restype = library.pbw_python_free.restype = None
     library.pbw_python_copy.argtypes = [ctypes.c_void_p, ints, ints, ints, ints]
     library.pbw_python_free.argtypes = [ctypes.c_void_p]
-    library.pbw_python_find.argtypes = [arrays, doubles, size, ctypes.c_int, ints]
+    library.pbw_python_try_all.restype = None
+    library.pbw_python_try_all.argtypes = [arrays, doubles, size, ints]
+    library.pbw_python_locate.argtypes = [arrays, doubles, size, ints, ints]
+    library.pbw_python_nearest.argtypes = [arrays, doubles, size, size, ints, doubles]
+    library.pbw_python_coordinates.argtypes = [arrays, doubles, size, ctypes.c_int, ctypes.POINTER(_Lists)]
+    library.pbw_python_cells.argtypes = [arrays, ctypes.c_void_p, ctypes.c_uint, ctypes.c_uint,
+                                         ctypes.POINTER(_Cells)]
+    library.pbw_lists_free.restype = library.pbw_cells_free.restype = None
+    library.pbw_lists_free.argtypes = [ctypes.POINTER(_Lists)]
+    library.pbw_cells_free.argtypes = [ctypes.POINTER(_Cells)]
     library.pbw_python_stars.restype = ctypes.c_int64
     library.pbw_python_stars.argtypes = [arrays, ints, ctypes.c_void_p]
     library.pbw_status_string.restype = ctypes.c_char_p
@@ -74,6 +101,76 @@ def _run(work, stop):
         if thread.ident is not None:
             thread.join(1)
         raise
+
+
+def _copied(pointer, shape, kind):
+    """A copy of an array of the library's; None where it has none."""
+    count = int(np.prod(shape))
+    if not pointer:
+        return None
+    return np.frombuffer((ctypes.c_char * (count * np.dtype(kind).itemsize)).from_address(pointer),
+                         kind).reshape(shape).copy()
+
+
+def _answer(arrays, count, ask, points, weights=None):
+    """ask(arrays), which returns a status, in a thread if there is much to do; an exception if it fails."""
+    stop, status, thrown = ctypes.c_int(), [], []
+    arrays.stop = ctypes.pointer(stop)
+
+    def work():
+        try:
+            status.append(ask(arrays))
+        except BaseException as e:
+            thrown.append(e)
+
+    if count < 1000:
+        work()
+    else:
+        _run(work, stop)
+    if thrown:
+        raise thrown[0]
+    if status[0]:
+        raise _errors.from_status(status[0], _library.pbw_status_string(status[0]).decode(), points, weights)
+
+
+def cells_of(arrays, box, periodic, what, points, weights):
+    """The arrays of pbw_cells by name; what: bits of PBW_CELLS_*."""
+    found, made = _Cells(), {}
+
+    def ask(arrays):
+        status = _library.pbw_python_cells(arrays, None if box is None else box.ctypes.data, periodic, what, found)
+        try:
+            if status == 0:
+                made.update(_cell_arrays(found))
+        finally:
+            _library.pbw_cells_free(found)
+        return status
+
+    _answer(arrays, len(points), ask, points, weights)
+    return made
+
+
+def _cell_arrays(c):
+    made = {"volumes": _copied(c.volumes, c.cell_count, np.float64),
+            "centroids": _copied(c.centroids, (c.cell_count, c.dim), np.float64),
+            "first": _copied(c.first, c.cell_count + 1, np.uintp),
+            "neighbors": _copied(c.neighbors, c.facet_count, np.int32),
+            "areas": _copied(c.areas, c.facet_count, np.float64),
+            "shifts": _copied(c.shifts, (c.facet_count, c.dim), np.int8),
+            "vertices": _copied(c.vertices, (c.vertex_count, c.dim), np.float64),
+            "loop_first": _copied(c.loop_first, c.facet_count + 1, np.uintp),
+            "rays": _copied(c.rays, (c.ray_count, c.dim), np.float64)}
+    for name in ("first", "loop_first"):
+        made[name] = None if made[name] is None else made[name].astype(np.int64)
+    made["loops"] = None if made["loop_first"] is None else _copied(c.loops, made["loop_first"][-1], np.int32)
+    return made
+
+
+def periodic_cells(points, weights, box, periodic, what, threads):
+    """The same of points alone, in a box that repeats along axes: bit k of periodic is axis k."""
+    arrays = _Arrays(points.shape[1], threads, len(points), 0, points.ctypes.data,
+                     None if weights is None else weights.ctypes.data)
+    return cells_of(arrays, box, periodic, what, points, weights)
 
 
 def _triangulate(points, weights, threads, progress):
@@ -119,10 +216,10 @@ def _triangulate(points, weights, threads, progress):
 
 class Mesh:
     """points, weights (or None), simplices, neighbors, incident, canonical: as in pbw_mesh, -1 for PBW_NONE."""
-    __slots__ = ("points", "weights", "simplices", "neighbors", "incident", "canonical")
+    __slots__ = ("points", "weights", "simplices", "neighbors", "incident", "canonical", "threads")
 
     def __init__(self, points, weights, threads, progress):
-        self.points, self.weights = points, weights
+        self.points, self.weights, self.threads = points, weights, threads
         self.simplices, self.neighbors, self.incident, self.canonical = _triangulate(points, weights, threads,
                                                                                      progress)
         for array in (points, self.simplices, self.neighbors, self.incident, self.canonical):
@@ -130,15 +227,51 @@ class Mesh:
 
     def _arrays(self):
         count, dim = self.points.shape
-        return _Arrays(dim, count, len(self.simplices), self.points.ctypes.data, self.simplices.ctypes.data,
-                       self.neighbors.ctypes.data)
+        data = [None if a is None else a.ctypes.data for a in (self.points, self.weights, self.simplices,
+                                                               self.neighbors, self.incident, self.canonical)]
+        return _Arrays(dim, self.threads, count, len(self.simplices), *data)
 
-    def find(self, queries, every):
+    def find(self, queries):
         """For each query the lowest simplex that has it, or -1 - (a simplex to that side) if it is outside."""
-        found = np.empty(len(queries), np.int32)
-        if _library.pbw_python_find(self._arrays(), queries, len(queries), every, found):
-            raise MemoryError("no memory to find the simplices of %d points" % len(queries))
+        found, facets = np.empty(len(queries), np.int32), np.empty(len(queries), np.int32)
+        _answer(self._arrays(), len(queries),
+                lambda arrays: _library.pbw_python_locate(arrays, queries, len(queries), found, facets), queries)
         return found
+
+    def find_by_trying(self, queries):
+        """The same, -1 if it is outside."""
+        found = np.empty(len(queries), np.int32)
+        _library.pbw_python_try_all(self._arrays(), queries, len(queries), found)
+        return found
+
+    def nearest(self, queries, k):
+        """The k nearest points of each query, -1 where there are fewer, and their distances."""
+        count = len(queries)
+        found, distances = np.empty((count, k), np.int32), np.empty((count, k))
+        _answer(self._arrays(), count,
+                lambda arrays: _library.pbw_python_nearest(arrays, queries, count, k, found, distances), queries)
+        return found, distances
+
+    def coordinates(self, queries, scheme):
+        """indptr, points and weights: those of query i are from indptr[i] to indptr[i + 1]."""
+        lists, made = _Lists(), []
+
+        def ask(arrays):
+            status = _library.pbw_python_coordinates(arrays, queries, len(queries), scheme, lists)
+            try:
+                if status == 0:
+                    first = _copied(lists.first, len(queries) + 1, np.uintp).astype(np.int64)
+                    made.extend([first, _copied(lists.item, first[-1], np.int32),
+                                 _copied(lists.value, first[-1], np.float64)])
+            finally:
+                _library.pbw_lists_free(lists)
+            return status
+
+        _answer(self._arrays(), len(queries), ask, queries)
+        return made
+
+    def cells(self, box, what):
+        return cells_of(self._arrays(), box, 0, what, self.points, self.weights)
 
     def stars(self):
         """indptr and indices of the neighbours of each point, ascending."""

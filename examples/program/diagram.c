@@ -1,0 +1,300 @@
+/* diagram.c: cells as .obj, .vtu and .svg.
+   In: cells with shapes.  Out: a file of those that are bounded and not empty, with the corners that they have. */
+#include "program.h"
+
+typedef struct diagram {
+    const pbw_cells *cells;
+    const char *ending;
+    pbw_index *number;                               /* of each vertex in the file; PBW_NONE: it is not there */
+    size_t *seen;                                    /* per vertex: one more than the last cell that has it */
+    size_t count;                                    /* how many corners are in the file */
+    double low[3], high[3];                          /* their bounds */
+} diagram;
+
+static int is_drawn(const pbw_cells *cells, size_t i)
+{
+    return cells->volumes[i] > 0 && cells->volumes[i] <= DBL_MAX && cells->first[i] < cells->first[i + 1];
+}
+
+static void number_corners(diagram *d)
+{
+    const pbw_cells *cells = d->cells;
+    const size_t dim = (size_t)cells->dim;
+    size_t i, m, k;
+    for (i = 0; i < cells->vertex_count; i++) {
+        d->number[i] = PBW_NONE;
+    }
+    for (i = 0; i < cells->cell_count; i++) {
+        const size_t end = is_drawn(cells, i) ? cells->loop_first[cells->first[i + 1]] : 0;
+        for (m = cells->loop_first[cells->first[i]]; m < end; m++) {
+            d->number[cells->loops[m]] = 0;
+        }
+    }
+    for (i = 0; i < cells->vertex_count; i++) {
+        const double *x = cells->vertices + dim * i;
+        if (d->number[i] == PBW_NONE) {
+            continue;
+        }
+        for (k = 0; k < dim; k++) {
+            d->low[k] = d->count == 0 || x[k] < d->low[k] ? x[k] : d->low[k];
+            d->high[k] = d->count == 0 || x[k] > d->high[k] ? x[k] : d->high[k];
+        }
+        d->number[i] = (pbw_index)d->count++;
+    }
+}
+
+static void emit_vertices(const diagram *d, FILE *file, const char *before)
+{
+    const pbw_cells *cells = d->cells;
+    const size_t dim = (size_t)cells->dim;
+    size_t i;
+    for (i = 0; i < cells->vertex_count; i++) {
+        const double *x = cells->vertices + dim * i;
+        if (d->number[i] != PBW_NONE) {
+            fprintf(file, "%s%.17g %.17g %.17g\n", before, x[0], x[1], dim == 3 ? x[2] : 0.0);
+        }
+    }
+}
+
+/* The corners of facet f, or of the polygon of cell i in the plane, each after a blank. */
+static void emit_loop(const diagram *d, FILE *file, size_t i, size_t f, pbw_index base)
+{
+    const pbw_cells *cells = d->cells;
+    size_t m;
+    if (cells->dim == 2) {                           /* facets are in order: the first corner of each */
+        for (m = cells->first[i]; m < cells->first[i + 1]; m++) {
+            fprintf(file, " %lu", (unsigned long)(d->number[cells->loops[cells->loop_first[m]]] + base));
+        }
+        return;
+    }
+    for (m = cells->loop_first[f]; m < cells->loop_first[f + 1]; m++) {
+        fprintf(file, " %lu", (unsigned long)(d->number[cells->loops[m]] + base));
+    }
+}
+
+static void emit_obj(const diagram *d, FILE *file)
+{
+    const pbw_cells *cells = d->cells;
+    size_t i, f;
+    emit_vertices(d, file, "v ");
+    for (i = 0; i < cells->cell_count; i++) {
+        const size_t end = cells->dim == 2 ? cells->first[i] + 1 : cells->first[i + 1];
+        if (!is_drawn(cells, i)) {
+            continue;
+        }
+        fprintf(file, "o cell_%zu\n", i);
+        for (f = cells->first[i]; f < end; f++) {
+            fputc('f', file);
+            emit_loop(d, file, i, f, 1);
+            fputc('\n', file);
+        }
+    }
+}
+
+/* ---- vtu ---- */
+
+/* The corners of a cell, each once; returns how many.  file NULL: counts only. */
+static size_t emit_corners(const diagram *d, FILE *file, size_t i)
+{
+    const pbw_cells *cells = d->cells;
+    size_t m, count = 0;
+    for (m = cells->loop_first[cells->first[i]]; m < cells->loop_first[cells->first[i + 1]]; m++) {
+        if (d->seen[cells->loops[m]] != i + 1) {
+            d->seen[cells->loops[m]] = i + 1;
+            count++;
+            if (file != NULL) {
+                fprintf(file, " %lu", (unsigned long)d->number[cells->loops[m]]);
+            }
+        }
+    }
+    return count;
+}
+
+static void begin_array(FILE *file, const char *type, const char *name)
+{
+    fprintf(file, "<DataArray type=\"%s\" Name=\"%s\" format=\"ascii\">\n", type, name);
+}
+
+static void end_array(FILE *file)
+{
+    fputs("</DataArray>\n", file);
+}
+
+/* What is said of each cell that is drawn. */
+static void emit_data(const diagram *d, FILE *file)
+{
+    const pbw_cells *cells = d->cells;
+    size_t i;
+    fputs("<CellData Scalars=\"volume\">\n", file);
+    begin_array(file, "Int64", "id");
+    for (i = 0; i < cells->cell_count; i++) {
+        if (is_drawn(cells, i)) {
+            fprintf(file, "%zu\n", i);
+        }
+    }
+    end_array(file);
+    begin_array(file, "Float64", "volume");
+    for (i = 0; i < cells->cell_count; i++) {
+        if (is_drawn(cells, i)) {
+            fprintf(file, "%.17g\n", cells->volumes[i]);
+        }
+    }
+    end_array(file);
+    begin_array(file, "Int64", "facets");
+    for (i = 0; i < cells->cell_count; i++) {
+        if (is_drawn(cells, i)) {
+            fprintf(file, "%zu\n", cells->first[i + 1] - cells->first[i]);
+        }
+    }
+    end_array(file);
+    fputs("</CellData>\n", file);
+}
+
+/* The facets of polyhedra, and where those of each end. */
+static void emit_faces(const diagram *d, FILE *file)
+{
+    const pbw_cells *cells = d->cells;
+    size_t i, f, offset = 0;
+    begin_array(file, "Int64", "faces");
+    for (i = 0; i < cells->cell_count; i++) {
+        if (!is_drawn(cells, i)) {
+            continue;
+        }
+        fprintf(file, "%zu", cells->first[i + 1] - cells->first[i]);
+        for (f = cells->first[i]; f < cells->first[i + 1]; f++) {
+            fprintf(file, " %zu", cells->loop_first[f + 1] - cells->loop_first[f]);
+            emit_loop(d, file, i, f, 0);
+        }
+        fputc('\n', file);
+    }
+    end_array(file);
+    begin_array(file, "Int64", "faceoffsets");
+    for (i = 0; i < cells->cell_count; i++) {
+        if (is_drawn(cells, i)) {
+            const size_t first = cells->first[i], end = cells->first[i + 1];
+            offset += 1 + (end - first) + (cells->loop_first[end] - cells->loop_first[first]);
+            fprintf(file, "%zu\n", offset);
+        }
+    }
+    end_array(file);
+}
+
+/* Corners of each cell, where they end, and the type: 42 is a polyhedron, 7 a polygon. */
+static void emit_cells(const diagram *d, FILE *file)
+{
+    const pbw_cells *cells = d->cells;
+    size_t i, offset = 0;
+    begin_array(file, "Int64", "connectivity");
+    memset(d->seen, 0, cells->vertex_count * sizeof *d->seen);
+    for (i = 0; i < cells->cell_count; i++) {
+        if (is_drawn(cells, i) && cells->dim == 3) {
+            emit_corners(d, file, i);
+        } else if (is_drawn(cells, i)) {
+            emit_loop(d, file, i, cells->first[i], 0);
+        }
+    }
+    fputc('\n', file);
+    end_array(file);
+    begin_array(file, "Int64", "offsets");
+    memset(d->seen, 0, cells->vertex_count * sizeof *d->seen);
+    for (i = 0; i < cells->cell_count; i++) {
+        if (is_drawn(cells, i)) {
+            offset += cells->dim == 3 ? emit_corners(d, NULL, i) : cells->first[i + 1] - cells->first[i];
+            fprintf(file, "%zu\n", offset);
+        }
+    }
+    end_array(file);
+    begin_array(file, "UInt8", "types");
+    for (i = 0; i < cells->cell_count; i++) {
+        if (is_drawn(cells, i)) {
+            fputs(cells->dim == 3 ? "42\n" : "7\n", file);
+        }
+    }
+    end_array(file);
+    if (cells->dim == 3) {
+        emit_faces(d, file);
+    }
+}
+
+static void emit_vtu(const diagram *d, FILE *file)
+{
+    size_t i, drawn = 0;
+    for (i = 0; i < d->cells->cell_count; i++) {
+        drawn += (size_t)is_drawn(d->cells, i);
+    }
+    fprintf(file, "<?xml version=\"1.0\"?>\n<VTKFile type=\"UnstructuredGrid\" version=\"1.0\" "
+            "byte_order=\"LittleEndian\" header_type=\"UInt64\">\n<UnstructuredGrid>\n"
+            "<Piece NumberOfPoints=\"%zu\" NumberOfCells=\"%zu\">\n", d->count, drawn);
+    emit_data(d, file);
+    fputs("<Points>\n<DataArray type=\"Float64\" NumberOfComponents=\"3\" format=\"ascii\">\n", file);
+    emit_vertices(d, file, "");
+    fputs("</DataArray>\n</Points>\n<Cells>\n", file);
+    emit_cells(d, file);
+    fputs("</Cells>\n</Piece>\n</UnstructuredGrid>\n</VTKFile>\n", file);
+}
+
+/* ---- svg ---- */
+
+/* Polygons, light where they are small and dark where they are large, 1000 wide or high. */
+static void emit_svg(const diagram *d, FILE *file)
+{
+    const pbw_cells *cells = d->cells;
+    const double width = d->high[0] - d->low[0], height = d->high[1] - d->low[1];
+    const double scale = d->count > 0 ? 1000 / (width > height ? width : height) : 1;
+    double least = DBL_MAX, most = 0;
+    size_t i, f;
+    for (i = 0; i < cells->cell_count; i++) {
+        if (is_drawn(cells, i)) {
+            least = cells->volumes[i] < least ? cells->volumes[i] : least;
+            most = cells->volumes[i] > most ? cells->volumes[i] : most;
+        }
+    }
+    fprintf(file, "<svg xmlns=\"http://www.w3.org/2000/svg\" viewBox=\"-2 -2 %.6g %.6g\">\n"
+            "<g stroke=\"#234\" stroke-width=\"1\" stroke-linejoin=\"round\">\n", width * scale + 4,
+            height * scale + 4);
+    for (i = 0; i < cells->cell_count; i++) {
+        double share;
+        if (!is_drawn(cells, i)) {
+            continue;
+        }
+        share = most > least * 1.000001 ? log(cells->volumes[i] / least) / log(most / least) : 0.5;
+        fprintf(file, "<polygon id=\"cell_%zu\" fill=\"hsl(210,60%%,%.0f%%)\" points=\"", i, 90 - 50 * share);
+        for (f = cells->first[i]; f < cells->first[i + 1]; f++) {
+            const double *x = cells->vertices + 2 * (size_t)cells->loops[cells->loop_first[f]];
+            fprintf(file, " %.6g,%.6g", (x[0] - d->low[0]) * scale, (d->high[1] - x[1]) * scale);
+        }
+        fputs("\"/>\n", file);
+    }
+    fputs("</g>\n</svg>\n", file);
+}
+
+static void emit(void *user, FILE *file)
+{
+    const diagram *d = (const diagram *)user;
+    if (strcmp(d->ending, "obj") == 0) {
+        emit_obj(d, file);
+    } else if (strcmp(d->ending, "vtu") == 0) {
+        emit_vtu(d, file);
+    } else {
+        emit_svg(d, file);
+    }
+}
+
+pbwio_status write_diagram(const char *path, const char *ending, const pbw_cells *cells, pbwio_error *error)
+{
+    diagram d;
+    pbwio_status status = PBWIO_ERROR_MEMORY;
+    memset(&d, 0, sizeof d);
+    d.cells = cells;
+    d.ending = ending;
+    d.number = (pbw_index *)malloc((cells->vertex_count + 1) * sizeof *d.number);
+    d.seen = (size_t *)malloc((cells->vertex_count + 1) * sizeof *d.seen);
+    snprintf(error->text, sizeof error->text, "out of memory");
+    if (d.number != NULL && d.seen != NULL) {
+        number_corners(&d);
+        status = pbwio_save(path, emit, &d, error);
+    }
+    free(d.number);
+    free(d.seen);
+    return status;
+}

@@ -1,0 +1,167 @@
+"""Cells: the functions power_cells and lloyd, the classes Cells and Voronoi."""
+import operator
+from functools import cached_property
+
+import numpy as np
+
+from . import _library
+from ._delaunay import checked_points, checked_weights, check_options
+from ._library import Mesh
+from ._scipy import as_scipy
+
+FACETS, SHAPES, MERGE = 1, 2, 4                   # of PBW_CELLS_*
+
+
+class Cells:
+    """Cells of points; made by power_cells.
+
+    volumes                 (npoints,): in the plane areas; inf if unbounded, 0 if empty
+    centroids               (npoints, ndim): of empty and unbounded cells the point itself
+    first                   (npoints + 1,): the facets of cell i are first[i] to first[i+1] - 1
+    neighbors               per facet: the point beyond; -2 - k: wall k of the box, where 2*axis is the low and
+                            2*axis+1 the high one
+    shifts                  per facet, if periodic: the neighbour is that point + shift * size of the box
+    areas                   per facet: its area, in the plane its length
+    vertices                (nvertices, ndim)
+    loop_first, loops       corners of facet j: vertices loops[loop_first[j]:loop_first[j+1]], counter-clockwise from
+                            outside of the cell; -2 - k: at infinity, in the direction rays[k]
+    rays                    (nrays, ndim)
+    """
+
+    __module__ = "pbw"
+
+    def __init__(self, arrays):
+        self.__dict__.update(arrays)
+
+    def __repr__(self):
+        return "<pbw.Cells: %d cells, %d facets>" % (len(self.volumes), len(self.neighbors))
+
+
+def _checked_box(box, dim):
+    if box is None:
+        return None
+    box = np.array(box, dtype=np.float64).reshape(-1)
+    if box.shape != (2 * dim,) or not np.isfinite(box).all() or not (box[:dim] < box[dim:]).all():
+        raise ValueError("box must be a low corner and a high corner above it, %d finite numbers, not %s"
+                         % (2 * dim, box.tolist()))
+    return box
+
+
+def _checked_axes(periodic, box, dim):
+    """Bit k: axis k."""
+    if set(periodic) - set("xyz"[:dim]):
+        raise ValueError("periodic must have letters of %r only, not %r" % ("xyz"[:dim], periodic))
+    if periodic and box is None:
+        raise ValueError("periodic=%r needs a box" % periodic)
+    return sum(1 << "xyz".index(axis) for axis in set(periodic))
+
+
+def power_cells(points, weights=None, box=None, *, periodic="", merge=False, threads=0):
+    """The cells of the power diagram of points, without weights of the Voronoi diagram; see Cells.
+
+    box        low corner and high corner: cells end there; None: those at the hull are unbounded
+    periodic   the axes along which the box repeats, such as "xy"
+    merge      the true diagram: centres that coincide are one vertex, facets without area are left out
+    """
+    points = checked_points(points)
+    weights = None if weights is None else checked_weights(weights, len(points))
+    check_options(False, None, threads)
+    box = _checked_box(box, points.shape[1])
+    axes = _checked_axes(periodic, box, points.shape[1])
+    what = FACETS | SHAPES | (MERGE if merge else 0)
+    if axes:
+        return Cells(_library.periodic_cells(points, weights, box, axes, what, threads))
+    return Cells(Mesh(points, weights, threads, None).cells(box, what))
+
+
+def lloyd(points, steps=10, box=None, *, periodic="", threads=0):
+    """The points after so many steps of Lloyd's relaxation: each moves to the centroid of its Voronoi cell.
+
+    box: low corner and high corner, default that of the points' bounds; along axes of periodic it repeats.
+    """
+    points = checked_points(points)
+    check_options(False, None, threads)
+    if operator.index(steps) < 0:
+        raise ValueError("steps must not be negative: %d" % steps)
+    dim = points.shape[1]
+    if box is None and len(points):
+        box = [points.min(axis=0), points.max(axis=0)]
+    box = _checked_box(box, dim)
+    axes = _checked_axes(periodic, box, dim)
+    for _ in range(steps):
+        made = (_library.periodic_cells(points, None, box, axes, 0, threads) if axes
+                else Mesh(points, None, threads, None).cells(box, 0))
+        points = made["centroids"]
+    return points
+
+
+def _regions(loops, starts, points):
+    """For each point the corners of its facets, each once, in the order in which they come."""
+    loops, starts = loops.tolist(), starts.tolist()
+    return [list(dict.fromkeys(loops[starts[i]:starts[i + 1]])) for i in points]
+
+
+class Voronoi:
+    """Voronoi diagram of points, an array of shape (npoints, 2) or (npoints, 3); see scipy.spatial.Voronoi.
+
+    points, ndim, npoints, min_bound, max_bound
+    vertices                (nvertices, ndim)
+    ridge_points            (nridges, 2) int32: the points between which a ridge lies
+    ridge_vertices          list of lists: its vertices in order, -1 at infinity
+    ridge_dict              the same by pairs of points
+    regions                 list of lists: the vertices of cells, -1 at infinity; in the plane in order.  The first is
+                            empty
+    point_region            (npoints,): the region of each point; of a duplicate, that of the point that it duplicates
+
+    The diagram is the true one: four cocircular points have one vertex.
+    """
+
+    __module__ = "pbw"
+    __class__ = property(lambda self: as_scipy(type(self), "Voronoi"))
+    furthest_site = False
+
+    def __init__(self, points, furthest_site=False, incremental=False, qhull_options=None, *, threads=0):
+        check_options(furthest_site, qhull_options, threads)
+        self._incremental, self._threads = bool(incremental), threads
+        self._build(checked_points(points))
+
+    def _build(self, points):
+        mesh = Mesh(points, None, self._threads, None)
+        cells = mesh.cells(None, FACETS | SHAPES | MERGE)
+        self.points, self.ndim, self.npoints = points.copy(), points.shape[1], len(points)
+        self.min_bound, self.max_bound = points.min(axis=0), points.max(axis=0)
+        used, number = np.unique(cells["loops"], return_inverse=True)
+        rays = np.count_nonzero(used < 0)
+        loops = np.maximum(number.reshape(-1) - rays, -1)
+        self.vertices = cells["vertices"][used[rays:]]
+        site = np.repeat(np.arange(len(points)), np.diff(cells["first"]))
+        ridges = np.flatnonzero(site < cells["neighbors"])
+        self.ridge_points = np.column_stack([site, cells["neighbors"]])[ridges].astype(np.int32)
+        self.ridge_vertices = _regions(loops, cells["loop_first"], ridges.tolist())
+        own = np.flatnonzero(mesh.canonical == np.arange(len(points)))
+        self.regions = [[]] + _regions(loops, cells["loop_first"][cells["first"]], own.tolist())
+        region = np.zeros(len(points), np.intp)
+        region[own] = np.arange(1, len(own) + 1)
+        self.point_region = region[mesh.canonical]
+        self.__dict__.pop("ridge_dict", None)
+
+    def __repr__(self):
+        return "<pbw.%s: %d points in %dD, %d vertices, %d ridges>" % (
+            type(self).__name__, self.npoints, self.ndim, len(self.vertices), len(self.ridge_points))
+
+    @cached_property
+    def ridge_dict(self):
+        return {tuple(pair): ridge for pair, ridge in zip(self.ridge_points.tolist(), self.ridge_vertices)}
+
+    def add_points(self, points, restart=False):
+        """The diagram of the old points and these, made anew; for Voronoi(..., incremental=True)."""
+        if not self._incremental:
+            raise RuntimeError("points are added after Voronoi(..., incremental=True) and before close() only")
+        points = checked_points(points)
+        if points.shape[1] != self.ndim:
+            raise ValueError("points to add must have the shape (n, %d), not %s" % (self.ndim, points.shape))
+        self._build(np.concatenate([self.points, points]))
+
+    def close(self):
+        """No more points will be added."""
+        self._incremental = False

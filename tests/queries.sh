@@ -1,0 +1,235 @@
+#!/bin/sh
+# queries.sh FOLDER: pbw locate, nearest and cells of FOLDER/pbw against answers computed here with awk: signs of
+# determinants, distances to all points, volumes enclosed by facets; lattices, of which all is known.
+bin=$(cd "$1" && pwd)
+pbw=$bin/pbw work=$bin/queries
+. tests/check.sh
+cd "$work" || exit 2
+
+says() {    # says STATUS TEXT ARGUMENT...: the exit status, and a line of the output that has the text
+    status=$1 text=$2
+    shift 2
+    "$pbw" "$@" < /dev/null > said 2>&1
+    code=$?
+    cat said
+    [ $code = "$status" ] && grep -qF -- "$text" said
+}
+early() { says "$@" && [ "$(wc -l < said)" = 1 ]; }
+lines() { [ "$(grep -c "$1" "$2")" = "$3" ] || { grep -c "$1" "$2"; return 1; }; }
+
+# located DIM: corners in l.csv are those of m.ele; a simplex has its query, and a facet of the hull sees it.
+located() {
+    awk -F, -v dim="$1" '
+        function det(a, b, c, d) {       # six times the volume, in the plane twice the area
+            if (dim == 2)
+                return (x[b]-x[a])*(y[c]-y[a]) - (y[b]-y[a])*(x[c]-x[a])
+            return (x[b]-x[a])*((y[c]-y[a])*(z[d]-z[a]) - (z[c]-z[a])*(y[d]-y[a])) \
+                 - (y[b]-y[a])*((x[c]-x[a])*(z[d]-z[a]) - (z[c]-z[a])*(x[d]-x[a])) \
+                 + (z[b]-z[a])*((x[c]-x[a])*(y[d]-y[a]) - (y[c]-y[a])*(x[d]-x[a]))
+        }
+        function bad(what) { print "query " $1 ": " what; wrong++ }
+        FNR == 1 { file++; if (file != 3) next }
+        file == 1 { x[FNR-2] = $1; y[FNR-2] = $2; z[FNR-2] = $3 }
+        file == 2 { qx[FNR-2] = $1; qy[FNR-2] = $2; qz[FNR-2] = $3 }
+        file == 3 && FNR > 1 {
+            split($0, w, " ")
+            row[w[1]] = w[2] "," w[3] "," w[4] (dim == 3 ? "," w[5] : "")
+        }
+        file == 4 {
+            x["q"] = qx[$1]; y["q"] = qy[$1]; z["q"] = qz[$1]
+            for (k = 0; k <= dim; k++) c[k] = $(3 + k)
+            if ($2 < 0) {
+                outside++
+                count = 0
+                for (k = 0; k < dim; k++) count += ($(3 + k) in x)
+                if (count != dim || $(3 + dim) != -1) bad("no facet")
+                low = high = 0       # all points are to one side of the facet, the query to the other
+                for (p = 0; p in x; p++) {
+                    s = dim == 3 ? det(c[0], c[1], c[2], p) : det(c[0], c[1], p)
+                    low += s < -1e-12; high += s > 1e-12
+                }
+                s = dim == 3 ? det(c[0], c[1], c[2], "q") : det(c[0], c[1], "q")
+                if ((low && high) || (s > 0) == (high > 0)) bad("a facet that does not see it")
+            } else {
+                inside++
+                text = $3
+                for (k = 1; k <= dim; k++) text = text "," c[k]
+                if (text != row[$2]) bad("corners " text " are not " row[$2])
+                for (k = 0; k <= dim; k++) {
+                    keep = c[k]; c[k] = "q"
+                    s = dim == 3 ? det(c[0], c[1], c[2], c[3]) : det(c[0], c[1], c[2])
+                    if (s < -1e-14) bad("corner " k " is across")
+                    c[k] = keep
+                }
+            }
+        }
+        END { print inside, outside; exit wrong || !inside || !outside || inside + outside != 60 }' \
+        m.csv q.csv m.ele l.csv
+}
+# nearest DIM K [WEIGHTED]: for each query the K lines of n.csv are those of the least distances to all points.
+nearest() {
+    awk -F, -v dim="$1" -v k="$2" -v weighted="$3" '
+        FNR == 1 { file++; next }
+        file == 1 { x[n+0] = $1; y[n+0] = $2; z[n+0] = dim == 3 ? $3 : 0; w[n+0] = weighted ? $(dim + 1) : 0; n++ }
+        file == 2 { qx[m+0] = $1; qy[m+0] = $2; qz[m+0] = dim == 3 ? $3 : 0; m++ }
+        file == 3 { got[$1 "," $2] = $3; d[$1 "," $2] = $4; rows++ }
+        function near(q, p) { return (x[p]-qx[q])^2 + (y[p]-qy[q])^2 + (z[p]-qz[q])^2 - w[p] }
+        END {
+            for (q = 0; q < m; q++) for (r = 0; r < k; r++) {
+                p = got[q "," r]
+                below = 0
+                for (i = 0; i < n; i++) below += near(q, i) < near(q, p)
+                here = weighted ? d[q "," r] : d[q "," r]^2
+                if (below != r || (here - near(q, p))^2 > 1e-24) { print "query " q ", rank " r ": " below; wrong++ }
+            }
+            exit wrong || rows != m * k
+        }' m.csv q.csv n.csv
+}
+# enclosed: the facets of each object of c.obj are closed, and enclose the volume of its line of c.csv.
+enclosed() {
+    awk '
+        FNR == 1 { file++ }
+        file == 1 { split($0, f, ","); if (FNR > 1) { volume[f[1]] = f[2]; cells += f[2] > 0 && f[2] != "inf" } }
+        file == 2 && $1 == "v" { n++; x[n] = $2; y[n] = $3; z[n] = $4 }
+        file == 2 && $1 == "o" { end(); id = substr($2, 6); objects++ }
+        file == 2 && $1 == "f" {
+            for (i = 3; i < NF; i++) {
+                a = $2; b = $i; c = $(i + 1)
+                sum += (x[a]*(y[b]*z[c]-z[b]*y[c]) - y[a]*(x[b]*z[c]-z[b]*x[c]) + z[a]*(x[b]*y[c]-y[b]*x[c])) / 6
+            }
+            for (i = 2; i <= NF; i++) {
+                a = $i; b = i < NF ? $(i + 1) : $2
+                edge[a " " b]++; edge[b " " a]--
+            }
+        }
+        function end() {
+            for (e in edge) { open += edge[e] != 0; delete edge[e] }
+            if (id != "" && (sum - volume[id])^2 > 1e-20) { print "cell " id ": " sum ", not " volume[id]; wrong++ }
+            sum = 0
+        }
+        END { end(); print objects, cells, open+0; exit wrong || open || !objects || objects != cells }' c.csv c.obj
+}
+# every FILE COLUMN VALUE: all lines but the head have it.
+every() { awk -F, -v c="$2" -v v="$3" 'NR > 1 { n++; bad += ($c - v)^2 > 1e-24 } END { exit bad || !n }' "$1"; }
+
+for dim in 2 3; do
+    "$pbw" mesh --generate uniform 400 --dim $dim --quiet -o m.csv -o m.ele
+    "$pbw" mesh --generate uniform 60 --dim $dim --seed 7 --quiet -o some.csv
+    awk -F, -v dim=$dim 'NR == 1 { print; next }
+        { printf "%.17g,%.17g", 1.2*$1 - 0.1, 1.2*$2 - 0.1; printf dim == 3 ? ",%.17g\n" : "\n", 1.2*$3 - 0.1 }' \
+        some.csv > q.csv
+    check "located in ${dim}D" "$pbw" locate m.csv q.csv -o l.csv
+    check "located in ${dim}D: where" located $dim
+    check "nearest in ${dim}D" "$pbw" nearest m.csv q.csv -k 5 -o n.csv
+    check "nearest in ${dim}D: which" nearest $dim 5
+    awk -F, 'NR == 1 { print $0 ",w"; next } { print $0 "," (NR % 7) * 1e-5 }' m.csv > w.csv
+    "$pbw" locate w.csv q.csv --weights w -o l.csv > said 2>&1
+    check "located in a regular triangulation" "$pbw" mesh w.csv --weights w --quiet -o m.ele
+    check "located in a regular triangulation: where" located $dim
+    cp w.csv m.csv
+    check "nearest with weights" says 0 " 0 hidden" nearest w.csv q.csv --weights w -k 3 -o n.csv
+    check "nearest with weights: which" nearest $dim 3 yes
+done
+printf '0,0\n1,1\n2,2\n' > line.csv
+printf '2,1.9\n' > one.csv
+check "points on one line have nearest ones" says 0 "3 found" nearest line.csv one.csv -k 9 -o n.csv
+check "their order" lines '^0,[012],[210],' n.csv 3
+check "points on one line have no simplices" says 1 "no simplices" locate line.csv one.csv
+printf '0.5,0.5,0.5\n' > one3.csv
+check "generated points, and queries" says 0 "1 inside, 0 outside" locate --generate uniform 2000 one3.csv
+from_input() { "$pbw" locate m.csv - < one3.csv | grep '1 inside'; }
+check "queries from standard input" from_input
+printf '0.5,0.5\n' > one2.csv
+check "queries in 2D of points in 3D" says 1 "one2.csv: queries in 2D, but points in 3D" locate m.csv one2.csv
+check "queries in 3D of points in 2D" says 1 "queries in 3D, but points in 2D; --dim 2" locate line.csv m.csv
+
+# Lattices of which each cell is a cube; the whole, walls or none.
+awk 'BEGIN { for (i = 0; i < 64; i++) print i % 4 "," int(i / 4) % 4 "," int(i / 16) }' > lattice.csv
+polyhedra() { sed -n '/"types"/,/<.DataArray/p' "$1" > types && lines '^42$' types "$2"; }
+box=-0.5,-0.5,-0.5,3.5,3.5,3.5
+whole="volume 64, the sum of cells; 64, the box; relative difference 0"
+for more in "" "--periodic xyz" "--periodic y"; do
+    # shellcheck disable=SC2086
+    check "cubes $more" says 0 "$whole" cells lattice.csv --box $box --merge $more -o c.csv -o c.obj -o c.vtu
+    check "cubes $more: volumes" every c.csv 2 1
+    check "cubes $more: closed" enclosed
+    check "cubes $more: polyhedra" polyhedra c.vtu 64
+done
+"$pbw" cells lattice.csv --box $box --periodic xyz --merge --quiet -o c.csv -o c.obj
+check "cubes: facets" every c.csv 6 6
+check "cubes: quadrilaterals" lines '^f [0-9]* [0-9]* [0-9]* [0-9]*$' c.obj 384
+check "centroids" sh -c "sed 1d c.csv | cut -d, -f3-5 | awk -F, '{ printf \"%.12g,%.12g,%.12g\\n\", \$1, \$2, \$3 }' |
+    sed 's/-0\\>/0/g' | cmp - lattice.csv"
+check "cells without a box" says 0 "64 cells, 0 of them empty, 56 unbounded" cells lattice.csv -o c.csv -o c.obj
+check "those inside" says 0 "volume 8, the sum of bounded cells" cells lattice.csv --merge
+check "bounded ones are written" lines '^o' c.obj 8
+printf '0.3,0.4,0.5\n' > point.csv
+check "one point in a periodic box" says 0 "volume 6, the sum of cells; 6, the box" \
+    cells point.csv --dim 3 --box 0,0,0,1,2,3 --periodic xyz --merge -o c.csv
+check "its facets" every c.csv 6 6
+
+# Irregular ones.
+check "cells" says 0 "500 cells, 0 of them empty, 0 unbounded" \
+    cells --generate uniform 500 --box 0,0,0,1,1,1 -o c.csv -o c.obj -o c.vtu
+check "cells are closed" enclosed
+check "cells without walls" "$pbw" cells --generate gauss 500 -o c.csv -o c.obj
+check "cells without walls are closed" enclosed
+check "periodic cells" "$pbw" cells --generate uniform 500 --box 0,0,0,1,1,1 --periodic xz -o c.csv -o c.obj
+check "periodic cells are closed" enclosed
+"$pbw" mesh --generate uniform 60 --dim 2 --quiet -o some.csv
+awk -F, 'NR == 1 { print "x,y,w"; next }
+    { print $0 ",0" } NR < 5 { print $1 + 1e-3 "," $2 ",-0.01" }' some.csv > heavy.csv
+check "power cells" says 0 "3 of them empty, 0 unbounded" cells heavy.csv --weights w --box 0,0,1,1 -o c.svg -o c.csv
+area() {    # of all polygons of an .svg, as a share of its square of 1000
+    tr '">' '\n\n' < "$1" | awk -F'[ ,]' '/^ [0-9.e-]*,/ {
+        n++
+        for (i = 2; i < NF; i += 2) { k = i + 2 > NF ? 2 : i + 2; sum += $i * $(k + 1) - $(i + 1) * $k }
+    } END { printf "%d %.4f\n", n, -sum / 2e6 }'
+}
+drawn() { area c.svg; [ "$(area c.svg)" = "$1" ]; }
+check "a picture of power cells" drawn "60 1.0000"
+
+# What VTK reads.
+for python in "${PYTHON:-python3}" /usr/bin/python3 ""; do
+    [ -z "$python" ] || "$python" -c "import vtk" > /dev/null 2>&1 && break
+done
+vtk() {     # vtk TYPE COUNT SIZE: the cells of c.vtu, and the sum of their sizes as VTK finds them
+    "$python" - "$@" << 'END'
+import sys, vtk
+reader = vtk.vtkXMLUnstructuredGridReader()
+reader.SetFileName("c.vtu")
+reader.Update()
+kind, count, size = int(sys.argv[1]), int(sys.argv[2]), float(sys.argv[3])
+sizes = vtk.vtkCellSizeFilter()
+sizes.SetInputConnection(reader.GetOutputPort())
+sizes.Update()
+grid = sizes.GetOutput()
+array = grid.GetCellData().GetArray("Volume" if kind == 42 else "Area")
+found = sum(array.GetValue(i) for i in range(count))
+print(grid.GetNumberOfCells(), grid.GetCellType(0), found)
+sys.exit(grid.GetNumberOfCells() != count or grid.GetCellType(0) != kind or abs(found - size) > 1e-3 * size)
+END
+}
+if [ -n "$python" ]; then
+    "$pbw" cells --generate uniform 500 --box 0,0,0,1,1,1 --quiet -o c.vtu
+    check "VTK reads polyhedra" vtk 42 500 1
+    "$pbw" cells --generate uniform 500 --dim 2 --box 0,0,1,1 --quiet -o c.vtu
+    check "VTK reads polygons" vtk 7 500 1
+else
+    skip "python3-vtk9: not installed"
+fi
+
+# Refused before the work.
+check "no queries" early 2 "a file of queries is needed after that of points" locate lattice.csv
+check "three inputs" early 2 "more than two inputs: b and c" nearest a b c
+check "queries are no output" early 2 "it is an input" locate lattice.csv one3.csv --format csv -o one3.csv
+check "one standard input" early 2 "points and queries cannot both be the standard input" locate - -
+check "no neighbours" early 2 "-k 0: a whole number from 1 to 1000000" nearest a b -k 0
+check "a box of no size" early 2 "--box 0,0,0,1,0,1: the low corner and the high corner are needed" \
+    cells lattice.csv --box 0,0,0,1,0,1
+check "periodic without a box" early 2 "--periodic xy: it needs --box" cells lattice.csv --periodic xy
+check "axes" early 2 "--periodic xw: some of the letters x, y, z" cells lattice.csv --periodic xw
+check "a box of the plane" says 1 "6 numbers are needed for points in 3D" cells lattice.csv --box 0,0,1,1
+check "axes of the plane" says 1 "--periodic z: the points are in 2D" cells one2.csv --box 0,0,1,1 --periodic z
+check "a picture of cells in 3D" says 1 "a picture of cells needs points in 2D" cells lattice.csv -o c.svg
+finish
