@@ -90,7 +90,8 @@ function project(i) {                                   // where point i is on t
 }
 const across = i => normal[0] * point[4 * i] + normal[1] * point[4 * i + 1] + normal[2] * point[4 * i + 2];
 // Heights over the plane, times a factor; their range is at least a sixth of the others', if that does it.
-const height = Float32Array.from({ length: points }, (_, i) => point[4 * i + 2]);
+const height = new Float32Array(points);
+for (let i = 0; i < points; i++) height[i] = point[4 * i + 2];
 let relief = 1;
 function set_relief(factor) {
   relief = factor;

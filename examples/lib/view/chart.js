@@ -7,12 +7,7 @@ const svg = (tag, attributes, text) => {
   return node;
 };
 function draw_chart() {
-  const a = array, span = a.high - a.low, bins = a.integer && span < 64 ? span + 1 : 48;
-  const bin = new Float64Array(bins), size = a.value.length, chart = $('chart'), wide = 268 / bins;
-  for (let i = 0; i < size; i++) {
-    const x = a.value[i], k = bins === span + 1 ? x - a.low : Math.min(bins - 1, at_scale(a, x) * bins | 0);
-    if (x >= a.low && x <= a.high) bin[k]++;
-  }
+  const a = array, span = a.high - a.low, bin = a.bin, bins = bin.length, chart = $('chart'), wide = 268 / bins;
   const most = Math.max(1, ...bin);
   chart.replaceChildren();
   for (let k = 0; k < bins; k++) {
@@ -40,6 +35,7 @@ function draw_chart() {
   }
 }
 function set_array(a) {
+  summarise(a);
   array = a;
   $('colour').value = arrays.indexOf(a);
   $('from').value = 0; $('to').value = 1;

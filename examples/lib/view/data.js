@@ -72,9 +72,9 @@ const point = read_points(), corner = count ? read_corners() : null;
 const other = count && dim === 3 ? read_neighbors(corner) : null;
 
 // The ids that points and simplices have in the mesh of the program, runs of flags, the faces of the model.
-function read_steps(id, size) {                         // differences: 0 -1 1 -2 2 ... are 0 1 2 3 4 ...
-  const number = reader(bytes($(id))), out = new Uint32Array(size);
-  for (let i = 0, last = 0; i < size; i++) {
+function read_steps(node, out) {                        // differences: 0 -1 1 -2 2 ... are 0 1 2 3 4 ...
+  const number = reader(bytes(node));
+  for (let i = 0, last = 0; i < out.length; i++) {
     const x = number();
     out[i] = last += x % 2 ? -(x + 1) / 2 : x / 2;
   }
@@ -89,7 +89,7 @@ function each_run(id, then) {                           // the first run is of z
     i++;
   }
 }
-const point_id = read_steps('ids', points), simplex_id = new Uint32Array(count);
+const point_id = read_steps($('ids'), new Uint32Array(points)), simplex_id = new Uint32Array(count);
 if ($('kept')) {
   let id = 0, next = 0;
   each_run('kept', (kept, size) => {
@@ -108,23 +108,7 @@ if ($('inside')) {
 const kept_only = given.kept === '1';
 const triangle_count = +given.triangles, triangle = new Uint32Array(rows(triangle_count, 4));
 if (triangle_count) {
-  read_steps('triangles', 3 * triangle_count).forEach((p, i) => { triangle[4 * (i / 3 | 0) + i % 3] = p; });
-}
-
-// The mean ratio: 1 for the regular simplex, 0 for a flat one.
-function quality() {
-  const out = new Float32Array(count), e = [[0, 0, 0], [0, 0, 0], [0, 0, 1]];
-  for (let i = 0; i < count; i++) {
-    let sum = 0;
-    for (let a = 0; a < n; a++) for (let b = a + 1; b < n; b++) for (let k = 0; k < dim; k++) {
-      const x = point[4 * corner[4 * i + b] + k] - point[4 * corner[4 * i + a] + k];
-      sum += x * x;
-      if (a === 0) e[b - 1][k] = x;
-    }
-    const size = Math.abs(e[0][0] * (e[1][1] * e[2][2] - e[1][2] * e[2][1]) -
-      e[0][1] * (e[1][0] * e[2][2] - e[1][2] * e[2][0]) + e[0][2] * (e[1][0] * e[2][1] - e[1][1] * e[2][0]));
-    out[i] = sum > 0 ? Math.min(1, dim === 3 ? 12 * Math.cbrt(size * size / 4) / sum
-                                             : 2 * Math.sqrt(3) * size / sum) : 0;
-  }
-  return out;
+  read_steps($('triangles'), new Uint32Array(3 * triangle_count)).forEach((p, i) => {
+    triangle[4 * (i / 3 | 0) + i % 3] = p;
+  });
 }

@@ -214,7 +214,7 @@ function upload_values() {
   const a = array, size = a.value.length;
   for (let i = 0; i < size; i++) {
     const x = a.value[i];
-    value_data[i] = !(Math.abs(x) < 1e38) ? -1 : a.classes ? x : Math.max(0, Math.min(1, at_scale(a, x)));
+    value_data[i] = !is_value(x) ? -1 : a.classes ? x : Math.max(0, Math.min(1, at_scale(a, x)));
   }
   gl.activeTexture(gl.TEXTURE1);
   gl.texSubImage2D(gl.TEXTURE_2D, 0, 0, 0, W, value_data.length / W, gl.RED, gl.FLOAT, value_data);

@@ -28,7 +28,7 @@ const corners_of = at => at.layer === 3 ? [at.i] : at.layer === 2 ? [...triangle
   : [...corner.subarray(4 * at.i, 4 * at.i + n)];
 function describe(at, x, y) {                           // x, y: the corner nearest to that place is told, too
   const c = corners_of(at), values = arrays.filter(a => a.of_points === (at.layer === 3) && at.layer !== 2)
-    .map(a => a.name + ' ' + short(a.value[at.i])), point_text = i => 'point ' + point_id[i] + ' ('
+    .map(a => a.name + ' ' + short(value_at(a, at.i))), point_text = i => 'point ' + point_id[i] + ' ('
       + coordinates(i).join(', ') + ')';
   if (at.layer === 3) return point_text(at.i) + '; ' + values.join('; ');
   const far = i => { const [a, b] = project(i); return Math.hypot(a - x, b - y); };

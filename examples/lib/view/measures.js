@@ -1,86 +1,141 @@
-// Measures of simplices, from coordinates in single precision (of a surface over the plane: in the plane).
-function measures() {
-  const out = {};
-  for (const k of ['least', 'largest', 'aspect', 'size', 'shortest', 'longest']) out[k] = new Float32Array(count);
-  const p = [[0, 0, 0], [0, 0, 0], [0, 0, 0], [0, 0, 0]], degrees = 180 / Math.PI;
-  const minus = (a, b) => [a[0] - b[0], a[1] - b[1], a[2] - b[2]];
-  const angle = (a, b) => degrees * Math.atan2(Math.hypot(...cross(a, b)), dot(a, b));
-  for (let t = 0; t < count; t++) {
-    let short = Infinity, long = 0, least = 180, largest = 0, around = 0;
-    for (let a = 0; a < n; a++) for (let k = 0; k < dim; k++) p[a][k] = point[4 * corner[4 * t + a] + k];
-    for (let a = 0; a < n; a++) for (let b = a + 1; b < n; b++) {
-      const length = Math.hypot(p[a][0] - p[b][0], p[a][1] - p[b][1], p[a][2] - p[b][2]);
-      short = Math.min(short, length); long = Math.max(long, length);
-      around += length;
-      const [c, d] = [0, 1, 2, 3].filter(x => x !== a && x !== b), e = minus(p[b], p[a]);
-      const x = dim === 3 ? angle(cross(e, minus(p[c], p[a])), cross(e, minus(p[d], p[a])))
-        : angle(minus(p[a], p[c]), minus(p[b], p[c]));
-      least = Math.min(least, x); largest = Math.max(largest, x);
-    }
-    const u = minus(p[1], p[0]), v = minus(p[2], p[0]), w = minus(p[3], p[0]), uv = cross(u, v);
-    const size = dim === 3 ? Math.abs(dot(uv, w)) / 6 : Math.abs(uv[2]) / 2;
-    if (dim === 3) {                                    // the inradius: 3 volume / area of the faces
-      around = (Math.hypot(...uv) + Math.hypot(...cross(v, w)) + Math.hypot(...cross(w, u))
-        + Math.hypot(...cross(minus(v, u), minus(w, u)))) / 2;
-    }
-    const radius = dim * size / around;
-    out.least[t] = least; out.largest[t] = largest;
-    out.aspect[t] = Math.min(1e30, long / ((dim === 3 ? 2 * Math.sqrt(6) : 2 * Math.sqrt(3)) * radius));
-    out.size[t] = size * half ** dim;
-    out.shortest[t] = short * half; out.longest[t] = long * half;
+// Measures: what colours can show.  Each array is computed, or decoded, at its first use: values(a) returns it whole,
+// value_at(a, i) one value, and summarise(a) adds its range, mean and histogram.
+
+// Measures of simplices, from coordinates in single precision (of a surface over the plane: in the plane).  Corners of
+// the simplex that is measured, three coordinates each; a, b, c, d are places in this array.
+const xyz = new Float64Array(12);
+const SOLID = dim === 3;
+const EDGES = Uint8Array.from(SOLID                     // the two corners of each edge, then the other two, or one twice
+  ? [0, 3, 6, 9, 0, 6, 3, 9, 0, 9, 3, 6, 3, 6, 0, 9, 3, 9, 0, 6, 6, 9, 0, 3] : [0, 3, 6, 6, 0, 6, 3, 3, 3, 6, 0, 0]);
+const REGULAR = SOLID ? 2 * Math.sqrt(6) : 2 * Math.sqrt(3);      // longest edge / inradius
+
+// The dot product of b - a and c - a.
+function dot_at(a, b, c) {
+  return (xyz[b] - xyz[a]) * (xyz[c] - xyz[a]) + (xyz[b + 1] - xyz[a + 1]) * (xyz[c + 1] - xyz[a + 1])
+    + (xyz[b + 2] - xyz[a + 2]) * (xyz[c + 2] - xyz[a + 2]);
+}
+// Twice the area of the triangle a b c.
+function two_areas(a, b, c) {
+  const x = xyz[b] - xyz[a], y = xyz[b + 1] - xyz[a + 1], z = xyz[b + 2] - xyz[a + 2];
+  const u = xyz[c] - xyz[a], v = xyz[c + 1] - xyz[a + 1], w = xyz[c + 2] - xyz[a + 2];
+  return Math.sqrt((y * w - z * v) ** 2 + (z * u - x * w) ** 2 + (x * v - y * u) ** 2);
+}
+// Loads the corners of simplex t; returns 6 volumes of a tetrahedron, 2 areas of a triangle.
+function load_simplex(t) {
+  for (let a = 0; a < n; a++) {
+    const p = 4 * corner[4 * t + a];
+    for (let k = 0; k < dim; k++) xyz[3 * a + k] = point[p + k];
   }
-  return out;
+  if (!SOLID) return two_areas(0, 3, 6);
+  const x = xyz[3] - xyz[0], y = xyz[4] - xyz[1], z = xyz[5] - xyz[2];
+  const u = xyz[6] - xyz[0], v = xyz[7] - xyz[1], w = xyz[8] - xyz[2];
+  return Math.abs((y * w - z * v) * (xyz[9] - xyz[0]) + (z * u - x * w) * (xyz[10] - xyz[1])
+    + (x * v - y * u) * (xyz[11] - xyz[2]));
+}
+function quality(t) {
+  const size = load_simplex(t);
+  let sum = 0;
+  for (let i = 0; i < EDGES.length; i += 4) sum += dot_at(EDGES[i], EDGES[i + 1], EDGES[i + 1]);
+  return sum > 0 ? Math.min(1, SOLID ? 12 * Math.cbrt(size * size / 4) / sum : 2 * Math.sqrt(3) * size / sum) : 0;
+}
+// The least angle has the largest cotangent, and all cotangents of a simplex have its size below.  At the edge e between
+// faces with edges u and v: tan = |e| 6 volume / (e.e u.v - e.u e.v); in a triangle between u and v: tan = 2 area / u.v.
+function angle(t, sign) {                               // sign: 1 for the least, -1 for the largest
+  const size = load_simplex(t);
+  let most = -Infinity;
+  for (let i = 0; i < EDGES.length; i += 4) {
+    const a = EDGES[i], b = EDGES[i + 1], c = EDGES[i + 2], d = EDGES[i + 3], e = dot_at(a, b, b);
+    most = Math.max(most, sign * (!SOLID ? dot_at(c, a, b)
+      : e > 0 ? (e * dot_at(a, c, d) - dot_at(a, b, c) * dot_at(a, b, d)) / Math.sqrt(e) : Infinity));
+  }
+  return 180 / Math.PI * Math.atan2(size, sign * most);
+}
+function edge(t, sign) {                                // sign: 1 for the longest, -1 for the shortest
+  load_simplex(t);
+  let most = -Infinity;
+  for (let i = 0; i < EDGES.length; i += 4) most = Math.max(most, sign * dot_at(EDGES[i], EDGES[i + 1], EDGES[i + 1]));
+  return Math.sqrt(sign * most) * half;
+}
+// The inradius is 3 volume / area of the faces, or 2 area / length of the edges.
+function aspect_ratio(t) {
+  const size = load_simplex(t);
+  let long = 0, around = 0;
+  for (let i = 0; i < EDGES.length; i += 4) {
+    const length = Math.sqrt(dot_at(EDGES[i], EDGES[i + 1], EDGES[i + 1]));
+    long = Math.max(long, length);
+    around += length;
+  }
+  if (SOLID) around = two_areas(0, 3, 6) + two_areas(0, 3, 9) + two_areas(0, 6, 9) + two_areas(3, 6, 9);
+  return Math.min(1e30, long * around / (REGULAR * size));
 }
 
-// What colours can show: name, values (of simplices, or of points), classes or a scale.
 const arrays = [];
-function add_array(name, value, of_points, classes, integer, about = '', log = false) {
-  const sorted = value.filter(x => x === x && Math.abs(x) < 1e38).sort(), m = sorted.length;
-  let low = m ? sorted[0] : 0, high = m ? sorted[m - 1] : 0, sum = 0;
-  for (let i = 0; i < m; i++) sum += sorted[i];
-  const a = { name, value, of_points, classes, integer, low, high, least: low, largest: high,
-    mean: m ? sum / m : 0, hundredth: m ? sorted[m / 100 | 0] : 0,
-    about, log };
-  if (log) {                                            // from the least that is above 0, or a millionth of the top
+// of_points: one value a point, else one a simplex.  classes, integer: see pbw_view.h.  all() returns the values, or
+// one(i) returns the i-th.
+function add_array(name, given) {
+  arrays.push({ name, of_points: false, classes: false, integer: false, about: '', log: false, value: null, ...given });
+}
+function values(a) {
+  if (a.value) return a.value;
+  if (a.all) return a.value = a.all();
+  const size = a.of_points ? points : count, out = new Float32Array(size), one = a.one;
+  for (let i = 0; i < size; i++) out[i] = one(i);
+  return a.value = out;
+}
+const value_at = (a, i) => a.value || !a.one ? values(a)[i] : Math.fround(a.one(i));
+const is_value = x => Math.abs(x) < 1e38;               // not NaN, not infinite
+// least, largest, mean, hundredth (a hundredth is below it) of the values; low and high of the scale.
+function summarise(a) {
+  if (a.bin) return;
+  const value = values(a), sorted = new Float32Array(value.length);
+  let m = 0, sum = 0;
+  for (let i = 0; i < value.length; i++) if (is_value(value[i])) { sorted[m++] = value[i]; sum += value[i]; }
+  const rank = sorted.subarray(0, m).sort();
+  a.least = a.low = m ? rank[0] : 0;
+  a.largest = a.high = m ? rank[m - 1] : 0;
+  a.mean = m ? sum / m : 0;
+  a.hundredth = m ? rank[m / 100 | 0] : 0;
+  if (a.log) {                                          // from the least that is above 0, or a millionth of the top
     a.high = Math.max(a.high, 1e-30);
-    a.low = Math.max(a.high / 1e6, sorted.find(x => x > 0) || 0);
+    a.low = Math.max(a.high / 1e6, rank.find(x => x > 0) || 0);
   }
-  if (name === 'quality' && !integer) { a.low = 0; a.high = 1; }
-  arrays.push(a);
+  if (a.one === quality) { a.low = 0; a.high = 1; }
+  a.bin = histogram(a);
 }
-if (count) {
-  const m = measures(), solid = dim === 3, add = (name, value, about, log) =>
-    add_array(name, value, false, false, false, about, log);
-  add('quality', quality(), 'Mean ratio: ' + (solid ? '12 (3 volume)^(2/3)' : '4 sqrt(3) area')
-    + ' / sum of squared edges; 1 regular, 0 flat.');
-  add(solid ? 'least dihedral angle' : 'least angle', m.least, 'Degrees' + (solid ? ' between faces; 70.5' : '; 60')
-    + ' in the regular ' + (solid ? 'tetrahedron.' : 'triangle.'));
-  add(solid ? 'largest dihedral angle' : 'largest angle', m.largest, 'Degrees; near 180: flat.');
-  add('aspect ratio', m.aspect, 'Longest edge / (' + (solid ? '2 sqrt(6)' : '2 sqrt(3)')
-    + ' inradius); 1 regular, larger is worse.  Logarithmic.', true);
-  add(solid ? 'volume' : 'area', m.size, 'Of each ' + (solid ? 'tetrahedron' : 'triangle') + '.  Logarithmic.', true);
-  add('shortest edge', m.shortest, 'Length.  Logarithmic.', true);
-  add('longest edge', m.longest, 'Length.  Logarithmic.', true);
-}
-add_array('order', Float32Array.from(point_id), true, false, true, 'Id in the input.');
-for (const node of [...document.querySelectorAll('script[data-name]')]) {
-  const d = node.dataset, size = d.of === 'points' ? points : count;
-  let value;
-  if (d.kind === 'real') {
-    value = new Float32Array(bytes(node).buffer);
-  } else {
-    const number = reader(bytes(node));
-    value = new Float32Array(size);
-    for (let i = 0, last = 0; i < size; i++) {          // differences: 0 -1 1 -2 2 ... are 0 1 2 3 4 ...
-      const x = number();
-      last += x % 2 ? -(x + 1) / 2 : x / 2;
-      value[i] = last;
-    }
+// How many values lie in each of equal parts of the scale, or are each of few whole numbers.
+function histogram(a) {
+  const span = a.high - a.low, bins = a.integer && span < 64 ? span + 1 : 48, bin = new Float64Array(bins);
+  for (let i = 0; i < a.value.length; i++) {
+    const x = a.value[i], k = bins === span + 1 ? x - a.low : Math.min(bins - 1, at_scale(a, x) * bins | 0);
+    if (x >= a.low && x <= a.high) bin[k]++;
   }
-  add_array(d.name, value, d.of === 'points', d.kind === 'classes', d.kind !== 'real');
+  return bin;
 }
+function add_measures() {
+  const kind = SOLID ? 'dihedral angle' : 'angle';
+  add_array('quality', { one: quality, about: 'Mean ratio: ' + (SOLID ? '12 (3 volume)^(2/3)' : '4 sqrt(3) area')
+    + ' / sum of squared edges; 1 regular, 0 flat.' });
+  add_array('least ' + kind, { one: t => angle(t, 1), about: 'Degrees'
+    + (SOLID ? ' between faces; 70.5 in the regular tetrahedron.' : '; 60 in the regular triangle.') });
+  add_array('largest ' + kind, { one: t => angle(t, -1), about: 'Degrees; near 180: flat.' });
+  add_array('aspect ratio', { one: aspect_ratio, log: true, about: 'Longest edge / ('
+    + (SOLID ? '2 sqrt(6)' : '2 sqrt(3)') + ' inradius); 1 regular, larger is worse.  Logarithmic.' });
+  add_array(SOLID ? 'volume' : 'area', { one: t => load_simplex(t) * (SOLID ? half ** 3 / 6 : half ** 2 / 2),
+    log: true, about: 'Of each ' + (SOLID ? 'tetrahedron' : 'triangle') + '.  Logarithmic.' });
+  add_array('shortest edge', { one: t => edge(t, -1), log: true, about: 'Length.  Logarithmic.' });
+  add_array('longest edge', { one: t => edge(t, 1), log: true, about: 'Length.  Logarithmic.' });
+}
+// An array that came with the page.
+function add_given(node) {
+  const { name, of, kind } = node.dataset, size = of === 'points' ? points : count;
+  const all = () => kind === 'real' ? new Float32Array(bytes(node).buffer) : read_steps(node, new Float32Array(size));
+  add_array(name, { of_points: of === 'points', classes: kind === 'classes', integer: kind !== 'real', all });
+}
+if (count) add_measures();
+add_array('order', { of_points: true, integer: true, about: 'Id in the input.', all: () => new Float32Array(point_id) });
+document.querySelectorAll('script[data-name]').forEach(add_given);
 const up = flat ? 1 : 2;
 if (!flat || !arrays.some(a => a.of_points)) {
-  const value = Float32Array.from({ length: points }, (_, i) => point[4 * i + up] * half + middle[up]);
-  add_array(dim === 2 && !flat ? 'height' : 'xyz'[up], value, true, false, false);
+  add_array(dim === 2 && !flat ? 'height' : 'xyz'[up], { of_points: true,
+    one: i => (SOLID || flat ? point[4 * i + up] : height[i]) * half + middle[up] });
 }

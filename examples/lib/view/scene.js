@@ -22,8 +22,8 @@ function set_body() {
   if (inside && !$('outside').checked) {
     body.set(inside);
   } else if (dim === 3 && count && $('slivers').checked && !inside) {
-    const value = arrays[0].value, stack = [];
-    const take = t => { if (body[t] && value[t] < SLIVER) { body[t] = 0; stack.push(t); } };
+    const stack = [];
+    const take = t => { if (body[t] && value_at(arrays[0], t) < SLIVER) { body[t] = 0; stack.push(t); } };
     for (let f = 0; f < 4 * count; f++) if (other[f] < 0) take(f >> 2);
     while (stack.length) {
       const t = stack.pop();
@@ -81,9 +81,11 @@ function select() {
   if (apart && shown > MOST_EXPLODED) peel();
   for (let f = 0; f < 4 * count; f++) {
     if (state[f >> 2] === 1) {
-      const g = other[f], bared = g >= 0 && body[g >> 2] && (cap || !state[g >> 2]);
+      const g = other[f];
+      if (!apart && g >= 0 && state[g >> 2]) continue;
+      const bared = g >= 0 && body[g >> 2] && (cap || !state[g >> 2]);
       if (model && !bared && (!cutting || cap || !crosses(f >> 2))) continue;
-      if (apart || g < 0 || !state[g >> 2]) ids[facets++] = bared || apart && g >= 0 ? 4 * count + f : f;
+      ids[facets++] = bared || apart && g >= 0 ? 4 * count + f : f;
     }
   }
 }
