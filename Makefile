@@ -121,7 +121,7 @@ $B/oracle_voro: tests/oracle_voro.cpp $(HEADERS) $B/libpbw.a
 
 # Tests: each writes $B/NAME.log, which ends with its counts
 $(TESTS:%=$B/%.log): $B/%.log: $B/% FORCE
-	@sh tests/run.sh $@ $(UNDER) $< $(COUNT:%=--count %) $(if $(UNDER),$(UNDER_$(<F)))
+	@sh tests/run.sh $@ $(UNDER) $< $(if $(COUNT),--count $(COUNT),$(if $(QUICK),$(QUICK_$(<F)))) $(if $(UNDER),$(UNDER_$(<F)))
 
 $(SCRIPTS:%=$B/%.log) $B/arm.log: $B/%.log: tests/%.sh FORCE
 	@mkdir -p $B
@@ -140,6 +140,8 @@ $B/oracle.log $B/cells.log: $B/libpbw.a
 test-all: LOGS = $(TESTS:%=$B/%.log) $(SCRIPTS:%=$B/%.log)
 test: LOGS = $(TESTS:%=$B/%.log) $(patsubst %,$B/%.log,$(filter-out $(LONG),$(SCRIPTS)))
 test: export QUICK = 1
+QUICK_test_threads = --count 1200
+QUICK_test_scalar = --count 1200
 programs: LOGS = $(TESTS:%=$B/%.log)
 examples: LOGS = $B/examples.log
 oracle: LOGS = $B/oracle.log

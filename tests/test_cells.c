@@ -224,7 +224,7 @@ static void test_kinds(void)
                     CHECK(same_volumes(&cells, &plain));
                     sum = fabs(sum_of(&cells) / volume_of(dim, s.box) - 1);
                     fault = faults_of(&mesh, &domain, &cells, extent_of(&s));
-                    if (!CHECK(sum < 1e-12) | !CHECK(fault < (kind == INPUT_SPHERE ? 1e-7 : 1e-11))) {
+                    if (!CHECK(sum < 1e-12) || !CHECK(fault < (kind == INPUT_SPHERE ? 1e-7 : 1e-11))) {
                         test_say("volumes %g, areas %g", sum, fault);
                     }
                     pbw_cells_free(&cells);

@@ -1,11 +1,12 @@
 // Measures: what colours can show.  Each array is computed, or decoded, at its first use: values(a) returns it whole,
 // value_at(a, i) one value, and summarise(a) adds its range, mean and histogram.
 
-// Measures of simplices, from coordinates in single precision (of a surface over the plane: in the plane).  Corners of
-// the simplex that is measured, three coordinates each; a, b, c, d are places in this array.
+// Measures of simplices, from coordinates in single precision (of a surface over the plane: in the plane).  Corners
+// of the simplex that is measured, three coordinates each; a, b, c, d are places in this array.
 const xyz = new Float64Array(12);
 const SOLID = dim === 3;
-const EDGES = Uint8Array.from(SOLID                     // the two corners of each edge, then the other two, or one twice
+// The two corners of each edge, then the other two, or one twice.
+const EDGES = Uint8Array.from(SOLID
   ? [0, 3, 6, 9, 0, 6, 3, 9, 0, 9, 3, 6, 3, 6, 0, 9, 3, 9, 0, 6, 6, 9, 0, 3] : [0, 3, 6, 6, 0, 6, 3, 3, 3, 6, 0, 0]);
 const REGULAR = SOLID ? 2 * Math.sqrt(6) : 2 * Math.sqrt(3);      // longest edge / inradius
 
@@ -38,8 +39,9 @@ function quality(t) {
   for (let i = 0; i < EDGES.length; i += 4) sum += dot_at(EDGES[i], EDGES[i + 1], EDGES[i + 1]);
   return sum > 0 ? Math.min(1, SOLID ? 12 * Math.cbrt(size * size / 4) / sum : 2 * Math.sqrt(3) * size / sum) : 0;
 }
-// The least angle has the largest cotangent, and all cotangents of a simplex have its size below.  At the edge e between
-// faces with edges u and v: tan = |e| 6 volume / (e.e u.v - e.u e.v); in a triangle between u and v: tan = 2 area / u.v.
+// The least angle has the largest cotangent, and all cotangents of a simplex have its size below.  At the edge e
+// between faces with edges u and v: tan = |e| 6 volume / (e.e u.v - e.u e.v); in a triangle between u and v:
+// tan = 2 area / u.v.
 function angle(t, sign) {                               // sign: 1 for the least, -1 for the largest
   const size = load_simplex(t);
   let most = -Infinity;
@@ -53,7 +55,9 @@ function angle(t, sign) {                               // sign: 1 for the least
 function edge(t, sign) {                                // sign: 1 for the longest, -1 for the shortest
   load_simplex(t);
   let most = -Infinity;
-  for (let i = 0; i < EDGES.length; i += 4) most = Math.max(most, sign * dot_at(EDGES[i], EDGES[i + 1], EDGES[i + 1]));
+  for (let i = 0; i < EDGES.length; i += 4) {
+    most = Math.max(most, sign * dot_at(EDGES[i], EDGES[i + 1], EDGES[i + 1]));
+  }
   return Math.sqrt(sign * most) * half;
 }
 // The inradius is 3 volume / area of the faces, or 2 area / length of the edges.
@@ -73,7 +77,8 @@ const arrays = [];
 // of_points: one value a point, else one a simplex.  classes, integer: see pbw_view.h.  all() returns the values, or
 // one(i) returns the i-th.
 function add_array(name, given) {
-  arrays.push({ name, of_points: false, classes: false, integer: false, about: '', log: false, value: null, ...given });
+  const defaults = { of_points: false, classes: false, integer: false, about: '', log: false, value: null };
+  arrays.push({ name, ...defaults, ...given });
 }
 function values(a) {
   if (a.value) return a.value;
@@ -132,7 +137,9 @@ function add_given(node) {
   add_array(name, { of_points: of === 'points', classes: kind === 'classes', integer: kind !== 'real', all });
 }
 if (count) add_measures();
-add_array('order', { of_points: true, integer: true, about: 'Id in the input.', all: () => new Float32Array(point_id) });
+add_array('order', {
+  of_points: true, integer: true, about: 'Id in the input.', all: () => new Float32Array(point_id)
+});
 document.querySelectorAll('script[data-name]').forEach(add_given);
 const up = flat ? 1 : 2;
 if (!flat || !arrays.some(a => a.of_points)) {
