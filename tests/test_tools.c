@@ -457,8 +457,8 @@ static void check_conflicts(const zoo_input *in)
                 }
             }
         }
-        pbw_free(&mesh);
     }
+    pbw_free(&mesh);                                 /* degenerate ones hold arrays, too */
 }
 
 static void test_conflicts(void)
