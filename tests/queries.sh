@@ -153,11 +153,11 @@ for more in "" "--periodic xyz" "--periodic y"; do
     check "cubes $more" says 0 "$whole" cells lattice.csv --box $box --merge $more -o c.csv -o c.obj -o c.vtu
     check "cubes $more: volumes" every c.csv 2 1
     check "cubes $more: closed" enclosed
+    check "cubes $more: facets" every c.csv 6 6
+    check "cubes $more: quadrilaterals" lines '^f [0-9]* [0-9]* [0-9]* [0-9]*$' c.obj 384
     check "cubes $more: polyhedra" polyhedra c.vtu 64
 done
 "$pbw" cells lattice.csv --box $box --periodic xyz --merge --quiet -o c.csv -o c.obj
-check "cubes: facets" every c.csv 6 6
-check "cubes: quadrilaterals" lines '^f [0-9]* [0-9]* [0-9]* [0-9]*$' c.obj 384
 check "centroids" sh -c "sed 1d c.csv | cut -d, -f3-5 | awk -F, '{ printf \"%.12g,%.12g,%.12g\\n\", \$1, \$2, \$3 }' |
     sed 's/-0\\>/0/g' | cmp - lattice.csv"
 check "cells without a box" says 0 "64 cells, 0 of them empty, 56 unbounded" cells lattice.csv -o c.csv -o c.obj

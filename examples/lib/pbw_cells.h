@@ -700,6 +700,7 @@ typedef struct pbwc__work {                /* of one range */
     pbwc__map part_of, link_of;
     pbwc__cutter cutter;
     pbwc__centre *centres;
+    pbw_index site;                        /* the vertex of the star */
     int open, good;                        /* the star: at the hull; with good centres, none far from the domain */
 } pbwc__work;
 
@@ -837,6 +838,7 @@ static int pbwc__gather(pbwc__work *work, pbw_index v)
     const double *site = mesh->points + v * dim;
     size_t i, j, k;
     work->parts.count = work->links.count = 0;
+    work->site = v;
     work->open = 0;
     work->good = 1;
     pbwc__map_clear(&work->part_of);
@@ -1033,7 +1035,39 @@ static int pbwc__loop3(pbwc__work *work, int u)
     return 1;
 }
 
-/* Has the facet of a link an area in the true diagram?  Open ones have. */
+/* The other link of the hull facet at the end of an open ring around u: at its last part (step 1) or first (2). */
+static const double *pbwc__ring_end(const pbwc__work *work, int part, int u, int step)
+{
+    const pbwc__part *p = PBWC__PARTS(work) + part;
+    int j = 0;
+    while (p->link[j] != u) {
+        j++;
+    }
+    return work->job->mesh->points + 3 * (size_t)PBWC__LINKS(work)[p->link[(j + 3 - step) % 3]].vertex;
+}
+
+/* Has an open facet in space an area in the true diagram?  Not if it is a ray: all centres are at one place, and the
+   hull facets at both ends lie in one plane. */
+static int pbwc__is_open_facet(const pbwc__work *work, int u)
+{
+    const pbw_index *merged = PBWC__INDICES(work->job->merged);
+    const pbw_mesh *mesh = work->job->mesh;
+    const pbwc__part *parts = PBWC__PARTS(work);
+    const int start = PBWC__LINKS(work)[u].part;
+    int end[3] = { 0, start, start }, step, then;
+    for (step = 1; step <= 2; step++) {
+        while ((then = pbwc__around(parts + end[step], u, step)) >= 0) {
+            end[step] = then;
+            if (merged[parts[then].simplex] != merged[parts[start].simplex]) {
+                return 1;
+            }
+        }
+    }
+    return pbw_orient3(mesh->points + 3 * (size_t)work->site, mesh->points + 3 * (size_t)PBWC__LINKS(work)[u].vertex,
+                       pbwc__ring_end(work, end[1], u, 1), pbwc__ring_end(work, end[2], u, 2)) != 0;
+}
+
+/* Has the facet of a link an area in the true diagram? */
 static int pbwc__is_facet(const pbwc__work *work, int u)
 {
     const pbw_index *merged = PBWC__INDICES(work->job->merged);
@@ -1052,7 +1086,7 @@ static int pbwc__is_facet(const pbwc__work *work, int u)
     do {
         then = pbwc__around(parts + at, u, 1);
         if (then < 0) {
-            return 1;
+            return pbwc__is_open_facet(work, u);
         }
         differ += merged[parts[then].simplex] != last;
         last = merged[parts[then].simplex];
