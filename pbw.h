@@ -10089,7 +10089,7 @@ static pbw_index *pbw__chunk_add(pbw__queries *queries, pbw__desk *desk, size_t 
     items[0] = (pbw_index)id;
     items[1] = (pbw_index)length;
     chunk->words += 2 + length;
-    if (values != NULL) {
+    if (values != NULL && length > 0) {     /* while all lists are empty, there is no array to point into */
         *values = chunk->value + chunk->values;
         chunk->values += length;
     }
@@ -10105,12 +10105,15 @@ static void pbw__copy_chunk(pbw__queries *queries, pbw__desk *desk, size_t block
     (void)to;
     for (word = 0; word < chunk->words; ) {
         const size_t length = chunk->word[word + 1], first = queries->first[chunk->word[word]];
-        memcpy(queries->item + first, chunk->word + word + 2, length * sizeof(pbw_index));
-        if (queries->value != NULL && length > 0) {
+        word += 2 + length;
+        if (length == 0) {
+            continue;           /* while all lists are empty, there is no array to point into */
+        }
+        memcpy(queries->item + first, chunk->word + word - length, length * sizeof(pbw_index));
+        if (queries->value != NULL) {
             memcpy(queries->value + first, chunk->value + values, length * sizeof(double));
             values += length;
         }
-        word += 2 + length;
     }
 }
 
