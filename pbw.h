@@ -1339,16 +1339,14 @@ static int pbw__resize_array(pbw__memory *memory, void *array, size_t *capacity,
 
 /* One call: its memory, progress and threads. */
 typedef struct pbw__context {
+    pbw_options options;                             /* the caller's, or the defaults */
     pbw__memory memory;
-    int (*progress)(void *user, pbw_stage stage, double done);
-    void *progress_user;
-    uint32_t *trace;                                 /* options.trace */
+    pbw__fp fp;                                      /* the caller's floating-point state */
     pbw_stage stage;
     double last_report, last_done;
+    double reached;                                  /* progress at the end of the last ranged loop of the stage */
     int cancelled;
     int threads;                                     /* that take part, the caller's among them */
-    void (*run)(void *user, int tasks, void (*task)(void *arg, int i), void *arg);
-    void *run_user;
 #ifdef PBW__THREADS
     pbw__thread_id caller;
     struct pbw__team *team;                          /* NULL: not started */
@@ -1483,7 +1481,7 @@ static int pbw__report(pbw__context *context, double done)
 {
     double now;
     int cancelled = PBW__LOAD(&context->cancelled);
-    if (context->progress == NULL || cancelled) {
+    if (context->options.progress == NULL || cancelled) {
         return cancelled;
     }
 #ifdef PBW__THREADS
@@ -1497,7 +1495,7 @@ static int pbw__report(pbw__context *context, double done)
     }
     context->last_report = now;
     context->last_done = done > context->last_done ? done : context->last_done;      /* tasks come in any order */
-    if (context->progress(context->progress_user, context->stage, context->last_done) != 0) {
+    if (context->options.progress(context->options.progress_user, context->stage, context->last_done) != 0) {
         PBW__STORE(&context->cancelled, 1);
         return 1;
     }
@@ -1508,7 +1506,7 @@ static int pbw__enter_stage(pbw__context *context, pbw_stage stage)
 {
     context->stage = stage;
     context->last_report = -1.0;                     /* the start is reported at once */
-    context->last_done = 0.0;
+    context->last_done = context->reached = 0.0;
     return pbw__report(context, 0.0);
 }
 
@@ -1643,11 +1641,11 @@ static void pbw__team_stop(pbw__context *context)
 static void pbw__for(pbw__context *context, int tasks, pbw__task *task, void *arg)
 {
     int i;
-    if (context->run != NULL && tasks > 1 && context->threads > 1) {
+    if (context->options.run != NULL && tasks > 1 && context->threads > 1) {
         pbw__guarded guarded;
         guarded.task = task;
         guarded.arg = arg;
-        context->run(context->run_user, tasks, pbw__run_guarded, &guarded);
+        context->options.run(context->options.run_user, tasks, pbw__run_guarded, &guarded);
         return;
     }
 #ifdef PBW__THREADS
@@ -1701,16 +1699,37 @@ static int pbw__thread_count(int asked, size_t count)
 static void pbw__context_start(pbw__context *context, const pbw_options *options, size_t count)
 {
     memset(context, 0, sizeof(*context));
-    pbw__memory_start(&context->memory, options);
-    context->progress = options->progress;
-    context->progress_user = options->progress_user;
-    context->trace = options->trace;
-    context->threads = pbw__thread_count(options->threads, count);
-    context->run = options->run;
-    context->run_user = options->run_user;
+    if (options != NULL) {
+        context->options = *options;
+    }
+    pbw__memory_start(&context->memory, &context->options);
+    context->threads = pbw__thread_count(context->options.threads, count);
 #ifdef PBW__THREADS
     context->caller = PBW__THIS_THREAD();
 #endif
+}
+
+/* Begins a call of the interface on `count` points, which enters a stage.  Returns PBW_OK or the reason to end it;
+   pbw__close must follow in either case. */
+static pbw_status pbw__open(pbw__context *context, const pbw_options *options, size_t count, pbw_stage stage)
+{
+    pbw__context_start(context, options, count);
+    context->fp = pbw__fp_enter();
+    if (context->options.threads < 0 || context->options.threads > 256) {
+        return PBW_ERROR_ARGUMENT;
+    }
+    if (!pbw__fp_is_exact()) {
+        return PBW_ERROR_FP_MODE;
+    }
+    return pbw__enter_stage(context, stage) ? PBW_CANCELLED : PBW_OK;
+}
+
+static pbw_status pbw__close(pbw__context *context, pbw_status status)
+{
+    status = status == PBW_OK && pbw__report(context, 1.0) ? PBW_CANCELLED : status;
+    pbw__team_stop(context);
+    pbw__fp_leave(context->fp);
+    return status;
 }
 
 /* Returns into how many tasks to cut `count` items, of at least `least` each. */
@@ -1757,22 +1776,23 @@ static void pbw__take_ranges(void *arg, int task)
     }
 }
 
-/* Progress goes from `begin` to `end` of the stage.  Returns PBW_OK, PBW_CANCELLED or the lowest failure. */
-static pbw_status pbw__for_range(pbw__context *context, size_t count, size_t grain, double begin, double end,
-                                 pbw_body *body, void *arg)
+/* Progress goes on to `end`.  Returns PBW_OK, PBW_CANCELLED or the lowest failure. */
+static pbw_status pbw__for_range(pbw__context *context, size_t count, size_t grain, double end, pbw_body *body,
+                                 void *arg)
 {
+    const size_t blocks = count / grain + (count % grain != 0);
     pbw__ranges ranges;
     ranges.context = context;
     ranges.body = body;
     ranges.arg = arg;
     ranges.count = count;
     ranges.grain = grain;
-    ranges.blocks = count / grain + (count % grain != 0);
+    ranges.blocks = blocks;
     ranges.next = 0;
     ranges.failure = (size_t)-1;
-    ranges.begin = begin;
-    ranges.end = end;
-    pbw__for(context, ranges.blocks < (size_t)context->threads ? (int)ranges.blocks : context->threads,
+    ranges.begin = context->reached;
+    ranges.end = context->reached = pbw__max(end, context->reached);
+    pbw__for(context, context->threads <= 1 ? 1 : blocks < (size_t)context->threads ? (int)blocks : context->threads,
              pbw__take_ranges, &ranges);
     if (ranges.failure != (size_t)-1) {
         return (pbw_status)(ranges.failure % 64);
@@ -2837,23 +2857,33 @@ typedef struct pbw__input {
     const char *points, *weights;
 } pbw__input;
 
-/* The arguments of a call, checked.  A borrowed array must be one that the mesh could have made. */
-static pbw_status pbw__input_of(int dim, int is_float, const void *points, const void *weights, size_t count,
-                                const pbw_options *options, pbw__input *input)
+static pbw__input pbw__input_of(int dim, int is_float, const void *points, const void *weights, size_t count)
 {
-    const size_t size = is_float ? sizeof(float) : sizeof(double), packed = (size_t)dim * size;
+    pbw__input input;
+    memset(&input, 0, sizeof(input));
+    input.dim = dim;
+    input.is_float = is_float;
+    input.count = count;
+    input.points = (const char *)points;
+    input.weights = (const char *)weights;
+    return input;
+}
+
+/* Checks the arguments of a call, and takes the rest of the input from the options.  A borrowed array must be one that
+   the mesh could have made. */
+static pbw_status pbw__input_check(pbw__input *input, const pbw_options *options)
+{
+    const size_t size = input->is_float ? sizeof(float) : sizeof(double), packed = (size_t)input->dim * size;
     const unsigned all = PBW_ANY_ORDER | PBW_NO_NEIGHBORS | PBW_BACKEND_OR_CPU | PBW_CURVE_ORDER | PBW_BORROW;
-    input->dim = dim;
-    input->is_float = is_float;
+    const size_t count = input->count;
     input->borrow = (options->flags & PBW_BORROW) != 0;
-    input->count = count;
     input->stride = options->stride != 0 ? options->stride : packed;
     input->weight_stride = options->weight_stride != 0 ? options->weight_stride : size;
-    input->points = (const char *)points;
-    input->weights = (const char *)weights;
-    if ((dim != 2 && dim != 3) || (points == NULL && count != 0) || options->threads < 0 || options->threads > 256
+    if ((input->dim != 2 && input->dim != 3) || (input->points == NULL && count != 0)
+        || options->threads < 0 || options->threads > 256
         || (options->flags & ~all) != 0 || input->stride < packed || input->weight_stride < size
-        || (input->borrow && (is_float || input->stride != packed || (weights != NULL && input->weight_stride != size)
+        || (input->borrow && (input->is_float || input->stride != packed
+                              || (input->weights != NULL && input->weight_stride != size)
                               || (options->flags & PBW_CURVE_ORDER) != 0))) {
         return PBW_ERROR_ARGUMENT;
     }
@@ -6537,8 +6567,8 @@ static int pbw__level_insert(pbw__build *build, pbw__kernel *kernel, pbw_index v
         kernel->status = status;
         return 0;
     }
-    if (build->context->trace != NULL) {
-        build->context->trace[build->vertices->id[v]] = build->trace | (alone ? 0u : kernel->own.share);
+    if (build->context->options.trace != NULL) {
+        build->context->options.trace[build->vertices->id[v]] = build->trace | (alone ? 0u : kernel->own.share);
     }
     kernel->done += status == PBW_OK;
     /* An exact test of extreme exponents may take 0.2 ms, a new simplex takes 0.1 us. */
@@ -6801,8 +6831,8 @@ static pbw_status pbw__build_all(pbw__context *context, pbw__store *store, const
     if (status == PBW_OK) {
         status = pbw__first_star(build.kernel[0], vertices->dim, build.seed);
     }
-    for (i = 0; status == PBW_OK && context->trace != NULL && i <= vertices->dim; i++) {
-        context->trace[vertices->id[build.seed[i]]] = 0;
+    for (i = 0; status == PBW_OK && context->options.trace != NULL && i <= vertices->dim; i++) {
+        context->options.trace[vertices->id[build.seed[i]]] = 0;
     }
     build.stride = sequence.stride;
     build.coarser = build.stride * ratio;
@@ -6828,7 +6858,7 @@ static pbw_status pbw__build_all(pbw__context *context, pbw__store *store, const
         statistics->created += build.kernel[i]->statistics.created;
     }
     if (status == PBW_OK) {
-        status = pbw__for_range(context, store->region_count, 256, 0.0, 0.0, pbw__close_regions, store);
+        status = pbw__for_range(context, store->region_count, 256, 0.0, pbw__close_regions, store);
     }
     pbw__build_free(&build);
     return status;
@@ -8524,8 +8554,8 @@ static pbw_status pbw__output(pbw__context *context, pbw__store *store, pbw__ver
    Shared with the construction: the exact signs, the allocator, the threads, and the keys of the Hilbert curve and
    their sort, with which points are listed that no simplex has.  Expected linear time: three passes over points and
    simplices, and walks to hidden points in the order of the curve.  Memory: dim+1 doubles a point, 16 bytes a hidden
-   point.  A pass is cut into parts, one for each task; the fault of the first part that has one is reported, with
-   what was counted before, so the report is the same for every number of threads.
+   point.  A pass is cut into ranges of one size; the fault of the first range that has one is reported, with what was
+   counted before, so the report is the same for every number of threads.
 
    What is tested, and why it is enough.  Write d for the dimension.
 
@@ -8585,7 +8615,7 @@ typedef struct pbw__check {
     pbw_status status;
 } pbw__check;
 
-typedef struct pbw__check_part {                     /* what one task sees of a pass */
+typedef struct pbw__check_part {                     /* what is found in one range of a pass */
     pbw_report report;
     size_t duplicate_count, other_count;
     size_t independent;                              /* degenerate: 1 + a point that is, of the basis; 0: none */
@@ -8593,17 +8623,15 @@ typedef struct pbw__check_part {                     /* what one task sees of a 
     pbw_index hint;                                  /* where the last walk ended */
 } pbw__check_part;
 
-/* Items from, ..., to - 1; 0 = a fault, or cancelled */
-typedef int pbw__check_range(pbw__check *check, pbw__check_part *part, size_t from, size_t to);
+/* Checks the items from, ..., to - 1; returns 0 at a fault, or if cancelled. */
+typedef int pbw__check_items(pbw__check *check, pbw__check_part *part, size_t from, size_t to);
 
 typedef struct pbw__check_run {
     pbw__check *check;
-    pbw__check_part *part;
-    pbw__check_range *range;
-    size_t count;
-    double begin, end;                               /* of the progress */
-    int tasks, stopped;                              /* the first task that has a fault */
+    pbw__check_items *items;
+    pbw__check_part *part;                           /* one for each range of PBW__CHECKED items */
 } pbw__check_run;
+#define PBW__CHECKED ((size_t)1024)
 
 static int pbw__fault(pbw_report *report, const char *what, size_t simplex, int facet, size_t point)
 {
@@ -8614,56 +8642,38 @@ static int pbw__fault(pbw_report *report, const char *what, size_t simplex, int 
     return 0;
 }
 
-/* In pieces short enough for progress. */
-static void pbw__check_task(void *arg, int task)
+static pbw_status pbw__check_range(void *arg, size_t from, size_t to)
 {
-    pbw__check_run *run = (pbw__check_run *)arg;
-    size_t from = pbw__share(run->count, task, run->tasks), end = pbw__share(run->count, task + 1, run->tasks), to;
-    int stopped = PBW__LOAD(&run->stopped);
-    for (; from < end && task < stopped; from = to) {
-        double done = run->begin + (run->end - run->begin) * (double)from / (double)run->count;
-        to = end - from < 1024 ? end : from + 1024;
-        if (pbw__report(run->check->context, done)) {
-            return;
-        }
-        stopped = PBW__LOAD(&run->stopped);
-        if (!run->range(run->check, run->part + task, from, to)) {
-            while (task < stopped && !PBW__CAS(&run->stopped, &stopped, task)) {
-            }
-            return;
-        }
-    }
+    const pbw__check_run *run = (const pbw__check_run *)arg;
+    return run->items(run->check, run->part + from / PBW__CHECKED, from, to) ? PBW_OK : PBW_DEGENERATE;
 }
 
-/* One pass over count items; least: items worth a task.  0 = stop: a fault, cancelled, or out of memory. */
-static int pbw__check_pass(pbw__check *check, pbw__check_range *range, size_t count, size_t least, double begin,
-                           double end)
+/* One pass over count items; progress goes on to `end`.  Returns 0 to stop: a fault, cancelled, or out of memory. */
+static int pbw__check_pass(pbw__check *check, pbw__check_items *items, size_t count, double end)
 {
     pbw__memory *memory = &check->context->memory;
     pbw_report *report = check->report;
+    const size_t parts = count / PBW__CHECKED + 1;
     pbw__check_run run;
-    int task, tasks = pbw__tasks(check->context, count, least);
+    pbw_status status;
+    size_t i;
     run.check = check;
-    run.range = range;
-    run.count = count;
-    run.begin = begin;
-    run.end = end;
-    run.tasks = run.stopped = tasks;
-    run.part = (pbw__check_part *)pbw__allocate(memory, (size_t)tasks, sizeof(pbw__check_part));
+    run.items = items;
+    run.part = (pbw__check_part *)pbw__allocate_large(check->context, parts, sizeof(pbw__check_part));
     if (run.part == NULL) {
         check->status = PBW_ERROR_MEMORY;
         return 0;
     }
-    memset(run.part, 0, (size_t)tasks * sizeof(pbw__check_part));
-    for (task = 0; task < tasks; task++) {
-        pbw__box_reset(&run.part[task].box, 0);
+    memset(run.part, 0, parts * sizeof(pbw__check_part));
+    for (i = 0; i < parts; i++) {
+        pbw__box_reset(&run.part[i].box, 0);
     }
-    pbw__for(check->context, tasks, pbw__check_task, &run);
-    for (task = 0; task < tasks && task <= run.stopped; task++) {
-        const pbw__check_part *part = run.part + task;
+    status = pbw__for_range(check->context, count, PBW__CHECKED, end, pbw__check_range, &run);
+    for (i = 0; i < parts && report->what[0] == '\0' && check->independent == 0; i++) {
+        const pbw__check_part *part = run.part + i;
         check->duplicate_count += part->duplicate_count;
         check->other_count += part->other_count;
-        check->independent = part->independent;      /* the last one may have stopped at it */
+        check->independent = part->independent;
         if (part->box.low[0] <= part->box.high[0]) {
             pbw__box_add(&check->box, part->box.low, check->dim);
             pbw__box_add(&check->box, part->box.high, check->dim);
@@ -8676,8 +8686,8 @@ static int pbw__check_pass(pbw__check *check, pbw__check_range *range, size_t co
                              part->report.point);
         }
     }
-    pbw__release(memory, run.part, (size_t)tasks, sizeof(pbw__check_part));
-    return run.stopped == tasks && !PBW__LOAD(&check->context->cancelled);
+    pbw__release(memory, run.part, parts, sizeof(pbw__check_part));
+    return status == PBW_OK;
 }
 
 /* Functions called for each simplex take the dimension as an argument, so that it is a constant there. */
@@ -9014,8 +9024,11 @@ static int pbw__check_flat(pbw__check *check, pbw__check_part *part, size_t from
 static int pbw__check_span(pbw__check *check)
 {
     for (;;) {
-        int going = pbw__check_pass(check, pbw__check_flat, check->mesh->point_count, 16384, 0.1, 0.9);
-        size_t point = check->independent;
+        int going;
+        size_t point;
+        check->independent = 0;
+        going = pbw__check_pass(check, pbw__check_flat, check->mesh->point_count, 0.9);
+        point = check->independent;
         if (point == 0) {
             return going;
         }
@@ -9140,7 +9153,7 @@ static int pbw__check_others(pbw__check *check)
     if (keys == NULL || spare == NULL || start == NULL || check->block == NULL) {
         check->status = PBW_ERROR_MEMORY;
     } else {
-        going = pbw__check_pass(check, pbw__check_count, blocks, 64, 0.9, 0.905);
+        going = pbw__check_pass(check, pbw__check_count, blocks, 0.905);
         for (block = 0; block < blocks && going; block++) {
             size_t here = check->block[block];
             check->block[block] = listed;
@@ -9149,20 +9162,20 @@ static int pbw__check_others(pbw__check *check)
         pbw__curve_create(&check->curve, count, check->dim);
         pbw__box_reset(&check->box, bits);
         check->by_hash = keys;
-        going = going && pbw__check_pass(check, pbw__check_gather, blocks, 64, 0.905, 0.91)
-            && pbw__check_pass(check, pbw__check_hashes, count, 4096, 0.91, 0.92)
+        going = going && pbw__check_pass(check, pbw__check_gather, blocks, 0.91)
+            && pbw__check_pass(check, pbw__check_hashes, count, 0.92)
             && (check->by_hash = pbw__sort_by(&sorting, 32, 32)) != NULL;
         if (going) {
             pbw__box_close(&check->box, check->dim);
             check->box.extent = check->box.extent > 0.0 ? check->box.extent : 1.0;
             check->other = check->by_hash == keys ? spare : keys;
-            going = pbw__check_pass(check, pbw__check_apart, count, 4096, 0.92, 0.94);
+            going = pbw__check_pass(check, pbw__check_apart, count, 0.94);
         }
         if (going && check->mesh->simplex_count > 0) {
             sorting.a = check->other;
             sorting.b = check->by_hash;
             check->other = pbw__sort_by(&sorting, 32, bits * check->dim);
-            going = check->other != NULL && pbw__check_pass(check, pbw__check_hidden, count, 1024, 0.94, 1.0);
+            going = check->other != NULL && pbw__check_pass(check, pbw__check_hidden, count, 1.0);
         }
     }
     pbw__release(memory, keys, count, sizeof(uint64_t));
@@ -9177,7 +9190,7 @@ static int pbw__check_all(pbw__check *check)
     const pbw_mesh *mesh = check->mesh;
     size_t points = mesh->point_count, simplices = mesh->simplex_count;
     int i;
-    if (!pbw__check_pass(check, pbw__check_points, points, 16384, 0.0, 0.1)) {
+    if (!pbw__check_pass(check, pbw__check_points, points, 0.1)) {
         return 0;
     }
     if (check->duplicate_count != mesh->duplicate_count) {
@@ -9193,27 +9206,23 @@ static int pbw__check_all(pbw__check *check)
     for (i = 0; i <= check->dim; i++) {
         check->basis[i] = pbw__check_record(check, check->dim, mesh->simplices[i] < points ? mesh->simplices[i] : 0);
     }
-    return pbw__check_pass(check, pbw__check_simplices, simplices, 8192, 0.1, 0.85)
-        && pbw__check_pass(check, pbw__check_hull, simplices, 65536, 0.85, 0.9)
+    return pbw__check_pass(check, pbw__check_simplices, simplices, 0.85)
+        && pbw__check_pass(check, pbw__check_hull, simplices, 0.9)
         && (check->other_count == 0 || pbw__check_others(check));
 }
 
 PBWDEF pbw_status pbw_check(const pbw_mesh *mesh, const pbw_options *options, pbw_report *report)
 {
-    pbw_options defaults;
     pbw__context context;
     pbw__check check;
-    pbw__fp fp;
-    size_t record_size;
+    size_t size;
     if (report == NULL) {
         return PBW_ERROR_ARGUMENT;
     }
     memset(report, 0, sizeof(*report));
     report->what = "";
     report->simplex = report->facet = report->point = PBW_NONE;
-    memset(&defaults, 0, sizeof(defaults));
-    options = options != NULL ? options : &defaults;
-    if (mesh == NULL || (mesh->dim != 2 && mesh->dim != 3) || options->threads < 0 || options->threads > 256
+    if (mesh == NULL || (mesh->dim != 2 && mesh->dim != 3)
         || (mesh->point_count > 0 && (mesh->points == NULL || mesh->incident == NULL || mesh->canonical == NULL))
         || (mesh->simplex_count > 0 && (mesh->simplices == NULL || mesh->neighbors == NULL))) {
         return PBW_ERROR_ARGUMENT;
@@ -9222,27 +9231,21 @@ PBWDEF pbw_status pbw_check(const pbw_mesh *mesh, const pbw_options *options, pb
         return PBW_ERROR_TOO_LARGE;
     }
     memset(&check, 0, sizeof(check));
-    pbw__context_start(&context, options, mesh->point_count);
     check.mesh = mesh;
     check.report = report;
     check.context = &context;
     check.dim = mesh->dim;
-
-    fp = pbw__fp_enter();
-    record_size = (size_t)(mesh->dim + 1) * sizeof(double);
-    check.record = (double *)pbw__allocate(&context.memory, mesh->point_count, record_size);
-    if (!pbw__fp_is_exact()) {
-        check.status = PBW_ERROR_FP_MODE;
-    } else if (check.record == NULL) {
-        check.status = PBW_ERROR_MEMORY;
-    } else {
-        pbw__enter_stage(&context, PBW_STAGE_CHECK);
-        report->valid = pbw__check_all(&check) && !pbw__report(&context, 1.0);
+    check.status = pbw__open(&context, options, mesh->point_count, PBW_STAGE_CHECK);
+    if (check.status == PBW_OK) {
+        size = (size_t)(mesh->dim + 1) * sizeof(double);
+        check.record = (double *)pbw__allocate_large(&context, mesh->point_count, size);
+        check.status = check.record != NULL ? PBW_OK : PBW_ERROR_MEMORY;
+        report->valid = check.status == PBW_OK && pbw__check_all(&check);
+        pbw__release(&context.memory, check.record, mesh->point_count, size);
     }
-    pbw__release(&context.memory, check.record, mesh->point_count, record_size);
-    pbw__team_stop(&context);
-    pbw__fp_leave(fp);
-    return context.cancelled ? PBW_CANCELLED : check.status;
+    check.status = pbw__close(&context, context.cancelled ? PBW_CANCELLED : check.status);
+    report->valid &= check.status == PBW_OK;
+    return check.status;
 }
 /* ------------------------------------------------------------------------------------------------------
    >>hash         One number for a triangulation.
@@ -9297,30 +9300,27 @@ static pbw_status pbw__hash_simplices(void *arg, size_t s, size_t end)
 PBWDEF pbw_status pbw_hash_parts(const pbw_mesh *mesh, const unsigned char *points, const unsigned char *simplices,
                                  const pbw_options *options, pbw_hash_sums *sums)
 {
-    pbw_options defaults;
     pbw__context context;
     pbw__hashing hashing;
     pbw_status status;
-    memset(&defaults, 0, sizeof(defaults));
-    options = options != NULL ? options : &defaults;
-    if (mesh == NULL || sums == NULL || options->threads < 0 || options->threads > 256) {
+    if (mesh == NULL || sums == NULL) {
         return PBW_ERROR_ARGUMENT;
     }
-    pbw__context_start(&context, options, mesh->point_count);
+    status = pbw__open(&context, options, mesh->point_count, PBW_STAGE_WORK);
     hashing.mesh = mesh;
     hashing.chosen = points;
     hashing.sum = 0;
-    status = pbw__enter_stage(&context, PBW_STAGE_WORK) ? PBW_CANCELLED
-           : pbw__for_range(&context, mesh->point_count, 16384, 0.0, 0.1, pbw__hash_points, &hashing);
+    if (status == PBW_OK) {
+        status = pbw__for_range(&context, mesh->point_count, 16384, 0.1, pbw__hash_points, &hashing);
+    }
     sums->points = hashing.sum;
     hashing.chosen = simplices;
     hashing.sum = 0;
     if (status == PBW_OK) {
-        status = pbw__for_range(&context, mesh->simplex_count, 16384, 0.1, 1.0, pbw__hash_simplices, &hashing);
+        status = pbw__for_range(&context, mesh->simplex_count, 16384, 1.0, pbw__hash_simplices, &hashing);
     }
     sums->simplices = hashing.sum;
-    pbw__team_stop(&context);
-    return status == PBW_OK && pbw__report(&context, 1.0) ? PBW_CANCELLED : status;
+    return pbw__close(&context, status);
 }
 
 PBWDEF uint64_t pbw_hash_of(const pbw_hash_sums *sums)
@@ -9396,7 +9396,7 @@ static pbw_status pbw__number_along_curve(pbw__context *context, pbw__vertices *
     numbering.vertices = vertices;
     numbering.original = original;
     if (vertices->duplicate_count == 0) {
-        return pbw__for_range(context, vertices->count, 65536, 1.0, 1.0, pbw__number_range, &numbering);
+        return pbw__for_range(context, vertices->count, 65536, 0.0, pbw__number_range, &numbering);
     }
     numbering.next = (pbw_index *)pbw__allocate(&context->memory, vertices->point_count, sizeof(pbw_index));
     if (numbering.next == NULL) {
@@ -9410,58 +9410,38 @@ static pbw_status pbw__number_along_curve(pbw__context *context, pbw__vertices *
 PBWDEF pbw_status pbw_for(const pbw_options *options, size_t count, size_t grain, pbw_body *body, void *arg)
 {
     const size_t blocks = grain > 0 ? count / grain + (count % grain != 0) : 0, most = (size_t)-1 / 8192;
-    pbw_options defaults;
     pbw__context context;
-    pbw__fp fp;
-    pbw_status status = PBW_OK;
-    memset(&defaults, 0, sizeof(defaults));
-    options = options != NULL ? options : &defaults;
-    if (body == NULL || grain == 0 || options->threads < 0 || options->threads > 256) {
+    pbw_status status;
+    if (body == NULL || grain == 0) {
         return PBW_ERROR_ARGUMENT;
     }
     if (blocks > most / 64) {
         return PBW_ERROR_TOO_LARGE;
     }
-    fp = pbw__fp_enter();
-    pbw__context_start(&context, options, blocks * 8192);        /* each range is worth a thread */
-    if (pbw__enter_stage(&context, PBW_STAGE_WORK)) {
-        status = PBW_CANCELLED;
-    } else if (blocks > 0) {
-        status = pbw__for_range(&context, count, grain, 0.0, 1.0, body, arg);
+    status = pbw__open(&context, options, blocks * 8192, PBW_STAGE_WORK);        /* each range is worth a thread */
+    if (status == PBW_OK) {
+        status = pbw__for_range(&context, count, grain, 1.0, body, arg);
     }
-    pbw__team_stop(&context);
-    pbw__fp_leave(fp);
-    return status == PBW_OK && pbw__report(&context, 1.0) ? PBW_CANCELLED : status;
+    return pbw__close(&context, status);
 }
 
 PBWDEF pbw_status pbw_order(int dim, const double *points, size_t count, const pbw_options *options, pbw_index *order)
 {
-    pbw_options defaults;
     pbw__context context;
     pbw__vertices vertices;
-    pbw__input input;
-    pbw__fp fp;
-    pbw_status status;
-    memset(&defaults, 0, sizeof(defaults));
-    options = options != NULL ? options : &defaults;
-    status = pbw__input_of(dim, 0, points, NULL, count, options, &input);
-    if (status != PBW_OK || count == 0) {
-        return status;
-    }
-    if (order == NULL) {
-        return PBW_ERROR_ARGUMENT;
-    }
-    fp = pbw__fp_enter();
-    pbw__context_start(&context, options, count);
-    status = !pbw__fp_is_exact() ? PBW_ERROR_FP_MODE
-           : pbw__enter_stage(&context, PBW_STAGE_ORDER) ? PBW_CANCELLED : pbw__order(&context, &input, &vertices);
+    pbw__input input = pbw__input_of(dim, 0, points, NULL, count);
+    pbw_status status = pbw__open(&context, options, count, PBW_STAGE_ORDER);
     if (status == PBW_OK) {
-        status = pbw__number_along_curve(&context, &vertices, order);
-        pbw__vertices_free(&context, &vertices);
+        status = pbw__input_check(&input, &context.options);
     }
-    pbw__team_stop(&context);
-    pbw__fp_leave(fp);
-    return status == PBW_OK && pbw__report(&context, 1.0) ? PBW_CANCELLED : status;
+    if (status == PBW_OK && count > 0) {
+        status = order != NULL ? pbw__order(&context, &input, &vertices) : PBW_ERROR_ARGUMENT;
+        if (status == PBW_OK) {
+            status = pbw__number_along_curve(&context, &vertices, order);
+            pbw__vertices_free(&context, &vertices);
+        }
+    }
+    return pbw__close(&context, status);
 }
 
 PBWDEF int pbw_conflict2(const double a[2], const double b[2], const double c[2], const double p[2],
@@ -9742,7 +9722,6 @@ typedef void pbw__answer(pbw__queries *queries, pbw__desk *desk, size_t block, s
 
 struct pbw__queries {
     pbw__context context;
-    pbw__fp fp;
     pbw__grid grid;                                  /* none, but says that rounding is to nearest */
     const pbw_mesh *mesh;
     const pbw_lists *stars;
@@ -9756,7 +9735,6 @@ struct pbw__queries {
     int index_bits;
     pbw__answer *answer;
     size_t grain;                                    /* items of a block */
-    double begin;                                    /* progress before the answers */
     pbw__chunk *chunk;                               /* of each block, for answers that are lists */
     size_t *first;
     pbw_index *item;
@@ -9873,7 +9851,7 @@ static pbw_status pbw__answer_all(pbw__queries *queries, pbw__answer *answer, si
     queries->answer = answer;
     queries->grain = grain;
     return items == 0 ? PBW_OK
-         : pbw__for_range(&queries->context, items, grain, queries->begin, 1.0, pbw__answer_range, queries);
+         : pbw__for_range(&queries->context, items, grain, 1.0, pbw__answer_range, queries);
 }
 
 /* ---- sorting the queries */
@@ -9938,7 +9916,7 @@ static pbw_status pbw__query_sort(pbw__queries *queries)
         || queries->spare == NULL) {
         return PBW_ERROR_MEMORY;
     }
-    status = pbw__for_range(context, count, PBW__TICK, 0.0, 0.01, pbw__query_boxes, queries);
+    status = pbw__for_range(context, count, PBW__TICK, 0.02, pbw__query_boxes, queries);
     if (status != PBW_OK) {
         return status;
     }
@@ -9952,7 +9930,7 @@ static pbw_status pbw__query_sort(pbw__queries *queries)
     }
     pbw__box_close(&queries->box, dim);
     pbw__curve_create(queries->curve, count, dim);
-    status = pbw__for_range(context, count, PBW__TICK, 0.01, 0.02, pbw__query_keys, queries);
+    status = pbw__for_range(context, count, PBW__TICK, 0.05, pbw__query_keys, queries);
     if (status == PBW_OK) {
         const int low = queries->index_bits;
         pbw__sorting sorting;
@@ -9970,60 +9948,42 @@ static pbw_status pbw__query_sort(pbw__queries *queries)
     return status;
 }
 
-/* Checks the arguments that all queries share, sorts the query points.  pbw__queries_end is to follow, whatever it
+/* Checks the arguments that all queries share, sorts the query points.  pbw__queries_end must follow, whatever it
    returns. */
 static pbw_status pbw__queries_start(pbw__queries *queries, const pbw_mesh *mesh, const double *points, size_t count,
                                      const pbw_options *options)
 {
-    pbw_options defaults;
-    size_t work;
-    memset(&defaults, 0, sizeof(defaults));
-    options = options != NULL ? options : &defaults;
+    const size_t work = points != NULL || mesh == NULL ? count : mesh->simplex_count;
+    pbw_status status;
     memset(queries, 0, sizeof(*queries));
     queries->mesh = mesh;
-    queries->fp = pbw__fp_enter();
-    if (mesh == NULL || (mesh->dim != 2 && mesh->dim != 3) || (points == NULL && count != 0)
-        || options->threads < 0 || options->threads > 256
-        || (mesh->point_count > 0 && (mesh->points == NULL || mesh->incident == NULL || mesh->canonical == NULL))
-        || (mesh->simplex_count > 0 && (mesh->simplices == NULL || mesh->neighbors == NULL))
-        || (options->stride != 0 && options->stride < (size_t)mesh->dim * sizeof(double))) {
-        return PBW_ERROR_ARGUMENT;
-    }
     queries->points = (const char *)points;
     queries->count = count;
-    queries->stride = options->stride != 0 ? options->stride : (size_t)mesh->dim * sizeof(double);
+    /* A block of queries is worth a thread. */
+    status = pbw__open(&queries->context, options, work * (8192 / PBW__BLOCK_QUERIES), PBW_STAGE_WORK);
+    queries->stride = queries->context.options.stride;
+    if (mesh == NULL || (mesh->dim != 2 && mesh->dim != 3) || (points == NULL && count != 0)
+        || (mesh->point_count > 0 && (mesh->points == NULL || mesh->incident == NULL || mesh->canonical == NULL))
+        || (mesh->simplex_count > 0 && (mesh->simplices == NULL || mesh->neighbors == NULL))
+        || (queries->stride != 0 && queries->stride < (size_t)mesh->dim * sizeof(double))) {
+        return PBW_ERROR_ARGUMENT;
+    }
+    queries->stride = queries->stride != 0 ? queries->stride : (size_t)mesh->dim * sizeof(double);
     if (count >= PBW_NONE || count > (size_t)-1 / queries->stride) {
         return PBW_ERROR_TOO_LARGE;
     }
-    if (!pbw__fp_is_exact()) {
-        return PBW_ERROR_FP_MODE;
-    }
-    work = points != NULL ? count : mesh->simplex_count;         /* a block of queries is worth a thread */
-    pbw__context_start(&queries->context, options, work * (8192 / PBW__BLOCK_QUERIES));
-    if (pbw__enter_stage(&queries->context, PBW_STAGE_WORK)) {
-        return PBW_CANCELLED;
-    }
-    queries->begin = 0.05;
-    return count == 0 ? PBW_OK : pbw__query_sort(queries);
+    return status == PBW_OK && count > 0 ? pbw__query_sort(queries) : status;
 }
 
 static pbw_status pbw__queries_end(pbw__queries *queries, pbw_status status)
 {
-    pbw__context *context = &queries->context;
-    pbw__memory *memory = &context->memory;
-    if (status == PBW_OK && pbw__report(context, 1.0)) {
-        status = PBW_CANCELLED;
-    }
-    if (memory->resize != NULL) {                    /* the context has been started */
-        pbw__release(memory, queries->boxes, queries->count / PBW__TICK + 1, sizeof(pbw__box));
-        pbw__release(memory, queries->curve, 1, sizeof(pbw__curve));
-        pbw__release(memory, queries->digits, queries->digit_words, sizeof(uint32_t));
-        pbw__release(memory, queries->keys, queries->count, sizeof(uint64_t));
-        pbw__release(memory, queries->spare, queries->count, sizeof(uint64_t));
-        pbw__team_stop(context);
-    }
-    pbw__fp_leave(queries->fp);
-    return status;
+    pbw__memory *memory = &queries->context.memory;
+    pbw__release(memory, queries->boxes, queries->count / PBW__TICK + 1, sizeof(pbw__box));
+    pbw__release(memory, queries->curve, 1, sizeof(pbw__curve));
+    pbw__release(memory, queries->digits, queries->digit_words, sizeof(uint32_t));
+    pbw__release(memory, queries->keys, queries->count, sizeof(uint64_t));
+    pbw__release(memory, queries->spare, queries->count, sizeof(uint64_t));
+    return pbw__close(&queries->context, status);
 }
 
 PBW__INLINE size_t pbw__query_index(const pbw__queries *queries, size_t place)
@@ -12159,9 +12119,9 @@ static pbw_status pbw__renumber(pbw__dispatch *dispatch)
     }
     if (status == PBW_OK) {
         const pbw_index *canonical = mesh->canonical;
-        status = pbw__for_range(context, count, 16384, 1.0, 1.0, pbw__renumber_points, &r);
+        status = pbw__for_range(context, count, 16384, 0.0, pbw__renumber_points, &r);
         if (status == PBW_OK) {
-            status = pbw__for_range(context, corners, 65536, 1.0, 1.0, pbw__renumber_corners, &r);
+            status = pbw__for_range(context, corners, 65536, 0.0, pbw__renumber_corners, &r);
         }
         mesh->incident = r.incident;
         mesh->points = r.points;
@@ -12245,33 +12205,30 @@ static pbw_status pbw__run_backend(pbw__context *context, const pbw__input *inpu
     return status;
 }
 
-static pbw_status pbw__triangulate(int dim, int is_float, const void *points, const void *weights, size_t count,
-                                   const pbw_options *options, pbw_mesh *mesh)
+static pbw_status pbw__triangulate(pbw__input input, const pbw_options *options, pbw_mesh *mesh)
 {
     pbw_options defaults;
     pbw__context context;
-    pbw__input input;
     pbw__fp fp;
     pbw_status status;
     int on_cpu, declined = 0;
-
     if (mesh == NULL) {
         return PBW_ERROR_ARGUMENT;
     }
     memset(mesh, 0, sizeof(*mesh));
     memset(&defaults, 0, sizeof(defaults));
     options = options != NULL ? options : &defaults;
-    status = pbw__input_of(dim, is_float, points, weights, count, options, &input);
+    status = pbw__input_check(&input, options);
     if (status != PBW_OK) {
         return status;
     }
-    if (options->trace != NULL && count > 0) {
-        memset(options->trace, 0xff, count * sizeof(uint32_t));      /* PBW_NONE */
+    if (options->trace != NULL && input.count > 0) {
+        memset(options->trace, 0xff, input.count * sizeof(uint32_t));      /* PBW_NONE */
     }
     fp = pbw__fp_enter();
     status = pbw__fp_is_exact() ? PBW_ERROR_BACKEND : PBW_ERROR_FP_MODE;
-    for (on_cpu = options->backend == NULL || count == 0; status == PBW_ERROR_BACKEND; on_cpu = 1) {
-        pbw__context_start(&context, options, count);
+    for (on_cpu = options->backend == NULL || input.count == 0; status == PBW_ERROR_BACKEND; on_cpu = 1) {
+        pbw__context_start(&context, options, input.count);
         if (on_cpu) {
             status = pbw__build_on_cpu(&context, &input, options->flags, mesh);
         } else {
@@ -12294,13 +12251,13 @@ static pbw_status pbw__triangulate(int dim, int is_float, const void *points, co
 PBWDEF pbw_status pbw_triangulate(int dim, const double *points, const double *weights, size_t count,
                                   const pbw_options *options, pbw_mesh *mesh)
 {
-    return pbw__triangulate(dim, 0, points, weights, count, options, mesh);
+    return pbw__triangulate(pbw__input_of(dim, 0, points, weights, count), options, mesh);
 }
 
 PBWDEF pbw_status pbw_triangulatef(int dim, const float *points, const float *weights, size_t count,
                                    const pbw_options *options, pbw_mesh *mesh)
 {
-    return pbw__triangulate(dim, 1, points, weights, count, options, mesh);
+    return pbw__triangulate(pbw__input_of(dim, 1, points, weights, count), options, mesh);
 }
 
 #if defined(__clang__) && (defined(__x86_64__) || defined(__i386__))
