@@ -2731,55 +2731,36 @@ PBW__DEVICE static int pbw__tie(int dim, const double *const *row, const double 
     return verdict;
 }
 
+/* The orientation of the simplex x[0..dim]. */
+static int pbw__orient(int dim, const double *const *x, const pbw__grid *grid)
+{
+    const int sign = dim == 2 ? pbw__filter_orient2(x[0], x[1], x[2]) : pbw__filter_orient3(x[0], x[1], x[2], x[3]);
+    return PBW__LIKELY(sign != PBW__OPEN) ? sign : pbw__undecided(dim, dim, x, x[dim], grid, NULL);
+}
+
+/* The same with p in place of corner i: on which side of the facet across from it p is, +1 inside. */
+static int pbw__side(int dim, const double **x, int i, const double *p, const pbw__grid *grid)
+{
+    const double *corner = x[i];
+    int sign;
+    x[i] = p;
+    sign = pbw__orient(dim, x, grid);
+    x[i] = corner;
+    return sign;
+}
+
+static int pbw__power(int dim, const double *const *x, const double *p, const pbw__grid *grid, int *orientation)
+{
+    const int sign = dim == 2 ? pbw__filter_power2(x[0], x[1], x[2], p)
+                              : pbw__filter_power3(x[0], x[1], x[2], x[3], p);
+    return PBW__LIKELY(sign != PBW__OPEN) ? sign : pbw__undecided(dim, dim + 1, x, p, grid, orientation);
+}
+
 /* The perturbed verdict on a positive simplex and a point at a place of its own: 1 for conflict. */
-static PBW__NOINLINE int pbw__conflict(int dim, const double *const *row, const double *p, const pbw__grid *grid)
+static int pbw__conflict(int dim, const double *const *x, const double *p, const pbw__grid *grid)
 {
-    int orientation[4], sign = pbw__undecided(dim, dim + 1, row, p, grid, orientation);
-    return sign != 0 ? sign > 0 : pbw__tie(dim, row, p, orientation);
-}
-
-static int pbw__orient2(const double *a, const double *b, const double *c, const pbw__grid *grid)
-{
-    const double *row[2] = { a, b };
-    int sign = pbw__filter_orient2(a, b, c);
-    return PBW__LIKELY(sign != PBW__OPEN) ? sign : pbw__undecided(2, 2, row, c, grid, NULL);
-}
-
-static int pbw__orient3(const double *a, const double *b, const double *c, const double *d, const pbw__grid *grid)
-{
-    const double *row[3] = { a, b, c };
-    int sign = pbw__filter_orient3(a, b, c, d);
-    return PBW__LIKELY(sign != PBW__OPEN) ? sign : pbw__undecided(3, 3, row, d, grid, NULL);
-}
-
-static int pbw__power2(const double *a, const double *b, const double *c, const double *p, const pbw__grid *grid)
-{
-    const double *row[3] = { a, b, c };
-    int orientation[3], sign = pbw__filter_power2(a, b, c, p);
-    return PBW__LIKELY(sign != PBW__OPEN) ? sign : pbw__undecided(2, 3, row, p, grid, orientation);
-}
-
-static int pbw__power3(const double *a, const double *b, const double *c, const double *d, const double *p,
-                       const pbw__grid *grid)
-{
-    const double *row[4] = { a, b, c, d };
-    int orientation[4], sign = pbw__filter_power3(a, b, c, d, p);
-    return PBW__LIKELY(sign != PBW__OPEN) ? sign : pbw__undecided(3, 4, row, p, grid, orientation);
-}
-
-static int pbw__conflict2(const double *a, const double *b, const double *c, const double *p, const pbw__grid *grid)
-{
-    const double *row[3] = { a, b, c };
-    int sign = pbw__filter_power2(a, b, c, p);
-    return PBW__LIKELY(sign != PBW__OPEN) ? sign > 0 : pbw__conflict(2, row, p, grid);
-}
-
-static int pbw__conflict3(const double *a, const double *b, const double *c, const double *d, const double *p,
-                          const pbw__grid *grid)
-{
-    const double *row[4] = { a, b, c, d };
-    int sign = pbw__filter_power3(a, b, c, d, p);
-    return PBW__LIKELY(sign != PBW__OPEN) ? sign > 0 : pbw__conflict(3, row, p, grid);
+    int orientation[4], sign = pbw__power(dim, x, p, grid, orientation);
+    return sign != 0 ? sign > 0 : pbw__tie(dim, x, p, orientation);
 }
 
 /* Whether the points a, b, c of space lie on a line: all three projections do. */
@@ -2789,7 +2770,8 @@ static int pbw__collinear3(const double *a, const double *b, const double *c, co
     for (k = 0; k < 3 && collinear; k++) {
         int i = (k + 1) % 3, j = (k + 2) % 3;
         double pa[2] = { a[i], a[j] }, pb[2] = { b[i], b[j] }, pc[2] = { c[i], c[j] };
-        collinear = pbw__orient2(pa, pb, pc, grid) == 0;
+        const double *x[3] = { pa, pb, pc };
+        collinear = pbw__orient(2, x, grid) == 0;
     }
     return collinear;
 }
@@ -2797,37 +2779,34 @@ static int pbw__collinear3(const double *a, const double *b, const double *c, co
 /* ---- for callers from outside */
 PBWDEF int pbw_orient2(const double a[2], const double b[2], const double c[2])
 {
-    return pbw__orient2(a, b, c, NULL);
+    const double *x[3] = { a, b, c };
+    return pbw__orient(2, x, NULL);
 }
 
 PBWDEF int pbw_orient3(const double a[3], const double b[3], const double c[3], const double d[3])
 {
-    return pbw__orient3(a, b, c, d, NULL);
+    const double *x[4] = { a, b, c, d };
+    return pbw__orient(3, x, NULL);
 }
 
-/* The points, the last one p, and their weights or NULL, as records. */
-static void pbw__records(int dim, const double *const *point, const double *weight, double q[5][4])
-{
-    int i, k;
-    for (i = 0; i < dim + 2; i++) {
-        for (k = 0; k < dim; k++) {
-            q[i][k] = point[i][k];
-        }
-        q[i][dim] = weight != NULL ? weight[i] : 0.0;
-    }
-}
-
-static int pbw__power(int dim, const double *const *point, const double *weight)
+/* The sign for corners, the last point p, and their weights or NULL; `tied`: the perturbed verdict. */
+static int pbw__power_of(int dim, const double *const *point, const double *weight, int tied)
 {
     double q[5][4];
-    pbw__records(dim, point, weight, q);
-    return dim == 2 ? pbw__power2(q[0], q[1], q[2], q[3], NULL) : pbw__power3(q[0], q[1], q[2], q[3], q[4], NULL);
+    const double *x[5];
+    int orientation[4], i;
+    for (i = 0; i < dim + 2; i++) {
+        memcpy(q[i], point[i], (size_t)dim * sizeof(double));
+        q[i][dim] = weight != NULL ? weight[i] : 0.0;
+        x[i] = q[i];
+    }
+    return tied ? pbw__conflict(dim, x, x[dim + 1], NULL) : pbw__power(dim, x, x[dim + 1], NULL, orientation);
 }
 
 PBWDEF int pbw_power2(const double a[2], const double b[2], const double c[2], const double p[2], const double w[4])
 {
     const double *point[4] = { a, b, c, p };
-    return pbw__power(2, point, w);
+    return pbw__power_of(2, point, w, 0);
 }
 
 PBWDEF int pbw_incircle(const double a[2], const double b[2], const double c[2], const double p[2])
@@ -2839,12 +2818,26 @@ PBWDEF int pbw_power3(const double a[3], const double b[3], const double c[3], c
                       const double w[5])
 {
     const double *point[5] = { a, b, c, d, p };
-    return pbw__power(3, point, w);
+    return pbw__power_of(3, point, w, 0);
 }
 
 PBWDEF int pbw_insphere(const double a[3], const double b[3], const double c[3], const double d[3], const double p[3])
 {
     return pbw_power3(a, b, c, d, p, NULL);
+}
+
+PBWDEF int pbw_conflict2(const double a[2], const double b[2], const double c[2], const double p[2],
+                         const double w[4])
+{
+    const double *point[4] = { a, b, c, p };
+    return pbw__power_of(2, point, w, 1);
+}
+
+PBWDEF int pbw_conflict3(const double a[3], const double b[3], const double c[3], const double d[3],
+                         const double p[3], const double w[5])
+{
+    const double *point[5] = { a, b, c, d, p };
+    return pbw__power_of(3, point, w, 1);
 }
 /* ------------------------------------------------------------------------------------------------------
    >>curve        Points, and their keys on a Hilbert curve.
@@ -2869,8 +2862,8 @@ static pbw__input pbw__input_of(int dim, int is_float, const void *points, const
     return input;
 }
 
-/* Checks the arguments of a call, and takes the rest of the input from the options.  A borrowed array must be one that
-   the mesh could have made. */
+/* Checks the arguments of a call, and takes the rest of the input from the options.  A borrowed array must be one
+   that the mesh could have made. */
 static pbw_status pbw__input_check(pbw__input *input, const pbw_options *options)
 {
     const size_t size = input->is_float ? sizeof(float) : sizeof(double), packed = (size_t)input->dim * size;
@@ -4110,37 +4103,31 @@ PBW__INLINE const double *pbw__record3(const pbw__kernel *kernel, pbw_index v)
     return kernel->record + (size_t)v * 4;
 }
 
-/* The exact verdict on any simplex, ghosts included.  A ghost with the point in its facet's plane is in conflict
-   exactly when the finite simplex behind the facet is. */
-static PBW__NOINLINE int pbw__in_conflict3(pbw__kernel *kernel, pbw_index t, const double *p)
+PBW__INLINE void pbw__corners_of(const pbw__kernel *kernel, pbw_index t, const double **x)
 {
-    const pbw_index *v = kernel->corner + 4 * (size_t)t;
-    kernel->statistics.exact_tests++;
-    if (v[3] == PBW__GHOST) {
-        int side = pbw__orient3(pbw__record3(kernel, v[0]), pbw__record3(kernel, v[1]), pbw__record3(kernel, v[2]), p,
-                                kernel->grid);
-        if (side != 0) {
-            return side > 0;
-        }
-        v = kernel->corner + (kernel->link[4 * (size_t)t + 3] & ~(pbw__link)3);
+    int i;
+    for (i = 0; i <= kernel->dim; i++) {
+        x[i] = kernel->record + (size_t)kernel->corner[4 * (size_t)t + (size_t)i] * (size_t)(kernel->dim + 1);
     }
-    return pbw__conflict3(pbw__record3(kernel, v[0]), pbw__record3(kernel, v[1]), pbw__record3(kernel, v[2]),
-                          pbw__record3(kernel, v[3]), p, kernel->grid);
 }
 
-static PBW__NOINLINE int pbw__in_conflict2(pbw__kernel *kernel, pbw_index t, const double *p)
+/* The exact verdict on any simplex, ghosts included.  A ghost with the point in its facet's plane is in conflict
+   exactly when the finite simplex behind the facet is. */
+static PBW__NOINLINE int pbw__in_conflict(pbw__kernel *kernel, pbw_index t, const double *p)
 {
-    const pbw_index *v = kernel->corner + 4 * (size_t)t;
+    const int dim = kernel->dim;
+    const size_t last = 4 * (size_t)t + (size_t)dim;
+    const double *x[4];
     kernel->statistics.exact_tests++;
-    if (v[2] == PBW__GHOST) {
-        int side = pbw__orient2(pbw__record2(kernel, v[0]), pbw__record2(kernel, v[1]), p, kernel->grid);
+    pbw__corners_of(kernel, t, x);
+    if (kernel->corner[last] == PBW__GHOST) {
+        const int side = pbw__side(dim, x, dim, p, kernel->grid);
         if (side != 0) {
             return side > 0;
         }
-        v = kernel->corner + (kernel->link[4 * (size_t)t + 2] & ~(pbw__link)3);
+        pbw__corners_of(kernel, (pbw_index)(kernel->link[last] >> 2), x);
     }
-    return pbw__conflict2(pbw__record2(kernel, v[0]), pbw__record2(kernel, v[1]), pbw__record2(kernel, v[2]), p,
-                          kernel->grid);
+    return pbw__conflict(dim, x, p, kernel->grid);
 }
 
 /* Ownership, defined in >>parallel: whether this thread owns a vertex or a cell of them, may delete a simplex, may
@@ -4550,35 +4537,19 @@ PBW__SIMD_INLINE pbw__rows2 pbw__rows2_of(const double *record, const pbw_index 
 }
 #endif
 
-/* The first facet of a finite simplex that has p strictly outside, exactly; 4 if there is none.  Facets in `inner`
-   are known to have it inside.  2D: an edge, or 3. */
-static PBW__NOINLINE unsigned pbw__exit3(const pbw__kernel *kernel, pbw_index t, const double *p, unsigned inner)
+/* Returns the first facet of a finite simplex that has p strictly outside, exactly; dim+1 if there is none.  Facets
+   in `inner` are known to have it inside. */
+static PBW__NOINLINE unsigned pbw__exit(const pbw__kernel *kernel, pbw_index t, const double *p, unsigned inner)
 {
-    const pbw_index *v = kernel->corner + 4 * (size_t)t;
-    unsigned i;
-    for (i = 0; i < 4; i++) {
-        const unsigned char *corner = pbw__facet_corners[i] + 1;
-        if ((inner >> i & 1) == 0
-            && pbw__orient3(p, pbw__record3(kernel, v[corner[0]]), pbw__record3(kernel, v[corner[1]]),
-                            pbw__record3(kernel, v[corner[2]]), kernel->grid) < 0) {
+    const double *x[4];
+    int i;
+    pbw__corners_of(kernel, t, x);
+    for (i = 0; i <= kernel->dim; i++) {
+        if ((inner >> i & 1) == 0 && pbw__side(kernel->dim, x, i, p, kernel->grid) < 0) {
             break;
         }
     }
-    return i;
-}
-
-static PBW__NOINLINE unsigned pbw__exit2(const pbw__kernel *kernel, pbw_index t, const double *p, unsigned inner)
-{
-    const pbw_index *v = kernel->corner + 4 * (size_t)t;
-    unsigned i;
-    for (i = 0; i < 3; i++) {
-        if ((inner >> i & 1) == 0
-            && pbw__orient2(pbw__record2(kernel, v[i == 2 ? 0 : i + 1]), pbw__record2(kernel, v[i == 0 ? 2 : i - 1]),
-                            p, kernel->grid) < 0) {
-            break;
-        }
-    }
-    return i;
+    return (unsigned)i;
 }
 
 /* The walk starts at a finite simplex: across from the ghost vertex, if need be. */
@@ -4621,9 +4592,9 @@ static pbw_index pbw__locate3_scalar(pbw__kernel *kernel, pbw_index t, const dou
             return t;
         }
         if (exit == 4) {
-            exit = pbw__exit3(kernel, t, p, inner);
+            exit = pbw__exit(kernel, t, p, inner);
             if (exit == 4) {                         /* inside; only a weighted point can then be out of conflict */
-                return !kernel->weighted || pbw__in_conflict3(kernel, t, p) ? t : PBW_NONE;
+                return !kernel->weighted || pbw__in_conflict(kernel, t, p) ? t : PBW_NONE;
             }
         }
         if (PBW__UNLIKELY(kernel->own.owner != NULL) && !pbw__may_cross(kernel, t, exit)) {
@@ -4671,9 +4642,9 @@ PBW__SIMD_INLINE pbw_index pbw__locate3_simd(pbw__kernel *kernel, pbw_index t, c
         if (PBW__UNLIKELY(!(pbw__first(lowest) < 0.0 && pbw__first(lowest * lowest) > pbw__first(bound)))) {
             unsigned inner = pbw__signs(pbw__greater(side * side, bound));
             inner &= pbw__signs(side) ^ 15u;
-            exit = pbw__signs(rounded) == 0 ? 4 : pbw__exit3(kernel, t, p, inner);
+            exit = pbw__signs(rounded) == 0 ? 4 : pbw__exit(kernel, t, p, inner);
             if (exit == 4) {
-                return !weighted || pbw__in_conflict3(kernel, t, p) ? t : PBW_NONE;
+                return !weighted || pbw__in_conflict(kernel, t, p) ? t : PBW_NONE;
             }
         }
         if (PBW__UNLIKELY(kernel->own.owner != NULL) && !pbw__may_cross(kernel, t, exit)) {
@@ -4719,9 +4690,9 @@ static pbw_index pbw__locate2_scalar(pbw__kernel *kernel, pbw_index t, const dou
         if (exit == 3) {
             unsigned inner = (unsigned)(side[0] > bound) | (unsigned)(side[1] > bound) << 1
                            | (unsigned)(side[2] > bound) << 2;
-            exit = pbw__exit2(kernel, t, p, inner);
+            exit = pbw__exit(kernel, t, p, inner);
             if (exit == 3) {
-                return !kernel->weighted || pbw__in_conflict2(kernel, t, p) ? t : PBW_NONE;
+                return !kernel->weighted || pbw__in_conflict(kernel, t, p) ? t : PBW_NONE;
             }
         }
         if (PBW__UNLIKELY(kernel->own.owner != NULL) && !pbw__may_cross(kernel, t, exit)) {
@@ -4810,9 +4781,9 @@ PBW__SIMD_INLINE pbw_index pbw__locate2_simd(pbw__kernel *kernel, pbw_index t, c
         exit = (unsigned)__builtin_ctz(exits | 8u);
         if (PBW__UNLIKELY(exits == 0)) {
             unsigned inner = pbw__signs(pbw__greater(side, bound));
-            exit = pbw__first(h) < kernel->exact_height ? 3 : pbw__exit2(kernel, t, p, inner);
+            exit = pbw__first(h) < kernel->exact_height ? 3 : pbw__exit(kernel, t, p, inner);
             if (exit == 3) {
-                t = !weighted || pbw__in_conflict2(kernel, t, p) ? t : PBW_NONE;
+                t = !weighted || pbw__in_conflict(kernel, t, p) ? t : PBW_NONE;
                 break;
             }
         }
@@ -5179,7 +5150,7 @@ PBW__SIMD static PBW__NOINLINE unsigned pbw__search_exact(pbw__kernel *kernel, c
     }
     for (k = 0; k < 4; k++) {
         if ((open >> k & 1) != 0) {
-            inside |= (unsigned)pbw__in_conflict3(kernel, (pbw_index)(carved->link[k] >> 2), p) << k;
+            inside |= (unsigned)pbw__in_conflict(kernel, (pbw_index)(carved->link[k] >> 2), p) << k;
         }
     }
     PBW__PHASE(PBW__CAVITY);
@@ -5226,7 +5197,7 @@ static pbw_status pbw__carve3_scalar(pbw__kernel *kernel, pbw_index t, const dou
             limit = h * h * (h * h) * h * (PBW__SPHERE_ERROR * PBW__SPHERE_ERROR);
             inside = det > 0.0;
             if (PBW__UNLIKELY(!(det * det > limit))) {
-                inside = (unsigned)pbw__in_conflict3(kernel, (pbw_index)(link[k] >> 2), p);
+                inside = (unsigned)pbw__in_conflict(kernel, (pbw_index)(link[k] >> 2), p);
             }
             if (inside && kernel->own.owner != NULL && !pbw__may_delete(kernel, (pbw_index)(link[k] >> 2))) {
                 return pbw__search_leave(kernel, &search, i);
@@ -5582,7 +5553,7 @@ PBW__INLINE int pbw__test2(pbw__kernel *kernel, pbw_index t, const double *p)
             return side > 0.0;
         }
     }
-    return pbw__in_conflict2(kernel, t, p);
+    return pbw__in_conflict(kernel, t, p);
 }
 
 /* 2D.  A depth-first search that looks through the edges of each triangle counter-clockwise meets the boundary in
@@ -5832,7 +5803,7 @@ static PBW__NOINLINE unsigned pbw__ring_exact(pbw__kernel *kernel, const pbw__ri
     for (k = 0; k < 4; k++) {
         if (open >> k & 1) {
             pbw_index t = (pbw_index)(ring->beyond[ring->queue[head + k]] >> 2);
-            inside |= (unsigned)pbw__in_conflict2(kernel, t, p) << k;
+            inside |= (unsigned)pbw__in_conflict(kernel, t, p) << k;
         }
     }
     return inside;
@@ -6343,77 +6314,82 @@ static pbw_status pbw__kernel_create(pbw__kernel *kernel, pbw__context *context,
     return PBW_OK;
 }
 
-typedef struct pbw__sequence {
-    size_t count, ratio;                             /* of all vertices; of one level's stride to the next one's */
-    size_t stride, rank;                             /* of the level; of the next vertex */
-    int backwards;
-} pbw__sequence;
+/* A level of the insertion order: of `count` ranks those that `stride` divides and `coarser` does not; in the coarsest,
+   with coarser > count, all that stride divides.  Both are powers of two. */
+typedef struct pbw__level { size_t count, stride, coarser; int backwards; } pbw__level;
 
-/* The first rank of a level. */
-PBW__INLINE size_t pbw__first_rank(size_t count, size_t stride, int backwards)
+/* Returns the coarsest level. */
+static pbw__level pbw__level_first(size_t count, int dim)
 {
-    return backwards ? (count - 1) / stride * stride : 0;
+    const size_t ratio = dim == 3 ? 8 : 64;
+    pbw__level level;
+    level.count = count;
+    level.backwards = 1;                             /* the finest */
+    for (level.stride = 1; count / level.stride >= ratio; level.stride *= ratio) {
+        level.backwards = !level.backwards;
+    }
+    level.coarser = level.stride * ratio;
+    return level;
 }
 
-static pbw__sequence pbw__sequence_start(size_t count, int dim)
+/* Goes on to the level of that stride, 0 after the finest. */
+static void pbw__level_next(pbw__level *level, size_t stride)
 {
-    pbw__sequence sequence;
-    sequence.count = count;
-    sequence.ratio = dim == 3 ? 8 : 64;
-    sequence.backwards = 1;
-    for (sequence.stride = 1; count / sequence.stride >= sequence.ratio; sequence.stride *= sequence.ratio) {
-        sequence.backwards = !sequence.backwards;
-    }
-    sequence.rank = pbw__first_rank(count, sequence.stride, sequence.backwards);
-    return sequence;
+    level->coarser = level->stride;
+    level->stride = stride;
+    level->backwards = stride == 1 || !level->backwards;
 }
 
-/* The next vertex of the order, or 0 after the last. */
-static pbw_index pbw__sequence_next(pbw__sequence *sequence)
+/* The number of ranks of a level. */
+PBW__INLINE size_t pbw__level_size(const pbw__level *level)
 {
-    for (;;) {
-        size_t rank = sequence->rank, coarser = sequence->stride * sequence->ratio;
-        if (rank < sequence->count) {                /* a step below rank 0 wraps to a huge number */
-            sequence->rank = sequence->backwards ? rank - sequence->stride : rank + sequence->stride;
-            if ((rank & (coarser - 1)) != 0 || coarser > sequence->count) {
-                return (pbw_index)rank + 1;
-            }
-            continue;
-        }
-        if (sequence->stride == 1) {
-            return 0;
-        }
-        sequence->stride /= sequence->ratio;
-        sequence->backwards = !sequence->backwards;
-        sequence->rank = pbw__first_rank(sequence->count, sequence->stride, sequence->backwards);
-    }
+    const size_t last = level->count - 1;            /* rank 0 is the coarsest level's */
+    return level->coarser > level->count ? last / level->stride + 1 : last / level->stride - last / level->coarser;
+}
+
+/* The i-th rank of a level in the order of insertion, and the one that follows a rank. */
+PBW__INLINE size_t pbw__level_rank(const pbw__level *level, size_t i)
+{
+    const size_t at = level->backwards ? pbw__level_size(level) - 1 - i : i;
+    return (level->coarser > level->count ? at : at + at / (level->coarser / level->stride - 1) + 1) * level->stride;
+}
+
+PBW__INLINE size_t pbw__level_after(const pbw__level *level, size_t rank)
+{
+    const size_t step = level->backwards ? 0 - level->stride : level->stride;
+    rank += step;
+    return (rank & (level->coarser - 1)) == 0 && level->coarser <= level->count ? rank + step : rank;
+}
+
+/* Returns 0 if x[found] lies in the span of the seeds before it; for the last seed the orientation. */
+static int pbw__seed_fits(const pbw__kernel *kernel, int dim, const double **x, int found)
+{
+    return found == dim ? pbw__orient(dim, x, kernel->grid)
+                        : found != 2 || !pbw__collinear3(x[0], x[1], x[2], kernel->grid);
 }
 
 /* The first dim+1 vertices of the order that span the space, positively oriented.  Vertices are at different places,
    so any two will do.  Linear: once a vertex is passed over, it lies in the span of the seeds. */
 static pbw_status pbw__seeds(pbw__kernel *kernel, size_t count, int dim, pbw_index *seed)
 {
-    pbw__sequence sequence = pbw__sequence_start(count, dim);
-    pbw_index v;
-    size_t looked = 0;
+    pbw__level level = pbw__level_first(count, dim);
+    const size_t ratio = level.coarser / level.stride;
+    const double *x[4];
     int found = 0;
-    while ((v = pbw__sequence_next(&sequence)) != 0) {
-        int fits = 1, side = 0;
-        if ((++looked & 255) == 0 && pbw__report(kernel->context, 0.001)) {
-            return PBW_CANCELLED;
-        }
-        if (found == dim) {
-            side = dim == 3 ? pbw__orient3(pbw__record3(kernel, seed[0]), pbw__record3(kernel, seed[1]),
-                                           pbw__record3(kernel, seed[2]), pbw__record3(kernel, v), kernel->grid)
-                            : pbw__orient2(pbw__record2(kernel, seed[0]), pbw__record2(kernel, seed[1]),
-                                           pbw__record2(kernel, v), kernel->grid);
-            fits = side != 0;
-        } else if (found == 2) {
-            fits = !pbw__collinear3(pbw__record3(kernel, seed[0]), pbw__record3(kernel, seed[1]),
-                                    pbw__record3(kernel, v), kernel->grid);
-        }
-        if (fits) {
-            seed[found++] = v;
+    for (; level.stride > 0; pbw__level_next(&level, level.stride / ratio)) {
+        const size_t size = pbw__level_size(&level);
+        size_t i, rank = pbw__level_rank(&level, 0);
+        for (i = 0; i < size; i++, rank = pbw__level_after(&level, rank)) {
+            int side;
+            x[found] = kernel->record + (rank + 1) * (size_t)(dim + 1);
+            side = pbw__seed_fits(kernel, dim, x, found);
+            if ((i & 255) == 255 && pbw__report(kernel->context, 0.001)) {
+                return PBW_CANCELLED;
+            }
+            if (side == 0) {
+                continue;
+            }
+            seed[found++] = (pbw_index)rank + 1;
             if (found == dim + 1) {
                 if (side < 0) {
                     pbw_index swap = seed[0];
@@ -6497,10 +6473,9 @@ typedef struct pbw__build {
     uint32_t taken[PBW__PARTS];                      /* per share of the vertices: batches taken from its front, and
                                                         65536 times those from its end */
     size_t count;                                    /* vertices of the round */
-    size_t stride, coarser;                          /* the level: ranks divisible by stride, not by coarser */
+    pbw__level level;
     unsigned char *early;                            /* a bit for each rank: an extreme, which comes before its level;
                                                         NULL: no vertex does */
-    int backwards;
     int hold;                                        /* cells that a task holds, at most */
     int owner_bits, hint_bits;                       /* of the level's cells, of the last level's that had hints */
     pbw_index seed[4];
@@ -6592,13 +6567,12 @@ PBW__INLINE int pbw__is_early(const pbw__build *build, size_t rank)
 }
 
 /* All vertices of the level: along the curve, or back. */
-static void pbw__level_ranks(pbw__build *build, pbw__kernel *kernel)
+static void pbw__insert_level(pbw__build *build, pbw__kernel *kernel)
 {
-    const size_t count = build->vertices->count, stride = build->stride, coarser = build->coarser;
-    size_t rank = pbw__first_rank(count, stride, build->backwards);
-    for (; rank < count; rank = build->backwards ? rank - stride : rank + stride) {      /* below 0 it wraps */
-        if (((rank & (coarser - 1)) != 0 || coarser > count) && !pbw__is_early(build, rank)
-            && !pbw__level_insert(build, kernel, (pbw_index)rank + 1)) {
+    const pbw__level level = build->level;
+    size_t rank = pbw__level_rank(&level, 0), left = pbw__level_size(&level);
+    for (; left > 0; left--, rank = pbw__level_after(&level, rank)) {
+        if (!pbw__is_early(build, rank) && !pbw__level_insert(build, kernel, (pbw_index)rank + 1)) {
             return;
         }
     }
@@ -6626,7 +6600,7 @@ static pbw_status pbw__level_serial(pbw__build *build, int all)
     }
     if (all) {                                       /* the last star is nearer than what coarser levels remember */
         memset(store->hint, 0xff, store->region_count * sizeof(pbw_index));
-        pbw__level_ranks(build, kernel);
+        pbw__insert_level(build, kernel);
     }
     for (i = 0; !all && i < build->left_count && pbw__find_start(build, kernel, build->left[i])
                 && pbw__level_insert(build, kernel, build->left[i]); i++) {
@@ -6669,7 +6643,7 @@ static void pbw__plan(pbw__build *build, size_t vertices, size_t apart)
 }
 
 /* The level, or the vertices left, by the tasks planned. */
-static pbw_status pbw__level(pbw__build *build, const pbw__grid *grid)
+static pbw_status pbw__run_level(pbw__build *build, const pbw__grid *grid)
 {
     pbw_status status;
     if (build->parts <= 1) {
@@ -6738,7 +6712,7 @@ static void pbw__find_extremes(void *arg, int part)
         memset(build->early + begin / 8, 0, (end - begin + 7) / 8);
         for (k = 0; k < 8; k++) {
             rank = k < 4 ? lowest[k] : highest[k - 4];
-            build->early[rank >> 3] |= (unsigned char)(((rank & (build->stride - 1)) != 0) << (rank & 7));
+            build->early[rank >> 3] |= (unsigned char)(((rank & (build->level.stride - 1)) != 0) << (rank & 7));
         }
     }
 }
@@ -6775,7 +6749,7 @@ static pbw_status pbw__level_extremes(pbw__build *build, const pbw__grid *grid)
         }
         if (build->left_count > 0) {
             pbw__plan(build, turn > 0 ? build->left_count / 4 : 0, 0);
-            status = pbw__level(build, grid);
+            status = pbw__run_level(build, grid);
         }
     }
     return status;
@@ -6784,12 +6758,12 @@ static pbw_status pbw__level_extremes(pbw__build *build, const pbw__grid *grid)
 /* Simplices made for a vertex of the level, on average; *before: those made in all. */
 static double pbw__mean_star(const pbw__build *build, size_t *before)
 {
-    const size_t count = build->vertices->count, old = *before;
+    const size_t old = *before;
     int i;
     for (i = 0, *before = 0; i < build->kernel_count; i++) {
         *before += build->kernel[i]->statistics.created;
     }
-    return (double)(*before - old) / (double)(count / build->stride - count / build->coarser + 1);
+    return (double)(*before - old) / (double)(pbw__level_size(&build->level) + 1);
 }
 
 static void pbw__build_free(pbw__build *build)
@@ -6811,9 +6785,7 @@ static pbw_status pbw__build_all(pbw__context *context, pbw__store *store, const
                                  const pbw__grid *grid, pbw_statistics *statistics)
 {
     pbw__build build;
-    const pbw__sequence sequence = pbw__sequence_start(vertices->count, vertices->dim);
-    const size_t ratio = sequence.ratio;
-    size_t created = 0;
+    size_t ratio, stride, created = 0;
     pbw_status status;
     int i;
     memset(&build, 0, sizeof(build));
@@ -6834,22 +6806,20 @@ static pbw_status pbw__build_all(pbw__context *context, pbw__store *store, const
     for (i = 0; status == PBW_OK && context->options.trace != NULL && i <= vertices->dim; i++) {
         context->options.trace[vertices->id[build.seed[i]]] = 0;
     }
-    build.stride = sequence.stride;
-    build.coarser = build.stride * ratio;
-    build.backwards = sequence.backwards;
-    while (status == PBW_OK && build.stride > 0) {
-        pbw__plan(&build, vertices->count / build.stride, build.early != NULL ? 0 : build.coarser);
-        build.parts = build.coarser <= vertices->count ? build.parts : 1;
+    build.level = pbw__level_first(vertices->count, vertices->dim);
+    ratio = build.level.coarser / build.level.stride;
+    while (status == PBW_OK && build.level.stride > 0) {
+        stride = build.level.stride;
+        pbw__plan(&build, vertices->count / stride, build.early != NULL ? 0 : build.level.coarser);
+        build.parts = build.level.coarser <= vertices->count ? build.parts : 1;
         build.left_count = 0;
-        status = pbw__level(&build, grid);
-        if (pbw__mean_star(&build, &created) > PBW__LARGE_STAR && vertices->dim == 3 && build.stride > 1
+        status = pbw__run_level(&build, grid);
+        if (pbw__mean_star(&build, &created) > PBW__LARGE_STAR && vertices->dim == 3 && stride > 1
             && build.early == NULL && status == PBW_OK) {
             status = pbw__level_extremes(&build, grid);
         }
-        build.coarser = build.stride;
-        build.stride = build.stride > (build.early != NULL ? ratio * ratio : ratio) ? build.stride / ratio
-                     : build.stride > 1 ? 1 : 0;
-        build.backwards = build.stride == 1 || !build.backwards;
+        stride = stride > (build.early != NULL ? ratio * ratio : ratio) ? stride / ratio : stride > 1 ? 1 : 0;
+        pbw__level_next(&build.level, stride);
     }
     for (i = 0; i < build.kernel_count; i++) {
         statistics->walk_steps += build.kernel[i]->statistics.walk_steps;
@@ -7222,18 +7192,15 @@ static void pbw__find_hints(void *arg, int part)
    what is left again, as long as that makes it a quarter less: others have gone on since.  0 = stop. */
 static int pbw__batch(pbw__build *build, pbw__kernel *kernel, size_t from, size_t to)
 {
-    const size_t stride = build->stride, coarser = build->coarser, first = kernel->left_count;
-    const size_t step = build->backwards ? 0 - stride : stride;
-    const size_t at = build->backwards ? build->count - 1 - from : from;
-    size_t i, rank = (at / (coarser / stride - 1) + at + 1) * stride, last = to - from, end;
-    for (i = from; i < to; i++) {
-        const int again = build->left_count > 0;
+    const pbw__level level = build->level;
+    const int again = build->left_count > 0;
+    const size_t first = kernel->left_count;
+    size_t i, rank = again ? 0 : pbw__level_rank(&level, from), last = to - from, end;
+    for (i = from; i < to; i++, rank = pbw__level_after(&level, rank)) {
         const pbw_index v = again ? build->left[i] : (pbw_index)rank + 1;
         if ((again || !pbw__is_early(build, rank)) && !pbw__level_insert(build, kernel, v)) {
             return 0;
         }
-        rank += step;
-        rank += (rank & (coarser - 1)) == 0 ? step : 0;          /* that one is a coarser level's */
     }
     for (end = kernel->left_count; end > first && 4 * (end - first) < 3 * last; end = kernel->left_count) {
         last = end - first;
@@ -7326,7 +7293,6 @@ static pbw_status pbw__end_round(pbw__build *build)
 static pbw_status pbw__rounds(pbw__build *build)
 {
     pbw_status status = PBW_OK;
-    const size_t ranks = (build->vertices->count - 1) / build->stride;   /* but 0, which is the coarsest level's */
     const size_t hold = (build->vertices->count >> build->owner_bits) / (size_t)build->parts / PBW__HOLDS + 8;
     pbw__for(build->context, build->parts, pbw__begin_cells, build);
     if (build->hint_bits != build->owner_bits) {     /* finer cells: there are few */
@@ -7334,7 +7300,7 @@ static pbw_status pbw__rounds(pbw__build *build)
         build->hint_bits = build->owner_bits;
     }
     build->hold = (int)(hold < PBW__HOLD ? hold : PBW__HOLD);
-    build->count = build->left_count > 0 ? build->left_count : ranks - ranks / (build->coarser / build->stride);
+    build->count = build->left_count > 0 ? build->left_count : pbw__level_size(&build->level);
     do {
         memset(build->taken, 0, sizeof(build->taken));
         pbw__for(build->context, build->parts, pbw__round, build);
@@ -8704,36 +8670,13 @@ PBW__INLINE void pbw__check_corners(const pbw__check *check, int dim, size_t sim
     }
 }
 
-PBW__INLINE int pbw__check_orient(const pbw__check *check, int dim, const double *const *x)
-{
-    return dim == 2 ? pbw__orient2(x[0], x[1], x[2], &check->grid)
-                    : pbw__orient3(x[0], x[1], x[2], x[3], &check->grid);
-}
-
-/* The same determinant, with p in place of corner i. */
-static int pbw__check_side(const pbw__check *check, const double **x, int i, const double *p)
-{
-    const double *corner = x[i];
-    int sign;
-    x[i] = p;
-    sign = pbw__check_orient(check, check->dim, x);
-    x[i] = corner;
-    return sign;
-}
-
-PBW__INLINE int pbw__check_conflict(const pbw__check *check, int dim, const double *const *x, const double *p)
-{
-    return dim == 2 ? pbw__conflict2(x[0], x[1], x[2], p, &check->grid)
-                    : pbw__conflict3(x[0], x[1], x[2], x[3], p, &check->grid);
-}
-
 /* Is o on the inner side of a facet of the simplex x?  The orientation with o is affine in o, so its sign is that of
    the first nonzero one among those with a, b, c, ... */
 static int pbw__check_faces_inside(const pbw__check *check, const double **x, int facet)
 {
     int sign = 0, i;
     for (i = 0; i <= check->dim && sign == 0; i++) {
-        sign = pbw__check_side(check, x, facet, check->basis[i]);
+        sign = pbw__side(check->dim, x, facet, check->basis[i], &check->grid);
     }
     return sign > 0;
 }
@@ -8863,7 +8806,7 @@ PBW__INLINE int pbw__check_facet(const pbw__check *check, pbw__check_part *part,
     if (!pbw__check_facets_match(v, i, u, j, dim)) {
         return pbw__fault(&part->report, "neighbors do not share the facet from opposite sides", s, i, PBW_NONE);
     }
-    if (pbw__check_conflict(check, dim, x, pbw__check_record(check, dim, u[j]))) {
+    if (pbw__conflict(dim, x, pbw__check_record(check, dim, u[j]), &check->grid)) {
         return pbw__fault(&part->report, "the corner across a facet is in conflict", s, i, u[j]);
     }
     return 1;
@@ -8885,7 +8828,7 @@ PBW__INLINE int pbw__check_simplex(const pbw__check *check, pbw__check_part *par
         }
     }
     pbw__check_corners(check, dim, s, x);
-    i = pbw__check_orient(check, dim, x);
+    i = pbw__orient(dim, x, &check->grid);
     if (i <= 0) {
         return pbw__fault(&part->report, i < 0 ? "a simplex is negatively oriented" : "a simplex is flat", s, -1,
                           PBW_NONE);
@@ -8944,7 +8887,7 @@ static int pbw__check_hull(pbw__check *check, pbw__check_part *part, size_t from
                 }
                 far = v[t * corners + in];
                 pbw__check_corners(check, check->dim, s, x);
-                if (pbw__check_side(check, x, (int)i, pbw__check_record(check, check->dim, far)) < 0) {
+                if (pbw__side(check->dim, x, (int)i, pbw__check_record(check, check->dim, far), &check->grid) < 0) {
                     return pbw__fault(&part->report, "the hull is not convex", s, (int)i, far);
                 }
             }
@@ -8971,7 +8914,7 @@ static int pbw__check_hidden(pbw__check *check, pbw__check_part *part, size_t fr
             }
             next = check->mesh->neighbors + here * (size_t)(dim + 1);
             pbw__check_corners(check, dim, here, x);
-            for (i = 0; i <= dim && (next[i] == last || pbw__check_side(check, x, i, p) >= 0); i++) {
+            for (i = 0; i <= dim && (next[i] == last || pbw__side(check->dim, x, i, p, &check->grid) >= 0); i++) {
                 continue;
             }
             if (i > dim || next[i] == PBW_NONE) {
@@ -8987,7 +8930,7 @@ static int pbw__check_hidden(pbw__check *check, pbw__check_part *part, size_t fr
             for (k = 0; k <= dim && what == NULL; k++) {
                 what = pbw__same_place(p, x[k], dim) ? "a point at a vertex is no duplicate of it" : NULL;
             }
-            if (what == NULL && pbw__check_conflict(check, dim, x, p)) {
+            if (what == NULL && pbw__conflict(dim, x, p, &check->grid)) {
                 what = "a point that is no vertex is not hidden";
             }
         }
@@ -9010,7 +8953,7 @@ static int pbw__check_flat(pbw__check *check, pbw__check_part *part, size_t from
     for (; from < to; from++) {
         const double *x = pbw__check_record(check, check->dim, from);
         a[check->dim] = x;
-        if (check->rank == check->dim ? pbw__check_orient(check, check->dim, a) != 0
+        if (check->rank == check->dim ? pbw__orient(check->dim, a, &check->grid) != 0
             : check->rank == 2 ? !pbw__collinear3(a[0], a[1], x, &check->grid)
                                : check->rank == 0 || !pbw__same_place(a[0], x, check->dim)) {
             part->independent = from + 1;
@@ -9337,8 +9280,8 @@ PBWDEF uint64_t pbw_hash(const pbw_mesh *mesh, const pbw_options *options)
     return pbw_hash_of(&sums);
 }
 /* ------------------------------------------------------------------------------------------------------
-   >>tools        For companion headers: ranges on threads, the order of the curve, verdicts on conflicts.
-   In: the caller's arrays.  Out: the library's threads, sort and tie rule, behind public names.
+   >>tools        For companion headers: ranges on threads, the order of the curve.
+   In: the caller's arrays.  Out: the library's threads and its sort, behind public names.
    ------------------------------------------------------------------------------------------------------ */
 /* Numbers along the curve, for pbw_order and PBW_CURVE_ORDER: each vertex is followed by its duplicates, ascending.
    Fills original (the caller's number of each new one), and turns the ids of the vertices and the canonical points
@@ -9444,23 +9387,6 @@ PBWDEF pbw_status pbw_order(int dim, const double *points, size_t count, const p
     return pbw__close(&context, status);
 }
 
-PBWDEF int pbw_conflict2(const double a[2], const double b[2], const double c[2], const double p[2],
-                         const double w[4])
-{
-    const double *point[4] = { a, b, c, p };
-    double q[5][4];
-    pbw__records(2, point, w, q);
-    return pbw__conflict2(q[0], q[1], q[2], q[3], NULL);
-}
-
-PBWDEF int pbw_conflict3(const double a[3], const double b[3], const double c[3], const double d[3],
-                         const double p[3], const double w[5])
-{
-    const double *point[5] = { a, b, c, d, p };
-    double q[5][4];
-    pbw__records(3, point, w, q);
-    return pbw__conflict3(q[0], q[1], q[2], q[3], q[4], NULL);
-}
 /* ------------------------------------------------------------------------------------------------------
    >>query        Which simplex contains a point.
    In: a finished mesh with neighbors.  Out: the simplex, or the hull facet that the point lies beyond.
@@ -9488,11 +9414,7 @@ static PBW__NOINLINE unsigned pbw__side_exact(const pbw_mesh *mesh, const pbw_in
     }
     *on = 0;
     for (i = 0; i <= dim; i++) {
-        const double *corner = x[i];
-        int sign;
-        x[i] = p;
-        sign = dim == 2 ? pbw__orient2(x[0], x[1], x[2], grid) : pbw__orient3(x[0], x[1], x[2], x[3], grid);
-        x[i] = corner;
+        const int sign = pbw__side(mesh->dim, x, (int)i, p, grid);
         if (sign < 0) {
             return i;
         }
@@ -11381,17 +11303,15 @@ PBW__INLINE int pbw__has_conflict(const pbw__queries *queries, int dim, size_t t
 {
     const pbw_mesh *mesh = queries->mesh;
     const pbw_index *v = mesh->simplices + t * (size_t)(dim + 1);
-    double x[4][4];
-    int i;
+    double record[4][4];
+    const double *x[4];
+    int orientation[4], i;
     for (i = 0; i <= dim; i++) {
-        pbw__record_of(mesh, dim, v[i], x[i]);
+        pbw__record_of(mesh, dim, v[i], record[i]);
+        x[i] = record[i];
     }
-    if (!tied) {
-        return (dim == 3 ? pbw__power3(x[0], x[1], x[2], x[3], p, &queries->grid)
-                         : pbw__power2(x[0], x[1], x[2], p, &queries->grid)) > 0;
-    }
-    return dim == 3 ? pbw__conflict3(x[0], x[1], x[2], x[3], p, &queries->grid)
-                    : pbw__conflict2(x[0], x[1], x[2], p, &queries->grid);
+    return tied ? pbw__conflict(dim, x, p, &queries->grid)
+                : pbw__power(dim, x, p, &queries->grid, orientation) > 0;
 }
 
 static int pbw__cell_reserve(pbw__desk *desk, pbw__cell *cell)

@@ -489,7 +489,7 @@ static void find_grid(const points *p, pbw__grid *grid)
 static int stage_sign(const points *p, int power, int stage, const pbw__grid *grid, int *orientation)
 {
     const double (*q)[4] = p->at, *row[4] = { q[0], q[1], q[2], q[3] };
-    int dim = p->dim, count = dim + power;
+    int dim = p->dim, count = dim + power, ignored[4];
     double value, height;
     switch (stage) {
     case FILTER:
@@ -505,11 +505,7 @@ static int stage_sign(const points *p, int power, int stage, const pbw__grid *gr
     case LANES: return lanes_sign(p, power);
     case EXACT: return pbw__exact_determinant(dim, count, row, q[count], orientation);
     case KERNEL:
-        if (power) {
-            return dim == 2 ? pbw__power2(q[0], q[1], q[2], q[3], grid)
-                            : pbw__power3(q[0], q[1], q[2], q[3], q[4], grid);
-        }
-        return dim == 2 ? pbw__orient2(q[0], q[1], q[2], grid) : pbw__orient3(q[0], q[1], q[2], q[3], grid);
+        return power ? pbw__power(dim, row, q[dim + 1], grid, ignored) : pbw__orient(dim, row, grid);
     case VECTORS: return vector_sign(p, 0, &value, &height);
     case HULL: return hull_sign(p, power);
     default: return public_sign(p, power);
@@ -518,9 +514,8 @@ static int stage_sign(const points *p, int power, int stage, const pbw__grid *gr
 
 static int conflict(const points *p, const pbw__grid *grid)
 {
-    const double (*q)[4] = p->at;
-    return p->dim == 2 ? pbw__conflict2(q[0], q[1], q[2], q[3], grid)
-                       : pbw__conflict3(q[0], q[1], q[2], q[3], q[4], grid);
+    const double *const x[4] = { p->at[0], p->at[1], p->at[2], p->at[3] };
+    return pbw__conflict(p->dim, x, p->at[p->dim + 1], grid);
 }
 
 typedef struct tally {
