@@ -2202,40 +2202,31 @@ static void pbw__grid_close(pbw__grid *grid, const pbw__grid_share *shares, int 
 
 /* The grid of records that exist already. */
 typedef struct pbw__grid_scanning {
-    pbw__context *context;
     const double *records;
-    size_t count;
-    int dim, tasks;
-    pbw__grid_share *share;
+    int dim;
+    size_t grain;
+    pbw__grid_share share[64];                       /* of each range */
 } pbw__grid_scanning;
 
-static void pbw__grid_scan_share(void *arg, int task)
+static pbw_status pbw__grid_scan_range(void *arg, size_t from, size_t to)
 {
-    const pbw__grid_scanning *scanning = (const pbw__grid_scanning *)arg;
-    const size_t end = pbw__share(scanning->count, task + 1, scanning->tasks);
-    size_t i = pbw__share(scanning->count, task, scanning->tasks), to;
-    pbw__grid_share share;
-    pbw__grid_share_reset(&share);
-    for (; i < end && !pbw__report(scanning->context, 0.01); i = to) {
-        to = end - i < PBW__TICK ? end : i + PBW__TICK;
-        pbw__grid_add(&share, scanning->records + i * (size_t)(scanning->dim + 1), to - i, scanning->dim);
-    }
-    scanning->share[task] = share;
+    pbw__grid_scanning *scanning = (pbw__grid_scanning *)arg;
+    pbw__grid_share *share = scanning->share + from / scanning->grain;
+    pbw__grid_share_reset(share);
+    pbw__grid_add(share, scanning->records + from * (size_t)(scanning->dim + 1), to - from, scanning->dim);
+    return PBW_OK;
 }
 
 static void pbw__grid_scan(pbw__context *context, const double *records, size_t count, int dim, pbw__grid *grid)
 {
     pbw__grid_scanning scanning;
-    pbw__grid_share shares[64];
-    scanning.context = context;
+    memset(grid, 0, sizeof(*grid));
     scanning.records = records;
-    scanning.count = count;
     scanning.dim = dim;
-    scanning.tasks = pbw__tasks(context, count, 65536);
-    scanning.tasks = scanning.tasks < 64 ? scanning.tasks : 64;
-    scanning.share = shares;
-    pbw__for(context, scanning.tasks, pbw__grid_scan_share, &scanning);
-    pbw__grid_close(grid, shares, scanning.tasks, dim);
+    scanning.grain = count / 64 + PBW__TICK;
+    if (pbw__for_range(context, count, scanning.grain, 0.0, pbw__grid_scan_range, &scanning) == PBW_OK) {
+        pbw__grid_close(grid, scanning.share, (int)((count + scanning.grain - 1) / scanning.grain), dim);
+    }
 }
 /* ------------------------------------------------------------------------------------------------------
    >>predicates   Signs: filter, integers, pairs of doubles, exact determinant; and the verdict on ties.
@@ -2732,7 +2723,7 @@ PBW__DEVICE static int pbw__tie(int dim, const double *const *row, const double 
 }
 
 /* The orientation of the simplex x[0..dim]. */
-static int pbw__orient(int dim, const double *const *x, const pbw__grid *grid)
+PBW__INLINE int pbw__orient(int dim, const double *const *x, const pbw__grid *grid)
 {
     const int sign = dim == 2 ? pbw__filter_orient2(x[0], x[1], x[2]) : pbw__filter_orient3(x[0], x[1], x[2], x[3]);
     return PBW__LIKELY(sign != PBW__OPEN) ? sign : pbw__undecided(dim, dim, x, x[dim], grid, NULL);
@@ -2749,18 +2740,28 @@ static int pbw__side(int dim, const double **x, int i, const double *p, const pb
     return sign;
 }
 
-static int pbw__power(int dim, const double *const *x, const double *p, const pbw__grid *grid, int *orientation)
+PBW__INLINE int pbw__filter_power(int dim, const double *const *x, const double *p)
 {
-    const int sign = dim == 2 ? pbw__filter_power2(x[0], x[1], x[2], p)
-                              : pbw__filter_power3(x[0], x[1], x[2], x[3], p);
+    return dim == 2 ? pbw__filter_power2(x[0], x[1], x[2], p) : pbw__filter_power3(x[0], x[1], x[2], x[3], p);
+}
+
+static int pbw__power(int dim, const double *const *x, const double *p, const pbw__grid *grid)
+{
+    int orientation[4], sign = pbw__filter_power(dim, x, p);
     return PBW__LIKELY(sign != PBW__OPEN) ? sign : pbw__undecided(dim, dim + 1, x, p, grid, orientation);
 }
 
 /* The perturbed verdict on a positive simplex and a point at a place of its own: 1 for conflict. */
+static PBW__NOINLINE int pbw__conflict_exact(int dim, const double *const *x, const double *p, const pbw__grid *grid)
+{
+    int orientation[4], sign = pbw__undecided(dim, dim + 1, x, p, grid, orientation);
+    return sign != 0 ? sign > 0 : pbw__tie(dim, x, p, orientation);
+}
+
 static int pbw__conflict(int dim, const double *const *x, const double *p, const pbw__grid *grid)
 {
-    int orientation[4], sign = pbw__power(dim, x, p, grid, orientation);
-    return sign != 0 ? sign > 0 : pbw__tie(dim, x, p, orientation);
+    const int sign = pbw__filter_power(dim, x, p);
+    return PBW__LIKELY(sign != PBW__OPEN) ? sign > 0 : pbw__conflict_exact(dim, x, p, grid);
 }
 
 /* Whether the points a, b, c of space lie on a line: all three projections do. */
@@ -2794,13 +2795,13 @@ static int pbw__power_of(int dim, const double *const *point, const double *weig
 {
     double q[5][4];
     const double *x[5];
-    int orientation[4], i;
+    int i;
     for (i = 0; i < dim + 2; i++) {
         memcpy(q[i], point[i], (size_t)dim * sizeof(double));
         q[i][dim] = weight != NULL ? weight[i] : 0.0;
         x[i] = q[i];
     }
-    return tied ? pbw__conflict(dim, x, x[dim + 1], NULL) : pbw__power(dim, x, x[dim + 1], NULL, orientation);
+    return tied ? pbw__conflict(dim, x, x[dim + 1], NULL) : pbw__power(dim, x, x[dim + 1], NULL);
 }
 
 PBWDEF int pbw_power2(const double a[2], const double b[2], const double c[2], const double p[2], const double w[4])
@@ -6680,14 +6681,12 @@ static int pbw__line_along(const double *record, size_t count, double slope[2])
     return axis;
 }
 
-/* The extremes of a share of the runs, but for those that are in: the farthest from its line on eight sides. */
-static void pbw__find_extremes(void *arg, int part)
+/* The extremes of some runs, but for those that are in: the farthest from its line on eight sides. */
+static pbw_status pbw__find_extremes(void *arg, size_t run, size_t to)
 {
     pbw__build *build = (pbw__build *)arg;
-    const size_t count = build->vertices->count, runs = (count + PBW__SPAN - 1) / PBW__SPAN;
-    const size_t to = pbw__share(runs, part + 1, build->parts);
-    size_t run = pbw__share(runs, part, build->parts);
-    for (; run < to && !pbw__report(build->context, 0.0); run++) {
+    const size_t count = build->vertices->count;
+    for (; run < to; run++) {
         const size_t begin = run * PBW__SPAN, end = begin + PBW__SPAN < count ? begin + PBW__SPAN : count;
         const double *first = build->vertices->record + 4 * (begin + 1), *p = first;
         double slope[2], low[4], high[4];
@@ -6715,6 +6714,7 @@ static void pbw__find_extremes(void *arg, int part)
             build->early[rank >> 3] |= (unsigned char)(((rank & (build->level.stride - 1)) != 0) << (rank & 7));
         }
     }
+    return PBW_OK;
 }
 
 /* Inserts the extremes; some on one thread, before several tasks come to the others: they reach so many cells that
@@ -6724,20 +6724,15 @@ static pbw_status pbw__level_extremes(pbw__build *build, const pbw__grid *grid)
     pbw__memory *memory = &build->context->memory;
     const size_t count = build->vertices->count, most = 8 * (count / PBW__SPAN + 1);
     size_t rank, seen, first;
-    pbw_status status = PBW_OK;
+    pbw_status status;
     int turn;
     build->early = (unsigned char *)pbw__allocate(memory, count / 8 + 1, 1);
     if (build->early == NULL) {
         return PBW_ERROR_MEMORY;
     }
-    build->parts = pbw__tasks(build->context, count, PBW__SPAN);
-    pbw__for(build->context, build->parts, pbw__find_extremes, build);
-    if (pbw__report(build->context, 0.0)) {
-        return PBW_CANCELLED;
-    }
-    if (most > build->left_capacity
-        && !PBW__RESIZE(memory, build, left, most)) {
-        return PBW_ERROR_MEMORY;
+    status = pbw__for_range(build->context, (count + PBW__SPAN - 1) / PBW__SPAN, 16, 0.0, pbw__find_extremes, build);
+    if (status == PBW_OK && most > build->left_capacity && !PBW__RESIZE(memory, build, left, most)) {
+        status = PBW_ERROR_MEMORY;
     }
     pbw__plan(build, most, 0);
     first = build->parts > 1 ? PBW__FIRST : 1;
@@ -7153,12 +7148,11 @@ static pbw_status pbw__insert_claiming(pbw__build *build, pbw__kernel *kernel, p
 }
 
 /* Before the first round of a level: all cells are free, and have a hint that is in them or none. */
-static void pbw__begin_cells(void *arg, int part)
+static pbw_status pbw__begin_cells(void *arg, size_t cell, size_t end)
 {
     pbw__build *build = (pbw__build *)arg;
     pbw_index *hint = build->store->hint;
-    size_t cells = (build->vertices->count >> build->owner_bits) + 1, r, last;
-    size_t cell = pbw__share(cells, part, build->parts), end = pbw__share(cells, part + 1, build->parts);
+    size_t r, last;
     memset(build->owner + cell, PBW__NOBODY, end - cell);
     for (; cell < end; cell++) {
         r = pbw__first_region(build, cell);
@@ -7170,15 +7164,15 @@ static void pbw__begin_cells(void *arg, int part)
             hint[r] = PBW_NONE;
         }
     }
+    return PBW_OK;
 }
 
-/* Hints for cells that have none, from the simplices in a share of the regions. */
-static void pbw__find_hints(void *arg, int part)
+/* Hints for cells that have none, from the simplices in some regions. */
+static pbw_status pbw__find_hints(void *arg, size_t r, size_t last)
 {
     pbw__build *build = (pbw__build *)arg;
     const pbw__store *store = build->store;
-    size_t r = pbw__share(store->region_count, part, build->parts), t;
-    size_t last = pbw__share(store->region_count, part + 1, build->parts);
+    size_t t;
     for (; r < last; r++) {
         for (t = r > 0 ? pbw__region_end(store, r - 1) : 0; t < store->region[r]; t++) {
             if (store->corner[4 * t] != PBW_NONE) {
@@ -7186,6 +7180,7 @@ static void pbw__find_hints(void *arg, int part)
             }
         }
     }
+    return PBW_OK;
 }
 
 /* Inserts vertices of a round: of those that were left, or in the first one of the level, in its direction.  Then
@@ -7292,18 +7287,22 @@ static pbw_status pbw__end_round(pbw__build *build)
 /* The level, or the vertices left, by rounds. */
 static pbw_status pbw__rounds(pbw__build *build)
 {
-    pbw_status status = PBW_OK;
-    const size_t hold = (build->vertices->count >> build->owner_bits) / (size_t)build->parts / PBW__HOLDS + 8;
-    pbw__for(build->context, build->parts, pbw__begin_cells, build);
-    if (build->hint_bits != build->owner_bits) {     /* finer cells: there are few */
-        pbw__for(build->context, build->parts, pbw__find_hints, build);
+    pbw__context *context = build->context;
+    const size_t cells = (build->vertices->count >> build->owner_bits) + 1;
+    const size_t hold = cells / (size_t)build->parts / PBW__HOLDS + 8;
+    pbw_status status = pbw__for_range(context, cells, 4096, 0.0, pbw__begin_cells, build);
+    if (status == PBW_OK && build->hint_bits != build->owner_bits) {     /* finer cells: there are few */
+        status = pbw__for_range(context, build->store->region_count, 64, 0.0, pbw__find_hints, build);
         build->hint_bits = build->owner_bits;
+    }
+    if (status != PBW_OK) {
+        return status;
     }
     build->hold = (int)(hold < PBW__HOLD ? hold : PBW__HOLD);
     build->count = build->left_count > 0 ? build->left_count : pbw__level_size(&build->level);
     do {
         memset(build->taken, 0, sizeof(build->taken));
-        pbw__for(build->context, build->parts, pbw__round, build);
+        pbw__for(context, build->parts, pbw__round, build);
         status = pbw__end_round(build);
         if (build->left_count < PBW__LEAST_SHARE * (size_t)build->parts) {
             build->parts = (int)(build->left_count / PBW__LEAST_SHARE);
@@ -8244,16 +8243,12 @@ static void pbw__emit_pass4(void *arg, int task)
 }
 
 /* The first simplex of each vertex, by the caller's ids. */
-static void pbw__emit_pass5(void *arg, int task)
+static pbw_status pbw__emit_pass5(void *arg, size_t from, size_t to)
 {
     pbw__emission *emission = (pbw__emission *)arg;
-    size_t v = 1 + pbw__share(emission->vertex_count, task, emission->tasks), visible = 0;
-    size_t end = 1 + pbw__share(emission->vertex_count, task + 1, emission->tasks);
+    size_t v = from + 1, end = to + 1, visible = 0;
     for (; v < end; v++) {
         pbw_index first = emission->head[v];
-        if ((v & (PBW__TICK - 1)) == 0 && pbw__report(emission->context, 0.98)) {
-            return;
-        }
         PBW__PREFETCH_STREAM(emission->head, v, end);
         PBW__PREFETCH_STREAM(emission->id, v, end);
         PBW__PREFETCH_TO_WRITE(emission->incident + emission->id[v + PBW__SOON < end ? v + PBW__SOON : v]);
@@ -8264,6 +8259,7 @@ static void pbw__emit_pass5(void *arg, int task)
         visible += first != PBW_NONE;
     }
     (void)PBW__ADD(&emission->visible, visible);
+    return PBW_OK;
 }
 
 static pbw_status pbw__emit_status(const pbw__emission *emission)
@@ -8306,41 +8302,33 @@ typedef struct pbw__owned {
 
 /* The mesh's copy of the input, in the caller's order or that of mesh->original. */
 typedef struct pbw__copying {
-    pbw__context *context;
     const pbw__input *input;
     const pbw_index *original;
     double *points, *weights;
-    int tasks;
 } pbw__copying;
 
-static void pbw__copy_points(void *arg, int task)
+static pbw_status pbw__copy_points(void *arg, size_t i, size_t end)
 {
     const pbw__copying *copying = (const pbw__copying *)arg;
     const pbw__input *input = copying->input;
-    size_t dim = (size_t)input->dim, k, i, to, end = pbw__share(input->count, task + 1, copying->tasks);
-    int packed = !input->is_float && input->stride == dim * sizeof(double) && input->weights == NULL
+    const size_t dim = (size_t)input->dim;
+    const int packed = !input->is_float && input->stride == dim * sizeof(double) && input->weights == NULL
         && copying->original == NULL;
-    for (i = pbw__share(input->count, task, copying->tasks); i < end; i = to) {
-        to = end - i < PBW__TICK ? end : i + PBW__TICK;
-        if (pbw__report(copying->context, 0.98)) {
-            return;
-        }
-        for (k = i * dim; packed && k < to * dim; k++) {
-            double x;
-            memcpy(&x, input->points + k * sizeof(double), sizeof(double));      /* of any alignment */
-            copying->points[k] = x + 0.0;            /* no -0.0 */
-        }
-        for (; !packed && i < to; i++) {
-            double record[4];
-            pbw__fetch(input, copying->original != NULL ? copying->original[i] : i, record);
-            for (k = 0; k < dim; k++) {
-                copying->points[i * dim + k] = record[k];
-            }
-            if (copying->weights != NULL) {
-                copying->weights[i] = record[dim];
-            }
+    size_t k;
+    for (k = i * dim; packed && k < end * dim; k++) {
+        double x;
+        memcpy(&x, input->points + k * sizeof(double), sizeof(double));          /* of any alignment */
+        copying->points[k] = x + 0.0;                /* no -0.0 */
+    }
+    for (; !packed && i < end; i++) {
+        double record[4];
+        pbw__fetch(input, copying->original != NULL ? copying->original[i] : i, record);
+        memcpy(copying->points + i * dim, record, dim * sizeof(double));
+        if (copying->weights != NULL) {
+            copying->weights[i] = record[dim];
         }
     }
+    return PBW_OK;
 }
 
 /* Copies the points into `spare`, a block of at least their size, or into a new block if that is NULL. */
@@ -8353,10 +8341,8 @@ static pbw_status pbw__keep_points(pbw__context *context, const pbw__input *inpu
         mesh->weights = (const double *)(const void *)input->weights;
         return PBW_OK;
     }
-    copying.context = context;
     copying.input = input;
     copying.original = mesh->original;
-    copying.tasks = pbw__tasks(context, input->count, 65536);
     copying.weights = NULL;
     owned->points = input->count * (size_t)input->dim;
     mesh->points = copying.points = (double *)(spare == NULL
@@ -8369,8 +8355,7 @@ static pbw_status pbw__keep_points(pbw__context *context, const pbw__input *inpu
     if (copying.points == NULL || (input->weights != NULL && copying.weights == NULL)) {
         return PBW_ERROR_MEMORY;
     }
-    pbw__for(context, copying.tasks, pbw__copy_points, &copying);
-    return PBW__LOAD(&context->cancelled) ? PBW_CANCELLED : PBW_OK;
+    return pbw__for_range(context, input->count, PBW__TICK, 0.0, pbw__copy_points, &copying);
 }
 
 /* mesh->incident, filled with PBW_NONE if `none`. */
@@ -8500,11 +8485,8 @@ static pbw_status pbw__output(pbw__context *context, pbw__store *store, pbw__ver
     }
     if (status == PBW_OK) {
         emission.incident = pbw__make_incident(context, owned, mesh, vertices->duplicate_count > 0);
-        status = PBW_ERROR_MEMORY;
-        if (emission.incident != NULL) {
-            pbw__for(context, emission.tasks, pbw__emit_pass5, &emission);
-            status = pbw__emit_status(&emission);
-        }
+        status = emission.incident == NULL ? PBW_ERROR_MEMORY
+               : pbw__for_range(context, emission.vertex_count, 16384, 0.0, pbw__emit_pass5, &emission);
     }
     pbw__release_borrowed(memory, emission.number, allocated[0]);
     pbw__release_borrowed(memory, emission.head, allocated[1]);
@@ -9471,11 +9453,15 @@ PBW__INLINE double pbw__sides2(const double *points, const pbw_index *v, const d
     return (mx < my ? mx : my) > 1e-50 && pbw__max(mx, my) < 1e100 ? 8.1 * DBL_EPSILON * mx * my : HUGE_VAL;
 }
 
-/* Walks to p from simplex t.  Returns the simplex where it ends; leave: the corner opposite to the hull facet with
-   p on its outer side, or PBW__INSIDE; then `on` as above. */
-PBW__INLINE size_t pbw__walk_of(const pbw_mesh *mesh, int dim, size_t t, const double *p, const pbw__grid *grid,
-                                unsigned *leave, unsigned *on)
+/* Where a walk ends; leave: the corner opposite to the hull facet that has the query on its outer side, or PBW__INSIDE;
+   then `on` as above. */
+typedef struct pbw__place { size_t simplex; unsigned leave, on; } pbw__place;
+
+/* Walks to p from place->simplex. */
+PBW__INLINE void pbw__walk_of(const pbw_mesh *mesh, int dim, pbw__place *place, const double *p,
+                              const pbw__grid *grid)
 {
+    size_t t = place->simplex;
     for (;;) {
         const pbw_index *v = mesh->simplices + t * (size_t)(dim + 1);
         const pbw_index *next = mesh->neighbors + t * (size_t)(dim + 1);
@@ -9487,23 +9473,26 @@ PBW__INLINE size_t pbw__walk_of(const pbw_mesh *mesh, int dim, size_t t, const d
         far = side[2] < side[k] ? 2 : k;
         far = dim == 3 && side[3] < side[far] ? 3 : far;
         least = side[far];
-        *on = 0;
+        place->on = 0;
         if (PBW__UNLIKELY(!(least < -bound))) {
-            far = least > bound ? PBW__INSIDE : pbw__side_exact(mesh, v, p, grid, on);
+            far = least > bound ? PBW__INSIDE : pbw__side_exact(mesh, v, p, grid, &place->on);
         }
-        *leave = far;
         if (far == PBW__INSIDE || next[far] == PBW_NONE) {
-            return t;
+            place->simplex = t;
+            place->leave = far;
+            return;
         }
         t = next[far];
     }
 }
 
-static size_t pbw__walk_to(const pbw_mesh *mesh, size_t t, const double *p, const pbw__grid *grid, unsigned *leave,
-                           unsigned *on)
+static void pbw__walk_to(const pbw_mesh *mesh, pbw__place *place, const double *p, const pbw__grid *grid)
 {
-    return mesh->dim == 3 ? pbw__walk_of(mesh, 3, t, p, grid, leave, on)
-                          : pbw__walk_of(mesh, 2, t, p, grid, leave, on);
+    if (mesh->dim == 3) {
+        pbw__walk_of(mesh, 3, place, p, grid);
+    } else {
+        pbw__walk_of(mesh, 2, place, p, grid);
+    }
 }
 
 PBW__INLINE unsigned pbw__corner_of(const pbw_index *v, pbw_index point)
@@ -9576,8 +9565,7 @@ static pbw_index pbw__lowest_with(const pbw_mesh *mesh, size_t t, unsigned on, i
 
 PBWDEF pbw_index pbw_locate_one(const pbw_mesh *mesh, const double *point, pbw_index hint, pbw_index *hull_facet)
 {
-    unsigned leave, on;
-    size_t t;
+    pbw__place place;
     int k, hull;
     if (hull_facet != NULL) {
         *hull_facet = PBW_NONE;
@@ -9590,12 +9578,13 @@ PBWDEF pbw_index pbw_locate_one(const pbw_mesh *mesh, const double *point, pbw_i
             return PBW_NONE;
         }
     }
-    t = pbw__walk_to(mesh, hint < mesh->simplex_count ? hint : 0, point, NULL, &leave, &on);
-    if (leave == PBW__INSIDE) {
-        return pbw__lowest_with(mesh, t, on, &hull);
+    place.simplex = hint < mesh->simplex_count ? hint : 0;
+    pbw__walk_to(mesh, &place, point, NULL);
+    if (place.leave == PBW__INSIDE) {
+        return pbw__lowest_with(mesh, place.simplex, place.on, &hull);
     }
     if (hull_facet != NULL) {
-        *hull_facet = (pbw_index)(t * ((size_t)mesh->dim + 1) + leave);
+        *hull_facet = (pbw_index)(place.simplex * ((size_t)mesh->dim + 1) + place.leave);
     }
     return PBW_NONE;
 }
@@ -9658,6 +9647,7 @@ struct pbw__queries {
     pbw__answer *answer;
     size_t grain;                                    /* items of a block */
     pbw__chunk *chunk;                               /* of each block, for answers that are lists */
+    int with_values;                                 /* these lists have values */
     size_t *first;
     pbw_index *item;
     double *value;
@@ -10001,8 +9991,9 @@ static void pbw__copy_chunk(pbw__queries *queries, pbw__desk *desk, size_t block
 
 /* `count` lists from the answers to items, each of which adds some lists, in any order, to its block's chunk. */
 static pbw_status pbw__make_lists(pbw__queries *queries, pbw__answer *answer, size_t items, size_t size, size_t count,
-                                  int with_values, pbw_lists *lists)
+                                  pbw_lists *lists)
 {
+    const int with_values = queries->with_values;
     pbw__memory *memory = &queries->context.memory;
     const size_t blocks = (items + size - 1) / size;
     pbw__owned_lists *owned = (pbw__owned_lists *)pbw__allocate(memory, 1, sizeof(pbw__owned_lists));
@@ -10062,22 +10053,23 @@ static void pbw__locate_block(pbw__queries *queries, pbw__desk *desk, size_t blo
 {
     const pbw_mesh *mesh = queries->mesh;
     const size_t corners = (size_t)mesh->dim + 1;
-    size_t i, t = 0;
+    pbw__place place = { 0, 0, 0 };
+    size_t i;
     (void)desk;
     (void)block;
     for (i = from; i < to; i++) {
         const size_t query = pbw__query_index(queries, i);
-        unsigned leave, on;
         double p[3];
-        int hull;
+        int hull, inside;
         (void)pbw__query_point(queries, query, p);
         if (i == from) {
-            t = mesh->incident[pbw__guess(mesh, p)];
+            place.simplex = mesh->incident[pbw__guess(mesh, p)];
         }
-        t = pbw__walk_to(mesh, t, p, &queries->grid, &leave, &on);
-        queries->simplices[query] = leave == PBW__INSIDE ? pbw__lowest_with(mesh, t, on, &hull) : PBW_NONE;
+        pbw__walk_to(mesh, &place, p, &queries->grid);
+        inside = place.leave == PBW__INSIDE;
+        queries->simplices[query] = inside ? pbw__lowest_with(mesh, place.simplex, place.on, &hull) : PBW_NONE;
         if (queries->facets != NULL) {
-            queries->facets[query] = leave == PBW__INSIDE ? PBW_NONE : (pbw_index)(t * corners + leave);
+            queries->facets[query] = inside ? PBW_NONE : (pbw_index)(place.simplex * corners + place.leave);
         }
     }
 }
@@ -10347,7 +10339,7 @@ PBWDEF pbw_status pbw_stars(const pbw_mesh *mesh, const pbw_options *options, pb
     memset(stars, 0, sizeof(*stars));
     status = pbw__queries_start(&queries, mesh, NULL, 0, options);
     if (status == PBW_OK) {
-        status = pbw__make_lists(&queries, pbw__stars_block, mesh->simplex_count, 4096, mesh->point_count, 0, stars);
+        status = pbw__make_lists(&queries, pbw__stars_block, mesh->simplex_count, 4096, mesh->point_count, stars);
     }
     return pbw__lists_end(&queries, status, stars);
 }
@@ -10826,7 +10818,7 @@ static pbw_status pbw__take_stars(pbw__queries *queries, const pbw_lists *stars,
         return PBW_ERROR_ARGUMENT;
     }
     return stars != NULL || mesh->simplex_count == 0 ? PBW_OK
-         : pbw__make_lists(queries, pbw__stars_block, mesh->simplex_count, 4096, mesh->point_count, 0, own);
+         : pbw__make_lists(queries, pbw__stars_block, mesh->simplex_count, 4096, mesh->point_count, own);
 }
 
 static void pbw__drop_stars(pbw__queries *queries, pbw_lists *own)
@@ -10925,7 +10917,8 @@ PBWDEF pbw_status pbw_within(const pbw_mesh *mesh, const pbw_lists *stars, const
     }
     if (status == PBW_OK) {
         queries.radius = radius;
-        status = pbw__make_lists(&queries, pbw__within_block, count, PBW__BLOCK_QUERIES, count, 1, lists);
+        queries.with_values = 1;
+        status = pbw__make_lists(&queries, pbw__within_block, count, PBW__BLOCK_QUERIES, count, lists);
     }
     pbw__drop_stars(&queries, &own);
     return pbw__lists_end(&queries, status, lists);
@@ -11230,6 +11223,7 @@ typedef struct pbw__face { pbw__vector centre; pbw_index corner[3], inner; } pbw
 
 /* The cavity of a query; corner, across: 4 for each simplex. */
 struct pbw__cell {
+    const pbw_mesh *mesh;
     pbw_index *simplex, *corner, *across;            /* across: number of a simplex in the cavity, or PBW_NONE */
     pbw__vector *centre;
     pbw__site *site;
@@ -11253,13 +11247,13 @@ static void pbw__cell_free(pbw__memory *memory, pbw__cell *cell)
     }
 }
 
-/* Adds the barycentric coordinates of p in simplex t, which contains it, those that are 0 left out. */
-static void pbw__barycentric(pbw__queries *queries, pbw__desk *desk, size_t block, size_t query, size_t t,
-                             const double *p, unsigned on)
+/* Adds the barycentric coordinates of p in the simplex that contains it, those that are 0 left out. */
+static void pbw__barycentric(pbw__queries *queries, pbw__desk *desk, size_t block, size_t query,
+                             const pbw__place *place, const double *p)
 {
     const pbw_mesh *mesh = queries->mesh;
     const size_t corners = (size_t)mesh->dim + 1;
-    const pbw_index *v = mesh->simplices + t * corners;
+    const pbw_index *v = mesh->simplices + place->simplex * corners;
     pbw_index item[4], *items;
     double side[4], value[4], *values, total = 0.0, bound;
     size_t i, j, count = 0;
@@ -11271,7 +11265,7 @@ static void pbw__barycentric(pbw__queries *queries, pbw__desk *desk, size_t bloc
         pbw__exact_sides(mesh, v, p, side);
     }
     for (total = 0.0, i = 0; i < corners; i++) {
-        side[i] = (on >> i & 1) == 0 && side[i] > 0.0 ? side[i] : 0.0;
+        side[i] = (place->on >> i & 1) == 0 && side[i] > 0.0 ? side[i] : 0.0;
         total += side[i];
     }
     for (i = 0; i < corners; i++) {
@@ -11305,13 +11299,13 @@ PBW__INLINE int pbw__has_conflict(const pbw__queries *queries, int dim, size_t t
     const pbw_index *v = mesh->simplices + t * (size_t)(dim + 1);
     double record[4][4];
     const double *x[4];
-    int orientation[4], i;
+    int i;
     for (i = 0; i <= dim; i++) {
         pbw__record_of(mesh, dim, v[i], record[i]);
         x[i] = record[i];
     }
     return tied ? pbw__conflict(dim, x, p, &queries->grid)
-                : pbw__power(dim, x, p, &queries->grid, orientation) > 0;
+                : pbw__power(dim, x, p, &queries->grid) > 0;
 }
 
 static int pbw__cell_reserve(pbw__desk *desk, pbw__cell *cell)
@@ -11401,6 +11395,7 @@ PBW__INLINE void pbw__cell_place(const pbw_mesh *mesh, int dim, pbw__cell *cell,
     double largest = 0.0, scale;
     size_t i;
     int k;
+    cell->mesh = mesh;
     memcpy(cell->query, q, (size_t)dim * sizeof(q[0]));
     for (i = 0; i < cell->sites; i++) {
         for (k = 0; k < dim; k++) {
@@ -11428,9 +11423,10 @@ PBW__INLINE void pbw__cell_place(const pbw_mesh *mesh, int dim, pbw__cell *cell,
 }
 
 /* The centre of `dim` sites and `base`, relative to that; NULL: q, of weight 0. */
-PBW__INLINE pbw__vector pbw__cell_centre(int fine, int dim, int weighted, const pbw_mesh *mesh, const pbw__cell *cell,
+PBW__INLINE pbw__vector pbw__cell_centre(int fine, int dim, int weighted, const pbw__cell *cell,
                                          const pbw_index *corner, const pbw__site *base)
 {
+    const pbw_mesh *mesh = cell->mesh;
     pbw__vector row[3], centre;
     pbw__pair lift[3];
     int flat, k;
@@ -11464,16 +11460,16 @@ PBW__INLINE pbw__vector pbw__cell_centre(int fine, int dim, int weighted, const 
 }
 
 /* Centres of the old simplices, and of the new ones. */
-PBW__INLINE void pbw__cell_centres(int fine, int dim, int weighted, const pbw_mesh *mesh, pbw__cell *cell, int old)
+PBW__INLINE void pbw__cell_centres(int fine, int dim, int weighted, pbw__cell *cell, int old)
 {
     size_t i;
     for (i = 0; old && i < cell->simplices; i++) {
         const pbw__site *base = cell->site + cell->corner[4 * i];
-        cell->centre[i] = pbw__vector_add(fine, base->at, pbw__cell_centre(fine, dim, weighted, mesh, cell,
+        cell->centre[i] = pbw__vector_add(fine, base->at, pbw__cell_centre(fine, dim, weighted, cell,
                                                                            cell->corner + 4 * i + 1, base));
     }
     for (i = 0; i < cell->faces; i++) {
-        cell->face[i].centre = pbw__cell_centre(fine, dim, weighted, mesh, cell, cell->face[i].corner, NULL);
+        cell->face[i].centre = pbw__cell_centre(fine, dim, weighted, cell, cell->face[i].corner, NULL);
     }
 }
 
@@ -11513,27 +11509,29 @@ PBW__INLINE void pbw__cell_facet(int fine, int dim, int weighted, pbw__site *con
 }
 
 /* A facet with q and x[0], in space x[1] too, counter-clockwise for s, between the new centres n and s.  Takes off
-   the shares what its dual edge gives, or, for Laplace's weights, adds its part of the facets between q and those. */
-PBW__INLINE void pbw__cell_spoke(int fine, int dim, int weighted, int laplace, pbw__site *const *x, pbw__vector n,
-                                 pbw__vector s)
+   the shares what its dual edge gives. */
+PBW__INLINE void pbw__cell_spoke(int fine, int dim, int weighted, pbw__site *const *x, pbw__vector n, pbw__vector s)
 {
-    if (!laplace) {
-        pbw__site origin, *corner[3];
-        memset(&origin, 0, sizeof(origin));
-        corner[0] = x[0];
-        corner[1] = dim == 3 ? x[1] : &origin;
-        corner[2] = &origin;
-        pbw__cell_facet(fine, dim, weighted, corner, s, n);
-    } else if (dim == 3) {
-        const pbw__vector cross = pbw__vector_cross(fine, n, s);
-        x[0]->share = pbw__add(fine, x[0]->share, pbw__div(fine, pbw__vector_dot(fine, x[0]->at, cross),
-                                                           pbw__vector_dot(fine, x[0]->at, x[0]->at)));
+    pbw__site origin, *corner[3];
+    memset(&origin, 0, sizeof(origin));
+    corner[0] = x[0];
+    corner[1] = dim == 3 ? x[1] : &origin;
+    corner[2] = &origin;
+    pbw__cell_facet(fine, dim, weighted, corner, s, n);
+}
+
+/* Adds, for Laplace's weights, its part of the facet between q and x[0], divided by their distance; in space also of
+   that between q and x[1]. */
+PBW__INLINE void pbw__cell_wall(int fine, int dim, pbw__site *const *x, pbw__vector n, pbw__vector s)
+{
+    const pbw__vector cross = dim == 3 ? pbw__vector_cross(fine, n, s) : pbw__vector_sub(fine, n, s);
+    x[0]->share = pbw__add(fine, x[0]->share,
+                           pbw__div(fine, dim == 3 ? pbw__vector_dot(fine, x[0]->at, cross)
+                                                   : pbw__vector_area(fine, x[0]->at, cross),
+                                    pbw__vector_dot(fine, x[0]->at, x[0]->at)));
+    if (dim == 3) {
         x[1]->share = pbw__sub(fine, x[1]->share, pbw__div(fine, pbw__vector_dot(fine, x[1]->at, cross),
                                                            pbw__vector_dot(fine, x[1]->at, x[1]->at)));
-    } else {
-        const pbw__vector away = pbw__vector_sub(fine, n, s);
-        x[0]->share = pbw__add(fine, x[0]->share, pbw__div(fine, pbw__vector_area(fine, x[0]->at, away),
-                                                           pbw__vector_dot(fine, x[0]->at, x[0]->at)));
     }
 }
 
@@ -11557,13 +11555,15 @@ PBW__INLINE int pbw__cell_spokes(int fine, int dim, int weighted, int laplace, p
             }
             if (!added) {
                 const pbw__face *first = cell->face + *other;
+                const int turn = dim == 2 && k == 0; /* this edge begins at a: counter-clockwise for the other */
+                const pbw__vector n = turn ? face->centre : first->centre, s = turn ? first->centre : face->centre;
                 pbw__site *x[2];
                 x[0] = cell->site + b;
                 x[1] = cell->site + a;
-                if (dim == 2 && k == 0) {            /* this edge begins at a: counter-clockwise for the other */
-                    pbw__cell_spoke(fine, 2, weighted, laplace, x, face->centre, first->centre);
+                if (laplace) {
+                    pbw__cell_wall(fine, dim, x, n, s);
                 } else {
-                    pbw__cell_spoke(fine, dim, weighted, laplace, x, first->centre, face->centre);
+                    pbw__cell_spoke(fine, dim, weighted, x, n, s);
                 }
             }
         }
@@ -11572,15 +11572,14 @@ PBW__INLINE int pbw__cell_spokes(int fine, int dim, int weighted, int laplace, p
 }
 
 /* The shares of all sites.  Whether their mean is q, as well as doubles may say; -1: out of memory. */
-PBW__INLINE int pbw__cell_weigh(int fine, int dim, int weighted, int laplace, const pbw_mesh *mesh,
-                                pbw__desk *desk)
+PBW__INLINE int pbw__cell_weigh(int fine, int dim, int weighted, int laplace, pbw__desk *desk)
 {
     pbw__cell *cell = desk->cell;
     pbw__site *x[3];
     double mean[3] = { 0.0, 0.0, 0.0 }, total = 0.0, off;
     size_t i, s;
     int k;
-    pbw__cell_centres(fine, dim, weighted, mesh, cell, !laplace);
+    pbw__cell_centres(fine, dim, weighted, cell, !laplace);
     for (i = 0; i < cell->sites; i++) {
         cell->site[i].share = pbw__number(0.0);
     }
@@ -11617,21 +11616,21 @@ PBW__INLINE int pbw__cell_weigh(int fine, int dim, int weighted, int laplace, co
     return total > 0.0 && off <= (fine ? 1e-12 : 1e-14) * total;
 }
 
-static PBW__NOINLINE int pbw__cell_weigh_fine(int laplace, const pbw_mesh *mesh, pbw__desk *desk)
+static PBW__NOINLINE int pbw__cell_weigh_fine(int laplace, pbw__desk *desk)
 {
-    const int weighted = mesh->weights != NULL;
-    return mesh->dim == 3 ? pbw__cell_weigh(1, 3, weighted, laplace, mesh, desk)
-                          : pbw__cell_weigh(1, 2, weighted, laplace, mesh, desk);
+    const int weighted = desk->cell->mesh->weights != NULL;
+    return desk->cell->mesh->dim == 3 ? pbw__cell_weigh(1, 3, weighted, laplace, desk)
+                                      : pbw__cell_weigh(1, 2, weighted, laplace, desk);
 }
 
-static int pbw__cell_weigh_coarse(int laplace, const pbw_mesh *mesh, pbw__desk *desk)
+static int pbw__cell_weigh_coarse(int laplace, pbw__desk *desk)
 {
-    const int weighted = mesh->weights != NULL;
+    const int weighted = desk->cell->mesh->weights != NULL, dim = desk->cell->mesh->dim;
     if (weighted || laplace) {
-        return mesh->dim == 3 ? pbw__cell_weigh(0, 3, weighted, laplace, mesh, desk)
-                              : pbw__cell_weigh(0, 2, weighted, laplace, mesh, desk);
+        return dim == 3 ? pbw__cell_weigh(0, 3, weighted, laplace, desk)
+                        : pbw__cell_weigh(0, 2, weighted, laplace, desk);
     }
-    return mesh->dim == 3 ? pbw__cell_weigh(0, 3, 0, 0, mesh, desk) : pbw__cell_weigh(0, 2, 0, 0, mesh, desk);
+    return dim == 3 ? pbw__cell_weigh(0, 3, 0, 0, desk) : pbw__cell_weigh(0, 2, 0, 0, desk);
 }
 
 /* Adds the sites and their weights in the order of their indices. */
@@ -11675,7 +11674,7 @@ static void pbw__cell_give(pbw__queries *queries, pbw__desk *desk, size_t block,
     }
 }
 
-/* The weights of a query inside simplex t, on the facets opposite to the corners `on`. */
+/* The weights of a query inside simplex t. */
 static void pbw__coordinates_of(pbw__queries *queries, pbw__desk *desk, size_t block, size_t query, size_t t,
                                 const double *p)
 {
@@ -11697,14 +11696,15 @@ static void pbw__coordinates_of(pbw__queries *queries, pbw__desk *desk, size_t b
         return;
     }
     pbw__cell_place(mesh, dim, desk->cell, p);
-    right = pbw__cell_weigh_coarse(laplace, mesh, desk);
+    right = pbw__cell_weigh_coarse(laplace, desk);
     if (right == 0) {
-        right = pbw__cell_weigh_fine(laplace, mesh, desk);
+        right = pbw__cell_weigh_fine(laplace, desk);
     }
     if (right > 0) {
         pbw__cell_give(queries, desk, block, query);
     } else if (right == 0) {
-        pbw__barycentric(queries, desk, block, query, t, p, 0);
+        const pbw__place place = { t, PBW__INSIDE, 0 };
+        pbw__barycentric(queries, desk, block, query, &place, p);
     }
 }
 
@@ -11712,33 +11712,37 @@ static void pbw__coordinates_block(pbw__queries *queries, pbw__desk *desk, size_
 {
     const pbw_mesh *mesh = queries->mesh;
     const size_t dim = (size_t)mesh->dim;
-    size_t i, t = 0, lowest;
+    pbw__place end = { 0, 0, 0 };
+    size_t i;
     for (i = from; i < to && !desk->failed; i++) {
         const size_t query = pbw__query_index(queries, i);
-        unsigned leave, on, spread;
+        pbw__place place;
+        unsigned spread, facets = 0;
         double p[4];
         int hull;
         (void)pbw__query_point(queries, query, p);
         if (i == from) {
-            t = mesh->incident[pbw__guess(mesh, p)];
+            end.simplex = mesh->incident[pbw__guess(mesh, p)];
         }
-        t = pbw__walk_to(mesh, t, p, &queries->grid, &leave, &on);
-        if (leave != PBW__INSIDE) {
+        pbw__walk_to(mesh, &end, p, &queries->grid);
+        if (end.leave != PBW__INSIDE) {
             continue;                                /* outside: an empty list */
         }
-        lowest = pbw__lowest_with(mesh, t, on, &hull);
-        if (lowest != t) {
-            (void)pbw__side_exact(mesh, mesh->simplices + lowest * (dim + 1), p, &queries->grid, &on);
+        place = end;
+        place.simplex = pbw__lowest_with(mesh, end.simplex, end.on, &hull);
+        if (place.simplex != end.simplex) {
+            const pbw_index *v = mesh->simplices + place.simplex * (dim + 1);
+            (void)pbw__side_exact(mesh, v, p, &queries->grid, &place.on);
         }
-        for (spread = on, leave = 0; spread != 0; spread &= spread - 1) {
-            leave++;
+        for (spread = place.on; spread != 0; spread &= spread - 1) {
+            facets++;
         }
         p[dim] = 0.0;
-        if (queries->scheme == PBW_BARYCENTRIC || hull || leave == dim
-            || (mesh->weights != NULL && !pbw__has_conflict(queries, mesh->dim, lowest, p, 0))) {
-            pbw__barycentric(queries, desk, block, query, lowest, p, on);
+        if (queries->scheme == PBW_BARYCENTRIC || hull || facets == dim
+            || (mesh->weights != NULL && !pbw__has_conflict(queries, mesh->dim, place.simplex, p, 0))) {
+            pbw__barycentric(queries, desk, block, query, &place, p);
         } else {
-            pbw__coordinates_of(queries, desk, block, query, lowest, p);
+            pbw__coordinates_of(queries, desk, block, query, place.simplex, p);
         }
         if (pbw__report(&queries->context, 0.0)) {
             return;
@@ -11761,8 +11765,9 @@ PBWDEF pbw_status pbw_coordinates(const pbw_mesh *mesh, const double *points, si
     }
     if (status == PBW_OK) {
         queries.scheme = scheme;
+        queries.with_values = 1;
         status = pbw__make_lists(&queries, pbw__coordinates_block, mesh->simplex_count == 0 ? 0 : count,
-                                 PBW__BLOCK_QUERIES, count, 1, lists);
+                                 PBW__BLOCK_QUERIES, count, lists);
     }
     return pbw__lists_end(&queries, status, lists);
 }

@@ -489,7 +489,7 @@ static void find_grid(const points *p, pbw__grid *grid)
 static int stage_sign(const points *p, int power, int stage, const pbw__grid *grid, int *orientation)
 {
     const double (*q)[4] = p->at, *row[4] = { q[0], q[1], q[2], q[3] };
-    int dim = p->dim, count = dim + power, ignored[4];
+    int dim = p->dim, count = dim + power;
     double value, height;
     switch (stage) {
     case FILTER:
@@ -505,7 +505,7 @@ static int stage_sign(const points *p, int power, int stage, const pbw__grid *gr
     case LANES: return lanes_sign(p, power);
     case EXACT: return pbw__exact_determinant(dim, count, row, q[count], orientation);
     case KERNEL:
-        return power ? pbw__power(dim, row, q[dim + 1], grid, ignored) : pbw__orient(dim, row, grid);
+        return power ? pbw__power(dim, row, q[dim + 1], grid) : pbw__orient(dim, row, grid);
     case VECTORS: return vector_sign(p, 0, &value, &height);
     case HULL: return hull_sign(p, power);
     default: return public_sign(p, power);
