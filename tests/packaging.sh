@@ -196,6 +196,33 @@ fi
 check "includes no stdio.h, and never prints, exits or aborts" sh -c \
     "! sed '1,/^ \*\//d' pbw.h | grep -nE '# *include <stdio|\\<(printf|puts|exit|abort|assert|longjmp)\\> *\\('"
 check "no line of pbw.h is over 118 columns" sh -c "! awk 'length > 118 { print FNR }' pbw.h | grep ."
+# Rooms and functions stay small.  A function starts in column 1 and ends with a } there; names of the interface are
+# exempt from the limit of parameters.
+cat > "$work/rooms.awk" << 'END'
+/^   >>[a-z0-9]+ / {
+    if (name != "" && FNR - start > 700) print name ": " FNR - start " lines"
+    name = $1; start = FNR; rooms++
+}
+END { if (rooms < 20) print "only " rooms " rooms were found" }
+END
+cat > "$work/functions.awk" << 'END'
+/^[A-Za-z].*\(/ && !/;$/ && !/^(typedef|struct|enum|extern)/ { head = $0; start = FNR; waits = 1; next }
+waits && /^{/ {
+    waits = 0; inside = 1; name = head; sub(/\(.*/, "", name); sub(/.*[ *]/, "", name)
+    list = head; sub(/^[^(]*pbw_[a-z0-9_]*\(/, "", list); gsub(/\([^()]*\)/, "", list)
+    parameters = gsub(/,/, "", list) + 1; next
+}
+waits { if (/;$/) waits = 0; else head = head $0; next }
+inside && /^}/ {
+    inside = 0; functions++
+    if (FNR - start + 1 > 70 || (parameters > 6 && name !~ /^pbw_[a-z]/))
+        print name ": " FNR - start + 1 " lines, " parameters " parameters"
+}
+END { if (functions < 300) print "only " functions + 0 " functions were found" }
+END
+check "no room of pbw.h is over 700 lines" sh -c "! awk -f $work/rooms.awk pbw.h | grep ."
+check "no function of pbw.h is over 70 lines or has more than 6 parameters" sh -c \
+    "! awk -f $work/functions.awk pbw.h | grep ."
 check "every promise names a test that is there" sh -c \
     "for t in \$(sed -n '/PROMISES/,/CONVENTIONS/s/.* \(tests\/[a-z_.]*\)\$/\1/p' pbw.h); do ls \$t || exit 1; done"
 sed -n '/^   QUICK START/,/^   Build:/s/^       //p' pbw.h > "$work/quickstart.c"
