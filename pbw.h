@@ -2264,7 +2264,9 @@ static void pbw__grid_scan(pbw__context *context, const double *records, size_t 
       sphere    the kernels' power3, two roundings more         19    24 h^(5/2)              456 u h^(5/2)
       thin      circle, by the sum of the absolute products     13    that sum                 13 u that sum
       pairs     see there
+      reach     difference twice, product, 2 sums, weight        6    |v - q|^2 + |w|            6 u that sum
 
+   The reach of >>nearest is compared in any rounding mode, with one rounding more in the difference.
    The constants leave about one percent, for the roundings of the bound itself and what underflow takes. */
 #define PBW__FILTER_ORIENT2_ERROR 8.1                /* times 2^-52: any rounding mode */
 #define PBW__FILTER_ORIENT3_ERROR 48.5
@@ -2281,6 +2283,7 @@ static void pbw__grid_scan(pbw__context *context, const double *records, size_t 
 #define PBW__THIN_ERROR 1.5e-15                      /* times the sum of the absolute products */
 #define PBW__CIRCLE_PAIRS_ERROR 9e-30                /* the kernels' in pairs: times h^2, h^(5/2) */
 #define PBW__SPHERE_PAIRS_ERROR 9e-29
+#define PBW__REACH_ERROR 8.0                         /* times 2^-52 and |v - q|^2 + |w|: any rounding mode */
 /* Heights below which the kernels' determinants are exact, in units of a grid, squared: there all partial results are
    integers below 2^53, as 6 H^2 and 24 H^(5/2) are. */
 #define PBW__EXACT_HEIGHT2 3.8e7
@@ -9405,8 +9408,8 @@ static PBW__NOINLINE unsigned pbw__side_exact(const pbw_mesh *mesh, const pbw_in
     return PBW__INSIDE;
 }
 
-/* The orientations of the simplex with each corner in turn replaced by p; the error of each is at most the bound that
-   is returned (as in the filters of >>predicates), which is infinite where those are in doubt. */
+/* The orientations of the simplex with each corner in turn replaced by p.  Returns the bound of each one's error, that
+   of the filters in >>predicates; infinite where it would not hold. */
 PBW__INLINE double pbw__sides3(const double *points, const pbw_index *v, const double *p, double *side)
 {
     double x[4], y[4], z[4], mx, my, mz, low, high, s01, s02, s03, s12, s13, s23;
@@ -9433,12 +9436,12 @@ PBW__INLINE double pbw__sides3(const double *points, const pbw_index *v, const d
     low = mx < my ? mx : my;
     low = low < mz ? low : mz;
     high = pbw__max(pbw__max(mx, my), mz);
-    return low > 1e-50 && high < 1e100 ? 48.5 * DBL_EPSILON * mx * my * mz : HUGE_VAL;
+    return low > 1e-50 && high < 1e100 ? PBW__FILTER_ORIENT3_ERROR * DBL_EPSILON * mx * my * mz : HUGE_VAL;
 }
 
 PBW__INLINE double pbw__sides2(const double *points, const pbw_index *v, const double *p, double *side)
 {
-    double x[3], y[3], mx, my;
+    double x[3], y[3], mx, my, low, high;
     int i;
     for (i = 0; i < 3; i++) {
         const double *q = points + (size_t)v[i] * 2;
@@ -9450,7 +9453,9 @@ PBW__INLINE double pbw__sides2(const double *points, const pbw_index *v, const d
     side[0] = x[1] * y[2] - x[2] * y[1];
     side[1] = x[2] * y[0] - x[0] * y[2];
     side[2] = x[0] * y[1] - x[1] * y[0];
-    return (mx < my ? mx : my) > 1e-50 && pbw__max(mx, my) < 1e100 ? 8.1 * DBL_EPSILON * mx * my : HUGE_VAL;
+    low = mx < my ? mx : my;
+    high = pbw__max(mx, my);
+    return low > 1e-50 && high < 1e100 ? PBW__FILTER_ORIENT2_ERROR * DBL_EPSILON * mx * my : HUGE_VAL;
 }
 
 /* Where a walk ends; leave: the corner opposite to the hull facet that has the query on its outer side, or PBW__INSIDE;
@@ -10345,18 +10350,17 @@ PBWDEF pbw_status pbw_stars(const pbw_mesh *mesh, const pbw_options *options, pb
 }
 
 /* ---- distances
-   squared = |v - q|^2 - w with an error of at most slack.  Each operation errs by a factor 1 + d, |d| <= e = 2^-52:
-   two on a square from the difference, one from the product, two from the sums, one from the weight: 6 e of the sum
-   of sizes, here 8 e; an underflow costs less than 2^-1020 in all.  An overflow makes slack infinite or NaN. */
+   squared = |v - q|^2 - w with an error of at most slack: see >>predicates.  What underflows is less than 2^-1020 in
+   all.  An overflow makes slack infinite or NaN. */
 PBW__INLINE pbw__reach pbw__reach_to(const pbw_mesh *mesh, int dim, const double *q, pbw_index vertex)
 {
     pbw__reach reach;
     const double squared = pbw__squared(mesh->points + vertex * (size_t)dim, q, dim);
     reach.squared = squared;
-    reach.slack = 8.0 * DBL_EPSILON * squared + 1e-300;
+    reach.slack = PBW__REACH_ERROR * DBL_EPSILON * squared + 1e-300;
     if (mesh->weights != NULL) {
         reach.squared -= mesh->weights[vertex];
-        reach.slack += 8.0 * DBL_EPSILON * pbw__abs(mesh->weights[vertex]);
+        reach.slack += PBW__REACH_ERROR * DBL_EPSILON * pbw__abs(mesh->weights[vertex]);
     }
     reach.vertex = vertex;
     reach.done = 0;
@@ -10439,7 +10443,7 @@ PBW__INLINE int pbw__reach_before(const pbw_mesh *mesh, const double *q, const p
 PBW__INLINE int pbw__reach_within(const pbw_mesh *mesh, const double *q, const pbw__reach *a, double radius)
 {
     const double squared = radius * radius, gap = a->squared - squared;
-    const double slack = a->slack + 8.0 * DBL_EPSILON * squared;
+    const double slack = a->slack + PBW__REACH_ERROR * DBL_EPSILON * squared;
     const size_t dim = (size_t)mesh->dim;
     double term[4][2];
     size_t k;

@@ -32,8 +32,9 @@ def read(name):
     if not found:
         raise SystemExit('%s is not in the header' % name)
     text = ' '.join(found.group(2).replace('->', '.').replace('&&', 'and').split())
-    choice = r'(?:[^?:(),=]|[=<>]=|\([^()]*\))+?'
+    choice = r'(?:[^?:(),;=]|[=<>]=|\([^()]*\))+?'
     text = re.sub(r'(%s) \? (%s) : (%s)(?=[,;)])' % (choice, choice, choice), r' (\2 if \1 else \3)', text)
+    text = re.sub(r'\(([^;]*?) if +return ', r'return (\1 if ', text)
     names = [re.search(r'(\w+)\W*(?:\[\d*\])?$', p.replace(')', '')).group(1) for p in found.group(1).split(',')]
     return names, re.split(r'([;{}])', text)
 
@@ -66,7 +67,7 @@ def run(name, local, wanted):
             continue
         for part in split(piece):
             part = re.sub(r'^\s*(?:const |double |pbw__\w+ )*\*?', '', part)
-            target = re.match(r'return|[\w.\[\]]+(?= *[+*]?= )', part)
+            target = re.match(r'return|[\w.\[\]]+(?= *[-+*]?= )', part)
             if target and target.group() in wanted:
                 missing.discard(target.group())
                 if target.group() == 'return':
@@ -477,10 +478,37 @@ def cavities():
     prove(name, det, h * h * ENV['PBW__CIRCLE_PAIRS_ERROR'], literal(name, r'pbw__splat\((1e-\d+)\)') ** 2)
 
 
+def queries():
+    """In any rounding mode, with and without flush-to-zero: pbw_locate_one leaves the caller's as it is."""
+    Value.bits = 52
+    for dim in (2, 3):
+        name = 'pbw__sides%d' % dim
+        axes = 'xyz'[:dim]
+        for i in range(dim + 1):
+            names = ['m' + c for c in axes] + ['s01', 's02', 's03', 's12', 's13', 's23'] * (dim == 3)
+            local = dict(side={}, **{c: Every(Number(1) - Number(1)) for c in axes})
+            bound, local = run(name, local, names + ['low', 'high', 'side[%d]' % i, 'return'])
+            prove('%s side %d' % (name, i), local['side'][i], bound, literal(name, r'low > ([-\d.e]+)') ** dim)
+    squared = run('pbw__squared', dict(p=[Number(1)] * 3, q=[Number(1)] * 3, dim=3), ['x', 'y', 'z', 'return'])[0]
+    squared.P = Fraction(1, 2)                           # so is that of the weight
+    reach, mesh = Rows(), Rows()
+    mesh.weights = Every(Value(0, Fraction(1, 2)))
+    run('pbw__reach_to', dict(squared=squared, reach=reach, mesh=mesh, vertex=0), ['reach.squared', 'reach.slack'])
+    prove('pbw__reach_to', reach.squared, reach.slack)
+    for name in 'pbw__reach_order', 'pbw__reach_before':
+        local = run(name, dict(a=reach, b=reach), ['gap', 'slack'])[1]
+        prove(name, local['gap'], local['slack'])
+    name = 'pbw__reach_within'
+    local = run(name, dict(a=reach, radius=Value(0, 1)), ['squared', 'gap', 'slack'])[1]
+    prove(name, local['gap'], local['slack'])
+    Value.bits = 53
+
+
 filters()
 pairs()
 walks()
 cavities()
+queries()
 for line in ('{ H in [0, %s] -> 24 * (H * H * sqrt(H)) <= 1b53 }' % g(Fraction(constant('PBW__EXACT_HEIGHT3'))),
              '{ H in [0, %s] -> 6 * (H * H) <= 1b53 }' % g(Fraction(constant('PBW__EXACT_HEIGHT2')))):
     report(line, gappa(line))
