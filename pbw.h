@@ -86,6 +86,20 @@
      -0.0 equals 0.0.  The others are listed in mesh.canonical.
      Hidden points (weights only).  A point whose power cell is empty is no vertex; mesh.incident says PBW_NONE.
 
+   GLOSSARY  (the one meaning of a word in what follows)
+     facet    of a simplex: an edge in the plane, a triangle in space; a ridge is a facet of that
+     star     the simplices round a vertex; cavity: the simplices in conflict with a point, which its star replaces
+     ghost    the vertex at infinity; a ghost simplex joins it to a facet of the hull
+     lift     |p|^2 - w, the height of a point on the paraboloid; height of a row: what bounds its rounding errors
+     rank     the place of a vertex along the Hilbert curve; a span is a sequence of ranks
+     level    the ranks that are inserted before finer ones
+     slot     where the store keeps a simplex; a region is the slots for a span; a fresh slot was never used
+     zone     the ranks of one or more regions that one task owns at a time
+     cell     a box of a grid; a power cell where that is said
+     run      points in one cell of the curve's grid: equal keys
+     task     a call of a function on some thread; a share is one task's part of the items
+     open     a sign that a stage of a predicate does not know
+
    COMPILING
      C99 or later, C++11 or later.  Optimise (-O2): without that every call takes eight times as long.  32-bit x86
      needs -msse2 -mfpmath=sse.
@@ -1710,8 +1724,8 @@ static void pbw__context_start(pbw__context *context, const pbw_options *options
 }
 
 /* Begins a call of the interface on `count` points, which enters a stage.  Returns PBW_OK or the reason to end it;
-   pbw__close must follow in either case. */
-static pbw_status pbw__open(pbw__context *context, const pbw_options *options, size_t count, pbw_stage stage)
+   pbw__end_call must follow in either case. */
+static pbw_status pbw__begin_call(pbw__context *context, const pbw_options *options, size_t count, pbw_stage stage)
 {
     pbw__context_start(context, options, count);
     context->fp = pbw__fp_enter();
@@ -1724,7 +1738,7 @@ static pbw_status pbw__open(pbw__context *context, const pbw_options *options, s
     return pbw__enter_stage(context, stage) ? PBW_CANCELLED : PBW_OK;
 }
 
-static pbw_status pbw__close(pbw__context *context, pbw_status status)
+static pbw_status pbw__end_call(pbw__context *context, pbw_status status)
 {
     status = status == PBW_OK && pbw__report(context, 1.0) ? PBW_CANCELLED : status;
     pbw__team_stop(context);
@@ -3954,7 +3968,7 @@ typedef uint32_t pbw__link;
 #define PBW__GHOST 0u
 #define PBW__LEFT ((pbw_status)15)                   /* not inserted: for the next round of >>parallel */
 #define PBW__NO_FIT ((pbw_status)14)                 /* not inserted: the cavity does not fit >>cavity2's ring */
-#define PBW__FOREIGN (PBW_NONE - 1)                  /* a walk's answer: it would lead out of our cells */
+#define PBW__FOREIGN (PBW_NONE - 1)                  /* a walk's answer: it would lead out of our zones */
 
 /* The simplices, shared by all threads. */
 typedef struct pbw__store {
@@ -3981,18 +3995,18 @@ typedef struct pbw__slots {
     int no_room;                                     /* the store has no more blocks */
 } pbw__slots;
 
-/* >>parallel: the cells that one task owns. */
-#define PBW__CLAIMS 2048                             /* cells that a task owns, at most */
-#define PBW__NOBODY 255                              /* the owner of a cell that any task may take */
+/* >>parallel: the zones that one task owns. */
+#define PBW__CLAIMS 2048                             /* zones that a task owns, at most */
+#define PBW__NOBODY 255                              /* the owner of a zone that any task may take */
 typedef struct pbw__ownership {
-    uint8_t *owner;                                  /* per cell: the task that owns it; NULL: all cells are ours */
+    uint8_t *owner;                                  /* per zone: the task that owns it; NULL: all zones are ours */
     uint8_t me, share;                               /* this task; the share of the vertices that it works on */
-    uint8_t blocker;                                 /* the owner of the last cell that was not to be had */
-    int owner_bits;                                  /* vertex >> owner_bits is the number of its cell */
-    int renewed;                                     /* simplices were made since cells were last given back */
+    uint8_t blocker;                                 /* the owner of the last zone that was not to be had */
+    int owner_bits;                                  /* vertex >> owner_bits is the number of its zone */
+    int renewed;                                     /* simplices were made since zones were last given back */
     int claim_count;
     size_t missed;                                   /* tries of the round in vain */
-    pbw_index claim[PBW__CLAIMS];                    /* our cells */
+    pbw_index claim[PBW__CLAIMS];                    /* our zones */
 } pbw__ownership;
 
 /* A simplex of the cavity: its corners, their local numbers, and the links across from them (3D). */
@@ -4037,7 +4051,7 @@ typedef struct pbw__scratch {
 /* One thread's view of a triangulation. */
 typedef struct pbw__kernel {
     char apart[128];                                 /* against false sharing */
-    uint8_t asked;                                   /* >>parallel: another task needs one of our cells */
+    uint8_t asked;                                   /* >>parallel: another task needs one of our zones */
     char asked_apart[127];                           /* others write `asked`, and we read it after each vertex */
     pbw__context *context;
     pbw__store *store;
@@ -4134,9 +4148,9 @@ static PBW__NOINLINE int pbw__in_conflict(pbw__kernel *kernel, pbw_index t, cons
     return pbw__conflict(dim, x, p, kernel->grid);
 }
 
-/* Ownership, defined in >>parallel: whether this thread owns a vertex or a cell of them, may delete a simplex, may
+/* Ownership, defined in >>parallel: whether this thread owns a vertex or a zone of them, may delete a simplex, may
    cross a facet. */
-PBW__INLINE int pbw__owns_cell(pbw__kernel *kernel, size_t cell);
+PBW__INLINE int pbw__owns_zone(pbw__kernel *kernel, size_t zone);
 PBW__INLINE int pbw__owns(pbw__kernel *kernel, pbw_index v);
 PBW__INLINE unsigned pbw__is_ours(const pbw__kernel *kernel, pbw_index v);
 PBW__INLINE int pbw__may_delete(pbw__kernel *kernel, pbw_index t);
@@ -4152,7 +4166,7 @@ static PBW__NOINLINE int pbw__may_delete_all(pbw__kernel *kernel, const pbw__car
    Out: slots for the star.
    Holds: a slot is in a simplex, free in one thread's list, or was never used.
 
-   Each run of ranks has a region of slots: a star takes the slots of its cavity, and what it needs more from the
+   Each span of ranks has a region of slots: a star takes the slots of its cavity, and what it needs more from the
    region of its vertex.  Ranks follow the Hilbert curve; so what is close in space is close in memory, whenever it
    was made, and the output finds the simplices nearly in order.  Past the regions lies the tail, for regions that are
    full.
@@ -4300,7 +4314,7 @@ static PBW__NOINLINE void pbw__enter_region(pbw__kernel *kernel, size_t region)
     kernel->slots.fresh_end = pbw__region_end(store, region);
     hint = store->hint[region];
     if (!near && hint != PBW_NONE && kernel->corner[4 * (size_t)hint] != PBW_NONE) {
-        kernel->last = hint;            /* the last vertex may be far away, or in another task's cells */
+        kernel->last = hint;            /* the last vertex may be far away, or in another task's zones */
     }
     kernel->last_entered = kernel->last;
 }
@@ -4419,13 +4433,13 @@ PBW__INLINE pbw_status pbw__take_slots(pbw__kernel *kernel)
    the point strictly on its far side.  It ends, because in a Delaunay or regular triangulation the relation "in front
    of, seen from a fixed point" has no cycle (Edelsbrunner 1990, "An acyclicity theorem for cell complexes in d
    dimensions"), and every step is taken on an exact sign.  Of several such facets any will do; the path is shorter
-   through the one with the most negative volume, in 2D by a rule of its own.  What overflows or vanishes there makes
-   it longer at worst.  The four orientations S_i also give the sphere test, sum(lift_i * S_i), so the walk stops at
-   the first simplex that is certainly in conflict; its neighbourhood is the cavity's all the same.
+   through the one with the most negative volume; vectors in 2D have a rule of their own.  What overflows or vanishes
+   there makes it longer at worst.  The four orientations S_i also give the sphere test, sum(lift_i * S_i), so the
+   walk stops at the first simplex that is certainly in conflict; its neighbourhood is the cavity's all the same.
 
    Errors: see >>predicates.  An orientation S is compared as S^2 with the square of its bound, h raised to 1e-55 if
-   it is less; in 2D as it is.  Where something overflows the bound is infinite, or a comparison with it false.  On a
-   small grid (>>cavity3) the bound of 2D is less than a unit^2: a side that it leaves open is zero.
+   it is less; with vectors in 2D as it is.  Where something overflows the bound is infinite, or a comparison with it
+   false.  On a small grid (>>cavity3) the bound of 2D is less than a unit^2: a side that it leaves open is zero.
    ------------------------------------------------------------------------------------------------------ */
 PBW__INLINE double pbw__det3(const double *a, const double *b, const double *c)
 {
@@ -4433,52 +4447,66 @@ PBW__INLINE double pbw__det3(const double *a, const double *b, const double *c)
          + a[2] * (b[0] * c[1] - b[1] * c[0]);
 }
 
-/* The row (x, y, z, lift) of a vertex relative to p, zero for the ghost; returns its height. */
-PBW__INLINE double pbw__row3(const pbw__kernel *kernel, pbw_index v, const double *p, double *row)
+/* The row of a vertex relative to p: coordinates and lift, zero for the ghost.  Returns its height. */
+PBW__INLINE double pbw__row(const pbw__kernel *kernel, pbw_index v, const double *p, double *row, int dim)
 {
-    const double *record = pbw__record3(kernel, v);
-    double square, weight = record[3] - p[3];
+    const double *record = kernel->record + (size_t)v * (size_t)(dim + 1);
+    double square, weight = record[dim] - p[dim];
     if (v == PBW__GHOST) {
-        row[0] = row[1] = row[2] = row[3] = 0.0;
+        row[0] = row[1] = row[2] = row[dim] = 0.0;
         return 0.0;
     }
     row[0] = record[0] - p[0];
     row[1] = record[1] - p[1];
-    row[2] = record[2] - p[2];
-    square = row[0] * row[0] + row[1] * row[1] + row[2] * row[2];
-    row[3] = square - weight;
+    square = row[0] * row[0] + row[1] * row[1];
+    if (dim == 3) {
+        row[2] = record[2] - p[2];
+        square = square + row[2] * row[2];
+    }
+    row[dim] = square - weight;
     return square + pbw__abs(weight);
 }
 
 #ifdef PBW__SIMD
-/* Four rows by columns, a vertex in each lane.  Lanes of the ghost are zero and marked; where there is no hull, the
-   caller knows that no vertex is the ghost. */
-typedef struct pbw__rows3 { pbw__d4 x, y, z, lift, height, ghost; } pbw__rows3;
-typedef struct pbw__point3 { pbw__d4 x, y, z, weight; int weighted; } pbw__point3;
+/* Four rows by columns, a vertex in each lane; in the plane z is zero.  Lanes of the ghost are zero and marked; where
+   there is no hull, the caller knows that no vertex is the ghost. */
+typedef struct pbw__rows4 { pbw__d4 x, y, z, lift, height, ghost; } pbw__rows4;
+typedef struct pbw__point4 { pbw__d4 x, y, z, weight; const double *p; int dim, weighted; } pbw__point4;
 
 #define PBW__CORNER_A(x) PBW__PICK(x, 1, 2, 0, 0) /* pbw__facet_corners by columns */
 #define PBW__CORNER_B(x) PBW__PICK(x, 2, 0, 1, 2)
 #define PBW__CORNER_C(x) PBW__PICK(x, 3, 3, 3, 1)
+#define PBW__EDGE_START(x) PBW__PICK(x, 1, 2, 0, 1)   /* in the plane: the edge across starts there */
+#define PBW__EDGE_END(x) PBW__PICK(x, 2, 0, 1, 2) /* and ends there */
 
-PBW__SIMD_INLINE pbw__point3 pbw__point3_of(const double *p, int weighted)
+/* dim and weighted are constants. */
+PBW__SIMD_INLINE pbw__point4 pbw__point4_of(const double *p, int dim, int weighted)
 {
-    pbw__point3 point;
+    pbw__point4 point;
     point.x = pbw__splat(p[0]);
     point.y = pbw__splat(p[1]);
-    point.z = pbw__splat(p[2]);
-    point.weight = pbw__splat(p[3]);
+    point.z = pbw__splat(dim == 3 ? p[2] : 0.0);
+    point.weight = pbw__splat(p[dim]);
+    point.p = p;
+    point.dim = dim;
     point.weighted = weighted;
     return point;
 }
 
-PBW__SIMD_INLINE pbw__rows3 pbw__rows3_of(const double *record, const pbw_index *v, int hull, const pbw__point3 *p)
+PBW__SIMD_INLINE pbw__rows4 pbw__rows4_of(const double *record, const pbw_index *v, int hull, const pbw__point4 *p)
 {
-    const double *a = record + 4 * (size_t)v[0], *b = record + 4 * (size_t)v[1], *c = record + 4 * (size_t)v[2],
-                 *d = record + 4 * (size_t)v[3];
-    pbw__d4 x, y, z, w;
-    pbw__rows3 rows;
+    const int dim = p->dim;
+    const size_t step = (size_t)dim + 1;
+    const double *a = record + step * v[0], *b = record + step * v[1], *c = record + step * v[2],
+                 *d = record + step * v[3];
+    pbw__d4 x, y, z = pbw__splat(0.0), w = z;
+    pbw__rows4 rows;
     pbw__columns(a, b, c, d, &x, &y);
-    pbw__columns(a + 2, b + 2, c + 2, d + 2, &z, &w);
+    if (dim == 3) {
+        pbw__columns(a + 2, b + 2, c + 2, d + 2, &z, &w);
+    } else if (p->weighted) {
+        w = pbw__four(a[2], b[2], c[2], d[2]);
+    }
     rows.x = x - p->x;
     rows.y = y - p->y;
     rows.z = z - p->z;
@@ -4487,53 +4515,15 @@ PBW__SIMD_INLINE pbw__rows3 pbw__rows3_of(const double *record, const pbw_index 
         rows.ghost = pbw__equal(x, pbw__splat(HUGE_VAL));
         rows.x = pbw__andnot4(rows.ghost, rows.x);
         rows.y = pbw__andnot4(rows.ghost, rows.y);
-        rows.z = pbw__andnot4(rows.ghost, rows.z);
+        rows.z = dim == 3 ? pbw__andnot4(rows.ghost, rows.z) : rows.z;
     }
-    rows.lift = rows.height = pbw__fma(rows.z, rows.z, pbw__fma(rows.y, rows.y, rows.x * rows.x));
+    rows.lift = pbw__fma(rows.y, rows.y, rows.x * rows.x);
+    if (dim == 3) {
+        rows.lift = pbw__fma(rows.z, rows.z, rows.lift);
+    }
+    rows.height = rows.lift;
     if (p->weighted) {
         pbw__d4 weight = pbw__andnot4(rows.ghost, w - p->weight);
-        rows.lift = rows.lift - weight;
-        rows.height = rows.height + pbw__abs4(weight);
-    }
-    return rows;
-}
-
-/* The same in the plane. */
-typedef struct pbw__rows2 { pbw__d4 x, y, lift, height, ghost; } pbw__rows2;
-typedef struct pbw__point2 { pbw__d4 x, y, weight; const double *p; int weighted; } pbw__point2;
-
-#define PBW__EDGE_START(x) PBW__PICK(x, 1, 2, 0, 1)   /* the edge across starts there */
-#define PBW__EDGE_END(x) PBW__PICK(x, 2, 0, 1, 2) /* and ends there */
-
-PBW__SIMD_INLINE pbw__point2 pbw__point2_of(const double *p, int weighted)
-{
-    pbw__point2 point;
-    point.x = pbw__splat(p[0]);
-    point.y = pbw__splat(p[1]);
-    point.weight = pbw__splat(p[2]);
-    point.p = p;
-    point.weighted = weighted;
-    return point;
-}
-
-PBW__SIMD_INLINE pbw__rows2 pbw__rows2_of(const double *record, const pbw_index *v, int hull, pbw__point2 p)
-{
-    const double *a = record + 3 * (size_t)v[0], *b = record + 3 * (size_t)v[1], *c = record + 3 * (size_t)v[2],
-                 *d = record + 3 * (size_t)v[3];
-    pbw__d4 x, y;
-    pbw__rows2 rows;
-    pbw__columns(a, b, c, d, &x, &y);
-    rows.x = x - p.x;
-    rows.y = y - p.y;
-    rows.ghost = pbw__splat(0.0);
-    if (hull) {                                      /* the ghost's record is at infinity */
-        rows.ghost = pbw__equal(x, pbw__splat(HUGE_VAL));
-        rows.x = pbw__andnot4(rows.ghost, rows.x);
-        rows.y = pbw__andnot4(rows.ghost, rows.y);
-    }
-    rows.lift = rows.height = pbw__fma(rows.y, rows.y, rows.x * rows.x);
-    if (p.weighted) {
-        pbw__d4 weight = pbw__andnot4(rows.ghost, pbw__four(a[2], b[2], c[2], d[2]) - p.weight);
         rows.lift = rows.lift - weight;
         rows.height = rows.height + pbw__abs4(weight);
     }
@@ -4563,41 +4553,45 @@ PBW__INLINE pbw_index pbw__walk_start(const pbw__kernel *kernel, pbw_index t, in
     return kernel->corner[last] == PBW__GHOST ? (pbw_index)(kernel->link[last] >> 2) : t;
 }
 
-/* A simplex in conflict with p, or PBW_NONE if p is hidden. */
-static pbw_index pbw__locate3_scalar(pbw__kernel *kernel, pbw_index t, const double *p)
+/* Returns a simplex in conflict with p, or PBW_NONE if p is hidden. */
+PBW__INLINE pbw_index pbw__locate_of(pbw__kernel *kernel, pbw_index t, const double *p, int dim)
 {
-    t = pbw__walk_start(kernel, t, 3);
-    for (;;) {
+    const unsigned corners = (unsigned)dim + 1;
+    for (t = pbw__walk_start(kernel, t, dim); ; ) {
         const pbw_index *v = kernel->corner + 4 * (size_t)t;
-        double u[4][4], side[4], bound, lowest = 0.0, power = 0.0, height = 1e-55;
-        unsigned i, exit = 4, inner = 0;
+        double u[4][4], side, bound, limit, square, lowest = 0.0, power = 0.0, height = 1e-55;
+        unsigned i, exit = corners, inner = 0;
         kernel->statistics.walk_steps++;
-        if (v[3] == PBW__GHOST) {
+        if (v[dim] == PBW__GHOST) {
             return t;
         }
-        for (i = 0; i < 4; i++) {
-            height = pbw__max(height, pbw__row3(kernel, v[i], p, u[i]));
+        for (i = 0; i < corners; i++) {
+            height = pbw__max(height, pbw__row(kernel, v[i], p, u[i], dim));
         }
-        bound = height * height * height * (PBW__ORIENT3_ERROR * PBW__ORIENT3_ERROR);
-        for (i = 0; i < 4; i++) {
+        square = height * height;
+        bound = square * (dim == 3 ? height * (PBW__ORIENT3_ERROR * PBW__ORIENT3_ERROR)
+                                   : PBW__ORIENT2_ERROR * PBW__ORIENT2_ERROR);
+        limit = square * square * (dim == 3 ? height * (PBW__SPHERE_ERROR * PBW__SPHERE_ERROR)
+                                            : PBW__CIRCLE_ERROR * PBW__CIRCLE_ERROR);
+        for (i = 0; i < corners; i++) {
             const unsigned char *corner = pbw__facet_corners[i] + 1;
-            side[i] = pbw__det3(u[corner[0]], u[corner[1]], u[corner[2]]);
-            power += u[i][3] * side[i];
-            if (side[i] * side[i] > bound) {
-                inner |= (unsigned)(side[i] > 0.0) << i;
-                if (side[i] < lowest) {
-                    lowest = side[i];
+            const double *a = u[dim == 3 ? corner[0] : (i + 1) % 3], *b = u[dim == 3 ? corner[1] : (i + 2) % 3];
+            side = dim == 3 ? pbw__det3(a, b, u[corner[2]]) : a[0] * b[1] - a[1] * b[0];
+            power += u[i][dim] * side;
+            if (side * side > bound) {
+                inner |= (unsigned)(side > 0.0) << i;
+                if (side < lowest) {
+                    lowest = side;
                     exit = i;
                 }
             }
         }
-        if (power > 0.0 && power * power > height * height * (height * height) * height
-                                               * (PBW__SPHERE_ERROR * PBW__SPHERE_ERROR)) {
+        if (power > 0.0 && power * power > limit) {
             return t;
         }
-        if (exit == 4) {
+        if (exit == corners) {
             exit = pbw__exit(kernel, t, p, inner);
-            if (exit == 4) {                         /* inside; only a weighted point can then be out of conflict */
+            if (exit == corners) {                   /* inside; only a weighted point can then be out of conflict */
                 return !kernel->weighted || pbw__in_conflict(kernel, t, p) ? t : PBW_NONE;
             }
         }
@@ -4609,22 +4603,27 @@ static pbw_index pbw__locate3_scalar(pbw__kernel *kernel, pbw_index t, const dou
     }
 }
 
+static pbw_index pbw__locate_scalar(pbw__kernel *kernel, pbw_index t, const double *p)
+{
+    return kernel->dim == 3 ? pbw__locate_of(kernel, t, p, 3) : pbw__locate_of(kernel, t, p, 2);
+}
+
 #ifdef PBW__SIMD
 /* The walk with vectors, a facet in each lane. */
 PBW__SIMD_INLINE pbw_index pbw__locate3_simd(pbw__kernel *kernel, pbw_index t, const double *p, int weighted)
 {
-    const pbw__point3 point = pbw__point3_of(p, weighted);
+    const pbw__point4 point = pbw__point4_of(p, 3, weighted);
     t = pbw__walk_start(kernel, t, 3);
     for (;;) {
         const pbw_index *v = kernel->corner + 4 * (size_t)t;
         pbw__d4 ax, ay, az, bx, by, bz, cx, cy, cz, side, lowest, power, h, square, rounded, bound, limit;
-        pbw__rows3 r;
+        pbw__rows4 r;
         unsigned outer, exit;
         kernel->statistics.walk_steps++;
         if (v[3] == PBW__GHOST) {
             return t;
         }
-        r = pbw__rows3_of(kernel->record, v, 0, &point);
+        r = pbw__rows4_of(kernel->record, v, 0, &point);
         ax = PBW__CORNER_A(r.x), ay = PBW__CORNER_A(r.y), az = PBW__CORNER_A(r.z);
         bx = PBW__CORNER_B(r.x), by = PBW__CORNER_B(r.y), bz = PBW__CORNER_B(r.z);
         cx = PBW__CORNER_C(r.x), cy = PBW__CORNER_C(r.y), cz = PBW__CORNER_C(r.z);
@@ -4659,53 +4658,6 @@ PBW__SIMD_INLINE pbw_index pbw__locate3_simd(pbw__kernel *kernel, pbw_index t, c
     }
 }
 #endif
-
-/* In 2D: leaves through the edge that maximises (distance outside) x (distance of the opposite corner).  With the
-   distance outside alone, a long thin triangle with p near a corner would be left through the far edge. */
-static pbw_index pbw__locate2_scalar(pbw__kernel *kernel, pbw_index t, const double *p)
-{
-    t = pbw__walk_start(kernel, t, 2);
-    for (;;) {
-        const pbw_index *v = kernel->corner + 4 * (size_t)t;
-        double u[3][2], side[3], size = 0.0, bound, farthest = -1.0;
-        unsigned i, exit = 3;
-        kernel->statistics.walk_steps++;
-        if (v[2] == PBW__GHOST) {
-            return t;
-        }
-        for (i = 0; i < 3; i++) {
-            const double *record = pbw__record2(kernel, v[i]);
-            u[i][0] = record[0] - p[0];
-            u[i][1] = record[1] - p[1];
-            size = pbw__max(size, pbw__max(pbw__abs(u[i][0]), pbw__abs(u[i][1])));
-        }
-        bound = size > 1e-140 && size < 1e140 ? PBW__ORIENT2_ERROR * size * size : HUGE_VAL;
-        for (i = 0; i < 3; i++) {
-            const double *a = u[i == 2 ? 0 : i + 1], *b = u[i == 0 ? 2 : i - 1];
-            side[i] = a[0] * b[1] - a[1] * b[0];
-        }
-        for (i = 0; i < 3; i++) {
-            const double far = (u[i][0] * u[i][0] + u[i][1] * u[i][1]) * -side[i];
-            if (side[i] < -bound && far > farthest) {
-                farthest = far;
-                exit = i;
-            }
-        }
-        if (exit == 3) {
-            unsigned inner = (unsigned)(side[0] > bound) | (unsigned)(side[1] > bound) << 1
-                           | (unsigned)(side[2] > bound) << 2;
-            exit = pbw__exit(kernel, t, p, inner);
-            if (exit == 3) {
-                return !kernel->weighted || pbw__in_conflict(kernel, t, p) ? t : PBW_NONE;
-            }
-        }
-        if (PBW__UNLIKELY(kernel->own.owner != NULL) && !pbw__may_cross(kernel, t, exit)) {
-            kernel->last = t;
-            return PBW__FOREIGN;
-        }
-        t = (pbw_index)(kernel->link[4 * (size_t)t + exit] >> 2);
-    }
-}
 
 #ifdef PBW__SIMD
 /* The bound on the error of an in-circle determinant of rows no higher than h. */
@@ -4746,12 +4698,14 @@ PBW__INLINE pbw_index pbw__walk_hull(pbw__kernel *kernel, pbw_index t, const dou
     return PBW_NONE;
 }
 
-/* The same with vectors, an edge in each lane.  *rows: those of a finite triangle; the fourth is the first again. */
+/* The walk in the plane with vectors, an edge in each lane.  *rows: those of a finite triangle; the fourth is the
+   first again.  Leaves through the edge that maximises (distance outside) x (distance of the opposite corner): with
+   the distance outside alone, a long thin triangle with p near a corner would be left through the far edge. */
 PBW__SIMD_INLINE pbw_index pbw__locate2_simd(pbw__kernel *kernel, pbw_index t, const double *p, int weighted,
-                                             pbw__rows2 *rows)
+                                             pbw__rows4 *rows)
 {
     const pbw_index *corner = kernel->corner;
-    const pbw__point2 point = pbw__point2_of(p, weighted);
+    const pbw__point4 point = pbw__point4_of(p, 2, weighted);
     size_t steps = 1;
     if (PBW__UNLIKELY(corner[4 * (size_t)t + 2] == PBW__GHOST)) {
         pbw_index ghost = pbw__walk_hull(kernel, t, p);
@@ -4768,7 +4722,7 @@ PBW__SIMD_INLINE pbw_index pbw__locate2_simd(pbw__kernel *kernel, pbw_index t, c
         }
         {
             const pbw_index four[4] = { v[0], v[1], v[2], v[0] };
-            *rows = pbw__rows2_of(kernel->record, four, 0, point);
+            *rows = pbw__rows4_of(kernel->record, four, 0, &point);
         }
         sx = PBW__EDGE_START(rows->x), sy = PBW__EDGE_START(rows->y), sh = PBW__EDGE_START(rows->height);
         ex = PBW__EDGE_END(rows->x), ey = PBW__EDGE_END(rows->y), eh = PBW__EDGE_END(rows->height);
@@ -4848,19 +4802,19 @@ PBW__INLINE pbw_status pbw__located(pbw__kernel *kernel, pbw_index t)
    ------------------------------------------------------------------------------------------------------ */
 /* Returns the local number of a vertex.  Branchless but for collisions, which are rare: whether the vertex is new is
    unpredictable.  A collision is one comparison: compilers would make two branches of two. */
-PBW__INLINE uint32_t pbw__local(uint64_t *slot, uint64_t stamp, uint32_t *count, pbw_index v)
+PBW__INLINE uint32_t pbw__local(uint64_t *table, uint64_t stamp, uint32_t *count, pbw_index v)
 {
     const uint64_t key = stamp | (uint64_t)v * PBW__LOCALS;
     uint64_t found;
     uint32_t at = (v * 0x9e3779b1u) >> 22, number, old;
-    for (found = slot[at] ^ key; PBW__UNLIKELY(found - PBW__LOCALS < PBW__STAMP - PBW__LOCALS);
-         found = slot[at] ^ key) {
+    for (found = table[at] ^ key; PBW__UNLIKELY(found - PBW__LOCALS < PBW__STAMP - PBW__LOCALS);
+         found = table[at] ^ key) {
         at = (at + 1) % PBW__TABLE;
     }
     old = found < PBW__LOCALS;
     number = old ? (uint32_t)found : *count;
     *count += old ^ 1u;
-    slot[at] = key | number;
+    table[at] = key | number;
     return number;
 }
 
@@ -5029,11 +4983,11 @@ PBW__SIMD_INLINE void pbw__search_sort4(pbw__search *search, pbw_index facet, co
 #ifdef PBW__SIMD
 typedef struct pbw__pairs4 { pbw__pair4 x, y, z, lift; pbw__d4 height; } pbw__pairs4;
 
-PBW__SIMD_INLINE pbw__pairs4 pbw__pairs4_of(const double *record, const pbw_index *v, const pbw__point3 *p)
+PBW__SIMD_INLINE pbw__pairs4 pbw__pairs4_of(const double *record, const pbw_index *v, const pbw__point4 *p)
 {
     const pbw__d4 zero = pbw__splat(0.0);
-    const pbw__point3 origin = { zero, zero, zero, zero, 0 };
-    pbw__rows3 at = pbw__rows3_of(record, v, 1, &origin);
+    const pbw__point4 origin = { zero, zero, zero, zero, NULL, 3, 0 };
+    pbw__rows4 at = pbw__rows4_of(record, v, 1, &origin);
     pbw__pairs4 rows;
     rows.x = pbw__difference4(at.x, p->x, at.ghost);
     rows.y = pbw__difference4(at.y, p->y, at.ghost);
@@ -5061,7 +5015,7 @@ PBW__SIMD_INLINE void pbw__lift_ghosts4(pbw__pairs4 *rows, const pbw_index *v, p
 PBW__SIMD static PBW__NOINLINE unsigned pbw__power4_pairs(const double *record, const pbw_index *v,
                                                           const pbw_index *far, const double *p, unsigned *inside)
 {
-    const pbw__point3 point = pbw__point3_of(p, 0);
+    const pbw__point4 point = pbw__point4_of(p, 3, 0);
     pbw__pairs4 r = pbw__pairs4_of(record, v, &point), o = pbw__pairs4_of(record, far, &point), a, b, c;
     pbw__pair4 xy, xz, yz, xl, yl, zl, det;
     pbw__d4 height = pbw__max_lane(r.height), h = pbw__max4(height, o.height), limit = h * h;
@@ -5094,10 +5048,10 @@ PBW__SIMD_INLINE pbw__d4 pbw__dot4(pbw__d4 x, pbw__d4 y, pbw__d4 z, pbw__d4 u, p
 PBW__SIMD static PBW__NOINLINE unsigned pbw__ties4(const double *record, const pbw_index *v, const pbw_index *far,
                                                    const double *p)
 {
-    const pbw__point3 point = pbw__point3_of(p, 0);
+    const pbw__point4 point = pbw__point4_of(p, 3, 0);
     const pbw__d4 zero = pbw__splat(0.0), radix = pbw__splat(2048.0);
-    pbw__rows3 r = pbw__rows3_of(record, v, 1, &point);
-    pbw__rows3 o = pbw__rows3_of(record, far, 1, &point);
+    pbw__rows4 r = pbw__rows4_of(record, v, 1, &point);
+    pbw__rows4 o = pbw__rows4_of(record, far, 1, &point);
     pbw__d4 ax = PBW__CORNER_A(r.x), ay = PBW__CORNER_A(r.y), az = PBW__CORNER_A(r.z);
     pbw__d4 bx = PBW__CORNER_B(r.x), by = PBW__CORNER_B(r.y), bz = PBW__CORNER_B(r.z);
     pbw__d4 cx = PBW__CORNER_C(r.x), cy = PBW__CORNER_C(r.y), cz = PBW__CORNER_C(r.z);
@@ -5180,7 +5134,7 @@ static pbw_status pbw__carve3_scalar(pbw__kernel *kernel, pbw_index t, const dou
         link = search.carved[i].link;
         v = search.carved[i].v;
         for (k = 0; k < 4; k++) {
-            height = pbw__max(height, pbw__row3(kernel, v[k], p, row[k]));
+            height = pbw__max(height, pbw__row(kernel, v[k], p, row[k], 3));
         }
         row[3][3] = v[3] == PBW__GHOST ? height : row[3][3];
         for (k = 0; k < 4; k++) {
@@ -5192,7 +5146,7 @@ static pbw_status pbw__carve3_scalar(pbw__kernel *kernel, pbw_index t, const dou
             if (PBW__LOAD(search.mark + (link[k] >> 2))) {
                 continue;
             }
-            h = pbw__max(pbw__max(height, pbw__row3(kernel, far, p, row[4])), 1e-55);
+            h = pbw__max(pbw__max(height, pbw__row(kernel, far, p, row[4], 3)), 1e-55);
             row[4][3] = far == PBW__GHOST ? height : row[4][3];
             xy = b[0] * c[1] - b[1] * c[0], xz = b[0] * c[2] - b[2] * c[0], yz = b[1] * c[2] - b[2] * c[1];
             xl = b[0] * c[3] - b[3] * c[0], yl = b[1] * c[3] - b[3] * c[1], zl = b[2] * c[3] - b[3] * c[2];
@@ -5267,15 +5221,15 @@ PBW__SIMD_INLINE pbw__d4 pbw__take_over(pbw__d4 a, pbw__d4 b, pbw__d4 lane, pbw_
 
 /* The rows of the i-th simplex of the cavity, numbered on the way; the ghost's is raised, so minors need not wait for
    the height.  Rows that are still held are taken over. */
-PBW__SIMD_INLINE pbw__rows3 pbw__carve_rows(pbw__search *search, size_t i, pbw__link link, const double *record,
-                                            const pbw__point3 *point, const pbw__latest *latest)
+PBW__SIMD_INLINE pbw__rows4 pbw__carve_rows(pbw__search *search, size_t i, pbw__link link, const double *record,
+                                            const pbw__point4 *point, const pbw__latest *latest)
 {
     const pbw_index facet = search->parent[i];
-    pbw__rows3 r;
+    pbw__rows4 r;
     if (PBW__UNLIKELY(i - (facet >> 2) >= PBW__HELD)) {
         pbw__d4 height;
         pbw__search_number(search, i, link);
-        r = pbw__rows3_of(record, search->carved[i].v, 1, point);
+        r = pbw__rows4_of(record, search->carved[i].v, 1, point);
         height = pbw__max_lane(r.height);
         r.lift = pbw__blend_zero(r.lift, r.ghost, height);
         r.height = pbw__blend_zero(r.height, r.ghost, height);
@@ -5294,7 +5248,7 @@ PBW__SIMD_INLINE pbw__rows3 pbw__carve_rows(pbw__search *search, size_t i, pbw__
 }
 
 /* The determinants of the neighbours: rows r of the simplex, rows o of the far vertices. */
-PBW__SIMD_INLINE pbw__d4 pbw__sphere4(const pbw__rows3 *r, const pbw__rows3 *o)
+PBW__SIMD_INLINE pbw__d4 pbw__sphere4(const pbw__rows4 *r, const pbw__rows4 *o)
 {
     const pbw__d4 ax = PBW__CORNER_A(r->x), ay = PBW__CORNER_A(r->y), az = PBW__CORNER_A(r->z);
     const pbw__d4 bx = PBW__CORNER_B(r->x), by = PBW__CORNER_B(r->y), bz = PBW__CORNER_B(r->z);
@@ -5311,7 +5265,7 @@ PBW__SIMD_INLINE pbw__d4 pbw__sphere4(const pbw__rows3 *r, const pbw__rows3 *o)
 /* The search with vectors, a facet in each lane. */
 PBW__SIMD_INLINE pbw_status pbw__carve3_simd(pbw__kernel *kernel, pbw_index t, const double *p, int weighted)
 {
-    const pbw__point3 point = pbw__point3_of(p, weighted);
+    const pbw__point4 point = pbw__point4_of(p, 3, weighted);
     const pbw__d4 exact_height = pbw__splat(kernel->exact_height);
     const pbw_index *corner = kernel->corner;
     const double *record = kernel->record;
@@ -5324,7 +5278,7 @@ PBW__SIMD_INLINE pbw_status pbw__carve3_simd(pbw__kernel *kernel, pbw_index t, c
         const size_t met = search.parent[i] >> 2;    /* the simplex from which this one was reached */
         pbw__held *here = latest.held + i % PBW__HELD;
         pbw__link link;
-        pbw__rows3 r, o;
+        pbw__rows4 r, o;
         pbw__d4 height, det, h, limit, rounded;
         unsigned certain, inside;
         if (PBW__UNLIKELY(!pbw__search_room(kernel, &search))) {
@@ -5336,7 +5290,7 @@ PBW__SIMD_INLINE pbw_status pbw__carve3_simd(pbw__kernel *kernel, pbw_index t, c
         {
             const pbw__link *around = search.link + (link & ~(pbw__link)3);      /* carved->link is being written */
             const pbw_index far[4] = { corner[around[0]], corner[around[1]], corner[around[2]], corner[around[3]] };
-            o = pbw__rows3_of(record, far, 1, &point);
+            o = pbw__rows4_of(record, far, 1, &point);
         }
         o.lift = pbw__blend_zero(o.lift, o.ghost, height);
         here->x = r.x, here->y = r.y, here->z = r.z, here->lift = r.lift;
@@ -5377,26 +5331,26 @@ PBW__SIMD_INLINE pbw_status pbw__carve3_simd(pbw__kernel *kernel, pbw_index t, c
    its corner in a hash, the second finds it there. */
 static PBW__NOINLINE pbw_status pbw__sew3_wide(pbw__kernel *kernel)
 {
-    size_t slots = 256, i;
+    size_t size = 256, i;
     unsigned k;
-    while (slots < 3 * kernel->scratch.facet_count) {        /* 3 edges for 2 facets: at most half full */
-        slots *= 2;
+    while (size < 3 * kernel->scratch.facet_count) {        /* 3 edges for 2 facets: at most half full */
+        size *= 2;
     }
-    if (slots > kernel->scratch.wide_capacity
-        && !PBW__RESIZE(&kernel->context->memory, &kernel->scratch, wide, slots)) {
+    if (size > kernel->scratch.wide_capacity
+        && !PBW__RESIZE(&kernel->context->memory, &kernel->scratch, wide, size)) {
         return PBW_ERROR_MEMORY;
     }
-    memset(kernel->scratch.wide, 0, slots * sizeof(pbw__edge));     /* low == high: empty */
+    memset(kernel->scratch.wide, 0, size * sizeof(pbw__edge));     /* low == high: empty */
     for (i = 0; i < kernel->scratch.facet_count; i++) {
         const pbw_index *v = kernel->corner + 4 * (size_t)kernel->scratch.cavity[i];
         for (k = 1; k < 4; k++) {
             pbw_index a = v[k == 1 ? 3 : k - 1], b = v[k == 3 ? 1 : k + 1];
             pbw_index low = a < b ? a : b, high = a < b ? b : a;
             pbw__link here = (pbw__link)kernel->scratch.cavity[i] * 4 + k;
-            size_t at = (size_t)((((uint64_t)low << 32 | high) * 0x9e3779b97f4a7c15u) >> 32) & (slots - 1);
+            size_t at = (size_t)((((uint64_t)low << 32 | high) * 0x9e3779b97f4a7c15u) >> 32) & (size - 1);
             pbw__edge *edge = kernel->scratch.wide + at;
             while (edge->low != edge->high && (edge->low != low || edge->high != high)) {
-                at = (at + 1) & (slots - 1);
+                at = (at + 1) & (size - 1);
                 edge = kernel->scratch.wide + at;
             }
             if (edge->low == edge->high) {
@@ -5531,33 +5485,20 @@ PBW__SIMD_INLINE pbw_status pbw__refill3_simd(pbw__kernel *kernel, pbw_index ver
    computed from 8 h h, which is infinite before a partial sum, of at most 6 h^2, can be.  What it leaves
    open goes to >>predicates.
    ------------------------------------------------------------------------------------------------------ */
-/* det of rows (x, y, lift) of the corners relative to p: > 0 if the triangle is in conflict.  Returns the verdict. */
+/* Returns whether a triangle is in conflict with p. */
 PBW__INLINE int pbw__test2(pbw__kernel *kernel, pbw_index t, const double *p)
 {
     const pbw_index *v = kernel->corner + 4 * (size_t)t;
-    const double *a = pbw__record2(kernel, v[0]), *b = pbw__record2(kernel, v[1]), *c = pbw__record2(kernel, v[2]);
-    double ax = a[0] - p[0], ay = a[1] - p[1], bx = b[0] - p[0], by = b[1] - p[1], limit;
+    double a[3], b[3], c[3], height, det, limit;
     kernel->statistics.conflict_tests++;
-    if (v[2] != PBW__GHOST) {
-        double cx = c[0] - p[0], cy = c[1] - p[1], aw = a[2] - p[2], bw = b[2] - p[2], cw = c[2] - p[2];
-        double a2 = ax * ax + ay * ay, b2 = bx * bx + by * by, c2 = cx * cx + cy * cy;
-        double det =
-            (a2 - aw) * (bx * cy - by * cx) + (b2 - bw) * (cx * ay - cy * ax) + (c2 - cw) * (ax * by - ay * bx);
-        double height = pbw__max(pbw__max(a2 + pbw__abs(aw), b2 + pbw__abs(bw)), c2 + pbw__abs(cw));
-        limit = height > 1e-140 && height < 1e140 ? PBW__CIRCLE_ERROR * height * height : HUGE_VAL;
-        if (det > limit || det < -limit) {
-            return det > 0.0;
-        }
-    } else {
-        double side = ax * by - ay * bx;
-        double size =
-            pbw__max(pbw__max(pbw__abs(ax), pbw__abs(ay)), pbw__max(pbw__abs(bx), pbw__abs(by)));
-        limit = size > 1e-140 && size < 1e140 ? PBW__ORIENT2_ERROR * size * size : HUGE_VAL;
-        if (side > limit || side < -limit) {
-            return side > 0.0;
-        }
-    }
-    return pbw__in_conflict(kernel, t, p);
+    height = pbw__max(pbw__row(kernel, v[0], p, a, 2), pbw__row(kernel, v[1], p, b, 2));
+    height = pbw__max(height, pbw__row(kernel, v[2], p, c, 2));
+    c[2] = v[2] == PBW__GHOST ? height : c[2];
+    det = a[2] * (b[0] * c[1] - b[1] * c[0]) + b[2] * (c[0] * a[1] - c[1] * a[0])
+        + c[2] * (a[0] * b[1] - a[1] * b[0]);
+    height = pbw__max(height, 1e-140);
+    limit = 8.0 * height * height * (PBW__CIRCLE_ERROR / 8.0);
+    return det > limit || det < -limit ? det > 0.0 : pbw__in_conflict(kernel, t, p);
 }
 
 /* 2D.  A depth-first search that looks through the edges of each triangle counter-clockwise meets the boundary in
@@ -5667,7 +5608,7 @@ typedef struct pbw__ring {
 } pbw__ring;
 
 /* Four triangles (o, e, s), met across the edges s e. */
-typedef struct pbw__triangles { pbw__rows2 s, e, o; } pbw__triangles;
+typedef struct pbw__triangles { pbw__rows4 s, e, o; } pbw__triangles;
 
 /* Their determinants, and a bound of the heights. */
 PBW__SIMD_INLINE pbw__d4 pbw__circle4(const pbw__triangles *t, pbw__d4 *height)
@@ -5706,7 +5647,7 @@ PBW__SIMD_INLINE unsigned pbw__test2_simd(const pbw__triangles *t, int hull, uns
 PBW__SIMD static PBW__NOINLINE unsigned pbw__settle2_rows(pbw__kernel *kernel, const pbw__triangles *t,
                                                           unsigned open, unsigned *inside)
 {
-    const pbw__rows2 *const s = &t->s, *const e = &t->e, *const o = &t->o, *const corner[3] = { s, e, o };
+    const pbw__rows4 *const s = &t->s, *const e = &t->e, *const o = &t->o, *const corner[3] = { s, e, o };
     const pbw__d4 zero = pbw__splat(0.0);
     pbw__d4 h, det = pbw__circle4(t, &h);
     pbw__d4 exact = pbw__greater(pbw__splat(kernel->exact_height), h), side[3], x = zero, y = zero;
@@ -5857,7 +5798,7 @@ PBW__SIMD_INLINE pbw_status pbw__ring_split(pbw__kernel *kernel, pbw__ring *ring
 /* Tests the triangles across the next edges of the queue; those in conflict join the cavity.  PBW__NO_FIT: they may
    not fit the ring. */
 PBW__SIMD_INLINE pbw_status pbw__ring_step(pbw__kernel *kernel, pbw__ring *ring, unsigned head,
-                                           const pbw__triangles *t, pbw__point2 point, int hull)
+                                           const pbw__triangles *t, const pbw__point4 *point, int hull)
 {
     unsigned certain, inside = pbw__test2_simd(t, hull, &certain);
     unsigned all = pbw__first_lanes(ring->tail - head);
@@ -5866,27 +5807,27 @@ PBW__SIMD_INLINE pbw_status pbw__ring_step(pbw__kernel *kernel, pbw__ring *ring,
         PBW__PHASE(PBW__EXACT);
         certain |= pbw__settle2(kernel, t, all & ~certain, &inside);
         if ((certain & all) != all) {
-            inside = (inside & certain) | pbw__ring_exact(kernel, ring, head, all & ~certain, point.p);
+            inside = (inside & certain) | pbw__ring_exact(kernel, ring, head, all & ~certain, point->p);
         }
         PBW__PHASE(PBW__CAVITY);
     }
     if (PBW__UNLIKELY(ring->count > PBW__RING - 4)) {
         return PBW__NO_FIT;
     }
-    return pbw__ring_split(kernel, ring, head, inside, point.weighted);
+    return pbw__ring_split(kernel, ring, head, inside, point->weighted);
 }
 
 PBW__SIMD static PBW__NOINLINE pbw_status pbw__ring_hull(pbw__kernel *kernel, pbw__ring *ring, unsigned head,
                                                          const double *p);
 
-PBW__SIMD_INLINE void pbw__lift_ghosts2(pbw__rows2 *rows, pbw__d4 height)
+PBW__SIMD_INLINE void pbw__lift_ghosts2(pbw__rows4 *rows, pbw__d4 height)
 {
     rows->lift = pbw__blend_zero(rows->lift, rows->ghost, height);
     rows->height = pbw__blend_zero(rows->height, rows->ghost, height);
 }
 
 /* Tests the edges of the queue from `head` on, as long as there are any. */
-PBW__SIMD_INLINE pbw_status pbw__ring_finish(pbw__kernel *kernel, pbw__ring *ring, unsigned head, pbw__point2 point,
+PBW__SIMD_INLINE pbw_status pbw__ring_finish(pbw__kernel *kernel, pbw__ring *ring, unsigned head, const pbw__point4 *point,
                                              int hull)
 {
     const pbw_index *corner = kernel->corner;
@@ -5903,11 +5844,11 @@ PBW__SIMD_INLINE pbw_status pbw__ring_finish(pbw__kernel *kernel, pbw__ring *rin
         pbw__triangles t;
         if (!hull && PBW__UNLIKELY(far[0] == PBW__GHOST || far[1] == PBW__GHOST || far[2] == PBW__GHOST
                                    || far[3] == PBW__GHOST)) {
-            return pbw__ring_hull(kernel, ring, head, point.p);
+            return pbw__ring_hull(kernel, ring, head, point->p);
         }
-        t.s = pbw__rows2_of(record, start, hull, point);
-        t.e = pbw__rows2_of(record, end, hull, point);
-        t.o = pbw__rows2_of(record, far, hull, point);
+        t.s = pbw__rows4_of(record, start, hull, point);
+        t.e = pbw__rows4_of(record, end, hull, point);
+        t.o = pbw__rows4_of(record, far, hull, point);
         if (hull) {
             const pbw__d4 h = pbw__max4(pbw__max4(t.s.height, t.e.height), t.o.height);
             pbw__lift_ghosts2(&t.s, h);
@@ -5924,7 +5865,7 @@ PBW__SIMD_INLINE pbw_status pbw__ring_finish(pbw__kernel *kernel, pbw__ring *rin
    all at once.  *head is then how many edges of the queue are done with: 0 if another ghost may be in conflict.  The
    edges of the hull that have the point beyond them, or in line with them, follow one another: so this ghost is the
    only one if the point is strictly behind the next edge on either side.  Without weights. */
-PBW__SIMD_INLINE pbw_status pbw__ring_start_hull(pbw__kernel *kernel, pbw__ring *ring, pbw__point2 point,
+PBW__SIMD_INLINE pbw_status pbw__ring_start_hull(pbw__kernel *kernel, pbw__ring *ring, const pbw__point4 *point,
                                                  unsigned *head)
 {
     const pbw_index *corner = kernel->corner;
@@ -5932,21 +5873,21 @@ PBW__SIMD_INLINE pbw_status pbw__ring_start_hull(pbw__kernel *kernel, pbw__ring 
     const pbw_index a = ring->start[2], b = ring->end[2], c = corner[behind];
     const pbw_index far[4] = { c, corner[link[PBW__AFTER(behind)]], corner[link[PBW__BEFORE(behind)]], c };
     const pbw_index rows[4] = { a, b, c, a };
-    const pbw__rows2 r = pbw__rows2_of(kernel->record, rows, 0, point);
+    const pbw__rows4 r = pbw__rows4_of(kernel->record, rows, 0, point);
     const double *next = pbw__record2(kernel, corner[ring->beyond[0]]);
     const double *last = pbw__record2(kernel, corner[ring->beyond[1]]);
     double error[2];
-    const double after = pbw__right_of(pbw__record2(kernel, b), next, point.p, error);
-    const double before = pbw__right_of(last, pbw__record2(kernel, a), point.p, error + 1);
+    const double after = pbw__right_of(pbw__record2(kernel, b), next, point->p, error);
+    const double before = pbw__right_of(last, pbw__record2(kernel, a), point->p, error + 1);
     const unsigned finite = 1u | (unsigned)(far[1] != PBW__GHOST) << 1 | (unsigned)(far[2] != PBW__GHOST) << 2;
     pbw__triangles t;
     unsigned certain, inside;
     pbw_status status;
-    t.o = pbw__rows2_of(kernel->record, far, 1, point);
+    t.o = pbw__rows4_of(kernel->record, far, 1, point);
     t.s.x = PBW__PICK(r.x, 0, 0, 2, 0), t.s.y = PBW__PICK(r.y, 0, 0, 2, 0), t.s.lift = PBW__PICK(r.lift, 0, 0, 2, 0);
     t.e.x = PBW__PICK(r.x, 1, 2, 1, 1), t.e.y = PBW__PICK(r.y, 1, 2, 1, 1), t.e.lift = PBW__PICK(r.lift, 1, 2, 1, 1);
     t.s.height = t.s.lift, t.e.height = t.e.lift;
-    t.s.ghost = t.e.ghost = pbw__splat(0.0);
+    t.s.z = t.e.z = t.s.ghost = t.e.ghost = pbw__splat(0.0);
     inside = pbw__test2_simd(&t, 1, &certain) & finite;
     if (!(after < -error[0] && before < -error[1]) || ((certain | ~finite) & 7) != 7) {
         return PBW_OK;
@@ -5962,13 +5903,13 @@ PBW__SIMD_INLINE pbw_status pbw__ring_start_hull(pbw__kernel *kernel, pbw__ring 
 PBW__SIMD static PBW__NOINLINE pbw_status pbw__ring_hull(pbw__kernel *kernel, pbw__ring *ring, unsigned head,
                                                          const double *p)
 {
-    const pbw__point2 point = pbw__point2_of(p, kernel->weighted);
+    const pbw__point4 point = pbw__point4_of(p, 2, kernel->weighted);
     pbw_status status = PBW_OK;
     ring->hull = 1;
     if (head == 0 && ring->start[1] == PBW__GHOST && !kernel->weighted) {
-        status = pbw__ring_start_hull(kernel, ring, point, &head);
+        status = pbw__ring_start_hull(kernel, ring, &point, &head);
     }
-    return status == PBW_OK ? pbw__ring_finish(kernel, ring, head, point, 1) : status;
+    return status == PBW_OK ? pbw__ring_finish(kernel, ring, head, &point, 1) : status;
 }
 
 /* Tests the first three edges, and at the same time the six that would take their places: waiting for the verdicts
@@ -5976,7 +5917,7 @@ PBW__SIMD static PBW__NOINLINE pbw_status pbw__ring_hull(pbw__kernel *kernel, pb
    Only without weights.  A triangle that is looked at and not deleted has a vertex of the first one, which is ours:
    (a) and (b) of >>parallel hold for it. */
 PBW__SIMD_INLINE pbw_status pbw__ring_start(pbw__kernel *kernel, pbw__ring *ring, const pbw__link *beyond,
-                                            const pbw__triangles *t, pbw__point2 point, unsigned *head)
+                                            const pbw__triangles *t, const pbw__point4 *point, unsigned *head)
 {
     const pbw_index *corner = kernel->corner;
     const pbw__link *link = kernel->link;
@@ -5987,8 +5928,8 @@ PBW__SIMD_INLINE pbw_status pbw__ring_start(pbw__kernel *kernel, pbw__ring *ring
     pbw__triangles after, before;
     unsigned certain[3], inside[3];
     pbw_status status;
-    after.s = t->s, after.e = t->o, after.o = pbw__rows2_of(kernel->record, a, 0, point);
-    before.s = t->o, before.e = t->e, before.o = pbw__rows2_of(kernel->record, b, 0, point);
+    after.s = t->s, after.e = t->o, after.o = pbw__rows4_of(kernel->record, a, 0, point);
+    before.s = t->o, before.e = t->e, before.o = pbw__rows4_of(kernel->record, b, 0, point);
     inside[0] = pbw__test2_simd(t, 0, &certain[0]) & 7;
     inside[1] = pbw__test2_simd(&after, 0, &certain[1]);
     inside[2] = pbw__test2_simd(&before, 0, &certain[2]);
@@ -6015,7 +5956,7 @@ PBW__SIMD_INLINE pbw_status pbw__ring_start(pbw__kernel *kernel, pbw__ring *ring
 /* Finds the cavity of the point from t, a triangle in conflict, of these rows if it is finite.  PBW__NO_FIT: the
    cavity does not fit the ring, or a vertex may become hidden. */
 PBW__SIMD_INLINE pbw_status pbw__carve2_simd(pbw__kernel *kernel, pbw__ring *ring, pbw_index t,
-                                             const pbw__rows2 *rows, pbw__point2 point)
+                                             const pbw__rows4 *rows, const pbw__point4 *point)
 {
     const pbw_index *corner = kernel->corner, *v = corner + 4 * (size_t)t;
     const pbw__link *link = kernel->link + 4 * (size_t)t;
@@ -6041,15 +5982,15 @@ PBW__SIMD_INLINE pbw_status pbw__carve2_simd(pbw__kernel *kernel, pbw__ring *rin
     ring->count = ring->tail = 3;
     ring->hull = 0;
     if (PBW__UNLIKELY(v[2] == PBW__GHOST || far[0] == PBW__GHOST || far[1] == PBW__GHOST || far[2] == PBW__GHOST)) {
-        return pbw__ring_hull(kernel, ring, 0, point.p);
+        return pbw__ring_hull(kernel, ring, 0, point->p);
     }
-    first.o = pbw__rows2_of(kernel->record, far, 0, point);
+    first.o = pbw__rows4_of(kernel->record, far, 0, point);
     first.s.x = PBW__EDGE_START(rows->x), first.s.y = PBW__EDGE_START(rows->y);
     first.e.x = PBW__EDGE_END(rows->x), first.e.y = PBW__EDGE_END(rows->y);
     first.s.lift = PBW__EDGE_START(rows->lift), first.s.height = PBW__EDGE_START(rows->height);
     first.e.lift = PBW__EDGE_END(rows->lift), first.e.height = PBW__EDGE_END(rows->height);
-    first.s.ghost = first.e.ghost = pbw__splat(0.0);
-    if (!point.weighted) {
+    first.s.z = first.e.z = first.s.ghost = first.e.ghost = pbw__splat(0.0);
+    if (!point->weighted) {
         status = pbw__ring_start(kernel, ring, beyond, &first, point, &head);
     }
     if (PBW__UNLIKELY(head == 0)) {
@@ -6157,13 +6098,13 @@ PBW__SIMD_INLINE void pbw__refill2_simd(pbw__kernel *kernel, pbw__ring *ring, pb
    finest level goes backwards: a vertex is the lowest one around when it comes, so that most simplices of which it is
    the lowest rank are those that its star was made of, in slots side by side, as >>output wants them.
    Fewer levels are faster on one thread (each coarse step is a cache miss) until cavities grow.  In space, where they
-   grow on lattices and tasks contend for cells, a ratio of 8 is better.
+   grow on lattices and tasks contend for zones, a ratio of 8 is better.
 
    Of vertices along a line those on other lines see only the outermost, whose stars are large: they reach all that
    see them.  Such stars are made and unmade in each level, as vertices farther out come.  So in space, once the stars
-   of a level are large, the extremes come next: of each run of ranks the vertices farthest from the line along it, on
-   eight sides.  (In directions that are not across the run its ends would be farthest.)  The rest is mostly seen by
-   what is near only; of its two finest levels one is left out.  (Of a million points on 8 lines 28,000 have
+   of a level are large, the extremes come next: of each span of ranks the vertices farthest from the line along it,
+   on eight sides.  (In directions that are not across the span its ends would be farthest.)  The rest is mostly seen
+   by what is near only; of its two finest levels one is left out.  (Of a million points on 8 lines 28,000 have
    neighbours on other lines; 13,000 are extremes.)
    ------------------------------------------------------------------------------------------------------ */
 /* Replaces the cavity of a vertex, which t is in, by its star. */
@@ -6191,7 +6132,7 @@ static pbw_status pbw__insert_scalar(pbw__kernel *kernel, pbw_index vertex)
     pbw_status status;
     PBW__PHASE(PBW__WALK);
     if (t != PBW__FOREIGN) {
-        t = dim == 3 ? pbw__locate3_scalar(kernel, t, p) : pbw__locate2_scalar(kernel, t, p);
+        t = pbw__locate_scalar(kernel, t, p);
     }
     status = pbw__located(kernel, t);
     if (t == PBW_NONE || status != PBW_OK) {
@@ -6218,7 +6159,7 @@ PBW__SIMD_INLINE pbw_status pbw__insert_simd(pbw__kernel *kernel, pbw_index vert
 {
     const double *p = dim == 3 ? pbw__record3(kernel, vertex) : pbw__record2(kernel, vertex);
     const pbw__d4 zero = pbw__splat(0.0);
-    pbw__rows2 rows = { zero, zero, zero, zero, zero };
+    pbw__rows4 rows = { zero, zero, zero, zero, zero, zero };
     pbw_index t = pbw__insert_start(kernel, vertex);
     pbw__ring ring;
     pbw_status status;
@@ -6240,8 +6181,9 @@ PBW__SIMD_INLINE pbw_status pbw__insert_simd(pbw__kernel *kernel, pbw_index vert
         status = PBW__LIKELY(status == PBW_OK) ? pbw__take_slots(kernel) : status;
         status = PBW__LIKELY(status == PBW_OK) ? pbw__refill3_simd(kernel, vertex) : status;
     } else {
+        const pbw__point4 point = pbw__point4_of(p, 2, weighted);
         status = PBW__LIKELY(kernel->slots.fresh_end - kernel->slots.fresh >= 2)
-               ? pbw__carve2_simd(kernel, &ring, t, &rows, pbw__point2_of(p, weighted)) : PBW__NO_FIT;
+               ? pbw__carve2_simd(kernel, &ring, t, &rows, &point) : PBW__NO_FIT;
         PBW__PHASE(PBW__STAR);
         if (PBW__LIKELY(status == PBW_OK)) {
             pbw__refill2_simd(kernel, &ring, vertex);
@@ -6318,8 +6260,8 @@ static pbw_status pbw__kernel_create(pbw__kernel *kernel, pbw__context *context,
     return PBW_OK;
 }
 
-/* A level of the insertion order: of `count` ranks those that `stride` divides and `coarser` does not; in the coarsest,
-   with coarser > count, all that stride divides.  Both are powers of two. */
+/* A level of the insertion order: of `count` ranks those that `stride` divides and `coarser` does not; in the
+   coarsest level, where coarser > count, all that stride divides.  Both are powers of two. */
 typedef struct pbw__level { size_t count, stride, coarser; int backwards; } pbw__level;
 
 /* Returns the coarsest level. */
@@ -6456,7 +6398,7 @@ static pbw_status pbw__first_star(pbw__kernel *kernel, int dim, const pbw_index 
 
 #define PBW__PARTS 255
 #define PBW__LEAST_PART ((size_t)PBW__SMALLER(512))  /* vertices for each task, below which they are too near */
-#define PBW__HOLD ((size_t)PBW__SMALLER(256))        /* cells that a task holds from vertex to vertex, at most, */
+#define PBW__HOLD ((size_t)PBW__SMALLER(256))        /* zones that a task holds from vertex to vertex, at most, */
 #define PBW__HOLDS 8                                 /* or one in so many of its share: others have to get by */
 #define PBW__BATCH ((size_t)PBW__SMALLER(64))        /* vertices that a task comes to at a time, at least, */
 #define PBW__BATCHES 32                              /* or a share in so many */
@@ -6473,15 +6415,15 @@ typedef struct pbw__build {
     pbw_statistics *statistics;
     uint32_t trace;                                  /* 256 * the round */
     int kernel_count, parts;
-    uint8_t *owner;                                  /* per cell */
+    uint8_t *owner;                                  /* per zone */
     uint32_t taken[PBW__PARTS];                      /* per share of the vertices: batches taken from its front, and
                                                         65536 times those from its end */
     size_t count;                                    /* vertices of the round */
     pbw__level level;
     unsigned char *early;                            /* a bit for each rank: an extreme, which comes before its level;
                                                         NULL: no vertex does */
-    int hold;                                        /* cells that a task holds, at most */
-    int owner_bits, hint_bits;                       /* of the level's cells, of the last level's that had hints */
+    int hold;                                        /* zones that a task holds, at most */
+    int owner_bits, hint_bits;                       /* of the level's zones, of the last level's that had hints */
     pbw_index seed[4];
     pbw_index *left;                                 /* vertices left */
     size_t left_count, left_capacity;
@@ -6493,28 +6435,28 @@ static pbw_status pbw__insert_claiming(pbw__build *build, pbw__kernel *kernel, p
 static pbw_status pbw__rounds(pbw__build *build);
 static pbw_status pbw__build_parts(pbw__build *build, const pbw__grid *grid);
 
-/* Cells of a level hold several regions where few vertices of a region are in yet: a cell's first region. */
-PBW__INLINE size_t pbw__first_region(const pbw__build *build, size_t cell)
+/* Zones of a level hold several regions where few vertices of a region are in yet: a zone's first region. */
+PBW__INLINE size_t pbw__first_region(const pbw__build *build, size_t zone)
 {
-    size_t region = cell << (build->owner_bits - build->store->region_bits);
+    size_t region = zone << (build->owner_bits - build->store->region_bits);
     return region < build->store->region_count ? region : build->store->region_count;
 }
 
-/* Sets kernel->last to where the walk to a vertex starts: where the last walk ended, unless that is far and a cell
-   nearby has a hint.  A task must own the cell of the hint or claim it.  From far away a walk would claim every cell
+/* Sets kernel->last to where the walk to a vertex starts: where the last walk ended, unless that is far and a zone
+   nearby has a hint.  A task must own the zone of the hint or claim it.  From far away a walk would claim every zone
    on its way, and among points on a line it would visit all of them.  Returns 0 if there is no start. */
 static int pbw__find_start(pbw__build *build, pbw__kernel *kernel, pbw_index v)
 {
     pbw__store *store = build->store;
-    const size_t cell = v >> build->owner_bits;
+    const size_t zone = v >> build->owner_bits;
     const size_t from = kernel->slots.region << store->region_bits >> build->owner_bits;     /* far off, if none */
     const pbw_index last = kernel->last;
     size_t k;
-    kernel->last = from - cell + 1 <= 2 ? last : PBW_NONE;
+    kernel->last = from - zone + 1 <= 2 ? last : PBW_NONE;
     for (k = 0; k < 16 && kernel->last == PBW_NONE; k++) {
-        size_t near = (k & 1) != 0 ? cell + (k + 1) / 2 : cell - k / 2, region = pbw__first_region(build, near);
+        size_t near = (k & 1) != 0 ? zone + (k + 1) / 2 : zone - k / 2, region = pbw__first_region(build, near);
         if (near <= build->vertices->count >> build->owner_bits && PBW__LOAD(store->hint + region) != PBW_NONE
-            && (kernel->own.owner == NULL || pbw__owns_cell(kernel, near))) {
+            && (kernel->own.owner == NULL || pbw__owns_zone(kernel, near))) {
             pbw_index hint = store->hint[region];
             kernel->last = hint != PBW_NONE && kernel->corner[4 * (size_t)hint] != PBW_NONE ? hint : PBW_NONE;
         }
@@ -6633,16 +6575,16 @@ static pbw_status pbw__more_kernels(pbw__build *build, const pbw__grid *grid, in
     return PBW_OK;
 }
 
-/* Plans the tasks for so many vertices, and cells large enough to hold two of the vertices (in 2D one) that are in,
+/* Plans the tasks for so many vertices, and zones large enough to hold two of the vertices (in 2D one) that are in,
    `apart` ranks from each other. */
 static void pbw__plan(pbw__build *build, size_t vertices, size_t apart)
 {
-    size_t parts = vertices / PBW__LEAST_PART, cells;
+    size_t parts = vertices / PBW__LEAST_PART, zones;
     for (build->owner_bits = build->store->region_bits;
          (size_t)1 << build->owner_bits < apart * (size_t)(build->vertices->dim - 1); build->owner_bits++) {
     }
-    cells = (build->vertices->count >> build->owner_bits) + 1;
-    parts = parts < cells / PBW__SMALLER(4) ? parts : cells / PBW__SMALLER(4);
+    zones = (build->vertices->count >> build->owner_bits) + 1;
+    parts = parts < zones / PBW__SMALLER(4) ? parts : zones / PBW__SMALLER(4);
     build->parts = (size_t)build->context->threads < parts ? build->context->threads : (int)parts;
 }
 
@@ -6661,7 +6603,7 @@ static pbw_status pbw__run_level(pbw__build *build, const pbw__grid *grid)
     return status == PBW_OK ? pbw__level_serial(build, 0) : status;
 }
 
-/* The line that fits best along a run of vertices: how the two coordinates after its longest axis grow with that. */
+/* The line that fits best along a span of vertices: how the two coordinates after its longest axis grow with that. */
 static int pbw__line_along(const double *record, size_t count, double slope[2])
 {
     double sum[3] = { 0, 0, 0 }, square[3] = { 0, 0, 0 }, product[3] = { 0, 0, 0 };      /* of k and k + 1 */
@@ -6684,13 +6626,13 @@ static int pbw__line_along(const double *record, size_t count, double slope[2])
     return axis;
 }
 
-/* The extremes of some runs, but for those that are in: the farthest from its line on eight sides. */
-static pbw_status pbw__find_extremes(void *arg, size_t run, size_t to)
+/* The extremes of some spans, but for those that are in: the farthest from its line on eight sides. */
+static pbw_status pbw__find_extremes(void *arg, size_t span, size_t to)
 {
     pbw__build *build = (pbw__build *)arg;
     const size_t count = build->vertices->count;
-    for (; run < to; run++) {
-        const size_t begin = run * PBW__SPAN, end = begin + PBW__SPAN < count ? begin + PBW__SPAN : count;
+    for (; span < to; span++) {
+        const size_t begin = span * PBW__SPAN, end = begin + PBW__SPAN < count ? begin + PBW__SPAN : count;
         const double *first = build->vertices->record + 4 * (begin + 1), *p = first;
         double slope[2], low[4], high[4];
         const int axis = pbw__line_along(first, end - begin, slope), next = (axis + 1) % 3, last = (axis + 2) % 3;
@@ -6720,8 +6662,8 @@ static pbw_status pbw__find_extremes(void *arg, size_t run, size_t to)
     return PBW_OK;
 }
 
-/* Inserts the extremes; some on one thread, before several tasks come to the others: they reach so many cells that
-   tasks would be in each other's way, and cells need vertices for tasks to start from.  So tasks are fewer, too. */
+/* Inserts the extremes; some on one thread, before several tasks come to the others: they reach so many zones that
+   tasks would be in each other's way, and zones need vertices for tasks to start from.  So tasks are fewer, too. */
 static pbw_status pbw__level_extremes(pbw__build *build, const pbw__grid *grid)
 {
     pbw__memory *memory = &build->context->memory;
@@ -6767,14 +6709,14 @@ static double pbw__mean_star(const pbw__build *build, size_t *before)
 static void pbw__build_free(pbw__build *build)
 {
     pbw__memory *memory = &build->context->memory;
-    size_t cells = build->store->region_count;
+    size_t zones = build->store->region_count;
     int i;
     for (i = 0; i < build->kernel_count; i++) {
         pbw__kernel_free(build->kernel[i]);
         pbw__release(memory, build->kernel[i], 1, sizeof(pbw__kernel));
     }
     PBW__RELEASE(memory, build, left);
-    pbw__release(memory, build->owner, cells, 1);
+    pbw__release(memory, build->owner, zones, 1);
     pbw__release(memory, build->early, build->vertices->count / 8 + 1, 1);
 }
 
@@ -6836,26 +6778,26 @@ static pbw_status pbw__build_all(pbw__context *context, pbw__store *store, const
    In: a triangulation, the vertices to insert.  Out: the triangulation with them.   (Marot, Pellerin & Remacle 2019,
    "One machine, one minute, three billion tetrahedra", from whom the rule of ownership is)
 
-   Vertices are owned in cells.  A cell is a run of ranks: one of the regions of >>slots, or, in coarse levels, as
+   Vertices are owned in zones.  A zone is a span of ranks: one of the regions of >>slots, or, in coarse levels, as
    many regions as hold two vertices of coarser levels (in 2D one), so that a walk may find a simplex to start from.
-   A cell is free or belongs to one task.  A task in 3D
+   A zone is free or belongs to one task.  A task in 3D
      - deletes a simplex only if it owns three of its vertices,
      - walks through a facet only if it owns two of its vertices;
    in 2D it deletes a triangle only if it owns all its finite vertices, and walks through an edge if it owns one of
-   its ends.  No task owns the ghost in 3D.  A task claims the free cells that it needs.  Where it needs a cell of
+   its ends.  No task owns the ghost in 3D.  A task claims the free zones that it needs.  Where it needs a zone of
    another task, it leaves the vertex for the next round; no task ever waits.
 
-   A task inserts the vertices of a share of the curve, one after the other, so an insertion mostly needs the cells
-   of the last ones.  A task keeps its cells and gives back the older half when they are many, and all of them when
+   A task inserts the vertices of a share of the curve, one after the other, so an insertion mostly needs the zones
+   of the last ones.  A task keeps its zones and gives back the older half when they are many, and all of them when
    it leaves a vertex, when another task asks for one of them, and at the end.  A task that leaves a vertex asks the
-   owner of the missing cell.  The owner reads that word after its current vertex or later; a late view costs time
-   only, so relaxed order serves.  The cells of all tasks are a small part of all cells, and mostly far apart.
+   owner of the missing zone.  The owner reads that word after its current vertex or later; a late view costs time
+   only, so relaxed order serves.  The zones of all tasks are a small part of all zones, and mostly far apart.
    Shares are worked off in batches; after a batch the vertices left are tried again, as other tasks have moved on.
    A task that has finished its own share continues with the ends of other shares, far from their tasks.  A walk
-   starts in the cell of its vertex or near it: a long one would claim cells all along.
+   starts in the zone of its vertex or near it: a long one would claim zones all along.
 
    The extremes of >>build are a level too, except for one in eight, which one thread inserts first: the stars of the
-   first extremes reach so many cells that hardly a task would find the cells that it needs free.
+   first extremes reach so many zones that hardly a task would find the zones that it needs free.
 
    Why no word is written by one task while another reads or writes it, in 3D.  Call a simplex mine if I own two of
    its vertices: nobody else then owns three, so nobody else deletes it, and its corners do not change under me.
@@ -6866,46 +6808,46 @@ static pbw_status pbw__build_all(pbw__context *context, pbw__store *store, const
      links that I read do not change.
      (c) A mark is set only on a simplex that its setter may delete: so nobody else looks at it (b).  Others stay 0;
      two tasks may write that same 0, therefore marks are read and written atomically, in relaxed order.
-     (d) A slot belongs to the task that took it from a region of its cells, from its free list, or in a block of the
+     (d) A slot belongs to the task that took it from a region of its zones, from its free list, or in a block of the
      tail.  The count of these is atomic, in relaxed order: it numbers slots, and what the slots hold is handed over
      at the end of a round (>>threads).
-     (e) A cell's hint, where walks start, is a simplex with two vertices in the cell: mine, if the cell is.  The task
-     that deletes it owns the cell, and stores another hint, or none, before it gives back any cell; until then the
-     slot is still that task's own.  The hint, and what is left of the cell's regions, are the owner's to read and
-     write; others only look whether there is a hint, before they take the cell, therefore hints are written
+     (e) A zone's hint, where walks start, is a simplex with two vertices in the zone: mine, if the zone is.  The task
+     that deletes it owns the zone, and stores another hint, or none, before it gives back any zone; until then the
+     slot is still that task's own.  The hint, and what is left of the zone's regions, are the owner's to read and
+     write; others only look whether there is a hint, before they take the zone, therefore hints are written
      atomically, in relaxed order.
    In 2D call a triangle mine if I own one of its vertices: nobody else then owns all of them.  Both ends of an edge
    of a triangle that I may delete are mine or the ghost, and one at least is finite; the rest is the same, with one
-   vertex in the hint's cell.  Two tasks may share an edge's ghost end only, and a mark is written only when its
+   vertex in the hint's zone.  Two tasks may share an edge's ghost end only, and a mark is written only when its
    triangle joins a cavity.
 
-   Claiming a cell acquires what its former owners released with it: cells are claimed in acquire order and given
+   Claiming a zone acquires what its former owners released with it: zones are claimed in acquire order and given
    back in release order.  That is enough, because any two tasks of which one writes a word in (a), (b) or (c) that
    the other reads or writes, now or later, both own a vertex of the same simplex: of four vertices one owns three
    and the other two; of a facet's three vertices both own two.
 
    Why it ends.  A round is followed by another only if on the whole as many tries succeeded as one task makes; if
-   fewer do, one thread, which needs no cells, is as quick.  What is left then, or is too little for two tasks, is
+   fewer do, one thread, which needs no zones, is as quick.  What is left then, or is too little for two tasks, is
    inserted by one thread, which owns everything, before the next level begins: vertices near the hull are among it,
    and cavities there would grow from level to level without them.
    ------------------------------------------------------------------------------------------------------ */
-/* Claims a free cell; returns 0 if another task was faster, or we own too many. */
-static PBW__NOINLINE int pbw__claim(pbw__kernel *kernel, size_t cell)
+/* Claims a free zone; returns 0 if another task was faster, or we own too many. */
+static PBW__NOINLINE int pbw__claim(pbw__kernel *kernel, size_t zone)
 {
     pbw__ownership *own = &kernel->own;
     uint8_t nobody = PBW__NOBODY;
     PBW__TEST_PAUSE();
-    if (own->claim_count == PBW__CLAIMS || !PBW__CAS_ACQUIRE(own->owner + cell, &nobody, own->me)) {
+    if (own->claim_count == PBW__CLAIMS || !PBW__CAS_ACQUIRE(own->owner + zone, &nobody, own->me)) {
         return 0;
     }
-    own->claim[own->claim_count++] = (pbw_index)cell;
+    own->claim[own->claim_count++] = (pbw_index)zone;
     return 1;
 }
 
-PBW__INLINE int pbw__owns_cell(pbw__kernel *kernel, size_t cell)
+PBW__INLINE int pbw__owns_zone(pbw__kernel *kernel, size_t zone)
 {
-    uint8_t owner = PBW__LOAD(kernel->own.owner + cell);
-    if (owner == kernel->own.me || (owner == PBW__NOBODY && pbw__claim(kernel, cell))) {
+    uint8_t owner = PBW__LOAD(kernel->own.owner + zone);
+    if (owner == kernel->own.me || (owner == PBW__NOBODY && pbw__claim(kernel, zone))) {
         return 1;
     }
     kernel->own.blocker = owner;
@@ -6914,7 +6856,7 @@ PBW__INLINE int pbw__owns_cell(pbw__kernel *kernel, size_t cell)
 
 PBW__INLINE int pbw__owns(pbw__kernel *kernel, pbw_index v)
 {
-    return v != PBW__GHOST && pbw__owns_cell(kernel, v >> kernel->own.owner_bits);
+    return v != PBW__GHOST && pbw__owns_zone(kernel, v >> kernel->own.owner_bits);
 }
 
 PBW__INLINE unsigned pbw__is_ours(const pbw__kernel *kernel, pbw_index v)
@@ -6922,7 +6864,7 @@ PBW__INLINE unsigned pbw__is_ours(const pbw__kernel *kernel, pbw_index v)
     return (v != PBW__GHOST) & (PBW__LOAD(kernel->own.owner + (v >> kernel->own.owner_bits)) == kernel->own.me);
 }
 
-/* Cells are taken only for the corners that are lacking: whatever we hold is in other tasks' way. */
+/* Zones are taken only for the corners that are lacking: whatever we hold is in other tasks' way. */
 static PBW__NOINLINE int pbw__take_corners(pbw__kernel *kernel, const pbw_index *v, unsigned except, int wanted)
 {
     unsigned k, others = 0;
@@ -6985,9 +6927,9 @@ static PBW__NOINLINE int pbw__may_delete_all(pbw__kernel *kernel, const pbw__car
 static pbw_status pbw__build_parts(pbw__build *build, const pbw__grid *grid)
 {
     pbw__memory *memory = &build->context->memory;
-    size_t cells = build->store->region_count;
+    size_t zones = build->store->region_count;
     if (build->owner == NULL) {
-        build->owner = (uint8_t *)pbw__allocate(memory, cells, 1);
+        build->owner = (uint8_t *)pbw__allocate(memory, zones, 1);
     }
     return build->owner != NULL ? pbw__more_kernels(build, grid, build->context->threads < PBW__PARTS
                                                                ? build->context->threads : PBW__PARTS)
@@ -7013,14 +6955,14 @@ static void pbw__round_begin(pbw__build *build, int part)
     kernel->status = PBW_OK;
 }
 
-/* The cell of a corner; of the ghost none. */
-PBW__INLINE size_t pbw__cell_of(const pbw__build *build, pbw_index v)
+/* The zone of a corner; of the ghost none. */
+PBW__INLINE size_t pbw__zone_of(const pbw__build *build, pbw_index v)
 {
     return v != PBW__GHOST ? v >> build->owner_bits : (size_t)-1;
 }
 
-/* Is a simplex mine if I own the cell? */
-PBW__INLINE int pbw__is_in_cell(const pbw__build *build, pbw_index t, size_t cell)
+/* Is a simplex mine if I own the zone? */
+PBW__INLINE int pbw__is_in_zone(const pbw__build *build, pbw_index t, size_t zone)
 {
     const int dim = build->vertices->dim;
     const pbw_index *v;
@@ -7029,42 +6971,42 @@ PBW__INLINE int pbw__is_in_cell(const pbw__build *build, pbw_index t, size_t cel
         return 0;
     }
     v = build->store->corner + 4 * (size_t)t;
-    count = (pbw__cell_of(build, v[0]) == cell) + (pbw__cell_of(build, v[1]) == cell)
-          + (pbw__cell_of(build, v[2]) == cell) + (dim == 3 && pbw__cell_of(build, v[3]) == cell);
+    count = (pbw__zone_of(build, v[0]) == zone) + (pbw__zone_of(build, v[1]) == zone)
+          + (pbw__zone_of(build, v[2]) == zone) + (dim == 3 && pbw__zone_of(build, v[3]) == zone);
     return count + 1 >= dim;
 }
 
-/* A simplex of the star of a vertex becomes the hint of its cell: the next one may be near.  In 2D any will do. */
+/* A simplex of the star of a vertex becomes the hint of its zone: the next one may be near.  In 2D any will do. */
 static void pbw__renew_hint(pbw__build *build, pbw__kernel *kernel, pbw_index vertex)
 {
-    const size_t cell = vertex >> build->owner_bits;
+    const size_t zone = vertex >> build->owner_bits;
     pbw_index hint = kernel->last;
     size_t i;
-    for (i = 0; kernel->dim == 3 && !pbw__is_in_cell(build, hint, cell); i++) {
+    for (i = 0; kernel->dim == 3 && !pbw__is_in_zone(build, hint, zone); i++) {
         if (i == kernel->scratch.facet_count) {
             return;
         }
         hint = kernel->scratch.cavity[i];
     }
-    PBW__STORE(build->store->hint + pbw__first_region(build, cell), hint);
+    PBW__STORE(build->store->hint + pbw__first_region(build, zone), hint);
 }
 
-/* A simplex becomes the hint of a cell, if an owner has it and it has none. */
-PBW__INLINE void pbw__offer(pbw__build *build, size_t cell, pbw_index t, uint8_t owner)
+/* A simplex becomes the hint of a zone, if an owner has it and it has none. */
+PBW__INLINE void pbw__offer(pbw__build *build, size_t zone, pbw_index t, uint8_t owner)
 {
-    pbw_index *hint = build->store->hint + pbw__first_region(build, cell);
-    if (PBW__LOAD(build->owner + cell) == owner && PBW__LOAD(hint) == PBW_NONE) {
+    pbw_index *hint = build->store->hint + pbw__first_region(build, zone);
+    if (PBW__LOAD(build->owner + zone) == owner && PBW__LOAD(hint) == PBW_NONE) {
         PBW__STORE(hint, t);
     }
 }
 
-/* Offers a simplex as a hint to all cells that it is in. */
+/* Offers a simplex as a hint to all zones that it is in. */
 static void pbw__offer_hint(pbw__build *build, pbw_index t, uint8_t owner)
 {
     const pbw_index *v = build->store->corner + 4 * (size_t)t;
-    const size_t a = pbw__cell_of(build, v[0]), b = pbw__cell_of(build, v[1]), c = pbw__cell_of(build, v[2]);
+    const size_t a = pbw__zone_of(build, v[0]), b = pbw__zone_of(build, v[1]), c = pbw__zone_of(build, v[2]);
     if (build->vertices->dim == 3) {
-        const size_t d = pbw__cell_of(build, v[3]);
+        const size_t d = pbw__zone_of(build, v[3]);
         if (a == b || a == c || a == d) {
             pbw__offer(build, a, t, owner);
         }
@@ -7083,7 +7025,7 @@ static void pbw__offer_hint(pbw__build *build, pbw_index t, uint8_t owner)
     }
 }
 
-/* Gives back the cells that were claimed first.  If simplices were made, all cells get new hints before: the slot of
+/* Gives back the zones that were claimed first.  If simplices were made, all zones get new hints before: the slot of
    an old hint may now be in a simplex that another task may delete from now on. */
 static void pbw__give_back(pbw__build *build, pbw__kernel *kernel, int count)
 {
@@ -7092,9 +7034,9 @@ static void pbw__give_back(pbw__build *build, pbw__kernel *kernel, int count)
     int i, k, ours = 0, missing = 0;
     pbw__leave_region(kernel);
     for (i = 0; kernel->own.renewed && i < kernel->own.claim_count; i++) {
-        const size_t cell = kernel->own.claim[i];
-        pbw_index *hint = build->store->hint + pbw__first_region(build, cell);
-        if (!pbw__is_in_cell(build, *hint, cell)) {
+        const size_t zone = kernel->own.claim[i];
+        pbw_index *hint = build->store->hint + pbw__first_region(build, zone);
+        if (!pbw__is_in_zone(build, *hint, zone)) {
             PBW__STORE(hint, PBW_NONE);
             missing = 1;
         }
@@ -7103,7 +7045,7 @@ static void pbw__give_back(pbw__build *build, pbw__kernel *kernel, int count)
         pbw__offer_hint(build, kernel->scratch.cavity[t], kernel->own.me);
     }
     for (k = 0; kernel->last != PBW_NONE && k <= kernel->dim; k++) {
-        v[k] = kernel->corner[4 * (size_t)kernel->last + (size_t)k];     /* may change once cells are given back */
+        v[k] = kernel->corner[4 * (size_t)kernel->last + (size_t)k];     /* may change once zones are given back */
     }
     for (i = 0; i < count; i++) {
         PBW__STORE_RELEASE(kernel->own.owner + kernel->own.claim[i], PBW__NOBODY);
@@ -7119,15 +7061,15 @@ static void pbw__give_back(pbw__build *build, pbw__kernel *kernel, int count)
     kernel->scratch.facet_count = 0;
 }
 
-/* Inserts a vertex, claiming cells for it, and keeps them for the next vertices, which are often near.  If another
-   task asks for one of the cells, gives back all: it needs the cells around, too. */
+/* Inserts a vertex, claiming zones for it, and keeps them for the next vertices, which are often near.  If another
+   task asks for one of the zones, gives back all: it needs the zones around, too. */
 static pbw_status pbw__insert_claiming(pbw__build *build, pbw__kernel *kernel, pbw_index v)
 {
     size_t created = kernel->statistics.created;
-    pbw_status status = pbw__owns_cell(kernel, v >> build->owner_bits) && pbw__find_start(build, kernel, v)
+    pbw_status status = pbw__owns_zone(kernel, v >> build->owner_bits) && pbw__find_start(build, kernel, v)
                       ? kernel->insert(kernel, v) : PBW__LEFT;
     if (status != PBW_OK && status != PBW__LEFT) {
-        return status;                               /* what it was at is in no order: the cells stay taken */
+        return status;                               /* what it was at is in no order: the zones stay taken */
     }
     if (kernel->statistics.created > created) {
         pbw__renew_hint(build, kernel, v);
@@ -7150,17 +7092,17 @@ static pbw_status pbw__insert_claiming(pbw__build *build, pbw__kernel *kernel, p
     return status;
 }
 
-/* Before the first round of a level: all cells are free, and have a hint that is in them or none. */
-static pbw_status pbw__begin_cells(void *arg, size_t cell, size_t end)
+/* Before the first round of a level: all zones are free, and have a hint that is in them or none. */
+static pbw_status pbw__begin_zones(void *arg, size_t zone, size_t end)
 {
     pbw__build *build = (pbw__build *)arg;
     pbw_index *hint = build->store->hint;
     size_t r, last;
-    memset(build->owner + cell, PBW__NOBODY, end - cell);
-    for (; cell < end; cell++) {
-        r = pbw__first_region(build, cell);
-        last = pbw__first_region(build, cell + 1);
-        if (!pbw__is_in_cell(build, hint[r], cell)) {
+    memset(build->owner + zone, PBW__NOBODY, end - zone);
+    for (; zone < end; zone++) {
+        r = pbw__first_region(build, zone);
+        last = pbw__first_region(build, zone + 1);
+        if (!pbw__is_in_zone(build, hint[r], zone)) {
             hint[r] = PBW_NONE;
         }
         while (++r < last) {
@@ -7170,7 +7112,7 @@ static pbw_status pbw__begin_cells(void *arg, size_t cell, size_t end)
     return PBW_OK;
 }
 
-/* Hints for cells that have none, from the simplices in some regions. */
+/* Hints for zones that have none, from the simplices in some regions. */
 static pbw_status pbw__find_hints(void *arg, size_t r, size_t last)
 {
     pbw__build *build = (pbw__build *)arg;
@@ -7291,10 +7233,10 @@ static pbw_status pbw__end_round(pbw__build *build)
 static pbw_status pbw__rounds(pbw__build *build)
 {
     pbw__context *context = build->context;
-    const size_t cells = (build->vertices->count >> build->owner_bits) + 1;
-    const size_t hold = cells / (size_t)build->parts / PBW__HOLDS + 8;
-    pbw_status status = pbw__for_range(context, cells, 4096, 0.0, pbw__begin_cells, build);
-    if (status == PBW_OK && build->hint_bits != build->owner_bits) {     /* finer cells: there are few */
+    const size_t zones = (build->vertices->count >> build->owner_bits) + 1;
+    const size_t hold = zones / (size_t)build->parts / PBW__HOLDS + 8;
+    pbw_status status = pbw__for_range(context, zones, 4096, 0.0, pbw__begin_zones, build);
+    if (status == PBW_OK && build->hint_bits != build->owner_bits) {     /* finer zones: there are few */
         status = pbw__for_range(context, build->store->region_count, 64, 0.0, pbw__find_hints, build);
         build->hint_bits = build->owner_bits;
     }
@@ -8577,11 +8519,11 @@ typedef struct pbw__check_part {                     /* what is found in one ran
 /* Checks the items from, ..., to - 1; returns 0 at a fault, or if cancelled. */
 typedef int pbw__check_items(pbw__check *check, pbw__check_part *part, size_t from, size_t to);
 
-typedef struct pbw__check_run {
+typedef struct pbw__checking {
     pbw__check *check;
     pbw__check_items *items;
     pbw__check_part *part;                           /* one for each range of PBW__CHECKED items */
-} pbw__check_run;
+} pbw__checking;
 #define PBW__CHECKED ((size_t)1024)
 
 static int pbw__fault(pbw_report *report, const char *what, size_t simplex, int facet, size_t point)
@@ -8595,8 +8537,8 @@ static int pbw__fault(pbw_report *report, const char *what, size_t simplex, int 
 
 static pbw_status pbw__check_range(void *arg, size_t from, size_t to)
 {
-    const pbw__check_run *run = (const pbw__check_run *)arg;
-    return run->items(run->check, run->part + from / PBW__CHECKED, from, to) ? PBW_OK : PBW_DEGENERATE;
+    const pbw__checking *checking = (const pbw__checking *)arg;
+    return checking->items(checking->check, checking->part + from / PBW__CHECKED, from, to) ? PBW_OK : PBW_DEGENERATE;
 }
 
 /* One pass over count items; progress goes on to `end`.  Returns 0 to stop: a fault, cancelled, or out of memory. */
@@ -8605,23 +8547,23 @@ static int pbw__check_pass(pbw__check *check, pbw__check_items *items, size_t co
     pbw__memory *memory = &check->context->memory;
     pbw_report *report = check->report;
     const size_t parts = count / PBW__CHECKED + 1;
-    pbw__check_run run;
+    pbw__checking checking;
     pbw_status status;
     size_t i;
-    run.check = check;
-    run.items = items;
-    run.part = (pbw__check_part *)pbw__allocate_large(check->context, parts, sizeof(pbw__check_part));
-    if (run.part == NULL) {
+    checking.check = check;
+    checking.items = items;
+    checking.part = (pbw__check_part *)pbw__allocate_large(check->context, parts, sizeof(pbw__check_part));
+    if (checking.part == NULL) {
         check->status = PBW_ERROR_MEMORY;
         return 0;
     }
-    memset(run.part, 0, parts * sizeof(pbw__check_part));
+    memset(checking.part, 0, parts * sizeof(pbw__check_part));
     for (i = 0; i < parts; i++) {
-        pbw__box_reset(&run.part[i].box, 0);
+        pbw__box_reset(&checking.part[i].box, 0);
     }
-    status = pbw__for_range(check->context, count, PBW__CHECKED, end, pbw__check_range, &run);
+    status = pbw__for_range(check->context, count, PBW__CHECKED, end, pbw__check_range, &checking);
     for (i = 0; i < parts && report->what[0] == '\0' && check->independent == 0; i++) {
-        const pbw__check_part *part = run.part + i;
+        const pbw__check_part *part = checking.part + i;
         check->duplicate_count += part->duplicate_count;
         check->other_count += part->other_count;
         check->independent = part->independent;
@@ -8637,7 +8579,7 @@ static int pbw__check_pass(pbw__check *check, pbw__check_items *items, size_t co
                              part->report.point);
         }
     }
-    pbw__release(memory, run.part, parts, sizeof(pbw__check_part));
+    pbw__release(memory, checking.part, parts, sizeof(pbw__check_part));
     return status == PBW_OK;
 }
 
@@ -9163,7 +9105,7 @@ PBWDEF pbw_status pbw_check(const pbw_mesh *mesh, const pbw_options *options, pb
     check.report = report;
     check.context = &context;
     check.dim = mesh->dim;
-    check.status = pbw__open(&context, options, mesh->point_count, PBW_STAGE_CHECK);
+    check.status = pbw__begin_call(&context, options, mesh->point_count, PBW_STAGE_CHECK);
     if (check.status == PBW_OK) {
         size = (size_t)(mesh->dim + 1) * sizeof(double);
         check.record = (double *)pbw__allocate_large(&context, mesh->point_count, size);
@@ -9171,7 +9113,7 @@ PBWDEF pbw_status pbw_check(const pbw_mesh *mesh, const pbw_options *options, pb
         report->valid = check.status == PBW_OK && pbw__check_all(&check);
         pbw__release(&context.memory, check.record, mesh->point_count, size);
     }
-    check.status = pbw__close(&context, context.cancelled ? PBW_CANCELLED : check.status);
+    check.status = pbw__end_call(&context, context.cancelled ? PBW_CANCELLED : check.status);
     report->valid &= check.status == PBW_OK;
     return check.status;
 }
@@ -9234,7 +9176,7 @@ PBWDEF pbw_status pbw_hash_parts(const pbw_mesh *mesh, const unsigned char *poin
     if (mesh == NULL || sums == NULL) {
         return PBW_ERROR_ARGUMENT;
     }
-    status = pbw__open(&context, options, mesh->point_count, PBW_STAGE_WORK);
+    status = pbw__begin_call(&context, options, mesh->point_count, PBW_STAGE_WORK);
     hashing.mesh = mesh;
     hashing.chosen = points;
     hashing.sum = 0;
@@ -9248,7 +9190,7 @@ PBWDEF pbw_status pbw_hash_parts(const pbw_mesh *mesh, const unsigned char *poin
         status = pbw__for_range(&context, mesh->simplex_count, 16384, 1.0, pbw__hash_simplices, &hashing);
     }
     sums->simplices = hashing.sum;
-    return pbw__close(&context, status);
+    return pbw__end_call(&context, status);
 }
 
 PBWDEF uint64_t pbw_hash_of(const pbw_hash_sums *sums)
@@ -9346,11 +9288,12 @@ PBWDEF pbw_status pbw_for(const pbw_options *options, size_t count, size_t grain
     if (blocks > most / 64) {
         return PBW_ERROR_TOO_LARGE;
     }
-    status = pbw__open(&context, options, blocks * 8192, PBW_STAGE_WORK);        /* each range is worth a thread */
+    /* Each range is worth a thread. */
+    status = pbw__begin_call(&context, options, blocks * 8192, PBW_STAGE_WORK);
     if (status == PBW_OK) {
         status = pbw__for_range(&context, count, grain, 1.0, body, arg);
     }
-    return pbw__close(&context, status);
+    return pbw__end_call(&context, status);
 }
 
 PBWDEF pbw_status pbw_order(int dim, const double *points, size_t count, const pbw_options *options, pbw_index *order)
@@ -9358,7 +9301,7 @@ PBWDEF pbw_status pbw_order(int dim, const double *points, size_t count, const p
     pbw__context context;
     pbw__vertices vertices;
     pbw__input input = pbw__input_of(dim, 0, points, NULL, count);
-    pbw_status status = pbw__open(&context, options, count, PBW_STAGE_ORDER);
+    pbw_status status = pbw__begin_call(&context, options, count, PBW_STAGE_ORDER);
     if (status == PBW_OK) {
         status = pbw__input_check(&input, &context.options);
     }
@@ -9369,7 +9312,7 @@ PBWDEF pbw_status pbw_order(int dim, const double *points, size_t count, const p
             pbw__vertices_free(&context, &vertices);
         }
     }
-    return pbw__close(&context, status);
+    return pbw__end_call(&context, status);
 }
 
 /* ------------------------------------------------------------------------------------------------------
@@ -9408,8 +9351,8 @@ static PBW__NOINLINE unsigned pbw__side_exact(const pbw_mesh *mesh, const pbw_in
     return PBW__INSIDE;
 }
 
-/* The orientations of the simplex with each corner in turn replaced by p.  Returns the bound of each one's error, that
-   of the filters in >>predicates; infinite where it would not hold. */
+/* The orientations of the simplex with each corner in turn replaced by p.  Returns the bound of each one's error,
+   that of the filters in >>predicates; infinite where it would not hold. */
 PBW__INLINE double pbw__sides3(const double *points, const pbw_index *v, const double *p, double *side)
 {
     double x[4], y[4], z[4], mx, my, mz, low, high, s01, s02, s03, s12, s13, s23;
@@ -9458,15 +9401,15 @@ PBW__INLINE double pbw__sides2(const double *points, const pbw_index *v, const d
     return low > 1e-50 && high < 1e100 ? PBW__FILTER_ORIENT2_ERROR * DBL_EPSILON * mx * my : HUGE_VAL;
 }
 
-/* Where a walk ends; leave: the corner opposite to the hull facet that has the query on its outer side, or PBW__INSIDE;
-   then `on` as above. */
-typedef struct pbw__place { size_t simplex; unsigned leave, on; } pbw__place;
+/* Where a walk ends; leave: the corner opposite to the hull facet that has the query on its outer side, or
+   PBW__INSIDE; then `on` as above. */
+typedef struct pbw__spot { size_t simplex; unsigned leave, on; } pbw__spot;
 
-/* Walks to p from place->simplex. */
-PBW__INLINE void pbw__walk_of(const pbw_mesh *mesh, int dim, pbw__place *place, const double *p,
+/* Walks to p from spot->simplex. */
+PBW__INLINE void pbw__walk_of(const pbw_mesh *mesh, int dim, pbw__spot *spot, const double *p,
                               const pbw__grid *grid)
 {
-    size_t t = place->simplex;
+    size_t t = spot->simplex;
     for (;;) {
         const pbw_index *v = mesh->simplices + t * (size_t)(dim + 1);
         const pbw_index *next = mesh->neighbors + t * (size_t)(dim + 1);
@@ -9478,25 +9421,25 @@ PBW__INLINE void pbw__walk_of(const pbw_mesh *mesh, int dim, pbw__place *place, 
         far = side[2] < side[k] ? 2 : k;
         far = dim == 3 && side[3] < side[far] ? 3 : far;
         least = side[far];
-        place->on = 0;
+        spot->on = 0;
         if (PBW__UNLIKELY(!(least < -bound))) {
-            far = least > bound ? PBW__INSIDE : pbw__side_exact(mesh, v, p, grid, &place->on);
+            far = least > bound ? PBW__INSIDE : pbw__side_exact(mesh, v, p, grid, &spot->on);
         }
         if (far == PBW__INSIDE || next[far] == PBW_NONE) {
-            place->simplex = t;
-            place->leave = far;
+            spot->simplex = t;
+            spot->leave = far;
             return;
         }
         t = next[far];
     }
 }
 
-static void pbw__walk_to(const pbw_mesh *mesh, pbw__place *place, const double *p, const pbw__grid *grid)
+static void pbw__walk_to(const pbw_mesh *mesh, pbw__spot *spot, const double *p, const pbw__grid *grid)
 {
     if (mesh->dim == 3) {
-        pbw__walk_of(mesh, 3, place, p, grid);
+        pbw__walk_of(mesh, 3, spot, p, grid);
     } else {
-        pbw__walk_of(mesh, 2, place, p, grid);
+        pbw__walk_of(mesh, 2, spot, p, grid);
     }
 }
 
@@ -9519,8 +9462,8 @@ PBW__INLINE int pbw__is_on_edge(const pbw_index *v, unsigned i, unsigned j, pbw_
 }
 
 /* The lowest of the simplices round an edge of tetrahedron t, that which lies in the facets opposite to the corners i
-   and j; `open` is set if it lies on the hull. */
-static pbw_index pbw__lowest_round_edge(const pbw_mesh *mesh, size_t t, unsigned i, unsigned j, int *open)
+   and j; `hull` is set if it lies on the hull. */
+static pbw_index pbw__lowest_round_edge(const pbw_mesh *mesh, size_t t, unsigned i, unsigned j, int *hull)
 {
     const pbw_index *v = mesh->simplices + t * 4;
     size_t lowest = t, s = PBW_NONE;
@@ -9536,7 +9479,7 @@ static pbw_index pbw__lowest_round_edge(const pbw_mesh *mesh, size_t t, unsigned
             stays = u[k];
             lowest = s < lowest ? s : lowest;
         }
-        *open |= s == PBW_NONE;
+        *hull |= s == PBW_NONE;
     }
     return (pbw_index)lowest;
 }
@@ -9570,7 +9513,7 @@ static pbw_index pbw__lowest_with(const pbw_mesh *mesh, size_t t, unsigned on, i
 
 PBWDEF pbw_index pbw_locate_one(const pbw_mesh *mesh, const double *point, pbw_index hint, pbw_index *hull_facet)
 {
-    pbw__place place;
+    pbw__spot spot;
     int k, hull;
     if (hull_facet != NULL) {
         *hull_facet = PBW_NONE;
@@ -9583,13 +9526,13 @@ PBWDEF pbw_index pbw_locate_one(const pbw_mesh *mesh, const double *point, pbw_i
             return PBW_NONE;
         }
     }
-    place.simplex = hint < mesh->simplex_count ? hint : 0;
-    pbw__walk_to(mesh, &place, point, NULL);
-    if (place.leave == PBW__INSIDE) {
-        return pbw__lowest_with(mesh, place.simplex, place.on, &hull);
+    spot.simplex = hint < mesh->simplex_count ? hint : 0;
+    pbw__walk_to(mesh, &spot, point, NULL);
+    if (spot.leave == PBW__INSIDE) {
+        return pbw__lowest_with(mesh, spot.simplex, spot.on, &hull);
     }
     if (hull_facet != NULL) {
-        *hull_facet = (pbw_index)(place.simplex * ((size_t)mesh->dim + 1) + place.leave);
+        *hull_facet = (pbw_index)(spot.simplex * ((size_t)mesh->dim + 1) + spot.leave);
     }
     return PBW_NONE;
 }
@@ -9603,16 +9546,16 @@ PBWDEF pbw_index pbw_locate_one(const pbw_mesh *mesh, const double *point, pbw_i
    writes its own into a chunk; when all lengths are known, chunks are copied to their places.
    ------------------------------------------------------------------------------------------------------ */
 typedef struct pbw__reach { double squared, slack; pbw_index vertex, done; } pbw__reach;     /* see >>nearest */
-typedef struct pbw__slot { uint64_t key; uint32_t value, stamp; } pbw__slot;
+typedef struct pbw__entry { uint64_t key; uint32_t value, stamp; } pbw__entry;
 
 /* Numbers by keys, emptied by one more stamp. */
 typedef struct pbw__set {
-    pbw__slot *slot;
+    pbw__entry *entry;
     size_t room, count;                              /* room: a power of two */
     uint32_t stamp;
 } pbw__set;
 
-typedef struct pbw__cell pbw__cell;                  /* see >>interpolate */
+typedef struct pbw__cavity pbw__cavity;                  /* see >>interpolate */
 
 /* What a task needs to answer; arrays grow. */
 typedef struct pbw__desk {
@@ -9623,7 +9566,7 @@ typedef struct pbw__desk {
     size_t list_room;
     pbw__reach *reach;
     size_t reach_room, reach_count;
-    pbw__cell *cell;
+    pbw__cavity *cavity;
 } pbw__desk;
 
 /* Lists of a block: for each its number, its length and its items; and their values. */
@@ -9679,7 +9622,7 @@ static int pbw__room(pbw__desk *desk, void *array, size_t *capacity, size_t need
 PBW__INLINE size_t pbw__set_place(const pbw__set *set, uint64_t key)
 {
     size_t at = (size_t)((key * 0x9e3779b97f4a7c15u) >> 40) & (set->room - 1);
-    while (set->slot[at].stamp == set->stamp && set->slot[at].key != key) {
+    while (set->entry[at].stamp == set->stamp && set->entry[at].key != key) {
         at = (at + 1) & (set->room - 1);
     }
     return at;
@@ -9692,20 +9635,20 @@ static PBW__NOINLINE int pbw__set_grow(pbw__desk *desk, pbw__set *set)
     bigger.room = set->room == 0 ? 256 : 4 * set->room;
     bigger.count = set->count;
     bigger.stamp = 1;
-    bigger.slot = (pbw__slot *)pbw__allocate(desk->memory, bigger.room, sizeof(pbw__slot));
-    if (bigger.slot == NULL) {
+    bigger.entry = (pbw__entry *)pbw__allocate(desk->memory, bigger.room, sizeof(pbw__entry));
+    if (bigger.entry == NULL) {
         desk->failed = 1;
         return 0;
     }
-    memset(bigger.slot, 0, bigger.room * sizeof(pbw__slot));
+    memset(bigger.entry, 0, bigger.room * sizeof(pbw__entry));
     for (i = 0; i < set->room; i++) {
-        if (set->slot[i].stamp == set->stamp) {
-            size_t at = pbw__set_place(&bigger, set->slot[i].key);
-            bigger.slot[at] = set->slot[i];
-            bigger.slot[at].stamp = 1;
+        if (set->entry[i].stamp == set->stamp) {
+            size_t at = pbw__set_place(&bigger, set->entry[i].key);
+            bigger.entry[at] = set->entry[i];
+            bigger.entry[at].stamp = 1;
         }
     }
-    pbw__release(desk->memory, set->slot, set->room, sizeof(pbw__slot));
+    pbw__release(desk->memory, set->entry, set->room, sizeof(pbw__entry));
     *set = bigger;
     return 1;
 }
@@ -9715,7 +9658,7 @@ static int pbw__set_clear(pbw__desk *desk, pbw__set *set)
 {
     set->count = 0;
     if (set->room == 0 || set->stamp == 0xffffffffu) {
-        pbw__release(desk->memory, set->slot, set->room, sizeof(pbw__slot));
+        pbw__release(desk->memory, set->entry, set->room, sizeof(pbw__entry));
         memset(set, 0, sizeof(*set));
         return pbw__set_grow(desk, set);
     }
@@ -9727,24 +9670,24 @@ static int pbw__set_clear(pbw__desk *desk, pbw__set *set)
 PBW__INLINE uint32_t *pbw__set_add(pbw__desk *desk, pbw__set *set, uint64_t key, uint32_t value, int *added)
 {
     size_t at = pbw__set_place(set, key);
-    pbw__slot *slot = set->slot + at;
-    *added = slot->stamp != set->stamp;
+    pbw__entry *entry = set->entry + at;
+    *added = entry->stamp != set->stamp;
     if (*added) {
         if (PBW__UNLIKELY(2 * set->count >= set->room)) {
             if (!pbw__set_grow(desk, set)) {
                 return NULL;
             }
-            slot = set->slot + pbw__set_place(set, key);
+            entry = set->entry + pbw__set_place(set, key);
         }
         set->count++;
-        slot->key = key;
-        slot->value = value;
-        slot->stamp = set->stamp;
+        entry->key = key;
+        entry->value = value;
+        entry->stamp = set->stamp;
     }
-    return &slot->value;
+    return &entry->value;
 }
 
-static void pbw__cell_free(pbw__memory *memory, pbw__cell *cell);
+static void pbw__cavity_free(pbw__memory *memory, pbw__cavity *cavity);
 
 static pbw_status pbw__answer_range(void *arg, size_t from, size_t to)
 {
@@ -9754,11 +9697,11 @@ static pbw_status pbw__answer_range(void *arg, size_t from, size_t to)
     memset(&desk, 0, sizeof(desk));
     desk.memory = memory;
     queries->answer(queries, &desk, from / queries->grain, from, to);
-    pbw__release(memory, desk.seen.slot, desk.seen.room, sizeof(pbw__slot));
-    pbw__release(memory, desk.other.slot, desk.other.room, sizeof(pbw__slot));
+    pbw__release(memory, desk.seen.entry, desk.seen.room, sizeof(pbw__entry));
+    pbw__release(memory, desk.other.entry, desk.other.room, sizeof(pbw__entry));
     pbw__release(memory, desk.list, desk.list_room, sizeof(pbw_index));
     pbw__release(memory, desk.reach, desk.reach_room, sizeof(pbw__reach));
-    pbw__cell_free(memory, desk.cell);
+    pbw__cavity_free(memory, desk.cavity);
     return desk.failed ? PBW_ERROR_MEMORY : PBW_OK;
 }
 
@@ -9877,7 +9820,7 @@ static pbw_status pbw__queries_start(pbw__queries *queries, const pbw_mesh *mesh
     queries->points = (const char *)points;
     queries->count = count;
     /* A block of queries is worth a thread. */
-    status = pbw__open(&queries->context, options, work * (8192 / PBW__BLOCK_QUERIES), PBW_STAGE_WORK);
+    status = pbw__begin_call(&queries->context, options, work * (8192 / PBW__BLOCK_QUERIES), PBW_STAGE_WORK);
     queries->stride = queries->context.options.stride;
     if (mesh == NULL || (mesh->dim != 2 && mesh->dim != 3) || (points == NULL && count != 0)
         || (mesh->point_count > 0 && (mesh->points == NULL || mesh->incident == NULL || mesh->canonical == NULL))
@@ -9900,7 +9843,7 @@ static pbw_status pbw__queries_end(pbw__queries *queries, pbw_status status)
     pbw__release(memory, queries->digits, queries->digit_words, sizeof(uint32_t));
     pbw__release(memory, queries->keys, queries->count, sizeof(uint64_t));
     pbw__release(memory, queries->spare, queries->count, sizeof(uint64_t));
-    return pbw__close(&queries->context, status);
+    return pbw__end_call(&queries->context, status);
 }
 
 PBW__INLINE size_t pbw__query_index(const pbw__queries *queries, size_t place)
@@ -10058,7 +10001,7 @@ static void pbw__locate_block(pbw__queries *queries, pbw__desk *desk, size_t blo
 {
     const pbw_mesh *mesh = queries->mesh;
     const size_t corners = (size_t)mesh->dim + 1;
-    pbw__place place = { 0, 0, 0 };
+    pbw__spot spot = { 0, 0, 0 };
     size_t i;
     (void)desk;
     (void)block;
@@ -10068,13 +10011,13 @@ static void pbw__locate_block(pbw__queries *queries, pbw__desk *desk, size_t blo
         int hull, inside;
         (void)pbw__query_point(queries, query, p);
         if (i == from) {
-            place.simplex = mesh->incident[pbw__guess(mesh, p)];
+            spot.simplex = mesh->incident[pbw__guess(mesh, p)];
         }
-        pbw__walk_to(mesh, &place, p, &queries->grid);
-        inside = place.leave == PBW__INSIDE;
-        queries->simplices[query] = inside ? pbw__lowest_with(mesh, place.simplex, place.on, &hull) : PBW_NONE;
+        pbw__walk_to(mesh, &spot, p, &queries->grid);
+        inside = spot.leave == PBW__INSIDE;
+        queries->simplices[query] = inside ? pbw__lowest_with(mesh, spot.simplex, spot.on, &hull) : PBW_NONE;
         if (queries->facets != NULL) {
-            queries->facets[query] = inside ? PBW_NONE : (pbw_index)(place.simplex * corners + place.leave);
+            queries->facets[query] = inside ? PBW_NONE : (pbw_index)(spot.simplex * corners + spot.leave);
         }
     }
 }
@@ -11212,7 +11155,7 @@ static PBW__NOINLINE pbw__vector pbw__exact_centre(int dim, const double *const 
 
        ((b - a) . (n x s) - (n - s) . (a x b)) / 2 * (1 +- (w_a - w_b) / |b - a|^2)
 
-   Summed over all facets that is the volume of each cell, whatever the shape of the simplices.  So what q takes is
+   Summed over all facets that is the volume of each cavity, whatever the shape of the simplices.  So what q takes is
    the sum over facets inside the cavity, plus that over boundary facets from the new centre to the old one inside
    (the centre outside is on one line with both: it cancels, and a hull facet is no special case), minus that over
    facets with q.  In the plane an edge ab gives (n - a) x (s - a) to a, and (s - b) x (n - b) to b, twice the area.
@@ -11222,11 +11165,11 @@ static PBW__NOINLINE pbw__vector pbw__exact_centre(int dim, const double *const 
    The weighted mean of the neighbours shows it: where it is not q, all is done again with pairs of doubles, and the
    centres of flat simplices come from exact integers.
    ------------------------------------------------------------------------------------------------------ */
-typedef struct pbw__site { pbw__vector at; pbw__pair weight, share; pbw_index vertex; } pbw__site;
+typedef struct pbw__site { pbw__vector at; pbw__pair weight, gain; pbw_index vertex; } pbw__site;
 typedef struct pbw__face { pbw__vector centre; pbw_index corner[3], inner; } pbw__face;
 
 /* The cavity of a query; corner, across: 4 for each simplex. */
-struct pbw__cell {
+struct pbw__cavity {
     const pbw_mesh *mesh;
     pbw_index *simplex, *corner, *across;            /* across: number of a simplex in the cavity, or PBW_NONE */
     pbw__vector *centre;
@@ -11238,26 +11181,26 @@ struct pbw__cell {
     int scale;                                       /* sites are 2^scale times as far from q */
 };
 
-static void pbw__cell_free(pbw__memory *memory, pbw__cell *cell)
+static void pbw__cavity_free(pbw__memory *memory, pbw__cavity *cavity)
 {
-    if (cell != NULL) {
-        pbw__release(memory, cell->simplex, cell->simplex_room, sizeof(pbw_index));
-        pbw__release(memory, cell->corner, cell->corner_room, sizeof(pbw_index));
-        pbw__release(memory, cell->across, cell->across_room, sizeof(pbw_index));
-        pbw__release(memory, cell->centre, cell->centre_room, sizeof(pbw__vector));
-        pbw__release(memory, cell->site, cell->site_room, sizeof(pbw__site));
-        pbw__release(memory, cell->face, cell->face_room, sizeof(pbw__face));
-        pbw__release(memory, cell, 1, sizeof(pbw__cell));
+    if (cavity != NULL) {
+        pbw__release(memory, cavity->simplex, cavity->simplex_room, sizeof(pbw_index));
+        pbw__release(memory, cavity->corner, cavity->corner_room, sizeof(pbw_index));
+        pbw__release(memory, cavity->across, cavity->across_room, sizeof(pbw_index));
+        pbw__release(memory, cavity->centre, cavity->centre_room, sizeof(pbw__vector));
+        pbw__release(memory, cavity->site, cavity->site_room, sizeof(pbw__site));
+        pbw__release(memory, cavity->face, cavity->face_room, sizeof(pbw__face));
+        pbw__release(memory, cavity, 1, sizeof(pbw__cavity));
     }
 }
 
 /* Adds the barycentric coordinates of p in the simplex that contains it, those that are 0 left out. */
 static void pbw__barycentric(pbw__queries *queries, pbw__desk *desk, size_t block, size_t query,
-                             const pbw__place *place, const double *p)
+                             const pbw__spot *spot, const double *p)
 {
     const pbw_mesh *mesh = queries->mesh;
     const size_t corners = (size_t)mesh->dim + 1;
-    const pbw_index *v = mesh->simplices + place->simplex * corners;
+    const pbw_index *v = mesh->simplices + spot->simplex * corners;
     pbw_index item[4], *items;
     double side[4], value[4], *values, total = 0.0, bound;
     size_t i, j, count = 0;
@@ -11269,7 +11212,7 @@ static void pbw__barycentric(pbw__queries *queries, pbw__desk *desk, size_t bloc
         pbw__exact_sides(mesh, v, p, side);
     }
     for (total = 0.0, i = 0; i < corners; i++) {
-        side[i] = (place->on >> i & 1) == 0 && side[i] > 0.0 ? side[i] : 0.0;
+        side[i] = (spot->on >> i & 1) == 0 && side[i] > 0.0 ? side[i] : 0.0;
         total += side[i];
     }
     for (i = 0; i < corners; i++) {
@@ -11312,15 +11255,15 @@ PBW__INLINE int pbw__has_conflict(const pbw__queries *queries, int dim, size_t t
                 : pbw__power(dim, x, p, &queries->grid) > 0;
 }
 
-static int pbw__cell_reserve(pbw__desk *desk, pbw__cell *cell)
+static int pbw__cavity_reserve(pbw__desk *desk, pbw__cavity *cavity)
 {
-    const size_t simplices = cell->simplices + 4;
-    return pbw__room(desk, &cell->simplex, &cell->simplex_room, simplices, sizeof(pbw_index))
-        && pbw__room(desk, &cell->corner, &cell->corner_room, 4 * simplices, sizeof(pbw_index))
-        && pbw__room(desk, &cell->across, &cell->across_room, 4 * simplices, sizeof(pbw_index))
-        && pbw__room(desk, &cell->centre, &cell->centre_room, simplices, sizeof(pbw__vector))
-        && pbw__room(desk, &cell->site, &cell->site_room, cell->sites + 4, sizeof(pbw__site))
-        && pbw__room(desk, &cell->face, &cell->face_room, cell->faces + 4, sizeof(pbw__face));
+    const size_t simplices = cavity->simplices + 4;
+    return pbw__room(desk, &cavity->simplex, &cavity->simplex_room, simplices, sizeof(pbw_index))
+        && pbw__room(desk, &cavity->corner, &cavity->corner_room, 4 * simplices, sizeof(pbw_index))
+        && pbw__room(desk, &cavity->across, &cavity->across_room, 4 * simplices, sizeof(pbw_index))
+        && pbw__room(desk, &cavity->centre, &cavity->centre_room, simplices, sizeof(pbw__vector))
+        && pbw__room(desk, &cavity->site, &cavity->site_room, cavity->sites + 4, sizeof(pbw__site))
+        && pbw__room(desk, &cavity->face, &cavity->face_room, cavity->faces + 4, sizeof(pbw__face));
 }
 
 /* The corners of the facet opposite to each corner, counter-clockwise for that. */
@@ -11329,64 +11272,64 @@ static const unsigned char pbw__opposite[2][4][3] = {
 };
 
 /* Notes the facet of simplex s, of the cavity, opposite to corner i as one of the boundary. */
-PBW__INLINE void pbw__cell_face(pbw__cell *cell, int dim, size_t s, size_t i)
+PBW__INLINE void pbw__cavity_face(pbw__cavity *cavity, int dim, size_t s, size_t i)
 {
-    pbw__face *face = cell->face + cell->faces++;
+    pbw__face *face = cavity->face + cavity->faces++;
     int k;
     for (k = 0; k < 3; k++) {
-        face->corner[k] = cell->corner[4 * s + pbw__opposite[dim - 2][i][k]];
+        face->corner[k] = cavity->corner[4 * s + pbw__opposite[dim - 2][i][k]];
     }
     face->inner = (pbw_index)s;
 }
 
 /* The simplices in conflict with q, from t on, which is one of them; their corners as sites, its boundary facets. */
-PBW__INLINE int pbw__cell_find(const pbw__queries *queries, int dim, pbw__desk *desk, size_t t, const double *q)
+PBW__INLINE int pbw__cavity_find(const pbw__queries *queries, int dim, pbw__desk *desk, size_t t, const double *q)
 {
     const pbw_mesh *mesh = queries->mesh;
     const size_t corners = (size_t)dim + 1;
-    pbw__cell *cell = desk->cell;
+    pbw__cavity *cavity = desk->cavity;
     size_t next, i;
     int added;
-    cell->simplices = 1;
-    cell->sites = cell->faces = 0;
-    if (!pbw__set_clear(desk, &desk->seen) || !pbw__set_clear(desk, &desk->other) || !pbw__cell_reserve(desk, cell)
-        || pbw__set_add(desk, &desk->seen, t, 0, &added) == NULL) {
+    cavity->simplices = 1;
+    cavity->sites = cavity->faces = 0;
+    if (!pbw__set_clear(desk, &desk->seen) || !pbw__set_clear(desk, &desk->other)
+        || !pbw__cavity_reserve(desk, cavity) || pbw__set_add(desk, &desk->seen, t, 0, &added) == NULL) {
         return 0;
     }
-    cell->simplex[0] = (pbw_index)t;
-    for (next = 0; next < cell->simplices; next++) {
-        const size_t s = cell->simplex[next];
-        if (!pbw__cell_reserve(desk, cell)) {
+    cavity->simplex[0] = (pbw_index)t;
+    for (next = 0; next < cavity->simplices; next++) {
+        const size_t s = cavity->simplex[next];
+        if (!pbw__cavity_reserve(desk, cavity)) {
             return 0;
         }
         for (i = 0; i < corners; i++) {
             const pbw_index vertex = mesh->simplices[s * corners + i];
-            const uint32_t *site = pbw__set_add(desk, &desk->other, vertex, (uint32_t)cell->sites, &added);
+            const uint32_t *site = pbw__set_add(desk, &desk->other, vertex, (uint32_t)cavity->sites, &added);
             if (site == NULL) {
                 return 0;
             }
-            cell->corner[4 * next + i] = *site;
+            cavity->corner[4 * next + i] = *site;
             if (added) {
-                cell->site[cell->sites++].vertex = vertex;
+                cavity->site[cavity->sites++].vertex = vertex;
             }
         }
         for (i = 0; i < corners; i++) {
             const pbw_index other = mesh->neighbors[s * corners + i];
             uint32_t *known = NULL;
-            cell->across[4 * next + i] = PBW_NONE;
+            cavity->across[4 * next + i] = PBW_NONE;
             if (other != PBW_NONE) {
                 known = pbw__set_add(desk, &desk->seen, other, PBW_NONE, &added);
                 if (known == NULL) {
                     return 0;
                 }
                 if (added && pbw__has_conflict(queries, dim, other, q, 1)) {
-                    *known = (uint32_t)cell->simplices;
-                    cell->simplex[cell->simplices++] = other;
+                    *known = (uint32_t)cavity->simplices;
+                    cavity->simplex[cavity->simplices++] = other;
                 }
-                cell->across[4 * next + i] = *known;
+                cavity->across[4 * next + i] = *known;
             }
-            if (cell->across[4 * next + i] == PBW_NONE) {
-                pbw__cell_face(cell, dim, next, i);
+            if (cavity->across[4 * next + i] == PBW_NONE) {
+                pbw__cavity_face(cavity, dim, next, i);
             }
         }
     }
@@ -11394,23 +11337,23 @@ PBW__INLINE int pbw__cell_find(const pbw__queries *queries, int dim, pbw__desk *
 }
 
 /* Sites relative to q, so scaled that the farthest is about 1 away. */
-PBW__INLINE void pbw__cell_place(const pbw_mesh *mesh, int dim, pbw__cell *cell, const double *q)
+PBW__INLINE void pbw__cavity_place(const pbw_mesh *mesh, int dim, pbw__cavity *cavity, const double *q)
 {
     double largest = 0.0, scale;
     size_t i;
     int k;
-    cell->mesh = mesh;
-    memcpy(cell->query, q, (size_t)dim * sizeof(q[0]));
-    for (i = 0; i < cell->sites; i++) {
+    cavity->mesh = mesh;
+    memcpy(cavity->query, q, (size_t)dim * sizeof(q[0]));
+    for (i = 0; i < cavity->sites; i++) {
         for (k = 0; k < dim; k++) {
             largest = pbw__max(largest,
-                                  pbw__abs(mesh->points[cell->site[i].vertex * (size_t)dim + (size_t)k] - q[k]));
+                                  pbw__abs(mesh->points[cavity->site[i].vertex * (size_t)dim + (size_t)k] - q[k]));
         }
     }
-    cell->scale = largest < 1e300 ? -pbw__exponent(largest) : -1000;
-    scale = pbw__power_of_two(cell->scale);
-    for (i = 0; i < cell->sites; i++) {
-        pbw__site *site = cell->site + i;
+    cavity->scale = largest < 1e300 ? -pbw__exponent(largest) : -1000;
+    scale = pbw__power_of_two(cavity->scale);
+    for (i = 0; i < cavity->sites; i++) {
+        pbw__site *site = cavity->site + i;
         const double *p = mesh->points + site->vertex * (size_t)dim;
         pbw__pair *at[3];
         at[0] = &site->at.x;
@@ -11427,15 +11370,15 @@ PBW__INLINE void pbw__cell_place(const pbw_mesh *mesh, int dim, pbw__cell *cell,
 }
 
 /* The centre of `dim` sites and `base`, relative to that; NULL: q, of weight 0. */
-PBW__INLINE pbw__vector pbw__cell_centre(int fine, int dim, int weighted, const pbw__cell *cell,
-                                         const pbw_index *corner, const pbw__site *base)
+PBW__INLINE pbw__vector pbw__cavity_centre(int fine, int dim, int weighted, const pbw__cavity *cavity,
+                                           const pbw_index *corner, const pbw__site *base)
 {
-    const pbw_mesh *mesh = cell->mesh;
+    const pbw_mesh *mesh = cavity->mesh;
     pbw__vector row[3], centre;
     pbw__pair lift[3];
     int flat, k;
     for (k = 0; k < dim; k++) {
-        const pbw__site *site = cell->site + corner[k];
+        const pbw__site *site = cavity->site + corner[k];
         pbw__pair weight = site->weight;
         row[k] = site->at;
         if (base != NULL) {
@@ -11452,35 +11395,35 @@ PBW__INLINE pbw__vector pbw__cell_centre(int fine, int dim, int weighted, const 
         const double *point[3];
         double weight[3];
         for (k = 0; k < dim; k++) {
-            const size_t v = cell->site[corner[k]].vertex;
+            const size_t v = cavity->site[corner[k]].vertex;
             point[k] = mesh->points + v * (size_t)dim;
             weight[k] = weighted ? mesh->weights[v] : 0.0;
         }
-        centre = base == NULL ? pbw__exact_centre(dim, point, cell->query, weight, 0.0, cell->scale)
+        centre = base == NULL ? pbw__exact_centre(dim, point, cavity->query, weight, 0.0, cavity->scale)
                : pbw__exact_centre(dim, point, mesh->points + base->vertex * (size_t)dim, weight,
-                                   weighted ? mesh->weights[base->vertex] : 0.0, cell->scale);
+                                   weighted ? mesh->weights[base->vertex] : 0.0, cavity->scale);
     }
     return centre;
 }
 
 /* Centres of the old simplices, and of the new ones. */
-PBW__INLINE void pbw__cell_centres(int fine, int dim, int weighted, pbw__cell *cell, int old)
+PBW__INLINE void pbw__cavity_centres(int fine, int dim, int weighted, pbw__cavity *cavity, int old)
 {
     size_t i;
-    for (i = 0; old && i < cell->simplices; i++) {
-        const pbw__site *base = cell->site + cell->corner[4 * i];
-        cell->centre[i] = pbw__vector_add(fine, base->at, pbw__cell_centre(fine, dim, weighted, cell,
-                                                                           cell->corner + 4 * i + 1, base));
+    for (i = 0; old && i < cavity->simplices; i++) {
+        const pbw__site *base = cavity->site + cavity->corner[4 * i];
+        cavity->centre[i] = pbw__vector_add(fine, base->at, pbw__cavity_centre(fine, dim, weighted, cavity,
+                                                                               cavity->corner + 4 * i + 1, base));
     }
-    for (i = 0; i < cell->faces; i++) {
-        cell->face[i].centre = pbw__cell_centre(fine, dim, weighted, cell, cell->face[i].corner, NULL);
+    for (i = 0; i < cavity->faces; i++) {
+        cavity->face[i].centre = pbw__cavity_centre(fine, dim, weighted, cavity, cavity->face[i].corner, NULL);
     }
 }
 
 /* Adds what the dual edge from n to s gives at the edge ab: (b - a) . cross - away . (a x b), where cross = n x s and
    away = n - s. */
-PBW__INLINE void pbw__cell_edge(int fine, int weighted, pbw__site *a, pbw__site *b, pbw__vector cross,
-                                pbw__vector away)
+PBW__INLINE void pbw__cavity_edge(int fine, int weighted, pbw__site *a, pbw__site *b, pbw__vector cross,
+                                  pbw__vector away)
 {
     const pbw__vector along = pbw__vector_sub(fine, b->at, a->at);
     pbw__pair value = pbw__sub(fine, pbw__vector_dot(fine, along, cross),
@@ -11488,68 +11431,68 @@ PBW__INLINE void pbw__cell_edge(int fine, int weighted, pbw__site *a, pbw__site 
     if (weighted) {
         pbw__pair more = pbw__div(fine, pbw__mul(fine, value, pbw__sub(fine, a->weight, b->weight)),
                                   pbw__vector_dot(fine, along, along));
-        b->share = pbw__sub(fine, b->share, more);
-        a->share = pbw__add(fine, a->share, more);
+        b->gain = pbw__sub(fine, b->gain, more);
+        a->gain = pbw__add(fine, a->gain, more);
     }
-    a->share = pbw__add(fine, a->share, value);
-    b->share = pbw__add(fine, b->share, value);
+    a->gain = pbw__add(fine, a->gain, value);
+    b->gain = pbw__add(fine, b->gain, value);
 }
 
 /* The same for a facet with these corners, counter-clockwise for s. */
-PBW__INLINE void pbw__cell_facet(int fine, int dim, int weighted, pbw__site *const *x, pbw__vector n, pbw__vector s)
+PBW__INLINE void pbw__cavity_facet(int fine, int dim, int weighted, pbw__site *const *x, pbw__vector n, pbw__vector s)
 {
     if (dim == 3) {
         const pbw__vector cross = pbw__vector_cross(fine, n, s), away = pbw__vector_sub(fine, n, s);
-        pbw__cell_edge(fine, weighted, x[0], x[1], cross, away);
-        pbw__cell_edge(fine, weighted, x[1], x[2], cross, away);
-        pbw__cell_edge(fine, weighted, x[2], x[0], cross, away);
+        pbw__cavity_edge(fine, weighted, x[0], x[1], cross, away);
+        pbw__cavity_edge(fine, weighted, x[1], x[2], cross, away);
+        pbw__cavity_edge(fine, weighted, x[2], x[0], cross, away);
     } else {
         pbw__site *a = x[0], *b = x[1];
-        a->share = pbw__add(fine, a->share, pbw__vector_area(fine, pbw__vector_sub(fine, n, a->at),
-                                                             pbw__vector_sub(fine, s, a->at)));
-        b->share = pbw__add(fine, b->share, pbw__vector_area(fine, pbw__vector_sub(fine, s, b->at),
-                                                             pbw__vector_sub(fine, n, b->at)));
+        a->gain = pbw__add(fine, a->gain, pbw__vector_area(fine, pbw__vector_sub(fine, n, a->at),
+                                                           pbw__vector_sub(fine, s, a->at)));
+        b->gain = pbw__add(fine, b->gain, pbw__vector_area(fine, pbw__vector_sub(fine, s, b->at),
+                                                           pbw__vector_sub(fine, n, b->at)));
     }
 }
 
-/* A facet with q and x[0], in space x[1] too, counter-clockwise for s, between the new centres n and s.  Takes off
-   the shares what its dual edge gives. */
-PBW__INLINE void pbw__cell_spoke(int fine, int dim, int weighted, pbw__site *const *x, pbw__vector n, pbw__vector s)
+/* A facet with q and x[0], in space x[1] too, counter-clockwise for s, between the new centres n and s.  Takes what
+   its dual edge gives off the gains. */
+PBW__INLINE void pbw__cavity_spoke(int fine, int dim, int weighted, pbw__site *const *x, pbw__vector n, pbw__vector s)
 {
     pbw__site origin, *corner[3];
     memset(&origin, 0, sizeof(origin));
     corner[0] = x[0];
     corner[1] = dim == 3 ? x[1] : &origin;
     corner[2] = &origin;
-    pbw__cell_facet(fine, dim, weighted, corner, s, n);
+    pbw__cavity_facet(fine, dim, weighted, corner, s, n);
 }
 
 /* Adds, for Laplace's weights, its part of the facet between q and x[0], divided by their distance; in space also of
    that between q and x[1]. */
-PBW__INLINE void pbw__cell_wall(int fine, int dim, pbw__site *const *x, pbw__vector n, pbw__vector s)
+PBW__INLINE void pbw__cavity_wall(int fine, int dim, pbw__site *const *x, pbw__vector n, pbw__vector s)
 {
     const pbw__vector cross = dim == 3 ? pbw__vector_cross(fine, n, s) : pbw__vector_sub(fine, n, s);
-    x[0]->share = pbw__add(fine, x[0]->share,
-                           pbw__div(fine, dim == 3 ? pbw__vector_dot(fine, x[0]->at, cross)
-                                                   : pbw__vector_area(fine, x[0]->at, cross),
-                                    pbw__vector_dot(fine, x[0]->at, x[0]->at)));
+    x[0]->gain = pbw__add(fine, x[0]->gain,
+                          pbw__div(fine, dim == 3 ? pbw__vector_dot(fine, x[0]->at, cross)
+                                                  : pbw__vector_area(fine, x[0]->at, cross),
+                                   pbw__vector_dot(fine, x[0]->at, x[0]->at)));
     if (dim == 3) {
-        x[1]->share = pbw__sub(fine, x[1]->share, pbw__div(fine, pbw__vector_dot(fine, x[1]->at, cross),
-                                                           pbw__vector_dot(fine, x[1]->at, x[1]->at)));
+        x[1]->gain = pbw__sub(fine, x[1]->gain, pbw__div(fine, pbw__vector_dot(fine, x[1]->at, cross),
+                                                         pbw__vector_dot(fine, x[1]->at, x[1]->at)));
     }
 }
 
 /* All facets with q, each by the ridge, an edge or in the plane a vertex, where two boundary facets meet. */
-PBW__INLINE int pbw__cell_spokes(int fine, int dim, int weighted, int laplace, pbw__desk *desk)
+PBW__INLINE int pbw__cavity_spokes(int fine, int dim, int weighted, int laplace, pbw__desk *desk)
 {
-    pbw__cell *cell = desk->cell;
+    pbw__cavity *cavity = desk->cavity;
     size_t f;
     int k, added;
     if (!pbw__set_clear(desk, &desk->seen)) {
         return 0;
     }
-    for (f = 0; f < cell->faces; f++) {
-        const pbw__face *face = cell->face + f;
+    for (f = 0; f < cavity->faces; f++) {
+        const pbw__face *face = cavity->face + f;
         for (k = 0; k < dim; k++) {
             const pbw_index a = face->corner[k], b = dim == 3 ? face->corner[k < 2 ? k + 1 : 0] : a;
             const uint64_t key = a < b ? (uint64_t)a << 32 | b : (uint64_t)b << 32 | a;
@@ -11558,16 +11501,16 @@ PBW__INLINE int pbw__cell_spokes(int fine, int dim, int weighted, int laplace, p
                 return 0;
             }
             if (!added) {
-                const pbw__face *first = cell->face + *other;
+                const pbw__face *first = cavity->face + *other;
                 const int turn = dim == 2 && k == 0; /* this edge begins at a: counter-clockwise for the other */
                 const pbw__vector n = turn ? face->centre : first->centre, s = turn ? first->centre : face->centre;
                 pbw__site *x[2];
-                x[0] = cell->site + b;
-                x[1] = cell->site + a;
+                x[0] = cavity->site + b;
+                x[1] = cavity->site + a;
                 if (laplace) {
-                    pbw__cell_wall(fine, dim, x, n, s);
+                    pbw__cavity_wall(fine, dim, x, n, s);
                 } else {
-                    pbw__cell_spoke(fine, dim, weighted, x, n, s);
+                    pbw__cavity_spoke(fine, dim, weighted, x, n, s);
                 }
             }
         }
@@ -11575,79 +11518,80 @@ PBW__INLINE int pbw__cell_spokes(int fine, int dim, int weighted, int laplace, p
     return 1;
 }
 
-/* The shares of all sites.  Whether their mean is q, as well as doubles may say; -1: out of memory. */
-PBW__INLINE int pbw__cell_weigh(int fine, int dim, int weighted, int laplace, pbw__desk *desk)
+/* Finds the gain of each site.  Returns whether their weighted mean is q, as well as doubles can tell; -1: out of
+   memory. */
+PBW__INLINE int pbw__cavity_weigh(int fine, int dim, int weighted, int laplace, pbw__desk *desk)
 {
-    pbw__cell *cell = desk->cell;
+    pbw__cavity *cavity = desk->cavity;
     pbw__site *x[3];
     double mean[3] = { 0.0, 0.0, 0.0 }, total = 0.0, off;
     size_t i, s;
     int k;
-    pbw__cell_centres(fine, dim, weighted, cell, !laplace);
-    for (i = 0; i < cell->sites; i++) {
-        cell->site[i].share = pbw__number(0.0);
+    pbw__cavity_centres(fine, dim, weighted, cavity, !laplace);
+    for (i = 0; i < cavity->sites; i++) {
+        cavity->site[i].gain = pbw__number(0.0);
     }
-    for (s = 0; s < cell->simplices && !laplace; s++) {
+    for (s = 0; s < cavity->simplices && !laplace; s++) {
         for (i = 0; i <= (size_t)dim; i++) {
-            const pbw_index n = cell->across[4 * s + i];
+            const pbw_index n = cavity->across[4 * s + i];
             if (n < s) {                             /* inside, each once */
                 for (k = 0; k < dim; k++) {
-                    x[k] = cell->site + cell->corner[4 * s + pbw__opposite[dim - 2][i][k]];
+                    x[k] = cavity->site + cavity->corner[4 * s + pbw__opposite[dim - 2][i][k]];
                 }
-                pbw__cell_facet(fine, dim, weighted, x, cell->centre[n], cell->centre[s]);
+                pbw__cavity_facet(fine, dim, weighted, x, cavity->centre[n], cavity->centre[s]);
             }
         }
     }
-    for (i = 0; i < cell->faces && !laplace; i++) {
-        const pbw__face *face = cell->face + i;
+    for (i = 0; i < cavity->faces && !laplace; i++) {
+        const pbw__face *face = cavity->face + i;
         for (k = 0; k < dim; k++) {
-            x[k] = cell->site + face->corner[k];
+            x[k] = cavity->site + face->corner[k];
         }
-        pbw__cell_facet(fine, dim, weighted, x, face->centre, cell->centre[face->inner]);
+        pbw__cavity_facet(fine, dim, weighted, x, face->centre, cavity->centre[face->inner]);
     }
-    if (!pbw__cell_spokes(fine, dim, weighted, laplace, desk)) {
+    if (!pbw__cavity_spokes(fine, dim, weighted, laplace, desk)) {
         return -1;
     }
-    for (i = 0; i < cell->sites; i++) {
-        const pbw__site *site = cell->site + i;
-        const double share = site->share.head + site->share.tail;
-        total += share;
-        mean[0] += share * site->at.x.head;
-        mean[1] += share * site->at.y.head;
-        mean[2] += share * site->at.z.head;
+    for (i = 0; i < cavity->sites; i++) {
+        const pbw__site *site = cavity->site + i;
+        const double gain = site->gain.head + site->gain.tail;
+        total += gain;
+        mean[0] += gain * site->at.x.head;
+        mean[1] += gain * site->at.y.head;
+        mean[2] += gain * site->at.z.head;
     }
     off = pbw__max(pbw__abs(mean[0]), pbw__max(pbw__abs(mean[1]), pbw__abs(mean[2])));
     return total > 0.0 && off <= (fine ? 1e-12 : 1e-14) * total;
 }
 
-static PBW__NOINLINE int pbw__cell_weigh_fine(int laplace, pbw__desk *desk)
+static PBW__NOINLINE int pbw__cavity_weigh_fine(int laplace, pbw__desk *desk)
 {
-    const int weighted = desk->cell->mesh->weights != NULL;
-    return desk->cell->mesh->dim == 3 ? pbw__cell_weigh(1, 3, weighted, laplace, desk)
-                                      : pbw__cell_weigh(1, 2, weighted, laplace, desk);
+    const int weighted = desk->cavity->mesh->weights != NULL;
+    return desk->cavity->mesh->dim == 3 ? pbw__cavity_weigh(1, 3, weighted, laplace, desk)
+                                      : pbw__cavity_weigh(1, 2, weighted, laplace, desk);
 }
 
-static int pbw__cell_weigh_coarse(int laplace, pbw__desk *desk)
+static int pbw__cavity_weigh_coarse(int laplace, pbw__desk *desk)
 {
-    const int weighted = desk->cell->mesh->weights != NULL, dim = desk->cell->mesh->dim;
+    const int weighted = desk->cavity->mesh->weights != NULL, dim = desk->cavity->mesh->dim;
     if (weighted || laplace) {
-        return dim == 3 ? pbw__cell_weigh(0, 3, weighted, laplace, desk)
-                        : pbw__cell_weigh(0, 2, weighted, laplace, desk);
+        return dim == 3 ? pbw__cavity_weigh(0, 3, weighted, laplace, desk)
+                        : pbw__cavity_weigh(0, 2, weighted, laplace, desk);
     }
-    return dim == 3 ? pbw__cell_weigh(0, 3, 0, 0, desk) : pbw__cell_weigh(0, 2, 0, 0, desk);
+    return dim == 3 ? pbw__cavity_weigh(0, 3, 0, 0, desk) : pbw__cavity_weigh(0, 2, 0, 0, desk);
 }
 
 /* Adds the sites and their weights in the order of their indices. */
-static void pbw__cell_give(pbw__queries *queries, pbw__desk *desk, size_t block, size_t query)
+static void pbw__cavity_give(pbw__queries *queries, pbw__desk *desk, size_t block, size_t query)
 {
-    pbw__cell *cell = desk->cell;
+    pbw__cavity *cavity = desk->cavity;
     pbw_index *items;
     double *values, total = 0.0;
     size_t count = 0, gap, i, j;
-    for (i = 0; i < cell->sites; i++) {
-        const pbw__site site = cell->site[i];
-        if (site.share.head + site.share.tail > 0.0) {
-            cell->site[count++] = site;
+    for (i = 0; i < cavity->sites; i++) {
+        const pbw__site site = cavity->site[i];
+        if (site.gain.head + site.gain.tail > 0.0) {
+            cavity->site[count++] = site;
         }
     }
     items = pbw__chunk_add(queries, desk, block, query, count, &values);
@@ -11655,8 +11599,8 @@ static void pbw__cell_give(pbw__queries *queries, pbw__desk *desk, size_t block,
         return;
     }
     for (i = 0; i < count; i++) {
-        items[i] = cell->site[i].vertex;
-        values[i] = cell->site[i].share.head + cell->site[i].share.tail;
+        items[i] = cavity->site[i].vertex;
+        values[i] = cavity->site[i].gain.head + cavity->site[i].gain.tail;
     }
     for (gap = count > 64 ? count / 3 : 1; gap > 0; gap = gap == 2 ? 1 : gap / 3) {      /* Shell's sort */
         for (i = gap; i < count; i++) {
@@ -11688,27 +11632,27 @@ static void pbw__coordinates_of(pbw__queries *queries, pbw__desk *desk, size_t b
     int right;
     memcpy(record, p, sizeof(record[0]) * (size_t)dim);
     record[dim] = 0.0;
-    if (desk->cell == NULL) {
-        desk->cell = (pbw__cell *)pbw__allocate(desk->memory, 1, sizeof(pbw__cell));
-        if (desk->cell == NULL) {
+    if (desk->cavity == NULL) {
+        desk->cavity = (pbw__cavity *)pbw__allocate(desk->memory, 1, sizeof(pbw__cavity));
+        if (desk->cavity == NULL) {
             desk->failed = 1;
             return;
         }
-        memset(desk->cell, 0, sizeof(pbw__cell));
+        memset(desk->cavity, 0, sizeof(pbw__cavity));
     }
-    if (!(dim == 3 ? pbw__cell_find(queries, 3, desk, t, record) : pbw__cell_find(queries, 2, desk, t, record))) {
+    if (!(dim == 3 ? pbw__cavity_find(queries, 3, desk, t, record) : pbw__cavity_find(queries, 2, desk, t, record))) {
         return;
     }
-    pbw__cell_place(mesh, dim, desk->cell, p);
-    right = pbw__cell_weigh_coarse(laplace, desk);
+    pbw__cavity_place(mesh, dim, desk->cavity, p);
+    right = pbw__cavity_weigh_coarse(laplace, desk);
     if (right == 0) {
-        right = pbw__cell_weigh_fine(laplace, desk);
+        right = pbw__cavity_weigh_fine(laplace, desk);
     }
     if (right > 0) {
-        pbw__cell_give(queries, desk, block, query);
+        pbw__cavity_give(queries, desk, block, query);
     } else if (right == 0) {
-        const pbw__place place = { t, PBW__INSIDE, 0 };
-        pbw__barycentric(queries, desk, block, query, &place, p);
+        const pbw__spot spot = { t, PBW__INSIDE, 0 };
+        pbw__barycentric(queries, desk, block, query, &spot, p);
     }
 }
 
@@ -11716,11 +11660,11 @@ static void pbw__coordinates_block(pbw__queries *queries, pbw__desk *desk, size_
 {
     const pbw_mesh *mesh = queries->mesh;
     const size_t dim = (size_t)mesh->dim;
-    pbw__place end = { 0, 0, 0 };
+    pbw__spot end = { 0, 0, 0 };
     size_t i;
     for (i = from; i < to && !desk->failed; i++) {
         const size_t query = pbw__query_index(queries, i);
-        pbw__place place;
+        pbw__spot spot;
         unsigned spread, facets = 0;
         double p[4];
         int hull;
@@ -11732,21 +11676,21 @@ static void pbw__coordinates_block(pbw__queries *queries, pbw__desk *desk, size_
         if (end.leave != PBW__INSIDE) {
             continue;                                /* outside: an empty list */
         }
-        place = end;
-        place.simplex = pbw__lowest_with(mesh, end.simplex, end.on, &hull);
-        if (place.simplex != end.simplex) {
-            const pbw_index *v = mesh->simplices + place.simplex * (dim + 1);
-            (void)pbw__side_exact(mesh, v, p, &queries->grid, &place.on);
+        spot = end;
+        spot.simplex = pbw__lowest_with(mesh, end.simplex, end.on, &hull);
+        if (spot.simplex != end.simplex) {
+            const pbw_index *v = mesh->simplices + spot.simplex * (dim + 1);
+            (void)pbw__side_exact(mesh, v, p, &queries->grid, &spot.on);
         }
-        for (spread = place.on; spread != 0; spread &= spread - 1) {
+        for (spread = spot.on; spread != 0; spread &= spread - 1) {
             facets++;
         }
         p[dim] = 0.0;
         if (queries->scheme == PBW_BARYCENTRIC || hull || facets == dim
-            || (mesh->weights != NULL && !pbw__has_conflict(queries, mesh->dim, place.simplex, p, 0))) {
-            pbw__barycentric(queries, desk, block, query, &place, p);
+            || (mesh->weights != NULL && !pbw__has_conflict(queries, mesh->dim, spot.simplex, p, 0))) {
+            pbw__barycentric(queries, desk, block, query, &spot, p);
         } else {
-            pbw__coordinates_of(queries, desk, block, query, place.simplex, p);
+            pbw__coordinates_of(queries, desk, block, query, spot.simplex, p);
         }
         if (pbw__report(&queries->context, 0.0)) {
             return;

@@ -318,22 +318,21 @@ def vectors(dim, weighted=True):
     rows, p = Rows(), Rows()
     p.x = p.y = p.z = Number(1)
     p.weight = Number(0)
-    p.weighted = weighted
-    names = ['rows.x', 'rows.y', 'rows.lift'] + ['rows.z'] * (dim == 3) + ['weight', 'rows.height'] * weighted
-    local = dict(rows=rows, p=p, x=p.x, y=p.y, z=p.z, w=p.weight, a=Every(p.weight), b=Every(p.weight),
-                 c=Every(p.weight), d=Every(p.weight), pbw__four=same)
-    run('pbw__rows%d_of' % dim, local, names)
+    p.dim, p.weighted = dim, weighted
+    names = ['rows.x', 'rows.y', 'rows.z', 'rows.lift'] + ['weight', 'rows.height'] * weighted
+    local = dict(rows=rows, p=p, dim=dim, x=p.x, y=p.y, z=p.z, w=p.weight)
+    run('pbw__rows4_of', local, names)
     scaled(rows.lift, rows.height)
     return rows
 
 
-def scalars():
+def scalars(dim):
     row = [None] * 4
-    names = ['row[%d]' % k for k in range(4)] + ['weight', 'square']
-    record = [Number(1)] * 3 + [Number(0)]
-    local = run('pbw__row3', dict(row=row, record=record, p=record, v=1), names)[1]
-    height = run('pbw__row3', local, ['return'])[0]
-    scaled(row[3], height)
+    names = ['row[%d]' % k for k in range(dim)] + ['row[dim]', 'weight', 'square']
+    record = [Number(1)] * dim + [Number(0)]
+    local = run('pbw__row', dict(row=row, record=record, p=record, v=1, dim=dim), names)[1]
+    height = run('pbw__row', local, ['return'])[0]
+    scaled(row[dim], height)
     return row, height
 
 
@@ -382,16 +381,20 @@ def pairs():
 
 def walks():
     define('pbw__det3')
-    row, h = scalars()
-    name = 'pbw__locate3_scalar'
+    name = 'pbw__locate_of'
     least = literal(name, r'height = ([-\d.e]+)')
     root = Fraction(math.isqrt(int(least * 10 ** 200))) / 10 ** 100
-    local = dict(u=Every(row), i=0, side=Every(None), corner=Every(0), height=h, lowest=0)
-    local = run(name, local, ['side[i]', 'bound', 'power'])[1]
-    prove(name + ' side', local['side'][0], local['bound'], least * root, True)
-    det = ((local['power'] + local['power']) + local['power']) + local['power']
-    limit = re.search(r'power \* power > (.*?)\) \{', ' '.join(''.join(read(name)[1]).split())).group(1)
-    prove(name + ' power', det, eval(limit, dict(ENV, height=h)), least ** 2 * root, True)
+    for dim in (2, 3):
+        row, h = scalars(dim)
+        local = dict(u=Every(row), corner=Every(0), a=row, b=row, i=0, dim=dim, height=h, lowest=0, exit=0,
+                     corners=1)
+        local = run(name, local, ['square', 'bound', 'limit', 'side', 'power'])[1]
+        scale = root if dim == 3 else 1
+        prove('%s%d side' % (name, dim), local['side'], local['bound'], least * scale, True)
+        det = local['power'] + local['power']
+        for i in range(dim - 1):
+            det = det + local['power']
+        prove('%s%d power' % (name, dim), det, local['limit'], least ** 2 * scale, True)
     r = vectors(3)
     name = 'pbw__locate3_simd'
     names = ['side', 'power', 'h', 'square', 'bound', 'limit']
@@ -399,15 +402,6 @@ def walks():
     local = run(name, dict(r=r, rounded=0), names)[1]
     prove(name + ' side', local['side'], local['bound'], least * root, True)
     prove(name + ' power', local['power'], local['limit'], least ** 2 * root, True)
-    name = 'pbw__locate2_scalar'
-    least = literal(name, r'size > ([-\d.e]+)')
-    record = [Number(1)] * 2
-    local = dict(record=record, p=record, u=Every(Every(None)), i=0, side=Every(None))
-    local = run(name, local, ['u[i][0]', 'u[i][1]'])[1]
-    local['a'] = local['b'] = Every(local['u'][0][0])
-    local['size'] = local['u'][0][0]
-    local = run(name, local, ['side[i]', 'bound'])[1]
-    prove(name, local['side'][0], local['bound'], least ** 2)
     name = 'pbw__locate2_simd'
     define('pbw__circle_limit')
     least = literal(name, r'pbw__splat\((1e-[-\d.e]+)\)')
@@ -418,7 +412,7 @@ def walks():
 
 
 def cavities():
-    row, h = scalars()
+    row, h = scalars(3)
     name = 'pbw__carve3_scalar'
     least = literal(name, r', (1e-[-\d.e]+)\)')
     root = Fraction(math.isqrt(int(least * 10 ** 200))) / 10 ** 100
@@ -444,15 +438,10 @@ def cavities():
     prove(name, local['det'], local['limit'], least ** 2 * Fraction(1, 10 ** 10), True)
 
     name = 'pbw__test2'
-    record = [Number(1)] * 2 + [Number(0)]
-    local = dict(a=record, b=record, c=record, p=record)
-    names = [c + d for c in 'abc' for d in 'xyw2']
-    local = run(name, local, names)[1]
-    scaled(*[local[c + '2'] for c in 'abc'])
-    least = literal(name, r'height > ([-\d.e]+)')
-    local = run(name, local, ['det', 'height', 'limit', 'side', 'size'])[1]
-    prove(name + ' circle', local['det'], local['height'] * (ENV['PBW__CIRCLE_ERROR'] * local['height']), least ** 2)
-    prove(name + ' side', local['side'], local['limit'], least ** 2)
+    row, h = scalars(2)
+    least = literal(name, r', (1e-\d+)\)')
+    local = run(name, dict(a=row, b=row, c=row, height=h), ['det', 'limit'])[1]
+    prove(name, local['det'], local['limit'], least ** 2)
     name = 'pbw__circle4'
     r = vectors(2)
     edges = Rows()

@@ -423,8 +423,8 @@ static int vector_sign(const points *p, int hull, double *value, double *height)
     };
     double records[3 * 3], det[4], h[4];
     pbw__triangles triangles;
-    pbw__rows2 rows[3];
-    pbw__point2 origin;
+    pbw__rows4 rows[3];
+    pbw__point4 origin;
     pbw__d4 vector, heights;
     unsigned certain, inside, k;
     int weighted = 0;
@@ -432,9 +432,9 @@ static int vector_sign(const points *p, int hull, double *value, double *height)
         memcpy(records + 3 * k, p->at[k], 3 * sizeof(double));
         weighted |= p->at[k][2] != p->at[3][2];
     }
-    origin = pbw__point2_of(p->at[3], weighted);
+    origin = pbw__point4_of(p->at[3], 2, weighted);
     for (k = 0; k < 3; k++) {
-        rows[k] = pbw__rows2_of(records, lanes[k], 0, origin);
+        rows[k] = pbw__rows4_of(records, lanes[k], 0, &origin);
     }
     triangles.o = rows[0];
     triangles.s = rows[1];
