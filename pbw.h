@@ -1378,10 +1378,7 @@ PBW__INLINE size_t pbw__share(size_t count, int i, int tasks);
 typedef struct pbw__block { void *start; size_t from, to; } pbw__block;
 static pbw__block pbw__block_of(void *start, size_t from, size_t to)
 {
-    pbw__block block;
-    block.start = start;
-    block.from = from;
-    block.to = to;
+    const pbw__block block = { start, from, to };
     return block;
 }
 
@@ -1656,9 +1653,7 @@ static void pbw__for(pbw__context *context, int tasks, pbw__task *task, void *ar
 {
     int i;
     if (context->options.run != NULL && tasks > 1 && context->threads > 1) {
-        pbw__guarded guarded;
-        guarded.task = task;
-        guarded.arg = arg;
+        pbw__guarded guarded = { task, arg };
         context->options.run(context->options.run_user, tasks, pbw__run_guarded, &guarded);
         return;
     }
@@ -1795,15 +1790,7 @@ static pbw_status pbw__for_range(pbw__context *context, size_t count, size_t gra
                                  void *arg)
 {
     const size_t blocks = count / grain + (count % grain != 0);
-    pbw__ranges ranges;
-    ranges.context = context;
-    ranges.body = body;
-    ranges.arg = arg;
-    ranges.count = count;
-    ranges.grain = grain;
-    ranges.blocks = blocks;
-    ranges.next = 0;
-    ranges.failure = (size_t)-1;
+    pbw__ranges ranges = { context, body, arg, count, grain, blocks, 0, (size_t)-1, 0.0, 0.0 };
     ranges.begin = context->reached;
     ranges.end = context->reached = pbw__max(end, context->reached);
     pbw__for(context, context->threads <= 1 ? 1 : blocks < (size_t)context->threads ? (int)blocks : context->threads,
@@ -2870,13 +2857,7 @@ typedef struct pbw__input {
 
 static pbw__input pbw__input_of(int dim, int is_float, const void *points, const void *weights, size_t count)
 {
-    pbw__input input;
-    memset(&input, 0, sizeof(input));
-    input.dim = dim;
-    input.is_float = is_float;
-    input.count = count;
-    input.points = (const char *)points;
-    input.weights = (const char *)weights;
+    const pbw__input input = { dim, is_float, 0, count, 0, 0, (const char *)points, (const char *)weights };
     return input;
 }
 
@@ -3494,14 +3475,8 @@ static void pbw__keying_keys(void *arg, int task)
    finite.  boxes: one a task. */
 static int pbw__order_keys(pbw__ordering *ordering, pbw__part *part, int all, pbw__box *boxes, int tasks)
 {
-    pbw__keying keying;
+    pbw__keying keying = { ordering, part->from, part->to - part->from, all, tasks, boxes, boxes[0] };
     int task, dim = ordering->input->dim;
-    keying.ordering = ordering;
-    keying.from = part->from;
-    keying.count = part->to - part->from;
-    keying.all = all;
-    keying.boxes = boxes;
-    keying.tasks = tasks;
     pbw__for(ordering->context, tasks, pbw__keying_box, &keying);
     if (PBW__LOAD(&ordering->context->cancelled) || PBW__LOAD(&ordering->not_finite)) {
         return 0;
@@ -3528,13 +3503,8 @@ static int pbw__order_sort(pbw__ordering *ordering, pbw__part *part, int low, ui
 {
     const size_t step = (size_t)ordering->input->dim + 1;
     uint64_t *keys = ordering->keys + part->from, *sorted;
-    pbw__sorting sorting;
-    sorting.context = ordering->context;
-    sorting.a = keys;
+    pbw__sorting sorting = { ordering->context, keys, NULL, start, part->to - part->from, tasks, 0, 0 };
     sorting.b = (uint64_t *)(void *)(ordering->vertices->record + (part->from + 1) * step);
-    sorting.start = start;
-    sorting.count = part->to - part->from;
-    sorting.tasks = tasks;
     sorted = start == NULL ? pbw__sort_keys(&sorting, low, part->low - low)
                            : pbw__sort_by(&sorting, low, part->low - low);
     if (sorted != NULL && sorted != keys) {
@@ -4832,6 +4802,15 @@ typedef struct pbw__search {
     uint32_t local_count;
 } pbw__search;
 
+PBW__INLINE void pbw__search_lists(const pbw__kernel *kernel, pbw__search *search)
+{
+    search->cavity = kernel->scratch.cavity;
+    search->carved = kernel->scratch.carved;
+    search->from = kernel->scratch.from;
+    search->parent = kernel->scratch.parent;
+    search->capacity = kernel->scratch.from_capacity;        /* the last of the lists to grow */
+}
+
 PBW__INLINE void pbw__search_begin(pbw__kernel *kernel, pbw__search *search, pbw_index t)
 {
     if (PBW__UNLIKELY(++kernel->scratch.stamp == PBW__STAMPS)) {
@@ -4841,14 +4820,10 @@ PBW__INLINE void pbw__search_begin(pbw__kernel *kernel, pbw__search *search, pbw
     search->corner = kernel->corner;
     search->link = kernel->link;
     search->mark = kernel->mark;
-    search->cavity = kernel->scratch.cavity;
-    search->carved = kernel->scratch.carved;
-    search->from = kernel->scratch.from;
-    search->parent = kernel->scratch.parent;
     search->table = kernel->scratch.table;
+    pbw__search_lists(kernel, search);
     search->cavity_count = 1;
     search->facet_count = 0;
-    search->capacity = kernel->scratch.from_capacity;        /* the last of the lists to grow */
     search->stamp = kernel->scratch.stamp * PBW__STAMP;
     search->local_count = 1;                         /* number 0 stands for none */
     search->parent[0] = 4;                           /* the first was met from nowhere: the second stands in */
@@ -4889,11 +4864,7 @@ PBW__INLINE int pbw__search_room(pbw__kernel *kernel, pbw__search *search)
         if (!pbw__grow_lists(kernel, search->cavity_count + search->facet_count + 8)) {
             return 0;
         }
-        search->cavity = kernel->scratch.cavity;
-        search->carved = kernel->scratch.carved;
-        search->from = kernel->scratch.from;
-        search->parent = kernel->scratch.parent;
-        search->capacity = kernel->scratch.from_capacity;
+        pbw__search_lists(kernel, search);
     }
     return 1;
 }
@@ -4981,26 +4952,26 @@ PBW__SIMD_INLINE void pbw__search_sort4(pbw__search *search, pbw_index facet, co
 #endif
 
 #ifdef PBW__SIMD
-typedef struct pbw__pairs4 { pbw__pair4 x, y, z, lift; pbw__d4 height; } pbw__pairs4;
+/* Rows in pairs, without weights. */
+typedef struct pbw__pairs4 { pbw__pair4 x, y, z, lift; pbw__d4 height, ghost; } pbw__pairs4;
 
 PBW__SIMD_INLINE pbw__pairs4 pbw__pairs4_of(const double *record, const pbw_index *v, const pbw__point4 *p)
 {
+    const int dim = p->dim;
     const pbw__d4 zero = pbw__splat(0.0);
-    const pbw__point4 origin = { zero, zero, zero, zero, NULL, 3, 0 };
+    const pbw__point4 origin = { zero, zero, zero, zero, NULL, dim, 0 };
     pbw__rows4 at = pbw__rows4_of(record, v, 1, &origin);
     pbw__pairs4 rows;
     rows.x = pbw__difference4(at.x, p->x, at.ghost);
     rows.y = pbw__difference4(at.y, p->y, at.ghost);
     rows.z = pbw__difference4(at.z, p->z, at.ghost);
-    rows.lift = pbw__plus4(pbw__plus4(pbw__times4(rows.x, rows.x), pbw__times4(rows.y, rows.y)),
-                           pbw__times4(rows.z, rows.z));
+    rows.lift = pbw__plus4(pbw__times4(rows.x, rows.x), pbw__times4(rows.y, rows.y));
+    if (dim == 3) {
+        rows.lift = pbw__plus4(rows.lift, pbw__times4(rows.z, rows.z));
+    }
     rows.height = rows.lift.head;
+    rows.ghost = at.ghost;
     return rows;
-}
-
-PBW__SIMD_INLINE void pbw__lift_ghosts4(pbw__pairs4 *rows, const pbw_index *v, pbw__d4 height)
-{
-    rows->lift.head = pbw__blend_zero(rows->lift.head, pbw__zeros(v[0], v[1], v[2], v[3]), height);
 }
 
 #define PBW__CORNERS4(to, from, corner) \
@@ -5019,8 +4990,8 @@ PBW__SIMD static PBW__NOINLINE unsigned pbw__power4_pairs(const double *record, 
     pbw__pairs4 r = pbw__pairs4_of(record, v, &point), o = pbw__pairs4_of(record, far, &point), a, b, c;
     pbw__pair4 xy, xz, yz, xl, yl, zl, det;
     pbw__d4 height = pbw__max_lane(r.height), h = pbw__max4(height, o.height), limit = h * h;
-    pbw__lift_ghosts4(&r, v, height);
-    pbw__lift_ghosts4(&o, far, height);
+    r.lift.head = pbw__blend_zero(r.lift.head, r.ghost, height);
+    o.lift.head = pbw__blend_zero(o.lift.head, o.ghost, height);
     PBW__CORNERS4(a, r, PBW__CORNER_A);
     PBW__CORNERS4(b, r, PBW__CORNER_B);
     PBW__CORNERS4(c, r, PBW__CORNER_C);
@@ -5691,29 +5662,15 @@ PBW__SIMD_INLINE unsigned pbw__settle2(pbw__kernel *kernel, const pbw__triangles
     return open;
 }
 
-typedef struct pbw__pairs2 { pbw__pair4 x, y, lift; pbw__d4 ghost; } pbw__pairs2;
-
-PBW__SIMD_INLINE pbw__pairs2 pbw__pairs2_of(const double *record, const pbw_index *v, const double *p)
-{
-    pbw__d4 x, y;
-    pbw__pairs2 rows;
-    pbw__columns(record + 3 * (size_t)v[0], record + 3 * (size_t)v[1], record + 3 * (size_t)v[2],
-                 record + 3 * (size_t)v[3], &x, &y);
-    rows.ghost = pbw__zeros(v[0], v[1], v[2], v[3]); /* PBW__GHOST */
-    rows.x = pbw__difference4(x, pbw__splat(p[0]), rows.ghost);
-    rows.y = pbw__difference4(y, pbw__splat(p[1]), rows.ghost);
-    rows.lift = pbw__plus4(pbw__times4(rows.x, rows.x), pbw__times4(rows.y, rows.y));
-    return rows;
-}
-
 /* The determinants of pbw__test2_simd in pairs, without weights; corner: starts, ends and far vertices of four edges.
    Returns which are certain; *inside: which are positive.
    With h above 1e-20 what underflows is far below the bound; above 1e154 h^2 is infinite. */
 PBW__SIMD static PBW__NOINLINE unsigned pbw__circle4_pairs(const double *record, pbw_index corner[3][4],
                                                            const double *p, unsigned *inside)
 {
-    pbw__pairs2 s = pbw__pairs2_of(record, corner[0], p), e = pbw__pairs2_of(record, corner[1], p);
-    pbw__pairs2 o = pbw__pairs2_of(record, corner[2], p);
+    const pbw__point4 point = pbw__point4_of(p, 2, 0);
+    pbw__pairs4 s = pbw__pairs4_of(record, corner[0], &point), e = pbw__pairs4_of(record, corner[1], &point);
+    pbw__pairs4 o = pbw__pairs4_of(record, corner[2], &point);
     pbw__d4 h = pbw__max4(pbw__max4(s.lift.head, e.lift.head), o.lift.head), size;
     pbw__pair4 det;
     s.lift.head = pbw__blend_zero(s.lift.head, s.ghost, h);
@@ -5827,8 +5784,8 @@ PBW__SIMD_INLINE void pbw__lift_ghosts2(pbw__rows4 *rows, pbw__d4 height)
 }
 
 /* Tests the edges of the queue from `head` on, as long as there are any. */
-PBW__SIMD_INLINE pbw_status pbw__ring_finish(pbw__kernel *kernel, pbw__ring *ring, unsigned head, const pbw__point4 *point,
-                                             int hull)
+PBW__SIMD_INLINE pbw_status pbw__ring_finish(pbw__kernel *kernel, pbw__ring *ring, unsigned head,
+                                             const pbw__point4 *point, int hull)
 {
     const pbw_index *corner = kernel->corner;
     const double *record = kernel->record;
@@ -7490,10 +7447,9 @@ static void pbw__emit_pass1(void *arg, int task)
     size_t tail_from = store->region_slots + pbw__share(tail, task, emission->tasks);
     size_t tail_to = store->region_slots + pbw__share(tail, task + 1, emission->tasks);
     size_t ranks = pbw__emit_ranks(emission, first), end = pbw__emit_ranks(emission, last);
-    pbw__listing listing;
+    pbw__listing listing = { 0, 0, PBW_NONE };
     listing.ranks = first << store->region_bits;
     listing.own = (last << store->region_bits) - listing.ranks;
-    listing.others = PBW_NONE;
     memset(emission->chain + first, 0xff, (last - first) * sizeof(pbw_index));       /* PBW_NONE */
     memset(emission->head + ranks, 0, (end - ranks) * sizeof(pbw_index));
     if (emission->first != NULL) {
@@ -8280,15 +8236,12 @@ static pbw_status pbw__copy_points(void *arg, size_t i, size_t end)
 static pbw_status pbw__keep_points(pbw__context *context, const pbw__input *input, pbw__owned *owned, pbw_mesh *mesh,
                                    double *spare, size_t spare_count)
 {
-    pbw__copying copying;
+    pbw__copying copying = { input, mesh->original, NULL, NULL };
     if (input->borrow) {
         mesh->points = (const double *)(const void *)input->points;
         mesh->weights = (const double *)(const void *)input->weights;
         return PBW_OK;
     }
-    copying.input = input;
-    copying.original = mesh->original;
-    copying.weights = NULL;
     owned->points = input->count * (size_t)input->dim;
     mesh->points = copying.points = (double *)(spare == NULL
                  ? pbw__allocate_large(context, owned->points, sizeof(double))
@@ -8547,11 +8500,9 @@ static int pbw__check_pass(pbw__check *check, pbw__check_items *items, size_t co
     pbw__memory *memory = &check->context->memory;
     pbw_report *report = check->report;
     const size_t parts = count / PBW__CHECKED + 1;
-    pbw__checking checking;
+    pbw__checking checking = { check, items, NULL };
     pbw_status status;
     size_t i;
-    checking.check = check;
-    checking.items = items;
     checking.part = (pbw__check_part *)pbw__allocate_large(check->context, parts, sizeof(pbw__check_part));
     if (checking.part == NULL) {
         check->status = PBW_ERROR_MEMORY;
@@ -9011,14 +8962,8 @@ static int pbw__check_others(pbw__check *check)
     uint64_t *keys = (uint64_t *)pbw__allocate(memory, count, sizeof(uint64_t));
     uint64_t *spare = (uint64_t *)pbw__allocate(memory, count, sizeof(uint64_t));
     uint32_t *start = (uint32_t *)pbw__allocate(memory, ((size_t)tasks + 1) * PBW__DIGITS, sizeof(uint32_t));
-    pbw__sorting sorting;
+    pbw__sorting sorting = { context, keys, spare, start, count, tasks, 0, 0 };
     int going = 0;
-    sorting.context = context;
-    sorting.a = keys;
-    sorting.b = spare;
-    sorting.start = start;
-    sorting.count = count;
-    sorting.tasks = tasks;
     check->block = (size_t *)pbw__allocate(memory, blocks, sizeof(size_t));
     if (keys == NULL || spare == NULL || start == NULL || check->block == NULL) {
         check->status = PBW_ERROR_MEMORY;
@@ -9171,15 +9116,12 @@ PBWDEF pbw_status pbw_hash_parts(const pbw_mesh *mesh, const unsigned char *poin
                                  const pbw_options *options, pbw_hash_sums *sums)
 {
     pbw__context context;
-    pbw__hashing hashing;
+    pbw__hashing hashing = { mesh, points, 0 };
     pbw_status status;
     if (mesh == NULL || sums == NULL) {
         return PBW_ERROR_ARGUMENT;
     }
     status = pbw__begin_call(&context, options, mesh->point_count, PBW_STAGE_WORK);
-    hashing.mesh = mesh;
-    hashing.chosen = points;
-    hashing.sum = 0;
     if (status == PBW_OK) {
         status = pbw__for_range(&context, mesh->point_count, 16384, 0.1, pbw__hash_points, &hashing);
     }
@@ -9793,14 +9735,8 @@ static pbw_status pbw__query_sort(pbw__queries *queries)
     status = pbw__for_range(context, count, PBW__TICK, 0.05, pbw__query_keys, queries);
     if (status == PBW_OK) {
         const int low = queries->index_bits;
-        pbw__sorting sorting;
-        memset(&sorting, 0, sizeof(sorting));
-        sorting.context = context;
-        sorting.a = queries->keys;
-        sorting.b = queries->spare;
-        sorting.start = queries->digits;
-        sorting.count = count;
-        sorting.tasks = context->threads;
+        pbw__sorting sorting = { context, queries->keys, queries->spare, queries->digits, count, context->threads, 0,
+                                 0 };
         queries->order = count < PBW__TICK ? pbw__sort_keys(&sorting, low, dim * bits)
                                            : pbw__sort_by(&sorting, low, dim * bits);
         status = queries->order == NULL ? PBW_CANCELLED : PBW_OK;
@@ -12018,7 +11954,7 @@ static pbw_status pbw__run_backend(pbw__context *context, const pbw__input *inpu
                                    pbw_mesh *mesh, int *declined)
 {
     pbw__owned *owned = (pbw__owned *)pbw__allocate(&context->memory, 1, sizeof(pbw__owned));
-    pbw__dispatch dispatch;
+    pbw__dispatch dispatch = { context, input, options, NULL, mesh };
     pbw_job job;
     double start = pbw__seconds();
     pbw_status status;
@@ -12029,11 +11965,7 @@ static pbw_status pbw__run_backend(pbw__context *context, const pbw__input *inpu
     mesh->memory = owned;
     mesh->dim = input->dim;
     mesh->point_count = input->count;
-    dispatch.context = context;
-    dispatch.input = input;
-    dispatch.options = options;
     dispatch.owned = owned;
-    dispatch.mesh = mesh;
     memset(&job, 0, sizeof(job));
     job.dim = input->dim;
     job.is_float = input->is_float;

@@ -430,7 +430,7 @@ def cavities():
     define('pbw__cross4', 'pbw__sum4')
     r = Rows()
     r.x = r.y = r.z = Pair(U * (1 + U), 0)
-    local = run('pbw__pairs4_of', dict(rows=r, pbw__difference4=lambda *x: r.x), ['rows.lift', 'rows.height'])[1]
+    run('pbw__pairs4_of', dict(rows=r, dim=3), ['rows.lift', 'rows.height'])
     scaled(r.lift, r.height)
     names = [n for n in names if n[0] in 'xyz' and len(n) == 2 and n[1] in 'xyzl']
     local = run(name, dict(o=r, a=r, b=r, c=r, h=r.height, height=r.height), names + ['det', 'limit'])[1]
@@ -460,7 +460,7 @@ def cavities():
     name = 'pbw__circle4_pairs'
     r = Rows()
     r.x = r.y = Pair(U * (1 + U), 0)
-    local = run('pbw__pairs2_of', dict(rows=r, pbw__difference4=lambda *x: r.x), ['rows.lift'])[1]
+    run('pbw__pairs4_of', dict(rows=r, dim=2), ['rows.lift'])
     scaled(r.lift)
     det = run(name, dict(o=r, s=r, e=r), ['det'])[1]['det']
     h = r.lift.head
