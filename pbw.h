@@ -672,9 +672,9 @@ static void pbw__fp_leave(pbw__fp fp)
 #endif
 }
 
-/* Identities that hold only in IEEE double arithmetic to nearest even with denormals: each line fails under one of
-   the modes that it names.  Clang has no macro for parts of -ffast-math, so they too are found out here: what is read
-   from volatiles is unknown to the compiler, and what is done with it is as free as in the predicates. */
+/* Returns whether identities of IEEE double arithmetic, to nearest even and with denormals, hold: each line fails in
+   one of the modes that it names.  Clang has no macro for parts of -ffast-math, so these tests find them too: the
+   compiler cannot know what it reads from volatiles. */
 static int pbw__fp_is_exact(void)
 {
     volatile double given[] = { 1.0, PBW__EPSILON, DBL_MIN, 9007199254740991.0, 3.0, 5.0, -0.0, HUGE_VAL };
@@ -1037,7 +1037,7 @@ PBW__SIMD_INLINE pbw__d4 pbw__drop_last(pbw__d4 x)   /* zero in lane 3 */
                        pbw__join(pbw__half0(x), vsetq_lane_f64(0.0, pbw__half1(x), 1)));
 }
 
-/* Masks, and what is done with them. */
+/* Masks. */
 PBW__SIMD_INLINE pbw__d4 pbw__greater(pbw__d4 a, pbw__d4 b)
 {
     return PBW__BY_ISA(_mm256_cmp_pd(a, b, _CMP_GT_OQ), PBW__HALVES2((pbw__d2)vcgtq_f64, a, b));
@@ -1102,7 +1102,7 @@ PBW__SIMD_INLINE unsigned pbw__signs(pbw__d4 x)      /* the lanes with the sign 
 #endif
 }
 
-/* Sets of lanes: their number; the first so many, or all four. */
+/* Sets of lanes: the number of their lanes; the set of the first `count` lanes, at most all four. */
 PBW__SIMD_INLINE unsigned pbw__count4(unsigned set)
 {
     return PBW__BY_ISA((unsigned)__builtin_popcount(set), (unsigned)(0x4332322132212110u >> 4 * set) & 15);
@@ -1264,7 +1264,7 @@ PBW__SIMD_INLINE pbw__pair4 pbw__difference4(pbw__d4 a, pbw__d4 b, pbw__d4 mask)
 }
 #endif
 /* ------------------------------------------------------------------------------------------------------
-   >>memory       One call's memory: the one allocator hook, the count of what is held through it, pages.
+   >>memory       One call's memory: the one allocator hook, the bytes allocated through it, pages.
    In: options.resize or NULL, options.memory_limit.  Out: blocks, or NULL for out of memory or over the limit.
    Holds: used = sum of the sizes of live blocks <= peak; with a limit, peak <= limit.
    ------------------------------------------------------------------------------------------------------ */
@@ -1382,7 +1382,7 @@ static pbw__block pbw__block_of(void *start, size_t from, size_t to)
     return block;
 }
 
-typedef struct pbw__pages { char *start; size_t length, huge; } pbw__pages;      /* on so many huge ones */
+typedef struct pbw__pages { char *start; size_t length, huge; } pbw__pages;      /* huge: pages it lies on */
 #define PBW__BLOCKS 4                                /* at a time */
 #define PBW__HUGE ((size_t)1 << 21)                  /* bytes of a huge page; two tasks at one would both make it */
 typedef struct pbw__populating {
@@ -1648,7 +1648,7 @@ static void pbw__team_stop(pbw__context *context)
 #define pbw__team_stop(context) ((void)(context))
 #endif
 
-/* task(arg, i) for i = 0..tasks-1, on as many threads as there are; returns when all have returned. */
+/* Calls task(arg, i) for i = 0..tasks-1 on the threads of the call; returns when all calls have returned. */
 static void pbw__for(pbw__context *context, int tasks, pbw__task *task, void *arg)
 {
     int i;
@@ -1862,7 +1862,7 @@ PBW__INLINE int pbw__decode(double value, int64_t *mantissa)
     return (field != 0 ? field : 1) - 1075;
 }
 
-/* The number in length digits at digit: drops leading zeros, also those of a negative number (top -1). */
+/* Returns the number in `length` digits, without leading zeros or, in a negative number, leading -1. */
 PBW__DEVICE static pbw__integer pbw__trimmed(pbw__digit *digit, int length)
 {
     pbw__integer result;
@@ -1878,7 +1878,7 @@ PBW__DEVICE static pbw__integer pbw__trimmed(pbw__digit *digit, int length)
     return result;
 }
 
-/* a - b in units of 2^unit; the lowest bit of both is worth at least one unit. */
+/* Returns a - b in units of 2^unit; the lowest bit of both is worth at least one unit. */
 PBW__DEVICE static pbw__integer pbw__exact_difference(double a, double b, int unit, pbw__digit **pool)
 {
     pbw__digit *digit = *pool;
@@ -1917,7 +1917,7 @@ PBW__DEVICE static pbw__integer pbw__exact_difference(double a, double b, int un
     return result;
 }
 
-/* The sum of count products, column by column. */
+/* Returns the sum of `count` products, column by column. */
 PBW__DEVICE static pbw__integer pbw__exact_sum(const pbw__product *product, int count, pbw__digit **pool)
 {
     pbw__digit *digit = *pool;
@@ -1952,11 +1952,11 @@ PBW__DEVICE static int pbw__exact_sign(const pbw__integer *a)
     return a->length == 0 ? 0 : a->digit[a->length - 1] < 0 ? -1 : 1;
 }
 
-/* The sign of a predicate, see >>predicates: an orientation if count is dim, a power determinant if it is dim+1.
-   pool: room for PBW__POOL digits.
-   Then orientation[i] is stored too: that of the simplex row[0..dim] with corner i replaced by the origin.
-   Minors are built up by columns x, y, z, lift: minor[set] is the determinant of the rows row[i] - origin in the set
-   and of as many first columns, expanded by its last column. */
+/* Returns the sign of a predicate, see >>predicates: an orientation if count is dim, a power determinant if it is
+   dim+1.  The latter stores orientation[i] too: that of the simplex row[0..dim] with corner i replaced by the
+   origin. pool: room for PBW__POOL digits.  Minors are built up by columns x, y, z, lift: minor[set] is the
+   determinant of the rows row[i] - origin in the set and of the same number of first columns, expanded by its last
+   column. */
 PBW__DEVICE static int pbw__exact_determinant_in(pbw__digit *pool, int dim, int count, const double *const *row,
                                                  const double *origin, int *orientation)
 {
@@ -2030,16 +2030,16 @@ static PBW__NOINLINE int pbw__exact_determinant(int dim, int count, const double
    In: records of the kernel, {x, y, w} in the plane and {x, y, z, w} in space.  Out: their grid, or that there is
    none.  Holds: every coordinate is a multiple of the unit and every weight of its square, exactly.
    ------------------------------------------------------------------------------------------------------ */
-/* What a build knows of its records.  inverse_unit is 0 if they have no common grid, else a power of two: coordinates
-   are multiples of the unit and weights of its square, and they differ by less than 2^bits units and 4^bits unit^2.
-   A NULL grid means a call from outside: nothing is known, not even the rounding mode. */
+/* The common grid of a build's records.  inverse_unit is 0 if they have no common grid, else a power of two:
+   coordinates are multiples of the unit and weights of its square, and they differ by less than 2^bits units and
+   4^bits unit^2. A NULL grid means a call from outside: nothing is known, not even the rounding mode. */
 typedef struct pbw__grid {
     double inverse_unit;
     int bits;
 } pbw__grid;
 
-/* What a share of the records has: a unit 2^unit, and its extremes; limit: 2^52 units, of coordinates and of weights.
-   Where the grid gets too fine it is given up: at once for random doubles. */
+/* The grid of a share of the records: its unit 2^unit, the extremes, and limit: 2^52 units, of coordinates and of
+   weights.  PBW__NO_UNIT: the grid would be too fine, as it is at once for random doubles. */
 typedef struct pbw__grid_share { int unit; double low[4], high[4], limit[2]; } pbw__grid_share;
 #define PBW__NO_UNIT (-501)
 
@@ -2171,8 +2171,8 @@ static void pbw__grid_add(pbw__grid_share *share, const double *q, size_t count,
     PBW__BY_DIM(dim, pbw__grid_add_of, share, q, count - done);
 }
 
-/* The coarsest grid that holds the records of all shares, of dim coordinates and a weight, if differences are below
-   2^53 units, so that doubles hold them. */
+/* Stores the coarsest grid that holds the records of all shares, of dim coordinates and a weight, if differences are
+   below 2^53 units, so that doubles hold them. */
 static void pbw__grid_close(pbw__grid *grid, const pbw__grid_share *shares, int count, int dim)
 {
     pbw__grid_share all;
@@ -2390,7 +2390,7 @@ PBW__INLINE int pbw__exponent(double x)
     return (int)(pbw__bits(x) >> 52 & 2047) - 1022;
 }
 
-/* The rows in the unit of the grid, else in the finest unit in which they fit; 0 if some bit is finer still.
+/* Stores the rows in the unit of the grid, else in the finest unit in which they fit.  Returns 0 if a bit is finer.
    Without a grid, coordinates are read modulo 2^64 and weights modulo 2^128 (2^64): their differences are smaller. */
 PBW__INLINE int pbw__read_rows(int dim, int count, const double *const *row, const double *origin,
                                const pbw__grid *grid, pbw__rows *rows)
@@ -2726,14 +2726,15 @@ PBW__DEVICE static int pbw__tie(int dim, const double *const *row, const double 
     return verdict;
 }
 
-/* The orientation of the simplex x[0..dim]. */
+/* Returns the orientation of the simplex x[0..dim]. */
 PBW__INLINE int pbw__orient(int dim, const double *const *x, const pbw__grid *grid)
 {
     const int sign = dim == 2 ? pbw__filter_orient2(x[0], x[1], x[2]) : pbw__filter_orient3(x[0], x[1], x[2], x[3]);
     return PBW__LIKELY(sign != PBW__OPEN) ? sign : pbw__undecided(dim, dim, x, x[dim], grid, NULL);
 }
 
-/* The same with p in place of corner i: on which side of the facet across from it p is, +1 inside. */
+/* Returns the orientation with p in place of corner i: the side of the facet across from it that p is on, +1
+   inside. */
 static int pbw__side(int dim, const double **x, int i, const double *p, const pbw__grid *grid)
 {
     const double *corner = x[i];
@@ -2755,7 +2756,7 @@ static int pbw__power(int dim, const double *const *x, const double *p, const pb
     return PBW__LIKELY(sign != PBW__OPEN) ? sign : pbw__undecided(dim, dim + 1, x, p, grid, orientation);
 }
 
-/* The perturbed verdict on a positive simplex and a point at a place of its own: 1 for conflict. */
+/* The perturbed verdict on a positive simplex and a point that is none of its corners: 1 for conflict. */
 static PBW__NOINLINE int pbw__conflict_exact(int dim, const double *const *x, const double *p, const pbw__grid *grid)
 {
     int orientation[4], sign = pbw__undecided(dim, dim + 1, x, p, grid, orientation);
@@ -2768,7 +2769,7 @@ static int pbw__conflict(int dim, const double *const *x, const double *p, const
     return PBW__LIKELY(sign != PBW__OPEN) ? sign > 0 : pbw__conflict_exact(dim, x, p, grid);
 }
 
-/* Whether the points a, b, c of space lie on a line: all three projections do. */
+/* Returns whether the points a, b, c of space lie on a line: all three projections do. */
 static int pbw__collinear3(const double *a, const double *b, const double *c, const pbw__grid *grid)
 {
     int collinear = 1, k;
@@ -2794,7 +2795,7 @@ PBWDEF int pbw_orient3(const double a[3], const double b[3], const double c[3], 
     return pbw__orient(3, x, NULL);
 }
 
-/* The sign for corners, the last point p, and their weights or NULL; `tied`: the perturbed verdict. */
+/* Returns the sign for corners and p, the last point, with their weights or NULL; `tied`: the perturbed verdict. */
 static int pbw__power_of(int dim, const double *const *point, const double *weight, int tied)
 {
     double q[5][4];
@@ -3197,8 +3198,8 @@ static void pbw__move_keys(void *arg, int task)
     }
 }
 
-/* Sorts the keys by `bits` bits from `low` on; returns where the result is, a or b, or NULL if cancelled.  With more
-   than one task a thread, each has so few keys of a digit that threads falsely share cache lines. */
+/* Sorts the keys by `bits` bits from `low` on.  Returns the array with the result, a or b, or NULL if cancelled.
+   With more than one task a thread, each has so few keys of a digit that threads falsely share cache lines. */
 static uint64_t *pbw__sort_by(pbw__sorting *sorting, int low, int bits)
 {
     pbw__context *context = sorting->context;
@@ -3378,7 +3379,7 @@ static void pbw__keying_box(void *arg, int task)
     PBW__BY_DIM(keying->ordering->input->dim, pbw__keying_box_share, keying, task);
 }
 
-/* The keys of points i..to-1. */
+/* Stores the keys of points i..to-1. */
 PBW__INLINE void pbw__keying_share(const pbw__keying *keying, size_t i, size_t to, int dim, int levels)
 {
     const pbw__ordering *ordering = keying->ordering;
@@ -3406,7 +3407,7 @@ PBW__SIMD_INLINE const double *pbw__double_at(const pbw__input *input, size_t i)
     return (const double *)(const void *)(input->points + i * input->stride);
 }
 
-/* The keys of points from `i` on, of all, given as doubles; returns the first that it leaves of those before `to`. */
+/* Stores the keys of points from `i` on, given as doubles, by eights.  Returns the first point before `to` left. */
 PBW__SIMD static size_t pbw__keying_plane(const pbw__keying *keying, size_t i, size_t to)
 {
     const pbw__ordering *ordering = keying->ordering;
@@ -3471,8 +3472,8 @@ static void pbw__keying_keys(void *arg, int task)
     }
 }
 
-/* Gives the points of a part keys of their own, unless they lie at one place; 0 if cancelled or a number is not
-   finite.  boxes: one a task. */
+/* Gives the points of a part keys of their own, unless they lie at one place.  Returns 0 if cancelled, or if a number
+   is not finite.  boxes: one a task. */
 static int pbw__order_keys(pbw__ordering *ordering, pbw__part *part, int all, pbw__box *boxes, int tasks)
 {
     pbw__keying keying = { ordering, part->from, part->to - part->from, all, tasks, boxes, boxes[0] };
@@ -3497,8 +3498,8 @@ static int pbw__order_keys(pbw__ordering *ordering, pbw__part *part, int all, pb
     return !PBW__LOAD(&ordering->context->cancelled);
 }
 
-/* Sorts the keys of a part by their next bits, those from `low` on; 0 if cancelled.  start: see pbw__sorting, or
-   NULL: on this thread alone.  The records of the part, which are written later, serve as room. */
+/* Sorts the keys of a part by their next bits, those from `low` on.  Returns 0 if cancelled.  start: see
+   pbw__sorting, or NULL: on this thread alone.  The records of the part, which are written later, serve as room. */
 static int pbw__order_sort(pbw__ordering *ordering, pbw__part *part, int low, uint32_t *start, int tasks)
 {
     const size_t step = (size_t)ordering->input->dim + 1;
@@ -3540,7 +3541,7 @@ static void pbw__order_short_run(const pbw__ordering *ordering, uint64_t *keys, 
     }
 }
 
-/* Of points at one place, puts the one that stays first. */
+/* Moves the point that stays, of points at one place, to the front. */
 static void pbw__order_one_place(const pbw__ordering *ordering, uint64_t *keys, size_t count)
 {
     const uint64_t mask = ((uint64_t)1 << ordering->index_bits) - 1;
@@ -3558,7 +3559,7 @@ static void pbw__order_one_place(const pbw__ordering *ordering, uint64_t *keys, 
     }
 }
 
-/* Sorts the ties of a part by the remaining bits; 0 if cancelled.  A tie that is in order already needs no sort. */
+/* Sorts the ties of a part by the remaining bits.  Returns 0 if cancelled.  A tie in order needs no sort. */
 static int pbw__order_rest(pbw__ordering *ordering, const pbw__part *part)
 {
     const uint64_t *keys = ordering->keys;
@@ -3629,8 +3630,8 @@ static size_t pbw__order_place_run(const pbw__ordering *ordering, const pbw__par
     return r;
 }
 
-/* Puts a run of equal keys into order, points at one place next to each other, the one that stays first.  Returns 1;
-   or -1 if the run got keys of its own, in order, which may have runs in turn; or 0 if cancelled. */
+/* Puts a run into order, points at one place next to each other, the one that stays first.  Returns 1; or -1 if the
+   run got keys of its own, now in order, which may have runs in turn; or 0 if cancelled. */
 static int pbw__order_run(pbw__ordering *ordering, pbw__part *run)
 {
     const size_t count = run->to - run->from;
@@ -3798,7 +3799,7 @@ static void pbw__vertices_free(pbw__context *context, pbw__vertices *vertices)
     vertices->canonical = NULL;
 }
 
-/* Allocates the arrays of an ordering and its vertices; 0 if memory is short. */
+/* Allocates the arrays of an ordering and its vertices.  Returns 0 if memory is short. */
 static int pbw__order_begin(pbw__ordering *ordering)
 {
     pbw__context *context = ordering->context;
@@ -3834,7 +3835,7 @@ static void pbw__order_end(pbw__ordering *ordering)
     pbw__release(memory, ordering->keys, ordering->input->count, sizeof(uint64_t));
 }
 
-/* Sorts all keys and cuts them into parts; returns how many, 0 if cancelled or a number is not finite. */
+/* Sorts all keys and cuts them into parts.  Returns the number of parts, 0 if cancelled or a number is not finite. */
 static int pbw__order_parts(pbw__ordering *ordering)
 {
     const size_t count = ordering->input->count;
@@ -3870,7 +3871,7 @@ static void pbw__order_close(const pbw__ordering *ordering, int parts)
     pbw__grid_close(&vertices->grid, ordering->shares, parts, vertices->dim);
 }
 
-/* Returns PBW_OK, or an error with all memory released.  input->count >= 1 and < 2^32 - 1. */
+/* Orders the points, at least one.  Returns PBW_OK, or an error with all memory released. */
 static pbw_status pbw__order(pbw__context *context, const pbw__input *input, pbw__vertices *vertices)
 {
     const int dim = input->dim;
@@ -3938,7 +3939,7 @@ typedef uint32_t pbw__link;
 #define PBW__GHOST 0u
 #define PBW__LEFT ((pbw_status)15)                   /* not inserted: for the next round of >>parallel */
 #define PBW__NO_FIT ((pbw_status)14)                 /* not inserted: the cavity does not fit >>cavity2's ring */
-#define PBW__FOREIGN (PBW_NONE - 1)                  /* a walk's answer: it would lead out of our zones */
+#define PBW__FOREIGN (PBW_NONE - 1)                  /* returned by a walk that would leave our zones */
 
 /* The simplices, shared by all threads. */
 typedef struct pbw__store {
@@ -3971,11 +3972,11 @@ typedef struct pbw__slots {
 typedef struct pbw__ownership {
     uint8_t *owner;                                  /* per zone: the task that owns it; NULL: all zones are ours */
     uint8_t me, share;                               /* this task; the share of the vertices that it works on */
-    uint8_t blocker;                                 /* the owner of the last zone that was not to be had */
+    uint8_t blocker;                                 /* the owner of the last zone that we could not claim */
     int owner_bits;                                  /* vertex >> owner_bits is the number of its zone */
     int renewed;                                     /* simplices were made since zones were last given back */
     int claim_count;
-    size_t missed;                                   /* tries of the round in vain */
+    size_t missed;                                   /* insertions of the round that failed */
     pbw_index claim[PBW__CLAIMS];                    /* our zones */
 } pbw__ownership;
 
@@ -4004,7 +4005,7 @@ typedef struct pbw__edge { pbw_index low, high; pbw__link link; } pbw__edge;
 typedef struct pbw__scratch {
     pbw_index *cavity;                               /* simplices in conflict; then the slots of the star */
     pbw_index *parent;                               /* 3D: the facet that each was met through, as in `from` */
-    pbw__carved *carved;                             /* 3D: what the refill needs of them */
+    pbw__carved *carved;                             /* 3D: the same simplices, for the refill */
     pbw__link *beyond;                               /* 2D: the boundary of the cavity: the link across each edge */
     pbw_index *from;                                 /* 3D: the facets there: 4 * place in the cavity + which one */
     pbw__link *stack;                                /* 2D: links that are still to be searched */
@@ -4118,8 +4119,8 @@ static PBW__NOINLINE int pbw__in_conflict(pbw__kernel *kernel, pbw_index t, cons
     return pbw__conflict(dim, x, p, kernel->grid);
 }
 
-/* Ownership, defined in >>parallel: whether this thread owns a vertex or a zone of them, may delete a simplex, may
-   cross a facet. */
+/* Ownership, defined in >>parallel.  They return whether this thread owns a zone or a vertex, may delete a simplex,
+   may cross a facet. */
 PBW__INLINE int pbw__owns_zone(pbw__kernel *kernel, size_t zone);
 PBW__INLINE int pbw__owns(pbw__kernel *kernel, pbw_index v);
 PBW__INLINE unsigned pbw__is_ours(const pbw__kernel *kernel, pbw_index v);
@@ -4137,11 +4138,11 @@ static PBW__NOINLINE int pbw__may_delete_all(pbw__kernel *kernel, const pbw__car
    Holds: a slot is in a simplex, free in one thread's list, or was never used.
 
    Each span of ranks has a region of slots: a star takes the slots of its cavity, and what it needs more from the
-   region of its vertex.  Ranks follow the Hilbert curve; so what is close in space is close in memory, whenever it
-   was made, and the output finds the simplices nearly in order.  Past the regions lies the tail, for regions that are
+   region of its vertex.  Ranks follow the Hilbert curve; so simplices close in space are close in memory, and the
+   output finds them nearly in order.  Past the regions lies the tail, for regions that are
    full.
    ------------------------------------------------------------------------------------------------------ */
-/* Room for `needed` simplices in all, more or less than before. */
+/* Resizes the store to `needed` simplices. */
 static PBW__NOINLINE pbw_status pbw__store_reserve(pbw__context *context, pbw__store *store, size_t needed)
 {
     pbw__memory *memory = &context->memory;
@@ -4163,7 +4164,7 @@ static PBW__NOINLINE pbw_status pbw__store_reserve(pbw__context *context, pbw__s
     return PBW_OK;
 }
 
-/* The next capacity: a sixteenth more, with a long tail an eighth. */
+/* Returns the next capacity: a sixteenth more, with a long tail an eighth. */
 PBW__INLINE size_t pbw__store_bigger(const pbw__store *store)
 {
     size_t tail = store->capacity - store->region_slots, part = tail < store->capacity / 8 ? 16 : 8;
@@ -4171,7 +4172,7 @@ PBW__INLINE size_t pbw__store_bigger(const pbw__store *store)
     return bigger < PBW__SIMPLEX_LIMIT ? bigger : PBW__SIMPLEX_LIMIT;
 }
 
-/* The slot after the last of a region. */
+/* Returns the slot after the last of a region. */
 PBW__INLINE size_t pbw__region_end(const pbw__store *store, size_t region)
 {
     size_t end = store->ahead + (region + 1) * store->slots_each;
@@ -4246,7 +4247,7 @@ static PBW__NOINLINE pbw_status pbw__leave_cavity(pbw__kernel *kernel, size_t co
     return PBW__LEFT;
 }
 
-/* Room for `needed` items in each of the lists of cavity and boundary. */
+/* Makes room for `needed` items in each of the lists of cavity and boundary. */
 static PBW__NOINLINE int pbw__grow_lists(pbw__kernel *kernel, size_t needed)
 {
     return (kernel->dim == 2 || needed <= PBW_NONE / 4)          /* a facet in 32 bits */
@@ -4271,7 +4272,7 @@ static void pbw__leave_region(pbw__kernel *kernel)
     kernel->slots.fresh = kernel->slots.fresh_end = 0;
 }
 
-/* The region of the next vertex becomes the one that slots are taken from. */
+/* Takes slots from the region of the next vertex from now on. */
 static PBW__NOINLINE void pbw__enter_region(pbw__kernel *kernel, size_t region)
 {
     pbw__store *store = kernel->store;
@@ -4353,7 +4354,7 @@ static PBW__NOINLINE pbw_index pbw__take_slot(pbw__kernel *kernel)
     return t;
 }
 
-/* The slots of the star: those of the cavity first, still marked; slots of the cavity beyond that become free. */
+/* Takes the slots of the star: those of the cavity first, still marked; surplus slots of the cavity become free. */
 PBW__INLINE pbw_status pbw__take_slots(pbw__kernel *kernel)
 {
     pbw__slots *slots = &kernel->slots;
@@ -4395,7 +4396,7 @@ PBW__INLINE pbw_status pbw__take_slots(pbw__kernel *kernel)
     return PBW_OK;
 }
 /* ------------------------------------------------------------------------------------------------------
-   >>walk         Where a point lies.
+   >>walk         Point location.
    In: a point that is no vertex, a simplex to start from.  Out: a simplex in conflict with the point, or for weighted
    points that are hidden, none.
 
@@ -4636,7 +4637,7 @@ PBW__SIMD_INLINE pbw__d4 pbw__circle_limit(pbw__d4 h)
     return pbw__splat(8.0) * h * h * pbw__splat(PBW__CIRCLE_ERROR / 8.0);
 }
 
-/* Above 0 where p is to the right of the way from a to b, with an error below *error. */
+/* Returns a number above 0 where p is to the right of the way from a to b, with an error below *error. */
 PBW__INLINE double pbw__right_of(const double *a, const double *b, const double *p, double *error)
 {
     const double ax = a[0] - p[0], ay = a[1] - p[1], bx = b[0] - p[0], by = b[1] - p[1];
@@ -4645,7 +4646,8 @@ PBW__INLINE double pbw__right_of(const double *a, const double *b, const double 
     return ax * by - ay * bx;
 }
 
-/* From ghost t along the hull: the ghost that has p certainly beyond its edge, or PBW_NONE if it is not near. */
+/* Walks along the hull from ghost t.  Returns the ghost that has p certainly beyond its edge, or PBW_NONE if it is
+   not near. */
 PBW__INLINE pbw_index pbw__walk_hull(pbw__kernel *kernel, pbw_index t, const double *p)
 {
     int steps;
@@ -4727,7 +4729,7 @@ PBW__SIMD_INLINE pbw_index pbw__locate2_simd(pbw__kernel *kernel, pbw_index t, c
 }
 #endif
 
-/* Where the walk to a vertex starts. */
+/* Returns where the walk to a vertex starts. */
 PBW__INLINE pbw_index pbw__insert_start(pbw__kernel *kernel, pbw_index vertex)
 {
     size_t region = vertex >> kernel->store->region_bits;
@@ -4737,7 +4739,7 @@ PBW__INLINE pbw_index pbw__insert_start(pbw__kernel *kernel, pbw_index vertex)
     return kernel->last != PBW_NONE ? kernel->last : PBW__FOREIGN;
 }
 
-/* What came of a walk: PBW_OK with a simplex to delete.  The next walk begins there, if the vertex is left. */
+/* Ends a walk at t.  Returns PBW_OK or PBW__LEFT; the next walk begins at t if the vertex is left. */
 PBW__INLINE pbw_status pbw__located(pbw__kernel *kernel, pbw_index t)
 {
     kernel->last = t < PBW__FOREIGN ? t : kernel->last;
@@ -4840,7 +4842,7 @@ PBW__INLINE pbw__link pbw__search_take(pbw__search *search, size_t i)
     return link;
 }
 
-/* Ends a search at the i-th simplex, without a cavity. */
+/* Abandons a search at its i-th simplex. */
 static PBW__NOINLINE pbw_status pbw__search_leave(pbw__kernel *kernel, pbw__search *search, size_t i)
 {
     while (++i < search->cavity_count) {
@@ -4857,7 +4859,7 @@ PBW__INLINE void pbw__search_end(pbw__kernel *kernel, const pbw__search *search)
     kernel->statistics.conflict_tests += search->cavity_count + search->facet_count - 1;
 }
 
-/* Room to look at the neighbours of one more simplex: four more may be written to each list. */
+/* Makes room for the neighbours of one more simplex: four more items in each list. */
 PBW__INLINE int pbw__search_room(pbw__kernel *kernel, pbw__search *search)
 {
     if (PBW__UNLIKELY(search->cavity_count + search->facet_count + 8 > search->capacity)) {
@@ -4916,8 +4918,8 @@ static const unsigned char pbw__lane_bits[16][4] = {
     { 0, 1, 1, 1 }, { 1, 1, 1, 1 }
 };
 
-/* The same for all four neighbours, which are different simplices: two simplices share at most one facet.  Prefetches
-   the links of those that stay: the refill writes there. */
+/* pbw__search_sort for all four neighbours, which are different simplices: two simplices share at most one facet.
+   Prefetches the links of those that stay: the refill writes there. */
 PBW__SIMD_INLINE void pbw__search_sort4(pbw__search *search, pbw_index facet, const pbw__link *link, unsigned inside)
 {
     unsigned char *mark = search->mark;
@@ -5046,8 +5048,9 @@ PBW__SIMD static PBW__NOINLINE unsigned pbw__ties4(const double *record, const p
     return pbw__signs(pbw__greater(verdict, zero));
 }
 
-/* Neighbours of a simplex of the cavity that the filter left open (bits of `certain` not set): the exact verdicts.
-   Those without the bit in `rounded` are ties.  A ghost tied with a finite simplex is in conflict, as that is. */
+/* Returns the exact verdicts on the neighbours of a simplex of the cavity that the filter left open (bits of
+   `certain` not set).  Those without the bit in `rounded` are ties.  A ghost tied with a finite simplex is in
+   conflict, as that is. */
 PBW__SIMD static PBW__NOINLINE unsigned pbw__search_exact(pbw__kernel *kernel, const pbw__carved *carved,
                                                           unsigned certain, unsigned inside, unsigned rounded,
                                                           const double *p)
@@ -6064,7 +6067,7 @@ PBW__SIMD_INLINE void pbw__refill2_simd(pbw__kernel *kernel, pbw__ring *ring, pb
    by what is near only; of its two finest levels one is left out.  (Of a million points on 8 lines 28,000 have
    neighbours on other lines; 13,000 are extremes.)
    ------------------------------------------------------------------------------------------------------ */
-/* Replaces the cavity of a vertex, which t is in, by its star. */
+/* Replaces the cavity of a vertex, which contains t, by its star. */
 static PBW__NOINLINE pbw_status pbw__replace(pbw__kernel *kernel, pbw_index t, pbw_index vertex)
 {
     const int dim = kernel->dim;
@@ -6080,7 +6083,7 @@ static PBW__NOINLINE pbw_status pbw__replace(pbw__kernel *kernel, pbw_index t, p
     return status;
 }
 
-/* Inserts a vertex, which may turn out to be hidden.  PBW__LEFT: another task owns what this one needs. */
+/* Inserts a vertex, which may turn out to be hidden.  PBW__LEFT: another task owns a zone that this one needs. */
 static pbw_status pbw__insert_scalar(pbw__kernel *kernel, pbw_index vertex)
 {
     const int dim = kernel->dim;
@@ -6173,7 +6176,7 @@ PBW__SIMD static pbw_status pbw__insert2_weighted_simd(pbw__kernel *kernel, pbw_
 }
 #endif
 
-/* Scratch memory for one thread; on failure the kernel can and must still be freed. */
+/* Makes a kernel for one thread; on failure the caller must still free it. */
 static pbw_status pbw__kernel_create(pbw__kernel *kernel, pbw__context *context, pbw__store *store,
                                      const pbw__vertices *vertices, const pbw__grid *grid)
 {
@@ -6306,7 +6309,7 @@ static pbw_status pbw__seeds(pbw__kernel *kernel, size_t count, int dim, pbw_ind
     return PBW_DEGENERATE;
 }
 
-/* The simplex of the seeds and a ghost on each of its facets. */
+/* Makes the simplex of the seeds and a ghost on each of its facets. */
 static pbw_status pbw__first_star(pbw__kernel *kernel, int dim, const pbw_index *seed)
 {
     pbw_index slot[5] = { 0, 0, 0, 0, 0 }, v[5][4];
@@ -6356,13 +6359,13 @@ static pbw_status pbw__first_star(pbw__kernel *kernel, int dim, const pbw_index 
 #define PBW__PARTS 255
 #define PBW__LEAST_PART ((size_t)PBW__SMALLER(512))  /* vertices for each task, below which they are too near */
 #define PBW__HOLD ((size_t)PBW__SMALLER(256))        /* zones that a task holds from vertex to vertex, at most, */
-#define PBW__HOLDS 8                                 /* or one in so many of its share: others have to get by */
+#define PBW__HOLDS 8                                 /* or one in 8 of its share: others have to get by */
 #define PBW__BATCH ((size_t)PBW__SMALLER(64))        /* vertices that a task comes to at a time, at least, */
-#define PBW__BATCHES 32                              /* or a share in so many */
+#define PBW__BATCHES 32                              /* or a 32nd of its share */
 #define PBW__LEAST_SHARE 32                          /* vertices left for each task, or there are fewer tasks */
 #define PBW__LARGE_STAR 36.0                         /* simplices for a vertex; terrain makes 31, lines 42 and more */
 #define PBW__SPAN 512                                /* ranks with extremes of their own */
-#define PBW__FIRST 8                                 /* one in so many is inserted on one thread, before the others */
+#define PBW__FIRST 8                                 /* one extreme in 8 is inserted first, on one thread */
 
 typedef struct pbw__build {
     pbw__context *context;
@@ -6387,12 +6390,12 @@ typedef struct pbw__build {
     size_t done;
 } pbw__build;
 
-/* Several threads' share of it: >>parallel. */
+/* Insertion by several threads: >>parallel. */
 static pbw_status pbw__insert_claiming(pbw__build *build, pbw__kernel *kernel, pbw_index v);
 static pbw_status pbw__rounds(pbw__build *build);
 static pbw_status pbw__build_parts(pbw__build *build, const pbw__grid *grid);
 
-/* Zones of a level hold several regions where few vertices of a region are in yet: a zone's first region. */
+/* Returns the first region of a zone.  A zone has several where few vertices of a region are inserted yet. */
 PBW__INLINE size_t pbw__first_region(const pbw__build *build, size_t zone)
 {
     size_t region = zone << (build->owner_bits - build->store->region_bits);
@@ -6422,7 +6425,7 @@ static int pbw__find_start(pbw__build *build, pbw__kernel *kernel, pbw_index v)
     return kernel->last != PBW_NONE;
 }
 
-/* Inserts a vertex, or leaves it for later; 0 = stop. */
+/* Inserts a vertex, or leaves it for later.  Returns 0 to stop. */
 static int pbw__level_insert(pbw__build *build, pbw__kernel *kernel, pbw_index v)
 {
     const int alone = kernel->own.owner == NULL;
@@ -6463,13 +6466,13 @@ static int pbw__level_insert(pbw__build *build, pbw__kernel *kernel, pbw_index v
     return 1;
 }
 
-/* Whether a vertex comes before its level. */
+/* Returns whether a vertex comes before its level. */
 PBW__INLINE int pbw__is_early(const pbw__build *build, size_t rank)
 {
     return PBW__UNLIKELY(build->early != NULL) && (build->early[rank >> 3] >> (rank & 7) & 1) != 0;
 }
 
-/* All vertices of the level: along the curve, or back. */
+/* Inserts all vertices of the level: along the curve, or back. */
 static void pbw__insert_level(pbw__build *build, pbw__kernel *kernel)
 {
     const pbw__level level = build->level;
@@ -6481,7 +6484,7 @@ static void pbw__insert_level(pbw__build *build, pbw__kernel *kernel)
     }
 }
 
-/* Work for one thread: all that is left of a level, or the level. */
+/* Inserts the vertices left, or the whole level, on one thread. */
 static pbw_status pbw__level_serial(pbw__build *build, int all)
 {
     pbw__kernel *kernel = build->kernel[0];
@@ -6516,7 +6519,7 @@ static pbw_status pbw__level_serial(pbw__build *build, int all)
     return kernel->status;
 }
 
-/* Kernels for `count` tasks. */
+/* Makes kernels for `count` tasks. */
 static pbw_status pbw__more_kernels(pbw__build *build, const pbw__grid *grid, int count)
 {
     while (build->kernel_count < count) {
@@ -6532,8 +6535,8 @@ static pbw_status pbw__more_kernels(pbw__build *build, const pbw__grid *grid, in
     return PBW_OK;
 }
 
-/* Plans the tasks for so many vertices, and zones large enough to hold two of the vertices (in 2D one) that are in,
-   `apart` ranks from each other. */
+/* Plans the tasks for a number of vertices, and zones large enough for two (in 2D one) of the vertices inserted,
+   which are `apart` ranks from each other. */
 static void pbw__plan(pbw__build *build, size_t vertices, size_t apart)
 {
     size_t parts = vertices / PBW__LEAST_PART, zones;
@@ -6545,7 +6548,7 @@ static void pbw__plan(pbw__build *build, size_t vertices, size_t apart)
     build->parts = (size_t)build->context->threads < parts ? build->context->threads : (int)parts;
 }
 
-/* The level, or the vertices left, by the tasks planned. */
+/* Inserts the level, or the vertices left, by the tasks planned. */
 static pbw_status pbw__run_level(pbw__build *build, const pbw__grid *grid)
 {
     pbw_status status;
@@ -6560,7 +6563,8 @@ static pbw_status pbw__run_level(pbw__build *build, const pbw__grid *grid)
     return status == PBW_OK ? pbw__level_serial(build, 0) : status;
 }
 
-/* The line that fits best along a span of vertices: how the two coordinates after its longest axis grow with that. */
+/* Finds the line that fits a span of vertices best: the slopes of the two coordinates after its longest axis.
+   Returns the axis. */
 static int pbw__line_along(const double *record, size_t count, double slope[2])
 {
     double sum[3] = { 0, 0, 0 }, square[3] = { 0, 0, 0 }, product[3] = { 0, 0, 0 };      /* of k and k + 1 */
@@ -6583,7 +6587,7 @@ static int pbw__line_along(const double *record, size_t count, double slope[2])
     return axis;
 }
 
-/* The extremes of some spans, but for those that are in: the farthest from its line on eight sides. */
+/* Marks the extremes of some spans that are not inserted yet: the farthest from the line on eight sides. */
 static pbw_status pbw__find_extremes(void *arg, size_t span, size_t to)
 {
     pbw__build *build = (pbw__build *)arg;
@@ -6619,8 +6623,8 @@ static pbw_status pbw__find_extremes(void *arg, size_t span, size_t to)
     return PBW_OK;
 }
 
-/* Inserts the extremes; some on one thread, before several tasks come to the others: they reach so many zones that
-   tasks would be in each other's way, and zones need vertices for tasks to start from.  So tasks are fewer, too. */
+/* Inserts the extremes, one in eight on one thread before several tasks insert the others: the first stars reach so
+   many zones that tasks would be in each other's way.  For the same reason there are fewer tasks. */
 static pbw_status pbw__level_extremes(pbw__build *build, const pbw__grid *grid)
 {
     pbw__memory *memory = &build->context->memory;
@@ -6652,7 +6656,7 @@ static pbw_status pbw__level_extremes(pbw__build *build, const pbw__grid *grid)
     return status;
 }
 
-/* Simplices made for a vertex of the level, on average; *before: those made in all. */
+/* Returns the simplices made for a vertex of the level, on average; *before: those made in all. */
 static double pbw__mean_star(const pbw__build *build, size_t *before)
 {
     const size_t old = *before;
@@ -6677,7 +6681,7 @@ static void pbw__build_free(pbw__build *build)
     pbw__release(memory, build->early, build->vertices->count / 8 + 1, 1);
 }
 
-/* PBW_OK, PBW_DEGENERATE or an error; the store is the caller's to free in every case. */
+/* Returns PBW_OK, PBW_DEGENERATE or an error; the caller frees the store in every case. */
 static pbw_status pbw__build_all(pbw__context *context, pbw__store *store, const pbw__vertices *vertices,
                                  const pbw__grid *grid, pbw_statistics *statistics)
 {
@@ -6753,9 +6757,6 @@ static pbw_status pbw__build_all(pbw__context *context, pbw__store *store, const
    A task that has finished its own share continues with the ends of other shares, far from their tasks.  A walk
    starts in the zone of its vertex or near it: a long one would claim zones all along.
 
-   The extremes of >>build are a level too, except for one in eight, which one thread inserts first: the stars of the
-   first extremes reach so many zones that hardly a task would find the zones that it needs free.
-
    Why no word is written by one task while another reads or writes it, in 3D.  Call a simplex mine if I own two of
    its vertices: nobody else then owns three, so nobody else deletes it, and its corners do not change under me.
      (a) What I read is mine.  A facet of a simplex that I may delete has two vertices of mine, so the neighbour
@@ -6783,8 +6784,8 @@ static pbw_status pbw__build_all(pbw__context *context, pbw__store *store, const
    the other reads or writes, now or later, both own a vertex of the same simplex: of four vertices one owns three
    and the other two; of a facet's three vertices both own two.
 
-   Why it ends.  A round is followed by another only if on the whole as many tries succeeded as one task makes; if
-   fewer do, one thread, which needs no zones, is as quick.  What is left then, or is too little for two tasks, is
+   Why it ends.  Another round follows only if at least one in `parts` tries succeeded; with fewer, one thread, which
+   needs no zones, is as quick.  What is left then, or is too little for two tasks, is
    inserted by one thread, which owns everything, before the next level begins: vertices near the hull are among it,
    and cavities there would grow from level to level without them.
    ------------------------------------------------------------------------------------------------------ */
@@ -6821,7 +6822,7 @@ PBW__INLINE unsigned pbw__is_ours(const pbw__kernel *kernel, pbw_index v)
     return (v != PBW__GHOST) & (PBW__LOAD(kernel->own.owner + (v >> kernel->own.owner_bits)) == kernel->own.me);
 }
 
-/* Zones are taken only for the corners that are lacking: whatever we hold is in other tasks' way. */
+/* Claims zones for lacking corners until `wanted` are ours; no more, as our zones are in other tasks' way. */
 static PBW__NOINLINE int pbw__take_corners(pbw__kernel *kernel, const pbw_index *v, unsigned except, int wanted)
 {
     unsigned k, others = 0;
@@ -6854,14 +6855,14 @@ PBW__INLINE int pbw__may_cross(pbw__kernel *kernel, pbw_index t, unsigned facet)
 }
 
 #ifdef PBW__SIMD
-/* Which of four corners are not ours. */
+/* Returns the set of those of four corners that are not ours. */
 PBW__INLINE unsigned pbw__lacking4(const pbw__kernel *kernel, pbw_index a, pbw_index b, pbw_index c, pbw_index d)
 {
     return 15u ^ (pbw__is_ours(kernel, a) | pbw__is_ours(kernel, b) << 1 | pbw__is_ours(kernel, c) << 2
                   | pbw__is_ours(kernel, d) << 3);
 }
 
-/* Whether we may delete the neighbours that are in conflict, of a simplex of which we do not own one corner.  We own
+/* Returns whether we may delete the neighbours in conflict of a simplex of which we do not own one corner.  We own
    three corners of the neighbour across from it; of the others two, so we claim their far vertices.  We claim those
    first: the missing corner usually has a large star that other tasks need. */
 static PBW__NOINLINE int pbw__may_delete_all(pbw__kernel *kernel, const pbw__carved *carved, unsigned lacking,
@@ -6880,7 +6881,7 @@ static PBW__NOINLINE int pbw__may_delete_all(pbw__kernel *kernel, const pbw__car
 }
 #endif
 
-/* Room for the work of several tasks. */
+/* Allocates what several tasks need. */
 static pbw_status pbw__build_parts(pbw__build *build, const pbw__grid *grid)
 {
     pbw__memory *memory = &build->context->memory;
@@ -6912,13 +6913,13 @@ static void pbw__round_begin(pbw__build *build, int part)
     kernel->status = PBW_OK;
 }
 
-/* The zone of a corner; of the ghost none. */
+/* Returns the zone of a corner; of the ghost none. */
 PBW__INLINE size_t pbw__zone_of(const pbw__build *build, pbw_index v)
 {
     return v != PBW__GHOST ? v >> build->owner_bits : (size_t)-1;
 }
 
-/* Is a simplex mine if I own the zone? */
+/* Returns whether a simplex is mine if I own the zone. */
 PBW__INLINE int pbw__is_in_zone(const pbw__build *build, pbw_index t, size_t zone)
 {
     const int dim = build->vertices->dim;
@@ -6933,7 +6934,7 @@ PBW__INLINE int pbw__is_in_zone(const pbw__build *build, pbw_index t, size_t zon
     return count + 1 >= dim;
 }
 
-/* A simplex of the star of a vertex becomes the hint of its zone: the next one may be near.  In 2D any will do. */
+/* Makes a simplex of the star of a vertex the hint of its zone: the next vertex may be near.  In 2D any will do. */
 static void pbw__renew_hint(pbw__build *build, pbw__kernel *kernel, pbw_index vertex)
 {
     const size_t zone = vertex >> build->owner_bits;
@@ -6948,7 +6949,7 @@ static void pbw__renew_hint(pbw__build *build, pbw__kernel *kernel, pbw_index ve
     PBW__STORE(build->store->hint + pbw__first_region(build, zone), hint);
 }
 
-/* A simplex becomes the hint of a zone, if an owner has it and it has none. */
+/* Makes a simplex the hint of a zone of this owner, if the zone has none. */
 PBW__INLINE void pbw__offer(pbw__build *build, size_t zone, pbw_index t, uint8_t owner)
 {
     pbw_index *hint = build->store->hint + pbw__first_region(build, zone);
@@ -6957,7 +6958,7 @@ PBW__INLINE void pbw__offer(pbw__build *build, size_t zone, pbw_index t, uint8_t
     }
 }
 
-/* Offers a simplex as a hint to all zones that it is in. */
+/* Offers a simplex as a hint to all zones that it lies in. */
 static void pbw__offer_hint(pbw__build *build, pbw_index t, uint8_t owner)
 {
     const pbw_index *v = build->store->corner + 4 * (size_t)t;
@@ -7026,7 +7027,7 @@ static pbw_status pbw__insert_claiming(pbw__build *build, pbw__kernel *kernel, p
     pbw_status status = pbw__owns_zone(kernel, v >> build->owner_bits) && pbw__find_start(build, kernel, v)
                       ? kernel->insert(kernel, v) : PBW__LEFT;
     if (status != PBW_OK && status != PBW__LEFT) {
-        return status;                               /* what it was at is in no order: the zones stay taken */
+        return status;                               /* the star may be incomplete: its zones stay taken */
     }
     if (kernel->statistics.created > created) {
         pbw__renew_hint(build, kernel, v);
@@ -7049,7 +7050,7 @@ static pbw_status pbw__insert_claiming(pbw__build *build, pbw__kernel *kernel, p
     return status;
 }
 
-/* Before the first round of a level: all zones are free, and have a hint that is in them or none. */
+/* Frees zones before the first round of a level; each keeps a hint that lies in it, or gets none. */
 static pbw_status pbw__begin_zones(void *arg, size_t zone, size_t end)
 {
     pbw__build *build = (pbw__build *)arg;
@@ -7069,7 +7070,7 @@ static pbw_status pbw__begin_zones(void *arg, size_t zone, size_t end)
     return PBW_OK;
 }
 
-/* Hints for zones that have none, from the simplices in some regions. */
+/* Finds hints for zones that have none, among the simplices of some regions. */
 static pbw_status pbw__find_hints(void *arg, size_t r, size_t last)
 {
     pbw__build *build = (pbw__build *)arg;
@@ -7085,8 +7086,8 @@ static pbw_status pbw__find_hints(void *arg, size_t r, size_t last)
     return PBW_OK;
 }
 
-/* Inserts vertices of a round: of those that were left, or in the first one of the level, in its direction.  Then
-   what is left again, as long as that makes it a quarter less: others have gone on since.  0 = stop. */
+/* Inserts vertices from..to-1 of a round: of those left, or in the first round of the level.  Then tries those left
+   again, as long as that leaves a quarter less: other tasks have gone on since.  Returns 0 to stop. */
 static int pbw__batch(pbw__build *build, pbw__kernel *kernel, size_t from, size_t to)
 {
     const pbw__level level = build->level;
@@ -7111,8 +7112,8 @@ static int pbw__batch(pbw__build *build, pbw__kernel *kernel, size_t from, size_
     return 1;
 }
 
-/* The vertices of a round, in batches: those of the task's own share, then what others have not come to, from the
-   end, where nobody is at work. */
+/* Inserts the vertices of a round, in batches: those of the task's own share, then those of other shares from their
+   ends, where nobody is at work. */
 static void pbw__round(void *arg, int part)
 {
     pbw__build *build = (pbw__build *)arg;
@@ -7142,7 +7143,7 @@ static void pbw__round(void *arg, int part)
     pbw__give_back(build, kernel, kernel->own.claim_count);
 }
 
-/* After a round: collects the vertices left, finds room if some task had none. */
+/* Ends a round: collects the vertices left, grows the store if a task found no room. */
 static pbw_status pbw__end_round(pbw__build *build)
 {
     pbw__store *store = build->store;
@@ -7186,7 +7187,7 @@ static pbw_status pbw__end_round(pbw__build *build)
     return status;
 }
 
-/* The level, or the vertices left, by rounds. */
+/* Inserts the level, or the vertices left, by rounds. */
 static pbw_status pbw__rounds(pbw__build *build)
 {
     pbw__context *context = build->context;
@@ -7298,7 +7299,7 @@ PBW__SIMD_INLINE pbw__i4 pbw__canonical_lanes(pbw__i4 v, int dim)
 }
 #endif
 
-/* The number of the lowest bit that is set. */
+/* Returns the number of the lowest bit that is set. */
 PBW__INLINE unsigned pbw__first_bit(uint64_t set)
 {
 #ifdef __GNUC__
@@ -7371,7 +7372,6 @@ PBW__INLINE uint64_t pbw__lowest_ranks(const pbw__emission *emission, size_t slo
 /* ---- pass 1: lists
    A task reads the slots of a range of regions and makes the lists of the ranks of these regions.  The few simplices
    for lists of other tasks are chained apart, and added by pbw__emit_others with atomic exchanges. */
-#define PBW__SET 64                                  /* slots whose lowest ranks are found at a time: bits of a set */
 
 /* A task has the lists of `own` ranks from `ranks` on; `others` is the last slot for other tasks. */
 typedef struct pbw__listing { size_t ranks, own; pbw_index others; } pbw__listing;
@@ -7423,14 +7423,14 @@ static void pbw__emit_chains(const pbw__emission *emission, pbw__listing *listin
     }
 }
 
-/* The first rank of a region; past the last region, the number of ranks. */
+/* Returns the first rank of a region; past the last region, the number of ranks. */
 PBW__INLINE size_t pbw__emit_ranks(const pbw__emission *emission, size_t region)
 {
     size_t ranks = region << emission->store->region_bits;
     return ranks <= emission->vertex_count ? ranks : emission->vertex_count + 1;
 }
 
-/* The first slot of the region `before` places ahead of this one, or of the first region. */
+/* Returns the first slot of the region `before` places ahead of this one, or of the first region. */
 PBW__INLINE size_t pbw__emit_start(const pbw__emission *emission, size_t region, size_t before)
 {
     return region > before ? pbw__region_end(emission->store, region - before - 1) : 0;
@@ -7472,7 +7472,7 @@ static void pbw__emit_others(void *arg, int task)
     }
 }
 
-/* The number of simplices in some lists. */
+/* Returns the number of simplices in some lists. */
 PBW__INLINE size_t pbw__emit_count(const pbw_index *length, size_t lists)
 {
     size_t i, sum = 0;
@@ -7879,8 +7879,8 @@ static void pbw__emit_pass2(void *arg, int task)
    In: the places of >>number.  Out: simplices and neighbours in canonical order, with the caller's ids; the first
    simplex of each point; the points.
 
-   The store's arrays become the caller's: a copy beside them would be the peak of the memory.  Other arrays are
-   borrowed from what the build leaves, whose pages are there.
+   The store's arrays become the caller's: a copy beside them would be the peak of the memory.  Other arrays use
+   blocks that the build no longer needs, as their pages exist.
 
    Pass 3 writes each simplex in canonical form, with ids for ranks and places for slots, from its slot to its place.
    Slots are read in order, and most places lie before the slots, among those already read, because slots are left
@@ -8067,7 +8067,7 @@ static void pbw__emit_slots(const pbw__emission *emission, size_t from, size_t e
     PBW__BY_DIM(emission->dim, pbw__emit_slots_of, emission, from, end, aside);
 }
 
-/* Writes those simplices set aside whose places are free. */
+/* Writes the simplices set aside if their places are free. */
 static void pbw__emit_aside(const pbw__emission *emission, pbw__aside *aside)
 {
     size_t i = 0;
@@ -8082,8 +8082,7 @@ static void pbw__emit_aside(const pbw__emission *emission, pbw__aside *aside)
     }
 }
 
-/* Makes room for the simplices of a chunk.  Those set aside are tried again when there is an eighth more, and a
-   chunk. */
+/* Makes room for the simplices of a chunk; tries those set aside again when there are an eighth and a chunk more. */
 static int pbw__emit_reserve(pbw__emission *emission, pbw__aside *aside)
 {
     const size_t most = (size_t)1 << emission->chunk_bits;
@@ -8143,7 +8142,7 @@ static void pbw__emit_pass4(void *arg, int task)
     pbw__release(&emission->context->memory, aside->simplex, aside->capacity, sizeof(pbw__emitted));
 }
 
-/* The first simplex of each vertex, by the caller's ids. */
+/* Stores the first simplex of each vertex, by the caller's ids. */
 static pbw_status pbw__emit_pass5(void *arg, size_t from, size_t to)
 {
     pbw__emission *emission = (pbw__emission *)arg;
@@ -8194,7 +8193,7 @@ static pbw_status pbw__emit(pbw__emission *emission)
     return pbw__emit_status(emission);
 }
 
-/* What a mesh holds; lives behind mesh->memory. */
+/* The sizes of a mesh's arrays; mesh->memory points at it. */
 typedef struct pbw__owned {
     pbw__memory memory;
     size_t simplices, neighbors, incident, canonical, original, points, weights;        /* items in each array; 0: not
@@ -8256,7 +8255,7 @@ static pbw_status pbw__keep_points(pbw__context *context, const pbw__input *inpu
     return pbw__for_range(context, input->count, PBW__TICK, 0.0, pbw__copy_points, &copying);
 }
 
-/* mesh->incident, filled with PBW_NONE if `none`. */
+/* Allocates mesh->incident, filled with PBW_NONE if `none`. */
 static pbw_index *pbw__make_incident(pbw__context *context, pbw__owned *owned, pbw_mesh *mesh, int none)
 {
     pbw_index *incident = (pbw_index *)pbw__allocate_large(context, mesh->point_count, sizeof(pbw_index));
@@ -8548,8 +8547,8 @@ PBW__INLINE void pbw__check_corners(const pbw__check *check, int dim, size_t sim
     }
 }
 
-/* Is o on the inner side of a facet of the simplex x?  The orientation with o is affine in o, so its sign is that of
-   the first nonzero one among those with a, b, c, ... */
+/* Returns whether o is on the inner side of a facet of the simplex x.  The orientation with o is affine in o, so
+   its sign is that of the first nonzero one among those with a, b, c, ... */
 static int pbw__check_faces_inside(const pbw__check *check, const double **x, int facet)
 {
     int sign = 0, i;
@@ -8559,7 +8558,7 @@ static int pbw__check_faces_inside(const pbw__check *check, const double **x, in
     return sign > 0;
 }
 
-/* Does the simplex x hold o?  o is infinitely close to a, which must be in the closed box. */
+/* Returns whether the simplex x holds o, which is infinitely close to a: so a must be in the closed box of x. */
 PBW__INLINE int pbw__check_covers(const pbw__check *check, int dim, const double **x)
 {
     const double *a = check->basis[0];
@@ -8816,7 +8815,7 @@ static int pbw__check_hidden(pbw__check *check, pbw__check_part *part, size_t fr
             part->hint = here;
             from++;
         } else if (part->hint != 0) {
-            part->hint = 0;                          /* told as a walk from simplex 0 sees it, whatever our part is */
+            part->hint = 0;                          /* reported as a walk from simplex 0 finds it, in every part */
         } else {
             return pbw__fault(&part->report, what, here, i, point);
         }
@@ -8881,8 +8880,8 @@ PBW__INLINE uint64_t pbw__hash_doubles(uint64_t hash, const double *x, int count
     return hash;
 }
 
-/* Points that are neither duplicates nor vertices are listed by blocks, whose places in the list are known once all
-   are counted: an item of the first pass, and of the second, is a block. */
+/* Points that are neither duplicates nor vertices are listed by blocks.  The first pass counts them in each block,
+   the second lists them. */
 #define PBW__BLOCK_POINTS 1024
 PBW__INLINE int pbw__check_is_other(const pbw__check *check, size_t p)
 {
@@ -8952,7 +8951,8 @@ static int pbw__check_apart(pbw__check *check, pbw__check_part *part, size_t fro
     return 1;
 }
 
-/* 0 = stop: a fault, cancelled, or out of memory. */
+/* Checks the points that are neither duplicates nor vertices.  Returns 0 to stop: a fault, cancelled, or no
+   memory. */
 static int pbw__check_others(pbw__check *check)
 {
     pbw__context *context = check->context;
@@ -9269,10 +9269,9 @@ PBWDEF pbw_status pbw_order(int dim, const double *points, size_t count, const p
    ------------------------------------------------------------------------------------------------------ */
 #define PBW__INSIDE 4u                               /* no corner to leave a simplex by */
 #define PBW__BLOCK_QUERIES 512
-#define PBW__NO_FACET ((size_t)-1)
 
-/* The corner opposite to a facet that has p strictly on its outer side, or PBW__INSIDE; then `on` is the set of the
-   corners whose opposite facets p lies on.  By exact signs. */
+/* Returns the corner opposite to a facet that has p strictly on its outer side, or PBW__INSIDE; then `on` is the set
+   of corners with p on the opposite facet.  By exact signs. */
 static PBW__NOINLINE unsigned pbw__side_exact(const pbw_mesh *mesh, const pbw_index *v, const double *p,
                                               const pbw__grid *grid, unsigned *on)
 {
@@ -9394,7 +9393,7 @@ PBW__INLINE unsigned pbw__corner_of(const pbw_index *v, pbw_index point)
     return i;
 }
 
-/* Whether a point is one of the two corners of v that are neither i nor j. */
+/* Returns whether a point is one of the two corners of v that are neither i nor j. */
 PBW__INLINE int pbw__is_on_edge(const pbw_index *v, unsigned i, unsigned j, pbw_index point)
 {
     unsigned k;
@@ -9403,8 +9402,8 @@ PBW__INLINE int pbw__is_on_edge(const pbw_index *v, unsigned i, unsigned j, pbw_
     return k < 4;
 }
 
-/* The lowest of the simplices round an edge of tetrahedron t, that which lies in the facets opposite to the corners i
-   and j; `hull` is set if it lies on the hull. */
+/* Returns the lowest of the simplices round an edge of tetrahedron t, that which lies in the facets opposite to
+   the corners i and j; `hull` is set if it lies on the hull. */
 static pbw_index pbw__lowest_round_edge(const pbw_mesh *mesh, size_t t, unsigned i, unsigned j, int *hull)
 {
     const pbw_index *v = mesh->simplices + t * 4;
@@ -9426,8 +9425,8 @@ static pbw_index pbw__lowest_round_edge(const pbw_mesh *mesh, size_t t, unsigned
     return (pbw_index)lowest;
 }
 
-/* The lowest simplex that contains a point of simplex t that lies in the facets opposite to the corners of the set
-   `on`; hull: whether that point lies on the hull. */
+/* Returns the lowest simplex that contains a point of simplex t that lies in the facets opposite to the corners of
+   the set `on`; hull: whether that point lies on the hull. */
 static pbw_index pbw__lowest_with(const pbw_mesh *mesh, size_t t, unsigned on, int *hull)
 {
     const size_t corners = (size_t)mesh->dim + 1;
@@ -9499,7 +9498,7 @@ typedef struct pbw__set {
 
 typedef struct pbw__cavity pbw__cavity;                  /* see >>interpolate */
 
-/* What a task needs to answer; arrays grow. */
+/* The scratch memory of a task that answers; arrays grow. */
 typedef struct pbw__desk {
     pbw__memory *memory;
     int failed;                                      /* out of memory */
@@ -9608,7 +9607,7 @@ static int pbw__set_clear(pbw__desk *desk, pbw__set *set)
     return 1;
 }
 
-/* The number by this key, which is set to `value` and noted in *added if there was none; NULL: out of memory. */
+/* Returns the number by this key, set to `value` and noted in *added if there was none; NULL: out of memory. */
 PBW__INLINE uint32_t *pbw__set_add(pbw__desk *desk, pbw__set *set, uint64_t key, uint32_t value, int *added)
 {
     size_t at = pbw__set_place(set, key);
@@ -9647,7 +9646,7 @@ static pbw_status pbw__answer_range(void *arg, size_t from, size_t to)
     return desk.failed ? PBW_ERROR_MEMORY : PBW_OK;
 }
 
-/* Answers `items` queries, or whatever else, in blocks of `grain`. */
+/* Answers `items` queries, or other items, in blocks of `grain`. */
 static pbw_status pbw__answer_all(pbw__queries *queries, pbw__answer *answer, size_t items, size_t grain)
 {
     queries->answer = answer;
@@ -9793,7 +9792,7 @@ PBW__INLINE double pbw__squared(const double *p, const double *q, int dim)
     return x * x + y * y + z * z;
 }
 
-/* Of a few vertices the nearest to p, or nearly. */
+/* Returns the nearest to p of a few vertices, or nearly. */
 static pbw_index pbw__guess(const pbw_mesh *mesh, const double *p)
 {
     const size_t some = 48, dim = (size_t)mesh->dim;
@@ -10297,7 +10296,7 @@ static PBW__NOINLINE int pbw__reach_exact(const pbw_mesh *mesh, const double *q,
                                 mesh->weights != NULL ? mesh->weights[a->vertex] : 0.0);
 }
 
-/* -1: a is nearer to q than b; 0: as near. */
+/* Returns -1 if a is nearer to q than b, 0 if both are equally near. */
 PBW__INLINE int pbw__reach_order(const pbw_mesh *mesh, const double *q, const pbw__reach *a, const pbw__reach *b)
 {
     const double gap = a->squared - b->squared, slack = a->slack + b->slack;
@@ -10318,7 +10317,7 @@ PBW__INLINE int pbw__reach_before(const pbw_mesh *mesh, const double *q, const p
     }
 }
 
-/* Within the radius? */
+/* Returns whether a is within the radius. */
 PBW__INLINE int pbw__reach_within(const pbw_mesh *mesh, const double *q, const pbw__reach *a, double radius)
 {
     const double squared = radius * radius, gap = a->squared - squared;
@@ -10353,7 +10352,7 @@ static inline double pbw__square_root(double x)      /* an instruction, and noth
 #endif
 }
 
-/* What the caller gets. */
+/* Returns the distance for the caller. */
 static double pbw__reach_distance(const pbw_mesh *mesh, const double *q, const pbw__reach *a)
 {
     const double *p = mesh->points + a->vertex * (size_t)mesh->dim;
@@ -11175,7 +11174,7 @@ PBW__INLINE void pbw__record_of(const pbw_mesh *mesh, int dim, pbw_index v, doub
     record[dim] = mesh->weights != NULL ? mesh->weights[v] : 0.0;
 }
 
-/* Whether p, a record, is in conflict with simplex t: with ties broken, or, if not `tied`, strictly. */
+/* Returns whether p, a record, is in conflict with simplex t: with ties broken, or, if not `tied`, strictly. */
 PBW__INLINE int pbw__has_conflict(const pbw__queries *queries, int dim, size_t t, const double *p, int tied)
 {
     const pbw_mesh *mesh = queries->mesh;
@@ -11558,7 +11557,7 @@ static void pbw__cavity_give(pbw__queries *queries, pbw__desk *desk, size_t bloc
     }
 }
 
-/* The weights of a query inside simplex t. */
+/* Adds the weights of a query inside simplex t. */
 static void pbw__coordinates_of(pbw__queries *queries, pbw__desk *desk, size_t block, size_t query, size_t t,
                                 const double *p)
 {
@@ -11702,7 +11701,7 @@ PBWDEF void pbw_free(pbw_mesh *mesh)
     }
 }
 
-/* Notes the time that a stage took; of a good one, reports the end. */
+/* Notes the time that a stage took, and reports its end if it succeeded. */
 static pbw_status pbw__leave_stage(pbw__context *context, pbw_status status, double *start, double *seconds)
 {
     double now = pbw__seconds();
@@ -11793,7 +11792,7 @@ typedef struct pbw__dispatch {
     pbw_mesh *mesh;
 } pbw__dispatch;
 
-/* May be called again, for another count. */
+/* Allocates the arrays; may be called again with another count. */
 static pbw_status pbw__job_reserve(pbw_job *job, size_t simplex_count)
 {
     pbw__dispatch *dispatch = (pbw__dispatch *)job->context;
@@ -11831,8 +11830,8 @@ static pbw_status pbw__job_reserve(pbw_job *job, size_t simplex_count)
     return status;
 }
 
-/* A backend calls it when it has time, so here pages are made for about as many simplices as there will be; another
-   count will cost nothing where our own allocator moves pages, not bytes. */
+/* A backend calls this when it has time, so here we make pages for about the number of simplices to come; another
+   number costs nothing later, as our own allocator moves pages, not bytes. */
 static pbw_status pbw__job_keep(pbw_job *job)
 {
     pbw__dispatch *dispatch = (pbw__dispatch *)job->context;
@@ -11863,7 +11862,7 @@ static void pbw__job_say(pbw_job *job, const char *text)
     }
 }
 
-/* Numbers what a backend made along the curve: the arrays are then those that the CPU makes. */
+/* Renumbers a backend's mesh along the curve: the arrays are then those that the CPU makes. */
 typedef struct pbw__renumbering {
     const pbw_mesh *mesh;
     const pbw_index *original, *old_incident;
@@ -11949,7 +11948,7 @@ static pbw_status pbw__renumber(pbw__dispatch *dispatch)
     return status;
 }
 
-/* Sets *declined if the input is for the CPU. */
+/* Runs the backend of the options.  Sets *declined if it leaves the input to the CPU. */
 static pbw_status pbw__run_backend(pbw__context *context, const pbw__input *input, const pbw_options *options,
                                    pbw_mesh *mesh, int *declined)
 {
