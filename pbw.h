@@ -877,7 +877,7 @@ PBW__SIMD_INLINE pbw__i4 pbw__pick4(pbw__i4 x, int i, int j, int k, int l)
 #endif
 #endif
 
-/* Lanes i j k l, which are constants, of four doubles; of four integers. */
+/* Select lanes i j k l, which are constants, of four doubles; of four integers. */
 #ifdef PBW__AVX2
 #define PBW__PICK(x, i, j, k, l) _mm256_permute4x64_pd(x, (i) | (j) << 2 | (k) << 4 | (l) << 6)
 #define PBW__PICK4(x, i, j, k, l) ((pbw__i4)_mm_shuffle_epi32((__m128i)(x), (i) | (j) << 2 | (k) << 4 | (l) << 6))
@@ -912,7 +912,7 @@ PBW__SIMD_INLINE double pbw__first(pbw__d4 x)        /* lane 0 */
     return PBW__BY_ISA(_mm256_cvtsd_f64(x), vgetq_lane_f64(pbw__half0(x), 0));
 }
 
-/* The first two entries of four records. */
+/* Loads the first two entries of four records. */
 PBW__SIMD_INLINE void pbw__columns(const double *a, const double *b, const double *c, const double *d, pbw__d4 *x,
                                    pbw__d4 *y)
 {
@@ -965,7 +965,7 @@ PBW__SIMD_INLINE pbw__d4 pbw__abs4(pbw__d4 x)
                        pbw__join(vabsq_f64(pbw__half0(x)), vabsq_f64(pbw__half1(x))));
 }
 
-/* The largest lane, the least, the sum of all; in all lanes. */
+/* Return the largest lane, the least, the sum of all; in all lanes. */
 PBW__SIMD_INLINE pbw__d4 pbw__max_lane(pbw__d4 x)
 {
 #ifdef PBW__AVX2
@@ -996,7 +996,7 @@ PBW__SIMD_INLINE pbw__d4 pbw__sum_lanes(pbw__d4 x)
 #endif
 }
 
-/* An order of four doubles, from the numbers, modulo 4, of the lanes to take; and doubles in that order. */
+/* An order of four doubles: the numbers, modulo 4, of the lanes to take. */
 #ifdef PBW__AVX2
 typedef __m256i pbw__order4;
 #else
@@ -1253,7 +1253,7 @@ PBW__SIMD_INLINE pbw__pair4 pbw__sum4(pbw__pair4 a0, pbw__pair4 b0, pbw__pair4 a
     return pbw__plus4(pbw__minus4(pbw__times4(a0, b0), pbw__times4(a1, b1)), pbw__times4(a2, b2));
 }
 
-/* The difference of a and b, zero in masked lanes. */
+/* Returns the difference of a and b, zero in masked lanes. */
 PBW__SIMD_INLINE pbw__pair4 pbw__difference4(pbw__d4 a, pbw__d4 b, pbw__d4 mask)
 {
     pbw__pair4 x = { a, pbw__splat(0.0) }, y = { b, pbw__splat(0.0) };
@@ -1334,7 +1334,7 @@ static void pbw__release(pbw__memory *memory, void *ptr, size_t count, size_t si
     }
 }
 
-/* The array x, a member of `owner` beside its size x_capacity, gets another size, or is released. */
+/* Resize and release the array x, a member of `owner` beside its size x_capacity. */
 #define PBW__RESIZE(memory, owner, x, wanted) \
     pbw__resize_array(memory, &(owner)->x, &(owner)->x##_capacity, wanted, sizeof(*(owner)->x))
 #define PBW__RELEASE(memory, owner, x) pbw__release(memory, (owner)->x, (owner)->x##_capacity, sizeof(*(owner)->x))
@@ -1748,7 +1748,7 @@ static int pbw__tasks(const pbw__context *context, size_t count, size_t least)
     return (int)(tasks < 1 ? 1 : tasks < most ? tasks : most);
 }
 
-/* Where the i-th of `tasks` shares of `count` items begins. */
+/* Returns where the i-th of `tasks` shares of `count` items begins. */
 PBW__INLINE size_t pbw__share(size_t count, int i, int tasks)
 {
     return count / (size_t)tasks * (size_t)i + count % (size_t)tasks * (size_t)i / (size_t)tasks;
@@ -2384,7 +2384,7 @@ PBW__INLINE uint64_t pbw__shifted(int64_t mantissa, int shift, uint64_t *lost)
     return (uint64_t)(mantissa >> shift);
 }
 
-/* The least e with |x| < 2^e; for a denormal -1022. */
+/* Returns the least e with |x| < 2^e; for a denormal -1022. */
 PBW__INLINE int pbw__exponent(double x)
 {
     return (int)(pbw__bits(x) >> 52 & 2047) - 1022;
@@ -2756,7 +2756,7 @@ static int pbw__power(int dim, const double *const *x, const double *p, const pb
     return PBW__LIKELY(sign != PBW__OPEN) ? sign : pbw__undecided(dim, dim + 1, x, p, grid, orientation);
 }
 
-/* The perturbed verdict on a positive simplex and a point that is none of its corners: 1 for conflict. */
+/* Returns the perturbed verdict on a positive simplex and a point that is none of its corners: 1 for conflict. */
 static PBW__NOINLINE int pbw__conflict_exact(int dim, const double *const *x, const double *p, const pbw__grid *grid)
 {
     int orientation[4], sign = pbw__undecided(dim, dim + 1, x, p, grid, orientation);
@@ -3081,7 +3081,7 @@ PBW__INLINE uint64_t pbw__hilbert_key(const pbw__curve *curve, const pbw__box *b
    The first state is 0.  n00 and n11 are m00 and m11 inverted: so the zeros that shifts bring in change nothing. */
 typedef uint32_t pbw__u8 __attribute__((vector_size(32)));
 
-/* The cells of coordinate k of eight points, as in pbw__hilbert_key. */
+/* Returns the cells of coordinate k of eight points, as in pbw__hilbert_key. */
 PBW__SIMD_INLINE pbw__u8 pbw__cells8(const pbw__box *box, int k, pbw__d4 x0, pbw__d4 x1)
 {
     const double last = (double)(((uint32_t)1 << box->bits) - 1);
@@ -3109,7 +3109,7 @@ PBW__SIMD_INLINE void pbw__levels_join(pbw__levels8 *levels, int count)
     levels->tc = m.tc ^ (m.m10 & ta) ^ (~m.n11 & tc);
 }
 
-/* The first bits of all digits, the second being x ^ y; `all`: the bits that the coordinates have. */
+/* Returns the first bits of all digits, the second being x ^ y; `all`: the bits that the coordinates have. */
 PBW__SIMD_INLINE pbw__u8 pbw__digits8(pbw__u8 x, pbw__u8 y, uint32_t all)
 {
     const pbw__u8 u = x ^ y, zero = u ^ u;
@@ -3122,7 +3122,7 @@ PBW__SIMD_INLINE pbw__u8 pbw__digits8(pbw__u8 x, pbw__u8 y, uint32_t all)
     return x ^ (((before.ta ^ before.tc) >> 1) & u) ^ (before.tc >> 1);
 }
 
-/* A zero before each bit of four numbers: by bytes, then by halves of bytes. */
+/* Puts a zero before each bit of four numbers: by bytes, then by halves of bytes. */
 PBW__SIMD_INLINE __m256i pbw__spread4(__m128i x)
 {
     const __m256i table = _mm256_setr_epi8(0, 1, 4, 5, 16, 17, 20, 21, 64, 65, 68, 69, 80, 81, 84, 85,
@@ -3286,7 +3286,7 @@ typedef struct pbw__vertices {
     pbw__grid grid;                                  /* of the records */
 } pbw__vertices;
 
-/* Order of points of equal keys: lexicographic, then the larger weight, then the lower index. */
+/* Returns whether x comes before y among equal keys: lexicographically, by larger weight, by lower index. */
 PBW__DEVICE static int pbw__comes_before(const double *x, size_t i, const double *y, size_t j, int dim)
 {
     int k;
@@ -4517,7 +4517,7 @@ static PBW__NOINLINE unsigned pbw__exit(const pbw__kernel *kernel, pbw_index t, 
     return (unsigned)i;
 }
 
-/* The walk starts at a finite simplex: across from the ghost vertex, if need be. */
+/* Returns t, or the simplex across from its ghost vertex: walks start at finite simplices. */
 PBW__INLINE pbw_index pbw__walk_start(const pbw__kernel *kernel, pbw_index t, int dim)
 {
     size_t last = 4 * (size_t)t + (size_t)dim;
@@ -4580,7 +4580,7 @@ static pbw_index pbw__locate_scalar(pbw__kernel *kernel, pbw_index t, const doub
 }
 
 #ifdef PBW__SIMD
-/* The walk with vectors, a facet in each lane. */
+/* pbw__locate_of with vectors, a facet in each lane. */
 PBW__SIMD_INLINE pbw_index pbw__locate3_simd(pbw__kernel *kernel, pbw_index t, const double *p, int weighted)
 {
     const pbw__point4 point = pbw__point4_of(p, 3, weighted);
@@ -4631,7 +4631,7 @@ PBW__SIMD_INLINE pbw_index pbw__locate3_simd(pbw__kernel *kernel, pbw_index t, c
 #endif
 
 #ifdef PBW__SIMD
-/* The bound on the error of an in-circle determinant of rows no higher than h. */
+/* Returns the bound on the error of an in-circle determinant of rows no higher than h. */
 PBW__SIMD_INLINE pbw__d4 pbw__circle_limit(pbw__d4 h)
 {
     return pbw__splat(8.0) * h * h * pbw__splat(PBW__CIRCLE_ERROR / 8.0);
@@ -4790,7 +4790,7 @@ PBW__INLINE uint32_t pbw__local(uint64_t *table, uint64_t stamp, uint32_t *count
     return number;
 }
 
-/* The state of a search: a copy of what it needs of the kernel, which the compiler can keep in registers. */
+/* The state of a search, with copies of the kernel's pointers that the compiler can keep in registers. */
 typedef struct pbw__search {
     const pbw_index *corner;
     const pbw__link *link;
@@ -5090,7 +5090,7 @@ PBW__SIMD static PBW__NOINLINE unsigned pbw__search_exact(pbw__kernel *kernel, c
 }
 #endif
 
-/* Finds the cavity of p from t, a simplex in conflict. */
+/* Finds the cavity of p from t, a simplex in conflict: the scalar search. */
 static pbw_status pbw__carve3_scalar(pbw__kernel *kernel, pbw_index t, const double *p)
 {
     pbw__search search;
@@ -5187,7 +5187,7 @@ PBW__SIMD_INLINE pbw__order4 pbw__search_inherit(pbw__search *search, size_t i, 
     return pbw__order4_of(place);
 }
 
-/* Lanes of a, or of b where `lane` says so, in an order that pbw__search_inherit found. */
+/* Returns lanes of a, or of b in the lane masked, in an order that pbw__search_inherit found. */
 PBW__SIMD_INLINE pbw__d4 pbw__take_over(pbw__d4 a, pbw__d4 b, pbw__d4 lane, pbw__order4 order)
 {
     return pbw__reorder(pbw__blend(a, b, lane), order);
@@ -5221,7 +5221,7 @@ PBW__SIMD_INLINE pbw__rows4 pbw__carve_rows(pbw__search *search, size_t i, pbw__
     return r;
 }
 
-/* The determinants of the neighbours: rows r of the simplex, rows o of the far vertices. */
+/* Returns the determinants of the neighbours: rows r of the simplex, rows o of the far vertices. */
 PBW__SIMD_INLINE pbw__d4 pbw__sphere4(const pbw__rows4 *r, const pbw__rows4 *o)
 {
     const pbw__d4 ax = PBW__CORNER_A(r->x), ay = PBW__CORNER_A(r->y), az = PBW__CORNER_A(r->z);
@@ -5521,7 +5521,7 @@ static pbw_status pbw__carve2(pbw__kernel *kernel, pbw_index t, const double *p)
     return PBW_OK;
 }
 
-/* The first vertex, counter-clockwise from inside, of the edge of the boundary that a link crosses. */
+/* Returns the first vertex, counter-clockwise from inside, of the edge of the boundary that a link crosses. */
 PBW__INLINE pbw_index pbw__edge_start(const pbw__kernel *kernel, pbw__link beyond)
 {
     return kernel->corner[(beyond & 3) == 0 ? beyond + 2 : beyond - 1];
@@ -5584,7 +5584,7 @@ typedef struct pbw__ring {
 /* Four triangles (o, e, s), met across the edges s e. */
 typedef struct pbw__triangles { pbw__rows4 s, e, o; } pbw__triangles;
 
-/* Their determinants, and a bound of the heights. */
+/* Returns their determinants and a bound of the heights. */
 PBW__SIMD_INLINE pbw__d4 pbw__circle4(const pbw__triangles *t, pbw__d4 *height)
 {
     pbw__d4 det = t->o.y * pbw__det2(t->e.lift, t->s.lift, t->e.x, t->s.x);
@@ -5593,10 +5593,10 @@ PBW__SIMD_INLINE pbw__d4 pbw__circle4(const pbw__triangles *t, pbw__d4 *height)
     return pbw__fnma(t->o.lift, pbw__det2(t->s.x, t->s.y, t->e.x, t->e.y), det);
 }
 
-/* A tighter bound of the errors, which takes longer: the sum of the absolute products is far below 6 h^2 where only
-   some of the vertices are far from the point, as in the thin triangles of points on a curve.  13u times that sum is
-   less than 1.5e-15 times what is computed here, with as many roundings.  What underflows, a product of two or three
-   rows or a lift, is multiplied by two coordinates at most: less than 1e-300 (1 + h) in all. */
+/* Returns a tighter bound of the errors, which takes longer: the sum of the absolute products is far below 6 h^2
+   where only some of the vertices are far from the point, as in the thin triangles of points on a curve.  An
+   underflow, of a product of two or three rows or of a lift, is multiplied by two coordinates at most: less than
+   1e-300 (1 + h). */
 PBW__SIMD_INLINE pbw__d4 pbw__thin_limit(const pbw__triangles *t, pbw__d4 h)
 {
     const pbw__d4 sx = pbw__abs4(t->s.x), sy = pbw__abs4(t->s.y), ex = pbw__abs4(t->e.x), ey = pbw__abs4(t->e.y);
@@ -5688,7 +5688,7 @@ PBW__SIMD static PBW__NOINLINE unsigned pbw__circle4_pairs(const double *record,
                                 pbw__greater(h, pbw__splat(1e-20))));
 }
 
-/* The exact verdicts on the next edges of the queue, for lanes that are still open. */
+/* Returns the exact verdicts on the next edges of the queue, for lanes that are still open. */
 static PBW__NOINLINE unsigned pbw__ring_exact(pbw__kernel *kernel, const pbw__ring *ring, unsigned head,
                                               unsigned open, const double *p)
 {
@@ -5859,7 +5859,7 @@ PBW__SIMD_INLINE pbw_status pbw__ring_start_hull(pbw__kernel *kernel, pbw__ring 
     return status == PBW_OK && (inside & 1) != 0 ? pbw__ring_split(kernel, ring, 1, inside >> 1, 0) : status;
 }
 
-/* The rest of a search that has met the ghost vertex. */
+/* Finishes a search that has met the ghost vertex. */
 PBW__SIMD static PBW__NOINLINE pbw_status pbw__ring_hull(pbw__kernel *kernel, pbw__ring *ring, unsigned head,
                                                          const double *p)
 {
@@ -5960,7 +5960,7 @@ PBW__SIMD_INLINE pbw_status pbw__carve2_simd(pbw__kernel *kernel, pbw__ring *rin
     return status == PBW_OK ? pbw__ring_finish(kernel, ring, head, point, 0) : status;
 }
 
-/* The vertex that comes next, by a guess: as far along the curve as this one from the last. */
+/* Guesses the next vertex: as far along the curve as this one is from the last. */
 PBW__INLINE pbw_index pbw__guess2(pbw__kernel *kernel, pbw_index vertex)
 {
     pbw_index guess = 2 * vertex - kernel->previous;
@@ -6238,7 +6238,7 @@ static pbw__level pbw__level_first(size_t count, int dim)
     return level;
 }
 
-/* Goes on to the level of that stride, 0 after the finest. */
+/* Goes on to the level of that stride; 0 after the finest. */
 static void pbw__level_next(pbw__level *level, size_t stride)
 {
     level->coarser = level->stride;
@@ -6246,14 +6246,14 @@ static void pbw__level_next(pbw__level *level, size_t stride)
     level->backwards = stride == 1 || !level->backwards;
 }
 
-/* The number of ranks of a level. */
+/* Returns the number of ranks of a level. */
 PBW__INLINE size_t pbw__level_size(const pbw__level *level)
 {
     const size_t last = level->count - 1;            /* rank 0 is the coarsest level's */
     return level->coarser > level->count ? last / level->stride + 1 : last / level->stride - last / level->coarser;
 }
 
-/* The i-th rank of a level in the order of insertion, and the one that follows a rank. */
+/* Return the i-th rank of a level in the order of insertion, and the one that follows a rank. */
 PBW__INLINE size_t pbw__level_rank(const pbw__level *level, size_t i)
 {
     const size_t at = level->backwards ? pbw__level_size(level) - 1 - i : i;
@@ -6274,8 +6274,8 @@ static int pbw__seed_fits(const pbw__kernel *kernel, int dim, const double **x, 
                         : found != 2 || !pbw__collinear3(x[0], x[1], x[2], kernel->grid);
 }
 
-/* The first dim+1 vertices of the order that span the space, positively oriented.  Vertices are at different places,
-   so any two will do.  Linear: once a vertex is passed over, it lies in the span of the seeds. */
+/* Finds the first dim+1 vertices of the order that span the space, positively oriented.  Vertices are at different
+   places, so any two will do.  Linear: once a vertex is passed over, it lies in the span of the seeds. */
 static pbw_status pbw__seeds(pbw__kernel *kernel, size_t count, int dim, pbw_index *seed)
 {
     pbw__level level = pbw__level_first(count, dim);
@@ -6402,7 +6402,7 @@ PBW__INLINE size_t pbw__first_region(const pbw__build *build, size_t zone)
     return region < build->store->region_count ? region : build->store->region_count;
 }
 
-/* Sets kernel->last to where the walk to a vertex starts: where the last walk ended, unless that is far and a zone
+/* Sets kernel->last to the start of the walk to a vertex: the end of the last walk, unless that is far and a zone
    nearby has a hint.  A task must own the zone of the hint or claim it.  From far away a walk would claim every zone
    on its way, and among points on a line it would visit all of them.  Returns 0 if there is no start. */
 static int pbw__find_start(pbw__build *build, pbw__kernel *kernel, pbw_index v)
