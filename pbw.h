@@ -2928,7 +2928,7 @@ static const unsigned char pbw__hilbert3[12][8] = {
 /* Several levels of the automaton in one step: entry state << dim*levels | bits holds next state << dim*levels |
    digits of the key, where bits are the next `levels` bits of each coordinate, coordinate k from bit k*levels on. */
 typedef struct pbw__curve {
-    int levels;                                      /* 1 for few points, for which the table would not pay */
+    int levels;                                      /* 0: no table yet; 1 for few points, for which more do not pay */
     uint16_t step[12 << 3 * PBW__LEVELS3];
 } pbw__curve;
 
@@ -3181,7 +3181,7 @@ static uint64_t *pbw__sort_by(pbw__sorting *sorting, int low, int bits)
 {
     pbw__context *context = sorting->context;
     const int tasks = sorting->tasks < context->threads ? sorting->tasks : context->threads;
-    const int widest = sorting->count < 4096 ? 9 : 11, passes = (bits + widest - 1) / widest;
+    const int widest = sorting->count < 1024 ? 9 : 11, passes = (bits + widest - 1) / widest;
     uint32_t *all = sorting->start + (size_t)tasks * PBW__DIGITS;
     int task;
     sorting->tasks = tasks;
@@ -3292,12 +3292,12 @@ typedef struct pbw__ordering {
     const pbw__input *input;
     pbw__vertices *vertices;
     uint64_t *keys;                                  /* key << index_bits | index */
-    pbw__part *parts;
-    pbw__grid_share *shares;                         /* per part: of its records */
-    pbw__box *boxes;                                 /* per task */
-    uint32_t *start;                                 /* see pbw__sorting */
+    pbw__part *parts, part;                          /* these three: arrays if there are several tasks */
+    pbw__grid_share *shares, share;                  /* per part: of its records */
+    pbw__box *boxes, box;                            /* per task */
+    uint32_t *start;                                 /* see pbw__sorting; NULL with one task */
     int tasks, index_bits, bits, not_finite;
-    pbw__curve curve;
+    pbw__curve curve;                                /* the last member: large, and not always needed */
 } pbw__ordering;
 
 /* Keys of the points keys[from..from+count), or of all points, from a grid over their own box. */
@@ -3384,7 +3384,8 @@ PBW__SIMD_INLINE const double *pbw__double_at(const pbw__input *input, size_t i)
     return (const double *)(const void *)(input->points + i * input->stride);
 }
 
-/* The keys of points from `i` on, of all, given as doubles; returns the first that it leaves of those before `to`. */
+/* The keys of points i..to-1, of all, given as doubles, by eights: the last eight may overlap those before.  Returns
+   the first point without a key: i, of fewer than eight. */
 PBW__SIMD static size_t pbw__keying_plane(const pbw__keying *keying, size_t i, size_t to)
 {
     const pbw__ordering *ordering = keying->ordering;
@@ -3394,12 +3395,14 @@ PBW__SIMD static size_t pbw__keying_plane(const pbw__keying *keying, size_t i, s
     const __m128i shift = _mm_cvtsi32_si128(ordering->index_bits);
     uint64_t *keys = ordering->keys;
     pbw_index *canonical = ordering->vertices->canonical;
-    for (; to - i >= 8; i += 8) {
-        const __m256i index = _mm256_add_epi64(_mm256_set1_epi64x((int64_t)i), _mm256_setr_epi64x(0, 1, 2, 3));
+    const size_t first = i;
+    for (; i < to && to - first >= 8; i += 8) {
+        __m256i index;
         pbw__d4 x0, y0, x1, y1;
         pbw__u8 x, y;
-        __m256i first, second, key[2];
+        __m256i low, high, key[2];
         size_t k;
+        i = to - i >= 8 ? i : to - 8;
         if ((i & (PBW__TICK - 1)) < 8
             && pbw__report(ordering->context, 0.1 + 0.2 * (double)i / (double)keying->count)) {
             return to;
@@ -3407,16 +3410,17 @@ PBW__SIMD static size_t pbw__keying_plane(const pbw__keying *keying, size_t i, s
         for (k = i + PBW__AHEAD; k < i + PBW__AHEAD + 8 && k < to; k += 2) {
             pbw__fetch_soon(&input, k);
         }
+        index = _mm256_add_epi64(_mm256_set1_epi64x((int64_t)i), _mm256_setr_epi64x(0, 1, 2, 3));
         pbw__columns(pbw__double_at(&input, i), pbw__double_at(&input, i + 1), pbw__double_at(&input, i + 2),
                      pbw__double_at(&input, i + 3), &x0, &y0);
         pbw__columns(pbw__double_at(&input, i + 4), pbw__double_at(&input, i + 5), pbw__double_at(&input, i + 6),
                      pbw__double_at(&input, i + 7), &x1, &y1);
         x = pbw__cells8(&box, 0, x0, x1);
         y = pbw__cells8(&box, 1, y0, y1);
-        first = (__m256i)pbw__digits8(x, y, all);
-        second = (__m256i)(x ^ y);
-        key[0] = pbw__interleave4(_mm256_castsi256_si128(first), _mm256_castsi256_si128(second));
-        key[1] = pbw__interleave4(_mm256_extracti128_si256(first, 1), _mm256_extracti128_si256(second, 1));
+        high = (__m256i)pbw__digits8(x, y, all);
+        low = (__m256i)(x ^ y);
+        key[0] = pbw__interleave4(_mm256_castsi256_si128(high), _mm256_castsi256_si128(low));
+        key[1] = pbw__interleave4(_mm256_extracti128_si256(high, 1), _mm256_extracti128_si256(low, 1));
         key[0] = _mm256_or_si256(_mm256_sll_epi64(key[0], shift), index);
         key[1] = _mm256_or_si256(_mm256_sll_epi64(key[1], shift), _mm256_add_epi64(index, _mm256_set1_epi64x(4)));
         _mm256_storeu_si256((__m256i *)(void *)(keys + i), key[0]);
@@ -3432,19 +3436,25 @@ PBW__SIMD static size_t pbw__keying_plane(const pbw__keying *keying, size_t i, s
 static void pbw__keying_keys(void *arg, int task)
 {
     const pbw__keying *keying = (const pbw__keying *)arg;
-    const pbw__ordering *ordering = keying->ordering;
+    pbw__ordering *ordering = keying->ordering;
     size_t from = pbw__share(keying->count, task, keying->tasks);
     size_t to = pbw__share(keying->count, task + 1, keying->tasks);
+#ifdef PBW__AVX2
+    if (ordering->input->dim == 2 && keying->all && !ordering->input->is_float && pbw__simd_works()) {
+        from = pbw__keying_plane(keying, from, to);
+    }
+#endif
+    if (from == to) {
+        return;
+    }
+    if (ordering->curve.levels == 0) {               /* never with several tasks */
+        pbw__curve_create(&ordering->curve, ordering->input->count, ordering->input->dim);
+    }
     if (ordering->curve.levels == 1) {
         pbw__keying_share(keying, from, to, ordering->input->dim, 1);
     } else if (ordering->input->dim == 3) {
         pbw__keying_share(keying, from, to, 3, PBW__LEVELS3);
     } else {
-#ifdef PBW__AVX2
-        if (keying->all && !ordering->input->is_float && pbw__simd_works()) {
-            from = pbw__keying_plane(keying, from, to);
-        }
-#endif
         pbw__keying_share(keying, from, to, 2, PBW__LEVELS2);
     }
 }
@@ -3795,10 +3805,16 @@ static int pbw__order_begin(pbw__ordering *ordering)
     pbw__vertices *vertices = ordering->vertices;
     const size_t count = ordering->input->count, tasks = (size_t)ordering->tasks, step = (size_t)vertices->dim + 1;
     pbw__block block[4];
-    ordering->boxes = (pbw__box *)pbw__allocate(memory, tasks, sizeof(pbw__box));
-    ordering->start = (uint32_t *)pbw__allocate(memory, (tasks + 1) * PBW__DIGITS, sizeof(uint32_t));
-    ordering->parts = (pbw__part *)pbw__allocate(memory, PBW__CUTS * tasks, sizeof(pbw__part));
-    ordering->shares = (pbw__grid_share *)pbw__allocate(memory, PBW__CUTS * tasks, sizeof(pbw__grid_share));
+    ordering->boxes = &ordering->box;
+    ordering->parts = &ordering->part;
+    ordering->shares = &ordering->share;
+    if (tasks > 1) {
+        ordering->boxes = (pbw__box *)pbw__allocate(memory, tasks, sizeof(pbw__box));
+        ordering->start = (uint32_t *)pbw__allocate(memory, (tasks + 1) * PBW__DIGITS, sizeof(uint32_t));
+        ordering->parts = (pbw__part *)pbw__allocate(memory, PBW__CUTS * tasks, sizeof(pbw__part));
+        ordering->shares = (pbw__grid_share *)pbw__allocate(memory, PBW__CUTS * tasks, sizeof(pbw__grid_share));
+        pbw__curve_create(&ordering->curve, count, vertices->dim);
+    }
     ordering->keys = (uint64_t *)pbw__allocate(memory, count, sizeof(uint64_t));
     vertices->canonical = (pbw_index *)pbw__allocate(memory, count, sizeof(pbw_index));
     vertices->id = (pbw_index *)pbw__allocate(memory, count + 1, sizeof(pbw_index));
@@ -3808,18 +3824,21 @@ static int pbw__order_begin(pbw__ordering *ordering)
     block[2] = pbw__block_of(vertices->id, 0, (count + 1) * sizeof(pbw_index));
     block[3] = pbw__block_of(vertices->record, 0, (count + 1) * step * sizeof(double));
     pbw__populate(context, block, 4);
-    return ordering->boxes != NULL && ordering->start != NULL && ordering->parts != NULL && ordering->shares != NULL
-        && ordering->keys != NULL && vertices->canonical != NULL && vertices->id != NULL && vertices->record != NULL;
+    return ordering->boxes != NULL && (ordering->start != NULL || tasks == 1) && ordering->parts != NULL
+        && ordering->shares != NULL && ordering->keys != NULL && vertices->canonical != NULL && vertices->id != NULL
+        && vertices->record != NULL;
 }
 
 static void pbw__order_end(pbw__ordering *ordering)
 {
     pbw__memory *memory = &ordering->context->memory;
     const size_t tasks = (size_t)ordering->tasks;
-    pbw__release(memory, ordering->boxes, tasks, sizeof(pbw__box));
-    pbw__release(memory, ordering->start, (tasks + 1) * PBW__DIGITS, sizeof(uint32_t));
-    pbw__release(memory, ordering->parts, PBW__CUTS * tasks, sizeof(pbw__part));
-    pbw__release(memory, ordering->shares, PBW__CUTS * tasks, sizeof(pbw__grid_share));
+    if (tasks > 1) {
+        pbw__release(memory, ordering->boxes, tasks, sizeof(pbw__box));
+        pbw__release(memory, ordering->start, (tasks + 1) * PBW__DIGITS, sizeof(uint32_t));
+        pbw__release(memory, ordering->parts, PBW__CUTS * tasks, sizeof(pbw__part));
+        pbw__release(memory, ordering->shares, PBW__CUTS * tasks, sizeof(pbw__grid_share));
+    }
     pbw__release(memory, ordering->keys, ordering->input->count, sizeof(uint64_t));
 }
 
@@ -3835,7 +3854,8 @@ static int pbw__order_parts(pbw__ordering *ordering)
         return 0;
     }
     /* By one digit of pbw__sort_by or two: at most 4 of 16 million uniform points are equal there; or by four. */
-    low = all->low - (count < 8192 ? 11 : pbw__order_is_thin(ordering, all->low) ? 44 : 22);
+    low = all->low - (count < 1024 ? (ordering->index_bits < 9 ? ordering->index_bits : 9) : count < 8192 ? 11
+                      : pbw__order_is_thin(ordering, all->low) ? 44 : 22);
     low = low > ordering->index_bits ? low : ordering->index_bits;
     return pbw__order_sort(ordering, all, low, ordering->start, ordering->tasks) ? pbw__order_cut(ordering) : 0;
 }
@@ -3866,7 +3886,8 @@ static pbw_status pbw__order(pbw__context *context, const pbw__input *input, pbw
     pbw__ordering ordering;
     pbw_status status = PBW_ERROR_MEMORY;
     int parts;
-    memset(&ordering, 0, sizeof(ordering));
+    memset(&ordering, 0, offsetof(pbw__ordering, curve));
+    ordering.curve.levels = 0;
     ordering.context = context;
     ordering.input = input;
     ordering.vertices = vertices;
@@ -3877,7 +3898,6 @@ static pbw_status pbw__order(pbw__context *context, const pbw__input *input, pbw
     vertices->dim = dim;
     vertices->weighted = input->weights != NULL;
     vertices->point_count = input->count;
-    pbw__curve_create(&ordering.curve, input->count, dim);
     if (pbw__order_begin(&ordering)) {
         parts = pbw__order_parts(&ordering);
         memset(vertices->record, 0, ((size_t)dim + 1) * sizeof(double));
@@ -7352,8 +7372,9 @@ typedef struct pbw__emission {
     const pbw__store *store;
     pbw_index *corner;
     pbw__link *link;                                 /* NULL: not wanted */
+    pbw_index *to_corner, *to_link;                  /* where simplices are written: the arrays above or new ones */
     size_t slot_count, simplex_count, vertex_count, visible;
-    int dim, any_order, tasks, failed, simd;
+    int dim, any_order, tasks, failed, simd, apart;  /* apart: into new arrays */
     const pbw_index *id;                             /* per rank */
     pbw_index *number;                               /* per slot: the next of its chain; then its place */
     pbw_index *chain;                                /* per region: the last slot of its chain */
@@ -7994,6 +8015,7 @@ static void pbw__emit_pass2(void *arg, int task)
    order and loaded with acquire order, says that the chunk was read.
    ------------------------------------------------------------------------------------------------------ */
 #define PBW__CHUNK ((size_t)1 << 12)                 /* the largest */
+#define PBW__APART PBW__SMALLER(4096)                /* slots, at most, whose simplices are written to new arrays */
 
 /* Several tasks take large chunks: slots that are near have places in the same cache lines, which would go from
    thread to thread.  One task takes small ones, so that fewer simplices of few points are set aside; but the start of
@@ -8029,10 +8051,9 @@ PBW__INLINE int pbw__emit_free(const pbw__emission *emission, const pbw__aside *
 PBW__INLINE void pbw__emit_place(const pbw__emission *emission, const pbw__emitted *simplex, int dim)
 {
     size_t corners = (size_t)dim + 1;
-    memcpy(emission->corner + corners * simplex->place, simplex->corner, corners * sizeof(pbw_index));
+    memcpy(emission->to_corner + corners * simplex->place, simplex->corner, corners * sizeof(pbw_index));
     if (emission->link != NULL) {
-        memcpy((pbw_index *)(void *)emission->link + corners * simplex->place, simplex->neighbor,
-               corners * sizeof(pbw_index));
+        memcpy(emission->to_link + corners * simplex->place, simplex->neighbor, corners * sizeof(pbw_index));
     }
 }
 
@@ -8044,23 +8065,23 @@ PBW__INLINE void pbw__emit_slots_of(const pbw__emission *emission, size_t from, 
     size_t t;
     for (t = from; t < end; t++) {
         const pbw_index *v = emission->corner + 4 * t;
-        pbw__emitted *simplex = aside->simplex + aside->count;
+        pbw__emitted simplex;
         unsigned order, k;
         if (number[t] == PBW_NONE) {
             continue;
         }
-        simplex->place = number[t];
+        simplex.place = number[t];
         order = pbw__canonical_order(v, dim);
         for (k = 0; k <= (unsigned)dim; k++) {
-            simplex->corner[k] = emission->id[v[order >> 2 * k & 3]];
+            simplex.corner[k] = emission->id[v[order >> 2 * k & 3]];
         }
         for (k = 0; k <= (unsigned)dim && emission->link != NULL; k++) {
-            simplex->neighbor[k] = number[emission->link[4 * t + (order >> 2 * k & 3)] >> 2];
+            simplex.neighbor[k] = number[emission->link[4 * t + (order >> 2 * k & 3)] >> 2];
         }
-        if (pbw__emit_free(emission, aside, simplex->place, dim)) {
-            pbw__emit_place(emission, simplex, dim);
+        if (pbw__emit_free(emission, aside, simplex.place, dim)) {
+            pbw__emit_place(emission, &simplex, dim);
         } else {
-            aside->count++;
+            aside->simplex[aside->count++] = simplex;
         }
     }
 }
@@ -8103,8 +8124,9 @@ PBW__SIMD_INLINE void pbw__emit_slots_simd_of(const pbw__emission *emission, siz
                                               pbw__aside *aside, int links, int dim)
 {
     const pbw_index *number = emission->number, *id = emission->id;
-    pbw__link *link = emission->link;
-    pbw_index *corner = emission->corner, slot[PBW__CHUNK + PBW__SOON];
+    const pbw__link *link = emission->link;
+    pbw_index *to_corner = emission->to_corner, *to_link = emission->to_link, slot[PBW__CHUNK + PBW__SOON];
+    const pbw_index *corner = emission->corner;
     const size_t corners = (size_t)dim + 1, used = pbw__emit_used(number, from, end, slot);
     const pbw__aside free = *aside;
     size_t count = aside->count, i, n;
@@ -8121,10 +8143,10 @@ PBW__SIMD_INLINE void pbw__emit_slots_simd_of(const pbw__emission *emission, siz
                 PBW__PREFETCH_STREAM(link, 4 * t, 4 * emission->slot_count);
             }
         }
-        PBW__PREFETCH_TO_WRITE(corner + corners * number[soon]);
+        PBW__PREFETCH_TO_WRITE(to_corner + corners * number[soon]);
         if (links) {
             const pbw__link *l = link + 4 * t;
-            PBW__PREFETCH_TO_WRITE((pbw_index *)(void *)link + corners * number[soon]);
+            PBW__PREFETCH_TO_WRITE(to_link + corners * number[soon]);
             for (i = 0; i < corners && dim == 3; i++) {      /* in the plane most are near */
                 PBW__PREFETCH(number + (link[4 * soon + i] >> 2));
             }
@@ -8136,9 +8158,9 @@ PBW__SIMD_INLINE void pbw__emit_slots_simd_of(const pbw__emission *emission, siz
         ids = pbw__permute4(ids, lanes);
         neighbors = pbw__permute4(neighbors, lanes);
         if (pbw__emit_free(emission, &free, place, dim)) {
-            pbw__emit_entries(corner + corners * place, ids, dim);
+            pbw__emit_entries(to_corner + corners * place, ids, dim);
             if (links) {
-                pbw__emit_entries((pbw_index *)(void *)link + corners * place, neighbors, dim);
+                pbw__emit_entries(to_link + corners * place, neighbors, dim);
             }
         } else {
             pbw__emitted *simplex = free.simplex + count++;
@@ -8226,7 +8248,10 @@ static void pbw__emit_pass3(void *arg, int task)
         aside.free_from = done < turned ? ((turned - done) * size * 4 + corners - 1) / corners : 0;
         aside.free_count = (done < turned ? turned : done) * size * 4 / corners;
         aside.free_count = aside.free_count > aside.free_from ? aside.free_count - aside.free_from : 0;
-        if (!pbw__emit_reserve(emission, &aside)) {
+        if (emission->apart) {
+            aside.free_from = 0;
+            aside.free_count = simplices;
+        } else if (!pbw__emit_reserve(emission, &aside)) {
             break;
         }
         pbw__emit_slots(emission, from, end < emission->slot_count ? end : emission->slot_count, &aside);
@@ -8275,6 +8300,25 @@ static pbw_status pbw__emit_status(const pbw__emission *emission)
     return emission->failed ? PBW_ERROR_MEMORY : PBW__LOAD(&emission->context->cancelled) ? PBW_CANCELLED : PBW_OK;
 }
 
+/* Makes the arrays that simplices are written to: of few, new ones, as many would be set aside.  0 if memory is
+   short. */
+static int pbw__emit_begin(pbw__emission *emission)
+{
+    pbw__memory *memory = &emission->context->memory;
+    const size_t entries = emission->simplex_count * ((size_t)emission->dim + 1);
+    if (!emission->apart) {
+        emission->to_corner = emission->corner;
+        emission->to_link = (pbw_index *)(void *)emission->link;
+    } else {
+        emission->to_corner = (pbw_index *)pbw__allocate(memory, entries, sizeof(pbw_index));
+        if (emission->link != NULL) {
+            emission->to_link = (pbw_index *)pbw__allocate(memory, entries, sizeof(pbw_index));
+        }
+        emission->failed = emission->to_corner == NULL || (emission->to_link == NULL && emission->link != NULL);
+    }
+    return !emission->failed;
+}
+
 static pbw_status pbw__emit(pbw__emission *emission)
 {
     pbw__context *context = emission->context;
@@ -8293,7 +8337,7 @@ static pbw_status pbw__emit(pbw__emission *emission)
         return pbw__emit_status(emission);
     }
     pbw__for(context, tasks, pbw__emit_pass2, emission);
-    if (pbw__emit_status(emission) != PBW_OK) {
+    if (pbw__emit_status(emission) != PBW_OK || !pbw__emit_begin(emission)) {
         return pbw__emit_status(emission);
     }
     pbw__for(context, tasks, pbw__emit_pass3, emission);
@@ -8440,23 +8484,28 @@ static pbw_status pbw__emit_all(pbw__emission *emission, pbw__spare *spare, size
     return status;
 }
 
-/* Cuts the store's arrays to size and hands them to the mesh. */
+/* Hands the arrays to the mesh: the store's, cut to size, or the new ones. */
 static pbw_status pbw__hand_over(pbw__emission *emission, pbw__store *store, pbw__owned *owned, pbw_mesh *mesh)
 {
     pbw__memory *memory = &emission->context->memory;
     const size_t entries = emission->simplex_count * ((size_t)emission->dim + 1);
     size_t links = store->link_capacity * (sizeof(pbw__link) / sizeof(pbw_index));
-    if (!pbw__resize_array(memory, &store->corner, &store->corner_capacity, entries, sizeof(pbw_index))
-        || (store->link != NULL && !pbw__resize_array(memory, &store->link, &links, entries, sizeof(pbw_index)))) {
-        return PBW_ERROR_MEMORY;
+    if (!emission->apart) {
+        if (!pbw__resize_array(memory, &store->corner, &store->corner_capacity, entries, sizeof(pbw_index))
+            || (store->link != NULL && !pbw__resize_array(memory, &store->link, &links, entries, sizeof(pbw_index)))) {
+            return PBW_ERROR_MEMORY;
+        }
+        emission->to_corner = store->corner;
+        emission->to_link = (pbw_index *)(void *)store->link;
+        store->corner = NULL;
+        store->link = NULL;
     }
     mesh->simplex_count = emission->simplex_count;
-    mesh->simplices = store->corner;
-    mesh->neighbors = (pbw_index *)(void *)store->link;
+    mesh->simplices = emission->to_corner;
+    mesh->neighbors = emission->to_link;
     owned->simplices = entries;
-    owned->neighbors = store->link != NULL ? entries : 0;
-    store->corner = NULL;
-    store->link = NULL;
+    owned->neighbors = emission->to_link != NULL ? entries : 0;
+    emission->apart = 0;
     return PBW_OK;
 }
 
@@ -8465,6 +8514,7 @@ static pbw_status pbw__output(pbw__context *context, pbw__store *store, pbw__ver
                               pbw__owned *owned, pbw_mesh *mesh)
 {
     pbw__memory *memory = &context->memory;
+    const size_t corners = (size_t)vertices->dim + 1;
     pbw__emission emission;
     pbw__spare spare;
     size_t allocated[3] = { 0, 0, 0 };
@@ -8478,8 +8528,7 @@ static pbw_status pbw__output(pbw__context *context, pbw__store *store, pbw__ver
         store->link = NULL;
     }
     spare.block[0] = (pbw_index *)(void *)vertices->record;
-    spare.count[0] =
-        (vertices->point_count + 1) * ((size_t)vertices->dim + 1) * (sizeof(double) / sizeof(pbw_index));
+    spare.count[0] = (vertices->point_count + 1) * corners * (sizeof(double) / sizeof(pbw_index));
     spare.block[1] = (pbw_index *)(void *)store->mark;
     spare.count[1] = store->mark_capacity / sizeof(pbw_index);
     memset(&emission, 0, sizeof(emission));
@@ -8497,6 +8546,7 @@ static pbw_status pbw__output(pbw__context *context, pbw__store *store, pbw__ver
     emission.id = vertices->id;
     emission.chain = store->hint;
     emission.tasks = pbw__tasks(context, vertices->count, 16384);
+    emission.apart = emission.tasks == 1 && emission.slot_count <= PBW__APART;
     emission.chunk_bits = pbw__chunk_bits(emission.dim, emission.tasks, store->count);
     status = pbw__emit_all(&emission, &spare, allocated);
     if (status == PBW_OK) {
@@ -8509,6 +8559,10 @@ static pbw_status pbw__output(pbw__context *context, pbw__store *store, pbw__ver
             pbw__for(context, emission.tasks, pbw__emit_pass5, &emission);
             status = pbw__emit_status(&emission);
         }
+    }
+    if (emission.apart) {                            /* a failure */
+        pbw__release(memory, emission.to_corner, corners * emission.simplex_count, sizeof(pbw_index));
+        pbw__release(memory, emission.to_link, corners * emission.simplex_count, sizeof(pbw_index));
     }
     pbw__release_borrowed(memory, emission.number, allocated[0]);
     pbw__release_borrowed(memory, emission.head, allocated[1]);
