@@ -1686,6 +1686,9 @@ static int pbw__thread_count(int asked, size_t count)
 {
 #ifdef PBW__THREADS
     size_t threads = (size_t)asked, most = count / PBW__SMALLER(8192) + 1;
+    if (asked == 0 && most == 1) {                   /* no system call */
+        return 1;
+    }
     if (asked == 0) {
         long cores = PBW__CORES();
         threads = cores < 1 ? 1 : cores < PBW__THREADS ? (size_t)cores : PBW__THREADS;
