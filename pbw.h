@@ -3988,7 +3988,7 @@ typedef struct pbw__ownership {
     int renewed;                                     /* simplices were made since cells were last given back */
     int claim_count;
     size_t missed;                                   /* tries of the round in vain */
-    pbw_index claim[PBW__CLAIMS];                    /* our cells */
+    pbw_index claim[PBW__CLAIMS];                    /* our cells; the last member, not cleared */
 } pbw__ownership;
 
 /* A simplex of the cavity: its corners, their local numbers, and the links across from them (3D). */
@@ -4050,11 +4050,11 @@ typedef struct pbw__kernel {
     pbw_status (*insert)(struct pbw__kernel *kernel, pbw_index vertex);
     pbw__slots slots;
     pbw__scratch scratch;
-    pbw__ownership own;
     pbw_index *left;                                 /* vertices left for the next round */
     size_t left_count, left_capacity, done, reported;
     pbw_status status;
     pbw_statistics statistics;
+    pbw__ownership own;                              /* the last member: large, and cleared in part */
     char apart_too[128];
 } pbw__kernel;
 
@@ -6298,7 +6298,8 @@ static pbw_status pbw__kernel_create(pbw__kernel *kernel, pbw__context *context,
 {
     pbw__memory *memory = &context->memory;
     int dim = vertices->dim;
-    memset(kernel, 0, sizeof(*kernel));
+    memset(kernel, 0, offsetof(pbw__kernel, own));
+    memset(&kernel->own, 0, offsetof(pbw__ownership, claim));
     kernel->context = context;
     kernel->store = store;
     kernel->record = vertices->record;
@@ -6420,17 +6421,19 @@ static pbw_status pbw__seeds(pbw__kernel *kernel, size_t count, int dim, pbw_ind
     return PBW_DEGENERATE;
 }
 
-/* The simplex of the seeds and a ghost on each of its facets. */
+/* The simplex of the seeds and a ghost on each of its facets: that across from seed i has the others, seed[of[i][k]]
+   in corner k, where seed j is in corner at[i][j]. */
 static pbw_status pbw__first_star(pbw__kernel *kernel, int dim, const pbw_index *seed)
 {
-    pbw_index slot[5] = { 0, 0, 0, 0, 0 }, v[5][4];
-    int i, j, k, far;
-    for (i = 0; i <= dim; i++) {
-        v[0][i] = seed[i];
-        for (k = 0; k < dim; k++) {                  /* the facet across from corner i, outside positive */
-            v[i + 1][k] = seed[dim == 3 ? pbw__facet_corners[i][k + 1] : (i + 2 - k) % 3];
+    pbw_index slot[5] = { 0, 0, 0, 0, 0 };
+    const unsigned last = (unsigned)dim;
+    unsigned of[4][3], at[4][4], i, k;
+    pbw__link inside;
+    for (i = 0; i <= last; i++) {
+        for (k = 0; k < last; k++) {                 /* outside positive */
+            of[i][k] = dim == 3 ? pbw__facet_corners[i][k + 1] : (i + 2 - k) % 3;
+            at[i][of[i][k]] = k;
         }
-        v[i + 1][dim] = PBW__GHOST;
     }
     pbw__enter_region(kernel, seed[0] >> kernel->store->region_bits);
     if (kernel->slots.fresh_end - kernel->slots.fresh < (size_t)dim + 2) {
@@ -6439,28 +6442,20 @@ static pbw_status pbw__first_star(pbw__kernel *kernel, int dim, const pbw_index 
             return status;
         }
     }
-    for (i = 0; i <= dim + 1; i++) {
+    for (i = 0; i <= last + 1; i++) {
         slot[i] = pbw__take_slot(kernel);
-        for (k = 0; k <= dim; k++) {
-            kernel->corner[4 * (size_t)slot[i] + (size_t)k] = v[i][k];
-        }
     }
-    for (i = 0; i <= dim + 1; i++) {                 /* two simplices share the facet that lacks one corner of each */
-        for (k = 0; k <= dim; k++) {
-            for (j = 0; j <= dim + 1; j++) {
-                int lacking = 0, at = 0;
-                for (far = 0; far <= dim && j != i; far++) {
-                    int m, shared = 0;
-                    for (m = 0; m <= dim; m++) {
-                        shared |= m != k && v[i][m] == v[j][far];
-                    }
-                    lacking += !shared;
-                    at = shared ? at : far;
-                }
-                if (lacking == 1) {
-                    kernel->link[4 * (size_t)slot[i] + (size_t)k] = (pbw__link)slot[j] * 4 + (pbw__link)at;
-                }
-            }
+    inside = (pbw__link)slot[0] * 4;
+    for (i = 0; i <= last; i++) {
+        const pbw__link ghost = (pbw__link)slot[i + 1] * 4;
+        kernel->corner[inside + i] = seed[i];
+        kernel->link[inside + i] = ghost | last;
+        kernel->corner[ghost + last] = PBW__GHOST;
+        kernel->link[ghost + last] = inside | i;
+        for (k = 0; k < last; k++) {                 /* across from seed j: the ghost across from it, at seed i */
+            const unsigned j = of[i][k];
+            kernel->corner[ghost + k] = seed[j];
+            kernel->link[ghost + k] = (pbw__link)slot[j + 1] * 4 | at[j][i];
         }
     }
     kernel->last = slot[0];
@@ -7383,12 +7378,12 @@ typedef struct pbw__emission {
     pbw_index *chain;                                /* per region: the last slot of its chain */
     pbw_index *head;                                 /* per rank: the length of its list; then its first simplex */
     pbw_index *first;                                /* per rank, with several tasks: the same from earlier shares */
-    size_t *end;                                     /* per task: its last slot for other tasks; its last place */
+    size_t *end, one_end;                            /* per task: its last slot for other tasks; its last place */
     pbw_index *incident;                             /* per point of the caller */
     int chunk_bits;                                  /* slot >> chunk_bits is the number of its chunk */
     size_t chunk;                                    /* the next to be read, in the order of >>output */
     unsigned char *chunk_done;
-    pbw__aside *aside;                               /* per task */
+    pbw__aside *aside, one_aside;                    /* per task */
 } pbw__emission;
 
 /* The even permutation of the canonical form: corner k of the output is corner (order >> 2k) & 3 here.  Branchless:
@@ -8461,29 +8456,32 @@ static void pbw__release_borrowed(pbw__memory *memory, pbw_index *block, size_t 
 }
 
 /* Borrows or allocates the arrays of an emission and runs it. */
-static pbw_status pbw__emit_all(pbw__emission *emission, pbw__spare *spare, size_t allocated[3])
+static pbw_status pbw__emit_all(pbw__emission *emission, pbw__spare *spare, size_t allocated[4])
 {
     pbw__context *context = emission->context;
     pbw__memory *memory = &context->memory;
     const size_t chunks = (emission->slot_count >> emission->chunk_bits) + 1, tasks = (size_t)emission->tasks;
+    const size_t words = (chunks + sizeof(pbw_index) - 1) / sizeof(pbw_index);
     pbw_status status = PBW_ERROR_MEMORY;
     emission->number = pbw__borrow(context, spare, emission->slot_count, allocated);
     emission->head = pbw__borrow(context, spare, emission->vertex_count + 1, allocated + 1);
     if (tasks > 1) {
         emission->first = pbw__borrow(context, spare, emission->vertex_count + 1, allocated + 2);
     }
-    emission->end = (size_t *)pbw__allocate(memory, tasks, sizeof(size_t));
-    emission->chunk_done = (unsigned char *)pbw__allocate(memory, chunks, 1);
-    emission->aside = (pbw__aside *)pbw__allocate(memory, tasks, sizeof(pbw__aside));
+    emission->chunk_done = (unsigned char *)pbw__borrow(context, spare, words, allocated + 3);
+    emission->end = tasks > 1 ? (size_t *)pbw__allocate(memory, tasks, sizeof(size_t)) : &emission->one_end;
+    emission->aside = tasks > 1 ? (pbw__aside *)pbw__allocate(memory, tasks, sizeof(pbw__aside))
+                                : &emission->one_aside;
     if (emission->number != NULL && emission->head != NULL && (emission->first != NULL || tasks == 1)
         && emission->end != NULL && emission->chunk_done != NULL && emission->aside != NULL) {
         memset(emission->chunk_done, 0, chunks);
         memset(emission->aside, 0, tasks * sizeof(pbw__aside));
         status = pbw__emit(emission);
     }
-    pbw__release(memory, emission->end, tasks, sizeof(size_t));
-    pbw__release(memory, emission->chunk_done, chunks, 1);
-    pbw__release(memory, emission->aside, tasks, sizeof(pbw__aside));
+    if (tasks > 1) {
+        pbw__release(memory, emission->end, tasks, sizeof(size_t));
+        pbw__release(memory, emission->aside, tasks, sizeof(pbw__aside));
+    }
     return status;
 }
 
@@ -8520,7 +8518,7 @@ static pbw_status pbw__output(pbw__context *context, pbw__store *store, pbw__ver
     const size_t corners = (size_t)vertices->dim + 1;
     pbw__emission emission;
     pbw__spare spare;
-    size_t allocated[3] = { 0, 0, 0 };
+    size_t allocated[4] = { 0, 0, 0, 0 };
     pbw_status status;
     if (store->capacity - store->count > store->capacity / 64 + 64       /* not of few points */
         && pbw__store_reserve(context, store, store->count) != PBW_OK) {     /* gives the rest of the tail back */
@@ -8570,6 +8568,7 @@ static pbw_status pbw__output(pbw__context *context, pbw__store *store, pbw__ver
     pbw__release_borrowed(memory, emission.number, allocated[0]);
     pbw__release_borrowed(memory, emission.head, allocated[1]);
     pbw__release_borrowed(memory, emission.first, allocated[2]);
+    pbw__release_borrowed(memory, (pbw_index *)(void *)emission.chunk_done, allocated[3]);
     pbw__release(memory, store->mark, store->mark_capacity, 1);
     store->mark = NULL;
     mesh->hidden_count = vertices->count - emission.visible;
