@@ -2931,7 +2931,7 @@ static const unsigned char pbw__hilbert3[12][8] = {
 /* Several levels of the automaton in one step: entry state << dim*levels | bits holds next state << dim*levels |
    digits of the key, where bits are the next `levels` bits of each coordinate, coordinate k from bit k*levels on. */
 typedef struct pbw__curve {
-    int levels;                                      /* 0: no table yet; 1 for few points, for which more do not pay */
+    int levels;                                      /* 0: no table yet; 1 for few points: more would not pay */
     uint16_t step[12 << 3 * PBW__LEVELS3];
 } pbw__curve;
 
@@ -8493,7 +8493,8 @@ static pbw_status pbw__hand_over(pbw__emission *emission, pbw__store *store, pbw
     size_t links = store->link_capacity * (sizeof(pbw__link) / sizeof(pbw_index));
     if (!emission->apart) {
         if (!pbw__resize_array(memory, &store->corner, &store->corner_capacity, entries, sizeof(pbw_index))
-            || (store->link != NULL && !pbw__resize_array(memory, &store->link, &links, entries, sizeof(pbw_index)))) {
+            || (store->link != NULL
+                && !pbw__resize_array(memory, &store->link, &links, entries, sizeof(pbw_index)))) {
             return PBW_ERROR_MEMORY;
         }
         emission->to_corner = store->corner;
