@@ -100,7 +100,8 @@
      PBW_NO_SIMD          where PBW_IMPLEMENTATION is: scalar code only; the same answers, slower.  Without it gcc and
                           clang make vector code too: AVX2, used where a build finds it, and NEON on 64-bit Arm
      PBW_NO_THREADS       where PBW_IMPLEMENTATION is: every call runs on the caller's thread, nothing to link.
-                          Without it gcc and clang use pthreads, or the threads of Windows 7; MSVC has none yet
+                          Without it gcc and clang use pthreads, or the threads of Windows 7; MSVC uses these for
+                          64-bit x86 (and includes windows.h), elsewhere none
 */
 #ifndef PBW_H
 #define PBW_H
@@ -463,6 +464,24 @@ extern void pbw_cuda_free(pbw_cuda_mesh *mesh, void *stream);
 #else
 #include <sys/time.h>
 #endif
+#if !defined(PBW_NO_THREADS) && (defined(__GNUC__) || (defined(_MSC_VER) && defined(_M_X64)))
+#define PBW__THREADS 256                             /* at most */
+#ifndef _WIN32
+#include <pthread.h>
+#include <unistd.h>
+#endif
+#endif
+#if defined(PBW__THREADS) && !defined(__GNUC__)      /* MSVC */
+#ifndef NOMINMAX
+#define NOMINMAX
+#endif
+#ifndef WIN32_LEAN_AND_MEAN
+#define WIN32_LEAN_AND_MEAN
+#endif
+#include <windows.h>
+#include <intrin.h>
+#include <process.h>
+#endif
 #ifdef _WIN32
 #pragma push_macro("near")                           /* words to us, macros of windows.h */
 #pragma push_macro("far")
@@ -470,13 +489,6 @@ extern void pbw_cuda_free(pbw_cuda_mesh *mesh, void *stream);
 #undef near
 #undef far
 #undef small
-#endif
-#if !defined(PBW_NO_THREADS) && defined(__GNUC__)
-#define PBW__THREADS 256                             /* at most */
-#ifndef _WIN32
-#include <pthread.h>
-#include <unistd.h>
-#endif
 #endif
 #ifdef __linux__
 #include <sys/mman.h>
@@ -566,7 +578,7 @@ extern int madvise(void *address, size_t length, int advice);    /* strict C mod
 enum { PBW__WALK, PBW__CAVITY, PBW__STAR, PBW__EXACT, PBW__OTHER };
 
 /* Atomic access to words that threads share; in relaxed order, see >>threads and >>parallel. */
-#ifdef PBW__THREADS
+#if defined(PBW__THREADS) && defined(__GNUC__)
 #define PBW__LOAD(x) __atomic_load_n(x, __ATOMIC_RELAXED)
 #define PBW__STORE(x, y) __atomic_store_n(x, y, __ATOMIC_RELAXED)
 #define PBW__ADD(x, y) __atomic_fetch_add(x, y, __ATOMIC_RELAXED)
@@ -577,6 +589,18 @@ enum { PBW__WALK, PBW__CAVITY, PBW__STAR, PBW__EXACT, PBW__OTHER };
 #define PBW__LOAD_ACQUIRE(x) __atomic_load_n(x, __ATOMIC_ACQUIRE)
 #define PBW__CAS_ACQUIRE(x, old, y) __atomic_compare_exchange_n(x, old, y, 0, __ATOMIC_ACQUIRE, __ATOMIC_RELAXED)
 #define PBW__SUB_RELEASE(x, y) __atomic_fetch_sub(x, y, __ATOMIC_RELEASE)
+#elif defined(PBW__THREADS)                          /* MSVC on x86-64: each load acquires, each store releases */
+#define PBW__LOAD(x) pbw__atomic_load(x, sizeof(*(x)))
+#define PBW__STORE(x, y) pbw__atomic_store(x, (uint64_t)(y), sizeof(*(x)))
+#define PBW__ADD(x, y) pbw__atomic_add(x, (uint64_t)(y), sizeof(*(x)))
+#define PBW__SWAP(x, y) ((pbw_index)_InterlockedExchange((volatile long *)(x), (long)(y)))
+#define PBW__CAS(x, old, y) pbw__atomic_cas(x, old, (uint64_t)(y), sizeof(*(x)))
+#define PBW__STORE_RELEASE(x, y) PBW__STORE(x, y)
+#define PBW__LOAD_ACQUIRE(x) PBW__LOAD(x)
+#define PBW__CAS_ACQUIRE(x, old, y) PBW__CAS(x, old, y)
+#define PBW__SUB_RELEASE(x, y) PBW__ADD(x, 0 - (uint64_t)(y))
+#pragma warning(push)
+#pragma warning(disable : 4244)                      /* what they return fits the word that it was read from */
 #else
 #define PBW__LOAD(x) (*(x))
 #define PBW__STORE(x, y) ((void)(*(x) = (y)))
@@ -594,6 +618,48 @@ PBW__INLINE pbw_index pbw__swap(pbw_index *x, pbw_index y)
     pbw_index old = *x;
     *x = y;
     return old;
+}
+#elif !defined(__GNUC__)
+/* Words of 1, 4 or 8 bytes by the intrinsics of MSVC; the barriers are for the compiler. */
+PBW__INLINE uint64_t pbw__atomic_load(const volatile void *x, size_t size)
+{
+    const uint64_t value = size == 1 ? *(const volatile uint8_t *)x : size == 4 ? *(const volatile uint32_t *)x
+                                                                                : *(const volatile uint64_t *)x;
+    _ReadWriteBarrier();
+    return value;
+}
+
+PBW__INLINE void pbw__atomic_store(volatile void *x, uint64_t y, size_t size)
+{
+    _ReadWriteBarrier();
+    if (size == 1) {
+        *(volatile uint8_t *)x = (uint8_t)y;
+    } else if (size == 4) {
+        *(volatile uint32_t *)x = (uint32_t)y;
+    } else {
+        *(volatile uint64_t *)x = y;
+    }
+}
+
+PBW__INLINE uint64_t pbw__atomic_add(volatile void *x, uint64_t y, size_t size)
+{
+    return size == 4 ? (uint32_t)_InterlockedExchangeAdd((volatile long *)x, (long)y)
+                     : (uint64_t)_InterlockedExchangeAdd64((volatile __int64 *)x, (__int64)y);
+}
+
+/* Returns whether *x was *old and became y; else *old becomes what *x is. */
+PBW__INLINE int pbw__atomic_cas(volatile void *x, void *old, uint64_t y, size_t size)
+{
+    uint64_t expected = pbw__atomic_load(old, size), value;
+    if (size == 1) {
+        value = (uint8_t)_InterlockedCompareExchange8((volatile char *)x, (char)y, (char)expected);
+    } else if (size == 4) {
+        value = (uint32_t)_InterlockedCompareExchange((volatile long *)x, (long)y, (long)expected);
+    } else {
+        value = (uint64_t)_InterlockedCompareExchange64((volatile __int64 *)x, (__int64)y, (__int64)expected);
+    }
+    pbw__atomic_store(old, value, size);
+    return value == expected;
 }
 #endif
 
@@ -676,8 +742,10 @@ static int pbw__fp_is_exact(void)
         && !(infinite - infinite == 0.0);                    /* finite numbers only */
 }
 
-/* The system's threads: pthreads, or those of Win32, declared here, as windows.h would leave its macros behind. */
+/* The system's threads: pthreads, or those of Win32, declared here, as windows.h would leave its macros behind; but
+   MSVC has no other names for what windows.h may declare as well. */
 #if defined(PBW__THREADS) && defined(_WIN32)
+#ifdef __GNUC__
 #ifdef __i386__
 #define PBW__SYMBOL(name, bytes) __asm__("_" name bytes)
 #else
@@ -700,6 +768,24 @@ PBW__WIN32(void, WakeConditionVariable, (pbw__condition *condition), 4);
 PBW__WIN32(void, WakeAllConditionVariable, (pbw__condition *condition), 4);
 PBW__WIN32(int, SleepConditionVariableSRW, (pbw__condition *condition, pbw__mutex *mutex, unsigned milliseconds,
                                             unsigned flags), 16);
+#else
+typedef HANDLE pbw__thread;
+typedef SRWLOCK pbw__mutex;                          /* zero at first, and the next one too */
+typedef CONDITION_VARIABLE pbw__condition;
+typedef DWORD pbw__thread_id;
+typedef unsigned pbw__thread_result;
+typedef pbw__thread_result (__stdcall pbw__thread_body)(void *arg);
+#define pbw__beginthreadex _beginthreadex
+#define pbw__WaitForSingleObject WaitForSingleObject
+#define pbw__CloseHandle CloseHandle
+#define pbw__GetCurrentThreadId GetCurrentThreadId
+#define pbw__GetActiveProcessorCount GetActiveProcessorCount
+#define pbw__AcquireSRWLockExclusive AcquireSRWLockExclusive
+#define pbw__ReleaseSRWLockExclusive ReleaseSRWLockExclusive
+#define pbw__WakeConditionVariable WakeConditionVariable
+#define pbw__WakeAllConditionVariable WakeAllConditionVariable
+#define pbw__SleepConditionVariableSRW SleepConditionVariableSRW
+#endif
 #define PBW__FOREVER 0xffffffffu
 #define PBW__THREAD_CALL __stdcall
 #define PBW__CORES() ((long)pbw__GetActiveProcessorCount(0xffff))            /* of all groups of processors */
@@ -12366,6 +12452,9 @@ PBWDEF pbw_status pbw_triangulatef(int dim, const float *points, const float *we
 #pragma STDC FP_CONTRACT DEFAULT                     /* clang 14 has no stack of modes there */
 #elif defined(__GNUC__)
 #pragma GCC pop_options
+#endif
+#if defined(PBW__THREADS) && !defined(__GNUC__)
+#pragma warning(pop)
 #endif
 #ifdef _WIN32
 #pragma pop_macro("near")
