@@ -3028,10 +3028,10 @@ static void pbw__curve_create(pbw__curve *curve, size_t count, int dim)
     unsigned entry, level;
     int k;
     curve->levels = count < PBW__SMALLER(3000) ? 1 : dim == 3 ? PBW__LEVELS3 : PBW__LEVELS2;
-    for (entry = 0; entry < states; entry++) {
-        curve->step[entry] = (uint16_t)entry;
+    for (entry = 0; entry < states << dim; entry++) {
+        curve->step[entry] = dim == 3 ? pbw__hilbert3[entry >> 3][entry & 7] : pbw__hilbert2[entry >> 2][entry & 3];
     }
-    for (level = 0; level < (unsigned)curve->levels; level++) {      /* one more level, above the others */
+    for (level = 1; level < (unsigned)curve->levels; level++) {      /* one more level, above the others */
         const unsigned low = (unsigned)dim * level, width = low + (unsigned)dim;
         memcpy(fewer, curve->step, (states << low) * sizeof(fewer[0]));
         for (entry = 0; entry < states << width; entry++) {
@@ -3446,7 +3446,7 @@ static void pbw__keying_box(void *arg, int task)
 }
 
 /* The keys of points i..to-1. */
-PBW__INLINE void pbw__keying_share(const pbw__keying *keying, size_t i, size_t to, int dim, int levels)
+PBW__INLINE void pbw__keying_share(const pbw__keying *keying, size_t i, size_t to, int levels, int dim)
 {
     const pbw__ordering *ordering = keying->ordering;
     const pbw__box box = keying->box;
@@ -3540,11 +3540,11 @@ static void pbw__keying_keys(void *arg, int task)
         pbw__curve_create(&ordering->curve, ordering->input->count, ordering->input->dim);
     }
     if (ordering->curve.levels == 1) {
-        pbw__keying_share(keying, from, to, ordering->input->dim, 1);
+        PBW__BY_DIM(ordering->input->dim, pbw__keying_share, keying, from, to, 1);
     } else if (ordering->input->dim == 3) {
-        pbw__keying_share(keying, from, to, 3, PBW__LEVELS3);
+        pbw__keying_share(keying, from, to, PBW__LEVELS3, 3);
     } else {
-        pbw__keying_share(keying, from, to, 2, PBW__LEVELS2);
+        pbw__keying_share(keying, from, to, PBW__LEVELS2, 2);
     }
 }
 
