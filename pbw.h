@@ -12095,6 +12095,42 @@ static pbw_status pbw__make_original(pbw__context *context, pbw__vertices *verti
     return original != NULL ? pbw__number_along_curve(context, vertices, original) : PBW_ERROR_MEMORY;
 }
 
+static pbw_status pbw__fill_canonical(void *arg, size_t from, size_t to)
+{
+    pbw_index *canonical = (pbw_index *)arg;
+    for (; from < to; from++) {
+        canonical[from] = (pbw_index)from;
+    }
+    return PBW_OK;
+}
+
+/* Many points without a duplicate: frees `canonical`, which is 0, 1, 2, ..., for the time of the build. */
+static void pbw__lay_down_canonical(pbw__context *context, pbw__vertices *vertices)
+{
+    if (vertices->duplicate_count == 0 && vertices->point_count > PBW__SMALLER(65536)) {
+        pbw__release(&context->memory, vertices->canonical, vertices->point_count, sizeof(pbw_index));
+        vertices->canonical = NULL;
+    }
+}
+
+/* Hands `canonical` to the mesh. */
+static pbw_status pbw__hand_over_canonical(pbw__context *context, pbw__vertices *vertices, pbw__owned *owned,
+                                           pbw_mesh *mesh)
+{
+    const size_t count = vertices->point_count;
+    pbw_index *canonical = vertices->canonical;
+    pbw_status status = PBW_OK;
+    if (canonical == NULL) {
+        canonical = (pbw_index *)pbw__allocate_large(context, count, sizeof(pbw_index));
+        status = canonical == NULL ? PBW_ERROR_MEMORY
+               : pbw__for_range(context, count, PBW__TICK, 0.98, 0.98, pbw__fill_canonical, canonical);
+    }
+    mesh->canonical = canonical;
+    owned->canonical = count;
+    vertices->canonical = NULL;
+    return status;
+}
+
 static pbw_status pbw__build_on_cpu(pbw__context *context, const pbw__input *input, unsigned flags, pbw_mesh *mesh)
 {
     pbw__memory *memory = &context->memory;
@@ -12120,6 +12156,9 @@ static pbw_status pbw__build_on_cpu(pbw__context *context, const pbw__input *inp
     status = pbw__enter_stage(context, PBW_STAGE_ORDER) ? PBW_CANCELLED : pbw__order(context, input, &vertices);
     if (status == PBW_OK) {
         mesh->duplicate_count = vertices.duplicate_count;
+        if ((flags & PBW_CURVE_ORDER) == 0) {
+            pbw__lay_down_canonical(context, &vertices);
+        }
         status = pbw__leave_stage(context, status, &start, &mesh->statistics.order_seconds);
     }
     if (status == PBW_OK) {
@@ -12140,11 +12179,9 @@ static pbw_status pbw__build_on_cpu(pbw__context *context, const pbw__input *inp
         status = PBW_ERROR_MEMORY;
     }
     if (status == PBW_OK || status == PBW_DEGENERATE) {
-        pbw_status kept;
-        mesh->canonical = vertices.canonical;
-        owned->canonical = input->count;
-        vertices.canonical = NULL;
-        kept = pbw__keep_points(context, input, owned, mesh, vertices.record,
+        pbw_status kept = pbw__hand_over_canonical(context, &vertices, owned, mesh);
+        kept = kept != PBW_OK ? kept
+             : pbw__keep_points(context, input, owned, mesh, vertices.record,
                                 (vertices.point_count + 1) * ((size_t)input->dim + 1));
         vertices.record = mesh->points != NULL && !input->borrow ? NULL : vertices.record;
         status = pbw__leave_stage(context, kept != PBW_OK ? kept : status, &start, &mesh->statistics.output_seconds);

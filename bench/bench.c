@@ -87,7 +87,12 @@ static void bench_turn_to(int phase)
 #define BENCH_FLAGS "unknown flags"
 #endif
 
-enum { BENCH_SIDES = 10, BENCH_REPEATS = 99, BENCH_THREADS = 256, BENCH_SETS = 64 };    /* SIDES: 1, 2, 4, ... 256, and the cores */
+enum {
+    BENCH_SIDES = 10,                      /* 1, 2, 4, ... 256, and the cores */
+    BENCH_REPEATS = 99,
+    BENCH_THREADS = 256,
+    BENCH_SETS = 64
+};
 
 /* ------------------------------------------------------------------------------------------ our side --- */
 
