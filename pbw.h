@@ -67,6 +67,7 @@
      never exits no assert, abort, exit or print on your input; failures are statuses       tests/test_api.c
      re-entrant  no globals, no init call; many builds at once                              tests/test_api.c
      bounded     no recursion; a 256 KiB stack is enough                                    tests/test_resources.c
+     no calls    one thread with the caller's memory makes no system call                   tests/test_syscalls.c
      queries     exact answers, one for any number of threads                               tests/test_query.c
 
    CONVENTIONS
