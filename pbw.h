@@ -67,6 +67,7 @@
      never exits no assert, abort, exit or print on your input; failures are statuses       tests/test_api.c
      re-entrant  no globals, no init call; many builds at once                              tests/test_api.c
      bounded     no recursion; a 256 KiB stack is enough                                    tests/test_resources.c
+     no calls    one thread with the caller's memory makes no system call                   tests/test_syscalls.c
      queries     exact answers, one for any number of threads                               tests/test_query.c
 
    CONVENTIONS
@@ -114,7 +115,8 @@
      PBW_NO_SIMD          where PBW_IMPLEMENTATION is: scalar code only; the same answers, slower.  Without it gcc and
                           clang make vector code too: AVX2, used where a build finds it, and NEON on 64-bit Arm
      PBW_NO_THREADS       where PBW_IMPLEMENTATION is: every call runs on the caller's thread, nothing to link.
-                          Without it gcc and clang use pthreads, or the threads of Windows 7; MSVC has none yet
+                          Without it gcc and clang use pthreads, or the threads of Windows 7; MSVC uses these for
+                          64-bit x86 (and includes windows.h), elsewhere none
 */
 #ifndef PBW_H
 #define PBW_H
@@ -477,6 +479,24 @@ extern void pbw_cuda_free(pbw_cuda_mesh *mesh, void *stream);
 #else
 #include <sys/time.h>
 #endif
+#if !defined(PBW_NO_THREADS) && (defined(__GNUC__) || (defined(_MSC_VER) && defined(_M_X64)))
+#define PBW__THREADS 256                             /* at most */
+#ifndef _WIN32
+#include <pthread.h>
+#include <unistd.h>
+#endif
+#endif
+#if defined(PBW__THREADS) && !defined(__GNUC__)      /* MSVC */
+#ifndef NOMINMAX
+#define NOMINMAX
+#endif
+#ifndef WIN32_LEAN_AND_MEAN
+#define WIN32_LEAN_AND_MEAN
+#endif
+#include <windows.h>
+#include <intrin.h>
+#include <process.h>
+#endif
 #ifdef _WIN32
 #pragma push_macro("near")                           /* words to us, macros of windows.h */
 #pragma push_macro("far")
@@ -484,13 +504,6 @@ extern void pbw_cuda_free(pbw_cuda_mesh *mesh, void *stream);
 #undef near
 #undef far
 #undef small
-#endif
-#if !defined(PBW_NO_THREADS) && defined(__GNUC__)
-#define PBW__THREADS 256                             /* at most */
-#ifndef _WIN32
-#include <pthread.h>
-#include <unistd.h>
-#endif
 #endif
 #ifdef __linux__
 #include <sys/mman.h>
@@ -580,7 +593,7 @@ extern int madvise(void *address, size_t length, int advice);    /* strict C mod
 enum { PBW__WALK, PBW__CAVITY, PBW__STAR, PBW__EXACT, PBW__OTHER };
 
 /* Atomic access to words that threads share; in relaxed order, see >>threads and >>parallel. */
-#ifdef PBW__THREADS
+#if defined(PBW__THREADS) && defined(__GNUC__)
 #define PBW__LOAD(x) __atomic_load_n(x, __ATOMIC_RELAXED)
 #define PBW__STORE(x, y) __atomic_store_n(x, y, __ATOMIC_RELAXED)
 #define PBW__ADD(x, y) __atomic_fetch_add(x, y, __ATOMIC_RELAXED)
@@ -591,6 +604,18 @@ enum { PBW__WALK, PBW__CAVITY, PBW__STAR, PBW__EXACT, PBW__OTHER };
 #define PBW__LOAD_ACQUIRE(x) __atomic_load_n(x, __ATOMIC_ACQUIRE)
 #define PBW__CAS_ACQUIRE(x, old, y) __atomic_compare_exchange_n(x, old, y, 0, __ATOMIC_ACQUIRE, __ATOMIC_RELAXED)
 #define PBW__SUB_RELEASE(x, y) __atomic_fetch_sub(x, y, __ATOMIC_RELEASE)
+#elif defined(PBW__THREADS)                          /* MSVC on x86-64: each load acquires, each store releases */
+#define PBW__LOAD(x) pbw__atomic_load(x, sizeof(*(x)))
+#define PBW__STORE(x, y) pbw__atomic_store(x, (uint64_t)(y), sizeof(*(x)))
+#define PBW__ADD(x, y) pbw__atomic_add(x, (uint64_t)(y), sizeof(*(x)))
+#define PBW__SWAP(x, y) ((pbw_index)_InterlockedExchange((volatile long *)(x), (long)(y)))
+#define PBW__CAS(x, old, y) pbw__atomic_cas(x, old, (uint64_t)(y), sizeof(*(x)))
+#define PBW__STORE_RELEASE(x, y) PBW__STORE(x, y)
+#define PBW__LOAD_ACQUIRE(x) PBW__LOAD(x)
+#define PBW__CAS_ACQUIRE(x, old, y) PBW__CAS(x, old, y)
+#define PBW__SUB_RELEASE(x, y) PBW__ADD(x, 0 - (uint64_t)(y))
+#pragma warning(push)
+#pragma warning(disable : 4244)                      /* what they return fits the word that it was read from */
 #else
 #define PBW__LOAD(x) (*(x))
 #define PBW__STORE(x, y) ((void)(*(x) = (y)))
@@ -608,6 +633,48 @@ PBW__INLINE pbw_index pbw__swap(pbw_index *x, pbw_index y)
     pbw_index old = *x;
     *x = y;
     return old;
+}
+#elif !defined(__GNUC__)
+/* Words of 1, 4 or 8 bytes by the intrinsics of MSVC; the barriers are for the compiler. */
+PBW__INLINE uint64_t pbw__atomic_load(const volatile void *x, size_t size)
+{
+    const uint64_t value = size == 1 ? *(const volatile uint8_t *)x : size == 4 ? *(const volatile uint32_t *)x
+                                                                                : *(const volatile uint64_t *)x;
+    _ReadWriteBarrier();
+    return value;
+}
+
+PBW__INLINE void pbw__atomic_store(volatile void *x, uint64_t y, size_t size)
+{
+    _ReadWriteBarrier();
+    if (size == 1) {
+        *(volatile uint8_t *)x = (uint8_t)y;
+    } else if (size == 4) {
+        *(volatile uint32_t *)x = (uint32_t)y;
+    } else {
+        *(volatile uint64_t *)x = y;
+    }
+}
+
+PBW__INLINE uint64_t pbw__atomic_add(volatile void *x, uint64_t y, size_t size)
+{
+    return size == 4 ? (uint32_t)_InterlockedExchangeAdd((volatile long *)x, (long)y)
+                     : (uint64_t)_InterlockedExchangeAdd64((volatile __int64 *)x, (__int64)y);
+}
+
+/* Returns whether *x was *old and became y; else *old becomes what *x is. */
+PBW__INLINE int pbw__atomic_cas(volatile void *x, void *old, uint64_t y, size_t size)
+{
+    uint64_t expected = pbw__atomic_load(old, size), value;
+    if (size == 1) {
+        value = (uint8_t)_InterlockedCompareExchange8((volatile char *)x, (char)y, (char)expected);
+    } else if (size == 4) {
+        value = (uint32_t)_InterlockedCompareExchange((volatile long *)x, (long)y, (long)expected);
+    } else {
+        value = (uint64_t)_InterlockedCompareExchange64((volatile __int64 *)x, (__int64)y, (__int64)expected);
+    }
+    pbw__atomic_store(old, value, size);
+    return value == expected;
 }
 #endif
 
@@ -690,8 +757,10 @@ static int pbw__fp_is_exact(void)
         && !(infinite - infinite == 0.0);                    /* finite numbers only */
 }
 
-/* The system's threads: pthreads, or those of Win32, declared here, as windows.h would leave its macros behind. */
+/* The system's threads: pthreads, or those of Win32, declared here, as windows.h would leave its macros behind; but
+   MSVC has no other names for what windows.h may declare as well. */
 #if defined(PBW__THREADS) && defined(_WIN32)
+#ifdef __GNUC__
 #ifdef __i386__
 #define PBW__SYMBOL(name, bytes) __asm__("_" name bytes)
 #else
@@ -714,6 +783,24 @@ PBW__WIN32(void, WakeConditionVariable, (pbw__condition *condition), 4);
 PBW__WIN32(void, WakeAllConditionVariable, (pbw__condition *condition), 4);
 PBW__WIN32(int, SleepConditionVariableSRW, (pbw__condition *condition, pbw__mutex *mutex, unsigned milliseconds,
                                             unsigned flags), 16);
+#else
+typedef HANDLE pbw__thread;
+typedef SRWLOCK pbw__mutex;                          /* zero at first, and the next one too */
+typedef CONDITION_VARIABLE pbw__condition;
+typedef DWORD pbw__thread_id;
+typedef unsigned pbw__thread_result;
+typedef pbw__thread_result (__stdcall pbw__thread_body)(void *arg);
+#define pbw__beginthreadex _beginthreadex
+#define pbw__WaitForSingleObject WaitForSingleObject
+#define pbw__CloseHandle CloseHandle
+#define pbw__GetCurrentThreadId GetCurrentThreadId
+#define pbw__GetActiveProcessorCount GetActiveProcessorCount
+#define pbw__AcquireSRWLockExclusive AcquireSRWLockExclusive
+#define pbw__ReleaseSRWLockExclusive ReleaseSRWLockExclusive
+#define pbw__WakeConditionVariable WakeConditionVariable
+#define pbw__WakeAllConditionVariable WakeAllConditionVariable
+#define pbw__SleepConditionVariableSRW SleepConditionVariableSRW
+#endif
 #define PBW__FOREVER 0xffffffffu
 #define PBW__THREAD_CALL __stdcall
 #define PBW__CORES() ((long)pbw__GetActiveProcessorCount(0xffff))            /* of all groups of processors */
@@ -1693,6 +1780,9 @@ static int pbw__thread_count(int asked, size_t count)
 {
 #ifdef PBW__THREADS
     size_t threads = (size_t)asked, most = count / PBW__SMALLER(8192) + 1;
+    if (asked == 0 && most == 1) {                   /* no system call */
+        return 1;
+    }
     if (asked == 0) {
         long cores = PBW__CORES();
         threads = cores < 1 ? 1 : cores < PBW__THREADS ? (size_t)cores : PBW__THREADS;
@@ -2951,7 +3041,7 @@ static const unsigned char pbw__hilbert3[12][8] = {
 /* Several levels of the automaton in one step: entry state << dim*levels | bits holds next state << dim*levels |
    digits of the key, where bits are the next `levels` bits of each coordinate, coordinate k from bit k*levels on. */
 typedef struct pbw__curve {
-    int levels;                                      /* 1 for few points, for which the table would not pay */
+    int levels;                                      /* 0: no table yet; 1 for few points: more would not pay */
     uint16_t step[12 << 3 * PBW__LEVELS3];
 } pbw__curve;
 
@@ -2962,10 +3052,10 @@ static void pbw__curve_create(pbw__curve *curve, size_t count, int dim)
     unsigned entry, level;
     int k;
     curve->levels = count < PBW__SMALLER(3000) ? 1 : dim == 3 ? PBW__LEVELS3 : PBW__LEVELS2;
-    for (entry = 0; entry < states; entry++) {
-        curve->step[entry] = (uint16_t)entry;
+    for (entry = 0; entry < states << dim; entry++) {
+        curve->step[entry] = dim == 3 ? pbw__hilbert3[entry >> 3][entry & 7] : pbw__hilbert2[entry >> 2][entry & 3];
     }
-    for (level = 0; level < (unsigned)curve->levels; level++) {      /* one more level, above the others */
+    for (level = 1; level < (unsigned)curve->levels; level++) {      /* one more level, above the others */
         const unsigned low = (unsigned)dim * level, width = low + (unsigned)dim;
         memcpy(fewer, curve->step, (states << low) * sizeof(fewer[0]));
         for (entry = 0; entry < states << width; entry++) {
@@ -3204,7 +3294,7 @@ static uint64_t *pbw__sort_by(pbw__sorting *sorting, int low, int bits)
 {
     pbw__context *context = sorting->context;
     const int tasks = sorting->tasks < context->threads ? sorting->tasks : context->threads;
-    const int widest = sorting->count < 4096 ? 9 : 11, passes = (bits + widest - 1) / widest;
+    const int widest = sorting->count < 1024 ? 9 : 11, passes = (bits + widest - 1) / widest;
     uint32_t *all = sorting->start + (size_t)tasks * PBW__DIGITS;
     int task;
     sorting->tasks = tasks;
@@ -3315,12 +3405,12 @@ typedef struct pbw__ordering {
     const pbw__input *input;
     pbw__vertices *vertices;
     uint64_t *keys;                                  /* key << index_bits | index */
-    pbw__part *parts;
-    pbw__grid_share *shares;                         /* per part: of its records */
-    pbw__box *boxes;                                 /* per task */
-    uint32_t *start;                                 /* see pbw__sorting */
+    pbw__part *parts, part;                          /* these three: arrays if there are several tasks */
+    pbw__grid_share *shares, share;                  /* per part: of its records */
+    pbw__box *boxes, box;                            /* per task */
+    uint32_t *start;                                 /* see pbw__sorting; NULL with one task */
     int tasks, index_bits, bits, not_finite;
-    pbw__curve curve;
+    pbw__curve curve;                                /* the last member: large, and not always needed */
 } pbw__ordering;
 
 /* Keys of the points keys[from..from+count), or of all points, from a grid over their own box. */
@@ -3380,7 +3470,7 @@ static void pbw__keying_box(void *arg, int task)
 }
 
 /* Stores the keys of points i..to-1. */
-PBW__INLINE void pbw__keying_share(const pbw__keying *keying, size_t i, size_t to, int dim, int levels)
+PBW__INLINE void pbw__keying_share(const pbw__keying *keying, size_t i, size_t to, int levels, int dim)
 {
     const pbw__ordering *ordering = keying->ordering;
     const pbw__box box = keying->box;
@@ -3407,7 +3497,8 @@ PBW__SIMD_INLINE const double *pbw__double_at(const pbw__input *input, size_t i)
     return (const double *)(const void *)(input->points + i * input->stride);
 }
 
-/* Stores the keys of points from `i` on, given as doubles, by eights.  Returns the first point before `to` left. */
+/* Stores the keys of points i..to-1, of all, given as doubles, by eights: the last eight may overlap those before.
+   Returns the first point without a key: i, of fewer than eight. */
 PBW__SIMD static size_t pbw__keying_plane(const pbw__keying *keying, size_t i, size_t to)
 {
     const pbw__ordering *ordering = keying->ordering;
@@ -3417,12 +3508,14 @@ PBW__SIMD static size_t pbw__keying_plane(const pbw__keying *keying, size_t i, s
     const __m128i shift = _mm_cvtsi32_si128(ordering->index_bits);
     uint64_t *keys = ordering->keys;
     pbw_index *canonical = ordering->vertices->canonical;
-    for (; to - i >= 8; i += 8) {
-        const __m256i index = _mm256_add_epi64(_mm256_set1_epi64x((int64_t)i), _mm256_setr_epi64x(0, 1, 2, 3));
+    const size_t first = i;
+    for (; i < to && to - first >= 8; i += 8) {
+        __m256i index;
         pbw__d4 x0, y0, x1, y1;
         pbw__u8 x, y;
-        __m256i first, second, key[2];
+        __m256i low, high, key[2];
         size_t k;
+        i = to - i >= 8 ? i : to - 8;
         if ((i & (PBW__TICK - 1)) < 8
             && pbw__report(ordering->context, 0.1 + 0.2 * (double)i / (double)keying->count)) {
             return to;
@@ -3430,16 +3523,17 @@ PBW__SIMD static size_t pbw__keying_plane(const pbw__keying *keying, size_t i, s
         for (k = i + PBW__AHEAD; k < i + PBW__AHEAD + 8 && k < to; k += 2) {
             pbw__fetch_soon(&input, k);
         }
+        index = _mm256_add_epi64(_mm256_set1_epi64x((int64_t)i), _mm256_setr_epi64x(0, 1, 2, 3));
         pbw__columns(pbw__double_at(&input, i), pbw__double_at(&input, i + 1), pbw__double_at(&input, i + 2),
                      pbw__double_at(&input, i + 3), &x0, &y0);
         pbw__columns(pbw__double_at(&input, i + 4), pbw__double_at(&input, i + 5), pbw__double_at(&input, i + 6),
                      pbw__double_at(&input, i + 7), &x1, &y1);
         x = pbw__cells8(&box, 0, x0, x1);
         y = pbw__cells8(&box, 1, y0, y1);
-        first = (__m256i)pbw__digits8(x, y, all);
-        second = (__m256i)(x ^ y);
-        key[0] = pbw__interleave4(_mm256_castsi256_si128(first), _mm256_castsi256_si128(second));
-        key[1] = pbw__interleave4(_mm256_extracti128_si256(first, 1), _mm256_extracti128_si256(second, 1));
+        high = (__m256i)pbw__digits8(x, y, all);
+        low = (__m256i)(x ^ y);
+        key[0] = pbw__interleave4(_mm256_castsi256_si128(high), _mm256_castsi256_si128(low));
+        key[1] = pbw__interleave4(_mm256_extracti128_si256(high, 1), _mm256_extracti128_si256(low, 1));
         key[0] = _mm256_or_si256(_mm256_sll_epi64(key[0], shift), index);
         key[1] = _mm256_or_si256(_mm256_sll_epi64(key[1], shift), _mm256_add_epi64(index, _mm256_set1_epi64x(4)));
         _mm256_storeu_si256((__m256i *)(void *)(keys + i), key[0]);
@@ -3455,20 +3549,26 @@ PBW__SIMD static size_t pbw__keying_plane(const pbw__keying *keying, size_t i, s
 static void pbw__keying_keys(void *arg, int task)
 {
     const pbw__keying *keying = (const pbw__keying *)arg;
-    const pbw__ordering *ordering = keying->ordering;
+    pbw__ordering *ordering = keying->ordering;
     size_t from = pbw__share(keying->count, task, keying->tasks);
     size_t to = pbw__share(keying->count, task + 1, keying->tasks);
-    if (ordering->curve.levels == 1) {
-        pbw__keying_share(keying, from, to, ordering->input->dim, 1);
-    } else if (ordering->input->dim == 3) {
-        pbw__keying_share(keying, from, to, 3, PBW__LEVELS3);
-    } else {
 #ifdef PBW__AVX2
-        if (keying->all && !ordering->input->is_float && pbw__simd_works()) {
-            from = pbw__keying_plane(keying, from, to);
-        }
+    if (ordering->input->dim == 2 && keying->all && !ordering->input->is_float && pbw__simd_works()) {
+        from = pbw__keying_plane(keying, from, to);
+    }
 #endif
-        pbw__keying_share(keying, from, to, 2, PBW__LEVELS2);
+    if (from == to) {
+        return;
+    }
+    if (ordering->curve.levels == 0) {               /* never with several tasks */
+        pbw__curve_create(&ordering->curve, ordering->input->count, ordering->input->dim);
+    }
+    if (ordering->curve.levels == 1) {
+        PBW__BY_DIM(ordering->input->dim, pbw__keying_share, keying, from, to, 1);
+    } else if (ordering->input->dim == 3) {
+        pbw__keying_share(keying, from, to, PBW__LEVELS3, 3);
+    } else {
+        pbw__keying_share(keying, from, to, PBW__LEVELS2, 2);
     }
 }
 
@@ -3807,10 +3907,16 @@ static int pbw__order_begin(pbw__ordering *ordering)
     pbw__vertices *vertices = ordering->vertices;
     const size_t count = ordering->input->count, tasks = (size_t)ordering->tasks, step = (size_t)vertices->dim + 1;
     pbw__block block[4];
-    ordering->boxes = (pbw__box *)pbw__allocate(memory, tasks, sizeof(pbw__box));
-    ordering->start = (uint32_t *)pbw__allocate(memory, (tasks + 1) * PBW__DIGITS, sizeof(uint32_t));
-    ordering->parts = (pbw__part *)pbw__allocate(memory, PBW__CUTS * tasks, sizeof(pbw__part));
-    ordering->shares = (pbw__grid_share *)pbw__allocate(memory, PBW__CUTS * tasks, sizeof(pbw__grid_share));
+    ordering->boxes = &ordering->box;
+    ordering->parts = &ordering->part;
+    ordering->shares = &ordering->share;
+    if (tasks > 1) {
+        ordering->boxes = (pbw__box *)pbw__allocate(memory, tasks, sizeof(pbw__box));
+        ordering->start = (uint32_t *)pbw__allocate(memory, (tasks + 1) * PBW__DIGITS, sizeof(uint32_t));
+        ordering->parts = (pbw__part *)pbw__allocate(memory, PBW__CUTS * tasks, sizeof(pbw__part));
+        ordering->shares = (pbw__grid_share *)pbw__allocate(memory, PBW__CUTS * tasks, sizeof(pbw__grid_share));
+        pbw__curve_create(&ordering->curve, count, vertices->dim);
+    }
     ordering->keys = (uint64_t *)pbw__allocate(memory, count, sizeof(uint64_t));
     vertices->canonical = (pbw_index *)pbw__allocate(memory, count, sizeof(pbw_index));
     vertices->id = (pbw_index *)pbw__allocate(memory, count + 1, sizeof(pbw_index));
@@ -3820,18 +3926,21 @@ static int pbw__order_begin(pbw__ordering *ordering)
     block[2] = pbw__block_of(vertices->id, 0, (count + 1) * sizeof(pbw_index));
     block[3] = pbw__block_of(vertices->record, 0, (count + 1) * step * sizeof(double));
     pbw__populate(context, block, 4);
-    return ordering->boxes != NULL && ordering->start != NULL && ordering->parts != NULL && ordering->shares != NULL
-        && ordering->keys != NULL && vertices->canonical != NULL && vertices->id != NULL && vertices->record != NULL;
+    return ordering->boxes != NULL && (ordering->start != NULL || tasks == 1) && ordering->parts != NULL
+        && ordering->shares != NULL && ordering->keys != NULL && vertices->canonical != NULL && vertices->id != NULL
+        && vertices->record != NULL;
 }
 
 static void pbw__order_end(pbw__ordering *ordering)
 {
     pbw__memory *memory = &ordering->context->memory;
     const size_t tasks = (size_t)ordering->tasks;
-    pbw__release(memory, ordering->boxes, tasks, sizeof(pbw__box));
-    pbw__release(memory, ordering->start, (tasks + 1) * PBW__DIGITS, sizeof(uint32_t));
-    pbw__release(memory, ordering->parts, PBW__CUTS * tasks, sizeof(pbw__part));
-    pbw__release(memory, ordering->shares, PBW__CUTS * tasks, sizeof(pbw__grid_share));
+    if (tasks > 1) {
+        pbw__release(memory, ordering->boxes, tasks, sizeof(pbw__box));
+        pbw__release(memory, ordering->start, (tasks + 1) * PBW__DIGITS, sizeof(uint32_t));
+        pbw__release(memory, ordering->parts, PBW__CUTS * tasks, sizeof(pbw__part));
+        pbw__release(memory, ordering->shares, PBW__CUTS * tasks, sizeof(pbw__grid_share));
+    }
     pbw__release(memory, ordering->keys, ordering->input->count, sizeof(uint64_t));
 }
 
@@ -3847,7 +3956,8 @@ static int pbw__order_parts(pbw__ordering *ordering)
         return 0;
     }
     /* By one digit of pbw__sort_by or two: at most 4 of 16 million uniform points are equal there; or by four. */
-    low = all->low - (count < 8192 ? 11 : pbw__order_is_thin(ordering, all->low) ? 44 : 22);
+    low = all->low - (count < 1024 ? (ordering->index_bits < 9 ? ordering->index_bits : 9) : count < 8192 ? 11
+                      : pbw__order_is_thin(ordering, all->low) ? 44 : 22);
     low = low > ordering->index_bits ? low : ordering->index_bits;
     return pbw__order_sort(ordering, all, low, ordering->start, ordering->tasks) ? pbw__order_cut(ordering) : 0;
 }
@@ -3878,7 +3988,8 @@ static pbw_status pbw__order(pbw__context *context, const pbw__input *input, pbw
     pbw__ordering ordering;
     pbw_status status = PBW_ERROR_MEMORY;
     int parts;
-    memset(&ordering, 0, sizeof(ordering));
+    memset(&ordering, 0, offsetof(pbw__ordering, curve));
+    ordering.curve.levels = 0;
     ordering.context = context;
     ordering.input = input;
     ordering.vertices = vertices;
@@ -3889,7 +4000,6 @@ static pbw_status pbw__order(pbw__context *context, const pbw__input *input, pbw
     vertices->dim = dim;
     vertices->weighted = input->weights != NULL;
     vertices->point_count = input->count;
-    pbw__curve_create(&ordering.curve, input->count, dim);
     if (pbw__order_begin(&ordering)) {
         parts = pbw__order_parts(&ordering);
         memset(vertices->record, 0, ((size_t)dim + 1) * sizeof(double));
@@ -3977,7 +4087,7 @@ typedef struct pbw__ownership {
     int renewed;                                     /* simplices were made since zones were last given back */
     int claim_count;
     size_t missed;                                   /* insertions of the round that failed */
-    pbw_index claim[PBW__CLAIMS];                    /* our zones */
+    pbw_index claim[PBW__CLAIMS];                    /* our zones; the last member, not cleared */
 } pbw__ownership;
 
 /* A simplex of the cavity: its corners, their local numbers, and the links across from them (3D). */
@@ -4039,11 +4149,11 @@ typedef struct pbw__kernel {
     pbw_status (*insert)(struct pbw__kernel *kernel, pbw_index vertex);
     pbw__slots slots;
     pbw__scratch scratch;
-    pbw__ownership own;
     pbw_index *left;                                 /* vertices left for the next round */
     size_t left_count, left_capacity, done, reported;
     pbw_status status;
     pbw_statistics statistics;
+    pbw__ownership own;                              /* the last member: large, and cleared in part */
     char apart_too[128];
 } pbw__kernel;
 
@@ -4763,14 +4873,12 @@ PBW__INLINE pbw_status pbw__located(pbw__kernel *kernel, pbw_index t)
    has three vertices in common with the one that it was met from, and the fourth was the far vertex there: vectors
    take rows and numbers over, with one lane replaced, in the order of the corners in memory.
 
-   Errors: see >>predicates.  Compared as det^2 with the square of the bound, h raised to 1e-55 if it is less; above
-   4e61 the product h^5, computed first, is infinite and nothing exceeds it.
-   Everything the bound leaves open goes to >>predicates.
+   Errors: see >>predicates, where what the bound leaves open goes.  Compared as det^2 with the square of the bound, h
+   raised to 1e-55 if it is less; above 4e61 the product h^5, computed first, is infinite and nothing exceeds it.
 
-   Small grids.  Where all coordinates are multiples of a unit and all weights of its square (>>predicates has the
-   grid), the rows and all partial results are integers in that unit, none larger than the sum of the absolute
-   products, 24 H^(5/2) for a height of H units^2.  With H < 6.5e5 that is below 2^53: nothing is rounded, the sign is
-   the sign, and zero is a tie.  2D: 6 H^2, H < 3.8e7.  Lattices and coarse scans live on this.
+   Small grids.  On a common grid (>>grid) the rows and all partial results are integers in its unit, none larger than
+   the sum of the absolute products, 24 H^(5/2) for a height of H units^2.  With H < 6.5e5 that is below 2^53: nothing
+   is rounded, and zero is a tie.  2D: 6 H^2, H < 3.8e7.  Lattices and coarse scans live on this.
    ------------------------------------------------------------------------------------------------------ */
 /* Returns the local number of a vertex.  Branchless but for collisions, which are rare: whether the vertex is new is
    unpredictable.  A collision is one comparison: compilers would make two branches of two. */
@@ -6182,7 +6290,8 @@ static pbw_status pbw__kernel_create(pbw__kernel *kernel, pbw__context *context,
 {
     pbw__memory *memory = &context->memory;
     int dim = vertices->dim;
-    memset(kernel, 0, sizeof(*kernel));
+    memset(kernel, 0, offsetof(pbw__kernel, own));
+    memset(&kernel->own, 0, offsetof(pbw__ownership, claim));
     kernel->context = context;
     kernel->store = store;
     kernel->record = vertices->record;
@@ -6309,17 +6418,19 @@ static pbw_status pbw__seeds(pbw__kernel *kernel, size_t count, int dim, pbw_ind
     return PBW_DEGENERATE;
 }
 
-/* Makes the simplex of the seeds and a ghost on each of its facets. */
+/* Makes the simplex of the seeds and a ghost on each of its facets: that across from seed i has the others,
+   seed[of[i][k]] in corner k, where seed j is in corner at[i][j]. */
 static pbw_status pbw__first_star(pbw__kernel *kernel, int dim, const pbw_index *seed)
 {
-    pbw_index slot[5] = { 0, 0, 0, 0, 0 }, v[5][4];
-    int i, j, k, far;
-    for (i = 0; i <= dim; i++) {
-        v[0][i] = seed[i];
-        for (k = 0; k < dim; k++) {                  /* the facet across from corner i, outside positive */
-            v[i + 1][k] = seed[dim == 3 ? pbw__facet_corners[i][k + 1] : (i + 2 - k) % 3];
+    pbw_index slot[5] = { 0, 0, 0, 0, 0 };
+    const unsigned last = (unsigned)dim;
+    unsigned of[4][3], at[4][4], i, k;
+    pbw__link inside;
+    for (i = 0; i <= last; i++) {
+        for (k = 0; k < last; k++) {                 /* outside positive */
+            of[i][k] = dim == 3 ? pbw__facet_corners[i][k + 1] : (i + 2 - k) % 3;
+            at[i][of[i][k]] = k;
         }
-        v[i + 1][dim] = PBW__GHOST;
     }
     pbw__enter_region(kernel, seed[0] >> kernel->store->region_bits);
     if (kernel->slots.fresh_end - kernel->slots.fresh < (size_t)dim + 2) {
@@ -6328,28 +6439,20 @@ static pbw_status pbw__first_star(pbw__kernel *kernel, int dim, const pbw_index 
             return status;
         }
     }
-    for (i = 0; i <= dim + 1; i++) {
+    for (i = 0; i <= last + 1; i++) {
         slot[i] = pbw__take_slot(kernel);
-        for (k = 0; k <= dim; k++) {
-            kernel->corner[4 * (size_t)slot[i] + (size_t)k] = v[i][k];
-        }
     }
-    for (i = 0; i <= dim + 1; i++) {                 /* two simplices share the facet that lacks one corner of each */
-        for (k = 0; k <= dim; k++) {
-            for (j = 0; j <= dim + 1; j++) {
-                int lacking = 0, at = 0;
-                for (far = 0; far <= dim && j != i; far++) {
-                    int m, shared = 0;
-                    for (m = 0; m <= dim; m++) {
-                        shared |= m != k && v[i][m] == v[j][far];
-                    }
-                    lacking += !shared;
-                    at = shared ? at : far;
-                }
-                if (lacking == 1) {
-                    kernel->link[4 * (size_t)slot[i] + (size_t)k] = (pbw__link)slot[j] * 4 + (pbw__link)at;
-                }
-            }
+    inside = (pbw__link)slot[0] * 4;
+    for (i = 0; i <= last; i++) {
+        const pbw__link ghost = (pbw__link)slot[i + 1] * 4;
+        kernel->corner[inside + i] = seed[i];
+        kernel->link[inside + i] = ghost | last;
+        kernel->corner[ghost + last] = PBW__GHOST;
+        kernel->link[ghost + last] = inside | i;
+        for (k = 0; k < last; k++) {                 /* across from seed j: the ghost across from it, at seed i */
+            const unsigned j = of[i][k];
+            kernel->corner[ghost + k] = seed[j];
+            kernel->link[ghost + k] = (pbw__link)slot[j + 1] * 4 | at[j][i];
         }
     }
     kernel->last = slot[0];
@@ -7250,19 +7353,20 @@ typedef struct pbw__emission {
     const pbw__store *store;
     pbw_index *corner;
     pbw__link *link;                                 /* NULL: not wanted */
+    pbw_index *to_corner, *to_link;                  /* where simplices are written: the arrays above or new ones */
     size_t slot_count, simplex_count, vertex_count, visible;
-    int dim, any_order, tasks, failed, simd;
+    int dim, any_order, tasks, failed, simd, apart;  /* apart: into new arrays */
     const pbw_index *id;                             /* per rank */
     pbw_index *number;                               /* per slot: the next of its chain; then its place */
     pbw_index *chain;                                /* per region: the last slot of its chain */
     pbw_index *head;                                 /* per rank: the length of its list; then its first simplex */
     pbw_index *first;                                /* per rank, with several tasks: the same from earlier shares */
-    size_t *end;                                     /* per task: its last slot for other tasks; its last place */
+    size_t *end, one_end;                            /* per task: its last slot for other tasks; its last place */
     pbw_index *incident;                             /* per point of the caller */
     int chunk_bits;                                  /* slot >> chunk_bits is the number of its chunk */
     size_t chunk;                                    /* the next to be read, in the order of >>output */
     unsigned char *chunk_done;
-    pbw__aside *aside;                               /* per task */
+    pbw__aside *aside, one_aside;                    /* per task */
 } pbw__emission;
 
 /* The even permutation of the canonical form: corner k of the output is corner (order >> 2k) & 3 here.  Branchless:
@@ -7890,6 +7994,7 @@ static void pbw__emit_pass2(void *arg, int task)
    order and loaded with acquire order, says that the chunk was read.
    ------------------------------------------------------------------------------------------------------ */
 #define PBW__CHUNK ((size_t)1 << 12)                 /* the largest */
+#define PBW__APART PBW__SMALLER(4096)                /* slots, at most, whose simplices are written to new arrays */
 
 /* Several tasks take large chunks: slots that are near have places in the same cache lines, which would go from
    thread to thread.  One task takes small ones, so that fewer simplices of few points are set aside; but the start of
@@ -7925,10 +8030,9 @@ PBW__INLINE int pbw__emit_free(const pbw__emission *emission, const pbw__aside *
 PBW__INLINE void pbw__emit_place(const pbw__emission *emission, const pbw__emitted *simplex, int dim)
 {
     size_t corners = (size_t)dim + 1;
-    memcpy(emission->corner + corners * simplex->place, simplex->corner, corners * sizeof(pbw_index));
+    memcpy(emission->to_corner + corners * simplex->place, simplex->corner, corners * sizeof(pbw_index));
     if (emission->link != NULL) {
-        memcpy((pbw_index *)(void *)emission->link + corners * simplex->place, simplex->neighbor,
-               corners * sizeof(pbw_index));
+        memcpy(emission->to_link + corners * simplex->place, simplex->neighbor, corners * sizeof(pbw_index));
     }
 }
 
@@ -7940,23 +8044,23 @@ PBW__INLINE void pbw__emit_slots_of(const pbw__emission *emission, size_t from, 
     size_t t;
     for (t = from; t < end; t++) {
         const pbw_index *v = emission->corner + 4 * t;
-        pbw__emitted *simplex = aside->simplex + aside->count;
+        pbw__emitted simplex;
         unsigned order, k;
         if (number[t] == PBW_NONE) {
             continue;
         }
-        simplex->place = number[t];
+        simplex.place = number[t];
         order = pbw__canonical_order(v, dim);
         for (k = 0; k <= (unsigned)dim; k++) {
-            simplex->corner[k] = emission->id[v[order >> 2 * k & 3]];
+            simplex.corner[k] = emission->id[v[order >> 2 * k & 3]];
         }
         for (k = 0; k <= (unsigned)dim && emission->link != NULL; k++) {
-            simplex->neighbor[k] = number[emission->link[4 * t + (order >> 2 * k & 3)] >> 2];
+            simplex.neighbor[k] = number[emission->link[4 * t + (order >> 2 * k & 3)] >> 2];
         }
-        if (pbw__emit_free(emission, aside, simplex->place, dim)) {
-            pbw__emit_place(emission, simplex, dim);
+        if (pbw__emit_free(emission, aside, simplex.place, dim)) {
+            pbw__emit_place(emission, &simplex, dim);
         } else {
-            aside->count++;
+            aside->simplex[aside->count++] = simplex;
         }
     }
 }
@@ -7999,8 +8103,9 @@ PBW__SIMD_INLINE void pbw__emit_slots_simd_of(const pbw__emission *emission, siz
                                               pbw__aside *aside, int links, int dim)
 {
     const pbw_index *number = emission->number, *id = emission->id;
-    pbw__link *link = emission->link;
-    pbw_index *corner = emission->corner, slot[PBW__CHUNK + PBW__SOON];
+    const pbw__link *link = emission->link;
+    pbw_index *to_corner = emission->to_corner, *to_link = emission->to_link, slot[PBW__CHUNK + PBW__SOON];
+    const pbw_index *corner = emission->corner;
     const size_t corners = (size_t)dim + 1, used = pbw__emit_used(number, from, end, slot);
     const pbw__aside free = *aside;
     size_t count = aside->count, i, n;
@@ -8017,10 +8122,10 @@ PBW__SIMD_INLINE void pbw__emit_slots_simd_of(const pbw__emission *emission, siz
                 PBW__PREFETCH_STREAM(link, 4 * t, 4 * emission->slot_count);
             }
         }
-        PBW__PREFETCH_TO_WRITE(corner + corners * number[soon]);
+        PBW__PREFETCH_TO_WRITE(to_corner + corners * number[soon]);
         if (links) {
             const pbw__link *l = link + 4 * t;
-            PBW__PREFETCH_TO_WRITE((pbw_index *)(void *)link + corners * number[soon]);
+            PBW__PREFETCH_TO_WRITE(to_link + corners * number[soon]);
             for (i = 0; i < corners && dim == 3; i++) {      /* in the plane most are near */
                 PBW__PREFETCH(number + (link[4 * soon + i] >> 2));
             }
@@ -8032,9 +8137,9 @@ PBW__SIMD_INLINE void pbw__emit_slots_simd_of(const pbw__emission *emission, siz
         ids = pbw__permute4(ids, lanes);
         neighbors = pbw__permute4(neighbors, lanes);
         if (pbw__emit_free(emission, &free, place, dim)) {
-            pbw__emit_entries(corner + corners * place, ids, dim);
+            pbw__emit_entries(to_corner + corners * place, ids, dim);
             if (links) {
-                pbw__emit_entries((pbw_index *)(void *)link + corners * place, neighbors, dim);
+                pbw__emit_entries(to_link + corners * place, neighbors, dim);
             }
         } else {
             pbw__emitted *simplex = free.simplex + count++;
@@ -8121,7 +8226,10 @@ static void pbw__emit_pass3(void *arg, int task)
         aside.free_from = done < turned ? ((turned - done) * size * 4 + corners - 1) / corners : 0;
         aside.free_count = (done < turned ? turned : done) * size * 4 / corners;
         aside.free_count = aside.free_count > aside.free_from ? aside.free_count - aside.free_from : 0;
-        if (!pbw__emit_reserve(emission, &aside)) {
+        if (emission->apart) {
+            aside.free_from = 0;
+            aside.free_count = simplices;
+        } else if (!pbw__emit_reserve(emission, &aside)) {
             break;
         }
         pbw__emit_slots(emission, from, end < emission->slot_count ? end : emission->slot_count, &aside);
@@ -8167,6 +8275,25 @@ static pbw_status pbw__emit_status(const pbw__emission *emission)
     return emission->failed ? PBW_ERROR_MEMORY : PBW__LOAD(&emission->context->cancelled) ? PBW_CANCELLED : PBW_OK;
 }
 
+/* Makes the arrays that simplices are written to: of few, new ones, as many would be set aside.  0 if memory is
+   short. */
+static int pbw__emit_begin(pbw__emission *emission)
+{
+    pbw__memory *memory = &emission->context->memory;
+    const size_t entries = emission->simplex_count * ((size_t)emission->dim + 1);
+    if (!emission->apart) {
+        emission->to_corner = emission->corner;
+        emission->to_link = (pbw_index *)(void *)emission->link;
+    } else {
+        emission->to_corner = (pbw_index *)pbw__allocate(memory, entries, sizeof(pbw_index));
+        if (emission->link != NULL) {
+            emission->to_link = (pbw_index *)pbw__allocate(memory, entries, sizeof(pbw_index));
+        }
+        emission->failed = emission->to_corner == NULL || (emission->to_link == NULL && emission->link != NULL);
+    }
+    return !emission->failed;
+}
+
 static pbw_status pbw__emit(pbw__emission *emission)
 {
     pbw__context *context = emission->context;
@@ -8185,7 +8312,7 @@ static pbw_status pbw__emit(pbw__emission *emission)
         return pbw__emit_status(emission);
     }
     pbw__for(context, tasks, pbw__emit_pass2, emission);
-    if (pbw__emit_status(emission) != PBW_OK) {
+    if (pbw__emit_status(emission) != PBW_OK || !pbw__emit_begin(emission)) {
         return pbw__emit_status(emission);
     }
     pbw__for(context, tasks, pbw__emit_pass3, emission);
@@ -8292,49 +8419,58 @@ static void pbw__release_borrowed(pbw__memory *memory, pbw_index *block, size_t 
 }
 
 /* Borrows or allocates the arrays of an emission and runs it. */
-static pbw_status pbw__emit_all(pbw__emission *emission, pbw__spare *spare, size_t allocated[3])
+static pbw_status pbw__emit_all(pbw__emission *emission, pbw__spare *spare, size_t allocated[4])
 {
     pbw__context *context = emission->context;
     pbw__memory *memory = &context->memory;
     const size_t chunks = (emission->slot_count >> emission->chunk_bits) + 1, tasks = (size_t)emission->tasks;
+    const size_t words = (chunks + sizeof(pbw_index) - 1) / sizeof(pbw_index);
     pbw_status status = PBW_ERROR_MEMORY;
     emission->number = pbw__borrow(context, spare, emission->slot_count, allocated);
     emission->head = pbw__borrow(context, spare, emission->vertex_count + 1, allocated + 1);
     if (tasks > 1) {
         emission->first = pbw__borrow(context, spare, emission->vertex_count + 1, allocated + 2);
     }
-    emission->end = (size_t *)pbw__allocate(memory, tasks, sizeof(size_t));
-    emission->chunk_done = (unsigned char *)pbw__allocate(memory, chunks, 1);
-    emission->aside = (pbw__aside *)pbw__allocate(memory, tasks, sizeof(pbw__aside));
+    emission->chunk_done = (unsigned char *)pbw__borrow(context, spare, words, allocated + 3);
+    emission->end = tasks > 1 ? (size_t *)pbw__allocate(memory, tasks, sizeof(size_t)) : &emission->one_end;
+    emission->aside = tasks > 1 ? (pbw__aside *)pbw__allocate(memory, tasks, sizeof(pbw__aside))
+                                : &emission->one_aside;
     if (emission->number != NULL && emission->head != NULL && (emission->first != NULL || tasks == 1)
         && emission->end != NULL && emission->chunk_done != NULL && emission->aside != NULL) {
         memset(emission->chunk_done, 0, chunks);
         memset(emission->aside, 0, tasks * sizeof(pbw__aside));
         status = pbw__emit(emission);
     }
-    pbw__release(memory, emission->end, tasks, sizeof(size_t));
-    pbw__release(memory, emission->chunk_done, chunks, 1);
-    pbw__release(memory, emission->aside, tasks, sizeof(pbw__aside));
+    if (tasks > 1) {
+        pbw__release(memory, emission->end, tasks, sizeof(size_t));
+        pbw__release(memory, emission->aside, tasks, sizeof(pbw__aside));
+    }
     return status;
 }
 
-/* Cuts the store's arrays to size and hands them to the mesh. */
+/* Hands the arrays to the mesh: the store's, cut to size, or the new ones. */
 static pbw_status pbw__hand_over(pbw__emission *emission, pbw__store *store, pbw__owned *owned, pbw_mesh *mesh)
 {
     pbw__memory *memory = &emission->context->memory;
     const size_t entries = emission->simplex_count * ((size_t)emission->dim + 1);
     size_t links = store->link_capacity * (sizeof(pbw__link) / sizeof(pbw_index));
-    if (!pbw__resize_array(memory, &store->corner, &store->corner_capacity, entries, sizeof(pbw_index))
-        || (store->link != NULL && !pbw__resize_array(memory, &store->link, &links, entries, sizeof(pbw_index)))) {
-        return PBW_ERROR_MEMORY;
+    if (!emission->apart) {
+        if (!pbw__resize_array(memory, &store->corner, &store->corner_capacity, entries, sizeof(pbw_index))
+            || (store->link != NULL
+                && !pbw__resize_array(memory, &store->link, &links, entries, sizeof(pbw_index)))) {
+            return PBW_ERROR_MEMORY;
+        }
+        emission->to_corner = store->corner;
+        emission->to_link = (pbw_index *)(void *)store->link;
+        store->corner = NULL;
+        store->link = NULL;
     }
     mesh->simplex_count = emission->simplex_count;
-    mesh->simplices = store->corner;
-    mesh->neighbors = (pbw_index *)(void *)store->link;
+    mesh->simplices = emission->to_corner;
+    mesh->neighbors = emission->to_link;
     owned->simplices = entries;
-    owned->neighbors = store->link != NULL ? entries : 0;
-    store->corner = NULL;
-    store->link = NULL;
+    owned->neighbors = emission->to_link != NULL ? entries : 0;
+    emission->apart = 0;
     return PBW_OK;
 }
 
@@ -8343,9 +8479,10 @@ static pbw_status pbw__output(pbw__context *context, pbw__store *store, pbw__ver
                               pbw__owned *owned, pbw_mesh *mesh)
 {
     pbw__memory *memory = &context->memory;
+    const size_t corners = (size_t)vertices->dim + 1;
     pbw__emission emission;
     pbw__spare spare;
-    size_t allocated[3] = { 0, 0, 0 };
+    size_t allocated[4] = { 0, 0, 0, 0 };
     pbw_status status;
     if (store->capacity - store->count > store->capacity / 64 + 64       /* not of few points */
         && pbw__store_reserve(context, store, store->count) != PBW_OK) {     /* gives the rest of the tail back */
@@ -8356,8 +8493,7 @@ static pbw_status pbw__output(pbw__context *context, pbw__store *store, pbw__ver
         store->link = NULL;
     }
     spare.block[0] = (pbw_index *)(void *)vertices->record;
-    spare.count[0] =
-        (vertices->point_count + 1) * ((size_t)vertices->dim + 1) * (sizeof(double) / sizeof(pbw_index));
+    spare.count[0] = (vertices->point_count + 1) * corners * (sizeof(double) / sizeof(pbw_index));
     spare.block[1] = (pbw_index *)(void *)store->mark;
     spare.count[1] = store->mark_capacity / sizeof(pbw_index);
     memset(&emission, 0, sizeof(emission));
@@ -8375,6 +8511,7 @@ static pbw_status pbw__output(pbw__context *context, pbw__store *store, pbw__ver
     emission.id = vertices->id;
     emission.chain = store->hint;
     emission.tasks = pbw__tasks(context, vertices->count, 16384);
+    emission.apart = emission.tasks == 1 && emission.slot_count <= PBW__APART;
     emission.chunk_bits = pbw__chunk_bits(emission.dim, emission.tasks, store->count);
     status = pbw__emit_all(&emission, &spare, allocated);
     if (status == PBW_OK) {
@@ -8385,9 +8522,14 @@ static pbw_status pbw__output(pbw__context *context, pbw__store *store, pbw__ver
         status = emission.incident == NULL ? PBW_ERROR_MEMORY
                : pbw__for_range(context, emission.vertex_count, 16384, 0.0, pbw__emit_pass5, &emission);
     }
+    if (emission.apart) {                            /* a failure */
+        pbw__release(memory, emission.to_corner, corners * emission.simplex_count, sizeof(pbw_index));
+        pbw__release(memory, emission.to_link, corners * emission.simplex_count, sizeof(pbw_index));
+    }
     pbw__release_borrowed(memory, emission.number, allocated[0]);
     pbw__release_borrowed(memory, emission.head, allocated[1]);
     pbw__release_borrowed(memory, emission.first, allocated[2]);
+    pbw__release_borrowed(memory, (pbw_index *)(void *)emission.chunk_done, allocated[3]);
     pbw__release(memory, store->mark, store->mark_capacity, 1);
     store->mark = NULL;
     mesh->hidden_count = vertices->count - emission.visible;
@@ -11720,6 +11862,42 @@ static pbw_status pbw__make_original(pbw__context *context, pbw__vertices *verti
     return original != NULL ? pbw__number_along_curve(context, vertices, original) : PBW_ERROR_MEMORY;
 }
 
+static pbw_status pbw__fill_canonical(void *arg, size_t from, size_t to)
+{
+    pbw_index *canonical = (pbw_index *)arg;
+    for (; from < to; from++) {
+        canonical[from] = (pbw_index)from;
+    }
+    return PBW_OK;
+}
+
+/* Many points without a duplicate: frees `canonical`, which is 0, 1, 2, ..., for the time of the build. */
+static void pbw__lay_down_canonical(pbw__context *context, pbw__vertices *vertices)
+{
+    if (vertices->duplicate_count == 0 && vertices->point_count > PBW__SMALLER(65536)) {
+        pbw__release(&context->memory, vertices->canonical, vertices->point_count, sizeof(pbw_index));
+        vertices->canonical = NULL;
+    }
+}
+
+/* Hands `canonical` to the mesh. */
+static pbw_status pbw__hand_over_canonical(pbw__context *context, pbw__vertices *vertices, pbw__owned *owned,
+                                           pbw_mesh *mesh)
+{
+    const size_t count = vertices->point_count;
+    pbw_index *canonical = vertices->canonical;
+    pbw_status status = PBW_OK;
+    if (canonical == NULL) {
+        canonical = (pbw_index *)pbw__allocate_large(context, count, sizeof(pbw_index));
+        status = canonical == NULL ? PBW_ERROR_MEMORY
+               : pbw__for_range(context, count, PBW__TICK, 0.0, pbw__fill_canonical, canonical);
+    }
+    mesh->canonical = canonical;
+    owned->canonical = count;
+    vertices->canonical = NULL;
+    return status;
+}
+
 static pbw_status pbw__build_on_cpu(pbw__context *context, const pbw__input *input, unsigned flags, pbw_mesh *mesh)
 {
     pbw__memory *memory = &context->memory;
@@ -11745,6 +11923,9 @@ static pbw_status pbw__build_on_cpu(pbw__context *context, const pbw__input *inp
     status = pbw__enter_stage(context, PBW_STAGE_ORDER) ? PBW_CANCELLED : pbw__order(context, input, &vertices);
     if (status == PBW_OK) {
         mesh->duplicate_count = vertices.duplicate_count;
+        if ((flags & PBW_CURVE_ORDER) == 0) {
+            pbw__lay_down_canonical(context, &vertices);
+        }
         status = pbw__leave_stage(context, status, &start, &mesh->statistics.order_seconds);
     }
     if (status == PBW_OK) {
@@ -11765,11 +11946,9 @@ static pbw_status pbw__build_on_cpu(pbw__context *context, const pbw__input *inp
         status = PBW_ERROR_MEMORY;
     }
     if (status == PBW_OK || status == PBW_DEGENERATE) {
-        pbw_status kept;
-        mesh->canonical = vertices.canonical;
-        owned->canonical = input->count;
-        vertices.canonical = NULL;
-        kept = pbw__keep_points(context, input, owned, mesh, vertices.record,
+        pbw_status kept = pbw__hand_over_canonical(context, &vertices, owned, mesh);
+        kept = kept != PBW_OK ? kept
+             : pbw__keep_points(context, input, owned, mesh, vertices.record,
                                 (vertices.point_count + 1) * ((size_t)input->dim + 1));
         vertices.record = mesh->points != NULL && !input->borrow ? NULL : vertices.record;
         status = pbw__leave_stage(context, kept != PBW_OK ? kept : status, &start, &mesh->statistics.output_seconds);
@@ -12070,6 +12249,9 @@ PBWDEF pbw_status pbw_triangulatef(int dim, const float *points, const float *we
 #pragma STDC FP_CONTRACT DEFAULT                     /* clang 14 has no stack of modes there */
 #elif defined(__GNUC__)
 #pragma GCC pop_options
+#endif
+#if defined(PBW__THREADS) && !defined(__GNUC__)
+#pragma warning(pop)
 #endif
 #ifdef _WIN32
 #pragma pop_macro("near")

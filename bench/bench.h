@@ -23,6 +23,7 @@ typedef struct bench_input {
     size_t count;
     const double *points;                  /* dim coordinates each */
     const double *weights;                 /* NULL = Delaunay */
+    size_t sets;                           /* of `count` points each, one after the other; a side sees the first */
     int check;                             /* 1: report checks the result as well as it can */
 } bench_input;
 

@@ -186,6 +186,30 @@ static void test_kinds(void)
     }
 }
 
+/* Keys are made by eights, and few points are sorted by other bits than many. */
+static void test_counts(void)
+{
+    static const size_t limits[] = { 0, 64, 128, 256, 512, 1024, 3000, 8192 };
+    int dim, kind;
+    size_t i, count;
+    for (dim = 2; dim <= 3; dim++) {
+        for (kind = 0; kind < 3; kind++) {
+            const int input = kind == 0 ? INPUT_UNIFORM : kind == 1 ? INPUT_CLUSTERS : INPUT_LATTICE;
+            for (i = 0; i < sizeof limits / sizeof limits[0]; i++) {
+                if (test_begin("%dD %s, about %lu points", dim, input_name(input), (unsigned long)limits[i])) {
+                    for (count = i > 0 ? limits[i] - 2 : 1; count <= limits[i] + (i > 0 ? 2 : 33); count++) {
+                        points p = points_create(dim, count);
+                        input_fill(input, dim, count, test_seed, p.x);
+                        compare(&p);
+                        points_destroy(&p);
+                    }
+                    test_end();
+                }
+            }
+        }
+    }
+}
+
 /* Some points at each of many scales: nearly all points lie in one cell of each grid but the last. */
 static void test_scales(void)
 {
@@ -299,6 +323,7 @@ int main(int argc, char **argv)
 {
     test_start(argc, argv, 1);
     test_kinds();
+    test_counts();
     test_scales();
     test_runs();
     test_cut();
