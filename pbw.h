@@ -8100,7 +8100,7 @@ static void pbw__emit_pass2(void *arg, int task)
    order and loaded with acquire order, says that the chunk was read.
    ------------------------------------------------------------------------------------------------------ */
 #define PBW__CHUNK ((size_t)1 << 12)                 /* the largest */
-#define PBW__APART PBW__SMALLER(4096)                /* slots, at most, whose simplices are written to new arrays */
+#define PBW__APART PBW__SMALLER(3072)                /* slots, at most, whose simplices are written to new arrays */
 
 /* Several tasks take large chunks: slots that are near have places in the same cache lines, which would go from
    thread to thread.  One task takes small ones, so that fewer simplices of few points are set aside; but the start of
