@@ -601,7 +601,8 @@ enum { PBW__WALK, PBW__CAVITY, PBW__STAR, PBW__EXACT, PBW__OTHER };
 #define PBW__CAS_ACQUIRE(x, old, y) PBW__CAS(x, old, y)
 #define PBW__SUB_RELEASE(x, y) PBW__ADD(x, 0 - (uint64_t)(y))
 #pragma warning(push)
-#pragma warning(disable : 4244)                      /* what they return fits the word that it was read from */
+#pragma warning(disable : 4244 4996)                 /* what is returned fits the word that it was read from; barriers
+                                                        are called obsolete */
 #else
 #define PBW__LOAD(x) (*(x))
 #define PBW__STORE(x, y) ((void)(*(x) = (y)))
