@@ -162,6 +162,9 @@ static int check_output(const job *j, const char *path)
     if (strlen(path) > 1000) {
         return complain("-o: a name of more than 1000 characters");
     }
+    if (stat(path, &info) == 0 && S_ISDIR(info.st_mode)) {
+        return complain("-o %s: it is a folder", path);
+    }
     if (ending_of(j, path) == NULL) {
         if (format != NULL) {
             return complain("--format %s: pbw %s writes %s", format, j->command->name, j->command->writes);
@@ -177,9 +180,6 @@ static int check_output(const job *j, const char *path)
     }
     if (stat(path, &info) != 0) {
         return check_folder(path);
-    }
-    if (S_ISDIR(info.st_mode)) {
-        return complain("-o %s: it is a folder", path);
     }
     if (path == j->named && !is_page(path)) {
         return complain("%s is there already, and is no page of pbw: -o %s replaces it, or name another", path, path);
