@@ -27,13 +27,13 @@ closed() {
 }
 
 for expected in examples/expected/*.txt; do
-    name=$(basename "$expected" .txt)
-    [ ! -f "examples/$name.cu" ] || continue         # make cuda-test runs it
-    if [ -f "examples/$name.cpp" ] && ! command -v ${CXX:-c++} > /dev/null; then
-        skip "examples/$name.cpp: no C++ compiler"
+    example=$(basename "$expected" .txt)
+    [ ! -f "examples/$example.cu" ] || continue         # make cuda-test runs it
+    if [ -f "examples/$example.cpp" ] && ! command -v ${CXX:-c++} > /dev/null; then
+        skip "examples/$example.cpp: no C++ compiler"
     else
-        check "examples/$name" prints "$bin/$name" "$expected"
-        [ -n "$QUICK" ] || check "examples/$name, compiled by itself" whole "$name" "$expected"
+        check "examples/$example" prints "$bin/$example" "$expected"
+        [ -n "$QUICK" ] || check "examples/$example, compiled by itself" whole "$example" "$expected"
     fi
 done
 
