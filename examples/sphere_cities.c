@@ -5,6 +5,7 @@
    convex hull are the Delaunay triangles on the sphere, and their normals are the corners of the cells. */
 #define PBW_IMPLEMENTATION
 #include "pbw.h"
+#include <math.h>
 #include <stdio.h>
 
 typedef struct city { const char *name; double latitude, longitude; } city;

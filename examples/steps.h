@@ -4,7 +4,10 @@
 #define STEPS_H
 #define PBW_IMPLEMENTATION
 #include "pbw.h"
+#include <math.h>
 #include <stdio.h>
+#include <stdlib.h>
+#include <string.h>
 
 enum { COUNT = 1024, CELL = 16, CELLS = COUNT / CELL, NOBODY = 0, SIZE = 400, GAP = 32 };
 #define DRAW(...) (void)(svg != NULL && fprintf(svg, __VA_ARGS__))

@@ -1,12 +1,21 @@
 #!/bin/sh
 # examples.sh FOLDER: runs the examples there that have a file in examples/expected, and compares what they print;
-# then looks into the models and pictures that some of them write.
+# then looks into the models and pictures that some of them write.  Without QUICK it also compiles each as its user
+# would, in one command with pbw.h inside.
 bin=$1 work=$1/examples
 . tests/check.sh
 
 prints() {   # prints PROGRAM FILE
     "$1" > "$work/printed" 2> "$work/errors"
     diff "$work/printed" "$2"
+}
+
+whole() {   # whole NAME FILE
+    if [ -f "examples/$1.cpp" ]; then
+        ${CXX:-c++} -std=c++11 -O1 -I. "examples/$1.cpp" -o "$work/whole" -lpthread -lm
+    else
+        ${CC:-cc} -std=c99 -O1 -I. -Iexamples/lib "examples/$1.c" -o "$work/whole" -lpthread -lm
+    fi && prints "$work/whole" "$2"
 }
 
 # Every edge of an OBJ model is there once each way: its surface is closed and turned outward, or inward, all over.
@@ -18,12 +27,13 @@ closed() {
 }
 
 for expected in examples/expected/*.txt; do
-    name=$(basename "$expected" .txt)
-    [ ! -f "examples/$name.cu" ] || continue         # make cuda-test runs it
-    if [ -f "examples/$name.cpp" ] && ! command -v ${CXX:-c++} > /dev/null; then
-        skip "examples/$name.cpp: no C++ compiler"
+    example=$(basename "$expected" .txt)
+    [ ! -f "examples/$example.cu" ] || continue         # make cuda-test runs it
+    if [ -f "examples/$example.cpp" ] && ! command -v ${CXX:-c++} > /dev/null; then
+        skip "examples/$example.cpp: no C++ compiler"
     else
-        check "examples/$name" prints "$bin/$name" "$expected"
+        check "examples/$example" prints "$bin/$example" "$expected"
+        [ -n "$QUICK" ] || check "examples/$example, compiled by itself" whole "$example" "$expected"
     fi
 done
 

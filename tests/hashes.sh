@@ -13,10 +13,11 @@ make_one() {   # make_one NAME COMPILER FLAGS...: in the background
 }
 
 make_one reference $CC -O2
-make_one O0 $CC -O0
+make_one O0_scalar $CC -O0 -DPBW_NO_SIMD
 make_one contracted $CC -O2 -march=native -ffp-contract=fast         # see below
-make_one scalar $CC -O2 -DPBW_NO_SIMD
 if [ -z "$QUICK" ]; then
+    make_one O0 $CC -O0
+    make_one scalar $CC -O2 -DPBW_NO_SIMD
     make_one O3_native $CC -O3 -march=native
     make_one wide $CC -O2 -DPBW_WIDE
     make_one threadless $CC -O2 -DPBW_NO_THREADS

@@ -66,6 +66,8 @@ full() { ! "$pbw" "$@" > /dev/full 2> said && grep 'standard output: No space le
 if [ -w /dev/full ]; then
     check "a report on a full disk is a failure" full mesh atoms.csv
     check "help on a full disk is a failure" full --help
+    told() { ! "$pbw" mesh atoms.csv --quiet --format obj -o - 2> said > /dev/full && [ "$(wc -l < said)" = 1 ]; }
+    check "an output to a full disk is told once" told
     check "an output on a full disk is a failure" says 1 "/dev/full: No space left" mesh atoms.csv --format obj \
         -o /dev/full
 else
@@ -74,8 +76,23 @@ fi
 
 # Refused before the work: nothing is read or reported.
 early() { says "$@" && [ "$(wc -l < said)" = 1 ]; }
+
+# The page that pbw view names replaces pages only.
+echo notes > atoms.html
+cp atoms.html atoms.html.old
+check "view replaces no file by itself" early 2 "atoms.html is there already, and is no page of pbw" view atoms.csv
+check "the file is kept" kept atoms.html
+check "view replaces it on request" silent view atoms.csv --quiet -o atoms.html
+check "it is a page" grep '<title>atoms.csv</title>' atoms.html
+check "view replaces its own page" silent view atoms.csv --quiet --title again
+check "it is another page" grep '<title>again</title>' atoms.html
+rm atoms.html
+check "view makes a page" says 0 "open this in a browser: atoms.html" view atoms.csv
+mkdir m.html
+check "view and a folder of that name" early 2 "-o m.html: it is a folder" view m.csv
 check "a missing folder" early 2 "there is no folder no/" mesh atoms.csv -o no/a.obj
 check "a folder" early 2 "it is a folder" mesh atoms.csv --format obj -o folder
+check "a folder, by its name alone" early 2 "-o folder: it is a folder" mesh atoms.csv -o folder
 check "an unknown ending" early 2 "-o a.docx: its ending tells the format" mesh atoms.csv -o a.docx
 check "the endings are named" early 2 "pbw sample writes ply obj off xyz csv" sample open.obj -o a.vtu
 check "-o - without a format" early 2 "else --format" mesh atoms.csv -o -

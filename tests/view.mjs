@@ -180,7 +180,12 @@ async function test_square() {
   const middle = 3 * ((two.height >> 1) * two.width + (two.width >> 1));
   check('square: half as large, a quarter of the area', Math.abs(apart - 0.25) < 0.02, '' + apart);
   check('square: with a gap between them', PAPER(...two.rgb.subarray(middle, middle + 3)));
-  check('square: no cut in the plane', await evaluate('document.querySelector(".cut").hidden'));
+  check('square: no cut, no projection in the plane', await evaluate('document.querySelector(".cut").hidden')
+    && await get('projection', 'parentNode.hidden') && await get('plain', 'parentNode.hidden'));
+  await set('explode', 0);
+  await type_in('explode-is', '100 %');
+  check('square: explode, typed', differ(two, await picture()) < 0.001
+    && await get('explode-is', 'value') === '100 %');
   check_quiet('square');
 }
 
@@ -348,7 +353,12 @@ async function test_terrain() {
     && count(image, (r, g, b) => b > r + 20) > 0.02);
   check('terrain: as high as it is', (await get('summary')).endsWith('largest 34'), await get('summary'));
   await set('relief', 8);
-  check('terrain: steeper', differ(image, await picture()) > 0.1);
+  const steep = await picture();
+  check('terrain: steeper', differ(image, steep) > 0.1);
+  await set('relief', 2);
+  await type_in('relief-is', 8);
+  check('terrain: heights, typed', differ(steep, await picture()) < 0.001
+    && await get('relief-is', 'value') === 'times 8');
   await click('reset');
   check('terrain: reset', differ(image, await picture()) < 0.001);
   await set('cut', 0.5);
@@ -360,8 +370,13 @@ async function test_points() {
   await open('points');
   const image = await picture();
   check('points: drawn', between(covered(image), 0.05, 0.9) && await shown() === 5000);
+  check('points: coloured by height', await get('colour', 'selectedOptions[0].text') === 'z');
   await set('size', 3);
-  check('points: larger', covered(await picture()) > 1.2 * covered(image));
+  const larger = await picture();
+  check('points: larger', covered(larger) > 1.2 * covered(image));
+  await set('size', 1);
+  await type_in('size-is', 3);
+  check('points: size, typed', differ(larger, await picture()) < 0.001 && await get('size-is', 'value') === '3');
   await set('cut', 0.5);
   check('points: half of them', between(await shown(), 2300, 2700));
   check_quiet('points');
@@ -404,13 +419,60 @@ async function test_model() {
   await click('outside');
   check('model: tetrahedra inside, and all', inner > 100 && await shown() > 1.1 * inner);
   await click('reset');
-  await open('disc');
-  const flat = await picture();
-  check('model: flat across y, shown', (await get('shown')) === '60 faces of the model shown'
-    && covered(flat) > 0.05, await get('shown') + covered(flat));
-  await set('draw', 4);
-  check('model: its points', await shown() === 61);
   check_quiet('model');
+}
+
+// A disc across y: it is plain at first, as its points have no value but their order, and not cut across its plane.
+async function test_flat_model() {
+  await open('disc');
+  const flat = await picture(), coloured = image => count(image, (r, g, b) => Math.abs(r - b) > 60);
+  check('flat model: shown', (await get('shown')) === '60 faces of the model shown' && covered(flat) > 0.05,
+    await get('shown') + covered(flat));
+  check('flat model: plain', coloured(flat) === 0);
+  check('flat model: no cut, and none across y', await get('cut-is', 'value') === 'no cut'
+    && await get('axis', 'value') !== '1');
+  await set('cut', 0.5);
+  check('flat model: half of it', between(covered(await picture()) / covered(flat), 0.3, 0.7));
+  await set('cut', 1);
+  await click('plain');
+  check('flat model: colours', coloured(await picture()) > 0.02);
+  check('flat model: its group has its menu beside its name', await evaluate(`(() => {
+    const menu = document.getElementById('draw'), name = menu.closest('fieldset').querySelector('legend');
+    return Math.abs(menu.getBoundingClientRect().top - name.getBoundingClientRect().top) < 8; })()`));
+  await set('draw', 4);
+  check('flat model: its points', await shown() === 61);
+  check_quiet('flat model');
+}
+
+// Which way up a page shows what is y up, z up, ground.
+async function test_up() {
+  const up = () => evaluate(`(() => { const line = document.querySelectorAll('#axes line'), text =
+    document.querySelectorAll('#axes text'); return [...text].map((t, i) => [line[i].getAttribute('y2') / 25,
+    t.textContent]).sort((a, b) => a[0] - b[0])[0][1]; })()`);
+  for (const [name, axis, letter] of [['pawn', '1', 'y'], ['tower', '2', 'z'], ['ground', '1', 'y']]) {
+    await open(name);
+    check('up: ' + name, await get('up', 'value') === axis && await up() === letter, await get('up', 'value'));
+    const first = await picture();
+    await set('up', axis === '1' ? 2 : 1);
+    check('up: ' + name + ', the other', await up() === (axis === '1' ? 'z' : 'y')
+      && differ(first, await picture()) > 0.02);
+    await set('up', axis);
+    check('up: ' + name + ', and back', differ(first, await picture()) < 0.001);
+    check_quiet('up: ' + name);
+  }
+}
+
+// With --inside, a page has what is inside, all of it: slivers are part of the answer.
+async function test_inside() {
+  await open('inside');
+  const all = +(await get('facts')).split(' ')[0].replaceAll(',', '');
+  check('inside: no outside, no slivers to hide', await get('slivers', 'parentNode.hidden')
+    && await get('outside', 'parentNode.hidden'));
+  await set('show', 0);
+  check('inside: all is shown', all > 100 && await shown() === all, await get('shown'));
+  await set('to', 0.05);
+  check('inside: slivers, too', between(await shown(), 1, all - 1), await get('shown'));
+  check_quiet('inside');
 }
 
 async function test_views() {
@@ -521,7 +583,8 @@ async function test_links_and_files() {
   await colour_by('volume');
   await evaluate('document.getElementById("canvas").focus()');
   await key('ArrowLeft', 'ArrowLeft');
-  await until('links: the address has the view', async () => (await evaluate('location.hash')).includes('colour=volume'));
+  await until('links: the address has the view',
+    async () => (await evaluate('location.hash')).includes('colour=volume'));
   await evaluate('document.activeElement.blur()');
   const kept = await picture(), hash = await evaluate('location.hash');
   await open('square');
@@ -531,18 +594,23 @@ async function test_links_and_files() {
   await open('square');
   await open('solid', { hash: '#view=1,2,x&show=77' });
   check('links: a broken one is none', differ(first, await picture()) < 0.001);
-  const place = mkdtempSync(join(tmpdir(), 'pbw-png-'));
-  await send('Browser.setDownloadBehavior', { behavior: 'allow', downloadPath: place });
-  await click('save');
-  const files = () => readdirSync(place).filter(name => name.endsWith('.png'));
-  await until('files: a PNG is saved', async () => files().length === 1);
-  if (files().length) {
-    const image = decode(readFileSync(join(place, files()[0])));
-    check('files: of the size of the picture', image.width === first.width && image.height === first.height);
-    check('files: it has the picture', Math.abs(covered(image) - covered(first)) < 0.05, '' + covered(image));
-  }
-  rmSync(place, { recursive: true, force: true });
   check_quiet('links');
+  for (const [name, projection] of [['perspective', 0], ['parallel', 1]]) {
+    await set('projection', projection);
+    const seen = await picture(), place = mkdtempSync(join(tmpdir(), 'pbw-png-'));
+    await send('Browser.setDownloadBehavior', { behavior: 'allow', downloadPath: place });
+    await click('save');
+    const files = () => readdirSync(place).filter(file => file.endsWith('.png'));
+    await until('files: a PNG is saved, ' + name, async () => files().length === 1);
+    if (files().length) {
+      const image = decode(readFileSync(join(place, files()[0])));
+      check('files: as large as the picture', image.width === seen.width && image.height === seen.height);
+      check('files: it has the picture, ' + name, covered(seen) > 0.1 && differ(image, seen) < 0.02,
+        '' + differ(image, seen));
+    }
+    rmSync(place, { recursive: true, force: true });
+  }
+  check_quiet('files');
 }
 
 async function test_no_webgl() {
@@ -554,6 +622,11 @@ async function test_no_webgl() {
     check('no WebGL: the histogram is there', await evaluate('document.querySelectorAll("#chart rect").length') > 20);
     await set('cut', 1);
     check('no WebGL: counts', await shown() > 15000);
+    await press(300, 300);
+    check('no WebGL: a click finds nothing', await get('picked') === '');
+    await set('go-kind', 3);
+    await type_in('go', 7);
+    check('no WebGL: points are found by id', (await get('picked')).startsWith('point 7 ('), await get('picked'));
     check_quiet('no WebGL');
     await tell('Page.removeScriptToEvaluateOnNewDocument', { identifier });
   }
@@ -563,11 +636,13 @@ const { targetId } = await send('Target.createTarget', { url: 'about:blank' });
 session = (await send('Target.attachToTarget', { targetId, flatten: true })).sessionId;
 for (const domain of ['Page', 'Runtime', 'Log', 'Network']) await tell(domain + '.enable');
 await evaluate('1');
-for (const name of ['square', 'corner', 'solid', 'flat', 'threads', 'points', 'terrain', 'million', 'pawn', 'disc']) {
+for (const name of ['square', 'corner', 'solid', 'flat', 'threads', 'points', 'terrain', 'million', 'pawn', 'disc',
+  'tower', 'ground', 'inside']) {
   check(name + '.html is there', existsSync(join(folder, name + '.html')));
 }
 for (const test of [test_square, test_corner, test_solid, test_flat, test_threads, test_terrain, test_points,
-  test_model, test_views, test_picking, test_measures, test_links_and_files, test_million, test_no_webgl]) {
+  test_model, test_flat_model, test_up, test_inside, test_views, test_picking, test_measures,
+  test_links_and_files, test_million, test_no_webgl]) {
   try {
     await test();
   } catch (e) {

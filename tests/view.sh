@@ -33,14 +33,23 @@ awk 'BEGIN { # a body of revolution that stands on y = 0, an OFF model with y up
     print 0, 2.6, 0
     for (i = 0; i < n; i++) {
         j = (i + 1) % n; print 3, 0, 1 + i, 1 + j; print 3, 7 * n + 1, 6 * n + 1 + j, 6 * n + 1 + i
-        for (k = 0; k < 6; k++) { a = 1 + k * n; print 3, a + i, a + n + i, a + j; print 3, a + j, a + n + i, a + n + j }
+        for (k = 0; k < 6; k++) {
+            a = 1 + k * n; print 3, a + i, a + n + i, a + j; print 3, a + j, a + n + i, a + n + j }
     } }' > "$work/pawn.off"
 awk 'BEGIN { # a disc in the plane y = 1: no tetrahedra
     print "OFF"; print 61, 60, 0; print 0, 1, 0
     for (i = 0; i < 60; i++) print cos(6.2831853 * i / 60), 1, sin(6.2831853 * i / 60)
     for (i = 0; i < 60; i++) print 3, 0, 1 + i, 1 + (i + 1) % 60 }' > "$work/disc.off"
-page pawn "$work/pawn.off"
-page disc "$work/disc.off"
+awk 'NR > 2 && NF == 3 { print $1, -$3, $2; next } { print }' "$work/pawn.off" > "$work/tower.off"    # z up
+awk 'BEGIN { # ground that is higher and lower in y, without a flat base
+    for (i = 0; i < 21; i++) for (j = 0; j < 21; j++) printf "v %g %g %g\n", i, 2 * sin(i / 3) * cos(j / 4), j
+    for (i = 0; i < 20; i++) for (j = 1; j < 21; j++) {
+        a = 21 * i + j; printf "f %d %d %d\nf %d %d %d\n", a, a + 1, a + 22, a, a + 22, a + 21
+    } }' > "$work/ground.obj"
+for name in pawn.off disc.off tower.off ground.obj; do
+    page "${name%.*}" "$work/$name"
+done
+page inside "$work/pawn.off" --inside
 page million --generate uniform 150000
 "$bin/pbw" mesh --quiet --generate uniform 3000 --text -o "$work/solid.vtu"
 awk '/Name="quality"/ { on = 1; next } /<\/DataArray>/ { on = 0 } on { for (i = 1; i <= NF; i++) print $i }' \

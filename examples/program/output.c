@@ -142,12 +142,28 @@ static int check_folder(const char *path)
     return 0;
 }
 
+/* Whether a file is a page that pbw made. */
+static int is_page(const char *path)
+{
+    char start[256];
+    FILE *file = fopen(path, "rb");
+    size_t length = file == NULL ? 0 : fread(start, 1, sizeof start - 1, file);
+    if (file != NULL) {
+        fclose(file);
+    }
+    start[length] = 0;
+    return strstr(start, "<meta name='generator' content='pbw'>") != NULL;
+}
+
 static int check_output(const job *j, const char *path)
 {
     const char *format = text_of(j, "--format");
     struct stat info;
     if (strlen(path) > 1000) {
         return complain("-o: a name of more than 1000 characters");
+    }
+    if (stat(path, &info) == 0 && S_ISDIR(info.st_mode)) {
+        return complain("-o %s: it is a folder", path);
     }
     if (ending_of(j, path) == NULL) {
         if (format != NULL) {
@@ -165,8 +181,8 @@ static int check_output(const job *j, const char *path)
     if (stat(path, &info) != 0) {
         return check_folder(path);
     }
-    if (S_ISDIR(info.st_mode)) {
-        return complain("-o %s: it is a folder", path);
+    if (path == j->named && !is_page(path)) {
+        return complain("%s is there already, and is no page of pbw: -o %s replaces it, or name another", path, path);
     }
     return access(path, W_OK) != 0 ? complain("-o %s: %s", path, strerror(errno)) : 0;
 }
@@ -220,8 +236,8 @@ static void fill_arrays(const job *j, uint32_t *part, uint32_t *thread, uint32_t
     for (i = 0; i < count; i++) {                    /* simplices follow the curve */
         part[i] = (uint32_t)(i * parts / count);
     }
-    for (i = 0; j->build.trace != NULL && i < j->mesh.point_count; i++) {        /* duplicates: none, in no simplex */
-        thread[i] = j->build.trace[i] == PBW_NONE ? 0 : j->build.trace[i] % 256;
+    for (i = 0; j->build.trace != NULL && count > 0 && i < j->mesh.point_count; i++) {
+        thread[i] = j->build.trace[i] == PBW_NONE ? 0 : j->build.trace[i] % 256;     /* duplicates: in no simplex */
         round[i] = j->build.trace[i] == PBW_NONE ? 0 : j->build.trace[i] / 256;
     }
 }
@@ -246,7 +262,7 @@ static void set_up_view(const job *j, pbwview_options *view)
 static pbwio_status write_page(const job *j, const char *path, pbwio_error *error)
 {
     const pbw_mesh *mesh = &j->mesh;
-    size_t traced = j->build.trace != NULL ? mesh->point_count : 0;
+    size_t traced = j->build.trace != NULL && mesh->simplex_count > 0 ? mesh->point_count : 0;
     uint32_t *part = (uint32_t *)malloc((mesh->simplex_count + 1) * sizeof *part);
     uint32_t *thread = (uint32_t *)malloc((traced + 1) * sizeof *thread);
     uint32_t *round = (uint32_t *)malloc((traced + 1) * sizeof *round);
@@ -263,7 +279,9 @@ static pbwio_status write_page(const job *j, const char *path, pbwio_error *erro
     set_up_view(j, &view);
     view.note = left_out;
     view.arrays = arrays;
-    add_array(&view, "part", part, NULL, 0, 1);
+    if (mesh->simplex_count > 0) {
+        add_array(&view, "part", part, NULL, 0, 1);
+    }
     if (traced > 0) {
         add_array(&view, "thread", thread, NULL, 1, 1);
         add_array(&view, "round", round, NULL, 1, 0);

@@ -20,8 +20,8 @@ static int on_progress(void *user, pbw_stage stage, double done)
 static int end_report(const job *j, int status)
 {
     errno = 0;
-    if (fflush(stdout) == 0 && !ferror(stdout)) {
-        return status;
+    if ((fflush(stdout) == 0 && !ferror(stdout)) || (status != 0 && j->report != stdout)) {
+        return status;                               /* or an output went there, and its failure is told */
     }
     fail(j, "standard output: %s", errno != 0 ? strerror(errno) : "cannot write");
     return status != 0 ? status : FAILURE;

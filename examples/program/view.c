@@ -43,7 +43,7 @@ const command command_view = {
     "Makes a page to look at the triangulation of the points of a file in a browser: one file, no network.\n"
     "\n"
     "input:   as for pbw mesh\n"
-    "output:  .html; default: the name of the input with that ending\n"
+    "output:  .html; default: the name of the input with that ending; of that name, it replaces pages of pbw only\n"
     "\n",
     "html",
     { view_options, look_options, input_options, build_options, output_options, common_options, NULL, NULL },

@@ -1,13 +1,18 @@
 // Camera: up, the eye, what is in the middle, how far; fitting, matrices, where a point is on the page.
 
+// The box of the points.
+const bottom = [9, 9, 9], extent = [-9, -9, -9];
+for (let i = 0; i < points; i++) for (let k = 0; k < 3; k++) {
+  const x = point[4 * i + k];
+  if (x < bottom[k]) bottom[k] = x;
+  if (x > extent[k]) extent[k] = x;
+}
+for (let k = 0; k < 3; k++) extent[k] -= bottom[k];
+
 // Up: as given, or guessed: y where the body stands on a flat base across y and on less across z, or is much flatter
 // in y than in x and z, as ground is; else z.
 function guess_up() {
-  const low = [9, 9, 9], high = [-9, -9, -9], base = [0, 0, 0];
-  for (let i = 0; i < points; i++) for (let k = 0; k < 3; k++) {
-    low[k] = Math.min(low[k], point[4 * i + k]); high[k] = Math.max(high[k], point[4 * i + k]);
-  }
-  const size = [0, 1, 2].map(k => high[k] - low[k]), corners = triangle_count ? triangle : corner;
+  const base = [0, 0, 0], corners = triangle_count ? triangle : corner, [wide, tall, deep] = extent;
   const at = (c, k) => point[4 * c + k];
   const facets = triangle_count || (other ? 4 * count : 0), order = [[1, 2, 3], [0, 3, 2], [0, 1, 3], [0, 2, 1]];
   for (let f = 0; f < facets; f++) {
@@ -16,13 +21,14 @@ function guess_up() {
     const [u, v] = [1, 2].map(j => [0, 1, 2].map(k => at(c[j], k) - at(c[0], k)));
     const area = cross(u, v), all = Math.hypot(...area);
     for (let k = 1; k < 3; k++) {
-      if (Math.abs(area[k]) > 0.97 * all && at(c[0], k) < low[k] + 0.03 * size[k]) base[k] += Math.abs(area[k]) / 2;
+      const side = Math.abs(area[k]);
+      if (side > 0.97 * all && at(c[0], k) < bottom[k] + 0.03 * extent[k]) base[k] += side / 2;
     }
   }
-  const stands = [0, 1, 2].map(k => base[k] * size[k] / Math.max(1e-30, size[0] * size[1] * size[2]));
-  return stands[1] > 0.05 && stands[1] > 1.5 * stands[2] || size[1] < 0.4 * Math.min(size[0], size[2]) && size[1] > 0
-    ? 1 : 2;
+  const stands = [0, 1, 2].map(k => base[k] * extent[k] / Math.max(1e-30, wide * tall * deep));
+  return stands[1] > 0.05 && stands[1] > 1.5 * stands[2] || tall < 0.4 * Math.min(wide, deep) && tall > 0 ? 1 : 2;
 }
+const has_skin = dim === 3 && count + triangle_count > 0;
 let UP, SIDE, FRONT, home, parallel = false, moved = false;
 const EYES = [[1, 0.5, 0.5], [0.55, 0.5, 1], [0.55, -1, 0.5]], FACES = [[1, 0, 0], [0, 0, 1], [0, -1, 0]];
 const given_up = lens.slice(7, 10), has_up = Math.hypot(...given_up) > 0, has_eye = Math.hypot(...EYE) > 0;
@@ -39,7 +45,9 @@ function look_along(eye) {
   turn = flat ? 0 : Math.atan2(dot(eye, SIDE), dot(eye, FRONT));
 }
 let turn, lift, distance, target, normal, offset, low, high, shown = 0, facets = 0, caps = 0;
-let array = arrays.find(a => a.name === given.colour) || arrays[0];
+// Of points alone, their order in the input says least.
+let array = arrays.find(a => a.name === given.colour) || !count && arrays.slice(1).find(a => a.of_points)
+  || arrays[0];
 const number = id => +$(id).value;
 
 // To the viewer, right and up.
@@ -52,7 +60,7 @@ function frame() {
 const TAN = Math.tan(Math.PI / 12);
 const aspect = () => Math.max(0.05, canvas.clientWidth / Math.max(1, canvas.clientHeight));
 function fit() {
-  const [eye, right, up] = frame(), step = Math.max(1, points >> 16), box = [1e9, -1e9, 1e9, -1e9];
+  const [eye, right, up] = frame(), step = Math.max(1, points >> 16), box = [1e9, -1e9, 1e9, -1e9], wide = aspect();
   for (let pass = 0; pass < 2; pass++) {                             // first the middle, then how far
     distance = pass ? 0 : distance;
     for (let i = 0; i < points; i += step) {
@@ -60,7 +68,7 @@ function fit() {
       const x = dot(p, right), y = dot(p, up);
       if (pass) {
         distance = Math.max(distance,
-          (parallel ? 0 : dot(p, eye)) + 1.06 * Math.max(Math.abs(x) / aspect(), Math.abs(y)) / TAN);
+          (parallel ? 0 : dot(p, eye)) + 1.06 * Math.max(Math.abs(x) / wide, Math.abs(y)) / TAN);
       } else {
         box[0] = Math.min(box[0], x); box[1] = Math.max(box[1], x);
         box[2] = Math.min(box[2], y); box[3] = Math.max(box[3], y);
@@ -128,8 +136,8 @@ function reset() {
     set_normal(unit(CUT.slice(0, 3)));
     $('axis').value = along.length > 1 ? 4 : along[0];
   } else {
-    const size = eye.map(Math.abs);
-    $('axis').value = size.indexOf(Math.max(...size));
+    const seen = eye.map((x, k) => extent[k] > 0 ? Math.abs(x) : -1);
+    $('axis').value = seen.indexOf(Math.max(...seen));
     face(eye);
   }
   $('cut').value = flat ? 1 : CUT[3];
@@ -137,7 +145,7 @@ function reset() {
   if (dim === 2) set_relief(number('relief'));
   $('explode').value = 0; $('size').value = 1; $('cap').value = given.cap;
   $('draw').value = count || triangle_count ? 3 : 4;
-  $('plain').checked = dim === 3 && count > 0 && given.plain === '1';
+  $('plain').checked = has_skin && given.plain === '1';
   set_body();
   fit();
   set_array(array);

@@ -132,11 +132,10 @@ void main() { gl_Position = vec4(vec2(gl_VertexID & 1, gl_VertexID >> 1) * 4.0 -
 // Bukowski and Hennessy 2011, 'The Alchemy screen-space ambient obscurance algorithm').
 const SHADE = `#version 300 es
 precision highp float; precision highp sampler2D;
-uniform sampler2D picture, depth; uniform vec4 lens; uniform float reach; uniform int parallel; out vec4 result;
-vec3 spot(ivec2 p) {
-  float d = texelFetch(depth, p, 0).x, z = parallel == 1 ? mix(lens.x, lens.y, d) : lens.x / (lens.y - d);
-  vec2 q = (2.0 * (vec2(p) + 0.5) / vec2(textureSize(depth, 0)) - 1.0) * lens.zw;
-  return vec3(parallel == 1 ? q : q * z, -z);
+uniform sampler2D picture, depth; uniform vec4 lens, range; uniform float reach; out vec4 result;
+vec3 spot(ivec2 p) {                                    // at a depth z the view is lens.xy + z lens.zw wide and high
+  float d = texelFetch(depth, p, 0).x, z = (range.x + range.y * d) / (range.z + range.w * d);
+  return vec3((2.0 * (vec2(p) + 0.5) / vec2(textureSize(depth, 0)) - 1.0) * (lens.xy + z * lens.zw), -z);
 }
 void main() {
   ivec2 p = ivec2(gl_FragCoord.xy), most = textureSize(depth, 0) - 1;
@@ -145,7 +144,7 @@ void main() {
   ivec2 h = ivec2(1, 0), v = ivec2(0, 1);
   vec3 a = spot(p), l = a - spot(p - h), r = spot(p + h) - a, d = a - spot(p - v), u = spot(p + v) - a;
   vec3 normal = normalize(cross(abs(l.z) < abs(r.z) ? l : r, abs(d.z) < abs(u.z) ? d : u));
-  float pixels = clamp(reach * float(most.y) / (2.0 * lens.w * (parallel == 1 ? 1.0 : -a.z)), 4.0, 200.0), sum = 0.0;
+  float pixels = clamp(reach * float(most.y) / (2.0 * (lens.y - a.z * lens.w)), 4.0, 200.0), sum = 0.0;
   for (int i = 0; i < 32; i++) {
     float t = (float(i) + 0.5) / 32.0, angle = float(i) * 2.399963;
     vec3 to = spot(clamp(p + ivec2(round(pixels * t * vec2(cos(angle), sin(angle)))), ivec2(0), most)) - a;
@@ -347,7 +346,7 @@ function paint() {
   show_numbers();
   if (!gl) return;
   resize();
-  const view = camera(), { near, far } = view, wide = parallel ? distance : 1;
+  const view = camera(), { near, far } = view, wide = [TAN * aspect(), TAN];
   gl.bindFramebuffer(gl.FRAMEBUFFER, buffers.frames[0]);
   gl.viewport(0, 0, canvas.width, canvas.height);
   gl.clearColor(...hex(css('--paper')), 1);
@@ -360,9 +359,9 @@ function paint() {
     gl.COLOR_BUFFER_BIT | gl.DEPTH_BUFFER_BIT, gl.NEAREST);
   gl.bindFramebuffer(gl.FRAMEBUFFER, null);
   gl.disable(gl.DEPTH_TEST);
-  use(programs.shade, { parallel: +parallel, reach: flat || number('draw') === 2 ? 0 : 0.25,
-    lens: [...(parallel ? [near, far] : [far * near / (far - near), far / (far - near)]), wide * TAN * aspect(),
-      wide * TAN] });
+  use(programs.shade, { reach: flat || number('draw') === 2 ? 0 : 0.25,
+    lens: parallel ? [...wide.map(x => distance * x), 0, 0] : [0, 0, ...wide],
+    range: parallel ? [near, far - near, 1, 0] : [far * near, 0, far, near - far] });
   gl.drawArrays(gl.TRIANGLES, 0, 3);
   draw_marks(view);
 }

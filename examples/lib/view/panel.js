@@ -194,6 +194,7 @@ new ResizeObserver(() => { if (!moved) fit(); look(); }).observe(canvas);
 arrays.forEach((a, i) => $('colour').append(new Option(a.name, i)));
 if (!count) document.querySelectorAll('.mesh').forEach(x => { x.hidden = true; });
 if (!count || dim === 2) document.querySelectorAll('.solid').forEach(x => { x.hidden = true; });
+$('plain').parentNode.hidden = !has_skin;
 document.querySelector('.relief').hidden = flat || dim === 3;
 if (flat) document.querySelectorAll('.cut').forEach(x => { x.hidden = true; });
 if (!count && !triangle_count) $('draw').parentNode.hidden = true;
@@ -201,6 +202,10 @@ $('show').parentNode.hidden = !triangle_count || !count;
 $('outside').parentNode.hidden = !inside;
 $('slivers').parentNode.hidden = dim === 2 || !count || kept_only || inside !== null;
 if (flat) document.querySelectorAll('.space').forEach(x => { x.hidden = true; });
+document.querySelectorAll('fieldset').forEach(x => {    // menus and buttons stand beside the name of their group
+  const row = x.querySelector('.row:not([hidden])');
+  if (row && row.matches('div') && !row.querySelector('span')) row.classList.add('first');
+});
 $('up').options[3].hidden = !has_up;
 if (!count) $('go-kind').value = 3;
 try {
