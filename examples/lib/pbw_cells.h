@@ -17,8 +17,8 @@
    The cell of a vertex is the dual of its star: its corners are the centres of the star's simplices, its facets
    belong to the edges at the vertex.  Volumes and centroids come from one pass over the facets of the mesh: no cell
    is built.  Facets are read off the stars.  Cells with a corner outside the domain are cut: their polytope by the
-   walls, or, at the hull, the domain by one half-space for each neighbour; only neighbours in the triangulation matter, as
-   the cell is the intersection of their half-spaces.  All ways sum signed determinants relative to the site, so the
+   walls, or, at the hull, the domain by one half-space for each neighbour; only neighbours in the triangulation
+   matter, as the cell is the intersection of their half-spaces.  All ways sum signed determinants relative to the site, so the
    order of the points, obtuse simplices and centres outside their simplex need no case.
    A polygon's edges are followed from cell to cell; where they cross and what they enclose is decided by exact signs.
    Cutting classifies each corner once, as inside or outside, and shares each new corner between its two facets:
@@ -26,7 +26,7 @@
 
    PROMISES  (tests/test_cells.c guards them)
      same        the same bytes for any number of threads; volumes and centroids also whatever else a call computes
-     whole       volumes in a domain add up to it, to 1e-12
+     whole       volumes in a domain add up to it, to 1e-12            (polygons: tests/test_clip.c)
      closed      areas times normals of a bounded cell add up to zero
      exact       with PBW_CELLS_MERGE, combinatorics are those of the true diagram, degenerate corners and all
 
@@ -56,9 +56,9 @@ typedef struct pbw_domain {
     unsigned periodic;                     /* pbw_cells_periodic: bit k = the box repeats along axis k */
     const double *rings;                   /* in the plane, instead of box and planes: a polygon, which may have holes
                                               and several parts.  Two numbers a corner; NULL = none */
-    const size_t *ring_first;              /* ring_count + 1: corners ring_first[i] .. ring_first[i+1]-1 are ring i, and
-                                              the last is joined to the first.  Either way round; what is inside an odd
-                                              number of rings is inside */
+    const size_t *ring_first;              /* ring_count + 1: ring i is corners ring_first[i] .. ring_first[i+1]-1,
+                                              the last joined to the first.  Either way round: what is inside an
+                                              odd number of rings is inside */
     size_t ring_count;
 } pbw_domain;
 
@@ -94,11 +94,12 @@ typedef struct pbw_cells {                 /* start from {0}; read, do not write
 
 /* Computes the cells of a mesh's points: Voronoi cells, with weights power cells; what: PBW_CELLS_* or'ed.
    domain: NULL = the whole space; else convex and bounded: a box, planes, or both; or a polygon.  Its rings must not
-   cross nor overlap, but may touch at corners; coordinates of corners and points must be 0 or 1e-57 to 1e60 in size,
-   weights likewise with the squares of those.  Cells that a polygon only touches are empty.  Needs mesh->neighbors.
+   cross nor overlap; they may touch at corners, but not where cells meet.  Coordinates of its corners and of points
+   must be 0 or 1e-57 to 1e60 in size, weights 0 or within the squares of those.  Cells that it only touches are empty.
+   Needs mesh->neighbors.
    A mesh of PBW_DEGENERATE points gives PBW_DEGENERATE and empty cells.  Fails as pbw_triangulate does, with
    PBW_ERROR_ARGUMENT also for a domain that is unbounded or empty, or periodic, and where rings that cross are found
-   out; cells is then left empty. */
+   out, which is not certain; cells is then left empty. */
 PBWCELLSDEF pbw_status pbw_cells_of(const pbw_mesh *mesh, const pbw_domain *domain, unsigned what,
                                     const pbw_options *options, pbw_cells *cells);
 /* The cells of points in a box that repeats along the axes of domain->periodic; along the others the box is a wall.
@@ -1948,9 +1949,9 @@ static int pbwc__centre_side(const pbw_mesh *mesh, const double *p, const double
    corners are on its right and on its left.  A visit is the part of an edge in a cell.  The visits of a cell are
    joined to chains, and with the parts of the cell's own sides, from where a chain leaves to where the next one
    enters, to loops.  Cells that no edge crosses are inside or outside, as their neighbours tell.
-   Holds: the polygon counts as moved by (e, e^2), for all e > 0 small enough, so none of its corners is between two
-   cells, and none of its edges passes through a centre.  Loops that this opens, without area for e = 0, are found by
-   exact signs and left out.
+   Holds: each edge counts as moved to its left by an amount as small as need be, those of a straight run by one, an
+   earlier run by more than all later ones.  So the polygon is a little smaller, none of its corners is between two
+   cells, none of its edges passes through a centre, and where it only touches a cell it has no part of it.
    In: rings that do not cross; edges of the polygon have its inside on their left.
    ------------------------------------------------------------------------------------------------------ */
 typedef struct pbwc__visit {
@@ -1962,10 +1963,12 @@ typedef struct pbwc__visit {
 struct pbwc__clip {
     size_t count;                          /* corners, and edges: edge i goes from corner i to next[i] */
     pbwc__array x, name, next;             /* two doubles a corner; the edge's number in the rings; per corner */
+    pbwc__array before, after, run;        /* per corner: those next to it that are elsewhere; the first edge of the
+                                              straight run that the edge from it belongs to */
     pbwc__array home;                      /* per corner: the cell it is in */
     pbwc__array chunks, visits, first;     /* visits of runs of edges; of cell v: visits first[v]..first[v+1]-1 */
-    pbwc__array root, inside;              /* per point: the first cell connected with it without a crossing; of those:
-                                              bit 0: inside, bit 1: it is crossed */
+    pbwc__array root, inside;              /* per point: the first cell connected with it without a crossing; bit 0,
+                                              of those: they are inside, bit 1: an edge crosses into the cell */
 };
 
 #define PBWC__CORNERS(clip) PBWC__DOUBLES((clip)->x)
@@ -1977,18 +1980,44 @@ static void pbwc__edge_ends(const pbwc__clip *clip, pbw_index edge, const double
     *q = PBWC__CORNERS(clip) + 2 * (size_t)PBWC__INDICES(clip->next)[edge];
 }
 
-/* The signs for the moved polygon, never 0. */
-static int pbwc__moved_side(const pbw_mesh *mesh, const double *p, pbw_index i, pbw_index j)
+/* The sign of u.(j - i), where u leads from p to q, or (turned) of u x (j - i). */
+static int pbwc__along(const pbw_mesh *mesh, const double *p, const double *q, pbw_index i, pbw_index j, int turned)
 {
     const double *a = mesh->points + 2 * (size_t)i, *b = mesh->points + 2 * (size_t)j;
-    const int side = pbwc__side(mesh, p, i, j);
-    return side != 0 ? side : b[0] > a[0] ? 1 : b[0] < a[0] ? -1 : b[1] > a[1] ? 1 : -1;
+    double sum[20];
+    int k, n = 0;
+    for (k = 0; k < 2; k++) {
+        const pbwc__exact u = pbwc__exact_minus(q[k], p[k]);
+        const pbwc__exact d = pbwc__exact_minus(b[k ^ turned], a[k ^ turned]);
+        n = pbwc__grow_product(sum, n, &u, &d, k != 0 && turned ? -1 : 1);
+    }
+    return pbwc__sign(sum, n);
 }
 
-static int pbwc__moved_centre_side(const pbw_mesh *mesh, const double *p, const double *q, pbw_index simplex)
+/* Is a corner of the moved polygon nearer to j (1) or to i (-1)?  A corner on the line between them moves along the
+   edge that moves less, or if that lies on the line along the other; within a run to the left, or ahead. */
+static int pbwc__corner_side(const pbwc__clip *clip, const pbw_mesh *mesh, pbw_index corner, pbw_index i, pbw_index j)
 {
-    const int side = pbwc__centre_side(mesh, p, q, simplex);
-    return side != 0 ? side : q[1] > p[1] ? 1 : q[1] < p[1] ? -1 : q[0] < p[0] ? 1 : -1;
+    const pbw_index *before = PBWC__INDICES(clip->before), *run = PBWC__INDICES(clip->run);
+    const pbw_index from = before[corner], to = PBWC__INDICES(clip->after)[corner];
+    const double *x = PBWC__CORNERS(clip), *a = x + 2 * (size_t)from, *c = x + 2 * (size_t)to;
+    int side, turn, along;
+    x += 2 * (size_t)corner;
+    side = pbwc__side(mesh, x, i, j);
+    if (side != 0) {
+        return side;
+    }
+    turn = pbw_orient2(a, x, c);
+    if (turn == 0) {
+        along = pbwc__along(mesh, a, x, i, j, 1);
+        return along != 0 ? along : pbwc__along(mesh, a, x, i, j, 0);
+    }
+    if (run[from] < run[before[to]]) {
+        along = pbwc__along(mesh, x, c, i, j, 0);
+        return turn * (along != 0 ? along : -pbwc__along(mesh, a, x, i, j, 0));
+    }
+    along = -pbwc__along(mesh, a, x, i, j, 0);
+    return turn * (along != 0 ? along : pbwc__along(mesh, x, c, i, j, 0));
 }
 
 /* The neighbour beyond the side across which an edge leaves the cell of v; PBW_NONE if it ends there. */
@@ -1997,14 +2026,15 @@ static pbw_index pbwc__exit(const pbwc__work *work, pbw_index v, pbw_index edge)
     const pbw_mesh *mesh = work->job->mesh;
     const pbwc__part *parts = PBWC__PARTS(work);
     const pbwc__fan *fan = PBWC__FAN(work);
+    const pbw_index end = PBWC__INDICES(work->job->clip->next)[edge];
     const double *p, *q;
     size_t i;
     pbwc__edge_ends(work->job->clip, edge, &p, &q);
-    for (i = 0; i < work->fan.count; i++) {
+    for (i = 0; i < work->fan.count; i++) {          /* centres on the edge are on the right of the moved one */
         const pbw_index to = PBWC__LINKS(work)[fan[i].link].vertex;
-        if (pbwc__moved_side(mesh, q, v, to) > 0
-            && (fan[i].from < 0 || pbwc__moved_centre_side(mesh, p, q, parts[fan[i].from].simplex) < 0)
-            && (fan[i].to < 0 || pbwc__moved_centre_side(mesh, p, q, parts[fan[i].to].simplex) > 0)) {
+        if (pbwc__corner_side(work->job->clip, mesh, end, v, to) > 0
+            && (fan[i].from < 0 || pbwc__centre_side(mesh, p, q, parts[fan[i].from].simplex) <= 0)
+            && (fan[i].to < 0 || pbwc__centre_side(mesh, p, q, parts[fan[i].to].simplex) > 0)) {
             return to;
         }
     }
@@ -2059,8 +2089,6 @@ static pbw_status pbwc__follow_edges(void *arg, size_t from, size_t to)
     int good = pbwc__work_start(&work, job);
     pbwc__array *visits = (pbwc__array *)clip->chunks.data + from / PBWC__EDGES;
     for (; good && from < to; from++) {
-        const double *p, *q;
-        pbwc__edge_ends(clip, (pbw_index)from, &p, &q);
         good = pbwc__follow(&work, (pbw_index)from, visits);
     }
     pbwc__work_end(&work);
@@ -2076,7 +2104,6 @@ static pbw_status pbwc__find_homes(void *arg, size_t from, size_t to)
     pbwc__work work;
     int good = pbwc__work_start(&work, job);
     for (; good && from < to; from++) {
-        const double *p = PBWC__CORNERS(job->clip) + 2 * from;
         pbw_index at = home[from], then = at;
         do {
             size_t u;
@@ -2084,7 +2111,7 @@ static pbw_status pbwc__find_homes(void *arg, size_t from, size_t to)
             good = pbwc__gather(&work, at);
             for (u = 0; good && u < work.links.count; u++) {
                 const pbw_index other = PBWC__LINKS(&work)[u].vertex;
-                then = pbwc__moved_side(mesh, p, then, other) > 0 ? other : then;
+                then = pbwc__corner_side(job->clip, mesh, (pbw_index)from, then, other) > 0 ? other : then;
             }
         } while (good && then != at);
         home[from] = at;
@@ -2129,7 +2156,7 @@ static int pbwc__crossings(const double *ring, size_t count, const double *x)
 }
 
 /* Does a ring turn counter-clockwise?  By its lowest corner, which is convex; -1 if it is not simple there. */
-static int pbwc__turns_left(const double *ring, size_t count)
+static int pbwc__turns_left(const double *ring, size_t count, size_t *corner)
 {
     const double *before, *at, *after;
     size_t lowest = 0, i, j;
@@ -2137,6 +2164,7 @@ static int pbwc__turns_left(const double *ring, size_t count)
         const double *x = ring + 2 * i, *y = ring + 2 * lowest;
         lowest = x[0] < y[0] || (!(x[0] > y[0]) && x[1] < y[1]) ? i : lowest;
     }
+    *corner = lowest;
     at = before = after = ring + 2 * lowest;
     for (i = j = 0; i < count && pbwc__is_at(after, at); i++) {
         after = ring + 2 * ((lowest + i) % count);
@@ -2200,7 +2228,56 @@ static pbw_status pbwc__check_polygon(const pbw_mesh *mesh, const pbw_domain *do
     return PBW_OK;
 }
 
-/* Copies the rings so that the inside is on their left. */
+/* Straight runs and neighbours elsewhere, of the ring of corners from..to-1 of which `corner` is one of a turn.
+   Returns 0 if the ring turns back on itself. */
+static int pbwc__find_runs(pbwc__clip *clip, pbw_index from, pbw_index to, pbw_index corner)
+{
+    const double *x = PBWC__CORNERS(clip);
+    pbw_index *before = PBWC__INDICES(clip->before), *after = PBWC__INDICES(clip->after);
+    pbw_index *run = PBWC__INDICES(clip->run), at = corner, last, i;
+    do {                                             /* from the first of those at its place */
+        corner = at;
+        at = at > from ? at - 1 : to - 1;
+    } while (pbwc__is_at(x + 2 * (size_t)at, x + 2 * (size_t)corner));
+    for (i = from, last = at, at = corner; i < to; i++, last = at, at = at + 1 < to ? at + 1 : from) {
+        before[at] = pbwc__is_at(x + 2 * (size_t)last, x + 2 * (size_t)at) ? before[last] : last;
+    }
+    at = corner;
+    for (i = from; i < to; i++) {
+        last = at;
+        at = at > from ? at - 1 : to - 1;
+        after[at] = pbwc__is_at(x + 2 * (size_t)last, x + 2 * (size_t)at) ? after[last] : last;
+    }
+    for (i = from, last = at = corner; i < to; i++, last = at, at = at + 1 < to ? at + 1 : from) {
+        const double *a = x + 2 * (size_t)before[at], *b = x + 2 * (size_t)at, *c = x + 2 * (size_t)after[at];
+        const int straight = pbw_orient2(a, b, c) == 0;
+        run[at] = straight ? run[last] : at;
+        if (straight && ((c[0] > b[0]) != (b[0] > a[0]) || (c[1] > b[1]) != (b[1] > a[1]))) {
+            return 0;
+        }
+    }
+    return 1;
+}
+
+/* Copies a ring so that the inside is on its left.  Returns 0 if it is found out not to be simple. */
+static int pbwc__copy_ring(pbwc__clip *clip, const pbw_domain *domain, size_t ring, const double *bounds)
+{
+    const size_t first = domain->ring_first[ring], count = domain->ring_first[ring + 1] - first;
+    size_t i, corner;
+    const int left = pbwc__turns_left(domain->rings + 2 * first, count, &corner);
+    const int hole = pbwc__is_hole(domain, ring, bounds), turn = left == hole;
+    for (i = 0; i < count; i++) {                    /* turn: corners from the last to the first */
+        const size_t at = first + i, from = turn ? first + count - 1 - i : at;
+        memcpy(PBWC__CORNERS(clip) + 2 * at, domain->rings + 2 * from, 2 * sizeof(double));
+        PBWC__INDICES(clip->name)[at] = (pbw_index)(first + (turn ? 2 * count - 2 - i : i) % count);
+        PBWC__INDICES(clip->next)[at] = (pbw_index)(i + 1 < count ? at + 1 : first);
+    }
+    corner = first + (turn ? count - 1 - corner : corner);
+    return left >= 0 && hole >= 0
+           && pbwc__find_runs(clip, (pbw_index)first, (pbw_index)(first + count), (pbw_index)corner);
+}
+
+/* Copies the rings. */
 static pbw_status pbwc__copy_rings(pbwc__job *job, const pbw_domain *domain)
 {
     const size_t *first = domain->ring_first;
@@ -2213,6 +2290,9 @@ static pbw_status pbwc__copy_rings(pbwc__job *job, const pbw_domain *domain)
     if (!pbwc__resize(&job->memory, &clip->x, clip->count * 2 * sizeof(double))
         || !pbwc__resize(&job->memory, &clip->name, clip->count * sizeof(pbw_index))
         || !pbwc__resize(&job->memory, &clip->next, clip->count * sizeof(pbw_index))
+        || !pbwc__resize(&job->memory, &clip->before, clip->count * sizeof(pbw_index))
+        || !pbwc__resize(&job->memory, &clip->after, clip->count * sizeof(pbw_index))
+        || !pbwc__resize(&job->memory, &clip->run, clip->count * sizeof(pbw_index))
         || !pbwc__resize(&job->memory, &clip->home, clip->count * sizeof(pbw_index))
         || !pbwc__resize(&job->memory, &bounds, domain->ring_count * 4 * sizeof(double))) {
         status = PBW_ERROR_MEMORY;
@@ -2228,18 +2308,7 @@ static pbw_status pbwc__copy_rings(pbwc__job *job, const pbw_domain *domain)
         }
     }
     for (r = 0; status == PBW_OK && r < domain->ring_count; r++) {
-        const size_t count = first[r + 1] - first[r];
-        const int left = pbwc__turns_left(domain->rings + 2 * first[r], count);
-        const int hole = pbwc__is_hole(domain, r, PBWC__DOUBLES(bounds));
-        status = left < 0 || hole < 0 ? PBW_ERROR_ARGUMENT : PBW_OK;
-        for (i = 0; status == PBW_OK && i < count; i++) {            /* turned: corners from the last to the first */
-            const int turn = left == hole;
-            const size_t at = first[r] + i, from = turn ? first[r + 1] - 1 - i : at;
-            const size_t edge = turn ? count - 1 - i + count - 1 : i;
-            memcpy(PBWC__CORNERS(clip) + 2 * at, domain->rings + 2 * from, 2 * sizeof(double));
-            PBWC__INDICES(clip->name)[at] = (pbw_index)(first[r] + edge % count);
-            PBWC__INDICES(clip->next)[at] = (pbw_index)(i + 1 < count ? at + 1 : first[r]);
-        }
+        status = pbwc__copy_ring(clip, domain, r, PBWC__DOUBLES(bounds)) ? PBW_OK : PBW_ERROR_ARGUMENT;
     }
     pbwc__release(&job->memory, &bounds);
     return status;
@@ -2330,7 +2399,6 @@ typedef struct pbwc__corner {              /* of a loop; what it is known to be 
     double x[2];                           /* relative to the site */
     int part;                              /* the centre of a part, else -1 */
     pbw_index ring;                        /* a corner of the polygon, else PBW_NONE */
-    pbw_index cut, beyond;                 /* where this edge crosses towards this neighbour, else PBW_NONE */
     pbw_index edge;                        /* what goes on from here: this edge, or if PBW_NONE */
     int link;                              /* the side to this link */
 } pbwc__corner;
@@ -2462,7 +2530,7 @@ static pbwc__corner *pbwc__add_corner(pbwc__work *work)
     pbwc__corner *corner = (pbwc__corner *)pbwc__room(work->memory, &work->loop, 1, sizeof *corner);
     if (corner != NULL) {
         corner->part = -1;
-        corner->ring = corner->cut = corner->beyond = corner->edge = PBW_NONE;
+        corner->ring = corner->edge = PBW_NONE;
         work->loop.count++;
     }
     return corner;
@@ -2470,7 +2538,8 @@ static pbwc__corner *pbwc__add_corner(pbwc__work *work)
 
 static int pbwc__add_ring_corner(pbwc__work *work, pbw_index v, pbw_index at)
 {
-    const double *site = work->job->mesh->points + 2 * (size_t)v, *x = PBWC__CORNERS(work->job->clip) + 2 * (size_t)at;
+    const double *site = work->job->mesh->points + 2 * (size_t)v;
+    const double *x = PBWC__CORNERS(work->job->clip) + 2 * (size_t)at;
     pbwc__corner *corner = pbwc__add_corner(work);
     if (corner == NULL) {
         return 0;
@@ -2500,7 +2569,8 @@ static int pbwc__add_crossing(pbwc__work *work, pbw_index v, const pbwc__end *en
     const pbwc__clip *clip = work->job->clip;
     const pbwc__visit *visit = work->visits + end->visit;
     const pbwc__fan *side = PBWC__FAN(work) + end->side;
-    const double t = end->leaves ? visit->t_out : visit->t_in, *site = mesh->points + 2 * (size_t)v, *p, *q, *at = NULL;
+    const double t = end->leaves ? visit->t_out : visit->t_in, *site = mesh->points + 2 * (size_t)v;
+    const double *p, *q, *at = NULL;
     const pbw_index beyond = PBWC__LINKS(work)[side->link].vertex;
     pbwc__corner *corner = pbwc__add_corner(work);
     int k;
@@ -2508,8 +2578,6 @@ static int pbwc__add_crossing(pbwc__work *work, pbw_index v, const pbwc__end *en
         return 0;
     }
     pbwc__edge_ends(clip, visit->edge, &p, &q);
-    corner->cut = visit->edge;
-    corner->beyond = beyond;
     corner->edge = end->leaves ? PBW_NONE : visit->edge;
     corner->link = side->link;
     if (pbwc__side(mesh, p, v, beyond) == 0) {
@@ -2595,49 +2663,8 @@ static void pbwc__join_corners(pbwc__corner *a, const pbwc__corner *b)
     a->link = b->link;
 }
 
-/* Is a corner of v's cell exactly on the line from p to q? */
-static int pbwc__on_line(const pbwc__work *work, pbw_index v, const pbwc__corner *corner, const double *p,
-                         const double *q)
-{
-    const pbw_mesh *mesh = work->job->mesh;
-    const double *r, *s;
-    if (corner->ring != PBW_NONE) {
-        return pbw_orient2(p, q, PBWC__CORNERS(work->job->clip) + 2 * (size_t)corner->ring) == 0;
-    }
-    if (corner->part >= 0) {
-        return pbwc__centre_side(mesh, p, q, PBWC__PARTS(work)[corner->part].simplex) == 0;
-    }
-    pbwc__edge_ends(work->job->clip, corner->cut, &r, &s);
-    return (pbw_orient2(p, q, r) == 0 && pbw_orient2(p, q, s) == 0)
-           || (pbwc__side(mesh, p, v, corner->beyond) == 0 && pbwc__side(mesh, q, v, corner->beyond) == 0);
-}
-
-/* Are all corners of the loop on one line?  Then it is that of a wall. */
-static int pbwc__is_flat(const pbwc__work *work, pbw_index v, const pbwc__corner *loop, size_t count)
-{
-    const double *p = NULL, *q = NULL, *r, *s;
-    size_t i, k;
-    for (i = 0; i < count; i++) {
-        if (loop[i].edge == PBW_NONE) {
-            continue;
-        }
-        pbwc__edge_ends(work->job->clip, loop[i].edge, &r, &s);
-        if (pbwc__is_at(r, s) || (p != NULL && pbw_orient2(p, q, r) == 0 && pbw_orient2(p, q, s) == 0)) {
-            continue;                                /* the line that was just looked at */
-        }
-        p = r;
-        q = s;
-        for (k = 0; k < count && pbwc__on_line(work, v, loop + k, p, q); k++) {
-        }
-        if (k == count) {
-            return 1;
-        }
-    }
-    return 0;
-}
-
-/* Ends the loop from corner `begin`: without edges of no length; all of it goes if it has no area. */
-static void pbwc__end_loop(pbwc__work *work, pbw_index v, size_t begin)
+/* Ends the loop from corner `begin`: without edges of no length. */
+static void pbwc__end_loop(pbwc__work *work, size_t begin)
 {
     pbwc__corner *loop = PBWC__LOOP(work) + begin;
     size_t i, count = 0;
@@ -2654,7 +2681,7 @@ static void pbwc__end_loop(pbwc__work *work, pbw_index v, size_t begin)
         loop[0] = loop[count - 1];
         count--;
     }
-    work->loop.count = count < 3 || pbwc__is_flat(work, v, loop, count) ? begin : begin + count;
+    work->loop.count = count < 3 ? begin : begin + count;
 }
 
 /* The loop of which a visit is part.  Returns a status. */
@@ -2689,14 +2716,19 @@ static pbw_status pbwc__trace(pbwc__work *work, pbw_index v, int visit)
         }
         visit = then;
     } while (status == PBW_OK && visit >= 0 && visit != start);
-    pbwc__end_loop(work, v, begin);
+    pbwc__end_loop(work, begin);
     return status == PBW_OK && visit < 0 ? PBW_ERROR_ARGUMENT : status;
+}
+
+/* Is a cell that no edge crosses inside, but for rings within it? */
+static int pbwc__is_inside(const pbwc__clip *clip, pbw_index v)
+{
+    return ((const unsigned char *)clip->inside.data)[PBWC__INDICES(clip->root)[v]] & 1;
 }
 
 /* All loops of the cell of v; in work->loop, where each begins in work->begins.  Returns a status. */
 static pbw_status pbwc__find_loops(pbwc__work *work, pbw_index v)
 {
-    const pbwc__clip *clip = work->job->clip;
     unsigned char *used;
     size_t i, pass;
     pbw_status status = PBW_OK;
@@ -2710,7 +2742,7 @@ static pbw_status pbwc__find_loops(pbwc__work *work, pbw_index v)
     for (i = 0; i < work->ends.count; i++) {
         work->end_places[2 * PBWC__ENDS(work)[i].visit + PBWC__ENDS(work)[i].leaves] = i;
     }
-    if (work->ends.count == 0 && (((const unsigned char *)clip->inside.data)[PBWC__INDICES(clip->root)[v]] & 1) != 0) {
+    if (work->ends.count == 0 && pbwc__is_inside(work->job->clip, v)) {
         if (!pbwc__push(work->memory, &work->begins, 0)) {
             return PBW_ERROR_MEMORY;
         }
@@ -2720,7 +2752,7 @@ static pbw_status pbwc__find_loops(pbwc__work *work, pbw_index v)
                 return side->from < 0 ? PBW_ERROR_ARGUMENT : PBW_ERROR_MEMORY;
             }
         }
-        pbwc__end_loop(work, v, 0);
+        pbwc__end_loop(work, 0);
     }
     for (pass = 0; pass < 2; pass++) {               /* chains that enter, then rings within the cell */
         for (i = 0; status == PBW_OK && i < work->visit_count; i++) {
@@ -2754,7 +2786,7 @@ static pbw_index pbwc__corner_vertex(pbwc__work *work, pbw_index v, const pbwc__
     return number == PBW_NONE ? PBW_NONE : (pbw_index)mesh->simplex_count + number;
 }
 
-/* Adds a loop's cone over the site to sum, and its sides to the facets.  Returns 0 if there is no memory. */
+/* Adds a loop's area and moments to sum, and its sides to the facets.  Returns 0 if there is no memory. */
 static int pbwc__loop_out(pbwc__work *work, pbw_index v, size_t begin, size_t end, double *sum)
 {
     const pbwc__corner *loop = PBWC__LOOP(work);
@@ -2777,12 +2809,12 @@ static int pbwc__loop_out(pbwc__work *work, pbw_index v, size_t begin, size_t en
             return 0;
         }
     }
-    for (i = begin; i < end; i++) {
-        const double *a = loop[i].x, *b = loop[i + 1 < end ? i + 1 : begin].x;
-        const double w = a[0] * b[1] - a[1] * b[0];
+    for (i = begin + 1; i + 1 < end; i++) {
+        const double *o = loop[begin].x, *a = loop[i].x, *b = loop[i + 1].x;
+        const double w = (a[0] - o[0]) * (b[1] - o[1]) - (a[1] - o[1]) * (b[0] - o[0]);
         sum[3] += w;
-        sum[0] += w * (a[0] + b[0]);
-        sum[1] += w * (a[1] + b[1]);
+        sum[0] += w * (o[0] + a[0] + b[0]);
+        sum[1] += w * (o[1] + a[1] + b[1]);
     }
     return 1;
 }
@@ -2791,13 +2823,12 @@ static int pbwc__loop_out(pbwc__work *work, pbw_index v, size_t begin, size_t en
 static pbw_status pbwc__clip_cell(pbwc__work *work, pbw_index v)
 {
     pbwc__job *job = work->job;
-    const pbwc__clip *clip = job->clip;
     double sum[4] = { 0, 0, 0, 0 };
     size_t i;
     pbw_status status;
-    (void)pbwc__visits_of(clip, v, &work->visit_count);
+    (void)pbwc__visits_of(job->clip, v, &work->visit_count);
     if (work->visit_count == 0) {
-        if ((((const unsigned char *)clip->inside.data)[PBWC__INDICES(clip->root)[v]] & 1) == 0) {
+        if (!pbwc__is_inside(job->clip, v)) {
             pbwc__set_cell(job, v, sum);
             return PBW_OK;
         }
@@ -2866,6 +2897,9 @@ static void pbwc__end_clip(pbwc__job *job)
     pbwc__release(&job->memory, &clip->x);
     pbwc__release(&job->memory, &clip->name);
     pbwc__release(&job->memory, &clip->next);
+    pbwc__release(&job->memory, &clip->before);
+    pbwc__release(&job->memory, &clip->after);
+    pbwc__release(&job->memory, &clip->run);
     pbwc__release(&job->memory, &clip->home);
     pbwc__release(&job->memory, &clip->visits);
     pbwc__release(&job->memory, &clip->first);
@@ -3824,7 +3858,8 @@ PBWCELLSDEF pbw_status pbw_cells_periodic(int dim, const double *points, const d
     }
     memset(cells, 0, sizeof *cells);
     if ((dim != 2 && dim != 3) || (points == NULL && count > 0) || domain == NULL || domain->box == NULL
-        || domain->plane_count != 0 || domain->ring_count != 0 || domain->periodic == 0 || domain->periodic >> dim != 0 || !pbwc__knows(what)
+        || domain->plane_count != 0 || domain->ring_count != 0 || domain->periodic == 0
+        || domain->periodic >> dim != 0 || !pbwc__knows(what)
         || (options != NULL && (options->stride != 0 || options->weight_stride != 0))) {
         return PBW_ERROR_ARGUMENT;
     }
