@@ -18,8 +18,8 @@
    belong to the edges at the vertex.  Volumes and centroids come from one pass over the facets of the mesh: no cell
    is built.  Facets are read off the stars.  Cells with a corner outside the domain are cut: their polytope by the
    walls, or, at the hull, the domain by one half-space for each neighbour; only neighbours in the triangulation
-   matter, as the cell is the intersection of their half-spaces.  All ways sum signed determinants relative to the site, so the
-   order of the points, obtuse simplices and centres outside their simplex need no case.
+   matter, as the cell is the intersection of their half-spaces.  All ways sum signed determinants relative to the
+   site, so the order of the points, obtuse simplices and centres outside their simplex need no case.
    A polygon's edges are followed from cell to cell; where they cross and what they enclose is decided by exact signs.
    Cutting classifies each corner once, as inside or outside, and shares each new corner between its two facets:
    however the signs are rounded, the surface stays closed.
@@ -95,8 +95,8 @@ typedef struct pbw_cells {                 /* start from {0}; read, do not write
 /* Computes the cells of a mesh's points: Voronoi cells, with weights power cells; what: PBW_CELLS_* or'ed.
    domain: NULL = the whole space; else convex and bounded: a box, planes, or both; or a polygon.  Its rings must not
    cross nor overlap; they may touch at corners, but not where cells meet.  Coordinates of its corners and of points
-   must be 0 or 1e-57 to 1e60 in size, weights 0 or within the squares of those.  Cells that it only touches are empty.
-   Needs mesh->neighbors.
+   must be 0 or 1e-57 to 1e60 in size, weights 0 or within the squares of those.  Cells that it only touches are
+   empty.  Needs mesh->neighbors.
    A mesh of PBW_DEGENERATE points gives PBW_DEGENERATE and empty cells.  Fails as pbw_triangulate does, with
    PBW_ERROR_ARGUMENT also for a domain that is unbounded or empty, or periodic, and where rings that cross are found
    out, which is not certain; cells is then left empty. */
