@@ -205,7 +205,14 @@ mv c.csv first.csv
 check "clipped cells: rings as GeoJSON" says 0 "$whole" cells sites.csv --clip rings.geojson -o c.csv
 check "clipped cells: which are the same" cmp c.csv first.csv
 check "clipped cells: parts" "$pbw" cells sites.csv --clip rings.geojson --quiet -o c.obj -o c.vtu
-check "a clipped cell with a hole" says 1 "has a hole, which .vtu cannot hold" cells heavy.csv --clip rings.csv -o c.vtu
+flat() {    # the area of all faces of an .obj in the plane
+    awk '$1 == "v" { n++; x[n] = $2; y[n] = $3 }
+        $1 == "f" { for (i = 2; i <= NF; i++) { a = $i; b = i < NF ? $(i + 1) : $2; sum += x[a]*y[b] - y[a]*x[b] } }
+        END { printf "%.4f\n", sum / 2 }' "$1"
+}
+check "clipped cells: the area of parts" [ "$(flat c.obj)" = 455000.0000 ]
+check "a clipped cell with a hole" says 1 "has a hole, which .vtu cannot hold" \
+    cells heavy.csv --clip rings.csv -o c.vtu
 check "a ring of two corners" says 1 "a ring of 2 corners" cells sites.csv --clip one.csv -o c.csv
 check "rings that cross" says 1 "rings that cross" cells sites.csv --clip bow.csv -o c.csv
 check "--clip in 3D" says 1 "--clip rings.csv: the points are in 3D" cells m.csv --clip rings.csv -o c.csv
@@ -236,8 +243,6 @@ if [ -n "$python" ]; then
     check "VTK reads polyhedra" vtk 42 500 1
     "$pbw" cells --generate uniform 500 --dim 2 --box 0,0,1,1 --quiet -o c.vtu
     check "VTK reads polygons" vtk 7 500 1
-    "$pbw" cells sites.csv --clip rings.csv --quiet -o c.vtu
-    check "VTK reads clipped polygons" vtk 7 "$(sed -n 's/.*NumberOfCells="\([0-9]*\)".*/\1/p' c.vtu)" 455000
 else
     skip "python3-vtk9: not installed"
 fi

@@ -3,8 +3,8 @@
 
 static const option cells_options[] = {
     { "--box", "X,Y[,Z],X,Y[,Z]", "low corner and high corner: cells end there", BOX, 0, 0, NULL },
-    { "--clip", "POLYGON", "a file of rings, in 2D: cells end there.  A ring ends with its first corner; what is in an\n"
-      "odd number of rings is inside", PLAIN, 0, 0, NULL },
+    { "--clip", "POLYGON", "a file of rings, in 2D: cells end there.  A ring ends with its first corner; what is\n"
+      "in an odd number of rings is inside", PLAIN, 0, 0, NULL },
     { "--periodic", "xyz", "the axes along which the box repeats", AXES, 0, 0, NULL },
     { "--merge", NULL, "the true diagram: centres that coincide are one corner, facets without area left out", SWITCH,
       0, 0, NULL },
@@ -173,8 +173,9 @@ static int make(job *j, const pbw_domain *domain, unsigned what, pbw_cells *cell
     }
     status = domain->periodic == 0 ? pbw_cells_of(&j->mesh, domain, what, &j->build, cells)
            : pbw_cells_periodic(c->dim, c->points, c->weights, c->count, domain, what, &j->build, cells);
-    failed = status == PBW_ERROR_ARGUMENT && domain->ring_count > 0 ? fail(j, "%s: rings that cross, touch where cells "
-             "meet or have no area, or coordinates out of range", text_of(j, "--clip")) : explain(j, status);
+    failed = status != PBW_ERROR_ARGUMENT || domain->ring_count == 0 ? explain(j, status)
+           : fail(j, "%s: rings that cross, touch where cells meet or have no area, or coordinates out of range",
+                  text_of(j, "--clip"));
     if (!failed) {
         say(j, "cells", now() - start, "%s", "");
     }
