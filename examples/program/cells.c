@@ -29,8 +29,8 @@ static void emit(void *user, FILE *file)
 static pbwio_status write_cells(job *j, const char *path, const char *ending, void *user, pbwio_error *error)
 {
     const pbw_cells *cells = (const pbw_cells *)user;
-    (void)j;
     return strcmp(ending, "csv") == 0 ? pbwio_save(path, emit, user, error)
+         : strcmp(ending, "html") == 0 ? write_cell_page(j, path, cells, error)
          : write_diagram(path, ending, cells, error);
 }
 
@@ -194,6 +194,10 @@ static int contents_of(const job *j)
             (void)fail(j, "%s: a picture of cells needs points in 2D", j->output[i]);
             return -1;
         }
+        if (strcmp(ending, "html") == 0 && is_given(j, "--clip")) {
+            (void)fail(j, "%s: pages do not show clipped cells: write .svg", j->output[i]);
+            return -1;
+        }
     }
     return (int)what;
 }
@@ -261,9 +265,10 @@ const command command_cells = {
     "\n"
     "input:   as for pbw mesh\n"
     "output:  .csv: id, volume (2D: area; unbounded: inf), centroid, number of facets;\n"
-    "         .vtu .obj (cells as polyhedra, 2D: polygons), .svg (2D, coloured by area): those that are bounded\n"
+    "         .vtu .obj (cells as polyhedra, 2D: polygons), .svg (2D, coloured by area): those that are bounded;\n"
+    "         .html: a page to look at them: cut, exploded, coloured by volume or number of facets\n"
     "\n",
-    "csv vtu obj svg",
+    "csv vtu obj svg html",
     { cells_options, input_options, build_options, output_options, common_options, NULL, NULL, NULL },
     run, 0, 0, 0, NULL, 0
 };

@@ -199,7 +199,7 @@ if (flat) document.querySelectorAll('.cut').forEach(x => { x.hidden = true; });
 if (!count && !triangle_count) $('draw').parentNode.hidden = true;
 $('show').parentNode.hidden = !triangle_count || !count;
 $('outside').parentNode.hidden = !inside;
-$('slivers').parentNode.hidden = dim === 2 || !count || kept_only || inside !== null;
+$('slivers').parentNode.hidden = dim === 2 || !count || kept_only || inside !== null || grouped;
 if (flat) document.querySelectorAll('.space').forEach(x => { x.hidden = true; });
 $('up').options[3].hidden = !has_up;
 if (!count) $('go-kind').value = 3;
