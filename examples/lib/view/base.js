@@ -14,8 +14,9 @@ const short = (x, span = 0) => Number.isInteger(x) && Math.abs(x) < 1e6 ? '' + x
   : Math.abs(x) < 1e-3 * span ? '0' : '' + +x.toPrecision(3);
 window.onerror = text => say('This page failed: ' + text);
 $('title').textContent = document.title;
-$('facts').textContent = grouped ? given.note + ' in ' + dim + 'D' : (count ? whole(count) + ' ' + simplex + ', ' : '') + whole(points) + ' points in '
-  + dim + 'D' + (given.note ? '; ' + given.note : '');
+$('facts').textContent = grouped ? given.note + ' in ' + dim + 'D'
+  : (count ? whole(count) + ' ' + simplex + ', ' : '') + whole(points) + ' points in ' + dim + 'D'
+    + (given.note ? '; ' + given.note : '');
 canvas.addEventListener('webglcontextlost', () => say('The graphics driver gave up: reload the page.'));
 
 const dot = (a, b) => a[0] * b[0] + a[1] * b[1] + a[2] * b[2];

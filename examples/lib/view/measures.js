@@ -94,7 +94,9 @@ function summarise(a) {
   if (a.bin) return;
   const value = values(a), sorted = new Float32Array(value.length);
   let m = 0, sum = 0;
-  for (let i = 0; i < value.length; i++) if (is_value(value[i]) && (a.of_points || counts(i))) { sorted[m++] = value[i]; sum += value[i]; }
+  for (let i = 0; i < value.length; i++) {
+    if (is_value(value[i]) && (a.of_points || counts(i))) { sorted[m++] = value[i]; sum += value[i]; }
+  }
   const rank = sorted.subarray(0, m).sort();
   a.least = a.low = m ? rank[0] : 0;
   a.largest = a.high = m ? rank[m - 1] : 0;
