@@ -740,6 +740,7 @@ struct pbwc__period {
     double heaviest, lightest;             /* weight */
     double from[3], to[3];                 /* bounds of the marked part */
     pbwc__array x, w, source, marks;       /* source: of each copy */
+    pbwc__array thin;                      /* per point: is it one of few that are copied far out?  NULL: none is */
     int marked;                            /* new marks in this round */
 };
 
@@ -2914,6 +2915,8 @@ static void pbwc__end_clip(pbwc__job *job)
    is in the ball around that corner that reaches to the site (with weights: whose square is the corner's power
    distance plus the largest weight).  Balls that leave the padded box mark a grid, and the copies there are added.
    A cell that becomes smaller has smaller balls, in the union of its old ones; so a second round is the last.
+   Where points crowd, balls in the void are large and would add most copies: then a few copies, one point of each
+   cell of a coarse grid, first make them smaller.
    Along a periodic axis a cell reaches at most half the box from its site, as its images have the rest; so a box of
    3/4 to each side is what it is cut from.
    ------------------------------------------------------------------------------------------------------ */
@@ -3652,8 +3655,9 @@ static void pbwc__extent(pbwc__period *period)
     const double step = 1.0 / PBWC__GRID;
     int at[3], k;
     for (k = 0; k < period->dim; k++) {
-        period->from[k] = -period->margin[k];
-        period->to[k] = period->size[k] + period->margin[k];
+        const double half = period->thin.data != NULL ? 0.5 * period->size[k] : 0;
+        period->from[k] = half > period->margin[k] ? -half : -period->margin[k];
+        period->to[k] = period->size[k] - period->from[k];
     }
     for (at[2] = 0; at[2] < PBWC__GRID; at[2]++) {
         for (at[1] = 0; at[1] < PBWC__GRID; at[1]++) {
@@ -3670,16 +3674,19 @@ static void pbwc__extent(pbwc__period *period)
     }
 }
 
-static int pbwc__is_copied(const pbwc__period *period, const double *x)
+/* Is the copy of point i at x one of those needed? */
+static int pbwc__is_copied(const pbwc__period *period, size_t i, const double *x)
 {
     int at[3] = { 0, 0, 0 }, k, inside = 1;
+    int near = period->thin.data != NULL && ((const unsigned char *)period->thin.data)[i] != 0;
     for (k = 0; k < period->dim; k++) {
         at[k] = pbwc__grid_at(period, k, x[k]);
         if ((period->axes >> k & 1) != 0) {
             inside &= x[k] >= -period->margin[k] && x[k] <= period->size[k] + period->margin[k];
+            near &= x[k] >= -0.5 * period->size[k] && x[k] <= 1.5 * period->size[k];
         }
     }
-    return inside || *pbwc__grid_mark(period, at) != 0;
+    return inside || near || *pbwc__grid_mark(period, at) != 0;
 }
 
 /* One more point.  Returns 0 if there is no memory. */
@@ -3722,7 +3729,7 @@ static int pbwc__add_copies(pbwc__period *period, size_t i)
                 for (k = 0; k < dim; k++) {
                     x[k] = p[k] + shift[k] * period->size[k];
                 }
-                if (pbwc__is_copied(period, x) && !pbwc__add_copy(period, x, weight, (pbw_index)i)) {
+                if (pbwc__is_copied(period, i, x) && !pbwc__add_copy(period, x, weight, (pbw_index)i)) {
                     return 0;
                 }
             }
@@ -3760,6 +3767,42 @@ static pbw_status pbwc__copies(pbwc__period *period)
             return PBW_ERROR_MEMORY;
         }
     }
+    return PBW_OK;
+}
+
+/* Chooses the first point in each cell of a grid over the box, and forgets all marks. */
+static pbw_status pbwc__choose_thin(pbwc__period *period)
+{
+    const size_t dim = (size_t)period->dim;
+    const double least = pow((double)period->count / 8, 1.0 / (double)dim), most = dim == 3 ? 16 : 64;
+    const size_t side = (size_t)(least < most ? least : most);
+    unsigned char *thin;
+    pbwc__array taken;
+    size_t i, k;
+    memset(&taken, 0, sizeof taken);
+    if (!pbwc__resize(period->memory, &taken, side * side * (dim == 3 ? side : 1))) {
+        return PBW_ERROR_MEMORY;
+    }
+    memset(taken.data, 0, taken.bytes);
+    if (!pbwc__resize(period->memory, &period->thin, period->count)) {
+        pbwc__release(period->memory, &taken);
+        return PBW_ERROR_MEMORY;
+    }
+    thin = (unsigned char *)period->thin.data;
+    for (i = 0; i < period->count; i++) {
+        unsigned char *slot = (unsigned char *)taken.data;
+        size_t at = 0;
+        for (k = 0; k < dim; k++) {
+            const double low = (period->axes >> k & 1) != 0 ? 0 : period->low[k];
+            const double high = (period->axes >> k & 1) != 0 ? period->size[k] : period->high[k];
+            const double place = (PBWC__DOUBLES(period->x)[i * dim + k] - low) / (high - low) * (double)side;
+            at = at * side + (!(place > 0) ? 0 : place >= (double)side ? side - 1 : (size_t)place);
+        }
+        thin[i] = slot[at] == 0;
+        slot[at] = 1;
+    }
+    memset(period->marks.data, 0, period->marks.bytes);
+    pbwc__release(period->memory, &taken);
     return PBW_OK;
 }
 
@@ -3811,6 +3854,10 @@ static pbw_status pbwc__round(pbwc__job *job, const double *box, const pbw_optio
     const size_t dim = (size_t)period->dim;
     size_t k;
     pbw_status status = pbwc__copies(period);
+    if (status == PBW_OK && period->total > 5 * period->count && period->count >= 500 && period->thin.data == NULL) {
+        status = pbwc__choose_thin(period);
+        status = status == PBW_OK ? pbwc__copies(period) : status;
+    }
     memset(&own, 0, sizeof own);
     memset(&domain, 0, sizeof domain);
     memset(&mesh, 0, sizeof mesh);
@@ -3892,6 +3939,7 @@ PBWCELLSDEF pbw_status pbw_cells_periodic(int dim, const double *points, const d
     pbwc__release(&job.memory, &period.w);
     pbwc__release(&job.memory, &period.source);
     pbwc__release(&job.memory, &period.marks);
+    pbwc__release(&job.memory, &period.thin);
     if (cells->memory != NULL) {
         ((pbwc__owned *)cells->memory)->memory = job.memory;
     }
