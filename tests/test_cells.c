@@ -608,7 +608,7 @@ static void test_moved(int dim, int kind, size_t count)
     }
 }
 
-/* Points that crowd do not make the void around them take copies of most of them: that is some 16,000 bytes a point. */
+/* Points that crowd do not make the void around them take copies of most of them: some 16,000 bytes a point. */
 static void test_crowded(void)
 {
     if (test_begin("periodic: 3D, 10000 clusters, in bounded memory")) {

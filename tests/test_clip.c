@@ -333,8 +333,8 @@ static double sum_of(const pbw_cells *cells)
     return sum;
 }
 
-/* Facets of each cell join to loops around its area and centroid, and those between two cells have one length.
-   Returns the worst fault. */
+/* Facets of each cell join to loops around its area and centroid, and those between two cells have one length; a
+   power cell may be a segment, of which the polygon has none.  Returns the worst fault. */
 static double shape_fault(const sites *s, const pbw_cells *cells, double size)
 {
     double worst = 0;
@@ -358,7 +358,7 @@ static double shape_fault(const sites *s, const pbw_cells *cells, double size)
             moment[0] += (ax * by - ay * bx) * (ax + bx) / 6;
             moment[1] += (ax * by - ay * bx) * (ay + by) / 6;
             worst = fmax(worst, fabs(cells->areas[f] - hypot(bx - ax, by - ay)) / size);
-            if (cells->neighbors[f] < s->count) {
+            if (cells->neighbors[f] < s->count && cells->volumes[cells->neighbors[f]] > 0) {
                 worst = fmax(worst, fabs(area_to(cells, i, cells->neighbors[f])
                                          - area_to(cells, cells->neighbors[f], (pbw_index)i)) / size);
             }
@@ -481,6 +481,69 @@ static void test_polygons(void)
                 }
             }
         }
+    }
+}
+
+/* ---- random polygons and points on a small grid: edges along sides, through corners of cells, through points */
+
+/* Between a lower and an upper chain; sometimes with a square hole, never touching. */
+static void make_monotone(polygon *p, uint64_t *state)
+{
+    enum { STEPS = 7 };
+    int low[STEPS], high[STEPS], i, count = 2 + (int)input_below(state, STEPS - 1);
+    polygon_start(p);
+    for (i = 0; i < count; i++) {
+        low[i] = (int)input_below(state, 4);
+        high[i] = low[i] + 1 + (int)input_below(state, 5);
+        add(p, i, low[i]);
+    }
+    for (i = count; i-- > 0; ) {
+        add(p, i, high[i]);
+    }
+    close_ring(p);
+    if (count > 2 && low[0] < 2 && low[1] < 2 && high[0] > 3 && high[1] > 3) {
+        add(p, 0.5, 2.5), add(p, 0.75, 2.5), add(p, 0.75, 2.75), add(p, 0.5, 2.75);
+        close_ring(p);
+    }
+}
+
+static void test_grid(void)
+{
+    static polygon p;
+    long i;
+    if (test_begin("random polygons on a grid")) {
+        for (i = 0; i < test_count; i++) {
+            uint64_t state = test_seed * 1000003 + (uint64_t)i;
+            double x[2 * 24], w[24], fault;
+            pbw_domain domain;
+            pbw_mesh mesh;
+            pbw_cells cells;
+            sites s;
+            size_t k;
+            make_monotone(&p, &state);
+            memset(&s, 0, sizeof s);
+            s.count = 3 + input_below(&state, 22);
+            s.x = x;
+            s.w = i % 3 == 0 ? w : NULL;
+            for (k = 0; k < 2 * s.count; k++) {      /* halves */
+                x[k] = input_below(&state, 15) / 2.0 - 0.5;
+                w[k / 2] = input_below(&state, 3) / 2.0;
+            }
+            if (pbw_triangulate(2, x, s.w, s.count, NULL, &mesh) == PBW_OK) {
+                const pbw_status status = pbw_cells_of(&mesh, (domain = domain_of(&p), &domain),
+                                                       i % 2 != 0 ? ALL : ALL | PBW_CELLS_MERGE, NULL, &cells);
+                s.canonical = mesh.canonical;
+                fault = status != PBW_OK ? 1 : fmax(fabs(sum_of(&cells) - area_of(&p)), wall_fault(&p, &cells, 1));
+                fault = status != PBW_OK ? 1 : fmax(fault, shape_fault(&s, &cells, 1));
+                fault = status != PBW_OK ? 1 : fmax(fault, brute_fault(&s, &p, &cells, 1, 1));
+                if (!CHECK(fault < 1e-12)) {
+                    test_say("case %ld: status %d, fault %g", i, (int)status, fault);
+                }
+                pbw_cells_free(&cells);
+            }
+            pbw_free(&mesh);
+        }
+        test_end();
     }
 }
 
@@ -734,8 +797,9 @@ static void test_failures(void)
 
 int main(int argc, char **argv)
 {
-    test_start(argc, argv, 0);
+    test_start(argc, argv, 2000);
     test_polygons();
+    test_grid();
     test_aligned();
     test_range();
     test_arguments();

@@ -2504,7 +2504,7 @@ static pbw_status pbwc__tell_neighbors(void *arg, size_t from, size_t to)
     for (; good && from < to; from++) {
         const pbwc__end *end;
         size_t i, at;
-        if ((inside[from] & 2) == 0) {
+        if ((PBWC__READ(inside + from) & 2) == 0) {
             continue;
         }
         good = pbwc__find_ends(&work, (pbw_index)from);
@@ -2514,7 +2514,7 @@ static pbw_status pbwc__tell_neighbors(void *arg, size_t from, size_t to)
             while (at < work.ends.count && end[at].side <= (int)i) {
                 at++;
             }
-            if (other < job->count && (inside[other] & 2) == 0
+            if (other < job->count && (PBWC__READ(inside + other) & 2) == 0
                 && end[at > 0 ? at - 1 : work.ends.count - 1].leaves) {
                 unsigned char *mark = inside + PBWC__INDICES(job->clip->root)[other];
                 PBWC__WRITE(mark, 1);                /* threads may write the same */
