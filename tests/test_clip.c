@@ -334,7 +334,7 @@ static double sum_of(const pbw_cells *cells)
 }
 
 /* Facets of each cell join to loops around its area and centroid, and those between two cells have one length; a
-   power cell may be a segment, of which the polygon has none.  Returns the worst fault. */
+   power cell may be a segment, of which the polygon has a part or none.  Returns the worst fault. */
 static double shape_fault(const sites *s, const pbw_cells *cells, double size)
 {
     double worst = 0;
@@ -358,7 +358,8 @@ static double shape_fault(const sites *s, const pbw_cells *cells, double size)
             moment[0] += (ax * by - ay * bx) * (ax + bx) / 6;
             moment[1] += (ax * by - ay * bx) * (ay + by) / 6;
             worst = fmax(worst, fabs(cells->areas[f] - hypot(bx - ax, by - ay)) / size);
-            if (cells->neighbors[f] < s->count && cells->volumes[cells->neighbors[f]] > 0) {
+            if (cells->neighbors[f] < s->count && cells->volumes[i] > 0
+                && cells->volumes[cells->neighbors[f]] > 0) {
                 worst = fmax(worst, fabs(area_to(cells, i, cells->neighbors[f])
                                          - area_to(cells, cells->neighbors[f], (pbw_index)i)) / size);
             }
