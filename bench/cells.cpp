@@ -1,7 +1,8 @@
 /* cells.cpp: Voronoi cells per second, after the mesh and with its build, beside voro++ where it is installed.
        make bench-cells                   or: build/bench_cells [POINTS [ROUNDS]]
    Times are the processor's, of one thread, the medians of rounds that alternate between the programs.  "of B" is the
-   time of a cell in units of the build's time of a point. */
+   time of a cell in units of the build's time of a point.  Periodic: points, weights none, to volumes and centroids,
+   beside the build and the volumes of an open box. */
 #define PBW_IMPLEMENTATION
 #include "pbw.h"
 #define PBW_CELLS_IMPLEMENTATION
@@ -59,13 +60,25 @@ static void line(const char *what, double seconds, double build, double points)
                 seconds / build);
 }
 
-static void run(int dim, size_t count, int rounds, unsigned order)
+static void run(int dim, size_t count, int rounds, unsigned order, int kind)
 {
     std::vector<double> points(count * static_cast<size_t>(dim));
-    const double box[6] = { 0, 0, dim == 3 ? 0.0 : 1.0, 1, 1, 1 };
-    samples build, volumes, facets, shapes, rival;
+    double box[6] = { 0, 0, dim == 3 ? 0.0 : 1.0, 1, 1, 1 }, whole = 1;
+    const size_t size = static_cast<size_t>(dim);
+    samples build, volumes, facets, shapes, periodic, rival;
     double sum = 0, other = 0;
-    input_fill(INPUT_UNIFORM, dim, count, 1, points.data());
+    input_fill(kind, dim, count, 1, points.data());
+    for (size_t k = 0; k < size && kind != INPUT_UNIFORM; k++) {         /* the bounds, and one hundredth more */
+        box[k] = box[size + k] = points[k];
+        for (size_t i = k; i < points.size(); i += size) {
+            box[k] = std::min(box[k], points[i]);
+            box[size + k] = std::max(box[size + k], points[i]);
+        }
+        const double margin = 0.01 * (box[size + k] - box[k]);
+        box[k] -= margin;
+        box[size + k] += margin;
+        whole *= box[size + k] - box[k];
+    }
     for (int round = 0; round < rounds; round++) {
         pbw_options options = pbw_options();
         pbw_domain domain = pbw_domain();
@@ -94,8 +107,17 @@ static void run(int dim, size_t count, int rounds, unsigned order)
             pbw_cells_free(&cells);
         }
         pbw_free(&mesh);
+        if (order != 0) {
+            start = now();
+            domain.periodic = (1u << dim) - 1;
+            if (pbw_cells_periodic(dim, points.data(), NULL, count, &domain, 0, &options, &cells) != PBW_OK) {
+                return;
+            }
+            periodic.all.push_back(now() - start);
+            pbw_cells_free(&cells);
+        }
 #ifdef BENCH_VORO
-        if (dim == 3 && order != 0) {
+        if (dim == 3 && order != 0 && kind == INPUT_UNIFORM) {
             start = now();
             other = voro_sum(points);
             rival.all.push_back(now() - start);
@@ -103,13 +125,17 @@ static void run(int dim, size_t count, int rounds, unsigned order)
 #endif
     }
     const double n = static_cast<double>(count), b = build.median();
-    std::printf("%dD, %zu uniform points, %s\n", dim, count, order != 0 ? "curve order" : "random order");
+    std::printf("%dD, %zu points, %s, %s\n", dim, count, input_name(kind), order != 0 ? "curve order" : "random order");
     line("build (B)", b, b, n);
     line("volumes, centroids", volumes.median(), b, n);
     line("volumes, centroids, facets", facets.median(), b, n);
     line("all, with shapes", shapes.median(), b, n);
     line("build, volumes, centroids", b + volumes.median(), b, n);
-    std::printf("  the volumes' sum is off by %.1e\n", sum - 1);
+    if (!periodic.all.empty()) {
+        line("periodic", periodic.median(), b, n);
+        std::printf("  periodic / open: %.2f\n", periodic.median() / (b + volumes.median()));
+    }
+    std::printf("  the volumes' sum is off by %.1e\n", sum / whole - 1);
     if (!rival.all.empty()) {
         line("voro++: volumes, centroids", rival.median(), b, n);
         std::printf("  its sum is off by %.1e; its time / that of build, volumes, centroids: %.1f\n", other - 1,
@@ -122,8 +148,10 @@ int main(int argc, char **argv)
     const size_t count = argc > 1 ? std::strtoul(argv[1], NULL, 10) : 200000;
     const int rounds = argc > 2 ? std::atoi(argv[2]) : 5;
     for (int dim = 2; dim <= 3; dim++) {
-        run(dim, count, rounds, PBW_CURVE_ORDER);
-        run(dim, count, rounds, 0);
+        run(dim, count, rounds, PBW_CURVE_ORDER, INPUT_UNIFORM);
+        run(dim, count, rounds, 0, INPUT_UNIFORM);
+        run(dim, count, rounds, PBW_CURVE_ORDER, INPUT_LATTICE);
+        run(dim, count, rounds, PBW_CURVE_ORDER, INPUT_CLUSTERS);
     }
     return 0;
 }

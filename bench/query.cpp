@@ -1,7 +1,8 @@
 /* query.cpp: queries of pbw.h beside CGAL and nanoflann: one thread, in one run, on the same points and queries
 
    make bench-query [POINTS=n]     uniform points and queries, processor time; each row is the median of five runs,
-                                   ours and the rival's in turn.  speed: how many times faster ours is.
+                                   ours and the rival's in turn.  speed: how many times faster ours is.  Then ours
+                                   alone on a lattice and on clusters, and how many times longer that takes.
 
    CGAL gets its points as one range, and locates each query of a batch from the last answer, after its own spatial
    sort, which is timed as ours is; so does nanoflann get the queries sorted in the one row, and as they come in the
@@ -23,6 +24,8 @@
 #include <ctime>
 #include <functional>
 #include <iterator>
+#include <map>
+#include <string>
 #include <vector>
 
 namespace {
@@ -62,6 +65,8 @@ double seconds(const std::function<void()> &work)
 }
 
 std::size_t volatile sink;
+int kind;                                  /* of points */
+std::map<std::string, double> uniform;     /* time of each row on uniform points */
 
 void row(const char *name, std::size_t count, const std::function<void()> &ours, const char *rival,
          const std::function<void()> &theirs, double part = 1)
@@ -69,10 +74,16 @@ void row(const char *name, std::size_t count, const std::function<void()> &ours,
     std::vector<double> a, b;
     for (int i = 0; i < 5; i++) {
         a.push_back(seconds(ours));
-        b.push_back(seconds(theirs) / part);
+        b.push_back(kind == INPUT_UNIFORM ? seconds(theirs) / part : 0);
     }
     std::sort(a.begin(), a.end());
     std::sort(b.begin(), b.end());
+    if (kind != INPUT_UNIFORM) {
+        std::printf("%-38s %8.3f us   %s %.2f\n", name, a[2] / double(count) * 1e6, "times uniform",
+                    a[2] / uniform[name]);
+        return;
+    }
+    uniform[name] = a[2];
     std::printf("%-38s %8.3f us   %-12s %8.3f us   speed %6.2f\n", name, a[2] / double(count) * 1e6, rival,
                 b[2] / double(count) * 1e6, b[2] / a[2]);
     std::fflush(stdout);
@@ -122,6 +133,26 @@ void nearest_rows(int dim, const pbw_mesh &mesh, const pbw_lists &stars, const s
     }
 }
 
+/* Queries in clusters, too; on a lattice at its points and in the middle of its edges, faces and cells. */
+void fill(int dim, std::size_t n, std::vector<double> &points, std::vector<double> &queries)
+{
+    const std::size_t size = std::size_t(dim);
+    if (kind != INPUT_CLUSTERS) {
+        input_fill(kind, dim, n, 1, points.data());
+        input_fill(kind, dim, n, 2, queries.data());
+        for (std::size_t i = 0; kind == INPUT_LATTICE && i < n * size; i++) {
+            queries[i] += i * 2654435761u >> 7 & 1 ? 0.5 : 0;
+        }
+        return;
+    }
+    std::vector<double> both(2 * n * size);
+    input_fill(kind, dim, 2 * n, 1, both.data());
+    for (std::size_t i = 0; i < n * size; i++) {
+        points[i] = both[i / size * 2 * size + i % size];
+        queries[i] = both[i / size * 2 * size + size + i % size];
+    }
+}
+
 template <int dim, class triangulation> void run(std::size_t n, unsigned flags, const char *numbering)
 {
     typedef locating<dim, triangulation> with;
@@ -131,18 +162,17 @@ template <int dim, class triangulation> void run(std::size_t n, unsigned flags, 
     pbw_lists stars, lists;
     std::vector<pbw_index> found(n), order(n);
     char name[80];
-    input_fill(INPUT_UNIFORM, dim, n, 1, points.data());
-    input_fill(INPUT_UNIFORM, dim, n, 2, queries.data());
+    fill(dim, n, points, queries);
     options.threads = 1;
     options.flags = flags;
     const double build = seconds([&] { pbw_triangulate(dim, points.data(), nullptr, n, &options, &mesh); });
     options.flags = 0;
     const double star = seconds([&] { pbw_stars(&mesh, &options, &stars); });
-    std::printf("%dD, %zu points, %s: build %.3f us, stars %.3f us a point\n", dim, n, numbering,
-                build / double(n) * 1e6, star / double(n) * 1e6);
+    std::printf("%dD, %zu points, %s, %s: build %.3f us, stars %.3f us a point\n", dim, n, input_name(kind),
+                numbering, build / double(n) * 1e6, star / double(n) * 1e6);
 
     const auto other = with::points(points);
-    const triangulation theirs(other.begin(), other.end());
+    const triangulation theirs(other.begin(), kind == INPUT_UNIFORM ? other.end() : other.begin() + 10);
     std::snprintf(name, sizeof name, "%dD locate, batch", dim);
     row(name, n, [&] { pbw_locate(&mesh, queries.data(), n, &options, found.data(), nullptr); }, "CGAL", [&] {
         auto sorted = with::points(queries);
@@ -194,9 +224,13 @@ template <int dim, class triangulation> void run(std::size_t n, unsigned flags, 
 int main(int argc, char **argv)
 {
     const std::size_t n = argc > 1 ? std::size_t(std::atof(argv[1])) : 100000;
-    run<3, delaunay3>(n, 0, "numbered at random");
-    run<3, delaunay3>(n, PBW_CURVE_ORDER, "numbered along the curve");
-    run<2, delaunay2>(n, 0, "numbered at random");
-    run<2, delaunay2>(n, PBW_CURVE_ORDER, "numbered along the curve");
+    const int kinds[3] = { INPUT_UNIFORM, INPUT_LATTICE, INPUT_CLUSTERS };
+    for (const unsigned flags : { 0u, unsigned(PBW_CURVE_ORDER) }) {
+        for (const int some : kinds) {
+            kind = some;
+            run<3, delaunay3>(n, flags, flags == 0 ? "numbered at random" : "numbered along the curve");
+            run<2, delaunay2>(n, flags, flags == 0 ? "numbered at random" : "numbered along the curve");
+        }
+    }
     return 0;
 }

@@ -121,7 +121,9 @@ int main(int argc, char **argv)
     size_t closed = 0;
     pbw_mesh mesh = { 0 };
     pbw_cells cells = { 0 };
-    const pbw_domain domain = { NULL, planes, PLANES, 0 };
+    pbw_domain domain = { 0 };
+    domain.planes = planes;
+    domain.plane_count = PLANES;
     cut_gem(planes);
     crack(points);
     if (pbw_triangulate(3, points, NULL, PIECES, NULL, &mesh) != PBW_OK

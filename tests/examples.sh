@@ -53,6 +53,16 @@ for example in steps shares; do
         [ "$(grep -c '<text' "$work/$example.svg"),$(tail -n 1 "$work/$example.svg")" = "3,</svg>" ]
     check "$example: no space left is an error" sh -c "[ ! -e /dev/full ] || ! $bin/$example /dev/full"
 done
+check "raster writes pictures" "$bin/raster" "$work/raster.pgm" "$work/linear.pgm"
+check "raster: of the size it says" [ "$(head -n 2 "$work/linear.pgm" | tail -n 1),$(wc -c < "$work/linear.pgm" |
+    tr -d ' ')" = "600 400,240015" ]
+check "periodic writes a picture" "$bin/periodic" "$work/foam.svg"
+check "periodic: each bubble in each of nine boxes" [ "$(grep -c '<path fill' "$work/foam.svg")" = 1080 ]
+check "alpha_molecule writes a picture" "$bin/alpha_molecule" "$work/molecule.svg"
+check "alpha_molecule: a whole one" [ "$(tail -n 1 "$work/molecule.svg")" = "</svg>" ]
+for example in raster periodic alpha_molecule; do
+    check "$example: no space left is an error" sh -c "[ ! -e /dev/full ] || ! $bin/$example /dev/full"
+done
 awk 'BEGIN { printf "P6\n# grey\n40 30\n255\n"; for (i = 0; i < 3600; i++) printf "%c", 48 + i % 75 }' \
     > "$work/in.ppm"
 check "lowpoly reads a PPM file" "$bin/lowpoly" "$work/in.ppm" "$work/lowpoly.svg"

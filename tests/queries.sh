@@ -180,14 +180,42 @@ check "periodic cells are closed" enclosed
 awk -F, 'NR == 1 { print "x,y,w"; next }
     { print $0 ",0" } NR < 5 { print $1 + 1e-3 "," $2 ",-0.01" }' some.csv > heavy.csv
 check "power cells" says 0 "3 of them empty, 0 unbounded" cells heavy.csv --weights w --box 0,0,1,1 -o c.svg -o c.csv
-area() {    # of all polygons of an .svg, as a share of its square of 1000
-    tr '">' '\n\n' < "$1" | awk -F'[ ,]' '/^ [0-9.e-]*,/ {
+area() {    # loops of an .svg and their area, as a share of its square of 1000
+    tr 'MZ">' '\n\n\n\n' < "$1" | awk -F'[ ,]' '/^ [0-9.e-]*,/ {
         n++
         for (i = 2; i < NF; i += 2) { k = i + 2 > NF ? 2 : i + 2; sum += $i * $(k + 1) - $(i + 1) * $k }
     } END { printf "%d %.4f\n", n, -sum / 2e6 }'
 }
 drawn() { area c.svg; [ "$(area c.svg)" = "$1" ]; }
 check "a picture of power cells" drawn "60 1.0000"
+
+
+# Cells clipped by a polygon: a triangle within a hole of a square, and a notch; in a picture holes are clockwise.
+printf '%s\n' 0,0 1000,0 1000,1000 500,0 0,1000 0,0 600,100 900,100 900,400 600,100 > rings.csv
+printf '0,0\n1,1\n0,0\n' > one.csv
+printf '0,0\n1000,1000\n1000,0\n0,1000\n' > bow.csv
+printf '{ "type": "Polygon", "coordinates": [[[0, 0], [1000, 0], [1000, 1000], [500, 0], [0, 1000], [0, 0]],%s' \
+    ' [[600, 100], [900, 100], [900, 400], [600, 100]]] }' > rings.geojson
+"$pbw" mesh --generate uniform 80 --dim 2 --quiet -o some.csv
+awk -F, 'NR == 1 { print; next } { print 1000 * $1 "," 1000 * $2 }' some.csv > sites.csv
+whole="area 455000, the sum of cells; 455000, the polygon"
+check "clipped cells" says 0 "$whole" cells sites.csv --clip rings.csv -o c.svg -o c.csv
+check "clipped cells: a picture" [ "$(area c.svg | cut -d' ' -f2)" = 0.4550 ]
+mv c.csv first.csv
+check "clipped cells: rings as GeoJSON" says 0 "$whole" cells sites.csv --clip rings.geojson -o c.csv
+check "clipped cells: which are the same" cmp c.csv first.csv
+check "clipped cells: parts" "$pbw" cells sites.csv --clip rings.geojson --quiet -o c.obj -o c.vtu
+flat() {    # the area of all faces of an .obj in the plane
+    awk '$1 == "v" { n++; x[n] = $2; y[n] = $3 }
+        $1 == "f" { for (i = 2; i <= NF; i++) { a = $i; b = i < NF ? $(i + 1) : $2; sum += x[a]*y[b] - y[a]*x[b] } }
+        END { printf "%.4f\n", sum / 2 }' "$1"
+}
+check "clipped cells: the area of parts" [ "$(flat c.obj)" = 455000.0000 ]
+check "a clipped cell with a hole" says 1 "has a hole, which .vtu cannot hold" \
+    cells heavy.csv --clip rings.csv -o c.vtu
+check "a ring of two corners" says 1 "a ring of 2 corners" cells sites.csv --clip one.csv -o c.csv
+check "rings that cross" says 1 "rings that cross" cells sites.csv --clip bow.csv -o c.csv
+check "--clip in 3D" says 1 "--clip rings.csv: the points are in 3D" cells m.csv --clip rings.csv -o c.csv
 
 # What VTK reads.
 for python in "${PYTHON:-python3}" /usr/bin/python3 ""; do

@@ -608,12 +608,38 @@ static void test_moved(int dim, int kind, size_t count)
     }
 }
 
+/* Points that crowd do not make the void around them take copies of most of them: some 16,000 bytes a point. */
+static void test_crowded(void)
+{
+    if (test_begin("periodic: 3D, 10000 clusters, in bounded memory")) {
+        sites s = sites_make(INPUT_CLUSTERS, 3, 10000, INPUT_WEIGHTS_ZERO);
+        pbw_options options = threads(1);
+        pbw_domain domain;
+        pbw_cells cells;
+        meter m;
+        memset(&domain, 0, sizeof domain);
+        domain.box = s.box;
+        domain.periodic = 7;
+        options.resize = meter_resize;
+        options.resize_user = &m;
+        meter_start(&m, 0, 0);
+        CHECK_EQUAL(pbw_cells_periodic(3, s.x, NULL, s.count, &domain, 0, &options, &cells), PBW_OK);
+        if (!CHECK(m.peak < 6000 * s.count)) {
+            test_say("%g bytes a point", (double)m.peak / (double)s.count);
+        }
+        pbw_cells_free(&cells);
+        sites_free(&s);
+        test_end();
+    }
+}
+
 static void test_periodics(void)
 {
     static const size_t counts[7] = { 1, 2, 3, 10, 60, 500, 3000 };
     static const int weights[3] = { INPUT_WEIGHTS_ZERO, INPUT_WEIGHTS_HIDING, INPUT_WEIGHTS_HALF };
     unsigned axes;
     int dim, i, w;
+    test_crowded();
     for (dim = 2; dim <= 3; dim++) {
         for (i = 0; i < 7; i++) {
             for (axes = 1; axes < 1u << dim; axes++) {
@@ -628,6 +654,7 @@ static void test_periodics(void)
         test_periodic(dim, 512, INPUT_LATTICE, INPUT_WEIGHTS_ZERO, (1u << dim) - 1);
         test_periodic(dim, 1000, INPUT_SPHERE, INPUT_WEIGHTS_ZERO, (1u << dim) - 1);
         test_moved(dim, INPUT_UNIFORM, 300);
+        test_moved(dim, INPUT_UNIFORM, 600);
         test_moved(dim, INPUT_LATTICE, dim == 3 ? 512 : 64);
     }
 }

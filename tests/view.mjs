@@ -613,6 +613,26 @@ async function test_links_and_files() {
   check_quiet('files');
 }
 
+// A lattice of 64 cubes, cut through the middle between cells: each has 6 facets and volume 1.
+async function test_cells() {
+  await open('cells');
+  check('cells: half of them', await get('shown') === '32 of 64 cells shown', await get('shown'));
+  check('cells: facts', await get('facts') === '64 cells in 3D', await get('facts'));
+  await colour_by('facets');
+  check('cells: facets', (await get('summary')).startsWith('least 6,'), await get('summary'));
+  const closed = await picture();
+  await set('explode', 0.5);
+  const apart = await picture();
+  check('cells: they move apart', differ(closed, apart) > 0.05, '' + differ(closed, apart));
+  await set('cut', 1);
+  check('cells: all', await get('shown') === '64 of 64 cells shown', await get('shown'));
+  check_quiet('cells');
+  await open('cells2');
+  check('cells in the plane', await get('shown') === '200 of 200 cells shown', await get('shown'));
+  check('cells in the plane: mean area', (await get('summary')).includes('mean 0.005,'), await get('summary'));
+  check_quiet('cells in the plane');
+}
+
 async function test_no_webgl() {
   for (const [source, says] of [['HTMLCanvasElement.prototype.getContext = () => null;', 'no WebGL 2 here'],
     ['WebGL2RenderingContext.prototype.getProgramParameter = () => false;', '']]) {
@@ -637,12 +657,12 @@ session = (await send('Target.attachToTarget', { targetId, flatten: true })).ses
 for (const domain of ['Page', 'Runtime', 'Log', 'Network']) await tell(domain + '.enable');
 await evaluate('1');
 for (const name of ['square', 'corner', 'solid', 'flat', 'threads', 'points', 'terrain', 'million', 'pawn', 'disc',
-  'tower', 'ground', 'inside']) {
+  'tower', 'ground', 'inside', 'cells', 'cells2']) {
   check(name + '.html is there', existsSync(join(folder, name + '.html')));
 }
 for (const test of [test_square, test_corner, test_solid, test_flat, test_threads, test_terrain, test_points,
   test_model, test_flat_model, test_up, test_inside, test_views, test_picking, test_measures,
-  test_links_and_files, test_million, test_no_webgl]) {
+  test_links_and_files, test_million, test_cells, test_no_webgl]) {
   try {
     await test();
   } catch (e) {

@@ -51,6 +51,13 @@ for name in pawn.off disc.off tower.off ground.obj; do
 done
 page inside "$work/pawn.off" --inside
 page million --generate uniform 150000
+cells() {   # cells NAME POINTS ARGUMENT...
+    name=$1 && shift
+    "$bin/pbw" cells --quiet "$@" -o "$work/$name.html" || echo "FAILED making $name.html"
+}
+awk 'BEGIN { for (i = 0; i < 64; i++) print i % 4 "," int(i / 4) % 4 "," int(i / 16) }' > "$work/lattice.csv"
+cells cells "$work/lattice.csv" --merge --box -0.5,-0.5,-0.5,3.5,3.5,3.5
+cells cells2 --generate uniform 200 --dim 2 --box 0,0,1,1
 "$bin/pbw" mesh --quiet --generate uniform 3000 --text -o "$work/solid.vtu"
 awk '/Name="quality"/ { on = 1; next } /<\/DataArray>/ { on = 0 } on { for (i = 1; i <= NF; i++) print $i }' \
     "$work/solid.vtu" > "$work/quality.txt"

@@ -17,15 +17,16 @@
    The cell of a vertex is the dual of its star: its corners are the centres of the star's simplices, its facets
    belong to the edges at the vertex.  Volumes and centroids come from one pass over the facets of the mesh: no cell
    is built.  Facets are read off the stars.  Cells with a corner outside the domain are cut: their polytope by the
-   walls, or, at the hull, the domain by one half-space for each neighbour; only neighbours in the triangulation matter, as
-   the cell is the intersection of their half-spaces.  All ways sum signed determinants relative to the site, so the
-   order of the points, obtuse simplices and centres outside their simplex need no case.
+   walls, or, at the hull, the domain by one half-space for each neighbour; only neighbours in the triangulation
+   matter, as the cell is the intersection of their half-spaces.  All ways sum signed determinants relative to the
+   site, so the order of the points, obtuse simplices and centres outside their simplex need no case.
+   A polygon's edges are followed from cell to cell; where they cross and what they enclose is decided by exact signs.
    Cutting classifies each corner once, as inside or outside, and shares each new corner between its two facets:
    however the signs are rounded, the surface stays closed.
 
    PROMISES  (tests/test_cells.c guards them)
      same        the same bytes for any number of threads; volumes and centroids also whatever else a call computes
-     whole       volumes in a domain add up to it, to 1e-12
+     whole       volumes in a domain add up to it, to 1e-12            (polygons: tests/test_clip.c)
      closed      areas times normals of a bounded cell add up to zero
      exact       with PBW_CELLS_MERGE, combinatorics are those of the true diagram, degenerate corners and all
 
@@ -53,6 +54,12 @@ typedef struct pbw_domain {
     const double *planes;                  /* half-spaces n.x <= c: dim numbers n, then c, each; NULL = none */
     size_t plane_count;
     unsigned periodic;                     /* pbw_cells_periodic: bit k = the box repeats along axis k */
+    const double *rings;                   /* in the plane, instead of box and planes: a polygon, which may have holes
+                                              and several parts.  Two numbers a corner; NULL = none */
+    const size_t *ring_first;              /* ring_count + 1: ring i is corners ring_first[i] .. ring_first[i+1]-1,
+                                              the last joined to the first.  Either way round: what is inside an
+                                              odd number of rings is inside */
+    size_t ring_count;
 } pbw_domain;
 
 #define PBW_CELLS_FACETS 1u                /* fill first, neighbors, areas */
@@ -69,7 +76,7 @@ typedef struct pbw_cells {                 /* start from {0}; read, do not write
     const size_t *first;                   /* cell_count + 1: the facets of cell i are first[i] .. first[i+1]-1 */
     const pbw_index *neighbors;            /* per facet: the point beyond; PBW_NONE - 1 - k: wall k of the domain,
                                               where 2*axis and 2*axis+1 are the box, low and high, and planes
-                                              follow */
+                                              follow; of a polygon the edge from corner k of rings to the next */
     const signed char *shifts;             /* pbw_cells_periodic: dim per facet: the neighbour is the point +
                                               shift * box size; else NULL */
     const double *areas;                   /* per facet: area, in the plane length; HUGE_VAL if unbounded */
@@ -77,15 +84,22 @@ typedef struct pbw_cells {                 /* start from {0}; read, do not write
     const size_t *loop_first;              /* facet_count + 1 */
     const pbw_index *loops;                /* corners of facet j: loop_first[j] .. loop_first[j+1]-1,
                                               counter-clockwise from outside the cell; in the plane two, and a
-                                              cell's facets are in order.  PBW_NONE - 1 - k: at infinity, in direction k of rays */
+                                              cell's facets are in order.  In a polygon a cell may have several
+                                              parts, and holes, which turn clockwise: one ends where it is back at
+                                              its first corner.  PBW_NONE - 1 - k: at infinity, in direction k of
+                                              rays */
     const double *rays;                    /* dim each: directions of length 1 */
     void *memory;                          /* private */
 } pbw_cells;
 
 /* Computes the cells of a mesh's points: Voronoi cells, with weights power cells; what: PBW_CELLS_* or'ed.
-   domain: NULL = the whole space; else convex and bounded: a box, planes, or both.  Needs mesh->neighbors.
+   domain: NULL = the whole space; else convex and bounded: a box, planes, or both; or a polygon.  Its rings must not
+   cross nor overlap; they may touch at corners, but not where cells meet.  Coordinates of its corners and of points
+   must be 0 or 1e-57 to 1e60 in size, weights 0 or within the squares of those.  Cells that it only touches are
+   empty.  Needs mesh->neighbors.
    A mesh of PBW_DEGENERATE points gives PBW_DEGENERATE and empty cells.  Fails as pbw_triangulate does, with
-   PBW_ERROR_ARGUMENT also for a domain that is unbounded or empty, or periodic; cells is then left empty. */
+   PBW_ERROR_ARGUMENT also for a domain that is unbounded or empty, or periodic, and where rings that cross are found
+   out, which is not certain; cells is then left empty. */
 PBWCELLSDEF pbw_status pbw_cells_of(const pbw_mesh *mesh, const pbw_domain *domain, unsigned what,
                                     const pbw_options *options, pbw_cells *cells);
 /* The cells of points in a box that repeats along the axes of domain->periodic; along the others the box is a wall.
@@ -274,6 +288,7 @@ static int pbwc__centre_slow(int dim, const pbwc__dd row[3][3], const pbwc__dd *
 
 typedef struct pbwc__job pbwc__job;
 typedef struct pbwc__period pbwc__period;
+typedef struct pbwc__clip pbwc__clip;
 typedef struct pbwc__centre {
     pbw_index simplex;
     int good, inside;                      /* right to 12 digits; in the domain, for certain */
@@ -618,9 +633,12 @@ typedef struct pbwc__part { pbw_index simplex; int link[3], beyond[3]; double ce
 typedef struct pbwc__link {
     pbw_index vertex;
     int part;                              /* the first that has it */
+    int side;                              /* in the plane: its place in the fan */
     double d[3], foot;                     /* from v; the plane between the cells is at foot * d */
     double area[3];                        /* twice the facet's area vector */
 } pbwc__link;
+
+typedef struct pbwc__fan { int link, from, to; } pbwc__fan;  /* a side of a cell in the plane; parts, -1: infinity */
 
 typedef struct pbwc__map { pbwc__array slots; size_t mask, count; uint32_t epoch; } pbwc__map;
 typedef struct pbwc__slot { uint32_t epoch; pbw_index key; int value; } pbwc__slot;
@@ -696,12 +714,18 @@ typedef struct pbwc__work {                /* of one range */
     pbwc__job *job;
     pbwc__memory *memory;
     pbwc__range *out;
-    pbwc__array parts, links;
+    pbwc__array parts, links, fan;
     pbwc__map part_of, link_of;
     pbwc__cutter cutter;
-    pbwc__centre *centres;
+    pbwc__array kept;
+    pbwc__centre *centres;                 /* kept */
     pbw_index site;                        /* the vertex of the star */
     int open, good;                        /* the star: at the hull; with good centres, none far from the domain */
+    const struct pbwc__visit *visits;      /* of a polygon's edges in the cell */
+    size_t visit_count;
+    pbwc__array ends, end_of, used;        /* of chains, in order; per visit: the ends at its begin and end; joined */
+    size_t *end_places;
+    pbwc__array loop, begins;              /* corners, and where loops begin */
 } pbwc__work;
 
 #define PBWC__GRID 64
@@ -716,6 +740,7 @@ struct pbwc__period {
     double heaviest, lightest;             /* weight */
     double from[3], to[3];                 /* bounds of the marked part */
     pbwc__array x, w, source, marks;       /* source: of each copy */
+    pbwc__array thin;                      /* per point: is it one of few that are copied far out?  NULL: none is */
     int marked;                            /* new marks in this round */
 };
 
@@ -723,6 +748,7 @@ struct pbwc__job {
     const pbw_mesh *mesh;
     pbwc__memory memory;
     pbwc__period *period;                  /* NULL: not periodic */
+    pbwc__clip *clip;                      /* NULL: no polygon */
     unsigned what;
     int bounded, weighted;
     size_t count;                          /* cells: of the mesh's first points */
@@ -741,6 +767,7 @@ struct pbwc__job {
 
 #define PBWC__PARTS(work) ((pbwc__part *)(work)->parts.data)
 #define PBWC__LINKS(work) ((pbwc__link *)(work)->links.data)
+#define PBWC__FAN(work) ((pbwc__fan *)(work)->fan.data)
 
 static int pbwc__centres_new(pbwc__memory *memory, pbwc__array *centres)
 {
@@ -889,6 +916,44 @@ static int pbwc__gather(pbwc__work *work, pbw_index v)
         }
     }
     return 1;
+}
+
+/* Prepares the work on a range.  Returns 0 if there is no memory; pbwc__work_end is due in any case. */
+static int pbwc__work_start(pbwc__work *work, pbwc__job *job)
+{
+    int good;
+    memset(work, 0, sizeof *work);
+    work->job = job;
+    work->memory = &job->memory;
+    good = pbwc__centres_new(work->memory, &work->kept);
+    work->centres = (pbwc__centre *)work->kept.data;
+    return good;
+}
+
+static void pbwc__work_end(pbwc__work *work)
+{
+    pbwc__release(work->memory, &work->kept);
+    pbwc__release(work->memory, &work->parts);
+    pbwc__release(work->memory, &work->links);
+    pbwc__release(work->memory, &work->fan);
+    pbwc__release(work->memory, &work->part_of.slots);
+    pbwc__release(work->memory, &work->link_of.slots);
+    pbwc__release(work->memory, &work->ends);
+    pbwc__release(work->memory, &work->end_of);
+    pbwc__release(work->memory, &work->used);
+    pbwc__release(work->memory, &work->loop);
+    pbwc__release(work->memory, &work->begins);
+    pbwc__cutter_release(work->memory, &work->cutter);
+}
+
+/* The root of s where each item leads to one before it, its root to itself; shortens the way. */
+static pbw_index pbwc__root(pbw_index *merged, pbw_index s)
+{
+    while (merged[s] != s) {
+        merged[s] = merged[merged[s]];
+        s = merged[s];
+    }
+    return s;
 }
 
 /* ------------------------------------------------------------------------------------------------------
@@ -1155,26 +1220,60 @@ static int pbwc__edge2(pbwc__work *work, int from, int to, const pbwc__link *lin
     return pbwc__facet_done(work, link->vertex, from >= 0 && to >= 0 ? pbwc__area_of(link, 2) : HUGE_VAL, begin);
 }
 
-static int pbwc__star_facets2(pbwc__work *work)
+/* The sides of a cell in the plane, counter-clockwise; an open one starts and ends with a ray.  Returns 0 if there is
+   no memory. */
+static int pbwc__fan_out(pbwc__work *work)
 {
     const pbwc__part *parts = PBWC__PARTS(work);
-    const pbwc__link *links = PBWC__LINKS(work);
-    int first = 0, at;
+    pbwc__fan *fan;
+    int first = 0, count = 0, at, i;
+    work->fan.count = 0;
+    fan = (pbwc__fan *)pbwc__room(work->memory, &work->fan, work->parts.count + 1, sizeof *fan);
+    if (fan == NULL) {
+        return 0;
+    }
     while (parts[first].beyond[1] >= 0 && parts[first].beyond[1] != 0) {     /* clockwise, to the hull or around */
         first = parts[first].beyond[1];
     }
     first = parts[first].beyond[1] < 0 ? first : 0;
-    if (work->open && !pbwc__edge2(work, -1, first, links + parts[first].link[0])) {
+    if (work->open) {
+        fan[count].link = parts[first].link[0];
+        fan[count].from = -1;
+        fan[count++].to = first;
+    }
+    at = first;
+    do {
+        fan[count].link = parts[at].link[1];
+        fan[count].from = at;
+        fan[count++].to = at = parts[at].beyond[0];
+    } while (at >= 0 && at != first);
+    for (i = 0; i < count; i++) {
+        PBWC__LINKS(work)[fan[i].link].side = i;
+    }
+    work->fan.count = (size_t)count;
+    return 1;
+}
+
+static int pbwc__star_facets2(pbwc__work *work)
+{
+    size_t i;
+    if (!pbwc__fan_out(work)) {
         return 0;
     }
-    for (at = first; ; at = parts[at].beyond[0]) {
-        if (!pbwc__edge2(work, at, parts[at].beyond[0], links + parts[at].link[1])) {
+    for (i = 0; i < work->fan.count; i++) {
+        const pbwc__fan *side = PBWC__FAN(work) + i;
+        if (!pbwc__edge2(work, side->from, side->to, PBWC__LINKS(work) + side->link)) {
             return 0;
         }
-        if (parts[at].beyond[0] < 0 || parts[at].beyond[0] == first) {
-            return 1;
-        }
     }
+    return 1;
+}
+
+/* The facets of the star.  Returns 0 if there is no memory. */
+static int pbwc__star_facets(pbwc__work *work)
+{
+    pbwc__add_areas(work);
+    return work->job->mesh->dim == 3 ? pbwc__star_facets3(work) : pbwc__star_facets2(work);
 }
 
 /* ------------------------------------------------------------------------------------------------------
@@ -1675,12 +1774,1149 @@ static int pbwc__cut_facets(pbwc__work *work, pbw_index v)
 }
 
 /* ------------------------------------------------------------------------------------------------------
+   Exact signs for polygons in the plane: sums of doubles that do not overlap, the largest last (Shewchuk 1997).  Each
+   sign is first tried in doubles, against a bound of its rounding errors.
+   In: coordinates that are 0 or from PBWC__LEAST to PBWC__MOST in size, weights likewise with the squares of those.
+   Then no product of four overflows, nor has bits below (2^-242)^4.
+   ------------------------------------------------------------------------------------------------------ */
+#define PBWC__LEAST 1e-57
+#define PBWC__MOST  1e60
+#define PBWC__EPS   1.2e-16                /* above 2^-53 */
+
+typedef struct pbwc__exact { int count; double x[160]; } pbwc__exact;
+
+/* Adds b to the sum e of n; leaves out zeros.  Returns the new n. */
+static int pbwc__grow(double *e, int n, double b)
+{
+    int i, count = 0;
+    for (i = 0; i < n; i++) {
+        const pbwc__dd s = pbwc__dd_sum(b, e[i]);
+        if (s.low < 0 || s.low > 0) {
+            e[count++] = s.low;
+        }
+        b = s.high;
+    }
+    if (b < 0 || b > 0) {
+        e[count++] = b;
+    }
+    return count;
+}
+
+/* Adds factor, a power of two with a sign, times a times b. */
+static int pbwc__grow_product(double *e, int n, const pbwc__exact *a, const pbwc__exact *b, double factor)
+{
+    int i, j;
+    for (i = 0; i < a->count; i++) {
+        for (j = 0; j < b->count; j++) {             /* by fma, so that a compiler cannot fuse it with a sum */
+            const double x = factor * a->x[i], high = fma(x, b->x[j], 0.0);
+            n = pbwc__grow(e, n, fma(x, b->x[j], -high));
+            n = pbwc__grow(e, n, high);
+        }
+    }
+    return n;
+}
+
+static pbwc__exact pbwc__exact_minus(double a, double b)
+{
+    pbwc__exact e;
+    e.count = pbwc__grow(e.x, 0, a);
+    e.count = pbwc__grow(e.x, e.count, -b);
+    return e;
+}
+
+/* a d - b c, times the factor. */
+static pbwc__exact pbwc__exact_minor(const pbwc__exact *a, const pbwc__exact *b, const pbwc__exact *c,
+                                     const pbwc__exact *d, double factor)
+{
+    pbwc__exact e;
+    e.count = pbwc__grow_product(e.x, 0, a, d, factor);
+    e.count = pbwc__grow_product(e.x, e.count, b, c, -factor);
+    return e;
+}
+
+static int pbwc__sign(const double *e, int n)
+{
+    return n == 0 ? 0 : e[n - 1] > 0 ? 1 : -1;
+}
+
+static double pbwc__weight(const pbw_mesh *mesh, pbw_index v)
+{
+    return mesh->weights != NULL ? mesh->weights[v] : 0;
+}
+
+/* The power distance of p from i less that from j, (j - i).((p - i) + (p - j)) + w_j - w_i; *size: the sum of
+   the absolute values of its terms.  The error is below 6 eps *size to first order: 1 for j - i, 2 for the second
+   factor, and 3 for the product and the sums. */
+static double pbwc__closer(const pbw_mesh *mesh, const double *p, pbw_index i, pbw_index j, double *size)
+{
+    const double *a = mesh->points + 2 * (size_t)i, *b = mesh->points + 2 * (size_t)j;
+    const double wi = pbwc__weight(mesh, i), wj = pbwc__weight(mesh, j);
+    double sum = wj - wi;
+    int k;
+    *size = fabs(wi) + fabs(wj);
+    for (k = 0; k < 2; k++) {
+        const double d = b[k] - a[k], s = p[k] - a[k], t = p[k] - b[k];
+        sum += d * (s + t);
+        *size += fabs(d) * (fabs(s) + fabs(t));
+    }
+    return sum;
+}
+
+/* Its sign: 1 where p is nearer to j, 0 on the line between the cells of i and j. */
+static int pbwc__side(const pbw_mesh *mesh, const double *p, pbw_index i, pbw_index j)
+{
+    const double *a = mesh->points + 2 * (size_t)i, *b = mesh->points + 2 * (size_t)j;
+    double size, sum[80];
+    const double about = pbwc__closer(mesh, p, i, j, &size);
+    int k, n = 0;
+    if (fabs(about) > 8 * PBWC__EPS * size) {
+        return about > 0 ? 1 : -1;
+    }
+    for (k = 0; k < 2; k++) {
+        const pbwc__exact d = pbwc__exact_minus(b[k], a[k]), t = pbwc__exact_minus(p[k], b[k]);
+        pbwc__exact s = pbwc__exact_minus(p[k], a[k]);
+        int m;
+        for (m = 0; m < t.count; m++) {
+            s.count = pbwc__grow(s.x, s.count, t.x[m]);
+        }
+        n = pbwc__grow_product(sum, n, &d, &s, 1);
+    }
+    n = pbwc__grow(sum, n, pbwc__weight(mesh, j));
+    return pbwc__sign(sum, pbwc__grow(sum, n, -pbwc__weight(mesh, i)));
+}
+
+/* The same as below, whatever the doubles say. */
+static int pbwc__centre_side_exactly(const pbw_mesh *mesh, const double *p, const double *q, pbw_index simplex)
+{
+    const pbw_index *corner = mesh->simplices + 3 * (size_t)simplex;
+    const double *a = mesh->points + 2 * (size_t)corner[0];
+    pbwc__exact u[2], r[2], d[2][2], height[2], det, turn, normal;
+    double sum[2048];
+    int i, k, n = 0;
+    for (k = 0; k < 2; k++) {
+        u[k] = pbwc__exact_minus(q[k], p[k]);
+        r[k] = pbwc__exact_minus(a[k], p[k]);
+    }
+    for (i = 0; i < 2; i++) {
+        const double *b = mesh->points + 2 * (size_t)corner[i + 1];
+        height[i] = pbwc__exact_minus(pbwc__weight(mesh, corner[0]), pbwc__weight(mesh, corner[i + 1]));
+        for (k = 0; k < 2; k++) {
+            d[i][k] = pbwc__exact_minus(b[k], a[k]);
+            height[i].count = pbwc__grow_product(height[i].x, height[i].count, &d[i][k], &d[i][k], 1);
+        }
+    }
+    det = pbwc__exact_minor(&d[0][0], &d[0][1], &d[1][0], &d[1][1], 2);
+    turn = pbwc__exact_minor(&u[0], &u[1], &r[0], &r[1], 1);
+    n = pbwc__grow_product(sum, n, &det, &turn, 1);
+    normal = pbwc__exact_minor(&height[1], &height[0], &d[1][0], &d[0][0], 1);       /* N_y = h1 d0x - h0 d1x */
+    n = pbwc__grow_product(sum, n, &u[0], &normal, 1);
+    normal = pbwc__exact_minor(&height[0], &height[1], &d[0][1], &d[1][1], 1);       /* N_x = h0 d1y - h1 d0y */
+    return pbwc__sign(sum, pbwc__grow_product(sum, n, &u[1], &normal, -1));
+}
+
+/* On which side of the line from p to q is the centre of a simplex?  1: left, -1: right, 0: on it.  With u = q - p,
+   r = a - p and centre = a + N / (2 D) as above, the sign of 2 D (u x r) + u x N.  Errors to first order, each
+   relative to its terms: 4 eps for D and u x r, 5 for the heights, 8 for N, so 10 and with the sums 12 in all. */
+static int pbwc__centre_side(const pbw_mesh *mesh, const double *p, const double *q, pbw_index simplex)
+{
+    const pbw_index *corner = mesh->simplices + 3 * (size_t)simplex;
+    const double *a = mesh->points + 2 * (size_t)corner[0];
+    const double u[2] = { q[0] - p[0], q[1] - p[1] }, r[2] = { a[0] - p[0], a[1] - p[1] };
+    double d[2][2], h[2], size[2], sum, bound;
+    int i, k;
+    for (i = 0; i < 2; i++) {
+        const double *b = mesh->points + 2 * (size_t)corner[i + 1];
+        const double w = pbwc__weight(mesh, corner[0]), x = pbwc__weight(mesh, corner[i + 1]);
+        for (k = 0; k < 2; k++) {
+            d[i][k] = b[k] - a[k];
+        }
+        h[i] = d[i][0] * d[i][0] + d[i][1] * d[i][1];
+        size[i] = h[i] + fabs(w) + fabs(x);
+        h[i] += w - x;
+    }
+    sum = 2 * (d[0][0] * d[1][1] - d[0][1] * d[1][0]) * (u[0] * r[1] - u[1] * r[0])
+          + (u[0] * (h[1] * d[0][0] - h[0] * d[1][0]) - u[1] * (h[0] * d[1][1] - h[1] * d[0][1]));
+    bound = 2 * (fabs(d[0][0] * d[1][1]) + fabs(d[0][1] * d[1][0])) * (fabs(u[0] * r[1]) + fabs(u[1] * r[0]))
+            + fabs(u[0]) * (size[1] * fabs(d[0][0]) + size[0] * fabs(d[1][0]))
+            + fabs(u[1]) * (size[0] * fabs(d[1][1]) + size[1] * fabs(d[0][1]));
+    if (fabs(sum) > 16 * PBWC__EPS * bound) {
+        return sum > 0 ? 1 : -1;
+    }
+    return pbwc__centre_side_exactly(mesh, p, q, simplex);
+}
+
+/* ------------------------------------------------------------------------------------------------------
+   Polygons as domains, in the plane.  Each edge is followed from cell to cell: it leaves a cell across the side whose
+   corners are on its right and on its left.  A visit is the part of an edge in a cell.  The visits of a cell are
+   joined to chains, and with the parts of the cell's own sides, from where a chain leaves to where the next one
+   enters, to loops.  Cells that no edge crosses are inside or outside, as their neighbours tell.
+   Holds: each edge counts as moved to its left by an amount as small as need be, those of a straight run by one, an
+   earlier run by more than all later ones.  So the polygon is a little smaller, none of its corners is between two
+   cells, none of its edges passes through a centre, and where it only touches a cell it has no part of it.
+   In: rings that do not cross; edges of the polygon have its inside on their left.
+   ------------------------------------------------------------------------------------------------------ */
+typedef struct pbwc__visit {
+    pbw_index cell, edge;
+    pbw_index in, out;                     /* the cells before and after; PBW_NONE: it starts or ends here */
+    double t_in, t_out;                    /* where, from 0 to 1 on the edge */
+} pbwc__visit;
+
+struct pbwc__clip {
+    size_t count;                          /* corners, and edges: edge i goes from corner i to next[i] */
+    pbwc__array x, name, next;             /* two doubles a corner; the edge's number in the rings; per corner */
+    pbwc__array before, after, run;        /* per corner: those next to it that are elsewhere; the first edge of the
+                                              straight run that the edge from it belongs to */
+    pbwc__array home;                      /* per corner: the cell it is in */
+    pbwc__array chunks, visits, first;     /* visits of runs of edges; of cell v: visits first[v]..first[v+1]-1 */
+    pbwc__array root, inside;              /* per point: the first cell connected with it without a crossing; bit 0,
+                                              of those: they are inside, bit 1: an edge crosses into the cell */
+};
+
+#define PBWC__CORNERS(clip) PBWC__DOUBLES((clip)->x)
+#define PBWC__EDGES 256                    /* edges in a run */
+
+static void pbwc__edge_ends(const pbwc__clip *clip, pbw_index edge, const double **p, const double **q)
+{
+    *p = PBWC__CORNERS(clip) + 2 * (size_t)edge;
+    *q = PBWC__CORNERS(clip) + 2 * (size_t)PBWC__INDICES(clip->next)[edge];
+}
+
+/* The sign of u.(j - i), where u leads from p to q, or (turned) of u x (j - i). */
+static int pbwc__along(const pbw_mesh *mesh, const double *p, const double *q, pbw_index i, pbw_index j, int turned)
+{
+    const double *a = mesh->points + 2 * (size_t)i, *b = mesh->points + 2 * (size_t)j;
+    double sum[20];
+    int k, n = 0;
+    for (k = 0; k < 2; k++) {
+        const pbwc__exact u = pbwc__exact_minus(q[k], p[k]);
+        const pbwc__exact d = pbwc__exact_minus(b[k ^ turned], a[k ^ turned]);
+        n = pbwc__grow_product(sum, n, &u, &d, k != 0 && turned ? -1 : 1);
+    }
+    return pbwc__sign(sum, n);
+}
+
+/* Is a corner of the moved polygon nearer to j (1) or to i (-1)?  A corner on the line between them moves along the
+   edge that moves less, or if that lies on the line along the other; within a run to the left, or ahead. */
+static int pbwc__corner_side(const pbwc__clip *clip, const pbw_mesh *mesh, pbw_index corner, pbw_index i, pbw_index j)
+{
+    const pbw_index *before = PBWC__INDICES(clip->before), *run = PBWC__INDICES(clip->run);
+    const pbw_index from = before[corner], to = PBWC__INDICES(clip->after)[corner];
+    const double *x = PBWC__CORNERS(clip), *a = x + 2 * (size_t)from, *c = x + 2 * (size_t)to;
+    int side, turn, along;
+    x += 2 * (size_t)corner;
+    side = pbwc__side(mesh, x, i, j);
+    if (side != 0) {
+        return side;
+    }
+    turn = pbw_orient2(a, x, c);
+    if (turn == 0) {
+        along = pbwc__along(mesh, a, x, i, j, 1);
+        return along != 0 ? along : pbwc__along(mesh, a, x, i, j, 0);
+    }
+    if (run[from] < run[before[to]]) {
+        along = pbwc__along(mesh, x, c, i, j, 0);
+        return turn * (along != 0 ? along : -pbwc__along(mesh, a, x, i, j, 0));
+    }
+    along = -pbwc__along(mesh, a, x, i, j, 0);
+    return turn * (along != 0 ? along : pbwc__along(mesh, x, c, i, j, 0));
+}
+
+/* The neighbour beyond the side across which an edge leaves the cell of v; PBW_NONE if it ends there. */
+static pbw_index pbwc__exit(const pbwc__work *work, pbw_index v, pbw_index edge)
+{
+    const pbw_mesh *mesh = work->job->mesh;
+    const pbwc__part *parts = PBWC__PARTS(work);
+    const pbwc__fan *fan = PBWC__FAN(work);
+    const pbw_index end = PBWC__INDICES(work->job->clip->next)[edge];
+    const double *p, *q;
+    size_t i;
+    pbwc__edge_ends(work->job->clip, edge, &p, &q);
+    for (i = 0; i < work->fan.count; i++) {          /* centres on the edge are on the right of the moved one */
+        const pbw_index to = PBWC__LINKS(work)[fan[i].link].vertex;
+        if (pbwc__corner_side(work->job->clip, mesh, end, v, to) > 0
+            && (fan[i].from < 0 || pbwc__centre_side(mesh, p, q, parts[fan[i].from].simplex) <= 0)
+            && (fan[i].to < 0 || pbwc__centre_side(mesh, p, q, parts[fan[i].to].simplex) > 0)) {
+            return to;
+        }
+    }
+    return PBW_NONE;
+}
+
+/* Where an edge crosses the line between two cells, from 0 to 1. */
+static double pbwc__crossing(const pbwc__clip *clip, const pbw_mesh *mesh, pbw_index edge, pbw_index a, pbw_index b)
+{
+    const pbw_index i = a < b ? a : b, j = a < b ? b : a;            /* the same bits from both sides */
+    const double *p, *q;
+    double at_p, at_q, size, t;
+    pbwc__edge_ends(clip, edge, &p, &q);
+    at_p = pbwc__side(mesh, p, i, j) == 0 ? 0 : pbwc__closer(mesh, p, i, j, &size);
+    at_q = pbwc__side(mesh, q, i, j) == 0 ? 0 : pbwc__closer(mesh, q, i, j, &size);
+    t = at_p / (at_p - at_q);
+    return t > 0 ? t < 1 ? t : 1 : 0;                                /* 0 also where both are 0 */
+}
+
+/* The cells that an edge visits.  Returns 0 if there is no memory. */
+static int pbwc__follow(pbwc__work *work, pbw_index edge, pbwc__array *visits)
+{
+    const pbwc__clip *clip = work->job->clip;
+    size_t steps = 0;
+    pbwc__visit visit;
+    visit.cell = PBWC__INDICES(clip->home)[edge];
+    visit.in = PBW_NONE;
+    visit.t_in = 0;
+    do {
+        pbwc__visit *place = (pbwc__visit *)pbwc__room(work->memory, visits, 1, sizeof visit);
+        if (place == NULL || !pbwc__gather(work, visit.cell) || !pbwc__fan_out(work)) {
+            return 0;
+        }
+        visit.edge = edge;
+        visit.out = pbwc__exit(work, visit.cell, edge);
+        visit.t_out = visit.out == PBW_NONE ? 1
+                    : pbwc__crossing(clip, work->job->mesh, edge, visit.cell, visit.out);
+        *place = visit;
+        visits->count++;
+        visit.in = visit.cell;
+        visit.t_in = visit.t_out;
+        visit.cell = visit.out;
+    } while (visit.cell != PBW_NONE && steps++ < work->job->count);
+    return 1;
+}
+
+static pbw_status pbwc__follow_edges(void *arg, size_t from, size_t to)
+{
+    pbwc__job *job = (pbwc__job *)arg;
+    pbwc__clip *clip = job->clip;
+    pbwc__work work;
+    int good = pbwc__work_start(&work, job);
+    pbwc__array *visits = (pbwc__array *)clip->chunks.data + from / PBWC__EDGES;
+    for (; good && from < to; from++) {
+        good = pbwc__follow(&work, (pbw_index)from, visits);
+    }
+    pbwc__work_end(&work);
+    return good ? PBW_OK : PBW_ERROR_MEMORY;
+}
+
+/* The cells of corners: from a corner of the simplex that has it, or of the hull facet in sight, to nearer ones. */
+static pbw_status pbwc__find_homes(void *arg, size_t from, size_t to)
+{
+    pbwc__job *job = (pbwc__job *)arg;
+    const pbw_mesh *mesh = job->mesh;
+    pbw_index *home = PBWC__INDICES(job->clip->home);
+    pbwc__work work;
+    int good = pbwc__work_start(&work, job);
+    for (; good && from < to; from++) {
+        pbw_index at = home[from], then = at;
+        do {
+            size_t u;
+            at = then;
+            good = pbwc__gather(&work, at);
+            for (u = 0; good && u < work.links.count; u++) {
+                const pbw_index other = PBWC__LINKS(&work)[u].vertex;
+                then = pbwc__corner_side(job->clip, mesh, (pbw_index)from, then, other) > 0 ? other : then;
+            }
+        } while (good && then != at);
+        home[from] = at;
+    }
+    pbwc__work_end(&work);
+    return good ? PBW_OK : PBW_ERROR_MEMORY;
+}
+
+/* ---- rings: checks, and which way they turn */
+
+static int pbwc__in_range(double x, double least, double most)
+{
+    return fabs(x) <= most && (fabs(x) >= least || !(fabs(x) > 0));
+}
+
+static int pbwc__on_segment(const double *a, const double *b, const double *x)
+{
+    return pbw_orient2(a, b, x) == 0 && x[0] >= fmin(a[0], b[0]) && x[0] <= fmax(a[0], b[0])
+           && x[1] >= fmin(a[1], b[1]) && x[1] <= fmax(a[1], b[1]);
+}
+
+static int pbwc__is_at(const double *a, const double *b)
+{
+    return a[0] >= b[0] && a[0] <= b[0] && a[1] >= b[1] && a[1] <= b[1];
+}
+
+/* How often a ray to the right from x meets a ring, modulo 2; -1 if x is on the ring. */
+static int pbwc__crossings(const double *ring, size_t count, const double *x)
+{
+    size_t i;
+    int odd = 0;
+    for (i = 0; i < count; i++) {
+        const double *a = ring + 2 * i, *b = ring + 2 * (i + 1 < count ? i + 1 : 0);
+        if (pbwc__on_segment(a, b, x)) {
+            return -1;
+        }
+        if ((a[1] <= x[1]) != (b[1] <= x[1])) {
+            odd ^= (pbw_orient2(a, b, x) > 0) == (b[1] > a[1]);
+        }
+    }
+    return odd;
+}
+
+/* Does a ring turn counter-clockwise?  By its lowest corner, which is convex; -1 if it is not simple there. */
+static int pbwc__turns_left(const double *ring, size_t count, size_t *corner)
+{
+    const double *before, *at, *after;
+    size_t lowest = 0, i, j;
+    for (i = 1; i < count; i++) {
+        const double *x = ring + 2 * i, *y = ring + 2 * lowest;
+        lowest = x[0] < y[0] || (!(x[0] > y[0]) && x[1] < y[1]) ? i : lowest;
+    }
+    *corner = lowest;
+    at = before = after = ring + 2 * lowest;
+    for (i = j = 0; i < count && pbwc__is_at(after, at); i++) {
+        after = ring + 2 * ((lowest + i) % count);
+    }
+    for (; j < count && pbwc__is_at(before, at); j++) {
+        before = ring + 2 * ((lowest + count - j) % count);
+    }
+    i = (size_t)(pbw_orient2(before, at, after) + 1);
+    return i == 1 ? -1 : i == 2;
+}
+
+/* Is a ring within an odd number of others?  Judged by a corner that is on none of them; -1 if there is none. */
+static int pbwc__is_hole(const pbw_domain *domain, size_t ring, const double *bounds)
+{
+    size_t i, r;
+    for (i = domain->ring_first[ring]; i < domain->ring_first[ring + 1]; i++) {
+        const double *x = domain->rings + 2 * i;
+        int odd = 0, crossings = 0;
+        for (r = 0; r < domain->ring_count && crossings >= 0; r++) {
+            const double *b = bounds + 4 * r;
+            if (r != ring && x[0] >= b[0] && x[1] >= b[1] && x[0] <= b[2] && x[1] <= b[3]) {
+                crossings = pbwc__crossings(domain->rings + 2 * domain->ring_first[r],
+                                            domain->ring_first[r + 1] - domain->ring_first[r], x);
+                odd ^= crossings;
+            }
+        }
+        if (crossings >= 0) {
+            return odd;
+        }
+    }
+    return -1;
+}
+
+/* Are all numbers such that no product over- or underflows, and all rings triangles at least? */
+static pbw_status pbwc__check_polygon(const pbw_mesh *mesh, const pbw_domain *domain)
+{
+    const size_t *first = domain->ring_first;
+    size_t i;
+    if (mesh->dim != 2 || domain->box != NULL || domain->plane_count != 0 || domain->rings == NULL || first == NULL
+        || first[0] != 0) {
+        return PBW_ERROR_ARGUMENT;
+    }
+    for (i = 0; i < domain->ring_count; i++) {
+        if (first[i + 1] < first[i] + 3 || first[i + 1] >= PBW_NONE / 2) {
+            return PBW_ERROR_ARGUMENT;
+        }
+    }
+    for (i = 0; i < 2 * first[domain->ring_count]; i++) {
+        if (!pbwc__in_range(domain->rings[i], PBWC__LEAST, PBWC__MOST)) {
+            return fabs(domain->rings[i]) < HUGE_VAL ? PBW_ERROR_ARGUMENT : PBW_ERROR_NOT_FINITE;
+        }
+    }
+    for (i = 0; i < mesh->point_count; i++) {
+        if (!pbwc__in_range(mesh->points[2 * i], PBWC__LEAST, PBWC__MOST)
+            || !pbwc__in_range(mesh->points[2 * i + 1], PBWC__LEAST, PBWC__MOST)
+            || !pbwc__in_range(pbwc__weight(mesh, (pbw_index)i), PBWC__LEAST * PBWC__LEAST,
+                               PBWC__MOST * PBWC__MOST)) {
+            return PBW_ERROR_ARGUMENT;
+        }
+    }
+    return PBW_OK;
+}
+
+/* Straight runs and neighbours elsewhere, of the ring of corners from..to-1 of which `corner` is one of a turn.
+   Returns 0 if the ring turns back on itself. */
+static int pbwc__find_runs(pbwc__clip *clip, pbw_index from, pbw_index to, pbw_index corner)
+{
+    const double *x = PBWC__CORNERS(clip);
+    pbw_index *before = PBWC__INDICES(clip->before), *after = PBWC__INDICES(clip->after);
+    pbw_index *run = PBWC__INDICES(clip->run), at = corner, last, i;
+    do {                                             /* from the first of those at its place */
+        corner = at;
+        at = at > from ? at - 1 : to - 1;
+    } while (pbwc__is_at(x + 2 * (size_t)at, x + 2 * (size_t)corner));
+    for (i = from, last = at, at = corner; i < to; i++, last = at, at = at + 1 < to ? at + 1 : from) {
+        before[at] = pbwc__is_at(x + 2 * (size_t)last, x + 2 * (size_t)at) ? before[last] : last;
+    }
+    at = corner;
+    for (i = from; i < to; i++) {
+        last = at;
+        at = at > from ? at - 1 : to - 1;
+        after[at] = pbwc__is_at(x + 2 * (size_t)last, x + 2 * (size_t)at) ? after[last] : last;
+    }
+    for (i = from, last = at = corner; i < to; i++, last = at, at = at + 1 < to ? at + 1 : from) {
+        const double *a = x + 2 * (size_t)before[at], *b = x + 2 * (size_t)at, *c = x + 2 * (size_t)after[at];
+        const int straight = pbw_orient2(a, b, c) == 0;
+        run[at] = straight ? run[last] : at;
+        if (straight && ((c[0] > b[0]) != (b[0] > a[0]) || (c[1] > b[1]) != (b[1] > a[1]))) {
+            return 0;
+        }
+    }
+    return 1;
+}
+
+/* Copies a ring so that the inside is on its left.  Returns 0 if it is found out not to be simple. */
+static int pbwc__copy_ring(pbwc__clip *clip, const pbw_domain *domain, size_t ring, const double *bounds)
+{
+    const size_t first = domain->ring_first[ring], count = domain->ring_first[ring + 1] - first;
+    size_t i, corner;
+    const int left = pbwc__turns_left(domain->rings + 2 * first, count, &corner);
+    const int hole = pbwc__is_hole(domain, ring, bounds), turn = left == hole;
+    for (i = 0; i < count; i++) {                    /* turn: corners from the last to the first */
+        const size_t at = first + i, from = turn ? first + count - 1 - i : at;
+        memcpy(PBWC__CORNERS(clip) + 2 * at, domain->rings + 2 * from, 2 * sizeof(double));
+        PBWC__INDICES(clip->name)[at] = (pbw_index)(first + (turn ? 2 * count - 2 - i : i) % count);
+        PBWC__INDICES(clip->next)[at] = (pbw_index)(i + 1 < count ? at + 1 : first);
+    }
+    corner = first + (turn ? count - 1 - corner : corner);
+    return left >= 0 && hole >= 0
+           && pbwc__find_runs(clip, (pbw_index)first, (pbw_index)(first + count), (pbw_index)corner);
+}
+
+/* Copies the rings. */
+static pbw_status pbwc__copy_rings(pbwc__job *job, const pbw_domain *domain)
+{
+    const size_t *first = domain->ring_first;
+    pbwc__clip *clip = job->clip;
+    pbwc__array bounds;
+    size_t r, i, k;
+    pbw_status status = PBW_OK;
+    clip->count = first[domain->ring_count];
+    memset(&bounds, 0, sizeof bounds);
+    if (!pbwc__resize(&job->memory, &clip->x, clip->count * 2 * sizeof(double))
+        || !pbwc__resize(&job->memory, &clip->name, clip->count * sizeof(pbw_index))
+        || !pbwc__resize(&job->memory, &clip->next, clip->count * sizeof(pbw_index))
+        || !pbwc__resize(&job->memory, &clip->before, clip->count * sizeof(pbw_index))
+        || !pbwc__resize(&job->memory, &clip->after, clip->count * sizeof(pbw_index))
+        || !pbwc__resize(&job->memory, &clip->run, clip->count * sizeof(pbw_index))
+        || !pbwc__resize(&job->memory, &clip->home, clip->count * sizeof(pbw_index))
+        || !pbwc__resize(&job->memory, &bounds, domain->ring_count * 4 * sizeof(double))) {
+        status = PBW_ERROR_MEMORY;
+    }
+    for (r = 0; status == PBW_OK && r < domain->ring_count; r++) {
+        double *b = PBWC__DOUBLES(bounds) + 4 * r;
+        for (i = first[r]; i < first[r + 1]; i++) {
+            for (k = 0; k < 2; k++) {
+                const double x = domain->rings[2 * i + k];
+                b[k] = i == first[r] || x < b[k] ? x : b[k];
+                b[2 + k] = i == first[r] || x > b[2 + k] ? x : b[2 + k];
+            }
+        }
+    }
+    for (r = 0; status == PBW_OK && r < domain->ring_count; r++) {
+        status = pbwc__copy_ring(clip, domain, r, PBWC__DOUBLES(bounds)) ? PBW_OK : PBW_ERROR_ARGUMENT;
+    }
+    pbwc__release(&job->memory, &bounds);
+    return status;
+}
+
+/* ---- all visits, by cells; cells that are connected without crossings */
+
+/* The visits of each cell, in the order of the edges. */
+static pbw_status pbwc__sort_visits(pbwc__job *job)
+{
+    pbwc__clip *clip = job->clip;
+    size_t c, i, sum = 0, *first;
+    if (!pbwc__resize(&job->memory, &clip->first, (job->count + 2) * sizeof(size_t))) {
+        return PBW_ERROR_MEMORY;
+    }
+    first = (size_t *)clip->first.data;
+    memset(first, 0, (job->count + 2) * sizeof(size_t));
+    for (c = 0; c < clip->chunks.count; c++) {
+        const pbwc__array *chunk = (const pbwc__array *)clip->chunks.data + c;
+        for (i = 0; i < chunk->count; i++) {
+            first[((const pbwc__visit *)chunk->data)[i].cell + 2]++;
+        }
+        sum += chunk->count;
+    }
+    if (!pbwc__resize(&job->memory, &clip->visits, sum * sizeof(pbwc__visit) + 1)) {
+        return PBW_ERROR_MEMORY;
+    }
+    for (i = 2; i < job->count + 2; i++) {
+        first[i] += first[i - 1];
+    }
+    for (c = 0; c < clip->chunks.count; c++) {       /* first[v + 1] moves from the begin to the end of v's */
+        const pbwc__array *chunk = (const pbwc__array *)clip->chunks.data + c;
+        for (i = 0; i < chunk->count; i++) {
+            const pbwc__visit *visit = (const pbwc__visit *)chunk->data + i;
+            ((pbwc__visit *)clip->visits.data)[first[visit->cell + 1]++] = *visit;
+        }
+    }
+    return PBW_OK;
+}
+
+static const pbwc__visit *pbwc__visits_of(const pbwc__clip *clip, size_t v, size_t *count)
+{
+    const size_t *first = (const size_t *)clip->first.data;
+    *count = first[v + 1] - first[v];
+    return (const pbwc__visit *)clip->visits.data + first[v];
+}
+
+/* Joins neighbours that no edge crosses; marks those that one does. */
+static pbw_status pbwc__connect(pbwc__job *job)
+{
+    const pbw_mesh *mesh = job->mesh;
+    pbwc__clip *clip = job->clip;
+    unsigned char *inside;
+    pbw_index *root;
+    size_t i, k, count;
+    if (!pbwc__resize(&job->memory, &clip->root, job->count * sizeof(pbw_index) + 1)
+        || !pbwc__resize(&job->memory, &clip->inside, job->count + 1)) {
+        return PBW_ERROR_MEMORY;
+    }
+    root = PBWC__INDICES(clip->root);
+    inside = (unsigned char *)clip->inside.data;
+    for (i = 0; i < job->count; i++) {
+        const pbwc__visit *visit = pbwc__visits_of(clip, i, &count);
+        root[i] = (pbw_index)i;
+        inside[i] = 0;
+        for (k = 0; k < count; k++) {
+            inside[i] |= visit[k].in != PBW_NONE || visit[k].out != PBW_NONE ? 2 : 0;
+        }
+    }
+    for (i = 0; i < 3 * mesh->simplex_count; i++) {
+        const pbw_index a = mesh->simplices[i], b = mesh->simplices[i % 3 < 2 ? i + 1 : i - 2];
+        if (inside[a] == 0 && inside[b] == 0) {
+            const pbw_index x = pbwc__root(root, a), y = pbwc__root(root, b);
+            root[x > y ? x : y] = x > y ? y : x;
+        }
+    }
+    for (i = 0; i < job->count; i++) {
+        root[i] = pbwc__root(root, (pbw_index)i);
+    }
+    return PBW_OK;
+}
+
+/* ---- one cell */
+
+typedef struct pbwc__end { int side, leaves, visit; } pbwc__end;     /* of a chain, on a side of the fan */
+
+typedef struct pbwc__corner {              /* of a loop; what it is known to be at, exactly: */
+    double x[2];                           /* relative to the site */
+    int part;                              /* the centre of a part, else -1 */
+    pbw_index ring;                        /* a corner of the polygon, else PBW_NONE */
+    pbw_index edge;                        /* what goes on from here: this edge, or if PBW_NONE */
+    int link;                              /* the side to this link */
+} pbwc__corner;
+
+#define PBWC__ENDS(work) ((pbwc__end *)(work)->ends.data)
+#define PBWC__LOOP(work) ((pbwc__corner *)(work)->loop.data)
+
+/* Is the end a before b, counter-clockwise, on one side?  Edges do not cross, so of one both corners are on one side
+   of the other. */
+static int pbwc__end_before(const pbwc__work *work, const pbwc__end *a, const pbwc__end *b)
+{
+    const pbwc__clip *clip = work->job->clip;
+    const pbwc__visit *visit = work->visits;
+    const double *p, *q, *r, *s, *t;
+    int low, high;
+    pbwc__edge_ends(clip, visit[a->visit].edge, &p, &q);
+    pbwc__edge_ends(clip, visit[b->visit].edge, &r, &s);
+    if (a->side != b->side) {
+        return a->side < b->side;
+    }
+    if (!a->leaves) {                                /* all outward */
+        t = p, p = q, q = t;
+    }
+    if (!b->leaves) {
+        t = r, r = s, s = t;
+    }
+    low = pbw_orient2(p, q, r);
+    high = pbw_orient2(p, q, s);
+    if (low * high >= 0 && (low != 0 || high != 0)) {
+        return low + high > 0;
+    }
+    low = pbw_orient2(r, s, p);
+    high = pbw_orient2(r, s, q);
+    return low + high != 0 ? low + high < 0 : a->visit < b->visit;
+}
+
+static void pbwc__sift(const pbwc__work *work, pbwc__end *ends, size_t at, size_t count)
+{
+    size_t child;
+    for (; (child = 2 * at + 1) < count; at = child) {
+        const pbwc__end swap = ends[at];
+        child += child + 1 < count && pbwc__end_before(work, ends + child, ends + child + 1);
+        if (!pbwc__end_before(work, &swap, ends + child)) {
+            break;
+        }
+        ends[at] = ends[child];
+        ends[child] = swap;
+    }
+}
+
+static int pbwc__add_end(pbwc__work *work, pbw_index v, pbw_index beyond, size_t visit, int leaves)
+{
+    pbwc__end *end = (pbwc__end *)pbwc__room(work->memory, &work->ends, 1, sizeof *end);
+    const int link = pbwc__link_number(work, v, beyond, 0);
+    if (end == NULL || link < 0) {
+        return 0;
+    }
+    end->side = PBWC__LINKS(work)[link].side;
+    end->leaves = leaves;
+    end->visit = (int)visit;
+    work->ends.count++;
+    return 1;
+}
+
+/* Gathers the star of v and where chains end on its fan, counter-clockwise.  Returns 0 if there is no memory. */
+static int pbwc__find_ends(pbwc__work *work, pbw_index v)
+{
+    const pbwc__visit *visit = pbwc__visits_of(work->job->clip, v, &work->visit_count);
+    pbwc__end *ends;
+    size_t i;
+    work->visits = visit;
+    work->ends.count = 0;
+    if (!pbwc__gather(work, v) || !pbwc__fan_out(work)) {
+        return 0;
+    }
+    for (i = 0; i < work->visit_count; i++) {
+        if ((visit[i].in != PBW_NONE && !pbwc__add_end(work, v, visit[i].in, i, 0))
+            || (visit[i].out != PBW_NONE && !pbwc__add_end(work, v, visit[i].out, i, 1))) {
+            return 0;
+        }
+    }
+    ends = (pbwc__end *)work->ends.data;
+    for (i = work->ends.count / 2; i-- > 0; ) {
+        pbwc__sift(work, ends, i, work->ends.count);
+    }
+    for (i = work->ends.count; i-- > 1; ) {
+        const pbwc__end swap = ends[0];
+        ends[0] = ends[i];
+        ends[i] = swap;
+        pbwc__sift(work, ends, 0, i);
+    }
+    return 1;
+}
+
+/* What cells that edges cross say of neighbours that none does: they are inside beyond a side that is. */
+static pbw_status pbwc__tell_neighbors(void *arg, size_t from, size_t to)
+{
+    pbwc__job *job = (pbwc__job *)arg;
+    unsigned char *inside = (unsigned char *)job->clip->inside.data;
+    pbwc__work work;
+    int good = pbwc__work_start(&work, job);
+    for (; good && from < to; from++) {
+        const pbwc__end *end;
+        size_t i, at;
+        if ((PBWC__READ(inside + from) & 2) == 0) {
+            continue;
+        }
+        good = pbwc__find_ends(&work, (pbw_index)from);
+        end = (const pbwc__end *)work.ends.data;
+        for (i = at = 0; good && i < work.fan.count; i++) {
+            const pbw_index other = PBWC__LINKS(&work)[PBWC__FAN(&work)[i].link].vertex;
+            while (at < work.ends.count && end[at].side <= (int)i) {
+                at++;
+            }
+            if (other < job->count && (PBWC__READ(inside + other) & 2) == 0
+                && end[at > 0 ? at - 1 : work.ends.count - 1].leaves) {
+                unsigned char *mark = inside + PBWC__INDICES(job->clip->root)[other];
+                PBWC__WRITE(mark, 1);                /* threads may write the same */
+            }
+        }
+    }
+    pbwc__work_end(&work);
+    return good ? PBW_OK : PBW_ERROR_MEMORY;
+}
+
+/* A corner at the end of the loop.  Returns NULL if there is no memory. */
+static pbwc__corner *pbwc__add_corner(pbwc__work *work)
+{
+    pbwc__corner *corner = (pbwc__corner *)pbwc__room(work->memory, &work->loop, 1, sizeof *corner);
+    if (corner != NULL) {
+        corner->part = -1;
+        corner->ring = corner->edge = PBW_NONE;
+        work->loop.count++;
+    }
+    return corner;
+}
+
+static int pbwc__add_ring_corner(pbwc__work *work, pbw_index v, pbw_index at)
+{
+    const double *site = work->job->mesh->points + 2 * (size_t)v;
+    const double *x = PBWC__CORNERS(work->job->clip) + 2 * (size_t)at;
+    pbwc__corner *corner = pbwc__add_corner(work);
+    if (corner == NULL) {
+        return 0;
+    }
+    corner->x[0] = x[0] - site[0];
+    corner->x[1] = x[1] - site[1];
+    corner->ring = corner->edge = at;
+    return 1;
+}
+
+static int pbwc__add_centre(pbwc__work *work, int part, int link)
+{
+    pbwc__corner *corner = pbwc__add_corner(work);
+    if (corner == NULL) {
+        return 0;
+    }
+    memcpy(corner->x, PBWC__PARTS(work)[part].centre, 2 * sizeof(double));
+    corner->part = part;
+    corner->link = link;
+    return 1;
+}
+
+/* Where a chain ends.  It may be at a corner of the polygon or of the cell: then it has that one's place. */
+static int pbwc__add_crossing(pbwc__work *work, pbw_index v, const pbwc__end *end)
+{
+    const pbw_mesh *mesh = work->job->mesh;
+    const pbwc__clip *clip = work->job->clip;
+    const pbwc__visit *visit = work->visits + end->visit;
+    const pbwc__fan *side = PBWC__FAN(work) + end->side;
+    const double t = end->leaves ? visit->t_out : visit->t_in, *site = mesh->points + 2 * (size_t)v;
+    const double *p, *q, *at = NULL;
+    const pbw_index beyond = PBWC__LINKS(work)[side->link].vertex;
+    pbwc__corner *corner = pbwc__add_corner(work);
+    int k;
+    if (corner == NULL) {
+        return 0;
+    }
+    pbwc__edge_ends(clip, visit->edge, &p, &q);
+    corner->edge = end->leaves ? PBW_NONE : visit->edge;
+    corner->link = side->link;
+    if (pbwc__side(mesh, p, v, beyond) == 0) {
+        corner->ring = visit->edge;
+        at = p;
+    } else if (pbwc__side(mesh, q, v, beyond) == 0) {
+        corner->ring = PBWC__INDICES(clip->next)[visit->edge];
+        at = q;
+    }
+    if (side->from >= 0 && pbwc__centre_side(mesh, p, q, PBWC__PARTS(work)[side->from].simplex) == 0) {
+        corner->part = side->from;
+    } else if (side->to >= 0 && pbwc__centre_side(mesh, p, q, PBWC__PARTS(work)[side->to].simplex) == 0) {
+        corner->part = side->to;
+    }
+    for (k = 0; k < 2; k++) {
+        corner->x[k] = corner->part >= 0 ? PBWC__PARTS(work)[corner->part].centre[k]
+                     : at != NULL ? at[k] - site[k] : (p[k] - site[k]) + t * (q[k] - p[k]);
+    }
+    return 1;
+}
+
+/* The visit of the edge after this one's, in this cell; -1 if there is none. */
+static int pbwc__next_visit(const pbwc__work *work, int visit)
+{
+    const pbw_index edge = PBWC__INDICES(work->job->clip->next)[work->visits[visit].edge];
+    size_t low = 0, high = work->visit_count;
+    while (low < high) {
+        const size_t middle = low + (high - low) / 2;
+        if (work->visits[middle].edge < edge) {
+            low = middle + 1;
+        } else {
+            high = middle;
+        }
+    }
+    return low < work->visit_count && work->visits[low].edge == edge && work->visits[low].in == PBW_NONE ? (int)low
+         : -1;
+}
+
+/* From one end to the next, which must enter, along the sides of the cell.  Returns a status. */
+static pbw_status pbwc__along_sides(pbwc__work *work, size_t end)
+{
+    const pbwc__end *ends = (const pbwc__end *)work->ends.data, *from = ends + end;
+    const pbwc__end *to = ends + (end + 1 < work->ends.count ? end + 1 : 0);
+    const pbwc__fan *fan = PBWC__FAN(work);
+    int side = from->side, steps = to->side - side;
+    if (to->leaves) {
+        return PBW_ERROR_ARGUMENT;                   /* rings cross */
+    }
+    for (steps += steps < 0 || to <= from ? (int)work->fan.count : 0; steps > 0; steps--) {
+        const int part = fan[side].to;
+        side = side + 1 < (int)work->fan.count ? side + 1 : 0;
+        if (part < 0) {
+            return PBW_ERROR_ARGUMENT;
+        }
+        if (!pbwc__add_centre(work, part, fan[side].link)) {
+            return PBW_ERROR_MEMORY;
+        }
+    }
+    return PBW_OK;
+}
+
+static int pbwc__same_corner(const pbwc__work *work, const pbwc__corner *a, const pbwc__corner *b)
+{
+    const pbw_index *merged = PBWC__INDICES(work->job->merged);
+    const double *x = PBWC__CORNERS(work->job->clip);
+    if (a->part >= 0 && b->part >= 0) {
+        const pbw_index s = PBWC__PARTS(work)[a->part].simplex, t = PBWC__PARTS(work)[b->part].simplex;
+        return s == t || (merged != NULL && merged[s] == merged[t]);
+    }
+    return a->ring != PBW_NONE && b->ring != PBW_NONE
+           && pbwc__is_at(x + 2 * (size_t)a->ring, x + 2 * (size_t)b->ring);
+}
+
+/* Makes one of two corners at one place: a, with what is known of both, and what goes on from b. */
+static void pbwc__join_corners(pbwc__corner *a, const pbwc__corner *b)
+{
+    if (a->part < 0 && (b->part >= 0 || a->ring == PBW_NONE)) {
+        memcpy(a->x, b->x, sizeof a->x);
+        a->part = b->part;
+    }
+    a->ring = a->ring != PBW_NONE ? a->ring : b->ring;
+    a->edge = b->edge;
+    a->link = b->link;
+}
+
+/* Ends the loop from corner `begin`: without edges of no length. */
+static void pbwc__end_loop(pbwc__work *work, size_t begin)
+{
+    pbwc__corner *loop = PBWC__LOOP(work) + begin;
+    size_t i, count = 0;
+    for (i = begin; i < work->loop.count; i++) {
+        const pbwc__corner *corner = PBWC__LOOP(work) + i;
+        if (count > 0 && pbwc__same_corner(work, loop + count - 1, corner)) {
+            pbwc__join_corners(loop + count - 1, corner);
+        } else {
+            loop[count++] = *corner;
+        }
+    }
+    while (count > 1 && pbwc__same_corner(work, loop + count - 1, loop)) {
+        pbwc__join_corners(loop + count - 1, loop);
+        loop[0] = loop[count - 1];
+        count--;
+    }
+    work->loop.count = count < 3 ? begin : begin + count;
+}
+
+/* The loop of which a visit is part.  Returns a status. */
+static pbw_status pbwc__trace(pbwc__work *work, pbw_index v, int visit)
+{
+    const size_t begin = work->loop.count;
+    unsigned char *used = (unsigned char *)work->used.data;
+    const int start = visit;
+    pbw_status status = PBW_OK;
+    do {
+        const pbwc__visit *at = work->visits + visit;
+        int then = -1;
+        if (used[visit]) {
+            return PBW_ERROR_ARGUMENT;
+        }
+        used[visit] = 1;
+        if (at->in != PBW_NONE && !pbwc__add_crossing(work, v, PBWC__ENDS(work) + work->end_places[2 * visit])) {
+            return PBW_ERROR_MEMORY;
+        }
+        if (at->in == PBW_NONE && !pbwc__add_ring_corner(work, v, at->edge)) {
+            return PBW_ERROR_MEMORY;
+        }
+        if (at->out == PBW_NONE) {
+            then = pbwc__next_visit(work, visit);
+        } else {
+            const size_t end = work->end_places[2 * visit + 1];
+            if (!pbwc__add_crossing(work, v, PBWC__ENDS(work) + end)) {
+                return PBW_ERROR_MEMORY;
+            }
+            status = pbwc__along_sides(work, end);
+            then = PBWC__ENDS(work)[end + 1 < work->ends.count ? end + 1 : 0].visit;
+        }
+        visit = then;
+    } while (status == PBW_OK && visit >= 0 && visit != start);
+    pbwc__end_loop(work, begin);
+    return status == PBW_OK && visit < 0 ? PBW_ERROR_ARGUMENT : status;
+}
+
+/* Is a cell that no edge crosses inside, but for rings within it? */
+static int pbwc__is_inside(const pbwc__clip *clip, pbw_index v)
+{
+    return ((const unsigned char *)clip->inside.data)[PBWC__INDICES(clip->root)[v]] & 1;
+}
+
+/* All loops of the cell of v; in work->loop, where each begins in work->begins.  Returns a status. */
+static pbw_status pbwc__find_loops(pbwc__work *work, pbw_index v)
+{
+    unsigned char *used;
+    size_t i, pass;
+    pbw_status status = PBW_OK;
+    work->loop.count = work->begins.count = work->used.count = work->end_of.count = 0;
+    used = (unsigned char *)pbwc__room(work->memory, &work->used, work->visit_count + 1, 1);
+    work->end_places = (size_t *)pbwc__room(work->memory, &work->end_of, 2 * work->visit_count + 1, sizeof(size_t));
+    if (used == NULL || work->end_places == NULL) {
+        return PBW_ERROR_MEMORY;
+    }
+    memset(used, 0, work->visit_count);
+    for (i = 0; i < work->ends.count; i++) {
+        work->end_places[2 * PBWC__ENDS(work)[i].visit + PBWC__ENDS(work)[i].leaves] = i;
+    }
+    if (work->ends.count == 0 && pbwc__is_inside(work->job->clip, v)) {
+        if (!pbwc__push(work->memory, &work->begins, 0)) {
+            return PBW_ERROR_MEMORY;
+        }
+        for (i = 0; i < work->fan.count; i++) {      /* all of the cell, around what rings cut from it */
+            const pbwc__fan *side = PBWC__FAN(work) + i;
+            if (side->from < 0 || !pbwc__add_centre(work, side->from, side->link)) {
+                return side->from < 0 ? PBW_ERROR_ARGUMENT : PBW_ERROR_MEMORY;
+            }
+        }
+        pbwc__end_loop(work, 0);
+    }
+    for (pass = 0; pass < 2; pass++) {               /* chains that enter, then rings within the cell */
+        for (i = 0; status == PBW_OK && i < work->visit_count; i++) {
+            const pbw_index begin = (pbw_index)work->loop.count;
+            if (!used[i] && (pass == 1 || work->visits[i].in != PBW_NONE)) {
+                status = pbwc__push(work->memory, &work->begins, begin) ? pbwc__trace(work, v, (int)i)
+                       : PBW_ERROR_MEMORY;
+            }
+        }
+    }
+    return status;
+}
+
+/* The vertex of a corner: a centre, or one of the range's own.  PBW_NONE: no memory. */
+static pbw_index pbwc__corner_vertex(pbwc__work *work, pbw_index v, const pbwc__corner *corner)
+{
+    const pbw_mesh *mesh = work->job->mesh;
+    const pbw_index *merged = PBWC__INDICES(work->job->merged);
+    double x[2];
+    pbw_index number;
+    int k;
+    if (corner->part >= 0) {
+        const pbw_index simplex = PBWC__PARTS(work)[corner->part].simplex;
+        return merged != NULL ? merged[simplex] : simplex;
+    }
+    for (k = 0; k < 2; k++) {
+        x[k] = corner->ring != PBW_NONE ? PBWC__CORNERS(work->job->clip)[2 * (size_t)corner->ring + (size_t)k]
+             : mesh->points[2 * (size_t)v + (size_t)k] + corner->x[k];
+    }
+    number = pbwc__push_vector(work, &work->out->vertices, x);
+    return number == PBW_NONE ? PBW_NONE : (pbw_index)mesh->simplex_count + number;
+}
+
+/* Adds a loop's area and moments to sum, and its sides to the facets.  Returns 0 if there is no memory. */
+static int pbwc__loop_out(pbwc__work *work, pbw_index v, size_t begin, size_t end, double *sum)
+{
+    const pbwc__corner *loop = PBWC__LOOP(work);
+    const int shapes = (work->job->what & PBW_CELLS_SHAPES) != 0;
+    const pbw_index first = shapes ? pbwc__corner_vertex(work, v, loop + begin) : 0;
+    pbw_index from = first, to;
+    size_t i;
+    for (i = begin; i < end && (work->job->what & PBW_CELLS_FACETS) != 0; i++, from = to) {
+        const pbwc__corner *a = loop + i, *b = loop + (i + 1 < end ? i + 1 : begin);
+        const double x = b->x[0] - a->x[0], y = b->x[1] - a->x[1];
+        const size_t entries = work->out->loops.count;
+        to = !shapes || i + 1 == end ? first : pbwc__corner_vertex(work, v, b);
+        if (shapes && (from == PBW_NONE || to == PBW_NONE || !pbwc__push(work->memory, &work->out->loops, from)
+                       || !pbwc__push(work->memory, &work->out->loops, to))) {
+            return 0;
+        }
+        if (!pbwc__facet_done(work, a->edge != PBW_NONE
+                              ? PBW_NONE - 1 - PBWC__INDICES(work->job->clip->name)[a->edge]
+                              : PBWC__LINKS(work)[a->link].vertex, sqrt(x * x + y * y), entries)) {
+            return 0;
+        }
+    }
+    for (i = begin + 1; i + 1 < end; i++) {
+        const double *o = loop[begin].x, *a = loop[i].x, *b = loop[i + 1].x;
+        const double w = (a[0] - o[0]) * (b[1] - o[1]) - (a[1] - o[1]) * (b[0] - o[0]);
+        sum[3] += w;
+        sum[0] += w * (o[0] + a[0] + b[0]);
+        sum[1] += w * (o[1] + a[1] + b[1]);
+    }
+    return 1;
+}
+
+/* The cell of v within the polygon.  Returns a status. */
+static pbw_status pbwc__clip_cell(pbwc__work *work, pbw_index v)
+{
+    pbwc__job *job = work->job;
+    double sum[4] = { 0, 0, 0, 0 };
+    size_t i;
+    pbw_status status;
+    (void)pbwc__visits_of(job->clip, v, &work->visit_count);
+    if (work->visit_count == 0) {
+        if (!pbwc__is_inside(job->clip, v)) {
+            pbwc__set_cell(job, v, sum);
+            return PBW_OK;
+        }
+        return (job->what & PBW_CELLS_FACETS) == 0
+               || (pbwc__gather(work, v) && pbwc__star_facets(work)) ? PBW_OK : PBW_ERROR_MEMORY;
+    }
+    if (!pbwc__find_ends(work, v)) {
+        return PBW_ERROR_MEMORY;
+    }
+    status = pbwc__find_loops(work, v);
+    for (i = 0; status == PBW_OK && i < work->begins.count; i++) {
+        const size_t begin = PBWC__INDICES(work->begins)[i];
+        const size_t end = i + 1 < work->begins.count ? PBWC__INDICES(work->begins)[i + 1] : work->loop.count;
+        status = pbwc__loop_out(work, v, begin, end, sum) ? PBW_OK : PBW_ERROR_MEMORY;
+    }
+    if (status == PBW_OK) {
+        pbwc__set_cell(job, v, sum);
+    }
+    return status;
+}
+
+/* Finds out which cells the polygon's edges visit, and which are inside of it. */
+static pbw_status pbwc__start_clip(pbwc__job *job, const pbw_options *options)
+{
+    pbwc__clip *clip = job->clip;
+    pbw_options own;
+    pbwc__array hulls;
+    pbw_index *home = PBWC__INDICES(clip->home);
+    size_t i;
+    pbw_status status = PBW_OK;
+    memset(&own, 0, sizeof own);
+    memset(&hulls, 0, sizeof hulls);
+    if (options != NULL) {
+        own = *options;
+    }
+    own.stride = own.weight_stride = 0;
+    clip->chunks.count = (clip->count + PBWC__EDGES - 1) / PBWC__EDGES;
+    if (!pbwc__resize(&job->memory, &hulls, clip->count * sizeof(pbw_index))
+        || !pbwc__resize(&job->memory, &clip->chunks, clip->chunks.count * sizeof(pbwc__array))) {
+        clip->chunks.count = 0;
+        status = PBW_ERROR_MEMORY;
+    } else {
+        memset(clip->chunks.data, 0, clip->chunks.bytes);
+        status = pbw_locate(job->mesh, PBWC__CORNERS(clip), clip->count, &own, home, PBWC__INDICES(hulls));
+    }
+    for (i = 0; status == PBW_OK && i < clip->count; i++) {          /* a corner of what was found, to start from */
+        const pbw_index hull = PBWC__INDICES(hulls)[i], corner = (hull + 1) % 3;
+        home[i] = job->mesh->simplices[home[i] != PBW_NONE ? 3 * (size_t)home[i] : hull - hull % 3 + corner];
+    }
+    pbwc__release(&job->memory, &hulls);
+    status = status == PBW_OK ? pbw_for(options, clip->count, PBWC__EDGES, pbwc__find_homes, job) : status;
+    status = status == PBW_OK ? pbw_for(options, clip->count, PBWC__EDGES, pbwc__follow_edges, job) : status;
+    status = status == PBW_OK ? pbwc__sort_visits(job) : status;
+    status = status == PBW_OK ? pbwc__connect(job) : status;
+    return status == PBW_OK ? pbw_for(options, job->count, job->grain, pbwc__tell_neighbors, job) : status;
+}
+
+static void pbwc__end_clip(pbwc__job *job)
+{
+    pbwc__clip *clip = job->clip;
+    size_t i;
+    for (i = 0; i < clip->chunks.count; i++) {
+        pbwc__release(&job->memory, (pbwc__array *)clip->chunks.data + i);
+    }
+    pbwc__release(&job->memory, &clip->chunks);
+    pbwc__release(&job->memory, &clip->x);
+    pbwc__release(&job->memory, &clip->name);
+    pbwc__release(&job->memory, &clip->next);
+    pbwc__release(&job->memory, &clip->before);
+    pbwc__release(&job->memory, &clip->after);
+    pbwc__release(&job->memory, &clip->run);
+    pbwc__release(&job->memory, &clip->home);
+    pbwc__release(&job->memory, &clip->visits);
+    pbwc__release(&job->memory, &clip->first);
+    pbwc__release(&job->memory, &clip->root);
+    pbwc__release(&job->memory, &clip->inside);
+}
+
+/* ------------------------------------------------------------------------------------------------------
    Periodic boxes: the cells of the points in a mesh with copies of them beyond the box's walls.  Copies are exact
    translates, as coordinates and box sizes are made multiples of one power of two per axis.  Enough copies, for
    certain: a copy that is not in the mesh could take from a cell only if it takes one of the cell's corners, so if it
    is in the ball around that corner that reaches to the site (with weights: whose square is the corner's power
    distance plus the largest weight).  Balls that leave the padded box mark a grid, and the copies there are added.
    A cell that becomes smaller has smaller balls, in the union of its old ones; so a second round is the last.
+   Where points crowd, balls in the void are large and would add most copies: then a few copies, one point of each
+   cell of a coarse grid, first make them smaller.
    Along a periodic axis a cell reaches at most half the box from its site, as its images have the rest; so a box of
    3/4 to each side is what it is cut from.
    ------------------------------------------------------------------------------------------------------ */
@@ -1773,11 +3009,10 @@ static pbw_status pbwc__certify_simplices(void *arg, size_t from, size_t to)
 static int pbwc__cell(pbwc__work *work, pbw_index v)
 {
     pbwc__job *job = work->job;
-    const size_t before = work->out->neighbors.count;
     const int cut = ((unsigned char *)job->states.data)[v] != 0 && job->bounded;
     double sum[4];
     size_t k;
-    if (job->mesh->incident[v] == PBW_NONE || (!cut && (job->what & PBW_CELLS_FACETS) == 0)) {
+    if (!cut && (job->what & PBW_CELLS_FACETS) == 0) {
         return 1;
     }
     if (!pbwc__gather(work, v)) {
@@ -1800,39 +3035,28 @@ static int pbwc__cell(pbwc__work *work, pbw_index v)
             return 0;
         }
     } else {
-        pbwc__add_areas(work);
-        if (!(job->mesh->dim == 3 ? pbwc__star_facets3(work) : pbwc__star_facets2(work))) {
-            return 0;
-        }
+        return pbwc__star_facets(work);
     }
-    job->first[v + 1] = work->out->neighbors.count - before;
     return 1;
 }
 
 static pbw_status pbwc__cells_range(void *arg, size_t from, size_t to)
 {
     pbwc__job *job = (pbwc__job *)arg;
-    pbwc__array centres;
     pbwc__work work;
     size_t v;
-    int good;
-    memset(&work, 0, sizeof work);
-    memset(&centres, 0, sizeof centres);
-    work.job = job;
-    work.memory = &job->memory;
+    pbw_status status = pbwc__work_start(&work, job) ? PBW_OK : PBW_ERROR_MEMORY;
     work.out = (pbwc__range *)job->ranges.data + from / job->grain;
-    good = pbwc__centres_new(work.memory, &centres);
-    work.centres = (pbwc__centre *)centres.data;
-    for (v = from; good && v < to; v++) {
-        good = pbwc__cell(&work, (pbw_index)v);
+    for (v = from; status == PBW_OK && v < to; v++) {
+        const size_t before = work.out->neighbors.count;
+        if (job->mesh->incident[v] != PBW_NONE) {
+            status = job->clip != NULL ? pbwc__clip_cell(&work, (pbw_index)v)
+                   : pbwc__cell(&work, (pbw_index)v) ? PBW_OK : PBW_ERROR_MEMORY;
+        }
+        job->first[v + 1] = work.out->neighbors.count - before;
     }
-    pbwc__release(work.memory, &centres);
-    pbwc__release(work.memory, &work.parts);
-    pbwc__release(work.memory, &work.links);
-    pbwc__release(work.memory, &work.part_of.slots);
-    pbwc__release(work.memory, &work.link_of.slots);
-    pbwc__cutter_release(work.memory, &work.cutter);
-    return good ? PBW_OK : PBW_ERROR_MEMORY;
+    pbwc__work_end(&work);
+    return status;
 }
 
 /* Where a range's items begin in the arrays of all. */
@@ -2047,15 +3271,6 @@ static pbw_status pbwc__find_ties(void *arg, size_t from, size_t to)
     return PBW_OK;
 }
 
-static pbw_index pbwc__root(pbw_index *merged, pbw_index s)
-{
-    while (merged[s] != s) {
-        merged[s] = merged[merged[s]];
-        s = merged[s];
-    }
-    return s;
-}
-
 static pbw_status pbwc__merge(pbwc__job *job, const pbw_options *options)
 {
     const pbw_mesh *mesh = job->mesh;
@@ -2178,6 +3393,11 @@ static pbw_status pbwc__prepare_domain(pbwc__job *job, const pbw_domain *domain)
         job->low[k] = -HUGE_VAL;
         job->high[k] = HUGE_VAL;
     }
+    if (domain != NULL && domain->ring_count > 0) {
+        job->bounded = 1;
+        status = pbwc__check_polygon(job->mesh, domain);
+        return status == PBW_OK && job->mesh->simplex_count > 0 ? pbwc__copy_rings(job, domain) : status;
+    }
     if (domain == NULL || (domain->box == NULL && domain->plane_count == 0)) {
         return PBW_OK;
     }
@@ -2246,6 +3466,9 @@ static pbw_status pbwc__compute(pbwc__job *job, const pbw_domain *domain, const 
     if (status == PBW_OK) {
         status = pbwc__add_up(job, options);
     }
+    if (status == PBW_OK && job->clip != NULL && job->mesh->simplex_count > 0) {
+        status = pbwc__start_clip(job, options);
+    }
     if (status == PBW_OK && (job->bounded || (job->what & PBW_CELLS_FACETS) != 0)) {
         status = pbw_for(options, count, job->grain, pbwc__cells_range, job);
     }
@@ -2304,6 +3527,9 @@ static pbw_status pbwc__run(pbwc__job *job, const pbw_domain *domain, const pbw_
     pbwc__release(&job->memory, &job->merged);
     pbwc__release(&job->memory, &job->ranges);
     pbwc__release(&job->memory, &job->states);
+    if (job->clip != NULL) {
+        pbwc__end_clip(job);
+    }
     ((pbwc__owned *)cells->memory)->memory = job->memory;
     if (status != PBW_OK) {
         pbwc__drop(&job->memory, job->cells);
@@ -2315,11 +3541,13 @@ PBWCELLSDEF pbw_status pbw_cells_of(const pbw_mesh *mesh, const pbw_domain *doma
                                     const pbw_options *options, pbw_cells *cells)
 {
     pbwc__job job;
+    pbwc__clip clip;
     pbw_status status;
     if (cells == NULL) {
         return PBW_ERROR_ARGUMENT;
     }
     memset(cells, 0, sizeof *cells);
+    memset(&clip, 0, sizeof clip);
     if (mesh == NULL || (mesh->dim != 2 && mesh->dim != 3) || (mesh->simplex_count > 0 && mesh->neighbors == NULL)
         || !pbwc__knows(what)
         || (domain != NULL && (domain->periodic != 0 || (domain->plane_count > 0 && domain->planes == NULL)))) {
@@ -2329,6 +3557,7 @@ PBWCELLSDEF pbw_status pbw_cells_of(const pbw_mesh *mesh, const pbw_domain *doma
     job.mesh = mesh;
     job.count = mesh->point_count;
     job.cells = cells;
+    job.clip = domain != NULL && domain->ring_count > 0 ? &clip : NULL;
     status = pbwc__run(&job, domain, options);
     return status == PBW_OK && mesh->simplex_count == 0 ? PBW_DEGENERATE : status;
 }
@@ -2426,8 +3655,9 @@ static void pbwc__extent(pbwc__period *period)
     const double step = 1.0 / PBWC__GRID;
     int at[3], k;
     for (k = 0; k < period->dim; k++) {
-        period->from[k] = -period->margin[k];
-        period->to[k] = period->size[k] + period->margin[k];
+        const double half = period->thin.data != NULL ? 0.5 * period->size[k] : 0;
+        period->from[k] = half > period->margin[k] ? -half : -period->margin[k];
+        period->to[k] = period->size[k] - period->from[k];
     }
     for (at[2] = 0; at[2] < PBWC__GRID; at[2]++) {
         for (at[1] = 0; at[1] < PBWC__GRID; at[1]++) {
@@ -2444,16 +3674,19 @@ static void pbwc__extent(pbwc__period *period)
     }
 }
 
-static int pbwc__is_copied(const pbwc__period *period, const double *x)
+/* Is the copy of point i at x one of those needed? */
+static int pbwc__is_copied(const pbwc__period *period, size_t i, const double *x)
 {
     int at[3] = { 0, 0, 0 }, k, inside = 1;
+    int near = period->thin.data != NULL && ((const unsigned char *)period->thin.data)[i] != 0;
     for (k = 0; k < period->dim; k++) {
         at[k] = pbwc__grid_at(period, k, x[k]);
         if ((period->axes >> k & 1) != 0) {
             inside &= x[k] >= -period->margin[k] && x[k] <= period->size[k] + period->margin[k];
+            near &= x[k] >= -0.5 * period->size[k] && x[k] <= 1.5 * period->size[k];
         }
     }
-    return inside || *pbwc__grid_mark(period, at) != 0;
+    return inside || near || *pbwc__grid_mark(period, at) != 0;
 }
 
 /* One more point.  Returns 0 if there is no memory. */
@@ -2496,7 +3729,7 @@ static int pbwc__add_copies(pbwc__period *period, size_t i)
                 for (k = 0; k < dim; k++) {
                     x[k] = p[k] + shift[k] * period->size[k];
                 }
-                if (pbwc__is_copied(period, x) && !pbwc__add_copy(period, x, weight, (pbw_index)i)) {
+                if (pbwc__is_copied(period, i, x) && !pbwc__add_copy(period, x, weight, (pbw_index)i)) {
                     return 0;
                 }
             }
@@ -2534,6 +3767,42 @@ static pbw_status pbwc__copies(pbwc__period *period)
             return PBW_ERROR_MEMORY;
         }
     }
+    return PBW_OK;
+}
+
+/* Chooses the first point in each cell of a grid over the box, and forgets all marks. */
+static pbw_status pbwc__choose_thin(pbwc__period *period)
+{
+    const size_t dim = (size_t)period->dim;
+    const double least = pow((double)period->count / 8, 1.0 / (double)dim), most = dim == 3 ? 16 : 64;
+    const size_t side = (size_t)(least < most ? least : most);
+    unsigned char *thin;
+    pbwc__array taken;
+    size_t i, k;
+    memset(&taken, 0, sizeof taken);
+    if (!pbwc__resize(period->memory, &taken, side * side * (dim == 3 ? side : 1))) {
+        return PBW_ERROR_MEMORY;
+    }
+    memset(taken.data, 0, taken.bytes);
+    if (!pbwc__resize(period->memory, &period->thin, period->count)) {
+        pbwc__release(period->memory, &taken);
+        return PBW_ERROR_MEMORY;
+    }
+    thin = (unsigned char *)period->thin.data;
+    for (i = 0; i < period->count; i++) {
+        unsigned char *slot = (unsigned char *)taken.data;
+        size_t at = 0;
+        for (k = 0; k < dim; k++) {
+            const double low = (period->axes >> k & 1) != 0 ? 0 : period->low[k];
+            const double high = (period->axes >> k & 1) != 0 ? period->size[k] : period->high[k];
+            const double place = (PBWC__DOUBLES(period->x)[i * dim + k] - low) / (high - low) * (double)side;
+            at = at * side + (!(place > 0) ? 0 : place >= (double)side ? side - 1 : (size_t)place);
+        }
+        thin[i] = slot[at] == 0;
+        slot[at] = 1;
+    }
+    memset(period->marks.data, 0, period->marks.bytes);
+    pbwc__release(period->memory, &taken);
     return PBW_OK;
 }
 
@@ -2585,6 +3854,10 @@ static pbw_status pbwc__round(pbwc__job *job, const double *box, const pbw_optio
     const size_t dim = (size_t)period->dim;
     size_t k;
     pbw_status status = pbwc__copies(period);
+    if (status == PBW_OK && period->total > 5 * period->count && period->count >= 500 && period->thin.data == NULL) {
+        status = pbwc__choose_thin(period);
+        status = status == PBW_OK ? pbwc__copies(period) : status;
+    }
     memset(&own, 0, sizeof own);
     memset(&domain, 0, sizeof domain);
     memset(&mesh, 0, sizeof mesh);
@@ -2632,7 +3905,8 @@ PBWCELLSDEF pbw_status pbw_cells_periodic(int dim, const double *points, const d
     }
     memset(cells, 0, sizeof *cells);
     if ((dim != 2 && dim != 3) || (points == NULL && count > 0) || domain == NULL || domain->box == NULL
-        || domain->plane_count != 0 || domain->periodic == 0 || domain->periodic >> dim != 0 || !pbwc__knows(what)
+        || domain->plane_count != 0 || domain->ring_count != 0 || domain->periodic == 0
+        || domain->periodic >> dim != 0 || !pbwc__knows(what)
         || (options != NULL && (options->stride != 0 || options->weight_stride != 0))) {
         return PBW_ERROR_ARGUMENT;
     }
@@ -2665,6 +3939,7 @@ PBWCELLSDEF pbw_status pbw_cells_periodic(int dim, const double *points, const d
     pbwc__release(&job.memory, &period.w);
     pbwc__release(&job.memory, &period.source);
     pbwc__release(&job.memory, &period.marks);
+    pbwc__release(&job.memory, &period.thin);
     if (cells->memory != NULL) {
         ((pbwc__owned *)cells->memory)->memory = job.memory;
     }

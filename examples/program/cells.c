@@ -3,6 +3,8 @@
 
 static const option cells_options[] = {
     { "--box", "X,Y[,Z],X,Y[,Z]", "low corner and high corner: cells end there", BOX, 0, 0, NULL },
+    { "--clip", "POLYGON", "a file of rings, in 2D: cells end there.  A ring ends with its first corner; what is\n"
+      "in an odd number of rings is inside", PLAIN, 0, 0, NULL },
     { "--periodic", "xyz", "the axes along which the box repeats", AXES, 0, 0, NULL },
     { "--merge", NULL, "the true diagram: centres that coincide are one corner, facets without area left out", SWITCH,
       0, 0, NULL },
@@ -27,18 +29,65 @@ static void emit(void *user, FILE *file)
 static pbwio_status write_cells(job *j, const char *path, const char *ending, void *user, pbwio_error *error)
 {
     const pbw_cells *cells = (const pbw_cells *)user;
-    (void)j;
     return strcmp(ending, "csv") == 0 ? pbwio_save(path, emit, user, error)
+         : strcmp(ending, "html") == 0 ? write_cell_page(j, path, cells, error)
          : write_diagram(path, ending, cells, error);
 }
 
+/* Twice the area of a ring, with a sign. */
+static double ring_area(const double *x, size_t count)
+{
+    double sum = 0;
+    size_t i;
+    for (i = 1; i + 1 < count; i++) {
+        const double *a = x + 2 * i, *b = a + 2;
+        sum += (a[0] - x[0]) * (b[1] - x[1]) - (a[1] - x[1]) * (b[0] - x[0]);
+    }
+    return sum;
+}
+
+/* Is a corner of a ring inside an odd number of the others? */
+static int is_hole(const pbw_domain *domain, size_t ring)
+{
+    const double *p = domain->rings + 2 * domain->ring_first[ring];
+    size_t r, i;
+    int odd = 0;
+    for (r = 0; r < domain->ring_count; r++) {
+        const size_t first = domain->ring_first[r], end = domain->ring_first[r + 1];
+        for (i = first; r != ring && i < end; i++) {
+            const double *a = domain->rings + 2 * i, *b = domain->rings + 2 * (i + 1 < end ? i + 1 : first);
+            if ((a[1] <= p[1]) != (b[1] <= p[1])) {
+                odd ^= (pbw_orient2(a, b, p) > 0) == (b[1] > a[1]);
+            }
+        }
+    }
+    return odd;
+}
+
+/* The domain's volume, 0 if it has no bounds. */
+static double whole_of(const pbw_domain *domain, int dim)
+{
+    double whole = domain->box != NULL;
+    size_t r;
+    int k;
+    for (k = 0; k < dim && domain->box != NULL; k++) {
+        whole *= domain->box[dim + k] - domain->box[k];
+    }
+    for (r = 0; r < domain->ring_count; r++) {
+        const size_t first = domain->ring_first[r];
+        const double area = fabs(ring_area(domain->rings + 2 * first, domain->ring_first[r + 1] - first)) / 2;
+        whole += is_hole(domain, r) ? -area : area;
+    }
+    return whole;
+}
+
 /* The sum has an error of one rounding (Neumaier 1974), so that it shows that of the cells. */
-static void report(const job *j, const pbw_cells *cells, const double *box)
+static void report(const job *j, const pbw_cells *cells, const pbw_domain *domain)
 {
     const char *volume = cells->dim == 3 ? "volume" : "area";
-    double sum = 0, rest = 0, whole = 1;
+    const double whole = whole_of(domain, cells->dim);
+    double sum = 0, rest = 0;
     size_t i, empty = 0, unbounded = 0;
-    int k;
     for (i = 0; i < cells->cell_count; i++) {
         const double v = cells->volumes[i];
         if (v <= DBL_MAX) {
@@ -51,15 +100,48 @@ static void report(const job *j, const pbw_cells *cells, const double *box)
     }
     note(j, "%zu cell%s, %zu of them empty, %zu unbounded; %zu facet%s", cells->cell_count, plural(cells->cell_count),
          empty, unbounded, cells->facet_count, plural(cells->facet_count));
-    if (box == NULL) {
+    if (domain->box == NULL && domain->ring_count == 0) {
         note(j, "%s %.15g, the sum of bounded cells", volume, sum + rest);
         return;
     }
-    for (k = 0; k < cells->dim; k++) {
-        whole *= box[cells->dim + k] - box[k];
+    note(j, "%s %.15g, the sum of cells; %.15g, the %s; relative difference %.1e", volume, sum + rest, whole,
+         domain->box != NULL ? "box" : "polygon", fabs(sum - whole + rest) / whole);
+}
+
+/* The rings of --clip: each ends where its first corner comes again, the last one with the file. */
+static int load_rings(job *j, pbw_domain *domain, pbwio_cloud *cloud, size_t **first)
+{
+    const char *path = text_of(j, "--clip");
+    pbwio_options read;
+    pbwio_error error;
+    size_t i, count = 0, begin = 0, rings = 0;
+    memset(&read, 0, sizeof read);
+    read.dim = 2;
+    if (pbwio_read(path, &read, cloud, &error) != PBWIO_OK) {
+        return fail(j, "--clip: %s", error.text);
     }
-    note(j, "%s %.15g, the sum of cells; %.15g, the box; relative difference %.1e", volume, sum + rest, whole,
-         fabs(sum - whole + rest) / whole);
+    *first = (size_t *)malloc((cloud->count + 2) * sizeof **first);
+    if (*first == NULL) {
+        return fail(j, "out of memory");
+    }
+    (*first)[0] = 0;
+    for (i = 0; i < cloud->count; i++) {
+        double *x = cloud->points + 2 * i;
+        const int closes = count > begin && memcmp(cloud->points + 2 * begin, x, 2 * sizeof *x) == 0;
+        if (!closes) {
+            memmove(cloud->points + 2 * count++, x, 2 * sizeof *x);
+        }
+        if (closes || (i + 1 == cloud->count && count > begin)) {
+            if (count < begin + 3) {
+                return fail(j, "%s: a ring of %zu corners", path, count - begin);
+            }
+            begin = (*first)[++rings] = count;
+        }
+    }
+    domain->rings = cloud->points;
+    domain->ring_first = *first;
+    domain->ring_count = rings;
+    return 0;
 }
 
 /* Bit k: axis k. */
@@ -91,51 +173,85 @@ static int make(job *j, const pbw_domain *domain, unsigned what, pbw_cells *cell
     }
     status = domain->periodic == 0 ? pbw_cells_of(&j->mesh, domain, what, &j->build, cells)
            : pbw_cells_periodic(c->dim, c->points, c->weights, c->count, domain, what, &j->build, cells);
-    failed = explain(j, status);
+    failed = status != PBW_ERROR_ARGUMENT || domain->ring_count == 0 ? explain(j, status)
+           : fail(j, "%s: rings that cross, touch where cells meet or have no area, or coordinates out of range",
+                  text_of(j, "--clip"));
     if (!failed) {
         say(j, "cells", now() - start, "%s", "");
     }
     return failed;
 }
 
-static int run(job *j)
+/* What the cells must have for the outputs; -1: an output cannot be. */
+static int contents_of(const job *j)
 {
-    pbw_domain domain;
-    pbw_cells cells;
-    double box[6];
-    unsigned what = PBW_CELLS_FACETS;
-    int i, failed;
-    memset(&domain, 0, sizeof domain);
-    memset(&cells, 0, sizeof cells);
-    domain.periodic = axes_of(j);
-    if (domain.periodic != 0 && !is_given(j, "--box")) {
-        return complain("--periodic %s: it needs --box", text_of(j, "--periodic"));
-    }
-    failed = load(j, 1);
-    if (failed) {
-        return failed;
-    }
-    if (is_given(j, "--box") && !vector_of(j, "--box", 2 * j->cloud.dim, box)) {
-        return fail(j, "--box %s: %d numbers are needed for points in %dD", text_of(j, "--box"), 2 * j->cloud.dim,
-                    j->cloud.dim);
-    }
-    if (domain.periodic >> j->cloud.dim != 0) {
-        return fail(j, "--periodic %s: the points are in 2D", text_of(j, "--periodic"));
-    }
-    domain.box = is_given(j, "--box") ? box : NULL;
+    unsigned what = PBW_CELLS_FACETS | (is_given(j, "--merge") ? PBW_CELLS_MERGE : 0);
+    int i;
     for (i = 0; i < j->outputs; i++) {
         const char *ending = ending_of(j, j->output[i]);
         what |= strcmp(ending, "csv") != 0 ? PBW_CELLS_SHAPES : 0;
         if (strcmp(ending, "svg") == 0 && j->cloud.dim == 3) {
-            return fail(j, "%s: a picture of cells needs points in 2D", j->output[i]);
+            (void)fail(j, "%s: a picture of cells needs points in 2D", j->output[i]);
+            return -1;
+        }
+        if (strcmp(ending, "html") == 0 && is_given(j, "--clip")) {
+            (void)fail(j, "%s: pages do not show clipped cells: write .svg", j->output[i]);
+            return -1;
         }
     }
-    failed = make(j, &domain, what | (is_given(j, "--merge") ? PBW_CELLS_MERGE : 0), &cells);
+    return (int)what;
+}
+
+static int check_domain(const job *j, pbw_domain *domain, double *box)
+{
+    if (is_given(j, "--box") && !vector_of(j, "--box", 2 * j->cloud.dim, box)) {
+        return fail(j, "--box %s: %d numbers are needed for points in %dD", text_of(j, "--box"), 2 * j->cloud.dim,
+                    j->cloud.dim);
+    }
+    if (domain->periodic >> j->cloud.dim != 0) {
+        return fail(j, "--periodic %s: the points are in 2D", text_of(j, "--periodic"));
+    }
+    if (is_given(j, "--clip") && j->cloud.dim == 3) {
+        return fail(j, "--clip %s: the points are in 3D", text_of(j, "--clip"));
+    }
+    domain->box = is_given(j, "--box") ? box : NULL;
+    return 0;
+}
+
+static int run(job *j)
+{
+    pbwio_cloud rings;
+    pbw_domain domain;
+    pbw_cells cells;
+    size_t *first = NULL;
+    double box[6];
+    int failed, what = 0;
+    memset(&domain, 0, sizeof domain);
+    memset(&cells, 0, sizeof cells);
+    memset(&rings, 0, sizeof rings);
+    domain.periodic = axes_of(j);
+    if (domain.periodic != 0 && !is_given(j, "--box")) {
+        return complain("--periodic %s: it needs --box", text_of(j, "--periodic"));
+    }
+    if (is_given(j, "--clip") && is_given(j, "--box")) {
+        return complain("--box and --clip exclude each other");
+    }
+    failed = load(j, 1);
+    failed = failed ? failed : check_domain(j, &domain, box);
+    if (!failed && is_given(j, "--clip")) {
+        failed = load_rings(j, &domain, &rings, &first);
+    }
     if (!failed) {
-        report(j, &cells, domain.box);
+        what = contents_of(j);
+        failed = what < 0 ? FAILURE : make(j, &domain, (unsigned)what, &cells);
+    }
+    if (!failed) {
+        report(j, &cells, &domain);
         failed = write_with(j, write_cells, &cells);
     }
     pbw_cells_free(&cells);
+    pbwio_free(&rings);
+    free(first);
     return failed;
 }
 
@@ -143,15 +259,16 @@ const command command_cells = {
     "cells", "compute Voronoi or power cells",
     "usage: pbw cells [options] points [-o output]...\n"
     "\n"
-    "Computes the Voronoi cells of points, or with --weights the power cells.  Without --box those at the hull\n"
-    "are unbounded.  Duplicates, points whose power cell is empty and points whose cell is outside of the box have\n"
+    "Computes the Voronoi cells of points, or with --weights the power cells.  Without --box or --clip those at the\n"
+    "hull are unbounded.  Duplicates, points whose power cell is empty and points whose cell is outside have\n"
     "empty cells.  With --periodic, points outside of the box are moved into it.\n"
     "\n"
     "input:   as for pbw mesh\n"
     "output:  .csv: id, volume (2D: area; unbounded: inf), centroid, number of facets;\n"
-    "         .vtu .obj (cells as polyhedra, 2D: polygons), .svg (2D, coloured by area): those that are bounded\n"
+    "         .vtu .obj (cells as polyhedra, 2D: polygons), .svg (2D, coloured by area): those that are bounded;\n"
+    "         .html: a page to look at them: cut, exploded, coloured by volume or number of facets\n"
     "\n",
-    "csv vtu obj svg",
+    "csv vtu obj svg html",
     { cells_options, input_options, build_options, output_options, common_options, NULL, NULL, NULL },
     run, 0, 0, 0, NULL, 0
 };

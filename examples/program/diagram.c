@@ -56,20 +56,58 @@ static void emit_vertices(const diagram *d, FILE *file, const char *before)
     }
 }
 
-/* The corners of facet f, or of the polygon of cell i in the plane, each after a blank. */
-static void emit_loop(const diagram *d, FILE *file, size_t i, size_t f, pbw_index base)
+/* The end of what begins with facet f: of a polyhedron that facet, in the plane the loop. */
+static size_t loop_end(const pbw_cells *cells, size_t i, size_t f)
+{
+    const pbw_index begin = cells->loops[cells->loop_first[f]];
+    size_t end = f;
+    while (cells->dim == 2 && end + 1 < cells->first[i + 1] && cells->loops[cells->loop_first[end] + 1] != begin) {
+        end++;
+    }
+    return end + 1;
+}
+
+/* The corners of facet f, or in the plane of the loop that begins with it, each after a blank.  Returns its end. */
+static size_t emit_loop(const diagram *d, FILE *file, size_t i, size_t f, pbw_index base)
 {
     const pbw_cells *cells = d->cells;
+    const size_t end = loop_end(cells, i, f);
     size_t m;
-    if (cells->dim == 2) {                           /* facets are in order: the first corner of each */
-        for (m = cells->first[i]; m < cells->first[i + 1]; m++) {
-            fprintf(file, " %lu", (unsigned long)(d->number[cells->loops[cells->loop_first[m]]] + base));
-        }
-        return;
+    for (m = f; m < end && cells->dim == 2; m++) {   /* the first corner of each */
+        fprintf(file, " %lu", (unsigned long)(d->number[cells->loops[cells->loop_first[m]]] + base));
     }
-    for (m = cells->loop_first[f]; m < cells->loop_first[f + 1]; m++) {
+    for (m = cells->loop_first[f]; cells->dim == 3 && m < cells->loop_first[end]; m++) {
         fprintf(file, " %lu", (unsigned long)(d->number[cells->loops[m]] + base));
     }
+    return end;
+}
+
+/* Twice the area of the loop in the plane from facet f: below 0 for holes. */
+static double loop_area(const pbw_cells *cells, size_t i, size_t f)
+{
+    const double *o = cells->vertices + 2 * (size_t)cells->loops[cells->loop_first[f]];
+    const size_t end = loop_end(cells, i, f);
+    double sum = 0;
+    for (; f < end; f++) {
+        const double *a = cells->vertices + 2 * (size_t)cells->loops[cells->loop_first[f]];
+        const double *b = cells->vertices + 2 * (size_t)cells->loops[cells->loop_first[f] + 1];
+        sum += (a[0] - o[0]) * (b[1] - o[1]) - (a[1] - o[1]) * (b[0] - o[0]);
+    }
+    return sum;
+}
+
+/* The first cell that has a hole, else cell_count. */
+static size_t first_hole(const pbw_cells *cells)
+{
+    size_t i, f;
+    for (i = 0; i < cells->cell_count && cells->dim == 2; i++) {
+        for (f = cells->first[i]; is_drawn(cells, i) && f < cells->first[i + 1]; f = loop_end(cells, i, f)) {
+            if (loop_area(cells, i, f) < 0) {
+                return i;
+            }
+        }
+    }
+    return cells->cell_count;
 }
 
 static void emit_obj(const diagram *d, FILE *file)
@@ -78,14 +116,13 @@ static void emit_obj(const diagram *d, FILE *file)
     size_t i, f;
     emit_vertices(d, file, "v ");
     for (i = 0; i < cells->cell_count; i++) {
-        const size_t end = cells->dim == 2 ? cells->first[i] + 1 : cells->first[i + 1];
         if (!is_drawn(cells, i)) {
             continue;
         }
         fprintf(file, "o cell_%zu\n", i);
-        for (f = cells->first[i]; f < end; f++) {
+        for (f = cells->first[i]; f < cells->first[i + 1]; ) {
             fputc('f', file);
-            emit_loop(d, file, i, f, 1);
+            f = emit_loop(d, file, i, f, 1);
             fputc('\n', file);
         }
     }
@@ -120,29 +157,42 @@ static void end_array(FILE *file)
     fputs("</DataArray>\n", file);
 }
 
-/* What is said of each cell that is drawn. */
+/* How many elements a cell is: in the plane one for each part. */
+static size_t elements_of(const pbw_cells *cells, size_t i)
+{
+    size_t count = 0, f;
+    if (!is_drawn(cells, i) || cells->dim == 3) {
+        return (size_t)is_drawn(cells, i);
+    }
+    for (f = cells->first[i]; f < cells->first[i + 1]; f = loop_end(cells, i, f)) {
+        count++;
+    }
+    return count;
+}
+
+/* What is said of each element: of its cell. */
 static void emit_data(const diagram *d, FILE *file)
 {
     const pbw_cells *cells = d->cells;
-    size_t i;
+    size_t i, k;
     fputs("<CellData Scalars=\"volume\">\n", file);
     begin_array(file, "Int64", "id");
     for (i = 0; i < cells->cell_count; i++) {
-        if (is_drawn(cells, i)) {
+        for (k = elements_of(cells, i); k > 0; k--) {
             fprintf(file, "%zu\n", i);
         }
     }
     end_array(file);
     begin_array(file, "Float64", "volume");
     for (i = 0; i < cells->cell_count; i++) {
-        if (is_drawn(cells, i)) {
+        for (k = elements_of(cells, i); k > 0; k--) {
             fprintf(file, "%.17g\n", cells->volumes[i]);
         }
     }
     end_array(file);
     begin_array(file, "Int64", "facets");
     for (i = 0; i < cells->cell_count; i++) {
-        if (is_drawn(cells, i)) {
+        for (k = elements_of(cells, i); k > 0; k--) {
             fprintf(file, "%zu\n", cells->first[i + 1] - cells->first[i]);
         }
     }
@@ -183,14 +233,15 @@ static void emit_faces(const diagram *d, FILE *file)
 static void emit_cells(const diagram *d, FILE *file)
 {
     const pbw_cells *cells = d->cells;
-    size_t i, offset = 0;
+    size_t i, f, end, offset = 0;
     begin_array(file, "Int64", "connectivity");
     memset(d->seen, 0, cells->vertex_count * sizeof *d->seen);
     for (i = 0; i < cells->cell_count; i++) {
         if (is_drawn(cells, i) && cells->dim == 3) {
             emit_corners(d, file, i);
-        } else if (is_drawn(cells, i)) {
-            emit_loop(d, file, i, cells->first[i], 0);
+        }
+        for (f = cells->first[i]; is_drawn(cells, i) && cells->dim == 2 && f < cells->first[i + 1]; ) {
+            f = emit_loop(d, file, i, f, 0);
         }
     }
     fputc('\n', file);
@@ -198,15 +249,20 @@ static void emit_cells(const diagram *d, FILE *file)
     begin_array(file, "Int64", "offsets");
     memset(d->seen, 0, cells->vertex_count * sizeof *d->seen);
     for (i = 0; i < cells->cell_count; i++) {
-        if (is_drawn(cells, i)) {
-            offset += cells->dim == 3 ? emit_corners(d, NULL, i) : cells->first[i + 1] - cells->first[i];
+        if (is_drawn(cells, i) && cells->dim == 3) {
+            offset += emit_corners(d, NULL, i);
+            fprintf(file, "%zu\n", offset);
+        }
+        for (f = cells->first[i]; is_drawn(cells, i) && cells->dim == 2 && f < cells->first[i + 1]; f = end) {
+            end = loop_end(cells, i, f);
+            offset += end - f;
             fprintf(file, "%zu\n", offset);
         }
     }
     end_array(file);
     begin_array(file, "UInt8", "types");
     for (i = 0; i < cells->cell_count; i++) {
-        if (is_drawn(cells, i)) {
+        for (f = elements_of(cells, i); f > 0; f--) {
             fputs(cells->dim == 3 ? "42\n" : "7\n", file);
         }
     }
@@ -220,7 +276,7 @@ static void emit_vtu(const diagram *d, FILE *file)
 {
     size_t i, drawn = 0;
     for (i = 0; i < d->cells->cell_count; i++) {
-        drawn += (size_t)is_drawn(d->cells, i);
+        drawn += elements_of(d->cells, i);
     }
     fprintf(file, "<?xml version=\"1.0\"?>\n<VTKFile type=\"UnstructuredGrid\" version=\"1.0\" "
             "byte_order=\"LittleEndian\" header_type=\"UInt64\">\n<UnstructuredGrid>\n"
@@ -235,14 +291,14 @@ static void emit_vtu(const diagram *d, FILE *file)
 
 /* ---- svg ---- */
 
-/* Polygons, light where they are small and dark where they are large, 1000 wide or high. */
+/* Paths, light where they are small and dark where they are large, 1000 wide or high. */
 static void emit_svg(const diagram *d, FILE *file)
 {
     const pbw_cells *cells = d->cells;
     const double width = d->high[0] - d->low[0], height = d->high[1] - d->low[1];
     const double scale = d->count > 0 ? 1000 / (width > height ? width : height) : 1;
     double least = DBL_MAX, most = 0;
-    size_t i, f;
+    size_t i, f, begin;
     for (i = 0; i < cells->cell_count; i++) {
         if (is_drawn(cells, i)) {
             least = cells->volumes[i] < least ? cells->volumes[i] : least;
@@ -258,10 +314,15 @@ static void emit_svg(const diagram *d, FILE *file)
             continue;
         }
         share = most > least * 1.000001 ? log(cells->volumes[i] / least) / log(most / least) : 0.5;
-        fprintf(file, "<polygon id=\"cell_%zu\" fill=\"hsl(210,60%%,%.0f%%)\" points=\"", i, 90 - 50 * share);
-        for (f = cells->first[i]; f < cells->first[i + 1]; f++) {
+        fprintf(file, "<path id=\"cell_%zu\" fill=\"hsl(210,60%%,%.0f%%)\" d=\"", i, 90 - 50 * share);
+        for (f = begin = cells->first[i]; f < cells->first[i + 1]; f++) {
             const double *x = cells->vertices + 2 * (size_t)cells->loops[cells->loop_first[f]];
-            fprintf(file, " %.6g,%.6g", (x[0] - d->low[0]) * scale, (d->high[1] - x[1]) * scale);
+            fprintf(file, "%s%.6g,%.6g", f == begin ? "M " : " ", (x[0] - d->low[0]) * scale,
+                    (d->high[1] - x[1]) * scale);
+            if (f + 1 == loop_end(cells, i, begin)) {
+                fputs("Z", file);
+                begin = f + 1;
+            }
         }
         fputs("\"/>\n", file);
     }
@@ -284,6 +345,11 @@ pbwio_status write_diagram(const char *path, const char *ending, const pbw_cells
 {
     diagram d;
     pbwio_status status = PBWIO_ERROR_MEMORY;
+    if (strcmp(ending, "svg") != 0 && first_hole(cells) < cells->cell_count) {
+        snprintf(error->text, sizeof error->text, "%s: cell %zu has a hole, which .%s cannot hold: write .svg", path,
+                 first_hole(cells), ending);
+        return PBWIO_ERROR_ARGUMENT;
+    }
     memset(&d, 0, sizeof d);
     d.cells = cells;
     d.ending = ending;

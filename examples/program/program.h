@@ -161,6 +161,11 @@ int write_with(job *j, writer *write, void *user);
 /* Cells with shapes as .obj, .vtu, .svg; without what is unbounded. */
 pbwio_status write_diagram(const char *path, const char *ending, const pbw_cells *cells, pbwio_error *error);
 
+/* ---- cellpage.c ---- */
+
+/* Cells with shapes as a page, those that are bounded; in the plane they must be convex. */
+pbwio_status write_cell_page(job *j, const char *path, const pbw_cells *cells, pbwio_error *error);
+
 /* ---- surface.c ---- */
 
 /* Reports the faults of a surface; details: where they are.  Returns whether it has an inside. */

@@ -4,15 +4,19 @@
 const $ = id => document.getElementById(id), given = $('mesh').dataset, css = name =>
   getComputedStyle(document.documentElement).getPropertyValue(name).trim();
 const dim = +given.dim, flat = dim === 2 && given.heights !== '1', n = dim + 1, W = 4096;
-const count = +given.simplices, points = +given.points, simplex = dim === 3 ? 'tetrahedra' : 'triangles';
+// grouped: the simplices around one first corner are a cell, and the facets across from it the cell's.
+const grouped = given.cells === '1';
+const count = +given.simplices, points = +given.points;
+const simplex = grouped ? 'cells' : dim === 3 ? 'tetrahedra' : 'triangles';
 const canvas = $('canvas'), say = text => { $('say').textContent = text; };
 const whole = x => Math.round(x).toLocaleString('en-US');
 const short = (x, span = 0) => Number.isInteger(x) && Math.abs(x) < 1e6 ? '' + x
   : Math.abs(x) < 1e-3 * span ? '0' : '' + +x.toPrecision(3);
 window.onerror = text => say('This page failed: ' + text);
 $('title').textContent = document.title;
-$('facts').textContent = (count ? whole(count) + ' ' + simplex + ', ' : '') + whole(points) + ' points in '
-  + dim + 'D' + (given.note ? '; ' + given.note : '');
+$('facts').textContent = grouped ? given.note + ' in ' + dim + 'D'
+  : (count ? whole(count) + ' ' + simplex + ', ' : '') + whole(points) + ' points in ' + dim + 'D'
+    + (given.note ? '; ' + given.note : '');
 canvas.addEventListener('webglcontextlost', () => say('The graphics driver gave up: reload the page.'));
 
 const dot = (a, b) => a[0] * b[0] + a[1] * b[1] + a[2] * b[2];

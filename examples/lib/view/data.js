@@ -99,6 +99,9 @@ if ($('kept')) {
 } else {
   for (let i = 0; i < count; i++) simplex_id[i] = i;
 }
+if (grouped) for (let i = 0; i < count; i++) simplex_id[i] = point_id[corner[4 * i]];
+// Of a cell only its first simplex is counted.
+const counts = i => !grouped || i === 0 || simplex_id[i] !== simplex_id[i - 1];
 let inside = null;
 if ($('inside')) {
   let next = 0;

@@ -6,7 +6,8 @@ let trouble = gl ? '' : 'no WebGL 2 here';
 const HEAD = `#version 300 es
 precision highp float; precision highp int; precision highp sampler2D; precision highp usampler2D;
 uniform mat4 camera; uniform mat3 axes; uniform vec3 skin, ink; uniform vec4 plane;
-uniform int n, of_points, classes, plain, draw, clip, lit; uniform uint bit, layer; uniform float explode, size;
+uniform int n, of_points, classes, plain, draw, clip, lit, grouped;
+uniform uint bit, layer; uniform float explode, size;
 uniform sampler2D points, values, colours; uniform usampler2D corners, ids;
 ivec2 texel(uint i) { return ivec2(i & 4095u, i >> 12); }
 `;
@@ -22,7 +23,7 @@ vec3 load(uint t) {
     s[k] = dot(plane.xyz, p[k]) - plane.w;
     sum += p[k];
   }
-  return sum / float(n);
+  return grouped == 1 ? p[0] : sum / float(n);
 }
 void emit(int k, vec3 a, vec3 b, vec3 c, vec3 centre) {
   at = k == 0 ? a : k == 1 ? b : c;
@@ -43,11 +44,13 @@ void main() {
   vec3 centre = load(id);
   emit(gl_VertexID % 3, p[o.x], p[o.y], p[o.z], centre);
   value = vec3(x[o.x], x[o.y], x[o.z]);
+  if (grouped == 1) edge.yz = vec2(1);
 }`;
 // The section of a tetrahedron: a triangle, or a quadrangle whose diagonal is no edge.
 const CAP = PLACE + `
-vec3 q[4]; float y[4];
+vec3 q[4]; float y[4]; bool inner[4];
 void meet(int i, int a, int b) {
+  inner[i] = grouped == 1 && min(a, b) == 0;
   float t = s[a] / (s[a] - s[b]);
   q[i] = mix(p[a], p[b], t);
   y[i] = classes == 1 ? (t < 0.5 ? x[a] : x[b]) : mix(x[a], x[b], t);
@@ -69,6 +72,9 @@ void main() {
   value = vec3(y[t.x], y[t.y], y[t.z]);
   normal = plane.xyz;
   bared = 1;
+  if (inner[t.y] || inner[t.z]) edge.x = 1.0;           // of a cell only what is on its facets is an edge
+  if (inner[t.z] || inner[t.x]) edge.y = 1.0;
+  if (inner[t.x] || inner[t.y]) edge.z = 1.0;
   if (below == 2 && j < 3) edge.y = 1.0;
   if (below == 2 && j >= 3) edge.z = 1.0;
   if (below != 2 && j >= 3) gl_Position = vec4(2, 2, 2, 1);
@@ -273,6 +279,7 @@ function uniforms(view) {
   return { camera: new Float32Array(view.matrix), axes: new Float32Array([...view.right, ...view.up, ...view.eye]),
     skin: hex(css('--skin')), ink: [0.04, 0.07, 0.11], plane: [...normal, offset], n, of_points: +array.of_points,
     classes: +array.classes, plain: +$('plain').checked, draw: number('draw'), clip: 0, lit: +!flat,
+    grouped: +grouped,
     bit: count ? 4 * count : 1, layer: 1, explode: number('explode'),
     size: number('size') * canvas.height / TAN * Math.min(0.02, (flat ? 0.7 : 1.3) / Math.sqrt(points))
       / (parallel ? distance : 1) };

@@ -4,8 +4,16 @@ const put = (id, text) => { if (document.activeElement !== $(id)) $(id).value = 
 function show_numbers() {
   const dots = as_points(), model = as_model() && (number('cut') >= 1 || dim === 2);
   const all = dots ? points : count;
-  $('shown').textContent = model ? whole(triangle_count) + ' faces of the model shown' : whole(shown) + ' of '
-    + whole(all) + ' ' + (dots ? 'points' : simplex) + ' shown';
+  let some = shown, most = all;
+  if (grouped && !dots) {
+    some = most = 0;
+    for (let t = 0, last = -1; t < count; t++) {
+      most += +counts(t);
+      if (state[t] && simplex_id[t] !== last) { some++; last = simplex_id[t]; }
+    }
+  }
+  $('shown').textContent = model ? whole(triangle_count) + ' faces of the model shown' : whole(some) + ' of '
+    + whole(most) + ' ' + (dots ? 'points' : simplex) + ' shown';
   document.querySelector('.dots').hidden = !dots;
   canvas.setAttribute('aria-label', document.title + '. ' + $('shown').textContent + ', coloured by ' + array.name);
   const place = place_sign() * (offset * half / (number('axis') === 2 ? relief : 1) + dot(normal, middle));
@@ -33,6 +41,7 @@ function describe(at, x, y) {                           // x, y: the corner near
   if (at.layer === 3) return point_text(at.i) + '; ' + values.join('; ');
   const far = i => { const [a, b] = project(i); return Math.hypot(a - x, b - y); };
   const nearest = x === undefined ? null : c.reduce((a, b) => far(b) < far(a) ? b : a);
+  if (grouped && at.layer === 1) return 'cell ' + simplex_id[at.i] + '; ' + values.join('; ');
   return (at.layer === 2 ? 'face ' + at.i : (dim === 3 ? 'tetrahedron ' : 'triangle ') + simplex_id[at.i])
     + '; points ' + c.map(i => point_id[i]).join(', ') + (values.length ? '; ' + values.join('; ') : '')
     + (nearest === null ? '' : '; nearest: ' + point_text(nearest));

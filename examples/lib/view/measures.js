@@ -94,7 +94,9 @@ function summarise(a) {
   if (a.bin) return;
   const value = values(a), sorted = new Float32Array(value.length);
   let m = 0, sum = 0;
-  for (let i = 0; i < value.length; i++) if (is_value(value[i])) { sorted[m++] = value[i]; sum += value[i]; }
+  for (let i = 0; i < value.length; i++) {
+    if (is_value(value[i]) && (a.of_points || counts(i))) { sorted[m++] = value[i]; sum += value[i]; }
+  }
   const rank = sorted.subarray(0, m).sort();
   a.least = a.low = m ? rank[0] : 0;
   a.largest = a.high = m ? rank[m - 1] : 0;
@@ -112,7 +114,7 @@ function histogram(a) {
   const span = a.high - a.low, bins = a.integer && span < 64 ? span + 1 : 48, bin = new Float64Array(bins);
   for (let i = 0; i < a.value.length; i++) {
     const x = a.value[i], k = bins === span + 1 ? x - a.low : Math.min(bins - 1, at_scale(a, x) * bins | 0);
-    if (x >= a.low && x <= a.high) bin[k]++;
+    if (x >= a.low && x <= a.high && (a.of_points || counts(i))) bin[k]++;
   }
   return bin;
 }
@@ -136,10 +138,12 @@ function add_given(node) {
   const all = () => kind === 'real' ? new Float32Array(bytes(node).buffer) : read_steps(node, new Float32Array(size));
   add_array(name, { of_points: of === 'points', classes: kind === 'classes', integer: kind !== 'real', all });
 }
-if (count) add_measures();
-add_array('order', {
-  of_points: true, integer: true, about: 'Id in the input.', all: () => new Float32Array(point_id)
-});
+if (count && !grouped) add_measures();
+if (!grouped) {
+  add_array('order', {
+    of_points: true, integer: true, about: 'Id in the input.', all: () => new Float32Array(point_id)
+  });
+}
 document.querySelectorAll('script[data-name]').forEach(add_given);
 const up = flat ? 1 : 2;
 if (!flat || !arrays.some(a => a.of_points)) {

@@ -200,7 +200,7 @@ if (flat) document.querySelectorAll('.cut').forEach(x => { x.hidden = true; });
 if (!count && !triangle_count) $('draw').parentNode.hidden = true;
 $('show').parentNode.hidden = !triangle_count || !count;
 $('outside').parentNode.hidden = !inside;
-$('slivers').parentNode.hidden = dim === 2 || !count || kept_only || inside !== null;
+$('slivers').parentNode.hidden = dim === 2 || !count || kept_only || inside !== null || grouped;
 if (flat) document.querySelectorAll('.space').forEach(x => { x.hidden = true; });
 document.querySelectorAll('fieldset').forEach(x => {    // menus and buttons stand beside the name of their group
   const row = x.querySelector('.row:not([hidden])');

@@ -21,7 +21,7 @@ function set_body() {
   body.fill(1);
   if (inside && !$('outside').checked) {
     body.set(inside);
-  } else if (dim === 3 && count && $('slivers').checked && !inside) {
+  } else if (dim === 3 && count && $('slivers').checked && !inside && !grouped) {
     const stack = [];
     const take = t => { if (body[t] && value_at(arrays[0], t) < SLIVER) { body[t] = 0; stack.push(t); } };
     for (let f = 0; f < 4 * count; f++) if (other[f] < 0) take(f >> 2);
@@ -65,7 +65,7 @@ function select() {
         s = a <= 0 || b <= 0 || d <= 0 || e <= 0 ? 1 : 0;
         if (s && (a > 0 || b > 0 || d > 0 || e > 0)) cut_ids[caps++] = t;
       } else {
-        s = a + b + d + (dim === 3 ? e : 0) <= 0 ? 1 : 0;
+        s = (grouped ? a : a + b + d + (dim === 3 ? e : 0)) <= 0 ? 1 : 0;
       }
     }
     s &= body[t];
@@ -82,6 +82,7 @@ function select() {
   for (let f = 0; f < 4 * count; f++) {
     if (state[f >> 2] === 1) {
       const g = other[f];
+      if (grouped && (f & 3) !== 0) continue;
       if (!apart && g >= 0 && state[g >> 2]) continue;
       const bared = g >= 0 && body[g >> 2] && (cap || !state[g >> 2]);
       if (model && !bared && (!cutting || cap || !crosses(f >> 2))) continue;
