@@ -460,7 +460,7 @@ static void test_failures(void)
         box(&d, 0, 0, 0.3, 1);
         line(&d, 0, 30);
         options.rule = PBW_PLANE_SEEDS;
-        options.flags = PBW_PLANE_SPLIT_CROSSINGS | PBW_PLANE_REFINE;
+        options.flags = PBW_PLANE_SPLIT_CROSSINGS;
         build.resize = meter_resize;
         build.resize_user = &m;
         for (k = 1; !done; k++) {

@@ -1860,6 +1860,9 @@ static pbw_status pbwp__check_arguments(pbwp__job *job)
     if ((unsigned)o->rule > PBW_PLANE_NONZERO || (o->flags & ~all) != 0) {
         return pbwp__say(job, PBW_ERROR_ARGUMENT, "no such rule or flag");
     }
+    if ((o->flags & PBW_PLANE_REFINE) != 0) {
+        return pbwp__say(job, PBW_ERROR_ARGUMENT, "refinement is not there yet");
+    }
     if (!(o->angle <= 34) || !(o->area >= 0) || !(o->size >= 0) || !(o->gradation >= 0)) {
         return pbwp__say(job, PBW_ERROR_ARGUMENT, "an angle above 34 degrees, or an area, size or gradation below 0");
     }
