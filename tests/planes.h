@@ -448,8 +448,9 @@ static const char *planes_small_turned(planes_small *s, const pbw_plane_options 
     return fault;
 }
 
-/* Whether coordinates differ so much in size, or points by so few ulps, that rounded crossings need not settle. */
-static int planes_small_is_wild(const planes_small *s)
+/* The least difference of coordinates, or size of one, as part of the largest: where it is tiny, rounded crossings
+   need not settle, and refinement needs very many points. */
+static double planes_small_spread(const planes_small *s)
 {
     double least = 1e300, most = 0;
     int i, j;
@@ -461,7 +462,7 @@ static int planes_small_is_wild(const planes_small *s)
             least = apart > 0 && apart < least ? apart : least;
         }
     }
-    return least < 1e-13 * most || least < 1e-300;
+    return least < 1e-300 ? 0 : least / most;
 }
 
 static const char *planes_small_crossings(planes_small *s, const pbw_plane_input *input, pbw_plane_options *options)
@@ -479,13 +480,50 @@ static const char *planes_small_crossings(planes_small *s, const pbw_plane_input
     options->flags |= PBW_PLANE_SPLIT_CROSSINGS;
     status = pbw_plane_make(input, options, &plane);
     if (fault == NULL && status != PBW_OK
-        && (strstr(plane.what, "do not settle") == NULL || !planes_small_is_wild(s))) {
+        && (strstr(plane.what, "do not settle") == NULL || planes_small_spread(s) > 1e-13)) {
         fault = planes_keep(s, &plane);
     }
     fault = fault == NULL && status == PBW_OK ? planes_fault(&plane, s->segments, s->count, 0) : fault;
     pbw_plane_free(&plane);
     options->flags &= ~PBW_PLANE_SPLIT_CROSSINGS;
     planes_small_pairs(s, 1);
+    return fault;
+}
+
+/* Refined: the segments are still there, the hull too; an angle is small at small angles of the input only, and where
+   a limit says so. */
+static const char *planes_small_refine(planes_small *s, const pbw_plane_input *input, pbw_plane_options *options)
+{
+    pbw_plane plane, before;
+    const char *fault = NULL;
+    double low = HUGE_VAL, high = -HUGE_VAL;
+    long double area, most;
+    pbw_status status;
+    int i;
+    for (i = 0; i < 2 * s->in.count; i++) {
+        low = fmin(low, s->in.points[i]);
+        high = fmax(high, s->in.points[i]);
+    }
+    most = 1e-12L * (long double)fmax(fabs(low), fabs(high)) * ((long double)high - low);
+    (void)pbw_plane_make(input, options, &before);
+    area = planes_area(&before);
+    pbw_plane_free(&before);
+    options->flags |= PBW_PLANE_REFINE;
+    options->steiner_limit = planes_small_spread(s) > 0.01 ? 20000 : 50;
+    status = pbw_plane_make(input, options, &plane);
+    if (status == PBW_OK) {
+        fault = planes_fault(&plane, plane.report.steiner_count < 200 ? s->segments : NULL, s->count, 0);
+        if (fault == NULL && fabsl(planes_area(&plane) - area) > most) {
+            fault = "refinement changes the area";
+        }
+        if (fault == NULL && plane.report.limited && planes_small_spread(s) > 0.01) {
+            fault = "refinement does not end";
+        }
+    } else if (strstr(plane.what, "scale") == NULL) {
+        fault = planes_keep(s, &plane);
+    }
+    pbw_plane_free(&plane);
+    options->flags &= ~PBW_PLANE_REFINE;
     return fault;
 }
 
@@ -516,6 +554,7 @@ PLANES_UNUSED static const char *planes_small_judge(planes_small *s)
         fault = planes_fault(&plane, s->segments, s->count, 1);
         fault = fault == NULL ? planes_small_compare(s, &plane) : fault;
         fault = fault == NULL ? planes_small_turned(s, &options, planes_hash(&plane)) : fault;
+        fault = fault == NULL ? planes_small_refine(s, &input, &options) : fault;
     } else if (fault == NULL && status != PBW_DEGENERATE) {
         fault = planes_keep(s, &plane);
     }

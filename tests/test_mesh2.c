@@ -460,7 +460,7 @@ static void test_failures(void)
         box(&d, 0, 0, 0.3, 1);
         line(&d, 0, 30);
         options.rule = PBW_PLANE_SEEDS;
-        options.flags = PBW_PLANE_SPLIT_CROSSINGS;
+        options.flags = PBW_PLANE_SPLIT_CROSSINGS | PBW_PLANE_REFINE;
         build.resize = meter_resize;
         build.resize_user = &m;
         for (k = 1; !done; k++) {
@@ -502,6 +502,294 @@ static void test_failures(void)
     }
 }
 
+/* ---- refinement */
+
+static double least_angle(const pbw_plane *plane, size_t i)
+{
+    const double *p[3];
+    double least = 180;
+    int k;
+    for (k = 0; k < 3; k++) {
+        p[k] = planes_at(plane->points, plane->triangles[3 * i + (size_t)k]);
+    }
+    for (k = 0; k < 3; k++) {
+        const double *a = p[k], *b = p[(k + 1) % 3], *c = p[(k + 2) % 3];
+        const double x = (b[0] - a[0]) * (c[0] - a[0]) + (b[1] - a[1]) * (c[1] - a[1]);
+        const double y = (b[0] - a[0]) * (c[1] - a[1]) - (b[1] - a[1]) * (c[0] - a[0]);
+        least = fmin(least, atan2(y, x) * 180 / PI);
+    }
+    return least;
+}
+
+static double longest_edge(const pbw_plane *plane, size_t i)
+{
+    double longest = 0;
+    size_t k;
+    for (k = 0; k < 3; k++) {
+        const double *a = planes_at(plane->points, plane->triangles[3 * i + k]);
+        const double *b = planes_at(plane->points, plane->triangles[3 * i + (k + 1) % 3]);
+        longest = fmax(longest, hypot(a[0] - b[0], a[1] - b[1]));
+    }
+    return longest;
+}
+
+/* Refines; checks the mesh, the segments, the area, and that no more than `small` triangles have smaller angles. */
+static void refine(drawing *d, pbw_plane_options *options, size_t small, size_t most, pbw_plane *plane)
+{
+    pbw_plane coarse;
+    size_t i, found = 0;
+    const double angle = options->angle > 0 ? options->angle : 30;
+    options->flags &= ~PBW_PLANE_REFINE;
+    CHECK_EQUAL(make(d, options, &coarse), PBW_OK);
+    options->flags |= PBW_PLANE_REFINE;
+    CHECK_EQUAL(make(d, options, plane), PBW_OK);
+    check_fault(planes_fault(plane, options->rule == PBW_PLANE_HULL ? d->segments : NULL, d->segment_count, 0));
+    CHECK(fabsl(planes_area(plane) - planes_area(&coarse)) <= 1e-12L * planes_area(&coarse));
+    for (i = 0; i < plane->triangle_count; i++) {
+        found += least_angle(plane, i) < angle - 1e-6;
+    }
+    CHECK_EQUAL(found, plane->report.small_angles);
+    CHECK(found <= small);
+    CHECK(plane->triangle_count <= most && !plane->report.limited);
+    test_say("%g degrees: %zu triangles, %zu with smaller angles", angle, plane->triangle_count, found);
+    pbw_plane_free(&coarse);
+}
+
+static void plate(drawing *d)
+{
+    int i, k;
+    box(d, 5, 5, 5.5, 0);
+    for (k = 0; k < 20; k++) {
+        for (i = 0; i < 200; i++) {
+            double c, s;
+            input_turn(i / 200.0, &c, &s);
+            put(d, k % 5 * 2 + 1 + 0.5 * c, k / 5 * 2.4 + 1.2 + 0.5 * s);
+        }
+        ring(d, 200);
+    }
+}
+
+/* Finer towards a corner. */
+static double size_at(void *user, double x, double y)
+{
+    (void)user;
+    return 0.01 + 0.1 * hypot(x, y);
+}
+
+static void test_angles(void)
+{
+    static const double angles[3] = { 20, 30, 33 };
+    static const size_t of_plate[3] = { 31000, 43500, 69000 }, of_coast[3] = { 3100, 4400, 6500 };
+    drawing d;
+    pbw_plane plane;
+    pbw_plane_options options;
+    uint64_t state = 1;
+    int i, k;
+    memset(&d, 0, sizeof d);
+    memset(&options, 0, sizeof options);
+    if (test_begin("angles of a plate with 20 rings")) {
+        plate(&d);
+        for (k = 0; k < 3; k++) {
+            options.angle = angles[k];
+            refine(&d, &options, 0, of_plate[k], &plane);
+            pbw_plane_free(&plane);
+        }
+        drawing_free(&d);
+        test_end();
+    }
+    if (test_begin("angles of a comb and of a coast")) {
+        options.rule = PBW_PLANE_EVEN_ODD;
+        for (k = 0; k < 3; k++) {
+            options.angle = angles[k];
+            put(&d, 0, 0);
+            for (i = 0; i < 50; i++) {
+                put(&d, i + 1, 0);
+                put(&d, i + 1, 1);
+                put(&d, i + 1.02, 1);
+                put(&d, i + 1.02, 0);
+            }
+            put(&d, 51, 0);
+            put(&d, 51, 2);
+            put(&d, 0, 2);
+            ring(&d, d.point_count);
+            refine(&d, &options, 0, 6000, &plane);
+            pbw_plane_free(&plane);
+            drawing_free(&d);
+            coast(&d, 0, 0, 1, 1000, &state);
+            refine(&d, &options, 0, 10 * of_coast[k], &plane);
+            pbw_plane_free(&plane);
+            drawing_free(&d);
+        }
+        memset(&options, 0, sizeof options);
+        test_end();
+    }
+    if (test_begin("small angles of the input: spokes, wedges")) {
+        static const double wedge[4] = { 30, 10, 1, 0.01 };
+        box(&d, 0, 0, 2, 0);
+        put(&d, 0, 0);
+        for (i = 0; i < 40; i++) {
+            double c, s;
+            input_turn(i / 40.0 + 1e-3 * input_uniform(&state), &c, &s);
+            line(&d, 4, put(&d, c, s));
+        }
+        refine(&d, &options, 80, 550, &plane);
+        pbw_plane_free(&plane);
+        drawing_free(&d);
+        for (k = 0; k < 4; k++) {
+            box(&d, 0, 0, 2, 0);
+            put(&d, 0, 0);
+            put(&d, 1, 0.1);
+            put(&d, cos(wedge[k] * PI / 180), 0.1 * cos(wedge[k] * PI / 180) + sin(wedge[k] * PI / 180));
+            line(&d, 4, 5);
+            line(&d, 4, 6);
+            refine(&d, &options, 40, 2000, &plane);
+            pbw_plane_free(&plane);
+            drawing_free(&d);
+        }
+        test_end();
+    }
+}
+
+static void test_sizes(void)
+{
+    static const pbw_plane_region regions[] = { { -0.5, 0, 0.001 }, { 0.5, 0, 0.01 } };
+    static const double sizes[4] = { 0.02, 0, 0, 0 };
+    drawing d;
+    pbw_plane plane;
+    pbw_plane_options options;
+    size_t i, k;
+    memset(&d, 0, sizeof d);
+    memset(&options, 0, sizeof options);
+    if (test_begin("area, size, size by place: none is larger; not many more than needed")) {
+        box(&d, 0.5, 0.5, 0.5, 0);
+        options.area = 1e-4;
+        refine(&d, &options, 0, 16200, &plane);
+        CHECK_EQUAL(plane.report.too_large, 0);
+        pbw_plane_free(&plane);
+        options.area = 0;
+        options.size = 0.05;
+        refine(&d, &options, 0, 2500, &plane);
+        for (i = 0; i < plane.triangle_count; i++) {
+            CHECK(longest_edge(&plane, i) <= 0.05);
+        }
+        pbw_plane_free(&plane);
+        options.size = 0;
+        options.size_at = size_at;
+        refine(&d, &options, 0, 3500, &plane);
+        CHECK_EQUAL(plane.report.too_large, 0);
+        for (i = 0; i < plane.triangle_count; i++) {
+            double x = 0, y = 0;
+            for (k = 0; k < 3; k++) {
+                x += planes_at(plane.points, plane.triangles[3 * i + k])[0] / 3;
+                y += planes_at(plane.points, plane.triangles[3 * i + k])[1] / 3;
+            }
+            CHECK(longest_edge(&plane, i) <= 1.0001 * size_at(NULL, x, y));
+        }
+        pbw_plane_free(&plane);
+        options.size_at = NULL;
+        d.input.sizes = sizes;
+        refine(&d, &options, 0, 6000, &plane);
+        for (i = 0; i < plane.triangle_count; i++) {
+            for (k = 0; k < 3; k++) {
+                CHECK(plane.triangles[3 * i + k] != 0 || longest_edge(&plane, i) <= 0.05);
+            }
+        }
+        pbw_plane_free(&plane);
+        drawing_free(&d);
+        test_end();
+    }
+    if (test_begin("areas of regions")) {
+        box(&d, 0, 0, 1, 0);
+        line(&d, put(&d, 0, -1), put(&d, 0, 1));
+        d.input.regions = regions;
+        d.input.region_count = 2;
+        refine(&d, &options, 0, 6000, &plane);
+        CHECK_EQUAL(plane.region_count, 2);
+        for (i = 0; i < plane.triangle_count; i++) {
+            const double *a = planes_at(plane.points, plane.triangles[3 * i]);
+            const double *b = planes_at(plane.points, plane.triangles[3 * i + 1]);
+            const double *c = planes_at(plane.points, plane.triangles[3 * i + 2]);
+            const pbw_index seed = plane.region_seeds[plane.regions[i]];
+            CHECK((a[0] + b[0] + c[0] < 0) == (seed == 0));
+            CHECK((b[0] - a[0]) * (c[1] - a[1]) - (b[1] - a[1]) * (c[0] - a[0]) <= 2.0001 * regions[seed].area);
+        }
+        pbw_plane_free(&plane);
+        drawing_free(&d);
+        test_end();
+    }
+}
+
+static void test_limits(void)
+{
+    drawing d;
+    pbw_plane plane;
+    pbw_plane_options options;
+    size_t i;
+    memset(&d, 0, sizeof d);
+    memset(&options, 0, sizeof options);
+    options.flags = PBW_PLANE_REFINE;
+    if (test_begin("a most number of points")) {
+        plate(&d);
+        options.steiner_limit = 500;
+        CHECK_EQUAL(make(&d, &options, &plane), PBW_OK);
+        CHECK(plane.report.limited && plane.report.steiner_count == 500);
+        CHECK(plane.point_count == d.point_count + 500);
+        check_fault(planes_fault(&plane, d.segments, d.segment_count, 0));
+        pbw_plane_free(&plane);
+        options.steiner_limit = 0;
+        test_end();
+    }
+    if (test_begin("untouched boundary, untouched segments, conforming")) {
+        pbw_mesh mesh;
+        const size_t given = d.segment_count + 1;
+        size_t at_border = 0;
+        memset(&mesh, 0, sizeof mesh);
+        line(&d, put(&d, 0, 0.2), put(&d, 10, 0.2));
+        options.area = 0.05;
+        options.flags = PBW_PLANE_REFINE | PBW_PLANE_KEEP_SEGMENTS;
+        CHECK_EQUAL(make(&d, &options, &plane), PBW_OK);
+        CHECK(plane.edge_count == given && plane.report.steiner_count > 100);
+        check_fault(planes_fault(&plane, d.segments, d.segment_count, 1));
+        pbw_plane_free(&plane);
+        options.flags = PBW_PLANE_REFINE | PBW_PLANE_KEEP_BOUNDARY;
+        CHECK_EQUAL(make(&d, &options, &plane), PBW_OK);
+        CHECK(plane.edge_count > given);
+        for (i = 0; i < 3 * plane.triangle_count; i++) {
+            at_border += plane.neighbors[i] == PBW_NONE;
+        }
+        CHECK_EQUAL(at_border, 4);
+        pbw_plane_free(&plane);
+        options.flags = PBW_PLANE_REFINE | PBW_PLANE_CONFORMING;
+        options.angle = -1;
+        CHECK_EQUAL(make(&d, &options, &plane), PBW_OK);
+        CHECK_EQUAL(pbw_triangulate(2, plane.points, NULL, plane.point_count, NULL, &mesh), PBW_OK);
+        CHECK(mesh.simplex_count >= plane.triangle_count);
+        for (i = 0; i < 3 * plane.triangle_count; i++) {             /* Delaunay across segments too */
+            const pbw_index n = plane.neighbors[i], *v = plane.triangles + 3 * (i / 3);
+            size_t k;
+            for (k = 0; n != PBW_NONE && plane.neighbors[3 * (size_t)n + k] != i / 3; k++) {
+            }
+            CHECK(n == PBW_NONE || pbw_incircle(planes_at(plane.points, v[0]), planes_at(plane.points, v[1]),
+                  planes_at(plane.points, v[2]),
+                  planes_at(plane.points, plane.triangles[3 * (size_t)n + k])) <= 0);
+        }
+        pbw_free(&mesh);
+        pbw_plane_free(&plane);
+        drawing_free(&d);
+        test_end();
+    }
+    if (test_begin("coordinates that cannot be refined")) {
+        options.flags = PBW_PLANE_REFINE;
+        put(&d, 0, 0);
+        put(&d, 1e200, 0);
+        put(&d, 0, 1e200);
+        CHECK_EQUAL(make(&d, &options, &plane), PBW_ERROR_ARGUMENT);
+        CHECK(strstr(plane.what, "scale") != NULL);
+        drawing_free(&d);
+        test_end();
+    }
+}
+
 static void test_random(void)
 {
     if (test_begin("%ld random small inputs", test_count)) {
@@ -536,6 +824,9 @@ int main(int argc, char **argv)
     test_constraints();
     test_crossings();
     test_domains();
+    test_angles();
+    test_sizes();
+    test_limits();
     test_failures();
     test_random();
     return test_finish();

@@ -80,9 +80,10 @@ typedef struct pbw_plane_input {           /* start from {0} */
 } pbw_plane_input;
 
 #define PBW_PLANE_SPLIT_CROSSINGS 1u       /* segments that cross: put in the crossing, rounded to the doubles of the
-                                              largest coordinate, and go on until none cross; PBW_ERROR_ARGUMENT if
-                                              there is no end to it, as among segments an ulp apart.  Without the flag
-                                              crossings are PBW_ERROR_ARGUMENT, listed in plane.crossings */
+                                              largest coordinate, and go on until none cross, at most 16 rounds; from
+                                              the second on a crossing 1, 2, 4, ... ulps from an end is put there.
+                                              Without the flag crossings are PBW_ERROR_ARGUMENT, listed in
+                                              plane.crossings */
 #define PBW_PLANE_REFINE          2u       /* angles and sizes as wanted; else the constrained triangulation alone */
 #define PBW_PLANE_KEEP_BOUNDARY   4u       /* refinement puts no point on the boundary of the domain */
 #define PBW_PLANE_KEEP_SEGMENTS   8u       /* nor on any other segment */
@@ -285,7 +286,9 @@ typedef struct pbwp__job {
     pbwp__array vertex;                    /* and back; a duplicate has the vertex at its place */
     pbwp__array pieces, groups;
     pbwp__array chain[2], inner[2];        /* left and right of a segment: vertices; edges between them, in old triangles */
-    pbwp__array stack, old, crossings;
+    pbwp__array stack, old, fresh;         /* fresh: slots that were filled last */
+    pbwp__array crossings;
+    pbwp__array hosts, vertex_host, sizes; /* see refinement */
     pbwp__array first_of, item_of;         /* lists of various uses */
     pbwp__array components;                /* pbwp__component */
 } pbwp__job;
@@ -472,8 +475,9 @@ static pbw_index pbwp__fill(pbwp__job *job, const pbw_index *chain, const pbw_in
 {
     pbw_index base = PBW_NONE, *stack;
     size_t top = 3;
-    job->stack.count = 0;
-    if (!pbwp__room(&job->memory, &job->stack, 3 * (count + 2), sizeof(pbw_index))) {
+    job->stack.count = job->fresh.count = 0;
+    if (!pbwp__room(&job->memory, &job->stack, 3 * (count + 2), sizeof(pbw_index))
+        || !pbwp__room(&job->memory, &job->fresh, count, sizeof(pbw_index))) {
         return PBW_NONE;
     }
     stack = PBWP__INDICES(job->stack);
@@ -506,6 +510,7 @@ static pbw_index pbwp__fill(pbwp__job *job, const pbw_index *chain, const pbw_in
         job->incident[t->v[0]] = job->incident[t->v[1]] = job->incident[t->v[2]] = slot;
         pbwp__join(job, 4 * slot + 2, parent);
         base = base == PBW_NONE ? 4 * slot + 2 : base;
+        PBWP__INDICES(job->fresh)[job->fresh.count++] = slot;
         stack[top] = low;
         stack[top + 1] = (pbw_index)apex;
         stack[top + 2] = 4 * slot + 1;
@@ -865,7 +870,7 @@ static pbw_status pbwp__constrain(pbwp__job *job, int *crosses)
    ------------------------------------------------------------------------------------------------------ */
 typedef struct pbwp__box { double low[2], high[2]; } pbwp__box;
 typedef struct pbwp__cut { double at; pbw_index segment, other; } pbwp__cut;     /* other: a segment, or a point */
-enum { PBWP__LEVELS = 17, PBWP__FAN = 4, PBWP__ROUNDS = 32 };
+enum { PBWP__LEVELS = 17, PBWP__FAN = 4, PBWP__ROUNDS = 16 };
 
 typedef struct pbwp__tree {
     pbwp__array order, boxes;
@@ -1117,8 +1122,8 @@ static pbwp__dd pbwp__dd_minor(pbwp__dd a, pbwp__dd b, pbwp__dd c, pbwp__dd d)  
 
 /* The crossing of a-b with c-d, where corner is a, b, c, d, rounded to the grid of doubles below 2^exponent, which no
    coordinate reaches: to the nearest point but where the segments are parallel to 14 digits.  On the finer grid about
-   0, rounded crossings would go on to make new ones.  Never outside of the box of a-b.  Returns how far along a-b it
-   is, 0..1. */
+   0, rounded crossings would go on to make new ones.  Never outside of the boxes of both.  Returns how far along a-b
+   it is, 0..1. */
 static double pbwp__crossing(const double *const corner[4], int exponent, double out[2])
 {
     double x[4][2], at;
@@ -1143,7 +1148,8 @@ static double pbwp__crossing(const double *const corner[4], int exponent, double
         q = pbwp__dd_sum(at, (rest.high + (rest.low + (up.low - back.low))) / down.high);
     }
     for (k = 0; k < 2; k++) {
-        const double a = corner[0][k], b = corner[1][k], low = a < b ? a : b, high = a < b ? b : a;
+        const double a = corner[0][k], b = corner[1][k], c = corner[2][k], d = corner[3][k];
+        const double low = fmax(fmin(a, b), fmin(c, d)), high = fmin(fmax(a, b), fmax(c, d));
         const pbwp__dd step = pbwp__dd_times(q, ab[k]), sum = pbwp__dd_sum(x[0][k], step.high);
         const double steps = ldexp(sum.high + (sum.low + step.low), 54);
         const double y = ldexp(floor(steps + 0.5), exponent - 53);
@@ -1152,56 +1158,97 @@ static double pbwp__crossing(const double *const corner[4], int exponent, double
     return at;
 }
 
-/* Cuts segments at their crossings: adds points to given, and makes the parts the segments. */
+static int pbwp__place_before(const double *a, const double *b)
+{
+    return a[0] < b[0] || (a[0] <= b[0] && a[1] < b[1]);
+}
+
+/* Makes the cuts of two segments that cross, at a new point, or at an end that is not farther from it than `near`. */
+static int pbwp__cut_pair(pbwp__job *job, pbwp__cut pair, int exponent, double near, pbwp__array *cuts)
+{
+    const pbwp__piece *segment = (const pbwp__piece *)job->segments.data;
+    const double *corner[6];
+    double *p = PBWP__DOUBLES(job->given), out[2], unused[2], at[2], best = near;
+    pbw_index end[4], number[2], point = (pbw_index)job->given.count;
+    int turned[2], i, k;
+    number[0] = pair.segment;
+    number[1] = pair.other;
+    for (i = 0; i < 2; i++) {                        /* the same point for every order of segments and ends */
+        const pbwp__piece s = segment[number[i]];
+        turned[i] = pbwp__place_before(p + 2 * (size_t)s.b, p + 2 * (size_t)s.a);
+        end[2 * i] = turned[i] ? s.b : s.a;
+        end[2 * i + 1] = turned[i] ? s.a : s.b;
+    }
+    k = pbwp__place_before(p + 2 * (size_t)end[2], p + 2 * (size_t)end[0])
+     || (!pbwp__place_before(p + 2 * (size_t)end[0], p + 2 * (size_t)end[2])
+         && pbwp__place_before(p + 2 * (size_t)end[3], p + 2 * (size_t)end[1]));
+    for (i = 0; i < 6; i++) {
+        corner[i] = p + 2 * (size_t)end[(i + 2 * k) % 4];
+    }
+    at[k] = pbwp__crossing(corner, exponent, out);
+    at[1 - k] = pbwp__crossing(corner + 2, exponent, unused);
+    for (i = 0; i < 4; i++) {
+        const double apart = fmax(fabs(corner[i][0] - out[0]), fabs(corner[i][1] - out[1]));
+        if (apart < best) {
+            best = apart;
+            point = end[(i + 2 * k) % 4];
+        }
+    }
+    if (point == job->given.count) {
+        memcpy(p + 2 * job->given.count++, out, sizeof out);
+    }
+    return pbwp__add_cut(job, cuts, number[0], point, turned[0] ? 1 - at[0] : at[0])
+        && pbwp__add_cut(job, cuts, number[1], point, turned[1] ? 1 - at[1] : at[1]);
+}
+
+/* Makes the parts between cuts, which are sorted, the segments. */
+static int pbwp__cut_segments(pbwp__job *job, const pbwp__array *cuts)
+{
+    const pbwp__cut *cut = (const pbwp__cut *)cuts->data;
+    pbwp__array parts;
+    size_t i, k = 0;
+    memset(&parts, 0, sizeof parts);
+    if (!pbwp__room(&job->memory, &parts, job->segments.count + cuts->count, sizeof(pbwp__piece))) {
+        return 0;
+    }
+    for (i = 0; i < job->segments.count; i++) {
+        pbwp__piece s = ((const pbwp__piece *)job->segments.data)[i], part = s;
+        for (; k < cuts->count && cut[k].segment == i; k++) {
+            part.b = cut[k].other;
+            ((pbwp__piece *)parts.data)[parts.count++] = part;
+            part.a = part.b;
+        }
+        part.b = s.b;
+        ((pbwp__piece *)parts.data)[parts.count++] = part;
+    }
+    pbwp__release(&job->memory, &job->segments);
+    job->segments = parts;
+    return 1;
+}
+
+/* Cuts segments at their crossings: adds points to given, and makes the parts the segments.  A part beside a point by
+   an ulp may chase its crossings from round to round: a crossing near an end is moved there, from the second round on,
+   and what is near doubles from round to round. */
 static pbw_status pbwp__split(pbwp__job *job, const pbwp__array *pairs)
 {
-    const pbwp__cut *pair = (const pbwp__cut *)pairs->data, *cut;
-    pbwp__array cuts, parts;
+    pbwp__array cuts;
     double most = 0;
-    size_t i, k = 0;
+    size_t i;
     int ok, exponent;
     memset(&cuts, 0, sizeof cuts);
-    memset(&parts, 0, sizeof parts);
     for (i = 0; i < 2 * job->given.count; i++) {
-        most = fabs(PBWP__DOUBLES(job->given)[i]) > most ? fabs(PBWP__DOUBLES(job->given)[i]) : most;
+        most = fmax(most, fabs(PBWP__DOUBLES(job->given)[i]));
     }
     (void)frexp(most, &exponent);
-    ok = pbwp__room(&job->memory, &job->given, pairs->count, 2 * sizeof(double))
-      && pbwp__room(&job->memory, &parts, job->segments.count + 2 * pairs->count, sizeof(pbwp__piece));
+    ok = pbwp__room(&job->memory, &job->given, pairs->count, 2 * sizeof(double));
     for (i = 0; ok && i < pairs->count; i++) {
-        const pbwp__piece s = ((const pbwp__piece *)job->segments.data)[pair[i].segment];
-        const pbwp__piece t = ((const pbwp__piece *)job->segments.data)[pair[i].other];
-        double *p = PBWP__DOUBLES(job->given), *out = p + 2 * job->given.count, unused[2];
-        const double *corner[6];
-        const pbw_index point = (pbw_index)job->given.count;
-        corner[0] = corner[4] = p + 2 * (size_t)s.a;
-        corner[1] = corner[5] = p + 2 * (size_t)s.b;
-        corner[2] = p + 2 * (size_t)t.a;
-        corner[3] = p + 2 * (size_t)t.b;
-        ok = pbwp__add_cut(job, &cuts, pair[i].segment, point, pbwp__crossing(corner, exponent, out))
-          && pbwp__add_cut(job, &cuts, pair[i].other, point, pbwp__crossing(corner + 2, exponent, unused));
-        job->given.count++;
+        const int round = job->plane->report.rounds;
+        ok = pbwp__cut_pair(job, ((const pbwp__cut *)pairs->data)[i], exponent,
+                            round > 1 ? ldexp(1.5, exponent - 53 + round - 2) : 0, &cuts);
     }
     if (ok) {
         pbwp__sort((pbwp__cut *)cuts.data, cuts.count);
-        cut = (const pbwp__cut *)cuts.data;
-        for (i = 0; i < job->segments.count; i++) {
-            pbwp__piece s = ((const pbwp__piece *)job->segments.data)[i], *part;
-            for (; k <= cuts.count; k++) {
-                const int inner = k < cuts.count && cut[k].segment == i;
-                part = (pbwp__piece *)parts.data + parts.count++;
-                *part = s;
-                part->b = inner ? cut[k].other : s.b;
-                s.a = part->b;
-                if (!inner) {
-                    break;
-                }
-            }
-        }
-        pbwp__release(&job->memory, &job->segments);
-        job->segments = parts;
-    } else {
-        pbwp__release(&job->memory, &parts);
+        ok = pbwp__cut_segments(job, &cuts);
     }
     pbwp__release(&job->memory, &cuts);
     return ok ? PBW_OK : pbwp__say(job, PBW_ERROR_MEMORY, NULL);
@@ -1545,11 +1592,875 @@ static pbw_status pbwp__find_domain(pbwp__job *job)
     return status;
 }
 
+/* ------------------------------------------------------------------------------------------------------
+   Refinement: no angle below the bound, no triangle above its size.
+   In: the domain.  Out: the domain with more points.
+   Holds: the constrained Delaunay triangulation of the points and parts of segments there are, after each step.
+
+   Three kinds of work, the first that there is first:
+     segments   that a point encroaches upon, lying in their lens: it sees them at an angle above 180 - 2 bound degrees
+     sizes      triangles that are too large, the last first: a point goes to their circumcentre
+     angles     triangles with an angle below the bound, those with the shortest edge first: a point goes to their
+                circumcentre, or nearer to the shortest edge, where a triangle with just the bound comes out (the
+                off-centre of Ungor 2009)
+   A point that would encroach upon segments, or lies beyond one, is not inserted: those segments are split.  Free
+   points in the diametral circle of a segment are removed before it is split (Chew 1993).
+   Ends: a segment with one end of the input is split at a power of two from there, so that segments which meet at a small
+   angle are split at one distance; a triangle whose shortest edge joins two such points is left alone, as is an angle
+   between two segments (Miller, Pav and Walkington 2003).  No split makes an edge shorter than 1e-10 of the domain, so
+   that points are apart and finitely many.
+   ------------------------------------------------------------------------------------------------------ */
+typedef struct pbwp__host { pbw_index a, b, edge; } pbwp__host;      /* an edge of the constrained triangulation */
+typedef struct pbwp__rim { pbw_index u, v, link, edge, region; } pbwp__rim;      /* of a cavity */
+enum { PBWP__CLASSES = 64 };
+
+#define PBWP__FREE PBW_NONE                /* vertex_host of points in no segment */
+#define PBWP__INPUT (PBW_NONE - 1)         /* of the caller's */
+
+typedef struct pbwp__refiner {
+    pbwp__job *job;
+    double cosine2, lens2, off;            /* squared cosine of the bound, of the lens; off-centre's height */
+    double least2;                         /* squared least length */
+    int classes, has_sizes;                /* exponent of class 0; sizes at vertices are in use */
+    uint64_t filled;                       /* bit: that class has triangles */
+    pbwp__array class_of[PBWP__CLASSES], large, splits;
+    pbwp__array slots, rim, hits;          /* a cavity: its triangles, its border, segments encroached upon */
+    size_t inserted;
+    int no_memory;
+} pbwp__refiner;
+
 static pbw_index pbwp__host_of(const pbwp__job *job, pbw_index edge)
 {
-    (void)job;
-    return edge;
+    return job->hosts.count > 0 ? ((const pbwp__host *)job->hosts.data)[edge].edge : edge;
 }
+
+static double pbwp__distance2(const double *a, const double *b)
+{
+    const double x = a[0] - b[0], y = a[1] - b[1];
+    return x * x + y * y;
+}
+
+static const double *pbwp__point(const pbwp__refiner *r, pbw_index v)
+{
+    return r->job->p + 2 * (size_t)v;
+}
+
+static pbw_index pbwp__vertex_host(const pbwp__refiner *r, pbw_index v)
+{
+    return PBWP__INDICES(r->job->vertex_host)[v];
+}
+
+static void pbwp__add(pbwp__refiner *r, pbwp__array *array, pbw_index item)
+{
+    r->no_memory |= !pbwp__push(&r->job->memory, array, item);
+}
+
+/* Whether a point is in the lens of the segment u-v. */
+static int pbwp__in_lens(const pbwp__refiner *r, const double *u, const double *v, const double *p)
+{
+    const double dot = (u[0] - p[0]) * (v[0] - p[0]) + (u[1] - p[1]) * (v[1] - p[1]);
+    return dot < 0 && dot * dot >= r->lens2 * pbwp__distance2(u, p) * pbwp__distance2(v, p);
+}
+
+static int pbwp__may_split(const pbwp__refiner *r, pbw_index code)
+{
+    const unsigned flags = r->job->options->flags;
+    const pbw_index beyond = r->job->t[PBWP__SLOT(code)].link[PBWP__SIDE(code)];
+    return (flags & PBW_PLANE_KEEP_SEGMENTS) == 0 && ((flags & PBW_PLANE_KEEP_BOUNDARY) == 0 || beyond != PBW_NONE);
+}
+
+/* ---- what is wrong with a triangle */
+
+/* Whether u and w are at one distance from a point of the input, on two segments from there. */
+static int pbwp__are_twins(const pbwp__refiner *r, pbw_index u, pbw_index w)
+{
+    const pbw_index hu = pbwp__vertex_host(r, u), hw = pbwp__vertex_host(r, w);
+    const pbwp__host *host = (const pbwp__host *)r->job->hosts.data;
+    double one, other;
+    pbw_index z;
+    if (hu >= PBWP__INPUT || hw >= PBWP__INPUT || hu == hw) {
+        return 0;
+    }
+    z = host[hu].a == host[hw].a || host[hu].a == host[hw].b ? host[hu].a
+      : host[hu].b == host[hw].a || host[hu].b == host[hw].b ? host[hu].b : PBW_NONE;
+    if (z == PBW_NONE) {
+        return 0;
+    }
+    one = pbwp__distance2(pbwp__point(r, z), pbwp__point(r, u));
+    other = pbwp__distance2(pbwp__point(r, z), pbwp__point(r, w));
+    return fabs(one - other) <= 1e-3 * one;
+}
+
+/* Squares of the lengths of edges; returns the shortest. */
+static unsigned pbwp__lengths(const pbwp__refiner *r, const pbwp__triangle *t, double length2[3])
+{
+    unsigned k;
+    for (k = 0; k < 3; k++) {
+        length2[k] = pbwp__distance2(pbwp__point(r, t->v[pbwp__next[k]]), pbwp__point(r, t->v[pbwp__last[k]]));
+    }
+    return length2[0] <= length2[1] && length2[0] <= length2[2] ? 0u : length2[1] <= length2[2] ? 1u : 2u;
+}
+
+static int pbwp__is_sharp(const pbwp__refiner *r, const double length2[3], unsigned shortest)
+{
+    const double a = length2[pbwp__next[shortest]], b = length2[pbwp__last[shortest]];
+    const double dot = a + b - length2[shortest];
+    return dot * dot > 4 * r->cosine2 * a * b;
+}
+
+/* Whether the small angle is one that points cannot mend. */
+static int pbwp__is_given(const pbwp__refiner *r, const pbwp__triangle *t, unsigned shortest)
+{
+    return (t->edge[pbwp__next[shortest]] != PBW_NONE && t->edge[pbwp__last[shortest]] != PBW_NONE)
+        || pbwp__are_twins(r, t->v[pbwp__next[shortest]], t->v[pbwp__last[shortest]]);
+}
+
+static double pbwp__twice_area(const pbwp__refiner *r, const pbwp__triangle *t)
+{
+    const double *a = pbwp__point(r, t->v[0]), *b = pbwp__point(r, t->v[1]), *c = pbwp__point(r, t->v[2]);
+    return (b[0] - a[0]) * (c[1] - a[1]) - (b[1] - a[1]) * (c[0] - a[0]);
+}
+
+static int pbwp__is_large(const pbwp__refiner *r, const pbwp__triangle *t, const double length2[3])
+{
+    const pbw_plane_options *o = r->job->options;
+    const pbwp__component *component = (const pbwp__component *)r->job->components.data + (t->region & ~PBWP__CAVITY);
+    const double longest2 = fmax(fmax(length2[0], length2[1]), length2[2]);
+    double area = o->area, size = o->size, there;
+    if (component->seed != PBW_NONE) {
+        there = r->job->input->regions[component->seed].area;
+        area = there > 0 && (!(area > 0) || there < area) ? there : area;
+    }
+    if (area > 0 && pbwp__twice_area(r, t) > 2 * area) {
+        return 1;
+    }
+    if (r->has_sizes) {
+        const double *sizes = PBWP__DOUBLES(r->job->sizes);
+        there = (sizes[t->v[0]] + sizes[t->v[1]] + sizes[t->v[2]]) / 3;
+        size = !(size > 0) || there < size ? there : size;
+    }
+    if (o->size_at != NULL) {
+        const double *a = pbwp__point(r, t->v[0]), *b = pbwp__point(r, t->v[1]), *c = pbwp__point(r, t->v[2]);
+        there = o->size_at(o->size_user, (a[0] + b[0] + c[0]) / 3, (a[1] + b[1] + c[1]) / 3);
+        size = there > 0 && (!(size > 0) || there < size) ? there : size;
+    }
+    return size > 0 && longest2 > size * size && longest2 > 16 * r->least2;
+}
+
+static int pbwp__class_of(const pbwp__refiner *r, double length2)
+{
+    int exponent;
+    (void)frexp(length2, &exponent);
+    exponent = r->classes - exponent;
+    return exponent < 0 ? 0 : exponent >= PBWP__CLASSES ? PBWP__CLASSES - 1 : exponent;
+}
+
+/* Puts a triangle, and the segments beside it, where the work on them waits. */
+static void pbwp__examine(pbwp__refiner *r, pbw_index slot)
+{
+    const pbwp__triangle *t = r->job->t + slot;
+    double length2[3];
+    unsigned shortest, k;
+    for (k = 0; k < 3; k++) {
+        const pbw_index u = t->v[pbwp__next[k]], v = t->v[pbwp__last[k]];
+        if (t->edge[k] != PBW_NONE && pbwp__in_lens(r, pbwp__point(r, u), pbwp__point(r, v), pbwp__point(r, t->v[k]))) {
+            pbwp__add(r, &r->splits, u);
+            pbwp__add(r, &r->splits, v);
+        }
+    }
+    shortest = pbwp__lengths(r, t, length2);
+    if (pbwp__is_large(r, t, length2)) {
+        pbwp__add(r, &r->large, slot);
+    }
+    if (pbwp__is_sharp(r, length2, shortest)) {
+        const int c = pbwp__class_of(r, length2[shortest]);
+        pbwp__add(r, r->class_of + c, slot);
+        r->filled |= (uint64_t)1 << c;
+    }
+}
+
+/* ---- cavities */
+
+static void pbwp__dig_here(pbwp__refiner *r, pbw_index slot)
+{
+    r->job->t[slot].region |= PBWP__CAVITY;
+    pbwp__add(r, &r->slots, slot);
+}
+
+/* Digs on from the triangles in slots: all that are in conflict with p, without crossing a segment. */
+static void pbwp__dig(pbwp__refiner *r, const double *p)
+{
+    pbwp__job *job = r->job;
+    size_t at;
+    unsigned k;
+    r->rim.count = 0;
+    for (at = 0; at < r->slots.count && !r->no_memory; at++) {
+        const pbw_index slot = PBWP__INDICES(r->slots)[at];
+        if (!pbwp__room(&job->memory, &r->rim, 3, sizeof(pbwp__rim))) {
+            r->no_memory = 1;
+        }
+        for (k = 0; k < 3 && !r->no_memory; k++) {
+            const pbwp__triangle *t = job->t + slot;
+            const pbw_index link = t->link[k];
+            if (link != PBW_NONE && t->edge[k] == PBW_NONE) {
+                const pbwp__triangle *n = job->t + PBWP__SLOT(link);
+                if ((n->region & PBWP__CAVITY) != 0) {
+                    continue;
+                }
+                if (pbwp__conflict_at(job, pbwp__point(r, n->v[0]), pbwp__point(r, n->v[1]), pbwp__point(r, n->v[2]),
+                                      p)) {
+                    pbwp__dig_here(r, PBWP__SLOT(link));
+                    continue;
+                }
+            }
+            {
+                pbwp__rim *rim = (pbwp__rim *)r->rim.data + r->rim.count++;
+                rim->u = t->v[pbwp__next[k]];
+                rim->v = t->v[pbwp__last[k]];
+                rim->link = link;
+                rim->edge = t->edge[k];
+                rim->region = t->region & ~PBWP__CAVITY;
+            }
+        }
+    }
+}
+
+static void pbwp__undig(pbwp__refiner *r)
+{
+    size_t i;
+    for (i = 0; i < r->slots.count; i++) {
+        r->job->t[PBWP__INDICES(r->slots)[i]].region &= ~PBWP__CAVITY;
+    }
+}
+
+/* Whether p sees every edge of the rim from inside. */
+static int pbwp__is_star(const pbwp__refiner *r, const double *p)
+{
+    const pbwp__rim *rim = (const pbwp__rim *)r->rim.data;
+    size_t i;
+    for (i = 0; i < r->rim.count; i++) {
+        if (pbwp__orient_at(r->job, p, pbwp__point(r, rim[i].u), pbwp__point(r, rim[i].v)) <= 0) {
+            return 0;
+        }
+    }
+    return 1;
+}
+
+/* Adds a vertex.  Returns it, PBW_NONE without memory. */
+static pbw_index pbwp__add_vertex(pbwp__refiner *r, const double *at, pbw_index host, double size)
+{
+    pbwp__job *job = r->job;
+    const double p[2] = { at[0], at[1] };
+    const size_t v = job->points.count;
+    if (v >= PBWP__INPUT - 1 || !pbwp__room(&job->memory, &job->points, 1, 2 * sizeof(double))
+        || !pbwp__room(&job->memory, &job->incidents, 1, sizeof(pbw_index))
+        || !pbwp__room(&job->memory, &job->vertex_host, 1, sizeof(pbw_index))
+        || (r->has_sizes && !pbwp__room(&job->memory, &job->sizes, 1, sizeof(double)))) {
+        r->no_memory = 1;
+        return PBW_NONE;
+    }
+    job->p = PBWP__DOUBLES(job->points);
+    job->incident = PBWP__INDICES(job->incidents);
+    memcpy(job->p + 2 * v, p, sizeof p);
+    job->incident[v] = PBW_NONE;
+    PBWP__INDICES(job->vertex_host)[v] = host;
+    if (r->has_sizes) {
+        PBWP__DOUBLES(job->sizes)[v] = size;
+        job->sizes.count = v + 1;
+    }
+    job->points.count = job->incidents.count = job->vertex_host.count = v + 1;
+    return (pbw_index)v;
+}
+
+/* Replaces an edge by the other diagonal of its two triangles. */
+static void pbwp__flip(pbwp__job *job, pbw_index code)
+{
+    const pbw_index slot = PBWP__SLOT(code), other = PBWP__SLOT(job->t[slot].link[PBWP__SIDE(code)]);
+    const unsigned e = PBWP__SIDE(code), f = PBWP__SIDE(job->t[slot].link[e]);
+    pbwp__triangle *t = job->t + slot, *n = job->t + other;
+    const pbwp__triangle a = *t, b = *n;
+    t->v[0] = n->v[0] = a.v[e];
+    t->v[1] = a.v[pbwp__next[e]];
+    t->v[2] = n->v[1] = b.v[f];
+    n->v[2] = a.v[pbwp__last[e]];
+    t->edge[0] = b.edge[pbwp__next[f]];
+    t->edge[2] = a.edge[pbwp__last[e]];
+    n->edge[0] = b.edge[pbwp__last[f]];
+    n->edge[1] = a.edge[pbwp__next[e]];
+    t->edge[1] = n->edge[2] = PBW_NONE;
+    pbwp__join(job, 4 * slot, b.link[pbwp__next[f]]);
+    pbwp__join(job, 4 * slot + 2, a.link[pbwp__last[e]]);
+    pbwp__join(job, 4 * other, b.link[pbwp__last[f]]);
+    pbwp__join(job, 4 * other + 1, a.link[pbwp__next[e]]);
+    pbwp__join(job, 4 * slot + 1, 4 * other + 2);
+    job->incident[t->v[0]] = job->incident[t->v[1]] = job->incident[t->v[2]] = slot;
+    job->incident[n->v[2]] = other;
+}
+
+/* Flips free edges of the triangles in slots, and what follows, until all are locally regular (Lawson 1977).  A point
+   beside its segment by an ulp can be outside of circles that the cavity takes it to be in. */
+static void pbwp__legalise(pbwp__refiner *r)
+{
+    pbwp__job *job = r->job;
+    size_t at;
+    unsigned k;
+    for (at = 0; at < r->slots.count && !r->no_memory; at++) {
+        const pbw_index slot = PBWP__INDICES(r->slots)[at];
+        for (k = 0; k < 3; k++) {
+            const pbwp__triangle *t = job->t + slot;
+            const pbw_index link = t->link[k];
+            if (t->edge[k] == PBW_NONE && link != PBW_NONE
+                && pbwp__conflict(job, t->v[0], t->v[1], t->v[2], job->t[PBWP__SLOT(link)].v[PBWP__SIDE(link)])) {
+                pbwp__flip(job, 4 * slot + k);
+                pbwp__add(r, &r->slots, slot);
+                pbwp__add(r, &r->slots, PBWP__SLOT(link));
+                break;
+            }
+        }
+    }
+}
+
+/* Fills the cavity with triangles at vertex p, and looks at them.  a, b, edge: p splits that segment; else PBW_NONE. */
+static int pbwp__refill_star(pbwp__refiner *r, pbw_index p, pbw_index a, pbw_index b, pbw_index edge)
+{
+    pbwp__job *job = r->job;
+    const size_t count = r->rim.count;
+    size_t i;
+    if (!pbwp__reserve_slots(job, count)) {
+        r->no_memory = 1;
+        return 0;
+    }
+    for (i = 0; i < r->slots.count; i++) {
+        pbwp__free_slot(job, PBWP__INDICES(r->slots)[i]);
+    }
+    r->slots.count = 0;
+    for (i = 0; i < count; i++) {
+        const pbwp__rim rim = ((const pbwp__rim *)r->rim.data)[i];
+        const pbw_index slot = pbwp__take_slot(job);
+        pbwp__triangle *t = job->t + slot;
+        t->v[0] = p;
+        t->v[1] = rim.u;
+        t->v[2] = rim.v;
+        t->edge[0] = rim.edge;
+        t->edge[1] = rim.v == a || rim.v == b ? edge : PBW_NONE;
+        t->edge[2] = rim.u == a || rim.u == b ? edge : PBW_NONE;
+        t->link[1] = t->link[2] = PBW_NONE;
+        t->region = rim.region;
+        pbwp__join(job, 4 * slot, rim.link);
+        job->incident[rim.u] = slot;
+        job->incident[p] = slot;
+        pbwp__add(r, &r->slots, slot);
+    }
+    for (i = 0; i < count && !r->no_memory; i++) {
+        const pbw_index slot = PBWP__INDICES(r->slots)[i], next = job->incident[job->t[slot].v[2]];
+        if (job->t[next].v[0] == p && job->t[next].v[1] == job->t[slot].v[2]) {
+            pbwp__join(job, 4 * slot + 1, 4 * next + 2);
+        } else {
+            job->incident[job->t[slot].v[2]] = slot;     /* the border ends here */
+        }
+    }
+    if (edge != PBW_NONE) {
+        pbwp__legalise(r);
+    }
+    for (i = 0; i < r->slots.count && !r->no_memory; i++) {
+        pbwp__examine(r, PBWP__INDICES(r->slots)[i]);
+    }
+    r->inserted++;
+    return 1;
+}
+
+/* ---- removing a vertex */
+
+/* Whether the new triangles are positive and locally regular. */
+static int pbwp__is_good_fill(const pbwp__job *job)
+{
+    size_t i;
+    unsigned k;
+    for (i = 0; i < job->fresh.count; i++) {
+        const pbwp__triangle *t = job->t + PBWP__INDICES(job->fresh)[i];
+        if (pbwp__orient(job, t->v[0], t->v[1], t->v[2]) <= 0) {
+            return 0;
+        }
+    }
+    for (i = 0; i < job->fresh.count; i++) {
+        const pbwp__triangle *t = job->t + PBWP__INDICES(job->fresh)[i];
+        for (k = 0; k < 3; k++) {
+            if (t->edge[k] == PBW_NONE && pbwp__conflict(job, t->v[0], t->v[1], t->v[2],
+                job->t[PBWP__SLOT(t->link[k])].v[PBWP__SIDE(t->link[k])])) {
+                return 0;
+            }
+        }
+    }
+    return 1;
+}
+
+/* Takes a free vertex out of the triangulation.  Returns 0, with nothing changed, where that cannot be done. */
+static int pbwp__remove(pbwp__refiner *r, pbw_index vertex)
+{
+    pbwp__job *job = r->job;
+    const pbw_index start = pbwp__corner_of(job, vertex);
+    pbw_index corner = start, base = PBW_NONE, last, region = job->t[PBWP__SLOT(start)].region;
+    size_t i, count;
+    int good;
+    job->chain[0].count = job->inner[0].count = job->old.count = job->fresh.count = 0;
+    do {
+        const pbwp__triangle *t = job->t + PBWP__SLOT(corner);
+        const unsigned k = PBWP__SIDE(corner);
+        if (t->edge[pbwp__next[k]] != PBW_NONE || !pbwp__chain_push(job, 0, t->v[pbwp__next[k]], corner)
+            || !pbwp__push(&job->memory, &job->old, PBWP__SLOT(corner))) {
+            return 0;
+        }
+        corner = pbwp__round(job, corner, 0);
+    } while (corner != start);
+    count = job->chain[0].count;
+    if (!pbwp__reserve_slots(job, count) || !pbwp__room(&job->memory, &job->fresh, count, sizeof(pbw_index))) {
+        r->no_memory = 1;
+        return 0;
+    }
+    last = PBWP__INDICES(job->inner[0])[count - 1];
+    pbwp__reverse(PBWP__INDICES(job->chain[0]), count);
+    pbwp__reverse(PBWP__INDICES(job->inner[0]), count - 1);
+    base = pbwp__fill(job, PBWP__INDICES(job->chain[0]), PBWP__INDICES(job->inner[0]), count, region);
+    good = base != PBW_NONE;
+    if (good) {
+        job->t[PBWP__SLOT(base)].edge[PBWP__SIDE(base)] = job->t[PBWP__SLOT(last)].edge[PBWP__SIDE(last)];
+        pbwp__join(job, base, job->t[PBWP__SLOT(last)].link[PBWP__SIDE(last)]);
+        good = pbwp__is_good_fill(job);
+    }
+    if (!good) {                                     /* the old triangles are still there: link them again */
+        for (i = 0; i < job->fresh.count; i++) {
+            pbwp__free_slot(job, PBWP__INDICES(job->fresh)[i]);
+        }
+        for (corner = start, i = 0; i < count; i++) {
+            const pbwp__triangle *t = job->t + PBWP__SLOT(corner);
+            pbwp__join(job, corner, t->link[PBWP__SIDE(corner)]);
+            job->incident[t->v[pbwp__next[PBWP__SIDE(corner)]]] = PBWP__SLOT(corner);
+            corner = pbwp__round(job, corner, 0);
+        }
+        return 0;
+    }
+    for (i = 0; i < count; i++) {
+        pbwp__free_slot(job, PBWP__INDICES(job->old)[i]);
+    }
+    job->incident[vertex] = PBW_NONE;
+    job->plane->report.removed++;
+    for (i = 0; i < job->fresh.count; i++) {
+        pbwp__examine(r, PBWP__INDICES(job->fresh)[i]);
+    }
+    return 1;
+}
+
+/* Removes free vertices that see an edge of a segment at an angle above 90 degrees. */
+static void pbwp__clear(pbwp__refiner *r, pbw_index u, pbw_index v)
+{
+    pbwp__job *job = r->job;
+    int more = 1, side;
+    while (more && !r->no_memory) {
+        pbw_index code = pbwp__find_edge(job, u, v);
+        more = 0;
+        for (side = 0; side < 2 && code != PBW_NONE && !more; side++) {
+            const pbw_index x = job->t[PBWP__SLOT(code)].v[PBWP__SIDE(code)];
+            const double *a = pbwp__point(r, u), *b = pbwp__point(r, v), *p = pbwp__point(r, x);
+            more = pbwp__vertex_host(r, x) == PBWP__FREE
+                && (a[0] - p[0]) * (b[0] - p[0]) + (a[1] - p[1]) * (b[1] - p[1]) < 0 && pbwp__remove(r, x);
+            code = more ? code : job->t[PBWP__SLOT(code)].link[PBWP__SIDE(code)];
+        }
+    }
+}
+
+/* ---- splitting a segment */
+
+/* Where to split u-v: in the middle; or, if just one end is of the input, at a power of two from it, between one third
+   and two thirds. */
+static double pbwp__where(const pbwp__refiner *r, pbw_index u, pbw_index v, double out[2])
+{
+    const int u_given = pbwp__vertex_host(r, u) == PBWP__INPUT, v_given = pbwp__vertex_host(r, v) == PBWP__INPUT;
+    const double *a = pbwp__point(r, u), *b = pbwp__point(r, v);
+    double at = 0.5;
+    int exponent;
+    if (u_given != v_given) {
+        const double length = sqrt(pbwp__distance2(a, b));
+        const double part = frexp(length, &exponent);            /* 1/2 .. 1 */
+        const double power = ldexp(part < 0.75 ? 0.25 : 0.5, exponent);
+        at = u_given ? power / length : 1 - power / length;
+    }
+    out[0] = a[0] + at * (b[0] - a[0]);
+    out[1] = a[1] + at * (b[1] - a[1]);
+    return at;
+}
+
+/* Splits an edge of a segment; unless it must, only if a corner beside it lies in its lens.  Returns whether it did. */
+static int pbwp__split_edge(pbwp__refiner *r, pbw_index u, pbw_index v, int must)
+{
+    pbwp__job *job = r->job;
+    pbw_index code = pbwp__find_edge(job, u, v), beyond, edge, p;
+    double at, point[2], size = 0;
+    size_t i, kept = 0;
+    if (code == PBW_NONE || job->t[PBWP__SLOT(code)].edge[PBWP__SIDE(code)] == PBW_NONE || !pbwp__may_split(r, code)) {
+        return 0;
+    }
+    beyond = job->t[PBWP__SLOT(code)].link[PBWP__SIDE(code)];
+    must = must || pbwp__in_lens(r, pbwp__point(r, u), pbwp__point(r, v),
+                                 pbwp__point(r, job->t[PBWP__SLOT(code)].v[PBWP__SIDE(code)]));
+    must = must || (beyond != PBW_NONE
+                    && pbwp__in_lens(r, pbwp__point(r, u), pbwp__point(r, v),
+                                     pbwp__point(r, job->t[PBWP__SLOT(beyond)].v[PBWP__SIDE(beyond)])));
+    if (!must) {
+        return 0;
+    }
+    if (pbwp__distance2(pbwp__point(r, u), pbwp__point(r, v)) < 16 * r->least2) {
+        job->plane->report.short_edges++;
+        return 0;
+    }
+    pbwp__clear(r, u, v);
+    code = pbwp__find_edge(job, u, v);
+    beyond = job->t[PBWP__SLOT(code)].link[PBWP__SIDE(code)];
+    edge = job->t[PBWP__SLOT(code)].edge[PBWP__SIDE(code)];
+    at = pbwp__where(r, u, v, point);
+    r->slots.count = 0;
+    pbwp__dig_here(r, PBWP__SLOT(code));
+    if (beyond != PBW_NONE) {
+        pbwp__dig_here(r, PBWP__SLOT(beyond));
+    }
+    pbwp__dig(r, point);
+    for (i = 0; i < r->rim.count; i++) {             /* the edge itself is no rim */
+        const pbwp__rim rim = ((const pbwp__rim *)r->rim.data)[i];
+        if ((rim.u != u || rim.v != v) && (rim.u != v || rim.v != u)) {
+            ((pbwp__rim *)r->rim.data)[kept++] = rim;
+        }
+    }
+    r->rim.count = kept;
+    if (r->no_memory || !pbwp__is_star(r, point)) {
+        pbwp__undig(r);
+        job->plane->report.short_edges++;
+        return 0;
+    }
+    if (r->has_sizes) {
+        size = (1 - at) * PBWP__DOUBLES(job->sizes)[u] + at * PBWP__DOUBLES(job->sizes)[v];
+    }
+    p = pbwp__add_vertex(r, point, edge, size);
+    return p != PBW_NONE && pbwp__refill_star(r, p, u, v, edge);
+}
+
+/* ---- mending a triangle */
+
+/* The place for a new point: the circumcentre, or nearer to the shortest edge. */
+static void pbwp__centre(const pbwp__refiner *r, const pbwp__triangle *t, unsigned shortest, double out[2])
+{
+    const double *o = pbwp__point(r, t->v[pbwp__next[shortest]]), *d = pbwp__point(r, t->v[pbwp__last[shortest]]);
+    const double *a = pbwp__point(r, t->v[shortest]);
+    const double dx = d[0] - o[0], dy = d[1] - o[1], ax = a[0] - o[0], ay = a[1] - o[1];
+    const double a2 = ax * ax + ay * ay, det = 2 * (dx * ay - dy * ax);
+    /* The centre is on the line through the middle of o-d, at height times its length on the left. */
+    const double height = (a2 - (ax * dx + ay * dy)) / det;
+    const double h = height < r->off ? height : r->off;
+    out[0] = o[0] + 0.5 * dx - h * dy;
+    out[1] = o[1] + 0.5 * dy + h * dx;
+}
+
+/* Walks from a triangle towards a point.  Returns the triangle that has it; or PBW_NONE, with the ends of the segment
+   in the way in hits if there is one. */
+static pbw_index pbwp__walk(pbwp__refiner *r, pbw_index slot, const double *p)
+{
+    pbwp__job *job = r->job;
+    pbw_index from = PBW_NONE;
+    int steps;
+    unsigned k;
+    for (steps = 0; steps < 10000; steps++) {
+        const pbwp__triangle *t = job->t + slot;
+        for (k = 0; k < 3; k++) {
+            const pbw_index u = t->v[pbwp__next[k]], v = t->v[pbwp__last[k]];
+            if (t->link[k] != PBW_NONE && PBWP__SLOT(t->link[k]) == from) {
+                continue;
+            }
+            if (pbwp__orient_at(job, pbwp__point(r, u), pbwp__point(r, v), p) < 0) {
+                if (t->edge[k] != PBW_NONE) {
+                    pbwp__add(r, &r->hits, u);
+                    pbwp__add(r, &r->hits, v);
+                    return PBW_NONE;
+                }
+                from = slot;
+                slot = PBWP__SLOT(t->link[k]);
+                break;
+            }
+        }
+        if (k == 3) {
+            return slot;
+        }
+    }
+    return PBW_NONE;
+}
+
+static double pbwp__size_in(const pbwp__refiner *r, const pbwp__triangle *t, const double *p)
+{
+    double weight[3], sum = 0, size = 0;
+    unsigned k;
+    for (k = 0; k < 3; k++) {
+        const double *a = pbwp__point(r, t->v[pbwp__next[k]]), *b = pbwp__point(r, t->v[pbwp__last[k]]);
+        weight[k] = fabs((a[0] - p[0]) * (b[1] - p[1]) - (a[1] - p[1]) * (b[0] - p[0]));
+        sum += weight[k];
+    }
+    for (k = 0; k < 3 && sum > 0; k++) {
+        size += weight[k] / sum * PBWP__DOUBLES(r->job->sizes)[t->v[k]];
+    }
+    return size;
+}
+
+/* Inserts a point for a triangle, or splits the segments that are in its way.  Returns whether either was done. */
+static int pbwp__mend(pbwp__refiner *r, pbw_index slot, unsigned shortest)
+{
+    pbwp__job *job = r->job;
+    double point[2], size = 0;
+    pbw_index found, p;
+    size_t i;
+    int done = 0;
+    r->hits.count = r->slots.count = 0;
+    pbwp__centre(r, job->t + slot, shortest, point);
+    if (!(fabs(point[0]) < 1e70 && fabs(point[1]) < 1e70)) {
+        return 0;
+    }
+    found = pbwp__walk(r, slot, point);
+    if (found != PBW_NONE) {
+        pbwp__dig_here(r, found);
+        pbwp__dig(r, point);
+        for (i = 0; i < r->rim.count; i++) {
+            const pbwp__rim rim = ((const pbwp__rim *)r->rim.data)[i];
+            if (rim.edge != PBW_NONE && pbwp__in_lens(r, pbwp__point(r, rim.u), pbwp__point(r, rim.v), point)) {
+                pbwp__add(r, &r->hits, rim.u);
+                pbwp__add(r, &r->hits, rim.v);
+            }
+        }
+        if (r->hits.count == 0 && !r->no_memory && pbwp__is_star(r, point)) {
+            size = r->has_sizes ? pbwp__size_in(r, job->t + found, point) : 0;
+            p = pbwp__add_vertex(r, point, PBWP__FREE, size);
+            return p != PBW_NONE && pbwp__refill_star(r, p, PBW_NONE, PBW_NONE, PBW_NONE);
+        }
+        pbwp__undig(r);
+    }
+    for (i = 0; i < r->hits.count && !r->no_memory; i += 2) {
+        done |= pbwp__split_edge(r, PBWP__INDICES(r->hits)[i], PBWP__INDICES(r->hits)[i + 1], 1);
+    }
+    if (done && job->t[slot].v[0] != PBW_NONE) {
+        pbwp__examine(r, slot);                      /* it may be as bad as before */
+    }
+    return done;
+}
+
+/* ---- the loop */
+
+static void pbwp__mend_sharp(pbwp__refiner *r)
+{
+    pbwp__array *queue;
+    double length2[3];
+    unsigned shortest;
+    pbw_index slot;
+    int c = PBWP__CLASSES - 1;
+    while ((r->filled >> c & 1) == 0) {
+        c--;
+    }
+    queue = r->class_of + c;
+    slot = PBWP__INDICES(*queue)[--queue->count];
+    if (queue->count == 0) {
+        r->filled &= ~((uint64_t)1 << c);
+    }
+    if (r->job->t[slot].v[0] == PBW_NONE) {
+        return;
+    }
+    shortest = pbwp__lengths(r, r->job->t + slot, length2);      /* another triangle may be there now */
+    if (pbwp__class_of(r, length2[shortest]) == c && length2[shortest] > r->least2
+        && pbwp__is_sharp(r, length2, shortest) && !pbwp__is_given(r, r->job->t + slot, shortest)) {
+        pbwp__mend(r, slot, shortest);
+    }
+}
+
+static void pbwp__mend_large(pbwp__refiner *r)
+{
+    const pbw_index slot = PBWP__INDICES(r->large)[--r->large.count];
+    const pbwp__triangle *t = r->job->t + slot;
+    double length2[3];
+    unsigned shortest;
+    if (t->v[0] == PBW_NONE) {
+        return;
+    }
+    shortest = pbwp__lengths(r, t, length2);
+    if (length2[shortest] > r->least2 && pbwp__is_large(r, t, length2)) {
+        pbwp__mend(r, slot, shortest);
+    }
+}
+
+/* Gives each vertex a host, each edge of a segment the number of a host. */
+static int pbwp__find_hosts(pbwp__refiner *r)
+{
+    pbwp__job *job = r->job;
+    const size_t n = job->points.count;
+    size_t i;
+    unsigned k;
+    job->hosts.count = 0;
+    if (!pbwp__room(&job->memory, &job->vertex_host, n, sizeof(pbw_index))) {
+        return 0;
+    }
+    job->vertex_host.count = n;
+    for (i = 0; i < n; i++) {
+        PBWP__INDICES(job->vertex_host)[i] = PBWP__INPUT;
+    }
+    for (i = 0; i < job->triangles.count; i++) {
+        for (k = 0; job->t[i].v[0] != PBW_NONE && k < 3; k++) {
+            pbwp__triangle *t = job->t + i;
+            const pbw_index code = (pbw_index)(4 * i + k);
+            if (t->edge[k] != PBW_NONE && code < t->link[k]) {
+                pbwp__host *host;
+                if (!pbwp__room(&job->memory, &job->hosts, 1, sizeof *host)) {
+                    return 0;
+                }
+                host = (pbwp__host *)job->hosts.data + job->hosts.count;
+                host->a = t->v[pbwp__next[k]];
+                host->b = t->v[pbwp__last[k]];
+                host->edge = t->edge[k];
+                pbwp__mark_edge(job, code, (pbw_index)job->hosts.count++);
+            }
+        }
+    }
+    return 1;
+}
+
+/* Sizes of vertices: the caller's, and what they may grow to at the others. */
+static int pbwp__find_sizes(pbwp__refiner *r)
+{
+    pbwp__job *job = r->job;
+    const double growth = job->options->gradation > 0 ? job->options->gradation : 0.3;
+    const size_t n = job->points.count;
+    double *sizes;
+    size_t i;
+    unsigned k, e;
+    int more = 1;
+    if (!pbwp__room(&job->memory, &job->sizes, n, sizeof(double))) {
+        return 0;
+    }
+    sizes = PBWP__DOUBLES(job->sizes);
+    job->sizes.count = n;
+    for (i = 0; i < n; i++) {
+        const pbw_index given = PBWP__INDICES(job->original)[i];
+        const double size = given < job->input->point_count ? job->input->sizes[given] : 0;
+        sizes[i] = size > 0 ? size : 1e60;
+    }
+    while (more) {
+        more = 0;
+        for (i = 0; i < job->triangles.count; i++) {
+            for (k = 0; job->t[i].v[0] != PBW_NONE && k < 3; k++) {
+                for (e = 1; e < 3; e++) {
+                    const pbw_index u = job->t[i].v[k], v = job->t[i].v[(k + e) % 3];
+                    const double most = sizes[u] + growth * sqrt(pbwp__distance2(pbwp__point(r, u), pbwp__point(r, v)));
+                    if (most < sizes[v]) {
+                        sizes[v] = most;
+                        more = 1;
+                    }
+                }
+            }
+        }
+    }
+    r->has_sizes = 1;
+    return 1;
+}
+
+/* Sets bounds from options and the box of the points.  Returns 0 if the coordinates are too large or too small. */
+static int pbwp__set_bounds(pbwp__refiner *r)
+{
+    const pbwp__job *job = r->job;
+    const double angle = job->options->angle > 0 || job->options->angle < 0 ? job->options->angle : 30;
+    const double radians = (angle > 0 ? angle : 30) * 3.14159265358979323846 / 180, cosine = cos(radians);
+    const int conforming = (job->options->flags & PBW_PLANE_CONFORMING) != 0;
+    double low[2] = { HUGE_VAL, HUGE_VAL }, high[2] = { -HUGE_VAL, -HUGE_VAL }, most = 0, size2, ulp;
+    size_t i;
+    for (i = 0; i < 2 * job->points.count; i++) {
+        low[i % 2] = fmin(low[i % 2], job->p[i]);
+        high[i % 2] = fmax(high[i % 2], job->p[i]);
+        most = fmax(most, fabs(job->p[i]));
+    }
+    size2 = (high[0] - low[0]) * (high[0] - low[0]) + (high[1] - low[1]) * (high[1] - low[1]);
+    ulp = most * 1.1102230246251565e-16;
+    r->least2 = fmax(1e-20 * size2, 64 * ulp * ulp);
+    r->cosine2 = angle > 0 ? cosine * cosine : 2;    /* no cosine is that large */
+    r->lens2 = conforming ? 0 : cos(2 * radians) * cos(2 * radians);
+    r->off = 0.475 * sqrt((1 + cosine) / (1 - cosine));
+    (void)frexp(size2, &r->classes);
+    return most <= 1e60 && size2 >= 1e-120;
+}
+
+static pbw_status pbwp__refine_all(pbwp__refiner *r)
+{
+    pbwp__job *job = r->job;
+    const size_t limit = job->options->steiner_limit;
+    size_t i;
+    for (i = job->triangles.count; i > 0 && !r->no_memory; i--) {      /* stacks: the first come out first */
+        if (job->t[i - 1].v[0] != PBW_NONE) {
+            pbwp__examine(r, (pbw_index)(i - 1));
+        }
+    }
+    while (!r->no_memory) {
+        if (limit != 0 && r->inserted >= limit + job->plane->report.removed) {
+            job->plane->report.limited = r->splits.count + r->large.count > 0 || r->filled != 0;
+            break;
+        }
+        if (r->splits.count > 0) {
+            r->splits.count -= 2;
+            pbwp__split_edge(r, PBWP__INDICES(r->splits)[r->splits.count],
+                             PBWP__INDICES(r->splits)[r->splits.count + 1], 0);
+        } else if (r->large.count > 0) {
+            pbwp__mend_large(r);
+        } else if (r->filled != 0) {
+            pbwp__mend_sharp(r);
+        } else {
+            break;
+        }
+        if (pbwp__step(job, 1 - 1 / (1 + 1e-5 * (double)r->inserted))) {
+            return pbwp__say(job, PBW_CANCELLED, NULL);
+        }
+    }
+    return r->no_memory ? pbwp__say(job, PBW_ERROR_MEMORY, NULL) : PBW_OK;
+}
+
+static void pbwp__count_faults(const pbwp__refiner *r)
+{
+    pbw_plane_report *report = &r->job->plane->report;
+    double length2[3];
+    size_t i;
+    for (i = 0; i < r->job->triangles.count; i++) {
+        const pbwp__triangle *t = r->job->t + i;
+        if (t->v[0] != PBW_NONE) {
+            const unsigned shortest = pbwp__lengths(r, t, length2);
+            report->small_angles += (size_t)pbwp__is_sharp(r, length2, shortest);
+            report->too_large += (size_t)pbwp__is_large(r, t, length2);
+        }
+    }
+}
+
+static pbw_status pbwp__refine(pbwp__job *job)
+{
+    pbwp__refiner r;
+    pbwp__memory *memory = &job->memory;
+    pbw_status status;
+    int i;
+    memset(&r, 0, sizeof r);
+    r.job = job;
+    if (!pbwp__set_bounds(&r)) {
+        return pbwp__say(job, PBW_ERROR_ARGUMENT, "coordinates are too large, or too small, for refinement: scale them");
+    }
+    if (!pbwp__find_hosts(&r) || (job->input->sizes != NULL && !pbwp__find_sizes(&r))) {
+        return pbwp__say(job, PBW_ERROR_MEMORY, NULL);
+    }
+    status = pbwp__refine_all(&r);
+    pbwp__count_faults(&r);
+    for (i = 0; i < PBWP__CLASSES; i++) {
+        pbwp__release(memory, r.class_of + i);
+    }
+    pbwp__release(memory, &r.large);
+    pbwp__release(memory, &r.splits);
+    pbwp__release(memory, &r.slots);
+    pbwp__release(memory, &r.rim);
+    pbwp__release(memory, &r.hits);
+    return status;
+}
+
 /* ------------------------------------------------------------------------------------------------------
    Result.
    In: triangles in slots.  Out: the caller's arrays.
@@ -1860,9 +2771,6 @@ static pbw_status pbwp__check_arguments(pbwp__job *job)
     if ((unsigned)o->rule > PBW_PLANE_NONZERO || (o->flags & ~all) != 0) {
         return pbwp__say(job, PBW_ERROR_ARGUMENT, "no such rule or flag");
     }
-    if ((o->flags & PBW_PLANE_REFINE) != 0) {
-        return pbwp__say(job, PBW_ERROR_ARGUMENT, "refinement is not there yet");
-    }
     if (!(o->angle <= 34) || !(o->area >= 0) || !(o->size >= 0) || !(o->gradation >= 0)) {
         return pbwp__say(job, PBW_ERROR_ARGUMENT, "an angle above 34 degrees, or an area, size or gradation below 0");
     }
@@ -1908,7 +2816,7 @@ static void pbwp__job_free(pbwp__job *job)
     pbwp__array *arrays[] = { &job->triangles, &job->points, &job->incidents, &job->given, &job->segments, &job->original,
                               &job->vertex, &job->pieces, &job->groups, &job->chain[0], &job->chain[1], &job->inner[0],
                               &job->inner[1], &job->stack, &job->old, &job->crossings, &job->first_of, &job->item_of,
-                              &job->components };
+                              &job->components, &job->fresh, &job->hosts, &job->vertex_host, &job->sizes };
     size_t i;
     for (i = 0; i < sizeof arrays / sizeof *arrays; i++) {
         pbwp__release(&job->memory, arrays[i]);
@@ -1948,6 +2856,9 @@ PBWMESH2DEF pbw_status pbw_plane_make(const pbw_plane_input *input, const pbw_pl
     }
     if (status == PBW_OK) {
         status = pbwp__find_domain(&job);
+    }
+    if (status == PBW_OK && (job.options->flags & PBW_PLANE_REFINE) != 0) {
+        status = pbwp__refine(&job);
     }
     status = pbwp__hand_over(&job, status);
     pbwp__job_free(&job);
