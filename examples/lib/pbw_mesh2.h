@@ -106,8 +106,8 @@ typedef struct pbw_plane_options {         /* NULL or all zero = best defaults *
 typedef struct pbw_plane_report {
     size_t steiner_count;                  /* points that refinement has left in the mesh */
     size_t removed;                        /* and that it has taken out again */
-    size_t small_angles;                   /* triangles with a smaller angle than wanted: at small angles of the input,
-                                              or left so by the limits below */
+    size_t small_angles;                   /* triangles with a smaller angle than wanted: at small angles of the
+                                              input, or left so by the limits below */
     size_t too_large;                      /* triangles larger than wanted, for the same reasons */
     size_t short_edges;                    /* refused splits: the edges would be too short for the coordinates */
     int limited;                           /* 1: steiner_limit ended the refinement */
@@ -281,11 +281,11 @@ typedef struct pbwp__job {
     double floor;                          /* see signs */
     size_t steps;                          /* since progress was reported */
     pbwp__array triangles, points, incidents;
-    pbwp__array given, segments;           /* points and pieces in the caller's numbers, crossings and their pieces added */
+    pbwp__array given, segments;           /* points, and pieces in their numbers; crossings and parts are added */
     pbwp__array original;                  /* per vertex: its number in given */
     pbwp__array vertex;                    /* and back; a duplicate has the vertex at its place */
     pbwp__array pieces, groups;
-    pbwp__array chain[2], inner[2];        /* left and right of a segment: vertices; edges between them, in old triangles */
+    pbwp__array chain[2], inner[2];        /* left and right of a segment: vertices, edges of old triangles */
     pbwp__array stack, old, fresh;         /* fresh: slots that were filled last */
     pbwp__array crossings;
     pbwp__array hosts, vertex_host, sizes; /* see refinement */
@@ -419,11 +419,12 @@ static int pbwp__before(const pbwp__job *job, pbw_index a, pbw_index b)
    In: a constrained triangulation, a segment.  Out: that with the segment in it, or the fact that it crosses another.
    Holds: every free edge is locally regular, before and after.
 
-   The triangles that a segment crosses leave a cavity, a polygon on each side of it, whose border is a chain of edges.
-   A polygon is refilled from its base: the apex of the triangle there is the vertex of the chain in whose circle no
-   other lies, and both sides of the triangle are bases of smaller polygons (Anglada 1997).  A chain passes twice along
-   an edge that sticks out into the cavity; then the corner counts that the triangle lies in.  Old triangles keep their
-   slots until the cavity is full, as such an edge leads from one of its sides to the other through them.
+   The triangles that a segment crosses leave a cavity, a polygon on each side of it, whose border is a chain of
+   edges. A polygon is refilled from its base: the apex of the triangle there is the vertex of the chain in whose
+   circle no other lies, and both sides of the triangle are bases of smaller polygons (Anglada 1997).  A chain passes
+   twice along an edge that sticks out into the cavity; then the corner counts that the triangle lies in.  Old
+   triangles keep their slots until the cavity is full, as such an edge leads from one of its sides to the other
+   through them.
    ------------------------------------------------------------------------------------------------------ */
 
 /* Whether the direction from u to x lies in the turn from u-from counter-clockwise to u-to, ends included. */
@@ -439,8 +440,8 @@ static int pbwp__in_turn(const pbwp__job *job, pbw_index u, pbw_index from, pbw_
     return !(pbwp__orient(job, u, to, x) > 0 && pbwp__orient(job, u, x, from) > 0);
 }
 
-/* The place in the chain, between the places low and high, of the apex of the triangle on that base; 0 if no vertex is
-   on the inner side of it, which does not happen to the cavity of a segment. */
+/* The place in the chain, between the places low and high, of the apex of the triangle on that base; 0 if no vertex
+   is on the inner side of it, which does not happen to the cavity of a segment. */
 static size_t pbwp__apex(const pbwp__job *job, const pbw_index *chain, size_t low, size_t high)
 {
     const pbw_index a = chain[low], b = chain[high];
@@ -469,7 +470,8 @@ static size_t pbwp__apex(const pbwp__job *job, const pbw_index *chain, size_t lo
 }
 
 /* Fills the polygon between a chain of `count` vertices, counter-clockwise from its last to its first, and the base.
-   Slots are reserved.  Returns the code of the base in its triangle, PBW_NONE without memory or if there is no apex. */
+   Slots are reserved.  Returns the code of the base in its triangle, PBW_NONE without memory or if there is no apex.
+   */
 static pbw_index pbwp__fill(pbwp__job *job, const pbw_index *chain, const pbw_index *inner, size_t count,
                             pbw_index region)
 {
@@ -522,7 +524,8 @@ static pbw_index pbwp__fill(pbwp__job *job, const pbw_index *chain, const pbw_in
     return base;
 }
 
-/* Steps round corner `corner` (code 4 t + i of a corner): to the next triangle counter-clockwise, or the other way. */
+/* Steps round corner `corner` (code 4 t + i of a corner): to the next triangle counter-clockwise, or the other way.
+   */
 static pbw_index pbwp__round(const pbwp__job *job, pbw_index corner, int clockwise)
 {
     const unsigned i = PBWP__SIDE(corner);
@@ -565,8 +568,8 @@ static pbw_index pbwp__find_edge(const pbwp__job *job, pbw_index a, pbw_index b)
     return PBW_NONE;
 }
 
-/* Where the segment from a to b, which is no edge, leaves the star of a: the corner at a of the triangle whose opposite
-   edge it crosses; or sets *through to the neighbour of a that it passes through. */
+/* Where the segment from a to b, which is no edge, leaves the star of a: the corner at a of the triangle whose
+   opposite edge it crosses; or sets *through to the neighbour of a that it passes through. */
 static pbw_index pbwp__find_exit(const pbwp__job *job, pbw_index a, pbw_index b, pbw_index *through)
 {
     const pbw_index start = pbwp__corner_of(job, a);
@@ -604,9 +607,9 @@ static int pbwp__chain_push(pbwp__job *job, int side, pbw_index vertex, pbw_inde
     return pbwp__push(&job->memory, &job->chain[side], vertex) && pbwp__push(&job->memory, &job->inner[side], inner);
 }
 
-/* Collects the cavity of a segment from a towards b: both chains, and the old triangles.  Returns the vertex where the
-   segment comes to the end of it: b, or one that lies on it; PBW_NONE without memory, or if it crosses a segment (then
-   *crossed is that edge). */
+/* Collects the cavity of a segment from a towards b: both chains, and the old triangles.  Returns the vertex where
+   the segment comes to the end of it: b, or one that lies on it; PBW_NONE without memory, or if it crosses a segment
+   (then *crossed is that edge). */
 static pbw_index pbwp__cavity(pbwp__job *job, pbw_index corner, pbw_index b, pbw_index *crossed)
 {
     const unsigned i = PBWP__SIDE(corner);
@@ -617,8 +620,8 @@ static pbw_index pbwp__cavity(pbwp__job *job, pbw_index corner, pbw_index b, pbw
         job->chain[side].count = job->inner[side].count = 0;
     }
     job->old.count = 0;
-    ok = pbwp__chain_push(job, 0, a, 4 * slot + pbwp__next[i]) && pbwp__chain_push(job, 1, a, 4 * slot + pbwp__last[i])
-      && pbwp__push(&job->memory, &job->old, slot);
+    ok = pbwp__chain_push(job, 0, a, 4 * slot + pbwp__next[i])
+      && pbwp__chain_push(job, 1, a, 4 * slot + pbwp__last[i]) && pbwp__push(&job->memory, &job->old, slot);
     while (ok) {
         const pbw_index link = job->t[PBWP__SLOT(edge)].link[PBWP__SIDE(edge)];
         const unsigned e = PBWP__SIDE(link);
@@ -748,7 +751,8 @@ static pbw_status pbwp__take_mesh(pbwp__job *job, const pbw_mesh *mesh)
     if (mesh->simplex_count > PBWP__TRIANGLES_MOST) {
         return PBW_ERROR_TOO_LARGE;
     }
-    if (!pbwp__reserve_slots(job, mesh->simplex_count) || !pbwp__room(&job->memory, &job->points, n, 2 * sizeof(double))
+    if (!pbwp__reserve_slots(job, mesh->simplex_count)
+        || !pbwp__room(&job->memory, &job->points, n, 2 * sizeof(double))
         || !pbwp__room(&job->memory, &job->incidents, n, sizeof(pbw_index))
         || !pbwp__room(&job->memory, &job->original, n, sizeof(pbw_index))
         || !pbwp__room(&job->memory, &job->vertex, n, sizeof(pbw_index))) {
@@ -948,7 +952,8 @@ static pbw_status pbwp__plant(pbwp__job *job, pbwp__tree *tree)
     }
     for (i = 0; i < m; i++) {
         for (k = 0; k < 2; k++) {
-            PBWP__DOUBLES(middles)[2 * i + k] = p[2 * (size_t)segment[i].a + k] / 2 + p[2 * (size_t)segment[i].b + k] / 2;
+            const double a = p[2 * (size_t)segment[i].a + k], b = p[2 * (size_t)segment[i].b + k];
+            PBWP__DOUBLES(middles)[2 * i + k] = a / 2 + b / 2;
         }
     }
     options.stride = 0;
@@ -979,7 +984,8 @@ static pbw_status pbwp__plant(pbwp__job *job, pbwp__tree *tree)
 static int pbwp__cross(const pbwp__job *job, pbwp__piece s, pbwp__piece t)
 {
     const double *p = PBWP__DOUBLES(job->given);
-    const double *a = p + 2 * (size_t)s.a, *b = p + 2 * (size_t)s.b, *c = p + 2 * (size_t)t.a, *d = p + 2 * (size_t)t.b;
+    const double *a = p + 2 * (size_t)s.a, *b = p + 2 * (size_t)s.b;
+    const double *c = p + 2 * (size_t)t.a, *d = p + 2 * (size_t)t.b;
     return pbwp__orient_at(job, a, b, c) * pbwp__orient_at(job, a, b, d) < 0
         && pbwp__orient_at(job, c, d, a) * pbwp__orient_at(job, c, d, b) < 0;
 }
@@ -1227,8 +1233,8 @@ static int pbwp__cut_segments(pbwp__job *job, const pbwp__array *cuts)
 }
 
 /* Cuts segments at their crossings: adds points to given, and makes the parts the segments.  A part beside a point by
-   an ulp may chase its crossings from round to round: a crossing near an end is moved there, from the second round on,
-   and what is near doubles from round to round. */
+   an ulp may chase its crossings from round to round: a crossing near an end is moved there, from the second round
+   on, and what is near doubles from round to round. */
 static pbw_status pbwp__split(pbwp__job *job, const pbwp__array *pairs)
 {
     pbwp__array cuts;
@@ -1434,7 +1440,8 @@ static int pbwp__set_winding(pbwp__job *job, pbw_index component, int winding)
     return c->winding == winding;
 }
 
-/* Winding numbers of all components, from 0 outside.  Returns an edge at which they do not agree, PBW_NONE if they do. */
+/* Winding numbers of all components, from 0 outside.  Returns an edge at which they do not agree, PBW_NONE if they
+   do. */
 static pbw_index pbwp__wind(pbwp__job *job)
 {
     pbwp__component *c = (pbwp__component *)job->components.data;
@@ -1467,8 +1474,8 @@ static pbw_index pbwp__wind(pbwp__job *job)
     return PBW_NONE;
 }
 
-/* A triangle that contains a point, found from one near it; PBW_NONE outside.  A walk through constrained triangles may
-   go round in circles: after too many steps all are searched. */
+/* A triangle that contains a point, found from one near it; PBW_NONE outside.  A walk through constrained triangles
+   may go round in circles: after too many steps all are searched. */
 static pbw_index pbwp__locate(const pbwp__job *job, const double *q, pbw_index start)
 {
     pbw_index slot = start;
@@ -1478,8 +1485,8 @@ static pbw_index pbwp__locate(const pbwp__job *job, const double *q, pbw_index s
         for (k = 0; k < 3; k++) {
             const unsigned e = (unsigned)((k + steps) % 3);
             const pbwp__triangle *t = job->t + slot;
-            if (pbwp__orient_at(job, job->p + 2 * (size_t)t->v[pbwp__next[e]], job->p + 2 * (size_t)t->v[pbwp__last[e]],
-                                q) < 0) {
+            if (pbwp__orient_at(job, job->p + 2 * (size_t)t->v[pbwp__next[e]],
+                                job->p + 2 * (size_t)t->v[pbwp__last[e]], q) < 0) {
                 if (t->link[e] == PBW_NONE) {
                     return PBW_NONE;
                 }
@@ -1494,8 +1501,8 @@ static pbw_index pbwp__locate(const pbwp__job *job, const double *q, pbw_index s
     for (i = 0; i < job->triangles.count; i++) {
         const pbwp__triangle *t = job->t + i;
         for (k = 0; t->v[0] != PBW_NONE && k < 3; k++) {
-            if (pbwp__orient_at(job, job->p + 2 * (size_t)t->v[pbwp__next[k]], job->p + 2 * (size_t)t->v[pbwp__last[k]],
-                                q) < 0) {
+            if (pbwp__orient_at(job, job->p + 2 * (size_t)t->v[pbwp__next[k]],
+                                job->p + 2 * (size_t)t->v[pbwp__last[k]], q) < 0) {
                 break;
             }
         }
@@ -1574,9 +1581,12 @@ static pbw_status pbwp__find_domain(pbwp__job *job)
     if (rule == PBW_PLANE_EVEN_ODD || rule == PBW_PLANE_NONZERO) {
         pbw_index edge = pbwp__wind(job);
         if (edge != PBW_NONE) {
-            edge = edge >= job->piece_count ? ((const pbwp__group *)job->groups.data)[edge - job->piece_count].piece : edge;
-            snprintf(job->plane->what, sizeof job->plane->what, "the segments do not close, which winding numbers need: "
-                     "see segment %u", (unsigned)((const pbwp__piece *)job->pieces.data)[edge].id);
+            if (edge >= job->piece_count) {
+                edge = ((const pbwp__group *)job->groups.data)[edge - job->piece_count].piece;
+            }
+            snprintf(job->plane->what, sizeof job->plane->what,
+                     "the segments do not close, which winding numbers need: see segment %u",
+                     (unsigned)((const pbwp__piece *)job->pieces.data)[edge].id);
             return PBW_ERROR_ARGUMENT;
         }
     }
@@ -1598,19 +1608,22 @@ static pbw_status pbwp__find_domain(pbwp__job *job)
    Holds: the constrained Delaunay triangulation of the points and parts of segments there are, after each step.
 
    Three kinds of work, the first that there is first:
-     segments   that a point encroaches upon, lying in their lens: it sees them at an angle above 180 - 2 bound degrees
+     segments   that a point encroaches upon, lying in their lens: it sees them at more than 180 - 2 bound degrees
      sizes      triangles that are too large, the last first: a point goes to their circumcentre
      angles     triangles with an angle below the bound, those with the shortest edge first: a point goes to their
                 circumcentre, or nearer to the shortest edge, where a triangle with just the bound comes out (the
                 off-centre of Ungor 2009)
    A point that would encroach upon segments, or lies beyond one, is not inserted: those segments are split.  Free
-   points in the diametral circle of a segment are removed before it is split (Chew 1993).
-   Ends: a segment with one end of the input is split at a power of two from there, so that segments which meet at a small
-   angle are split at one distance; a triangle whose shortest edge joins two such points is left alone, as is an angle
-   between two segments (Miller, Pav and Walkington 2003).  No split makes an edge shorter than 1e-10 of the domain, so
-   that points are apart and finitely many.
+   points in the diametral circle of a segment are removed before it is split (Chew 1993). Ends: a segment with one
+   end of the input is split at a power of two from there, so that segments which meet at a small angle are split at
+   one distance; a triangle whose shortest edge joins two such points is left alone, as is an angle between two
+   segments (Miller, Pav and Walkington 2003).  No split makes an edge shorter than 1e-10 of the domain, so that
+   points are apart and finitely many.
    ------------------------------------------------------------------------------------------------------ */
-typedef struct pbwp__host { pbw_index a, b, edge; } pbwp__host;      /* an edge of the constrained triangulation */
+typedef struct pbwp__host {                /* an edge of the constrained triangulation */
+    pbw_index a, b, edge;
+    int stuck;                             /* 1: a part of it could not be split, for want of digits */
+} pbwp__host;
 typedef struct pbwp__rim { pbw_index u, v, link, edge, region; } pbwp__rim;      /* of a cavity */
 enum { PBWP__CLASSES = 64 };
 
@@ -1665,8 +1678,10 @@ static int pbwp__in_lens(const pbwp__refiner *r, const double *u, const double *
 static int pbwp__may_split(const pbwp__refiner *r, pbw_index code)
 {
     const unsigned flags = r->job->options->flags;
-    const pbw_index beyond = r->job->t[PBWP__SLOT(code)].link[PBWP__SIDE(code)];
-    return (flags & PBW_PLANE_KEEP_SEGMENTS) == 0 && ((flags & PBW_PLANE_KEEP_BOUNDARY) == 0 || beyond != PBW_NONE);
+    const pbwp__triangle *t = r->job->t + PBWP__SLOT(code);
+    const pbw_index beyond = t->link[PBWP__SIDE(code)];
+    return !((const pbwp__host *)r->job->hosts.data)[t->edge[PBWP__SIDE(code)]].stuck
+        && (flags & PBW_PLANE_KEEP_SEGMENTS) == 0 && ((flags & PBW_PLANE_KEEP_BOUNDARY) == 0 || beyond != PBW_NONE);
 }
 
 /* ---- what is wrong with a triangle */
@@ -1763,7 +1778,8 @@ static void pbwp__examine(pbwp__refiner *r, pbw_index slot)
     unsigned shortest, k;
     for (k = 0; k < 3; k++) {
         const pbw_index u = t->v[pbwp__next[k]], v = t->v[pbwp__last[k]];
-        if (t->edge[k] != PBW_NONE && pbwp__in_lens(r, pbwp__point(r, u), pbwp__point(r, v), pbwp__point(r, t->v[k]))) {
+        if (t->edge[k] != PBW_NONE
+            && pbwp__in_lens(r, pbwp__point(r, u), pbwp__point(r, v), pbwp__point(r, t->v[k]))) {
             pbwp__add(r, &r->splits, u);
             pbwp__add(r, &r->splits, v);
         }
@@ -1920,7 +1936,8 @@ static void pbwp__legalise(pbwp__refiner *r)
     }
 }
 
-/* Fills the cavity with triangles at vertex p, and looks at them.  a, b, edge: p splits that segment; else PBW_NONE. */
+/* Fills the cavity with triangles at vertex p, and looks at them.  a, b, edge: p splits that segment; else PBW_NONE.
+   */
 static int pbwp__refill_star(pbwp__refiner *r, pbw_index p, pbw_index a, pbw_index b, pbw_index edge)
 {
     pbwp__job *job = r->job;
@@ -2054,7 +2071,7 @@ static int pbwp__remove(pbwp__refiner *r, pbw_index vertex)
 static void pbwp__clear(pbwp__refiner *r, pbw_index u, pbw_index v)
 {
     pbwp__job *job = r->job;
-    int more = 1, side;
+    int more = job->plane->report.removed / 4 < job->points.count + 250, side;   /* an end, however numbers round */
     while (more && !r->no_memory) {
         pbw_index code = pbwp__find_edge(job, u, v);
         more = 0;
@@ -2070,8 +2087,8 @@ static void pbwp__clear(pbwp__refiner *r, pbw_index u, pbw_index v)
 
 /* ---- splitting a segment */
 
-/* Where to split u-v: in the middle; or, if just one end is of the input, at a power of two from it, between one third
-   and two thirds. */
+/* Where to split u-v: in the middle; or, if just one end is of the input, at a power of two from it, between one
+   third and two thirds. */
 static double pbwp__where(const pbwp__refiner *r, pbw_index u, pbw_index v, double out[2])
 {
     const int u_given = pbwp__vertex_host(r, u) == PBWP__INPUT, v_given = pbwp__vertex_host(r, v) == PBWP__INPUT;
@@ -2089,14 +2106,16 @@ static double pbwp__where(const pbwp__refiner *r, pbw_index u, pbw_index v, doub
     return at;
 }
 
-/* Splits an edge of a segment; unless it must, only if a corner beside it lies in its lens.  Returns whether it did. */
+/* Splits an edge of a segment; unless it must, only if a corner beside it lies in its lens.  Returns whether it did.
+   */
 static int pbwp__split_edge(pbwp__refiner *r, pbw_index u, pbw_index v, int must)
 {
     pbwp__job *job = r->job;
     pbw_index code = pbwp__find_edge(job, u, v), beyond, edge, p;
     double at, point[2], size = 0;
     size_t i, kept = 0;
-    if (code == PBW_NONE || job->t[PBWP__SLOT(code)].edge[PBWP__SIDE(code)] == PBW_NONE || !pbwp__may_split(r, code)) {
+    if (code == PBW_NONE || job->t[PBWP__SLOT(code)].edge[PBWP__SIDE(code)] == PBW_NONE
+        || !pbwp__may_split(r, code)) {
         return 0;
     }
     beyond = job->t[PBWP__SLOT(code)].link[PBWP__SIDE(code)];
@@ -2132,6 +2151,7 @@ static int pbwp__split_edge(pbwp__refiner *r, pbw_index u, pbw_index v, int must
     r->rim.count = kept;
     if (r->no_memory || !pbwp__is_star(r, point)) {
         pbwp__undig(r);
+        ((pbwp__host *)job->hosts.data)[edge].stuck = 1;
         job->plane->report.short_edges++;
         return 0;
     }
@@ -2316,6 +2336,7 @@ static int pbwp__find_hosts(pbwp__refiner *r)
                 host->a = t->v[pbwp__next[k]];
                 host->b = t->v[pbwp__last[k]];
                 host->edge = t->edge[k];
+                host->stuck = 0;
                 pbwp__mark_edge(job, code, (pbw_index)job->hosts.count++);
             }
         }
@@ -2349,7 +2370,8 @@ static int pbwp__find_sizes(pbwp__refiner *r)
             for (k = 0; job->t[i].v[0] != PBW_NONE && k < 3; k++) {
                 for (e = 1; e < 3; e++) {
                     const pbw_index u = job->t[i].v[k], v = job->t[i].v[(k + e) % 3];
-                    const double most = sizes[u] + growth * sqrt(pbwp__distance2(pbwp__point(r, u), pbwp__point(r, v)));
+                    const double apart = sqrt(pbwp__distance2(pbwp__point(r, u), pbwp__point(r, v)));
+                    const double most = sizes[u] + growth * apart;
                     if (most < sizes[v]) {
                         sizes[v] = most;
                         more = 1;
@@ -2397,7 +2419,7 @@ static pbw_status pbwp__refine_all(pbwp__refiner *r)
         }
     }
     while (!r->no_memory) {
-        if (limit != 0 && r->inserted >= limit + job->plane->report.removed) {
+        if (limit != 0 && (r->inserted >= limit + job->plane->report.removed || r->inserted / 8 >= limit)) {
             job->plane->report.limited = r->splits.count + r->large.count > 0 || r->filled != 0;
             break;
         }
@@ -2443,7 +2465,8 @@ static pbw_status pbwp__refine(pbwp__job *job)
     memset(&r, 0, sizeof r);
     r.job = job;
     if (!pbwp__set_bounds(&r)) {
-        return pbwp__say(job, PBW_ERROR_ARGUMENT, "coordinates are too large, or too small, for refinement: scale them");
+        return pbwp__say(job, PBW_ERROR_ARGUMENT,
+                         "coordinates are too large, or too small, for refinement: scale them");
     }
     if (!pbwp__find_hosts(&r) || (job->input->sizes != NULL && !pbwp__find_sizes(&r))) {
         return pbwp__say(job, PBW_ERROR_MEMORY, NULL);
@@ -2467,8 +2490,8 @@ static pbw_status pbwp__refine(pbwp__job *job)
    Holds: triangles begin with their corner of least number along the curve, and are sorted by their corners, so the
    arrays are the same whatever the order in which segments went in.
    ------------------------------------------------------------------------------------------------------ */
-enum { PBWP__POINTS, PBWP__TRIANGLES, PBWP__NEIGHBORS, PBWP__CONSTRAINTS, PBWP__REGIONS, PBWP__EDGES, PBWP__EDGE_FIRST,
-       PBWP__EDGE_SEGMENTS, PBWP__WINDINGS, PBWP__SEEDS, PBWP__CROSSINGS, PBWP__OUTPUTS };
+enum { PBWP__POINTS, PBWP__TRIANGLES, PBWP__NEIGHBORS, PBWP__CONSTRAINTS, PBWP__REGIONS, PBWP__EDGES,
+       PBWP__EDGE_FIRST, PBWP__EDGE_SEGMENTS, PBWP__WINDINGS, PBWP__SEEDS, PBWP__CROSSINGS, PBWP__OUTPUTS };
 
 typedef struct pbwp__block { pbwp__memory memory; pbwp__array array[PBWP__OUTPUTS]; } pbwp__block;
 
@@ -2478,7 +2501,8 @@ static unsigned pbwp__first_corner(const pbwp__triangle *t)
     return t->v[0] < t->v[1] && t->v[0] < t->v[2] ? 0u : t->v[1] < t->v[2] ? 1u : 2u;
 }
 
-/* Fills item_of with the slots of triangles in order, first_of with the number of each slot, PBW_NONE if it is free. */
+/* Fills item_of with the slots of triangles in order, first_of with the number of each slot, PBW_NONE if it is free.
+   */
 static int pbwp__sort_triangles(pbwp__job *job)
 {
     const size_t n = job->points.count, slots = job->triangles.count;
@@ -2711,8 +2735,8 @@ static void pbwp__block_free(pbwp__block *block)
     pbwp__release(&memory, &self);
 }
 
-/* Hands the result over: all of it, or after a failure the crossings.  Nothing but what and crossings is left in plane
-   if memory is short. */
+/* Hands the result over: all of it, or after a failure the crossings.  Nothing but what and crossings is left in
+   plane if memory is short. */
 static pbw_status pbwp__hand_over(pbwp__job *job, pbw_status status)
 {
     pbwp__array self;
@@ -2761,8 +2785,8 @@ static pbw_status pbwp__check_arguments(pbwp__job *job)
 {
     const pbw_plane_input *in = job->input;
     const pbw_plane_options *o = job->options;
-    const unsigned all = PBW_PLANE_SPLIT_CROSSINGS | PBW_PLANE_REFINE | PBW_PLANE_KEEP_BOUNDARY | PBW_PLANE_KEEP_SEGMENTS
-                       | PBW_PLANE_CONFORMING;
+    const unsigned all = PBW_PLANE_SPLIT_CROSSINGS | PBW_PLANE_REFINE | PBW_PLANE_KEEP_BOUNDARY
+                       | PBW_PLANE_KEEP_SEGMENTS | PBW_PLANE_CONFORMING;
     size_t i;
     if ((in->points == NULL && in->point_count > 0) || (in->segments == NULL && in->segment_count > 0)
         || (in->holes == NULL && in->hole_count > 0) || (in->regions == NULL && in->region_count > 0)) {
@@ -2813,9 +2837,10 @@ static pbw_status pbwp__copy_input(pbwp__job *job)
 
 static void pbwp__job_free(pbwp__job *job)
 {
-    pbwp__array *arrays[] = { &job->triangles, &job->points, &job->incidents, &job->given, &job->segments, &job->original,
-                              &job->vertex, &job->pieces, &job->groups, &job->chain[0], &job->chain[1], &job->inner[0],
-                              &job->inner[1], &job->stack, &job->old, &job->crossings, &job->first_of, &job->item_of,
+    pbwp__array *arrays[] = { &job->triangles, &job->points, &job->incidents, &job->given, &job->segments,
+                              &job->original, &job->vertex, &job->pieces, &job->groups, &job->chain[0],
+                              &job->chain[1], &job->inner[0], &job->inner[1], &job->stack, &job->old, &job->crossings,
+                              &job->first_of, &job->item_of,
                               &job->components, &job->fresh, &job->hosts, &job->vertex_host, &job->sizes };
     size_t i;
     for (i = 0; i < sizeof arrays / sizeof *arrays; i++) {
@@ -2892,7 +2917,8 @@ PBWMESH2DEF pbw_status pbw_plane_rings(const double *points, const size_t *first
     memory.user = own.build != NULL ? own.build->resize_user : NULL;
     input.points = points;
     input.point_count = ring_count > 0 ? first[ring_count] : 0;
-    if (input.point_count > PBW_NONE / 4 || !pbwp__room(&memory, &segments, input.point_count, 2 * sizeof(pbw_index))) {
+    if (input.point_count > PBW_NONE / 4
+        || !pbwp__room(&memory, &segments, input.point_count, 2 * sizeof(pbw_index))) {
         snprintf(plane->what, sizeof plane->what, "%s", pbw_status_string(PBW_ERROR_MEMORY));
         return PBW_ERROR_MEMORY;
     }

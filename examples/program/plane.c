@@ -139,9 +139,10 @@ static void report(const job *j, const result *r, double seconds)
              plural((size_t)p->report.rounds));
     }
     if (p->report.steiner_count > 0) {
-        note(j, "%zu new point%s, %zu more removed again; %zu triangle%s with smaller angles than wanted, %zu larger%s",
-             p->report.steiner_count, plural(p->report.steiner_count), p->report.removed, p->report.small_angles,
-             plural(p->report.small_angles), p->report.too_large, p->report.limited ? "; --steiner ended it" : "");
+        note(j, "%zu new point%s, %zu more removed again; %zu triangle%s with smaller angles than wanted, "
+             "%zu larger%s", p->report.steiner_count, plural(p->report.steiner_count), p->report.removed,
+             p->report.small_angles, plural(p->report.small_angles), p->report.too_large,
+             p->report.limited ? "; --steiner ended it" : "");
     }
     if (is_given(j, "--histogram")) {
         histogram(j, r);
