@@ -56,6 +56,7 @@ help:
 	@echo 'make test-all    all tests: other compilers, libraries and programs where they are installed'
 	@echo 'make bench       compares speed and memory with rivals that are installed (bench/bench.mk)'
 	@echo 'make bench-cells Voronoi cells per second, beside voro++'
+	@echo 'make bench-plane plane domains, beside CGAL'
 	@echo 'make oracle      compares with CGAL            make names   names, warnings, copies, documentation'
 	@echo 'make asm         looks for fused operations    make arm     64-bit Arm, in an emulator'
 	@echo 'make install PREFIX=/usr/local DESTDIR=         and make uninstall: see examples/install/install.mk'
@@ -83,7 +84,7 @@ $(EXAMPLES_CXX:%=$B/%): $B/%: examples/%.cpp pbw.h
 	@mkdir -p $B
 	$(CXX) -std=c++11 $(CXXFLAGS) $(WARN) -I. $< -o $@ $(LIBS)
 
-$B/libpbw_python.so: examples/python/pbw_python.c pbw.h examples/lib/pbw_cells.h
+$B/libpbw_python.so: examples/python/pbw_python.c pbw.h examples/lib/pbw_cells.h examples/lib/pbw_mesh2.h
 	@mkdir -p $B
 	$C -fPIC -shared $< -o $@ $(LIBS)
 
