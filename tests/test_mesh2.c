@@ -240,6 +240,20 @@ static void test_constraints(void)
         }
         test_end();
     }
+    if (test_begin("a hub with 200,000 spokes")) {
+        put(&d, 0, 0);
+        for (i = 0; i < 200000; i++) {
+            double c, s;
+            input_turn(i / 1000000.0, &c, &s);
+            line(&d, 0, put(&d, c, s));
+        }
+        CHECK_EQUAL(make(&d, NULL, &plane), PBW_OK);
+        CHECK(plane.triangle_count >= 199000 && plane.edge_count >= 200000);
+        check_fault(planes_fault(&plane, d.segments, d.segment_count, 1));
+        pbw_plane_free(&plane);
+        drawing_free(&d);
+        test_end();
+    }
     if (test_begin("one segment often, zero lengths, duplicates at ends")) {
         box(&d, 0, 0, 1, 0);
         box(&d, 0, 0, 1, 1);

@@ -543,29 +543,48 @@ static pbw_index pbwp__corner_of(const pbwp__job *job, pbw_index vertex)
     return 4 * slot + (t->v[0] == vertex ? 0u : t->v[1] == vertex ? 1u : 2u);
 }
 
-/* The code of the edge between two vertices, in one of its triangles; PBW_NONE if there is none. */
-static pbw_index pbwp__find_edge(const pbwp__job *job, pbw_index a, pbw_index b)
+typedef struct pbwp__spin { pbw_index start, corner; int clockwise; } pbwp__spin;       /* round a vertex */
+
+/* The next triangle: counter-clockwise, and from the border on the other way from the start.  Returns 0 at the end. */
+static int pbwp__spin_on(const pbwp__job *job, pbwp__spin *spin)
 {
-    const pbw_index start = pbwp__corner_of(job, a);
-    pbw_index corner = start;
-    int clockwise;
-    for (clockwise = 0; clockwise < 2; clockwise++) {
-        for (corner = start; corner != PBW_NONE; ) {
-            const unsigned i = PBWP__SIDE(corner);
-            const pbwp__triangle *t = job->t + PBWP__SLOT(corner);
-            if (t->v[pbwp__next[i]] == b) {
-                return 4 * PBWP__SLOT(corner) + pbwp__last[i];
-            }
-            if (t->v[pbwp__last[i]] == b) {
-                return 4 * PBWP__SLOT(corner) + pbwp__next[i];
-            }
-            corner = pbwp__round(job, corner, clockwise);
-            if (corner == start) {
-                return PBW_NONE;
-            }
+    spin->corner = pbwp__round(job, spin->corner, spin->clockwise);
+    if (spin->corner == PBW_NONE && !spin->clockwise) {
+        spin->clockwise = 1;
+        spin->corner = pbwp__round(job, spin->start, 1);
+    }
+    return spin->corner != PBW_NONE && spin->corner != spin->start;
+}
+
+/* The code of the edge between two vertices, in one of its triangles; PBW_NONE if there is none: then *fewer is 1 if b
+   has fewer triangles than a.  Looks round both by turns, as one may be a hub. */
+static pbw_index pbwp__look(const pbwp__job *job, pbw_index a, pbw_index b, int *fewer)
+{
+    pbwp__spin spin[2];
+    int s;
+    memset(spin, 0, sizeof spin);
+    spin[0].start = spin[0].corner = pbwp__corner_of(job, a);
+    spin[1].start = spin[1].corner = pbwp__corner_of(job, b);
+    for (s = 0; ; s = 1 - s) {
+        const unsigned i = PBWP__SIDE(spin[s].corner);
+        const pbw_index slot = PBWP__SLOT(spin[s].corner), other = s == 0 ? b : a;
+        if (job->t[slot].v[pbwp__next[i]] == other) {
+            return 4 * slot + pbwp__last[i];
+        }
+        if (job->t[slot].v[pbwp__last[i]] == other) {
+            return 4 * slot + pbwp__next[i];
+        }
+        if (!pbwp__spin_on(job, spin + s)) {
+            *fewer = s;
+            return PBW_NONE;
         }
     }
-    return PBW_NONE;
+}
+
+static pbw_index pbwp__find_edge(const pbwp__job *job, pbw_index a, pbw_index b)
+{
+    int unused;
+    return pbwp__look(job, a, b, &unused);
 }
 
 /* Where the segment from a to b, which is no edge, leaves the star of a: the corner at a of the triangle whose
@@ -712,16 +731,22 @@ enum { PBWP__DONE, PBWP__CROSSES, PBWP__NO_MEMORY };
 static int pbwp__insert_piece(pbwp__job *job, pbw_index number)
 {
     const pbwp__piece piece = ((const pbwp__piece *)job->pieces.data)[number];
-    pbw_index a = piece.a, end, crossed = PBW_NONE;
-    while (a != piece.b) {
-        pbw_index code = pbwp__find_edge(job, a, piece.b);
-        end = piece.b;
+    pbw_index a = piece.a, b = piece.b, end, crossed = PBW_NONE;
+    while (a != b) {
+        int fewer = 0;
+        pbw_index code = pbwp__look(job, a, b, &fewer), corner;
+        if (fewer) {
+            end = a;
+            a = b;
+            b = end;
+        }
+        end = b;
         if (code == PBW_NONE) {
-            const pbw_index corner = pbwp__find_exit(job, a, piece.b, &end);
+            corner = pbwp__find_exit(job, a, b, &end);
             if (end != PBW_NONE) {
                 code = pbwp__find_edge(job, a, end);
             } else {
-                end = pbwp__cavity(job, corner, piece.b, &crossed);
+                end = pbwp__cavity(job, corner, b, &crossed);
                 if (end == PBW_NONE) {
                     return crossed != PBW_NONE ? PBWP__CROSSES : PBWP__NO_MEMORY;
                 }
@@ -2501,6 +2526,36 @@ static unsigned pbwp__first_corner(const pbwp__triangle *t)
     return t->v[0] < t->v[1] && t->v[0] < t->v[2] ? 0u : t->v[1] < t->v[2] ? 1u : 2u;
 }
 
+/* Sorts triangles of one first corner by their second. */
+static int pbwp__sort_fan(pbwp__job *job, pbw_index *item, size_t count)
+{
+    pbwp__array keys;
+    size_t i, j;
+    int ok = 1;
+    memset(&keys, 0, sizeof keys);
+    for (i = 1; i < count && count <= 32; i++) {
+        const pbw_index slot = item[i], second = job->t[slot].v[pbwp__next[pbwp__first_corner(job->t + slot)]];
+        for (j = i; j > 0; j--) {
+            const pbwp__triangle *t = job->t + item[j - 1];
+            if (t->v[pbwp__next[pbwp__first_corner(t)]] < second) {
+                break;
+            }
+            item[j] = item[j - 1];
+        }
+        item[j] = slot;
+    }
+    for (i = 0; i < count && count > 32 && ok; i++) {
+        const pbwp__triangle *t = job->t + item[i];
+        ok = pbwp__add_cut(job, &keys, t->v[pbwp__next[pbwp__first_corner(t)]], item[i], 0);
+    }
+    pbwp__sort((pbwp__cut *)keys.data, keys.count);
+    for (i = 0; i < keys.count && ok; i++) {
+        item[i] = ((const pbwp__cut *)keys.data)[i].other;
+    }
+    pbwp__release(&job->memory, &keys);
+    return ok;
+}
+
 /* Fills item_of with the slots of triangles in order, first_of with the number of each slot, PBW_NONE if it is free.
    */
 static int pbwp__sort_triangles(pbwp__job *job)
@@ -2508,7 +2563,8 @@ static int pbwp__sort_triangles(pbwp__job *job)
     const size_t n = job->points.count, slots = job->triangles.count;
     pbwp__array starts;
     pbw_index *start, *item;
-    size_t i, j, sum = 0;
+    size_t i, sum = 0;
+    int ok = 1;
     memset(&starts, 0, sizeof starts);
     job->item_of.count = job->first_of.count = 0;
     if (!pbwp__room(&job->memory, &job->item_of, slots, sizeof *item)
@@ -2535,18 +2591,8 @@ static int pbwp__sort_triangles(pbwp__job *job)
             item[start[job->t[i].v[pbwp__first_corner(job->t + i)]]++] = (pbw_index)i;
         }
     }
-    for (i = 1; i < sum; i++) {                      /* short runs of one first corner, by the second */
-        const pbwp__triangle *t = job->t + item[i];
-        const pbw_index slot = item[i], first = t->v[pbwp__first_corner(t)];
-        const pbw_index second = t->v[pbwp__next[pbwp__first_corner(t)]];
-        for (j = i; j > 0; j--) {
-            const pbwp__triangle *u = job->t + item[j - 1];
-            if (u->v[pbwp__first_corner(u)] != first || u->v[pbwp__next[pbwp__first_corner(u)]] < second) {
-                break;
-            }
-            item[j] = item[j - 1];
-        }
-        item[j] = slot;
+    for (i = 0; i < n && ok; i++) {                  /* start[i] is now the end of vertex i's triangles */
+        ok = pbwp__sort_fan(job, item + (i > 0 ? start[i - 1] : 0), start[i] - (i > 0 ? start[i - 1] : 0));
     }
     memset(job->first_of.data, 255, slots * sizeof *item);
     for (i = 0; i < sum; i++) {
@@ -2554,7 +2600,7 @@ static int pbwp__sort_triangles(pbwp__job *job)
     }
     job->item_of.count = sum;
     pbwp__release(&job->memory, &starts);
-    return 1;
+    return ok;
 }
 
 static int pbwp__out(pbwp__job *job, pbwp__block *block, int which, size_t count, size_t size)
