@@ -30,10 +30,14 @@
      exact       no tolerance decides which triangles there are; segments are never moved to fit
      one answer  the same triangles for every order of points, segments and their ends, and for any number of threads
      whole       every segment is there as a chain of edges, and each such edge knows its segments
-     bounded     every call ends: no refinement without a least length and a most number of points
+     bounded     every call ends: refinement makes no edge shorter than 1e-10 of the domain; no recursion
 
    A point of refinement on a segment is rounded to doubles, so that it lies beside the segment by at most an ulp of
    the coordinates.  The two parts of the segment are then the constraints.
+
+   LIMITS
+     A segment that crosses n edges takes time n^2 at worst, n log n as a rule.  Refinement needs coordinates of at
+     most 1e60, in a domain of at least 1e-60.  One thread, but for the triangulation of the points.
 
    CONFIGURATION MACROS
      PBW_MESH2_IMPLEMENTATION    in one source file: compile the implementation there
@@ -420,7 +424,7 @@ static int pbwp__before(const pbwp__job *job, pbw_index a, pbw_index b)
    Holds: every free edge is locally regular, before and after.
 
    The triangles that a segment crosses leave a cavity, a polygon on each side of it, whose border is a chain of
-   edges. A polygon is refilled from its base: the apex of the triangle there is the vertex of the chain in whose
+   edges.  A polygon is refilled from its base: the apex of the triangle there is the vertex of the chain in whose
    circle no other lies, and both sides of the triangle are bases of smaller polygons (Anglada 1997).  A chain passes
    twice along an edge that sticks out into the cavity; then the corner counts that the triangle lies in.  Old
    triangles keep their slots until the cavity is full, as such an edge leads from one of its sides to the other
@@ -545,7 +549,7 @@ static pbw_index pbwp__corner_of(const pbwp__job *job, pbw_index vertex)
 
 typedef struct pbwp__spin { pbw_index start, corner; int clockwise; } pbwp__spin;       /* round a vertex */
 
-/* The next triangle: counter-clockwise, and from the border on the other way from the start.  Returns 0 at the end. */
+/* The next triangle: counter-clockwise, then from the border the other way from the start.  Returns 0 at the end. */
 static int pbwp__spin_on(const pbwp__job *job, pbwp__spin *spin)
 {
     spin->corner = pbwp__round(job, spin->corner, spin->clockwise);
@@ -556,8 +560,8 @@ static int pbwp__spin_on(const pbwp__job *job, pbwp__spin *spin)
     return spin->corner != PBW_NONE && spin->corner != spin->start;
 }
 
-/* The code of the edge between two vertices, in one of its triangles; PBW_NONE if there is none: then *fewer is 1 if b
-   has fewer triangles than a.  Looks round both by turns, as one may be a hub. */
+/* The code of the edge between two vertices, in one of its triangles; PBW_NONE if there is none: then *fewer is 1 if
+   b has fewer triangles than a.  Looks round both by turns, as one may be a hub. */
 static pbw_index pbwp__look(const pbwp__job *job, pbw_index a, pbw_index b, int *fewer)
 {
     pbwp__spin spin[2];
@@ -1639,8 +1643,8 @@ static pbw_status pbwp__find_domain(pbwp__job *job)
                 circumcentre, or nearer to the shortest edge, where a triangle with just the bound comes out (the
                 off-centre of Ungor 2009)
    A point that would encroach upon segments, or lies beyond one, is not inserted: those segments are split.  Free
-   points in the diametral circle of a segment are removed before it is split (Chew 1993). Ends: a segment with one
-   end of the input is split at a power of two from there, so that segments which meet at a small angle are split at
+   points in the diametral circle of a segment are removed before it is split (Chew 1993).
+   It ends: a segment with one end of the input is split at a power of two from there, so that segments which meet at a small angle are split at
    one distance; a triangle whose shortest edge joins two such points is left alone, as is an angle between two
    segments (Miller, Pav and Walkington 2003).  No split makes an edge shorter than 1e-10 of the domain, so that
    points are apart and finitely many.
