@@ -33,7 +33,8 @@ static void apply(const field *f, double factor, const double *in, double *out, 
         }
         const double area = (e[0][0] * e[1][1] - e[0][1] * e[1][0]) / 2;
         for (int k = 0; k < 3; k++) {
-            out[v[k]] += area / 12 * (mean + in[v[k]]) + factor / (4 * area) * (flux[0] * e[k][0] + flux[1] * e[k][1]);
+            out[v[k]] += area / 12 * (mean + in[v[k]])
+                       + factor / (4 * area) * (flux[0] * e[k][0] + flux[1] * e[k][1]);
         }
     }
     for (size_t i = 0; i < p->point_count && !keep_boundary; i++) {

@@ -111,8 +111,7 @@ static size_t pull(const pbw_plane *p, const double *start, const double *goal, 
             }
             if (sign * pbw_orient2(apex, side[1 - s][at[1 - s]], side[s][i]) > 0) {
                 memcpy(way + 2 * count++, side[1 - s][at[1 - s]], sizeof side[s][i]);
-                i = at[s] = ++at[1 - s];             /* beyond the other side: it bends there, and goes on from there */
-                i--;
+                i = (at[s] = ++at[1 - s]) - 1;       /* beyond the other side: it bends there, and goes on */
                 break;
             }
             at[s] = i;
@@ -140,7 +139,8 @@ int main(void)
         for (k = 0; k < plane.edge_count; k++) {
             const double *a = way + 2 * i, *b = a + 2, *p = plane.points, *c = p + 2 * plane.edges[2 * k];
             const double *d = p + 2 * plane.edges[2 * k + 1];
-            wrong += pbw_orient2(a, b, c) * pbw_orient2(a, b, d) < 0 && pbw_orient2(c, d, a) * pbw_orient2(c, d, b) < 0;
+            wrong += pbw_orient2(a, b, c) * pbw_orient2(a, b, d) < 0
+                  && pbw_orient2(c, d, a) * pbw_orient2(c, d, b) < 0;
         }
     }
     printf("%d boxes, %zu triangles to walk on\n", BOXES, plane.triangle_count);

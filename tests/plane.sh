@@ -1,6 +1,6 @@
 #!/bin/sh
-# plane.sh FOLDER: pbw plane: what it reads, refuses and writes.  Every check is of an exit status and of what is printed
-# or written.
+# plane.sh FOLDER: pbw plane: what it reads, refuses and writes.  Every check is of an exit status and of what is
+# printed or written.
 bin=$(cd "$1" && pwd)
 pbw=$bin/pbw work=$bin/plane
 . tests/check.sh
@@ -16,8 +16,10 @@ says() {    # says STATUS TEXT ARGUMENT...
 }
 
 printf '# a plate with a hole\n8 2 0 0\n1 0 0\n2 4 0\n3 4 3\n4 0 3\n5 1 1\n6 2 1\n7 2 2\n8 1 2\n' > plate.node
-printf '0 2 0 0\n8 1\n1 1 2 3\n2 2 3 3\n3 3 4 3\n4 4 1 3\n5 5 6 4\n6 6 7 4\n7 7 8 4\n8 8 5 4\n1\n1 1.5 1.5\n' > plate.poly
-printf '{"type":"Polygon","coordinates":[[[0,0],[4,0],[4,3],[0,3],[0,0]],\n[[1,1],[2,1],[2,2],[1,2],[1,1]]]}' > plate.geojson
+printf '0 2 0 0\n8 1\n1 1 2 3\n2 2 3 3\n3 3 4 3\n4 4 1 3\n' > plate.poly
+printf '5 5 6 4\n6 6 7 4\n7 7 8 4\n8 8 5 4\n1\n1 1.5 1.5\n' >> plate.poly
+printf '{"type":"Polygon","coordinates":[[[0,0],[4,0],[4,3],[0,3],[0,0]],\n' > plate.geojson
+printf '[[1,1],[2,1],[2,2],[1,2],[1,1]]]}' >> plate.geojson
 printf '4 2 0 0\n1 0 0\n2 1 1\n3 1 0\n4 0 1\n2 0\n1 1 2\n2 3 4\n0\n' > cross.poly
 printf '3 2\n1 0 0\n2 1 0\n3 0 1\n1 0\n1 1 4\n' > wrong.poly
 printf '{"coordinates":[[1,2],[3' > wrong.geojson

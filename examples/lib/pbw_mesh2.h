@@ -1644,10 +1644,10 @@ static pbw_status pbwp__find_domain(pbwp__job *job)
                 off-centre of Ungor 2009)
    A point that would encroach upon segments, or lies beyond one, is not inserted: those segments are split.  Free
    points in the diametral circle of a segment are removed before it is split (Chew 1993).
-   It ends: a segment with one end of the input is split at a power of two from there, so that segments which meet at a small angle are split at
-   one distance; a triangle whose shortest edge joins two such points is left alone, as is an angle between two
-   segments (Miller, Pav and Walkington 2003).  No split makes an edge shorter than 1e-10 of the domain, so that
-   points are apart and finitely many.
+   It ends: a segment with one end of the input is split at a power of two from there, so that segments which meet at
+   a small angle are split at one distance; a triangle whose shortest edge joins two such points is left alone, as is
+   an angle between two segments (Miller, Pav and Walkington 2003).  No split makes an edge shorter than 1e-10 of the
+   domain, so that points are apart and finitely many.
    ------------------------------------------------------------------------------------------------------ */
 typedef struct pbwp__host {                /* an edge of the constrained triangulation */
     pbw_index a, b, edge;

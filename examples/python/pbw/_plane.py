@@ -57,8 +57,8 @@ def triangulate(data, options="", *, split_crossings=False, threads=0):
     areas = regions[:, [0, 1, 3]].copy()
     if "a" not in given or given["a"] is not None:
         areas[:, 2] = 0
-    flags = (SPLIT * bool(split_crossings) | REFINE * bool({"q", "a", "D"} & set(given)) | KEEP_BOUNDARY * ("Y" in given)
-             | KEEP_SEGMENTS * ("YY" in given) | CONFORMING * ("D" in given))
+    flags = (SPLIT * bool(split_crossings) | REFINE * bool({"q", "a", "D"} & set(given))
+             | KEEP_BOUNDARY * ("Y" in given) | KEEP_SEGMENTS * ("YY" in given) | CONFORMING * ("D" in given))
     angle = (given["q"] or 20) if "q" in given else -1
     made = _library.plane(points, segments, holes, np.maximum(areas, [-np.inf, -np.inf, 0]), threads=threads,
                           flags=flags, rule=SEEDS if with_segments and "c" not in given else HULL, angle=angle,
