@@ -23,7 +23,9 @@ typedef struct drawing {                   /* points and segments that grow */
 
 static pbw_index put(drawing *d, double x, double y)
 {
-    d->points = (double *)zoo_grow(d->points, 2 * (d->point_count + 1) * sizeof(double));
+    if ((d->point_count & (d->point_count - 1)) == 0) {
+        d->points = (double *)zoo_grow(d->points, 4 * (d->point_count + 1) * sizeof(double));
+    }
     d->points[2 * d->point_count] = x;
     d->points[2 * d->point_count + 1] = y;
     return (pbw_index)d->point_count++;
@@ -31,7 +33,9 @@ static pbw_index put(drawing *d, double x, double y)
 
 static void line(drawing *d, pbw_index a, pbw_index b)
 {
-    d->segments = (pbw_index *)zoo_grow(d->segments, 2 * (d->segment_count + 1) * sizeof(pbw_index));
+    if ((d->segment_count & (d->segment_count - 1)) == 0) {
+        d->segments = (pbw_index *)zoo_grow(d->segments, 4 * (d->segment_count + 1) * sizeof(pbw_index));
+    }
     d->segments[2 * d->segment_count] = a;
     d->segments[2 * d->segment_count++ + 1] = b;
 }
