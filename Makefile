@@ -17,7 +17,7 @@ EXAMPLES_CXX = $(if $(shell command -v $(firstword $(CXX))),$(patsubst examples/
 EXPECTED = $(patsubst examples/expected/%.txt,%,$(wildcard examples/expected/*.txt))
 FUZZERS = $(patsubst tests/%.c,%,$(wildcard tests/fuzz_*.c))
 HEADERS = pbw.h $(wildcard tests/*.h examples/*.h examples/lib/*.h examples/program/*.h)
-SCRIPTS = $(filter packaging hashes examples asm oracle cells cmake csharp gappa install page python program \
+SCRIPTS = $(filter packaging hashes examples asm oracle cells cmake csharp gappa install page plane python program \
     programs queries view web, $(patsubst tests/%.sh,%,$(wildcard tests/*.sh)))
 # `make test` leaves these to `make test-all`, and tells the scripts by QUICK that one compiler is enough.
 LONG = asm cmake csharp install oracle programs view web
@@ -56,6 +56,7 @@ help:
 	@echo 'make test-all    all tests: other compilers, libraries and programs where they are installed'
 	@echo 'make bench       compares speed and memory with rivals that are installed (bench/bench.mk)'
 	@echo 'make bench-cells Voronoi cells per second, beside voro++'
+	@echo 'make bench-plane plane domains, beside CGAL'
 	@echo 'make oracle      compares with CGAL            make names   names, warnings, copies, documentation'
 	@echo 'make asm         looks for fused operations    make arm     64-bit Arm, in an emulator'
 	@echo 'make install PREFIX=/usr/local DESTDIR=         and make uninstall: see examples/install/install.mk'
@@ -82,7 +83,7 @@ $(EXAMPLES:%=$B/%): $B/%: examples/%.c $(HEADERS) $B/libpbw.a
 $(EXAMPLES_CXX:%=$B/%): $B/%: examples/%.cpp pbw.h $B/libpbw.a
 	$(CXX) -std=c++11 $(CXXFLAGS) $(WARN) $(SHARED) -I. $< -o $@ $B/libpbw.a $(LIBS)
 
-$B/libpbw_python.so: examples/python/pbw_python.c pbw.h examples/lib/pbw_cells.h
+$B/libpbw_python.so: examples/python/pbw_python.c pbw.h examples/lib/pbw_cells.h examples/lib/pbw_mesh2.h
 	@mkdir -p $B
 	$C -fPIC -shared $< -o $@ $(LIBS)
 
@@ -132,7 +133,7 @@ $B/examples.log: $(patsubst %,$B/%,$(filter $(EXAMPLES) $(EXAMPLES_CXX),$(EXPECT
 $B/python.log: $B/libpbw_python.so
 $B/csharp.log: $B/libpbw.so
 $B/install.log: $B/pbw $B/pbw_pic.o $B/libpbw.so
-$B/program.log $B/programs.log $B/queries.log: $B/pbw
+$B/plane.log $B/program.log $B/programs.log $B/queries.log: $B/pbw
 $B/oracle.log $B/cells.log: $B/libpbw.a
 
 # One that does not compile is a failure, and the others still run.

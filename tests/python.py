@@ -785,6 +785,77 @@ def scipy_takes_ours_for_its_own():
     check(isinstance(error, pbw.Error) and type(pickle.loads(pickle.dumps(error))) is pbw.Error)
 
 
+# ---- plane domains
+
+
+def plane_areas(vertices, triangles):
+    a, b, c = (vertices[triangles[:, k]] for k in range(3))
+    u, v = b - a, c - a
+    return (u[:, 0] * v[:, 1] - u[:, 1] * v[:, 0]) / 2
+
+
+def plane_angles(vertices, triangles):
+    p = vertices[triangles]
+    angles = []
+    for k in range(3):
+        u, v = p[:, (k + 1) % 3] - p[:, k], p[:, (k + 2) % 3] - p[:, k]
+        angles.append(np.degrees(np.arctan2(u[:, 0] * v[:, 1] - u[:, 1] * v[:, 0], (u * v).sum(axis=1))))
+    return np.array(angles)
+
+
+PLATE = dict(vertices=[[0, 0], [4, 0], [4, 3], [0, 3], [1, 1], [2, 1], [2, 2], [1, 2], [3, 0], [3, 3]],
+             segments=[[0, 1], [1, 2], [2, 3], [3, 0], [4, 5], [5, 6], [6, 7], [7, 4], [8, 9]],
+             segment_markers=[[5], [6], [7], [8], [9], [9], [9], [9], [0]],
+             holes=[[1.5, 1.5]], regions=[[0.5, 0.5, 10, 0.05], [3.5, 0.5, 20, 0.2]])
+
+
+@test
+def test_triangulate():
+    made = pbw.triangulate(PLATE, "p")
+    assert abs(plane_areas(made["vertices"], made["triangles"]).sum() - 11) < 1e-12
+    assert len(made["vertices"]) == 10 and len(made["segments"]) == 11
+    assert sorted(set(made["segment_markers"].ravel())) == [0, 5, 6, 7, 8, 9]
+    made = pbw.triangulate(PLATE, "pq30a0.1AenQ")
+    areas = plane_areas(made["vertices"], made["triangles"])
+    assert abs(areas.sum() - 11) < 1e-12 and areas.max() <= 0.1 * 1.0001
+    assert plane_angles(made["vertices"], made["triangles"]).min() > 30 - 1e-9
+    left = made["vertices"][made["triangles"]].mean(axis=1)[:, 0] < 3
+    assert (made["triangle_attributes"].ravel() == np.where(left, 10, 20)).all()
+    edges, count = made["edges"], len(made["vertices"])
+    assert count - len(edges) + len(made["triangles"]) == 0              # Euler, one hole
+    assert made["neighbors"].shape == made["triangles"].shape
+    regions = pbw.triangulate(PLATE, "pqa")
+    areas = plane_areas(regions["vertices"], regions["triangles"])
+    left = regions["vertices"][regions["triangles"]].mean(axis=1)[:, 0] < 3
+    assert areas[left].max() <= 0.05 * 1.0001 and 0.05 < areas[~left].max() <= 0.2 * 1.0001
+    assert abs(plane_areas(*[pbw.triangulate(PLATE, "pc")[k] for k in ("vertices", "triangles")]).sum() - 11) < 1e-12
+
+
+@test
+def test_triangulate_refuses():
+    crossing = dict(vertices=[[0, 0], [1, 1], [1, 0], [0, 1]], segments=[[0, 1], [2, 3]])
+    for data, options, text in ((PLATE, "pk", "no switch"), (PLATE, "pq40", "34 degrees"), (crossing, "p", "cross"),
+                                (dict(vertices=[[0, 0], [1, 1]], segments=[[0, 2]]), "p", "last vertex"),
+                                (dict(vertices=[[0, 0, 0]]), "", "2D")):
+        try:
+            pbw.triangulate(data, options)
+        except ValueError as e:
+            assert text in str(e), e
+        else:
+            raise AssertionError(options)
+    assert len(pbw.triangulate(crossing, "pc", split_crossings=True)["vertices"]) == 5
+
+
+@test
+def test_polygon():
+    turn = np.linspace(0, 2 * np.pi, 100, endpoint=False)
+    ring = np.stack([np.cos(turn), np.sin(turn)], axis=1)
+    vertices, triangles = pbw.polygon([2 * ring, ring, 0.5 * ring[::-1]])
+    areas = plane_areas(vertices, triangles)
+    unit = 50 * np.sin(2 * np.pi / 100)
+    assert len(vertices) == 300 and (areas > 0).all() and abs(areas.sum() - unit * (4 - 1 + 0.25)) < 1e-12
+
+
 def main():
     passed = failed = skipped = 0
     for function in tests:

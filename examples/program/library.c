@@ -5,6 +5,8 @@
 #include "pbw_cells.h"
 #define PBW_IO_IMPLEMENTATION
 #include "pbw_io.h"
+#define PBW_MESH2_IMPLEMENTATION
+#include "pbw_mesh2.h"
 #define PBW_MODEL_IMPLEMENTATION
 #include "pbw_model.h"
 #define PBW_PICTURE_IMPLEMENTATION

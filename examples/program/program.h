@@ -8,6 +8,7 @@
 #include "pbw.h"
 #include "pbw_cells.h"
 #include "pbw_io.h"
+#include "pbw_mesh2.h"
 #include "pbw_model.h"
 #include "pbw_picture.h"
 #include "pbw_sample.h"
@@ -19,7 +20,7 @@
 #include <stdlib.h>
 #include <string.h>
 
-#define COMMANDS(X) X(mesh) X(sample) X(check) X(convert) X(bench) X(view) X(locate) X(nearest) X(cells)
+#define COMMANDS(X) X(mesh) X(sample) X(check) X(convert) X(bench) X(view) X(locate) X(nearest) X(cells) X(plane)
 
 #if defined(__GNUC__)
 #define PRINTF(a, b) __attribute__((format(printf, a, b)))
@@ -165,6 +166,27 @@ pbwio_status write_diagram(const char *path, const char *ending, const pbw_cells
 
 /* Cells with shapes as a page, those that are bounded; in the plane they must be convex. */
 pbwio_status write_cell_page(job *j, const char *path, const pbw_cells *cells, pbwio_error *error);
+
+/* ---- domain.c ---- */
+
+typedef struct plan {                                 /* of a plane domain */
+    double *points, *holes;
+    pbw_index *segments;
+    pbw_plane_region *regions;
+    int *markers;                                    /* one a segment */
+    size_t point_count, segment_count, hole_count, region_count, lines;
+    int base;                                        /* number of the first point in its file */
+    int has_windings, has_seeds;                     /* closed rings only; a file whose holes are points */
+} plan;
+
+/* Reads the input of the job; returns 0 or the exit status. */
+int read_domain(job *j, plan *d);
+void domain_free(plan *d);
+
+/* ---- expression.c ---- */
+
+/* The value of a formula at x, y; *wrong: where it is none, else NULL. */
+double evaluate(const char *formula, double x, double y, const char **wrong);
 
 /* ---- surface.c ---- */
 

@@ -41,7 +41,8 @@ def _header(name="pbw.h", folder=""):
 
 
 def _headers():
-    return _header(), _header("pbw_cells.h", os.path.join("examples", "lib"))
+    folder = os.path.join("examples", "lib")
+    return _header(), _header("pbw_cells.h", folder), _header("pbw_mesh2.h", folder)
 
 
 def _read(path):

@@ -1,10 +1,12 @@
-/* pbw_python.c: pbw.h and pbw_cells.h as a shared library for the Python package pbw: a triangulation copied into
+/* pbw_python.c: pbw.h, pbw_cells.h and pbw_mesh2.h as a shared library for the Python package pbw: a triangulation copied into
    arrays that Python owns, and what is computed from these.
    cc -O2 -I. -Iexamples/lib -fPIC -shared examples/python/pbw_python.c -o libpbw_python.so -lpthread -lm */
 #define PBW_IMPLEMENTATION
 #include "pbw.h"
 #define PBW_CELLS_IMPLEMENTATION
 #include "pbw_cells.h"
+#define PBW_MESH2_IMPLEMENTATION
+#include "pbw_mesh2.h"
 #include <stdlib.h>
 #include <string.h>
 
@@ -22,6 +24,13 @@ typedef struct watch {
     int (*progress)(int stage, double done);       /* or NULL */
 } watch;
 
+typedef struct plane_wish {            /* of pbw_plane_options */
+    int rule, threads;
+    unsigned flags;
+    double angle, area;
+    size_t steiner_limit;
+} plane_wish;
+
 pbw_mesh *pbw_python_build(int dim, const double *points, const double *weights, size_t count, int threads,
                            const volatile int *stop, int (*progress)(int stage, double done), int *status,
                            size_t *simplices);
@@ -35,6 +44,7 @@ int pbw_python_nearest(const arrays *a, const double *queries, size_t count, siz
 int pbw_python_coordinates(const arrays *a, const double *queries, size_t count, int scheme, pbw_lists *lists);
 int pbw_python_cells(const arrays *a, const double *box, unsigned periodic, unsigned what, pbw_cells *cells);
 int64_t pbw_python_stars(const arrays *mesh, int32_t *indptr, int32_t *indices);
+int pbw_python_plane(const pbw_plane_input *input, const plane_wish *wish, const volatile int *stop, pbw_plane *plane);
 
 static int on_progress(void *user, pbw_stage stage, double done)
 {
@@ -229,4 +239,22 @@ int64_t pbw_python_stars(const arrays *mesh, int32_t *indptr, int32_t *indices)
     free(around);
     free(seen);
     return length > INT32_MAX ? -1 : length;
+}
+
+/* pbw_plane_make; the plane is freed by pbw_plane_free. */
+int pbw_python_plane(const pbw_plane_input *input, const plane_wish *wish, const volatile int *stop, pbw_plane *plane)
+{
+    watch w = { stop, NULL };
+    pbw_options build = { 0 };
+    pbw_plane_options options = { 0 };
+    build.threads = wish->threads;
+    build.progress = on_progress;
+    build.progress_user = &w;
+    options.build = &build;
+    options.rule = (pbw_plane_rule)wish->rule;
+    options.flags = wish->flags;
+    options.angle = wish->angle;
+    options.area = wish->area;
+    options.steiner_limit = wish->steiner_limit;
+    return (int)pbw_plane_make(input, &options, plane);
 }

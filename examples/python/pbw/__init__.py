@@ -10,6 +10,8 @@
     pbw.Voronoi(points).regions                      # as scipy.spatial.Voronoi
     pbw.power_cells(points, weights, box=[(0, 0, 0), (1, 1, 1)], periodic="xyz").volumes
     pbw.lloyd(points, steps=20)
+    pbw.triangulate(dict(vertices=v, segments=s, holes=h), "pq30a0.1")     # as the package triangle has it
+    pbw.polygon([outline, hole])                     # triangles of a polygon with holes
 
 Needs NumPy; no SciPy.  Two ways to have it:
     pip install ./examples/python                    # from the source tree: a C compiler, no network
@@ -36,6 +38,7 @@ from ._delaunay import Delaunay, tsearch
 from ._errors import Error, QhullError
 from ._interpolate import interpolate
 from ._library import version as __version__
+from ._plane import polygon, triangulate
 
-__all__ = ["Cells", "Delaunay", "Error", "QhullError", "Voronoi", "interpolate", "lloyd", "power_cells", "tsearch",
-           "__version__"]
+__all__ = ["Cells", "Delaunay", "Error", "QhullError", "Voronoi", "interpolate", "lloyd", "polygon", "power_cells",
+           "triangulate", "tsearch", "__version__"]

@@ -38,6 +38,30 @@ class _Cells(ctypes.Structure):
                 *_pointers("volumes centroids first neighbors shifts areas vertices loop_first loops rays memory")]
 
 
+class _PlaneInput(ctypes.Structure):
+    """pbw_plane_input."""
+    _fields_ = [(name, kind) for names in ("points point_count", "segments segment_count", "holes hole_count",
+                                           "regions region_count", "sizes")
+                for name, kind in zip(names.split(), (ctypes.c_void_p, ctypes.c_size_t))]
+
+
+class _PlaneWish(ctypes.Structure):
+    """struct plane_wish of pbw_python.c."""
+    _fields_ = [("rule", ctypes.c_int), ("threads", ctypes.c_int), ("flags", ctypes.c_uint),
+                ("angle", ctypes.c_double), ("area", ctypes.c_double), ("steiner_limit", ctypes.c_size_t)]
+
+
+class _Plane(ctypes.Structure):
+    """pbw_plane."""
+    _fields_ = [("point_count", ctypes.c_size_t), ("input_count", ctypes.c_size_t),
+                ("triangle_count", ctypes.c_size_t), *_pointers("points triangles neighbors constraints regions"),
+                ("edge_count", ctypes.c_size_t), *_pointers("edges edge_first edge_segments"),
+                ("region_count", ctypes.c_size_t), *_pointers("region_windings region_seeds"),
+                ("crossing_count", ctypes.c_size_t), ("crossings", ctypes.c_void_p),
+                ("report", ctypes.c_size_t * 5), ("limited", ctypes.c_int), ("rounds", ctypes.c_int),
+                ("what", ctypes.c_char * 160), ("memory", ctypes.c_void_p)]
+
+
 def _load():
     here = os.path.dirname(os.path.abspath(__file__))
     name = "libpbw_python.so"
@@ -78,6 +102,10 @@ def _declare(library):
     library.pbw_cells_free.argtypes = [ctypes.POINTER(_Cells)]
     library.pbw_python_stars.restype = ctypes.c_int64
     library.pbw_python_stars.argtypes = [arrays, ints, ctypes.c_void_p]
+    library.pbw_python_plane.argtypes = [ctypes.POINTER(_PlaneInput), ctypes.POINTER(_PlaneWish), integer,
+                                         ctypes.POINTER(_Plane)]
+    library.pbw_plane_free.restype = None
+    library.pbw_plane_free.argtypes = [ctypes.POINTER(_Plane)]
     library.pbw_status_string.restype = ctypes.c_char_p
     library.pbw_version.restype = ctypes.c_int
 
@@ -163,6 +191,45 @@ def _cell_arrays(c):
     for name in ("first", "loop_first"):
         made[name] = None if made[name] is None else made[name].astype(np.int64)
     made["loops"] = None if made["loop_first"] is None else _copied(c.loops, made["loop_first"][-1], np.int32)
+    return made
+
+
+def plane(points, segments, holes, regions, **wish):
+    """The arrays of pbw_plane by name; regions: x, y, area each; wish: fields of _PlaneWish."""
+    given, found, made = _PlaneInput(), _Plane(), {}
+    for name, array in (("point", points), ("segment", segments), ("hole", holes), ("region", regions)):
+        setattr(given, name + "s", array.ctypes.data)
+        setattr(given, name + "_count", len(array))
+    arrays, text = _Arrays(), []
+
+    def ask(arrays):
+        status = _library.pbw_python_plane(given, _PlaneWish(**wish), arrays.stop, found)
+        try:
+            if status == 0:
+                made.update(_plane_arrays(found))
+            else:
+                text.append((status, found.what.decode()))
+        finally:
+            _library.pbw_plane_free(found)
+        return 0
+
+    _answer(arrays, len(points), ask, points)
+    if text:
+        raise _errors.from_status(*text[0], points, None)
+    return made
+
+
+def _plane_arrays(p):
+    made = {"points": _copied(p.points, (p.point_count, 2), np.float64),
+            "triangles": _copied(p.triangles, (p.triangle_count, 3), np.int32),
+            "neighbors": _copied(p.neighbors, (p.triangle_count, 3), np.int32),
+            "regions": _copied(p.regions, p.triangle_count, np.int32),
+            "edges": _copied(p.edges, (p.edge_count, 2), np.int32),
+            "edge_first": _copied(p.edge_first, p.edge_count + 1, np.uintp).astype(np.int64),
+            "region_seeds": _copied(p.region_seeds, p.region_count, np.int32)}
+    made["edge_segments"] = _copied(p.edge_segments, made["edge_first"][-1], np.int32)
+    if made["edge_segments"] is None:
+        made["edge_segments"] = np.empty(0, np.int32)
     return made
 
 

@@ -1,0 +1,3001 @@
+/* pbw_mesh2.h - v0.1.0 - plane domains: constraints, holes, regions, refinement - MIT-0
+
+   QUICK START
+   In one source file, define PBW_MESH2_IMPLEMENTATION before the include; in all others, only include.
+   Needs pbw.h, with its implementation in some source file.
+
+       const double points[] = { 0,0, 4,0, 4,3, 0,3,  1,1, 2,1, 2,2, 1,2 };      // a plate, a hole
+       const pbw_index segments[] = { 0,1, 1,2, 2,3, 3,0,  4,5, 5,6, 6,7, 7,4 };
+       pbw_plane_input input = {0};
+       pbw_plane_options options = {0};
+       pbw_plane plane = {0};
+       input.points = points;
+       input.point_count = 8;
+       input.segments = segments;
+       input.segment_count = 8;
+       options.rule = PBW_PLANE_EVEN_ODD;
+       options.flags = PBW_PLANE_REFINE;                             // no angle below 30 degrees
+       if (pbw_plane_make(&input, &options, &plane) != PBW_OK) puts(plane.what);
+       printf("%u triangles\n", (unsigned)plane.triangle_count);
+       pbw_plane_free(&plane);
+
+   HOW
+   Segments go into the Delaunay triangulation of the points one by one: the triangles that a segment crosses are
+   replaced on both sides of it.  The tie rule of pbw.h makes the result unique: the constrained triangulation of the
+   set of points and segments, whatever their order.  Refinement inserts points where an angle or a size is not as
+   wanted, and splits segments that such points come close to.  Rooms, in order: memory, signs, segments, crossings,
+   domain, refinement, result.
+
+   PROMISES  (tests/test_mesh2.c guards them)
+     exact       no tolerance decides which triangles there are; segments are never moved to fit
+     one answer  the same triangles for every order of points, segments and their ends, and for any number of threads
+     whole       every segment is there as a chain of edges, and each such edge knows its segments
+     bounded     every call ends: refinement makes no edge shorter than 1e-10 of the domain; no recursion
+
+   A point of refinement on a segment is rounded to doubles, so that it lies beside the segment by at most an ulp of
+   the coordinates.  The two parts of the segment are then the constraints.
+
+   LIMITS
+     A segment that crosses n edges takes time n^2 at worst, n log n as a rule.  Refinement needs coordinates of at
+     most 1e60, in a domain of at least 1e-60.  One thread, but for the triangulation of the points.
+
+   CONFIGURATION MACROS
+     PBW_MESH2_IMPLEMENTATION    in one source file: compile the implementation there
+     PBWMESH2DEF                 everywhere: your own linkage for the functions, for example static
+*/
+#ifndef PBW_MESH2_H
+#define PBW_MESH2_H
+#ifndef PBW_H
+#include "pbw.h"
+#endif
+
+#ifndef PBWMESH2DEF
+#define PBWMESH2DEF extern
+#endif
+
+#ifdef __cplusplus
+extern "C" {
+#endif
+
+/* ---- in */
+
+typedef enum pbw_plane_rule {              /* which triangles belong to the domain */
+    PBW_PLANE_HULL = 0,                    /* all, but holes */
+    PBW_PLANE_SEEDS,                       /* what segments enclose, but holes: the rule of Triangle */
+    PBW_PLANE_EVEN_ODD,                    /* where the winding number of the segments is odd; but holes */
+    PBW_PLANE_NONZERO                      /* where it is not 0; but holes */
+} pbw_plane_rule;
+
+typedef struct pbw_plane_region {          /* the triangles that a point can reach without crossing a segment */
+    double x, y;                           /* the point */
+    double area;                           /* most area of a triangle there; 0 = no bound of its own */
+} pbw_plane_region;
+
+typedef struct pbw_plane_input {           /* start from {0} */
+    const double *points;                  /* x and y each; all of them become vertices */
+    size_t point_count;
+    const pbw_index *segments;             /* two points each */
+    size_t segment_count;
+    const double *holes;                   /* x and y each: what such a point can reach is no part of the domain */
+    size_t hole_count;
+    const pbw_plane_region *regions;       /* of two for one region the last counts */
+    size_t region_count;
+    const double *sizes;                   /* for refinement: wanted length of edges at each point, 0 = any; NULL */
+} pbw_plane_input;
+
+#define PBW_PLANE_SPLIT_CROSSINGS 1u       /* segments that cross: put in the crossing, rounded to the doubles of the
+                                              largest coordinate, and go on until none cross, at most 16 rounds; from
+                                              the second on a crossing 1, 2, 4, ... ulps from an end is put there.
+                                              Without the flag crossings are PBW_ERROR_ARGUMENT, listed in
+                                              plane.crossings */
+#define PBW_PLANE_REFINE          2u       /* angles and sizes as wanted; else the constrained triangulation alone */
+#define PBW_PLANE_KEEP_BOUNDARY   4u       /* refinement puts no point on the boundary of the domain */
+#define PBW_PLANE_KEEP_SEGMENTS   8u       /* nor on any other segment */
+#define PBW_PLANE_CONFORMING     16u       /* all triangles Delaunay, across segments too: more points */
+
+typedef struct pbw_plane_options {         /* NULL or all zero = best defaults */
+    pbw_plane_rule rule;
+    unsigned flags;                        /* PBW_PLANE_SPLIT_CROSSINGS and so on, or'ed */
+    double angle;                          /* least angle in degrees, up to 34; 0 = 30; below 0 = any */
+    double area, size;                     /* most area of a triangle, most length of an edge; 0 = no bound */
+    double (*size_at)(void *user, double x, double y);    /* most length of an edge about there; 0 = no bound */
+    void  *size_user;
+    double gradation;                      /* sizes of points: most growth per distance, 0 = 0.3 */
+    size_t steiner_limit;                  /* most points that refinement inserts, 0 = no limit but memory */
+    const pbw_options *build;              /* threads, memory_limit, resize, progress, as in pbw.h; NULL = defaults */
+} pbw_plane_options;
+
+/* ---- out */
+
+typedef struct pbw_plane_report {
+    size_t steiner_count;                  /* points that refinement has left in the mesh */
+    size_t removed;                        /* and that it has taken out again */
+    size_t small_angles;                   /* triangles with a smaller angle than wanted: at small angles of the
+                                              input, or left so by the limits below */
+    size_t too_large;                      /* triangles larger than wanted, for the same reasons */
+    size_t short_edges;                    /* refused splits: the edges would be too short for the coordinates */
+    int limited;                           /* 1: steiner_limit ended the refinement */
+    int rounds;                            /* of splitting crossings */
+} pbw_plane_report;
+
+typedef struct pbw_plane {                 /* start from {0}; read, do not write; pbw_plane_free when done */
+    size_t point_count, input_count;       /* the caller's points come first, with their numbers; then crossings, then
+                                              points of refinement */
+    size_t triangle_count;
+    const double *points;
+    const pbw_index *triangles;            /* three corners each, counter-clockwise */
+    const pbw_index *neighbors;            /* entry i is across from corner i; PBW_NONE = outside of the domain */
+    const pbw_index *constraints;          /* per corner: the edge of segments opposite to it; PBW_NONE = none */
+    const pbw_index *regions;              /* per triangle: its region, which segments separate from others */
+    size_t edge_count;                     /* edges of segments that the domain has, and its boundary */
+    const pbw_index *edges;                /* two points each */
+    const size_t *edge_first;              /* edge_count + 1: the segments of edge i are */
+    const pbw_index *edge_segments;        /* edge_first[i] .. edge_first[i+1]-1, ascending; none: hull only */
+    size_t region_count;
+    const int *region_windings;            /* per region: winding number of the segments, where the rule needs it */
+    const pbw_index *region_seeds;         /* per region: the number of the caller's region, or PBW_NONE */
+    size_t crossing_count;
+    const pbw_index *crossings;            /* pairs of segments that cross, ascending */
+    pbw_plane_report report;
+    char what[160];                        /* why a call failed, "" if it did not */
+    void *memory;                          /* private */
+} pbw_plane;
+
+/* Triangulates a domain.  Zero-length segments are passed over; overlapping ones share edges.  A segment through a
+   point is split there.  PBW_DEGENERATE: all points are on one line, and there are no triangles.  Else fails as
+   pbw_triangulate does; PBW_ERROR_ARGUMENT also for segments of points that are not there, segments that cross, and
+   segments that do not close where the rule counts windings.  After a failure, plane has what and crossings only. */
+PBWMESH2DEF pbw_status pbw_plane_make(const pbw_plane_input *input, const pbw_plane_options *options,
+                                      pbw_plane *plane);
+/* The same for polygons with holes: rings of points, ring i being points first[i] .. first[i+1]-1, closed and in any
+   direction; by options->rule, PBW_PLANE_HULL standing for PBW_PLANE_EVEN_ODD.  Segment k is from point k onwards. */
+PBWMESH2DEF pbw_status pbw_plane_rings(const double *points, const size_t *first, size_t ring_count,
+                                       const pbw_plane_options *options, pbw_plane *plane);
+/* Frees what a plane holds and zeroes it; fine on {0}, fine twice. */
+PBWMESH2DEF void pbw_plane_free(pbw_plane *plane);
+
+#ifdef __cplusplus
+}
+#endif
+#endif /* PBW_MESH2_H */
+
+#if defined(PBW_MESH2_IMPLEMENTATION) && !defined(PBWP__IMPLEMENTED)
+#define PBWP__IMPLEMENTED
+
+#include <math.h>
+#include <stdio.h>
+#include <stdlib.h>
+#include <string.h>
+
+/* Contraction off: other coordinates would come out where a compiler fuses. */
+#if defined(__clang__)
+#pragma STDC FP_CONTRACT OFF
+#elif defined(__GNUC__)
+#pragma GCC push_options
+#pragma GCC optimize("fp-contract=off")
+#endif
+
+/* ------------------------------------------------------------------------------------------------------
+   Memory: growing arrays through options.resize.
+   Holds: used = the sum of all live arrays; over the limit nothing grows.
+   ------------------------------------------------------------------------------------------------------ */
+typedef struct pbwp__memory {
+    void *(*resize)(void *user, void *ptr, size_t old_size, size_t new_size);
+    void *user;
+    size_t limit, used;
+} pbwp__memory;
+
+typedef struct pbwp__array { void *data; size_t count, bytes; } pbwp__array;     /* count: the owner's */
+
+static void *pbwp__default_resize(void *user, void *ptr, size_t old_size, size_t new_size)
+{
+    (void)user;
+    (void)old_size;
+    if (new_size == 0) {
+        free(ptr);
+        return NULL;
+    }
+    return realloc(ptr, new_size);
+}
+
+static void pbwp__release(pbwp__memory *memory, pbwp__array *array)
+{
+    if (array->data != NULL) {
+        (void)memory->resize(memory->user, array->data, array->bytes, 0);
+        memory->used -= array->bytes;
+    }
+    memset(array, 0, sizeof *array);
+}
+
+/* Makes the array `bytes` long.  Returns 0 and leaves it alone if there is no memory. */
+static int pbwp__resize(pbwp__memory *memory, pbwp__array *array, size_t bytes)
+{
+    const size_t used = memory->used - array->bytes + bytes;
+    void *data;
+    if (bytes == array->bytes) {
+        return 1;
+    }
+    if (memory->limit != 0 && used > memory->limit) {
+        return 0;
+    }
+    data = memory->resize(memory->user, array->data, array->bytes, bytes);
+    if (data == NULL) {
+        return 0;
+    }
+    array->data = data;
+    array->bytes = bytes;
+    memory->used = used;
+    return 1;
+}
+
+/* Makes room for `extra` items after the last; at least one byte.  Returns 0 if there is no memory. */
+static int pbwp__room(pbwp__memory *memory, pbwp__array *array, size_t extra, size_t size)
+{
+    const size_t need = (array->count + extra) * size;
+    if (need <= array->bytes && array->data != NULL) {
+        return 1;
+    }
+    return pbwp__resize(memory, array, array->data == NULL ? need + size : need + array->bytes / 2 + 16 * size);
+}
+
+static int pbwp__push(pbwp__memory *memory, pbwp__array *array, pbw_index item)
+{
+    if ((array->count + 1) * sizeof item > array->bytes && !pbwp__room(memory, array, 1, sizeof item)) {
+        return 0;
+    }
+    ((pbw_index *)array->data)[array->count++] = item;
+    return 1;
+}
+#define PBWP__INDICES(array) ((pbw_index *)(array).data)
+#define PBWP__DOUBLES(array) ((double *)(array).data)
+
+/* ------------------------------------------------------------------------------------------------------
+   The job, and its triangles.
+   Triangle t has corners v, counter-clockwise.  Edge i is opposite to corner i; link[i] is the code 4 t' + i' of that
+   edge in the triangle beyond, or PBW_NONE.  edge[i] is what stands on it: PBW_NONE, a piece, or a group of pieces.
+   A slot that is free has v[0] = PBW_NONE, and link[0] leads to the next free one.
+   Vertices are numbered along the curve of pbw_order; later points follow.
+   ------------------------------------------------------------------------------------------------------ */
+typedef struct pbwp__triangle {
+    pbw_index v[3], link[3], edge[3];
+    pbw_index region;                      /* component of the plane less the segments; top bit: in a cavity */
+} pbwp__triangle;
+
+typedef struct pbwp__piece { pbw_index a, b, id; } pbwp__piece;      /* of the caller's segment id, from a to b */
+typedef struct pbwp__group { pbw_index piece, rest; } pbwp__group;   /* rest: a piece, or a further group */
+
+#define PBWP__CAVITY 0x80000000u
+#define PBWP__SLOT(code) ((code) >> 2)
+#define PBWP__SIDE(code) ((code) & 3u)
+#define PBWP__TRIANGLES_MOST 0x3fffffffu
+
+static const unsigned char pbwp__next[3] = { 1, 2, 0 }, pbwp__last[3] = { 2, 0, 1 };
+
+typedef struct pbwp__job {
+    pbwp__memory memory;
+    const pbw_plane_input *input;
+    const pbw_plane_options *options;
+    const pbw_options *build;
+    pbw_plane *plane;
+    pbwp__triangle *t;                     /* = triangles.data */
+    double *p;                             /* = points.data */
+    pbw_index *incident;                   /* = incidents.data: per vertex a triangle */
+    size_t piece_count;
+    pbw_index free_slot;
+    double floor;                          /* see signs */
+    size_t steps;                          /* since progress was reported */
+    pbwp__array triangles, points, incidents;
+    pbwp__array given, segments;           /* points, and pieces in their numbers; crossings and parts are added */
+    pbwp__array original;                  /* per vertex: its number in given */
+    pbwp__array vertex;                    /* and back; a duplicate has the vertex at its place */
+    pbwp__array pieces, groups;
+    pbwp__array chain[2], inner[2];        /* left and right of a segment: vertices, edges of old triangles */
+    pbwp__array stack, old, fresh;         /* fresh: slots that were filled last */
+    pbwp__array crossings;
+    pbwp__array hosts, vertex_host, sizes; /* see refinement */
+    pbwp__array first_of, item_of;         /* lists of various uses */
+    pbwp__array components;                /* pbwp__component */
+} pbwp__job;
+
+static pbw_status pbwp__say(pbwp__job *job, pbw_status status, const char *text)
+{
+    snprintf(job->plane->what, sizeof job->plane->what, "%s", text != NULL ? text : pbw_status_string(status));
+    return status;
+}
+
+/* Called in every loop that may be long; nonzero: cancelled. */
+static int pbwp__step(pbwp__job *job, double done)
+{
+    if ((++job->steps & 1023) != 0 || job->build->progress == NULL) {
+        return 0;
+    }
+    return job->build->progress(job->build->progress_user, PBW_STAGE_WORK, done);
+}
+
+/* A free slot; the caller has made sure that there is one.  Invalidates no pointer. */
+static pbw_index pbwp__take_slot(pbwp__job *job)
+{
+    pbw_index slot = job->free_slot;
+    if (slot == PBW_NONE) {
+        return (pbw_index)job->triangles.count++;
+    }
+    job->free_slot = job->t[slot].link[0];
+    return slot;
+}
+
+static void pbwp__free_slot(pbwp__job *job, pbw_index slot)
+{
+    job->t[slot].v[0] = PBW_NONE;
+    job->t[slot].link[0] = job->free_slot;
+    job->free_slot = slot;
+}
+
+/* Makes sure that `count` slots can be taken. */
+static int pbwp__reserve_slots(pbwp__job *job, size_t count)
+{
+    if (job->triangles.count + count > PBWP__TRIANGLES_MOST
+        || !pbwp__room(&job->memory, &job->triangles, count, sizeof(pbwp__triangle))) {
+        return 0;
+    }
+    job->t = (pbwp__triangle *)job->triangles.data;
+    return 1;
+}
+
+/* Joins two edges, either of which may be PBW_NONE. */
+static void pbwp__join(pbwp__job *job, pbw_index one, pbw_index other)
+{
+    if (one != PBW_NONE) {
+        job->t[PBWP__SLOT(one)].link[PBWP__SIDE(one)] = other;
+    }
+    if (other != PBW_NONE) {
+        job->t[PBWP__SLOT(other)].link[PBWP__SIDE(other)] = one;
+    }
+}
+
+static void pbwp__mark_edge(pbwp__job *job, pbw_index code, pbw_index edge)
+{
+    const pbw_index other = job->t[PBWP__SLOT(code)].link[PBWP__SIDE(code)];
+    job->t[PBWP__SLOT(code)].edge[PBWP__SIDE(code)] = edge;
+    if (other != PBW_NONE) {
+        job->t[PBWP__SLOT(other)].edge[PBWP__SIDE(other)] = edge;
+    }
+}
+
+/* ------------------------------------------------------------------------------------------------------
+   Signs: filters here, the exact predicates of pbw.h behind them.
+   The bounds are those of Shewchuk 1997 ("Adaptive precision floating-point arithmetic and fast robust geometric
+   predicates", A-stage): (3 + 16 e) e for orientations, (10 + 96 e) e for circles, e = 2^-53, times the sum of
+   magnitudes.  They hold without underflow.  Where no coordinate is above 1e70, a product that underflows is off by
+   2^-1075, and is multiplied by at most (2e70)^2 * 2 further on: below 1e-180 in all, which `floor` = 1e-170 covers.
+   With larger coordinates floor is infinite, and every sign comes from pbw.h.
+   ------------------------------------------------------------------------------------------------------ */
+static void pbwp__set_floor(pbwp__job *job, size_t from)
+{
+    size_t i;
+    job->floor = from == 0 ? 1e-170 : job->floor;
+    for (i = 2 * from; i < 2 * job->points.count; i++) {
+        job->floor = fabs(job->p[i]) > 1e70 ? HUGE_VAL : job->floor;
+    }
+}
+
+static int pbwp__orient_at(const pbwp__job *job, const double *a, const double *b, const double *c)
+{
+    const double left = (a[0] - c[0]) * (b[1] - c[1]), right = (a[1] - c[1]) * (b[0] - c[0]), det = left - right;
+    const double bound = 3.3306690738754716e-16 * (fabs(left) + fabs(right)) + job->floor;
+    return det > bound ? 1 : det < -bound ? -1 : pbw_orient2(a, b, c);
+}
+
+static int pbwp__orient(const pbwp__job *job, pbw_index a, pbw_index b, pbw_index c)
+{
+    const double *p = job->p;
+    return pbwp__orient_at(job, p + 2 * (size_t)a, p + 2 * (size_t)b, p + 2 * (size_t)c);
+}
+
+static int pbwp__conflict_at(const pbwp__job *job, const double *a, const double *b, const double *c,
+                             const double *d)
+{
+    const double ax = a[0] - d[0], ay = a[1] - d[1], bx = b[0] - d[0], by = b[1] - d[1];
+    const double cx = c[0] - d[0], cy = c[1] - d[1];
+    const double bc = bx * cy, cb = cx * by, ca = cx * ay, ac = ax * cy, ab = ax * by, ba = bx * ay;
+    const double a2 = ax * ax + ay * ay, b2 = bx * bx + by * by, c2 = cx * cx + cy * cy;
+    const double det = a2 * (bc - cb) + b2 * (ca - ac) + c2 * (ab - ba);
+    const double sum = a2 * (fabs(bc) + fabs(cb)) + b2 * (fabs(ca) + fabs(ac)) + c2 * (fabs(ab) + fabs(ba));
+    const double bound = 1.1102230246251577e-15 * sum + job->floor;
+    return det > bound ? 1 : det < -bound ? 0 : pbw_conflict2(a, b, c, d, NULL);
+}
+
+/* Whether d is in conflict with the triangle a b c: in its circle, ties by the rule of pbw.h. */
+static int pbwp__conflict(const pbwp__job *job, pbw_index a, pbw_index b, pbw_index c, pbw_index d)
+{
+    const double *p = job->p;
+    return pbwp__conflict_at(job, p + 2 * (size_t)a, p + 2 * (size_t)b, p + 2 * (size_t)c, p + 2 * (size_t)d);
+}
+
+/* The order of points along every line, in one of its two directions. */
+static int pbwp__before(const pbwp__job *job, pbw_index a, pbw_index b)
+{
+    const double *p = job->p + 2 * (size_t)a, *q = job->p + 2 * (size_t)b;
+    return p[0] < q[0] || (p[0] <= q[0] && p[1] < q[1]);
+}
+
+/* ------------------------------------------------------------------------------------------------------
+   Segments.
+   In: a constrained triangulation, a segment.  Out: that with the segment in it, or the fact that it crosses another.
+   Holds: every free edge is locally regular, before and after.
+
+   The triangles that a segment crosses leave a cavity, a polygon on each side of it, whose border is a chain of
+   edges.  A polygon is refilled from its base: the apex of the triangle there is the vertex of the chain in whose
+   circle no other lies, and both sides of the triangle are bases of smaller polygons (Anglada 1997).  A chain passes
+   twice along an edge that sticks out into the cavity; then the corner counts that the triangle lies in.  Old
+   triangles keep their slots until the cavity is full, as such an edge leads from one of its sides to the other
+   through them.
+   ------------------------------------------------------------------------------------------------------ */
+
+/* Whether the direction from u to x lies in the turn from u-from counter-clockwise to u-to, ends included. */
+static int pbwp__in_turn(const pbwp__job *job, pbw_index u, pbw_index from, pbw_index to, pbw_index x)
+{
+    const int turn = from == to ? -1 : pbwp__orient(job, u, from, to);
+    if (from == to) {
+        return 1;
+    }
+    if (turn >= 0) {
+        return pbwp__orient(job, u, from, x) >= 0 && pbwp__orient(job, u, x, to) >= 0;
+    }
+    return !(pbwp__orient(job, u, to, x) > 0 && pbwp__orient(job, u, x, from) > 0);
+}
+
+/* The place in the chain, between the places low and high, of the apex of the triangle on that base; 0 if no vertex
+   is on the inner side of it, which does not happen to the cavity of a segment. */
+static size_t pbwp__apex(const pbwp__job *job, const pbw_index *chain, size_t low, size_t high)
+{
+    const pbw_index a = chain[low], b = chain[high];
+    size_t best = 0, i;
+    int repeats = 0;
+    if (high - low == 2) {
+        return low + 1;
+    }
+    for (i = low + 1; i < high; i++) {
+        const pbw_index c = chain[i];
+        repeats |= chain[i - 1] == chain[i + 1];
+        if (c == a || c == b || (best != 0 && c == chain[best])) {
+            continue;
+        }
+        if ((best == 0 || pbwp__conflict(job, a, b, chain[best], c)) && pbwp__orient(job, a, b, c) > 0) {
+            best = i;
+        }
+    }
+    for (i = low + 1; repeats && best != 0 && i < high; i++) {
+        if (chain[i] == chain[best] && pbwp__in_turn(job, chain[i], chain[i - 1], chain[i + 1], a)
+            && pbwp__in_turn(job, chain[i], chain[i - 1], chain[i + 1], b)) {
+            return i;
+        }
+    }
+    return best;
+}
+
+/* Fills the polygon between a chain of `count` vertices, counter-clockwise from its last to its first, and the base.
+   Slots are reserved.  Returns the code of the base in its triangle, PBW_NONE without memory or if there is no apex.
+   */
+static pbw_index pbwp__fill(pbwp__job *job, const pbw_index *chain, const pbw_index *inner, size_t count,
+                            pbw_index region)
+{
+    pbw_index base = PBW_NONE, *stack;
+    size_t top = 3;
+    job->stack.count = job->fresh.count = 0;
+    if (!pbwp__room(&job->memory, &job->stack, 3 * (count + 2), sizeof(pbw_index))
+        || !pbwp__room(&job->memory, &job->fresh, count, sizeof(pbw_index))) {
+        return PBW_NONE;
+    }
+    stack = PBWP__INDICES(job->stack);
+    stack[0] = 0;
+    stack[1] = (pbw_index)(count - 1);
+    stack[2] = PBW_NONE;
+    while (top > 0) {
+        const pbw_index low = stack[top - 3], high = stack[top - 2], parent = stack[top - 1];
+        pbw_index slot;
+        size_t apex;
+        pbwp__triangle *t;
+        top -= 3;
+        if (high - low == 1) {                       /* an edge of the chain */
+            const pbwp__triangle *old = job->t + PBWP__SLOT(inner[low]);
+            job->t[PBWP__SLOT(parent)].edge[PBWP__SIDE(parent)] = old->edge[PBWP__SIDE(inner[low])];
+            pbwp__join(job, parent, old->link[PBWP__SIDE(inner[low])]);
+            continue;
+        }
+        apex = pbwp__apex(job, chain, low, high);
+        if (apex == 0) {
+            return PBW_NONE;
+        }
+        slot = pbwp__take_slot(job);
+        t = job->t + slot;
+        t->v[0] = chain[low];
+        t->v[1] = chain[high];
+        t->v[2] = chain[apex];
+        t->edge[0] = t->edge[1] = t->edge[2] = PBW_NONE;
+        t->region = region;
+        job->incident[t->v[0]] = job->incident[t->v[1]] = job->incident[t->v[2]] = slot;
+        pbwp__join(job, 4 * slot + 2, parent);
+        base = base == PBW_NONE ? 4 * slot + 2 : base;
+        PBWP__INDICES(job->fresh)[job->fresh.count++] = slot;
+        stack[top] = low;
+        stack[top + 1] = (pbw_index)apex;
+        stack[top + 2] = 4 * slot + 1;
+        stack[top + 3] = (pbw_index)apex;
+        stack[top + 4] = high;
+        stack[top + 5] = 4 * slot;
+        top += 6;
+    }
+    return base;
+}
+
+/* Steps round corner `corner` (code 4 t + i of a corner): to the next triangle counter-clockwise, or the other way.
+   */
+static pbw_index pbwp__round(const pbwp__job *job, pbw_index corner, int clockwise)
+{
+    const unsigned i = PBWP__SIDE(corner);
+    const pbw_index link = job->t[PBWP__SLOT(corner)].link[clockwise ? pbwp__last[i] : pbwp__next[i]];
+    if (link == PBW_NONE) {
+        return PBW_NONE;
+    }
+    return 4 * PBWP__SLOT(link) + (clockwise ? pbwp__last[PBWP__SIDE(link)] : pbwp__next[PBWP__SIDE(link)]);
+}
+
+static pbw_index pbwp__corner_of(const pbwp__job *job, pbw_index vertex)
+{
+    const pbw_index slot = job->incident[vertex];
+    const pbwp__triangle *t = job->t + slot;
+    return 4 * slot + (t->v[0] == vertex ? 0u : t->v[1] == vertex ? 1u : 2u);
+}
+
+typedef struct pbwp__spin { pbw_index start, corner; int clockwise; } pbwp__spin;       /* round a vertex */
+
+/* The next triangle: counter-clockwise, then from the border the other way from the start.  Returns 0 at the end. */
+static int pbwp__spin_on(const pbwp__job *job, pbwp__spin *spin)
+{
+    spin->corner = pbwp__round(job, spin->corner, spin->clockwise);
+    if (spin->corner == PBW_NONE && !spin->clockwise) {
+        spin->clockwise = 1;
+        spin->corner = pbwp__round(job, spin->start, 1);
+    }
+    return spin->corner != PBW_NONE && spin->corner != spin->start;
+}
+
+/* The code of the edge between two vertices, in one of its triangles; PBW_NONE if there is none: then *fewer is 1 if
+   b has fewer triangles than a.  Looks round both by turns, as one may be a hub. */
+static pbw_index pbwp__look(const pbwp__job *job, pbw_index a, pbw_index b, int *fewer)
+{
+    pbwp__spin spin[2];
+    int s;
+    memset(spin, 0, sizeof spin);
+    spin[0].start = spin[0].corner = pbwp__corner_of(job, a);
+    spin[1].start = spin[1].corner = pbwp__corner_of(job, b);
+    for (s = 0; ; s = 1 - s) {
+        const unsigned i = PBWP__SIDE(spin[s].corner);
+        const pbw_index slot = PBWP__SLOT(spin[s].corner), other = s == 0 ? b : a;
+        if (job->t[slot].v[pbwp__next[i]] == other) {
+            return 4 * slot + pbwp__last[i];
+        }
+        if (job->t[slot].v[pbwp__last[i]] == other) {
+            return 4 * slot + pbwp__next[i];
+        }
+        if (!pbwp__spin_on(job, spin + s)) {
+            *fewer = s;
+            return PBW_NONE;
+        }
+    }
+}
+
+static pbw_index pbwp__find_edge(const pbwp__job *job, pbw_index a, pbw_index b)
+{
+    int unused;
+    return pbwp__look(job, a, b, &unused);
+}
+
+/* Where the segment from a to b, which is no edge, leaves the star of a: the corner at a of the triangle whose
+   opposite edge it crosses; or sets *through to the neighbour of a that it passes through. */
+static pbw_index pbwp__find_exit(const pbwp__job *job, pbw_index a, pbw_index b, pbw_index *through)
+{
+    const pbw_index start = pbwp__corner_of(job, a);
+    const int forwards = pbwp__before(job, a, b);
+    pbw_index corner;
+    int clockwise, k;
+    *through = PBW_NONE;
+    for (clockwise = 0; clockwise < 2; clockwise++) {
+        for (corner = start; corner != PBW_NONE; ) {
+            const unsigned i = PBWP__SIDE(corner);
+            const pbwp__triangle *t = job->t + PBWP__SLOT(corner);
+            const pbw_index ends[2] = { t->v[pbwp__next[i]], t->v[pbwp__last[i]] };
+            int sign[2];
+            for (k = 0; k < 2; k++) {
+                sign[k] = pbwp__orient(job, a, b, ends[k]);
+                if (sign[k] == 0 && pbwp__before(job, a, ends[k]) == forwards) {
+                    *through = ends[k];
+                    return corner;
+                }
+            }
+            if (sign[0] < 0 && sign[1] > 0) {
+                return corner;
+            }
+            corner = pbwp__round(job, corner, clockwise);
+            if (corner == start) {
+                return PBW_NONE;
+            }
+        }
+    }
+    return PBW_NONE;
+}
+
+static int pbwp__chain_push(pbwp__job *job, int side, pbw_index vertex, pbw_index inner)
+{
+    return pbwp__push(&job->memory, &job->chain[side], vertex) && pbwp__push(&job->memory, &job->inner[side], inner);
+}
+
+/* Collects the cavity of a segment from a towards b: both chains, and the old triangles.  Returns the vertex where
+   the segment comes to the end of it: b, or one that lies on it; PBW_NONE without memory, or if it crosses a segment
+   (then *crossed is that edge). */
+static pbw_index pbwp__cavity(pbwp__job *job, pbw_index corner, pbw_index b, pbw_index *crossed)
+{
+    const unsigned i = PBWP__SIDE(corner);
+    pbw_index slot = PBWP__SLOT(corner), a = job->t[slot].v[i];
+    pbw_index right = job->t[slot].v[pbwp__next[i]], left = job->t[slot].v[pbwp__last[i]], edge = corner;
+    int ok = 1, side;
+    for (side = 0; side < 2; side++) {
+        job->chain[side].count = job->inner[side].count = 0;
+    }
+    job->old.count = 0;
+    ok = pbwp__chain_push(job, 0, a, 4 * slot + pbwp__next[i])
+      && pbwp__chain_push(job, 1, a, 4 * slot + pbwp__last[i]) && pbwp__push(&job->memory, &job->old, slot);
+    while (ok) {
+        const pbw_index link = job->t[PBWP__SLOT(edge)].link[PBWP__SIDE(edge)];
+        const unsigned e = PBWP__SIDE(link);
+        pbw_index x, to_left, to_right;
+        int sign;
+        *crossed = job->t[PBWP__SLOT(edge)].edge[PBWP__SIDE(edge)];
+        if (*crossed != PBW_NONE) {
+            return PBW_NONE;
+        }
+        slot = PBWP__SLOT(link);
+        x = job->t[slot].v[e];
+        to_left = 4 * slot + pbwp__last[e];          /* the edges from x to left and to right */
+        to_right = 4 * slot + pbwp__next[e];
+        sign = x == b ? 0 : pbwp__orient(job, a, b, x);
+        ok = pbwp__push(&job->memory, &job->old, slot)
+          && (sign < 0 || pbwp__chain_push(job, 0, left, to_left))
+          && (sign > 0 || pbwp__chain_push(job, 1, right, to_right));
+        if (sign == 0) {
+            ok = ok && pbwp__push(&job->memory, &job->chain[0], x) && pbwp__push(&job->memory, &job->chain[1], x);
+            return ok ? x : PBW_NONE;
+        }
+        left = sign > 0 ? x : left;
+        right = sign < 0 ? x : right;
+        edge = sign > 0 ? to_right : to_left;
+    }
+    return PBW_NONE;
+}
+
+static void pbwp__reverse(pbw_index *item, size_t count)
+{
+    size_t i;
+    for (i = 0; i < count / 2; i++) {
+        const pbw_index swap = item[i];
+        item[i] = item[count - 1 - i];
+        item[count - 1 - i] = swap;
+    }
+}
+
+/* Replaces the triangles of a cavity.  Returns the code of the segment's edge; PBW_NONE without memory. */
+static pbw_index pbwp__refill(pbwp__job *job)
+{
+    pbw_index base[2];
+    size_t i;
+    int side;
+    if (!pbwp__reserve_slots(job, job->old.count)) {
+        return PBW_NONE;
+    }
+    pbwp__reverse(PBWP__INDICES(job->chain[1]), job->chain[1].count);
+    pbwp__reverse(PBWP__INDICES(job->inner[1]), job->inner[1].count);
+    for (side = 0; side < 2; side++) {
+        base[side] = pbwp__fill(job, PBWP__INDICES(job->chain[side]), PBWP__INDICES(job->inner[side]),
+                                job->chain[side].count, 0);
+        if (base[side] == PBW_NONE) {
+            return PBW_NONE;
+        }
+    }
+    for (i = 0; i < job->old.count; i++) {
+        pbwp__free_slot(job, PBWP__INDICES(job->old)[i]);
+    }
+    pbwp__join(job, base[0], base[1]);
+    return base[0];
+}
+
+/* Adds a piece to an edge, which may have others.  Returns 0 without memory. */
+static int pbwp__add_piece(pbwp__job *job, pbw_index code, pbw_index piece)
+{
+    const pbw_index rest = job->t[PBWP__SLOT(code)].edge[PBWP__SIDE(code)];
+    pbwp__group *groups;
+    if (rest == PBW_NONE) {
+        pbwp__mark_edge(job, code, piece);
+        return 1;
+    }
+    if (!pbwp__room(&job->memory, &job->groups, 1, sizeof *groups)) {
+        return 0;
+    }
+    groups = (pbwp__group *)job->groups.data;
+    if (job->groups.count == 0 || groups[job->groups.count - 1].piece != piece
+        || groups[job->groups.count - 1].rest != rest) {
+        groups[job->groups.count].piece = piece;
+        groups[job->groups.count++].rest = rest;
+    }
+    pbwp__mark_edge(job, code, (pbw_index)(job->piece_count + job->groups.count - 1));
+    return 1;
+}
+
+enum { PBWP__DONE, PBWP__CROSSES, PBWP__NO_MEMORY };
+
+static int pbwp__insert_piece(pbwp__job *job, pbw_index number)
+{
+    const pbwp__piece piece = ((const pbwp__piece *)job->pieces.data)[number];
+    pbw_index a = piece.a, b = piece.b, end, crossed = PBW_NONE;
+    while (a != b) {
+        int fewer = 0;
+        pbw_index code = pbwp__look(job, a, b, &fewer), corner;
+        if (fewer) {
+            end = a;
+            a = b;
+            b = end;
+        }
+        end = b;
+        if (code == PBW_NONE) {
+            corner = pbwp__find_exit(job, a, b, &end);
+            if (end != PBW_NONE) {
+                code = pbwp__find_edge(job, a, end);
+            } else {
+                end = pbwp__cavity(job, corner, b, &crossed);
+                if (end == PBW_NONE) {
+                    return crossed != PBW_NONE ? PBWP__CROSSES : PBWP__NO_MEMORY;
+                }
+                code = pbwp__refill(job);
+                if (code == PBW_NONE) {
+                    return PBWP__NO_MEMORY;
+                }
+            }
+        }
+        if (!pbwp__add_piece(job, code, number)) {
+            return PBWP__NO_MEMORY;
+        }
+        a = end;
+    }
+    return PBWP__DONE;
+}
+
+/* ---- the triangulation of the points */
+
+/* Takes over the arrays of a mesh: links with the number of the edge, in place of neighbours. */
+static pbw_status pbwp__take_mesh(pbwp__job *job, const pbw_mesh *mesh)
+{
+    const pbw_index *neighbor = mesh->neighbors;
+    const size_t n = mesh->point_count;
+    size_t i, k;
+    job->triangles.count = job->points.count = job->incidents.count = job->original.count = job->vertex.count = 0;
+    if (mesh->simplex_count > PBWP__TRIANGLES_MOST) {
+        return PBW_ERROR_TOO_LARGE;
+    }
+    if (!pbwp__reserve_slots(job, mesh->simplex_count)
+        || !pbwp__room(&job->memory, &job->points, n, 2 * sizeof(double))
+        || !pbwp__room(&job->memory, &job->incidents, n, sizeof(pbw_index))
+        || !pbwp__room(&job->memory, &job->original, n, sizeof(pbw_index))
+        || !pbwp__room(&job->memory, &job->vertex, n, sizeof(pbw_index))) {
+        return PBW_ERROR_MEMORY;
+    }
+    for (i = 0; i < mesh->simplex_count; i++) {
+        for (k = 0; k < 3; k++) {
+            const pbw_index other = neighbor[3 * i + k];
+            pbw_index side = 0;
+            if (other != PBW_NONE) {
+                side = neighbor[3 * (size_t)other + 1] == i ? 1u : neighbor[3 * (size_t)other + 2] == i ? 2u : 0u;
+            }
+            job->t[i].v[k] = mesh->simplices[3 * i + k];
+            job->t[i].link[k] = other == PBW_NONE ? PBW_NONE : 4 * other + side;
+            job->t[i].edge[k] = PBW_NONE;
+        }
+        job->t[i].region = 0;
+    }
+    job->triangles.count = mesh->simplex_count;
+    job->points.count = job->incidents.count = job->original.count = job->vertex.count = n;
+    job->p = PBWP__DOUBLES(job->points);
+    job->incident = PBWP__INDICES(job->incidents);
+    memcpy(job->p, mesh->points, n * 2 * sizeof(double));
+    memcpy(job->incident, mesh->incident, n * sizeof(pbw_index));
+    memcpy(job->original.data, mesh->original, n * sizeof(pbw_index));
+    for (i = 0; i < n; i++) {
+        PBWP__INDICES(job->vertex)[mesh->original[i]] = mesh->canonical[i];
+    }
+    job->free_slot = PBW_NONE;
+    pbwp__set_floor(job, 0);
+    return PBW_OK;
+}
+
+static pbw_status pbwp__triangulate(pbwp__job *job)
+{
+    pbw_options options = *job->build;
+    pbw_mesh mesh;
+    pbw_status status;
+    memset(&mesh, 0, sizeof mesh);
+    options.flags = (options.flags & PBW_BACKEND_OR_CPU) | PBW_CURVE_ORDER;
+    options.stride = 0;
+    options.trace = NULL;
+    if (job->memory.limit != 0) {
+        if (job->memory.used >= job->memory.limit) {
+            return pbwp__say(job, PBW_ERROR_MEMORY, NULL);
+        }
+        options.memory_limit = job->memory.limit - job->memory.used;
+    }
+    status = pbw_triangulate(2, PBWP__DOUBLES(job->given), NULL, job->given.count, &options, &mesh);
+    if (status == PBW_OK) {
+        status = pbwp__take_mesh(job, &mesh);
+    }
+    pbw_free(&mesh);
+    return status == PBW_OK ? status : pbwp__say(job, status, NULL);
+}
+
+/* Fills pieces from the segments: ends become vertices; in the order of the first of the two on the curve. */
+static pbw_status pbwp__order_pieces(pbwp__job *job)
+{
+    const pbwp__piece *segment = (const pbwp__piece *)job->segments.data;
+    const pbw_index *vertex = PBWP__INDICES(job->vertex);
+    const size_t count = job->segments.count, n = job->points.count;
+    pbw_index *first;
+    size_t i, sum = 0;
+    job->pieces.count = job->first_of.count = 0;
+    job->groups.count = 0;
+    if (!pbwp__room(&job->memory, &job->pieces, count, sizeof(pbwp__piece))
+        || !pbwp__room(&job->memory, &job->first_of, n + 1, sizeof(pbw_index))) {
+        return pbwp__say(job, PBW_ERROR_MEMORY, NULL);
+    }
+    first = PBWP__INDICES(job->first_of);
+    memset(first, 0, (n + 1) * sizeof *first);
+    for (i = 0; i < count; i++) {
+        const pbw_index a = vertex[segment[i].a], b = vertex[segment[i].b];
+        first[a < b ? a : b]++;
+    }
+    for (i = 0; i < n; i++) {
+        const pbw_index here = first[i];
+        first[i] = (pbw_index)sum;
+        sum += here;
+    }
+    for (i = 0; i < count; i++) {
+        const pbw_index a = vertex[segment[i].a], b = vertex[segment[i].b];
+        pbwp__piece *piece = (pbwp__piece *)job->pieces.data + first[a < b ? a : b]++;
+        piece->a = a;
+        piece->b = b;
+        piece->id = segment[i].id;
+    }
+    job->pieces.count = job->piece_count = count;
+    return PBW_OK;
+}
+
+/* Triangulates the points and inserts all pieces; *crosses is set if two of them cross. */
+static pbw_status pbwp__constrain(pbwp__job *job, int *crosses)
+{
+    pbw_status status = pbwp__triangulate(job);
+    size_t i;
+    *crosses = 0;
+    if (status == PBW_OK) {
+        status = pbwp__order_pieces(job);
+    }
+    for (i = 0; status == PBW_OK && i < job->piece_count; i++) {
+        const int result = pbwp__insert_piece(job, (pbw_index)i);
+        if (result == PBWP__NO_MEMORY) {
+            status = pbwp__say(job, PBW_ERROR_MEMORY, NULL);
+        } else if (result == PBWP__CROSSES) {
+            *crosses = 1;
+            return PBW_OK;
+        } else if (pbwp__step(job, (double)i / (double)job->piece_count)) {
+            status = pbwp__say(job, PBW_CANCELLED, NULL);
+        }
+    }
+    return status;
+}
+
+/* ------------------------------------------------------------------------------------------------------
+   Crossings: pairs of segments with a point inside both, by a tree of boxes over the segments along the curve.
+   In: segments.  Out: all such pairs, or segments cut there.
+   ------------------------------------------------------------------------------------------------------ */
+typedef struct pbwp__box { double low[2], high[2]; } pbwp__box;
+typedef struct pbwp__cut { double at; pbw_index segment, other; } pbwp__cut;     /* other: a segment, or a point */
+enum { PBWP__LEVELS = 17, PBWP__FAN = 4, PBWP__ROUNDS = 16 };
+
+typedef struct pbwp__tree {
+    pbwp__array order, boxes;
+    size_t first[PBWP__LEVELS + 1], count[PBWP__LEVELS];             /* of the boxes of each level; 0: the segments */
+    int levels;
+} pbwp__tree;
+
+static int pbwp__cut_less(const pbwp__cut *a, const pbwp__cut *b)
+{
+    if (a->segment != b->segment) {
+        return a->segment < b->segment;
+    }
+    return a->at < b->at || (a->at <= b->at && a->other < b->other);
+}
+
+static void pbwp__sift(pbwp__cut *cut, size_t root, size_t count)
+{
+    const pbwp__cut item = cut[root];
+    size_t child;
+    while ((child = 2 * root + 1) < count) {
+        child += child + 1 < count && pbwp__cut_less(cut + child, cut + child + 1);
+        if (!pbwp__cut_less(&item, cut + child)) {
+            break;
+        }
+        cut[root] = cut[child];
+        root = child;
+    }
+    cut[root] = item;
+}
+
+static void pbwp__sort(pbwp__cut *cut, size_t count)                 /* heapsort (Williams 1964) */
+{
+    size_t i;
+    for (i = count / 2; i > 0; i--) {
+        pbwp__sift(cut, i - 1, count);
+    }
+    for (i = count; i > 1; i--) {
+        const pbwp__cut largest = cut[0];
+        cut[0] = cut[i - 1];
+        cut[i - 1] = largest;
+        pbwp__sift(cut, 0, i - 1);
+    }
+}
+
+static void pbwp__widen(pbwp__box *box, const double *low, const double *high)
+{
+    int k;
+    for (k = 0; k < 2; k++) {
+        box->low[k] = low[k] < box->low[k] ? low[k] : box->low[k];
+        box->high[k] = high[k] > box->high[k] ? high[k] : box->high[k];
+    }
+}
+
+static pbw_status pbwp__plant(pbwp__job *job, pbwp__tree *tree)
+{
+    const pbwp__piece *segment = (const pbwp__piece *)job->segments.data;
+    const double *p = PBWP__DOUBLES(job->given);
+    const size_t m = job->segments.count;
+    pbw_options options = *job->build;
+    pbwp__array middles;
+    pbwp__box *box;
+    pbw_status status;
+    size_t i, k, total = m, n = m;
+    memset(&middles, 0, sizeof middles);
+    for (tree->levels = 1, tree->count[0] = m; n > PBWP__FAN; tree->levels++) {
+        n = (n + PBWP__FAN - 1) / PBWP__FAN;
+        tree->count[tree->levels] = n;
+        total += n;
+    }
+    if (!pbwp__room(&job->memory, &middles, m, 2 * sizeof(double))
+        || !pbwp__room(&job->memory, &tree->order, m, sizeof(pbw_index))
+        || !pbwp__room(&job->memory, &tree->boxes, total, sizeof(pbwp__box))) {
+        pbwp__release(&job->memory, &middles);
+        return PBW_ERROR_MEMORY;
+    }
+    for (i = 0; i < m; i++) {
+        for (k = 0; k < 2; k++) {
+            const double a = p[2 * (size_t)segment[i].a + k], b = p[2 * (size_t)segment[i].b + k];
+            PBWP__DOUBLES(middles)[2 * i + k] = a / 2 + b / 2;
+        }
+    }
+    options.stride = 0;
+    status = pbw_order(2, PBWP__DOUBLES(middles), m, &options, PBWP__INDICES(tree->order));
+    pbwp__release(&job->memory, &middles);
+    box = (pbwp__box *)tree->boxes.data;
+    for (i = 0; status == PBW_OK && i < m; i++) {
+        const pbwp__piece s = segment[PBWP__INDICES(tree->order)[i]];
+        memcpy(box[i].low, p + 2 * (size_t)s.a, sizeof box[i].low);
+        memcpy(box[i].high, p + 2 * (size_t)s.a, sizeof box[i].high);
+        pbwp__widen(box + i, p + 2 * (size_t)s.b, p + 2 * (size_t)s.b);
+    }
+    tree->first[0] = 0;
+    for (k = 1; status == PBW_OK && k < (size_t)tree->levels; k++) {
+        const pbwp__box *below = box + tree->first[k - 1];
+        tree->first[k] = tree->first[k - 1] + tree->count[k - 1];
+        for (i = 0; i < tree->count[k - 1]; i++) {
+            pbwp__box *above = box + tree->first[k] + i / PBWP__FAN;
+            if (i % PBWP__FAN == 0) {
+                *above = below[i];
+            }
+            pbwp__widen(above, below[i].low, below[i].high);
+        }
+    }
+    return status;
+}
+
+static int pbwp__cross(const pbwp__job *job, pbwp__piece s, pbwp__piece t)
+{
+    const double *p = PBWP__DOUBLES(job->given);
+    const double *a = p + 2 * (size_t)s.a, *b = p + 2 * (size_t)s.b;
+    const double *c = p + 2 * (size_t)t.a, *d = p + 2 * (size_t)t.b;
+    return pbwp__orient_at(job, a, b, c) * pbwp__orient_at(job, a, b, d) < 0
+        && pbwp__orient_at(job, c, d, a) * pbwp__orient_at(job, c, d, b) < 0;
+}
+
+static int pbwp__add_cut(pbwp__job *job, pbwp__array *cuts, pbw_index segment, pbw_index other, double at)
+{
+    pbwp__cut *cut;
+    if (!pbwp__room(&job->memory, cuts, 1, sizeof *cut)) {
+        return 0;
+    }
+    cut = (pbwp__cut *)cuts->data + cuts->count++;
+    cut->segment = segment;
+    cut->other = other;
+    cut->at = at;
+    return 1;
+}
+
+/* Adds the pairs of the segment at place i of the tree with those of later places. */
+static int pbwp__pairs_of(pbwp__job *job, const pbwp__tree *tree, size_t i, pbwp__array *pairs)
+{
+    const pbwp__piece *segment = (const pbwp__piece *)job->segments.data;
+    const pbw_index *order = PBWP__INDICES(tree->order);
+    const pbwp__box *box = (const pbwp__box *)tree->boxes.data, mine = box[i];
+    size_t stack[PBWP__LEVELS * PBWP__FAN], top = 0, n = tree->count[tree->levels - 1], width = 1, k;
+    int level[PBWP__LEVELS * PBWP__FAN];
+    for (k = 0; k < n; k++) {
+        stack[top] = k;
+        level[top++] = tree->levels - 1;
+    }
+    while (top > 0) {
+        const size_t node = stack[--top];
+        const int l = level[top];
+        const pbwp__box *b = box + tree->first[l] + node;
+        for (width = 1, k = 0; k < (size_t)l; k++) {
+            width *= PBWP__FAN;
+        }
+        if ((node + 1) * width <= i + 1 || b->low[0] > mine.high[0] || b->high[0] < mine.low[0]
+            || b->low[1] > mine.high[1] || b->high[1] < mine.low[1]) {
+            continue;
+        }
+        if (l == 0) {
+            const pbw_index s = order[i], t = order[node];
+            if (pbwp__cross(job, segment[s], segment[t])
+                && !pbwp__add_cut(job, pairs, s < t ? s : t, s < t ? t : s, 0)) {
+                return 0;
+            }
+            continue;
+        }
+        for (k = PBWP__FAN * node; k < PBWP__FAN * (node + 1) && k < tree->count[l - 1]; k++) {
+            stack[top] = k;
+            level[top++] = l - 1;
+        }
+    }
+    return 1;
+}
+
+static pbw_status pbwp__find_pairs(pbwp__job *job, pbwp__array *pairs)
+{
+    pbwp__tree tree;
+    pbw_status status;
+    size_t i;
+    memset(&tree, 0, sizeof tree);
+    pairs->count = 0;
+    status = pbwp__plant(job, &tree);
+    for (i = 0; status == PBW_OK && i < job->segments.count; i++) {
+        status = !pbwp__pairs_of(job, &tree, i, pairs) ? PBW_ERROR_MEMORY
+               : pbwp__step(job, (double)i / (double)job->segments.count) ? PBW_CANCELLED : PBW_OK;
+    }
+    pbwp__release(&job->memory, &tree.order);
+    pbwp__release(&job->memory, &tree.boxes);
+    if (status == PBW_OK) {
+        pbwp__sort((pbwp__cut *)pairs->data, pairs->count);
+    }
+    return status == PBW_OK ? status : pbwp__say(job, status, NULL);
+}
+
+/* Cuts segments at the points on them, so that where two parts cross there is no point.  Walks through the
+   triangulation of the points, without constraints. */
+static pbw_status pbwp__cut_at_points(pbwp__job *job)
+{
+    const pbw_index *vertex = PBWP__INDICES(job->vertex), *original = PBWP__INDICES(job->original);
+    pbwp__array parts;
+    pbw_status status = pbwp__triangulate(job);
+    size_t i;
+    memset(&parts, 0, sizeof parts);
+    for (i = 0; status == PBW_OK && i < job->segments.count; i++) {
+        pbwp__piece s = ((const pbwp__piece *)job->segments.data)[i];
+        const pbw_index b = vertex[s.b];
+        pbw_index a = vertex[s.a], crossed;
+        while (status == PBW_OK && a != b) {
+            pbw_index end = b, code = pbwp__find_edge(job, a, b);
+            if (code == PBW_NONE) {
+                code = pbwp__find_exit(job, a, b, &end);
+                end = end != PBW_NONE ? end : pbwp__cavity(job, code, b, &crossed);
+            }
+            if (end == PBW_NONE || !pbwp__room(&job->memory, &parts, 1, sizeof s)) {
+                status = pbwp__say(job, PBW_ERROR_MEMORY, NULL);
+            } else {
+                s.a = original[a];
+                s.b = original[end];
+                ((pbwp__piece *)parts.data)[parts.count++] = s;
+                a = end;
+            }
+        }
+    }
+    if (status == PBW_OK) {
+        pbwp__release(&job->memory, &job->segments);
+        job->segments = parts;
+    } else {
+        pbwp__release(&job->memory, &parts);
+    }
+    return status;
+}
+
+/* ---- the crossing of two segments, in pairs of doubles */
+
+typedef struct pbwp__dd { double high, low; } pbwp__dd;
+
+static pbwp__dd pbwp__dd_sum(double a, double b)                     /* exact (Knuth 1969) */
+{
+    pbwp__dd s;
+    double t;
+    s.high = a + b;
+    t = s.high - a;
+    s.low = (a - (s.high - t)) + (b - t);
+    return s;
+}
+
+static pbwp__dd pbwp__dd_times(pbwp__dd a, pbwp__dd b)
+{
+    const double p = a.high * b.high, e = fma(a.high, b.high, -p);
+    return pbwp__dd_sum(p, e + (a.high * b.low + a.low * b.high));
+}
+
+static pbwp__dd pbwp__dd_minor(pbwp__dd a, pbwp__dd b, pbwp__dd c, pbwp__dd d)   /* a d - b c */
+{
+    const pbwp__dd x = pbwp__dd_times(a, d), y = pbwp__dd_times(b, c), s = pbwp__dd_sum(x.high, -y.high);
+    return pbwp__dd_sum(s.high, s.low + (x.low - y.low));
+}
+
+/* The crossing of a-b with c-d, where corner is a, b, c, d, rounded to the grid of doubles below 2^exponent, which no
+   coordinate reaches: to the nearest point but where the segments are parallel to 14 digits.  On the finer grid about
+   0, rounded crossings would go on to make new ones.  Never outside of the boxes of both.  Returns how far along a-b
+   it is, 0..1. */
+static double pbwp__crossing(const double *const corner[4], int exponent, double out[2])
+{
+    double x[4][2], at;
+    pbwp__dd ab[2], cd[2], ac[2], up, down, q;
+    int i, k;
+    for (i = 0; i < 8; i++) {                        /* within -1/2 .. 1/2 */
+        x[i / 2][i % 2] = ldexp(corner[i / 2][i % 2], -exponent - 1);
+    }
+    for (k = 0; k < 2; k++) {
+        ab[k] = pbwp__dd_sum(x[1][k], -x[0][k]);
+        cd[k] = pbwp__dd_sum(x[3][k], -x[2][k]);
+        ac[k] = pbwp__dd_sum(x[2][k], -x[0][k]);
+    }
+    up = pbwp__dd_minor(ac[0], ac[1], cd[0], cd[1]);
+    down = pbwp__dd_minor(ab[0], ab[1], cd[0], cd[1]);
+    at = fabs(down.high) > 0 ? up.high / down.high : 0.5;
+    at = at >= 0 && at <= 1 ? at : at < 0 ? 0 : 1;
+    q.high = at;
+    q.low = 0;
+    if (fabs(down.high) > 0) {                       /* the rest of the quotient, from the rest of the division */
+        const pbwp__dd back = pbwp__dd_times(q, down), rest = pbwp__dd_sum(up.high, -back.high);
+        q = pbwp__dd_sum(at, (rest.high + (rest.low + (up.low - back.low))) / down.high);
+    }
+    for (k = 0; k < 2; k++) {
+        const double a = corner[0][k], b = corner[1][k], c = corner[2][k], d = corner[3][k];
+        const double low = fmax(fmin(a, b), fmin(c, d)), high = fmin(fmax(a, b), fmax(c, d));
+        const pbwp__dd step = pbwp__dd_times(q, ab[k]), sum = pbwp__dd_sum(x[0][k], step.high);
+        const double steps = ldexp(sum.high + (sum.low + step.low), 54);
+        const double y = ldexp(floor(steps + 0.5), exponent - 53);
+        out[k] = y < low ? low : y > high ? high : y;
+    }
+    return at;
+}
+
+static int pbwp__place_before(const double *a, const double *b)
+{
+    return a[0] < b[0] || (a[0] <= b[0] && a[1] < b[1]);
+}
+
+/* Makes the cuts of two segments that cross, at a new point, or at an end that is not farther from it than `near`. */
+static int pbwp__cut_pair(pbwp__job *job, pbwp__cut pair, int exponent, double near, pbwp__array *cuts)
+{
+    const pbwp__piece *segment = (const pbwp__piece *)job->segments.data;
+    const double *corner[6];
+    double *p = PBWP__DOUBLES(job->given), out[2], unused[2], at[2], best = near;
+    pbw_index end[4], number[2], point = (pbw_index)job->given.count;
+    int turned[2], i, k;
+    number[0] = pair.segment;
+    number[1] = pair.other;
+    for (i = 0; i < 2; i++) {                        /* the same point for every order of segments and ends */
+        const pbwp__piece s = segment[number[i]];
+        turned[i] = pbwp__place_before(p + 2 * (size_t)s.b, p + 2 * (size_t)s.a);
+        end[2 * i] = turned[i] ? s.b : s.a;
+        end[2 * i + 1] = turned[i] ? s.a : s.b;
+    }
+    k = pbwp__place_before(p + 2 * (size_t)end[2], p + 2 * (size_t)end[0])
+     || (!pbwp__place_before(p + 2 * (size_t)end[0], p + 2 * (size_t)end[2])
+         && pbwp__place_before(p + 2 * (size_t)end[3], p + 2 * (size_t)end[1]));
+    for (i = 0; i < 6; i++) {
+        corner[i] = p + 2 * (size_t)end[(i + 2 * k) % 4];
+    }
+    at[k] = pbwp__crossing(corner, exponent, out);
+    at[1 - k] = pbwp__crossing(corner + 2, exponent, unused);
+    for (i = 0; i < 4; i++) {
+        const double apart = fmax(fabs(corner[i][0] - out[0]), fabs(corner[i][1] - out[1]));
+        if (apart < best) {
+            best = apart;
+            point = end[(i + 2 * k) % 4];
+        }
+    }
+    if (point == job->given.count) {
+        memcpy(p + 2 * job->given.count++, out, sizeof out);
+    }
+    return pbwp__add_cut(job, cuts, number[0], point, turned[0] ? 1 - at[0] : at[0])
+        && pbwp__add_cut(job, cuts, number[1], point, turned[1] ? 1 - at[1] : at[1]);
+}
+
+/* Makes the parts between cuts, which are sorted, the segments. */
+static int pbwp__cut_segments(pbwp__job *job, const pbwp__array *cuts)
+{
+    const pbwp__cut *cut = (const pbwp__cut *)cuts->data;
+    pbwp__array parts;
+    size_t i, k = 0;
+    memset(&parts, 0, sizeof parts);
+    if (!pbwp__room(&job->memory, &parts, job->segments.count + cuts->count, sizeof(pbwp__piece))) {
+        return 0;
+    }
+    for (i = 0; i < job->segments.count; i++) {
+        pbwp__piece s = ((const pbwp__piece *)job->segments.data)[i], part = s;
+        for (; k < cuts->count && cut[k].segment == i; k++) {
+            part.b = cut[k].other;
+            ((pbwp__piece *)parts.data)[parts.count++] = part;
+            part.a = part.b;
+        }
+        part.b = s.b;
+        ((pbwp__piece *)parts.data)[parts.count++] = part;
+    }
+    pbwp__release(&job->memory, &job->segments);
+    job->segments = parts;
+    return 1;
+}
+
+/* Cuts segments at their crossings: adds points to given, and makes the parts the segments.  A part beside a point by
+   an ulp may chase its crossings from round to round: a crossing near an end is moved there, from the second round
+   on, and what is near doubles from round to round. */
+static pbw_status pbwp__split(pbwp__job *job, const pbwp__array *pairs)
+{
+    pbwp__array cuts;
+    double most = 0;
+    size_t i;
+    int ok, exponent;
+    memset(&cuts, 0, sizeof cuts);
+    for (i = 0; i < 2 * job->given.count; i++) {
+        most = fmax(most, fabs(PBWP__DOUBLES(job->given)[i]));
+    }
+    (void)frexp(most, &exponent);
+    ok = pbwp__room(&job->memory, &job->given, pairs->count, 2 * sizeof(double));
+    for (i = 0; ok && i < pairs->count; i++) {
+        const int round = job->plane->report.rounds;
+        ok = pbwp__cut_pair(job, ((const pbwp__cut *)pairs->data)[i], exponent,
+                            round > 1 ? ldexp(1.5, exponent - 53 + round - 2) : 0, &cuts);
+    }
+    if (ok) {
+        pbwp__sort((pbwp__cut *)cuts.data, cuts.count);
+        ok = pbwp__cut_segments(job, &cuts);
+    }
+    pbwp__release(&job->memory, &cuts);
+    return ok ? PBW_OK : pbwp__say(job, PBW_ERROR_MEMORY, NULL);
+}
+
+/* Reports all crossings: the error of an input that has some. */
+static pbw_status pbwp__refuse(pbwp__job *job, pbwp__array *pairs)
+{
+    pbwp__cut *pair = (pbwp__cut *)pairs->data;
+    size_t i;
+    for (i = 0; i < pairs->count; i++) {
+        const pbw_index s = ((const pbwp__piece *)job->segments.data)[pair[i].segment].id;
+        const pbw_index t = ((const pbwp__piece *)job->segments.data)[pair[i].other].id;
+        pair[i].segment = s < t ? s : t;
+        pair[i].other = s < t ? t : s;
+    }
+    pbwp__sort(pair, pairs->count);
+    if (!pbwp__room(&job->memory, &job->crossings, 2 * pairs->count, sizeof(pbw_index))) {
+        return pbwp__say(job, PBW_ERROR_MEMORY, NULL);
+    }
+    for (i = 0; i < pairs->count; i++) {
+        PBWP__INDICES(job->crossings)[2 * i] = pair[i].segment;
+        PBWP__INDICES(job->crossings)[2 * i + 1] = pair[i].other;
+    }
+    job->crossings.count = 2 * pairs->count;
+    snprintf(job->plane->what, sizeof job->plane->what, "segments %u and %u cross; crossings in all: %lu",
+             (unsigned)pair[0].segment, (unsigned)pair[0].other, (unsigned long)pairs->count);
+    return PBW_ERROR_ARGUMENT;
+}
+
+/* The constrained triangulation, after as many rounds of splitting as are needed.  One or two are the rule; where
+   coordinates of very different exponents meet, parts can go on to cross as they bend, and the call gives up. */
+static pbw_status pbwp__constrain_all(pbwp__job *job)
+{
+    pbwp__array pairs;
+    pbw_status status;
+    size_t most = 0;
+    int crosses = 0;
+    memset(&pairs, 0, sizeof pairs);
+    status = pbwp__constrain(job, &crosses);
+    while (status == PBW_OK && crosses) {
+        status = pbwp__cut_at_points(job);
+        if (status == PBW_OK) {
+            status = pbwp__find_pairs(job, &pairs);
+        }
+        if (status == PBW_OK && (job->options->flags & PBW_PLANE_SPLIT_CROSSINGS) == 0) {
+            status = pbwp__refuse(job, &pairs);
+        } else if (status == PBW_OK && (job->plane->report.rounds == PBWP__ROUNDS
+                                        || (most != 0 && job->segments.count > most))) {
+            status = pbwp__say(job, PBW_ERROR_ARGUMENT, "rounded crossings do not settle: segments still cross");
+        }
+        if (status == PBW_OK) {
+            job->plane->report.rounds++;
+            status = pbwp__split(job, &pairs);
+            most = most != 0 ? most : 8 * job->segments.count + 256;
+        }
+        if (status == PBW_OK) {
+            status = pbwp__constrain(job, &crosses);
+        }
+    }
+    pbwp__release(&job->memory, &pairs);
+    return status;
+}
+
+/* ------------------------------------------------------------------------------------------------------
+   Domain: which triangles belong to it.
+   In: the constrained triangulation of the convex hull.  Out: regions, their winding numbers; the other triangles are
+   gone, and every edge on the border is a constraint.
+
+   Components are what can be reached without crossing a constraint; component 0 is what can be reached from outside.
+   A constraint with one component on both sides, such as a segment that sticks out, separates nothing.  From one
+   component to another the winding number changes by the pieces on the edge between, each with its direction.
+   ------------------------------------------------------------------------------------------------------ */
+typedef struct pbwp__component {
+    size_t first, count;                   /* its triangles, in item_of */
+    pbw_index seed;
+    int winding, known, dead;
+} pbwp__component;
+
+#define PBWP__BORDER (PBW_NONE - 1)        /* an edge that is a constraint because the hull ends there */
+
+static int pbwp__winding_of(const pbwp__job *job, pbw_index edge, pbw_index u, pbw_index v)
+{
+    const int forwards = pbwp__before(job, u, v);
+    int sum = 0;
+    while (edge != PBW_NONE) {
+        pbw_index number = edge;
+        pbwp__piece piece;
+        edge = PBW_NONE;
+        if (number >= job->piece_count) {
+            const pbwp__group group = ((const pbwp__group *)job->groups.data)[number - job->piece_count];
+            number = group.piece;
+            edge = group.rest;
+        }
+        piece = ((const pbwp__piece *)job->pieces.data)[number];
+        sum += pbwp__before(job, piece.a, piece.b) == forwards ? 1 : -1;
+    }
+    return sum;
+}
+
+/* Gives a triangle, and what can be reached from it, to a component.  The triangles are added to item_of. */
+static void pbwp__flood(pbwp__job *job, pbw_index slot, pbw_index component)
+{
+    pbw_index *item = PBWP__INDICES(job->item_of);
+    size_t at = job->item_of.count;
+    unsigned k;
+    if (job->t[slot].region != PBW_NONE) {
+        return;
+    }
+    job->t[slot].region = component;
+    item[job->item_of.count++] = slot;
+    for (; at < job->item_of.count; at++) {
+        const pbwp__triangle *t = job->t + item[at];
+        for (k = 0; k < 3; k++) {
+            if (t->edge[k] == PBW_NONE && t->link[k] != PBW_NONE
+                && job->t[PBWP__SLOT(t->link[k])].region == PBW_NONE) {
+                job->t[PBWP__SLOT(t->link[k])].region = component;
+                item[job->item_of.count++] = PBWP__SLOT(t->link[k]);
+            }
+        }
+    }
+}
+
+static int pbwp__add_component(pbwp__job *job, size_t first)
+{
+    pbwp__component *c;
+    if (!pbwp__room(&job->memory, &job->components, 1, sizeof *c)) {
+        return 0;
+    }
+    c = (pbwp__component *)job->components.data + job->components.count++;
+    memset(c, 0, sizeof *c);
+    c->first = first;
+    c->count = job->item_of.count - first;
+    c->seed = PBW_NONE;
+    return 1;
+}
+
+static int pbwp__find_components(pbwp__job *job)
+{
+    const size_t n = job->triangles.count;
+    size_t i, k;
+    job->item_of.count = job->components.count = 0;
+    if (!pbwp__room(&job->memory, &job->item_of, n, sizeof(pbw_index))) {
+        return 0;
+    }
+    for (i = 0; i < n; i++) {
+        job->t[i].region = PBW_NONE;
+    }
+    for (i = 0; i < n; i++) {
+        const pbwp__triangle *t = job->t + i;
+        for (k = 0; t->v[0] != PBW_NONE && k < 3; k++) {
+            if (t->link[k] == PBW_NONE && t->edge[k] == PBW_NONE) {
+                pbwp__flood(job, (pbw_index)i, 0);
+            }
+        }
+    }
+    if (!pbwp__add_component(job, 0)) {
+        return 0;
+    }
+    for (i = 0; i < n; i++) {
+        const size_t first = job->item_of.count;
+        if (job->t[i].v[0] != PBW_NONE && job->t[i].region == PBW_NONE) {
+            pbwp__flood(job, (pbw_index)i, (pbw_index)job->components.count);
+            if (!pbwp__add_component(job, first)) {
+                return 0;
+            }
+        }
+    }
+    return 1;
+}
+
+/* Sets or compares the winding number of a component beyond an edge; 0 if it has another one already. */
+static int pbwp__set_winding(pbwp__job *job, pbw_index component, int winding)
+{
+    pbwp__component *c = (pbwp__component *)job->components.data + component;
+    if (!c->known) {
+        c->known = 1;
+        c->winding = winding;
+        job->stack.count++;
+        PBWP__INDICES(job->stack)[job->stack.count - 1] = component;
+        return 1;
+    }
+    return c->winding == winding;
+}
+
+/* Winding numbers of all components, from 0 outside.  Returns an edge at which they do not agree, PBW_NONE if they
+   do. */
+static pbw_index pbwp__wind(pbwp__job *job)
+{
+    pbwp__component *c = (pbwp__component *)job->components.data;
+    size_t at, i;
+    unsigned k;
+    job->stack.count = 0;
+    (void)pbwp__set_winding(job, 0, 0);
+    for (i = 0; i < job->triangles.count; i++) {     /* hull edges: from outside */
+        const pbwp__triangle *t = job->t + i;
+        for (k = 0; t->v[0] != PBW_NONE && t->region != 0 && k < 3; k++) {
+            if (t->link[k] == PBW_NONE && !pbwp__set_winding(job, t->region,
+                pbwp__winding_of(job, t->edge[k], t->v[pbwp__next[k]], t->v[pbwp__last[k]]))) {
+                return t->edge[k];
+            }
+        }
+    }
+    for (at = 0; at < job->stack.count; at++) {
+        const pbw_index here = PBWP__INDICES(job->stack)[at];
+        for (i = c[here].first; i < c[here].first + c[here].count; i++) {
+            const pbwp__triangle *t = job->t + PBWP__INDICES(job->item_of)[i];
+            for (k = 0; k < 3; k++) {
+                const pbw_index beyond = t->link[k] == PBW_NONE ? here : job->t[PBWP__SLOT(t->link[k])].region;
+                if (beyond != here && !pbwp__set_winding(job, beyond, c[here].winding
+                    - pbwp__winding_of(job, t->edge[k], t->v[pbwp__next[k]], t->v[pbwp__last[k]]))) {
+                    return t->edge[k];
+                }
+            }
+        }
+    }
+    return PBW_NONE;
+}
+
+/* A triangle that contains a point, found from one near it; PBW_NONE outside.  A walk through constrained triangles
+   may go round in circles: after too many steps all are searched. */
+static pbw_index pbwp__locate(const pbwp__job *job, const double *q, pbw_index start)
+{
+    pbw_index slot = start;
+    size_t steps, i;
+    unsigned k;
+    for (steps = 0; steps < 64 + 8 * job->triangles.count; steps++) {
+        for (k = 0; k < 3; k++) {
+            const unsigned e = (unsigned)((k + steps) % 3);
+            const pbwp__triangle *t = job->t + slot;
+            if (pbwp__orient_at(job, job->p + 2 * (size_t)t->v[pbwp__next[e]],
+                                job->p + 2 * (size_t)t->v[pbwp__last[e]], q) < 0) {
+                if (t->link[e] == PBW_NONE) {
+                    return PBW_NONE;
+                }
+                slot = PBWP__SLOT(t->link[e]);
+                break;
+            }
+        }
+        if (k == 3) {
+            return slot;
+        }
+    }
+    for (i = 0; i < job->triangles.count; i++) {
+        const pbwp__triangle *t = job->t + i;
+        for (k = 0; t->v[0] != PBW_NONE && k < 3; k++) {
+            if (pbwp__orient_at(job, job->p + 2 * (size_t)t->v[pbwp__next[k]],
+                                job->p + 2 * (size_t)t->v[pbwp__last[k]], q) < 0) {
+                break;
+            }
+        }
+        if (t->v[0] != PBW_NONE && k == 3) {
+            return (pbw_index)i;
+        }
+    }
+    return PBW_NONE;
+}
+
+/* Marks the components of holes dead, and those of regions with their seed. */
+static pbw_status pbwp__plant_seeds(pbwp__job *job)
+{
+    const pbw_plane_input *in = job->input;
+    pbwp__component *c = (pbwp__component *)job->components.data;
+    pbw_index slot = PBWP__INDICES(job->item_of)[0], found;
+    size_t i;
+    for (i = 0; i < in->hole_count + in->region_count; i++) {
+        const int is_hole = i < in->hole_count;
+        double q[2];
+        q[0] = is_hole ? in->holes[2 * i] : in->regions[i - in->hole_count].x;
+        q[1] = is_hole ? in->holes[2 * i + 1] : in->regions[i - in->hole_count].y;
+        if (!(fabs(q[0]) <= 1.7976931348623157e308 && fabs(q[1]) <= 1.7976931348623157e308)) {
+            return pbwp__say(job, PBW_ERROR_NOT_FINITE, "a hole or region is at a place that is not finite");
+        }
+        found = pbwp__locate(job, q, slot);
+        slot = found == PBW_NONE ? slot : found;
+        if (found != PBW_NONE && is_hole) {
+            c[job->t[found].region].dead = 1;
+        } else if (found != PBW_NONE) {
+            c[job->t[found].region].seed = (pbw_index)(i - in->hole_count);
+        }
+    }
+    return PBW_OK;
+}
+
+/* Removes the triangles of dead components. */
+static void pbwp__carve(pbwp__job *job)
+{
+    const pbwp__component *c = (const pbwp__component *)job->components.data;
+    size_t i;
+    unsigned k;
+    for (i = 0; i < job->triangles.count; i++) {
+        const pbwp__triangle *t = job->t + i;
+        if (t->v[0] != PBW_NONE && c[t->region].dead) {
+            for (k = 0; k < 3; k++) {
+                if (t->link[k] != PBW_NONE) {
+                    job->t[PBWP__SLOT(t->link[k])].link[PBWP__SIDE(t->link[k])] = PBW_NONE;
+                }
+            }
+            pbwp__free_slot(job, (pbw_index)i);
+        }
+    }
+    memset(job->incident, 255, job->incidents.count * sizeof *job->incident);
+    for (i = 0; i < job->triangles.count; i++) {
+        pbwp__triangle *t = job->t + i;
+        for (k = 0; t->v[0] != PBW_NONE && k < 3; k++) {
+            job->incident[t->v[k]] = (pbw_index)i;
+            if (t->link[k] == PBW_NONE && t->edge[k] == PBW_NONE) {
+                t->edge[k] = PBWP__BORDER;
+            }
+        }
+    }
+}
+
+static pbw_status pbwp__find_domain(pbwp__job *job)
+{
+    const pbw_plane_rule rule = job->options->rule;
+    pbwp__component *c;
+    pbw_status status;
+    size_t i;
+    if (!pbwp__find_components(job) || (job->stack.count = 0,
+        !pbwp__room(&job->memory, &job->stack, job->components.count, sizeof(pbw_index)))) {
+        return pbwp__say(job, PBW_ERROR_MEMORY, NULL);
+    }
+    if (rule == PBW_PLANE_EVEN_ODD || rule == PBW_PLANE_NONZERO) {
+        pbw_index edge = pbwp__wind(job);
+        if (edge != PBW_NONE) {
+            if (edge >= job->piece_count) {
+                edge = ((const pbwp__group *)job->groups.data)[edge - job->piece_count].piece;
+            }
+            snprintf(job->plane->what, sizeof job->plane->what,
+                     "the segments do not close, which winding numbers need: see segment %u",
+                     (unsigned)((const pbwp__piece *)job->pieces.data)[edge].id);
+            return PBW_ERROR_ARGUMENT;
+        }
+    }
+    status = pbwp__plant_seeds(job);
+    c = (pbwp__component *)job->components.data;
+    for (i = 0; i < job->components.count; i++) {
+        c[i].dead |= rule == PBW_PLANE_EVEN_ODD ? c[i].winding % 2 == 0
+                   : rule == PBW_PLANE_NONZERO ? c[i].winding == 0 : rule == PBW_PLANE_SEEDS && i == 0;
+    }
+    if (status == PBW_OK) {
+        pbwp__carve(job);
+    }
+    return status;
+}
+
+/* ------------------------------------------------------------------------------------------------------
+   Refinement: no angle below the bound, no triangle above its size.
+   In: the domain.  Out: the domain with more points.
+   Holds: the constrained Delaunay triangulation of the points and parts of segments there are, after each step.
+
+   Three kinds of work, the first that there is first:
+     segments   that a point encroaches upon, lying in their lens: it sees them at more than 180 - 2 bound degrees
+     sizes      triangles that are too large, the last first: a point goes to their circumcentre
+     angles     triangles with an angle below the bound, those with the shortest edge first: a point goes to their
+                circumcentre, or nearer to the shortest edge, where a triangle with just the bound comes out (the
+                off-centre of Ungor 2009)
+   A point that would encroach upon segments, or lies beyond one, is not inserted: those segments are split.  Free
+   points in the diametral circle of a segment are removed before it is split (Chew 1993).
+   It ends: a segment with one end of the input is split at a power of two from there, so that segments which meet at
+   a small angle are split at one distance; a triangle whose shortest edge joins two such points is left alone, as is
+   an angle between two segments (Miller, Pav and Walkington 2003).  No split makes an edge shorter than 1e-10 of the
+   domain, so that points are apart and finitely many.
+   ------------------------------------------------------------------------------------------------------ */
+typedef struct pbwp__host {                /* an edge of the constrained triangulation */
+    pbw_index a, b, edge;
+    int stuck;                             /* 1: a part of it could not be split, for want of digits */
+} pbwp__host;
+typedef struct pbwp__rim { pbw_index u, v, link, edge, region; } pbwp__rim;      /* of a cavity */
+enum { PBWP__CLASSES = 64 };
+
+#define PBWP__FREE PBW_NONE                /* vertex_host of points in no segment */
+#define PBWP__INPUT (PBW_NONE - 1)         /* of the caller's */
+
+typedef struct pbwp__refiner {
+    pbwp__job *job;
+    double cosine2, lens2, off;            /* squared cosine of the bound, of the lens; off-centre's height */
+    double least2;                         /* squared least length */
+    int classes, has_sizes;                /* exponent of class 0; sizes at vertices are in use */
+    uint64_t filled;                       /* bit: that class has triangles */
+    pbwp__array class_of[PBWP__CLASSES], large, splits;
+    pbwp__array slots, rim, hits;          /* a cavity: its triangles, its border, segments encroached upon */
+    size_t inserted;
+    int no_memory;
+} pbwp__refiner;
+
+static pbw_index pbwp__host_of(const pbwp__job *job, pbw_index edge)
+{
+    return job->hosts.count > 0 ? ((const pbwp__host *)job->hosts.data)[edge].edge : edge;
+}
+
+static double pbwp__distance2(const double *a, const double *b)
+{
+    const double x = a[0] - b[0], y = a[1] - b[1];
+    return x * x + y * y;
+}
+
+static const double *pbwp__point(const pbwp__refiner *r, pbw_index v)
+{
+    return r->job->p + 2 * (size_t)v;
+}
+
+static pbw_index pbwp__vertex_host(const pbwp__refiner *r, pbw_index v)
+{
+    return PBWP__INDICES(r->job->vertex_host)[v];
+}
+
+static void pbwp__add(pbwp__refiner *r, pbwp__array *array, pbw_index item)
+{
+    r->no_memory |= !pbwp__push(&r->job->memory, array, item);
+}
+
+/* Whether a point is in the lens of the segment u-v. */
+static int pbwp__in_lens(const pbwp__refiner *r, const double *u, const double *v, const double *p)
+{
+    const double dot = (u[0] - p[0]) * (v[0] - p[0]) + (u[1] - p[1]) * (v[1] - p[1]);
+    return dot < 0 && dot * dot >= r->lens2 * pbwp__distance2(u, p) * pbwp__distance2(v, p);
+}
+
+static int pbwp__may_split(const pbwp__refiner *r, pbw_index code)
+{
+    const unsigned flags = r->job->options->flags;
+    const pbwp__triangle *t = r->job->t + PBWP__SLOT(code);
+    const pbw_index beyond = t->link[PBWP__SIDE(code)];
+    return !((const pbwp__host *)r->job->hosts.data)[t->edge[PBWP__SIDE(code)]].stuck
+        && (flags & PBW_PLANE_KEEP_SEGMENTS) == 0 && ((flags & PBW_PLANE_KEEP_BOUNDARY) == 0 || beyond != PBW_NONE);
+}
+
+/* ---- what is wrong with a triangle */
+
+/* Whether u and w are at one distance from a point of the input, on two segments from there. */
+static int pbwp__are_twins(const pbwp__refiner *r, pbw_index u, pbw_index w)
+{
+    const pbw_index hu = pbwp__vertex_host(r, u), hw = pbwp__vertex_host(r, w);
+    const pbwp__host *host = (const pbwp__host *)r->job->hosts.data;
+    double one, other;
+    pbw_index z;
+    if (hu >= PBWP__INPUT || hw >= PBWP__INPUT || hu == hw) {
+        return 0;
+    }
+    z = host[hu].a == host[hw].a || host[hu].a == host[hw].b ? host[hu].a
+      : host[hu].b == host[hw].a || host[hu].b == host[hw].b ? host[hu].b : PBW_NONE;
+    if (z == PBW_NONE) {
+        return 0;
+    }
+    one = pbwp__distance2(pbwp__point(r, z), pbwp__point(r, u));
+    other = pbwp__distance2(pbwp__point(r, z), pbwp__point(r, w));
+    return fabs(one - other) <= 1e-3 * one;
+}
+
+/* Squares of the lengths of edges; returns the shortest. */
+static unsigned pbwp__lengths(const pbwp__refiner *r, const pbwp__triangle *t, double length2[3])
+{
+    unsigned k;
+    for (k = 0; k < 3; k++) {
+        length2[k] = pbwp__distance2(pbwp__point(r, t->v[pbwp__next[k]]), pbwp__point(r, t->v[pbwp__last[k]]));
+    }
+    return length2[0] <= length2[1] && length2[0] <= length2[2] ? 0u : length2[1] <= length2[2] ? 1u : 2u;
+}
+
+static int pbwp__is_sharp(const pbwp__refiner *r, const double length2[3], unsigned shortest)
+{
+    const double a = length2[pbwp__next[shortest]], b = length2[pbwp__last[shortest]];
+    const double dot = a + b - length2[shortest];
+    return dot * dot > 4 * r->cosine2 * a * b;
+}
+
+/* Whether the small angle is one that points cannot mend. */
+static int pbwp__is_given(const pbwp__refiner *r, const pbwp__triangle *t, unsigned shortest)
+{
+    return (t->edge[pbwp__next[shortest]] != PBW_NONE && t->edge[pbwp__last[shortest]] != PBW_NONE)
+        || pbwp__are_twins(r, t->v[pbwp__next[shortest]], t->v[pbwp__last[shortest]]);
+}
+
+static double pbwp__twice_area(const pbwp__refiner *r, const pbwp__triangle *t)
+{
+    const double *a = pbwp__point(r, t->v[0]), *b = pbwp__point(r, t->v[1]), *c = pbwp__point(r, t->v[2]);
+    return (b[0] - a[0]) * (c[1] - a[1]) - (b[1] - a[1]) * (c[0] - a[0]);
+}
+
+static int pbwp__is_large(const pbwp__refiner *r, const pbwp__triangle *t, const double length2[3])
+{
+    const pbw_plane_options *o = r->job->options;
+    const pbwp__component *component = (const pbwp__component *)r->job->components.data + (t->region & ~PBWP__CAVITY);
+    const double longest2 = fmax(fmax(length2[0], length2[1]), length2[2]);
+    double area = o->area, size = o->size, there;
+    if (component->seed != PBW_NONE) {
+        there = r->job->input->regions[component->seed].area;
+        area = there > 0 && (!(area > 0) || there < area) ? there : area;
+    }
+    if (area > 0 && pbwp__twice_area(r, t) > 2 * area) {
+        return 1;
+    }
+    if (r->has_sizes) {
+        const double *sizes = PBWP__DOUBLES(r->job->sizes);
+        there = (sizes[t->v[0]] + sizes[t->v[1]] + sizes[t->v[2]]) / 3;
+        size = !(size > 0) || there < size ? there : size;
+    }
+    if (o->size_at != NULL) {
+        const double *a = pbwp__point(r, t->v[0]), *b = pbwp__point(r, t->v[1]), *c = pbwp__point(r, t->v[2]);
+        there = o->size_at(o->size_user, (a[0] + b[0] + c[0]) / 3, (a[1] + b[1] + c[1]) / 3);
+        size = there > 0 && (!(size > 0) || there < size) ? there : size;
+    }
+    return size > 0 && longest2 > size * size && longest2 > 16 * r->least2;
+}
+
+static int pbwp__class_of(const pbwp__refiner *r, double length2)
+{
+    int exponent;
+    (void)frexp(length2, &exponent);
+    exponent = r->classes - exponent;
+    return exponent < 0 ? 0 : exponent >= PBWP__CLASSES ? PBWP__CLASSES - 1 : exponent;
+}
+
+/* Puts a triangle, and the segments beside it, where the work on them waits. */
+static void pbwp__examine(pbwp__refiner *r, pbw_index slot)
+{
+    const pbwp__triangle *t = r->job->t + slot;
+    double length2[3];
+    unsigned shortest, k;
+    for (k = 0; k < 3; k++) {
+        const pbw_index u = t->v[pbwp__next[k]], v = t->v[pbwp__last[k]];
+        if (t->edge[k] != PBW_NONE
+            && pbwp__in_lens(r, pbwp__point(r, u), pbwp__point(r, v), pbwp__point(r, t->v[k]))) {
+            pbwp__add(r, &r->splits, u);
+            pbwp__add(r, &r->splits, v);
+        }
+    }
+    shortest = pbwp__lengths(r, t, length2);
+    if (pbwp__is_large(r, t, length2)) {
+        pbwp__add(r, &r->large, slot);
+    }
+    if (pbwp__is_sharp(r, length2, shortest)) {
+        const int c = pbwp__class_of(r, length2[shortest]);
+        pbwp__add(r, r->class_of + c, slot);
+        r->filled |= (uint64_t)1 << c;
+    }
+}
+
+/* ---- cavities */
+
+static void pbwp__dig_here(pbwp__refiner *r, pbw_index slot)
+{
+    r->job->t[slot].region |= PBWP__CAVITY;
+    pbwp__add(r, &r->slots, slot);
+}
+
+/* Digs on from the triangles in slots: all that are in conflict with p, without crossing a segment. */
+static void pbwp__dig(pbwp__refiner *r, const double *p)
+{
+    pbwp__job *job = r->job;
+    size_t at;
+    unsigned k;
+    r->rim.count = 0;
+    for (at = 0; at < r->slots.count && !r->no_memory; at++) {
+        const pbw_index slot = PBWP__INDICES(r->slots)[at];
+        if (!pbwp__room(&job->memory, &r->rim, 3, sizeof(pbwp__rim))) {
+            r->no_memory = 1;
+        }
+        for (k = 0; k < 3 && !r->no_memory; k++) {
+            const pbwp__triangle *t = job->t + slot;
+            const pbw_index link = t->link[k];
+            if (link != PBW_NONE && t->edge[k] == PBW_NONE) {
+                const pbwp__triangle *n = job->t + PBWP__SLOT(link);
+                if ((n->region & PBWP__CAVITY) != 0) {
+                    continue;
+                }
+                if (pbwp__conflict_at(job, pbwp__point(r, n->v[0]), pbwp__point(r, n->v[1]), pbwp__point(r, n->v[2]),
+                                      p)) {
+                    pbwp__dig_here(r, PBWP__SLOT(link));
+                    continue;
+                }
+            }
+            {
+                pbwp__rim *rim = (pbwp__rim *)r->rim.data + r->rim.count++;
+                rim->u = t->v[pbwp__next[k]];
+                rim->v = t->v[pbwp__last[k]];
+                rim->link = link;
+                rim->edge = t->edge[k];
+                rim->region = t->region & ~PBWP__CAVITY;
+            }
+        }
+    }
+}
+
+static void pbwp__undig(pbwp__refiner *r)
+{
+    size_t i;
+    for (i = 0; i < r->slots.count; i++) {
+        r->job->t[PBWP__INDICES(r->slots)[i]].region &= ~PBWP__CAVITY;
+    }
+}
+
+/* Whether p sees every edge of the rim from inside. */
+static int pbwp__is_star(const pbwp__refiner *r, const double *p)
+{
+    const pbwp__rim *rim = (const pbwp__rim *)r->rim.data;
+    size_t i;
+    for (i = 0; i < r->rim.count; i++) {
+        if (pbwp__orient_at(r->job, p, pbwp__point(r, rim[i].u), pbwp__point(r, rim[i].v)) <= 0) {
+            return 0;
+        }
+    }
+    return 1;
+}
+
+/* Adds a vertex.  Returns it, PBW_NONE without memory. */
+static pbw_index pbwp__add_vertex(pbwp__refiner *r, const double *at, pbw_index host, double size)
+{
+    pbwp__job *job = r->job;
+    const double p[2] = { at[0], at[1] };
+    const size_t v = job->points.count;
+    if (v >= PBWP__INPUT - 1 || !pbwp__room(&job->memory, &job->points, 1, 2 * sizeof(double))
+        || !pbwp__room(&job->memory, &job->incidents, 1, sizeof(pbw_index))
+        || !pbwp__room(&job->memory, &job->vertex_host, 1, sizeof(pbw_index))
+        || (r->has_sizes && !pbwp__room(&job->memory, &job->sizes, 1, sizeof(double)))) {
+        r->no_memory = 1;
+        return PBW_NONE;
+    }
+    job->p = PBWP__DOUBLES(job->points);
+    job->incident = PBWP__INDICES(job->incidents);
+    memcpy(job->p + 2 * v, p, sizeof p);
+    job->incident[v] = PBW_NONE;
+    PBWP__INDICES(job->vertex_host)[v] = host;
+    if (r->has_sizes) {
+        PBWP__DOUBLES(job->sizes)[v] = size;
+        job->sizes.count = v + 1;
+    }
+    job->points.count = job->incidents.count = job->vertex_host.count = v + 1;
+    return (pbw_index)v;
+}
+
+/* Replaces an edge by the other diagonal of its two triangles. */
+static void pbwp__flip(pbwp__job *job, pbw_index code)
+{
+    const pbw_index slot = PBWP__SLOT(code), other = PBWP__SLOT(job->t[slot].link[PBWP__SIDE(code)]);
+    const unsigned e = PBWP__SIDE(code), f = PBWP__SIDE(job->t[slot].link[e]);
+    pbwp__triangle *t = job->t + slot, *n = job->t + other;
+    const pbwp__triangle a = *t, b = *n;
+    t->v[0] = n->v[0] = a.v[e];
+    t->v[1] = a.v[pbwp__next[e]];
+    t->v[2] = n->v[1] = b.v[f];
+    n->v[2] = a.v[pbwp__last[e]];
+    t->edge[0] = b.edge[pbwp__next[f]];
+    t->edge[2] = a.edge[pbwp__last[e]];
+    n->edge[0] = b.edge[pbwp__last[f]];
+    n->edge[1] = a.edge[pbwp__next[e]];
+    t->edge[1] = n->edge[2] = PBW_NONE;
+    pbwp__join(job, 4 * slot, b.link[pbwp__next[f]]);
+    pbwp__join(job, 4 * slot + 2, a.link[pbwp__last[e]]);
+    pbwp__join(job, 4 * other, b.link[pbwp__last[f]]);
+    pbwp__join(job, 4 * other + 1, a.link[pbwp__next[e]]);
+    pbwp__join(job, 4 * slot + 1, 4 * other + 2);
+    job->incident[t->v[0]] = job->incident[t->v[1]] = job->incident[t->v[2]] = slot;
+    job->incident[n->v[2]] = other;
+}
+
+/* Flips free edges of the triangles in slots, and what follows, until all are locally regular (Lawson 1977).  A point
+   beside its segment by an ulp can be outside of circles that the cavity takes it to be in. */
+static void pbwp__legalise(pbwp__refiner *r)
+{
+    pbwp__job *job = r->job;
+    size_t at;
+    unsigned k;
+    for (at = 0; at < r->slots.count && !r->no_memory; at++) {
+        const pbw_index slot = PBWP__INDICES(r->slots)[at];
+        for (k = 0; k < 3; k++) {
+            const pbwp__triangle *t = job->t + slot;
+            const pbw_index link = t->link[k];
+            if (t->edge[k] == PBW_NONE && link != PBW_NONE
+                && pbwp__conflict(job, t->v[0], t->v[1], t->v[2], job->t[PBWP__SLOT(link)].v[PBWP__SIDE(link)])) {
+                pbwp__flip(job, 4 * slot + k);
+                pbwp__add(r, &r->slots, slot);
+                pbwp__add(r, &r->slots, PBWP__SLOT(link));
+                break;
+            }
+        }
+    }
+}
+
+/* Fills the cavity with triangles at vertex p, and looks at them.  a, b, edge: p splits that segment; else PBW_NONE.
+   */
+static int pbwp__refill_star(pbwp__refiner *r, pbw_index p, pbw_index a, pbw_index b, pbw_index edge)
+{
+    pbwp__job *job = r->job;
+    const size_t count = r->rim.count;
+    size_t i;
+    if (!pbwp__reserve_slots(job, count)) {
+        r->no_memory = 1;
+        return 0;
+    }
+    for (i = 0; i < r->slots.count; i++) {
+        pbwp__free_slot(job, PBWP__INDICES(r->slots)[i]);
+    }
+    r->slots.count = 0;
+    for (i = 0; i < count; i++) {
+        const pbwp__rim rim = ((const pbwp__rim *)r->rim.data)[i];
+        const pbw_index slot = pbwp__take_slot(job);
+        pbwp__triangle *t = job->t + slot;
+        t->v[0] = p;
+        t->v[1] = rim.u;
+        t->v[2] = rim.v;
+        t->edge[0] = rim.edge;
+        t->edge[1] = rim.v == a || rim.v == b ? edge : PBW_NONE;
+        t->edge[2] = rim.u == a || rim.u == b ? edge : PBW_NONE;
+        t->link[1] = t->link[2] = PBW_NONE;
+        t->region = rim.region;
+        pbwp__join(job, 4 * slot, rim.link);
+        job->incident[rim.u] = slot;
+        job->incident[p] = slot;
+        pbwp__add(r, &r->slots, slot);
+    }
+    for (i = 0; i < count && !r->no_memory; i++) {
+        const pbw_index slot = PBWP__INDICES(r->slots)[i], next = job->incident[job->t[slot].v[2]];
+        if (job->t[next].v[0] == p && job->t[next].v[1] == job->t[slot].v[2]) {
+            pbwp__join(job, 4 * slot + 1, 4 * next + 2);
+        } else {
+            job->incident[job->t[slot].v[2]] = slot;     /* the border ends here */
+        }
+    }
+    if (edge != PBW_NONE) {
+        pbwp__legalise(r);
+    }
+    for (i = 0; i < r->slots.count && !r->no_memory; i++) {
+        pbwp__examine(r, PBWP__INDICES(r->slots)[i]);
+    }
+    r->inserted++;
+    return 1;
+}
+
+/* ---- removing a vertex */
+
+/* Whether the new triangles are positive and locally regular. */
+static int pbwp__is_good_fill(const pbwp__job *job)
+{
+    size_t i;
+    unsigned k;
+    for (i = 0; i < job->fresh.count; i++) {
+        const pbwp__triangle *t = job->t + PBWP__INDICES(job->fresh)[i];
+        if (pbwp__orient(job, t->v[0], t->v[1], t->v[2]) <= 0) {
+            return 0;
+        }
+    }
+    for (i = 0; i < job->fresh.count; i++) {
+        const pbwp__triangle *t = job->t + PBWP__INDICES(job->fresh)[i];
+        for (k = 0; k < 3; k++) {
+            if (t->edge[k] == PBW_NONE && pbwp__conflict(job, t->v[0], t->v[1], t->v[2],
+                job->t[PBWP__SLOT(t->link[k])].v[PBWP__SIDE(t->link[k])])) {
+                return 0;
+            }
+        }
+    }
+    return 1;
+}
+
+/* Takes a free vertex out of the triangulation.  Returns 0, with nothing changed, where that cannot be done. */
+static int pbwp__remove(pbwp__refiner *r, pbw_index vertex)
+{
+    pbwp__job *job = r->job;
+    const pbw_index start = pbwp__corner_of(job, vertex);
+    pbw_index corner = start, base = PBW_NONE, last, region = job->t[PBWP__SLOT(start)].region;
+    size_t i, count;
+    int good;
+    job->chain[0].count = job->inner[0].count = job->old.count = job->fresh.count = 0;
+    do {
+        const pbwp__triangle *t = job->t + PBWP__SLOT(corner);
+        const unsigned k = PBWP__SIDE(corner);
+        if (t->edge[pbwp__next[k]] != PBW_NONE || !pbwp__chain_push(job, 0, t->v[pbwp__next[k]], corner)
+            || !pbwp__push(&job->memory, &job->old, PBWP__SLOT(corner))) {
+            return 0;
+        }
+        corner = pbwp__round(job, corner, 0);
+    } while (corner != start);
+    count = job->chain[0].count;
+    if (!pbwp__reserve_slots(job, count) || !pbwp__room(&job->memory, &job->fresh, count, sizeof(pbw_index))) {
+        r->no_memory = 1;
+        return 0;
+    }
+    last = PBWP__INDICES(job->inner[0])[count - 1];
+    pbwp__reverse(PBWP__INDICES(job->chain[0]), count);
+    pbwp__reverse(PBWP__INDICES(job->inner[0]), count - 1);
+    base = pbwp__fill(job, PBWP__INDICES(job->chain[0]), PBWP__INDICES(job->inner[0]), count, region);
+    good = base != PBW_NONE;
+    if (good) {
+        job->t[PBWP__SLOT(base)].edge[PBWP__SIDE(base)] = job->t[PBWP__SLOT(last)].edge[PBWP__SIDE(last)];
+        pbwp__join(job, base, job->t[PBWP__SLOT(last)].link[PBWP__SIDE(last)]);
+        good = pbwp__is_good_fill(job);
+    }
+    if (!good) {                                     /* the old triangles are still there: link them again */
+        for (i = 0; i < job->fresh.count; i++) {
+            pbwp__free_slot(job, PBWP__INDICES(job->fresh)[i]);
+        }
+        for (corner = start, i = 0; i < count; i++) {
+            const pbwp__triangle *t = job->t + PBWP__SLOT(corner);
+            pbwp__join(job, corner, t->link[PBWP__SIDE(corner)]);
+            job->incident[t->v[pbwp__next[PBWP__SIDE(corner)]]] = PBWP__SLOT(corner);
+            corner = pbwp__round(job, corner, 0);
+        }
+        return 0;
+    }
+    for (i = 0; i < count; i++) {
+        pbwp__free_slot(job, PBWP__INDICES(job->old)[i]);
+    }
+    job->incident[vertex] = PBW_NONE;
+    job->plane->report.removed++;
+    for (i = 0; i < job->fresh.count; i++) {
+        pbwp__examine(r, PBWP__INDICES(job->fresh)[i]);
+    }
+    return 1;
+}
+
+/* Removes free vertices that see an edge of a segment at an angle above 90 degrees. */
+static void pbwp__clear(pbwp__refiner *r, pbw_index u, pbw_index v)
+{
+    pbwp__job *job = r->job;
+    int more = job->plane->report.removed / 4 < job->points.count + 250, side;   /* an end, however numbers round */
+    while (more && !r->no_memory) {
+        pbw_index code = pbwp__find_edge(job, u, v);
+        more = 0;
+        for (side = 0; side < 2 && code != PBW_NONE && !more; side++) {
+            const pbw_index x = job->t[PBWP__SLOT(code)].v[PBWP__SIDE(code)];
+            const double *a = pbwp__point(r, u), *b = pbwp__point(r, v), *p = pbwp__point(r, x);
+            more = pbwp__vertex_host(r, x) == PBWP__FREE
+                && (a[0] - p[0]) * (b[0] - p[0]) + (a[1] - p[1]) * (b[1] - p[1]) < 0 && pbwp__remove(r, x);
+            code = more ? code : job->t[PBWP__SLOT(code)].link[PBWP__SIDE(code)];
+        }
+    }
+}
+
+/* ---- splitting a segment */
+
+/* Where to split u-v: in the middle; or, if just one end is of the input, at a power of two from it, between one
+   third and two thirds. */
+static double pbwp__where(const pbwp__refiner *r, pbw_index u, pbw_index v, double out[2])
+{
+    const int u_given = pbwp__vertex_host(r, u) == PBWP__INPUT, v_given = pbwp__vertex_host(r, v) == PBWP__INPUT;
+    const double *a = pbwp__point(r, u), *b = pbwp__point(r, v);
+    double at = 0.5;
+    int exponent;
+    if (u_given != v_given) {
+        const double length = sqrt(pbwp__distance2(a, b));
+        const double part = frexp(length, &exponent);            /* 1/2 .. 1 */
+        const double power = ldexp(part < 0.75 ? 0.25 : 0.5, exponent);
+        at = u_given ? power / length : 1 - power / length;
+    }
+    out[0] = a[0] + at * (b[0] - a[0]);
+    out[1] = a[1] + at * (b[1] - a[1]);
+    return at;
+}
+
+/* Splits an edge of a segment; unless it must, only if a corner beside it lies in its lens.  Returns whether it did.
+   */
+static int pbwp__split_edge(pbwp__refiner *r, pbw_index u, pbw_index v, int must)
+{
+    pbwp__job *job = r->job;
+    pbw_index code = pbwp__find_edge(job, u, v), beyond, edge, p;
+    double at, point[2], size = 0;
+    size_t i, kept = 0;
+    if (code == PBW_NONE || job->t[PBWP__SLOT(code)].edge[PBWP__SIDE(code)] == PBW_NONE
+        || !pbwp__may_split(r, code)) {
+        return 0;
+    }
+    beyond = job->t[PBWP__SLOT(code)].link[PBWP__SIDE(code)];
+    must = must || pbwp__in_lens(r, pbwp__point(r, u), pbwp__point(r, v),
+                                 pbwp__point(r, job->t[PBWP__SLOT(code)].v[PBWP__SIDE(code)]));
+    must = must || (beyond != PBW_NONE
+                    && pbwp__in_lens(r, pbwp__point(r, u), pbwp__point(r, v),
+                                     pbwp__point(r, job->t[PBWP__SLOT(beyond)].v[PBWP__SIDE(beyond)])));
+    if (!must) {
+        return 0;
+    }
+    if (pbwp__distance2(pbwp__point(r, u), pbwp__point(r, v)) < 16 * r->least2) {
+        job->plane->report.short_edges++;
+        return 0;
+    }
+    pbwp__clear(r, u, v);
+    code = pbwp__find_edge(job, u, v);
+    beyond = job->t[PBWP__SLOT(code)].link[PBWP__SIDE(code)];
+    edge = job->t[PBWP__SLOT(code)].edge[PBWP__SIDE(code)];
+    at = pbwp__where(r, u, v, point);
+    r->slots.count = 0;
+    pbwp__dig_here(r, PBWP__SLOT(code));
+    if (beyond != PBW_NONE) {
+        pbwp__dig_here(r, PBWP__SLOT(beyond));
+    }
+    pbwp__dig(r, point);
+    for (i = 0; i < r->rim.count; i++) {             /* the edge itself is no rim */
+        const pbwp__rim rim = ((const pbwp__rim *)r->rim.data)[i];
+        if ((rim.u != u || rim.v != v) && (rim.u != v || rim.v != u)) {
+            ((pbwp__rim *)r->rim.data)[kept++] = rim;
+        }
+    }
+    r->rim.count = kept;
+    if (r->no_memory || !pbwp__is_star(r, point)) {
+        pbwp__undig(r);
+        ((pbwp__host *)job->hosts.data)[edge].stuck = 1;
+        job->plane->report.short_edges++;
+        return 0;
+    }
+    if (r->has_sizes) {
+        size = (1 - at) * PBWP__DOUBLES(job->sizes)[u] + at * PBWP__DOUBLES(job->sizes)[v];
+    }
+    p = pbwp__add_vertex(r, point, edge, size);
+    return p != PBW_NONE && pbwp__refill_star(r, p, u, v, edge);
+}
+
+/* ---- mending a triangle */
+
+/* The place for a new point: the circumcentre, or nearer to the shortest edge. */
+static void pbwp__centre(const pbwp__refiner *r, const pbwp__triangle *t, unsigned shortest, double out[2])
+{
+    const double *o = pbwp__point(r, t->v[pbwp__next[shortest]]), *d = pbwp__point(r, t->v[pbwp__last[shortest]]);
+    const double *a = pbwp__point(r, t->v[shortest]);
+    const double dx = d[0] - o[0], dy = d[1] - o[1], ax = a[0] - o[0], ay = a[1] - o[1];
+    const double a2 = ax * ax + ay * ay, det = 2 * (dx * ay - dy * ax);
+    /* The centre is on the line through the middle of o-d, at height times its length on the left. */
+    const double height = (a2 - (ax * dx + ay * dy)) / det;
+    const double h = height < r->off ? height : r->off;
+    out[0] = o[0] + 0.5 * dx - h * dy;
+    out[1] = o[1] + 0.5 * dy + h * dx;
+}
+
+/* Walks from a triangle towards a point.  Returns the triangle that has it; or PBW_NONE, with the ends of the segment
+   in the way in hits if there is one. */
+static pbw_index pbwp__walk(pbwp__refiner *r, pbw_index slot, const double *p)
+{
+    pbwp__job *job = r->job;
+    pbw_index from = PBW_NONE;
+    int steps;
+    unsigned k;
+    for (steps = 0; steps < 10000; steps++) {
+        const pbwp__triangle *t = job->t + slot;
+        for (k = 0; k < 3; k++) {
+            const pbw_index u = t->v[pbwp__next[k]], v = t->v[pbwp__last[k]];
+            if (t->link[k] != PBW_NONE && PBWP__SLOT(t->link[k]) == from) {
+                continue;
+            }
+            if (pbwp__orient_at(job, pbwp__point(r, u), pbwp__point(r, v), p) < 0) {
+                if (t->edge[k] != PBW_NONE) {
+                    pbwp__add(r, &r->hits, u);
+                    pbwp__add(r, &r->hits, v);
+                    return PBW_NONE;
+                }
+                from = slot;
+                slot = PBWP__SLOT(t->link[k]);
+                break;
+            }
+        }
+        if (k == 3) {
+            return slot;
+        }
+    }
+    return PBW_NONE;
+}
+
+static double pbwp__size_in(const pbwp__refiner *r, const pbwp__triangle *t, const double *p)
+{
+    double weight[3], sum = 0, size = 0;
+    unsigned k;
+    for (k = 0; k < 3; k++) {
+        const double *a = pbwp__point(r, t->v[pbwp__next[k]]), *b = pbwp__point(r, t->v[pbwp__last[k]]);
+        weight[k] = fabs((a[0] - p[0]) * (b[1] - p[1]) - (a[1] - p[1]) * (b[0] - p[0]));
+        sum += weight[k];
+    }
+    for (k = 0; k < 3 && sum > 0; k++) {
+        size += weight[k] / sum * PBWP__DOUBLES(r->job->sizes)[t->v[k]];
+    }
+    return size;
+}
+
+/* Inserts a point for a triangle, or splits the segments that are in its way.  Returns whether either was done. */
+static int pbwp__mend(pbwp__refiner *r, pbw_index slot, unsigned shortest)
+{
+    pbwp__job *job = r->job;
+    double point[2], size = 0;
+    pbw_index found, p;
+    size_t i;
+    int done = 0;
+    r->hits.count = r->slots.count = 0;
+    pbwp__centre(r, job->t + slot, shortest, point);
+    if (!(fabs(point[0]) < 1e70 && fabs(point[1]) < 1e70)) {
+        return 0;
+    }
+    found = pbwp__walk(r, slot, point);
+    if (found != PBW_NONE) {
+        pbwp__dig_here(r, found);
+        pbwp__dig(r, point);
+        for (i = 0; i < r->rim.count; i++) {
+            const pbwp__rim rim = ((const pbwp__rim *)r->rim.data)[i];
+            if (rim.edge != PBW_NONE && pbwp__in_lens(r, pbwp__point(r, rim.u), pbwp__point(r, rim.v), point)) {
+                pbwp__add(r, &r->hits, rim.u);
+                pbwp__add(r, &r->hits, rim.v);
+            }
+        }
+        if (r->hits.count == 0 && !r->no_memory && pbwp__is_star(r, point)) {
+            size = r->has_sizes ? pbwp__size_in(r, job->t + found, point) : 0;
+            p = pbwp__add_vertex(r, point, PBWP__FREE, size);
+            return p != PBW_NONE && pbwp__refill_star(r, p, PBW_NONE, PBW_NONE, PBW_NONE);
+        }
+        pbwp__undig(r);
+    }
+    for (i = 0; i < r->hits.count && !r->no_memory; i += 2) {
+        done |= pbwp__split_edge(r, PBWP__INDICES(r->hits)[i], PBWP__INDICES(r->hits)[i + 1], 1);
+    }
+    if (done && job->t[slot].v[0] != PBW_NONE) {
+        pbwp__examine(r, slot);                      /* it may be as bad as before */
+    }
+    return done;
+}
+
+/* ---- the loop */
+
+static void pbwp__mend_sharp(pbwp__refiner *r)
+{
+    pbwp__array *queue;
+    double length2[3];
+    unsigned shortest;
+    pbw_index slot;
+    int c = PBWP__CLASSES - 1;
+    while ((r->filled >> c & 1) == 0) {
+        c--;
+    }
+    queue = r->class_of + c;
+    slot = PBWP__INDICES(*queue)[--queue->count];
+    if (queue->count == 0) {
+        r->filled &= ~((uint64_t)1 << c);
+    }
+    if (r->job->t[slot].v[0] == PBW_NONE) {
+        return;
+    }
+    shortest = pbwp__lengths(r, r->job->t + slot, length2);      /* another triangle may be there now */
+    if (pbwp__class_of(r, length2[shortest]) == c && length2[shortest] > r->least2
+        && pbwp__is_sharp(r, length2, shortest) && !pbwp__is_given(r, r->job->t + slot, shortest)) {
+        pbwp__mend(r, slot, shortest);
+    }
+}
+
+static void pbwp__mend_large(pbwp__refiner *r)
+{
+    const pbw_index slot = PBWP__INDICES(r->large)[--r->large.count];
+    const pbwp__triangle *t = r->job->t + slot;
+    double length2[3];
+    unsigned shortest;
+    if (t->v[0] == PBW_NONE) {
+        return;
+    }
+    shortest = pbwp__lengths(r, t, length2);
+    if (length2[shortest] > r->least2 && pbwp__is_large(r, t, length2)) {
+        pbwp__mend(r, slot, shortest);
+    }
+}
+
+/* Gives each vertex a host, each edge of a segment the number of a host. */
+static int pbwp__find_hosts(pbwp__refiner *r)
+{
+    pbwp__job *job = r->job;
+    const size_t n = job->points.count;
+    size_t i;
+    unsigned k;
+    job->hosts.count = 0;
+    if (!pbwp__room(&job->memory, &job->vertex_host, n, sizeof(pbw_index))) {
+        return 0;
+    }
+    job->vertex_host.count = n;
+    for (i = 0; i < n; i++) {
+        PBWP__INDICES(job->vertex_host)[i] = PBWP__INPUT;
+    }
+    for (i = 0; i < job->triangles.count; i++) {
+        for (k = 0; job->t[i].v[0] != PBW_NONE && k < 3; k++) {
+            pbwp__triangle *t = job->t + i;
+            const pbw_index code = (pbw_index)(4 * i + k);
+            if (t->edge[k] != PBW_NONE && code < t->link[k]) {
+                pbwp__host *host;
+                if (!pbwp__room(&job->memory, &job->hosts, 1, sizeof *host)) {
+                    return 0;
+                }
+                host = (pbwp__host *)job->hosts.data + job->hosts.count;
+                host->a = t->v[pbwp__next[k]];
+                host->b = t->v[pbwp__last[k]];
+                host->edge = t->edge[k];
+                host->stuck = 0;
+                pbwp__mark_edge(job, code, (pbw_index)job->hosts.count++);
+            }
+        }
+    }
+    return 1;
+}
+
+/* Sizes of vertices: the caller's, and what they may grow to at the others. */
+static int pbwp__find_sizes(pbwp__refiner *r)
+{
+    pbwp__job *job = r->job;
+    const double growth = job->options->gradation > 0 ? job->options->gradation : 0.3;
+    const size_t n = job->points.count;
+    double *sizes;
+    size_t i;
+    unsigned k, e;
+    int more = 1;
+    if (!pbwp__room(&job->memory, &job->sizes, n, sizeof(double))) {
+        return 0;
+    }
+    sizes = PBWP__DOUBLES(job->sizes);
+    job->sizes.count = n;
+    for (i = 0; i < n; i++) {
+        const pbw_index given = PBWP__INDICES(job->original)[i];
+        const double size = given < job->input->point_count ? job->input->sizes[given] : 0;
+        sizes[i] = size > 0 ? size : 1e60;
+    }
+    while (more) {
+        more = 0;
+        for (i = 0; i < job->triangles.count; i++) {
+            for (k = 0; job->t[i].v[0] != PBW_NONE && k < 3; k++) {
+                for (e = 1; e < 3; e++) {
+                    const pbw_index u = job->t[i].v[k], v = job->t[i].v[(k + e) % 3];
+                    const double apart = sqrt(pbwp__distance2(pbwp__point(r, u), pbwp__point(r, v)));
+                    const double most = sizes[u] + growth * apart;
+                    if (most < sizes[v]) {
+                        sizes[v] = most;
+                        more = 1;
+                    }
+                }
+            }
+        }
+    }
+    r->has_sizes = 1;
+    return 1;
+}
+
+/* Sets bounds from options and the box of the points.  Returns 0 if the coordinates are too large or too small. */
+static int pbwp__set_bounds(pbwp__refiner *r)
+{
+    const pbwp__job *job = r->job;
+    const double angle = job->options->angle > 0 || job->options->angle < 0 ? job->options->angle : 30;
+    const double radians = (angle > 0 ? angle : 30) * 3.14159265358979323846 / 180, cosine = cos(radians);
+    const int conforming = (job->options->flags & PBW_PLANE_CONFORMING) != 0;
+    double low[2] = { HUGE_VAL, HUGE_VAL }, high[2] = { -HUGE_VAL, -HUGE_VAL }, most = 0, size2, ulp;
+    size_t i;
+    for (i = 0; i < 2 * job->points.count; i++) {
+        low[i % 2] = fmin(low[i % 2], job->p[i]);
+        high[i % 2] = fmax(high[i % 2], job->p[i]);
+        most = fmax(most, fabs(job->p[i]));
+    }
+    size2 = (high[0] - low[0]) * (high[0] - low[0]) + (high[1] - low[1]) * (high[1] - low[1]);
+    ulp = most * 1.1102230246251565e-16;
+    r->least2 = fmax(1e-20 * size2, 64 * ulp * ulp);
+    r->cosine2 = angle > 0 ? cosine * cosine : 2;    /* no cosine is that large */
+    r->lens2 = conforming ? 0 : cos(2 * radians) * cos(2 * radians);
+    r->off = 0.475 * sqrt((1 + cosine) / (1 - cosine));
+    (void)frexp(size2, &r->classes);
+    return most <= 1e60 && size2 >= 1e-120;
+}
+
+static pbw_status pbwp__refine_all(pbwp__refiner *r)
+{
+    pbwp__job *job = r->job;
+    const size_t limit = job->options->steiner_limit;
+    size_t i;
+    for (i = job->triangles.count; i > 0 && !r->no_memory; i--) {      /* stacks: the first come out first */
+        if (job->t[i - 1].v[0] != PBW_NONE) {
+            pbwp__examine(r, (pbw_index)(i - 1));
+        }
+    }
+    while (!r->no_memory) {
+        if (limit != 0 && (r->inserted >= limit + job->plane->report.removed || r->inserted / 8 >= limit)) {
+            job->plane->report.limited = r->splits.count + r->large.count > 0 || r->filled != 0;
+            break;
+        }
+        if (r->splits.count > 0) {
+            r->splits.count -= 2;
+            pbwp__split_edge(r, PBWP__INDICES(r->splits)[r->splits.count],
+                             PBWP__INDICES(r->splits)[r->splits.count + 1], 0);
+        } else if (r->large.count > 0) {
+            pbwp__mend_large(r);
+        } else if (r->filled != 0) {
+            pbwp__mend_sharp(r);
+        } else {
+            break;
+        }
+        if (pbwp__step(job, 1 - 1 / (1 + 1e-5 * (double)r->inserted))) {
+            return pbwp__say(job, PBW_CANCELLED, NULL);
+        }
+    }
+    return r->no_memory ? pbwp__say(job, PBW_ERROR_MEMORY, NULL) : PBW_OK;
+}
+
+static void pbwp__count_faults(const pbwp__refiner *r)
+{
+    pbw_plane_report *report = &r->job->plane->report;
+    double length2[3];
+    size_t i;
+    for (i = 0; i < r->job->triangles.count; i++) {
+        const pbwp__triangle *t = r->job->t + i;
+        if (t->v[0] != PBW_NONE) {
+            const unsigned shortest = pbwp__lengths(r, t, length2);
+            report->small_angles += (size_t)pbwp__is_sharp(r, length2, shortest);
+            report->too_large += (size_t)pbwp__is_large(r, t, length2);
+        }
+    }
+}
+
+static pbw_status pbwp__refine(pbwp__job *job)
+{
+    pbwp__refiner r;
+    pbwp__memory *memory = &job->memory;
+    pbw_status status;
+    int i;
+    memset(&r, 0, sizeof r);
+    r.job = job;
+    if (!pbwp__set_bounds(&r)) {
+        return pbwp__say(job, PBW_ERROR_ARGUMENT,
+                         "coordinates are too large, or too small, for refinement: scale them");
+    }
+    if (!pbwp__find_hosts(&r) || (job->input->sizes != NULL && !pbwp__find_sizes(&r))) {
+        return pbwp__say(job, PBW_ERROR_MEMORY, NULL);
+    }
+    status = pbwp__refine_all(&r);
+    pbwp__count_faults(&r);
+    for (i = 0; i < PBWP__CLASSES; i++) {
+        pbwp__release(memory, r.class_of + i);
+    }
+    pbwp__release(memory, &r.large);
+    pbwp__release(memory, &r.splits);
+    pbwp__release(memory, &r.slots);
+    pbwp__release(memory, &r.rim);
+    pbwp__release(memory, &r.hits);
+    return status;
+}
+
+/* ------------------------------------------------------------------------------------------------------
+   Result.
+   In: triangles in slots.  Out: the caller's arrays.
+   Holds: triangles begin with their corner of least number along the curve, and are sorted by their corners, so the
+   arrays are the same whatever the order in which segments went in.
+   ------------------------------------------------------------------------------------------------------ */
+enum { PBWP__POINTS, PBWP__TRIANGLES, PBWP__NEIGHBORS, PBWP__CONSTRAINTS, PBWP__REGIONS, PBWP__EDGES,
+       PBWP__EDGE_FIRST, PBWP__EDGE_SEGMENTS, PBWP__WINDINGS, PBWP__SEEDS, PBWP__CROSSINGS, PBWP__OUTPUTS };
+
+typedef struct pbwp__block { pbwp__memory memory; pbwp__array array[PBWP__OUTPUTS]; } pbwp__block;
+
+/* The corner that comes first along the curve. */
+static unsigned pbwp__first_corner(const pbwp__triangle *t)
+{
+    return t->v[0] < t->v[1] && t->v[0] < t->v[2] ? 0u : t->v[1] < t->v[2] ? 1u : 2u;
+}
+
+/* Sorts triangles of one first corner by their second. */
+static int pbwp__sort_fan(pbwp__job *job, pbw_index *item, size_t count)
+{
+    pbwp__array keys;
+    size_t i, j;
+    int ok = 1;
+    memset(&keys, 0, sizeof keys);
+    for (i = 1; i < count && count <= 32; i++) {
+        const pbw_index slot = item[i], second = job->t[slot].v[pbwp__next[pbwp__first_corner(job->t + slot)]];
+        for (j = i; j > 0; j--) {
+            const pbwp__triangle *t = job->t + item[j - 1];
+            if (t->v[pbwp__next[pbwp__first_corner(t)]] < second) {
+                break;
+            }
+            item[j] = item[j - 1];
+        }
+        item[j] = slot;
+    }
+    for (i = 0; i < count && count > 32 && ok; i++) {
+        const pbwp__triangle *t = job->t + item[i];
+        ok = pbwp__add_cut(job, &keys, t->v[pbwp__next[pbwp__first_corner(t)]], item[i], 0);
+    }
+    pbwp__sort((pbwp__cut *)keys.data, keys.count);
+    for (i = 0; i < keys.count && ok; i++) {
+        item[i] = ((const pbwp__cut *)keys.data)[i].other;
+    }
+    pbwp__release(&job->memory, &keys);
+    return ok;
+}
+
+/* Fills item_of with the slots of triangles in order, first_of with the number of each slot, PBW_NONE if it is free.
+   */
+static int pbwp__sort_triangles(pbwp__job *job)
+{
+    const size_t n = job->points.count, slots = job->triangles.count;
+    pbwp__array starts;
+    pbw_index *start, *item;
+    size_t i, sum = 0;
+    int ok = 1;
+    memset(&starts, 0, sizeof starts);
+    job->item_of.count = job->first_of.count = 0;
+    if (!pbwp__room(&job->memory, &job->item_of, slots, sizeof *item)
+        || !pbwp__room(&job->memory, &job->first_of, slots, sizeof *item)
+        || !pbwp__room(&job->memory, &starts, n + 1, sizeof *start)) {
+        pbwp__release(&job->memory, &starts);
+        return 0;
+    }
+    start = PBWP__INDICES(starts);
+    item = PBWP__INDICES(job->item_of);
+    memset(start, 0, (n + 1) * sizeof *start);
+    for (i = 0; i < slots; i++) {
+        if (job->t[i].v[0] != PBW_NONE) {
+            start[job->t[i].v[pbwp__first_corner(job->t + i)]]++;
+        }
+    }
+    for (i = 0; i <= n; i++) {
+        const pbw_index here = start[i];
+        start[i] = (pbw_index)sum;
+        sum += here;
+    }
+    for (i = 0; i < slots; i++) {
+        if (job->t[i].v[0] != PBW_NONE) {
+            item[start[job->t[i].v[pbwp__first_corner(job->t + i)]]++] = (pbw_index)i;
+        }
+    }
+    for (i = 0; i < n && ok; i++) {                  /* start[i] is now the end of vertex i's triangles */
+        ok = pbwp__sort_fan(job, item + (i > 0 ? start[i - 1] : 0), start[i] - (i > 0 ? start[i - 1] : 0));
+    }
+    memset(job->first_of.data, 255, slots * sizeof *item);
+    for (i = 0; i < sum; i++) {
+        PBWP__INDICES(job->first_of)[item[i]] = (pbw_index)i;
+    }
+    job->item_of.count = sum;
+    pbwp__release(&job->memory, &starts);
+    return ok;
+}
+
+static int pbwp__out(pbwp__job *job, pbwp__block *block, int which, size_t count, size_t size)
+{
+    block->array[which].count = 0;
+    if (!pbwp__room(&job->memory, block->array + which, count, size)) {
+        return 0;
+    }
+    block->array[which].count = count;
+    return 1;
+}
+
+/* Points, and for each vertex its number, in job->vertex: the caller's, then those of refinement that are in use. */
+static int pbwp__out_points(pbwp__job *job, pbwp__block *block)
+{
+    const size_t n = job->given.count;
+    size_t i, next = n;
+    double *p;
+    job->vertex.count = 0;
+    if (!pbwp__room(&job->memory, &job->vertex, job->points.count, sizeof(pbw_index))) {
+        return 0;
+    }
+    for (i = 0; i < job->points.count; i++) {
+        PBWP__INDICES(job->vertex)[i] = i < n ? PBWP__INDICES(job->original)[i]
+                                      : job->incident[i] != PBW_NONE ? (pbw_index)next++ : PBW_NONE;
+    }
+    if (!pbwp__out(job, block, PBWP__POINTS, 2 * next, sizeof(double))) {
+        return 0;
+    }
+    p = PBWP__DOUBLES(block->array[PBWP__POINTS]);
+    memcpy(p, job->given.data, 2 * n * sizeof *p);
+    for (i = n; i < job->points.count; i++) {
+        if (job->incident[i] != PBW_NONE) {
+            memcpy(p + 2 * (size_t)PBWP__INDICES(job->vertex)[i], job->p + 2 * i, 2 * sizeof *p);
+        }
+    }
+    job->plane->points = p;
+    job->plane->point_count = next;
+    job->plane->report.steiner_count = next - n;
+    return 1;
+}
+
+static int pbwp__out_triangles(pbwp__job *job, pbwp__block *block)
+{
+    const pbw_index *item = PBWP__INDICES(job->item_of), *number = PBWP__INDICES(job->first_of);
+    const pbwp__component *component = (const pbwp__component *)job->components.data;
+    const size_t count = job->item_of.count;
+    pbw_index *corner, *neighbor, *region, *renumber;
+    size_t i, k, regions = 0;
+    job->stack.count = 0;
+    if (!pbwp__out(job, block, PBWP__TRIANGLES, 3 * count, sizeof *corner)
+        || !pbwp__out(job, block, PBWP__NEIGHBORS, 3 * count, sizeof *corner)
+        || !pbwp__out(job, block, PBWP__REGIONS, count, sizeof *corner)
+        || !pbwp__out(job, block, PBWP__WINDINGS, job->components.count, sizeof(int))
+        || !pbwp__out(job, block, PBWP__SEEDS, job->components.count, sizeof *corner)
+        || !pbwp__room(&job->memory, &job->stack, job->components.count, sizeof *corner)) {
+        return 0;
+    }
+    corner = PBWP__INDICES(block->array[PBWP__TRIANGLES]);
+    neighbor = PBWP__INDICES(block->array[PBWP__NEIGHBORS]);
+    region = PBWP__INDICES(block->array[PBWP__REGIONS]);
+    renumber = PBWP__INDICES(job->stack);
+    memset(renumber, 255, job->components.count * sizeof *renumber);
+    for (i = 0; i < count; i++) {
+        const pbwp__triangle *t = job->t + item[i];
+        const unsigned first = pbwp__first_corner(t);
+        for (k = 0; k < 3; k++) {
+            const pbw_index link = t->link[(first + k) % 3];
+            corner[3 * i + k] = PBWP__INDICES(job->vertex)[t->v[(first + k) % 3]];
+            neighbor[3 * i + k] = link == PBW_NONE ? PBW_NONE : number[PBWP__SLOT(link)];
+        }
+        if (renumber[t->region] == PBW_NONE) {
+            ((int *)block->array[PBWP__WINDINGS].data)[regions] = component[t->region].winding;
+            PBWP__INDICES(block->array[PBWP__SEEDS])[regions] = component[t->region].seed;
+            renumber[t->region] = (pbw_index)regions++;
+        }
+        region[i] = renumber[t->region];
+    }
+    job->plane->triangles = corner;
+    job->plane->neighbors = neighbor;
+    job->plane->regions = region;
+    job->plane->triangle_count = count;
+    job->plane->region_count = regions;
+    job->plane->region_windings = (const int *)block->array[PBWP__WINDINGS].data;
+    job->plane->region_seeds = PBWP__INDICES(block->array[PBWP__SEEDS]);
+    return 1;
+}
+
+/* Adds the caller's segments on an edge to a list, ascending, each once. */
+static int pbwp__out_segments(pbwp__job *job, pbwp__array *list, pbw_index edge)
+{
+    const size_t first = list->count;
+    size_t i;
+    while (edge != PBW_NONE && edge != PBWP__BORDER) {
+        pbw_index id = edge;
+        edge = PBW_NONE;
+        if (id >= job->piece_count) {
+            const pbwp__group group = ((const pbwp__group *)job->groups.data)[id - job->piece_count];
+            id = group.piece;
+            edge = group.rest;
+        }
+        id = ((const pbwp__piece *)job->pieces.data)[id].id;
+        if (!pbwp__push(&job->memory, list, id)) {
+            return 0;
+        }
+        for (i = list->count - 1; i > first && PBWP__INDICES(*list)[i - 1] > id; i--) {
+            PBWP__INDICES(*list)[i] = PBWP__INDICES(*list)[i - 1];
+        }
+        PBWP__INDICES(*list)[i] = id;
+        if (i > first && PBWP__INDICES(*list)[i - 1] == id) {
+            memmove(PBWP__INDICES(*list) + i, PBWP__INDICES(*list) + i + 1, (list->count - 1 - i) * sizeof id);
+            list->count--;
+        }
+    }
+    return 1;
+}
+
+static int pbwp__out_edges(pbwp__job *job, pbwp__block *block)
+{
+    const pbw_index *item = PBWP__INDICES(job->item_of), *number = PBWP__INDICES(job->first_of);
+    const size_t count = job->item_of.count;
+    pbwp__array *ends = block->array + PBWP__EDGES, *first = block->array + PBWP__EDGE_FIRST;
+    pbw_index *constraint;
+    size_t i, k, edges = 0;
+    if (!pbwp__out(job, block, PBWP__CONSTRAINTS, 3 * count, sizeof *constraint)) {
+        return 0;
+    }
+    constraint = PBWP__INDICES(block->array[PBWP__CONSTRAINTS]);
+    for (i = 0; i < count; i++) {
+        const pbwp__triangle *t = job->t + item[i];
+        const unsigned corner = pbwp__first_corner(t);
+        for (k = 0; k < 3; k++) {
+            const unsigned side = (unsigned)((corner + k) % 3);
+            const pbw_index edge = t->edge[side], link = t->link[side];
+            const pbw_index beyond = link == PBW_NONE ? PBW_NONE : number[PBWP__SLOT(link)];
+            if (edge == PBW_NONE) {
+                constraint[3 * i + k] = PBW_NONE;
+            } else if (beyond != PBW_NONE && beyond < i) {
+                const pbwp__triangle *u = job->t + PBWP__SLOT(link);
+                constraint[3 * i + k] = constraint[3 * (size_t)beyond
+                                                   + (PBWP__SIDE(link) + 3 - pbwp__first_corner(u)) % 3];
+            } else {
+                constraint[3 * i + k] = (pbw_index)edges++;
+                if (!pbwp__push(&job->memory, ends, PBWP__INDICES(job->vertex)[t->v[pbwp__next[side]]])
+                    || !pbwp__push(&job->memory, ends, PBWP__INDICES(job->vertex)[t->v[pbwp__last[side]]])
+                    || !pbwp__room(&job->memory, first, 2, sizeof(size_t))) {
+                    return 0;
+                }
+                ((size_t *)first->data)[first->count++] = block->array[PBWP__EDGE_SEGMENTS].count;
+                if (!pbwp__out_segments(job, block->array + PBWP__EDGE_SEGMENTS, pbwp__host_of(job, edge))) {
+                    return 0;
+                }
+            }
+        }
+    }
+    if (!pbwp__room(&job->memory, first, 1, sizeof(size_t))) {
+        return 0;
+    }
+    ((size_t *)first->data)[first->count] = block->array[PBWP__EDGE_SEGMENTS].count;
+    job->plane->constraints = constraint;
+    job->plane->edge_count = edges;
+    job->plane->edges = PBWP__INDICES(*ends);
+    job->plane->edge_first = (const size_t *)first->data;
+    job->plane->edge_segments = PBWP__INDICES(block->array[PBWP__EDGE_SEGMENTS]);
+    return 1;
+}
+
+static void pbwp__block_free(pbwp__block *block)
+{
+    pbwp__memory memory = block->memory;
+    pbwp__array self;
+    int i;
+    for (i = 0; i < PBWP__OUTPUTS; i++) {
+        pbwp__release(&memory, block->array + i);
+    }
+    self.data = block;
+    self.bytes = sizeof *block;
+    pbwp__release(&memory, &self);
+}
+
+/* Hands the result over: all of it, or after a failure the crossings.  Nothing but what and crossings is left in
+   plane if memory is short. */
+static pbw_status pbwp__hand_over(pbwp__job *job, pbw_status status)
+{
+    pbwp__array self;
+    pbwp__block *block;
+    int ok = 1;
+    if (status != PBW_OK && status != PBW_DEGENERATE && job->crossings.count == 0) {
+        return status;
+    }
+    memset(&self, 0, sizeof self);
+    if (!pbwp__resize(&job->memory, &self, sizeof *block)) {
+        return pbwp__say(job, PBW_ERROR_MEMORY, NULL);
+    }
+    block = (pbwp__block *)self.data;
+    memset(block, 0, sizeof *block);
+    if (status == PBW_OK) {
+        ok = pbwp__sort_triangles(job) && pbwp__out_points(job, block) && pbwp__out_triangles(job, block)
+          && pbwp__out_edges(job, block);
+    } else if (status == PBW_DEGENERATE) {
+        ok = pbwp__out(job, block, PBWP__POINTS, 2 * job->given.count, sizeof(double));
+        if (ok && job->given.count > 0) {
+            memcpy(block->array[PBWP__POINTS].data, job->given.data, 2 * job->given.count * sizeof(double));
+        }
+        job->plane->points = PBWP__DOUBLES(block->array[PBWP__POINTS]);
+        job->plane->point_count = job->given.count;
+    }
+    block->array[PBWP__CROSSINGS] = job->crossings;
+    memset(&job->crossings, 0, sizeof job->crossings);
+    block->memory = job->memory;
+    if (!ok) {
+        pbwp__block_free(block);
+        memset(job->plane, 0, sizeof *job->plane);
+        return pbwp__say(job, PBW_ERROR_MEMORY, NULL);
+    }
+    job->plane->crossings = PBWP__INDICES(block->array[PBWP__CROSSINGS]);
+    job->plane->crossing_count = block->array[PBWP__CROSSINGS].count / 2;
+    job->plane->input_count = job->input->point_count;
+    job->plane->memory = block;
+    return status;
+}
+
+/* ------------------------------------------------------------------------------------------------------
+   The calls.
+   ------------------------------------------------------------------------------------------------------ */
+
+static pbw_status pbwp__check_arguments(pbwp__job *job)
+{
+    const pbw_plane_input *in = job->input;
+    const pbw_plane_options *o = job->options;
+    const unsigned all = PBW_PLANE_SPLIT_CROSSINGS | PBW_PLANE_REFINE | PBW_PLANE_KEEP_BOUNDARY
+                       | PBW_PLANE_KEEP_SEGMENTS | PBW_PLANE_CONFORMING;
+    size_t i;
+    if ((in->points == NULL && in->point_count > 0) || (in->segments == NULL && in->segment_count > 0)
+        || (in->holes == NULL && in->hole_count > 0) || (in->regions == NULL && in->region_count > 0)) {
+        return pbwp__say(job, PBW_ERROR_ARGUMENT, "an array is NULL");
+    }
+    if ((unsigned)o->rule > PBW_PLANE_NONZERO || (o->flags & ~all) != 0) {
+        return pbwp__say(job, PBW_ERROR_ARGUMENT, "no such rule or flag");
+    }
+    if (!(o->angle <= 34) || !(o->area >= 0) || !(o->size >= 0) || !(o->gradation >= 0)) {
+        return pbwp__say(job, PBW_ERROR_ARGUMENT, "an angle above 34 degrees, or an area, size or gradation below 0");
+    }
+    if (in->point_count > PBW_NONE - 16 || in->segment_count > PBW_NONE / 4) {
+        return pbwp__say(job, PBW_ERROR_TOO_LARGE, NULL);
+    }
+    for (i = 0; i < 2 * in->segment_count; i++) {
+        if (in->segments[i] >= in->point_count) {
+            snprintf(job->plane->what, sizeof job->plane->what, "segment %lu has end %lu of %lu points",
+                     (unsigned long)(i / 2), (unsigned long)in->segments[i], (unsigned long)in->point_count);
+            return PBW_ERROR_ARGUMENT;
+        }
+    }
+    return PBW_OK;
+}
+
+static pbw_status pbwp__copy_input(pbwp__job *job)
+{
+    const pbw_plane_input *in = job->input;
+    const size_t n = in->point_count, stride = job->build->stride != 0 ? job->build->stride : 2 * sizeof(double);
+    pbwp__piece *segment;
+    size_t i;
+    if (!pbwp__room(&job->memory, &job->given, n, 2 * sizeof(double))
+        || !pbwp__room(&job->memory, &job->segments, in->segment_count, sizeof *segment)) {
+        return pbwp__say(job, PBW_ERROR_MEMORY, NULL);
+    }
+    for (i = 0; i < n; i++) {
+        memcpy(PBWP__DOUBLES(job->given) + 2 * i, (const char *)in->points + i * stride, 2 * sizeof(double));
+    }
+    segment = (pbwp__piece *)job->segments.data;
+    for (i = 0; i < in->segment_count; i++) {
+        segment[i].a = in->segments[2 * i];
+        segment[i].b = in->segments[2 * i + 1];
+        segment[i].id = (pbw_index)i;
+    }
+    job->given.count = n;
+    job->segments.count = in->segment_count;
+    return PBW_OK;
+}
+
+static void pbwp__job_free(pbwp__job *job)
+{
+    pbwp__array *arrays[] = { &job->triangles, &job->points, &job->incidents, &job->given, &job->segments,
+                              &job->original, &job->vertex, &job->pieces, &job->groups, &job->chain[0],
+                              &job->chain[1], &job->inner[0], &job->inner[1], &job->stack, &job->old, &job->crossings,
+                              &job->first_of, &job->item_of,
+                              &job->components, &job->fresh, &job->hosts, &job->vertex_host, &job->sizes };
+    size_t i;
+    for (i = 0; i < sizeof arrays / sizeof *arrays; i++) {
+        pbwp__release(&job->memory, arrays[i]);
+    }
+}
+
+PBWMESH2DEF pbw_status pbw_plane_make(const pbw_plane_input *input, const pbw_plane_options *options,
+                                      pbw_plane *plane)
+{
+    pbw_plane_options defaults;
+    pbw_options build;
+    pbwp__job job;
+    pbw_status status;
+    if (plane == NULL) {
+        return PBW_ERROR_ARGUMENT;
+    }
+    memset(plane, 0, sizeof *plane);
+    memset(&job, 0, sizeof job);
+    memset(&defaults, 0, sizeof defaults);
+    memset(&build, 0, sizeof build);
+    job.plane = plane;
+    job.input = input;
+    job.options = options != NULL ? options : &defaults;
+    job.build = job.options->build != NULL ? job.options->build : &build;
+    job.memory.resize = job.build->resize != NULL ? job.build->resize : pbwp__default_resize;
+    job.memory.user = job.build->resize_user;
+    job.memory.limit = job.build->memory_limit;
+    if (input == NULL) {
+        return pbwp__say(&job, PBW_ERROR_ARGUMENT, "no input");
+    }
+    status = pbwp__check_arguments(&job);
+    if (status == PBW_OK) {
+        status = pbwp__copy_input(&job);
+    }
+    if (status == PBW_OK) {
+        status = pbwp__constrain_all(&job);
+    }
+    if (status == PBW_OK) {
+        status = pbwp__find_domain(&job);
+    }
+    if (status == PBW_OK && (job.options->flags & PBW_PLANE_REFINE) != 0) {
+        status = pbwp__refine(&job);
+    }
+    status = pbwp__hand_over(&job, status);
+    pbwp__job_free(&job);
+    return status;
+}
+
+PBWMESH2DEF pbw_status pbw_plane_rings(const double *points, const size_t *first, size_t ring_count,
+                                       const pbw_plane_options *options, pbw_plane *plane)
+{
+    pbw_plane_options own;
+    pbw_plane_input input;
+    pbwp__memory memory;
+    pbwp__array segments;
+    pbw_status status;
+    size_t i, k;
+    memset(&input, 0, sizeof input);
+    memset(&own, 0, sizeof own);
+    memset(&memory, 0, sizeof memory);
+    memset(&segments, 0, sizeof segments);
+    own = options != NULL ? *options : own;
+    own.rule = own.rule == PBW_PLANE_HULL ? PBW_PLANE_EVEN_ODD : own.rule;
+    if (plane == NULL) {
+        return PBW_ERROR_ARGUMENT;
+    }
+    memset(plane, 0, sizeof *plane);
+    if (first == NULL && ring_count > 0) {
+        snprintf(plane->what, sizeof plane->what, "an array is NULL");
+        return PBW_ERROR_ARGUMENT;
+    }
+    memory.resize = own.build != NULL && own.build->resize != NULL ? own.build->resize : pbwp__default_resize;
+    memory.user = own.build != NULL ? own.build->resize_user : NULL;
+    input.points = points;
+    input.point_count = ring_count > 0 ? first[ring_count] : 0;
+    if (input.point_count > PBW_NONE / 4
+        || !pbwp__room(&memory, &segments, input.point_count, 2 * sizeof(pbw_index))) {
+        snprintf(plane->what, sizeof plane->what, "%s", pbw_status_string(PBW_ERROR_MEMORY));
+        return PBW_ERROR_MEMORY;
+    }
+    for (i = 0; i < ring_count; i++) {
+        for (k = first[i]; k < first[i + 1]; k++) {
+            PBWP__INDICES(segments)[2 * k] = (pbw_index)k;
+            PBWP__INDICES(segments)[2 * k + 1] = (pbw_index)(k + 1 < first[i + 1] ? k + 1 : first[i]);
+        }
+    }
+    input.segments = PBWP__INDICES(segments);
+    input.segment_count = input.point_count;
+    status = pbw_plane_make(&input, &own, plane);
+    pbwp__release(&memory, &segments);
+    return status;
+}
+
+PBWMESH2DEF void pbw_plane_free(pbw_plane *plane)
+{
+    if (plane != NULL) {
+        if (plane->memory != NULL) {
+            pbwp__block_free((pbwp__block *)plane->memory);
+        }
+        memset(plane, 0, sizeof *plane);
+    }
+}
+
+#if !defined(__clang__) && defined(__GNUC__)
+#pragma GCC pop_options
+#endif
+#endif /* PBW_MESH2_IMPLEMENTATION */

@@ -1,0 +1,373 @@
+/* plane.c: pbw plane. */
+#include "program.h"
+
+static const char *const rules[] = { "hull", "seeds", "even-odd", "nonzero", NULL };
+
+static const option plane_options[] = {
+    { "--angle", "DEGREES", "refine: no smaller angle, up to 34, but at small angles of the input", POSITIVE, 0, 0,
+      NULL },
+    { "--area", "A", "refine: no larger triangle", POSITIVE, 0, 0, NULL },
+    { "--size", "FORMULA", "refine: no longer edge; a number, or a formula in x and y such as\n"
+      "\"0.1+0.2*hypot(x,y)\", with + - * / ^ sqrt abs exp log sin cos min max hypot", PLAIN, 0, 0, NULL },
+    { "--split-crossings", NULL, "put points where segments cross, instead of an error", SWITCH, 0, 0, NULL },
+    { "--rule", "RULE", "what belongs to the domain: hull (all), seeds (what segments enclose, but holes),\n"
+      "even-odd, nonzero (by winding numbers); default: .poly seeds, .geojson even-odd,\n"
+      "points hull", CHOICE, 0, 0, rules },
+    { "--keep-boundary", NULL, "no new points on the boundary", SWITCH, 0, 0, NULL },
+    { "--keep-segments", NULL, "no new points on segments", SWITCH, 0, 0, NULL },
+    { "--conforming", NULL, "all triangles Delaunay, across segments too", SWITCH, 0, 0, NULL },
+    { "--steiner", "N", "at most N new points", WHOLE, 1, 4e9, NULL },
+    { "--no-orphans", NULL, "leave points that are no corner out of the outputs", SWITCH, 0, 0, NULL },
+    { "--histogram", NULL, "print how many triangles have which least angle", SWITCH, 0, 0, NULL },
+    { NULL, NULL, NULL, SWITCH, 0, 0, NULL }
+};
+
+typedef struct result {
+    const plan *plan;
+    const pbw_plane *plane;
+    pbw_mesh mesh;                                   /* the triangles as a mesh, for what writes meshes */
+    double *least, *region;                          /* per triangle: its least angle, its region */
+    unsigned char *on_segment;                       /* per point */
+} result;
+
+static double size_at(void *user, double x, double y)
+{
+    const char *wrong;
+    const double value = evaluate((const char *)user, x, y, &wrong);
+    return value > 0 ? value : 0;
+}
+
+/* ---- the triangles as a mesh, with their angles */
+
+static double angle_of(const double *a, const double *b, const double *c)
+{
+    const double x = (b[0] - a[0]) * (c[0] - a[0]) + (b[1] - a[1]) * (c[1] - a[1]);
+    const double y = (b[0] - a[0]) * (c[1] - a[1]) - (b[1] - a[1]) * (c[0] - a[0]);
+    return atan2(y, x) * (180 / 3.14159265358979323846);
+}
+
+static int finish(result *r)
+{
+    const pbw_plane *p = r->plane;
+    pbw_index *incident = (pbw_index *)malloc((p->point_count + 1) * sizeof *incident);
+    pbw_index *canonical = (pbw_index *)malloc((p->point_count + 1) * sizeof *canonical);
+    size_t i, k;
+    r->least = (double *)malloc((p->triangle_count + 1) * sizeof *r->least);
+    r->region = (double *)malloc((p->triangle_count + 1) * sizeof *r->region);
+    r->on_segment = (unsigned char *)calloc(p->point_count + 1, 1);
+    r->mesh.dim = 2;
+    r->mesh.point_count = p->point_count;
+    r->mesh.simplex_count = p->triangle_count;
+    r->mesh.simplices = p->triangles;
+    r->mesh.neighbors = p->neighbors;
+    r->mesh.points = p->points;
+    r->mesh.incident = incident;
+    r->mesh.canonical = canonical;
+    if (incident == NULL || canonical == NULL || r->least == NULL || r->region == NULL || r->on_segment == NULL) {
+        return 0;
+    }
+    for (i = 0; i < p->point_count; i++) {
+        incident[i] = PBW_NONE;
+        canonical[i] = (pbw_index)i;
+    }
+    for (i = p->triangle_count; i > 0; i--) {
+        const pbw_index *v = p->triangles + 3 * (i - 1);
+        r->least[i - 1] = 180;
+        r->region[i - 1] = p->regions[i - 1];
+        for (k = 0; k < 3; k++) {
+            r->least[i - 1] = fmin(r->least[i - 1], angle_of(p->points + 2 * (size_t)v[k],
+                                   p->points + 2 * (size_t)v[(k + 1) % 3], p->points + 2 * (size_t)v[(k + 2) % 3]));
+            incident[v[k]] = (pbw_index)(i - 1);
+        }
+    }
+    for (i = 0; i < 2 * p->edge_count; i++) {
+        r->on_segment[p->edges[i]] = 1;
+    }
+    return 1;
+}
+
+static void finish_free(result *r)
+{
+    free((void *)(uintptr_t)r->mesh.incident);
+    free((void *)(uintptr_t)r->mesh.canonical);
+    free(r->least);
+    free(r->region);
+    free(r->on_segment);
+}
+
+/* ---- report */
+
+static void histogram(const job *j, const result *r)
+{
+    size_t bin[13] = { 0 }, most = 1, i;
+    for (i = 0; i < r->plane->triangle_count; i++) {
+        const int b = (int)(r->least[i] / 5);
+        bin[b < 0 ? 0 : b > 12 ? 12 : b]++;
+    }
+    for (i = 0; i < 12; i++) {
+        most = bin[i] > most ? bin[i] : most;
+    }
+    for (i = 0; i < 12; i++) {
+        note(j, "  %2zu..%-2zu %10zu %.*s", 5 * i, 5 * i + 5, bin[i], (int)(40 * bin[i] / most),
+             "########################################");
+    }
+}
+
+static void report(const job *j, const result *r, double seconds)
+{
+    const pbw_plane *p = r->plane;
+    double least = 180, largest = 0;
+    size_t i, k;
+    for (i = 0; i < p->triangle_count; i++) {
+        const pbw_index *v = p->triangles + 3 * i;
+        least = fmin(least, r->least[i]);
+        for (k = 0; k < 3; k++) {
+            largest = fmax(largest, angle_of(p->points + 2 * (size_t)v[k], p->points + 2 * (size_t)v[(k + 1) % 3],
+                                             p->points + 2 * (size_t)v[(k + 2) % 3]));
+        }
+    }
+    say(j, "mesh", seconds, "%s", "");
+    note(j, "%zu triangle%s, %zu point%s, %zu edge%s of segments, %zu region%s", p->triangle_count,
+         plural(p->triangle_count), p->point_count, plural(p->point_count), p->edge_count, plural(p->edge_count),
+         p->region_count, plural(p->region_count));
+    if (p->triangle_count > 0) {
+        note(j, "angles from %.2f to %.2f degrees", least, largest);
+    }
+    if (p->report.rounds > 0) {
+        note(j, "%zu point%s at crossings, in %d round%s", p->point_count - p->input_count - p->report.steiner_count,
+             plural(p->point_count - p->input_count - p->report.steiner_count), p->report.rounds,
+             plural((size_t)p->report.rounds));
+    }
+    if (p->report.steiner_count > 0) {
+        note(j, "%zu new point%s, %zu more removed again; %zu triangle%s with smaller angles than wanted, "
+             "%zu larger%s", p->report.steiner_count, plural(p->report.steiner_count), p->report.removed,
+             p->report.small_angles, plural(p->report.small_angles), p->report.too_large,
+             p->report.limited ? "; --steiner ended it" : "");
+    }
+    if (is_given(j, "--histogram")) {
+        histogram(j, r);
+    }
+}
+
+/* ---- outputs */
+
+static void emit_poly(void *user, FILE *file)
+{
+    const result *r = (const result *)user;
+    const pbw_plane *p = r->plane;
+    size_t i;
+    fprintf(file, "%zu 2 0 1\n", p->point_count);
+    for (i = 0; i < p->point_count; i++) {
+        fprintf(file, "%zu %.17g %.17g %d\n", i, p->points[2 * i], p->points[2 * i + 1], r->on_segment[i]);
+    }
+    fprintf(file, "%zu 1\n", p->edge_count);
+    for (i = 0; i < p->edge_count; i++) {
+        const int own = p->edge_first[i] < p->edge_first[i + 1];
+        const int marker = own && r->plan->markers != NULL
+                         ? r->plan->markers[p->edge_segments[p->edge_first[i]]] : 1;
+        fprintf(file, "%zu %u %u %d\n", i, (unsigned)p->edges[2 * i], (unsigned)p->edges[2 * i + 1], marker);
+    }
+    fprintf(file, "%zu\n", r->plan->hole_count);
+    for (i = 0; i < r->plan->hole_count; i++) {
+        fprintf(file, "%zu %.17g %.17g\n", i, r->plan->holes[2 * i], r->plan->holes[2 * i + 1]);
+    }
+}
+
+/* A colour for a region, paler where the least angle is larger. */
+static unsigned colour(unsigned region, double least)
+{
+    static const unsigned char base[6][3] = { { 66, 133, 180 }, { 221, 132, 82 }, { 85, 160, 104 }, { 196, 78, 82 },
+                                              { 129, 114, 178 }, { 147, 120, 96 } };
+    const double pale = 0.15 + 0.6 * fmin(least, 60) / 60;
+    unsigned c = 0;
+    int k;
+    for (k = 0; k < 3; k++) {
+        c = c << 8 | (unsigned)(base[region % 6][k] + pale * (255 - base[region % 6][k]));
+    }
+    return c;
+}
+
+static void emit_svg(void *user, FILE *file)
+{
+    const result *r = (const result *)user;
+    const pbw_plane *p = r->plane;
+    double low[2] = { HUGE_VAL, HUGE_VAL }, high[2] = { -HUGE_VAL, -HUGE_VAL }, scale;
+    size_t i, k;
+    for (i = 0; i < 3 * p->triangle_count; i++) {
+        for (k = 0; k < 2; k++) {
+            low[k] = fmin(low[k], p->points[2 * (size_t)p->triangles[i] + k]);
+            high[k] = fmax(high[k], p->points[2 * (size_t)p->triangles[i] + k]);
+        }
+    }
+    scale = 1000 / fmax(fmax(high[0] - low[0], high[1] - low[1]), 1e-300);
+    fprintf(file, "<svg xmlns=\"http://www.w3.org/2000/svg\" viewBox=\"-10 -10 %.0f %.0f\">\n"
+            "<g stroke=\"#333\" stroke-width=\".3\" stroke-linejoin=\"round\">\n", (high[0] - low[0]) * scale + 20,
+            (high[1] - low[1]) * scale + 20);
+    for (i = 0; i < p->triangle_count; i++) {
+        fprintf(file, "<path fill=\"#%06x\" d=\"", colour(p->regions[i], r->least[i]));
+        for (k = 0; k < 3; k++) {
+            const double *q = p->points + 2 * (size_t)p->triangles[3 * i + k];
+            fprintf(file, "%c%.6g %.6g", k == 0 ? 'M' : 'L', (q[0] - low[0]) * scale, (high[1] - q[1]) * scale);
+        }
+        fputs("z\"/>\n", file);
+    }
+    fputs("</g>\n<path fill=\"none\" stroke=\"#111\" stroke-width=\"1.6\" stroke-linecap=\"round\" d=\"", file);
+    for (i = 0; i < 2 * p->edge_count; i++) {
+        const double *q = p->points + 2 * (size_t)p->edges[i];
+        fprintf(file, "%c%.6g %.6g\n", i % 2 == 0 ? 'M' : 'L', (q[0] - low[0]) * scale, (high[1] - q[1]) * scale);
+    }
+    fputs("\"/>\n</svg>\n", file);
+}
+
+static pbwio_status write_page(const job *j, const char *path, const result *r, pbwio_error *error)
+{
+    pbwview_options view;
+    pbwview_array arrays[3];
+    uint32_t *on = (uint32_t *)malloc((r->mesh.point_count + 1) * sizeof *on);
+    pbwio_status status = PBWIO_ERROR_MEMORY;
+    size_t i;
+    memset(&view, 0, sizeof view);
+    memset(arrays, 0, sizeof arrays);
+    snprintf(error->text, sizeof error->text, "out of memory");
+    for (i = 0; on != NULL && i < r->mesh.point_count; i++) {
+        on[i] = r->on_segment[i];
+    }
+    arrays[0].name = "least angle";
+    arrays[0].real = r->least;
+    arrays[1].name = "region";
+    arrays[1].whole = r->plane->regions;
+    arrays[1].classes = 1;
+    arrays[2].name = "on segments";
+    arrays[2].whole = on;
+    arrays[2].of_points = arrays[2].classes = 1;
+    view.title = j->input;
+    view.arrays = arrays;
+    view.array_count = 3;
+    view.colour = r->plane->region_count > 1 ? "region" : "least angle";
+    if (on != NULL) {
+        status = pbwview_write(path, &r->mesh, &view, error);
+    }
+    free(on);
+    return status;
+}
+
+static pbwio_status write_one(job *j, const char *path, const char *ending, void *user, pbwio_error *error)
+{
+    result *r = (result *)user;
+    char name[16];
+    if (strcmp(ending, "poly") == 0) {
+        return pbwio_save(path, emit_poly, r, error);
+    }
+    if (strcmp(ending, "svg") == 0) {
+        return pbwio_save(path, emit_svg, r, error);
+    }
+    if (strcmp(ending, "html") == 0) {
+        return write_page(j, path, r, error);
+    }
+    snprintf(name, sizeof name, "a.%s", ending);
+    j->write.format = pbwio_format_of(name);
+    j->write.values = r->region;
+    j->write.value_name = "region";
+    return pbwio_write(path, &r->mesh, &j->write, error);
+}
+
+/* ---- the command */
+
+static int set_up(const job *j, const plan *d, pbw_plane_options *options)
+{
+    static const pbw_plane_rule of[] = { PBW_PLANE_HULL, PBW_PLANE_SEEDS, PBW_PLANE_EVEN_ODD, PBW_PLANE_NONZERO };
+    const char *size = text_of(j, "--size"), *wrong = NULL;
+    const int rule = choice_of(j, "--rule");
+    memset(options, 0, sizeof *options);
+    options->rule = rule >= 0 ? of[rule] : d->has_windings ? PBW_PLANE_EVEN_ODD : d->has_seeds ? PBW_PLANE_SEEDS
+                  : PBW_PLANE_HULL;
+    options->angle = number_of(j, "--angle", -1);
+    options->area = number_of(j, "--area", 0);
+    options->steiner_limit = (size_t)number_of(j, "--steiner", 0);
+    options->build = &j->build;
+    options->flags = (is_given(j, "--split-crossings") ? PBW_PLANE_SPLIT_CROSSINGS : 0)
+                   | (is_given(j, "--keep-boundary") ? PBW_PLANE_KEEP_BOUNDARY : 0)
+                   | (is_given(j, "--keep-segments") ? PBW_PLANE_KEEP_SEGMENTS : 0)
+                   | (is_given(j, "--conforming") ? PBW_PLANE_REFINE | PBW_PLANE_CONFORMING : 0)
+                   | (is_given(j, "--angle") || is_given(j, "--area") || size != NULL ? PBW_PLANE_REFINE : 0);
+    if (options->angle > 34) {
+        return complain("--angle %s: up to 34 degrees are possible", text_of(j, "--angle"));
+    }
+    if (size != NULL) {
+        (void)evaluate(size, 0.1, 0.1, &wrong);
+        options->size_at = size_at;
+        options->size_user = (void *)(uintptr_t)size;
+    }
+    return wrong != NULL ? complain("--size %s: this is no formula from \"%s\" on", size, wrong) : 0;
+}
+
+static int make(job *j, const plan *d, const pbw_plane_options *options)
+{
+    pbw_plane_input input;
+    pbw_plane plane;
+    result r;
+    pbw_status status;
+    const double start = now();
+    int failed;
+    memset(&input, 0, sizeof input);
+    memset(&r, 0, sizeof r);
+    input.points = d->points;
+    input.point_count = d->point_count;
+    input.segments = d->segments;
+    input.segment_count = d->segment_count;
+    input.holes = d->holes;
+    input.hole_count = d->hole_count;
+    input.regions = d->regions;
+    input.region_count = d->region_count;
+    status = pbw_plane_make(&input, options, &plane);
+    r.plan = d;
+    r.plane = &plane;
+    if (status != PBW_OK) {
+        failed = status == PBW_CANCELLED ? stopped(j)
+               : fail(j, "%s%s", plane.what, plane.crossing_count > 0 ? "; --split-crossings puts points there" : "");
+    } else if (!finish(&r)) {
+        failed = fail(j, "out of memory");
+    } else {
+        report(j, &r, now() - start);
+        failed = write_with(j, write_one, &r);
+    }
+    finish_free(&r);
+    pbw_plane_free(&plane);
+    return failed;
+}
+
+static int run(job *j)
+{
+    pbw_plane_options options;
+    plan d;
+    int failed;
+    memset(&d, 0, sizeof d);
+    failed = set_up(j, &d, &options);                /* before the input is read: are the options right? */
+    failed = failed ? failed : read_domain(j, &d);
+    if (!failed) {
+        failed = set_up(j, &d, &options);
+    }
+    if (!failed) {
+        failed = make(j, &d, &options);
+    }
+    domain_free(&d);
+    return failed;
+}
+
+const command command_plane = {
+    "plane", "triangulate and refine plane domains",
+    "usage: pbw plane [options] domain [-o output]...\n"
+    "\n"
+    "The constrained Delaunay triangulation of points and segments, with holes and regions; refined if an angle,\n"
+    "an area or a size is given.\n"
+    "\n"
+    "input:   .poly (with its .node), .geojson; points: as for pbw mesh\n"
+    "output:  .svg .html (regions, segments, angles), .poly; .vtu .msh .msh2 .mesh .ele .node .neigh .obj .ply .off\n"
+    "         .stl .inp .su2\n"
+    "For those who come from Triangle: -q is --angle, -a --area, -p a .poly, -c --rule hull, -Y --keep-boundary,\n"
+    "-YY --keep-segments, -D --conforming, -S --steiner, -j --no-orphans.\n"
+    "\n",
+    "svg html poly vtu msh msh2 mesh ele node neigh obj ply off stl inp su2",
+    { plane_options, input_options, build_options, output_options, text_options, common_options, NULL, NULL },
+    run, 0, 0, 0, NULL, 0
+};

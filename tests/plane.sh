@@ -1,0 +1,58 @@
+#!/bin/sh
+# plane.sh FOLDER: pbw plane: what it reads, refuses and writes.  Every check is of an exit status and of what is
+# printed or written.
+bin=$(cd "$1" && pwd)
+pbw=$bin/pbw work=$bin/plane
+. tests/check.sh
+cd "$work" || exit 2
+
+says() {    # says STATUS TEXT ARGUMENT...
+    status=$1 text=$2
+    shift 2
+    "$pbw" plane "$@" < /dev/null > said 2>&1
+    code=$?
+    cat said
+    [ $code = "$status" ] && grep -qF -- "$text" said
+}
+
+printf '# a plate with a hole\n8 2 0 0\n1 0 0\n2 4 0\n3 4 3\n4 0 3\n5 1 1\n6 2 1\n7 2 2\n8 1 2\n' > plate.node
+printf '0 2 0 0\n8 1\n1 1 2 3\n2 2 3 3\n3 3 4 3\n4 4 1 3\n' > plate.poly
+printf '5 5 6 4\n6 6 7 4\n7 7 8 4\n8 8 5 4\n1\n1 1.5 1.5\n' >> plate.poly
+printf '{"type":"Polygon","coordinates":[[[0,0],[4,0],[4,3],[0,3],[0,0]],\n' > plate.geojson
+printf '[[1,1],[2,1],[2,2],[1,2],[1,1]]]}' >> plate.geojson
+printf '4 2 0 0\n1 0 0\n2 1 1\n3 1 0\n4 0 1\n2 0\n1 1 2\n2 3 4\n0\n' > cross.poly
+printf '3 2\n1 0 0\n2 1 0\n3 0 1\n1 0\n1 1 4\n' > wrong.poly
+printf '{"coordinates":[[1,2],[3' > wrong.geojson
+sed '$d' plate.poly > cut.poly
+cp plate.node cut.node
+
+check "a .poly file with its .node file" says 0 "8 triangles, 8 points, 8 edges of segments, 1 region" plate.poly
+check "a .geojson file" says 0 "8 triangles, 8 points, 8 edges of segments, 1 region" plate.geojson
+check "points" says 0 " 50 points" --generate uniform 50 --dim 2
+check "angles" says 0 "0 triangles with smaller angles than wanted" plate.poly --angle 30 --area 0.1
+check "a formula" says 0 "new points" plate.poly --size '0.1+0.1*hypot(x-1,y)'
+check "crossings are refused" says 1 "segments 0 and 1 cross" cross.poly
+check "crossings are split" says 0 "5 points" cross.poly --split-crossings --rule hull
+check "no formula" says 2 'this is no formula from "*x"' plate.poly --size '0.1+*x'
+check "too large an angle" says 2 "up to 34" plate.poly --angle 40
+check "a segment without its point" says 1 "wrong.poly:6: a segment from point 1 to point 4" wrong.poly
+check "a file that ends too early" says 1 "cut.poly:" cut.poly
+check "a bad .geojson file" says 1 "wrong.geojson:1:" wrong.geojson
+check "no such file" says 1 "No such file" none.poly
+check "the boundary is kept" says 0 " 8 edges of segments" plate.poly --area 0.5 --keep-segments
+
+outputs() {
+    "$pbw" plane plate.poly --angle 30 --area 0.05 --quiet -o o.svg -o o.html -o o.poly -o o.vtu -o o.msh -o o.ele \
+        -o o.node -o o.mesh && for file in o.svg o.html o.poly o.vtu o.msh o.ele o.node o.mesh; do
+        [ -s $file ] || return 1
+    done
+}
+check "outputs of all kinds" outputs
+again() {   # what is written is read again as the same triangles
+    "$pbw" plane plate.poly --angle 30 --area 0.05 | grep triangles, > one &&
+        "$pbw" plane o.poly | grep triangles, > two && cmp one two
+}
+check "a .poly file that was written" again
+markers() { awk 'NR > 1 && NF == 4 && $4 == 4' o.poly | grep . ; }
+check "markers of segments are kept" markers
+finish

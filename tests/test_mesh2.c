@@ -1,0 +1,851 @@
+/* test_mesh2.c: pbw_mesh2.h on the inputs that constrained triangulations and domains break on, by an exact check of
+   every mesh, and on random small ones by a slow way as well (planes.h). */
+#include "pbw.h"
+#define PBW_MESH2_IMPLEMENTATION
+#include "../examples/lib/pbw_mesh2.h"
+#include "inputs.h"
+#include "meter.h"
+#include "meshes.h"
+#include "planes.h"
+#include "test.h"
+#include "watch.h"
+
+#define PI 3.14159265358979323846
+
+/* ---- inputs */
+
+typedef struct drawing {                   /* points and segments that grow */
+    double *points;
+    pbw_index *segments;
+    size_t point_count, segment_count;
+    pbw_plane_input input;
+} drawing;
+
+static pbw_index put(drawing *d, double x, double y)
+{
+    if ((d->point_count & (d->point_count - 1)) == 0) {
+        d->points = (double *)zoo_grow(d->points, 4 * (d->point_count + 1) * sizeof(double));
+    }
+    d->points[2 * d->point_count] = x;
+    d->points[2 * d->point_count + 1] = y;
+    return (pbw_index)d->point_count++;
+}
+
+static void line(drawing *d, pbw_index a, pbw_index b)
+{
+    if ((d->segment_count & (d->segment_count - 1)) == 0) {
+        d->segments = (pbw_index *)zoo_grow(d->segments, 4 * (d->segment_count + 1) * sizeof(pbw_index));
+    }
+    d->segments[2 * d->segment_count] = a;
+    d->segments[2 * d->segment_count++ + 1] = b;
+}
+
+/* A closed ring of the last `count` points. */
+static void ring(drawing *d, size_t count)
+{
+    const size_t first = d->point_count - count;
+    size_t i;
+    for (i = 0; i < count; i++) {
+        line(d, (pbw_index)(first + i), (pbw_index)(first + (i + 1) % count));
+    }
+}
+
+static void box(drawing *d, double x, double y, double half, int clockwise)
+{
+    put(d, x - half, y - half);
+    put(d, clockwise ? x - half : x + half, clockwise ? y + half : y - half);
+    put(d, x + half, y + half);
+    put(d, clockwise ? x + half : x - half, clockwise ? y - half : y + half);
+    ring(d, 4);
+}
+
+static const pbw_plane_input *input_of(drawing *d)
+{
+    d->input.points = d->points;
+    d->input.point_count = d->point_count;
+    d->input.segments = d->segments;
+    d->input.segment_count = d->segment_count;
+    return &d->input;
+}
+
+static void drawing_free(drawing *d)
+{
+    free(d->points);
+    free(d->segments);
+    memset(d, 0, sizeof *d);
+}
+
+/* A rough closed coast of n points about x, y. */
+static void coast(drawing *d, double x, double y, double radius, int n, uint64_t *state)
+{
+    double phase[12];
+    int i, k;
+    for (k = 0; k < 12; k++) {
+        phase[k] = input_uniform(state);
+    }
+    for (i = 0; i < n; i++) {
+        double c, s, r = 1, w = 0.3;
+        for (k = 0; k < 12; k++, w *= 0.6) {
+            input_turn((double)i / n * (1 << k) + phase[k], &c, &s);
+            r += 0.5 * w * c;
+        }
+        r *= radius * (1 + 0.004 * (input_uniform(state) - 0.5));
+        input_turn((double)i / n, &c, &s);
+        put(d, x + r * c, y + r * s);
+    }
+    ring(d, (size_t)n);
+}
+
+/* ---- checks */
+
+static pbw_status make(drawing *d, const pbw_plane_options *options, pbw_plane *plane)
+{
+    return pbw_plane_make(input_of(d), options, plane);
+}
+
+static void check_fault(const char *fault)
+{
+    if (!CHECK(fault == NULL)) {
+        test_say("%s", fault);
+    }
+}
+
+/* Twice the signed area within the segments. */
+static long double shoelace(const drawing *d)
+{
+    long double sum = 0;
+    size_t i;
+    for (i = 0; i < d->segment_count; i++) {
+        const double *a = d->points + 2 * d->segments[2 * i], *b = d->points + 2 * d->segments[2 * i + 1];
+        sum += (long double)a[0] * b[1] - (long double)a[1] * b[0];
+    }
+    return sum;
+}
+
+static void check_area(const pbw_plane *plane, long double twice)
+{
+    CHECK(fabsl(planes_area(plane) - twice) <= 1e-12L * fabsl(twice));
+}
+
+/* Makes the mesh, checks it, and again from points and segments in another order. */
+static uint64_t check_drawing(drawing *d, const pbw_plane_options *options)
+{
+    drawing other;
+    pbw_plane plane;
+    uint64_t hash = 0, state = 9;
+    size_t i, j;
+    pbw_index *to;
+    if (CHECK_EQUAL(make(d, options, &plane), PBW_OK)) {
+        check_fault(planes_fault(&plane, options == NULL || options->rule == PBW_PLANE_HULL ? d->segments : NULL,
+                                 d->segment_count, 1));
+        hash = planes_hash(&plane);
+    }
+    pbw_plane_free(&plane);
+    memset(&other, 0, sizeof other);
+    to = (pbw_index *)zoo_grow(NULL, (d->point_count + 1) * sizeof *to);
+    for (i = 0; i < d->point_count; i++) {
+        to[i] = (pbw_index)i;
+    }
+    for (i = d->point_count; i > 1; i--) {
+        const pbw_index swap = to[i - 1];
+        j = input_below(&state, (uint32_t)i);
+        to[i - 1] = to[j];
+        to[j] = swap;
+    }
+    for (i = 0; i < d->point_count; i++) {
+        put(&other, 0, 0);
+    }
+    for (i = 0; i < d->point_count; i++) {
+        memcpy(other.points + 2 * to[i], d->points + 2 * i, 2 * sizeof(double));
+    }
+    for (i = d->segment_count; i > 0; i--) {
+        const pbw_index a = to[d->segments[2 * i - 2]], b = to[d->segments[2 * i - 1]];
+        line(&other, a, b);
+    }
+    if (CHECK_EQUAL(make(&other, options, &plane), PBW_OK)) {
+        CHECK(planes_hash(&plane) == hash);
+    }
+    pbw_plane_free(&plane);
+    drawing_free(&other);
+    free(to);
+    return hash;
+}
+
+/* ---- tests */
+
+static void test_constraints(void)
+{
+    drawing d;
+    pbw_plane plane;
+    int i, k, n = 40;
+    memset(&d, 0, sizeof d);
+    if (test_begin("segments through the points of a lattice")) {
+        for (i = 0; i < n * n; i++) {
+            put(&d, i % n, i / n);
+        }
+        for (i = 1; i + 1 < n; i += 2) {             /* (0, i) to (n-1, i): all on one line, overlapping */
+            line(&d, (pbw_index)(i * n), (pbw_index)(i * n + n - 1));
+            line(&d, (pbw_index)(i * n + n - 4), (pbw_index)(i * n + 3));
+        }
+        check_drawing(&d, NULL);
+        CHECK_EQUAL(make(&d, NULL, &plane), PBW_OK);
+        for (i = 0, k = 0; i < (int)plane.edge_count; i++) {
+            k += plane.edge_first[i + 1] - plane.edge_first[i] == 2;
+        }
+        CHECK_EQUAL(k, (n / 2 - 1) * (n - 7));
+        pbw_plane_free(&plane);
+        drawing_free(&d);
+        test_end();
+    }
+    if (test_begin("a sheared lattice: long segments, all ties")) {
+        for (i = 0; i < n * n; i++) {
+            put(&d, i % n, i / n + 2 * (i % n));
+        }
+        for (i = 0; i + 2 < n; i++) {                /* knight's moves */
+            line(&d, (pbw_index)(i * n), (pbw_index)((i + 1) * n + n - 1));
+        }
+        check_drawing(&d, NULL);
+        drawing_free(&d);
+        test_end();
+    }
+    if (test_begin("long segments, isolated points, dangling ends")) {
+        uint64_t state = 3;
+        for (i = 0; i < 20000; i++) {
+            put(&d, input_uniform(&state), input_uniform(&state));
+        }
+        for (i = 0; i < 40; i++) {
+            pbw_index a = put(&d, 0.01 * input_uniform(&state), (i + 0.3 + 0.4 * input_uniform(&state)) / 40);
+            line(&d, a, put(&d, 1 - 0.3 * input_uniform(&state), (i + 0.3 + 0.4 * input_uniform(&state)) / 40));
+        }
+        check_drawing(&d, NULL);
+        drawing_free(&d);
+        test_end();
+    }
+    if (test_begin("coordinates at 1e15, at 1e-300, clusters of 1e-9")) {
+        static const double scale[3] = { 1, 1e-300, 1e-9 }, shift[3] = { 1e15, 0, 1 };
+        uint64_t state = 5;
+        for (k = 0; k < 3; k++) {
+            coast(&d, 0, 0, 1000, 500, &state);
+            for (i = 0; i < 1000; i++) {
+                d.points[i] = shift[k] + scale[k] * floor(d.points[i]);
+            }
+            if (k != 1) {                            /* rounded, it may cross itself */
+                d.segment_count /= 4;
+            }
+            {
+                pbw_plane_options options;
+                memset(&options, 0, sizeof options);
+                options.flags = PBW_PLANE_SPLIT_CROSSINGS;
+                CHECK_EQUAL(make(&d, &options, &plane), PBW_OK);
+                check_fault(planes_fault(&plane, d.segments, d.segment_count, 0));
+                pbw_plane_free(&plane);
+            }
+            drawing_free(&d);
+        }
+        test_end();
+    }
+    if (test_begin("a hub with 200,000 spokes")) {
+        put(&d, 0, 0);
+        for (i = 0; i < 200000; i++) {
+            double c, s;
+            input_turn(i / 1000000.0, &c, &s);
+            line(&d, 0, put(&d, c, s));
+        }
+        CHECK_EQUAL(make(&d, NULL, &plane), PBW_OK);
+        CHECK(plane.triangle_count >= 199000 && plane.edge_count >= 200000);
+        check_fault(planes_fault(&plane, d.segments, d.segment_count, 1));
+        pbw_plane_free(&plane);
+        drawing_free(&d);
+        test_end();
+    }
+    if (test_begin("one segment often, zero lengths, duplicates at ends")) {
+        box(&d, 0, 0, 1, 0);
+        box(&d, 0, 0, 1, 1);
+        for (i = 0; i < 50; i++) {
+            line(&d, 0, 2);
+            line(&d, 4, 4);
+        }
+        check_drawing(&d, NULL);
+        drawing_free(&d);
+        test_end();
+    }
+}
+
+static void test_crossings(void)
+{
+    drawing d;
+    pbw_plane plane;
+    pbw_plane_options options;
+    size_t i, n = 60;
+    memset(&d, 0, sizeof d);
+    memset(&options, 0, sizeof options);
+    if (test_begin("a grid of lines: all crossings listed, or split")) {
+        for (i = 0; i < n; i++) {
+            const pbw_index a = put(&d, 0.1 * (double)i, -1);
+            line(&d, a, put(&d, 0.1 * (double)i, 7));
+        }
+        for (i = 0; i < n; i++) {
+            const pbw_index a = put(&d, -1, 0.1 * (double)i);
+            line(&d, a, put(&d, 7, 0.1 * (double)i));
+        }
+        CHECK_EQUAL(make(&d, NULL, &plane), PBW_ERROR_ARGUMENT);
+        CHECK_EQUAL(plane.crossing_count, n * n);
+        CHECK(plane.crossings[0] == 0 && plane.crossings[1] == n && strstr(plane.what, "cross") != NULL);
+        CHECK(plane.triangles == NULL);
+        pbw_plane_free(&plane);
+        options.flags = PBW_PLANE_SPLIT_CROSSINGS;
+        CHECK_EQUAL(make(&d, &options, &plane), PBW_OK);
+        CHECK_EQUAL(plane.point_count, 4 * n + n * n);
+        CHECK_EQUAL(plane.report.rounds, 1);
+        check_fault(planes_fault(&plane, d.segments, d.segment_count, 0));
+        pbw_plane_free(&plane);
+        drawing_free(&d);
+        test_end();
+    }
+    if (test_begin("random segments: split until none cross")) {
+        uint64_t state = 1;
+        for (i = 0; i < 600; i++) {
+            const double x = input_uniform(&state), y = input_uniform(&state);
+            const pbw_index a = put(&d, x, y);
+            line(&d, a, put(&d, x + 0.2 * input_uniform(&state), y + 0.2 * input_uniform(&state)));
+        }
+        CHECK_EQUAL(make(&d, &options, &plane), PBW_OK);
+        check_fault(planes_fault(&plane, d.segments, d.segment_count, 0));
+        test_say("%zu points, %d rounds", plane.point_count, plane.report.rounds);
+        pbw_plane_free(&plane);
+        drawing_free(&d);
+        test_end();
+    }
+    if (test_begin("stars {n/k}: winding k in the middle")) {
+        const size_t k = 3;
+        options.rule = PBW_PLANE_NONZERO;
+        for (i = 0; i < 11; i++) {
+            put(&d, cos(2 * PI * (double)i / 11), sin(2 * PI * (double)i / 11));
+        }
+        for (i = 0; i < 11; i++) {
+            line(&d, (pbw_index)i, (pbw_index)((i + k) % 11));
+        }
+        CHECK_EQUAL(make(&d, &options, &plane), PBW_OK);
+        check_fault(planes_fault(&plane, NULL, 0, 0));
+        for (i = 0; i < plane.region_count; i++) {
+            CHECK(plane.region_windings[i] >= 1 && plane.region_windings[i] <= (int)k);
+        }
+        CHECK_EQUAL(plane.region_count, 1 + 11 * (k - 1));
+        pbw_plane_free(&plane);
+        drawing_free(&d);
+        test_end();
+    }
+}
+
+static void test_domains(void)
+{
+    drawing d;
+    pbw_plane plane;
+    pbw_plane_options options;
+    int i, k;
+    memset(&d, 0, sizeof d);
+    memset(&options, 0, sizeof options);
+    if (test_begin("nested squares: winding numbers, even-odd and nonzero")) {
+        for (k = 0; k < 2; k++) {
+            for (i = 1; i <= 9; i++) {
+                box(&d, 0, 0, i, k == 1 && i % 2 == 0);
+            }
+            options.rule = PBW_PLANE_NONZERO;
+            CHECK_EQUAL(make(&d, &options, &plane), PBW_OK);
+            check_area(&plane, k == 0 ? 2 * 324.0L : 8 * (1 + 9 + 25 + 49 + 81 - 4 - 16 - 36 - 64));
+            CHECK_EQUAL(plane.region_count, k == 0 ? 9 : 5);
+            for (i = 0; i < (int)plane.region_count; i++) {
+                CHECK(plane.region_windings[i] >= 1 && plane.region_windings[i] <= (k == 0 ? 9 : 1));
+            }
+            pbw_plane_free(&plane);
+            options.rule = PBW_PLANE_EVEN_ODD;
+            CHECK_EQUAL(make(&d, &options, &plane), PBW_OK);
+            check_area(&plane, 8 * (1 + 9 + 25 + 49 + 81 - 4 - 16 - 36 - 64));
+            pbw_plane_free(&plane);
+            check_drawing(&d, &options);
+            drawing_free(&d);
+        }
+        test_end();
+    }
+    if (test_begin("coasts: area by the shoelace sum")) {
+        uint64_t state = 2;
+        for (i = 0; i < 9; i++) {
+            coast(&d, i % 3, i / 3, 0.3, 1000, &state);
+        }
+        options.rule = PBW_PLANE_EVEN_ODD;
+        CHECK_EQUAL(make(&d, &options, &plane), PBW_OK);
+        check_area(&plane, shoelace(&d));
+        CHECK_EQUAL(plane.region_count, 9);
+        CHECK_EQUAL(plane.edge_count, d.segment_count);
+        pbw_plane_free(&plane);
+        check_drawing(&d, &options);
+        drawing_free(&d);
+        test_end();
+    }
+    if (test_begin("holes and regions by points, dangling segments")) {
+        static const double holes[] = { 0, 0, 3, 3 };
+        static const pbw_plane_region regions[] = { { -1.5, 0, 0 }, { 1.5, 0, 0 }, { 0.1, 1.5, 0 } };
+        box(&d, 0, 0, 2, 0);
+        box(&d, 0, 0, 1, 0);
+        line(&d, put(&d, 0, -2), put(&d, 0, -1));
+        line(&d, put(&d, 0, 1), put(&d, 0, 2));
+        line(&d, 2, put(&d, 1.5, 1.75));             /* sticks out from a corner */
+        line(&d, put(&d, 3, 0), put(&d, 4, 0));      /* outside */
+        d.input.holes = holes;
+        d.input.hole_count = 2;
+        d.input.regions = regions;
+        d.input.region_count = 3;
+        options.rule = PBW_PLANE_SEEDS;
+        CHECK_EQUAL(make(&d, &options, &plane), PBW_OK);
+        check_fault(planes_fault(&plane, NULL, 0, 0));
+        check_area(&plane, 2 * 12);
+        CHECK_EQUAL(plane.region_count, 2);
+        CHECK(plane.region_seeds[0] + plane.region_seeds[1] == 2 && plane.region_seeds[0] % 2 == 0);
+        pbw_plane_free(&plane);
+        options.rule = PBW_PLANE_EVEN_ODD;           /* the cut from hole to border makes windings disagree */
+        d.input.hole_count = 0;
+        CHECK_EQUAL(make(&d, &options, &plane), PBW_ERROR_ARGUMENT);
+        CHECK(strstr(plane.what, "close") != NULL);
+        pbw_plane_free(&plane);
+        drawing_free(&d);
+        test_end();
+    }
+    if (test_begin("rings in one call")) {
+        static const double points[] = { 0,0, 4,0, 4,4, 0,4, 1,1, 1,2, 2,2, 2,1 };
+        static const size_t first[] = { 0, 4, 8 };
+        CHECK_EQUAL(pbw_plane_rings(points, first, 2, NULL, &plane), PBW_OK);
+        check_fault(planes_fault(&plane, NULL, 0, 0));
+        check_area(&plane, 30);
+        CHECK_EQUAL(plane.triangle_count, 8);
+        CHECK_EQUAL(plane.edge_count, 8);
+        pbw_plane_free(&plane);
+        CHECK_EQUAL(pbw_plane_rings(points, NULL, 2, NULL, &plane), PBW_ERROR_ARGUMENT);
+        CHECK(plane.what[0] != 0);
+        CHECK_EQUAL(pbw_plane_rings(NULL, NULL, 0, NULL, &plane), PBW_DEGENERATE);
+        pbw_plane_free(&plane);
+        test_end();
+    }
+}
+
+static void test_failures(void)
+{
+    drawing d;
+    pbw_plane plane;
+    pbw_plane_options options;
+    pbw_options build;
+    meter m;
+    watch w;
+    long k, done = 0;
+    uint64_t state = 4;
+    memset(&d, 0, sizeof d);
+    memset(&options, 0, sizeof options);
+    memset(&build, 0, sizeof build);
+    build.threads = 1;
+    options.build = &build;
+    if (test_begin("bad arguments")) {
+        pbw_plane_input none;
+        memset(&none, 0, sizeof none);
+        CHECK_EQUAL(pbw_plane_make(NULL, NULL, &plane), PBW_ERROR_ARGUMENT);
+        CHECK_EQUAL(pbw_plane_make(&none, NULL, NULL), PBW_ERROR_ARGUMENT);
+        CHECK_EQUAL(pbw_plane_make(&none, NULL, &plane), PBW_DEGENERATE);
+        pbw_plane_free(&plane);
+        box(&d, 0, 0, 1, 0);
+        line(&d, 0, 9);
+        CHECK_EQUAL(make(&d, NULL, &plane), PBW_ERROR_ARGUMENT);
+        CHECK(strstr(plane.what, "segment 4") != NULL);
+        d.segment_count = 4;
+        options.angle = 35;
+        CHECK_EQUAL(make(&d, &options, &plane), PBW_ERROR_ARGUMENT);
+        options.angle = 0;
+        d.points[3] = HUGE_VAL;
+        CHECK_EQUAL(make(&d, &options, &plane), PBW_ERROR_NOT_FINITE);
+        CHECK(plane.what[0] != 0);
+        drawing_free(&d);
+        test_end();
+    }
+    if (test_begin("points on one line")) {
+        for (k = 0; k < 9; k++) {
+            line(&d, put(&d, (double)k, (double)k), 0);
+        }
+        CHECK_EQUAL(make(&d, &options, &plane), PBW_DEGENERATE);
+        CHECK(plane.point_count == 9 && plane.triangle_count == 0);
+        pbw_plane_free(&plane);
+        drawing_free(&d);
+        test_end();
+    }
+    if (test_begin("every allocation failing, and the memory limit")) {
+        coast(&d, 0, 0, 1, 60, &state);
+        box(&d, 0, 0, 0.3, 1);
+        line(&d, 0, 30);
+        options.rule = PBW_PLANE_SEEDS;
+        options.flags = PBW_PLANE_SPLIT_CROSSINGS | PBW_PLANE_REFINE;
+        build.resize = meter_resize;
+        build.resize_user = &m;
+        for (k = 1; !done; k++) {
+            meter_start(&m, k, 0);
+            done = make(&d, &options, &plane) == PBW_OK;
+            CHECK(done || (plane.what[0] != 0 && m.blocks == 0));
+            pbw_plane_free(&plane);
+            CHECK(m.blocks == 0 && m.faults == 0);
+        }
+        CHECK(k > 10);
+        meter_start(&m, 0, 0);
+        build.memory_limit = 10000;
+        CHECK_EQUAL(make(&d, &options, &plane), PBW_ERROR_MEMORY);
+        CHECK(m.blocks == 0 && m.peak <= 10000);
+        drawing_free(&d);
+        memset(&build, 0, sizeof build);
+        build.threads = 1;
+        test_end();
+    }
+    if (test_begin("cancelled at any call")) {
+        for (k = 0; k < 5000; k++) {
+            put(&d, input_uniform(&state), input_uniform(&state));
+        }
+        for (k = 0; k < 4; k++) {
+            coast(&d, 3 * (double)k, 0, 1, 3000, &state);
+        }
+        options.rule = PBW_PLANE_EVEN_ODD;
+        build.progress = watch_progress;
+        build.progress_user = &w;
+        for (k = 1, done = 0; !done; k += 1 + k / 4) {
+            watch_start(&w, k);
+            done = make(&d, &options, &plane) == PBW_OK;
+            CHECK(done || strcmp(plane.what, pbw_status_string(PBW_CANCELLED)) == 0);
+            pbw_plane_free(&plane);
+        }
+        CHECK(k > 10);
+        drawing_free(&d);
+        test_end();
+    }
+}
+
+/* ---- refinement */
+
+static double least_angle(const pbw_plane *plane, size_t i)
+{
+    const double *p[3];
+    double least = 180;
+    int k;
+    for (k = 0; k < 3; k++) {
+        p[k] = planes_at(plane->points, plane->triangles[3 * i + (size_t)k]);
+    }
+    for (k = 0; k < 3; k++) {
+        const double *a = p[k], *b = p[(k + 1) % 3], *c = p[(k + 2) % 3];
+        const double x = (b[0] - a[0]) * (c[0] - a[0]) + (b[1] - a[1]) * (c[1] - a[1]);
+        const double y = (b[0] - a[0]) * (c[1] - a[1]) - (b[1] - a[1]) * (c[0] - a[0]);
+        least = fmin(least, atan2(y, x) * 180 / PI);
+    }
+    return least;
+}
+
+static double longest_edge(const pbw_plane *plane, size_t i)
+{
+    double longest = 0;
+    size_t k;
+    for (k = 0; k < 3; k++) {
+        const double *a = planes_at(plane->points, plane->triangles[3 * i + k]);
+        const double *b = planes_at(plane->points, plane->triangles[3 * i + (k + 1) % 3]);
+        longest = fmax(longest, hypot(a[0] - b[0], a[1] - b[1]));
+    }
+    return longest;
+}
+
+/* Refines; checks the mesh, the segments, the area, and that no more than `small` triangles have smaller angles. */
+static void refine(drawing *d, pbw_plane_options *options, size_t small, size_t most, pbw_plane *plane)
+{
+    pbw_plane coarse;
+    size_t i, found = 0;
+    const double angle = options->angle > 0 ? options->angle : 30;
+    options->flags &= ~PBW_PLANE_REFINE;
+    CHECK_EQUAL(make(d, options, &coarse), PBW_OK);
+    options->flags |= PBW_PLANE_REFINE;
+    CHECK_EQUAL(make(d, options, plane), PBW_OK);
+    check_fault(planes_fault(plane, options->rule == PBW_PLANE_HULL ? d->segments : NULL, d->segment_count, 0));
+    CHECK(fabsl(planes_area(plane) - planes_area(&coarse)) <= 1e-12L * planes_area(&coarse));
+    for (i = 0; i < plane->triangle_count; i++) {
+        found += least_angle(plane, i) < angle - 1e-6;
+    }
+    CHECK_EQUAL(found, plane->report.small_angles);
+    CHECK(found <= small);
+    CHECK(plane->triangle_count <= most && !plane->report.limited);
+    test_say("%g degrees: %zu triangles, %zu with smaller angles", angle, plane->triangle_count, found);
+    pbw_plane_free(&coarse);
+}
+
+static void plate(drawing *d)
+{
+    int i, k;
+    box(d, 5, 5, 5.5, 0);
+    for (k = 0; k < 20; k++) {
+        for (i = 0; i < 200; i++) {
+            double c, s;
+            input_turn(i / 200.0, &c, &s);
+            put(d, k % 5 * 2 + 1 + 0.5 * c, k / 5 * 2.4 + 1.2 + 0.5 * s);
+        }
+        ring(d, 200);
+    }
+}
+
+/* Finer towards a corner. */
+static double size_at(void *user, double x, double y)
+{
+    (void)user;
+    return 0.01 + 0.1 * hypot(x, y);
+}
+
+static void test_angles(void)
+{
+    static const double angles[3] = { 20, 30, 33 };
+    static const size_t of_plate[3] = { 31000, 43500, 69000 }, of_coast[3] = { 3100, 4400, 6500 };
+    drawing d;
+    pbw_plane plane;
+    pbw_plane_options options;
+    uint64_t state = 1;
+    int i, k;
+    memset(&d, 0, sizeof d);
+    memset(&options, 0, sizeof options);
+    if (test_begin("angles of a plate with 20 rings")) {
+        plate(&d);
+        for (k = 0; k < 3; k++) {
+            options.angle = angles[k];
+            refine(&d, &options, 0, of_plate[k], &plane);
+            pbw_plane_free(&plane);
+        }
+        drawing_free(&d);
+        test_end();
+    }
+    if (test_begin("angles of a comb and of a coast")) {
+        options.rule = PBW_PLANE_EVEN_ODD;
+        for (k = 0; k < 3; k++) {
+            options.angle = angles[k];
+            put(&d, 0, 0);
+            for (i = 0; i < 50; i++) {
+                put(&d, i + 1, 0);
+                put(&d, i + 1, 1);
+                put(&d, i + 1.02, 1);
+                put(&d, i + 1.02, 0);
+            }
+            put(&d, 51, 0);
+            put(&d, 51, 2);
+            put(&d, 0, 2);
+            ring(&d, d.point_count);
+            refine(&d, &options, 0, 6000, &plane);
+            pbw_plane_free(&plane);
+            drawing_free(&d);
+            coast(&d, 0, 0, 1, 1000, &state);
+            refine(&d, &options, 0, 10 * of_coast[k], &plane);
+            pbw_plane_free(&plane);
+            drawing_free(&d);
+        }
+        memset(&options, 0, sizeof options);
+        test_end();
+    }
+    if (test_begin("small angles of the input: spokes, wedges")) {
+        static const double wedge[4] = { 30, 10, 1, 0.01 };
+        box(&d, 0, 0, 2, 0);
+        put(&d, 0, 0);
+        for (i = 0; i < 40; i++) {
+            double c, s;
+            input_turn(i / 40.0 + 1e-3 * input_uniform(&state), &c, &s);
+            line(&d, 4, put(&d, c, s));
+        }
+        refine(&d, &options, 80, 550, &plane);
+        pbw_plane_free(&plane);
+        drawing_free(&d);
+        for (k = 0; k < 4; k++) {
+            box(&d, 0, 0, 2, 0);
+            put(&d, 0, 0);
+            put(&d, 1, 0.1);
+            put(&d, cos(wedge[k] * PI / 180), 0.1 * cos(wedge[k] * PI / 180) + sin(wedge[k] * PI / 180));
+            line(&d, 4, 5);
+            line(&d, 4, 6);
+            refine(&d, &options, 40, 2000, &plane);
+            pbw_plane_free(&plane);
+            drawing_free(&d);
+        }
+        test_end();
+    }
+}
+
+static void test_sizes(void)
+{
+    static const pbw_plane_region regions[] = { { -0.5, 0, 0.001 }, { 0.5, 0, 0.01 } };
+    static const double sizes[4] = { 0.02, 0, 0, 0 };
+    drawing d;
+    pbw_plane plane;
+    pbw_plane_options options;
+    size_t i, k;
+    memset(&d, 0, sizeof d);
+    memset(&options, 0, sizeof options);
+    if (test_begin("area, size, size by place: none is larger; not many more than needed")) {
+        box(&d, 0.5, 0.5, 0.5, 0);
+        options.area = 1e-4;
+        refine(&d, &options, 0, 16200, &plane);
+        CHECK_EQUAL(plane.report.too_large, 0);
+        pbw_plane_free(&plane);
+        options.area = 0;
+        options.size = 0.05;
+        refine(&d, &options, 0, 2500, &plane);
+        for (i = 0; i < plane.triangle_count; i++) {
+            CHECK(longest_edge(&plane, i) <= 0.05);
+        }
+        pbw_plane_free(&plane);
+        options.size = 0;
+        options.size_at = size_at;
+        refine(&d, &options, 0, 3500, &plane);
+        CHECK_EQUAL(plane.report.too_large, 0);
+        for (i = 0; i < plane.triangle_count; i++) {
+            double x = 0, y = 0;
+            for (k = 0; k < 3; k++) {
+                x += planes_at(plane.points, plane.triangles[3 * i + k])[0] / 3;
+                y += planes_at(plane.points, plane.triangles[3 * i + k])[1] / 3;
+            }
+            CHECK(longest_edge(&plane, i) <= 1.0001 * size_at(NULL, x, y));
+        }
+        pbw_plane_free(&plane);
+        options.size_at = NULL;
+        d.input.sizes = sizes;
+        refine(&d, &options, 0, 6000, &plane);
+        for (i = 0; i < plane.triangle_count; i++) {
+            for (k = 0; k < 3; k++) {
+                CHECK(plane.triangles[3 * i + k] != 0 || longest_edge(&plane, i) <= 0.05);
+            }
+        }
+        pbw_plane_free(&plane);
+        drawing_free(&d);
+        test_end();
+    }
+    if (test_begin("areas of regions")) {
+        box(&d, 0, 0, 1, 0);
+        line(&d, put(&d, 0, -1), put(&d, 0, 1));
+        d.input.regions = regions;
+        d.input.region_count = 2;
+        refine(&d, &options, 0, 6000, &plane);
+        CHECK_EQUAL(plane.region_count, 2);
+        for (i = 0; i < plane.triangle_count; i++) {
+            const double *a = planes_at(plane.points, plane.triangles[3 * i]);
+            const double *b = planes_at(plane.points, plane.triangles[3 * i + 1]);
+            const double *c = planes_at(plane.points, plane.triangles[3 * i + 2]);
+            const pbw_index seed = plane.region_seeds[plane.regions[i]];
+            CHECK((a[0] + b[0] + c[0] < 0) == (seed == 0));
+            CHECK((b[0] - a[0]) * (c[1] - a[1]) - (b[1] - a[1]) * (c[0] - a[0]) <= 2.0001 * regions[seed].area);
+        }
+        pbw_plane_free(&plane);
+        drawing_free(&d);
+        test_end();
+    }
+}
+
+static void test_limits(void)
+{
+    drawing d;
+    pbw_plane plane;
+    pbw_plane_options options;
+    size_t i;
+    memset(&d, 0, sizeof d);
+    memset(&options, 0, sizeof options);
+    options.flags = PBW_PLANE_REFINE;
+    if (test_begin("a most number of points")) {
+        plate(&d);
+        options.steiner_limit = 500;
+        CHECK_EQUAL(make(&d, &options, &plane), PBW_OK);
+        CHECK(plane.report.limited && plane.report.steiner_count == 500);
+        CHECK(plane.point_count == d.point_count + 500);
+        check_fault(planes_fault(&plane, d.segments, d.segment_count, 0));
+        pbw_plane_free(&plane);
+        options.steiner_limit = 0;
+        test_end();
+    }
+    if (test_begin("untouched boundary, untouched segments, conforming")) {
+        pbw_mesh mesh;
+        const size_t given = d.segment_count + 1;
+        size_t at_border = 0;
+        memset(&mesh, 0, sizeof mesh);
+        line(&d, put(&d, 0, 0.2), put(&d, 10, 0.2));
+        options.area = 0.05;
+        options.flags = PBW_PLANE_REFINE | PBW_PLANE_KEEP_SEGMENTS;
+        CHECK_EQUAL(make(&d, &options, &plane), PBW_OK);
+        CHECK(plane.edge_count == given && plane.report.steiner_count > 100);
+        check_fault(planes_fault(&plane, d.segments, d.segment_count, 1));
+        pbw_plane_free(&plane);
+        options.flags = PBW_PLANE_REFINE | PBW_PLANE_KEEP_BOUNDARY;
+        CHECK_EQUAL(make(&d, &options, &plane), PBW_OK);
+        CHECK(plane.edge_count > given);
+        for (i = 0; i < 3 * plane.triangle_count; i++) {
+            at_border += plane.neighbors[i] == PBW_NONE;
+        }
+        CHECK_EQUAL(at_border, 4);
+        pbw_plane_free(&plane);
+        options.flags = PBW_PLANE_REFINE | PBW_PLANE_CONFORMING;
+        options.angle = -1;
+        CHECK_EQUAL(make(&d, &options, &plane), PBW_OK);
+        CHECK_EQUAL(pbw_triangulate(2, plane.points, NULL, plane.point_count, NULL, &mesh), PBW_OK);
+        CHECK(mesh.simplex_count >= plane.triangle_count);
+        for (i = 0; i < 3 * plane.triangle_count; i++) {             /* Delaunay across segments too */
+            const pbw_index n = plane.neighbors[i], *v = plane.triangles + 3 * (i / 3);
+            size_t k;
+            for (k = 0; n != PBW_NONE && plane.neighbors[3 * (size_t)n + k] != i / 3; k++) {
+            }
+            CHECK(n == PBW_NONE || pbw_incircle(planes_at(plane.points, v[0]), planes_at(plane.points, v[1]),
+                  planes_at(plane.points, v[2]),
+                  planes_at(plane.points, plane.triangles[3 * (size_t)n + k])) <= 0);
+        }
+        pbw_free(&mesh);
+        pbw_plane_free(&plane);
+        drawing_free(&d);
+        test_end();
+    }
+    if (test_begin("coordinates that cannot be refined")) {
+        options.flags = PBW_PLANE_REFINE;
+        put(&d, 0, 0);
+        put(&d, 1e200, 0);
+        put(&d, 0, 1e200);
+        CHECK_EQUAL(make(&d, &options, &plane), PBW_ERROR_ARGUMENT);
+        CHECK(strstr(plane.what, "scale") != NULL);
+        drawing_free(&d);
+        test_end();
+    }
+}
+
+static void test_random(void)
+{
+    if (test_begin("%ld random small inputs", test_count)) {
+        uint64_t state = test_seed;
+        unsigned char bytes[512];
+        long n;
+        int i;
+        for (n = 0; n < test_count; n++) {
+            planes_small s;
+            const char *fault;
+            size_t size;
+            for (i = 0; i < (int)sizeof bytes; i += 8) {
+                uint64_t x = input_next(&state);
+                memcpy(bytes + i, &x, 8);
+            }
+            size = 64 + input_below(&state, 449);
+            planes_small_decode(&s, bytes, size);
+            fault = planes_small_judge(&s);
+            if (!CHECK(fault == NULL)) {
+                test_say("%s", fault);
+                planes_small_decode(&s, bytes, size);
+                planes_small_print(&s);
+            }
+        }
+        test_end();
+    }
+}
+
+int main(int argc, char **argv)
+{
+    test_start(argc, argv, 3000);
+    test_constraints();
+    test_crossings();
+    test_domains();
+    test_angles();
+    test_sizes();
+    test_limits();
+    test_failures();
+    test_random();
+    return test_finish();
+}
