@@ -7,6 +7,7 @@
 
 #include "pbw.h"
 #include "pbw_cells.h"
+#include "pbw_improve.h"
 #include "pbw_io.h"
 #include "pbw_model.h"
 #include "pbw_picture.h"
@@ -19,7 +20,7 @@
 #include <stdlib.h>
 #include <string.h>
 
-#define COMMANDS(X) X(mesh) X(sample) X(check) X(convert) X(bench) X(view) X(locate) X(nearest) X(cells)
+#define COMMANDS(X) X(mesh) X(sample) X(check) X(convert) X(bench) X(view) X(locate) X(nearest) X(cells) X(improve)
 
 #if defined(__GNUC__)
 #define PRINTF(a, b) __attribute__((format(printf, a, b)))
@@ -160,6 +161,12 @@ int write_with(job *j, writer *write, void *user);
 
 /* Cells with shapes as .obj, .vtu, .svg; without what is unbounded. */
 pbwio_status write_diagram(const char *path, const char *ending, const pbw_cells *cells, pbwio_error *error);
+
+/* ---- improve.c ---- */
+
+void describe_quality(const job *j, const char *when, const pbw_quality *q);
+void describe_histogram(const job *j, const pbw_quality *q);
+void show_tets(job *j, const pbw_tets *tets);                         /* j->mesh becomes their view, not to be freed */
 
 /* ---- surface.c ---- */
 
