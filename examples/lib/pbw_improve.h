@@ -28,8 +28,7 @@
    "Aggressive tetrahedral mesh improvement").  One thread works.
 
    PROMISES  (tests/test_improve.c guards them)
-     monotone    the least quality never falls, so that a mesh that is good enough soon is soon done, and one that is
-                 stopped by a budget is better than before
+     monotone    the least quality never falls, up to rounding: a mesh whose budget ends is better than before
      positive    every tetrahedron made is positively oriented, by exact signs
      kept        fixed points, feature edges, regions and their interfaces; the boundary is as manifold as it was and
                  has the same Euler number, and stays on the surface, to 25 degrees of its normals
@@ -947,43 +946,79 @@ static int pbwim__smooth(pbwim__mesh *m, pbw_index p)
 
 /* ---- at the boundary ---- */
 
-/* Takes off a tetrahedron with two facets on the boundary that are nearly one plane, if the edge that comes to the
-   boundary was inside. */
-static int pbwim__peel(pbwim__mesh *m, pbw_index t)
+/* Whether t may be taken off, for all that is beneath its boundary facets: with one, the corner across comes to the
+   boundary and must be inside; with two, the edge across must be; with three, their corner goes. */
+static int pbwim__is_loose(pbwim__mesh *m, pbw_index t)
 {
     const pbw_index *c = PBWIM__CORNER(m, t), *next = PBWIM__NEXT(m, t);
-    pbwim__change change;
+    pbw_index star[PBWIM__MOST];
     pbwim__ring ring;
-    double n[2][3];
-    int e;
-    for (e = 0; e < 6; e++) {
-        const int i = pbwim__edge[e][0], k = pbwim__edge[e][1];      /* facets across from i and k are on it */
-        if (next[i] != PBW_NONE || next[k] != PBW_NONE) {
-            continue;
+    int on[4], off[4], outer = 0, inner = 0, i, k, count;
+    for (i = 0; i < 4; i++) {
+        if (next[i] == PBW_NONE) {
+            on[outer++] = i;
+        } else {
+            off[inner++] = i;
         }
-        if (next[pbwim__edge[e][2]] == PBW_NONE || next[pbwim__edge[e][3]] == PBW_NONE) {
-            return 0;
-        }
-        pbwim__outward(m, t, i, n[0]);
-        pbwim__outward(m, t, k, n[1]);
-        ring.a = c[i];
-        ring.b = c[k];
-        if (!pbwim__turned_less(n[0], n[1], PBWIM__BEND) || !pbwim__walk(m, t, &ring) || !ring.closed) {
-            return 0;
-        }
-        pbwim__outward(m, t, pbwim__edge[e][2], n[0]);
-        pbwim__outward(m, t, pbwim__edge[e][3], n[1]);
-        if (!pbwim__turned_less(n[0], n[1], PBWIM__BEND)) {
-            return 0;
-        }
-        change.olds = 1;
-        change.news = 0;
-        change.old[0] = t;
-        pbwim__apply(m, &change);
-        m->report->peelings++;
-        return 1;
     }
-    return 0;
+    if (outer == 2) {
+        ring.a = c[on[0]];
+        ring.b = c[on[1]];
+        return pbwim__walk(m, t, &ring) && ring.closed;
+    }
+    if (outer == 3) {
+        return PBWIM__MARK(m)[c[off[0]]] == PBW_TETS_SLIDES;
+    }
+    if (outer != 1 || PBWIM__MARK(m)[c[on[0]]] != PBW_TETS_FOUND) {
+        return 0;
+    }
+    count = pbwim__star_of(m, c[on[0]], star);
+    for (i = 0; i < count; i++) {
+        for (k = 0; k < 4; k++) {
+            if (PBWIM__CORNER(m, star[i])[k] != c[on[0]] && PBWIM__NEXT(m, star[i])[k] == PBW_NONE) {
+                return 0;
+            }
+        }
+    }
+    return count > 0;
+}
+
+/* Takes off a tetrahedron at the boundary, if its facets there and those beneath are nearly one plane. */
+static int pbwim__peel(pbwim__mesh *m, pbw_index t)
+{
+    const pbw_index *next = PBWIM__NEXT(m, t);
+    pbwim__change change;
+    double n[4][3];
+    int i, k;
+    if (next[0] != PBW_NONE && next[1] != PBW_NONE && next[2] != PBW_NONE && next[3] != PBW_NONE) {
+        return 0;
+    }
+    for (i = 0; i < 4; i++) {
+        pbwim__outward(m, t, i, n[i]);
+        for (k = 0; k < 3 && next[i] != PBW_NONE; k++) {
+            n[i][k] = -n[i][k];
+        }
+    }
+    for (i = 0; i < 4; i++) {
+        for (k = 0; k < i; k++) {
+            if (!pbwim__turned_less(n[i], n[k], PBWIM__BEND)) {
+                return 0;
+            }
+        }
+    }
+    if (!pbwim__is_loose(m, t)) {
+        return 0;
+    }
+    change.olds = 1;
+    change.news = 0;
+    change.old[0] = t;
+    for (i = 0; i < 4; i++) {                        /* what was inside is on the boundary now */
+        unsigned char *mark = PBWIM__MARK(m) + PBWIM__CORNER(m, t)[i];
+        *mark = *mark == PBW_TETS_FOUND ? PBW_TETS_SLIDES : *mark;
+    }
+    pbwim__apply(m, &change);
+    m->report->peelings++;
+    return 1;
 }
 
 /* ---- 2-3 flips ---- */
@@ -1050,6 +1085,21 @@ static int pbwim__may_slide_to(const pbwim__mesh *m, pbw_index p, pbw_index q, c
     return 1;
 }
 
+/* Whether a corner of the old tetrahedra other than p is in none of the new ones. */
+static int pbwim__loses_corner(const pbwim__mesh *m, const pbwim__change *change, pbw_index p)
+{
+    int i, k;
+    for (i = 0; i < 4 * change->olds; i++) {
+        const pbw_index v = PBWIM__CORNER(m, change->old[i / 4])[i % 4];
+        for (k = 0; k < 4 * change->news && change->fresh[k / 4][k % 4] != v; k++) {
+        }
+        if (k == 4 * change->news && v != p) {
+            return 1;
+        }
+    }
+    return 0;
+}
+
 /* Whether p and q have no common neighbours but those around their edge. */
 static int pbwim__is_linked_once(pbwim__mesh *m, pbw_index q, const pbwim__ring *ring, const pbwim__cone *cone)
 {
@@ -1107,7 +1157,7 @@ static int pbwim__contract_to(pbwim__mesh *m, pbw_index t, pbw_index p, pbw_inde
             change.news++;
         }
     }
-    if (change.news == 0 || !pbwim__is_sound(m, &change)
+    if (change.news == 0 || !pbwim__is_sound(m, &change) || pbwim__loses_corner(m, &change, p)
         || (slides && !pbwim__may_slide_to(m, p, q, change.old, change.olds))
         || !pbwim__is_linked_once(m, q, &ring, &cone)) {
         return 0;
@@ -1130,21 +1180,6 @@ static int pbwim__contract(pbwim__mesh *m, pbw_index t)
 }
 
 /* ---- insertion ---- */
-
-/* Whether a fixed point is inside of the old tetrahedra. */
-static int pbwim__loses_fixed(const pbwim__mesh *m, const pbwim__change *change, const pbwim__cone *cone)
-{
-    int i, k;
-    for (i = 0; i < 4 * change->olds; i++) {
-        const pbw_index p = PBWIM__CORNER(m, change->old[i / 4])[i % 4];
-        for (k = 0; k < 3 * cone->count && cone->facet[k / 3][k % 3] != p; k++) {
-        }
-        if (k == 3 * cone->count && PBWIM__MARK(m)[p] == PBW_TETS_FIXED) {
-            return 1;
-        }
-    }
-    return 0;
-}
 
 /* Puts a point into the tetrahedra change->old, near x; boundary facets of theirs that have both ends of `split` give
    way, others stay. */
@@ -1183,7 +1218,7 @@ static int pbwim__insert(pbwim__mesh *m, pbwim__change *change, const pbwim__rin
         change->fresh[i][3] = p;
     }
     change->news = cone.count;
-    if (!pbwim__is_sound(m, change) || pbwim__loses_fixed(m, change, &cone)) {
+    if (!pbwim__is_sound(m, change) || pbwim__loses_corner(m, change, p)) {
         return 0;
     }
     m->points++;
