@@ -99,7 +99,7 @@ typedef struct pbw_quality {               /* dihedral angles of a mesh, in degr
 typedef struct pbw_improve_options {       /* NULL or all zero = best defaults */
     double target;                         /* degrees, 1 to 60: dihedral angles from this to 180 - this; 0 = 30 */
     double seconds;                        /* of processor time, then it ends with what it has; 0 = no limit */
-    int passes;                            /* at most; 0 = 60 */
+    int passes;                            /* at most; 0 = 60, -1 = none */
     double feature_angle;                  /* degrees: boundary edges whose normals differ by more are kept; 0 = 40 */
     /* Moves a point to the boundary's surface; NULL = to the nearest point of the input's boundary. */
     void (*project)(void *user, double point[3]);
@@ -1677,7 +1677,7 @@ static pbw_status pbwim__pass(pbwim__mesh *m, int all, double done[2], double en
 
 static pbw_status pbwim__passes(pbwim__mesh *m, const pbw_improve_options *how)
 {
-    const int most = how != NULL && how->passes > 0 ? how->passes : 60;
+    const int most = how == NULL || how->passes == 0 ? 60 : how->passes;
     const double limit = how != NULL ? how->seconds : 0;
     const double end = limit > 0 ? (double)clock() / CLOCKS_PER_SEC + limit : 0;
     pbw_status status = PBW_OK;

@@ -15,5 +15,7 @@
 #include "pbw_surface.h"
 #define PBW_IMPROVE_IMPLEMENTATION
 #include "pbw_improve.h"
+#define PBW_MESH3_IMPLEMENTATION
+#include "pbw_mesh3.h"
 #define PBW_VIEW_IMPLEMENTATION
 #include "pbw_view.h"

@@ -9,6 +9,7 @@
 #include "pbw_cells.h"
 #include "pbw_improve.h"
 #include "pbw_io.h"
+#include "pbw_mesh3.h"
 #include "pbw_model.h"
 #include "pbw_picture.h"
 #include "pbw_sample.h"
@@ -20,7 +21,7 @@
 #include <stdlib.h>
 #include <string.h>
 
-#define COMMANDS(X) X(mesh) X(sample) X(check) X(convert) X(bench) X(view) X(locate) X(nearest) X(cells) X(improve)
+#define COMMANDS(X) X(mesh) X(sample) X(check) X(convert) X(bench) X(view) X(locate) X(nearest) X(cells) X(improve) X(solid)
 
 #if defined(__GNUC__)
 #define PRINTF(a, b) __attribute__((format(printf, a, b)))
