@@ -624,7 +624,8 @@ static void pbwm3__along(const pbwm3__work *w, size_t number, double along, doub
     }
     length = knot[high].along - knot[low].along;
     pbwsf__between(w->surface.points + 3 * (size_t)knot[low].vertex,
-                   w->surface.points + 3 * (size_t)knot[high].vertex, length > 0 ? (along - knot[low].along) / length : 0, out);
+                   w->surface.points + 3 * (size_t)knot[high].vertex,
+                   length > 0 ? (along - knot[low].along) / length : 0, out);
 }
 
 /* Samples a chain evenly; corner: the numbers of points at vertices, PBW_NONE where there is none yet. */
@@ -838,11 +839,15 @@ static void pbwm3__circumcentre(const double *const c[4], double out[3])
     }
 }
 
-/* Whether a tetrahedron is a flat one between samples of one sheet of the surface: such lie outside. */
+/* Whether a tetrahedron is a flat one between samples of one sheet of the surface: such lie outside.  On a plane or a
+   straight edge in general position, samples are coplanar or collinear up to rounding, and the hull has tetrahedra of
+   that thickness, whose circumcentre is noise, their dihedral angles too if three corners are collinear: those are
+   told by their volume alone. */
 static int pbwm3__is_flat(const pbwm3__work *w, const pbw_index c[4])
 {
     const double *p[4];
-    double middle[3] = { 0, 0, 0 }, place[3];
+    double middle[3] = { 0, 0, 0 }, place[3], longest = 0;
+    pbwim__shape shape;
     int i, k;
     for (i = 0; i < 4; i++) {
         p[i] = PBWM3__X(w, c[i]);
@@ -852,6 +857,13 @@ static int pbwm3__is_flat(const pbwm3__work *w, const pbw_index c[4])
         for (k = 0; k < 3; k++) {
             middle[k] += 0.25 * p[i][k];
         }
+    }
+    pbwim__shape_of(p, &shape);
+    for (i = 0; i < 6; i++) {
+        longest = fmax(longest, shape.square[i]);
+    }
+    if (shape.volume6 < 1e-10 * longest * sqrt(longest)) {
+        return 1;
     }
     if (pbwim__sine(p[0], p[1], p[2], p[3]) >= 0.004) {
         return 0;

@@ -3,8 +3,10 @@
 
 static const option solid_options[] = {
     { "--size", "H", "length of edges; default: 1/40 of the diagonal", POSITIVE, 0, 0, NULL },
-    { "--feature-angle", "DEGREES", "edges of the model that bend by more are sharp; default 40", WHOLE, 1, 180, NULL },
-    { "--distance", "D", "facets farther than D sizes from the surface get points; default 0.1", POSITIVE, 0, 0, NULL },
+    { "--feature-angle", "DEGREES", "edges of the model that bend by more are sharp; default 40", WHOLE, 1, 180,
+      NULL },
+    { "--distance", "D", "facets farther than D sizes from the surface get points; default 0.1", POSITIVE, 0, 0,
+      NULL },
     { "--rounds", "N", "of adding points, at most; default 16", WHOLE, 1, 1000, NULL },
     { "--target", "DEGREES", "dihedral angles from this to 180 less this; default 30", WHOLE, 1, 60, NULL },
     { "--seconds", "S", "end the improvement after that time", POSITIVE, 0, 0, NULL },
