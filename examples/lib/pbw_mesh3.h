@@ -123,7 +123,9 @@ typedef struct pbwm3__knot { pbw_index vertex; double along; } pbwm3__knot;
 typedef struct pbwm3__work {
     pbwsf__memory memory;
     const pbw_solid_input *input;
+    const pbw_options *caller;
     pbw_options options;                   /* the caller's, less what does not concern parts */
+    double from, to;                       /* progress: the present stage's part of 0 to 1 */
     double size, distance, cosine, low[3], high[3];
     pbw_surface surface;                   /* of points at different places */
     pbwsf__array vertices, triangles;      /* its own arrays */
@@ -153,12 +155,11 @@ static int pbwm3__append(pbwm3__work *w, pbwsf__array *array, const void *item, 
     return 1;
 }
 
-/* Tells progress; the stages share PBW_STAGE_WORK.  Returns whether to stop. */
-static int pbwm3__stops(const pbwm3__work *w, const pbw_options *options, double done)
+/* Tells progress: a share of the present stage, which is a part of the whole.  Returns whether to stop. */
+static int pbwm3__stops(const pbwm3__work *w, double share)
 {
-    (void)w;
-    return options != NULL && options->progress != NULL
-        && options->progress(options->progress_user, PBW_STAGE_WORK, done) != 0;
+    return w->caller != NULL && w->caller->progress != NULL
+        && w->caller->progress(w->caller->progress_user, PBW_STAGE_WORK, w->from + (w->to - w->from) * share) != 0;
 }
 
 /* ---- the spacing grid: a hash table of cells as wide as the size ---- */
@@ -744,6 +745,9 @@ static pbw_status pbwm3__throw_darts(pbwm3__work *w, const double *area)
         return PBW_ERROR_TOO_LARGE;
     }
     for (i = 0; i < (uint64_t)wish; i++) {
+        if (i % 4096 == 0 && pbwm3__stops(w, 0.5 * (double)i / wish)) {
+            return PBW_CANCELLED;
+        }
         const double at = pbwm3__random(3 * i) * area[triangles - 1];
         double u = pbwm3__random(3 * i + 1), v = pbwm3__random(3 * i + 2), p[3];
         size_t low = 0, high = triangles - 1;
@@ -809,6 +813,9 @@ static pbw_status pbwm3__sample_inside(pbwm3__work *w)
     for (i = 0; i < total; i++) {                    /* half cells: all three even, or all three odd */
         const size_t at[3] = { i % n[0], i / n[0] % n[1], i / n[0] / n[1] };
         double p[3], place[3];
+        if (i % 16384 == 0 && pbwm3__stops(w, 0.5 + 0.5 * (double)i / (double)total)) {
+            return PBW_CANCELLED;
+        }
         for (k = 0; k < 3; k++) {
             p[k] = w->low[k] + (0.5 * (double)at[k] + 0.31) * cell;
         }
@@ -1198,7 +1205,7 @@ static long pbwm3__mend_pieces(pbwm3__work *w)
 }
 
 /* One round: offers all points that facets want, halves pieces, mends the boundary.  Returns how many points came,
-   -1 without memory. */
+   -1 without memory, -2 if it is cancelled. */
 static long pbwm3__round(pbwm3__work *w)
 {
     const double *wanted;
@@ -1207,6 +1214,9 @@ static long pbwm3__round(pbwm3__work *w)
     int k, got = 0;
     w->extra.count = 0;
     for (t = 0; t < w->mesh.simplex_count; t++) {
+        if (t % 4096 == 0 && pbwm3__stops(w, (double)t / (double)w->mesh.simplex_count)) {
+            return -2;
+        }
         for (k = 0; k < 4; k++) {
             const pbw_index n = w->mesh.neighbors[4 * t + (size_t)k];
             double p[3];
@@ -1226,22 +1236,21 @@ static long pbwm3__round(pbwm3__work *w)
     return mended < 0 ? -1 : added + mended;
 }
 
-static pbw_status pbwm3__rounds(pbwm3__work *w, const pbw_solid_options *how, const pbw_options *options)
+static pbw_status pbwm3__rounds(pbwm3__work *w, const pbw_solid_options *how)
 {
     const int most = how != NULL && how->rounds > 0 ? how->rounds : 16;
     pbw_status status = PBW_OK;
     long added = 1;
     while (status == PBW_OK) {
-        if (pbwm3__stops(w, options, 0.1 + 0.5 * w->report->rounds / (most + 1))) {
-            return PBW_CANCELLED;
-        }
+        w->from = w->to;
+        w->to = w->from + 0.2 * (0.6 - w->from);
         status = pbwm3__rebuild(w);
         if (status != PBW_OK || w->report->rounds == most) {
             break;
         }
         w->report->rounds++;
         added = pbwm3__round(w);
-        status = added < 0 ? PBW_ERROR_MEMORY : status;
+        status = added == -2 ? PBW_CANCELLED : added < 0 ? PBW_ERROR_MEMORY : status;
         if (added == 0) {
             w->report->settled = 1;
             break;
@@ -1255,12 +1264,11 @@ static pbw_status pbwm3__rounds(pbwm3__work *w, const pbw_solid_options *how, co
    ------------------------------------------------------------------------------------------------------ */
 static int pbwm3__last_part(void *user, pbw_stage stage, double done)
 {
-    const pbw_options *options = (const pbw_options *)user;
-    return options->progress(options->progress_user, stage, 0.6 + 0.4 * done);
+    (void)stage;
+    return pbwm3__stops((const pbwm3__work *)user, done);
 }
 
-static pbw_status pbwm3__finish(pbwm3__work *w, const pbw_solid_options *how, const pbw_options *options,
-                                pbw_tets *out)
+static pbw_status pbwm3__finish(pbwm3__work *w, const pbw_solid_options *how, pbw_tets *out)
 {
     pbw_improve_options improve;
     pbw_options own = w->options;
@@ -1296,8 +1304,10 @@ static pbw_status pbwm3__finish(pbwm3__work *w, const pbw_solid_options *how, co
     improve.project_user = w;
     improve.passes = improve.target < 0 ? -1 : improve.passes;
     improve.target = improve.target < 0 ? 0 : improve.target;
-    own.progress = options != NULL && options->progress != NULL ? pbwm3__last_part : NULL;
-    own.progress_user = (void *)(uintptr_t)options;
+    own.progress = pbwm3__last_part;
+    own.progress_user = w;
+    w->from = 0.6;
+    w->to = 1;
     own.memory_limit = w->memory.limit > w->memory.used ? w->memory.limit - w->memory.used : w->memory.limit;
     return pbw_improve(&in, &improve, &own, out, &w->report->improve);
 }
@@ -1412,6 +1422,9 @@ static pbw_status pbwm3__take_input(pbwm3__work *w, const pbw_solid_options *how
             w->high[k] = fmax(w->high[k], x);
         }
     }
+    if (in->value == NULL && in->triangle_count == 0) {
+        return PBW_DEGENERATE;
+    }
     w->size = how != NULL && how->size > 0 ? how->size : pbwsf__distance(w->low, w->high) / 40;
     if (!(w->size > 0 && w->size < HUGE_VAL)) {
         return in->value != NULL ? PBW_ERROR_ARGUMENT : PBW_DEGENERATE;
@@ -1475,15 +1488,15 @@ static double pbwm3__lap(double *since)
     return lap;
 }
 
-static pbw_status pbwm3__run(pbwm3__work *w, const pbw_solid_options *how, const pbw_options *options, pbw_tets *mesh)
+static pbw_status pbwm3__run(pbwm3__work *w, const pbw_solid_options *how, pbw_tets *mesh)
 {
     double since = (double)clock() / CLOCKS_PER_SEC;
-    pbw_status status = pbwm3__stops(w, options, 0) ? PBW_CANCELLED : pbwm3__take_input(w, how);
+    pbw_status status = pbwm3__stops(w, 0) ? PBW_CANCELLED : pbwm3__take_input(w, how);
     status = status != PBW_OK ? status : pbwm3__sample(w);
     w->report->seconds[0] = pbwm3__lap(&since);
-    status = status != PBW_OK ? status : pbwm3__rounds(w, how, options);
+    status = status != PBW_OK ? status : pbwm3__rounds(w, how);
     w->report->seconds[1] = pbwm3__lap(&since);
-    status = status != PBW_OK ? status : pbwm3__finish(w, how, options, mesh);
+    status = status != PBW_OK ? status : pbwm3__finish(w, how, mesh);
     w->report->seconds[2] = pbwm3__lap(&since);
     if (status == PBW_OK) {
         status = pbwm3__measure(w, mesh);
@@ -1517,9 +1530,11 @@ PBWMESH3DEF pbw_status pbw_solid(const pbw_solid_input *input, const pbw_solid_o
         w.options.trace = NULL;
     }
     w.input = input;
+    w.caller = options;
+    w.to = 0.1;
     w.distance = how != NULL && how->distance > 0 ? how->distance : 0.1;
     w.cosine = cos((how != NULL && how->feature_angle > 0 ? how->feature_angle : 40) / 57.295779513082321);
-    status = pbwm3__run(&w, how, options, mesh);
+    status = pbwm3__run(&w, how, mesh);
     if (status != PBW_OK && mesh->memory != NULL) {
         pbw_tets_free(mesh);
     }
