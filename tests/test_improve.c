@@ -241,6 +241,7 @@ static void test_surface(int lattice)
         if (!lattice || (p[0] > 0 && p[0] < 4 && p[1] > 0 && p[1] < 4) || p[0] > 4 || p[1] > 4) {
             const int inside = pbw_locate_one(&mesh, p, PBW_NONE, NULL) != PBW_NONE;
             CHECK_EQUAL(pbw_surface_inside(&surface, p), inside);
+            CHECK(fabs(pbw_surface_winding(&surface, p) - inside) < 0.1);
             CHECK(!inside || pbw_surface_meets(&surface, p, none, &where) != PBW_NONE);
         }
         CHECK(pbw_surface_closest(&surface, p, HUGE_VAL, place) < triangle_count);

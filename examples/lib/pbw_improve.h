@@ -1675,13 +1675,28 @@ static pbw_status pbwim__pass(pbwim__mesh *m, int all, double done[2], double en
     return PBW_OK;
 }
 
+/* How many tetrahedra are below the target, and how far the worst is from the best. */
+static double pbwim__badness(const pbwim__mesh *m)
+{
+    double bad = 0, least = 1;
+    size_t t;
+    for (t = 0; t < m->tets; t++) {
+        if (pbwim__is_bad(m, (pbw_index)t)) {
+            bad++;
+            least = fmin(least, PBWIM__QUALITY(m)[t]);
+        }
+    }
+    return bad * (1 - least);
+}
+
+/* Passes end, too, when eight of them changed the badness by less than 3 %. */
 static pbw_status pbwim__passes(pbwim__mesh *m, const pbw_improve_options *how)
 {
     const int most = how == NULL || how->passes == 0 ? 60 : how->passes;
     const double limit = how != NULL ? how->seconds : 0;
     const double end = limit > 0 ? (double)clock() / CLOCKS_PER_SEC + limit : 0;
     pbw_status status = PBW_OK;
-    double done[2] = { 0, 0 };
+    double done[2] = { 0, 0 }, bad = HUGE_VAL;
     size_t changes = 1;
     int all = 0;
     while (status == PBW_OK && m->report->passes < most && (changes > 0 || !all)) {
@@ -1690,6 +1705,13 @@ static pbw_status pbwim__passes(pbwim__mesh *m, const pbw_improve_options *how)
         status = pbwim__pass(m, all, done, end, &changes);
         done[0] = done[1];
         m->report->passes++;
+        if (m->report->passes % 8 == 0) {
+            const double now = pbwim__badness(m);
+            if (now > 0.97 * bad) {
+                break;
+            }
+            bad = now;
+        }
         if (end > 0 && (double)clock() / CLOCKS_PER_SEC > end) {
             break;
         }

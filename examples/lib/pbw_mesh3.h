@@ -31,8 +31,9 @@
      ends        after options.rounds rounds, whatever the input
      same        the same bytes for any number of threads
 
-   DOES NOT  yet find sizes: walls and gaps much thinner than the size come out wrong, with that warning; keep thin
-             shells of open surfaces, whose inside is the parity of a ray; take regions.
+   DOES NOT  yet find sizes: walls and gaps much thinner than the size come out wrong, with that warning; take
+             regions.  Open surfaces: inside is where their winding number is above 1/2, so that holes are closed by
+             a smooth membrane; their triangles must be turned alike.
 
    CONFIGURATION MACROS
      PBW_MESH3_IMPLEMENTATION    in one source file: compile the implementation there
@@ -117,12 +118,14 @@ PBWMESH3DEF pbw_status pbw_solid(const pbw_solid_input *input, const pbw_solid_o
 enum { PBWM3__SHARP, PBWM3__SMOOTH, PBWM3__INSIDE };
 
 typedef struct pbwm3__piece { pbw_index a, b; size_t chain; double from, to; } pbwm3__piece;  /* lengths along it */
-typedef struct pbwm3__chain { size_t first, count; int closed; } pbwm3__chain;      /* range of `path` */
+typedef struct pbwm3__chain { size_t first, count; int closed, loose; } pbwm3__chain;    /* range of `path`; loose:
+                                              an end of it is no other chain's */
 typedef struct pbwm3__knot { pbw_index vertex; double along; } pbwm3__knot;
 
 typedef struct pbwm3__work {
     pbwsf__memory memory;
     const pbw_solid_input *input;
+    int open;                              /* 1: the surface has open edges: inside by winding number */
     const pbw_options *caller;
     pbw_options options;                   /* the caller's, less what does not concern parts */
     double from, to;                       /* progress: the present stage's part of 0 to 1 */
@@ -232,8 +235,18 @@ static int pbwm3__weld(pbwm3__work *w, const pbw_solid_input *in, const pbw_inde
 {
     size_t i;
     for (i = 0; i < in->point_count; i++) {
+        number[i] = PBW_NONE;
+    }
+    for (i = 0; i < 3 * in->triangle_count; i++) {
+        number[in->triangles[i]] = 0;                /* it is used */
+    }
+    for (i = 0; i < in->point_count; i++) {
         const double *p = in->points + 3 * (size_t)order[i];
-        const double *last = (const double *)w->vertices.data + 3 * (w->vertices.count - 1);
+        const double *last = w->vertices.count == 0 ? p
+                           : (const double *)w->vertices.data + 3 * (w->vertices.count - 1);
+        if (number[order[i]] == PBW_NONE) {
+            continue;
+        }
         if (w->vertices.count == 0 || p[0] < last[0] || p[0] > last[0] || p[1] < last[1] || p[1] > last[1]
             || p[2] < last[2] || p[2] > last[2]) {
             if (!pbwm3__append(w, &w->vertices, p, 3 * sizeof *p)) {
@@ -407,6 +420,12 @@ static pbw_status pbwm3__take_function(pbwm3__work *w, const pbw_solid_input *in
     return status;
 }
 
+/* Of an open surface, what it winds around by more than half. */
+static int pbwm3__inside(const pbwm3__work *w, const double p[3])
+{
+    return w->open ? fabs(pbw_surface_winding(&w->surface, p)) > 0.5 : pbw_surface_inside(&w->surface, p);
+}
+
 /* Moves p to the surface; of a function, then along the triangles' direction there to its zero. */
 static void pbwm3__project(void *user, double p[3])
 {
@@ -514,7 +533,7 @@ static int pbwm3__find_sharp(pbwm3__work *w, pbwsf__array *list)
         }
         w->report->open_edges += k - i == 1;
         w->report->crowded_edges += k - i > 2;
-        sharp = w->input->value == NULL && (k - i != 2 || pbwm3__is_sharp(w, edge + i));
+        sharp = w->input->value == NULL && k - i > 1 && (k - i != 2 || pbwm3__is_sharp(w, edge + i));
         edges++;
         if (sharp) {
             pbw_index item[2];
@@ -523,6 +542,7 @@ static int pbwm3__find_sharp(pbwm3__work *w, pbwsf__array *list)
         }
     }
     w->report->sharp_edges = list->count;
+    w->open = w->report->open_edges > 0;
     w->report->input_euler = (long)w->surface.point_count - (long)edges + (long)w->surface.triangle_count;
     pbwm3__free_blocks(&w->memory, blocks);
     return good;
@@ -609,6 +629,7 @@ static int pbwm3__walk_chain(pbwm3__work *w, pbwm3__graph *g, pbw_index v, size_
         edge = used[at[first[v]]] ? at[first[v] + 1] : at[first[v]];
     }
     chain.closed = v == start;
+    chain.loose = first[v + 1] - first[v] == 1 || first[start + 1] - first[start] == 1;
     return pbwm3__append(w, &w->chains, &chain, sizeof chain);
 }
 
@@ -642,6 +663,9 @@ static int pbwm3__sample_chain(pbwm3__work *w, size_t number, pbw_index *corner)
     pbwm3__piece piece;
     if (!(wish < 1e9)) {
         return 0;
+    }
+    if (chain->loose && length < 2 * w->size) {      /* noise of a scan */
+        return 1;
     }
     count = wish < (closed ? 3 : 1) ? (closed ? 3 : 1) : (size_t)wish;
     for (i = 0; i < 2; i++) {
@@ -819,7 +843,7 @@ static pbw_status pbwm3__sample_inside(pbwm3__work *w)
         for (k = 0; k < 3; k++) {
             p[k] = w->low[k] + (0.5 * (double)at[k] + 0.31) * cell;
         }
-        if ((at[0] ^ at[1]) % 2 == 0 && (at[1] ^ at[2]) % 2 == 0 && pbw_surface_inside(&w->surface, p)
+        if ((at[0] ^ at[1]) % 2 == 0 && (at[1] ^ at[2]) % 2 == 0 && pbwm3__inside(w, p)
             && pbw_surface_closest(&w->surface, p, 0.55 * w->size, place) == PBW_NONE
             && pbwm3__add(w, p, PBWM3__INSIDE) == PBW_NONE) {
             return PBW_ERROR_MEMORY;
@@ -907,7 +931,7 @@ static pbw_status pbwm3__label_range(void *arg, size_t from, size_t to)
                 break;
             }
         }
-        PBWM3__LABEL(w)[t] = !far && !pbwm3__is_flat(w, c) && pbw_surface_inside(&w->surface, centre);
+        PBWM3__LABEL(w)[t] = !far && !pbwm3__is_flat(w, c) && pbwm3__inside(w, centre);
     }
     return PBW_OK;
 }

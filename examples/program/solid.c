@@ -19,8 +19,10 @@ static void warn_of(const job *j, const pbw_solid_report *r)
 {
     size_t i;
     if (r->open_edges + r->crowded_edges > 0) {
-        warn(j, "the surface has %zu open edge%s and %zu of more than two triangles: inside is what a ray leaves "
-             "an odd number of times", r->open_edges, plural(r->open_edges), r->crowded_edges);
+        warn(j, "the surface has %zu open edge%s and %zu of more than two triangles: inside is %s", r->open_edges,
+             plural(r->open_edges), r->crowded_edges,
+             r->open_edges > 0 ? "what it winds around by more than half"
+             : "what a ray leaves an odd number of times");
     }
     if (!r->settled) {
         warn(j, "not settled after %d rounds: walls, gaps or details thinner than the size; a smaller --size may do",
