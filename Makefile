@@ -83,7 +83,7 @@ $(EXAMPLES_CXX:%=$B/%): $B/%: examples/%.cpp pbw.h
 	@mkdir -p $B
 	$(CXX) -std=c++11 $(CXXFLAGS) $(WARN) -I. $< -o $@ $(LIBS)
 
-$B/libpbw_python.so: examples/python/pbw_python.c pbw.h examples/lib/pbw_cells.h
+$B/libpbw_python.so: examples/python/pbw_python.c $(HEADERS)
 	@mkdir -p $B
 	$C -fPIC -shared $< -o $@ $(LIBS)
 

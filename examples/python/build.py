@@ -41,7 +41,8 @@ def _header(name="pbw.h", folder=""):
 
 
 def _headers():
-    return _header(), _header("pbw_cells.h", os.path.join("examples", "lib"))
+    names = "pbw_cells.h", "pbw_surface.h", "pbw_improve.h", "pbw_mesh3.h"
+    return (_header(), *(_header(name, os.path.join("examples", "lib")) for name in names))
 
 
 def _read(path):

@@ -10,6 +10,9 @@
     pbw.Voronoi(points).regions                      # as scipy.spatial.Voronoi
     pbw.power_cells(points, weights, box=[(0, 0, 0), (1, 1, 1)], periodic="xyz").volumes
     pbw.lloyd(points, steps=20)
+    solid = pbw.solid(vertices, faces, size=0.1)     # tetrahedra inside a closed surface
+    better = pbw.improve(points, tets, target=30)    # any tetrahedra: dihedral angles of 30 to 150 degrees
+    meshio.Mesh(solid.points, {"tetra": solid.tets}).write("solid.vtu")
 
 Needs NumPy; no SciPy.  Two ways to have it:
     pip install ./examples/python                    # from the source tree: a C compiler, no network
@@ -36,6 +39,7 @@ from ._delaunay import Delaunay, tsearch
 from ._errors import Error, QhullError
 from ._interpolate import interpolate
 from ._library import version as __version__
+from ._tets import Tets, improve, solid
 
-__all__ = ["Cells", "Delaunay", "Error", "QhullError", "Voronoi", "interpolate", "lloyd", "power_cells", "tsearch",
-           "__version__"]
+__all__ = ["Cells", "Delaunay", "Error", "QhullError", "Tets", "Voronoi", "improve", "interpolate", "lloyd",
+           "power_cells", "solid", "tsearch", "__version__"]
