@@ -130,6 +130,9 @@ typedef struct pbwm3__work {
     pbw_options options;                   /* the caller's, less what does not concern parts */
     double from, to;                       /* progress: the present stage's part of 0 to 1 */
     double size, distance, cosine, low[3], high[3];
+    double least, step;                    /* size: the least of the field; width of the spacing grid's cells */
+    pbwsf__array field;                    /* local sizes, in cells as wide as the size, n along each axis */
+    size_t n[3];
     pbw_surface surface;                   /* of points at different places */
     pbwsf__array vertices, triangles;      /* its own arrays */
     pbwsf__array x, kind;                  /* points of the mesh */
@@ -165,27 +168,46 @@ static int pbwm3__stops(const pbwm3__work *w, double share)
         && w->caller->progress(w->caller->progress_user, PBW_STAGE_WORK, w->from + (w->to - w->from) * share) != 0;
 }
 
-/* ---- the spacing grid: a hash table of cells as wide as the size ---- */
+/* The field's cell that p is in, or nearest to. */
+static size_t pbwm3__field_cell(const pbwm3__work *w, const double p[3])
+{
+    size_t at[3];
+    int k;
+    for (k = 0; k < 3; k++) {
+        const double x = (p[k] - w->low[k]) / w->size;
+        at[k] = !(x > 0) ? 0 : x < (double)w->n[k] ? (size_t)x : w->n[k] - 1;
+    }
+    return at[0] + w->n[0] * (at[1] + w->n[1] * at[2]);
+}
+
+static double pbwm3__size(const pbwm3__work *w, const double p[3])
+{
+    return w->least < w->size ? ((const double *)w->field.data)[pbwm3__field_cell(w, p)] : w->size;
+}
+
+/* ---- the spacing grid: a hash table of cells ---- */
 
 static size_t pbwm3__cell(const pbwm3__work *w, const double p[3], int dx, int dy, int dz)
 {
-    const uint64_t x = (uint64_t)(int64_t)(floor((p[0] - w->low[0]) / w->size) + dx);
-    const uint64_t y = (uint64_t)(int64_t)(floor((p[1] - w->low[1]) / w->size) + dy);
-    const uint64_t z = (uint64_t)(int64_t)(floor((p[2] - w->low[2]) / w->size) + dz);
+    const uint64_t x = (uint64_t)(int64_t)(floor((p[0] - w->low[0]) / w->step) + dx);
+    const uint64_t y = (uint64_t)(int64_t)(floor((p[1] - w->low[1]) / w->step) + dy);
+    const uint64_t z = (uint64_t)(int64_t)(floor((p[2] - w->low[2]) / w->step) + dz);
     uint64_t key = x * 0x9e3779b97f4a7c15u ^ y * 0xbf58476d1ce4e5b9u ^ z * 0x94d049bb133111ebu;
     key ^= key >> 29;
     return (size_t)(key * 0x9e3779b97f4a7c15u >> 20) & (w->cells - 1);
 }
 
-/* The nearest point to p of kinds `least` to `most` within a distance below the size; PBW_NONE if there is none. */
+/* The nearest point to p of kinds `least` to `most` within a distance; PBW_NONE if there is none. */
 static pbw_index pbwm3__near(const pbwm3__work *w, const double p[3], double within, int least, int most)
 {
     const pbw_index *heads = (const pbw_index *)w->heads.data, *links = (const pbw_index *)w->links.data;
     double best = within;
     pbw_index found = PBW_NONE, q;
+    const int reach = (int)ceil(within / w->step), side = 2 * reach + 1;
     int i;
-    for (i = 0; i < 27; i++) {
-        for (q = heads[pbwm3__cell(w, p, i % 3 - 1, i / 3 % 3 - 1, i / 9 - 1)]; q != PBW_NONE; q = links[q]) {
+    for (i = 0; i < side * side * side; i++) {
+        const int x = i % side - reach, y = i / side % side - reach, z = i / side / side - reach;
+        for (q = heads[pbwm3__cell(w, p, x, y, z)]; q != PBW_NONE; q = links[q]) {
             const int kind = PBWM3__KIND(w)[q];
             const double d = kind < least || kind > most ? HUGE_VAL : pbwsf__distance(p, PBWM3__X(w, q));
             if (d < best || (d <= best && q < found && found != PBW_NONE)) {
@@ -650,14 +672,47 @@ static void pbwm3__along(const pbwm3__work *w, size_t number, double along, doub
                    length > 0 ? (along - knot[low].along) / length : 0, out);
 }
 
+/* How many local sizes long the chain is; a step of the sum is a quarter of the size there. */
+static double pbwm3__sizes_along(const pbwm3__work *w, size_t number, double length)
+{
+    double sum = 0, at = 0, p[3];
+    if (!(w->least < w->size)) {
+        return length / w->size;
+    }
+    while (at < length) {
+        double step;
+        pbwm3__along(w, number, at, p);
+        step = fmin(0.25 * pbwm3__size(w, p), length - at);
+        sum += step / pbwm3__size(w, p);
+        at = at + step > at ? at + step : length;
+    }
+    return sum;
+}
+
+/* Returns where on the chain so many local sizes after `from` are. */
+static double pbwm3__step_along(const pbwm3__work *w, size_t number, double from, double sizes)
+{
+    double p[3];
+    if (!(w->least < w->size)) {
+        return from + sizes * w->size;
+    }
+    while (sizes > 0) {
+        const double part = fmin(0.25, sizes);
+        pbwm3__along(w, number, from, p);
+        from += part * pbwm3__size(w, p);
+        sizes -= part;
+    }
+    return from;
+}
+
 /* Samples a chain evenly; corner: the numbers of points at vertices, PBW_NONE where there is none yet. */
 static int pbwm3__sample_chain(pbwm3__work *w, size_t number, pbw_index *corner)
 {
     const pbwm3__chain *chain = (const pbwm3__chain *)w->chains.data + number;
     const pbwm3__knot *knot = (const pbwm3__knot *)w->path.data + chain->first;
     const pbw_index ends[2] = { knot[0].vertex, knot[chain->count - 1].vertex };
-    const double length = knot[chain->count - 1].along;
-    const double wish = ceil(length / (0.6 * w->size));
+    const double length = knot[chain->count - 1].along, sum = pbwm3__sizes_along(w, number, length);
+    const double wish = ceil(sum / 0.6);
     const int closed = chain->closed;
     size_t count, i;
     pbwm3__piece piece;
@@ -681,7 +736,7 @@ static int pbwm3__sample_chain(pbwm3__work *w, size_t number, pbw_index *corner)
     piece.chain = number;
     for (i = 1; i <= count; i++) {
         double p[3];
-        piece.to = length * (double)i / (double)count;
+        piece.to = i < count ? pbwm3__step_along(w, number, piece.from, sum / (double)count) : length;
         pbwm3__along(w, number, piece.to, p);
         piece.b = i < count ? pbwm3__add(w, p, PBWM3__SHARP) : corner[ends[1]];
         if (piece.b == PBW_NONE || !pbwm3__append(w, &w->pieces, &piece, sizeof piece)) {
@@ -763,19 +818,19 @@ static double pbwm3__random(uint64_t i)
 static pbw_status pbwm3__throw_darts(pbwm3__work *w, const double *area)
 {
     const size_t triangles = w->surface.triangle_count;
-    const double radius = 0.65 * w->size, wish = 12 * area[triangles - 1] / (radius * radius) + 100;
+    const double finest = 0.65 * w->least, wish = 12 * area[triangles - 1] / (finest * finest) + 100;
     uint64_t i;
     if (!(wish < 4e9)) {
         return PBW_ERROR_TOO_LARGE;
     }
     for (i = 0; i < (uint64_t)wish; i++) {
+        const double at = pbwm3__random(3 * i) * area[triangles - 1];
+        double u = pbwm3__random(3 * i + 1), v = pbwm3__random(3 * i + 2), p[3], size;
+        size_t low = 0, high = triangles - 1;
+        int k;
         if (i % 4096 == 0 && pbwm3__stops(w, 0.5 * (double)i / wish)) {
             return PBW_CANCELLED;
         }
-        const double at = pbwm3__random(3 * i) * area[triangles - 1];
-        double u = pbwm3__random(3 * i + 1), v = pbwm3__random(3 * i + 2), p[3];
-        size_t low = 0, high = triangles - 1;
-        int k;
         while (low < high) {
             const size_t middle = (low + high) / 2;
             *(area[middle] > at ? &high : &low) = area[middle] > at ? middle : middle + 1;
@@ -787,10 +842,14 @@ static pbw_status pbwm3__throw_darts(pbwm3__work *w, const double *area)
             p[k] = a + u * (pbwsf__corner(&w->surface, (pbw_index)low, 1)[k] - a)
                  + v * (pbwsf__corner(&w->surface, (pbw_index)low, 2)[k] - a);
         }
+        size = pbwm3__size(w, p);
+        if (size > w->least && pbwm3__random(~i) * size * size > w->least * w->least) {
+            continue;                                /* as many darts for each square of the local size */
+        }
         if (w->input->value != NULL) {
             pbwm3__project(w, p);
         }
-        if (pbwm3__near(w, p, radius, PBWM3__SHARP, PBWM3__SMOOTH) == PBW_NONE
+        if (pbwm3__near(w, p, 0.65 * size, PBWM3__SHARP, PBWM3__SMOOTH) == PBW_NONE
             && pbwm3__add(w, p, PBWM3__SMOOTH) == PBW_NONE) {
             return PBW_ERROR_MEMORY;
         }
@@ -819,9 +878,10 @@ static pbw_status pbwm3__sample_smooth(pbwm3__work *w)
     return status;
 }
 
-static pbw_status pbwm3__sample_inside(pbwm3__work *w)
+/* The lattice whose cells are 2^level times finer, where that is the local size. */
+static pbw_status pbwm3__sample_level(pbwm3__work *w, int level)
 {
-    const double cell = 1.15 * w->size;
+    const double cell = 1.15 * ldexp(w->size, -level);
     size_t n[3], i, k, total = 1;
     for (k = 0; k < 3; k++) {
         const double wish = ceil(2 * (w->high[k] - w->low[k]) / cell);
@@ -836,20 +896,32 @@ static pbw_status pbwm3__sample_inside(pbwm3__work *w)
     }
     for (i = 0; i < total; i++) {                    /* half cells: all three even, or all three odd */
         const size_t at[3] = { i % n[0], i / n[0] % n[1], i / n[0] / n[1] };
-        double p[3], place[3];
-        if (i % 16384 == 0 && pbwm3__stops(w, 0.5 + 0.5 * (double)i / (double)total)) {
+        double p[3], place[3], size;
+        if (level == 0 && i % 16384 == 0 && pbwm3__stops(w, 0.5 + 0.5 * (double)i / (double)total)) {
             return PBW_CANCELLED;
         }
         for (k = 0; k < 3; k++) {
             p[k] = w->low[k] + (0.5 * (double)at[k] + 0.31) * cell;
         }
-        if ((at[0] ^ at[1]) % 2 == 0 && (at[1] ^ at[2]) % 2 == 0 && pbwm3__inside(w, p)
-            && pbw_surface_closest(&w->surface, p, 0.55 * w->size, place) == PBW_NONE
+        size = pbwm3__size(w, p);
+        if ((at[0] ^ at[1]) % 2 == 0 && (at[1] ^ at[2]) % 2 == 0 && level == (int)floor(log2(w->size / size) + 0.5)
+            && pbwm3__inside(w, p) && pbw_surface_closest(&w->surface, p, 0.55 * size, place) == PBW_NONE
+            && (level == 0 || pbwm3__near(w, p, 0.7 * size, PBWM3__INSIDE, PBWM3__INSIDE) == PBW_NONE)
             && pbwm3__add(w, p, PBWM3__INSIDE) == PBW_NONE) {
             return PBW_ERROR_MEMORY;
         }
     }
     return PBW_OK;
+}
+
+static pbw_status pbwm3__sample_inside(pbwm3__work *w)
+{
+    pbw_status status = PBW_OK;
+    int level;
+    for (level = 0; status == PBW_OK && ldexp(w->least, level) < 1.42 * w->size; level++) {
+        status = pbwm3__sample_level(w, level);
+    }
+    return status;
 }
 
 /* ------------------------------------------------------------------------------------------------------
@@ -877,7 +949,7 @@ static void pbwm3__circumcentre(const double *const c[4], double out[3])
 static int pbwm3__is_flat(const pbwm3__work *w, const pbw_index c[4])
 {
     const double *p[4];
-    double middle[3] = { 0, 0, 0 }, place[3], longest = 0;
+    double middle[3] = { 0, 0, 0 }, place[3], longest = 0, size;
     pbwim__shape shape;
     int i, k;
     for (i = 0; i < 4; i++) {
@@ -896,18 +968,19 @@ static int pbwm3__is_flat(const pbwm3__work *w, const pbw_index c[4])
     if (shape.volume6 < 1e-10 * longest * sqrt(longest)) {
         return 1;
     }
+    size = pbwm3__size(w, middle);
     if (pbwim__sine(p[0], p[1], p[2], p[3]) >= 0.004) {
         return 0;
     }
     for (i = 0; i < 6; i++) {
         double half[3];
         pbwsf__between(p[pbwim__edge[i][0]], p[pbwim__edge[i][1]], 0.5, half);
-        if (pbwsf__distance(p[pbwim__edge[i][0]], p[pbwim__edge[i][1]]) > 2.2 * w->size
-            || pbw_surface_closest(&w->surface, half, 0.16 * w->size, place) == PBW_NONE) {
+        if (pbwsf__distance(p[pbwim__edge[i][0]], p[pbwim__edge[i][1]]) > 2.2 * size
+            || pbw_surface_closest(&w->surface, half, 0.16 * size, place) == PBW_NONE) {
             return 0;
         }
     }
-    return pbw_surface_closest(&w->surface, middle, 0.16 * w->size, place) != PBW_NONE;
+    return pbw_surface_closest(&w->surface, middle, 0.16 * size, place) != PBW_NONE;
 }
 
 static pbw_status pbwm3__label_range(void *arg, size_t from, size_t to)
@@ -981,7 +1054,7 @@ static int pbwm3__facet_wants(pbwm3__work *w, size_t t, int i, double p[3])
     if (n != PBW_NONE) {
         met = pbw_surface_meets(&w->surface, PBWM3__CENTRE(w, t), PBWM3__CENTRE(w, n), &where);
         pbwsf__between(PBWM3__CENTRE(w, t), PBWM3__CENTRE(w, n), where, p);
-        if (met != PBW_NONE && pbwsf__distance(p, a) > 1.1 * w->size) {
+        if (met != PBW_NONE && pbwsf__distance(p, a) > 1.1 * pbwm3__size(w, p)) {
             pbwm3__project(w, p);
             return 1;
         }
@@ -991,18 +1064,19 @@ static int pbwm3__facet_wants(pbwm3__work *w, size_t t, int i, double p[3])
     }
     memcpy(p, middle, sizeof middle);
     pbwm3__project(w, p);
-    return pbwsf__distance(p, middle) > w->distance * w->size;
+    return pbwsf__distance(p, middle) > w->distance * pbwm3__size(w, p);
 }
 
 /* Adds a point of the surface unless others are near; it takes the place of a near one inside.  Returns how many are
    added: 0 or 1, or -1 without memory. */
 static int pbwm3__offer(pbwm3__work *w, const double p[3], double apart)
 {
+    const double size = pbwm3__size(w, p);
     pbw_index inside;
-    if (pbwm3__near(w, p, apart * w->size, PBWM3__SHARP, PBWM3__SMOOTH) != PBW_NONE) {
+    if (pbwm3__near(w, p, apart * size, PBWM3__SHARP, PBWM3__SMOOTH) != PBW_NONE) {
         return 0;
     }
-    inside = pbwm3__near(w, p, 0.45 * w->size, PBWM3__INSIDE, PBWM3__INSIDE);
+    inside = pbwm3__near(w, p, 0.45 * size, PBWM3__INSIDE, PBWM3__INSIDE);
     if (inside != PBW_NONE) {
         pbwm3__take_from_cell(w, inside);
         memcpy(PBWM3__X(w, inside), p, 3 * sizeof *p);
@@ -1215,7 +1289,7 @@ static long pbwm3__mend_pieces(pbwm3__work *w)
             continue;
         }
         w->report->missing_edges++;
-        if (piece->to - piece->from > 0.1 * w->size) {
+        if (piece->to - piece->from > 0.1 * w->least) {
             second.from = (piece->from + piece->to) / 2;
             pbwm3__along(w, piece->chain, second.from, p);
             second.a = pbwm3__add(w, p, PBWM3__SHARP);
@@ -1467,13 +1541,112 @@ static pbw_status pbwm3__take_input(pbwm3__work *w, const pbw_solid_options *how
                               (const pbw_index *)w->triangles.data, w->triangles.count, &w->options, &w->surface);
 }
 
+/* ------------------------------------------------------------------------------------------------------
+   Local sizes: where two sheets of the surface are near each other, three quarters of their distance, at least 1/6 of
+   the size; from there they grow by 0.35 for each unit of length.
+   ------------------------------------------------------------------------------------------------------ */
+
+/* Lowers the field at p, a point of the triangle, to what rays along both normals meet first, if that faces it. */
+static void pbwm3__measure_gap(pbwm3__work *w, pbw_index triangle, const double p[3])
+{
+    double *field = (double *)w->field.data + pbwm3__field_cell(w, p), n[3], m[3], a[3], b[3], where, length;
+    int side, k;
+    pbwsf__normal(pbwsf__corner(&w->surface, triangle, 0), pbwsf__corner(&w->surface, triangle, 1),
+                  pbwsf__corner(&w->surface, triangle, 2), n);
+    length = sqrt(pbwsf__dot(n, n));
+    for (side = -1; side <= 1 && length > 0; side += 2) {
+        pbw_index met;
+        for (k = 0; k < 3; k++) {
+            a[k] = p[k] + side * 1e-3 * w->size * n[k] / length;
+            b[k] = p[k] + side * 1.4 * w->size * n[k] / length;
+        }
+        met = pbw_surface_meets(&w->surface, a, b, &where);
+        if (met != PBW_NONE) {
+            pbwsf__normal(pbwsf__corner(&w->surface, met, 0), pbwsf__corner(&w->surface, met, 1),
+                          pbwsf__corner(&w->surface, met, 2), m);
+            if (fabs(pbwsf__dot(m, n)) > 0.7 * length * sqrt(pbwsf__dot(m, m))) {
+                *field = fmax(w->size / 6, fmin(*field, 0.75 * (where * 1.399 + 1e-3) * w->size));
+            }
+        }
+    }
+}
+
+/* Four sweeps there and back: a cell is at most 0.35 cells above its neighbours. */
+static void pbwm3__grade(pbwm3__work *w)
+{
+    double *field = (double *)w->field.data;
+    const size_t total = w->n[0] * w->n[1] * w->n[2];
+    size_t i, j;
+    int sweep, k;
+    for (sweep = 0; sweep < 8; sweep++) {
+        for (j = 0; j < total; j++) {
+            i = sweep % 2 == 0 ? j : total - 1 - j;
+            for (k = 0; k < 27; k++) {
+                const size_t x = i % w->n[0] + (size_t)(k % 3), y = i / w->n[0] % w->n[1] + (size_t)(k / 3 % 3);
+                const size_t z = i / w->n[0] / w->n[1] + (size_t)(k / 9);
+                if (x > 0 && x <= w->n[0] && y > 0 && y <= w->n[1] && z > 0 && z <= w->n[2]) {
+                    const double other = field[x - 1 + w->n[0] * (y - 1 + w->n[1] * (z - 1))] + 0.35 * w->size;
+                    field[i] = fmin(field[i], other);
+                }
+            }
+        }
+    }
+}
+
+/* Rays from 4 points for each square of the size, and from one of each triangle at least. */
+static pbw_status pbwm3__make_field(pbwm3__work *w)
+{
+    size_t i, total = 1;
+    uint64_t number = 1ull << 40;
+    int k;
+    w->least = w->size;
+    for (k = 0; k < 3; k++) {
+        w->n[k] = (size_t)ceil((w->high[k] - w->low[k]) / w->size) + 1;
+        total *= w->n[k];
+    }
+    if (total > 50000000) {
+        return PBW_OK;                               /* too fine a grid: one size */
+    }
+    if (!pbwsf__resize(&w->memory, &w->field, total * sizeof(double))) {
+        return PBW_ERROR_MEMORY;
+    }
+    for (i = 0; i < total; i++) {
+        ((double *)w->field.data)[i] = w->size;
+    }
+    for (i = 0; i < w->surface.triangle_count; i++) {
+        double n[3], wish;
+        pbwsf__normal(pbwsf__corner(&w->surface, (pbw_index)i, 0), pbwsf__corner(&w->surface, (pbw_index)i, 1),
+                      pbwsf__corner(&w->surface, (pbw_index)i, 2), n);
+        wish = 2 * sqrt(pbwsf__dot(n, n)) / (w->size * w->size) + pbwm3__random(number++);
+        for (; wish >= 1; wish--) {
+            const double u = pbwm3__random(number), v = pbwm3__random(number + 1);
+            double p[3], q[3];
+            pbwsf__between(pbwsf__corner(&w->surface, (pbw_index)i, 0), pbwsf__corner(&w->surface, (pbw_index)i, 1),
+                           u, q);
+            pbwsf__between(pbwsf__corner(&w->surface, (pbw_index)i, 2), q, sqrt(v), p);
+            number += 2;
+            pbwm3__measure_gap(w, (pbw_index)i, p);
+        }
+    }
+    pbwm3__grade(w);
+    for (i = 0; i < total; i++) {
+        w->least = fmin(w->least, ((const double *)w->field.data)[i]);
+    }
+    return PBW_OK;
+}
+
 static pbw_status pbwm3__sample(pbwm3__work *w)
 {
     pbw_status status;
     double sum = 0;
     size_t t;
+    status = pbwm3__make_field(w);
+    if (status != PBW_OK) {
+        return status;
+    }
+    w->step = w->least < 0.7 * w->size ? w->size / 2 : w->size;
     w->cells = 1 << 12;
-    while ((double)w->cells < 2e6 && (double)w->cells * w->size * w->size * w->size
+    while ((double)w->cells < 2e6 && (double)w->cells * w->step * w->step * w->step
            < 2 * (w->high[0] - w->low[0]) * (w->high[1] - w->low[1]) * (w->high[2] - w->low[2])) {
         w->cells *= 2;
     }
@@ -1495,7 +1668,7 @@ static pbw_status pbwm3__sample(pbwm3__work *w)
 
 static void pbwm3__free(pbwm3__work *w)
 {
-    pbwsf__array *const arrays[] = { &w->vertices, &w->triangles, &w->x, &w->kind, &w->heads, &w->links, &w->pieces,
+    pbwsf__array *const arrays[] = { &w->field, &w->vertices, &w->triangles, &w->x, &w->kind, &w->heads, &w->links, &w->pieces,
                                      &w->chains, &w->path, &w->centre, &w->label, &w->extra, &w->corners, &w->marks };
     size_t i;
     pbw_free(&w->mesh);
