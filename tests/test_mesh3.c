@@ -184,6 +184,10 @@ static void check_good(const pbw_solid_input *in, double size, double volume, lo
     CHECK(fabs(r.improve.after.volume - volume) < 0.03 * volume);
     CHECK(r.distance < 0.3);
     CHECK(r.improve.after.least > least && r.improve.after.largest < 180 - least);
+    if (r.bad_edges + r.bad_points + r.missing_edges > 0) {
+        test_say("%zu bad edges, %zu bad points, %zu missing edges", r.bad_edges, r.bad_points, r.missing_edges);
+        test_say("first at %.9g %.9g %.9g", r.places[0][0], r.places[0][1], r.places[0][2]);
+    }
     test_say("%zu tetrahedra %.2f..%.2f, distance %.3f, volume %.5f of %.5f, %d rounds", mesh.tet_count,
              r.improve.after.least, r.improve.after.largest, r.distance, r.improve.after.volume, volume, r.rounds);
     threads.threads = 4;
@@ -231,6 +235,24 @@ static void test_models(void)
             check_good(&in, 0.2, volume, 2, 24);
             test_end();
         }
+    }
+}
+
+/* A plate in the shape of an L, less than a third as thick as the size, turned. */
+static void test_thin(void)
+{
+    static model m;
+    pbw_solid_input in;
+    size_t i;
+    if (test_begin("thin plate, turned")) {
+        make_l(&m);
+        for (i = 0; i < m.points; i++) {
+            m.x[i][2] *= 0.1;
+        }
+        turn(&m);
+        in = input_of(&m);
+        check_good(&in, 0.35, 0.3, 2, 20);
+        test_end();
     }
 }
 
@@ -292,7 +314,9 @@ static void test_warnings(void)
         }
         m.points = m.triangles = 20;
         in = input_of(&m);
-        how.rounds = 6;
+        how.rounds = 4;
+        how.size = 0.5;
+        how.improve.passes = 2;
         status = pbw_solid(&in, &how, NULL, &mesh, &r);
         CHECK(status == PBW_OK || status == PBW_DEGENERATE);
         CHECK(status != PBW_OK || (is_sound(&mesh) && r.open_edges + r.crowded_edges > 0));
@@ -327,7 +351,7 @@ static void test_failures(void)
     in = input_of(&m);
     memset(&options, 0, sizeof options);
     memset(&how, 0, sizeof how);
-    how.size = 0.9;
+    how.size = 1.2;
     options.threads = 1;
     options.resize = meter_resize;
     options.resize_user = &memory;
@@ -360,6 +384,7 @@ int main(int argc, char **argv)
     test_functions();
     test_models();
     test_features();
+    test_thin();
     test_warnings();
     test_failures();
     return test_finish();

@@ -31,8 +31,11 @@
      ends        after options.rounds rounds, whatever the input
      same        the same bytes for any number of threads
 
-   DOES NOT  yet find sizes: walls and gaps much thinner than the size come out wrong, with that warning; take
-             regions.  Open surfaces: inside is where their winding number is above 1/2, so that holes are closed by
+   Sizes     are those of the options, less where two sheets of the surface are near each other: three quarters of
+             their distance, but at least 1/6 of the size.
+
+   DOES NOT  yet settle at edges sharper than some 45 degrees (beneath them circumcentres are on the wrong side), and
+             at walls and gaps below 1/10 of the size: they come out with warnings.  It takes no regions.  Open surfaces: inside is where their winding number is above 1/2, so that holes are closed by
              a smooth membrane; their triangles must be turned alike.
 
    CONFIGURATION MACROS
@@ -65,7 +68,7 @@ typedef struct pbw_solid_input {           /* a surface, or a function */
 } pbw_solid_input;
 
 typedef struct pbw_solid_options {         /* NULL or all zero = best defaults */
-    double size;                           /* length of edges; 0 = 1/40 of the box's diagonal */
+    double size;                           /* length of edges, at most; 0 = 1/40 of the box's diagonal */
     double feature_angle;                  /* degrees: edges whose normals differ by more are sharp; 0 = 40; functions
                                               have none */
     double distance;                       /* facets farther from the surface, in sizes, get points; 0 = 0.1 */
@@ -1210,7 +1213,7 @@ static long pbwm3__mend_boundary(pbwm3__work *w)
         double p[3];
         pbwsf__between(PBWM3__X(w, pair[0]), PBWM3__X(w, pair[1]), 0.5, p);
         pbwm3__project(w, p);
-        got = pbwm3__offer(w, p, 0.2);
+        got = pbwm3__offer(w, p, 0.08);
         added += got;
     }
     for (i = 0; got >= 0 && top.bad_points > 0 && i < facets.count; i++) {
@@ -1222,7 +1225,7 @@ static long pbwm3__mend_boundary(pbwm3__work *w)
                 p[k] = (PBWM3__X(w, f[0])[k] + PBWM3__X(w, f[1])[k] + PBWM3__X(w, f[2])[k]) / 3;
             }
             pbwm3__project(w, p);
-            got = pbwm3__offer(w, p, 0.2);
+            got = pbwm3__offer(w, p, 0.08);
             added += got;
         }
     }
@@ -1668,8 +1671,8 @@ static pbw_status pbwm3__sample(pbwm3__work *w)
 
 static void pbwm3__free(pbwm3__work *w)
 {
-    pbwsf__array *const arrays[] = { &w->field, &w->vertices, &w->triangles, &w->x, &w->kind, &w->heads, &w->links, &w->pieces,
-                                     &w->chains, &w->path, &w->centre, &w->label, &w->extra, &w->corners, &w->marks };
+    pbwsf__array *const arrays[] = { &w->field, &w->vertices, &w->triangles, &w->x, &w->kind, &w->heads, &w->links,
+                                     &w->pieces, &w->chains, &w->path, &w->centre, &w->label, &w->extra, &w->corners, &w->marks };
     size_t i;
     pbw_free(&w->mesh);
     pbw_surface_free(&w->surface);
