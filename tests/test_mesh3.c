@@ -7,6 +7,7 @@
 #include "pbw_improve.h"
 #define PBW_MESH3_IMPLEMENTATION
 #include "pbw_mesh3.h"
+#include "pbw_stuffing.h"
 #include "meter.h"
 #include "test.h"
 #include "watch.h"
@@ -238,6 +239,55 @@ static void test_models(void)
     }
 }
 
+static double hollow_above(const double p[3])
+{
+    return -hollow(NULL, p);
+}
+
+/* Isosurface stuffing: facets fit, the boundary is two spheres, the angles are those that are proven. */
+static void test_stuffing(void)
+{
+    pbw_improve_options how;
+    pbw_improve_report r;
+    pbwst_mesh made;
+    pbw_tets in, out;
+    pbwm3__topology top;
+    pbwsf__memory memory = pbwsf__memory_of(NULL);
+    pbw_index *facets;
+    size_t count = 0, i;
+    int k;
+    if (!test_begin("stuffing")) {
+        return;
+    }
+    memset(&in, 0, sizeof in);
+    memset(&how, 0, sizeof how);
+    how.passes = -1;
+    CHECK(pbwst_make(21, -1.2, 1.2, hollow_above, &made));
+    in.points = made.x[0];
+    in.point_count = made.points;
+    in.corners = made.corners;
+    in.tet_count = made.tets;
+    CHECK_EQUAL(pbw_improve(&in, &how, NULL, &out, &r), PBW_OK);
+    CHECK(r.turned == 0 && is_sound(&out));
+    CHECK(r.after.least > 10.7 && r.after.largest < 164.8);
+    CHECK(fabs(r.after.volume - 4 * PI / 3 * 0.875) < 0.05);
+    facets = (pbw_index *)zoo_grow(NULL, 48 * out.tet_count);
+    for (i = 0; i < 4 * out.tet_count; i++) {
+        for (k = 0; k < 3 && out.neighbors[i] == PBW_NONE; k++) {
+            facets[count++] = out.corners[i / 4 * 4 + (size_t)pbwim__opposite[i % 4][k]];
+        }
+    }
+    CHECK(pbwm3__examine(&memory, facets, count / 3, out.point_count, &top));
+    CHECK_EQUAL(top.bad_edges + top.bad_points, 0);
+    CHECK_EQUAL(top.euler, 4);
+    pbwsf__release(&memory, &top.edges);
+    pbwsf__release(&memory, &top.flags);
+    free(facets);
+    pbw_tets_free(&out);
+    pbwst_free(&made);
+    test_end();
+}
+
 /* A plate in the shape of an L, less than a third as thick as the size, turned. */
 static void test_thin(void)
 {
@@ -385,6 +435,7 @@ int main(int argc, char **argv)
     test_models();
     test_features();
     test_thin();
+    test_stuffing();
     test_warnings();
     test_failures();
     return test_finish();
