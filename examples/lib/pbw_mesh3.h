@@ -31,12 +31,12 @@
      ends        after options.rounds rounds, whatever the input
      same        the same bytes for any number of threads
 
-   Sizes     are those of the options, less where two sheets of the surface are near each other: three quarters of
-             their distance, but at least 1/6 of the size.
+   Sizes are those of the options, less where two sheets of the surface are near each other: three quarters of their
+   distance, but at least 1/6 of the size.  Of an open surface, inside is where its winding number is above 1/2, so
+   that a smooth membrane closes its holes; its triangles must be turned alike.
 
-   DOES NOT  yet settle at edges sharper than some 45 degrees (beneath them circumcentres are on the wrong side), and
-             at walls and gaps below 1/10 of the size: they come out with warnings.  It takes no regions.  Open surfaces: inside is where their winding number is above 1/2, so that holes are closed by
-             a smooth membrane; their triangles must be turned alike.
+   DOES NOT  yet settle at edges sharper than some 45 degrees (beneath them circumcentres are on the wrong side), nor
+             at walls and gaps below 1/10 of the size: they come out with warnings.  It takes no regions.
 
    CONFIGURATION MACROS
      PBW_MESH3_IMPLEMENTATION    in one source file: compile the implementation there
@@ -1672,7 +1672,8 @@ static pbw_status pbwm3__sample(pbwm3__work *w)
 static void pbwm3__free(pbwm3__work *w)
 {
     pbwsf__array *const arrays[] = { &w->field, &w->vertices, &w->triangles, &w->x, &w->kind, &w->heads, &w->links,
-                                     &w->pieces, &w->chains, &w->path, &w->centre, &w->label, &w->extra, &w->corners, &w->marks };
+                                     &w->pieces, &w->chains, &w->path, &w->centre, &w->label, &w->extra,
+                                     &w->corners, &w->marks };
     size_t i;
     pbw_free(&w->mesh);
     pbw_surface_free(&w->surface);
