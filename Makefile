@@ -83,7 +83,7 @@ $(EXAMPLES:%=$B/%): $B/%: examples/%.c $(HEADERS) $B/libpbw.a
 $(EXAMPLES_CXX:%=$B/%): $B/%: examples/%.cpp pbw.h $B/libpbw.a
 	$(CXX) -std=c++11 $(CXXFLAGS) $(WARN) $(SHARED) -I. $< -o $@ $B/libpbw.a $(LIBS)
 
-$B/libpbw_python.so: examples/python/pbw_python.c pbw.h examples/lib/pbw_cells.h examples/lib/pbw_mesh2.h
+$B/libpbw_python.so: examples/python/pbw_python.c $(HEADERS)
 	@mkdir -p $B
 	$C -fPIC -shared $< -o $@ $(LIBS)
 

@@ -91,3 +91,14 @@ build/bench_plane: bench/plane.cpp pbw.h examples/lib/pbw_mesh2.h tests/inputs.h
 .PHONY: bench-plane
 bench-plane: build/bench_plane
 	$< $(ARGS)
+
+# Solids beside CGAL and TetGen: bench/solid.cpp;  make bench-solid MODEL=part.off SIZES="0.1 0.05"
+build/bench_solid: bench/solid.cpp examples/lib/pbw_surface.h examples/lib/pbw_improve.h examples/lib/pbw_mesh3.h \
+    $(BENCH_INPUTS)
+	@mkdir -p build
+	$(CXX) -std=c++17 -frounding-math $(BENCH_FLAGS) -DNDEBUG -I. -Iexamples/lib $< -o $@ -ltet -lgmp -lmpfr \
+	    -lpthread -lm
+
+.PHONY: bench-solid
+bench-solid: build/bench_solid
+	$< $(MODEL) $(SIZES)

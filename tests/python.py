@@ -856,6 +856,42 @@ def test_polygon():
     assert len(vertices) == 300 and (areas > 0).all() and abs(areas.sum() - unit * (4 - 1 + 0.25)) < 1e-12
 
 
+def volumes(mesh):
+    a, b, c, d = np.moveaxis(mesh.points[mesh.tets], 1, 0)
+    return np.einsum("ij,ij->i", np.cross(b - a, c - a), d - a) / 6
+
+
+@test
+def improved_tetrahedra():
+    points = np.random.RandomState(1).rand(400, 3)
+    tri = pbw.Delaunay(points)
+    better = pbw.improve(points, tri.simplices)
+    before, after = better.report["before"], better.report["after"]
+    check(after["least_sine"] >= before["least_sine"] and after["permille"] > 4 * before["permille"], before, after)
+    check((volumes(better) > 0).all() and abs(volumes(better).sum() - after["volume"]) < 1e-12)
+    check(sorted(set(better.tets.ravel())) == list(range(len(better.points))))
+    kept = pbw.improve(points, tri.simplices, fixed=np.ones(400, bool), regions=np.arange(len(tri.simplices)) % 2)
+    kept_points = kept.original >= 0
+    equal(kept.points[kept_points], points[kept.original[kept_points]])
+    check(set(kept.regions) == {0, 1})
+    check("range" in str(raises(ValueError, pbw.improve, points, [[0, 1, 2, 2]])))
+    raises(ValueError, pbw.improve, points, [[0, 1, 2, 400]])
+    raises(ValueError, pbw.improve, points, tri.simplices, regions=[1])
+
+
+@test
+def solids():
+    cube = np.array(list(itertools.product((0.0, 1.0), repeat=3)))
+    hull = pbw.Delaunay(cube).convex_hull
+    made = pbw.solid(cube, hull, size=0.25)
+    report = made.report
+    equal([report[name] for name in ("bad_edges", "bad_points", "missing_edges", "open_edges")], [0] * 4)
+    check(report["euler"] == 2 and report["corners"] == 8 and abs(volumes(made).sum() - 1) < 1e-12, report)
+    check(report["improve"]["after"]["least"] > 25 and (volumes(made) > 0).all(), report)
+    raises(ValueError, pbw.solid, cube, hull[:1], size=0.25)
+    raises(ValueError, pbw.solid, cube, [[0, 1, 8]])
+
+
 def main():
     passed = failed = skipped = 0
     for function in tests:

@@ -13,5 +13,11 @@
 #include "pbw_picture.h"
 #define PBW_SAMPLE_IMPLEMENTATION
 #include "pbw_sample.h"
+#define PBW_SURFACE_IMPLEMENTATION
+#include "pbw_surface.h"
+#define PBW_IMPROVE_IMPLEMENTATION
+#include "pbw_improve.h"
+#define PBW_MESH3_IMPLEMENTATION
+#include "pbw_mesh3.h"
 #define PBW_VIEW_IMPLEMENTATION
 #include "pbw_view.h"

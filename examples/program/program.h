@@ -7,8 +7,10 @@
 
 #include "pbw.h"
 #include "pbw_cells.h"
+#include "pbw_improve.h"
 #include "pbw_io.h"
 #include "pbw_mesh2.h"
+#include "pbw_mesh3.h"
 #include "pbw_model.h"
 #include "pbw_picture.h"
 #include "pbw_sample.h"
@@ -20,7 +22,8 @@
 #include <stdlib.h>
 #include <string.h>
 
-#define COMMANDS(X) X(mesh) X(sample) X(check) X(convert) X(bench) X(view) X(locate) X(nearest) X(cells) X(plane)
+#define COMMANDS(X) X(mesh) X(sample) X(check) X(convert) X(bench) X(view) X(locate) X(nearest) X(cells) X(plane) \
+    X(improve) X(solid)
 
 #if defined(__GNUC__)
 #define PRINTF(a, b) __attribute__((format(printf, a, b)))
@@ -187,6 +190,12 @@ void domain_free(plan *d);
 
 /* The value of a formula at x, y; *wrong: where it is none, else NULL. */
 double evaluate(const char *formula, double x, double y, const char **wrong);
+
+/* ---- improve.c ---- */
+
+void describe_quality(const job *j, const char *when, const pbw_quality *q);
+void describe_histogram(const job *j, const pbw_quality *q);
+void show_tets(job *j, const pbw_tets *tets);                         /* j->mesh becomes their view, not to be freed */
 
 /* ---- surface.c ---- */
 

@@ -41,8 +41,8 @@ def _header(name="pbw.h", folder=""):
 
 
 def _headers():
-    folder = os.path.join("examples", "lib")
-    return _header(), _header("pbw_cells.h", folder), _header("pbw_mesh2.h", folder)
+    names = "pbw_cells.h", "pbw_mesh2.h", "pbw_surface.h", "pbw_improve.h", "pbw_mesh3.h"
+    return (_header(), *(_header(name, os.path.join("examples", "lib")) for name in names))
 
 
 def _read(path):

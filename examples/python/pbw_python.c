@@ -1,5 +1,5 @@
-/* pbw_python.c: pbw.h, pbw_cells.h and pbw_mesh2.h as a shared library for the Python package pbw: a triangulation copied into
-   arrays that Python owns, and what is computed from these.
+/* pbw_python.c: pbw.h and its companion headers as a shared library for the Python package pbw: a triangulation
+   copied into arrays that Python owns, and what is computed from these.
    cc -O2 -I. -Iexamples/lib -fPIC -shared examples/python/pbw_python.c -o libpbw_python.so -lpthread -lm */
 #define PBW_IMPLEMENTATION
 #include "pbw.h"
@@ -7,6 +7,12 @@
 #include "pbw_cells.h"
 #define PBW_MESH2_IMPLEMENTATION
 #include "pbw_mesh2.h"
+#define PBW_SURFACE_IMPLEMENTATION
+#include "pbw_surface.h"
+#define PBW_IMPROVE_IMPLEMENTATION
+#include "pbw_improve.h"
+#define PBW_MESH3_IMPLEMENTATION
+#include "pbw_mesh3.h"
 #include <stdlib.h>
 #include <string.h>
 
@@ -45,6 +51,10 @@ int pbw_python_coordinates(const arrays *a, const double *queries, size_t count,
 int pbw_python_cells(const arrays *a, const double *box, unsigned periodic, unsigned what, pbw_cells *cells);
 int64_t pbw_python_stars(const arrays *mesh, int32_t *indptr, int32_t *indices);
 int pbw_python_plane(const pbw_plane_input *input, const plane_wish *wish, const volatile int *stop, pbw_plane *plane);
+int pbw_python_improve(const pbw_tets *mesh, const pbw_improve_options *how, const watch *w, char message[128],
+                       pbw_tets *better, pbw_improve_report *report);
+int pbw_python_solid(const pbw_solid_input *input, const pbw_solid_options *how, const watch *w, pbw_tets *mesh,
+                     pbw_solid_report *report);
 
 static int on_progress(void *user, pbw_stage stage, double done)
 {
@@ -187,6 +197,30 @@ int pbw_python_cells(const arrays *a, const double *box, unsigned periodic, unsi
     domain.periodic = periodic;
     return (int)(periodic == 0 ? pbw_cells_of(&mesh, &domain, what, &options, cells)
                  : pbw_cells_periodic(a->dim, a->points, a->weights, a->point_count, &domain, what, &options, cells));
+}
+
+static pbw_options watched(const watch *w)
+{
+    pbw_options options = { 0 };
+    options.progress = on_progress;
+    options.progress_user = (void *)(uintptr_t)w;
+    return options;
+}
+
+int pbw_python_improve(const pbw_tets *mesh, const pbw_improve_options *how, const watch *w, char message[128],
+                       pbw_tets *better, pbw_improve_report *report)
+{
+    pbw_options options = watched(w);
+    options.message = message;
+    options.message_size = 128;
+    return (int)pbw_improve(mesh, how, &options, better, report);
+}
+
+int pbw_python_solid(const pbw_solid_input *input, const pbw_solid_options *how, const watch *w, pbw_tets *mesh,
+                     pbw_solid_report *report)
+{
+    const pbw_options options = watched(w);
+    return (int)pbw_solid(input, how, &options, mesh, report);
 }
 
 /* The neighbours of each point p, ascending, in indices[indptr[p]] to indices[indptr[p + 1] - 1].  Point by point,

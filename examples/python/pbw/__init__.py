@@ -12,6 +12,9 @@
     pbw.lloyd(points, steps=20)
     pbw.triangulate(dict(vertices=v, segments=s, holes=h), "pq30a0.1")     # as the package triangle has it
     pbw.polygon([outline, hole])                     # triangles of a polygon with holes
+    solid = pbw.solid(vertices, faces, size=0.1)     # tetrahedra inside a closed surface
+    better = pbw.improve(points, tets, target=30)    # any tetrahedra: dihedral angles of 30 to 150 degrees
+    meshio.Mesh(solid.points, {"tetra": solid.tets}).write("solid.vtu")
 
 Needs NumPy; no SciPy.  Two ways to have it:
     pip install ./examples/python                    # from the source tree: a C compiler, no network
@@ -39,6 +42,7 @@ from ._errors import Error, QhullError
 from ._interpolate import interpolate
 from ._library import version as __version__
 from ._plane import polygon, triangulate
+from ._tets import Tets, improve, solid
 
-__all__ = ["Cells", "Delaunay", "Error", "QhullError", "Voronoi", "interpolate", "lloyd", "polygon", "power_cells",
-           "triangulate", "tsearch", "__version__"]
+__all__ = ["Cells", "Delaunay", "Error", "QhullError", "Tets", "Voronoi", "improve", "interpolate", "lloyd", "polygon",
+           "power_cells", "solid", "triangulate", "tsearch", "__version__"]

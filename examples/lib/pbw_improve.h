@@ -1,0 +1,1897 @@
+/* pbw_improve.h - v0.1.0 - makes the worst tetrahedra of a mesh better - MIT-0
+
+   QUICK START
+   In one source file, define PBW_IMPROVE_IMPLEMENTATION before the include; in all others, only include.
+   Needs pbw.h, with its implementation in some source file, and the implementation of pbw_surface.h in the same
+   source file, before it.
+
+       pbw_tets mesh = {0}, better = {0};
+       pbw_improve_report report;
+       mesh.points = points;    mesh.point_count = n;                // of any mesher
+       mesh.corners = corners;  mesh.tet_count = m;
+       pbw_improve(&mesh, NULL, NULL, &better, &report);             // dihedral angles of 30 to 150 degrees
+       printf("%g..%g\n", report.after.least, report.after.largest);
+       pbw_tets_free(&better);
+
+   HOW
+   The quality of a tetrahedron is the least sine of its six dihedral angles: 0 if it is flat, sin 70.5 at best.
+   Passes take the tetrahedra below the target, worst first, and try in turn
+       edge removal    the tetrahedra around an edge are replaced by those over the best triangulation of the ring of
+                       its other corners (Klincsek 1980), inside and on smooth parts of the boundary; 3-2, 4-4 and
+                       2-2 flips are the small cases
+       smoothing       a corner moves to where its worst tetrahedron is best; on the boundary it slides on the surface
+       peeling         a flat tetrahedron at the boundary is taken off
+       2-3 flips       a facet is replaced by an edge
+       contraction     one end of an edge moves into the other
+       insertion       an edge or a tetrahedron gets a corner in its middle
+   Whatever does not raise the least quality of the tetrahedra it changes is not done (Klingner and Shewchuk 2007,
+   "Aggressive tetrahedral mesh improvement").  One thread works.
+
+   PROMISES  (tests/test_improve.c guards them)
+     monotone    the least quality never falls, up to rounding: a mesh whose budget ends is better than before
+     positive    every tetrahedron made is positively oriented, by exact signs
+     kept        fixed points, feature edges, regions and their interfaces; the boundary is as manifold as it was and
+                 has the same Euler number, and stays on the surface, to 25 degrees of its normals
+     same        the same bytes for the same input, whatever options.threads says (and unless a budget in seconds ends
+                 it)
+
+   CONFIGURATION MACROS
+     PBW_IMPROVE_IMPLEMENTATION  in one source file: compile the implementation there
+     PBWIMPROVEDEF               everywhere: your own linkage for the functions, for example static
+*/
+#ifndef PBW_IMPROVE_H
+#define PBW_IMPROVE_H
+#ifndef PBW_SURFACE_H
+#include "pbw_surface.h"
+#endif
+
+#ifndef PBWIMPROVEDEF
+#define PBWIMPROVEDEF extern
+#endif
+
+#ifdef __cplusplus
+extern "C" {
+#endif
+
+#define PBW_TETS_FOUND  0u                 /* marks of points: fixed on features, else as they lie */
+#define PBW_TETS_SLIDES 1u                 /* on the boundary: stays on the surface */
+#define PBW_TETS_FIXED  2u
+
+typedef struct pbw_tets {                  /* in: the caller's arrays; out: start from {0}, pbw_tets_free when done */
+    size_t point_count, tet_count;
+    const double *points;                  /* 3 coordinates each */
+    const pbw_index *corners;              /* 4 points a tetrahedron; out: positively oriented, in: any way */
+    const pbw_index *regions;              /* one a tetrahedron, any numbers; NULL = one region */
+    const unsigned char *marks;            /* PBW_TETS_*, one a point; NULL = all found.  Out: what they were */
+    const pbw_index *neighbors;            /* out: as in pbw_mesh; in: not read */
+    const pbw_index *original;             /* out: per point its number in the input, PBW_NONE if it is new */
+    void *memory;                          /* private */
+} pbw_tets;
+
+/* Measures, after their names in Gmsh and in Verdict (Stimpson et al. 2007, "The Verdict geometric quality library").
+   Volumes of negative tetrahedra, and gamma, eta, SICN with them, are negative. */
+typedef enum pbw_measure {
+    PBW_MEASURE_LEAST_DIHEDRAL,            /* degrees; of the regular tetrahedron 70.53 */
+    PBW_MEASURE_LARGEST_DIHEDRAL,
+    PBW_MEASURE_LEAST_SINE,                /* of the dihedral angles: what pbw_improve raises */
+    PBW_MEASURE_VOLUME,
+    PBW_MEASURE_GAMMA,                     /* Gmsh: 3 times inscribed by circumscribed radius, 1 at best */
+    PBW_MEASURE_ETA,                       /* Gmsh: 12 (3 V)^(2/3) by sum of squared edges; Verdict: shape */
+    PBW_MEASURE_SICN,                      /* Gmsh: 3 / (|S| |1/S|), S the map from the regular one; 1 at best */
+    PBW_MEASURE_RADIUS_EDGE,               /* circumscribed radius by shortest edge, 0.612 at best */
+    PBW_MEASURE_RADIUS_RATIO,              /* Verdict: 1 / gamma */
+    PBW_MEASURE_ASPECT_RATIO,              /* Verdict: longest edge / (2 sqrt 6 inscribed radius), 1 at best */
+    PBW_MEASURE_ASPECT_GAMMA,              /* Verdict: root mean square edge^3 sqrt 2 / (12 V), 1 at best */
+    PBW_MEASURE_EDGE_RATIO,                /* longest by shortest edge */
+    PBW_MEASURE_SCALED_JACOBIAN            /* Verdict: sqrt 2 times 6 V / largest product of 3 edges at a corner */
+} pbw_measure;
+
+typedef struct pbw_quality {               /* dihedral angles of a mesh, in degrees */
+    double least, permille, percent;       /* of the tetrahedra's least angles the 1st, and those that 0.1 % and 1 %
+                                              are below */
+    double largest;
+    size_t below[4];                       /* tetrahedra with an angle below 5, 10, 20, 30 */
+    size_t bins[18];                       /* how many angles, six a tetrahedron, are in each 10 degrees */
+    double volume;
+    double least_sine;
+} pbw_quality;
+
+typedef struct pbw_improve_options {       /* NULL or all zero = best defaults */
+    double target;                         /* degrees, 1 to 60: dihedral angles from this to 180 - this; 0 = 30 */
+    double seconds;                        /* of processor time, then it ends with what it has; 0 = no limit */
+    int passes;                            /* at most; 0 = 60, -1 = none */
+    double feature_angle;                  /* degrees: boundary edges whose normals differ by more are kept; 0 = 40 */
+    /* Moves a point to the boundary's surface; NULL = to the nearest point of the input's boundary. */
+    void (*project)(void *user, double point[3]);
+    void *project_user;
+} pbw_improve_options;
+
+typedef struct pbw_improve_report {
+    pbw_quality before, after;
+    size_t turned;                         /* tetrahedra of the input that were negative */
+    size_t removals, boundary_removals, smoothings, slides, peelings, flips, contractions, insertions;
+    size_t left;                           /* tetrahedra below the target in the end */
+    int passes;
+} pbw_improve_report;
+
+/* Improves a mesh; how, options and report may be NULL.  better: overwritten, left empty on failure.  Of options, it
+   uses resize, memory_limit, progress (PBW_STAGE_WORK) and message.  Returns PBW_ERROR_ARGUMENT for ids out of range,
+   a tetrahedron with a corner twice, more than two tetrahedra at a facet, or two on one side of it: options.message
+   says which. */
+PBWIMPROVEDEF pbw_status pbw_improve(const pbw_tets *mesh, const pbw_improve_options *how,
+                                     const pbw_options *options, pbw_tets *better, pbw_improve_report *report);
+PBWIMPROVEDEF double pbw_tet_measure(pbw_measure measure, const double a[3], const double b[3], const double c[3],
+                                     const double d[3]);
+PBWIMPROVEDEF const char *pbw_measure_name(pbw_measure measure);     /* "gamma", NULL for other numbers */
+/* Returns 0 if there is no memory to sort the angles: permille and percent are then 0. */
+PBWIMPROVEDEF int pbw_tets_quality(const pbw_tets *mesh, const pbw_options *options, pbw_quality *quality);
+PBWIMPROVEDEF void pbw_tets_free(pbw_tets *mesh);            /* fine on {0}, fine twice; for results only */
+
+#ifdef __cplusplus
+}
+#endif
+#endif /* PBW_IMPROVE_H */
+
+#if defined(PBW_IMPROVE_IMPLEMENTATION) && !defined(PBWIMPROVE__IMPLEMENTED)
+#define PBWIMPROVE__IMPLEMENTED
+
+#include <math.h>
+#include <stdio.h>
+#include <stdlib.h>
+#include <string.h>
+#include <time.h>
+
+/* ------------------------------------------------------------------------------------------------------
+   Measures.
+   ------------------------------------------------------------------------------------------------------ */
+
+/* Corner i's opposite facet, turned so that corner i is on its positive side. */
+static const int pbwim__opposite[4][3] = { { 1, 3, 2 }, { 0, 2, 3 }, { 0, 3, 1 }, { 0, 1, 2 } };
+/* The corners of each edge, and the other two, so that the four are an even permutation. */
+static const int pbwim__edge[6][4] = { { 0, 1, 2, 3 }, { 0, 2, 3, 1 }, { 0, 3, 1, 2 },
+                                       { 1, 2, 0, 3 }, { 1, 3, 2, 0 }, { 2, 3, 0, 1 } };
+
+typedef struct pbwim__shape {              /* of a tetrahedron */
+    double volume6;                        /* six times the volume, signed */
+    double normal[4][3];                   /* of facet i, inward if positive, twice the area long */
+    double square[6];                      /* squared lengths of the edges */
+} pbwim__shape;
+
+static void pbwim__shape_of(const double *const c[4], pbwim__shape *s)
+{
+    double u[3];
+    int i;
+    for (i = 0; i < 4; i++) {
+        pbwsf__normal(c[pbwim__opposite[i][0]], c[pbwim__opposite[i][1]], c[pbwim__opposite[i][2]], s->normal[i]);
+    }
+    for (i = 0; i < 6; i++) {
+        pbwsf__minus(c[pbwim__edge[i][1]], c[pbwim__edge[i][0]], u);
+        s->square[i] = pbwsf__dot(u, u);
+    }
+    pbwsf__minus(c[3], c[0], u);
+    s->volume6 = pbwsf__dot(s->normal[3], u);
+}
+
+/* The least sine of the dihedral angles, negative for negative tetrahedra.  At an edge of length l between facets of
+   areas A and B it is 3 V l / (2 A B). */
+static double pbwim__sine(const double *a, const double *b, const double *c, const double *d)
+{
+    const double x[3] = { b[0] - a[0], b[1] - a[1], b[2] - a[2] }, y[3] = { c[0] - a[0], c[1] - a[1], c[2] - a[2] };
+    const double z[3] = { d[0] - a[0], d[1] - a[1], d[2] - a[2] };
+    double abc[3], abd[3], acd[3], bcd[3], p, q, r, s, v, least, t;
+    int k;
+    pbwsf__cross(x, y, abc);
+    pbwsf__cross(z, x, abd);
+    pbwsf__cross(y, z, acd);
+    for (k = 0; k < 3; k++) {
+        bcd[k] = abc[k] + abd[k] + acd[k];
+    }
+    v = pbwsf__dot(abc, z);
+    p = pbwsf__dot(abc, abc), q = pbwsf__dot(abd, abd), r = pbwsf__dot(acd, acd), s = pbwsf__dot(bcd, bcd);
+    if (!(p > 0 && q > 0 && r > 0 && s > 0)) {
+        return 0;
+    }
+    p = 1 / p, q = 1 / q, r = 1 / r, s = 1 / s;
+    least = pbwsf__dot(x, x) * p * q;
+    t = pbwsf__dot(y, y) * p * r, least = t < least ? t : least;
+    t = pbwsf__dot(z, z) * q * r, least = t < least ? t : least;
+    t = pbwsf__distance(b, c), t *= t * p * s, least = t < least ? t : least;
+    t = pbwsf__distance(b, d), t *= t * q * s, least = t < least ? t : least;
+    t = pbwsf__distance(c, d), t *= t * r * s, least = t < least ? t : least;
+    return v * sqrt(least);
+}
+
+/* In degrees, from 0 to 180; those of flat tetrahedra are 0 and 180. */
+static void pbwim__angles(const double *const c[4], double angle[6])
+{
+    pbwim__shape s;
+    int i;
+    pbwim__shape_of(c, &s);
+    for (i = 0; i < 6; i++) {
+        const double *m = s.normal[pbwim__edge[i][2]], *n = s.normal[pbwim__edge[i][3]];
+        angle[i] = 180 - 57.295779513082321 * atan2(fabs(s.volume6) * sqrt(s.square[i]), pbwsf__dot(m, n));
+    }
+}
+
+/* |S| |1/S| of the map S from the regular tetrahedron.  |S|^2 is half the sum of squared edges; 1/S comes of the
+   normals in the same way. */
+static double pbwim__condition(const pbwim__shape *s, double squares)
+{
+    double sum = 0;
+    int i;
+    for (i = 0; i < 4; i++) {
+        sum += pbwsf__dot(s->normal[i], s->normal[i]);
+    }
+    return sqrt(squares / 2) * sqrt(sum / 2) / s->volume6;
+}
+
+static double pbwim__circumradius(const double *const c[4], const pbwim__shape *s)
+{
+    double sum[3] = { 0, 0, 0 };
+    int i, k;
+    (void)c;
+    for (i = 0; i < 3; i++) {                        /* edges 0, 1, 2 are at corner 0; normals 1, 2, 3 across */
+        for (k = 0; k < 3; k++) {
+            sum[k] += s->square[i] * s->normal[i + 1][k];
+        }
+    }
+    return sqrt(pbwsf__dot(sum, sum)) / (2 * fabs(s->volume6));
+}
+
+PBWIMPROVEDEF double pbw_tet_measure(pbw_measure measure, const double a[3], const double b[3], const double c[3],
+                                     const double d[3])
+{
+    const double *const corner[4] = { a, b, c, d };
+    double angle[6], least, most, squares = 0, area2 = 0, product = 0, radius, third;
+    pbwim__shape s;
+    int i;
+    pbwim__shape_of(corner, &s);
+    if (measure == PBW_MEASURE_LEAST_DIHEDRAL || measure == PBW_MEASURE_LARGEST_DIHEDRAL) {
+        pbwim__angles(corner, angle);
+        for (i = 1, least = most = angle[0]; i < 6; i++) {
+            least = fmin(least, angle[i]);
+            most = fmax(most, angle[i]);
+        }
+        return measure == PBW_MEASURE_LEAST_DIHEDRAL ? least : most;
+    }
+    for (i = 0, least = most = s.square[0]; i < 6; i++) {
+        least = fmin(least, s.square[i]);
+        most = fmax(most, s.square[i]);
+        squares += s.square[i];
+    }
+    for (i = 0; i < 4; i++) {                        /* edges at corner i: those across from facet i's */
+        static const int at[4][3] = { { 0, 1, 2 }, { 0, 3, 4 }, { 1, 3, 5 }, { 2, 4, 5 } };
+        area2 += sqrt(pbwsf__dot(s.normal[i], s.normal[i]));
+        product = fmax(product, s.square[at[i][0]] * s.square[at[i][1]] * s.square[at[i][2]]);
+    }
+    radius = s.volume6 / area2;                      /* inscribed: 3 V / sum of areas */
+    third = cbrt(s.volume6 / 2);                     /* 3 V */
+    switch (measure) {
+    case PBW_MEASURE_LEAST_SINE: return pbwim__sine(a, b, c, d);
+    case PBW_MEASURE_VOLUME: return s.volume6 / 6;
+    case PBW_MEASURE_GAMMA: return 3 * radius / pbwim__circumradius(corner, &s);
+    case PBW_MEASURE_ETA: return 12 * third * fabs(third) / squares;
+    case PBW_MEASURE_SICN: return 3 / pbwim__condition(&s, squares);
+    case PBW_MEASURE_RADIUS_EDGE: return pbwim__circumradius(corner, &s) / sqrt(least);
+    case PBW_MEASURE_RADIUS_RATIO: return pbwim__circumradius(corner, &s) / (3 * radius);
+    case PBW_MEASURE_ASPECT_RATIO: return sqrt(most) / (2 * sqrt(6.0) * radius);
+    case PBW_MEASURE_ASPECT_GAMMA: return pow(squares / 6, 1.5) * sqrt(2.0) / (2 * s.volume6);
+    case PBW_MEASURE_EDGE_RATIO: return sqrt(most / least);
+    case PBW_MEASURE_SCALED_JACOBIAN: return sqrt(2.0) * s.volume6 / fmax(sqrt(product), s.volume6);
+    default: return 0;
+    }
+}
+
+PBWIMPROVEDEF const char *pbw_measure_name(pbw_measure measure)
+{
+    static const char *const names[] = { "least dihedral", "largest dihedral", "least sine", "volume", "gamma", "eta",
+        "SICN", "radius-edge", "radius ratio", "aspect ratio", "aspect gamma", "edge ratio", "scaled Jacobian" };
+    return (unsigned)measure < sizeof names / sizeof *names ? names[measure] : NULL;
+}
+
+static int pbwim__compare(const void *a, const void *b)
+{
+    const double x = *(const double *)a, y = *(const double *)b;
+    return (x > y) - (x < y);
+}
+
+PBWIMPROVEDEF int pbw_tets_quality(const pbw_tets *mesh, const pbw_options *options, pbw_quality *quality)
+{
+    static const double limits[4] = { 5, 10, 20, 30 };
+    pbwsf__memory memory = pbwsf__memory_of(options);
+    pbwsf__array sorted;
+    double *least;
+    size_t i, k;
+    int kept;
+    memset(&sorted, 0, sizeof sorted);
+    memset(quality, 0, sizeof *quality);
+    kept = pbwsf__resize(&memory, &sorted, (mesh->tet_count + 1) * sizeof(double));
+    least = (double *)sorted.data;
+    quality->least = mesh->tet_count > 0 ? 180 : 0;
+    quality->least_sine = mesh->tet_count > 0 ? 1 : 0;
+    for (i = 0; i < mesh->tet_count; i++) {
+        const double *c[4];
+        double angle[6], lowest = 180;
+        for (k = 0; k < 4; k++) {
+            c[k] = mesh->points + 3 * (size_t)mesh->corners[4 * i + k];
+        }
+        pbwim__angles(c, angle);
+        for (k = 0; k < 6; k++) {
+            lowest = fmin(lowest, angle[k]);
+            quality->largest = fmax(quality->largest, angle[k]);
+            quality->bins[angle[k] < 180 ? (size_t)(angle[k] / 10) : 17]++;
+        }
+        for (k = 0; k < 4; k++) {
+            quality->below[k] += lowest < limits[k];
+        }
+        quality->least = fmin(quality->least, lowest);
+        quality->least_sine = fmin(quality->least_sine, pbwim__sine(c[0], c[1], c[2], c[3]));
+        quality->volume += pbw_tet_measure(PBW_MEASURE_VOLUME, c[0], c[1], c[2], c[3]);
+        if (kept) {
+            least[i] = lowest;
+        }
+    }
+    if (kept && mesh->tet_count > 0) {
+        qsort(least, mesh->tet_count, sizeof *least, pbwim__compare);
+        quality->permille = least[mesh->tet_count / 1000];
+        quality->percent = least[mesh->tet_count / 100];
+    }
+    pbwsf__release(&memory, &sorted);
+    return kept;
+}
+
+/* ------------------------------------------------------------------------------------------------------
+   The mesh that changes.
+   In: arrays of any tetrahedral mesh.  Holds: tetrahedra are positive but for flat ones of the input;
+   next[4 t + i] is the tetrahedron across from corner i, PBW_NONE on the boundary; star[p] is one of p's tetrahedra,
+   PBW_NONE if it has none; quality[t] is the least sine of t; a free slot has corner[4 t] = PBW_NONE and next[4 t] =
+   the free slot after it.
+   ------------------------------------------------------------------------------------------------------ */
+enum {
+    PBWIM__MOST = 192,                     /* tetrahedra that one operation replaces; larger stars are left alone */
+    PBWIM__RING = 10,                      /* corners of a ring */
+    PBWIM__OPEN = 8 * PBWIM__MOST           /* facets of that, at most */
+};
+#define PBWIM__GAIN 1e-3                   /* of the least sine, below which no operation is worth it */
+#define PBWIM__BEND 0.90630778703665       /* cos 25 degrees: by more, boundary facets do not turn */
+
+typedef struct pbwim__mesh {
+    pbwsf__memory memory;
+    const pbw_options *options;
+    void (*project)(void *user, double point[3]);
+    void *project_user;
+    /* per point */
+    pbwsf__array x, star, mark, touched, original;
+    /* per tetrahedron */
+    pbwsf__array corner, next, quality, region, tried, seen;
+    size_t points, tets;                   /* slots in use, free ones included */
+    pbw_index free;                        /* the first free slot */
+    pbw_index clock, visit;                /* counts changes; counts searches, the value of `seen` in the last one */
+    double target;                         /* a sine */
+    pbw_improve_report *report;
+    pbwsf__array queue;
+    pbw_surface surface;                   /* the input's boundary, for project */
+    pbwsf__array facets;
+} pbwim__mesh;
+
+#define PBWIM__X(m, p) ((double *)(m)->x.data + 3 * (size_t)(p))
+#define PBWIM__STAR(m) ((pbw_index *)(m)->star.data)
+#define PBWIM__MARK(m) ((unsigned char *)(m)->mark.data)
+#define PBWIM__TOUCHED(m) ((pbw_index *)(m)->touched.data)
+#define PBWIM__CORNER(m, t) ((pbw_index *)(m)->corner.data + 4 * (size_t)(t))
+#define PBWIM__NEXT(m, t) ((pbw_index *)(m)->next.data + 4 * (size_t)(t))
+#define PBWIM__QUALITY(m) ((double *)(m)->quality.data)
+#define PBWIM__REGION(m) ((pbw_index *)(m)->region.data)
+#define PBWIM__TRIED(m) ((pbw_index *)(m)->tried.data)
+#define PBWIM__SEEN(m) ((pbw_index *)(m)->seen.data)
+
+static double pbwim__sine_of(const pbwim__mesh *m, const pbw_index c[4])
+{
+    return pbwim__sine(PBWIM__X(m, c[0]), PBWIM__X(m, c[1]), PBWIM__X(m, c[2]), PBWIM__X(m, c[3]));
+}
+
+static int pbwim__sign_of(const pbwim__mesh *m, const pbw_index c[4])
+{
+    return pbw_orient3(PBWIM__X(m, c[0]), PBWIM__X(m, c[1]), PBWIM__X(m, c[2]), PBWIM__X(m, c[3]));
+}
+
+/* The corner of t that p is; 4 if it is none. */
+static int pbwim__place(const pbwim__mesh *m, pbw_index t, pbw_index p)
+{
+    const pbw_index *c = PBWIM__CORNER(m, t);
+    return c[0] == p ? 0 : c[1] == p ? 1 : c[2] == p ? 2 : c[3] == p ? 3 : 4;
+}
+
+/* The facet of t through which its neighbour n is. */
+static int pbwim__facet_to(const pbwim__mesh *m, pbw_index t, pbw_index n)
+{
+    const pbw_index *next = PBWIM__NEXT(m, t);
+    return next[0] == n ? 0 : next[1] == n ? 1 : next[2] == n ? 2 : 3;
+}
+
+/* The outward normal of a facet, twice the area long. */
+static void pbwim__outward(const pbwim__mesh *m, pbw_index t, int facet, double out[3])
+{
+    const pbw_index *c = PBWIM__CORNER(m, t);
+    const int *o = pbwim__opposite[facet];
+    pbwsf__normal(PBWIM__X(m, c[o[0]]), PBWIM__X(m, c[o[2]]), PBWIM__X(m, c[o[1]]), out);
+}
+
+/* Whether the angle between two directions is below that of the cosine. */
+static int pbwim__turned_less(const double a[3], const double b[3], double cosine)
+{
+    const double dot = pbwsf__dot(a, b), limit = cosine * cosine * pbwsf__dot(a, a) * pbwsf__dot(b, b);
+    return cosine > 0 ? dot > 0 && dot * dot > limit : dot > 0 || dot * dot < limit;
+}
+
+static int pbwim__resize_points(pbwim__mesh *m, size_t count)
+{
+    pbwsf__memory *y = &m->memory;
+    return pbwsf__resize(y, &m->x, count * 3 * sizeof(double))
+        && pbwsf__resize(y, &m->star, count * sizeof(pbw_index))
+        && pbwsf__resize(y, &m->touched, count * sizeof(pbw_index))
+        && pbwsf__resize(y, &m->original, count * sizeof(pbw_index)) && pbwsf__resize(y, &m->mark, count);
+}
+
+static int pbwim__resize_tets(pbwim__mesh *m, size_t count)
+{
+    pbwsf__memory *y = &m->memory;
+    return pbwsf__resize(y, &m->corner, count * 4 * sizeof(pbw_index))
+        && pbwsf__resize(y, &m->next, count * 4 * sizeof(pbw_index))
+        && pbwsf__resize(y, &m->quality, count * sizeof(double))
+        && pbwsf__resize(y, &m->region, count * sizeof(pbw_index))
+        && pbwsf__resize(y, &m->tried, count * 2 * sizeof(pbw_index))
+        && pbwsf__resize(y, &m->seen, count * sizeof(pbw_index));
+}
+
+/* Room for one operation, so that none fails half-way.  The arrays that are resized last have the least room. */
+static int pbwim__reserve(pbwim__mesh *m)
+{
+    const size_t tets = m->tets + 2 * PBWIM__MOST, points = m->points + 4;
+    if (tets >= PBW_NONE / 4 || points >= PBW_NONE) {
+        return 0;
+    }
+    return (m->seen.bytes >= tets * sizeof(pbw_index) || pbwim__resize_tets(m, tets + tets / 4))
+        && (m->mark.bytes >= points || pbwim__resize_points(m, points + points / 4));
+}
+
+/* A new search: no tetrahedron is seen. */
+static void pbwim__visit(pbwim__mesh *m)
+{
+    if (++m->visit == PBW_NONE) {
+        memset(m->seen.data, 0, m->seen.bytes);
+        m->visit = 1;
+    }
+}
+
+static pbw_index pbwim__take(pbwim__mesh *m)
+{
+    pbw_index t = m->free;
+    if (t == PBW_NONE) {
+        t = (pbw_index)m->tets++;
+    } else {
+        m->free = *PBWIM__NEXT(m, t);
+    }
+    PBWIM__SEEN(m)[t] = 0;
+    PBWIM__TRIED(m)[2 * (size_t)t] = PBWIM__TRIED(m)[2 * (size_t)t + 1] = 0;
+    return t;
+}
+
+static void pbwim__give(pbwim__mesh *m, pbw_index t)
+{
+    *PBWIM__CORNER(m, t) = PBW_NONE;
+    *PBWIM__NEXT(m, t) = m->free;
+    m->free = t;
+}
+
+/* ---- one operation: these tetrahedra go, those come ---- */
+
+typedef struct pbwim__change {
+    int olds, news;
+    pbw_index old[PBWIM__MOST], fresh[PBWIM__MOST][4];
+} pbwim__change;
+
+typedef struct pbwim__facet { pbw_index v[3], t; int i; } pbwim__facet;
+
+static void pbwim__sort3(pbw_index v[3])
+{
+    pbw_index x;
+    int i;
+    for (i = 0; i < 3; i++) {
+        const int k = i == 1;
+        if (v[k] > v[k + 1]) {
+            x = v[k];
+            v[k] = v[k + 1];
+            v[k + 1] = x;
+        }
+    }
+}
+
+static pbwim__facet pbwim__facet_of(const pbwim__mesh *m, pbw_index t, int i)
+{
+    pbwim__facet f;
+    int k;
+    for (k = 0; k < 3; k++) {
+        f.v[k] = PBWIM__CORNER(m, t)[pbwim__opposite[i][k]];
+    }
+    pbwim__sort3(f.v);
+    f.t = t;
+    f.i = i;
+    return f;
+}
+
+/* Takes the old tetrahedra out; returns how many facets of others they leave open. */
+static int pbwim__take_out(pbwim__mesh *m, const pbwim__change *change, pbwim__facet *open)
+{
+    int count = 0, i, k;
+    pbwim__visit(m);
+    for (i = 0; i < change->olds; i++) {
+        PBWIM__SEEN(m)[change->old[i]] = m->visit;
+    }
+    for (i = 0; i < change->olds; i++) {
+        for (k = 0; k < 4; k++) {
+            const pbw_index p = PBWIM__CORNER(m, change->old[i])[k];
+            PBWIM__STAR(m)[p] = PBW_NONE;
+            PBWIM__TOUCHED(m)[p] = m->clock;
+        }
+    }
+    for (i = 0; i < change->olds; i++) {
+        for (k = 0; k < 4; k++) {
+            const pbw_index n = PBWIM__NEXT(m, change->old[i])[k];
+            if (n != PBW_NONE && PBWIM__SEEN(m)[n] != m->visit) {
+                open[count] = pbwim__facet_of(m, n, pbwim__facet_to(m, n, change->old[i]));
+                PBWIM__NEXT(m, n)[open[count].i] = PBW_NONE;
+                PBWIM__STAR(m)[open[count].v[0]] = n;
+                PBWIM__STAR(m)[open[count].v[1]] = n;
+                PBWIM__STAR(m)[open[count].v[2]] = n;
+                count++;
+            }
+        }
+    }
+    return count;
+}
+
+/* Does it.  Facets that find no partner are on the boundary. */
+static void pbwim__apply(pbwim__mesh *m, const pbwim__change *change)
+{
+    pbwim__facet open[PBWIM__OPEN];
+    const pbw_index region = PBWIM__REGION(m)[change->old[0]];
+    int count, i, k, j;
+    m->clock++;
+    count = pbwim__take_out(m, change, open);
+    for (i = 0; i < change->olds; i++) {
+        pbwim__give(m, change->old[i]);
+    }
+    for (i = 0; i < change->news; i++) {
+        const pbw_index t = pbwim__take(m);
+        memcpy(PBWIM__CORNER(m, t), change->fresh[i], 4 * sizeof(pbw_index));
+        PBWIM__REGION(m)[t] = region;
+        PBWIM__QUALITY(m)[t] = pbwim__sine_of(m, change->fresh[i]);
+        for (k = 0; k < 4; k++) {
+            const pbwim__facet f = pbwim__facet_of(m, t, k);
+            PBWIM__STAR(m)[change->fresh[i][k]] = t;
+            PBWIM__TOUCHED(m)[change->fresh[i][k]] = m->clock;
+            for (j = count - 1; j >= 0 && memcmp(open[j].v, f.v, sizeof f.v) != 0; j--) {
+            }
+            if (j < 0) {
+                PBWIM__NEXT(m, t)[k] = PBW_NONE;
+                open[count++] = f;
+            } else {
+                PBWIM__NEXT(m, t)[k] = open[j].t;
+                PBWIM__NEXT(m, open[j].t)[open[j].i] = t;
+                open[j] = open[--count];
+            }
+        }
+    }
+}
+
+/* Whether all that come are positive, by exact signs, and all that go are of one region. */
+static int pbwim__is_sound(const pbwim__mesh *m, const pbwim__change *change)
+{
+    int i;
+    for (i = 1; i < change->olds; i++) {
+        if (PBWIM__REGION(m)[change->old[i]] != PBWIM__REGION(m)[change->old[0]]) {
+            return 0;
+        }
+    }
+    for (i = 0; i < change->news && pbwim__sign_of(m, change->fresh[i]) > 0; i++) {
+    }
+    return i == change->news;
+}
+
+static double pbwim__worst_old(const pbwim__mesh *m, const pbwim__change *change)
+{
+    double worst = 2;
+    int i;
+    for (i = 0; i < change->olds; i++) {
+        worst = fmin(worst, PBWIM__QUALITY(m)[change->old[i]]);
+    }
+    return worst;
+}
+
+/* ---- stars, rings and boundary edges ---- */
+
+/* Fills `star` with the tetrahedra at p that are connected through facets; returns how many, 0 if too many. */
+static int pbwim__star_of(pbwim__mesh *m, pbw_index p, pbw_index *star)
+{
+    int count = 0, i, k;
+    if (PBWIM__STAR(m)[p] == PBW_NONE) {
+        return 0;
+    }
+    pbwim__visit(m);
+    star[count++] = PBWIM__STAR(m)[p];
+    PBWIM__SEEN(m)[star[0]] = m->visit;
+    for (i = 0; i < count; i++) {
+        const pbw_index *c = PBWIM__CORNER(m, star[i]), *next = PBWIM__NEXT(m, star[i]);
+        for (k = 0; k < 4; k++) {
+            if (c[k] != p && next[k] != PBW_NONE && PBWIM__SEEN(m)[next[k]] != m->visit) {
+                if (count == PBWIM__MOST) {
+                    return 0;
+                }
+                PBWIM__SEEN(m)[next[k]] = m->visit;
+                star[count++] = next[k];
+            }
+        }
+    }
+    return count;
+}
+
+typedef struct pbwim__ring {               /* around the edge from a to b, counter-clockwise seen from b */
+    pbw_index a, b, tet[PBWIM__RING], corner[PBWIM__RING + 1];
+    int tets, corners, closed;             /* open: one corner more than tetrahedra */
+} pbwim__ring;
+
+/* The other two corners of t at the edge, so that a, b, *c, *d are positive. */
+static void pbwim__others(const pbwim__mesh *m, pbw_index t, const pbwim__ring *ring, int *c, int *d)
+{
+    static const signed char others[4][4][2] = {
+        { { 0, 0 }, { 2, 3 }, { 3, 1 }, { 1, 2 } }, { { 3, 2 }, { 0, 0 }, { 0, 3 }, { 2, 0 } },
+        { { 1, 3 }, { 3, 0 }, { 0, 0 }, { 0, 1 } }, { { 2, 1 }, { 0, 2 }, { 1, 0 }, { 0, 0 } }
+    };
+    const int i = pbwim__place(m, t, ring->a), k = pbwim__place(m, t, ring->b);
+    *c = others[i][k][0];
+    *d = others[i][k][1];
+}
+
+/* Walks around the edge of t; a and b are set.  Returns 0 if too many are there. */
+static int pbwim__walk(const pbwim__mesh *m, pbw_index t, pbwim__ring *ring)
+{
+    pbw_index at = t, first = t;
+    int c, d, steps;
+    for (steps = 0; steps <= PBWIM__RING; steps++) {         /* back to the boundary, or once around */
+        pbwim__others(m, at, ring, &c, &d);
+        first = at;
+        at = PBWIM__NEXT(m, at)[d];
+        if (at == PBW_NONE || at == t) {
+            break;
+        }
+    }
+    ring->closed = at == t;
+    first = ring->closed ? t : first;
+    ring->tets = ring->corners = 0;
+    for (at = first; steps <= PBWIM__RING && ring->tets < PBWIM__RING;) {
+        const pbw_index *corner = PBWIM__CORNER(m, at);
+        pbwim__others(m, at, ring, &c, &d);
+        ring->tet[ring->tets++] = at;
+        ring->corner[ring->corners++] = corner[c];
+        at = PBWIM__NEXT(m, at)[c];
+        if (at == PBW_NONE) {
+            ring->corner[ring->corners++] = corner[d];
+        }
+        if (at == PBW_NONE || at == first) {
+            return 1;
+        }
+    }
+    return 0;
+}
+
+/* Whether the boundary edge of an open ring lies within a smooth part, where it may give way to the edge between the
+   ring's ends; and whether the facets there would be smooth too. */
+static int pbwim__may_flip(pbwim__mesh *m, const pbwim__ring *ring)
+{
+    const pbw_index a = ring->a, b = ring->b, first = ring->corner[0], last = ring->corner[ring->corners - 1];
+    pbw_index star[PBWIM__MOST];
+    double n[4][3], sum[3];
+    int i, count;
+    pbwsf__normal(PBWIM__X(m, a), PBWIM__X(m, b), PBWIM__X(m, first), n[0]);
+    pbwsf__normal(PBWIM__X(m, b), PBWIM__X(m, a), PBWIM__X(m, last), n[1]);
+    pbwsf__normal(PBWIM__X(m, a), PBWIM__X(m, last), PBWIM__X(m, first), n[2]);
+    pbwsf__normal(PBWIM__X(m, b), PBWIM__X(m, first), PBWIM__X(m, last), n[3]);
+    if (!pbwim__turned_less(n[0], n[1], PBWIM__BEND)) {
+        return 0;
+    }
+    for (i = 0; i < 3; i++) {
+        sum[i] = n[0][i] + n[1][i];
+    }
+    if (!pbwim__turned_less(n[2], sum, PBWIM__BEND) || !pbwim__turned_less(n[3], sum, PBWIM__BEND)
+        || !pbwim__turned_less(n[2], n[3], PBWIM__BEND)) {
+        return 0;
+    }
+    count = pbwim__star_of(m, first, star);                  /* is there such an edge already? */
+    for (i = 0; i < count && pbwim__place(m, star[i], last) == 4; i++) {
+    }
+    return count > 0 && i == count;
+}
+
+/* ------------------------------------------------------------------------------------------------------
+   Operations.  Each returns whether it changed the mesh, and then the least quality of what it changed rose by
+   PBWIM__GAIN or more.
+   ------------------------------------------------------------------------------------------------------ */
+
+/* ---- edge removal ---- */
+
+typedef struct pbwim__table {              /* of the dynamic programme: polygons from ring corner i to k */
+    double best[PBWIM__RING + 1][PBWIM__RING + 1];
+    signed char apex[PBWIM__RING + 1][PBWIM__RING + 1];
+} pbwim__table;
+
+static double pbwim__pair(const pbwim__mesh *m, const pbwim__ring *ring, int i, int j, int k)
+{
+    const double *p = PBWIM__X(m, ring->corner[i]), *q = PBWIM__X(m, ring->corner[j]);
+    const double *r = PBWIM__X(m, ring->corner[k]);
+    const double above = pbwim__sine(p, q, r, PBWIM__X(m, ring->b));
+    return above <= 0 ? above : fmin(above, pbwim__sine(q, p, r, PBWIM__X(m, ring->a)));
+}
+
+/* The best triangulation of the ring's polygon; returns its least sine, or something not above `least`. */
+static double pbwim__triangulate(const pbwim__mesh *m, const pbwim__ring *ring, double least, pbwim__table *table)
+{
+    int i, j, k, length;
+    for (i = 0; i + 1 < ring->corners; i++) {
+        table->best[i][i + 1] = 2;
+    }
+    for (length = 2; length < ring->corners; length++) {
+        for (i = 0; i + length < ring->corners; i++) {
+            k = i + length;
+            table->best[i][k] = -2;
+            for (j = i + 1; j < k; j++) {
+                const double sides = fmin(table->best[i][j], table->best[j][k]);
+                if (sides > least && sides > table->best[i][k]) {
+                    const double all = fmin(sides, pbwim__pair(m, ring, i, j, k));
+                    if (all > table->best[i][k]) {
+                        table->best[i][k] = all;
+                        table->apex[i][k] = (signed char)j;
+                    }
+                }
+            }
+        }
+    }
+    return table->best[0][ring->corners - 1];
+}
+
+/* The tetrahedra of the table's triangulation. */
+static void pbwim__read_table(const pbwim__ring *ring, const pbwim__table *table, pbwim__change *change)
+{
+    int stack[2 * PBWIM__RING][2], depth = 1;
+    stack[0][0] = 0;
+    stack[0][1] = ring->corners - 1;
+    change->news = 0;
+    while (depth > 0) {
+        const int i = stack[--depth][0], k = stack[depth][1], j = table->apex[i][k];
+        pbw_index *up = change->fresh[change->news], *down = change->fresh[change->news + 1];
+        up[0] = ring->corner[i], up[1] = ring->corner[j], up[2] = ring->corner[k], up[3] = ring->b;
+        down[0] = ring->corner[j], down[1] = ring->corner[i], down[2] = ring->corner[k], down[3] = ring->a;
+        change->news += 2;
+        if (j - i > 1) {
+            stack[depth][0] = i;
+            stack[depth++][1] = j;
+        }
+        if (k - j > 1) {
+            stack[depth][0] = j;
+            stack[depth++][1] = k;
+        }
+    }
+}
+
+static int pbwim__remove_edge(pbwim__mesh *m, pbw_index t)
+{
+    pbwim__ring ring, chosen;
+    pbwim__table table, chosen_table;
+    pbwim__change change;
+    double best = 0;
+    int e, i;
+    memset(&chosen, 0, sizeof chosen);
+    for (e = 0; e < 6; e++) {
+        double worst = 2, reached;
+        ring.a = PBWIM__CORNER(m, t)[pbwim__edge[e][0]];
+        ring.b = PBWIM__CORNER(m, t)[pbwim__edge[e][1]];
+        if (!pbwim__walk(m, t, &ring) || ring.corners < 3) {
+            continue;
+        }
+        for (i = 0; i < ring.tets; i++) {
+            worst = fmin(worst, PBWIM__QUALITY(m)[ring.tet[i]]);
+        }
+        reached = pbwim__triangulate(m, &ring, fmax(worst + PBWIM__GAIN, best), &table);
+        if (reached > fmax(worst + PBWIM__GAIN, best) && (ring.closed || pbwim__may_flip(m, &ring))) {
+            best = reached;
+            chosen = ring;
+            chosen_table = table;
+        }
+    }
+    if (chosen.corners == 0) {
+        return 0;
+    }
+    pbwim__read_table(&chosen, &chosen_table, &change);
+    change.olds = chosen.tets;
+    memcpy(change.old, chosen.tet, sizeof chosen.tet);
+    if (!pbwim__is_sound(m, &change)) {
+        return 0;
+    }
+    pbwim__apply(m, &change);
+    m->report->removals += chosen.closed != 0;
+    m->report->boundary_removals += chosen.closed == 0;
+    return 1;
+}
+
+/* ---- cones: facets seen from one point ---- */
+
+typedef struct pbwim__cone { int count; pbw_index facet[PBWIM__MOST][3]; } pbwim__cone;
+
+/* The least sine of the tetrahedra from the facets to x, or something not above `least`.  The facet that decides
+   comes first the next time. */
+static double pbwim__cone_sine(const pbwim__mesh *m, pbwim__cone *cone, const double x[3], double least)
+{
+    double worst = 2;
+    int i;
+    for (i = 0; i < cone->count; i++) {
+        const pbw_index *f = cone->facet[i];
+        const double sine = pbwim__sine(PBWIM__X(m, f[0]), PBWIM__X(m, f[1]), PBWIM__X(m, f[2]), x);
+        worst = sine < worst ? sine : worst;
+        if (worst <= least) {
+            pbw_index swap[3];
+            memcpy(swap, cone->facet[0], sizeof swap);
+            memcpy(cone->facet[0], cone->facet[i], sizeof swap);
+            memcpy(cone->facet[i], swap, sizeof swap);
+            break;
+        }
+    }
+    return worst;
+}
+
+/* Moves x to where the cone's least sine is largest nearby: by the best of 14 directions, then by half of the step.
+   `from` is its value at x.  Returns its value in the end. */
+static double pbwim__climb(pbwim__mesh *m, pbwim__cone *cone, int slides, double from, double x[3])
+{
+    static const double way[14][3] = {
+        { 1, 0, 0 }, { -1, 0, 0 }, { 0, 1, 0 }, { 0, -1, 0 }, { 0, 0, 1 }, { 0, 0, -1 },
+        { .577, .577, .577 }, { -.577, .577, .577 }, { .577, -.577, .577 }, { -.577, -.577, .577 },
+        { .577, .577, -.577 }, { -.577, .577, -.577 }, { .577, -.577, -.577 }, { -.577, -.577, -.577 }
+    };
+    double best = from, length = 0, step;
+    int i, k, moves;
+    for (i = 0; i < cone->count; i++) {
+        length += pbwsf__distance(PBWIM__X(m, cone->facet[i][0]), PBWIM__X(m, cone->facet[i][1])) / cone->count;
+    }
+    for (step = 0.2 * length, moves = 0; step > 0.01 * length && moves < 40 && best < m->target; moves++) {
+        double place[3], chosen[3], reached = best;
+        for (i = 0; i < 14; i++) {
+            for (k = 0; k < 3; k++) {
+                place[k] = x[k] + step * way[i][k];
+            }
+            if (slides) {
+                m->project(m->project_user, place);
+            }
+            {
+                const double sine = pbwim__cone_sine(m, cone, place, reached);
+                if (sine > reached) {
+                    reached = sine;
+                    memcpy(chosen, place, sizeof chosen);
+                }
+            }
+        }
+        if (reached > best) {
+            best = reached;
+            memcpy(x, chosen, sizeof chosen);
+        } else {
+            step /= 2;
+        }
+    }
+    return best;
+}
+
+/* Fills the cone with the facets across from p of its star. */
+static void pbwim__cone_of(const pbwim__mesh *m, pbw_index p, const pbw_index *star, int count, pbwim__cone *cone)
+{
+    int i, k;
+    for (i = 0; i < count; i++) {
+        const pbw_index *c = PBWIM__CORNER(m, star[i]);
+        const int *o = pbwim__opposite[pbwim__place(m, star[i], p)];
+        for (k = 0; k < 3; k++) {
+            cone->facet[i][k] = c[o[k]];
+        }
+    }
+    cone->count = count;
+}
+
+static int pbwim__smooth(pbwim__mesh *m, pbw_index p)
+{
+    pbw_index star[PBWIM__MOST];
+    pbwim__cone cone;
+    double before[3], worst = 2, x[3];
+    const int slides = PBWIM__MARK(m)[p] == PBW_TETS_SLIDES;
+    int count, i, k;
+    if (PBWIM__MARK(m)[p] == PBW_TETS_FIXED) {
+        return 0;
+    }
+    count = pbwim__star_of(m, p, star);
+    for (i = 0; i < count; i++) {
+        worst = fmin(worst, PBWIM__QUALITY(m)[star[i]]);
+    }
+    if (count == 0 || worst >= m->target) {
+        return 0;
+    }
+    pbwim__cone_of(m, p, star, count, &cone);
+    memcpy(before, PBWIM__X(m, p), sizeof before);
+    memcpy(x, before, sizeof x);
+    if (pbwim__climb(m, &cone, slides, worst, x) <= worst + PBWIM__GAIN) {
+        return 0;
+    }
+    memcpy(PBWIM__X(m, p), x, sizeof x);
+    for (i = 0; i < count && pbwim__sign_of(m, PBWIM__CORNER(m, star[i])) > 0; i++) {
+    }
+    if (i < count) {
+        memcpy(PBWIM__X(m, p), before, sizeof before);
+        return 0;
+    }
+    m->clock++;
+    for (i = 0; i < count; i++) {
+        PBWIM__QUALITY(m)[star[i]] = pbwim__sine_of(m, PBWIM__CORNER(m, star[i]));
+        for (k = 0; k < 4; k++) {
+            PBWIM__TOUCHED(m)[PBWIM__CORNER(m, star[i])[k]] = m->clock;
+        }
+    }
+    *(slides ? &m->report->slides : &m->report->smoothings) += 1;
+    return 1;
+}
+
+/* ---- at the boundary ---- */
+
+/* Whether t may be taken off, for all that is beneath its boundary facets: with one, the corner across comes to the
+   boundary and must be inside; with two, the edge across must be; with three, their corner goes. */
+static int pbwim__is_loose(pbwim__mesh *m, pbw_index t)
+{
+    const pbw_index *c = PBWIM__CORNER(m, t), *next = PBWIM__NEXT(m, t);
+    pbw_index star[PBWIM__MOST];
+    pbwim__ring ring;
+    int on[4], off[4], outer = 0, inner = 0, i, k, count;
+    for (i = 0; i < 4; i++) {
+        if (next[i] == PBW_NONE) {
+            on[outer++] = i;
+        } else {
+            off[inner++] = i;
+        }
+    }
+    if (outer == 2) {
+        ring.a = c[on[0]];
+        ring.b = c[on[1]];
+        return pbwim__walk(m, t, &ring) && ring.closed;
+    }
+    if (outer == 3) {
+        return PBWIM__MARK(m)[c[off[0]]] == PBW_TETS_SLIDES;
+    }
+    if (outer != 1 || PBWIM__MARK(m)[c[on[0]]] != PBW_TETS_FOUND) {
+        return 0;
+    }
+    count = pbwim__star_of(m, c[on[0]], star);
+    for (i = 0; i < count; i++) {
+        for (k = 0; k < 4; k++) {
+            if (PBWIM__CORNER(m, star[i])[k] != c[on[0]] && PBWIM__NEXT(m, star[i])[k] == PBW_NONE) {
+                return 0;
+            }
+        }
+    }
+    return count > 0;
+}
+
+/* Takes off a tetrahedron at the boundary, if its facets there and those beneath are nearly one plane. */
+static int pbwim__peel(pbwim__mesh *m, pbw_index t)
+{
+    const pbw_index *next = PBWIM__NEXT(m, t);
+    pbwim__change change;
+    double n[4][3];
+    int i, k;
+    if (next[0] != PBW_NONE && next[1] != PBW_NONE && next[2] != PBW_NONE && next[3] != PBW_NONE) {
+        return 0;
+    }
+    for (i = 0; i < 4; i++) {
+        pbwim__outward(m, t, i, n[i]);
+        for (k = 0; k < 3 && next[i] != PBW_NONE; k++) {
+            n[i][k] = -n[i][k];
+        }
+    }
+    for (i = 0; i < 4; i++) {
+        for (k = 0; k < i; k++) {
+            if (!pbwim__turned_less(n[i], n[k], PBWIM__BEND)) {
+                return 0;
+            }
+        }
+    }
+    if (!pbwim__is_loose(m, t)) {
+        return 0;
+    }
+    change.olds = 1;
+    change.news = 0;
+    change.old[0] = t;
+    for (i = 0; i < 4; i++) {                        /* what was inside is on the boundary now */
+        unsigned char *mark = PBWIM__MARK(m) + PBWIM__CORNER(m, t)[i];
+        *mark = *mark == PBW_TETS_FOUND ? PBW_TETS_SLIDES : *mark;
+    }
+    pbwim__apply(m, &change);
+    m->report->peelings++;
+    return 1;
+}
+
+/* ---- 2-3 flips ---- */
+
+static int pbwim__flip(pbwim__mesh *m, pbw_index t)
+{
+    pbwim__change change;
+    int i, k;
+    for (i = 0; i < 4; i++) {
+        const pbw_index *c = PBWIM__CORNER(m, t), n = PBWIM__NEXT(m, t)[i];
+        const int *o = pbwim__opposite[i];
+        double worst;
+        if (n == PBW_NONE) {
+            continue;
+        }
+        change.olds = 2;
+        change.old[0] = t;
+        change.old[1] = n;
+        worst = pbwim__worst_old(m, &change) + PBWIM__GAIN;
+        change.news = 3;
+        for (k = 0; k < 3; k++) {                    /* facet (f0 f1 f2), c[i] above and the other below it */
+            pbw_index *fresh = change.fresh[k];
+            fresh[0] = c[o[k]];
+            fresh[1] = c[o[(k + 1) % 3]];
+            fresh[2] = PBWIM__CORNER(m, n)[pbwim__facet_to(m, n, t)];
+            fresh[3] = c[i];
+            if (pbwim__sine_of(m, fresh) <= worst) {
+                break;
+            }
+        }
+        if (k == 3 && pbwim__is_sound(m, &change)) {
+            pbwim__apply(m, &change);
+            m->report->flips++;
+            return 1;
+        }
+    }
+    return 0;
+}
+
+/* ---- contraction ---- */
+
+/* Whether p may move along a boundary edge to q: the boundary around p stays smooth. */
+static int pbwim__may_slide_to(const pbwim__mesh *m, pbw_index p, pbw_index q, const pbw_index *star, int count)
+{
+    int i, k;
+    for (i = 0; i < count; i++) {
+        const pbw_index *c = PBWIM__CORNER(m, star[i]);
+        if (pbwim__place(m, star[i], q) < 4) {
+            continue;
+        }
+        for (k = 0; k < 4; k++) {
+            if (c[k] != p && PBWIM__NEXT(m, star[i])[k] == PBW_NONE) {
+                const int *o = pbwim__opposite[k];
+                double n[2][3];
+                pbwim__outward(m, star[i], k, n[0]);
+                pbwsf__normal(PBWIM__X(m, c[o[0]] == p ? q : c[o[0]]), PBWIM__X(m, c[o[2]] == p ? q : c[o[2]]),
+                              PBWIM__X(m, c[o[1]] == p ? q : c[o[1]]), n[1]);
+                if (!pbwim__turned_less(n[0], n[1], PBWIM__BEND)) {
+                    return 0;
+                }
+            }
+        }
+    }
+    return 1;
+}
+
+/* Whether a corner of the old tetrahedra other than p is in none of the new ones. */
+static int pbwim__loses_corner(const pbwim__mesh *m, const pbwim__change *change, pbw_index p)
+{
+    int i, k;
+    for (i = 0; i < 4 * change->olds; i++) {
+        const pbw_index v = PBWIM__CORNER(m, change->old[i / 4])[i % 4];
+        for (k = 0; k < 4 * change->news && change->fresh[k / 4][k % 4] != v; k++) {
+        }
+        if (k == 4 * change->news && v != p) {
+            return 1;
+        }
+    }
+    return 0;
+}
+
+/* Whether p and q have no common neighbours but those around their edge. */
+static int pbwim__is_linked_once(pbwim__mesh *m, pbw_index q, const pbwim__ring *ring, const pbwim__cone *cone)
+{
+    pbw_index star[PBWIM__MOST], corner[3 * PBWIM__MOST];
+    const int count = pbwim__star_of(m, q, star);
+    int i, j, k, corners = 0;
+    for (i = 0; i < cone->count; i++) {              /* p's neighbours that are not in the ring */
+        for (k = 0; k < 3; k++) {
+            const pbw_index v = cone->facet[i][k];
+            for (j = 0; j < ring->corners && ring->corner[j] != v; j++) {
+            }
+            if (j == ring->corners && v != q) {
+                corner[corners++] = v;
+            }
+        }
+    }
+    for (i = 0; i < count; i++) {
+        for (j = 0; j < corners; j++) {
+            if (pbwim__place(m, star[i], corner[j]) < 4) {
+                return 0;
+            }
+        }
+    }
+    return count > 0;
+}
+
+/* Moves p into q, both of t. */
+static int pbwim__contract_to(pbwim__mesh *m, pbw_index t, pbw_index p, pbw_index q)
+{
+    pbwim__change change;
+    pbwim__cone cone;
+    pbwim__ring ring;
+    const int slides = PBWIM__MARK(m)[p] == PBW_TETS_SLIDES;
+    double worst;
+    int i;
+    ring.a = p;
+    ring.b = q;
+    if (PBWIM__MARK(m)[p] == PBW_TETS_FIXED || !pbwim__walk(m, t, &ring) || (slides && ring.closed)) {
+        return 0;
+    }
+    change.olds = pbwim__star_of(m, p, change.old);
+    if (change.olds == 0) {
+        return 0;
+    }
+    pbwim__cone_of(m, p, change.old, change.olds, &cone);
+    worst = pbwim__worst_old(m, &change) + PBWIM__GAIN;
+    for (i = change.news = 0; i < change.olds; i++) {
+        pbw_index *fresh = change.fresh[change.news];
+        if (pbwim__place(m, change.old[i], q) == 4) {
+            memcpy(fresh, cone.facet[i], 3 * sizeof *fresh);
+            fresh[3] = q;
+            if (pbwim__sine_of(m, fresh) <= worst) {
+                return 0;
+            }
+            change.news++;
+        }
+    }
+    if (change.news == 0 || !pbwim__is_sound(m, &change) || pbwim__loses_corner(m, &change, p)
+        || (slides && !pbwim__may_slide_to(m, p, q, change.old, change.olds))
+        || !pbwim__is_linked_once(m, q, &ring, &cone)) {
+        return 0;
+    }
+    pbwim__apply(m, &change);
+    m->report->contractions++;
+    return 1;
+}
+
+static int pbwim__contract(pbwim__mesh *m, pbw_index t)
+{
+    int e;
+    for (e = 0; e < 6; e++) {
+        const pbw_index a = PBWIM__CORNER(m, t)[pbwim__edge[e][0]], b = PBWIM__CORNER(m, t)[pbwim__edge[e][1]];
+        if (pbwim__contract_to(m, t, a, b) || pbwim__contract_to(m, t, b, a)) {
+            return 1;
+        }
+    }
+    return 0;
+}
+
+/* ---- insertion ---- */
+
+/* Puts a point into the tetrahedra change->old, near x; boundary facets of theirs that have both ends of `split` give
+   way, others stay. */
+static int pbwim__insert(pbwim__mesh *m, pbwim__change *change, const pbwim__ring *split, double x[3])
+{
+    const double worst = pbwim__worst_old(m, change);
+    const pbw_index p = (pbw_index)m->points;
+    const int slides = split != NULL && !split->closed;
+    pbwim__cone cone;
+    int i, k;
+    pbwim__visit(m);
+    for (i = 0; i < change->olds; i++) {
+        PBWIM__SEEN(m)[change->old[i]] = m->visit;
+    }
+    for (i = cone.count = 0; i < change->olds; i++) {
+        for (k = 0; k < 4; k++) {
+            const pbw_index *c = PBWIM__CORNER(m, change->old[i]), n = PBWIM__NEXT(m, change->old[i])[k];
+            const int *o = pbwim__opposite[k];
+            const int gives = slides && n == PBW_NONE && c[k] != split->a && c[k] != split->b;
+            if (!gives && (n == PBW_NONE || PBWIM__SEEN(m)[n] != m->visit)) {
+                cone.facet[cone.count][0] = c[o[0]];
+                cone.facet[cone.count][1] = c[o[1]];
+                cone.facet[cone.count++][2] = c[o[2]];
+            }
+        }
+    }
+    if (slides) {
+        m->project(m->project_user, x);
+    }
+    if (pbwim__climb(m, &cone, slides, pbwim__cone_sine(m, &cone, x, -2), x) <= worst + PBWIM__GAIN) {
+        return 0;
+    }
+    memcpy(PBWIM__X(m, p), x, 3 * sizeof(double));
+    for (i = 0; i < cone.count; i++) {
+        memcpy(change->fresh[i], cone.facet[i], sizeof cone.facet[i]);
+        change->fresh[i][3] = p;
+    }
+    change->news = cone.count;
+    if (!pbwim__is_sound(m, change) || pbwim__loses_corner(m, change, p)) {
+        return 0;
+    }
+    m->points++;
+    PBWIM__MARK(m)[p] = slides ? PBW_TETS_SLIDES : PBW_TETS_FOUND;
+    ((pbw_index *)m->original.data)[p] = PBW_NONE;
+    pbwim__apply(m, change);
+    m->report->insertions++;
+    return 1;
+}
+
+/* Splits an edge of t, or puts a point into t and its neighbours. */
+static int pbwim__split(pbwim__mesh *m, pbw_index t)
+{
+    pbwim__change change;
+    pbwim__ring ring;
+    double x[3] = { 0, 0, 0 }, n[2][3];
+    int e, i, k;
+    for (e = 0; e < 6; e++) {
+        ring.a = PBWIM__CORNER(m, t)[pbwim__edge[e][0]];
+        ring.b = PBWIM__CORNER(m, t)[pbwim__edge[e][1]];
+        if (!pbwim__walk(m, t, &ring)) {
+            continue;
+        }
+        pbwsf__normal(PBWIM__X(m, ring.a), PBWIM__X(m, ring.b), PBWIM__X(m, ring.corner[0]), n[0]);
+        pbwsf__normal(PBWIM__X(m, ring.b), PBWIM__X(m, ring.a), PBWIM__X(m, ring.corner[ring.corners - 1]), n[1]);
+        if (!ring.closed && !pbwim__turned_less(n[0], n[1], PBWIM__BEND)) {
+            continue;
+        }
+        pbwsf__between(PBWIM__X(m, ring.a), PBWIM__X(m, ring.b), 0.5, x);
+        change.olds = ring.tets;
+        memcpy(change.old, ring.tet, sizeof ring.tet);
+        if (pbwim__insert(m, &change, &ring, x)) {
+            return 1;
+        }
+    }
+    change.olds = 1;
+    change.old[0] = t;
+    memset(x, 0, sizeof x);
+    for (i = 0; i < 4; i++) {
+        if (PBWIM__NEXT(m, t)[i] != PBW_NONE) {
+            change.old[change.olds++] = PBWIM__NEXT(m, t)[i];
+        }
+        for (k = 0; k < 3; k++) {
+            x[k] += 0.25 * PBWIM__X(m, PBWIM__CORNER(m, t)[i])[k];
+        }
+    }
+    return pbwim__insert(m, &change, NULL, x);
+}
+
+/* ------------------------------------------------------------------------------------------------------
+   Setting up: neighbours, orientation, the boundary and its features.
+   In: the caller's arrays.  Out: a mesh as above, or a status and a message.
+   ------------------------------------------------------------------------------------------------------ */
+static void pbwim__complain(const pbwim__mesh *m, const char *text, size_t i, size_t k)
+{
+    if (m->options != NULL && m->options->message != NULL && m->options->message_size > 0) {
+        snprintf(m->options->message, m->options->message_size, text, i, k);
+    }
+}
+
+/* Sorts items by columns 0 .. columns-1, of numbers below `range`, with the help of a second block; returns the one
+   that has the result.  Counting, from the last column to the first: linear for any input. */
+static pbwim__facet *pbwim__sort(pbwim__facet *items, pbwim__facet *other, size_t count, pbwsf__array *counts,
+                                 int columns)
+{
+    const size_t range = counts->count;
+    size_t *first = (size_t *)counts->data, i;
+    pbwim__facet *swap;
+    int k;
+    for (k = columns - 1; k >= 0; k--) {
+        memset(first, 0, (range + 1) * sizeof *first);
+        for (i = 0; i < count; i++) {
+            first[items[i].v[k] + 1]++;
+        }
+        for (i = 0; i < range; i++) {
+            first[i + 1] += first[i];
+        }
+        for (i = 0; i < count; i++) {
+            other[first[items[i].v[k]]++] = items[i];
+        }
+        swap = items;
+        items = other;
+        other = swap;
+    }
+    return items;
+}
+
+/* Whether t sees its facet with ascending corners counter-clockwise. */
+static int pbwim__sees_turned(const pbwim__mesh *m, pbw_index t, int i)
+{
+    const pbw_index *c = PBWIM__CORNER(m, t);
+    const pbw_index a = c[pbwim__opposite[i][0]], b = c[pbwim__opposite[i][1]], d = c[pbwim__opposite[i][2]];
+    return ((a < b) + (b < d) + (a < d)) % 2;
+}
+
+static void pbwim__turn(pbwim__mesh *m, pbw_index t)
+{
+    pbw_index *c = PBWIM__CORNER(m, t), *next = PBWIM__NEXT(m, t), swap = c[0];
+    c[0] = c[1];
+    c[1] = swap;
+    swap = next[0];
+    next[0] = next[1];
+    next[1] = swap;
+}
+
+/* Links tetrahedra over the sorted facets. */
+static pbw_status pbwim__link(pbwim__mesh *m, const pbwim__facet *facet, size_t count)
+{
+    size_t i;
+    for (i = 0; i < count; i++) {
+        const pbwim__facet *f = facet + i;
+        const int paired = i + 1 < count && memcmp(f->v, f[1].v, sizeof f->v) == 0;
+        PBWIM__NEXT(m, f->t)[f->i] = paired ? f[1].t : PBW_NONE;
+        if (paired) {
+            PBWIM__NEXT(m, f[1].t)[f[1].i] = f->t;
+            i++;
+        }
+        if (paired && i + 1 < count && memcmp(f->v, f[2].v, sizeof f->v) == 0) {
+            pbwim__complain(m, "tetrahedra %zu and %zu are at a facet that others have, too", f->t, f[1].t);
+            return PBW_ERROR_ARGUMENT;
+        }
+    }
+    return PBW_OK;
+}
+
+/* Flat tetrahedra are turned as their neighbours are; then all must agree. */
+static pbw_status pbwim__agree(pbwim__mesh *m)
+{
+    size_t t;
+    int i, flat;
+    for (flat = 1; flat >= 0; flat--) {
+        for (t = 0; t < m->tets; t++) {
+            if (flat && PBWIM__QUALITY(m)[t] > 0) {
+                continue;
+            }
+            for (i = 0; i < 4; i++) {
+                const pbw_index n = PBWIM__NEXT(m, t)[i];
+                if (n != PBW_NONE && pbwim__sees_turned(m, (pbw_index)t, i)
+                                     == pbwim__sees_turned(m, n, pbwim__facet_to(m, n, (pbw_index)t))) {
+                    if (!flat) {
+                        pbwim__complain(m, "tetrahedra %zu and %zu overlap", t, n);
+                        return PBW_ERROR_ARGUMENT;
+                    }
+                    if (PBWIM__QUALITY(m)[n] > 0 || n < t) {
+                        pbwim__turn(m, (pbw_index)t);
+                        break;
+                    }
+                }
+            }
+        }
+    }
+    return PBW_OK;
+}
+
+/* Of boundary facets sorted by edges: edges that bend by more than the feature angle, and those of other than two
+   facets, fix their ends.  Takes each facet three times. */
+static void pbwim__fix_features(pbwim__mesh *m, const pbwim__facet *edge, size_t count, double cosine)
+{
+    size_t i, k;
+    for (i = 0; i < count; i = k) {
+        double n[2][3];
+        int fixed;
+        for (k = i + 1; k < count && memcmp(edge[i].v, edge[k].v, 2 * sizeof(pbw_index)) == 0; k++) {
+        }
+        fixed = k - i != 2;
+        if (!fixed) {
+            pbwim__outward(m, edge[i].t, edge[i].i, n[0]);
+            pbwim__outward(m, edge[i + 1].t, edge[i + 1].i, n[1]);
+            fixed = !pbwim__turned_less(n[0], n[1], cosine);
+        }
+        if (fixed) {
+            PBWIM__MARK(m)[edge[i].v[0]] = PBW_TETS_FIXED;
+            PBWIM__MARK(m)[edge[i].v[1]] = PBW_TETS_FIXED;
+        }
+    }
+}
+
+/* Points at several regions, and those at which tetrahedra meet without a facet between, are fixed. */
+static void pbwim__fix_joints(pbwim__mesh *m, size_t *valence)
+{
+    pbw_index star[PBWIM__MOST];
+    size_t t, p;
+    int k, i, count;
+    memset(valence, 0, m->points * sizeof *valence);
+    for (t = 0; t < m->tets; t++) {
+        for (k = 0; k < 4; k++) {
+            valence[PBWIM__CORNER(m, t)[k]]++;
+        }
+    }
+    for (p = 0; p < m->points; p++) {
+        if (valence[p] > 0 && PBWIM__MARK(m)[p] != PBW_TETS_FIXED) {
+            count = pbwim__star_of(m, (pbw_index)p, star);
+            for (i = 1; i < count && PBWIM__REGION(m)[star[i]] == PBWIM__REGION(m)[star[0]]; i++) {
+            }
+            if ((size_t)count != valence[p] || i < count) {
+                PBWIM__MARK(m)[p] = PBW_TETS_FIXED;
+            }
+        }
+    }
+}
+
+/* The boundary's triangles, outward, and its edges, three for each. */
+static size_t pbwim__boundary(pbwim__mesh *m, pbw_index *triangles, pbwim__facet *edges)
+{
+    size_t t, count = 0;
+    int i, k;
+    for (t = 0; t < m->tets; t++) {
+        for (i = 0; i < 4; i++) {
+            if (PBWIM__NEXT(m, t)[i] != PBW_NONE) {
+                continue;
+            }
+            for (k = 0; k < 3; k++) {
+                const pbw_index *c = PBWIM__CORNER(m, t);
+                const pbw_index a = c[pbwim__opposite[i][k]], b = c[pbwim__opposite[i][(k + 1) % 3]];
+                triangles[3 * count + (size_t)(2 - k)] = a;
+                edges[3 * count + (size_t)k].v[0] = a < b ? a : b;
+                edges[3 * count + (size_t)k].v[1] = a < b ? b : a;
+                edges[3 * count + (size_t)k].t = (pbw_index)t;
+                edges[3 * count + (size_t)k].i = i;
+                if (PBWIM__MARK(m)[a] == PBW_TETS_FOUND) {
+                    PBWIM__MARK(m)[a] = PBW_TETS_SLIDES;
+                }
+            }
+            count++;
+        }
+    }
+    return count;
+}
+
+static void pbwim__to_surface(void *user, double point[3])
+{
+    double place[3];
+    if (pbw_surface_closest((const pbw_surface *)user, point, HUGE_VAL, place) != PBW_NONE) {
+        memcpy(point, place, sizeof place);
+    }
+}
+
+/* Marks the boundary's points and builds its surface; blocks: two of facets, as many as tetrahedra have. */
+static pbw_status pbwim__set_marks(pbwim__mesh *m, const pbw_tets *in, double cosine, pbwsf__array *blocks,
+                                   pbwsf__array *counts)
+{
+    pbwim__facet *edges = (pbwim__facet *)blocks[0].data;
+    size_t facets = 0, i;
+    for (i = 0; i < 4 * m->tets; i++) {
+        facets += ((pbw_index *)m->next.data)[i] == PBW_NONE;
+    }
+    if (!pbwsf__resize(&m->memory, &m->facets, (3 * facets + 1) * sizeof(pbw_index))
+        || (3 * facets > 4 * m->tets && (!pbwsf__resize(&m->memory, blocks, 3 * facets * sizeof *edges)
+                                         || !pbwsf__resize(&m->memory, blocks + 1, 3 * facets * sizeof *edges)))) {
+        return PBW_ERROR_MEMORY;
+    }
+    facets = pbwim__boundary(m, (pbw_index *)m->facets.data, (pbwim__facet *)blocks[0].data);
+    edges = pbwim__sort((pbwim__facet *)blocks[0].data, (pbwim__facet *)blocks[1].data, 3 * facets, counts, 2);
+    pbwim__fix_features(m, edges, 3 * facets, cosine);
+    pbwim__fix_joints(m, (size_t *)counts->data);
+    for (i = 0; in->marks != NULL && i < m->points; i++) {
+        const unsigned char mark = in->marks[i];
+        if (mark == PBW_TETS_FIXED || (mark == PBW_TETS_SLIDES && PBWIM__MARK(m)[i] != PBW_TETS_FOUND)) {
+            PBWIM__MARK(m)[i] = mark;
+        }
+    }
+    if (m->project != NULL) {
+        return PBW_OK;
+    }
+    m->project = pbwim__to_surface;
+    m->project_user = &m->surface;
+    return pbw_surface_create(in->points, in->point_count, (pbw_index *)m->facets.data, facets, m->options,
+                              &m->surface);
+}
+
+/* Neighbours, by sorting facets; then marks. */
+static pbw_status pbwim__connect(pbwim__mesh *m, const pbw_tets *in, double cosine)
+{
+    pbwsf__array blocks[2], counts;
+    pbw_status status = PBW_ERROR_MEMORY;
+    const size_t count = 4 * m->tets;
+    size_t i;
+    memset(blocks, 0, sizeof blocks);
+    memset(&counts, 0, sizeof counts);
+    counts.count = m->points;
+    if (pbwsf__resize(&m->memory, blocks, (count + 1) * sizeof(pbwim__facet))
+        && pbwsf__resize(&m->memory, blocks + 1, (count + 1) * sizeof(pbwim__facet))
+        && pbwsf__resize(&m->memory, &counts, (m->points + 2) * sizeof(size_t))) {
+        pbwim__facet *facet = (pbwim__facet *)blocks[0].data;
+        for (i = 0; i < count; i++) {
+            facet[i] = pbwim__facet_of(m, (pbw_index)(i / 4), (int)(i % 4));
+        }
+        facet = pbwim__sort(facet, (pbwim__facet *)blocks[1].data, count, &counts, 3);
+        status = pbwim__link(m, facet, count);
+        status = status != PBW_OK ? status : pbwim__agree(m);
+        status = status != PBW_OK ? status : pbwim__set_marks(m, in, cosine, blocks, &counts);
+    }
+    pbwsf__release(&m->memory, blocks);
+    pbwsf__release(&m->memory, blocks + 1);
+    pbwsf__release(&m->memory, &counts);
+    return status;
+}
+
+/* One tetrahedron of the input, made positive. */
+static int pbwim__load_one(pbwim__mesh *m, const pbw_tets *in, size_t t)
+{
+    pbw_index *c = PBWIM__CORNER(m, t);
+    int sign, i;
+    memcpy(c, in->corners + 4 * t, 4 * sizeof *c);
+    for (i = 0; i < 4; i++) {
+        if (c[i] >= in->point_count || c[i] == c[(i + 1) % 4] || c[i] == c[(i + 2) % 4]) {
+            pbwim__complain(m, "tetrahedron %zu has a corner %zu that is out of range or twice there", t, c[i]);
+            return 0;
+        }
+        PBWIM__STAR(m)[c[i]] = (pbw_index)t;
+        PBWIM__NEXT(m, t)[i] = PBW_NONE;
+    }
+    sign = pbwim__sign_of(m, c);
+    if (sign < 0) {
+        pbwim__turn(m, (pbw_index)t);
+        m->report->turned++;
+    }
+    PBWIM__QUALITY(m)[t] = sign == 0 ? 0 : fmax(pbwim__sine_of(m, c), 1e-300);
+    PBWIM__REGION(m)[t] = in->regions != NULL ? in->regions[t] : 0;
+    PBWIM__TRIED(m)[2 * t] = PBWIM__TRIED(m)[2 * t + 1] = PBWIM__SEEN(m)[t] = 0;
+    return 1;
+}
+
+static pbw_status pbwim__load(pbwim__mesh *m, const pbw_tets *in)
+{
+    size_t i;
+    if (in->tet_count >= PBW_NONE / 4 || in->point_count >= PBW_NONE) {
+        return PBW_ERROR_TOO_LARGE;
+    }
+    if (!pbwim__resize_points(m, in->point_count + in->point_count / 16 + 256)
+        || !pbwim__resize_tets(m, in->tet_count + in->tet_count / 16 + 4 * PBWIM__MOST)) {
+        return PBW_ERROR_MEMORY;
+    }
+    m->points = in->point_count;
+    m->tets = in->tet_count;
+    m->free = PBW_NONE;
+    m->clock = 1;
+    for (i = 0; i < 3 * m->points; i++) {
+        if (!(fabs(in->points[i]) <= 1e300)) {
+            return PBW_ERROR_NOT_FINITE;
+        }
+        ((double *)m->x.data)[i] = in->points[i];
+    }
+    for (i = 0; i < m->points; i++) {
+        PBWIM__STAR(m)[i] = PBW_NONE;
+        PBWIM__TOUCHED(m)[i] = 1;
+        PBWIM__MARK(m)[i] = PBW_TETS_FOUND;
+        ((pbw_index *)m->original.data)[i] = (pbw_index)i;
+    }
+    for (i = 0; i < m->tets; i++) {
+        if (!pbwim__load_one(m, in, i)) {
+            return PBW_ERROR_ARGUMENT;
+        }
+    }
+    return PBW_OK;
+}
+
+/* ------------------------------------------------------------------------------------------------------
+   Passes: the tetrahedra below the target, worst first.  One whose operations all failed is tried again only when a
+   corner of it has changed.  Contraction and insertion have a part in each fourth pass, and after one that changed
+   little.
+   ------------------------------------------------------------------------------------------------------ */
+typedef struct pbwim__item { double quality; pbw_index t; } pbwim__item;
+
+static int pbwim__compare_items(const void *a, const void *b)
+{
+    const pbwim__item *x = (const pbwim__item *)a, *y = (const pbwim__item *)b;
+    return x->quality > y->quality ? 1 : x->quality < y->quality ? -1 : (x->t > y->t) - (x->t < y->t);
+}
+
+static int pbwim__is_bad(const pbwim__mesh *m, pbw_index t)
+{
+    return *PBWIM__CORNER(m, t) != PBW_NONE && PBWIM__QUALITY(m)[t] < m->target;
+}
+
+static int pbwim__is_due(const pbwim__mesh *m, pbw_index t, int all)
+{
+    const pbw_index *c = PBWIM__CORNER(m, t), *touched = PBWIM__TOUCHED(m);
+    const pbw_index tried = PBWIM__TRIED(m)[2 * (size_t)t + (all != 0)];
+    return touched[c[0]] > tried || touched[c[1]] > tried || touched[c[2]] > tried || touched[c[3]] > tried;
+}
+
+/* Makes one tetrahedron better, or replaces it; returns whether it did. */
+static int pbwim__mend(pbwim__mesh *m, pbw_index t, int all)
+{
+    int k, moved = 0;
+    if (pbwim__remove_edge(m, t) || pbwim__peel(m, t)) {
+        return 1;
+    }
+    for (k = 0; k < 4 && PBWIM__QUALITY(m)[t] < m->target; k++) {
+        moved += pbwim__smooth(m, PBWIM__CORNER(m, t)[k]);
+    }
+    if (!moved && (pbwim__flip(m, t) || (all && (pbwim__contract(m, t) || pbwim__split(m, t))))) {
+        return 1;
+    }
+    if (!moved) {
+        PBWIM__TRIED(m)[2 * (size_t)t] = m->clock;
+        PBWIM__TRIED(m)[2 * (size_t)t + 1] = all ? m->clock : PBWIM__TRIED(m)[2 * (size_t)t + 1];
+    }
+    return moved > 0;
+}
+
+/* Fills the queue; returns 0 if there is no memory. */
+static int pbwim__fill_queue(pbwim__mesh *m, int all)
+{
+    pbwim__item *item;
+    size_t t, count = 0;
+    for (t = 0; t < m->tets; t++) {
+        count += pbwim__is_bad(m, (pbw_index)t) && pbwim__is_due(m, (pbw_index)t, all);
+    }
+    m->queue.count = 0;
+    item = (pbwim__item *)pbwsf__room(&m->memory, &m->queue, count + 1, sizeof *item);
+    if (item == NULL) {
+        return 0;
+    }
+    for (t = 0; t < m->tets; t++) {
+        if (pbwim__is_bad(m, (pbw_index)t) && pbwim__is_due(m, (pbw_index)t, all)) {
+            item[m->queue.count].quality = PBWIM__QUALITY(m)[t];
+            item[m->queue.count++].t = (pbw_index)t;
+        }
+    }
+    qsort(item, m->queue.count, sizeof *item, pbwim__compare_items);
+    return 1;
+}
+
+/* One pass; *changes: how many operations succeeded.  *stop: the budget is spent. */
+static pbw_status pbwim__pass(pbwim__mesh *m, int all, double done[2], double end, size_t *changes)
+{
+    const pbwim__item *item;
+    size_t i;
+    *changes = 0;
+    if (!pbwim__fill_queue(m, all)) {
+        return PBW_ERROR_MEMORY;
+    }
+    item = (const pbwim__item *)m->queue.data;
+    for (i = 0; i < m->queue.count; i++) {
+        if (i % 64 == 0) {
+            const double at = done[0] + (done[1] - done[0]) * (double)i / (double)m->queue.count;
+            if (m->options != NULL && m->options->progress != NULL
+                && m->options->progress(m->options->progress_user, PBW_STAGE_WORK, at) != 0) {
+                return PBW_CANCELLED;
+            }
+            if (end > 0 && (double)clock() / CLOCKS_PER_SEC > end) {
+                return PBW_OK;
+            }
+        }
+        if (pbwim__is_bad(m, item[i].t) && pbwim__is_due(m, item[i].t, all)) {
+            if (!pbwim__reserve(m)) {
+                return PBW_ERROR_MEMORY;
+            }
+            *changes += (size_t)pbwim__mend(m, item[i].t, all);
+        }
+    }
+    return PBW_OK;
+}
+
+/* How many tetrahedra are below the target, and how far the worst is from the best. */
+static double pbwim__badness(const pbwim__mesh *m)
+{
+    double bad = 0, least = 1;
+    size_t t;
+    for (t = 0; t < m->tets; t++) {
+        if (pbwim__is_bad(m, (pbw_index)t)) {
+            bad++;
+            least = fmin(least, PBWIM__QUALITY(m)[t]);
+        }
+    }
+    return bad * (1 - least);
+}
+
+/* Passes end, too, when eight of them changed the badness by less than 3 %. */
+static pbw_status pbwim__passes(pbwim__mesh *m, const pbw_improve_options *how)
+{
+    const int most = how == NULL || how->passes == 0 ? 60 : how->passes;
+    const double limit = how != NULL ? how->seconds : 0;
+    const double end = limit > 0 ? (double)clock() / CLOCKS_PER_SEC + limit : 0;
+    pbw_status status = PBW_OK;
+    double done[2] = { 0, 0 }, bad = HUGE_VAL;
+    size_t changes = 1;
+    int all = 0;
+    while (status == PBW_OK && m->report->passes < most && (changes > 0 || !all)) {
+        all = m->report->passes % 4 == 3 || changes * 5 < m->queue.count || changes == 0;
+        done[1] = done[0] + (1 - done[0]) / 8;
+        status = pbwim__pass(m, all, done, end, &changes);
+        done[0] = done[1];
+        m->report->passes++;
+        if (m->report->passes % 8 == 0) {
+            const double now = pbwim__badness(m);
+            if (now > 0.97 * bad) {
+                break;
+            }
+            bad = now;
+        }
+        if (end > 0 && (double)clock() / CLOCKS_PER_SEC > end) {
+            break;
+        }
+    }
+    return status;
+}
+
+/* ------------------------------------------------------------------------------------------------------
+   The result: slots in use, points of tetrahedra, numbered anew in their order.
+   ------------------------------------------------------------------------------------------------------ */
+typedef struct pbwim__result {
+    pbwsf__memory memory;
+    pbwsf__array self, points, corners, regions, marks, neighbors, original;
+} pbwim__result;
+
+static int pbwim__allocate(pbwim__result *r, size_t points, size_t tets)
+{
+    pbwsf__memory *y = &r->memory;
+    return pbwsf__resize(y, &r->points, (points + 1) * 3 * sizeof(double))
+        && pbwsf__resize(y, &r->corners, (tets + 1) * 4 * sizeof(pbw_index))
+        && pbwsf__resize(y, &r->neighbors, (tets + 1) * 4 * sizeof(pbw_index))
+        && pbwsf__resize(y, &r->regions, (tets + 1) * sizeof(pbw_index))
+        && pbwsf__resize(y, &r->original, (points + 1) * sizeof(pbw_index))
+        && pbwsf__resize(y, &r->marks, points + 1);
+}
+
+/* Numbers points in `star` and tetrahedra in `tried`, which are no longer needed. */
+static void pbwim__number(pbwim__mesh *m, pbw_tets *out)
+{
+    size_t t, p;
+    out->tet_count = out->point_count = 0;
+    for (t = 0; t < m->tets; t++) {
+        if (*PBWIM__CORNER(m, t) != PBW_NONE) {
+            PBWIM__TRIED(m)[t] = (pbw_index)out->tet_count++;
+        }
+    }
+    for (p = 0; p < m->points; p++) {
+        if (PBWIM__STAR(m)[p] != PBW_NONE) {
+            PBWIM__STAR(m)[p] = (pbw_index)out->point_count++;
+        }
+    }
+}
+
+static void pbwim__copy(const pbwim__mesh *m, const pbwim__result *r)
+{
+    size_t t, p, k;
+    for (p = 0; p < m->points; p++) {
+        const pbw_index n = PBWIM__STAR(m)[p];
+        if (n != PBW_NONE) {
+            memcpy((double *)r->points.data + 3 * (size_t)n, PBWIM__X(m, p), 3 * sizeof(double));
+            ((unsigned char *)r->marks.data)[n] = PBWIM__MARK(m)[p];
+            ((pbw_index *)r->original.data)[n] = ((const pbw_index *)m->original.data)[p];
+        }
+    }
+    for (t = 0; t < m->tets; t++) {
+        const size_t n = PBWIM__TRIED(m)[t];
+        for (k = 0; k < 4 && *PBWIM__CORNER(m, t) != PBW_NONE; k++) {
+            const pbw_index next = PBWIM__NEXT(m, t)[k];
+            ((pbw_index *)r->corners.data)[4 * n + k] = PBWIM__STAR(m)[PBWIM__CORNER(m, t)[k]];
+            ((pbw_index *)r->neighbors.data)[4 * n + k] = next != PBW_NONE ? PBWIM__TRIED(m)[next] : PBW_NONE;
+            ((pbw_index *)r->regions.data)[n] = PBWIM__REGION(m)[t];
+        }
+    }
+}
+
+PBWIMPROVEDEF void pbw_tets_free(pbw_tets *mesh)
+{
+    if (mesh != NULL && mesh->memory != NULL) {
+        pbwim__result *r = (pbwim__result *)mesh->memory;
+        pbwsf__memory memory = r->memory;
+        pbwsf__array self = r->self;
+        pbwsf__release(&memory, &r->points);
+        pbwsf__release(&memory, &r->corners);
+        pbwsf__release(&memory, &r->neighbors);
+        pbwsf__release(&memory, &r->regions);
+        pbwsf__release(&memory, &r->original);
+        pbwsf__release(&memory, &r->marks);
+        pbwsf__release(&memory, &self);
+    }
+    if (mesh != NULL) {
+        memset(mesh, 0, sizeof *mesh);
+    }
+}
+
+static pbw_status pbwim__output(pbwim__mesh *m, pbw_tets *out)
+{
+    pbwsf__array self;
+    pbwim__result *r;
+    memset(&self, 0, sizeof self);
+    if (!pbwsf__resize(&m->memory, &self, sizeof *r)) {
+        return PBW_ERROR_MEMORY;
+    }
+    r = (pbwim__result *)self.data;
+    memset(r, 0, sizeof *r);
+    r->memory = m->memory;
+    r->self = self;
+    out->memory = r;
+    pbwim__number(m, out);
+    if (!pbwim__allocate(r, out->point_count, out->tet_count)) {
+        m->memory.used = r->memory.used;
+        pbw_tets_free(out);
+        return PBW_ERROR_MEMORY;
+    }
+    pbwim__copy(m, r);
+    out->points = (const double *)r->points.data;
+    out->corners = (const pbw_index *)r->corners.data;
+    out->neighbors = (const pbw_index *)r->neighbors.data;
+    out->regions = (const pbw_index *)r->regions.data;
+    out->original = (const pbw_index *)r->original.data;
+    out->marks = (const unsigned char *)r->marks.data;
+    return PBW_OK;
+}
+
+static void pbwim__free(pbwim__mesh *m)
+{
+    pbwsf__array *const arrays[] = { &m->x, &m->star, &m->mark, &m->touched, &m->original, &m->corner, &m->next,
+                                     &m->quality, &m->region, &m->tried, &m->seen, &m->queue, &m->facets };
+    size_t i;
+    pbw_surface_free(&m->surface);
+    for (i = 0; i < sizeof arrays / sizeof *arrays; i++) {
+        pbwsf__release(&m->memory, arrays[i]);
+    }
+}
+
+/* Loads, works, and writes the result. */
+static pbw_status pbwim__run(pbwim__mesh *m, const pbw_tets *in, const pbw_improve_options *how, pbw_tets *better)
+{
+    const double bend = how != NULL && how->feature_angle > 0 ? how->feature_angle : 40;
+    pbw_status status = pbwim__load(m, in);
+    pbw_tets view;
+    size_t t;
+    if (status != PBW_OK) {
+        return status;
+    }
+    status = pbwim__connect(m, in, cos(bend / 57.295779513082321));
+    memset(&view, 0, sizeof view);
+    view.points = in->points;
+    view.corners = (const pbw_index *)m->corner.data;
+    view.tet_count = m->tets;
+    (void)pbw_tets_quality(&view, m->options, &m->report->before);
+    status = status != PBW_OK ? status : pbwim__passes(m, how);
+    for (t = 0; t < m->tets; t++) {
+        m->report->left += (size_t)pbwim__is_bad(m, (pbw_index)t);
+    }
+    if (status == PBW_OK && m->options != NULL && m->options->progress != NULL
+        && m->options->progress(m->options->progress_user, PBW_STAGE_WORK, 1) != 0) {
+        status = PBW_CANCELLED;
+    }
+    return status != PBW_OK ? status : pbwim__output(m, better);
+}
+
+PBWIMPROVEDEF pbw_status pbw_improve(const pbw_tets *mesh, const pbw_improve_options *how,
+                                     const pbw_options *options, pbw_tets *better, pbw_improve_report *report)
+{
+    pbwim__mesh m;
+    pbw_improve_report own;
+    pbw_status status;
+    const double target = how != NULL && how->target > 0 ? how->target : 30;
+    memset(&m, 0, sizeof m);
+    report = report != NULL ? report : &own;
+    memset(report, 0, sizeof *report);
+    if (better != NULL) {
+        memset(better, 0, sizeof *better);
+    }
+    if (better == NULL || mesh == NULL || !(target >= 1 && target <= 60)
+        || (mesh->tet_count > 0 && (mesh->points == NULL || mesh->corners == NULL))) {
+        return PBW_ERROR_ARGUMENT;
+    }
+    m.memory = pbwsf__memory_of(options);
+    m.options = options;
+    m.project = how != NULL ? how->project : NULL;
+    m.project_user = how != NULL ? how->project_user : NULL;
+    m.target = sin(target / 57.295779513082321);
+    m.report = report;
+    status = pbwim__run(&m, mesh, how, better);
+    if (status == PBW_OK) {
+        (void)pbw_tets_quality(better, options, &report->after);
+    }
+    pbwim__free(&m);
+    return status;
+}
+
+#endif /* PBW_IMPROVE_IMPLEMENTATION */

@@ -1,0 +1,1746 @@
+/* pbw_mesh3.h - v0.1.0 - tetrahedra for the inside of a surface or of an implicit function - MIT-0
+
+   QUICK START
+   In one source file, define PBW_MESH3_IMPLEMENTATION before the include; in all others, only include.
+   Needs pbw.h, with its implementation in some source file, and the implementations of pbw_surface.h and
+   pbw_improve.h in the same source file, before it.
+
+       pbw_solid_input input = {0};
+       pbw_tets mesh = {0};
+       pbw_solid_report report;
+       input.points = points;        input.point_count = n;          // a closed surface, of one or several shells
+       input.triangles = triangles;  input.triangle_count = m;
+       pbw_solid(&input, NULL, NULL, &mesh, &report);
+       if (report.bad_edges + report.bad_points > 0) { ... }         // the boundary is no manifold there
+       pbw_tets_free(&mesh);
+
+   HOW
+   Points are laid on sharp edges, on the surface and on a lattice inside.  Each round triangulates all of them anew,
+   takes the tetrahedra whose circumcentre is inside (restricted Delaunay triangulation: Boissonnat and Oudot 2005,
+   "Provably good sampling and meshing of surfaces"), and adds points: where a facet's dual segment meets the surface
+   farther than the size from the facet's corners, where a facet is far from the surface, on pieces of sharp edges
+   that are no edges, and where the boundary is no manifold.  When nothing is to be added, or after options.rounds,
+   pbw_improve raises the least dihedral angle.
+   An implicit function is first turned into triangles, over the tetrahedra of a cubic grid (Kuhn 1960); samples are
+   then moved to where it is zero.
+
+   PROMISES  (tests/test_mesh3.c guards them)
+     positive    tetrahedra are positively oriented, by exact signs; no point is corner of nothing
+     told        edges of the boundary with other than two facets and points with several fans of facets are counted,
+                 with places; so are pieces of sharp edges that are missing, and open edges of the input
+     ends        after options.rounds rounds, whatever the input
+     same        the same bytes for any number of threads
+
+   Sizes are those of the options, less where two sheets of the surface are near each other: three quarters of their
+   distance, but at least 1/6 of the size.  Of an open surface, inside is where its winding number is above 1/2, so
+   that a smooth membrane closes its holes; its triangles must be turned alike.
+
+   DOES NOT  yet settle at edges sharper than some 45 degrees (beneath them circumcentres are on the wrong side), nor
+             at walls and gaps below 1/10 of the size: they come out with warnings.  It takes no regions.
+
+   CONFIGURATION MACROS
+     PBW_MESH3_IMPLEMENTATION    in one source file: compile the implementation there
+     PBWMESH3DEF                 everywhere: your own linkage for the functions, for example static
+*/
+#ifndef PBW_MESH3_H
+#define PBW_MESH3_H
+#ifndef PBW_IMPROVE_H
+#include "pbw_improve.h"
+#endif
+
+#ifndef PBWMESH3DEF
+#define PBWMESH3DEF extern
+#endif
+
+#ifdef __cplusplus
+extern "C" {
+#endif
+
+typedef struct pbw_solid_input {           /* a surface, or a function */
+    const double *points;                  /* 3 coordinates each; points at one place count as one */
+    size_t point_count;
+    const pbw_index *triangles;            /* 3 ids each, turned any way */
+    size_t triangle_count;
+    /* Or: below zero inside, continuous, and above zero on the box's sides. */
+    double (*value)(void *user, const double point[3]);
+    void *value_user;
+    double box[6];                         /* low corner, high corner */
+} pbw_solid_input;
+
+typedef struct pbw_solid_options {         /* NULL or all zero = best defaults */
+    double size;                           /* length of edges, at most; 0 = 1/40 of the box's diagonal */
+    double feature_angle;                  /* degrees: edges whose normals differ by more are sharp; 0 = 40; functions
+                                              have none */
+    double distance;                       /* facets farther from the surface, in sizes, get points; 0 = 0.1 */
+    int rounds;                            /* at most; 0 = 16 */
+    pbw_improve_options improve;           /* target < 0: no improvement */
+} pbw_solid_options;
+
+enum { PBW_SOLID_PLACES = 8 };
+
+typedef struct pbw_solid_report {
+    size_t open_edges, crowded_edges;      /* of the input: of one triangle, of more than two */
+    size_t corners, sharp_edges;           /* of the input */
+    size_t missing_edges;                  /* pieces of sharp edges that are no edges of the mesh */
+    size_t bad_edges, bad_points;          /* where the boundary is no manifold */
+    double places[PBW_SOLID_PLACES][3];    /* the first of those */
+    size_t facets;                         /* of the boundary */
+    long euler, input_euler;               /* Euler numbers: of the boundary, of the input */
+    double distance;                       /* Hausdorff distance of boundary and surface, sampled, in sizes */
+    double size, input_volume;
+    int rounds, settled;                   /* settled: 1, nothing was left to add */
+    double seconds[4];                     /* of processor time: sampling, rounds, improvement, this report */
+    pbw_improve_report improve;
+} pbw_solid_report;
+
+/* Meshes a solid; how, options and report may be NULL.  mesh: overwritten, left empty on failure.  Returns
+   PBW_DEGENERATE if nothing is inside, PBW_ERROR_ARGUMENT for ids out of range or sizes below zero,
+   PBW_ERROR_TOO_LARGE for a size that needs more points than an index can number, or what pbw_triangulate and
+   pbw_improve fail with. */
+PBWMESH3DEF pbw_status pbw_solid(const pbw_solid_input *input, const pbw_solid_options *how,
+                                 const pbw_options *options, pbw_tets *mesh, pbw_solid_report *report);
+
+#ifdef __cplusplus
+}
+#endif
+#endif /* PBW_MESH3_H */
+
+#if defined(PBW_MESH3_IMPLEMENTATION) && !defined(PBWMESH3__IMPLEMENTED)
+#define PBWMESH3__IMPLEMENTED
+
+#include <math.h>
+#include <stdlib.h>
+#include <string.h>
+#include <time.h>
+
+/* ------------------------------------------------------------------------------------------------------
+   The work in progress.
+   Holds: kind[p] says what point p is on; pieces are the parts of sharp chains between neighbouring samples; label[t]
+   is 1 for tetrahedra inside.
+   ------------------------------------------------------------------------------------------------------ */
+enum { PBWM3__SHARP, PBWM3__SMOOTH, PBWM3__INSIDE };
+
+typedef struct pbwm3__piece { pbw_index a, b; size_t chain; double from, to; } pbwm3__piece;  /* lengths along it */
+typedef struct pbwm3__chain { size_t first, count; int closed, loose; } pbwm3__chain;    /* range of `path`; loose:
+                                              an end of it is no other chain's */
+typedef struct pbwm3__knot { pbw_index vertex; double along; } pbwm3__knot;
+
+typedef struct pbwm3__work {
+    pbwsf__memory memory;
+    const pbw_solid_input *input;
+    int open;                              /* 1: the surface has open edges: inside by winding number */
+    const pbw_options *caller;
+    pbw_options options;                   /* the caller's, less what does not concern parts */
+    double from, to;                       /* progress: the present stage's part of 0 to 1 */
+    double size, distance, cosine, low[3], high[3];
+    double least, step;                    /* size: the least of the field; width of the spacing grid's cells */
+    pbwsf__array field;                    /* local sizes, in cells as wide as the size, n along each axis */
+    size_t n[3];
+    pbw_surface surface;                   /* of points at different places */
+    pbwsf__array vertices, triangles;      /* its own arrays */
+    pbwsf__array x, kind;                  /* points of the mesh */
+    pbwsf__array heads, links;             /* spacing grid: the first point of each cell, the next in its cell */
+    size_t cells;
+    pbwsf__array pieces, chains, path;
+    pbw_mesh mesh;
+    pbwsf__array centre, label, extra;     /* extra: points to add, kind by kind */
+    pbwsf__array corners, marks;           /* the solid before improvement */
+    pbw_solid_report *report;
+} pbwm3__work;
+
+#define PBWM3__X(w, p) ((double *)(w)->x.data + 3 * (size_t)(p))
+#define PBWM3__KIND(w) ((unsigned char *)(w)->kind.data)
+#define PBWM3__LABEL(w) ((unsigned char *)(w)->label.data)
+#define PBWM3__CENTRE(w, t) ((double *)(w)->centre.data + 3 * (size_t)(t))
+
+static int pbwm3__append(pbwm3__work *w, pbwsf__array *array, const void *item, size_t size)
+{
+    void *place = pbwsf__room(&w->memory, array, 1, size);
+    if (place == NULL) {
+        return 0;
+    }
+    memcpy(place, item, size);
+    array->count++;
+    return 1;
+}
+
+/* Tells progress: a share of the present stage, which is a part of the whole.  Returns whether to stop. */
+static int pbwm3__stops(const pbwm3__work *w, double share)
+{
+    return w->caller != NULL && w->caller->progress != NULL
+        && w->caller->progress(w->caller->progress_user, PBW_STAGE_WORK, w->from + (w->to - w->from) * share) != 0;
+}
+
+/* The field's cell that p is in, or nearest to. */
+static size_t pbwm3__field_cell(const pbwm3__work *w, const double p[3])
+{
+    size_t at[3];
+    int k;
+    for (k = 0; k < 3; k++) {
+        const double x = (p[k] - w->low[k]) / w->size;
+        at[k] = !(x > 0) ? 0 : x < (double)w->n[k] ? (size_t)x : w->n[k] - 1;
+    }
+    return at[0] + w->n[0] * (at[1] + w->n[1] * at[2]);
+}
+
+static double pbwm3__size(const pbwm3__work *w, const double p[3])
+{
+    return w->least < w->size ? ((const double *)w->field.data)[pbwm3__field_cell(w, p)] : w->size;
+}
+
+/* ---- the spacing grid: a hash table of cells ---- */
+
+static size_t pbwm3__cell(const pbwm3__work *w, const double p[3], int dx, int dy, int dz)
+{
+    const uint64_t x = (uint64_t)(int64_t)(floor((p[0] - w->low[0]) / w->step) + dx);
+    const uint64_t y = (uint64_t)(int64_t)(floor((p[1] - w->low[1]) / w->step) + dy);
+    const uint64_t z = (uint64_t)(int64_t)(floor((p[2] - w->low[2]) / w->step) + dz);
+    uint64_t key = x * 0x9e3779b97f4a7c15u ^ y * 0xbf58476d1ce4e5b9u ^ z * 0x94d049bb133111ebu;
+    key ^= key >> 29;
+    return (size_t)(key * 0x9e3779b97f4a7c15u >> 20) & (w->cells - 1);
+}
+
+/* The nearest point to p of kinds `least` to `most` within a distance; PBW_NONE if there is none. */
+static pbw_index pbwm3__near(const pbwm3__work *w, const double p[3], double within, int least, int most)
+{
+    const pbw_index *heads = (const pbw_index *)w->heads.data, *links = (const pbw_index *)w->links.data;
+    double best = within;
+    pbw_index found = PBW_NONE, q;
+    const int reach = (int)ceil(within / w->step), side = 2 * reach + 1;
+    int i;
+    for (i = 0; i < side * side * side; i++) {
+        const int x = i % side - reach, y = i / side % side - reach, z = i / side / side - reach;
+        for (q = heads[pbwm3__cell(w, p, x, y, z)]; q != PBW_NONE; q = links[q]) {
+            const int kind = PBWM3__KIND(w)[q];
+            const double d = kind < least || kind > most ? HUGE_VAL : pbwsf__distance(p, PBWM3__X(w, q));
+            if (d < best || (d <= best && q < found && found != PBW_NONE)) {
+                best = d;
+                found = q;
+            }
+        }
+    }
+    return found;
+}
+
+static void pbwm3__put_in_cell(pbwm3__work *w, pbw_index p)
+{
+    pbw_index *head = (pbw_index *)w->heads.data + pbwm3__cell(w, PBWM3__X(w, p), 0, 0, 0);
+    ((pbw_index *)w->links.data)[p] = *head;
+    *head = p;
+}
+
+static void pbwm3__take_from_cell(pbwm3__work *w, pbw_index p)
+{
+    pbw_index *link = (pbw_index *)w->heads.data + pbwm3__cell(w, PBWM3__X(w, p), 0, 0, 0);
+    while (*link != p) {
+        link = (pbw_index *)w->links.data + *link;
+    }
+    *link = ((pbw_index *)w->links.data)[p];
+}
+
+/* A new point; returns its number, or PBW_NONE if there is no memory. */
+static pbw_index pbwm3__add(pbwm3__work *w, const double p[3], int kind)
+{
+    const pbw_index number = (pbw_index)w->x.count;
+    const unsigned char byte = (unsigned char)kind;
+    if (w->x.count >= PBW_NONE / 8 || pbwsf__room(&w->memory, &w->links, 1, sizeof number) == NULL
+        || pbwsf__room(&w->memory, &w->kind, 1, 1) == NULL || !pbwm3__append(w, &w->x, p, 3 * sizeof *p)) {
+        return PBW_NONE;
+    }
+    w->links.count++;
+    PBWM3__KIND(w)[w->kind.count++] = byte;
+    pbwm3__put_in_cell(w, number);
+    return number;
+}
+
+/* ------------------------------------------------------------------------------------------------------
+   The input's surface: points at one place become one, triangles with a corner twice go.
+   ------------------------------------------------------------------------------------------------------ */
+static int pbwm3__weld(pbwm3__work *w, const pbw_solid_input *in, const pbw_index *order, pbw_index *number)
+{
+    size_t i;
+    for (i = 0; i < in->point_count; i++) {
+        number[i] = PBW_NONE;
+    }
+    for (i = 0; i < 3 * in->triangle_count; i++) {
+        number[in->triangles[i]] = 0;                /* it is used */
+    }
+    for (i = 0; i < in->point_count; i++) {
+        const double *p = in->points + 3 * (size_t)order[i];
+        const double *last = w->vertices.count == 0 ? p
+                           : (const double *)w->vertices.data + 3 * (w->vertices.count - 1);
+        if (number[order[i]] == PBW_NONE) {
+            continue;
+        }
+        if (w->vertices.count == 0 || p[0] < last[0] || p[0] > last[0] || p[1] < last[1] || p[1] > last[1]
+            || p[2] < last[2] || p[2] > last[2]) {
+            if (!pbwm3__append(w, &w->vertices, p, 3 * sizeof *p)) {
+                return 0;
+            }
+        }
+        number[order[i]] = (pbw_index)(w->vertices.count - 1);
+    }
+    for (i = 0; i < in->triangle_count; i++) {
+        pbw_index t[3];
+        int k;
+        for (k = 0; k < 3; k++) {
+            t[k] = number[in->triangles[3 * i + (size_t)k]];
+        }
+        if (t[0] != t[1] && t[1] != t[2] && t[2] != t[0] && !pbwm3__append(w, &w->triangles, t, sizeof t)) {
+            return 0;
+        }
+    }
+    return 1;
+}
+
+static pbw_status pbwm3__take_triangles(pbwm3__work *w, const pbw_solid_input *in)
+{
+    pbwsf__array order, number;
+    pbw_status status = PBW_ERROR_MEMORY;
+    size_t i;
+    for (i = 0; i < 3 * in->triangle_count; i++) {
+        if (in->triangles[i] >= in->point_count) {
+            return PBW_ERROR_ARGUMENT;
+        }
+    }
+    memset(&order, 0, sizeof order);
+    memset(&number, 0, sizeof number);
+    if (pbwsf__resize(&w->memory, &order, (in->point_count + 1) * sizeof(pbw_index))
+        && pbwsf__resize(&w->memory, &number, (in->point_count + 1) * sizeof(pbw_index))) {
+        status = pbw_order(3, in->points, in->point_count, &w->options, (pbw_index *)order.data);
+        if ((status == PBW_OK || status == PBW_DEGENERATE)
+            && !pbwm3__weld(w, in, (const pbw_index *)order.data, (pbw_index *)number.data)) {
+            status = PBW_ERROR_MEMORY;
+        }
+    }
+    pbwsf__release(&w->memory, &order);
+    pbwsf__release(&w->memory, &number);
+    return status;
+}
+
+/* ---- an implicit function, over the six tetrahedra of each cube of a grid ---- */
+
+typedef struct pbwm3__grid {
+    size_t n[3];                           /* nodes along the axes */
+    double step;
+    pbwsf__array value, crossing;          /* per node; per node and direction 1..7, the vertex on that edge */
+} pbwm3__grid;
+
+static void pbwm3__node(const pbwm3__work *w, const pbwm3__grid *g, size_t node, double p[3])
+{
+    p[0] = w->low[0] + g->step * (double)(node % g->n[0]);
+    p[1] = w->low[1] + g->step * (double)(node / g->n[0] % g->n[1]);
+    p[2] = w->low[2] + g->step * (double)(node / g->n[0] / g->n[1]);
+}
+
+/* Where the function is zero between a, where it is below zero, and b: by halving, up to rounding of the step. */
+static void pbwm3__root(const pbw_solid_input *in, const double a[3], const double b[3], double out[3])
+{
+    double from = 0, to = 1;
+    int i;
+    for (i = 0; i < 40; i++) {
+        pbwsf__between(a, b, (from + to) / 2, out);
+        *(in->value(in->value_user, out) < 0 ? &from : &to) = (from + to) / 2;
+    }
+}
+
+/* The vertex on the edge between nodes a and b = a + direction; PBW_NONE if there is no memory. */
+static pbw_index pbwm3__cross_edge(pbwm3__work *w, pbwm3__grid *g, size_t a, size_t b, int direction)
+{
+    pbw_index *vertex = (pbw_index *)g->crossing.data + 7 * a + (size_t)(direction - 1);
+    const double *value = (const double *)g->value.data;
+    double p[3], q[3], x[3];
+    if (*vertex == PBW_NONE) {
+        pbwm3__node(w, g, value[a] < 0 ? a : b, p);
+        pbwm3__node(w, g, value[a] < 0 ? b : a, q);
+        pbwm3__root(w->input, p, q, x);
+        *vertex = pbwm3__append(w, &w->vertices, x, sizeof x) ? (pbw_index)(w->vertices.count - 1) : PBW_NONE;
+    }
+    return *vertex;
+}
+
+/* The triangles of one tetrahedron, whose corners are nodes in ascending order, each a step of the cube from those
+   before; bits: their directions from the first. */
+static int pbwm3__cross_tet(pbwm3__work *w, pbwm3__grid *g, const size_t node[4], const int bits[4])
+{
+    const double *value = (const double *)g->value.data;
+    pbw_index v[4], t[3];
+    int in[4], out[4], ins = 0, outs = 0, count = 0, i, k;
+    for (i = 0; i < 4; i++) {
+        if (value[node[i]] < 0) {
+            in[ins++] = i;
+        } else {
+            out[outs++] = i;
+        }
+    }
+    for (i = 0; i < ins; i++) {                      /* in turn around the quadrilateral of two and two */
+        for (k = 0; k < outs; k++) {
+            const int o = out[ins == 2 && i == 1 ? 1 - k : k];
+            const int a = in[i] < o ? in[i] : o, b = in[i] < o ? o : in[i];
+            v[count] = pbwm3__cross_edge(w, g, node[a], node[b], bits[b] - bits[a]);
+            if (v[count++] == PBW_NONE) {
+                return 0;
+            }
+        }
+    }
+    for (i = 2; i < count; i++) {
+        t[0] = v[0], t[1] = v[i - 1], t[2] = v[i];
+        if (!pbwm3__append(w, &w->triangles, t, sizeof t)) {
+            return 0;
+        }
+    }
+    return 1;
+}
+
+static int pbwm3__cross_cube(pbwm3__work *w, pbwm3__grid *g, size_t node)
+{
+    static const int path[6][4] = { { 0, 1, 3, 7 }, { 0, 1, 5, 7 }, { 0, 2, 3, 7 }, { 0, 2, 6, 7 }, { 0, 4, 5, 7 },
+                                    { 0, 4, 6, 7 } };
+    const double *value = (const double *)g->value.data;
+    size_t corner[8], tet[4];
+    int i, k, below = 0;
+    for (i = 0; i < 8; i++) {
+        corner[i] = node + (size_t)(i & 1) + (size_t)(i >> 1 & 1) * g->n[0] + (size_t)(i >> 2) * g->n[0] * g->n[1];
+        below += value[corner[i]] < 0;
+    }
+    for (i = 0; i < 6 && below > 0 && below < 8; i++) {
+        for (k = 0; k < 4; k++) {
+            tet[k] = corner[path[i][k]];
+        }
+        if (!pbwm3__cross_tet(w, g, tet, path[i])) {
+            return 0;
+        }
+    }
+    return 1;
+}
+
+static pbw_status pbwm3__take_function(pbwm3__work *w, const pbw_solid_input *in)
+{
+    pbwm3__grid g;
+    pbw_status status = PBW_ERROR_MEMORY;
+    size_t nodes = 1, i;
+    double p[3];
+    int k;
+    memset(&g, 0, sizeof g);
+    g.step = fmax(w->size / 2, pbwsf__distance(w->low, w->high) / 400);
+    for (k = 0; k < 3; k++) {
+        g.n[k] = (size_t)ceil((w->high[k] - w->low[k]) / g.step) + 1;
+        nodes *= g.n[k];
+    }
+    if (pbwsf__resize(&w->memory, &g.value, nodes * sizeof(double))
+        && pbwsf__resize(&w->memory, &g.crossing, 7 * nodes * sizeof(pbw_index))) {
+        memset(g.crossing.data, 0xff, 7 * nodes * sizeof(pbw_index));
+        for (i = 0; i < nodes; i++) {
+            pbwm3__node(w, &g, i, p);
+            ((double *)g.value.data)[i] = in->value(in->value_user, p);
+        }
+        for (i = 0, status = PBW_OK; i < nodes && status == PBW_OK; i++) {
+            if (i % g.n[0] + 1 < g.n[0] && i / g.n[0] % g.n[1] + 1 < g.n[1] && i / g.n[0] / g.n[1] + 1 < g.n[2]) {
+                status = pbwm3__cross_cube(w, &g, i) ? PBW_OK : PBW_ERROR_MEMORY;
+            }
+        }
+    }
+    pbwsf__release(&w->memory, &g.value);
+    pbwsf__release(&w->memory, &g.crossing);
+    return status;
+}
+
+/* Of an open surface, what it winds around by more than half. */
+static int pbwm3__inside(const pbwm3__work *w, const double p[3])
+{
+    return w->open ? fabs(pbw_surface_winding(&w->surface, p)) > 0.5 : pbw_surface_inside(&w->surface, p);
+}
+
+/* Moves p to the surface; of a function, then along the triangles' direction there to its zero. */
+static void pbwm3__project(void *user, double p[3])
+{
+    const pbwm3__work *w = (const pbwm3__work *)user;
+    const pbw_solid_input *in = w->input;
+    double place[3], a[3], b[3], n[3], h = 1e-4 * w->size;
+    pbw_index t;
+    int k, i;
+    if (in->value == NULL) {
+        if (pbw_surface_closest(&w->surface, p, HUGE_VAL, place) != PBW_NONE) {
+            memcpy(p, place, sizeof place);
+        }
+        return;
+    }
+    for (i = 0; i < 8; i++) {                        /* Newton's method along the gradient, steps of half a size */
+        const double value = in->value(in->value_user, p);
+        double square, step;
+        for (k = 0; k < 3; k++) {
+            memcpy(a, p, sizeof a);
+            memcpy(b, p, sizeof b);
+            a[k] -= h;
+            b[k] += h;
+            n[k] = (in->value(in->value_user, b) - in->value(in->value_user, a)) / (2 * h);
+        }
+        square = pbwsf__dot(n, n);
+        if (!(square > 0) || !(fabs(value) > 1e-13 * sqrt(square) * w->size)) {
+            break;
+        }
+        step = fmax(-0.5 * w->size, fmin(0.5 * w->size, value / sqrt(square))) / sqrt(square);
+        for (k = 0; k < 3; k++) {
+            p[k] -= step * n[k];
+        }
+    }
+    t = pbw_surface_closest(&w->surface, p, HUGE_VAL, place);
+    if (t == PBW_NONE || !(pbwsf__distance(p, place) < w->size)) {       /* it has gone astray */
+        memcpy(p, place, sizeof place);
+    }
+}
+
+/* ------------------------------------------------------------------------------------------------------
+   Sharp edges: found, chained between corners, sampled.
+   ------------------------------------------------------------------------------------------------------ */
+
+/* Returns edges, sorted: v[0] < v[1], v[2] whether the triangle t has them upwards, i its corner that starts it.
+   NULL: no memory. */
+static pbwim__facet *pbwm3__edges(pbwsf__memory *memory, const pbw_index *triangles, size_t count, size_t points,
+                                  pbwsf__array blocks[3])
+{
+    pbwim__facet *edge;
+    size_t i;
+    memset(blocks, 0, 3 * sizeof *blocks);
+    blocks[2].count = points;
+    if (!pbwsf__resize(memory, blocks, (3 * count + 1) * sizeof *edge)
+        || !pbwsf__resize(memory, blocks + 1, (3 * count + 1) * sizeof *edge)
+        || !pbwsf__resize(memory, blocks + 2, (points + 2) * sizeof(size_t))) {
+        return NULL;
+    }
+    edge = (pbwim__facet *)blocks[0].data;
+    for (i = 0; i < 3 * count; i++) {
+        const pbw_index a = triangles[i], b = triangles[i / 3 * 3 + (i + 1) % 3];
+        edge[i].v[0] = a < b ? a : b;
+        edge[i].v[1] = a < b ? b : a;
+        edge[i].v[2] = a < b;
+        edge[i].t = (pbw_index)(i / 3);
+        edge[i].i = (int)(i % 3);
+    }
+    return pbwim__sort(edge, (pbwim__facet *)blocks[1].data, 3 * count, blocks + 2, 2);
+}
+
+static void pbwm3__free_blocks(pbwsf__memory *memory, pbwsf__array blocks[3])
+{
+    pbwsf__release(memory, blocks);
+    pbwsf__release(memory, blocks + 1);
+    pbwsf__release(memory, blocks + 2);
+}
+
+/* Whether an edge of two triangles bends by more than the feature angle.  Triangles without area bend nothing. */
+static int pbwm3__is_sharp(const pbwm3__work *w, const pbwim__facet *edge)
+{
+    double n[2][3];
+    int i, k;
+    for (i = 0; i < 2; i++) {
+        const pbw_index t = edge[i].t;
+        pbwsf__normal(pbwsf__corner(&w->surface, t, 0), pbwsf__corner(&w->surface, t, 1),
+                      pbwsf__corner(&w->surface, t, 2), n[i]);
+        for (k = 0; k < 3 && i == 1 && edge[0].v[2] == edge[1].v[2]; k++) {          /* turned the other way */
+            n[1][k] = -n[1][k];
+        }
+    }
+    return pbwsf__dot(n[0], n[0]) > 0 && pbwsf__dot(n[1], n[1]) > 0 && !pbwim__turned_less(n[0], n[1], w->cosine);
+}
+
+/* Lists the sharp edges, both ways, each as (from, to, used). */
+static int pbwm3__find_sharp(pbwm3__work *w, pbwsf__array *list)
+{
+    pbwsf__array blocks[3];
+    const pbwim__facet *edge = pbwm3__edges(&w->memory, w->surface.triangles, w->surface.triangle_count,
+                                            w->surface.point_count, blocks);
+    const size_t count = 3 * w->surface.triangle_count;
+    size_t i, k, edges = 0;
+    int good = edge != NULL;
+    for (i = 0; good && i < count; i = k) {
+        int sharp;
+        for (k = i + 1; k < count && memcmp(edge[i].v, edge[k].v, 2 * sizeof(pbw_index)) == 0; k++) {
+        }
+        w->report->open_edges += k - i == 1;
+        w->report->crowded_edges += k - i > 2;
+        sharp = w->input->value == NULL && k - i > 1 && (k - i != 2 || pbwm3__is_sharp(w, edge + i));
+        edges++;
+        if (sharp) {
+            pbw_index item[2];
+            item[0] = edge[i].v[0], item[1] = edge[i].v[1];
+            good = pbwm3__append(w, list, item, sizeof item);
+        }
+    }
+    w->report->sharp_edges = list->count;
+    w->open = w->report->open_edges > 0;
+    w->report->input_euler = (long)w->surface.point_count - (long)edges + (long)w->surface.triangle_count;
+    pbwm3__free_blocks(&w->memory, blocks);
+    return good;
+}
+
+typedef struct pbwm3__graph {              /* of sharp edges */
+    const pbw_index *ends;                 /* two for each */
+    size_t count;
+    pbwsf__array first, at, used;          /* edges at vertex v: at[first[v]] .. at[first[v + 1] - 1] */
+} pbwm3__graph;
+
+static int pbwm3__make_graph(pbwm3__work *w, pbwm3__graph *g)
+{
+    const size_t points = w->surface.point_count;
+    size_t *first, i;
+    if (!pbwsf__resize(&w->memory, &g->first, (points + 2) * sizeof *first)
+        || !pbwsf__resize(&w->memory, &g->at, (2 * g->count + 1) * sizeof(size_t))
+        || !pbwsf__resize(&w->memory, &g->used, g->count + 1)) {
+        return 0;
+    }
+    first = (size_t *)g->first.data;
+    memset(first, 0, (points + 2) * sizeof *first);
+    memset(g->used.data, 0, g->count + 1);
+    for (i = 0; i < 2 * g->count; i++) {
+        first[g->ends[i] + 2]++;
+    }
+    for (i = 0; i < points; i++) {
+        first[i + 2] += first[i + 1];
+    }
+    for (i = 0; i < 2 * g->count; i++) {
+        ((size_t *)g->at.data)[first[g->ends[i] + 1]++] = i / 2;
+    }
+    return 1;
+}
+
+static pbw_index pbwm3__other_end(const pbwm3__graph *g, size_t edge, pbw_index v)
+{
+    return g->ends[2 * edge] == v ? g->ends[2 * edge + 1] : g->ends[2 * edge];
+}
+
+/* Whether chains end at v: not two edges meet there, or two at an angle. */
+static int pbwm3__is_corner(const pbwm3__work *w, const pbwm3__graph *g, pbw_index v)
+{
+    const size_t *first = (const size_t *)g->first.data, *at = (const size_t *)g->at.data;
+    double a[3], b[3];
+    if (first[v + 1] - first[v] != 2) {
+        return first[v + 1] > first[v];
+    }
+    pbwsf__minus(w->surface.points + 3 * (size_t)v,
+                 w->surface.points + 3 * (size_t)pbwm3__other_end(g, at[first[v]], v), a);
+    pbwsf__minus(w->surface.points + 3 * (size_t)pbwm3__other_end(g, at[first[v] + 1], v),
+                 w->surface.points + 3 * (size_t)v, b);
+    return !pbwim__turned_less(a, b, w->cosine);
+}
+
+/* Walks from v along unused edges to a corner, or back to v. */
+static int pbwm3__walk_chain(pbwm3__work *w, pbwm3__graph *g, pbw_index v, size_t edge)
+{
+    const size_t *first = (const size_t *)g->first.data, *at = (const size_t *)g->at.data;
+    char *used = (char *)g->used.data;
+    const pbw_index start = v;
+    pbwm3__chain chain;
+    pbwm3__knot knot;
+    knot.vertex = v;
+    knot.along = 0;
+    chain.first = w->path.count;
+    chain.count = 1;
+    if (!pbwm3__append(w, &w->path, &knot, sizeof knot)) {
+        return 0;
+    }
+    for (;;) {
+        const pbw_index next = pbwm3__other_end(g, edge, v);
+        used[edge] = 1;
+        knot.along += pbwsf__distance(w->surface.points + 3 * (size_t)v, w->surface.points + 3 * (size_t)next);
+        knot.vertex = next;
+        chain.count++;
+        if (!pbwm3__append(w, &w->path, &knot, sizeof knot)) {
+            return 0;
+        }
+        v = next;
+        if (v == start || pbwm3__is_corner(w, g, v)) {
+            break;
+        }
+        edge = used[at[first[v]]] ? at[first[v] + 1] : at[first[v]];
+    }
+    chain.closed = v == start;
+    chain.loose = first[v + 1] - first[v] == 1 || first[start + 1] - first[start] == 1;
+    return pbwm3__append(w, &w->chains, &chain, sizeof chain);
+}
+
+/* The point of a chain that far along it. */
+static void pbwm3__along(const pbwm3__work *w, size_t number, double along, double out[3])
+{
+    const pbwm3__chain *chain = (const pbwm3__chain *)w->chains.data + number;
+    const pbwm3__knot *knot = (const pbwm3__knot *)w->path.data + chain->first;
+    size_t low = 0, high = chain->count - 1;
+    double length;
+    while (high - low > 1) {
+        const size_t middle = (low + high) / 2;
+        *(knot[middle].along <= along ? &low : &high) = middle;
+    }
+    length = knot[high].along - knot[low].along;
+    pbwsf__between(w->surface.points + 3 * (size_t)knot[low].vertex,
+                   w->surface.points + 3 * (size_t)knot[high].vertex,
+                   length > 0 ? (along - knot[low].along) / length : 0, out);
+}
+
+/* How many local sizes long the chain is; a step of the sum is a quarter of the size there. */
+static double pbwm3__sizes_along(const pbwm3__work *w, size_t number, double length)
+{
+    double sum = 0, at = 0, p[3];
+    if (!(w->least < w->size)) {
+        return length / w->size;
+    }
+    while (at < length) {
+        double step;
+        pbwm3__along(w, number, at, p);
+        step = fmin(0.25 * pbwm3__size(w, p), length - at);
+        sum += step / pbwm3__size(w, p);
+        at = at + step > at ? at + step : length;
+    }
+    return sum;
+}
+
+/* Returns where on the chain so many local sizes after `from` are. */
+static double pbwm3__step_along(const pbwm3__work *w, size_t number, double from, double sizes)
+{
+    double p[3];
+    if (!(w->least < w->size)) {
+        return from + sizes * w->size;
+    }
+    while (sizes > 0) {
+        const double part = fmin(0.25, sizes);
+        pbwm3__along(w, number, from, p);
+        from += part * pbwm3__size(w, p);
+        sizes -= part;
+    }
+    return from;
+}
+
+/* Samples a chain evenly; corner: the numbers of points at vertices, PBW_NONE where there is none yet. */
+static int pbwm3__sample_chain(pbwm3__work *w, size_t number, pbw_index *corner)
+{
+    const pbwm3__chain *chain = (const pbwm3__chain *)w->chains.data + number;
+    const pbwm3__knot *knot = (const pbwm3__knot *)w->path.data + chain->first;
+    const pbw_index ends[2] = { knot[0].vertex, knot[chain->count - 1].vertex };
+    const double length = knot[chain->count - 1].along, sum = pbwm3__sizes_along(w, number, length);
+    const double wish = ceil(sum / 0.6);
+    const int closed = chain->closed;
+    size_t count, i;
+    pbwm3__piece piece;
+    if (!(wish < 1e9)) {
+        return 0;
+    }
+    if (chain->loose && length < 2 * w->size) {      /* noise of a scan */
+        return 1;
+    }
+    count = wish < (closed ? 3 : 1) ? (closed ? 3 : 1) : (size_t)wish;
+    for (i = 0; i < 2; i++) {
+        if (corner[ends[i]] == PBW_NONE) {
+            corner[ends[i]] = pbwm3__add(w, w->surface.points + 3 * (size_t)ends[i], PBWM3__SHARP);
+            if (corner[ends[i]] == PBW_NONE) {
+                return 0;
+            }
+        }
+    }
+    piece.a = corner[ends[0]];
+    piece.from = 0;
+    piece.chain = number;
+    for (i = 1; i <= count; i++) {
+        double p[3];
+        piece.to = i < count ? pbwm3__step_along(w, number, piece.from, sum / (double)count) : length;
+        pbwm3__along(w, number, piece.to, p);
+        piece.b = i < count ? pbwm3__add(w, p, PBWM3__SHARP) : corner[ends[1]];
+        if (piece.b == PBW_NONE || !pbwm3__append(w, &w->pieces, &piece, sizeof piece)) {
+            return 0;
+        }
+        piece.a = piece.b;
+        piece.from = piece.to;
+    }
+    return 1;
+}
+
+/* All chains, those from corners first, then closed ones without a corner. */
+static int pbwm3__chain_all(pbwm3__work *w, pbwm3__graph *g)
+{
+    const size_t *first, *at;
+    size_t v, i;
+    int loops;
+    if (!pbwm3__make_graph(w, g)) {
+        return 0;
+    }
+    first = (const size_t *)g->first.data;
+    at = (const size_t *)g->at.data;
+    for (loops = 0; loops < 2; loops++) {
+        for (v = 0; v < w->surface.point_count; v++) {
+            const int corner = pbwm3__is_corner(w, g, (pbw_index)v);
+            w->report->corners += corner && !loops;
+            for (i = first[v]; (corner || loops) && i < first[v + 1]; i++) {
+                if (!((const char *)g->used.data)[at[i]] && !pbwm3__walk_chain(w, g, (pbw_index)v, at[i])) {
+                    return 0;
+                }
+            }
+        }
+    }
+    return 1;
+}
+
+static pbw_status pbwm3__sample_sharp(pbwm3__work *w)
+{
+    pbwsf__array list, corner;
+    pbwm3__graph graph;
+    size_t i;
+    int good;
+    memset(&list, 0, sizeof list);
+    memset(&corner, 0, sizeof corner);
+    memset(&graph, 0, sizeof graph);
+    good = pbwm3__find_sharp(w, &list)
+        && pbwsf__resize(&w->memory, &corner, (w->surface.point_count + 1) * sizeof(pbw_index));
+    graph.ends = (const pbw_index *)list.data;
+    graph.count = list.count;
+    good = good && pbwm3__chain_all(w, &graph);
+    if (good) {
+        memset(corner.data, 0xff, corner.bytes);
+    }
+    for (i = 0; good && i < w->chains.count; i++) {
+        good = pbwm3__sample_chain(w, i, (pbw_index *)corner.data);
+    }
+    pbwsf__release(&w->memory, &list);
+    pbwsf__release(&w->memory, &corner);
+    pbwsf__release(&w->memory, &graph.first);
+    pbwsf__release(&w->memory, &graph.at);
+    pbwsf__release(&w->memory, &graph.used);
+    return good ? PBW_OK : PBW_ERROR_MEMORY;
+}
+
+/* ------------------------------------------------------------------------------------------------------
+   Samples of smooth parts: darts, no two closer than 0.65 sizes; and a body-centred cubic lattice inside, 0.55 sizes
+   from the surface.
+   ------------------------------------------------------------------------------------------------------ */
+
+/* Number i of a stream, from 0 to 1: splitmix64 (Steele, Lea and Flood 2014), whose state is a counter. */
+static double pbwm3__random(uint64_t i)
+{
+    uint64_t z = (i + 1) * 0x9e3779b97f4a7c15u;
+    z = (z ^ z >> 30) * 0xbf58476d1ce4e5b9u;
+    z = (z ^ z >> 27) * 0x94d049bb133111ebu;
+    return (double)((z ^ z >> 31) >> 11) / 9007199254740992.0;
+}
+
+static pbw_status pbwm3__throw_darts(pbwm3__work *w, const double *area)
+{
+    const size_t triangles = w->surface.triangle_count;
+    const double finest = 0.65 * w->least, wish = 12 * area[triangles - 1] / (finest * finest) + 100;
+    uint64_t i;
+    if (!(wish < 4e9)) {
+        return PBW_ERROR_TOO_LARGE;
+    }
+    for (i = 0; i < (uint64_t)wish; i++) {
+        const double at = pbwm3__random(3 * i) * area[triangles - 1];
+        double u = pbwm3__random(3 * i + 1), v = pbwm3__random(3 * i + 2), p[3], size;
+        size_t low = 0, high = triangles - 1;
+        int k;
+        if (i % 4096 == 0 && pbwm3__stops(w, 0.5 * (double)i / wish)) {
+            return PBW_CANCELLED;
+        }
+        while (low < high) {
+            const size_t middle = (low + high) / 2;
+            *(area[middle] > at ? &high : &low) = area[middle] > at ? middle : middle + 1;
+        }
+        u = u + v > 1 ? 1 - u : u;
+        v = u + v > 1 ? 1 - v : v;
+        for (k = 0; k < 3; k++) {
+            const double a = pbwsf__corner(&w->surface, (pbw_index)low, 0)[k];
+            p[k] = a + u * (pbwsf__corner(&w->surface, (pbw_index)low, 1)[k] - a)
+                 + v * (pbwsf__corner(&w->surface, (pbw_index)low, 2)[k] - a);
+        }
+        size = pbwm3__size(w, p);
+        if (size > w->least && pbwm3__random(~i) * size * size > w->least * w->least) {
+            continue;                                /* as many darts for each square of the local size */
+        }
+        if (w->input->value != NULL) {
+            pbwm3__project(w, p);
+        }
+        if (pbwm3__near(w, p, 0.65 * size, PBWM3__SHARP, PBWM3__SMOOTH) == PBW_NONE
+            && pbwm3__add(w, p, PBWM3__SMOOTH) == PBW_NONE) {
+            return PBW_ERROR_MEMORY;
+        }
+    }
+    return PBW_OK;
+}
+
+static pbw_status pbwm3__sample_smooth(pbwm3__work *w)
+{
+    pbwsf__array areas;
+    pbw_status status = PBW_ERROR_MEMORY;
+    double sum = 0;
+    size_t i;
+    memset(&areas, 0, sizeof areas);
+    if (pbwsf__resize(&w->memory, &areas, w->surface.triangle_count * sizeof(double))) {
+        for (i = 0; i < w->surface.triangle_count; i++) {
+            double n[3];
+            pbwsf__normal(pbwsf__corner(&w->surface, (pbw_index)i, 0), pbwsf__corner(&w->surface, (pbw_index)i, 1),
+                          pbwsf__corner(&w->surface, (pbw_index)i, 2), n);
+            sum += 0.5 * sqrt(pbwsf__dot(n, n));
+            ((double *)areas.data)[i] = sum;
+        }
+        status = sum > 0 ? pbwm3__throw_darts(w, (const double *)areas.data) : PBW_DEGENERATE;
+    }
+    pbwsf__release(&w->memory, &areas);
+    return status;
+}
+
+/* The lattice whose cells are 2^level times finer, where that is the local size. */
+static pbw_status pbwm3__sample_level(pbwm3__work *w, int level)
+{
+    const double cell = 1.15 * ldexp(w->size, -level);
+    size_t n[3], i, k, total = 1;
+    for (k = 0; k < 3; k++) {
+        const double wish = ceil(2 * (w->high[k] - w->low[k]) / cell);
+        if (!(wish < 1e6)) {
+            return PBW_ERROR_TOO_LARGE;
+        }
+        n[k] = (size_t)wish + 1;
+        total *= n[k];
+    }
+    if (total / 4 >= PBW_NONE / 8) {
+        return PBW_ERROR_TOO_LARGE;
+    }
+    for (i = 0; i < total; i++) {                    /* half cells: all three even, or all three odd */
+        const size_t at[3] = { i % n[0], i / n[0] % n[1], i / n[0] / n[1] };
+        double p[3], place[3], size;
+        if (level == 0 && i % 16384 == 0 && pbwm3__stops(w, 0.5 + 0.5 * (double)i / (double)total)) {
+            return PBW_CANCELLED;
+        }
+        for (k = 0; k < 3; k++) {
+            p[k] = w->low[k] + (0.5 * (double)at[k] + 0.31) * cell;
+        }
+        size = pbwm3__size(w, p);
+        if ((at[0] ^ at[1]) % 2 == 0 && (at[1] ^ at[2]) % 2 == 0 && level == (int)floor(log2(w->size / size) + 0.5)
+            && pbwm3__inside(w, p) && pbw_surface_closest(&w->surface, p, 0.55 * size, place) == PBW_NONE
+            && (level == 0 || pbwm3__near(w, p, 0.7 * size, PBWM3__INSIDE, PBWM3__INSIDE) == PBW_NONE)
+            && pbwm3__add(w, p, PBWM3__INSIDE) == PBW_NONE) {
+            return PBW_ERROR_MEMORY;
+        }
+    }
+    return PBW_OK;
+}
+
+static pbw_status pbwm3__sample_inside(pbwm3__work *w)
+{
+    pbw_status status = PBW_OK;
+    int level;
+    for (level = 0; status == PBW_OK && ldexp(w->least, level) < 1.42 * w->size; level++) {
+        status = pbwm3__sample_level(w, level);
+    }
+    return status;
+}
+
+/* ------------------------------------------------------------------------------------------------------
+   Rounds.
+   ------------------------------------------------------------------------------------------------------ */
+
+/* The circumcentre, far away for flat tetrahedra; up to rounding, as it only decides what is added and labelled. */
+static void pbwm3__circumcentre(const double *const c[4], double out[3])
+{
+    pbwim__shape s;
+    int i, k;
+    pbwim__shape_of(c, &s);
+    memcpy(out, c[0], 3 * sizeof *out);
+    for (i = 0; i < 3; i++) {
+        for (k = 0; k < 3; k++) {
+            out[k] += s.square[i] * s.normal[i + 1][k] / (2 * s.volume6);
+        }
+    }
+}
+
+/* Whether a tetrahedron is a flat one between samples of one sheet of the surface: such lie outside.  On a plane or a
+   straight edge in general position, samples are coplanar or collinear up to rounding, and the hull has tetrahedra of
+   that thickness, whose circumcentre is noise, their dihedral angles too if three corners are collinear: those are
+   told by their volume alone. */
+static int pbwm3__is_flat(const pbwm3__work *w, const pbw_index c[4])
+{
+    const double *p[4];
+    double middle[3] = { 0, 0, 0 }, place[3], longest = 0, size;
+    pbwim__shape shape;
+    int i, k;
+    for (i = 0; i < 4; i++) {
+        p[i] = PBWM3__X(w, c[i]);
+        if (PBWM3__KIND(w)[c[i]] == PBWM3__INSIDE) {
+            return 0;
+        }
+        for (k = 0; k < 3; k++) {
+            middle[k] += 0.25 * p[i][k];
+        }
+    }
+    pbwim__shape_of(p, &shape);
+    for (i = 0; i < 6; i++) {
+        longest = fmax(longest, shape.square[i]);
+    }
+    if (shape.volume6 < 1e-10 * longest * sqrt(longest)) {
+        return 1;
+    }
+    size = pbwm3__size(w, middle);
+    if (pbwim__sine(p[0], p[1], p[2], p[3]) >= 0.004) {
+        return 0;
+    }
+    for (i = 0; i < 6; i++) {
+        double half[3];
+        pbwsf__between(p[pbwim__edge[i][0]], p[pbwim__edge[i][1]], 0.5, half);
+        if (pbwsf__distance(p[pbwim__edge[i][0]], p[pbwim__edge[i][1]]) > 2.2 * size
+            || pbw_surface_closest(&w->surface, half, 0.16 * size, place) == PBW_NONE) {
+            return 0;
+        }
+    }
+    return pbw_surface_closest(&w->surface, middle, 0.16 * size, place) != PBW_NONE;
+}
+
+static pbw_status pbwm3__label_range(void *arg, size_t from, size_t to)
+{
+    pbwm3__work *w = (pbwm3__work *)arg;
+    size_t t;
+    int i, far;
+    for (t = from; t < to; t++) {
+        const pbw_index *c = w->mesh.simplices + 4 * t;
+        double *centre = PBWM3__CENTRE(w, t);
+        const double *p[4];
+        for (i = 0; i < 4; i++) {
+            p[i] = PBWM3__X(w, c[i]);
+        }
+        pbwm3__circumcentre(p, centre);
+        for (i = far = 0; i < 3; i++) {
+            far += !(centre[i] > w->low[i] && centre[i] < w->high[i]);
+            if (!(fabs(centre[i] - w->low[i]) < 1e6 * w->size + 1e3 * (w->high[i] - w->low[i]))) {
+                memcpy(centre, p[0], 3 * sizeof *centre);    /* rounding decides the direction */
+                far = 1;
+                break;
+            }
+        }
+        PBWM3__LABEL(w)[t] = !far && !pbwm3__is_flat(w, c) && pbwm3__inside(w, centre);
+    }
+    return PBW_OK;
+}
+
+static pbw_status pbwm3__rebuild(pbwm3__work *w)
+{
+    pbw_options options = w->options;
+    pbw_status status;
+    pbw_free(&w->mesh);
+    options.flags = PBW_BORROW;
+    options.memory_limit = w->memory.limit > w->memory.used ? w->memory.limit - w->memory.used : w->memory.limit;
+    status = pbw_triangulate(3, (const double *)w->x.data, NULL, w->x.count, &options, &w->mesh);
+    if (status != PBW_OK) {
+        return status;
+    }
+    if (w->label.bytes < w->mesh.simplex_count
+        && (!pbwsf__resize(&w->memory, &w->label, w->mesh.simplex_count + w->mesh.simplex_count / 8 + 1)
+            || !pbwsf__resize(&w->memory, &w->centre, w->label.bytes * 3 * sizeof(double)))) {
+        return PBW_ERROR_MEMORY;
+    }
+    return pbw_for(&w->options, w->mesh.simplex_count, 256, pbwm3__label_range, w);
+}
+
+/* ---- what to add ---- */
+
+static int pbwm3__label_of(const pbwm3__work *w, pbw_index t)
+{
+    return t != PBW_NONE && PBWM3__LABEL(w)[t];
+}
+
+/* Where facet i of t is to get a point, in p; returns 0 if nowhere.  `meets`: the dual segment. */
+static int pbwm3__facet_wants(pbwm3__work *w, size_t t, int i, double p[3])
+{
+    const pbw_index n = w->mesh.neighbors[4 * t + (size_t)i], *c = w->mesh.simplices + 4 * t;
+    const int inner = pbwm3__label_of(w, (pbw_index)t), outer = pbwm3__label_of(w, n);
+    const double *a = PBWM3__X(w, c[pbwim__opposite[i][0]]), *b = PBWM3__X(w, c[pbwim__opposite[i][1]]);
+    const double *d = PBWM3__X(w, c[pbwim__opposite[i][2]]);
+    double middle[3], where = 0;
+    pbw_index met = PBW_NONE;
+    int k;
+    for (k = 0; k < 3; k++) {
+        middle[k] = (a[k] + b[k] + d[k]) / 3;
+        if (inner == outer && PBWM3__KIND(w)[c[pbwim__opposite[i][k]]] == PBWM3__INSIDE) {
+            return 0;
+        }
+    }
+    if (n != PBW_NONE) {
+        met = pbw_surface_meets(&w->surface, PBWM3__CENTRE(w, t), PBWM3__CENTRE(w, n), &where);
+        pbwsf__between(PBWM3__CENTRE(w, t), PBWM3__CENTRE(w, n), where, p);
+        if (met != PBW_NONE && pbwsf__distance(p, a) > 1.1 * pbwm3__size(w, p)) {
+            pbwm3__project(w, p);
+            return 1;
+        }
+    }
+    if (inner == outer) {
+        return 0;
+    }
+    memcpy(p, middle, sizeof middle);
+    pbwm3__project(w, p);
+    return pbwsf__distance(p, middle) > w->distance * pbwm3__size(w, p);
+}
+
+/* Adds a point of the surface unless others are near; it takes the place of a near one inside.  Returns how many are
+   added: 0 or 1, or -1 without memory. */
+static int pbwm3__offer(pbwm3__work *w, const double p[3], double apart)
+{
+    const double size = pbwm3__size(w, p);
+    pbw_index inside;
+    if (pbwm3__near(w, p, apart * size, PBWM3__SHARP, PBWM3__SMOOTH) != PBW_NONE) {
+        return 0;
+    }
+    inside = pbwm3__near(w, p, 0.45 * size, PBWM3__INSIDE, PBWM3__INSIDE);
+    if (inside != PBW_NONE) {
+        pbwm3__take_from_cell(w, inside);
+        memcpy(PBWM3__X(w, inside), p, 3 * sizeof *p);
+        PBWM3__KIND(w)[inside] = PBWM3__SMOOTH;
+        pbwm3__put_in_cell(w, inside);
+        return 1;
+    }
+    return pbwm3__add(w, p, PBWM3__SMOOTH) == PBW_NONE ? -1 : 1;
+}
+
+/* ---- the boundary as a manifold ---- */
+
+typedef struct pbwm3__topology {
+    pbwsf__array edges, flags;             /* bad edges, two points each; per point: 1 it has several fans */
+    size_t bad_edges, bad_points;
+    long euler;
+} pbwm3__topology;
+
+static size_t pbwm3__root_of(size_t *parent, size_t i)
+{
+    while (parent[i] != i) {
+        parent[i] = parent[parent[i]];
+        i = parent[i];
+    }
+    return i;
+}
+
+/* Of sorted edges: lists those of other than two facets, and joins the corners of facets across the others. */
+static int pbwm3__join_fans(pbwsf__memory *memory, const pbwim__facet *edge, size_t count, size_t *parent,
+                            pbwm3__topology *top)
+{
+    size_t i, k;
+    for (i = 0; i < count; i = k) {
+        const size_t a = 3 * (size_t)edge[i].t, b = i + 1 < count ? 3 * (size_t)edge[i + 1].t : 0;
+        for (k = i + 1; k < count && memcmp(edge[i].v, edge[k].v, 2 * sizeof(pbw_index)) == 0; k++) {
+        }
+        top->euler--;
+        if (k - i == 2) {                            /* corners at v[0]: where the edge starts if it goes upwards */
+            const size_t first = (size_t)edge[i].i, second = (size_t)edge[i + 1].i;
+            const size_t low = edge[i].v[2] ? first : (first + 1) % 3;
+            const size_t low2 = edge[i + 1].v[2] ? second : (second + 1) % 3;
+            const size_t other = edge[i].v[2] ? (first + 1) % 3 : first;
+            const size_t other2 = edge[i + 1].v[2] ? (second + 1) % 3 : second;
+            parent[pbwm3__root_of(parent, a + low)] = pbwm3__root_of(parent, b + low2);
+            parent[pbwm3__root_of(parent, a + other)] = pbwm3__root_of(parent, b + other2);
+        } else {
+            pbw_index *pair = (pbw_index *)pbwsf__room(memory, &top->edges, 1, 2 * sizeof *pair);
+            if (pair == NULL) {
+                return 0;
+            }
+            memcpy(pair, edge[i].v, 2 * sizeof *pair);
+            top->edges.count++;
+            top->bad_edges++;
+        }
+    }
+    return 1;
+}
+
+/* Examines a closed set of facets; returns 0 without memory. */
+static int pbwm3__examine(pbwsf__memory *memory, const pbw_index *facets, size_t count, size_t points,
+                          pbwm3__topology *top)
+{
+    pbwsf__array blocks[3], parents;
+    const pbwim__facet *edge = pbwm3__edges(memory, facets, count, points, blocks);
+    size_t *parent, i;
+    unsigned char *flag;
+    int good;
+    memset(top, 0, sizeof *top);
+    memset(&parents, 0, sizeof parents);
+    good = edge != NULL && pbwsf__resize(memory, &parents, (3 * count + 1) * sizeof *parent)
+        && pbwsf__resize(memory, &top->flags, points + 1);
+    parent = (size_t *)parents.data;
+    flag = (unsigned char *)top->flags.data;
+    for (i = 0; good && i < 3 * count; i++) {
+        parent[i] = i;
+    }
+    if (good) {
+        memset(flag, 0, points + 1);
+        good = pbwm3__join_fans(memory, edge, 3 * count, parent, top);
+    }
+    top->euler += (long)count;
+    for (i = 0; good && i < 3 * count; i++) {        /* fans: 0 none, 2 one, 1 several */
+        if (parent[i] == i) {
+            top->euler += flag[facets[i]] == 0;
+            top->bad_points += flag[facets[i]] == 2;
+            flag[facets[i]] = flag[facets[i]] == 0 ? 2 : 1;
+        }
+    }
+    for (i = 0; good && i < points; i++) {
+        flag[i] = flag[i] == 1;
+    }
+    pbwm3__free_blocks(memory, blocks);
+    pbwsf__release(memory, &parents);
+    return good;
+}
+
+/* Lists the boundary's facets, outward. */
+static int pbwm3__boundary(pbwm3__work *w, pbwsf__array *facets)
+{
+    size_t t;
+    int i;
+    facets->count = 0;
+    for (t = 0; t < w->mesh.simplex_count; t++) {
+        for (i = 0; i < 4 && PBWM3__LABEL(w)[t]; i++) {
+            const pbw_index *c = w->mesh.simplices + 4 * t;
+            const pbw_index f[3] = { c[pbwim__opposite[i][0]], c[pbwim__opposite[i][2]], c[pbwim__opposite[i][1]] };
+            if (!pbwm3__label_of(w, w->mesh.neighbors[4 * t + (size_t)i]) && !pbwm3__append(w, facets, f, sizeof f)) {
+                return 0;
+            }
+        }
+    }
+    return 1;
+}
+
+/* Points for bad edges and bad points of the boundary; returns how many, -1 without memory. */
+static long pbwm3__mend_boundary(pbwm3__work *w)
+{
+    pbwsf__array facets;
+    pbwm3__topology top;
+    long added = 0;
+    size_t i;
+    int got = 0, k;
+    memset(&facets, 0, sizeof facets);
+    memset(&top, 0, sizeof top);
+    if (!pbwm3__boundary(w, &facets)
+        || !pbwm3__examine(&w->memory, (const pbw_index *)facets.data, facets.count, w->x.count, &top)) {
+        got = -1;
+    }
+    for (i = 0; got >= 0 && i < top.edges.count; i++) {
+        const pbw_index *pair = (const pbw_index *)top.edges.data + 2 * i;
+        double p[3];
+        pbwsf__between(PBWM3__X(w, pair[0]), PBWM3__X(w, pair[1]), 0.5, p);
+        pbwm3__project(w, p);
+        got = pbwm3__offer(w, p, 0.08);
+        added += got;
+    }
+    for (i = 0; got >= 0 && top.bad_points > 0 && i < facets.count; i++) {
+        const pbw_index *f = (const pbw_index *)facets.data + 3 * i;
+        const unsigned char *flag = (const unsigned char *)top.flags.data;
+        double p[3];
+        if (flag[f[0]] || flag[f[1]] || flag[f[2]]) {
+            for (k = 0; k < 3; k++) {
+                p[k] = (PBWM3__X(w, f[0])[k] + PBWM3__X(w, f[1])[k] + PBWM3__X(w, f[2])[k]) / 3;
+            }
+            pbwm3__project(w, p);
+            got = pbwm3__offer(w, p, 0.08);
+            added += got;
+        }
+    }
+    pbwsf__release(&w->memory, &facets);
+    pbwsf__release(&w->memory, &top.edges);
+    pbwsf__release(&w->memory, &top.flags);
+    return got < 0 ? -1 : added;
+}
+
+/* ---- sharp edges: pieces that are no edges are halved ---- */
+
+static int pbwm3__compare_pieces(const void *a, const void *b)
+{
+    const pbwm3__piece *x = (const pbwm3__piece *)a, *y = (const pbwm3__piece *)b;
+    const pbw_index lx = x->a < x->b ? x->a : x->b, ly = y->a < y->b ? y->a : y->b;
+    const pbw_index hx = x->a < x->b ? x->b : x->a, hy = y->a < y->b ? y->b : y->a;
+    return lx != ly ? (lx > ly) - (lx < ly) : (hx > hy) - (hx < hy);
+}
+
+/* Marks in `found` the sorted pieces that are edges of tetrahedra inside. */
+static void pbwm3__find_pieces(const pbwm3__work *w, unsigned char *found)
+{
+    const pbwm3__piece *piece = (const pbwm3__piece *)w->pieces.data, *at;
+    size_t t;
+    int e;
+    for (t = 0; t < w->mesh.simplex_count; t++) {
+        const pbw_index *c = w->mesh.simplices + 4 * t;
+        for (e = 0; e < 6 && PBWM3__LABEL(w)[t]; e++) {
+            pbwm3__piece key;
+            key.a = c[pbwim__edge[e][0]];
+            key.b = c[pbwim__edge[e][1]];
+            if (PBWM3__KIND(w)[key.a] == PBWM3__SHARP && PBWM3__KIND(w)[key.b] == PBWM3__SHARP) {
+                at = (const pbwm3__piece *)bsearch(&key, piece, w->pieces.count, sizeof key, pbwm3__compare_pieces);
+                if (at != NULL) {
+                    found[at - piece] = 1;
+                }
+            }
+        }
+    }
+}
+
+/* Returns how many points are added, -1 without memory; counts missing pieces in the report. */
+static long pbwm3__mend_pieces(pbwm3__work *w)
+{
+    const size_t count = w->pieces.count;
+    pbwsf__array found;
+    long added = 0;
+    size_t i;
+    memset(&found, 0, sizeof found);
+    w->report->missing_edges = 0;
+    if (count == 0) {
+        return 0;
+    }
+    qsort(w->pieces.data, count, sizeof(pbwm3__piece), pbwm3__compare_pieces);
+    if (!pbwsf__resize(&w->memory, &found, count)) {
+        return -1;
+    }
+    memset(found.data, 0, count);
+    pbwm3__find_pieces(w, (unsigned char *)found.data);
+    for (i = 0; i < count && added >= 0; i++) {
+        pbwm3__piece *piece = (pbwm3__piece *)w->pieces.data + i, second = *piece;
+        double p[3];
+        if (((const unsigned char *)found.data)[i]) {
+            continue;
+        }
+        w->report->missing_edges++;
+        if (piece->to - piece->from > 0.1 * w->least) {
+            second.from = (piece->from + piece->to) / 2;
+            pbwm3__along(w, piece->chain, second.from, p);
+            second.a = pbwm3__add(w, p, PBWM3__SHARP);
+            piece->to = second.from;
+            piece->b = second.a;
+            added = second.a == PBW_NONE || !pbwm3__append(w, &w->pieces, &second, sizeof second) ? -1 : added + 1;
+        }
+    }
+    pbwsf__release(&w->memory, &found);
+    return added;
+}
+
+/* One round: offers all points that facets want, halves pieces, mends the boundary.  Returns how many points came,
+   -1 without memory, -2 if it is cancelled. */
+static long pbwm3__round(pbwm3__work *w)
+{
+    const double *wanted;
+    long added, mended;
+    size_t t, i;
+    int k, got = 0;
+    w->extra.count = 0;
+    for (t = 0; t < w->mesh.simplex_count; t++) {
+        if (t % 4096 == 0 && pbwm3__stops(w, (double)t / (double)w->mesh.simplex_count)) {
+            return -2;
+        }
+        for (k = 0; k < 4; k++) {
+            const pbw_index n = w->mesh.neighbors[4 * t + (size_t)k];
+            double p[3];
+            if ((n == PBW_NONE || n > t) && pbwm3__facet_wants(w, t, k, p)
+                && !pbwm3__append(w, &w->extra, p, sizeof p)) {
+                return -1;
+            }
+        }
+    }
+    added = pbwm3__mend_pieces(w);
+    wanted = (const double *)w->extra.data;
+    for (i = 0; i < w->extra.count && added >= 0 && got >= 0; i++) {
+        got = pbwm3__offer(w, wanted + 3 * i, 0.3);
+        added += got;
+    }
+    mended = added >= 0 && got >= 0 ? pbwm3__mend_boundary(w) : -1;
+    return mended < 0 ? -1 : added + mended;
+}
+
+static pbw_status pbwm3__rounds(pbwm3__work *w, const pbw_solid_options *how)
+{
+    const int most = how != NULL && how->rounds > 0 ? how->rounds : 16;
+    pbw_status status = PBW_OK;
+    long added = 1;
+    while (status == PBW_OK) {
+        w->from = w->to;
+        w->to = w->from + 0.2 * (0.6 - w->from);
+        status = pbwm3__rebuild(w);
+        if (status != PBW_OK || w->report->rounds == most) {
+            break;
+        }
+        w->report->rounds++;
+        added = pbwm3__round(w);
+        status = added == -2 ? PBW_CANCELLED : added < 0 ? PBW_ERROR_MEMORY : status;
+        if (added == 0) {
+            w->report->settled = 1;
+            break;
+        }
+    }
+    return status;
+}
+
+/* ------------------------------------------------------------------------------------------------------
+   The result, and what the report says of it.
+   ------------------------------------------------------------------------------------------------------ */
+static int pbwm3__last_part(void *user, pbw_stage stage, double done)
+{
+    (void)stage;
+    return pbwm3__stops((const pbwm3__work *)user, done);
+}
+
+static pbw_status pbwm3__finish(pbwm3__work *w, const pbw_solid_options *how, pbw_tets *out)
+{
+    pbw_improve_options improve;
+    pbw_options own = w->options;
+    pbw_tets in;
+    size_t t, i;
+    memset(&in, 0, sizeof in);
+    memset(&improve, 0, sizeof improve);
+    if (how != NULL) {
+        improve = how->improve;
+    }
+    for (t = 0; t < w->mesh.simplex_count; t++) {
+        if (PBWM3__LABEL(w)[t] && !pbwm3__append(w, &w->corners, w->mesh.simplices + 4 * t, 4 * sizeof(pbw_index))) {
+            return PBW_ERROR_MEMORY;
+        }
+    }
+    if (!pbwsf__resize(&w->memory, &w->marks, w->x.count + 1)) {
+        return PBW_ERROR_MEMORY;
+    }
+    for (i = 0; i < w->x.count; i++) {
+        ((unsigned char *)w->marks.data)[i] = PBWM3__KIND(w)[i] == PBWM3__SHARP ? PBW_TETS_FIXED : PBW_TETS_FOUND;
+    }
+    if (w->corners.count == 0) {
+        return PBW_DEGENERATE;
+    }
+    pbw_free(&w->mesh);
+    in.points = (const double *)w->x.data;
+    in.point_count = w->x.count;
+    in.corners = (const pbw_index *)w->corners.data;
+    in.tet_count = w->corners.count;
+    in.marks = (const unsigned char *)w->marks.data;
+    improve.feature_angle = improve.feature_angle > 0 ? improve.feature_angle : 75;      /* features are marked */
+    improve.project = pbwm3__project;
+    improve.project_user = w;
+    improve.passes = improve.target < 0 ? -1 : improve.passes;
+    improve.target = improve.target < 0 ? 0 : improve.target;
+    own.progress = pbwm3__last_part;
+    own.progress_user = w;
+    w->from = 0.6;
+    w->to = 1;
+    own.memory_limit = w->memory.limit > w->memory.used ? w->memory.limit - w->memory.used : w->memory.limit;
+    return pbw_improve(&in, &improve, &own, out, &w->report->improve);
+}
+
+/* The largest distance of the triangles' corners, middles and middles of edges from the surface, or `least`. */
+static double pbwm3__farthest(const double *points, const pbw_index *triangles, size_t count,
+                              const pbw_surface *surface, double least)
+{
+    size_t i;
+    int k, j;
+    for (i = 0; i < count; i++) {
+        const double *c[3];
+        for (k = 0; k < 3; k++) {
+            c[k] = points + 3 * (size_t)triangles[3 * i + (size_t)k];
+        }
+        for (k = 0; k < 7; k++) {
+            double p[3], place[3];
+            for (j = 0; j < 3; j++) {
+                p[j] = k < 3 ? c[k][j] : k < 6 ? (c[k - 3][j] + c[(k - 2) % 3][j]) / 2
+                     : (c[0][j] + c[1][j] + c[2][j]) / 3;
+            }
+            if (pbw_surface_closest(surface, p, HUGE_VAL, place) != PBW_NONE) {
+                least = fmax(least, pbwsf__distance(p, place));
+            }
+        }
+    }
+    return least;
+}
+
+static void pbwm3__note_places(pbw_solid_report *r, const pbwm3__topology *top, const pbw_tets *out)
+{
+    const pbw_index *edge = (const pbw_index *)top->edges.data;
+    size_t i, count = 0;
+    for (i = 0; i < top->edges.count && count < PBW_SOLID_PLACES; i++) {
+        pbwsf__between(out->points + 3 * (size_t)edge[2 * i], out->points + 3 * (size_t)edge[2 * i + 1], 0.5,
+                       r->places[count++]);
+    }
+    for (i = 0; i < out->point_count && count < PBW_SOLID_PLACES; i++) {
+        if (((const unsigned char *)top->flags.data)[i]) {
+            memcpy(r->places[count++], out->points + 3 * i, sizeof *r->places);
+        }
+    }
+}
+
+static pbw_status pbwm3__measure(pbwm3__work *w, const pbw_tets *out)
+{
+    pbw_solid_report *r = w->report;
+    pbwsf__array facets;
+    pbwm3__topology top;
+    pbw_surface boundary;
+    pbw_status status = PBW_OK;
+    size_t i, k;
+    memset(&facets, 0, sizeof facets);
+    memset(&top, 0, sizeof top);
+    memset(&boundary, 0, sizeof boundary);
+    for (i = 0; i < 4 * out->tet_count && status == PBW_OK; i++) {
+        pbw_index f[3];
+        for (k = 0; k < 3; k++) {
+            f[k] = out->corners[i / 4 * 4 + (size_t)pbwim__opposite[i % 4][2 - k]];
+        }
+        if (out->neighbors[i] == PBW_NONE && !pbwm3__append(w, &facets, f, sizeof f)) {
+            status = PBW_ERROR_MEMORY;
+        }
+    }
+    r->facets = facets.count;
+    if (status == PBW_OK && !pbwm3__examine(&w->memory, (const pbw_index *)facets.data, facets.count,
+                                            out->point_count, &top)) {
+        status = PBW_ERROR_MEMORY;
+    }
+    if (status == PBW_OK) {
+        status = pbw_surface_create(out->points, out->point_count, (const pbw_index *)facets.data, facets.count,
+                                    &w->options, &boundary);
+    }
+    if (status == PBW_OK) {
+        r->bad_edges = top.bad_edges;
+        r->bad_points = top.bad_points;
+        r->euler = top.euler;
+        pbwm3__note_places(r, &top, out);
+        r->distance = pbwm3__farthest(out->points, (const pbw_index *)facets.data, facets.count, &w->surface, 0);
+        r->distance = pbwm3__farthest(w->surface.points, w->surface.triangles, w->surface.triangle_count, &boundary,
+                                      r->distance) / w->size;
+    }
+    pbw_surface_free(&boundary);
+    pbwsf__release(&w->memory, &facets);
+    pbwsf__release(&w->memory, &top.edges);
+    pbwsf__release(&w->memory, &top.flags);
+    return status;
+}
+
+/* ------------------------------------------------------------------------------------------------------
+   The stages in order.
+   ------------------------------------------------------------------------------------------------------ */
+static pbw_status pbwm3__take_input(pbwm3__work *w, const pbw_solid_options *how)
+{
+    const pbw_solid_input *in = w->input;
+    pbw_status status;
+    size_t i;
+    int k;
+    for (k = 0; k < 3; k++) {
+        w->low[k] = in->value != NULL ? in->box[k] : HUGE_VAL;
+        w->high[k] = in->value != NULL ? in->box[3 + k] : -HUGE_VAL;
+    }
+    for (i = 0; i < 3 * in->point_count && in->value == NULL; i++) {
+        if (!(fabs(in->points[i]) <= 1e100)) {
+            return PBW_ERROR_NOT_FINITE;
+        }
+    }
+    for (i = 0; i < 3 * in->triangle_count && in->value == NULL; i++) {
+        for (k = 0; k < 3 && in->triangles[i] < in->point_count; k++) {
+            const double x = in->points[3 * (size_t)in->triangles[i] + (size_t)k];
+            w->low[k] = fmin(w->low[k], x);
+            w->high[k] = fmax(w->high[k], x);
+        }
+    }
+    if (in->value == NULL && in->triangle_count == 0) {
+        return PBW_DEGENERATE;
+    }
+    w->size = how != NULL && how->size > 0 ? how->size : pbwsf__distance(w->low, w->high) / 40;
+    if (!(w->size > 0 && w->size < HUGE_VAL)) {
+        return in->value != NULL ? PBW_ERROR_ARGUMENT : PBW_DEGENERATE;
+    }
+    if (pbwsf__distance(w->low, w->high) / w->size > 1e5) {
+        return PBW_ERROR_TOO_LARGE;
+    }
+    status = in->value != NULL ? pbwm3__take_function(w, in) : pbwm3__take_triangles(w, in);
+    if (status != PBW_OK && status != PBW_DEGENERATE) {
+        return status;
+    }
+    if (w->triangles.count == 0) {
+        return PBW_DEGENERATE;
+    }
+    return pbw_surface_create((const double *)w->vertices.data, w->vertices.count,
+                              (const pbw_index *)w->triangles.data, w->triangles.count, &w->options, &w->surface);
+}
+
+/* ------------------------------------------------------------------------------------------------------
+   Local sizes: where two sheets of the surface are near each other, three quarters of their distance, at least 1/6 of
+   the size; from there they grow by 0.35 for each unit of length.
+   ------------------------------------------------------------------------------------------------------ */
+
+/* Lowers the field at p, a point of the triangle, to what rays along both normals meet first, if that faces it. */
+static void pbwm3__measure_gap(pbwm3__work *w, pbw_index triangle, const double p[3])
+{
+    double *field = (double *)w->field.data + pbwm3__field_cell(w, p), n[3], m[3], a[3], b[3], where, length;
+    int side, k;
+    pbwsf__normal(pbwsf__corner(&w->surface, triangle, 0), pbwsf__corner(&w->surface, triangle, 1),
+                  pbwsf__corner(&w->surface, triangle, 2), n);
+    length = sqrt(pbwsf__dot(n, n));
+    for (side = -1; side <= 1 && length > 0; side += 2) {
+        pbw_index met;
+        for (k = 0; k < 3; k++) {
+            a[k] = p[k] + side * 1e-3 * w->size * n[k] / length;
+            b[k] = p[k] + side * 1.4 * w->size * n[k] / length;
+        }
+        met = pbw_surface_meets(&w->surface, a, b, &where);
+        if (met != PBW_NONE) {
+            pbwsf__normal(pbwsf__corner(&w->surface, met, 0), pbwsf__corner(&w->surface, met, 1),
+                          pbwsf__corner(&w->surface, met, 2), m);
+            if (fabs(pbwsf__dot(m, n)) > 0.7 * length * sqrt(pbwsf__dot(m, m))) {
+                *field = fmax(w->size / 6, fmin(*field, 0.75 * (where * 1.399 + 1e-3) * w->size));
+            }
+        }
+    }
+}
+
+/* Four sweeps there and back: a cell is at most 0.35 cells above its neighbours. */
+static void pbwm3__grade(pbwm3__work *w)
+{
+    double *field = (double *)w->field.data;
+    const size_t total = w->n[0] * w->n[1] * w->n[2];
+    size_t i, j;
+    int sweep, k;
+    for (sweep = 0; sweep < 8; sweep++) {
+        for (j = 0; j < total; j++) {
+            i = sweep % 2 == 0 ? j : total - 1 - j;
+            for (k = 0; k < 27; k++) {
+                const size_t x = i % w->n[0] + (size_t)(k % 3), y = i / w->n[0] % w->n[1] + (size_t)(k / 3 % 3);
+                const size_t z = i / w->n[0] / w->n[1] + (size_t)(k / 9);
+                if (x > 0 && x <= w->n[0] && y > 0 && y <= w->n[1] && z > 0 && z <= w->n[2]) {
+                    const double other = field[x - 1 + w->n[0] * (y - 1 + w->n[1] * (z - 1))] + 0.35 * w->size;
+                    field[i] = fmin(field[i], other);
+                }
+            }
+        }
+    }
+}
+
+/* Rays from 4 points for each square of the size, and from one of each triangle at least. */
+static pbw_status pbwm3__make_field(pbwm3__work *w)
+{
+    size_t i, total = 1;
+    uint64_t number = 1ull << 40;
+    int k;
+    w->least = w->size;
+    for (k = 0; k < 3; k++) {
+        w->n[k] = (size_t)ceil((w->high[k] - w->low[k]) / w->size) + 1;
+        total *= w->n[k];
+    }
+    if (total > 50000000) {
+        return PBW_OK;                               /* too fine a grid: one size */
+    }
+    if (!pbwsf__resize(&w->memory, &w->field, total * sizeof(double))) {
+        return PBW_ERROR_MEMORY;
+    }
+    for (i = 0; i < total; i++) {
+        ((double *)w->field.data)[i] = w->size;
+    }
+    for (i = 0; i < w->surface.triangle_count; i++) {
+        double n[3], wish;
+        pbwsf__normal(pbwsf__corner(&w->surface, (pbw_index)i, 0), pbwsf__corner(&w->surface, (pbw_index)i, 1),
+                      pbwsf__corner(&w->surface, (pbw_index)i, 2), n);
+        wish = 2 * sqrt(pbwsf__dot(n, n)) / (w->size * w->size) + pbwm3__random(number++);
+        for (; wish >= 1; wish--) {
+            const double u = pbwm3__random(number), v = pbwm3__random(number + 1);
+            double p[3], q[3];
+            pbwsf__between(pbwsf__corner(&w->surface, (pbw_index)i, 0), pbwsf__corner(&w->surface, (pbw_index)i, 1),
+                           u, q);
+            pbwsf__between(pbwsf__corner(&w->surface, (pbw_index)i, 2), q, sqrt(v), p);
+            number += 2;
+            pbwm3__measure_gap(w, (pbw_index)i, p);
+        }
+    }
+    pbwm3__grade(w);
+    for (i = 0; i < total; i++) {
+        w->least = fmin(w->least, ((const double *)w->field.data)[i]);
+    }
+    return PBW_OK;
+}
+
+static pbw_status pbwm3__sample(pbwm3__work *w)
+{
+    pbw_status status;
+    double sum = 0;
+    size_t t;
+    status = pbwm3__make_field(w);
+    if (status != PBW_OK) {
+        return status;
+    }
+    w->step = w->least < 0.7 * w->size ? w->size / 2 : w->size;
+    w->cells = 1 << 12;
+    while ((double)w->cells < 2e6 && (double)w->cells * w->step * w->step * w->step
+           < 2 * (w->high[0] - w->low[0]) * (w->high[1] - w->low[1]) * (w->high[2] - w->low[2])) {
+        w->cells *= 2;
+    }
+    if (!pbwsf__resize(&w->memory, &w->heads, w->cells * sizeof(pbw_index))) {
+        return PBW_ERROR_MEMORY;
+    }
+    memset(w->heads.data, 0xff, w->heads.bytes);
+    for (t = 0; t < w->surface.triangle_count; t++) {
+        double n[3];
+        pbwsf__cross(pbwsf__corner(&w->surface, (pbw_index)t, 1), pbwsf__corner(&w->surface, (pbw_index)t, 2), n);
+        sum += pbwsf__dot(pbwsf__corner(&w->surface, (pbw_index)t, 0), n) / 6;
+    }
+    w->report->input_volume = fabs(sum);
+    w->report->size = w->size;
+    status = pbwm3__sample_sharp(w);
+    status = status != PBW_OK ? status : pbwm3__sample_smooth(w);
+    return status != PBW_OK ? status : pbwm3__sample_inside(w);
+}
+
+static void pbwm3__free(pbwm3__work *w)
+{
+    pbwsf__array *const arrays[] = { &w->field, &w->vertices, &w->triangles, &w->x, &w->kind, &w->heads, &w->links,
+                                     &w->pieces, &w->chains, &w->path, &w->centre, &w->label, &w->extra,
+                                     &w->corners, &w->marks };
+    size_t i;
+    pbw_free(&w->mesh);
+    pbw_surface_free(&w->surface);
+    for (i = 0; i < sizeof arrays / sizeof *arrays; i++) {
+        pbwsf__release(&w->memory, arrays[i]);
+    }
+}
+
+static double pbwm3__lap(double *since)
+{
+    const double now = (double)clock() / CLOCKS_PER_SEC, lap = now - *since;
+    *since = now;
+    return lap;
+}
+
+static pbw_status pbwm3__run(pbwm3__work *w, const pbw_solid_options *how, pbw_tets *mesh)
+{
+    double since = (double)clock() / CLOCKS_PER_SEC;
+    pbw_status status = pbwm3__stops(w, 0) ? PBW_CANCELLED : pbwm3__take_input(w, how);
+    status = status != PBW_OK ? status : pbwm3__sample(w);
+    w->report->seconds[0] = pbwm3__lap(&since);
+    status = status != PBW_OK ? status : pbwm3__rounds(w, how);
+    w->report->seconds[1] = pbwm3__lap(&since);
+    status = status != PBW_OK ? status : pbwm3__finish(w, how, mesh);
+    w->report->seconds[2] = pbwm3__lap(&since);
+    if (status == PBW_OK) {
+        status = pbwm3__measure(w, mesh);
+        w->report->seconds[3] = pbwm3__lap(&since);
+    }
+    return status;
+}
+
+PBWMESH3DEF pbw_status pbw_solid(const pbw_solid_input *input, const pbw_solid_options *how,
+                                 const pbw_options *options, pbw_tets *mesh, pbw_solid_report *report)
+{
+    pbwm3__work w;
+    pbw_solid_report own;
+    pbw_status status;
+    memset(&w, 0, sizeof w);
+    w.report = report != NULL ? report : &own;
+    memset(w.report, 0, sizeof *w.report);
+    if (mesh != NULL) {
+        memset(mesh, 0, sizeof *mesh);
+    }
+    if (mesh == NULL || input == NULL || (input->value == NULL && (input->points == NULL || input->triangles == NULL))
+        || (how != NULL && (how->size < 0 || how->distance < 0))) {
+        return PBW_ERROR_ARGUMENT;
+    }
+    w.memory = pbwsf__memory_of(options);
+    if (options != NULL) {
+        w.options = *options;
+        w.options.progress = NULL;
+        w.options.flags = 0;
+        w.options.stride = w.options.weight_stride = 0;
+        w.options.trace = NULL;
+    }
+    w.input = input;
+    w.caller = options;
+    w.to = 0.1;
+    w.distance = how != NULL && how->distance > 0 ? how->distance : 0.1;
+    w.cosine = cos((how != NULL && how->feature_angle > 0 ? how->feature_angle : 40) / 57.295779513082321);
+    status = pbwm3__run(&w, how, mesh);
+    if (status != PBW_OK && mesh->memory != NULL) {
+        pbw_tets_free(mesh);
+    }
+    pbwm3__free(&w);
+    return status;
+}
+
+#endif /* PBW_MESH3_IMPLEMENTATION */

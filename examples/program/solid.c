@@ -1,0 +1,120 @@
+/* solid.c: pbw solid. */
+#include "program.h"
+
+static const option solid_options[] = {
+    { "--size", "H", "length of edges; default: 1/40 of the diagonal", POSITIVE, 0, 0, NULL },
+    { "--feature-angle", "DEGREES", "edges of the model that bend by more are sharp; default 40", WHOLE, 1, 180,
+      NULL },
+    { "--distance", "D", "facets farther than D sizes from the surface get points; default 0.1", POSITIVE, 0, 0,
+      NULL },
+    { "--rounds", "N", "of adding points, at most; default 16", WHOLE, 1, 1000, NULL },
+    { "--target", "DEGREES", "dihedral angles from this to 180 less this; default 30", WHOLE, 1, 60, NULL },
+    { "--seconds", "S", "end the improvement after that time", POSITIVE, 0, 0, NULL },
+    { "--threads", "N", "default 0: all cores", WHOLE, 0, 256, NULL },
+    { "--title", "TEXT", "pages: default: the name of the input", PLAIN, 0, 0, NULL },
+    { NULL, NULL, NULL, SWITCH, 0, 0, NULL }
+};
+
+static void warn_of(const job *j, const pbw_solid_report *r)
+{
+    size_t i;
+    if (r->open_edges + r->crowded_edges > 0) {
+        warn(j, "the surface has %zu open edge%s and %zu of more than two triangles: inside is %s", r->open_edges,
+             plural(r->open_edges), r->crowded_edges,
+             r->open_edges > 0 ? "what it winds around by more than half"
+             : "what a ray leaves an odd number of times");
+    }
+    if (!r->settled) {
+        warn(j, "not settled after %d rounds: walls, gaps or details thinner than the size; a smaller --size may do",
+             r->rounds);
+    }
+    if (r->missing_edges > 0) {
+        warn(j, "%zu piece%s of sharp edges missing", r->missing_edges, r->missing_edges == 1 ? " is" : "s are");
+    }
+    if (r->bad_edges + r->bad_points > 0) {
+        warn(j, "the boundary is no manifold at %zu edge%s and %zu point%s; the first places:", r->bad_edges,
+             plural(r->bad_edges), r->bad_points, plural(r->bad_points));
+        for (i = 0; i < PBW_SOLID_PLACES && i < r->bad_edges + r->bad_points; i++) {
+            warn(j, "  %.9g %.9g %.9g", r->places[i][0], r->places[i][1], r->places[i][2]);
+        }
+    }
+    if (r->open_edges == 0 && r->euler != r->input_euler) {
+        warn(j, "the Euler number of the boundary is %ld, that of the surface %ld", r->euler, r->input_euler);
+    }
+}
+
+static void report_on(const job *j, const pbw_tets *mesh, const pbw_solid_report *r)
+{
+    const double seconds = r->seconds[0] + r->seconds[1] + r->seconds[2];
+    say(j, "sample", r->seconds[0], "%zu corners, %zu sharp edges", r->corners, r->sharp_edges);
+    say(j, "rounds", r->seconds[1], "%d, %s", r->rounds, r->settled ? "settled" : "not settled");
+    say(j, "improve", r->seconds[2], "%d passes", r->improve.passes);
+    say(j, "measure", r->seconds[3], "%s", "");
+    note(j, "%zu tetrahedra, %zu points, %zu facets on the boundary; %.0f tetrahedra a second", mesh->tet_count,
+         mesh->point_count, r->facets, seconds > 0 ? (double)mesh->tet_count / seconds : 0);
+    describe_quality(j, "before: ", &r->improve.before);
+    describe_quality(j, "after:  ", &r->improve.after);
+    describe_histogram(j, &r->improve.after);
+    note(j, "Euler number %ld, of the surface %ld; edges that are no manifold %zu, points %zu", r->euler,
+         r->input_euler, r->bad_edges, r->bad_points);
+    note(j, "Hausdorff distance %.3f sizes of %.6g; volume %.9g, of the surface %.9g", r->distance, r->size,
+         r->improve.after.volume, r->input_volume);
+    warn_of(j, r);
+}
+
+static int run(job *j)
+{
+    pbw_solid_input input;
+    pbw_solid_options how;
+    pbw_solid_report report;
+    pbw_tets mesh;
+    pbw_status status;
+    int failed = load(j, 0);
+    if (failed) {
+        return failed;
+    }
+    if (j->cloud.dim != 3 || j->cloud.triangle_count == 0) {
+        return fail(j, "%s: it has no faces", j->input);
+    }
+    memset(&input, 0, sizeof input);
+    memset(&how, 0, sizeof how);
+    input.points = j->cloud.points;
+    input.point_count = j->cloud.count;
+    input.triangles = j->cloud.triangles;
+    input.triangle_count = j->cloud.triangle_count;
+    how.size = number_of(j, "--size", 0);
+    how.feature_angle = number_of(j, "--feature-angle", 0);
+    how.distance = number_of(j, "--distance", 0);
+    how.rounds = (int)number_of(j, "--rounds", 0);
+    how.improve.target = number_of(j, "--target", 0);
+    how.improve.seconds = number_of(j, "--seconds", 0);
+    status = pbw_solid(&input, &how, &j->build, &mesh, &report);
+    if (status != PBW_OK) {
+        return status == PBW_CANCELLED ? stopped(j)
+             : status == PBW_DEGENERATE ? fail(j, "%s: nothing is inside of it", j->input)
+             : fail(j, "%s: %s", j->input, pbw_status_string(status));
+    }
+    report_on(j, &mesh, &report);
+    pbwio_free(&j->cloud);                           /* pages show the solid alone */
+    show_tets(j, &mesh);
+    failed = write_mesh(j);
+    memset(&j->mesh, 0, sizeof j->mesh);
+    pbw_tets_free(&mesh);
+    return failed;
+}
+
+const command command_solid = {
+    "solid", "fill a closed surface with tetrahedra",
+    "usage: pbw solid [options] model [-o output]...\n"
+    "\n"
+    "Fills a closed surface with good tetrahedra.  Sharp edges are kept; elsewhere the boundary is within a\n"
+    "fraction of the size.  The report ends with warnings where the boundary is not that of the model.\n"
+    "\n"
+    "input:   .obj .ply .stl .off with faces that enclose something\n"
+    "output:  .vtu .msh .msh2 .mesh .inp .su2 .node .ele .neigh .face (tetrahedra, boundary), .obj .ply .stl .off\n"
+    "         (boundary), .html (page to look around in); any number of them\n"
+    "\n",
+    "vtu msh msh2 mesh inp su2 node ele neigh face obj ply stl off html",
+    { solid_options, output_options, text_options, common_options, NULL, NULL, NULL, NULL },
+    run, 0, 0, 0, NULL, 0
+};

@@ -1,0 +1,164 @@
+"""Tetrahedral meshes: improve and solid, which call pbw_improve.h and pbw_mesh3.h.
+
+In: the caller's arrays, converted and checked.  Out: a Tets of arrays that Python owns.
+"""
+import ctypes
+
+import numpy as np
+
+from . import _errors
+from ._library import _PROGRESS, _copied, _library, _pointers, _run
+
+_size, _double = ctypes.c_size_t, ctypes.c_double
+
+
+class _Mesh(ctypes.Structure):
+    """pbw_tets."""
+    _fields_ = [("point_count", _size), ("tet_count", _size),
+                *_pointers("points corners regions marks neighbors original memory")]
+
+
+class _Quality(ctypes.Structure):
+    """pbw_quality."""
+    _fields_ = [*((name, _double) for name in ("least", "permille", "percent", "largest")), ("below", _size * 4),
+                ("bins", _size * 18), ("volume", _double), ("least_sine", _double)]
+
+
+class _ImproveOptions(ctypes.Structure):
+    """pbw_improve_options."""
+    _fields_ = [("target", _double), ("seconds", _double), ("passes", ctypes.c_int), ("feature_angle", _double),
+                *_pointers("project project_user")]
+
+
+class _ImproveReport(ctypes.Structure):
+    """pbw_improve_report."""
+    _fields_ = [("before", _Quality), ("after", _Quality),
+                *((name, _size) for name in ("turned", "removals", "boundary_removals", "smoothings", "slides",
+                                             "peelings", "flips", "contractions", "insertions", "left")),
+                ("passes", ctypes.c_int)]
+
+
+class _SolidInput(ctypes.Structure):
+    """pbw_solid_input."""
+    _fields_ = [("points", ctypes.c_void_p), ("point_count", _size), ("triangles", ctypes.c_void_p),
+                ("triangle_count", _size), *_pointers("value value_user"), ("box", _double * 6)]
+
+
+class _SolidOptions(ctypes.Structure):
+    """pbw_solid_options."""
+    _fields_ = [("size", _double), ("feature_angle", _double), ("distance", _double), ("rounds", ctypes.c_int),
+                ("improve", _ImproveOptions)]
+
+
+class _SolidReport(ctypes.Structure):
+    """pbw_solid_report."""
+    _fields_ = [*((name, _size) for name in ("open_edges", "crowded_edges", "corners", "sharp_edges", "missing_edges",
+                                             "bad_edges", "bad_points")), ("places", _double * 3 * 8),
+                ("facets", _size),
+                ("euler", ctypes.c_long), ("input_euler", ctypes.c_long), ("distance", _double), ("size", _double),
+                ("input_volume", _double), ("rounds", ctypes.c_int), ("settled", ctypes.c_int),
+                ("seconds", _double * 4), ("improve", _ImproveReport)]
+
+
+class _Watch(ctypes.Structure):
+    """struct watch of pbw_python.c."""
+    _fields_ = [("stop", ctypes.POINTER(ctypes.c_int)), ("progress", _PROGRESS)]
+
+
+class Tets:
+    """points, tets (positive, four points each), regions, neighbors (-1 on the boundary), original (per point its
+    number in the input, -1 if it is new) and report: a dictionary, in which before and after have dihedral angles in
+    degrees."""
+
+    def __init__(self, mesh, report):
+        tets = (mesh.tet_count, 4)
+        self.points = _copied(mesh.points, (mesh.point_count, 3), np.float64)
+        self.tets = _copied(mesh.corners, tets, np.int32)
+        self.regions = _copied(mesh.regions, mesh.tet_count, np.uint32)
+        self.neighbors = _copied(mesh.neighbors, tets, np.int32)
+        self.original = _copied(mesh.original, mesh.point_count, np.int32)
+        self.report = _plain(report)
+
+
+def _plain(value):
+    if isinstance(value, ctypes.Structure):
+        return {name: _plain(getattr(value, name)) for name, _ in value._fields_}
+    return np.array(value).tolist() if isinstance(value, ctypes.Array) else value
+
+
+def _checked(name, array, columns, kind, count=None):
+    """A C array of rows of so many columns; indices must be below count."""
+    array = np.asarray(array)
+    if array.ndim != 2 or array.shape[1] != columns:
+        raise ValueError("%s has the shape %s: rows of %d are needed" % (name, array.shape, columns))
+    if count is not None and array.size and (array.dtype.kind not in "iu" or array.min() < 0 or array.max() >= count):
+        raise ValueError("%s must be whole numbers from 0 to %d" % (name, count - 1))
+    return np.ascontiguousarray(array, dtype=kind)
+
+
+def _made(call, report):
+    """A status and the Tets that call(watch, mesh, report) makes, in a thread; None if it fails."""
+    mesh, stop, thrown = _Mesh(), ctypes.c_int(), []
+    watch = _Watch(ctypes.pointer(stop), _PROGRESS())
+    status = []
+
+    def work():
+        try:
+            status.append(call(ctypes.byref(watch), ctypes.byref(mesh), ctypes.byref(report)))
+        except BaseException as e:
+            thrown.append(e)
+
+    _run(work, stop)
+    if thrown:
+        raise thrown[0]
+    if status[0]:
+        return status[0], None
+    try:
+        return 0, Tets(mesh, report)
+    finally:
+        _library.pbw_tets_free(ctypes.byref(mesh))
+
+
+def improve(points, tets, target=30, seconds=0, feature_angle=40, regions=None, fixed=None):
+    """Tetrahedra with better dihedral angles: from target to 180 - target degrees, where that can be had.
+
+    points: (n, 3); tets: (m, 4); regions: m whole numbers, whose interfaces are kept; fixed: n booleans, True for
+    points that stay; seconds: ends after that time, 0 = when nothing helps any more.  Returns a Tets.
+    """
+    points = _checked("points", points, 3, np.float64)
+    tets = _checked("tets", tets, 4, np.uint32, len(points))
+    regions = None if regions is None else np.ascontiguousarray(regions, dtype=np.uint32)
+    marks = None if fixed is None else np.where(np.asarray(fixed, bool), 2, 0).astype(np.uint8)
+    for name, array, count in (("regions", regions, len(tets)), ("fixed", marks, len(points))):
+        if array is not None and array.shape != (count,):
+            raise ValueError("%s has the shape %s: %d numbers are needed" % (name, array.shape, count))
+    given = _Mesh(len(points), len(tets), points.ctypes.data, tets.ctypes.data,
+                  None if regions is None else regions.ctypes.data, None if marks is None else marks.ctypes.data)
+    how = _ImproveOptions(target, seconds, 0, feature_angle)
+    message = ctypes.create_string_buffer(128)
+    status, made = _made(lambda watch, mesh, report: _library.pbw_python_improve(
+        ctypes.byref(given), ctypes.byref(how), watch, message, mesh, report), _ImproveReport())
+    if status:
+        text = message.value.decode() or _library.pbw_status_string(status).decode()
+        raise _errors.from_status(status, text, points, None)
+    return made
+
+
+def solid(vertices, faces, size=0, target=30, feature_angle=40, rounds=16):
+    """Tetrahedra inside a closed surface: vertices (n, 3), faces (m, 3), one or several shells.
+
+    size: length of edges, 0 = 1/40 of the diagonal; edges of the surface that bend by more than feature_angle degrees
+    are kept.  Returns a Tets; its report has bad_edges, bad_points, missing_edges and open_edges, all 0 if the
+    boundary is a manifold on the surface.
+    """
+    vertices = _checked("vertices", vertices, 3, np.float64)
+    faces = _checked("faces", faces, 3, np.uint32, len(vertices))
+    given = _SolidInput(vertices.ctypes.data, len(vertices), faces.ctypes.data, len(faces))
+    how = _SolidOptions(size, feature_angle, 0, rounds, _ImproveOptions(target))
+    status, made = _made(lambda watch, mesh, report: _library.pbw_python_solid(
+        ctypes.byref(given), ctypes.byref(how), watch, mesh, report), _SolidReport())
+    if status == _errors.DEGENERATE:
+        raise ValueError("nothing is inside of the surface")
+    if status:
+        raise _errors.from_status(status, _library.pbw_status_string(status).decode(), vertices, None)
+    return made

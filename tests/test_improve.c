@@ -1,0 +1,537 @@
+/* test_improve.c: improved meshes: better, positive, with the boundary, the regions and the fixed points they had;
+   the measures; surfaces to slide on; and sound after every failure. */
+#define PBW_SURFACE_IMPLEMENTATION
+#include "pbw_surface.h"
+#define PBW_IMPROVE_IMPLEMENTATION
+#include "pbw_improve.h"
+#include "meter.h"
+#include "test.h"
+#include "watch.h"
+#include "zoo.h"
+#include <math.h>
+
+static uint64_t state;
+
+static double uniform(void)
+{
+    uint64_t z = state += 0x9e3779b97f4a7c15u;
+    z = (z ^ z >> 30) * 0xbf58476d1ce4e5b9u;
+    z = (z ^ z >> 27) * 0x94d049bb133111ebu;
+    return (double)((z ^ z >> 31) >> 11) / 9007199254740992.0;
+}
+
+static void *take(size_t bytes)
+{
+    return zoo_grow(NULL, bytes + 1);
+}
+
+/* A lattice of 7^3 points in the unit cube, each moved by up to a third of a cell, those on sides and edges along
+   them; turned: rotated, so that rounding makes the sides uneven. */
+static double *cube_points(int turned)
+{
+    double *x = (double *)take(343 * 3 * sizeof(double));
+    size_t i, k;
+    state = test_seed;
+    for (i = 0; i < 343; i++) {
+        for (k = 0; k < 3; k++) {
+            const size_t at = k == 0 ? i % 7 : k == 1 ? i / 7 % 7 : i / 49;
+            x[3 * i + k] = ((double)at + (at > 0 && at < 6 ? (uniform() - 0.5) / 1.5 : 0)) / 6;
+        }
+        for (k = 0; k < 3 && turned; k++) {
+            const double a = x[3 * i + k], b = x[3 * i + (k + 1) % 3];
+            x[3 * i + k] = a * 0.8 - b * 0.6;
+            x[3 * i + (k + 1) % 3] = a * 0.6 + b * 0.8;
+        }
+    }
+    return x;
+}
+
+static double *ball_points(size_t count, int on_sphere)
+{
+    double *x = (double *)take(count * 3 * sizeof(double));
+    size_t i;
+    int k;
+    state = test_seed;
+    for (i = 0; i < count; i++) {
+        double length = 0;
+        for (k = 0; k < 3; k++) {
+            x[3 * i + (size_t)k] = uniform() + uniform() + uniform() + uniform() - 2;
+            length += x[3 * i + (size_t)k] * x[3 * i + (size_t)k];
+        }
+        for (k = 0; k < 3; k++) {
+            x[3 * i + (size_t)k] *= on_sphere || i % 2 == 0 ? 1 / sqrt(length) : cbrt(uniform()) / sqrt(length);
+        }
+    }
+    return x;
+}
+
+/* Leaves out the tetrahedra between points of one side, which rounding makes; returns the new corners. */
+static pbw_index *without_flat(pbw_tets *t)
+{
+    pbw_index *corners = (pbw_index *)take(16 * t->tet_count);
+    size_t i, count = 0;
+    for (i = 0; i < t->tet_count; i++) {
+        const pbw_index *c = t->corners + 4 * i;
+        if (pbw_tet_measure(PBW_MEASURE_VOLUME, t->points + 3 * (size_t)c[0], t->points + 3 * (size_t)c[1],
+                            t->points + 3 * (size_t)c[2], t->points + 3 * (size_t)c[3]) > 1e-12) {
+            memcpy(corners + 4 * count++, c, 16);
+        }
+    }
+    t->tet_count = count;
+    t->corners = corners;
+    return corners;
+}
+
+static pbw_tets view(const pbw_mesh *mesh)
+{
+    pbw_tets tets;
+    memset(&tets, 0, sizeof tets);
+    tets.points = mesh->points;
+    tets.point_count = mesh->point_count;
+    tets.corners = mesh->simplices;
+    tets.tet_count = mesh->simplex_count;
+    return tets;
+}
+
+/* ---- what must hold of a result ---- */
+
+static int compare_edges(const void *a, const void *b)
+{
+    const uint64_t x = *(const uint64_t *)a, y = *(const uint64_t *)b;
+    return (x > y) - (x < y);
+}
+
+/* Euler number of the boundary: points - edges + facets; -999 if an edge has other than two facets. */
+static long boundary_euler(const pbw_tets *t)
+{
+    uint64_t *edge = (uint64_t *)take((12 * t->tet_count + 1) * sizeof *edge);
+    char *used = (char *)take(t->point_count + 1);
+    size_t count = 0, points = 0, i, k, edges = 0;
+    long euler;
+    memset(used, 0, t->point_count + 1);
+    for (i = 0; i < 4 * t->tet_count; i++) {
+        for (k = 0; t->neighbors[i] == PBW_NONE && k < 3; k++) {
+            const uint64_t a = t->corners[i / 4 * 4 + (i + 1 + k) % 4];
+            const uint64_t b = t->corners[i / 4 * 4 + (i + 1 + (k + 1) % 3) % 4];
+            edge[count++] = a < b ? a << 32 | b : b << 32 | a;
+            points += !used[a];
+            used[a] = 1;
+        }
+    }
+    qsort(edge, count, sizeof *edge, compare_edges);
+    for (i = 0, euler = 0; i < count && euler == 0; i += 2) {
+        edges++;
+        if (i + 1 == count || edge[i] != edge[i + 1] || (i + 2 < count && edge[i + 2] == edge[i])) {
+            euler = -999;
+        }
+    }
+    free(edge);
+    free(used);
+    return euler != 0 ? euler : (long)points - (long)edges + (long)(count / 3);
+}
+
+static int is_sound(const pbw_tets *t)
+{
+    char *used = (char *)take(t->point_count + 1);
+    size_t i, k, orphans = t->point_count;
+    int sound = 1;
+    memset(used, 0, t->point_count + 1);
+    for (i = 0; i < t->tet_count && sound; i++) {
+        const pbw_index *c = t->corners + 4 * i;
+        for (k = 0; k < 4 && sound; k++) {
+            const pbw_index n = t->neighbors[4 * i + k];
+            sound = c[k] < t->point_count && (n == PBW_NONE || n < t->tet_count);
+            if (sound) {
+                orphans -= !used[c[k]];
+                used[c[k]] = 1;
+            }
+            if (sound && n != PBW_NONE) {
+                const pbw_index *b = t->neighbors + 4 * (size_t)n;
+                sound = b[0] == i || b[1] == i || b[2] == i || b[3] == i;
+            }
+        }
+        sound = sound && pbw_orient3(t->points + 3 * (size_t)c[0], t->points + 3 * (size_t)c[1],
+                                     t->points + 3 * (size_t)c[2], t->points + 3 * (size_t)c[3]) > 0;
+    }
+    free(used);
+    return sound && orphans == 0;
+}
+
+/* ---- tests ---- */
+
+static int near(double a, double b)
+{
+    return fabs(a - b) <= 1e-12 * (fabs(a) + fabs(b));
+}
+
+static void test_measures(void)
+{
+    static const double o[3] = { 0, 0, 0 }, x[3] = { 1, 0, 0 }, y[3] = { 0, 1, 0 }, z[3] = { 0, 0, 1 };
+    static const double r[4][3] = { { 1, 1, 1 }, { -1, -1, 1 }, { -1, 1, -1 }, { 1, -1, -1 } };
+    static const double best[] = { 0, 0, 0, 0, 1, 1, 1, 0, 1, 1, 1, 1, 1 };
+    int i;
+    if (!test_begin("measures")) {
+        return;
+    }
+    for (i = 0; pbw_measure_name((pbw_measure)i) != NULL; i++) {
+        const double value = pbw_tet_measure((pbw_measure)i, r[0], r[1], r[2], r[3]);
+        CHECK(best[i] <= 0 || near(value, best[i]));
+        if (best[i] > 0 && !near(value, best[i])) {
+            test_say("%s: %.17g", pbw_measure_name((pbw_measure)i), value);
+        }
+    }
+    CHECK_EQUAL(i, 13);
+    CHECK(near(pbw_tet_measure(PBW_MEASURE_LEAST_DIHEDRAL, r[0], r[1], r[2], r[3]), acos(1 / 3.) * 180 / acos(-1)));
+    /* The corner of a cube: edges 1, 1, 1 and sqrt 2; R = sqrt 3 / 2; r = 1 / (3 + sqrt 3). */
+    CHECK(near(pbw_tet_measure(PBW_MEASURE_VOLUME, o, x, y, z), 1 / 6.));
+    CHECK(near(pbw_tet_measure(PBW_MEASURE_VOLUME, o, y, x, z), -1 / 6.));
+    CHECK(near(pbw_tet_measure(PBW_MEASURE_LARGEST_DIHEDRAL, o, x, y, z), 90));
+    CHECK(near(pbw_tet_measure(PBW_MEASURE_LEAST_DIHEDRAL, o, x, y, z), acos(1 / sqrt(3)) * 180 / acos(-1)));
+    CHECK(near(pbw_tet_measure(PBW_MEASURE_LEAST_SINE, o, x, y, z), sqrt(2 / 3.)));
+    CHECK(near(pbw_tet_measure(PBW_MEASURE_RADIUS_EDGE, o, x, y, z), sqrt(3) / 2));
+    CHECK(near(pbw_tet_measure(PBW_MEASURE_GAMMA, o, x, y, z), 6 / (3 + sqrt(3)) / sqrt(3)));
+    CHECK(near(pbw_tet_measure(PBW_MEASURE_ETA, o, x, y, z), 12 * pow(0.5, 2 / 3.) / 9));
+    CHECK(near(pbw_tet_measure(PBW_MEASURE_ASPECT_RATIO, o, x, y, z), (3 + sqrt(3)) / (2 * sqrt(3))));
+    CHECK(near(pbw_tet_measure(PBW_MEASURE_EDGE_RATIO, o, x, y, z), sqrt(2)));
+    CHECK(near(pbw_tet_measure(PBW_MEASURE_ASPECT_GAMMA, o, x, y, z), pow(1.5, 1.5) * sqrt(2) / 2));
+    CHECK(near(pbw_tet_measure(PBW_MEASURE_SCALED_JACOBIAN, o, x, y, z), sqrt(2) / 2));
+    test_end();
+}
+
+/* The hull of a mesh, outward. */
+static size_t hull_of(const pbw_mesh *mesh, pbw_index *triangles)
+{
+    static const int across[4][3] = { { 1, 2, 3 }, { 0, 3, 2 }, { 0, 1, 3 }, { 0, 2, 1 } };
+    size_t count = 0, i, k;
+    for (i = 0; i < 4 * mesh->simplex_count; i++) {
+        for (k = 0; mesh->neighbors[i] == PBW_NONE && k < 3; k++) {
+            triangles[3 * count + k] = mesh->simplices[i / 4 * 4 + (size_t)across[i % 4][k]];
+        }
+        count += mesh->neighbors[i] == PBW_NONE;
+    }
+    return count;
+}
+
+/* Inside is what the triangulation has; nearest is checked by trying all triangles. */
+static void test_surface(int lattice)
+{
+    const size_t count = lattice ? 125 : 300;
+    double *x = lattice ? (double *)take(375 * sizeof(double)) : ball_points(count, 1);
+    pbw_index *triangles;
+    pbw_mesh mesh;
+    pbw_surface surface;
+    size_t triangle_count, i, k;
+    if (!test_begin("surface: %s", lattice ? "lattice" : "sphere")) {
+        free(x);
+        return;
+    }
+    for (i = 0; i < 375 && lattice; i++) {
+        x[i] = (double)(i % 3 == 0 ? i / 3 % 5 : i % 3 == 1 ? i / 15 % 5 : i / 75);
+    }
+    memset(&mesh, 0, sizeof mesh);
+    CHECK_EQUAL(pbw_triangulate(3, x, NULL, count, NULL, &mesh), PBW_OK);
+    triangles = (pbw_index *)take(12 * mesh.simplex_count * sizeof *triangles);
+    triangle_count = hull_of(&mesh, triangles);
+    CHECK_EQUAL(pbw_surface_create(x, count, triangles, triangle_count, NULL, &surface), PBW_OK);
+    for (i = 0; i < 1000; i++) {
+        double p[3], place[3], other[3], where, best = HUGE_VAL, none[3] = { 50, 60, 70 };
+        for (k = 0; k < 3; k++) {
+            p[k] = lattice ? floor(6 * uniform()) - (k == 2 ? 0.5 : 0) : 2.4 * uniform() - 1.2;
+        }
+        if (!lattice || (p[0] > 0 && p[0] < 4 && p[1] > 0 && p[1] < 4) || p[0] > 4 || p[1] > 4) {
+            const int inside = pbw_locate_one(&mesh, p, PBW_NONE, NULL) != PBW_NONE;
+            CHECK_EQUAL(pbw_surface_inside(&surface, p), inside);
+            CHECK(fabs(pbw_surface_winding(&surface, p) - inside) < 0.1);
+            CHECK(!inside || pbw_surface_meets(&surface, p, none, &where) != PBW_NONE);
+        }
+        CHECK(pbw_surface_closest(&surface, p, HUGE_VAL, place) < triangle_count);
+        for (k = 0; k < triangle_count; k++) {
+            const double *a = x + 3 * (size_t)triangles[3 * k], *b = x + 3 * (size_t)triangles[3 * k + 1];
+            pbwsf__nearest_in(a, b, x + 3 * (size_t)triangles[3 * k + 2], p, other);
+            best = fmin(best, pbwsf__distance(p, other));
+        }
+        CHECK(near(pbwsf__distance(p, place), best) || best < 1e-12);
+    }
+    pbw_surface_free(&surface);
+    pbw_surface_free(&surface);
+    pbw_free(&mesh);
+    free(triangles);
+    free(x);
+    test_end();
+}
+
+/* The sides stay planes, the edges stay edges: the volume is kept. */
+static void test_cube(int turned)
+{
+    const size_t count = 343;
+    double *x = cube_points(turned);
+    pbw_improve_options how;
+    pbw_improve_report report;
+    pbw_mesh mesh;
+    pbw_tets in, out;
+    pbw_index *flat;
+    size_t i;
+    double last = -1;
+    if (!test_begin("cube%s", turned ? ", turned" : "")) {
+        free(x);
+        return;
+    }
+    memset(&mesh, 0, sizeof mesh);
+    memset(&how, 0, sizeof how);
+    CHECK_EQUAL(pbw_triangulate(3, x, NULL, count, NULL, &mesh), PBW_OK);
+    in = view(&mesh);
+    flat = without_flat(&in);
+    for (how.passes = 1; how.passes <= 32; how.passes *= 2) {
+        CHECK_EQUAL(pbw_improve(&in, &how, NULL, &out, &report), PBW_OK);
+        CHECK(is_sound(&out));
+        CHECK_EQUAL(boundary_euler(&out), 2);
+        CHECK(report.after.least_sine >= report.before.least_sine - 1e-12 && report.after.least_sine >= last - 1e-12);
+        CHECK(fabs(report.after.volume - report.before.volume) < 1e-9);
+        last = report.after.least_sine;
+        for (i = 0; i < out.point_count; i++) {      /* fixed points did not move, and none is lost */
+            const pbw_index was = out.original[i];
+            CHECK(out.marks[i] != PBW_TETS_FIXED || (was != PBW_NONE
+                  && memcmp(out.points + 3 * i, x + 3 * (size_t)was, 3 * sizeof *x) == 0));
+        }
+        pbw_tets_free(&out);
+    }
+    test_say("%.2f..%.2f to %.2f..%.2f, %zu below", report.before.least, report.before.largest, report.after.least,
+             report.after.largest, report.left);
+    CHECK(report.after.least > 25 && report.before.least < 2);
+    pbw_free(&mesh);
+    free(flat);
+    free(x);
+    test_end();
+}
+
+static void test_ball(void)
+{
+    const size_t count = 600;
+    double *x = ball_points(count, 0);
+    pbw_options threads;
+    pbw_improve_report report;
+    pbw_mesh mesh;
+    pbw_tets in, out, again;
+    pbw_index *turned;
+    size_t i;
+    if (!test_begin("ball")) {
+        free(x);
+        return;
+    }
+    memset(&mesh, 0, sizeof mesh);
+    memset(&threads, 0, sizeof threads);
+    threads.threads = 4;
+    CHECK_EQUAL(pbw_triangulate(3, x, NULL, count, NULL, &mesh), PBW_OK);
+    in = view(&mesh);
+    CHECK_EQUAL(pbw_improve(&in, NULL, NULL, &out, &report), PBW_OK);
+    CHECK(is_sound(&out));
+    CHECK_EQUAL(boundary_euler(&out), 2);
+    CHECK_EQUAL(report.turned, 0);
+    CHECK(fabs(report.after.volume - report.before.volume) < 0.04 * report.before.volume);
+    CHECK(report.after.least > 15 && report.before.least < 1);
+    test_say("%.2f..%.2f to %.2f..%.2f, %zu below", report.before.least, report.before.largest, report.after.least,
+             report.after.largest, report.left);
+    CHECK_EQUAL(pbw_improve(&in, NULL, &threads, &again, NULL), PBW_OK);     /* the same bytes */
+    CHECK(again.tet_count == out.tet_count && again.point_count == out.point_count
+          && memcmp(again.corners, out.corners, 16 * out.tet_count) == 0
+          && memcmp(again.points, out.points, 24 * out.point_count) == 0);
+    pbw_tets_free(&again);
+    turned = (pbw_index *)take(16 * in.tet_count);
+    for (i = 0; i < 4 * in.tet_count; i++) {         /* negative ones are turned */
+        turned[i] = mesh.simplices[i / 8 % 2 != 0 && i % 4 < 2 ? i ^ 1 : i];
+    }
+    in.corners = turned;
+    CHECK_EQUAL(pbw_improve(&in, NULL, NULL, &again, &report), PBW_OK);
+    CHECK_EQUAL(report.turned, in.tet_count / 4 * 2 + (in.tet_count % 4 == 3));
+    CHECK(is_sound(&again));
+    pbw_tets_free(&again);
+    pbw_tets_free(&out);
+    pbw_free(&mesh);
+    free(turned);
+    free(x);
+    test_end();
+}
+
+/* Two regions keep their volumes, which the interface between them decides, and every third point its place. */
+static void test_regions(void)
+{
+    const size_t count = 400;
+    double *x = ball_points(count, 0), volume[2][2] = { { 0, 0 }, { 0, 0 } };
+    unsigned char *marks = (unsigned char *)take(count);
+    pbw_index *regions;
+    pbw_mesh mesh;
+    pbw_tets in, out;
+    size_t i, k, fixed = 0;
+    if (!test_begin("regions and marks")) {
+        free(marks);
+        free(x);
+        return;
+    }
+    memset(&mesh, 0, sizeof mesh);
+    CHECK_EQUAL(pbw_triangulate(3, x, NULL, count, NULL, &mesh), PBW_OK);
+    in = view(&mesh);
+    regions = (pbw_index *)take(in.tet_count * sizeof *regions);
+    for (i = 0; i < in.tet_count; i++) {
+        double sum = 0;
+        for (k = 0; k < 4; k++) {
+            sum += x[3 * (size_t)in.corners[4 * i + k]];
+        }
+        regions[i] = sum > 0 ? 7 : 9;
+    }
+    for (i = 0; i < count; i++) {                    /* the boundary stays, so that volumes do */
+        marks[i] = i % 2 == 0 || i % 3 == 0 ? PBW_TETS_FIXED : PBW_TETS_FOUND;
+    }
+    in.regions = regions;
+    in.marks = marks;
+    CHECK_EQUAL(pbw_improve(&in, NULL, NULL, &out, NULL), PBW_OK);
+    CHECK(is_sound(&out));
+    for (i = 0; i < in.tet_count + out.tet_count; i++) {
+        const pbw_tets *t = i < in.tet_count ? &in : &out;
+        const size_t j = i < in.tet_count ? i : i - in.tet_count;
+        const double *c[4];
+        for (k = 0; k < 4; k++) {
+            c[k] = t->points + 3 * (size_t)t->corners[4 * j + k];
+        }
+        CHECK(t->regions[j] == 7 || t->regions[j] == 9);
+        volume[t == &out][t->regions[j] == 7] += pbw_tet_measure(PBW_MEASURE_VOLUME, c[0], c[1], c[2], c[3]);
+    }
+    CHECK(fabs(volume[0][0] - volume[1][0]) < 0.02 && fabs(volume[0][1] - volume[1][1]) < 0.02);
+    for (i = 0; i < out.point_count; i++) {
+        const pbw_index was = out.original[i];
+        if (was != PBW_NONE && marks[was] == PBW_TETS_FIXED) {
+            fixed++;
+            CHECK(memcmp(out.points + 3 * i, x + 3 * (size_t)was, 24) == 0);
+        }
+    }
+    for (i = 0; i < count; i++) {
+        fixed -= marks[i] == PBW_TETS_FIXED && mesh.incident[i] != PBW_NONE;
+    }
+    CHECK_EQUAL(fixed, 0);
+    pbw_tets_free(&out);
+    pbw_free(&mesh);
+    free(regions);
+    free(marks);
+    free(x);
+    test_end();
+}
+
+static void test_refused(void)
+{
+    static const double x[18] = { 0, 0, 0, 1, 0, 0, 0, 1, 0, 0, 0, 1, 0, 0, -1, 0.1, 0.1, 0.5 };
+    static const pbw_index range[4] = { 0, 1, 2, 9 }, twice[4] = { 0, 1, 2, 1 };
+    static const pbw_index crowd[12] = { 0, 1, 2, 3, 0, 2, 1, 4, 0, 1, 2, 5 };
+    static const pbw_index overlap[8] = { 0, 1, 2, 3, 0, 1, 2, 5 };
+    static const pbw_index good[8] = { 0, 1, 2, 3, 0, 2, 1, 4 };
+    char text[100] = "";
+    pbw_options options;
+    pbw_improve_options how;
+    pbw_tets in, out;
+    double bad[18];
+    if (!test_begin("refused")) {
+        return;
+    }
+    memset(&options, 0, sizeof options);
+    memset(&how, 0, sizeof how);
+    memset(&in, 0, sizeof in);
+    options.message = text;
+    options.message_size = sizeof text;
+    in.points = x;
+    in.point_count = 6;
+    CHECK_EQUAL(pbw_improve(&in, NULL, &options, &out, NULL), PBW_OK);       /* nothing is fine */
+    pbw_tets_free(&out);
+    in.tet_count = 1;
+    in.corners = range;
+    CHECK_EQUAL(pbw_improve(&in, NULL, &options, &out, NULL), PBW_ERROR_ARGUMENT);
+    CHECK(strstr(text, "tetrahedron 0 ") != NULL);
+    in.corners = twice;
+    CHECK_EQUAL(pbw_improve(&in, NULL, &options, &out, NULL), PBW_ERROR_ARGUMENT);
+    in.corners = crowd;
+    in.tet_count = 3;
+    CHECK_EQUAL(pbw_improve(&in, NULL, &options, &out, NULL), PBW_ERROR_ARGUMENT);
+    CHECK(strstr(text, "others have") != NULL);
+    in.corners = overlap;
+    in.tet_count = 2;
+    CHECK_EQUAL(pbw_improve(&in, NULL, &options, &out, NULL), PBW_ERROR_ARGUMENT);
+    CHECK(strstr(text, "0 and 1 overlap") != NULL);
+    in.corners = good;
+    CHECK_EQUAL(pbw_improve(&in, NULL, &options, &out, NULL), PBW_OK);
+    CHECK_EQUAL(out.tet_count, 2);
+    CHECK_EQUAL(out.point_count, 5);
+    pbw_tets_free(&out);
+    how.target = 61;
+    CHECK_EQUAL(pbw_improve(&in, &how, &options, &out, NULL), PBW_ERROR_ARGUMENT);
+    memcpy(bad, x, sizeof bad);
+    bad[4] = HUGE_VAL;
+    in.points = bad;
+    CHECK_EQUAL(pbw_improve(&in, NULL, &options, &out, NULL), PBW_ERROR_NOT_FINITE);
+    CHECK(out.points == NULL && out.tet_count == 0);
+    CHECK_EQUAL(pbw_improve(&in, NULL, &options, NULL, NULL), PBW_ERROR_ARGUMENT);
+    test_end();
+}
+
+/* Every allocation fails in turn; and each tenth call of progress cancels. */
+static void test_failures(void)
+{
+    const size_t count = 120;
+    double *x = ball_points(count, 0);
+    pbw_options options;
+    pbw_mesh mesh;
+    pbw_tets in, out;
+    pbw_status status = PBW_ERROR_MEMORY;
+    meter m;
+    watch w;
+    long k;
+    if (!test_begin("failing allocations, limits, cancelling")) {
+        free(x);
+        return;
+    }
+    memset(&mesh, 0, sizeof mesh);
+    memset(&options, 0, sizeof options);
+    CHECK_EQUAL(pbw_triangulate(3, x, NULL, count, NULL, &mesh), PBW_OK);
+    in = view(&mesh);
+    options.threads = 1;
+    options.resize = meter_resize;
+    options.resize_user = &m;
+    for (k = 1; status == PBW_ERROR_MEMORY && k < 1000; k++) {
+        meter_start(&m, k, 1);
+        status = pbw_improve(&in, NULL, &options, &out, NULL);
+        CHECK(status == PBW_ERROR_MEMORY || m.refused <= 2);          /* only sorting the angles may fail quietly */
+        pbw_tets_free(&out);
+        CHECK(m.blocks == 0 && m.faults == 0);
+    }
+    CHECK(k > 20 && status == PBW_OK);
+    meter_start(&m, 0, 0);
+    options.memory_limit = 50000;
+    CHECK_EQUAL(pbw_improve(&in, NULL, &options, &out, NULL), PBW_ERROR_MEMORY);
+    CHECK(m.blocks == 0 && m.faults == 0 && m.peak <= 50000);
+    options.memory_limit = 0;
+    options.progress = watch_progress;
+    options.progress_user = &w;
+    for (k = 1, status = PBW_CANCELLED; status == PBW_CANCELLED && k < 1000; k += 9) {
+        watch_start(&w, k);
+        status = pbw_improve(&in, NULL, &options, &out, NULL);
+        CHECK(w.wrong == 0);
+        CHECK(status == PBW_OK || out.points == NULL);
+        pbw_tets_free(&out);
+        CHECK(m.blocks == 0);
+    }
+    CHECK(k > 10 && status == PBW_OK);
+    pbw_free(&mesh);
+    free(x);
+    test_end();
+}
+
+int main(int argc, char **argv)
+{
+    test_start(argc, argv, 1);
+    test_measures();
+    test_surface(0);
+    test_surface(1);
+    test_cube(0);
+    test_cube(1);
+    test_ball();
+    test_regions();
+    test_refused();
+    test_failures();
+    return test_finish();
+}
