@@ -312,7 +312,9 @@ static void compare(run *r, pbw_status status, const pbw_mesh *mesh, pbw_status 
 {
     size_t hull, duplicates = 0;
     int p;
-    CHECK_EQUAL(status, expected);
+    if (!CHECK_EQUAL(status, expected)) {
+        return;
+    }
     for (p = 0; p < r->parts; p++) {
         duplicates += r->tree[p].duplicates;
     }
@@ -360,15 +362,193 @@ static void test_kind(int kind, int dim, size_t count, int weights)
     free(w);
 }
 
+/* Every input of the zoo, in some number of parts, with one of: usual limits, no halo, answers of few points, no work, any
+   cuts. */
+static void force(run *r, size_t how)
+{
+    if (how % 5 == 1) {
+        r->options.halo = -1;
+    } else if (how % 5 == 2) {
+        r->options.halo = 0.5;
+        r->limits.answer = 1 + how % 4;
+        r->limits.halo_answer = 3;
+    } else if (how % 5 == 3) {
+        r->limits.work = 1;
+        r->limits.points = 1 + how % 20;
+    }
+    r->slabs = how % 2 != 0;
+}
+
+static void test_zoo(void)
+{
+    zoo z;
+    size_t i, how;
+    zoo_fill(&z);
+    for (i = 0; i < z.count; i++) {
+        const zoo_input *in = z.items + i;
+        pbw_mesh mesh;
+        pbw_status status;
+        if (!in->finite || !test_begin("zoo: %s", in->name)) {
+            continue;
+        }
+        status = pbw_triangulate(in->dim, in->points, in->weights, in->count, NULL, &mesh);
+        for (how = 0; how < 3; how++) {
+            run *r = run_new(in->dim, in->points, in->weights, in->count, 2 + (int)((i + 3 * how) % 7));
+            force(r, i + 3 * how);
+            try(r, &mesh, in->count == 0 ? PBW_OK : status);
+        }
+        pbw_free(&mesh);
+        test_end();
+    }
+    zoo_free(&z);
+}
+
+/* Uniform, gauss and the others again with forced limits, any cuts, weights and duplicates. */
+static void test_forced(int dim, size_t count)
+{
+    static const int kinds[] = { INPUT_UNIFORM, INPUT_CLUSTERS, INPUT_LATTICE, INPUT_SPHERE, INPUT_SPIRAL };
+    size_t i, how, k;
+    for (k = 0; k < sizeof kinds / sizeof *kinds; k++) {
+        for (how = 0; how < INPUT_WEIGHTS_KINDS; how++) {
+            const int kind = kinds[k];
+            double *x, *w;
+            pbw_mesh mesh;
+            pbw_status status;
+            run *r;
+            if (!test_begin("forced %zu: %dD %s %s", how, dim, input_name(kind), input_weights_name((int)how))) {
+                continue;
+            }
+            x = (double *)zoo_grow(NULL, count * (size_t)dim * sizeof *x);
+            w = (double *)zoo_grow(NULL, count * sizeof *w);
+            input_fill(kind, dim, count, test_seed, x);
+            input_fill_weights((int)how, dim, count, test_seed, x, w);
+            for (i = 0; i < count / 10 * (size_t)dim; i++) {         /* a tenth lies at places taken before */
+                x[count * (size_t)dim - 1 - i] = x[count / 2 * (size_t)dim - 1 - i];
+            }
+            status = pbw_triangulate(dim, x, how % 3 == 0 ? NULL : w, count, NULL, &mesh);
+            r = run_new(dim, x, how % 3 == 0 ? NULL : w, count, 2 + (int)((k + how) % 15));
+            force(r, k + how);
+            r->options.build.threads = how % 4 == 0 ? 2 : 1;
+            try(r, &mesh, status);
+            pbw_free(&mesh);
+            free(x);
+            free(w);
+            test_end();
+        }
+    }
+}
+
+/* ---- failures */
+
+static run *failing_run(const double *x, const double *w, meter *m)
+{
+    run *r = run_new(3, x, w, 90, 3);
+    r->options.build.resize = meter_resize;
+    r->options.build.resize_user = m;
+    r->options.halo = 0.3;
+    return r;
+}
+
+static void test_memory(int work)
+{
+    if (test_begin("failures: memory%s", work > 0 ? ", with leftovers" : "")) {
+        double x[90 * 3], w[90];
+        pbw_status status = PBW_ERROR_MEMORY;
+        meter m;
+        long k;
+        input_fill(INPUT_CLUSTERS, 3, 90, test_seed, x);
+        input_fill_weights(INPUT_WEIGHTS_HIDING, 3, 90, test_seed, x, w);
+        for (k = 1; status == PBW_ERROR_MEMORY && k < 100000; k++) {
+            run *r;
+            meter_start(&m, k, k % 2 != 0);
+            r = failing_run(x, w, &m);
+            r->limits.work = (size_t)work;
+            status = run_all(r);
+            CHECK(status == PBW_OK || status == PBW_ERROR_MEMORY);
+            run_free(r);
+            CHECK(m.blocks == 0 && m.bytes == 0 && m.faults == 0);
+        }
+        CHECK_EQUAL(status, PBW_OK);
+        CHECK(k > 100);
+        test_end();
+    }
+}
+
+static int stop(void *user, pbw_stage stage, double done)
+{
+    (void)stage;
+    (void)done;
+    return --*(long *)user == 0;
+}
+
+static void test_stops(void)
+{
+    if (test_begin("failures: cancelled, the caller's, limits, messages")) {
+        double x[90 * 3];
+        long k, left;
+        pbw_status status = PBW_CANCELLED;
+        meter m;
+        run *r;
+        pbwt_bytes bad;
+        char text[64];
+        input_fill(INPUT_UNIFORM, 3, 90, test_seed, x);
+        meter_start(&m, 0, 0);
+        for (k = 1; status == PBW_CANCELLED && k < 10000; k++) {
+            left = k;
+            r = failing_run(x, NULL, &m);
+            r->options.build.progress = stop;
+            r->options.build.progress_user = &left;
+            status = run_all(r);
+            run_free(r);
+            CHECK(m.blocks == 0 && m.faults == 0);
+        }
+        CHECK(status == PBW_OK && k > 10);
+        r = failing_run(x, NULL, &m);
+        r->halt_at = 2;
+        CHECK_EQUAL(run_all(r), PBW_ERROR_BACKEND);
+        run_free(r);
+        r = failing_run(x, NULL, &m);
+        r->options.build.memory_limit = 30000;
+        CHECK_EQUAL(run_all(r), PBW_ERROR_MEMORY);
+        CHECK(m.peak < 3 * 31000 + 3 * 90000);
+        run_free(r);
+        r = failing_run(x, NULL, &m);
+        CHECK_EQUAL(split(r), PBW_OK);
+        memset(text, 7, sizeof text);
+        bad.data = text;
+        for (bad.size = 0; bad.size < sizeof text; bad.size++) {
+            pbwt_bytes reply = { NULL, 0 };
+            CHECK_EQUAL(pbwt_answer(r->tree, &r->served[0][1], &bad, NULL, 30, &reply), PBW_ERROR_ARGUMENT);
+        }
+        CHECK_EQUAL(pbwt_open(r->tile, r->tree, r->summary, 3, &r->options), PBW_OK);
+        CHECK_EQUAL(pbwt_take(r->tile, 1, text, sizeof text), PBW_ERROR_ARGUMENT);
+        CHECK_EQUAL(pbwt_take(r->tile, 3, text, sizeof text), PBW_ERROR_ARGUMENT);
+        run_free(r);
+        CHECK(m.blocks == 0);
+        x[5] = HUGE_VAL;
+        r = failing_run(x, NULL, &m);
+        CHECK_EQUAL(run_all(r), PBW_ERROR_NOT_FINITE);
+        run_free(r);
+        test_end();
+    }
+}
+
 int main(int argc, char **argv)
 {
     int kind, dim;
-    test_start(argc, argv, 3000);
+    test_start(argc, argv, 2000);
     for (dim = 2; dim <= 3; dim++) {
         for (kind = 0; kind < INPUT_KINDS; kind++) {
             const int slow = kind == INPUT_MOMENT || (kind == INPUT_SPHERE && dim == 3);
             test_kind(kind, dim, slow ? 300 : (size_t)test_count, INPUT_WEIGHTS_ZERO);
         }
+        test_kind(INPUT_UNIFORM, dim, (size_t)test_count, INPUT_WEIGHTS_HIDING);
+        test_kind(INPUT_CLUSTERS, dim, (size_t)test_count, INPUT_WEIGHTS_HALF);
+        test_forced(dim, 400);
     }
+    test_zoo();
+    test_memory(0);
+    test_memory(1);
+    test_stops();
     return test_finish();
 }

@@ -278,7 +278,8 @@ static int pbwt__resize(pbwt__memory *memory, pbwt__array *array, size_t bytes)
 static void *pbwt__room(pbwt__memory *memory, pbwt__array *array, size_t extra, size_t size)
 {
     const size_t need = (array->count + extra) * size, more = array->bytes + array->bytes / 2;
-    if (need > array->bytes && !pbwt__resize(memory, array, need > more ? need + 256 : more)) {
+    if ((need > array->bytes || array->data == NULL)
+        && !pbwt__resize(memory, array, need > more || more == 0 ? need + 256 : more)) {
         return NULL;
     }
     return (char *)array->data + array->count * size;
@@ -694,7 +695,8 @@ PBWTDEF void pbwt_summarise(const pbwt_tree *tree, pbwt_summary *summary)
    Rounding: each term of F is a product in which every factor and sum has at most 24 relative errors of 2^-53, so
    F is wrong by at most 24 * 1.12e-16 < 1e-14 / 3 times the sum of the absolute values of all terms (Higham 2002,
    Accuracy and Stability, section 3.1, where gamma_24 is this); 1e-14 covers the rounding of that sum and of bounds.
-   Underflow: what is below 1e-250 is not decided.  Overflow and NaN decide nothing either.
+   Underflow and overflow: a ball decides nothing unless each difference of corners is 0 or from 1e-50 to 1e50, so that
+   no product of five is out of range; nor do values of F below 1e-250 or above 1e300, or NaN.
    ------------------------------------------------------------------------------------------------------ */
 typedef struct pbwt__question {            /* what travels */
     double x[4][3], weight[4];             /* the corners of a positive simplex */
@@ -705,6 +707,7 @@ typedef struct pbwt__question {            /* what travels */
 typedef struct pbwt__ball {
     const pbwt__question *q;
     double a[3], weight, d, d_error, n[3], n_error[3];
+    int tame;                              /* 0: decides nothing */
 } pbwt__ball;
 
 #define PBWT__EPSILON 1e-14
@@ -713,6 +716,11 @@ static double pbwt__minor(double a, double b, double c, double d, double *size) 
 {
     *size = fabs(a * d) + fabs(b * c);
     return a * d - b * c;
+}
+
+static int pbwt__is_tame(double x)
+{
+    return (fabs(x) >= 1e-50 && fabs(x) <= 1e50) || (x <= 0 && x >= 0);
 }
 
 /* The cross product, and bounds of its terms. */
@@ -742,6 +750,7 @@ static void pbwt__ball_of_facet(pbwt__ball *ball, const pbwt__question *q)
     for (i = 0; i + 1 < dim; i++) {
         for (k = 0; k < 3; k++) {
             u[i][k] = corner[i + 1][k] - corner[0][k];
+            ball->tame &= pbwt__is_tame(u[i][k]);
         }
     }
     if (dim == 2) {
@@ -766,6 +775,7 @@ static void pbwt__ball_of(pbwt__ball *ball, const pbwt__question *q)
     int i, k;
     memset(ball, 0, sizeof *ball);
     ball->q = q;
+    ball->tame = 1;
     if (q->facet != 0) {
         pbwt__ball_of_facet(ball, q);
         return;
@@ -776,7 +786,9 @@ static void pbwt__ball_of(pbwt__ball *ball, const pbwt__question *q)
     for (i = 0; i < (int)q->dim; i++) {
         for (k = 0; k < 3; k++) {
             u[i][k] = q->x[i + 1][k] - q->x[0][k];
+            ball->tame &= pbwt__is_tame(u[i][k]);
         }
+        ball->tame &= pbwt__is_tame(q->weight[i + 1] - q->weight[0]);
         h[i] = u[i][0] * u[i][0] + u[i][1] * u[i][1] + u[i][2] * u[i][2];
         h_size[i] = h[i] + fabs(q->weight[i + 1] - q->weight[0]);
         h[i] -= q->weight[i + 1] - q->weight[0];
@@ -803,7 +815,7 @@ static void pbwt__ball_of(pbwt__ball *ball, const pbwt__question *q)
 static double pbwt__parabola(double d, double n, double low, double high)
 {
     return 2 * d * low >= n ? (d * low - n) * low : 2 * d * high <= n ? (d * high - n) * high
-         : d > 0 ? -n * n / (4 * d) : -HUGE_VAL;
+         : d > 0 ? -n * (n / (4 * d)) : -HUGE_VAL;
 }
 
 /* Is F above 0 for all points of the box, whatever was rounded?  0: perhaps not. */
@@ -813,6 +825,9 @@ static int pbwt__is_clear(const pbwt__ball *ball, const double *low, const doubl
     const double d = ball->d > ball->d_error ? ball->d - ball->d_error : 0;      /* simplices are positive */
     double sum = 0, size = 0;
     int k;
+    if (!ball->tame) {
+        return 0;
+    }
     for (k = 0; k < 3; k++) {
         const double from = low[k] - ball->a[k], to = high[k] - ball->a[k], n = ball->n[k], e = ball->n_error[k];
         const double far = fabs(from) > fabs(to) ? fabs(from) : fabs(to);
@@ -1662,7 +1677,7 @@ static int pbwt__is_held(const struct pbwt__tile *t, uint32_t simplex, const pbw
     const double d = ball->d - ball->d_error;
     double centre[3] = { 0, 0, 0 }, radius = t->foreign_weight - ball->weight, size = 0;
     int i, k;
-    if (!(d > 0.999999 * (ball->d + ball->d_error))) {
+    if (!ball->tame || !(d > 0.999999 * (ball->d + ball->d_error))) {
         return 0;
     }
     for (k = 0; k < t->tile->dim; k++) {
