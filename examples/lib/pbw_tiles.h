@@ -98,9 +98,9 @@ typedef struct pbwt_summary {
    that with the lowest id.  weight is 0 for Delaunay triangulations. */
 PBWTDEF pbw_status pbwt_tree_make(int dim, int part, const pbwt_point *points, size_t count,
                                   const pbw_options *options, pbwt_tree *tree);
-/* A tree over arrays of an earlier one, for example mapped ones.  Free nothing but the arrays. */
-PBWTDEF void pbwt_tree_over(int dim, int part, const pbwt_point *points, size_t count, const pbwt_box *boxes,
-                            pbwt_tree *tree);
+/* A tree over arrays of an earlier one, for example mapped ones; summary: of that.  Free nothing but the arrays. */
+PBWTDEF void pbwt_tree_over(int dim, int part, const pbwt_summary *summary, const pbwt_point *points,
+                            const pbwt_box *boxes, pbwt_tree *tree);
 PBWTDEF size_t pbwt_boxes_of(size_t points);         /* box_count of a tree over so many points */
 PBWTDEF void pbwt_tree_free(pbwt_tree *tree);
 PBWTDEF void pbwt_summarise(const pbwt_tree *tree, pbwt_summary *summary);
@@ -193,8 +193,8 @@ PBWTDEF pbw_status pbwt_leftovers(const pbwt_tile *tile, const uint64_t *ids, si
 PBWTDEF pbw_status pbwt_finish(pbwt_tile *tile, int dim, int parts, const pbwt_bytes *known,
                                const pbwt_options *options);
 
-/* ---- links: sorts facets of any parts (all that share an id[0] must be there) and fills `to`.  Returns how many have
-   nothing across: facets of the hull. */
+/* ---- links: fills `to` of facets of any parts (all that share an id[0] must be there) and sorts them by `from`, the
+   order in which each tile has them.  Returns how many have nothing across: facets of the hull. */
 PBWTDEF size_t pbwt_match(pbwt_facet *facets, size_t count);
 
 #ifdef __cplusplus
@@ -554,17 +554,19 @@ static void pbwt__choose_samples(pbwt_tree *tree)
     tree->samples = j;
 }
 
-PBWTDEF void pbwt_tree_over(int dim, int part, const pbwt_point *points, size_t count, const pbwt_box *boxes,
-                            pbwt_tree *tree)
+PBWTDEF void pbwt_tree_over(int dim, int part, const pbwt_summary *summary, const pbwt_point *points,
+                            const pbwt_box *boxes, pbwt_tree *tree)
 {
     memset(tree, 0, sizeof *tree);
     tree->dim = dim;
     tree->part = part;
     tree->points = points;
-    tree->count = count;
+    tree->count = (size_t)summary->count;
     tree->boxes = boxes;
-    tree->box_count = pbwt_boxes_of(count);
-    pbwt__choose_samples(tree);
+    tree->box_count = pbwt_boxes_of(tree->count);
+    for (tree->samples = 0; tree->samples < summary->samples; tree->samples++) {
+        tree->sample[tree->samples] = summary->sample[tree->samples].index;
+    }
 }
 
 typedef struct pbwt__making {
@@ -650,7 +652,13 @@ PBWTDEF pbw_status pbwt_tree_make(int dim, int part, const pbwt_point *points, s
         return status;
     }
     pbwt__upper_boxes(making.boxes, i);
-    pbwt_tree_over(dim, part, making.points, making.count, making.boxes, tree);
+    tree->dim = dim;
+    tree->part = part;
+    tree->points = making.points;
+    tree->count = making.count;
+    tree->boxes = making.boxes;
+    tree->box_count = pbwt_boxes_of(making.count);
+    pbwt__choose_samples(tree);
     tree->duplicates = count - making.count;
     tree->options = options != NULL ? *options : zero;
     tree->bytes = block.bytes;
@@ -2476,6 +2484,12 @@ static int pbwt__facet_before(const void *a, const void *b, int how)
     return x->from < y->from;
 }
 
+static int pbwt__from_before(const void *a, const void *b, int how)
+{
+    (void)how;
+    return ((const pbwt_facet *)a)->from < ((const pbwt_facet *)b)->from;
+}
+
 PBWTDEF size_t pbwt_match(pbwt_facet *facets, size_t count)
 {
     size_t i, single = 0;
@@ -2490,6 +2504,7 @@ PBWTDEF size_t pbwt_match(pbwt_facet *facets, size_t count)
             single++;
         }
     }
+    pbwt__sort(facets, count, sizeof *facets, pbwt__from_before, 0);
     return single;
 }
 

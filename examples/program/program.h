@@ -19,7 +19,7 @@
 #include <stdlib.h>
 #include <string.h>
 
-#define COMMANDS(X) X(mesh) X(sample) X(check) X(convert) X(bench) X(view) X(locate) X(nearest) X(cells)
+#define COMMANDS(X) X(mesh) X(sample) X(check) X(convert) X(bench) X(view) X(locate) X(nearest) X(cells) X(tiles) X(hash)
 
 #if defined(__GNUC__)
 #define PRINTF(a, b) __attribute__((format(printf, a, b)))
@@ -160,6 +160,12 @@ int write_with(job *j, writer *write, void *user);
 
 /* Cells with shapes as .obj, .vtu, .svg; without what is unbounded. */
 pbwio_status write_diagram(const char *path, const char *ending, const pbw_cells *cells, pbwio_error *error);
+
+/* ---- pbwt.c: files of tiles; each returns the exit status ---- */
+
+int is_pbwt(const job *j);                                           /* is the input one, by its name? */
+int check_pbwt(job *j);
+int convert_pbwt(job *j, pbw_mesh *mesh);                            /* the tile of --tile; pbwtf_mesh_free when done */
 
 /* ---- surface.c ---- */
 
