@@ -292,8 +292,9 @@ static int make_tree(const work *w, size_t p)
                             map.size / sizeof(pbwt_point), &w->options.build, &tree);
     pbwtf_unmap(&map);
     if (status != PBW_OK) {
-        return status == PBW_CANCELLED ? stopped(w->j) : fail(w->j, "tile %lu: %s", (unsigned long)p,
-                                                              pbw_status_string(status));
+        return status == PBW_CANCELLED ? stopped(w->j) : fail(w->j, "tile %lu: %s%s", (unsigned long)p,
+                                                              pbw_status_string(status), status == PBW_ERROR_MEMORY
+                                                              ? "; more --tiles need less" : "");
     }
     failed = write_tree(w, &tree, name);
     pbwt_tree_free(&tree);
