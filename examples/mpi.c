@@ -1,5 +1,5 @@
-/* mpi.c: one triangulation by many machines, over MPI: each rank reads a slice of the points, gets those of its part, and
-   has its tile of the triangulation in the end; together they are that of pbw_triangulate: see the hash.
+/* mpi.c: one triangulation by many machines, over MPI: each rank reads a slice of the points, gets those of its part,
+   and has its tile of the triangulation in the end; together they are that of pbw_triangulate: see the hash.
    mpicc -O2 -I. -Iexamples/lib examples/mpi.c -o mpi -lpthread -lm
    mpirun -np 8 ./mpi points.bin [--dim 2] [--weights w] [--threads 2] [--memory-limit BYTES] [-o mesh.pbwt]
    mpirun -np 8 ./mpi --generate 1000000                         a million uniform points for each rank

@@ -9,7 +9,7 @@
 
 enum { MOST_PARTS = 17 };
 
-typedef struct one { uint64_t corner[4]; uint64_t link[4]; } one;            /* links: part << 40 | simplex, or marks */
+typedef struct one { uint64_t corner[4], link[4]; } one;             /* links: part << 40 | simplex, or marks */
 typedef struct part_out { one *simplex; size_t count; } part_out;
 
 typedef struct run {
@@ -324,8 +324,8 @@ static void compare(run *r, pbw_status status, const pbw_mesh *mesh, pbw_status 
     CHECK(links_of_parts(r) == links_of_mesh(mesh, &hull));
     CHECK_EQUAL(r->hull, hull);
     if (test_verbose) {
-        test_say("own %zu, halo %zu, later %zu, questions %zu, rounds %zu, patched %zu, given up %zu", r->own, r->halo,
-                 r->later, r->questions, r->rounds, r->patched, r->given_up);
+        test_say("own %zu, halo %zu, later %zu, questions %zu, rounds %zu, patched %zu, given up %zu", r->own,
+                 r->halo, r->later, r->questions, r->rounds, r->patched, r->given_up);
     }
 }
 
@@ -362,7 +362,7 @@ static void test_kind(int kind, int dim, size_t count, int weights)
     free(w);
 }
 
-/* Every input of the zoo, in some number of parts, with one of: usual limits, no halo, answers of few points, no work, any
+/* For every input of the zoo one of: usual limits, no halo, answers of few points, no work; half of them with any
    cuts. */
 static void force(run *r, size_t how)
 {

@@ -1,6 +1,6 @@
 #!/bin/sh
-# tiles.sh FOLDER: pbw tiles, hash, check and convert of FOLDER/pbw: the same triangulation as at once, for every kind of
-# points; files that are damaged, disks that are full, runs that are killed; and the same by examples/mpi.c over MPI.
+# tiles.sh FOLDER: pbw tiles, hash, check and convert of FOLDER/pbw: the same triangulation as at once, for many kinds
+# of points; files that are damaged, disks that are full, runs that are killed; and examples/mpi.c over MPI.
 bin=$(cd "$1" && pwd)
 root=$(pwd)
 pbw=$bin/pbw work=$bin/tiles
@@ -108,8 +108,9 @@ check "models as before" says 2 "of a tile only" convert clusters.csv -o part.vt
 full() {
     (ulimit -f 2000; trap '' XFSZ; "$pbw" tiles long.bin --tiles 8 -o f.pbwt > said 2>&1) && return 1
     cat said
-    grep -q 'what is finished stays' said && ! [ -e f.pbwt ] && "$pbw" tiles long.bin --tiles 8 -o f.pbwt > said 2>&1 &&
-        cat said && hash_of f.pbwt > one && hash_of m.pbwt > two && cmp one two
+    grep -q 'what is finished stays' said && ! [ -e f.pbwt ] &&
+        "$pbw" tiles long.bin --tiles 8 -o f.pbwt > said 2>&1 && cat said && hash_of f.pbwt > one &&
+        hash_of m.pbwt > two && cmp one two
 }
 check "a full disk" full
 killed() {

@@ -235,8 +235,10 @@ static void pbwtf__sizes(const pbwtf_chunk *chunk, pbwtf_view *view)
 PBWTFDEF size_t pbwtf_across_offset(const pbwtf_chunk *chunk)
 {
     pbwtf_view view;
+    size_t simplices;
     pbwtf__sizes(chunk, &view);
-    return sizeof *chunk + (size_t)chunk->own * view.own_size * 8 + pbwtf__round((size_t)chunk->simplices * view.simplex_size * 4)
+    simplices = pbwtf__round((size_t)chunk->simplices * view.simplex_size * 4);
+    return sizeof *chunk + (size_t)chunk->own * view.own_size * 8 + simplices
          + (size_t)chunk->foreign * view.foreign_size * 8 + pbwtf__round((size_t)chunk->given * 4);
 }
 

@@ -55,7 +55,7 @@
 extern "C" {
 #endif
 
-typedef struct pbwt_point { double x[3], weight; uint64_t id; } pbwt_point;      /* ids: all different; 2D: x[2] = 0 */
+typedef struct pbwt_point { double x[3], weight; uint64_t id; } pbwt_point;      /* ids: all different; 2D: x[2] 0 */
 typedef struct pbwt_vertex { pbwt_point point; uint32_t part, index; } pbwt_vertex;   /* index: in its part's tree */
 typedef struct pbwt_box { double low[3], high[3], weight; } pbwt_box;            /* weight: the largest inside */
 typedef struct pbwt_bytes { char *data; size_t size; } pbwt_bytes;
@@ -73,7 +73,7 @@ PBWTDEF int pbwt_part(int dim, const pbwt_cut *cuts, int parts, const pbwt_point
 
 #define PBWT_LEAF 32                       /* points under a box of the lowest level */
 #define PBWT_ARITY 8                       /* boxes under a box */
-#define PBWT_SAMPLES 16                    /* points of a part that all others know */
+#define PBWT_SAMPLES 16                    /* points of a part that others know, all others if parts are few */
 typedef struct pbwt_tree {                 /* start from {0}; read, do not write */
     int dim, part;
     size_t count, duplicates;              /* points kept, points removed */
@@ -188,8 +188,8 @@ PBWTDEF void pbwt_close(pbwt_tile *tile);
 /* ids: ascending, of all vertices that any part gave up.  Returns in *out what this tile knows: its own ones among
    them, and those of its other points that are neighbours of some; free by pbwt_bytes_free(tile->tree, out). */
 PBWTDEF pbw_status pbwt_leftovers(const pbwt_tile *tile, const uint64_t *ids, size_t count, pbwt_bytes *out);
-/* known: what all tiles returned, one after the other.  Triangulates and emits the simplices of the leftovers, as part
-   `parts`; corners are then numbers in tile.foreign.  PBW_DEGENERATE if all points together are flat. */
+/* known: what all tiles returned, one after the other.  Triangulates and emits the simplices of the leftovers, as
+   part `parts`; corners are then numbers in tile.foreign.  PBW_DEGENERATE if all points together are flat. */
 PBWTDEF pbw_status pbwt_finish(pbwt_tile *tile, int dim, int parts, const pbwt_bytes *known,
                                const pbwt_options *options);
 
@@ -703,8 +703,8 @@ PBWTDEF void pbwt_summarise(const pbwt_tree *tree, pbwt_summary *summary)
    Rounding: each term of F is a product in which every factor and sum has at most 24 relative errors of 2^-53, so
    F is wrong by at most 24 * 1.12e-16 < 1e-14 / 3 times the sum of the absolute values of all terms (Higham 2002,
    Accuracy and Stability, section 3.1, where gamma_24 is this); 1e-14 covers the rounding of that sum and of bounds.
-   Underflow and overflow: a ball decides nothing unless each difference of corners is 0 or from 1e-50 to 1e50, so that
-   no product of five is out of range; nor do values of F below 1e-250 or above 1e300, or NaN.
+   Underflow and overflow: a ball decides nothing unless each difference of corners is 0 or from 1e-50 to 1e50, so
+   that no product of five is out of range; nor do values of F below 1e-250 or above 1e300, or NaN.
    ------------------------------------------------------------------------------------------------------ */
 typedef struct pbwt__question {            /* what travels */
     double x[4][3], weight[4];             /* the corners of a positive simplex */
@@ -979,13 +979,14 @@ static size_t pbwt__next(pbwt__walk *walk)
 
 /* ------------------------------------------------------------------------------------------------------
    Answers.
-   In: a request: a head, then boxes of the halo or questions.  Out: a reply: a head, a verdict for each (a byte, filled
-   up to 8), then points that were not sent before.
+   In: a request: a head, then boxes of the halo or questions.  Out: a reply: a head, a verdict for each (a byte,
+   filled up to 8), then points that were not sent before.
    Holds: of a verdict PBWT__ALL the part that asked has all points in conflict; of PBWT__SOME at least one.
    ------------------------------------------------------------------------------------------------------ */
 enum { PBWT__NOTHING, PBWT__ALL, PBWT__SOME, PBWT__REFUSED };            /* verdicts */
 enum { PBWT__WANT = 0x77746270, PBWT__ASK, PBWT__REPLY };               /* kinds of messages */
 
+/* points: in a reply, how many; in a request, whether the samples of the part asked are known. */
 typedef struct pbwt__head { uint32_t kind, count; uint64_t points; } pbwt__head;
 
 typedef struct pbwt__serving {
@@ -995,6 +996,7 @@ typedef struct pbwt__serving {
     pbwt__levels levels;
     pbwt__array set, out, found;                     /* set: hash table of index + 1; out: pbwt_vertex; found: u32 */
     size_t most, few;                                /* points in an answer, and if there are more */
+    int samples;                                     /* known: never sent */
 } pbwt__serving;
 
 static size_t pbwt__slot(const pbwt__array *set, uint32_t index)         /* where it is or would be */
@@ -1035,7 +1037,7 @@ static int pbwt__send(pbwt__serving *s, uint32_t index)      /* unless it was se
     pbwt_vertex vertex;
     size_t at;
     int i;
-    for (i = 0; i < s->tree->samples; i++) {
+    for (i = 0; i < s->samples; i++) {
         if (s->tree->sample[i] == index) {
             return 1;
         }
@@ -1218,6 +1220,7 @@ static pbw_status pbwt__answer_all(pbwt__serving *s, const pbwt_bytes *request, 
     s->most = head.kind == PBWT__WANT ? (limits->halo_answer > 0 ? limits->halo_answer : 512)
             : limits->answer > 0 ? limits->answer : 64;
     s->few = head.kind == PBWT__WANT ? 64 : (s->most + 2) / 3;
+    s->samples = head.points != 0 ? s->tree->samples : 0;
     s->few = s->few > 64 ? 64 : s->few > s->most ? s->most : s->few;
     if (!pbwt__zeros(&s->memory, verdicts, head.count, 1)) {
         return PBW_ERROR_MEMORY;
@@ -1266,11 +1269,13 @@ PBWTDEF pbw_status pbwt_answer(const pbwt_tree *tree, pbwt_served *served, const
 
 /* ------------------------------------------------------------------------------------------------------
    One part's work.
-   A level is a mesh and the subjects of it, own vertices whose stars it has.  The first mesh is of all local points; the
-   next ones are of what a repair needs, fewer each time.  After each round of questions, subjects without a point in
-   conflict are final: their simplices are emitted, and the level is replaced by the repair of the others.
+   A level is a mesh and the subjects of it, own vertices whose stars it has.  The first mesh is of all local points;
+   the next ones are of what a repair needs, fewer each time.  After each round of questions, subjects without a point
+   in conflict are final: their simplices are emitted, and the level is replaced by the repair of the others.
    ------------------------------------------------------------------------------------------------------ */
-enum { PBWT__DONE, PBWT__SUBJECT, PBWT__ASKED, PBWT__AFFECTED, PBWT__MORE, PBWT__GIVEN };     /* states of own vertices */
+/* States of own vertices: emitted; final in this level; to be certified; with points in conflict, all or some of
+   which are known; given up. */
+enum { PBWT__DONE, PBWT__SUBJECT, PBWT__ASKED, PBWT__AFFECTED, PBWT__MORE, PBWT__GIVEN };
 
 typedef struct pbwt__level {
     pbw_mesh mesh;
@@ -1285,11 +1290,12 @@ struct pbwt__tile {
     size_t own;                                      /* points of the tree: local numbers below are own ones */
     int stage;                                       /* calls of pbwt_ask */
     pbwt__array parts;                               /* pbwt_box: the hierarchy over the boxes of all parts */
+    pbwt__array known;                               /* per part, a byte: its samples are foreign points */
     pbwt__levels levels;
     double foreign_weight;                           /* the largest elsewhere */
     pbwt__array request, asked;                      /* per part: pbwt__array */
     pbwt__array foreign, state, held, facets, given; /* held: per leaf, how far around it all points are known */
-    pbwt__array border;                              /* local numbers of corners of final simplices that are not all own */
+    pbwt__array border;                              /* corners of final simplices that have others, too */
     size_t before;                                   /* foreign points before the last replies */
     pbwt__level level;
     pbwt__array mark, queue;                         /* per simplex; u32 */
@@ -1354,6 +1360,7 @@ PBWTDEF void pbwt_close(pbwt_tile *tile)
     }
     pbwt__level_free(t, &t->level);
     pbwt__release(&t->memory, &t->parts);
+    pbwt__release(&t->memory, &t->known);
     pbwt__release(&t->memory, &t->request);
     pbwt__release(&t->memory, &t->asked);
     pbwt__release(&t->memory, &t->foreign);
@@ -1395,7 +1402,22 @@ static int pbwt__allocate_tile(pbwt_tile *tile, const pbwt_options *options)
     return 1;
 }
 
-/* Copies the summaries: boxes of the other parts, and their samples as the first foreign points. */
+/* Of many parts, the samples are taken of near ones, of those at the ends of each axis, and of every so many. */
+static int pbwt__takes_samples(const struct pbwt__tile *t, const pbwt_summary *summaries, size_t p)
+{
+    const size_t parts = (size_t)t->tile->parts;
+    const pbwt_box *own = &summaries[t->tile->tree->part].box, *box = &summaries[p].box;
+    const pbwt_box *all = (const pbwt_box *)t->parts.data + t->parts.count - 1;
+    int k, near = 1, end = 0;
+    for (k = 0; k < t->tile->dim; k++) {
+        const double size = own->high[k] - own->low[k];
+        near &= box->low[k] <= own->high[k] + size && box->high[k] >= own->low[k] - size;
+        end |= !(box->low[k] > all->low[k]) || !(box->high[k] < all->high[k]);
+    }
+    return parts <= 64 || near || p % (parts / 32) == 0 || (end && p % (parts / 32) < 2);
+}
+
+/* Copies the summaries: boxes of the other parts, and samples as the first foreign points. */
 static pbw_status pbwt__meet_parts(struct pbwt__tile *t, const pbwt_summary *summaries)
 {
     const size_t parts = (size_t)t->tile->parts;
@@ -1403,6 +1425,7 @@ static pbw_status pbwt__meet_parts(struct pbwt__tile *t, const pbwt_summary *sum
     size_t p;
     int i;
     if (!pbwt__zeros(&t->memory, &t->parts, pbwt__level_boxes(parts), sizeof(pbwt_box))
+        || !pbwt__zeros(&t->memory, &t->known, parts, 1)
         || !pbwt__zeros(&t->memory, &t->request, parts, sizeof(pbwt__array))
         || !pbwt__zeros(&t->memory, &t->asked, parts, sizeof(pbwt__array))) {
         return PBW_ERROR_MEMORY;
@@ -1416,14 +1439,20 @@ static pbw_status pbwt__meet_parts(struct pbwt__tile *t, const pbwt_summary *sum
             continue;
         }
         t->foreign_weight = box[p].weight > t->foreign_weight ? box[p].weight : t->foreign_weight;
+    }
+    pbwt__upper_boxes(box, parts);
+    t->levels = pbwt__levels_over(box, parts);
+    for (p = 0; p < parts; p++) {
+        if ((int)p == t->tile->tree->part || !pbwt__takes_samples(t, summaries, p)) {
+            continue;
+        }
+        PBWT__BYTES(t->known)[p] = 1;
         for (i = 0; i < summaries[p].samples; i++) {
             if (!pbwt__push(&t->memory, &t->foreign, summaries[p].sample + i, sizeof(pbwt_vertex))) {
                 return PBW_ERROR_MEMORY;
             }
         }
     }
-    pbwt__upper_boxes(box, parts);
-    t->levels = pbwt__levels_over(box, parts);
     return PBW_OK;
 }
 
@@ -1449,7 +1478,8 @@ PBWTDEF pbw_status pbwt_open(pbwt_tile *tile, const pbwt_tree *tree, const pbwt_
     status = pbwt__meet_parts(tile->memory, summaries);
     if (status == PBW_OK
         && (!pbwt__zeros(&tile->memory->memory, &tile->memory->state, tree->count, 1)
-            || !pbwt__zeros(&tile->memory->memory, &tile->memory->held, tree->count / PBWT_LEAF + 1, sizeof(double)))) {
+            || !pbwt__zeros(&tile->memory->memory, &tile->memory->held, tree->count / PBWT_LEAF + 1,
+                            sizeof(double)))) {
         status = PBW_ERROR_MEMORY;
     }
     if (status != PBW_OK) {
@@ -1509,6 +1539,7 @@ static int pbwt__end_requests(struct pbwt__tile *t, uint32_t kind)
             memset(&head, 0, sizeof head);
             head.kind = kind;
             head.count = (uint32_t)PBWT__PART(t->asked, p)->count;
+            head.points = PBWT__BYTES(t->known)[p];
             memcpy(request->data, &head, sizeof head);
             t->tile->request[p].data = (char *)request->data;
             t->tile->request[p].size = request->count;
@@ -1579,10 +1610,11 @@ static pbw_status pbwt__want_halo(struct pbwt__tile *t)
 static void pbwt__hear(struct pbwt__tile *t, uint32_t simplex, int verdict)
 {
     const int state = verdict == PBWT__ALL ? PBWT__AFFECTED : verdict == PBWT__SOME ? PBWT__MORE : PBWT__GIVEN;
+    const pbw_index *corner = t->level.mesh.simplices + (size_t)simplex * (size_t)pbwt__corners(t);
     int k;
     t->tile->numbers.answered += verdict != PBWT__REFUSED;
     for (k = 0; k < pbwt__corners(t); k++) {
-        const uint32_t v = pbwt__local(t, t->level.mesh.simplices[(size_t)simplex * (size_t)pbwt__corners(t) + (size_t)k]);
+        const uint32_t v = pbwt__local(t, corner[k]);
         const int now = pbwt__state(t, v);
         if (now >= PBWT__ASKED && state > now) {
             PBWT__BYTES(t->state)[v] = (unsigned char)state;
@@ -1657,9 +1689,9 @@ static pbw_status pbwt__triangulate(struct pbwt__tile *t, size_t count)
     }
     options = pbwt__inner_options(t);
     options.flags |= PBW_BORROW;
-    options.flags &= ~(PBW_NO_NEIGHBORS | PBW_CURVE_ORDER);
-    status = pbw_triangulate(t->tile->dim, (double *)level->x.data,
-                             t->options.weighted ? (double *)level->weight.data : NULL, count, &options, &level->mesh);
+    options.flags &= ~(PBW_NO_NEIGHBORS | PBW_CURVE_ORDER);          /* weight.data is NULL without weights */
+    status = pbw_triangulate(t->tile->dim, (double *)level->x.data, (double *)level->weight.data, count, &options,
+                             &level->mesh);
     return status == PBW_DEGENERATE ? PBW_OK : status;
 }
 
@@ -2178,10 +2210,10 @@ PBWTDEF pbw_status pbwt_ask(pbwt_tile *tile, int *more)
 
 /* ------------------------------------------------------------------------------------------------------
    Leftovers.
-   With U the vertices given up and C the others, whose stars are exact: the star of u in U among all points is its star
-   among U and the neighbours in C of U, since those in C know of it, and it is closed.  With weights a vertex given up
-   may be hidden, and show up among so few points; then it shares simplices with no vertex that is not hidden: simplices
-   count if through shared corners in U they lead to one that a vertex of C knows to be its neighbour.
+   With U the vertices given up and C the others, whose stars are exact: the star of u in U among all points is its
+   star among U and the neighbours in C of U, since those in C know of it, and it is closed.  With weights a vertex
+   given up may be hidden, and show up among so few points; then it shares simplices with hidden vertices only:
+   simplices count if through shared corners in U they lead to one that a vertex of C knows to be its neighbour.
    ------------------------------------------------------------------------------------------------------ */
 typedef struct pbwt__known { uint64_t given, near, seen, emitted; } pbwt__known;         /* vertices, vertices, ids */
 

@@ -3,7 +3,7 @@
    The proof: every simplex is positive; links lead back, across tiles too, to simplices that share the facet, on its
    other side, and whose other corner is not in conflict; facets without a link are those of the hull of their own
    vertices.  So the simplices cover the hull once, and are regular everywhere.  Each point is a corner (with weights:
-   or hidden, which is not proved), points in several tiles are equal, and checksums, counts and the hash are right. */
+   or hidden, which is not proved), points in several tiles are equal; checksums, counts and the hash are right. */
 #include "program.h"
 #include "pbw_tilefile.h"
 
@@ -498,8 +498,8 @@ const command command_hash = {
     "hash", "one number for a triangulation",
     "usage: pbw hash [options] input\n"
     "\n"
-    "Prints the hash of the triangulation: equal for two files if they are the same triangulation of the same points,\n"
-    "in any order.  Of a .pbwt file it is computed anew, tile by tile, and compared with that in the header.\n"
+    "Prints the hash of the triangulation: equal for two files if they are the same triangulation of the same\n"
+    "points, in any order.  Of a .pbwt file it is computed anew, tile by tile, and compared with the header's.\n"
     "\n"
     "input:   as for pbw mesh, or .pbwt\n"
     "\n",

@@ -1,7 +1,7 @@
 /* tiles.c: pbw tiles: triangulates points that memory does not hold, tile by tile, into a .pbwt file.
 
-   Beside the output, in a folder of scratch files: `state`, replaced as a whole after each step, so that a run that was
-   killed goes on; N.points (records of tile N as they come), N.tree (sorted, with boxes), N.facets (to be linked). */
+   Beside the output, in a folder of scratch files: `state`, replaced as a whole after each step, so that a run that
+   was killed goes on; N.points (records of tile N as they come), N.tree (sorted, with boxes), N.facets (to link). */
 #include "program.h"
 #include "pbw_tilefile.h"
 #include <errno.h>
@@ -158,9 +158,9 @@ static int read_points(const work *w, uint64_t from, size_t count, pbwt_point *o
         out[i].weight = w->s.weighted ? row[dim] : 0;
     }
     for (i = 0; i < count; i++) {
-        const double sum = fabs(out[i].x[0]) + fabs(out[i].x[1]) + fabs(out[i].x[2]) + fabs(out[i].weight);
-        if (!(fmax(fmax(fabs(out[i].x[0]), fabs(out[i].x[1])), fmax(fabs(out[i].x[2]), fabs(out[i].weight))) <= DBL_MAX)
-            || sum != sum) {
+        const double *x = out[i].x;
+        if (!(fabs(x[0]) <= DBL_MAX && fabs(x[1]) <= DBL_MAX && fabs(x[2]) <= DBL_MAX
+              && fabs(out[i].weight) <= DBL_MAX)) {
             return fail(w->j, "point %.0f: a number is not finite", (double)(from + i));
         }
     }
@@ -179,12 +179,12 @@ static int make_cuts(const work *w, pbwt_cut *cuts)
     int failed = sample == NULL ? fail(w->j, "out of memory") : 0;
     for (i = 0; i < count && !failed; i++) {         /* one of each of `count` runs of points */
         const uint64_t from = w->s.points * i / count, to = w->s.points * (i + 1) / count;
+        const uint64_t at = from + (random >> 33) % (to - from);
         random = random * 6364136223846793005u + 1442695040888963407u;
-        if (w->input != NULL && fseek(w->input, (long)((from + (random >> 33) % (to - from)) * record), SEEK_SET) != 0) {
+        if (w->input != NULL && fseek(w->input, (long)(at * record), SEEK_SET) != 0) {
             failed = cannot(w, w->j->input);
         }
-        failed = failed ? failed : read_points(w, from + (w->input == NULL ? (random >> 33) % (to - from) : 0), 1,
-                                               sample + i);
+        failed = failed ? failed : read_points(w, at, 1, sample + i);
     }
     if (!failed) {
         pbwt_cut_points((int)w->s.dim, sample, count, (int)w->s.parts, cuts);
@@ -205,8 +205,8 @@ static int flush_points(const work *w, size_t tile, const pbwt_point *points, si
     return good ? 0 : cannot(w, name);
 }
 
-/* Sorts the input into a file a tile; buffer: BUFFER points for each tile, then BUFFER of the input; used: two numbers
-   a tile, points in its buffer and files begun. */
+/* Sorts the input into a file a tile; buffer: BUFFER points for each tile, then BUFFER of the input; used: two
+   numbers a tile, points in its buffer and how often that was written. */
 static int distribute_with(work *w, const pbwt_cut *cuts, pbwt_point *buffer, size_t *used)
 {
     pbwt_point *input = buffer + w->s.parts * (size_t)BUFFER;
@@ -341,8 +341,8 @@ static int explain_tile(const work *w, const pbwt_tile *tile, size_t p, pbw_stat
         return stopped(w->j);
     }
     if (status == PBW_ERROR_MEMORY) {
-        return fail(w->j, "tile %lu: out of memory within --memory-limit %s: %lu points of its own, %lu of others, %lu "
-                    "given up; more --tiles need less", (unsigned long)p,
+        return fail(w->j, "tile %lu: out of memory within --memory-limit %s: %lu points of its own, %lu of others, "
+                    "%lu given up; more --tiles need less", (unsigned long)p,
                     text_of(w->j, "--memory-limit") != NULL ? text_of(w->j, "--memory-limit") : "4G",
                     (unsigned long)(p < w->s.parts ? w->tree[p].count : 0), (unsigned long)tile->foreign_count,
                     (unsigned long)tile->numbers.given_up);
@@ -428,9 +428,9 @@ static int build_tile(work *w, FILE *out, size_t p)
     status = status != PBW_OK ? status : run_tile(w, &tile, p);
     failed = status == PBW_OK ? end_tile(w, &chunk, &tile, p) : explain_tile(w, &tile, p, status);
     if (!failed) {
-        say(w->j, "tile", now() - w->start, "%lu of %u: %lu points, halo %lu + %lu, %lu simplices, %lu rounds, %lu given up",
-            (unsigned long)p + 1, w->s.parts, (unsigned long)w->tree[p].count, (unsigned long)tile.numbers.halo,
-            (unsigned long)tile.numbers.later, (unsigned long)tile.numbers.simplices,
+        say(w->j, "tile", now() - w->start, "%lu of %u: %lu points, halo %lu + %lu, %lu simplices, %lu rounds, "
+            "%lu given up", (unsigned long)p + 1, w->s.parts, (unsigned long)w->tree[p].count,
+            (unsigned long)tile.numbers.halo, (unsigned long)tile.numbers.later, (unsigned long)tile.numbers.simplices,
             (unsigned long)tile.numbers.rounds, (unsigned long)tile.numbers.given_up);
     }
     pbwt_close(&tile);
@@ -544,12 +544,13 @@ static int link_tiles(work *w, FILE *out, uint64_t *hull)
     }
     facets = (pbwt_facet *)malloc((size_t)(count + 1) * sizeof *facets);
     if (facets == NULL) {
-        return fail(w->j, "out of memory: %.0f facets between tiles need %.0f MB", (double)count, (double)count * 48e-6);
+        return fail(w->j, "out of memory: %.0f facets between tiles need %.0f MB", (double)count,
+                    (double)count * 48e-6);
     }
     for (p = 0; p < w->s.chunks && !failed; p++) {
         FILE *file = fopen(name_of(w, "facets", p, name), "rb");
-        failed = file == NULL || fread(facets + at, sizeof *facets, (size_t)w->tile[p].facets, file) != w->tile[p].facets;
-        failed = failed ? cannot(w, name) : 0;
+        const size_t own = (size_t)w->tile[p].facets;
+        failed = file == NULL || fread(facets + at, sizeof *facets, own, file) != own ? cannot(w, name) : 0;
         at += w->tile[p].facets;
         if (file != NULL) {
             fclose(file);
@@ -607,8 +608,8 @@ static int finish_file(work *w, FILE *out)
     failed = failed || fflush(out) != 0 || fseek(out, 0, SEEK_SET) != 0
           || fwrite(&header, sizeof header, 1, out) != 1 || fflush(out) != 0 ? cannot(w, w->out) : 0;
     if (!failed) {
-        note(w->j, "%.0f simplices, %.0f facets on the hull, %.0f duplicates, halo %.1f %%, %.0f rounds, hash %016llx",
-             (double)header.simplices, (double)header.hull, (double)header.duplicates,
+        note(w->j, "%.0f simplices, %.0f facets on the hull, %.0f duplicates, halo %.1f %%, %.0f rounds, "
+             "hash %016llx", (double)header.simplices, (double)header.hull, (double)header.duplicates,
              100 * (double)halo / (double)(w->s.points > 0 ? w->s.points : 1), (double)rounds,
              (unsigned long long)header.hash);
     }
