@@ -362,8 +362,8 @@ static void test_kind(int kind, int dim, size_t count, int weights)
     free(w);
 }
 
-/* For every input of the zoo one of: usual limits, no halo, answers of few points, no work; half of them with any
-   cuts. */
+/* For every input of the zoo one of: usual limits, no halo, answers of few points, no work, few questions; half of
+   them with any cuts. */
 static void force(run *r, size_t how)
 {
     if (how % 5 == 1) {
@@ -372,6 +372,8 @@ static void force(run *r, size_t how)
         r->options.halo = 0.5;
         r->limits.answer = 1 + how % 4;
         r->limits.halo_answer = 3;
+    } else if (how % 5 == 4) {
+        r->options.questions = 0.05 * (double)(how % 7);
     } else if (how % 5 == 3) {
         r->limits.work = 1;
         r->limits.points = 1 + how % 20;

@@ -110,7 +110,8 @@ PBWTDEF void pbwt_summarise(const pbwt_tree *tree, pbwt_summary *summary);
 typedef struct pbwt_limits {               /* 0 = default */
     size_t answer;                         /* points in an answer, 64; over it a sample of a third, and "more" */
     size_t halo_answer;                    /* the same for a box of the halo, 512, and a sample of 64 */
-    size_t work;                           /* visits of boxes and points for one part, 100 a point of it */
+    size_t work;                           /* visits of boxes for one part by another, 20 a point of it.  Volumes need
+                                              fewer; on surfaces, more of them leave fewer leftovers, later */
     size_t points;                         /* answered to one part by another, half as many as it has */
 } pbwt_limits;
 
@@ -142,6 +143,8 @@ typedef struct pbwt_options {
     pbw_options build;                     /* threads, memory_limit, resize, progress, backend ... of a tile */
     double halo;                           /* width in spacings; 0 = 1.5, below 0 = none */
     int weighted;                          /* 1: regular triangulation */
+    double questions;                      /* a round and own point at most: else, as on surfaces, all points asked
+                                              about are given up; 0 = 8, and 10,000 more */
     /* Called with count simplices of the tile, numbered on from `first`: dim+1 corners each, numbers < tree.count
        are own points, others tile.foreign[number - tree.count]; and their links.  NULL = only hash and counts. */
     pbw_status (*emit)(void *user, const pbwt_tile *tile, size_t first, size_t count, const uint32_t *corners,
@@ -1205,7 +1208,7 @@ PBWTDEF void pbwt_served_free(const pbwt_tree *tree, pbwt_served *served)
 static pbw_status pbwt__answer_all(pbwt__serving *s, const pbwt_bytes *request, const pbwt_limits *limits,
                                    uint64_t asker, pbwt__array *verdicts)
 {
-    const size_t work = (limits->work > 0 ? limits->work : 100) * (size_t)(asker + 1000);
+    const size_t work = (limits->work > 0 ? limits->work : 20) * (size_t)(asker + 1000);
     const size_t points = limits->points > 0 ? limits->points : (size_t)asker / 2 + 1000;
     pbwt__head head;
     size_t i, size;
@@ -1492,7 +1495,7 @@ PBWTDEF pbw_status pbwt_open(pbwt_tile *tile, const pbwt_tree *tree, const pbwt_
 
 /* ---- requests */
 
-static pbw_status pbwt__start_requests(struct pbwt__tile *t)
+static void pbwt__start_requests(struct pbwt__tile *t)
 {
     int p;
     for (p = 0; p < t->tile->parts; p++) {
@@ -1502,7 +1505,6 @@ static pbw_status pbwt__start_requests(struct pbwt__tile *t)
         t->tile->request[p].size = 0;
     }
     t->before = t->foreign.count;
-    return PBW_OK;
 }
 
 /* Appends a record to the request for a part, and notes what it is about. */
@@ -1807,10 +1809,25 @@ static int pbwt__starts(const struct pbwt__tile *t, size_t simplex, int *has_ask
     return asked && border;
 }
 
+/* Gives up all that certification was to look at, instead of asking. */
+static void pbwt__give_up(struct pbwt__tile *t)
+{
+    size_t i;
+    for (i = 0; i < t->own; i++) {
+        if (PBWT__BYTES(t->state)[i] == PBWT__ASKED) {
+            PBWT__BYTES(t->state)[i] = PBWT__GIVEN;
+        }
+    }
+    pbwt__start_requests(t);
+    pbwt__release(&t->memory, &t->mark);
+}
+
 static pbw_status pbwt__certify(struct pbwt__tile *t)
 {
     const pbw_mesh *mesh = &t->level.mesh;
-    const size_t corners = (size_t)pbwt__corners(t);
+    const size_t corners = (size_t)pbwt__corners(t), before = t->tile->numbers.questions;
+    const size_t most = t->options.questions > 0 ? (size_t)(t->options.questions * (double)t->own)
+                      : 8 * t->own + 10000;
     size_t i, k;
     int has_asked, count;
     t->queue.count = 0;
@@ -1838,6 +1855,10 @@ static pbw_status pbwt__certify(struct pbwt__tile *t)
             }
             if (count < 0) {
                 return PBW_ERROR_MEMORY;
+            }
+            if (t->tile->numbers.questions - before > most) {
+                pbwt__give_up(t);
+                return PBW_OK;
             }
             if (t->queue.count == 0) {
                 break;
@@ -2168,9 +2189,7 @@ static pbw_status pbwt__next_level(struct pbwt__tile *t, int *more)
         }
     }
     if (status == PBW_OK) {
-        status = pbwt__start_requests(t);
-    }
-    if (status == PBW_OK) {
+        pbwt__start_requests(t);
         status = pbwt__certify(t);
     }
     *more = status == PBW_OK && pbwt__end_requests(t, PBWT__ASK);
@@ -2189,8 +2208,8 @@ PBWTDEF pbw_status pbwt_ask(pbwt_tile *tile, int *more)
     tile->foreign = (const pbwt_vertex *)t->foreign.data;
     tile->foreign_count = t->foreign.count;
     if (t->stage == 0 && t->own > 0) {
-        status = pbwt__start_requests(t);
-        status = status != PBW_OK ? status : pbwt__want_halo(t);
+        pbwt__start_requests(t);
+        status = pbwt__want_halo(t);
         t->stage = 1;
         if (status == PBW_OK && pbwt__end_requests(t, PBWT__WANT)) {
             *more = 1;

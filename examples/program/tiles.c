@@ -21,6 +21,8 @@ static const option tiles_options[] = {
     { "--no-links", NULL, "simplices only: half the file", SWITCH, 0, 0, NULL },
     { "--scratch", "DIR", "folder of scratch files; default: the output's name with .scratch", PLAIN, 0, 0, NULL },
     { "--halo", "H", "width of the first halo in spacings; default 1.5", POSITIVE, 0, 0, NULL },
+    { "--work", "N", "on surfaces, where tiles ask each other about everything: how long they try, in visits a\n"
+      "point; default 20.  What is left then is triangulated at once", WHOLE, 1, 1e9, NULL },
     { NULL, NULL, NULL, SWITCH, 0, 0, NULL }
 };
 
@@ -52,6 +54,7 @@ typedef struct work {
     pbwt_tree *tree;
     pbwt_summary *summary;
     pbwt_options options;
+    pbwt_limits limits;
     double start;
 } work;
 
@@ -363,7 +366,7 @@ static pbw_status run_tile(const work *w, pbwt_tile *tile, size_t p)
         status = pbwt_ask(tile, &more);
         for (q = 0; q < w->s.parts && status == PBW_OK && more; q++) {
             if (tile->request[q].size > 0) {
-                status = pbwt_answer(w->tree + q, served + q, tile->request + q, NULL, w->summary[p].count, &reply);
+                status = pbwt_answer(w->tree + q, served + q, tile->request + q, &w->limits, w->summary[p].count, &reply);
                 status = status != PBW_OK ? status : pbwt_take(tile, (int)q, reply.data, reply.size);
                 pbwt_bytes_free(w->tree + q, &reply);
             }
@@ -678,6 +681,7 @@ static int prepare(work *w)
     w->options.build.memory_limit = w->j->build.memory_limit > 0 ? w->j->build.memory_limit : (size_t)1 << 32;
     w->options.weighted = (int)w->s.weighted;
     w->options.no_links = !w->s.links;
+    w->limits.work = (size_t)number_of(w->j, "--work", 0);
     w->options.halo = number_of(w->j, "--halo", 0);
     snprintf(w->out, sizeof w->out, "%s.part", w->j->output[0]);
     if (is_given(w->j, "--scratch")) {
