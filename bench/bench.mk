@@ -78,3 +78,13 @@ build/bench_query: bench/query.cpp $(BENCH_INPUTS)
 .PHONY: bench-query
 bench-query: build/bench_query
 	$< $(POINTS)
+
+# Tiles: what one rank of many sends and receives, by the work of a few of them: bench/tiles.c
+build/bench_tiles: bench/tiles.c $(HEADERS)
+	@mkdir -p build
+	$C -Itests $< -o $@ $(LIBS)
+
+bench-tiles: build/bench_tiles
+	$< 1000 2000
+	$< 10000 500
+.PHONY: bench-tiles

@@ -1208,7 +1208,7 @@ PBWTDEF void pbwt_served_free(const pbwt_tree *tree, pbwt_served *served)
 static pbw_status pbwt__answer_all(pbwt__serving *s, const pbwt_bytes *request, const pbwt_limits *limits,
                                    uint64_t asker, pbwt__array *verdicts)
 {
-    const size_t work = (limits->work > 0 ? limits->work : 20) * (size_t)(asker + 1000);
+    const size_t work = (limits->work > 0 ? limits->work : 20) * (size_t)(asker + 5000);
     const size_t points = limits->points > 0 ? limits->points : (size_t)asker / 2 + 1000;
     pbwt__head head;
     size_t i, size;

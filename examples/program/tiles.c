@@ -656,11 +656,11 @@ static int build_tiles(work *w)
 
 /* ---- the command */
 
-/* Tiles hold at most 340 (3D) or 130 (2D) bytes a point of their own, with a tenth of others. */
+/* A tile holds about 320 (3D) or 130 (2D) bytes a point of its own, with a tenth of others. */
 static uint32_t parts_for(const work *w)
 {
     const double limit = w->j->build.memory_limit > 0 ? (double)w->j->build.memory_limit : 4294967296.0;
-    const double need = (w->s.dim == 3 ? 400.0 : 160.0) * (double)w->s.points;
+    const double need = (w->s.dim == 3 ? 360.0 : 150.0) * (double)w->s.points;
     const double parts = ceil(need / limit);
     return (uint32_t)number_of(w->j, "--tiles", parts < 1 ? 1 : parts > 65536 ? 65536 : parts);
 }
