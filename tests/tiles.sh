@@ -86,6 +86,58 @@ damaged() {
 for tenth in 0 1 2 3 4 5 6 7 8 9; do
     check "damage at $tenth tenths" damaged $((tenth * size / 10 + 48))
 done
+# Files that are wrong, with checksums that are right.
+cat > forge.c << 'END'
+/* forge FILE HOW: changes a tile and its checksums. */
+#define PBW_IMPLEMENTATION
+#define PBW_TILES_IMPLEMENTATION
+#define PBW_TILEFILE_IMPLEMENTATION
+#include "pbw_tilefile.h"
+int main(int argc, char **argv)
+{
+    const int how = argc > 2 ? atoi(argv[2]) : 0;
+    static char data[4000000];
+    FILE *file = fopen(argv[1], "rb+");
+    const size_t size = fread(data, 1, sizeof data, file), head = sizeof(pbwtf_chunk);
+    pbwtf_header *header = (pbwtf_header *)(void *)data;
+    pbwtf_entry *entry = (pbwtf_entry *)(void *)(data + header->table);
+    pbwtf_chunk *chunk = (pbwtf_chunk *)(void *)(data + entry->offset);
+    char *at = (char *)chunk;
+    double *own = (double *)(void *)(at + head);
+    uint32_t *simplex = (uint32_t *)(void *)(at + head + chunk->own * 32), other = simplex[0];
+    uint64_t *across = (uint64_t *)(void *)(at + pbwtf_across_offset(chunk));
+    size_t i;
+    if (how == 0) {                                  /* turned */
+        simplex[0] = simplex[1];
+        simplex[1] = other;
+    } else if (how == 1) {                           /* a link that does not lead back */
+        for (i = 0; simplex[i % 8 + i / 8 * 8] >= 0x80000000u || i % 8 < 4; i++) {
+        }
+        simplex[i]++;
+    } else if (how == 2) {                           /* a facet between tiles that pretends to be of the hull */
+        for (i = 0; across[i] == PBWT_NOTHING; i++) {
+        }
+        across[i] = PBWT_NOTHING;
+    } else if (how == 3) {                           /* a point moved */
+        own[0] += 1e-3;
+    } else {                                         /* a simplex missing at the end */
+        chunk->simplices--;
+    }
+    chunk->checksum = pbwtf_checksum(0, at + head, pbwtf_across_offset(chunk) - head);
+    entry->across_checksum = pbwtf_checksum(0, across, chunk->across * 8);
+    rewind(file);
+    return fwrite(data, 1, size, file) != size || fclose(file) != 0;
+}
+END
+# shellcheck disable=SC2086
+${CC:-cc} -std=c99 $CFLAGS -I"$root" -I"$root/examples/lib" forge.c -o forge -lpthread -lm || exit 2
+forged() {
+    cp c.pbwt bad.pbwt && ./forge bad.pbwt "$1" && ! "$pbw" check bad.pbwt > said 2>&1 && cat said &&
+        ! grep checksum said && grep '^pbw: ' said
+}
+for how in 0 1 2 3 4; do
+    check "forgery $how" forged $how
+done
 truncated() { head -c $((size - $1)) c.pbwt > bad.pbwt && says 1 truncated check bad.pbwt; }
 check "a truncated file" truncated 8
 head -c 71993 k0.3.bin > short.bin

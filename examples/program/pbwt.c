@@ -238,18 +238,12 @@ static int collect_hull(proof *p)
     return 0;
 }
 
-static int check_chunk(proof *p)
+static int check_chunk(proof *p)                     /* once the bytes of all chunks are known to be right */
 {
     const size_t count = (size_t)p->view[p->chunk].chunk->simplices;
     const char *fault = NULL;
     size_t s;
-    pbw_status status;
-    int failed = check_bytes(p);
-    failed = failed ? failed : collect_hull(p);
-    if (failed) {
-        return failed;
-    }
-    status = pbw_for(&p->j->build, count, 4096, check_range, p);
+    const pbw_status status = pbw_for(&p->j->build, count, 4096, check_range, p);
     for (s = 0; s < count && status == PBW_ERROR_ARGUMENT && fault == NULL; s++) {
         fault = check_simplex(p, s);
     }
@@ -447,6 +441,10 @@ int check_pbwt(job *j)
     int failed = open_proof(j, &p);
     if (!failed && !(p.file.header->flags & PBWTF_LINKS)) {
         failed = fail(j, "%s: it has no links, so it cannot be proved; pbw hash compares it", j->input);
+    }
+    for (p.chunk = 0; !failed && p.chunk < p.file.header->chunks; p.chunk++) {
+        failed = check_bytes(&p);
+        failed = failed ? failed : collect_hull(&p);
     }
     for (p.chunk = 0; !failed && p.chunk < p.file.header->chunks; p.chunk++) {
         failed = check_chunk(&p);
