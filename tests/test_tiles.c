@@ -19,6 +19,7 @@ typedef struct run {
     pbwt_options options;
     pbwt_limits limits;
     int slabs;                                       /* cuts at random places instead of medians */
+    int giving;                                      /* 1 + the part that gives up all points it would ask about */
     pbwt_tree tree[MOST_PARTS];
     pbwt_summary summary[MOST_PARTS];
     pbwt_served served[MOST_PARTS][MOST_PARTS];
@@ -190,7 +191,9 @@ static pbw_status run_all(run *r)
     r->options.weighted = r->w != NULL;
     status = split(r);
     for (p = 0; p < r->parts && status == PBW_OK; p++) {
-        status = pbwt_open(r->tile + p, r->tree + p, r->summary, r->parts, &r->options);
+        pbwt_options options = r->options;
+        options.questions = p + 1 == r->giving ? 1e-9 : options.questions;
+        status = pbwt_open(r->tile + p, r->tree + p, r->summary, r->parts, &options);
     }
     while (status == PBW_OK && more) {
         status = exchange(r, &more);
@@ -440,6 +443,31 @@ static void test_forced(int dim, size_t count)
     }
 }
 
+/* Points that are hidden, given up by some parts only: among the leftovers they may show up, and must not count. */
+static void test_hidden(int dim)
+{
+    if (test_begin("hidden points among leftovers, %dD", dim)) {
+        double x[200 * 3], w[200];
+        uint64_t seed;
+        for (seed = 1; seed <= 40; seed++) {
+            const size_t count = 60 + seed * 3;
+            const int weights = seed % 2 != 0 ? INPUT_WEIGHTS_GIANT : INPUT_WEIGHTS_HALF;
+            pbw_mesh mesh;
+            pbw_status status;
+            run *r;
+            input_fill(INPUT_UNIFORM, dim, count, seed, x);
+            input_fill_weights(weights, dim, count, seed, x, w);
+            status = pbw_triangulate(dim, x, w, count, NULL, &mesh);
+            r = run_new(dim, x, w, count, 3 + (int)(seed % 6));
+            r->giving = 1 + (int)(seed / 2) % r->parts;
+            r->options.halo = -1;
+            try(r, &mesh, status);
+            pbw_free(&mesh);
+        }
+        test_end();
+    }
+}
+
 /* ---- failures */
 
 static run *failing_run(const double *x, const double *w, meter *m)
@@ -547,6 +575,7 @@ int main(int argc, char **argv)
         test_kind(INPUT_UNIFORM, dim, (size_t)test_count, INPUT_WEIGHTS_HIDING);
         test_kind(INPUT_CLUSTERS, dim, (size_t)test_count, INPUT_WEIGHTS_HALF);
         test_forced(dim, 400);
+        test_hidden(dim);
     }
     test_zoo();
     test_memory(0);
