@@ -1,5 +1,5 @@
-/* tiles.c: what a rank of many sends and receives, counted and not modelled: real points, real cuts, and the work of a
-   few of the ranks, spread over all of them, with answers by the trees of the others.
+/* tiles.c: what a rank of many sends and receives, counted and not modelled: real points, real cuts, and the work of
+   a few of the ranks, spread over all of them, with answers by the trees of the others.
    cc -O2 -I. -Iexamples/lib -Itests bench/tiles.c -o tiles -lpthread -lm
    ./tiles RANKS POINTS_A_RANK [KIND [OF]]           KIND: a number of tests/inputs.h; OF: how many ranks work */
 #define PBW_IMPLEMENTATION

@@ -366,7 +366,8 @@ static pbw_status run_tile(const work *w, pbwt_tile *tile, size_t p)
         status = pbwt_ask(tile, &more);
         for (q = 0; q < w->s.parts && status == PBW_OK && more; q++) {
             if (tile->request[q].size > 0) {
-                status = pbwt_answer(w->tree + q, served + q, tile->request + q, &w->limits, w->summary[p].count, &reply);
+                status = pbwt_answer(w->tree + q, served + q, tile->request + q, &w->limits, w->summary[p].count,
+                                     &reply);
                 status = status != PBW_OK ? status : pbwt_take(tile, (int)q, reply.data, reply.size);
                 pbwt_bytes_free(w->tree + q, &reply);
             }
@@ -433,8 +434,8 @@ static int build_tile(work *w, FILE *out, size_t p)
     if (!failed) {
         say(w->j, "tile", now() - w->start, "%lu of %u: %lu points, halo %lu + %lu, %lu simplices, %lu rounds, "
             "%lu given up", (unsigned long)p + 1, w->s.parts, (unsigned long)w->tree[p].count,
-            (unsigned long)tile.numbers.halo, (unsigned long)tile.numbers.later, (unsigned long)tile.numbers.simplices,
-            (unsigned long)tile.numbers.rounds, (unsigned long)tile.numbers.given_up);
+            (unsigned long)tile.numbers.halo, (unsigned long)tile.numbers.later,
+            (unsigned long)tile.numbers.simplices, (unsigned long)tile.numbers.rounds, (unsigned long)tile.numbers.given_up);
     }
     pbwt_close(&tile);
     return failed;
