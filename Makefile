@@ -12,13 +12,14 @@ C = $(CC) -std=c99 $(CFLAGS) $(WARN) -I. -Iexamples/lib
 LIBS = -lpthread -lm
 TESTS = $(patsubst tests/%.c,%,$(wildcard tests/test_*.c))
 PROGRAM = $(wildcard examples/program/*.c)
-EXAMPLES = $(patsubst examples/%.c,%,$(wildcard examples/*.c))
+EXAMPLES = $(patsubst examples/%.c,%,$(filter-out examples/mpi.c,$(wildcard examples/*.c)))
+MPI = $(if $(shell command -v mpicc),$B/mpi)
 EXAMPLES_CXX = $(if $(shell command -v $(firstword $(CXX))),$(patsubst examples/%.cpp,%,$(wildcard examples/*.cpp)))
 EXPECTED = $(patsubst examples/expected/%.txt,%,$(wildcard examples/expected/*.txt))
 FUZZERS = $(patsubst tests/%.c,%,$(wildcard tests/fuzz_*.c))
 HEADERS = pbw.h $(wildcard tests/*.h examples/*.h examples/lib/*.h examples/program/*.h)
 SCRIPTS = $(filter packaging hashes examples asm oracle cells cmake csharp gappa install page plane python program \
-    programs queries view web, $(patsubst tests/%.sh,%,$(wildcard tests/*.sh)))
+    programs queries tiles view web, $(patsubst tests/%.sh,%,$(wildcard tests/*.sh)))
 # `make test` leaves these to `make test-all`, and tells the scripts by QUICK that one compiler is enough.
 LONG = asm cmake csharp install oracle programs view web
 SUITES = test test-all programs examples oracle asm arm names fuzz-long
@@ -44,7 +45,7 @@ endif
 .DELETE_ON_ERROR:
 .SECONDARY:
 
-all: $B/pbw $(EXAMPLES:%=$B/%) $(EXAMPLES_CXX:%=$B/%) $B/libpbw_python.so
+all: $B/pbw $(MPI) $(EXAMPLES:%=$B/%) $(EXAMPLES_CXX:%=$B/%) $B/libpbw_python.so
 
 help:
 	@echo 'make             builds the examples into $B/, the pbw program among them'
@@ -79,6 +80,9 @@ $B/pbw: $(PROGRAM) $(HEADERS) $B/libpbw.a
 
 $(EXAMPLES:%=$B/%): $B/%: examples/%.c $(HEADERS) $B/libpbw.a
 	$C $(SHARED) $< -o $@ $B/libpbw.a $(LIBS)
+
+$B/mpi: examples/mpi.c $(HEADERS) $B/libpbw.a
+	mpicc -std=c99 $(CFLAGS) $(WARN) $(SHARED) -I. -Iexamples/lib $< -o $@ $B/libpbw.a $(LIBS)
 
 $(EXAMPLES_CXX:%=$B/%): $B/%: examples/%.cpp pbw.h $B/libpbw.a
 	$(CXX) -std=c++11 $(CXXFLAGS) $(WARN) $(SHARED) -I. $< -o $@ $B/libpbw.a $(LIBS)
@@ -133,7 +137,8 @@ $B/examples.log: $(patsubst %,$B/%,$(filter $(EXAMPLES) $(EXAMPLES_CXX),$(EXPECT
 $B/python.log: $B/libpbw_python.so
 $B/csharp.log: $B/libpbw.so
 $B/install.log: $B/pbw $B/pbw_pic.o $B/libpbw.so
-$B/plane.log $B/program.log $B/programs.log $B/queries.log: $B/pbw
+$B/plane.log $B/program.log $B/programs.log $B/queries.log $B/tiles.log: $B/pbw
+$B/tiles.log: $(MPI)
 $B/oracle.log $B/cells.log: $B/libpbw.a
 
 # One that does not compile is a failure, and the others still run.

@@ -102,3 +102,13 @@ build/bench_solid: bench/solid.cpp examples/lib/pbw_surface.h examples/lib/pbw_i
 .PHONY: bench-solid
 bench-solid: build/bench_solid
 	$< $(MODEL) $(SIZES)
+
+# Tiles: what one rank of many sends and receives, by the work of a few of them: bench/tiles.c
+build/bench_tiles: bench/tiles.c $(HEADERS)
+	@mkdir -p build
+	$C -Itests $< -o $@ $(LIBS)
+
+bench-tiles: build/bench_tiles
+	$< 1000 2000
+	$< 10000 500
+.PHONY: bench-tiles

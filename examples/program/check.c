@@ -3,7 +3,11 @@
 
 static int run(job *j)
 {
-    int status = load(j, 1), closed = 1;
+    int status, closed = 1;
+    if (is_pbwt(j)) {
+        return check_pbwt(j);
+    }
+    status = load(j, 1);
     if (status == 0 && j->cloud.triangle_count > 0 && j->cloud.dim == 3) {
         closed = describe_surface(j, &j->cloud, 1);
     }
@@ -23,6 +27,7 @@ const command command_check = {
     "The exit status is 1 if edges are open, crowded or turned, or the triangulation is wrong.\n"
     "An edge of one face is open, one of more than two crowded, one along which two faces run alike turned.\n"
     "Points and faces are counted from 0.\n"
+    "Of a .pbwt file the triangulation is proved tile by tile, links across tiles and the hull with it.\n"
     "\n",
     NULL,
     { input_options, build_options, common_options, NULL, NULL, NULL, NULL, NULL },

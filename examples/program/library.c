@@ -21,3 +21,7 @@
 #include "pbw_mesh3.h"
 #define PBW_VIEW_IMPLEMENTATION
 #include "pbw_view.h"
+#define PBW_TILES_IMPLEMENTATION
+#include "pbw_tiles.h"
+#define PBW_TILEFILE_IMPLEMENTATION
+#include "pbw_tilefile.h"

@@ -23,7 +23,7 @@
 #include <string.h>
 
 #define COMMANDS(X) X(mesh) X(sample) X(check) X(convert) X(bench) X(view) X(locate) X(nearest) X(cells) X(plane) \
-    X(improve) X(solid)
+    X(improve) X(solid) X(tiles) X(hash)
 
 #if defined(__GNUC__)
 #define PRINTF(a, b) __attribute__((format(printf, a, b)))
@@ -196,6 +196,12 @@ double evaluate(const char *formula, double x, double y, const char **wrong);
 void describe_quality(const job *j, const char *when, const pbw_quality *q);
 void describe_histogram(const job *j, const pbw_quality *q);
 void show_tets(job *j, const pbw_tets *tets);                         /* j->mesh becomes their view, not to be freed */
+
+/* ---- pbwt.c: files of tiles; each returns the exit status ---- */
+
+int is_pbwt(const job *j);                                           /* is the input one, by its name? */
+int check_pbwt(job *j);
+int convert_pbwt(job *j, pbw_mesh *mesh);                            /* the tile of --tile; pbwtf_mesh_free when done */
 
 /* ---- surface.c ---- */
 

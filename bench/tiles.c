@@ -1,0 +1,151 @@
+/* tiles.c: what a rank of many sends and receives, counted and not modelled: real points, real cuts, and the work of
+   a few of the ranks, spread over all of them, with answers by the trees of the others.
+   cc -O2 -I. -Iexamples/lib -Itests bench/tiles.c -o tiles -lpthread -lm
+   ./tiles RANKS POINTS_A_RANK [KIND [OF]]           KIND: a number of tests/inputs.h; OF: how many ranks work */
+#define PBW_IMPLEMENTATION
+#include "pbw.h"
+#define PBW_TILES_IMPLEMENTATION
+#include "pbw_tiles.h"
+#include "inputs.h"
+#include <stdio.h>
+
+typedef struct count { double partners, asked, messages, bytes, halo, later, rounds, questions, patch; } count;
+
+static void *take(size_t bytes)
+{
+    void *block = calloc(bytes + 1, 1);
+    if (block == NULL) {
+        fprintf(stderr, "out of memory\n");
+        exit(1);
+    }
+    return block;
+}
+
+static void need(pbw_status status)
+{
+    if (status != PBW_OK) {
+        fprintf(stderr, "%s\n", pbw_status_string(status));
+        exit(1);
+    }
+}
+
+/* The points by part, and a tree for each. */
+static void plant(int ranks, size_t n, int kind, pbwt_tree *tree, pbwt_summary *summary)
+{
+    double *x = (double *)take(n * 3 * sizeof *x);
+    pbwt_point *all = (pbwt_point *)take(n * sizeof *all), *sample, *sorted = (pbwt_point *)take(n * sizeof *all);
+    pbwt_cut *cuts = (pbwt_cut *)take((size_t)ranks * sizeof *cuts);
+    size_t *first = (size_t *)take(((size_t)ranks + 1) * sizeof *first), i, samples = 0;
+    int p, *part = (int *)take(n * sizeof *part);
+    input_fill(kind, 3, n, 1, x);
+    for (i = 0; i < n; i++) {
+        memcpy(all[i].x, x + 3 * i, sizeof all[i].x);
+        all[i].id = i;
+    }
+    free(x);
+    sample = (pbwt_point *)take((size_t)ranks * 64 * sizeof *sample);
+    for (i = 0; i < n; i += 1 + n / ((size_t)ranks * 64)) {
+        sample[samples++] = all[i];
+    }
+    pbwt_cut_points(3, sample, samples, ranks, cuts);
+    for (i = 0; i < n; i++) {
+        part[i] = pbwt_part(3, cuts, ranks, all + i);
+        first[part[i] + 1]++;
+    }
+    for (p = 0; p < ranks; p++) {
+        first[p + 1] += first[p];
+    }
+    for (i = n; i-- > 0;) {
+        sorted[--first[part[i] + 1]] = all[i];       /* first[p + 1] becomes the start of part p */
+    }
+    for (p = 0; p < ranks; p++) {
+        const size_t end = p + 2 <= ranks ? first[p + 2] : n;
+        need(pbwt_tree_make(3, p, sorted + first[p + 1], end - first[p + 1], NULL, tree + p));
+        pbwt_summarise(tree + p, summary + p);
+    }
+    free(all);
+    free(sorted);
+    free(sample);
+    free(cuts);
+    free(first);
+    free(part);
+}
+
+static count work(int ranks, const pbwt_tree *tree, const pbwt_summary *summary, int p)
+{
+    pbwt_served *served = (pbwt_served *)take((size_t)ranks * sizeof *served);
+    pbwt_bytes reply = { NULL, 0 };
+    pbwt_options options;
+    pbwt_tile tile;
+    count c;
+    int q, more = 1;
+    memset(&c, 0, sizeof c);
+    memset(&options, 0, sizeof options);
+    options.build.threads = 1;
+    need(pbwt_open(&tile, tree + p, summary, ranks, &options));
+    while (need(pbwt_ask(&tile, &more)), more) {
+        for (q = 0; q < ranks; q++) {
+            if (tile.request[q].size > 0) {
+                need(pbwt_answer(tree + q, served + q, tile.request + q, NULL, summary[p].count, &reply));
+                need(pbwt_take(&tile, q, reply.data, reply.size));
+                c.messages += 2;
+                pbwt_bytes_free(tree + q, &reply);
+            }
+        }
+    }
+    for (q = 0; q < ranks; q++) {
+        c.partners += served[q].visits > 0;
+        c.asked += served[q].sent > 0;
+        pbwt_served_free(tree + q, served + q);
+    }
+    c.bytes = (double)tile.numbers.sent_bytes;
+    c.halo = (double)tile.numbers.halo;
+    c.later = (double)tile.numbers.later;
+    c.rounds = (double)tile.numbers.rounds;
+    c.questions = (double)tile.numbers.questions;
+    c.patch = (double)tile.numbers.patch_points;
+    pbwt_close(&tile);
+    free(served);
+    return c;
+}
+
+int main(int argc, char **argv)
+{
+    static const char *const names[] = { "partners", "partners with points", "messages", "bytes", "halo points",
+                                         "points after the first questions", "rounds of questions", "questions",
+                                         "points of repairs" };
+    const int ranks = argc > 2 ? atoi(argv[1]) : 0, kind = argc > 3 ? atoi(argv[3]) : 0;
+    const int of = argc > 4 ? atoi(argv[4]) : ranks < 100 ? ranks : 100;
+    const size_t each = argc > 2 ? (size_t)atol(argv[2]) : 0;
+    double sum[9] = { 0 }, most[9] = { 0 };
+    pbwt_tree *tree;
+    pbwt_summary *summary;
+    int i, k;
+    if (ranks < 1 || each < 1 || kind < 0 || kind >= INPUT_KINDS || of < 1 || of > ranks) {
+        fprintf(stderr, "usage: tiles RANKS POINTS_A_RANK [KIND [OF]]\n");
+        return 2;
+    }
+    tree = (pbwt_tree *)take((size_t)ranks * sizeof *tree);
+    summary = (pbwt_summary *)take((size_t)ranks * sizeof *summary);
+    plant(ranks, each * (size_t)ranks, kind, tree, summary);
+    for (i = 0; i < of; i++) {
+        const count c = work(ranks, tree, summary, (int)((long)i * ranks / of));
+        const double value[9] = { c.partners, c.asked, c.messages, c.bytes, c.halo, c.later, c.rounds, c.questions,
+                                  c.patch };
+        for (k = 0; k < 9; k++) {
+            sum[k] += value[k];
+            most[k] = value[k] > most[k] ? value[k] : most[k];
+        }
+    }
+    printf("%d ranks of %zu points, %s; %d of them worked; summaries %.2f MB a rank\n", ranks, each, input_name(kind),
+           of, (double)ranks * sizeof(pbwt_summary) * 1e-6);
+    for (k = 0; k < 9; k++) {
+        printf("  %-34s mean %12.1f   most %12.0f\n", names[k], sum[k] / of, most[k]);
+    }
+    for (i = 0; i < ranks; i++) {
+        pbwt_tree_free(tree + i);
+    }
+    free(tree);
+    free(summary);
+    return 0;
+}

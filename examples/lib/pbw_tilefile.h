@@ -1,0 +1,518 @@
+/* pbw_tilefile.h - v0.1.0 - files of triangulations in tiles: .pbwt - MIT-0
+
+   QUICK START
+   In one source file, define PBW_TILEFILE_IMPLEMENTATION before the include; in all others, only include.
+   Needs pbw.h and pbw_tiles.h, with their implementations in some source file.
+
+       pbwtf_file file;
+       char error[PBWTF_ERROR];
+       if (!pbwtf_open("mesh.pbwt", &file, error)) { puts(error); return 1; }
+       pbwtf_view_of(&file, 7, &view, error);                // tile 7: pointers into the file
+       pbwtf_mesh(&view, &mesh);                             // as a pbw_mesh of its own
+       pbwtf_mesh_free(&mesh);
+       pbwtf_close(&file);
+
+   FORMAT  little endian, all parts on multiples of 8 bytes, filled up with zeros
+     header      128 bytes: pbwtf_header, written last
+     chunks      one a tile, in any place; the last may be of leftovers and then has no own points:
+       head      128 bytes: pbwtf_chunk
+       points    own ones: x, y (, z) (, weight) as doubles, then the id (u64: the number in the input)
+       simplices a record each: dim+1 corners (u32: below `own` an own point, else foreign point number - own), then,
+                 if there are links, dim+1 of them, across from each corner (u32: below 2^31 a simplex of this chunk,
+                 0xffffffff the hull, else 2^31 + a number in `across`)
+       foreign   points of other tiles: as own ones, then u64: their tile << 32 | number among its points
+       given     u32: own points given up to the leftovers
+       across    u64: chunk << 40 | simplex << 2 | corner, or all ones: the hull
+     table       a pbwtf_entry for each chunk
+   A simplex is in one chunk only.  Its global number is the first of its chunk plus its number there.
+   Checksum of words w: h = 0, then h = (h ^ w) * 0x9e3779b97f4a7c15, h ^= h >> 32 for each; of a chunk: all but its
+   head and `across`.
+*/
+#ifndef PBW_TILEFILE_H
+#define PBW_TILEFILE_H
+#include "pbw_tiles.h"
+#include <stdio.h>
+
+#ifndef PBWTFDEF
+#define PBWTFDEF extern
+#endif
+
+#ifdef __cplusplus
+extern "C" {
+#endif
+
+#define PBWTF_ERROR 400                    /* bytes of an error text */
+#define PBWTF_WEIGHTS 1u                   /* flags */
+#define PBWTF_LINKS 2u
+
+typedef struct pbwtf_header {
+    char magic[8];                         /* "PBWT0001" */
+    uint32_t dim, flags, chunks, tiles;    /* chunks: tiles, and one more if there are leftovers */
+    uint64_t points, duplicates, simplices, hull, hash, table, size;      /* table, size: bytes; hull: facets, 0
+                                                                              without links */
+    uint64_t spare[5], checksum;           /* checksum: of what is before */
+} pbwtf_header;
+
+typedef struct pbwtf_chunk {
+    char magic[8];                         /* "PBWTILE1" */
+    uint32_t tile, dim, flags, unused;
+    uint64_t own, foreign, simplices, given, across, hull, duplicates;
+    pbw_hash_sums hash;
+    uint64_t checksum, spare[3];
+} pbwtf_chunk;
+
+typedef struct pbwtf_entry { uint64_t offset, size, first_simplex, across_checksum; } pbwtf_entry;
+
+typedef struct pbwtf_map { const char *data; size_t size; } pbwtf_map;
+typedef struct pbwtf_file {
+    pbwtf_map map;
+    const pbwtf_header *header;
+    const pbwtf_entry *table;
+} pbwtf_file;
+
+typedef struct pbwtf_view {                /* pointers into a file; records of simplices: corners, links */
+    const pbwtf_chunk *chunk;
+    const double *own, *foreign;           /* own_size, foreign_size doubles a record; the id is the bits of one */
+    const uint32_t *simplices, *given;
+    const uint64_t *across;
+    size_t own_size, foreign_size, simplex_size;     /* in doubles, doubles, u32 */
+    size_t size;                           /* bytes of the chunk */
+} pbwtf_view;
+
+typedef struct pbwtf_writer {              /* start with pbwtf_begin */
+    FILE *file;
+    pbwtf_chunk chunk;
+    long start;
+    uint32_t half[2];
+    int halves, failed;
+} pbwtf_writer;
+
+/* All but the writers return 1, or 0 with a text in error. */
+PBWTFDEF int pbwtf_map_file(const char *path, pbwtf_map *map, char *error);      /* an empty file is fine */
+PBWTFDEF void pbwtf_unmap(pbwtf_map *map);
+PBWTFDEF int pbwtf_open(const char *path, pbwtf_file *file, char *error);
+PBWTFDEF void pbwtf_close(pbwtf_file *file);
+PBWTFDEF int pbwtf_view_of(const pbwtf_file *file, size_t chunk, pbwtf_view *view, char *error);
+PBWTFDEF uint64_t pbwtf_checksum(uint64_t h, const void *data, size_t size);     /* of whole words */
+/* Fills points, weights, simplices, neighbors (PBW_NONE at the hull and across), canonical: own points, then foreign.
+   Returns 0 without memory. */
+PBWTFDEF int pbwtf_mesh(const pbwtf_view *view, pbw_mesh *mesh);
+PBWTFDEF void pbwtf_mesh_free(pbw_mesh *mesh);
+
+/* A chunk from where the file stands: begin, pass pbwtf_emit and the writer to the tile's options, end.  tree may be
+   NULL: leftovers, then tile is their number.  1: written, as far as fflush can tell. */
+PBWTFDEF void pbwtf_begin(pbwtf_writer *writer, FILE *file, const pbwt_tree *tree, uint32_t tile, uint32_t flags);
+PBWTFDEF pbw_status pbwtf_emit(void *user, const pbwt_tile *tile, size_t first, size_t count, const uint32_t *corners,
+                               const uint32_t *links);
+PBWTFDEF int pbwtf_end(pbwtf_writer *writer, const pbwt_tile *tile, int dim);
+PBWTFDEF size_t pbwtf_across_offset(const pbwtf_chunk *chunk);                   /* in the chunk */
+PBWTFDEF size_t pbwtf_chunk_size(const pbwtf_chunk *chunk);
+/* Adds counts and the hash to a header's sums, then completes it (magic, checksum). */
+PBWTFDEF void pbwtf_seal(pbwtf_header *header, const pbw_hash_sums *sums);
+
+#ifdef __cplusplus
+}
+#endif
+#endif /* PBW_TILEFILE_H */
+
+#if defined(PBW_TILEFILE_IMPLEMENTATION) && !defined(PBWTF__IMPLEMENTED)
+#define PBWTF__IMPLEMENTED
+
+#include <errno.h>
+#include <stdlib.h>
+#include <string.h>
+#ifndef _WIN32
+#include <fcntl.h>
+#include <sys/mman.h>
+#include <sys/stat.h>
+#include <unistd.h>
+#endif
+
+static int pbwtf__fail(char *error, const char *path, const char *what)
+{
+    snprintf(error, PBWTF_ERROR, "%s: %s", path, what);
+    return 0;
+}
+
+PBWTFDEF uint64_t pbwtf_checksum(uint64_t h, const void *data, size_t size)
+{
+    const char *text = (const char *)data;
+    size_t i;
+    for (i = 0; i + 8 <= size; i += 8) {
+        uint64_t w;
+        memcpy(&w, text + i, sizeof w);
+        h = (h ^ w) * 0x9e3779b97f4a7c15u;
+        h ^= h >> 32;
+    }
+    return h;
+}
+
+/* ------------------------------------------------------------------------------------------------------
+   Maps of files.  (Windows: files are read.)
+   ------------------------------------------------------------------------------------------------------ */
+#ifndef _WIN32
+PBWTFDEF int pbwtf_map_file(const char *path, pbwtf_map *map, char *error)
+{
+    struct stat status;
+    void *data;
+    const int file = open(path, O_RDONLY);
+    memset(map, 0, sizeof *map);
+    if (file < 0 || fstat(file, &status) != 0) {
+        pbwtf__fail(error, path, strerror(errno));
+        if (file >= 0) {
+            close(file);
+        }
+        return 0;
+    }
+    if (status.st_size > 0) {
+        data = mmap(NULL, (size_t)status.st_size, PROT_READ, MAP_SHARED, file, 0);
+        if (data == MAP_FAILED) {
+            close(file);
+            return pbwtf__fail(error, path, strerror(errno));
+        }
+        map->data = (const char *)data;
+        map->size = (size_t)status.st_size;
+    }
+    close(file);
+    return 1;
+}
+
+PBWTFDEF void pbwtf_unmap(pbwtf_map *map)
+{
+    if (map->data != NULL) {
+        munmap((void *)(size_t)map->data, map->size);
+    }
+    memset(map, 0, sizeof *map);
+}
+#else
+PBWTFDEF int pbwtf_map_file(const char *path, pbwtf_map *map, char *error)
+{
+    FILE *file = fopen(path, "rb");
+    long size = -1;
+    char *data = NULL;
+    memset(map, 0, sizeof *map);
+    if (file != NULL && fseek(file, 0, SEEK_END) == 0) {
+        size = ftell(file);
+        rewind(file);
+        data = size >= 0 ? (char *)malloc((size_t)size + 1) : NULL;
+    }
+    if (data == NULL || fread(data, 1, (size_t)size, file) != (size_t)size) {
+        pbwtf__fail(error, path, "cannot read it into memory");
+        free(data);
+        if (file != NULL) {
+            fclose(file);
+        }
+        return 0;
+    }
+    fclose(file);
+    map->data = data;
+    map->size = (size_t)size;
+    return 1;
+}
+
+PBWTFDEF void pbwtf_unmap(pbwtf_map *map)
+{
+    free((void *)map->data);
+    memset(map, 0, sizeof *map);
+}
+#endif
+
+/* ------------------------------------------------------------------------------------------------------
+   Layout.
+   ------------------------------------------------------------------------------------------------------ */
+static size_t pbwtf__round(size_t bytes)
+{
+    return (bytes + 7) / 8 * 8;
+}
+
+static void pbwtf__sizes(const pbwtf_chunk *chunk, pbwtf_view *view)
+{
+    view->own_size = (size_t)chunk->dim + (chunk->flags & PBWTF_WEIGHTS ? 1 : 0) + 1;
+    view->foreign_size = view->own_size + 1;
+    view->simplex_size = ((size_t)chunk->dim + 1) * (chunk->flags & PBWTF_LINKS ? 2 : 1);
+}
+
+PBWTFDEF size_t pbwtf_across_offset(const pbwtf_chunk *chunk)
+{
+    pbwtf_view view;
+    size_t simplices;
+    pbwtf__sizes(chunk, &view);
+    simplices = pbwtf__round((size_t)chunk->simplices * view.simplex_size * 4);
+    return sizeof *chunk + (size_t)chunk->own * view.own_size * 8 + simplices
+         + (size_t)chunk->foreign * view.foreign_size * 8 + pbwtf__round((size_t)chunk->given * 4);
+}
+
+PBWTFDEF size_t pbwtf_chunk_size(const pbwtf_chunk *chunk)
+{
+    return pbwtf_across_offset(chunk) + (size_t)chunk->across * 8;
+}
+
+PBWTFDEF void pbwtf_seal(pbwtf_header *header, const pbw_hash_sums *sums)
+{
+    memcpy(header->magic, "PBWT0001", 8);
+    header->hash = header->points > 0 ? pbw_hash_of(sums) : 0;
+    header->checksum = pbwtf_checksum(0, header, sizeof *header - 8);
+}
+
+/* ------------------------------------------------------------------------------------------------------
+   Reading.
+   ------------------------------------------------------------------------------------------------------ */
+PBWTFDEF int pbwtf_open(const char *path, pbwtf_file *file, char *error)
+{
+    const char *what = NULL;
+    memset(file, 0, sizeof *file);
+    if (!pbwtf_map_file(path, &file->map, error)) {
+        return 0;
+    }
+    file->header = (const pbwtf_header *)(const void *)file->map.data;
+    if (file->map.size < sizeof(pbwtf_header) || memcmp(file->header->magic, "PBWT0001", 8) != 0) {
+        what = "no .pbwt file, or one that was not finished";
+    } else if (file->header->checksum != pbwtf_checksum(0, file->header, sizeof(pbwtf_header) - 8)) {
+        what = "the header is damaged";
+    } else if (file->header->size != file->map.size || file->header->dim < 2 || file->header->dim > 3
+               || file->header->table > file->map.size || file->header->table % 8 != 0
+               || (file->map.size - file->header->table) / sizeof(pbwtf_entry) != file->header->chunks) {
+        what = "the file is truncated";
+    }
+    if (what != NULL) {
+        pbwtf_close(file);
+        return pbwtf__fail(error, path, what);
+    }
+    file->table = (const pbwtf_entry *)(const void *)(file->map.data + file->header->table);
+    return 1;
+}
+
+PBWTFDEF void pbwtf_close(pbwtf_file *file)
+{
+    pbwtf_unmap(&file->map);
+    memset(file, 0, sizeof *file);
+}
+
+PBWTFDEF int pbwtf_view_of(const pbwtf_file *file, size_t chunk, pbwtf_view *view, char *error)
+{
+    const pbwtf_entry *entry = file->table + chunk;
+    const uint64_t most = file->map.size;
+    const char *at;
+    char name[40];
+    memset(view, 0, sizeof *view);
+    snprintf(name, sizeof name, "tile %lu", (unsigned long)chunk);
+    if (chunk >= file->header->chunks) {
+        snprintf(error, PBWTF_ERROR, "tile %lu: there are %lu", (unsigned long)chunk,
+                 (unsigned long)file->header->chunks);
+        return 0;
+    }
+    if (entry->offset % 8 != 0 || entry->offset > most || most - entry->offset < sizeof(pbwtf_chunk)) {
+        return pbwtf__fail(error, name, "its place in the file is wrong");
+    }
+    at = file->map.data + entry->offset;
+    view->chunk = (const pbwtf_chunk *)(const void *)at;
+    if (memcmp(view->chunk->magic, "PBWTILE1", 8) != 0 || view->chunk->dim != file->header->dim
+        || view->chunk->flags != file->header->flags || view->chunk->own > most || view->chunk->foreign > most
+        || view->chunk->simplices > most || view->chunk->given > most || view->chunk->across > most
+        || pbwtf_chunk_size(view->chunk) != entry->size || entry->size > most - entry->offset) {
+        return pbwtf__fail(error, name, "its head is damaged");
+    }
+    pbwtf__sizes(view->chunk, view);
+    view->size = (size_t)entry->size;
+    at += sizeof(pbwtf_chunk);
+    view->own = (const double *)(const void *)at;
+    at += view->chunk->own * view->own_size * 8;
+    view->simplices = (const uint32_t *)(const void *)at;
+    at += pbwtf__round((size_t)view->chunk->simplices * view->simplex_size * 4);
+    view->foreign = (const double *)(const void *)at;
+    at += view->chunk->foreign * view->foreign_size * 8;
+    view->given = (const uint32_t *)(const void *)at;
+    at += pbwtf__round((size_t)view->chunk->given * 4);
+    view->across = (const uint64_t *)(const void *)at;
+    return 1;
+}
+
+PBWTFDEF void pbwtf_mesh_free(pbw_mesh *mesh)
+{
+    free(mesh->memory);
+    memset(mesh, 0, sizeof *mesh);
+}
+
+/* One block: points, weights, simplices, neighbors, canonical, incident. */
+PBWTFDEF int pbwtf_mesh(const pbwtf_view *view, pbw_mesh *mesh)
+{
+    const size_t dim = view->chunk->dim, corners = dim + 1, own = (size_t)view->chunk->own;
+    const size_t count = own + (size_t)view->chunk->foreign, simplices = (size_t)view->chunk->simplices;
+    double *points, *weights;
+    pbw_index *index;
+    size_t i, k;
+    memset(mesh, 0, sizeof *mesh);
+    points = (double *)malloc((count * (dim + 2) + simplices * corners + 1) * sizeof(double));
+    if (points == NULL) {
+        return 0;
+    }
+    mesh->memory = points;
+    weights = points + count * dim;
+    index = (pbw_index *)(void *)(weights + count);
+    mesh->dim = (int)dim;
+    mesh->point_count = count;
+    mesh->simplex_count = simplices;
+    mesh->points = points;
+    mesh->weights = view->chunk->flags & PBWTF_WEIGHTS ? weights : NULL;
+    mesh->simplices = index;
+    mesh->neighbors = index + simplices * corners;
+    mesh->canonical = index + 2 * simplices * corners;
+    mesh->incident = mesh->canonical + count;
+    for (i = 0; i < count; i++) {
+        const double *p = i < own ? view->own + i * view->own_size : view->foreign + (i - own) * view->foreign_size;
+        memcpy(points + i * dim, p, dim * sizeof(double));
+        weights[i] = mesh->weights != NULL ? p[dim] : 0;
+        index[2 * simplices * corners + i] = (pbw_index)i;
+        index[2 * simplices * corners + count + i] = PBW_NONE;
+    }
+    for (i = simplices; i-- > 0;) {
+        const uint32_t *record = view->simplices + i * view->simplex_size;
+        for (k = 0; k < corners; k++) {
+            const uint32_t link = view->chunk->flags & PBWTF_LINKS ? record[corners + k] : PBW_NONE;
+            if (record[k] >= count || (link < 0x80000000u && link >= simplices)) {
+                pbwtf_mesh_free(mesh);
+                return 0;
+            }
+            index[i * corners + k] = record[k];
+            index[(simplices + i) * corners + k] = link < 0x80000000u ? link : PBW_NONE;
+            index[2 * simplices * corners + count + record[k]] = (pbw_index)i;
+        }
+    }
+    return 1;
+}
+
+/* ------------------------------------------------------------------------------------------------------
+   Writing.
+   ------------------------------------------------------------------------------------------------------ */
+static void pbwtf__write(pbwtf_writer *w, const void *data, size_t size)
+{
+    w->failed |= size > 0 && fwrite(data, 1, size, w->file) != size;
+}
+
+/* Writes what the checksum counts, a multiple of four bytes; half a word waits for the next. */
+static void pbwtf__put(pbwtf_writer *w, const void *data, size_t size)
+{
+    const char *text = (const char *)data;
+    size_t from = 0;
+    pbwtf__write(w, data, size);
+    while (from < size && (w->halves > 0 || size - from < 8)) {      /* one by one to the end */
+        memcpy(w->half + w->halves, text + from, 4);
+        from += 4;
+        if (++w->halves == 2) {
+            w->chunk.checksum = pbwtf_checksum(w->chunk.checksum, w->half, 8);
+            w->halves = 0;
+        }
+    }
+    if (size - from >= 8) {
+        const size_t whole = (size - from) / 8 * 8;
+        w->chunk.checksum = pbwtf_checksum(w->chunk.checksum, text + from, whole);
+        if (from + whole < size) {
+            memcpy(w->half, text + from + whole, 4);
+            w->halves = 1;
+        }
+    }
+}
+
+static void pbwtf__fill_word(pbwtf_writer *w)
+{
+    const uint32_t none = 0;
+    if (w->halves > 0) {
+        pbwtf__put(w, &none, 4);
+    }
+}
+
+static void pbwtf__put_point(pbwtf_writer *w, const pbwt_point *p, const uint64_t *place)
+{
+    char record[48];
+    const size_t dim = w->chunk.dim, bytes = dim * sizeof(double);
+    size_t at = bytes;
+    memcpy(record, p->x, bytes);
+    if (w->chunk.flags & PBWTF_WEIGHTS) {
+        memcpy(record + at, &p->weight, 8);
+        at += 8;
+    }
+    memcpy(record + at, &p->id, 8);
+    at += 8;
+    if (place != NULL) {
+        memcpy(record + at, place, 8);
+        at += 8;
+    }
+    pbwtf__put(w, record, at);
+}
+
+PBWTFDEF void pbwtf_begin(pbwtf_writer *writer, FILE *file, const pbwt_tree *tree, uint32_t tile, uint32_t flags)
+{
+    size_t i;
+    memset(writer, 0, sizeof *writer);
+    writer->file = file;
+    writer->start = ftell(file);
+    writer->failed = writer->start < 0;
+    memcpy(writer->chunk.magic, "PBWTILE1", 8);
+    writer->chunk.tile = tile;
+    writer->chunk.flags = flags;
+    pbwtf__write(writer, &writer->chunk, sizeof writer->chunk);
+    if (tree != NULL) {
+        writer->chunk.dim = (uint32_t)tree->dim;
+        writer->chunk.own = tree->count;
+        writer->chunk.duplicates = tree->duplicates;
+        for (i = 0; i < tree->count; i++) {
+            pbwtf__put_point(writer, tree->points + i, NULL);
+        }
+    }
+}
+
+PBWTFDEF pbw_status pbwtf_emit(void *user, const pbwt_tile *tile, size_t first, size_t count, const uint32_t *corners,
+                               const uint32_t *links)
+{
+    pbwtf_writer *w = (pbwtf_writer *)user;
+    const size_t each = (size_t)tile->dim + 1, all = w->chunk.flags & PBWTF_LINKS ? 2 * each : each;
+    uint32_t block[64 * 8];
+    size_t i, k, n = 0;
+    (void)first;
+    for (i = 0; i < count; i++) {
+        memcpy(block + n, corners + i * each, each * 4);
+        for (k = 0; k < each && all > each; k++) {
+            const uint32_t link = links[i * each + k];
+            block[n + each + k] = link == PBWT_OPEN ? 0x80000000u + (uint32_t)w->chunk.across++ : link;
+            if (link < PBWT_OPEN && link >= 0x80000000u) {
+                return PBW_ERROR_TOO_LARGE;
+            }
+        }
+        n += all;
+        if (n + 8 > 64 * 8 || i + 1 == count) {
+            pbwtf__put(w, block, n * 4);
+            n = 0;
+        }
+    }
+    w->chunk.simplices += count;
+    return w->failed ? PBW_ERROR_BACKEND : PBW_OK;
+}
+
+PBWTFDEF int pbwtf_end(pbwtf_writer *w, const pbwt_tile *tile, int dim)
+{
+    const uint64_t nothing = PBWT_NOTHING;
+    size_t i;
+    w->chunk.dim = (uint32_t)dim;
+    pbwtf__fill_word(w);
+    w->chunk.foreign = tile->foreign_count;
+    for (i = 0; i < tile->foreign_count; i++) {
+        const pbwt_vertex *v = tile->foreign + i;
+        const uint64_t place = (uint64_t)v->part << 32 | v->index;
+        pbwtf__put_point(w, &v->point, &place);
+    }
+    w->chunk.given = tile->leftover_count;
+    pbwtf__put(w, tile->leftovers, tile->leftover_count * 4);
+    pbwtf__fill_word(w);
+    for (i = 0; i < w->chunk.across; i++) {
+        pbwtf__write(w, &nothing, 8);
+    }
+    w->chunk.hull = tile->numbers.hull;
+    w->chunk.hash = tile->hash;
+    w->failed |= w->chunk.simplices != tile->numbers.simplices || fflush(w->file) != 0
+              || fseek(w->file, w->start, SEEK_SET) != 0;
+    pbwtf__write(w, &w->chunk, sizeof w->chunk);
+    w->failed |= fflush(w->file) != 0 || fseek(w->file, 0, SEEK_END) != 0;
+    return !w->failed;
+}
+
+#endif /* PBW_TILEFILE_IMPLEMENTATION */

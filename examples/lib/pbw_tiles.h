@@ -1,0 +1,2562 @@
+/* pbw_tiles.h - v0.1.0 - one exact triangulation in parts: over many machines, or one after the other - MIT-0
+
+   QUICK START
+   In one source file, define PBW_TILES_IMPLEMENTATION before the include; in all others, only include.
+   Needs pbw.h, with its implementation in some source file.  The header moves no data between parts: the caller
+   carries byte strings, by MPI, by files or, for parts in one process, by hand:
+
+       pbwt_cut_points(dim, sample, samples, parts, cuts);           // a part for each point: pbwt_part
+       pbwt_tree_make(dim, r, points of part r, count, NULL, &tree); // on every part r
+       pbwt_summarise(&tree, &summary);                              // all parts get all summaries
+       pbwt_open(&tile, &tree, summaries, parts, &options);
+       for (;;) {
+           pbwt_ask(&tile, &more);                                   // works; calls options.emit with simplices
+           if (!more) break;                                         // over MPI: no part has more
+           // part p gets tile.request[p]; it calls pbwt_answer(&its_tree, &its_served[r], request, size, &reply)
+           pbwt_take(&tile, p, reply, size);                         // for each part p
+       }
+
+   HOW
+   Each part triangulates its own points and a halo of others, finds which simplices at its own points may be
+   wrong, asks the parts whose boxes their balls meet for the points in conflict, and repairs those stars.
+     certificate  A simplex is in the triangulation of all points if and only if no point is in conflict with it.
+     one round    The points in conflict with a star never become more when points are added: a new simplex at a
+                  vertex is below a convex combination of two old ones.  So stars whose questions are fully answered
+                  are final after one repair; answers that are cut short leave less to ask about.
+     repair       The star of a vertex after an insertion is its star in the triangulation of its old neighbours and
+                  the new points: those few are triangulated anew, and nothing is inserted.
+     where        Parts are convex (lexicographic k-d cells), so only simplices with a foreign corner, those at the
+                  hull, and those that are reached from them through simplices in doubt can be wrong.
+     leftovers    Vertices given up (all points on one sphere ask about everything) are triangulated together with
+                  the neighbours that others know of them: pbwt_leftovers, pbwt_finish.
+   A simplex belongs to the part of its corner with the smallest id; simplices of vertices given up to the leftovers.
+
+   PROMISES  (tests/test_tiles.c guards them)
+     exact       the simplices of all parts are those of pbw_triangulate: the same hash, for any cuts and limits
+     linked      pbwt_match completes the neighbours across parts
+     bounded     answers and work are limited; what exceeds them becomes a leftover, never a wrong simplex
+     sound       every failure is a status and leaves things freeable
+
+   CONFIGURATION MACROS
+     PBW_TILES_IMPLEMENTATION    in one source file: compile the implementation there
+     PBWTDEF                     everywhere: your own linkage for the functions, for example static
+*/
+#ifndef PBW_TILES_H
+#define PBW_TILES_H
+#ifndef PBW_H
+#include "pbw.h"
+#endif
+
+#ifndef PBWTDEF
+#define PBWTDEF extern
+#endif
+
+#ifdef __cplusplus
+extern "C" {
+#endif
+
+typedef struct pbwt_point { double x[3], weight; uint64_t id; } pbwt_point;      /* ids: all different; 2D: x[2] 0 */
+typedef struct pbwt_vertex { pbwt_point point; uint32_t part, index; } pbwt_vertex;   /* index: in its part's tree */
+typedef struct pbwt_box { double low[3], high[3], weight; } pbwt_box;            /* weight: the largest inside */
+typedef struct pbwt_bytes { char *data; size_t size; } pbwt_bytes;
+
+/* ---- partition: bricks by recursive bisection, cut along the lexicographic order that begins with the cut's axis */
+
+typedef struct pbwt_cut { double x[3]; int axis, unused; } pbwt_cut;
+
+/* Fills parts-1 cuts that halve the sample again and again.  Reorders the sample. */
+PBWTDEF void pbwt_cut_points(int dim, pbwt_point *sample, size_t count, int parts, pbwt_cut *cuts);
+PBWTDEF int pbwt_part(int dim, const pbwt_cut *cuts, int parts, const pbwt_point *point);
+
+/* ---- one part's points, along the Hilbert curve without duplicates, and boxes over them: flat arrays that may be
+   mapped from a file.  Read only once made: many may ask one tree at a time. */
+
+#define PBWT_LEAF 32                       /* points under a box of the lowest level */
+#define PBWT_ARITY 8                       /* boxes under a box */
+#define PBWT_SAMPLES 16                    /* points of a part that others know, all others if parts are few */
+typedef struct pbwt_tree {                 /* start from {0}; read, do not write */
+    int dim, part;
+    size_t count, duplicates;              /* points kept, points removed */
+    size_t box_count;
+    const pbwt_point *points;
+    const pbwt_box *boxes;                 /* the lowest level first, each level after the one below */
+    uint32_t sample[PBWT_SAMPLES];         /* ascending */
+    int samples;
+    pbw_options options;                   /* threads, resize and so on of pbwt_tree_make */
+    size_t bytes;                          /* private: of one block with points and boxes */
+    void *memory;
+} pbwt_tree;
+
+typedef struct pbwt_summary {
+    pbwt_box box;
+    uint64_t count;
+    pbwt_vertex sample[PBWT_SAMPLES];
+    int32_t samples, unused;
+} pbwt_summary;
+
+/* Fails as pbw_order does; an empty part is fine.  Of points at one place the one with the largest weight stays, then
+   that with the lowest id.  weight is 0 for Delaunay triangulations. */
+PBWTDEF pbw_status pbwt_tree_make(int dim, int part, const pbwt_point *points, size_t count,
+                                  const pbw_options *options, pbwt_tree *tree);
+/* A tree over arrays of an earlier one, for example mapped ones; summary: of that.  Free nothing but the arrays. */
+PBWTDEF void pbwt_tree_over(int dim, int part, const pbwt_summary *summary, const pbwt_point *points,
+                            const pbwt_box *boxes, pbwt_tree *tree);
+PBWTDEF size_t pbwt_boxes_of(size_t points);         /* box_count of a tree over so many points */
+PBWTDEF void pbwt_tree_free(pbwt_tree *tree);
+PBWTDEF void pbwt_summarise(const pbwt_tree *tree, pbwt_summary *summary);
+
+/* ---- answers to one other part.  Start from {0}; pbwt_served_free when that part has finished. */
+
+typedef struct pbwt_limits {               /* 0 = default */
+    size_t answer;                         /* points in an answer, 64; over it a sample of a third, and "more" */
+    size_t halo_answer;                    /* the same for a box of the halo, 512, and a sample of 64 */
+    size_t work;                           /* visits of boxes for one part by another, 20 a point of it.  Volumes need
+                                              fewer; on surfaces, more of them leave fewer leftovers, later */
+    size_t points;                         /* answered to one part by another, half as many as it has */
+} pbwt_limits;
+
+typedef struct pbwt_served {
+    pbwt_bytes set;                        /* private: indices of points that were sent */
+    size_t sent, visits;
+} pbwt_served;
+
+/* Appends nothing: reply is overwritten, and grown with the tree's options.resize; pbwt_bytes_free(tree, ..) frees.
+   asker: the summary's count of the part that asks. */
+PBWTDEF pbw_status pbwt_answer(const pbwt_tree *tree, pbwt_served *served, const pbwt_bytes *request,
+                               const pbwt_limits *limits, uint64_t asker, pbwt_bytes *reply);
+PBWTDEF void pbwt_served_free(const pbwt_tree *tree, pbwt_served *served);
+PBWTDEF void pbwt_bytes_free(const pbwt_tree *tree, pbwt_bytes *bytes);
+
+/* ---- one part's work */
+
+#define PBWT_HULL 0xffffffffu              /* links: no simplex across */
+#define PBWT_OPEN 0xfffffffeu              /* the simplex across is another part's: the facet is in tile.facets */
+typedef struct pbwt_facet {                /* ids ascending, in the plane the last is 0 */
+    uint64_t id[3];
+    uint64_t from;                         /* where it is: part << 40 | simplex << 2 | corner */
+    uint64_t to;                           /* pbwt_match: what is across, or PBWT_NOTHING */
+} pbwt_facet;
+#define PBWT_NOTHING 0xffffffffffffffffu
+
+typedef struct pbwt_tile pbwt_tile;
+typedef struct pbwt_options {
+    pbw_options build;                     /* threads, memory_limit, resize, progress, backend ... of a tile */
+    double halo;                           /* width in spacings; 0 = 1.5, below 0 = none */
+    int weighted;                          /* 1: regular triangulation */
+    double questions;                      /* a round and own point at most: else, as on surfaces, all points asked
+                                              about are given up; 0 = 8, and 10,000 more */
+    /* Called with count simplices of the tile, numbered on from `first`: dim+1 corners each, numbers < tree.count
+       are own points, others tile.foreign[number - tree.count]; and their links.  NULL = only hash and counts. */
+    pbw_status (*emit)(void *user, const pbwt_tile *tile, size_t first, size_t count, const uint32_t *corners,
+                       const uint32_t *links);
+    void *emit_user;
+    int no_links;                          /* 1: links are not filled, facets not kept */
+} pbwt_options;
+
+typedef struct pbwt_numbers {              /* of one tile */
+    size_t simplices, hull;                /* emitted; facets of the hull known to be */
+    size_t halo, later;                    /* foreign points before and after the first questions */
+    size_t tested, uncertified, questions, answered;      /* answered: with points */
+    size_t rounds, patched, patch_points;  /* rounds of questions; stars and points of repairs */
+    size_t given_up, sent_bytes;
+} pbwt_numbers;
+
+struct pbwt_tile {                         /* start from {0} */
+    int dim, parts;
+    const pbwt_tree *tree;
+    pbwt_bytes *request;                   /* one for each part, of pbwt_ask */
+    const pbwt_vertex *foreign;
+    size_t foreign_count;
+    const pbwt_facet *facets;              /* to be matched: pbwt_match */
+    size_t facet_count;
+    const uint32_t *leftovers;             /* own points given up */
+    size_t leftover_count;
+    pbw_hash_sums hash;                    /* sums over own points and emitted simplices */
+    pbwt_numbers numbers;
+    struct pbwt__tile *memory;
+};
+
+/* summaries: of all parts, copied.  tree: refers to it; it may be one of count 0. */
+PBWTDEF pbw_status pbwt_open(pbwt_tile *tile, const pbwt_tree *tree, const pbwt_summary *summaries, int parts,
+                             const pbwt_options *options);
+/* Works until other parts must be asked.  more: 1 = requests are filled (some may be empty: size 0), take all replies
+   and ask again; 0 = finished, but for leftovers and facets.  A failed tile can only be closed. */
+PBWTDEF pbw_status pbwt_ask(pbwt_tile *tile, int *more);
+/* PBW_ERROR_ARGUMENT for what is no reply to the request. */
+PBWTDEF pbw_status pbwt_take(pbwt_tile *tile, int part, const void *reply, size_t size);
+PBWTDEF void pbwt_close(pbwt_tile *tile);
+
+/* ---- leftovers, if any part has some */
+
+/* ids: ascending, of all vertices that any part gave up.  Returns in *out what this tile knows: its own ones among
+   them, and those of its other points that are neighbours of some; free by pbwt_bytes_free(tile->tree, out). */
+PBWTDEF pbw_status pbwt_leftovers(const pbwt_tile *tile, const uint64_t *ids, size_t count, pbwt_bytes *out);
+/* known: what all tiles returned, one after the other.  Triangulates and emits the simplices of the leftovers, as
+   part `parts`; corners are then numbers in tile.foreign.  PBW_DEGENERATE if all points together are flat. */
+PBWTDEF pbw_status pbwt_finish(pbwt_tile *tile, int dim, int parts, const pbwt_bytes *known,
+                               const pbwt_options *options);
+
+/* ---- links: fills `to` of facets of any parts (all that share an id[0] must be there) and sorts them by `from`, the
+   order in which each tile has them.  Returns how many have nothing across: facets of the hull. */
+PBWTDEF size_t pbwt_match(pbwt_facet *facets, size_t count);
+
+#ifdef __cplusplus
+}
+#endif
+#endif /* PBW_TILES_H */
+
+#if defined(PBW_TILES_IMPLEMENTATION) && !defined(PBWT__IMPLEMENTED)
+#define PBWT__IMPLEMENTED
+
+#include <math.h>
+#include <stdlib.h>
+#include <string.h>
+
+#if defined(__GNUC__)
+#define PBWT__ADD(x, y) __atomic_add_fetch(x, y, __ATOMIC_RELAXED)
+#else
+#define PBWT__ADD(x, y) (*(x) += (y))      /* such a pbw.h has one thread */
+#endif
+
+/* ------------------------------------------------------------------------------------------------------
+   Memory: growing arrays through options.resize.
+   Holds: used = the sum of all live arrays; over the limit nothing grows.
+   ------------------------------------------------------------------------------------------------------ */
+typedef struct pbwt__memory {
+    void *(*resize)(void *user, void *ptr, size_t old_size, size_t new_size);
+    void *user;
+    size_t limit, used;
+} pbwt__memory;
+
+typedef struct pbwt__array { void *data; size_t count, bytes; } pbwt__array;     /* count: the owner's */
+
+static void *pbwt__default_resize(void *user, void *ptr, size_t old_size, size_t new_size)
+{
+    (void)user;
+    (void)old_size;
+    if (new_size == 0) {
+        free(ptr);
+        return NULL;
+    }
+    return realloc(ptr, new_size);
+}
+
+static pbwt__memory pbwt__memory_of(const pbw_options *options)
+{
+    pbwt__memory memory;
+    memory.resize = options->resize != NULL ? options->resize : pbwt__default_resize;
+    memory.user = options->resize_user;
+    memory.limit = options->memory_limit;
+    memory.used = 0;
+    return memory;
+}
+
+static void pbwt__release(pbwt__memory *memory, pbwt__array *array)
+{
+    if (array->data != NULL) {
+        (void)memory->resize(memory->user, array->data, array->bytes, 0);
+        (void)PBWT__ADD(&memory->used, (size_t)0 - array->bytes);
+    }
+    memset(array, 0, sizeof *array);
+}
+
+/* Makes the array `bytes` long.  Returns 0 and leaves it alone if there is no memory. */
+static int pbwt__resize(pbwt__memory *memory, pbwt__array *array, size_t bytes)
+{
+    void *data = NULL;
+    const size_t used = PBWT__ADD(&memory->used, bytes - array->bytes);
+    if (memory->limit == 0 || used <= memory->limit) {
+        data = memory->resize(memory->user, array->data, array->bytes, bytes);
+    }
+    if (data == NULL) {
+        (void)PBWT__ADD(&memory->used, array->bytes - bytes);
+        return 0;
+    }
+    array->data = data;
+    array->bytes = bytes;
+    return 1;
+}
+
+/* Makes room for `extra` items after the last.  Returns the place of the first of them, or NULL. */
+static void *pbwt__room(pbwt__memory *memory, pbwt__array *array, size_t extra, size_t size)
+{
+    const size_t need = (array->count + extra) * size, more = array->bytes + array->bytes / 2;
+    if ((need > array->bytes || array->data == NULL)
+        && !pbwt__resize(memory, array, need > more || more == 0 ? need + 256 : more)) {
+        return NULL;
+    }
+    return (char *)array->data + array->count * size;
+}
+
+static int pbwt__push(pbwt__memory *memory, pbwt__array *array, const void *item, size_t size)
+{
+    void *place = pbwt__room(memory, array, 1, size);
+    if (place == NULL) {
+        return 0;
+    }
+    memcpy(place, item, size);
+    array->count++;
+    return 1;
+}
+
+/* A new array of count zeros; there is always something to free. */
+static int pbwt__zeros(pbwt__memory *memory, pbwt__array *array, size_t count, size_t size)
+{
+    if (!pbwt__resize(memory, array, (count + 1) * size)) {
+        return 0;
+    }
+    memset(array->data, 0, array->bytes);
+    array->count = count;
+    return 1;
+}
+#define PBWT__U32(array) ((uint32_t *)(array).data)
+#define PBWT__BYTES(array) ((unsigned char *)(array).data)
+
+/* ------------------------------------------------------------------------------------------------------
+   Sorting: a heap sort, in place and never slower than n log n; what is sorted here is small beside the points.
+   ------------------------------------------------------------------------------------------------------ */
+typedef int pbwt__before(const void *a, const void *b, int how);
+
+static void pbwt__swap(char *a, char *b, size_t size)
+{
+    char hold[64];                                   /* the largest record */
+    memcpy(hold, a, size);
+    memcpy(a, b, size);
+    memcpy(b, hold, size);
+}
+
+static void pbwt__sort(void *items, size_t count, size_t size, pbwt__before *before, int how)
+{
+    char *data = (char *)items;
+    size_t heap = count / 2, end = count;
+    while (end > 1) {
+        size_t at, child;
+        if (heap > 0) {
+            heap--;
+        } else {
+            end--;
+            pbwt__swap(data, data + end * size, size);
+        }
+        for (at = heap; 2 * at + 1 < end; at = child) {
+            child = 2 * at + 1;
+            child += child + 1 < end && before(data + child * size, data + (child + 1) * size, how);
+            if (!before(data + at * size, data + child * size, how)) {
+                break;
+            }
+            pbwt__swap(data + at * size, data + child * size, size);
+        }
+    }
+}
+
+/* ------------------------------------------------------------------------------------------------------
+   Partition.
+   Cut b lies between the parts below b and those from b on, so that parts-1 cuts are an array.
+   ------------------------------------------------------------------------------------------------------ */
+static int pbwt__is_below(int dim, int axis, const double *a, const double *b)   /* lexicographic, from the axis on */
+{
+    int k;
+    for (k = 0; k < dim; k++) {
+        const int j = (axis + k) % dim;
+        if (a[j] < b[j] || a[j] > b[j]) {
+            return a[j] < b[j];
+        }
+    }
+    return 0;
+}
+
+static int pbwt__point_before(const void *a, const void *b, int how)             /* how: dim + 4 * axis */
+{
+    return pbwt__is_below(how % 4, how / 4, ((const pbwt_point *)a)->x, ((const pbwt_point *)b)->x);
+}
+
+static int pbwt__longest(int dim, const pbwt_point *points, size_t count)
+{
+    double longest = -1;
+    int k, axis = 0;
+    for (k = 0; k < dim; k++) {
+        double low = HUGE_VAL, high = -HUGE_VAL;
+        size_t i;
+        for (i = 0; i < count; i++) {
+            low = points[i].x[k] < low ? points[i].x[k] : low;
+            high = points[i].x[k] > high ? points[i].x[k] : high;
+        }
+        if (high - low > longest) {
+            longest = high - low;
+            axis = k;
+        }
+    }
+    return axis;
+}
+
+PBWTDEF void pbwt_cut_points(int dim, pbwt_point *sample, size_t count, int parts, pbwt_cut *cuts)
+{
+    struct { int first, end; size_t from, to; } stack[64], job;
+    int depth = 1;
+    stack[0].first = 0;
+    stack[0].end = parts;
+    stack[0].from = 0;
+    stack[0].to = count;
+    while (depth > 0) {
+        int middle;
+        pbwt_cut *cut;
+        size_t at;
+        job = stack[--depth];
+        if (job.end - job.first < 2) {
+            continue;
+        }
+        middle = job.first + (job.end - job.first) / 2;
+        cut = cuts + middle - 1;
+        memset(cut, 0, sizeof *cut);
+        cut->axis = pbwt__longest(dim, sample + job.from, job.to - job.from);
+        pbwt__sort(sample + job.from, job.to - job.from, sizeof *sample, pbwt__point_before, dim + 4 * cut->axis);
+        at = job.from + (size_t)((double)(job.to - job.from) * (middle - job.first) / (job.end - job.first));
+        if (at < job.to) {
+            memcpy(cut->x, sample[at].x, sizeof cut->x);
+        } else {
+            cut->x[cut->axis] = HUGE_VAL;            /* no sample: all points go below */
+        }
+        stack[depth] = job;
+        stack[depth].end = middle;
+        stack[depth++].to = at;
+        stack[depth] = job;
+        stack[depth].first = middle;
+        stack[depth++].from = at;
+    }
+}
+
+PBWTDEF int pbwt_part(int dim, const pbwt_cut *cuts, int parts, const pbwt_point *point)
+{
+    int first = 0, end = parts;
+    while (end - first > 1) {
+        const int middle = first + (end - first) / 2;
+        const pbwt_cut *cut = cuts + middle - 1;
+        if (pbwt__is_below(dim, cut->axis, point->x, cut->x)) {
+            end = middle;
+        } else {
+            first = middle;
+        }
+    }
+    return first;
+}
+
+/* ------------------------------------------------------------------------------------------------------
+   Boxes: a hierarchy over points in the order of the curve, or over the boxes of all parts.
+   Holds: box i of a level is over boxes PBWT_ARITY*i ... of the level below.
+   ------------------------------------------------------------------------------------------------------ */
+enum { PBWT__LEVELS = 14 };
+
+typedef struct pbwt__levels {
+    const pbwt_box *box[PBWT__LEVELS];
+    size_t count[PBWT__LEVELS];
+    int levels;                                      /* 0: there are no boxes */
+} pbwt__levels;
+
+static size_t pbwt__level_boxes(size_t lowest)               /* of all levels */
+{
+    size_t count = lowest, all = lowest;
+    while (count > 1) {
+        count = (count + PBWT_ARITY - 1) / PBWT_ARITY;
+        all += count;
+    }
+    return all;
+}
+
+static pbwt__levels pbwt__levels_over(const pbwt_box *boxes, size_t lowest)
+{
+    pbwt__levels l;
+    size_t count = lowest;
+    memset(&l, 0, sizeof l);
+    while (count > 0) {
+        l.box[l.levels] = boxes;
+        l.count[l.levels++] = count;
+        boxes += count;
+        count = count > 1 ? (count + PBWT_ARITY - 1) / PBWT_ARITY : 0;
+    }
+    return l;
+}
+
+PBWTDEF size_t pbwt_boxes_of(size_t points)
+{
+    return pbwt__level_boxes((points + PBWT_LEAF - 1) / PBWT_LEAF);
+}
+
+static void pbwt__box_clear(pbwt_box *box)
+{
+    int k;
+    for (k = 0; k < 3; k++) {
+        box->low[k] = HUGE_VAL;
+        box->high[k] = -HUGE_VAL;
+    }
+    box->weight = -HUGE_VAL;
+}
+
+static void pbwt__box_add(pbwt_box *box, const double *low, const double *high, double weight)
+{
+    int k;
+    for (k = 0; k < 3; k++) {
+        box->low[k] = low[k] < box->low[k] ? low[k] : box->low[k];
+        box->high[k] = high[k] > box->high[k] ? high[k] : box->high[k];
+    }
+    box->weight = weight > box->weight ? weight : box->weight;
+}
+
+static void pbwt__upper_boxes(pbwt_box *boxes, size_t lowest)        /* from those of the lowest level */
+{
+    size_t count = lowest, i, k;
+    pbwt_box *below = boxes, *box;
+    for (; count > 1; count = (count + PBWT_ARITY - 1) / PBWT_ARITY, below = box) {
+        box = below + count;
+        for (i = 0; i * PBWT_ARITY < count; i++) {
+            pbwt__box_clear(box + i);
+            for (k = i * PBWT_ARITY; k < count && k < (i + 1) * PBWT_ARITY; k++) {
+                pbwt__box_add(box + i, below[k].low, below[k].high, below[k].weight);
+            }
+        }
+    }
+}
+
+static pbwt__levels pbwt__tree_levels(const pbwt_tree *tree)
+{
+    return pbwt__levels_over(tree->boxes, (tree->count + PBWT_LEAF - 1) / PBWT_LEAF);
+}
+
+/* ------------------------------------------------------------------------------------------------------
+   Trees.
+   ------------------------------------------------------------------------------------------------------ */
+/* Ten points spread along the curve, and those that are extreme along the axes. */
+static void pbwt__choose_samples(pbwt_tree *tree)
+{
+    uint32_t pick[PBWT_SAMPLES];
+    size_t i;
+    int k, j, n = 0;
+    for (k = 0; k < PBWT_SAMPLES - 6; k++) {
+        pick[n++] = (uint32_t)(tree->count * (size_t)(2 * k + 1) / (2 * (PBWT_SAMPLES - 6)));
+    }
+    for (k = 0; k < tree->dim; k++) {
+        uint32_t low = 0, high = 0;
+        for (i = 1; i < tree->count; i++) {
+            low = tree->points[i].x[k] < tree->points[low].x[k] ? (uint32_t)i : low;
+            high = tree->points[i].x[k] > tree->points[high].x[k] ? (uint32_t)i : high;
+        }
+        pick[n++] = low;
+        pick[n++] = high;
+    }
+    tree->samples = 0;
+    for (k = 0; k < n && tree->count > 0; k++) {
+        for (j = tree->samples; j > 0 && tree->sample[j - 1] > pick[k]; j--) {
+            tree->sample[j] = tree->sample[j - 1];
+        }
+        tree->sample[j] = pick[k];
+        tree->samples++;
+    }
+    for (k = j = 0; k < tree->samples; k++) {                /* once each */
+        if (k == 0 || tree->sample[k] != tree->sample[k - 1]) {
+            tree->sample[j++] = tree->sample[k];
+        }
+    }
+    tree->samples = j;
+}
+
+PBWTDEF void pbwt_tree_over(int dim, int part, const pbwt_summary *summary, const pbwt_point *points,
+                            const pbwt_box *boxes, pbwt_tree *tree)
+{
+    memset(tree, 0, sizeof *tree);
+    tree->dim = dim;
+    tree->part = part;
+    tree->points = points;
+    tree->count = (size_t)summary->count;
+    tree->boxes = boxes;
+    tree->box_count = pbwt_boxes_of(tree->count);
+    for (tree->samples = 0; tree->samples < summary->samples; tree->samples++) {
+        tree->sample[tree->samples] = summary->sample[tree->samples].index;
+    }
+}
+
+typedef struct pbwt__making {
+    const pbwt_point *points;
+    pbwt_box *boxes;
+    size_t count;
+} pbwt__making;
+
+static pbw_status pbwt__lowest_boxes(void *arg, size_t from, size_t to)
+{
+    const pbwt__making *making = (const pbwt__making *)arg;
+    size_t i;
+    for (; from < to; from++) {
+        pbwt__box_clear(making->boxes + from);
+        for (i = from * PBWT_LEAF; i < (from + 1) * PBWT_LEAF && i < making->count; i++) {
+            const pbwt_point *p = making->points + i;
+            pbwt__box_add(making->boxes + from, p->x, p->x, p->weight);
+        }
+    }
+    return PBW_OK;
+}
+
+static int pbwt__same_place(const double *a, const double *b)
+{
+    return !(a[0] < b[0] || a[0] > b[0] || a[1] < b[1] || a[1] > b[1] || a[2] < b[2] || a[2] > b[2]);
+}
+
+/* Copies points in that order, one for each place.  Returns how many. */
+static size_t pbwt__gather(const pbwt_point *points, const pbw_index *order, size_t count, pbwt_point *out)
+{
+    size_t i, n = 0;
+    for (i = 0; i < count; i++) {
+        const pbwt_point *p = points + order[i];
+        if (n == 0 || !pbwt__same_place(p->x, out[n - 1].x)) {
+            out[n++] = *p;
+        } else if (p->weight > out[n - 1].weight
+                   || (!(p->weight < out[n - 1].weight) && p->id < out[n - 1].id)) {
+            out[n - 1] = *p;
+        }
+    }
+    return n;
+}
+
+PBWTDEF pbw_status pbwt_tree_make(int dim, int part, const pbwt_point *points, size_t count,
+                                  const pbw_options *options, pbwt_tree *tree)
+{
+    pbw_options order_options, zero;
+    pbwt__memory memory;
+    pbwt__array order, block;
+    pbwt__making making;
+    pbw_status status;
+    size_t i;
+    memset(&zero, 0, sizeof zero);
+    memset(&order, 0, sizeof order);
+    memset(&block, 0, sizeof block);
+    memset(tree, 0, sizeof *tree);
+    order_options = options != NULL ? *options : zero;
+    memory = pbwt__memory_of(&order_options);
+    for (i = 0; i < count; i++) {
+        if (!(fabs(points[i].weight) < HUGE_VAL)) {
+            return PBW_ERROR_NOT_FINITE;
+        }
+    }
+    if (!pbwt__resize(&memory, &block, (count + 1) * sizeof *points + pbwt_boxes_of(count) * sizeof(pbwt_box))
+        || !pbwt__resize(&memory, &order, (count + 1) * sizeof(pbw_index))) {
+        pbwt__release(&memory, &block);
+        return PBW_ERROR_MEMORY;
+    }
+    order_options.stride = sizeof *points;
+    order_options.memory_limit = memory.limit > memory.used ? memory.limit - memory.used : memory.limit != 0;
+    status = pbw_order(dim, count > 0 ? points[0].x : NULL, count, &order_options, (pbw_index *)order.data);
+    if (status == PBW_OK) {
+        making.points = (pbwt_point *)block.data;
+        making.count = pbwt__gather(points, (pbw_index *)order.data, count, (pbwt_point *)block.data);
+        making.boxes = (pbwt_box *)(void *)((pbwt_point *)block.data + making.count);
+        i = (making.count + PBWT_LEAF - 1) / PBWT_LEAF;
+        order_options.memory_limit = 0;
+        status = pbw_for(&order_options, i, 512, pbwt__lowest_boxes, &making);
+    }
+    pbwt__release(&memory, &order);
+    if (status != PBW_OK) {
+        pbwt__release(&memory, &block);
+        return status;
+    }
+    pbwt__upper_boxes(making.boxes, i);
+    tree->dim = dim;
+    tree->part = part;
+    tree->points = making.points;
+    tree->count = making.count;
+    tree->boxes = making.boxes;
+    tree->box_count = pbwt_boxes_of(making.count);
+    pbwt__choose_samples(tree);
+    tree->duplicates = count - making.count;
+    tree->options = options != NULL ? *options : zero;
+    tree->bytes = block.bytes;
+    tree->memory = block.data;
+    return PBW_OK;
+}
+
+PBWTDEF void pbwt_tree_free(pbwt_tree *tree)
+{
+    pbwt__memory memory = pbwt__memory_of(&tree->options);
+    pbwt__array block;
+    block.data = tree->memory;
+    block.bytes = tree->bytes;
+    pbwt__release(&memory, &block);
+    memset(tree, 0, sizeof *tree);
+}
+
+PBWTDEF void pbwt_summarise(const pbwt_tree *tree, pbwt_summary *summary)
+{
+    const pbwt__levels levels = pbwt__tree_levels(tree);
+    int i;
+    memset(summary, 0, sizeof *summary);
+    pbwt__box_clear(&summary->box);
+    if (levels.levels > 0) {
+        summary->box = levels.box[levels.levels - 1][0];
+    }
+    summary->count = tree->count;
+    summary->samples = tree->samples;
+    for (i = 0; i < tree->samples; i++) {
+        summary->sample[i].point = tree->points[tree->sample[i]];
+        summary->sample[i].part = (uint32_t)tree->part;
+        summary->sample[i].index = tree->sample[i];
+    }
+}
+
+/* ------------------------------------------------------------------------------------------------------
+   Balls: which points and boxes a simplex, or the half-space beyond a facet, may be in conflict with.
+   Relative to the first corner a, with rows u, v, w to the others, D = det[u v w], h(u) = |u|^2 - (w_b - w_a) and
+       N = h(u) v x w + h(v) w x u + h(w) u x v,     F(t) = D (|t|^2 - (w_x - w_a)) - N . t,   t = x - a,
+   x is outside if and only if F > 0.  No division: a flat simplex turns into a half-space.  Beyond a facet D is 0
+   and N its normal, outward.
+   Rounding: each term of F is a product in which every factor and sum has at most 24 relative errors of 2^-53, so
+   F is wrong by at most 24 * 1.12e-16 < 1e-14 / 3 times the sum of the absolute values of all terms (Higham 2002,
+   Accuracy and Stability, section 3.1, where gamma_24 is this); 1e-14 covers the rounding of that sum and of bounds.
+   Underflow and overflow: a ball decides nothing unless each difference of corners is 0 or from 1e-50 to 1e50, so
+   that no product of five is out of range; nor do values of F below 1e-250 or above 1e300, or NaN.
+   ------------------------------------------------------------------------------------------------------ */
+typedef struct pbwt__question {            /* what travels */
+    double x[4][3], weight[4];             /* the corners of a positive simplex */
+    uint32_t facet, dim;                   /* facet: 0, or 1 + the corner it is across from: beyond that facet */
+    uint32_t weighted, unused;
+} pbwt__question;
+
+typedef struct pbwt__ball {
+    const pbwt__question *q;
+    double a[3], weight, d, d_error, n[3], n_error[3];
+    int tame;                              /* 0: decides nothing */
+} pbwt__ball;
+
+#define PBWT__EPSILON 1e-14
+
+static double pbwt__minor(double a, double b, double c, double d, double *size)      /* a d - b c */
+{
+    *size = fabs(a * d) + fabs(b * c);
+    return a * d - b * c;
+}
+
+static int pbwt__is_tame(double x)
+{
+    return (fabs(x) >= 1e-50 && fabs(x) <= 1e50) || (x <= 0 && x >= 0);
+}
+
+/* The cross product, and bounds of its terms. */
+static void pbwt__cross(const double *u, const double *v, double *out, double *size)
+{
+    int k;
+    for (k = 0; k < 3; k++) {
+        const int i = (k + 1) % 3, j = (k + 2) % 3;
+        out[k] = pbwt__minor(u[i], u[j], v[i], v[j], size + k);
+    }
+}
+
+static void pbwt__ball_of_facet(pbwt__ball *ball, const pbwt__question *q)
+{
+    const int dim = (int)q->dim, apex = (int)q->facet - 1;
+    const double turn = apex % 2 != 0 ? -1.0 : 1.0;
+    double corner[4][3], u[2][3], n[3], size[3];
+    int i, k, count = 0;
+    memset(corner, 0, sizeof corner);
+    memset(u, 0, sizeof u);
+    for (i = 0; i <= dim; i++) {
+        if (i != apex) {
+            memcpy(corner[count++], q->x[i], sizeof corner[0]);
+        }
+    }
+    memcpy(ball->a, corner[0], sizeof ball->a);
+    for (i = 0; i + 1 < dim; i++) {
+        for (k = 0; k < 3; k++) {
+            u[i][k] = corner[i + 1][k] - corner[0][k];
+            ball->tame &= pbwt__is_tame(u[i][k]);
+        }
+    }
+    if (dim == 2) {
+        n[0] = u[0][1];
+        n[1] = -u[0][0];
+        n[2] = 0;
+        size[0] = fabs(n[0]);
+        size[1] = fabs(n[1]);
+        size[2] = 0;
+    } else {
+        pbwt__cross(u[0], u[1], n, size);
+    }
+    for (k = 0; k < 3; k++) {
+        ball->n[k] = turn * n[k];
+        ball->n_error[k] = PBWT__EPSILON * size[k];
+    }
+}
+
+static void pbwt__ball_of(pbwt__ball *ball, const pbwt__question *q)
+{
+    double u[3][3], h[3], h_size[3], cross[3], size[3];
+    int i, k;
+    memset(ball, 0, sizeof *ball);
+    ball->q = q;
+    ball->tame = 1;
+    if (q->facet != 0) {
+        pbwt__ball_of_facet(ball, q);
+        return;
+    }
+    memcpy(ball->a, q->x[0], sizeof ball->a);
+    ball->weight = q->weight[0];
+    memset(u, 0, sizeof u);
+    for (i = 0; i < (int)q->dim; i++) {
+        for (k = 0; k < 3; k++) {
+            u[i][k] = q->x[i + 1][k] - q->x[0][k];
+            ball->tame &= pbwt__is_tame(u[i][k]);
+        }
+        ball->tame &= pbwt__is_tame(q->weight[i + 1] - q->weight[0]);
+        h[i] = u[i][0] * u[i][0] + u[i][1] * u[i][1] + u[i][2] * u[i][2];
+        h_size[i] = h[i] + fabs(q->weight[i + 1] - q->weight[0]);
+        h[i] -= q->weight[i + 1] - q->weight[0];
+    }
+    if (q->dim == 2) {                               /* the third row is the unit vector across the plane */
+        u[2][2] = 1;
+        h[2] = h_size[2] = 0;
+    }
+    for (i = 0; i < 3; i++) {
+        pbwt__cross(u[(i + 1) % 3], u[(i + 2) % 3], cross, size);
+        for (k = 0; k < 3; k++) {
+            ball->n[k] += h[i] * cross[k];
+            ball->n_error[k] += PBWT__EPSILON * h_size[i] * size[k];
+            ball->d += i == 0 ? u[0][k] * cross[k] : 0;
+            ball->d_error += i == 0 ? PBWT__EPSILON * fabs(u[0][k]) * size[k] : 0;
+        }
+    }
+    if (q->dim == 2) {
+        ball->n[2] = ball->n_error[2] = 0;           /* all points are in the plane */
+    }
+}
+
+/* A bound from below of d t^2 - n t over [low, high]. */
+static double pbwt__parabola(double d, double n, double low, double high)
+{
+    return 2 * d * low >= n ? (d * low - n) * low : 2 * d * high <= n ? (d * high - n) * high
+         : d > 0 ? -n * (n / (4 * d)) : -HUGE_VAL;
+}
+
+/* Is F above 0 for all points of the box, whatever was rounded?  0: perhaps not. */
+static int pbwt__is_clear(const pbwt__ball *ball, const double *low, const double *high, double weight)
+{
+    const double d_high = ball->d + ball->d_error, lift = weight - ball->weight;
+    const double d = ball->d > ball->d_error ? ball->d - ball->d_error : 0;      /* simplices are positive */
+    double sum = 0, size = 0;
+    int k;
+    if (!ball->tame) {
+        return 0;
+    }
+    for (k = 0; k < 3; k++) {
+        const double from = low[k] - ball->a[k], to = high[k] - ball->a[k], n = ball->n[k], e = ball->n_error[k];
+        const double far = fabs(from) > fabs(to) ? fabs(from) : fabs(to);
+        double least = HUGE_VAL, part;
+        if (to >= 0) {
+            least = pbwt__parabola(d, n + e, from > 0 ? from : 0, to);
+        }
+        if (from < 0) {
+            part = pbwt__parabola(d, n - e, from, to < 0 ? to : 0);
+            least = part < least ? part : least;
+        }
+        sum += least;
+        size += d_high * far * far + fabs(n) * far;
+    }
+    if (ball->q->facet == 0) {
+        sum -= lift > 0 ? d_high * lift : d * lift;
+        size += d_high * fabs(lift);
+    }
+    return sum > PBWT__EPSILON * size && size > 1e-250 && size < 1e300;
+}
+
+/* Is p in conflict with the simplex, or strictly beyond the facet?  Exactly. */
+static int pbwt__conflicts(const pbwt__question *q, const pbwt_point *p)
+{
+    const double *x[4], *w = NULL;
+    double weights[5];
+    uint32_t i;
+    for (i = 0; i <= q->dim; i++) {
+        if (pbwt__same_place(q->x[i], p->x)) {
+            return 0;
+        }
+        x[i] = i + 1 == q->facet ? p->x : q->x[i];
+        weights[i] = q->weight[i];
+    }
+    weights[q->dim + 1] = p->weight;
+    w = q->weighted != 0 ? weights : NULL;
+    if (q->dim == 2) {
+        return q->facet != 0 ? pbw_orient2(x[0], x[1], x[2]) < 0 : pbw_conflict2(x[0], x[1], x[2], p->x, w);
+    }
+    return q->facet != 0 ? pbw_orient3(x[0], x[1], x[2], x[3]) < 0
+         : pbw_conflict3(x[0], x[1], x[2], x[3], p->x, w);
+}
+
+/* The half-space beyond a facet: is no corner of the box in it?  Exactly. */
+static int pbwt__corners_clear(const pbwt__question *q, const pbwt_box *box)
+{
+    pbwt_point corner;
+    int i, k;
+    memset(&corner, 0, sizeof corner);
+    for (i = 0; i < 1 << q->dim; i++) {
+        for (k = 0; k < (int)q->dim; k++) {
+            corner.x[k] = i >> k & 1 ? box->high[k] : box->low[k];
+        }
+        if (pbwt__conflicts(q, &corner)) {
+            return 0;
+        }
+    }
+    return 1;
+}
+
+/* ------------------------------------------------------------------------------------------------------
+   Walks over a hierarchy: the lowest boxes that meet a box or a ball.
+   ------------------------------------------------------------------------------------------------------ */
+typedef struct pbwt__shape { const pbwt_box *box; const pbwt__ball *ball; } pbwt__shape;     /* one of them */
+
+static int pbwt__meets(const pbwt__shape *shape, const pbwt_box *box)
+{
+    int k;
+    if (box->low[0] > box->high[0]) {
+        return 0;                                    /* empty */
+    }
+    for (k = 0; shape->box != NULL && k < 3; k++) {
+        if (shape->box->low[k] > box->high[k] || shape->box->high[k] < box->low[k]) {
+            return 0;
+        }
+    }
+    return shape->box != NULL || !(pbwt__is_clear(shape->ball, box->low, box->high, box->weight)
+                                   || (shape->ball->q->facet != 0 && pbwt__corners_clear(shape->ball->q, box)));
+}
+
+static int pbwt__has(const pbwt__shape *shape, const pbwt_point *p)
+{
+    int k, inside = 1;
+    if (shape->ball != NULL) {
+        return !pbwt__is_clear(shape->ball, p->x, p->x, p->weight) && pbwt__conflicts(shape->ball->q, p);
+    }
+    for (k = 0; k < 3; k++) {
+        inside &= p->x[k] >= shape->box->low[k] && p->x[k] <= shape->box->high[k];
+    }
+    return inside;
+}
+
+typedef struct pbwt__node { int level; size_t at; } pbwt__node;
+typedef struct pbwt__walk {
+    const pbwt__levels *levels;
+    const pbwt__shape *shape;
+    pbwt__node stack[PBWT__LEVELS * PBWT_ARITY];
+    int depth;
+    size_t visits;
+} pbwt__walk;
+
+static void pbwt__walk_from(pbwt__walk *walk, const pbwt__levels *levels, const pbwt__shape *shape, pbwt__node node)
+{
+    walk->levels = levels;
+    walk->shape = shape;
+    walk->depth = levels->levels > 0;
+    walk->stack[0] = node;
+    walk->visits = 0;
+}
+
+static void pbwt__walk_start(pbwt__walk *walk, const pbwt__levels *levels, const pbwt__shape *shape)
+{
+    pbwt__node root;
+    root.level = levels->levels - 1;
+    root.at = 0;
+    pbwt__walk_from(walk, levels, shape, root);
+}
+
+/* Returns the next of the lowest boxes, in ascending order, or (size_t)-1. */
+static size_t pbwt__next(pbwt__walk *walk)
+{
+    while (walk->depth > 0) {
+        const pbwt__node node = walk->stack[--walk->depth];
+        size_t child;
+        walk->visits++;
+        if (!pbwt__meets(walk->shape, walk->levels->box[node.level] + node.at)) {
+            continue;
+        }
+        if (node.level == 0) {
+            return node.at;
+        }
+        child = (node.at + 1) * PBWT_ARITY;
+        child = child < walk->levels->count[node.level - 1] ? child : walk->levels->count[node.level - 1];
+        while (child-- > node.at * PBWT_ARITY) {
+            walk->stack[walk->depth].level = node.level - 1;
+            walk->stack[walk->depth++].at = child;
+        }
+    }
+    return (size_t)-1;
+}
+
+/* ------------------------------------------------------------------------------------------------------
+   Answers.
+   In: a request: a head, then boxes of the halo or questions.  Out: a reply: a head, a verdict for each (a byte,
+   filled up to 8), then points that were not sent before.
+   Holds: of a verdict PBWT__ALL the part that asked has all points in conflict; of PBWT__SOME at least one.
+   ------------------------------------------------------------------------------------------------------ */
+enum { PBWT__NOTHING, PBWT__ALL, PBWT__SOME, PBWT__REFUSED };            /* verdicts */
+enum { PBWT__WANT = 0x77746270, PBWT__ASK, PBWT__REPLY };               /* kinds of messages */
+
+/* points: in a reply, how many; in a request, whether the samples of the part asked are known. */
+typedef struct pbwt__head { uint32_t kind, count; uint64_t points; } pbwt__head;
+
+typedef struct pbwt__serving {
+    const pbwt_tree *tree;
+    pbwt_served *served;
+    pbwt__memory memory;
+    pbwt__levels levels;
+    pbwt__array set, out, found;                     /* set: hash table of index + 1; out: pbwt_vertex; found: u32 */
+    size_t most, few;                                /* points in an answer, and if there are more */
+    int samples;                                     /* known: never sent */
+} pbwt__serving;
+
+static size_t pbwt__slot(const pbwt__array *set, uint32_t index)         /* where it is or would be */
+{
+    const size_t mask = set->bytes / sizeof(uint32_t) - 1;
+    size_t at = (index * (size_t)0x9e3779b1u >> 7) & mask;
+    while (PBWT__U32(*set)[at] != 0 && PBWT__U32(*set)[at] != index + 1) {
+        at = (at + 1) & mask;
+    }
+    return at;
+}
+
+/* Sizes are powers of two, at most half full. */
+static int pbwt__grow_set(pbwt__serving *s)
+{
+    pbwt__array larger;
+    size_t i;
+    memset(&larger, 0, sizeof larger);
+    if (2 * (s->served->sent + 1) * sizeof(uint32_t) <= s->set.bytes) {
+        return 1;
+    }
+    if (!pbwt__resize(&s->memory, &larger, s->set.bytes > 0 ? 2 * s->set.bytes : 4096)) {
+        return 0;
+    }
+    memset(larger.data, 0, larger.bytes);
+    for (i = 0; i < s->set.bytes / sizeof(uint32_t); i++) {
+        if (PBWT__U32(s->set)[i] != 0) {
+            PBWT__U32(larger)[pbwt__slot(&larger, PBWT__U32(s->set)[i] - 1)] = PBWT__U32(s->set)[i];
+        }
+    }
+    pbwt__release(&s->memory, &s->set);
+    s->set = larger;
+    return 1;
+}
+
+static int pbwt__send(pbwt__serving *s, uint32_t index)      /* unless it was sent; returns 0 without memory */
+{
+    pbwt_vertex vertex;
+    size_t at;
+    int i;
+    for (i = 0; i < s->samples; i++) {
+        if (s->tree->sample[i] == index) {
+            return 1;
+        }
+    }
+    if (!pbwt__grow_set(s)) {
+        return 0;
+    }
+    at = pbwt__slot(&s->set, index);
+    if (PBWT__U32(s->set)[at] != 0) {
+        return 1;
+    }
+    PBWT__U32(s->set)[at] = index + 1;
+    s->served->sent++;
+    vertex.point = s->tree->points[index];
+    vertex.part = (uint32_t)s->tree->part;
+    vertex.index = index;
+    return pbwt__push(&s->memory, &s->out, &vertex, sizeof vertex);
+}
+
+/* Finds points of the shape below a node, up to `most`.  Returns 0 without memory. */
+static int pbwt__collect(pbwt__serving *s, const pbwt__shape *shape, pbwt__node node, size_t most)
+{
+    pbwt__walk walk;
+    size_t leaf, i;
+    pbwt__walk_from(&walk, &s->levels, shape, node);
+    while (s->found.count < most && (leaf = pbwt__next(&walk)) != (size_t)-1) {
+        for (i = leaf * PBWT_LEAF; i < (leaf + 1) * PBWT_LEAF && i < s->tree->count && s->found.count < most; i++) {
+            const uint32_t index = (uint32_t)i;
+            if (pbwt__has(shape, s->tree->points + i) && !pbwt__push(&s->memory, &s->found, &index, sizeof index)) {
+                return 0;
+            }
+        }
+        walk.visits += PBWT_LEAF / 4;
+    }
+    s->served->visits += walk.visits;
+    return 1;
+}
+
+/* Finds one point of the shape in each of some boxes that cover it: not more boxes than `few` times the arity. */
+static int pbwt__spread(pbwt__serving *s, const pbwt__shape *shape)
+{
+    pbwt__node front[2][96 * PBWT_ARITY];
+    size_t count = 1, i, step;
+    int level = s->levels.levels - 1, now = 0;
+    front[0][0].level = level;
+    front[0][0].at = 0;
+    s->found.count = 0;
+    while (level > 0 && count < s->few) {
+        size_t next = 0, child;
+        level--;
+        for (i = 0; i < count; i++) {
+            for (child = front[now][i].at * PBWT_ARITY;
+                 child < s->levels.count[level] && child < (front[now][i].at + 1) * PBWT_ARITY; child++) {
+                if (pbwt__meets(shape, s->levels.box[level] + child)) {
+                    front[!now][next].level = level;
+                    front[!now][next++].at = child;
+                }
+            }
+        }
+        now = !now;
+        count = next;
+    }
+    step = count > s->few ? count / s->few : 1;
+    for (i = 0; i < count && s->found.count < s->few; i++) {
+        const size_t before = s->found.count;
+        if (!pbwt__collect(s, shape, front[now][i], before + 1)) {
+            return 0;
+        }
+        i += s->found.count > before ? step - 1 : 0;
+    }
+    return 1;
+}
+
+/* The points of one shape; returns the verdict, or -1 without memory. */
+static int pbwt__answer_one(pbwt__serving *s, const pbwt__shape *shape)
+{
+    pbwt__node root;
+    int verdict = PBWT__ALL;
+    size_t i;
+    root.level = s->levels.levels - 1;
+    root.at = 0;
+    s->found.count = 0;
+    if (!pbwt__collect(s, shape, root, s->most + 1)) {
+        return -1;
+    }
+    if (s->found.count == 0) {
+        return PBWT__NOTHING;
+    }
+    if (s->found.count > s->most) {
+        verdict = PBWT__SOME;
+        if (!pbwt__spread(s, shape)) {
+            return -1;
+        }
+    }
+    for (i = 0; i < s->found.count; i++) {
+        if (!pbwt__send(s, PBWT__U32(s->found)[i])) {
+            return -1;
+        }
+    }
+    return verdict;
+}
+
+static int pbwt__answer_record(pbwt__serving *s, int kind, const char *record)
+{
+    pbwt__question question;
+    pbwt__ball ball;
+    pbwt__shape shape;
+    pbwt_box box;
+    if (kind == PBWT__WANT) {
+        memcpy(&box, record, sizeof box);
+        shape.box = &box;
+        shape.ball = NULL;
+    } else {
+        memcpy(&question, record, sizeof question);
+        if (question.dim != (uint32_t)s->tree->dim || question.facet > question.dim + 1) {
+            return PBWT__REFUSED;
+        }
+        pbwt__ball_of(&ball, &question);
+        shape.box = NULL;
+        shape.ball = &ball;
+    }
+    return pbwt__answer_one(s, &shape);
+}
+
+static pbw_status pbwt__write_reply(pbwt__serving *s, const pbwt__array *verdicts, pbwt_bytes *reply)
+{
+    const size_t bytes = (verdicts->count + 7) / 8 * 8, points = s->out.count * sizeof(pbwt_vertex);
+    pbwt__head head;
+    pbwt__array text;
+    memset(&text, 0, sizeof text);
+    if (!pbwt__resize(&s->memory, &text, sizeof head + bytes + points)) {
+        return PBW_ERROR_MEMORY;
+    }
+    head.kind = PBWT__REPLY;
+    head.count = (uint32_t)verdicts->count;
+    head.points = s->out.count;
+    memcpy(text.data, &head, sizeof head);
+    memset((char *)text.data + sizeof head, 0, bytes);
+    memcpy((char *)text.data + sizeof head, verdicts->data, verdicts->count);
+    if (points > 0) {
+        memcpy((char *)text.data + sizeof head + bytes, s->out.data, points);
+    }
+    reply->data = (char *)text.data;
+    reply->size = text.bytes;
+    return PBW_OK;
+}
+
+PBWTDEF void pbwt_bytes_free(const pbwt_tree *tree, pbwt_bytes *bytes)
+{
+    pbwt__memory memory = pbwt__memory_of(&tree->options);
+    pbwt__array array;
+    memset(&array, 0, sizeof array);
+    array.data = bytes->data;
+    array.bytes = bytes->size;
+    pbwt__release(&memory, &array);
+    memset(bytes, 0, sizeof *bytes);
+}
+
+PBWTDEF void pbwt_served_free(const pbwt_tree *tree, pbwt_served *served)
+{
+    pbwt_bytes_free(tree, &served->set);
+    memset(served, 0, sizeof *served);
+}
+
+static pbw_status pbwt__answer_all(pbwt__serving *s, const pbwt_bytes *request, const pbwt_limits *limits,
+                                   uint64_t asker, pbwt__array *verdicts)
+{
+    const size_t work = (limits->work > 0 ? limits->work : 20) * (size_t)(asker + 5000);
+    const size_t points = limits->points > 0 ? limits->points : (size_t)asker / 2 + 1000;
+    pbwt__head head;
+    size_t i, size;
+    if (request->size < sizeof head) {
+        return PBW_ERROR_ARGUMENT;
+    }
+    memcpy(&head, request->data, sizeof head);
+    size = head.kind == PBWT__WANT ? sizeof(pbwt_box) : sizeof(pbwt__question);
+    if ((head.kind != PBWT__WANT && head.kind != PBWT__ASK) || request->size != sizeof head + head.count * size) {
+        return PBW_ERROR_ARGUMENT;
+    }
+    s->most = head.kind == PBWT__WANT ? (limits->halo_answer > 0 ? limits->halo_answer : 512)
+            : limits->answer > 0 ? limits->answer : 64;
+    s->few = head.kind == PBWT__WANT ? 64 : (s->most + 2) / 3;
+    s->samples = head.points != 0 ? s->tree->samples : 0;
+    s->few = s->few > 64 ? 64 : s->few > s->most ? s->most : s->few;
+    if (!pbwt__zeros(&s->memory, verdicts, head.count, 1)) {
+        return PBW_ERROR_MEMORY;
+    }
+    for (i = 0; i < head.count; i++) {
+        int verdict = PBWT__REFUSED;
+        if (head.kind == PBWT__WANT || (s->served->visits <= work && s->out.count <= points)) {
+            verdict = pbwt__answer_record(s, (int)head.kind, request->data + sizeof head + i * size);
+        }
+        if (verdict < 0) {
+            return PBW_ERROR_MEMORY;
+        }
+        PBWT__BYTES(*verdicts)[i] = (unsigned char)verdict;
+    }
+    return PBW_OK;
+}
+
+PBWTDEF pbw_status pbwt_answer(const pbwt_tree *tree, pbwt_served *served, const pbwt_bytes *request,
+                               const pbwt_limits *limits, uint64_t asker, pbwt_bytes *reply)
+{
+    pbwt__serving s;
+    pbwt__array verdicts;
+    pbwt_limits defaults;
+    pbw_status status;
+    memset(&s, 0, sizeof s);
+    memset(&verdicts, 0, sizeof verdicts);
+    memset(&defaults, 0, sizeof defaults);
+    s.tree = tree;
+    s.served = served;
+    s.memory = pbwt__memory_of(&tree->options);
+    s.levels = pbwt__tree_levels(tree);
+    s.set.data = served->set.data;
+    s.set.bytes = served->set.size;
+    pbwt_bytes_free(tree, reply);
+    status = pbwt__answer_all(&s, request, limits != NULL ? limits : &defaults, asker, &verdicts);
+    if (status == PBW_OK) {
+        status = pbwt__write_reply(&s, &verdicts, reply);
+    }
+    served->set.data = (char *)s.set.data;
+    served->set.size = s.set.bytes;
+    pbwt__release(&s.memory, &s.out);
+    pbwt__release(&s.memory, &s.found);
+    pbwt__release(&s.memory, &verdicts);
+    return status;
+}
+
+/* ------------------------------------------------------------------------------------------------------
+   One part's work.
+   A level is a mesh and the subjects of it, own vertices whose stars it has.  The first mesh is of all local points;
+   the next ones are of what a repair needs, fewer each time.  After each round of questions, subjects without a point
+   in conflict are final: their simplices are emitted, and the level is replaced by the repair of the others.
+   ------------------------------------------------------------------------------------------------------ */
+/* States of own vertices: emitted; final in this level; to be certified; with points in conflict, all or some of
+   which are known; given up. */
+enum { PBWT__DONE, PBWT__SUBJECT, PBWT__ASKED, PBWT__AFFECTED, PBWT__MORE, PBWT__GIVEN };
+
+typedef struct pbwt__level {
+    pbw_mesh mesh;
+    pbwt__array map;                                 /* u32 per point of the mesh: its local number; none: the same */
+    pbwt__array x, weight;                           /* doubles of the mesh */
+} pbwt__level;
+
+struct pbwt__tile {
+    pbwt_options options;
+    pbwt__memory memory;
+    pbwt_tile *tile;
+    size_t own;                                      /* points of the tree: local numbers below are own ones */
+    int stage;                                       /* calls of pbwt_ask */
+    pbwt__array parts;                               /* pbwt_box: the hierarchy over the boxes of all parts */
+    pbwt__array known;                               /* per part, a byte: its samples are foreign points */
+    pbwt__levels levels;
+    double foreign_weight;                           /* the largest elsewhere */
+    pbwt__array request, asked;                      /* per part: pbwt__array */
+    pbwt__array foreign, state, held, facets, given; /* held: per leaf, how far around it all points are known */
+    pbwt__array border;                              /* corners of final simplices that have others, too */
+    size_t before;                                   /* foreign points before the last replies */
+    pbwt__level level;
+    pbwt__array mark, queue;                         /* per simplex; u32 */
+};
+#define PBWT__PART(array, p) ((pbwt__array *)(array).data + (p))
+
+static int pbwt__corners(const struct pbwt__tile *t)
+{
+    return t->tile->dim + 1;
+}
+
+static uint32_t pbwt__local(const struct pbwt__tile *t, pbw_index vertex)       /* of a point of the level's mesh */
+{
+    return t->level.map.data != NULL ? PBWT__U32(t->level.map)[vertex] : vertex;
+}
+
+static int pbwt__state(const struct pbwt__tile *t, uint32_t local)               /* of foreign points: DONE */
+{
+    return local < t->own ? (int)PBWT__BYTES(t->state)[local] : (int)PBWT__DONE;
+}
+
+static const pbwt_point *pbwt__point(const struct pbwt__tile *t, uint32_t local)
+{
+    return local < t->own ? t->tile->tree->points + local
+         : &((pbwt_vertex *)t->foreign.data)[local - t->own].point;
+}
+
+static pbw_options pbwt__inner_options(const struct pbwt__tile *t)               /* with the memory that is left */
+{
+    pbw_options options = t->options.build;
+    const size_t used = t->memory.used + (t->tile->tree != NULL ? t->tile->tree->bytes : 0);
+    options.stride = options.weight_stride = 0;
+    options.trace = NULL;
+    options.memory_limit = t->memory.limit == 0 ? 0 : t->memory.limit > used ? t->memory.limit - used : 1;
+    return options;
+}
+
+static void pbwt__level_free(struct pbwt__tile *t, pbwt__level *level)
+{
+    pbw_free(&level->mesh);
+    pbwt__release(&t->memory, &level->map);
+    pbwt__release(&t->memory, &level->x);
+    pbwt__release(&t->memory, &level->weight);
+}
+
+PBWTDEF void pbwt_close(pbwt_tile *tile)
+{
+    struct pbwt__tile *t = tile->memory;
+    pbwt__memory memory;
+    pbwt__array self;
+    int p;
+    if (t == NULL) {
+        memset(tile, 0, sizeof *tile);
+        return;
+    }
+    memory = t->memory;
+    for (p = 0; p < tile->parts && t->request.data != NULL; p++) {
+        pbwt__release(&t->memory, PBWT__PART(t->request, p));
+    }
+    for (p = 0; p < tile->parts && t->asked.data != NULL; p++) {
+        pbwt__release(&t->memory, PBWT__PART(t->asked, p));
+    }
+    pbwt__level_free(t, &t->level);
+    pbwt__release(&t->memory, &t->parts);
+    pbwt__release(&t->memory, &t->known);
+    pbwt__release(&t->memory, &t->request);
+    pbwt__release(&t->memory, &t->asked);
+    pbwt__release(&t->memory, &t->foreign);
+    pbwt__release(&t->memory, &t->state);
+    pbwt__release(&t->memory, &t->held);
+    pbwt__release(&t->memory, &t->facets);
+    pbwt__release(&t->memory, &t->given);
+    pbwt__release(&t->memory, &t->border);
+    pbwt__release(&t->memory, &t->mark);
+    pbwt__release(&t->memory, &t->queue);
+    self.data = t;
+    self.bytes = sizeof *t;
+    pbwt__release(&memory, &self);
+    self.data = tile->request;
+    self.bytes = (size_t)tile->parts * sizeof *tile->request;
+    pbwt__release(&memory, &self);
+    memset(tile, 0, sizeof *tile);
+}
+
+static int pbwt__allocate_tile(pbwt_tile *tile, const pbwt_options *options)
+{
+    pbwt__memory memory = pbwt__memory_of(&options->build);
+    pbwt__array self, request;
+    memset(&self, 0, sizeof self);
+    memset(&request, 0, sizeof request);
+    if (tile->parts > 0 && !pbwt__zeros(&memory, &request, (size_t)tile->parts - 1, sizeof(pbwt_bytes))) {
+        return 0;
+    }
+    if (!pbwt__resize(&memory, &self, sizeof(struct pbwt__tile))) {
+        pbwt__release(&memory, &request);
+        return 0;
+    }
+    memset(self.data, 0, self.bytes);
+    tile->request = (pbwt_bytes *)request.data;
+    tile->memory = (struct pbwt__tile *)self.data;
+    tile->memory->options = *options;
+    tile->memory->memory = memory;
+    tile->memory->tile = tile;
+    return 1;
+}
+
+/* Of many parts, the samples are taken of near ones, of those at the ends of each axis, and of every so many. */
+static int pbwt__takes_samples(const struct pbwt__tile *t, const pbwt_summary *summaries, size_t p)
+{
+    const size_t parts = (size_t)t->tile->parts;
+    const pbwt_box *own = &summaries[t->tile->tree->part].box, *box = &summaries[p].box;
+    const pbwt_box *all = (const pbwt_box *)t->parts.data + t->parts.count - 1;
+    int k, near = 1, end = 0;
+    for (k = 0; k < t->tile->dim; k++) {
+        const double size = own->high[k] - own->low[k];
+        near &= box->low[k] <= own->high[k] + size && box->high[k] >= own->low[k] - size;
+        end |= !(box->low[k] > all->low[k]) || !(box->high[k] < all->high[k]);
+    }
+    return parts <= 64 || near || p % (parts / 32) == 0 || (end && p % (parts / 32) < 2);
+}
+
+/* Copies the summaries: boxes of the other parts, and samples as the first foreign points. */
+static pbw_status pbwt__meet_parts(struct pbwt__tile *t, const pbwt_summary *summaries)
+{
+    const size_t parts = (size_t)t->tile->parts;
+    pbwt_box *box;
+    size_t p;
+    int i;
+    if (!pbwt__zeros(&t->memory, &t->parts, pbwt__level_boxes(parts), sizeof(pbwt_box))
+        || !pbwt__zeros(&t->memory, &t->known, parts, 1)
+        || !pbwt__zeros(&t->memory, &t->request, parts, sizeof(pbwt__array))
+        || !pbwt__zeros(&t->memory, &t->asked, parts, sizeof(pbwt__array))) {
+        return PBW_ERROR_MEMORY;
+    }
+    box = (pbwt_box *)t->parts.data;
+    t->foreign_weight = -HUGE_VAL;
+    for (p = 0; p < parts; p++) {
+        box[p] = summaries[p].box;
+        if ((int)p == t->tile->tree->part) {
+            pbwt__box_clear(box + p);
+            continue;
+        }
+        t->foreign_weight = box[p].weight > t->foreign_weight ? box[p].weight : t->foreign_weight;
+    }
+    pbwt__upper_boxes(box, parts);
+    t->levels = pbwt__levels_over(box, parts);
+    for (p = 0; p < parts; p++) {
+        if ((int)p == t->tile->tree->part || !pbwt__takes_samples(t, summaries, p)) {
+            continue;
+        }
+        PBWT__BYTES(t->known)[p] = 1;
+        for (i = 0; i < summaries[p].samples; i++) {
+            if (!pbwt__push(&t->memory, &t->foreign, summaries[p].sample + i, sizeof(pbwt_vertex))) {
+                return PBW_ERROR_MEMORY;
+            }
+        }
+    }
+    return PBW_OK;
+}
+
+PBWTDEF pbw_status pbwt_open(pbwt_tile *tile, const pbwt_tree *tree, const pbwt_summary *summaries, int parts,
+                             const pbwt_options *options)
+{
+    pbwt_options defaults;
+    pbw_status status = PBW_OK;
+    memset(tile, 0, sizeof *tile);
+    memset(&defaults, 0, sizeof defaults);
+    options = options != NULL ? options : &defaults;
+    if (tree->dim < 2 || tree->dim > 3 || parts < 1 || tree->part < 0 || tree->part >= parts) {
+        return PBW_ERROR_ARGUMENT;
+    }
+    tile->dim = tree->dim;
+    tile->parts = parts;
+    tile->tree = tree;
+    if (!pbwt__allocate_tile(tile, options)) {
+        memset(tile, 0, sizeof *tile);
+        return PBW_ERROR_MEMORY;
+    }
+    tile->memory->own = tree->count;
+    status = pbwt__meet_parts(tile->memory, summaries);
+    if (status == PBW_OK
+        && (!pbwt__zeros(&tile->memory->memory, &tile->memory->state, tree->count, 1)
+            || !pbwt__zeros(&tile->memory->memory, &tile->memory->held, tree->count / PBWT_LEAF + 1,
+                            sizeof(double)))) {
+        status = PBW_ERROR_MEMORY;
+    }
+    if (status != PBW_OK) {
+        pbwt_close(tile);
+    } else {
+        memset(tile->memory->state.data, PBWT__ASKED, tree->count);
+    }
+    return status;
+}
+
+/* ---- requests */
+
+static void pbwt__start_requests(struct pbwt__tile *t)
+{
+    int p;
+    for (p = 0; p < t->tile->parts; p++) {
+        pbwt__release(&t->memory, PBWT__PART(t->request, p));
+        pbwt__release(&t->memory, PBWT__PART(t->asked, p));
+        t->tile->request[p].data = NULL;
+        t->tile->request[p].size = 0;
+    }
+    t->before = t->foreign.count;
+}
+
+/* Appends a record to the request for a part, and notes what it is about. */
+static int pbwt__request(struct pbwt__tile *t, size_t part, const void *record, size_t size, uint32_t about)
+{
+    pbwt__array *request = PBWT__PART(t->request, part);
+    char *place;
+    if (request->count == 0) {
+        pbwt__head head;
+        memset(&head, 0, sizeof head);
+        if (pbwt__room(&t->memory, request, sizeof head, 1) == NULL) {
+            return 0;
+        }
+        memcpy(request->data, &head, sizeof head);
+        request->count = sizeof head;
+    }
+    place = (char *)pbwt__room(&t->memory, request, size, 1);
+    if (place == NULL || !pbwt__push(&t->memory, PBWT__PART(t->asked, part), &about, sizeof about)) {
+        return 0;
+    }
+    memcpy(place, record, size);
+    request->count += size;
+    return 1;
+}
+
+/* Returns whether there are any. */
+static int pbwt__end_requests(struct pbwt__tile *t, uint32_t kind)
+{
+    int p, any = 0;
+    for (p = 0; p < t->tile->parts; p++) {
+        pbwt__array *request = PBWT__PART(t->request, p);
+        pbwt__head head;
+        if (request->count > 0) {
+            memset(&head, 0, sizeof head);
+            head.kind = kind;
+            head.count = (uint32_t)PBWT__PART(t->asked, p)->count;
+            head.points = PBWT__BYTES(t->known)[p];
+            memcpy(request->data, &head, sizeof head);
+            t->tile->request[p].data = (char *)request->data;
+            t->tile->request[p].size = request->count;
+            t->tile->numbers.sent_bytes += request->count;
+            any = 1;
+        }
+    }
+    return any;
+}
+
+/* The spacing of points in a leaf: in space, or if the leaf is flatter than that, in a plane, or on a line. */
+static double pbwt__spacing(const pbwt_box *box, size_t count)
+{
+    double side[3], swap;
+    int k;
+    for (k = 0; k < 3; k++) {
+        side[k] = box->high[k] - box->low[k];
+    }
+    for (k = 0; k < 3; k++) {                        /* 0 1, 1 2, 0 1: descending */
+        if (side[k % 2] < side[k % 2 + 1]) {
+            swap = side[k % 2];
+            side[k % 2] = side[k % 2 + 1];
+            side[k % 2 + 1] = swap;
+        }
+    }
+    return fmax(cbrt(side[0] * side[1] * side[2] / (double)count),
+                fmax(sqrt(side[0] * side[1] / (double)count), side[0] / (double)count));
+}
+
+/* Asks for the points around each leaf near other parts. */
+static pbw_status pbwt__want_halo(struct pbwt__tile *t)
+{
+    const pbwt_tree *tree = t->tile->tree;
+    const double wide = t->options.halo > 0 ? t->options.halo : t->options.halo < 0 ? 0 : 1.5;
+    double *held = (double *)t->held.data;
+    size_t leaf, part;
+    int k;
+    for (leaf = 0; leaf * PBWT_LEAF < tree->count; leaf++) {
+        const size_t rest = tree->count - leaf * PBWT_LEAF;
+        pbwt_box box = tree->boxes[leaf];
+        const double h = wide * pbwt__spacing(&box, rest < PBWT_LEAF ? rest : PBWT_LEAF);
+        pbwt__shape shape;
+        pbwt__walk walk;
+        held[leaf] = h;
+        if (!(h > 0 && h < HUGE_VAL)) {
+            held[leaf] = -1;
+            continue;
+        }
+        for (k = 0; k < tree->dim; k++) {
+            box.low[k] -= h;
+            box.high[k] += h;
+        }
+        shape.box = &box;
+        shape.ball = NULL;
+        pbwt__walk_start(&walk, &t->levels, &shape);
+        while ((part = pbwt__next(&walk)) != (size_t)-1) {
+            if (!pbwt__request(t, part, &box, sizeof box, (uint32_t)leaf)) {
+                return PBW_ERROR_MEMORY;
+            }
+        }
+    }
+    return PBW_OK;
+}
+
+/* ---- replies */
+
+/* A verdict on a simplex of the level, or on one of its facets. */
+static void pbwt__hear(struct pbwt__tile *t, uint32_t simplex, int verdict)
+{
+    const int state = verdict == PBWT__ALL ? PBWT__AFFECTED : verdict == PBWT__SOME ? PBWT__MORE : PBWT__GIVEN;
+    const pbw_index *corner = t->level.mesh.simplices + (size_t)simplex * (size_t)pbwt__corners(t);
+    int k;
+    t->tile->numbers.answered += verdict != PBWT__REFUSED;
+    for (k = 0; k < pbwt__corners(t); k++) {
+        const uint32_t v = pbwt__local(t, corner[k]);
+        const int now = pbwt__state(t, v);
+        if (now >= PBWT__ASKED && state > now) {
+            PBWT__BYTES(t->state)[v] = (unsigned char)state;
+        }
+    }
+}
+
+PBWTDEF pbw_status pbwt_take(pbwt_tile *tile, int part, const void *reply, size_t size)
+{
+    struct pbwt__tile *t = tile->memory;
+    const pbwt__array *asked;
+    const char *text = (const char *)reply;
+    pbwt__head head;
+    size_t bytes, i;
+    void *place;
+    if (t == NULL || part < 0 || part >= tile->parts || size < sizeof head) {
+        return PBW_ERROR_ARGUMENT;
+    }
+    asked = PBWT__PART(t->asked, part);
+    memcpy(&head, reply, sizeof head);
+    bytes = ((size_t)head.count + 7) / 8 * 8;
+    if (head.kind != PBWT__REPLY || head.count != asked->count || head.points > size / sizeof(pbwt_vertex)
+        || size != sizeof head + bytes + head.points * sizeof(pbwt_vertex)) {
+        return PBW_ERROR_ARGUMENT;
+    }
+    for (i = 0; i < head.count; i++) {
+        const int verdict = text[sizeof head + i];
+        const uint32_t about = PBWT__U32(*asked)[i];
+        if (t->stage == 1 && verdict >= PBWT__SOME) {
+            ((double *)t->held.data)[about] = -1;
+        } else if (t->stage > 1 && verdict != PBWT__NOTHING) {
+            pbwt__hear(t, about, verdict);
+        }
+    }
+    place = pbwt__room(&t->memory, &t->foreign, (size_t)head.points, sizeof(pbwt_vertex));
+    if (place == NULL) {
+        return PBW_ERROR_MEMORY;
+    }
+    if (head.points > 0) {
+        memcpy(place, text + sizeof head + bytes, (size_t)head.points * sizeof(pbwt_vertex));
+    }
+    t->foreign.count += (size_t)head.points;
+    tile->foreign = (const pbwt_vertex *)t->foreign.data;
+    tile->foreign_count = t->foreign.count;
+    tile->numbers.sent_bytes += size;
+    return PBW_OK;
+}
+
+/* ---- levels */
+
+/* Triangulates the points of the level's map, or all; a degenerate level has no simplices. */
+static pbw_status pbwt__triangulate(struct pbwt__tile *t, size_t count)
+{
+    pbwt__level *level = &t->level;
+    const size_t dim = (size_t)t->tile->dim;
+    pbw_options options;
+    pbw_status status;
+    size_t i;
+    if (count > 0xfffffff0u) {
+        return PBW_ERROR_TOO_LARGE;
+    }
+    if (!pbwt__resize(&t->memory, &level->x, (count + 1) * dim * sizeof(double))
+        || (t->options.weighted && !pbwt__resize(&t->memory, &level->weight, (count + 1) * sizeof(double)))) {
+        return PBW_ERROR_MEMORY;
+    }
+    for (i = 0; i < count; i++) {
+        const pbwt_point *p = pbwt__point(t, pbwt__local(t, (pbw_index)i));
+        memcpy((double *)level->x.data + i * dim, p->x, dim * sizeof(double));
+        if (t->options.weighted) {
+            ((double *)level->weight.data)[i] = p->weight;
+        }
+    }
+    options = pbwt__inner_options(t);
+    options.flags |= PBW_BORROW;
+    options.flags &= ~(PBW_NO_NEIGHBORS | PBW_CURVE_ORDER);          /* weight.data is NULL without weights */
+    status = pbw_triangulate(t->tile->dim, (double *)level->x.data, (double *)level->weight.data, count, &options,
+                             &level->mesh);
+    return status == PBW_DEGENERATE ? PBW_OK : status;
+}
+
+static void pbwt__question_of(const struct pbwt__tile *t, uint32_t simplex, int facet, pbwt__question *q)
+{
+    const pbw_index *corner = t->level.mesh.simplices + (size_t)simplex * (size_t)pbwt__corners(t);
+    int k;
+    memset(q, 0, sizeof *q);
+    for (k = 0; k < pbwt__corners(t); k++) {
+        const pbwt_point *p = pbwt__point(t, pbwt__local(t, corner[k]));
+        memcpy(q->x[k], p->x, sizeof q->x[k]);
+        q->weight[k] = p->weight;
+    }
+    q->facet = (uint32_t)facet;
+    q->dim = (uint32_t)t->tile->dim;
+    q->weighted = (uint32_t)t->options.weighted;
+}
+
+/* Is the ball inside the grown box of a leaf with an own corner, around which all points are known? */
+static int pbwt__is_held(const struct pbwt__tile *t, uint32_t simplex, const pbwt__ball *ball)
+{
+    const pbw_index *corner = t->level.mesh.simplices + (size_t)simplex * (size_t)pbwt__corners(t);
+    const double d = ball->d - ball->d_error;
+    double centre[3] = { 0, 0, 0 }, radius = t->foreign_weight - ball->weight, size = 0;
+    int i, k;
+    if (!ball->tame || !(d > 0.999999 * (ball->d + ball->d_error))) {
+        return 0;
+    }
+    for (k = 0; k < t->tile->dim; k++) {
+        const double error = ball->n_error[k] / (2 * d) + 1e-6 * fabs(ball->n[k] / (2 * d));
+        centre[k] = ball->n[k] / (2 * d);
+        size = fmax(size, error);
+        radius += (fabs(centre[k]) + error) * (fabs(centre[k]) + error);
+    }
+    radius = (radius > 0 ? sqrt(radius) * (1 + 1e-9) : 0) + size;
+    for (i = 0; i < pbwt__corners(t); i++) {
+        const uint32_t v = pbwt__local(t, corner[i]), leaf = v / PBWT_LEAF;
+        int inside = v < t->own && ((double *)t->held.data)[leaf] >= 0;
+        for (k = 0; k < t->tile->dim && inside; k++) {
+            const double x = ball->a[k] + centre[k], h = ((double *)t->held.data)[leaf] * (1 - 1e-9);
+            const double rounding = 1e-15 * (fabs(ball->a[k]) + fabs(centre[k]) + radius);
+            inside &= x - radius - rounding >= t->tile->tree->boxes[leaf].low[k] - h
+                   && x + radius + rounding <= t->tile->tree->boxes[leaf].high[k] + h;
+        }
+        if (inside) {
+            return 1;
+        }
+    }
+    return 0;
+}
+
+/* Asks the parts that a simplex (facet 0) or the half-space beyond a facet may have points of in conflict.  Returns
+   how many, or -1 without memory. */
+static int pbwt__inquire(struct pbwt__tile *t, uint32_t simplex, int facet)
+{
+    pbwt__question q;
+    pbwt__ball ball;
+    pbwt__shape shape;
+    pbwt__walk walk;
+    size_t part;
+    int count = 0;
+    pbwt__question_of(t, simplex, facet, &q);
+    pbwt__ball_of(&ball, &q);
+    t->tile->numbers.tested++;
+    if (facet == 0 && pbwt__is_held(t, simplex, &ball)) {
+        return 0;
+    }
+    shape.box = NULL;
+    shape.ball = &ball;
+    pbwt__walk_start(&walk, &t->levels, &shape);
+    while ((part = pbwt__next(&walk)) != (size_t)-1) {
+        if (!pbwt__request(t, part, &q, sizeof q, simplex)) {
+            return -1;
+        }
+        count++;
+    }
+    t->tile->numbers.uncertified += count > 0;
+    t->tile->numbers.questions += (size_t)count;
+    return count;
+}
+
+/* The parts asked about a simplex and the facets of the hull that it has, or -1. */
+static int pbwt__certify_simplex(struct pbwt__tile *t, uint32_t simplex)
+{
+    const size_t corners = (size_t)pbwt__corners(t), first = simplex * corners;
+    int count = pbwt__inquire(t, simplex, 0);
+    size_t k, j;
+    for (k = 0; k < corners && count >= 0; k++) {
+        int asked = 0, more;
+        for (j = 0; j < corners; j++) {
+            asked |= j != k && pbwt__state(t, pbwt__local(t, t->level.mesh.simplices[first + j])) == PBWT__ASKED;
+        }
+        if (asked && t->level.mesh.neighbors[first + k] == PBW_NONE) {
+            more = pbwt__inquire(t, simplex, (int)k + 1);
+            count = more < 0 ? more : count + more;
+        }
+    }
+    return count;
+}
+
+/* Does certification start at this simplex?  In later levels, at all with a corner that must be asked about. */
+static int pbwt__starts(const struct pbwt__tile *t, size_t simplex, int *has_asked)
+{
+    const size_t corners = (size_t)pbwt__corners(t);
+    int asked = 0, border = t->level.map.data != NULL;
+    size_t k;
+    for (k = 0; k < corners; k++) {
+        const uint32_t v = pbwt__local(t, t->level.mesh.simplices[simplex * corners + k]);
+        asked |= pbwt__state(t, v) == PBWT__ASKED;
+        border |= v >= t->own || t->level.mesh.neighbors[simplex * corners + k] == PBW_NONE;
+    }
+    *has_asked = asked;
+    return asked && border;
+}
+
+/* Gives up all that certification was to look at, instead of asking. */
+static void pbwt__give_up(struct pbwt__tile *t)
+{
+    size_t i;
+    for (i = 0; i < t->own; i++) {
+        if (PBWT__BYTES(t->state)[i] == PBWT__ASKED) {
+            PBWT__BYTES(t->state)[i] = PBWT__GIVEN;
+        }
+    }
+    pbwt__start_requests(t);
+    pbwt__release(&t->memory, &t->mark);
+}
+
+static pbw_status pbwt__certify(struct pbwt__tile *t)
+{
+    const pbw_mesh *mesh = &t->level.mesh;
+    const size_t corners = (size_t)pbwt__corners(t), before = t->tile->numbers.questions;
+    const size_t most = t->options.questions > 0 ? (size_t)(t->options.questions * (double)t->own)
+                      : 8 * t->own + 10000;
+    size_t i, k;
+    int has_asked, count;
+    t->queue.count = 0;
+    if (!pbwt__zeros(&t->memory, &t->mark, mesh->simplex_count, 1)) {
+        return PBW_ERROR_MEMORY;
+    }
+    for (i = 0; i < mesh->simplex_count; i++) {
+        uint32_t next = (uint32_t)i;
+        if (PBWT__BYTES(t->mark)[i] || !pbwt__starts(t, i, &has_asked)) {
+            continue;
+        }
+        PBWT__BYTES(t->mark)[i] = 1;
+        for (;;) {
+            count = pbwt__certify_simplex(t, next);
+            for (k = 0; k < corners && count > 0; k++) {
+                const pbw_index n = mesh->neighbors[next * corners + k];
+                if (n == PBW_NONE || PBWT__BYTES(t->mark)[n]) {
+                    continue;
+                }
+                pbwt__starts(t, n, &has_asked);
+                PBWT__BYTES(t->mark)[n] = 1;
+                if (has_asked && !pbwt__push(&t->memory, &t->queue, &n, sizeof n)) {
+                    count = -1;
+                }
+            }
+            if (count < 0) {
+                return PBW_ERROR_MEMORY;
+            }
+            if (t->tile->numbers.questions - before > most) {
+                pbwt__give_up(t);
+                return PBW_OK;
+            }
+            if (t->queue.count == 0) {
+                break;
+            }
+            next = PBWT__U32(t->queue)[--t->queue.count];
+        }
+    }
+    pbwt__release(&t->memory, &t->mark);
+    return PBW_OK;
+}
+
+/* ---- emission: shared with leftovers.  A simplex is emitted if its corner with the smallest id says so. */
+
+typedef struct pbwt__emission {
+    pbwt_tile *tile;
+    const pbwt_options *options;
+    pbwt__memory *memory;
+    const pbw_mesh *mesh;
+    uint32_t part;
+    size_t base;                                     /* number of the first simplex */
+    pbwt__array number, chosen;                      /* per simplex: u32; byte for the hash */
+    pbwt__array facets;                              /* out */
+} pbwt__emission;
+
+enum { PBWT__BLOCK = 2048 };
+
+static int pbwt__id_before(const void *a, const void *b, int how)
+{
+    uint64_t x, y;
+    (void)how;
+    memcpy(&x, a, sizeof x);
+    memcpy(&y, b, sizeof y);
+    return x < y;
+}
+
+/* Notes a facet that another part may have, too.  id: of the corners of the simplex. */
+static int pbwt__open_facet(pbwt__emission *e, const uint64_t *id, size_t number, size_t corner)
+{
+    const size_t corners = (size_t)e->mesh->dim + 1;
+    pbwt_facet facet;
+    size_t k, n = 0;
+    memset(&facet, 0, sizeof facet);
+    for (k = 0; k < corners; k++) {
+        if (k != corner) {
+            facet.id[n++] = id[k];
+        }
+    }
+    pbwt__sort(facet.id, n, sizeof *id, pbwt__id_before, 0);
+    facet.from = (uint64_t)e->part << 40 | (uint64_t)number << 2 | corner;
+    facet.to = PBWT_NOTHING;
+    return pbwt__push(e->memory, &e->facets, &facet, sizeof facet);
+}
+
+/* The links of one simplex; first: its corner of the smallest id, whose star is final. */
+static int pbwt__links_of(pbwt__emission *e, size_t simplex, const uint64_t *id, size_t first, uint32_t *links)
+{
+    const size_t corners = (size_t)e->mesh->dim + 1;
+    const uint32_t *number = PBWT__U32(e->number);
+    size_t k;
+    for (k = 0; k < corners; k++) {
+        const pbw_index n = e->mesh->neighbors[simplex * corners + k];
+        if (n != PBW_NONE && number[n] != PBW_NONE) {
+            links[k] = number[n];
+        } else if (n == PBW_NONE && k != first) {
+            links[k] = PBWT_HULL;
+            e->tile->numbers.hull++;
+        } else {
+            links[k] = PBWT_OPEN;
+            if (!pbwt__open_facet(e, id, number[simplex], k)) {
+                return 0;
+            }
+        }
+    }
+    return 1;
+}
+
+/* number: PBW_NONE or numbers of what to emit; local: numbers of the mesh's points in the tile, and their ids. */
+typedef void pbwt__naming(const void *user, pbw_index vertex, uint32_t *local, uint64_t *id);
+
+static pbw_status pbwt__emit(pbwt__emission *e, pbwt__naming *name, const void *user)
+{
+    const size_t corners = (size_t)e->mesh->dim + 1;
+    uint32_t corner[PBWT__BLOCK * 4], links[PBWT__BLOCK * 4];
+    size_t s, k, count = 0, first = e->base;
+    pbw_status status = PBW_OK;
+    memset(links, 0xff, sizeof links);
+    for (s = 0; s <= e->mesh->simplex_count; s++) {
+        uint64_t id[4];
+        size_t least = 0;
+        if (count == PBWT__BLOCK || (s == e->mesh->simplex_count && count > 0)) {
+            if (e->options->emit != NULL) {
+                status = e->options->emit(e->options->emit_user, e->tile, first, count, corner, links);
+            }
+            first += count;
+            count = 0;
+        }
+        if (status != PBW_OK || s == e->mesh->simplex_count || PBWT__U32(e->number)[s] == PBW_NONE) {
+            if (status != PBW_OK) {
+                return status;
+            }
+            continue;
+        }
+        for (k = 0; k < corners; k++) {
+            name(user, e->mesh->simplices[s * corners + k], corner + count * corners + k, id + k);
+            least = id[k] < id[least] ? k : least;
+        }
+        if (!e->options->no_links && !pbwt__links_of(e, s, id, least, links + count * corners)) {
+            return PBW_ERROR_MEMORY;
+        }
+        count++;
+    }
+    return PBW_OK;
+}
+
+/* ---- emission of a level */
+
+static void pbwt__name_local(const void *user, pbw_index vertex, uint32_t *local, uint64_t *id)
+{
+    const struct pbwt__tile *t = (const struct pbwt__tile *)user;
+    *local = pbwt__local(t, vertex);
+    *id = pbwt__point(t, *local)->id;
+}
+
+static int pbwt__is_final(int state)
+{
+    return state == PBWT__SUBJECT || state == PBWT__ASKED;
+}
+
+/* Is simplex s to be emitted?  Keeps it in the border if it has a final corner and others that may be given up. */
+static int pbwt__choose(struct pbwt__tile *t, size_t s, int *emitted)
+{
+    const size_t corners = (size_t)pbwt__corners(t);
+    uint32_t local[4];
+    uint64_t least = 0;
+    int final = 0, doubtful = 0, chosen = 0;
+    size_t k;
+    for (k = 0; k < corners; k++) {
+        uint64_t id;
+        int state;
+        pbwt__name_local(t, t->level.mesh.simplices[s * corners + k], local + k, &id);
+        state = pbwt__state(t, local[k]);
+        final |= pbwt__is_final(state);
+        doubtful |= local[k] >= t->own || state >= PBWT__AFFECTED;
+        if (k == 0 || id < least) {
+            least = id;
+            chosen = pbwt__is_final(state);
+        }
+    }
+    *emitted = chosen;
+    if (final && doubtful) {
+        uint32_t *place = (uint32_t *)pbwt__room(&t->memory, &t->border, corners, sizeof *place);
+        if (place == NULL) {
+            return 0;
+        }
+        memcpy(place, local, corners * sizeof *place);
+        t->border.count += corners;
+    }
+    return 1;
+}
+
+static pbw_status pbwt__hash_level(struct pbwt__tile *t, pbwt__emission *e)
+{
+    pbw_options options = pbwt__inner_options(t);
+    pbw_hash_sums sums;
+    pbwt__array points;
+    pbw_status status;
+    memset(&points, 0, sizeof points);
+    if (!pbwt__zeros(&t->memory, &points, t->level.mesh.point_count, 1)) {
+        return PBW_ERROR_MEMORY;
+    }
+    if (t->level.map.data == NULL) {
+        memset(points.data, 1, t->own);
+    }
+    status = pbw_hash_parts(&t->level.mesh, PBWT__BYTES(points), PBWT__BYTES(e->chosen), &options, &sums);
+    pbwt__release(&t->memory, &points);
+    t->tile->hash.points += status == PBW_OK ? sums.points : 0;
+    t->tile->hash.simplices += status == PBW_OK ? sums.simplices : 0;
+    return status;
+}
+
+static pbw_status pbwt__emit_chosen(struct pbwt__tile *t, pbwt__emission *e)
+{
+    const size_t count = t->level.mesh.simplex_count;
+    size_t s, n = e->base;
+    pbw_status status;
+    int chosen;
+    if (!pbwt__resize(&t->memory, &e->number, (count + 1) * sizeof(uint32_t))
+        || !pbwt__zeros(&t->memory, &e->chosen, count, 1)) {
+        return PBW_ERROR_MEMORY;
+    }
+    for (s = 0; s < count; s++) {
+        if (!pbwt__choose(t, s, &chosen)) {
+            return PBW_ERROR_MEMORY;
+        }
+        PBWT__BYTES(e->chosen)[s] = (unsigned char)chosen;
+        PBWT__U32(e->number)[s] = chosen ? (uint32_t)n : PBW_NONE;
+        n += chosen != 0;
+        if (n > 0xfffffff0u) {
+            return PBW_ERROR_TOO_LARGE;
+        }
+    }
+    e->facets = t->facets;
+    status = pbwt__emit(e, pbwt__name_local, t);
+    t->facets = e->facets;
+    t->tile->facets = (const pbwt_facet *)t->facets.data;
+    t->tile->facet_count = t->facets.count;
+    t->tile->numbers.simplices = n;
+    return status == PBW_OK ? pbwt__hash_level(t, e) : status;
+}
+
+static pbw_status pbwt__emit_level(struct pbwt__tile *t)
+{
+    pbwt__emission e;
+    pbw_status status;
+    size_t i;
+    memset(&e, 0, sizeof e);
+    e.tile = t->tile;
+    e.options = &t->options;
+    e.memory = &t->memory;
+    e.mesh = &t->level.mesh;
+    e.part = (uint32_t)t->tile->tree->part;
+    e.base = t->tile->numbers.simplices;
+    status = pbwt__emit_chosen(t, &e);
+    pbwt__release(&t->memory, &e.number);
+    pbwt__release(&t->memory, &e.chosen);
+    for (i = 0; i < t->own && status == PBW_OK; i++) {
+        if (pbwt__is_final(PBWT__BYTES(t->state)[i])) {
+            PBWT__BYTES(t->state)[i] = PBWT__DONE;
+        }
+    }
+    return status;
+}
+
+/* ---- repair */
+
+/* Replaces the level by the triangulation of the neighbours of stars in repair and the new points. */
+static pbw_status pbwt__repair(struct pbwt__tile *t)
+{
+    const size_t corners = (size_t)pbwt__corners(t), count = t->level.mesh.simplex_count;
+    pbwt__level next;
+    pbw_status status;
+    size_t s, k, i, stars = 0;
+    int room = pbwt__zeros(&t->memory, &t->mark, t->level.mesh.point_count, 1);
+    memset(&next, 0, sizeof next);
+    for (s = 0; s < count && room; s++) {
+        int affected = 0;
+        for (k = 0; k < corners; k++) {
+            const int state = pbwt__state(t, pbwt__local(t, t->level.mesh.simplices[s * corners + k]));
+            affected |= state == PBWT__AFFECTED || state == PBWT__MORE;
+        }
+        for (k = 0; k < corners && affected && room; k++) {
+            const pbw_index v = t->level.mesh.simplices[s * corners + k];
+            const uint32_t local = pbwt__local(t, v);
+            if (!PBWT__BYTES(t->mark)[v]) {
+                PBWT__BYTES(t->mark)[v] = 1;
+                room = pbwt__push(&t->memory, &next.map, &local, sizeof local);
+            }
+        }
+    }
+    for (i = t->own + t->before; i < t->own + t->foreign.count && room; i++) {
+        const uint32_t local = (uint32_t)i;
+        room = pbwt__push(&t->memory, &next.map, &local, sizeof local);
+    }
+    pbwt__release(&t->memory, &t->mark);
+    pbwt__level_free(t, &t->level);
+    t->level = next;
+    if (!room) {
+        return PBW_ERROR_MEMORY;
+    }
+    for (i = 0; i < t->own; i++) {
+        unsigned char *state = PBWT__BYTES(t->state) + i;
+        if (*state == PBWT__AFFECTED || *state == PBWT__MORE) {
+            *state = *state == PBWT__MORE ? PBWT__ASKED : PBWT__SUBJECT;
+            stars++;
+        }
+    }
+    t->tile->numbers.patched += stars;
+    if (stars == 0) {
+        pbwt__level_free(t, &t->level);
+        return PBW_OK;
+    }
+    t->tile->numbers.patch_points += next.map.count;
+    status = pbwt__triangulate(t, next.map.count);
+    return status;
+}
+
+/* Subjects of a level without simplices are given up: local points are all in a plane, or on a line. */
+static void pbwt__give_up_flat(struct pbwt__tile *t)
+{
+    size_t i;
+    for (i = 0; i < t->own && t->level.mesh.simplex_count == 0; i++) {
+        unsigned char *state = PBWT__BYTES(t->state) + i;
+        if (pbwt__is_final(*state)) {
+            *state = PBWT__GIVEN;
+        }
+    }
+}
+
+static pbw_status pbwt__list_given(struct pbwt__tile *t)
+{
+    uint32_t i;
+    for (i = 0; i < t->own; i++) {
+        if (PBWT__BYTES(t->state)[i] == PBWT__GIVEN && !pbwt__push(&t->memory, &t->given, &i, sizeof i)) {
+            return PBW_ERROR_MEMORY;
+        }
+    }
+    t->tile->leftovers = PBWT__U32(t->given);
+    t->tile->leftover_count = t->tile->numbers.given_up = t->given.count;
+    return PBW_OK;
+}
+
+/* ---- the stages */
+
+/* The points are there: triangulates, or repairs, and asks. */
+static pbw_status pbwt__next_level(struct pbwt__tile *t, int *more)
+{
+    pbw_status status;
+    if (t->stage == 1) {
+        t->tile->numbers.halo = t->foreign.count;
+        status = pbwt__triangulate(t, t->own + t->foreign.count);
+        pbwt__give_up_flat(t);
+    } else {
+        t->tile->numbers.later += t->foreign.count - t->before;
+        status = pbwt__emit_level(t);
+        status = status != PBW_OK ? status : pbwt__repair(t);
+        if (status == PBW_OK && t->level.map.data != NULL) {
+            pbwt__give_up_flat(t);
+        }
+    }
+    if (status == PBW_OK) {
+        pbwt__start_requests(t);
+        status = pbwt__certify(t);
+    }
+    *more = status == PBW_OK && pbwt__end_requests(t, PBWT__ASK);
+    t->tile->numbers.rounds += *more != 0;
+    return status;
+}
+
+PBWTDEF pbw_status pbwt_ask(pbwt_tile *tile, int *more)
+{
+    struct pbwt__tile *t = tile->memory;
+    pbw_status status = PBW_OK;
+    *more = 0;
+    if (t == NULL) {
+        return PBW_ERROR_ARGUMENT;
+    }
+    tile->foreign = (const pbwt_vertex *)t->foreign.data;
+    tile->foreign_count = t->foreign.count;
+    if (t->stage == 0 && t->own > 0) {
+        pbwt__start_requests(t);
+        status = pbwt__want_halo(t);
+        t->stage = 1;
+        if (status == PBW_OK && pbwt__end_requests(t, PBWT__WANT)) {
+            *more = 1;
+            return PBW_OK;
+        }
+    }
+    while (status == PBW_OK && t->own > 0 && t->stage > 0 && !*more) {
+        status = pbwt__next_level(t, more);
+        t->stage++;
+        if (status == PBW_OK && !*more && t->level.map.data == NULL && t->level.mesh.point_count == 0) {
+            t->stage = -1;                           /* nothing left to emit or repair */
+            status = pbwt__list_given(t);
+        }
+    }
+    return status;
+}
+
+/* ------------------------------------------------------------------------------------------------------
+   Leftovers.
+   With U the vertices given up and C the others, whose stars are exact: the star of u in U among all points is its
+   star among U and the neighbours in C of U, since those in C know of it, and it is closed.  With weights a vertex
+   given up may be hidden, and show up among so few points; then it shares simplices with hidden vertices only:
+   simplices count if through shared corners in U they lead to one that a vertex of C knows to be its neighbour.
+   ------------------------------------------------------------------------------------------------------ */
+typedef struct pbwt__known { uint64_t given, near, seen, emitted; } pbwt__known;         /* vertices, vertices, ids */
+
+static int pbwt__is_in(const uint64_t *ids, size_t count, uint64_t id)
+{
+    size_t low = 0, high = count;
+    while (low < high) {
+        const size_t middle = low + (high - low) / 2;
+        if (ids[middle] < id) {
+            low = middle + 1;
+        } else {
+            high = middle;
+        }
+    }
+    return low < count && ids[low] == id;
+}
+
+static int pbwt__add_known(struct pbwt__tile *t, uint32_t local, pbwt__array *vertices)
+{
+    pbwt_vertex vertex;
+    vertex.point = t->tile->tree->points[local];
+    vertex.part = (uint32_t)t->tile->tree->part;
+    vertex.index = local;
+    return pbwt__push(&t->memory, vertices, &vertex, sizeof vertex);
+}
+
+/* Adds own points given up, then own points beside any that are; the ids of those are `seen`. */
+static int pbwt__find_known(struct pbwt__tile *t, const uint64_t *ids, size_t count, pbwt__array *vertices,
+                            pbwt__array *seen)
+{
+    const size_t corners = (size_t)pbwt__corners(t);
+    size_t i, k;
+    for (i = 0; i < t->given.count; i++) {
+        if (!pbwt__add_known(t, PBWT__U32(t->given)[i], vertices)) {
+            return 0;
+        }
+    }
+    for (i = 0; i < t->border.count; i += corners) {
+        const uint32_t *corner = PBWT__U32(t->border) + i;
+        int near = 0;
+        for (k = 0; k < corners; k++) {
+            const uint64_t id = pbwt__point(t, corner[k])->id;
+            if (pbwt__is_in(ids, count, id)) {
+                near = 1;
+                if (!pbwt__push(&t->memory, seen, &id, sizeof id)) {
+                    return 0;
+                }
+            }
+        }
+        for (k = 0; k < corners && near; k++) {
+            if (corner[k] < t->own && PBWT__BYTES(t->state)[corner[k]] == PBWT__DONE) {
+                PBWT__BYTES(t->state)[corner[k]] = PBWT__SUBJECT;        /* once each */
+                if (!pbwt__add_known(t, corner[k], vertices)) {
+                    return 0;
+                }
+            }
+        }
+    }
+    return 1;
+}
+
+PBWTDEF pbw_status pbwt_leftovers(const pbwt_tile *tile, const uint64_t *ids, size_t count, pbwt_bytes *out)
+{
+    struct pbwt__tile *t = tile->memory;
+    pbwt__array vertices, seen, text;
+    pbwt__known head;
+    size_t i;
+    int room;
+    memset(&vertices, 0, sizeof vertices);
+    memset(&seen, 0, sizeof seen);
+    memset(&text, 0, sizeof text);
+    memset(&head, 0, sizeof head);
+    memset(out, 0, sizeof *out);
+    if (t == NULL) {
+        return PBW_ERROR_ARGUMENT;
+    }
+    room = pbwt__find_known(t, ids, count, &vertices, &seen);
+    for (i = 0; i < t->own; i++) {
+        unsigned char *state = PBWT__BYTES(t->state) + i;
+        if (*state == PBWT__SUBJECT) {
+            *state = PBWT__DONE;
+        }
+    }
+    head.given = t->given.count;
+    head.near = vertices.count - head.given;
+    head.seen = seen.count;
+    head.emitted = tile->numbers.simplices;
+    if (room && pbwt__room(&t->memory, &text, sizeof head, 1) != NULL
+        && pbwt__resize(&t->memory, &text, sizeof head + vertices.count * sizeof(pbwt_vertex) + seen.count * 8)) {
+        memcpy(text.data, &head, sizeof head);
+        if (vertices.count > 0) {
+            memcpy((char *)text.data + sizeof head, vertices.data, vertices.count * sizeof(pbwt_vertex));
+        }
+        if (seen.count > 0) {
+            memcpy((char *)text.data + sizeof head + vertices.count * sizeof(pbwt_vertex), seen.data, seen.count * 8);
+        }
+        out->data = (char *)text.data;
+        out->size = text.bytes;
+        t->memory.used -= text.bytes;                /* the caller's */
+    } else {
+        pbwt__release(&t->memory, &text);
+    }
+    pbwt__release(&t->memory, &vertices);
+    pbwt__release(&t->memory, &seen);
+    return out->data != NULL ? PBW_OK : PBW_ERROR_MEMORY;
+}
+
+typedef struct pbwt__rest {                          /* of pbwt_finish */
+    struct pbwt__tile *t;
+    size_t given;                                    /* the first vertices of tile.foreign */
+    pbwt__array group;                               /* u32 per vertex given up: towards the least of its component */
+    pbwt__array wanted;                              /* byte per vertex given up: its component counts */
+    pbwt__array seen;                                /* ids, ascending */
+    int others;                                      /* are there vertices that were not given up? */
+} pbwt__rest;
+
+/* Reads the vertices (which = 0: given up, 1: near) or the ids (2) of what tiles know. */
+static pbw_status pbwt__read_known(pbwt__rest *rest, const pbwt_bytes *known, int which)
+{
+    struct pbwt__tile *t = rest->t;
+    size_t at = 0;
+    while (at < known->size) {
+        const size_t left = known->size - at - sizeof(pbwt__known);
+        pbwt__known head;
+        size_t skip, count, size = which < 2 ? sizeof(pbwt_vertex) : sizeof(uint64_t);
+        pbwt__array *to = which < 2 ? &t->foreign : &rest->seen;
+        void *place;
+        if (known->size - at < sizeof head) {
+            return PBW_ERROR_ARGUMENT;
+        }
+        memcpy(&head, known->data + at, sizeof head);
+        if (head.given > left / sizeof(pbwt_vertex) || head.near > left / sizeof(pbwt_vertex) || head.seen > left / 8
+            || (head.given + head.near) * sizeof(pbwt_vertex) + head.seen * 8 > left) {
+            return PBW_ERROR_ARGUMENT;
+        }
+        skip = (size_t)(which == 0 ? 0 : which == 1 ? head.given : head.given + head.near) * sizeof(pbwt_vertex);
+        count = (size_t)(which == 0 ? head.given : which == 1 ? head.near : head.seen);
+        place = pbwt__room(&t->memory, to, count, size);
+        if (place == NULL) {
+            return PBW_ERROR_MEMORY;
+        }
+        if (count > 0) {
+            memcpy(place, known->data + at + sizeof head + skip, count * size);
+        }
+        to->count += count;
+        rest->others |= head.near > 0 || head.emitted > 0;
+        at += sizeof head + (size_t)(head.given + head.near) * sizeof(pbwt_vertex) + (size_t)head.seen * 8;
+    }
+    return PBW_OK;
+}
+
+static uint32_t pbwt__least(const pbwt__rest *rest, uint32_t v)
+{
+    uint32_t *group = PBWT__U32(rest->group);
+    while (group[v] != v) {
+        group[v] = group[group[v]];
+        v = group[v];
+    }
+    return v;
+}
+
+/* Which components of vertices given up count. */
+static pbw_status pbwt__components(pbwt__rest *rest)
+{
+    struct pbwt__tile *t = rest->t;
+    const size_t corners = (size_t)pbwt__corners(t);
+    const pbwt_vertex *vertex = (const pbwt_vertex *)t->foreign.data;
+    size_t i, k;
+    if (!pbwt__resize(&t->memory, &rest->group, (rest->given + 1) * sizeof(uint32_t))
+        || !pbwt__zeros(&t->memory, &rest->wanted, rest->given, 1)) {
+        return PBW_ERROR_MEMORY;
+    }
+    for (i = 0; i < rest->given; i++) {
+        PBWT__U32(rest->group)[i] = (uint32_t)i;
+    }
+    for (i = 0; i < t->level.mesh.simplex_count; i++) {
+        const pbw_index *corner = t->level.mesh.simplices + i * corners;
+        uint32_t last = PBW_NONE;
+        for (k = 0; k < corners; k++) {
+            if (corner[k] < rest->given) {
+                const uint32_t root = pbwt__least(rest, corner[k]);
+                if (last != PBW_NONE) {
+                    PBWT__U32(rest->group)[root > last ? root : last] = root > last ? last : root;
+                }
+                last = last == PBW_NONE || root < last ? root : last;
+            }
+        }
+    }
+    pbwt__sort(rest->seen.data, rest->seen.count, sizeof(uint64_t), pbwt__id_before, 0);
+    for (i = 0; i < rest->given; i++) {
+        if (!rest->others || pbwt__is_in((uint64_t *)rest->seen.data, rest->seen.count, vertex[i].point.id)) {
+            PBWT__BYTES(rest->wanted)[pbwt__least(rest, (uint32_t)i)] = 1;
+        }
+    }
+    return PBW_OK;
+}
+
+static pbw_status pbwt__emit_rest(pbwt__rest *rest, pbwt__emission *e)
+{
+    struct pbwt__tile *t = rest->t;
+    const size_t corners = (size_t)pbwt__corners(t);
+    const pbwt_vertex *vertex = (const pbwt_vertex *)t->foreign.data;
+    size_t s, k, n = 0;
+    pbw_status status;
+    if (!pbwt__resize(&t->memory, &e->number, (e->mesh->simplex_count + 1) * sizeof(uint32_t))
+        || !pbwt__zeros(&t->memory, &e->chosen, e->mesh->simplex_count, 1)) {
+        return PBW_ERROR_MEMORY;
+    }
+    for (s = 0; s < e->mesh->simplex_count; s++) {
+        const pbw_index *corner = e->mesh->simplices + s * corners;
+        pbw_index least = corner[0];
+        int chosen;
+        for (k = 1; k < corners; k++) {
+            least = vertex[corner[k]].point.id < vertex[least].point.id ? corner[k] : least;
+        }
+        chosen = least < rest->given && PBWT__BYTES(rest->wanted)[pbwt__least(rest, least)];
+        PBWT__BYTES(e->chosen)[s] = (unsigned char)chosen;
+        PBWT__U32(e->number)[s] = chosen ? (uint32_t)n : PBW_NONE;
+        n += chosen != 0;
+    }
+    status = pbwt__emit(e, pbwt__name_local, t);
+    t->facets = e->facets;
+    t->tile->facets = (const pbwt_facet *)t->facets.data;
+    t->tile->facet_count = t->facets.count;
+    t->tile->numbers.simplices = n;
+    return status == PBW_OK ? pbwt__hash_level(t, e) : status;
+}
+
+static pbw_status pbwt__finish_rest(pbwt__rest *rest, int parts, const pbwt_bytes *known)
+{
+    struct pbwt__tile *t = rest->t;
+    pbwt__emission e;
+    pbw_status status = pbwt__read_known(rest, known, 0);
+    memset(&e, 0, sizeof e);
+    rest->given = t->foreign.count;
+    status = status != PBW_OK ? status : pbwt__read_known(rest, known, 1);
+    status = status != PBW_OK ? status : pbwt__read_known(rest, known, 2);
+    status = status != PBW_OK ? status : pbwt__triangulate(t, t->foreign.count);
+    status = status != PBW_OK ? status : pbwt__components(rest);
+    t->tile->foreign = (const pbwt_vertex *)t->foreign.data;
+    t->tile->foreign_count = t->foreign.count;
+    t->tile->numbers.given_up = rest->given;
+    if (status == PBW_OK) {
+        e.tile = t->tile;
+        e.options = &t->options;
+        e.memory = &t->memory;
+        e.mesh = &t->level.mesh;
+        e.part = (uint32_t)parts;
+        status = pbwt__emit_rest(rest, &e);
+        pbwt__release(&t->memory, &e.number);
+        pbwt__release(&t->memory, &e.chosen);
+        if (status == PBW_OK && e.mesh->simplex_count == 0 && !rest->others) {
+            status = PBW_DEGENERATE;
+        }
+    }
+    pbwt__level_free(t, &t->level);
+    return status;
+}
+
+PBWTDEF pbw_status pbwt_finish(pbwt_tile *tile, int dim, int parts, const pbwt_bytes *known,
+                               const pbwt_options *options)
+{
+    pbwt__rest rest;
+    pbwt_options defaults;
+    pbw_status status;
+    memset(&rest, 0, sizeof rest);
+    memset(&defaults, 0, sizeof defaults);
+    memset(tile, 0, sizeof *tile);
+    tile->dim = dim;
+    if (dim < 2 || dim > 3 || parts < 1) {
+        return PBW_ERROR_ARGUMENT;
+    }
+    if (!pbwt__allocate_tile(tile, options != NULL ? options : &defaults)) {
+        return PBW_ERROR_MEMORY;
+    }
+    rest.t = tile->memory;
+    status = pbwt__finish_rest(&rest, parts, known);
+    pbwt__release(&rest.t->memory, &rest.group);
+    pbwt__release(&rest.t->memory, &rest.wanted);
+    pbwt__release(&rest.t->memory, &rest.seen);
+    if (status != PBW_OK && status != PBW_DEGENERATE) {
+        pbwt_close(tile);
+    }
+    return status;
+}
+
+/* ------------------------------------------------------------------------------------------------------
+   Links across parts.
+   ------------------------------------------------------------------------------------------------------ */
+static int pbwt__facet_before(const void *a, const void *b, int how)
+{
+    const pbwt_facet *x = (const pbwt_facet *)a, *y = (const pbwt_facet *)b;
+    int k;
+    (void)how;
+    for (k = 0; k < 3; k++) {
+        if (x->id[k] != y->id[k]) {
+            return x->id[k] < y->id[k];
+        }
+    }
+    return x->from < y->from;
+}
+
+static int pbwt__from_before(const void *a, const void *b, int how)
+{
+    (void)how;
+    return ((const pbwt_facet *)a)->from < ((const pbwt_facet *)b)->from;
+}
+
+PBWTDEF size_t pbwt_match(pbwt_facet *facets, size_t count)
+{
+    size_t i, single = 0;
+    pbwt__sort(facets, count, sizeof *facets, pbwt__facet_before, 0);
+    for (i = 0; i < count; i++) {
+        facets[i].to = PBWT_NOTHING;
+        if (i + 1 < count && memcmp(facets[i].id, facets[i + 1].id, sizeof facets->id) == 0) {
+            facets[i].to = facets[i + 1].from;
+            facets[i + 1].to = facets[i].from;
+            i++;
+        } else {
+            single++;
+        }
+    }
+    pbwt__sort(facets, count, sizeof *facets, pbwt__from_before, 0);
+    return single;
+}
+
+#endif /* PBW_TILES_IMPLEMENTATION */

@@ -1,0 +1,507 @@
+/* pbwt.c: what commands do with .pbwt files: pbw hash, pbw check and pbw convert of them.
+
+   The proof: every simplex is positive; links lead back, across tiles too, to simplices that share the facet, on its
+   other side, and whose other corner is not in conflict; facets without a link are those of the hull of their own
+   vertices.  So the simplices cover the hull once, and are regular everywhere.  Each point is a corner (with weights:
+   or hidden, which is not proved), points in several tiles are equal; checksums, counts and the hash are right. */
+#include "program.h"
+#include "pbw_tilefile.h"
+
+typedef struct hull_facet { uint64_t key[3]; } hull_facet;           /* ascending; 2D: the last is 0 */
+typedef struct hull_point { uint64_t key; double x[3], weight; } hull_point;
+
+typedef struct proof {
+    job *j;
+    pbwtf_file file;
+    pbwtf_view *view;
+    size_t dim, corners, chunk;                      /* chunk: under test */
+    unsigned char **seen;                            /* per chunk, a byte a point: it is a corner */
+    hull_facet *facets;
+    hull_point *hull;
+    size_t facet_count, hull_count;
+} proof;
+
+int is_pbwt(const job *j)
+{
+    const char *dot = j->input != NULL ? strrchr(j->input, '.') : NULL;
+    return dot != NULL && strcmp(dot, ".pbwt") == 0;
+}
+
+/* ---- access */
+
+static const uint32_t *record_of(const proof *p, size_t chunk, size_t simplex)
+{
+    return p->view[chunk].simplices + simplex * p->view[chunk].simplex_size;
+}
+
+static const double *point_of(const proof *p, size_t chunk, uint32_t corner)
+{
+    const pbwtf_view *v = p->view + chunk;
+    return corner < v->chunk->own ? v->own + corner * v->own_size
+         : v->foreign + (corner - v->chunk->own) * v->foreign_size;
+}
+
+static uint64_t key_of(const proof *p, size_t chunk, uint32_t corner)            /* tile << 32 | number there */
+{
+    const pbwtf_view *v = p->view + chunk;
+    uint64_t key = (uint64_t)chunk << 32 | corner;
+    if (corner >= v->chunk->own) {
+        memcpy(&key, v->foreign + (corner - v->chunk->own) * v->foreign_size + v->own_size, sizeof key);
+    }
+    return key;
+}
+
+static int compare_keys(const void *a, const void *b)
+{
+    uint64_t x, y;
+    memcpy(&x, a, sizeof x);
+    memcpy(&y, b, sizeof y);
+    return x < y ? -1 : x > y;
+}
+
+static void facet_of(const proof *p, size_t chunk, size_t simplex, size_t corner, uint64_t *key)
+{
+    size_t k, n = 0;
+    key[2] = 0;
+    for (k = 0; k < p->corners; k++) {
+        if (k != corner) {
+            key[n++] = key_of(p, chunk, record_of(p, chunk, simplex)[k]);
+        }
+    }
+    qsort(key, n, sizeof *key, compare_keys);
+}
+
+/* ---- simplices */
+
+static int orientation(const proof *p, const double *const *x)
+{
+    return p->dim == 2 ? pbw_orient2(x[0], x[1], x[2]) : pbw_orient3(x[0], x[1], x[2], x[3]);
+}
+
+static const char *check_pair(const proof *p, size_t simplex, size_t k, size_t other_chunk, size_t other, size_t apex)
+{
+    const uint32_t *record = record_of(p, p->chunk, simplex);
+    const double *x[4], *q = point_of(p, other_chunk, record_of(p, other_chunk, other)[apex]), *w = NULL, *old;
+    double weights[5];
+    uint64_t mine[3], theirs[3];
+    size_t i;
+    int conflict;
+    facet_of(p, p->chunk, simplex, k, mine);
+    facet_of(p, other_chunk, other, apex, theirs);
+    if (memcmp(mine, theirs, sizeof mine) != 0) {
+        return "a link leads to a simplex without that facet";
+    }
+    for (i = 0; i < p->corners; i++) {
+        x[i] = point_of(p, p->chunk, record[i]);
+        weights[i] = x[i][p->dim];
+    }
+    weights[p->corners] = q[p->dim];
+    w = p->file.header->flags & PBWTF_WEIGHTS ? weights : NULL;
+    old = x[k];
+    x[k] = q;
+    if (orientation(p, x) >= 0) {
+        return "two simplices lie on one side of their facet";
+    }
+    x[k] = old;
+    conflict = p->dim == 2 ? pbw_conflict2(x[0], x[1], x[2], q, w) : pbw_conflict3(x[0], x[1], x[2], x[3], q, w);
+    return conflict ? "a facet is not regular" : NULL;
+}
+
+/* The link of a simplex across corner k. */
+static const char *check_link(const proof *p, size_t simplex, size_t k)
+{
+    const pbwtf_view *v = p->view + p->chunk;
+    const uint32_t link = record_of(p, p->chunk, simplex)[p->corners + k];
+    size_t other = link, other_chunk = p->chunk, apex;
+    const uint32_t *back;
+    if (link == PBWT_HULL || (link >= 0x80000000u && link - 0x80000000u < v->chunk->across
+                              && v->across[link - 0x80000000u] == PBWT_NOTHING)) {
+        return NULL;
+    }
+    if (link >= 0x80000000u) {
+        const uint64_t to = link - 0x80000000u < v->chunk->across ? v->across[link - 0x80000000u] : PBWT_NOTHING;
+        other_chunk = (size_t)(to >> 40);
+        other = (size_t)(to & 0xffffffffffu) >> 2;
+        apex = (size_t)(to & 3);
+        if (other_chunk >= p->file.header->chunks || other >= p->view[other_chunk].chunk->simplices
+            || apex >= p->corners) {
+            return "a link across tiles leads nowhere";
+        }
+        back = record_of(p, other_chunk, other) + p->corners + apex;
+        if (*back < 0x80000000u || *back - 0x80000000u >= p->view[other_chunk].chunk->across
+            || p->view[other_chunk].across[*back - 0x80000000u]
+               != ((uint64_t)p->chunk << 40 | (uint64_t)simplex << 2 | k)) {
+            return "a link across tiles does not lead back";
+        }
+        return other_chunk < p->chunk ? NULL : check_pair(p, simplex, k, other_chunk, other, apex);
+    }
+    if (other >= v->chunk->simplices) {
+        return "a link leads nowhere";
+    }
+    back = record_of(p, p->chunk, other);
+    for (apex = 0; apex < p->corners && back[p->corners + apex] != simplex; apex++) {
+    }
+    return apex == p->corners ? "a link does not lead back"
+         : other < simplex ? NULL : check_pair(p, simplex, k, other_chunk, other, apex);
+}
+
+static const char *check_simplex(const proof *p, size_t simplex)
+{
+    const double *x[4];
+    const char *fault = NULL;
+    size_t k;
+    for (k = 0; k < p->corners; k++) {
+        x[k] = point_of(p, p->chunk, record_of(p, p->chunk, simplex)[k]);
+    }
+    if (orientation(p, x) <= 0) {
+        return "a simplex is flat or turned";
+    }
+    for (k = 0; k < p->corners && fault == NULL; k++) {
+        fault = check_link(p, simplex, k);
+    }
+    return fault;
+}
+
+static pbw_status check_range(void *arg, size_t from, size_t to)
+{
+    for (; from < to; from++) {
+        if (check_simplex((const proof *)arg, from) != NULL) {
+            return PBW_ERROR_ARGUMENT;
+        }
+    }
+    return PBW_OK;
+}
+
+/* ---- chunks */
+
+static int fault_in(const proof *p, const char *what)
+{
+    return fail(p->j, "tile %lu: %s", (unsigned long)p->chunk, what);
+}
+
+static int check_bytes(const proof *p)
+{
+    const pbwtf_view *v = p->view + p->chunk;
+    const size_t head = sizeof(pbwtf_chunk), across = pbwtf_across_offset(v->chunk);
+    const char *at = (const char *)v->chunk;
+    size_t i;
+    if (pbwtf_checksum(0, at + head, across - head) != v->chunk->checksum
+        || pbwtf_checksum(0, at + across, v->size - across) != p->file.table[p->chunk].across_checksum) {
+        return fault_in(p, "the checksum is wrong: the file is damaged");
+    }
+    for (i = 0; i < v->chunk->foreign; i++) {
+        const double *mine = v->foreign + i * v->foreign_size;
+        uint64_t key;
+        memcpy(&key, mine + v->own_size, sizeof key);
+        if (key >> 32 >= p->file.header->tiles || (key & 0xffffffffu) >= p->view[key >> 32].chunk->own
+            || memcmp(mine, point_of(p, (size_t)(key >> 32), (uint32_t)key), v->own_size * 8) != 0) {
+            return fault_in(p, "a point differs from that of its tile");
+        }
+    }
+    return 0;
+}
+
+/* Marks corners, and collects facets of the hull. */
+static int collect_hull(proof *p)
+{
+    const pbwtf_view *v = p->view + p->chunk;
+    size_t s, k, i;
+    for (s = 0; s < v->chunk->simplices; s++) {
+        const uint32_t *record = record_of(p, p->chunk, s);
+        for (k = 0; k < p->corners; k++) {
+            const uint64_t key = record[k] < v->chunk->own + v->chunk->foreign ? key_of(p, p->chunk, record[k]) : 0;
+            const uint32_t link = record[p->corners + k];
+            hull_facet *facets;
+            if (record[k] >= v->chunk->own + v->chunk->foreign) {
+                return fault_in(p, "a corner is no point");
+            }
+            p->seen[key >> 32][key & 0xffffffffu] |= 1;
+            if (link != PBWT_HULL && (link < 0x80000000u || link - 0x80000000u >= v->chunk->across
+                                      || v->across[link - 0x80000000u] != PBWT_NOTHING)) {
+                continue;
+            }
+            if ((p->facet_count & (p->facet_count - 1)) == 0) {      /* a power of two: full */
+                facets = (hull_facet *)realloc(p->facets, (2 * p->facet_count + 2) * sizeof *facets);
+                if (facets == NULL) {
+                    return fail(p->j, "out of memory: the hull");
+                }
+                p->facets = facets;
+            }
+            facets = p->facets + p->facet_count++;
+            memset(facets, 0, sizeof *facets);
+            facet_of(p, p->chunk, s, k, facets->key);
+            for (i = 0; i < p->dim; i++) {
+                p->seen[facets->key[i] >> 32][facets->key[i] & 0xffffffffu] |= 2;
+            }
+        }
+    }
+    return 0;
+}
+
+static int check_chunk(proof *p)                     /* once the bytes of all chunks are known to be right */
+{
+    const size_t count = (size_t)p->view[p->chunk].chunk->simplices;
+    const char *fault = NULL;
+    size_t s;
+    const pbw_status status = pbw_for(&p->j->build, count, 4096, check_range, p);
+    for (s = 0; s < count && status == PBW_ERROR_ARGUMENT && fault == NULL; s++) {
+        fault = check_simplex(p, s);
+    }
+    return fault != NULL ? fault_in(p, fault) : explain(p->j, status);
+}
+
+/* ---- the hull, points, the hash */
+
+static int compare_facets(const void *a, const void *b)
+{
+    const hull_facet *x = (const hull_facet *)a, *y = (const hull_facet *)b;
+    int k;
+    for (k = 0; k < 3; k++) {
+        if (x->key[k] != y->key[k]) {
+            return x->key[k] < y->key[k] ? -1 : 1;
+        }
+    }
+    return 0;
+}
+
+/* Are the facets without a link those of the hull of their vertices?  keys, x, w: of those vertices. */
+static int compare_hull(proof *p, const uint64_t *keys, const double *x, const double *w, size_t count)
+{
+    hull_facet *expected;
+    pbw_mesh mesh;
+    size_t i, k, m, n = 0;
+    int failed;
+    pbw_status status = pbw_triangulate((int)p->dim, x, w, count, &p->j->build, &mesh);
+    if (status != PBW_OK) {
+        return status == PBW_DEGENERATE ? fail(p->j, "the facets without a link are flat") : explain(p->j, status);
+    }
+    expected = (hull_facet *)calloc(p->facet_count + 1, sizeof *expected);
+    for (i = 0; i < mesh.simplex_count * p->corners && expected != NULL && n <= p->facet_count; i++) {
+        if (mesh.neighbors[i] == PBW_NONE && n < p->facet_count) {
+            for (k = m = 0; k < p->corners; k++) {
+                if (k != i % p->corners) {
+                    expected[n].key[m++] = keys[mesh.simplices[i / p->corners * p->corners + k]];
+                }
+            }
+            qsort(expected[n].key, p->dim, sizeof(uint64_t), compare_keys);
+        }
+        n += mesh.neighbors[i] == PBW_NONE;
+    }
+    qsort(p->facets, p->facet_count, sizeof *p->facets, compare_facets);
+    if (expected != NULL && n == p->facet_count) {
+        qsort(expected, n, sizeof *expected, compare_facets);
+    }
+    failed = expected == NULL ? fail(p->j, "out of memory: the hull")
+           : n != p->facet_count || memcmp(expected, p->facets, n * sizeof *expected) != 0
+           ? fail(p->j, "the facets without a link are not the hull") : 0;
+    free(expected);
+    pbw_free(&mesh);
+    return failed;
+}
+
+static int check_hull(proof *p)
+{
+    size_t c, i, n = 0, count = 0;
+    double *x, *w;
+    uint64_t *keys;
+    int failed;
+    for (c = 0; c < p->file.header->tiles; c++) {
+        for (i = 0; i < p->view[c].chunk->own; i++) {
+            count += p->seen[c][i] >> 1;
+        }
+    }
+    x = (double *)malloc((count + 1) * p->dim * sizeof *x);
+    w = (double *)malloc((count + 1) * sizeof *w);
+    keys = (uint64_t *)malloc((count + 1) * sizeof *keys);
+    failed = x == NULL || w == NULL || keys == NULL ? fail(p->j, "out of memory: the hull") : 0;
+    for (c = 0; c < p->file.header->tiles && !failed; c++) {
+        for (i = 0; i < p->view[c].chunk->own; i++) {
+            if (p->seen[c][i] >> 1) {
+                const double *point = point_of(p, c, (uint32_t)i);
+                memcpy(x + n * p->dim, point, p->dim * sizeof *x);
+                w[n] = point[p->dim];
+                keys[n++] = (uint64_t)c << 32 | i;
+            }
+        }
+    }
+    failed = failed ? failed : compare_hull(p, keys, x, p->file.header->flags & PBWTF_WEIGHTS ? w : NULL, n);
+    free(x);
+    free(w);
+    free(keys);
+    return failed;
+}
+
+/* Counts, and that each point is a corner. */
+static int check_points(const proof *p, size_t *hidden)
+{
+    const pbwtf_header *header = p->file.header;
+    uint64_t points = header->duplicates, simplices = 0;
+    size_t c, i;
+    *hidden = 0;
+    for (c = 0; c < header->chunks; c++) {
+        points += p->view[c].chunk->own;
+        simplices += p->view[c].chunk->simplices;
+        for (i = 0; i < p->view[c].chunk->own; i++) {
+            *hidden += p->seen[c][i] == 0;
+        }
+    }
+    if (points != header->points || simplices != header->simplices
+        || (p->facet_count != header->hull && header->flags & PBWTF_LINKS)) {
+        return fail(p->j, "the counts in the header are wrong");
+    }
+    return *hidden > 0 && !(header->flags & PBWTF_WEIGHTS) && header->simplices > 0
+         ? fail(p->j, "%lu points are no corners", (unsigned long)*hidden) : 0;
+}
+
+static int add_hash(proof *p, pbw_hash_sums *sums)
+{
+    const pbwtf_view *v = p->view + p->chunk;
+    pbw_hash_sums own;
+    pbw_mesh mesh;
+    pbw_status status = PBW_ERROR_MEMORY;
+    unsigned char *chosen = (unsigned char *)calloc((size_t)(v->chunk->own + v->chunk->foreign) + 1, 1);
+    if (chosen != NULL && pbwtf_mesh(v, &mesh)) {
+        memset(chosen, 1, (size_t)v->chunk->own);
+        status = pbw_hash_parts(&mesh, chosen, NULL, &p->j->build, &own);
+        sums->points += own.points;
+        sums->simplices += own.simplices;
+        pbwtf_mesh_free(&mesh);
+    }
+    free(chosen);
+    return status == PBW_ERROR_MEMORY ? fault_in(p, "out of memory, or a corner or link is out of range")
+         : explain(p->j, status);
+}
+
+static int hash_all(proof *p)
+{
+    pbw_hash_sums sums = { 0, 0 };
+    int failed = 0;
+    for (p->chunk = 0; p->chunk < p->file.header->chunks && !failed; p->chunk++) {
+        failed = add_hash(p, &sums);
+    }
+    if (!failed && p->file.header->points > 0 && pbw_hash_of(&sums) != p->file.header->hash) {
+        failed = fail(p->j, "%s: the hash is not that of its simplices", p->j->input);
+    }
+    return failed;
+}
+
+/* ---- commands */
+
+static int open_proof(job *j, proof *p)
+{
+    char error[PBWTF_ERROR];
+    size_t c;
+    memset(p, 0, sizeof *p);
+    p->j = j;
+    if (!pbwtf_open(j->input, &p->file, error)) {
+        return fail(j, "%s", error);
+    }
+    p->dim = p->file.header->dim;
+    p->corners = p->dim + 1;
+    p->view = (pbwtf_view *)calloc(p->file.header->chunks + 1, sizeof *p->view);
+    p->seen = (unsigned char **)calloc(p->file.header->chunks + 1, sizeof *p->seen);
+    if (p->view == NULL || p->seen == NULL) {
+        return fail(j, "out of memory");
+    }
+    for (c = 0; c < p->file.header->chunks; c++) {
+        if (!pbwtf_view_of(&p->file, c, p->view + c, error)) {
+            return fail(j, "%s: %s", j->input, error);
+        }
+        p->seen[c] = (unsigned char *)calloc((size_t)p->view[c].chunk->own + 1, 1);
+        if (p->seen[c] == NULL) {
+            return fail(j, "out of memory");
+        }
+    }
+    note(j, "%.0f points in %uD%s, %.0f simplices in %u tiles%s, hash %016llx", (double)p->file.header->points,
+         p->file.header->dim, p->file.header->flags & PBWTF_WEIGHTS ? ", weighted" : "",
+         (double)p->file.header->simplices, p->file.header->tiles,
+         p->file.header->chunks > p->file.header->tiles ? " and one of leftovers" : "",
+         (unsigned long long)p->file.header->hash);
+    return 0;
+}
+
+static int close_proof(proof *p, int failed)
+{
+    size_t c;
+    for (c = 0; p->seen != NULL && c < p->file.header->chunks; c++) {
+        free(p->seen[c]);
+    }
+    free(p->seen);
+    free(p->view);
+    free(p->facets);
+    pbwtf_close(&p->file);
+    return failed;
+}
+
+int check_pbwt(job *j)
+{
+    proof p;
+    double start = now();
+    size_t hidden = 0;
+    int failed = open_proof(j, &p);
+    if (!failed && !(p.file.header->flags & PBWTF_LINKS)) {
+        failed = fail(j, "%s: it has no links, so it cannot be proved; pbw hash compares it", j->input);
+    }
+    for (p.chunk = 0; !failed && p.chunk < p.file.header->chunks; p.chunk++) {
+        failed = check_bytes(&p);
+        failed = failed ? failed : collect_hull(&p);
+    }
+    for (p.chunk = 0; !failed && p.chunk < p.file.header->chunks; p.chunk++) {
+        failed = check_chunk(&p);
+    }
+    failed = failed ? failed : check_points(&p, &hidden);
+    failed = failed || p.facet_count == 0 ? failed : check_hull(&p);
+    failed = failed ? failed : hash_all(&p);
+    if (!failed) {
+        say(j, "check", now() - start, "valid%s", hidden > 0 ? "; that hidden points are hidden is not proved" : "");
+    }
+    return close_proof(&p, failed);
+}
+
+int convert_pbwt(job *j, pbw_mesh *mesh)
+{
+    proof p;
+    const size_t tile = (size_t)number_of(j, "--tile", 0);
+    int failed = open_proof(j, &p);
+    if (!failed && tile >= p.file.header->chunks) {
+        failed = fail(j, "--tile %lu: there are %u", (unsigned long)tile, p.file.header->chunks);
+    }
+    if (!failed && !pbwtf_mesh(p.view + tile, mesh)) {
+        failed = fail(j, "tile %lu: out of memory, or a corner or link is out of range", (unsigned long)tile);
+    }
+    return close_proof(&p, failed);
+}
+
+static int run(job *j)
+{
+    proof p;
+    int failed;
+    if (!is_pbwt(j)) {
+        failed = load(j, 1);
+        failed = failed ? failed : build(j);
+        if (!failed) {
+            printf("%016llx\n", (unsigned long long)pbw_hash(&j->mesh, &j->build));
+        }
+        return failed;
+    }
+    failed = open_proof(j, &p);
+    failed = failed ? failed : hash_all(&p);
+    if (!failed) {
+        printf("%016llx\n", (unsigned long long)p.file.header->hash);
+    }
+    return close_proof(&p, failed);
+}
+
+const command command_hash = {
+    "hash", "one number for a triangulation",
+    "usage: pbw hash [options] input\n"
+    "\n"
+    "Prints the hash of the triangulation: equal for two files if they are the same triangulation of the same\n"
+    "points, in any order.  Of a .pbwt file it is computed anew, tile by tile, and compared with the header's.\n"
+    "\n"
+    "input:   as for pbw mesh, or .pbwt\n"
+    "\n",
+    NULL,
+    { input_options, build_options, common_options, NULL, NULL, NULL, NULL, NULL },
+    run, 0, 0, 0, NULL, 1
+};

@@ -1,0 +1,775 @@
+/* tiles.c: pbw tiles: triangulates points that memory does not hold, tile by tile, into a .pbwt file.
+
+   Beside the output, in a folder of scratch files: `state`, replaced as a whole after each step, so that a run that
+   was killed goes on; N.points (records of tile N as they come), N.tree (sorted, with boxes), N.facets (to link). */
+#include "program.h"
+#include "pbw_tilefile.h"
+#include <errno.h>
+#include <sys/stat.h>
+#include <sys/types.h>
+#ifdef _WIN32
+#include <direct.h>
+#define make_folder(path) _mkdir(path)
+#else
+#include <unistd.h>
+#define make_folder(path) mkdir(path, 0777)
+extern int truncate(const char *path, off_t length);         /* strict C modes hide it */
+#endif
+
+static const option tiles_options[] = {
+    { "--tiles", "N", "how many; default: as --memory-limit (default 4G) needs", WHOLE, 1, 65536, NULL },
+    { "--no-links", NULL, "simplices only: half the file", SWITCH, 0, 0, NULL },
+    { "--scratch", "DIR", "folder of scratch files; default: the output's name with .scratch", PLAIN, 0, 0, NULL },
+    { "--halo", "H", "width of the first halo in spacings; default 1.5", POSITIVE, 0, 0, NULL },
+    { "--work", "N", "on surfaces, where tiles ask each other about everything: how long they try, in visits a\n"
+      "point; default 20.  What is left then is triangulated at once", WHOLE, 1, 1e9, NULL },
+    { NULL, NULL, NULL, SWITCH, 0, 0, NULL }
+};
+
+enum { NAME = 1200, SAMPLES = 65536, BUFFER = 4096 };
+
+typedef struct tile_state {
+    uint64_t given, facets, hull, halo, later, rounds, questions, simplices;
+    pbw_hash_sums hash;
+    pbwtf_entry entry;
+} tile_state;
+
+typedef struct state {
+    char magic[8];                                   /* "PBWSTAT1" */
+    uint32_t dim, weighted, links, parts;
+    uint64_t points, input_size;
+    uint32_t distributed, trees, done, chunks;       /* steps that are finished; tiles done, in their order */
+    uint64_t size;                                   /* of the output so far */
+} state;
+
+typedef struct tree_head { pbwt_summary summary; uint64_t duplicates; } tree_head;
+
+typedef struct work {
+    job *j;
+    state s;
+    tile_state *tile;                                /* parts + 1 */
+    char scratch[1024], out[1040];                   /* out: the output while it grows */
+    FILE *input;                                     /* .bin; else the points are in the cloud */
+    pbwtf_map *map;
+    pbwt_tree *tree;
+    pbwt_summary *summary;
+    pbwt_options options;
+    pbwt_limits limits;
+    double start;
+} work;
+
+static const char *name_of(const work *w, const char *what, size_t tile, char *name)
+{
+    snprintf(name, NAME, "%s/%lu.%s", w->scratch, (unsigned long)tile, what);
+    return name;
+}
+
+static int cannot(const work *w, const char *path)
+{
+    return fail(w->j, "%s: %s; what is finished stays, and the same command goes on from there", path,
+                errno != 0 ? strerror(errno) : "cannot read or write it");
+}
+
+/* ---- the state */
+
+static int save_state(const work *w)
+{
+    char name[NAME], part[NAME];
+    FILE *file;
+    int good;
+    snprintf(name, sizeof name, "%s/state", w->scratch);
+    snprintf(part, sizeof part, "%s/state.part", w->scratch);
+    errno = 0;
+    file = fopen(part, "wb");
+    good = file != NULL && fwrite(&w->s, sizeof w->s, 1, file) == 1
+        && fwrite(w->tile, sizeof *w->tile, w->s.parts + 1, file) == w->s.parts + 1;
+    good = (file == NULL || fclose(file) == 0) && good;
+    return good && rename(part, name) == 0 ? 0 : cannot(w, name);
+}
+
+/* Takes up what an earlier run left, if it was of the same input and options. */
+static void load_state(work *w)
+{
+    char name[NAME];
+    state s;
+    FILE *file;
+    snprintf(name, sizeof name, "%s/state", w->scratch);
+    file = fopen(name, "rb");
+    if (file != NULL && fread(&s, sizeof s, 1, file) == 1 && memcmp(s.magic, w->s.magic, 8) == 0 && s.dim == w->s.dim
+        && s.weighted == w->s.weighted && s.links == w->s.links && s.parts == w->s.parts && s.points == w->s.points
+        && s.input_size == w->s.input_size && fread(w->tile, sizeof *w->tile, s.parts + 1, file) == s.parts + 1) {
+        w->s = s;
+        note(w->j, "going on: %u of %u tiles are finished", s.done, s.parts);
+    }
+    if (file != NULL) {
+        fclose(file);
+    }
+}
+
+/* ---- input */
+
+static int open_input(work *w)
+{
+    job *j = w->j;
+    const char *dot = j->input != NULL ? strrchr(j->input, '.') : NULL;
+    uint64_t record;
+    long size;
+    if (dot == NULL || strcmp(dot, ".bin") != 0) {
+        const int failed = load(j, 1);
+        w->s.dim = (uint32_t)j->cloud.dim;
+        w->s.weighted = j->cloud.weights != NULL;
+        w->s.points = j->cloud.count;
+        return failed;
+    }
+    w->s.dim = j->read.dim == 2 ? 2 : 3;
+    w->s.weighted = j->read.weight != NULL;
+    record = (w->s.dim + w->s.weighted) * sizeof(double);
+    errno = 0;
+    w->input = fopen(j->input, "rb");
+    size = w->input != NULL && fseek(w->input, 0, SEEK_END) == 0 ? ftell(w->input) : -1;
+    if (size < 0) {
+        return fail(j, "%s: %s", j->input, strerror(errno));
+    }
+    if ((uint64_t)size % record != 0) {
+        return fail(j, "%s: truncated: %ld bytes are no whole number of records of %lu", j->input, size,
+                    (unsigned long)record);
+    }
+    w->s.input_size = (uint64_t)size;
+    w->s.points = (uint64_t)size / record;
+    note(j, "%.0f points in %uD%s", (double)w->s.points, w->s.dim, w->s.weighted ? ", weighted" : "");
+    return 0;
+}
+
+/* Reads points from..from+count-1. */
+static int read_points(const work *w, uint64_t from, size_t count, pbwt_point *out)
+{
+    const size_t dim = w->s.dim, each = dim + w->s.weighted;
+    double row[4];
+    size_t i;
+    memset(out, 0, count * sizeof *out);
+    for (i = 0; i < count; i++) {
+        out[i].id = from + i;
+        if (w->input == NULL) {
+            memcpy(out[i].x, w->j->cloud.points + (from + i) * dim, dim * sizeof(double));
+            out[i].weight = w->s.weighted ? w->j->cloud.weights[from + i] : 0;
+            continue;
+        }
+        if (fread(row, sizeof *row, each, w->input) != each) {
+            return fail(w->j, "%s: truncated: point %.0f cannot be read", w->j->input, (double)(from + i));
+        }
+        memcpy(out[i].x, row, dim * sizeof(double));
+        out[i].weight = w->s.weighted ? row[dim] : 0;
+    }
+    for (i = 0; i < count; i++) {
+        const double *x = out[i].x;
+        if (!(fabs(x[0]) <= DBL_MAX && fabs(x[1]) <= DBL_MAX && fabs(x[2]) <= DBL_MAX
+              && fabs(out[i].weight) <= DBL_MAX)) {
+            return fail(w->j, "point %.0f: a number is not finite", (double)(from + i));
+        }
+    }
+    return 0;
+}
+
+/* ---- distribution */
+
+static int make_cuts(const work *w, pbwt_cut *cuts)
+{
+    const size_t count = w->s.points < SAMPLES ? (size_t)w->s.points : SAMPLES;
+    const uint64_t record = (w->s.dim + w->s.weighted) * sizeof(double);
+    pbwt_point *sample = (pbwt_point *)malloc((count + 1) * sizeof *sample);
+    uint64_t random = 12345;
+    size_t i;
+    int failed = sample == NULL ? fail(w->j, "out of memory") : 0;
+    for (i = 0; i < count && !failed; i++) {         /* one of each of `count` runs of points */
+        const uint64_t from = w->s.points * i / count, to = w->s.points * (i + 1) / count;
+        const uint64_t at = from + (random >> 33) % (to - from);
+        random = random * 6364136223846793005u + 1442695040888963407u;
+        if (w->input != NULL && fseek(w->input, (long)(at * record), SEEK_SET) != 0) {
+            failed = cannot(w, w->j->input);
+        }
+        failed = failed ? failed : read_points(w, at, 1, sample + i);
+    }
+    if (!failed) {
+        pbwt_cut_points((int)w->s.dim, sample, count, (int)w->s.parts, cuts);
+    }
+    free(sample);
+    return failed;
+}
+
+static int flush_points(const work *w, size_t tile, const pbwt_point *points, size_t count, int first)
+{
+    char name[NAME];
+    FILE *file;
+    int good;
+    errno = 0;
+    file = fopen(name_of(w, "points", tile, name), first ? "wb" : "ab");
+    good = file != NULL && fwrite(points, sizeof *points, count, file) == count;
+    good = (file == NULL || fclose(file) == 0) && good;
+    return good ? 0 : cannot(w, name);
+}
+
+/* Sorts the input into a file a tile; buffer: BUFFER points for each tile, then BUFFER of the input; used: two
+   numbers a tile, points in its buffer and how often that was written. */
+static int distribute_with(work *w, const pbwt_cut *cuts, pbwt_point *buffer, size_t *used)
+{
+    pbwt_point *input = buffer + w->s.parts * (size_t)BUFFER;
+    uint64_t at;
+    size_t i, p;
+    int failed = w->input != NULL && fseek(w->input, 0, SEEK_SET) != 0 ? cannot(w, w->j->input) : 0;
+    for (at = 0; at < w->s.points && !failed; at += BUFFER) {
+        const size_t count = w->s.points - at < BUFFER ? (size_t)(w->s.points - at) : BUFFER;
+        failed = read_points(w, at, count, input);
+        for (i = 0; i < count && !failed; i++) {
+            p = (size_t)pbwt_part((int)w->s.dim, cuts, (int)w->s.parts, input + i);
+            buffer[p * BUFFER + used[2 * p]++] = input[i];
+            if (used[2 * p] == BUFFER) {
+                failed = flush_points(w, p, buffer + p * BUFFER, BUFFER, used[2 * p + 1]++ == 0);
+                used[2 * p] = 0;
+            }
+        }
+        if (draw_bar(w->j, "order", (double)at / (double)w->s.points) && !failed) {
+            failed = stopped(w->j);
+        }
+    }
+    for (p = 0; p < w->s.parts && !failed; p++) {
+        failed = flush_points(w, p, buffer + p * BUFFER, used[2 * p], used[2 * p + 1] == 0);
+    }
+    return failed;
+}
+
+static int distribute(work *w)
+{
+    pbwt_cut *cuts = (pbwt_cut *)calloc(w->s.parts, sizeof *cuts);
+    pbwt_point *buffer = (pbwt_point *)malloc((w->s.parts + 1) * (size_t)BUFFER * sizeof *buffer);
+    size_t *used = (size_t *)calloc(w->s.parts, 2 * sizeof *used);
+    int failed = 0;
+    if (cuts == NULL || buffer == NULL || used == NULL) {
+        failed = fail(w->j, "out of memory");
+    }
+    failed = failed ? failed : make_cuts(w, cuts);
+    failed = failed ? failed : distribute_with(w, cuts, buffer, used);
+    free(cuts);
+    free(buffer);
+    free(used);
+    w->s.distributed = !failed;
+    return failed ? failed : save_state(w);
+}
+
+/* ---- trees */
+
+static int write_tree(const work *w, const pbwt_tree *tree, const char *name)
+{
+    char part[NAME + 8];
+    tree_head head;
+    FILE *file;
+    int good;
+    memset(&head, 0, sizeof head);
+    pbwt_summarise(tree, &head.summary);
+    head.duplicates = tree->duplicates;
+    snprintf(part, sizeof part, "%s.part", name);
+    errno = 0;
+    file = fopen(part, "wb");
+    good = file != NULL && fwrite(&head, sizeof head, 1, file) == 1
+        && fwrite(tree->points, sizeof *tree->points, tree->count, file) == tree->count
+        && fwrite(tree->boxes, sizeof *tree->boxes, tree->box_count, file) == tree->box_count;
+    good = (file == NULL || fclose(file) == 0) && good;
+    return good && rename(part, name) == 0 ? 0 : cannot(w, name);
+}
+
+static int make_tree(const work *w, size_t p)
+{
+    char name[NAME], points[NAME], error[PBWTF_ERROR];
+    pbwtf_map map;
+    pbwt_tree tree;
+    pbw_status status;
+    int failed;
+    FILE *there = fopen(name_of(w, "tree", p, name), "rb");
+    if (there != NULL) {                             /* an earlier run made it */
+        fclose(there);
+        return 0;
+    }
+    if (!pbwtf_map_file(name_of(w, "points", p, points), &map, error)) {
+        return fail(w->j, "%s", error);
+    }
+    status = pbwt_tree_make((int)w->s.dim, (int)p, (const pbwt_point *)(const void *)map.data,
+                            map.size / sizeof(pbwt_point), &w->options.build, &tree);
+    pbwtf_unmap(&map);
+    if (status != PBW_OK) {
+        return status == PBW_CANCELLED ? stopped(w->j) : fail(w->j, "tile %lu: %s%s", (unsigned long)p,
+                                                              pbw_status_string(status), status == PBW_ERROR_MEMORY
+                                                              ? "; more --tiles need less" : "");
+    }
+    failed = write_tree(w, &tree, name);
+    pbwt_tree_free(&tree);
+    if (!failed) {
+        remove(points);
+    }
+    return failed;
+}
+
+static int make_trees(work *w)
+{
+    char name[NAME], error[PBWTF_ERROR];
+    size_t p;
+    int failed = 0;
+    for (p = 0; p < w->s.parts && !failed && !w->s.trees; p++) {
+        failed = make_tree(w, p);
+    }
+    for (p = 0; p < w->s.parts && !failed; p++) {
+        tree_head head;
+        if (!pbwtf_map_file(name_of(w, "tree", p, name), w->map + p, error) || w->map[p].size < sizeof head) {
+            return fail(w->j, "%s: missing or truncated: remove the scratch folder and start again", name);
+        }
+        memcpy(&head, w->map[p].data, sizeof head);
+        w->summary[p] = head.summary;
+        if (w->map[p].size != sizeof head + head.summary.count * sizeof(pbwt_point)
+                              + pbwt_boxes_of((size_t)head.summary.count) * sizeof(pbwt_box)) {
+            return fail(w->j, "%s: truncated: remove the scratch folder and start again", name);
+        }
+        pbwt_tree_over((int)w->s.dim, (int)p, w->summary + p,
+                       (const pbwt_point *)(const void *)(w->map[p].data + sizeof head),
+                       (const pbwt_box *)(const void *)(w->map[p].data + sizeof head
+                                                        + head.summary.count * sizeof(pbwt_point)), w->tree + p);
+        w->tree[p].duplicates = (size_t)head.duplicates;
+    }
+    w->s.trees = !failed;
+    return failed ? failed : save_state(w);
+}
+
+/* ---- tiles */
+
+static int explain_tile(const work *w, const pbwt_tile *tile, size_t p, pbw_status status)
+{
+    if (status == PBW_CANCELLED) {
+        return stopped(w->j);
+    }
+    if (status == PBW_ERROR_MEMORY) {
+        return fail(w->j, "tile %lu: out of memory within --memory-limit %s: %lu points of its own, %lu of others, "
+                    "%lu given up; more --tiles need less", (unsigned long)p,
+                    text_of(w->j, "--memory-limit") != NULL ? text_of(w->j, "--memory-limit") : "4G",
+                    (unsigned long)(p < w->s.parts ? w->tree[p].count : 0), (unsigned long)tile->foreign_count,
+                    (unsigned long)tile->numbers.given_up);
+    }
+    return status == PBW_ERROR_BACKEND ? cannot(w, w->out)
+         : fail(w->j, "tile %lu: %s", (unsigned long)p, pbw_status_string(status));
+}
+
+/* Asks and answers until the tile is finished. */
+static pbw_status run_tile(const work *w, pbwt_tile *tile, size_t p)
+{
+    pbwt_served *served = (pbwt_served *)calloc(w->s.parts, sizeof *served);
+    pbwt_bytes reply = { NULL, 0 };
+    pbw_status status = served != NULL ? PBW_OK : PBW_ERROR_MEMORY;
+    size_t q;
+    int more = 1;
+    while (status == PBW_OK && more) {
+        status = pbwt_ask(tile, &more);
+        for (q = 0; q < w->s.parts && status == PBW_OK && more; q++) {
+            if (tile->request[q].size > 0) {
+                status = pbwt_answer(w->tree + q, served + q, tile->request + q, &w->limits, w->summary[p].count,
+                                     &reply);
+                status = status != PBW_OK ? status : pbwt_take(tile, (int)q, reply.data, reply.size);
+                pbwt_bytes_free(w->tree + q, &reply);
+            }
+        }
+    }
+    for (q = 0; q < w->s.parts && served != NULL; q++) {
+        pbwt_served_free(w->tree + q, served + q);
+    }
+    free(served);
+    return status;
+}
+
+static int save_facets(const work *w, const pbwt_tile *tile, size_t p)
+{
+    char name[NAME];
+    FILE *file;
+    int good;
+    errno = 0;
+    file = fopen(name_of(w, "facets", p, name), "wb");
+    good = file != NULL && fwrite(tile->facets, sizeof *tile->facets, tile->facet_count, file) == tile->facet_count;
+    good = (file == NULL || fclose(file) == 0) && good;
+    return good ? 0 : cannot(w, name);
+}
+
+/* Appends the chunk of a finished tile to the output, where it counts from then on. */
+static int end_tile(work *w, pbwtf_writer *chunk, const pbwt_tile *tile, size_t p)
+{
+    tile_state *t = w->tile + p;
+    int failed = pbwtf_end(chunk, tile, (int)w->s.dim) ? save_facets(w, tile, p) : cannot(w, w->out);
+    if (failed) {
+        return failed;
+    }
+    t->given = tile->leftover_count;
+    t->facets = tile->facet_count;
+    t->hull = tile->numbers.hull;
+    t->halo = tile->numbers.halo;
+    t->later = tile->numbers.later;
+    t->rounds = tile->numbers.rounds;
+    t->questions = tile->numbers.questions;
+    t->simplices = tile->numbers.simplices;
+    t->hash = tile->hash;
+    t->entry.offset = w->s.size;
+    t->entry.size = pbwtf_chunk_size(&chunk->chunk);
+    w->s.size += t->entry.size;
+    w->s.done = (uint32_t)p + 1;
+    w->s.chunks = w->s.done;
+    return save_state(w);
+}
+
+static int build_tile(work *w, FILE *out, size_t p)
+{
+    pbwtf_writer chunk;
+    pbwt_tile tile;
+    pbw_status status;
+    int failed = 0;
+    errno = 0;
+    pbwtf_begin(&chunk, out, w->tree + p, (uint32_t)p, (w->s.weighted ? PBWTF_WEIGHTS : 0)
+                | (w->s.links ? PBWTF_LINKS : 0));
+    w->options.emit = pbwtf_emit;
+    w->options.emit_user = &chunk;
+    status = pbwt_open(&tile, w->tree + p, w->summary, (int)w->s.parts, &w->options);
+    status = status != PBW_OK ? status : run_tile(w, &tile, p);
+    failed = status == PBW_OK ? end_tile(w, &chunk, &tile, p) : explain_tile(w, &tile, p, status);
+    if (!failed) {
+        say(w->j, "tile", now() - w->start, "%lu of %u: %lu points, halo %lu + %lu, %lu simplices, %lu rounds, "
+            "%lu given up", (unsigned long)p + 1, w->s.parts, (unsigned long)w->tree[p].count,
+            (unsigned long)tile.numbers.halo, (unsigned long)tile.numbers.later,
+            (unsigned long)tile.numbers.simplices, (unsigned long)tile.numbers.rounds, (unsigned long)tile.numbers.given_up);
+    }
+    pbwt_close(&tile);
+    return failed;
+}
+
+/* ---- leftovers: tiles are built again, without output, for what they know of them */
+
+static int compare_ids(const void *a, const void *b)
+{
+    const uint64_t x = *(const uint64_t *)a, y = *(const uint64_t *)b;
+    return x < y ? -1 : x > y;
+}
+
+/* The ids of all points given up, from the chunks. */
+static uint64_t *given_ids(const work *w, size_t count)
+{
+    uint64_t *ids = (uint64_t *)malloc((count + 1) * sizeof *ids);
+    FILE *file = fopen(w->out, "rb");
+    size_t p, i, n = 0;
+    int good = ids != NULL && file != NULL;
+    for (p = 0; p < w->s.parts && good; p++) {
+        pbwtf_chunk chunk;
+        good = fseek(file, (long)w->tile[p].entry.offset, SEEK_SET) == 0 && fread(&chunk, sizeof chunk, 1, file) == 1
+            && fseek(file, (long)(w->tile[p].entry.offset + pbwtf_across_offset(&chunk) - (chunk.given + 1) / 2 * 8),
+                     SEEK_SET) == 0;
+        for (i = 0; i < w->tile[p].given && good; i++) {
+            uint32_t index;
+            good = fread(&index, sizeof index, 1, file) == 1 && index < w->tree[p].count && n < count;
+            ids[n++] = good ? w->tree[p].points[index].id : 0;
+        }
+    }
+    if (file != NULL) {
+        fclose(file);
+    }
+    if (!good) {
+        free(ids);
+        return NULL;
+    }
+    qsort(ids, n, sizeof *ids, compare_ids);
+    return ids;
+}
+
+static pbw_status know(work *w, const uint64_t *ids, size_t count, pbwt_bytes *known)
+{
+    pbw_status status = PBW_OK;
+    size_t p;
+    w->options.emit = NULL;
+    w->options.no_links = 1;
+    for (p = 0; p < w->s.parts && status == PBW_OK; p++) {
+        pbwt_tile tile;
+        pbwt_bytes piece = { NULL, 0 };
+        char *grown = NULL;
+        status = pbwt_open(&tile, w->tree + p, w->summary, (int)w->s.parts, &w->options);
+        status = status != PBW_OK ? status : run_tile(w, &tile, p);
+        status = status != PBW_OK ? status : pbwt_leftovers(&tile, ids, count, &piece);
+        grown = status == PBW_OK ? (char *)realloc(known->data, known->size + piece.size + 1) : NULL;
+        if (grown != NULL) {
+            memcpy(grown + known->size, piece.data, piece.size);
+            known->data = grown;
+            known->size += piece.size;
+        }
+        status = status == PBW_OK && grown == NULL ? PBW_ERROR_MEMORY : status;
+        pbwt_bytes_free(w->tree + p, &piece);
+        pbwt_close(&tile);
+    }
+    w->options.no_links = !w->s.links;
+    return status;
+}
+
+static int build_leftovers(work *w, FILE *out, size_t count)
+{
+    uint64_t *ids = given_ids(w, count);
+    pbwt_bytes known = { NULL, 0 };
+    pbwtf_writer chunk;
+    pbwt_tile tile;
+    pbw_status status;
+    int failed;
+    memset(&tile, 0, sizeof tile);
+    if (ids == NULL) {
+        return cannot(w, w->out);
+    }
+    status = know(w, ids, count, &known);
+    pbwtf_begin(&chunk, out, NULL, w->s.parts, (w->s.weighted ? PBWTF_WEIGHTS : 0) | (w->s.links ? PBWTF_LINKS : 0));
+    w->options.emit = pbwtf_emit;
+    w->options.emit_user = &chunk;
+    status = status != PBW_OK ? status : pbwt_finish(&tile, (int)w->s.dim, (int)w->s.parts, &known, &w->options);
+    tile.numbers.given_up = count;
+    failed = status == PBW_OK ? end_tile(w, &chunk, &tile, w->s.parts) : explain_tile(w, &tile, w->s.parts, status);
+    if (!failed) {
+        say(w->j, "leftovers", now() - w->start, "%lu points, %lu simplices", (unsigned long)count,
+            (unsigned long)tile.numbers.simplices);
+    }
+    pbwt_close(&tile);
+    free(known.data);
+    free(ids);
+    return failed;
+}
+
+/* ---- links across tiles, and the end of the file */
+
+static int link_tiles(work *w, FILE *out, uint64_t *hull)
+{
+    pbwt_facet *facets;
+    uint64_t count = 0, at = 0, i;
+    char name[NAME];
+    size_t p;
+    int failed = 0;
+    for (p = 0; p < w->s.chunks; p++) {
+        count += w->tile[p].facets;
+    }
+    facets = (pbwt_facet *)malloc((size_t)(count + 1) * sizeof *facets);
+    if (facets == NULL) {
+        return fail(w->j, "out of memory: %.0f facets between tiles need %.0f MB", (double)count,
+                    (double)count * 48e-6);
+    }
+    for (p = 0; p < w->s.chunks && !failed; p++) {
+        FILE *file = fopen(name_of(w, "facets", p, name), "rb");
+        const size_t own = (size_t)w->tile[p].facets;
+        failed = file == NULL || fread(facets + at, sizeof *facets, own, file) != own ? cannot(w, name) : 0;
+        at += w->tile[p].facets;
+        if (file != NULL) {
+            fclose(file);
+        }
+    }
+    *hull += failed ? 0 : pbwt_match(facets, (size_t)count);
+    for (p = 0, at = 0; p < w->s.chunks && !failed; p++) {
+        tile_state *t = w->tile + p;
+        t->entry.across_checksum = 0;
+        errno = 0;
+        failed = fseek(out, (long)(t->entry.offset + t->entry.size - t->facets * 8), SEEK_SET) != 0;
+        for (i = 0; i < t->facets && !failed; i++, at++) {
+            failed = fwrite(&facets[at].to, 8, 1, out) != 1;
+            t->entry.across_checksum = pbwtf_checksum(t->entry.across_checksum, &facets[at].to, 8);
+        }
+        failed = failed || fflush(out) != 0 ? cannot(w, w->out) : 0;
+    }
+    free(facets);
+    return failed;
+}
+
+static int finish_file(work *w, FILE *out)
+{
+    pbwtf_header header;
+    pbw_hash_sums sums = { 0, 0 };
+    uint64_t hull = 0, halo = 0, rounds = 0;
+    size_t p;
+    int failed;
+    memset(&header, 0, sizeof header);
+    for (p = 0; p < w->s.chunks; p++) {
+        w->tile[p].entry.first_simplex = header.simplices;
+        header.simplices += w->tile[p].simplices;
+        sums.points += w->tile[p].hash.points;
+        sums.simplices += w->tile[p].hash.simplices;
+        hull += w->tile[p].hull;
+        halo += w->tile[p].halo + w->tile[p].later;
+        rounds = w->tile[p].rounds > rounds ? w->tile[p].rounds : rounds;
+        header.duplicates += p < w->s.parts ? w->tree[p].duplicates : 0;
+    }
+    failed = w->s.links ? link_tiles(w, out, &hull) : 0;
+    header.dim = w->s.dim;
+    header.flags = (w->s.weighted ? PBWTF_WEIGHTS : 0) | (w->s.links ? PBWTF_LINKS : 0);
+    header.chunks = w->s.chunks;
+    header.tiles = w->s.parts;
+    header.points = w->s.points;
+    header.hull = w->s.links ? hull : 0;
+    header.table = w->s.size;
+    header.size = w->s.size + header.chunks * sizeof(pbwtf_entry);
+    pbwtf_seal(&header, &sums);
+    errno = 0;
+    failed = failed || fseek(out, (long)header.table, SEEK_SET) != 0;
+    for (p = 0; p < w->s.chunks && !failed; p++) {
+        failed = fwrite(&w->tile[p].entry, sizeof(pbwtf_entry), 1, out) != 1;
+    }
+    failed = failed || fflush(out) != 0 || fseek(out, 0, SEEK_SET) != 0
+          || fwrite(&header, sizeof header, 1, out) != 1 || fflush(out) != 0 ? cannot(w, w->out) : 0;
+    if (!failed) {
+        note(w->j, "%.0f simplices, %.0f facets on the hull, %.0f duplicates, halo %.1f %%, %.0f rounds, "
+             "hash %016llx", (double)header.simplices, (double)header.hull, (double)header.duplicates,
+             100 * (double)halo / (double)(w->s.points > 0 ? w->s.points : 1), (double)rounds,
+             (unsigned long long)header.hash);
+    }
+    return failed;
+}
+
+static int build_tiles(work *w)
+{
+    FILE *out;
+    uint64_t left_over = 0;
+    size_t p;
+    int failed = 0;
+    errno = 0;
+    out = fopen(w->out, w->s.size > 0 ? "rb+" : "wb+");
+    if (out != NULL && w->s.size == 0) {
+        static const pbwtf_header nothing;
+        failed = fwrite(&nothing, sizeof nothing, 1, out) != 1;
+        w->s.size = sizeof nothing;
+    }
+#ifndef _WIN32
+    failed |= out == NULL || fflush(out) != 0 || truncate(w->out, (off_t)w->s.size) != 0;
+#endif
+    if (failed || out == NULL || fseek(out, 0, SEEK_END) != 0) {
+        failed = cannot(w, w->out);
+    }
+    for (p = w->s.done; p < w->s.parts && !failed; p++) {
+        failed = build_tile(w, out, p);
+    }
+    for (p = 0; p < w->s.parts && !failed; p++) {
+        left_over += w->tile[p].given;
+    }
+    if (left_over > 0 && w->s.chunks == w->s.parts && !failed) {
+        failed = build_leftovers(w, out, (size_t)left_over);
+    }
+    failed = failed ? failed : finish_file(w, out);
+    if (out != NULL && fclose(out) != 0 && !failed) {
+        failed = cannot(w, w->out);
+    }
+    return failed;
+}
+
+/* ---- the command */
+
+/* A tile holds about 320 (3D) or 130 (2D) bytes a point of its own, with a tenth of others. */
+static uint32_t parts_for(const work *w)
+{
+    const double limit = w->j->build.memory_limit > 0 ? (double)w->j->build.memory_limit : 4294967296.0;
+    const double need = (w->s.dim == 3 ? 360.0 : 150.0) * (double)w->s.points;
+    const double parts = ceil(need / limit);
+    return (uint32_t)number_of(w->j, "--tiles", parts < 1 ? 1 : parts > 65536 ? 65536 : parts);
+}
+
+static int prepare(work *w)
+{
+    memcpy(w->s.magic, "PBWSTAT1", 8);
+    w->s.links = !is_given(w->j, "--no-links");
+    w->s.parts = parts_for(w);
+    w->tile = (tile_state *)calloc(w->s.parts + 1, sizeof *w->tile);
+    w->map = (pbwtf_map *)calloc(w->s.parts, sizeof *w->map);
+    w->tree = (pbwt_tree *)calloc(w->s.parts, sizeof *w->tree);
+    w->summary = (pbwt_summary *)calloc(w->s.parts, sizeof *w->summary);
+    if (w->tile == NULL || w->map == NULL || w->tree == NULL || w->summary == NULL) {
+        return fail(w->j, "out of memory");
+    }
+    w->options.build = w->j->build;
+    w->options.build.memory_limit = w->j->build.memory_limit > 0 ? w->j->build.memory_limit : (size_t)1 << 32;
+    w->options.weighted = (int)w->s.weighted;
+    w->options.no_links = !w->s.links;
+    w->limits.work = (size_t)number_of(w->j, "--work", 0);
+    w->options.halo = number_of(w->j, "--halo", 0);
+    snprintf(w->out, sizeof w->out, "%s.part", w->j->output[0]);
+    if (is_given(w->j, "--scratch")) {
+        snprintf(w->scratch, sizeof w->scratch, "%s", text_of(w->j, "--scratch"));
+    } else {
+        snprintf(w->scratch, sizeof w->scratch, "%s.scratch", w->j->output[0]);
+    }
+    errno = 0;
+    if (make_folder(w->scratch) != 0 && errno != EEXIST) {
+        return cannot(w, w->scratch);
+    }
+    load_state(w);
+    return 0;
+}
+
+static void clean(work *w)
+{
+    static const char *const kinds[] = { "points", "tree", "facets" };
+    char name[NAME];
+    size_t p, k;
+    for (p = 0; p < w->s.parts; p++) {
+        pbwtf_unmap(w->map + p);
+    }
+    for (p = 0; p <= w->s.parts; p++) {
+        for (k = 0; k < 3; k++) {
+            remove(name_of(w, kinds[k], p, name));
+        }
+    }
+    snprintf(name, sizeof name, "%s/state", w->scratch);
+    remove(name);
+    remove(w->scratch);
+}
+
+static int run(job *j)
+{
+    work *w;
+    size_t p;
+    int failed;
+    if (j->outputs != 1) {
+        return complain("one output is needed; see pbw tiles --help");
+    }
+    w = (work *)calloc(1, sizeof *w);
+    if (w == NULL) {
+        return fail(j, "out of memory");
+    }
+    w->j = j;
+    w->start = now();
+    failed = open_input(w);
+    failed = failed ? failed : prepare(w);
+    failed = failed || w->s.distributed ? failed : distribute(w);
+    failed = failed ? failed : make_trees(w);
+    failed = failed ? failed : build_tiles(w);
+    if (!failed && rename(w->out, j->output[0]) != 0) {
+        failed = cannot(w, j->output[0]);
+    }
+    if (!failed) {
+        clean(w);
+        j->written = 1;
+        say(j, "all", now() - w->start, "%u tiles", w->s.parts);
+    }
+    for (p = 0; p < w->s.parts && w->map != NULL; p++) {
+        pbwtf_unmap(w->map + p);
+    }
+    if (w->input != NULL) {
+        fclose(w->input);
+    }
+    free(w->tile);
+    free(w->map);
+    free(w->tree);
+    free(w->summary);
+    free(w);
+    return failed;
+}
+
+const command command_tiles = {
+    "tiles", "triangulate what memory does not hold",
+    "usage: pbw tiles [options] points -o mesh.pbwt\n"
+    "\n"
+    "Triangulates points tile by tile within a limit of memory, into a file that has simplices, links across tiles\n"
+    "and a hash: the same triangulation as pbw mesh makes at once.  A run that was stopped, or found the disk full,\n"
+    "goes on when it is started again.\n"
+    "\n"
+    "input:   .bin, doubles x y z (with --dim 2: x y; with --weights w: and a weight): read piece by piece;\n"
+    "         or as for pbw mesh, then in memory\n"
+    "output:  .pbwt: see pbw_tilefile.h; pbw check, pbw hash and pbw convert read it\n"
+    "\n",
+    "pbwt",
+    { tiles_options, input_options, build_options, output_options, common_options, NULL, NULL, NULL },
+    run, 0, 0, 0, NULL, 0
+};

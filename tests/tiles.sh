@@ -1,0 +1,214 @@
+#!/bin/sh
+# tiles.sh FOLDER: pbw tiles, hash, check and convert of FOLDER/pbw: the same triangulation as at once, for many kinds
+# of points; files that are damaged, disks that are full, runs that are killed; and examples/mpi.c over MPI.
+bin=$(cd "$1" && pwd)
+root=$(pwd)
+pbw=$bin/pbw work=$bin/tiles
+. tests/check.sh
+cd "$work" || exit 2
+
+cat > points.c << 'END'
+/* points KIND DIM COUNT WEIGHTS: doubles of that kind of points, a tenth of them twice; WEIGHTS 0: none. */
+#include "inputs.h"
+#include <stdio.h>
+#include <stdlib.h>
+int main(int argc, char **argv)
+{
+    const int dim = atoi(argv[2]), weights = atoi(argv[4]);
+    const size_t n = (size_t)atol(argv[3]) + (size_t)(argc > 5), d = (size_t)dim;
+    double *x = (double *)malloc(n * d * sizeof *x), *w = (double *)malloc(n * sizeof *w);
+    size_t i;
+    input_fill(atoi(argv[1]), dim, n, 1, x);
+    input_fill_weights(weights, dim, n, 1, x, w);
+    for (i = 0; i < n / 10 * d; i++) {
+        x[n * d - 1 - i] = x[n / 2 * d - 1 - i];
+    }
+    for (i = 0; i < n; i++) {
+        fwrite(x + i * d, sizeof *x, d, stdout);
+        if (weights != 0) {
+            fwrite(w + i, sizeof *w, 1, stdout);
+        }
+    }
+    return 0;
+}
+END
+# shellcheck disable=SC2086
+${CC:-cc} -std=c99 $CFLAGS -I"$root/tests" points.c -o points -lm || exit 2
+for kind in 0 4 5 3; do
+    for dim in 2 3; do
+        ./points $kind $dim 3000 0 > k$kind.$dim.bin
+    done
+done
+./points 0 3 3000 4 > weighted.bin
+./points 0 3 100000 0 > long.bin
+
+says() {    # says STATUS TEXT ARGUMENT...: the exit status, and a line of the output that has the text
+    status=$1 text=$2
+    shift 2
+    "$pbw" "$@" < /dev/null > said 2>&1
+    code=$?
+    cat said
+    [ $code = "$status" ] && grep -qF -- "$text" said
+}
+hash_of() { "$pbw" hash --quiet "$@"; }
+# The hash by pbw hash of a .bin file in one tile, which is one triangulation; and in some tiles.
+equal() {   # equal TILES INPUT [OPTION...]
+    tiles=$1 input=$2
+    shift 2
+    "$pbw" tiles "$input" "$@" --tiles 1 -o one.pbwt > said 2>&1 || { cat said; return 1; }
+    "$pbw" tiles "$input" "$@" --tiles "$tiles" -o some.pbwt > said 2>&1 || { cat said; return 1; }
+    hash_of one.pbwt > one && hash_of some.pbwt > some && cmp one some && ! [ -e some.pbwt.scratch ]
+}
+
+for kind in 0 4 5 3; do
+    for dim in 2 3; do
+        check "kind $kind in ${dim}D in tiles" equal 5 k$kind.$dim.bin --dim $dim
+        check "kind $kind in ${dim}D is proved" says 0 "valid" check some.pbwt
+        check "kind $kind in ${dim}D without links" equal 3 k$kind.$dim.bin --dim $dim --no-links
+    done
+done
+check "weighted points in tiles" equal 6 weighted.bin --weights w
+check "weighted points are proved" says 0 "valid" check some.pbwt
+"$pbw" mesh --generate clusters 4000 --quiet -o clusters.csv
+same_as_mesh() {
+    "$pbw" tiles clusters.csv --tiles 4 -o c.pbwt > said 2>&1 && hash_of c.pbwt > one && hash_of clusters.csv > two &&
+        cmp one two
+}
+check "the same as at once" same_as_mesh
+
+# Files that are damaged: every tenth of the file, one byte changed.
+size=$(wc -c < c.pbwt)
+damaged() {
+    cp c.pbwt bad.pbwt
+    printf '\377\376\375\374\373\372\371\370' | dd of=bad.pbwt bs=1 seek="$1" conv=notrunc 2> /dev/null
+    ! "$pbw" check bad.pbwt > said 2>&1 && [ $? -lt 2 ] && grep '^pbw: ' said
+}
+for tenth in 0 1 2 3 4 5 6 7 8 9; do
+    check "damage at $tenth tenths" damaged $((tenth * size / 10 + 48))
+done
+# Files that are wrong, with checksums that are right.
+cat > forge.c << 'END'
+/* forge FILE HOW: changes a tile and its checksums. */
+#define PBW_IMPLEMENTATION
+#define PBW_TILES_IMPLEMENTATION
+#define PBW_TILEFILE_IMPLEMENTATION
+#include "pbw_tilefile.h"
+int main(int argc, char **argv)
+{
+    const int how = argc > 2 ? atoi(argv[2]) : 0;
+    static char data[4000000];
+    FILE *file = fopen(argv[1], "rb+");
+    const size_t size = fread(data, 1, sizeof data, file), head = sizeof(pbwtf_chunk);
+    pbwtf_header *header = (pbwtf_header *)(void *)data;
+    pbwtf_entry *entry = (pbwtf_entry *)(void *)(data + header->table);
+    pbwtf_chunk *chunk = (pbwtf_chunk *)(void *)(data + entry->offset);
+    char *at = (char *)chunk;
+    double *own = (double *)(void *)(at + head);
+    uint32_t *simplex = (uint32_t *)(void *)(at + head + chunk->own * 32), other = simplex[0];
+    uint64_t *across = (uint64_t *)(void *)(at + pbwtf_across_offset(chunk));
+    size_t i;
+    if (how == 0) {                                  /* turned */
+        simplex[0] = simplex[1];
+        simplex[1] = other;
+    } else if (how == 1) {                           /* a link that does not lead back */
+        for (i = 0; simplex[i % 8 + i / 8 * 8] >= 0x80000000u || i % 8 < 4; i++) {
+        }
+        simplex[i]++;
+    } else if (how == 2) {                           /* a facet between tiles that pretends to be of the hull */
+        for (i = 0; across[i] == PBWT_NOTHING; i++) {
+        }
+        across[i] = PBWT_NOTHING;
+    } else if (how == 3) {                           /* a point moved */
+        own[0] += 1e-3;
+    } else {                                         /* a simplex missing at the end */
+        chunk->simplices--;
+    }
+    chunk->checksum = pbwtf_checksum(0, at + head, pbwtf_across_offset(chunk) - head);
+    entry->across_checksum = pbwtf_checksum(0, across, chunk->across * 8);
+    rewind(file);
+    return fwrite(data, 1, size, file) != size || fclose(file) != 0;
+}
+END
+# shellcheck disable=SC2086
+${CC:-cc} -std=c99 $CFLAGS -I"$root" -I"$root/examples/lib" forge.c -o forge -lpthread -lm || exit 2
+forged() {
+    cp c.pbwt bad.pbwt && ./forge bad.pbwt "$1" && ! "$pbw" check bad.pbwt > said 2>&1 && cat said &&
+        ! grep checksum said && grep '^pbw: ' said
+}
+for how in 0 1 2 3 4; do
+    check "forgery $how" forged $how
+done
+truncated() { head -c $((size - $1)) c.pbwt > bad.pbwt && says 1 truncated check bad.pbwt; }
+check "a truncated file" truncated 8
+head -c 71993 k0.3.bin > short.bin
+check "a truncated input" says 1 "truncated: 71993 bytes" tiles short.bin -o no.pbwt
+check "no such input" says 1 "No such file" tiles none.bin -o no.pbwt
+(cat k0.3.bin; printf '\0\0\0\0\0\0\370\177\0\0\0\0\0\0\370\177\0\0\0\0\0\0\370\177') > nan.bin
+check "a point that is not finite" says 1 "point 3000: a number is not finite" tiles nan.bin -o no.pbwt
+check "links are needed for a proof" sh -c "'$pbw' tiles k0.3.bin --no-links -o n.pbwt && ! '$pbw' check n.pbwt"
+check "too little memory" says 1 "more --tiles need less" tiles long.bin --tiles 2 --memory-limit 3M -o m.pbwt
+check "enough memory" says 0 "all " tiles long.bin --memory-limit 12M -o m.pbwt
+
+# A tile as a mesh.
+part() { "$pbw" convert c.pbwt --tile 2 -o part.vtu > said && grep -q '</VTKFile>' part.vtu; }
+check "a tile as .vtu" part
+check "no such tile" says 1 "--tile 9: there are" convert c.pbwt --tile 9 -o part.vtu
+check "which tile" says 2 "--tile is needed" convert c.pbwt -o part.vtu
+check "models as before" says 2 "of a tile only" convert clusters.csv -o part.vtu
+
+# A disk that is full, by a limit of the size of files, then more room; a run that is killed.
+full() {
+    (ulimit -f 2000; trap '' XFSZ; "$pbw" tiles long.bin --tiles 8 -o f.pbwt > said 2>&1) && return 1
+    cat said
+    grep -q 'what is finished stays' said && ! [ -e f.pbwt ] &&
+        "$pbw" tiles long.bin --tiles 8 -o f.pbwt > said 2>&1 && cat said && hash_of f.pbwt > one &&
+        hash_of m.pbwt > two && cmp one two
+}
+check "a full disk" full
+killed() {
+    "$pbw" tiles long.bin --tiles 8 -o g.pbwt > going 2>&1 &
+    number=$!
+    while ! grep -q ' 2 of 8' going && kill -0 $number 2> /dev/null; do :; done
+    kill -9 $number 2> /dev/null
+    wait $number
+    "$pbw" tiles long.bin --tiles 8 -o g.pbwt > said 2>&1 && cat said && cmp f.pbwt g.pbwt && ! [ -e g.pbwt.scratch ]
+}
+check "a killed run goes on" killed
+
+# Over MPI.
+if command -v mpirun > /dev/null && [ -x "$bin/mpi" ]; then
+    OMPI_ALLOW_RUN_AS_ROOT=1 OMPI_ALLOW_RUN_AS_ROOT_CONFIRM=1 OMPI_MCA_rmaps_base_oversubscribe=1
+    OMPI_MCA_mpi_yield_when_idle=1
+    export OMPI_ALLOW_RUN_AS_ROOT OMPI_ALLOW_RUN_AS_ROOT_CONFIRM OMPI_MCA_rmaps_base_oversubscribe
+    export OMPI_MCA_mpi_yield_when_idle
+    ranks() {   # ranks COUNT INPUT [OPTION...]: the hash of one tile, and a valid file
+        count=$1 input=$2
+        shift 2
+        mpirun -np "$count" "$bin/mpi" "$input" "$@" -o r.pbwt > said 2>&1 || { cat said; return 1; }
+        cat said
+        "$pbw" tiles "$input" "$@" --tiles 1 -o one.pbwt > /dev/null 2>&1 && hash_of one.pbwt > one &&
+            hash_of r.pbwt > two && cmp one two && "$pbw" check r.pbwt
+    }
+    check "MPI: 4 ranks" ranks 4 k4.3.bin
+    check "MPI: 3 ranks in 2D, leftovers" ranks 3 k3.2.bin --dim 2
+    check "MPI: 2 ranks, weighted" ranks 2 weighted.bin --weights w
+    mpi_fails() {   # mpi_fails TEXT ARGUMENT...
+        text=$1
+        shift
+        ! mpirun -np 3 "$bin/mpi" "$@" > said 2>&1 && cat said && grep -qF -- "$text" said
+    }
+    check "MPI: a truncated file" mpi_fails "truncated" short.bin -o no.pbwt
+    check "MPI: a point that is not finite" mpi_fails "not finite" nan.bin -o no.pbwt
+    check "MPI: too little memory" mpi_fails "memory" long.bin --memory-limit 3000000 -o no.pbwt
+    check "MPI: no folder" mpi_fails "none/no.pbwt" k0.3.bin -o none/no.pbwt
+    mpi_killed() {
+        timeout 60 mpirun -np 3 "$bin/mpi" k0.3.bin --die 1 -o no.pbwt > said 2>&1
+        code=$?
+        cat said
+        [ $code != 0 ] && [ $code != 124 ]
+    }
+    check "MPI: a rank that dies ends all" mpi_killed
+else
+    skip "MPI: no mpirun, or no mpicc"
+fi
+finish
