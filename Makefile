@@ -51,7 +51,7 @@ help:
 	@echo 'make             builds the examples into $B/, the pbw program among them'
 	@echo 'make demo        makes a model, samples, triangulates, proves, draws and writes it'
 	@echo 'make web         WebAssembly for JavaScript and a page that shows it, by emscripten, into $B/web'
-	@echo 'make page        puts examples/lib/view/ into pbw_view.h'
+	@echo 'make page        puts examples/lib/view/ and film/ into pbw_view.h and pbw_film.h'
 	@echo 'make examples    runs the examples and compares what they print with examples/expected'
 	@echo 'make test        tests of every kind with one compiler; ends with `N passed, N failed, N skipped`'
 	@echo 'make test-all    all tests: other compilers, libraries and programs where they are installed'
@@ -160,12 +160,13 @@ $(SUITES):
 	@$(MAKE) --no-print-directory -k $(LOGS) || true
 	@sh tests/run.sh --total $(LOGS)
 
-# The page of pbw_view.h, from the files that web developers edit; tests/page.sh finds a header that is not up to date.
-PAGE = examples/lib/view/embed.awk examples/lib/view/page.html examples/lib/pbw_view.h
+# The pages of pbw_view.h and pbw_film.h, from the files that web developers edit; tests/page.sh finds a header that is
+# not up to date.
 page:
 	@mkdir -p $B
-	awk -f $(PAGE) > $B/page.h
-	cmp -s $B/page.h examples/lib/pbw_view.h || cp $B/page.h examples/lib/pbw_view.h
+	for name in view film; do awk -v name=pbw$$name -f examples/lib/view/embed.awk examples/lib/$$name/page.html \
+	    examples/lib/pbw_$$name.h > $B/page.h && { cmp -s $B/page.h examples/lib/pbw_$$name.h || \
+	    cp $B/page.h examples/lib/pbw_$$name.h; } || exit 1; done
 
 demo: $B/pbw $B/model
 	sh examples/demo.sh $B

@@ -1,29 +1,30 @@
-# embed.awk: prints pbw_view.h with the page of this folder in it: awk -f embed.awk FOLDER/page.html pbw_view.h
+# embed.awk: prints a header with the page of a folder in it:
+#     awk -v name=pbwview -f embed.awk FOLDER/page.html pbw_view.h
 # Style sheets and scripts that page.html names are put into it, all scripts as one function; <!-- title --> and
 # <!-- data --> end the first and the second part.  Files are ASCII: mawk and gawk then print the same bytes.
 function emit(text)
 {
-    gsub(/\\/, "\\\\", text)
+    gsub(/\\/, "&&", text)
     gsub(/"/, "\\\"", text)
     line[++lines] = "    \"" text "\\n\","
 }
-function inline(name,   text, status)
+function inline(file,   text, status)
 {
-    while ((status = (getline text < (folder name))) > 0) {
+    while ((status = (getline text < (folder file))) > 0) {
         emit(text)
     }
     if (status < 0) {
-        print "embed.awk: no " folder name > "/dev/stderr"
+        print "embed.awk: no " folder file > "/dev/stderr"
         failed = 1
         exit
     }
-    close(folder name)
+    close(folder file)
 }
 function part()
 {
     line[++lines] = "    NULL"
     line[++lines] = "};"
-    line[++lines] = "static const char *const pbwview__part" ++parts "[] = {"
+    line[++lines] = "static const char *const " name "__part" ++parts "[] = {"
 }
 function named(text)
 {
@@ -34,7 +35,7 @@ function named(text)
 FNR == 1 && NR == 1 {
     folder = FILENAME
     sub(/[^\/]*$/, "", folder)
-    line[++lines] = "static const char *const pbwview__part0[] = {"
+    line[++lines] = "static const char *const " name "__part0[] = {"
 }
 NR != FNR && !ends { line[++lines] = "    NULL"; line[++lines] = "};"; ends = 1 }
 NR == FNR && /^<!-- (title|data) -->$/ { part(); next }
@@ -63,9 +64,9 @@ made && /^ +-+ \*\/$/ {
         print line[i]
     }
     print ""
-    print "static const char *const *pbwview__part(int part)"
+    print "static const char *const *" name "__part(int part)"
     print "{"
-    print "    return part == 0 ? pbwview__part0 : part == 1 ? pbwview__part1 : pbwview__part2;"
+    print "    return part == 0 ? " name "__part0 : part == 1 ? " name "__part1 : " name "__part2;"
     print "}"
 }
 END { exit failed }
