@@ -51,6 +51,7 @@
      >>nearest      stars, nearest vertices, vertices in a ball
      >>centres      vectors, pairs, centres of simplices
      >>interpolate  barycentric, Sibson's and Laplace's weights
+     >>live         points inserted, removed and moved: what is queued, commits, views
      >>api          argument checks, the stages in order, status texts
      >>history      versions
      >>license      MIT No Attribution
@@ -68,6 +69,7 @@
      re-entrant  no globals, no init call; many builds at once                              tests/test_api.c
      bounded     no recursion; a 256 KiB stack is enough                                    tests/test_resources.c
      queries     exact answers, one for any number of threads                               tests/test_query.c
+     live        after each commit the arrays of a fresh build; all or nothing              tests/test_live.c
 
    CONVENTIONS
             3            A simplex has dim+1 corners; neighbor i is across the facet opposite to corner i.
@@ -211,7 +213,8 @@ struct pbw_mesh {                          /* start from {0}, in C++ {}; read, d
                                               the first corner comes first on the Hilbert curve */
     const pbw_index *neighbors;            /* same shape; entry i is across from corner i, PBW_NONE on the hull */
     const pbw_index *incident;             /* per point: the first simplex that has it, PBW_NONE if it is no vertex */
-    const pbw_index *canonical;            /* per point: itself, or the point that it duplicates */
+    const pbw_index *canonical;            /* per point: itself, or the point that it duplicates; PBW_NONE: a number
+                                              without a point, of pbw_live_view */
     size_t duplicate_count, hidden_count;  /* why a point may be no vertex */
     const pbw_index *original;             /* with PBW_CURVE_ORDER, per point: its number in the caller's arrays; else
                                               NULL, the numbers are the caller's */
@@ -393,6 +396,58 @@ typedef enum pbw_scheme { PBW_BARYCENTRIC, PBW_SIBSON, PBW_LAPLACE } pbw_scheme;
    barycentric coordinates. */
 PBWDEF pbw_status pbw_coordinates(const pbw_mesh *mesh, const double *points, size_t count, pbw_scheme scheme,
                                   const pbw_options *options, pbw_lists *lists);
+
+/* ---- a triangulation that lives: points are inserted, removed and moved, in batches.  One thread at a time may use
+   a pbw_live; the meshes that it gives are the caller's, as those of pbw_triangulate, and queries work on them.
+   Points have numbers that stay theirs: those of the mesh it was made from, then those that pbw_live_insert gives.
+   The number of a removed point is given again, to an insertion after the commit that removed it. */
+typedef struct pbw_live pbw_live;
+
+typedef enum pbw_way {                     /* how a commit was carried out; the result is the same for all */
+    PBW_WAY_NOTHING,                       /* no simplex changed */
+    PBW_WAY_FLIPS,                         /* edges were flipped, in the plane */
+    PBW_WAY_BATCH,                         /* points were taken out and put in, one by one */
+    PBW_WAY_REBUILD                        /* all was triangulated anew */
+} pbw_way;
+
+typedef struct pbw_changes {               /* start from {0}; pbw_changes_free when done */
+    pbw_way way;
+    size_t deleted_count, made_count, point_count;
+    const pbw_index *deleted, *made;       /* the dim+1 points of each simplex that went, and of each that came: the
+                                              lowest first, positively oriented, in ascending order */
+    const pbw_index *points;               /* with another star than before, ascending */
+    void *memory;                          /* private */
+} pbw_changes;
+
+/* Makes one from a finished mesh with neighbors, which may be freed then: of any backend, DEGENERATE too.  One of no
+   points: a mesh that is {0} but for dim.  options are for all later calls on it: threads, memory_limit, resize, run,
+   progress; they are copied, flags, strides and backend must be 0. */
+PBWDEF pbw_status pbw_live_create(const pbw_mesh *mesh, const pbw_options *options, pbw_live **live);
+PBWDEF void pbw_live_free(pbw_live *live);         /* fine on NULL */
+
+/* These queue changes for the next commit; on any status but PBW_OK the queue is as before.  Points are packed, dim
+   coordinates each.  Numbers must be those of points that are neither removed nor in the queue to be; one that was
+   just inserted will do.
+   insert: ids (may be NULL) gets the numbers of the new points.  weights NULL: 0 each.  From the first weights on the
+   triangulation is a regular one.
+   remove: no number twice.
+   move: ids NULL: all points, count is the number of all numbers (mesh.point_count), and what stands at a number that
+   is free is not read.  Of a number given twice the last point counts.  Weights stay. */
+PBWDEF pbw_status pbw_live_insert(pbw_live *live, const double *points, const double *weights, size_t count,
+                                  pbw_index *ids);
+PBWDEF pbw_status pbw_live_remove(pbw_live *live, const pbw_index *ids, size_t count);
+PBWDEF pbw_status pbw_live_move(pbw_live *live, const pbw_index *ids, const double *points, size_t count);
+
+/* Carries out all that is queued, and says in changes (may be NULL, which is quicker) what that changed.  PBW_OK, or
+   PBW_DEGENERATE if the points left do not span the space; on any other status the triangulation and the queue are as
+   they were.  Takes the way that is likely to be the quickest. */
+PBWDEF pbw_status pbw_live_commit(pbw_live *live, pbw_changes *changes);
+PBWDEF void pbw_changes_free(pbw_changes *changes);        /* fine on {0}, fine twice */
+
+/* The triangulation after the last commit: PBW_OK or PBW_DEGENERATE, and the arrays that pbw_triangulate gives for
+   its points in the order of their numbers, with the numbers in place of their ranks.  A number that is free has
+   canonical PBW_NONE, incident PBW_NONE and the coordinates 0.  pbw_free the mesh when done. */
+PBWDEF pbw_status pbw_live_view(pbw_live *live, pbw_mesh *mesh);
 
 #if defined(PBW_CUDA) || defined(__CUDACC__)
 /* ---- in pbw_cuda.cu, for programs that link it */
@@ -8763,6 +8818,9 @@ static int pbw__check_points(pbw__check *check, pbw__check_part *part, size_t fr
                 return pbw__fault(&part->report, "a coordinate or weight is not finite", PBW_NONE, -1, p);
             }
         }
+        if (kept == PBW_NONE && first == PBW_NONE) { /* a free number of pbw_live_view */
+            continue;
+        }
         if (kept >= mesh->point_count || mesh->canonical[kept] != kept) {
             return pbw__fault(&part->report, "the canonical point is none", PBW_NONE, -1, p);
         }
@@ -9000,6 +9058,9 @@ static int pbw__check_flat(pbw__check *check, pbw__check_part *part, size_t from
     for (; from < to; from++) {
         const double *x = pbw__check_record(check, check->dim, from);
         a[check->dim] = x;
+        if (check->mesh->canonical[from] == PBW_NONE) {
+            continue;
+        }
         if (check->rank == check->dim ? pbw__check_orient(check, check->dim, a) != 0
             : check->rank == 2 ? !pbw__collinear3(a[0], a[1], x, &check->grid)
                                : check->rank == 0 || !pbw__same_place(a[0], x, check->dim)) {
@@ -11885,6 +11946,556 @@ PBWDEF pbw_status pbw_coordinates(const pbw_mesh *mesh, const double *points, si
                                  PBW__BLOCK_QUERIES, count, 1, lists);
     }
     return pbw__lists_end(&queries, status, lists);
+}
+/* ------------------------------------------------------------------------------------------------------
+   >>live         Points inserted, removed and moved: what is queued, commits, views.
+   In: a mesh, then changes by number.  Out: after each commit the triangulation of the points that live.
+   Holds: `point`, `weight` and `state` are as they will be after the next commit; the mesh is as it was after the
+   last one, of the points `id` in the order of their numbers.  A commit that fails changes neither.
+   ------------------------------------------------------------------------------------------------------ */
+#define PBW__LIVES 1u                                /* since the last commit */
+#define PBW__STAYS 2u                                /* will live after the next one */
+#define PBW__QUEUED 4u                               /* its number is in the queue */
+struct pbw_live {
+    pbw__memory memory;
+    pbw_options options;
+    int dim, weighted;
+    double *point, *weight;                          /* per number */
+    unsigned char *state;
+    pbw_index *spare, *queue;                        /* numbers that are free; numbers with changes */
+    size_t point_capacity, weight_capacity, state_capacity, spare_capacity, queue_capacity;
+    size_t count, spare_count, queue_count;          /* count: of numbers */
+    size_t numbers;                                  /* that there were at the last commit */
+    pbw_mesh mesh;
+    pbw_index *id;                                   /* per point of the mesh: its number */
+    size_t id_capacity;
+};
+
+/* Room for `count` numbers, `queued` of them in the queue. */
+static pbw_status pbw__live_reserve(pbw_live *live, size_t count, size_t queued)
+{
+    pbw__memory *memory = &live->memory;
+    if (count >= PBW_NONE - 1 || count > (size_t)-1 / 256) {
+        return PBW_ERROR_TOO_LARGE;
+    }
+    return pbw__grow(memory, &live->point, &live->point_capacity, count * (size_t)live->dim, sizeof(double))
+        && pbw__grow(memory, &live->weight, &live->weight_capacity, count, sizeof(double))
+        && pbw__grow(memory, &live->state, &live->state_capacity, count, 1)
+        && pbw__grow(memory, &live->spare, &live->spare_capacity, count, sizeof(pbw_index))
+        && pbw__grow(memory, &live->queue, &live->queue_capacity, queued, sizeof(pbw_index))
+        ? PBW_OK : PBW_ERROR_MEMORY;
+}
+
+static void pbw__live_queue(pbw_live *live, pbw_index id)
+{
+    if ((live->state[id] & PBW__QUEUED) == 0) {
+        live->state[id] |= PBW__QUEUED;
+        live->queue[live->queue_count++] = id;
+    }
+}
+
+PBW__INLINE int pbw__all_finite(const double *x, size_t count)
+{
+    double sum = 0.0;
+    size_t i;
+    for (i = 0; i < count; i++) {
+        sum += x[i] - x[i];
+    }
+    return sum == 0.0;
+}
+
+/* ---- what a commit changed */
+PBW__INLINE int pbw__tuple_order(const pbw_index *a, const pbw_index *b, size_t corners)
+{
+    size_t i;
+    for (i = 0; i + 1 < corners && a[i] == b[i]; i++) {
+    }
+    return (a[i] > b[i]) - (a[i] < b[i]);
+}
+
+static void pbw__sift_tuple(pbw_index *heap, size_t root, size_t count, size_t corners)
+{
+    const size_t bytes = corners * sizeof(pbw_index);
+    pbw_index item[4];
+    size_t child;
+    memcpy(item, heap + root * corners, bytes);
+    while ((child = 2 * root + 1) < count) {
+        child += child + 1 < count
+                 && pbw__tuple_order(heap + (child + 1) * corners, heap + child * corners, corners) > 0;
+        if (pbw__tuple_order(heap + child * corners, item, corners) <= 0) {
+            break;
+        }
+        memcpy(heap + root * corners, heap + child * corners, bytes);
+        root = child;
+    }
+    memcpy(heap + root * corners, item, bytes);
+}
+
+/* Sorts simplices by their corners: a heap sort, which needs no memory. */
+static void pbw__sort_tuples(pbw_index *tuple, size_t count, size_t corners)
+{
+    pbw_index last[4];
+    size_t i;
+    for (i = count / 2; i-- > 0; ) {
+        pbw__sift_tuple(tuple, i, count, corners);
+    }
+    for (i = count; i-- > 1; ) {
+        memcpy(last, tuple + i * corners, corners * sizeof(pbw_index));
+        memcpy(tuple + i * corners, tuple, corners * sizeof(pbw_index));
+        memcpy(tuple, last, corners * sizeof(pbw_index));
+        pbw__sift_tuple(tuple, 0, i, corners);
+    }
+}
+
+/* Turns the corners of a simplex: the lowest first, in space the lowest of the rest second. */
+PBW__INLINE void pbw__turn_tuple(pbw_index *v, int dim)
+{
+    const unsigned order = pbw__canonical_order(v, dim);
+    pbw_index old[4];
+    int k;
+    memcpy(old, v, ((size_t)dim + 1) * sizeof(pbw_index));
+    for (k = 0; k <= dim; k++) {
+        v[k] = old[order >> 2 * k & 3];
+    }
+}
+
+typedef struct pbw__owned_changes { pbw__memory memory; size_t deleted, made, points; } pbw__owned_changes;
+
+PBWDEF void pbw_changes_free(pbw_changes *changes)
+{
+    if (changes != NULL && changes->memory != NULL) {
+        pbw__owned_changes *owned = (pbw__owned_changes *)changes->memory;
+        pbw__memory memory = owned->memory;
+        pbw__release(&memory, (void *)(uintptr_t)changes->deleted, owned->deleted, sizeof(pbw_index));
+        pbw__release(&memory, (void *)(uintptr_t)changes->made, owned->made, sizeof(pbw_index));
+        pbw__release(&memory, (void *)(uintptr_t)changes->points, owned->points, sizeof(pbw_index));
+        pbw__release(&memory, owned, 1, sizeof(pbw__owned_changes));
+    }
+    if (changes != NULL) {
+        memset(changes, 0, sizeof(*changes));
+    }
+}
+
+/* Sorts both lists and leaves in each what is not in the other; then notes the points of both.  The lists are
+   changes->deleted and made, of the numbers below `numbers`. */
+static pbw_status pbw__changes_close(pbw_changes *changes, int dim, size_t numbers)
+{
+    pbw__owned_changes *owned = (pbw__owned_changes *)changes->memory;
+    pbw_index *tuple[2], *points;
+    size_t count[2], corners = (size_t)dim + 1, i, j, k, kept[2] = { 0, 0 }, bytes = corners * sizeof(pbw_index);
+    tuple[0] = (pbw_index *)(uintptr_t)changes->deleted;
+    tuple[1] = (pbw_index *)(uintptr_t)changes->made;
+    count[0] = changes->deleted_count;
+    count[1] = changes->made_count;
+    owned->points = numbers;
+    changes->points = points = (pbw_index *)pbw__allocate(&owned->memory, numbers, sizeof(pbw_index));
+    if (points == NULL) {
+        return PBW_ERROR_MEMORY;
+    }
+    memset(points, 0, numbers * sizeof(pbw_index));
+    for (k = 0; k < 2; k++) {
+        for (i = 0; i < count[k]; i++) {
+            pbw__turn_tuple(tuple[k] + i * corners, dim);
+        }
+        pbw__sort_tuples(tuple[k], count[k], corners);
+    }
+    for (i = j = 0; i < count[0] || j < count[1]; ) {
+        const int order = i == count[0] ? 1 : j == count[1] ? -1
+                        : pbw__tuple_order(tuple[0] + i * corners, tuple[1] + j * corners, corners);
+        const size_t at = order > 0 ? j : i, which = order > 0;
+        if (order != 0) {
+            const pbw_index *from = tuple[which] + at * corners;
+            for (k = 0; k < corners; k++) {
+                points[from[k]] = 1;
+            }
+            memmove(tuple[which] + kept[which]++ * corners, from, bytes);
+        }
+        i += order <= 0;
+        j += order >= 0;
+    }
+    changes->deleted_count = kept[0];
+    changes->made_count = kept[1];
+    for (i = 0; i < numbers; i++) {
+        if (points[i] != 0) {
+            points[changes->point_count++] = (pbw_index)i;
+        }
+    }
+    return PBW_OK;
+}
+
+/* ---- the queue */
+PBWDEF pbw_status pbw_live_insert(pbw_live *live, const double *points, const double *weights, size_t count,
+                                  pbw_index *ids)
+{
+    const size_t recycled = live != NULL && live->spare_count < count ? live->spare_count : count;
+    size_t dim, i, k;
+    pbw_status status;
+    if (live == NULL || (points == NULL && count != 0)) {
+        return PBW_ERROR_ARGUMENT;
+    }
+    dim = (size_t)live->dim;
+    if (count > (size_t)-1 / 256) {
+        return PBW_ERROR_TOO_LARGE;
+    }
+    if (!pbw__all_finite(points, count * dim) || (weights != NULL && !pbw__all_finite(weights, count))) {
+        return PBW_ERROR_NOT_FINITE;
+    }
+    status = pbw__live_reserve(live, live->count + count - recycled, live->queue_count + count);
+    if (status != PBW_OK) {
+        return status;
+    }
+    live->weighted |= weights != NULL;
+    for (i = 0; i < count; i++) {
+        const pbw_index id = live->spare_count > 0 ? live->spare[--live->spare_count] : (pbw_index)live->count++;
+        for (k = 0; k < dim; k++) {
+            live->point[id * dim + k] = points[i * dim + k] + 0.0;       /* no -0.0 */
+        }
+        live->weight[id] = weights != NULL ? weights[i] + 0.0 : 0.0;
+        live->state[id] = PBW__STAYS;
+        pbw__live_queue(live, id);
+        if (ids != NULL) {
+            ids[i] = id;
+        }
+    }
+    return PBW_OK;
+}
+
+/* Whether all of these are numbers of points that stay. */
+static int pbw__live_all_stay(const pbw_live *live, const pbw_index *ids, size_t count)
+{
+    size_t i;
+    for (i = 0; i < count; i++) {
+        if (ids[i] >= live->count || (live->state[ids[i]] & PBW__STAYS) == 0) {
+            return 0;
+        }
+    }
+    return 1;
+}
+
+PBWDEF pbw_status pbw_live_remove(pbw_live *live, const pbw_index *ids, size_t count)
+{
+    size_t i;
+    pbw_status status;
+    if (live == NULL || (ids == NULL && count != 0) || !pbw__live_all_stay(live, ids, count)) {
+        return PBW_ERROR_ARGUMENT;
+    }
+    status = pbw__live_reserve(live, live->count, live->queue_count + count);
+    if (status != PBW_OK) {
+        return status;
+    }
+    for (i = 0; i < count && (live->state[ids[i]] & PBW__STAYS) != 0; i++) {
+        live->state[ids[i]] &= (unsigned char)~PBW__STAYS;
+    }
+    if (i < count) {                                 /* a number twice */
+        while (i-- > 0) {
+            live->state[ids[i]] |= PBW__STAYS;
+        }
+        return PBW_ERROR_ARGUMENT;
+    }
+    for (i = 0; i < count; i++) {
+        pbw__live_queue(live, ids[i]);
+    }
+    return PBW_OK;
+}
+
+PBWDEF pbw_status pbw_live_move(pbw_live *live, const pbw_index *ids, const double *points, size_t count)
+{
+    size_t dim, i, k;
+    pbw_status status;
+    if (live == NULL || (points == NULL && count != 0) || (ids == NULL && count != live->count)
+        || (ids != NULL && !pbw__live_all_stay(live, ids, count))) {
+        return PBW_ERROR_ARGUMENT;
+    }
+    dim = (size_t)live->dim;
+    for (i = 0; i < count; i++) {
+        if ((ids != NULL || (live->state[i] & PBW__STAYS) != 0) && !pbw__all_finite(points + i * dim, dim)) {
+            return PBW_ERROR_NOT_FINITE;
+        }
+    }
+    status = pbw__live_reserve(live, live->count, live->queue_count + count);
+    if (status != PBW_OK) {
+        return status;
+    }
+    for (i = 0; i < count; i++) {
+        const pbw_index id = ids != NULL ? ids[i] : (pbw_index)i;
+        if ((live->state[id] & PBW__STAYS) != 0) {
+            for (k = 0; k < dim; k++) {
+                live->point[id * dim + k] = points[i * dim + k] + 0.0;
+            }
+            pbw__live_queue(live, id);
+        }
+    }
+    return PBW_OK;
+}
+
+/* ---- commits */
+/* Room for the old and the new simplices, in numbers. */
+static pbw_status pbw__changes_of(const pbw_live *live, const pbw_mesh *mesh, const pbw_index *id,
+                                  pbw_changes *changes)
+{
+    const size_t corners = (size_t)live->dim + 1;
+    const pbw_mesh *both[2];
+    const pbw_index *ids[2];
+    pbw_index *tuple[2];
+    pbw__memory memory;
+    pbw__owned_changes *owned;
+    size_t k, i;
+    pbw__memory_start(&memory, &live->options);
+    owned = (pbw__owned_changes *)pbw__allocate(&memory, 1, sizeof(*owned));
+    if (owned == NULL) {
+        return PBW_ERROR_MEMORY;
+    }
+    changes->memory = owned;
+    owned->memory = memory;
+    both[0] = &live->mesh, ids[0] = live->id;
+    both[1] = mesh, ids[1] = id;
+    owned->deleted = changes->deleted_count = live->mesh.simplex_count;
+    owned->made = changes->made_count = mesh->simplex_count;
+    owned->deleted *= corners;
+    owned->made *= corners;
+    changes->deleted = tuple[0] = (pbw_index *)pbw__allocate(&owned->memory, owned->deleted, sizeof(pbw_index));
+    changes->made = tuple[1] = (pbw_index *)pbw__allocate(&owned->memory, owned->made, sizeof(pbw_index));
+    if (tuple[0] == NULL || tuple[1] == NULL) {
+        return PBW_ERROR_MEMORY;
+    }
+    for (k = 0; k < 2; k++) {
+        for (i = 0; i < both[k]->simplex_count * corners; i++) {
+            tuple[k][i] = ids[k][both[k]->simplices[i]];
+        }
+    }
+    return pbw__changes_close(changes, live->dim, live->count);
+}
+
+/* Triangulates the points that stay: mesh and id. */
+static pbw_status pbw__live_rebuild(pbw_live *live, pbw_mesh *mesh, pbw_index *id)
+{
+    const size_t dim = (size_t)live->dim;
+    double *points = (double *)pbw__allocate(&live->memory, live->count * dim, sizeof(double));
+    double *weights = (double *)pbw__allocate(&live->memory, live->count, sizeof(double));
+    pbw_status status = PBW_ERROR_MEMORY;
+    size_t i, count = 0;
+    if (points != NULL && weights != NULL) {
+        for (i = 0; i < live->count; i++) {
+            if ((live->state[i] & PBW__STAYS) != 0) {
+                memcpy(points + count * dim, live->point + i * dim, dim * sizeof(double));
+                weights[count] = live->weight[i];
+                id[count++] = (pbw_index)i;
+            }
+        }
+        status = pbw_triangulate(live->dim, points, live->weighted ? weights : NULL, count, &live->options, mesh);
+    }
+    pbw__release(&live->memory, points, live->count * dim, sizeof(double));
+    pbw__release(&live->memory, weights, live->count, sizeof(double));
+    return status;
+}
+
+/* The changes have been carried out: empties the queue. */
+static void pbw__live_settle(pbw_live *live)
+{
+    size_t i, k;
+    for (i = 0; i < live->queue_count; i++) {
+        const pbw_index id = live->queue[i];
+        live->state[id] = (live->state[id] & PBW__STAYS) != 0 ? PBW__STAYS | PBW__LIVES : 0;
+        if (live->state[id] == 0) {
+            live->spare[live->spare_count++] = id;
+            for (k = 0; k < (size_t)live->dim; k++) {
+                live->point[id * (size_t)live->dim + k] = 0.0;
+            }
+            live->weight[id] = 0.0;
+        }
+    }
+    live->queue_count = 0;
+}
+
+PBWDEF pbw_status pbw_live_commit(pbw_live *live, pbw_changes *changes)
+{
+    pbw_changes none;
+    pbw_mesh mesh;
+    pbw_index *id;
+    size_t numbers;
+    pbw_status status, listed = PBW_OK;
+    if (changes != NULL) {
+        memset(changes, 0, sizeof(*changes));
+    }
+    if (live == NULL) {
+        return PBW_ERROR_ARGUMENT;
+    }
+    if (live->queue_count == 0) {
+        return live->mesh.simplex_count > 0 ? PBW_OK : PBW_DEGENERATE;
+    }
+    memset(&none, 0, sizeof(none));
+    memset(&mesh, 0, sizeof(mesh));
+    numbers = live->count;
+    id = (pbw_index *)pbw__allocate(&live->memory, numbers, sizeof(pbw_index));
+    status = id == NULL ? PBW_ERROR_MEMORY : pbw__live_rebuild(live, &mesh, id);
+    if ((status == PBW_OK || status == PBW_DEGENERATE) && changes != NULL) {
+        changes->way = PBW_WAY_REBUILD;
+        listed = pbw__changes_of(live, &mesh, id, changes);
+    }
+    if ((status != PBW_OK && status != PBW_DEGENERATE) || listed != PBW_OK) {
+        pbw_changes_free(changes);
+        pbw_free(&mesh);
+        pbw__release(&live->memory, id, numbers, sizeof(pbw_index));
+        return listed != PBW_OK ? listed : status;
+    }
+    pbw_free(&live->mesh);
+    pbw__release(&live->memory, live->id, live->id_capacity, sizeof(pbw_index));
+    live->mesh = mesh;
+    live->id = id;
+    live->id_capacity = numbers;
+    live->numbers = numbers;
+    pbw__live_settle(live);
+    return status;
+}
+
+/* Arrays for a mesh of `points` numbers; what cannot be had is NULL, and the status says so. */
+static pbw_status pbw__view_reserve(const pbw_live *live, size_t points, pbw_mesh *mesh)
+{
+    const size_t dim = (size_t)live->dim, entries = live->mesh.simplex_count * (dim + 1);
+    pbw__memory memory;
+    pbw__owned *owned;
+    pbw__memory_start(&memory, &live->options);
+    owned = (pbw__owned *)pbw__allocate(&memory, 1, sizeof(*owned));
+    if (owned == NULL) {
+        return PBW_ERROR_MEMORY;
+    }
+    memset(owned, 0, sizeof(*owned));
+    *mesh = live->mesh;
+    mesh->dim = live->dim;
+    mesh->point_count = points;
+    mesh->memory = owned;
+    owned->simplices = owned->neighbors = live->mesh.simplices != NULL ? entries : 0;
+    owned->incident = owned->canonical = points;
+    owned->points = points * dim;
+    owned->weights = live->mesh.weights != NULL ? points : 0;
+    mesh->simplices = owned->simplices > 0 ? (pbw_index *)pbw__allocate(&memory, entries, sizeof(pbw_index)) : NULL;
+    mesh->neighbors = owned->simplices > 0 ? (pbw_index *)pbw__allocate(&memory, entries, sizeof(pbw_index)) : NULL;
+    mesh->incident = (pbw_index *)pbw__allocate(&memory, points, sizeof(pbw_index));
+    mesh->canonical = (pbw_index *)pbw__allocate(&memory, points, sizeof(pbw_index));
+    mesh->points = (double *)pbw__allocate(&memory, owned->points, sizeof(double));
+    mesh->weights = owned->weights > 0 ? (double *)pbw__allocate(&memory, points, sizeof(double)) : NULL;
+    owned->memory = memory;
+    return mesh->incident != NULL && mesh->canonical != NULL && mesh->points != NULL
+        && (owned->simplices == 0 || (mesh->simplices != NULL && mesh->neighbors != NULL))
+        && (owned->weights == 0 || mesh->weights != NULL) ? PBW_OK : PBW_ERROR_MEMORY;
+}
+
+PBWDEF pbw_status pbw_live_view(pbw_live *live, pbw_mesh *mesh)
+{
+    size_t dim, count, points = 0, i;
+    pbw_status status;
+    if (mesh == NULL) {
+        return PBW_ERROR_ARGUMENT;
+    }
+    memset(mesh, 0, sizeof(*mesh));
+    if (live == NULL) {
+        return PBW_ERROR_ARGUMENT;
+    }
+    dim = (size_t)live->dim;
+    count = live->mesh.point_count;
+    points = live->numbers;
+    status = pbw__view_reserve(live, points, mesh);
+    if (status != PBW_OK) {
+        pbw_free(mesh);
+        return status;
+    }
+    memset((void *)(uintptr_t)mesh->points, 0, points * dim * sizeof(double));
+    memset((void *)(uintptr_t)mesh->incident, 0xff, points * sizeof(pbw_index));
+    memset((void *)(uintptr_t)mesh->canonical, 0xff, points * sizeof(pbw_index));
+    if (mesh->weights != NULL) {
+        memset((void *)(uintptr_t)mesh->weights, 0, points * sizeof(double));
+    }
+    for (i = 0; i < count; i++) {
+        const size_t id = live->id[i];
+        memcpy((double *)(uintptr_t)mesh->points + id * dim, live->mesh.points + i * dim, dim * sizeof(double));
+        ((pbw_index *)(uintptr_t)mesh->incident)[id] = live->mesh.incident[i];
+        ((pbw_index *)(uintptr_t)mesh->canonical)[id] = live->id[live->mesh.canonical[i]];
+        if (mesh->weights != NULL) {
+            ((double *)(uintptr_t)mesh->weights)[id] = live->mesh.weights[i];
+        }
+    }
+    for (i = 0; i < live->mesh.simplex_count * (dim + 1); i++) {
+        ((pbw_index *)(uintptr_t)mesh->simplices)[i] = live->id[live->mesh.simplices[i]];
+        ((pbw_index *)(uintptr_t)mesh->neighbors)[i] = live->mesh.neighbors[i];
+    }
+    return mesh->simplex_count > 0 ? PBW_OK : PBW_DEGENERATE;
+}
+
+PBWDEF void pbw_live_free(pbw_live *live)
+{
+    if (live != NULL) {
+        pbw__memory memory = live->memory;
+        pbw_free(&live->mesh);
+        PBW__RELEASE(&memory, live, point);
+        PBW__RELEASE(&memory, live, weight);
+        PBW__RELEASE(&memory, live, state);
+        PBW__RELEASE(&memory, live, spare);
+        PBW__RELEASE(&memory, live, queue);
+        PBW__RELEASE(&memory, live, id);
+        pbw__release(&memory, live, 1, sizeof(*live));
+    }
+}
+
+/* Takes the points of a mesh and triangulates them. */
+static pbw_status pbw__live_adopt(pbw_live *live, const pbw_mesh *mesh)
+{
+    const size_t dim = (size_t)live->dim;
+    pbw_status status = pbw__live_reserve(live, mesh->point_count, mesh->point_count);
+    size_t i = status == PBW_OK ? mesh->point_count : 0;
+    live->count = i;
+    while (i-- > 0) {
+        live->state[i] = 0;
+        memset(live->point + i * dim, 0, dim * sizeof(double));
+        live->weight[i] = 0.0;
+        if (mesh->canonical[i] == PBW_NONE) {
+            live->spare[live->spare_count++] = (pbw_index)i;
+        } else {
+            memcpy(live->point + i * dim, mesh->points + i * dim, dim * sizeof(double));
+            live->weight[i] = mesh->weights != NULL ? mesh->weights[i] : 0.0;
+            live->state[i] = PBW__STAYS;
+            pbw__live_queue(live, (pbw_index)i);
+        }
+    }
+    return status != PBW_OK ? status : pbw_live_commit(live, NULL);
+}
+
+PBWDEF pbw_status pbw_live_create(const pbw_mesh *mesh, const pbw_options *options, pbw_live **result)
+{
+    pbw_options defaults;
+    pbw__memory memory;
+    pbw_live *live;
+    pbw_status status;
+    memset(&defaults, 0, sizeof(defaults));
+    options = options != NULL ? options : &defaults;
+    if (result == NULL) {
+        return PBW_ERROR_ARGUMENT;
+    }
+    *result = NULL;
+    if (mesh == NULL || (mesh->dim != 2 && mesh->dim != 3) || options->threads < 0 || options->threads > 256
+        || options->flags != 0 || options->stride != 0 || options->weight_stride != 0 || options->backend != NULL
+        || (mesh->point_count > 0 && (mesh->points == NULL || mesh->canonical == NULL || mesh->incident == NULL))
+        || (mesh->simplex_count > 0 && (mesh->simplices == NULL || mesh->neighbors == NULL))) {
+        return PBW_ERROR_ARGUMENT;
+    }
+    pbw__memory_start(&memory, options);
+    live = (pbw_live *)pbw__allocate(&memory, 1, sizeof(*live));
+    if (live == NULL) {
+        return PBW_ERROR_MEMORY;
+    }
+    memset(live, 0, sizeof(*live));
+    live->memory = memory;
+    live->options = *options;
+    live->options.trace = NULL;
+    live->options.message = NULL;
+    live->dim = mesh->dim;
+    live->weighted = mesh->weights != NULL;
+    status = pbw__live_adopt(live, mesh);
+    if (status != PBW_OK && status != PBW_DEGENERATE) {
+        pbw_live_free(live);
+        return status;
+    }
+    *result = live;
+    return status;
 }
 /* ------------------------------------------------------------------------------------------------------
    >>api          The front door: argument checks, defaults, the stages in order, status texts.
