@@ -671,7 +671,8 @@ enum { PBW__WALK, PBW__CAVITY, PBW__STAR, PBW__EXACT, PBW__OTHER };
 #define PBW__CAS_ACQUIRE(x, old, y) PBW__CAS(x, old, y)
 #define PBW__SUB_RELEASE(x, y) PBW__ADD(x, 0 - (uint64_t)(y))
 #pragma warning(push)
-#pragma warning(disable : 4244)                      /* what they return fits the word that it was read from */
+#pragma warning(disable : 4244 4996)                 /* what is returned fits the word that it was read from; barriers
+                                                        are called obsolete */
 #else
 #define PBW__LOAD(x) (*(x))
 #define PBW__STORE(x, y) ((void)(*(x) = (y)))
@@ -8056,7 +8057,7 @@ static void pbw__emit_pass2(void *arg, int task)
    order and loaded with acquire order, says that the chunk was read.
    ------------------------------------------------------------------------------------------------------ */
 #define PBW__CHUNK ((size_t)1 << 12)                 /* the largest */
-#define PBW__APART PBW__SMALLER(4096)                /* slots, at most, whose simplices are written to new arrays */
+#define PBW__APART PBW__SMALLER(3072)                /* slots, at most, whose simplices are written to new arrays */
 
 /* Several tasks take large chunks: slots that are near have places in the same cache lines, which would go from
    thread to thread.  One task takes small ones, so that fewer simplices of few points are set aside; but the start of
