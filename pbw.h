@@ -52,6 +52,7 @@
      >>centres      vectors, pairs, centres of simplices
      >>interpolate  barycentric, Sibson's and Laplace's weights
      >>removal      one vertex more or less, and back
+     >>verify       vertices that moved: does the triangulation hold; flips
      >>live         points inserted, removed and moved: what is queued, commits, views
      >>api          argument checks, the stages in order, status texts
      >>history      versions
@@ -12020,30 +12021,37 @@ static int pbw__journal_cavity(pbw__kernel *kernel)
     return 1;
 }
 
+/* The corners of a new simplex get a finite one: it, or that behind it. */
+static void pbw__note_corners(pbw__core *core, size_t t)
+{
+    const pbw__kernel *kernel = &core->kernel;
+    const int dim = kernel->dim;
+    const pbw_index *v = kernel->corner + 4 * t;
+    const int finite = v[dim] != PBW__GHOST;
+    const pbw_index incident = finite ? (pbw_index)t : (pbw_index)(kernel->link[4 * t + (size_t)dim] >> 2);
+    int k;
+    for (k = 0; k < dim + finite; k++) {
+        core->incident[v[k]] = incident;
+    }
+    core->simplex_count += (size_t)finite;
+}
+
 /* Notes the slots of the star that were free; its corners get a finite simplex. */
 static int pbw__journal_star(pbw__core *core)
 {
     pbw__kernel *kernel = &core->kernel;
     const size_t count = kernel->scratch.facet_count;
-    const int dim = kernel->dim;
     size_t i;
-    int k;
     if (!pbw__journal_reserve(core) || !PBW__CORE_GROW(core, taken, core->taken_count + count)) {
         return 0;
     }
     for (i = 0; i < count; i++) {
         const size_t t = kernel->scratch.cavity[i];
-        const pbw_index *v = kernel->corner + 4 * t;
-        const int finite = v[dim] != PBW__GHOST;
-        const pbw_index incident = finite ? (pbw_index)t : (pbw_index)(kernel->link[4 * t + (size_t)dim] >> 2);
-        for (k = 0; k < dim + finite; k++) {
-            core->incident[v[k]] = incident;
-        }
+        pbw__note_corners(core, t);
         if (!PBW__TOUCHED(core, t)) {
             core->touched[t >> 6] |= (uint64_t)1 << (t & 63);
             core->taken[core->taken_count++] = (pbw_index)t;
         }
-        core->simplex_count += (size_t)finite;
     }
     return 1;
 }
@@ -12104,10 +12112,10 @@ static void pbw__journal_undo(pbw__core *core)
         memcpy(kernel->link + 4 * t, past->link, sizeof(past->link));
         for (k = 0; k <= dim; k++) {
             kernel->link[past->link[k]] = (pbw__link)(4 * t + k);
-            if (past->corner[dim] != PBW__GHOST) {
-                core->incident[past->corner[k]] = (pbw_index)t;
-            }
         }
+    }
+    for (i = 0; i < core->past_count; i++) {
+        pbw__note_corners(core, core->past[i].slot);
     }
     for (i = 0; i < core->hidden_count; i++) {
         core->incident[core->hidden[i]] = PBW_NONE;
@@ -12667,6 +12675,298 @@ static pbw_status pbw__core_build(pbw__context *context, const pbw__stand *stand
     return status;
 }
 /* ------------------------------------------------------------------------------------------------------
+   >>verify       Vertices that moved: does the triangulation still hold; edges flipped until it does.
+   In: a triangulation, other coordinates of its vertices.  Out: whether it is the triangulation of these too; in the
+   plane, after flips.
+   Holds: a core whose finite simplices are positive, whose facets are all locally regular and its hull locally convex
+   is the triangulation of its vertices, if some point o inside one simplex is in no other and is on the inner side of
+   each facet of the hull.  For a straight walk from any point in any simplex to o cannot leave through the hull; it
+   ends in the simplex of o, and backwards it leads to one simplex only.  So no point is covered twice.  (Without o a
+   star might wind twice round a vertex, all its simplices positive.)
+
+   Flips (Lawson 1977): an edge that is not locally Delaunay is replaced by the other one of its two triangles, which
+   are a strictly convex quadrilateral.  Where it is not, or there are many flips, another way is taken.  An edge at
+   the ghost is flipped if the hull is not convex there.
+   ------------------------------------------------------------------------------------------------------ */
+#define PBW__INVERTED 128                            /* in a mark: the simplex is not positive; else a bit a facet */
+
+typedef struct pbw__verifying {
+    pbw__core *core;
+    double o[4];                                     /* a point inside of a simplex */
+    size_t inverted, failing, most, covers;          /* most: failing ones to go on with */
+} pbw__verifying;
+
+/* Whether the simplex in slot t, a ghost too, is in conflict with p: see pbw__in_conflict. */
+static int pbw__slot_conflict(const pbw__core *core, size_t t, const double *p)
+{
+    const pbw__kernel *kernel = &core->kernel;
+    const int dim = kernel->dim;
+    const size_t last = 4 * t + (size_t)dim;
+    const double *x[4];
+    pbw__corners_of(kernel, (pbw_index)t, x);
+    if (kernel->corner[last] == PBW__GHOST) {
+        const int side = pbw__side(dim, x, dim, p, &core->grid);
+        if (side != 0) {
+            return side > 0;
+        }
+        pbw__corners_of(kernel, (pbw_index)(kernel->link[last] >> 2), x);
+    }
+    return pbw__conflict(dim, x, p, &core->grid);
+}
+
+/* The orientation of a finite simplex, with p in place of corner i (dim+1: of none). */
+static int pbw__slot_side(const pbw__core *core, size_t t, int i, const double *p)
+{
+    const int dim = core->kernel.dim;
+    const double *x[4] = { NULL, NULL, NULL, NULL };
+    int k;
+    for (k = 0; k <= dim; k++) {
+        x[k] = k == i ? p : pbw__core_record(core, core->kernel.corner[4 * t + (size_t)k]);
+    }
+    return pbw__orient(dim, x, &core->grid);
+}
+
+/* Which facets of the simplex in slot t are not locally regular, of those that are tested on this side. */
+static unsigned pbw__slot_faults(const pbw__core *core, size_t t)
+{
+    const pbw__kernel *kernel = &core->kernel;
+    const int dim = kernel->dim;
+    const int ghost = kernel->corner[4 * t + (size_t)dim] == PBW__GHOST;
+    unsigned faults = 0;
+    int k;
+    if (!ghost && pbw__slot_side(core, t, dim + 1, NULL) <= 0) {
+        return PBW__INVERTED;
+    }
+    for (k = 0; k <= dim - ghost; k++) {
+        const pbw__link link = kernel->link[4 * t + (size_t)k];
+        const pbw_index far = kernel->corner[link];
+        if (far != PBW__GHOST && (ghost || t < link >> 2)
+            && pbw__slot_conflict(core, t, pbw__core_record(core, far))) {
+            faults |= 1u << k;
+        }
+    }
+    return faults;
+}
+
+static pbw_status pbw__verify_range(void *arg, size_t from, size_t to)
+{
+    pbw__verifying *verifying = (pbw__verifying *)arg;
+    pbw__core *core = verifying->core;
+    size_t inverted = 0, failing = 0, t;
+    if (PBW__LOAD(&verifying->inverted) > 0 || PBW__LOAD(&verifying->failing) > verifying->most) {
+        return PBW__ANEW;
+    }
+    for (t = from; t < to; t++) {
+        if (core->kernel.corner[4 * t] != PBW_NONE) {
+            const unsigned faults = pbw__slot_faults(core, t);
+            core->kernel.mark[t] = (unsigned char)faults;
+            inverted += faults == PBW__INVERTED;
+            failing += faults != 0;
+        }
+    }
+    (void)PBW__ADD(&verifying->inverted, inverted);
+    (void)PBW__ADD(&verifying->failing, failing);
+    return PBW_OK;
+}
+
+/* Counts the simplices that o is in, and adds 2 for each facet of the hull that it is not inside of. */
+static pbw_status pbw__cover_range(void *arg, size_t from, size_t to)
+{
+    pbw__verifying *verifying = (pbw__verifying *)arg;
+    const pbw__core *core = verifying->core;
+    const int dim = core->kernel.dim;
+    const double *o = verifying->o;
+    size_t covers = 0, t;
+    int k;
+    for (t = from; t < to; t++) {
+        const pbw_index *v = core->kernel.corner + 4 * t;
+        int holds = 1, i;
+        if (v[0] == PBW_NONE) {
+            continue;
+        }
+        if (v[dim] == PBW__GHOST) {
+            covers += 2 * (size_t)(pbw__slot_side(core, t, dim, o) >= 0);
+            continue;
+        }
+        for (k = 0; k < dim && holds; k++) {
+            int below = 0, above = 0;
+            for (i = 0; i <= dim; i++) {
+                const double x = pbw__core_record(core, v[i])[k];
+                below |= x <= o[k];
+                above |= x >= o[k];
+            }
+            holds = below & above;
+        }
+        for (i = 0; i <= dim && holds; i++) {
+            holds = pbw__slot_side(core, t, i, o) >= 0;
+        }
+        covers += (size_t)holds;
+    }
+    (void)PBW__ADD(&verifying->covers, covers);
+    return PBW_OK;
+}
+
+/* A point inside of one of a few simplices in the middle of the store; 0 if rounding leaves it in none. */
+static int pbw__choose_inside(pbw__verifying *verifying)
+{
+    const pbw__core *core = verifying->core;
+    const int dim = core->kernel.dim;
+    size_t t = core->store.count / 2, left = 64;
+    int i, k;
+    for (; t < core->store.count && left > 0; t++) {
+        const pbw_index *v = core->kernel.corner + 4 * t;
+        if (v[0] == PBW_NONE || v[dim] == PBW__GHOST) {
+            continue;
+        }
+        left--;
+        for (k = 0; k <= dim; k++) {
+            verifying->o[k] = 0.0;
+            for (i = 0; i <= dim; i++) {
+                verifying->o[k] += pbw__core_record(core, v[i])[k] / (double)(dim + 1);
+            }
+        }
+        for (i = 0; i <= dim && pbw__slot_side(core, t, i, verifying->o) > 0; i++) {
+        }
+        if (i > dim) {
+            return 1;
+        }
+    }
+    return 0;
+}
+
+/* ---- flips
+   Sets corners and links of a triangle, the ghost last. */
+static void pbw__set_triangle(pbw__kernel *kernel, size_t t, const pbw_index *v, const pbw__link *link)
+{
+    const unsigned turn = v[0] == PBW__GHOST ? 1 : v[1] == PBW__GHOST ? 2 : 0;
+    unsigned k;
+    for (k = 0; k < 3; k++) {
+        kernel->corner[4 * t + k] = v[(k + turn) % 3];
+        kernel->link[4 * t + k] = link[(k + turn) % 3];
+    }
+}
+
+/* Replaces the edge across from corner k of t by the other diagonal.  PBW__ANEW: that is none. */
+static pbw_status pbw__flip(pbw__core *core, size_t t, unsigned k)
+{
+    pbw__kernel *kernel = &core->kernel;
+    const pbw__link across = kernel->link[4 * t + k], here = (pbw__link)(4 * t + k);
+    const size_t u = (size_t)(across >> 2);
+    const unsigned j = (unsigned)(across & 3), k1 = (k + 1) % 3, k2 = (k + 2) % 3, j1 = (j + 1) % 3, j2 = (j + 2) % 3;
+    const pbw_index p = kernel->corner[here], q = kernel->corner[across];
+    const pbw_index a = kernel->corner[4 * t + k1], b = kernel->corner[4 * t + k2];
+    const pbw__link pa = kernel->link[4 * t + k2], bp = kernel->link[4 * t + k1];
+    const pbw__link aq = kernel->link[4 * u + j1], qb = kernel->link[4 * u + j2];
+    const pbw_index first[3] = { p, a, q }, second[3] = { p, q, b };
+    pbw__link link[3];
+    unsigned i;
+    for (i = 0; i < 2; i++) {
+        const pbw_index *v = i == 0 ? first : second;
+        const double *x[3] = { pbw__record2(kernel, v[0]), pbw__record2(kernel, v[1]), pbw__record2(kernel, v[2]) };
+        if (v[1] != PBW__GHOST && v[2] != PBW__GHOST && v[0] != PBW__GHOST && pbw__orient(2, x, &core->grid) <= 0) {
+            return PBW__ANEW;
+        }
+    }
+    kernel->scratch.cavity[0] = (pbw_index)t;
+    kernel->scratch.cavity[1] = (pbw_index)u;
+    kernel->scratch.cavity_count = 2;
+    if (!pbw__journal_cavity(kernel)) {
+        return PBW_ERROR_MEMORY;
+    }
+    link[0] = aq, link[1] = 0, link[2] = pa;
+    pbw__set_triangle(kernel, t, first, link);
+    link[0] = qb, link[1] = bp, link[2] = 0;
+    pbw__set_triangle(kernel, u, second, link);
+    for (i = 0; i < 2; i++) {                        /* the links back, and those of the two to each other */
+        const size_t s = i == 0 ? t : u;
+        unsigned m;
+        for (m = 0; m < 3; m++) {
+            const pbw_index v = kernel->corner[4 * s + m];
+            if (v == (i == 0 ? a : b)) {
+                const size_t other = i == 0 ? u : t;
+                const pbw_index facing = i == 0 ? b : a;
+                unsigned n = 0;
+                while (kernel->corner[4 * other + n] != facing) {
+                    n++;
+                }
+                kernel->link[4 * s + m] = (pbw__link)(4 * other + n);
+            } else {
+                kernel->link[kernel->link[4 * s + m]] = (pbw__link)(4 * s + m);
+            }
+        }
+    }
+    pbw__note_corners(core, t);
+    pbw__note_corners(core, u);
+    return PBW_OK;
+}
+
+/* Flips until all edges are locally Delaunay, from the marks of a verification on. */
+static pbw_status pbw__flip_all(pbw__core *core, size_t most)
+{
+    pbw__kernel *kernel = &core->kernel;
+    size_t count = 0, t, flips = 0;
+    unsigned k;
+    pbw_status status = PBW_OK;
+    for (t = 0; t < core->store.count; t++) {
+        for (k = 0; k < 3 && kernel->mark[t] != 0; k++) {
+            if (!PBW__CORE_GROW(core, rim_vertex, count + 1)) {
+                return PBW_ERROR_MEMORY;
+            }
+            core->rim_vertex[count] = (pbw_index)(4 * t + k);
+            count += kernel->mark[t] >> k & 1;
+        }
+        kernel->mark[t] = 0;
+    }
+    while (count > 0 && status == PBW_OK) {
+        const pbw_index facet = core->rim_vertex[--count];
+        const size_t s = kernel->link[facet] >> 2;
+        const int ghost = kernel->corner[4 * (facet >> 2) + 2] == PBW__GHOST;
+        const pbw_index far = kernel->corner[kernel->link[facet]];
+        t = facet >> 2;
+        k = facet & 3;
+        if (far == PBW__GHOST || (ghost && k == 2) || !pbw__slot_conflict(core, t, pbw__core_record(core, far))) {
+            continue;
+        }
+        status = ++flips > most ? PBW__ANEW : pbw__flip(core, t, k);
+        if (status == PBW_OK && !PBW__CORE_GROW(core, rim_vertex, count + 6)) {
+            status = PBW_ERROR_MEMORY;
+        }
+        for (k = 0; k < 3 && status == PBW_OK; k++) {
+            core->rim_vertex[count++] = (pbw_index)(4 * t + k);
+            core->rim_vertex[count++] = (pbw_index)(4 * s + k);
+        }
+        if ((flips & 1023) == 0 && pbw__report(kernel->context, 0.5)) {
+            status = PBW_CANCELLED;
+        }
+    }
+    return status;
+}
+
+/* The records have other coordinates: PBW_OK if the core is their triangulation now, after flips or without;
+   PBW__ANEW if not.  `most`: flips. */
+static pbw_status pbw__verify(pbw__core *core, size_t most)
+{
+    pbw__context *context = core->kernel.context;
+    pbw__verifying verifying;
+    pbw_status status;
+    memset(&verifying, 0, sizeof(verifying));
+    verifying.core = core;
+    verifying.most = core->kernel.dim == 3 || core->kernel.weighted ? 0 : most;
+    status = pbw__for_range(context, core->store.count, 4096, 0.5, pbw__verify_range, &verifying);
+    if (status == PBW_OK && verifying.failing > 0) {
+        status = verifying.inverted > 0 || verifying.failing > verifying.most ? PBW__ANEW
+               : pbw__flip_all(core, most);
+    }
+    if (status != PBW_OK) {
+        memset(core->kernel.mark, 0, core->store.count);
+    }
+    if (status == PBW_OK) {
+        status = pbw__choose_inside(&verifying)
+               ? pbw__for_range(context, core->store.count, 16384, 1.0, pbw__cover_range, &verifying) : PBW__ANEW;
+    }
+    return status == PBW_OK && verifying.covers != 1 ? PBW__ANEW : status;
+}
+/* ------------------------------------------------------------------------------------------------------
    >>live         Points inserted, removed and moved: what is queued, commits, views.
    In: a mesh, then changes by number.  Out: after each commit the triangulation of the points that live.
    Holds: `point`, `weight` and `state` are as they will be after the next commit; the core is as it was after the
@@ -12701,8 +13001,10 @@ struct pbw_live {
     /* of one commit */
     pbw__edit *edit;
     pbw_index *head, *leaving, *arriving;            /* head: per place that changes, a number there; vertices */
-    size_t edit_capacity, head_capacity, leaving_capacity, arriving_capacity;
+    double *moved;                                   /* other coordinates of those in `leaving` */
+    size_t edit_capacity, head_capacity, leaving_capacity, arriving_capacity, moved_capacity;
     size_t edit_count, leaving_count, arriving_count, past_vertices, past_unused, past_placed;
+    unsigned skip, skips;                            /* commits to go before moves in place are tried; last time's */
 };
 
 /* ---- the queue */
@@ -13321,14 +13623,14 @@ static pbw_status pbw__live_sort(pbw_live *live, pbw_index *list, size_t count)
 }
 
 /* Gives up the grid if a new record is not on it, or beyond those that it was made of. */
-static void pbw__live_fit_grid(pbw_live *live)
+static void pbw__live_fit_grid(pbw_live *live, const pbw_index *list, size_t count)
 {
     pbw__core *core = &live->core;
     const int dim = live->dim;
     size_t i;
     int k;
-    for (i = 0; i < live->arriving_count && core->grid.inverse_unit != 0.0; i++) {
-        const double *x = pbw__core_record(core, live->arriving[i]);
+    for (i = 0; i < count && core->grid.inverse_unit != 0.0; i++) {
+        const double *x = pbw__core_record(core, list[i]);
         for (k = 0; k <= dim; k++) {
             const double scale = k < dim ? core->grid.inverse_unit : core->grid.inverse_unit * core->grid.inverse_unit;
             if (!(x[k] >= core->low[k] && x[k] <= core->high[k] && floor(x[k] * scale) == x[k] * scale)) {
@@ -13340,6 +13642,21 @@ static void pbw__live_fit_grid(pbw_live *live)
     }
 }
 
+/* A simplex to walk to an arriving vertex from: of the last one, or if that is nearer, of a neighbour that the point
+   had before it moved, which was noted in `local`. */
+static pbw_index pbw__batch_hint(const pbw_live *live, size_t i)
+{
+    const pbw__core *core = &live->core;
+    const double *p = pbw__core_record(core, live->arriving[i]);
+    const pbw_index near = core->local[live->arriving[i]];
+    if (near != 0 && core->incident[near] < PBW__GONE
+        && (i == 0 || pbw__squared(pbw__core_record(core, near), p, live->dim)
+                      < pbw__squared(pbw__core_record(core, live->arriving[i - 1]), p, live->dim))) {
+        return core->incident[near];
+    }
+    return pbw__start_near(core, core->kernel.last);
+}
+
 /* Carries out a batch; on any status but PBW_OK it is to be undone.  PBW__ANEW: by a rebuild. */
 static pbw_status pbw__batch_run(pbw_live *live, size_t most_effort)
 {
@@ -13349,7 +13666,7 @@ static pbw_status pbw__batch_run(pbw_live *live, size_t most_effort)
     pbw_status status = pbw__live_sort(live, live->leaving, live->leaving_count);
     size_t i;
     status = status == PBW_OK ? pbw__live_sort(live, live->arriving, live->arriving_count) : status;
-    pbw__live_fit_grid(live);
+    pbw__live_fit_grid(live, live->arriving, live->arriving_count);
     core->effort = 0;
     for (i = 0; i < live->leaving_count && status == PBW_OK; i++) {
         const pbw_index v = live->leaving[i];
@@ -13358,6 +13675,9 @@ static pbw_status pbw__batch_run(pbw_live *live, size_t most_effort)
         } else {
             status = pbw__remove_vertex(core, v);
             status = status == PBW_OK && core->effort > most_effort ? PBW__ANEW : status;
+            if (status == PBW_OK && core->incident[core->vertex[core->name[v]]] == PBW__WAITING) {
+                core->local[core->vertex[core->name[v]]] = core->rim_vertex[core->rim_vertices - 1];
+            }
         }
         if (status == PBW_OK && (i & 63) == 0 && pbw__report(context, (double)i / (double)all)) {
             status = PBW_CANCELLED;
@@ -13371,7 +13691,7 @@ static pbw_status pbw__batch_run(pbw_live *live, size_t most_effort)
         }
     }
     for (i = 0; i < live->arriving_count && status == PBW_OK; i++) {
-        status = pbw__insert_vertex(core, live->arriving[i], pbw__start_near(core, core->kernel.last));
+        status = pbw__insert_vertex(core, live->arriving[i], pbw__batch_hint(live, i));
         if (status == PBW_OK && (i & 63) == 0
             && pbw__report(context, (double)(live->leaving_count + i) / (double)all)) {
             status = PBW_CANCELLED;
@@ -13421,6 +13741,77 @@ static pbw_status pbw__live_batch(pbw_live *live, size_t leave, size_t arrive, s
     core->unused_count += live->leaving_count;
     pbw__swap_covers(core);
     pbw__journal_clear(core);
+    return PBW_OK;
+}
+
+/* ---- commits: all moves in place
+   Writes the new coordinates into the records of those that move, or the old ones back. */
+static void pbw__live_exchange(pbw_live *live)
+{
+    const size_t dim = (size_t)live->dim;
+    size_t i, k;
+    for (i = 0; i < live->leaving_count; i++) {
+        double *record = live->core.record + live->leaving[i] * (dim + 1), *other = live->moved + i * dim;
+        for (k = 0; k < dim; k++) {
+            const double x = record[k];
+            record[k] = other[k];
+            other[k] = x;
+        }
+    }
+}
+
+/* Lists the vertices that move; PBW__ANEW if anything else happens, or duplicates or hidden points would matter. */
+static pbw_status pbw__live_list_moves(pbw_live *live, size_t count)
+{
+    const pbw__core *core = &live->core;
+    const size_t dim = (size_t)live->dim;
+    size_t i;
+    if (core->hidden_count > 0) {
+        return PBW__ANEW;
+    }
+    if (!PBW__LIVE_GROW(live, leaving, count) || !PBW__LIVE_GROW(live, moved, count * dim)) {
+        return PBW_ERROR_MEMORY;
+    }
+    live->leaving_count = 0;
+    for (i = 0; i < live->queue_count; i++) {
+        const pbw_index id = live->queue[i];
+        const unsigned both = live->state[id] & (PBW__LEAVES | PBW__ARRIVES);
+        if (both == (PBW__LEAVES | PBW__ARRIVES) && core->twin[id] == id) {
+            memcpy(live->moved + live->leaving_count * dim, pbw__live_point(live, id), dim * sizeof(double));
+            live->leaving[live->leaving_count++] = core->vertex[id];
+        } else if (both != 0) {
+            return PBW__ANEW;
+        }
+    }
+    return PBW_OK;
+}
+
+/* Moves vertices in place, all or nothing.  PBW__ANEW: not that way. */
+static pbw_status pbw__live_in_place(pbw_live *live, size_t count, pbw_changes *changes)
+{
+    pbw__core *core = &live->core;
+    const pbw__grid grid = core->grid;
+    const double exact_height = core->kernel.exact_height;
+    pbw_status status = pbw__live_list_moves(live, count);
+    if (status != PBW_OK) {
+        return status;
+    }
+    pbw__live_exchange(live);
+    pbw__live_fit_grid(live, live->leaving, live->leaving_count);
+    status = pbw__verify(core, core->simplex_count / 2 + 64);
+    if (status == PBW_OK && changes != NULL) {
+        status = pbw__batch_changes(live, changes);
+    }
+    if (status != PBW_OK) {
+        pbw__live_exchange(live);
+        core->grid = grid;
+        core->kernel.exact_height = exact_height;
+        pbw__journal_undo(core);
+        return status;
+    }
+    PBW__RELEASE(&core->kernel.context->memory, core, place);        /* is to be made anew */
+    core->place = NULL;
+    core->place_capacity = core->placed = 0;
     return PBW_OK;
 }
 
@@ -13482,10 +13873,35 @@ static void pbw__live_settle(pbw_live *live)
     live->weighted_past = live->weighted;
 }
 
+/* Of how many of the points moved it takes less time to triangulate all; and to verify all first. */
 #ifndef PBW__REBUILD_AT
-#define PBW__REBUILD_AT(dim) ((dim) == 3 ? 0.30 : 0.15)      /* of the points removed and inserted again, half each */
+#define PBW__REBUILD_AT(dim) ((dim) == 3 ? 0.08 : 0.08)
+#endif
+#ifndef PBW__VERIFY_AT
+#define PBW__VERIFY_AT(dim) ((dim) == 3 ? 0.05 : 0.02)
 #endif
 #define PBW__EFFORT 64                               /* looks for an apex that take as long as to insert a point */
+
+/* Tries to move in place.  While that fails it is tried less and less often. */
+static pbw_status pbw__live_try_moves(pbw_live *live, size_t count, pbw_changes *changes, pbw_way *way)
+{
+    pbw_status status;
+    if (live->skip > 0) {
+        live->skip--;
+        return PBW__ANEW;
+    }
+    status = pbw__live_in_place(live, count, changes);
+    if (status == PBW_OK) {
+        *way = live->core.past_count > 0 ? PBW_WAY_FLIPS : PBW_WAY_NOTHING;
+        pbw__journal_clear(&live->core);
+        live->skips = 0;
+    } else if (status == PBW__ANEW) {
+        pbw_changes_free(changes);
+        live->skips = live->skips < 7 ? 2 * live->skips + 1 : 7;
+        live->skip = live->skips;
+    }
+    return status;
+}
 
 /* Chooses the way and goes it. */
 static pbw_status pbw__live_go(pbw_live *live, pbw__context *context, pbw_changes *changes)
@@ -13498,7 +13914,11 @@ static pbw_status pbw__live_go(pbw_live *live, pbw__context *context, pbw_change
     if (leave + arrive == 0) {
         return live->core.simplex_count > 0 ? PBW_OK : PBW_DEGENERATE;
     }
-    if (live->core.simplex_count > 0 && live->weighted == live->core.kernel.weighted
+    if (leave == arrive && live->core.simplex_count > 0 && (double)leave >= PBW__VERIFY_AT(live->dim) * points) {
+        status = pbw__enter_stage(context, PBW_STAGE_WORK) ? PBW_CANCELLED
+               : pbw__live_try_moves(live, leave, changes, &way);
+    }
+    if (status == PBW__ANEW && live->core.simplex_count > 0 && live->weighted == live->core.kernel.weighted
         && 0.5 * (double)(leave + arrive) <= PBW__REBUILD_AT(live->dim) * points) {
         if (pbw__enter_stage(context, PBW_STAGE_WORK)) {
             return PBW_CANCELLED;
@@ -13739,6 +14159,7 @@ PBWDEF void pbw_live_free(pbw_live *live)
         PBW__RELEASE(memory, live, head);
         PBW__RELEASE(memory, live, leaving);
         PBW__RELEASE(memory, live, arriving);
+        PBW__RELEASE(memory, live, moved);
         pbw__release(memory, live, 1, sizeof(*live));
     }
 }

@@ -141,6 +141,24 @@ static int model_change(model *m, pbw_live *live, int kind, int what)
     return CHECK_EQUAL(pbw_live_move(live, &id, p, 1), PBW_OK);
 }
 
+/* All points move: by steps of `size` of the way to random places. */
+static void model_move_all(model *m, pbw_live *live, int kind, double size)
+{
+    const size_t dim = (size_t)m->dim;
+    double *points = (double *)zoo_grow(NULL, (m->count * dim + 1) * sizeof(double));
+    size_t i, k;
+    for (i = 0; i < m->count; i++) {
+        double p[3] = { 0, 0, 0 };
+        model_point(m, kind, p);
+        for (k = 0; k < dim; k++) {
+            points[i * dim + k] = m->points[3 * i + k] + size * (p[k] - m->points[3 * i + k]);
+            m->points[3 * i + k] = m->lives[i] ? points[i * dim + k] : 0;
+        }
+    }
+    CHECK_EQUAL(pbw_live_move(live, NULL, points, m->count), PBW_OK);
+    free(points);
+}
+
 /* The mesh that the view should be: of the points that live, in numbers. */
 static pbw_status model_mesh(const model *m, pbw_mesh *mesh, pbw_index **ids)
 {
@@ -296,6 +314,8 @@ static void check_changes(const pbw_mesh *before, const pbw_mesh *after, const p
 }
 
 /* ---- random sequences */
+static long ways[4];                                    /* how often each was taken */
+
 static void sequence(int dim, int kind, int weighted, int threads, int commits, int most)
 {
     pbw_options options;
@@ -326,16 +346,22 @@ static void sequence(int dim, int kind, int weighted, int threads, int commits, 
                 (void)model_change(&m, live, kind, 1);
             }
         }
-        status = pbw_live_commit(live, c % 2 == 0 ? &changes : NULL);
+        if (mode >= 8 && m.count > 0) {
+            static const double size[5] = { 1e-12, 1e-4, 0.003, 0.03, 1 };
+            CHECK(pbw_live_commit(live, NULL) <= PBW_DEGENERATE);
+            pbw_free(&before);
+            CHECK(pbw_live_view(live, &before) <= PBW_DEGENERATE);
+            model_move_all(&m, live, kind, size[input_below(&m.state, 5)]);
+        }
+        status = pbw_live_commit(live, &changes);
         CHECK(status == PBW_OK || status == PBW_DEGENERATE);
         if (!model_agrees(&m, live)) {
             test_say("commit %d of %s in %dD%s", c, kind_name[kind], dim, weighted ? ", weighted" : "");
         }
         CHECK(pbw_live_view(live, &after) == status);
-        if (c % 2 == 0) {
-            check_changes(&before, &after, &changes);
-            pbw_changes_free(&changes);
-        }
+        check_changes(&before, &after, &changes);
+        ways[changes.way]++;
+        pbw_changes_free(&changes);
         pbw_free(&before);
         before = after;
     }
@@ -569,6 +595,11 @@ int main(int argc, char **argv)
 {
     test_start(argc, argv, 160);
     test_sequences();
+    if (test_begin("each way is taken")) {
+        CHECK(test_argc > 1 || (ways[0] > 0 && ways[1] > 0 && ways[2] > 0 && ways[3] > 0));
+        test_say("nothing %ld, flips %ld, batch %ld, rebuild %ld", ways[0], ways[1], ways[2], ways[3]);
+        test_end();
+    }
     test_refusals();
     test_cancel();
     test_misuse();
