@@ -51,6 +51,9 @@
      >>nearest      stars, nearest vertices, vertices in a ball
      >>centres      vectors, pairs, centres of simplices
      >>interpolate  barycentric, Sibson's and Laplace's weights
+     >>removal      one vertex more or less, and back
+     >>verify       vertices that moved: does the triangulation hold; flips
+     >>live         points inserted, removed and moved: what is queued, commits, views
      >>api          argument checks, the stages in order, status texts
      >>history      versions
      >>license      MIT No Attribution
@@ -69,6 +72,7 @@
      bounded     no recursion; a 256 KiB stack is enough                                    tests/test_resources.c
      no calls    one thread with the caller's memory makes no system call                   tests/test_syscalls.c
      queries     exact answers, one for any number of threads                               tests/test_query.c
+     live        after each commit the arrays of a fresh build; all or nothing              tests/test_live.c
 
    CONVENTIONS
             3            A simplex has dim+1 corners; neighbor i is across the facet opposite to corner i.
@@ -227,7 +231,8 @@ struct pbw_mesh {                          /* start from {0}, in C++ {}; read, d
                                               the first corner comes first on the Hilbert curve */
     const pbw_index *neighbors;            /* same shape; entry i is across from corner i, PBW_NONE on the hull */
     const pbw_index *incident;             /* per point: the first simplex that has it, PBW_NONE if it is no vertex */
-    const pbw_index *canonical;            /* per point: itself, or the point that it duplicates */
+    const pbw_index *canonical;            /* per point: itself, or the point that it duplicates; PBW_NONE: a number
+                                              without a point, of pbw_live_view */
     size_t duplicate_count, hidden_count;  /* why a point may be no vertex */
     const pbw_index *original;             /* with PBW_CURVE_ORDER, per point: its number in the caller's arrays; else
                                               NULL, the numbers are the caller's */
@@ -409,6 +414,58 @@ typedef enum pbw_scheme { PBW_BARYCENTRIC, PBW_SIBSON, PBW_LAPLACE } pbw_scheme;
    barycentric coordinates. */
 PBWDEF pbw_status pbw_coordinates(const pbw_mesh *mesh, const double *points, size_t count, pbw_scheme scheme,
                                   const pbw_options *options, pbw_lists *lists);
+
+/* ---- a triangulation that lives: points are inserted, removed and moved, in batches.  One thread at a time may use
+   a pbw_live; the meshes that it gives are the caller's, as those of pbw_triangulate, and queries work on them.
+   Points have numbers that stay theirs: those of the mesh it was made from, then those that pbw_live_insert gives.
+   The number of a removed point is given again, to an insertion after the commit that removed it. */
+typedef struct pbw_live pbw_live;
+
+typedef enum pbw_way {                     /* how a commit was carried out; the result is the same for all */
+    PBW_WAY_NOTHING,                       /* no simplex changed */
+    PBW_WAY_FLIPS,                         /* edges were flipped, in the plane */
+    PBW_WAY_BATCH,                         /* points were taken out and put in, one by one */
+    PBW_WAY_REBUILD                        /* all was triangulated anew */
+} pbw_way;
+
+typedef struct pbw_changes {               /* start from {0}; pbw_changes_free when done */
+    pbw_way way;
+    size_t deleted_count, made_count, point_count;
+    const pbw_index *deleted, *made;       /* the dim+1 points of each simplex that went, and of each that came: the
+                                              lowest first, positively oriented, in ascending order */
+    const pbw_index *points;               /* with another star than before, ascending */
+    void *memory;                          /* private */
+} pbw_changes;
+
+/* Makes one from a finished mesh with neighbors, which may be freed then: of any backend, DEGENERATE too.  One of no
+   points: a mesh that is {0} but for dim.  options are for all later calls on it: threads, memory_limit, resize, run,
+   progress; they are copied, flags, strides and backend must be 0. */
+PBWDEF pbw_status pbw_live_create(const pbw_mesh *mesh, const pbw_options *options, pbw_live **live);
+PBWDEF void pbw_live_free(pbw_live *live);         /* fine on NULL */
+
+/* These queue changes for the next commit; on any status but PBW_OK the queue is as before.  Points are packed, dim
+   coordinates each.  Numbers must be those of points that are neither removed nor in the queue to be; one that was
+   just inserted will do.
+   insert: ids (may be NULL) gets the numbers of the new points.  weights NULL: 0 each.  From the first weights on the
+   triangulation is a regular one.
+   remove: no number twice.
+   move: ids NULL: all points, count is the number of all numbers (mesh.point_count), and what stands at a number that
+   is free is not read.  Of a number given twice the last point counts.  Weights stay. */
+PBWDEF pbw_status pbw_live_insert(pbw_live *live, const double *points, const double *weights, size_t count,
+                                  pbw_index *ids);
+PBWDEF pbw_status pbw_live_remove(pbw_live *live, const pbw_index *ids, size_t count);
+PBWDEF pbw_status pbw_live_move(pbw_live *live, const pbw_index *ids, const double *points, size_t count);
+
+/* Carries out all that is queued, and says in changes (may be NULL, which is quicker) what that changed.  PBW_OK, or
+   PBW_DEGENERATE if the points left do not span the space; on any other status the triangulation and the queue are as
+   they were.  Takes the way that is likely to be the quickest. */
+PBWDEF pbw_status pbw_live_commit(pbw_live *live, pbw_changes *changes);
+PBWDEF void pbw_changes_free(pbw_changes *changes);        /* fine on {0}, fine twice */
+
+/* The triangulation after the last commit: PBW_OK or PBW_DEGENERATE, and the arrays that pbw_triangulate gives for
+   its points in the order of their numbers, with the numbers in place of their ranks.  A number that is free has
+   canonical PBW_NONE, incident PBW_NONE and the coordinates 0.  pbw_free the mesh when done. */
+PBWDEF pbw_status pbw_live_view(pbw_live *live, pbw_mesh *mesh);
 
 #if defined(PBW_CUDA) || defined(__CUDACC__)
 /* ---- in pbw_cuda.cu, for programs that link it */
@@ -4150,6 +4207,7 @@ typedef struct pbw__kernel {
     pbw_status (*insert)(struct pbw__kernel *kernel, pbw_index vertex);
     pbw__slots slots;
     pbw__scratch scratch;
+    void *journal;                                   /* >>removal: the core that notes each cavity; else NULL */
     pbw_index *left;                                 /* vertices left for the next round */
     size_t left_count, left_capacity, done, reported;
     pbw_status status;
@@ -4465,6 +4523,8 @@ static PBW__NOINLINE pbw_index pbw__take_slot(pbw__kernel *kernel)
     return t;
 }
 
+static int pbw__journal_cavity(pbw__kernel *kernel);         /* >>removal */
+
 /* Takes the slots of the star: those of the cavity first, still marked; surplus slots of the cavity become free. */
 PBW__INLINE pbw_status pbw__take_slots(pbw__kernel *kernel)
 {
@@ -4474,6 +4534,9 @@ PBW__INLINE pbw_status pbw__take_slots(pbw__kernel *kernel)
     const size_t room = have + fresh + slots->free_count + tail;
     pbw_index *cavity;
     size_t i;
+    if (PBW__UNLIKELY(kernel->journal != NULL) && !pbw__journal_cavity(kernel)) {
+        return PBW_ERROR_MEMORY;
+    }
     if (PBW__UNLIKELY(needed > room)) {
         pbw_status status = pbw__more_tail(kernel, needed - room);
         if (status != PBW_OK) {
@@ -8736,6 +8799,9 @@ static int pbw__check_points(pbw__check *check, pbw__check_part *part, size_t fr
                 return pbw__fault(&part->report, "a coordinate or weight is not finite", PBW_NONE, -1, p);
             }
         }
+        if (kept == PBW_NONE && first == PBW_NONE) { /* a free number of pbw_live_view */
+            continue;
+        }
         if (kept >= mesh->point_count || mesh->canonical[kept] != kept) {
             return pbw__fault(&part->report, "the canonical point is none", PBW_NONE, -1, p);
         }
@@ -8973,6 +9039,9 @@ static int pbw__check_flat(pbw__check *check, pbw__check_part *part, size_t from
     for (; from < to; from++) {
         const double *x = pbw__check_record(check, check->dim, from);
         a[check->dim] = x;
+        if (check->mesh->canonical[from] == PBW_NONE) {
+            continue;
+        }
         if (check->rank == check->dim ? pbw__orient(check->dim, a, &check->grid) != 0
             : check->rank == 2 ? !pbw__collinear3(a[0], a[1], x, &check->grid)
                                : check->rank == 0 || !pbw__same_place(a[0], x, check->dim)) {
@@ -11796,6 +11865,2365 @@ PBWDEF pbw_status pbw_coordinates(const pbw_mesh *mesh, const double *points, si
                                  PBW__BLOCK_QUERIES, count, lists);
     }
     return pbw__lists_end(&queries, status, lists);
+}
+/* ------------------------------------------------------------------------------------------------------
+   >>removal      One vertex more or less: the core of a live triangulation, its journal.
+   In: a triangulation by the kernel, vertices to remove and to insert.  Out: the triangulation without and with them.
+   Holds: what holds in >>mesh; incident[v] is a simplex that has v, PBW_NONE if v is hidden, or says why v is in none;
+   the journal leads back to the triangulation at its start.
+
+   Removal wraps the hole.  Let N be the vertices of the link of v.  The triangulation without v has the same simplices
+   outside of the star of v; inside it has those simplices of the triangulation of N that are in conflict with v
+   (a simplex of N inside the star that another vertex is in conflict with would be one without v, too).  So behind a
+   facet abc of the hole stands the simplex abce, of the vertices e of N strictly on the open side the one that no
+   other one of these is in conflict with; ghost, if there is none.  Ties are broken as everywhere, so there is one
+   such e, and all facets of the simplices made meet in pairs.  Time: the simplices made times the size of N; where
+   that grows too large, all is triangulated anew.
+
+   The journal has each simplex as it was when it was first deleted.  Of two simplices that were neighbours at the
+   start the one that was deleted first links to the other; so written back in reverse order, each with its links and
+   the links back, the simplices are as they were.
+   ------------------------------------------------------------------------------------------------------ */
+#define PBW__WAITING (PBW_NONE - 1)                  /* incident: a vertex that is to be inserted */
+#define PBW__GONE (PBW_NONE - 2)                     /* incident: a vertex that was removed */
+#define PBW__ANEW ((pbw_status)13)                   /* not carried out: triangulate all */
+
+typedef struct pbw__past { pbw_index slot, corner[4]; pbw__link link[4]; } pbw__past;        /* a simplex that was */
+
+/* A facet of the hole, open or matched: its vertices, so that an apex inside makes (apex, a, b, c) positive, by their
+   places in the list of link vertices; the facet across, of a simplex that stays, or 4 * (one of those made) + corner
+   where `made`. */
+typedef struct pbw__rim { pbw_index v[3]; unsigned char made, closed; pbw__link across; } pbw__rim;
+
+typedef struct pbw__filling { pbw_index v[4]; pbw__link link[4]; unsigned char made[4]; } pbw__filling;
+
+typedef struct pbw__core {
+    pbw__store store;
+    pbw__kernel kernel;
+    pbw__grid grid;
+    double low[4], high[4];                          /* of the records that the grid was made of */
+    double *record;                                  /* per vertex, as in >>order */
+    pbw_index *name, *incident, *local;              /* per vertex: its number for the caller; a simplex; its place in
+                                                        `rim_vertex`, if that has it */
+    pbw_index *vertex, *twin;                        /* per number: its vertex; the next number at its place */
+    pbw_index *place;                                /* a hash table of vertices by coordinates; 0: none */
+    pbw_index *unused, *hidden, *witness;            /* vertices; a simplex that hides each hidden one */
+    pbw_index *covered, *cover;                      /* hidden and witness as the commit will leave them */
+    size_t record_capacity, name_capacity, incident_capacity, local_capacity, vertex_capacity, twin_capacity;
+    size_t place_capacity, unused_capacity, hidden_capacity, witness_capacity, covered_capacity, cover_capacity;
+    size_t vertex_count, unused_count, hidden_count, covered_count, placed, simplex_count, duplicate_count;
+    /* of the removal of one vertex */
+    pbw_index *rim_vertex, *table;                   /* table: rims by their vertices; 1 + number */
+    pbw__rim *rim;
+    pbw__filling *filling;
+    size_t rim_vertex_capacity, table_capacity, rim_capacity, filling_capacity;
+    size_t rim_vertices, rims, fillings, effort;
+    /* the journal */
+    pbw__past *past;
+    pbw_index *taken;                                /* slots that were free */
+    uint64_t *touched;                               /* a bit for each slot that is in one of these */
+    size_t past_capacity, taken_capacity, touched_capacity, past_count, taken_count;
+    int inserting;                                   /* weighted points, one of which may hide others */
+    size_t past_simplices;                           /* simplex_count at its start */
+} pbw__core;
+
+#define PBW__TOUCHED(core, t) ((core)->touched[(t) >> 6] >> ((t) & 63) & 1)
+
+static void pbw__core_free(pbw__context *context, pbw__core *core)
+{
+    pbw__memory *memory = &context->memory;
+    core->kernel.context = context;
+    pbw__kernel_free(&core->kernel);
+    pbw__store_free(memory, &core->store);
+    PBW__RELEASE(memory, core, record);
+    PBW__RELEASE(memory, core, name);
+    PBW__RELEASE(memory, core, incident);
+    PBW__RELEASE(memory, core, local);
+    PBW__RELEASE(memory, core, vertex);
+    PBW__RELEASE(memory, core, twin);
+    PBW__RELEASE(memory, core, place);
+    PBW__RELEASE(memory, core, unused);
+    PBW__RELEASE(memory, core, hidden);
+    PBW__RELEASE(memory, core, witness);
+    PBW__RELEASE(memory, core, covered);
+    PBW__RELEASE(memory, core, cover);
+    PBW__RELEASE(memory, core, rim_vertex);
+    PBW__RELEASE(memory, core, table);
+    PBW__RELEASE(memory, core, rim);
+    PBW__RELEASE(memory, core, filling);
+    PBW__RELEASE(memory, core, past);
+    PBW__RELEASE(memory, core, taken);
+    PBW__RELEASE(memory, core, touched);
+    memset(core, 0, sizeof(*core));
+}
+
+#define PBW__CORE_GROW(core, x, needed) \
+    pbw__grow(&(core)->kernel.context->memory, &(core)->x, &(core)->x##_capacity, needed, sizeof(*(core)->x))
+
+/* ---- the journal
+   Bits for all slots that there are; new ones are 0. */
+static int pbw__journal_reserve(pbw__core *core)
+{
+    const size_t old = core->touched_capacity, words = core->store.capacity / 64 + 1;
+    if (!PBW__CORE_GROW(core, touched, words)) {
+        return 0;
+    }
+    memset(core->touched + old, 0, (core->touched_capacity - old) * sizeof(uint64_t));
+    return 1;
+}
+
+PBW__INLINE const double *pbw__core_record(const pbw__core *core, pbw_index v)
+{
+    return core->record + (size_t)v * ((size_t)core->kernel.dim + 1);
+}
+
+/* The place of a vertex in the list of link vertices, the ghost is the first; added if it is not there. */
+static pbw_index pbw__rim_place(pbw__core *core, pbw_index v)
+{
+    const pbw_index at = core->local[v];
+    if (at < core->rim_vertices && core->rim_vertex[at] == v) {
+        return at;
+    }
+    core->rim_vertex[core->rim_vertices] = v;
+    return core->local[v] = (pbw_index)core->rim_vertices++;
+}
+
+/* Notes the simplices of the cavity, which are to be deleted; 0 if memory is short. */
+static int pbw__journal_cavity(pbw__kernel *kernel)
+{
+    pbw__core *core = (pbw__core *)kernel->journal;
+    const size_t count = kernel->scratch.cavity_count;
+    size_t i;
+    if (!PBW__CORE_GROW(core, past, core->past_count + count)
+        || (core->inserting && !PBW__CORE_GROW(core, rim_vertex, 4 * count + 8))) {
+        return 0;
+    }
+    core->rim_vertices = core->inserting ? 0 : core->rim_vertices;
+    for (i = 0; i < count; i++) {
+        const size_t t = kernel->scratch.cavity[i];
+        int k;
+        core->simplex_count -= kernel->corner[4 * t + (size_t)kernel->dim] != PBW__GHOST;
+        for (k = 0; k <= kernel->dim && core->inserting; k++) {
+            const pbw_index v = kernel->corner[4 * t + (size_t)k];
+            if (v != PBW__GHOST) {
+                core->incident[v] = PBW_NONE;        /* until it is in the star */
+                (void)pbw__rim_place(core, v);
+            }
+        }
+        if (!PBW__TOUCHED(core, t)) {
+            pbw__past *past = core->past + core->past_count++;
+            core->touched[t >> 6] |= (uint64_t)1 << (t & 63);
+            past->slot = (pbw_index)t;
+            memcpy(past->corner, kernel->corner + 4 * t, sizeof(past->corner));
+            memcpy(past->link, kernel->link + 4 * t, sizeof(past->link));
+        }
+    }
+    return 1;
+}
+
+/* The corners of a new simplex get a finite one: it, or that behind it. */
+static void pbw__note_corners(pbw__core *core, size_t t)
+{
+    const pbw__kernel *kernel = &core->kernel;
+    const int dim = kernel->dim;
+    const pbw_index *v = kernel->corner + 4 * t;
+    const int finite = v[dim] != PBW__GHOST;
+    const pbw_index incident = finite ? (pbw_index)t : (pbw_index)(kernel->link[4 * t + (size_t)dim] >> 2);
+    int k;
+    for (k = 0; k < dim + finite; k++) {
+        core->incident[v[k]] = incident;
+    }
+    core->simplex_count += (size_t)finite;
+}
+
+/* Notes the slots of the star that were free; its corners get a finite simplex. */
+static int pbw__journal_star(pbw__core *core)
+{
+    pbw__kernel *kernel = &core->kernel;
+    const size_t count = kernel->scratch.facet_count;
+    size_t i;
+    if (!pbw__journal_reserve(core) || !PBW__CORE_GROW(core, taken, core->taken_count + count)) {
+        return 0;
+    }
+    for (i = 0; i < count; i++) {
+        const size_t t = kernel->scratch.cavity[i];
+        pbw__note_corners(core, t);
+        if (!PBW__TOUCHED(core, t)) {
+            core->touched[t >> 6] |= (uint64_t)1 << (t & 63);
+            core->taken[core->taken_count++] = (pbw_index)t;
+        }
+    }
+    return 1;
+}
+
+/* All simplices of the cavity are finite or not: how many are. */
+static size_t pbw__count_finite(const pbw__kernel *kernel, const pbw_index *slot, size_t count)
+{
+    size_t i, finite = 0;
+    for (i = 0; i < count; i++) {
+        finite += kernel->corner[4 * (size_t)slot[i] + (size_t)kernel->dim] != PBW__GHOST;
+    }
+    return finite;
+}
+
+/* Lists all free slots anew. */
+static void pbw__list_free_slots(pbw__core *core)
+{
+    pbw__kernel *kernel = &core->kernel;
+    size_t t;
+    kernel->slots.free_count = 0;
+    kernel->slots.free_list = PBW_NONE;
+    kernel->slots.tail = kernel->slots.tail_end = 0;
+    for (t = core->store.count; t-- > 0; ) {
+        kernel->mark[t] = 0;
+        if (kernel->corner[4 * t] == PBW_NONE) {
+            pbw__free_slot(kernel, (pbw_index)t);
+        }
+    }
+}
+
+static void pbw__journal_clear(pbw__core *core)
+{
+    size_t i;
+    for (i = 0; i < core->past_count; i++) {
+        core->touched[core->past[i].slot >> 6] = 0;
+    }
+    for (i = 0; i < core->taken_count; i++) {
+        core->touched[core->taken[i] >> 6] = 0;
+    }
+    core->past_count = core->taken_count = 0;
+    core->past_simplices = core->simplex_count;
+}
+
+/* Back to the triangulation at the start of the journal. */
+static void pbw__journal_undo(pbw__core *core)
+{
+    pbw__kernel *kernel = &core->kernel;
+    const size_t dim = (size_t)kernel->dim;
+    size_t i, k;
+    for (i = 0; i < core->taken_count; i++) {
+        const size_t t = core->taken[i];
+        kernel->corner[4 * t] = PBW_NONE;
+    }
+    for (i = core->past_count; i-- > 0; ) {
+        const pbw__past *past = core->past + i;
+        const size_t t = past->slot;
+        memcpy(kernel->corner + 4 * t, past->corner, sizeof(past->corner));
+        memcpy(kernel->link + 4 * t, past->link, sizeof(past->link));
+        for (k = 0; k <= dim; k++) {
+            kernel->link[past->link[k]] = (pbw__link)(4 * t + k);
+        }
+    }
+    for (i = 0; i < core->past_count; i++) {
+        pbw__note_corners(core, core->past[i].slot);
+    }
+    for (i = 0; i < core->hidden_count; i++) {
+        core->incident[core->hidden[i]] = PBW_NONE;
+    }
+    core->simplex_count = core->past_simplices;
+    pbw__list_free_slots(core);
+    kernel->last = PBW_NONE;
+    pbw__journal_clear(core);
+}
+
+/* ---- removal */
+/* The facet across from corner i of a positive simplex v: a, b, c with (v[i], a, b, c) positive. */
+PBW__INLINE void pbw__facet_of(const pbw_index *v, unsigned i, int dim, pbw_index *facet)
+{
+    if (dim == 2) {
+        facet[0] = v[i == 2 ? 0 : i + 1];
+        facet[1] = v[i == 0 ? 2 : i - 1];
+        facet[2] = PBW_NONE;
+    } else {
+        facet[0] = v[pbw__facet_corners[i][1]];
+        facet[1] = v[pbw__facet_corners[i][2]];
+        facet[2] = v[pbw__facet_corners[i][3]];
+    }
+}
+
+/* Where the table has, or would have, a rim of these vertices. */
+static size_t pbw__rim_find(const pbw__core *core, const pbw_index *v, size_t room)
+{
+    const uint64_t sum = (uint64_t)v[0] + v[1] + v[2], mix = (uint64_t)v[0] * v[1] + (uint64_t)v[0] * v[2]
+                       + (uint64_t)v[1] * v[2];
+    size_t at = (size_t)((sum * 0x9e3779b97f4a7c15u ^ mix * 0xff51afd7ed558ccdu) >> 32) & (room - 1);
+    while (core->table[at] != 0) {
+        const pbw_index *u = core->rim[core->table[at] - 1].v;
+        if (((v[0] == u[0]) | (v[0] == u[1]) | (v[0] == u[2])) & ((v[1] == u[0]) | (v[1] == u[1]) | (v[1] == u[2]))
+            & ((v[2] == u[0]) | (v[2] == u[1]) | (v[2] == u[2]))) {
+            return at;
+        }
+        at = (at + 1) & (room - 1);
+    }
+    return at;
+}
+
+/* Collects the star of v in scratch.cavity, its link in rim_vertex and rim. */
+static pbw_status pbw__open_hole(pbw__core *core, pbw_index v)
+{
+    pbw__kernel *kernel = &core->kernel;
+    const unsigned dim = (unsigned)kernel->dim;
+    size_t i;
+    unsigned k, at;
+    kernel->scratch.cavity[0] = core->incident[v];
+    kernel->scratch.cavity_count = 1;
+    kernel->mark[core->incident[v]] = 1;
+    core->rim_vertices = core->rims = core->fillings = 0;
+    for (i = 0; i < kernel->scratch.cavity_count; i++) {
+        const size_t t = kernel->scratch.cavity[i];
+        const pbw_index *corner = kernel->corner + 4 * t;
+        const pbw__link *link = kernel->link + 4 * t;
+        pbw__rim *rim;
+        if (!pbw__grow_lists(kernel, kernel->scratch.cavity_count + dim + 8)
+            || !PBW__CORE_GROW(core, rim, core->rims + 1)
+            || !PBW__CORE_GROW(core, rim_vertex, core->rim_vertices + 2 * dim + 2)) {
+            (void)pbw__leave_cavity(kernel, kernel->scratch.cavity_count);
+            return PBW_ERROR_MEMORY;
+        }
+        if (i == 0) {
+            (void)pbw__rim_place(core, PBW__GHOST);
+        }
+        for (at = 0; corner[at] != v; at++) {
+        }
+        rim = core->rim + core->rims++;
+        pbw__facet_of(corner, at, (int)dim, rim->v);
+        for (k = 0; k < dim; k++) {
+            rim->v[k] = pbw__rim_place(core, rim->v[k]);
+        }
+        rim->across = link[at];
+        rim->made = rim->closed = 0;
+        for (k = 0; k <= dim; k++) {
+            const pbw_index next = (pbw_index)(link[k] >> 2);
+            if (k != at && !kernel->mark[next]) {
+                kernel->mark[next] = 1;
+                kernel->scratch.cavity[kernel->scratch.cavity_count++] = next;
+            }
+        }
+    }
+    return PBW_OK;
+}
+
+/* The apex behind a rim; 0, the ghost's place, if there is none. */
+static pbw_index pbw__rim_apex(const pbw__core *core, const pbw_index *v)
+{
+    const int dim = core->kernel.dim;
+    const pbw_index *u = core->rim_vertex;
+    const double *x[4] = { NULL, NULL, NULL, NULL }, *best = NULL;
+    pbw_index i, apex = 0;
+    int k;
+    for (k = 0; k < dim; k++) {
+        x[k + 1] = pbw__core_record(core, u[v[k]]);
+    }
+    for (i = 1; i < core->rim_vertices; i++) {
+        const double *e = pbw__core_record(core, u[i]);
+        if (i == v[0] || i == v[1] || i == v[2]) {
+            continue;
+        }
+        x[0] = e;
+        if (pbw__orient(dim, x, &core->grid) <= 0) {
+            continue;
+        }
+        x[0] = best;
+        if (best == NULL || pbw__conflict(dim, x, e, &core->grid)) {
+            best = e;
+            apex = i;
+        }
+    }
+    return apex;
+}
+
+/* Joins facet k of filling f to the rim that has its vertices, or opens a new one. */
+static pbw_status pbw__sew(pbw__core *core, size_t f, unsigned k, size_t room)
+{
+    pbw__filling *filling = core->filling + f;
+    const pbw__link here = (pbw__link)(4 * f + k);
+    pbw_index facet[3];
+    pbw__rim *rim;
+    size_t at;
+    pbw__facet_of(filling->v, k, core->kernel.dim, facet);
+    at = pbw__rim_find(core, facet, room);
+    if (core->table[at] == 0) {
+        rim = core->rim + core->rims++;
+        rim->v[0] = facet[core->kernel.dim == 2];    /* seen from the other side */
+        rim->v[1] = facet[core->kernel.dim == 3 ? 2 : 0];
+        rim->v[2] = facet[core->kernel.dim == 3 ? 1 : 2];
+        rim->made = 1;
+        rim->closed = 0;
+        rim->across = here;
+        core->table[at] = (pbw_index)core->rims;
+        return PBW_OK;
+    }
+    rim = core->rim + (core->table[at] - 1);
+    if (rim->closed) {
+        return PBW__ANEW;                            /* no two simplices meet in three: cannot be */
+    }
+    rim->closed = 1;
+    filling->link[k] = rim->across;
+    filling->made[k] = rim->made;
+    if (rim->made) {
+        core->filling[rim->across >> 2].link[rim->across & 3] = here;
+        core->filling[rim->across >> 2].made[rim->across & 3] = 1;
+    }
+    return PBW_OK;
+}
+
+/* Room for one more simplex and its facets; the table stays at most half full. */
+static size_t pbw__wrap_room(pbw__core *core, size_t room)
+{
+    size_t i;
+    if (!PBW__CORE_GROW(core, filling, core->fillings + 1) || !PBW__CORE_GROW(core, rim, core->rims + 4)) {
+        return 0;
+    }
+    if (room >= 2 * (core->rims + 4)) {
+        return room;
+    }
+    for (room = 64; room < 4 * (core->rims + 4); room *= 2) {
+    }
+    if (!PBW__CORE_GROW(core, table, room)) {
+        return 0;
+    }
+    memset(core->table, 0, room * sizeof(pbw_index));
+    for (i = 0; i < core->rims; i++) {
+        core->table[pbw__rim_find(core, core->rim[i].v, room)] = (pbw_index)i + 1;
+    }
+    return room;
+}
+
+/* Fills the hole behind its open rims. */
+static pbw_status pbw__wrap(pbw__core *core)
+{
+    const unsigned dim = (unsigned)core->kernel.dim;
+    size_t room = pbw__wrap_room(core, 0), i, f;
+    pbw_status status = PBW_OK;
+    unsigned k;
+    for (i = 0; i < core->rims && status == PBW_OK; i++) {
+        const pbw_index *v = core->rim[i].v;
+        pbw_index apex;
+        pbw__filling *filling;
+        if (core->rim[i].closed || v[0] == 0 || v[1] == 0 || v[2] == 0) {
+            continue;                                /* facets of the ghost are matched only */
+        }
+        room = pbw__wrap_room(core, room);
+        if (room == 0) {
+            return PBW_ERROR_MEMORY;
+        }
+        v = core->rim[i].v;
+        core->effort += core->rim_vertices;
+        apex = pbw__rim_apex(core, v);
+        f = core->fillings++;
+        filling = core->filling + f;
+        if (apex != 0) {
+            filling->v[0] = apex;
+            filling->v[1] = v[0];
+            filling->v[2] = v[1];
+            filling->v[3] = v[2];
+        } else {                                     /* the ghost comes last */
+            filling->v[0] = v[0];
+            filling->v[1] = v[dim == 3 ? 2 : 1];
+            filling->v[2] = dim == 3 ? v[1] : 0;
+            filling->v[3] = 0;
+        }
+        for (k = 0; k <= dim && status == PBW_OK; k++) {
+            status = pbw__sew(core, f, k, room);
+        }
+    }
+    for (i = 0; i < core->rims && status == PBW_OK && room > 0; i++) {
+        status = core->rim[i].closed ? PBW_OK : PBW__ANEW;
+    }
+    return room == 0 ? PBW_ERROR_MEMORY : status;
+}
+
+/* Puts what fills the hole into slots. */
+static void pbw__fill_hole(pbw__core *core)
+{
+    pbw__kernel *kernel = &core->kernel;
+    const unsigned dim = (unsigned)kernel->dim;
+    const pbw_index *slot = kernel->scratch.cavity;
+    size_t f;
+    unsigned k;
+    for (f = 0; f < core->fillings; f++) {
+        const pbw__filling *filling = core->filling + f;
+        const size_t t = slot[f];
+        kernel->mark[t] = 0;
+        for (k = 0; k <= dim; k++) {
+            const pbw__link to = filling->link[k];
+            kernel->corner[4 * t + k] = core->rim_vertex[filling->v[k]];
+            if (filling->made[k]) {
+                kernel->link[4 * t + k] = (pbw__link)slot[to >> 2] * 4 + (to & 3);
+            } else {
+                kernel->link[4 * t + k] = to;
+                kernel->link[to] = (pbw__link)(4 * t + k);
+            }
+        }
+    }
+}
+
+/* Removes a vertex.  PBW__ANEW: no simplex would be left, or it is too much work. */
+static pbw_status pbw__remove_vertex(pbw__core *core, pbw_index v)
+{
+    pbw__kernel *kernel = &core->kernel;
+    size_t finite, made, i;
+    pbw_status status = pbw__open_hole(core, v);
+    if (status != PBW_OK) {
+        return status;
+    }
+    status = pbw__wrap(core);
+    finite = pbw__count_finite(kernel, kernel->scratch.cavity, kernel->scratch.cavity_count);
+    for (made = i = 0; i < core->fillings; i++) {
+        made += core->filling[i].v[kernel->dim] != 0;
+    }
+    if (status == PBW_OK && core->simplex_count - finite + made == 0) {
+        status = PBW__ANEW;
+    }
+    if (status != PBW_OK) {
+        (void)pbw__leave_cavity(kernel, kernel->scratch.cavity_count);
+        return status;
+    }
+    kernel->scratch.facet_count = core->fillings;
+    status = pbw__take_slots(kernel);
+    if (status != PBW_OK) {
+        return status == PBW__LEFT ? PBW_ERROR_TOO_LARGE : status;
+    }
+    pbw__fill_hole(core);
+    core->incident[v] = PBW__GONE;
+    return pbw__journal_star(core) ? PBW_OK : PBW_ERROR_MEMORY;
+}
+
+/* ---- insertion, and what it hides */
+static int pbw__cover_vertex(pbw__core *core, pbw_index v, pbw_index witness)
+{
+    if (!PBW__CORE_GROW(core, covered, core->covered_count + 1)
+        || !PBW__CORE_GROW(core, cover, core->covered_count + 1)) {
+        return 0;
+    }
+    core->covered[core->covered_count] = v;
+    core->cover[core->covered_count++] = witness;
+    core->incident[v] = PBW_NONE;
+    return 1;
+}
+
+/* A finite simplex that contains a hidden vertex, by a walk on exact signs. */
+static pbw_index pbw__find_witness(const pbw__core *core, pbw_index t, pbw_index vertex)
+{
+    const pbw__kernel *kernel = &core->kernel;
+    const int dim = kernel->dim;
+    const double *p = pbw__core_record(core, vertex);
+    const double *x[4];
+    int k = 0;
+    t = pbw__walk_start(kernel, t, dim);
+    while (k <= dim && kernel->corner[4 * (size_t)t + (size_t)dim] != PBW__GHOST) {
+        pbw__corners_of(kernel, t, x);
+        for (k = 0; k <= dim && pbw__side(dim, x, k, p, &core->grid) >= 0; k++) {
+        }
+        t = k <= dim ? (pbw_index)(kernel->link[4 * (size_t)t + (size_t)k] >> 2) : t;
+    }
+    return t;
+}
+
+/* Inserts a vertex, from the simplex `hint` on; it may be hidden, and hide others. */
+static pbw_status pbw__insert_vertex(pbw__core *core, pbw_index v, pbw_index hint)
+{
+    pbw__kernel *kernel = &core->kernel;
+    size_t i;
+    pbw_status status;
+    kernel->last = hint;
+    kernel->scratch.facet_count = 0;
+    core->inserting = kernel->weighted;
+    status = kernel->insert(kernel, v);
+    core->inserting = 0;
+    if (status != PBW_OK) {
+        return status == PBW__LEFT ? PBW_ERROR_TOO_LARGE : status;
+    }
+    if (kernel->scratch.facet_count == 0) {
+        kernel->last = hint;
+        return pbw__cover_vertex(core, v, pbw__find_witness(core, hint, v)) ? PBW_OK : PBW_ERROR_MEMORY;
+    }
+    if (!pbw__journal_star(core)) {
+        return PBW_ERROR_MEMORY;
+    }
+    for (i = 0; i < core->rim_vertices && kernel->weighted; i++) {
+        if (core->incident[core->rim_vertex[i]] == PBW_NONE
+            && !pbw__cover_vertex(core, core->rim_vertex[i], PBW_NONE)) {
+            return PBW_ERROR_MEMORY;
+        }
+    }
+    return PBW_OK;
+}
+
+/* A simplex to start a walk from: the slot `t`, if one is there, or that of the last star. */
+static pbw_index pbw__start_near(const pbw__core *core, pbw_index t)
+{
+    const pbw__kernel *kernel = &core->kernel;
+    if (t >= PBW__GONE || kernel->corner[4 * (size_t)t] == PBW_NONE) {
+        for (t = kernel->last != PBW_NONE ? kernel->last : 0; kernel->corner[4 * (size_t)t] == PBW_NONE; t++) {
+        }
+    }
+    return t;
+}
+
+/* Inserts vertices that lost the simplex that hid them, until each hidden one has one. */
+static pbw_status pbw__uncover(pbw__core *core)
+{
+    int again = 1;
+    while (again) {
+        size_t i, kept = 0;
+        const size_t count = core->covered_count;
+        again = 0;
+        for (i = 0; i < count; i++) {
+            const pbw_index v = core->covered[i], witness = core->cover[i];
+            pbw_status status;
+            if (witness != PBW_NONE && !PBW__TOUCHED(core, witness)) {
+                continue;
+            }
+            core->covered[i] = PBW__GHOST;
+            status = pbw__insert_vertex(core, v, pbw__start_near(core, witness));
+            if (status != PBW_OK) {
+                return status;
+            }
+            again |= core->incident[v] < PBW__GONE;
+        }
+        for (i = 0; i < core->covered_count; i++) {
+            if (core->covered[i] != PBW__GHOST) {
+                core->covered[kept] = core->covered[i];
+                core->cover[kept++] = core->cover[i];
+            }
+        }
+        core->covered_count = kept;
+    }
+    return PBW_OK;
+}
+
+static void pbw__swap_lists(pbw_index **a, size_t *a_capacity, pbw_index **b, size_t *b_capacity)
+{
+    pbw_index *list = *a;
+    const size_t capacity = *a_capacity;
+    *a = *b;
+    *a_capacity = *b_capacity;
+    *b = list;
+    *b_capacity = capacity;
+}
+
+/* What is covered now is hidden. */
+static void pbw__swap_covers(pbw__core *core)
+{
+    pbw__swap_lists(&core->hidden, &core->hidden_capacity, &core->covered, &core->covered_capacity);
+    pbw__swap_lists(&core->witness, &core->witness_capacity, &core->cover, &core->cover_capacity);
+    core->hidden_count = core->covered_count;
+    core->covered_count = 0;
+}
+
+/* ---- from points to a core
+   The points of the numbers in `list`, packed in that order. */
+typedef struct pbw__stand {
+    double *points, *weights;
+    pbw_index *list;
+    size_t count, room, dim;
+} pbw__stand;
+
+static void pbw__stand_free(pbw__memory *memory, pbw__stand *stand)
+{
+    pbw__release(memory, stand->points, stand->room * stand->dim, sizeof(double));
+    pbw__release(memory, stand->weights, stand->room, sizeof(double));
+    pbw__release(memory, stand->list, stand->room, sizeof(pbw_index));
+}
+
+static int pbw__stand_create(pbw__memory *memory, pbw__stand *stand, size_t room, int dim)
+{
+    stand->room = room;
+    stand->count = 0;
+    stand->dim = (size_t)dim;
+    stand->points = (double *)pbw__allocate(memory, room * stand->dim, sizeof(double));
+    stand->weights = (double *)pbw__allocate(memory, room, sizeof(double));
+    stand->list = (pbw_index *)pbw__allocate(memory, room, sizeof(pbw_index));
+    return stand->points != NULL && stand->weights != NULL && stand->list != NULL;
+}
+
+PBW__INLINE void pbw__stand_add(pbw__stand *stand, pbw_index id, const double *x, double weight)
+{
+    memcpy(stand->points + stand->count * stand->dim, x, stand->dim * sizeof(double));
+    stand->weights[stand->count] = weight;
+    stand->list[stand->count++] = id;
+}
+
+static void pbw__stand_input(const pbw__stand *stand, int weighted, pbw__input *input)
+{
+    pbw_options none;
+    memset(&none, 0, sizeof(none));
+    *input = pbw__input_of((int)stand->dim, 0, stand->points, weighted ? stand->weights : NULL, stand->count);
+    (void)pbw__input_check(input, &none);
+}
+
+/* After the build: incident simplices, free slots, hidden vertices. */
+static pbw_status pbw__core_scan(pbw__core *core)
+{
+    pbw__kernel *kernel = &core->kernel;
+    const size_t dim = (size_t)kernel->dim;
+    size_t t, k;
+    pbw_index v;
+    memset(core->incident, 0xff, (core->vertex_count + 1) * sizeof(pbw_index));
+    core->simplex_count = 0;
+    for (t = 0; t < core->store.count; t++) {
+        const pbw_index *corner = kernel->corner + 4 * t;
+        if (corner[0] != PBW_NONE && corner[dim] != PBW__GHOST) {
+            for (k = 0; k <= dim; k++) {
+                core->incident[corner[k]] = (pbw_index)t;
+            }
+            core->simplex_count++;
+            kernel->last = (pbw_index)t;
+        }
+    }
+    pbw__list_free_slots(core);
+    if (!pbw__journal_reserve(core)) {
+        return PBW_ERROR_MEMORY;
+    }
+    for (v = 1; v <= core->vertex_count && kernel->weighted; v++) {
+        if (core->incident[v] == PBW_NONE
+            && !pbw__cover_vertex(core, v, pbw__find_witness(core, kernel->last, v))) {
+            return PBW_ERROR_MEMORY;
+        }
+    }
+    return PBW_OK;
+}
+
+/* The records are the core's now; names of vertices, the numbers at each place. */
+static pbw_status pbw__core_take(pbw__core *core, pbw__vertices *vertices, const pbw__stand *stand, size_t numbers)
+{
+    const size_t records = vertices->point_count + 1, width = (size_t)vertices->dim + 1;
+    pbw_index r;
+    size_t i, k;
+    core->record = vertices->record;
+    core->record_capacity = records * width;
+    core->name = vertices->id;
+    core->name_capacity = records;
+    core->vertex_count = vertices->count;
+    core->duplicate_count = vertices->duplicate_count;
+    core->grid = vertices->grid;
+    vertices->record = NULL;
+    vertices->id = NULL;
+    if (!PBW__CORE_GROW(core, incident, records) || !PBW__CORE_GROW(core, local, records)
+        || !PBW__CORE_GROW(core, vertex, numbers) || !PBW__CORE_GROW(core, twin, numbers)) {
+        return PBW_ERROR_MEMORY;
+    }
+    memset(core->local, 0, core->local_capacity * sizeof(pbw_index));
+    for (k = 0; k < width; k++) {
+        core->low[k] = HUGE_VAL;
+        core->high[k] = -HUGE_VAL;
+    }
+    for (r = 1; r <= vertices->count; r++) {
+        const double *x = core->record + r * width;
+        const pbw_index id = core->name[r] = stand->list[core->name[r]];
+        core->vertex[id] = r;
+        core->twin[id] = id;
+        for (k = 0; k < width; k++) {
+            core->low[k] = x[k] < core->low[k] ? x[k] : core->low[k];
+            core->high[k] = x[k] > core->high[k] ? x[k] : core->high[k];
+        }
+    }
+    for (i = 0; i < stand->count && vertices->duplicate_count > 0; i++) {
+        if (vertices->canonical[i] != i) {
+            const pbw_index id = stand->list[i], first = stand->list[vertices->canonical[i]];
+            core->vertex[id] = core->vertex[first];
+            core->twin[id] = core->twin[first];
+            core->twin[first] = id;
+        }
+    }
+    return PBW_OK;
+}
+
+/* Triangulates points; PBW_DEGENERATE: without simplices.  The core is to be freed, whatever the status. */
+static pbw_status pbw__core_build(pbw__context *context, const pbw__stand *stand, int weighted, size_t numbers,
+                                  pbw__core *core)
+{
+    pbw__vertices vertices;
+    pbw__input input;
+    pbw_statistics statistics;
+    pbw_status status;
+    memset(core, 0, sizeof(*core));
+    memset(&statistics, 0, sizeof(statistics));
+    core->kernel.context = context;
+    core->kernel.dim = (int)stand->dim;
+    if (stand->count == 0) {
+        return PBW_DEGENERATE;
+    }
+    pbw__stand_input(stand, weighted, &input);
+    status = pbw__enter_stage(context, PBW_STAGE_ORDER) ? PBW_CANCELLED : pbw__order(context, &input, &vertices);
+    if (status != PBW_OK) {
+        return status;
+    }
+    status = pbw__enter_stage(context, PBW_STAGE_BUILD) ? PBW_CANCELLED
+           : pbw__build_all(context, &core->store, &vertices, &vertices.grid, &statistics);
+    if (status == PBW_OK || status == PBW_DEGENERATE) {
+        const pbw_status taken = pbw__core_take(core, &vertices, stand, numbers);
+        status = taken != PBW_OK ? taken : status;
+    }
+    if (status == PBW_OK) {
+        vertices.record = core->record;
+        status = pbw__kernel_create(&core->kernel, context, &core->store, &vertices, &core->grid);
+        vertices.record = NULL;
+    }
+    if (status == PBW_OK) {
+        core->kernel.journal = core;
+        core->kernel.slots.region = 0;               /* all free slots are in the list */
+        core->store.region_bits = 31;
+        status = pbw__core_scan(core);
+        pbw__swap_covers(core);
+        pbw__journal_clear(core);
+    } else if (status == PBW_DEGENERATE) {
+        pbw__store_free(&context->memory, &core->store);
+    }
+    pbw__vertices_free(context, &vertices);
+    return status;
+}
+/* ------------------------------------------------------------------------------------------------------
+   >>verify       Vertices that moved: does the triangulation still hold; edges flipped until it does.
+   In: a triangulation, other coordinates of its vertices.  Out: whether it is the triangulation of these too; in the
+   plane, after flips.
+   Holds: a core whose finite simplices are positive, whose facets are all locally regular and its hull locally convex
+   is the triangulation of its vertices, if some point o inside one simplex is in no other and is on the inner side of
+   each facet of the hull.  For a straight walk from any point in any simplex to o cannot leave through the hull; it
+   ends in the simplex of o, and backwards it leads to one simplex only.  So no point is covered twice.  (Without o a
+   star might wind twice round a vertex, all its simplices positive.)
+
+   Flips (Lawson 1977): an edge that is not locally Delaunay is replaced by the other one of its two triangles, which
+   are a strictly convex quadrilateral.  Where it is not, or there are many flips, another way is taken.  An edge at
+   the ghost is flipped if the hull is not convex there.
+   ------------------------------------------------------------------------------------------------------ */
+#define PBW__INVERTED 128                            /* in a mark: the simplex is not positive; else a bit a facet */
+
+typedef struct pbw__verifying {
+    pbw__core *core;
+    double o[4];                                     /* a point inside of a simplex */
+    size_t inverted, failing, most, covers;          /* most: failing ones to go on with */
+} pbw__verifying;
+
+/* Whether the simplex in slot t, a ghost too, is in conflict with p: see pbw__in_conflict. */
+static int pbw__slot_conflict(const pbw__core *core, size_t t, const double *p)
+{
+    const pbw__kernel *kernel = &core->kernel;
+    const int dim = kernel->dim;
+    const size_t last = 4 * t + (size_t)dim;
+    const double *x[4];
+    pbw__corners_of(kernel, (pbw_index)t, x);
+    if (kernel->corner[last] == PBW__GHOST) {
+        const int side = pbw__side(dim, x, dim, p, &core->grid);
+        if (side != 0) {
+            return side > 0;
+        }
+        pbw__corners_of(kernel, (pbw_index)(kernel->link[last] >> 2), x);
+    }
+    return pbw__conflict(dim, x, p, &core->grid);
+}
+
+/* The orientation of a finite simplex, with p in place of corner i (dim+1: of none). */
+static int pbw__slot_side(const pbw__core *core, size_t t, int i, const double *p)
+{
+    const int dim = core->kernel.dim;
+    const double *x[4] = { NULL, NULL, NULL, NULL };
+    int k;
+    for (k = 0; k <= dim; k++) {
+        x[k] = k == i ? p : pbw__core_record(core, core->kernel.corner[4 * t + (size_t)k]);
+    }
+    return pbw__orient(dim, x, &core->grid);
+}
+
+/* Which facets of the simplex in slot t are not locally regular, of those that are tested on this side. */
+static unsigned pbw__slot_faults(const pbw__core *core, size_t t)
+{
+    const pbw__kernel *kernel = &core->kernel;
+    const int dim = kernel->dim;
+    const int ghost = kernel->corner[4 * t + (size_t)dim] == PBW__GHOST;
+    unsigned faults = 0;
+    int k;
+    if (!ghost && pbw__slot_side(core, t, dim + 1, NULL) <= 0) {
+        return PBW__INVERTED;
+    }
+    for (k = 0; k <= dim - ghost; k++) {
+        const pbw__link link = kernel->link[4 * t + (size_t)k];
+        const pbw_index far = kernel->corner[link];
+        if (far != PBW__GHOST && (ghost || t < link >> 2)
+            && pbw__slot_conflict(core, t, pbw__core_record(core, far))) {
+            faults |= 1u << k;
+        }
+    }
+    return faults;
+}
+
+static pbw_status pbw__verify_range(void *arg, size_t from, size_t to)
+{
+    pbw__verifying *verifying = (pbw__verifying *)arg;
+    pbw__core *core = verifying->core;
+    size_t inverted = 0, failing = 0, t;
+    if (PBW__LOAD(&verifying->inverted) > 0 || PBW__LOAD(&verifying->failing) > verifying->most) {
+        return PBW__ANEW;
+    }
+    for (t = from; t < to; t++) {
+        if (core->kernel.corner[4 * t] != PBW_NONE) {
+            const unsigned faults = pbw__slot_faults(core, t);
+            core->kernel.mark[t] = (unsigned char)faults;
+            inverted += faults == PBW__INVERTED;
+            failing += faults != 0;
+        }
+    }
+    (void)PBW__ADD(&verifying->inverted, inverted);
+    (void)PBW__ADD(&verifying->failing, failing);
+    return PBW_OK;
+}
+
+/* Counts the simplices that o is in, and adds 2 for each facet of the hull that it is not inside of. */
+static pbw_status pbw__cover_range(void *arg, size_t from, size_t to)
+{
+    pbw__verifying *verifying = (pbw__verifying *)arg;
+    const pbw__core *core = verifying->core;
+    const int dim = core->kernel.dim;
+    const double *o = verifying->o;
+    size_t covers = 0, t;
+    int k;
+    for (t = from; t < to; t++) {
+        const pbw_index *v = core->kernel.corner + 4 * t;
+        int holds = 1, i;
+        if (v[0] == PBW_NONE) {
+            continue;
+        }
+        if (v[dim] == PBW__GHOST) {
+            covers += 2 * (size_t)(pbw__slot_side(core, t, dim, o) >= 0);
+            continue;
+        }
+        for (k = 0; k < dim && holds; k++) {
+            int below = 0, above = 0;
+            for (i = 0; i <= dim; i++) {
+                const double x = pbw__core_record(core, v[i])[k];
+                below |= x <= o[k];
+                above |= x >= o[k];
+            }
+            holds = below & above;
+        }
+        for (i = 0; i <= dim && holds; i++) {
+            holds = pbw__slot_side(core, t, i, o) >= 0;
+        }
+        covers += (size_t)holds;
+    }
+    (void)PBW__ADD(&verifying->covers, covers);
+    return PBW_OK;
+}
+
+/* A point inside of one of a few simplices in the middle of the store; 0 if rounding leaves it in none. */
+static int pbw__choose_inside(pbw__verifying *verifying)
+{
+    const pbw__core *core = verifying->core;
+    const int dim = core->kernel.dim;
+    size_t t = core->store.count / 2, left = 64;
+    int i, k;
+    for (; t < core->store.count && left > 0; t++) {
+        const pbw_index *v = core->kernel.corner + 4 * t;
+        if (v[0] == PBW_NONE || v[dim] == PBW__GHOST) {
+            continue;
+        }
+        left--;
+        for (k = 0; k <= dim; k++) {
+            verifying->o[k] = 0.0;
+            for (i = 0; i <= dim; i++) {
+                verifying->o[k] += pbw__core_record(core, v[i])[k] / (double)(dim + 1);
+            }
+        }
+        for (i = 0; i <= dim && pbw__slot_side(core, t, i, verifying->o) > 0; i++) {
+        }
+        if (i > dim) {
+            return 1;
+        }
+    }
+    return 0;
+}
+
+/* ---- flips
+   Sets corners and links of a triangle, the ghost last. */
+static void pbw__set_triangle(pbw__kernel *kernel, size_t t, const pbw_index *v, const pbw__link *link)
+{
+    const unsigned turn = v[0] == PBW__GHOST ? 1 : v[1] == PBW__GHOST ? 2 : 0;
+    unsigned k;
+    for (k = 0; k < 3; k++) {
+        kernel->corner[4 * t + k] = v[(k + turn) % 3];
+        kernel->link[4 * t + k] = link[(k + turn) % 3];
+    }
+}
+
+/* Replaces the edge across from corner k of t by the other diagonal.  PBW__ANEW: that is none. */
+static pbw_status pbw__flip(pbw__core *core, size_t t, unsigned k)
+{
+    pbw__kernel *kernel = &core->kernel;
+    const pbw__link across = kernel->link[4 * t + k], here = (pbw__link)(4 * t + k);
+    const size_t u = (size_t)(across >> 2);
+    const unsigned j = (unsigned)(across & 3), k1 = (k + 1) % 3, k2 = (k + 2) % 3, j1 = (j + 1) % 3, j2 = (j + 2) % 3;
+    const pbw_index p = kernel->corner[here], q = kernel->corner[across];
+    const pbw_index a = kernel->corner[4 * t + k1], b = kernel->corner[4 * t + k2];
+    const pbw__link pa = kernel->link[4 * t + k2], bp = kernel->link[4 * t + k1];
+    const pbw__link aq = kernel->link[4 * u + j1], qb = kernel->link[4 * u + j2];
+    const pbw_index first[3] = { p, a, q }, second[3] = { p, q, b };
+    pbw__link link[3];
+    unsigned i;
+    for (i = 0; i < 2; i++) {
+        const pbw_index *v = i == 0 ? first : second;
+        const double *x[3] = { pbw__record2(kernel, v[0]), pbw__record2(kernel, v[1]), pbw__record2(kernel, v[2]) };
+        if (v[1] != PBW__GHOST && v[2] != PBW__GHOST && v[0] != PBW__GHOST && pbw__orient(2, x, &core->grid) <= 0) {
+            return PBW__ANEW;
+        }
+    }
+    kernel->scratch.cavity[0] = (pbw_index)t;
+    kernel->scratch.cavity[1] = (pbw_index)u;
+    kernel->scratch.cavity_count = 2;
+    if (!pbw__journal_cavity(kernel)) {
+        return PBW_ERROR_MEMORY;
+    }
+    link[0] = aq, link[1] = 0, link[2] = pa;
+    pbw__set_triangle(kernel, t, first, link);
+    link[0] = qb, link[1] = bp, link[2] = 0;
+    pbw__set_triangle(kernel, u, second, link);
+    for (i = 0; i < 2; i++) {                        /* the links back, and those of the two to each other */
+        const size_t s = i == 0 ? t : u;
+        unsigned m;
+        for (m = 0; m < 3; m++) {
+            const pbw_index v = kernel->corner[4 * s + m];
+            if (v == (i == 0 ? a : b)) {
+                const size_t other = i == 0 ? u : t;
+                const pbw_index facing = i == 0 ? b : a;
+                unsigned n = 0;
+                while (kernel->corner[4 * other + n] != facing) {
+                    n++;
+                }
+                kernel->link[4 * s + m] = (pbw__link)(4 * other + n);
+            } else {
+                kernel->link[kernel->link[4 * s + m]] = (pbw__link)(4 * s + m);
+            }
+        }
+    }
+    pbw__note_corners(core, t);
+    pbw__note_corners(core, u);
+    return PBW_OK;
+}
+
+/* Flips until all edges are locally Delaunay, from the marks of a verification on. */
+static pbw_status pbw__flip_all(pbw__core *core, size_t most)
+{
+    pbw__kernel *kernel = &core->kernel;
+    size_t count = 0, t, flips = 0;
+    unsigned k;
+    pbw_status status = PBW_OK;
+    for (t = 0; t < core->store.count; t++) {
+        for (k = 0; k < 3 && kernel->mark[t] != 0; k++) {
+            if (!PBW__CORE_GROW(core, rim_vertex, count + 1)) {
+                return PBW_ERROR_MEMORY;
+            }
+            core->rim_vertex[count] = (pbw_index)(4 * t + k);
+            count += kernel->mark[t] >> k & 1;
+        }
+        kernel->mark[t] = 0;
+    }
+    while (count > 0 && status == PBW_OK) {
+        const pbw_index facet = core->rim_vertex[--count];
+        const size_t s = kernel->link[facet] >> 2;
+        const int ghost = kernel->corner[4 * (facet >> 2) + 2] == PBW__GHOST;
+        const pbw_index far = kernel->corner[kernel->link[facet]];
+        t = facet >> 2;
+        k = facet & 3;
+        if (far == PBW__GHOST || (ghost && k == 2) || !pbw__slot_conflict(core, t, pbw__core_record(core, far))) {
+            continue;
+        }
+        status = ++flips > most ? PBW__ANEW : pbw__flip(core, t, k);
+        if (status == PBW_OK && !PBW__CORE_GROW(core, rim_vertex, count + 6)) {
+            status = PBW_ERROR_MEMORY;
+        }
+        for (k = 0; k < 3 && status == PBW_OK; k++) {
+            core->rim_vertex[count++] = (pbw_index)(4 * t + k);
+            core->rim_vertex[count++] = (pbw_index)(4 * s + k);
+        }
+        if ((flips & 1023) == 0 && pbw__report(kernel->context, 0.5)) {
+            status = PBW_CANCELLED;
+        }
+    }
+    return status;
+}
+
+/* The records have other coordinates: PBW_OK if the core is their triangulation now, after flips or without;
+   PBW__ANEW if not.  `most`: flips. */
+static pbw_status pbw__verify(pbw__core *core, size_t most)
+{
+    pbw__context *context = core->kernel.context;
+    pbw__verifying verifying;
+    pbw_status status;
+    memset(&verifying, 0, sizeof(verifying));
+    verifying.core = core;
+    verifying.most = core->kernel.dim == 3 || core->kernel.weighted ? 0 : most;
+    status = pbw__for_range(context, core->store.count, 4096, 0.5, pbw__verify_range, &verifying);
+    if (status == PBW_OK && verifying.failing > 0) {
+        status = verifying.inverted > 0 || verifying.failing > verifying.most ? PBW__ANEW
+               : pbw__flip_all(core, most);
+    }
+    if (status != PBW_OK) {
+        memset(core->kernel.mark, 0, core->store.count);
+    }
+    if (status == PBW_OK) {
+        status = pbw__choose_inside(&verifying)
+               ? pbw__for_range(context, core->store.count, 16384, 1.0, pbw__cover_range, &verifying) : PBW__ANEW;
+    }
+    return status == PBW_OK && verifying.covers != 1 ? PBW__ANEW : status;
+}
+/* ------------------------------------------------------------------------------------------------------
+   >>live         Points inserted, removed and moved: what is queued, commits, views.
+   In: a mesh, then changes by number.  Out: after each commit the triangulation of the points that live.
+   Holds: `point`, `weight` and `state` are as they will be after the next commit; the core is as it was after the
+   last one.  A commit that fails changes neither: it works on another core, or undoes what it did, and takes the
+   memory that it needs to do so beforehand.
+   ------------------------------------------------------------------------------------------------------ */
+#define PBW__LIVES 1u                                /* since the last commit */
+#define PBW__STAYS 2u                                /* will live after the next one */
+#define PBW__QUEUED 4u                               /* its number is in the queue */
+#define PBW__LEAVES 8u                               /* in a commit: its old place; and the next: a new one */
+#define PBW__ARRIVES 16u
+#define PBW__REMOVED PBW_NONE                        /* in the table of places */
+
+#define PBW__LIVE_GROW(live, x, needed) \
+    pbw__grow(&(live)->core.kernel.context->memory, &(live)->x, &(live)->x##_capacity, needed, sizeof(*(live)->x))
+
+/* What was written to the tables of the core, and in which. */
+typedef struct pbw__edit { pbw_index table, at, old; } pbw__edit;
+enum { PBW__EDIT_VERTEX, PBW__EDIT_TWIN, PBW__EDIT_PLACE };
+
+struct pbw_live {
+    pbw__memory memory;
+    pbw_options options;
+    int dim, weighted, weighted_past;                /* will be; was */
+    double *point, *weight;                          /* per number */
+    unsigned char *state;
+    pbw_index *spare, *queue;                        /* numbers that are free; numbers with changes */
+    size_t point_capacity, weight_capacity, state_capacity, spare_capacity, queue_capacity;
+    size_t count, spare_count, queue_count;          /* count: of numbers */
+    size_t numbers, points;                          /* at the last commit: of numbers, of points */
+    pbw__core core;
+    /* of one commit */
+    pbw__edit *edit;
+    pbw_index *head, *leaving, *arriving;            /* head: per place that changes, a number there; vertices */
+    double *moved;                                   /* other coordinates of those in `leaving` */
+    size_t edit_capacity, head_capacity, leaving_capacity, arriving_capacity, moved_capacity;
+    size_t edit_count, leaving_count, arriving_count, past_vertices, past_unused, past_placed;
+    unsigned skip, skips;                            /* commits to go before moves in place are tried; last time's */
+};
+
+/* ---- the queue */
+/* Room for `count` numbers, `queued` of them in the queue. */
+static pbw_status pbw__live_reserve(pbw_live *live, size_t count, size_t queued)
+{
+    pbw__memory *memory = &live->memory;
+    if (count >= PBW_NONE - 1 || count > (size_t)-1 / 256) {
+        return PBW_ERROR_TOO_LARGE;
+    }
+    return pbw__grow(memory, &live->point, &live->point_capacity, count * (size_t)live->dim, sizeof(double))
+        && pbw__grow(memory, &live->weight, &live->weight_capacity, count, sizeof(double))
+        && pbw__grow(memory, &live->state, &live->state_capacity, count, 1)
+        && pbw__grow(memory, &live->spare, &live->spare_capacity, count, sizeof(pbw_index))
+        && pbw__grow(memory, &live->queue, &live->queue_capacity, queued, sizeof(pbw_index))
+        ? PBW_OK : PBW_ERROR_MEMORY;
+}
+
+static void pbw__live_queue(pbw_live *live, pbw_index id)
+{
+    if ((live->state[id] & PBW__QUEUED) == 0) {
+        live->state[id] |= PBW__QUEUED;
+        live->queue[live->queue_count++] = id;
+    }
+}
+
+PBW__INLINE int pbw__all_finite(const double *x, size_t count)
+{
+    double sum = 0.0;
+    size_t i;
+    for (i = 0; i < count; i++) {
+        sum += x[i] - x[i];
+    }
+    return sum == 0.0;
+}
+
+PBWDEF pbw_status pbw_live_insert(pbw_live *live, const double *points, const double *weights, size_t count,
+                                  pbw_index *ids)
+{
+    const size_t recycled = live != NULL && live->spare_count < count ? live->spare_count : count;
+    size_t dim, i, k;
+    pbw_status status;
+    if (live == NULL || (points == NULL && count != 0)) {
+        return PBW_ERROR_ARGUMENT;
+    }
+    dim = (size_t)live->dim;
+    if (count > (size_t)-1 / 256) {
+        return PBW_ERROR_TOO_LARGE;
+    }
+    if (!pbw__all_finite(points, count * dim) || (weights != NULL && !pbw__all_finite(weights, count))) {
+        return PBW_ERROR_NOT_FINITE;
+    }
+    status = pbw__live_reserve(live, live->count + count - recycled, live->queue_count + count);
+    if (status != PBW_OK) {
+        return status;
+    }
+    live->weighted |= weights != NULL;
+    for (i = 0; i < count; i++) {
+        const pbw_index id = live->spare_count > 0 ? live->spare[--live->spare_count] : (pbw_index)live->count++;
+        for (k = 0; k < dim; k++) {
+            live->point[id * dim + k] = points[i * dim + k] + 0.0;       /* no -0.0 */
+        }
+        live->weight[id] = weights != NULL ? weights[i] + 0.0 : 0.0;
+        live->state[id] = PBW__STAYS;
+        pbw__live_queue(live, id);
+        if (ids != NULL) {
+            ids[i] = id;
+        }
+    }
+    return PBW_OK;
+}
+
+/* Whether all of these are numbers of points that stay. */
+static int pbw__live_all_stay(const pbw_live *live, const pbw_index *ids, size_t count)
+{
+    size_t i;
+    for (i = 0; i < count; i++) {
+        if (ids[i] >= live->count || (live->state[ids[i]] & PBW__STAYS) == 0) {
+            return 0;
+        }
+    }
+    return 1;
+}
+
+PBWDEF pbw_status pbw_live_remove(pbw_live *live, const pbw_index *ids, size_t count)
+{
+    size_t i;
+    pbw_status status;
+    if (live == NULL || (ids == NULL && count != 0) || !pbw__live_all_stay(live, ids, count)) {
+        return PBW_ERROR_ARGUMENT;
+    }
+    status = pbw__live_reserve(live, live->count, live->queue_count + count);
+    if (status != PBW_OK) {
+        return status;
+    }
+    for (i = 0; i < count && (live->state[ids[i]] & PBW__STAYS) != 0; i++) {
+        live->state[ids[i]] &= (unsigned char)~PBW__STAYS;
+    }
+    if (i < count) {                                 /* a number twice */
+        while (i-- > 0) {
+            live->state[ids[i]] |= PBW__STAYS;
+        }
+        return PBW_ERROR_ARGUMENT;
+    }
+    for (i = 0; i < count; i++) {
+        pbw__live_queue(live, ids[i]);
+    }
+    return PBW_OK;
+}
+
+PBWDEF pbw_status pbw_live_move(pbw_live *live, const pbw_index *ids, const double *points, size_t count)
+{
+    size_t dim, i, k;
+    pbw_status status;
+    if (live == NULL || (points == NULL && count != 0) || (ids == NULL && count != live->count)
+        || (ids != NULL && !pbw__live_all_stay(live, ids, count))) {
+        return PBW_ERROR_ARGUMENT;
+    }
+    dim = (size_t)live->dim;
+    for (i = 0; i < count; i++) {
+        if ((ids != NULL || (live->state[i] & PBW__STAYS) != 0) && !pbw__all_finite(points + i * dim, dim)) {
+            return PBW_ERROR_NOT_FINITE;
+        }
+    }
+    status = pbw__live_reserve(live, live->count, live->queue_count + count);
+    if (status != PBW_OK) {
+        return status;
+    }
+    for (i = 0; i < count; i++) {
+        const pbw_index id = ids != NULL ? ids[i] : (pbw_index)i;
+        if ((live->state[id] & PBW__STAYS) != 0) {
+            for (k = 0; k < dim; k++) {
+                live->point[id * dim + k] = points[i * dim + k] + 0.0;
+            }
+            pbw__live_queue(live, id);
+        }
+    }
+    return PBW_OK;
+}
+
+/* ---- what a commit changed */
+PBW__INLINE int pbw__tuple_order(const pbw_index *a, const pbw_index *b, size_t corners)
+{
+    size_t i;
+    for (i = 0; i + 1 < corners && a[i] == b[i]; i++) {
+    }
+    return (a[i] > b[i]) - (a[i] < b[i]);
+}
+
+static void pbw__sift_tuple(pbw_index *heap, size_t root, size_t count, size_t corners)
+{
+    const size_t bytes = corners * sizeof(pbw_index);
+    pbw_index item[4];
+    size_t child;
+    memcpy(item, heap + root * corners, bytes);
+    while ((child = 2 * root + 1) < count) {
+        child += child + 1 < count
+                 && pbw__tuple_order(heap + (child + 1) * corners, heap + child * corners, corners) > 0;
+        if (pbw__tuple_order(heap + child * corners, item, corners) <= 0) {
+            break;
+        }
+        memcpy(heap + root * corners, heap + child * corners, bytes);
+        root = child;
+    }
+    memcpy(heap + root * corners, item, bytes);
+}
+
+/* Sorts simplices by their corners: a heap sort, which needs no memory. */
+static void pbw__sort_tuples(pbw_index *tuple, size_t count, size_t corners)
+{
+    pbw_index last[4];
+    size_t i;
+    for (i = count / 2; i-- > 0; ) {
+        pbw__sift_tuple(tuple, i, count, corners);
+    }
+    for (i = count; i-- > 1; ) {
+        memcpy(last, tuple + i * corners, corners * sizeof(pbw_index));
+        memcpy(tuple + i * corners, tuple, corners * sizeof(pbw_index));
+        memcpy(tuple, last, corners * sizeof(pbw_index));
+        pbw__sift_tuple(tuple, 0, i, corners);
+    }
+}
+
+/* Turns the corners of a simplex: the lowest first, in space the lowest of the rest second. */
+PBW__INLINE void pbw__turn_tuple(pbw_index *v, int dim)
+{
+    const unsigned order = pbw__canonical_order(v, dim);
+    pbw_index old[4];
+    int k;
+    memcpy(old, v, ((size_t)dim + 1) * sizeof(pbw_index));
+    for (k = 0; k <= dim; k++) {
+        v[k] = old[order >> 2 * k & 3];
+    }
+}
+
+typedef struct pbw__owned_changes { pbw__memory memory; size_t deleted, made, points; } pbw__owned_changes;
+
+PBWDEF void pbw_changes_free(pbw_changes *changes)
+{
+    if (changes != NULL && changes->memory != NULL) {
+        pbw__owned_changes *owned = (pbw__owned_changes *)changes->memory;
+        pbw__memory memory = owned->memory;
+        pbw__release(&memory, (void *)(uintptr_t)changes->deleted, owned->deleted, sizeof(pbw_index));
+        pbw__release(&memory, (void *)(uintptr_t)changes->made, owned->made, sizeof(pbw_index));
+        pbw__release(&memory, (void *)(uintptr_t)changes->points, owned->points, sizeof(pbw_index));
+        pbw__release(&memory, owned, 1, sizeof(pbw__owned_changes));
+    }
+    if (changes != NULL) {
+        memset(changes, 0, sizeof(*changes));
+    }
+}
+
+/* Sorts both lists and leaves in each what is not in the other; then notes the points of both.  The lists are
+   changes->deleted and made, of the numbers below `numbers`. */
+static pbw_status pbw__changes_close(pbw_changes *changes, int dim, size_t numbers)
+{
+    pbw__owned_changes *owned = (pbw__owned_changes *)changes->memory;
+    pbw_index *tuple[2], *points;
+    size_t count[2], corners = (size_t)dim + 1, i, j, k, kept[2] = { 0, 0 }, bytes = corners * sizeof(pbw_index);
+    tuple[0] = (pbw_index *)(uintptr_t)changes->deleted;
+    tuple[1] = (pbw_index *)(uintptr_t)changes->made;
+    count[0] = changes->deleted_count;
+    count[1] = changes->made_count;
+    owned->points = numbers;
+    changes->points = points = (pbw_index *)pbw__allocate(&owned->memory, numbers, sizeof(pbw_index));
+    if (points == NULL) {
+        return PBW_ERROR_MEMORY;
+    }
+    memset(points, 0, numbers * sizeof(pbw_index));
+    for (k = 0; k < 2; k++) {
+        for (i = 0; i < count[k]; i++) {
+            pbw__turn_tuple(tuple[k] + i * corners, dim);
+        }
+        pbw__sort_tuples(tuple[k], count[k], corners);
+    }
+    for (i = j = 0; i < count[0] || j < count[1]; ) {
+        const int order = i == count[0] ? 1 : j == count[1] ? -1
+                        : pbw__tuple_order(tuple[0] + i * corners, tuple[1] + j * corners, corners);
+        const size_t at = order > 0 ? j : i, which = order > 0;
+        if (order != 0) {
+            const pbw_index *from = tuple[which] + at * corners;
+            for (k = 0; k < corners; k++) {
+                points[from[k]] = 1;
+            }
+            memmove(tuple[which] + kept[which]++ * corners, from, bytes);
+        }
+        i += order <= 0;
+        j += order >= 0;
+    }
+    changes->deleted_count = kept[0];
+    changes->made_count = kept[1];
+    for (i = 0; i < numbers; i++) {
+        if (points[i] != 0) {
+            points[changes->point_count++] = (pbw_index)i;
+        }
+    }
+    return PBW_OK;
+}
+
+/* Room for so many simplices before and after. */
+static pbw_status pbw__changes_start(const pbw_live *live, pbw_changes *changes, size_t deleted, size_t made)
+{
+    const size_t corners = (size_t)live->dim + 1;
+    pbw__memory memory;
+    pbw__owned_changes *owned;
+    pbw__memory_start(&memory, &live->options);
+    owned = (pbw__owned_changes *)pbw__allocate(&memory, 1, sizeof(*owned));
+    if (owned == NULL) {
+        return PBW_ERROR_MEMORY;
+    }
+    changes->memory = owned;
+    owned->memory = memory;
+    owned->points = 0;
+    owned->deleted = deleted * corners;
+    owned->made = made * corners;
+    changes->deleted = (pbw_index *)pbw__allocate(&owned->memory, owned->deleted, sizeof(pbw_index));
+    changes->made = (pbw_index *)pbw__allocate(&owned->memory, owned->made, sizeof(pbw_index));
+    return changes->deleted != NULL && changes->made != NULL ? PBW_OK : PBW_ERROR_MEMORY;
+}
+
+/* Adds a simplex of a core, if it is a finite one, to one of the lists. */
+static void pbw__changes_add(const pbw__core *core, const pbw_index *v, int dim, const pbw_index *list, size_t *count)
+{
+    pbw_index *to = (pbw_index *)(uintptr_t)list + *count * ((size_t)dim + 1);
+    int k;
+    if (v[0] != PBW_NONE && v[dim] != PBW__GHOST) {
+        for (k = 0; k <= dim; k++) {
+            to[k] = core->name[v[k]];
+        }
+        *count += 1;
+    }
+}
+
+/* What the journal says. */
+static pbw_status pbw__batch_changes(const pbw_live *live, pbw_changes *changes)
+{
+    const pbw__core *core = &live->core;
+    pbw_status status = pbw__changes_start(live, changes, core->past_count, core->past_count + core->taken_count);
+    size_t i;
+    if (status != PBW_OK) {
+        return status;
+    }
+    for (i = 0; i < core->past_count; i++) {
+        pbw__changes_add(core, core->past[i].corner, live->dim, changes->deleted, &changes->deleted_count);
+        pbw__changes_add(core, core->store.corner + 4 * (size_t)core->past[i].slot, live->dim, changes->made,
+                         &changes->made_count);
+    }
+    for (i = 0; i < core->taken_count; i++) {
+        pbw__changes_add(core, core->store.corner + 4 * (size_t)core->taken[i], live->dim, changes->made,
+                         &changes->made_count);
+    }
+    return pbw__changes_close(changes, live->dim, live->count);
+}
+
+/* From one core to another. */
+static pbw_status pbw__rebuild_changes(const pbw_live *live, const pbw__core *core, pbw_changes *changes)
+{
+    const pbw__core *old = &live->core;
+    pbw_status status = pbw__changes_start(live, changes, old->simplex_count, core->simplex_count);
+    size_t t;
+    if (status != PBW_OK) {
+        return status;
+    }
+    for (t = 0; t < old->store.count && old->simplex_count > 0; t++) {
+        pbw__changes_add(old, old->store.corner + 4 * t, live->dim, changes->deleted, &changes->deleted_count);
+    }
+    for (t = 0; t < core->store.count && core->simplex_count > 0; t++) {
+        pbw__changes_add(core, core->store.corner + 4 * t, live->dim, changes->made, &changes->made_count);
+    }
+    return pbw__changes_close(changes, live->dim, live->count);
+}
+
+/* ---- commits: which vertices leave and arrive */
+PBW__INLINE const double *pbw__live_point(const pbw_live *live, size_t id)
+{
+    return live->point + id * (size_t)live->dim;
+}
+
+/* Marks which of the queue leave a place, and arrive at one; counts them. */
+static void pbw__live_classify(pbw_live *live, size_t *leave, size_t *arrive)
+{
+    size_t i;
+    *leave = *arrive = 0;
+    for (i = 0; i < live->queue_count; i++) {
+        const pbw_index id = live->queue[i];
+        const unsigned state = live->state[id] & (PBW__LIVES | PBW__STAYS | PBW__QUEUED);
+        const int lives = (state & PBW__LIVES) != 0, stays = (state & PBW__STAYS) != 0;
+        const int moves = lives && stays && !pbw__same_place(pbw__live_point(live, id),
+                                                             pbw__core_record(&live->core, live->core.vertex[id]),
+                                                             live->dim);
+        const unsigned leaves = lives && (moves || !stays), arrives = stays && (moves || !lives);
+        live->state[id] = (unsigned char)(state | leaves * PBW__LEAVES | arrives * PBW__ARRIVES);
+        *leave += leaves;
+        *arrive += arrives;
+    }
+}
+
+/* Writes to a table of the core, so that it can be undone; 0 if memory is short. */
+static int pbw__live_set(pbw_live *live, unsigned table, size_t at, pbw_index value)
+{
+    pbw_index *entry = (table == PBW__EDIT_VERTEX ? live->core.vertex : table == PBW__EDIT_TWIN ? live->core.twin
+                                                  : live->core.place) + at;
+    pbw__edit *edit;
+    if (!PBW__LIVE_GROW(live, edit, live->edit_count + 1)) {
+        return 0;
+    }
+    edit = live->edit + live->edit_count++;
+    edit->table = table;
+    edit->at = (pbw_index)at;
+    edit->old = *entry;
+    *entry = value;
+    return 1;
+}
+
+/* Where the table of places has, or would have, the vertex at x. */
+static size_t pbw__place_find(const pbw__core *core, const double *x)
+{
+    const int dim = core->kernel.dim;
+    size_t at = (size_t)(pbw__hash_doubles(0, x, dim) >> 20) & (core->place_capacity - 1), hole = (size_t)-1;
+    while (core->place[at] != 0) {
+        if (core->place[at] == PBW__REMOVED) {
+            hole = hole == (size_t)-1 ? at : hole;
+        } else if (pbw__same_place(pbw__core_record(core, core->place[at]), x, dim)) {
+            return at;
+        }
+        at = (at + 1) & (core->place_capacity - 1);
+    }
+    return hole != (size_t)-1 ? hole : at;
+}
+
+/* A table of places with room for `more` vertices. */
+static int pbw__place_reserve(pbw_live *live, size_t more)
+{
+    pbw__core *core = &live->core;
+    size_t room = 64, i;
+    if (core->place != NULL && 2 * (core->placed + more) < core->place_capacity) {
+        return 1;
+    }
+    while (room < 3 * (live->points + more)) {
+        room *= 2;
+    }
+    PBW__RELEASE(&core->kernel.context->memory, core, place);
+    core->place = NULL;
+    core->place_capacity = 0;
+    core->place = (pbw_index *)pbw__allocate(&core->kernel.context->memory, room, sizeof(pbw_index));
+    if (core->place == NULL) {
+        return 0;
+    }
+    core->place_capacity = room;
+    memset(core->place, 0, room * sizeof(pbw_index));
+    core->placed = 0;
+    for (i = 0; i < live->numbers; i++) {
+        if ((live->state[i] & PBW__LIVES) != 0 && core->name[core->vertex[i]] == i) {
+            core->place[pbw__place_find(core, pbw__core_record(core, core->vertex[i]))] = core->vertex[i];
+            core->placed++;
+        }
+    }
+    return 1;
+}
+
+/* Room for the changes of a batch: `more` new vertices, as many places with changes. */
+static pbw_status pbw__batch_reserve(pbw_live *live, size_t more)
+{
+    pbw__core *core = &live->core;
+    const size_t vertices = core->vertex_count + more + 1, width = (size_t)live->dim + 1, old = core->local_capacity;
+    if (vertices >= PBW__GONE || !PBW__CORE_GROW(core, vertex, live->count)
+        || !PBW__CORE_GROW(core, twin, live->count) || !PBW__CORE_GROW(core, record, vertices * width)
+        || !PBW__CORE_GROW(core, name, vertices) || !PBW__CORE_GROW(core, incident, vertices)
+        || !PBW__CORE_GROW(core, local, vertices) || !PBW__CORE_GROW(core, rim_vertex, more + 1)
+        || !PBW__CORE_GROW(core, unused, core->unused_count + more) || !PBW__CORE_GROW(core, covered, core->hidden_count)
+        || !PBW__CORE_GROW(core, cover, core->hidden_count) || !PBW__LIVE_GROW(live, head, more + 1)
+        || !PBW__LIVE_GROW(live, leaving, more + 1) || !PBW__LIVE_GROW(live, arriving, more + 1)
+        || !pbw__place_reserve(live, more)) {
+        return PBW_ERROR_MEMORY;
+    }
+    memset(core->local + old, 0, (core->local_capacity - old) * sizeof(pbw_index));
+    core->kernel.record = core->record;
+    return PBW_OK;
+}
+
+/* Notes that the place of a vertex changes: its place in the list of those that do.  `head` is the first of its
+   numbers, PBW_NONE if it has none yet. */
+static size_t pbw__live_affect(pbw_live *live, pbw_index v, pbw_index head)
+{
+    pbw__core *core = &live->core;
+    const size_t before = core->rim_vertices, at = pbw__rim_place(core, v);
+    if (core->rim_vertices != before) {
+        live->head[at] = head;
+    }
+    return at;
+}
+
+/* Takes those that leave out of the numbers of a place. */
+static int pbw__live_sieve(pbw_live *live, size_t at)
+{
+    const pbw_index *twin = live->core.twin;
+    const pbw_index first = live->core.name[live->core.rim_vertex[at]];
+    pbw_index head = PBW_NONE, last = PBW_NONE, id = first, next;
+    do {
+        next = twin[id];
+        if ((live->state[id] & PBW__LEAVES) == 0) {
+            if (last != PBW_NONE && twin[last] != id && !pbw__live_set(live, PBW__EDIT_TWIN, last, id)) {
+                return 0;
+            }
+            head = head == PBW_NONE ? id : head;
+            last = id;
+        }
+        id = next;
+    } while (id != first);
+    live->head[at] = head;
+    return head == PBW_NONE || twin[last] == head || pbw__live_set(live, PBW__EDIT_TWIN, last, head);
+}
+
+/* A new vertex at a place, for a number; it is to be inserted. */
+static pbw_index pbw__live_new_vertex(pbw_live *live, const double *x, pbw_index id)
+{
+    pbw__core *core = &live->core;
+    const size_t dim = (size_t)live->dim;
+    const pbw_index v = core->unused_count > 0 ? core->unused[--core->unused_count]
+                                               : (pbw_index)++core->vertex_count;
+    double *record = core->record + v * (dim + 1);
+    memmove(record, x, dim * sizeof(double));
+    record[dim] = live->weight[id];
+    core->incident[v] = PBW__WAITING;
+    core->name[v] = id;
+    core->local[v] = 0;
+    return v;
+}
+
+/* Adds a number to those of its new place. */
+static int pbw__live_join(pbw_live *live, pbw_index id)
+{
+    pbw__core *core = &live->core;
+    const double *x = pbw__live_point(live, id);
+    const size_t slot = pbw__place_find(core, x);
+    pbw_index v = core->place[slot], head;
+    size_t at;
+    if (v == 0 || v == PBW__REMOVED) {
+        core->placed += v == 0;
+        v = pbw__live_new_vertex(live, x, id);
+        at = pbw__live_affect(live, v, PBW_NONE);
+        if (!pbw__live_set(live, PBW__EDIT_PLACE, slot, v)) {
+            return 0;
+        }
+    } else {
+        at = pbw__live_affect(live, v, core->name[v]);
+    }
+    head = live->head[at];
+    if (!pbw__live_set(live, PBW__EDIT_VERTEX, id, v)
+        || !pbw__live_set(live, PBW__EDIT_TWIN, id, head == PBW_NONE ? id : core->twin[head])
+        || (head != PBW_NONE && !pbw__live_set(live, PBW__EDIT_TWIN, head, id))) {
+        return 0;
+    }
+    live->head[at] = head == PBW_NONE ? id : head;
+    return 1;
+}
+
+/* Settles which number a place has a vertex for: the largest weight, then the lowest.  A vertex for another one is a
+   vertex of its own. */
+static int pbw__live_elect(pbw_live *live, size_t at)
+{
+    pbw__core *core = &live->core;
+    const pbw_index v = core->rim_vertex[at], head = live->head[at];
+    const size_t slot = pbw__place_find(core, pbw__core_record(core, v));
+    pbw_index best = head, id, other;
+    if (head == PBW_NONE) {
+        live->leaving[live->leaving_count++] = v;
+        return pbw__live_set(live, PBW__EDIT_PLACE, slot, PBW__REMOVED);
+    }
+    for (id = core->twin[head]; id != head; id = core->twin[id]) {
+        if (live->weight[id] != live->weight[best] ? live->weight[id] > live->weight[best] : id < best) {
+            best = id;
+        }
+    }
+    if (core->incident[v] == PBW__WAITING) {
+        core->name[v] = best;
+        core->record[v * ((size_t)live->dim + 1) + (size_t)live->dim] = live->weight[best];
+        live->arriving[live->arriving_count++] = v;
+        return 1;
+    }
+    if (best == core->name[v]) {
+        return 1;
+    }
+    other = pbw__live_new_vertex(live, pbw__core_record(core, v), best);
+    live->leaving[live->leaving_count++] = v;
+    live->arriving[live->arriving_count++] = other;
+    id = head;
+    do {
+        if (!pbw__live_set(live, PBW__EDIT_VERTEX, id, other)) {
+            return 0;
+        }
+        id = core->twin[id];
+    } while (id != head);
+    return pbw__live_set(live, PBW__EDIT_PLACE, slot, other);
+}
+
+/* Lists the vertices that leave and arrive, and brings the numbers of places up to date. */
+static pbw_status pbw__batch_plan(pbw_live *live)
+{
+    pbw__core *core = &live->core;
+    size_t i;
+    core->rim_vertices = 0;
+    for (i = 0; i < live->queue_count; i++) {
+        if ((live->state[live->queue[i]] & PBW__LEAVES) != 0) {
+            (void)pbw__live_affect(live, core->vertex[live->queue[i]], PBW_NONE);
+        }
+    }
+    for (i = 0; i < core->rim_vertices; i++) {
+        if (!pbw__live_sieve(live, i)) {
+            return PBW_ERROR_MEMORY;
+        }
+    }
+    for (i = 0; i < live->queue_count; i++) {
+        if ((live->state[live->queue[i]] & PBW__ARRIVES) != 0 && !pbw__live_join(live, live->queue[i])) {
+            return PBW_ERROR_MEMORY;
+        }
+    }
+    for (i = 0; i < core->rim_vertices; i++) {
+        if (!pbw__live_elect(live, i)) {
+            return PBW_ERROR_MEMORY;
+        }
+    }
+    return PBW_OK;
+}
+
+/* ---- commits: vertex by vertex
+   Sorts vertices along the curve. */
+static pbw_status pbw__live_sort(pbw_live *live, pbw_index *list, size_t count)
+{
+    pbw__memory *memory = &live->core.kernel.context->memory;
+    const size_t dim = (size_t)live->dim;
+    double *points;
+    pbw_index *order;
+    pbw_status status = PBW_ERROR_MEMORY;
+    size_t i;
+    if (count < 3) {
+        return PBW_OK;
+    }
+    points = (double *)pbw__allocate(memory, count * dim, sizeof(double));
+    order = (pbw_index *)pbw__allocate(memory, count, sizeof(pbw_index));
+    for (i = 0; i < count && points != NULL; i++) {
+        memcpy(points + i * dim, pbw__core_record(&live->core, list[i]), dim * sizeof(double));
+    }
+    if (points != NULL && order != NULL) {
+        status = pbw_order(live->dim, points, count, &live->options, order);
+    }
+    for (i = 0; i < count && status == PBW_OK; i++) {
+        order[i] = list[order[i]];
+    }
+    if (status == PBW_OK) {
+        memcpy(list, order, count * sizeof(pbw_index));
+    }
+    pbw__release(memory, points, count * dim, sizeof(double));
+    pbw__release(memory, order, count, sizeof(pbw_index));
+    return status;
+}
+
+/* Gives up the grid if a new record is not on it, or beyond those that it was made of. */
+static void pbw__live_fit_grid(pbw_live *live, const pbw_index *list, size_t count)
+{
+    pbw__core *core = &live->core;
+    const int dim = live->dim;
+    size_t i;
+    int k;
+    for (i = 0; i < count && core->grid.inverse_unit != 0.0; i++) {
+        const double *x = pbw__core_record(core, list[i]);
+        for (k = 0; k <= dim; k++) {
+            const double scale = k < dim ? core->grid.inverse_unit : core->grid.inverse_unit * core->grid.inverse_unit;
+            if (!(x[k] >= core->low[k] && x[k] <= core->high[k] && floor(x[k] * scale) == x[k] * scale)) {
+                memset(&core->grid, 0, sizeof(core->grid));
+                core->kernel.exact_height = 0.0;
+                break;
+            }
+        }
+    }
+}
+
+/* A simplex to walk to an arriving vertex from: of the last one, or if that is nearer, of a neighbour that the point
+   had before it moved, which was noted in `local`. */
+static pbw_index pbw__batch_hint(const pbw_live *live, size_t i)
+{
+    const pbw__core *core = &live->core;
+    const double *p = pbw__core_record(core, live->arriving[i]);
+    const pbw_index near = core->local[live->arriving[i]];
+    if (near != 0 && core->incident[near] < PBW__GONE
+        && (i == 0 || pbw__squared(pbw__core_record(core, near), p, live->dim)
+                      < pbw__squared(pbw__core_record(core, live->arriving[i - 1]), p, live->dim))) {
+        return core->incident[near];
+    }
+    return pbw__start_near(core, core->kernel.last);
+}
+
+/* Carries out a batch; on any status but PBW_OK it is to be undone.  PBW__ANEW: by a rebuild. */
+static pbw_status pbw__batch_run(pbw_live *live, size_t most_effort)
+{
+    pbw__core *core = &live->core;
+    pbw__context *context = core->kernel.context;
+    const size_t all = live->leaving_count + live->arriving_count;
+    pbw_status status = pbw__live_sort(live, live->leaving, live->leaving_count);
+    size_t i;
+    status = status == PBW_OK ? pbw__live_sort(live, live->arriving, live->arriving_count) : status;
+    pbw__live_fit_grid(live, live->arriving, live->arriving_count);
+    core->effort = 0;
+    for (i = 0; i < live->leaving_count && status == PBW_OK; i++) {
+        const pbw_index v = live->leaving[i];
+        if (core->incident[v] == PBW_NONE) {
+            core->incident[v] = PBW__GONE;           /* it was hidden */
+        } else {
+            status = pbw__remove_vertex(core, v);
+            status = status == PBW_OK && core->effort > most_effort ? PBW__ANEW : status;
+            if (status == PBW_OK && core->incident[core->vertex[core->name[v]]] == PBW__WAITING) {
+                core->local[core->vertex[core->name[v]]] = core->rim_vertex[core->rim_vertices - 1];
+            }
+        }
+        if (status == PBW_OK && (i & 63) == 0 && pbw__report(context, (double)i / (double)all)) {
+            status = PBW_CANCELLED;
+        }
+    }
+    core->covered_count = 0;
+    for (i = 0; i < core->hidden_count; i++) {
+        if (core->incident[core->hidden[i]] == PBW_NONE) {
+            core->covered[core->covered_count] = core->hidden[i];
+            core->cover[core->covered_count++] = core->witness[i];
+        }
+    }
+    for (i = 0; i < live->arriving_count && status == PBW_OK; i++) {
+        status = pbw__insert_vertex(core, live->arriving[i], pbw__batch_hint(live, i));
+        if (status == PBW_OK && (i & 63) == 0
+            && pbw__report(context, (double)(live->leaving_count + i) / (double)all)) {
+            status = PBW_CANCELLED;
+        }
+    }
+    return status == PBW_OK ? pbw__uncover(core) : status;
+}
+
+static void pbw__batch_undo(pbw_live *live)
+{
+    pbw__core *core = &live->core;
+    while (live->edit_count > 0) {
+        const pbw__edit *edit = live->edit + --live->edit_count;
+        pbw_index *table = edit->table == PBW__EDIT_VERTEX ? core->vertex : edit->table == PBW__EDIT_TWIN ? core->twin
+                         : core->place;
+        table[edit->at] = edit->old;
+    }
+    pbw__journal_undo(core);
+    core->vertex_count = live->past_vertices;
+    core->unused_count = live->past_unused;
+    core->placed = live->past_placed;
+}
+
+/* A batch, all or nothing. */
+static pbw_status pbw__live_batch(pbw_live *live, size_t leave, size_t arrive, size_t most_effort,
+                                  pbw_changes *changes)
+{
+    pbw__core *core = &live->core;
+    pbw_status status = pbw__batch_reserve(live, leave + 2 * arrive);
+    live->edit_count = live->leaving_count = live->arriving_count = 0;
+    live->past_vertices = core->vertex_count;
+    live->past_unused = core->unused_count;
+    live->past_placed = core->placed;
+    if (status != PBW_OK) {
+        return status;
+    }
+    status = pbw__batch_plan(live);
+    status = status == PBW_OK ? pbw__batch_run(live, most_effort) : status;
+    if (status == PBW_OK && changes != NULL) {
+        status = pbw__batch_changes(live, changes);
+    }
+    if (status != PBW_OK) {
+        pbw__batch_undo(live);
+        return status;
+    }
+    memcpy(core->unused + core->unused_count, live->leaving, live->leaving_count * sizeof(pbw_index));
+    core->unused_count += live->leaving_count;
+    pbw__swap_covers(core);
+    pbw__journal_clear(core);
+    return PBW_OK;
+}
+
+/* ---- commits: all moves in place
+   Writes the new coordinates into the records of those that move, or the old ones back. */
+static void pbw__live_exchange(pbw_live *live)
+{
+    const size_t dim = (size_t)live->dim;
+    size_t i, k;
+    for (i = 0; i < live->leaving_count; i++) {
+        double *record = live->core.record + live->leaving[i] * (dim + 1), *other = live->moved + i * dim;
+        for (k = 0; k < dim; k++) {
+            const double x = record[k];
+            record[k] = other[k];
+            other[k] = x;
+        }
+    }
+}
+
+/* Lists the vertices that move; PBW__ANEW if anything else happens, or duplicates or hidden points would matter. */
+static pbw_status pbw__live_list_moves(pbw_live *live, size_t count)
+{
+    const pbw__core *core = &live->core;
+    const size_t dim = (size_t)live->dim;
+    size_t i;
+    if (core->hidden_count > 0) {
+        return PBW__ANEW;
+    }
+    if (!PBW__LIVE_GROW(live, leaving, count) || !PBW__LIVE_GROW(live, moved, count * dim)) {
+        return PBW_ERROR_MEMORY;
+    }
+    live->leaving_count = 0;
+    for (i = 0; i < live->queue_count; i++) {
+        const pbw_index id = live->queue[i];
+        const unsigned both = live->state[id] & (PBW__LEAVES | PBW__ARRIVES);
+        if (both == (PBW__LEAVES | PBW__ARRIVES) && core->twin[id] == id) {
+            memcpy(live->moved + live->leaving_count * dim, pbw__live_point(live, id), dim * sizeof(double));
+            live->leaving[live->leaving_count++] = core->vertex[id];
+        } else if (both != 0) {
+            return PBW__ANEW;
+        }
+    }
+    return PBW_OK;
+}
+
+/* Moves vertices in place, all or nothing.  PBW__ANEW: not that way. */
+static pbw_status pbw__live_in_place(pbw_live *live, size_t count, pbw_changes *changes)
+{
+    pbw__core *core = &live->core;
+    const pbw__grid grid = core->grid;
+    const double exact_height = core->kernel.exact_height;
+    pbw_status status = pbw__live_list_moves(live, count);
+    if (status != PBW_OK) {
+        return status;
+    }
+    pbw__live_exchange(live);
+    pbw__live_fit_grid(live, live->leaving, live->leaving_count);
+    status = pbw__verify(core, core->simplex_count / 2 + 64);
+    if (status == PBW_OK && changes != NULL) {
+        status = pbw__batch_changes(live, changes);
+    }
+    if (status != PBW_OK) {
+        pbw__live_exchange(live);
+        core->grid = grid;
+        core->kernel.exact_height = exact_height;
+        pbw__journal_undo(core);
+        return status;
+    }
+    PBW__RELEASE(&core->kernel.context->memory, core, place);        /* is to be made anew */
+    core->place = NULL;
+    core->place_capacity = core->placed = 0;
+    return PBW_OK;
+}
+
+/* Triangulates the points that stay into another core, which takes the place of this one. */
+static pbw_status pbw__live_rebuild(pbw_live *live, pbw__context *context, pbw_changes *changes)
+{
+    pbw__stand stand;
+    pbw__core core;
+    pbw_status status = PBW_ERROR_MEMORY;
+    size_t i;
+    memset(&core, 0, sizeof(core));
+    core.kernel.context = context;
+    if (pbw__stand_create(&context->memory, &stand, live->count, live->dim)) {
+        for (i = 0; i < live->count; i++) {
+            if ((live->state[i] & PBW__STAYS) != 0) {
+                pbw__stand_add(&stand, (pbw_index)i, pbw__live_point(live, i), live->weight[i]);
+            }
+        }
+        status = pbw__core_build(context, &stand, live->weighted, live->count, &core);
+    }
+    pbw__stand_free(&context->memory, &stand);
+    if ((status == PBW_OK || status == PBW_DEGENERATE) && changes != NULL) {
+        const pbw_status listed = pbw__rebuild_changes(live, &core, changes);
+        status = listed != PBW_OK ? listed : status;
+    }
+    if (status == PBW_OK || status == PBW_DEGENERATE) {
+        pbw__core_free(context, &live->core);
+        live->core = core;
+        if (core.kernel.journal != NULL) {
+            live->core.kernel.store = &live->core.store;
+            live->core.kernel.grid = &live->core.grid;
+            live->core.kernel.journal = &live->core;
+        }
+    } else {
+        pbw__core_free(context, &core);
+    }
+    return status;
+}
+
+/* The changes have been carried out: empties the queue. */
+static void pbw__live_settle(pbw_live *live)
+{
+    size_t i, k;
+    for (i = 0; i < live->queue_count; i++) {
+        const pbw_index id = live->queue[i];
+        const int lived = (live->state[id] & PBW__LIVES) != 0, stays = (live->state[id] & PBW__STAYS) != 0;
+        live->points += (size_t)stays - (size_t)lived;
+        live->state[id] = stays ? PBW__STAYS | PBW__LIVES : 0;
+        if (!stays) {
+            live->spare[live->spare_count++] = id;
+            for (k = 0; k < (size_t)live->dim; k++) {
+                live->point[id * (size_t)live->dim + k] = 0.0;
+            }
+            live->weight[id] = 0.0;
+        }
+    }
+    live->queue_count = 0;
+    live->numbers = live->count;
+    live->weighted_past = live->weighted;
+}
+
+/* Of how many of the points moved it takes less time to triangulate all; and to verify all first. */
+#ifndef PBW__REBUILD_AT
+#define PBW__REBUILD_AT(dim) ((dim) == 3 ? 0.08 : 0.08)
+#endif
+#ifndef PBW__VERIFY_AT
+#define PBW__VERIFY_AT(dim) ((dim) == 3 ? 0.05 : 0.02)
+#endif
+#define PBW__EFFORT 64                               /* looks for an apex that take as long as to insert a point */
+
+/* Tries to move in place.  While that fails it is tried less and less often. */
+static pbw_status pbw__live_try_moves(pbw_live *live, size_t count, pbw_changes *changes, pbw_way *way)
+{
+    pbw_status status;
+    if (live->skip > 0) {
+        live->skip--;
+        return PBW__ANEW;
+    }
+    status = pbw__live_in_place(live, count, changes);
+    if (status == PBW_OK) {
+        *way = live->core.past_count > 0 ? PBW_WAY_FLIPS : PBW_WAY_NOTHING;
+        pbw__journal_clear(&live->core);
+        live->skips = 0;
+    } else if (status == PBW__ANEW) {
+        pbw_changes_free(changes);
+        live->skips = live->skips < 7 ? 2 * live->skips + 1 : 7;
+        live->skip = live->skips;
+    }
+    return status;
+}
+
+/* Chooses the way and goes it. */
+static pbw_status pbw__live_go(pbw_live *live, pbw__context *context, pbw_changes *changes)
+{
+    const double points = (double)live->points;
+    size_t leave, arrive;
+    pbw_status status = PBW__ANEW;
+    pbw_way way = PBW_WAY_REBUILD;
+    pbw__live_classify(live, &leave, &arrive);
+    if (leave + arrive == 0) {
+        return live->core.simplex_count > 0 ? PBW_OK : PBW_DEGENERATE;
+    }
+    if (leave == arrive && live->core.simplex_count > 0 && (double)leave >= PBW__VERIFY_AT(live->dim) * points) {
+        status = pbw__enter_stage(context, PBW_STAGE_WORK) ? PBW_CANCELLED
+               : pbw__live_try_moves(live, leave, changes, &way);
+    }
+    if (status == PBW__ANEW && live->core.simplex_count > 0 && live->weighted == live->core.kernel.weighted
+        && 0.5 * (double)(leave + arrive) <= PBW__REBUILD_AT(live->dim) * points) {
+        if (pbw__enter_stage(context, PBW_STAGE_WORK)) {
+            return PBW_CANCELLED;
+        }
+        status = pbw__live_batch(live, leave, arrive, PBW__EFFORT * (live->points + 100), changes);
+        way = PBW_WAY_BATCH;
+    }
+    if (status == PBW__ANEW) {
+        pbw_changes_free(changes);
+        status = pbw__live_rebuild(live, context, changes);
+        way = PBW_WAY_REBUILD;
+    }
+    if (changes != NULL) {
+        changes->way = way;
+    }
+    return status;
+}
+
+PBWDEF pbw_status pbw_live_commit(pbw_live *live, pbw_changes *changes)
+{
+    pbw__context context;
+    pbw_status status;
+    pbw__fp fp;
+    if (changes != NULL) {
+        memset(changes, 0, sizeof(*changes));
+    }
+    if (live == NULL) {
+        return PBW_ERROR_ARGUMENT;
+    }
+    fp = pbw__fp_enter();
+    pbw__context_start(&context, &live->options, live->count);
+    context.memory = live->memory;
+    live->core.kernel.context = &context;
+    status = pbw__fp_is_exact() ? pbw__live_go(live, &context, changes) : PBW_ERROR_FP_MODE;
+    pbw__team_stop(&context);
+    if (status == PBW_OK || status == PBW_DEGENERATE) {
+        pbw__live_settle(live);
+    } else {
+        pbw_changes_free(changes);
+    }
+    live->core.kernel.context = NULL;
+    live->memory = context.memory;
+    pbw__fp_leave(fp);
+    return status;
+}
+
+/* ---- views */
+typedef struct pbw__viewing {
+    const pbw_live *live;
+    const pbw_index *rank;                           /* per vertex */
+    pbw__store *store;
+} pbw__viewing;
+
+static pbw_status pbw__view_slots(void *arg, size_t from, size_t to)
+{
+    const pbw__viewing *viewing = (const pbw__viewing *)arg;
+    const pbw__store *old = &viewing->live->core.store;
+    const pbw_index *rank = viewing->rank;
+    const unsigned dim = (unsigned)viewing->live->dim;
+    for (; from < to; from++) {
+        const pbw_index *v = old->corner + 4 * from;
+        pbw_index *u = viewing->store->corner + 4 * from;
+        unsigned k;
+        if (from >= old->count || v[0] == PBW_NONE) {
+            u[0] = PBW_NONE;
+            continue;
+        }
+        for (k = 0; k <= dim; k++) {
+            u[k] = rank[v[k]];
+        }
+        memcpy(viewing->store->link + 4 * from, old->link + 4 * from, 4 * sizeof(pbw__link));
+    }
+    return PBW_OK;
+}
+
+/* The simplices of a view: of a copy of the store, in ranks.  vertices: of the points, by rank, with their numbers. */
+static pbw_status pbw__view_simplices(const pbw_live *live, pbw__context *context, pbw__vertices *vertices,
+                                      pbw_mesh *mesh)
+{
+    const size_t ranks = live->core.vertex_count + 1;
+    pbw_index *rank = (pbw_index *)pbw__allocate(&context->memory, ranks, sizeof(pbw_index));
+    pbw__viewing viewing;
+    pbw__store store;
+    pbw_status status = rank == NULL ? PBW_ERROR_MEMORY : PBW_OK;
+    size_t r;
+    memset(&store, 0, sizeof(store));
+    if (status == PBW_OK) {
+        rank[0] = 0;
+        for (r = 1; r <= vertices->count; r++) {
+            rank[live->core.vertex[vertices->id[r]]] = (pbw_index)r;
+        }
+        status = pbw__store_create(context, &store, vertices->count, live->dim);
+    }
+    if (status == PBW_OK && store.capacity < live->core.store.count) {
+        status = pbw__store_reserve(context, &store, live->core.store.count);
+    }
+    if (status == PBW_OK) {
+        viewing.live = live;
+        viewing.rank = rank;
+        viewing.store = &store;
+        store.count = store.count > live->core.store.count ? store.count : live->core.store.count;
+        status = pbw__for_range(context, store.count, 16384, 0.1, pbw__view_slots, &viewing);
+    }
+    pbw__release(&context->memory, rank, ranks, sizeof(pbw_index));
+    if (status == PBW_OK) {
+        vertices->duplicate_count += live->numbers - vertices->point_count;      /* no vertices: not in incident */
+        status = pbw__output(context, &store, vertices, 0, (pbw__owned *)mesh->memory, mesh);
+    }
+    pbw__store_free(&context->memory, &store);
+    return status;
+}
+
+/* Points, weights, canonical of a view; the points that live, packed. */
+static pbw_status pbw__view_points(const pbw_live *live, pbw__context *context, pbw__stand *stand, pbw_mesh *mesh)
+{
+    pbw__memory *memory = &context->memory;
+    pbw__owned *owned = (pbw__owned *)mesh->memory;
+    const pbw__core *core = &live->core;
+    const size_t dim = (size_t)live->dim, numbers = live->numbers;
+    double *points = (double *)pbw__allocate(memory, numbers * dim, sizeof(double));
+    double *weights = live->weighted_past ? (double *)pbw__allocate(memory, numbers, sizeof(double)) : NULL;
+    pbw_index *canonical = (pbw_index *)pbw__allocate(memory, numbers, sizeof(pbw_index));
+    size_t i;
+    mesh->points = points;
+    mesh->weights = weights;
+    mesh->canonical = canonical;
+    owned->points = points != NULL ? numbers * dim : 0;
+    owned->weights = weights != NULL ? numbers : 0;
+    owned->canonical = canonical != NULL ? numbers : 0;
+    if (points == NULL || canonical == NULL || (weights == NULL && live->weighted_past)
+        || !pbw__stand_create(memory, stand, live->points, live->dim)) {
+        return PBW_ERROR_MEMORY;
+    }
+    for (i = 0; i < numbers; i++) {
+        const int lives = (live->state[i] & PBW__LIVES) != 0;
+        memset(points + i * dim, 0, dim * sizeof(double));
+        canonical[i] = PBW_NONE;
+        if (weights != NULL) {
+            weights[i] = lives ? live->weight[i] : 0.0;
+        }
+        if (lives) {
+            const double *x = pbw__core_record(core, core->vertex[i]);
+            memcpy(points + i * dim, x, dim * sizeof(double));
+            canonical[i] = core->name[core->vertex[i]];
+            mesh->duplicate_count += canonical[i] != i;
+            pbw__stand_add(stand, (pbw_index)i, x, live->weight[i]);
+        }
+    }
+    return PBW_OK;
+}
+
+static pbw_status pbw__view(const pbw_live *live, pbw__context *context, pbw_mesh *mesh)
+{
+    pbw__owned *owned = (pbw__owned *)pbw__allocate(&context->memory, 1, sizeof(pbw__owned));
+    pbw__stand stand;
+    pbw__vertices vertices;
+    pbw__input input;
+    pbw_status status;
+    size_t r;
+    if (owned == NULL) {
+        return PBW_ERROR_MEMORY;
+    }
+    memset(owned, 0, sizeof(*owned));
+    memset(&stand, 0, sizeof(stand));
+    memset(&vertices, 0, sizeof(vertices));
+    mesh->memory = owned;
+    mesh->dim = live->dim;
+    mesh->point_count = live->numbers;
+    if (live->numbers == 0) {
+        return PBW_DEGENERATE;
+    }
+    status = pbw__view_points(live, context, &stand, mesh);
+    if (status == PBW_OK && live->core.simplex_count == 0) {
+        status = pbw__make_incident(context, owned, mesh, 1) == NULL ? PBW_ERROR_MEMORY : PBW_DEGENERATE;
+    } else if (status == PBW_OK) {
+        pbw__stand_input(&stand, live->weighted_past, &input);
+        status = pbw__enter_stage(context, PBW_STAGE_ORDER) ? PBW_CANCELLED
+               : pbw__order(context, &input, &vertices);
+        if (status == PBW_OK) {
+            for (r = 1; r <= vertices.count; r++) {
+                vertices.id[r] = stand.list[vertices.id[r]];
+            }
+            status = pbw__enter_stage(context, PBW_STAGE_OUTPUT) ? PBW_CANCELLED
+                   : pbw__view_simplices(live, context, &vertices, mesh);
+        }
+    }
+    pbw__stand_free(&context->memory, &stand);
+    if (vertices.id != NULL) {
+        pbw__vertices_free(context, &vertices);
+    }
+    return status;
+}
+
+PBWDEF pbw_status pbw_live_view(pbw_live *live, pbw_mesh *mesh)
+{
+    pbw__context context;
+    pbw_status status;
+    pbw__fp fp;
+    if (mesh == NULL) {
+        return PBW_ERROR_ARGUMENT;
+    }
+    memset(mesh, 0, sizeof(*mesh));
+    if (live == NULL) {
+        return PBW_ERROR_ARGUMENT;
+    }
+    fp = pbw__fp_enter();
+    pbw__context_start(&context, &live->options, live->points);
+    live->core.kernel.context = &context;
+    status = pbw__fp_is_exact() ? pbw__view(live, &context, mesh) : PBW_ERROR_FP_MODE;
+    live->core.kernel.context = NULL;
+    pbw__team_stop(&context);
+    if (mesh->memory != NULL) {
+        ((pbw__owned *)mesh->memory)->memory = context.memory;
+    }
+    mesh->statistics.threads = context.threads;
+    mesh->statistics.peak_bytes = context.memory.peak;
+    if (status != PBW_OK && status != PBW_DEGENERATE) {
+        pbw_free(mesh);
+    }
+    pbw__fp_leave(fp);
+    return status;
+}
+
+PBWDEF void pbw_live_free(pbw_live *live)
+{
+    if (live != NULL) {
+        pbw__context context;
+        pbw__memory *memory = &context.memory;
+        memset(&context, 0, sizeof(context));
+        context.memory = live->memory;
+        pbw__core_free(&context, &live->core);
+        PBW__RELEASE(memory, live, point);
+        PBW__RELEASE(memory, live, weight);
+        PBW__RELEASE(memory, live, state);
+        PBW__RELEASE(memory, live, spare);
+        PBW__RELEASE(memory, live, queue);
+        PBW__RELEASE(memory, live, edit);
+        PBW__RELEASE(memory, live, head);
+        PBW__RELEASE(memory, live, leaving);
+        PBW__RELEASE(memory, live, arriving);
+        PBW__RELEASE(memory, live, moved);
+        pbw__release(memory, live, 1, sizeof(*live));
+    }
+}
+
+/* Takes the points of a mesh and triangulates them. */
+static pbw_status pbw__live_adopt(pbw_live *live, const pbw_mesh *mesh)
+{
+    const size_t dim = (size_t)live->dim;
+    pbw_status status = pbw__live_reserve(live, mesh->point_count, mesh->point_count);
+    size_t i = status == PBW_OK ? mesh->point_count : 0;
+    live->count = i;
+    while (i-- > 0) {
+        live->state[i] = 0;
+        memset(live->point + i * dim, 0, dim * sizeof(double));
+        live->weight[i] = 0.0;
+        if (mesh->canonical[i] == PBW_NONE) {
+            live->spare[live->spare_count++] = (pbw_index)i;
+        } else {
+            memcpy(live->point + i * dim, mesh->points + i * dim, dim * sizeof(double));
+            live->weight[i] = mesh->weights != NULL ? mesh->weights[i] : 0.0;
+            live->state[i] = PBW__STAYS;
+            pbw__live_queue(live, (pbw_index)i);
+        }
+    }
+    return status != PBW_OK ? status : pbw_live_commit(live, NULL);
+}
+
+PBWDEF pbw_status pbw_live_create(const pbw_mesh *mesh, const pbw_options *options, pbw_live **result)
+{
+    pbw_options defaults;
+    pbw__memory memory;
+    pbw_live *live;
+    pbw_status status;
+    memset(&defaults, 0, sizeof(defaults));
+    options = options != NULL ? options : &defaults;
+    if (result == NULL) {
+        return PBW_ERROR_ARGUMENT;
+    }
+    *result = NULL;
+    if (mesh == NULL || (mesh->dim != 2 && mesh->dim != 3) || options->threads < 0 || options->threads > 256
+        || options->flags != 0 || options->stride != 0 || options->weight_stride != 0 || options->backend != NULL
+        || (mesh->point_count > 0 && (mesh->points == NULL || mesh->canonical == NULL || mesh->incident == NULL))
+        || (mesh->simplex_count > 0 && (mesh->simplices == NULL || mesh->neighbors == NULL))) {
+        return PBW_ERROR_ARGUMENT;
+    }
+    pbw__memory_start(&memory, options);
+    live = (pbw_live *)pbw__allocate(&memory, 1, sizeof(*live));
+    if (live == NULL) {
+        return PBW_ERROR_MEMORY;
+    }
+    memset(live, 0, sizeof(*live));
+    live->memory = memory;
+    live->options = *options;
+    live->options.trace = NULL;
+    live->options.message = NULL;
+    live->dim = mesh->dim;
+    live->weighted = mesh->weights != NULL;
+    status = pbw__live_adopt(live, mesh);
+    if (status != PBW_OK && status != PBW_DEGENERATE) {
+        pbw_live_free(live);
+        return status;
+    }
+    *result = live;
+    return status;
 }
 /* ------------------------------------------------------------------------------------------------------
    >>api          The front door: argument checks, defaults, the stages in order, status texts.

@@ -1,0 +1,607 @@
+/* test_live.c: triangulations that live.  After each commit of random insertions, removals and moves the view is
+   compared, byte for byte, with a fresh build of the points that live, and the changes with the sets of simplices
+   before and after. */
+#include "../pbw.h"
+#include "meshes.h"
+#include "meter.h"
+#include "test.h"
+#include <math.h>
+
+/* What a live triangulation should hold: points by number. */
+typedef struct model {
+    int dim, weighted;
+    size_t count, room;
+    double *points, *weights;
+    unsigned char *lives;
+    uint64_t state;
+} model;
+
+static void model_start(model *m, int dim, uint64_t seed)
+{
+    memset(m, 0, sizeof *m);
+    m->dim = dim;
+    m->state = seed;
+}
+
+static void model_room(model *m, size_t count)
+{
+    if (count > m->room) {
+        m->room = 2 * count + 64;
+        m->points = (double *)zoo_grow(m->points, m->room * 3 * sizeof(double));
+        m->weights = (double *)zoo_grow(m->weights, m->room * sizeof(double));
+        m->lives = (unsigned char *)zoo_grow(m->lives, m->room);
+    }
+    for (; m->count < count; m->count++) {
+        memset(m->points + 3 * m->count, 0, 3 * sizeof(double));
+        m->weights[m->count] = 0;
+        m->lives[m->count] = 0;
+    }
+}
+
+static void model_free(model *m)
+{
+    free(m->points);
+    free(m->weights);
+    free(m->lives);
+}
+
+static size_t model_alive(const model *m)
+{
+    size_t i, n = 0;
+    for (i = 0; i < m->count; i++) {
+        n += m->lives[i];
+    }
+    return n;
+}
+
+/* A number that lives, or PBW_NONE. */
+static pbw_index model_pick(model *m)
+{
+    int tries;
+    for (tries = 0; tries < 64 && m->count > 0; tries++) {
+        const pbw_index i = input_below(&m->state, (uint32_t)m->count);
+        if (m->lives[i]) {
+            return i;
+        }
+    }
+    return PBW_NONE;
+}
+
+/* The kinds of sets: coordinates and weights from the state. */
+enum { UNIFORM, LATTICE, CLUSTERS, LINES, SPHERE, FLAT, KINDS };
+static const char *const kind_name[KINDS] = { "uniform", "lattice", "clusters", "lines", "sphere", "flat" };
+
+static void model_point(model *m, int kind, double *p)
+{
+    int k;
+    for (k = 0; k < m->dim; k++) {
+        const double u = input_uniform(&m->state);
+        switch (kind) {
+        case LATTICE: p[k] = (double)input_below(&m->state, m->dim == 2 ? 12 : 6); break;
+        case CLUSTERS: p[k] = (double)input_below(&m->state, 3) + u * u * u * 1e-3; break;
+        case LINES: p[k] = k == 0 ? floor(u * 50) : (double)input_below(&m->state, 2) * (u < 0.9 ? 1 : u); break;
+        case FLAT: p[k] = k + 1 < m->dim ? floor(u * 8) : (u < 0.03 ? 1 : 0); break;
+        default: p[k] = u;
+        }
+    }
+    if (kind == SPHERE) {                               /* exactly cospherical: signed permutations of few vectors */
+        static const double of[3] = { 3, 4, 12 };
+        const uint32_t turn = input_below(&m->state, (uint32_t)m->dim), signs = input_below(&m->state, 8);
+        for (k = 0; k < m->dim; k++) {
+            p[k] = of[((uint32_t)k + turn) % (uint32_t)m->dim] * ((signs >> k & 1) != 0 ? 1 : -1);
+        }
+        if (input_below(&m->state, 4) == 0) {
+            p[0] = 0;
+        }
+    }
+}
+
+static double model_weight(model *m, int kind)
+{
+    return kind == LATTICE || kind == FLAT ? (double)input_below(&m->state, 4) : 0.02 * input_uniform(&m->state);
+}
+
+/* One random change, queued; 1 if it was taken. */
+static int model_change(model *m, pbw_live *live, int kind, int what)
+{
+    pbw_index id = PBW_NONE;
+    double p[3] = { 0, 0, 0 }, w;
+    pbw_status status;
+    if (what == 0) {
+        model_point(m, kind, p);
+        w = m->weighted ? model_weight(m, kind) : 0;
+        status = pbw_live_insert(live, p, m->weighted ? &w : NULL, 1, &id);
+        if (CHECK_EQUAL(status, PBW_OK)) {
+            model_room(m, (size_t)id + 1);
+            CHECK(!m->lives[id]);
+            m->lives[id] = 1;
+            memcpy(m->points + 3 * id, p, sizeof p);
+            m->weights[id] = w;
+        }
+        return status == PBW_OK;
+    }
+    id = model_pick(m);
+    if (id == PBW_NONE) {
+        return 0;
+    }
+    if (what == 1) {
+        m->lives[id] = 0;
+        memset(m->points + 3 * id, 0, 3 * sizeof(double));
+        m->weights[id] = 0;
+        return CHECK_EQUAL(pbw_live_remove(live, &id, 1), PBW_OK);
+    }
+    model_point(m, kind, p);
+    if (what == 3) {                                    /* a short way */
+        int k;
+        for (k = 0; k < m->dim; k++) {
+            p[k] = m->points[3 * id + (size_t)k] + 0.05 * (p[k] - m->points[3 * id + (size_t)k]);
+        }
+    }
+    memcpy(m->points + 3 * id, p, sizeof p);
+    return CHECK_EQUAL(pbw_live_move(live, &id, p, 1), PBW_OK);
+}
+
+/* All points move: by steps of `size` of the way to random places. */
+static void model_move_all(model *m, pbw_live *live, int kind, double size)
+{
+    const size_t dim = (size_t)m->dim;
+    double *points = (double *)zoo_grow(NULL, (m->count * dim + 1) * sizeof(double));
+    size_t i, k;
+    for (i = 0; i < m->count; i++) {
+        double p[3] = { 0, 0, 0 };
+        model_point(m, kind, p);
+        for (k = 0; k < dim; k++) {
+            points[i * dim + k] = m->points[3 * i + k] + size * (p[k] - m->points[3 * i + k]);
+            m->points[3 * i + k] = m->lives[i] ? points[i * dim + k] : 0;
+        }
+    }
+    CHECK_EQUAL(pbw_live_move(live, NULL, points, m->count), PBW_OK);
+    free(points);
+}
+
+/* The mesh that the view should be: of the points that live, in numbers. */
+static pbw_status model_mesh(const model *m, pbw_mesh *mesh, pbw_index **ids)
+{
+    const size_t dim = (size_t)m->dim, n = model_alive(m);
+    double *points = (double *)zoo_grow(NULL, (n * dim + 1) * sizeof(double));
+    double *weights = (double *)zoo_grow(NULL, (n + 1) * sizeof(double));
+    pbw_options options;
+    size_t i, at = 0;
+    pbw_status status;
+    *ids = (pbw_index *)zoo_grow(NULL, (n + 1) * sizeof(pbw_index));
+    for (i = 0; i < m->count; i++) {
+        if (m->lives[i]) {
+            memcpy(points + at * dim, m->points + 3 * i, dim * sizeof(double));
+            weights[at] = m->weights[i];
+            (*ids)[at++] = (pbw_index)i;
+        }
+    }
+    memset(&options, 0, sizeof options);
+    options.threads = 1;
+    status = pbw_triangulate(m->dim, points, m->weighted ? weights : NULL, n, &options, mesh);
+    free(points);
+    free(weights);
+    return status;
+}
+
+/* Is the view that of the model? */
+static int model_agrees(const model *m, pbw_live *live)
+{
+    const size_t dim = (size_t)m->dim;
+    pbw_mesh fresh, view;
+    pbw_index *ids;
+    const char *fault;
+    const pbw_status status = model_mesh(m, &fresh, &ids);
+    size_t i, n = fresh.point_count, bad = 0, live_count = 0;
+    if (!CHECK_EQUAL(pbw_live_view(live, &view), status) || !CHECK_EQUAL(view.simplex_count, fresh.simplex_count)
+        || !CHECK(view.point_count >= m->count)) {
+        free(ids);
+        pbw_free(&fresh);
+        pbw_free(&view);
+        return 0;
+    }
+    for (i = 0; i < fresh.simplex_count * (dim + 1); i++) {
+        bad += view.simplices[i] != ids[fresh.simplices[i]] || view.neighbors[i] != fresh.neighbors[i];
+    }
+    for (i = 0; i < n; i++) {
+        bad += view.incident[ids[i]] != fresh.incident[i] || view.canonical[ids[i]] != ids[fresh.canonical[i]];
+        bad += memcmp(view.points + dim * ids[i], fresh.points + dim * i, dim * sizeof(double)) != 0;
+        bad += (view.weights != NULL) != (fresh.weights != NULL);
+        bad += view.weights != NULL && fresh.weights != NULL && view.weights[ids[i]] != fresh.weights[i];
+    }
+    for (i = 0; i < view.point_count; i++) {
+        live_count += view.canonical[i] != PBW_NONE;
+        bad += view.canonical[i] == PBW_NONE && view.incident[i] != PBW_NONE;
+    }
+    bad += live_count != n || view.duplicate_count != fresh.duplicate_count
+         || view.hidden_count != fresh.hidden_count || pbw_hash(&view, NULL) != pbw_hash(&fresh, NULL);
+    fault = meshes_fault(&view);
+    if (!CHECK(fault == NULL)) {
+        test_say("%s", fault);
+    }
+    free(ids);
+    pbw_free(&fresh);
+    pbw_free(&view);
+    return CHECK_EQUAL(bad, 0) && fault == NULL;
+}
+
+/* ---- changes against the simplices before and after */
+static int tuple_width;
+static int tuple_compare(const void *a, const void *b)
+{
+    const pbw_index *x = (const pbw_index *)a, *y = (const pbw_index *)b;
+    int k;
+    for (k = 0; k + 1 < tuple_width && x[k] == y[k]; k++) {
+    }
+    return (x[k] > y[k]) - (x[k] < y[k]);
+}
+
+/* The simplices of a mesh, each by an even permutation in ascending order but for the last two corners; in order. */
+static pbw_index *sets_of(const pbw_index *simplices, size_t count, int dim)
+{
+    const size_t corners = (size_t)dim + 1;
+    pbw_index *sets = (pbw_index *)zoo_grow(NULL, (count * corners + 1) * sizeof(pbw_index));
+    size_t i, j, k;
+    for (i = 0; i < count; i++) {
+        pbw_index *v = sets + i * corners, last;
+        int odd = 0;
+        for (k = 0; k < corners; k++) {
+            const pbw_index x = simplices[i * corners + k];
+            for (j = k; j > 0 && v[j - 1] > x; j--) {
+                v[j] = v[j - 1];
+                odd ^= 1;
+            }
+            v[j] = x;
+        }
+        last = v[corners - 1];
+        if (odd) {
+            v[corners - 1] = v[corners - 2];
+            v[corners - 2] = last;
+        }
+    }
+    tuple_width = (int)corners;
+    qsort(sets, count, corners * sizeof(pbw_index), tuple_compare);
+    return sets;
+}
+
+static size_t sets_in_common(const pbw_index *a, size_t n, const pbw_index *b, size_t m, int dim)
+{
+    const size_t corners = (size_t)dim + 1;
+    size_t i = 0, j = 0, common = 0;
+    while (i < n && j < m) {
+        const int order = tuple_compare(a + i * corners, b + j * corners);
+        common += order == 0;
+        i += order <= 0;
+        j += order >= 0;
+    }
+    return common;
+}
+
+/* Does `changes` lead from one mesh to the other? */
+static void check_changes(const pbw_mesh *before, const pbw_mesh *after, const pbw_changes *changes)
+{
+    const int dim = after->dim;
+    const size_t n = before->simplex_count, m = after->simplex_count, corners = (size_t)dim + 1;
+    pbw_index *a = sets_of(before->simplices, n, dim), *b = sets_of(after->simplices, m, dim);
+    pbw_index *deleted = sets_of(changes->deleted, changes->deleted_count, dim);
+    pbw_index *made = sets_of(changes->made, changes->made_count, dim);
+    unsigned char *seen = (unsigned char *)zoo_grow(NULL, after->point_count + before->point_count + 1);
+    size_t common = sets_in_common(a, n, b, m, dim), i, points = 0;
+    memset(seen, 0, after->point_count + before->point_count + 1);
+    CHECK_EQUAL(changes->deleted_count, n - common);
+    CHECK_EQUAL(changes->made_count, m - common);
+    CHECK_EQUAL(sets_in_common(deleted, changes->deleted_count, a, n, dim), changes->deleted_count);
+    CHECK_EQUAL(sets_in_common(deleted, changes->deleted_count, b, m, dim), 0);
+    CHECK_EQUAL(sets_in_common(made, changes->made_count, b, m, dim), changes->made_count);
+    for (i = 0; i < changes->deleted_count * corners; i++) {
+        seen[deleted[i]] = 1;
+    }
+    for (i = 0; i < changes->made_count * corners; i++) {
+        seen[made[i]] = 1;
+    }
+    for (i = 0; i < after->point_count; i++) {
+        points += seen[i];
+    }
+    CHECK_EQUAL(changes->point_count, points);
+    for (i = 0; i < changes->point_count; i++) {
+        CHECK(seen[changes->points[i]] && (i == 0 || changes->points[i - 1] < changes->points[i]));
+    }
+    free(a);
+    free(b);
+    free(deleted);
+    free(made);
+    free(seen);
+}
+
+/* ---- random sequences */
+static long ways[4];                                    /* how often each was taken */
+
+static void sequence(int dim, int kind, int weighted, int threads, int commits, int most)
+{
+    pbw_options options;
+    pbw_live *live = NULL;
+    pbw_mesh before;
+    model m;
+    int c;
+    memset(&options, 0, sizeof options);
+    memset(&before, 0, sizeof before);
+    options.threads = threads;
+    before.dim = dim;
+    model_start(&m, dim, test_seed * 1000 + (uint64_t)(dim * 100 + kind * 10 + weighted));
+    m.weighted = weighted;
+    CHECK_EQUAL(pbw_live_create(&before, &options, &live), PBW_DEGENERATE);
+    for (c = 0; c < commits && test_faults == 0; c++) {
+        const int grow = model_alive(&m) < (size_t)most ? 3 : 1, mode = (int)input_below(&m.state, 10);
+        int ops = 1 + (int)input_below(&m.state, c % 7 == 0 ? (uint32_t)most / 2 + 1 : 6);
+        pbw_changes changes;
+        pbw_mesh after;
+        pbw_status status;
+        for (; ops > 0; ops--) {
+            const int dice = (int)input_below(&m.state, 8);
+            (void)model_change(&m, live, kind, mode == 0 ? 1 : mode == 1 ? 3 : dice < grow ? 0 : dice < 4 ? 1
+                                               : dice < 6 ? 2 : 3);
+        }
+        if (mode == 2 && input_below(&m.state, 4) == 0) {       /* all go */
+            while (model_alive(&m) > 0) {
+                (void)model_change(&m, live, kind, 1);
+            }
+        }
+        if (mode >= 8 && m.count > 0) {
+            static const double size[5] = { 1e-12, 1e-4, 0.003, 0.03, 1 };
+            CHECK(pbw_live_commit(live, NULL) <= PBW_DEGENERATE);
+            pbw_free(&before);
+            CHECK(pbw_live_view(live, &before) <= PBW_DEGENERATE);
+            model_move_all(&m, live, kind, size[input_below(&m.state, 5)]);
+        }
+        status = pbw_live_commit(live, &changes);
+        CHECK(status == PBW_OK || status == PBW_DEGENERATE);
+        if (!model_agrees(&m, live)) {
+            test_say("commit %d of %s in %dD%s", c, kind_name[kind], dim, weighted ? ", weighted" : "");
+        }
+        CHECK(pbw_live_view(live, &after) == status);
+        check_changes(&before, &after, &changes);
+        ways[changes.way]++;
+        pbw_changes_free(&changes);
+        pbw_free(&before);
+        before = after;
+    }
+    pbw_free(&before);
+    pbw_live_free(live);
+    model_free(&m);
+}
+
+static void test_sequences(void)
+{
+    int dim, kind, weighted, commits = (int)test_count;
+    for (dim = 2; dim <= 3; dim++) {
+        for (kind = 0; kind < KINDS; kind++) {
+            for (weighted = 0; weighted < 2; weighted++) {
+                if (test_begin("sequence: %dD %s%s", dim, kind_name[kind], weighted ? ", weighted" : "")) {
+                    sequence(dim, kind, weighted, 1, commits, 12);
+                    sequence(dim, kind, weighted, 1, commits / 2, 150);
+                    sequence(dim, kind, weighted, 3, commits / 8, 150);
+                    test_end();
+                }
+            }
+        }
+    }
+}
+
+/* ---- all or nothing */
+static pbw_options metered(meter *m)
+{
+    pbw_options options;
+    memset(&options, 0, sizeof options);
+    options.threads = 1;
+    options.resize = meter_resize;
+    options.resize_user = m;
+    return options;
+}
+
+/* A commit of all kinds of changes with the k-th request refused, for every k: it fails and leaves everything as it
+   was, and the next one carries it out. */
+static void refuse(int dim, int kind, int weighted, int fail_all_after)
+{
+    long k;
+    for (k = 1; k < 3000 && test_faults == 0; k++) {
+        pbw_mesh none;
+        pbw_options options;
+        pbw_live *live = NULL;
+        pbw_changes changes;
+        model m, old;
+        meter allocator;
+        pbw_status status;
+        long refused;
+        int i;
+        memset(&none, 0, sizeof none);
+        none.dim = dim;
+        meter_start(&allocator, 0, fail_all_after);
+        options = metered(&allocator);
+        model_start(&m, dim, 77);
+        m.weighted = weighted;
+        CHECK_EQUAL(pbw_live_create(&none, &options, &live), PBW_DEGENERATE);
+        for (i = 0; i < 40; i++) {
+            (void)model_change(&m, live, kind, 0);
+        }
+        CHECK_EQUAL(pbw_live_commit(live, NULL), PBW_OK);
+        model_start(&old, dim, 0);
+        old.weighted = weighted;
+        model_room(&old, m.count);
+        memcpy(old.points, m.points, m.count * 3 * sizeof(double));
+        memcpy(old.weights, m.weights, m.count * sizeof(double));
+        memcpy(old.lives, m.lives, m.count);
+        for (i = 0; i < 12; i++) {
+            (void)model_change(&m, live, kind, i % 4);
+        }
+        allocator.fail_at = allocator.requests + k;
+        status = pbw_live_commit(live, &changes);
+        refused = allocator.refused;
+        allocator.fail_at = 0;
+        allocator.fail_all_after = 0;
+        if (status != PBW_OK) {
+            CHECK_EQUAL(status, PBW_ERROR_MEMORY);
+            CHECK(refused > 0 && changes.memory == NULL);
+            CHECK(model_agrees(&old, live));
+            CHECK_EQUAL(pbw_live_commit(live, NULL), PBW_OK);
+        } else {
+            pbw_changes_free(&changes);
+        }
+        CHECK(model_agrees(&m, live));
+        pbw_live_free(live);
+        model_free(&m);
+        model_free(&old);
+        CHECK_EQUAL(allocator.blocks, 0);
+        CHECK_EQUAL(allocator.faults, 0);
+        if (test_faults > 0) {
+            test_say("%dD %s, request %ld", dim, kind_name[kind], k);
+        }
+        if (refused == 0) {
+            return;
+        }
+    }
+    CHECK(test_faults > 0);
+}
+
+static void test_refusals(void)
+{
+    int dim, weighted;
+    for (dim = 2; dim <= 3; dim++) {
+        for (weighted = 0; weighted < 2; weighted++) {
+            if (test_begin("every allocation fails: %dD%s", dim, weighted ? ", weighted" : "")) {
+                refuse(dim, UNIFORM, weighted, 0);
+                refuse(dim, LATTICE, weighted, 1);
+                test_end();
+            }
+        }
+    }
+}
+
+typedef struct stopper { long calls, stop_at; } stopper;
+
+static int stop(void *user, pbw_stage stage, double done)
+{
+    stopper *s = (stopper *)user;
+    (void)stage;
+    (void)done;
+    return ++s->calls == s->stop_at;
+}
+
+static void test_cancel(void)
+{
+    int dim;
+    for (dim = 2; dim <= 3; dim++) {
+        if (test_begin("cancelled: %dD", dim)) {
+            long k, cancelled = 0;
+            for (k = 1; k < 200; k++) {
+                stopper s = { 0, 0 };
+                pbw_options options;
+                pbw_live *live;
+                pbw_mesh none, before, after;
+                model m;
+                int i;
+                memset(&options, 0, sizeof options);
+                memset(&none, 0, sizeof none);
+                none.dim = dim;
+                options.threads = 1;
+                options.progress = stop;
+                options.progress_user = &s;
+                model_start(&m, dim, 5);
+                CHECK_EQUAL(pbw_live_create(&none, &options, &live), PBW_DEGENERATE);
+                for (i = 0; i < 300; i++) {
+                    (void)model_change(&m, live, UNIFORM, 0);
+                }
+                CHECK_EQUAL(pbw_live_commit(live, NULL), PBW_OK);
+                CHECK_EQUAL(pbw_live_view(live, &before), PBW_OK);
+                for (i = 0; i < 20; i++) {
+                    (void)model_change(&m, live, UNIFORM, i % 4);
+                }
+                s.stop_at = s.calls + k;
+                if (pbw_live_commit(live, NULL) == PBW_CANCELLED) {
+                    cancelled++;
+                    s.stop_at = 0;
+                    CHECK_EQUAL(pbw_live_view(live, &after), PBW_OK);
+                    CHECK(meshes_equal(&before, &after));
+                    pbw_free(&after);
+                    CHECK_EQUAL(pbw_live_commit(live, NULL), PBW_OK);
+                } else {
+                    k = 200;
+                }
+                s.stop_at = 0;
+                CHECK(model_agrees(&m, live));
+                pbw_free(&before);
+                pbw_live_free(live);
+                model_free(&m);
+            }
+            CHECK(cancelled > 0);
+            test_end();
+        }
+    }
+}
+
+/* ---- the interface */
+static void test_misuse(void)
+{
+    const double square[8] = { 0, 0, 1, 0, 0, 1, 1, 1 };
+    double nan[2] = { 0, 0 };
+    pbw_index ids[4], twice[2] = { 1, 1 }, beyond = 9;
+    pbw_options options;
+    pbw_live *live;
+    pbw_mesh none, view;
+    if (!test_begin("misuse")) {
+        return;
+    }
+    nan[1] = HUGE_VAL - HUGE_VAL;
+    memset(&none, 0, sizeof none);
+    memset(&options, 0, sizeof options);
+    CHECK_EQUAL(pbw_live_create(NULL, NULL, &live), PBW_ERROR_ARGUMENT);
+    CHECK_EQUAL(pbw_live_create(&none, NULL, &live), PBW_ERROR_ARGUMENT);
+    CHECK_EQUAL(pbw_live_create(&none, NULL, NULL), PBW_ERROR_ARGUMENT);
+    none.dim = 2;
+    options.flags = PBW_CURVE_ORDER;
+    CHECK_EQUAL(pbw_live_create(&none, &options, &live), PBW_ERROR_ARGUMENT);
+    CHECK(live == NULL);
+    CHECK_EQUAL(pbw_live_create(&none, NULL, &live), PBW_DEGENERATE);
+    CHECK_EQUAL(pbw_live_insert(live, square, NULL, 4, ids), PBW_OK);
+    CHECK_EQUAL(pbw_live_insert(live, nan, NULL, 1, NULL), PBW_ERROR_NOT_FINITE);
+    CHECK_EQUAL(pbw_live_insert(live, square, nan + 1, 1, NULL), PBW_ERROR_NOT_FINITE);
+    CHECK_EQUAL(pbw_live_insert(live, NULL, NULL, 1, NULL), PBW_ERROR_ARGUMENT);
+    CHECK_EQUAL(pbw_live_commit(live, NULL), PBW_OK);
+    CHECK_EQUAL(pbw_live_remove(live, twice, 2), PBW_ERROR_ARGUMENT);
+    CHECK_EQUAL(pbw_live_remove(live, &beyond, 1), PBW_ERROR_ARGUMENT);
+    CHECK_EQUAL(pbw_live_move(live, &beyond, square, 1), PBW_ERROR_ARGUMENT);
+    CHECK_EQUAL(pbw_live_move(live, ids, nan, 1), PBW_ERROR_NOT_FINITE);
+    CHECK_EQUAL(pbw_live_move(live, NULL, square, 3), PBW_ERROR_ARGUMENT);
+    CHECK_EQUAL(pbw_live_view(live, NULL), PBW_ERROR_ARGUMENT);
+    CHECK_EQUAL(pbw_live_view(NULL, &view), PBW_ERROR_ARGUMENT);
+    CHECK_EQUAL(pbw_live_commit(NULL, NULL), PBW_ERROR_ARGUMENT);
+    CHECK_EQUAL(pbw_live_remove(live, ids + 2, 1), PBW_OK);
+    CHECK_EQUAL(pbw_live_remove(live, ids + 2, 1), PBW_ERROR_ARGUMENT);
+    CHECK_EQUAL(pbw_live_move(live, ids + 2, square, 1), PBW_ERROR_ARGUMENT);
+    CHECK_EQUAL(pbw_live_commit(live, NULL), PBW_OK);
+    CHECK_EQUAL(pbw_live_commit(live, NULL), PBW_OK);
+    CHECK_EQUAL(pbw_live_view(live, &view), PBW_OK);
+    CHECK_EQUAL(view.simplex_count, 1);
+    CHECK_EQUAL(view.canonical[ids[2]], PBW_NONE);
+    pbw_free(&view);
+    CHECK_EQUAL(pbw_live_insert(live, square, NULL, 1, &beyond), PBW_OK);
+    CHECK_EQUAL(beyond, ids[2]);
+    pbw_live_free(live);
+    pbw_live_free(NULL);
+    pbw_changes_free(NULL);
+    test_end();
+}
+
+int main(int argc, char **argv)
+{
+    test_start(argc, argv, 160);
+    test_sequences();
+    if (test_begin("each way is taken")) {
+        CHECK(test_argc > 1 || (ways[0] > 0 && ways[1] > 0 && ways[2] > 0 && ways[3] > 0));
+        test_say("nothing %ld, flips %ld, batch %ld, rebuild %ld", ways[0], ways[1], ways[2], ways[3]);
+        test_end();
+    }
+    test_refusals();
+    test_cancel();
+    test_misuse();
+    return test_finish();
+}
