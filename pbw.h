@@ -12822,22 +12822,90 @@ static int pbw__slot_side(const pbw__core *core, size_t t, int i, const double *
     return dim == 2 ? pbw__orient2(x[0], x[1], x[2], &core->grid) : pbw__orient3(x[0], x[1], x[2], x[3], &core->grid);
 }
 
-/* Which facets of the simplex in slot t are not locally regular, of those that are tested on this side. */
-static unsigned pbw__slot_faults(const pbw__core *core, size_t t)
+/* A finite simplex with its last corner as the origin: its orientation, and the plane through its lifted corners,
+   lift * orientation = normal . x; below it is a conflict.  The determinant is that of >>cavity3 or >>cavity2, and so
+   are the roundings on its products, with another origin. */
+typedef struct pbw__plane { double origin[4], normal[3], orientation, height; } pbw__plane;
+
+/* x relative to the origin, and its lift; returns its height. */
+PBW__INLINE double pbw__plane_row(const pbw__plane *plane, const double *x, int dim, double *row)
 {
-    const pbw__kernel *kernel = &core->kernel;
-    const int dim = kernel->dim;
-    const int ghost = kernel->corner[4 * t + (size_t)dim] == PBW__GHOST;
+    const double weight = x[dim] - plane->origin[dim];
+    double square = 0.0;
+    int k;
+    for (k = 0; k < dim; k++) {
+        row[k] = x[k] - plane->origin[k];
+        square += row[k] * row[k];
+    }
+    row[dim] = square - weight;
+    return square + pbw__abs(weight);
+}
+
+PBW__INLINE void pbw__plane_of(const pbw__core *core, const pbw_index *v, int dim, pbw__plane *plane)
+{
+    double row[3][4], height = 1e-55;
+    int i, k;
+    for (k = 0; k <= dim; k++) {
+        plane->origin[k] = core->record[v[dim] * ((size_t)dim + 1) + (size_t)k];
+    }
+    for (i = 0; i < dim; i++) {
+        height = pbw__max(height, pbw__plane_row(plane, core->record + v[i] * ((size_t)dim + 1), dim, row[i]));
+    }
+    plane->height = height;
+    if (dim == 2) {
+        const double *a = row[0], *b = row[1];
+        plane->orientation = a[0] * b[1] - a[1] * b[0];
+        plane->normal[0] = a[2] * b[1] - b[2] * a[1];
+        plane->normal[1] = b[2] * a[0] - a[2] * b[0];
+        return;
+    }
+    plane->orientation = 0.0;
+    for (k = 0; k < 3; k++) {
+        const double *a = row[0], *b = row[1], *c = row[2];
+        const int m = (k + 1) % 3, n = (k + 2) % 3;
+        const double cb = c[m] * b[n] - c[n] * b[m], ac = a[m] * c[n] - a[n] * c[m], ba = b[m] * a[n] - b[n] * a[m];
+        plane->orientation += a[k] * cb;
+        plane->normal[k] = a[3] * cb + b[3] * ac + c[3] * ba;
+    }
+}
+
+/* Which facets of the simplex in slot t are not locally regular, of those that are tested on this side. */
+PBW__INLINE unsigned pbw__slot_faults(const pbw__core *core, size_t t, int dim)
+{
+    const pbw_index *v = core->kernel.corner + 4 * t;
+    const pbw__link *link = core->kernel.link + 4 * t;
+    const double error = dim == 2 ? PBW__CIRCLE_ERROR * PBW__CIRCLE_ERROR : PBW__SPHERE_ERROR * PBW__SPHERE_ERROR;
+    const double side_error = dim == 2 ? PBW__ORIENT2_ERROR * PBW__ORIENT2_ERROR
+                                       : PBW__ORIENT3_ERROR * PBW__ORIENT3_ERROR;
+    const int ghost = v[dim] == PBW__GHOST;
+    pbw__plane plane;
     unsigned faults = 0;
     int k;
-    if (!ghost && pbw__slot_side(core, t, dim + 1, NULL) <= 0) {
-        return PBW__INVERTED;
+    if (!ghost) {
+        double h;
+        pbw__plane_of(core, v, dim, &plane);
+        h = plane.height;
+        if (!(plane.orientation > 0.0 && plane.orientation * plane.orientation
+                                         > h * h * (dim == 2 ? 1.0 : h) * side_error)
+            && pbw__slot_side(core, t, dim + 1, NULL) <= 0) {
+            return PBW__INVERTED;
+        }
     }
     for (k = 0; k <= dim - ghost; k++) {
-        const pbw__link link = kernel->link[4 * t + (size_t)k];
-        const pbw_index far = kernel->corner[link];
-        if (far != PBW__GHOST && (ghost || t < link >> 2)
-            && pbw__slot_conflict(core, t, pbw__core_record(core, far))) {
+        const pbw_index far = core->kernel.corner[link[k]];
+        const double *e = core->record + far * ((size_t)dim + 1);
+        double row[4], h, det, limit;
+        if (far == PBW__GHOST || (!ghost && t > link[k] >> 2)) {
+            continue;
+        }
+        det = limit = 0.0;
+        if (!ghost) {
+            h = pbw__max(plane.height, pbw__plane_row(&plane, e, dim, row));
+            det = row[0] * plane.normal[0] + row[1] * plane.normal[1];
+            det = (dim == 2 ? det : det + row[2] * plane.normal[2]) - row[dim] * plane.orientation;
+            limit = h * h * (h * h) * (dim == 2 ? 1.0 : h) * error;
+        }
+        if (PBW__LIKELY(det * det > limit) ? det > 0.0 : pbw__slot_conflict(core, t, e)) {
             faults |= 1u << k;
         }
     }
@@ -12854,7 +12922,7 @@ static pbw_status pbw__verify_range(void *arg, size_t from, size_t to)
     }
     for (t = from; t < to; t++) {
         if (core->kernel.corner[4 * t] != PBW_NONE) {
-            const unsigned faults = pbw__slot_faults(core, t);
+            const unsigned faults = core->kernel.dim == 3 ? pbw__slot_faults(core, t, 3) : pbw__slot_faults(core, t, 2);
             core->kernel.mark[t] = (unsigned char)faults;
             inverted += faults == PBW__INVERTED;
             failing += faults != 0;
@@ -12887,7 +12955,7 @@ static pbw_status pbw__cover_range(void *arg, size_t from, size_t to)
         for (k = 0; k < dim && holds; k++) {
             int below = 0, above = 0;
             for (i = 0; i <= dim; i++) {
-                const double x = pbw__core_record(core, v[i])[k];
+                const double x = core->record[v[i] * ((size_t)dim + 1) + (size_t)k];
                 below |= x <= o[k];
                 above |= x >= o[k];
             }
@@ -13101,7 +13169,6 @@ struct pbw_live {
     double *moved;                                   /* other coordinates of those in `leaving` */
     size_t edit_capacity, head_capacity, leaving_capacity, arriving_capacity, moved_capacity;
     size_t edit_count, leaving_count, arriving_count, past_vertices, past_unused, past_placed;
-    unsigned skip, skips;                            /* commits to go before moves in place are tried; last time's */
 };
 
 /* ---- the queue */
@@ -13979,23 +14046,15 @@ static void pbw__live_settle(pbw_live *live)
 #endif
 #define PBW__EFFORT 64                               /* looks for an apex that take as long as to insert a point */
 
-/* Tries to move in place.  While that fails it is tried less and less often. */
+/* Tries to move in place. */
 static pbw_status pbw__live_try_moves(pbw_live *live, size_t count, pbw_changes *changes, pbw_way *way)
 {
-    pbw_status status;
-    if (live->skip > 0) {
-        live->skip--;
-        return PBW__ANEW;
-    }
-    status = pbw__live_in_place(live, count, changes);
+    const pbw_status status = pbw__live_in_place(live, count, changes);
     if (status == PBW_OK) {
         *way = live->core.past_count > 0 ? PBW_WAY_FLIPS : PBW_WAY_NOTHING;
         pbw__journal_clear(&live->core);
-        live->skips = 0;
     } else if (status == PBW__ANEW) {
         pbw_changes_free(changes);
-        live->skips = live->skips < 7 ? 2 * live->skips + 1 : 7;
-        live->skip = live->skips;
     }
     return status;
 }
