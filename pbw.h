@@ -12292,26 +12292,120 @@ static pbw_status pbw__open_hole(pbw__core *core, pbw_index v)
     return PBW_OK;
 }
 
-/* The apex behind a rim; 0, the ghost's place, if there is none. */
-static pbw_index pbw__rim_apex(const pbw__core *core, const pbw_index *v)
+/* A finite simplex with its last corner as the origin: its orientation, and the plane through its lifted corners,
+   lift * orientation = normal . x; below it is a conflict.  The determinant is that of >>cavity3 or >>cavity2, and so
+   are the roundings on its products, with another origin. */
+typedef struct pbw__plane { double origin[4], normal[3], orientation, height; } pbw__plane;
+
+/* x relative to the origin, and its lift; returns its height. */
+PBW__INLINE double pbw__plane_row(const pbw__plane *plane, const double *x, int dim, double *row)
 {
-    const int dim = core->kernel.dim;
+    const double weight = x[dim] - plane->origin[dim];
+    double square = 0.0;
+    int k;
+    for (k = 0; k < dim; k++) {
+        row[k] = x[k] - plane->origin[k];
+        square += row[k] * row[k];
+    }
+    row[dim] = square - weight;
+    return square + pbw__abs(weight);
+}
+
+PBW__INLINE void pbw__plane_of(const pbw__core *core, const pbw_index *v, int dim, pbw__plane *plane)
+{
+    double row[3][4], height = 1e-55;
+    int i, k;
+    for (k = 0; k <= dim; k++) {
+        plane->origin[k] = core->record[v[dim] * ((size_t)dim + 1) + (size_t)k];
+    }
+    for (i = 0; i < dim; i++) {
+        height = pbw__max(height, pbw__plane_row(plane, core->record + v[i] * ((size_t)dim + 1), dim, row[i]));
+    }
+    plane->height = height;
+    if (dim == 2) {
+        const double *a = row[0], *b = row[1];
+        plane->orientation = a[0] * b[1] - a[1] * b[0];
+        plane->normal[0] = a[2] * b[1] - b[2] * a[1];
+        plane->normal[1] = b[2] * a[0] - a[2] * b[0];
+        return;
+    }
+    plane->orientation = 0.0;
+    for (k = 0; k < 3; k++) {
+        const double *a = row[0], *b = row[1], *c = row[2];
+        const int m = (k + 1) % 3, n = (k + 2) % 3;
+        const double cb = c[m] * b[n] - c[n] * b[m], ac = a[m] * c[n] - a[n] * c[m], ba = b[m] * a[n] - b[n] * a[m];
+        plane->orientation += a[k] * cb;
+        plane->normal[k] = a[3] * cb + b[3] * ac + c[3] * ba;
+    }
+}
+
+/* Whether e is strictly on the open side of a rim; `normal` points there, relative to its last vertex. */
+PBW__INLINE int pbw__rim_sees(const pbw__core *core, const pbw_index *v, pbw_index e, double side, double height,
+                              int dim)
+{
+    const double *x = pbw__core_record(core, e), *a = pbw__core_record(core, v[0]), *b = pbw__core_record(core, v[1]);
+    const double limit = height * height * (dim == 2 ? PBW__ORIENT2_ERROR * PBW__ORIENT2_ERROR
+                                                     : height * (PBW__ORIENT3_ERROR * PBW__ORIENT3_ERROR));
+    if (PBW__LIKELY(side * side > limit)) {
+        return side > 0.0;
+    }
+    return (dim == 2 ? pbw__orient2(x, a, b, &core->grid)
+                     : pbw__orient3(x, a, b, pbw__core_record(core, v[2]), &core->grid)) > 0;
+}
+
+/* Whether e is in conflict with the simplex of a plane, whose last corners are those of a rim and its first `best`. */
+PBW__INLINE int pbw__plane_conflict(const pbw__core *core, const pbw__plane *plane, const pbw_index *corner,
+                                    pbw_index e, const double *row, double height, int dim)
+{
+    const double h = pbw__max(plane->height, height);
+    const double limit = h * h * (h * h) * (dim == 2 ? PBW__CIRCLE_ERROR * PBW__CIRCLE_ERROR
+                                                     : h * (PBW__SPHERE_ERROR * PBW__SPHERE_ERROR));
+    const double *p = pbw__core_record(core, e);
+    double det = row[0] * plane->normal[0] + row[1] * plane->normal[1];
+    det = (dim == 2 ? det : det + row[2] * plane->normal[2]) - row[dim] * plane->orientation;
+    if (PBW__LIKELY(det * det > limit)) {
+        return det > 0.0;
+    }
+    return dim == 2 ? pbw__conflict2(pbw__core_record(core, corner[0]), pbw__core_record(core, corner[1]),
+                                     pbw__core_record(core, corner[2]), p, &core->grid)
+                    : pbw__conflict3(pbw__core_record(core, corner[0]), pbw__core_record(core, corner[1]),
+                                     pbw__core_record(core, corner[2]), pbw__core_record(core, corner[3]), p,
+                                     &core->grid);
+}
+
+/* The apex behind a rim; 0, the ghost's place, if there is none. */
+PBW__INLINE pbw_index pbw__rim_apex(const pbw__core *core, const pbw_index *rim, int dim)
+{
     const pbw_index *u = core->rim_vertex;
-    const double *a = pbw__core_record(core, u[v[0]]), *b = pbw__core_record(core, u[v[1]]);
-    const double *c = dim == 3 ? pbw__core_record(core, u[v[2]]) : NULL, *best = NULL;
-    pbw_index i, apex = 0;
+    pbw_index corner[4] = { 0, u[rim[0]], u[rim[1]], dim == 3 ? u[rim[2]] : 0 }, i, apex = 0;
+    pbw__plane plane;
+    double a[4], b[4], normal[3] = { 0.0, 0.0, 0.0 }, row[4], height;
+    int k;
+    memset(&plane, 0, sizeof(plane));
+    memcpy(plane.origin, pbw__core_record(core, corner[dim]), ((size_t)dim + 1) * sizeof(double));
+    height = pbw__max(1e-55, pbw__plane_row(&plane, pbw__core_record(core, corner[1]), dim, a));
+    if (dim == 2) {
+        normal[0] = a[1];
+        normal[1] = -a[0];
+    } else {
+        height = pbw__max(height, pbw__plane_row(&plane, pbw__core_record(core, corner[2]), dim, b));
+        for (k = 0; k < 3; k++) {
+            normal[k] = b[(k + 1) % 3] * a[(k + 2) % 3] - b[(k + 2) % 3] * a[(k + 1) % 3];
+        }
+    }
     for (i = 1; i < core->rim_vertices; i++) {
-        const double *e = pbw__core_record(core, u[i]);
-        if (i == v[0] || i == v[1] || i == v[2]) {
+        double h, side;
+        if (i == rim[0] || i == rim[1] || i == rim[2]) {
             continue;
         }
-        if (dim == 3 ? best == NULL ? pbw__orient3(e, a, b, c, &core->grid) > 0
-                                    : pbw__orient3(e, a, b, c, &core->grid) > 0
-                                      && pbw__conflict3(best, a, b, c, e, &core->grid)
-                     : pbw__orient2(e, a, b, &core->grid) > 0
-                       && (best == NULL || pbw__conflict2(best, a, b, e, &core->grid))) {
-            best = e;
+        h = pbw__plane_row(&plane, core->record + u[i] * ((size_t)dim + 1), dim, row);
+        side = row[0] * normal[0] + row[1] * normal[1];
+        side = dim == 2 ? side : side + row[2] * normal[2];
+        if (pbw__rim_sees(core, corner + 1, u[i], side, pbw__max(height, h), dim)
+            && (apex == 0 || pbw__plane_conflict(core, &plane, corner, u[i], row, h, dim))) {
             apex = i;
+            corner[0] = u[i];
+            pbw__plane_of(core, corner, dim, &plane);
         }
     }
     return apex;
@@ -12394,7 +12488,7 @@ static pbw_status pbw__wrap(pbw__core *core)
         }
         v = core->rim[i].v;
         core->effort += core->rim_vertices;
-        apex = pbw__rim_apex(core, v);
+        apex = dim == 3 ? pbw__rim_apex(core, v, 3) : pbw__rim_apex(core, v, 2);
         f = core->fillings++;
         filling = core->filling + f;
         if (apex != 0) {
@@ -12822,53 +12916,6 @@ static int pbw__slot_side(const pbw__core *core, size_t t, int i, const double *
     return dim == 2 ? pbw__orient2(x[0], x[1], x[2], &core->grid) : pbw__orient3(x[0], x[1], x[2], x[3], &core->grid);
 }
 
-/* A finite simplex with its last corner as the origin: its orientation, and the plane through its lifted corners,
-   lift * orientation = normal . x; below it is a conflict.  The determinant is that of >>cavity3 or >>cavity2, and so
-   are the roundings on its products, with another origin. */
-typedef struct pbw__plane { double origin[4], normal[3], orientation, height; } pbw__plane;
-
-/* x relative to the origin, and its lift; returns its height. */
-PBW__INLINE double pbw__plane_row(const pbw__plane *plane, const double *x, int dim, double *row)
-{
-    const double weight = x[dim] - plane->origin[dim];
-    double square = 0.0;
-    int k;
-    for (k = 0; k < dim; k++) {
-        row[k] = x[k] - plane->origin[k];
-        square += row[k] * row[k];
-    }
-    row[dim] = square - weight;
-    return square + pbw__abs(weight);
-}
-
-PBW__INLINE void pbw__plane_of(const pbw__core *core, const pbw_index *v, int dim, pbw__plane *plane)
-{
-    double row[3][4], height = 1e-55;
-    int i, k;
-    for (k = 0; k <= dim; k++) {
-        plane->origin[k] = core->record[v[dim] * ((size_t)dim + 1) + (size_t)k];
-    }
-    for (i = 0; i < dim; i++) {
-        height = pbw__max(height, pbw__plane_row(plane, core->record + v[i] * ((size_t)dim + 1), dim, row[i]));
-    }
-    plane->height = height;
-    if (dim == 2) {
-        const double *a = row[0], *b = row[1];
-        plane->orientation = a[0] * b[1] - a[1] * b[0];
-        plane->normal[0] = a[2] * b[1] - b[2] * a[1];
-        plane->normal[1] = b[2] * a[0] - a[2] * b[0];
-        return;
-    }
-    plane->orientation = 0.0;
-    for (k = 0; k < 3; k++) {
-        const double *a = row[0], *b = row[1], *c = row[2];
-        const int m = (k + 1) % 3, n = (k + 2) % 3;
-        const double cb = c[m] * b[n] - c[n] * b[m], ac = a[m] * c[n] - a[n] * c[m], ba = b[m] * a[n] - b[n] * a[m];
-        plane->orientation += a[k] * cb;
-        plane->normal[k] = a[3] * cb + b[3] * ac + c[3] * ba;
-    }
-}
-
 /* Which facets of the simplex in slot t are not locally regular, of those that are tested on this side. */
 PBW__INLINE unsigned pbw__slot_faults(const pbw__core *core, size_t t, int dim)
 {
@@ -12881,6 +12928,7 @@ PBW__INLINE unsigned pbw__slot_faults(const pbw__core *core, size_t t, int dim)
     pbw__plane plane;
     unsigned faults = 0;
     int k;
+    memset(&plane, 0, sizeof(plane));
     if (!ghost) {
         double h;
         pbw__plane_of(core, v, dim, &plane);
