@@ -51,9 +51,12 @@
      >>nearest      stars, nearest vertices, vertices in a ball
      >>centres      vectors, pairs, centres of simplices
      >>interpolate  barycentric, Sibson's and Laplace's weights
-     >>removal      one vertex more or less, and back
+     >>core         a triangulation that stays, and a journal of what is deleted
+     >>removal      one vertex more or less
      >>verify       vertices that moved: does the triangulation hold; flips
-     >>live         points inserted, removed and moved: what is queued, commits, views
+     >>live         points to be inserted, removed and moved: the queue
+     >>commit       queued changes carried out
+     >>view         the arrays of a live triangulation
      >>api          argument checks, the stages in order, status texts
      >>history      versions
      >>license      MIT No Attribution
@@ -4084,7 +4087,7 @@ typedef struct pbw__kernel {
     pbw_status (*insert)(struct pbw__kernel *kernel, pbw_index vertex);
     pbw__slots slots;
     pbw__scratch scratch;
-    void *journal;                                   /* >>removal: the core that notes each cavity; else NULL */
+    void *journal;                                   /* the >>core that notes each cavity; else NULL */
     pbw__ownership own;
     pbw_index *left;                                 /* vertices left for the next round */
     size_t left_count, left_capacity, done, reported;
@@ -4406,7 +4409,7 @@ static PBW__NOINLINE pbw_index pbw__take_slot(pbw__kernel *kernel)
     return t;
 }
 
-static int pbw__journal_cavity(pbw__kernel *kernel);         /* >>removal */
+static int pbw__journal_cavity(pbw__kernel *kernel);         /* >>core */
 
 /* The slots of the star: those of the cavity first, still marked; slots of the cavity beyond that become free. */
 PBW__INLINE pbw_status pbw__take_slots(pbw__kernel *kernel)
@@ -11956,18 +11959,10 @@ PBWDEF pbw_status pbw_coordinates(const pbw_mesh *mesh, const double *points, si
     return pbw__lists_end(&queries, status, lists);
 }
 /* ------------------------------------------------------------------------------------------------------
-   >>removal      One vertex more or less: the core of a live triangulation, its journal.
-   In: a triangulation by the kernel, vertices to remove and to insert.  Out: the triangulation without and with them.
-   Holds: what holds in >>mesh; incident[v] is a simplex that has v, PBW_NONE if v is hidden, or says why v is in none;
-   the journal leads back to the triangulation at its start.
-
-   Removal wraps the hole.  Let N be the vertices of the link of v.  The triangulation without v has the same simplices
-   outside of the star of v; inside it has those simplices of the triangulation of N that are in conflict with v
-   (a simplex of N inside the star that another vertex is in conflict with would be one without v, too).  So behind a
-   facet abc of the hole stands the simplex abce, of the vertices e of N strictly on the open side the one that no
-   other one of these is in conflict with; ghost, if there is none.  Ties are broken as everywhere, so there is one
-   such e, and all facets of the simplices made meet in pairs.  Time: the simplices made times the size of N; where
-   that grows too large, all is triangulated anew.
+   >>core        A triangulation that stays: vertices with numbers, and a journal of what is deleted.
+   In: a triangulation by the kernel.  Out: for each vertex a simplex that has it; a way back.
+   Holds: what holds in >>mesh; incident[v] is a simplex that has v, PBW_NONE if v is hidden, or says why v is in
+   none; the journal leads back to the triangulation at its start.
 
    The journal has each simplex as it was when it was first deleted.  Of two simplices that were neighbours at the
    start the one that was deleted first links to the other; so written back in reverse order, each with its links and
@@ -12214,8 +12209,19 @@ static void pbw__journal_undo(pbw__core *core)
     kernel->last = PBW_NONE;
     pbw__journal_clear(core);
 }
+/* ------------------------------------------------------------------------------------------------------
+   >>removal     One vertex more or less.
+   In: a core, a vertex to remove or to insert.  Out: the triangulation without it, or with it.
+   Holds: what holds in >>core.
 
-/* ---- removal */
+   Removal wraps the hole.  Let N be the vertices of the link of v.  The triangulation without v has the same
+   simplices outside of the star of v; inside it has those simplices of the triangulation of N that are in conflict
+   with v (a simplex of N inside the star that another vertex is in conflict with would be one without v, too).  So
+   behind a facet abc of the hole stands the simplex abce, of the vertices e of N strictly on the open side the one
+   that no other one of these is in conflict with; the ghost, if there is none.  Ties are broken as everywhere, so
+   there is one such e, and all facets of the simplices made meet in pairs.  Time: the simplices made times the size
+   of N; where that grows too large, all is triangulated anew.
+   ------------------------------------------------------------------------------------------------------ */
 /* The facet across from corner i of a positive simplex v: a, b, c with (v[i], a, b, c) positive. */
 PBW__INLINE void pbw__facet_of(const pbw_index *v, unsigned i, int dim, pbw_index *facet)
 {
@@ -12353,7 +12359,7 @@ PBW__INLINE int pbw__rim_sees(const pbw__core *core, const pbw_index *v, pbw_ind
                      : pbw__orient3(x, a, b, pbw__core_record(core, v[2]), &core->grid)) > 0;
 }
 
-/* Whether e is in conflict with the simplex of a plane, whose last corners are those of a rim and its first `best`. */
+/* Whether e is in conflict with the simplex of these corners, of which the plane is. */
 PBW__INLINE int pbw__plane_conflict(const pbw__core *core, const pbw__plane *plane, const pbw_index *corner,
                                     pbw_index e, const double *row, double height, int dim)
 {
@@ -12699,8 +12705,7 @@ static void pbw__swap_covers(pbw__core *core)
     core->covered_count = 0;
 }
 
-/* ---- from points to a core
-   The points of the numbers in `list`, packed in that order. */
+/* ---- from points to a core: the points of the numbers in `list`, packed in that order */
 typedef struct pbw__stand {
     double *points, *weights;
     pbw_index *list;
@@ -12970,7 +12975,8 @@ static pbw_status pbw__verify_range(void *arg, size_t from, size_t to)
     }
     for (t = from; t < to; t++) {
         if (core->kernel.corner[4 * t] != PBW_NONE) {
-            const unsigned faults = core->kernel.dim == 3 ? pbw__slot_faults(core, t, 3) : pbw__slot_faults(core, t, 2);
+            const unsigned faults = core->kernel.dim == 3 ? pbw__slot_faults(core, t, 3)
+                                                          : pbw__slot_faults(core, t, 2);
             core->kernel.mark[t] = (unsigned char)faults;
             inverted += faults == PBW__INVERTED;
             failing += faults != 0;
@@ -13175,16 +13181,17 @@ static pbw_status pbw__verify(pbw__core *core, size_t most)
     }
     if (status == PBW_OK) {
         status = pbw__choose_inside(&verifying)
-               ? pbw__for_range(context, core->store.count, 16384, 0.5, 1.0, pbw__cover_range, &verifying) : PBW__ANEW;
+               ? pbw__for_range(context, core->store.count, 16384, 0.5, 1.0, pbw__cover_range, &verifying)
+               : PBW__ANEW;
     }
     return status == PBW_OK && verifying.covers != 1 ? PBW__ANEW : status;
 }
 /* ------------------------------------------------------------------------------------------------------
-   >>live         Points inserted, removed and moved: what is queued, commits, views.
-   In: a mesh, then changes by number.  Out: after each commit the triangulation of the points that live.
+   >>live         Points to be inserted, removed and moved: the queue.
+   In: a mesh, then changes by number.  Out: for >>commit, the points as they are to be.
    Holds: `point`, `weight` and `state` are as they will be after the next commit; the core is as it was after the
-   last one.  A commit that fails changes neither: it works on another core, or undoes what it did, and takes the
-   memory that it needs to do so beforehand.
+   last one.  A commit that fails changes neither: it works on another core, or undoes what it did, for which it
+   needs no more memory.
    ------------------------------------------------------------------------------------------------------ */
 #define PBW__LIVES 1u                                /* since the last commit */
 #define PBW__STAYS 2u                                /* will live after the next one */
@@ -13549,7 +13556,16 @@ static pbw_status pbw__rebuild_changes(const pbw_live *live, const pbw__core *co
     return pbw__changes_close(changes, live->dim, live->count);
 }
 
-/* ---- commits: which vertices leave and arrive */
+/* ------------------------------------------------------------------------------------------------------
+   >>commit      Queued changes carried out.
+   In: a live triangulation with a queue.  Out: its core with the changes, and which simplices these made and
+   deleted; or both as they were.
+
+   Points at one place share a vertex, that of the largest weight, then of the lowest number.  A batch first brings
+   the numbers of all places up to date and so finds which vertices leave and arrive; then it removes and inserts
+   them, each along the curve.  Tables are written through a list of edits, simplices through the journal: both are
+   undone where something fails.
+   ------------------------------------------------------------------------------------------------------ */
 PBW__INLINE const double *pbw__live_point(const pbw_live *live, size_t id)
 {
     return live->point + id * (size_t)live->dim;
@@ -13646,7 +13662,8 @@ static pbw_status pbw__batch_reserve(pbw_live *live, size_t more)
         || !PBW__CORE_GROW(core, twin, live->count) || !PBW__CORE_GROW(core, record, vertices * width)
         || !PBW__CORE_GROW(core, name, vertices) || !PBW__CORE_GROW(core, incident, vertices)
         || !PBW__CORE_GROW(core, local, vertices) || !PBW__CORE_GROW(core, rim_vertex, more + 1)
-        || !PBW__CORE_GROW(core, unused, core->unused_count + more) || !PBW__CORE_GROW(core, covered, core->hidden_count)
+        || !PBW__CORE_GROW(core, unused, core->unused_count + more)
+        || !PBW__CORE_GROW(core, covered, core->hidden_count)
         || !PBW__CORE_GROW(core, cover, core->hidden_count) || !PBW__LIVE_GROW(live, head, more + 1)
         || !PBW__LIVE_GROW(live, leaving, more + 1) || !PBW__LIVE_GROW(live, arriving, more + 1)
         || !pbw__place_reserve(live, more)) {
@@ -13844,7 +13861,7 @@ static void pbw__live_fit_grid(pbw_live *live, const pbw_index *list, size_t cou
     for (i = 0; i < count && core->grid.inverse_unit != 0.0; i++) {
         const double *x = pbw__core_record(core, list[i]);
         for (k = 0; k <= dim; k++) {
-            const double scale = k < dim ? core->grid.inverse_unit : core->grid.inverse_unit * core->grid.inverse_unit;
+            const double unit = core->grid.inverse_unit, scale = k < dim ? unit : unit * unit;
             if (!(x[k] >= core->low[k] && x[k] <= core->high[k] && floor(x[k] * scale) == x[k] * scale)) {
                 memset(&core->grid, 0, sizeof(core->grid));
                 core->kernel.exact_height = 0.0;
@@ -14169,7 +14186,12 @@ PBWDEF pbw_status pbw_live_commit(pbw_live *live, pbw_changes *changes)
     return status;
 }
 
-/* ---- views */
+/* ------------------------------------------------------------------------------------------------------
+   >>view        The arrays of a live triangulation.
+   In: a core.  Out: a mesh, as pbw_triangulate gives it for the points that live.
+   The points are sorted along the curve as for a build, the simplices copied with ranks for vertices; the copy is
+   what >>output takes.
+   ------------------------------------------------------------------------------------------------------ */
 typedef struct pbw__viewing {
     const pbw_live *live;
     const pbw_index *rank;                           /* per vertex */
@@ -14198,7 +14220,7 @@ static pbw_status pbw__view_slots(void *arg, size_t from, size_t to)
     return PBW_OK;
 }
 
-/* The simplices of a view: of a copy of the store, in ranks.  vertices: of the points, by rank, with their numbers. */
+/* The simplices of a view: of a copy of the store, in ranks.  vertices: of the points, with their numbers. */
 static pbw_status pbw__view_simplices(const pbw_live *live, pbw__context *context, pbw__vertices *vertices,
                                       pbw_mesh *mesh)
 {

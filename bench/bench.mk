@@ -78,3 +78,12 @@ build/bench_query: bench/query.cpp $(BENCH_INPUTS)
 .PHONY: bench-query
 bench-query: build/bench_query
 	$< $(POINTS)
+
+# Live triangulations beside CGAL's insert, remove and move: bench/live.cpp
+build/bench_live: bench/live.cpp $(BENCH_INPUTS)
+	@mkdir -p build
+	$(CXX) -std=c++17 -frounding-math $(BENCH_FLAGS) -DNDEBUG -I. $< -o $@ -lgmp -lmpfr -lpthread -lm
+
+.PHONY: bench-live
+bench-live: build/bench_live
+	$< $(POINTS)
