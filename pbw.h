@@ -51,12 +51,12 @@
      >>nearest      stars, nearest vertices, vertices in a ball
      >>centres      vectors, pairs, centres of simplices
      >>interpolate  barycentric, Sibson's and Laplace's weights
-     >>core         a triangulation that stays, and a journal of what is deleted
-     >>removal      one vertex more or less
+     >>core          a triangulation that stays, and a journal of what is deleted
+     >>removal       one vertex more or less
      >>verify       vertices that moved: does the triangulation hold; flips
      >>live         points to be inserted, removed and moved: the queue
-     >>commit       queued changes carried out
-     >>view         the arrays of a live triangulation
+     >>commit        queued changes carried out
+     >>view          the arrays of a live triangulation
      >>api          argument checks, the stages in order, status texts
      >>history      versions
      >>license      MIT No Attribution
@@ -11959,7 +11959,7 @@ PBWDEF pbw_status pbw_coordinates(const pbw_mesh *mesh, const double *points, si
     return pbw__lists_end(&queries, status, lists);
 }
 /* ------------------------------------------------------------------------------------------------------
-   >>core        A triangulation that stays: vertices with numbers, and a journal of what is deleted.
+   >>core         A triangulation that stays: vertices with numbers, and a journal of what is deleted.
    In: a triangulation by the kernel.  Out: for each vertex a simplex that has it; a way back.
    Holds: what holds in >>mesh; incident[v] is a simplex that has v, PBW_NONE if v is hidden, or says why v is in
    none; the journal leads back to the triangulation at its start.
@@ -12210,7 +12210,7 @@ static void pbw__journal_undo(pbw__core *core)
     pbw__journal_clear(core);
 }
 /* ------------------------------------------------------------------------------------------------------
-   >>removal     One vertex more or less.
+   >>removal      One vertex more or less.
    In: a core, a vertex to remove or to insert.  Out: the triangulation without it, or with it.
    Holds: what holds in >>core.
 
@@ -13127,7 +13127,7 @@ static pbw_status pbw__flip_all(pbw__core *core, size_t most)
     unsigned k;
     pbw_status status = PBW_OK;
     for (t = 0; t < core->store.count; t++) {
-        for (k = 0; k < 3 && kernel->mark[t] != 0; k++) {
+        for (k = 0; k < 3 && kernel->corner[4 * t] != PBW_NONE && kernel->mark[t] != 0; k++) {
             if (!PBW__CORE_GROW(core, rim_vertex, count + 1)) {
                 return PBW_ERROR_MEMORY;
             }
@@ -13557,7 +13557,7 @@ static pbw_status pbw__rebuild_changes(const pbw_live *live, const pbw__core *co
 }
 
 /* ------------------------------------------------------------------------------------------------------
-   >>commit      Queued changes carried out.
+   >>commit       Queued changes carried out.
    In: a live triangulation with a queue.  Out: its core with the changes, and which simplices these made and
    deleted; or both as they were.
 
@@ -14187,7 +14187,7 @@ PBWDEF pbw_status pbw_live_commit(pbw_live *live, pbw_changes *changes)
 }
 
 /* ------------------------------------------------------------------------------------------------------
-   >>view        The arrays of a live triangulation.
+   >>view         The arrays of a live triangulation.
    In: a core.  Out: a mesh, as pbw_triangulate gives it for the points that live.
    The points are sorted along the curve as for a build, the simplices copied with ranks for vertices; the copy is
    what >>output takes.
