@@ -58,6 +58,7 @@ help:
 	@echo 'make bench       compares speed and memory with rivals that are installed (bench/bench.mk)'
 	@echo 'make bench-cells Voronoi cells per second, beside voro++'
 	@echo 'make bench-plane plane domains, beside CGAL'
+	@echo 'make bench-live  insert, remove and move, beside CGAL'
 	@echo 'make oracle      compares with CGAL            make names   names, warnings, copies, documentation'
 	@echo 'make asm         looks for fused operations    make arm     64-bit Arm, in an emulator'
 	@echo 'make install PREFIX=/usr/local DESTDIR=         and make uninstall: see examples/install/install.mk'
@@ -96,6 +97,7 @@ $(TESTS:%=$B/%): $B/%: tests/%.c $(HEADERS) $B/libpbw.a
 
 $B/test_scalar: tests/test_threads.c
 $B/test_digits: tests/test_predicates.c
+$B/test_live_local: tests/test_live.c
 
 $B/oracle_cgal: tests/oracle_cgal.cpp $(HEADERS) $B/libpbw.a
 	$(CXX) -std=c++17 -frounding-math $(CXXFLAGS) $< -o $@ $B/libpbw.a -lgmp -lmpfr $(LIBS)

@@ -51,9 +51,12 @@
      >>nearest      stars, nearest vertices, vertices in a ball
      >>centres      vectors, pairs, centres of simplices
      >>interpolate  barycentric, Sibson's and Laplace's weights
-     >>removal      one vertex more or less, and back
+     >>core          a triangulation that stays, and a journal of what is deleted
+     >>removal       one vertex more or less
      >>verify       vertices that moved: does the triangulation hold; flips
-     >>live         points inserted, removed and moved: what is queued, commits, views
+     >>live         points to be inserted, removed and moved: the queue
+     >>commit        queued changes carried out
+     >>view          the arrays of a live triangulation
      >>api          argument checks, the stages in order, status texts
      >>history      versions
      >>license      MIT No Attribution
@@ -4207,7 +4210,7 @@ typedef struct pbw__kernel {
     pbw_status (*insert)(struct pbw__kernel *kernel, pbw_index vertex);
     pbw__slots slots;
     pbw__scratch scratch;
-    void *journal;                                   /* >>removal: the core that notes each cavity; else NULL */
+    void *journal;                                   /* the >>core that notes each cavity; else NULL */
     pbw_index *left;                                 /* vertices left for the next round */
     size_t left_count, left_capacity, done, reported;
     pbw_status status;
@@ -4523,7 +4526,7 @@ static PBW__NOINLINE pbw_index pbw__take_slot(pbw__kernel *kernel)
     return t;
 }
 
-static int pbw__journal_cavity(pbw__kernel *kernel);         /* >>removal */
+static int pbw__journal_cavity(pbw__kernel *kernel);         /* >>core */
 
 /* Takes the slots of the star: those of the cavity first, still marked; surplus slots of the cavity become free. */
 PBW__INLINE pbw_status pbw__take_slots(pbw__kernel *kernel)
@@ -11867,18 +11870,10 @@ PBWDEF pbw_status pbw_coordinates(const pbw_mesh *mesh, const double *points, si
     return pbw__lists_end(&queries, status, lists);
 }
 /* ------------------------------------------------------------------------------------------------------
-   >>removal      One vertex more or less: the core of a live triangulation, its journal.
-   In: a triangulation by the kernel, vertices to remove and to insert.  Out: the triangulation without and with them.
-   Holds: what holds in >>mesh; incident[v] is a simplex that has v, PBW_NONE if v is hidden, or says why v is in none;
-   the journal leads back to the triangulation at its start.
-
-   Removal wraps the hole.  Let N be the vertices of the link of v.  The triangulation without v has the same simplices
-   outside of the star of v; inside it has those simplices of the triangulation of N that are in conflict with v
-   (a simplex of N inside the star that another vertex is in conflict with would be one without v, too).  So behind a
-   facet abc of the hole stands the simplex abce, of the vertices e of N strictly on the open side the one that no
-   other one of these is in conflict with; ghost, if there is none.  Ties are broken as everywhere, so there is one
-   such e, and all facets of the simplices made meet in pairs.  Time: the simplices made times the size of N; where
-   that grows too large, all is triangulated anew.
+   >>core         A triangulation that stays: vertices with numbers, and a journal of what is deleted.
+   In: a triangulation by the kernel.  Out: for each vertex a simplex that has it; a way back.
+   Holds: what holds in >>mesh; incident[v] is a simplex that has v, PBW_NONE if v is hidden, or says why v is in
+   none; the journal leads back to the triangulation at its start.
 
    The journal has each simplex as it was when it was first deleted.  Of two simplices that were neighbours at the
    start the one that was deleted first links to the other; so written back in reverse order, each with its links and
@@ -12125,8 +12120,19 @@ static void pbw__journal_undo(pbw__core *core)
     kernel->last = PBW_NONE;
     pbw__journal_clear(core);
 }
+/* ------------------------------------------------------------------------------------------------------
+   >>removal      One vertex more or less.
+   In: a core, a vertex to remove or to insert.  Out: the triangulation without it, or with it.
+   Holds: what holds in >>core.
 
-/* ---- removal */
+   Removal wraps the hole.  Let N be the vertices of the link of v.  The triangulation without v has the same
+   simplices outside of the star of v; inside it has those simplices of the triangulation of N that are in conflict
+   with v (a simplex of N inside the star that another vertex is in conflict with would be one without v, too).  So
+   behind a facet abc of the hole stands the simplex abce, of the vertices e of N strictly on the open side the one
+   that no other one of these is in conflict with; the ghost, if there is none.  Ties are broken as everywhere, so
+   there is one such e, and all facets of the simplices made meet in pairs.  Time: the simplices made times the size
+   of N; where that grows too large, all is triangulated anew.
+   ------------------------------------------------------------------------------------------------------ */
 /* The facet across from corner i of a positive simplex v: a, b, c with (v[i], a, b, c) positive. */
 PBW__INLINE void pbw__facet_of(const pbw_index *v, unsigned i, int dim, pbw_index *facet)
 {
@@ -12203,30 +12209,124 @@ static pbw_status pbw__open_hole(pbw__core *core, pbw_index v)
     return PBW_OK;
 }
 
-/* The apex behind a rim; 0, the ghost's place, if there is none. */
-static pbw_index pbw__rim_apex(const pbw__core *core, const pbw_index *v)
+/* A finite simplex with its last corner as the origin: its orientation, and the plane through its lifted corners,
+   lift * orientation = normal . x; below it is a conflict.  The determinant is that of >>cavity3 or >>cavity2, and so
+   are the roundings on its products, with another origin. */
+typedef struct pbw__plane { double origin[4], normal[3], orientation, height; } pbw__plane;
+
+/* x relative to the origin, and its lift; returns its height. */
+PBW__INLINE double pbw__plane_row(const pbw__plane *plane, const double *x, int dim, double *row)
 {
-    const int dim = core->kernel.dim;
-    const pbw_index *u = core->rim_vertex;
-    const double *x[4] = { NULL, NULL, NULL, NULL }, *best = NULL;
-    pbw_index i, apex = 0;
+    const double weight = x[dim] - plane->origin[dim];
+    double square = 0.0;
     int k;
     for (k = 0; k < dim; k++) {
-        x[k + 1] = pbw__core_record(core, u[v[k]]);
+        row[k] = x[k] - plane->origin[k];
+        square += row[k] * row[k];
+    }
+    row[dim] = square - weight;
+    return square + pbw__abs(weight);
+}
+
+PBW__INLINE void pbw__plane_of(const pbw__core *core, const pbw_index *v, int dim, pbw__plane *plane)
+{
+    double row[3][4], height = 1e-55;
+    int i, k;
+    for (k = 0; k <= dim; k++) {
+        plane->origin[k] = core->record[v[dim] * ((size_t)dim + 1) + (size_t)k];
+    }
+    for (i = 0; i < dim; i++) {
+        height = pbw__max(height, pbw__plane_row(plane, core->record + v[i] * ((size_t)dim + 1), dim, row[i]));
+    }
+    plane->height = height;
+    if (dim == 2) {
+        const double *a = row[0], *b = row[1];
+        plane->orientation = a[0] * b[1] - a[1] * b[0];
+        plane->normal[0] = a[2] * b[1] - b[2] * a[1];
+        plane->normal[1] = b[2] * a[0] - a[2] * b[0];
+        return;
+    }
+    plane->orientation = 0.0;
+    for (k = 0; k < 3; k++) {
+        const double *a = row[0], *b = row[1], *c = row[2];
+        const int m = (k + 1) % 3, n = (k + 2) % 3;
+        const double cb = c[m] * b[n] - c[n] * b[m], ac = a[m] * c[n] - a[n] * c[m], ba = b[m] * a[n] - b[n] * a[m];
+        plane->orientation += a[k] * cb;
+        plane->normal[k] = a[3] * cb + b[3] * ac + c[3] * ba;
+    }
+}
+
+/* Whether e is strictly on the open side of a rim; `normal` points there, relative to its last vertex. */
+PBW__INLINE int pbw__rim_sees(const pbw__core *core, const pbw_index *v, pbw_index e, double side, double height,
+                              int dim)
+{
+    const double *x[4] = { NULL, NULL, NULL, NULL };
+    const double limit = height * height * (dim == 2 ? PBW__ORIENT2_ERROR * PBW__ORIENT2_ERROR
+                                                     : height * (PBW__ORIENT3_ERROR * PBW__ORIENT3_ERROR));
+    int k;
+    if (PBW__LIKELY(side * side > limit)) {
+        return side > 0.0;
+    }
+    x[0] = pbw__core_record(core, e);
+    for (k = 0; k < dim; k++) {
+        x[k + 1] = pbw__core_record(core, v[k]);
+    }
+    return pbw__orient(dim, x, &core->grid) > 0;
+}
+
+/* Whether e is in conflict with the simplex of these corners, of which the plane is. */
+PBW__INLINE int pbw__plane_conflict(const pbw__core *core, const pbw__plane *plane, const pbw_index *corner,
+                                    pbw_index e, const double *row, double height, int dim)
+{
+    const double h = pbw__max(plane->height, height);
+    const double limit = h * h * (h * h) * (dim == 2 ? PBW__CIRCLE_ERROR * PBW__CIRCLE_ERROR
+                                                     : h * (PBW__SPHERE_ERROR * PBW__SPHERE_ERROR));
+    const double *p = pbw__core_record(core, e), *x[4] = { NULL, NULL, NULL, NULL };
+    int k;
+    double det = row[0] * plane->normal[0] + row[1] * plane->normal[1];
+    det = (dim == 2 ? det : det + row[2] * plane->normal[2]) - row[dim] * plane->orientation;
+    if (PBW__LIKELY(det * det > limit)) {
+        return det > 0.0;
+    }
+    for (k = 0; k <= dim; k++) {
+        x[k] = pbw__core_record(core, corner[k]);
+    }
+    return pbw__conflict(dim, x, p, &core->grid);
+}
+
+/* The apex behind a rim; 0, the ghost's place, if there is none. */
+PBW__INLINE pbw_index pbw__rim_apex(const pbw__core *core, const pbw_index *rim, int dim)
+{
+    const pbw_index *u = core->rim_vertex;
+    pbw_index corner[4] = { 0, u[rim[0]], u[rim[1]], dim == 3 ? u[rim[2]] : 0 }, i, apex = 0;
+    pbw__plane plane;
+    double a[4], b[4], normal[3] = { 0.0, 0.0, 0.0 }, row[4], height;
+    int k;
+    memset(&plane, 0, sizeof(plane));
+    memcpy(plane.origin, pbw__core_record(core, corner[dim]), ((size_t)dim + 1) * sizeof(double));
+    height = pbw__max(1e-55, pbw__plane_row(&plane, pbw__core_record(core, corner[1]), dim, a));
+    if (dim == 2) {
+        normal[0] = a[1];
+        normal[1] = -a[0];
+    } else {
+        height = pbw__max(height, pbw__plane_row(&plane, pbw__core_record(core, corner[2]), dim, b));
+        for (k = 0; k < 3; k++) {
+            normal[k] = b[(k + 1) % 3] * a[(k + 2) % 3] - b[(k + 2) % 3] * a[(k + 1) % 3];
+        }
     }
     for (i = 1; i < core->rim_vertices; i++) {
-        const double *e = pbw__core_record(core, u[i]);
-        if (i == v[0] || i == v[1] || i == v[2]) {
+        double h, side;
+        if (i == rim[0] || i == rim[1] || i == rim[2]) {
             continue;
         }
-        x[0] = e;
-        if (pbw__orient(dim, x, &core->grid) <= 0) {
-            continue;
-        }
-        x[0] = best;
-        if (best == NULL || pbw__conflict(dim, x, e, &core->grid)) {
-            best = e;
+        h = pbw__plane_row(&plane, core->record + u[i] * ((size_t)dim + 1), dim, row);
+        side = row[0] * normal[0] + row[1] * normal[1];
+        side = dim == 2 ? side : side + row[2] * normal[2];
+        if (pbw__rim_sees(core, corner + 1, u[i], side, pbw__max(height, h), dim)
+            && (apex == 0 || pbw__plane_conflict(core, &plane, corner, u[i], row, h, dim))) {
             apex = i;
+            corner[0] = u[i];
+            pbw__plane_of(core, corner, dim, &plane);
         }
     }
     return apex;
@@ -12309,7 +12409,7 @@ static pbw_status pbw__wrap(pbw__core *core)
         }
         v = core->rim[i].v;
         core->effort += core->rim_vertices;
-        apex = pbw__rim_apex(core, v);
+        apex = dim == 3 ? pbw__rim_apex(core, v, 3) : pbw__rim_apex(core, v, 2);
         f = core->fillings++;
         filling = core->filling + f;
         if (apex != 0) {
@@ -12512,8 +12612,7 @@ static void pbw__swap_covers(pbw__core *core)
     core->covered_count = 0;
 }
 
-/* ---- from points to a core
-   The points of the numbers in `list`, packed in that order. */
+/* ---- from points to a core: the points of the numbers in `list`, packed in that order */
 typedef struct pbw__stand {
     double *points, *weights;
     pbw_index *list;
@@ -12727,21 +12826,43 @@ static int pbw__slot_side(const pbw__core *core, size_t t, int i, const double *
 }
 
 /* Which facets of the simplex in slot t are not locally regular, of those that are tested on this side. */
-static unsigned pbw__slot_faults(const pbw__core *core, size_t t)
+PBW__INLINE unsigned pbw__slot_faults(const pbw__core *core, size_t t, int dim)
 {
-    const pbw__kernel *kernel = &core->kernel;
-    const int dim = kernel->dim;
-    const int ghost = kernel->corner[4 * t + (size_t)dim] == PBW__GHOST;
+    const pbw_index *v = core->kernel.corner + 4 * t;
+    const pbw__link *link = core->kernel.link + 4 * t;
+    const double error = dim == 2 ? PBW__CIRCLE_ERROR * PBW__CIRCLE_ERROR : PBW__SPHERE_ERROR * PBW__SPHERE_ERROR;
+    const double side_error = dim == 2 ? PBW__ORIENT2_ERROR * PBW__ORIENT2_ERROR
+                                       : PBW__ORIENT3_ERROR * PBW__ORIENT3_ERROR;
+    const int ghost = v[dim] == PBW__GHOST;
+    pbw__plane plane;
     unsigned faults = 0;
     int k;
-    if (!ghost && pbw__slot_side(core, t, dim + 1, NULL) <= 0) {
-        return PBW__INVERTED;
+    memset(&plane, 0, sizeof(plane));
+    if (!ghost) {
+        double h;
+        pbw__plane_of(core, v, dim, &plane);
+        h = plane.height;
+        if (!(plane.orientation > 0.0 && plane.orientation * plane.orientation
+                                         > h * h * (dim == 2 ? 1.0 : h) * side_error)
+            && pbw__slot_side(core, t, dim + 1, NULL) <= 0) {
+            return PBW__INVERTED;
+        }
     }
     for (k = 0; k <= dim - ghost; k++) {
-        const pbw__link link = kernel->link[4 * t + (size_t)k];
-        const pbw_index far = kernel->corner[link];
-        if (far != PBW__GHOST && (ghost || t < link >> 2)
-            && pbw__slot_conflict(core, t, pbw__core_record(core, far))) {
+        const pbw_index far = core->kernel.corner[link[k]];
+        const double *e = core->record + far * ((size_t)dim + 1);
+        double row[4], h, det, limit;
+        if (far == PBW__GHOST || (!ghost && t > link[k] >> 2)) {
+            continue;
+        }
+        det = limit = 0.0;
+        if (!ghost) {
+            h = pbw__max(plane.height, pbw__plane_row(&plane, e, dim, row));
+            det = row[0] * plane.normal[0] + row[1] * plane.normal[1];
+            det = (dim == 2 ? det : det + row[2] * plane.normal[2]) - row[dim] * plane.orientation;
+            limit = h * h * (h * h) * (dim == 2 ? 1.0 : h) * error;
+        }
+        if (PBW__LIKELY(det * det > limit) ? det > 0.0 : pbw__slot_conflict(core, t, e)) {
             faults |= 1u << k;
         }
     }
@@ -12758,7 +12879,8 @@ static pbw_status pbw__verify_range(void *arg, size_t from, size_t to)
     }
     for (t = from; t < to; t++) {
         if (core->kernel.corner[4 * t] != PBW_NONE) {
-            const unsigned faults = pbw__slot_faults(core, t);
+            const unsigned faults = core->kernel.dim == 3 ? pbw__slot_faults(core, t, 3)
+                                                          : pbw__slot_faults(core, t, 2);
             core->kernel.mark[t] = (unsigned char)faults;
             inverted += faults == PBW__INVERTED;
             failing += faults != 0;
@@ -12791,7 +12913,7 @@ static pbw_status pbw__cover_range(void *arg, size_t from, size_t to)
         for (k = 0; k < dim && holds; k++) {
             int below = 0, above = 0;
             for (i = 0; i <= dim; i++) {
-                const double x = pbw__core_record(core, v[i])[k];
+                const double x = core->record[v[i] * ((size_t)dim + 1) + (size_t)k];
                 below |= x <= o[k];
                 above |= x >= o[k];
             }
@@ -12908,7 +13030,7 @@ static pbw_status pbw__flip_all(pbw__core *core, size_t most)
     unsigned k;
     pbw_status status = PBW_OK;
     for (t = 0; t < core->store.count; t++) {
-        for (k = 0; k < 3 && kernel->mark[t] != 0; k++) {
+        for (k = 0; k < 3 && kernel->corner[4 * t] != PBW_NONE && kernel->mark[t] != 0; k++) {
             if (!PBW__CORE_GROW(core, rim_vertex, count + 1)) {
                 return PBW_ERROR_MEMORY;
             }
@@ -12967,11 +13089,11 @@ static pbw_status pbw__verify(pbw__core *core, size_t most)
     return status == PBW_OK && verifying.covers != 1 ? PBW__ANEW : status;
 }
 /* ------------------------------------------------------------------------------------------------------
-   >>live         Points inserted, removed and moved: what is queued, commits, views.
-   In: a mesh, then changes by number.  Out: after each commit the triangulation of the points that live.
+   >>live         Points to be inserted, removed and moved: the queue.
+   In: a mesh, then changes by number.  Out: for >>commit, the points as they are to be.
    Holds: `point`, `weight` and `state` are as they will be after the next commit; the core is as it was after the
-   last one.  A commit that fails changes neither: it works on another core, or undoes what it did, and takes the
-   memory that it needs to do so beforehand.
+   last one.  A commit that fails changes neither: it works on another core, or undoes what it did, for which it
+   needs no more memory.
    ------------------------------------------------------------------------------------------------------ */
 #define PBW__LIVES 1u                                /* since the last commit */
 #define PBW__STAYS 2u                                /* will live after the next one */
@@ -13004,7 +13126,6 @@ struct pbw_live {
     double *moved;                                   /* other coordinates of those in `leaving` */
     size_t edit_capacity, head_capacity, leaving_capacity, arriving_capacity, moved_capacity;
     size_t edit_count, leaving_count, arriving_count, past_vertices, past_unused, past_placed;
-    unsigned skip, skips;                            /* commits to go before moves in place are tried; last time's */
 };
 
 /* ---- the queue */
@@ -13337,7 +13458,16 @@ static pbw_status pbw__rebuild_changes(const pbw_live *live, const pbw__core *co
     return pbw__changes_close(changes, live->dim, live->count);
 }
 
-/* ---- commits: which vertices leave and arrive */
+/* ------------------------------------------------------------------------------------------------------
+   >>commit       Queued changes carried out.
+   In: a live triangulation with a queue.  Out: its core with the changes, and which simplices these made and
+   deleted; or both as they were.
+
+   Points at one place share a vertex, that of the largest weight, then of the lowest number.  A batch first brings
+   the numbers of all places up to date and so finds which vertices leave and arrive; then it removes and inserts
+   them, each along the curve.  Tables are written through a list of edits, simplices through the journal: both are
+   undone where something fails.
+   ------------------------------------------------------------------------------------------------------ */
 PBW__INLINE const double *pbw__live_point(const pbw_live *live, size_t id)
 {
     return live->point + id * (size_t)live->dim;
@@ -13434,7 +13564,8 @@ static pbw_status pbw__batch_reserve(pbw_live *live, size_t more)
         || !PBW__CORE_GROW(core, twin, live->count) || !PBW__CORE_GROW(core, record, vertices * width)
         || !PBW__CORE_GROW(core, name, vertices) || !PBW__CORE_GROW(core, incident, vertices)
         || !PBW__CORE_GROW(core, local, vertices) || !PBW__CORE_GROW(core, rim_vertex, more + 1)
-        || !PBW__CORE_GROW(core, unused, core->unused_count + more) || !PBW__CORE_GROW(core, covered, core->hidden_count)
+        || !PBW__CORE_GROW(core, unused, core->unused_count + more)
+        || !PBW__CORE_GROW(core, covered, core->hidden_count)
         || !PBW__CORE_GROW(core, cover, core->hidden_count) || !PBW__LIVE_GROW(live, head, more + 1)
         || !PBW__LIVE_GROW(live, leaving, more + 1) || !PBW__LIVE_GROW(live, arriving, more + 1)
         || !pbw__place_reserve(live, more)) {
@@ -13632,7 +13763,7 @@ static void pbw__live_fit_grid(pbw_live *live, const pbw_index *list, size_t cou
     for (i = 0; i < count && core->grid.inverse_unit != 0.0; i++) {
         const double *x = pbw__core_record(core, list[i]);
         for (k = 0; k <= dim; k++) {
-            const double scale = k < dim ? core->grid.inverse_unit : core->grid.inverse_unit * core->grid.inverse_unit;
+            const double unit = core->grid.inverse_unit, scale = k < dim ? unit : unit * unit;
             if (!(x[k] >= core->low[k] && x[k] <= core->high[k] && floor(x[k] * scale) == x[k] * scale)) {
                 memset(&core->grid, 0, sizeof(core->grid));
                 core->kernel.exact_height = 0.0;
@@ -13875,30 +14006,22 @@ static void pbw__live_settle(pbw_live *live)
 
 /* Of how many of the points moved it takes less time to triangulate all; and to verify all first. */
 #ifndef PBW__REBUILD_AT
-#define PBW__REBUILD_AT(dim) ((dim) == 3 ? 0.08 : 0.08)
+#define PBW__REBUILD_AT(dim) 0.05                    /* to remove takes 11 to 12 builds of a point, to insert 9 */
 #endif
 #ifndef PBW__VERIFY_AT
 #define PBW__VERIFY_AT(dim) ((dim) == 3 ? 0.05 : 0.02)
 #endif
 #define PBW__EFFORT 64                               /* looks for an apex that take as long as to insert a point */
 
-/* Tries to move in place.  While that fails it is tried less and less often. */
+/* Tries to move in place. */
 static pbw_status pbw__live_try_moves(pbw_live *live, size_t count, pbw_changes *changes, pbw_way *way)
 {
-    pbw_status status;
-    if (live->skip > 0) {
-        live->skip--;
-        return PBW__ANEW;
-    }
-    status = pbw__live_in_place(live, count, changes);
+    const pbw_status status = pbw__live_in_place(live, count, changes);
     if (status == PBW_OK) {
         *way = live->core.past_count > 0 ? PBW_WAY_FLIPS : PBW_WAY_NOTHING;
         pbw__journal_clear(&live->core);
-        live->skips = 0;
     } else if (status == PBW__ANEW) {
         pbw_changes_free(changes);
-        live->skips = live->skips < 7 ? 2 * live->skips + 1 : 7;
-        live->skip = live->skips;
     }
     return status;
 }
@@ -13965,7 +14088,12 @@ PBWDEF pbw_status pbw_live_commit(pbw_live *live, pbw_changes *changes)
     return status;
 }
 
-/* ---- views */
+/* ------------------------------------------------------------------------------------------------------
+   >>view         The arrays of a live triangulation.
+   In: a core.  Out: a mesh, as pbw_triangulate gives it for the points that live.
+   The points are sorted along the curve as for a build, the simplices copied with ranks for vertices; the copy is
+   what >>output takes.
+   ------------------------------------------------------------------------------------------------------ */
 typedef struct pbw__viewing {
     const pbw_live *live;
     const pbw_index *rank;                           /* per vertex */
@@ -13994,7 +14122,7 @@ static pbw_status pbw__view_slots(void *arg, size_t from, size_t to)
     return PBW_OK;
 }
 
-/* The simplices of a view: of a copy of the store, in ranks.  vertices: of the points, by rank, with their numbers. */
+/* The simplices of a view: of a copy of the store, in ranks.  vertices: of the points, with their numbers. */
 static pbw_status pbw__view_simplices(const pbw_live *live, pbw__context *context, pbw__vertices *vertices,
                                       pbw_mesh *mesh)
 {

@@ -112,3 +112,12 @@ bench-tiles: build/bench_tiles
 	$< 1000 2000
 	$< 10000 500
 .PHONY: bench-tiles
+
+# Live triangulations beside CGAL's insert, remove and move: bench/live.cpp
+build/bench_live: bench/live.cpp $(BENCH_INPUTS)
+	@mkdir -p build
+	$(CXX) -std=c++17 -frounding-math $(BENCH_FLAGS) -DNDEBUG -I. $< -o $@ -lgmp -lmpfr -lpthread -lm
+
+.PHONY: bench-live
+bench-live: build/bench_live
+	$< $(POINTS)

@@ -121,7 +121,10 @@ template <class mesh> void remove_insert_move(int dim, const std::vector<double>
             range.push_back(point_of(&some[i * d], rival));
             handles[i] = rival.nearest_vertex(range.back());
         }
-        ours[3].push_back(seconds([&] { good(pbw_live_remove(live, ids.data(), m)); good(pbw_live_commit(live, nullptr)); }));
+        ours[3].push_back(seconds([&] {
+            good(pbw_live_remove(live, ids.data(), m));
+            good(pbw_live_commit(live, nullptr));
+        }));
         theirs[3].push_back(seconds([&] { for (auto h : handles) { rival.remove(h); } }));
         ours[4].push_back(seconds([&] {
             good(pbw_live_insert(live, some.data(), nullptr, m, back.data()));
@@ -157,7 +160,10 @@ template <class mesh> void remove_insert_move(int dim, const std::vector<double>
         for (double &x : near) {
             x += 1e-9 * step * input_uniform(&state);
         }
-        ours[0].push_back(seconds([&] { good(pbw_live_move(live, nullptr, near.data(), n)); good(pbw_live_commit(live, nullptr)); }));
+        ours[0].push_back(seconds([&] {
+            good(pbw_live_move(live, nullptr, near.data(), n));
+            good(pbw_live_commit(live, nullptr));
+        }));
     }
     row(dim, "move all by 1e-10 h (verify)", n, ours[0], {});
     for (double part : { 0.01, 0.1 }) {
@@ -166,7 +172,10 @@ template <class mesh> void remove_insert_move(int dim, const std::vector<double>
             for (double &x : all) {
                 x += part * 10 * step * (2 * input_uniform(&state) - 1);
             }
-            ours[0].push_back(seconds([&] { good(pbw_live_move(live, nullptr, all.data(), n)); good(pbw_live_commit(live, nullptr)); }));
+            ours[0].push_back(seconds([&] {
+                good(pbw_live_move(live, nullptr, all.data(), n));
+                good(pbw_live_commit(live, nullptr));
+            }));
         }
         row(dim, part < 0.05 ? "move all by 0.01 h" : "move all by 0.1 h", n, ours[0], {});
     }

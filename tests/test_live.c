@@ -538,6 +538,56 @@ static void test_cancel(void)
     }
 }
 
+/* ---- memory: what the allocator holds after many operations on so many points, of what it held before */
+static void test_memory(void)
+{
+    int dim;
+    for (dim = 2; dim <= 3; dim++) {
+        if (test_begin("memory: %dD", dim)) {
+            const size_t n = 2000;
+            const long rounds = test_count > 1000 ? 10000 : 60;      /* 100 operations each: a million if long */
+            double points[300];
+            pbw_index *ids = (pbw_index *)zoo_grow(NULL, n * sizeof(pbw_index));
+            pbw_options options;
+            pbw_live *live;
+            pbw_mesh none;
+            meter allocator;
+            model m;
+            size_t before, i, k;
+            long round;
+            memset(&none, 0, sizeof none);
+            none.dim = dim;
+            meter_start(&allocator, 0, 0);
+            options = metered(&allocator);
+            model_start(&m, dim, 3);
+            CHECK_EQUAL(pbw_live_create(&none, &options, &live), PBW_DEGENERATE);
+            for (i = 0; i < n; i++) {
+                model_point(&m, UNIFORM, points);
+                CHECK_EQUAL(pbw_live_insert(live, points, NULL, 1, ids + i), PBW_OK);
+            }
+            CHECK_EQUAL(pbw_live_commit(live, NULL), PBW_OK);
+            for (round = 0, before = 0; round < rounds + 30; round++) {
+                const size_t first = input_below(&m.state, (uint32_t)n - 50);
+                before = round == 30 ? allocator.bytes : before;
+                CHECK_EQUAL(pbw_live_remove(live, ids + first, 50), PBW_OK);
+                for (k = 0; k < 50; k++) {
+                    model_point(&m, UNIFORM, points + k * (size_t)dim);
+                }
+                CHECK_EQUAL(pbw_live_insert(live, points, NULL, 50, ids + first), PBW_OK);
+                CHECK_EQUAL(pbw_live_commit(live, NULL), PBW_OK);
+            }
+            test_say("%ld operations, %.1f bytes a point, then %.1f", 100 * rounds, (double)before / (double)n,
+                     (double)allocator.bytes / (double)n);
+            CHECK((double)allocator.bytes <= 1.1 * (double)before);
+            pbw_live_free(live);
+            CHECK_EQUAL(allocator.blocks, 0);
+            free(ids);
+            model_free(&m);
+            test_end();
+        }
+    }
+}
+
 /* ---- the interface */
 static void test_misuse(void)
 {
@@ -602,6 +652,7 @@ int main(int argc, char **argv)
     }
     test_refusals();
     test_cancel();
+    test_memory();
     test_misuse();
     return test_finish();
 }
