@@ -64,8 +64,8 @@
    DOES      Delaunay triangulations (weights NULL) and regular triangulations (weights given) of points in
              the plane and in space: simplices, neighbours, one incident simplex for each point, duplicates,
              hidden points; an exact check and a hash of the result; exact predicates; which simplex contains a
-             point, nearest vertices, vertices in a ball, interpolation.
-   DOES NOT  constraints, periodic domains, meshing of solids, dimensions above 3.
+             point, nearest vertices, vertices in a ball, interpolation; points inserted, removed and moved.
+   DOES NOT  constraints, periodic domains, meshing (companion headers do), dimensions above 3.
 
    PROMISES  (and the test that guards each)
      exact       every sign is the true sign for every finite double; no epsilon anywhere   tests/test_predicates.c

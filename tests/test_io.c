@@ -1136,8 +1136,7 @@ static void test_program(void)
         { "mesh FOLDER/f.xyz --quiet --inside",
           "pbw: --inside needs a model with faces in 3D, FOLDER/f.xyz has none", 1 },
         { "convert FOLDER/e.ply", "pbw: an output is needed; see pbw convert --help", 2 },
-        { "convert FOLDER/e.ply FOLDER/e.vtu", "pbw: -o FOLDER/e.vtu: its ending tells the format, "
-          "else --format; pbw convert writes obj ply off stl xyz csv txt pts asc dat tsv", 2 },
+        { "convert FOLDER/e.ply FOLDER/e.vtu", "pbw: -o FOLDER/e.vtu: of a tile only; pbw mesh writes that", 2 },
         { "convert FOLDER/e.ply FOLDER/e.stl", "pbw: FOLDER/e.stl: there are no triangles", 1 },
         { "convert FOLDER/e.ply FOLDER/e.obj --quiet", "", 0 },
         { "convert FOLDER/d.obj FOLDER/d.off FOLDER/d.stl -o FOLDER/d.ply --quiet", "", 0 },

@@ -27,8 +27,8 @@ extern "C" {
 
 typedef struct pbwfilm_frame {         /* all zero before each call of next */
     size_t count;                      /* shapes */
-    const size_t *first;               /* count + 1: corners of shape i are first[i] .. first[i+1]-1, 255 at most; NULL = each
-                                          has `corners` */
+    const size_t *first;               /* count + 1: corners of shape i are first[i] .. first[i+1]-1, 255 at most;
+                                          NULL = each has `corners` */
     size_t corners;                    /* 1: dots, 2: lines, 3: triangles, ... */
     const pbw_index *corner;           /* numbers of points; NULL = 0, 1, 2, ... */
     const double *points;              /* 2 each */

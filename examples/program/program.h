@@ -101,7 +101,7 @@ struct job {
     pbw_options build;
     pbwio_cloud cloud, surface, queries;             /* what is read and made; surface: of --surface */
     pbw_mesh mesh;
-    unsigned char *inside;                           /* per simplex: is its centre inside the surface?  NULL: not known */
+    unsigned char *inside;                           /* per simplex: is its centre in the surface?  NULL: not known */
 };
 
 /* ---- options.c ---- */
@@ -195,13 +195,13 @@ double evaluate(const char *formula, double x, double y, const char **wrong);
 
 void describe_quality(const job *j, const char *when, const pbw_quality *q);
 void describe_histogram(const job *j, const pbw_quality *q);
-void show_tets(job *j, const pbw_tets *tets);                         /* j->mesh becomes their view, not to be freed */
+void show_tets(job *j, const pbw_tets *tets);                       /* j->mesh becomes their view, not to be freed */
 
 /* ---- pbwt.c: files of tiles; each returns the exit status ---- */
 
 int is_pbwt(const job *j);                                           /* is the input one, by its name? */
 int check_pbwt(job *j);
-int convert_pbwt(job *j, pbw_mesh *mesh);                            /* the tile of --tile; pbwtf_mesh_free when done */
+int convert_pbwt(job *j, pbw_mesh *mesh);                          /* the tile of --tile; pbwtf_mesh_free when done */
 
 /* ---- surface.c ---- */
 

@@ -435,7 +435,8 @@ static int build_tile(work *w, FILE *out, size_t p)
         say(w->j, "tile", now() - w->start, "%lu of %u: %lu points, halo %lu + %lu, %lu simplices, %lu rounds, "
             "%lu given up", (unsigned long)p + 1, w->s.parts, (unsigned long)w->tree[p].count,
             (unsigned long)tile.numbers.halo, (unsigned long)tile.numbers.later,
-            (unsigned long)tile.numbers.simplices, (unsigned long)tile.numbers.rounds, (unsigned long)tile.numbers.given_up);
+            (unsigned long)tile.numbers.simplices, (unsigned long)tile.numbers.rounds,
+            (unsigned long)tile.numbers.given_up);
     }
     pbwt_close(&tile);
     return failed;
