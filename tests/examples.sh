@@ -47,6 +47,9 @@ check "terrain: of the size it says" [ "$(head -n 2 "$work/terrain.pgm" | tail -
     tr -d ' ')" = "720 480,345615" ]
 check "terrain writes a page" "$bin/terrain" "$work/terrain.pgm" "$work/terrain.html"
 check "terrain: a whole one" [ "$(tail -n 1 "$work/terrain.html")" = "</html>" ]
+check "gas writes a page that plays" "$bin/gas" 100 "$work/gas.html"
+check "gas: of 125 frames, whole" \
+    [ "$(grep -c '<script.*data-label=.time' "$work/gas.html"),$(tail -n 1 "$work/gas.html")" = "125,</html>" ]
 for example in steps shares; do
     check "$example writes pictures" "$bin/$example" "$work/$example.svg"
     check "$example: three of them, whole" \
