@@ -12274,11 +12274,12 @@ PBW__INLINE int pbw__rim_sees(const pbw__core *core, const pbw_index *v, pbw_ind
     return pbw__orient(dim, x, &core->grid) > 0;
 }
 
-/* Whether e is in conflict with the simplex of these corners, of which the plane is. */
+/* Whether e, of this row with its height behind it, is in conflict with the simplex of these corners, of which the
+   plane is. */
 PBW__INLINE int pbw__plane_conflict(const pbw__core *core, const pbw__plane *plane, const pbw_index *corner,
-                                    pbw_index e, const double *row, double height, int dim)
+                                    pbw_index e, const double *row, int dim)
 {
-    const double h = pbw__max(plane->height, height);
+    const double h = pbw__max(plane->height, row[4]);
     const double limit = h * h * (h * h) * (dim == 2 ? PBW__CIRCLE_ERROR * PBW__CIRCLE_ERROR
                                                      : h * (PBW__SPHERE_ERROR * PBW__SPHERE_ERROR));
     const double *p = pbw__core_record(core, e), *x[4] = { NULL, NULL, NULL, NULL };
@@ -12300,7 +12301,7 @@ PBW__INLINE pbw_index pbw__rim_apex(const pbw__core *core, const pbw_index *rim,
     const pbw_index *u = core->rim_vertex;
     pbw_index corner[4] = { 0, u[rim[0]], u[rim[1]], dim == 3 ? u[rim[2]] : 0 }, i, apex = 0;
     pbw__plane plane;
-    double a[4], b[4], normal[3] = { 0.0, 0.0, 0.0 }, row[4], height;
+    double a[4], b[4], normal[3] = { 0.0, 0.0, 0.0 }, row[5], height;
     int k;
     memset(&plane, 0, sizeof(plane));
     memcpy(plane.origin, pbw__core_record(core, corner[dim]), ((size_t)dim + 1) * sizeof(double));
@@ -12315,15 +12316,15 @@ PBW__INLINE pbw_index pbw__rim_apex(const pbw__core *core, const pbw_index *rim,
         }
     }
     for (i = 1; i < core->rim_vertices; i++) {
-        double h, side;
+        double side;
         if (i == rim[0] || i == rim[1] || i == rim[2]) {
             continue;
         }
-        h = pbw__plane_row(&plane, core->record + u[i] * ((size_t)dim + 1), dim, row);
+        row[4] = pbw__plane_row(&plane, core->record + u[i] * ((size_t)dim + 1), dim, row);
         side = row[0] * normal[0] + row[1] * normal[1];
         side = dim == 2 ? side : side + row[2] * normal[2];
-        if (pbw__rim_sees(core, corner + 1, u[i], side, pbw__max(height, h), dim)
-            && (apex == 0 || pbw__plane_conflict(core, &plane, corner, u[i], row, h, dim))) {
+        if (pbw__rim_sees(core, corner + 1, u[i], side, pbw__max(height, row[4]), dim)
+            && (apex == 0 || pbw__plane_conflict(core, &plane, corner, u[i], row, dim))) {
             apex = i;
             corner[0] = u[i];
             pbw__plane_of(core, corner, dim, &plane);
@@ -13753,6 +13754,11 @@ static pbw_status pbw__live_sort(pbw_live *live, pbw_index *list, size_t count)
     return status;
 }
 
+static int pbw__is_whole(double x)
+{
+    return pbw__abs(x) >= 9007199254740992.0 || (double)(int64_t)x == x;
+}
+
 /* Gives up the grid if a new record is not on it, or beyond those that it was made of. */
 static void pbw__live_fit_grid(pbw_live *live, const pbw_index *list, size_t count)
 {
@@ -13764,7 +13770,7 @@ static void pbw__live_fit_grid(pbw_live *live, const pbw_index *list, size_t cou
         const double *x = pbw__core_record(core, list[i]);
         for (k = 0; k <= dim; k++) {
             const double unit = core->grid.inverse_unit, scale = k < dim ? unit : unit * unit;
-            if (!(x[k] >= core->low[k] && x[k] <= core->high[k] && floor(x[k] * scale) == x[k] * scale)) {
+            if (!(x[k] >= core->low[k] && x[k] <= core->high[k] && pbw__is_whole(x[k] * scale))) {
                 memset(&core->grid, 0, sizeof(core->grid));
                 core->kernel.exact_height = 0.0;
                 break;
