@@ -62,7 +62,7 @@ static int search(const pbw_plane *p, const double *start, const double *goal, p
     for (;;) {
         pbw_index best = PBW_NONE;
         for (t = 0; t < p->triangle_count; t++) {    /* a heap, for large levels */
-            if (open[t] && (best == PBW_NONE || cost[t] + distance(at[t], start)
+            if (open[t] > 0 && (best == PBW_NONE || cost[t] + distance(at[t], start)
                                                 < cost[best] + distance(at[best], start))) {
                 best = t;
             }
