@@ -141,7 +141,7 @@ $B/csharp.log: $B/libpbw.so
 $B/install.log: $B/pbw $B/pbw_pic.o $B/libpbw.so
 $B/plane.log $B/program.log $B/programs.log $B/queries.log $B/tiles.log: $B/pbw
 $B/tiles.log: $(MPI)
-$B/oracle.log $B/cells.log: $B/libpbw.a
+$B/hashes.log $B/oracle.log $B/cells.log: $B/libpbw.a
 
 # One that does not compile is a failure, and the others still run.
 test-all: LOGS = $(TESTS:%=$B/%.log) $(SCRIPTS:%=$B/%.log)
