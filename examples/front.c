@@ -131,6 +131,7 @@ int main(int argc, char **argv)
     error[3] = run((size_t)sqrt(points[2]), HUGE_VAL, points + 3);
     slope = log(error[2] / error[0]) / log(points[2] / points[0]);
     printf("the error falls as points to the power of %.1f\n", slope);
-    printf("a fixed grid of the most points is %s as far off\n", error[3] > 5 * error[2] ? "more than five times" : "not five times");
+    printf("a fixed grid of the most points is %s as far off\n",
+           error[3] > 5 * error[2] ? "more than five times" : "not five times");
     return !(error[0] > 0 && error[1] > 0 && error[2] > 0 && slope < -0.9 && error[3] > 5 * error[2]);
 }

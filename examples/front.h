@@ -10,7 +10,7 @@
 #include <stdlib.h>
 #include <string.h>
 
-typedef struct front_field { pbw_mesh mesh; double *value; } front_field;      /* a value for each number of a point */
+typedef struct front_field { pbw_mesh mesh; double *value; } front_field;      /* a value for each number */
 
 typedef struct front {
     pbw_live *live;
@@ -132,9 +132,10 @@ static void front_gradients(const front_field *f, double (*gradient)[2], double 
 
 typedef struct front_wish { double *points; pbw_index *leave; size_t points_count, leave_count; } front_wish;
 
-/* What to change.  On an edge from a to b interpolation errs by |(grad u(b) - grad u(a)) . (b - a)| / 8 at its middle,
-   exactly so where u is quadratic: it is inserted if that is above the tolerance.  A point is removed if its edges err
-   by less than an eighth of that, since edges twice as long err four times as much; of neighbours, the first. */
+/* What to change.  Amid an edge from a to b interpolation errs by |(grad u(b) - grad u(a)) . (b - a)| / 8,
+   exactly so where u is quadratic: the middle is inserted if that is above the tolerance.  A point is removed if its
+   edges err by less than an eighth of that, since edges twice as long err four times as much; of neighbours, the
+   first. */
 static pbw_status front_plan(const front *f, double tolerance, front_wish *wish)
 {
     const pbw_mesh *m = &f->now.mesh;
