@@ -1,8 +1,8 @@
 /* swarm.c: points that all move, frame by frame, with areas and centroids of their cells, by swarm.h.
    cc -O2 -I. -Iexamples/lib examples/swarm.c -o swarm -lpthread -lm
    swarm [POINTS FRAMES [film.html]].  Prints expected/swarm.txt, and on the error stream how long frames took; the
-   exit status is 1 if the cells of a frame do not add up to the box, or if a 100th frame is not, by its hash, what
-   pbw_triangulate makes of its points. */
+   exit status is 1 if the cells of a frame do not add up to the box, or if a 100th frame has another triangulation,
+   by its hash, than pbw_triangulate makes of its points, or other cells than pbw_cells_of. */
 #define PBW_IMPLEMENTATION
 #include "pbw.h"
 #define PBW_CELLS_IMPLEMENTATION
@@ -21,6 +21,7 @@ typedef struct show {
     swarm s;
     size_t frames, frame, rebuilds;
     double *dye, *seconds;                           /* where each point was at first; how long each frame took */
+    pbw_cells cells;                                 /* of a frame of the film */
     pbw_index *corner;
     char label[80];
     int failed;
@@ -33,30 +34,21 @@ static double now(void)
     return (double)t.tv_sec + 1e-6 * (double)t.tv_usec;
 }
 
-/* Whether the cells fill the box, and, in every 100th frame, the mesh is that of a rebuild. */
+/* Whether the cells fill the box, and every 100th frame is that of a rebuild. */
 static int is_right(show *w)
 {
-    const swarm *s = &w->s;
-    pbw_mesh again = { 0 };
     double sum = 0;
-    int right;
-    for (size_t i = 0; i < s->count; i++) {
-        sum += s->cells.volumes[i];
+    for (size_t i = 0; i < w->s.count; i++) {
+        sum += w->s.areas[i];
     }
-    right = fabs(sum / 2 - 1) < 1e-12;
-    if (right && w->frame % 100 == 0) {
-        right = pbw_triangulate(2, s->points, NULL, s->count, NULL, &again) == PBW_OK
-             && pbw_hash(&again, NULL) == pbw_hash(&s->mesh, NULL);
-        pbw_free(&again);
-        w->rebuilds++;
-    }
-    return right;
+    w->rebuilds += w->frame % 100 == 0;
+    return fabs(sum / 2 - 1) < 1e-12 && (w->frame % 100 != 0 || swarm_is_exact(&w->s));
 }
 
-static void run_frame(show *w, unsigned what)
+static void run_frame(show *w)
 {
     const double start = now();
-    const pbw_status status = swarm_frame(&w->s, what);
+    const pbw_status status = swarm_frame(&w->s);
     w->seconds[w->frame++] = now() - start;
     if (status != PBW_OK || !is_right(w)) {
         printf("frame %lu: %s\n", (unsigned long)w->frame, status != PBW_OK ? pbw_status_string(status) : "wrong");
@@ -68,14 +60,16 @@ static void run_frame(show *w, unsigned what)
 static int next(void *user, pbwfilm_frame *frame)
 {
     show *w = (show *)user;
-    const pbw_cells *c = &w->s.cells;
+    const pbw_cells *c = &w->cells;
     const size_t each = w->frames < SHOWN ? 1 : w->frames / SHOWN;
     if (w->failed || w->frame + each > w->frames) {
         return 0;
     }
     for (size_t i = 1; i <= each && !w->failed; i++) {
-        run_frame(w, i == each ? PBW_CELLS_SHAPES : 0);
+        run_frame(w);
     }
+    pbw_cells_free(&w->cells);
+    w->failed = w->failed || swarm_shapes(&w->s, PBW_CELLS_SHAPES, &w->cells) != PBW_OK;
     w->corner = (pbw_index *)realloc(w->corner, (c->facet_count + 1) * sizeof *w->corner);
     w->failed |= w->corner == NULL;
     for (size_t f = 0; f < c->facet_count && !w->failed; f++) {
@@ -137,12 +131,13 @@ int main(int argc, char **argv)
         w.failed |= w.failed || !film(&w, argv[3]);
     }
     while (argc <= 3 && !w.failed && w.frame < w.frames) {
-        run_frame(&w, 0);
+        run_frame(&w);
     }
     if (!w.failed) {
         report(&w);
     }
     swarm_free(&w.s);
+    pbw_cells_free(&w.cells);
     free(w.dye);
     free(w.seconds);
     free(w.corner);
