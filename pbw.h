@@ -56,6 +56,7 @@
      >>verify       vertices that moved: does the triangulation hold; flips
      >>live         points to be inserted, removed and moved: the queue
      >>commit        queued changes carried out
+     >>adopt         a finished mesh becomes a live triangulation
      >>view          the arrays of a live triangulation
      >>api          argument checks, the stages in order, status texts
      >>history      versions
@@ -440,9 +441,12 @@ typedef struct pbw_changes {               /* start from {0}; pbw_changes_free w
     void *memory;                          /* private */
 } pbw_changes;
 
-/* Makes one from a finished mesh with neighbors, which may be freed then: of any backend, DEGENERATE too.  One of no
-   points: a mesh that is {0} but for dim.  options are for all later calls on it: threads, memory_limit, resize, run,
-   progress; they are copied, flags, strides and backend must be 0. */
+/* Makes one from a finished mesh, which may be freed then: of any flags and backend, DEGENERATE too.  One of no points:
+   a mesh that is {0} but for dim.  The arrays of the mesh are checked, exactly, and taken over; where there are no
+   neighbors, or the arrays are not the triangulation of mesh.points (borrowed ones may have moved), the points with a
+   canonical one are triangulated anew.  So the result is right whatever the arrays say, if they have their sizes.
+   options are for all later calls on it: threads, memory_limit, resize, run, progress; they are copied, flags, strides
+   and backend must be 0. */
 PBWDEF pbw_status pbw_live_create(const pbw_mesh *mesh, const pbw_options *options, pbw_live **live);
 PBWDEF void pbw_live_free(pbw_live *live);         /* fine on NULL */
 
@@ -9254,7 +9258,7 @@ PBWDEF pbw_status pbw_check(const pbw_mesh *mesh, const pbw_options *options, pb
     report->simplex = report->facet = report->point = PBW_NONE;
     if (mesh == NULL || (mesh->dim != 2 && mesh->dim != 3)
         || (mesh->point_count > 0 && (mesh->points == NULL || mesh->incident == NULL || mesh->canonical == NULL))
-        || (mesh->simplex_count > 0 && (mesh->simplices == NULL || mesh->neighbors == NULL))) {
+        || (mesh->simplex_count > 0 && mesh->simplices == NULL)) {
         return PBW_ERROR_ARGUMENT;
     }
     if (mesh->point_count >= PBW_NONE || mesh->simplex_count >= PBW_NONE) {
@@ -12659,7 +12663,7 @@ static pbw_status pbw__core_scan(pbw__core *core)
     pbw__kernel *kernel = &core->kernel;
     const size_t dim = (size_t)kernel->dim;
     size_t t, k;
-    pbw_index v;
+    pbw_index v, witness;
     memset(core->incident, 0xff, (core->vertex_count + 1) * sizeof(pbw_index));
     core->simplex_count = 0;
     for (t = 0; t < core->store.count; t++) {
@@ -12676,17 +12680,20 @@ static pbw_status pbw__core_scan(pbw__core *core)
     if (!pbw__journal_reserve(core)) {
         return PBW_ERROR_MEMORY;
     }
-    for (v = 1; v <= core->vertex_count && kernel->weighted; v++) {
-        if (core->incident[v] == PBW_NONE
-            && !pbw__cover_vertex(core, v, pbw__find_witness(core, kernel->last, v))) {
-            return PBW_ERROR_MEMORY;
+    for (v = 1, witness = kernel->last; v <= core->vertex_count && kernel->weighted; v++) {
+        if (core->incident[v] == PBW_NONE) {
+            witness = pbw__find_witness(core, witness, v);
+            if (!pbw__cover_vertex(core, v, witness)) {
+                return PBW_ERROR_MEMORY;
+            }
         }
     }
     return PBW_OK;
 }
 
-/* The records are the core's now; names of vertices, the numbers at each place. */
-static pbw_status pbw__core_take(pbw__core *core, pbw__vertices *vertices, const pbw__stand *stand, size_t numbers)
+/* The records are the core's now; names of vertices, the numbers at each place.  `canonical` and `id` of the vertices
+   are places in the list of numbers; NULL: numbers. */
+static pbw_status pbw__core_take(pbw__core *core, pbw__vertices *vertices, const pbw_index *list, size_t numbers)
 {
     const size_t records = vertices->point_count + 1, width = (size_t)vertices->dim + 1;
     pbw_index r;
@@ -12711,7 +12718,8 @@ static pbw_status pbw__core_take(pbw__core *core, pbw__vertices *vertices, const
     }
     for (r = 1; r <= vertices->count; r++) {
         const double *x = core->record + r * width;
-        const pbw_index id = core->name[r] = stand->list[core->name[r]];
+        const pbw_index id = list != NULL ? list[core->name[r]] : core->name[r];
+        core->name[r] = id;
         core->vertex[id] = r;
         core->twin[id] = id;
         for (k = 0; k < width; k++) {
@@ -12719,15 +12727,30 @@ static pbw_status pbw__core_take(pbw__core *core, pbw__vertices *vertices, const
             core->high[k] = x[k] > core->high[k] ? x[k] : core->high[k];
         }
     }
-    for (i = 0; i < stand->count && vertices->duplicate_count > 0; i++) {
-        if (vertices->canonical[i] != i) {
-            const pbw_index id = stand->list[i], first = stand->list[vertices->canonical[i]];
+    for (i = 0; i < vertices->point_count && vertices->duplicate_count > 0; i++) {
+        const pbw_index other = vertices->canonical[i];
+        if (other != i && other != PBW_NONE) {
+            const pbw_index id = list != NULL ? list[i] : (pbw_index)i, first = list != NULL ? list[other] : other;
             core->vertex[id] = core->vertex[first];
             core->twin[id] = core->twin[first];
             core->twin[first] = id;
         }
     }
     return PBW_OK;
+}
+
+/* A kernel for the vertices that the core took. */
+static pbw_status pbw__core_start(pbw__context *context, pbw__core *core, pbw__vertices *vertices)
+{
+    pbw_status status;
+    vertices->record = core->record;
+    status = pbw__kernel_create(&core->kernel, context, &core->store, vertices, &core->grid);
+    vertices->record = NULL;
+    core->kernel.journal = core;
+    core->kernel.slots.region = 0;                   /* all free slots are in the list */
+    core->kernel.slots.free_list = PBW_NONE;
+    core->store.region_bits = 31;
+    return status;
 }
 
 /* Triangulates points; PBW_DEGENERATE: without simplices.  The core is to be freed, whatever the status. */
@@ -12753,18 +12776,11 @@ static pbw_status pbw__core_build(pbw__context *context, const pbw__stand *stand
     status = pbw__enter_stage(context, PBW_STAGE_BUILD) ? PBW_CANCELLED
            : pbw__build_all(context, &core->store, &vertices, &vertices.grid, &statistics);
     if (status == PBW_OK || status == PBW_DEGENERATE) {
-        const pbw_status taken = pbw__core_take(core, &vertices, stand, numbers);
+        const pbw_status taken = pbw__core_take(core, &vertices, stand->list, numbers);
         status = taken != PBW_OK ? taken : status;
     }
+    status = status == PBW_OK ? pbw__core_start(context, core, &vertices) : status;
     if (status == PBW_OK) {
-        vertices.record = core->record;
-        status = pbw__kernel_create(&core->kernel, context, &core->store, &vertices, &core->grid);
-        vertices.record = NULL;
-    }
-    if (status == PBW_OK) {
-        core->kernel.journal = core;
-        core->kernel.slots.region = 0;               /* all free slots are in the list */
-        core->store.region_bits = 31;
         status = pbw__core_scan(core);
         pbw__swap_covers(core);
         pbw__journal_clear(core);
@@ -12784,6 +12800,11 @@ static pbw_status pbw__core_build(pbw__context *context, const pbw__stand *stand
    ends in the simplex of o, and backwards it leads to one simplex only.  So no point is covered twice.  (Without o a
    star might wind twice round a vertex, all its simplices positive.)
 
+   In how many simplices o is, the hull says: a point that moves from o along a ray to infinity, which no simplex
+   covers, leaves one simplex more than it enters only where the ray crosses a facet of the hull, and from inside it
+   can only leave there.  So o is in one simplex if the ray meets one facet of the hull.  (A ray through a face of
+   the hull meets two facets, which counts as a fault.)
+
    Flips (Lawson 1977): an edge that is not locally Delaunay is replaced by the other one of its two triangles, which
    are a strictly convex quadrilateral.  Where it is not, or there are many flips, another way is taken.  An edge at
    the ghost is flipped if the hull is not convex there.
@@ -12792,7 +12813,7 @@ static pbw_status pbw__core_build(pbw__context *context, const pbw__stand *stand
 
 typedef struct pbw__verifying {
     pbw__core *core;
-    double o[4];                                     /* a point inside of a simplex */
+    double o[4], ahead[4];                           /* a point inside of a simplex; another one on a ray from it */
     size_t inverted, failing, most, covers;          /* most: failing ones to go on with */
 } pbw__verifying;
 
@@ -12814,7 +12835,7 @@ static int pbw__slot_conflict(const pbw__core *core, size_t t, const double *p)
     return pbw__conflict(dim, x, p, &core->grid);
 }
 
-/* The orientation of a finite simplex, with p in place of corner i (dim+1: of none). */
+/* The orientation of a simplex, with p, which need not be on the grid, in place of corner i (dim+1: of none). */
 static int pbw__slot_side(const pbw__core *core, size_t t, int i, const double *p)
 {
     const int dim = core->kernel.dim;
@@ -12823,7 +12844,7 @@ static int pbw__slot_side(const pbw__core *core, size_t t, int i, const double *
     for (k = 0; k <= dim; k++) {
         x[k] = k == i ? p : pbw__core_record(core, core->kernel.corner[4 * t + (size_t)k]);
     }
-    return pbw__orient(dim, x, &core->grid);
+    return pbw__orient(dim, x, i > dim ? &core->grid : NULL);
 }
 
 /* Which facets of the simplex in slot t are not locally regular, of those that are tested on this side. */
@@ -12892,66 +12913,72 @@ static pbw_status pbw__verify_range(void *arg, size_t from, size_t to)
     return PBW_OK;
 }
 
-/* Counts the simplices that o is in, and adds 2 for each facet of the hull that it is not inside of. */
+/* Whether the ray from o through `ahead` meets the facet of the ghost in slot t, closed: ahead - o is a sum of its
+   corners - o with no coefficient negative. */
+static int pbw__ray_meets(const pbw__verifying *verifying, size_t t)
+{
+    const pbw__core *core = verifying->core;
+    const int dim = core->kernel.dim;
+    const double *x[4] = { NULL, NULL, NULL, NULL };
+    int i, side = -1;
+    for (i = 0; i < dim; i++) {
+        x[i] = pbw__core_record(core, core->kernel.corner[4 * t + (size_t)i]);
+    }
+    x[dim] = verifying->o;
+    for (i = 0; i < dim && side <= 0; i++) {         /* negative with all corners: o is inside */
+        side = pbw__side(dim, x, i, verifying->ahead, NULL);
+    }
+    return side <= 0;
+}
+
+/* Counts the facets of the hull that the ray from o meets, and adds 2 for each that o is not inside of. */
 static pbw_status pbw__cover_range(void *arg, size_t from, size_t to)
 {
     pbw__verifying *verifying = (pbw__verifying *)arg;
-    const pbw__core *core = verifying->core;
-    const int dim = core->kernel.dim;
-    const double *o = verifying->o;
+    const pbw_index *corner = verifying->core->kernel.corner;
+    const size_t dim = (size_t)verifying->core->kernel.dim;
     size_t covers = 0, t;
-    int k;
     for (t = from; t < to; t++) {
-        const pbw_index *v = core->kernel.corner + 4 * t;
-        int holds = 1, i;
-        if (v[0] == PBW_NONE) {
-            continue;
+        if (corner[4 * t] != PBW_NONE && corner[4 * t + dim] == PBW__GHOST) {
+            covers += pbw__slot_side(verifying->core, t, (int)dim, verifying->o) >= 0
+                    ? 2 : (size_t)pbw__ray_meets(verifying, t);
         }
-        if (v[dim] == PBW__GHOST) {
-            covers += 2 * (size_t)(pbw__slot_side(core, t, dim, o) >= 0);
-            continue;
-        }
-        for (k = 0; k < dim && holds; k++) {
-            int below = 0, above = 0;
-            for (i = 0; i <= dim; i++) {
-                const double x = core->record[v[i] * ((size_t)dim + 1) + (size_t)k];
-                below |= x <= o[k];
-                above |= x >= o[k];
-            }
-            holds = below & above;
-        }
-        for (i = 0; i <= dim && holds; i++) {
-            holds = pbw__slot_side(core, t, i, o) >= 0;
-        }
-        covers += (size_t)holds;
     }
     (void)PBW__ADD(&verifying->covers, covers);
     return PBW_OK;
 }
 
-/* A point inside of one of a few simplices in the middle of the store; 0 if rounding leaves it in none. */
+/* Chooses o inside of one of a few simplices in the middle of the store, and a ray; 0 if rounding allows none. */
 static int pbw__choose_inside(pbw__verifying *verifying)
 {
+    static const double direction[3] = { 0.31, 0.19, -0.23 };
     const pbw__core *core = verifying->core;
     const int dim = core->kernel.dim;
     size_t t = core->store.count / 2, left = 64;
-    int i, k;
+    int i, k, finite = 1;
     for (; t < core->store.count && left > 0; t++) {
         const pbw_index *v = core->kernel.corner + 4 * t;
         if (v[0] == PBW_NONE || v[dim] == PBW__GHOST) {
             continue;
         }
         left--;
-        for (k = 0; k <= dim; k++) {
+        for (k = 0; k < dim; k++) {
+            double low = HUGE_VAL, high = -HUGE_VAL;
             verifying->o[k] = 0.0;
             for (i = 0; i <= dim; i++) {
-                verifying->o[k] += pbw__core_record(core, v[i])[k] / (double)(dim + 1);
+                const double x = pbw__core_record(core, v[i])[k];
+                verifying->o[k] += x / (double)(dim + 1);
+                low = x < low ? x : low;
+                high = x > high ? x : high;
             }
+            verifying->ahead[k] = verifying->o[k] + direction[k] * (high - low);
+            finite &= pbw__abs(verifying->ahead[k]) <= DBL_MAX;
         }
+        verifying->o[dim] = verifying->ahead[dim] = 0.0;
         for (i = 0; i <= dim && pbw__slot_side(core, t, i, verifying->o) > 0; i++) {
         }
         if (i > dim) {
-            return 1;
+            return finite;
         }
     }
     return 0;
@@ -13724,9 +13751,9 @@ static pbw_status pbw__batch_plan(pbw_live *live)
 
 /* ---- commits: vertex by vertex
    Sorts vertices along the curve. */
-static pbw_status pbw__live_sort(pbw_live *live, pbw_index *list, size_t count)
+static pbw_status pbw__live_sort(const pbw_live *live, const pbw__core *core, pbw_index *list, size_t count)
 {
-    pbw__memory *memory = &live->core.kernel.context->memory;
+    pbw__memory *memory = &core->kernel.context->memory;
     const size_t dim = (size_t)live->dim;
     double *points;
     pbw_index *order;
@@ -13738,7 +13765,7 @@ static pbw_status pbw__live_sort(pbw_live *live, pbw_index *list, size_t count)
     points = (double *)pbw__allocate(memory, count * dim, sizeof(double));
     order = (pbw_index *)pbw__allocate(memory, count, sizeof(pbw_index));
     for (i = 0; i < count && points != NULL; i++) {
-        memcpy(points + i * dim, pbw__core_record(&live->core, list[i]), dim * sizeof(double));
+        memcpy(points + i * dim, pbw__core_record(core, list[i]), dim * sizeof(double));
     }
     if (points != NULL && order != NULL) {
         status = pbw_order(live->dim, points, count, &live->options, order);
@@ -13800,9 +13827,9 @@ static pbw_status pbw__batch_run(pbw_live *live, size_t most_effort)
     pbw__core *core = &live->core;
     pbw__context *context = core->kernel.context;
     const size_t all = live->leaving_count + live->arriving_count;
-    pbw_status status = pbw__live_sort(live, live->leaving, live->leaving_count);
+    pbw_status status = pbw__live_sort(live, core, live->leaving, live->leaving_count);
     size_t i;
-    status = status == PBW_OK ? pbw__live_sort(live, live->arriving, live->arriving_count) : status;
+    status = status == PBW_OK ? pbw__live_sort(live, core, live->arriving, live->arriving_count) : status;
     pbw__live_fit_grid(live, live->arriving, live->arriving_count);
     core->effort = 0;
     for (i = 0; i < live->leaving_count && status == PBW_OK; i++) {
@@ -13952,6 +13979,18 @@ static pbw_status pbw__live_in_place(pbw_live *live, size_t count, pbw_changes *
     return PBW_OK;
 }
 
+/* Puts another core in the place of this one. */
+static void pbw__live_replace(pbw_live *live, pbw__context *context, const pbw__core *core)
+{
+    pbw__core_free(context, &live->core);
+    live->core = *core;
+    if (core->kernel.journal != NULL) {
+        live->core.kernel.store = &live->core.store;
+        live->core.kernel.grid = &live->core.grid;
+        live->core.kernel.journal = &live->core;
+    }
+}
+
 /* Triangulates the points that stay into another core, which takes the place of this one. */
 static pbw_status pbw__live_rebuild(pbw_live *live, pbw__context *context, pbw_changes *changes)
 {
@@ -13975,13 +14014,7 @@ static pbw_status pbw__live_rebuild(pbw_live *live, pbw__context *context, pbw_c
         status = listed != PBW_OK ? listed : status;
     }
     if (status == PBW_OK || status == PBW_DEGENERATE) {
-        pbw__core_free(context, &live->core);
-        live->core = core;
-        if (core.kernel.journal != NULL) {
-            live->core.kernel.store = &live->core.store;
-            live->core.kernel.grid = &live->core.grid;
-            live->core.kernel.journal = &live->core;
-        }
+        pbw__live_replace(live, context, &core);
     } else {
         pbw__core_free(context, &core);
     }
@@ -14066,22 +14099,20 @@ static pbw_status pbw__live_go(pbw_live *live, pbw__context *context, pbw_change
     return status;
 }
 
-PBWDEF pbw_status pbw_live_commit(pbw_live *live, pbw_changes *changes)
+static pbw_status pbw__live_import(pbw_live *live, pbw__context *context, const pbw_mesh *mesh);      /* >>adopt */
+
+/* Carries out the queue; mesh: NULL, or that which its points are of, all to be inserted. */
+static pbw_status pbw__live_run(pbw_live *live, const pbw_mesh *mesh, pbw_changes *changes)
 {
     pbw__context context;
     pbw_status status;
-    pbw__fp fp;
-    if (changes != NULL) {
-        memset(changes, 0, sizeof(*changes));
-    }
-    if (live == NULL) {
-        return PBW_ERROR_ARGUMENT;
-    }
-    fp = pbw__fp_enter();
+    pbw__fp fp = pbw__fp_enter();
     pbw__context_start(&context, &live->options, live->count);
     context.memory = live->memory;
     live->core.kernel.context = &context;
-    status = pbw__fp_is_exact() ? pbw__live_go(live, &context, changes) : PBW_ERROR_FP_MODE;
+    status = !pbw__fp_is_exact() ? PBW_ERROR_FP_MODE
+           : mesh != NULL ? pbw__live_import(live, &context, mesh) : PBW__ANEW;
+    status = status == PBW__ANEW ? pbw__live_go(live, &context, changes) : status;
     pbw__team_stop(&context);
     if (status == PBW_OK || status == PBW_DEGENERATE) {
         pbw__live_settle(live);
@@ -14094,6 +14125,488 @@ PBWDEF pbw_status pbw_live_commit(pbw_live *live, pbw_changes *changes)
     return status;
 }
 
+PBWDEF pbw_status pbw_live_commit(pbw_live *live, pbw_changes *changes)
+{
+    if (changes != NULL) {
+        memset(changes, 0, sizeof(*changes));
+    }
+    return live == NULL ? PBW_ERROR_ARGUMENT : pbw__live_run(live, NULL, changes);
+}
+
+/* ------------------------------------------------------------------------------------------------------
+   >>adopt        A finished mesh becomes a live triangulation.
+   In: the arrays of a mesh.  Out: a core; or none, and its points are triangulated.
+   Holds: nothing is believed.  Links are taken only between simplices that have the vertices of a facet in common, in
+   opposite orders, so what comes in is an oriented complex, each facet with two sides once the hull has its ghosts;
+   then >>verify says whether it is the triangulation, and walks find what hides the points that are no vertices.
+   Vertices are numbered as the simplices meet them, which is nearly along the curve.
+   ------------------------------------------------------------------------------------------------------ */
+typedef struct pbw__import {
+    const pbw_mesh *mesh;
+    const double *points, *weights;                  /* the copies of the live triangulation */
+    pbw__core *core;
+    pbw__vertices vertices;
+    pbw_index *vertex;                               /* per point: its vertex; 0: none */
+    size_t visible;                                  /* vertices in simplices, the first ones */
+    size_t ghosts, faults, duplicates, fits;         /* fits: links between finite simplices */
+} pbw__import;
+
+/* Counts facets of the hull, and entries that are no simplices or points. */
+static pbw_status pbw__import_count(void *arg, size_t from, size_t to)
+{
+    pbw__import *import = (pbw__import *)arg;
+    const pbw_mesh *mesh = import->mesh;
+    const size_t corners = (size_t)mesh->dim + 1;
+    size_t ghosts = 0, faults = 0, i;
+    for (i = from * corners; i < to * corners; i++) {
+        const size_t next = mesh->neighbors[i];
+        ghosts += next == PBW_NONE;
+        faults += (size_t)(next >= mesh->simplex_count && next != PBW_NONE)
+                + (size_t)(mesh->simplices[i] >= mesh->point_count);
+    }
+    (void)PBW__ADD(&import->ghosts, ghosts);
+    (void)PBW__ADD(&import->faults, faults);
+    return PBW_OK;
+}
+
+/* Counts duplicates, and those that are none. */
+static pbw_status pbw__import_points(void *arg, size_t from, size_t to)
+{
+    pbw__import *import = (pbw__import *)arg;
+    const pbw_mesh *mesh = import->mesh;
+    const size_t dim = (size_t)mesh->dim;
+    size_t faults = 0, duplicates = 0, i;
+    for (i = from; i < to; i++) {
+        const pbw_index first = mesh->canonical[i];
+        if (first != i && first != PBW_NONE) {
+            duplicates++;
+            if (first >= mesh->point_count || mesh->canonical[first] != first
+                || !pbw__same_place(import->points + i * dim, import->points + first * dim, mesh->dim)) {
+                faults++;
+            } else {
+                const double w = import->weights[i], more = import->weights[first];
+                faults += !(more > w || (more == w && first < i));
+            }
+        }
+    }
+    (void)PBW__ADD(&import->faults, faults);
+    (void)PBW__ADD(&import->duplicates, duplicates);
+    return PBW_OK;
+}
+
+/* Numbers the points of simplices in the order in which these have them, then the others that are no duplicates. */
+static int pbw__import_number(pbw__import *import)
+{
+    const pbw_mesh *mesh = import->mesh;
+    const size_t corners = (size_t)mesh->dim + 1;
+    pbw_index *id = import->vertices.id, *vertex = import->vertex, count = 0;
+    size_t i;
+    memset(vertex, 0, mesh->point_count * sizeof(pbw_index));
+    for (i = 0; i < mesh->simplex_count * corners; i++) {
+        const pbw_index p = mesh->simplices[i];
+        if (vertex[p] == 0) {
+            if (mesh->canonical[p] != p) {
+                return 0;
+            }
+            vertex[p] = ++count;
+            id[count] = p;
+        }
+    }
+    import->visible = count;
+    for (i = 0; i < mesh->point_count; i++) {
+        if (vertex[i] == 0 && mesh->canonical[i] == i) {
+            vertex[i] = ++count;
+            id[count] = (pbw_index)i;
+        }
+    }
+    import->vertices.count = count;
+    return import->visible == count || mesh->weights != NULL;
+}
+
+static pbw_status pbw__import_records(void *arg, size_t from, size_t to)
+{
+    pbw__import *import = (pbw__import *)arg;
+    const size_t dim = (size_t)import->mesh->dim;
+    size_t r, k;
+    for (r = from + 1; r <= to; r++) {
+        const size_t p = import->vertices.id[r];
+        double *record = import->vertices.record + r * (dim + 1);
+        for (k = 0; k < dim; k++) {
+            record[k] = import->points[p * dim + k];
+        }
+        record[dim] = import->weights[p];
+    }
+    return PBW_OK;
+}
+
+/* Whether facet j of simplex u is facet k of simplex t: its vertices in the opposite order. */
+PBW__INLINE unsigned pbw__import_fits(const pbw_mesh *mesh, const pbw_index *t, unsigned k, const pbw_index *u,
+                                      unsigned j)
+{
+    pbw_index a[3], b[3];
+    pbw__facet_of(t, k, mesh->dim, a);
+    pbw__facet_of(u, j, mesh->dim, b);
+    return mesh->dim == 2 ? (unsigned)((a[0] == b[1]) & (a[1] == b[0]))
+                          : (unsigned)(((a[0] == b[0]) & (a[1] == b[2]) & (a[2] == b[1]))
+                                       | ((a[0] == b[1]) & (a[1] == b[0]) & (a[2] == b[2]))
+                                       | ((a[0] == b[2]) & (a[1] == b[1]) & (a[2] == b[0])));
+}
+
+/* Links the facets of a list, 4 * simplex + corner, to what is across.  Returns how many fit. */
+PBW__INLINE size_t pbw__import_link(const pbw__import *import, const pbw_index *facet, size_t count, int dim)
+{
+    const pbw_mesh *mesh = import->mesh;
+    const size_t corners = (size_t)dim + 1;
+    pbw__link *link = import->core->store.link;
+    size_t fits = 0, i;
+    for (i = 0; i < count; i++) {
+        const pbw_index t = facet[i] >> 2, k = facet[i] & 3, u = mesh->neighbors[t * corners + k];
+        const pbw_index *back = mesh->neighbors + u * corners;
+        const unsigned at1 = back[1] == t, at2 = back[2] == t, at3 = dim == 3 && back[dim] == t;
+        const unsigned j = at1 + 2 * at2 + 3 * at3, once = (back[0] == t) + at1 + at2 + at3 == 1;
+        fits += once & pbw__import_fits(mesh, mesh->simplices + t * corners, k, mesh->simplices + u * corners, j & 3);
+        link[4 * (size_t)t + k] = (pbw__link)u * 4 + (j & 3);
+        link[4 * (size_t)u + (j & 3)] = (pbw__link)t * 4 + k;
+    }
+    return fits;
+}
+
+/* Corners of finite simplices; links between them, from the lower of two.  Where all fit, none was written twice. */
+PBW__INLINE size_t pbw__import_slots_of(pbw__import *import, size_t from, size_t to, int dim)
+{
+    const pbw_mesh *mesh = import->mesh;
+    const size_t corners = (size_t)dim + 1;
+    pbw_index *corner = import->core->store.corner, facet[4 * 64];
+    size_t fits = 0, t, count;
+    unsigned k;
+    while (from < to) {
+        const size_t end = to - from < 64 ? to : from + 64;
+        for (t = from, count = 0; t < end; t++) {
+            for (k = 0; k < corners; k++) {
+                const size_t u = mesh->neighbors[t * corners + k];
+                corner[4 * t + k] = import->vertex[mesh->simplices[t * corners + k]];
+                facet[count] = (pbw_index)(4 * t + k);
+                count += (size_t)(u > t) & (size_t)(u != PBW_NONE);
+            }
+        }
+        fits += pbw__import_link(import, facet, count, dim);
+        from = end;
+    }
+    return fits;
+}
+
+static pbw_status pbw__import_slots(void *arg, size_t from, size_t to)
+{
+    pbw__import *import = (pbw__import *)arg;
+    const size_t fits = import->mesh->dim == 3 ? pbw__import_slots_of(import, from, to, 3)
+                                               : pbw__import_slots_of(import, from, to, 2);
+    (void)PBW__ADD(&import->fits, fits);
+    return PBW_OK;
+}
+
+/* Ghosts behind the facets of the hull. */
+static void pbw__import_ghosts(pbw__import *import)
+{
+    const pbw_mesh *mesh = import->mesh;
+    const unsigned dim = (unsigned)mesh->dim;
+    pbw__store *store = &import->core->store;
+    size_t g = mesh->simplex_count, t;
+    unsigned k;
+    for (t = 0; t < mesh->simplex_count && g < store->count; t++) {
+        for (k = 0; k <= dim; k++) {
+            if (mesh->neighbors[t * (dim + 1) + k] == PBW_NONE) {
+                pbw_index *ghost = store->corner + 4 * g;
+                pbw__facet_of(store->corner + 4 * t, k, (int)dim, ghost);
+                if (dim == 2) {
+                    const pbw_index first = ghost[0];
+                    ghost[0] = ghost[1];
+                    ghost[1] = first;
+                }
+                ghost[dim] = PBW__GHOST;
+                store->link[4 * g + dim] = (pbw__link)(4 * t + k);
+                store->link[4 * t + k] = (pbw__link)(4 * g++ + dim);
+            }
+        }
+    }
+}
+
+PBW__INLINE unsigned pbw__corner_at(const pbw_index *corner, pbw_index v)
+{
+    unsigned k = 0;
+    while (corner[k] != v) {
+        k++;
+    }
+    return k;
+}
+
+/* Links between ghosts: around each ridge, through the finite simplices that have it, from one facet of the hull to the
+   other.  It ends there: the way back is as unique. */
+static pbw_status pbw__import_ridges(void *arg, size_t from, size_t to)
+{
+    pbw__import *import = (pbw__import *)arg;
+    const size_t first = import->mesh->simplex_count;
+    const unsigned dim = (unsigned)import->mesh->dim;
+    const pbw_index *corner = import->core->store.corner;
+    pbw__link *link = import->core->store.link;
+    size_t g;
+    unsigned i;
+    for (g = first + from; g < first + to; g++) {
+        for (i = 0; i < dim; i++) {
+            pbw__link at = link[4 * g + dim];        /* we are in a simplex, and came through this facet */
+            pbw_index next = corner[4 * g + i];      /* across from which we go on */
+            for (;;) {
+                const size_t t = at >> 2;
+                const pbw_index last = corner[at];
+                at = link[4 * t + pbw__corner_at(corner + 4 * t, next)];
+                next = last;
+                if (at >> 2 >= first) {
+                    break;
+                }
+            }
+            link[4 * g + i] = (pbw__link)(4 * (at >> 2) + pbw__corner_at(corner + 4 * (size_t)(at >> 2), next));
+        }
+    }
+    return PBW_OK;
+}
+
+/* A finite simplex of each vertex. */
+static void pbw__import_incident(pbw__core *core, size_t simplices)
+{
+    const size_t dim = (size_t)core->kernel.dim;
+    size_t t = simplices, k;
+    memset(core->incident, 0xff, (core->vertex_count + 1) * sizeof(pbw_index));
+    while (t-- > 0) {
+        for (k = 0; k <= dim; k++) {
+            core->incident[core->kernel.corner[4 * t + k]] = (pbw_index)t;
+        }
+    }
+}
+
+/* Finds what hides the vertices in no simplex, along the curve.  PBW__ANEW: one is not hidden, or a duplicate. */
+static pbw_status pbw__import_hidden(pbw_live *live, pbw__core *core, size_t visible)
+{
+    const size_t count = core->vertex_count - visible;
+    pbw__memory *memory = &core->kernel.context->memory;
+    pbw_index *list = (pbw_index *)pbw__allocate(memory, count + 1, sizeof(pbw_index)), witness = 0;
+    pbw_status status = list == NULL ? PBW_ERROR_MEMORY : PBW_OK;
+    size_t i;
+    int k;
+    for (i = 0; i < count && list != NULL; i++) {
+        list[i] = (pbw_index)(visible + 1 + i);
+    }
+    status = status == PBW_OK ? pbw__live_sort(live, core, list, count) : status;
+    for (i = 0; i < count && status == PBW_OK; i++) {
+        const double *p = pbw__core_record(core, list[i]);
+        witness = pbw__find_witness(core, witness, list[i]);
+        if (pbw__slot_conflict(core, witness, p)
+            || (i > 0 && pbw__same_place(p, pbw__core_record(core, list[i - 1]), live->dim))) {
+            status = PBW__ANEW;
+        }
+        for (k = 0; k <= live->dim && status == PBW_OK; k++) {
+            const pbw_index v = core->kernel.corner[4 * (size_t)witness + (size_t)k];
+            status = pbw__same_place(p, pbw__core_record(core, v), live->dim) ? PBW__ANEW : PBW_OK;
+        }
+        if (status == PBW_OK && !pbw__cover_vertex(core, list[i], witness)) {
+            status = PBW_ERROR_MEMORY;
+        }
+    }
+    pbw__release(memory, list, count + 1, sizeof(pbw_index));
+    return status;
+}
+
+/* The vertices of a mesh, then its simplices, unverified. */
+static pbw_status pbw__import_fill(pbw__import *import, pbw__context *context)
+{
+    const pbw_mesh *mesh = import->mesh;
+    pbw__core *core = import->core;
+    pbw_status status = pbw__for_range(context, mesh->simplex_count, 16384, 0.05, pbw__import_count, import);
+    status = status == PBW_OK ? pbw__for_range(context, mesh->point_count, 16384, 0.05, pbw__import_points, import)
+                              : status;
+    if (status != PBW_OK || import->faults > 0) {
+        return status != PBW_OK ? status : PBW__ANEW;
+    }
+    if (!pbw__import_number(import)) {
+        return PBW__ANEW;
+    }
+    status = pbw__for_range(context, import->vertices.count, 16384, 0.1, pbw__import_records, import);
+    if (status != PBW_OK) {
+        return status;
+    }
+    pbw__grid_scan(context, import->vertices.record + mesh->dim + 1, import->vertices.count, mesh->dim,
+                   &import->vertices.grid);
+    status = pbw__store_reserve(context, &core->store, mesh->simplex_count + import->ghosts);
+    if (status == PBW_OK) {
+        core->store.count = mesh->simplex_count + import->ghosts;
+        memset(core->store.mark, 0, core->store.count);
+        status = pbw__for_range(context, mesh->simplex_count, 8192, 0.4, pbw__import_slots, import);
+    }
+    if (status != PBW_OK || 2 * import->fits + import->ghosts != mesh->simplex_count * ((size_t)mesh->dim + 1)) {
+        return status != PBW_OK ? status : PBW__ANEW;
+    }
+    pbw__import_ghosts(import);
+    status = pbw__for_range(context, import->ghosts, 4096, 0.4, pbw__import_ridges, import);
+    core->simplex_count = mesh->simplex_count;
+    return status;
+}
+
+/* Makes a core of a mesh.  PBW__ANEW: it is not the triangulation of its points. */
+static pbw_status pbw__import_core(pbw_live *live, pbw__context *context, pbw__import *import)
+{
+    const pbw_mesh *mesh = import->mesh;
+    pbw__core *core = import->core;
+    const size_t records = mesh->point_count + 1;
+    pbw__vertices *vertices = &import->vertices;
+    pbw_status status;
+    vertices->dim = mesh->dim;
+    vertices->weighted = mesh->weights != NULL;
+    vertices->point_count = mesh->point_count;
+    vertices->record = (double *)pbw__allocate_large(context, records * ((size_t)mesh->dim + 1), sizeof(double));
+    vertices->id = (pbw_index *)pbw__allocate_large(context, records, sizeof(pbw_index));
+    import->vertex = (pbw_index *)pbw__allocate_large(context, mesh->point_count, sizeof(pbw_index));
+    status = vertices->record == NULL || vertices->id == NULL || import->vertex == NULL ? PBW_ERROR_MEMORY
+           : pbw__import_fill(import, context);
+    pbw__release(&context->memory, import->vertex, mesh->point_count, sizeof(pbw_index));
+    if (status != PBW_OK) {
+        pbw__release(&context->memory, vertices->record, records * ((size_t)mesh->dim + 1), sizeof(double));
+        pbw__release(&context->memory, vertices->id, records, sizeof(pbw_index));
+        return status;
+    }
+    vertices->canonical = (pbw_index *)(uintptr_t)mesh->canonical;
+    vertices->duplicate_count = import->duplicates;
+    memset(vertices->record, 0, ((size_t)mesh->dim + 1) * sizeof(double));
+    vertices->record[0] = HUGE_VAL;                  /* the ghost, see >>order */
+    status = pbw__core_take(core, vertices, NULL, live->count);
+    status = status == PBW_OK ? pbw__core_start(context, core, vertices) : status;
+    if (status == PBW_OK) {
+        pbw__import_incident(core, mesh->simplex_count);
+        status = pbw__journal_reserve(core) ? pbw__verify(core, 0) : PBW_ERROR_MEMORY;
+    }
+    if (status == PBW_OK && import->visible < core->vertex_count) {
+        status = pbw__import_hidden(live, core, import->visible);
+        pbw__swap_covers(core);
+    }
+    core->kernel.last = 0;
+    pbw__journal_clear(core);
+    return status;
+}
+
+/* Makes the mesh that all points of the queue are of the live triangulation.  PBW__ANEW: that cannot be. */
+static pbw_status pbw__live_import(pbw_live *live, pbw__context *context, const pbw_mesh *mesh)
+{
+    pbw__import import;
+    pbw__core core;
+    pbw_status status;
+    if (mesh->simplex_count == 0 || mesh->neighbors == NULL) {
+        return PBW__ANEW;
+    }
+    if (pbw__enter_stage(context, PBW_STAGE_WORK)) {
+        return PBW_CANCELLED;
+    }
+    memset(&import, 0, sizeof(import));
+    memset(&core, 0, sizeof(core));
+    core.kernel.context = context;
+    core.kernel.dim = mesh->dim;
+    import.mesh = mesh;
+    import.points = live->point;
+    import.weights = live->weight;
+    import.core = &core;
+    status = pbw__import_core(live, context, &import);
+    if (status == PBW_OK) {
+        pbw__live_replace(live, context, &core);
+    } else {
+        pbw__core_free(context, &core);
+    }
+    return status;
+}
+
+PBWDEF void pbw_live_free(pbw_live *live)
+{
+    if (live != NULL) {
+        pbw__context context;
+        pbw__memory *memory = &context.memory;
+        memset(&context, 0, sizeof(context));
+        context.memory = live->memory;
+        pbw__core_free(&context, &live->core);
+        PBW__RELEASE(memory, live, point);
+        PBW__RELEASE(memory, live, weight);
+        PBW__RELEASE(memory, live, state);
+        PBW__RELEASE(memory, live, spare);
+        PBW__RELEASE(memory, live, queue);
+        PBW__RELEASE(memory, live, edit);
+        PBW__RELEASE(memory, live, head);
+        PBW__RELEASE(memory, live, leaving);
+        PBW__RELEASE(memory, live, arriving);
+        PBW__RELEASE(memory, live, moved);
+        pbw__release(memory, live, 1, sizeof(*live));
+    }
+}
+
+/* Queues the points of a mesh, and makes it the triangulation of them. */
+static pbw_status pbw__live_adopt(pbw_live *live, const pbw_mesh *mesh)
+{
+    const size_t dim = (size_t)live->dim;
+    pbw_status status = pbw__live_reserve(live, mesh->point_count, mesh->point_count);
+    size_t i = status == PBW_OK ? mesh->point_count : 0, k;
+    live->count = i;
+    while (i-- > 0) {
+        live->state[i] = 0;
+        memset(live->point + i * dim, 0, dim * sizeof(double));
+        live->weight[i] = 0.0;
+        if (mesh->canonical[i] == PBW_NONE) {
+            live->spare[live->spare_count++] = (pbw_index)i;
+        } else {
+            for (k = 0; k < dim; k++) {
+                live->point[i * dim + k] = mesh->points[i * dim + k] + 0.0;      /* no -0.0 */
+            }
+            live->weight[i] = mesh->weights != NULL ? mesh->weights[i] + 0.0 : 0.0;
+            live->state[i] = PBW__STAYS;
+            pbw__live_queue(live, (pbw_index)i);
+            if (!pbw__all_finite(live->point + i * dim, dim) || !pbw__all_finite(live->weight + i, 1)) {
+                return PBW_ERROR_NOT_FINITE;
+            }
+        }
+    }
+    return status != PBW_OK ? status : pbw__live_run(live, mesh, NULL);
+}
+
+PBWDEF pbw_status pbw_live_create(const pbw_mesh *mesh, const pbw_options *options, pbw_live **result)
+{
+    pbw_options defaults;
+    pbw__memory memory;
+    pbw_live *live;
+    pbw_status status;
+    memset(&defaults, 0, sizeof(defaults));
+    options = options != NULL ? options : &defaults;
+    if (result == NULL) {
+        return PBW_ERROR_ARGUMENT;
+    }
+    *result = NULL;
+    if (mesh == NULL || (mesh->dim != 2 && mesh->dim != 3) || options->threads < 0 || options->threads > 256
+        || options->flags != 0 || options->stride != 0 || options->weight_stride != 0 || options->backend != NULL
+        || (mesh->point_count > 0 && (mesh->points == NULL || mesh->canonical == NULL || mesh->incident == NULL))
+        || (mesh->simplex_count > 0 && mesh->simplices == NULL)) {
+        return PBW_ERROR_ARGUMENT;
+    }
+    pbw__memory_start(&memory, options);
+    live = (pbw_live *)pbw__allocate(&memory, 1, sizeof(*live));
+    if (live == NULL) {
+        return PBW_ERROR_MEMORY;
+    }
+    memset(live, 0, sizeof(*live));
+    live->memory = memory;
+    live->options = *options;
+    live->options.trace = NULL;
+    live->options.message = NULL;
+    live->dim = mesh->dim;
+    live->weighted = mesh->weights != NULL;
+    status = pbw__live_adopt(live, mesh);
+    if (status != PBW_OK && status != PBW_DEGENERATE) {
+        pbw_live_free(live);
+        return status;
+    }
+    *result = live;
+    return status;
+}
 /* ------------------------------------------------------------------------------------------------------
    >>view         The arrays of a live triangulation.
    In: a core.  Out: a mesh, as pbw_triangulate gives it for the points that live.
@@ -14276,89 +14789,6 @@ PBWDEF pbw_status pbw_live_view(pbw_live *live, pbw_mesh *mesh)
     return status;
 }
 
-PBWDEF void pbw_live_free(pbw_live *live)
-{
-    if (live != NULL) {
-        pbw__context context;
-        pbw__memory *memory = &context.memory;
-        memset(&context, 0, sizeof(context));
-        context.memory = live->memory;
-        pbw__core_free(&context, &live->core);
-        PBW__RELEASE(memory, live, point);
-        PBW__RELEASE(memory, live, weight);
-        PBW__RELEASE(memory, live, state);
-        PBW__RELEASE(memory, live, spare);
-        PBW__RELEASE(memory, live, queue);
-        PBW__RELEASE(memory, live, edit);
-        PBW__RELEASE(memory, live, head);
-        PBW__RELEASE(memory, live, leaving);
-        PBW__RELEASE(memory, live, arriving);
-        PBW__RELEASE(memory, live, moved);
-        pbw__release(memory, live, 1, sizeof(*live));
-    }
-}
-
-/* Takes the points of a mesh and triangulates them. */
-static pbw_status pbw__live_adopt(pbw_live *live, const pbw_mesh *mesh)
-{
-    const size_t dim = (size_t)live->dim;
-    pbw_status status = pbw__live_reserve(live, mesh->point_count, mesh->point_count);
-    size_t i = status == PBW_OK ? mesh->point_count : 0;
-    live->count = i;
-    while (i-- > 0) {
-        live->state[i] = 0;
-        memset(live->point + i * dim, 0, dim * sizeof(double));
-        live->weight[i] = 0.0;
-        if (mesh->canonical[i] == PBW_NONE) {
-            live->spare[live->spare_count++] = (pbw_index)i;
-        } else {
-            memcpy(live->point + i * dim, mesh->points + i * dim, dim * sizeof(double));
-            live->weight[i] = mesh->weights != NULL ? mesh->weights[i] : 0.0;
-            live->state[i] = PBW__STAYS;
-            pbw__live_queue(live, (pbw_index)i);
-        }
-    }
-    return status != PBW_OK ? status : pbw_live_commit(live, NULL);
-}
-
-PBWDEF pbw_status pbw_live_create(const pbw_mesh *mesh, const pbw_options *options, pbw_live **result)
-{
-    pbw_options defaults;
-    pbw__memory memory;
-    pbw_live *live;
-    pbw_status status;
-    memset(&defaults, 0, sizeof(defaults));
-    options = options != NULL ? options : &defaults;
-    if (result == NULL) {
-        return PBW_ERROR_ARGUMENT;
-    }
-    *result = NULL;
-    if (mesh == NULL || (mesh->dim != 2 && mesh->dim != 3) || options->threads < 0 || options->threads > 256
-        || options->flags != 0 || options->stride != 0 || options->weight_stride != 0 || options->backend != NULL
-        || (mesh->point_count > 0 && (mesh->points == NULL || mesh->canonical == NULL || mesh->incident == NULL))
-        || (mesh->simplex_count > 0 && (mesh->simplices == NULL || mesh->neighbors == NULL))) {
-        return PBW_ERROR_ARGUMENT;
-    }
-    pbw__memory_start(&memory, options);
-    live = (pbw_live *)pbw__allocate(&memory, 1, sizeof(*live));
-    if (live == NULL) {
-        return PBW_ERROR_MEMORY;
-    }
-    memset(live, 0, sizeof(*live));
-    live->memory = memory;
-    live->options = *options;
-    live->options.trace = NULL;
-    live->options.message = NULL;
-    live->dim = mesh->dim;
-    live->weighted = mesh->weights != NULL;
-    status = pbw__live_adopt(live, mesh);
-    if (status != PBW_OK && status != PBW_DEGENERATE) {
-        pbw_live_free(live);
-        return status;
-    }
-    *result = live;
-    return status;
-}
 /* ------------------------------------------------------------------------------------------------------
    >>api          The front door: argument checks, defaults, the stages in order, status texts.
    In: what the caller passes.  Out: a mesh or a status; nothing is left allocated after a failure.
