@@ -12891,22 +12891,194 @@ PBW__INLINE unsigned pbw__slot_faults(const pbw__core *core, size_t t, int dim)
     return faults;
 }
 
+#ifdef PBW__SIMD
+/* Makes the points of these vertices, one in each lane, the origin. */
+PBW__SIMD_INLINE void pbw__origins4(const double *record, const pbw_index *v, pbw__point4 *origin)
+{
+    const size_t width = (size_t)origin->dim + 1;
+    const double *a = record + width * v[0], *b = record + width * v[1], *c = record + width * v[2],
+                 *d = record + width * v[3];
+    pbw__columns(a, b, c, d, &origin->x, &origin->y);
+    if (origin->dim == 3) {
+        pbw__columns(a + 2, b + 2, c + 2, d + 2, &origin->z, &origin->weight);
+    } else {
+        origin->weight = pbw__four(a[2], b[2], c[2], d[2]);
+    }
+}
+
+/* Four simplices, one in each lane: what pbw__plane computes. */
+typedef struct pbw__planes4 { pbw__d4 orientation, x, y, z, height; } pbw__planes4;
+
+PBW__SIMD_INLINE pbw__planes4 pbw__planes4_of(const pbw__core *core, pbw_index v[4][4], const pbw__point4 *origin)
+{
+    const pbw__rows4 a = pbw__rows4_of(core->record, v[0], 0, origin), b = pbw__rows4_of(core->record, v[1], 0, origin);
+    pbw__planes4 plane;
+    plane.height = pbw__max4(pbw__max4(a.height, b.height), pbw__splat(1e-55));
+    if (origin->dim == 2) {
+        plane.orientation = pbw__det2(a.x, a.y, b.x, b.y);
+        plane.x = pbw__det2(a.lift, a.y, b.lift, b.y);
+        plane.y = pbw__det2(b.lift, b.x, a.lift, a.x);
+        plane.z = pbw__splat(0.0);
+    } else {
+        const pbw__rows4 c = pbw__rows4_of(core->record, v[2], 0, origin);
+        const pbw__d4 x = pbw__det2(c.y, c.z, b.y, b.z), y = pbw__det2(c.z, c.x, b.z, b.x),
+                      z = pbw__det2(c.x, c.y, b.x, b.y);
+        plane.height = pbw__max4(plane.height, c.height);
+        plane.orientation = pbw__dot4(a.x, a.y, a.z, x, y, z);
+        plane.x = pbw__dot4(a.lift, b.lift, c.lift, x, pbw__det2(a.y, a.z, c.y, c.z), pbw__det2(b.y, b.z, a.y, a.z));
+        plane.y = pbw__dot4(a.lift, b.lift, c.lift, y, pbw__det2(a.z, a.x, c.z, c.x), pbw__det2(b.z, b.x, a.z, a.x));
+        plane.z = pbw__dot4(a.lift, b.lift, c.lift, z, pbw__det2(a.x, a.y, c.x, c.y), pbw__det2(b.x, b.y, a.x, a.y));
+    }
+    return plane;
+}
+
+/* pbw__slot_faults of four finite simplices. */
+PBW__SIMD_INLINE void pbw__faults4(const pbw__core *core, const pbw_index *slot, unsigned *faults, int dim)
+{
+    const pbw_index *corner = core->kernel.corner;
+    const pbw__link *link[4];
+    pbw_index v[4][4];
+    pbw__point4 origin;
+    pbw__planes4 plane;
+    pbw__d4 h;
+    unsigned open, i, k;
+    for (i = 0; i < 4; i++) {
+        link[i] = core->kernel.link + 4 * (size_t)slot[i];
+        for (k = 0; k <= (unsigned)dim; k++) {
+            v[k][i] = corner[4 * (size_t)slot[i] + k];
+        }
+    }
+    origin = pbw__point4_of(core->record, dim, core->kernel.weighted);
+    pbw__origins4(core->record, v[dim], &origin);
+    plane = pbw__planes4_of(core, v, &origin);
+    h = plane.height * plane.height;
+    h = dim == 2 ? h * pbw__splat(PBW__ORIENT2_ERROR * PBW__ORIENT2_ERROR)
+                 : h * plane.height * pbw__splat(PBW__ORIENT3_ERROR * PBW__ORIENT3_ERROR);
+    open = pbw__signs(pbw__and4(pbw__greater(plane.orientation * plane.orientation, h),
+                                pbw__greater(plane.orientation, pbw__splat(0.0)))) ^ 15u;
+    for (i = 0; i < 4; i++) {
+        faults[i] = (open >> i & 1) != 0 && pbw__slot_side(core, slot[i], dim + 1, NULL) <= 0 ? PBW__INVERTED : 0;
+    }
+    for (k = 0; k <= (unsigned)dim; k++) {
+        pbw__rows4 e;
+        pbw__d4 det, limit;
+        pbw_index far[4];
+        unsigned tested = 0, certain, inside;
+        for (i = 0; i < 4; i++) {
+            const pbw_index other = corner[link[i][k]];
+            const unsigned test = (unsigned)(other != PBW__GHOST) & (unsigned)(slot[i] < link[i][k] >> 2);
+            far[i] = test ? other : v[dim][i];
+            tested |= test << i;
+        }
+        if (tested == 0) {
+            continue;
+        }
+        e = pbw__rows4_of(core->record, far, 0, &origin);
+        det = pbw__fnma(e.lift, plane.orientation, pbw__dot4(e.x, e.y, e.z, plane.x, plane.y, plane.z));
+        h = pbw__max4(plane.height, e.height);
+        limit = h * h * (h * h);
+        limit = dim == 2 ? limit * pbw__splat(PBW__CIRCLE_ERROR * PBW__CIRCLE_ERROR)
+                         : limit * h * pbw__splat(PBW__SPHERE_ERROR * PBW__SPHERE_ERROR);
+        certain = pbw__signs(pbw__greater(det * det, limit));
+        inside = certain & tested & pbw__signs(pbw__greater(det, pbw__splat(0.0)));
+        open = tested & ~certain;
+        for (i = 0; (inside | open) != 0 && i < 4; i++) {
+            if ((inside >> i & 1) != 0
+                || ((open >> i & 1) != 0 && pbw__slot_conflict(core, slot[i], pbw__core_record(core, far[i])))) {
+                faults[i] |= 1u << k;
+            }
+        }
+    }
+    for (i = 0; i < 4; i++) {
+        faults[i] = (faults[i] & PBW__INVERTED) != 0 ? PBW__INVERTED : faults[i];
+    }
+}
+
+PBW__SIMD static PBW__NOINLINE void pbw__faults4_of(const pbw__core *core, const pbw_index *slot, unsigned *faults)
+{
+    PBW__BY_DIM(core->kernel.dim, pbw__faults4, core, slot, faults);
+}
+#endif
+
+#define PBW__BLOCK_SLOTS 64                          /* whose neighbours are prefetched, then their vertices */
+
+/* Lists the finite simplices in slots from..to-1; the ghosts are judged.  Returns how many, and prefetches for all. */
+static size_t pbw__verify_list(pbw__core *core, size_t from, size_t to, pbw_index *slot, size_t *failing)
+{
+    const pbw_index *corner = core->kernel.corner;
+    const pbw__link *link = core->kernel.link;
+    const size_t dim = (size_t)core->kernel.dim, width = dim + 1;
+    size_t count = 0, t, i, k;
+    for (t = from; t < to; t++) {
+        slot[count] = (pbw_index)t;
+        if (corner[4 * t] == PBW_NONE) {
+            continue;
+        }
+        if (corner[4 * t + dim] == PBW__GHOST) {
+            const unsigned faults = dim == 3 ? pbw__slot_faults(core, t, 3) : pbw__slot_faults(core, t, 2);
+            core->kernel.mark[t] = (unsigned char)faults;
+            *failing += faults != 0;
+            continue;
+        }
+        count++;
+        for (k = 0; k <= dim; k++) {
+            PBW__PREFETCH(corner + link[4 * t + k]);
+        }
+    }
+    for (i = 0; i < count; i++) {
+        for (k = 0; k <= dim; k++) {
+            PBW__PREFETCH(core->record + width * corner[link[4 * (size_t)slot[i] + k]]);
+        }
+    }
+    return count;
+}
+
+/* Judges the listed simplices; there is room for three more in the list. */
+static void pbw__verify_listed(pbw__core *core, pbw_index *slot, size_t count, size_t *inverted, size_t *failing)
+{
+    size_t i, k;
+    unsigned faults[4];
+#ifdef PBW__SIMD
+    const int simd = pbw__simd_works();
+    for (k = count; k < count + 3 && count > 0; k++) {
+        slot[k] = slot[count - 1];
+    }
+#else
+    const int simd = 0;
+#endif
+    for (i = 0; i < count; i += 4) {
+        const size_t some = count - i < 4 ? count - i : 4;
+#ifdef PBW__SIMD
+        if (simd) {
+            pbw__faults4_of(core, slot + i, faults);
+        }
+#endif
+        for (k = 0; k < some; k++) {
+            if (!simd) {
+                faults[k] = core->kernel.dim == 3 ? pbw__slot_faults(core, slot[i + k], 3)
+                                                  : pbw__slot_faults(core, slot[i + k], 2);
+            }
+            core->kernel.mark[slot[i + k]] = (unsigned char)faults[k];
+            *inverted += faults[k] == PBW__INVERTED;
+            *failing += faults[k] != 0;
+        }
+    }
+}
+
 static pbw_status pbw__verify_range(void *arg, size_t from, size_t to)
 {
     pbw__verifying *verifying = (pbw__verifying *)arg;
     pbw__core *core = verifying->core;
-    size_t inverted = 0, failing = 0, t;
+    pbw_index slot[PBW__BLOCK_SLOTS + 4];
+    size_t inverted = 0, failing = 0;
     if (PBW__LOAD(&verifying->inverted) > 0 || PBW__LOAD(&verifying->failing) > verifying->most) {
         return PBW__ANEW;
     }
-    for (t = from; t < to; t++) {
-        if (core->kernel.corner[4 * t] != PBW_NONE) {
-            const unsigned faults = core->kernel.dim == 3 ? pbw__slot_faults(core, t, 3)
-                                                          : pbw__slot_faults(core, t, 2);
-            core->kernel.mark[t] = (unsigned char)faults;
-            inverted += faults == PBW__INVERTED;
-            failing += faults != 0;
-        }
+    while (from < to) {
+        const size_t end = to - from < PBW__BLOCK_SLOTS ? to : from + PBW__BLOCK_SLOTS;
+        const size_t count = pbw__verify_list(core, from, end, slot, &failing);
+        pbw__verify_listed(core, slot, count, &inverted, &failing);
+        from = end;
     }
     (void)PBW__ADD(&verifying->inverted, inverted);
     (void)PBW__ADD(&verifying->failing, failing);
@@ -12954,9 +13126,11 @@ static int pbw__choose_inside(pbw__verifying *verifying)
     static const double direction[3] = { 0.31, 0.19, -0.23 };
     const pbw__core *core = verifying->core;
     const int dim = core->kernel.dim;
-    size_t t = core->store.count / 2, left = 64;
+    const size_t count = core->store.count;
+    size_t step, left = 64;
     int i, k, finite = 1;
-    for (; t < core->store.count && left > 0; t++) {
+    for (step = 0; step < count && left > 0; step++) {
+        const size_t t = (count / 2 + step) % count;
         const pbw_index *v = core->kernel.corner + 4 * t;
         if (v[0] == PBW_NONE || v[dim] == PBW__GHOST) {
             continue;
@@ -14240,33 +14414,33 @@ static pbw_status pbw__import_records(void *arg, size_t from, size_t to)
 }
 
 /* Whether facet j of simplex u is facet k of simplex t: its vertices in the opposite order. */
-PBW__INLINE unsigned pbw__import_fits(const pbw_mesh *mesh, const pbw_index *t, unsigned k, const pbw_index *u,
-                                      unsigned j)
+PBW__INLINE unsigned pbw__import_fits(const pbw_index *t, unsigned k, const pbw_index *u, unsigned j, int dim)
 {
     pbw_index a[3], b[3];
-    pbw__facet_of(t, k, mesh->dim, a);
-    pbw__facet_of(u, j, mesh->dim, b);
-    return mesh->dim == 2 ? (unsigned)((a[0] == b[1]) & (a[1] == b[0]))
-                          : (unsigned)(((a[0] == b[0]) & (a[1] == b[2]) & (a[2] == b[1]))
-                                       | ((a[0] == b[1]) & (a[1] == b[0]) & (a[2] == b[2]))
-                                       | ((a[0] == b[2]) & (a[1] == b[1]) & (a[2] == b[0])));
+    pbw__facet_of(t, k, dim, a);
+    pbw__facet_of(u, j, dim, b);
+    return dim == 2 ? (unsigned)((a[0] == b[1]) & (a[1] == b[0]))
+                    : (unsigned)(((a[0] == b[0]) & (a[1] == b[2]) & (a[2] == b[1]))
+                                 | ((a[0] == b[1]) & (a[1] == b[0]) & (a[2] == b[2]))
+                                 | ((a[0] == b[2]) & (a[1] == b[1]) & (a[2] == b[0])));
 }
 
 /* Links the facets of a list, 4 * simplex + corner, to what is across.  Returns how many fit. */
-PBW__INLINE size_t pbw__import_link(const pbw__import *import, const pbw_index *facet, size_t count, int dim)
+PBW__INLINE size_t pbw__import_link(const pbw__import *import, const pbw__link *facet, size_t count, int dim)
 {
     const pbw_mesh *mesh = import->mesh;
     const size_t corners = (size_t)dim + 1;
     pbw__link *link = import->core->store.link;
     size_t fits = 0, i;
     for (i = 0; i < count; i++) {
-        const pbw_index t = facet[i] >> 2, k = facet[i] & 3, u = mesh->neighbors[t * corners + k];
+        const size_t t = facet[i] >> 2, u = mesh->neighbors[t * corners + (facet[i] & 3)];
+        const unsigned k = (unsigned)(facet[i] & 3);
         const pbw_index *back = mesh->neighbors + u * corners;
         const unsigned at1 = back[1] == t, at2 = back[2] == t, at3 = dim == 3 && back[dim] == t;
         const unsigned j = at1 + 2 * at2 + 3 * at3, once = (back[0] == t) + at1 + at2 + at3 == 1;
-        fits += once & pbw__import_fits(mesh, mesh->simplices + t * corners, k, mesh->simplices + u * corners, j & 3);
-        link[4 * (size_t)t + k] = (pbw__link)u * 4 + (j & 3);
-        link[4 * (size_t)u + (j & 3)] = (pbw__link)t * 4 + k;
+        fits += once & pbw__import_fits(mesh->simplices + t * corners, k, mesh->simplices + u * corners, j & 3, dim);
+        link[4 * t + k] = (pbw__link)(4 * u + (j & 3));
+        link[4 * u + (j & 3)] = (pbw__link)(4 * t + k);
     }
     return fits;
 }
@@ -14276,17 +14450,20 @@ PBW__INLINE size_t pbw__import_slots_of(pbw__import *import, size_t from, size_t
 {
     const pbw_mesh *mesh = import->mesh;
     const size_t corners = (size_t)dim + 1;
-    pbw_index *corner = import->core->store.corner, facet[4 * 64];
+    pbw_index *corner = import->core->store.corner;
+    pbw__link facet[4 * 64 + 1];
     size_t fits = 0, t, count;
     unsigned k;
     while (from < to) {
         const size_t end = to - from < 64 ? to : from + 64;
         for (t = from, count = 0; t < end; t++) {
             for (k = 0; k < corners; k++) {
-                const size_t u = mesh->neighbors[t * corners + k];
+                const size_t u = mesh->neighbors[t * corners + k], near = u != PBW_NONE ? u : t;
                 corner[4 * t + k] = import->vertex[mesh->simplices[t * corners + k]];
-                facet[count] = (pbw_index)(4 * t + k);
-                count += (size_t)(u > t) & (size_t)(u != PBW_NONE);
+                facet[count] = (pbw__link)(4 * t + k);
+                PBW__PREFETCH(mesh->neighbors + near * corners);
+                PBW__PREFETCH(mesh->simplices + near * corners);
+                count += near > t;                   /* branchless: unpredictable */
             }
         }
         fits += pbw__import_link(import, facet, count, dim);
