@@ -441,12 +441,12 @@ typedef struct pbw_changes {               /* start from {0}; pbw_changes_free w
     void *memory;                          /* private */
 } pbw_changes;
 
-/* Makes one from a finished mesh, which may be freed then: of any flags and backend, DEGENERATE too.  One of no points:
-   a mesh that is {0} but for dim.  The arrays of the mesh are checked, exactly, and taken over; where there are no
+/* Makes one from a finished mesh, which may be freed then: of any flags and backend, DEGENERATE too.  One of no
+   points: a mesh that is {0} but for dim.  The arrays of the mesh are checked, exactly, and taken over; where there are no
    neighbors, or the arrays are not the triangulation of mesh.points (borrowed ones may have moved), the points with a
    canonical one are triangulated anew.  So the result is right whatever the arrays say, if they have their sizes.
-   options are for all later calls on it: threads, memory_limit, resize, run, progress; they are copied, flags, strides
-   and backend must be 0. */
+   options are for all later calls on it: threads, memory_limit, resize, run, progress; they are copied, flags,
+   strides and backend must be 0. */
 PBWDEF pbw_status pbw_live_create(const pbw_mesh *mesh, const pbw_options *options, pbw_live **live);
 PBWDEF void pbw_live_free(pbw_live *live);         /* fine on NULL */
 
@@ -11908,8 +11908,11 @@ typedef struct pbw__core {
     pbw_index *place;                                /* a hash table of vertices by coordinates; 0: none */
     pbw_index *unused, *hidden, *witness;            /* vertices; a simplex that hides each hidden one */
     pbw_index *covered, *cover;                      /* hidden and witness as the commit will leave them */
+    pbw_index *start;                                /* per cell of the box: a vertex that is or was there; 0: none */
+    double start_low[3], start_scale[3];
+    size_t start_side, searched;                     /* cells in a row; walks since there was last a table of them */
     size_t record_capacity, name_capacity, incident_capacity, local_capacity, vertex_capacity, twin_capacity;
-    size_t place_capacity, unused_capacity, hidden_capacity, witness_capacity, covered_capacity, cover_capacity;
+    size_t start_capacity, place_capacity, unused_capacity, hidden_capacity, witness_capacity, covered_capacity, cover_capacity;
     size_t vertex_count, unused_count, hidden_count, covered_count, placed, simplex_count, duplicate_count;
     /* of the removal of one vertex */
     pbw_index *rim_vertex, *table;                   /* table: rims by their vertices; 1 + number */
@@ -11941,6 +11944,7 @@ static void pbw__core_free(pbw__context *context, pbw__core *core)
     PBW__RELEASE(memory, core, vertex);
     PBW__RELEASE(memory, core, twin);
     PBW__RELEASE(memory, core, place);
+    PBW__RELEASE(memory, core, start);
     PBW__RELEASE(memory, core, unused);
     PBW__RELEASE(memory, core, hidden);
     PBW__RELEASE(memory, core, witness);
@@ -12911,7 +12915,8 @@ typedef struct pbw__planes4 { pbw__d4 orientation, x, y, z, height; } pbw__plane
 
 PBW__SIMD_INLINE pbw__planes4 pbw__planes4_of(const pbw__core *core, pbw_index v[4][4], const pbw__point4 *origin)
 {
-    const pbw__rows4 a = pbw__rows4_of(core->record, v[0], 0, origin), b = pbw__rows4_of(core->record, v[1], 0, origin);
+    const pbw__rows4 a = pbw__rows4_of(core->record, v[0], 0, origin);
+    const pbw__rows4 b = pbw__rows4_of(core->record, v[1], 0, origin);
     pbw__planes4 plane;
     plane.height = pbw__max4(pbw__max4(a.height, b.height), pbw__splat(1e-55));
     if (origin->dim == 2) {
@@ -12925,9 +12930,12 @@ PBW__SIMD_INLINE pbw__planes4 pbw__planes4_of(const pbw__core *core, pbw_index v
                       z = pbw__det2(c.x, c.y, b.x, b.y);
         plane.height = pbw__max4(plane.height, c.height);
         plane.orientation = pbw__dot4(a.x, a.y, a.z, x, y, z);
-        plane.x = pbw__dot4(a.lift, b.lift, c.lift, x, pbw__det2(a.y, a.z, c.y, c.z), pbw__det2(b.y, b.z, a.y, a.z));
-        plane.y = pbw__dot4(a.lift, b.lift, c.lift, y, pbw__det2(a.z, a.x, c.z, c.x), pbw__det2(b.z, b.x, a.z, a.x));
-        plane.z = pbw__dot4(a.lift, b.lift, c.lift, z, pbw__det2(a.x, a.y, c.x, c.y), pbw__det2(b.x, b.y, a.x, a.y));
+        plane.x = pbw__dot4(a.lift, b.lift, c.lift, x, pbw__det2(a.y, a.z, c.y, c.z),
+                            pbw__det2(b.y, b.z, a.y, a.z));
+        plane.y = pbw__dot4(a.lift, b.lift, c.lift, y, pbw__det2(a.z, a.x, c.z, c.x),
+                            pbw__det2(b.z, b.x, a.z, a.x));
+        plane.z = pbw__dot4(a.lift, b.lift, c.lift, z, pbw__det2(a.x, a.y, c.x, c.y),
+                            pbw__det2(b.x, b.y, a.x, a.y));
     }
     return plane;
 }
@@ -13980,19 +13988,101 @@ static void pbw__live_fit_grid(pbw_live *live, const pbw_index *list, size_t cou
     }
 }
 
-/* A simplex to walk to an arriving vertex from: of the last one, or if that is nearer, of a neighbour that the point
-   had before it moved, which was noted in `local`. */
-static pbw_index pbw__batch_hint(const pbw_live *live, size_t i)
+/* ---- where walks start: near a vertex in the same cell of a grid on the box of all
+   Half as many cells as vertices; what they say is a hint, and may be out of date. */
+PBW__INLINE size_t pbw__start_cell(const pbw__core *core, const double *x)
+{
+    const int dim = core->kernel.dim;
+    size_t cell = 0;
+    int k;
+    for (k = dim; k-- > 0; ) {
+        const double at = (x[k] - core->start_low[k]) * core->start_scale[k];
+        const double side = (double)(core->start_side - 1);
+        cell = cell * core->start_side + (size_t)(at > 0.0 ? at < side ? at : side : 0.0);
+    }
+    return cell;
+}
+
+/* Makes the table once there are walks enough to pay for it.  Returns whether there is one. */
+static int pbw__start_table(pbw__core *core, size_t walks)
+{
+    const size_t cells = core->vertex_count / 2 + 1;
+    size_t side = 1, all, r;
+    int k;
+    core->searched += walks;
+    if (core->start != NULL || core->searched < cells / 64) {
+        return core->start != NULL;
+    }
+    while ((side + 1) * (side + 1) * (core->kernel.dim == 3 ? side + 1 : 1) <= cells) {
+        side++;
+    }
+    all = side * side * (core->kernel.dim == 3 ? side : 1);
+    if (!PBW__CORE_GROW(core, start, all)) {
+        return 0;                                    /* without it then */
+    }
+    core->start_side = side;
+    for (k = 0; k < core->kernel.dim; k++) {
+        const double scale = (double)side / (core->high[k] - core->low[k]);
+        core->start_low[k] = core->low[k];
+        core->start_scale[k] = scale > 0.0 && scale <= DBL_MAX ? scale : 0.0;
+    }
+    memset(core->start, 0, core->start_capacity * sizeof(pbw_index));
+    for (r = 1; r <= core->vertex_count; r++) {
+        if (core->incident[r] < PBW__GONE) {
+            core->start[pbw__start_cell(core, pbw__core_record(core, (pbw_index)r))] = (pbw_index)r;
+        }
+    }
+    return 1;
+}
+
+/* Prefetches, in steps, for walks to come: to that to `list[i]` i steps from now. */
+PBW__INLINE void pbw__start_prefetch(const pbw__core *core, const pbw_index *list, size_t count)
+{
+    const size_t width = (size_t)core->kernel.dim + 1;
+    size_t k;
+    if (count > 12) {
+        PBW__PREFETCH(core->start + pbw__start_cell(core, pbw__core_record(core, list[12])));
+    }
+    if (count > 8) {
+        const size_t v = core->start[pbw__start_cell(core, pbw__core_record(core, list[8]))];
+        PBW__PREFETCH(core->incident + v);
+        PBW__PREFETCH(core->record + v * width);
+    }
+    if (count > 5) {
+        const pbw_index v = core->start[pbw__start_cell(core, pbw__core_record(core, list[5]))];
+        const size_t t = v != 0 && core->incident[v] < PBW__GONE ? core->incident[v] : 0;
+        PBW__PREFETCH(core->kernel.corner + 4 * t);
+        PBW__PREFETCH(core->kernel.link + 4 * t);
+    }
+    if (count > 3) {
+        const pbw_index v = core->start[pbw__start_cell(core, pbw__core_record(core, list[3]))];
+        const size_t t = v != 0 && core->incident[v] < PBW__GONE ? core->incident[v] : 0;
+        for (k = 0; k < width && core->kernel.corner[4 * t] != PBW_NONE; k++) {
+            PBW__PREFETCH(core->record + width * core->kernel.corner[4 * t + k]);
+            PBW__PREFETCH(core->kernel.corner + core->kernel.link[4 * t + k]);
+            PBW__PREFETCH(core->kernel.link + core->kernel.link[4 * t + k]);
+        }
+    }
+}
+
+/* A simplex to walk to an arriving vertex from: of the nearest of the last one, one in its cell, and a neighbour that
+   the point had before it moved, which was noted in `local`. */
+static pbw_index pbw__batch_hint(const pbw_live *live, size_t i, int table)
 {
     const pbw__core *core = &live->core;
     const double *p = pbw__core_record(core, live->arriving[i]);
-    const pbw_index near = core->local[live->arriving[i]];
-    if (near != 0 && core->incident[near] < PBW__GONE
-        && (i == 0 || pbw__squared(pbw__core_record(core, near), p, live->dim)
-                      < pbw__squared(pbw__core_record(core, live->arriving[i - 1]), p, live->dim))) {
-        return core->incident[near];
+    const pbw_index near[2] = { core->local[live->arriving[i]], table ? core->start[pbw__start_cell(core, p)] : 0 };
+    double least = i == 0 ? HUGE_VAL : pbw__squared(pbw__core_record(core, live->arriving[i - 1]), p, live->dim);
+    pbw_index from = core->kernel.last;
+    int k;
+    for (k = 0; k < 2; k++) {
+        if (near[k] != 0 && core->incident[near[k]] < PBW__GONE) {
+            const double squared = pbw__squared(pbw__core_record(core, near[k]), p, live->dim);
+            from = squared < least ? core->incident[near[k]] : from;
+            least = squared < least ? squared : least;
+        }
     }
-    return pbw__start_near(core, core->kernel.last);
+    return pbw__start_near(core, from);
 }
 
 /* Carries out a batch; on any status but PBW_OK it is to be undone.  PBW__ANEW: by a rebuild. */
@@ -14003,6 +14093,7 @@ static pbw_status pbw__batch_run(pbw_live *live, size_t most_effort)
     const size_t all = live->leaving_count + live->arriving_count;
     pbw_status status = pbw__live_sort(live, core, live->leaving, live->leaving_count);
     size_t i;
+    const int table = pbw__start_table(core, live->arriving_count);
     status = status == PBW_OK ? pbw__live_sort(live, core, live->arriving, live->arriving_count) : status;
     pbw__live_fit_grid(live, live->arriving, live->arriving_count);
     core->effort = 0;
@@ -14029,7 +14120,13 @@ static pbw_status pbw__batch_run(pbw_live *live, size_t most_effort)
         }
     }
     for (i = 0; i < live->arriving_count && status == PBW_OK; i++) {
-        status = pbw__insert_vertex(core, live->arriving[i], pbw__batch_hint(live, i));
+        if (table) {
+            pbw__start_prefetch(core, live->arriving + i, live->arriving_count - i);
+        }
+        status = pbw__insert_vertex(core, live->arriving[i], pbw__batch_hint(live, i, table));
+        if (table) {
+            core->start[pbw__start_cell(core, pbw__core_record(core, live->arriving[i]))] = live->arriving[i];
+        }
         if (status == PBW_OK && (i & 63) == 0
             && pbw__report(context, (double)(live->leaving_count + i) / (double)all)) {
             status = PBW_CANCELLED;
@@ -14516,8 +14613,8 @@ PBW__INLINE unsigned pbw__corner_at(const pbw_index *corner, pbw_index v)
     return k;
 }
 
-/* Links between ghosts: around each ridge, through the finite simplices that have it, from one facet of the hull to the
-   other.  It ends there: the way back is as unique. */
+/* Links between ghosts: around each ridge, through the finite simplices that have it, from one facet of the hull to
+   the other.  It ends there: the way back is as unique. */
 static pbw_status pbw__import_ridges(void *arg, size_t from, size_t to)
 {
     pbw__import *import = (pbw__import *)arg;
