@@ -1183,6 +1183,11 @@ PBW__SIMD_INLINE pbw__d4 pbw__reorder(pbw__d4 x, pbw__order4 order)
 #endif
 }
 
+PBW__SIMD_INLINE pbw__d4 pbw__load4d(const double *from)
+{
+    return PBW__BY_ISA(_mm256_loadu_pd(from), pbw__join(vld1q_f64(from), vld1q_f64(from + 2)));
+}
+
 PBW__SIMD_INLINE pbw__d4 pbw__drop_last(pbw__d4 x)   /* zero in lane 3 */
 {
     return PBW__BY_ISA(_mm256_blend_pd(x, _mm256_setzero_pd(), 8),
@@ -1216,6 +1221,13 @@ PBW__SIMD_INLINE pbw__d4 pbw__mask(const int64_t *from)
 {
     return PBW__BY_ISA(_mm256_castsi256_pd(_mm256_loadu_si256((const __m256i *)(const void *)from)),
                        pbw__join((pbw__d2)vld1q_s64(from), (pbw__d2)vld1q_s64(from + 2)));
+}
+
+PBW__SIMD_INLINE pbw__d4 pbw__lanes_mask(unsigned set)        /* of a set of lanes */
+{
+    const int64_t mask[4] = { -(int64_t)(set & 1), -(int64_t)(set >> 1 & 1), -(int64_t)(set >> 2 & 1),
+                              -(int64_t)(set >> 3 & 1) };
+    return pbw__mask(mask);
 }
 
 PBW__SIMD_INLINE pbw__d4 pbw__blend(pbw__d4 x, pbw__d4 y, pbw__d4 mask)   /* y in the lanes of the mask */
@@ -11920,6 +11932,8 @@ typedef struct pbw__core {
     pbw__filling *filling;
     size_t rim_vertex_capacity, table_capacity, rim_capacity, filling_capacity;
     size_t rim_vertices, rims, fillings, effort;
+    double rim_at[4][PBW__FEW];                      /* the records of rim_vertex, by columns; the ghost's is 0 */
+    int rim_fits;                                    /* they are there, for vectors */
     /* the journal */
     pbw__past *past;
     pbw_index *taken;                                /* slots that were free */
@@ -12172,6 +12186,22 @@ static size_t pbw__rim_find(const pbw__core *core, const pbw_index *v, size_t ro
     return at;
 }
 
+/* Copies the records of the link to columns, for the vectors of >>lanes, if there are few. */
+static void pbw__rim_columns(pbw__core *core)
+{
+    const size_t width = (size_t)core->kernel.dim + 1;
+    size_t i, k;
+#ifdef PBW__SIMD
+    core->rim_fits = core->rim_vertices <= PBW__FEW && pbw__simd_works();
+#endif
+    for (i = 0; i < PBW__FEW && core->rim_fits && i < (core->rim_vertices + 3) / 4 * 4; i++) {
+        const double *x = pbw__core_record(core, i < core->rim_vertices ? core->rim_vertex[i] : PBW__GHOST);
+        for (k = 0; k < width; k++) {
+            core->rim_at[k][i] = i > 0 && i < core->rim_vertices ? x[k] : 0.0;
+        }
+    }
+}
+
 /* Collects the star of v in scratch.cavity, its link in rim_vertex and rim. */
 static pbw_status pbw__open_hole(pbw__core *core, pbw_index v)
 {
@@ -12214,6 +12244,7 @@ static pbw_status pbw__open_hole(pbw__core *core, pbw_index v)
             }
         }
     }
+    pbw__rim_columns(core);
     return PBW_OK;
 }
 
@@ -12303,7 +12334,7 @@ PBW__INLINE int pbw__plane_conflict(const pbw__core *core, const pbw__plane *pla
     return pbw__conflict(dim, x, p, &core->grid);
 }
 
-/* The apex behind a rim; 0, the ghost's place, if there is none. */
+/* The apex behind a rim, by a tournament; 0, the ghost's place, if there is none. */
 PBW__INLINE pbw_index pbw__rim_apex(const pbw__core *core, const pbw_index *rim, int dim)
 {
     const pbw_index *u = core->rim_vertex;
@@ -12339,6 +12370,165 @@ PBW__INLINE pbw_index pbw__rim_apex(const pbw__core *core, const pbw_index *rim,
         }
     }
     return apex;
+}
+
+#ifdef PBW__SIMD
+/* What pbw__rim_apex knows of four link vertices: rows, and which are certainly on the open side. */
+typedef struct pbw__candidates4 { pbw__d4 x, y, z, lift, height; unsigned open; } pbw__candidates4;
+
+/* A rim with its last vertex as the origin: the normal to the open side, its height, and `centre`, twice the centre
+   of the sphere through its vertices with the centre in its plane (with weights, the sphere that is orthogonal to
+   them).  Of the spheres through its vertices the one through e has its centre further along the normal the larger
+   (lift - centre . e) / (normal . e) is. */
+typedef struct pbw__pencil { double normal[3], centre[3], height; } pbw__pencil;
+
+PBW__INLINE void pbw__pencil_of(const double *a, const double *b, int dim, pbw__pencil *pencil)
+{
+    double *normal = pencil->normal, square;
+    int k;
+    if (dim == 2) {
+        square = a[0] * a[0] + a[1] * a[1];
+        normal[0] = a[1];
+        normal[1] = -a[0];
+        normal[2] = pencil->centre[2] = 0.0;
+        pencil->centre[0] = a[0] * (a[2] / square);
+        pencil->centre[1] = a[1] * (a[2] / square);
+        return;
+    }
+    for (k = 0; k < 3; k++) {
+        normal[k] = b[(k + 1) % 3] * a[(k + 2) % 3] - b[(k + 2) % 3] * a[(k + 1) % 3];
+    }
+    square = normal[0] * normal[0] + normal[1] * normal[1] + normal[2] * normal[2];
+    for (k = 0; k < 3; k++) {
+        const int m = (k + 1) % 3, n = (k + 2) % 3;
+        pencil->centre[k] = (a[3] * (normal[m] * b[n] - normal[n] * b[m])
+                             + b[3] * (a[m] * normal[n] - a[n] * normal[m])) / square;
+    }
+}
+
+/* The rows of four link vertices, and how far along the pencil each is; infinitely far on the closed side.  Returns 0
+   if a side is uncertain of one that is not in `skip`. */
+PBW__SIMD_INLINE int pbw__candidates4_of(const pbw__core *core, size_t i, const double *origin,
+                                         const pbw__pencil *pencil, unsigned skip, pbw__candidates4 *c, pbw__d4 *far,
+                                         int dim)
+{
+    const pbw__d4 weight = pbw__load4d(core->rim_at[dim] + i) - pbw__splat(origin[dim]);
+    pbw__d4 side, limit, certain, open, h;
+    c->x = pbw__load4d(core->rim_at[0] + i) - pbw__splat(origin[0]);
+    c->y = pbw__load4d(core->rim_at[1] + i) - pbw__splat(origin[1]);
+    c->z = pbw__splat(0.0);
+    c->height = pbw__fma(c->y, c->y, c->x * c->x);
+    side = pbw__fma(c->y, pbw__splat(pencil->normal[1]), c->x * pbw__splat(pencil->normal[0]));
+    *far = pbw__fma(c->y, pbw__splat(pencil->centre[1]), c->x * pbw__splat(pencil->centre[0]));
+    if (dim == 3) {
+        c->z = pbw__load4d(core->rim_at[2] + i) - pbw__splat(origin[2]);
+        c->height = pbw__fma(c->z, c->z, c->height);
+        side = pbw__fma(c->z, pbw__splat(pencil->normal[2]), side);
+        *far = pbw__fma(c->z, pbw__splat(pencil->centre[2]), *far);
+    }
+    c->lift = c->height - weight;
+    c->height = c->height + pbw__abs4(weight);
+    h = pbw__max4(c->height, pbw__splat(pencil->height));
+    limit = dim == 2 ? h * h * pbw__splat(PBW__ORIENT2_ERROR * PBW__ORIENT2_ERROR)
+                     : h * h * h * pbw__splat(PBW__ORIENT3_ERROR * PBW__ORIENT3_ERROR);
+    certain = pbw__greater(side * side, limit);
+    open = pbw__and4(certain, pbw__greater(side, pbw__splat(0.0)));
+    c->open = pbw__signs(open) & ~skip;
+    *far = pbw__blend(pbw__splat(HUGE_VAL), (c->lift - *far) / side, open);
+    return (pbw__signs(certain) | skip) == 15;
+}
+
+/* Whether one of these on the open side, but for those in `skip`, may be in conflict with the simplex of the plane. */
+PBW__SIMD_INLINE int pbw__candidates4_conflict(const pbw__candidates4 *c, const pbw__plane *plane, unsigned skip,
+                                               int dim)
+{
+    const pbw__d4 h = pbw__max4(c->height, pbw__splat(plane->height));
+    pbw__d4 det = pbw__fma(c->y, pbw__splat(plane->normal[1]), c->x * pbw__splat(plane->normal[0])), limit;
+    det = dim == 2 ? det : pbw__fma(c->z, pbw__splat(plane->normal[2]), det);
+    det = pbw__fnma(c->lift, pbw__splat(plane->orientation), det);
+    limit = h * h * (h * h);
+    limit = dim == 2 ? limit * pbw__splat(PBW__CIRCLE_ERROR * PBW__CIRCLE_ERROR)
+                     : limit * h * pbw__splat(PBW__SPHERE_ERROR * PBW__SPHERE_ERROR);
+    limit = pbw__and4(pbw__greater(det * det, limit), pbw__greater(pbw__splat(0.0), det));
+    return (c->open & ~skip & ~pbw__signs(limit)) != 0;
+}
+
+/* pbw__rim_apex by vectors: the first vertex that the sphere meets as it grows out of the open side, if it is certain
+   that no other one is in conflict with it.  PBW_NONE: it is not. */
+PBW__SIMD_INLINE pbw_index pbw__rim_apex4(const pbw__core *core, const pbw_index *rim, int dim)
+{
+    const pbw_index *u = core->rim_vertex;
+    pbw_index corner[4] = { 0, u[rim[0]], u[rim[1]], dim == 3 ? u[rim[2]] : 0 };
+    const size_t count = core->rim_vertices;
+    const double *origin = pbw__core_record(core, corner[dim]);
+    uint64_t skip = (uint64_t)1 << rim[0] | (uint64_t)1 << rim[1] | 1;
+    pbw__candidates4 candidate[PBW__FEW / 4];
+    pbw__d4 least = pbw__splat(HUGE_VAL), number = pbw__splat(0.0);
+    double a[4], b[4], far[4], place[4];
+    pbw__pencil pencil;
+    pbw__plane plane;
+    size_t i;
+    unsigned apex = 0;
+    skip |= dim == 3 ? (uint64_t)1 << rim[2] : 0;
+    skip |= count < 64 ? ~(uint64_t)0 << count : 0;
+    memset(&plane, 0, sizeof(plane));
+    memcpy(plane.origin, origin, ((size_t)dim + 1) * sizeof(double));
+    pencil.height = pbw__max(1e-55, pbw__plane_row(&plane, pbw__core_record(core, corner[1]), dim, a));
+    if (dim == 3) {
+        pencil.height = pbw__max(pencil.height, pbw__plane_row(&plane, pbw__core_record(core, corner[2]), dim, b));
+    }
+    pbw__pencil_of(a, b, dim, &pencil);
+    for (i = 0; i < count; i += 4) {
+        pbw__d4 distance, nearer;
+        if (!pbw__candidates4_of(core, i, origin, &pencil, (unsigned)(skip >> i) & 15, candidate + i / 4, &distance,
+                                 dim)) {
+            return PBW_NONE;
+        }
+        distance = (skip >> i & 15) == 0 ? distance
+                 : pbw__blend(pbw__splat(HUGE_VAL), distance, pbw__lanes_mask(candidate[i / 4].open));
+        nearer = pbw__greater(least, distance);
+        least = pbw__blend(least, distance, nearer);
+        number = pbw__blend(number, pbw__splat((double)i), nearer);
+    }
+    memcpy(far, &least, sizeof(far));
+    memcpy(place, &number, sizeof(place));
+    for (i = 1; i < 4; i++) {
+        apex = far[i] < far[apex] ? (unsigned)i : apex;
+    }
+    if (!(far[apex] < HUGE_VAL)) {
+        unsigned open = 0;
+        for (i = 0; i < count; i += 4) {
+            open |= candidate[i / 4].open;
+        }
+        return open == 0 ? 0 : PBW_NONE;
+    }
+    apex += (unsigned)place[apex];
+    corner[0] = u[apex];
+    pbw__plane_of(core, corner, dim, &plane);
+    for (i = 0; i < count; i += 4) {
+        if (pbw__candidates4_conflict(candidate + i / 4, &plane, (unsigned)((uint64_t)1 << apex >> i) & 15, dim)) {
+            return PBW_NONE;
+        }
+    }
+    return apex;
+}
+
+PBW__SIMD static PBW__NOINLINE pbw_index pbw__rim_apex_simd(const pbw__core *core, const pbw_index *rim)
+{
+    return core->kernel.dim == 3 ? pbw__rim_apex4(core, rim, 3) : pbw__rim_apex4(core, rim, 2);
+}
+#endif
+
+/* The apex behind a rim; 0, the ghost's place, if there is none. */
+static pbw_index pbw__rim_behind(const pbw__core *core, const pbw_index *rim)
+{
+#ifdef PBW__SIMD
+    const pbw_index apex = core->rim_fits ? pbw__rim_apex_simd(core, rim) : PBW_NONE;
+    if (apex != PBW_NONE) {
+        return apex;
+    }
+#endif
+    return core->kernel.dim == 3 ? pbw__rim_apex(core, rim, 3) : pbw__rim_apex(core, rim, 2);
 }
 
 /* Joins facet k of filling f to the rim that has its vertices, or opens a new one. */
@@ -12418,7 +12608,7 @@ static pbw_status pbw__wrap(pbw__core *core)
         }
         v = core->rim[i].v;
         core->effort += core->rim_vertices;
-        apex = dim == 3 ? pbw__rim_apex(core, v, 3) : pbw__rim_apex(core, v, 2);
+        apex = pbw__rim_behind(core, v);
         f = core->fillings++;
         filling = core->filling + f;
         if (apex != 0) {
@@ -14035,32 +14225,83 @@ static int pbw__start_table(pbw__core *core, size_t walks)
     return 1;
 }
 
-/* Prefetches, in steps, for walks to come: to that to `list[i]` i steps from now. */
-PBW__INLINE void pbw__start_prefetch(const pbw__core *core, const pbw_index *list, size_t count)
+/* Prefetches a simplex (0), then its vertices and neighbours (1), then theirs (2); the earlier ones are there by now. */
+PBW__INLINE void pbw__prefetch_around(const pbw__core *core, size_t t, int level)
+{
+    const size_t dim = (size_t)core->kernel.dim, width = dim + 1;
+    const pbw_index *corner = core->kernel.corner;
+    const pbw__link *link = core->kernel.link;
+    size_t k, m;
+    if (level == 0) {
+        PBW__PREFETCH(corner + 4 * t);
+        PBW__PREFETCH(link + 4 * t);
+        return;
+    }
+    for (k = 0; k <= dim && corner[4 * t] != PBW_NONE; k++) {
+        const size_t u = link[4 * t + k] >> 2;
+        if (level == 1) {
+            PBW__PREFETCH(core->record + width * corner[4 * t + k]);
+            PBW__PREFETCH(corner + 4 * u);
+            PBW__PREFETCH(link + 4 * u);
+            continue;
+        }
+        PBW__PREFETCH(core->record + width * corner[link[4 * t + k]]);
+        for (m = 0; m <= dim; m++) {
+            PBW__PREFETCH(corner + link[4 * u + m]);
+            PBW__PREFETCH(link + link[4 * u + m]);
+        }
+    }
+}
+
+/* A simplex of a vertex; any other if it has none. */
+PBW__INLINE size_t pbw__prefetch_at(const pbw__core *core, pbw_index v)
+{
+    return v != 0 && core->incident[v] < PBW__GONE ? core->incident[v] : 0;
+}
+
+/* Prefetches, in steps, for insertions to come: for that of list[i] i steps from now. */
+PBW__INLINE void pbw__prefetch_walks(const pbw__core *core, const pbw_index *list, size_t count)
 {
     const size_t width = (size_t)core->kernel.dim + 1;
-    size_t k;
-    if (count > 12) {
-        PBW__PREFETCH(core->start + pbw__start_cell(core, pbw__core_record(core, list[12])));
+    int level;
+    if (count > 16) {
+        PBW__PREFETCH(core->start + pbw__start_cell(core, pbw__core_record(core, list[16])));
     }
-    if (count > 8) {
-        const size_t v = core->start[pbw__start_cell(core, pbw__core_record(core, list[8]))];
+    if (count > 12) {
+        const size_t v = core->start[pbw__start_cell(core, pbw__core_record(core, list[12]))];
         PBW__PREFETCH(core->incident + v);
         PBW__PREFETCH(core->record + v * width);
     }
-    if (count > 5) {
-        const pbw_index v = core->start[pbw__start_cell(core, pbw__core_record(core, list[5]))];
-        const size_t t = v != 0 && core->incident[v] < PBW__GONE ? core->incident[v] : 0;
-        PBW__PREFETCH(core->kernel.corner + 4 * t);
-        PBW__PREFETCH(core->kernel.link + 4 * t);
+    for (level = 0; level < 3; level++) {
+        const size_t ahead = (size_t)(9 - 3 * level);
+        if (count > ahead) {
+            const pbw_index v = core->start[pbw__start_cell(core, pbw__core_record(core, list[ahead]))];
+            pbw__prefetch_around(core, pbw__prefetch_at(core, v), level);
+        }
     }
-    if (count > 3) {
-        const pbw_index v = core->start[pbw__start_cell(core, pbw__core_record(core, list[3]))];
-        const size_t t = v != 0 && core->incident[v] < PBW__GONE ? core->incident[v] : 0;
-        for (k = 0; k < width && core->kernel.corner[4 * t] != PBW_NONE; k++) {
-            PBW__PREFETCH(core->record + width * core->kernel.corner[4 * t + k]);
-            PBW__PREFETCH(core->kernel.corner + core->kernel.link[4 * t + k]);
-            PBW__PREFETCH(core->kernel.link + core->kernel.link[4 * t + k]);
+}
+
+/* The same for removals. */
+PBW__INLINE void pbw__prefetch_stars(const pbw__core *core, const pbw_index *list, size_t count)
+{
+    const size_t dim = (size_t)core->kernel.dim;
+    int level;
+    size_t t, k, m;
+    if (count > 15) {
+        PBW__PREFETCH(core->incident + list[15]);
+    }
+    for (level = 0; level < 3; level++) {
+        if (count > (size_t)(12 - 3 * level)) {
+            pbw__prefetch_around(core, pbw__prefetch_at(core, list[12 - 3 * level]), level);
+        }
+    }
+    t = count > 3 ? pbw__prefetch_at(core, list[3]) : 0;
+    for (k = 0; k <= dim && count > 3 && core->kernel.corner[4 * t] != PBW_NONE; k++) {
+        const size_t u = core->kernel.link[4 * t + k] >> 2;
+        for (m = 0; m <= dim; m++) {
+            const size_t far = core->kernel.corner[core->kernel.link[4 * u + m]];
+            PBW__PREFETCH(core->record + (dim + 1) * far);
+            PBW__PREFETCH(core->local + far);
         }
     }
 }
@@ -14099,6 +14340,7 @@ static pbw_status pbw__batch_run(pbw_live *live, size_t most_effort)
     core->effort = 0;
     for (i = 0; i < live->leaving_count && status == PBW_OK; i++) {
         const pbw_index v = live->leaving[i];
+        pbw__prefetch_stars(core, live->leaving + i, live->leaving_count - i);
         if (core->incident[v] == PBW_NONE) {
             core->incident[v] = PBW__GONE;           /* it was hidden */
         } else {
@@ -14121,7 +14363,7 @@ static pbw_status pbw__batch_run(pbw_live *live, size_t most_effort)
     }
     for (i = 0; i < live->arriving_count && status == PBW_OK; i++) {
         if (table) {
-            pbw__start_prefetch(core, live->arriving + i, live->arriving_count - i);
+            pbw__prefetch_walks(core, live->arriving + i, live->arriving_count - i);
         }
         status = pbw__insert_vertex(core, live->arriving[i], pbw__batch_hint(live, i, table));
         if (table) {
