@@ -4534,6 +4534,7 @@ static PBW__NOINLINE pbw_index pbw__take_slot(pbw__kernel *kernel)
     } else if (slots->free_count > 0) {
         t = slots->free_list;
         slots->free_list = kernel->corner[4 * (size_t)t + 1];
+        PBW__PREFETCH_TO_WRITE(kernel->corner + 4 * (size_t)(slots->free_count > 1 ? slots->free_list : t));
         slots->free_count--;
     } else {
         t = (pbw_index)slots->tail++;
@@ -12241,6 +12242,8 @@ static pbw_status pbw__open_hole(pbw__core *core, pbw_index v)
             if (k != at && !kernel->mark[next]) {
                 kernel->mark[next] = 1;
                 kernel->scratch.cavity[kernel->scratch.cavity_count++] = next;
+                PBW__PREFETCH(kernel->corner + 4 * (size_t)next);
+                PBW__PREFETCH(kernel->link + 4 * (size_t)next);
             }
         }
     }
@@ -14235,6 +14238,7 @@ PBW__INLINE void pbw__prefetch_around(const pbw__core *core, size_t t, int level
     if (level == 0) {
         PBW__PREFETCH(corner + 4 * t);
         PBW__PREFETCH(link + 4 * t);
+        PBW__PREFETCH(core->kernel.mark + t);
         return;
     }
     for (k = 0; k <= dim && corner[4 * t] != PBW_NONE; k++) {
@@ -14243,12 +14247,14 @@ PBW__INLINE void pbw__prefetch_around(const pbw__core *core, size_t t, int level
             PBW__PREFETCH(core->record + width * corner[4 * t + k]);
             PBW__PREFETCH(corner + 4 * u);
             PBW__PREFETCH(link + 4 * u);
+            PBW__PREFETCH(core->kernel.mark + u);
             continue;
         }
         PBW__PREFETCH(core->record + width * corner[link[4 * t + k]]);
         for (m = 0; m <= dim; m++) {
             PBW__PREFETCH(corner + link[4 * u + m]);
             PBW__PREFETCH(link + link[4 * u + m]);
+            PBW__PREFETCH(core->kernel.mark + (link[4 * u + m] >> 2));
         }
     }
 }
