@@ -11905,7 +11905,7 @@ typedef struct pbw__past { pbw_index slot, corner[4]; pbw__link link[4]; } pbw__
 /* A facet of the hole, open or matched: its vertices, so that an apex inside makes (apex, a, b, c) positive, by their
    places in the list of link vertices; the facet across, of a simplex that stays, or 4 * (one of those made) + corner
    where `made`. */
-typedef struct pbw__rim { pbw_index v[3]; unsigned char made, closed; pbw__link across; } pbw__rim;
+typedef struct pbw__rim { uint64_t key; pbw_index v[3]; unsigned char made, closed; pbw__link across; } pbw__rim;
 
 typedef struct pbw__filling { pbw_index v[4]; pbw__link link[4]; unsigned char made[4]; } pbw__filling;
 
@@ -12170,18 +12170,21 @@ PBW__INLINE void pbw__facet_of(const pbw_index *v, unsigned i, int dim, pbw_inde
     }
 }
 
-/* Where the table has, or would have, a rim of these vertices. */
-static size_t pbw__rim_find(const pbw__core *core, const pbw_index *v, size_t room)
+#define PBW__MOST_RIM ((size_t)1 << 21)              /* vertices of a link: three places in a key */
+
+/* The places of a rim in ascending order; in the plane the third is beyond all. */
+PBW__INLINE uint64_t pbw__rim_key(const pbw_index *v, unsigned dim)
 {
-    const uint64_t sum = (uint64_t)v[0] + v[1] + v[2], mix = (uint64_t)v[0] * v[1] + (uint64_t)v[0] * v[2]
-                       + (uint64_t)v[1] * v[2];
-    size_t at = (size_t)((sum * 0x9e3779b97f4a7c15u ^ mix * 0xff51afd7ed558ccdu) >> 32) & (room - 1);
-    while (core->table[at] != 0) {
-        const pbw_index *u = core->rim[core->table[at] - 1].v;
-        if (((v[0] == u[0]) | (v[0] == u[1]) | (v[0] == u[2])) & ((v[1] == u[0]) | (v[1] == u[1]) | (v[1] == u[2]))
-            & ((v[2] == u[0]) | (v[2] == u[1]) | (v[2] == u[2]))) {
-            return at;
-        }
+    const uint64_t a = v[0], b = v[1], c = dim == 3 ? v[2] : PBW__MOST_RIM;
+    const uint64_t least = a < b ? a : b, most = a < b ? b : a, low = c < least ? c : least, high = c > most ? c : most;
+    return low | (a + b + c - low - high) << 21 | high << 42;
+}
+
+/* Where the table has, or would have, a rim of this key. */
+PBW__INLINE size_t pbw__rim_find(const pbw__core *core, uint64_t key, size_t room)
+{
+    size_t at = (size_t)(key * 0x9e3779b97f4a7c15u >> 32) & (room - 1);
+    while (core->table[at] != 0 && core->rim[core->table[at] - 1].key != key) {
         at = (at + 1) & (room - 1);
     }
     return at;
@@ -12235,6 +12238,7 @@ static pbw_status pbw__open_hole(pbw__core *core, pbw_index v)
         for (k = 0; k < dim; k++) {
             rim->v[k] = pbw__rim_place(core, rim->v[k]);
         }
+        rim->key = pbw__rim_key(rim->v, dim);
         rim->across = link[at];
         rim->made = rim->closed = 0;
         for (k = 0; k <= dim; k++) {
@@ -12438,6 +12442,9 @@ PBW__SIMD_INLINE int pbw__candidates4_of(const pbw__core *core, size_t i, const 
     open = pbw__and4(certain, pbw__greater(side, pbw__splat(0.0)));
     c->open = pbw__signs(open) & ~skip;
     *far = pbw__blend(pbw__splat(HUGE_VAL), (c->lift - *far) / side, open);
+    if (skip != 0) {
+        *far = pbw__blend(*far, pbw__splat(HUGE_VAL), pbw__lanes_mask(skip));
+    }
     return (pbw__signs(certain) | skip) == 15;
 }
 
@@ -12456,58 +12463,77 @@ PBW__SIMD_INLINE int pbw__candidates4_conflict(const pbw__candidates4 *c, const 
     return (c->open & ~skip & ~pbw__signs(limit)) != 0;
 }
 
+/* The plane of apex, a, b and the origin, in rows; see pbw__plane_of. */
+PBW__INLINE void pbw__pencil_plane(const pbw__pencil *pencil, const double *apex, const double *a, const double *b,
+                                   int dim, pbw__plane *plane)
+{
+    const double *normal = pencil->normal;
+    int k;
+    if (dim == 2) {
+        plane->orientation = apex[0] * normal[0] + apex[1] * normal[1];
+        plane->normal[0] = apex[2] * a[1] - a[2] * apex[1];
+        plane->normal[1] = a[2] * apex[0] - apex[2] * a[0];
+        plane->normal[2] = 0.0;
+        return;
+    }
+    plane->orientation = apex[0] * normal[0] + apex[1] * normal[1] + apex[2] * normal[2];
+    for (k = 0; k < 3; k++) {
+        const int m = (k + 1) % 3, n = (k + 2) % 3;
+        plane->normal[k] = apex[3] * normal[k] + a[3] * (apex[m] * b[n] - apex[n] * b[m])
+                         + b[3] * (a[m] * apex[n] - a[n] * apex[m]);
+    }
+}
+
 /* pbw__rim_apex by vectors: the first vertex that the sphere meets as it grows out of the open side, if it is certain
    that no other one is in conflict with it.  PBW_NONE: it is not. */
 PBW__SIMD_INLINE pbw_index pbw__rim_apex4(const pbw__core *core, const pbw_index *rim, int dim)
 {
-    const pbw_index *u = core->rim_vertex;
-    pbw_index corner[4] = { 0, u[rim[0]], u[rim[1]], dim == 3 ? u[rim[2]] : 0 };
-    const size_t count = core->rim_vertices;
-    const double *origin = pbw__core_record(core, corner[dim]);
-    uint64_t skip = (uint64_t)1 << rim[0] | (uint64_t)1 << rim[1] | 1;
+    const size_t count = core->rim_vertices, last = rim[dim - 1];
+    uint64_t skip = (uint64_t)1 << rim[0] | (uint64_t)1 << rim[1] | (uint64_t)1 << last | 1;
     pbw__candidates4 candidate[PBW__FEW / 4];
     pbw__d4 least = pbw__splat(HUGE_VAL), number = pbw__splat(0.0);
-    double a[4], b[4], far[4], place[4];
+    double row[3][4], far[4], place[4];
     pbw__pencil pencil;
     pbw__plane plane;
     size_t i;
-    unsigned apex = 0;
-    skip |= dim == 3 ? (uint64_t)1 << rim[2] : 0;
+    unsigned apex = 0, open = 0;
+    int k;
     skip |= count < 64 ? ~(uint64_t)0 << count : 0;
-    memset(&plane, 0, sizeof(plane));
-    memcpy(plane.origin, origin, ((size_t)dim + 1) * sizeof(double));
-    pencil.height = pbw__max(1e-55, pbw__plane_row(&plane, pbw__core_record(core, corner[1]), dim, a));
-    if (dim == 3) {
-        pencil.height = pbw__max(pencil.height, pbw__plane_row(&plane, pbw__core_record(core, corner[2]), dim, b));
+    for (k = 0; k <= dim; k++) {
+        plane.origin[k] = core->rim_at[k][last];
     }
-    pbw__pencil_of(a, b, dim, &pencil);
+    pencil.height = 1e-55;
+    for (k = 1; k < dim; k++) {
+        const double *x = pbw__core_record(core, core->rim_vertex[rim[k - 1]]);
+        pencil.height = pbw__max(pencil.height, pbw__plane_row(&plane, x, dim, row[k]));
+    }
+    pbw__pencil_of(row[1], row[2], dim, &pencil);
     for (i = 0; i < count; i += 4) {
         pbw__d4 distance, nearer;
-        if (!pbw__candidates4_of(core, i, origin, &pencil, (unsigned)(skip >> i) & 15, candidate + i / 4, &distance,
-                                 dim)) {
+        if (!pbw__candidates4_of(core, i, plane.origin, &pencil, (unsigned)(skip >> i) & 15, candidate + i / 4,
+                                 &distance, dim)) {
             return PBW_NONE;
         }
-        distance = (skip >> i & 15) == 0 ? distance
-                 : pbw__blend(pbw__splat(HUGE_VAL), distance, pbw__lanes_mask(candidate[i / 4].open));
+        open |= candidate[i / 4].open;
         nearer = pbw__greater(least, distance);
         least = pbw__blend(least, distance, nearer);
         number = pbw__blend(number, pbw__splat((double)i), nearer);
     }
+    if (open == 0) {
+        return 0;
+    }
     memcpy(far, &least, sizeof(far));
     memcpy(place, &number, sizeof(place));
-    for (i = 1; i < 4; i++) {
-        apex = far[i] < far[apex] ? (unsigned)i : apex;
-    }
+    apex = far[1] < far[0];
+    open = 2 + (unsigned)(far[3] < far[2]);
+    apex = far[open] < far[apex] ? open : apex;
     if (!(far[apex] < HUGE_VAL)) {
-        unsigned open = 0;
-        for (i = 0; i < count; i += 4) {
-            open |= candidate[i / 4].open;
-        }
-        return open == 0 ? 0 : PBW_NONE;
+        return PBW_NONE;
     }
     apex += (unsigned)place[apex];
-    corner[0] = u[apex];
-    pbw__plane_of(core, corner, dim, &plane);
+    plane.height = pbw__max(pencil.height, pbw__plane_row(&plane, pbw__core_record(core, core->rim_vertex[apex]), dim,
+                                                          row[0]));
+    pbw__pencil_plane(&pencil, row[0], row[1], row[2], dim, &plane);
     for (i = 0; i < count; i += 4) {
         if (pbw__candidates4_conflict(candidate + i / 4, &plane, (unsigned)((uint64_t)1 << apex >> i) & 15, dim)) {
             return PBW_NONE;
@@ -12539,16 +12565,20 @@ static pbw_status pbw__sew(pbw__core *core, size_t f, unsigned k, size_t room)
 {
     pbw__filling *filling = core->filling + f;
     const pbw__link here = (pbw__link)(4 * f + k);
+    const unsigned dim = (unsigned)core->kernel.dim;
     pbw_index facet[3];
     pbw__rim *rim;
+    uint64_t key;
     size_t at;
-    pbw__facet_of(filling->v, k, core->kernel.dim, facet);
-    at = pbw__rim_find(core, facet, room);
+    pbw__facet_of(filling->v, k, (int)dim, facet);
+    key = pbw__rim_key(facet, dim);
+    at = pbw__rim_find(core, key, room);
     if (core->table[at] == 0) {
         rim = core->rim + core->rims++;
-        rim->v[0] = facet[core->kernel.dim == 2];    /* seen from the other side */
-        rim->v[1] = facet[core->kernel.dim == 3 ? 2 : 0];
-        rim->v[2] = facet[core->kernel.dim == 3 ? 1 : 2];
+        rim->key = key;
+        rim->v[0] = facet[dim == 2];                 /* seen from the other side */
+        rim->v[1] = facet[dim == 3 ? 2 : 0];
+        rim->v[2] = facet[dim == 3 ? 1 : 2];
         rim->made = 1;
         rim->closed = 0;
         rim->across = here;
@@ -12586,7 +12616,7 @@ static size_t pbw__wrap_room(pbw__core *core, size_t room)
     }
     memset(core->table, 0, room * sizeof(pbw_index));
     for (i = 0; i < core->rims; i++) {
-        core->table[pbw__rim_find(core, core->rim[i].v, room)] = (pbw_index)i + 1;
+        core->table[pbw__rim_find(core, core->rim[i].key, room)] = (pbw_index)i + 1;
     }
     return room;
 }
@@ -12598,6 +12628,9 @@ static pbw_status pbw__wrap(pbw__core *core)
     size_t room = pbw__wrap_room(core, 0), i, f;
     pbw_status status = PBW_OK;
     unsigned k;
+    if (core->rim_vertices >= PBW__MOST_RIM) {
+        return PBW__ANEW;
+    }
     for (i = 0; i < core->rims && status == PBW_OK; i++) {
         const pbw_index *v = core->rim[i].v;
         pbw_index apex;
@@ -13876,6 +13909,22 @@ PBW__INLINE const double *pbw__live_point(const pbw_live *live, size_t id)
     return live->point + id * (size_t)live->dim;
 }
 
+/* Prefetches for entries of the queue to come, which are in any order. */
+PBW__INLINE void pbw__live_prefetch(const pbw_live *live, size_t i)
+{
+    if (i + 16 < live->queue_count) {
+        const pbw_index far = live->queue[i + 16], near = live->queue[i + 8];
+        PBW__PREFETCH(live->state + far);
+        PBW__PREFETCH(live->point + (size_t)live->dim * far);
+        if (far < live->numbers) {
+            PBW__PREFETCH(live->core.vertex + far);
+        }
+        if (near < live->numbers && (live->state[near] & PBW__LIVES) != 0) {
+            PBW__PREFETCH(pbw__core_record(&live->core, live->core.vertex[near]));
+        }
+    }
+}
+
 /* Marks which of the queue leave a place, and arrive at one; counts them. */
 static void pbw__live_classify(pbw_live *live, size_t *leave, size_t *arrive)
 {
@@ -13892,6 +13941,7 @@ static void pbw__live_classify(pbw_live *live, size_t *leave, size_t *arrive)
         live->state[id] = (unsigned char)(state | leaves * PBW__LEAVES | arrives * PBW__ARRIVES);
         *leave += leaves;
         *arrive += arrives;
+        pbw__live_prefetch(live, i);
     }
 }
 
@@ -13912,11 +13962,16 @@ static int pbw__live_set(pbw_live *live, unsigned table, size_t at, pbw_index va
     return 1;
 }
 
+PBW__INLINE size_t pbw__place_slot(const pbw__core *core, const double *x)
+{
+    return (size_t)(pbw__hash_doubles(0, x, core->kernel.dim) >> 20) & (core->place_capacity - 1);
+}
+
 /* Where the table of places has, or would have, the vertex at x. */
 static size_t pbw__place_find(const pbw__core *core, const double *x)
 {
     const int dim = core->kernel.dim;
-    size_t at = (size_t)(pbw__hash_doubles(0, x, dim) >> 20) & (core->place_capacity - 1), hole = (size_t)-1;
+    size_t at = pbw__place_slot(core, x), hole = (size_t)-1;
     while (core->place[at] != 0) {
         if (core->place[at] == PBW__REMOVED) {
             hole = hole == (size_t)-1 ? at : hole;
@@ -14112,11 +14167,15 @@ static pbw_status pbw__batch_plan(pbw_live *live)
         }
     }
     for (i = 0; i < live->queue_count; i++) {
+        const size_t soon = i + 8 < live->queue_count ? i + 8 : i;
+        PBW__PREFETCH(core->place + pbw__place_slot(core, pbw__live_point(live, live->queue[soon])));
         if ((live->state[live->queue[i]] & PBW__ARRIVES) != 0 && !pbw__live_join(live, live->queue[i])) {
             return PBW_ERROR_MEMORY;
         }
     }
     for (i = 0; i < core->rim_vertices; i++) {
+        const pbw_index soon = core->rim_vertex[i + 8 < core->rim_vertices ? i + 8 : i];
+        PBW__PREFETCH(core->place + pbw__place_slot(core, pbw__core_record(core, soon)));
         if (!pbw__live_elect(live, i)) {
             return PBW_ERROR_MEMORY;
         }
