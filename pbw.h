@@ -1225,9 +1225,12 @@ PBW__SIMD_INLINE pbw__d4 pbw__mask(const int64_t *from)
 
 PBW__SIMD_INLINE pbw__d4 pbw__lanes_mask(unsigned set)        /* of a set of lanes */
 {
-    const int64_t mask[4] = { -(int64_t)(set & 1), -(int64_t)(set >> 1 & 1), -(int64_t)(set >> 2 & 1),
-                              -(int64_t)(set >> 3 & 1) };
-    return pbw__mask(mask);
+    static const int64_t mask[16][4] = {
+        { 0, 0, 0, 0 }, { -1, 0, 0, 0 }, { 0, -1, 0, 0 }, { -1, -1, 0, 0 }, { 0, 0, -1, 0 }, { -1, 0, -1, 0 },
+        { 0, -1, -1, 0 }, { -1, -1, -1, 0 }, { 0, 0, 0, -1 }, { -1, 0, 0, -1 }, { 0, -1, 0, -1 }, { -1, -1, 0, -1 },
+        { 0, 0, -1, -1 }, { -1, 0, -1, -1 }, { 0, -1, -1, -1 }, { -1, -1, -1, -1 }
+    };
+    return pbw__mask(mask[set]);
 }
 
 PBW__SIMD_INLINE pbw__d4 pbw__blend(pbw__d4 x, pbw__d4 y, pbw__d4 mask)   /* y in the lanes of the mask */
@@ -12092,7 +12095,7 @@ static void pbw__list_free_slots(pbw__core *core)
     kernel->slots.free_count = 0;
     kernel->slots.free_list = PBW_NONE;
     kernel->slots.tail = kernel->slots.tail_end = 0;
-    for (t = core->store.count; t-- > 0; ) {
+    for (t = 0; t < core->store.count; t++) {        /* the last is taken first: see pbw__batch_run */
         kernel->mark[t] = 0;
         if (kernel->corner[4 * t] == PBW_NONE) {
             pbw__free_slot(kernel, (pbw_index)t);
@@ -12389,10 +12392,16 @@ typedef struct pbw__candidates4 { pbw__d4 x, y, z, lift, height; unsigned open; 
    (lift - centre . e) / (normal . e) is. */
 typedef struct pbw__pencil { double normal[3], centre[3], height; } pbw__pencil;
 
+PBW__INLINE void pbw__cross_row(const double *a, const double *b, double *x)
+{
+    x[0] = a[1] * b[2] - a[2] * b[1];
+    x[1] = a[2] * b[0] - a[0] * b[2];
+    x[2] = a[0] * b[1] - a[1] * b[0];
+}
+
 PBW__INLINE void pbw__pencil_of(const double *a, const double *b, int dim, pbw__pencil *pencil)
 {
-    double *normal = pencil->normal, square;
-    int k;
+    double *normal = pencil->normal, square, nb[3], an[3];
     if (dim == 2) {
         square = a[0] * a[0] + a[1] * a[1];
         normal[0] = a[1];
@@ -12402,15 +12411,13 @@ PBW__INLINE void pbw__pencil_of(const double *a, const double *b, int dim, pbw__
         pencil->centre[1] = a[1] * (a[2] / square);
         return;
     }
-    for (k = 0; k < 3; k++) {
-        normal[k] = b[(k + 1) % 3] * a[(k + 2) % 3] - b[(k + 2) % 3] * a[(k + 1) % 3];
-    }
-    square = normal[0] * normal[0] + normal[1] * normal[1] + normal[2] * normal[2];
-    for (k = 0; k < 3; k++) {
-        const int m = (k + 1) % 3, n = (k + 2) % 3;
-        pencil->centre[k] = (a[3] * (normal[m] * b[n] - normal[n] * b[m])
-                             + b[3] * (a[m] * normal[n] - a[n] * normal[m])) / square;
-    }
+    pbw__cross_row(b, a, normal);
+    pbw__cross_row(normal, b, nb);
+    pbw__cross_row(a, normal, an);
+    square = 1.0 / (normal[0] * normal[0] + normal[1] * normal[1] + normal[2] * normal[2]);
+    pencil->centre[0] = (a[3] * nb[0] + b[3] * an[0]) * square;
+    pencil->centre[1] = (a[3] * nb[1] + b[3] * an[1]) * square;
+    pencil->centre[2] = (a[3] * nb[2] + b[3] * an[2]) * square;
 }
 
 /* The rows of four link vertices, and how far along the pencil each is; infinitely far on the closed side.  Returns 0
@@ -12442,9 +12449,7 @@ PBW__SIMD_INLINE int pbw__candidates4_of(const pbw__core *core, size_t i, const 
     open = pbw__and4(certain, pbw__greater(side, pbw__splat(0.0)));
     c->open = pbw__signs(open) & ~skip;
     *far = pbw__blend(pbw__splat(HUGE_VAL), (c->lift - *far) / side, open);
-    if (skip != 0) {
-        *far = pbw__blend(*far, pbw__splat(HUGE_VAL), pbw__lanes_mask(skip));
-    }
+    *far = pbw__blend(*far, pbw__splat(HUGE_VAL), pbw__lanes_mask(skip));
     return (pbw__signs(certain) | skip) == 15;
 }
 
@@ -12468,7 +12473,7 @@ PBW__INLINE void pbw__pencil_plane(const pbw__pencil *pencil, const double *apex
                                    int dim, pbw__plane *plane)
 {
     const double *normal = pencil->normal;
-    int k;
+    double ab[3], aa[3];
     if (dim == 2) {
         plane->orientation = apex[0] * normal[0] + apex[1] * normal[1];
         plane->normal[0] = apex[2] * a[1] - a[2] * apex[1];
@@ -12477,11 +12482,11 @@ PBW__INLINE void pbw__pencil_plane(const pbw__pencil *pencil, const double *apex
         return;
     }
     plane->orientation = apex[0] * normal[0] + apex[1] * normal[1] + apex[2] * normal[2];
-    for (k = 0; k < 3; k++) {
-        const int m = (k + 1) % 3, n = (k + 2) % 3;
-        plane->normal[k] = apex[3] * normal[k] + a[3] * (apex[m] * b[n] - apex[n] * b[m])
-                         + b[3] * (a[m] * apex[n] - a[n] * apex[m]);
-    }
+    pbw__cross_row(apex, b, ab);
+    pbw__cross_row(a, apex, aa);
+    plane->normal[0] = apex[3] * normal[0] + a[3] * ab[0] + b[3] * aa[0];
+    plane->normal[1] = apex[3] * normal[1] + a[3] * ab[1] + b[3] * aa[1];
+    plane->normal[2] = apex[3] * normal[2] + a[3] * ab[2] + b[3] * aa[2];
 }
 
 /* pbw__rim_apex by vectors: the first vertex that the sphere meets as it grows out of the open side, if it is certain
@@ -14401,6 +14406,11 @@ static pbw_status pbw__batch_run(pbw_live *live, size_t most_effort)
     size_t i;
     const int table = pbw__start_table(core, live->arriving_count);
     status = status == PBW_OK ? pbw__live_sort(live, core, live->arriving, live->arriving_count) : status;
+    for (i = 0; i < live->arriving_count / 2; i++) { /* backwards: the slots freed last are the nearest */
+        const pbw_index v = live->arriving[i];
+        live->arriving[i] = live->arriving[live->arriving_count - 1 - i];
+        live->arriving[live->arriving_count - 1 - i] = v;
+    }
     pbw__live_fit_grid(live, live->arriving, live->arriving_count);
     core->effort = 0;
     for (i = 0; i < live->leaving_count && status == PBW_OK; i++) {
