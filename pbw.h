@@ -52,9 +52,11 @@
      >>centres      vectors, pairs, centres of simplices
      >>interpolate  barycentric, Sibson's and Laplace's weights
      >>core          a triangulation that stays, and a journal of what is deleted
+     >>apex          the vertex behind a facet of a hole
      >>removal       one vertex more or less
      >>verify       vertices that moved: does the triangulation hold; flips
      >>live         points to be inserted, removed and moved: the queue
+     >>hints         where walks start, and what batches prefetch
      >>commit        queued changes carried out
      >>adopt         a finished mesh becomes a live triangulation
      >>view          the arrays of a live triangulation
@@ -442,9 +444,10 @@ typedef struct pbw_changes {               /* start from {0}; pbw_changes_free w
 } pbw_changes;
 
 /* Makes one from a finished mesh, which may be freed then: of any flags and backend, DEGENERATE too.  One of no
-   points: a mesh that is {0} but for dim.  The arrays of the mesh are checked, exactly, and taken over; where there are no
-   neighbors, or the arrays are not the triangulation of mesh.points (borrowed ones may have moved), the points with a
-   canonical one are triangulated anew.  So the result is right whatever the arrays say, if they have their sizes.
+   points: a mesh that is {0} but for dim.  The arrays of the mesh are checked, exactly, and taken over; where there
+   are no neighbors, or the arrays are not the triangulation of mesh.points (borrowed ones may have moved), the points
+   with a canonical one are triangulated anew.  So the result is right whatever the arrays say, if they have their
+   sizes.
    options are for all later calls on it: threads, memory_limit, resize, run, progress; they are copied, flags,
    strides and backend must be 0. */
 PBWDEF pbw_status pbw_live_create(const pbw_mesh *mesh, const pbw_options *options, pbw_live **live);
@@ -11928,7 +11931,8 @@ typedef struct pbw__core {
     double start_low[3], start_scale[3];
     size_t start_side, searched;                     /* cells in a row; walks since there was last a table of them */
     size_t record_capacity, name_capacity, incident_capacity, local_capacity, vertex_capacity, twin_capacity;
-    size_t start_capacity, place_capacity, unused_capacity, hidden_capacity, witness_capacity, covered_capacity, cover_capacity;
+    size_t start_capacity, place_capacity, unused_capacity, hidden_capacity, witness_capacity, covered_capacity;
+    size_t cover_capacity;
     size_t vertex_count, unused_count, hidden_count, covered_count, placed, simplex_count, duplicate_count;
     /* of the removal of one vertex */
     pbw_index *rim_vertex, *table;                   /* table: rims by their vertices; 1 + number */
@@ -12147,52 +12151,13 @@ static void pbw__journal_undo(pbw__core *core)
     pbw__journal_clear(core);
 }
 /* ------------------------------------------------------------------------------------------------------
-   >>removal      One vertex more or less.
-   In: a core, a vertex to remove or to insert.  Out: the triangulation without it, or with it.
-   Holds: what holds in >>core.
-
-   Removal wraps the hole.  Let N be the vertices of the link of v.  The triangulation without v has the same
-   simplices outside of the star of v; inside it has those simplices of the triangulation of N that are in conflict
-   with v (a simplex of N inside the star that another vertex is in conflict with would be one without v, too).  So
-   behind a facet abc of the hole stands the simplex abce, of the vertices e of N strictly on the open side the one
-   that no other one of these is in conflict with; the ghost, if there is none.  Ties are broken as everywhere, so
-   there is one such e, and all facets of the simplices made meet in pairs.  Time: the simplices made times the size
-   of N; where that grows too large, all is triangulated anew.
+   >>apex         The vertex behind a facet of a hole.
+   In: the vertices of a link, a facet of the hole (a rim).  Out: that of them with which the facet makes the simplex
+   behind it, or none: see >>removal.
+   Holds: every verdict is exact.  Vectors choose the vertex that the growing sphere meets first, in rounded numbers,
+   and then ask whether any other one may be in conflict with it; where that is not certain, a tournament with exact
+   signs decides.
    ------------------------------------------------------------------------------------------------------ */
-/* The facet across from corner i of a positive simplex v: a, b, c with (v[i], a, b, c) positive. */
-PBW__INLINE void pbw__facet_of(const pbw_index *v, unsigned i, int dim, pbw_index *facet)
-{
-    if (dim == 2) {
-        facet[0] = v[i == 2 ? 0 : i + 1];
-        facet[1] = v[i == 0 ? 2 : i - 1];
-        facet[2] = PBW_NONE;
-    } else {
-        facet[0] = v[pbw__facet_corners[i][1]];
-        facet[1] = v[pbw__facet_corners[i][2]];
-        facet[2] = v[pbw__facet_corners[i][3]];
-    }
-}
-
-#define PBW__MOST_RIM ((size_t)1 << 21)              /* vertices of a link: three places in a key */
-
-/* The places of a rim in ascending order; in the plane the third is beyond all. */
-PBW__INLINE uint64_t pbw__rim_key(const pbw_index *v, unsigned dim)
-{
-    const uint64_t a = v[0], b = v[1], c = dim == 3 ? v[2] : PBW__MOST_RIM;
-    const uint64_t least = a < b ? a : b, most = a < b ? b : a, low = c < least ? c : least, high = c > most ? c : most;
-    return low | (a + b + c - low - high) << 21 | high << 42;
-}
-
-/* Where the table has, or would have, a rim of this key. */
-PBW__INLINE size_t pbw__rim_find(const pbw__core *core, uint64_t key, size_t room)
-{
-    size_t at = (size_t)(key * 0x9e3779b97f4a7c15u >> 32) & (room - 1);
-    while (core->table[at] != 0 && core->rim[core->table[at] - 1].key != key) {
-        at = (at + 1) & (room - 1);
-    }
-    return at;
-}
-
 /* Copies the records of the link to columns, for the vectors of >>lanes, if there are few. */
 static void pbw__rim_columns(pbw__core *core)
 {
@@ -12207,55 +12172,6 @@ static void pbw__rim_columns(pbw__core *core)
             core->rim_at[k][i] = i > 0 && i < core->rim_vertices ? x[k] : 0.0;
         }
     }
-}
-
-/* Collects the star of v in scratch.cavity, its link in rim_vertex and rim. */
-static pbw_status pbw__open_hole(pbw__core *core, pbw_index v)
-{
-    pbw__kernel *kernel = &core->kernel;
-    const unsigned dim = (unsigned)kernel->dim;
-    size_t i;
-    unsigned k, at;
-    kernel->scratch.cavity[0] = core->incident[v];
-    kernel->scratch.cavity_count = 1;
-    kernel->mark[core->incident[v]] = 1;
-    core->rim_vertices = core->rims = core->fillings = 0;
-    for (i = 0; i < kernel->scratch.cavity_count; i++) {
-        const size_t t = kernel->scratch.cavity[i];
-        const pbw_index *corner = kernel->corner + 4 * t;
-        const pbw__link *link = kernel->link + 4 * t;
-        pbw__rim *rim;
-        if (!pbw__grow_lists(kernel, kernel->scratch.cavity_count + dim + 8)
-            || !PBW__CORE_GROW(core, rim, core->rims + 1)
-            || !PBW__CORE_GROW(core, rim_vertex, core->rim_vertices + 2 * dim + 2)) {
-            (void)pbw__leave_cavity(kernel, kernel->scratch.cavity_count);
-            return PBW_ERROR_MEMORY;
-        }
-        if (i == 0) {
-            (void)pbw__rim_place(core, PBW__GHOST);
-        }
-        for (at = 0; corner[at] != v; at++) {
-        }
-        rim = core->rim + core->rims++;
-        pbw__facet_of(corner, at, (int)dim, rim->v);
-        for (k = 0; k < dim; k++) {
-            rim->v[k] = pbw__rim_place(core, rim->v[k]);
-        }
-        rim->key = pbw__rim_key(rim->v, dim);
-        rim->across = link[at];
-        rim->made = rim->closed = 0;
-        for (k = 0; k <= dim; k++) {
-            const pbw_index next = (pbw_index)(link[k] >> 2);
-            if (k != at && !kernel->mark[next]) {
-                kernel->mark[next] = 1;
-                kernel->scratch.cavity[kernel->scratch.cavity_count++] = next;
-                PBW__PREFETCH(kernel->corner + 4 * (size_t)next);
-                PBW__PREFETCH(kernel->link + 4 * (size_t)next);
-            }
-        }
-    }
-    pbw__rim_columns(core);
-    return PBW_OK;
 }
 
 /* A finite simplex with its last corner as the origin: its orientation, and the plane through its lifted corners,
@@ -12384,13 +12300,13 @@ PBW__INLINE pbw_index pbw__rim_apex(const pbw__core *core, const pbw_index *rim,
 
 #ifdef PBW__SIMD
 /* What pbw__rim_apex knows of four link vertices: rows, and which are certainly on the open side. */
-typedef struct pbw__candidates4 { pbw__d4 x, y, z, lift, height; unsigned open; } pbw__candidates4;
+typedef struct pbw__candidates4 { pbw__d4 x, y, z, lift, height; unsigned open; int certain; } pbw__candidates4;
 
 /* A rim with its last vertex as the origin: the normal to the open side, its height, and `centre`, twice the centre
    of the sphere through its vertices with the centre in its plane (with weights, the sphere that is orthogonal to
    them).  Of the spheres through its vertices the one through e has its centre further along the normal the larger
    (lift - centre . e) / (normal . e) is. */
-typedef struct pbw__pencil { double normal[3], centre[3], height; } pbw__pencil;
+typedef struct pbw__pencil { double origin[4], normal[3], centre[3], height; } pbw__pencil;
 
 PBW__INLINE void pbw__cross_row(const double *a, const double *b, double *x)
 {
@@ -12420,25 +12336,25 @@ PBW__INLINE void pbw__pencil_of(const double *a, const double *b, int dim, pbw__
     pencil->centre[2] = (a[3] * nb[2] + b[3] * an[2]) * square;
 }
 
-/* The rows of four link vertices, and how far along the pencil each is; infinitely far on the closed side.  Returns 0
-   if a side is uncertain of one that is not in `skip`. */
-PBW__SIMD_INLINE int pbw__candidates4_of(const pbw__core *core, size_t i, const double *origin,
-                                         const pbw__pencil *pencil, unsigned skip, pbw__candidates4 *c, pbw__d4 *far,
-                                         int dim)
+/* The rows of four link vertices, from the i-th on, and how far along the pencil each is; infinitely far on the
+   closed side, and those in `skip`.  c->certain: whether the sides of all others are. */
+PBW__SIMD_INLINE pbw__d4 pbw__candidates4_of(const pbw__core *core, size_t i, const pbw__pencil *pencil,
+                                             unsigned skip, pbw__candidates4 *c, int dim)
 {
+    const double *origin = pencil->origin;
     const pbw__d4 weight = pbw__load4d(core->rim_at[dim] + i) - pbw__splat(origin[dim]);
-    pbw__d4 side, limit, certain, open, h;
+    pbw__d4 side, limit, certain, open, h, far;
     c->x = pbw__load4d(core->rim_at[0] + i) - pbw__splat(origin[0]);
     c->y = pbw__load4d(core->rim_at[1] + i) - pbw__splat(origin[1]);
     c->z = pbw__splat(0.0);
     c->height = pbw__fma(c->y, c->y, c->x * c->x);
     side = pbw__fma(c->y, pbw__splat(pencil->normal[1]), c->x * pbw__splat(pencil->normal[0]));
-    *far = pbw__fma(c->y, pbw__splat(pencil->centre[1]), c->x * pbw__splat(pencil->centre[0]));
+    far = pbw__fma(c->y, pbw__splat(pencil->centre[1]), c->x * pbw__splat(pencil->centre[0]));
     if (dim == 3) {
         c->z = pbw__load4d(core->rim_at[2] + i) - pbw__splat(origin[2]);
         c->height = pbw__fma(c->z, c->z, c->height);
         side = pbw__fma(c->z, pbw__splat(pencil->normal[2]), side);
-        *far = pbw__fma(c->z, pbw__splat(pencil->centre[2]), *far);
+        far = pbw__fma(c->z, pbw__splat(pencil->centre[2]), far);
     }
     c->lift = c->height - weight;
     c->height = c->height + pbw__abs4(weight);
@@ -12448,12 +12364,12 @@ PBW__SIMD_INLINE int pbw__candidates4_of(const pbw__core *core, size_t i, const 
     certain = pbw__greater(side * side, limit);
     open = pbw__and4(certain, pbw__greater(side, pbw__splat(0.0)));
     c->open = pbw__signs(open) & ~skip;
-    *far = pbw__blend(pbw__splat(HUGE_VAL), (c->lift - *far) / side, open);
-    *far = pbw__blend(*far, pbw__splat(HUGE_VAL), pbw__lanes_mask(skip));
-    return (pbw__signs(certain) | skip) == 15;
+    far = pbw__blend(pbw__splat(HUGE_VAL), (c->lift - far) / side, open);
+    c->certain = (pbw__signs(certain) | skip) == 15;
+    return pbw__blend(far, pbw__splat(HUGE_VAL), pbw__lanes_mask(skip));
 }
 
-/* Whether one of these on the open side, but for those in `skip`, may be in conflict with the simplex of the plane. */
+/* Whether one of these on the open side, but for `skip`, may be in conflict with the simplex of the plane. */
 PBW__SIMD_INLINE int pbw__candidates4_conflict(const pbw__candidates4 *c, const pbw__plane *plane, unsigned skip,
                                                int dim)
 {
@@ -12505,7 +12421,7 @@ PBW__SIMD_INLINE pbw_index pbw__rim_apex4(const pbw__core *core, const pbw_index
     int k;
     skip |= count < 64 ? ~(uint64_t)0 << count : 0;
     for (k = 0; k <= dim; k++) {
-        plane.origin[k] = core->rim_at[k][last];
+        plane.origin[k] = pencil.origin[k] = core->rim_at[k][last];
     }
     pencil.height = 1e-55;
     for (k = 1; k < dim; k++) {
@@ -12514,9 +12430,10 @@ PBW__SIMD_INLINE pbw_index pbw__rim_apex4(const pbw__core *core, const pbw_index
     }
     pbw__pencil_of(row[1], row[2], dim, &pencil);
     for (i = 0; i < count; i += 4) {
-        pbw__d4 distance, nearer;
-        if (!pbw__candidates4_of(core, i, plane.origin, &pencil, (unsigned)(skip >> i) & 15, candidate + i / 4,
-                                 &distance, dim)) {
+        const pbw__d4 distance = pbw__candidates4_of(core, i, &pencil, (unsigned)(skip >> i) & 15, candidate + i / 4,
+                                                     dim);
+        pbw__d4 nearer;
+        if (!candidate[i / 4].certain) {
             return PBW_NONE;
         }
         open |= candidate[i / 4].open;
@@ -12563,6 +12480,103 @@ static pbw_index pbw__rim_behind(const pbw__core *core, const pbw_index *rim)
     }
 #endif
     return core->kernel.dim == 3 ? pbw__rim_apex(core, rim, 3) : pbw__rim_apex(core, rim, 2);
+}
+
+/* ------------------------------------------------------------------------------------------------------
+   >>removal      One vertex more or less.
+   In: a core, a vertex to remove or to insert.  Out: the triangulation without it, or with it.
+   Holds: what holds in >>core.
+
+   Removal wraps the hole.  Let N be the vertices of the link of v.  The triangulation without v has the same
+   simplices outside of the star of v; inside it has those simplices of the triangulation of N that are in conflict
+   with v (a simplex of N inside the star that another vertex is in conflict with would be one without v, too).  So
+   behind a facet abc of the hole stands the simplex abce, of the vertices e of N strictly on the open side the one
+   that no other one of these is in conflict with; the ghost, if there is none.  Ties are broken as everywhere, so
+   there is one such e, and all facets of the simplices made meet in pairs.  Time: the simplices made times the size
+   of N; where that grows too large, all is triangulated anew.
+   ------------------------------------------------------------------------------------------------------ */
+/* The facet across from corner i of a positive simplex v: a, b, c with (v[i], a, b, c) positive. */
+PBW__INLINE void pbw__facet_of(const pbw_index *v, unsigned i, int dim, pbw_index *facet)
+{
+    if (dim == 2) {
+        facet[0] = v[i == 2 ? 0 : i + 1];
+        facet[1] = v[i == 0 ? 2 : i - 1];
+        facet[2] = PBW_NONE;
+    } else {
+        facet[0] = v[pbw__facet_corners[i][1]];
+        facet[1] = v[pbw__facet_corners[i][2]];
+        facet[2] = v[pbw__facet_corners[i][3]];
+    }
+}
+
+#define PBW__MOST_RIM ((size_t)1 << 21)              /* vertices of a link: three places in a key */
+
+/* The places of a rim in ascending order; in the plane the third is beyond all. */
+PBW__INLINE uint64_t pbw__rim_key(const pbw_index *v, unsigned dim)
+{
+    const uint64_t a = v[0], b = v[1], c = dim == 3 ? v[2] : PBW__MOST_RIM;
+    const uint64_t least = a < b ? a : b, most = a < b ? b : a;
+    const uint64_t low = c < least ? c : least, high = c > most ? c : most;
+    return low | (a + b + c - low - high) << 21 | high << 42;
+}
+
+/* Where the table has, or would have, a rim of this key. */
+PBW__INLINE size_t pbw__rim_find(const pbw__core *core, uint64_t key, size_t room)
+{
+    size_t at = (size_t)(key * 0x9e3779b97f4a7c15u >> 32) & (room - 1);
+    while (core->table[at] != 0 && core->rim[core->table[at] - 1].key != key) {
+        at = (at + 1) & (room - 1);
+    }
+    return at;
+}
+
+/* Collects the star of v in scratch.cavity, its link in rim_vertex and rim. */
+static pbw_status pbw__open_hole(pbw__core *core, pbw_index v)
+{
+    pbw__kernel *kernel = &core->kernel;
+    const unsigned dim = (unsigned)kernel->dim;
+    size_t i;
+    unsigned k, at;
+    kernel->scratch.cavity[0] = core->incident[v];
+    kernel->scratch.cavity_count = 1;
+    kernel->mark[core->incident[v]] = 1;
+    core->rim_vertices = core->rims = core->fillings = 0;
+    for (i = 0; i < kernel->scratch.cavity_count; i++) {
+        const size_t t = kernel->scratch.cavity[i];
+        const pbw_index *corner = kernel->corner + 4 * t;
+        const pbw__link *link = kernel->link + 4 * t;
+        pbw__rim *rim;
+        if (!pbw__grow_lists(kernel, kernel->scratch.cavity_count + dim + 8)
+            || !PBW__CORE_GROW(core, rim, core->rims + 1)
+            || !PBW__CORE_GROW(core, rim_vertex, core->rim_vertices + 2 * dim + 2)) {
+            (void)pbw__leave_cavity(kernel, kernel->scratch.cavity_count);
+            return PBW_ERROR_MEMORY;
+        }
+        if (i == 0) {
+            (void)pbw__rim_place(core, PBW__GHOST);
+        }
+        for (at = 0; corner[at] != v; at++) {
+        }
+        rim = core->rim + core->rims++;
+        pbw__facet_of(corner, at, (int)dim, rim->v);
+        for (k = 0; k < dim; k++) {
+            rim->v[k] = pbw__rim_place(core, rim->v[k]);
+        }
+        rim->key = pbw__rim_key(rim->v, dim);
+        rim->across = link[at];
+        rim->made = rim->closed = 0;
+        for (k = 0; k <= dim; k++) {
+            const pbw_index next = (pbw_index)(link[k] >> 2);
+            if (k != at && !kernel->mark[next]) {
+                kernel->mark[next] = 1;
+                kernel->scratch.cavity[kernel->scratch.cavity_count++] = next;
+                PBW__PREFETCH(kernel->corner + 4 * (size_t)next);
+                PBW__PREFETCH(kernel->link + 4 * (size_t)next);
+            }
+        }
+    }
+    pbw__rim_columns(core);
+    return PBW_OK;
 }
 
 /* Joins facet k of filling f to the rim that has its vertices, or opens a new one. */
@@ -13241,7 +13255,8 @@ PBW__SIMD static PBW__NOINLINE void pbw__faults4_of(const pbw__core *core, const
 
 #define PBW__BLOCK_SLOTS 64                          /* whose neighbours are prefetched, then their vertices */
 
-/* Lists the finite simplices in slots from..to-1; the ghosts are judged.  Returns how many, and prefetches for all. */
+/* Lists the finite simplices in slots from..to-1; the ghosts are judged.  Returns how many, with what they need
+   prefetched. */
 static size_t pbw__verify_list(pbw__core *core, size_t from, size_t to, pbw_index *slot, size_t *failing)
 {
     const pbw_index *corner = core->kernel.corner;
@@ -13900,6 +13915,162 @@ static pbw_status pbw__rebuild_changes(const pbw_live *live, const pbw__core *co
 }
 
 /* ------------------------------------------------------------------------------------------------------
+   >>hints        Where walks start, and what batches prefetch.
+   In: the vertices of a batch, along the curve.  Out: for each a simplex near it; and the cache lines that are needed
+   soon, as the stars of a small batch are all cold.
+   Holds: a hint is any simplex; one out of date makes a walk longer, never wrong.  The table has a vertex for each
+   cell of a grid on the box of all, half as many cells as vertices.
+   ------------------------------------------------------------------------------------------------------ */
+PBW__INLINE size_t pbw__start_cell(const pbw__core *core, const double *x)
+{
+    const int dim = core->kernel.dim;
+    size_t cell = 0;
+    int k;
+    for (k = dim; k-- > 0; ) {
+        const double at = (x[k] - core->start_low[k]) * core->start_scale[k];
+        const double side = (double)(core->start_side - 1);
+        cell = cell * core->start_side + (size_t)(at > 0.0 ? at < side ? at : side : 0.0);
+    }
+    return cell;
+}
+
+/* Makes the table once there are walks enough to pay for it.  Returns whether there is one. */
+static int pbw__start_table(pbw__core *core, size_t walks)
+{
+    const size_t cells = core->vertex_count / 2 + 1;
+    size_t side = 1, all, r;
+    int k;
+    core->searched += walks;
+    if (core->start != NULL || core->searched < cells / 64) {
+        return core->start != NULL;
+    }
+    while ((side + 1) * (side + 1) * (core->kernel.dim == 3 ? side + 1 : 1) <= cells) {
+        side++;
+    }
+    all = side * side * (core->kernel.dim == 3 ? side : 1);
+    if (!PBW__CORE_GROW(core, start, all)) {
+        return 0;                                    /* without it then */
+    }
+    core->start_side = side;
+    for (k = 0; k < core->kernel.dim; k++) {
+        const double scale = (double)side / (core->high[k] - core->low[k]);
+        core->start_low[k] = core->low[k];
+        core->start_scale[k] = scale > 0.0 && scale <= DBL_MAX ? scale : 0.0;
+    }
+    memset(core->start, 0, core->start_capacity * sizeof(pbw_index));
+    for (r = 1; r <= core->vertex_count; r++) {
+        if (core->incident[r] < PBW__GONE) {
+            core->start[pbw__start_cell(core, pbw__core_record(core, (pbw_index)r))] = (pbw_index)r;
+        }
+    }
+    return 1;
+}
+
+/* Prefetches a simplex (0), then its vertices and neighbours (1), then theirs (2); the earlier are there by then. */
+PBW__INLINE void pbw__prefetch_around(const pbw__core *core, size_t t, int level)
+{
+    const size_t dim = (size_t)core->kernel.dim, width = dim + 1;
+    const pbw_index *corner = core->kernel.corner;
+    const pbw__link *link = core->kernel.link;
+    size_t k, m;
+    if (level == 0) {
+        PBW__PREFETCH(corner + 4 * t);
+        PBW__PREFETCH(link + 4 * t);
+        PBW__PREFETCH(core->kernel.mark + t);
+        return;
+    }
+    for (k = 0; k <= dim && corner[4 * t] != PBW_NONE; k++) {
+        const size_t u = link[4 * t + k] >> 2;
+        if (level == 1) {
+            PBW__PREFETCH(core->record + width * corner[4 * t + k]);
+            PBW__PREFETCH(corner + 4 * u);
+            PBW__PREFETCH(link + 4 * u);
+            PBW__PREFETCH(core->kernel.mark + u);
+            continue;
+        }
+        PBW__PREFETCH(core->record + width * corner[link[4 * t + k]]);
+        for (m = 0; m <= dim; m++) {
+            PBW__PREFETCH(corner + link[4 * u + m]);
+            PBW__PREFETCH(link + link[4 * u + m]);
+            PBW__PREFETCH(core->kernel.mark + (link[4 * u + m] >> 2));
+        }
+    }
+}
+
+/* A simplex of a vertex; any other if it has none. */
+PBW__INLINE size_t pbw__prefetch_at(const pbw__core *core, pbw_index v)
+{
+    return v != 0 && core->incident[v] < PBW__GONE ? core->incident[v] : 0;
+}
+
+/* Prefetches, in steps, for insertions to come: for that of list[i] i steps from now. */
+PBW__INLINE void pbw__prefetch_walks(const pbw__core *core, const pbw_index *list, size_t count)
+{
+    const size_t width = (size_t)core->kernel.dim + 1;
+    int level;
+    if (count > 16) {
+        PBW__PREFETCH(core->start + pbw__start_cell(core, pbw__core_record(core, list[16])));
+    }
+    if (count > 12) {
+        const size_t v = core->start[pbw__start_cell(core, pbw__core_record(core, list[12]))];
+        PBW__PREFETCH(core->incident + v);
+        PBW__PREFETCH(core->record + v * width);
+    }
+    for (level = 0; level < 3; level++) {
+        const size_t ahead = (size_t)(9 - 3 * level);
+        if (count > ahead) {
+            const pbw_index v = core->start[pbw__start_cell(core, pbw__core_record(core, list[ahead]))];
+            pbw__prefetch_around(core, pbw__prefetch_at(core, v), level);
+        }
+    }
+}
+
+/* The same for removals. */
+PBW__INLINE void pbw__prefetch_stars(const pbw__core *core, const pbw_index *list, size_t count)
+{
+    const size_t dim = (size_t)core->kernel.dim;
+    int level;
+    size_t t, k, m;
+    if (count > 15) {
+        PBW__PREFETCH(core->incident + list[15]);
+    }
+    for (level = 0; level < 3; level++) {
+        if (count > (size_t)(12 - 3 * level)) {
+            pbw__prefetch_around(core, pbw__prefetch_at(core, list[12 - 3 * level]), level);
+        }
+    }
+    t = count > 3 ? pbw__prefetch_at(core, list[3]) : 0;
+    for (k = 0; k <= dim && count > 3 && core->kernel.corner[4 * t] != PBW_NONE; k++) {
+        const size_t u = core->kernel.link[4 * t + k] >> 2;
+        for (m = 0; m <= dim; m++) {
+            const size_t far = core->kernel.corner[core->kernel.link[4 * u + m]];
+            PBW__PREFETCH(core->record + (dim + 1) * far);
+            PBW__PREFETCH(core->local + far);
+        }
+    }
+}
+
+/* A simplex to walk to an arriving vertex from: of the nearest of the last one, one in its cell, and a neighbour that
+   the point had before it moved, which was noted in `local`. */
+static pbw_index pbw__batch_hint(const pbw_live *live, size_t i, int table)
+{
+    const pbw__core *core = &live->core;
+    const double *p = pbw__core_record(core, live->arriving[i]);
+    const pbw_index near[2] = { core->local[live->arriving[i]], table ? core->start[pbw__start_cell(core, p)] : 0 };
+    double least = i == 0 ? HUGE_VAL : pbw__squared(pbw__core_record(core, live->arriving[i - 1]), p, live->dim);
+    pbw_index from = core->kernel.last;
+    int k;
+    for (k = 0; k < 2; k++) {
+        if (near[k] != 0 && core->incident[near[k]] < PBW__GONE) {
+            const double squared = pbw__squared(pbw__core_record(core, near[k]), p, live->dim);
+            from = squared < least ? core->incident[near[k]] : from;
+            least = squared < least ? squared : least;
+        }
+    }
+    return pbw__start_near(core, from);
+}
+
+/* ------------------------------------------------------------------------------------------------------
    >>commit       Queued changes carried out.
    In: a live triangulation with a queue.  Out: its core with the changes, and which simplices these made and
    deleted; or both as they were.
@@ -14243,157 +14414,6 @@ static void pbw__live_fit_grid(pbw_live *live, const pbw_index *list, size_t cou
             }
         }
     }
-}
-
-/* ---- where walks start: near a vertex in the same cell of a grid on the box of all
-   Half as many cells as vertices; what they say is a hint, and may be out of date. */
-PBW__INLINE size_t pbw__start_cell(const pbw__core *core, const double *x)
-{
-    const int dim = core->kernel.dim;
-    size_t cell = 0;
-    int k;
-    for (k = dim; k-- > 0; ) {
-        const double at = (x[k] - core->start_low[k]) * core->start_scale[k];
-        const double side = (double)(core->start_side - 1);
-        cell = cell * core->start_side + (size_t)(at > 0.0 ? at < side ? at : side : 0.0);
-    }
-    return cell;
-}
-
-/* Makes the table once there are walks enough to pay for it.  Returns whether there is one. */
-static int pbw__start_table(pbw__core *core, size_t walks)
-{
-    const size_t cells = core->vertex_count / 2 + 1;
-    size_t side = 1, all, r;
-    int k;
-    core->searched += walks;
-    if (core->start != NULL || core->searched < cells / 64) {
-        return core->start != NULL;
-    }
-    while ((side + 1) * (side + 1) * (core->kernel.dim == 3 ? side + 1 : 1) <= cells) {
-        side++;
-    }
-    all = side * side * (core->kernel.dim == 3 ? side : 1);
-    if (!PBW__CORE_GROW(core, start, all)) {
-        return 0;                                    /* without it then */
-    }
-    core->start_side = side;
-    for (k = 0; k < core->kernel.dim; k++) {
-        const double scale = (double)side / (core->high[k] - core->low[k]);
-        core->start_low[k] = core->low[k];
-        core->start_scale[k] = scale > 0.0 && scale <= DBL_MAX ? scale : 0.0;
-    }
-    memset(core->start, 0, core->start_capacity * sizeof(pbw_index));
-    for (r = 1; r <= core->vertex_count; r++) {
-        if (core->incident[r] < PBW__GONE) {
-            core->start[pbw__start_cell(core, pbw__core_record(core, (pbw_index)r))] = (pbw_index)r;
-        }
-    }
-    return 1;
-}
-
-/* Prefetches a simplex (0), then its vertices and neighbours (1), then theirs (2); the earlier ones are there by now. */
-PBW__INLINE void pbw__prefetch_around(const pbw__core *core, size_t t, int level)
-{
-    const size_t dim = (size_t)core->kernel.dim, width = dim + 1;
-    const pbw_index *corner = core->kernel.corner;
-    const pbw__link *link = core->kernel.link;
-    size_t k, m;
-    if (level == 0) {
-        PBW__PREFETCH(corner + 4 * t);
-        PBW__PREFETCH(link + 4 * t);
-        PBW__PREFETCH(core->kernel.mark + t);
-        return;
-    }
-    for (k = 0; k <= dim && corner[4 * t] != PBW_NONE; k++) {
-        const size_t u = link[4 * t + k] >> 2;
-        if (level == 1) {
-            PBW__PREFETCH(core->record + width * corner[4 * t + k]);
-            PBW__PREFETCH(corner + 4 * u);
-            PBW__PREFETCH(link + 4 * u);
-            PBW__PREFETCH(core->kernel.mark + u);
-            continue;
-        }
-        PBW__PREFETCH(core->record + width * corner[link[4 * t + k]]);
-        for (m = 0; m <= dim; m++) {
-            PBW__PREFETCH(corner + link[4 * u + m]);
-            PBW__PREFETCH(link + link[4 * u + m]);
-            PBW__PREFETCH(core->kernel.mark + (link[4 * u + m] >> 2));
-        }
-    }
-}
-
-/* A simplex of a vertex; any other if it has none. */
-PBW__INLINE size_t pbw__prefetch_at(const pbw__core *core, pbw_index v)
-{
-    return v != 0 && core->incident[v] < PBW__GONE ? core->incident[v] : 0;
-}
-
-/* Prefetches, in steps, for insertions to come: for that of list[i] i steps from now. */
-PBW__INLINE void pbw__prefetch_walks(const pbw__core *core, const pbw_index *list, size_t count)
-{
-    const size_t width = (size_t)core->kernel.dim + 1;
-    int level;
-    if (count > 16) {
-        PBW__PREFETCH(core->start + pbw__start_cell(core, pbw__core_record(core, list[16])));
-    }
-    if (count > 12) {
-        const size_t v = core->start[pbw__start_cell(core, pbw__core_record(core, list[12]))];
-        PBW__PREFETCH(core->incident + v);
-        PBW__PREFETCH(core->record + v * width);
-    }
-    for (level = 0; level < 3; level++) {
-        const size_t ahead = (size_t)(9 - 3 * level);
-        if (count > ahead) {
-            const pbw_index v = core->start[pbw__start_cell(core, pbw__core_record(core, list[ahead]))];
-            pbw__prefetch_around(core, pbw__prefetch_at(core, v), level);
-        }
-    }
-}
-
-/* The same for removals. */
-PBW__INLINE void pbw__prefetch_stars(const pbw__core *core, const pbw_index *list, size_t count)
-{
-    const size_t dim = (size_t)core->kernel.dim;
-    int level;
-    size_t t, k, m;
-    if (count > 15) {
-        PBW__PREFETCH(core->incident + list[15]);
-    }
-    for (level = 0; level < 3; level++) {
-        if (count > (size_t)(12 - 3 * level)) {
-            pbw__prefetch_around(core, pbw__prefetch_at(core, list[12 - 3 * level]), level);
-        }
-    }
-    t = count > 3 ? pbw__prefetch_at(core, list[3]) : 0;
-    for (k = 0; k <= dim && count > 3 && core->kernel.corner[4 * t] != PBW_NONE; k++) {
-        const size_t u = core->kernel.link[4 * t + k] >> 2;
-        for (m = 0; m <= dim; m++) {
-            const size_t far = core->kernel.corner[core->kernel.link[4 * u + m]];
-            PBW__PREFETCH(core->record + (dim + 1) * far);
-            PBW__PREFETCH(core->local + far);
-        }
-    }
-}
-
-/* A simplex to walk to an arriving vertex from: of the nearest of the last one, one in its cell, and a neighbour that
-   the point had before it moved, which was noted in `local`. */
-static pbw_index pbw__batch_hint(const pbw_live *live, size_t i, int table)
-{
-    const pbw__core *core = &live->core;
-    const double *p = pbw__core_record(core, live->arriving[i]);
-    const pbw_index near[2] = { core->local[live->arriving[i]], table ? core->start[pbw__start_cell(core, p)] : 0 };
-    double least = i == 0 ? HUGE_VAL : pbw__squared(pbw__core_record(core, live->arriving[i - 1]), p, live->dim);
-    pbw_index from = core->kernel.last;
-    int k;
-    for (k = 0; k < 2; k++) {
-        if (near[k] != 0 && core->incident[near[k]] < PBW__GONE) {
-            const double squared = pbw__squared(pbw__core_record(core, near[k]), p, live->dim);
-            from = squared < least ? core->incident[near[k]] : from;
-            least = squared < least ? squared : least;
-        }
-    }
-    return pbw__start_near(core, from);
 }
 
 /* Carries out a batch; on any status but PBW_OK it is to be undone.  PBW__ANEW: by a rebuild. */

@@ -627,7 +627,7 @@ static void model_copy(model *to, const model *from)
     memcpy(to->lives, from->lives, from->count);
 }
 
-/* A model of random points, and its mesh with these flags; with curve order the points are numbered as in the mesh. */
+/* A model of random points, numbered as in the mesh, and their mesh with these flags. */
 static pbw_status model_random(model *m, int kind, size_t count, unsigned flags, double **points, pbw_mesh *mesh)
 {
     const size_t dim = (size_t)m->dim;
