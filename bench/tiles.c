@@ -1,5 +1,6 @@
 /* tiles.c: what a rank of many sends and receives, counted and not modelled: real points, real cuts, and the work of
-   a few of the ranks, spread over all of them, with answers by the trees of the others.
+   a few of the ranks, spread over all of them, with answers by the trees of the others.  If all ranks work, also
+   their processor time beside that of one triangulation, one thread each, and whether the hashes agree.
    cc -O2 -I. -Iexamples/lib -Itests bench/tiles.c -o tiles -lpthread -lm
    ./tiles RANKS POINTS_A_RANK [KIND [OF]]           KIND: a number of tests/inputs.h; OF: how many ranks work */
 #define PBW_IMPLEMENTATION
@@ -8,8 +9,15 @@
 #include "pbw_tiles.h"
 #include "inputs.h"
 #include <stdio.h>
+#include <time.h>
 
 typedef struct count { double partners, asked, messages, bytes, halo, later, rounds, questions, patch; } count;
+typedef struct times { double tree, tile, answer; } times;           /* of all ranks, processor seconds */
+
+static double clocked(void)
+{
+    return (double)clock() / CLOCKS_PER_SEC;
+}
 
 static void *take(size_t bytes)
 {
@@ -29,20 +37,22 @@ static void need(pbw_status status)
     }
 }
 
-/* The points by part, and a tree for each. */
-static void plant(int ranks, size_t n, int kind, pbwt_tree *tree, pbwt_summary *summary)
+/* The points by part, and a tree for each, by one thread; returns the points. */
+static double *plant(int ranks, size_t n, int kind, pbwt_tree *tree, pbwt_summary *summary, times *spent)
 {
+    pbw_options serial;
     double *x = (double *)take(n * 3 * sizeof *x);
     pbwt_point *all = (pbwt_point *)take(n * sizeof *all), *sample, *sorted = (pbwt_point *)take(n * sizeof *all);
     pbwt_cut *cuts = (pbwt_cut *)take((size_t)ranks * sizeof *cuts);
     size_t *first = (size_t *)take(((size_t)ranks + 1) * sizeof *first), i, samples = 0;
     int p, *part = (int *)take(n * sizeof *part);
+    memset(&serial, 0, sizeof serial);
+    serial.threads = 1;
     input_fill(kind, 3, n, 1, x);
     for (i = 0; i < n; i++) {
         memcpy(all[i].x, x + 3 * i, sizeof all[i].x);
         all[i].id = i;
     }
-    free(x);
     sample = (pbwt_point *)take((size_t)ranks * 64 * sizeof *sample);
     for (i = 0; i < n; i += 1 + n / ((size_t)ranks * 64)) {
         sample[samples++] = all[i];
@@ -60,8 +70,10 @@ static void plant(int ranks, size_t n, int kind, pbwt_tree *tree, pbwt_summary *
     }
     for (p = 0; p < ranks; p++) {
         const size_t end = p + 2 <= ranks ? first[p + 2] : n;
-        need(pbwt_tree_make(3, p, sorted + first[p + 1], end - first[p + 1], NULL, tree + p));
+        const double start = clocked();
+        need(pbwt_tree_make(3, p, sorted + first[p + 1], end - first[p + 1], &serial, tree + p));
         pbwt_summarise(tree + p, summary + p);
+        spent->tree += clocked() - start;
     }
     free(all);
     free(sorted);
@@ -69,10 +81,13 @@ static void plant(int ranks, size_t n, int kind, pbwt_tree *tree, pbwt_summary *
     free(cuts);
     free(first);
     free(part);
+    return x;
 }
 
-static count work(int ranks, const pbwt_tree *tree, const pbwt_summary *summary, int p)
+static count work(int ranks, const pbwt_tree *tree, const pbwt_summary *summary, int p, times *spent,
+                  pbw_hash_sums *sums)
 {
+    const double start = clocked(), answered = spent->answer;
     pbwt_served *served = (pbwt_served *)take((size_t)ranks * sizeof *served);
     pbwt_bytes reply = { NULL, 0 };
     pbwt_options options;
@@ -86,7 +101,9 @@ static count work(int ranks, const pbwt_tree *tree, const pbwt_summary *summary,
     while (need(pbwt_ask(&tile, &more)), more) {
         for (q = 0; q < ranks; q++) {
             if (tile.request[q].size > 0) {
+                const double asked = clocked();
                 need(pbwt_answer(tree + q, served + q, tile.request + q, NULL, summary[p].count, &reply));
+                spent->answer += clocked() - asked;
                 need(pbwt_take(&tile, q, reply.data, reply.size));
                 c.messages += 2;
                 pbwt_bytes_free(tree + q, &reply);
@@ -104,9 +121,32 @@ static count work(int ranks, const pbwt_tree *tree, const pbwt_summary *summary,
     c.rounds = (double)tile.numbers.rounds;
     c.questions = (double)tile.numbers.questions;
     c.patch = (double)tile.numbers.patch_points;
+    sums->points += tile.hash.points;
+    sums->simplices += tile.hash.simplices;
     pbwt_close(&tile);
+    spent->tile += clocked() - start - (spent->answer - answered);
     free(served);
     return c;
+}
+
+/* What the ranks took beside one triangulation by one thread. */
+static void compare(const double *x, size_t n, const times *spent, const pbw_hash_sums *sums)
+{
+    const double all = spent->tree + spent->tile + spent->answer;
+    double start = clocked(), one;
+    pbw_options serial;
+    pbw_mesh mesh;
+    uint64_t hash;
+    memset(&serial, 0, sizeof serial);
+    serial.threads = 1;
+    need(pbw_triangulate(3, x, NULL, n, &serial, &mesh));
+    one = clocked() - start;
+    start = clocked();
+    hash = pbw_hash(&mesh, &serial);
+    printf("  one triangulation %.2f s, its hash %.2f s; ranks %.2f s: trees %.2f, tiles %.2f, answers %.2f\n", one,
+           clocked() - start, all, spent->tree, spent->tile, spent->answer);
+    printf("  ratio %.3f; hashes %s\n", all / one, hash == pbw_hash_of(sums) ? "agree" : "DIFFER (leftovers?)");
+    pbw_free(&mesh);
 }
 
 int main(int argc, char **argv)
@@ -117,7 +157,9 @@ int main(int argc, char **argv)
     const int ranks = argc > 2 ? atoi(argv[1]) : 0, kind = argc > 3 ? atoi(argv[3]) : 0;
     const int of = argc > 4 ? atoi(argv[4]) : ranks < 100 ? ranks : 100;
     const size_t each = argc > 2 ? (size_t)atol(argv[2]) : 0;
-    double sum[9] = { 0 }, most[9] = { 0 };
+    double sum[9] = { 0 }, most[9] = { 0 }, *x;
+    times spent = { 0, 0, 0 };
+    pbw_hash_sums sums = { 0, 0 };
     pbwt_tree *tree;
     pbwt_summary *summary;
     int i, k;
@@ -127,9 +169,9 @@ int main(int argc, char **argv)
     }
     tree = (pbwt_tree *)take((size_t)ranks * sizeof *tree);
     summary = (pbwt_summary *)take((size_t)ranks * sizeof *summary);
-    plant(ranks, each * (size_t)ranks, kind, tree, summary);
+    x = plant(ranks, each * (size_t)ranks, kind, tree, summary, &spent);
     for (i = 0; i < of; i++) {
-        const count c = work(ranks, tree, summary, (int)((long)i * ranks / of));
+        const count c = work(ranks, tree, summary, (int)((long)i * ranks / of), &spent, &sums);
         const double value[9] = { c.partners, c.asked, c.messages, c.bytes, c.halo, c.later, c.rounds, c.questions,
                                   c.patch };
         for (k = 0; k < 9; k++) {
@@ -145,6 +187,10 @@ int main(int argc, char **argv)
     for (i = 0; i < ranks; i++) {
         pbwt_tree_free(tree + i);
     }
+    if (of == ranks) {
+        compare(x, each * (size_t)ranks, &spent, &sums);
+    }
+    free(x);
     free(tree);
     free(summary);
     return 0;

@@ -1912,22 +1912,36 @@ static int pbwt__open_facet(pbwt__emission *e, const uint64_t *id, size_t number
     return pbwt__push(e->memory, &e->facets, &facet, sizeof facet);
 }
 
-/* The links of one simplex; first: its corner of the smallest id, whose star is final. */
-static int pbwt__links_of(pbwt__emission *e, size_t simplex, const uint64_t *id, size_t first, uint32_t *links)
+/* The links of one simplex to others that are emitted; returns whether these are all. */
+static int pbwt__links_inside(const pbwt__emission *e, size_t simplex, uint32_t *links)
 {
     const size_t corners = (size_t)e->mesh->dim + 1;
-    const uint32_t *number = PBWT__U32(e->number);
+    int all = 1;
     size_t k;
     for (k = 0; k < corners; k++) {
         const pbw_index n = e->mesh->neighbors[simplex * corners + k];
-        if (n != PBW_NONE && number[n] != PBW_NONE) {
-            links[k] = number[n];
-        } else if (n == PBW_NONE && k != first) {
+        links[k] = n != PBW_NONE ? PBWT__U32(e->number)[n] : PBW_NONE;
+        all &= links[k] != PBW_NONE;
+    }
+    return all;
+}
+
+/* The other links.  The star of the corner with the smallest id is final: facets at it without a neighbour are of
+   the hull. */
+static int pbwt__links_outside(pbwt__emission *e, size_t simplex, const uint64_t *id, uint32_t *links)
+{
+    const size_t corners = (size_t)e->mesh->dim + 1;
+    size_t k, first = 0;
+    for (k = 1; k < corners; k++) {
+        first = id[k] < id[first] ? k : first;
+    }
+    for (k = 0; k < corners; k++) {
+        if (links[k] == PBW_NONE && e->mesh->neighbors[simplex * corners + k] == PBW_NONE && k != first) {
             links[k] = PBWT_HULL;
             e->tile->numbers.hull++;
-        } else {
+        } else if (links[k] == PBW_NONE) {
             links[k] = PBWT_OPEN;
-            if (!pbwt__open_facet(e, id, number[simplex], k)) {
+            if (!pbwt__open_facet(e, id, PBWT__U32(e->number)[simplex], k)) {
                 return 0;
             }
         }
@@ -1935,42 +1949,54 @@ static int pbwt__links_of(pbwt__emission *e, size_t simplex, const uint64_t *id,
     return 1;
 }
 
-/* number: PBW_NONE or numbers of what to emit; local: numbers of the mesh's points in the tile, and their ids. */
+/* Names a point of the mesh: its number in the tile, and its id unless that is NULL. */
 typedef void pbwt__naming(const void *user, pbw_index vertex, uint32_t *local, uint64_t *id);
+
+/* Fills corners and links of one simplex; returns 0 without memory. */
+static int pbwt__emit_one(pbwt__emission *e, size_t s, pbwt__naming *name, const void *user, uint32_t *corner,
+                          uint32_t *links)
+{
+    const size_t corners = (size_t)e->mesh->dim + 1;
+    const int inside = e->options->no_links || pbwt__links_inside(e, s, links);
+    uint64_t id[4];
+    size_t k;
+    for (k = 0; k < corners; k++) {
+        name(user, e->mesh->simplices[s * corners + k], corner + k, inside ? NULL : id + k);
+    }
+    return inside || pbwt__links_outside(e, s, id, links);
+}
+
+static pbw_status pbwt__hand_over(const pbwt__emission *e, size_t first, size_t count, const uint32_t *corners,
+                                  const uint32_t *links)
+{
+    return e->options->emit == NULL ? PBW_OK
+         : e->options->emit(e->options->emit_user, e->tile, first, count, corners, links);
+}
 
 static pbw_status pbwt__emit(pbwt__emission *e, pbwt__naming *name, const void *user)
 {
     const size_t corners = (size_t)e->mesh->dim + 1;
     uint32_t corner[PBWT__BLOCK * 4], links[PBWT__BLOCK * 4];
-    size_t s, k, count = 0, first = e->base;
+    size_t s, count = 0, first = e->base;
     pbw_status status = PBW_OK;
+    if (e->options->no_links && e->options->emit == NULL) {
+        return PBW_OK;
+    }
     memset(links, 0xff, sizeof links);
-    for (s = 0; s <= e->mesh->simplex_count; s++) {
-        uint64_t id[4];
-        size_t least = 0;
-        if (count == PBWT__BLOCK || (s == e->mesh->simplex_count && count > 0)) {
-            if (e->options->emit != NULL) {
-                status = e->options->emit(e->options->emit_user, e->tile, first, count, corner, links);
-            }
+    for (s = 0; s < e->mesh->simplex_count && status == PBW_OK; s++) {
+        if (PBWT__U32(e->number)[s] == PBW_NONE) {
+            continue;
+        }
+        if (!pbwt__emit_one(e, s, name, user, corner + count * corners, links + count * corners)) {
+            return PBW_ERROR_MEMORY;
+        }
+        if (++count == PBWT__BLOCK) {
+            status = pbwt__hand_over(e, first, count, corner, links);
             first += count;
             count = 0;
         }
-        if (status != PBW_OK || s == e->mesh->simplex_count || PBWT__U32(e->number)[s] == PBW_NONE) {
-            if (status != PBW_OK) {
-                return status;
-            }
-            continue;
-        }
-        for (k = 0; k < corners; k++) {
-            name(user, e->mesh->simplices[s * corners + k], corner + count * corners + k, id + k);
-            least = id[k] < id[least] ? k : least;
-        }
-        if (!e->options->no_links && !pbwt__links_of(e, s, id, least, links + count * corners)) {
-            return PBW_ERROR_MEMORY;
-        }
-        count++;
     }
-    return PBW_OK;
+    return status == PBW_OK && count > 0 ? pbwt__hand_over(e, first, count, corner, links) : status;
 }
 
 /* ---- emission of a level */
@@ -1979,7 +2005,9 @@ static void pbwt__name_local(const void *user, pbw_index vertex, uint32_t *local
 {
     const struct pbwt__tile *t = (const struct pbwt__tile *)user;
     *local = pbwt__local(t, vertex);
-    *id = pbwt__point(t, *local)->id;
+    if (id != NULL) {
+        *id = pbwt__point(t, *local)->id;
+    }
 }
 
 static int pbwt__is_final(int state)
@@ -1993,18 +2021,21 @@ static int pbwt__choose(struct pbwt__tile *t, size_t s, int *emitted)
     const size_t corners = (size_t)pbwt__corners(t);
     uint32_t local[4];
     uint64_t least = 0;
-    int final = 0, doubtful = 0, chosen = 0;
+    int final = 0, others = 0, doubtful = 0, chosen = 1;
     size_t k;
     for (k = 0; k < corners; k++) {
-        uint64_t id;
         int state;
-        pbwt__name_local(t, t->level.mesh.simplices[s * corners + k], local + k, &id);
+        local[k] = pbwt__local(t, t->level.mesh.simplices[s * corners + k]);
         state = pbwt__state(t, local[k]);
         final |= pbwt__is_final(state);
+        others |= !pbwt__is_final(state);
         doubtful |= local[k] >= t->own || state >= PBWT__AFFECTED;
+    }
+    for (k = 0; k < corners && others; k++) {        /* without others, whichever id is the smallest */
+        const uint64_t id = pbwt__point(t, local[k])->id;
         if (k == 0 || id < least) {
             least = id;
-            chosen = pbwt__is_final(state);
+            chosen = pbwt__is_final(pbwt__state(t, local[k]));
         }
     }
     *emitted = chosen;
