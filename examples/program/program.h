@@ -23,7 +23,7 @@
 #include <string.h>
 
 #define COMMANDS(X) X(mesh) X(sample) X(check) X(convert) X(bench) X(view) X(locate) X(nearest) X(cells) X(plane) \
-    X(improve) X(solid) X(tiles) X(hash)
+    X(improve) X(solid) X(tiles) X(hash) X(live)
 
 #if defined(__GNUC__)
 #define PRINTF(a, b) __attribute__((format(printf, a, b)))
