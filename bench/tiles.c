@@ -2,7 +2,7 @@
    a few of the ranks, spread over all of them, with answers by the trees of the others.  If all ranks work, also
    their processor time beside that of one triangulation, one thread each, and whether the hashes agree.
    cc -O2 -I. -Iexamples/lib -Itests bench/tiles.c -o tiles -lpthread -lm
-   ./tiles RANKS POINTS_A_RANK [KIND [OF]]           KIND: a number of tests/inputs.h; OF: how many ranks work */
+   ./tiles RANKS POINTS_A_RANK [KIND [OF]]           KIND: of tests/inputs.h, ellipsoid, or torus; OF: how many work */
 #define PBW_IMPLEMENTATION
 #include "pbw.h"
 #define PBW_TILES_IMPLEMENTATION
@@ -37,6 +37,36 @@ static void need(pbw_status status)
     }
 }
 
+/* Surfaces whose points are not on a common sphere: an ellipsoid of half axes 1, 0.7, 0.4, and a torus of radii 1, 0.3. */
+enum { ELLIPSOID = INPUT_KINDS, TORUS, KINDS };
+
+static const char *kind_name(int kind)
+{
+    return kind == ELLIPSOID ? "ellipsoid" : kind == TORUS ? "torus" : input_name(kind);
+}
+
+static int kind_of(const char *name)
+{
+    int kind = 0;
+    while (kind < KINDS && strcmp(kind_name(kind), name) != 0) {
+        kind++;
+    }
+    return kind;
+}
+
+static void fill(int kind, size_t n, double *x)
+{
+    size_t i;
+    input_fill(kind < INPUT_KINDS ? kind : kind == TORUS ? INPUT_UNIFORM : INPUT_SPHERE, 3, n, 1, x);
+    for (i = 0; i < n && kind >= INPUT_KINDS; i++) {
+        double *p = x + 3 * i;
+        const double u = INPUT_TURN * p[0], v = INPUT_TURN * p[1];
+        p[0] = kind == TORUS ? (1 + 0.3 * cos(v)) * cos(u) : p[0];
+        p[1] = kind == TORUS ? (1 + 0.3 * cos(v)) * sin(u) : 0.7 * p[1];
+        p[2] = kind == TORUS ? 0.3 * sin(v) : 0.4 * p[2];
+    }
+}
+
 /* The points by part, and a tree for each, by one thread; returns the points. */
 static double *plant(int ranks, size_t n, int kind, pbwt_tree *tree, pbwt_summary *summary, times *spent)
 {
@@ -48,7 +78,7 @@ static double *plant(int ranks, size_t n, int kind, pbwt_tree *tree, pbwt_summar
     int p, *part = (int *)take(n * sizeof *part);
     memset(&serial, 0, sizeof serial);
     serial.threads = 1;
-    input_fill(kind, 3, n, 1, x);
+    fill(kind, n, x);
     for (i = 0; i < n; i++) {
         memcpy(all[i].x, x + 3 * i, sizeof all[i].x);
         all[i].id = i;
@@ -154,7 +184,7 @@ int main(int argc, char **argv)
     static const char *const names[] = { "partners", "partners with points", "messages", "bytes", "halo points",
                                          "points after the first questions", "rounds of questions", "questions",
                                          "points of repairs" };
-    const int ranks = argc > 2 ? atoi(argv[1]) : 0, kind = argc > 3 ? atoi(argv[3]) : 0;
+    const int ranks = argc > 2 ? atoi(argv[1]) : 0, kind = argc > 3 ? kind_of(argv[3]) : 0;
     const int of = argc > 4 ? atoi(argv[4]) : ranks < 100 ? ranks : 100;
     const size_t each = argc > 2 ? (size_t)atol(argv[2]) : 0;
     double sum[9] = { 0 }, most[9] = { 0 }, *x;
@@ -163,7 +193,7 @@ int main(int argc, char **argv)
     pbwt_tree *tree;
     pbwt_summary *summary;
     int i, k;
-    if (ranks < 1 || each < 1 || kind < 0 || kind >= INPUT_KINDS || of < 1 || of > ranks) {
+    if (ranks < 1 || each < 1 || kind < 0 || kind >= KINDS || of < 1 || of > ranks) {
         fprintf(stderr, "usage: tiles RANKS POINTS_A_RANK [KIND [OF]]\n");
         return 2;
     }
@@ -179,7 +209,7 @@ int main(int argc, char **argv)
             most[k] = value[k] > most[k] ? value[k] : most[k];
         }
     }
-    printf("%d ranks of %zu points, %s; %d of them worked; summaries %.2f MB a rank\n", ranks, each, input_name(kind),
+    printf("%d ranks of %zu points, %s; %d of them worked; summaries %.2f MB a rank\n", ranks, each, kind_name(kind),
            of, (double)ranks * sizeof(pbwt_summary) * 1e-6);
     for (k = 0; k < 9; k++) {
         printf("  %-34s mean %12.1f   most %12.0f\n", names[k], sum[k] / of, most[k]);

@@ -1,7 +1,8 @@
 /* tiles.c: pbw tiles: triangulates points that memory does not hold, tile by tile, into a .pbwt file.
 
    Beside the output, in a folder of scratch files: `state`, replaced as a whole after each step, so that a run that
-   was killed goes on; N.points (records of tile N as they come), N.tree (sorted, with boxes), N.facets (to link). */
+   was killed goes on; N.points (records of tile N as they come), N.tree (sorted, with boxes), N.facets (to link),
+   N.border (simplices with a corner that may be given up). */
 #include "program.h"
 #include "pbw_tilefile.h"
 #include <errno.h>
@@ -381,11 +382,14 @@ static int explain_tile(const work *w, const pbwt_tile *tile, size_t p, pbw_stat
         return stopped(w->j);
     }
     if (status == PBW_ERROR_MEMORY) {
-        return fail(w->j, "tile %lu: out of memory within --memory-limit %s: %lu points of its own, %lu of others, "
-                    "%lu given up; more --tiles need less", (unsigned long)p,
-                    text_of(w->j, "--memory-limit") != NULL ? text_of(w->j, "--memory-limit") : "4G",
-                    (unsigned long)(p < w->s.parts ? w->tree[p].count : 0), (unsigned long)tile->foreign_count,
-                    (unsigned long)tile->numbers.given_up);
+        const char *limit = text_of(w->j, "--memory-limit");
+        limit = limit != NULL ? limit : "4G";
+        return p == w->s.parts
+             ? fail(w->j, "out of memory within --memory-limit %s: %lu points, as on surfaces, were given up by the "
+                    "tiles and need to be triangulated at once", limit, (unsigned long)tile->numbers.given_up)
+             : fail(w->j, "tile %lu: out of memory within --memory-limit %s: %lu points of its own, %lu of others, "
+                    "%lu given up; more --tiles need less", (unsigned long)p, limit, (unsigned long)w->tree[p].count,
+                    (unsigned long)tile->foreign_count, (unsigned long)tile->numbers.given_up);
     }
     return status == PBW_ERROR_BACKEND ? cannot(w, w->out)
          : fail(w->j, "tile %lu: %s", (unsigned long)p, pbw_status_string(status));
@@ -417,14 +421,14 @@ static pbw_status run_tile(const work *w, pbwt_tile *tile, size_t p)
     return status;
 }
 
-static int save_facets(const work *w, const pbwt_tile *tile, size_t p)
+static int save(const work *w, const char *what, size_t p, const void *items, size_t count, size_t size)
 {
     char name[NAME];
     FILE *file;
     int good;
     errno = 0;
-    file = fopen(name_of(w, "facets", p, name), "wb");
-    good = file != NULL && fwrite(tile->facets, sizeof *tile->facets, tile->facet_count, file) == tile->facet_count;
+    file = fopen(name_of(w, what, p, name), "wb");
+    good = file != NULL && fwrite(items, size, count, file) == count;
     good = (file == NULL || fclose(file) == 0) && good;
     return good ? 0 : cannot(w, name);
 }
@@ -433,7 +437,9 @@ static int save_facets(const work *w, const pbwt_tile *tile, size_t p)
 static int end_tile(work *w, pbwtf_writer *chunk, const pbwt_tile *tile, size_t p)
 {
     tile_state *t = w->tile + p;
-    int failed = pbwtf_end(chunk, tile, (int)w->s.dim) ? save_facets(w, tile, p) : cannot(w, w->out);
+    int failed = pbwtf_end(chunk, tile, (int)w->s.dim) ? 0 : cannot(w, w->out);
+    failed = failed ? failed : save(w, "facets", p, tile->facets, tile->facet_count, sizeof *tile->facets);
+    failed = failed ? failed : save(w, "border", p, tile->border, tile->border_count, sizeof *tile->border);
     if (failed) {
         return failed;
     }
@@ -643,7 +649,7 @@ static int build_rest(work *w, FILE *out)
     return failed;
 }
 
-/* ---- leftovers: tiles are built again, without output, for what they know of them */
+/* ---- leftovers: what tiles know of them is in their chunks, and in their borders */
 
 static int compare_ids(const void *a, const void *b)
 {
@@ -651,102 +657,120 @@ static int compare_ids(const void *a, const void *b)
     return x < y ? -1 : x > y;
 }
 
-/* The ids of all points given up, from the chunks. */
-static uint64_t *given_ids(const work *w, size_t count)
+/* A finished chunk of the output that is not complete yet. */
+static int view_chunk(const work *w, const pbwtf_map *chunks, size_t p, pbwtf_view *view)
+{
+    char error[PBWTF_ERROR];
+    pbwtf_header header;
+    pbwtf_file file;
+    memset(&header, 0, sizeof header);
+    header.dim = w->s.dim;
+    header.flags = (w->s.weighted ? PBWTF_WEIGHTS : 0) | (w->s.links ? PBWTF_LINKS : 0);
+    header.chunks = 1;
+    file.map = *chunks;
+    file.header = &header;
+    file.table = &w->tile[p].entry;
+    return pbwtf_view_of(&file, 0, view, error);
+}
+
+/* A tile as it was when it ended, for pbwt_leftovers; foreign points, only their ids, are allocated.  Returns 0
+   without memory. */
+static int recall(const work *w, const pbwtf_view *view, const pbwtf_map *border, size_t p, pbwt_tile *tile)
+{
+    const size_t count = (size_t)view->chunk->foreign, each = view->foreign_size;
+    pbwt_vertex *foreign = (pbwt_vertex *)calloc(count + 1, sizeof *foreign);
+    size_t i;
+    memset(tile, 0, sizeof *tile);
+    tile->dim = (int)w->s.dim;
+    tile->tree = w->tree + p;
+    tile->numbers.simplices = (size_t)view->chunk->simplices;
+    tile->leftovers = view->given;
+    tile->leftover_count = (size_t)view->chunk->given;
+    tile->border = (const uint32_t *)(const void *)border->data;
+    tile->border_count = border->size / sizeof(uint32_t);
+    tile->foreign = foreign;
+    tile->foreign_count = count;
+    for (i = 0; i < count && foreign != NULL; i++) {
+        memcpy(&foreign[i].point.id, view->foreign + (i + 1) * each - 2, sizeof foreign[i].point.id);
+    }
+    return foreign != NULL;
+}
+
+/* The ids of all points given up, ascending. */
+static uint64_t *given_ids(const work *w, const pbwtf_map *chunks, size_t count)
 {
     uint64_t *ids = (uint64_t *)malloc((count + 1) * sizeof *ids);
-    FILE *file = fopen(w->out, "rb");
+    pbwtf_view view;
     size_t p, i, n = 0;
-    int good = ids != NULL && file != NULL;
-    for (p = 0; p < w->s.parts && good; p++) {
-        pbwtf_chunk chunk;
-        good = fseek(file, (long)w->tile[p].entry.offset, SEEK_SET) == 0 && fread(&chunk, sizeof chunk, 1, file) == 1
-            && fseek(file, (long)(w->tile[p].entry.offset + pbwtf_across_offset(&chunk) - (chunk.given + 1) / 2 * 8),
-                     SEEK_SET) == 0;
-        for (i = 0; i < w->tile[p].given && good; i++) {
-            uint32_t index;
-            good = fread(&index, sizeof index, 1, file) == 1 && index < w->tree[p].count && n < count;
-            ids[n++] = good ? w->tree[p].points[index].id : 0;
+    for (p = 0; p < w->s.parts && ids != NULL; p++) {
+        const size_t lost = view_chunk(w, chunks, p, &view) ? (size_t)view.chunk->given : 0;
+        for (i = 0; i < lost && n < count; i++) {
+            ids[n++] = w->tree[p].points[view.given[i]].id;
         }
     }
-    if (file != NULL) {
-        fclose(file);
+    if (ids != NULL) {
+        qsort(ids, n, sizeof *ids, compare_ids);
     }
-    if (!good) {
-        free(ids);
-        return NULL;
-    }
-    qsort(ids, n, sizeof *ids, compare_ids);
     return ids;
 }
 
-typedef struct knowing { const work *w; const uint64_t *ids; size_t count; pbwt_bytes *piece; } knowing;
-
-static pbw_status know_some(void *arg, size_t p, size_t to)
-{
-    const knowing *k = (const knowing *)arg;
-    pbwt_options options = k->w->options;
-    pbw_status status = PBW_OK;
-    options.build = share_of(k->w, k->w->jobs);
-    options.build.progress = k->w->jobs > 1 ? is_interrupted : options.build.progress;
-    options.emit = NULL;
-    options.no_links = 1;
-    for (; p < to && status == PBW_OK; p++) {
-        pbwt_tile tile;
-        status = pbwt_open(&tile, k->w->tree + p, k->w->summary, (int)k->w->s.parts, &options);
-        status = status != PBW_OK ? status : run_tile(k->w, &tile, p);
-        status = status != PBW_OK ? status : pbwt_leftovers(&tile, k->ids, k->count, k->piece + p);
-        pbwt_close(&tile);
-    }
-    return status;
-}
-
 /* What all tiles know of the points given up, in the order of the tiles. */
-static pbw_status know(const work *w, const uint64_t *ids, size_t count, pbwt_bytes *known)
+static pbw_status know(const work *w, const pbwtf_map *chunks, const uint64_t *ids, size_t count, pbwt_bytes *known)
 {
-    knowing k;
-    pbw_status status = PBW_ERROR_MEMORY;
-    size_t p, all = 0;
-    k.w = w;
-    k.ids = ids;
-    k.count = count;
-    k.piece = (pbwt_bytes *)calloc(w->s.parts, sizeof *k.piece);
-    if (k.piece != NULL) {
-        status = for_tiles(w, know_some, &k);
-    }
+    pbw_status status = PBW_OK;
+    size_t p;
     for (p = 0; p < w->s.parts && status == PBW_OK; p++) {
-        all += k.piece[p].size;
-    }
-    known->data = status == PBW_OK ? (char *)malloc(all + 1) : NULL;
-    status = status == PBW_OK && known->data == NULL ? PBW_ERROR_MEMORY : status;
-    for (p = 0; p < w->s.parts && k.piece != NULL; p++) {
-        if (status == PBW_OK && k.piece[p].size > 0) {
-            memcpy(known->data + known->size, k.piece[p].data, k.piece[p].size);
-            known->size += k.piece[p].size;
+        char name[NAME], error[PBWTF_ERROR], *grown = NULL;
+        pbwtf_map border = { NULL, 0 };
+        pbwt_bytes piece = { NULL, 0 };
+        pbwtf_view view;
+        pbwt_tile tile;
+        if (!pbwtf_map_file(name_of(w, "border", p, name), &border, error) || !view_chunk(w, chunks, p, &view)) {
+            pbwtf_unmap(&border);
+            return PBW_ERROR_BACKEND;
         }
-        pbwt_bytes_free(w->tree + p, k.piece + p);
+        status = recall(w, &view, &border, p, &tile) ? pbwt_leftovers(&tile, ids, count, &piece) : PBW_ERROR_MEMORY;
+        grown = status == PBW_OK ? (char *)realloc(known->data, known->size + piece.size + 1) : NULL;
+        if (grown != NULL) {
+            memcpy(grown + known->size, piece.data, piece.size);
+            known->data = grown;
+            known->size += piece.size;
+        }
+        status = status == PBW_OK && grown == NULL ? PBW_ERROR_MEMORY : status;
+        free((void *)(size_t)tile.foreign);
+        pbwt_bytes_free(w->tree + p, &piece);
+        pbwtf_unmap(&border);
+        pbwtf_forget(w->map + p);
     }
-    free(k.piece);
     return status;
 }
 
+/* Triangulates the leftovers at once, and writes them as the last chunk. */
 static int build_leftovers(work *w, FILE *out, size_t count)
 {
-    uint64_t *ids = given_ids(w, count);
+    const size_t limit = w->options.build.memory_limit;
     pbwt_bytes known = { NULL, 0 };
+    uint64_t *ids = NULL;
+    char error[PBWTF_ERROR];
+    pbwtf_map chunks;
     pbwtf_writer chunk;
+    pbwt_options options = w->options;
     pbwt_tile tile;
-    pbw_status status;
+    pbw_status status = PBW_ERROR_MEMORY;
     int failed;
     memset(&tile, 0, sizeof tile);
-    if (ids == NULL) {
+    if (fseek(out, (long)w->s.size, SEEK_SET) != 0 || !pbwtf_map_file(w->out, &chunks, error)) {
         return cannot(w, w->out);
     }
-    status = know(w, ids, count, &known);
+    ids = given_ids(w, &chunks, count);
+    status = ids != NULL ? know(w, &chunks, ids, count, &known) : PBW_ERROR_MEMORY;
+    pbwtf_unmap(&chunks);
+    free(ids);
     pbwtf_begin(&chunk, out, NULL, w->s.parts, (w->s.weighted ? PBWTF_WEIGHTS : 0) | (w->s.links ? PBWTF_LINKS : 0));
-    w->options.emit = pbwtf_emit;
-    w->options.emit_user = &chunk;
-    status = status != PBW_OK ? status : pbwt_finish(&tile, (int)w->s.dim, (int)w->s.parts, &known, &w->options);
+    options.emit = pbwtf_emit;
+    options.emit_user = &chunk;
+    options.build.memory_limit = limit > known.size ? limit - known.size : 1;
+    status = status != PBW_OK ? status : pbwt_finish(&tile, (int)w->s.dim, (int)w->s.parts, &known, &options);
     tile.numbers.given_up = count;
     failed = status == PBW_OK ? end_tile(w, &chunk, &tile, w->s.parts) : explain_tile(w, &tile, w->s.parts, status);
     if (!failed) {
@@ -755,7 +779,6 @@ static int build_leftovers(work *w, FILE *out, size_t count)
     }
     pbwt_close(&tile);
     free(known.data);
-    free(ids);
     return failed;
 }
 
@@ -941,14 +964,14 @@ static int prepare(work *w)
 
 static void clean(work *w)
 {
-    static const char *const kinds[] = { "points", "tree", "facets" };
+    static const char *const kinds[] = { "points", "tree", "facets", "border" };
     char name[NAME];
     size_t p, k;
     for (p = 0; p < w->s.parts; p++) {
         pbwtf_unmap(w->map + p);
     }
     for (p = 0; p <= w->s.parts; p++) {
-        for (k = 0; k < 3; k++) {
+        for (k = 0; k < 4; k++) {
             remove(name_of(w, kinds[k], p, name));
         }
     }
