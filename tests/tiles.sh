@@ -226,6 +226,18 @@ if command -v mpirun > /dev/null && [ -x "$bin/mpi" ]; then
         [ $code != 0 ] && [ $code != 124 ]
     }
     check "MPI: a rank that dies ends all" mpi_killed
+    touch r.pbwt.0 r.pbwt.1                          # as a killed run leaves them
+    check "MPI: and the next run is as any" ranks 3 k0.3.bin --threads 2
+    mpi_short() {   # a limit of rank 1's address space: its own allocations fail, outside of its tile
+        for limit in 280000 320000 360000; do
+            mpirun -np 3 sh -c "[ \$OMPI_COMM_WORLD_RANK != 1 ] || ulimit -v $limit
+                exec '$bin/mpi' --generate 1000000" > said 2>&1 && return 1
+            grep '^mpi: rank 1: .*memory' said && return 0
+        done
+        cat said
+        return 1
+    }
+    check "MPI: a rank without memory ends all, and says so" mpi_short
 else
     skip "MPI: no mpirun, or no mpicc"
 fi
