@@ -2,7 +2,7 @@
    a few of the ranks, spread over all of them, with answers by the trees of the others.  If all ranks work, also
    their processor time beside that of one triangulation, one thread each, and whether the hashes agree.
    cc -O2 -I. -Iexamples/lib -Itests bench/tiles.c -o tiles -lpthread -lm
-   ./tiles RANKS POINTS_A_RANK [KIND [OF]]           KIND: of tests/inputs.h, ellipsoid, or torus; OF: how many work */
+   ./tiles RANKS POINTS_A_RANK [KIND [OF]]    KIND: of tests/inputs.h, ellipsoid or torus; OF: how many work */
 #define PBW_IMPLEMENTATION
 #include "pbw.h"
 #define PBW_TILES_IMPLEMENTATION
@@ -37,7 +37,7 @@ static void need(pbw_status status)
     }
 }
 
-/* Surfaces whose points are not on a common sphere: an ellipsoid of half axes 1, 0.7, 0.4, and a torus of radii 1, 0.3. */
+/* Surfaces that are no sphere: an ellipsoid of half axes 1, 0.7, 0.4, and a torus of radii 1, 0.3. */
 enum { ELLIPSOID = INPUT_KINDS, TORUS, KINDS };
 
 static const char *kind_name(int kind)

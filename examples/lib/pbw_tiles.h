@@ -1961,7 +1961,7 @@ static pbw_status pbwt__certify(struct pbwt__tile *t)
         status = pbwt__guess(t, most, &options, &too_many);
     }
     for (i = 0; i < t->queue.count && status == PBW_OK && !too_many; i += count) {
-        count = t->queue.count - i < PBWT__WAVE ? t->queue.count - i : PBWT__WAVE;
+        count = t->queue.count - i < PBWT__WAVE ? t->queue.count - i : (size_t)PBWT__WAVE;
         status = pbwt__test_wave(t, i, count, &options);
         too_many = t->tile->numbers.questions - before > most;
     }
