@@ -16,7 +16,7 @@
    HOW
    Points travel to the rank whose brick has them (a sorted sample of all ranks gives the cuts); then each rank works
    through pbw_tiles.h: asks, answers, takes; rank 0 triangulates the leftovers; facets meet their other side at the
-   rank that their smallest id names.  Messages go to ranks that have something to say to each other only.
+   rank that owns their vertex of the smallest id.  Messages go to ranks that have something to say to each other only.
 
    PROMISES  (tests/tiles.sh guards them)
      exact       the simplices, links and hash of one machine, for any number of ranks
@@ -485,7 +485,7 @@ static pbw_status pbwm__leftovers(pbwm__work *w)
 }
 
 /* ------------------------------------------------------------------------------------------------------
-   Links across tiles: facets meet at the rank that their lowest id names, and go back.
+   Links across tiles: facets meet at the rank that owns the vertex of the lowest id, and go back.
    ------------------------------------------------------------------------------------------------------ */
 static int pbwm__compare_facets(const void *a, const void *b)        /* the order in which a tile has them */
 {
@@ -493,7 +493,7 @@ static int pbwm__compare_facets(const void *a, const void *b)        /* the orde
     return x < y ? -1 : x > y;
 }
 
-/* Sends facets there (to the rank of their lowest id) or back. */
+/* Sends facets there, to the owner of their lowest id, or back. */
 static pbw_status pbwm__send_facets(pbwm__work *w, pbwt_bytes *facets, int back)
 {
     pbwm__group *g = w->g;
@@ -503,7 +503,7 @@ static pbw_status pbwm__send_facets(pbwm__work *w, pbwt_bytes *facets, int back)
     pbw_status status;
     size_t i;
     for (i = 0; i < count && to != NULL; i++) {      /* leftovers, tile `ranks`, are on rank 0 */
-        to[i] = (int)((back ? facet[i].from >> 40 : pbwm__mixed(facet[i].id[0])) % (uint64_t)g->ranks);
+        to[i] = (int)((back ? facet[i].from >> 40 : facet[i].to) % (uint64_t)g->ranks);
     }
     status = pbwm__send_records(g, facet, count, sizeof *facet, to, w->message);
     pbwm__give(g, to);

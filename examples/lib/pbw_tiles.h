@@ -134,7 +134,8 @@ PBWTDEF void pbwt_bytes_free(const pbwt_tree *tree, pbwt_bytes *bytes);
 typedef struct pbwt_facet {                /* ids ascending, in the plane the last is 0 */
     uint64_t id[3];
     uint64_t from;                         /* where it is: part << 40 | simplex << 2 | corner */
-    uint64_t to;                           /* pbwt_match: what is across, or PBWT_NOTHING */
+    uint64_t to;                           /* in a tile: the part that owns id[0], a good place for pbwt_match, which
+                                              puts here what is across, or PBWT_NOTHING */
 } pbwt_facet;
 #define PBWT_NOTHING 0xffffffffffffffffu
 
@@ -1996,21 +1997,31 @@ static int pbwt__id_before(const void *a, const void *b, int how)
     return x < y;
 }
 
-/* Notes a facet that another part may have, too.  id: of the corners of the simplex. */
-static int pbwt__open_facet(pbwt__emission *e, const uint64_t *id, size_t number, size_t corner)
+typedef struct pbwt__corner { uint64_t id; uint32_t local; } pbwt__corner;
+
+static uint32_t pbwt__owner(const pbwt_tile *tile, uint32_t local)               /* the part of a point of a tile */
 {
-    const size_t corners = (size_t)e->mesh->dim + 1;
+    const size_t own = tile->tree != NULL ? tile->tree->count : 0;
+    return local < own ? (uint32_t)tile->tree->part : tile->foreign[local - own].part;
+}
+
+/* Notes a facet, across from `corner`, that another part may have, too. */
+static int pbwt__open_facet(pbwt__emission *e, const pbwt__corner *corners, size_t number, size_t corner)
+{
+    const size_t count = (size_t)e->mesh->dim + 1;
+    const pbwt__corner *least = NULL;
     pbwt_facet facet;
     size_t k, n = 0;
     memset(&facet, 0, sizeof facet);
-    for (k = 0; k < corners; k++) {
+    for (k = 0; k < count; k++) {
         if (k != corner) {
-            facet.id[n++] = id[k];
+            facet.id[n++] = corners[k].id;
+            least = least == NULL || corners[k].id < least->id ? corners + k : least;
         }
     }
-    pbwt__sort(facet.id, n, sizeof *id, pbwt__id_before, 0);
+    pbwt__sort(facet.id, n, sizeof *facet.id, pbwt__id_before, 0);
     facet.from = (uint64_t)e->part << 40 | (uint64_t)number << 2 | corner;
-    facet.to = PBWT_NOTHING;
+    facet.to = pbwt__owner(e->tile, least->local);
     return pbwt__push(e->memory, &e->facets, &facet, sizeof facet);
 }
 
@@ -2030,12 +2041,12 @@ static int pbwt__links_inside(const pbwt__emission *e, size_t simplex, uint32_t 
 
 /* The other links.  The star of the corner with the smallest id is final: facets at it without a neighbour are of
    the hull. */
-static int pbwt__links_outside(pbwt__emission *e, size_t simplex, const uint64_t *id, uint32_t *links)
+static int pbwt__links_outside(pbwt__emission *e, size_t simplex, const pbwt__corner *corner, uint32_t *links)
 {
     const size_t corners = (size_t)e->mesh->dim + 1;
     size_t k, first = 0;
     for (k = 1; k < corners; k++) {
-        first = id[k] < id[first] ? k : first;
+        first = corner[k].id < corner[first].id ? k : first;
     }
     for (k = 0; k < corners; k++) {
         if (links[k] == PBW_NONE && e->mesh->neighbors[simplex * corners + k] == PBW_NONE && k != first) {
@@ -2043,7 +2054,7 @@ static int pbwt__links_outside(pbwt__emission *e, size_t simplex, const uint64_t
             e->tile->numbers.hull++;
         } else if (links[k] == PBW_NONE) {
             links[k] = PBWT_OPEN;
-            if (!pbwt__open_facet(e, id, PBWT__U32(e->number)[simplex], k)) {
+            if (!pbwt__open_facet(e, corner, PBWT__U32(e->number)[simplex], k)) {
                 return 0;
             }
         }
@@ -2060,12 +2071,13 @@ static int pbwt__emit_one(pbwt__emission *e, size_t s, pbwt__naming *name, const
 {
     const size_t corners = (size_t)e->mesh->dim + 1;
     const int inside = e->options->no_links || pbwt__links_inside(e, s, links);
-    uint64_t id[4];
+    pbwt__corner named[4];
     size_t k;
     for (k = 0; k < corners; k++) {
-        name(user, e->mesh->simplices[s * corners + k], corner + k, inside ? NULL : id + k);
+        name(user, e->mesh->simplices[s * corners + k], &named[k].local, inside ? NULL : &named[k].id);
+        corner[k] = named[k].local;
     }
-    return inside || pbwt__links_outside(e, s, id, links);
+    return inside || pbwt__links_outside(e, s, named, links);
 }
 
 static pbw_status pbwt__hand_over(const pbwt__emission *e, size_t first, size_t count, const uint32_t *corners,
