@@ -317,9 +317,15 @@ static int pbwt__zeros(pbwt__memory *memory, pbwt__array *array, size_t count, s
 #define PBWT__BYTES(array) ((unsigned char *)(array).data)
 
 /* ------------------------------------------------------------------------------------------------------
-   Sorting: a heap sort, in place and never slower than n log n; what is sorted here is small beside the points.
+   Sorting, in place: quicksort with the median of three, heap sort where that goes too deep; n log n at worst.
    ------------------------------------------------------------------------------------------------------ */
 typedef int pbwt__before(const void *a, const void *b, int how);
+
+typedef struct pbwt__sorting {
+    size_t size;                                     /* of an item */
+    pbwt__before *before;
+    int how;
+} pbwt__sorting;
 
 static void pbwt__swap(char *a, char *b, size_t size)
 {
@@ -329,9 +335,8 @@ static void pbwt__swap(char *a, char *b, size_t size)
     memcpy(b, hold, size);
 }
 
-static void pbwt__sort(void *items, size_t count, size_t size, pbwt__before *before, int how)
+static void pbwt__heap_sort(const pbwt__sorting *s, char *data, size_t count)
 {
-    char *data = (char *)items;
     size_t heap = count / 2, end = count;
     while (end > 1) {
         size_t at, child;
@@ -339,16 +344,72 @@ static void pbwt__sort(void *items, size_t count, size_t size, pbwt__before *bef
             heap--;
         } else {
             end--;
-            pbwt__swap(data, data + end * size, size);
+            pbwt__swap(data, data + end * s->size, s->size);
         }
         for (at = heap; 2 * at + 1 < end; at = child) {
             child = 2 * at + 1;
-            child += child + 1 < end && before(data + child * size, data + (child + 1) * size, how);
-            if (!before(data + at * size, data + child * size, how)) {
+            child += child + 1 < end && s->before(data + child * s->size, data + (child + 1) * s->size, s->how);
+            if (!s->before(data + at * s->size, data + child * s->size, s->how)) {
                 break;
             }
-            pbwt__swap(data + at * size, data + child * size, size);
+            pbwt__swap(data + at * s->size, data + child * s->size, s->size);
         }
+    }
+}
+
+/* Splits items, at least three, by one of them; returns its place: none before it is larger, none after smaller. */
+static size_t pbwt__split(const pbwt__sorting *s, char *data, size_t count)
+{
+    char *first = data, *middle = data + count / 2 * s->size, *last = data + (count - 1) * s->size;
+    size_t low = 0, high = count;
+    if (s->before(middle, first, s->how)) {
+        pbwt__swap(middle, first, s->size);
+    }
+    if (s->before(last, middle, s->how)) {
+        pbwt__swap(last, middle, s->size);
+    }
+    if (s->before(first, middle, s->how)) {          /* the median of the three goes first */
+        pbwt__swap(first, middle, s->size);
+    }
+    for (;;) {
+        while (++low < count && s->before(data + low * s->size, data, s->how)) {
+        }
+        while (s->before(data, data + --high * s->size, s->how)) {
+        }
+        if (low >= high) {
+            break;
+        }
+        pbwt__swap(data + low * s->size, data + high * s->size, s->size);
+    }
+    pbwt__swap(data, data + high * s->size, s->size);
+    return high;
+}
+
+static void pbwt__sort(void *items, size_t count, size_t size, pbwt__before *before, int how)
+{
+    struct { char *data; size_t count; int depth; } stack[64], job;
+    pbwt__sorting s;
+    int jobs = 1;
+    s.size = size;
+    s.before = before;
+    s.how = how;
+    stack[0].data = (char *)items;
+    stack[0].count = count;
+    stack[0].depth = 0;
+    while (jobs > 0) {
+        size_t at;
+        job = stack[--jobs];
+        if (job.count < 12 || job.depth > 60) {
+            pbwt__heap_sort(&s, job.data, job.count);
+            continue;
+        }
+        at = pbwt__split(&s, job.data, job.count);
+        stack[jobs].data = job.data;
+        stack[jobs].count = at;
+        stack[jobs++].depth = job.depth + 1;
+        stack[jobs].data = job.data + (at + 1) * size;
+        stack[jobs].count = job.count - at - 1;
+        stack[jobs++].depth = job.depth + 1;
     }
 }
 
