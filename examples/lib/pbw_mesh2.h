@@ -1921,10 +1921,12 @@ static pbw_index pbwp__add_vertex(pbwp__refiner *r, const double *at, pbw_index 
         || !pbwp__room(&job->memory, &job->vertex_host, 1, sizeof(pbw_index))
         || (r->has_sizes && !pbwp__room(&job->memory, &job->sizes, 1, sizeof(double)))) {
         r->no_memory = 1;
+    }
+    job->p = PBWP__DOUBLES(job->points);             /* they may be elsewhere, even if others did not grow */
+    job->incident = PBWP__INDICES(job->incidents);
+    if (r->no_memory) {
         return PBW_NONE;
     }
-    job->p = PBWP__DOUBLES(job->points);
-    job->incident = PBWP__INDICES(job->incidents);
     memcpy(job->p + 2 * v, p, sizeof p);
     job->incident[v] = PBW_NONE;
     PBWP__INDICES(job->vertex_host)[v] = host;
