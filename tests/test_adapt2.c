@@ -1,5 +1,5 @@
-/* test_adapt2.c: pbw_adapt2.h: measures against closed forms, smoothing, adaptation and transfer, each mesh by the exact
-   check of planes.h. */
+/* test_adapt2.c: pbw_adapt2.h: measures against closed forms, smoothing, adaptation and transfer, each mesh by the
+   exact check of planes.h. */
 #include "pbw.h"
 #define PBW_MESH2_IMPLEMENTATION
 #include "../examples/lib/pbw_mesh2.h"
@@ -12,7 +12,8 @@
 
 /* A plate of 10 by 6 with a hole, a wall inside, and a slit that ends inside; regions 3 and 5 of the caller. */
 static const double plate_points[] = { 0, 0, 10, 0, 10, 6, 0, 6, 2, 2, 3, 2, 3, 3, 2, 3, 5, 0, 5, 6, 7, 2, 8.3, 3.1 };
-static const pbw_index plate_segments[] = { 0, 8, 8, 1, 1, 2, 2, 9, 9, 3, 3, 0, 4, 5, 5, 6, 6, 7, 7, 4, 8, 9, 10, 11 };
+static const pbw_index plate_segments[] = { 0, 8, 8, 1, 1, 2, 2, 9, 9, 3, 3, 0, 4, 5, 5, 6, 6, 7, 7, 4, 8, 9,
+                                            10, 11 };
 static const pbw_index plate_ids[] = { 20, 20, 21, 22, 22, 23, 24, 24, 24, 24, 25, 26 };
 static const double plate_holes[] = { 2.5, 2.5 };
 static const pbw_plane_region plate_regions[] = { { 9, 5, 0 }, { 1, 1, 0 } };
