@@ -150,7 +150,7 @@ test: export QUICK = 1
 QUICK_test_predicates = --count 50000
 QUICK_test_threads = --count 800
 QUICK_test_scalar = --count 800
-QUICK_test_tiles = --count 500
+QUICK_test_tiles = --count 1000
 programs: LOGS = $(TESTS:%=$B/%.log)
 examples: LOGS = $B/examples.log
 oracle: LOGS = $B/oracle.log
