@@ -377,7 +377,7 @@ static void sequence(int dim, int kind, int weighted, int threads, int commits, 
 
 static void test_sequences(void)
 {
-    int dim, kind, weighted, commits = (int)test_count;
+    int dim, kind, weighted, commits = (int)(test_count > 400 ? 400 + (test_count - 400) / 20 : test_count);
     for (dim = 2; dim <= 3; dim++) {
         for (kind = 0; kind < KINDS; kind++) {
             for (weighted = 0; weighted < 2; weighted++) {
@@ -555,7 +555,7 @@ static void test_memory(void)
     for (dim = 2; dim <= 3; dim++) {
         if (test_begin("memory: %dD", dim)) {
             const size_t n = 2000;
-            const long rounds = test_count > 1000 ? 10000 : 60;      /* 100 operations each: a million if long */
+            const long rounds = test_count > 5000 ? 10000 : test_count > 1000 ? 300 : 60;    /* of 100 operations */
             double points[300];
             pbw_index *ids = (pbw_index *)zoo_grow(NULL, n * sizeof(pbw_index));
             pbw_options options;

@@ -1,5 +1,5 @@
-/* test_live_local.c: the tests of test_live.c, with a rebuild only where there is no other way, however slow; moves are
-   verified all at once in every other commit, and in the rest made one by one. */
+/* test_live_local.c: the tests of test_live.c, with a rebuild only where there is no other way, however slow; moves
+   are verified all at once in every other commit, and in the rest made one by one. */
 #define PBW_IMPLEMENTATION
 static double verify_at;
 #define PBW__REBUILD_AT(dim) (1e9)
