@@ -9319,6 +9319,7 @@ static uint64_t pbw__hash_point(const pbw_mesh *mesh, size_t p)
 typedef struct pbw__hashing {
     const pbw_mesh *mesh;
     const unsigned char *chosen;                     /* NULL: all */
+    uint64_t *point;                                 /* a number for each; NULL: no memory, they are made each time */
     uint64_t sum;                                    /* ranges add theirs, in any order */
 } pbw__hashing;
 
@@ -9327,8 +9328,12 @@ static pbw_status pbw__hash_points(void *arg, size_t p, size_t end)
     pbw__hashing *hashing = (pbw__hashing *)arg;
     uint64_t sum = 0;
     for (; p < end; p++) {
-        if (hashing->mesh->canonical[p] == p && (hashing->chosen == NULL || hashing->chosen[p])) {
-            sum += pbw__hash_point(hashing->mesh, p);        /* mixed well enough to be summed */
+        if (hashing->mesh->canonical[p] == p) {      /* no corner is another */
+            const uint64_t point = pbw__hash_point(hashing->mesh, p);
+            if (hashing->point != NULL) {
+                hashing->point[p] = point;
+            }
+            sum += hashing->chosen == NULL || hashing->chosen[p] ? point : 0;        /* mixed well enough */
         }
     }
     (void)PBW__ADD(&hashing->sum, sum);
@@ -9342,11 +9347,15 @@ static pbw_status pbw__hash_simplices(void *arg, size_t s, size_t end)
     uint64_t sum = 0;
     size_t k;
     for (; s < end; s++) {
+        const pbw_index *corner = hashing->mesh->simplices + s * corners;
         uint64_t points = 0;
-        for (k = 0; k < corners; k++) {
-            points += pbw__hash_point(hashing->mesh, hashing->mesh->simplices[s * corners + k]);
+        if (hashing->chosen != NULL && !hashing->chosen[s]) {
+            continue;
         }
-        sum += hashing->chosen == NULL || hashing->chosen[s] ? pbw__mix(points) : 0;
+        for (k = 0; k < corners; k++) {
+            points += hashing->point != NULL ? hashing->point[corner[k]] : pbw__hash_point(hashing->mesh, corner[k]);
+        }
+        sum += pbw__mix(points);
     }
     (void)PBW__ADD(&hashing->sum, sum);
     return PBW_OK;
@@ -9356,13 +9365,14 @@ PBWDEF pbw_status pbw_hash_parts(const pbw_mesh *mesh, const unsigned char *poin
                                  const pbw_options *options, pbw_hash_sums *sums)
 {
     pbw__context context;
-    pbw__hashing hashing = { mesh, points, 0 };
+    pbw__hashing hashing = { mesh, points, NULL, 0 };
     pbw_status status;
     if (mesh == NULL || sums == NULL) {
         return PBW_ERROR_ARGUMENT;
     }
     status = pbw__begin_call(&context, options, mesh->point_count, PBW_STAGE_WORK);
     if (status == PBW_OK) {
+        hashing.point = (uint64_t *)pbw__allocate(&context.memory, mesh->point_count, sizeof(uint64_t));
         status = pbw__for_range(&context, mesh->point_count, 16384, 0.1, pbw__hash_points, &hashing);
     }
     sums->points = hashing.sum;
@@ -9372,6 +9382,7 @@ PBWDEF pbw_status pbw_hash_parts(const pbw_mesh *mesh, const unsigned char *poin
         status = pbw__for_range(&context, mesh->simplex_count, 16384, 1.0, pbw__hash_simplices, &hashing);
     }
     sums->simplices = hashing.sum;
+    pbw__release(&context.memory, hashing.point, mesh->point_count, sizeof(uint64_t));
     return pbw__end_call(&context, status);
 }
 
