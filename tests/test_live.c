@@ -588,6 +588,163 @@ static void test_memory(void)
     }
 }
 
+/* ---- from a mesh: of any flags, and of arrays that are wrong
+   Does a live triangulation made of this mesh hold the model, and still after some changes? */
+static int note_build(void *user, pbw_stage stage, double done)
+{
+    (void)done;
+    *(int *)user |= stage == PBW_STAGE_BUILD;
+    return 0;
+}
+
+static void check_adopted(const pbw_mesh *mesh, model *m, int kind, int threads, int wrong)
+{
+    pbw_options options;
+    pbw_live *live;
+    int i, built = 0;
+    memset(&options, 0, sizeof options);
+    options.threads = threads;
+    options.progress = note_build;
+    options.progress_user = &built;
+    if (CHECK(pbw_live_create(mesh, &options, &live) <= PBW_DEGENERATE) && CHECK(model_agrees(m, live))) {
+        CHECK(wrong < 0 || built == (mesh->neighbors == NULL || mesh->simplex_count == 0));
+        for (i = 0; i < 6; i++) {
+            (void)model_change(m, live, kind, i % 4);
+        }
+        CHECK(pbw_live_commit(live, NULL) <= PBW_DEGENERATE);
+        CHECK(model_agrees(m, live));
+    }
+    pbw_live_free(live);
+}
+
+static void model_copy(model *to, const model *from)
+{
+    model_start(to, from->dim, from->state);
+    to->weighted = from->weighted;
+    model_room(to, from->count);
+    memcpy(to->points, from->points, from->count * 3 * sizeof(double));
+    memcpy(to->weights, from->weights, from->count * sizeof(double));
+    memcpy(to->lives, from->lives, from->count);
+}
+
+/* A model of random points, numbered as in the mesh, and their mesh with these flags. */
+static pbw_status model_random(model *m, int kind, size_t count, unsigned flags, double **points, pbw_mesh *mesh)
+{
+    const size_t dim = (size_t)m->dim;
+    pbw_options options;
+    pbw_status status;
+    size_t i;
+    memset(&options, 0, sizeof options);
+    options.flags = flags;
+    options.threads = 1;
+    model_room(m, count);
+    *points = (double *)zoo_grow(NULL, (count * dim + 1) * sizeof(double));
+    for (i = 0; i < count; i++) {
+        m->lives[i] = 1;
+        model_point(m, kind, m->points + 3 * i);
+        memcpy(*points + i * dim, m->points + 3 * i, dim * sizeof(double));
+        m->weights[i] = m->weighted ? model_weight(m, kind) : 0;
+    }
+    status = pbw_triangulate(m->dim, *points, m->weighted ? m->weights : NULL, count, &options, mesh);
+    for (i = 0; i < count && CHECK(status <= PBW_DEGENERATE); i++) {
+        memcpy(m->points + 3 * i, mesh->points + dim * i, dim * sizeof(double));
+        m->weights[i] = mesh->weights != NULL ? mesh->weights[i] : 0;
+    }
+    return status;
+}
+
+static void test_adopted(void)
+{
+    static const unsigned flags[5] = { 0, PBW_NO_NEIGHBORS, PBW_ANY_ORDER, PBW_CURVE_ORDER, PBW_BORROW };
+    int dim, kind, weighted, i;
+    for (dim = 2; dim <= 3; dim++) {
+        for (kind = 0; kind < KINDS; kind++) {
+            if (!test_begin("from a mesh: %dD %s", dim, kind_name[kind])) {
+                continue;
+            }
+            for (weighted = 0; weighted < 2; weighted++) {
+                for (i = 0; i < 5; i++) {
+                    static const size_t counts[4] = { 5, 40, 300, 3000 };
+                    const size_t count = counts[i == 0 ? 3 : (size_t)i % 3];
+                    model m;
+                    pbw_mesh mesh;
+                    double *points;
+                    model_start(&m, dim, test_seed * 31 + (uint64_t)(100 * kind + 10 * i + weighted));
+                    m.weighted = weighted;
+                    (void)model_random(&m, kind, count, flags[i], &points, &mesh);
+                    check_adopted(&mesh, &m, kind, 1 + 2 * (i % 3), 0);
+                    pbw_free(&mesh);
+                    free(points);
+                    model_free(&m);
+                }
+            }
+            test_end();
+        }
+    }
+}
+
+/* Arrays with a fault: the points are triangulated all the same. */
+static void test_wrong(void)
+{
+    const long tries = test_count < 400 ? test_count : 400;
+    int dim, weighted;
+    long i;
+    for (dim = 2; dim <= 3; dim++) {
+        for (weighted = 0; weighted < 2; weighted++) {
+            if (!test_begin("from a wrong mesh: %dD%s", dim, weighted ? ", weighted" : "")) {
+                continue;
+            }
+            for (i = 0; i < tries && test_faults == 0; i++) {
+                const int kind = (int)(i / 8) % KINDS;
+                model m, all;
+                pbw_mesh mesh;
+                double *points;
+                model_start(&m, dim, test_seed * 57 + (uint64_t)i);
+                m.weighted = weighted;
+                if (model_random(&m, kind, 60, 0, &points, &mesh) == PBW_OK) {
+                    const uint32_t entries = (uint32_t)(mesh.simplex_count * (size_t)(dim + 1));
+                    const uint32_t at = input_below(&m.state, entries), other = input_below(&m.state, entries);
+                    pbw_index *simplices = (pbw_index *)(uintptr_t)mesh.simplices;
+                    pbw_index *neighbors = (pbw_index *)(uintptr_t)mesh.neighbors;
+                    const pbw_index old = simplices[at];
+                    switch (i % 8) {
+                    case 0: simplices[at] = simplices[other]; break;
+                    case 1: simplices[at] = input_below(&m.state, 100); break;
+                    case 2: neighbors[at] = neighbors[other]; break;
+                    case 3: neighbors[at] = PBW_NONE - input_below(&m.state, 3); break;
+                    case 4:                             /* inside out */
+                        simplices[at] = simplices[at ^ 1];
+                        simplices[at ^ 1] = old;
+                        break;
+                    case 5: mesh.simplex_count -= mesh.simplex_count / 2; break;
+                    case 6:                             /* a point elsewhere: no fault of the arrays alone */
+                        model_point(&m, kind, m.points + 3 * old);
+                        memcpy((double *)(uintptr_t)mesh.points + old * (pbw_index)dim, m.points + 3 * old,
+                               (size_t)dim * sizeof(double));
+                        break;
+                    default:                            /* two points change places */
+                        memcpy(m.points + 3 * old, mesh.points + simplices[other] * (pbw_index)dim,
+                               (size_t)dim * sizeof(double));
+                        memcpy(m.points + 3 * simplices[other], mesh.points + old * (pbw_index)dim,
+                               (size_t)dim * sizeof(double));
+                        memcpy((double *)(uintptr_t)mesh.points + old * (pbw_index)dim, m.points + 3 * old,
+                               (size_t)dim * sizeof(double));
+                        memcpy((double *)(uintptr_t)mesh.points + simplices[other] * (pbw_index)dim,
+                               m.points + 3 * simplices[other], (size_t)dim * sizeof(double));
+                    }
+                    model_copy(&all, &m);
+                    check_adopted(&mesh, &all, kind, 1, -1);
+                    model_free(&all);
+                }
+                pbw_free(&mesh);
+                free(points);
+                model_free(&m);
+            }
+            test_end();
+        }
+    }
+}
+
 /* ---- the interface */
 static void test_misuse(void)
 {
@@ -652,6 +809,8 @@ int main(int argc, char **argv)
     }
     test_refusals();
     test_cancel();
+    test_adopted();
+    test_wrong();
     test_memory();
     test_misuse();
     return test_finish();
