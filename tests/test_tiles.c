@@ -468,6 +468,35 @@ static void test_hidden(int dim)
     }
 }
 
+/* So many balls touch the other part that a sample of them tells: all is given up before anything is asked. */
+static void test_surface(void)
+{
+    if (test_begin("a surface: given up without questions")) {
+        const size_t count = 24000;
+        double *x = (double *)zoo_grow(NULL, count * 3 * sizeof *x);
+        size_t i, questions = 0;
+        pbw_mesh mesh;
+        pbw_status status;
+        run *r = run_new(3, x, NULL, count, 2);
+        input_fill(INPUT_SPHERE, 3, count, test_seed, x);
+        for (i = 0; i < count; i++) {
+            x[3 * i] *= 0.5;
+        }
+        status = pbw_triangulate(3, x, NULL, count, NULL, &mesh);
+        r->options.questions = 0.1;
+        compare(r, run_all(r), &mesh, status);
+        for (i = 0; i < 2; i++) {
+            questions += r->tile[i].numbers.questions;
+        }
+        CHECK_EQUAL(questions, 0);
+        CHECK_EQUAL(r->given_up, count);
+        run_free(r);
+        pbw_free(&mesh);
+        free(x);
+        test_end();
+    }
+}
+
 /* ---- failures */
 
 static run *failing_run(const double *x, const double *w, meter *m)
@@ -579,6 +608,7 @@ int main(int argc, char **argv)
         test_forced(dim, dim == 2 ? 400 : 200);
         test_hidden(dim);
     }
+    test_surface();
     test_zoo();
     test_memory(0);
     test_memory(1);

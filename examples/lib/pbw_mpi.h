@@ -117,11 +117,12 @@ static void *pbwm__take(const pbwm__group *g, size_t bytes)
 static void pbwm__give(const pbwm__group *g, void *data)
 {
     const pbw_options *o = &g->options.build;
-    char *block = (char *)data - 16;
+    char *block;
     size_t all;
     if (data == NULL) {
         return;
     }
+    block = (char *)data - 16;
     memcpy(&all, block, sizeof all);
     if (o->resize != NULL) {
         (void)o->resize(o->resize_user, block, all, 0);
@@ -263,7 +264,8 @@ static pbw_status pbwm__send_records(pbwm__group *g, const void *records, size_t
 /* Gives a string of this rank to all (root < 0) or to one; *all: the strings of all ranks, one after the other. */
 static pbw_status pbwm__join(pbwm__group *g, const pbwt_bytes *mine, int root, pbwt_bytes *all)
 {
-    pbwt_bytes *out = (pbwt_bytes *)pbwm__take(g, (2 * (size_t)g->ranks + 1) * sizeof *out), *in = out + g->ranks;
+    pbwt_bytes *out = (pbwt_bytes *)pbwm__take(g, (2 * (size_t)g->ranks + 1) * sizeof *out);
+    pbwt_bytes *in = out != NULL ? out + g->ranks : NULL;
     pbw_status status = pbwm__agree(g, out != NULL ? PBW_OK : PBW_ERROR_MEMORY, "room for a list of ranks");
     int p;
     for (p = 0; p < g->ranks && status == PBW_OK; p++) {

@@ -317,9 +317,9 @@ static int make_tree(const work *w, size_t p)
                             map.size / sizeof(pbwt_point), &share, &tree);
     pbwtf_unmap(&map);
     if (status != PBW_OK) {
-        return status == PBW_CANCELLED ? stopped(w->j) : fail(w->j, "tile %lu: %s%s", (unsigned long)p,
-                                                              pbw_status_string(status), status == PBW_ERROR_MEMORY
-                                                              ? "; more --tiles need less" : "");
+        return status == PBW_CANCELLED ? FAILURE         /* make_trees says so */
+             : fail(w->j, "tile %lu: %s%s", (unsigned long)p, pbw_status_string(status),
+                    status == PBW_ERROR_MEMORY ? "; more --tiles need less" : "");
     }
     failed = write_tree(w, &tree, name);
     pbwt_tree_free(&tree);
@@ -336,7 +336,7 @@ static pbw_status make_some_trees(void *arg, size_t from, size_t to)
     for (; from < to && !failed; from++) {
         failed = make_tree(w, from);
     }
-    return failed ? PBW_ERROR_BACKEND : PBW_OK;      /* it was said why */
+    return failed ? interrupted ? PBW_CANCELLED : PBW_ERROR_BACKEND : PBW_OK;
 }
 
 /* As many at a time as work.jobs. */
@@ -353,6 +353,9 @@ static int make_trees(work *w)
     char name[NAME], error[PBWTF_ERROR];
     size_t p;
     int failed = !w->s.trees && for_tiles(w, make_some_trees, w) != PBW_OK;
+    if (failed && interrupted) {
+        return stopped(w->j);
+    }
     for (p = 0; p < w->s.parts && !failed; p++) {
         tree_head head;
         if (!pbwtf_map_file(name_of(w, "tree", p, name), w->map + p, error) || w->map[p].size < sizeof head) {
