@@ -693,6 +693,60 @@ static void test_adopted(void)
     }
 }
 
+/* The same arrays by any number of threads: taken over, after all points moved a little, and after a batch. */
+static void test_thread_counts(void)
+{
+    static const int threads[3] = { 1, 2, 5 };
+    int dim, i, weighted;
+    for (dim = 2; dim <= 3; dim++) {
+        for (weighted = 0; weighted < 2; weighted++) {
+            pbw_mesh mesh, view[3][3];
+            double *points;
+            model m;
+            if (!test_begin("threads: %dD%s", dim, weighted ? ", weighted" : "")) {
+                continue;
+            }
+            model_start(&m, dim, 11);
+            m.weighted = weighted;
+            CHECK_EQUAL(model_random(&m, UNIFORM, dim == 2 ? 20000 : 6000, 0, &points, &mesh), PBW_OK);
+            memset(view, 0, sizeof view);
+            for (i = 0; i < 3; i++) {
+                pbw_options options;
+                pbw_live *live;
+                model all;
+                int c;
+                CHOOSE_WAY(1);
+                model_copy(&all, &m);
+                memset(&options, 0, sizeof options);
+                options.threads = threads[i];
+                CHECK_EQUAL(pbw_live_create(&mesh, &options, &live), PBW_OK);
+                CHECK_EQUAL(pbw_live_view(live, &view[i][0]), PBW_OK);
+                model_move_all(&all, live, UNIFORM, 1e-6);
+                CHECK_EQUAL(pbw_live_commit(live, NULL), PBW_OK);
+                CHECK_EQUAL(pbw_live_view(live, &view[i][1]), PBW_OK);
+                for (c = 0; c < 200; c++) {
+                    (void)model_change(&all, live, UNIFORM, c % 4);
+                }
+                CHECK_EQUAL(pbw_live_commit(live, NULL), PBW_OK);
+                CHECK_EQUAL(pbw_live_view(live, &view[i][2]), PBW_OK);
+                CHECK(i > 0 || model_agrees(&all, live));
+                for (c = 0; c < 3; c++) {
+                    CHECK(meshes_equal(&view[0][c], &view[i][c]));
+                }
+                pbw_live_free(live);
+                model_free(&all);
+            }
+            for (i = 0; i < 9; i++) {
+                pbw_free(&view[i / 3][i % 3]);
+            }
+            pbw_free(&mesh);
+            free(points);
+            model_free(&m);
+            test_end();
+        }
+    }
+}
+
 /* Arrays with a fault: the points are triangulated all the same. */
 static void test_wrong(void)
 {
@@ -820,6 +874,7 @@ int main(int argc, char **argv)
     test_refusals();
     test_cancel();
     test_adopted();
+    test_thread_counts();
     test_wrong();
     test_memory();
     test_misuse();
