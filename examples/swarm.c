@@ -109,7 +109,7 @@ static void report(show *w)
 {
     const double *t = w->seconds;
     qsort(w->seconds, w->frame, sizeof *t, ascending);
-    printf("%lu points: %lu frames, %lu of them the same as a rebuild\n", (unsigned long)w->s.count,
+    printf("%lu points: %lu frames; a rebuild of %lu of them was equal\n", (unsigned long)w->s.count,
            (unsigned long)w->frame, (unsigned long)w->rebuilds);
     fprintf(stderr, "milliseconds a frame: %.2f (median), %.2f (90 %%), %.2f (99 %%), %.2f (the slowest)\n",
             1e3 * t[w->frame / 2], 1e3 * t[w->frame * 9 / 10], 1e3 * t[w->frame * 99 / 100], 1e3 * t[w->frame - 1]);

@@ -268,7 +268,7 @@ static pbw_status swarm_start(swarm *s, size_t count)
     }
     return status;
 }
-/* The same cells by pbw_cells.h; what: PBW_CELLS_*. */
+/* These cells by pbw_cells.h; what: PBW_CELLS_*. */
 static pbw_status swarm_shapes(const swarm *s, unsigned what, pbw_cells *cells)
 {
     pbw_domain domain = { 0 };

@@ -7,6 +7,10 @@
 #include "test.h"
 #include <math.h>
 
+#ifndef CHOOSE_WAY
+#define CHOOSE_WAY(turn) ((void)(turn))                 /* see test_live_local.c */
+#endif
+
 /* What a live triangulation should hold: points by number. */
 typedef struct model {
     int dim, weighted;
@@ -336,6 +340,7 @@ static void sequence(int dim, int kind, int weighted, int threads, int commits, 
         pbw_changes changes;
         pbw_mesh after;
         pbw_status status;
+        CHOOSE_WAY(c);
         for (; ops > 0; ops--) {
             const int dice = (int)input_below(&m.state, 8);
             (void)model_change(&m, live, kind, mode == 0 ? 1 : mode == 1 ? 3 : dice < grow ? 0 : dice < 4 ? 1
@@ -372,7 +377,7 @@ static void sequence(int dim, int kind, int weighted, int threads, int commits, 
 
 static void test_sequences(void)
 {
-    int dim, kind, weighted, commits = (int)test_count;
+    int dim, kind, weighted, commits = (int)(test_count > 400 ? 400 + (test_count - 400) / 20 : test_count);
     for (dim = 2; dim <= 3; dim++) {
         for (kind = 0; kind < KINDS; kind++) {
             for (weighted = 0; weighted < 2; weighted++) {
@@ -400,7 +405,7 @@ static pbw_options metered(meter *m)
 
 /* A commit of all kinds of changes with the k-th request refused, for every k: it fails and leaves everything as it
    was, and the next one carries it out. */
-static void refuse(int dim, int kind, int weighted, int fail_all_after)
+static void refuse(int dim, int kind, int weighted, int moves, int fail_all_after)
 {
     long k;
     for (k = 1; k < 3000 && test_faults == 0; k++) {
@@ -431,7 +436,7 @@ static void refuse(int dim, int kind, int weighted, int fail_all_after)
         memcpy(old.weights, m.weights, m.count * sizeof(double));
         memcpy(old.lives, m.lives, m.count);
         for (i = 0; i < 12; i++) {
-            (void)model_change(&m, live, kind, i % 4);
+            (void)model_change(&m, live, kind, moves ? 2 + i % 2 : i % 4);
         }
         allocator.fail_at = allocator.requests + k;
         status = pbw_live_commit(live, &changes);
@@ -464,12 +469,16 @@ static void refuse(int dim, int kind, int weighted, int fail_all_after)
 
 static void test_refusals(void)
 {
-    int dim, weighted;
+    int dim, weighted, turn;
     for (dim = 2; dim <= 3; dim++) {
         for (weighted = 0; weighted < 2; weighted++) {
             if (test_begin("every allocation fails: %dD%s", dim, weighted ? ", weighted" : "")) {
-                refuse(dim, UNIFORM, weighted, 0);
-                refuse(dim, LATTICE, weighted, 1);
+                for (turn = 0; turn < 2; turn++) {
+                    CHOOSE_WAY(turn);
+                    refuse(dim, UNIFORM, weighted, turn, 0);
+                    refuse(dim, LATTICE, weighted, 0, 1);
+                    refuse(dim, CLUSTERS, weighted, 1, turn);
+                }
                 test_end();
             }
         }
@@ -491,8 +500,8 @@ static void test_cancel(void)
     int dim;
     for (dim = 2; dim <= 3; dim++) {
         if (test_begin("cancelled: %dD", dim)) {
-            long k, cancelled = 0;
-            for (k = 1; k < 200; k++) {
+            long k, cancelled = 0, finished = 0;
+            for (k = 1; k < 200 && finished < 4; k++) {
                 stopper s = { 0, 0 };
                 pbw_options options;
                 pbw_live *live;
@@ -512,8 +521,9 @@ static void test_cancel(void)
                 }
                 CHECK_EQUAL(pbw_live_commit(live, NULL), PBW_OK);
                 CHECK_EQUAL(pbw_live_view(live, &before), PBW_OK);
+                CHOOSE_WAY(k >> 1);
                 for (i = 0; i < 20; i++) {
-                    (void)model_change(&m, live, UNIFORM, i % 4);
+                    (void)model_change(&m, live, UNIFORM, (k & 1) != 0 ? i % 4 : 2 + i % 2);
                 }
                 s.stop_at = s.calls + k;
                 if (pbw_live_commit(live, NULL) == PBW_CANCELLED) {
@@ -524,7 +534,7 @@ static void test_cancel(void)
                     pbw_free(&after);
                     CHECK_EQUAL(pbw_live_commit(live, NULL), PBW_OK);
                 } else {
-                    k = 200;
+                    finished++;
                 }
                 s.stop_at = 0;
                 CHECK(model_agrees(&m, live));
@@ -545,7 +555,7 @@ static void test_memory(void)
     for (dim = 2; dim <= 3; dim++) {
         if (test_begin("memory: %dD", dim)) {
             const size_t n = 2000;
-            const long rounds = test_count > 1000 ? 10000 : 60;      /* 100 operations each: a million if long */
+            const long rounds = test_count > 5000 ? 10000 : test_count > 1000 ? 300 : 60;    /* of 100 operations */
             double points[300];
             pbw_index *ids = (pbw_index *)zoo_grow(NULL, n * sizeof(pbw_index));
             pbw_options options;
