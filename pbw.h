@@ -316,7 +316,8 @@ PBWDEF uint64_t pbw_hash(const pbw_mesh *mesh, const pbw_options *options);
 
 /* The two sums of which pbw_hash is made, over chosen points and simplices: those with a nonzero byte, NULL = all.
    Sums of disjoint choices add up, member by member and modulo 2^64: so the hash of a triangulation that is too large
-   for one memory is pbw_hash_of the sums of its parts. */
+   for one memory is pbw_hash_of the sums of its parts.  Holds 8 bytes a point, or without memory for them
+   takes longer. */
 typedef struct pbw_hash_sums { uint64_t points, simplices; } pbw_hash_sums;
 PBWDEF pbw_status pbw_hash_parts(const pbw_mesh *mesh, const unsigned char *points, const unsigned char *simplices,
                                  const pbw_options *options, pbw_hash_sums *sums);
