@@ -135,7 +135,7 @@ $(SCRIPTS:%=$B/%.log) $B/arm.log: $B/%.log: tests/%.sh FORCE
 	+@sh tests/run.sh $@ sh $< $B
 
 $B/test_io.log: $B/pbw
-$B/view.log: $B/pbw $B/terrain
+$B/view.log: $B/pbw $B/swarm $B/terrain
 $B/examples.log: $(patsubst %,$B/%,$(filter $(EXAMPLES) $(EXAMPLES_CXX),$(EXPECTED)))
 $B/python.log: $B/libpbw_python.so
 $B/csharp.log: $B/libpbw.so
@@ -151,7 +151,7 @@ test: export QUICK = 1
 QUICK_test_predicates = --count 50000
 QUICK_test_threads = --count 800
 QUICK_test_scalar = --count 800
-QUICK_test_tiles = --count 500
+QUICK_test_tiles = --count 1000
 programs: LOGS = $(TESTS:%=$B/%.log)
 examples: LOGS = $B/examples.log
 oracle: LOGS = $B/oracle.log

@@ -50,6 +50,12 @@ check "terrain: a whole one" [ "$(tail -n 1 "$work/terrain.html")" = "</html>" ]
 check "gas writes a page that plays" "$bin/gas" 100 "$work/gas.html"
 check "gas: of 125 frames, whole" \
     [ "$(grep -c '<script.*data-label=.time' "$work/gas.html"),$(tail -n 1 "$work/gas.html")" = "125,</html>" ]
+check "swarm writes a page that plays" "$bin/swarm" 100 310 "$work/swarm.html"
+check "swarm: of 155 frames, whole" \
+    [ "$(grep -c '<script.*data-label=.frame' "$work/swarm.html"),$(tail -n 1 "$work/swarm.html")" = "155,</html>" ]
+check "front writes a page that plays" "$bin/front" "$work/front.html"
+check "front: of 64 frames, whole" \
+    [ "$(grep -c '<script.*data-label=.time' "$work/front.html"),$(tail -n 1 "$work/front.html")" = "64,</html>" ]
 for example in steps shares; do
     check "$example writes pictures" "$bin/$example" "$work/$example.svg"
     check "$example: three of them, whole" \

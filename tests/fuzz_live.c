@@ -3,8 +3,9 @@
        make fuzz            libFuzzer where clang is installed, else random bytes
        cc -O2 -DFUZZ_MAIN tests/fuzz_live.c -o fuzz -lm -lpthread && ./fuzz --count 100000 --seed 1 */
 #define PBW_IMPLEMENTATION
+static double verify_at;
 #define PBW__REBUILD_AT(dim) (1e9)                     /* so few points would always be triangulated anew */
-#define PBW__VERIFY_AT(dim) (0.0)
+#define PBW__VERIFY_AT(dim) verify_at
 #include "../pbw.h"
 #if defined(__clang__)                                 /* coverage of the library is to guide the fuzzer, not ours */
 #pragma clang attribute push(__attribute__((no_sanitize("coverage"))), apply_to = function)
@@ -66,7 +67,9 @@ static const char *play(state *s, pbw_live *live, const pbw_options *options, co
         const int i = (data[at] >> 2) % s->in.count, what = data[at] & 3, other = data[(at + 1) % size] % s->in.count;
         double *p = s->in.points + (size_t)i * dim;
         if (what == 3) {
-            const pbw_status status = pbw_live_commit(live, NULL);
+            pbw_status status;
+            verify_at = (at & 1) != 0 ? 0.0 : 1e9;       /* moves all at once, or one by one */
+            status = pbw_live_commit(live, NULL);
             fault = status == PBW_OK || status == PBW_DEGENERATE ? judge(s, live, options) : "a status";
         } else if (!s->lives[i]) {
             s->lives[i] = 1;

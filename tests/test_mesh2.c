@@ -840,6 +840,27 @@ static void test_limits(void)
         drawing_free(&d);
         test_end();
     }
+    if (test_begin("segments that meet at angles down to 1e-12")) {
+        double angle;
+        for (angle = 0.1; angle > 1e-12; angle /= 10) {
+            put(&d, 0, 0);
+            put(&d, 1, 0);
+            put(&d, 0.77, 0.77 * angle);
+            put(&d, 0.3, 1);
+            line(&d, 0, 1);
+            line(&d, 0, 2);
+            line(&d, 0, 3);
+            line(&d, 3, 1);
+            options.steiner_limit = 200;
+            CHECK_EQUAL(make(&d, &options, &plane), PBW_OK);
+            CHECK(!plane.report.limited && plane.report.small_angles > 0);
+            check_fault(plane.points == NULL ? plane.what : planes_fault(&plane, d.segments, d.segment_count, 0));
+            pbw_plane_free(&plane);
+            drawing_free(&d);
+        }
+        options.steiner_limit = 0;
+        test_end();
+    }
     if (test_begin("coordinates that cannot be refined")) {
         options.flags = PBW_PLANE_REFINE;
         put(&d, 0, 0);

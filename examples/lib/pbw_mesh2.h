@@ -1648,9 +1648,11 @@ static pbw_status pbwp__find_domain(pbwp__job *job)
    points in the diametral circle of a segment are removed before it is split (Chew 1993).
    It ends: a segment with one end of the input is split at a power of two from there, so that segments which meet at
    a small angle are split at one distance; a triangle whose shortest edge joins two such points is left alone, as is
-   an angle between two segments (Miller, Pav and Walkington 2003).  No split makes an edge shorter than 1e-10 of the
-   domain, so that points are apart and finitely many.  Triangles that are flatter than that are left alone too, and
-   encroach upon nothing: two segments can be so near to each other, over their whole length, for one ulp of a point.
+   an angle between two segments (Miller, Pav and Walkington 2003).  Where two segments meet at a sine below 1/32,
+   points of one encroach upon nothing of the other, as splits at different distances would go on until they are as
+   short as the segments are apart; triangles from one to the other are left alone.  No split makes an edge shorter
+   than 1e-10 of the domain, so that points are apart and finitely many.  Triangles that are flatter than that are
+   left alone too, and encroach upon nothing: two segments can be so near to each other, over their whole length, for one ulp of a point.
    ------------------------------------------------------------------------------------------------------ */
 typedef struct pbwp__host {                /* an edge of the constrained triangulation */
     pbw_index a, b, edge;
@@ -1714,12 +1716,55 @@ static int pbwp__is_flat(const pbwp__refiner *r, const double *a, const double *
     return twice * twice < r->least2 * pbwp__distance2(a, b);
 }
 
+/* Whether vertex v is on another segment from point z of the input than that of host. */
+static int pbwp__is_on_leg(const pbwp__refiner *r, pbw_index v, pbw_index z, pbw_index host)
+{
+    const pbwp__job *job = r->job;
+    const pbwp__host *hosts = (const pbwp__host *)job->hosts.data;
+    const pbw_index own = pbwp__vertex_host(r, v);
+    pbwp__spin spin;
+    if (own != PBWP__INPUT) {
+        return own != PBWP__FREE && own != host && (hosts[own].a == z || hosts[own].b == z);
+    }
+    spin.start = spin.corner = pbwp__corner_of(job, v);
+    spin.clockwise = 0;
+    do {
+        const pbwp__triangle *t = job->t + PBWP__SLOT(spin.corner);
+        unsigned k;
+        for (k = 1; k < 3; k++) {
+            const pbw_index edge = t->edge[(PBWP__SIDE(spin.corner) + k) % 3];
+            if (edge != PBW_NONE && edge != host && (hosts[edge].a == z || hosts[edge].b == z)) {
+                return 1;
+            }
+        }
+    } while (pbwp__spin_on(job, &spin));
+    return 0;
+}
+
+/* Whether side k is an edge of a segment, and corner k is on another that meets it at a sine below 1/32.  Conforming
+   meshes have no such exception. */
+static int pbwp__is_narrow(const pbwp__refiner *r, const pbwp__triangle *t, unsigned k)
+{
+    const double *p = pbwp__point(r, t->v[k]), *u = pbwp__point(r, t->v[pbwp__next[k]]);
+    const double *v = pbwp__point(r, t->v[pbwp__last[k]]);
+    const double twice = (v[0] - u[0]) * (p[1] - u[1]) - (v[1] - u[1]) * (p[0] - u[0]);
+    const double side2 = pbwp__distance2(u, v);
+    const pbwp__host *hosts = (const pbwp__host *)r->job->hosts.data;
+    int end, narrow = 0;
+    for (end = 0; r->lens2 > 0 && t->edge[k] != PBW_NONE && end < 2 && !narrow; end++) {
+        const pbw_index z = end == 0 ? hosts[t->edge[k]].a : hosts[t->edge[k]].b;
+        narrow = 1024 * twice * twice < side2 * pbwp__distance2(p, pbwp__point(r, z))
+              && pbwp__is_on_leg(r, t->v[k], z, t->edge[k]);
+    }
+    return narrow;
+}
+
 /* Whether the corner across from side k of t, an edge of a segment, encroaches upon it. */
 static int pbwp__encroaches(const pbwp__refiner *r, const pbwp__triangle *t, unsigned k)
 {
     const double *u = pbwp__point(r, t->v[pbwp__next[k]]), *v = pbwp__point(r, t->v[pbwp__last[k]]);
     const double *p = pbwp__point(r, t->v[k]);
-    return pbwp__in_lens(r, u, v, p) && !pbwp__is_flat(r, u, v, p);
+    return pbwp__in_lens(r, u, v, p) && !pbwp__is_flat(r, u, v, p) && !pbwp__is_narrow(r, t, k);
 }
 
 static int pbwp__may_split(const pbwp__refiner *r, pbw_index code)
@@ -1776,7 +1821,8 @@ static int pbwp__is_given(const pbwp__refiner *r, const pbwp__triangle *t, unsig
     const double *a = pbwp__point(r, t->v[0]), *b = pbwp__point(r, t->v[1]), *c = pbwp__point(r, t->v[2]);
     return pbwp__is_flat(r, a, b, c) || pbwp__is_flat(r, b, c, a) || pbwp__is_flat(r, c, a, b)
         || (t->edge[pbwp__next[shortest]] != PBW_NONE && t->edge[pbwp__last[shortest]] != PBW_NONE)
-        || pbwp__are_twins(r, t->v[pbwp__next[shortest]], t->v[pbwp__last[shortest]]);
+        || pbwp__are_twins(r, t->v[pbwp__next[shortest]], t->v[pbwp__last[shortest]])
+        || pbwp__is_narrow(r, t, pbwp__next[shortest]) || pbwp__is_narrow(r, t, pbwp__last[shortest]);
 }
 
 static double pbwp__twice_area(const pbwp__refiner *r, const pbwp__triangle *t)
