@@ -41,7 +41,7 @@ endif
 endif
 
 .PHONY: all page demo web examples test test-all programs oracle arm asan ubsan tsan valgrind fuzz fuzz-long asm names \
-    clean help FORCE
+    fuzz-plane clean help FORCE
 .DELETE_ON_ERROR:
 .SECONDARY:
 
@@ -65,6 +65,7 @@ help:
 	@echo 'make clean       removes $B/'
 	@echo 'make asan ubsan tsan valgrind                  the test programs under sanitizers'
 	@echo 'make fuzz        fuzzers, TIME=60 each         make fuzz-long  ten million random small inputs'
+	@echo 'make fuzz-plane  a million random small plane domains, and a million crossings'
 	@echo 'CC=clang CXX=clang++ CFLAGS=-O3 B=build/clang  for any of them;  COUNT=n random inputs in tests'
 
 # Programs.  Each example is whole by itself, `cc -O2 -Iexamples/lib example.c -lpthread -lm`; here pbw.h is compiled
@@ -194,6 +195,9 @@ $(FUZZERS:%=$B/%.fuzz): $B/%.fuzz: tests/%.c $(HEADERS) FORCE
 	    $< -o $B/$* $(LIBS) 2> $B/$*.log; then \
 	    $B/$* -entropic=0 -max_total_time=$(TIME) -print_final_stats=1 $B/corpus/$* tests/corpus; \
 	else $C -DFUZZ_MAIN $< -o $B/$* $(LIBS) && $B/$* --count 200000; fi
+
+fuzz-plane: $B/test_mesh2 FORCE
+	$B/test_mesh2 --count 1000000
 
 $B/fuzz.%.log: $B/fuzz_random FORCE
 	@sh tests/run.sh $@ $< --count 1250000 --seed $*

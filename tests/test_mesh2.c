@@ -300,17 +300,19 @@ static void test_crossings(void)
     drawing d;
     pbw_plane plane;
     pbw_plane_options options;
-    size_t i, n = 60;
+    const size_t n = test_count < 1000000 ? 60 : 1000;               /* make fuzz-plane: a million crossings */
+    const double end = 0.1 * (double)n + 1;
+    size_t i;
     memset(&d, 0, sizeof d);
     memset(&options, 0, sizeof options);
     if (test_begin("a grid of lines: all crossings listed, or split")) {
         for (i = 0; i < n; i++) {
             const pbw_index a = put(&d, 0.1 * (double)i, -1);
-            line(&d, a, put(&d, 0.1 * (double)i, 7));
+            line(&d, a, put(&d, 0.1 * (double)i, end));
         }
         for (i = 0; i < n; i++) {
             const pbw_index a = put(&d, -1, 0.1 * (double)i);
-            line(&d, a, put(&d, 7, 0.1 * (double)i));
+            line(&d, a, put(&d, end, 0.1 * (double)i));
         }
         CHECK_EQUAL(make(&d, NULL, &plane), PBW_ERROR_ARGUMENT);
         CHECK_EQUAL(plane.crossing_count, n * n);
