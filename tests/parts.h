@@ -1,5 +1,6 @@
 /* parts.h: closed surfaces whose volume is known, for tests and benches of solids: prisms, turned
-   parts, boxes in boxes.  Out: a part, in static or allocated storage; each maker returns the volume.  Triangles are turned outward. */
+   parts, boxes in boxes.  Out: a part, in static or allocated storage; each maker returns the
+   volume.  Triangles are turned outward. */
 #ifndef PARTS_H
 #define PARTS_H
 #include "pbw.h"

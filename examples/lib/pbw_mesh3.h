@@ -150,8 +150,8 @@ typedef struct pbwm3__work {
     pbwsf__array vertices, triangles;      /* its own arrays */
     pbwsf__array x, kind;                  /* points of the mesh */
     pbwsf__array patch;                    /* of each triangle: its part of the surface between sharp edges */
-    pbwsf__array sets, members;            /* sets of patches: set i < patch_count is {i}, others are those that meet at
-                                              sharp edges and corners */
+    pbwsf__array sets, members;            /* sets of patches: set i < patch_count is {i}, others are those that
+                                              meet at sharp edges and corners */
     pbwsf__array set;                      /* of each point: the set of patches that it is on */
     size_t patch_count;
     pbwsf__array heads, links;             /* spacing grid: the first point of each cell, the next in its cell */
