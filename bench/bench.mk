@@ -103,6 +103,15 @@ build/bench_solid: bench/solid.cpp examples/lib/pbw_surface.h examples/lib/pbw_i
 bench-solid: build/bench_solid
 	$< $(MODEL) $(SIZES)
 
+# Solids of the parts in tests/parts.h, each even and turned; ARGS="gear shell" for some of them
+build/corpus: bench/corpus.c tests/parts.h $(HEADERS)
+	@mkdir -p build
+	$C -Itests $< -o $@ $(LIBS)
+
+.PHONY: bench-corpus
+bench-corpus: build/corpus
+	$< $(ARGS)
+
 # Tiles: what one rank of many sends and receives, by the work of a few of them: bench/tiles.c
 build/bench_tiles: bench/tiles.c $(HEADERS)
 	@mkdir -p build

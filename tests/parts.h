@@ -1,5 +1,6 @@
-/* parts.h: closed surfaces whose volume is known, for tests and benches of solids: prisms, turned parts, boxes in boxes.
-   Out: a part, in static or allocated storage; each maker returns the volume.  Triangles are turned outward. */
+/* parts.h: closed surfaces whose volume is known, for tests and benches of solids: prisms, turned
+   parts, boxes in boxes.  Out: a part, in static or allocated storage; each maker returns the
+   volume.  Triangles are turned outward. */
 #ifndef PARTS_H
 #define PARTS_H
 #include "pbw.h"
@@ -247,7 +248,8 @@ static double part_ribs(part *m)
     const double half = 0.02;
     size_t k;
     for (k = 0; k < 5; k++) {
-        const double a = 2 * PARTS_PI * ((double)k + 0.1) / 5, b = a + PARTS_PI / 5, r = 1.6 * half / sin(PARTS_PI / 5);
+        const double a = 2 * PARTS_PI * ((double)k + 0.1) / 5, b = a + PARTS_PI / 5;
+        const double r = 1.6 * half / sin(PARTS_PI / 5);
         p[3 * k][0] = cos(a) + half * sin(a), p[3 * k][1] = sin(a) - half * cos(a);
         p[3 * k + 1][0] = cos(a) - half * sin(a), p[3 * k + 1][1] = sin(a) + half * cos(a);
         p[3 * k + 2][0] = r * cos(b), p[3 * k + 2][1] = r * sin(b);
@@ -292,7 +294,7 @@ static const part_entry parts[] = {
     { "spike", part_spike, 0.1, 2 }, { "ball", part_ball, 0.15, 4 }, { "plate 1:50", part_plate, 0.05, 2 },
     { "shell", part_shell, 0.06, 4 }, { "ribs", part_ribs, 0.08, 2 }, { "tubes", part_tubes, 0.06, 0 }
 };
-enum { PART_COUNT = sizeof parts / sizeof *parts };
+enum { PART_WEDGE = 5, PART_SPIKE = 6, PART_COUNT = sizeof parts / sizeof *parts };
 
 /* Makes part number i, turned or not; returns its volume. */
 static double part_make(size_t i, int turned, part *m)

@@ -27,7 +27,8 @@
    PROMISES  (tests/test_mesh3.c guards them)
      positive    tetrahedra are positively oriented, by exact signs; no point is corner of nothing
      told        edges of the boundary with other than two facets and points with several fans of facets are counted,
-                 with places; so are pieces of sharp edges that are missing, and open edges of the input
+                 with places; so are pieces of sharp edges that are missing, open edges of the input, and its sharp
+                 edges below 60 degrees
      ends        after options.rounds rounds, whatever the input
      same        the same bytes for any number of threads
 
@@ -35,8 +36,11 @@
    distance, but at least 1/6 of the size.  Of an open surface, inside is where its winding number is above 1/2, so
    that a smooth membrane closes its holes; its triangles must be turned alike.
 
-   DOES NOT  yet settle at edges sharper than some 45 degrees (beneath them circumcentres are on the wrong side), nor
-             at walls and gaps below 1/10 of the size: they come out with warnings.  It takes no regions.
+   Sharp edges below 60 degrees are kept as others are; the tetrahedra at them have their angles.
+
+   DOES NOT  settle at walls and gaps below 1/10 of the size, nor always at acute edges and thin tubes in general
+             position: they come out with warnings.  Turned thin plates may lose a few tetrahedra at their sharp
+             edges: `distance` says so.  It takes no regions.
 
    CONFIGURATION MACROS
      PBW_MESH3_IMPLEMENTATION    in one source file: compile the implementation there
@@ -81,6 +85,9 @@ enum { PBW_SOLID_PLACES = 8 };
 typedef struct pbw_solid_report {
     size_t open_edges, crowded_edges;      /* of the input: of one triangle, of more than two */
     size_t corners, sharp_edges;           /* of the input */
+    size_t acute_edges;                    /* of the input: sharp ones below 60 degrees, inside or outside; tetrahedra
+                                              at them cannot have better dihedral angles than those */
+    double least_angle;                    /* of the input's sharp edges, degrees, on the narrower side; 180: none */
     size_t missing_edges;                  /* pieces of sharp edges that are no edges of the mesh */
     size_t bad_edges, bad_points;          /* where the boundary is no manifold */
     double places[PBW_SOLID_PLACES][3];    /* the first of those */
@@ -118,7 +125,10 @@ PBWMESH3DEF pbw_status pbw_solid(const pbw_solid_input *input, const pbw_solid_o
    Holds: kind[p] says what point p is on; pieces are the parts of sharp chains between neighbouring samples; label[t]
    is 1 for tetrahedra inside.
    ------------------------------------------------------------------------------------------------------ */
-enum { PBWM3__SHARP, PBWM3__SMOOTH, PBWM3__INSIDE };
+enum { PBWM3__SHARP, PBWM3__SMOOTH, PBWM3__INSIDE, PBWM3__GONE };    /* gone: it lies on another point */
+
+typedef struct pbwm3__wish { double p[3]; pbw_index inside; } pbwm3__wish;           /* inside: a corner of the
+                                              facet that is, or PBW_NONE */
 
 typedef struct pbwm3__piece { pbw_index a, b; size_t chain; double from, to; } pbwm3__piece;  /* lengths along it */
 typedef struct pbwm3__chain { size_t first, count, set; int closed, loose; } pbwm3__chain;    /* range of `path`;
@@ -139,10 +149,10 @@ typedef struct pbwm3__work {
     pbw_surface surface;                   /* of points at different places */
     pbwsf__array vertices, triangles;      /* its own arrays */
     pbwsf__array x, kind;                  /* points of the mesh */
-    pbwsf__array patch;                    /* of each triangle: the number of its piece of surface between sharp edges */
-    pbwsf__array sets, members;            /* sets of patches, ascending: set i < patch_count is {i}, others are those
-                                              that meet at sharp edges; of each point, in `set`, those that it is on */
-    pbwsf__array set;
+    pbwsf__array patch;                    /* of each triangle: its part of the surface between sharp edges */
+    pbwsf__array sets, members;            /* sets of patches: set i < patch_count is {i}, others are those that
+                                              meet at sharp edges and corners */
+    pbwsf__array set;                      /* of each point: the set of patches that it is on */
     size_t patch_count;
     pbwsf__array heads, links;             /* spacing grid: the first point of each cell, the next in its cell */
     size_t cells;
@@ -252,7 +262,8 @@ static pbw_index pbwm3__add(pbwm3__work *w, const double p[3], int kind, size_t 
     const unsigned char byte = (unsigned char)kind;
     const pbw_index on = (pbw_index)set;
     if (w->x.count >= PBW_NONE / 8 || pbwsf__room(&w->memory, &w->links, 1, sizeof number) == NULL
-        || pbwsf__room(&w->memory, &w->kind, 1, 1) == NULL || !pbwm3__append(w, &w->set, &on, sizeof on) || !pbwm3__append(w, &w->x, p, 3 * sizeof *p)) {
+        || pbwsf__room(&w->memory, &w->kind, 1, 1) == NULL || !pbwm3__append(w, &w->set, &on, sizeof on)
+        || !pbwm3__append(w, &w->x, p, 3 * sizeof *p)) {
         return PBW_NONE;
     }
     w->links.count++;
@@ -568,6 +579,19 @@ static size_t pbwm3__root_of(size_t *parent, size_t i)
     return i;
 }
 
+/* The angle, in degrees, between the triangles of an edge on its narrower side. */
+static double pbwm3__angle_at(const pbwm3__work *w, const pbwim__facet *edge)
+{
+    const double *a = w->surface.points + 3 * (size_t)edge[0].v[0], *b = w->surface.points + 3 * (size_t)edge[0].v[1];
+    double n[2][3], across[3];
+    int i;
+    for (i = 0; i < 2; i++) {
+        pbwsf__normal(a, b, pbwsf__corner(&w->surface, edge[i].t, (edge[i].i + 2) % 3), n[i]);
+    }
+    pbwsf__cross(n[0], n[1], across);
+    return atan2(sqrt(pbwsf__dot(across, across)), pbwsf__dot(n[0], n[1])) * 57.295779513082321;
+}
+
 /* Numbers the patches: the roots of `parent`. */
 static int pbwm3__number_patches(pbwm3__work *w, size_t *parent)
 {
@@ -580,7 +604,8 @@ static int pbwm3__number_patches(pbwm3__work *w, size_t *parent)
             set.first = w->members.count;
             set.count = 1;
             patch[t] = number;
-            if (!pbwm3__append(w, &w->members, &number, sizeof number) || !pbwm3__append(w, &w->sets, &set, sizeof set)) {
+            if (!pbwm3__append(w, &w->members, &number, sizeof number)
+                || !pbwm3__append(w, &w->sets, &set, sizeof set)) {
                 return 0;
             }
         }
@@ -609,6 +634,9 @@ static int pbwm3__find_sharp(pbwm3__work *w, pbwsf__array *list, size_t *parent)
         sharp = w->input->value == NULL && k - i > 1 && (k - i != 2 || pbwm3__is_sharp(w, edge + i));
         edges++;
         if (sharp) {
+            const double angle = pbwm3__angle_at(w, edge + i);
+            w->report->least_angle = fmin(w->report->least_angle, angle);
+            w->report->acute_edges += angle < 60;
             good = pbwm3__append(w, list, edge[i].v, 2 * sizeof(pbw_index));
         } else if (k - i > 1) {
             size_t a = pbwm3__root_of(parent, edge[i].t), b = pbwm3__root_of(parent, edge[i + 1].t);
@@ -1209,13 +1237,13 @@ static int pbwm3__label_of(const pbwm3__work *w, pbw_index t)
     return t != PBW_NONE && PBWM3__LABEL(w)[t];
 }
 
-/* Where facet i of t is to get a point, in p; returns 0 if nowhere.  Facets between two sides of the surface are no
+/* Where facet i of t is to get a point; returns 0 if nowhere.  Facets between two sides of the surface are no
    part of it, wherever their dual segments are; on the boundary they cut a sharp edge off. */
-static int pbwm3__facet_wants(const pbwm3__work *w, size_t t, int i, double p[3])
+static int pbwm3__facet_wants(const pbwm3__work *w, size_t t, int i, pbwm3__wish *wish)
 {
     const pbw_index n = w->mesh.neighbors[4 * t + (size_t)i], *c = w->mesh.simplices + 4 * t;
     const int inner = pbwm3__label_of(w, (pbw_index)t), outer = pbwm3__label_of(w, n);
-    double where = 0, place[3];
+    double where = 0, place[3], *p = wish->p;
     pbw_index f[3], met;
     int k, bridge;
     for (k = 0; k < 3; k++) {
@@ -1235,6 +1263,7 @@ static int pbwm3__facet_wants(const pbwm3__work *w, size_t t, int i, double p[3]
         }
     }
     for (k = 0; k < 3; k++) {
+        wish->inside = PBWM3__KIND(w)[f[k]] == PBWM3__INSIDE ? f[k] : wish->inside;
         p[k] = (PBWM3__X(w, f[0])[k] + PBWM3__X(w, f[1])[k] + PBWM3__X(w, f[2])[k]) / 3;
     }
     return inner != outer
@@ -1468,11 +1497,20 @@ static long pbwm3__mend_pieces(pbwm3__work *w)
     return added;
 }
 
+/* A point inside goes to the first of all points, and counts no more. */
+static void pbwm3__take_out(pbwm3__work *w, pbw_index p)
+{
+    pbwm3__take_from_cell(w, p);
+    memcpy(PBWM3__X(w, p), PBWM3__X(w, 0), 3 * sizeof(double));
+    PBWM3__KIND(w)[p] = PBWM3__GONE;
+    pbwm3__put_in_cell(w, p);
+}
+
 /* One round: offers all points that facets want, halves pieces, mends the boundary.  Returns how many points came,
    -1 without memory, -2 if it is cancelled. */
 static long pbwm3__round(pbwm3__work *w)
 {
-    const double *wanted;
+    const pbwm3__wish *wishes;
     long added, mended;
     size_t t, i;
     int k, got = 0;
@@ -1483,17 +1521,22 @@ static long pbwm3__round(pbwm3__work *w)
         }
         for (k = 0; k < 4; k++) {
             const pbw_index n = w->mesh.neighbors[4 * t + (size_t)k];
-            double p[3];
-            if ((n == PBW_NONE || n > t) && pbwm3__facet_wants(w, t, k, p)
-                && !pbwm3__append(w, &w->extra, p, sizeof p)) {
+            pbwm3__wish wish;
+            wish.inside = PBW_NONE;
+            if ((n == PBW_NONE || n > t) && pbwm3__facet_wants(w, t, k, &wish)
+                && !pbwm3__append(w, &w->extra, &wish, sizeof wish)) {
                 return -1;
             }
         }
     }
     added = pbwm3__mend_pieces(w);
-    wanted = (const double *)w->extra.data;
+    wishes = (const pbwm3__wish *)w->extra.data;
     for (i = 0; i < w->extra.count && added >= 0 && got >= 0; i++) {
-        got = pbwm3__offer(w, wanted + 3 * i, 0.3);
+        got = pbwm3__offer(w, wishes[i].p, 0.3);
+        if (got == 0 && wishes[i].inside != PBW_NONE && PBWM3__KIND(w)[wishes[i].inside] == PBWM3__INSIDE) {
+            pbwm3__take_out(w, wishes[i].inside);
+            got = 1;
+        }
         added += got;
     }
     mended = added >= 0 && got >= 0 ? pbwm3__mend_boundary(w) : -1;
@@ -1827,6 +1870,7 @@ static pbw_status pbwm3__sample(pbwm3__work *w)
     }
     w->report->input_volume = fabs(sum);
     w->report->size = w->size;
+    w->report->least_angle = 180;
     status = pbwm3__sample_sharp(w);
     status = status != PBW_OK ? status : pbwm3__sample_smooth(w);
     return status != PBW_OK ? status : pbwm3__sample_inside(w);
