@@ -323,7 +323,7 @@ static void test_crossings(void)
         CHECK_EQUAL(make(&d, &options, &plane), PBW_OK);
         CHECK_EQUAL(plane.point_count, 4 * n + n * n);
         CHECK_EQUAL(plane.report.rounds, 1);
-        check_fault(planes_fault(&plane, d.segments, d.segment_count, 0));
+        check_fault(planes_fault(&plane, n > 60 ? NULL : d.segments, d.segment_count, 0));
         pbw_plane_free(&plane);
         drawing_free(&d);
         test_end();
