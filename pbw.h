@@ -11175,7 +11175,11 @@ static int pbw__tree_room(pbw__memory *memory, pbw__tree *tree, int dim)
     tree->groups = tree->first[level] + 1;
     tree->coordinate = (double *)pbw__allocate(memory, leaves * PBW__BRANCH * (size_t)dim, sizeof(double));
     tree->box = (double *)pbw__allocate(memory, tree->groups * 2 * PBW__BRANCH * (size_t)dim, sizeof(double));
-    return tree->coordinate != NULL && tree->box != NULL;
+    if (tree->coordinate == NULL || tree->box == NULL) {
+        return 0;
+    }
+    memset(tree->box, 0, tree->groups * 2 * PBW__BRANCH * (size_t)dim * sizeof(double));
+    return 1;
 }
 
 /* Makes the tree; the queries must not be sorted yet. */
@@ -11217,89 +11221,101 @@ static pbw_status pbw__plant(pbw__queries *queries, pbw__tree *tree)
 }
 
 /* ---- searches; found: desk->reach */
-/* Offers the vertices of a leaf. */
-PBW__INLINE void pbw__search_leaf(const pbw__queries *queries, int dim, pbw__desk *desk, const double *q, size_t leaf)
+#ifdef PBW__SIMD
+PBW__SIMD_INLINE pbw__d4 pbw__load_four(const double *from)
 {
-    const pbw_mesh *mesh = queries->mesh;
+    pbw__d4 x;
+    memcpy(&x, from, sizeof(x));
+    return x;
+}
+
+/* Offers the vertices of a leaf. */
+PBW__SIMD_INLINE void pbw__search_leaf(const pbw__queries *queries, int dim, pbw__desk *desk, const double *q,
+                                       double most, size_t leaf)
+{
     const pbw__tree *tree = queries->tree;
     const double *c = tree->coordinate + leaf * (size_t)dim * PBW__BRANCH;
-    const size_t rest = tree->count - leaf * PBW__BRANCH, third = dim == 3 ? 2 * PBW__BRANCH : 0;
-    double squared[PBW__BRANCH], limit = pbw__near_limit(mesh, desk, queries->k);
-    size_t i;
-    for (i = 0; i < PBW__BRANCH; i++) {
-        const double x = c[i] - q[0], y = c[i + PBW__BRANCH] - q[1], z = dim == 3 ? c[i + third] - q[2] : 0.0;
-        squared[i] = x * x + y * y + z * z;
-    }
-    for (i = 0; i < PBW__BRANCH && i < rest; i++) {
-        if (squared[i] <= limit) {
-            pbw__reach reach;
-            reach.squared = squared[i];
-            reach.slack = PBW__REACH_ERROR * DBL_EPSILON * squared[i] + 1e-300;
-            reach.vertex = tree->vertex[leaf * PBW__BRANCH + i];
-            reach.done = (pbw_index)leaf;
-            (void)pbw__offer_near(mesh, desk, q, &reach, queries->k);
-            limit = pbw__near_limit(mesh, desk, queries->k);
+    const size_t rest = tree->count - leaf * PBW__BRANCH;
+    const pbw__d4 limit = pbw__splat(most);
+    double squared[PBW__BRANCH];
+    unsigned set = 0, half;
+    for (half = 0; half < 2; half++) {
+        const double *from = c + half * 4;
+        const pbw__d4 x = pbw__load_four(from) - pbw__splat(q[0]);
+        const pbw__d4 y = pbw__load_four(from + PBW__BRANCH) - pbw__splat(q[1]);
+        pbw__d4 sum = x * x + y * y;
+        if (dim == 3) {
+            const pbw__d4 z = pbw__load_four(from + 2 * PBW__BRANCH) - pbw__splat(q[2]);
+            sum = sum + z * z;
         }
+        set |= pbw__signs(pbw__at_least(limit, sum)) << half * 4;
+        memcpy(squared + half * 4, &sum, sizeof(sum));
+    }
+    set &= rest < PBW__BRANCH ? (1u << rest) - 1 : 255;
+    for (; set != 0; set &= set - 1) {
+        const unsigned i = (unsigned)__builtin_ctz(set);
+        pbw__reach reach;
+        reach.squared = squared[i];
+        reach.slack = PBW__REACH_ERROR * DBL_EPSILON * squared[i] + 1e-300;
+        reach.vertex = tree->vertex[leaf * PBW__BRANCH + i];
+        reach.done = 0;
+        (void)pbw__offer_near(queries->mesh, desk, q, &reach, queries->k);
     }
 }
 
-/* Puts those of the eight nodes below one that are near enough onto the stack, the nearest on top.  Returns its new
-   height. */
-PBW__INLINE size_t pbw__search_group(const pbw__tree *tree, int dim, const double *q, const pbw__branch *at,
-                                     double limit, pbw__branch *stack, size_t height)
+/* Puts those of the eight nodes below one that are near enough onto the stack.  Returns its new height. */
+PBW__SIMD_INLINE size_t pbw__search_group(const pbw__tree *tree, int dim, const double *q, double most,
+                                          pbw__branch *stack, size_t height)
 {
-    const double *box = pbw__tree_box(tree, dim, at->level - 1, at->node * PBW__BRANCH);
-    const size_t base = height, rest = tree->nodes[at->level - 1] - at->node * PBW__BRANCH;
+    const pbw__branch at = stack[--height];
+    const double *box = pbw__tree_box(tree, dim, at.level - 1, at.node * PBW__BRANCH);
+    const size_t rest = tree->nodes[at.level - 1] - at.node * PBW__BRANCH;
+    const pbw__d4 limit = pbw__splat(most), zero = pbw__splat(0.0);
     double squared[PBW__BRANCH];
-    size_t i, j;
-    for (i = 0; i < PBW__BRANCH; i++) {
-        double sum = 0.0;
-        int k;
+    unsigned set = 0, half;
+    int k;
+    for (half = 0; half < 2; half++) {
+        pbw__d4 sum = zero;
         for (k = 0; k < dim; k++) {
-            const double below = box[i + (size_t)k * 16] - q[k], above = q[k] - box[i + (size_t)k * 16 + 8];
-            const double out = below > above ? below : above, away = out > 0.0 ? out : 0.0;
-            sum += away * away;
+            const double *from = box + k * 2 * PBW__BRANCH + half * 4;
+            const pbw__d4 x = pbw__splat(q[k]);
+            const pbw__d4 below = pbw__load_four(from) - x, above = x - pbw__load_four(from + PBW__BRANCH);
+            const pbw__d4 away = pbw__max4(pbw__max4(below, above), zero);
+            sum = sum + away * away;
         }
-        squared[i] = sum;
+        set |= pbw__signs(pbw__at_least(limit, sum)) << half * 4;
+        memcpy(squared + half * 4, &sum, sizeof(sum));
     }
-    for (i = 0; i < PBW__BRANCH && i < rest; i++) {
-        if (squared[i] <= limit) {
-            for (j = height++; j > base && stack[j - 1].squared < squared[i]; j--) {
-                stack[j] = stack[j - 1];
-            }
-            stack[j].squared = squared[i];
-            stack[j].node = at->node * PBW__BRANCH + i;
-            stack[j].level = at->level - 1;
-        }
+    set &= rest < PBW__BRANCH ? (1u << rest) - 1 : 255;
+    for (; set != 0; set &= set - 1) {
+        const unsigned i = (unsigned)__builtin_ctz(set);
+        stack[height].squared = squared[i];
+        stack[height].node = at.node * PBW__BRANCH + i;
+        stack[height++].level = at.level - 1;
     }
     return height;
 }
 
-/* The k nearest; first the leaves from `begin` on, as many as hold k. */
-PBW__INLINE void pbw__search_of(pbw__queries *queries, int dim, pbw__desk *desk, const double *q, size_t begin)
+/* The k nearest, all within the squared distance `most`. */
+PBW__SIMD_INLINE void pbw__search_of(pbw__queries *queries, int dim, pbw__desk *desk, const double *q, double most)
 {
     const pbw__tree *tree = queries->tree;
-    const size_t leaves = (tree->count + PBW__BRANCH - 1) / PBW__BRANCH;
-    size_t end = begin + (queries->k + PBW__BRANCH - 1) / PBW__BRANCH, height = 1, looked = 0, i;
-    pbw__branch stack[PBW__TREE_LEVELS * PBW__BRANCH], at;
-    end = end < leaves ? end : leaves;
+    size_t height = 1, looked = 0;
+    pbw__branch stack[PBW__TREE_LEVELS * PBW__BRANCH];
     desk->reach_count = 0;
-    for (i = begin; i < end; i++) {
-        pbw__search_leaf(queries, dim, desk, q, i);
-    }
     stack[0].squared = 0.0;
     stack[0].node = 0;
     stack[0].level = tree->top + 1;
     while (height > 0) {
-        const double limit = pbw__near_limit(queries->mesh, desk, queries->k);
-        at = stack[--height];
-        if (at.squared > limit) {
-            continue;
-        }
-        if (at.level > 0) {
-            height = pbw__search_group(tree, dim, q, &at, limit, stack, height);
-        } else if (at.node < begin || at.node >= end) {
-            pbw__search_leaf(queries, dim, desk, q, at.node);
+        const pbw__branch *at = stack + height - 1;
+        if (at->squared > most) {
+            height--;
+        } else if (at->level > 0) {
+            height = pbw__search_group(tree, dim, q, most, stack, height);
+        } else {
+            height--;
+            pbw__search_leaf(queries, dim, desk, q, most, at->node);
+            most = desk->reach_count == queries->k ? pbw__near_limit(queries->mesh, desk, queries->k) : most;
             if (++looked % 4096 == 0 && pbw__report(&queries->context, 0.0)) {
                 return;
             }
@@ -11307,10 +11323,22 @@ PBW__INLINE void pbw__search_of(pbw__queries *queries, int dim, pbw__desk *desk,
     }
 }
 
-static void pbw__search_block(pbw__queries *queries, pbw__desk *desk, size_t block, size_t from, size_t to)
+/* Returns a bound for the k nearest: the farthest of the last answer. */
+PBW__SIMD_INLINE double pbw__search_limit(const pbw__queries *queries, int dim, const pbw__desk *desk, const double *q)
+{
+    double most = 0.0;
+    size_t i;
+    for (i = 0; i < desk->reach_count; i++) {
+        const double squared = pbw__squared(queries->mesh->points + desk->reach[i].vertex * (size_t)dim, q, dim);
+        most = squared > most ? squared : most;
+    }
+    return desk->reach_count < queries->k ? HUGE_VAL : most + 3.0 * (PBW__REACH_ERROR * DBL_EPSILON * most + 1e-300);
+}
+
+PBW__SIMD static void pbw__search_block(pbw__queries *queries, pbw__desk *desk, size_t block, size_t from, size_t to)
 {
     double q[3];
-    size_t i, at, leaf = 0;
+    size_t i, at;
     (void)block;
     if (!pbw__room(desk, &desk->reach, &desk->reach_room, PBW__FEW, sizeof(pbw__reach))) {
         return;
@@ -11319,37 +11347,46 @@ static void pbw__search_block(pbw__queries *queries, pbw__desk *desk, size_t blo
         const size_t query = pbw__query_index(queries, i);
         (void)pbw__query_point(queries, query, q);
         if (queries->mesh->dim == 3) {
-            pbw__search_of(queries, 3, desk, q, leaf);
+            pbw__search_of(queries, 3, desk, q, pbw__search_limit(queries, 3, desk, q));
         } else {
-            pbw__search_of(queries, 2, desk, q, leaf);
+            pbw__search_of(queries, 2, desk, q, pbw__search_limit(queries, 2, desk, q));
         }
         for (at = 0; at < queries->k; at++) {
             pbw__give_near(queries, q, query, at, at < desk->reach_count ? desk->reach + at : NULL);
         }
-        leaf = desk->reach_count > 0 ? desk->reach[0].done : 0;
     }
 }
 
-/* Answers by the tree, or by the mesh: with weights, for many neighbours, and for few queries whose stars are there. */
+/* Whether the tree answers: not for weights, for many neighbours, or for few queries whose stars are there. */
+static int pbw__tree_answers(const pbw__queries *queries, const pbw_lists *stars)
+{
+    const pbw_mesh *mesh = queries->mesh;
+    return pbw__simd_works() && mesh->weights == NULL && queries->k <= PBW__FEW && mesh->point_count > 0
+        && (stars == NULL || queries->count >= mesh->point_count / 8);
+}
+#endif
+
 static pbw_status pbw__nearest_all(pbw__queries *queries, const pbw_lists *stars)
 {
     const pbw_mesh *mesh = queries->mesh;
+    pbw__answer *answer = pbw__nearest_block;
     pbw_lists own;
     pbw__tree tree;
     pbw_status status;
     memset(&own, 0, sizeof(own));
     memset(&tree, 0, sizeof(tree));
-    if (mesh->weights == NULL && queries->k <= PBW__FEW && mesh->point_count > 0 && pbw__fits(mesh, stars)
-        && (stars == NULL || queries->count >= mesh->point_count / 8)) {
+#ifdef PBW__SIMD
+    if (pbw__tree_answers(queries, stars)) {
         status = pbw__plant(queries, &tree);
         queries->tree = &tree;
-    } else {
+        answer = pbw__search_block;
+    } else
+#endif
+    {
         status = pbw__take_stars(queries, stars, &own);
     }
     status = status == PBW_OK ? pbw__query_sort(queries) : status;
-    status = status != PBW_OK ? status
-           : pbw__answer_all(queries, queries->tree != NULL ? pbw__search_block : pbw__nearest_block, queries->count,
-                             PBW__BLOCK_QUERIES);
+    status = status == PBW_OK ? pbw__answer_all(queries, answer, queries->count, PBW__BLOCK_QUERIES) : status;
     pbw__tree_free(&queries->context.memory, &tree, mesh->point_count, mesh->dim);
     pbw__drop_stars(queries, &own);
     return status;
@@ -11366,6 +11403,9 @@ PBWDEF pbw_status pbw_nearest(const pbw_mesh *mesh, const pbw_lists *stars, cons
     status = pbw__queries_check(&queries, mesh, points, count, options);
     if (status == PBW_OK && count != 0 && k > ((size_t)-1) / sizeof(double) / count) {
         status = PBW_ERROR_TOO_LARGE;
+    }
+    if (status == PBW_OK && !pbw__fits(mesh, stars)) {
+        status = PBW_ERROR_ARGUMENT;
     }
     if (status == PBW_OK && count != 0 && k != 0) {
         queries.k = k;
