@@ -9710,7 +9710,7 @@ PBWDEF pbw_index pbw_locate_one(const pbw_mesh *mesh, const double *point, pbw_i
    block ended, the first of them from the nearest of a few vertices.  Lists are made in two passes: each block
    writes its own into a chunk; when all lengths are known, chunks are copied to their places.
    ------------------------------------------------------------------------------------------------------ */
-/* See >>nearest; done: whether its neighbours were looked at; in >>boxes, its leaf. */
+/* See >>nearest; done: whether its neighbours were looked at. */
 typedef struct pbw__reach { double squared, slack; pbw_index vertex, done; } pbw__reach;
 typedef struct pbw__entry { uint64_t key; uint32_t value, stamp; } pbw__entry;
 
@@ -11229,8 +11229,78 @@ PBW__SIMD_INLINE pbw__d4 pbw__load_four(const double *from)
     return x;
 }
 
+/* The nearest so far, in exact order; beyond `count` something not nearer.  Vertices are doubles, too, so that both
+   move alike; entry -1 exists. */
+typedef struct pbw__found { double squared[PBW__FEW + 8], vertex[PBW__FEW + 8]; size_t count; } pbw__found;
+#define PBW__FOUND 4                                 /* where entry 0 is */
+
+PBW__INLINE pbw__reach pbw__found_at(const pbw__found *found, size_t i)
+{
+    pbw__reach reach;
+    reach.squared = found->squared[PBW__FOUND + i];
+    reach.slack = PBW__REACH_ERROR * DBL_EPSILON * reach.squared + 1e-300;
+    reach.vertex = (pbw_index)found->vertex[PBW__FOUND + i];
+    reach.done = 0;
+    return reach;
+}
+
+/* Returns the place of a vertex that is nearly as near as one beside `at`, by exact comparisons. */
+static PBW__NOINLINE size_t pbw__found_place(const pbw_mesh *mesh, const pbw__found *found, const double *q, size_t at,
+                                             const pbw__reach *reach)
+{
+    pbw__reach other;
+    for (; at > 0; at--) {
+        other = pbw__found_at(found, at - 1);
+        if (!pbw__reach_before(mesh, q, reach, &other)) {
+            break;
+        }
+    }
+    for (; at < found->count; at++) {
+        other = pbw__found_at(found, at);
+        if (!pbw__reach_before(mesh, q, &other, reach)) {
+            break;
+        }
+    }
+    return at;
+}
+
+/* Puts a vertex into its place among the k nearest, without a branch on where that is. */
+PBW__SIMD_INLINE void pbw__found_add(const pbw__queries *queries, pbw__found *found, const double *q,
+                                     const pbw__reach *reach)
+{
+    const pbw__d4 new_squared = pbw__splat(reach->squared), new_vertex = pbw__splat((double)reach->vertex);
+    const double close = 3.0 * reach->slack;
+    double *squared = found->squared + PBW__FOUND, *vertex = found->vertex + PBW__FOUND;
+    size_t at = 0, i;
+    for (i = 0; i < found->count; i += 4) {
+        at += pbw__count4(pbw__signs(pbw__at_least(new_squared, pbw__load_four(squared + i))));
+    }
+    at = at < found->count ? at : found->count;
+    if (PBW__UNLIKELY((at > 0 && !(reach->squared - squared[at - 1] > close))
+                      || (at < found->count && !(squared[at] - reach->squared > close)))) {
+        at = pbw__found_place(queries->mesh, found, q, at, reach);
+    }
+    if (at == queries->k) {
+        return;
+    }
+    for (i = (found->count | 3) + 1; i > at; ) {     /* four at a time, from the back */
+        pbw__d4 place, later, here;
+        i -= 4;
+        place = pbw__four((double)i, (double)i + 1.0, (double)i + 2.0, (double)i + 3.0);
+        later = pbw__greater(place, pbw__splat((double)at));
+        here = pbw__equal(place, pbw__splat((double)at));
+        place = pbw__blend(pbw__blend(pbw__load_four(squared + i), pbw__load_four(squared + i - 1), later),
+                           new_squared, here);
+        memcpy(squared + i, &place, sizeof(place));
+        place = pbw__blend(pbw__blend(pbw__load_four(vertex + i), pbw__load_four(vertex + i - 1), later), new_vertex,
+                           here);
+        memcpy(vertex + i, &place, sizeof(place));
+    }
+    found->count += found->count < queries->k;
+}
+
 /* Offers the vertices of a leaf. */
-PBW__SIMD_INLINE void pbw__search_leaf(const pbw__queries *queries, int dim, pbw__desk *desk, const double *q,
+PBW__SIMD_INLINE void pbw__search_leaf(const pbw__queries *queries, int dim, pbw__found *found, const double *q,
                                        double most, size_t leaf)
 {
     const pbw__tree *tree = queries->tree;
@@ -11259,7 +11329,7 @@ PBW__SIMD_INLINE void pbw__search_leaf(const pbw__queries *queries, int dim, pbw
         reach.slack = PBW__REACH_ERROR * DBL_EPSILON * squared[i] + 1e-300;
         reach.vertex = tree->vertex[leaf * PBW__BRANCH + i];
         reach.done = 0;
-        (void)pbw__offer_near(queries->mesh, desk, q, &reach, queries->k);
+        pbw__found_add(queries, found, q, &reach);
     }
 }
 
@@ -11296,16 +11366,23 @@ PBW__SIMD_INLINE size_t pbw__search_group(const pbw__tree *tree, int dim, const 
     return height;
 }
 
+/* Squared distances above this are too far: see pbw__near_limit. */
+PBW__SIMD_INLINE double pbw__found_limit(double squared)
+{
+    return squared + 3.0 * (PBW__REACH_ERROR * DBL_EPSILON * squared + 1e-300);
+}
+
 /* The k nearest, all within the squared distance `most`. */
-PBW__SIMD_INLINE void pbw__search_of(pbw__queries *queries, int dim, pbw__desk *desk, const double *q, double most)
+PBW__SIMD_INLINE void pbw__search_of(pbw__queries *queries, int dim, pbw__found *found, const double *q, double most)
 {
     const pbw__tree *tree = queries->tree;
+    const size_t k = queries->k;
     size_t height = 1, looked = 0;
     pbw__branch stack[PBW__TREE_LEVELS * PBW__BRANCH];
-    desk->reach_count = 0;
     stack[0].squared = 0.0;
     stack[0].node = 0;
     stack[0].level = tree->top + 1;
+    found->count = 0;
     while (height > 0) {
         const pbw__branch *at = stack + height - 1;
         if (at->squared > most) {
@@ -11314,8 +11391,8 @@ PBW__SIMD_INLINE void pbw__search_of(pbw__queries *queries, int dim, pbw__desk *
             height = pbw__search_group(tree, dim, q, most, stack, height);
         } else {
             height--;
-            pbw__search_leaf(queries, dim, desk, q, most, at->node);
-            most = desk->reach_count == queries->k ? pbw__near_limit(queries->mesh, desk, queries->k) : most;
+            pbw__search_leaf(queries, dim, found, q, most, at->node);
+            most = found->count == k ? pbw__found_limit(found->squared[PBW__FOUND + k - 1]) : most;
             if (++looked % 4096 == 0 && pbw__report(&queries->context, 0.0)) {
                 return;
             }
@@ -11324,45 +11401,49 @@ PBW__SIMD_INLINE void pbw__search_of(pbw__queries *queries, int dim, pbw__desk *
 }
 
 /* Returns a bound for the k nearest: the farthest of the last answer. */
-PBW__SIMD_INLINE double pbw__search_limit(const pbw__queries *queries, int dim, const pbw__desk *desk, const double *q)
+PBW__SIMD_INLINE double pbw__search_limit(const pbw__queries *queries, int dim, const pbw__found *found,
+                                          const double *q)
 {
     double most = 0.0;
     size_t i;
-    for (i = 0; i < desk->reach_count; i++) {
-        const double squared = pbw__squared(queries->mesh->points + desk->reach[i].vertex * (size_t)dim, q, dim);
+    for (i = 0; i < found->count; i++) {
+        const size_t vertex = (size_t)found->vertex[PBW__FOUND + i];
+        const double squared = pbw__squared(queries->mesh->points + vertex * (size_t)dim, q, dim);
         most = squared > most ? squared : most;
     }
-    return desk->reach_count < queries->k ? HUGE_VAL : most + 3.0 * (PBW__REACH_ERROR * DBL_EPSILON * most + 1e-300);
+    return found->count < queries->k ? HUGE_VAL : pbw__found_limit(most);
 }
 
 PBW__SIMD static void pbw__search_block(pbw__queries *queries, pbw__desk *desk, size_t block, size_t from, size_t to)
 {
+    pbw__found found;
     double q[3];
     size_t i, at;
+    (void)desk;
     (void)block;
-    if (!pbw__room(desk, &desk->reach, &desk->reach_room, PBW__FEW, sizeof(pbw__reach))) {
-        return;
-    }
+    memset(&found, 0, sizeof(found));
     for (i = from; i < to; i++) {
         const size_t query = pbw__query_index(queries, i);
         (void)pbw__query_point(queries, query, q);
         if (queries->mesh->dim == 3) {
-            pbw__search_of(queries, 3, desk, q, pbw__search_limit(queries, 3, desk, q));
+            pbw__search_of(queries, 3, &found, q, pbw__search_limit(queries, 3, &found, q));
         } else {
-            pbw__search_of(queries, 2, desk, q, pbw__search_limit(queries, 2, desk, q));
+            pbw__search_of(queries, 2, &found, q, pbw__search_limit(queries, 2, &found, q));
         }
         for (at = 0; at < queries->k; at++) {
-            pbw__give_near(queries, q, query, at, at < desk->reach_count ? desk->reach + at : NULL);
+            const pbw__reach reach = pbw__found_at(&found, at < found.count ? at : 0);
+            pbw__give_near(queries, q, query, at, at < found.count ? &reach : NULL);
         }
     }
 }
 
-/* Whether the tree answers: not for weights, for many neighbours, or for few queries whose stars are there. */
+/* Whether the tree answers: not for weights, for many neighbours, or where the stars are there for few queries or for
+   one neighbour. */
 static int pbw__tree_answers(const pbw__queries *queries, const pbw_lists *stars)
 {
     const pbw_mesh *mesh = queries->mesh;
     return pbw__simd_works() && mesh->weights == NULL && queries->k <= PBW__FEW && mesh->point_count > 0
-        && (stars == NULL || queries->count >= mesh->point_count / 8);
+        && (stars == NULL || (queries->k > 1 && queries->count >= mesh->point_count / 8));
 }
 #endif
 
