@@ -11382,6 +11382,9 @@ PBW__SIMD_INLINE void pbw__search_of(pbw__queries *queries, int dim, pbw__found 
     stack[0].squared = 0.0;
     stack[0].node = 0;
     stack[0].level = tree->top + 1;
+    for (found->count = 0; found->count < k; found->count++) {
+        found->squared[PBW__FOUND + found->count] = HUGE_VAL;
+    }
     found->count = 0;
     while (height > 0) {
         const pbw__branch *at = stack + height - 1;
