@@ -9970,7 +9970,8 @@ static pbw_status pbw__query_sort(pbw__queries *queries)
     return status;
 }
 
-/* Begins a call and checks the arguments that all queries share.  pbw__queries_end must follow, whatever it returns. */
+/* Begins a call and checks the arguments that all queries share.  pbw__queries_end must follow, whatever it
+   returns. */
 static pbw_status pbw__queries_check(pbw__queries *queries, const pbw_mesh *mesh, const double *points, size_t count,
                                      const pbw_options *options)
 {
@@ -10489,8 +10490,9 @@ PBW__INLINE pbw__reach pbw__reach_to(const pbw_mesh *mesh, int dim, const double
 }
 
 /* Returns whether (a-b)^2 and their sums are free of rounding errors in any mode: a and b are multiples of a unit, a
-   power of two, in which they are at most 2^51 and `most`, the largest sum as computed, at most 2^50.  So on lattices.
-   A number that is no multiple of the unit changes where 3 * 2^51 units are added and taken away. */
+   power of two, in which they are at most 2^51 and `most`, the largest sum as computed, is at most 2^50 of its square.
+   So it is on lattices.  A number that is no multiple of the unit changes where 3 * 2^51 units are added and taken
+   away. */
 static int pbw__squares_fit(double (*term)[2], int count, double most)
 {
     const double unit = pbw__power_of_two((pbw__exponent(most) + 1023) / 2 - 536);       /* most < 2^exponent */
@@ -11063,10 +11065,11 @@ PBWDEF pbw_status pbw_within(const pbw_mesh *mesh, const pbw_lists *stars, const
    Holds: a box is left out only where all in it is farther than the k nearest so far, whatever was rounded.
 
    Eight vertices that follow each other on the curve are a leaf, eight leaves a node, eight nodes a node of the next
-   level.  What is compared with a query lies side by side: eight numbers an axis, no gather, no branch.  A query begins
-   with the leaf of the last answer, so that few boxes remain.  For few queries the mesh itself is searched: see
-   >>nearest.
+   level.  What is compared with a query lies side by side: eight numbers an axis, no gather, no branch.  The
+   last answer bounds the next, so that few boxes remain.  Without vectors, with weights and for few neighbours or few
+   queries the mesh itself is searched, with the same answers: see >>nearest.
    ------------------------------------------------------------------------------------------------------ */
+#ifdef PBW__SIMD
 #define PBW__BRANCH 8
 #define PBW__TREE_LEVELS 11                          /* 8^11 leaves: more than an index can number */
 
@@ -11220,8 +11223,7 @@ static pbw_status pbw__plant(pbw__queries *queries, pbw__tree *tree)
     return status;
 }
 
-/* ---- searches; found: desk->reach */
-#ifdef PBW__SIMD
+/* ---- searches */
 PBW__SIMD_INLINE pbw__d4 pbw__load_four(const double *from)
 {
     pbw__d4 x;
@@ -11229,72 +11231,57 @@ PBW__SIMD_INLINE pbw__d4 pbw__load_four(const double *from)
     return x;
 }
 
-/* The nearest so far, in exact order; beyond `count` something not nearer.  Vertices are doubles, too, so that both
-   move alike; entry -1 exists. */
-typedef struct pbw__found { double squared[PBW__FEW + 8], vertex[PBW__FEW + 8]; size_t count; } pbw__found;
-#define PBW__FOUND 4                                 /* where entry 0 is */
+/* The nearest so far, in exact order, and room for one more. */
+typedef struct pbw__found { double squared[PBW__FEW + 1]; pbw_index vertex[PBW__FEW + 1]; size_t count; } pbw__found;
 
 PBW__INLINE pbw__reach pbw__found_at(const pbw__found *found, size_t i)
 {
     pbw__reach reach;
-    reach.squared = found->squared[PBW__FOUND + i];
+    reach.squared = found->squared[i];
     reach.slack = PBW__REACH_ERROR * DBL_EPSILON * reach.squared + 1e-300;
-    reach.vertex = (pbw_index)found->vertex[PBW__FOUND + i];
+    reach.vertex = found->vertex[i];
     reach.done = 0;
     return reach;
 }
 
-/* Returns the place of a vertex that is nearly as near as one beside `at`, by exact comparisons. */
-static PBW__NOINLINE size_t pbw__found_place(const pbw_mesh *mesh, const pbw__found *found, const double *q, size_t at,
-                                             const pbw__reach *reach)
+/* Exchanges entry i with the one before if that is farther.  Returns whether it was. */
+static int pbw__found_exchange(const pbw_mesh *mesh, pbw__found *found, const double *q, size_t i)
 {
-    pbw__reach other;
-    for (; at > 0; at--) {
-        other = pbw__found_at(found, at - 1);
-        if (!pbw__reach_before(mesh, q, reach, &other)) {
-            break;
-        }
+    const pbw__reach before = pbw__found_at(found, i - 1), reach = pbw__found_at(found, i);
+    if (!pbw__reach_before(mesh, q, &reach, &before)) {
+        return 0;
     }
-    for (; at < found->count; at++) {
-        other = pbw__found_at(found, at);
-        if (!pbw__reach_before(mesh, q, &other, reach)) {
-            break;
-        }
-    }
-    return at;
+    found->squared[i] = before.squared;
+    found->vertex[i] = before.vertex;
+    found->squared[i - 1] = reach.squared;
+    found->vertex[i - 1] = reach.vertex;
+    return 1;
 }
 
-/* Puts a vertex into its place among the k nearest, without a branch on where that is. */
-PBW__SIMD_INLINE void pbw__found_add(const pbw__queries *queries, pbw__found *found, const double *q,
-                                     const pbw__reach *reach)
+/* The exact place of entry `at` among others nearly as near. */
+static PBW__NOINLINE void pbw__found_settle(const pbw_mesh *mesh, pbw__found *found, const double *q, size_t at)
 {
-    const pbw__d4 new_squared = pbw__splat(reach->squared), new_vertex = pbw__splat((double)reach->vertex);
-    const double close = 3.0 * reach->slack;
-    double *squared = found->squared + PBW__FOUND, *vertex = found->vertex + PBW__FOUND;
-    size_t at = 0, i;
-    for (i = 0; i < found->count; i += 4) {
-        at += pbw__count4(pbw__signs(pbw__at_least(new_squared, pbw__load_four(squared + i))));
+    for (; at > 0 && pbw__found_exchange(mesh, found, q, at); at--) {
     }
-    at = at < found->count ? at : found->count;
-    if (PBW__UNLIKELY((at > 0 && !(reach->squared - squared[at - 1] > close))
-                      || (at < found->count && !(squared[at] - reach->squared > close)))) {
-        at = pbw__found_place(queries->mesh, found, q, at, reach);
+    for (; at < found->count && pbw__found_exchange(mesh, found, q, at + 1); at++) {
     }
-    if (at == queries->k) {
-        return;
+}
+
+/* Puts a vertex into its place among the k nearest. */
+PBW__INLINE void pbw__found_add(const pbw__queries *queries, pbw__found *found, const double *q, double squared,
+                                pbw_index vertex)
+{
+    const double close = 3.0 * (PBW__REACH_ERROR * DBL_EPSILON * squared + 1e-300);
+    size_t at = found->count;
+    for (; at > 0 && found->squared[at - 1] > squared; at--) {
+        found->squared[at] = found->squared[at - 1];
+        found->vertex[at] = found->vertex[at - 1];
     }
-    for (i = (found->count | 3) + 1; i > at; ) {     /* four at a time, from the back */
-        pbw__d4 place, later, here;
-        i -= 4;
-        place = pbw__four((double)i, (double)i + 1.0, (double)i + 2.0, (double)i + 3.0);
-        later = pbw__greater(place, pbw__splat((double)at));
-        here = pbw__equal(place, pbw__splat((double)at));
-        place = pbw__blend(pbw__blend(pbw__load_four(squared + i), pbw__load_four(squared + i - 1), later),
-                           new_squared, here);
-        memcpy(squared + i, &place, sizeof(place));
-        place = pbw__blend(pbw__blend(pbw__load_four(vertex + i), pbw__load_four(vertex + i - 1), later), new_vertex,
-                           here);
-        memcpy(vertex + i, &place, sizeof(place));
+    found->squared[at] = squared;
+    found->vertex[at] = vertex;
+    if (PBW__UNLIKELY((at > 0 && !(squared - found->squared[at - 1] > close))
+                      || (at < found->count && !(found->squared[at + 1] - squared > close)))) {
+        pbw__found_settle(queries->mesh, found, q, at);
     }
     found->count += found->count < queries->k;
 }
@@ -11324,12 +11311,7 @@ PBW__SIMD_INLINE void pbw__search_leaf(const pbw__queries *queries, int dim, pbw
     set &= rest < PBW__BRANCH ? (1u << rest) - 1 : 255;
     for (; set != 0; set &= set - 1) {
         const unsigned i = (unsigned)__builtin_ctz(set);
-        pbw__reach reach;
-        reach.squared = squared[i];
-        reach.slack = PBW__REACH_ERROR * DBL_EPSILON * squared[i] + 1e-300;
-        reach.vertex = tree->vertex[leaf * PBW__BRANCH + i];
-        reach.done = 0;
-        pbw__found_add(queries, found, q, &reach);
+        pbw__found_add(queries, found, q, squared[i], tree->vertex[leaf * PBW__BRANCH + i]);
     }
 }
 
@@ -11382,9 +11364,6 @@ PBW__SIMD_INLINE void pbw__search_of(pbw__queries *queries, int dim, pbw__found 
     stack[0].squared = 0.0;
     stack[0].node = 0;
     stack[0].level = tree->top + 1;
-    for (found->count = 0; found->count < k; found->count++) {
-        found->squared[PBW__FOUND + found->count] = HUGE_VAL;
-    }
     found->count = 0;
     while (height > 0) {
         const pbw__branch *at = stack + height - 1;
@@ -11395,7 +11374,7 @@ PBW__SIMD_INLINE void pbw__search_of(pbw__queries *queries, int dim, pbw__found 
         } else {
             height--;
             pbw__search_leaf(queries, dim, found, q, most, at->node);
-            most = found->count == k ? pbw__found_limit(found->squared[PBW__FOUND + k - 1]) : most;
+            most = found->count == k ? pbw__found_limit(found->squared[k - 1]) : most;
             if (++looked % 4096 == 0 && pbw__report(&queries->context, 0.0)) {
                 return;
             }
@@ -11410,8 +11389,7 @@ PBW__SIMD_INLINE double pbw__search_limit(const pbw__queries *queries, int dim, 
     double most = 0.0;
     size_t i;
     for (i = 0; i < found->count; i++) {
-        const size_t vertex = (size_t)found->vertex[PBW__FOUND + i];
-        const double squared = pbw__squared(queries->mesh->points + vertex * (size_t)dim, q, dim);
+        const double squared = pbw__squared(queries->mesh->points + found->vertex[i] * (size_t)dim, q, dim);
         most = squared > most ? squared : most;
     }
     return found->count < queries->k ? HUGE_VAL : pbw__found_limit(most);
@@ -11440,38 +11418,45 @@ PBW__SIMD static void pbw__search_block(pbw__queries *queries, pbw__desk *desk, 
     }
 }
 
-/* Whether the tree answers: not for weights, for many neighbours, or where the stars are there for few queries or for
-   one neighbour. */
+/* Whether the tree answers: not for weights, for many neighbours, or where the stars are there for few queries or few
+   neighbours, which the mesh finds faster: for 4 in 0.8 of the time, for 8 in 1.5. */
 static int pbw__tree_answers(const pbw__queries *queries, const pbw_lists *stars)
 {
     const pbw_mesh *mesh = queries->mesh;
     return pbw__simd_works() && mesh->weights == NULL && queries->k <= PBW__FEW && mesh->point_count > 0
-        && (stars == NULL || (queries->k > 1 && queries->count >= mesh->point_count / 8));
+        && (stars == NULL || (queries->k > 4 && queries->count >= mesh->point_count / 8));
+}
+
+static pbw_status pbw__search_all(pbw__queries *queries)
+{
+    const pbw_mesh *mesh = queries->mesh;
+    pbw__tree tree;
+    pbw_status status;
+    memset(&tree, 0, sizeof(tree));
+    queries->tree = &tree;
+    status = pbw__plant(queries, &tree);
+    status = status == PBW_OK ? pbw__query_sort(queries) : status;
+    status = status == PBW_OK ? pbw__answer_all(queries, pbw__search_block, queries->count, PBW__BLOCK_QUERIES)
+                              : status;
+    pbw__tree_free(&queries->context.memory, &tree, mesh->point_count, mesh->dim);
+    return status;
 }
 #endif
 
 static pbw_status pbw__nearest_all(pbw__queries *queries, const pbw_lists *stars)
 {
-    const pbw_mesh *mesh = queries->mesh;
-    pbw__answer *answer = pbw__nearest_block;
     pbw_lists own;
-    pbw__tree tree;
     pbw_status status;
     memset(&own, 0, sizeof(own));
-    memset(&tree, 0, sizeof(tree));
 #ifdef PBW__SIMD
     if (pbw__tree_answers(queries, stars)) {
-        status = pbw__plant(queries, &tree);
-        queries->tree = &tree;
-        answer = pbw__search_block;
-    } else
-#endif
-    {
-        status = pbw__take_stars(queries, stars, &own);
+        return pbw__search_all(queries);
     }
+#endif
+    status = pbw__take_stars(queries, stars, &own);
     status = status == PBW_OK ? pbw__query_sort(queries) : status;
-    status = status == PBW_OK ? pbw__answer_all(queries, answer, queries->count, PBW__BLOCK_QUERIES) : status;
-    pbw__tree_free(&queries->context.memory, &tree, mesh->point_count, mesh->dim);
+    status = status == PBW_OK ? pbw__answer_all(queries, pbw__nearest_block, queries->count, PBW__BLOCK_QUERIES)
+                              : status;
     pbw__drop_stars(queries, &own);
     return status;
 }

@@ -335,7 +335,9 @@ static void test_zoo(void)
             check_locate(&mesh, &q);
             q.count = in->count > 300 ? 8 : 30;
             check_nearest(&mesh, &stars, &q, 1);
+            check_nearest(&mesh, &stars, &q, 4);
             check_nearest(&mesh, NULL, &q, 9);
+            check_nearest(&mesh, &stars, &q, 20);
             check_nearest(&mesh, &stars, &q, 70);
             if (in->count > 1 && in->count < 400) {
                 double r2 = 0;
