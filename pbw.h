@@ -10490,7 +10490,7 @@ PBW__INLINE pbw__reach pbw__reach_to(const pbw_mesh *mesh, int dim, const double
 }
 
 /* Returns whether (a-b)^2 and their sums are free of rounding errors in any mode: a and b are multiples of a unit, a
-   power of two, in which they are at most 2^51 and `most`, the largest sum as computed, is at most 2^50 of its square.
+   power of two, in which they are at most 2^51 and `most`, the largest sum as computed, at most 2^50 of its squares.
    So it is on lattices.  A number that is no multiple of the unit changes where 3 * 2^51 units are added and taken
    away. */
 static int pbw__squares_fit(double (*term)[2], int count, double most)
