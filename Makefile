@@ -41,7 +41,7 @@ endif
 endif
 
 .PHONY: all page demo web examples test test-all programs oracle arm asan ubsan tsan valgrind fuzz fuzz-long asm names \
-    clean help FORCE
+    fuzz-plane clean help FORCE
 .DELETE_ON_ERROR:
 .SECONDARY:
 
@@ -65,6 +65,7 @@ help:
 	@echo 'make clean       removes $B/'
 	@echo 'make asan ubsan tsan valgrind                  the test programs under sanitizers'
 	@echo 'make fuzz        fuzzers, TIME=60 each         make fuzz-long  ten million random small inputs'
+	@echo 'make fuzz-plane  a million random small plane domains, and a million crossings'
 	@echo 'CC=clang CXX=clang++ CFLAGS=-O3 B=build/clang  for any of them;  COUNT=n random inputs in tests'
 
 # Programs.  Each example is whole by itself, `cc -O2 -Iexamples/lib example.c -lpthread -lm`; here pbw.h is compiled
@@ -134,14 +135,14 @@ $(SCRIPTS:%=$B/%.log) $B/arm.log: $B/%.log: tests/%.sh FORCE
 	+@sh tests/run.sh $@ sh $< $B
 
 $B/test_io.log: $B/pbw
-$B/view.log: $B/pbw $B/terrain
+$B/view.log: $B/pbw $B/swarm $B/terrain
 $B/examples.log: $(patsubst %,$B/%,$(filter $(EXAMPLES) $(EXAMPLES_CXX),$(EXPECTED)))
 $B/python.log: $B/libpbw_python.so
 $B/csharp.log: $B/libpbw.so
 $B/install.log: $B/pbw $B/pbw_pic.o $B/libpbw.so
 $B/plane.log $B/program.log $B/programs.log $B/queries.log $B/tiles.log: $B/pbw
 $B/tiles.log: $(MPI)
-$B/oracle.log $B/cells.log: $B/libpbw.a
+$B/hashes.log $B/oracle.log $B/cells.log: $B/libpbw.a
 
 # One that does not compile is a failure, and the others still run.
 test-all: LOGS = $(TESTS:%=$B/%.log) $(SCRIPTS:%=$B/%.log)
@@ -150,7 +151,7 @@ test: export QUICK = 1
 QUICK_test_predicates = --count 50000
 QUICK_test_threads = --count 800
 QUICK_test_scalar = --count 800
-QUICK_test_tiles = --count 500
+QUICK_test_tiles = --count 1000
 programs: LOGS = $(TESTS:%=$B/%.log)
 examples: LOGS = $B/examples.log
 oracle: LOGS = $B/oracle.log
@@ -194,6 +195,9 @@ $(FUZZERS:%=$B/%.fuzz): $B/%.fuzz: tests/%.c $(HEADERS) FORCE
 	    $< -o $B/$* $(LIBS) 2> $B/$*.log; then \
 	    $B/$* -entropic=0 -max_total_time=$(TIME) -print_final_stats=1 $B/corpus/$* tests/corpus; \
 	else $C -DFUZZ_MAIN $< -o $B/$* $(LIBS) && $B/$* --count 200000; fi
+
+fuzz-plane: $B/test_mesh2 FORCE
+	$B/test_mesh2 --count 1000000
 
 $B/fuzz.%.log: $B/fuzz_random FORCE
 	@sh tests/run.sh $@ $< --count 1250000 --seed $*

@@ -103,14 +103,26 @@ build/bench_solid: bench/solid.cpp examples/lib/pbw_surface.h examples/lib/pbw_i
 bench-solid: build/bench_solid
 	$< $(MODEL) $(SIZES)
 
+# Solids of the parts in tests/parts.h, each even and turned; ARGS="gear shell" for some of them
+build/corpus: bench/corpus.c tests/parts.h $(HEADERS)
+	@mkdir -p build
+	$C -Itests $< -o $@ $(LIBS)
+
+.PHONY: bench-corpus
+bench-corpus: build/corpus
+	$< $(ARGS)
+
 # Tiles: what one rank of many sends and receives, by the work of a few of them: bench/tiles.c
 build/bench_tiles: bench/tiles.c $(HEADERS)
 	@mkdir -p build
 	$C -Itests $< -o $@ $(LIBS)
 
 bench-tiles: build/bench_tiles
-	$< 1000 2000
-	$< 10000 500
+	$< 1000 10000
+	$< 1000 10000 clusters
+	$< 10000 1000
+	$< 64 200000 uniform 16
+	$< 8 400000
 .PHONY: bench-tiles
 
 # Live triangulations beside CGAL's insert, remove and move: bench/live.cpp

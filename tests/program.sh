@@ -177,11 +177,11 @@ printf 'move,501, 0.1, 0.1\nmove,5,.3,.3\r\n' >> changes
 printf ' commit\nremove,500\nremove,0\ninsert,.5,.5\ninsert,.5,.5\nmove,7,.5,.5\n' >> changes
 check "live" says 0 "2 inserted, 1 removed, 0 moved; batch: " live p.csv --script changes -o live.csv -o live.vtu
 check "live commits what is left in the end" grep "3: 2 inserted, 2 removed, 1 moved; batch: .* hash" said
-check "live: as many points" grep "500 points" said
+check "live: how many points are left" grep "500 points" said
 grep -o 'hash.*' said | tail -n 1 > hash
 check "live: the hash after the last commit is that of pbw mesh" sh -c \
     "'$pbw' mesh live.csv -o again.vtu | grep -F \"\$(cat hash)\" && [ \$(grep -cF \"\$(cat hash)\" said) = 2 ]"
-check "live: the same mesh" cmp live.vtu again.vtu
+check "live: equal bytes" cmp live.vtu again.vtu
 check "live by the standard input" sh -c "'$pbw' live p.csv --script - < changes | grep -F \"\$(cat hash)\""
 printf 'insert,1,1,1.5,9\ninsert,.5,.5,.5\ncommit\nremove,4\ninsert,0.1,.1,.1,-7\n' > weighted
 check "live with weights" says 0 "0 duplicates, 2 hidden points" live atoms.csv --weights r --columns x,y,z \

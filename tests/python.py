@@ -637,8 +637,8 @@ def points_that_live_and_what_is_refused():
     live.insert(points / 2)
     stop.set()
     raises(KeyError, live.commit)
-    equal(live.npoints, 30)
     stop.clear()
+    equal(live.npoints, 30)
     live.commit()                                                         # they are still queued
     equal(live.npoints, 60)
     same_as_anew(live)

@@ -9,6 +9,7 @@
 #include "pbw_mesh3.h"
 #include "pbw_stuffing.h"
 #include "meter.h"
+#include "parts.h"
 #include "test.h"
 #include "watch.h"
 #include "zoo.h"
@@ -212,6 +213,44 @@ static void test_functions(void)
         check_good(&in, 0.15, 2 * PI * PI * 0.1225, 0, 26);
         test_end();
     }
+}
+
+/* Acute edges: kept, settled, volumes right to rounding; the angles are those of the input or better. */
+static void test_acute(void)
+{
+    static part m;
+    pbw_solid_options how;
+    pbw_solid_report r;
+    pbw_solid_input in;
+    pbw_tets mesh;
+    int i;
+    if (!test_begin("acute edges")) {
+        return;
+    }
+    for (i = 0; i < 4; i++) {
+        const size_t number = i < 2 ? PART_WEDGE : PART_SPIKE;
+        const double volume = part_make(number, i % 2, &m);
+        memset(&how, 0, sizeof how);
+        memset(&in, 0, sizeof in);
+        in.points = m.x[0];
+        in.point_count = m.points;
+        in.triangles = m.t[0];
+        in.triangle_count = m.triangles;
+        how.size = 0.1;
+        CHECK_EQUAL(pbw_solid(&in, &how, NULL, &mesh, &r), PBW_OK);
+        CHECK(is_sound(&mesh));
+        CHECK_EQUAL(r.settled, 1);
+        CHECK_EQUAL(r.bad_edges + r.bad_points + r.missing_edges, 0);
+        CHECK_EQUAL(r.euler, 2);
+        CHECK(fabs(r.improve.after.volume - volume) < 1e-12 && r.distance < 1e-12);
+        CHECK(r.improve.after.least > (i < 2 ? 18 : 28));
+        CHECK(i >= 2 || (r.acute_edges == 1 && fabs(r.least_angle - 20) < 1e-9));
+        test_say("%zu tetrahedra %.2f..%.2f, volume %.3g off, %zu acute edges, least %.3f", mesh.tet_count,
+                 r.improve.after.least, r.improve.after.largest, r.improve.after.volume - volume, r.acute_edges,
+                 r.least_angle);
+        pbw_tets_free(&mesh);
+    }
+    test_end();
 }
 
 static void test_models(void)
@@ -434,6 +473,7 @@ int main(int argc, char **argv)
     test_functions();
     test_models();
     test_features();
+    test_acute();
     test_thin();
     test_stuffing();
     test_warnings();

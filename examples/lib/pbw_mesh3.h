@@ -27,7 +27,8 @@
    PROMISES  (tests/test_mesh3.c guards them)
      positive    tetrahedra are positively oriented, by exact signs; no point is corner of nothing
      told        edges of the boundary with other than two facets and points with several fans of facets are counted,
-                 with places; so are pieces of sharp edges that are missing, and open edges of the input
+                 with places; so are pieces of sharp edges that are missing, open edges of the input, and its sharp
+                 edges below 60 degrees
      ends        after options.rounds rounds, whatever the input
      same        the same bytes for any number of threads
 
@@ -35,8 +36,11 @@
    distance, but at least 1/6 of the size.  Of an open surface, inside is where its winding number is above 1/2, so
    that a smooth membrane closes its holes; its triangles must be turned alike.
 
-   DOES NOT  yet settle at edges sharper than some 45 degrees (beneath them circumcentres are on the wrong side), nor
-             at walls and gaps below 1/10 of the size: they come out with warnings.  It takes no regions.
+   Sharp edges below 60 degrees are kept as others are; the tetrahedra at them have their angles.
+
+   DOES NOT  settle at walls and gaps below 1/10 of the size, nor always at acute edges and thin tubes in general
+             position: they come out with warnings.  Turned thin plates may lose a few tetrahedra at their sharp
+             edges: `distance` says so.  It takes no regions.
 
    CONFIGURATION MACROS
      PBW_MESH3_IMPLEMENTATION    in one source file: compile the implementation there
@@ -81,6 +85,9 @@ enum { PBW_SOLID_PLACES = 8 };
 typedef struct pbw_solid_report {
     size_t open_edges, crowded_edges;      /* of the input: of one triangle, of more than two */
     size_t corners, sharp_edges;           /* of the input */
+    size_t acute_edges;                    /* of the input: sharp ones below 60 degrees, inside or outside; tetrahedra
+                                              at them cannot have better dihedral angles than those */
+    double least_angle;                    /* of the input's sharp edges, degrees, on the narrower side; 180: none */
     size_t missing_edges;                  /* pieces of sharp edges that are no edges of the mesh */
     size_t bad_edges, bad_points;          /* where the boundary is no manifold */
     double places[PBW_SOLID_PLACES][3];    /* the first of those */
@@ -118,11 +125,14 @@ PBWMESH3DEF pbw_status pbw_solid(const pbw_solid_input *input, const pbw_solid_o
    Holds: kind[p] says what point p is on; pieces are the parts of sharp chains between neighbouring samples; label[t]
    is 1 for tetrahedra inside.
    ------------------------------------------------------------------------------------------------------ */
-enum { PBWM3__SHARP, PBWM3__SMOOTH, PBWM3__INSIDE };
+enum { PBWM3__SHARP, PBWM3__SMOOTH, PBWM3__INSIDE, PBWM3__GONE };    /* gone: it lies on another point */
+
+typedef struct pbwm3__wish { double p[3]; pbw_index inside; } pbwm3__wish;           /* inside: a corner of the
+                                              facet that is, or PBW_NONE */
 
 typedef struct pbwm3__piece { pbw_index a, b; size_t chain; double from, to; } pbwm3__piece;  /* lengths along it */
-typedef struct pbwm3__chain { size_t first, count; int closed, loose; } pbwm3__chain;    /* range of `path`; loose:
-                                              an end of it is no other chain's */
+typedef struct pbwm3__chain { size_t first, count, set; int closed, loose; } pbwm3__chain;    /* range of `path`;
+                                              loose: an end of it is no other chain's; set: of its patches */
 typedef struct pbwm3__knot { pbw_index vertex; double along; } pbwm3__knot;
 
 typedef struct pbwm3__work {
@@ -139,6 +149,11 @@ typedef struct pbwm3__work {
     pbw_surface surface;                   /* of points at different places */
     pbwsf__array vertices, triangles;      /* its own arrays */
     pbwsf__array x, kind;                  /* points of the mesh */
+    pbwsf__array patch;                    /* of each triangle: its part of the surface between sharp edges */
+    pbwsf__array sets, members;            /* sets of patches: set i < patch_count is {i}, others are those that
+                                              meet at sharp edges and corners */
+    pbwsf__array set;                      /* of each point: the set of patches that it is on */
+    size_t patch_count;
     pbwsf__array heads, links;             /* spacing grid: the first point of each cell, the next in its cell */
     size_t cells;
     pbwsf__array pieces, chains, path;
@@ -152,6 +167,8 @@ typedef struct pbwm3__work {
 #define PBWM3__KIND(w) ((unsigned char *)(w)->kind.data)
 #define PBWM3__LABEL(w) ((unsigned char *)(w)->label.data)
 #define PBWM3__CENTRE(w, t) ((double *)(w)->centre.data + 3 * (size_t)(t))
+
+typedef struct pbwm3__set { size_t first, count; } pbwm3__set;       /* range of `members` */
 
 static int pbwm3__append(pbwm3__work *w, pbwsf__array *array, const void *item, size_t size)
 {
@@ -238,13 +255,15 @@ static void pbwm3__take_from_cell(pbwm3__work *w, pbw_index p)
     *link = ((pbw_index *)w->links.data)[p];
 }
 
-/* A new point; returns its number, or PBW_NONE if there is no memory. */
-static pbw_index pbwm3__add(pbwm3__work *w, const double p[3], int kind)
+/* A new point on the patches of a set; returns its number, or PBW_NONE if there is no memory. */
+static pbw_index pbwm3__add(pbwm3__work *w, const double p[3], int kind, size_t set)
 {
     const pbw_index number = (pbw_index)w->x.count;
     const unsigned char byte = (unsigned char)kind;
+    const pbw_index on = (pbw_index)set;
     if (w->x.count >= PBW_NONE / 8 || pbwsf__room(&w->memory, &w->links, 1, sizeof number) == NULL
-        || pbwsf__room(&w->memory, &w->kind, 1, 1) == NULL || !pbwm3__append(w, &w->x, p, 3 * sizeof *p)) {
+        || pbwsf__room(&w->memory, &w->kind, 1, 1) == NULL || !pbwm3__append(w, &w->set, &on, sizeof on)
+        || !pbwm3__append(w, &w->x, p, 3 * sizeof *p)) {
         return PBW_NONE;
     }
     w->links.count++;
@@ -451,19 +470,21 @@ static int pbwm3__inside(const pbwm3__work *w, const double p[3])
     return w->open ? fabs(pbw_surface_winding(&w->surface, p)) > 0.5 : pbw_surface_inside(&w->surface, p);
 }
 
-/* Moves p to the surface; of a function, then along the triangles' direction there to its zero. */
-static void pbwm3__project(void *user, double p[3])
+/* Moves p to the surface, and returns the patch that it is on; of a function, along the triangles' direction there to
+   its zero. */
+static size_t pbwm3__to_surface(const pbwm3__work *w, double p[3])
 {
-    const pbwm3__work *w = (const pbwm3__work *)user;
+    const pbw_index *patch = (const pbw_index *)w->patch.data;
     const pbw_solid_input *in = w->input;
     double place[3], a[3], b[3], n[3], h = 1e-4 * w->size;
     pbw_index t;
     int k, i;
     if (in->value == NULL) {
-        if (pbw_surface_closest(&w->surface, p, HUGE_VAL, place) != PBW_NONE) {
+        t = pbw_surface_closest(&w->surface, p, HUGE_VAL, place);
+        if (t != PBW_NONE) {
             memcpy(p, place, sizeof place);
         }
-        return;
+        return t != PBW_NONE ? patch[t] : 0;
     }
     for (i = 0; i < 8; i++) {                        /* Newton's method along the gradient, steps of half a size */
         const double value = in->value(in->value_user, p);
@@ -488,6 +509,12 @@ static void pbwm3__project(void *user, double p[3])
     if (t == PBW_NONE || !(pbwsf__distance(p, place) < w->size)) {       /* it has gone astray */
         memcpy(p, place, sizeof place);
     }
+    return t != PBW_NONE ? patch[t] : 0;
+}
+
+static void pbwm3__project(void *user, double p[3])
+{
+    (void)pbwm3__to_surface((const pbwm3__work *)user, p);
 }
 
 /* ------------------------------------------------------------------------------------------------------
@@ -543,8 +570,54 @@ static int pbwm3__is_sharp(const pbwm3__work *w, const pbwim__facet *edge)
     return pbwsf__dot(n[0], n[0]) > 0 && pbwsf__dot(n[1], n[1]) > 0 && !pbwim__turned_less(n[0], n[1], w->cosine);
 }
 
-/* Lists the sharp edges, both ways, each as (from, to, used). */
-static int pbwm3__find_sharp(pbwm3__work *w, pbwsf__array *list)
+static size_t pbwm3__root_of(size_t *parent, size_t i)
+{
+    while (parent[i] != i) {
+        parent[i] = parent[parent[i]];
+        i = parent[i];
+    }
+    return i;
+}
+
+/* The angle, in degrees, between the triangles of an edge on its narrower side. */
+static double pbwm3__angle_at(const pbwm3__work *w, const pbwim__facet *edge)
+{
+    const double *a = w->surface.points + 3 * (size_t)edge[0].v[0], *b = w->surface.points + 3 * (size_t)edge[0].v[1];
+    double n[2][3], across[3];
+    int i;
+    for (i = 0; i < 2; i++) {
+        pbwsf__normal(a, b, pbwsf__corner(&w->surface, edge[i].t, (edge[i].i + 2) % 3), n[i]);
+    }
+    pbwsf__cross(n[0], n[1], across);
+    return atan2(sqrt(pbwsf__dot(across, across)), pbwsf__dot(n[0], n[1])) * 57.295779513082321;
+}
+
+/* Numbers the patches: the roots of `parent`. */
+static int pbwm3__number_patches(pbwm3__work *w, size_t *parent)
+{
+    pbw_index *patch = (pbw_index *)w->patch.data;
+    size_t t;
+    for (t = 0; t < w->surface.triangle_count; t++) {
+        if (pbwm3__root_of(parent, t) == t) {
+            const pbw_index number = (pbw_index)w->patch_count++;
+            pbwm3__set set;
+            set.first = w->members.count;
+            set.count = 1;
+            patch[t] = number;
+            if (!pbwm3__append(w, &w->members, &number, sizeof number)
+                || !pbwm3__append(w, &w->sets, &set, sizeof set)) {
+                return 0;
+            }
+        }
+    }
+    for (t = 0; t < w->surface.triangle_count; t++) {
+        patch[t] = patch[pbwm3__root_of(parent, t)];
+    }
+    return 1;
+}
+
+/* Lists the sharp edges, two points each, and joins the triangles at other edges. */
+static int pbwm3__find_sharp(pbwm3__work *w, pbwsf__array *list, size_t *parent)
 {
     pbwsf__array blocks[3];
     const pbwim__facet *edge = pbwm3__edges(&w->memory, w->surface.triangles, w->surface.triangle_count,
@@ -561,9 +634,13 @@ static int pbwm3__find_sharp(pbwm3__work *w, pbwsf__array *list)
         sharp = w->input->value == NULL && k - i > 1 && (k - i != 2 || pbwm3__is_sharp(w, edge + i));
         edges++;
         if (sharp) {
-            pbw_index item[2];
-            item[0] = edge[i].v[0], item[1] = edge[i].v[1];
-            good = pbwm3__append(w, list, item, sizeof item);
+            const double angle = pbwm3__angle_at(w, edge + i);
+            w->report->least_angle = fmin(w->report->least_angle, angle);
+            w->report->acute_edges += angle < 60;
+            good = pbwm3__append(w, list, edge[i].v, 2 * sizeof(pbw_index));
+        } else if (k - i > 1) {
+            size_t a = pbwm3__root_of(parent, edge[i].t), b = pbwm3__root_of(parent, edge[i + 1].t);
+            parent[a < b ? b : a] = a < b ? a : b;
         }
     }
     w->report->sharp_edges = list->count;
@@ -658,6 +735,83 @@ static int pbwm3__walk_chain(pbwm3__work *w, pbwm3__graph *g, pbw_index v, size_
     return pbwm3__append(w, &w->chains, &chain, sizeof chain);
 }
 
+/* ---- patches at sharp edges and corners ---- */
+
+typedef struct pbwm3__stars { pbwsf__array first, at; } pbwm3__stars;    /* triangles at vertex v: as in the graph */
+
+static int pbwm3__make_stars(pbwm3__work *w, pbwm3__stars *stars)
+{
+    const size_t points = w->surface.point_count, count = 3 * w->surface.triangle_count;
+    size_t *first, i;
+    if (!pbwsf__resize(&w->memory, &stars->first, (points + 2) * sizeof *first)
+        || !pbwsf__resize(&w->memory, &stars->at, (count + 1) * sizeof(size_t))) {
+        return 0;
+    }
+    first = (size_t *)stars->first.data;
+    memset(first, 0, (points + 2) * sizeof *first);
+    for (i = 0; i < count; i++) {
+        first[w->surface.triangles[i] + 2]++;
+    }
+    for (i = 0; i < points; i++) {
+        first[i + 2] += first[i + 1];
+    }
+    for (i = 0; i < count; i++) {
+        ((size_t *)stars->at.data)[first[w->surface.triangles[i] + 1]++] = i / 3;
+    }
+    return 1;
+}
+
+/* Returns the number of a new set, of the patches of the triangles with corners u and v, which may be one vertex;
+   (size_t)-1 if there is no memory. */
+static size_t pbwm3__set_at(pbwm3__work *w, const pbwm3__stars *stars, pbw_index u, pbw_index v)
+{
+    const size_t *first = (const size_t *)stars->first.data, *at = (const size_t *)stars->at.data;
+    pbwm3__set set;
+    size_t i, k;
+    set.first = w->members.count;
+    set.count = 0;
+    for (i = first[u]; i < first[u + 1]; i++) {
+        const pbw_index *c = w->surface.triangles + 3 * at[i];
+        const pbw_index patch = ((const pbw_index *)w->patch.data)[at[i]];
+        const pbw_index *member = (const pbw_index *)w->members.data + set.first;
+        for (k = 0; k < set.count && member[k] != patch; k++) {
+        }
+        if (k == set.count && (c[0] == v || c[1] == v || c[2] == v)) {
+            if (!pbwm3__append(w, &w->members, &patch, sizeof patch)) {
+                return (size_t)-1;
+            }
+            set.count++;
+        }
+    }
+    return pbwm3__append(w, &w->sets, &set, sizeof set) ? w->sets.count - 1 : (size_t)-1;
+}
+
+static int pbwm3__set_has(const pbwm3__work *w, pbw_index point, pbw_index patch)
+{
+    const pbwm3__set set = ((const pbwm3__set *)w->sets.data)[((const pbw_index *)w->set.data)[point]];
+    const pbw_index *member = (const pbw_index *)w->members.data + set.first;
+    size_t i;
+    for (i = 0; i < set.count && member[i] != patch; i++) {
+    }
+    return i < set.count;
+}
+
+/* Returns the least patch that all of these points of the surface are on, or PBW_NONE. */
+static pbw_index pbwm3__common_patch(const pbwm3__work *w, const pbw_index *c, int count)
+{
+    const pbwm3__set set = ((const pbwm3__set *)w->sets.data)[((const pbw_index *)w->set.data)[c[0]]];
+    pbw_index best = PBW_NONE;
+    size_t i;
+    int k;
+    for (i = 0; i < set.count; i++) {
+        const pbw_index patch = ((const pbw_index *)w->members.data)[set.first + i];
+        for (k = 1; k < count && pbwm3__set_has(w, c[k], patch); k++) {
+        }
+        best = k == count && patch < best ? patch : best;
+    }
+    return best;
+}
+
 /* The point of a chain that far along it. */
 static void pbwm3__along(const pbwm3__work *w, size_t number, double along, double out[3])
 {
@@ -709,9 +863,9 @@ static double pbwm3__step_along(const pbwm3__work *w, size_t number, double from
 }
 
 /* Samples a chain evenly; corner: the numbers of points at vertices, PBW_NONE where there is none yet. */
-static int pbwm3__sample_chain(pbwm3__work *w, size_t number, pbw_index *corner)
+static int pbwm3__sample_chain(pbwm3__work *w, const pbwm3__stars *stars, size_t number, pbw_index *corner)
 {
-    const pbwm3__chain *chain = (const pbwm3__chain *)w->chains.data + number;
+    pbwm3__chain *chain = (pbwm3__chain *)w->chains.data + number;
     const pbwm3__knot *knot = (const pbwm3__knot *)w->path.data + chain->first;
     const pbw_index ends[2] = { knot[0].vertex, knot[chain->count - 1].vertex };
     const double length = knot[chain->count - 1].along, sum = pbwm3__sizes_along(w, number, length);
@@ -726,12 +880,15 @@ static int pbwm3__sample_chain(pbwm3__work *w, size_t number, pbw_index *corner)
         return 1;
     }
     count = wish < (closed ? 3 : 1) ? (closed ? 3 : 1) : (size_t)wish;
+    chain->set = pbwm3__set_at(w, stars, knot[0].vertex, knot[1].vertex);
     for (i = 0; i < 2; i++) {
         if (corner[ends[i]] == PBW_NONE) {
-            corner[ends[i]] = pbwm3__add(w, w->surface.points + 3 * (size_t)ends[i], PBWM3__SHARP);
-            if (corner[ends[i]] == PBW_NONE) {
-                return 0;
-            }
+            const size_t set = pbwm3__set_at(w, stars, ends[i], ends[i]);
+            corner[ends[i]] = set == (size_t)-1 ? PBW_NONE
+                            : pbwm3__add(w, w->surface.points + 3 * (size_t)ends[i], PBWM3__SHARP, set);
+        }
+        if (chain->set == (size_t)-1 || corner[ends[i]] == PBW_NONE) {
+            return 0;
         }
     }
     piece.a = corner[ends[0]];
@@ -741,7 +898,7 @@ static int pbwm3__sample_chain(pbwm3__work *w, size_t number, pbw_index *corner)
         double p[3];
         piece.to = i < count ? pbwm3__step_along(w, number, piece.from, sum / (double)count) : length;
         pbwm3__along(w, number, piece.to, p);
-        piece.b = i < count ? pbwm3__add(w, p, PBWM3__SHARP) : corner[ends[1]];
+        piece.b = i < count ? pbwm3__add(w, p, PBWM3__SHARP, chain->set) : corner[ends[1]];
         if (piece.b == PBW_NONE || !pbwm3__append(w, &w->pieces, &piece, sizeof piece)) {
             return 0;
         }
@@ -776,16 +933,36 @@ static int pbwm3__chain_all(pbwm3__work *w, pbwm3__graph *g)
     return 1;
 }
 
+/* Finds sharp edges and patches. */
+static int pbwm3__find_patches(pbwm3__work *w, pbwsf__array *list)
+{
+    pbwsf__array parents;
+    size_t i;
+    int good;
+    memset(&parents, 0, sizeof parents);
+    good = pbwsf__resize(&w->memory, &parents, w->surface.triangle_count * sizeof(size_t))
+        && pbwsf__resize(&w->memory, &w->patch, w->surface.triangle_count * sizeof(pbw_index));
+    for (i = 0; good && i < w->surface.triangle_count; i++) {
+        ((size_t *)parents.data)[i] = i;
+    }
+    good = good && pbwm3__find_sharp(w, list, (size_t *)parents.data)
+        && pbwm3__number_patches(w, (size_t *)parents.data);
+    pbwsf__release(&w->memory, &parents);
+    return good;
+}
+
 static pbw_status pbwm3__sample_sharp(pbwm3__work *w)
 {
     pbwsf__array list, corner;
     pbwm3__graph graph;
+    pbwm3__stars stars;
     size_t i;
     int good;
     memset(&list, 0, sizeof list);
     memset(&corner, 0, sizeof corner);
     memset(&graph, 0, sizeof graph);
-    good = pbwm3__find_sharp(w, &list)
+    memset(&stars, 0, sizeof stars);
+    good = pbwm3__find_patches(w, &list) && pbwm3__make_stars(w, &stars)
         && pbwsf__resize(&w->memory, &corner, (w->surface.point_count + 1) * sizeof(pbw_index));
     graph.ends = (const pbw_index *)list.data;
     graph.count = list.count;
@@ -794,13 +971,15 @@ static pbw_status pbwm3__sample_sharp(pbwm3__work *w)
         memset(corner.data, 0xff, corner.bytes);
     }
     for (i = 0; good && i < w->chains.count; i++) {
-        good = pbwm3__sample_chain(w, i, (pbw_index *)corner.data);
+        good = pbwm3__sample_chain(w, &stars, i, (pbw_index *)corner.data);
     }
     pbwsf__release(&w->memory, &list);
     pbwsf__release(&w->memory, &corner);
     pbwsf__release(&w->memory, &graph.first);
     pbwsf__release(&w->memory, &graph.at);
     pbwsf__release(&w->memory, &graph.used);
+    pbwsf__release(&w->memory, &stars.first);
+    pbwsf__release(&w->memory, &stars.at);
     return good ? PBW_OK : PBW_ERROR_MEMORY;
 }
 
@@ -829,7 +1008,7 @@ static pbw_status pbwm3__throw_darts(pbwm3__work *w, const double *area)
     for (i = 0; i < (uint64_t)wish; i++) {
         const double at = pbwm3__random(3 * i) * area[triangles - 1];
         double u = pbwm3__random(3 * i + 1), v = pbwm3__random(3 * i + 2), p[3], size;
-        size_t low = 0, high = triangles - 1;
+        size_t low = 0, high = triangles - 1, patch;
         int k;
         if (i % 4096 == 0 && pbwm3__stops(w, 0.5 * (double)i / wish)) {
             return PBW_CANCELLED;
@@ -849,11 +1028,9 @@ static pbw_status pbwm3__throw_darts(pbwm3__work *w, const double *area)
         if (size > w->least && pbwm3__random(~i) * size * size > w->least * w->least) {
             continue;                                /* as many darts for each square of the local size */
         }
-        if (w->input->value != NULL) {
-            pbwm3__project(w, p);
-        }
+        patch = w->input->value != NULL ? pbwm3__to_surface(w, p) : ((const pbw_index *)w->patch.data)[low];
         if (pbwm3__near(w, p, 0.65 * size, PBWM3__SHARP, PBWM3__SMOOTH) == PBW_NONE
-            && pbwm3__add(w, p, PBWM3__SMOOTH) == PBW_NONE) {
+            && pbwm3__add(w, p, PBWM3__SMOOTH, patch) == PBW_NONE) {
             return PBW_ERROR_MEMORY;
         }
     }
@@ -910,7 +1087,7 @@ static pbw_status pbwm3__sample_level(pbwm3__work *w, int level)
         if ((at[0] ^ at[1]) % 2 == 0 && (at[1] ^ at[2]) % 2 == 0 && level == (int)floor(log2(w->size / size) + 0.5)
             && pbwm3__inside(w, p) && pbw_surface_closest(&w->surface, p, 0.55 * size, place) == PBW_NONE
             && (level == 0 || pbwm3__near(w, p, 0.7 * size, PBWM3__INSIDE, PBWM3__INSIDE) == PBW_NONE)
-            && pbwm3__add(w, p, PBWM3__INSIDE) == PBW_NONE) {
+            && pbwm3__add(w, p, PBWM3__INSIDE, 0) == PBW_NONE) {
             return PBW_ERROR_MEMORY;
         }
     }
@@ -986,6 +1163,27 @@ static int pbwm3__is_flat(const pbwm3__work *w, const pbw_index c[4])
     return pbw_surface_closest(&w->surface, middle, 0.16 * size, place) != PBW_NONE;
 }
 
+/* Whether a tetrahedron's corners are all on the surface but on no common patch: it joins two sides of a sharp edge
+   or of a thin wall.  Such is labelled by its middle, as beneath acute edges the circumcentre is beyond the other
+   side. */
+static int pbwm3__bridges(const pbwm3__work *w, const pbw_index c[4])
+{
+    int i;
+    for (i = 0; i < 4 && PBWM3__KIND(w)[c[i]] != PBWM3__INSIDE; i++) {
+    }
+    return i == 4 && pbwm3__common_patch(w, c, 4) == PBW_NONE;
+}
+
+static int pbwm3__is_inside_by_middle(const pbwm3__work *w, const double *const p[4])
+{
+    double middle[3];
+    int k;
+    for (k = 0; k < 3; k++) {
+        middle[k] = 0.25 * (p[0][k] + p[1][k] + p[2][k] + p[3][k]);
+    }
+    return pbwm3__inside(w, middle);
+}
+
 static pbw_status pbwm3__label_range(void *arg, size_t from, size_t to)
 {
     pbwm3__work *w = (pbwm3__work *)arg;
@@ -1007,7 +1205,8 @@ static pbw_status pbwm3__label_range(void *arg, size_t from, size_t to)
                 break;
             }
         }
-        PBWM3__LABEL(w)[t] = !far && !pbwm3__is_flat(w, c) && pbwm3__inside(w, centre);
+        PBWM3__LABEL(w)[t] = (unsigned char)(pbwm3__bridges(w, c) ? pbwm3__is_inside_by_middle(w, p)
+                                             : !far && !pbwm3__is_flat(w, c) && pbwm3__inside(w, centre));
     }
     return PBW_OK;
 }
@@ -1038,42 +1237,45 @@ static int pbwm3__label_of(const pbwm3__work *w, pbw_index t)
     return t != PBW_NONE && PBWM3__LABEL(w)[t];
 }
 
-/* Where facet i of t is to get a point, in p; returns 0 if nowhere.  `meets`: the dual segment. */
-static int pbwm3__facet_wants(pbwm3__work *w, size_t t, int i, double p[3])
+/* Where facet i of t is to get a point; returns 0 if nowhere.  Facets between two sides of the surface are no
+   part of it, wherever their dual segments are; on the boundary they cut a sharp edge off. */
+static int pbwm3__facet_wants(const pbwm3__work *w, size_t t, int i, pbwm3__wish *wish)
 {
     const pbw_index n = w->mesh.neighbors[4 * t + (size_t)i], *c = w->mesh.simplices + 4 * t;
     const int inner = pbwm3__label_of(w, (pbw_index)t), outer = pbwm3__label_of(w, n);
-    const double *a = PBWM3__X(w, c[pbwim__opposite[i][0]]), *b = PBWM3__X(w, c[pbwim__opposite[i][1]]);
-    const double *d = PBWM3__X(w, c[pbwim__opposite[i][2]]);
-    double middle[3], where = 0;
-    pbw_index met = PBW_NONE;
-    int k;
+    double where = 0, place[3], *p = wish->p;
+    pbw_index f[3], met;
+    int k, bridge;
     for (k = 0; k < 3; k++) {
-        middle[k] = (a[k] + b[k] + d[k]) / 3;
-        if (inner == outer && PBWM3__KIND(w)[c[pbwim__opposite[i][k]]] == PBWM3__INSIDE) {
+        f[k] = c[pbwim__opposite[i][k]];
+        if (inner == outer && PBWM3__KIND(w)[f[k]] == PBWM3__INSIDE) {
             return 0;
         }
     }
-    if (n != PBW_NONE) {
+    for (k = 0; k < 3 && PBWM3__KIND(w)[f[k]] != PBWM3__INSIDE; k++) {
+    }
+    bridge = k == 3 && pbwm3__common_patch(w, f, 3) == PBW_NONE;
+    if (n != PBW_NONE && !bridge) {
         met = pbw_surface_meets(&w->surface, PBWM3__CENTRE(w, t), PBWM3__CENTRE(w, n), &where);
         pbwsf__between(PBWM3__CENTRE(w, t), PBWM3__CENTRE(w, n), where, p);
-        if (met != PBW_NONE && pbwsf__distance(p, a) > 1.1 * pbwm3__size(w, p)) {
-            pbwm3__project(w, p);
+        if (met != PBW_NONE && pbwsf__distance(p, PBWM3__X(w, f[0])) > 1.1 * pbwm3__size(w, p)) {
             return 1;
         }
     }
-    if (inner == outer) {
-        return 0;
+    for (k = 0; k < 3; k++) {
+        wish->inside = PBWM3__KIND(w)[f[k]] == PBWM3__INSIDE ? f[k] : wish->inside;
+        p[k] = (PBWM3__X(w, f[0])[k] + PBWM3__X(w, f[1])[k] + PBWM3__X(w, f[2])[k]) / 3;
     }
-    memcpy(p, middle, sizeof middle);
-    pbwm3__project(w, p);
-    return pbwsf__distance(p, middle) > w->distance * pbwm3__size(w, p);
+    return inner != outer
+        && (bridge || pbw_surface_closest(&w->surface, p, w->distance * pbwm3__size(w, p), place) == PBW_NONE);
 }
 
-/* Adds a point of the surface unless others are near; it takes the place of a near one inside.  Returns how many are
-   added: 0 or 1, or -1 without memory. */
-static int pbwm3__offer(pbwm3__work *w, const double p[3], double apart)
+/* Adds the point of the surface nearest to p unless others are near; it takes the place of a near one inside.
+   Returns how many are added: 0 or 1, or -1 without memory. */
+static int pbwm3__offer(pbwm3__work *w, const double near[3], double apart)
 {
+    double p[3] = { near[0], near[1], near[2] };
+    const size_t patch = pbwm3__to_surface(w, p);
     const double size = pbwm3__size(w, p);
     pbw_index inside;
     if (pbwm3__near(w, p, apart * size, PBWM3__SHARP, PBWM3__SMOOTH) != PBW_NONE) {
@@ -1084,10 +1286,11 @@ static int pbwm3__offer(pbwm3__work *w, const double p[3], double apart)
         pbwm3__take_from_cell(w, inside);
         memcpy(PBWM3__X(w, inside), p, 3 * sizeof *p);
         PBWM3__KIND(w)[inside] = PBWM3__SMOOTH;
+        ((pbw_index *)w->set.data)[inside] = (pbw_index)patch;
         pbwm3__put_in_cell(w, inside);
         return 1;
     }
-    return pbwm3__add(w, p, PBWM3__SMOOTH) == PBW_NONE ? -1 : 1;
+    return pbwm3__add(w, p, PBWM3__SMOOTH, patch) == PBW_NONE ? -1 : 1;
 }
 
 /* ---- the boundary as a manifold ---- */
@@ -1097,15 +1300,6 @@ typedef struct pbwm3__topology {
     size_t bad_edges, bad_points;
     long euler;
 } pbwm3__topology;
-
-static size_t pbwm3__root_of(size_t *parent, size_t i)
-{
-    while (parent[i] != i) {
-        parent[i] = parent[parent[i]];
-        i = parent[i];
-    }
-    return i;
-}
 
 /* Of sorted edges: lists those of other than two facets, and joins the corners of facets across the others. */
 static int pbwm3__join_fans(pbwsf__memory *memory, const pbwim__facet *edge, size_t count, size_t *parent,
@@ -1212,7 +1406,6 @@ static long pbwm3__mend_boundary(pbwm3__work *w)
         const pbw_index *pair = (const pbw_index *)top.edges.data + 2 * i;
         double p[3];
         pbwsf__between(PBWM3__X(w, pair[0]), PBWM3__X(w, pair[1]), 0.5, p);
-        pbwm3__project(w, p);
         got = pbwm3__offer(w, p, 0.08);
         added += got;
     }
@@ -1224,7 +1417,6 @@ static long pbwm3__mend_boundary(pbwm3__work *w)
             for (k = 0; k < 3; k++) {
                 p[k] = (PBWM3__X(w, f[0])[k] + PBWM3__X(w, f[1])[k] + PBWM3__X(w, f[2])[k]) / 3;
             }
-            pbwm3__project(w, p);
             got = pbwm3__offer(w, p, 0.08);
             added += got;
         }
@@ -1295,7 +1487,7 @@ static long pbwm3__mend_pieces(pbwm3__work *w)
         if (piece->to - piece->from > 0.1 * w->least) {
             second.from = (piece->from + piece->to) / 2;
             pbwm3__along(w, piece->chain, second.from, p);
-            second.a = pbwm3__add(w, p, PBWM3__SHARP);
+            second.a = pbwm3__add(w, p, PBWM3__SHARP, ((const pbwm3__chain *)w->chains.data)[piece->chain].set);
             piece->to = second.from;
             piece->b = second.a;
             added = second.a == PBW_NONE || !pbwm3__append(w, &w->pieces, &second, sizeof second) ? -1 : added + 1;
@@ -1305,11 +1497,20 @@ static long pbwm3__mend_pieces(pbwm3__work *w)
     return added;
 }
 
+/* A point inside goes to the first of all points, and counts no more. */
+static void pbwm3__take_out(pbwm3__work *w, pbw_index p)
+{
+    pbwm3__take_from_cell(w, p);
+    memcpy(PBWM3__X(w, p), PBWM3__X(w, 0), 3 * sizeof(double));
+    PBWM3__KIND(w)[p] = PBWM3__GONE;
+    pbwm3__put_in_cell(w, p);
+}
+
 /* One round: offers all points that facets want, halves pieces, mends the boundary.  Returns how many points came,
    -1 without memory, -2 if it is cancelled. */
 static long pbwm3__round(pbwm3__work *w)
 {
-    const double *wanted;
+    const pbwm3__wish *wishes;
     long added, mended;
     size_t t, i;
     int k, got = 0;
@@ -1320,17 +1521,22 @@ static long pbwm3__round(pbwm3__work *w)
         }
         for (k = 0; k < 4; k++) {
             const pbw_index n = w->mesh.neighbors[4 * t + (size_t)k];
-            double p[3];
-            if ((n == PBW_NONE || n > t) && pbwm3__facet_wants(w, t, k, p)
-                && !pbwm3__append(w, &w->extra, p, sizeof p)) {
+            pbwm3__wish wish;
+            wish.inside = PBW_NONE;
+            if ((n == PBW_NONE || n > t) && pbwm3__facet_wants(w, t, k, &wish)
+                && !pbwm3__append(w, &w->extra, &wish, sizeof wish)) {
                 return -1;
             }
         }
     }
     added = pbwm3__mend_pieces(w);
-    wanted = (const double *)w->extra.data;
+    wishes = (const pbwm3__wish *)w->extra.data;
     for (i = 0; i < w->extra.count && added >= 0 && got >= 0; i++) {
-        got = pbwm3__offer(w, wanted + 3 * i, 0.3);
+        got = pbwm3__offer(w, wishes[i].p, 0.3);
+        if (got == 0 && wishes[i].inside != PBW_NONE && PBWM3__KIND(w)[wishes[i].inside] == PBWM3__INSIDE) {
+            pbwm3__take_out(w, wishes[i].inside);
+            got = 1;
+        }
         added += got;
     }
     mended = added >= 0 && got >= 0 ? pbwm3__mend_boundary(w) : -1;
@@ -1664,6 +1870,7 @@ static pbw_status pbwm3__sample(pbwm3__work *w)
     }
     w->report->input_volume = fabs(sum);
     w->report->size = w->size;
+    w->report->least_angle = 180;
     status = pbwm3__sample_sharp(w);
     status = status != PBW_OK ? status : pbwm3__sample_smooth(w);
     return status != PBW_OK ? status : pbwm3__sample_inside(w);
@@ -1671,7 +1878,8 @@ static pbw_status pbwm3__sample(pbwm3__work *w)
 
 static void pbwm3__free(pbwm3__work *w)
 {
-    pbwsf__array *const arrays[] = { &w->field, &w->vertices, &w->triangles, &w->x, &w->kind, &w->heads, &w->links,
+    pbwsf__array *const arrays[] = { &w->field, &w->vertices, &w->triangles, &w->x, &w->kind, &w->patch, &w->sets,
+                                     &w->members, &w->set, &w->heads, &w->links,
                                      &w->pieces, &w->chains, &w->path, &w->centre, &w->label, &w->extra,
                                      &w->corners, &w->marks };
     size_t i;

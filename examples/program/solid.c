@@ -24,6 +24,10 @@ static void warn_of(const job *j, const pbw_solid_report *r)
              r->open_edges > 0 ? "what it winds around by more than half"
              : "what a ray leaves an odd number of times");
     }
+    if (r->acute_edges > 0) {
+        warn(j, "%zu sharp edge%s of the surface below 60 degrees, the least %.2f: tetrahedra there are no better",
+             r->acute_edges, plural(r->acute_edges), r->least_angle);
+    }
     if (!r->settled) {
         warn(j, "not settled after %d rounds: walls, gaps or details thinner than the size; a smaller --size may do",
              r->rounds);

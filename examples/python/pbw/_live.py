@@ -9,8 +9,8 @@ from ._handle import Handle
 from ._library import Mesh
 
 Changes = collections.namedtuple("Changes", "way deleted made points")
-Changes.__doc__ = """What a commit changed: the way taken ("nothing", "flips", "batch", "rebuild"), the corners of simplices that
-went and of those that came, and the points with another star than before."""
+Changes.__doc__ = """What a commit changed: the way taken ("nothing", "flips", "batch", "rebuild"), the corners of
+simplices that went and of those that came, and the points with another star than before."""
 
 
 def checked_ids(ids):
