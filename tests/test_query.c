@@ -356,7 +356,9 @@ static void test_zoo(void)
             q.count = in->count > 300 ? 8 : 30;
             r = rank(&mesh, &q, in->count > 70 && in->count < 400 ? in->count : 70);
             check_nearest(&mesh, &stars, &q, &r, 1);
+            check_nearest(&mesh, &stars, &q, &r, 4);
             check_nearest(&mesh, NULL, &q, &r, 9);
+            check_nearest(&mesh, &stars, &q, &r, 20);
             check_nearest(&mesh, &stars, &q, &r, 70);
             if (in->count > 1 && in->count < 400) {
                 double r2 = 0;
