@@ -11448,6 +11448,9 @@ PBW__SIMD static void pbw__search_block(pbw__queries *queries, pbw__desk *desk, 
         } else {
             pbw__search_of(queries, 2, &found, q, pbw__search_limit(queries, 2, &found, q));
         }
+#ifdef PBW__AVX2
+        _mm256_zeroupper();                          /* else code that is not made for AVX waits ever after */
+#endif
         for (at = 0; at < queries->k; at++) {
             const pbw__reach reach = pbw__found_at(&found, at < found.count ? at : 0);
             pbw__give_near(queries, q, query, at, at < found.count ? &reach : NULL);
