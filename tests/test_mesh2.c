@@ -279,6 +279,29 @@ static void test_ids(void)
     pbw_plane plane;
     size_t i, with[2] = { 0, 0 };
     memset(&d, 0, sizeof d);
+    if (test_begin("the same bytes for 1 and 4 threads")) {
+        pbw_plane_options options;
+        pbw_options build;
+        pbw_plane other;
+        uint64_t state = 4;
+        memset(&options, 0, sizeof options);
+        memset(&build, 0, sizeof build);
+        coast(&d, 0, 0, 1, 30000, &state);
+        options.rule = PBW_PLANE_EVEN_ODD;
+        options.flags = PBW_PLANE_REFINE;
+        options.build = &build;
+        build.threads = 1;
+        CHECK_EQUAL(make(&d, &options, &plane), PBW_OK);
+        build.threads = 4;
+        CHECK_EQUAL(make(&d, &options, &other), PBW_OK);
+        CHECK(plane.triangle_count == other.triangle_count && plane.point_count == other.point_count
+              && memcmp(plane.triangles, other.triangles, 3 * plane.triangle_count * sizeof *plane.triangles) == 0
+              && memcmp(plane.points, other.points, 2 * plane.point_count * sizeof *plane.points) == 0);
+        pbw_plane_free(&plane);
+        pbw_plane_free(&other);
+        drawing_free(&d);
+        test_end();
+    }
     if (test_begin("the caller's numbers of segments")) {
         box(&d, 0, 0, 1, 0);
         line(&d, 0, 1);
