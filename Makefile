@@ -134,14 +134,14 @@ $(SCRIPTS:%=$B/%.log) $B/arm.log: $B/%.log: tests/%.sh FORCE
 	+@sh tests/run.sh $@ sh $< $B
 
 $B/test_io.log: $B/pbw
-$B/view.log: $B/pbw $B/terrain
+$B/view.log: $B/pbw $B/swarm $B/terrain
 $B/examples.log: $(patsubst %,$B/%,$(filter $(EXAMPLES) $(EXAMPLES_CXX),$(EXPECTED)))
 $B/python.log: $B/libpbw_python.so
 $B/csharp.log: $B/libpbw.so
 $B/install.log: $B/pbw $B/pbw_pic.o $B/libpbw.so
 $B/plane.log $B/program.log $B/programs.log $B/queries.log $B/tiles.log: $B/pbw
 $B/tiles.log: $(MPI)
-$B/oracle.log $B/cells.log: $B/libpbw.a
+$B/hashes.log $B/oracle.log $B/cells.log: $B/libpbw.a
 
 # One that does not compile is a failure, and the others still run.
 test-all: LOGS = $(TESTS:%=$B/%.log) $(SCRIPTS:%=$B/%.log)
@@ -150,7 +150,7 @@ test: export QUICK = 1
 QUICK_test_predicates = --count 50000
 QUICK_test_threads = --count 800
 QUICK_test_scalar = --count 800
-QUICK_test_tiles = --count 500
+QUICK_test_tiles = --count 1000
 programs: LOGS = $(TESTS:%=$B/%.log)
 examples: LOGS = $B/examples.log
 oracle: LOGS = $B/oracle.log

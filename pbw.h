@@ -52,10 +52,15 @@
      >>centres      vectors, pairs, centres of simplices
      >>interpolate  barycentric, Sibson's and Laplace's weights
      >>core          a triangulation that stays, and a journal of what is deleted
+     >>apex          the vertex behind a facet of a hole
      >>removal       one vertex more or less
      >>verify       vertices that moved: does the triangulation hold; flips
      >>live         points to be inserted, removed and moved: the queue
+     >>hints         where walks start, and what batches prefetch
+     >>change        a batch of queued changes, vertex by vertex
+     >>moves         points that keep their neighbours, or most
      >>commit        queued changes carried out
+     >>adopt         a finished mesh becomes a live triangulation
      >>view          the arrays of a live triangulation
      >>api          argument checks, the stages in order, status texts
      >>history      versions
@@ -311,7 +316,8 @@ PBWDEF uint64_t pbw_hash(const pbw_mesh *mesh, const pbw_options *options);
 
 /* The two sums of which pbw_hash is made, over chosen points and simplices: those with a nonzero byte, NULL = all.
    Sums of disjoint choices add up, member by member and modulo 2^64: so the hash of a triangulation that is too large
-   for one memory is pbw_hash_of the sums of its parts. */
+   for one memory is pbw_hash_of the sums of its parts.  Holds 8 bytes a point, or without memory for them
+   takes longer. */
 typedef struct pbw_hash_sums { uint64_t points, simplices; } pbw_hash_sums;
 PBWDEF pbw_status pbw_hash_parts(const pbw_mesh *mesh, const unsigned char *points, const unsigned char *simplices,
                                  const pbw_options *options, pbw_hash_sums *sums);
@@ -440,9 +446,13 @@ typedef struct pbw_changes {               /* start from {0}; pbw_changes_free w
     void *memory;                          /* private */
 } pbw_changes;
 
-/* Makes one from a finished mesh with neighbors, which may be freed then: of any backend, DEGENERATE too.  One of no
-   points: a mesh that is {0} but for dim.  options are for all later calls on it: threads, memory_limit, resize, run,
-   progress; they are copied, flags, strides and backend must be 0. */
+/* Makes one from a finished mesh, which may be freed then: of any flags and backend, DEGENERATE too.  One of no
+   points: a mesh that is {0} but for dim.  The arrays of the mesh are checked, exactly, and taken over; where there
+   are no neighbors, or the arrays are not the triangulation of mesh.points (borrowed ones may have moved), the points
+   with a canonical one are triangulated anew.  So the result is right whatever the arrays say, if they have their
+   sizes.
+   options are for all later calls on it: threads, memory_limit, resize, run, progress; they are copied, flags,
+   strides and backend must be 0. */
 PBWDEF pbw_status pbw_live_create(const pbw_mesh *mesh, const pbw_options *options, pbw_live **live);
 PBWDEF void pbw_live_free(pbw_live *live);         /* fine on NULL */
 
@@ -1179,6 +1189,11 @@ PBW__SIMD_INLINE pbw__d4 pbw__reorder(pbw__d4 x, pbw__order4 order)
 #endif
 }
 
+PBW__SIMD_INLINE pbw__d4 pbw__load4d(const double *from)
+{
+    return PBW__BY_ISA(_mm256_loadu_pd(from), pbw__join(vld1q_f64(from), vld1q_f64(from + 2)));
+}
+
 PBW__SIMD_INLINE pbw__d4 pbw__drop_last(pbw__d4 x)   /* zero in lane 3 */
 {
     return PBW__BY_ISA(_mm256_blend_pd(x, _mm256_setzero_pd(), 8),
@@ -1212,6 +1227,16 @@ PBW__SIMD_INLINE pbw__d4 pbw__mask(const int64_t *from)
 {
     return PBW__BY_ISA(_mm256_castsi256_pd(_mm256_loadu_si256((const __m256i *)(const void *)from)),
                        pbw__join((pbw__d2)vld1q_s64(from), (pbw__d2)vld1q_s64(from + 2)));
+}
+
+PBW__SIMD_INLINE pbw__d4 pbw__lanes_mask(unsigned set)        /* of a set of lanes */
+{
+    static const int64_t mask[16][4] = {
+        { 0, 0, 0, 0 }, { -1, 0, 0, 0 }, { 0, -1, 0, 0 }, { -1, -1, 0, 0 }, { 0, 0, -1, 0 }, { -1, 0, -1, 0 },
+        { 0, -1, -1, 0 }, { -1, -1, -1, 0 }, { 0, 0, 0, -1 }, { -1, 0, 0, -1 }, { 0, -1, 0, -1 }, { -1, -1, 0, -1 },
+        { 0, 0, -1, -1 }, { -1, 0, -1, -1 }, { 0, -1, -1, -1 }, { -1, -1, -1, -1 }
+    };
+    return pbw__mask(mask[set]);
 }
 
 PBW__SIMD_INLINE pbw__d4 pbw__blend(pbw__d4 x, pbw__d4 y, pbw__d4 mask)   /* y in the lanes of the mask */
@@ -4518,6 +4543,7 @@ static PBW__NOINLINE pbw_index pbw__take_slot(pbw__kernel *kernel)
     } else if (slots->free_count > 0) {
         t = slots->free_list;
         slots->free_list = kernel->corner[4 * (size_t)t + 1];
+        PBW__PREFETCH_TO_WRITE(kernel->corner + 4 * (size_t)(slots->free_count > 1 ? slots->free_list : t));
         slots->free_count--;
     } else {
         t = (pbw_index)slots->tail++;
@@ -9254,7 +9280,7 @@ PBWDEF pbw_status pbw_check(const pbw_mesh *mesh, const pbw_options *options, pb
     report->simplex = report->facet = report->point = PBW_NONE;
     if (mesh == NULL || (mesh->dim != 2 && mesh->dim != 3)
         || (mesh->point_count > 0 && (mesh->points == NULL || mesh->incident == NULL || mesh->canonical == NULL))
-        || (mesh->simplex_count > 0 && (mesh->simplices == NULL || mesh->neighbors == NULL))) {
+        || (mesh->simplex_count > 0 && mesh->simplices == NULL)) {
         return PBW_ERROR_ARGUMENT;
     }
     if (mesh->point_count >= PBW_NONE || mesh->simplex_count >= PBW_NONE) {
@@ -9294,6 +9320,7 @@ static uint64_t pbw__hash_point(const pbw_mesh *mesh, size_t p)
 typedef struct pbw__hashing {
     const pbw_mesh *mesh;
     const unsigned char *chosen;                     /* NULL: all */
+    uint64_t *point;                                 /* a number for each; NULL: no memory, they are made each time */
     uint64_t sum;                                    /* ranges add theirs, in any order */
 } pbw__hashing;
 
@@ -9302,8 +9329,12 @@ static pbw_status pbw__hash_points(void *arg, size_t p, size_t end)
     pbw__hashing *hashing = (pbw__hashing *)arg;
     uint64_t sum = 0;
     for (; p < end; p++) {
-        if (hashing->mesh->canonical[p] == p && (hashing->chosen == NULL || hashing->chosen[p])) {
-            sum += pbw__hash_point(hashing->mesh, p);        /* mixed well enough to be summed */
+        if (hashing->mesh->canonical[p] == p) {      /* no corner is another */
+            const uint64_t point = pbw__hash_point(hashing->mesh, p);
+            if (hashing->point != NULL) {
+                hashing->point[p] = point;
+            }
+            sum += hashing->chosen == NULL || hashing->chosen[p] ? point : 0;        /* mixed well enough */
         }
     }
     (void)PBW__ADD(&hashing->sum, sum);
@@ -9317,11 +9348,15 @@ static pbw_status pbw__hash_simplices(void *arg, size_t s, size_t end)
     uint64_t sum = 0;
     size_t k;
     for (; s < end; s++) {
+        const pbw_index *corner = hashing->mesh->simplices + s * corners;
         uint64_t points = 0;
-        for (k = 0; k < corners; k++) {
-            points += pbw__hash_point(hashing->mesh, hashing->mesh->simplices[s * corners + k]);
+        if (hashing->chosen != NULL && !hashing->chosen[s]) {
+            continue;
         }
-        sum += hashing->chosen == NULL || hashing->chosen[s] ? pbw__mix(points) : 0;
+        for (k = 0; k < corners; k++) {
+            points += hashing->point != NULL ? hashing->point[corner[k]] : pbw__hash_point(hashing->mesh, corner[k]);
+        }
+        sum += pbw__mix(points);
     }
     (void)PBW__ADD(&hashing->sum, sum);
     return PBW_OK;
@@ -9331,13 +9366,14 @@ PBWDEF pbw_status pbw_hash_parts(const pbw_mesh *mesh, const unsigned char *poin
                                  const pbw_options *options, pbw_hash_sums *sums)
 {
     pbw__context context;
-    pbw__hashing hashing = { mesh, points, 0 };
+    pbw__hashing hashing = { mesh, points, NULL, 0 };
     pbw_status status;
     if (mesh == NULL || sums == NULL) {
         return PBW_ERROR_ARGUMENT;
     }
     status = pbw__begin_call(&context, options, mesh->point_count, PBW_STAGE_WORK);
     if (status == PBW_OK) {
+        hashing.point = (uint64_t *)pbw__allocate(&context.memory, mesh->point_count, sizeof(uint64_t));
         status = pbw__for_range(&context, mesh->point_count, 16384, 0.1, pbw__hash_points, &hashing);
     }
     sums->points = hashing.sum;
@@ -9347,6 +9383,7 @@ PBWDEF pbw_status pbw_hash_parts(const pbw_mesh *mesh, const unsigned char *poin
         status = pbw__for_range(&context, mesh->simplex_count, 16384, 1.0, pbw__hash_simplices, &hashing);
     }
     sums->simplices = hashing.sum;
+    pbw__release(&context.memory, hashing.point, mesh->point_count, sizeof(uint64_t));
     return pbw__end_call(&context, status);
 }
 
@@ -11888,7 +11925,7 @@ typedef struct pbw__past { pbw_index slot, corner[4]; pbw__link link[4]; } pbw__
 /* A facet of the hole, open or matched: its vertices, so that an apex inside makes (apex, a, b, c) positive, by their
    places in the list of link vertices; the facet across, of a simplex that stays, or 4 * (one of those made) + corner
    where `made`. */
-typedef struct pbw__rim { pbw_index v[3]; unsigned char made, closed; pbw__link across; } pbw__rim;
+typedef struct pbw__rim { uint64_t key; pbw_index v[3]; unsigned char made, closed; pbw__link across; } pbw__rim;
 
 typedef struct pbw__filling { pbw_index v[4]; pbw__link link[4]; unsigned char made[4]; } pbw__filling;
 
@@ -11904,8 +11941,12 @@ typedef struct pbw__core {
     pbw_index *place;                                /* a hash table of vertices by coordinates; 0: none */
     pbw_index *unused, *hidden, *witness;            /* vertices; a simplex that hides each hidden one */
     pbw_index *covered, *cover;                      /* hidden and witness as the commit will leave them */
+    pbw_index *start;                                /* per cell of the box: a vertex that is or was there; 0: none */
+    double start_low[3], start_scale[3];
+    size_t start_side, searched;                     /* cells in a row; walks since there was last a table of them */
     size_t record_capacity, name_capacity, incident_capacity, local_capacity, vertex_capacity, twin_capacity;
-    size_t place_capacity, unused_capacity, hidden_capacity, witness_capacity, covered_capacity, cover_capacity;
+    size_t start_capacity, place_capacity, unused_capacity, hidden_capacity, witness_capacity, covered_capacity;
+    size_t cover_capacity;
     size_t vertex_count, unused_count, hidden_count, covered_count, placed, simplex_count, duplicate_count;
     /* of the removal of one vertex */
     pbw_index *rim_vertex, *table;                   /* table: rims by their vertices; 1 + number */
@@ -11913,6 +11954,8 @@ typedef struct pbw__core {
     pbw__filling *filling;
     size_t rim_vertex_capacity, table_capacity, rim_capacity, filling_capacity;
     size_t rim_vertices, rims, fillings, effort;
+    double rim_at[4][PBW__FEW];                      /* the records of rim_vertex, by columns; the ghost's is 0 */
+    int rim_fits;                                    /* they are there, for vectors */
     /* the journal */
     pbw__past *past;
     pbw_index *taken;                                /* slots that were free */
@@ -11937,6 +11980,7 @@ static void pbw__core_free(pbw__context *context, pbw__core *core)
     PBW__RELEASE(memory, core, vertex);
     PBW__RELEASE(memory, core, twin);
     PBW__RELEASE(memory, core, place);
+    PBW__RELEASE(memory, core, start);
     PBW__RELEASE(memory, core, unused);
     PBW__RELEASE(memory, core, hidden);
     PBW__RELEASE(memory, core, witness);
@@ -12038,6 +12082,12 @@ static int pbw__journal_star(pbw__core *core)
     const size_t count = kernel->scratch.facet_count;
     size_t i;
     if (!pbw__journal_reserve(core) || !PBW__CORE_GROW(core, taken, core->taken_count + count)) {
+        for (i = 0; i < count; i++) {                /* what is in no journal is free again */
+            const size_t t = kernel->scratch.cavity[i];
+            if (t >> 6 >= core->touched_capacity || !PBW__TOUCHED(core, t)) {
+                kernel->corner[4 * t] = PBW_NONE;
+            }
+        }
         return 0;
     }
     for (i = 0; i < count; i++) {
@@ -12069,7 +12119,7 @@ static void pbw__list_free_slots(pbw__core *core)
     kernel->slots.free_count = 0;
     kernel->slots.free_list = PBW_NONE;
     kernel->slots.tail = kernel->slots.tail_end = 0;
-    for (t = core->store.count; t-- > 0; ) {
+    for (t = 0; t < core->store.count; t++) {        /* the last is taken first: see >>change */
         kernel->mark[t] = 0;
         if (kernel->corner[4 * t] == PBW_NONE) {
             pbw__free_slot(kernel, (pbw_index)t);
@@ -12121,92 +12171,27 @@ static void pbw__journal_undo(pbw__core *core)
     pbw__journal_clear(core);
 }
 /* ------------------------------------------------------------------------------------------------------
-   >>removal      One vertex more or less.
-   In: a core, a vertex to remove or to insert.  Out: the triangulation without it, or with it.
-   Holds: what holds in >>core.
-
-   Removal wraps the hole.  Let N be the vertices of the link of v.  The triangulation without v has the same
-   simplices outside of the star of v; inside it has those simplices of the triangulation of N that are in conflict
-   with v (a simplex of N inside the star that another vertex is in conflict with would be one without v, too).  So
-   behind a facet abc of the hole stands the simplex abce, of the vertices e of N strictly on the open side the one
-   that no other one of these is in conflict with; the ghost, if there is none.  Ties are broken as everywhere, so
-   there is one such e, and all facets of the simplices made meet in pairs.  Time: the simplices made times the size
-   of N; where that grows too large, all is triangulated anew.
+   >>apex         The vertex behind a facet of a hole.
+   In: the vertices of a link, a facet of the hole (a rim).  Out: that of them with which the facet makes the simplex
+   behind it, or none: see >>removal.
+   Holds: every verdict is exact.  Vectors choose the vertex that the growing sphere meets first, in rounded numbers,
+   and then ask whether any other one may be in conflict with it; where that is not certain, a tournament with exact
+   signs decides.
    ------------------------------------------------------------------------------------------------------ */
-/* The facet across from corner i of a positive simplex v: a, b, c with (v[i], a, b, c) positive. */
-PBW__INLINE void pbw__facet_of(const pbw_index *v, unsigned i, int dim, pbw_index *facet)
+/* Copies the records of the link to columns, for the vectors of >>lanes, if there are few. */
+static void pbw__rim_columns(pbw__core *core)
 {
-    if (dim == 2) {
-        facet[0] = v[i == 2 ? 0 : i + 1];
-        facet[1] = v[i == 0 ? 2 : i - 1];
-        facet[2] = PBW_NONE;
-    } else {
-        facet[0] = v[pbw__facet_corners[i][1]];
-        facet[1] = v[pbw__facet_corners[i][2]];
-        facet[2] = v[pbw__facet_corners[i][3]];
-    }
-}
-
-/* Where the table has, or would have, a rim of these vertices. */
-static size_t pbw__rim_find(const pbw__core *core, const pbw_index *v, size_t room)
-{
-    const uint64_t sum = (uint64_t)v[0] + v[1] + v[2], mix = (uint64_t)v[0] * v[1] + (uint64_t)v[0] * v[2]
-                       + (uint64_t)v[1] * v[2];
-    size_t at = (size_t)((sum * 0x9e3779b97f4a7c15u ^ mix * 0xff51afd7ed558ccdu) >> 32) & (room - 1);
-    while (core->table[at] != 0) {
-        const pbw_index *u = core->rim[core->table[at] - 1].v;
-        if (((v[0] == u[0]) | (v[0] == u[1]) | (v[0] == u[2])) & ((v[1] == u[0]) | (v[1] == u[1]) | (v[1] == u[2]))
-            & ((v[2] == u[0]) | (v[2] == u[1]) | (v[2] == u[2]))) {
-            return at;
-        }
-        at = (at + 1) & (room - 1);
-    }
-    return at;
-}
-
-/* Collects the star of v in scratch.cavity, its link in rim_vertex and rim. */
-static pbw_status pbw__open_hole(pbw__core *core, pbw_index v)
-{
-    pbw__kernel *kernel = &core->kernel;
-    const unsigned dim = (unsigned)kernel->dim;
-    size_t i;
-    unsigned k, at;
-    kernel->scratch.cavity[0] = core->incident[v];
-    kernel->scratch.cavity_count = 1;
-    kernel->mark[core->incident[v]] = 1;
-    core->rim_vertices = core->rims = core->fillings = 0;
-    for (i = 0; i < kernel->scratch.cavity_count; i++) {
-        const size_t t = kernel->scratch.cavity[i];
-        const pbw_index *corner = kernel->corner + 4 * t;
-        const pbw__link *link = kernel->link + 4 * t;
-        pbw__rim *rim;
-        if (!pbw__grow_lists(kernel, kernel->scratch.cavity_count + dim + 8)
-            || !PBW__CORE_GROW(core, rim, core->rims + 1)
-            || !PBW__CORE_GROW(core, rim_vertex, core->rim_vertices + 2 * dim + 2)) {
-            (void)pbw__leave_cavity(kernel, kernel->scratch.cavity_count);
-            return PBW_ERROR_MEMORY;
-        }
-        if (i == 0) {
-            (void)pbw__rim_place(core, PBW__GHOST);
-        }
-        for (at = 0; corner[at] != v; at++) {
-        }
-        rim = core->rim + core->rims++;
-        pbw__facet_of(corner, at, (int)dim, rim->v);
-        for (k = 0; k < dim; k++) {
-            rim->v[k] = pbw__rim_place(core, rim->v[k]);
-        }
-        rim->across = link[at];
-        rim->made = rim->closed = 0;
-        for (k = 0; k <= dim; k++) {
-            const pbw_index next = (pbw_index)(link[k] >> 2);
-            if (k != at && !kernel->mark[next]) {
-                kernel->mark[next] = 1;
-                kernel->scratch.cavity[kernel->scratch.cavity_count++] = next;
-            }
+    const size_t width = (size_t)core->kernel.dim + 1;
+    size_t i, k;
+#ifdef PBW__SIMD
+    core->rim_fits = core->rim_vertices <= PBW__FEW && pbw__simd_works();
+#endif
+    for (i = 0; i < PBW__FEW && core->rim_fits && i < (core->rim_vertices + 3) / 4 * 4; i++) {
+        const double *x = pbw__core_record(core, i < core->rim_vertices ? core->rim_vertex[i] : PBW__GHOST);
+        for (k = 0; k < width; k++) {
+            core->rim_at[k][i] = i > 0 && i < core->rim_vertices ? x[k] : 0.0;
         }
     }
-    return PBW_OK;
 }
 
 /* A finite simplex with its last corner as the origin: its orientation, and the plane through its lifted corners,
@@ -12295,7 +12280,7 @@ PBW__INLINE int pbw__plane_conflict(const pbw__core *core, const pbw__plane *pla
     return pbw__conflict(dim, x, p, &core->grid);
 }
 
-/* The apex behind a rim; 0, the ghost's place, if there is none. */
+/* The apex behind a rim, by a tournament; 0, the ghost's place, if there is none. */
 PBW__INLINE pbw_index pbw__rim_apex(const pbw__core *core, const pbw_index *rim, int dim)
 {
     const pbw_index *u = core->rim_vertex;
@@ -12333,21 +12318,306 @@ PBW__INLINE pbw_index pbw__rim_apex(const pbw__core *core, const pbw_index *rim,
     return apex;
 }
 
+#ifdef PBW__SIMD
+/* What pbw__rim_apex knows of four link vertices: rows, and which are certainly on the open side. */
+typedef struct pbw__candidates4 { pbw__d4 x, y, z, lift, height; unsigned open; int certain; } pbw__candidates4;
+
+/* A rim with its last vertex as the origin: the normal to the open side, its height, and `centre`, twice the centre
+   of the sphere through its vertices with the centre in its plane (with weights, the sphere that is orthogonal to
+   them).  Of the spheres through its vertices the one through e has its centre further along the normal the larger
+   (lift - centre . e) / (normal . e) is. */
+typedef struct pbw__pencil { double origin[4], normal[3], centre[3], height; } pbw__pencil;
+
+PBW__INLINE void pbw__cross_row(const double *a, const double *b, double *x)
+{
+    x[0] = a[1] * b[2] - a[2] * b[1];
+    x[1] = a[2] * b[0] - a[0] * b[2];
+    x[2] = a[0] * b[1] - a[1] * b[0];
+}
+
+PBW__INLINE void pbw__pencil_of(const double *a, const double *b, int dim, pbw__pencil *pencil)
+{
+    double *normal = pencil->normal, square, nb[3], an[3];
+    if (dim == 2) {
+        square = a[0] * a[0] + a[1] * a[1];
+        normal[0] = a[1];
+        normal[1] = -a[0];
+        normal[2] = pencil->centre[2] = 0.0;
+        pencil->centre[0] = a[0] * (a[2] / square);
+        pencil->centre[1] = a[1] * (a[2] / square);
+        return;
+    }
+    pbw__cross_row(b, a, normal);
+    pbw__cross_row(normal, b, nb);
+    pbw__cross_row(a, normal, an);
+    square = 1.0 / (normal[0] * normal[0] + normal[1] * normal[1] + normal[2] * normal[2]);
+    pencil->centre[0] = (a[3] * nb[0] + b[3] * an[0]) * square;
+    pencil->centre[1] = (a[3] * nb[1] + b[3] * an[1]) * square;
+    pencil->centre[2] = (a[3] * nb[2] + b[3] * an[2]) * square;
+}
+
+/* The rows of four link vertices, from the i-th on, and how far along the pencil each is; infinitely far on the
+   closed side, and those in `skip`.  c->certain: whether the sides of all others are. */
+PBW__SIMD_INLINE pbw__d4 pbw__candidates4_of(const pbw__core *core, size_t i, const pbw__pencil *pencil,
+                                             unsigned skip, pbw__candidates4 *c, int dim)
+{
+    const double *origin = pencil->origin;
+    const pbw__d4 weight = pbw__load4d(core->rim_at[dim] + i) - pbw__splat(origin[dim]);
+    pbw__d4 side, limit, certain, open, h, far;
+    c->x = pbw__load4d(core->rim_at[0] + i) - pbw__splat(origin[0]);
+    c->y = pbw__load4d(core->rim_at[1] + i) - pbw__splat(origin[1]);
+    c->z = pbw__splat(0.0);
+    c->height = pbw__fma(c->y, c->y, c->x * c->x);
+    side = pbw__fma(c->y, pbw__splat(pencil->normal[1]), c->x * pbw__splat(pencil->normal[0]));
+    far = pbw__fma(c->y, pbw__splat(pencil->centre[1]), c->x * pbw__splat(pencil->centre[0]));
+    if (dim == 3) {
+        c->z = pbw__load4d(core->rim_at[2] + i) - pbw__splat(origin[2]);
+        c->height = pbw__fma(c->z, c->z, c->height);
+        side = pbw__fma(c->z, pbw__splat(pencil->normal[2]), side);
+        far = pbw__fma(c->z, pbw__splat(pencil->centre[2]), far);
+    }
+    c->lift = c->height - weight;
+    c->height = c->height + pbw__abs4(weight);
+    h = pbw__max4(c->height, pbw__splat(pencil->height));
+    limit = dim == 2 ? h * h * pbw__splat(PBW__ORIENT2_ERROR * PBW__ORIENT2_ERROR)
+                     : h * h * h * pbw__splat(PBW__ORIENT3_ERROR * PBW__ORIENT3_ERROR);
+    certain = pbw__greater(side * side, limit);
+    open = pbw__and4(certain, pbw__greater(side, pbw__splat(0.0)));
+    c->open = pbw__signs(open) & ~skip;
+    far = pbw__blend(pbw__splat(HUGE_VAL), (c->lift - far) / side, open);
+    c->certain = (pbw__signs(certain) | skip) == 15;
+    return pbw__blend(far, pbw__splat(HUGE_VAL), pbw__lanes_mask(skip));
+}
+
+/* Whether one of these on the open side, but for `skip`, may be in conflict with the simplex of the plane. */
+PBW__SIMD_INLINE int pbw__candidates4_conflict(const pbw__candidates4 *c, const pbw__plane *plane, unsigned skip,
+                                               int dim)
+{
+    const pbw__d4 h = pbw__max4(c->height, pbw__splat(plane->height));
+    pbw__d4 det = pbw__fma(c->y, pbw__splat(plane->normal[1]), c->x * pbw__splat(plane->normal[0])), limit;
+    det = dim == 2 ? det : pbw__fma(c->z, pbw__splat(plane->normal[2]), det);
+    det = pbw__fnma(c->lift, pbw__splat(plane->orientation), det);
+    limit = h * h * (h * h);
+    limit = dim == 2 ? limit * pbw__splat(PBW__CIRCLE_ERROR * PBW__CIRCLE_ERROR)
+                     : limit * h * pbw__splat(PBW__SPHERE_ERROR * PBW__SPHERE_ERROR);
+    limit = pbw__and4(pbw__greater(det * det, limit), pbw__greater(pbw__splat(0.0), det));
+    return (c->open & ~skip & ~pbw__signs(limit)) != 0;
+}
+
+/* The plane of apex, a, b and the origin, in rows; see pbw__plane_of. */
+PBW__INLINE void pbw__pencil_plane(const pbw__pencil *pencil, const double *apex, const double *a, const double *b,
+                                   int dim, pbw__plane *plane)
+{
+    const double *normal = pencil->normal;
+    double ab[3], aa[3];
+    if (dim == 2) {
+        plane->orientation = apex[0] * normal[0] + apex[1] * normal[1];
+        plane->normal[0] = apex[2] * a[1] - a[2] * apex[1];
+        plane->normal[1] = a[2] * apex[0] - apex[2] * a[0];
+        plane->normal[2] = 0.0;
+        return;
+    }
+    plane->orientation = apex[0] * normal[0] + apex[1] * normal[1] + apex[2] * normal[2];
+    pbw__cross_row(apex, b, ab);
+    pbw__cross_row(a, apex, aa);
+    plane->normal[0] = apex[3] * normal[0] + a[3] * ab[0] + b[3] * aa[0];
+    plane->normal[1] = apex[3] * normal[1] + a[3] * ab[1] + b[3] * aa[1];
+    plane->normal[2] = apex[3] * normal[2] + a[3] * ab[2] + b[3] * aa[2];
+}
+
+/* pbw__rim_apex by vectors: the first vertex that the sphere meets as it grows out of the open side, if it is certain
+   that no other one is in conflict with it.  PBW_NONE: it is not. */
+PBW__SIMD_INLINE pbw_index pbw__rim_apex4(const pbw__core *core, const pbw_index *rim, int dim)
+{
+    const size_t count = core->rim_vertices, last = rim[dim - 1];
+    uint64_t skip = (uint64_t)1 << rim[0] | (uint64_t)1 << rim[1] | (uint64_t)1 << last | 1;
+    pbw__candidates4 candidate[PBW__FEW / 4];
+    pbw__d4 least = pbw__splat(HUGE_VAL), number = pbw__splat(0.0);
+    double row[3][4], far[4], place[4];
+    pbw__pencil pencil;
+    pbw__plane plane;
+    size_t i;
+    unsigned apex = 0, open = 0;
+    int k;
+    skip |= count < 64 ? ~(uint64_t)0 << count : 0;
+    for (k = 0; k <= dim; k++) {
+        plane.origin[k] = pencil.origin[k] = core->rim_at[k][last];
+    }
+    pencil.height = 1e-55;
+    for (k = 1; k < dim; k++) {
+        const double *x = pbw__core_record(core, core->rim_vertex[rim[k - 1]]);
+        pencil.height = pbw__max(pencil.height, pbw__plane_row(&plane, x, dim, row[k]));
+    }
+    pbw__pencil_of(row[1], row[2], dim, &pencil);
+    for (i = 0; i < count; i += 4) {
+        const pbw__d4 distance = pbw__candidates4_of(core, i, &pencil, (unsigned)(skip >> i) & 15, candidate + i / 4,
+                                                     dim);
+        pbw__d4 nearer;
+        if (!candidate[i / 4].certain) {
+            return PBW_NONE;
+        }
+        open |= candidate[i / 4].open;
+        nearer = pbw__greater(least, distance);
+        least = pbw__blend(least, distance, nearer);
+        number = pbw__blend(number, pbw__splat((double)i), nearer);
+    }
+    if (open == 0) {
+        return 0;
+    }
+    memcpy(far, &least, sizeof(far));
+    memcpy(place, &number, sizeof(place));
+    apex = far[1] < far[0];
+    open = 2 + (unsigned)(far[3] < far[2]);
+    apex = far[open] < far[apex] ? open : apex;
+    if (!(far[apex] < HUGE_VAL)) {
+        return PBW_NONE;
+    }
+    apex += (unsigned)place[apex];
+    plane.height = pbw__max(pencil.height, pbw__plane_row(&plane, pbw__core_record(core, core->rim_vertex[apex]), dim,
+                                                          row[0]));
+    pbw__pencil_plane(&pencil, row[0], row[1], row[2], dim, &plane);
+    for (i = 0; i < count; i += 4) {
+        if (pbw__candidates4_conflict(candidate + i / 4, &plane, (unsigned)((uint64_t)1 << apex >> i) & 15, dim)) {
+            return PBW_NONE;
+        }
+    }
+    return apex;
+}
+
+PBW__SIMD static PBW__NOINLINE pbw_index pbw__rim_apex_simd(const pbw__core *core, const pbw_index *rim)
+{
+    return core->kernel.dim == 3 ? pbw__rim_apex4(core, rim, 3) : pbw__rim_apex4(core, rim, 2);
+}
+#endif
+
+/* The apex behind a rim; 0, the ghost's place, if there is none. */
+static pbw_index pbw__rim_behind(const pbw__core *core, const pbw_index *rim)
+{
+#ifdef PBW__SIMD
+    const pbw_index apex = core->rim_fits ? pbw__rim_apex_simd(core, rim) : PBW_NONE;
+    if (apex != PBW_NONE) {
+        return apex;
+    }
+#endif
+    return core->kernel.dim == 3 ? pbw__rim_apex(core, rim, 3) : pbw__rim_apex(core, rim, 2);
+}
+
+/* ------------------------------------------------------------------------------------------------------
+   >>removal      One vertex more or less.
+   In: a core, a vertex to remove or to insert.  Out: the triangulation without it, or with it.
+   Holds: what holds in >>core.
+
+   Removal wraps the hole.  Let N be the vertices of the link of v.  The triangulation without v has the same
+   simplices outside of the star of v; inside it has those simplices of the triangulation of N that are in conflict
+   with v (a simplex of N inside the star that another vertex is in conflict with would be one without v, too).  So
+   behind a facet abc of the hole stands the simplex abce, of the vertices e of N strictly on the open side the one
+   that no other one of these is in conflict with; the ghost, if there is none.  Ties are broken as everywhere, so
+   there is one such e, and all facets of the simplices made meet in pairs.  Time: the simplices made times the size
+   of N; where that grows too large, all is triangulated anew.
+   ------------------------------------------------------------------------------------------------------ */
+/* The facet across from corner i of a positive simplex v: a, b, c with (v[i], a, b, c) positive. */
+PBW__INLINE void pbw__facet_of(const pbw_index *v, unsigned i, int dim, pbw_index *facet)
+{
+    if (dim == 2) {
+        facet[0] = v[i == 2 ? 0 : i + 1];
+        facet[1] = v[i == 0 ? 2 : i - 1];
+        facet[2] = PBW_NONE;
+    } else {
+        facet[0] = v[pbw__facet_corners[i][1]];
+        facet[1] = v[pbw__facet_corners[i][2]];
+        facet[2] = v[pbw__facet_corners[i][3]];
+    }
+}
+
+#define PBW__MOST_RIM ((size_t)1 << 21)              /* vertices of a link: three places in a key */
+
+/* The places of a rim in ascending order; in the plane the third is beyond all. */
+PBW__INLINE uint64_t pbw__rim_key(const pbw_index *v, unsigned dim)
+{
+    const uint64_t a = v[0], b = v[1], c = dim == 3 ? v[2] : PBW__MOST_RIM;
+    const uint64_t least = a < b ? a : b, most = a < b ? b : a;
+    const uint64_t low = c < least ? c : least, high = c > most ? c : most;
+    return low | (a + b + c - low - high) << 21 | high << 42;
+}
+
+/* Where the table has, or would have, a rim of this key. */
+PBW__INLINE size_t pbw__rim_find(const pbw__core *core, uint64_t key, size_t room)
+{
+    size_t at = (size_t)(key * 0x9e3779b97f4a7c15u >> 32) & (room - 1);
+    while (core->table[at] != 0 && core->rim[core->table[at] - 1].key != key) {
+        at = (at + 1) & (room - 1);
+    }
+    return at;
+}
+
+/* Collects the star of v in scratch.cavity, its link in rim_vertex and rim. */
+static pbw_status pbw__open_hole(pbw__core *core, pbw_index v)
+{
+    pbw__kernel *kernel = &core->kernel;
+    const unsigned dim = (unsigned)kernel->dim;
+    size_t i;
+    unsigned k, at;
+    kernel->scratch.cavity[0] = core->incident[v];
+    kernel->scratch.cavity_count = 1;
+    kernel->mark[core->incident[v]] = 1;
+    core->rim_vertices = core->rims = core->fillings = 0;
+    for (i = 0; i < kernel->scratch.cavity_count; i++) {
+        const size_t t = kernel->scratch.cavity[i];
+        const pbw_index *corner = kernel->corner + 4 * t;
+        const pbw__link *link = kernel->link + 4 * t;
+        pbw__rim *rim;
+        if (!pbw__grow_lists(kernel, kernel->scratch.cavity_count + dim + 8)
+            || !PBW__CORE_GROW(core, rim, core->rims + 1)
+            || !PBW__CORE_GROW(core, rim_vertex, core->rim_vertices + 2 * dim + 2)) {
+            (void)pbw__leave_cavity(kernel, kernel->scratch.cavity_count);
+            return PBW_ERROR_MEMORY;
+        }
+        if (i == 0) {
+            (void)pbw__rim_place(core, PBW__GHOST);
+        }
+        for (at = 0; corner[at] != v; at++) {
+        }
+        rim = core->rim + core->rims++;
+        pbw__facet_of(corner, at, (int)dim, rim->v);
+        for (k = 0; k < dim; k++) {
+            rim->v[k] = pbw__rim_place(core, rim->v[k]);
+        }
+        rim->key = pbw__rim_key(rim->v, dim);
+        rim->across = link[at];
+        rim->made = rim->closed = 0;
+        for (k = 0; k <= dim; k++) {
+            const pbw_index next = (pbw_index)(link[k] >> 2);
+            if (k != at && !kernel->mark[next]) {
+                kernel->mark[next] = 1;
+                kernel->scratch.cavity[kernel->scratch.cavity_count++] = next;
+                PBW__PREFETCH(kernel->corner + 4 * (size_t)next);
+                PBW__PREFETCH(kernel->link + 4 * (size_t)next);
+            }
+        }
+    }
+    pbw__rim_columns(core);
+    return PBW_OK;
+}
+
 /* Joins facet k of filling f to the rim that has its vertices, or opens a new one. */
 static pbw_status pbw__sew(pbw__core *core, size_t f, unsigned k, size_t room)
 {
     pbw__filling *filling = core->filling + f;
     const pbw__link here = (pbw__link)(4 * f + k);
+    const unsigned dim = (unsigned)core->kernel.dim;
     pbw_index facet[3];
     pbw__rim *rim;
+    uint64_t key;
     size_t at;
-    pbw__facet_of(filling->v, k, core->kernel.dim, facet);
-    at = pbw__rim_find(core, facet, room);
+    pbw__facet_of(filling->v, k, (int)dim, facet);
+    key = pbw__rim_key(facet, dim);
+    at = pbw__rim_find(core, key, room);
     if (core->table[at] == 0) {
         rim = core->rim + core->rims++;
-        rim->v[0] = facet[core->kernel.dim == 2];    /* seen from the other side */
-        rim->v[1] = facet[core->kernel.dim == 3 ? 2 : 0];
-        rim->v[2] = facet[core->kernel.dim == 3 ? 1 : 2];
+        rim->key = key;
+        rim->v[0] = facet[dim == 2];                 /* seen from the other side */
+        rim->v[1] = facet[dim == 3 ? 2 : 0];
+        rim->v[2] = facet[dim == 3 ? 1 : 2];
         rim->made = 1;
         rim->closed = 0;
         rim->across = here;
@@ -12385,7 +12655,7 @@ static size_t pbw__wrap_room(pbw__core *core, size_t room)
     }
     memset(core->table, 0, room * sizeof(pbw_index));
     for (i = 0; i < core->rims; i++) {
-        core->table[pbw__rim_find(core, core->rim[i].v, room)] = (pbw_index)i + 1;
+        core->table[pbw__rim_find(core, core->rim[i].key, room)] = (pbw_index)i + 1;
     }
     return room;
 }
@@ -12397,6 +12667,9 @@ static pbw_status pbw__wrap(pbw__core *core)
     size_t room = pbw__wrap_room(core, 0), i, f;
     pbw_status status = PBW_OK;
     unsigned k;
+    if (core->rim_vertices >= PBW__MOST_RIM) {
+        return PBW__ANEW;
+    }
     for (i = 0; i < core->rims && status == PBW_OK; i++) {
         const pbw_index *v = core->rim[i].v;
         pbw_index apex;
@@ -12410,7 +12683,7 @@ static pbw_status pbw__wrap(pbw__core *core)
         }
         v = core->rim[i].v;
         core->effort += core->rim_vertices;
-        apex = dim == 3 ? pbw__rim_apex(core, v, 3) : pbw__rim_apex(core, v, 2);
+        apex = pbw__rim_behind(core, v);
         f = core->fillings++;
         filling = core->filling + f;
         if (apex != 0) {
@@ -12659,7 +12932,7 @@ static pbw_status pbw__core_scan(pbw__core *core)
     pbw__kernel *kernel = &core->kernel;
     const size_t dim = (size_t)kernel->dim;
     size_t t, k;
-    pbw_index v;
+    pbw_index v, witness;
     memset(core->incident, 0xff, (core->vertex_count + 1) * sizeof(pbw_index));
     core->simplex_count = 0;
     for (t = 0; t < core->store.count; t++) {
@@ -12676,17 +12949,20 @@ static pbw_status pbw__core_scan(pbw__core *core)
     if (!pbw__journal_reserve(core)) {
         return PBW_ERROR_MEMORY;
     }
-    for (v = 1; v <= core->vertex_count && kernel->weighted; v++) {
-        if (core->incident[v] == PBW_NONE
-            && !pbw__cover_vertex(core, v, pbw__find_witness(core, kernel->last, v))) {
-            return PBW_ERROR_MEMORY;
+    for (v = 1, witness = kernel->last; v <= core->vertex_count && kernel->weighted; v++) {
+        if (core->incident[v] == PBW_NONE) {
+            witness = pbw__find_witness(core, witness, v);
+            if (!pbw__cover_vertex(core, v, witness)) {
+                return PBW_ERROR_MEMORY;
+            }
         }
     }
     return PBW_OK;
 }
 
-/* The records are the core's now; names of vertices, the numbers at each place. */
-static pbw_status pbw__core_take(pbw__core *core, pbw__vertices *vertices, const pbw__stand *stand, size_t numbers)
+/* The records are the core's now; names of vertices, the numbers at each place.  `canonical` and `id` of the vertices
+   are places in the list of numbers; NULL: numbers. */
+static pbw_status pbw__core_take(pbw__core *core, pbw__vertices *vertices, const pbw_index *list, size_t numbers)
 {
     const size_t records = vertices->point_count + 1, width = (size_t)vertices->dim + 1;
     pbw_index r;
@@ -12711,7 +12987,8 @@ static pbw_status pbw__core_take(pbw__core *core, pbw__vertices *vertices, const
     }
     for (r = 1; r <= vertices->count; r++) {
         const double *x = core->record + r * width;
-        const pbw_index id = core->name[r] = stand->list[core->name[r]];
+        const pbw_index id = list != NULL ? list[core->name[r]] : core->name[r];
+        core->name[r] = id;
         core->vertex[id] = r;
         core->twin[id] = id;
         for (k = 0; k < width; k++) {
@@ -12719,15 +12996,30 @@ static pbw_status pbw__core_take(pbw__core *core, pbw__vertices *vertices, const
             core->high[k] = x[k] > core->high[k] ? x[k] : core->high[k];
         }
     }
-    for (i = 0; i < stand->count && vertices->duplicate_count > 0; i++) {
-        if (vertices->canonical[i] != i) {
-            const pbw_index id = stand->list[i], first = stand->list[vertices->canonical[i]];
+    for (i = 0; i < vertices->point_count && vertices->duplicate_count > 0; i++) {
+        const pbw_index other = vertices->canonical[i];
+        if (other != i && other != PBW_NONE) {
+            const pbw_index id = list != NULL ? list[i] : (pbw_index)i, first = list != NULL ? list[other] : other;
             core->vertex[id] = core->vertex[first];
             core->twin[id] = core->twin[first];
             core->twin[first] = id;
         }
     }
     return PBW_OK;
+}
+
+/* A kernel for the vertices that the core took. */
+static pbw_status pbw__core_start(pbw__context *context, pbw__core *core, pbw__vertices *vertices)
+{
+    pbw_status status;
+    vertices->record = core->record;
+    status = pbw__kernel_create(&core->kernel, context, &core->store, vertices, &core->grid);
+    vertices->record = NULL;
+    core->kernel.journal = core;
+    core->kernel.slots.region = 0;                   /* all free slots are in the list */
+    core->kernel.slots.free_list = PBW_NONE;
+    core->store.region_bits = 31;
+    return status;
 }
 
 /* Triangulates points; PBW_DEGENERATE: without simplices.  The core is to be freed, whatever the status. */
@@ -12753,18 +13045,11 @@ static pbw_status pbw__core_build(pbw__context *context, const pbw__stand *stand
     status = pbw__enter_stage(context, PBW_STAGE_BUILD) ? PBW_CANCELLED
            : pbw__build_all(context, &core->store, &vertices, &vertices.grid, &statistics);
     if (status == PBW_OK || status == PBW_DEGENERATE) {
-        const pbw_status taken = pbw__core_take(core, &vertices, stand, numbers);
+        const pbw_status taken = pbw__core_take(core, &vertices, stand->list, numbers);
         status = taken != PBW_OK ? taken : status;
     }
+    status = status == PBW_OK ? pbw__core_start(context, core, &vertices) : status;
     if (status == PBW_OK) {
-        vertices.record = core->record;
-        status = pbw__kernel_create(&core->kernel, context, &core->store, &vertices, &core->grid);
-        vertices.record = NULL;
-    }
-    if (status == PBW_OK) {
-        core->kernel.journal = core;
-        core->kernel.slots.region = 0;               /* all free slots are in the list */
-        core->store.region_bits = 31;
         status = pbw__core_scan(core);
         pbw__swap_covers(core);
         pbw__journal_clear(core);
@@ -12784,6 +13069,11 @@ static pbw_status pbw__core_build(pbw__context *context, const pbw__stand *stand
    ends in the simplex of o, and backwards it leads to one simplex only.  So no point is covered twice.  (Without o a
    star might wind twice round a vertex, all its simplices positive.)
 
+   In how many simplices o is, the hull says: a point that moves from o along a ray to infinity, which no simplex
+   covers, leaves one simplex more than it enters only where the ray crosses a facet of the hull, and from inside it
+   can only leave there.  So o is in one simplex if the ray meets one facet of the hull.  (A ray through a face of
+   the hull meets two facets, which counts as a fault.)
+
    Flips (Lawson 1977): an edge that is not locally Delaunay is replaced by the other one of its two triangles, which
    are a strictly convex quadrilateral.  Where it is not, or there are many flips, another way is taken.  An edge at
    the ghost is flipped if the hull is not convex there.
@@ -12792,7 +13082,7 @@ static pbw_status pbw__core_build(pbw__context *context, const pbw__stand *stand
 
 typedef struct pbw__verifying {
     pbw__core *core;
-    double o[4];                                     /* a point inside of a simplex */
+    double o[4], ahead[4];                           /* a point inside of a simplex; another one on a ray from it */
     size_t inverted, failing, most, covers;          /* most: failing ones to go on with */
 } pbw__verifying;
 
@@ -12814,7 +13104,7 @@ static int pbw__slot_conflict(const pbw__core *core, size_t t, const double *p)
     return pbw__conflict(dim, x, p, &core->grid);
 }
 
-/* The orientation of a finite simplex, with p in place of corner i (dim+1: of none). */
+/* The orientation of a simplex, with p, which need not be on the grid, in place of corner i (dim+1: of none). */
 static int pbw__slot_side(const pbw__core *core, size_t t, int i, const double *p)
 {
     const int dim = core->kernel.dim;
@@ -12823,11 +13113,11 @@ static int pbw__slot_side(const pbw__core *core, size_t t, int i, const double *
     for (k = 0; k <= dim; k++) {
         x[k] = k == i ? p : pbw__core_record(core, core->kernel.corner[4 * t + (size_t)k]);
     }
-    return pbw__orient(dim, x, &core->grid);
+    return pbw__orient(dim, x, i > dim ? &core->grid : NULL);
 }
 
-/* Which facets of the simplex in slot t are not locally regular, of those that are tested on this side. */
-PBW__INLINE unsigned pbw__slot_faults(const pbw__core *core, size_t t, int dim)
+/* Which facets of the simplex in slot t are not locally regular; all, or those that are tested on this side. */
+PBW__INLINE unsigned pbw__slot_faults(const pbw__core *core, size_t t, int all, int dim)
 {
     const pbw_index *v = core->kernel.corner + 4 * t;
     const pbw__link *link = core->kernel.link + 4 * t;
@@ -12853,7 +13143,7 @@ PBW__INLINE unsigned pbw__slot_faults(const pbw__core *core, size_t t, int dim)
         const pbw_index far = core->kernel.corner[link[k]];
         const double *e = core->record + far * ((size_t)dim + 1);
         double row[4], h, det, limit;
-        if (far == PBW__GHOST || (!ghost && t > link[k] >> 2)) {
+        if (far == PBW__GHOST || (!ghost && !all && t > link[k] >> 2)) {
             continue;
         }
         det = limit = 0.0;
@@ -12870,88 +13160,273 @@ PBW__INLINE unsigned pbw__slot_faults(const pbw__core *core, size_t t, int dim)
     return faults;
 }
 
+#ifdef PBW__SIMD
+/* Makes the points of these vertices, one in each lane, the origin. */
+PBW__SIMD_INLINE void pbw__origins4(const double *record, const pbw_index *v, pbw__point4 *origin)
+{
+    const size_t width = (size_t)origin->dim + 1;
+    const double *a = record + width * v[0], *b = record + width * v[1], *c = record + width * v[2],
+                 *d = record + width * v[3];
+    pbw__columns(a, b, c, d, &origin->x, &origin->y);
+    if (origin->dim == 3) {
+        pbw__columns(a + 2, b + 2, c + 2, d + 2, &origin->z, &origin->weight);
+    } else {
+        origin->weight = pbw__four(a[2], b[2], c[2], d[2]);
+    }
+}
+
+/* Four simplices, one in each lane: what pbw__plane computes. */
+typedef struct pbw__planes4 { pbw__d4 orientation, x, y, z, height; } pbw__planes4;
+
+PBW__SIMD_INLINE pbw__planes4 pbw__planes4_of(const pbw__core *core, pbw_index v[4][4], const pbw__point4 *origin)
+{
+    const pbw__rows4 a = pbw__rows4_of(core->record, v[0], 0, origin);
+    const pbw__rows4 b = pbw__rows4_of(core->record, v[1], 0, origin);
+    pbw__planes4 plane;
+    plane.height = pbw__max4(pbw__max4(a.height, b.height), pbw__splat(1e-55));
+    if (origin->dim == 2) {
+        plane.orientation = pbw__det2(a.x, a.y, b.x, b.y);
+        plane.x = pbw__det2(a.lift, a.y, b.lift, b.y);
+        plane.y = pbw__det2(b.lift, b.x, a.lift, a.x);
+        plane.z = pbw__splat(0.0);
+    } else {
+        const pbw__rows4 c = pbw__rows4_of(core->record, v[2], 0, origin);
+        const pbw__d4 x = pbw__det2(c.y, c.z, b.y, b.z), y = pbw__det2(c.z, c.x, b.z, b.x),
+                      z = pbw__det2(c.x, c.y, b.x, b.y);
+        plane.height = pbw__max4(plane.height, c.height);
+        plane.orientation = pbw__dot4(a.x, a.y, a.z, x, y, z);
+        plane.x = pbw__dot4(a.lift, b.lift, c.lift, x, pbw__det2(a.y, a.z, c.y, c.z),
+                            pbw__det2(b.y, b.z, a.y, a.z));
+        plane.y = pbw__dot4(a.lift, b.lift, c.lift, y, pbw__det2(a.z, a.x, c.z, c.x),
+                            pbw__det2(b.z, b.x, a.z, a.x));
+        plane.z = pbw__dot4(a.lift, b.lift, c.lift, z, pbw__det2(a.x, a.y, c.x, c.y),
+                            pbw__det2(b.x, b.y, a.x, a.y));
+    }
+    return plane;
+}
+
+/* pbw__slot_faults of four finite simplices. */
+PBW__SIMD_INLINE void pbw__faults4(const pbw__core *core, const pbw_index *slot, unsigned *faults, int dim)
+{
+    const pbw_index *corner = core->kernel.corner;
+    const pbw__link *link[4];
+    pbw_index v[4][4];
+    pbw__point4 origin;
+    pbw__planes4 plane;
+    pbw__d4 h;
+    unsigned open, i, k;
+    for (i = 0; i < 4; i++) {
+        link[i] = core->kernel.link + 4 * (size_t)slot[i];
+        for (k = 0; k <= (unsigned)dim; k++) {
+            v[k][i] = corner[4 * (size_t)slot[i] + k];
+        }
+    }
+    origin = pbw__point4_of(core->record, dim, core->kernel.weighted);
+    pbw__origins4(core->record, v[dim], &origin);
+    plane = pbw__planes4_of(core, v, &origin);
+    h = plane.height * plane.height;
+    h = dim == 2 ? h * pbw__splat(PBW__ORIENT2_ERROR * PBW__ORIENT2_ERROR)
+                 : h * plane.height * pbw__splat(PBW__ORIENT3_ERROR * PBW__ORIENT3_ERROR);
+    open = pbw__signs(pbw__and4(pbw__greater(plane.orientation * plane.orientation, h),
+                                pbw__greater(plane.orientation, pbw__splat(0.0)))) ^ 15u;
+    for (i = 0; i < 4; i++) {
+        faults[i] = (open >> i & 1) != 0 && pbw__slot_side(core, slot[i], dim + 1, NULL) <= 0 ? PBW__INVERTED : 0;
+    }
+    for (k = 0; k <= (unsigned)dim; k++) {
+        pbw__rows4 e;
+        pbw__d4 det, limit;
+        pbw_index far[4];
+        unsigned tested = 0, certain, inside;
+        for (i = 0; i < 4; i++) {
+            const pbw_index other = corner[link[i][k]];
+            const unsigned test = (unsigned)(other != PBW__GHOST) & (unsigned)(slot[i] < link[i][k] >> 2);
+            far[i] = test ? other : v[dim][i];
+            tested |= test << i;
+        }
+        if (tested == 0) {
+            continue;
+        }
+        e = pbw__rows4_of(core->record, far, 0, &origin);
+        det = pbw__fnma(e.lift, plane.orientation, pbw__dot4(e.x, e.y, e.z, plane.x, plane.y, plane.z));
+        h = pbw__max4(plane.height, e.height);
+        limit = h * h * (h * h);
+        limit = dim == 2 ? limit * pbw__splat(PBW__CIRCLE_ERROR * PBW__CIRCLE_ERROR)
+                         : limit * h * pbw__splat(PBW__SPHERE_ERROR * PBW__SPHERE_ERROR);
+        certain = pbw__signs(pbw__greater(det * det, limit));
+        inside = certain & tested & pbw__signs(pbw__greater(det, pbw__splat(0.0)));
+        open = tested & ~certain;
+        for (i = 0; (inside | open) != 0 && i < 4; i++) {
+            if ((inside >> i & 1) != 0
+                || ((open >> i & 1) != 0 && pbw__slot_conflict(core, slot[i], pbw__core_record(core, far[i])))) {
+                faults[i] |= 1u << k;
+            }
+        }
+    }
+    for (i = 0; i < 4; i++) {
+        faults[i] = (faults[i] & PBW__INVERTED) != 0 ? PBW__INVERTED : faults[i];
+    }
+}
+
+PBW__SIMD static PBW__NOINLINE void pbw__faults4_of(const pbw__core *core, const pbw_index *slot, unsigned *faults)
+{
+    PBW__BY_DIM(core->kernel.dim, pbw__faults4, core, slot, faults);
+}
+#endif
+
+#define PBW__BLOCK_SLOTS 64                          /* whose neighbours are prefetched, then their vertices */
+
+/* Lists the finite simplices in slots from..to-1; the ghosts are judged.  Returns how many, with what they need
+   prefetched. */
+static size_t pbw__verify_list(pbw__core *core, size_t from, size_t to, pbw_index *slot, size_t *failing)
+{
+    const pbw_index *corner = core->kernel.corner;
+    const pbw__link *link = core->kernel.link;
+    const size_t dim = (size_t)core->kernel.dim, width = dim + 1;
+    size_t count = 0, t, i, k;
+    for (t = from; t < to; t++) {
+        slot[count] = (pbw_index)t;
+        if (corner[4 * t] == PBW_NONE) {
+            continue;
+        }
+        if (corner[4 * t + dim] == PBW__GHOST) {
+            const unsigned faults = dim == 3 ? pbw__slot_faults(core, t, 0, 3) : pbw__slot_faults(core, t, 0, 2);
+            core->kernel.mark[t] = (unsigned char)faults;
+            *failing += faults != 0;
+            continue;
+        }
+        count++;
+        for (k = 0; k <= dim; k++) {
+            PBW__PREFETCH(corner + link[4 * t + k]);
+        }
+    }
+    for (i = 0; i < count; i++) {
+        for (k = 0; k <= dim; k++) {
+            PBW__PREFETCH(core->record + width * corner[link[4 * (size_t)slot[i] + k]]);
+        }
+    }
+    return count;
+}
+
+/* Judges the listed simplices; there is room for three more in the list. */
+static void pbw__verify_listed(pbw__core *core, pbw_index *slot, size_t count, size_t *inverted, size_t *failing)
+{
+    size_t i, k;
+    unsigned faults[4];
+#ifdef PBW__SIMD
+    const int simd = pbw__simd_works();
+    for (k = count; k < count + 3 && count > 0; k++) {
+        slot[k] = slot[count - 1];
+    }
+#else
+    const int simd = 0;
+#endif
+    for (i = 0; i < count; i += 4) {
+        const size_t some = count - i < 4 ? count - i : 4;
+#ifdef PBW__SIMD
+        if (simd) {
+            pbw__faults4_of(core, slot + i, faults);
+        }
+#endif
+        for (k = 0; k < some; k++) {
+            if (!simd) {
+                faults[k] = core->kernel.dim == 3 ? pbw__slot_faults(core, slot[i + k], 0, 3)
+                                                  : pbw__slot_faults(core, slot[i + k], 0, 2);
+            }
+            core->kernel.mark[slot[i + k]] = (unsigned char)faults[k];
+            *inverted += faults[k] == PBW__INVERTED;
+            *failing += faults[k] != 0;
+        }
+    }
+}
+
 static pbw_status pbw__verify_range(void *arg, size_t from, size_t to)
 {
     pbw__verifying *verifying = (pbw__verifying *)arg;
     pbw__core *core = verifying->core;
-    size_t inverted = 0, failing = 0, t;
+    pbw_index slot[PBW__BLOCK_SLOTS + 4];
+    size_t inverted = 0, failing = 0;
     if (PBW__LOAD(&verifying->inverted) > 0 || PBW__LOAD(&verifying->failing) > verifying->most) {
         return PBW__ANEW;
     }
-    for (t = from; t < to; t++) {
-        if (core->kernel.corner[4 * t] != PBW_NONE) {
-            const unsigned faults = core->kernel.dim == 3 ? pbw__slot_faults(core, t, 3)
-                                                          : pbw__slot_faults(core, t, 2);
-            core->kernel.mark[t] = (unsigned char)faults;
-            inverted += faults == PBW__INVERTED;
-            failing += faults != 0;
-        }
+    while (from < to) {
+        const size_t end = to - from < PBW__BLOCK_SLOTS ? to : from + PBW__BLOCK_SLOTS;
+        const size_t count = pbw__verify_list(core, from, end, slot, &failing);
+        pbw__verify_listed(core, slot, count, &inverted, &failing);
+        from = end;
     }
     (void)PBW__ADD(&verifying->inverted, inverted);
     (void)PBW__ADD(&verifying->failing, failing);
     return PBW_OK;
 }
 
-/* Counts the simplices that o is in, and adds 2 for each facet of the hull that it is not inside of. */
+/* Whether the ray from o through `ahead` meets the facet of the ghost in slot t, closed: ahead - o is a sum of its
+   corners - o with no coefficient negative. */
+static int pbw__ray_meets(const pbw__verifying *verifying, size_t t)
+{
+    const pbw__core *core = verifying->core;
+    const int dim = core->kernel.dim;
+    const double *x[4] = { NULL, NULL, NULL, NULL };
+    int i, side = -1;
+    for (i = 0; i < dim; i++) {
+        x[i] = pbw__core_record(core, core->kernel.corner[4 * t + (size_t)i]);
+    }
+    x[dim] = verifying->o;
+    for (i = 0; i < dim && side <= 0; i++) {         /* negative with all corners: o is inside */
+        side = pbw__side(dim, x, i, verifying->ahead, NULL);
+    }
+    return side <= 0;
+}
+
+/* Counts the facets of the hull that the ray from o meets, and adds 2 for each that o is not inside of. */
 static pbw_status pbw__cover_range(void *arg, size_t from, size_t to)
 {
     pbw__verifying *verifying = (pbw__verifying *)arg;
-    const pbw__core *core = verifying->core;
-    const int dim = core->kernel.dim;
-    const double *o = verifying->o;
+    const pbw_index *corner = verifying->core->kernel.corner;
+    const size_t dim = (size_t)verifying->core->kernel.dim;
     size_t covers = 0, t;
-    int k;
     for (t = from; t < to; t++) {
-        const pbw_index *v = core->kernel.corner + 4 * t;
-        int holds = 1, i;
-        if (v[0] == PBW_NONE) {
-            continue;
+        if (corner[4 * t] != PBW_NONE && corner[4 * t + dim] == PBW__GHOST) {
+            covers += pbw__slot_side(verifying->core, t, (int)dim, verifying->o) >= 0
+                    ? 2 : (size_t)pbw__ray_meets(verifying, t);
         }
-        if (v[dim] == PBW__GHOST) {
-            covers += 2 * (size_t)(pbw__slot_side(core, t, dim, o) >= 0);
-            continue;
-        }
-        for (k = 0; k < dim && holds; k++) {
-            int below = 0, above = 0;
-            for (i = 0; i <= dim; i++) {
-                const double x = core->record[v[i] * ((size_t)dim + 1) + (size_t)k];
-                below |= x <= o[k];
-                above |= x >= o[k];
-            }
-            holds = below & above;
-        }
-        for (i = 0; i <= dim && holds; i++) {
-            holds = pbw__slot_side(core, t, i, o) >= 0;
-        }
-        covers += (size_t)holds;
     }
     (void)PBW__ADD(&verifying->covers, covers);
     return PBW_OK;
 }
 
-/* A point inside of one of a few simplices in the middle of the store; 0 if rounding leaves it in none. */
+/* Chooses o inside of one of a few simplices in the middle of the store, and a ray; 0 if rounding allows none. */
 static int pbw__choose_inside(pbw__verifying *verifying)
 {
+    static const double direction[3] = { 0.31, 0.19, -0.23 };
     const pbw__core *core = verifying->core;
     const int dim = core->kernel.dim;
-    size_t t = core->store.count / 2, left = 64;
-    int i, k;
-    for (; t < core->store.count && left > 0; t++) {
+    const size_t count = core->store.count;
+    size_t step, left = 64;
+    int i, k, finite = 1;
+    for (step = 0; step < count && left > 0; step++) {
+        const size_t t = (count / 2 + step) % count;
         const pbw_index *v = core->kernel.corner + 4 * t;
         if (v[0] == PBW_NONE || v[dim] == PBW__GHOST) {
             continue;
         }
         left--;
-        for (k = 0; k <= dim; k++) {
+        for (k = 0; k < dim; k++) {
+            double low = HUGE_VAL, high = -HUGE_VAL;
             verifying->o[k] = 0.0;
             for (i = 0; i <= dim; i++) {
-                verifying->o[k] += pbw__core_record(core, v[i])[k] / (double)(dim + 1);
+                const double x = pbw__core_record(core, v[i])[k];
+                verifying->o[k] += x / (double)(dim + 1);
+                low = x < low ? x : low;
+                high = x > high ? x : high;
             }
+            verifying->ahead[k] = verifying->o[k] + direction[k] * (high - low);
+            finite &= pbw__abs(verifying->ahead[k]) <= DBL_MAX;
         }
+        verifying->o[dim] = verifying->ahead[dim] = 0.0;
         for (i = 0; i <= dim && pbw__slot_side(core, t, i, verifying->o) > 0; i++) {
         }
         if (i > dim) {
-            return 1;
+            return finite;
         }
     }
     return 0;
@@ -13023,30 +13498,18 @@ static pbw_status pbw__flip(pbw__core *core, size_t t, unsigned k)
     return PBW_OK;
 }
 
-/* Flips until all edges are locally Delaunay, from the marks of a verification on. */
-static pbw_status pbw__flip_all(pbw__core *core, size_t most)
+/* Flips until all edges are locally Delaunay, from those in rim_vertex on.  PBW__ANEW: more than `most` times. */
+static pbw_status pbw__flip_all(pbw__core *core, size_t count, size_t most)
 {
     pbw__kernel *kernel = &core->kernel;
-    size_t count = 0, t, flips = 0;
-    unsigned k;
+    size_t flips = 0;
     pbw_status status = PBW_OK;
-    for (t = 0; t < core->store.count; t++) {
-        for (k = 0; k < 3 && kernel->corner[4 * t] != PBW_NONE && kernel->mark[t] != 0; k++) {
-            if (!PBW__CORE_GROW(core, rim_vertex, count + 1)) {
-                return PBW_ERROR_MEMORY;
-            }
-            core->rim_vertex[count] = (pbw_index)(4 * t + k);
-            count += kernel->mark[t] >> k & 1;
-        }
-        kernel->mark[t] = 0;
-    }
     while (count > 0 && status == PBW_OK) {
         const pbw_index facet = core->rim_vertex[--count];
-        const size_t s = kernel->link[facet] >> 2;
-        const int ghost = kernel->corner[4 * (facet >> 2) + 2] == PBW__GHOST;
+        const size_t s = kernel->link[facet] >> 2, t = facet >> 2;
+        const int ghost = kernel->corner[4 * t + 2] == PBW__GHOST;
         const pbw_index far = kernel->corner[kernel->link[facet]];
-        t = facet >> 2;
-        k = facet & 3;
+        unsigned k = facet & 3;
         if (far == PBW__GHOST || (ghost && k == 2) || !pbw__slot_conflict(core, t, pbw__core_record(core, far))) {
             continue;
         }
@@ -13065,6 +13528,25 @@ static pbw_status pbw__flip_all(pbw__core *core, size_t most)
     return status;
 }
 
+/* The same, from the marks of a verification on. */
+static pbw_status pbw__flip_marked(pbw__core *core, size_t most)
+{
+    pbw__kernel *kernel = &core->kernel;
+    size_t count = 0, t;
+    unsigned k;
+    for (t = 0; t < core->store.count; t++) {
+        for (k = 0; k < 3 && kernel->corner[4 * t] != PBW_NONE && kernel->mark[t] != 0; k++) {
+            if (!PBW__CORE_GROW(core, rim_vertex, count + 1)) {
+                return PBW_ERROR_MEMORY;
+            }
+            core->rim_vertex[count] = (pbw_index)(4 * t + k);
+            count += kernel->mark[t] >> k & 1;
+        }
+        kernel->mark[t] = 0;
+    }
+    return pbw__flip_all(core, count, most);
+}
+
 /* The records have other coordinates: PBW_OK if the core is their triangulation now, after flips or without;
    PBW__ANEW if not.  `most`: flips. */
 static pbw_status pbw__verify(pbw__core *core, size_t most)
@@ -13078,7 +13560,7 @@ static pbw_status pbw__verify(pbw__core *core, size_t most)
     status = pbw__for_range(context, core->store.count, 4096, 0.5, pbw__verify_range, &verifying);
     if (status == PBW_OK && verifying.failing > 0) {
         status = verifying.inverted > 0 || verifying.failing > verifying.most ? PBW__ANEW
-               : pbw__flip_all(core, most);
+               : pbw__flip_marked(core, most);
     }
     if (status != PBW_OK) {
         memset(core->kernel.mark, 0, core->store.count);
@@ -13460,7 +13942,163 @@ static pbw_status pbw__rebuild_changes(const pbw_live *live, const pbw__core *co
 }
 
 /* ------------------------------------------------------------------------------------------------------
-   >>commit       Queued changes carried out.
+   >>hints        Where walks start, and what batches prefetch.
+   In: the vertices of a batch, along the curve.  Out: for each a simplex near it; and the cache lines that are needed
+   soon, as the stars of a small batch are all cold.
+   Holds: a hint is any simplex; one out of date makes a walk longer, never wrong.  The table has a vertex for each
+   cell of a grid on the box of all, half as many cells as vertices.
+   ------------------------------------------------------------------------------------------------------ */
+PBW__INLINE size_t pbw__start_cell(const pbw__core *core, const double *x)
+{
+    const int dim = core->kernel.dim;
+    size_t cell = 0;
+    int k;
+    for (k = dim; k-- > 0; ) {
+        const double at = (x[k] - core->start_low[k]) * core->start_scale[k];
+        const double side = (double)(core->start_side - 1);
+        cell = cell * core->start_side + (size_t)(at > 0.0 ? at < side ? at : side : 0.0);
+    }
+    return cell;
+}
+
+/* Makes the table once there are walks enough to pay for it.  Returns whether there is one. */
+static int pbw__start_table(pbw__core *core, size_t walks)
+{
+    const size_t cells = core->vertex_count / 2 + 1;
+    size_t side = 1, all, r;
+    int k;
+    core->searched += walks;
+    if (core->start != NULL || core->searched < cells / 64) {
+        return core->start != NULL;
+    }
+    while ((side + 1) * (side + 1) * (core->kernel.dim == 3 ? side + 1 : 1) <= cells) {
+        side++;
+    }
+    all = side * side * (core->kernel.dim == 3 ? side : 1);
+    if (!PBW__CORE_GROW(core, start, all)) {
+        return 0;                                    /* without it then */
+    }
+    core->start_side = side;
+    for (k = 0; k < core->kernel.dim; k++) {
+        const double scale = (double)side / (core->high[k] - core->low[k]);
+        core->start_low[k] = core->low[k];
+        core->start_scale[k] = scale > 0.0 && scale <= DBL_MAX ? scale : 0.0;
+    }
+    memset(core->start, 0, core->start_capacity * sizeof(pbw_index));
+    for (r = 1; r <= core->vertex_count; r++) {
+        if (core->incident[r] < PBW__GONE) {
+            core->start[pbw__start_cell(core, pbw__core_record(core, (pbw_index)r))] = (pbw_index)r;
+        }
+    }
+    return 1;
+}
+
+/* Prefetches a simplex (0), then its vertices and neighbours (1), then theirs (2); the earlier are there by then. */
+PBW__INLINE void pbw__prefetch_around(const pbw__core *core, size_t t, int level)
+{
+    const size_t dim = (size_t)core->kernel.dim, width = dim + 1;
+    const pbw_index *corner = core->kernel.corner;
+    const pbw__link *link = core->kernel.link;
+    size_t k, m;
+    if (level == 0) {
+        PBW__PREFETCH(corner + 4 * t);
+        PBW__PREFETCH(link + 4 * t);
+        PBW__PREFETCH(core->kernel.mark + t);
+        return;
+    }
+    for (k = 0; k <= dim && corner[4 * t] != PBW_NONE; k++) {
+        const size_t u = link[4 * t + k] >> 2;
+        if (level == 1) {
+            PBW__PREFETCH(core->record + width * corner[4 * t + k]);
+            PBW__PREFETCH(corner + 4 * u);
+            PBW__PREFETCH(link + 4 * u);
+            PBW__PREFETCH(core->kernel.mark + u);
+            continue;
+        }
+        PBW__PREFETCH(core->record + width * corner[link[4 * t + k]]);
+        for (m = 0; m <= dim; m++) {
+            PBW__PREFETCH(corner + link[4 * u + m]);
+            PBW__PREFETCH(link + link[4 * u + m]);
+            PBW__PREFETCH(core->kernel.mark + (link[4 * u + m] >> 2));
+        }
+    }
+}
+
+/* A simplex of a vertex; any other if it has none. */
+PBW__INLINE size_t pbw__prefetch_at(const pbw__core *core, pbw_index v)
+{
+    return v != 0 && core->incident[v] < PBW__GONE ? core->incident[v] : 0;
+}
+
+/* Prefetches, in steps, for insertions to come: for that of list[i] i steps from now. */
+PBW__INLINE void pbw__prefetch_walks(const pbw__core *core, const pbw_index *list, size_t count)
+{
+    const size_t width = (size_t)core->kernel.dim + 1;
+    int level;
+    if (count > 16) {
+        PBW__PREFETCH(core->start + pbw__start_cell(core, pbw__core_record(core, list[16])));
+    }
+    if (count > 12) {
+        const size_t v = core->start[pbw__start_cell(core, pbw__core_record(core, list[12]))];
+        PBW__PREFETCH(core->incident + v);
+        PBW__PREFETCH(core->record + v * width);
+    }
+    for (level = 0; level < 3; level++) {
+        const size_t ahead = (size_t)(9 - 3 * level);
+        if (count > ahead) {
+            const pbw_index v = core->start[pbw__start_cell(core, pbw__core_record(core, list[ahead]))];
+            pbw__prefetch_around(core, pbw__prefetch_at(core, v), level);
+        }
+    }
+}
+
+/* The same for removals. */
+PBW__INLINE void pbw__prefetch_stars(const pbw__core *core, const pbw_index *list, size_t count)
+{
+    const size_t dim = (size_t)core->kernel.dim;
+    int level;
+    size_t t, k, m;
+    if (count > 15) {
+        PBW__PREFETCH(core->incident + list[15]);
+    }
+    for (level = 0; level < 3; level++) {
+        if (count > (size_t)(12 - 3 * level)) {
+            pbw__prefetch_around(core, pbw__prefetch_at(core, list[12 - 3 * level]), level);
+        }
+    }
+    t = count > 3 ? pbw__prefetch_at(core, list[3]) : 0;
+    for (k = 0; k <= dim && count > 3 && core->kernel.corner[4 * t] != PBW_NONE; k++) {
+        const size_t u = core->kernel.link[4 * t + k] >> 2;
+        for (m = 0; m <= dim; m++) {
+            const size_t far = core->kernel.corner[core->kernel.link[4 * u + m]];
+            PBW__PREFETCH(core->record + (dim + 1) * far);
+            PBW__PREFETCH(core->local + far);
+        }
+    }
+}
+
+/* A simplex to walk to an arriving vertex from: of the nearest of the last one, one in its cell, and a neighbour that
+   the point had before it moved, which was noted in `local`. */
+static pbw_index pbw__batch_hint(const pbw_live *live, size_t i, int table)
+{
+    const pbw__core *core = &live->core;
+    const double *p = pbw__core_record(core, live->arriving[i]);
+    const pbw_index near[2] = { core->local[live->arriving[i]], table ? core->start[pbw__start_cell(core, p)] : 0 };
+    double least = i == 0 ? HUGE_VAL : pbw__squared(pbw__core_record(core, live->arriving[i - 1]), p, live->dim);
+    pbw_index from = core->kernel.last;
+    int k;
+    for (k = 0; k < 2; k++) {
+        if (near[k] != 0 && core->incident[near[k]] < PBW__GONE) {
+            const double squared = pbw__squared(pbw__core_record(core, near[k]), p, live->dim);
+            from = squared < least ? core->incident[near[k]] : from;
+            least = squared < least ? squared : least;
+        }
+    }
+    return pbw__start_near(core, from);
+}
+
+/* ------------------------------------------------------------------------------------------------------
+   >>change       A batch of queued changes, vertex by vertex.
    In: a live triangulation with a queue.  Out: its core with the changes, and which simplices these made and
    deleted; or both as they were.
 
@@ -13472,6 +14110,22 @@ static pbw_status pbw__rebuild_changes(const pbw_live *live, const pbw__core *co
 PBW__INLINE const double *pbw__live_point(const pbw_live *live, size_t id)
 {
     return live->point + id * (size_t)live->dim;
+}
+
+/* Prefetches for entries of the queue to come, which are in any order. */
+PBW__INLINE void pbw__live_prefetch(const pbw_live *live, size_t i)
+{
+    if (i + 16 < live->queue_count) {
+        const pbw_index far = live->queue[i + 16], near = live->queue[i + 8];
+        PBW__PREFETCH(live->state + far);
+        PBW__PREFETCH(live->point + (size_t)live->dim * far);
+        if (far < live->numbers) {
+            PBW__PREFETCH(live->core.vertex + far);
+        }
+        if (near < live->numbers && (live->state[near] & PBW__LIVES) != 0) {
+            PBW__PREFETCH(pbw__core_record(&live->core, live->core.vertex[near]));
+        }
+    }
 }
 
 /* Marks which of the queue leave a place, and arrive at one; counts them. */
@@ -13490,6 +14144,7 @@ static void pbw__live_classify(pbw_live *live, size_t *leave, size_t *arrive)
         live->state[id] = (unsigned char)(state | leaves * PBW__LEAVES | arrives * PBW__ARRIVES);
         *leave += leaves;
         *arrive += arrives;
+        pbw__live_prefetch(live, i);
     }
 }
 
@@ -13510,11 +14165,16 @@ static int pbw__live_set(pbw_live *live, unsigned table, size_t at, pbw_index va
     return 1;
 }
 
+PBW__INLINE size_t pbw__place_slot(const pbw__core *core, const double *x)
+{
+    return (size_t)(pbw__hash_doubles(0, x, core->kernel.dim) >> 20) & (core->place_capacity - 1);
+}
+
 /* Where the table of places has, or would have, the vertex at x. */
 static size_t pbw__place_find(const pbw__core *core, const double *x)
 {
     const int dim = core->kernel.dim;
-    size_t at = (size_t)(pbw__hash_doubles(0, x, dim) >> 20) & (core->place_capacity - 1), hole = (size_t)-1;
+    size_t at = pbw__place_slot(core, x), hole = (size_t)-1;
     while (core->place[at] != 0) {
         if (core->place[at] == PBW__REMOVED) {
             hole = hole == (size_t)-1 ? at : hole;
@@ -13561,20 +14221,17 @@ static pbw_status pbw__batch_reserve(pbw_live *live, size_t more)
 {
     pbw__core *core = &live->core;
     const size_t vertices = core->vertex_count + more + 1, width = (size_t)live->dim + 1, old = core->local_capacity;
-    if (vertices >= PBW__GONE || !PBW__CORE_GROW(core, vertex, live->count)
-        || !PBW__CORE_GROW(core, twin, live->count) || !PBW__CORE_GROW(core, record, vertices * width)
-        || !PBW__CORE_GROW(core, name, vertices) || !PBW__CORE_GROW(core, incident, vertices)
-        || !PBW__CORE_GROW(core, local, vertices) || !PBW__CORE_GROW(core, rim_vertex, more + 1)
-        || !PBW__CORE_GROW(core, unused, core->unused_count + more)
-        || !PBW__CORE_GROW(core, covered, core->hidden_count)
-        || !PBW__CORE_GROW(core, cover, core->hidden_count) || !PBW__LIVE_GROW(live, head, more + 1)
-        || !PBW__LIVE_GROW(live, leaving, more + 1) || !PBW__LIVE_GROW(live, arriving, more + 1)
-        || !pbw__place_reserve(live, more)) {
-        return PBW_ERROR_MEMORY;
-    }
+    const int room = vertices < PBW__GONE && PBW__CORE_GROW(core, vertex, live->count)
+        && PBW__CORE_GROW(core, twin, live->count) && PBW__CORE_GROW(core, record, vertices * width)
+        && PBW__CORE_GROW(core, name, vertices) && PBW__CORE_GROW(core, incident, vertices)
+        && PBW__CORE_GROW(core, local, vertices) && PBW__CORE_GROW(core, rim_vertex, more + 1)
+        && PBW__CORE_GROW(core, unused, core->unused_count + more)
+        && PBW__CORE_GROW(core, covered, core->hidden_count)
+        && PBW__CORE_GROW(core, cover, core->hidden_count) && PBW__LIVE_GROW(live, head, more + 1)
+        && PBW__LIVE_GROW(live, leaving, more + 1) && PBW__LIVE_GROW(live, arriving, more + 1);
+    core->kernel.record = core->record;              /* which may have moved, whatever failed then */
     memset(core->local + old, 0, (core->local_capacity - old) * sizeof(pbw_index));
-    core->kernel.record = core->record;
-    return PBW_OK;
+    return room && pbw__place_reserve(live, more) ? PBW_OK : PBW_ERROR_MEMORY;
 }
 
 /* Notes that the place of a vertex changes: its place in the list of those that do.  `head` is the first of its
@@ -13710,11 +14367,15 @@ static pbw_status pbw__batch_plan(pbw_live *live)
         }
     }
     for (i = 0; i < live->queue_count; i++) {
+        const size_t soon = i + 8 < live->queue_count ? i + 8 : i;
+        PBW__PREFETCH(core->place + pbw__place_slot(core, pbw__live_point(live, live->queue[soon])));
         if ((live->state[live->queue[i]] & PBW__ARRIVES) != 0 && !pbw__live_join(live, live->queue[i])) {
             return PBW_ERROR_MEMORY;
         }
     }
     for (i = 0; i < core->rim_vertices; i++) {
+        const pbw_index soon = core->rim_vertex[i + 8 < core->rim_vertices ? i + 8 : i];
+        PBW__PREFETCH(core->place + pbw__place_slot(core, pbw__core_record(core, soon)));
         if (!pbw__live_elect(live, i)) {
             return PBW_ERROR_MEMORY;
         }
@@ -13724,9 +14385,9 @@ static pbw_status pbw__batch_plan(pbw_live *live)
 
 /* ---- commits: vertex by vertex
    Sorts vertices along the curve. */
-static pbw_status pbw__live_sort(pbw_live *live, pbw_index *list, size_t count)
+static pbw_status pbw__live_sort(const pbw_live *live, const pbw__core *core, pbw_index *list, size_t count)
 {
-    pbw__memory *memory = &live->core.kernel.context->memory;
+    pbw__memory *memory = &core->kernel.context->memory;
     const size_t dim = (size_t)live->dim;
     double *points;
     pbw_index *order;
@@ -13738,7 +14399,7 @@ static pbw_status pbw__live_sort(pbw_live *live, pbw_index *list, size_t count)
     points = (double *)pbw__allocate(memory, count * dim, sizeof(double));
     order = (pbw_index *)pbw__allocate(memory, count, sizeof(pbw_index));
     for (i = 0; i < count && points != NULL; i++) {
-        memcpy(points + i * dim, pbw__core_record(&live->core, list[i]), dim * sizeof(double));
+        memcpy(points + i * dim, pbw__core_record(core, list[i]), dim * sizeof(double));
     }
     if (points != NULL && order != NULL) {
         status = pbw_order(live->dim, points, count, &live->options, order);
@@ -13779,34 +14440,26 @@ static void pbw__live_fit_grid(pbw_live *live, const pbw_index *list, size_t cou
     }
 }
 
-/* A simplex to walk to an arriving vertex from: of the last one, or if that is nearer, of a neighbour that the point
-   had before it moved, which was noted in `local`. */
-static pbw_index pbw__batch_hint(const pbw_live *live, size_t i)
-{
-    const pbw__core *core = &live->core;
-    const double *p = pbw__core_record(core, live->arriving[i]);
-    const pbw_index near = core->local[live->arriving[i]];
-    if (near != 0 && core->incident[near] < PBW__GONE
-        && (i == 0 || pbw__squared(pbw__core_record(core, near), p, live->dim)
-                      < pbw__squared(pbw__core_record(core, live->arriving[i - 1]), p, live->dim))) {
-        return core->incident[near];
-    }
-    return pbw__start_near(core, core->kernel.last);
-}
-
 /* Carries out a batch; on any status but PBW_OK it is to be undone.  PBW__ANEW: by a rebuild. */
 static pbw_status pbw__batch_run(pbw_live *live, size_t most_effort)
 {
     pbw__core *core = &live->core;
     pbw__context *context = core->kernel.context;
     const size_t all = live->leaving_count + live->arriving_count;
-    pbw_status status = pbw__live_sort(live, live->leaving, live->leaving_count);
+    pbw_status status = pbw__live_sort(live, core, live->leaving, live->leaving_count);
     size_t i;
-    status = status == PBW_OK ? pbw__live_sort(live, live->arriving, live->arriving_count) : status;
+    const int table = pbw__start_table(core, live->arriving_count);
+    status = status == PBW_OK ? pbw__live_sort(live, core, live->arriving, live->arriving_count) : status;
+    for (i = 0; i < live->arriving_count / 2; i++) { /* backwards: the slots freed last are the nearest */
+        const pbw_index v = live->arriving[i];
+        live->arriving[i] = live->arriving[live->arriving_count - 1 - i];
+        live->arriving[live->arriving_count - 1 - i] = v;
+    }
     pbw__live_fit_grid(live, live->arriving, live->arriving_count);
     core->effort = 0;
     for (i = 0; i < live->leaving_count && status == PBW_OK; i++) {
         const pbw_index v = live->leaving[i];
+        pbw__prefetch_stars(core, live->leaving + i, live->leaving_count - i);
         if (core->incident[v] == PBW_NONE) {
             core->incident[v] = PBW__GONE;           /* it was hidden */
         } else {
@@ -13828,7 +14481,13 @@ static pbw_status pbw__batch_run(pbw_live *live, size_t most_effort)
         }
     }
     for (i = 0; i < live->arriving_count && status == PBW_OK; i++) {
-        status = pbw__insert_vertex(core, live->arriving[i], pbw__batch_hint(live, i));
+        if (table) {
+            pbw__prefetch_walks(core, live->arriving + i, live->arriving_count - i);
+        }
+        status = pbw__insert_vertex(core, live->arriving[i], pbw__batch_hint(live, i, table));
+        if (table) {
+            core->start[pbw__start_cell(core, pbw__core_record(core, live->arriving[i]))] = live->arriving[i];
+        }
         if (status == PBW_OK && (i & 63) == 0
             && pbw__report(context, (double)(live->leaving_count + i) / (double)all)) {
             status = PBW_CANCELLED;
@@ -13881,8 +14540,15 @@ static pbw_status pbw__live_batch(pbw_live *live, size_t leave, size_t arrive, s
     return PBW_OK;
 }
 
-/* ---- commits: all moves in place
-   Writes the new coordinates into the records of those that move, or the old ones back. */
+/* ------------------------------------------------------------------------------------------------------
+   >>moves        Points that keep their neighbours, or most.
+   In: a live triangulation of which points only move.  Out: its core with these in new places, or as it was.
+   All at once: the coordinates are exchanged, then >>verify.  One by one: a vertex whose star stays positive gets its
+   new place, and what is no longer Delaunay is flipped, in the plane; in space, or where a simplex would be inverted,
+   and at the hull, it is removed and inserted.  In between all is the triangulation of some old and some new places,
+   so no new place may be an old one.
+   ------------------------------------------------------------------------------------------------------ */
+/* Writes the new coordinates into the records of those that move, or the old ones back. */
 static void pbw__live_exchange(pbw_live *live)
 {
     const size_t dim = (size_t)live->dim;
@@ -13952,6 +14618,213 @@ static pbw_status pbw__live_in_place(pbw_live *live, size_t count, pbw_changes *
     return PBW_OK;
 }
 
+/* ---- one by one
+   The star of v in scratch.cavity.  PBW__NO_FIT: it has a ghost. */
+static pbw_status pbw__shift_star(pbw__core *core, pbw_index v)
+{
+    pbw__kernel *kernel = &core->kernel;
+    const size_t dim = (size_t)kernel->dim;
+    pbw_index *cavity = kernel->scratch.cavity;
+    size_t count = 1, i, k;
+    pbw_status status = PBW_OK;
+    cavity[0] = core->incident[v];
+    kernel->mark[cavity[0]] = 1;
+    for (i = 0; i < count && status == PBW_OK; i++) {
+        const size_t t = cavity[i];
+        if (count + dim > kernel->scratch.cavity_capacity && !pbw__grow_lists(kernel, count + dim)) {
+            status = PBW_ERROR_MEMORY;
+            break;
+        }
+        cavity = kernel->scratch.cavity;
+        status = kernel->corner[4 * t + dim] == PBW__GHOST ? PBW__NO_FIT : PBW_OK;
+        for (k = 0; k <= dim; k++) {
+            const size_t next = kernel->link[4 * t + k] >> 2;
+            if (kernel->corner[4 * t + k] != v && !kernel->mark[next]) {
+                kernel->mark[next] = 1;
+                cavity[count++] = (pbw_index)next;
+                PBW__PREFETCH(kernel->corner + 4 * next);
+                PBW__PREFETCH(kernel->link + 4 * next);
+            }
+        }
+    }
+    (void)pbw__leave_cavity(kernel, count);
+    kernel->scratch.cavity_count = count;
+    return status;
+}
+
+/* Gives v the coordinates x if its star stays positive; then flips.  PBW__NO_FIT: it does not, or in space is not
+   Delaunay. */
+static pbw_status pbw__shift_in_place(pbw__core *core, pbw_index v, const double *x)
+{
+    pbw__kernel *kernel = &core->kernel;
+    const size_t dim = (size_t)kernel->dim;
+    double *record = core->record + v * (dim + 1), old[3];
+    size_t count = 0, i;
+    unsigned k;
+    pbw_status status = pbw__shift_star(core, v);
+    core->effort += kernel->scratch.cavity_count;
+    if (status != PBW_OK) {
+        return status;
+    }
+    memcpy(old, record, dim * sizeof(double));
+    memcpy(record, x, dim * sizeof(double));
+    for (i = 0; i < kernel->scratch.cavity_count && status == PBW_OK; i++) {
+        const size_t t = kernel->scratch.cavity[i];
+        const unsigned faults = dim == 3 ? pbw__slot_faults(core, t, 1, 3) : pbw__slot_faults(core, t, 1, 2);
+        if (faults == PBW__INVERTED || (faults != 0 && dim == 3)) {
+            status = PBW__NO_FIT;
+        } else if (faults != 0 && !PBW__CORE_GROW(core, rim_vertex, count + 3)) {
+            status = PBW_ERROR_MEMORY;
+        }
+        for (k = 0; k < 3 && status == PBW_OK && faults != 0; k++) {
+            core->rim_vertex[count] = (pbw_index)(4 * t + k);
+            count += faults >> k & 1;
+        }
+    }
+    if (status == PBW__NO_FIT) {
+        memcpy(record, old, dim * sizeof(double));
+    }
+    return status != PBW_OK || count == 0 ? status : pbw__flip_all(core, count, core->simplex_count);
+}
+
+/* Moves v to x; *removed counts those that are removed and inserted for that. */
+static pbw_status pbw__shift_vertex(pbw__core *core, pbw_index v, const double *x, size_t *removed)
+{
+    pbw_status status = pbw__shift_in_place(core, v, x);
+    if (status == PBW__NO_FIT) {
+        ++*removed;
+        status = pbw__remove_vertex(core, v);
+        if (status == PBW_OK) {
+            const pbw_index near = core->rim_vertex[core->rim_vertices - 1];
+            const size_t dim = (size_t)core->kernel.dim;
+            memcpy(core->record + v * (dim + 1), x, dim * sizeof(double));
+            status = pbw__insert_vertex(core, v, pbw__start_near(core, core->incident[near]));
+        }
+    }
+    return status;
+}
+
+/* Enters the new places into the table and takes the old ones out.  PBW__ANEW: a new place is taken, or was. */
+static pbw_status pbw__shift_places(pbw_live *live)
+{
+    pbw__core *core = &live->core;
+    const size_t dim = (size_t)live->dim, count = live->leaving_count;
+    pbw_status status = PBW_OK;
+    size_t i;
+    for (i = 0; i < count && status == PBW_OK; i++) {
+        const double *soon = live->moved + (i + 8 < count ? i + 8 : i) * dim;
+        const pbw_index v = core->place[pbw__place_find(core, live->moved + i * dim)];
+        PBW__PREFETCH(core->place + pbw__place_slot(core, soon));
+        status = v == 0 || v == PBW__REMOVED ? PBW_OK : PBW__ANEW;
+    }
+    for (i = 0; i < count && status == PBW_OK; i++) {
+        const double *x = pbw__core_record(core, live->leaving[i]);
+        const double *soon = pbw__core_record(core, live->leaving[i + 8 < count ? i + 8 : i]);
+        PBW__PREFETCH(core->place + pbw__place_slot(core, soon));
+        status = pbw__live_set(live, PBW__EDIT_PLACE, pbw__place_find(core, x), PBW__REMOVED) ? PBW_OK
+                                                                                         : PBW_ERROR_MEMORY;
+    }
+    pbw__live_exchange(live);
+    pbw__live_fit_grid(live, live->leaving, count);
+    for (i = 0; i < count && status == PBW_OK; i++) {
+        const size_t slot = pbw__place_find(core, pbw__core_record(core, live->leaving[i]));
+        const pbw_index v = core->place[slot];
+        core->placed += v == 0;
+        status = v != 0 && v != PBW__REMOVED ? PBW__ANEW
+               : pbw__live_set(live, PBW__EDIT_PLACE, slot, live->leaving[i]) ? PBW_OK : PBW_ERROR_MEMORY;
+    }
+    pbw__live_exchange(live);
+    return status;
+}
+
+/* Moves vertices one by one along the curve.  *done: how many have got, or are getting, their new places; what these
+   were is in `moved`. */
+static pbw_status pbw__shift_all(pbw_live *live, size_t most_effort, size_t *done, size_t *removed)
+{
+    pbw__core *core = &live->core;
+    const size_t dim = (size_t)live->dim, count = live->leaving_count;
+    pbw_status status;
+    size_t i;
+    for (i = 0; i < count; i++) {
+        core->local[live->leaving[i]] = (pbw_index)i;
+    }
+    status = pbw__live_sort(live, core, live->leaving, count);
+    for (i = 0; i < count; i++) {
+        live->arriving[i] = core->local[live->leaving[i]];
+    }
+    core->effort = 0;
+    for (i = 0; i < count && status == PBW_OK; i++) {
+        double *moved = live->moved + live->arriving[i] * dim, x[3];
+        memcpy(x, moved, dim * sizeof(double));
+        memcpy(moved, pbw__core_record(core, live->leaving[i]), dim * sizeof(double));
+        *done = i + 1;
+        pbw__prefetch_stars(core, live->leaving + i, count - i);
+        status = pbw__shift_vertex(core, live->leaving[i], x, removed);
+        if (status == PBW_OK && core->effort > most_effort) {
+            status = PBW__ANEW;
+        }
+        if (status == PBW_OK && (i & 63) == 0 && pbw__report(core->kernel.context, (double)i / (double)count)) {
+            status = PBW_CANCELLED;
+        }
+    }
+    return status;
+}
+
+/* Moves a few of the vertices, all or nothing.  PBW__ANEW: not that way. */
+static pbw_status pbw__live_shift(pbw_live *live, size_t count, size_t most_effort, pbw_changes *changes,
+                                  pbw_way *way)
+{
+    pbw__core *core = &live->core;
+    const size_t dim = (size_t)live->dim;
+    const pbw__grid grid = core->grid;
+    const double exact_height = core->kernel.exact_height;
+    size_t done = 0, removed = 0, i;
+    pbw_status status = core->kernel.weighted ? PBW__ANEW : pbw__live_list_moves(live, count);
+    status = status == PBW_OK ? pbw__batch_reserve(live, count) : status;
+    if (status != PBW_OK) {
+        return status;
+    }
+    live->edit_count = 0;
+    live->past_vertices = core->vertex_count;
+    live->past_unused = core->unused_count;
+    live->past_placed = core->placed;
+    status = pbw__shift_places(live);
+    status = status == PBW_OK ? pbw__shift_all(live, most_effort, &done, &removed) : status;
+    *way = removed > 0 ? PBW_WAY_BATCH : core->past_count > 0 ? PBW_WAY_FLIPS : PBW_WAY_NOTHING;
+    if (status == PBW_OK && changes != NULL) {
+        status = pbw__batch_changes(live, changes);
+    }
+    if (status != PBW_OK) {
+        for (i = 0; i < done; i++) {
+            memcpy(core->record + live->leaving[i] * (dim + 1), live->moved + live->arriving[i] * dim,
+                   dim * sizeof(double));
+        }
+        core->grid = grid;
+        core->kernel.exact_height = exact_height;
+        pbw__batch_undo(live);
+        return status;
+    }
+    pbw__journal_clear(core);
+    return PBW_OK;
+}
+
+/* ------------------------------------------------------------------------------------------------------
+   >>commit       Queued changes carried out.
+   In: a live triangulation with a queue.  Out: its core with the changes, by the way that takes the least time.
+   Holds: all ways lead to one triangulation; on failure the core and the queue are as they were.
+   ------------------------------------------------------------------------------------------------------ */
+/* Puts another core in the place of this one. */
+static void pbw__live_replace(pbw_live *live, pbw__context *context, const pbw__core *core)
+{
+    pbw__core_free(context, &live->core);
+    live->core = *core;
+    if (core->kernel.journal != NULL) {
+        live->core.kernel.store = &live->core.store;
+        live->core.kernel.grid = &live->core.grid;
+        live->core.kernel.journal = &live->core;
+    }
+}
+
 /* Triangulates the points that stay into another core, which takes the place of this one. */
 static pbw_status pbw__live_rebuild(pbw_live *live, pbw__context *context, pbw_changes *changes)
 {
@@ -13975,13 +14848,7 @@ static pbw_status pbw__live_rebuild(pbw_live *live, pbw__context *context, pbw_c
         status = listed != PBW_OK ? listed : status;
     }
     if (status == PBW_OK || status == PBW_DEGENERATE) {
-        pbw__core_free(context, &live->core);
-        live->core = core;
-        if (core.kernel.journal != NULL) {
-            live->core.kernel.store = &live->core.store;
-            live->core.kernel.grid = &live->core.grid;
-            live->core.kernel.journal = &live->core;
-        }
+        pbw__live_replace(live, context, &core);
     } else {
         pbw__core_free(context, &core);
     }
@@ -14010,14 +14877,25 @@ static void pbw__live_settle(pbw_live *live)
     live->weighted_past = live->weighted;
 }
 
-/* Of how many of the points moved it takes less time to triangulate all; and to verify all first. */
+/* What changes cost, in points of a rebuild; measured with bench/live.cpp, these limits at 1e9 and at -1, on
+   one thread, 5 to 20 % of 200,000 uniform points: in the plane to remove 0.82 us, insert 1.05, move 0.53, rebuild
+   0.134 a point; in space 5.3, 3.0, 6.5 and 0.8.  A rebuild is chosen where changes cost more than PBW__REBUILD_AT
+   rebuilds.  To verify all costs 0.45 rebuilds in the plane and 0.33 in space, and less where it soon fails: as much
+   as to move one point in ten. */
 #ifndef PBW__REBUILD_AT
-#define PBW__REBUILD_AT(dim) 0.05                    /* to remove takes 11 to 12 builds of a point, to insert 9 */
+#define PBW__REBUILD_AT(dim) 1.0
 #endif
 #ifndef PBW__VERIFY_AT
-#define PBW__VERIFY_AT(dim) ((dim) == 3 ? 0.05 : 0.02)
+#define PBW__VERIFY_AT(dim) 0.1
 #endif
-#define PBW__EFFORT 64                               /* looks for an apex that take as long as to insert a point */
+#define PBW__EFFORT 128                              /* looks for an apex that take as long as to insert a point */
+
+static double pbw__change_cost(const pbw_live *live, size_t leave, size_t arrive)
+{
+    const int space = live->dim == 3;
+    return leave == arrive && !live->weighted ? (space ? 8.0 : 4.0) * (double)leave
+         : 6.0 * (double)leave + (space ? 3.8 : 8.0) * (double)arrive;
+}
 
 /* Tries to move in place. */
 static pbw_status pbw__live_try_moves(pbw_live *live, size_t count, pbw_changes *changes, pbw_way *way)
@@ -14036,6 +14914,7 @@ static pbw_status pbw__live_try_moves(pbw_live *live, size_t count, pbw_changes 
 static pbw_status pbw__live_go(pbw_live *live, pbw__context *context, pbw_changes *changes)
 {
     const double points = (double)live->points;
+    const size_t most = PBW__EFFORT * (live->points + 100);
     size_t leave, arrive;
     pbw_status status = PBW__ANEW;
     pbw_way way = PBW_WAY_REBUILD;
@@ -14048,12 +14927,16 @@ static pbw_status pbw__live_go(pbw_live *live, pbw__context *context, pbw_change
                : pbw__live_try_moves(live, leave, changes, &way);
     }
     if (status == PBW__ANEW && live->core.simplex_count > 0 && live->weighted == live->core.kernel.weighted
-        && 0.5 * (double)(leave + arrive) <= PBW__REBUILD_AT(live->dim) * points) {
+        && pbw__change_cost(live, leave, arrive) <= PBW__REBUILD_AT(live->dim) * points) {
         if (pbw__enter_stage(context, PBW_STAGE_WORK)) {
             return PBW_CANCELLED;
         }
-        status = pbw__live_batch(live, leave, arrive, PBW__EFFORT * (live->points + 100), changes);
-        way = PBW_WAY_BATCH;
+        status = leave != arrive ? PBW__ANEW : pbw__live_shift(live, leave, most, changes, &way);
+        if (status == PBW__ANEW) {
+            pbw_changes_free(changes);
+            status = pbw__live_batch(live, leave, arrive, most, changes);
+            way = PBW_WAY_BATCH;
+        }
     }
     if (status == PBW__ANEW) {
         pbw_changes_free(changes);
@@ -14066,22 +14949,20 @@ static pbw_status pbw__live_go(pbw_live *live, pbw__context *context, pbw_change
     return status;
 }
 
-PBWDEF pbw_status pbw_live_commit(pbw_live *live, pbw_changes *changes)
+static pbw_status pbw__live_import(pbw_live *live, pbw__context *context, const pbw_mesh *mesh);      /* >>adopt */
+
+/* Carries out the queue; mesh: NULL, or that which its points are of, all to be inserted. */
+static pbw_status pbw__live_run(pbw_live *live, const pbw_mesh *mesh, pbw_changes *changes)
 {
     pbw__context context;
     pbw_status status;
-    pbw__fp fp;
-    if (changes != NULL) {
-        memset(changes, 0, sizeof(*changes));
-    }
-    if (live == NULL) {
-        return PBW_ERROR_ARGUMENT;
-    }
-    fp = pbw__fp_enter();
+    pbw__fp fp = pbw__fp_enter();
     pbw__context_start(&context, &live->options, live->count);
     context.memory = live->memory;
     live->core.kernel.context = &context;
-    status = pbw__fp_is_exact() ? pbw__live_go(live, &context, changes) : PBW_ERROR_FP_MODE;
+    status = !pbw__fp_is_exact() ? PBW_ERROR_FP_MODE
+           : mesh != NULL ? pbw__live_import(live, &context, mesh) : PBW__ANEW;
+    status = status == PBW__ANEW ? pbw__live_go(live, &context, changes) : status;
     pbw__team_stop(&context);
     if (status == PBW_OK || status == PBW_DEGENERATE) {
         pbw__live_settle(live);
@@ -14094,6 +14975,491 @@ PBWDEF pbw_status pbw_live_commit(pbw_live *live, pbw_changes *changes)
     return status;
 }
 
+PBWDEF pbw_status pbw_live_commit(pbw_live *live, pbw_changes *changes)
+{
+    if (changes != NULL) {
+        memset(changes, 0, sizeof(*changes));
+    }
+    return live == NULL ? PBW_ERROR_ARGUMENT : pbw__live_run(live, NULL, changes);
+}
+
+/* ------------------------------------------------------------------------------------------------------
+   >>adopt        A finished mesh becomes a live triangulation.
+   In: the arrays of a mesh.  Out: a core; or none, and its points are triangulated.
+   Holds: nothing is believed.  Links are taken only between simplices that have the vertices of a facet in common, in
+   opposite orders, so what comes in is an oriented complex, each facet with two sides once the hull has its ghosts;
+   then >>verify says whether it is the triangulation, and walks find what hides the points that are no vertices.
+   Vertices are numbered as the simplices meet them, which is nearly along the curve.
+   ------------------------------------------------------------------------------------------------------ */
+typedef struct pbw__import {
+    const pbw_mesh *mesh;
+    const double *points, *weights;                  /* the copies of the live triangulation */
+    pbw__core *core;
+    pbw__vertices vertices;
+    pbw_index *vertex;                               /* per point: its vertex; 0: none */
+    size_t visible;                                  /* vertices in simplices, the first ones */
+    size_t ghosts, faults, duplicates, fits;         /* fits: links between finite simplices */
+} pbw__import;
+
+/* Counts facets of the hull, and entries that are no simplices or points. */
+static pbw_status pbw__import_count(void *arg, size_t from, size_t to)
+{
+    pbw__import *import = (pbw__import *)arg;
+    const pbw_mesh *mesh = import->mesh;
+    const size_t corners = (size_t)mesh->dim + 1;
+    size_t ghosts = 0, faults = 0, i;
+    for (i = from * corners; i < to * corners; i++) {
+        const size_t next = mesh->neighbors[i];
+        ghosts += next == PBW_NONE;
+        faults += (size_t)(next >= mesh->simplex_count && next != PBW_NONE)
+                + (size_t)(mesh->simplices[i] >= mesh->point_count);
+    }
+    (void)PBW__ADD(&import->ghosts, ghosts);
+    (void)PBW__ADD(&import->faults, faults);
+    return PBW_OK;
+}
+
+/* Counts duplicates, and those that are none. */
+static pbw_status pbw__import_points(void *arg, size_t from, size_t to)
+{
+    pbw__import *import = (pbw__import *)arg;
+    const pbw_mesh *mesh = import->mesh;
+    const size_t dim = (size_t)mesh->dim;
+    size_t faults = 0, duplicates = 0, i;
+    for (i = from; i < to; i++) {
+        const pbw_index first = mesh->canonical[i];
+        if (first != i && first != PBW_NONE) {
+            duplicates++;
+            if (first >= mesh->point_count || mesh->canonical[first] != first
+                || !pbw__same_place(import->points + i * dim, import->points + first * dim, mesh->dim)) {
+                faults++;
+            } else {
+                const double w = import->weights[i], more = import->weights[first];
+                faults += !(more > w || (more == w && first < i));
+            }
+        }
+    }
+    (void)PBW__ADD(&import->faults, faults);
+    (void)PBW__ADD(&import->duplicates, duplicates);
+    return PBW_OK;
+}
+
+/* Numbers the points of simplices in the order in which these have them, then the others that are no duplicates. */
+static int pbw__import_number(pbw__import *import)
+{
+    const pbw_mesh *mesh = import->mesh;
+    const size_t corners = (size_t)mesh->dim + 1;
+    pbw_index *id = import->vertices.id, *vertex = import->vertex, count = 0;
+    size_t i;
+    memset(vertex, 0, mesh->point_count * sizeof(pbw_index));
+    for (i = 0; i < mesh->simplex_count * corners; i++) {
+        const pbw_index p = mesh->simplices[i];
+        if (vertex[p] == 0) {
+            if (mesh->canonical[p] != p) {
+                return 0;
+            }
+            vertex[p] = ++count;
+            id[count] = p;
+        }
+    }
+    import->visible = count;
+    for (i = 0; i < mesh->point_count; i++) {
+        if (vertex[i] == 0 && mesh->canonical[i] == i) {
+            vertex[i] = ++count;
+            id[count] = (pbw_index)i;
+        }
+    }
+    import->vertices.count = count;
+    return import->visible == count || mesh->weights != NULL;
+}
+
+static pbw_status pbw__import_records(void *arg, size_t from, size_t to)
+{
+    pbw__import *import = (pbw__import *)arg;
+    const size_t dim = (size_t)import->mesh->dim;
+    size_t r, k;
+    for (r = from + 1; r <= to; r++) {
+        const size_t p = import->vertices.id[r];
+        double *record = import->vertices.record + r * (dim + 1);
+        for (k = 0; k < dim; k++) {
+            record[k] = import->points[p * dim + k];
+        }
+        record[dim] = import->weights[p];
+    }
+    return PBW_OK;
+}
+
+/* Whether facet j of simplex u is facet k of simplex t: its vertices in the opposite order. */
+PBW__INLINE unsigned pbw__import_fits(const pbw_index *t, unsigned k, const pbw_index *u, unsigned j, int dim)
+{
+    pbw_index a[3], b[3];
+    pbw__facet_of(t, k, dim, a);
+    pbw__facet_of(u, j, dim, b);
+    return dim == 2 ? (unsigned)((a[0] == b[1]) & (a[1] == b[0]))
+                    : (unsigned)(((a[0] == b[0]) & (a[1] == b[2]) & (a[2] == b[1]))
+                                 | ((a[0] == b[1]) & (a[1] == b[0]) & (a[2] == b[2]))
+                                 | ((a[0] == b[2]) & (a[1] == b[1]) & (a[2] == b[0])));
+}
+
+/* Links the facets of a list, 4 * simplex + corner, to what is across.  Returns how many fit. */
+PBW__INLINE size_t pbw__import_link(const pbw__import *import, const pbw__link *facet, size_t count, int dim)
+{
+    const pbw_mesh *mesh = import->mesh;
+    const size_t corners = (size_t)dim + 1;
+    pbw__link *link = import->core->store.link;
+    size_t fits = 0, i;
+    for (i = 0; i < count; i++) {
+        const size_t t = facet[i] >> 2, u = mesh->neighbors[t * corners + (facet[i] & 3)];
+        const unsigned k = (unsigned)(facet[i] & 3);
+        const pbw_index *back = mesh->neighbors + u * corners;
+        const unsigned at1 = back[1] == t, at2 = back[2] == t, at3 = dim == 3 && back[dim] == t;
+        const unsigned j = at1 + 2 * at2 + 3 * at3, once = (back[0] == t) + at1 + at2 + at3 == 1;
+        fits += once & pbw__import_fits(mesh->simplices + t * corners, k, mesh->simplices + u * corners, j & 3, dim);
+        link[4 * t + k] = (pbw__link)(4 * u + (j & 3));
+        link[4 * u + (j & 3)] = (pbw__link)(4 * t + k);
+    }
+    return fits;
+}
+
+/* Corners of finite simplices; links between them, from the lower of two.  Where all fit, none was written twice. */
+PBW__INLINE size_t pbw__import_slots_of(pbw__import *import, size_t from, size_t to, int dim)
+{
+    const pbw_mesh *mesh = import->mesh;
+    const size_t corners = (size_t)dim + 1;
+    pbw_index *corner = import->core->store.corner;
+    pbw__link facet[4 * 64 + 1];
+    size_t fits = 0, t, count;
+    unsigned k;
+    while (from < to) {
+        const size_t end = to - from < 64 ? to : from + 64;
+        for (t = from, count = 0; t < end; t++) {
+            for (k = 0; k < corners; k++) {
+                const size_t u = mesh->neighbors[t * corners + k], near = u != PBW_NONE ? u : t;
+                corner[4 * t + k] = import->vertex[mesh->simplices[t * corners + k]];
+                facet[count] = (pbw__link)(4 * t + k);
+                PBW__PREFETCH(mesh->neighbors + near * corners);
+                PBW__PREFETCH(mesh->simplices + near * corners);
+                count += near > t;                   /* branchless: unpredictable */
+            }
+        }
+        fits += pbw__import_link(import, facet, count, dim);
+        from = end;
+    }
+    return fits;
+}
+
+static pbw_status pbw__import_slots(void *arg, size_t from, size_t to)
+{
+    pbw__import *import = (pbw__import *)arg;
+    const size_t fits = import->mesh->dim == 3 ? pbw__import_slots_of(import, from, to, 3)
+                                               : pbw__import_slots_of(import, from, to, 2);
+    (void)PBW__ADD(&import->fits, fits);
+    return PBW_OK;
+}
+
+/* Ghosts behind the facets of the hull. */
+static void pbw__import_ghosts(pbw__import *import)
+{
+    const pbw_mesh *mesh = import->mesh;
+    const unsigned dim = (unsigned)mesh->dim;
+    pbw__store *store = &import->core->store;
+    size_t g = mesh->simplex_count, t;
+    unsigned k;
+    for (t = 0; t < mesh->simplex_count && g < store->count; t++) {
+        for (k = 0; k <= dim; k++) {
+            if (mesh->neighbors[t * (dim + 1) + k] == PBW_NONE) {
+                pbw_index *ghost = store->corner + 4 * g;
+                pbw__facet_of(store->corner + 4 * t, k, (int)dim, ghost);
+                if (dim == 2) {
+                    const pbw_index first = ghost[0];
+                    ghost[0] = ghost[1];
+                    ghost[1] = first;
+                }
+                ghost[dim] = PBW__GHOST;
+                store->link[4 * g + dim] = (pbw__link)(4 * t + k);
+                store->link[4 * t + k] = (pbw__link)(4 * g++ + dim);
+            }
+        }
+    }
+}
+
+PBW__INLINE unsigned pbw__corner_at(const pbw_index *corner, pbw_index v)
+{
+    unsigned k = 0;
+    while (corner[k] != v) {
+        k++;
+    }
+    return k;
+}
+
+/* Links between ghosts: around each ridge, through the finite simplices that have it, from one facet of the hull to
+   the other.  It ends there: the way back is as unique. */
+static pbw_status pbw__import_ridges(void *arg, size_t from, size_t to)
+{
+    pbw__import *import = (pbw__import *)arg;
+    const size_t first = import->mesh->simplex_count;
+    const unsigned dim = (unsigned)import->mesh->dim;
+    const pbw_index *corner = import->core->store.corner;
+    pbw__link *link = import->core->store.link;
+    size_t g;
+    unsigned i;
+    for (g = first + from; g < first + to; g++) {
+        for (i = 0; i < dim; i++) {
+            pbw__link at = link[4 * g + dim];        /* we are in a simplex, and came through this facet */
+            pbw_index next = corner[4 * g + i];      /* across from which we go on */
+            for (;;) {
+                const size_t t = at >> 2;
+                const pbw_index last = corner[at];
+                at = link[4 * t + pbw__corner_at(corner + 4 * t, next)];
+                next = last;
+                if (at >> 2 >= first) {
+                    break;
+                }
+            }
+            link[4 * g + i] = (pbw__link)(4 * (at >> 2) + pbw__corner_at(corner + 4 * (size_t)(at >> 2), next));
+        }
+    }
+    return PBW_OK;
+}
+
+/* A finite simplex of each vertex. */
+static void pbw__import_incident(pbw__core *core, size_t simplices)
+{
+    const size_t dim = (size_t)core->kernel.dim;
+    size_t t = simplices, k;
+    memset(core->incident, 0xff, (core->vertex_count + 1) * sizeof(pbw_index));
+    while (t-- > 0) {
+        for (k = 0; k <= dim; k++) {
+            core->incident[core->kernel.corner[4 * t + k]] = (pbw_index)t;
+        }
+    }
+}
+
+/* Finds what hides the vertices in no simplex, along the curve.  PBW__ANEW: one is not hidden, or a duplicate. */
+static pbw_status pbw__import_hidden(pbw_live *live, pbw__core *core, size_t visible)
+{
+    const size_t count = core->vertex_count - visible;
+    pbw__memory *memory = &core->kernel.context->memory;
+    pbw_index *list = (pbw_index *)pbw__allocate(memory, count + 1, sizeof(pbw_index)), witness = 0;
+    pbw_status status = list == NULL ? PBW_ERROR_MEMORY : PBW_OK;
+    size_t i;
+    int k;
+    for (i = 0; i < count && list != NULL; i++) {
+        list[i] = (pbw_index)(visible + 1 + i);
+    }
+    status = status == PBW_OK ? pbw__live_sort(live, core, list, count) : status;
+    for (i = 0; i < count && status == PBW_OK; i++) {
+        const double *p = pbw__core_record(core, list[i]);
+        witness = pbw__find_witness(core, witness, list[i]);
+        if (pbw__slot_conflict(core, witness, p)
+            || (i > 0 && pbw__same_place(p, pbw__core_record(core, list[i - 1]), live->dim))) {
+            status = PBW__ANEW;
+        }
+        for (k = 0; k <= live->dim && status == PBW_OK; k++) {
+            const pbw_index v = core->kernel.corner[4 * (size_t)witness + (size_t)k];
+            status = pbw__same_place(p, pbw__core_record(core, v), live->dim) ? PBW__ANEW : PBW_OK;
+        }
+        if (status == PBW_OK && !pbw__cover_vertex(core, list[i], witness)) {
+            status = PBW_ERROR_MEMORY;
+        }
+    }
+    pbw__release(memory, list, count + 1, sizeof(pbw_index));
+    return status;
+}
+
+/* The vertices of a mesh, then its simplices, unverified. */
+static pbw_status pbw__import_fill(pbw__import *import, pbw__context *context)
+{
+    const pbw_mesh *mesh = import->mesh;
+    pbw__core *core = import->core;
+    pbw_status status = pbw__for_range(context, mesh->simplex_count, 16384, 0.05, pbw__import_count, import);
+    status = status == PBW_OK ? pbw__for_range(context, mesh->point_count, 16384, 0.05, pbw__import_points, import)
+                              : status;
+    if (status != PBW_OK || import->faults > 0) {
+        return status != PBW_OK ? status : PBW__ANEW;
+    }
+    if (!pbw__import_number(import)) {
+        return PBW__ANEW;
+    }
+    status = pbw__for_range(context, import->vertices.count, 16384, 0.1, pbw__import_records, import);
+    if (status != PBW_OK) {
+        return status;
+    }
+    pbw__grid_scan(context, import->vertices.record + mesh->dim + 1, import->vertices.count, mesh->dim,
+                   &import->vertices.grid);
+    status = pbw__store_reserve(context, &core->store, mesh->simplex_count + import->ghosts);
+    if (status == PBW_OK) {
+        core->store.count = mesh->simplex_count + import->ghosts;
+        memset(core->store.mark, 0, core->store.count);
+        status = pbw__for_range(context, mesh->simplex_count, 8192, 0.4, pbw__import_slots, import);
+    }
+    if (status != PBW_OK || 2 * import->fits + import->ghosts != mesh->simplex_count * ((size_t)mesh->dim + 1)) {
+        return status != PBW_OK ? status : PBW__ANEW;
+    }
+    pbw__import_ghosts(import);
+    status = pbw__for_range(context, import->ghosts, 4096, 0.4, pbw__import_ridges, import);
+    core->simplex_count = mesh->simplex_count;
+    return status;
+}
+
+/* Makes a core of a mesh.  PBW__ANEW: it is not the triangulation of its points. */
+static pbw_status pbw__import_core(pbw_live *live, pbw__context *context, pbw__import *import)
+{
+    const pbw_mesh *mesh = import->mesh;
+    pbw__core *core = import->core;
+    const size_t records = mesh->point_count + 1;
+    pbw__vertices *vertices = &import->vertices;
+    pbw_status status;
+    vertices->dim = mesh->dim;
+    vertices->weighted = mesh->weights != NULL;
+    vertices->point_count = mesh->point_count;
+    vertices->record = (double *)pbw__allocate_large(context, records * ((size_t)mesh->dim + 1), sizeof(double));
+    vertices->id = (pbw_index *)pbw__allocate_large(context, records, sizeof(pbw_index));
+    import->vertex = (pbw_index *)pbw__allocate_large(context, mesh->point_count, sizeof(pbw_index));
+    status = vertices->record == NULL || vertices->id == NULL || import->vertex == NULL ? PBW_ERROR_MEMORY
+           : pbw__import_fill(import, context);
+    pbw__release(&context->memory, import->vertex, mesh->point_count, sizeof(pbw_index));
+    if (status != PBW_OK) {
+        pbw__release(&context->memory, vertices->record, records * ((size_t)mesh->dim + 1), sizeof(double));
+        pbw__release(&context->memory, vertices->id, records, sizeof(pbw_index));
+        return status;
+    }
+    vertices->canonical = (pbw_index *)(uintptr_t)mesh->canonical;
+    vertices->duplicate_count = import->duplicates;
+    memset(vertices->record, 0, ((size_t)mesh->dim + 1) * sizeof(double));
+    vertices->record[0] = HUGE_VAL;                  /* the ghost, see >>order */
+    status = pbw__core_take(core, vertices, NULL, live->count);
+    status = status == PBW_OK ? pbw__core_start(context, core, vertices) : status;
+    if (status == PBW_OK) {
+        pbw__import_incident(core, mesh->simplex_count);
+        status = pbw__journal_reserve(core) ? pbw__verify(core, 0) : PBW_ERROR_MEMORY;
+    }
+    if (status == PBW_OK && import->visible < core->vertex_count) {
+        status = pbw__import_hidden(live, core, import->visible);
+        pbw__swap_covers(core);
+    }
+    core->kernel.last = 0;
+    pbw__journal_clear(core);
+    return status;
+}
+
+/* Makes the mesh that all points of the queue are of the live triangulation.  PBW__ANEW: that cannot be. */
+static pbw_status pbw__live_import(pbw_live *live, pbw__context *context, const pbw_mesh *mesh)
+{
+    pbw__import import;
+    pbw__core core;
+    pbw_status status;
+    if (mesh->simplex_count == 0 || mesh->neighbors == NULL) {
+        return PBW__ANEW;
+    }
+    if (pbw__enter_stage(context, PBW_STAGE_WORK)) {
+        return PBW_CANCELLED;
+    }
+    memset(&import, 0, sizeof(import));
+    memset(&core, 0, sizeof(core));
+    core.kernel.context = context;
+    core.kernel.dim = mesh->dim;
+    import.mesh = mesh;
+    import.points = live->point;
+    import.weights = live->weight;
+    import.core = &core;
+    status = pbw__import_core(live, context, &import);
+    if (status == PBW_OK) {
+        pbw__live_replace(live, context, &core);
+    } else {
+        pbw__core_free(context, &core);
+    }
+    return status;
+}
+
+PBWDEF void pbw_live_free(pbw_live *live)
+{
+    if (live != NULL) {
+        pbw__context context;
+        pbw__memory *memory = &context.memory;
+        memset(&context, 0, sizeof(context));
+        context.memory = live->memory;
+        pbw__core_free(&context, &live->core);
+        PBW__RELEASE(memory, live, point);
+        PBW__RELEASE(memory, live, weight);
+        PBW__RELEASE(memory, live, state);
+        PBW__RELEASE(memory, live, spare);
+        PBW__RELEASE(memory, live, queue);
+        PBW__RELEASE(memory, live, edit);
+        PBW__RELEASE(memory, live, head);
+        PBW__RELEASE(memory, live, leaving);
+        PBW__RELEASE(memory, live, arriving);
+        PBW__RELEASE(memory, live, moved);
+        pbw__release(memory, live, 1, sizeof(*live));
+    }
+}
+
+/* Queues the points of a mesh, and makes it the triangulation of them. */
+static pbw_status pbw__live_adopt(pbw_live *live, const pbw_mesh *mesh)
+{
+    const size_t dim = (size_t)live->dim;
+    pbw_status status = pbw__live_reserve(live, mesh->point_count, mesh->point_count);
+    size_t i = status == PBW_OK ? mesh->point_count : 0, k;
+    live->count = i;
+    while (i-- > 0) {
+        live->state[i] = 0;
+        memset(live->point + i * dim, 0, dim * sizeof(double));
+        live->weight[i] = 0.0;
+        if (mesh->canonical[i] == PBW_NONE) {
+            live->spare[live->spare_count++] = (pbw_index)i;
+        } else {
+            for (k = 0; k < dim; k++) {
+                live->point[i * dim + k] = mesh->points[i * dim + k] + 0.0;      /* no -0.0 */
+            }
+            live->weight[i] = mesh->weights != NULL ? mesh->weights[i] + 0.0 : 0.0;
+            live->state[i] = PBW__STAYS;
+            pbw__live_queue(live, (pbw_index)i);
+            if (!pbw__all_finite(live->point + i * dim, dim) || !pbw__all_finite(live->weight + i, 1)) {
+                return PBW_ERROR_NOT_FINITE;
+            }
+        }
+    }
+    return status != PBW_OK ? status : pbw__live_run(live, mesh, NULL);
+}
+
+PBWDEF pbw_status pbw_live_create(const pbw_mesh *mesh, const pbw_options *options, pbw_live **result)
+{
+    pbw_options defaults;
+    pbw__memory memory;
+    pbw_live *live;
+    pbw_status status;
+    memset(&defaults, 0, sizeof(defaults));
+    options = options != NULL ? options : &defaults;
+    if (result == NULL) {
+        return PBW_ERROR_ARGUMENT;
+    }
+    *result = NULL;
+    if (mesh == NULL || (mesh->dim != 2 && mesh->dim != 3) || options->threads < 0 || options->threads > 256
+        || options->flags != 0 || options->stride != 0 || options->weight_stride != 0 || options->backend != NULL
+        || (mesh->point_count > 0 && (mesh->points == NULL || mesh->canonical == NULL || mesh->incident == NULL))
+        || (mesh->simplex_count > 0 && mesh->simplices == NULL)) {
+        return PBW_ERROR_ARGUMENT;
+    }
+    pbw__memory_start(&memory, options);
+    live = (pbw_live *)pbw__allocate(&memory, 1, sizeof(*live));
+    if (live == NULL) {
+        return PBW_ERROR_MEMORY;
+    }
+    memset(live, 0, sizeof(*live));
+    live->memory = memory;
+    live->options = *options;
+    live->options.trace = NULL;
+    live->options.message = NULL;
+    live->dim = mesh->dim;
+    live->weighted = mesh->weights != NULL;
+    status = pbw__live_adopt(live, mesh);
+    if (status != PBW_OK && status != PBW_DEGENERATE) {
+        pbw_live_free(live);
+        return status;
+    }
+    *result = live;
+    return status;
+}
 /* ------------------------------------------------------------------------------------------------------
    >>view         The arrays of a live triangulation.
    In: a core.  Out: a mesh, as pbw_triangulate gives it for the points that live.
@@ -14276,89 +15642,6 @@ PBWDEF pbw_status pbw_live_view(pbw_live *live, pbw_mesh *mesh)
     return status;
 }
 
-PBWDEF void pbw_live_free(pbw_live *live)
-{
-    if (live != NULL) {
-        pbw__context context;
-        pbw__memory *memory = &context.memory;
-        memset(&context, 0, sizeof(context));
-        context.memory = live->memory;
-        pbw__core_free(&context, &live->core);
-        PBW__RELEASE(memory, live, point);
-        PBW__RELEASE(memory, live, weight);
-        PBW__RELEASE(memory, live, state);
-        PBW__RELEASE(memory, live, spare);
-        PBW__RELEASE(memory, live, queue);
-        PBW__RELEASE(memory, live, edit);
-        PBW__RELEASE(memory, live, head);
-        PBW__RELEASE(memory, live, leaving);
-        PBW__RELEASE(memory, live, arriving);
-        PBW__RELEASE(memory, live, moved);
-        pbw__release(memory, live, 1, sizeof(*live));
-    }
-}
-
-/* Takes the points of a mesh and triangulates them. */
-static pbw_status pbw__live_adopt(pbw_live *live, const pbw_mesh *mesh)
-{
-    const size_t dim = (size_t)live->dim;
-    pbw_status status = pbw__live_reserve(live, mesh->point_count, mesh->point_count);
-    size_t i = status == PBW_OK ? mesh->point_count : 0;
-    live->count = i;
-    while (i-- > 0) {
-        live->state[i] = 0;
-        memset(live->point + i * dim, 0, dim * sizeof(double));
-        live->weight[i] = 0.0;
-        if (mesh->canonical[i] == PBW_NONE) {
-            live->spare[live->spare_count++] = (pbw_index)i;
-        } else {
-            memcpy(live->point + i * dim, mesh->points + i * dim, dim * sizeof(double));
-            live->weight[i] = mesh->weights != NULL ? mesh->weights[i] : 0.0;
-            live->state[i] = PBW__STAYS;
-            pbw__live_queue(live, (pbw_index)i);
-        }
-    }
-    return status != PBW_OK ? status : pbw_live_commit(live, NULL);
-}
-
-PBWDEF pbw_status pbw_live_create(const pbw_mesh *mesh, const pbw_options *options, pbw_live **result)
-{
-    pbw_options defaults;
-    pbw__memory memory;
-    pbw_live *live;
-    pbw_status status;
-    memset(&defaults, 0, sizeof(defaults));
-    options = options != NULL ? options : &defaults;
-    if (result == NULL) {
-        return PBW_ERROR_ARGUMENT;
-    }
-    *result = NULL;
-    if (mesh == NULL || (mesh->dim != 2 && mesh->dim != 3) || options->threads < 0 || options->threads > 256
-        || options->flags != 0 || options->stride != 0 || options->weight_stride != 0 || options->backend != NULL
-        || (mesh->point_count > 0 && (mesh->points == NULL || mesh->canonical == NULL || mesh->incident == NULL))
-        || (mesh->simplex_count > 0 && (mesh->simplices == NULL || mesh->neighbors == NULL))) {
-        return PBW_ERROR_ARGUMENT;
-    }
-    pbw__memory_start(&memory, options);
-    live = (pbw_live *)pbw__allocate(&memory, 1, sizeof(*live));
-    if (live == NULL) {
-        return PBW_ERROR_MEMORY;
-    }
-    memset(live, 0, sizeof(*live));
-    live->memory = memory;
-    live->options = *options;
-    live->options.trace = NULL;
-    live->options.message = NULL;
-    live->dim = mesh->dim;
-    live->weighted = mesh->weights != NULL;
-    status = pbw__live_adopt(live, mesh);
-    if (status != PBW_OK && status != PBW_DEGENERATE) {
-        pbw_live_free(live);
-        return status;
-    }
-    *result = live;
-    return status;
-}
 /* ------------------------------------------------------------------------------------------------------
    >>api          The front door: argument checks, defaults, the stages in order, status texts.
    In: what the caller passes.  Out: a mesh or a status; nothing is left allocated after a failure.

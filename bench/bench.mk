@@ -118,8 +118,11 @@ build/bench_tiles: bench/tiles.c $(HEADERS)
 	$C -Itests $< -o $@ $(LIBS)
 
 bench-tiles: build/bench_tiles
-	$< 1000 2000
-	$< 10000 500
+	$< 1000 10000
+	$< 1000 10000 clusters
+	$< 10000 1000
+	$< 64 200000 uniform 16
+	$< 8 400000
 .PHONY: bench-tiles
 
 # Live triangulations beside CGAL's insert, remove and move: bench/live.cpp

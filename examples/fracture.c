@@ -72,13 +72,12 @@ static void write_pieces(FILE *file, const pbw_cells *cells)
             fprintf(file, "v %.17g %.17g %.17g\n", x[0], x[1], x[2]);
         }
         for (size_t f = cells->first[i]; f < cells->first[i + 1]; f++) {
-            fprintf(file, "f");
             for (size_t l = loop[f]; l < loop[f + 1]; l++) {
                 size_t same = loop[cells->first[i]];         /* the first corner at this vertex */
                 while (cells->loops[same] != cells->loops[l]) {
                     same++;
                 }
-                fprintf(file, " %zu", same + 1);
+                fprintf(file, "%s %zu", l > loop[f] ? "" : "f", same + 1);
             }
             fprintf(file, "\n");
         }
@@ -90,7 +89,6 @@ static void draw(FILE *file, const pbw_cells *cells)
 {
     fprintf(file, "<svg xmlns='http://www.w3.org/2000/svg' viewBox='-320 -320 640 640' width='800' height='800'>\n");
     for (size_t i = 0; i < PIECES; i++) {
-        const double *apart = cells->centroids + 3 * i;
         for (size_t f = cells->first[i]; f < cells->first[i + 1]; f++) {
             const size_t from = cells->loop_first[f], to = cells->loop_first[f + 1];
             double seen = 0, shade;                  /* twice the area on the screen */
@@ -101,7 +99,7 @@ static void draw(FILE *file, const pbw_cells *cells)
             }
             shade = 60 + 190 * seen / (2 * cells->areas[f]);
             for (size_t l = from; seen > 0 && l < to; l++) {
-                const double *a = cells->vertices + 3 * cells->loops[l];
+                const double *a = cells->vertices + 3 * cells->loops[l], *apart = cells->centroids + 3 * i;
                 fprintf(file, "%s %.1f,%.1f", l > from ? "" : "<path stroke='#222' stroke-width='.4' d='M",
                         205 * (a[0] + 0.35 * apart[0]), -205 * (a[2] + 0.35 * apart[2]));
             }

@@ -6,6 +6,7 @@
 #define GAS_H
 #include "pbw_cells.h"
 #include <math.h>
+#include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
 
@@ -210,6 +211,28 @@ static void gas_exchange(gas *g, const gas_facet *f, double time)
     }
 }
 
+/* Points of a lattice, moved a little at random.  Without memory, points is NULL. */
+static gas gas_lattice(size_t columns, size_t rows, double wide, double high, double gamma)
+{
+    unsigned long long random = 1;
+    gas g;
+    memset(&g, 0, sizeof g);
+    g.count = columns * rows;
+    g.box[2] = wide;
+    g.box[3] = high;
+    g.gamma = gamma;
+    g.points = (double (*)[2])malloc(g.count * sizeof *g.points);
+    for (size_t i = 0; i < g.count && g.points != NULL; i++) {
+        const size_t at[2] = { i % columns, i / columns };
+        for (int k = 0; k < 2; k++) {
+            random = random * 6364136223846793005u + 1442695040888963407u;
+            g.points[i][k] = g.box[2 + k] * ((double)at[k] + 0.3 + 0.4 * (double)(random >> 33) / 2147483648.0)
+                           / (double)(k ? rows : columns);
+        }
+    }
+    return g;
+}
+
 /* A gas of states that a function of the place gives.  gas_free it, also after a failure. */
 static pbw_status gas_start(gas *g, void (*initial)(const double place[2], double state[4]))
 {
@@ -260,5 +283,38 @@ static pbw_status gas_step(gas *g, double until)
     const pbw_status status = gas_mesh(g);
     gas_states(g);
     return status;
+}
+
+static double gas_sum(const gas *g, int which)
+{
+    double sum = 0;
+    for (size_t i = 0; i < g->count; i++) {
+        sum += g->amounts[i][which];
+    }
+    return sum;
+}
+
+/* Steps to a time.  Returns 0 and prints why if that fails, or if mass, momentum or energy is not kept to 1e-12. */
+static int gas_run(gas *g, double until)
+{
+    pbw_status status = PBW_OK;
+    double before[4];
+    for (int k = 0; k < 4; k++) {
+        before[k] = gas_sum(g, k);
+    }
+    while (g->time < until && status == PBW_OK) {
+        status = gas_step(g, until);
+    }
+    for (int k = 0; k < 4 && status == PBW_OK; k++) {
+        const double lost = fabs(gas_sum(g, k) - before[k]) / before[k == 0 ? 0 : 3];
+        if (!(lost <= 1e-12)) {
+            printf("of mass, momentum x, y, energy, number %d changed by %g\n", k, lost);
+            return 0;
+        }
+    }
+    if (status != PBW_OK) {
+        printf("%s\n", pbw_status_string(status));
+    }
+    return status == PBW_OK;
 }
 #endif /* GAS_H */

@@ -50,6 +50,12 @@ check "terrain: a whole one" [ "$(tail -n 1 "$work/terrain.html")" = "</html>" ]
 check "gas writes a page that plays" "$bin/gas" 100 "$work/gas.html"
 check "gas: of 125 frames, whole" \
     [ "$(grep -c '<script.*data-label=.time' "$work/gas.html"),$(tail -n 1 "$work/gas.html")" = "125,</html>" ]
+check "swarm writes a page that plays" "$bin/swarm" 100 310 "$work/swarm.html"
+check "swarm: of 155 frames, whole" \
+    [ "$(grep -c '<script.*data-label=.frame' "$work/swarm.html"),$(tail -n 1 "$work/swarm.html")" = "155,</html>" ]
+check "front writes a page that plays" "$bin/front" "$work/front.html"
+check "front: of 64 frames, whole" \
+    [ "$(grep -c '<script.*data-label=.time' "$work/front.html"),$(tail -n 1 "$work/front.html")" = "64,</html>" ]
 for example in steps shares; do
     check "$example writes pictures" "$bin/$example" "$work/$example.svg"
     check "$example: three of them, whole" \
@@ -63,7 +69,18 @@ check "periodic writes a picture" "$bin/periodic" "$work/foam.svg"
 check "periodic: each bubble in each of nine boxes" [ "$(grep -c '<path fill' "$work/foam.svg")" = 1080 ]
 check "alpha_molecule writes a picture" "$bin/alpha_molecule" "$work/molecule.svg"
 check "alpha_molecule: a whole one" [ "$(tail -n 1 "$work/molecule.svg")" = "</svg>" ]
-for example in raster periodic alpha_molecule; do
+for example in coast contour outlines breaklines; do
+    check "$example writes a picture" "$bin/$example" "$work/$example.svg"
+    check "$example: a whole one" \
+        [ "$(grep -c '<path fill="#' "$work/$example.svg" | sed 's/[0-9]*[0-9]\{3\}$/many/'),$(
+            tail -n 1 "$work/$example.svg")" = "many,</svg>" ]
+done
+LC_ALL=C awk 'BEGIN { printf "P5\n40 30\n255\n"; for (i = 0; i < 1200; i++)
+    printf("%c", (i % 40 > 9 && i % 40 < 30 && i > 399 && i < 800) ? 200 : 1) }' > "$work/dark.pgm"
+check "contour reads a PGM file" sh -c "$bin/contour $work/dark.svg $work/dark.pgm | grep '^1 parts, 19[0-9] pixels'"
+head -c 1000 "$work/dark.pgm" > "$work/short.pgm"
+check "contour refuses a short file" sh -c "! $bin/contour $work/dark.svg $work/short.pgm"
+for example in raster periodic alpha_molecule coast contour outlines breaklines; do
     check "$example: no space left is an error" sh -c "[ ! -e /dev/full ] || ! $bin/$example /dev/full"
 done
 awk 'BEGIN { printf "P6\n# grey\n40 30\n255\n"; for (i = 0; i < 3600; i++) printf "%c", 48 + i % 75 }' \

@@ -3,20 +3,19 @@
        make fuzz            libFuzzer where clang is installed, else random bytes
        cc -O2 -DFUZZ_MAIN tests/fuzz_live.c -o fuzz -lm -lpthread && ./fuzz --count 100000 --seed 1 */
 #define PBW_IMPLEMENTATION
+static double verify_at;
 #define PBW__REBUILD_AT(dim) (1e9)                     /* so few points would always be triangulated anew */
-#define PBW__VERIFY_AT(dim) (0.0)
+#define PBW__VERIFY_AT(dim) verify_at
 #include "../pbw.h"
 #if defined(__clang__)                                 /* coverage of the library is to guide the fuzzer, not ours */
 #pragma clang attribute push(__attribute__((no_sanitize("coverage"))), apply_to = function)
 #endif
 #include "meshes.h"
 #include "small.h"
-#include "test.h"
+#include "fuzz.h"
 #if defined(__clang__)
 #pragma clang attribute pop
 #endif
-
-int LLVMFuzzerTestOneInput(const unsigned char *data, size_t size);
 
 /* What should live: numbers and points of small_input, which lives[i] or not. */
 typedef struct state {
@@ -66,7 +65,9 @@ static const char *play(state *s, pbw_live *live, const pbw_options *options, co
         const int i = (data[at] >> 2) % s->in.count, what = data[at] & 3, other = data[(at + 1) % size] % s->in.count;
         double *p = s->in.points + (size_t)i * dim;
         if (what == 3) {
-            const pbw_status status = pbw_live_commit(live, NULL);
+            pbw_status status;
+            verify_at = (at & 1) != 0 ? 0.0 : 1e9;       /* moves all at once, or one by one */
+            status = pbw_live_commit(live, NULL);
             fault = status == PBW_OK || status == PBW_DEGENERATE ? judge(s, live, options) : "a status";
         } else if (!s->lives[i]) {
             s->lives[i] = 1;
@@ -87,7 +88,7 @@ static const char *play(state *s, pbw_live *live, const pbw_options *options, co
     return fault;
 }
 
-int LLVMFuzzerTestOneInput(const unsigned char *data, size_t size)
+static const char *fuzz(const unsigned char *data, size_t size, int print)
 {
     pbw_options options;
     pbw_live *live;
@@ -100,7 +101,7 @@ int LLVMFuzzerTestOneInput(const unsigned char *data, size_t size)
     options.threads = 1;
     small_decode(&s.in, data, size);
     if (s.in.count == 0 || size == 0) {
-        return 0;
+        return NULL;
     }
     none.dim = s.in.dim;
     fault = pbw_live_create(&none, &options, &live) == PBW_DEGENERATE ? NULL : "not created";
@@ -114,33 +115,8 @@ int LLVMFuzzerTestOneInput(const unsigned char *data, size_t size)
         fault = fault == NULL ? play(&s, live, &options, data, size) : fault;
         pbw_live_free(live);
     }
-    if (fault != NULL) {
-        printf("%s\n", fault);
+    if (print) {
         small_print(&s.in);
-        fflush(stdout);
-        abort();
     }
-    return 0;
+    return fault;
 }
-
-#ifdef FUZZ_MAIN
-int main(int argc, char **argv)
-{
-    unsigned char bytes[512];
-    int i;
-    test_start(argc, argv, 20000);
-    if (test_begin("fuzz: %ld random inputs, seed %llu", test_count, (unsigned long long)test_seed)) {
-        uint64_t random = test_seed * 0x9e3779b97f4a7c15u;
-        long n;
-        for (n = 0; n < test_count; n++) {
-            for (i = 0; i < (int)sizeof bytes; i += 8) {
-                uint64_t x = input_next(&random);
-                memcpy(bytes + i, &x, 8);
-            }
-            CHECK(LLVMFuzzerTestOneInput(bytes, 64 + input_below(&random, 449)) == 0);
-        }
-        test_end();
-    }
-    return test_finish();
-}
-#endif

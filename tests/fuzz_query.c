@@ -9,14 +9,12 @@
 #endif
 #include "meshes.h"
 #include "small.h"
-#include "test.h"
+#include "fuzz.h"
 #if defined(__clang__)
 #pragma clang attribute pop
 #endif
 
 enum { QUERIES = 12 };
-
-int LLVMFuzzerTestOneInput(const unsigned char *data, size_t size);
 
 static int contains(const pbw_mesh *mesh, size_t t, const double *p)
 {
@@ -91,7 +89,7 @@ static const char *judge(const pbw_mesh *mesh, const double *queries, const pbw_
     return fault;
 }
 
-int LLVMFuzzerTestOneInput(const unsigned char *data, size_t size)
+static const char *fuzz(const unsigned char *data, size_t size, int print)
 {
     small_input in;
     pbw_options options;
@@ -107,7 +105,7 @@ int LLVMFuzzerTestOneInput(const unsigned char *data, size_t size)
     status = pbw_triangulate(in.dim, in.points, small_weights(&in), (size_t)in.count, &options, &mesh);
     if ((status != PBW_OK && status != PBW_DEGENERATE) || in.count == 0 || size == 0) {
         pbw_free(&mesh);
-        return 0;
+        return NULL;
     }
     for (i = 0; i < QUERIES; i++) {
         const double *a = in.points + data[(size_t)i % size] % in.count * in.dim;
@@ -125,33 +123,8 @@ int LLVMFuzzerTestOneInput(const unsigned char *data, size_t size)
         fault = "a query that is not finite is answered";
     }
     pbw_free(&mesh);
-    if (fault != NULL) {
-        printf("%s\n", fault);
+    if (print) {
         small_print(&in);
-        fflush(stdout);
-        abort();
     }
-    return 0;
+    return fault;
 }
-
-#ifdef FUZZ_MAIN
-int main(int argc, char **argv)
-{
-    unsigned char bytes[512];
-    int i;
-    test_start(argc, argv, 20000);
-    if (test_begin("fuzz: %ld random inputs, seed %llu", test_count, (unsigned long long)test_seed)) {
-        uint64_t state = test_seed * 0x9e3779b97f4a7c15u;
-        long n;
-        for (n = 0; n < test_count; n++) {
-            for (i = 0; i < (int)sizeof bytes; i += 8) {
-                uint64_t x = input_next(&state);
-                memcpy(bytes + i, &x, 8);
-            }
-            CHECK(LLVMFuzzerTestOneInput(bytes, 64 + input_below(&state, 449)) == 0);
-        }
-        test_end();
-    }
-    return test_finish();
-}
-#endif

@@ -10,14 +10,12 @@
 #endif
 #include "meshes.h"
 #include "small.h"
-#include "test.h"
+#include "fuzz.h"
 #if defined(__clang__)
 #pragma clang attribute pop
 #endif
 
-int LLVMFuzzerTestOneInput(const unsigned char *data, size_t size);
-
-int LLVMFuzzerTestOneInput(const unsigned char *data, size_t size)
+static const char *fuzz(const unsigned char *data, size_t size, int print)
 {
     small_input in;
     pbw_options options;
@@ -42,43 +40,8 @@ int LLVMFuzzerTestOneInput(const unsigned char *data, size_t size)
         pbw_free(&one);
         pbw_free(&other);
     }
-    if (fault != NULL) {
-        printf("%s\n", fault);
+    if (print) {
         small_print(&in);
-        fflush(stdout);
-        abort();
     }
-    return 0;
+    return fault;
 }
-
-#ifdef FUZZ_MAIN
-int main(int argc, char **argv)
-{
-    unsigned char bytes[512];
-    int i;
-    if (argc > 1 && argv[1][0] != '-') {
-        for (i = 1; i < argc; i++) {
-            FILE *file = fopen(argv[i], "rb");
-            if (file != NULL) {
-                LLVMFuzzerTestOneInput(bytes, fread(bytes, 1, sizeof bytes, file));
-                fclose(file);
-            }
-        }
-        return 0;
-    }
-    test_start(argc, argv, 100000);
-    if (test_begin("fuzz: %ld random inputs, seed %llu", test_count, (unsigned long long)test_seed)) {
-        uint64_t state = test_seed * 0x9e3779b97f4a7c15u;
-        long n;
-        for (n = 0; n < test_count; n++) {
-            for (i = 0; i < (int)sizeof bytes; i += 8) {
-                uint64_t x = input_next(&state);
-                memcpy(bytes + i, &x, 8);
-            }
-            CHECK(LLVMFuzzerTestOneInput(bytes, 64 + input_below(&state, 449)) == 0);
-        }
-        test_end();
-    }
-    return test_finish();
-}
-#endif

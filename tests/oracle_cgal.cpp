@@ -1,6 +1,8 @@
 // oracle_cgal.cpp: the same simplices as CGAL, which has the same rule for ties: on the zoo, on random sets of many
-// kinds, and CGAL against the brute-force oracle of oracle.h on small inputs.  Needs CGAL, GMP and MPFR.
+// kinds, and CGAL against the brute-force oracle of oracle.h on small inputs; and the same constrained triangles, of
+// points in general position.  Needs CGAL, GMP and MPFR.
 #include <CGAL/Exact_predicates_inexact_constructions_kernel.h>
+#include <CGAL/Constrained_Delaunay_triangulation_2.h>
 #include <CGAL/Delaunay_triangulation_2.h>
 #include <CGAL/Delaunay_triangulation_3.h>
 #include <CGAL/Regular_triangulation_2.h>
@@ -14,6 +16,8 @@
 #include <vector>
 
 #include "../pbw.h"
+#define PBW_MESH2_IMPLEMENTATION
+#include "../examples/lib/pbw_mesh2.h"
 #include "meshes.h"
 #include "small.h"
 #include "test.h"
@@ -24,6 +28,9 @@ typedef std::vector<simplex> simplices;
 
 typedef CGAL::Delaunay_triangulation_2<kernel, CGAL::Triangulation_data_structure_2<
     CGAL::Triangulation_vertex_base_with_info_2<unsigned, kernel>>> delaunay2;
+typedef CGAL::Constrained_Delaunay_triangulation_2<kernel, CGAL::Triangulation_data_structure_2<
+    CGAL::Triangulation_vertex_base_with_info_2<unsigned, kernel>,
+    CGAL::Constrained_triangulation_face_base_2<kernel>>> constrained2;
 typedef CGAL::Regular_triangulation_2<kernel, CGAL::Triangulation_data_structure_2<
     CGAL::Triangulation_vertex_base_with_info_2<unsigned, kernel, CGAL::Regular_triangulation_vertex_base_2<kernel>>,
     CGAL::Regular_triangulation_face_base_2<kernel>>> regular2;
@@ -207,11 +214,90 @@ static void test_random()
     }
 }
 
+// Every third edge of the Delaunay triangulation of the points stretched in x: they do not cross, and most of them are
+// no edges of the triangulation of the points.
+static std::vector<pbw_index> sheared_segments(const std::vector<double> &points)
+{
+    std::vector<double> stretched(points);
+    std::vector<pbw_index> segments;
+    pbw_mesh mesh;
+    for (size_t i = 0; i < stretched.size(); i += 2) {
+        stretched[i] *= 4;
+    }
+    CHECK_EQUAL(pbw_triangulate(2, stretched.data(), NULL, points.size() / 2, NULL, &mesh), PBW_OK);
+    for (size_t i = 0, edges = 0; i < 3 * mesh.simplex_count; i++) {
+        if (mesh.neighbors[i] < i / 3 && edges++ % 3 == 0) {
+            segments.push_back(mesh.simplices[i - i % 3 + (i + 1) % 3]);
+            segments.push_back(mesh.simplices[i - i % 3 + (i + 2) % 3]);
+        }
+    }
+    pbw_free(&mesh);
+    return segments;
+}
+
+static void check_same_constrained(const std::vector<double> &points, const std::vector<pbw_index> &segments)
+{
+    constrained2 t;
+    std::vector<constrained2::Vertex_handle> vertex;
+    simplices ours, theirs;
+    pbw_plane_input input = pbw_plane_input();
+    pbw_plane plane;
+    for (size_t i = 0; i < points.size(); i += 2) {
+        vertex.push_back(t.insert(kernel::Point_2(points[i], points[i + 1])));
+        vertex.back()->info() = (unsigned)(i / 2);
+    }
+    for (size_t i = 0; i < segments.size(); i += 2) {
+        t.insert_constraint(vertex[segments[i]], vertex[segments[i + 1]]);
+    }
+    collect(t, CGAL::Dimension_tag<2>(), theirs);
+    input.points = points.data();
+    input.point_count = points.size() / 2;
+    input.segments = segments.data();
+    input.segment_count = segments.size() / 2;
+    CHECK_EQUAL(pbw_plane_make(&input, NULL, &plane), PBW_OK);
+    for (size_t i = 0; i < plane.triangle_count; i++) {
+        const pbw_index *v = plane.triangles + 3 * i;
+        const simplex one = { { v[0], v[1], v[2], 0 } };
+        ours.push_back(one);
+    }
+    pbw_plane_free(&plane);
+    normalize(2, ours);
+    normalize(2, theirs);
+    CHECK(ours == theirs);
+}
+
+static void test_constrained()
+{
+    uint64_t state = test_seed;
+    if (!test_begin("constrained triangles, as CGAL has them")) {
+        return;
+    }
+    for (int round = 0; round < 40; round++) {
+        std::vector<double> points(2 * (size_t)(round < 39 ? 3 + 7 * round : 20000));
+        std::vector<pbw_index> segments;
+        for (double &x : points) {
+            x = input_uniform(&state);
+        }
+        segments = sheared_segments(points);
+        check_same_constrained(points, segments);
+        segments.clear();
+        for (pbw_index i = 0; 2 * i + 3 < points.size(); i++) {      // a chain from left to right: long segments
+            segments.push_back(i);
+            segments.push_back(i + 1);
+            points[2 * i] = (i + 0.9 * input_uniform(&state)) / (double)points.size();
+        }
+        points[points.size() - 2] = 1;
+        check_same_constrained(points, segments);
+    }
+    test_end();
+}
+
 int main(int argc, char **argv)
 {
     test_start(argc, argv, 20000);
     test_oracle();
     test_zoo();
     test_random();
+    test_constrained();
     return test_finish();
 }

@@ -247,7 +247,7 @@ check "the root holds nothing that should be elsewhere" sh -c \
 
 # Other machines, where their compilers and libraries are installed.
 printf '#include <stdlib.h>\nint main(void) { return 0; }\n' > "$work/empty.c"
-for other in "$CC -m32" aarch64-linux-gnu-gcc arm-linux-gnueabihf-gcc s390x-linux-gnu-gcc x86_64-w64-mingw32-gcc; do
+for other in "$CC -m32 -msse2 -mfpmath=sse" aarch64-linux-gnu-gcc arm-linux-gnueabihf-gcc s390x-linux-gnu-gcc x86_64-w64-mingw32-gcc; do
     if $other "$work/empty.c" -o "$work/empty" > /dev/null 2>&1; then
         check "$other: no warning" $other -std=c99 -O1 $warn -I. -c "$work/whole.c" -o "$work/other.o"
     else
@@ -375,6 +375,11 @@ else
     skip "MSVC: no clang that knows it"
 fi
 if $CC -m32 "$work/empty.c" -o "$work/empty" > /dev/null 2>&1; then
+    check "-m32: x87 arithmetic is a compile error" refuses '-msse2 -mfpmath=sse' \
+        $CC -m32 -mno-sse -std=c99 -I. -c "$work/whole.c" -o "$work/x87.o"
+    check "-m32: a test compiles" $CC -m32 -msse2 -mfpmath=sse -std=c99 -O1 -I. -DPBW_IMPLEMENTATION \
+        tests/test_answer.c -o "$work/answer32" -lpthread -lm
+    check "-m32: the test passes" "$work/answer32" --count 1000
     check "-m32: the quick start compiles" \
         $CC -m32 -msse2 -mfpmath=sse -O1 -I. "$work/quickstart.c" -o "$work/quick32" -lpthread
     check "-m32: the quick start prints the same" sh -c "$work/quick32 | cmp - $work/printed"

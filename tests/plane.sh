@@ -41,6 +41,29 @@ check "a bad .geojson file" says 1 "wrong.geojson:1:" wrong.geojson
 check "no such file" says 1 "No such file" none.poly
 check "the boundary is kept" says 0 " 8 edges of segments" plate.poly --area 0.5 --keep-segments
 
+printf '4 2 1 0\n1 0 0 0.1\n2 4 0 1\n3 4 3 1\n4 0 3 1\n4 0\n1 1 2\n2 2 3\n3 3 4\n4 4 1\n0\n' > sized.poly
+printf 'x,y,size\n0,0,0.1\n4,0,1\n4,3,1\n0,3,1\n' > sized.csv
+grown() {   # the same sizes from a column by number and by name
+    "$pbw" plane sized.poly --size '#3' --angle 30 | grep triangles, > one &&
+        "$pbw" plane sized.csv --size size --angle 30 | grep triangles, > two && cmp one two &&
+        awk '$2 < 100 { exit 1 }' one
+}
+check "sizes from a column" grown
+check "no such column" says 1 "there is no column" sized.poly --size '#9'
+check "a column of a file that has none" says 1 ".geojson has none" plate.geojson --size depth
+remesh() {  # a mesh is refined, and made coarse again
+    "$pbw" plane plate.poly --angle 30 --area 0.01 --quiet -o fine.vtu && "$pbw" plane fine.vtu > plain &&
+        "$pbw" plane fine.vtu --area 0.001 > finer && "$pbw" plane fine.vtu --size 1 --coarsen > coarse &&
+        cat plain finer coarse && awk '/ triangles,/ { n[FILENAME] = $1 }
+            END { exit !(n["finer"] > 4 * n["plain"] && 10 * n["coarse"] < n["plain"]) }' finer plain coarse
+}
+check "triangles of a mesh, finer and coarser" remesh
+check "--coarsen needs sizes" says 2 "needs --size" plate.poly --coarsen
+for way in laplace lloyd odt; do
+    check "smoothing: $way" says 0 "smoothed: mean of least angles" plate.poly --area 0.05 --smooth $way --rounds 2
+done
+check "measures" says 0 "  gamma " plate.poly --quality
+
 outputs() {
     "$pbw" plane plate.poly --angle 30 --area 0.05 --quiet -o o.svg -o o.html -o o.poly -o o.vtu -o o.msh -o o.ele \
         -o o.node -o o.mesh && for file in o.svg o.html o.poly o.vtu o.msh o.ele o.node o.mesh; do

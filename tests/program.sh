@@ -170,4 +170,46 @@ check "GeoJSON" same_mesh m.csv m.geojson
 check "a header of counts" same_mesh m.csv counts.txt
 (echo 500 0 0; sed 1d m.csv | tr , ' ') > counts.txt
 check "a header that may be a point" says 1 "this looks like a header of counts" mesh counts.txt
+
+# Points that live: changes by a script; the result is, byte for byte, that of pbw mesh of the points it writes.
+printf '# some changes\ninsert,0.5,0.25\ninsert,.25,.75\n\nremove,3\ncommit\n' > changes
+printf 'move,501, 0.1, 0.1\nmove,5,.3,.3\r\n' >> changes
+printf ' commit\nremove,500\nremove,0\ninsert,.5,.5\ninsert,.5,.5\nmove,7,.5,.5\n' >> changes
+check "live" says 0 "2 inserted, 1 removed, 0 moved; batch: " live p.csv --script changes -o live.csv -o live.vtu
+check "live commits what is left in the end" grep "3: 2 inserted, 2 removed, 1 moved; batch: .* hash" said
+check "live: how many points are left" grep "500 points" said
+grep -o 'hash.*' said | tail -n 1 > hash
+check "live: the hash after the last commit is that of pbw mesh" sh -c \
+    "'$pbw' mesh live.csv -o again.vtu | grep -F \"\$(cat hash)\" && [ \$(grep -cF \"\$(cat hash)\" said) = 2 ]"
+check "live: equal bytes" cmp live.vtu again.vtu
+check "live by the standard input" sh -c "'$pbw' live p.csv --script - < changes | grep -F \"\$(cat hash)\""
+printf 'insert,1,1,1.5,9\ninsert,.5,.5,.5\ncommit\nremove,4\ninsert,0.1,.1,.1,-7\n' > weighted
+check "live with weights" says 0 "0 duplicates, 2 hidden points" live atoms.csv --weights r --columns x,y,z \
+    --script weighted -o live.csv
+check "live with weights: as pbw mesh" sh -c \
+    "grep -o 'hash.*' said | tail -n 1 > hash && '$pbw' mesh live.csv --weights weight | grep -Ff hash"
+printf 'remove,0\nremove,1\ncommit\n' > flat
+check "live without a triangle" says 0 "the points span no simplex" live three.csv --script flat
+check "live without a triangle writes none" says 1 "the points do not span the space" live three.csv --script flat -o flat.vtu
+refused() {   # refused TEXT LINE...
+    text=$1
+    shift
+    printf '%s\n' "$@" > script
+    says 1 "script:$#: $text" live p.csv --script script -o refused.vtu && ! [ -e refused.vtu ]
+}
+check "live: a word" refused '"isnert" is none of insert, remove, move, commit; the nearest is insert' \
+    '# a' isnert,1,2
+check "live: too few numbers" refused "insert takes x,y or x,y,weight" commit insert,1
+check "live: no number" refused "finite numbers with commas between are needed" insert,1,x
+check "live: a number that is infinite" refused "finite numbers" insert,1,inf
+check "live: a weight" refused "a weight needs --weights" insert,1,2,3
+check "live: a point that is not there" refused "there is no point 501" insert,1,2 remove,501
+check "live: half a point" refused "there is no point 0.5" move,0.5,1,1
+check "live: a point that was removed" refused "there is no point 4: it was removed" remove,4 move,4,1,1
+check "live: commit takes no number" refused "commit takes no number" commit,1
+check "live needs a script" early 2 "pbw live needs --script" live p.csv
+check "live: a script that is not there" early 2 "--script no.csv: No such file" live p.csv --script no.csv
+check "live: the script is no output" early 2 "it is an input" live p.csv --script p.vtu -o p.vtu
+check "live: out of memory" says 1 "out of memory within --memory-limit 1K" live p.csv --script changes \
+    --memory-limit 1K
 finish

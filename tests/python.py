@@ -357,6 +357,11 @@ def voronoi_in_scipys_words():
     vor = pbw.Voronoi(points[:5], incremental=True)
     vor.add_points(points[5:])
     check(sets(vor.ridge_points) == sets(pbw.Voronoi(points).ridge_points) and vor.npoints == 9)
+    vor.add_points(points + 0.25, restart=True)
+    vor.add_points(points - 0.25)
+    all_points = np.concatenate([points, points + 0.25, points - 0.25])
+    check(sets(vor.ridge_points) == sets(pbw.Voronoi(all_points).ridge_points))
+    equal(vor.points, all_points)
     vor.close()
     raises(RuntimeError, vor.add_points, points)
     raises(pbw.QhullError, pbw.Voronoi, points * [1, 0])
@@ -524,9 +529,119 @@ def points_added():
     check(before != len(tri.convex_hull))
     tri.add_points(points[:50] / 2, restart=True)
     equal(tri.simplices, pbw.Delaunay(np.concatenate([points, points[:50] / 2])).simplices)
+    points = np.concatenate([points, points[:50] / 2])
+    for bad in ([[0.5, np.nan, 0]], np.ma.array(points, mask=points > 2)):
+        raises(ValueError, tri.add_points, bad)
+    tri.add_points(np.empty((0, 3)))
+    equal(tri.simplices, pbw.Delaunay(points).simplices)       # what failed is in no queue
+    tri = pickle.loads(pickle.dumps(tri))
+    tri.add_points(points[:20] * 2)
+    points = np.concatenate([points, points[:20] * 2])
+    equal(tri.neighbors, pbw.Delaunay(points).neighbors)
     tri.close()
     raises(RuntimeError, tri.add_points, points)
+    raises(RuntimeError, tri.add_points, points, restart=True)
+    tri.close()
+    check(tri.find_simplex(points[:9].mean(axis=0)) >= 0)
     raises(RuntimeError, pbw.Delaunay(points).add_points, points)
+    weights = np.random.default_rng(9).random(len(points)) / 9
+    tri = pbw.Delaunay(points[:99], incremental=True, weights=weights[:99])
+    raises_text(ValueError, "points are added with weights where", tri.add_points, points[99:])
+    tri.add_points(points[99:], weights=weights[99:])
+    equal(tri.simplices, pbw.Delaunay(points, weights=weights).simplices)
+    stop = threading.Event()
+
+    def progress(stage, done):
+        if stop.is_set():
+            raise KeyError(stage)
+    tri = pbw.Delaunay(points, incremental=True, progress=progress)
+    stop.set()
+    raises(KeyError, tri.add_points, points / 3)
+    stop.clear()
+    tri.add_points(points / 5)
+    equal(tri.simplices, pbw.Delaunay(np.concatenate([points, points / 5])).simplices)
+
+
+def same_as_anew(live):
+    """Equal to the triangulation of the points there are, in the order of their numbers."""
+    numbers, weights = live.numbers, live.weights
+    anew = pbw.Delaunay(live.points[numbers], weights=None if weights is None else weights[numbers])
+    equal(live.simplices, numbers[anew.simplices])
+    equal(live.neighbors, anew.neighbors)
+    equal(live.vertex_to_simplex[numbers], anew.vertex_to_simplex)
+    equal(live.hidden, numbers[anew.hidden])
+    for name in ("convex_hull", "min_bound", "max_bound"):
+        ours, theirs = getattr(live, name), getattr(anew, name)
+        equal(ours, numbers[theirs] if name == "convex_hull" else theirs)
+    middle = live.points[numbers].mean(axis=0)
+    equal(live.find_simplex(middle), anew.find_simplex(middle))
+    equal(live.nearest(middle, 5)[1], numbers[anew.nearest(middle, 5)[1]])
+
+
+@test
+def points_that_live():
+    for seed, dim in enumerate((2, 3, 2, 3)):
+        random, weighted = np.random.default_rng(seed), seed > 1
+        points = random.integers(0, 12, (150, dim)).astype(float)            # with duplicates and ties
+        live = pbw.Live(points, random.random(150) if weighted else None)
+        same_as_anew(live)
+        for step in range(12):
+            before, numbers = sets(live.simplices), live.numbers
+            stay = random.permutation(numbers)
+            live.remove(stay[:20 + step])
+            more = random.integers(0, 12, (25, dim)) / [1.0, 2.0][step % 2]
+            ids = live.insert(more, random.random(25) if weighted else None)
+            live.move(ids[:2], more[2:4])
+            live.move(stay[60:90], live.points[stay[60:90]] + random.random((30, dim)) / 9)
+            equal(live.numbers, numbers)                                  # until the commit
+            changes = live.commit()
+            same_as_anew(live)
+            equal(live.points[ids[:2]], more[2:4])
+            check(changes.way in ("batch", "rebuild"))
+            check((before - sets(changes.deleted)) | sets(changes.made) == sets(live.simplices))
+            check(set(np.concatenate([changes.deleted, changes.made]).ravel()) >= set(changes.points.tolist()))
+        live.move(None, live.points)
+        equal(live.commit().way, "nothing")
+        check(live.commit(changes=False) is None)
+
+
+@test
+def points_that_live_and_what_is_refused():
+    points = np.random.default_rng(1).random((30, 2))
+    live = pbw.Live(points)
+    for ids in ([30], [-1], [1, 1], [0.5], ["a"], [[1]], [2 ** 40]):
+        raises_text(ValueError, "ids must be numbers of points", live.remove, ids)
+    raises_text(ValueError, r"shape \(1, 2\), not \(2, 2\)", live.move, [1], points[:2])
+    raises_text(ValueError, r"shape \(n, 2\), not \(1, 3\)", live.insert, np.zeros((1, 3)))
+    raises_text(ValueError, r"points\[0, 1\] is nan", live.insert, [[0, np.nan]])
+    raises_text(ValueError, "with weights where", live.insert, points, weights=np.zeros(30))
+    raises(TypeError, pickle.dumps, live)
+    live.remove(np.arange(28))
+    equal(live.nsimplex, len(pbw.Delaunay(points).simplices))
+    live.commit()
+    equal(live.simplices.shape, (0, 3))
+    equal(live.numbers, [28, 29])
+    check(live.hidden.shape == (0,) and live.coplanar.shape == (0, 3) and live.find_simplex([0.5, 0.5]) == -1)
+    equal(sorted(live.insert(points[:28])), range(28))
+    live.commit()
+    live = pbw.Live(np.empty((0, 3)))
+    equal(live.npoints, 0)
+    equal(live.insert(np.eye(4, 3)), range(4))
+    equal(live.commit().made.shape, (1, 4))
+    stop = threading.Event()
+
+    def progress(stage, done):
+        if stop.is_set():
+            raise KeyError(stage)
+    live = pbw.Live(points, progress=progress)
+    live.insert(points / 2)
+    stop.set()
+    raises(KeyError, live.commit)
+    stop.clear()
+    equal(live.npoints, 30)
+    live.commit()                                                         # they are still queued
+    equal(live.npoints, 60)
+    same_as_anew(live)
 
 
 @test

@@ -161,6 +161,8 @@ done
 check "centroids" sh -c "sed 1d c.csv | cut -d, -f3-5 | awk -F, '{ printf \"%.12g,%.12g,%.12g\\n\", \$1, \$2, \$3 }' |
     sed 's/-0\\>/0/g' | cmp - lattice.csv"
 check "cells without a box" says 0 "64 cells, 0 of them empty, 56 unbounded" cells lattice.csv -o c.csv -o c.obj
+check "pictures end at a box" says 0 "60 cells, 0 of them empty" cells --generate uniform 60 --dim 2 -o c.svg -o c.html
+check "with the unbounded cells" lines 'id="cell_' c.svg 60
 check "those inside" says 0 "volume 8, the sum of bounded cells" cells lattice.csv --merge
 check "bounded ones are written" lines '^o' c.obj 8
 printf '0.3,0.4,0.5\n' > point.csv

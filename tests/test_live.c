@@ -7,6 +7,10 @@
 #include "test.h"
 #include <math.h>
 
+#ifndef CHOOSE_WAY
+#define CHOOSE_WAY(turn) ((void)(turn))                 /* see test_live_local.c */
+#endif
+
 /* What a live triangulation should hold: points by number. */
 typedef struct model {
     int dim, weighted;
@@ -336,6 +340,7 @@ static void sequence(int dim, int kind, int weighted, int threads, int commits, 
         pbw_changes changes;
         pbw_mesh after;
         pbw_status status;
+        CHOOSE_WAY(c);
         for (; ops > 0; ops--) {
             const int dice = (int)input_below(&m.state, 8);
             (void)model_change(&m, live, kind, mode == 0 ? 1 : mode == 1 ? 3 : dice < grow ? 0 : dice < 4 ? 1
@@ -372,7 +377,7 @@ static void sequence(int dim, int kind, int weighted, int threads, int commits, 
 
 static void test_sequences(void)
 {
-    int dim, kind, weighted, commits = (int)test_count;
+    int dim, kind, weighted, commits = (int)(test_count > 400 ? 400 + (test_count - 400) / 20 : test_count);
     for (dim = 2; dim <= 3; dim++) {
         for (kind = 0; kind < KINDS; kind++) {
             for (weighted = 0; weighted < 2; weighted++) {
@@ -400,7 +405,7 @@ static pbw_options metered(meter *m)
 
 /* A commit of all kinds of changes with the k-th request refused, for every k: it fails and leaves everything as it
    was, and the next one carries it out. */
-static void refuse(int dim, int kind, int weighted, int fail_all_after)
+static void refuse(int dim, int kind, int weighted, int moves, int fail_all_after)
 {
     long k;
     for (k = 1; k < 3000 && test_faults == 0; k++) {
@@ -431,7 +436,7 @@ static void refuse(int dim, int kind, int weighted, int fail_all_after)
         memcpy(old.weights, m.weights, m.count * sizeof(double));
         memcpy(old.lives, m.lives, m.count);
         for (i = 0; i < 12; i++) {
-            (void)model_change(&m, live, kind, i % 4);
+            (void)model_change(&m, live, kind, moves ? 2 + i % 2 : i % 4);
         }
         allocator.fail_at = allocator.requests + k;
         status = pbw_live_commit(live, &changes);
@@ -464,12 +469,16 @@ static void refuse(int dim, int kind, int weighted, int fail_all_after)
 
 static void test_refusals(void)
 {
-    int dim, weighted;
+    int dim, weighted, turn;
     for (dim = 2; dim <= 3; dim++) {
         for (weighted = 0; weighted < 2; weighted++) {
             if (test_begin("every allocation fails: %dD%s", dim, weighted ? ", weighted" : "")) {
-                refuse(dim, UNIFORM, weighted, 0);
-                refuse(dim, LATTICE, weighted, 1);
+                for (turn = 0; turn < 2; turn++) {
+                    CHOOSE_WAY(turn);
+                    refuse(dim, UNIFORM, weighted, turn, 0);
+                    refuse(dim, LATTICE, weighted, 0, 1);
+                    refuse(dim, CLUSTERS, weighted, 1, turn);
+                }
                 test_end();
             }
         }
@@ -491,8 +500,8 @@ static void test_cancel(void)
     int dim;
     for (dim = 2; dim <= 3; dim++) {
         if (test_begin("cancelled: %dD", dim)) {
-            long k, cancelled = 0;
-            for (k = 1; k < 200; k++) {
+            long k, cancelled = 0, finished = 0;
+            for (k = 1; k < 200 && finished < 4; k++) {
                 stopper s = { 0, 0 };
                 pbw_options options;
                 pbw_live *live;
@@ -512,8 +521,9 @@ static void test_cancel(void)
                 }
                 CHECK_EQUAL(pbw_live_commit(live, NULL), PBW_OK);
                 CHECK_EQUAL(pbw_live_view(live, &before), PBW_OK);
+                CHOOSE_WAY(k >> 1);
                 for (i = 0; i < 20; i++) {
-                    (void)model_change(&m, live, UNIFORM, i % 4);
+                    (void)model_change(&m, live, UNIFORM, (k & 1) != 0 ? i % 4 : 2 + i % 2);
                 }
                 s.stop_at = s.calls + k;
                 if (pbw_live_commit(live, NULL) == PBW_CANCELLED) {
@@ -524,7 +534,7 @@ static void test_cancel(void)
                     pbw_free(&after);
                     CHECK_EQUAL(pbw_live_commit(live, NULL), PBW_OK);
                 } else {
-                    k = 200;
+                    finished++;
                 }
                 s.stop_at = 0;
                 CHECK(model_agrees(&m, live));
@@ -545,7 +555,7 @@ static void test_memory(void)
     for (dim = 2; dim <= 3; dim++) {
         if (test_begin("memory: %dD", dim)) {
             const size_t n = 2000;
-            const long rounds = test_count > 1000 ? 10000 : 60;      /* 100 operations each: a million if long */
+            const long rounds = test_count > 5000 ? 10000 : test_count > 1000 ? 300 : 60;    /* of 100 operations */
             double points[300];
             pbw_index *ids = (pbw_index *)zoo_grow(NULL, n * sizeof(pbw_index));
             pbw_options options;
@@ -583,6 +593,217 @@ static void test_memory(void)
             CHECK_EQUAL(allocator.blocks, 0);
             free(ids);
             model_free(&m);
+            test_end();
+        }
+    }
+}
+
+/* ---- from a mesh: of any flags, and of arrays that are wrong
+   Does a live triangulation made of this mesh hold the model, and still after some changes? */
+static int note_build(void *user, pbw_stage stage, double done)
+{
+    (void)done;
+    *(int *)user |= stage == PBW_STAGE_BUILD;
+    return 0;
+}
+
+static void check_adopted(const pbw_mesh *mesh, model *m, int kind, int threads, int wrong)
+{
+    pbw_options options;
+    pbw_live *live;
+    int i, built = 0;
+    memset(&options, 0, sizeof options);
+    options.threads = threads;
+    options.progress = note_build;
+    options.progress_user = &built;
+    if (CHECK(pbw_live_create(mesh, &options, &live) <= PBW_DEGENERATE) && CHECK(model_agrees(m, live))) {
+        CHECK(wrong < 0 || built == (mesh->neighbors == NULL || mesh->simplex_count == 0));
+        for (i = 0; i < 6; i++) {
+            (void)model_change(m, live, kind, i % 4);
+        }
+        CHECK(pbw_live_commit(live, NULL) <= PBW_DEGENERATE);
+        CHECK(model_agrees(m, live));
+    }
+    pbw_live_free(live);
+}
+
+static void model_copy(model *to, const model *from)
+{
+    model_start(to, from->dim, from->state);
+    to->weighted = from->weighted;
+    model_room(to, from->count);
+    memcpy(to->points, from->points, from->count * 3 * sizeof(double));
+    memcpy(to->weights, from->weights, from->count * sizeof(double));
+    memcpy(to->lives, from->lives, from->count);
+}
+
+/* A model of random points, numbered as in the mesh, and their mesh with these flags. */
+static pbw_status model_random(model *m, int kind, size_t count, unsigned flags, double **points, pbw_mesh *mesh)
+{
+    const size_t dim = (size_t)m->dim;
+    pbw_options options;
+    pbw_status status;
+    size_t i;
+    memset(&options, 0, sizeof options);
+    options.flags = flags;
+    options.threads = 1;
+    model_room(m, count);
+    *points = (double *)zoo_grow(NULL, (count * dim + 1) * sizeof(double));
+    for (i = 0; i < count; i++) {
+        m->lives[i] = 1;
+        model_point(m, kind, m->points + 3 * i);
+        memcpy(*points + i * dim, m->points + 3 * i, dim * sizeof(double));
+        m->weights[i] = m->weighted ? model_weight(m, kind) : 0;
+    }
+    status = pbw_triangulate(m->dim, *points, m->weighted ? m->weights : NULL, count, &options, mesh);
+    for (i = 0; i < count && CHECK(status <= PBW_DEGENERATE); i++) {
+        memcpy(m->points + 3 * i, mesh->points + dim * i, dim * sizeof(double));
+        m->weights[i] = mesh->weights != NULL ? mesh->weights[i] : 0;
+    }
+    return status;
+}
+
+static void test_adopted(void)
+{
+    static const unsigned flags[5] = { 0, PBW_NO_NEIGHBORS, PBW_ANY_ORDER, PBW_CURVE_ORDER, PBW_BORROW };
+    int dim, kind, weighted, i;
+    for (dim = 2; dim <= 3; dim++) {
+        for (kind = 0; kind < KINDS; kind++) {
+            if (!test_begin("from a mesh: %dD %s", dim, kind_name[kind])) {
+                continue;
+            }
+            for (weighted = 0; weighted < 2; weighted++) {
+                for (i = 0; i < 5; i++) {
+                    static const size_t counts[4] = { 5, 40, 300, 3000 };
+                    const size_t count = counts[i == 0 ? 3 : (size_t)i % 3];
+                    model m;
+                    pbw_mesh mesh;
+                    double *points;
+                    model_start(&m, dim, test_seed * 31 + (uint64_t)(100 * kind + 10 * i + weighted));
+                    m.weighted = weighted;
+                    (void)model_random(&m, kind, count, flags[i], &points, &mesh);
+                    check_adopted(&mesh, &m, kind, 1 + 2 * (i % 3), 0);
+                    pbw_free(&mesh);
+                    free(points);
+                    model_free(&m);
+                }
+            }
+            test_end();
+        }
+    }
+}
+
+/* The same arrays by any number of threads: taken over, after all points moved a little, and after a batch. */
+static void test_thread_counts(void)
+{
+    static const int threads[3] = { 1, 2, 5 };
+    int dim, i, weighted;
+    for (dim = 2; dim <= 3; dim++) {
+        for (weighted = 0; weighted < 2; weighted++) {
+            pbw_mesh mesh, view[3][3];
+            double *points;
+            model m;
+            if (!test_begin("threads: %dD%s", dim, weighted ? ", weighted" : "")) {
+                continue;
+            }
+            model_start(&m, dim, 11);
+            m.weighted = weighted;
+            CHECK_EQUAL(model_random(&m, UNIFORM, dim == 2 ? 20000 : 6000, 0, &points, &mesh), PBW_OK);
+            memset(view, 0, sizeof view);
+            for (i = 0; i < 3; i++) {
+                pbw_options options;
+                pbw_live *live;
+                model all;
+                int c;
+                CHOOSE_WAY(1);
+                model_copy(&all, &m);
+                memset(&options, 0, sizeof options);
+                options.threads = threads[i];
+                CHECK_EQUAL(pbw_live_create(&mesh, &options, &live), PBW_OK);
+                CHECK_EQUAL(pbw_live_view(live, &view[i][0]), PBW_OK);
+                model_move_all(&all, live, UNIFORM, 1e-6);
+                CHECK_EQUAL(pbw_live_commit(live, NULL), PBW_OK);
+                CHECK_EQUAL(pbw_live_view(live, &view[i][1]), PBW_OK);
+                for (c = 0; c < 200; c++) {
+                    (void)model_change(&all, live, UNIFORM, c % 4);
+                }
+                CHECK_EQUAL(pbw_live_commit(live, NULL), PBW_OK);
+                CHECK_EQUAL(pbw_live_view(live, &view[i][2]), PBW_OK);
+                CHECK(i > 0 || model_agrees(&all, live));
+                for (c = 0; c < 3; c++) {
+                    CHECK(meshes_equal(&view[0][c], &view[i][c]));
+                }
+                pbw_live_free(live);
+                model_free(&all);
+            }
+            for (i = 0; i < 9; i++) {
+                pbw_free(&view[i / 3][i % 3]);
+            }
+            pbw_free(&mesh);
+            free(points);
+            model_free(&m);
+            test_end();
+        }
+    }
+}
+
+/* Arrays with a fault: the points are triangulated all the same. */
+static void test_wrong(void)
+{
+    const long tries = test_count < 400 ? test_count : 400;
+    int dim, weighted;
+    long i;
+    for (dim = 2; dim <= 3; dim++) {
+        for (weighted = 0; weighted < 2; weighted++) {
+            if (!test_begin("from a wrong mesh: %dD%s", dim, weighted ? ", weighted" : "")) {
+                continue;
+            }
+            for (i = 0; i < tries && test_faults == 0; i++) {
+                const int kind = (int)(i / 8) % KINDS;
+                model m, all;
+                pbw_mesh mesh;
+                double *points;
+                model_start(&m, dim, test_seed * 57 + (uint64_t)i);
+                m.weighted = weighted;
+                if (model_random(&m, kind, 60, 0, &points, &mesh) == PBW_OK) {
+                    const uint32_t entries = (uint32_t)(mesh.simplex_count * (size_t)(dim + 1));
+                    const uint32_t at = input_below(&m.state, entries), other = input_below(&m.state, entries);
+                    pbw_index *simplices = (pbw_index *)(uintptr_t)mesh.simplices;
+                    pbw_index *neighbors = (pbw_index *)(uintptr_t)mesh.neighbors;
+                    const pbw_index old = simplices[at];
+                    switch (i % 8) {
+                    case 0: simplices[at] = simplices[other]; break;
+                    case 1: simplices[at] = input_below(&m.state, 100); break;
+                    case 2: neighbors[at] = neighbors[other]; break;
+                    case 3: neighbors[at] = PBW_NONE - input_below(&m.state, 3); break;
+                    case 4:                             /* inside out */
+                        simplices[at] = simplices[at ^ 1];
+                        simplices[at ^ 1] = old;
+                        break;
+                    case 5: mesh.simplex_count -= mesh.simplex_count / 2; break;
+                    case 6:                             /* a point elsewhere: no fault of the arrays alone */
+                        model_point(&m, kind, m.points + 3 * old);
+                        memcpy((double *)(uintptr_t)mesh.points + old * (pbw_index)dim, m.points + 3 * old,
+                               (size_t)dim * sizeof(double));
+                        break;
+                    default:                            /* two points change places */
+                        memcpy(m.points + 3 * old, mesh.points + simplices[other] * (pbw_index)dim,
+                               (size_t)dim * sizeof(double));
+                        memcpy(m.points + 3 * simplices[other], mesh.points + old * (pbw_index)dim,
+                               (size_t)dim * sizeof(double));
+                        memcpy((double *)(uintptr_t)mesh.points + old * (pbw_index)dim, m.points + 3 * old,
+                               (size_t)dim * sizeof(double));
+                        memcpy((double *)(uintptr_t)mesh.points + simplices[other] * (pbw_index)dim,
+                               m.points + 3 * simplices[other], (size_t)dim * sizeof(double));
+                    }
+                    model_copy(&all, &m);
+                    check_adopted(&mesh, &all, kind, 1, -1);
+                    model_free(&all);
+                }
+                pbw_free(&mesh);
+                free(points);
+                model_free(&m);
+            }
             test_end();
         }
     }
@@ -652,6 +873,9 @@ int main(int argc, char **argv)
     }
     test_refusals();
     test_cancel();
+    test_adopted();
+    test_thread_counts();
+    test_wrong();
     test_memory();
     test_misuse();
     return test_finish();

@@ -271,6 +271,30 @@ static void test_constraints(void)
     }
 }
 
+/* Numbers of segments: several may have one, some none. */
+static void test_ids(void)
+{
+    static const pbw_index ids[] = { 7, 7, PBW_NONE, 3, 3 };
+    drawing d;
+    pbw_plane plane;
+    size_t i, with[2] = { 0, 0 };
+    memset(&d, 0, sizeof d);
+    if (test_begin("the caller's numbers of segments")) {
+        box(&d, 0, 0, 1, 0);
+        line(&d, 0, 1);
+        d.input.segment_ids = ids;
+        CHECK_EQUAL(make(&d, NULL, &plane), PBW_OK);
+        for (i = 0; i < plane.edge_first[plane.edge_count]; i++) {
+            with[plane.edge_segments[i] == 7]++;
+            CHECK(plane.edge_segments[i] == 7 || plane.edge_segments[i] == 3);
+        }
+        CHECK(plane.edge_count == 4 && with[1] == 2 && with[0] == 2);
+        pbw_plane_free(&plane);
+        drawing_free(&d);
+        test_end();
+    }
+}
+
 static void test_crossings(void)
 {
     drawing d;
@@ -796,6 +820,45 @@ static void test_limits(void)
         drawing_free(&d);
         test_end();
     }
+    if (test_begin("a point beside a segment by less than an ulp")) {
+        put(&d, 0.5, 0.1);
+        put(&d, 0.2, 0.4);
+        put(&d, 0.30000000000000004, 0.30000000000000004);
+        put(&d, 0.1, 0.4);
+        put(&d, 0, 0);
+        line(&d, 0, 1);
+        options.flags = PBW_PLANE_REFINE;
+        options.angle = 30;
+        options.steiner_limit = 2000;
+        CHECK_EQUAL(make(&d, &options, &plane), PBW_OK);
+        CHECK(!plane.report.limited && plane.report.small_angles > 0);
+        check_fault(plane.points == NULL ? plane.what : planes_fault(&plane, d.segments, d.segment_count, 0));
+        pbw_plane_free(&plane);
+        options.steiner_limit = 0;
+        drawing_free(&d);
+        test_end();
+    }
+    if (test_begin("segments that meet at angles down to 1e-12")) {
+        double angle;
+        for (angle = 0.1; angle > 1e-12; angle /= 10) {
+            put(&d, 0, 0);
+            put(&d, 1, 0);
+            put(&d, 0.77, 0.77 * angle);
+            put(&d, 0.3, 1);
+            line(&d, 0, 1);
+            line(&d, 0, 2);
+            line(&d, 0, 3);
+            line(&d, 3, 1);
+            options.steiner_limit = 200;
+            CHECK_EQUAL(make(&d, &options, &plane), PBW_OK);
+            CHECK(!plane.report.limited && plane.report.small_angles > 0);
+            check_fault(plane.points == NULL ? plane.what : planes_fault(&plane, d.segments, d.segment_count, 0));
+            pbw_plane_free(&plane);
+            drawing_free(&d);
+        }
+        options.steiner_limit = 0;
+        test_end();
+    }
     if (test_begin("coordinates that cannot be refined")) {
         options.flags = PBW_PLANE_REFINE;
         put(&d, 0, 0);
@@ -840,6 +903,7 @@ int main(int argc, char **argv)
 {
     test_start(argc, argv, 3000);
     test_constraints();
+    test_ids();
     test_crossings();
     test_domains();
     test_angles();

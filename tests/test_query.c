@@ -183,25 +183,44 @@ static int is_candidate(const pbw_mesh *mesh, pbw_index v)
     return mesh->simplex_count > 0 ? mesh->incident[v] != PBW_NONE : mesh->canonical[v] == v;
 }
 
-/* All vertices in order of distance, by insertion; how many. */
+/* For each query the vertices in order of distance, by binary insertion: the first `most`, or all. */
+typedef struct ranking { size_t most, *count; pbw_index *order; } ranking;
+
 static size_t order_slowly(const pbw_mesh *mesh, const double *p, size_t most, pbw_index *order)
 {
-    size_t count = 0, i;
+    size_t count = 0, low, high, middle;
     pbw_index v;
     for (v = 0; v < mesh->point_count; v++) {
         if (is_candidate(mesh, v)) {
-            for (i = count; i > 0 && compare(mesh, p, v, order[i - 1], 0) < 0; i--) {
-                if (i < most) {
-                    order[i] = order[i - 1];
+            for (low = 0, high = count; low < high; ) {          /* behind all that are nearer or as near */
+                middle = (low + high) / 2;
+                if (compare(mesh, p, v, order[middle], 0) < 0) {
+                    high = middle;
+                } else {
+                    low = middle + 1;
                 }
             }
-            if (i < most) {
-                order[i] = v;
+            if (low < most) {
                 count += count < most;
+                memmove(order + low + 1, order + low, (count - 1 - low) * sizeof *order);
+                order[low] = v;
             }
         }
     }
     return count;
+}
+
+static ranking rank(const pbw_mesh *mesh, const questions *q, size_t most)
+{
+    ranking r;
+    size_t i;
+    r.most = most;
+    r.count = (size_t *)zoo_grow(NULL, q->count * sizeof *r.count);
+    r.order = (pbw_index *)zoo_grow(NULL, q->count * most * sizeof *r.order);
+    for (i = 0; i < q->count; i++) {
+        r.count[i] = order_slowly(mesh, q->points + i * (size_t)mesh->dim, most, r.order + i * most);
+    }
+    return r;
 }
 
 static void check_distance(const pbw_mesh *mesh, const double *p, pbw_index v, double distance)
@@ -224,19 +243,19 @@ static void check_distance(const pbw_mesh *mesh, const double *p, pbw_index v, d
     }
 }
 
-static void check_nearest(const pbw_mesh *mesh, const pbw_lists *stars, const questions *q, size_t k)
+static void check_nearest(const pbw_mesh *mesh, const pbw_lists *stars, const questions *q, const ranking *r, size_t k)
 {
     const size_t dim = (size_t)mesh->dim;
-    pbw_index *found = (pbw_index *)malloc(q->count * k * sizeof *found), *right;
+    pbw_index *found = (pbw_index *)malloc(q->count * k * sizeof *found);
     double *distances = (double *)malloc(q->count * k * sizeof *distances);
     size_t i, j;
-    right = (pbw_index *)malloc((k + 1) * sizeof *right);
+    CHECK(k <= r->most);
     CHECK_EQUAL(pbw_nearest(mesh, stars, q->points, q->count, k, NULL, found, distances), PBW_OK);
     for (i = 0; i < q->count && test_faults == 0; i++) {
         const double *p = q->points + i * dim;
-        size_t count = order_slowly(mesh, p, k, right);
+        const pbw_index *right = r->order + i * r->most;
         for (j = 0; j < k; j++) {
-            if (j < count) {
+            if (j < r->count[i]) {
                 CHECK_EQUAL(found[i * k + j], right[j]);
                 check_distance(mesh, p, right[j], distances[i * k + j]);
             } else {
@@ -246,22 +265,23 @@ static void check_nearest(const pbw_mesh *mesh, const pbw_lists *stars, const qu
         }
     }
     free(found);
-    free(right);
     free(distances);
 }
 
-static void check_within(const pbw_mesh *mesh, const pbw_lists *stars, const questions *q, double radius)
+static void check_within(const pbw_mesh *mesh, const pbw_lists *stars, const questions *q, const ranking *r,
+                         double radius)
 {
     const size_t dim = (size_t)mesh->dim;
-    pbw_index *right = (pbw_index *)malloc((mesh->point_count + 1) * sizeof *right);
     pbw_lists lists;
     size_t i, j;
+    CHECK(mesh->point_count <= r->most);
     CHECK_EQUAL(pbw_within(mesh, stars, q->points, q->count, radius, NULL, &lists), PBW_OK);
     CHECK_EQUAL(lists.count, q->count);
     for (i = 0; i < lists.count && test_faults == 0; i++) {
         const double *p = q->points + i * dim;
-        size_t count = order_slowly(mesh, p, mesh->point_count, right), length = lists.first[i + 1] - lists.first[i];
-        for (j = 0; j < count && compare(mesh, p, right[j], PBW_NONE, radius) <= 0; j++) {
+        const pbw_index *right = r->order + i * r->most;
+        size_t length = lists.first[i + 1] - lists.first[i];
+        for (j = 0; j < r->count[i] && compare(mesh, p, right[j], PBW_NONE, radius) <= 0; j++) {
             if (CHECK(j < length)) {
                 CHECK_EQUAL(lists.item[lists.first[i] + j], right[j]);
                 check_distance(mesh, p, right[j], lists.value[lists.first[i] + j]);
@@ -270,7 +290,6 @@ static void check_within(const pbw_mesh *mesh, const pbw_lists *stars, const que
         CHECK_EQUAL(length, j);
     }
     pbw_lists_free(&lists);
-    free(right);
 }
 
 /* --- stars --- */
@@ -327,6 +346,7 @@ static void test_zoo(void)
         if (in->finite && in->count < 3000 && test_begin("%s", in->name)) {
             pbw_mesh mesh;
             pbw_lists stars;
+            ranking r;
             pbw_status status = meshes_make(in, NULL, &mesh);
             CHECK(status == PBW_OK || status == PBW_DEGENERATE);
             CHECK_EQUAL(pbw_stars(&mesh, NULL, &stars), PBW_OK);
@@ -334,9 +354,10 @@ static void test_zoo(void)
             ask(&mesh, in->count > 1000 ? 20 : 60, i + test_seed, &q);
             check_locate(&mesh, &q);
             q.count = in->count > 300 ? 8 : 30;
-            check_nearest(&mesh, &stars, &q, 1);
-            check_nearest(&mesh, NULL, &q, 9);
-            check_nearest(&mesh, &stars, &q, 70);
+            r = rank(&mesh, &q, in->count > 70 && in->count < 400 ? in->count : 70);
+            check_nearest(&mesh, &stars, &q, &r, 1);
+            check_nearest(&mesh, NULL, &q, &r, 9);
+            check_nearest(&mesh, &stars, &q, &r, 70);
             if (in->count > 1 && in->count < 400) {
                 double r2 = 0;
                 int k;
@@ -345,10 +366,12 @@ static void test_zoo(void)
                     r2 += x * x;
                 }
                 if (r2 <= DBL_MAX) {
-                    check_within(&mesh, &stars, &q, sqrt(r2));
+                    check_within(&mesh, &stars, &q, &r, sqrt(r2));
                 }
-                check_within(&mesh, NULL, &q, 0);
+                check_within(&mesh, NULL, &q, &r, 0);
             }
+            free(r.order);
+            free(r.count);
             pbw_lists_free(&stars);
             pbw_free(&mesh);
             test_end();

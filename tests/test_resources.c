@@ -30,8 +30,11 @@ static void check_empty(const meter *m)
 
 static long survived;
 
-/* Refuses the k-th request, for every k until nothing is refused any more. */
-static void check_refusals(const zoo_input *in, int threads, int fail_all_after)
+/* Refuses the k-th request, for every k until nothing is refused any more; and all later ones never, always, or for
+   every other k. */
+enum { ONE_FAILS, LATER_FAIL, EVERY_OTHER };
+
+static void check_refusals(const zoo_input *in, int threads, int later)
 {
     pbw_mesh right;
     pbw_status expected = meshes_make(in, NULL, &right), status;
@@ -40,7 +43,7 @@ static void check_refusals(const zoo_input *in, int threads, int fail_all_after)
         meter m;
         pbw_mesh mesh;
         pbw_options options;
-        meter_start(&m, k, fail_all_after);
+        meter_start(&m, k, later == EVERY_OTHER ? (int)(k & 1) : later);
         options = metered(&m, threads);
         status = meshes_make(in, &options, &mesh);
         if (m.refused == 0) {
@@ -60,7 +63,7 @@ static void check_refusals(const zoo_input *in, int threads, int fail_all_after)
         }
         check_empty(&m);
         if (test_faults > 0) {
-            test_say("%d threads: request %ld refused%s", threads, k, fail_all_after ? ", and all later" : "");
+            test_say("%d threads: request %ld refused%s", threads, k, m.fail_all_after ? ", and all later" : "");
             break;
         }
     }
@@ -68,7 +71,7 @@ static void check_refusals(const zoo_input *in, int threads, int fail_all_after)
         meter m;
         pbw_report report;
         pbw_options options;
-        meter_start(&m, k, fail_all_after);
+        meter_start(&m, k, later == EVERY_OTHER ? (int)(k & 1) : later);
         options = metered(&m, threads);
         memset(&report, 0, sizeof report);
         status = pbw_check(&right, &options, &report);
@@ -90,16 +93,17 @@ static void test_refusals(void)
     zoo_fill(&animals);
     zoo_kind(&animals, 2, INPUT_UNIFORM, 2000);
     zoo_kind(&animals, 3, INPUT_UNIFORM, 2000);
-    zoo_kind(&animals, 3, INPUT_MOMENT, 300);
+    zoo_kind(&animals, 3, INPUT_MOMENT, 150);
     zoo_kind(&animals, 3, INPUT_LINES, 4000);         /* has stars so large that extremes come before a level */
     for (i = 0; i < animals.count; i++) {
         const zoo_input *in = animals.items + i;
-        if ((in->count <= 130 || i + 4 >= animals.count) && test_begin("every allocation fails: %s", in->name)) {
-            check_refusals(in, 1, 0);
-            check_refusals(in, 1, 1);
-            if (i % 8 == 0 || i + 4 >= animals.count) {
-                check_refusals(in, 3, 0);
-                check_refusals(in, 3, 1);
+        const int large = i + 4 >= animals.count;
+        if ((in->count <= 130 || large) && test_begin("every allocation fails: %s", in->name)) {
+            check_refusals(in, 1, large ? EVERY_OTHER : ONE_FAILS);
+            check_refusals(in, large ? 3 : 1, large ? EVERY_OTHER : LATER_FAIL);
+            if (!large && i % 8 == 0) {
+                check_refusals(in, 3, ONE_FAILS);
+                check_refusals(in, 3, LATER_FAIL);
             }
             test_end();
         }
@@ -193,9 +197,9 @@ static void test_limits(void)
 
 static void test_quadratic(void)
 {
-    size_t n = 2000;
+    size_t n = 1000;
     double *points = (double *)zoo_grow(NULL, n * 3 * sizeof *points);
-    if (test_begin("quadratic output: 2000 points of the moment curve")) {
+    if (test_begin("quadratic output: 1000 points of the moment curve")) {
         meter m;
         pbw_mesh mesh;
         pbw_options options;
@@ -267,10 +271,10 @@ static void test_progress(void)
     zoo animals;
     size_t i;
     zoo_fill(&animals);
-    zoo_kind(&animals, 2, INPUT_UNIFORM, 100000);
-    zoo_kind(&animals, 3, INPUT_UNIFORM, 50000);
-    zoo_kind(&animals, 3, INPUT_SPHERE, 30000);
-    zoo_kind(&animals, 3, INPUT_LINES, 50000);
+    zoo_kind(&animals, 2, INPUT_UNIFORM, 40000);
+    zoo_kind(&animals, 3, INPUT_UNIFORM, 15000);
+    zoo_kind(&animals, 3, INPUT_SPHERE, 8000);
+    zoo_kind(&animals, 3, INPUT_LINES, 10000);
     for (i = 0; i < animals.count; i++) {
         const zoo_input *in = animals.items + i;
         if (in->finite && in->count > 0 && (i % 8 == 0 || i + 4 >= animals.count)

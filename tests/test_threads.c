@@ -1,7 +1,11 @@
 /* test_threads.c: the same bytes from any number of threads, whoever runs them and however they are held up; failures
    in the middle of the work. */
+#if defined(__linux__) || defined(__APPLE__)
+#define _GNU_SOURCE                                  /* nanosleep */
+#endif
 #include <pthread.h>
 #include <stddef.h>
+#include <time.h>
 #ifndef COUNT
 #define COUNT 6000                                   /* points */
 #endif
@@ -152,7 +156,9 @@ static void test_same_bytes(size_t count)
                 CHECK_EQUAL(pbw_triangulate(dim, p.x, p.w, n, &one, &right), PBW_OK);
                 CHECK(meshes_fault(&right) == NULL);
                 for (t = 0; t < sizeof threads / sizeof threads[0]; t++) {
-                    compare(&p, with_threads(threads[t]), &right);
+                    if (threads[t] <= 16 || (size_t)kind % 3 == w) {     /* starting many takes longest of all */
+                        compare(&p, with_threads(threads[t]), &right);
+                    }
                 }
                 pbw_free(&right);
                 points_free(&p);
@@ -186,23 +192,26 @@ static void test_job_systems(size_t count)
     }
 }
 
+static void sleep_until_report(void)
+{
+    const struct timespec rest = { 0, 1000000 };
+    double start = pbw__seconds();
+    while (pbw__seconds() - start < 0.021) {
+        nanosleep(&rest, NULL);
+    }
+}
+
 /* Progress, when the caller's thread comes to the last task first, and it is time for a report then. */
 static void run_late(void *user, int tasks, void (*task)(void *arg, int i), void *arg)
 {
-    double start = pbw__seconds();
-    while (pbw__seconds() - start < 0.021) {
-        sched_yield();
-    }
+    sleep_until_report();
     run_backwards(user, tasks, task, arg);
 }
 
 /* On the caller's thread, although it is always time for a report when others come to ask. */
 static int watch_slowly(void *user, pbw_stage stage, double done)
 {
-    double start = pbw__seconds();
-    while (pbw__seconds() - start < 0.021) {
-        sched_yield();
-    }
+    sleep_until_report();
     return watch_progress(user, stage, done);
 }
 

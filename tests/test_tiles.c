@@ -342,7 +342,7 @@ static void try(run *r, const pbw_mesh *mesh, pbw_status expected)
 
 static void test_kind(int kind, int dim, size_t count, int weights)
 {
-    static const int parts[] = { 1, 2, 3, 5, 8, 16 };
+    static const int parts[] = { 1, 2, 5, 16 };
     double *x = (double *)zoo_grow(NULL, count * (size_t)dim * sizeof *x), *w = NULL;
     pbw_mesh mesh;
     pbw_status status;
@@ -365,8 +365,8 @@ static void test_kind(int kind, int dim, size_t count, int weights)
     free(w);
 }
 
-/* For every input of the zoo one of: usual limits, no halo, answers of few points, no work, few questions; half of
-   them with any cuts. */
+/* For every input of the zoo one of, small ones three: usual limits, no halo, answers of few points, no work, few
+   questions; half of them with any cuts. */
 static void force(run *r, size_t how)
 {
     if (how % 5 == 1) {
@@ -397,7 +397,7 @@ static void test_zoo(void)
             continue;
         }
         status = pbw_triangulate(in->dim, in->points, in->weights, in->count, NULL, &mesh);
-        for (how = 0; how < 3; how++) {
+        for (how = 0; how < (in->count <= 12 ? 3u : 1u); how++) {
             run *r = run_new(in->dim, in->points, in->weights, in->count, 2 + (int)((i + 3 * how) % 7));
             force(r, i + 3 * how);
             try(r, &mesh, in->count == 0 ? PBW_OK : status);
@@ -464,6 +464,35 @@ static void test_hidden(int dim)
             try(r, &mesh, status);
             pbw_free(&mesh);
         }
+        test_end();
+    }
+}
+
+/* So many balls touch the other part that a sample of them tells: all is given up before anything is asked. */
+static void test_surface(void)
+{
+    if (test_begin("a surface: given up without questions")) {
+        const size_t count = 24000;
+        double *x = (double *)zoo_grow(NULL, count * 3 * sizeof *x);
+        size_t i, questions = 0;
+        pbw_mesh mesh;
+        pbw_status status;
+        run *r = run_new(3, x, NULL, count, 2);
+        input_fill(INPUT_SPHERE, 3, count, test_seed, x);
+        for (i = 0; i < count; i++) {
+            x[3 * i] *= 0.5;
+        }
+        status = pbw_triangulate(3, x, NULL, count, NULL, &mesh);
+        r->options.questions = 0.1;
+        compare(r, run_all(r), &mesh, status);
+        for (i = 0; i < 2; i++) {
+            questions += r->tile[i].numbers.questions;
+        }
+        CHECK_EQUAL(questions, 0);
+        CHECK_EQUAL(r->given_up, count);
+        run_free(r);
+        pbw_free(&mesh);
+        free(x);
         test_end();
     }
 }
@@ -566,17 +595,20 @@ static void test_stops(void)
 int main(int argc, char **argv)
 {
     int kind, dim;
+    size_t count;
     test_start(argc, argv, 2000);
+    count = (size_t)test_count / 2;
     for (dim = 2; dim <= 3; dim++) {
         for (kind = 0; kind < INPUT_KINDS; kind++) {
             const int slow = kind == INPUT_MOMENT || (kind == INPUT_SPHERE && dim == 3);
-            test_kind(kind, dim, slow ? 300 : (size_t)test_count, INPUT_WEIGHTS_ZERO);
+            test_kind(kind, dim, slow ? 300 : count, INPUT_WEIGHTS_ZERO);
         }
-        test_kind(INPUT_UNIFORM, dim, (size_t)test_count, INPUT_WEIGHTS_HIDING);
-        test_kind(INPUT_CLUSTERS, dim, (size_t)test_count, INPUT_WEIGHTS_HALF);
-        test_forced(dim, 400);
+        test_kind(INPUT_UNIFORM, dim, count, INPUT_WEIGHTS_HIDING);
+        test_kind(INPUT_CLUSTERS, dim, count, INPUT_WEIGHTS_HALF);
+        test_forced(dim, dim == 2 ? 400 : 200);
         test_hidden(dim);
     }
+    test_surface();
     test_zoo();
     test_memory(0);
     test_memory(1);

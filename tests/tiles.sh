@@ -149,6 +149,24 @@ check "links are needed for a proof" sh -c "'$pbw' tiles k0.3.bin --no-links -o 
 check "too little memory" says 1 "more --tiles need less" tiles long.bin --tiles 2 --memory-limit 3M -o m.pbwt
 check "enough memory" says 0 "all " tiles long.bin --memory-limit 12M -o m.pbwt
 
+# Several at a time: the same bytes for any number of threads; fewer if memory is too small for that.
+at_a_time() {   # at_a_time INPUT ARGUMENT...
+    input=$1
+    shift
+    for threads in 1 2 5; do
+        "$pbw" tiles "$input" "$@" --threads $threads -o $threads.pbwt > said 2>&1 || { cat said; return 1; }
+    done
+    cmp 1.pbwt 2.pbwt && cmp 1.pbwt 5.pbwt
+}
+check "the same bytes for any number of threads" at_a_time long.bin --tiles 7
+check "the same bytes for any number of threads, leftovers" at_a_time k3.3.bin --tiles 7 --work 1
+check "the same bytes for any number of threads, limit" at_a_time long.bin --memory-limit 20M
+fewer() {
+    says 0 "little memory: on with 1 at a time" tiles k0.3.bin --tiles 5 --threads 2 --memory-limit 500K -o 5.pbwt &&
+        "$pbw" tiles k0.3.bin --tiles 5 -o 1.pbwt > said && cmp 1.pbwt 5.pbwt
+}
+check "little memory, so fewer at a time" fewer
+
 # A tile as a mesh.
 part() { "$pbw" convert c.pbwt --tile 2 -o part.vtu > said && grep -q '</VTKFile>' part.vtu; }
 check "a tile as .vtu" part
@@ -208,6 +226,18 @@ if command -v mpirun > /dev/null && [ -x "$bin/mpi" ]; then
         [ $code != 0 ] && [ $code != 124 ]
     }
     check "MPI: a rank that dies ends all" mpi_killed
+    touch r.pbwt.0 r.pbwt.1                          # as a killed run leaves them
+    check "MPI: and the next run is as any" ranks 3 k0.3.bin --threads 2
+    mpi_short() {   # a limit of rank 1's address space: its own allocations fail, outside of its tile
+        for limit in 280000 320000 360000; do
+            mpirun -np 3 sh -c "[ \$OMPI_COMM_WORLD_RANK != 1 ] || ulimit -v $limit
+                exec '$bin/mpi' --generate 1000000" > said 2>&1 && return 1
+            grep '^mpi: rank 1: .*memory' said && return 0
+        done
+        cat said
+        return 1
+    }
+    check "MPI: a rank without memory ends all, and says so" mpi_short
 else
     skip "MPI: no mpirun, or no mpicc"
 fi

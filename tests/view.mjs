@@ -127,11 +127,15 @@ function decode(png) {
   for (let i = 0; i < width * height; i++) for (let k = 0; k < 3; k++) rgb[3 * i + k] = out[each * i + k];
   return { width, height, rgb };
 }
+async function picture_of(id) {
+  const box = JSON.parse(await evaluate('JSON.stringify(document.getElementById("' + id
+    + '").getBoundingClientRect())'));
+  const clip = { x: box.x, y: box.y, width: box.width, height: box.height, scale: 1 };
+  return decode(Buffer.from((await tell('Page.captureScreenshot', { format: 'png', clip })).data, 'base64'));
+}
 // What the canvas shows, without the axes in its corner.
 async function picture() {
-  const box = JSON.parse(await evaluate('JSON.stringify(document.getElementById("stage").getBoundingClientRect())'));
-  const clip = { x: box.x, y: box.y, width: box.width, height: box.height, scale: 1 };
-  const image = decode(Buffer.from((await tell('Page.captureScreenshot', { format: 'png', clip })).data, 'base64'));
+  const image = await picture_of('stage');
   for (let y = image.height - 100; y < image.height; y++) {
     for (let x = 0; x < 100; x++) image.rgb.set(image.rgb.subarray(12, 15), 3 * (y * image.width + x));
   }
@@ -633,6 +637,76 @@ async function test_cells() {
   check_quiet('cells in the plane');
 }
 
+// A swarm in a box of 2 by 1, coloured by x in its first frame: from blue on the left to red on the right.
+async function test_film() {
+  await open('film', { width: 900, height: 700 });
+  const frame = async () => (await get('number', 'value')) + ', ' + (await get('label')).split(',')[0];
+  check('film: title and note', await get('title') === 'A swarm in a double gyre'
+    && (await get('note')).startsWith('Voronoi cells'));
+  check('film: begins with the first of 155 frames', await frame() === '1 of 155, frame 2', await frame());
+  const first = await picture_of('canvas');
+  check('film: twice as wide as high', Math.abs(first.width / first.height - 2) < 0.05);
+  const red = left => count({ rgb: first.rgb.filter((_, i) => (Math.floor(i / 3) % first.width < first.width / 2)
+    === left) }, (r, g, b) => r > b + 20);
+  check('film: blue on the left, red on the right', red(true) < 0.1 && red(false) > 0.8,
+    red(true) + ' ' + red(false));
+  await click('on');
+  check('film: a step', await frame() === '2 of 155, frame 4', await frame());
+  await key('ArrowRight', 'ArrowRight');
+  await key('ArrowLeft', 'ArrowLeft');
+  check('film: steps by keys', await get('number', 'value') === '2 of 155');
+  check('film: cells move', differ(first, await picture_of('canvas')) > 0.001);
+  await click('back');
+  check('film: a step back is the first picture again', differ(first, await picture_of('canvas')) < 0.001);
+  await click('back');
+  check('film: not before the first', await get('number', 'value') === '1 of 155');
+  await set('frame', 154);
+  check('film: the slider', await frame() === '155 of 155, frame 310', await frame());
+  await click('edges');
+  const plain = await picture_of('canvas');
+  await click('edges');
+  check('film: edges', differ(plain, await picture_of('canvas')) > 0.01);
+  check_quiet('film');
+  await open('square');
+  await open('film', { hash: '#80' });
+  check('film: begins where the address says', await get('number', 'value') === '80 of 155');
+}
+
+// Playing, with times that the test gives.
+async function test_film_speed() {
+  await open('film');
+  await evaluate('window.requestAnimationFrame = f => { window.next = f; }');
+  const at = time => evaluate('{ const f = window.next; window.next = null; f && f(' + time + ');'
+    + 'parseInt(document.getElementById("number").value); }');
+  const set_speed = value => evaluate('document.getElementById("speed").value = "' + value + '"');
+  await evaluate('document.getElementById("play").click()');
+  check('film: plays', await get('play') === 'Pause');
+  await set_speed(10);
+  const slow = [];
+  for (const time of [1000, 1050, 1099, 1100, 1199, 1200]) slow.push(await at(time));
+  check('film: 10 frames in a second', slow.join() === '2,2,2,3,3,4', slow.join());
+  await set_speed(60);
+  const fast = [];
+  for (const time of [1210, 1217, 1225, 1234]) fast.push(await at(time));
+  check('film: 60 frames in a second', fast.join() === '4,5,5,6', fast.join());
+  await evaluate('{ const e = document.getElementById("frame"); e.value = 154; e.oninput(); }');
+  check('film: the slider pauses', await get('play') === 'Play');
+  await evaluate('document.getElementById("play").click()');
+  check('film: after the last comes the first', await at(2000) === 1);
+  await evaluate('document.getElementById("play").click()');
+  check('film: pauses', await get('play') === 'Play' && await at(3000) === 1
+    && await evaluate('window.next') === null);
+  check_quiet('film, playing');
+  await open('square');
+  await open('film', { hash: '#2' });
+  await key(' ', 'Space');
+  await until('film: plays by itself', async () => +(await get('number', 'value')).split(' ')[0] > 4);
+  await click('on');
+  const stopped = await get('number', 'value');
+  await painted();
+  check('film: a step pauses', await get('play') === 'Play' && await get('number', 'value') === stopped);
+}
+
 async function test_no_webgl() {
   for (const [source, says] of [['HTMLCanvasElement.prototype.getContext = () => null;', 'no WebGL 2 here'],
     ['WebGL2RenderingContext.prototype.getProgramParameter = () => false;', '']]) {
@@ -657,12 +731,12 @@ session = (await send('Target.attachToTarget', { targetId, flatten: true })).ses
 for (const domain of ['Page', 'Runtime', 'Log', 'Network']) await tell(domain + '.enable');
 await evaluate('1');
 for (const name of ['square', 'corner', 'solid', 'flat', 'threads', 'points', 'terrain', 'million', 'pawn', 'disc',
-  'tower', 'ground', 'inside', 'cells', 'cells2']) {
+  'tower', 'ground', 'inside', 'cells', 'cells2', 'film']) {
   check(name + '.html is there', existsSync(join(folder, name + '.html')));
 }
 for (const test of [test_square, test_corner, test_solid, test_flat, test_threads, test_terrain, test_points,
   test_model, test_flat_model, test_up, test_inside, test_views, test_picking, test_measures,
-  test_links_and_files, test_million, test_cells, test_no_webgl]) {
+  test_links_and_files, test_million, test_cells, test_film, test_film_speed, test_no_webgl]) {
   try {
     await test();
   } catch (e) {

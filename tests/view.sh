@@ -1,6 +1,6 @@
 #!/bin/sh
-# view.sh FOLDER: pages of examples/lib/pbw_view.h, made by the programs pbw and terrain in FOLDER, in a headless
-# Chromium, which tests/view.mjs drives; it looks at the pixels.
+# view.sh FOLDER: pages of examples/lib/pbw_view.h and pbw_film.h, made by the programs pbw, terrain and swarm in
+# FOLDER, in a headless Chromium, which tests/view.mjs drives; it looks at the pixels.
 bin=$1 work=$1/view
 for browser in "${CHROMIUM:-chromium}" chromium-browser google-chrome ''; do
     [ -n "$browser" ] && "$browser" --version > /dev/null 2>&1 && break
@@ -24,6 +24,7 @@ page solid --generate uniform 3000 --threads 8 --title "</title><script>hacked=1
 page flat --generate gauss 2000 --dim 2
 page threads --generate uniform 70000 --dim 2 --threads 8 --colour thread
 page points --generate sphere 5000 --points
+"$bin/swarm" 100 310 "$work/film.html" > "$work/film.txt" 2>&1 || echo "FAILED making film.html"
 "$bin/terrain" "$work/terrain.pgm" "$work/terrain.html" > "$work/terrain.txt" || echo "FAILED making terrain.html"
 awk 'BEGIN { # a body of revolution that stands on y = 0, an OFF model with y up
     split("0 1 1 .5 .3 .3 .5 .4 0", r); split("0 0 .2 .5 .9 1.8 2 2.4 2.6", h); n = 24

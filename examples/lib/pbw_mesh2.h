@@ -76,6 +76,8 @@ typedef struct pbw_plane_input {           /* start from {0} */
     size_t point_count;
     const pbw_index *segments;             /* two points each */
     size_t segment_count;
+    const pbw_index *segment_ids;          /* numbers of segments in what comes out, several may have one; PBW_NONE: the
+                                              segment is in no list of an edge; NULL: 0, 1, 2, ... */
     const double *holes;                   /* x and y each: what such a point can reach is no part of the domain */
     size_t hole_count;
     const pbw_plane_region *regions;       /* of two for one region the last counts */
@@ -1646,8 +1648,11 @@ static pbw_status pbwp__find_domain(pbwp__job *job)
    points in the diametral circle of a segment are removed before it is split (Chew 1993).
    It ends: a segment with one end of the input is split at a power of two from there, so that segments which meet at
    a small angle are split at one distance; a triangle whose shortest edge joins two such points is left alone, as is
-   an angle between two segments (Miller, Pav and Walkington 2003).  No split makes an edge shorter than 1e-10 of the
-   domain, so that points are apart and finitely many.
+   an angle between two segments (Miller, Pav and Walkington 2003).  Where two segments meet at a sine below 1/32,
+   points of one encroach upon nothing of the other, as splits at different distances would go on until they are as
+   short as the segments are apart; triangles from one to the other are left alone.  No split makes an edge shorter
+   than 1e-10 of the domain, so that points are apart and finitely many.  Triangles that are flatter than that are
+   left alone too, and encroach upon nothing: two segments can be so near to each other, over their whole length, for one ulp of a point.
    ------------------------------------------------------------------------------------------------------ */
 typedef struct pbwp__host {                /* an edge of the constrained triangulation */
     pbw_index a, b, edge;
@@ -1704,6 +1709,64 @@ static int pbwp__in_lens(const pbwp__refiner *r, const double *u, const double *
     return dot < 0 && dot * dot >= r->lens2 * pbwp__distance2(u, p) * pbwp__distance2(v, p);
 }
 
+/* Whether c is nearer to the line a-b than the least length of edges. */
+static int pbwp__is_flat(const pbwp__refiner *r, const double *a, const double *b, const double *c)
+{
+    const double twice = (b[0] - a[0]) * (c[1] - a[1]) - (b[1] - a[1]) * (c[0] - a[0]);
+    return twice * twice < r->least2 * pbwp__distance2(a, b);
+}
+
+/* Whether vertex v is on another segment from point z of the input than that of host. */
+static int pbwp__is_on_leg(const pbwp__refiner *r, pbw_index v, pbw_index z, pbw_index host)
+{
+    const pbwp__job *job = r->job;
+    const pbwp__host *hosts = (const pbwp__host *)job->hosts.data;
+    const pbw_index own = pbwp__vertex_host(r, v);
+    pbwp__spin spin;
+    if (own != PBWP__INPUT) {
+        return own != PBWP__FREE && own != host && (hosts[own].a == z || hosts[own].b == z);
+    }
+    spin.start = spin.corner = pbwp__corner_of(job, v);
+    spin.clockwise = 0;
+    do {
+        const pbwp__triangle *t = job->t + PBWP__SLOT(spin.corner);
+        unsigned k;
+        for (k = 1; k < 3; k++) {
+            const pbw_index edge = t->edge[(PBWP__SIDE(spin.corner) + k) % 3];
+            if (edge != PBW_NONE && edge != host && (hosts[edge].a == z || hosts[edge].b == z)) {
+                return 1;
+            }
+        }
+    } while (pbwp__spin_on(job, &spin));
+    return 0;
+}
+
+/* Whether side k is an edge of a segment, and corner k is on another that meets it at a sine below 1/32.  Conforming
+   meshes have no such exception. */
+static int pbwp__is_narrow(const pbwp__refiner *r, const pbwp__triangle *t, unsigned k)
+{
+    const double *p = pbwp__point(r, t->v[k]), *u = pbwp__point(r, t->v[pbwp__next[k]]);
+    const double *v = pbwp__point(r, t->v[pbwp__last[k]]);
+    const double twice = (v[0] - u[0]) * (p[1] - u[1]) - (v[1] - u[1]) * (p[0] - u[0]);
+    const double side2 = pbwp__distance2(u, v);
+    const pbwp__host *hosts = (const pbwp__host *)r->job->hosts.data;
+    int end, narrow = 0;
+    for (end = 0; r->lens2 > 0 && t->edge[k] != PBW_NONE && end < 2 && !narrow; end++) {
+        const pbw_index z = end == 0 ? hosts[t->edge[k]].a : hosts[t->edge[k]].b;
+        narrow = 1024 * twice * twice < side2 * pbwp__distance2(p, pbwp__point(r, z))
+              && pbwp__is_on_leg(r, t->v[k], z, t->edge[k]);
+    }
+    return narrow;
+}
+
+/* Whether the corner across from side k of t, an edge of a segment, encroaches upon it. */
+static int pbwp__encroaches(const pbwp__refiner *r, const pbwp__triangle *t, unsigned k)
+{
+    const double *u = pbwp__point(r, t->v[pbwp__next[k]]), *v = pbwp__point(r, t->v[pbwp__last[k]]);
+    const double *p = pbwp__point(r, t->v[k]);
+    return pbwp__in_lens(r, u, v, p) && !pbwp__is_flat(r, u, v, p) && !pbwp__is_narrow(r, t, k);
+}
+
 static int pbwp__may_split(const pbwp__refiner *r, pbw_index code)
 {
     const unsigned flags = r->job->options->flags;
@@ -1752,11 +1815,14 @@ static int pbwp__is_sharp(const pbwp__refiner *r, const double length2[3], unsig
     return dot * dot > 4 * r->cosine2 * a * b;
 }
 
-/* Whether the small angle is one that points cannot mend. */
+/* Whether the small angle is one that points cannot mend: between two segments, or of a flat triangle. */
 static int pbwp__is_given(const pbwp__refiner *r, const pbwp__triangle *t, unsigned shortest)
 {
-    return (t->edge[pbwp__next[shortest]] != PBW_NONE && t->edge[pbwp__last[shortest]] != PBW_NONE)
-        || pbwp__are_twins(r, t->v[pbwp__next[shortest]], t->v[pbwp__last[shortest]]);
+    const double *a = pbwp__point(r, t->v[0]), *b = pbwp__point(r, t->v[1]), *c = pbwp__point(r, t->v[2]);
+    return pbwp__is_flat(r, a, b, c) || pbwp__is_flat(r, b, c, a) || pbwp__is_flat(r, c, a, b)
+        || (t->edge[pbwp__next[shortest]] != PBW_NONE && t->edge[pbwp__last[shortest]] != PBW_NONE)
+        || pbwp__are_twins(r, t->v[pbwp__next[shortest]], t->v[pbwp__last[shortest]])
+        || pbwp__is_narrow(r, t, pbwp__next[shortest]) || pbwp__is_narrow(r, t, pbwp__last[shortest]);
 }
 
 static double pbwp__twice_area(const pbwp__refiner *r, const pbwp__triangle *t)
@@ -1807,8 +1873,7 @@ static void pbwp__examine(pbwp__refiner *r, pbw_index slot)
     unsigned shortest, k;
     for (k = 0; k < 3; k++) {
         const pbw_index u = t->v[pbwp__next[k]], v = t->v[pbwp__last[k]];
-        if (t->edge[k] != PBW_NONE
-            && pbwp__in_lens(r, pbwp__point(r, u), pbwp__point(r, v), pbwp__point(r, t->v[k]))) {
+        if (t->edge[k] != PBW_NONE && pbwp__encroaches(r, t, k)) {
             pbwp__add(r, &r->splits, u);
             pbwp__add(r, &r->splits, v);
         }
@@ -1902,10 +1967,12 @@ static pbw_index pbwp__add_vertex(pbwp__refiner *r, const double *at, pbw_index 
         || !pbwp__room(&job->memory, &job->vertex_host, 1, sizeof(pbw_index))
         || (r->has_sizes && !pbwp__room(&job->memory, &job->sizes, 1, sizeof(double)))) {
         r->no_memory = 1;
+    }
+    job->p = PBWP__DOUBLES(job->points);             /* they may be elsewhere, even if others did not grow */
+    job->incident = PBWP__INDICES(job->incidents);
+    if (r->no_memory) {
         return PBW_NONE;
     }
-    job->p = PBWP__DOUBLES(job->points);
-    job->incident = PBWP__INDICES(job->incidents);
     memcpy(job->p + 2 * v, p, sizeof p);
     job->incident[v] = PBW_NONE;
     PBWP__INDICES(job->vertex_host)[v] = host;
@@ -2148,11 +2215,8 @@ static int pbwp__split_edge(pbwp__refiner *r, pbw_index u, pbw_index v, int must
         return 0;
     }
     beyond = job->t[PBWP__SLOT(code)].link[PBWP__SIDE(code)];
-    must = must || pbwp__in_lens(r, pbwp__point(r, u), pbwp__point(r, v),
-                                 pbwp__point(r, job->t[PBWP__SLOT(code)].v[PBWP__SIDE(code)]));
-    must = must || (beyond != PBW_NONE
-                    && pbwp__in_lens(r, pbwp__point(r, u), pbwp__point(r, v),
-                                     pbwp__point(r, job->t[PBWP__SLOT(beyond)].v[PBWP__SIDE(beyond)])));
+    must = must || pbwp__encroaches(r, job->t + PBWP__SLOT(code), PBWP__SIDE(code))
+        || (beyond != PBW_NONE && pbwp__encroaches(r, job->t + PBWP__SLOT(beyond), PBWP__SIDE(beyond)));
     if (!must) {
         return 0;
     }
@@ -2707,6 +2771,9 @@ static int pbwp__out_segments(pbwp__job *job, pbwp__array *list, pbw_index edge)
             edge = group.rest;
         }
         id = ((const pbwp__piece *)job->pieces.data)[id].id;
+        if (id == PBW_NONE) {
+            continue;
+        }
         if (!pbwp__push(&job->memory, list, id)) {
             return 0;
         }
@@ -2878,7 +2945,7 @@ static pbw_status pbwp__copy_input(pbwp__job *job)
     for (i = 0; i < in->segment_count; i++) {
         segment[i].a = in->segments[2 * i];
         segment[i].b = in->segments[2 * i + 1];
-        segment[i].id = (pbw_index)i;
+        segment[i].id = in->segment_ids != NULL ? in->segment_ids[i] : (pbw_index)i;
     }
     job->given.count = n;
     job->segments.count = in->segment_count;

@@ -90,6 +90,7 @@ typedef struct pbwtf_writer {              /* start with pbwtf_begin */
 /* All but the writers return 1, or 0 with a text in error. */
 PBWTFDEF int pbwtf_map_file(const char *path, pbwtf_map *map, char *error);      /* an empty file is fine */
 PBWTFDEF void pbwtf_unmap(pbwtf_map *map);
+PBWTFDEF void pbwtf_forget(const pbwtf_map *map);    /* its pages leave this process's memory until they are read */
 PBWTFDEF int pbwtf_open(const char *path, pbwtf_file *file, char *error);
 PBWTFDEF void pbwtf_close(pbwtf_file *file);
 PBWTFDEF int pbwtf_view_of(const pbwtf_file *file, size_t chunk, pbwtf_view *view, char *error);
@@ -126,6 +127,9 @@ PBWTFDEF void pbwtf_seal(pbwtf_header *header, const pbw_hash_sums *sums);
 #include <sys/mman.h>
 #include <sys/stat.h>
 #include <unistd.h>
+#if defined(__linux__) && !defined(__cplusplus)
+extern int madvise(void *address, size_t length, int advice);        /* strict C modes hide it */
+#endif
 #endif
 
 static int pbwtf__fail(char *error, const char *path, const char *what)
@@ -184,6 +188,16 @@ PBWTFDEF void pbwtf_unmap(pbwtf_map *map)
     }
     memset(map, 0, sizeof *map);
 }
+PBWTFDEF void pbwtf_forget(const pbwtf_map *map)
+{
+#ifdef __linux__
+    if (map->data != NULL) {
+        (void)madvise((void *)(size_t)map->data, map->size, 4);      /* MADV_DONTNEED; the file has them */
+    }
+#else
+    (void)map;
+#endif
+}
 #else
 PBWTFDEF int pbwtf_map_file(const char *path, pbwtf_map *map, char *error)
 {
@@ -214,6 +228,11 @@ PBWTFDEF void pbwtf_unmap(pbwtf_map *map)
 {
     free((void *)map->data);
     memset(map, 0, sizeof *map);
+}
+
+PBWTFDEF void pbwtf_forget(const pbwtf_map *map)
+{
+    (void)map;
 }
 #endif
 

@@ -134,7 +134,8 @@ PBWTDEF void pbwt_bytes_free(const pbwt_tree *tree, pbwt_bytes *bytes);
 typedef struct pbwt_facet {                /* ids ascending, in the plane the last is 0 */
     uint64_t id[3];
     uint64_t from;                         /* where it is: part << 40 | simplex << 2 | corner */
-    uint64_t to;                           /* pbwt_match: what is across, or PBWT_NOTHING */
+    uint64_t to;                           /* in a tile: the part that owns id[0], a good place for pbwt_match, which
+                                              puts here what is across, or PBWT_NOTHING */
 } pbwt_facet;
 #define PBWT_NOTHING 0xffffffffffffffffu
 
@@ -171,6 +172,8 @@ struct pbwt_tile {                         /* start from {0} */
     size_t facet_count;
     const uint32_t *leftovers;             /* own points given up */
     size_t leftover_count;
+    const uint32_t *border;                /* for pbwt_leftovers: simplices with a corner that may be given up */
+    size_t border_count;                   /* a multiple of dim+1 */
     pbw_hash_sums hash;                    /* sums over own points and emitted simplices */
     pbwt_numbers numbers;
     struct pbwt__tile *memory;
@@ -189,7 +192,8 @@ PBWTDEF void pbwt_close(pbwt_tile *tile);
 /* ---- leftovers, if any part has some */
 
 /* ids: ascending, of all vertices that any part gave up.  Returns in *out what this tile knows: its own ones among
-   them, and those of its other points that are neighbours of some; free by pbwt_bytes_free(tile->tree, out). */
+   them, and those of its other points that are neighbours of some; free by pbwt_bytes_free(tile->tree, out).
+   Reads dim, tree, foreign, leftovers, border and numbers.simplices of the tile, which may be kept in a file. */
 PBWTDEF pbw_status pbwt_leftovers(const pbwt_tile *tile, const uint64_t *ids, size_t count, pbwt_bytes *out);
 /* known: what all tiles returned, one after the other.  Triangulates and emits the simplices of the leftovers, as
    part `parts`; corners are then numbers in tile.foreign.  PBW_DEGENERATE if all points together are flat. */
@@ -313,9 +317,15 @@ static int pbwt__zeros(pbwt__memory *memory, pbwt__array *array, size_t count, s
 #define PBWT__BYTES(array) ((unsigned char *)(array).data)
 
 /* ------------------------------------------------------------------------------------------------------
-   Sorting: a heap sort, in place and never slower than n log n; what is sorted here is small beside the points.
+   Sorting, in place: quicksort with the median of three, heap sort where that goes too deep; n log n at worst.
    ------------------------------------------------------------------------------------------------------ */
 typedef int pbwt__before(const void *a, const void *b, int how);
+
+typedef struct pbwt__sorting {
+    size_t size;                                     /* of an item */
+    pbwt__before *before;
+    int how;
+} pbwt__sorting;
 
 static void pbwt__swap(char *a, char *b, size_t size)
 {
@@ -325,9 +335,8 @@ static void pbwt__swap(char *a, char *b, size_t size)
     memcpy(b, hold, size);
 }
 
-static void pbwt__sort(void *items, size_t count, size_t size, pbwt__before *before, int how)
+static void pbwt__heap_sort(const pbwt__sorting *s, char *data, size_t count)
 {
-    char *data = (char *)items;
     size_t heap = count / 2, end = count;
     while (end > 1) {
         size_t at, child;
@@ -335,16 +344,72 @@ static void pbwt__sort(void *items, size_t count, size_t size, pbwt__before *bef
             heap--;
         } else {
             end--;
-            pbwt__swap(data, data + end * size, size);
+            pbwt__swap(data, data + end * s->size, s->size);
         }
         for (at = heap; 2 * at + 1 < end; at = child) {
             child = 2 * at + 1;
-            child += child + 1 < end && before(data + child * size, data + (child + 1) * size, how);
-            if (!before(data + at * size, data + child * size, how)) {
+            child += child + 1 < end && s->before(data + child * s->size, data + (child + 1) * s->size, s->how);
+            if (!s->before(data + at * s->size, data + child * s->size, s->how)) {
                 break;
             }
-            pbwt__swap(data + at * size, data + child * size, size);
+            pbwt__swap(data + at * s->size, data + child * s->size, s->size);
         }
+    }
+}
+
+/* Splits items, at least three, by one of them; returns its place: none before it is larger, none after smaller. */
+static size_t pbwt__split(const pbwt__sorting *s, char *data, size_t count)
+{
+    char *first = data, *middle = data + count / 2 * s->size, *last = data + (count - 1) * s->size;
+    size_t low = 0, high = count;
+    if (s->before(middle, first, s->how)) {
+        pbwt__swap(middle, first, s->size);
+    }
+    if (s->before(last, middle, s->how)) {
+        pbwt__swap(last, middle, s->size);
+    }
+    if (s->before(first, middle, s->how)) {          /* the median of the three goes first */
+        pbwt__swap(first, middle, s->size);
+    }
+    for (;;) {
+        while (++low < count && s->before(data + low * s->size, data, s->how)) {
+        }
+        while (s->before(data, data + --high * s->size, s->how)) {
+        }
+        if (low >= high) {
+            break;
+        }
+        pbwt__swap(data + low * s->size, data + high * s->size, s->size);
+    }
+    pbwt__swap(data, data + high * s->size, s->size);
+    return high;
+}
+
+static void pbwt__sort(void *items, size_t count, size_t size, pbwt__before *before, int how)
+{
+    struct { char *data; size_t count; int depth; } stack[64], job;
+    pbwt__sorting s;
+    int jobs = 1;
+    s.size = size;
+    s.before = before;
+    s.how = how;
+    stack[0].data = (char *)items;
+    stack[0].count = count;
+    stack[0].depth = 0;
+    while (jobs > 0) {
+        size_t at;
+        job = stack[--jobs];
+        if (job.count < 12 || job.depth > 60) {
+            pbwt__heap_sort(&s, job.data, job.count);
+            continue;
+        }
+        at = pbwt__split(&s, job.data, job.count);
+        stack[jobs].data = job.data;
+        stack[jobs].count = at;
+        stack[jobs++].depth = job.depth + 1;
+        stack[jobs].data = job.data + (at + 1) * size;
+        stack[jobs].count = job.count - at - 1;
+        stack[jobs++].depth = job.depth + 1;
     }
 }
 
@@ -1745,53 +1810,77 @@ static int pbwt__is_held(const struct pbwt__tile *t, uint32_t simplex, const pbw
     return 0;
 }
 
-/* Asks the parts that a simplex (facet 0) or the half-space beyond a facet may have points of in conflict.  Returns
-   how many, or -1 without memory. */
-static int pbwt__inquire(struct pbwt__tile *t, uint32_t simplex, int facet)
+/* Certification goes in waves over lists of simplices; threads test ranges of one, each into a list of its own. */
+typedef struct pbwt__doubt { uint32_t simplex, facet, part; } pbwt__doubt;       /* a question, and the part to ask */
+
+typedef struct pbwt__certifying {
+    struct pbwt__tile *t;
+    const uint32_t *wave;
+    pbwt__array *doubts;                             /* per range */
+    size_t tested;                                   /* by all threads */
+} pbwt__certifying;
+
+enum { PBWT__RANGE = 1024, PBWT__WAVE = 16 * PBWT__RANGE, PBWT__SCAN = 65536 };      /* simplices */
+
+/* Which parts may have points in conflict with a simplex (facet 0) or beyond a facet of it?  Returns 0 without
+   memory. */
+static int pbwt__inquire(struct pbwt__tile *t, uint32_t simplex, int facet, pbwt__array *doubts)
 {
     pbwt__question q;
     pbwt__ball ball;
     pbwt__shape shape;
     pbwt__walk walk;
     size_t part;
-    int count = 0;
     pbwt__question_of(t, simplex, facet, &q);
     pbwt__ball_of(&ball, &q);
-    t->tile->numbers.tested++;
     if (facet == 0 && pbwt__is_held(t, simplex, &ball)) {
-        return 0;
+        return 1;
     }
     shape.box = NULL;
     shape.ball = &ball;
     pbwt__walk_start(&walk, &t->levels, &shape);
     while ((part = pbwt__next(&walk)) != (size_t)-1) {
-        if (!pbwt__request(t, part, &q, sizeof q, simplex)) {
-            return -1;
+        pbwt__doubt doubt;
+        doubt.simplex = simplex;
+        doubt.facet = (uint32_t)facet;
+        doubt.part = (uint32_t)part;
+        if (!pbwt__push(&t->memory, doubts, &doubt, sizeof doubt)) {
+            return 0;
         }
-        count++;
     }
-    t->tile->numbers.uncertified += count > 0;
-    t->tile->numbers.questions += (size_t)count;
-    return count;
+    return 1;
 }
 
-/* The parts asked about a simplex and the facets of the hull that it has, or -1. */
-static int pbwt__certify_simplex(struct pbwt__tile *t, uint32_t simplex)
+/* Tests simplices, and the facets of the hull that they have. */
+static pbw_status pbwt__test_range(void *arg, size_t from, size_t to)
 {
-    const size_t corners = (size_t)pbwt__corners(t), first = simplex * corners;
-    int count = pbwt__inquire(t, simplex, 0);
-    size_t k, j;
-    for (k = 0; k < corners && count >= 0; k++) {
-        int asked = 0, more;
-        for (j = 0; j < corners; j++) {
-            asked |= j != k && pbwt__state(t, pbwt__local(t, t->level.mesh.simplices[first + j])) == PBWT__ASKED;
+    pbwt__certifying *c = (pbwt__certifying *)arg;
+    struct pbwt__tile *t = c->t;
+    const size_t corners = (size_t)pbwt__corners(t);
+    pbwt__array *doubts = c->doubts + from / PBWT__RANGE;
+    size_t tested = to - from, k, j;
+    for (; from < to; from++) {
+        const size_t first = c->wave[from] * corners;
+        int room = pbwt__inquire(t, c->wave[from], 0, doubts);
+        for (k = 0; k < corners && room; k++) {
+            int asked = 0;
+            if (t->level.mesh.neighbors[first + k] != PBW_NONE) {
+                continue;
+            }
+            for (j = 0; j < corners; j++) {
+                asked |= j != k && pbwt__state(t, pbwt__local(t, t->level.mesh.simplices[first + j])) == PBWT__ASKED;
+            }
+            if (asked) {
+                room = pbwt__inquire(t, c->wave[from], (int)k + 1, doubts);
+                tested++;
+            }
         }
-        if (asked && t->level.mesh.neighbors[first + k] == PBW_NONE) {
-            more = pbwt__inquire(t, simplex, (int)k + 1);
-            count = more < 0 ? more : count + more;
+        if (!room) {
+            return PBW_ERROR_MEMORY;
         }
     }
-    return count;
+    (void)PBWT__ADD(&c->tested, tested);
+    return PBW_OK;
 }
 
 /* Does certification start at this simplex?  In later levels, at all with a corner that must be asked about. */
@@ -1819,55 +1908,130 @@ static void pbwt__give_up(struct pbwt__tile *t)
         }
     }
     pbwt__start_requests(t);
-    pbwt__release(&t->memory, &t->mark);
+}
+
+static pbw_status pbwt__find_starts(void *arg, size_t from, size_t to)
+{
+    struct pbwt__tile *t = (struct pbwt__tile *)arg;
+    int has_asked;
+    for (; from < to; from++) {
+        PBWT__BYTES(t->mark)[from] = (unsigned char)pbwt__starts(t, from, &has_asked);
+    }
+    return PBW_OK;
+}
+
+/* Asks what a range found, and adds to the queue the neighbours of simplices in doubt. */
+static int pbwt__ask_range(struct pbwt__tile *t, const pbwt__array *doubts)
+{
+    const size_t corners = (size_t)pbwt__corners(t);
+    const pbwt__doubt *doubt = (const pbwt__doubt *)doubts->data;
+    size_t i, k;
+    for (i = 0; i < doubts->count; i++) {
+        pbwt__question q;
+        int has_asked;
+        pbwt__question_of(t, doubt[i].simplex, (int)doubt[i].facet, &q);
+        if (!pbwt__request(t, doubt[i].part, &q, sizeof q, doubt[i].simplex)) {
+            return 0;
+        }
+        t->tile->numbers.questions++;
+        if (i > 0 && doubt[i].simplex == doubt[i - 1].simplex) {
+            t->tile->numbers.uncertified += doubt[i].facet != doubt[i - 1].facet;
+            continue;
+        }
+        t->tile->numbers.uncertified++;
+        for (k = 0; k < corners; k++) {
+            const pbw_index n = t->level.mesh.neighbors[doubt[i].simplex * corners + k];
+            if (n != PBW_NONE && !PBWT__BYTES(t->mark)[n]) {
+                pbwt__starts(t, n, &has_asked);
+                PBWT__BYTES(t->mark)[n] = 1;
+                if (has_asked && !pbwt__push(&t->memory, &t->queue, &n, sizeof n)) {
+                    return 0;
+                }
+            }
+        }
+    }
+    return 1;
+}
+
+/* Tests count simplices of the queue from `first` on. */
+static pbw_status pbwt__test_wave(struct pbwt__tile *t, size_t first, size_t count, const pbw_options *options)
+{
+    const size_t ranges = (count + PBWT__RANGE - 1) / PBWT__RANGE;
+    pbwt__array doubts[PBWT__WAVE / PBWT__RANGE];
+    pbwt__certifying c;
+    pbw_status status;
+    size_t i;
+    memset(doubts, 0, sizeof doubts);
+    c.t = t;
+    c.wave = PBWT__U32(t->queue) + first;
+    c.doubts = doubts;
+    c.tested = 0;
+    status = pbw_for(options, count, PBWT__RANGE, pbwt__test_range, &c);
+    t->tile->numbers.tested += c.tested;
+    for (i = 0; i < ranges; i++) {
+        if (status == PBW_OK && !pbwt__ask_range(t, doubts + i)) {
+            status = PBW_ERROR_MEMORY;
+        }
+        pbwt__release(&t->memory, doubts + i);
+    }
+    return status;
+}
+
+/* Will simplices of the queue have more than `most` questions?  A guess by some of them. */
+static pbw_status pbwt__guess(struct pbwt__tile *t, size_t most, const pbw_options *options, int *too_many)
+{
+    const size_t step = 1 + t->queue.count / PBWT__RANGE;
+    uint32_t some[PBWT__RANGE];
+    pbwt__array doubts;
+    pbwt__certifying c;
+    pbw_status status;
+    size_t i, n = 0;
+    memset(&doubts, 0, sizeof doubts);
+    for (i = 0; i < t->queue.count; i += step) {
+        some[n++] = PBWT__U32(t->queue)[i];
+    }
+    c.t = t;
+    c.wave = some;
+    c.doubts = &doubts;
+    c.tested = 0;
+    status = pbw_for(options, n, PBWT__RANGE, pbwt__test_range, &c);
+    *too_many = status == PBW_OK && (double)doubts.count * (double)step > 2 * (double)most;
+    pbwt__release(&t->memory, &doubts);
+    return status;
 }
 
 static pbw_status pbwt__certify(struct pbwt__tile *t)
 {
-    const pbw_mesh *mesh = &t->level.mesh;
-    const size_t corners = (size_t)pbwt__corners(t), before = t->tile->numbers.questions;
+    const size_t simplices = t->level.mesh.simplex_count, before = t->tile->numbers.questions;
     const size_t most = t->options.questions > 0 ? (size_t)(t->options.questions * (double)t->own)
                       : 8 * t->own + 10000;
-    size_t i, k;
-    int has_asked, count;
+    const pbw_options options = pbwt__inner_options(t);
+    int too_many = 0;
+    pbw_status status = PBW_ERROR_MEMORY;
+    size_t i, count;
     t->queue.count = 0;
-    if (!pbwt__zeros(&t->memory, &t->mark, mesh->simplex_count, 1)) {
-        return PBW_ERROR_MEMORY;
+    if (pbwt__zeros(&t->memory, &t->mark, simplices, 1)) {
+        status = pbw_for(&options, simplices, PBWT__SCAN, pbwt__find_starts, t);
     }
-    for (i = 0; i < mesh->simplex_count; i++) {
-        uint32_t next = (uint32_t)i;
-        if (PBWT__BYTES(t->mark)[i] || !pbwt__starts(t, i, &has_asked)) {
-            continue;
+    for (i = 0; i < simplices && status == PBW_OK; i++) {
+        const uint32_t start = (uint32_t)i;
+        if (PBWT__BYTES(t->mark)[i] && !pbwt__push(&t->memory, &t->queue, &start, sizeof start)) {
+            status = PBW_ERROR_MEMORY;
         }
-        PBWT__BYTES(t->mark)[i] = 1;
-        for (;;) {
-            count = pbwt__certify_simplex(t, next);
-            for (k = 0; k < corners && count > 0; k++) {
-                const pbw_index n = mesh->neighbors[next * corners + k];
-                if (n == PBW_NONE || PBWT__BYTES(t->mark)[n]) {
-                    continue;
-                }
-                pbwt__starts(t, n, &has_asked);
-                PBWT__BYTES(t->mark)[n] = 1;
-                if (has_asked && !pbwt__push(&t->memory, &t->queue, &n, sizeof n)) {
-                    count = -1;
-                }
-            }
-            if (count < 0) {
-                return PBW_ERROR_MEMORY;
-            }
-            if (t->tile->numbers.questions - before > most) {
-                pbwt__give_up(t);
-                return PBW_OK;
-            }
-            if (t->queue.count == 0) {
-                break;
-            }
-            next = PBWT__U32(t->queue)[--t->queue.count];
-        }
+    }
+    if (status == PBW_OK && t->queue.count > 16 * PBWT__RANGE) {
+        status = pbwt__guess(t, most, &options, &too_many);
+    }
+    for (i = 0; i < t->queue.count && status == PBW_OK && !too_many; i += count) {
+        count = t->queue.count - i < PBWT__WAVE ? t->queue.count - i : (size_t)PBWT__WAVE;
+        status = pbwt__test_wave(t, i, count, &options);
+        too_many = t->tile->numbers.questions - before > most;
+    }
+    if (too_many && status == PBW_OK) {
+        pbwt__give_up(t);
     }
     pbwt__release(&t->memory, &t->mark);
-    return PBW_OK;
+    return status;
 }
 
 /* ---- emission: shared with leftovers.  A simplex is emitted if its corner with the smallest id says so. */
@@ -1894,40 +2058,64 @@ static int pbwt__id_before(const void *a, const void *b, int how)
     return x < y;
 }
 
-/* Notes a facet that another part may have, too.  id: of the corners of the simplex. */
-static int pbwt__open_facet(pbwt__emission *e, const uint64_t *id, size_t number, size_t corner)
+typedef struct pbwt__corner { uint64_t id; uint32_t local; } pbwt__corner;
+
+static uint32_t pbwt__owner(const pbwt_tile *tile, uint32_t local)               /* the part of a point of a tile */
 {
-    const size_t corners = (size_t)e->mesh->dim + 1;
+    const size_t own = tile->tree != NULL ? tile->tree->count : 0;
+    return local < own ? (uint32_t)tile->tree->part : tile->foreign[local - own].part;
+}
+
+/* Notes a facet, across from `corner`, that another part may have, too. */
+static int pbwt__open_facet(pbwt__emission *e, const pbwt__corner *corners, size_t number, size_t corner)
+{
+    const size_t count = (size_t)e->mesh->dim + 1;
+    const pbwt__corner *least = NULL;
     pbwt_facet facet;
     size_t k, n = 0;
     memset(&facet, 0, sizeof facet);
-    for (k = 0; k < corners; k++) {
+    for (k = 0; k < count; k++) {
         if (k != corner) {
-            facet.id[n++] = id[k];
+            facet.id[n++] = corners[k].id;
+            least = least == NULL || corners[k].id < least->id ? corners + k : least;
         }
     }
-    pbwt__sort(facet.id, n, sizeof *id, pbwt__id_before, 0);
+    pbwt__sort(facet.id, n, sizeof *facet.id, pbwt__id_before, 0);
     facet.from = (uint64_t)e->part << 40 | (uint64_t)number << 2 | corner;
-    facet.to = PBWT_NOTHING;
+    facet.to = pbwt__owner(e->tile, least->local);
     return pbwt__push(e->memory, &e->facets, &facet, sizeof facet);
 }
 
-/* The links of one simplex; first: its corner of the smallest id, whose star is final. */
-static int pbwt__links_of(pbwt__emission *e, size_t simplex, const uint64_t *id, size_t first, uint32_t *links)
+/* The links of one simplex to others that are emitted; returns whether these are all. */
+static int pbwt__links_inside(const pbwt__emission *e, size_t simplex, uint32_t *links)
 {
     const size_t corners = (size_t)e->mesh->dim + 1;
-    const uint32_t *number = PBWT__U32(e->number);
+    int all = 1;
     size_t k;
     for (k = 0; k < corners; k++) {
         const pbw_index n = e->mesh->neighbors[simplex * corners + k];
-        if (n != PBW_NONE && number[n] != PBW_NONE) {
-            links[k] = number[n];
-        } else if (n == PBW_NONE && k != first) {
+        links[k] = n != PBW_NONE ? PBWT__U32(e->number)[n] : PBW_NONE;
+        all &= links[k] != PBW_NONE;
+    }
+    return all;
+}
+
+/* The other links.  The star of the corner with the smallest id is final: facets at it without a neighbour are of
+   the hull. */
+static int pbwt__links_outside(pbwt__emission *e, size_t simplex, const pbwt__corner *corner, uint32_t *links)
+{
+    const size_t corners = (size_t)e->mesh->dim + 1;
+    size_t k, first = 0;
+    for (k = 1; k < corners; k++) {
+        first = corner[k].id < corner[first].id ? k : first;
+    }
+    for (k = 0; k < corners; k++) {
+        if (links[k] == PBW_NONE && e->mesh->neighbors[simplex * corners + k] == PBW_NONE && k != first) {
             links[k] = PBWT_HULL;
             e->tile->numbers.hull++;
-        } else {
+        } else if (links[k] == PBW_NONE) {
             links[k] = PBWT_OPEN;
-            if (!pbwt__open_facet(e, id, number[simplex], k)) {
+            if (!pbwt__open_facet(e, corner, PBWT__U32(e->number)[simplex], k)) {
                 return 0;
             }
         }
@@ -1935,42 +2123,55 @@ static int pbwt__links_of(pbwt__emission *e, size_t simplex, const uint64_t *id,
     return 1;
 }
 
-/* number: PBW_NONE or numbers of what to emit; local: numbers of the mesh's points in the tile, and their ids. */
+/* Names a point of the mesh: its number in the tile, and its id unless that is NULL. */
 typedef void pbwt__naming(const void *user, pbw_index vertex, uint32_t *local, uint64_t *id);
+
+/* Fills corners and links of one simplex; returns 0 without memory. */
+static int pbwt__emit_one(pbwt__emission *e, size_t s, pbwt__naming *name, const void *user, uint32_t *corner,
+                          uint32_t *links)
+{
+    const size_t corners = (size_t)e->mesh->dim + 1;
+    const int inside = e->options->no_links || pbwt__links_inside(e, s, links);
+    pbwt__corner named[4];
+    size_t k;
+    for (k = 0; k < corners; k++) {
+        name(user, e->mesh->simplices[s * corners + k], &named[k].local, inside ? NULL : &named[k].id);
+        corner[k] = named[k].local;
+    }
+    return inside || pbwt__links_outside(e, s, named, links);
+}
+
+static pbw_status pbwt__hand_over(const pbwt__emission *e, size_t first, size_t count, const uint32_t *corners,
+                                  const uint32_t *links)
+{
+    return e->options->emit == NULL ? PBW_OK
+         : e->options->emit(e->options->emit_user, e->tile, first, count, corners, links);
+}
 
 static pbw_status pbwt__emit(pbwt__emission *e, pbwt__naming *name, const void *user)
 {
     const size_t corners = (size_t)e->mesh->dim + 1;
     uint32_t corner[PBWT__BLOCK * 4], links[PBWT__BLOCK * 4];
-    size_t s, k, count = 0, first = e->base;
+    size_t s, count = 0, first = e->base;
     pbw_status status = PBW_OK;
+    if (e->options->no_links && e->options->emit == NULL) {
+        return PBW_OK;
+    }
     memset(links, 0xff, sizeof links);
-    for (s = 0; s <= e->mesh->simplex_count; s++) {
-        uint64_t id[4];
-        size_t least = 0;
-        if (count == PBWT__BLOCK || (s == e->mesh->simplex_count && count > 0)) {
-            if (e->options->emit != NULL) {
-                status = e->options->emit(e->options->emit_user, e->tile, first, count, corner, links);
-            }
+    for (s = 0; s < e->mesh->simplex_count && status == PBW_OK; s++) {
+        if (PBWT__U32(e->number)[s] == PBW_NONE) {
+            continue;
+        }
+        if (!pbwt__emit_one(e, s, name, user, corner + count * corners, links + count * corners)) {
+            return PBW_ERROR_MEMORY;
+        }
+        if (++count == PBWT__BLOCK) {
+            status = pbwt__hand_over(e, first, count, corner, links);
             first += count;
             count = 0;
         }
-        if (status != PBW_OK || s == e->mesh->simplex_count || PBWT__U32(e->number)[s] == PBW_NONE) {
-            if (status != PBW_OK) {
-                return status;
-            }
-            continue;
-        }
-        for (k = 0; k < corners; k++) {
-            name(user, e->mesh->simplices[s * corners + k], corner + count * corners + k, id + k);
-            least = id[k] < id[least] ? k : least;
-        }
-        if (!e->options->no_links && !pbwt__links_of(e, s, id, least, links + count * corners)) {
-            return PBW_ERROR_MEMORY;
-        }
-        count++;
     }
-    return PBW_OK;
+    return status == PBW_OK && count > 0 ? pbwt__hand_over(e, first, count, corner, links) : status;
 }
 
 /* ---- emission of a level */
@@ -1979,7 +2180,9 @@ static void pbwt__name_local(const void *user, pbw_index vertex, uint32_t *local
 {
     const struct pbwt__tile *t = (const struct pbwt__tile *)user;
     *local = pbwt__local(t, vertex);
-    *id = pbwt__point(t, *local)->id;
+    if (id != NULL) {
+        *id = pbwt__point(t, *local)->id;
+    }
 }
 
 static int pbwt__is_final(int state)
@@ -1987,36 +2190,54 @@ static int pbwt__is_final(int state)
     return state == PBWT__SUBJECT || state == PBWT__ASKED;
 }
 
-/* Is simplex s to be emitted?  Keeps it in the border if it has a final corner and others that may be given up. */
-static int pbwt__choose(struct pbwt__tile *t, size_t s, int *emitted)
+enum { PBWT__CHOSEN = 1, PBWT__BORDER = 2 };         /* to be emitted; with final corners and ones perhaps given up */
+
+typedef struct pbwt__choosing { const struct pbwt__tile *t; unsigned char *chosen; } pbwt__choosing;
+
+static unsigned char pbwt__choose(const struct pbwt__tile *t, size_t s)
 {
     const size_t corners = (size_t)pbwt__corners(t);
     uint32_t local[4];
     uint64_t least = 0;
-    int final = 0, doubtful = 0, chosen = 0;
+    int final = 0, others = 0, doubtful = 0, chosen = 1;
     size_t k;
     for (k = 0; k < corners; k++) {
-        uint64_t id;
         int state;
-        pbwt__name_local(t, t->level.mesh.simplices[s * corners + k], local + k, &id);
+        local[k] = pbwt__local(t, t->level.mesh.simplices[s * corners + k]);
         state = pbwt__state(t, local[k]);
         final |= pbwt__is_final(state);
+        others |= !pbwt__is_final(state);
         doubtful |= local[k] >= t->own || state >= PBWT__AFFECTED;
+    }
+    for (k = 0; k < corners && others; k++) {        /* without others, whichever id is the smallest */
+        const uint64_t id = pbwt__point(t, local[k])->id;
         if (k == 0 || id < least) {
             least = id;
-            chosen = pbwt__is_final(state);
+            chosen = pbwt__is_final(pbwt__state(t, local[k]));
         }
     }
-    *emitted = chosen;
-    if (final && doubtful) {
-        uint32_t *place = (uint32_t *)pbwt__room(&t->memory, &t->border, corners, sizeof *place);
-        if (place == NULL) {
-            return 0;
-        }
-        memcpy(place, local, corners * sizeof *place);
-        t->border.count += corners;
+    return (unsigned char)((chosen ? PBWT__CHOSEN : 0) | (final && doubtful ? PBWT__BORDER : 0));
+}
+
+static pbw_status pbwt__choose_range(void *arg, size_t from, size_t to)
+{
+    const pbwt__choosing *c = (const pbwt__choosing *)arg;
+    for (; from < to; from++) {
+        c->chosen[from] = pbwt__choose(c->t, from);
     }
-    return 1;
+    return PBW_OK;
+}
+
+static int pbwt__keep_border(struct pbwt__tile *t, size_t s)
+{
+    const size_t corners = (size_t)pbwt__corners(t);
+    uint32_t *place = (uint32_t *)pbwt__room(&t->memory, &t->border, corners, sizeof *place);
+    size_t k;
+    for (k = 0; k < corners && place != NULL; k++) {
+        place[k] = pbwt__local(t, t->level.mesh.simplices[s * corners + k]);
+    }
+    t->border.count += place != NULL ? corners : 0;
+    return place != NULL;
 }
 
 static pbw_status pbwt__hash_level(struct pbwt__tile *t, pbwt__emission *e)
@@ -2042,20 +2263,28 @@ static pbw_status pbwt__hash_level(struct pbwt__tile *t, pbwt__emission *e)
 static pbw_status pbwt__emit_chosen(struct pbwt__tile *t, pbwt__emission *e)
 {
     const size_t count = t->level.mesh.simplex_count;
+    const pbw_options options = pbwt__inner_options(t);
+    pbwt__choosing choosing;
     size_t s, n = e->base;
     pbw_status status;
-    int chosen;
     if (!pbwt__resize(&t->memory, &e->number, (count + 1) * sizeof(uint32_t))
         || !pbwt__zeros(&t->memory, &e->chosen, count, 1)) {
         return PBW_ERROR_MEMORY;
     }
+    choosing.t = t;
+    choosing.chosen = PBWT__BYTES(e->chosen);
+    status = pbw_for(&options, count, PBWT__SCAN, pbwt__choose_range, &choosing);
+    if (status != PBW_OK) {
+        return status;
+    }
     for (s = 0; s < count; s++) {
-        if (!pbwt__choose(t, s, &chosen)) {
+        const int choice = choosing.chosen[s];
+        if ((choice & PBWT__BORDER) && !pbwt__keep_border(t, s)) {
             return PBW_ERROR_MEMORY;
         }
-        PBWT__BYTES(e->chosen)[s] = (unsigned char)chosen;
-        PBWT__U32(e->number)[s] = chosen ? (uint32_t)n : PBW_NONE;
-        n += chosen != 0;
+        choosing.chosen[s] = choice & PBWT__CHOSEN;
+        PBWT__U32(e->number)[s] = choice & PBWT__CHOSEN ? (uint32_t)n : PBW_NONE;
+        n += choice & PBWT__CHOSEN;
         if (n > 0xfffffff0u) {
             return PBW_ERROR_TOO_LARGE;
         }
@@ -2165,6 +2394,8 @@ static pbw_status pbwt__list_given(struct pbwt__tile *t)
             return PBW_ERROR_MEMORY;
         }
     }
+    t->tile->border = PBWT__U32(t->border);
+    t->tile->border_count = t->border.count;
     t->tile->leftovers = PBWT__U32(t->given);
     t->tile->leftover_count = t->tile->numbers.given_up = t->given.count;
     return PBW_OK;
@@ -2250,93 +2481,94 @@ static int pbwt__is_in(const uint64_t *ids, size_t count, uint64_t id)
     return low < count && ids[low] == id;
 }
 
-static int pbwt__add_known(struct pbwt__tile *t, uint32_t local, pbwt__array *vertices)
+typedef struct pbwt__knowing {
+    const pbwt_tile *tile;
+    pbwt__memory memory;
+    pbwt__array vertices, seen, done;                /* pbwt_vertex; u64; byte per own point: it is in vertices */
+} pbwt__knowing;
+
+static int pbwt__add_known(pbwt__knowing *k, uint32_t own)
 {
     pbwt_vertex vertex;
-    vertex.point = t->tile->tree->points[local];
-    vertex.part = (uint32_t)t->tile->tree->part;
-    vertex.index = local;
-    return pbwt__push(&t->memory, vertices, &vertex, sizeof vertex);
+    if (PBWT__BYTES(k->done)[own]) {
+        return 1;
+    }
+    PBWT__BYTES(k->done)[own] = 1;
+    vertex.point = k->tile->tree->points[own];
+    vertex.part = (uint32_t)k->tile->tree->part;
+    vertex.index = own;
+    return pbwt__push(&k->memory, &k->vertices, &vertex, sizeof vertex);
+}
+
+/* Adds the corners of one simplex of the border if any was given up. */
+static int pbwt__know_simplex(pbwt__knowing *k, const uint32_t *corner, const uint64_t *ids, size_t count)
+{
+    const pbwt_tile *tile = k->tile;
+    const size_t corners = (size_t)tile->dim + 1, own = tile->tree->count;
+    size_t i;
+    int near = 0, room = 1;
+    for (i = 0; i < corners && room; i++) {
+        const uint64_t id = corner[i] < own ? tile->tree->points[corner[i]].id
+                          : tile->foreign[corner[i] - own].point.id;
+        if (pbwt__is_in(ids, count, id)) {
+            near = 1;
+            room = pbwt__push(&k->memory, &k->seen, &id, sizeof id);
+        }
+    }
+    for (i = 0; i < corners && near && room; i++) {
+        room = corner[i] >= own || pbwt__add_known(k, corner[i]);
+    }
+    return room;
 }
 
 /* Adds own points given up, then own points beside any that are; the ids of those are `seen`. */
-static int pbwt__find_known(struct pbwt__tile *t, const uint64_t *ids, size_t count, pbwt__array *vertices,
-                            pbwt__array *seen)
+static int pbwt__find_known(pbwt__knowing *k, const uint64_t *ids, size_t count)
 {
-    const size_t corners = (size_t)pbwt__corners(t);
-    size_t i, k;
-    for (i = 0; i < t->given.count; i++) {
-        if (!pbwt__add_known(t, PBWT__U32(t->given)[i], vertices)) {
-            return 0;
-        }
+    const pbwt_tile *tile = k->tile;
+    const size_t corners = (size_t)tile->dim + 1;
+    size_t i;
+    int room = pbwt__zeros(&k->memory, &k->done, tile->tree->count, 1);
+    for (i = 0; i < tile->leftover_count && room; i++) {
+        room = pbwt__add_known(k, tile->leftovers[i]);
     }
-    for (i = 0; i < t->border.count; i += corners) {
-        const uint32_t *corner = PBWT__U32(t->border) + i;
-        int near = 0;
-        for (k = 0; k < corners; k++) {
-            const uint64_t id = pbwt__point(t, corner[k])->id;
-            if (pbwt__is_in(ids, count, id)) {
-                near = 1;
-                if (!pbwt__push(&t->memory, seen, &id, sizeof id)) {
-                    return 0;
-                }
-            }
-        }
-        for (k = 0; k < corners && near; k++) {
-            if (corner[k] < t->own && PBWT__BYTES(t->state)[corner[k]] == PBWT__DONE) {
-                PBWT__BYTES(t->state)[corner[k]] = PBWT__SUBJECT;        /* once each */
-                if (!pbwt__add_known(t, corner[k], vertices)) {
-                    return 0;
-                }
-            }
-        }
+    for (i = 0; i + corners <= tile->border_count && room; i += corners) {
+        room = pbwt__know_simplex(k, tile->border + i, ids, count);
     }
-    return 1;
+    return room;
 }
 
 PBWTDEF pbw_status pbwt_leftovers(const pbwt_tile *tile, const uint64_t *ids, size_t count, pbwt_bytes *out)
 {
-    struct pbwt__tile *t = tile->memory;
-    pbwt__array vertices, seen, text;
+    pbwt__knowing k;
+    pbwt__array text;
     pbwt__known head;
-    size_t i;
-    int room;
-    memset(&vertices, 0, sizeof vertices);
-    memset(&seen, 0, sizeof seen);
+    size_t vertices;
+    memset(&k, 0, sizeof k);
     memset(&text, 0, sizeof text);
-    memset(&head, 0, sizeof head);
     memset(out, 0, sizeof *out);
-    if (t == NULL) {
+    if (tile->tree == NULL) {
         return PBW_ERROR_ARGUMENT;
     }
-    room = pbwt__find_known(t, ids, count, &vertices, &seen);
-    for (i = 0; i < t->own; i++) {
-        unsigned char *state = PBWT__BYTES(t->state) + i;
-        if (*state == PBWT__SUBJECT) {
-            *state = PBWT__DONE;
+    k.tile = tile;
+    k.memory = pbwt__memory_of(&tile->tree->options);
+    if (pbwt__find_known(&k, ids, count)) {
+        head.given = tile->leftover_count;
+        head.near = k.vertices.count - tile->leftover_count;
+        head.seen = k.seen.count;
+        head.emitted = tile->numbers.simplices;
+        vertices = k.vertices.count * sizeof(pbwt_vertex);
+        if (pbwt__resize(&k.memory, &text, sizeof head + vertices + k.seen.count * 8)) {
+            memcpy(text.data, &head, sizeof head);
+            memcpy((char *)text.data + sizeof head, vertices > 0 ? k.vertices.data : &head, vertices);
+            memcpy((char *)text.data + sizeof head + vertices, k.seen.count > 0 ? k.seen.data : &head,
+                   k.seen.count * 8);
+            out->data = (char *)text.data;
+            out->size = text.bytes;
         }
     }
-    head.given = t->given.count;
-    head.near = vertices.count - head.given;
-    head.seen = seen.count;
-    head.emitted = tile->numbers.simplices;
-    if (room && pbwt__room(&t->memory, &text, sizeof head, 1) != NULL
-        && pbwt__resize(&t->memory, &text, sizeof head + vertices.count * sizeof(pbwt_vertex) + seen.count * 8)) {
-        memcpy(text.data, &head, sizeof head);
-        if (vertices.count > 0) {
-            memcpy((char *)text.data + sizeof head, vertices.data, vertices.count * sizeof(pbwt_vertex));
-        }
-        if (seen.count > 0) {
-            memcpy((char *)text.data + sizeof head + vertices.count * sizeof(pbwt_vertex), seen.data, seen.count * 8);
-        }
-        out->data = (char *)text.data;
-        out->size = text.bytes;
-        t->memory.used -= text.bytes;                /* the caller's */
-    } else {
-        pbwt__release(&t->memory, &text);
-    }
-    pbwt__release(&t->memory, &vertices);
-    pbwt__release(&t->memory, &seen);
+    pbwt__release(&k.memory, &k.vertices);
+    pbwt__release(&k.memory, &k.seen);
+    pbwt__release(&k.memory, &k.done);
     return out->data != NULL ? PBW_OK : PBW_ERROR_MEMORY;
 }
 

@@ -26,10 +26,25 @@ static void emit(void *user, FILE *file)
     }
 }
 
+static int is_seen(const char *ending)               /* a picture or a page */
+{
+    return strcmp(ending, "svg") == 0 || strcmp(ending, "html") == 0;
+}
+
+static int shows_pictures(const job *j)
+{
+    int i, seen = 0;
+    for (i = 0; i < j->outputs; i++) {
+        seen |= is_seen(ending_of(j, j->output[i]));
+    }
+    return seen;
+}
+
+/* user: pointers to the cells, and to those of pictures and pages. */
 static pbwio_status write_cells(job *j, const char *path, const char *ending, void *user, pbwio_error *error)
 {
-    const pbw_cells *cells = (const pbw_cells *)user;
-    return strcmp(ending, "csv") == 0 ? pbwio_save(path, emit, user, error)
+    pbw_cells *cells = ((pbw_cells **)user)[is_seen(ending)];
+    return strcmp(ending, "csv") == 0 ? pbwio_save(path, emit, cells, error)
          : strcmp(ending, "html") == 0 ? write_cell_page(j, path, cells, error)
          : write_diagram(path, ending, cells, error);
 }
@@ -202,6 +217,31 @@ static int contents_of(const job *j)
     return (int)what;
 }
 
+/* Cells that end at a box a tenth larger than the points. */
+static int make_bounded(job *j, unsigned what, pbw_cells *cells)
+{
+    const int dim = j->mesh.dim;
+    pbw_domain domain;
+    double box[6], most = 0;
+    size_t i;
+    int k;
+    for (k = 0; k < dim; k++) {
+        box[k] = box[dim + k] = j->mesh.points[k];
+        for (i = 0; i < j->mesh.point_count; i++) {
+            box[k] = fmin(box[k], j->mesh.points[(size_t)dim * i + (size_t)k]);
+            box[dim + k] = fmax(box[dim + k], j->mesh.points[(size_t)dim * i + (size_t)k]);
+        }
+        most = fmax(most, box[dim + k] - box[k]);
+    }
+    for (k = 0; k < dim; k++) {
+        box[k] -= 0.1 * most;
+        box[dim + k] += 0.1 * most;
+    }
+    memset(&domain, 0, sizeof domain);
+    domain.box = box;
+    return explain(j, pbw_cells_of(&j->mesh, &domain, what, &j->build, cells));
+}
+
 static int check_domain(const job *j, pbw_domain *domain, double *box)
 {
     if (is_given(j, "--box") && !vector_of(j, "--box", 2 * j->cloud.dim, box)) {
@@ -222,12 +262,13 @@ static int run(job *j)
 {
     pbwio_cloud rings;
     pbw_domain domain;
-    pbw_cells cells;
+    pbw_cells cells, bounded, *shown[2];
     size_t *first = NULL;
     double box[6];
     int failed, what = 0;
     memset(&domain, 0, sizeof domain);
     memset(&cells, 0, sizeof cells);
+    memset(&bounded, 0, sizeof bounded);
     memset(&rings, 0, sizeof rings);
     domain.periodic = axes_of(j);
     if (domain.periodic != 0 && !is_given(j, "--box")) {
@@ -247,8 +288,16 @@ static int run(job *j)
     }
     if (!failed) {
         report(j, &cells, &domain);
-        failed = write_with(j, write_cells, &cells);
+        shown[0] = shown[1] = &cells;
+        if (domain.box == NULL && domain.ring_count == 0 && shows_pictures(j)) {
+            shown[1] = &bounded;
+            failed = make_bounded(j, (unsigned)what, &bounded);
+        }
     }
+    if (!failed) {
+        failed = write_with(j, write_cells, shown);
+    }
+    pbw_cells_free(&bounded);
     pbw_cells_free(&cells);
     pbwio_free(&rings);
     free(first);
@@ -265,8 +314,9 @@ const command command_cells = {
     "\n"
     "input:   as for pbw mesh\n"
     "output:  .csv: id, volume (2D: area; unbounded: inf), centroid, number of facets;\n"
-    "         .vtu .obj (cells as polyhedra, 2D: polygons), .svg (2D, coloured by area): those that are bounded;\n"
-    "         .html: a page to look at them: cut, exploded, coloured by volume or number of facets\n"
+    "         .vtu .obj (cells as polyhedra, 2D: polygons): those that are bounded; .svg (2D, coloured by area);\n"
+    "         .html: a page to look at them: cut, exploded, coloured by volume or number of facets.  In .svg and\n"
+    "         .html, unbounded cells end at a box a tenth larger than the points\n"
     "\n",
     "csv vtu obj svg html",
     { cells_options, input_options, build_options, output_options, common_options, NULL, NULL, NULL },

@@ -45,6 +45,8 @@ void domain_free(plan *d)
     free(d->segments);
     free(d->markers);
     free(d->holes);
+    free(d->sizes);
+    free(d->triangles);
     free(d->regions);
     memset(d, 0, sizeof *d);
 }
@@ -155,16 +157,21 @@ static int rest(text *t, double *x, int most)
     return n;
 }
 
-static int read_points(text *t, plan *d, double *base)
+/* column: which number after the point's own has its size, from 1; 0 = none. */
+static int read_points(text *t, plan *d, double *base, int column)
 {
-    double n, x[3], i;
+    double n, x[16], i;
+    int got;
     if (!count(t, "points", &n)) {
         return 0;
     }
     rest(t, x, 1);                                   /* dimension, attributes, markers: to be seen in the lines */
     for (i = 0; i < n; i++) {
-        if (!number(t, 1, x) || !number(t, 0, x + 1) || !number(t, 0, x + 2)) {
+        if (!number(t, 1, x) || (got = rest(t, x + 1, 15)) < 2) {
             return refuse(t, "a point with its number, x and y is needed");
+        }
+        if (column > got || column > 15) {
+            return refuse(t, "there is no column %d", column);
         }
         if (i == 0) {
             *base = x[0];
@@ -172,10 +179,15 @@ static int read_points(text *t, plan *d, double *base)
         if (x[0] < *base + i || x[0] > *base + i) {
             return refuse(t, "point %.0f is needed here", *base + i);
         }
+        if (column > 0 && !grow((void **)&d->sizes, d->point_count, sizeof *d->sizes)) {
+            return refuse(t, "out of memory");
+        }
+        if (column > 0) {
+            d->sizes[d->point_count] = x[column];
+        }
         if (!add_point(d, x[1], x[2])) {
             return refuse(t, "out of memory");
         }
-        rest(t, x, 0);
     }
     return 1;
 }
@@ -242,15 +254,15 @@ static int read_holes(text *t, plan *d)
 }
 
 /* Without points the .poly file takes those of the .node file of its name. */
-static int read_poly(text *t, plan *d)
+static int read_poly(text *t, plan *d, int column)
 {
     char path[1100];
     double base = 0;
     text nodes;
-    int ok = read_points(t, d, &base);
+    int ok = read_points(t, d, &base, column);
     if (ok && d->point_count == 0) {
         snprintf(path, sizeof path, "%.*s.node", (int)(strlen(t->name) - 5), t->name);
-        ok = open_text(&nodes, path) && read_points(&nodes, d, &base);
+        ok = open_text(&nodes, path) && read_points(&nodes, d, &base, column);
         if (!ok) {
             memcpy(t->error, nodes.error, sizeof t->error);
         }
@@ -352,22 +364,35 @@ static int ends_with(const char *path, const char *ending)
     return n > m && strcmp(path + n - m, ending) == 0;
 }
 
-int read_domain(job *j, plan *d)
+int read_domain(job *j, plan *d, const char *column)
 {
+    const char *digits = column != NULL && column[0] == '#' ? column + 1 : NULL;
     text t;
     int ok;
     memset(d, 0, sizeof *d);
     if (j->input == NULL || (!ends_with(j->input, ".poly") && !ends_with(j->input, ".geojson"))) {
-        const int failed = load(j, 1);
+        int failed;
+        j->read.weight = digits != NULL ? digits : column;
+        failed = load(j, 1);
         if (!failed && j->cloud.dim != 2) {
             return fail(j, "%s: points in the plane are needed; --dim 2 leaves z out", j->input);
         }
         d->points = j->cloud.points;
         d->point_count = j->cloud.count;
-        j->cloud.points = NULL;
+        d->sizes = j->cloud.weights;
+        d->triangles = j->cloud.triangles;
+        d->triangle_count = j->cloud.triangle_count;
+        j->cloud.points = j->cloud.weights = NULL;
+        j->cloud.triangles = NULL;
+        j->cloud.triangle_count = 0;
         return failed;
     }
-    ok = open_text(&t, j->input) && (ends_with(j->input, ".poly") ? read_poly(&t, d) : read_geojson(&t, d));
+    if (column != NULL && (!ends_with(j->input, ".poly") || digits == NULL || atoi(digits) < 1)) {
+        return fail(j, "--size %s: columns of .poly files have numbers, #3 is the first attribute; .geojson has none",
+                    column);
+    }
+    ok = open_text(&t, j->input)
+        && (ends_with(j->input, ".poly") ? read_poly(&t, d, digits != NULL ? atoi(digits) : 0) : read_geojson(&t, d));
     free(t.data);
     if (!ok) {
         domain_free(d);

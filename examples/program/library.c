@@ -1,6 +1,8 @@
 /* library.c: the implementation of every header that the program uses. */
 #define PBW_IMPLEMENTATION
 #include "pbw.h"
+#define PBW_ADAPT2_IMPLEMENTATION
+#include "pbw_adapt2.h"
 #define PBW_CELLS_IMPLEMENTATION
 #include "pbw_cells.h"
 #define PBW_IO_IMPLEMENTATION

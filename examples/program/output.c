@@ -175,7 +175,8 @@ static int check_output(const job *j, const char *path)
     if (strcmp(path, "-") == 0) {
         return 0;
     }
-    if (destroys(path, j->input) || destroys(path, j->second) || destroys(path, text_of(j, "--surface"))) {
+    if (destroys(path, j->input) || destroys(path, j->second) || destroys(path, text_of(j, "--surface"))
+        || destroys(path, text_of(j, "--script"))) {
         return complain("-o %s: it is an input, which would be lost; name another output", path);
     }
     if (stat(path, &info) != 0) {

@@ -2,13 +2,18 @@
 #include "program.h"
 
 static const char *const rules[] = { "hull", "seeds", "even-odd", "nonzero", NULL };
+static const char *const ways[] = { "laplace", "lloyd", "odt", NULL };
 
 static const option plane_options[] = {
     { "--angle", "DEGREES", "refine: no smaller angle, up to 34, but at small angles of the input", POSITIVE, 0, 0,
       NULL },
     { "--area", "A", "refine: no larger triangle", POSITIVE, 0, 0, NULL },
-    { "--size", "FORMULA", "refine: no longer edge; a number, or a formula in x and y such as\n"
-      "\"0.1+0.2*hypot(x,y)\", with + - * / ^ sqrt abs exp log sin cos min max hypot", PLAIN, 0, 0, NULL },
+    { "--size", "SIZE", "refine: no longer edge; a number, or a formula in x and y such as\n"
+      "\"0.1+0.2*hypot(x,y)\", with + - * / ^ sqrt abs exp log sin cos min max hypot, or a\n"
+      "column with the size at each point, by its name or as #4", PLAIN, 0, 0, NULL },
+    { "--coarsen", NULL, "leave points out that are nearer to each other than half of --size", SWITCH, 0, 0, NULL },
+    { "--smooth", "WAY", "then move points of no segment: laplace, lloyd or odt", CHOICE, 0, 0, ways },
+    { "--rounds", "N", "of --smooth; default 5", WHOLE, 1, 1000, NULL },
     { "--split-crossings", NULL, "put points where segments cross, instead of an error", SWITCH, 0, 0, NULL },
     { "--rule", "RULE", "what belongs to the domain: hull (all), seeds (what segments enclose, but holes),\n"
       "even-odd, nonzero (by winding numbers); default: .poly seeds, .geojson even-odd,\n"
@@ -18,6 +23,7 @@ static const option plane_options[] = {
     { "--conforming", NULL, "all triangles Delaunay, across segments too", SWITCH, 0, 0, NULL },
     { "--steiner", "N", "at most N new points", WHOLE, 1, 4e9, NULL },
     { "--no-orphans", NULL, "leave points that are no corner out of the outputs", SWITCH, 0, 0, NULL },
+    { "--quality", NULL, "print measures of quality, by the names of Verdict and Gmsh", SWITCH, 0, 0, NULL },
     { "--histogram", NULL, "print how many triangles have which least angle", SWITCH, 0, 0, NULL },
     { NULL, NULL, NULL, SWITCH, 0, 0, NULL }
 };
@@ -143,6 +149,11 @@ static void report(const job *j, const result *r, double seconds)
              "%zu larger%s", p->report.steiner_count, plural(p->report.steiner_count), p->report.removed,
              p->report.small_angles, plural(p->report.small_angles), p->report.too_large,
              p->report.limited ? "; --steiner ended it" : "");
+    }
+    for (i = 0; is_given(j, "--quality") && p->triangle_count > 0 && i < PBW_PLANE_MEASURES; i++) {
+        const pbw_plane_quality q = pbw_plane_quality_of(p, (pbw_plane_measure)i);
+        note(j, "  %-16s %.4g to %.4g, mean %.4g", pbw_plane_measure_name((pbw_plane_measure)i), q.least, q.most,
+             q.mean);
     }
     if (is_given(j, "--histogram")) {
         histogram(j, r);
@@ -273,6 +284,20 @@ static pbwio_status write_one(job *j, const char *path, const char *ending, void
 
 /* ---- the command */
 
+/* The column that --size names: no formula, but a word, or # and a number.  NULL: none. */
+static const char *column_of(const char *size)
+{
+    const char *wrong = NULL;
+    size_t i;
+    if (size == NULL) {
+        return NULL;
+    }
+    (void)evaluate(size, 0.1, 0.1, &wrong);
+    i = size[0] == '#' ? 1 + strspn(size + 1, "0123456789")
+      : strspn(size, "_0123456789ABCDEFGHIJKLMNOPQRSTUVWXYZabcdefghijklmnopqrstuvwxyz");
+    return wrong != NULL && size[i] == 0 && (size[0] < '0' || size[0] > '9') ? size : NULL;
+}
+
 static int set_up(const job *j, const plan *d, pbw_plane_options *options)
 {
     static const pbw_plane_rule of[] = { PBW_PLANE_HULL, PBW_PLANE_SEEDS, PBW_PLANE_EVEN_ODD, PBW_PLANE_NONZERO };
@@ -293,7 +318,10 @@ static int set_up(const job *j, const plan *d, pbw_plane_options *options)
     if (options->angle > 34) {
         return complain("--angle %s: up to 34 degrees are possible", text_of(j, "--angle"));
     }
-    if (size != NULL) {
+    if (size == NULL && is_given(j, "--coarsen")) {
+        return complain("--coarsen needs --size");
+    }
+    if (size != NULL && column_of(size) == NULL) {
         (void)evaluate(size, 0.1, 0.1, &wrong);
         options->size_at = size_at;
         options->size_user = (void *)(uintptr_t)size;
@@ -301,16 +329,40 @@ static int set_up(const job *j, const plan *d, pbw_plane_options *options)
     return wrong != NULL ? complain("--size %s: this is no formula from \"%s\" on", size, wrong) : 0;
 }
 
-static int make(job *j, const plan *d, const pbw_plane_options *options)
+/* Makes a plane anew, finer and coarser by sizes at its points: a column of the input, or a formula. */
+static pbw_status adapt(const job *j, const plan *d, const pbw_plane_options *options, pbw_plane *plane)
 {
+    const size_t n = plane->point_count;
+    double *sizes = (double *)malloc((n + 1) * sizeof *sizes);
+    unsigned char *keep = (unsigned char *)malloc(n + 1);
+    pbw_plane next;
+    pbw_status status = PBW_ERROR_MEMORY;
+    size_t i;
+    memset(&next, 0, sizeof next);
+    snprintf(next.what, sizeof next.what, "out of memory");
+    for (i = 0; sizes != NULL && i < n; i++) {
+        const double *x = plane->points + 2 * i;
+        sizes[i] = d->sizes == NULL ? size_at(options->size_user, x[0], x[1]) : i < d->point_count ? d->sizes[i] : 0;
+    }
+    if (sizes != NULL && keep != NULL) {
+        memset(keep, 1, n);
+        status = pbw_plane_adapt(plane, sizes, is_given(j, "--coarsen") ? NULL : keep, options, &next, NULL);
+    }
+    free(sizes);
+    free(keep);
+    pbw_plane_free(plane);
+    *plane = next;
+    return status;
+}
+
+static pbw_status make_plane(const job *j, const plan *d, const pbw_plane_options *options, pbw_plane *plane)
+{
+    const int of_mesh = d->triangle_count > 0 && !is_given(j, "--rule"), way = choice_of(j, "--smooth");
+    const int adapts = is_given(j, "--coarsen") || (of_mesh && d->sizes != NULL);
+    pbw_plane_options first = *options;
     pbw_plane_input input;
-    pbw_plane plane;
-    result r;
     pbw_status status;
-    const double start = now();
-    int failed;
     memset(&input, 0, sizeof input);
-    memset(&r, 0, sizeof r);
     input.points = d->points;
     input.point_count = d->point_count;
     input.segments = d->segments;
@@ -319,7 +371,32 @@ static int make(job *j, const plan *d, const pbw_plane_options *options)
     input.hole_count = d->hole_count;
     input.regions = d->regions;
     input.region_count = d->region_count;
-    status = pbw_plane_make(&input, options, &plane);
+    input.sizes = d->sizes;
+    first.flags &= adapts ? ~(PBW_PLANE_REFINE | PBW_PLANE_CONFORMING) : ~0u;
+    status = of_mesh ? pbw_plane_from_triangles(d->points, d->point_count, d->triangles, d->triangle_count, &first,
+                                                plane)
+           : pbw_plane_make(&input, &first, plane);
+    if (status == PBW_OK && adapts) {
+        status = adapt(j, d, options, plane);
+    }
+    if (status == PBW_OK && way >= 0) {
+        const double before = pbw_plane_quality_of(plane, PBW_PLANE_MIN_ANGLE).mean;
+        status = pbw_plane_smooth(plane, (pbw_plane_way)way, (int)number_of(j, "--rounds", 5), options);
+        note(j, "smoothed: mean of least angles from %.2f to %.2f degrees", before,
+             pbw_plane_quality_of(plane, PBW_PLANE_MIN_ANGLE).mean);
+    }
+    return status;
+}
+
+static int make(job *j, const plan *d, const pbw_plane_options *options)
+{
+    pbw_plane plane;
+    result r;
+    pbw_status status;
+    const double start = now();
+    int failed;
+    memset(&r, 0, sizeof r);
+    status = make_plane(j, d, options, &plane);
     r.plan = d;
     r.plane = &plane;
     if (status != PBW_OK) {
@@ -343,7 +420,7 @@ static int run(job *j)
     int failed;
     memset(&d, 0, sizeof d);
     failed = set_up(j, &d, &options);                /* before the input is read: are the options right? */
-    failed = failed ? failed : read_domain(j, &d);
+    failed = failed ? failed : read_domain(j, &d, column_of(text_of(j, "--size")));
     if (!failed) {
         failed = set_up(j, &d, &options);
     }
@@ -361,7 +438,8 @@ const command command_plane = {
     "The constrained Delaunay triangulation of points and segments, with holes and regions; refined if an angle,\n"
     "an area or a size is given.\n"
     "\n"
-    "input:   .poly (with its .node), .geojson; points: as for pbw mesh\n"
+    "input:   .poly (with its .node), .geojson; points: as for pbw mesh.  Triangles in the plane, of .ele .vtu .msh\n"
+    "         and so on, give their domain, which is triangulated anew; --rule hull takes their points alone\n"
     "output:  .svg .html (regions, segments, angles), .poly; .vtu .msh .msh2 .mesh .ele .node .neigh .obj .ply .off\n"
     "         .stl .inp .su2\n"
     "For those who come from Triangle: -q is --angle, -a --area, -p a .poly, -c --rule hull, -Y --keep-boundary,\n"

@@ -6,6 +6,7 @@
 #define PROGRAM_H
 
 #include "pbw.h"
+#include "pbw_adapt2.h"
 #include "pbw_cells.h"
 #include "pbw_improve.h"
 #include "pbw_io.h"
@@ -23,7 +24,7 @@
 #include <string.h>
 
 #define COMMANDS(X) X(mesh) X(sample) X(check) X(convert) X(bench) X(view) X(locate) X(nearest) X(cells) X(plane) \
-    X(improve) X(solid) X(tiles) X(hash)
+    X(improve) X(solid) X(tiles) X(hash) X(live)
 
 #if defined(__GNUC__)
 #define PRINTF(a, b) __attribute__((format(printf, a, b)))
@@ -173,17 +174,18 @@ pbwio_status write_cell_page(job *j, const char *path, const pbw_cells *cells, p
 /* ---- domain.c ---- */
 
 typedef struct plan {                                 /* of a plane domain */
-    double *points, *holes;
-    pbw_index *segments;
+    double *points, *holes, *sizes;                  /* sizes: one a point, or NULL */
+    pbw_index *segments, *triangles;                 /* triangles: of a mesh that is there already, or NULL */
     pbw_plane_region *regions;
     int *markers;                                    /* one a segment */
-    size_t point_count, segment_count, hole_count, region_count, lines;
+    size_t point_count, segment_count, hole_count, region_count, triangle_count, lines;
     int base;                                        /* number of the first point in its file */
     int has_windings, has_seeds;                     /* closed rings only; a file whose holes are points */
 } plan;
 
-/* Reads the input of the job; returns 0 or the exit status. */
-int read_domain(job *j, plan *d);
+/* Reads the input of the job, and sizes from a column of it, by name or "#" and number; returns 0 or the exit status.
+   */
+int read_domain(job *j, plan *d, const char *column);
 void domain_free(plan *d);
 
 /* ---- expression.c ---- */

@@ -1,7 +1,8 @@
 /* tiles.c: pbw tiles: triangulates points that memory does not hold, tile by tile, into a .pbwt file.
 
    Beside the output, in a folder of scratch files: `state`, replaced as a whole after each step, so that a run that
-   was killed goes on; N.points (records of tile N as they come), N.tree (sorted, with boxes), N.facets (to link). */
+   was killed goes on; N.points (records of tile N as they come), N.tree (sorted, with boxes), N.facets (to link),
+   N.border (simplices with a corner that may be given up). */
 #include "program.h"
 #include "pbw_tilefile.h"
 #include <errno.h>
@@ -11,6 +12,7 @@
 #include <direct.h>
 #define make_folder(path) _mkdir(path)
 #else
+#include <pthread.h>
 #include <unistd.h>
 #define make_folder(path) mkdir(path, 0777)
 extern int truncate(const char *path, off_t length);         /* strict C modes hide it */
@@ -26,7 +28,7 @@ static const option tiles_options[] = {
     { NULL, NULL, NULL, SWITCH, 0, 0, NULL }
 };
 
-enum { NAME = 1200, SAMPLES = 65536, BUFFER = 4096 };
+enum { NAME = 1200, SAMPLES = 65536, BUFFER = 4096, AT_A_TIME = 4 };
 
 typedef struct tile_state {
     uint64_t given, facets, hull, halo, later, rounds, questions, simplices;
@@ -53,8 +55,9 @@ typedef struct work {
     pbwtf_map *map;
     pbwt_tree *tree;
     pbwt_summary *summary;
-    pbwt_options options;
+    pbwt_options options;                            /* build: with all memory and threads */
     pbwt_limits limits;
+    int jobs;                                        /* tiles at a time */
     double start;
 } work;
 
@@ -276,9 +279,27 @@ static int write_tree(const work *w, const pbwt_tree *tree, const char *name)
     return good && rename(part, name) == 0 ? 0 : cannot(w, name);
 }
 
+/* The options of one tile when `jobs` are at work: a share of the threads and of the memory. */
+static pbw_options share_of(const work *w, int jobs)
+{
+    pbw_options share = w->options.build;
+    share.threads = share.threads > jobs ? share.threads / jobs : 1;
+    share.memory_limit /= (size_t)jobs;
+    return share;
+}
+
+static int is_interrupted(void *user, pbw_stage stage, double done)
+{
+    (void)user;
+    (void)stage;
+    (void)done;
+    return interrupted;
+}
+
 static int make_tree(const work *w, size_t p)
 {
     char name[NAME], points[NAME], error[PBWTF_ERROR];
+    pbw_options share = share_of(w, w->jobs);
     pbwtf_map map;
     pbwt_tree tree;
     pbw_status status;
@@ -291,13 +312,14 @@ static int make_tree(const work *w, size_t p)
     if (!pbwtf_map_file(name_of(w, "points", p, points), &map, error)) {
         return fail(w->j, "%s", error);
     }
+    share.progress = w->jobs > 1 ? is_interrupted : share.progress;
     status = pbwt_tree_make((int)w->s.dim, (int)p, (const pbwt_point *)(const void *)map.data,
-                            map.size / sizeof(pbwt_point), &w->options.build, &tree);
+                            map.size / sizeof(pbwt_point), &share, &tree);
     pbwtf_unmap(&map);
     if (status != PBW_OK) {
-        return status == PBW_CANCELLED ? stopped(w->j) : fail(w->j, "tile %lu: %s%s", (unsigned long)p,
-                                                              pbw_status_string(status), status == PBW_ERROR_MEMORY
-                                                              ? "; more --tiles need less" : "");
+        return status == PBW_CANCELLED ? FAILURE         /* make_trees says so */
+             : fail(w->j, "tile %lu: %s%s", (unsigned long)p, pbw_status_string(status),
+                    status == PBW_ERROR_MEMORY ? "; more --tiles need less" : "");
     }
     failed = write_tree(w, &tree, name);
     pbwt_tree_free(&tree);
@@ -307,13 +329,32 @@ static int make_tree(const work *w, size_t p)
     return failed;
 }
 
+static pbw_status make_some_trees(void *arg, size_t from, size_t to)
+{
+    const work *w = (const work *)arg;
+    int failed = 0;
+    for (; from < to && !failed; from++) {
+        failed = make_tree(w, from);
+    }
+    return failed ? interrupted ? PBW_CANCELLED : PBW_ERROR_BACKEND : PBW_OK;
+}
+
+/* As many at a time as work.jobs. */
+static pbw_status for_tiles(const work *w, pbw_body *body, void *arg)
+{
+    pbw_options options;
+    memset(&options, 0, sizeof options);
+    options.threads = w->jobs;
+    return pbw_for(&options, w->s.parts, 1, body, arg);
+}
+
 static int make_trees(work *w)
 {
     char name[NAME], error[PBWTF_ERROR];
     size_t p;
-    int failed = 0;
-    for (p = 0; p < w->s.parts && !failed && !w->s.trees; p++) {
-        failed = make_tree(w, p);
+    int failed = !w->s.trees && for_tiles(w, make_some_trees, w) != PBW_OK;
+    if (failed && interrupted) {
+        return stopped(w->j);
     }
     for (p = 0; p < w->s.parts && !failed; p++) {
         tree_head head;
@@ -344,11 +385,14 @@ static int explain_tile(const work *w, const pbwt_tile *tile, size_t p, pbw_stat
         return stopped(w->j);
     }
     if (status == PBW_ERROR_MEMORY) {
-        return fail(w->j, "tile %lu: out of memory within --memory-limit %s: %lu points of its own, %lu of others, "
-                    "%lu given up; more --tiles need less", (unsigned long)p,
-                    text_of(w->j, "--memory-limit") != NULL ? text_of(w->j, "--memory-limit") : "4G",
-                    (unsigned long)(p < w->s.parts ? w->tree[p].count : 0), (unsigned long)tile->foreign_count,
-                    (unsigned long)tile->numbers.given_up);
+        const char *limit = text_of(w->j, "--memory-limit");
+        limit = limit != NULL ? limit : "4G";
+        return p == w->s.parts
+             ? fail(w->j, "out of memory within --memory-limit %s: %lu points, as on surfaces, were given up by the "
+                    "tiles and need to be triangulated at once", limit, (unsigned long)tile->numbers.given_up)
+             : fail(w->j, "tile %lu: out of memory within --memory-limit %s: %lu points of its own, %lu of others, "
+                    "%lu given up; more --tiles need less", (unsigned long)p, limit, (unsigned long)w->tree[p].count,
+                    (unsigned long)tile->foreign_count, (unsigned long)tile->numbers.given_up);
     }
     return status == PBW_ERROR_BACKEND ? cannot(w, w->out)
          : fail(w->j, "tile %lu: %s", (unsigned long)p, pbw_status_string(status));
@@ -380,14 +424,14 @@ static pbw_status run_tile(const work *w, pbwt_tile *tile, size_t p)
     return status;
 }
 
-static int save_facets(const work *w, const pbwt_tile *tile, size_t p)
+static int save(const work *w, const char *what, size_t p, const void *items, size_t count, size_t size)
 {
     char name[NAME];
     FILE *file;
     int good;
     errno = 0;
-    file = fopen(name_of(w, "facets", p, name), "wb");
-    good = file != NULL && fwrite(tile->facets, sizeof *tile->facets, tile->facet_count, file) == tile->facet_count;
+    file = fopen(name_of(w, what, p, name), "wb");
+    good = file != NULL && fwrite(items, size, count, file) == count;
     good = (file == NULL || fclose(file) == 0) && good;
     return good ? 0 : cannot(w, name);
 }
@@ -396,7 +440,9 @@ static int save_facets(const work *w, const pbwt_tile *tile, size_t p)
 static int end_tile(work *w, pbwtf_writer *chunk, const pbwt_tile *tile, size_t p)
 {
     tile_state *t = w->tile + p;
-    int failed = pbwtf_end(chunk, tile, (int)w->s.dim) ? save_facets(w, tile, p) : cannot(w, w->out);
+    int failed = pbwtf_end(chunk, tile, (int)w->s.dim) ? 0 : cannot(w, w->out);
+    failed = failed ? failed : save(w, "facets", p, tile->facets, tile->facet_count, sizeof *tile->facets);
+    failed = failed ? failed : save(w, "border", p, tile->border, tile->border_count, sizeof *tile->border);
     if (failed) {
         return failed;
     }
@@ -417,32 +463,196 @@ static int end_tile(work *w, pbwtf_writer *chunk, const pbwt_tile *tile, size_t 
     return save_state(w);
 }
 
-static int build_tile(work *w, FILE *out, size_t p)
-{
+/* ---- several at a time: triangulated in any order, written in their own, so that the output does not depend on how
+   many.  A tile whose turn has not come waits with its first simplex. */
+
+typedef struct crew {
+    work *w;
+    FILE *out;
+    size_t next;                                     /* the tile to begin */
+    int stop, failed, short_of_memory;
+#ifndef _WIN32
+    pthread_mutex_t lock;                            /* for all of the crew, the report and work.s.done */
+    pthread_cond_t turn;
+#endif
+} crew;
+
+typedef struct hand {
+    crew *c;
+    size_t tile;
+    int has_turn;
+    pbwt_options options;
     pbwtf_writer chunk;
-    pbwt_tile tile;
-    pbw_status status;
-    int failed = 0;
-    errno = 0;
-    pbwtf_begin(&chunk, out, w->tree + p, (uint32_t)p, (w->s.weighted ? PBWTF_WEIGHTS : 0)
-                | (w->s.links ? PBWTF_LINKS : 0));
-    w->options.emit = pbwtf_emit;
-    w->options.emit_user = &chunk;
-    status = pbwt_open(&tile, w->tree + p, w->summary, (int)w->s.parts, &w->options);
-    status = status != PBW_OK ? status : run_tile(w, &tile, p);
-    failed = status == PBW_OK ? end_tile(w, &chunk, &tile, p) : explain_tile(w, &tile, p, status);
-    if (!failed) {
+} hand;
+
+#ifdef _WIN32                                        /* one at a time */
+static void crew_start(crew *c) { (void)c; }
+static void crew_end(crew *c) { (void)c; }
+static void enter(crew *c) { (void)c; }
+static void leave(crew *c) { (void)c; }
+static void await(crew *c) { c->stop = 1; }
+static void wake(crew *c) { (void)c; }
+#else
+static void crew_start(crew *c)
+{
+    pthread_mutex_init(&c->lock, NULL);
+    pthread_cond_init(&c->turn, NULL);
+}
+
+static void crew_end(crew *c)
+{
+    pthread_cond_destroy(&c->turn);
+    pthread_mutex_destroy(&c->lock);
+}
+
+static void enter(crew *c) { pthread_mutex_lock(&c->lock); }
+static void leave(crew *c) { pthread_mutex_unlock(&c->lock); }
+static void await(crew *c) { pthread_cond_wait(&c->turn, &c->lock); }
+static void wake(crew *c) { pthread_cond_broadcast(&c->turn); }
+#endif
+
+static int on_tile(void *user, pbw_stage stage, double done)
+{
+    crew *c = ((hand *)user)->c;
+    const pbw_options *build = &c->w->j->build;
+    int stop;
+    if (c->w->jobs == 1) {
+        return build->progress != NULL && build->progress(build->progress_user, stage, done);
+    }
+    enter(c);
+    stop = c->stop || interrupted;
+    leave(c);
+    return stop;
+}
+
+/* Begins the chunk once all tiles before are written; returns 0 if the crew stops. */
+static int take_turn(hand *h)
+{
+    crew *c = h->c;
+    work *w = c->w;
+    enter(c);
+    while (!h->has_turn && !c->stop && w->s.done != h->tile) {
+        await(c);
+    }
+    if (!h->has_turn && !c->stop) {
+        pbwtf_begin(&h->chunk, c->out, w->tree + h->tile, (uint32_t)h->tile,
+                    (w->s.weighted ? PBWTF_WEIGHTS : 0) | (w->s.links ? PBWTF_LINKS : 0));
+        h->has_turn = 1;
+    }
+    leave(c);
+    return h->has_turn;
+}
+
+static pbw_status emit_in_turn(void *user, const pbwt_tile *tile, size_t first, size_t count, const uint32_t *corners,
+                               const uint32_t *links)
+{
+    hand *h = (hand *)user;
+    return h->has_turn || take_turn(h) ? pbwtf_emit(&h->chunk, tile, first, count, corners, links) : PBW_CANCELLED;
+}
+
+/* Writes the end of a tile, or says why it failed, and passes the turn on. */
+static void end_turn(hand *h, const pbwt_tile *tile, pbw_status status)
+{
+    crew *c = h->c;
+    work *w = c->w;
+    const size_t p = h->tile;
+    size_t q;
+    enter(c);
+    if (status == PBW_OK) {
+        c->failed = end_tile(w, &h->chunk, tile, p);
+    } else if (!c->stop && status == PBW_ERROR_MEMORY && w->jobs > 1) {
+        c->short_of_memory = 1;
+    } else if (!c->stop) {
+        c->failed = explain_tile(w, tile, p, status);
+    }
+    c->stop |= status != PBW_OK || c->failed;
+    if (!c->stop) {
         say(w->j, "tile", now() - w->start, "%lu of %u: %lu points, halo %lu + %lu, %lu simplices, %lu rounds, "
             "%lu given up", (unsigned long)p + 1, w->s.parts, (unsigned long)w->tree[p].count,
-            (unsigned long)tile.numbers.halo, (unsigned long)tile.numbers.later,
-            (unsigned long)tile.numbers.simplices, (unsigned long)tile.numbers.rounds,
-            (unsigned long)tile.numbers.given_up);
+            (unsigned long)tile->numbers.halo, (unsigned long)tile->numbers.later,
+            (unsigned long)tile->numbers.simplices, (unsigned long)tile->numbers.rounds,
+            (unsigned long)tile->numbers.given_up);
     }
+    wake(c);
+    leave(c);
+    for (q = 0; q < w->s.parts; q++) {
+        pbwtf_forget(w->map + q);
+    }
+}
+
+static void build_tile(crew *c, size_t p)
+{
+    work *w = c->w;
+    pbwt_tile tile;
+    hand h;
+    pbw_status status;
+    memset(&h, 0, sizeof h);
+    h.c = c;
+    h.tile = p;
+    h.options = w->options;
+    h.options.build = share_of(w, w->jobs);
+    h.options.build.progress = on_tile;
+    h.options.build.progress_user = &h;
+    h.options.emit = emit_in_turn;
+    h.options.emit_user = &h;
+    status = pbwt_open(&tile, w->tree + p, w->summary, (int)w->s.parts, &h.options);
+    status = status != PBW_OK ? status : run_tile(w, &tile, p);
+    status = status == PBW_OK && !take_turn(&h) ? PBW_CANCELLED : status;
+    end_turn(&h, &tile, status);
     pbwt_close(&tile);
+}
+
+static pbw_status work_on(void *arg, size_t from, size_t to)
+{
+    crew *c = (crew *)arg;
+    for (; from < to;) {
+        size_t p;
+        int stop;
+        enter(c);
+        p = c->next++;
+        stop = c->stop;
+        leave(c);
+        if (stop || p >= c->w->s.parts) {
+            break;
+        }
+        build_tile(c, p);
+    }
+    return PBW_OK;
+}
+
+/* Builds tiles from the first that is not done, work.jobs at a time; fewer if memory is too small for that. */
+static int build_rest(work *w, FILE *out)
+{
+    int failed = 0;
+    while (w->s.done < w->s.parts && !failed) {
+        pbw_options options;
+        crew c;
+        memset(&options, 0, sizeof options);
+        memset(&c, 0, sizeof c);
+        errno = 0;
+#ifndef _WIN32
+        failed = fflush(out) != 0 || truncate(w->out, (off_t)w->s.size) != 0;
+#endif
+        if (failed || fseek(out, (long)w->s.size, SEEK_SET) != 0) {
+            return cannot(w, w->out);
+        }
+        c.w = w;
+        c.out = out;
+        c.next = w->s.done;
+        options.threads = w->jobs;
+        crew_start(&c);
+        pbw_for(&options, (size_t)w->jobs, 1, work_on, &c);
+        crew_end(&c);
+        failed = c.failed;
+        if (c.short_of_memory) {
+            w->jobs /= 2;
+            note(w->j, "little memory: on with %d at a time", w->jobs);
+        }
+    }
     return failed;
 }
 
-/* ---- leftovers: tiles are built again, without output, for what they know of them */
+/* ---- leftovers: what tiles know of them is in their chunks, and in their borders */
 
 static int compare_ids(const void *a, const void *b)
 {
@@ -450,48 +660,79 @@ static int compare_ids(const void *a, const void *b)
     return x < y ? -1 : x > y;
 }
 
-/* The ids of all points given up, from the chunks. */
-static uint64_t *given_ids(const work *w, size_t count)
+/* A finished chunk of the output that is not complete yet. */
+static int view_chunk(const work *w, const pbwtf_map *chunks, size_t p, pbwtf_view *view)
+{
+    char error[PBWTF_ERROR];
+    pbwtf_header header;
+    pbwtf_file file;
+    memset(&header, 0, sizeof header);
+    header.dim = w->s.dim;
+    header.flags = (w->s.weighted ? PBWTF_WEIGHTS : 0) | (w->s.links ? PBWTF_LINKS : 0);
+    header.chunks = 1;
+    file.map = *chunks;
+    file.header = &header;
+    file.table = &w->tile[p].entry;
+    return pbwtf_view_of(&file, 0, view, error);
+}
+
+/* A tile as it was when it ended, for pbwt_leftovers; foreign points, only their ids, are allocated.  Returns 0
+   without memory. */
+static int recall(const work *w, const pbwtf_view *view, const pbwtf_map *border, size_t p, pbwt_tile *tile)
+{
+    const size_t count = (size_t)view->chunk->foreign, each = view->foreign_size;
+    pbwt_vertex *foreign = (pbwt_vertex *)calloc(count + 1, sizeof *foreign);
+    size_t i;
+    memset(tile, 0, sizeof *tile);
+    tile->dim = (int)w->s.dim;
+    tile->tree = w->tree + p;
+    tile->numbers.simplices = (size_t)view->chunk->simplices;
+    tile->leftovers = view->given;
+    tile->leftover_count = (size_t)view->chunk->given;
+    tile->border = (const uint32_t *)(const void *)border->data;
+    tile->border_count = border->size / sizeof(uint32_t);
+    tile->foreign = foreign;
+    tile->foreign_count = count;
+    for (i = 0; i < count && foreign != NULL; i++) {
+        memcpy(&foreign[i].point.id, view->foreign + (i + 1) * each - 2, sizeof foreign[i].point.id);
+    }
+    return foreign != NULL;
+}
+
+/* The ids of all points given up, ascending. */
+static uint64_t *given_ids(const work *w, const pbwtf_map *chunks, size_t count)
 {
     uint64_t *ids = (uint64_t *)malloc((count + 1) * sizeof *ids);
-    FILE *file = fopen(w->out, "rb");
+    pbwtf_view view;
     size_t p, i, n = 0;
-    int good = ids != NULL && file != NULL;
-    for (p = 0; p < w->s.parts && good; p++) {
-        pbwtf_chunk chunk;
-        good = fseek(file, (long)w->tile[p].entry.offset, SEEK_SET) == 0 && fread(&chunk, sizeof chunk, 1, file) == 1
-            && fseek(file, (long)(w->tile[p].entry.offset + pbwtf_across_offset(&chunk) - (chunk.given + 1) / 2 * 8),
-                     SEEK_SET) == 0;
-        for (i = 0; i < w->tile[p].given && good; i++) {
-            uint32_t index;
-            good = fread(&index, sizeof index, 1, file) == 1 && index < w->tree[p].count && n < count;
-            ids[n++] = good ? w->tree[p].points[index].id : 0;
+    for (p = 0; p < w->s.parts && ids != NULL; p++) {
+        const size_t lost = view_chunk(w, chunks, p, &view) ? (size_t)view.chunk->given : 0;
+        for (i = 0; i < lost && n < count; i++) {
+            ids[n++] = w->tree[p].points[view.given[i]].id;
         }
     }
-    if (file != NULL) {
-        fclose(file);
+    if (ids != NULL) {
+        qsort(ids, n, sizeof *ids, compare_ids);
     }
-    if (!good) {
-        free(ids);
-        return NULL;
-    }
-    qsort(ids, n, sizeof *ids, compare_ids);
     return ids;
 }
 
-static pbw_status know(work *w, const uint64_t *ids, size_t count, pbwt_bytes *known)
+/* What all tiles know of the points given up, in the order of the tiles. */
+static pbw_status know(const work *w, const pbwtf_map *chunks, const uint64_t *ids, size_t count, pbwt_bytes *known)
 {
     pbw_status status = PBW_OK;
     size_t p;
-    w->options.emit = NULL;
-    w->options.no_links = 1;
     for (p = 0; p < w->s.parts && status == PBW_OK; p++) {
-        pbwt_tile tile;
+        char name[NAME], error[PBWTF_ERROR], *grown = NULL;
+        pbwtf_map border = { NULL, 0 };
         pbwt_bytes piece = { NULL, 0 };
-        char *grown = NULL;
-        status = pbwt_open(&tile, w->tree + p, w->summary, (int)w->s.parts, &w->options);
-        status = status != PBW_OK ? status : run_tile(w, &tile, p);
-        status = status != PBW_OK ? status : pbwt_leftovers(&tile, ids, count, &piece);
+        pbwtf_view view;
+        pbwt_tile tile;
+        if (!pbwtf_map_file(name_of(w, "border", p, name), &border, error) || !view_chunk(w, chunks, p, &view)) {
+            pbwtf_unmap(&border);
+            return PBW_ERROR_BACKEND;
+        }
+        status = recall(w, &view, &border, p, &tile) ? pbwt_leftovers(&tile, ids, count, &piece) : PBW_ERROR_MEMORY;
         grown = status == PBW_OK ? (char *)realloc(known->data, known->size + piece.size + 1) : NULL;
         if (grown != NULL) {
             memcpy(grown + known->size, piece.data, piece.size);
@@ -499,30 +740,40 @@ static pbw_status know(work *w, const uint64_t *ids, size_t count, pbwt_bytes *k
             known->size += piece.size;
         }
         status = status == PBW_OK && grown == NULL ? PBW_ERROR_MEMORY : status;
+        free((void *)(size_t)tile.foreign);
         pbwt_bytes_free(w->tree + p, &piece);
-        pbwt_close(&tile);
+        pbwtf_unmap(&border);
+        pbwtf_forget(w->map + p);
     }
-    w->options.no_links = !w->s.links;
     return status;
 }
 
+/* Triangulates the leftovers at once, and writes them as the last chunk. */
 static int build_leftovers(work *w, FILE *out, size_t count)
 {
-    uint64_t *ids = given_ids(w, count);
+    const size_t limit = w->options.build.memory_limit;
     pbwt_bytes known = { NULL, 0 };
+    uint64_t *ids = NULL;
+    char error[PBWTF_ERROR];
+    pbwtf_map chunks;
     pbwtf_writer chunk;
+    pbwt_options options = w->options;
     pbwt_tile tile;
-    pbw_status status;
+    pbw_status status = PBW_ERROR_MEMORY;
     int failed;
     memset(&tile, 0, sizeof tile);
-    if (ids == NULL) {
+    if (fseek(out, (long)w->s.size, SEEK_SET) != 0 || !pbwtf_map_file(w->out, &chunks, error)) {
         return cannot(w, w->out);
     }
-    status = know(w, ids, count, &known);
+    ids = given_ids(w, &chunks, count);
+    status = ids != NULL ? know(w, &chunks, ids, count, &known) : PBW_ERROR_MEMORY;
+    pbwtf_unmap(&chunks);
+    free(ids);
     pbwtf_begin(&chunk, out, NULL, w->s.parts, (w->s.weighted ? PBWTF_WEIGHTS : 0) | (w->s.links ? PBWTF_LINKS : 0));
-    w->options.emit = pbwtf_emit;
-    w->options.emit_user = &chunk;
-    status = status != PBW_OK ? status : pbwt_finish(&tile, (int)w->s.dim, (int)w->s.parts, &known, &w->options);
+    options.emit = pbwtf_emit;
+    options.emit_user = &chunk;
+    options.build.memory_limit = limit > known.size ? limit - known.size : 1;
+    status = status != PBW_OK ? status : pbwt_finish(&tile, (int)w->s.dim, (int)w->s.parts, &known, &options);
     tile.numbers.given_up = count;
     failed = status == PBW_OK ? end_tile(w, &chunk, &tile, w->s.parts) : explain_tile(w, &tile, w->s.parts, status);
     if (!failed) {
@@ -531,7 +782,6 @@ static int build_leftovers(work *w, FILE *out, size_t count)
     }
     pbwt_close(&tile);
     free(known.data);
-    free(ids);
     return failed;
 }
 
@@ -634,15 +884,7 @@ static int build_tiles(work *w)
         failed = fwrite(&nothing, sizeof nothing, 1, out) != 1;
         w->s.size = sizeof nothing;
     }
-#ifndef _WIN32
-    failed |= out == NULL || fflush(out) != 0 || truncate(w->out, (off_t)w->s.size) != 0;
-#endif
-    if (failed || out == NULL || fseek(out, 0, SEEK_END) != 0) {
-        failed = cannot(w, w->out);
-    }
-    for (p = w->s.done; p < w->s.parts && !failed; p++) {
-        failed = build_tile(w, out, p);
-    }
+    failed = failed || out == NULL ? cannot(w, w->out) : build_rest(w, out);
     for (p = 0; p < w->s.parts && !failed; p++) {
         left_over += w->tile[p].given;
     }
@@ -658,20 +900,46 @@ static int build_tiles(work *w)
 
 /* ---- the command */
 
-/* A tile holds about 320 (3D) or 130 (2D) bytes a point of its own, with a tenth of others. */
-static uint32_t parts_for(const work *w)
+/* Bytes that a tile holds for each point of its own, with a tenth of others and what it reads of files. */
+static double bytes_each(const work *w)
 {
-    const double limit = w->j->build.memory_limit > 0 ? (double)w->j->build.memory_limit : 4294967296.0;
-    const double need = (w->s.dim == 3 ? 360.0 : 150.0) * (double)w->s.points;
-    const double parts = ceil(need / limit);
+    return w->s.dim == 3 ? 410 : 200;
+}
+
+/* Tiles of which some fit at a time, whatever the number of threads, unless they would be small. */
+static uint32_t parts_for(const work *w, double limit)
+{
+    const double n = (double)w->s.points, need = ceil(bytes_each(w) * n / limit);
+    const double parts = fmax(need, fmin(AT_A_TIME * need, floor(n / 250000)));
     return (uint32_t)number_of(w->j, "--tiles", parts < 1 ? 1 : parts > 65536 ? 65536 : parts);
+}
+
+/* How many tiles fit at a time, if each gets at least one thread. */
+static int jobs_for(work *w)
+{
+    const pbw_options *build = &w->options.build;
+    const double tile = bytes_each(w) * (double)w->s.points / w->s.parts;
+    double jobs = floor((double)build->memory_limit / (tile > 1 ? tile : 1));
+#ifdef _WIN32
+    jobs = 1;
+#else
+    if (build->threads == 0) {
+        const long cores = sysconf(_SC_NPROCESSORS_ONLN);
+        w->options.build.threads = cores > 256 ? 256 : cores > 1 ? (int)cores : 1;
+    }
+#endif
+    jobs = fmin(fmin(jobs, build->threads), w->s.parts);
+    return jobs > 1 ? (int)jobs : 1;
 }
 
 static int prepare(work *w)
 {
     memcpy(w->s.magic, "PBWSTAT1", 8);
     w->s.links = !is_given(w->j, "--no-links");
-    w->s.parts = parts_for(w);
+    w->options.build = w->j->build;
+    w->options.build.memory_limit = w->j->build.memory_limit > 0 ? w->j->build.memory_limit : (size_t)1 << 32;
+    w->s.parts = parts_for(w, (double)w->options.build.memory_limit);
+    w->jobs = jobs_for(w);
     w->tile = (tile_state *)calloc(w->s.parts + 1, sizeof *w->tile);
     w->map = (pbwtf_map *)calloc(w->s.parts, sizeof *w->map);
     w->tree = (pbwt_tree *)calloc(w->s.parts, sizeof *w->tree);
@@ -679,8 +947,6 @@ static int prepare(work *w)
     if (w->tile == NULL || w->map == NULL || w->tree == NULL || w->summary == NULL) {
         return fail(w->j, "out of memory");
     }
-    w->options.build = w->j->build;
-    w->options.build.memory_limit = w->j->build.memory_limit > 0 ? w->j->build.memory_limit : (size_t)1 << 32;
     w->options.weighted = (int)w->s.weighted;
     w->options.no_links = !w->s.links;
     w->limits.work = (size_t)number_of(w->j, "--work", 0);
@@ -701,14 +967,14 @@ static int prepare(work *w)
 
 static void clean(work *w)
 {
-    static const char *const kinds[] = { "points", "tree", "facets" };
+    static const char *const kinds[] = { "points", "tree", "facets", "border" };
     char name[NAME];
     size_t p, k;
     for (p = 0; p < w->s.parts; p++) {
         pbwtf_unmap(w->map + p);
     }
     for (p = 0; p <= w->s.parts; p++) {
-        for (k = 0; k < 3; k++) {
+        for (k = 0; k < 4; k++) {
             remove(name_of(w, kinds[k], p, name));
         }
     }

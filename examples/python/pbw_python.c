@@ -43,6 +43,9 @@ pbw_mesh *pbw_python_build(int dim, const double *points, const double *weights,
 void pbw_python_copy(const pbw_mesh *mesh, int32_t *simplices, int32_t *neighbors, int32_t *incident,
                      int32_t *canonical);
 void pbw_python_free(pbw_mesh *mesh);
+int pbw_python_live(const arrays *a, const watch *w, pbw_live **live);
+pbw_mesh *pbw_python_live_view(pbw_live *live, int *status, size_t *points, size_t *simplices);
+void pbw_python_copy_points(const pbw_mesh *mesh, double *points, double *weights);
 void pbw_python_try_all(const arrays *mesh, const double *queries, size_t count, int32_t *found);
 int pbw_python_locate(const arrays *a, const double *queries, size_t count, int32_t *found, int32_t *facets);
 int pbw_python_nearest(const arrays *a, const double *queries, size_t count, size_t k, int32_t *points,
@@ -92,10 +95,14 @@ void pbw_python_copy(const pbw_mesh *mesh, int32_t *simplices, int32_t *neighbor
                      int32_t *canonical)
 {
     size_t bytes = mesh->simplex_count * (size_t)(mesh->dim + 1) * sizeof(int32_t);
-    memcpy(simplices, mesh->simplices, bytes);
-    memcpy(neighbors, mesh->neighbors, bytes);
-    memcpy(incident, mesh->incident, mesh->point_count * sizeof(int32_t));
-    memcpy(canonical, mesh->canonical, mesh->point_count * sizeof(int32_t));
+    if (bytes > 0) {
+        memcpy(simplices, mesh->simplices, bytes);
+        memcpy(neighbors, mesh->neighbors, bytes);
+    }
+    if (mesh->point_count > 0) {
+        memcpy(incident, mesh->incident, mesh->point_count * sizeof(int32_t));
+        memcpy(canonical, mesh->canonical, mesh->point_count * sizeof(int32_t));
+    }
 }
 
 void pbw_python_free(pbw_mesh *mesh)
@@ -221,6 +228,43 @@ int pbw_python_solid(const pbw_solid_input *input, const pbw_solid_options *how,
 {
     const pbw_options options = watched(w);
     return (int)pbw_solid(input, how, &options, mesh, report);
+}
+
+/* A live triangulation of a mesh, or of no points.  The watch must outlive it; pbw_live_free it. */
+int pbw_python_live(const arrays *a, const watch *w, pbw_live **live)
+{
+    pbw_mesh mesh;
+    pbw_options options;
+    watch unused;
+    view(a, &mesh, &options, &unused);
+    options.progress_user = (void *)(uintptr_t)w;
+    const pbw_status status = pbw_live_create(&mesh, &options, live);
+    return (int)(status == PBW_DEGENERATE ? PBW_OK : status);
+}
+
+/* What it is now, as pbw_python_build; without simplices if *status is PBW_DEGENERATE. */
+pbw_mesh *pbw_python_live_view(pbw_live *live, int *status, size_t *points, size_t *simplices)
+{
+    pbw_mesh *mesh = (pbw_mesh *)calloc(1, sizeof *mesh);
+    *status = mesh == NULL ? (int)PBW_ERROR_MEMORY : (int)pbw_live_view(live, mesh);
+    if (mesh != NULL && *status != PBW_OK && *status != PBW_DEGENERATE) {
+        pbw_python_free(mesh);
+        mesh = NULL;
+    }
+    *points = mesh != NULL ? mesh->point_count : 0;
+    *simplices = mesh != NULL ? mesh->simplex_count : 0;
+    return mesh;
+}
+
+/* weights: room for all, left alone where there are none. */
+void pbw_python_copy_points(const pbw_mesh *mesh, double *points, double *weights)
+{
+    if (mesh->point_count > 0) {
+        memcpy(points, mesh->points, mesh->point_count * (size_t)mesh->dim * sizeof(double));
+    }
+    if (mesh->weights != NULL) {
+        memcpy(weights, mesh->weights, mesh->point_count * sizeof(double));
+    }
 }
 
 /* The neighbours of each point p, ascending, in indices[indptr[p]] to indices[indptr[p + 1] - 1].  Point by point,

@@ -54,12 +54,13 @@ function paths_of(frame) {
 
 function paint() {
   const style = getComputedStyle(document.documentElement), ink = style.getPropertyValue('--ink');
+  canvas.style.width = '';                       // all of the page's
   const wide = canvas.clientWidth, ratio = window.devicePixelRatio || 1, room = window.innerHeight - 190;
   const scale = Math.min(wide / (box[2] - box[0]), Math.max(room, 240) / (box[3] - box[1]));
   canvas.width = Math.round((box[2] - box[0]) * scale * ratio);
   canvas.height = Math.round((box[3] - box[1]) * scale * ratio);
-  canvas.style.height = canvas.height / ratio + 'px';
-  canvas.style.width = canvas.width / ratio + 'px';
+  canvas.style.height = canvas.height / ratio + 2 + 'px';                 // and a border
+  canvas.style.width = canvas.width / ratio + 2 + 'px';
   $('number').value = frames.length ? at + 1 + ' of ' + frames.length : 'no frames';
   if (!frames.length) return;
   $('frame').value = at;
@@ -119,7 +120,7 @@ $('back').onclick = () => step(-1);
 $('on').onclick = () => step(1);
 $('frame').oninput = () => { play(false); go(+$('frame').value); };
 $('edges').onchange = paint;
-window.onresize = () => { canvas.style.width = ''; paint(); };
+window.onresize = paint;
 window.onkeydown = event => {
   if (event.target.tagName === 'SELECT') return;
   if (event.key === ' ' && event.target.tagName !== 'BUTTON') { event.preventDefault(); play(!playing); }

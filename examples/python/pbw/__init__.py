@@ -7,6 +7,8 @@
     tri.nearest([[0.5, 0.5, 0.5]], k=8)              # distances, points
     scipy.interpolate.LinearNDInterpolator(tri, values)
     pbw.interpolate(points, values, xi, method="sibson")
+    live = pbw.Live(points)                          # points that are inserted, removed and moved
+    live.move([0, 1], [[0.1, 0.2, 0.3], [0.4, 0.5, 0.6]]); live.commit()
     pbw.Voronoi(points).regions                      # as scipy.spatial.Voronoi
     pbw.power_cells(points, weights, box=[(0, 0, 0), (1, 1, 1)], periodic="xyz").volumes
     pbw.lloyd(points, steps=20)
@@ -29,7 +31,8 @@ What is different from SciPy
   * Cocircular and cospherical points: any triangulation is right; ours depends on the set of points alone.
   * 2D and 3D only, no furthest_site.  qhull_options have no effect; Qu, QG and QV, which ask for other simplices, are
     refused.  QJ moves no point: a duplicate stays one.
-  * add_points triangulates anew.
+  * add_points keeps numbers of points, not of simplices; restart=True gives the same triangulation.  It takes
+    weights= where the triangulation has weights.
   * Arrays are copies, made at first use: what is written to them changes no later find_simplex.
   * Voronoi merges vertices that coincide exactly, and no others.  Vertices, ridges and regions come in another order.
     In 3D there are ridges of one vertex and -1, wedges to infinity, which Qhull leaves out; where more than three
@@ -41,8 +44,9 @@ from ._delaunay import Delaunay, tsearch
 from ._errors import Error, QhullError
 from ._interpolate import interpolate
 from ._library import version as __version__
+from ._live import Changes, Live
 from ._plane import polygon, triangulate
 from ._tets import Tets, improve, solid
 
-__all__ = ["Cells", "Delaunay", "Error", "QhullError", "Tets", "Voronoi", "improve", "interpolate", "lloyd", "polygon",
-           "power_cells", "solid", "triangulate", "tsearch", "__version__"]
+__all__ = ["Cells", "Changes", "Delaunay", "Error", "Live", "QhullError", "Tets", "Voronoi", "improve", "interpolate",
+           "lloyd", "polygon", "power_cells", "solid", "triangulate", "tsearch", "__version__"]

@@ -5,7 +5,8 @@ from functools import cached_property
 import numpy as np
 
 from . import _library
-from ._delaunay import checked_points, checked_weights, check_options
+from ._arguments import check_options, checked_more, checked_points, checked_weights
+from ._handle import Handle
 from ._library import Mesh
 from ._scipy import as_scipy
 
@@ -123,10 +124,12 @@ class Voronoi:
     def __init__(self, points, furthest_site=False, incremental=False, qhull_options=None, *, threads=0):
         check_options(furthest_site, qhull_options, threads)
         self._incremental, self._threads = bool(incremental), threads
-        self._build(checked_points(points))
+        self._handle = None
+        self._build(Mesh(checked_points(points), None, threads, None))
 
-    def _build(self, points):
-        mesh = Mesh(points, None, self._threads, None)
+    def _build(self, mesh):
+        points = mesh.points
+        self._mesh = mesh if self._incremental else None
         cells = mesh.cells(None, FACETS | SHAPES | MERGE)
         self.points, self.ndim, self.npoints = points.copy(), points.shape[1], len(points)
         self.min_bound, self.max_bound = points.min(axis=0), points.max(axis=0)
@@ -154,14 +157,21 @@ class Voronoi:
         return {tuple(pair): ridge for pair, ridge in zip(self.ridge_points.tolist(), self.ridge_vertices)}
 
     def add_points(self, points, restart=False):
-        """The diagram of the old points and these, made anew; for Voronoi(..., incremental=True)."""
+        """The diagram of the old points and these, for Voronoi(..., incremental=True).  The triangulation is changed
+        where the points are; cells are made anew.  restart: the triangulation, too."""
         if not self._incremental:
             raise RuntimeError("points are added after Voronoi(..., incremental=True) and before close() only")
-        points = checked_points(points)
-        if points.shape[1] != self.ndim:
-            raise ValueError("points to add must have the shape (n, %d), not %s" % (self.ndim, points.shape))
-        self._build(np.concatenate([self.points, points]))
+        points = checked_more(points, None, self._mesh)[0]
+        handle, self._handle = self._handle, None
+        if restart:
+            self._build(Mesh(np.concatenate([self._mesh.points, points]), None, self._threads, None))
+        else:
+            handle = handle or Handle(self._mesh, None)
+            handle.insert(points, None)
+            handle.commit(changes=False)
+            self._build(handle.mesh())
+            self._handle = handle
 
     def close(self):
         """No more points will be added."""
-        self._incremental = False
+        self._incremental, self._mesh, self._handle = False, None, None

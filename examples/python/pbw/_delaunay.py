@@ -5,41 +5,13 @@ from functools import cached_property
 import numpy as np
 
 from . import _geometry
+from ._arguments import check_options, checked_more, checked_points, checked_weights
 from ._errors import not_finite
+from ._handle import Handle
 from ._library import Mesh
 from ._scipy import as_scipy, own
 
 SCHEMES = "linear", "sibson", "laplace"           # in the order of pbw_scheme
-
-
-def checked_points(points):
-    if np.ma.isMaskedArray(points):
-        raise ValueError("points cannot be a masked array")
-    points = np.array(points, dtype=np.float64, order="C")
-    if points.ndim != 2 or points.shape[1] not in (2, 3):
-        raise ValueError("points must have the shape (npoints, 2) or (npoints, 3), not %s" % (points.shape,))
-    if len(points) >= 2 ** 31:
-        raise ValueError("%d points are too many for 32-bit indices" % len(points))
-    return points
-
-
-def checked_weights(weights, count):
-    weights = np.array(weights, dtype=np.float64, order="C")
-    if weights.shape != (count,):
-        raise ValueError("weights must have the shape (%d,), one for each point, not %s" % (count, weights.shape))
-    return weights
-
-
-def check_options(furthest_site, qhull_options, threads):
-    if isinstance(qhull_options, bytes):
-        qhull_options = qhull_options.decode("ascii", "replace")
-    for option in (qhull_options or "").split():
-        if option[:2] in ("Qu", "QG", "QV"):
-            raise ValueError("the Qhull option %s is not supported" % option)
-    if furthest_site:
-        raise ValueError("furthest_site is not supported")
-    if not 0 <= operator.index(threads) <= 256:
-        raise ValueError("threads must be 0 (one for each core) to 256, not %d" % threads)
 
 
 def _empty(cls):
@@ -81,7 +53,7 @@ class Delaunay:
         if weights is not None:
             weights = checked_weights(weights, len(points))
         self._incremental, self._threads, self._progress = bool(incremental), threads, progress
-        self._mesh = Mesh(points, weights, threads, progress)
+        self._mesh, self._handle = Mesh(points, weights, threads, progress), None
 
     def __repr__(self):
         kind = "points" if self._mesh.weights is None else "weighted points"
@@ -93,7 +65,7 @@ class Delaunay:
     def __reduce__(self):
         """Without what can be made again.  (pickle's own way stops at a __class__ that is not the type.)"""
         state = {name: value for name, value in self.__dict__.items() if name not in _MADE}
-        state["_progress"] = None
+        state["_progress"] = state["_handle"] = None
         return _empty, (own(type(self)),), state
 
     # Shape and arrays
@@ -127,11 +99,11 @@ class Delaunay:
 
     @cached_property
     def min_bound(self):
-        return self._mesh.points.min(axis=0)
+        return self._mesh.points[self._mesh.canonical >= 0].min(axis=0)
 
     @cached_property
     def max_bound(self):
-        return self._mesh.points.max(axis=0)
+        return self._mesh.points[self._mesh.canonical >= 0].max(axis=0)
 
     @cached_property
     def good(self):
@@ -139,17 +111,18 @@ class Delaunay:
 
     @cached_property
     def vertex_to_simplex(self):
-        return self._mesh.incident[self._mesh.canonical]
+        canonical = self._mesh.canonical
+        return np.where(canonical < 0, np.int32(-1), self._mesh.incident[canonical])
 
     @cached_property
     def coplanar(self):
         canonical, incident = self._mesh.canonical, self._mesh.incident
-        duplicates = np.flatnonzero(canonical != np.arange(self.npoints)).astype(np.int32)
+        duplicates = np.flatnonzero((canonical >= 0) & (canonical != np.arange(self.npoints))).astype(np.int32)
         return np.column_stack([duplicates, incident[canonical[duplicates]], canonical[duplicates]])
 
     @cached_property
     def hidden(self):
-        own_place = self._mesh.canonical == np.arange(self.npoints)
+        own_place = (self._mesh.canonical == np.arange(self.npoints)) & (self._mesh.weights is not None)
         return np.flatnonzero(own_place & (self._mesh.incident < 0)).astype(np.int32)
 
     @cached_property
@@ -237,22 +210,42 @@ class Delaunay:
         return xi.shape[:-1], np.ascontiguousarray(xi.reshape(-1, self.ndim))
 
     # Changes
-    def add_points(self, points, restart=False):
-        """The triangulation of the old points and these, made anew; for Delaunay(..., incremental=True)."""
+    def add_points(self, points, restart=False, *, weights=None):
+        """Inserts points into the triangulation of Delaunay(..., incremental=True); restart: makes it anew instead.
+
+        weights: one for each point, for triangulations with weights.  After an exception all is as before.
+        """
         if not self._incremental:
             raise RuntimeError("points are added after Delaunay(..., incremental=True) and before close() only")
-        if self._mesh.weights is not None:
-            raise ValueError("points are added to triangulations without weights only")
-        points = checked_points(points)
-        if points.shape[1] != self.ndim:
-            raise ValueError("points to add must have the shape (n, %d), not %s" % (self.ndim, points.shape))
-        self._mesh = Mesh(np.concatenate([self._mesh.points, points]), None, self._threads, self._progress)
-        for name in _MADE:
-            self.__dict__.pop(name, None)
+        points, weights = checked_more(points, weights, self._mesh)
+        if restart:
+            self._handle = None
+            old = self._mesh
+            self._mesh = Mesh(np.concatenate([old.points, points]),
+                              None if weights is None else np.concatenate([old.weights, weights]), self._threads,
+                              self._progress)
+        else:
+            self._mesh = self._changed(lambda handle: handle.insert(points, weights))
+        self._forget()
 
     def close(self):
         """No more points will be added."""
-        self._incremental = False
+        self._incremental, self._handle = False, None
+
+    def _changed(self, queue):
+        """The Mesh after a change that queue(handle) makes.  Where that fails, the handle, which may have changes in
+        its queue, is given up: the next one is made of the mesh."""
+        handle, self._handle = self._handle or Handle(self._mesh, self._progress), None
+        queue(handle)
+        handle.commit(changes=False)
+        mesh = handle.mesh()
+        self._handle = handle
+        return mesh
+
+    def _forget(self):
+        """Drops arrays that were made of an older mesh."""
+        for name in _MADE:
+            self.__dict__.pop(name, None)
 
 
 _MADE = [name for name, value in vars(Delaunay).items() if isinstance(value, cached_property)]

@@ -11,7 +11,7 @@ import numpy as np
 from . import _errors
 
 _PROGRESS = ctypes.CFUNCTYPE(ctypes.c_int, ctypes.c_int, ctypes.c_double)
-_STAGES = ("order", "build", "output", "check")
+_STAGES = ("order", "build", "output", "check", "work")
 
 
 def _pointers(names):
@@ -49,6 +49,18 @@ class _PlaneWish(ctypes.Structure):
     """struct plane_wish of pbw_python.c."""
     _fields_ = [("rule", ctypes.c_int), ("threads", ctypes.c_int), ("flags", ctypes.c_uint),
                 ("angle", ctypes.c_double), ("area", ctypes.c_double), ("steiner_limit", ctypes.c_size_t)]
+
+
+class _Watch(ctypes.Structure):
+    """struct watch of pbw_python.c."""
+    _fields_ = [("stop", ctypes.POINTER(ctypes.c_int)), ("progress", _PROGRESS)]
+
+
+class _Changes(ctypes.Structure):
+    """pbw_changes."""
+    _fields_ = [("way", ctypes.c_int), *((name, ctypes.c_size_t) for name in ("deleted_count", "made_count",
+                                                                            "point_count")),
+                *_pointers("deleted made points memory")]
 
 
 class _Plane(ctypes.Structure):
@@ -90,6 +102,7 @@ def _declare(library):
     library.pbw_python_copy.restype = library.pbw_python_free.restype = None
     library.pbw_python_copy.argtypes = [ctypes.c_void_p, ints, ints, ints, ints]
     library.pbw_python_free.argtypes = [ctypes.c_void_p]
+    _declare_live(library)
     library.pbw_python_try_all.restype = None
     library.pbw_python_try_all.argtypes = [arrays, doubles, size, ints]
     library.pbw_python_locate.argtypes = [arrays, doubles, size, ints, ints]
@@ -108,6 +121,25 @@ def _declare(library):
     library.pbw_plane_free.argtypes = [ctypes.POINTER(_Plane)]
     library.pbw_status_string.restype = ctypes.c_char_p
     library.pbw_version.restype = ctypes.c_int
+
+
+def _declare_live(library):
+    doubles = np.ctypeslib.ndpointer(np.float64, flags="C_CONTIGUOUS")
+    ints = np.ctypeslib.ndpointer(np.int32, flags="C_CONTIGUOUS")
+    size, live = ctypes.c_size_t, ctypes.c_void_p
+    library.pbw_python_live.argtypes = [ctypes.POINTER(_Arrays), ctypes.POINTER(_Watch), ctypes.POINTER(live)]
+    library.pbw_python_live_view.restype = ctypes.c_void_p
+    library.pbw_python_live_view.argtypes = [live, ctypes.POINTER(ctypes.c_int), ctypes.POINTER(size),
+                                             ctypes.POINTER(size)]
+    library.pbw_python_copy_points.restype = None
+    library.pbw_python_copy_points.argtypes = [ctypes.c_void_p, doubles, doubles]
+    library.pbw_live_insert.argtypes = [live, doubles, ctypes.c_void_p, size, ints]
+    library.pbw_live_remove.argtypes = [live, ints, size]
+    library.pbw_live_move.argtypes = [live, ctypes.c_void_p, doubles, size]
+    library.pbw_live_commit.argtypes = [live, ctypes.POINTER(_Changes)]
+    library.pbw_changes_free.restype = library.pbw_live_free.restype = None
+    library.pbw_changes_free.argtypes = [ctypes.POINTER(_Changes)]
+    library.pbw_live_free.argtypes = [live]
 
 
 _library = _load()
@@ -285,12 +317,19 @@ class Mesh:
     """points, weights (or None), simplices, neighbors, incident, canonical: as in pbw_mesh, -1 for PBW_NONE."""
     __slots__ = ("points", "weights", "simplices", "neighbors", "incident", "canonical", "threads")
 
-    def __init__(self, points, weights, threads, progress):
+    def __init__(self, points, weights, threads, progress, made=None):
+        """made: the other arrays, where they are there already."""
         self.points, self.weights, self.threads = points, weights, threads
-        self.simplices, self.neighbors, self.incident, self.canonical = _triangulate(points, weights, threads,
-                                                                                     progress)
+        self.simplices, self.neighbors, self.incident, self.canonical = (
+            made or _triangulate(points, weights, threads, progress))
         for array in (points, self.simplices, self.neighbors, self.incident, self.canonical):
             array.flags.writeable = False
+
+    @staticmethod
+    def empty(dim, weighted, threads):
+        """That of no points."""
+        ints, points = [np.empty(shape, np.int32) for shape in ((0, dim + 1), (0, dim + 1), 0, 0)], np.empty((0, dim))
+        return Mesh(points, np.empty(0) if weighted else None, threads, None, ints)
 
     def _arrays(self):
         count, dim = self.points.shape

@@ -4,7 +4,7 @@ import re
 import numpy as np
 
 from . import _library
-from ._delaunay import checked_points, check_options
+from ._arguments import check_options, checked_points
 
 SPLIT, REFINE, KEEP_BOUNDARY, KEEP_SEGMENTS, CONFORMING = 1, 2, 4, 8, 16        # of PBW_PLANE_*
 HULL, SEEDS, EVEN_ODD, NONZERO = range(4)

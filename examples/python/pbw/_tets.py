@@ -7,7 +7,7 @@ import ctypes
 import numpy as np
 
 from . import _errors
-from ._library import _PROGRESS, _copied, _library, _pointers, _run
+from ._library import _PROGRESS, _Watch, _copied, _library, _pointers, _run
 
 _size, _double = ctypes.c_size_t, ctypes.c_double
 
@@ -58,11 +58,6 @@ class _SolidReport(ctypes.Structure):
                 ("euler", ctypes.c_long), ("input_euler", ctypes.c_long), ("distance", _double), ("size", _double),
                 ("input_volume", _double), ("rounds", ctypes.c_int), ("settled", ctypes.c_int),
                 ("seconds", _double * 4), ("improve", _ImproveReport)]
-
-
-class _Watch(ctypes.Structure):
-    """struct watch of pbw_python.c."""
-    _fields_ = [("stop", ctypes.POINTER(ctypes.c_int)), ("progress", _PROGRESS)]
 
 
 class Tets:

@@ -1,0 +1,1105 @@
+/* pbw_adapt2.h - v0.1.0 - plane meshes: quality, smoothing, adaptation - MIT-0
+
+   QUICK START
+   In one source file, define PBW_ADAPT2_IMPLEMENTATION before the include; in all others, only include.
+   Needs pbw.h and pbw_mesh2.h, with their implementations in some source file.
+
+       pbw_plane next = {0};
+       double *sizes = (double *)malloc(plane.point_count * sizeof *sizes);
+       pbw_plane_sizes(&plane, error, 2 * plane.triangle_count, sizes);      // error: one number a triangle
+       if (pbw_plane_adapt(&plane, sizes, NULL, NULL, &next, NULL) != PBW_OK) puts(next.what);
+       pbw_plane_transfer(&plane, &next, values, 1, new_values, NULL);       // one number a point
+       pbw_plane_smooth(&next, PBW_PLANE_ODT, 5, NULL);
+
+   HOW
+   A mesh that changes is built again, from the points that stay and the edges of its segments: the constrained
+   triangulation takes less than a microsecond a point.  What it says of segments and regions comes along.
+
+   PROMISES  (tests/test_adapt2.c guards them)
+     Points of no segment may go or move; so may, by adaptation, a point between two edges of one line with the same
+     numbers; all others stay where they are, bit for bit.
+     Smoothing never makes the least angle of the mesh smaller, and moves no point across a segment.
+     The answer is the same for any number of threads.
+
+   LIMITS
+   Lloyd's way and ODT even out sizes: a graded mesh loses some of its grading with every round.
+
+   CONFIGURATION MACROS
+     PBW_ADAPT2_IMPLEMENTATION    in one source file: compile the implementation there
+     PBWADAPT2DEF                 everywhere: your own linkage for the functions, for example static
+*/
+#ifndef PBW_ADAPT2_H
+#define PBW_ADAPT2_H
+#ifndef PBW_MESH2_H
+#include "pbw_mesh2.h"
+#endif
+
+#ifndef PBWADAPT2DEF
+#define PBWADAPT2DEF extern
+#endif
+
+#ifdef __cplusplus
+extern "C" {
+#endif
+
+/* ---- quality */
+
+/* Measures of a triangle, by their names in Verdict (V) and Gmsh (G); * = 1 for the equilateral triangle, 0 for a
+   flat one.  l: lengths of the edges; A: area; r, R: radii of the circles inside and around. */
+typedef enum pbw_plane_measure {
+    PBW_PLANE_MIN_ANGLE = 0,               /* V "minimum angle", G "minAngle": in degrees */
+    PBW_PLANE_MAX_ANGLE,                   /* V "maximum angle": in degrees */
+    PBW_PLANE_GAMMA,                       /* G "gamma": 2 r / R * */
+    PBW_PLANE_RADIUS_RATIO,                /* V "radius ratio": R / (2 r), from 1 */
+    PBW_PLANE_ASPECT_RATIO,                /* V "aspect ratio": longest l * sum of l / (4 sqrt 3 A), from 1 */
+    PBW_PLANE_EDGE_RATIO,                  /* V "edge ratio": longest l / shortest l, from 1 */
+    PBW_PLANE_SHAPE,                       /* V "shape", G "SICN": 4 sqrt 3 A / sum of l^2 * */
+    PBW_PLANE_CONDITION,                   /* V "condition", "aspect Frobenius": 1 / shape, from 1 */
+    PBW_PLANE_SCALED_JACOBIAN,             /* V "scaled Jacobian": 4 A / sqrt 3 / product of the longer two l * */
+    PBW_PLANE_AREA,                        /* V "area" */
+    PBW_PLANE_MEASURES                     /* how many there are */
+} pbw_plane_measure;
+
+#define PBW_PLANE_BINS 20
+typedef struct pbw_plane_quality {
+    double least, most, mean;              /* 0 of no triangles */
+    double low, high;                      /* of all bins together; what is outside counts in the first or last */
+    size_t bins[PBW_PLANE_BINS];
+} pbw_plane_quality;
+
+/* The measure of the triangle a b c, counter-clockwise; of a flat one it may be infinite. */
+PBWADAPT2DEF double pbw_plane_measure_of(pbw_plane_measure measure, const double *a, const double *b,
+                                         const double *c);
+/* "minimum angle" and so on, as Verdict has it; "gamma" as Gmsh has it. */
+PBWADAPT2DEF const char *pbw_plane_measure_name(pbw_plane_measure measure);
+/* Least, most, mean and histogram of a measure. */
+PBWADAPT2DEF pbw_plane_quality pbw_plane_quality_of(const pbw_plane *plane, pbw_plane_measure measure);
+
+/* ---- smoothing */
+
+typedef enum pbw_plane_way {
+    PBW_PLANE_LAPLACE = 0,                 /* a point goes to the mean of its neighbours */
+    PBW_PLANE_LLOYD,                       /* to the centroid of its Voronoi cell */
+    PBW_PLANE_ODT                          /* to the mean of its triangles' circumcentres, weighted by area: optimal
+                                              Delaunay triangulation (Chen 2004) */
+} pbw_plane_way;
+
+/* Moves the points of no segment, `rounds` times; each round ends with a triangulation.  Points keep their numbers.
+   A point goes half as far, or stays, where the least angle of its triangles would fall below what it is, and below
+   30 degrees or the least of the mesh, whichever is more.  Of options only `build` counts; NULL = defaults.  Fails as
+   pbw_plane_make; then the plane is as it was, but for what. */
+PBWADAPT2DEF pbw_status pbw_plane_smooth(pbw_plane *plane, pbw_plane_way way, int rounds,
+                                         const pbw_plane_options *options);
+
+/* ---- adaptation */
+
+/* Sizes at points for a mesh of about `count` triangles with equal errors.  error: per triangle, of a kind that falls
+   with the square of its size, as the energy norm of linear elements does over one triangle. */
+PBWADAPT2DEF void pbw_plane_sizes(const pbw_plane *plane, const double *error, size_t count, double *sizes);
+
+/* Makes a finer mesh where edges are longer than the sizes of their ends, a coarser one where they are shorter than
+   half.  sizes: one a point, 0 = any.  keep: marks points that must stay; NULL = none but the ends of segments.
+   options: as for pbw_plane_make, but for the rule, which is to keep the domain.  from: room for plane->point_count
+   numbers, or NULL; gets the old number of point i of the result, for i < result->input_count.
+   edge_segments and region_seeds of the result have the caller's numbers, as the old ones; region_windings are 1. */
+PBWADAPT2DEF pbw_status pbw_plane_adapt(const pbw_plane *plane, const double *sizes, const unsigned char *keep,
+                                        const pbw_plane_options *options, pbw_plane *result, pbw_index *from);
+
+/* A plane from triangles in any direction each, to be refined, adapted or smoothed: their border is the boundary of
+   the domain, edges of one straight line have one number.  The triangles inside are made anew. */
+PBWADAPT2DEF pbw_status pbw_plane_from_triangles(const double *points, size_t point_count, const pbw_index *triangles,
+                                                 size_t triangle_count, const pbw_plane_options *options,
+                                                 pbw_plane *plane);
+
+/* Values at points of another mesh of the domain: linear in each triangle of `from`; the value of the nearest place
+   where there is none.  width: numbers per point.  options: for its build, or NULL. */
+PBWADAPT2DEF pbw_status pbw_plane_transfer(const pbw_plane *from, const pbw_plane *to, const double *values,
+                                           size_t width, double *out, const pbw_plane_options *options);
+
+#ifdef __cplusplus
+}
+#endif
+#endif /* PBW_ADAPT2_H */
+
+#if defined(PBW_ADAPT2_IMPLEMENTATION) && !defined(PBWA2__IMPLEMENTED)
+#define PBWA2__IMPLEMENTED
+
+#include <math.h>
+#include <stdio.h>
+#include <stdlib.h>
+#include <string.h>
+
+/* Contraction off: other coordinates would come out where a compiler fuses. */
+#if defined(__clang__)
+#pragma STDC FP_CONTRACT OFF
+#elif defined(__GNUC__)
+#pragma GCC push_options
+#pragma GCC optimize("fp-contract=off")
+#endif
+
+/* ------------------------------------------------------------------------------------------------------
+   Memory: a few arrays a call, freed together.
+   ------------------------------------------------------------------------------------------------------ */
+enum { PBWA2__ARRAYS = 24 };
+
+typedef struct pbwa2__memory {
+    const pbw_options *build;              /* NULL: malloc */
+    void *data[PBWA2__ARRAYS];
+    size_t bytes[PBWA2__ARRAYS];
+    int count;
+} pbwa2__memory;
+
+static void pbwa2__start(pbwa2__memory *memory, const pbw_plane_options *options)
+{
+    memset(memory, 0, sizeof *memory);
+    memory->build = options != NULL && options->build != NULL && options->build->resize != NULL ? options->build
+                  : NULL;
+}
+
+/* Returns zeroes, or NULL. */
+static void *pbwa2__get(pbwa2__memory *memory, size_t count, size_t size)
+{
+    const size_t bytes = (count + 1) * size;
+    void *data;
+    if (count > (SIZE_MAX >> 1) / size - 1) {
+        return NULL;
+    }
+    data = memory->build != NULL ? memory->build->resize(memory->build->resize_user, NULL, 0, bytes) : malloc(bytes);
+    if (data != NULL) {
+        memset(data, 0, bytes);
+        memory->data[memory->count] = data;
+        memory->bytes[memory->count++] = bytes;
+    }
+    return data;
+}
+
+static void pbwa2__end(pbwa2__memory *memory)
+{
+    while (memory->count > 0) {
+        void *data = memory->data[--memory->count];
+        if (memory->build != NULL) {
+            (void)memory->build->resize(memory->build->resize_user, data, memory->bytes[memory->count], 0);
+        } else {
+            free(data);
+        }
+    }
+}
+
+static pbw_status pbwa2__say(pbw_plane *plane, pbw_status status, const char *text)
+{
+    snprintf(plane->what, sizeof plane->what, "%s", text != NULL ? text : pbw_status_string(status));
+    return status;
+}
+
+static const double *pbwa2__at(const double *points, pbw_index v)
+{
+    return points + 2 * (size_t)v;
+}
+
+static double pbwa2__cross(const double *a, const double *b, const double *c)
+{
+    return (b[0] - a[0]) * (c[1] - a[1]) - (b[1] - a[1]) * (c[0] - a[0]);
+}
+
+static double pbwa2__apart2(const double *a, const double *b)
+{
+    return (a[0] - b[0]) * (a[0] - b[0]) + (a[1] - b[1]) * (a[1] - b[1]);
+}
+
+/* ------------------------------------------------------------------------------------------------------
+   Quality.
+   ------------------------------------------------------------------------------------------------------ */
+#define PBWA2__SQRT3 1.7320508075688772
+#define PBWA2__DEGREES 57.295779513082323
+
+PBWADAPT2DEF const char *pbw_plane_measure_name(pbw_plane_measure measure)
+{
+    static const char *const names[] = { "minimum angle", "maximum angle", "gamma", "radius ratio", "aspect ratio",
+                                         "edge ratio", "shape", "condition", "scaled Jacobian", "area" };
+    return (unsigned)measure < PBW_PLANE_MEASURES ? names[measure] : "";
+}
+
+PBWADAPT2DEF double pbw_plane_measure_of(pbw_plane_measure measure, const double *a, const double *b, const double *c)
+{
+    const double twice = pbwa2__cross(a, b, c);
+    const double u = sqrt(pbwa2__apart2(a, b)), v = sqrt(pbwa2__apart2(b, c)), w = sqrt(pbwa2__apart2(c, a));
+    const double most = fmax(fmax(u, v), w), least = fmin(fmin(u, v), w);
+    const double middle = fmax(fmin(u, v), fmin(fmax(u, v), w));
+    const double sum = u + v + w, squares = u * u + v * v + w * w;
+    switch (measure) {
+    case PBW_PLANE_MIN_ANGLE:                        /* between the longer two edges */
+        return PBWA2__DEGREES * atan2(twice, (most * most + middle * middle - least * least) / 2);
+    case PBW_PLANE_MAX_ANGLE:
+        return PBWA2__DEGREES * atan2(twice, (least * least + middle * middle - most * most) / 2);
+    case PBW_PLANE_GAMMA:                            /* r = 2 A / sum, R = u v w / (4 A) */
+        return u * v * w > 0 ? 4 * twice * twice / (u * v * w * sum) : 0;
+    case PBW_PLANE_RADIUS_RATIO:
+        return u * v * w * sum / (4 * twice * twice);
+    case PBW_PLANE_ASPECT_RATIO:
+        return most * sum / (2 * PBWA2__SQRT3 * twice);
+    case PBW_PLANE_EDGE_RATIO:
+        return most / least;
+    case PBW_PLANE_SHAPE:
+        return squares > 0 ? 2 * PBWA2__SQRT3 * twice / squares : 0;
+    case PBW_PLANE_CONDITION:
+        return squares / (2 * PBWA2__SQRT3 * twice);
+    case PBW_PLANE_SCALED_JACOBIAN:
+        return most * middle > 0 ? 2 / PBWA2__SQRT3 * twice / (most * middle) : 0;
+    default:
+        return twice / 2;
+    }
+}
+
+PBWADAPT2DEF pbw_plane_quality pbw_plane_quality_of(const pbw_plane *plane, pbw_plane_measure measure)
+{
+    pbw_plane_quality q;
+    size_t i;
+    double sum = 0;
+    int pass;
+    memset(&q, 0, sizeof q);
+    for (pass = 0; pass < 2 && plane->triangle_count > 0; pass++) {
+        for (i = 0; i < plane->triangle_count; i++) {
+            const pbw_index *v = plane->triangles + 3 * i;
+            const double x = pbw_plane_measure_of(measure, pbwa2__at(plane->points, v[0]),
+                                                  pbwa2__at(plane->points, v[1]), pbwa2__at(plane->points, v[2]));
+            if (pass == 0) {
+                q.least = i == 0 ? x : fmin(q.least, x);
+                q.most = i == 0 ? x : fmax(q.most, x);
+                sum += x;
+            } else {
+                const double at = floor((x - q.low) / (q.high - q.low) * PBW_PLANE_BINS);
+                q.bins[at >= PBW_PLANE_BINS ? PBW_PLANE_BINS - 1 : at > 0 ? (int)at : 0]++;
+            }
+        }
+        q.mean = sum / (double)plane->triangle_count;
+        q.low = measure == PBW_PLANE_RADIUS_RATIO || measure == PBW_PLANE_ASPECT_RATIO
+             || measure == PBW_PLANE_EDGE_RATIO || measure == PBW_PLANE_CONDITION ? 1
+              : measure == PBW_PLANE_MAX_ANGLE ? 60 : 0;
+        q.high = measure == PBW_PLANE_MIN_ANGLE ? 60 : measure == PBW_PLANE_MAX_ANGLE ? 180
+               : measure == PBW_PLANE_AREA ? q.most : q.low >= 1 ? 5 : 1;
+    }
+    return q;
+}
+
+/* ------------------------------------------------------------------------------------------------------
+   Triangles at points: those of point v are item[first[v]] .. item[first[v+1]-1], ascending.
+   ------------------------------------------------------------------------------------------------------ */
+typedef struct pbwa2__stars { size_t *first; pbw_index *item; } pbwa2__stars;
+
+static int pbwa2__find_stars(pbwa2__memory *memory, const pbw_plane *plane, pbwa2__stars *stars)
+{
+    const size_t n = plane->point_count, corners = 3 * plane->triangle_count;
+    size_t i;
+    stars->first = (size_t *)pbwa2__get(memory, n + 2, sizeof *stars->first);
+    stars->item = (pbw_index *)pbwa2__get(memory, corners, sizeof *stars->item);
+    if (stars->first == NULL || stars->item == NULL) {
+        return 0;
+    }
+    for (i = 0; i < corners; i++) {
+        stars->first[plane->triangles[i] + 2]++;
+    }
+    for (i = 2; i < n + 2; i++) {
+        stars->first[i] += stars->first[i - 1];
+    }
+    for (i = 0; i < corners; i++) {
+        stars->item[stars->first[plane->triangles[i] + 1]++] = (pbw_index)(i / 3);
+    }
+    return 1;
+}
+
+/* ------------------------------------------------------------------------------------------------------
+   Building a plane again.
+   In: a plane, where its points are now, which of them stay.
+   Out: the plane of those points and of the edges of segments; an edge goes on over points of it that do not stay.
+   The domain is what its border winds round; edges inside of it are there in both directions, and count 0.
+   ------------------------------------------------------------------------------------------------------ */
+typedef struct pbwa2__again {
+    const pbw_plane *old;
+    const double *points;
+    const unsigned char *stays;
+    const double *sizes;                   /* per old point, or NULL */
+    pbw_index *number;                     /* per old point: its new one */
+    pbw_index *segments, *ids;
+    size_t segment_count;
+} pbwa2__again;
+
+static size_t pbwa2__id_count(const pbw_plane *p, size_t edge)
+{
+    return p->edge_first[edge + 1] - p->edge_first[edge];
+}
+
+static void pbwa2__emit(pbwa2__again *a, pbw_index u, pbw_index v, pbw_index id)
+{
+    a->segments[2 * a->segment_count] = a->number[u];
+    a->segments[2 * a->segment_count + 1] = a->number[v];
+    a->ids[a->segment_count++] = id;
+}
+
+/* Walks from point u along edge e, to the first point that stays.  Puts the segment from u to there, unless the walk
+   from the other end does. */
+static void pbwa2__chain(pbwa2__again *a, pbw_index u, size_t e, const size_t *edges_at, const unsigned char *inside)
+{
+    const pbw_plane *p = a->old;
+    const size_t start = e, ids = pbwa2__id_count(p, e);
+    pbw_index at = p->edges[2 * e] == u ? p->edges[2 * e + 1] : p->edges[2 * e];
+    size_t i;
+    while (!a->stays[at]) {
+        e = edges_at[at] ^ e;
+        at = p->edges[2 * e] == at ? p->edges[2 * e + 1] : p->edges[2 * e];
+    }
+    if (e < start || (e == start && p->edges[2 * e] != u)) {
+        return;
+    }
+    if (!inside[start]) {
+        const int along = p->edges[2 * start] == u;
+        pbwa2__emit(a, along ? u : at, along ? at : u, ids > 0 ? p->edge_segments[p->edge_first[start]] : PBW_NONE);
+    }
+    for (i = inside[start] ? 0 : 1; i < ids; i++) {
+        pbwa2__emit(a, u, at, p->edge_segments[p->edge_first[start] + i]);
+        pbwa2__emit(a, at, u, p->edge_segments[p->edge_first[start] + i]);
+    }
+}
+
+static int pbwa2__find_segments(pbwa2__again *a, pbwa2__memory *memory)
+{
+    const pbw_plane *p = a->old;
+    size_t *edges_at = (size_t *)pbwa2__get(memory, p->point_count, sizeof *edges_at);   /* their numbers, xor'ed */
+    unsigned char *inside = (unsigned char *)pbwa2__get(memory, p->edge_count, 1);
+    size_t i, most = 2 * p->edge_count;
+    if (p->edge_count > 0) {
+        most += 2 * p->edge_first[p->edge_count];
+    }
+    a->segments = (pbw_index *)pbwa2__get(memory, most, 2 * sizeof *a->segments);
+    a->ids = (pbw_index *)pbwa2__get(memory, most, sizeof *a->ids);
+    if (edges_at == NULL || inside == NULL || a->segments == NULL || a->ids == NULL) {
+        return 0;
+    }
+    for (i = 0; i < 3 * p->triangle_count; i++) {
+        if (p->constraints[i] != PBW_NONE) {
+            inside[p->constraints[i]] |= p->neighbors[i] != PBW_NONE;
+        }
+    }
+    for (i = 0; i < 2 * p->edge_count; i++) {
+        edges_at[p->edges[i]] ^= i / 2;
+    }
+    for (i = 0; i < 2 * p->edge_count; i++) {
+        if (a->stays[p->edges[i]]) {
+            pbwa2__chain(a, p->edges[i], i / 2, edges_at, inside);
+        }
+    }
+    return 1;
+}
+
+/* A point of each region: the centroid of its largest triangle. */
+static pbw_plane_region *pbwa2__seeds(const pbwa2__again *a, pbwa2__memory *memory)
+{
+    const pbw_plane *p = a->old;
+    pbw_plane_region *seed = (pbw_plane_region *)pbwa2__get(memory, p->region_count, sizeof *seed);
+    double *largest = (double *)pbwa2__get(memory, p->region_count, sizeof *largest);
+    size_t i;
+    for (i = 0; seed != NULL && largest != NULL && i < p->triangle_count; i++) {
+        const pbw_index *v = p->triangles + 3 * i;
+        const double *x = pbwa2__at(a->points, v[0]), *y = pbwa2__at(a->points, v[1]);
+        const double *z = pbwa2__at(a->points, v[2]);
+        const double area = pbwa2__cross(x, y, z);
+        if (area > largest[p->regions[i]]) {
+            largest[p->regions[i]] = area;
+            seed[p->regions[i]].x = (x[0] + y[0] + z[0]) / 3;
+            seed[p->regions[i]].y = (x[1] + y[1] + z[1]) / 3;
+        }
+    }
+    return largest != NULL ? seed : NULL;
+}
+
+static pbw_status pbwa2__make_again(pbwa2__again *a, pbwa2__memory *memory, const pbw_plane_options *options,
+                                    pbw_plane *result, pbw_index *from)
+{
+    const size_t n = a->old->point_count;
+    double *points = (double *)pbwa2__get(memory, n, 2 * sizeof *points);
+    double *sizes = a->sizes != NULL ? (double *)pbwa2__get(memory, n, sizeof *sizes) : NULL;
+    pbw_plane_region *regions = pbwa2__seeds(a, memory);
+    pbw_plane_options own = *options;
+    pbw_options build;
+    pbw_plane_input input;
+    pbw_status status;
+    size_t i, kept = 0;
+    memset(&input, 0, sizeof input);
+    memset(&build, 0, sizeof build);
+    a->number = (pbw_index *)pbwa2__get(memory, n, sizeof *a->number);
+    if (points == NULL || (a->sizes != NULL && sizes == NULL) || regions == NULL || a->number == NULL) {
+        return pbwa2__say(result, PBW_ERROR_MEMORY, NULL);
+    }
+    for (i = 0; i < n; i++) {
+        if (a->stays[i]) {
+            memcpy(points + 2 * kept, a->points + 2 * i, 2 * sizeof *points);
+            if (sizes != NULL) {
+                sizes[kept] = a->sizes[i];
+            }
+            if (from != NULL) {
+                from[kept] = (pbw_index)i;
+            }
+            a->number[i] = (pbw_index)kept++;
+        }
+    }
+    if (!pbwa2__find_segments(a, memory)) {
+        return pbwa2__say(result, PBW_ERROR_MEMORY, NULL);
+    }
+    if (own.build != NULL) {
+        build = *own.build;
+        build.stride = 0;
+    }
+    own.build = &build;
+    own.rule = PBW_PLANE_NONZERO;
+    input.points = points;
+    input.point_count = kept;
+    input.segments = a->segments;
+    input.segment_count = a->segment_count;
+    input.segment_ids = a->ids;
+    input.regions = regions;
+    input.region_count = a->old->region_count;
+    input.sizes = sizes;
+    status = pbw_plane_make(&input, &own, result);
+    for (i = 0; status == PBW_OK && i < result->region_count; i++) {
+        pbw_index *seed = (pbw_index *)(uintptr_t)result->region_seeds + i;      /* until now, the old region */
+        *seed = *seed != PBW_NONE ? a->old->region_seeds[*seed] : PBW_NONE;
+    }
+    return status;
+}
+
+/* ------------------------------------------------------------------------------------------------------
+   Smoothing.
+   ------------------------------------------------------------------------------------------------------ */
+
+/* The squared sine of the least angle, which has the least sine; negative: not counter-clockwise. */
+static double pbwa2__sine2(const double *a, const double *b, const double *c)
+{
+    const double u = pbwa2__apart2(a, b), v = pbwa2__apart2(b, c), w = pbwa2__apart2(c, a);
+    const double twice = pbwa2__cross(a, b, c), least = fmin(fmin(u, v), w);
+    return pbw_orient2(a, b, c) > 0 ? twice * twice / (u * v * w) * least : -1;
+}
+
+static double pbwa2__star_sine2(const pbw_plane *p, const double *points, const pbwa2__stars *s, size_t v)
+{
+    double least = 1;
+    size_t i;
+    for (i = s->first[v]; i < s->first[v + 1]; i++) {
+        const pbw_index *c = p->triangles + 3 * (size_t)s->item[i];
+        least = fmin(least, pbwa2__sine2(pbwa2__at(points, c[0]), pbwa2__at(points, c[1]), pbwa2__at(points, c[2])));
+    }
+    return least;
+}
+
+/* Adds a triangle's share of the new place of its corner a: weight, weight times place relative to a. */
+static void pbwa2__pull(pbw_plane_way way, const double *a, const double *b, const double *c, double sum[3])
+{
+    const double bx = b[0] - a[0], by = b[1] - a[1], cx = c[0] - a[0], cy = c[1] - a[1];
+    const double twice = bx * cy - by * cx, b2 = bx * bx + by * by, c2 = cx * cx + cy * cy;
+    const double x = (cy * b2 - by * c2) / (2 * twice), y = (bx * c2 - cx * b2) / (2 * twice);   /* circumcentre */
+    if (way == PBW_PLANE_LAPLACE) {
+        sum[0] += 2;
+        sum[1] += bx + cx;
+        sum[2] += by + cy;
+    } else if (way == PBW_PLANE_ODT) {
+        sum[0] += twice;
+        sum[1] += twice * x;
+        sum[2] += twice * y;
+    } else {                                         /* the cell's part here: a, middle of b, centre, middle of c */
+        const double one = (bx * y - by * x) / 2, other = (x * cy - y * cx) / 2;
+        sum[0] += one + other;
+        sum[1] += (one * (bx / 2 + x) + other * (cx / 2 + x)) / 3;
+        sum[2] += (one * (by / 2 + y) + other * (cy / 2 + y)) / 3;
+    }
+}
+
+/* Moves one point, or lets it stay. */
+static void pbwa2__move(const pbw_plane *p, double *points, const pbwa2__stars *s, size_t v, pbw_plane_way way,
+                        double bound)
+{
+    const double old[2] = { points[2 * v], points[2 * v + 1] };
+    const double need = fmin(bound, pbwa2__star_sine2(p, points, s, v));
+    double sum[3] = { 0, 0, 0 }, part;
+    size_t i;
+    for (i = s->first[v]; i < s->first[v + 1]; i++) {
+        const pbw_index *c = p->triangles + 3 * (size_t)s->item[i];
+        const unsigned k = c[0] == v ? 0u : c[1] == v ? 1u : 2u;
+        pbwa2__pull(way, old, pbwa2__at(points, c[(k + 1) % 3]), pbwa2__at(points, c[(k + 2) % 3]), sum);
+    }
+    for (part = 1; part > 0.1 && sum[0] > 0; part /= 2) {
+        points[2 * v] = old[0] + part * sum[1] / sum[0];
+        points[2 * v + 1] = old[1] + part * sum[2] / sum[0];
+        if (pbwa2__star_sine2(p, points, s, v) >= need) {
+            return;
+        }
+    }
+    points[2 * v] = old[0];
+    points[2 * v + 1] = old[1];
+}
+
+static pbw_status pbwa2__round(pbw_plane *plane, pbw_plane_way way, const pbw_plane_options *options, pbw_plane *next)
+{
+    pbwa2__memory memory;
+    pbwa2__again a;
+    pbwa2__stars stars;
+    double *points, least;
+    unsigned char *fixed, *stays;
+    pbw_status status;
+    size_t i;
+    memset(&a, 0, sizeof a);
+    memset(next, 0, sizeof *next);
+    pbwa2__start(&memory, options);
+    points = (double *)pbwa2__get(&memory, plane->point_count, 2 * sizeof *points);
+    fixed = (unsigned char *)pbwa2__get(&memory, plane->point_count, 1);
+    stays = (unsigned char *)pbwa2__get(&memory, plane->point_count, 1);
+    if (points == NULL || fixed == NULL || stays == NULL || !pbwa2__find_stars(&memory, plane, &stars)) {
+        pbwa2__end(&memory);
+        return pbwa2__say(next, PBW_ERROR_MEMORY, NULL);
+    }
+    memcpy(points, plane->points, 2 * plane->point_count * sizeof *points);
+    memset(stays, 1, plane->point_count);
+    for (i = 0; i < 2 * plane->edge_count; i++) {
+        fixed[plane->edges[i]] = 1;
+    }
+    least = sin(pbw_plane_quality_of(plane, PBW_PLANE_MIN_ANGLE).least / PBWA2__DEGREES);
+    for (i = 0; i < plane->point_count; i++) {
+        if (!fixed[i] && stars.first[i] < stars.first[i + 1]) {
+            pbwa2__move(plane, points, &stars, i, way, fmax(least * least, 0.25));
+        }
+    }
+    a.old = plane;
+    a.points = points;
+    a.stays = stays;
+    status = pbwa2__make_again(&a, &memory, options, next, NULL);
+    pbwa2__end(&memory);
+    return status;
+}
+
+PBWADAPT2DEF pbw_status pbw_plane_smooth(pbw_plane *plane, pbw_plane_way way, int rounds,
+                                         const pbw_plane_options *options)
+{
+    pbw_plane_options own;
+    int i;
+    memset(&own, 0, sizeof own);
+    if (plane == NULL || (unsigned)way > PBW_PLANE_ODT) {
+        return PBW_ERROR_ARGUMENT;
+    }
+    own.build = options != NULL ? options->build : NULL;
+    for (i = 0; i < rounds && plane->triangle_count > 0; i++) {
+        pbw_plane next;
+        const pbw_status status = pbwa2__round(plane, way, &own, &next);
+        if (status != PBW_OK) {
+            memcpy(plane->what, next.what, sizeof plane->what);
+            pbw_plane_free(&next);
+            return status;
+        }
+        next.input_count = plane->input_count;
+        next.report = plane->report;
+        pbw_plane_free(plane);
+        *plane = next;
+    }
+    return PBW_OK;
+}
+
+/* ------------------------------------------------------------------------------------------------------
+   Sizes.
+   ------------------------------------------------------------------------------------------------------ */
+
+/* A triangle with error e that is cut into m parts has m triangles of error e / m each, as the error falls with the
+   square of the size.  For one error c of all, m = e / c, and c = sum of e / count.  The mean triangle of a mesh with
+   no edge longer than h has about the area of an equilateral one with edges 0.6 h. */
+PBWADAPT2DEF void pbw_plane_sizes(const pbw_plane *plane, const double *error, size_t count, double *sizes)
+{
+    double sum = 0;
+    size_t i;
+    unsigned k;
+    for (i = 0; i < plane->triangle_count; i++) {
+        sum += error[i];
+    }
+    for (i = 0; i < plane->point_count; i++) {
+        sizes[i] = 0;
+    }
+    for (i = 0; i < plane->triangle_count; i++) {
+        const pbw_index *v = plane->triangles + 3 * i;
+        const double twice = pbwa2__cross(pbwa2__at(plane->points, v[0]), pbwa2__at(plane->points, v[1]),
+                                          pbwa2__at(plane->points, v[2]));
+        const double parts = fmin(16, fmax(1 / 16.0, error[i] * (double)count / sum));
+        const double size = sqrt(2 * twice / PBWA2__SQRT3 / parts) / 0.6;
+        for (k = 0; k < 3; k++) {
+            sizes[v[k]] = sizes[v[k]] > 0 ? fmin(sizes[v[k]], size) : size;
+        }
+    }
+}
+
+/* Sizes grow from point to point by at most `growth` times the distance. */
+static void pbwa2__grade(const pbw_plane *p, double growth, double *sizes)
+{
+    size_t i;
+    unsigned k;
+    int more = 1;
+    while (more) {
+        more = 0;
+        for (i = 0; i < 6 * p->triangle_count; i++) {
+            const pbw_index *c = p->triangles + 3 * (i / 6);
+            pbw_index u, v;
+            double most;
+            k = (unsigned)(i % 3);
+            u = c[k];
+            v = c[(k + 1 + (i / 3 & 1)) % 3];
+            most = sizes[u] + growth * sqrt(pbwa2__apart2(pbwa2__at(p->points, u), pbwa2__at(p->points, v)));
+            if (most < sizes[v]) {
+                sizes[v] = most;
+                more = 1;
+            }
+        }
+    }
+}
+
+/* ------------------------------------------------------------------------------------------------------
+   Coarsening: which points stay.
+   In: sizes.  Out: stays.
+   Holds: two points that stay, one of which could go, are at least half of the smaller of their sizes apart, if edges
+   lead from one to the other near there.
+   ------------------------------------------------------------------------------------------------------ */
+enum { PBWA2__FREE, PBWA2__INNER, PBWA2__END };      /* of no segment; inside of one; the rest */
+
+typedef struct pbwa2__thinner {
+    const pbw_plane *p;
+    pbwa2__stars stars;
+    const double *sizes;
+    unsigned char *kind, *stays;
+    pbw_index *list, *seen;                          /* seen: the last point that looked at a point, plus 1 */
+} pbwa2__thinner;
+
+static int pbwa2__same_ids(const pbw_plane *p, size_t e, size_t f)
+{
+    const size_t n = pbwa2__id_count(p, e);
+    return n == pbwa2__id_count(p, f)
+        && (n == 0 || memcmp(p->edge_segments + p->edge_first[e], p->edge_segments + p->edge_first[f],
+                             n * sizeof *p->edge_segments) == 0);
+}
+
+/* Whether v is between u and w but for 8 ulps of the coordinates: refinement rounds points of segments by one. */
+static int pbwa2__is_straight(const double *u, const double *v, const double *w)
+{
+    const double most = fmax(fmax(fmax(fabs(u[0]), fabs(u[1])), fmax(fabs(w[0]), fabs(w[1]))),
+                             fmax(fabs(v[0]), fabs(v[1])));
+    const double off = most * 8 * 2.2204460492503131e-16, cross = pbwa2__cross(u, v, w);
+    const double dot = (u[0] - v[0]) * (w[0] - v[0]) + (u[1] - v[1]) * (w[1] - v[1]);
+    return dot < 0 && cross * cross <= off * off * pbwa2__apart2(u, w);
+}
+
+/* The end of edge e that is not v. */
+static const double *pbwa2__other_end(const pbw_plane *p, size_t e, pbw_index v)
+{
+    return pbwa2__at(p->points, p->edges[2 * e] == v ? p->edges[2 * e + 1] : p->edges[2 * e]);
+}
+
+/* Finds the kinds of points: one inside of a segment has two edges in line, with the same segments and sides. */
+static int pbwa2__find_kinds(pbwa2__thinner *t, pbwa2__memory *memory, const unsigned char *keep)
+{
+    const pbw_plane *p = t->p;
+    size_t *one = (size_t *)pbwa2__get(memory, p->point_count, sizeof *one);
+    unsigned char *inside = (unsigned char *)pbwa2__get(memory, p->edge_count, 1);
+    unsigned char *degree = (unsigned char *)pbwa2__get(memory, p->point_count, 1);
+    size_t i;
+    if (one == NULL || inside == NULL || degree == NULL) {
+        return 0;
+    }
+    for (i = 0; i < 3 * p->triangle_count; i++) {
+        if (p->constraints[i] != PBW_NONE) {
+            inside[p->constraints[i]] |= p->neighbors[i] != PBW_NONE;
+        }
+    }
+    for (i = 0; i < 2 * p->edge_count; i++) {
+        const pbw_index v = p->edges[i];
+        const size_t e = i / 2;
+        const int goes_on = degree[v] == 1 && inside[e] == inside[one[v]] && pbwa2__same_ids(p, e, one[v])
+            && pbwa2__is_straight(pbwa2__other_end(p, e, v), pbwa2__at(p->points, v),
+                                  pbwa2__other_end(p, one[v], v));
+        t->kind[v] = goes_on ? PBWA2__INNER : PBWA2__END;
+        one[v] = e;
+        degree[v] = (unsigned char)(degree[v] < 3 ? degree[v] + 1 : 3);
+    }
+    for (i = 0; i < p->point_count; i++) {
+        if ((keep != NULL && keep[i]) || t->stars.first[i] == t->stars.first[i + 1]) {
+            t->kind[i] = PBWA2__END;
+        }
+    }
+    return 1;
+}
+
+/* Whether a point that stays is near to v. */
+static int pbwa2__is_crowded(pbwa2__thinner *t, pbw_index v)
+{
+    const double *here = pbwa2__at(t->p->points, v);
+    size_t count = 1, at, i;
+    unsigned k;
+    t->list[0] = v;
+    t->seen[v] = v + 1;
+    for (at = 0; at < count; at++) {
+        for (i = t->stars.first[t->list[at]]; i < t->stars.first[t->list[at] + 1]; i++) {
+            for (k = 0; k < 3; k++) {
+                const pbw_index w = t->p->triangles[3 * (size_t)t->stars.item[i] + k];
+                const double apart2 = 4 * pbwa2__apart2(here, pbwa2__at(t->p->points, w));
+                if (t->seen[w] == v + 1 || !(apart2 < t->sizes[v] * t->sizes[v])) {
+                    continue;
+                }
+                if (t->stays[w] && apart2 < t->sizes[w] * t->sizes[w]) {
+                    return 1;
+                }
+                t->seen[w] = v + 1;
+                t->list[count++] = w;
+            }
+        }
+    }
+    return 0;
+}
+
+static void pbwa2__thin(pbwa2__thinner *t)
+{
+    int kind;
+    size_t i;
+    for (kind = PBWA2__END; kind >= PBWA2__FREE; kind--) {
+        for (i = 0; i < t->p->point_count; i++) {
+            if (t->kind[i] == kind) {
+                t->stays[i] = kind == PBWA2__END || !pbwa2__is_crowded(t, (pbw_index)i);
+            }
+        }
+    }
+}
+
+PBWADAPT2DEF pbw_status pbw_plane_adapt(const pbw_plane *plane, const double *sizes, const unsigned char *keep,
+                                        const pbw_plane_options *options, pbw_plane *result, pbw_index *from)
+{
+    pbwa2__memory memory;
+    pbwa2__again a;
+    pbwa2__thinner t;
+    pbw_plane_options own;
+    pbw_status status = PBW_ERROR_MEMORY;
+    double *graded;
+    size_t i, n;
+    if (result == NULL) {
+        return PBW_ERROR_ARGUMENT;
+    }
+    memset(result, 0, sizeof *result);
+    memset(&a, 0, sizeof a);
+    memset(&t, 0, sizeof t);
+    memset(&own, 0, sizeof own);
+    own = options != NULL ? *options : own;
+    if (plane == NULL || sizes == NULL || plane->triangle_count == 0 || !(own.gradation >= 0)) {
+        return pbwa2__say(result, PBW_ERROR_ARGUMENT, "a mesh with triangles and sizes are needed");
+    }
+    own.flags |= PBW_PLANE_REFINE;
+    n = plane->point_count;
+    pbwa2__start(&memory, options);
+    graded = (double *)pbwa2__get(&memory, n, sizeof *graded);
+    t.kind = (unsigned char *)pbwa2__get(&memory, n, 1);
+    t.stays = (unsigned char *)pbwa2__get(&memory, n, 1);
+    t.list = (pbw_index *)pbwa2__get(&memory, n, sizeof *t.list);
+    t.seen = (pbw_index *)pbwa2__get(&memory, n, sizeof *t.seen);
+    t.p = a.old = plane;
+    t.sizes = a.sizes = graded;
+    a.points = plane->points;
+    a.stays = t.stays;
+    if (graded != NULL && t.kind != NULL && t.stays != NULL && t.list != NULL && t.seen != NULL
+        && pbwa2__find_stars(&memory, plane, &t.stars) && pbwa2__find_kinds(&t, &memory, keep)) {
+        for (i = 0; i < n; i++) {
+            graded[i] = sizes[i] > 0 ? sizes[i] : 1e60;
+        }
+        pbwa2__grade(plane, own.gradation > 0 ? own.gradation : 0.3, graded);
+        pbwa2__thin(&t);
+        status = pbwa2__make_again(&a, &memory, &own, result, from);
+    } else {
+        status = pbwa2__say(result, status, NULL);
+    }
+    pbwa2__end(&memory);
+    return status;
+}
+
+/* ------------------------------------------------------------------------------------------------------
+   A plane from triangles.
+   ------------------------------------------------------------------------------------------------------ */
+typedef struct pbwa2__side { pbw_index low, high, u, v; } pbwa2__side;       /* of a triangle on the left of u-v */
+
+static int pbwa2__compare(const void *one, const void *other)
+{
+    const pbwa2__side *a = (const pbwa2__side *)one, *b = (const pbwa2__side *)other;
+    return a->low != b->low ? (a->low < b->low ? -1 : 1) : a->high != b->high ? (a->high < b->high ? -1 : 1) : 0;
+}
+
+/* Fills sides, sorted by their ends.  Returns NULL, or what is wrong with the triangles. */
+static const char *pbwa2__find_sides(const double *points, size_t n, const pbw_index *triangles, size_t count,
+                                     pbwa2__side *side)
+{
+    size_t i;
+    unsigned k;
+    for (i = 0; i < count; i++) {
+        const pbw_index *c = triangles + 3 * i;
+        int turn;
+        if (c[0] >= n || c[1] >= n || c[2] >= n) {
+            return "a triangle has a corner that is not there";
+        }
+        turn = pbw_orient2(pbwa2__at(points, c[0]), pbwa2__at(points, c[1]), pbwa2__at(points, c[2]));
+        if (turn == 0) {
+            return "a triangle is flat";
+        }
+        for (k = 0; k < 3; k++, side++) {
+            side->u = c[turn > 0 ? k : (k + 1) % 3];
+            side->v = c[turn > 0 ? (k + 1) % 3 : k];
+            side->low = side->u < side->v ? side->u : side->v;
+            side->high = side->u < side->v ? side->v : side->u;
+        }
+    }
+    qsort(side - 3 * count, 3 * count, sizeof *side, pbwa2__compare);
+    return NULL;
+}
+
+/* Keeps the sides of one triangle only.  Returns how many, or SIZE_MAX: two triangles are on one side of an edge. */
+static size_t pbwa2__find_border(pbwa2__side *side, size_t count)
+{
+    size_t i, kept = 0;
+    for (i = 0; i < count; i++) {
+        if (i + 1 == count || pbwa2__compare(side + i, side + i + 1) != 0) {
+            side[kept++] = side[i];
+        } else if (side[i].u == side[i + 1].u || (i + 2 < count && pbwa2__compare(side + i, side + i + 2) == 0)) {
+            return SIZE_MAX;
+        } else {
+            i++;
+        }
+    }
+    return kept;
+}
+
+/* Numbers of border edges: those of one straight line, joined where only two edges meet, have one. */
+static int pbwa2__number_lines(pbwa2__memory *memory, const double *points, size_t n, const pbwa2__side *side,
+                               pbw_index *ids, size_t count)
+{
+    size_t *leave = (size_t *)pbwa2__get(memory, n, sizeof *leave);      /* 1 + the only edge from a point */
+    size_t *after = (size_t *)pbwa2__get(memory, count, sizeof *after);  /* 1 + the edge that goes on straight */
+    unsigned char *has_before = (unsigned char *)pbwa2__get(memory, count, 1);
+    size_t i, e;
+    if (leave == NULL || after == NULL || has_before == NULL) {
+        return 0;
+    }
+    for (i = 0; i < count; i++) {
+        leave[side[i].u] = leave[side[i].u] == 0 ? i + 1 : SIZE_MAX;
+    }
+    for (i = 0; i < count; i++) {
+        const size_t next = leave[side[i].v];
+        if (next != 0 && next != SIZE_MAX
+            && pbw_orient2(pbwa2__at(points, side[i].u), pbwa2__at(points, side[i].v),
+                           pbwa2__at(points, side[next - 1].v)) == 0) {
+            after[i] = next;
+            has_before[next - 1] = 1;
+        }
+    }
+    for (i = 0; i < count; i++) {
+        for (e = has_before[i] ? 0 : i + 1; e != 0; e = after[e - 1]) {
+            ids[e - 1] = (pbw_index)i;
+        }
+    }
+    return 1;
+}
+
+PBWADAPT2DEF pbw_status pbw_plane_from_triangles(const double *points, size_t point_count, const pbw_index *triangles,
+                                                 size_t triangle_count, const pbw_plane_options *options,
+                                                 pbw_plane *plane)
+{
+    pbwa2__memory memory;
+    pbwa2__side *side;
+    pbw_plane_options own;
+    pbw_plane_input input;
+    pbw_index *segments, *ids;
+    pbw_status status = PBW_ERROR_MEMORY;
+    const char *fault;
+    size_t i, count;
+    if (plane == NULL) {
+        return PBW_ERROR_ARGUMENT;
+    }
+    memset(plane, 0, sizeof *plane);
+    memset(&own, 0, sizeof own);
+    memset(&input, 0, sizeof input);
+    own = options != NULL ? *options : own;
+    own.rule = PBW_PLANE_NONZERO;
+    if (points == NULL || triangles == NULL || triangle_count == 0) {
+        return pbwa2__say(plane, PBW_ERROR_ARGUMENT, "points and triangles are needed");
+    }
+    pbwa2__start(&memory, options);
+    side = (pbwa2__side *)pbwa2__get(&memory, 3 * triangle_count, sizeof *side);
+    fault = side == NULL ? NULL : pbwa2__find_sides(points, point_count, triangles, triangle_count, side);
+    count = side == NULL || fault != NULL ? 0 : pbwa2__find_border(side, 3 * triangle_count);
+    if (count == SIZE_MAX) {
+        fault = "two triangles are on one side of an edge";
+    } else if (side != NULL && fault == NULL) {
+        segments = (pbw_index *)pbwa2__get(&memory, count, 2 * sizeof *segments);
+        ids = (pbw_index *)pbwa2__get(&memory, count, sizeof *ids);
+        if (segments != NULL && ids != NULL
+            && pbwa2__number_lines(&memory, points, point_count, side, ids, count)) {
+            for (i = 0; i < count; i++) {
+                segments[2 * i] = side[i].u;
+                segments[2 * i + 1] = side[i].v;
+            }
+            input.points = points;
+            input.point_count = point_count;
+            input.segments = segments;
+            input.segment_ids = ids;
+            input.segment_count = count;
+            status = pbw_plane_make(&input, &own, plane);
+            pbwa2__end(&memory);
+            return status;
+        }
+    }
+    pbwa2__end(&memory);
+    return pbwa2__say(plane, fault != NULL ? PBW_ERROR_ARGUMENT : PBW_ERROR_MEMORY, fault);
+}
+
+/* ------------------------------------------------------------------------------------------------------
+   Transfer: the nearest triangle of each point, by a tree of boxes over runs of 4^k triangles, which pbw_plane has in
+   the order of a curve.
+   ------------------------------------------------------------------------------------------------------ */
+typedef struct pbwa2__box { double low[2], high[2]; } pbwa2__box;
+
+typedef struct pbwa2__tree {
+    const pbw_plane *p;
+    pbwa2__box *box;
+    size_t first[34], count[34];           /* of each level; level 0: boxes of triangles */
+    int levels;
+} pbwa2__tree;
+
+static int pbwa2__plant(pbwa2__tree *tree, pbwa2__memory *memory)
+{
+    const pbw_plane *p = tree->p;
+    size_t count = p->triangle_count, total = 0, i, j;
+    int level, k;
+    for (tree->levels = 0; tree->levels == 0 || tree->count[tree->levels - 1] > 1; tree->levels++) {
+        tree->first[tree->levels] = total;
+        tree->count[tree->levels] = count;
+        total += count;
+        count = (count + 3) / 4;
+    }
+    tree->box = (pbwa2__box *)pbwa2__get(memory, total, sizeof *tree->box);
+    if (tree->box == NULL) {
+        return 0;
+    }
+    for (level = 0; level < tree->levels; level++) {
+        for (i = 0; i < tree->count[level]; i++) {
+            pbwa2__box *box = tree->box + tree->first[level] + i;
+            const size_t below = level == 0 ? 3 : tree->count[level - 1] - 4 * i, parts = below < 4 ? below : 4;
+            for (k = 0; k < 2; k++) {
+                box->low[k] = HUGE_VAL;
+                box->high[k] = -HUGE_VAL;
+                for (j = 0; j < parts; j++) {
+                    const pbwa2__box *part = level > 0 ? tree->box + tree->first[level - 1] + 4 * i + j : NULL;
+                    const double *at = pbwa2__at(p->points, p->triangles[level > 0 ? 0 : 3 * i + j]);
+                    box->low[k] = fmin(box->low[k], part != NULL ? part->low[k] : at[k]);
+                    box->high[k] = fmax(box->high[k], part != NULL ? part->high[k] : at[k]);
+                }
+            }
+        }
+    }
+    return 1;
+}
+
+/* The squared distance of q from a triangle, and the weights of its corners at the nearest place. */
+static double pbwa2__reach(const pbw_plane *p, size_t triangle, const double *q, double weight[3])
+{
+    const pbw_index *v = p->triangles + 3 * triangle;
+    double sum = 0, best = HUGE_VAL;
+    unsigned k;
+    for (k = 0; k < 3; k++) {
+        weight[k] = pbwa2__cross(q, pbwa2__at(p->points, v[(k + 1) % 3]), pbwa2__at(p->points, v[(k + 2) % 3]));
+        sum += weight[k];
+    }
+    if (weight[0] >= 0 && weight[1] >= 0 && weight[2] >= 0 && sum > 0) {
+        for (k = 0; k < 3; k++) {
+            weight[k] /= sum;
+        }
+        return 0;
+    }
+    for (k = 0; k < 3; k++) {
+        const double *a = pbwa2__at(p->points, v[(k + 1) % 3]), *b = pbwa2__at(p->points, v[(k + 2) % 3]);
+        const double x = b[0] - a[0], y = b[1] - a[1];
+        const double along = ((q[0] - a[0]) * x + (q[1] - a[1]) * y) / (x * x + y * y);
+        const double t = along > 0 ? fmin(along, 1) : 0;
+        const double at[2] = { a[0] + t * x, a[1] + t * y };
+        const double apart2 = pbwa2__apart2(q, at);
+        if (apart2 < best) {
+            best = apart2;
+            weight[k] = 0;
+            weight[(k + 1) % 3] = 1 - t;
+            weight[(k + 2) % 3] = t;
+        }
+    }
+    return best;
+}
+
+static double pbwa2__box_apart2(const pbwa2__box *box, const double *q)
+{
+    const double x = fmax(0, fmax(box->low[0] - q[0], q[0] - box->high[0]));
+    const double y = fmax(0, fmax(box->low[1] - q[1], q[1] - box->high[1]));
+    return x * x + y * y;
+}
+
+/* The triangle nearest to q, of several the first; begins with `guess`. */
+static size_t pbwa2__nearest(const pbwa2__tree *tree, const double *q, size_t guess, double weight[3])
+{
+    size_t stack[4 * 34], found = guess, n = 0;
+    double best = pbwa2__reach(tree->p, guess, q, weight), other[3];
+    stack[n++] = (size_t)(tree->levels - 1);         /* level, + 64 times the number in the level */
+    while (n > 0 && best > 0) {
+        const size_t level = stack[--n] & 63, at = stack[n] >> 6;
+        size_t j;
+        if (pbwa2__box_apart2(tree->box + tree->first[level] + at, q) >= best) {
+            continue;
+        }
+        if (level == 0) {
+            const double apart2 = pbwa2__reach(tree->p, at, q, other);
+            if (apart2 < best) {
+                best = apart2;
+                found = at;
+                memcpy(weight, other, sizeof other);
+            }
+            continue;
+        }
+        for (j = 4; j-- > 0; ) {
+            if (4 * at + j < tree->count[level - 1]) {
+                stack[n++] = (level - 1) | (4 * at + j) << 6;
+            }
+        }
+    }
+    return found;
+}
+
+PBWADAPT2DEF pbw_status pbw_plane_transfer(const pbw_plane *from, const pbw_plane *to, const double *values,
+                                           size_t width, double *out, const pbw_plane_options *options)
+{
+    pbwa2__memory memory;
+    pbwa2__tree tree;
+    double weight[3];
+    size_t i, k, at = 0;
+    if (from == NULL || to == NULL || values == NULL || out == NULL || from->triangle_count == 0) {
+        return PBW_ERROR_ARGUMENT;
+    }
+    pbwa2__start(&memory, options);
+    memset(&tree, 0, sizeof tree);
+    tree.p = from;
+    if (!pbwa2__plant(&tree, &memory)) {
+        pbwa2__end(&memory);
+        return PBW_ERROR_MEMORY;
+    }
+    for (i = 0; i < to->point_count; i++) {
+        const pbw_index *v;
+        at = pbwa2__nearest(&tree, to->points + 2 * i, at, weight);
+        v = from->triangles + 3 * at;
+        for (k = 0; k < width; k++) {
+            out[width * i + k] = weight[0] * values[width * v[0] + k] + weight[1] * values[width * v[1] + k]
+                               + weight[2] * values[width * v[2] + k];
+        }
+    }
+    pbwa2__end(&memory);
+    return PBW_OK;
+}
+
+#if !defined(__clang__) && defined(__GNUC__)
+#pragma GCC pop_options
+#endif
+#endif /* PBW_ADAPT2_IMPLEMENTATION */

@@ -1,0 +1,819 @@
+/* pbw_mpi.h - v0.1.0 - one exact triangulation by many machines, over MPI - MIT-0
+
+   QUICK START
+   In one source file, define PBW_MPI_IMPLEMENTATION before the include; in all others, only include.
+   Needs pbw.h, pbw_tiles.h and pbw_tilefile.h, with their implementations in some source file.
+
+       pbwm_options options = { 0 };                         // dim 3, no weights, threads = cores / ranks of the node
+       options.output = "mesh.pbwt";
+       status = pbwm_triangulate(MPI_COMM_WORLD, points, count, &options, &report);
+       if (status != PBW_OK) puts(report.text);              // the same on all ranks
+
+   In: points of each rank, any of them, with ids that are all different.  Out: the triangulation of all, a tile on
+   each rank: written to one file (pbw_tilefile.h), or passed to options.emit; and its hash, which is pbw_hash of one
+   machine's.
+
+   HOW
+   Points travel to the rank whose brick has them (a sorted sample of all ranks gives the cuts); then each rank works
+   through pbw_tiles.h: asks, answers, takes; rank 0 triangulates the leftovers; facets meet their other side at the
+   rank that owns their vertex of the smallest id.  Messages go to ranks that have something to say to each other only.
+
+   PROMISES  (tests/tiles.sh guards them)
+     exact       the simplices, links and hash of one machine, for any number of ranks
+     together    every step ends with an agreement: a status but PBW_OK is that of all ranks, with one text
+                 that names the rank and what it lacked.  A rank that dies is MPI's affair: it ends the others
+     bounded     options.build.memory_limit limits each rank's tile; 100 bytes a point for their way come before
+     sound       memory by options.build.resize; nothing is kept after a failure
+
+   CONFIGURATION MACROS
+     PBW_MPI_IMPLEMENTATION      in one source file: compile the implementation there
+     PBWMDEF                     everywhere: your own linkage for the functions, for example static
+*/
+#ifndef PBW_MPI_H
+#define PBW_MPI_H
+#include "pbw_tilefile.h"
+#include <mpi.h>
+
+#ifndef PBWMDEF
+#define PBWMDEF extern
+#endif
+
+#ifdef __cplusplus
+extern "C" {
+#endif
+
+typedef struct pbwm_options {              /* all zero = best defaults */
+    pbw_options build;                     /* of each rank's tile; threads 0 = the node's cores / its ranks; backend:
+                                              each rank may have its own device */
+    int dim;                               /* 2, else 3 */
+    int weighted;                          /* 1: regular triangulation */
+    double halo;                           /* as in pbwt_options */
+    const char *output;                    /* .pbwt, or NULL; a folder that all ranks see */
+    /* Called with the rank's simplices instead of writing them: see pbwt_options.  NULL = none. */
+    pbw_status (*emit)(void *user, const pbwt_tile *tile, size_t first, size_t count, const uint32_t *corners,
+                       const uint32_t *links);
+    void *emit_user;
+} pbwm_options;
+
+enum { PBWM_PARTITION, PBWM_TILE, PBWM_LEFTOVERS, PBWM_LINKS, PBWM_WRITE, PBWM_PHASES };
+
+typedef struct pbwm_report {               /* equal on all ranks */
+    uint64_t points, duplicates, simplices, hull, hash;      /* hull: facets, 0 without an output */
+    uint64_t halo, sent_bytes, given_up;   /* points of others, bytes after the partition, leftovers: sums */
+    uint64_t rounds, largest;              /* of questions; points of one rank: the most */
+    double seconds[PBWM_PHASES];           /* of the slowest rank */
+    char text[1400];                       /* why it failed */
+} pbwm_report;
+
+/* Called by all ranks of comm at once.  points: read only.  Fails as pbwt_tree_make, pbwt_ask and files do. */
+PBWMDEF pbw_status pbwm_triangulate(MPI_Comm comm, const pbwt_point *points, size_t count,
+                                    const pbwm_options *options, pbwm_report *report);
+/* For the steps around it: returns PBW_OK if all ranks pass that, else the status of the lowest rank that does not,
+   and its text as that of all. */
+PBWMDEF pbw_status pbwm_agree(MPI_Comm comm, pbw_status status, char *text, size_t text_size);
+
+#ifdef __cplusplus
+}
+#endif
+#endif /* PBW_MPI_H */
+
+#if defined(PBW_MPI_IMPLEMENTATION) && !defined(PBWM__IMPLEMENTED)
+#define PBWM__IMPLEMENTED
+
+#include <errno.h>
+#include <stdio.h>
+#include <stdlib.h>
+#include <string.h>
+#include <unistd.h>
+
+/* ------------------------------------------------------------------------------------------------------
+   The ranks: memory, agreement, clocks.
+   ------------------------------------------------------------------------------------------------------ */
+typedef struct pbwm__group {
+    MPI_Comm comm;
+    MPI_Datatype word;                               /* 8 bytes, so that an int counts 16 GB */
+    int rank, ranks, dim;
+    pbwm_options options;
+    pbwm_report *report;
+    double began;
+    int *count;                                      /* of exchanges: 2 a rank */
+    MPI_Request *request;                            /* 2 a rank */
+} pbwm__group;
+
+/* Memory through options.build.resize; the size stands before the block. */
+static void *pbwm__take(const pbwm__group *g, size_t bytes)
+{
+    const pbw_options *o = &g->options.build;
+    const size_t all = bytes + 16;
+    char *block = (char *)(o->resize != NULL ? o->resize(o->resize_user, NULL, 0, all) : malloc(all));
+    if (block == NULL) {
+        return NULL;
+    }
+    memset(block, 0, all);
+    memcpy(block, &all, sizeof all);
+    return block + 16;
+}
+
+static void pbwm__give(const pbwm__group *g, void *data)
+{
+    const pbw_options *o = &g->options.build;
+    char *block;
+    size_t all;
+    if (data == NULL) {
+        return;
+    }
+    block = (char *)data - 16;
+    memcpy(&all, block, sizeof all);
+    if (o->resize != NULL) {
+        (void)o->resize(o->resize_user, block, all, 0);
+    } else {
+        free(block);
+    }
+}
+
+PBWMDEF pbw_status pbwm_agree(MPI_Comm comm, pbw_status status, char *text, size_t text_size)
+{
+    int rank, ranks, mine, least, all = (int)status;
+    MPI_Comm_rank(comm, &rank);
+    MPI_Comm_size(comm, &ranks);
+    mine = status != PBW_OK ? rank : ranks;
+    MPI_Allreduce(&mine, &least, 1, MPI_INT, MPI_MIN, comm);
+    if (least == ranks) {
+        return PBW_OK;
+    }
+    MPI_Bcast(&all, 1, MPI_INT, least, comm);
+    MPI_Bcast(text, (int)text_size, MPI_CHAR, least, comm);
+    return (pbw_status)all;
+}
+
+/* The same, with a text that names this rank and what it was at. */
+static pbw_status pbwm__agree(pbwm__group *g, pbw_status status, const char *what)
+{
+    snprintf(g->report->text, sizeof g->report->text, "rank %d: %s: %s", g->rank, what, pbw_status_string(status));
+    status = pbwm_agree(g->comm, status, g->report->text, sizeof g->report->text);
+    if (status == PBW_OK) {
+        g->report->text[0] = 0;
+    }
+    return status;
+}
+
+/* The same for what can only fail by a file. */
+static pbw_status pbwm__agree_file(pbwm__group *g, int good, const char *what)
+{
+    pbw_status status = good ? PBW_OK : PBW_ERROR_BACKEND;
+    snprintf(g->report->text, sizeof g->report->text, "rank %d: %s: %s", g->rank, what,
+             errno != 0 ? strerror(errno) : "cannot write");
+    status = pbwm_agree(g->comm, status, g->report->text, sizeof g->report->text);
+    if (status == PBW_OK) {
+        g->report->text[0] = 0;
+    }
+    return status;
+}
+
+static void pbwm__end_phase(pbwm__group *g, int which)
+{
+    const double now = MPI_Wtime();
+    g->report->seconds[which] += now - g->began;
+    g->began = now;
+}
+
+/* ------------------------------------------------------------------------------------------------------
+   Exchange.
+   In: out[p], whole words for rank p.  Out: in[p], what came from it, and in[ranks], the block of all of that, to be
+   given back.  Every rank learns by one number from each other what comes; then messages go where there are any.
+   ------------------------------------------------------------------------------------------------------ */
+static pbw_status pbwm__exchange(pbwm__group *g, const pbwt_bytes *out, pbwt_bytes *in)
+{
+    int *send = g->count, *get = g->count + g->ranks, p, n = 0;
+    size_t all = 0;
+    pbw_status status = PBW_OK;
+    for (p = 0; p < g->ranks; p++) {
+        status = out[p].size / 8 > 0x7fffffff ? PBW_ERROR_TOO_LARGE : status;
+        send[p] = status == PBW_OK ? (int)(out[p].size / 8) : 0;
+    }
+    MPI_Alltoall(send, 1, MPI_INT, get, 1, MPI_INT, g->comm);
+    for (p = 0; p < g->ranks; p++) {
+        all += 8 * (size_t)get[p];
+    }
+    in[g->ranks].size = all;
+    in[g->ranks].data = (char *)pbwm__take(g, all);
+    status = status == PBW_OK && in[g->ranks].data == NULL ? PBW_ERROR_MEMORY : status;
+    status = pbwm__agree(g, status, "room for messages");
+    for (p = 0, all = 0; p < g->ranks && status == PBW_OK; p++) {
+        in[p].data = in[g->ranks].data + all;
+        in[p].size = 8 * (size_t)get[p];
+        all += in[p].size;
+        if (get[p] > 0) {
+            MPI_Irecv(in[p].data, get[p], g->word, p, 1, g->comm, g->request + n++);
+        }
+    }
+    for (p = 0; p < g->ranks && status == PBW_OK; p++) {
+        if (send[p] > 0) {
+            MPI_Isend(out[p].data, send[p], g->word, p, 1, g->comm, g->request + n++);
+        }
+    }
+    MPI_Waitall(n, g->request, MPI_STATUSES_IGNORE);
+    if (status != PBW_OK) {
+        pbwm__give(g, in[g->ranks].data);
+        in[g->ranks].data = NULL;
+    }
+    return status;
+}
+
+/* Sorts records into one string for each rank; to[i]: of record i; out[ranks]: the block.  Returns 0 without
+   memory. */
+static int pbwm__sort_out(pbwm__group *g, const void *records, size_t count, size_t size, const int *to,
+                          pbwt_bytes *out)
+{
+    char *block = (char *)pbwm__take(g, count * size);
+    size_t i;
+    int p;
+    memset(out, 0, ((size_t)g->ranks + 1) * sizeof *out);
+    out[g->ranks].data = block;
+    for (i = 0; i < count && block != NULL; i++) {
+        out[to[i]].size += size;
+    }
+    for (p = 0; p < g->ranks; p++) {
+        out[p].data = block;
+        block += block != NULL ? out[p].size : 0;
+        out[p].size = 0;
+    }
+    for (i = 0; i < count && block != NULL; i++) {
+        pbwt_bytes *o = out + to[i];
+        memcpy(o->data + o->size, (const char *)records + i * size, size);
+        o->size += size;
+    }
+    return block != NULL;
+}
+
+/* Sorts records out and exchanges them; in[ranks]: those that came, and their bytes. */
+static pbw_status pbwm__send_records(pbwm__group *g, const void *records, size_t count, size_t size, const int *to,
+                                     pbwt_bytes *in)
+{
+    pbwt_bytes *out = (pbwt_bytes *)pbwm__take(g, ((size_t)g->ranks + 1) * sizeof *out);
+    const int room = out != NULL && to != NULL && pbwm__sort_out(g, records, count, size, to, out);
+    pbw_status status = pbwm__agree(g, room ? PBW_OK : PBW_ERROR_MEMORY, "room for records");
+    status = status == PBW_OK ? pbwm__exchange(g, out, in) : status;
+    if (out != NULL) {
+        pbwm__give(g, out[g->ranks].data);
+    }
+    pbwm__give(g, out);
+    return status;
+}
+
+/* Gives a string of this rank to all (root < 0) or to one; *all: the strings of all ranks, one after the other. */
+static pbw_status pbwm__join(pbwm__group *g, const pbwt_bytes *mine, int root, pbwt_bytes *all)
+{
+    pbwt_bytes *out = (pbwt_bytes *)pbwm__take(g, (2 * (size_t)g->ranks + 1) * sizeof *out);
+    pbwt_bytes *in = out != NULL ? out + g->ranks : NULL;
+    pbw_status status = pbwm__agree(g, out != NULL ? PBW_OK : PBW_ERROR_MEMORY, "room for a list of ranks");
+    int p;
+    for (p = 0; p < g->ranks && status == PBW_OK; p++) {
+        out[p] = *mine;
+        out[p].size = root < 0 || p == root ? mine->size : 0;
+    }
+    status = status == PBW_OK ? pbwm__exchange(g, out, in) : status;
+    if (status == PBW_OK) {
+        *all = in[g->ranks];
+    }
+    pbwm__give(g, out);
+    return status;
+}
+
+static uint64_t pbwm__mixed(uint64_t x)              /* splitmix64 (Steele, Lea and Flood 2014) */
+{
+    x += 0x9e3779b97f4a7c15u;
+    x = (x ^ x >> 30) * 0xbf58476d1ce4e5b9u;
+    x = (x ^ x >> 27) * 0x94d049bb133111ebu;
+    return x ^ x >> 31;
+}
+
+/* ------------------------------------------------------------------------------------------------------
+   One rank's work.
+   ------------------------------------------------------------------------------------------------------ */
+typedef struct pbwm__chunk {                         /* in a file of its own until its place is known */
+    pbwtf_writer writer;
+    pbwtf_entry entry;
+    char name[1100];
+    FILE *file;
+} pbwm__chunk;
+
+typedef struct pbwm__work {
+    pbwm__group *g;
+    uint64_t given;                                  /* points of all ranks, duplicates included */
+    pbwt_bytes mine;                                 /* points of this rank's brick, until the tree has them */
+    pbwt_bytes *message;                             /* 4 (ranks + 1) strings */
+    pbwt_served *served;
+    pbwt_summary *summary;
+    pbwt_tree tree;
+    pbwt_tile tile, rest;                            /* rest: leftovers, on rank 0 */
+    pbwt_options tile_options;
+    pbwm__chunk chunk, leftover;
+    pbwt_bytes matched;                              /* facets of tile and rest */
+    uint64_t hull;                                   /* that this rank matched */
+} pbwm__work;
+
+/* Cuts by a sorted sample of all ranks: 4096 points of each, or fewer, so that all together stay small. */
+static pbw_status pbwm__cut(pbwm__work *w, const pbwt_point *points, size_t count, pbwt_cut *cuts)
+{
+    pbwm__group *g = w->g;
+    const size_t most = g->ranks > 256 ? 256 : 4096, some = count < most ? count : most;
+    pbwt_point *sample = (pbwt_point *)pbwm__take(g, some * sizeof *sample);
+    pbwt_bytes mine, all = { NULL, 0 };
+    pbw_status status;
+    size_t i;
+    for (i = 0; i < some && sample != NULL; i++) {
+        sample[i] = points[pbwm__mixed(i) % count];
+    }
+    status = pbwm__agree(g, sample != NULL ? PBW_OK : PBW_ERROR_MEMORY, "room for a sample");
+    mine.data = (char *)sample;
+    mine.size = some * sizeof *sample;
+    status = status == PBW_OK ? pbwm__join(g, &mine, -1, &all) : status;
+    if (status == PBW_OK) {
+        pbwt_cut_points(g->dim, (pbwt_point *)(void *)all.data, all.size / sizeof *sample, g->ranks, cuts);
+    }
+    pbwm__give(g, all.data);
+    pbwm__give(g, sample);
+    return status;
+}
+
+static pbw_status pbwm__partition(pbwm__work *w, const pbwt_point *points, size_t count)
+{
+    pbwm__group *g = w->g;
+    pbwt_cut *cuts = (pbwt_cut *)pbwm__take(g, (size_t)g->ranks * sizeof *cuts);
+    int *to = (int *)pbwm__take(g, count * sizeof *to);
+    pbw_status status = pbwm__agree(g, cuts != NULL && to != NULL ? PBW_OK : PBW_ERROR_MEMORY, "room for the cuts");
+    size_t i;
+    status = status == PBW_OK ? pbwm__cut(w, points, count, cuts) : status;
+    for (i = 0; i < count && status == PBW_OK; i++) {
+        to[i] = pbwt_part(g->dim, cuts, g->ranks, points + i);
+    }
+    if (status == PBW_OK) {
+        status = pbwm__send_records(g, points, count, sizeof *points, to, w->message);
+        w->mine = w->message[g->ranks];
+    }
+    pbwm__give(g, to);
+    pbwm__give(g, cuts);
+    return status;
+}
+
+static pbw_status pbwm__plant(pbwm__work *w)
+{
+    pbwm__group *g = w->g;
+    const int words = (int)(sizeof(pbwt_summary) / 8);
+    pbwt_summary mine;
+    pbw_status status = pbwt_tree_make(g->dim, g->rank, (const pbwt_point *)(const void *)w->mine.data,
+                                       w->mine.size / sizeof(pbwt_point), &g->options.build, &w->tree);
+    status = pbwm__agree(g, status, "its points");
+    pbwm__give(g, w->mine.data);
+    w->mine.data = NULL;
+    if (status == PBW_OK) {
+        pbwt_summarise(&w->tree, &mine);
+        MPI_Allgather(&mine, words, g->word, w->summary, words, g->word, g->comm);
+    }
+    pbwm__end_phase(g, PBWM_PARTITION);
+    return status;
+}
+
+/* One round: requests go out, answers come back. */
+static pbw_status pbwm__round(pbwm__work *w)
+{
+    pbwm__group *g = w->g;
+    pbwt_bytes *asked = w->message, *reply = asked + g->ranks + 1, *got = reply + g->ranks + 1;
+    pbw_status status = pbwm__exchange(g, w->tile.request, asked), own = PBW_OK;
+    int p;
+    if (status != PBW_OK) {
+        return status;
+    }
+    for (p = 0; p < g->ranks && own == PBW_OK; p++) {
+        if (asked[p].size > 0) {
+            own = pbwt_answer(&w->tree, w->served + p, asked + p, NULL, w->summary[p].count, reply + p);
+        }
+    }
+    status = pbwm__agree(g, own, "an answer");
+    pbwm__give(g, asked[g->ranks].data);
+    status = status == PBW_OK ? pbwm__exchange(g, reply, got) : status;
+    for (p = 0; p < g->ranks; p++) {
+        pbwt_bytes_free(&w->tree, reply + p);
+    }
+    if (status != PBW_OK) {
+        return status;
+    }
+    for (p = 0; p < g->ranks && own == PBW_OK; p++) {
+        own = got[p].size > 0 ? pbwt_take(&w->tile, p, got[p].data, got[p].size) : PBW_OK;
+    }
+    pbwm__give(g, got[g->ranks].data);
+    return pbwm__agree(g, own, "taking answers");
+}
+
+static pbw_status pbwm__make_tile(pbwm__work *w)
+{
+    pbwm__group *g = w->g;
+    pbw_status status = pbwt_open(&w->tile, &w->tree, w->summary, g->ranks, &w->tile_options);
+    int more, any = 1, p;
+    char what[160];
+    status = pbwm__agree(g, status, "opening its tile");
+    while (status == PBW_OK && any) {
+        status = pbwt_ask(&w->tile, &more);
+        snprintf(what, sizeof what, "its tile of %zu points, and %zu of others", w->tree.count,
+                 w->tile.foreign_count);
+        status = pbwm__agree(g, status, what);
+        if (status == PBW_OK) {
+            MPI_Allreduce(&more, &any, 1, MPI_INT, MPI_MAX, g->comm);
+            status = any ? pbwm__round(w) : PBW_OK;
+        }
+    }
+    for (p = 0; p < g->ranks; p++) {
+        pbwt_served_free(&w->tree, w->served + p);
+    }
+    pbwm__end_phase(g, PBWM_TILE);
+    return status;
+}
+
+/* ------------------------------------------------------------------------------------------------------
+   Leftovers: rank 0 triangulates what all ranks gave up.
+   ------------------------------------------------------------------------------------------------------ */
+static int pbwm__compare_ids(const void *a, const void *b)
+{
+    const uint64_t x = *(const uint64_t *)a, y = *(const uint64_t *)b;
+    return x < y ? -1 : x > y;
+}
+
+/* The ids of all points given up, ascending, on all ranks. */
+static pbw_status pbwm__given_ids(pbwm__work *w, pbwt_bytes *ids)
+{
+    pbwm__group *g = w->g;
+    const size_t count = w->tile.leftover_count;
+    uint64_t *own = (uint64_t *)pbwm__take(g, count * sizeof *own);
+    pbw_status status = pbwm__agree(g, own != NULL ? PBW_OK : PBW_ERROR_MEMORY, "room for leftovers");
+    pbwt_bytes mine;
+    size_t i;
+    for (i = 0; i < count && status == PBW_OK; i++) {
+        own[i] = w->tree.points[w->tile.leftovers[i]].id;
+    }
+    mine.data = (char *)own;
+    mine.size = count * sizeof *own;
+    status = status == PBW_OK ? pbwm__join(g, &mine, -1, ids) : status;
+    if (status == PBW_OK) {
+        qsort(ids->data, ids->size / 8, 8, pbwm__compare_ids);
+    }
+    pbwm__give(g, own);
+    return status;
+}
+
+static pbw_status pbwm__leftovers(pbwm__work *w)
+{
+    pbwm__group *g = w->g;
+    pbwt_bytes ids = { NULL, 0 }, mine = { NULL, 0 }, known = { NULL, 0 };
+    pbwt_options options = w->tile_options;
+    pbw_status status = pbwm__given_ids(w, &ids);
+    char what[120];
+    if (status == PBW_OK && ids.size > 0) {
+        status = pbwt_leftovers(&w->tile, (uint64_t *)(void *)ids.data, ids.size / 8, &mine);
+        status = pbwm__agree(g, status, "what it knows of leftovers");
+        status = status == PBW_OK ? pbwm__join(g, &mine, 0, &known) : status;
+        pbwt_bytes_free(&w->tree, &mine);
+        if (status == PBW_OK) {
+            options.emit_user = g->options.output != NULL ? &w->leftover.writer : options.emit_user;
+            status = g->rank == 0 ? pbwt_finish(&w->rest, g->dim, g->ranks, &known, &options) : PBW_OK;
+            snprintf(what, sizeof what, "%zu points that were given up and need one machine", ids.size / 8);
+            status = pbwm__agree(g, status, what);
+        }
+    }
+    pbwm__give(g, known.data);
+    pbwm__give(g, ids.data);
+    pbwm__end_phase(g, PBWM_LEFTOVERS);
+    return status;
+}
+
+/* ------------------------------------------------------------------------------------------------------
+   Links across tiles: facets meet at the rank that owns the vertex of the lowest id, and go back.
+   ------------------------------------------------------------------------------------------------------ */
+static int pbwm__compare_facets(const void *a, const void *b)        /* the order in which a tile has them */
+{
+    const uint64_t x = ((const pbwt_facet *)a)->from, y = ((const pbwt_facet *)b)->from;
+    return x < y ? -1 : x > y;
+}
+
+/* Sends facets there, to the owner of their lowest id, or back. */
+static pbw_status pbwm__send_facets(pbwm__work *w, pbwt_bytes *facets, int back)
+{
+    pbwm__group *g = w->g;
+    const size_t count = facets->size / sizeof(pbwt_facet);
+    const pbwt_facet *facet = (const pbwt_facet *)(const void *)facets->data;
+    int *to = (int *)pbwm__take(g, count * sizeof *to);
+    pbw_status status;
+    size_t i;
+    for (i = 0; i < count && to != NULL; i++) {      /* leftovers, tile `ranks`, are on rank 0 */
+        to[i] = (int)((back ? facet[i].from >> 40 : facet[i].to) % (uint64_t)g->ranks);
+    }
+    status = pbwm__send_records(g, facet, count, sizeof *facet, to, w->message);
+    pbwm__give(g, to);
+    pbwm__give(g, facets->data);
+    facets->data = NULL;
+    if (status == PBW_OK) {
+        *facets = w->message[g->ranks];
+    }
+    return status;
+}
+
+static pbw_status pbwm__match(pbwm__work *w)
+{
+    pbwm__group *g = w->g;
+    const size_t own = w->tile.facet_count, rest = w->rest.facet_count;
+    pbwt_bytes *facets = &w->matched;
+    pbwt_facet *all = (pbwt_facet *)pbwm__take(g, (own + rest) * sizeof *all);
+    pbw_status status = pbwm__agree(g, all != NULL ? PBW_OK : PBW_ERROR_MEMORY, "room for facets");
+    if (all != NULL && own > 0) {
+        memcpy(all, w->tile.facets, own * sizeof *all);
+    }
+    if (all != NULL && rest > 0) {
+        memcpy(all + own, w->rest.facets, rest * sizeof *all);
+    }
+    facets->data = (char *)all;
+    facets->size = (own + rest) * sizeof *all;
+    status = status == PBW_OK ? pbwm__send_facets(w, facets, 0) : status;
+    if (status == PBW_OK) {
+        w->hull = pbwt_match((pbwt_facet *)(void *)facets->data, facets->size / sizeof *all);
+        status = pbwm__send_facets(w, facets, 1);
+    }
+    if (status == PBW_OK) {
+        qsort(facets->data, facets->size / sizeof *all, sizeof *all, pbwm__compare_facets);
+    }
+    return status;
+}
+
+/* ------------------------------------------------------------------------------------------------------
+   The file: each rank has its chunk in a file of its own, and copies it to its place.
+   ------------------------------------------------------------------------------------------------------ */
+static uint32_t pbwm__flags(const pbwm__group *g)
+{
+    return (g->options.weighted ? PBWTF_WEIGHTS : 0) | PBWTF_LINKS;
+}
+
+static void pbwm__open_chunk(pbwm__work *w, pbwm__chunk *c, const pbwt_tree *tree, int number)
+{
+    snprintf(c->name, sizeof c->name, "%s.%d", w->g->options.output, number);
+    c->file = fopen(c->name, "wb+");
+    if (c->file != NULL) {
+        pbwtf_begin(&c->writer, c->file, tree, (uint32_t)number, pbwm__flags(w->g));
+    }
+}
+
+/* Fills `across` of a finished chunk with those facets that are of this tile.  Returns 0 if it cannot be written. */
+static int pbwm__link_chunk(pbwm__work *w, pbwm__chunk *c, const pbwt_tile *tile, int number)
+{
+    const pbwt_facet *facet = (const pbwt_facet *)(const void *)w->matched.data;
+    const size_t count = w->matched.size / sizeof *facet;
+    size_t i;
+    int good = pbwtf_end(&c->writer, tile, w->g->dim)
+            && fseek(c->file, (long)pbwtf_across_offset(&c->writer.chunk), SEEK_SET) == 0;
+    for (i = 0; i < count && good; i++) {
+        if (facet[i].from >> 40 == (uint64_t)number) {
+            good = fwrite(&facet[i].to, 8, 1, c->file) == 1;
+            c->entry.across_checksum = pbwtf_checksum(c->entry.across_checksum, &facet[i].to, 8);
+        }
+    }
+    c->entry.size = pbwtf_chunk_size(&c->writer.chunk);
+    c->entry.first_simplex = c->writer.chunk.simplices;
+    return good && fflush(c->file) == 0;
+}
+
+static void pbwm__drop_chunk(pbwm__chunk *c)
+{
+    if (c->file != NULL) {
+        fclose(c->file);
+        remove(c->name);
+        c->file = NULL;
+    }
+}
+
+static int pbwm__copy_chunk(pbwm__chunk *c, const char *path)
+{
+    char block[65536];
+    FILE *file = fopen(path, "rb+");
+    size_t left = (size_t)c->entry.size;
+    int good = file != NULL && fseek(file, (long)c->entry.offset, SEEK_SET) == 0
+            && fseek(c->file, 0, SEEK_SET) == 0;
+    while (left > 0 && good) {
+        const size_t size = left < sizeof block ? left : sizeof block;
+        good = fread(block, 1, size, c->file) == size && fwrite(block, 1, size, file) == size;
+        left -= size;
+    }
+    return (file == NULL || fclose(file) == 0) && good;
+}
+
+/* Gives each chunk its place; the header and the table, of rank 0. */
+static int pbwm__write_head(const pbwm__group *g, pbwtf_entry *table, pbwtf_header *header, const pbw_hash_sums *sums)
+{
+    uint64_t simplices = 0, at = sizeof *header;
+    uint32_t p;
+    FILE *file;
+    int good;
+    for (p = 0; p < header->chunks; p++) {
+        const uint64_t count = table[p].first_simplex;
+        table[p].first_simplex = simplices;
+        table[p].offset = at;
+        simplices += count;
+        at += table[p].size;
+    }
+    header->table = at;
+    header->size = at + header->chunks * sizeof *table;
+    pbwtf_seal(header, sums);
+    if (g->rank != 0) {
+        return 1;
+    }
+    file = fopen(g->options.output, "wb");
+    good = file != NULL && fwrite(header, sizeof *header, 1, file) == 1 && fseek(file, (long)at, SEEK_SET) == 0
+        && fwrite(table, sizeof *table, header->chunks, file) == header->chunks;
+    return (file == NULL || fclose(file) == 0) && good;
+}
+
+static pbw_status pbwm__write(pbwm__work *w, pbwtf_header *header, const pbw_hash_sums *sums)
+{
+    pbwm__group *g = w->g;
+    pbwtf_entry *table = (pbwtf_entry *)pbwm__take(g, ((size_t)g->ranks + 1) * sizeof *table);
+    pbw_status status = pbwm__agree(g, table != NULL ? PBW_OK : PBW_ERROR_MEMORY, "room for the table of chunks");
+    int good;
+    if (status == PBW_OK) {
+        MPI_Allgather(&w->chunk.entry, 4, g->word, table, 4, g->word, g->comm);
+        table[g->ranks] = w->leftover.entry;
+        MPI_Bcast(table + g->ranks, 4, g->word, 0, g->comm);
+        header->chunks = (uint32_t)g->ranks + (table[g->ranks].size > 0);
+        good = pbwm__write_head(g, table, header, sums);
+        status = pbwm__agree_file(g, good, g->options.output);
+    }
+    if (status == PBW_OK) {
+        w->chunk.entry = table[g->rank];
+        good = pbwm__copy_chunk(&w->chunk, g->options.output);
+        if (g->rank == 0 && table[g->ranks].size > 0) {
+            w->leftover.entry = table[g->ranks];
+            good = pbwm__copy_chunk(&w->leftover, g->options.output) && good;
+        }
+        status = pbwm__agree_file(g, good, g->options.output);
+    }
+    pbwm__give(g, table);
+    return status;
+}
+
+static pbw_status pbwm__open_file(pbwm__work *w)
+{
+    pbwm__group *g = w->g;
+    errno = 0;
+    pbwm__open_chunk(w, &w->chunk, &w->tree, g->rank);
+    if (g->rank == 0) {
+        pbwm__open_chunk(w, &w->leftover, NULL, g->ranks);
+    }
+    w->tile_options.emit = pbwtf_emit;
+    w->tile_options.emit_user = &w->chunk.writer;
+    return pbwm__agree_file(g, w->chunk.file != NULL && (g->rank != 0 || w->leftover.file != NULL), w->chunk.name);
+}
+
+static pbw_status pbwm__end_file(pbwm__work *w)
+{
+    pbwm__group *g = w->g;
+    pbw_status status = pbwm__match(w);
+    int good = 1;
+    if (status == PBW_OK) {
+        good = pbwm__link_chunk(w, &w->chunk, &w->tile, g->rank);
+        if (g->rank == 0 && w->rest.memory != NULL) {
+            good = pbwm__link_chunk(w, &w->leftover, &w->rest, g->ranks) && good;
+        }
+        status = pbwm__agree_file(g, good, w->chunk.name);
+    }
+    pbwm__end_phase(g, PBWM_LINKS);
+    return status;
+}
+
+/* ------------------------------------------------------------------------------------------------------
+   All together.
+   ------------------------------------------------------------------------------------------------------ */
+static pbw_status pbwm__finish(pbwm__work *w)
+{
+    pbwm__group *g = w->g;
+    pbwm_report *r = g->report;
+    const pbwt_numbers *n = &w->tile.numbers, *rest = &w->rest.numbers;
+    const uint64_t most[2] = { n->rounds, w->tree.count };
+    uint64_t sum[9], all[9], largest[2];
+    pbwtf_header header;
+    pbw_hash_sums sums;
+    pbw_status status = PBW_OK;
+    sum[0] = w->given;
+    sum[1] = w->tree.duplicates;
+    sum[2] = n->simplices + rest->simplices;
+    sum[3] = g->options.output != NULL ? w->hull + n->hull + rest->hull : 0;
+    sum[4] = n->halo + n->later;
+    sum[5] = n->sent_bytes;
+    sum[6] = w->tile.leftover_count;
+    sum[7] = w->tile.hash.points + w->rest.hash.points;
+    sum[8] = w->tile.hash.simplices + w->rest.hash.simplices;
+    MPI_Allreduce(sum, all, 9, MPI_UINT64_T, MPI_SUM, g->comm);
+    MPI_Allreduce(most, largest, 2, MPI_UINT64_T, MPI_MAX, g->comm);
+    memset(&header, 0, sizeof header);
+    header.dim = (uint32_t)g->dim;
+    header.flags = pbwm__flags(g);
+    header.tiles = header.chunks = (uint32_t)g->ranks;
+    header.points = r->points = all[0];
+    header.duplicates = r->duplicates = all[1];
+    header.simplices = r->simplices = all[2];
+    header.hull = r->hull = all[3];
+    r->halo = all[4];
+    r->sent_bytes = all[5];
+    r->given_up = all[6];
+    r->rounds = largest[0];
+    r->largest = largest[1];
+    sums.points = all[7];
+    sums.simplices = all[8];
+    pbwtf_seal(&header, &sums);
+    r->hash = header.hash;
+    status = g->options.output != NULL ? pbwm__write(w, &header, &sums) : PBW_OK;
+    pbwm__end_phase(g, PBWM_WRITE);
+    return status;
+}
+
+static pbw_status pbwm__run(pbwm__work *w, const pbwt_point *points, size_t count)
+{
+    pbwm__group *g = w->g;
+    pbw_status status = pbwm__partition(w, points, count);
+    w->given = count;
+    w->tile_options.build = g->options.build;
+    w->tile_options.halo = g->options.halo;
+    w->tile_options.weighted = g->options.weighted;
+    w->tile_options.no_links = g->options.output == NULL && g->options.emit == NULL;
+    w->tile_options.emit = g->options.emit;
+    w->tile_options.emit_user = g->options.emit_user;
+    status = status == PBW_OK ? pbwm__plant(w) : status;
+    status = status == PBW_OK && g->options.output != NULL ? pbwm__open_file(w) : status;
+    status = status == PBW_OK ? pbwm__make_tile(w) : status;
+    status = status == PBW_OK ? pbwm__leftovers(w) : status;
+    status = status == PBW_OK && g->options.output != NULL ? pbwm__end_file(w) : status;
+    status = status == PBW_OK ? pbwm__finish(w) : status;
+    pbwm__drop_chunk(&w->chunk);
+    pbwm__drop_chunk(&w->leftover);
+    pbwt_close(&w->tile);
+    pbwt_close(&w->rest);
+    pbwt_tree_free(&w->tree);
+    pbwm__give(g, w->mine.data);
+    pbwm__give(g, w->matched.data);
+    return status;
+}
+
+/* The cores of this node for each of its ranks. */
+static int pbwm__threads(MPI_Comm comm)
+{
+    const long cores = sysconf(_SC_NPROCESSORS_ONLN);
+    MPI_Comm node;
+    int ranks, threads;
+    MPI_Comm_split_type(comm, MPI_COMM_TYPE_SHARED, 0, MPI_INFO_NULL, &node);
+    MPI_Comm_size(node, &ranks);
+    MPI_Comm_free(&node);
+    threads = (int)(cores > 0 ? cores : 1) / ranks;
+    return threads < 1 ? 1 : threads > 256 ? 256 : threads;
+}
+
+PBWMDEF pbw_status pbwm_triangulate(MPI_Comm comm, const pbwt_point *points, size_t count,
+                                    const pbwm_options *options, pbwm_report *report)
+{
+    pbwm__group g;
+    pbwm__work w;
+    pbw_status status;
+    double longest[PBWM_PHASES];
+    size_t ranks;
+    memset(&g, 0, sizeof g);
+    memset(&w, 0, sizeof w);
+    memset(report, 0, sizeof *report);
+    g.comm = comm;
+    g.options = *options;
+    g.report = report;
+    g.dim = options->dim == 2 ? 2 : 3;
+    MPI_Comm_rank(comm, &g.rank);
+    MPI_Comm_size(comm, &g.ranks);
+    MPI_Type_contiguous(8, MPI_BYTE, &g.word);
+    MPI_Type_commit(&g.word);
+    if (g.options.build.threads == 0) {
+        g.options.build.threads = pbwm__threads(comm);
+    }
+    ranks = (size_t)g.ranks;
+    g.count = (int *)pbwm__take(&g, 2 * ranks * sizeof *g.count);
+    g.request = (MPI_Request *)pbwm__take(&g, 2 * ranks * sizeof *g.request);
+    w.g = &g;
+    w.message = (pbwt_bytes *)pbwm__take(&g, 4 * (ranks + 1) * sizeof *w.message);
+    w.served = (pbwt_served *)pbwm__take(&g, ranks * sizeof *w.served);
+    w.summary = (pbwt_summary *)pbwm__take(&g, ranks * sizeof *w.summary);
+    g.began = MPI_Wtime();
+    status = g.count != NULL && g.request != NULL && w.message != NULL && w.served != NULL && w.summary != NULL
+           ? PBW_OK : PBW_ERROR_MEMORY;
+    status = pbwm__agree(&g, status, "room for lists of ranks");
+    status = status == PBW_OK ? pbwm__run(&w, points, count) : status;
+    MPI_Allreduce(report->seconds, longest, PBWM_PHASES, MPI_DOUBLE, MPI_MAX, comm);
+    memcpy(report->seconds, longest, sizeof longest);
+    pbwm__give(&g, g.count);
+    pbwm__give(&g, g.request);
+    pbwm__give(&g, w.message);
+    pbwm__give(&g, w.served);
+    pbwm__give(&g, w.summary);
+    MPI_Type_free(&g.word);
+    return status;
+}
+
+#endif /* PBW_MPI_IMPLEMENTATION */

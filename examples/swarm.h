@@ -1,0 +1,295 @@
+/* swarm.h: points that all move, and with them their triangulation and its cells, in a box of 2 by 1.
+   Points drift in the double gyre of Shadden, Lekien and Marsden (2005, "Definition and properties of Lagrangian
+   coherent structures", section 6), and towards the centroids of their cells, so that they stay evenly spread.
+   A frame: new places; pbw_live_commit, which looks which facets still hold, and flips the others; the arrays; areas
+   and centroids of the cells.  These are what pbw_cells.h gives, by one pass over the triangles: a triangle's centre,
+   its corners and the middles of its edges part it into six right triangles, two for each corner's cell.  Their areas
+   have signs, so obtuse triangles are no case.  Cells that a centre outside of the box or an edge of the hull is at
+   are cut out of the box instead. */
+#ifndef SWARM_H
+#define SWARM_H
+#include "pbw_cells.h"
+#include <math.h>
+#include <stdlib.h>
+#include <string.h>
+
+static const double swarm_box[4] = { 0, 0, 2, 1 };
+
+enum { SWARM_CORNERS = 60 };                         /* of a cell that is cut */
+typedef struct swarm_cut { size_t count; double corner[SWARM_CORNERS + 1][2]; } swarm_cut;
+
+typedef struct swarm {
+    size_t count, room;                              /* of points; of cuts */
+    double time, *points;
+    double *areas, (*centroids)[2];                  /* of cells */
+    pbw_index *number;                               /* of a cell's cut, counted from 1; 0: it is not cut */
+    swarm_cut *cuts;
+    pbw_live *live;
+    pbw_mesh mesh;
+} swarm;
+
+static void swarm_free(swarm *s)
+{
+    free(s->points);
+    free(s->areas);
+    free(s->centroids);
+    free(s->number);
+    free(s->cuts);
+    pbw_live_free(s->live);
+    pbw_free(&s->mesh);
+    memset(s, 0, sizeof *s);
+}
+
+/* The gyre's velocity: at most 0.1 pi times 1.5. */
+static void swarm_flow(double time, const double p[2], double v[2])
+{
+    const double pi = 3.14159265358979, a = 0.25 * sin(pi / 5 * time), b = 1 - 2 * a;
+    const double f = (a * p[0] + b) * p[0], slope = 2 * a * p[0] + b;
+    v[0] = -0.1 * pi * sin(pi * f) * cos(pi * p[1]);
+    v[1] = 0.1 * pi * cos(pi * f) * sin(pi * p[1]) * slope;
+}
+
+/* An edge: its middle, and the area of each of the two triangles that it has with a centre. */
+typedef struct swarm_edge { double x, y, area; } swarm_edge;
+
+static swarm_edge swarm_edge_of(const double *from, const double *to, double x, double y)
+{
+    swarm_edge e;
+    e.x = 0.5 * (from[0] + to[0]);
+    e.y = 0.5 * (from[1] + to[1]);
+    e.area = 0.25 * ((to[0] - from[0]) * (y - e.y) - (to[1] - from[1]) * (x - e.x));
+    return e;
+}
+
+/* Adds to a corner's cell its two triangles, at edges e and f: the area, and three times area times centroid. */
+static void swarm_add(swarm *s, pbw_index v, const double *p, swarm_edge e, swarm_edge f, double x, double y)
+{
+    const double sum = e.area + f.area;
+    s->areas[v] += sum;
+    s->centroids[v][0] += sum * (p[0] + x) + e.area * e.x + f.area * f.x;
+    s->centroids[v][1] += sum * (p[1] + y) + e.area * e.y + f.area * f.y;
+}
+
+/* Shares a triangle out among the cells of its corners; cells that must be cut get the number 1. */
+static void swarm_share(swarm *s, size_t triangle)
+{
+    const pbw_index *v = s->mesh.simplices + 3 * triangle, *neighbors = s->mesh.neighbors + 3 * triangle;
+    const pbw_index i = v[0], j = v[1], k = v[2];
+    const double *a = s->points + 2 * (size_t)i, *b = s->points + 2 * (size_t)j, *c = s->points + 2 * (size_t)k;
+    const double bx = b[0] - a[0], by = b[1] - a[1], cx = c[0] - a[0], cy = c[1] - a[1];
+    const double bb = bx * bx + by * by, cc = cx * cx + cy * cy, scale = 0.5 / (bx * cy - by * cx);
+    const double x = a[0] + (bb * cy - cc * by) * scale, y = a[1] + (cc * bx - bb * cx) * scale;
+    const swarm_edge ab = swarm_edge_of(a, b, x, y), bc = swarm_edge_of(b, c, x, y), ca = swarm_edge_of(c, a, x, y);
+    swarm_add(s, i, a, ca, ab, x, y);
+    swarm_add(s, j, b, ab, bc, x, y);
+    swarm_add(s, k, c, bc, ca, x, y);
+    if (!(x >= swarm_box[0] && y >= swarm_box[1] && x <= swarm_box[2] && y <= swarm_box[3])
+        || neighbors[0] == PBW_NONE || neighbors[1] == PBW_NONE || neighbors[2] == PBW_NONE) {
+        s->number[i] = s->number[j] = s->number[k] = 1;
+    }
+}
+
+/* Leaves of a cell what is nearer to p than to q (Sutherland and Hodgman 1974, "Reentrant polygon clipping").
+   Returns 0 if it has too many corners then. */
+static int swarm_clip(swarm_cut *cut, const double *p, const double *q)
+{
+    const double n[2] = { q[0] - p[0], q[1] - p[1] }, m[2] = { (p[0] + q[0]) / 2, (p[1] + q[1]) / 2 };
+    const size_t count = cut->count;
+    double old[SWARM_CORNERS][2];
+    memcpy(old, cut->corner, count * sizeof *old);
+    cut->count = 0;
+    for (size_t i = 0; i < count; i++) {
+        const double *a = old[i], *b = old[i + 1 < count ? i + 1 : 0];
+        const double da = n[0] * (a[0] - m[0]) + n[1] * (a[1] - m[1]);
+        const double db = n[0] * (b[0] - m[0]) + n[1] * (b[1] - m[1]);
+        if (da <= 0) {
+            memcpy(cut->corner[cut->count++], a, sizeof cut->corner[0]);
+        }
+        if ((da <= 0) != (db <= 0) && cut->count < SWARM_CORNERS) {
+            cut->corner[cut->count][0] = a[0] + (b[0] - a[0]) * (da / (da - db));
+            cut->corner[cut->count++][1] = a[1] + (b[1] - a[1]) * (da / (da - db));
+        }
+    }
+    return cut->count < SWARM_CORNERS;
+}
+
+/* Area and centroid of a cut cell, seen from its point p. */
+static void swarm_measure(const swarm_cut *cut, const double *p, double *area, double centroid[2])
+{
+    double twice = 0, x = 0, y = 0;
+    for (size_t i = 0; i < cut->count; i++) {
+        const double *a = cut->corner[i], *b = cut->corner[(i + 1) % cut->count];
+        const double part = (a[0] - p[0]) * (b[1] - p[1]) - (a[1] - p[1]) * (b[0] - p[0]);
+        twice += part;
+        x += part * (a[0] - p[0] + b[0] - p[0]);
+        y += part * (a[1] - p[1] + b[1] - p[1]);
+    }
+    *area = twice / 2;
+    centroid[0] = p[0] + x / (3 * twice);
+    centroid[1] = p[1] + y / (3 * twice);
+}
+
+/* The cells that must be cut begin as the box; numbers them. */
+static pbw_status swarm_begin_cuts(swarm *s)
+{
+    size_t count = 0;
+    for (size_t i = 0; i < s->count; i++) {
+        s->number[i] = s->number[i] > 0 ? (pbw_index)++count : 0;
+    }
+    if (count > s->room) {
+        swarm_cut *more = (swarm_cut *)realloc(s->cuts, 2 * count * sizeof *more);
+        if (more == NULL) {
+            return PBW_ERROR_MEMORY;
+        }
+        s->cuts = more;
+        s->room = 2 * count;
+    }
+    for (size_t i = 0; i < count; i++) {
+        s->cuts[i].count = 4;
+        for (int k = 0; k < 4; k++) {
+            s->cuts[i].corner[k][0] = swarm_box[k == 1 || k == 2 ? 2 : 0];
+            s->cuts[i].corner[k][1] = swarm_box[k >= 2 ? 3 : 1];
+        }
+    }
+    return PBW_OK;
+}
+
+/* Cuts the cells of a triangle's corners, those that must be, by the others' bisectors. */
+static int swarm_cut_at(swarm *s, const pbw_index *v)
+{
+    int fits = 1;
+    for (int k = 0; k < 9; k++) {
+        const size_t i = v[k / 3], j = v[k % 3];
+        if (i != j && s->number[i] > 0) {
+            fits &= swarm_clip(s->cuts + s->number[i] - 1, s->points + 2 * i, s->points + 2 * j);
+        }
+    }
+    return fits;
+}
+
+static pbw_status swarm_cells(swarm *s)
+{
+    pbw_status status;
+    memset(s->areas, 0, s->count * sizeof *s->areas);
+    memset(s->centroids, 0, s->count * sizeof *s->centroids);
+    memset(s->number, 0, s->count * sizeof *s->number);
+    for (size_t t = 0; t < s->mesh.simplex_count; t++) {
+        swarm_share(s, t);
+    }
+    status = swarm_begin_cuts(s);
+    for (size_t t = 0; t < s->mesh.simplex_count && status == PBW_OK; t++) {
+        const pbw_index *v = s->mesh.simplices + 3 * t;
+        if ((s->number[v[0]] | s->number[v[1]] | s->number[v[2]]) != 0 && !swarm_cut_at(s, v)) {
+            status = PBW_ERROR_TOO_LARGE;
+        }
+    }
+    for (size_t i = 0; i < s->count && status == PBW_OK; i++) {
+        if (s->number[i] > 0) {
+            swarm_measure(s->cuts + s->number[i] - 1, s->points + 2 * i, s->areas + i, s->centroids[i]);
+        } else {
+            s->centroids[i][0] /= 3 * s->areas[i];
+            s->centroids[i][1] /= 3 * s->areas[i];
+        }
+    }
+    return status;
+}
+
+/* Triangulation and cells of the points where they are now. */
+static pbw_status swarm_follow(swarm *s)
+{
+    pbw_status status = pbw_live_move(s->live, NULL, s->points, s->count);
+    status = status != PBW_OK ? status : pbw_live_commit(s->live, NULL);
+    pbw_free(&s->mesh);
+    status = status != PBW_OK ? status : pbw_live_view(s->live, &s->mesh);
+    return status != PBW_OK ? status : swarm_cells(s);
+}
+
+static double swarm_step(const swarm *s)
+{
+    return 0.025 * sqrt(2 / (double)s->count) / (0.15 * 3.14159265358979);
+}
+
+/* New places for some points, none farther away than 0.03 of the mean distance of neighbours. */
+static pbw_status swarm_move(void *arg, size_t from, size_t to)
+{
+    swarm *s = (swarm *)arg;
+    const double step = swarm_step(s), most = 0.003 * sqrt(2 / (double)s->count);
+    for (size_t i = from; i < to; i++) {
+        double v[2], *p = s->points + 2 * i;
+        swarm_flow(s->time, p, v);
+        for (int k = 0; k < 2; k++) {
+            p[k] += step * v[k] + fmin(fmax(0.01 * (s->centroids[i][k] - p[k]), -most), most);
+            p[k] = fmin(fmax(p[k], swarm_box[k]), swarm_box[2 + k]);
+        }
+    }
+    return PBW_OK;
+}
+
+static pbw_status swarm_frame(swarm *s)
+{
+    const pbw_status status = pbw_for(NULL, s->count, 4096, swarm_move, s);
+    s->time += swarm_step(s);
+    return status != PBW_OK ? status : swarm_follow(s);
+}
+
+/* Points at random, numbered along a curve, so that neighbours in the plane are neighbours in memory; then spread by
+   five steps of Lloyd's relaxation.  swarm_free it, also after a failure. */
+static pbw_status swarm_start(swarm *s, size_t count)
+{
+    unsigned long long random = 1;
+    double *p = (double *)malloc((2 * count + 1) * sizeof *p);
+    pbw_index *order = (pbw_index *)malloc((count + 1) * sizeof *order);
+    pbw_status status = PBW_ERROR_MEMORY;
+    memset(s, 0, sizeof *s);
+    s->count = count;
+    s->points = (double *)malloc((2 * count + 1) * sizeof *s->points);
+    s->areas = (double *)malloc((count + 1) * sizeof *s->areas);
+    s->centroids = (double (*)[2])malloc((count + 1) * sizeof *s->centroids);
+    s->number = (pbw_index *)malloc((count + 1) * sizeof *s->number);
+    if (p != NULL && order != NULL && s->points != NULL && s->areas != NULL && s->centroids != NULL
+        && s->number != NULL) {
+        for (size_t i = 0; i < 2 * count; i++) {
+            random = random * 6364136223846793005u + 1442695040888963407u;
+            p[i] = (double)(random >> 11) / 9007199254740992.0 * swarm_box[2 + i % 2];
+        }
+        status = pbw_order(2, p, count, NULL, order);
+    }
+    for (size_t i = 0; i < count && status == PBW_OK; i++) {
+        memcpy(s->points + 2 * i, p + 2 * (size_t)order[i], 2 * sizeof *p);
+    }
+    free(p);
+    free(order);
+    status = status != PBW_OK ? status : pbw_triangulate(2, s->points, NULL, count, NULL, &s->mesh);
+    status = status != PBW_OK ? status : pbw_live_create(&s->mesh, NULL, &s->live);
+    status = status != PBW_OK ? status : swarm_follow(s);
+    for (int i = 0; i < 5 && status == PBW_OK; i++) {
+        memcpy(s->points, s->centroids, 2 * count * sizeof *s->points);
+        status = swarm_follow(s);
+    }
+    return status;
+}
+/* These cells by pbw_cells.h; what: PBW_CELLS_*. */
+static pbw_status swarm_shapes(const swarm *s, unsigned what, pbw_cells *cells)
+{
+    pbw_domain domain = { 0 };
+    domain.box = swarm_box;
+    return pbw_cells_of(&s->mesh, &domain, what, NULL, cells);
+}
+
+/* Whether the triangulation, by its hash, and the cells are those that are made anew. */
+static int swarm_is_exact(const swarm *s)
+{
+    pbw_mesh mesh = { 0 };
+    pbw_cells cells = { 0 };
+    int same = pbw_triangulate(2, s->points, NULL, s->count, NULL, &mesh) == PBW_OK
+            && pbw_hash(&mesh, NULL) == pbw_hash(&s->mesh, NULL) && swarm_shapes(s, 0, &cells) == PBW_OK;
+    for (size_t i = 0; i < s->count && same; i++) {
+        same = fabs(s->areas[i] - cells.volumes[i]) < 1e-11 * cells.volumes[i]
+            && fabs(s->centroids[i][0] - cells.centroids[2 * i]) < 1e-11
+            && fabs(s->centroids[i][1] - cells.centroids[2 * i + 1]) < 1e-11;
+    }
+    pbw_free(&mesh);
+    pbw_cells_free(&cells);
+    return same;
+}
+#endif /* SWARM_H */

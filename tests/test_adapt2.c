@@ -1,0 +1,355 @@
+/* test_adapt2.c: pbw_adapt2.h: measures against closed forms, smoothing, adaptation and transfer, each mesh by the
+   exact check of planes.h. */
+#include "pbw.h"
+#define PBW_MESH2_IMPLEMENTATION
+#include "../examples/lib/pbw_mesh2.h"
+#define PBW_ADAPT2_IMPLEMENTATION
+#include "../examples/lib/pbw_adapt2.h"
+#include "inputs.h"
+#include "meter.h"
+#include "planes.h"
+#include "test.h"
+
+/* A plate of 10 by 6 with a hole, a wall inside, and a slit that ends inside; regions 3 and 5 of the caller. */
+static const double plate_points[] = { 0, 0, 10, 0, 10, 6, 0, 6, 2, 2, 3, 2, 3, 3, 2, 3, 5, 0, 5, 6, 7, 2, 8.3, 3.1 };
+static const pbw_index plate_segments[] = { 0, 8, 8, 1, 1, 2, 2, 9, 9, 3, 3, 0, 4, 5, 5, 6, 6, 7, 7, 4, 8, 9,
+                                            10, 11 };
+static const pbw_index plate_ids[] = { 20, 20, 21, 22, 22, 23, 24, 24, 24, 24, 25, 26 };
+static const double plate_holes[] = { 2.5, 2.5 };
+static const pbw_plane_region plate_regions[] = { { 9, 5, 0 }, { 1, 1, 0 } };
+enum { PLATE_POINTS = 12, PLATE_SEGMENTS = 12 };
+
+static void check_plane(const pbw_plane *plane)
+{
+    const char *fault = planes_fault(plane, NULL, 0, 0);
+    if (!CHECK(fault == NULL)) {
+        test_say("%s", fault);
+    }
+}
+
+static pbw_status plate_with(double size, const pbw_options *build, pbw_plane *plane)
+{
+    pbw_plane_input input;
+    pbw_plane_options options;
+    memset(&input, 0, sizeof input);
+    memset(&options, 0, sizeof options);
+    input.points = plate_points;
+    input.point_count = PLATE_POINTS;
+    input.segments = plate_segments;
+    input.segment_ids = plate_ids;
+    input.segment_count = PLATE_SEGMENTS;
+    input.holes = plate_holes;
+    input.hole_count = 1;
+    input.regions = plate_regions;
+    input.region_count = 2;
+    options.rule = PBW_PLANE_SEEDS;
+    options.flags = PBW_PLANE_REFINE;
+    options.size = size;
+    options.build = build;
+    return pbw_plane_make(&input, &options, plane);
+}
+
+/* The length of all edges with a number, and whether it and the regions are those of the plate. */
+static void check_plate(const pbw_plane *plane)
+{
+    static const double lengths[] = { 10, 6, 10, 6, 4, 6, 1.7029386365926402 };
+    double length[7] = { 0, 0, 0, 0, 0, 0, 0 }, area[2] = { 0, 0 };
+    size_t i, k;
+    for (i = 0; i < plane->edge_count; i++) {
+        for (k = plane->edge_first[i]; k < plane->edge_first[i + 1]; k++) {
+            const double *a = planes_at(plane->points, plane->edges[2 * i]);
+            const double *b = planes_at(plane->points, plane->edges[2 * i + 1]);
+            if (CHECK(plane->edge_segments[k] >= 20 && plane->edge_segments[k] < 27)) {
+                length[plane->edge_segments[k] - 20] += sqrt(pbwa2__apart2(a, b));
+            }
+        }
+    }
+    for (i = 0; i < 7; i++) {
+        CHECK(fabs(length[i] - lengths[i]) < 1e-9);
+    }
+    CHECK(plane->region_count == 2);
+    for (i = 0; i < plane->triangle_count; i++) {
+        const pbw_index *v = plane->triangles + 3 * i, seed = plane->region_seeds[plane->regions[i]];
+        if (CHECK(seed < 2)) {
+            area[seed] += pbw_plane_measure_of(PBW_PLANE_AREA, planes_at(plane->points, v[0]),
+                                               planes_at(plane->points, v[1]), planes_at(plane->points, v[2]));
+        }
+    }
+    CHECK(fabs(area[0] - 30) < 1e-9 && fabs(area[1] - 29) < 1e-9);
+    check_plane(plane);
+}
+
+static double *new_doubles(size_t count)
+{
+    double *x = (double *)calloc(count + 1, sizeof *x);
+    if (x == NULL) {
+        exit(2);
+    }
+    return x;
+}
+
+/* ---- tests */
+
+static void test_measures(void)
+{
+    static const double equal[] = { 0, 0, 2, 0, 1, 1.7320508075688772 }, right[] = { 0, 0, 3, 0, 0, 4 };
+    /* of the right triangle 3 4 5: r = 1, R = 2.5, area 6 */
+    static const double of_equal[] = { 60, 60, 1, 1, 1, 1, 1, 1, 1, 1.7320508075688772 };
+    static const double of_right[] = { 36.86989764584402, 90, 0.8, 1.25, 1.4433756729740643, 1.6666666666666667,
+                                       0.83138438763306111, 1.2028130608117204, 0.69282032302755092, 6 };
+    static const double flat[] = { 0, 0, 1, 0, 3, 0 };
+    int m;
+    if (test_begin("measures of quality")) {
+        for (m = 0; m < PBW_PLANE_MEASURES; m++) {
+            const pbw_plane_measure one = (pbw_plane_measure)m;
+            CHECK(fabs(pbw_plane_measure_of(one, equal, equal + 2, equal + 4) - of_equal[m]) < 1e-13 * 60);
+            CHECK(fabs(pbw_plane_measure_of(one, right, right + 2, right + 4) - of_right[m]) < 1e-13 * 60);
+            CHECK(fabs(pbw_plane_measure_of(one, right + 2, right + 4, right) - of_right[m]) < 1e-13 * 60);
+            CHECK(strlen(pbw_plane_measure_name(one)) > 3);
+        }
+        CHECK(pbw_plane_measure_of(PBW_PLANE_MIN_ANGLE, flat, flat + 2, flat + 4) <= 0);
+        CHECK(pbw_plane_measure_of(PBW_PLANE_SHAPE, flat, flat + 2, flat + 4) <= 0);
+        CHECK(pbw_plane_measure_of(PBW_PLANE_CONDITION, flat, flat + 2, flat + 4) > 1e300);
+        test_end();
+    }
+    if (test_begin("histogram")) {
+        pbw_plane plane;
+        pbw_plane_quality q;
+        size_t sum = 0;
+        CHECK_EQUAL(plate_with(0.5, NULL, &plane), PBW_OK);
+        for (m = 0; m < PBW_PLANE_MEASURES; m++) {
+            int b;
+            q = pbw_plane_quality_of(&plane, (pbw_plane_measure)m);
+            for (sum = 0, b = 0; b < PBW_PLANE_BINS; b++) {
+                sum += q.bins[b];
+            }
+            CHECK(sum == plane.triangle_count && q.least <= q.mean && q.mean <= q.most && q.least < q.most);
+        }
+        q = pbw_plane_quality_of(&plane, PBW_PLANE_MIN_ANGLE);
+        CHECK(q.least >= 30 - 1e-9 && q.most <= 60 && q.bins[9] == 0 && q.bins[PBW_PLANE_BINS - 1] > 0);
+        pbw_plane_free(&plane);
+        test_end();
+    }
+}
+
+static void test_smoothing(void)
+{
+    static const char *const names[] = { "Laplace", "Lloyd", "ODT" };
+    int way;
+    for (way = PBW_PLANE_LAPLACE; way <= PBW_PLANE_ODT; way++) {
+        if (test_begin("smoothing: %s", names[way])) {
+            pbw_plane plane, before;
+            pbw_plane_quality old, now;
+            size_t i, moved = 0;
+            CHECK_EQUAL(plate_with(0.4, NULL, &plane), PBW_OK);
+            CHECK_EQUAL(plate_with(0.4, NULL, &before), PBW_OK);
+            old = pbw_plane_quality_of(&plane, PBW_PLANE_MIN_ANGLE);
+            CHECK_EQUAL(pbw_plane_smooth(&plane, (pbw_plane_way)way, 5, NULL), PBW_OK);
+            now = pbw_plane_quality_of(&plane, PBW_PLANE_MIN_ANGLE);
+            test_say("least angle %.2f to %.2f, mean %.2f to %.2f", old.least, now.least, old.mean, now.mean);
+            CHECK(now.least >= old.least - 1e-9 && now.mean > old.mean + 1);
+            CHECK(plane.point_count == before.point_count && plane.input_count == before.input_count);
+            for (i = 0; i < plane.edge_count; i++) {                 /* they stay, bit for bit */
+                const pbw_index v = plane.edges[2 * i];
+                CHECK(planes_same(planes_at(plane.points, v), planes_at(before.points, v)));
+            }
+            for (i = 0; i < plane.point_count; i++) {
+                moved += !planes_same(plane.points + 2 * i, before.points + 2 * i);
+            }
+            CHECK(2 * moved > plane.point_count && plane.edge_count == before.edge_count);
+            check_plate(&plane);
+            pbw_plane_free(&plane);
+            pbw_plane_free(&before);
+            test_end();
+        }
+    }
+}
+
+static void fill_sizes(const pbw_plane *plane, int round, double *sizes)
+{
+    size_t i;
+    for (i = 0; i < plane->point_count; i++) {       /* fine at a place that moves */
+        const double x = plane->points[2 * i] - 2.5 * round, y = plane->points[2 * i + 1] - 5;
+        sizes[i] = 0.06 + 0.3 * sqrt(x * x + y * y);
+    }
+}
+
+static void test_adaptation(void)
+{
+    pbw_plane plane, next;
+    size_t i;
+    int round;
+    if (test_begin("adaptation: a fine place that moves")) {
+        size_t counts[5] = { 0 };
+        CHECK_EQUAL(plate_with(0.5, NULL, &plane), PBW_OK);
+        for (round = 0; round < 5; round++) {
+            double *sizes = new_doubles(plane.point_count), *x = new_doubles(2 * plane.point_count), *y;
+            pbw_index *from = (pbw_index *)new_doubles(plane.point_count);
+            fill_sizes(&plane, round, sizes);
+            CHECK_EQUAL(pbw_plane_adapt(&plane, sizes, NULL, NULL, &next, from), PBW_OK);
+            check_plate(&next);
+            y = new_doubles(2 * next.point_count);
+            for (i = 0; i < plane.point_count; i++) {
+                x[2 * i] = 1 + 3 * plane.points[2 * i] - plane.points[2 * i + 1];
+                x[2 * i + 1] = (double)i;
+            }
+            CHECK_EQUAL(pbw_plane_transfer(&plane, &next, x, 2, y, NULL), PBW_OK);
+            for (i = 0; i < next.point_count; i++) {
+                CHECK(fabs(y[2 * i] - (1 + 3 * next.points[2 * i] - next.points[2 * i + 1])) < 1e-12);
+                CHECK(i >= next.input_count || y[2 * i + 1] == (double)from[i]);
+                CHECK(i >= next.input_count || planes_same(next.points + 2 * i, planes_at(plane.points, from[i])));
+            }
+            counts[round] = next.triangle_count;
+            free(sizes);
+            free(x);
+            free(y);
+            free(from);
+            pbw_plane_free(&plane);
+            plane = next;
+        }
+        test_say("%lu, %lu, %lu, %lu, %lu triangles", (unsigned long)counts[0], (unsigned long)counts[1],
+                 (unsigned long)counts[2], (unsigned long)counts[3], (unsigned long)counts[4]);
+        CHECK(counts[4] < 2 * counts[0] && counts[0] > 300);        /* what was fine before is coarse again */
+        pbw_plane_free(&plane);
+        test_end();
+    }
+    if (test_begin("adaptation: coarse again, but what is kept")) {
+        double *sizes;
+        unsigned char *keep;
+        CHECK_EQUAL(plate_with(0.1, NULL, &plane), PBW_OK);
+        sizes = new_doubles(plane.point_count);
+        keep = (unsigned char *)new_doubles(plane.point_count);
+        CHECK_EQUAL(pbw_plane_adapt(&plane, sizes, NULL, NULL, &next, NULL), PBW_OK);
+        check_plate(&next);
+        CHECK(20 * next.triangle_count < plane.triangle_count);
+        pbw_plane_free(&next);
+        memset(keep, 1, plane.point_count);
+        CHECK_EQUAL(pbw_plane_adapt(&plane, sizes, keep, NULL, &next, NULL), PBW_OK);
+        CHECK(planes_hash(&next) == planes_hash(&plane));
+        pbw_plane_free(&next);
+        pbw_plane_free(&plane);
+        free(sizes);
+        free(keep);
+        test_end();
+    }
+    if (test_begin("sizes from errors")) {
+        double *error, *sizes;
+        CHECK_EQUAL(plate_with(0.3, NULL, &plane), PBW_OK);
+        error = new_doubles(plane.triangle_count);
+        sizes = new_doubles(plane.point_count);
+        for (i = 0; i < plane.triangle_count; i++) {
+            error[i] = 1;
+        }
+        pbw_plane_sizes(&plane, error, 4 * plane.triangle_count, sizes);
+        CHECK_EQUAL(pbw_plane_adapt(&plane, sizes, NULL, NULL, &next, NULL), PBW_OK);
+        CHECK(next.triangle_count > 2 * plane.triangle_count && next.triangle_count < 8 * plane.triangle_count);
+        pbw_plane_free(&next);
+        pbw_plane_free(&plane);
+        free(error);
+        free(sizes);
+        test_end();
+    }
+}
+
+static void test_triangles(void)
+{
+    static const double points[] = { 0, 0, 1, 0, 2, 0, 2, 1, 1, 1, 0, 1, 0.5, 0.5 };
+    static const pbw_index mesh[] = { 0, 1, 6, 1, 6, 4, 4, 5, 6, 5, 0, 6, 1, 2, 3, 3, 4, 1 };
+    static const pbw_index doubled[] = { 0, 1, 4, 0, 1, 5 }, wrong[] = { 0, 1, 9 }, line[] = { 0, 1, 2 };
+    pbw_plane_options options;
+    pbw_plane plane, next;
+    double sizes[7] = { 0, 0, 0, 0, 0, 0, 0 };
+    if (test_begin("a plane from triangles")) {
+        CHECK_EQUAL(pbw_plane_from_triangles(points, 7, mesh, 6, NULL, &plane), PBW_OK);
+        CHECK(plane.triangle_count == 6 && plane.edge_count == 6);
+        check_plane(&plane);
+        memset(&options, 0, sizeof options);
+        options.angle = -1;
+        CHECK_EQUAL(pbw_plane_adapt(&plane, sizes, NULL, &options, &next, NULL), PBW_OK);
+        CHECK(next.edge_count == 4 && fabsl(planes_area(&next) - 4) < 1e-12L);       /* lines are one again */
+        pbw_plane_free(&next);
+        pbw_plane_free(&plane);
+        CHECK_EQUAL(pbw_plane_from_triangles(points, 7, doubled, 2, NULL, &plane), PBW_ERROR_ARGUMENT);
+        CHECK(strstr(plane.what, "one side") != NULL);
+        CHECK_EQUAL(pbw_plane_from_triangles(points, 7, wrong, 1, NULL, &plane), PBW_ERROR_ARGUMENT);
+        CHECK(strstr(plane.what, "not there") != NULL);
+        CHECK_EQUAL(pbw_plane_from_triangles(points, 7, line, 1, NULL, &plane), PBW_ERROR_ARGUMENT);
+        CHECK(strstr(plane.what, "flat") != NULL);
+        test_end();
+    }
+}
+
+/* All calls, with memory from a meter.  Returns the first status that is not PBW_OK. */
+static pbw_status run_all(const pbw_options *build)
+{
+    pbw_plane plane, next, again;
+    pbw_plane_options options;
+    double *sizes, *values;
+    pbw_status status;
+    memset(&options, 0, sizeof options);
+    memset(&next, 0, sizeof next);
+    memset(&again, 0, sizeof again);
+    options.build = build;
+    status = plate_with(2, build, &plane);
+    sizes = new_doubles(plane.point_count);
+    status = status == PBW_OK ? pbw_plane_smooth(&plane, PBW_PLANE_LLOYD, 1, &options) : status;
+    status = status == PBW_OK ? pbw_plane_adapt(&plane, sizes, NULL, &options, &next, NULL) : status;
+    values = new_doubles(next.point_count);
+    status = status == PBW_OK ? pbw_plane_transfer(&plane, &next, sizes, 1, values, &options) : status;
+    status = status == PBW_OK ? pbw_plane_from_triangles(plane.points, plane.point_count, plane.triangles,
+                                                         plane.triangle_count, &options, &again) : status;
+    free(sizes);
+    free(values);
+    pbw_plane_free(&plane);
+    pbw_plane_free(&next);
+    pbw_plane_free(&again);
+    return status;
+}
+
+static void test_failures(void)
+{
+    pbw_plane plane, none;
+    pbw_options build;
+    double size = 1;
+    memset(&none, 0, sizeof none);
+    memset(&build, 0, sizeof build);
+    if (test_begin("adaptation: arguments")) {
+        CHECK_EQUAL(pbw_plane_adapt(&none, &size, NULL, NULL, &plane, NULL), PBW_ERROR_ARGUMENT);
+        CHECK(plane.what[0] != 0);
+        CHECK_EQUAL(pbw_plane_adapt(NULL, &size, NULL, NULL, NULL, NULL), PBW_ERROR_ARGUMENT);
+        CHECK_EQUAL(pbw_plane_smooth(NULL, PBW_PLANE_ODT, 1, NULL), PBW_ERROR_ARGUMENT);
+        CHECK_EQUAL(pbw_plane_smooth(&none, PBW_PLANE_ODT, 1, NULL), PBW_OK);
+        CHECK_EQUAL(pbw_plane_transfer(&none, &none, &size, 1, &size, NULL), PBW_ERROR_ARGUMENT);
+        CHECK_EQUAL(pbw_plane_from_triangles(NULL, 0, NULL, 0, NULL, &plane), PBW_ERROR_ARGUMENT);
+        test_end();
+    }
+    if (test_begin("adaptation: memory")) {
+        meter m;
+        long k, step, done = 0;                      /* pbw_triangulate can do without some memory */
+        build.threads = 1;
+        build.resize = meter_resize;
+        build.resize_user = &m;
+        meter_start(&m, 0, 0);
+        CHECK_EQUAL(run_all(&build), PBW_OK);
+        CHECK(m.blocks == 0 && m.faults == 0 && m.requests > 100);
+        step = 1 + m.requests / 400;
+        for (k = m.requests; k > 0; k -= step) {
+            meter_start(&m, k, 0);
+            done += run_all(&build) == PBW_OK;
+            CHECK(m.blocks == 0 && m.faults == 0);
+        }
+        CHECK(done < 10);
+        test_end();
+    }
+}
+
+int main(int argc, char **argv)
+{
+    test_start(argc, argv, 1);
+    test_measures();
+    test_smoothing();
+    test_adaptation();
+    test_triangles();
+    test_failures();
+    return test_finish();
+}
