@@ -592,11 +592,14 @@ static double pbwm3__angle_at(const pbwm3__work *w, const pbwim__facet *edge)
     return atan2(sqrt(pbwsf__dot(across, across)), pbwsf__dot(n[0], n[1])) * 57.295779513082321;
 }
 
-/* Numbers the patches: the roots of `parent`. */
+/* Numbers the patches: the roots of `parent`.  An open surface is one patch, as sharp edges of a scan are noise. */
 static int pbwm3__number_patches(pbwm3__work *w, size_t *parent)
 {
     pbw_index *patch = (pbw_index *)w->patch.data;
     size_t t;
+    for (t = 0; w->open && t < w->surface.triangle_count; t++) {
+        parent[t] = 0;
+    }
     for (t = 0; t < w->surface.triangle_count; t++) {
         if (pbwm3__root_of(parent, t) == t) {
             const pbw_index number = (pbw_index)w->patch_count++;
