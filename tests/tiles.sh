@@ -186,7 +186,7 @@ check "a full disk" full
 killed() {
     "$pbw" tiles long.bin --tiles 8 -o g.pbwt > going 2>&1 &
     number=$!
-    while ! grep -q ' 2 of 8' going && kill -0 $number 2> /dev/null; do :; done
+    while ! grep -q ' 2 of 8' going && kill -0 $number 2> /dev/null; do sleep 0.05; done
     kill -9 $number 2> /dev/null
     wait $number
     "$pbw" tiles long.bin --tiles 8 -o g.pbwt > said 2>&1 && cat said && cmp f.pbwt g.pbwt && ! [ -e g.pbwt.scratch ]
