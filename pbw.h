@@ -451,7 +451,7 @@ typedef struct pbw_changes {               /* start from {0}; pbw_changes_free w
    points: a mesh that is {0} but for dim.  The arrays of the mesh are checked, exactly, and taken over; where there
    are no neighbors, or the arrays are not the triangulation of mesh.points (borrowed ones may have moved), the points
    with a canonical one are triangulated anew.  So the result is right whatever the arrays say, if they have their
-   sizes.
+   sizes.  Returns PBW_DEGENERATE, with a triangulation that may be used, if the points do not span the space.
    options are for all later calls on it: threads, memory_limit, resize, run, progress; they are copied, flags,
    strides and backend must be 0. */
 PBWDEF pbw_status pbw_live_create(const pbw_mesh *mesh, const pbw_options *options, pbw_live **live);
