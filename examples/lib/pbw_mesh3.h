@@ -21,6 +21,9 @@
    farther than the size from the facet's corners, where a facet is far from the surface, on pieces of sharp edges
    that are no edges, and where the boundary is no manifold.  When nothing is to be added, or after options.rounds,
    pbw_improve raises the least dihedral angle.
+   Sharp edges cut the surface into patches; tetrahedra between points of the surface that share no patch are inside
+   if their middle is.  Where that leaves faults, all is done again with the surface as one patch, and the attempt
+   with fewer faults is the result.
    An implicit function is first turned into triangles, over the tetrahedra of a cubic grid (Kuhn 1960); samples are
    then moved to where it is zero.
 
@@ -139,9 +142,11 @@ typedef struct pbwm3__work {
     pbwsf__memory memory;
     const pbw_solid_input *input;
     int open;                              /* 1: the surface has open edges: inside by winding number */
+    int whole;                             /* 1: the surface is one patch, whatever its edges */
     const pbw_options *caller;
     pbw_options options;                   /* the caller's, less what does not concern parts */
     double from, to;                       /* progress: the present stage's part of 0 to 1 */
+    double begin, end;                     /* and the part of this attempt in all */
     double size, distance, cosine, low[3], high[3];
     double least, step;                    /* size: the least of the field; width of the spacing grid's cells */
     pbwsf__array field;                    /* local sizes, in cells as wide as the size, n along each axis */
@@ -184,8 +189,9 @@ static int pbwm3__append(pbwm3__work *w, pbwsf__array *array, const void *item, 
 /* Tells progress: a share of the present stage, which is a part of the whole.  Returns whether to stop. */
 static int pbwm3__stops(const pbwm3__work *w, double share)
 {
+    const double done = w->begin + (w->end - w->begin) * (w->from + (w->to - w->from) * share);
     return w->caller != NULL && w->caller->progress != NULL
-        && w->caller->progress(w->caller->progress_user, PBW_STAGE_WORK, w->from + (w->to - w->from) * share) != 0;
+        && w->caller->progress(w->caller->progress_user, PBW_STAGE_WORK, done) != 0;
 }
 
 /* The field's cell that p is in, or nearest to. */
@@ -597,7 +603,7 @@ static int pbwm3__number_patches(pbwm3__work *w, size_t *parent)
 {
     pbw_index *patch = (pbw_index *)w->patch.data;
     size_t t;
-    for (t = 0; w->open && t < w->surface.triangle_count; t++) {
+    for (t = 0; (w->open || w->whole) && t < w->surface.triangle_count; t++) {
         parent[t] = 0;
     }
     for (t = 0; t < w->surface.triangle_count; t++) {
@@ -1917,22 +1923,16 @@ static pbw_status pbwm3__run(pbwm3__work *w, const pbw_solid_options *how, pbw_t
     return status;
 }
 
-PBWMESH3DEF pbw_status pbw_solid(const pbw_solid_input *input, const pbw_solid_options *how,
-                                 const pbw_options *options, pbw_tets *mesh, pbw_solid_report *report)
+/* Meshes, with patches between sharp edges, or with the surface as one patch. */
+static pbw_status pbwm3__attempt(const pbw_solid_input *input, const pbw_solid_options *how,
+                                 const pbw_options *options, int whole, pbw_tets *mesh, pbw_solid_report *report)
 {
     pbwm3__work w;
-    pbw_solid_report own;
     pbw_status status;
     memset(&w, 0, sizeof w);
-    w.report = report != NULL ? report : &own;
-    memset(w.report, 0, sizeof *w.report);
-    if (mesh != NULL) {
-        memset(mesh, 0, sizeof *mesh);
-    }
-    if (mesh == NULL || input == NULL || (input->value == NULL && (input->points == NULL || input->triangles == NULL))
-        || (how != NULL && (how->size < 0 || how->distance < 0))) {
-        return PBW_ERROR_ARGUMENT;
-    }
+    memset(mesh, 0, sizeof *mesh);
+    memset(report, 0, sizeof *report);
+    w.report = report;
     w.memory = pbwsf__memory_of(options);
     if (options != NULL) {
         w.options = *options;
@@ -1943,6 +1943,9 @@ PBWMESH3DEF pbw_status pbw_solid(const pbw_solid_input *input, const pbw_solid_o
     }
     w.input = input;
     w.caller = options;
+    w.whole = whole;
+    w.begin = whole ? 0.7 : 0;
+    w.end = whole ? 1 : 0.7;
     w.to = 0.1;
     w.distance = how != NULL && how->distance > 0 ? how->distance : 0.1;
     w.cosine = cos((how != NULL && how->feature_angle > 0 ? how->feature_angle : 40) / 57.295779513082321);
@@ -1952,6 +1955,54 @@ PBWMESH3DEF pbw_status pbw_solid(const pbw_solid_input *input, const pbw_solid_o
     }
     pbwm3__free(&w);
     return status;
+}
+
+/* The second attempt, after one with faults.  Takes the place of the first if it has fewer; if it fails, the first
+   stays, unless it was cancelled. */
+static pbw_status pbwm3__again(const pbw_solid_input *input, const pbw_solid_options *how, const pbw_options *options,
+                               pbw_tets *mesh, pbw_solid_report *report)
+{
+    const size_t bad = report->bad_edges + report->bad_points;
+    pbw_solid_report second;
+    pbw_tets other;
+    pbw_status status;
+    int k, better;
+    if (bad + report->missing_edges == 0 || report->open_edges > 0 || report->sharp_edges == 0) {
+        return PBW_OK;
+    }
+    status = pbwm3__attempt(input, how, options, 1, &other, &second);
+    better = status == PBW_OK
+          && (second.bad_edges + second.bad_points < bad
+              || (second.bad_edges + second.bad_points == bad && second.missing_edges < report->missing_edges));
+    for (k = 0; k < 4; k++) {
+        second.seconds[k] += report->seconds[k];
+        report->seconds[k] = second.seconds[k];
+    }
+    pbw_tets_free(better || status == PBW_CANCELLED ? mesh : &other);
+    if (better) {
+        *mesh = other;
+        *report = second;
+    }
+    return status == PBW_CANCELLED ? status : PBW_OK;
+}
+
+PBWMESH3DEF pbw_status pbw_solid(const pbw_solid_input *input, const pbw_solid_options *how,
+                                 const pbw_options *options, pbw_tets *mesh, pbw_solid_report *report)
+{
+    pbw_solid_report own;
+    pbw_status status;
+    report = report != NULL ? report : &own;
+    memset(report, 0, sizeof *report);
+    if (mesh == NULL) {
+        return PBW_ERROR_ARGUMENT;
+    }
+    memset(mesh, 0, sizeof *mesh);
+    if (input == NULL || (input->value == NULL && (input->points == NULL || input->triangles == NULL))
+        || (how != NULL && (how->size < 0 || how->distance < 0))) {
+        return PBW_ERROR_ARGUMENT;
+    }
+    status = pbwm3__attempt(input, how, options, 0, mesh, report);
+    return status != PBW_OK ? status : pbwm3__again(input, how, options, mesh, report);
 }
 
 #endif /* PBW_MESH3_IMPLEMENTATION */
