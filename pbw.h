@@ -9289,7 +9289,7 @@ PBWDEF pbw_status pbw_check(const pbw_mesh *mesh, const pbw_options *options, pb
     report->simplex = report->facet = report->point = PBW_NONE;
     if (mesh == NULL || (mesh->dim != 2 && mesh->dim != 3)
         || (mesh->point_count > 0 && (mesh->points == NULL || mesh->incident == NULL || mesh->canonical == NULL))
-        || (mesh->simplex_count > 0 && mesh->simplices == NULL)) {
+        || (mesh->simplex_count > 0 && (mesh->simplices == NULL || mesh->neighbors == NULL))) {
         return PBW_ERROR_ARGUMENT;
     }
     if (mesh->point_count >= PBW_NONE || mesh->simplex_count >= PBW_NONE) {
