@@ -415,6 +415,65 @@ static void test_regions(void)
     test_end();
 }
 
+/* Only smoothing: what the mesh connects stays, the least quality too, the mean of a measure rises; points of the cube
+   stay on its sides and edges; threads change nothing. */
+static void test_smoothers(pbw_smoother smoother)
+{
+    static const char *const names[] = { "ODT", "Lloyd", "Laplacian" };
+    double *x = cube_points(0), mean[2] = { 0, 0 };
+    pbw_options threads;
+    pbw_improve_options how;
+    pbw_improve_report report;
+    pbw_mesh mesh;
+    pbw_tets in, out, again;
+    pbw_index *flat;
+    size_t i, k;
+    if (!test_begin("smoother: %s", names[smoother])) {
+        free(x);
+        return;
+    }
+    memset(&mesh, 0, sizeof mesh);
+    memset(&how, 0, sizeof how);
+    memset(&threads, 0, sizeof threads);
+    CHECK_EQUAL(pbw_triangulate(3, x, NULL, 343, NULL, &mesh), PBW_OK);
+    in = view(&mesh);
+    flat = without_flat(&in);
+    how.passes = -1;
+    how.rounds = 4;
+    how.smoother = smoother;
+    threads.threads = 1;
+    CHECK_EQUAL(pbw_improve(&in, &how, &threads, &out, &report), PBW_OK);
+    CHECK(is_sound(&out) && report.rounds == 4 && report.moves > 300 && report.passes == 0);
+    CHECK(out.tet_count == in.tet_count && memcmp(out.corners, in.corners, 16 * in.tet_count) == 0);
+    CHECK(fabs(report.after.volume - 1) < 1e-9 && report.after.least_sine >= report.before.least_sine - 1e-12);
+    for (i = 0; i < 2 * in.tet_count; i++) {
+        const pbw_tets *t = i % 2 == 0 ? &in : &out;
+        const pbw_index *c = t->corners + 4 * (i / 2);
+        mean[i % 2] += pbw_tet_measure(PBW_MEASURE_ETA, t->points + 3 * (size_t)c[0], t->points + 3 * (size_t)c[1],
+                                       t->points + 3 * (size_t)c[2], t->points + 3 * (size_t)c[3])
+                     / (double)in.tet_count;
+    }
+    test_say("mean eta %.4f to %.4f, %zu moves", mean[0], mean[1], report.moves);
+    CHECK(mean[1] > mean[0] + 0.01);
+    for (i = 0; i < 3 * 343; i++) {
+        const size_t at = i % 3 == 0 ? i / 3 % 7 : i % 3 == 1 ? i / 21 % 7 : i / 147;
+        CHECK(at % 6 != 0 || fabs(out.points[i] - (double)at / 6) < 1e-12);
+    }
+    for (k = 2; k <= 4; k += 2) {
+        threads.threads = (int)k;
+        CHECK_EQUAL(pbw_improve(&in, &how, &threads, &again, NULL), PBW_OK);
+        CHECK(memcmp(again.points, out.points, 24 * out.point_count) == 0);
+        pbw_tets_free(&again);
+    }
+    how.smoother = (pbw_smoother)3;
+    CHECK_EQUAL(pbw_improve(&in, &how, &threads, &again, NULL), PBW_ERROR_ARGUMENT);
+    pbw_tets_free(&out);
+    pbw_free(&mesh);
+    free(flat);
+    free(x);
+    test_end();
+}
+
 static void test_refused(void)
 {
     static const double x[18] = { 0, 0, 0, 1, 0, 0, 0, 1, 0, 0, 0, 1, 0, 0, -1, 0.1, 0.1, 0.5 };
@@ -478,6 +537,7 @@ static void test_failures(void)
     pbw_mesh mesh;
     pbw_tets in, out;
     pbw_status status = PBW_ERROR_MEMORY;
+    pbw_improve_options how;
     meter m;
     watch w;
     long k;
@@ -489,12 +549,14 @@ static void test_failures(void)
     memset(&options, 0, sizeof options);
     CHECK_EQUAL(pbw_triangulate(3, x, NULL, count, NULL, &mesh), PBW_OK);
     in = view(&mesh);
+    memset(&how, 0, sizeof how);
+    how.rounds = 2;
     options.threads = 1;
     options.resize = meter_resize;
     options.resize_user = &m;
     for (k = 1; status == PBW_ERROR_MEMORY && k < 1000; k++) {
         meter_start(&m, k, 1);
-        status = pbw_improve(&in, NULL, &options, &out, NULL);
+        status = pbw_improve(&in, &how, &options, &out, NULL);
         CHECK(status == PBW_ERROR_MEMORY || m.refused <= 2);          /* only sorting the angles may fail quietly */
         pbw_tets_free(&out);
         CHECK(m.blocks == 0 && m.faults == 0);
@@ -509,7 +571,7 @@ static void test_failures(void)
     options.progress_user = &w;
     for (k = 1, status = PBW_CANCELLED; status == PBW_CANCELLED && k < 1000; k += 9) {
         watch_start(&w, k);
-        status = pbw_improve(&in, NULL, &options, &out, NULL);
+        status = pbw_improve(&in, &how, &options, &out, NULL);
         CHECK(w.wrong == 0);
         CHECK(status == PBW_OK || out.points == NULL);
         pbw_tets_free(&out);
@@ -531,6 +593,9 @@ int main(int argc, char **argv)
     test_cube(1);
     test_ball();
     test_regions();
+    test_smoothers(PBW_SMOOTHER_ODT);
+    test_smoothers(PBW_SMOOTHER_LLOYD);
+    test_smoothers(PBW_SMOOTHER_LAPLACIAN);
     test_refused();
     test_failures();
     return test_finish();

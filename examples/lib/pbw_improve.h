@@ -25,10 +25,14 @@
        contraction     one end of an edge moves into the other
        insertion       an edge or a tetrahedron gets a corner in its middle
    Whatever does not raise the least quality of the tetrahedra it changes is not done (Klingner and Shewchuk 2007,
-   "Aggressive tetrahedral mesh improvement").  One thread works.
+   "Aggressive tetrahedral mesh improvement").  One thread works on that.
+   Before, options.rounds move all points that are not fixed, to raise the mean: by optimal Delaunay triangulation
+   (ODT; Alliez, Cohen-Steiner, Yvinec, Desbrun 2005), Lloyd's way or the Laplacian one.  Points without a common
+   tetrahedron move together, on all threads: colours decide the order.
 
    PROMISES  (tests/test_improve.c guards them)
-     monotone    the least quality never falls, up to rounding: a mesh whose budget ends is better than before
+     monotone    the least quality never falls, up to rounding, but to the target: a mesh whose budget ends is not
+                 worse than before
      positive    every tetrahedron made is positively oriented, by exact signs
      kept        fixed points, feature edges, regions and their interfaces; the boundary is as manifold as it was and
                  has the same Euler number, and stays on the surface, to 25 degrees of its normals
@@ -96,6 +100,13 @@ typedef struct pbw_quality {               /* dihedral angles of a mesh, in degr
     double least_sine;
 } pbw_quality;
 
+/* Where a smoother moves a point.  On the boundary the same holds of its triangles there, and then it slides. */
+typedef enum pbw_smoother {
+    PBW_SMOOTHER_ODT,                      /* to the circumcentres' mean, weighted by volume */
+    PBW_SMOOTHER_LLOYD,                    /* to the centroid of its Voronoi cell */
+    PBW_SMOOTHER_LAPLACIAN                 /* to the mean of its neighbours */
+} pbw_smoother;
+
 typedef struct pbw_improve_options {       /* NULL or all zero = best defaults */
     double target;                         /* degrees, 1 to 60: dihedral angles from this to 180 - this; 0 = 30 */
     double seconds;                        /* of processor time, then it ends with what it has; 0 = no limit */
@@ -104,14 +115,17 @@ typedef struct pbw_improve_options {       /* NULL or all zero = best defaults *
     /* Moves a point to the boundary's surface; NULL = to the nearest point of the input's boundary. */
     void (*project)(void *user, double point[3]);
     void *project_user;
+    int rounds;                            /* of the smoother before the passes, at most; several threads project */
+    pbw_smoother smoother;
 } pbw_improve_options;
 
 typedef struct pbw_improve_report {
     pbw_quality before, after;
     size_t turned;                         /* tetrahedra of the input that were negative */
     size_t removals, boundary_removals, smoothings, slides, peelings, flips, contractions, insertions;
+    size_t moves;                          /* of the smoother */
     size_t left;                           /* tetrahedra below the target in the end */
-    int passes;
+    int passes, rounds;
 } pbw_improve_report;
 
 /* Improves a mesh; how, options and report may be NULL.  better: overwritten, left empty on failure.  Of options, it
@@ -1577,6 +1591,325 @@ static pbw_status pbwim__load(pbwim__mesh *m, const pbw_tets *in)
 }
 
 /* ------------------------------------------------------------------------------------------------------
+   Smoothers.
+   In: a mesh with marks.  A point moves to where the smoother aims, or half or a quarter as far, if all of its
+   tetrahedra are positive there, by exact signs, and none of them is below both the target and the worst before.
+   Points of one colour have no tetrahedron in common, so that threads may move them at once; colours follow each
+   other.  No move changes which tetrahedra there are, nor the colours: the answer does not depend on threads.
+   ------------------------------------------------------------------------------------------------------ */
+enum { PBWIM__COLOURS = 64, PBWIM__GRAIN = 256 };      /* points beyond the last colour stay */
+
+typedef struct pbwim__smoothing {
+    pbwim__mesh *m;
+    pbw_smoother smoother;
+    pbwsf__array stars;                    /* tetrahedra of point p: from first[p] to first[p + 1] */
+    pbwsf__array first, order, moved;      /* order: points by colour; moved: how far, one a point, of any move */
+    size_t begin[PBWIM__COLOURS + 1];      /* of each colour in `order` */
+    size_t at;                             /* where the colour in work begins */
+} pbwim__smoothing;
+
+/* Adds what one simplex at corner p says of the aim: a sum of places from p, and their weight. */
+static void pbwim__add(double sum[4], const double place[3], double weight)
+{
+    int k;
+    for (k = 0; k < 3; k++) {
+        sum[k] += weight * place[k];
+    }
+    sum[3] += weight;
+}
+
+/* The tetrahedron of 0 and u[0..2], positive: its circumcentre, or the piece of the Voronoi cell of 0 in it, which is
+   six signed tetrahedra from 0 over the middle of an edge and the circumcentre of a facet to the circumcentre. */
+static void pbwim__aim_inside(pbw_smoother smoother, double u[3][3], double sum[4])
+{
+    double n[3][3], centre[3] = { 0, 0, 0 }, volume, square[3];
+    int i, j, k;
+    for (i = 0; i < 3; i++) {
+        pbwsf__cross(u[(i + 1) % 3], u[(i + 2) % 3], n[i]);
+        square[i] = pbwsf__dot(u[i], u[i]);
+    }
+    volume = pbwsf__dot(n[0], u[0]);
+    for (k = 0; k < 3; k++) {
+        centre[k] = (square[0] * n[0][k] + square[1] * n[1][k] + square[2] * n[2][k]) / (2 * volume);
+    }
+    if (smoother == PBW_SMOOTHER_ODT) {
+        pbwim__add(sum, centre, volume);
+        return;
+    }
+    for (i = 0; i < 3; i++) {                        /* the facet of 0, u[i], u[j], with normal n[i + 2] */
+        const double *a = u[i], *b = u[(i + 1) % 3], *normal = n[(i + 2) % 3];
+        const double area2 = 2 * pbwsf__dot(normal, normal), ab = pbwsf__dot(a, b);
+        const double s = (square[i] - ab) * square[(i + 1) % 3] / area2;
+        const double t = (square[(i + 1) % 3] - ab) * square[i] / area2;
+        double flat[3], place[3], across[3];
+        for (k = 0; k < 3; k++) {
+            flat[k] = s * a[k] + t * b[k];
+        }
+        pbwsf__cross(flat, centre, across);
+        for (j = 0; j < 2; j++) {
+            const double *edge = j == 0 ? a : b;
+            for (k = 0; k < 3; k++) {
+                place[k] = (edge[k] / 2 + flat[k] + centre[k]) / 4;
+            }
+            pbwim__add(sum, place, (j == 0 ? 0.5 : -0.5) * pbwsf__dot(edge, across));
+        }
+    }
+}
+
+/* The same of the triangle 0, a, b of the boundary. */
+static void pbwim__aim_on(pbw_smoother smoother, const double a[3], const double b[3], double sum[4])
+{
+    double normal[3], flat[3], across[3], place[3];
+    const double aa = pbwsf__dot(a, a), bb = pbwsf__dot(b, b), ab = pbwsf__dot(a, b);
+    double area2;
+    int j, k;
+    pbwsf__cross(a, b, normal);
+    area2 = 2 * pbwsf__dot(normal, normal);
+    for (k = 0; k < 3; k++) {
+        flat[k] = ((aa - ab) * bb * a[k] + (bb - ab) * aa * b[k]) / area2;
+    }
+    if (smoother == PBW_SMOOTHER_ODT) {
+        pbwim__add(sum, flat, sqrt(area2));
+        return;
+    }
+    for (j = 0; j < 2; j++) {
+        const double *edge = j == 0 ? a : b;
+        for (k = 0; k < 3; k++) {
+            place[k] = (edge[k] / 2 + flat[k]) / 3;
+        }
+        pbwsf__cross(edge, flat, across);
+        pbwim__add(sum, place, (j == 0 ? 1 : -1) * pbwsf__dot(across, normal));
+    }
+}
+
+/* Adds the corners of a simplex, each once: `seen` has those that are in. */
+static void pbwim__aim_mean(const pbw_index *corner, int corners, double u[3][3], pbw_index *seen, double sum[4])
+{
+    int i, k, count = (int)sum[3];
+    for (i = 0; i < corners; i++) {
+        for (k = 0; k < count && seen[k] != corner[i]; k++) {
+        }
+        if (k == count) {
+            seen[count++] = corner[i];
+            pbwim__add(sum, u[i], 1);
+        }
+    }
+}
+
+/* Where the smoother aims, from p; returns 0 if nowhere. */
+static int pbwim__aim(const pbwim__smoothing *s, pbw_index p, const pbw_index *star, int count, double aim[3])
+{
+    const pbwim__mesh *m = s->m;
+    const int slides = PBWIM__MARK(m)[p] == PBW_TETS_SLIDES;
+    pbw_index seen[3 * PBWIM__MOST];
+    double sum[4] = { 0, 0, 0, 0 };
+    int i, j, k;
+    for (i = 0; i < count; i++) {
+        const pbw_index *c = PBWIM__CORNER(m, star[i]);
+        const int at = pbwim__place(m, star[i], p);
+        for (j = 0; j < (slides ? 3 : 1); j++) {     /* each of its facets at p, or all of it */
+            const int *o = pbwim__opposite[at];
+            const int out = slides ? o[j] : 4, corners = slides ? 2 : 3;
+            pbw_index corner[3];
+            double u[3][3];
+            if (slides && PBWIM__NEXT(m, star[i])[out] != PBW_NONE) {
+                continue;
+            }
+            for (k = 0; k < corners; k++) {
+                corner[k] = c[slides ? o[(j + 1 + k) % 3] : o[k]];
+                pbwsf__minus(PBWIM__X(m, corner[k]), PBWIM__X(m, p), u[k]);
+            }
+            if (s->smoother == PBW_SMOOTHER_LAPLACIAN) {
+                pbwim__aim_mean(corner, corners, u, seen, sum);
+            } else if (slides) {
+                pbwim__aim_on(s->smoother, u[0], u[1], sum);
+            } else {
+                pbwim__aim_inside(s->smoother, u, sum);
+            }
+        }
+    }
+    for (k = 0; k < 3; k++) {
+        aim[k] = sum[k] / sum[3];
+    }
+    return fabs(aim[0]) + fabs(aim[1]) + fabs(aim[2]) <= 1e300 && fabs(sum[3]) > 0;
+}
+
+/* Moves p; returns whether it did. */
+static int pbwim__move(const pbwim__smoothing *s, pbw_index p)
+{
+    const pbwim__mesh *m = s->m;
+    const size_t *first = (const size_t *)s->first.data + p;
+    const pbw_index *star = (const pbw_index *)s->stars.data + first[0];
+    const int count = (int)(first[1] - first[0]);
+    double aim[3], before[3], worst = m->target, quality[PBWIM__MOST];
+    int i, k, tries;
+    for (i = 0; i < count; i++) {
+        worst = fmin(worst, PBWIM__QUALITY(m)[star[i]]);
+    }
+    if (!pbwim__aim(s, p, star, count, aim)) {
+        return 0;
+    }
+    memcpy(before, PBWIM__X(m, p), sizeof before);
+    for (tries = 0; tries < 3; tries++) {
+        double *x = PBWIM__X(m, p), step = tries == 0 ? 1 : tries == 1 ? 0.5 : 0.25;
+        for (k = 0; k < 3; k++) {
+            x[k] = before[k] + step * aim[k];
+        }
+        if (PBWIM__MARK(m)[p] == PBW_TETS_SLIDES) {
+            m->project(m->project_user, x);
+        }
+        for (i = 0; i < count; i++) {
+            quality[i] = pbwim__sine_of(m, PBWIM__CORNER(m, star[i]));
+            if (!(quality[i] >= worst) || pbwim__sign_of(m, PBWIM__CORNER(m, star[i])) <= 0) {
+                break;
+            }
+        }
+        if (i == count) {
+            for (i = 0; i < count; i++) {
+                PBWIM__QUALITY(m)[star[i]] = quality[i];
+            }
+            return memcmp(x, before, sizeof before) != 0;
+        }
+    }
+    memcpy(PBWIM__X(m, p), before, sizeof before);
+    return 0;
+}
+
+static pbw_status pbwim__move_some(void *arg, size_t from, size_t to)
+{
+    const pbwim__smoothing *s = (const pbwim__smoothing *)arg;
+    size_t i;
+    for (i = s->at + from; i < s->at + to; i++) {
+        const pbw_index p = ((const pbw_index *)s->order.data)[i];
+        ((unsigned char *)s->moved.data)[p] = (unsigned char)pbwim__move(s, p);
+    }
+    return PBW_OK;
+}
+
+/* The lowest colour that no neighbour of p has, of those given so far; PBWIM__COLOURS: none, or p does not move. */
+static int pbwim__colour(const pbwim__smoothing *s, pbw_index p)
+{
+    const size_t *first = (const size_t *)s->first.data;
+    const unsigned char *colour = (const unsigned char *)s->moved.data;
+    char used[PBWIM__COLOURS + 1] = { 0 };
+    size_t i;
+    int k;
+    if (PBWIM__MARK(s->m)[p] == PBW_TETS_FIXED || first[p + 1] - first[p] > PBWIM__MOST
+        || first[p + 1] == first[p]) {
+        return PBWIM__COLOURS;
+    }
+    for (i = first[p]; i < first[p + 1]; i++) {
+        const pbw_index *c = PBWIM__CORNER(s->m, ((const pbw_index *)s->stars.data)[i]);
+        for (k = 0; k < 4; k++) {
+            used[c[k] < p ? colour[c[k]] : PBWIM__COLOURS] = 1;
+        }
+    }
+    for (k = 0; k < PBWIM__COLOURS && used[k]; k++) {
+    }
+    return k;
+}
+
+/* Stars, colours and the order of points by them; returns 0 if there is no memory. */
+static int pbwim__set_colours(pbwim__smoothing *s)
+{
+    pbwim__mesh *m = s->m;
+    size_t *first, t, p, sum[PBWIM__COLOURS + 2] = { 0 };
+    unsigned char *colour;
+    pbw_index *order;
+    int k;
+    if (!pbwsf__resize(&m->memory, &s->stars, (4 * m->tets + 1) * sizeof(pbw_index))
+        || !pbwsf__resize(&m->memory, &s->first, (m->points + 2) * sizeof(size_t))
+        || !pbwsf__resize(&m->memory, &s->order, (m->points + 1) * sizeof(pbw_index))
+        || !pbwsf__resize(&m->memory, &s->moved, m->points + 1)) {
+        return 0;
+    }
+    first = (size_t *)s->first.data;
+    colour = (unsigned char *)s->moved.data;
+    order = (pbw_index *)s->order.data;
+    memset(first, 0, s->first.bytes);
+    for (t = 0; t < 4 * m->tets; t++) {
+        first[((const pbw_index *)m->corner.data)[t] + 2]++;
+    }
+    for (p = 2; p < m->points + 2; p++) {
+        first[p] += first[p - 1];
+    }
+    for (t = 0; t < 4 * m->tets; t++) {
+        ((pbw_index *)s->stars.data)[first[((const pbw_index *)m->corner.data)[t] + 1]++] = (pbw_index)(t / 4);
+    }
+    for (p = 0; p < m->points; p++) {
+        colour[p] = (unsigned char)pbwim__colour(s, (pbw_index)p);
+        sum[colour[p] + 1]++;
+    }
+    for (k = 0; k <= PBWIM__COLOURS; k++) {
+        sum[k + 1] += sum[k];
+        s->begin[k] = sum[k];
+    }
+    for (p = 0; p < m->points; p++) {
+        order[sum[colour[p]]++] = (pbw_index)p;
+    }
+    return 1;
+}
+
+static int pbwim__stops(const pbwim__mesh *m, double done)
+{
+    return m->options != NULL && m->options->progress != NULL
+        && m->options->progress(m->options->progress_user, PBW_STAGE_WORK, done) != 0;
+}
+
+/* Rounds over all colours, from `done` of the work to the next. */
+static pbw_status pbwim__rounds(pbwim__smoothing *s, int rounds, double done, double end)
+{
+    pbwim__mesh *m = s->m;
+    pbw_options quiet;
+    pbw_status status = PBW_OK;
+    size_t moves = 1, p;
+    int round, k;
+    memset(&quiet, 0, sizeof quiet);
+    if (m->options != NULL) {
+        quiet = *m->options;
+        quiet.progress = NULL;
+        quiet.memory_limit -= quiet.memory_limit > m->memory.used ? m->memory.used : 0;
+    }
+    for (round = 0; round < rounds && moves > 0 && status == PBW_OK; round++) {
+        memset(s->moved.data, 0, s->moved.bytes);
+        for (k = 0; k < PBWIM__COLOURS && s->begin[k] < s->begin[PBWIM__COLOURS] && status == PBW_OK; k++) {
+            if (pbwim__stops(m, done * round / rounds)) {
+                return PBW_CANCELLED;
+            }
+            if (end > 0 && (double)clock() / CLOCKS_PER_SEC > end) {
+                return PBW_OK;
+            }
+            s->at = s->begin[k];
+            status = pbw_for(&quiet, s->begin[k + 1] - s->at, PBWIM__GRAIN, pbwim__move_some, s);
+        }
+        for (p = moves = 0; p < m->points; p++) {
+            moves += ((const unsigned char *)s->moved.data)[p];
+        }
+        m->report->moves += moves;
+        m->report->rounds++;
+    }
+    return status;
+}
+
+/* Smooths before the passes.  Progress goes to a half, where passes follow. */
+static pbw_status pbwim__smooth_all(pbwim__mesh *m, const pbw_improve_options *how, double end)
+{
+    pbwim__smoothing s;
+    pbw_status status = PBW_ERROR_MEMORY;
+    memset(&s, 0, sizeof s);
+    s.m = m;
+    s.smoother = how->smoother;
+    if (pbwim__set_colours(&s)) {
+        status = pbwim__rounds(&s, how->rounds, how->passes < 0 ? 1 : 0.5, end);
+    }
+    pbwsf__release(&m->memory, &s.stars);
+    pbwsf__release(&m->memory, &s.first);
+    pbwsf__release(&m->memory, &s.order);
+    pbwsf__release(&m->memory, &s.moved);
+    return status;
+}
+
+/* ------------------------------------------------------------------------------------------------------
    Passes: the tetrahedra below the target, worst first.  One whose operations all failed is tried again only when a
    corner of it has changed.  Contraction and insertion have a part in each fourth pass, and after one that changed
    little.
@@ -1657,8 +1990,7 @@ static pbw_status pbwim__pass(pbwim__mesh *m, int all, double done[2], double en
     for (i = 0; i < m->queue.count; i++) {
         if (i % 64 == 0) {
             const double at = done[0] + (done[1] - done[0]) * (double)i / (double)m->queue.count;
-            if (m->options != NULL && m->options->progress != NULL
-                && m->options->progress(m->options->progress_user, PBW_STAGE_WORK, at) != 0) {
+            if (pbwim__stops(m, at)) {
                 return PBW_CANCELLED;
             }
             if (end > 0 && (double)clock() / CLOCKS_PER_SEC > end) {
@@ -1699,6 +2031,10 @@ static pbw_status pbwim__passes(pbwim__mesh *m, const pbw_improve_options *how)
     double done[2] = { 0, 0 }, bad = HUGE_VAL;
     size_t changes = 1;
     int all = 0;
+    if (how != NULL && how->rounds > 0) {
+        status = pbwim__smooth_all(m, how, end);
+        done[0] = 0.5;
+    }
     while (status == PBW_OK && m->report->passes < most && (changes > 0 || !all)) {
         all = m->report->passes % 4 == 3 || changes * 5 < m->queue.count || changes == 0;
         done[1] = done[0] + (1 - done[0]) / 8;
@@ -1856,8 +2192,7 @@ static pbw_status pbwim__run(pbwim__mesh *m, const pbw_tets *in, const pbw_impro
     for (t = 0; t < m->tets; t++) {
         m->report->left += (size_t)pbwim__is_bad(m, (pbw_index)t);
     }
-    if (status == PBW_OK && m->options != NULL && m->options->progress != NULL
-        && m->options->progress(m->options->progress_user, PBW_STAGE_WORK, 1) != 0) {
+    if (status == PBW_OK && pbwim__stops(m, 1)) {
         status = PBW_CANCELLED;
     }
     return status != PBW_OK ? status : pbwim__output(m, better);
@@ -1877,6 +2212,7 @@ PBWIMPROVEDEF pbw_status pbw_improve(const pbw_tets *mesh, const pbw_improve_opt
         memset(better, 0, sizeof *better);
     }
     if (better == NULL || mesh == NULL || !(target >= 1 && target <= 60)
+        || (how != NULL && (unsigned)how->smoother > PBW_SMOOTHER_LAPLACIAN)
         || (mesh->tet_count > 0 && (mesh->points == NULL || mesh->corners == NULL))) {
         return PBW_ERROR_ARGUMENT;
     }
