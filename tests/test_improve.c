@@ -168,7 +168,7 @@ static void test_measures(void)
 {
     static const double o[3] = { 0, 0, 0 }, x[3] = { 1, 0, 0 }, y[3] = { 0, 1, 0 }, z[3] = { 0, 0, 1 };
     static const double r[4][3] = { { 1, 1, 1 }, { -1, -1, 1 }, { -1, 1, -1 }, { 1, -1, -1 } };
-    static const double best[] = { 0, 0, 0, 0, 1, 1, 1, 0, 1, 1, 1, 1, 1 };
+    static const double best[] = { 0, 0, 0, 0, 1, 1, 1, 0, 1, 1, 1, 1, 1, 1 };
     int i;
     if (!test_begin("measures")) {
         return;
@@ -180,7 +180,7 @@ static void test_measures(void)
             test_say("%s: %.17g", pbw_measure_name((pbw_measure)i), value);
         }
     }
-    CHECK_EQUAL(i, 13);
+    CHECK_EQUAL(i, PBW_MEASURES);
     CHECK(near(pbw_tet_measure(PBW_MEASURE_LEAST_DIHEDRAL, r[0], r[1], r[2], r[3]), acos(1 / 3.) * 180 / acos(-1)));
     /* The corner of a cube: edges 1, 1, 1 and sqrt 2; R = sqrt 3 / 2; r = 1 / (3 + sqrt 3). */
     CHECK(near(pbw_tet_measure(PBW_MEASURE_VOLUME, o, x, y, z), 1 / 6.));
@@ -474,6 +474,43 @@ static void test_smoothers(pbw_smoother smoother)
     test_end();
 }
 
+/* The one free point of an octahedron, at 0.2 on an axis: the mean of its neighbours is 0, the weighted mean of the
+   circumcentres too; its Voronoi cell is |y|, |z| < 0.48 + 0.2 x for x from -0.4 to 0.6, with centroid 0.126 / 0.76. */
+static void test_aims(void)
+{
+    static const double x[21] = { 1, 0, 0, -1, 0, 0, 0, 1, 0, 0, -1, 0, 0, 0, 1, 0, 0, -1, 0.2, 0, 0 };
+    static const double aim[3] = { 0, 0.126 / 0.76, 0 };
+    pbw_index corners[32];
+    pbw_improve_options how;
+    pbw_tets in, out;
+    pbw_index i, k;
+    if (!test_begin("where smoothers aim")) {
+        return;
+    }
+    for (i = 0; i < 8; i++) {
+        for (k = 0; k < 3; k++) {
+            corners[4 * i + k] = 2 * k + (i >> k & 1);
+        }
+        corners[4 * i + 3] = 6;
+    }
+    memset(&how, 0, sizeof how);
+    memset(&in, 0, sizeof in);
+    in.points = x;
+    in.point_count = 7;
+    in.corners = corners;
+    in.tet_count = 8;
+    how.passes = -1;
+    how.rounds = 1;
+    for (k = 0; k < 3; k++) {
+        how.smoother = (pbw_smoother)k;
+        CHECK_EQUAL(pbw_improve(&in, &how, NULL, &out, NULL), PBW_OK);
+        CHECK(memcmp(out.points, x, 18 * sizeof *x) == 0);
+        CHECK(fabs(out.points[18] - aim[k]) < 1e-14 && fabs(out.points[19]) + fabs(out.points[20]) < 1e-14);
+        pbw_tets_free(&out);
+    }
+    test_end();
+}
+
 static void test_refused(void)
 {
     static const double x[18] = { 0, 0, 0, 1, 0, 0, 0, 1, 0, 0, 0, 1, 0, 0, -1, 0.1, 0.1, 0.5 };
@@ -596,6 +633,7 @@ int main(int argc, char **argv)
     test_smoothers(PBW_SMOOTHER_ODT);
     test_smoothers(PBW_SMOOTHER_LLOYD);
     test_smoothers(PBW_SMOOTHER_LAPLACIAN);
+    test_aims();
     test_refused();
     test_failures();
     return test_finish();

@@ -87,8 +87,15 @@ typedef enum pbw_measure {
     PBW_MEASURE_ASPECT_RATIO,              /* Verdict: longest edge / (2 sqrt 6 inscribed radius), 1 at best */
     PBW_MEASURE_ASPECT_GAMMA,              /* Verdict: root mean square edge^3 sqrt 2 / (12 V), 1 at best */
     PBW_MEASURE_EDGE_RATIO,                /* longest by shortest edge */
-    PBW_MEASURE_SCALED_JACOBIAN            /* Verdict: sqrt 2 times 6 V / largest product of 3 edges at a corner */
+    PBW_MEASURE_SCALED_JACOBIAN,           /* Verdict: sqrt 2 times 6 V / largest product of 3 edges at a corner */
+    PBW_MEASURE_CONDITION,                 /* Verdict: 1 / SICN, 1 at best */
+    PBW_MEASURES                           /* how many there are */
 } pbw_measure;
+
+typedef struct pbw_spread {            /* of a measure over a mesh */
+    double least, permille, percent, mean; /* the least value, those that 0.1 % and 1 % are below */
+    double most;
+} pbw_spread;
 
 typedef struct pbw_quality {               /* dihedral angles of a mesh, in degrees */
     double least, permille, percent;       /* of the tetrahedra's least angles the 1st, and those that 0.1 % and 1 %
@@ -139,6 +146,9 @@ PBWIMPROVEDEF double pbw_tet_measure(pbw_measure measure, const double a[3], con
 PBWIMPROVEDEF const char *pbw_measure_name(pbw_measure measure);     /* "gamma", NULL for other numbers */
 /* Returns 0 if there is no memory to sort the angles: permille and percent are then 0. */
 PBWIMPROVEDEF int pbw_tets_quality(const pbw_tets *mesh, const pbw_options *options, pbw_quality *quality);
+/* Returns 0 and zeroes if there is no memory to sort the values. */
+PBWIMPROVEDEF int pbw_tets_spread(const pbw_tets *mesh, pbw_measure measure, const pbw_options *options,
+                                      pbw_spread *spread);
 PBWIMPROVEDEF void pbw_tets_free(pbw_tets *mesh);            /* fine on {0}, fine twice; for results only */
 
 #ifdef __cplusplus
@@ -291,6 +301,7 @@ PBWIMPROVEDEF double pbw_tet_measure(pbw_measure measure, const double a[3], con
     case PBW_MEASURE_ASPECT_RATIO: return sqrt(most) / (2 * sqrt(6.0) * radius);
     case PBW_MEASURE_ASPECT_GAMMA: return pow(squares / 6, 1.5) * sqrt(2.0) / (2 * s.volume6);
     case PBW_MEASURE_EDGE_RATIO: return sqrt(most / least);
+    case PBW_MEASURE_CONDITION: return pbwim__condition(&s, squares) / 3;
     case PBW_MEASURE_SCALED_JACOBIAN: return sqrt(2.0) * s.volume6 / fmax(sqrt(product), s.volume6);
     default: return 0;
     }
@@ -299,7 +310,8 @@ PBWIMPROVEDEF double pbw_tet_measure(pbw_measure measure, const double a[3], con
 PBWIMPROVEDEF const char *pbw_measure_name(pbw_measure measure)
 {
     static const char *const names[] = { "least dihedral", "largest dihedral", "least sine", "volume", "gamma", "eta",
-        "SICN", "radius-edge", "radius ratio", "aspect ratio", "aspect gamma", "edge ratio", "scaled Jacobian" };
+        "SICN", "radius-edge", "radius ratio", "aspect ratio", "aspect gamma", "edge ratio", "scaled Jacobian",
+        "condition" };
     return (unsigned)measure < sizeof names / sizeof *names ? names[measure] : NULL;
 }
 
@@ -307,6 +319,39 @@ static int pbwim__compare(const void *a, const void *b)
 {
     const double x = *(const double *)a, y = *(const double *)b;
     return (x > y) - (x < y);
+}
+
+PBWIMPROVEDEF int pbw_tets_spread(const pbw_tets *mesh, pbw_measure measure, const pbw_options *options,
+                                      pbw_spread *spread)
+{
+    pbwsf__memory memory = pbwsf__memory_of(options);
+    pbwsf__array sorted;
+    const size_t count = mesh->tet_count;
+    double *value;
+    size_t i;
+    memset(&sorted, 0, sizeof sorted);
+    memset(spread, 0, sizeof *spread);
+    if (!pbwsf__resize(&memory, &sorted, (count + 1) * sizeof *value)) {
+        return 0;
+    }
+    value = (double *)sorted.data;
+    for (i = 0; i < count; i++) {
+        const pbw_index *c = mesh->corners + 4 * i;
+        value[i] = pbw_tet_measure(measure, mesh->points + 3 * (size_t)c[0], mesh->points + 3 * (size_t)c[1],
+                                   mesh->points + 3 * (size_t)c[2], mesh->points + 3 * (size_t)c[3]);
+    }
+    if (count > 0) {
+        qsort(value, count, sizeof *value, pbwim__compare);
+        for (i = 0; i < count; i++) {
+            spread->mean += value[i] / (double)count;
+        }
+        spread->least = value[0];
+        spread->permille = value[count / 1000];
+        spread->percent = value[count / 100];
+        spread->most = value[count - 1];
+    }
+    pbwsf__release(&memory, &sorted);
+    return 1;
 }
 
 PBWIMPROVEDEF int pbw_tets_quality(const pbw_tets *mesh, const pbw_options *options, pbw_quality *quality)

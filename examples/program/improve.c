@@ -1,10 +1,18 @@
 /* improve.c: pbw improve. */
 #include "program.h"
 
+static const char *const smoothers[] = { "odt", "lloyd", "laplace", NULL };
+
 static const option improve_options[] = {
     { "--target", "DEGREES", "dihedral angles from this to 180 less this; default 30", WHOLE, 1, 60, NULL },
     { "--seconds", "S", "end after that time with what is reached", POSITIVE, 0, 0, NULL },
     { "--feature-angle", "DEGREES", "edges of the boundary that bend by more stay; default 40", WHOLE, 1, 180, NULL },
+    { "--smooth", "WAY", "before that, move points to better means: odt, lloyd or laplace; default of triangles:\n"
+      "odt", CHOICE, 0, 0, smoothers },
+    { "--rounds", "N", "of --smooth; default 5", WHOLE, 1, 1000, NULL },
+    { "--only-smooth", NULL, "nothing but --smooth", SWITCH, 0, 0, NULL },
+    { "--quality", NULL, "print measures of quality, by the names of Gmsh and Verdict", SWITCH, 0, 0, NULL },
+    { "--threads", "N", "of --smooth; default 0: all cores", WHOLE, 0, 256, NULL },
     { NULL, NULL, NULL, SWITCH, 0, 0, NULL }
 };
 
@@ -25,6 +33,16 @@ void describe_histogram(const job *j, const pbw_quality *q)
     note(j, "angles in each 10 degrees:%s", line);
 }
 
+static void describe_measures(const job *j, const pbw_tets *tets)
+{
+    pbw_spread s;
+    int i;
+    for (i = 0; i < PBW_MEASURES && pbw_tets_spread(tets, (pbw_measure)i, &j->build, &s); i++) {
+        note(j, "%-16s least %.7g, 0.1 %% %.7g, 1 %% %.7g, mean %.7g, most %.7g", pbw_measure_name((pbw_measure)i),
+             s.least, s.permille, s.percent, s.mean, s.most);
+    }
+}
+
 /* The writers' view of tetrahedra. */
 void show_tets(job *j, const pbw_tets *tets)
 {
@@ -43,38 +61,39 @@ static void describe_moves(const job *j, const pbw_improve_report *r)
          "%zu flips, %zu contractions, %zu insertions; %d passes", r->removals + r->boundary_removals,
          r->boundary_removals, r->smoothings + r->slides, r->slides, r->peelings, r->flips, r->contractions,
          r->insertions, r->passes);
+    if (r->rounds > 0) {
+        note(j, "before that, %d round%s of smoothing: %zu moves", r->rounds, plural((size_t)r->rounds), r->moves);
+    }
     if (r->left > 0) {
         note(j, "below the target in the end: %zu", r->left);
     }
 }
 
-static int run(job *j)
+static int improve_tets(job *j)
 {
     pbw_improve_options how;
     pbw_improve_report report;
     pbw_tets in, better;
     pbw_status status;
     char why[128] = "";
-    double start;
-    int failed = load(j, 0);
-    if (failed) {
-        return failed;
-    }
-    if (j->cloud.dim != 3 || j->cloud.tetrahedron_count == 0) {
-        return fail(j, "%s: it has no tetrahedra", j->input);
-    }
+    const double start = now();
+    int failed;
     memset(&how, 0, sizeof how);
     memset(&in, 0, sizeof in);
     how.target = number_of(j, "--target", 0);
     how.seconds = number_of(j, "--seconds", 0);
     how.feature_angle = number_of(j, "--feature-angle", 0);
+    if (is_given(j, "--smooth")) {
+        how.smoother = (pbw_smoother)choice_of(j, "--smooth");
+        how.rounds = (int)number_of(j, "--rounds", 5);
+        how.passes = is_given(j, "--only-smooth") ? -1 : 0;
+    }
     in.points = j->cloud.points;
     in.point_count = j->cloud.count;
     in.corners = j->cloud.tetrahedra;
     in.tet_count = j->cloud.tetrahedron_count;
     j->build.message = why;
     j->build.message_size = sizeof why;
-    start = now();
     status = pbw_improve(&in, &how, &j->build, &better, &report);
     j->build.message = NULL;
     if (status != PBW_OK) {
@@ -85,6 +104,9 @@ static int run(job *j)
     describe_quality(j, "before: ", &report.before);
     describe_quality(j, "after:  ", &report.after);
     describe_histogram(j, &report.after);
+    if (is_given(j, "--quality")) {
+        describe_measures(j, &better);
+    }
     note(j, "volume %.12g, before %.12g", report.after.volume, report.before.volume);
     describe_moves(j, &report);
     show_tets(j, &better);
@@ -94,14 +116,113 @@ static int run(job *j)
     return failed;
 }
 
+/* ---- triangles of the plane */
+
+static void describe_plane(const job *j, const char *when, const pbw_plane *plane)
+{
+    const pbw_plane_quality least = pbw_plane_quality_of(plane, PBW_PLANE_MIN_ANGLE);
+    const pbw_plane_quality most = pbw_plane_quality_of(plane, PBW_PLANE_MAX_ANGLE);
+    const pbw_plane_quality shape = pbw_plane_quality_of(plane, PBW_PLANE_SHAPE);
+    note(j, "%sangles %.2f to %.2f degrees, least angle of a triangle in the mean %.2f; shape in the mean %.4f", when,
+         least.least, most.most, least.mean, shape.mean);
+}
+
+/* As the measures of tetrahedra; its range of angles is as the file has them, its triangles may be turned. */
+static void describe_input(const job *j)
+{
+    pbw_plane view;
+    pbw_index *turned = (pbw_index *)malloc((j->cloud.triangle_count + 1) * 3 * sizeof *turned);
+    size_t i;
+    if (turned == NULL) {
+        return;
+    }
+    memset(&view, 0, sizeof view);
+    memcpy(turned, j->cloud.triangles, j->cloud.triangle_count * 3 * sizeof *turned);
+    view.points = j->cloud.points;
+    view.point_count = j->cloud.count;
+    view.triangles = turned;
+    view.triangle_count = j->cloud.triangle_count;
+    for (i = 0; i < view.triangle_count; i++) {
+        const pbw_index *t = j->cloud.triangles + 3 * i;
+        if (pbw_orient2(view.points + 2 * (size_t)t[0], view.points + 2 * (size_t)t[1],
+                        view.points + 2 * (size_t)t[2]) < 0) {
+            turned[3 * i] = t[1];
+            turned[3 * i + 1] = t[0];
+        }
+    }
+    describe_plane(j, "before: ", &view);
+    free(turned);
+}
+
+static int improve_triangles(job *j)
+{
+    static const pbw_plane_way ways[] = { PBW_PLANE_ODT, PBW_PLANE_LLOYD, PBW_PLANE_LAPLACE };
+    const int way = choice_of(j, "--smooth");
+    pbw_plane_options how;
+    pbw_plane plane;
+    pbw_status status;
+    const double start = now();
+    int failed, i;
+    memset(&how, 0, sizeof how);
+    memset(&plane, 0, sizeof plane);
+    how.build = &j->build;
+    describe_input(j);
+    status = pbw_plane_from_triangles(j->cloud.points, j->cloud.count, j->cloud.triangles, j->cloud.triangle_count,
+                                      &how, &plane);
+    if (status == PBW_OK) {
+        status = pbw_plane_smooth(&plane, ways[way < 0 ? 0 : way], (int)number_of(j, "--rounds", 5), &how);
+    }
+    if (status != PBW_OK) {
+        failed = status == PBW_CANCELLED ? stopped(j) : fail(j, "%s: %s", j->input, plane.what);
+        pbw_plane_free(&plane);
+        return failed;
+    }
+    say(j, "improve", now() - start, "%zu triangles, %zu points", plane.triangle_count, plane.point_count);
+    describe_plane(j, "after:  ", &plane);
+    for (i = 0; i < PBW_PLANE_MEASURES && is_given(j, "--quality"); i++) {
+        const pbw_plane_quality q = pbw_plane_quality_of(&plane, (pbw_plane_measure)i);
+        note(j, "%-16s least %.7g, mean %.7g, most %.7g", pbw_plane_measure_name((pbw_plane_measure)i), q.least,
+             q.mean, q.most);
+    }
+    memset(&j->mesh, 0, sizeof j->mesh);
+    j->mesh.dim = 2;
+    j->mesh.points = plane.points;
+    j->mesh.point_count = plane.point_count;
+    j->mesh.simplices = plane.triangles;
+    j->mesh.simplex_count = plane.triangle_count;
+    j->mesh.neighbors = plane.neighbors;
+    failed = write_mesh(j);
+    memset(&j->mesh, 0, sizeof j->mesh);
+    pbw_plane_free(&plane);
+    return failed;
+}
+
+static int run(job *j)
+{
+    const int failed = load(j, 1);
+    if (failed) {
+        return failed;
+    }
+    if (is_given(j, "--only-smooth") && !is_given(j, "--smooth")) {
+        return fail(j, "--only-smooth needs --smooth");
+    }
+    if (j->cloud.dim == 2 && j->cloud.triangle_count > 0) {
+        return improve_triangles(j);
+    }
+    return j->cloud.dim == 3 && j->cloud.tetrahedron_count > 0 ? improve_tets(j)
+         : fail(j, "%s: it has no tetrahedra, and no triangles of one plane", j->input);
+}
+
 const command command_improve = {
-    "improve", "make the worst tetrahedra of a mesh better",
+    "improve", "make the worst tetrahedra or triangles of a mesh better",
     "usage: pbw improve [options] mesh [-o output]...\n"
     "\n"
     "Makes the worst tetrahedra of a mesh better, until all dihedral angles reach the target or nothing helps.\n"
     "Points move, come and go; the boundary stays on the surface, its features stay as they are.\n"
+    "Triangles of a plane become the Delaunay ones of their domain, which have the largest least angles, between\n"
+    "rounds of --smooth; points of the boundary stay.\n"
     "\n"
-    "input:   .msh .mesh .vtu .ele with tetrahedra\n"
+    "input:   .msh .mesh .vtu .ele with tetrahedra or with triangles of one z\n"
     "output:  .vtu .msh .msh2 .mesh .inp .su2 .node .ele .neigh .face (tetrahedra, boundary), .obj .ply .stl .off\n"
     "         (boundary), .html (page to look around in); any number of them\n"
     "\n",
