@@ -412,6 +412,7 @@ enum {
     PBWIM__OPEN = 8 * PBWIM__MOST           /* facets of that, at most */
 };
 #define PBWIM__GAIN 1e-3                   /* of the least sine, below which no operation is worth it */
+#define PBWIM__PROGRESS 0.1                /* of what lacks to the target, below which no smoothing is worth it */
 #define PBWIM__BEND 0.90630778703665       /* cos 25 degrees: by more, boundary facets do not turn */
 
 typedef struct pbwim__mesh {
@@ -907,35 +908,73 @@ static double pbwim__cone_sine(const pbwim__mesh *m, pbwim__cone *cone, const do
     return worst;
 }
 
-/* Moves x to where the cone's least sine is largest nearby: by the best of 14 directions, then by half of the step.
-   `from` is its value at x.  Returns its value in the end. */
-static double pbwim__climb(pbwim__mesh *m, pbwim__cone *cone, int slides, double from, double x[3])
+/* Eight directions across the normal, or fourteen of space; returns how many. */
+static int pbwim__ways(const double *normal, double way[14][3])
 {
-    static const double way[14][3] = {
-        { 1, 0, 0 }, { -1, 0, 0 }, { 0, 1, 0 }, { 0, -1, 0 }, { 0, 0, 1 }, { 0, 0, -1 },
-        { .577, .577, .577 }, { -.577, .577, .577 }, { .577, -.577, .577 }, { -.577, -.577, .577 },
-        { .577, .577, -.577 }, { -.577, .577, -.577 }, { .577, -.577, -.577 }, { -.577, -.577, -.577 }
-    };
-    double best = from, length = 0, step;
+    static const double round[8][2] = { { 1, 0 }, { -1, 0 }, { 0, 1 }, { 0, -1 },
+                                        { .7071, .7071 }, { -.7071, .7071 }, { .7071, -.7071 }, { -.7071, -.7071 } };
+    double side[3] = { 0, 0, 0 }, other[3], length;
+    int i, k;
+    if (normal == NULL) {
+        for (i = 0; i < 6; i++) {
+            for (k = 0; k < 3; k++) {
+                way[i][k] = k != i / 2 ? 0 : i % 2 == 0 ? 1 : -1;
+            }
+        }
+        for (; i < 14; i++) {
+            for (k = 0; k < 3; k++) {
+                way[i][k] = (i - 6) >> k & 1 ? -.577 : .577;
+            }
+        }
+        return 14;
+    }
+    k = fabs(normal[0]) < fabs(normal[1]) ? 0 : 1;
+    side[fabs(normal[2]) < fabs(normal[k]) ? 2 : k] = 1;
+    pbwsf__cross(normal, side, other);
+    pbwsf__cross(normal, other, side);
+    for (k = 0, length = sqrt(pbwsf__dot(other, other)); k < 3; k++) {
+        other[k] = length > 0 ? other[k] / length : 0;
+    }
+    for (k = 0, length = sqrt(pbwsf__dot(side, side)); k < 3; k++) {
+        side[k] = length > 0 ? side[k] / length : 0;
+    }
+    for (i = 0; i < 8; i++) {
+        for (k = 0; k < 3; k++) {
+            way[i][k] = round[i][0] * side[k] + round[i][1] * other[k];
+        }
+    }
+    return 8;
+}
+
+/* Moves x to where the cone's least sine is largest nearby: by the best of some directions, then by half of the step.
+   `from` is its value at x; with a normal, of the surface, x stays on that.  Finding the surface takes longest: a
+   place that is far from better before is not moved there.  Returns its value in the end. */
+static double pbwim__climb(pbwim__mesh *m, pbwim__cone *cone, const double *normal, double from, double x[3])
+{
+    double way[14][3], best = from, length = 0, step;
+    const int ways = pbwim__ways(normal, way);
     int i, k, moves;
     for (i = 0; i < cone->count; i++) {
         length += pbwsf__distance(PBWIM__X(m, cone->facet[i][0]), PBWIM__X(m, cone->facet[i][1])) / cone->count;
     }
     for (step = 0.2 * length, moves = 0; step > 0.01 * length && moves < 40 && best < m->target; moves++) {
         double place[3], chosen[3], reached = best;
-        for (i = 0; i < 14; i++) {
+        for (i = 0; i < ways; i++) {
+            double sine;
             for (k = 0; k < 3; k++) {
                 place[k] = x[k] + step * way[i][k];
             }
-            if (slides) {
+            if (normal != NULL) {
+                const double near = reached - 0.1 * fabs(reached);
+                if (pbwim__cone_sine(m, cone, place, near) <= near) {
+                    continue;
+                }
                 m->project(m->project_user, place);
             }
-            {
-                const double sine = pbwim__cone_sine(m, cone, place, reached);
-                if (sine > reached) {
-                    reached = sine;
-                    memcpy(chosen, place, sizeof chosen);
-                }
+            sine = pbwim__cone_sine(m, cone, place, reached);
+            if (sine > reached) {
+                reached = sine;
+                memcpy(chosen, place, sizeof chosen);
             }
         }
         if (reached > best) {
@@ -946,6 +985,21 @@ static double pbwim__climb(pbwim__mesh *m, pbwim__cone *cone, int slides, double
         }
     }
     return best;
+}
+
+/* Adds the normals of the boundary facets of t at p, or at all of its corners if that is PBW_NONE. */
+static void pbwim__add_normals(const pbwim__mesh *m, pbw_index t, pbw_index p, double sum[3])
+{
+    double n[3];
+    int i, k;
+    for (i = 0; i < 4; i++) {
+        if (PBWIM__NEXT(m, t)[i] == PBW_NONE && PBWIM__CORNER(m, t)[i] != p) {
+            pbwim__outward(m, t, i, n);
+            for (k = 0; k < 3; k++) {
+                sum[k] += n[k];
+            }
+        }
+    }
 }
 
 /* Fills the cone with the facets across from p of its star. */
@@ -966,7 +1020,7 @@ static int pbwim__smooth(pbwim__mesh *m, pbw_index p)
 {
     pbw_index star[PBWIM__MOST];
     pbwim__cone cone;
-    double before[3], worst = 2, x[3];
+    double before[3], worst = 2, x[3], normal[3] = { 0, 0, 0 };
     const int slides = PBWIM__MARK(m)[p] == PBW_TETS_SLIDES;
     int count, i, k;
     if (PBWIM__MARK(m)[p] == PBW_TETS_FIXED) {
@@ -979,10 +1033,14 @@ static int pbwim__smooth(pbwim__mesh *m, pbw_index p)
     if (count == 0 || worst >= m->target) {
         return 0;
     }
+    for (i = 0; i < count && slides; i++) {
+        pbwim__add_normals(m, star[i], p, normal);
+    }
     pbwim__cone_of(m, p, star, count, &cone);
     memcpy(before, PBWIM__X(m, p), sizeof before);
     memcpy(x, before, sizeof x);
-    if (pbwim__climb(m, &cone, slides, worst, x) <= worst + PBWIM__GAIN) {
+    if (pbwim__climb(m, &cone, slides ? normal : NULL, worst, x)
+        <= worst + fmax(PBWIM__GAIN, PBWIM__PROGRESS * (m->target - worst))) {
         return 0;
     }
     memcpy(PBWIM__X(m, p), x, sizeof x);
@@ -1247,6 +1305,7 @@ static int pbwim__insert(pbwim__mesh *m, pbwim__change *change, const pbwim__rin
     const double worst = pbwim__worst_old(m, change);
     const pbw_index p = (pbw_index)m->points;
     const int slides = split != NULL && !split->closed;
+    double normal[3] = { 0, 0, 0 };
     pbwim__cone cone;
     int i, k;
     pbwim__visit(m);
@@ -1267,8 +1326,10 @@ static int pbwim__insert(pbwim__mesh *m, pbwim__change *change, const pbwim__rin
     }
     if (slides) {
         m->project(m->project_user, x);
+        pbwim__add_normals(m, split->tet[0], PBW_NONE, normal);
+        pbwim__add_normals(m, split->tet[split->tets - 1], PBW_NONE, normal);
     }
-    if (pbwim__climb(m, &cone, slides, pbwim__cone_sine(m, &cone, x, -2), x) <= worst + PBWIM__GAIN) {
+    if (pbwim__climb(m, &cone, slides ? normal : NULL, pbwim__cone_sine(m, &cone, x, -2), x) <= worst + PBWIM__GAIN) {
         return 0;
     }
     memcpy(PBWIM__X(m, p), x, 3 * sizeof(double));
