@@ -5,7 +5,6 @@
 #ifndef _POSIX_C_SOURCE
 #define _POSIX_C_SOURCE 200112L
 #endif
-#define PBW_IMPLEMENTATION
 #include "../pbw.h"
 #include "inputs.h"
 #include "meter.h"
