@@ -12,6 +12,9 @@
 #include "watch.h"
 #include <fenv.h>
 #include <pthread.h>
+#ifdef __SSE2__
+#include <immintrin.h>
+#endif
 
 enum { MAX_POINTS = 40, MAX_SIMPLICES = 400 };
 
