@@ -5,7 +5,6 @@
 #ifndef _POSIX_C_SOURCE
 #define _POSIX_C_SOURCE 200112L
 #endif
-#define PBW_IMPLEMENTATION
 #include "../pbw.h"
 #include "inputs.h"
 #include "meter.h"
@@ -13,6 +12,9 @@
 #include "watch.h"
 #include <fenv.h>
 #include <pthread.h>
+#ifdef __SSE2__
+#include <immintrin.h>
+#endif
 
 enum { MAX_POINTS = 40, MAX_SIMPLICES = 400 };
 

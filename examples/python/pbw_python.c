@@ -37,6 +37,7 @@ typedef struct plane_wish {            /* of pbw_plane_options */
     size_t steiner_limit;
 } plane_wish;
 
+size_t pbw_python_size(int structure);
 pbw_mesh *pbw_python_build(int dim, const double *points, const double *weights, size_t count, int threads,
                            const volatile int *stop, int (*progress)(int stage, double done), int *status,
                            size_t *simplices);
@@ -58,6 +59,18 @@ int pbw_python_improve(const pbw_tets *mesh, const pbw_improve_options *how, con
                        pbw_tets *better, pbw_improve_report *report);
 int pbw_python_solid(const pbw_solid_input *input, const pbw_solid_options *how, const watch *w, pbw_tets *mesh,
                      pbw_solid_report *report);
+
+/* Sizes of the structures that Python declares too, in the order of _library.py and _tets.py; 0 beyond. */
+size_t pbw_python_size(int structure)
+{
+    static const size_t size[] = {
+        sizeof(arrays), sizeof(pbw_lists), sizeof(pbw_cells), sizeof(pbw_plane_input), sizeof(plane_wish),
+        sizeof(watch), sizeof(pbw_changes), sizeof(pbw_plane), sizeof(pbw_tets), sizeof(pbw_quality),
+        sizeof(pbw_improve_options), sizeof(pbw_improve_report), sizeof(pbw_solid_input), sizeof(pbw_solid_options),
+        sizeof(pbw_solid_report)
+    };
+    return structure >= 0 && (size_t)structure < sizeof size / sizeof *size ? size[structure] : 0;
+}
 
 static int on_progress(void *user, pbw_stage stage, double done)
 {

@@ -40,8 +40,8 @@ class _Cells(ctypes.Structure):
 
 class _PlaneInput(ctypes.Structure):
     """pbw_plane_input."""
-    _fields_ = [(name, kind) for names in ("points point_count", "segments segment_count", "holes hole_count",
-                                           "regions region_count", "sizes")
+    _fields_ = [(name, kind) for names in ("points point_count", "segments segment_count", "segment_ids",
+                                           "holes hole_count", "regions region_count", "sizes")
                 for name, kind in zip(names.split(), (ctypes.c_void_p, ctypes.c_size_t))]
 
 
@@ -74,6 +74,14 @@ class _Plane(ctypes.Structure):
                 ("what", ctypes.c_char * 160), ("memory", ctypes.c_void_p)]
 
 
+def _fit(library, first, *structures):
+    """Refuses a library whose structures, from number first of pbw_python_size on, have other sizes than these."""
+    for number, structure in enumerate(structures, first):
+        if library.pbw_python_size(number) != ctypes.sizeof(structure):
+            raise ImportError("libpbw_python.so is of another version: its %s has another size"
+                              % structure.__doc__.rstrip("."))
+
+
 def _load():
     here = os.path.dirname(os.path.abspath(__file__))
     name = "libpbw_python.so"
@@ -93,6 +101,8 @@ def _load():
 
 
 def _declare(library):
+    library.pbw_python_size.restype = ctypes.c_size_t
+    _fit(library, 0, _Arrays, _Lists, _Cells, _PlaneInput, _PlaneWish, _Watch, _Changes, _Plane)
     doubles = np.ctypeslib.ndpointer(np.float64, flags="C_CONTIGUOUS")
     ints = np.ctypeslib.ndpointer(np.int32, flags="C_CONTIGUOUS")
     size, integer, arrays = ctypes.c_size_t, ctypes.POINTER(ctypes.c_int), ctypes.POINTER(_Arrays)

@@ -7,7 +7,7 @@ import ctypes
 import numpy as np
 
 from . import _errors
-from ._library import _PROGRESS, _Watch, _copied, _library, _pointers, _run
+from ._library import _PROGRESS, _Watch, _copied, _fit, _library, _pointers, _run
 
 _size, _double = ctypes.c_size_t, ctypes.c_double
 
@@ -52,12 +52,16 @@ class _SolidOptions(ctypes.Structure):
 
 class _SolidReport(ctypes.Structure):
     """pbw_solid_report."""
-    _fields_ = [*((name, _size) for name in ("open_edges", "crowded_edges", "corners", "sharp_edges", "missing_edges",
-                                             "bad_edges", "bad_points")), ("places", _double * 3 * 8),
+    _fields_ = [*((name, _size) for name in ("open_edges", "crowded_edges", "corners", "sharp_edges", "acute_edges")),
+                ("least_angle", _double), *((name, _size) for name in ("missing_edges", "bad_edges", "bad_points")),
+                ("places", _double * 3 * 8),
                 ("facets", _size),
                 ("euler", ctypes.c_long), ("input_euler", ctypes.c_long), ("distance", _double), ("size", _double),
                 ("input_volume", _double), ("rounds", ctypes.c_int), ("settled", ctypes.c_int),
                 ("seconds", _double * 4), ("improve", _ImproveReport)]
+
+
+_fit(_library, 8, _Mesh, _Quality, _ImproveOptions, _ImproveReport, _SolidInput, _SolidOptions, _SolidReport)
 
 
 class Tets:
