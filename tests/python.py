@@ -992,6 +992,32 @@ def improved_tetrahedra():
     check("range" in str(raises(ValueError, pbw.improve, points, [[0, 1, 2, 2]])))
     raises(ValueError, pbw.improve, points, [[0, 1, 2, 400]])
     raises(ValueError, pbw.improve, points, tri.simplices, regions=[1])
+    for smooth in "odt", "lloyd", "laplace":
+        moved = pbw.improve(points, tri.simplices, target=None, smooth=smooth, rounds=3)
+        equal(np.sort(moved.original[moved.tets]), np.sort(tri.simplices))
+        check(moved.report["moves"] > 100 and moved.report["rounds"] == 3 and moved.report["passes"] == 0, moved.report)
+    check("lloyd" in str(raises(ValueError, pbw.improve, points, tri.simplices, smooth="best")))
+
+
+@test
+def improved_files_of_meshio():
+    try:
+        import meshio
+    except ImportError:
+        raise Skip("no meshio")
+    points = np.random.RandomState(2).rand(200, 3)
+    mesh = meshio.Mesh(points, [("tetra", pbw.Delaunay(points).simplices)])
+    with tempfile.TemporaryDirectory() as folder:
+        for kind in "msh", "vtu", "mesh":
+            path = os.path.join(folder, "a." + kind)
+            mesh.write(path)
+            read = meshio.read(path)
+            better = pbw.improve(read.points, read.cells_dict["tetra"], seconds=0.2)
+            meshio.Mesh(better.points, [("tetra", better.tets)]).write(path)
+            again = meshio.read(path)
+            equal(again.cells_dict["tetra"], better.tets)
+            check(abs(again.points - better.points).max() < 1e-15)
+            check(better.report["after"]["least_sine"] >= better.report["before"]["least_sine"])
 
 
 @test

@@ -27,15 +27,16 @@ class _Quality(ctypes.Structure):
 class _ImproveOptions(ctypes.Structure):
     """pbw_improve_options."""
     _fields_ = [("target", _double), ("seconds", _double), ("passes", ctypes.c_int), ("feature_angle", _double),
-                *_pointers("project project_user")]
+                *_pointers("project project_user"), ("rounds", ctypes.c_int), ("smoother", ctypes.c_int)]
 
 
 class _ImproveReport(ctypes.Structure):
     """pbw_improve_report."""
     _fields_ = [("before", _Quality), ("after", _Quality),
                 *((name, _size) for name in ("turned", "removals", "boundary_removals", "smoothings", "slides",
-                                             "peelings", "flips", "contractions", "insertions", "left")),
-                ("passes", ctypes.c_int)]
+                                             "peelings", "flips", "contractions", "insertions", "moves",
+                                             "left")),
+                ("passes", ctypes.c_int), ("rounds", ctypes.c_int)]
 
 
 class _SolidInput(ctypes.Structure):
@@ -118,11 +119,15 @@ def _made(call, report):
         _library.pbw_tets_free(ctypes.byref(mesh))
 
 
-def improve(points, tets, target=30, seconds=0, feature_angle=40, regions=None, fixed=None):
+_SMOOTHERS = "odt", "lloyd", "laplace"
+
+
+def improve(points, tets, target=30, seconds=0, feature_angle=40, regions=None, fixed=None, smooth=None, rounds=5):
     """Tetrahedra with better dihedral angles: from target to 180 - target degrees, where that can be had.
 
     points: (n, 3); tets: (m, 4); regions: m whole numbers, whose interfaces are kept; fixed: n booleans, True for
-    points that stay; seconds: ends after that time, 0 = when nothing helps any more.  Returns a Tets.
+    points that stay; seconds: ends after that time, 0 = when nothing helps any more; smooth: before that, so many
+    rounds move points to better means, "odt", "lloyd" or "laplace"; target None: nothing else.  Returns a Tets.
     """
     points = _checked("points", points, 3, np.float64)
     tets = _checked("tets", tets, 4, np.uint32, len(points))
@@ -133,7 +138,11 @@ def improve(points, tets, target=30, seconds=0, feature_angle=40, regions=None, 
             raise ValueError("%s has the shape %s: %d numbers are needed" % (name, array.shape, count))
     given = _Mesh(len(points), len(tets), points.ctypes.data, tets.ctypes.data,
                   None if regions is None else regions.ctypes.data, None if marks is None else marks.ctypes.data)
-    how = _ImproveOptions(target, seconds, 0, feature_angle)
+    if smooth is not None and smooth not in _SMOOTHERS:
+        raise ValueError("smooth is %r: one of %s is needed" % (smooth, ", ".join(_SMOOTHERS)))
+    how = _ImproveOptions(target or 0, seconds, -1 if target is None else 0, feature_angle)
+    if smooth is not None:
+        how.rounds, how.smoother = rounds, _SMOOTHERS.index(smooth)
     message = ctypes.create_string_buffer(128)
     status, made = _made(lambda watch, mesh, report: _library.pbw_python_improve(
         ctypes.byref(given), ctypes.byref(how), watch, message, mesh, report), _ImproveReport())
