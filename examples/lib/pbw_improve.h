@@ -1907,7 +1907,7 @@ static int pbwim__colour(const pbwim__smoothing *s, pbw_index p)
     for (i = first[p]; i < first[p + 1]; i++) {
         const pbw_index *c = PBWIM__CORNER(s->m, ((const pbw_index *)s->stars.data)[i]);
         for (k = 0; k < 4; k++) {
-            used[c[k] < p ? colour[c[k]] : PBWIM__COLOURS] = 1;
+            used[c[k] < p ? (int)colour[c[k]] : (int)PBWIM__COLOURS] = 1;
         }
     }
     for (k = 0; k < PBWIM__COLOURS && used[k]; k++) {
