@@ -71,6 +71,22 @@ for module in meshio vtk; do
     fi
 done
 
+# What VTK and Gmsh say of the quality of a mesh, element by element, is what pbw improve says.
+"$bin/pbw" mesh --generate uniform 2000 -o "$work/raw.msh" --quiet
+"$bin/pbw" improve "$work/raw.msh" --smooth odt --only-smooth --quality -o "$work/smooth.vtu" -o "$work/smooth.msh" \
+    > "$work/quality"
+for python in "${PYTHON:-python3}" /usr/bin/python3; do
+    "$python" -c "import numpy, vtk" > /dev/null 2>&1 || continue
+    check "measures of quality are Verdict's" "$python" tests/quality.py "$work/quality" "$work/smooth.vtu"
+    break
+done
+if has gmsh && "$python" -c "import numpy" > /dev/null 2>&1; then
+    set -- -setnumber Print.PostElementary 0 -setnumber Print.PostElement 0 -setnumber Print.PostGamma 1
+    gmsh "$work/smooth.msh" -0 -v 1 "$@" -setnumber Print.PostSICN 1 -setnumber Print.PostSIGE 0 -format pos \
+        -o "$work/smooth.pos"
+    check "SICN and gamma are Gmsh's" "$python" tests/quality.py "$work/quality" "$work/smooth.pos"
+fi
+
 # FreeFem++: -Laplace u = f with u = product of sin(pi x), from 6 to 12 to 24 cells a side: the error falls with the
 # square of the size.  The groups have the right size, and the facets look outward: div(x) = dim.
 poisson() {  # poisson DIM
