@@ -4,6 +4,8 @@
 #include "pbw_surface.h"
 #define PBW_IMPROVE_IMPLEMENTATION
 #include "pbw_improve.h"
+#define PBW_ADAPT3_IMPLEMENTATION
+#include "pbw_adapt3.h"
 #include "meter.h"
 #include "test.h"
 #include "watch.h"
@@ -549,6 +551,60 @@ static void test_sizes(int rounds)
     test_end();
 }
 
+/* A ball with a linear field, carried over to other points, some outside; every allocation fails in turn. */
+static void test_transfer(void)
+{
+    double *x = ball_points(500, 0), *to = ball_points(500, 0), field[500] = { 0 }, out[500];
+    double low = HUGE_VAL, high = -HUGE_VAL;
+    pbw_options options;
+    pbw_mesh mesh;
+    pbw_tets in, other;
+    pbw_status status = PBW_ERROR_MEMORY;
+    meter m;
+    size_t i;
+    long k;
+    if (!test_begin("fields carried over")) {
+        free(x);
+        free(to);
+        return;
+    }
+    memset(&mesh, 0, sizeof mesh);
+    memset(&other, 0, sizeof other);
+    memset(&options, 0, sizeof options);
+    CHECK_EQUAL(pbw_triangulate(3, x, NULL, 500, NULL, &mesh), PBW_OK);
+    in = view(&mesh);
+    CHECK_EQUAL(pbw_tets_transfer(&in, &other, field, 1, NULL, out), PBW_ERROR_ARGUMENT);    /* no neighbours */
+    in.neighbors = mesh.neighbors;
+    for (i = 0; i < 500; i++) {
+        for (k = 0; k < 3; k++) {
+            to[3 * i + (size_t)k] *= i < 250 ? 0.7 : 1.3;
+        }
+        field[i] = 3 * x[3 * i] - x[3 * i + 1] + 2 * x[3 * i + 2] + 1;
+        low = fmin(low, field[i]);
+        high = fmax(high, field[i]);
+    }
+    other.points = to;
+    other.point_count = 500;
+    options.threads = 1;
+    options.resize = meter_resize;
+    options.resize_user = &m;
+    for (k = 1; status == PBW_ERROR_MEMORY && k < 1000; k++) {
+        meter_start(&m, k, 1);
+        status = pbw_tets_transfer(&in, &other, field, 1, &options, out);
+        CHECK(m.blocks == 0 && m.faults == 0);
+    }
+    CHECK(status == PBW_OK && k > 4);
+    for (i = 0; i < 500; i++) {
+        const double due = 3 * to[3 * i] - to[3 * i + 1] + 2 * to[3 * i + 2] + 1;
+        CHECK(out[i] >= low - 1e-12 && out[i] <= high + 1e-12);
+        CHECK(i >= 250 || fabs(out[i] - due) < 1e-12);
+    }
+    pbw_free(&mesh);
+    free(x);
+    free(to);
+    test_end();
+}
+
 /* The one free point of an octahedron, at 0.2 on an axis: the mean of its neighbours is 0, the weighted mean of the
    circumcentres too; its Voronoi cell is |y|, |z| < 0.48 + 0.2 x for x from -0.4 to 0.6, with centroid 0.126 / 0.76. */
 static void test_aims(void)
@@ -644,7 +700,7 @@ static void test_refused(void)
 static void test_failures(void)
 {
     const size_t count = 120;
-    double *x = ball_points(count, 0);
+    double *x = ball_points(count, 0), sizes[120];
     pbw_options options;
     pbw_mesh mesh;
     pbw_tets in, out;
@@ -663,6 +719,10 @@ static void test_failures(void)
     in = view(&mesh);
     memset(&how, 0, sizeof how);
     how.rounds = 2;
+    how.sizes = sizes;
+    for (k = 0; k < 120; k++) {
+        sizes[k] = 0.5;
+    }
     options.threads = 1;
     options.resize = meter_resize;
     options.resize_user = &m;
@@ -711,6 +771,7 @@ int main(int argc, char **argv)
     test_aims();
     test_sizes(0);
     test_sizes(3);
+    test_transfer();
     test_refused();
     test_failures();
     return test_finish();
