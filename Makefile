@@ -40,8 +40,8 @@ ifneq ($(word 2,$(filter $(SUITES),$(MAKECMDGOALS))),)
 endif
 endif
 
-.PHONY: all page demo web examples test test-all programs oracle arm asan ubsan tsan valgrind fuzz fuzz-long asm names \
-    fuzz-plane clean help FORCE
+.PHONY: all page demo web examples test test-all programs oracle arm asan ubsan tsan sanitize valgrind fuzz fuzz-long \
+    asm names fuzz-plane clean help FORCE
 .DELETE_ON_ERROR:
 .SECONDARY:
 
@@ -63,7 +63,7 @@ help:
 	@echo 'make asm         looks for fused operations    make arm     64-bit Arm, in an emulator'
 	@echo 'make install PREFIX=/usr/local DESTDIR=         and make uninstall: see examples/install/install.mk'
 	@echo 'make clean       removes $B/'
-	@echo 'make asan ubsan tsan valgrind                  the test programs under sanitizers'
+	@echo 'make asan ubsan tsan valgrind                  the test programs under sanitizers;  sanitize: asan and ubsan'
 	@echo 'make fuzz        fuzzers, TIME=60 each         make fuzz-long  ten million random small inputs'
 	@echo 'make fuzz-plane  a million random small plane domains, and a million crossings'
 	@echo 'CC=clang CXX=clang++ CFLAGS=-O3 B=build/clang  for any of them;  COUNT=n random inputs in tests'
@@ -175,11 +175,12 @@ page:
 demo: $B/pbw $B/model
 	sh examples/demo.sh $B
 
-asan ubsan tsan: %:
+asan ubsan tsan sanitize: %:
 	@$(MAKE) --no-print-directory B=$B/$* CFLAGS='-O1 -g -fno-omit-frame-pointer -fsanitize=$(SANITIZE_$*)' programs
 SANITIZE_asan = address
 SANITIZE_ubsan = undefined -fno-sanitize-recover=all
 SANITIZE_tsan = thread
+SANITIZE_sanitize = address,undefined -fno-sanitize-recover=all
 
 # All but builds of 10,000 points and more, which take minutes there, and the test that reads a thread's dead stack.
 valgrind:

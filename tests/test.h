@@ -30,6 +30,15 @@
 #define TEST_UNUSED
 #endif
 
+/* Whether a sanitizer of gcc or clang watches memory or threads. */
+#if defined(__SANITIZE_ADDRESS__) || defined(__SANITIZE_THREAD__)
+#define TEST_SANITIZED 1
+#elif defined(__has_feature)
+#if __has_feature(address_sanitizer) || __has_feature(thread_sanitizer)
+#define TEST_SANITIZED 1
+#endif
+#endif
+
 static uint64_t test_seed = 1;                  /* --seed */
 static long test_count;                         /* --count, else what test_start was given */
 static int test_verbose, test_argc;

@@ -355,7 +355,7 @@ static void test_stack(void)
     memset(block, 0x5c, 2 * STACK_BYTES + 65536);
     start = 65536 - (uintptr_t)block % 65536;
     pthread_attr_init(&attributes);
-#if defined(__SANITIZE_ADDRESS__) || defined(__SANITIZE_THREAD__)
+#if defined(TEST_SANITIZED)
     pthread_attr_setstacksize(&attributes, 4 * STACK_BYTES);     /* their frames are larger */
 #else
     CHECK(pthread_attr_setstack(&attributes, block + start + STACK_BYTES, STACK_BYTES) == 0);

@@ -8,8 +8,7 @@
 #include "inputs.h"
 #include "test.h"
 
-#if defined(__linux__) && !defined(__SANITIZE_ADDRESS__) && !defined(__SANITIZE_THREAD__) \
-    && (defined(__x86_64__) || defined(__aarch64__))
+#if defined(__linux__) && !defined(TEST_SANITIZED) && (defined(__x86_64__) || defined(__aarch64__))
 #include <linux/audit.h>
 #include <linux/filter.h>
 #include <linux/seccomp.h>
