@@ -995,7 +995,8 @@ def improved_tetrahedra():
     for smooth in "odt", "lloyd", "laplace":
         moved = pbw.improve(points, tri.simplices, target=None, smooth=smooth, rounds=3)
         equal(np.sort(moved.original[moved.tets]), np.sort(tri.simplices))
-        check(moved.report["moves"] > 100 and moved.report["rounds"] == 3 and moved.report["passes"] == 0, moved.report)
+        report = moved.report
+        check(report["moves"] > 100 and report["rounds"] == 3 and report["passes"] == 0, report)
     check("lloyd" in str(raises(ValueError, pbw.improve, points, tri.simplices, smooth="best")))
 
 

@@ -4,6 +4,8 @@
 #include "pbw_surface.h"
 #define PBW_IMPROVE_IMPLEMENTATION
 #include "pbw_improve.h"
+#define PBW_ADAPT3_IMPLEMENTATION
+#include "pbw_adapt3.h"
 #include "meter.h"
 #include "test.h"
 #include "watch.h"
@@ -11,6 +13,8 @@
 #include <math.h>
 
 static uint64_t state;
+
+static const double x_origin[3] = { 0, 0, 0 };
 
 static double uniform(void)
 {
@@ -474,6 +478,133 @@ static void test_smoothers(pbw_smoother smoother)
     test_end();
 }
 
+static double ratio_of(const pbw_tets *t, size_t i, int k)
+{
+    static const int edge[6][2] = { { 0, 1 }, { 0, 2 }, { 0, 3 }, { 1, 2 }, { 1, 3 }, { 2, 3 } };
+    const double *a = t->points + 3 * (size_t)t->corners[4 * i + (size_t)edge[k][0]];
+    const double *b = t->points + 3 * (size_t)t->corners[4 * i + (size_t)edge[k][1]];
+    const double size = 0.06 + 0.15 * (pbwsf__distance(a, x_origin) + pbwsf__distance(b, x_origin));
+    return pbwsf__distance(a, b) / size;
+}
+
+/* Edges get the lengths that sizes say, fine at a corner of the cube, coarse across; two regions keep their volumes,
+   and the cube its edges. */
+static void test_sizes(int rounds)
+{
+    double *x = cube_points(0), sizes[343], volume[2] = { 0, 0 };
+    pbw_improve_options how;
+    pbw_improve_report report;
+    pbw_mesh mesh;
+    pbw_tets in, out;
+    pbw_index *flat, *regions;
+    size_t i, k, wrong = 0;
+    if (!test_begin("sizes%s", rounds > 0 ? ", and smoothed" : "")) {
+        free(x);
+        return;
+    }
+    memset(&mesh, 0, sizeof mesh);
+    memset(&how, 0, sizeof how);
+    for (i = 0; i < 343; i++) {                      /* a lattice is in two halves */
+        for (k = 0; k < 3; k++) {
+            const size_t at = k == 0 ? i % 7 : k == 1 ? i / 7 % 7 : i / 49;
+            x[3 * i + k] = k == 0 && at == 3 ? 0.5 : x[3 * i + k];
+        }
+        sizes[i] = 0.06 + 0.3 * pbwsf__distance(x + 3 * i, x_origin);
+    }
+    CHECK_EQUAL(pbw_triangulate(3, x, NULL, 343, NULL, &mesh), PBW_OK);
+    in = view(&mesh);
+    flat = without_flat(&in);
+    regions = (pbw_index *)take(in.tet_count * sizeof *regions);
+    for (i = 0; i < in.tet_count; i++) {
+        double sum = 0;
+        for (k = 0; k < 4; k++) {
+            sum += x[3 * (size_t)in.corners[4 * i + k]];
+        }
+        regions[i] = sum < 2;
+    }
+    in.regions = regions;
+    how.sizes = sizes;
+    how.rounds = rounds;
+    CHECK_EQUAL(pbw_improve(&in, &how, NULL, &out, &report), PBW_OK);
+    CHECK(is_sound(&out));
+    CHECK_EQUAL(boundary_euler(&out), 2);
+    CHECK(report.splits > 100 && report.contractions > 10 && fabs(report.after.volume - 1) < 1e-9);
+    for (i = 0; i < out.tet_count; i++) {
+        const pbw_index *c = out.corners + 4 * i;
+        volume[out.regions[i] != 0] += pbw_tet_measure(PBW_MEASURE_VOLUME, out.points + 3 * (size_t)c[0],
+            out.points + 3 * (size_t)c[1], out.points + 3 * (size_t)c[2], out.points + 3 * (size_t)c[3]);
+        for (k = 0; k < 6; k++) {
+            wrong += ratio_of(&out, i, (int)k) > 1.7;
+        }
+    }
+    test_say("%zu to %zu tetrahedra, %zu splits, %zu edges too long, %.2f..%.2f, volume %.15g", in.tet_count,
+             out.tet_count, report.splits, wrong, report.after.least, report.after.largest, volume[1]);
+    CHECK(fabs(volume[1] - 0.5) < 1e-9);
+    CHECK(wrong * 200 < out.tet_count && report.after.permille > 10);
+    sizes[7] = 0;
+    pbw_tets_free(&out);
+    CHECK_EQUAL(pbw_improve(&in, &how, NULL, &out, NULL), PBW_ERROR_ARGUMENT);
+    pbw_free(&mesh);
+    free(regions);
+    free(flat);
+    free(x);
+    test_end();
+}
+
+/* A ball with a linear field, carried over to other points, some outside; every allocation fails in turn. */
+static void test_transfer(void)
+{
+    double *x = ball_points(500, 0), *to = ball_points(500, 0), field[500] = { 0 }, out[500];
+    double low = HUGE_VAL, high = -HUGE_VAL;
+    pbw_options options;
+    pbw_mesh mesh;
+    pbw_tets in, other;
+    pbw_status status = PBW_ERROR_MEMORY;
+    meter m;
+    size_t i;
+    long k;
+    if (!test_begin("fields carried over")) {
+        free(x);
+        free(to);
+        return;
+    }
+    memset(&mesh, 0, sizeof mesh);
+    memset(&other, 0, sizeof other);
+    memset(&options, 0, sizeof options);
+    CHECK_EQUAL(pbw_triangulate(3, x, NULL, 500, NULL, &mesh), PBW_OK);
+    in = view(&mesh);
+    CHECK_EQUAL(pbw_tets_transfer(&in, &other, field, 1, NULL, out), PBW_ERROR_ARGUMENT);    /* no neighbours */
+    in.neighbors = mesh.neighbors;
+    for (i = 0; i < 500; i++) {
+        for (k = 0; k < 3; k++) {
+            to[3 * i + (size_t)k] *= i < 250 ? 0.7 : 1.3;
+        }
+        field[i] = 3 * x[3 * i] - x[3 * i + 1] + 2 * x[3 * i + 2] + 1;
+        low = fmin(low, field[i]);
+        high = fmax(high, field[i]);
+    }
+    other.points = to;
+    other.point_count = 500;
+    options.threads = 1;
+    options.resize = meter_resize;
+    options.resize_user = &m;
+    for (k = 1; status == PBW_ERROR_MEMORY && k < 1000; k++) {
+        meter_start(&m, k, 1);
+        status = pbw_tets_transfer(&in, &other, field, 1, &options, out);
+        CHECK(m.blocks == 0 && m.faults == 0);
+    }
+    CHECK(status == PBW_OK && k > 4);
+    for (i = 0; i < 500; i++) {
+        const double due = 3 * to[3 * i] - to[3 * i + 1] + 2 * to[3 * i + 2] + 1;
+        CHECK(out[i] >= low - 1e-12 && out[i] <= high + 1e-12);
+        CHECK(i >= 250 || fabs(out[i] - due) < 1e-12);
+    }
+    pbw_free(&mesh);
+    free(x);
+    free(to);
+    test_end();
+}
+
 /* The one free point of an octahedron, at 0.2 on an axis: the mean of its neighbours is 0, the weighted mean of the
    circumcentres too; its Voronoi cell is |y|, |z| < 0.48 + 0.2 x for x from -0.4 to 0.6, with centroid 0.126 / 0.76. */
 static void test_aims(void)
@@ -569,7 +700,7 @@ static void test_refused(void)
 static void test_failures(void)
 {
     const size_t count = 120;
-    double *x = ball_points(count, 0);
+    double *x = ball_points(count, 0), sizes[120];
     pbw_options options;
     pbw_mesh mesh;
     pbw_tets in, out;
@@ -588,6 +719,10 @@ static void test_failures(void)
     in = view(&mesh);
     memset(&how, 0, sizeof how);
     how.rounds = 2;
+    how.sizes = sizes;
+    for (k = 0; k < 120; k++) {
+        sizes[k] = 0.5;
+    }
     options.threads = 1;
     options.resize = meter_resize;
     options.resize_user = &m;
@@ -634,6 +769,9 @@ int main(int argc, char **argv)
     test_smoothers(PBW_SMOOTHER_LLOYD);
     test_smoothers(PBW_SMOOTHER_LAPLACIAN);
     test_aims();
+    test_sizes(0);
+    test_sizes(3);
+    test_transfer();
     test_refused();
     test_failures();
     return test_finish();

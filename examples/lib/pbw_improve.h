@@ -29,10 +29,12 @@
    Before, options.rounds move all points that are not fixed, to raise the mean: by optimal Delaunay triangulation
    (ODT; Alliez, Cohen-Steiner, Yvinec, Desbrun 2005), Lloyd's way or the Laplacian one.  Points without a common
    tetrahedron move together, on all threads: colours decide the order.
+   Before all else, where options.sizes says how long edges shall be, those above 1.4 times that are halved, longest
+   first, and those below half of it contracted, with passes between.
 
    PROMISES  (tests/test_improve.c guards them)
      monotone    the least quality never falls, up to rounding, but to the target: a mesh whose budget ends is not
-                 worse than before
+                 worse than before, unless sizes change it
      positive    every tetrahedron made is positively oriented, by exact signs
      kept        fixed points, feature edges, regions and their interfaces; the boundary is as manifold as it was and
                  has the same Euler number, and stays on the surface, to 25 degrees of its normals
@@ -122,6 +124,8 @@ typedef struct pbw_improve_options {       /* NULL or all zero = best defaults *
     /* Moves a point to the boundary's surface; NULL = to the nearest point of the input's boundary. */
     void (*project)(void *user, double point[3]);
     void *project_user;
+    const double *sizes;                   /* per point of the input, how long edges shall be there; NULL = as they
+                                              are.  Features get points, and lose none */
     int rounds;                            /* of the smoother before the passes, at most; several threads project */
     pbw_smoother smoother;
 } pbw_improve_options;
@@ -130,6 +134,7 @@ typedef struct pbw_improve_report {
     pbw_quality before, after;
     size_t turned;                         /* tetrahedra of the input that were negative */
     size_t removals, boundary_removals, smoothings, slides, peelings, flips, contractions, insertions;
+    size_t splits;                         /* of edges, for sizes */
     size_t moves;                          /* of the smoother */
     size_t left;                           /* tetrahedra below the target in the end */
     int passes, rounds;
@@ -421,13 +426,16 @@ typedef struct pbwim__mesh {
     void (*project)(void *user, double point[3]);
     void *project_user;
     /* per point */
-    pbwsf__array x, star, mark, touched, original;
+    pbwsf__array x, star, mark, touched, original, size;   /* size: only if there are sizes */
+    pbwsf__array joint;                    /* of the input's points: 1 where tetrahedra meet with no facet between */
     /* per tetrahedron */
     pbwsf__array corner, next, quality, region, tried, seen;
     size_t points, tets;                   /* slots in use, free ones included */
     pbw_index free;                        /* the first free slot */
     pbw_index clock, visit;                /* counts changes; counts searches, the value of `seen` in the last one */
     double target;                         /* a sine */
+    double cosine;                         /* of the feature angle */
+    int sized;
     pbw_improve_report *report;
     pbwsf__array queue;
     pbw_surface surface;                   /* the input's boundary, for project */
@@ -438,6 +446,7 @@ typedef struct pbwim__mesh {
 #define PBWIM__STAR(m) ((pbw_index *)(m)->star.data)
 #define PBWIM__MARK(m) ((unsigned char *)(m)->mark.data)
 #define PBWIM__TOUCHED(m) ((pbw_index *)(m)->touched.data)
+#define PBWIM__SIZE(m) ((double *)(m)->size.data)
 #define PBWIM__CORNER(m, t) ((pbw_index *)(m)->corner.data + 4 * (size_t)(t))
 #define PBWIM__NEXT(m, t) ((pbw_index *)(m)->next.data + 4 * (size_t)(t))
 #define PBWIM__QUALITY(m) ((double *)(m)->quality.data)
@@ -490,7 +499,8 @@ static int pbwim__resize_points(pbwim__mesh *m, size_t count)
     return pbwsf__resize(y, &m->x, count * 3 * sizeof(double))
         && pbwsf__resize(y, &m->star, count * sizeof(pbw_index))
         && pbwsf__resize(y, &m->touched, count * sizeof(pbw_index))
-        && pbwsf__resize(y, &m->original, count * sizeof(pbw_index)) && pbwsf__resize(y, &m->mark, count);
+        && pbwsf__resize(y, &m->original, count * sizeof(pbw_index))
+        && (!m->sized || pbwsf__resize(y, &m->size, count * sizeof(double))) && pbwsf__resize(y, &m->mark, count);
 }
 
 static int pbwim__resize_tets(pbwim__mesh *m, size_t count)
@@ -549,6 +559,7 @@ static void pbwim__give(pbwim__mesh *m, pbw_index t)
 typedef struct pbwim__change {
     int olds, news;
     pbw_index old[PBWIM__MOST], fresh[PBWIM__MOST][4];
+    int halves;                            /* 1: fresh tetrahedra 2 i and 2 i + 1 are the halves of the old one i */
 } pbwim__change;
 
 typedef struct pbwim__facet { pbw_index v[3], t; int i; } pbwim__facet;
@@ -615,8 +626,11 @@ static int pbwim__take_out(pbwim__mesh *m, const pbwim__change *change, pbwim__f
 static void pbwim__apply(pbwim__mesh *m, const pbwim__change *change)
 {
     pbwim__facet open[PBWIM__OPEN];
-    const pbw_index region = PBWIM__REGION(m)[change->old[0]];
+    pbw_index region[PBWIM__MOST];
     int count, i, k, j;
+    for (i = 0; i < change->news; i++) {
+        region[i] = PBWIM__REGION(m)[change->old[change->halves ? i / 2 : 0]];
+    }
     m->clock++;
     count = pbwim__take_out(m, change, open);
     for (i = 0; i < change->olds; i++) {
@@ -625,7 +639,7 @@ static void pbwim__apply(pbwim__mesh *m, const pbwim__change *change)
     for (i = 0; i < change->news; i++) {
         const pbw_index t = pbwim__take(m);
         memcpy(PBWIM__CORNER(m, t), change->fresh[i], 4 * sizeof(pbw_index));
-        PBWIM__REGION(m)[t] = region;
+        PBWIM__REGION(m)[t] = region[i];
         PBWIM__QUALITY(m)[t] = pbwim__sine_of(m, change->fresh[i]);
         for (k = 0; k < 4; k++) {
             const pbwim__facet f = pbwim__facet_of(m, t, k);
@@ -649,7 +663,7 @@ static void pbwim__apply(pbwim__mesh *m, const pbwim__change *change)
 static int pbwim__is_sound(const pbwim__mesh *m, const pbwim__change *change)
 {
     int i;
-    for (i = 1; i < change->olds; i++) {
+    for (i = 1; i < change->olds && !change->halves; i++) {
         if (PBWIM__REGION(m)[change->old[i]] != PBWIM__REGION(m)[change->old[0]]) {
             return 0;
         }
@@ -872,6 +886,7 @@ static int pbwim__remove_edge(pbwim__mesh *m, pbw_index t)
         return 0;
     }
     pbwim__read_table(&chosen, &chosen_table, &change);
+    change.halves = 0;
     change.olds = chosen.tets;
     memcpy(change.old, chosen.tet, sizeof chosen.tet);
     if (!pbwim__is_sound(m, &change)) {
@@ -1127,7 +1142,7 @@ static int pbwim__peel(pbwim__mesh *m, pbw_index t)
         return 0;
     }
     change.olds = 1;
-    change.news = 0;
+    change.news = change.halves = 0;
     change.old[0] = t;
     for (i = 0; i < 4; i++) {                        /* what was inside is on the boundary now */
         unsigned char *mark = PBWIM__MARK(m) + PBWIM__CORNER(m, t)[i];
@@ -1151,6 +1166,7 @@ static int pbwim__flip(pbwim__mesh *m, pbw_index t)
         if (n == PBW_NONE) {
             continue;
         }
+        change.halves = 0;
         change.olds = 2;
         change.old[0] = t;
         change.old[1] = n;
@@ -1243,8 +1259,8 @@ static int pbwim__is_linked_once(pbwim__mesh *m, pbw_index q, const pbwim__ring 
     return count > 0;
 }
 
-/* Moves p into q, both of t. */
-static int pbwim__contract_to(pbwim__mesh *m, pbw_index t, pbw_index p, pbw_index q)
+/* Moves p into q, both of t, if the tetrahedra get better, or at least not worse than `floor`. */
+static int pbwim__contract_to(pbwim__mesh *m, pbw_index t, pbw_index p, pbw_index q, double floor)
 {
     pbwim__change change;
     pbwim__cone cone;
@@ -1257,12 +1273,13 @@ static int pbwim__contract_to(pbwim__mesh *m, pbw_index t, pbw_index p, pbw_inde
     if (PBWIM__MARK(m)[p] == PBW_TETS_FIXED || !pbwim__walk(m, t, &ring) || (slides && ring.closed)) {
         return 0;
     }
+    change.halves = 0;
     change.olds = pbwim__star_of(m, p, change.old);
     if (change.olds == 0) {
         return 0;
     }
     pbwim__cone_of(m, p, change.old, change.olds, &cone);
-    worst = pbwim__worst_old(m, &change) + PBWIM__GAIN;
+    worst = fmin(pbwim__worst_old(m, &change) + PBWIM__GAIN, floor);
     for (i = change.news = 0; i < change.olds; i++) {
         pbw_index *fresh = change.fresh[change.news];
         if (pbwim__place(m, change.old[i], q) == 4) {
@@ -1289,7 +1306,7 @@ static int pbwim__contract(pbwim__mesh *m, pbw_index t)
     int e;
     for (e = 0; e < 6; e++) {
         const pbw_index a = PBWIM__CORNER(m, t)[pbwim__edge[e][0]], b = PBWIM__CORNER(m, t)[pbwim__edge[e][1]];
-        if (pbwim__contract_to(m, t, a, b) || pbwim__contract_to(m, t, b, a)) {
+        if (pbwim__contract_to(m, t, a, b, 2) || pbwim__contract_to(m, t, b, a, 2)) {
             return 1;
         }
     }
@@ -1338,12 +1355,16 @@ static int pbwim__insert(pbwim__mesh *m, pbwim__change *change, const pbwim__rin
         change->fresh[i][3] = p;
     }
     change->news = cone.count;
+    change->halves = 0;
     if (!pbwim__is_sound(m, change) || pbwim__loses_corner(m, change, p)) {
         return 0;
     }
     m->points++;
     PBWIM__MARK(m)[p] = slides ? PBW_TETS_SLIDES : PBW_TETS_FOUND;
     ((pbw_index *)m->original.data)[p] = PBW_NONE;
+    if (m->sized) {
+        PBWIM__SIZE(m)[p] = PBWIM__SIZE(m)[cone.facet[0][0]];
+    }
     pbwim__apply(m, change);
     m->report->insertions++;
     return 1;
@@ -1529,10 +1550,12 @@ static void pbwim__fix_joints(pbwim__mesh *m, size_t *valence)
         }
     }
     for (p = 0; p < m->points; p++) {
-        if (valence[p] > 0 && PBWIM__MARK(m)[p] != PBW_TETS_FIXED) {
+        ((unsigned char *)m->joint.data)[p] = 0;
+        if (valence[p] > 0) {
             count = pbwim__star_of(m, (pbw_index)p, star);
             for (i = 1; i < count && PBWIM__REGION(m)[star[i]] == PBWIM__REGION(m)[star[0]]; i++) {
             }
+            ((unsigned char *)m->joint.data)[p] = (size_t)count != valence[p];
             if ((size_t)count != valence[p] || i < count) {
                 PBWIM__MARK(m)[p] = PBW_TETS_FIXED;
             }
@@ -1669,6 +1692,7 @@ static pbw_status pbwim__load(pbwim__mesh *m, const pbw_tets *in)
         return PBW_ERROR_TOO_LARGE;
     }
     if (!pbwim__resize_points(m, in->point_count + in->point_count / 16 + 256)
+        || !pbwsf__resize(&m->memory, &m->joint, in->point_count + 1)
         || !pbwim__resize_tets(m, in->tet_count + in->tet_count / 16 + 4 * PBWIM__MOST)) {
         return PBW_ERROR_MEMORY;
     }
@@ -1934,13 +1958,17 @@ static int pbwim__set_colours(pbwim__smoothing *s)
     order = (pbw_index *)s->order.data;
     memset(first, 0, s->first.bytes);
     for (t = 0; t < 4 * m->tets; t++) {
-        first[((const pbw_index *)m->corner.data)[t] + 2]++;
+        if (*PBWIM__CORNER(m, t / 4) != PBW_NONE) {
+            first[((const pbw_index *)m->corner.data)[t] + 2]++;
+        }
     }
     for (p = 2; p < m->points + 2; p++) {
         first[p] += first[p - 1];
     }
     for (t = 0; t < 4 * m->tets; t++) {
-        ((pbw_index *)s->stars.data)[first[((const pbw_index *)m->corner.data)[t] + 1]++] = (pbw_index)(t / 4);
+        if (*PBWIM__CORNER(m, t / 4) != PBW_NONE) {
+            ((pbw_index *)s->stars.data)[first[((const pbw_index *)m->corner.data)[t] + 1]++] = (pbw_index)(t / 4);
+        }
     }
     for (p = 0; p < m->points; p++) {
         colour[p] = (unsigned char)pbwim__colour(s, (pbw_index)p);
@@ -2084,7 +2112,7 @@ static int pbwim__fill_queue(pbwim__mesh *m, int all)
 }
 
 /* One pass; *changes: how many operations succeeded.  *stop: the budget is spent. */
-static pbw_status pbwim__pass(pbwim__mesh *m, int all, double done[2], double end, size_t *changes)
+static pbw_status pbwim__pass(pbwim__mesh *m, int all, const double done[2], double end, size_t *changes)
 {
     const pbwim__item *item;
     size_t i;
@@ -2113,6 +2141,173 @@ static pbw_status pbwim__pass(pbwim__mesh *m, int all, double done[2], double en
     return PBW_OK;
 }
 
+/* ------------------------------------------------------------------------------------------------------
+   Sizes: edges are halved and contracted until they are as long as the sizes of their ends say.
+   Holds: conformity, regions, features; halves of positive tetrahedra are positive, by exact signs.
+   ------------------------------------------------------------------------------------------------------ */
+#define PBWIM__LONG 1.4
+#define PBWIM__SHORT 0.5
+#define PBWIM__FLOOR 0.17                  /* the sine of 10 degrees: no contraction makes worse tetrahedra */
+
+/* How long an edge of t is, by what it shall be. */
+static double pbwim__ratio(const pbwim__mesh *m, pbw_index t, int e)
+{
+    const pbw_index a = PBWIM__CORNER(m, t)[pbwim__edge[e][0]], b = PBWIM__CORNER(m, t)[pbwim__edge[e][1]];
+    return 2 * pbwsf__distance(PBWIM__X(m, a), PBWIM__X(m, b)) / (PBWIM__SIZE(m)[a] + PBWIM__SIZE(m)[b]);
+}
+
+/* The mark of the middle of the ring's edge. */
+static unsigned char pbwim__middle_mark(const pbwim__mesh *m, const pbwim__ring *ring)
+{
+    double n[2][3];
+    int i;
+    for (i = 1; i < ring->tets; i++) {
+        if (PBWIM__REGION(m)[ring->tet[i]] != PBWIM__REGION(m)[ring->tet[0]]) {
+            return PBW_TETS_FIXED;
+        }
+    }
+    if (ring->closed) {
+        return PBW_TETS_FOUND;
+    }
+    pbwsf__normal(PBWIM__X(m, ring->a), PBWIM__X(m, ring->b), PBWIM__X(m, ring->corner[0]), n[0]);
+    pbwsf__normal(PBWIM__X(m, ring->b), PBWIM__X(m, ring->a), PBWIM__X(m, ring->corner[ring->corners - 1]), n[1]);
+    return pbwim__turned_less(n[0], n[1], m->cosine) ? PBW_TETS_SLIDES : PBW_TETS_FIXED;
+}
+
+/* Puts point p at x, and in `change` the halves of the ring's tetrahedra; returns whether that is sound. */
+static int pbwim__set_halves(pbwim__mesh *m, const pbwim__ring *ring, const double x[3], pbwim__change *change)
+{
+    const pbw_index p = (pbw_index)m->points;
+    int i, k;
+    memcpy(PBWIM__X(m, p), x, 3 * sizeof *x);
+    change->halves = 1;
+    change->olds = ring->tets;
+    change->news = 2 * ring->tets;
+    memcpy(change->old, ring->tet, sizeof ring->tet);
+    for (i = 0; i < ring->tets; i++) {
+        for (k = 0; k < 4; k++) {
+            const pbw_index c = PBWIM__CORNER(m, ring->tet[i])[k];
+            change->fresh[2 * i][k] = c == ring->a ? p : c;
+            change->fresh[2 * i + 1][k] = c == ring->b ? p : c;
+        }
+    }
+    return pbwim__is_sound(m, change);
+}
+
+static int pbwim__halve(pbwim__mesh *m, pbw_index t, int e)
+{
+    const pbw_index p = (pbw_index)m->points;
+    const unsigned char *joint = (const unsigned char *)m->joint.data;
+    pbwim__change change;
+    pbwim__ring ring;
+    double x[3], middle[3];
+    unsigned char mark;
+    ring.a = PBWIM__CORNER(m, t)[pbwim__edge[e][0]];
+    ring.b = PBWIM__CORNER(m, t)[pbwim__edge[e][1]];
+    if (!pbwim__walk(m, t, &ring)
+        || (ring.a < m->joint.bytes - 1 && joint[ring.a] && ring.b < m->joint.bytes - 1 && joint[ring.b])) {
+        return 0;                                    /* there may be another ring */
+    }
+    mark = pbwim__middle_mark(m, &ring);
+    pbwsf__between(PBWIM__X(m, ring.a), PBWIM__X(m, ring.b), 0.5, middle);
+    memcpy(x, middle, sizeof x);
+    if (mark == PBW_TETS_SLIDES) {
+        m->project(m->project_user, x);
+    }
+    if (!pbwim__set_halves(m, &ring, x, &change) && !pbwim__set_halves(m, &ring, middle, &change)) {
+        return 0;
+    }
+    m->points++;
+    PBWIM__MARK(m)[p] = mark;
+    PBWIM__SIZE(m)[p] = (PBWIM__SIZE(m)[ring.a] + PBWIM__SIZE(m)[ring.b]) / 2;
+    ((pbw_index *)m->original.data)[p] = PBW_NONE;
+    pbwim__apply(m, &change);
+    m->report->splits++;
+    return 1;
+}
+
+/* The longest edge of t, or the shortest. */
+static int pbwim__extreme(const pbwim__mesh *m, pbw_index t, int longest, double *ratio)
+{
+    int e, best = 0;
+    *ratio = pbwim__ratio(m, t, 0);
+    for (e = 1; e < 6; e++) {
+        const double r = pbwim__ratio(m, t, e);
+        if (longest ? r > *ratio : r < *ratio) {
+            *ratio = r;
+            best = e;
+        }
+    }
+    return best;
+}
+
+static int pbwim__fits(const pbwim__mesh *m, pbw_index t, int longest, int *e, double *ratio)
+{
+    if (*PBWIM__CORNER(m, t) == PBW_NONE) {
+        return 1;
+    }
+    *e = pbwim__extreme(m, t, longest, ratio);
+    return longest ? *ratio <= PBWIM__LONG : *ratio >= PBWIM__SHORT;
+}
+
+/* One round over the tetrahedra with edges that are too long, or too short, worst first. */
+static pbw_status pbwim__resize_edges(pbwim__mesh *m, int longest, size_t *changes)
+{
+    pbwim__item *item;
+    double ratio;
+    size_t t, i, count = 0;
+    int e;
+    for (t = 0; t < m->tets; t++) {
+        count += !pbwim__fits(m, (pbw_index)t, longest, &e, &ratio);
+    }
+    m->queue.count = 0;
+    item = (pbwim__item *)pbwsf__room(&m->memory, &m->queue, count + 1, sizeof *item);
+    if (item == NULL) {
+        return PBW_ERROR_MEMORY;
+    }
+    for (t = 0; t < m->tets; t++) {
+        if (!pbwim__fits(m, (pbw_index)t, longest, &e, &ratio)) {
+            item[m->queue.count].quality = longest ? -ratio : ratio;
+            item[m->queue.count++].t = (pbw_index)t;
+        }
+    }
+    qsort(item, m->queue.count, sizeof *item, pbwim__compare_items);
+    for (i = 0; i < m->queue.count; i++) {
+        const pbw_index at = item[i].t;
+        if (i % 64 == 0 && pbwim__stops(m, 0)) {
+            return PBW_CANCELLED;
+        }
+        if (!pbwim__reserve(m)) {
+            return PBW_ERROR_MEMORY;
+        }
+        if (!pbwim__fits(m, at, longest, &e, &ratio)) {
+            const pbw_index a = PBWIM__CORNER(m, at)[pbwim__edge[e][0]];
+            const pbw_index b = PBWIM__CORNER(m, at)[pbwim__edge[e][1]];
+            *changes += (size_t)(longest ? pbwim__halve(m, at, e) : pbwim__contract_to(m, at, a, b, PBWIM__FLOOR)
+                                 || pbwim__contract_to(m, at, b, a, PBWIM__FLOOR));
+        }
+    }
+    return PBW_OK;
+}
+
+static pbw_status pbwim__set_sizes(pbwim__mesh *m, double end)
+{
+    pbw_status status = PBW_OK;
+    size_t changes = 1, ignored;
+    const double done[2] = { 0, 0 };
+    int round;
+    for (round = 0; round < 32 && changes > 0 && status == PBW_OK; round++) {
+        changes = 0;
+        status = pbwim__resize_edges(m, 0, &changes);
+        status = status != PBW_OK ? status : pbwim__resize_edges(m, 1, &changes);
+        status = status != PBW_OK ? status : pbwim__pass(m, 0, done, end, &ignored);
+        if (end > 0 && (double)clock() / CLOCKS_PER_SEC > end) {
+            break;
+        }
+    }
+    return status;
+}
+
 /* How many tetrahedra are below the target, and how far the worst is from the best. */
 static double pbwim__badness(const pbwim__mesh *m)
 {
@@ -2137,7 +2332,10 @@ static pbw_status pbwim__passes(pbwim__mesh *m, const pbw_improve_options *how)
     double done[2] = { 0, 0 }, bad = HUGE_VAL;
     size_t changes = 1;
     int all = 0;
-    if (how != NULL && how->rounds > 0) {
+    if (m->sized) {
+        status = pbwim__set_sizes(m, end);
+    }
+    if (how != NULL && how->rounds > 0 && status == PBW_OK) {
         status = pbwim__smooth_all(m, how, end);
         done[0] = 0.5;
     }
@@ -2270,7 +2468,8 @@ static pbw_status pbwim__output(pbwim__mesh *m, pbw_tets *out)
 static void pbwim__free(pbwim__mesh *m)
 {
     pbwsf__array *const arrays[] = { &m->x, &m->star, &m->mark, &m->touched, &m->original, &m->corner, &m->next,
-                                     &m->quality, &m->region, &m->tried, &m->seen, &m->queue, &m->facets };
+                                     &m->quality, &m->region, &m->tried, &m->seen, &m->queue, &m->facets,
+                                     &m->size, &m->joint };
     size_t i;
     pbw_surface_free(&m->surface);
     for (i = 0; i < sizeof arrays / sizeof *arrays; i++) {
@@ -2288,7 +2487,15 @@ static pbw_status pbwim__run(pbwim__mesh *m, const pbw_tets *in, const pbw_impro
     if (status != PBW_OK) {
         return status;
     }
-    status = pbwim__connect(m, in, cos(bend / 57.295779513082321));
+    m->cosine = cos(bend / 57.295779513082321);
+    for (t = 0; t < m->points && m->sized; t++) {
+        if (!(how->sizes[t] > 0 && how->sizes[t] <= 1e300)) {
+            pbwim__complain(m, "size %zu is not above 0", t, 0);
+            return PBW_ERROR_ARGUMENT;
+        }
+        PBWIM__SIZE(m)[t] = how->sizes[t];
+    }
+    status = pbwim__connect(m, in, m->cosine);
     memset(&view, 0, sizeof view);
     view.points = in->points;
     view.corners = (const pbw_index *)m->corner.data;
@@ -2326,6 +2533,7 @@ PBWIMPROVEDEF pbw_status pbw_improve(const pbw_tets *mesh, const pbw_improve_opt
     m.options = options;
     m.project = how != NULL ? how->project : NULL;
     m.project_user = how != NULL ? how->project_user : NULL;
+    m.sized = how != NULL && how->sizes != NULL;
     m.target = sin(target / 57.295779513082321);
     m.report = report;
     status = pbwim__run(&m, mesh, how, better);

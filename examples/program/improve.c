@@ -7,6 +7,10 @@ static const option improve_options[] = {
     { "--target", "DEGREES", "dihedral angles from this to 180 less this; default 30", WHOLE, 1, 60, NULL },
     { "--seconds", "S", "end after that time with what is reached", POSITIVE, 0, 0, NULL },
     { "--feature-angle", "DEGREES", "edges of the boundary that bend by more stay; default 40", WHOLE, 1, 180, NULL },
+    { "--size", "H", "first split and contract edges of tetrahedra to about that length", POSITIVE, 0, 0, NULL },
+    { "--error", "FILE", "the same with sizes from errors, one number a tetrahedron, of linear elements in the\n"
+      "energy norm", PLAIN, 0, 0, NULL },
+    { "--count", "N", "of tetrahedra that --error makes, about; default: as many as there are", WHOLE, 1, 1e9, NULL },
     { "--smooth", "WAY", "before that, move points to better means: odt, lloyd or laplace; default of triangles:\n"
       "odt", CHOICE, 0, 0, smoothers },
     { "--rounds", "N", "of --smooth; default 5", WHOLE, 1, 1000, NULL },
@@ -61,12 +65,62 @@ static void describe_moves(const job *j, const pbw_improve_report *r)
          "%zu flips, %zu contractions, %zu insertions; %d passes", r->removals + r->boundary_removals,
          r->boundary_removals, r->smoothings + r->slides, r->slides, r->peelings, r->flips, r->contractions,
          r->insertions, r->passes);
+    if (r->splits > 0) {
+        note(j, "edges split for sizes: %zu", r->splits);
+    }
     if (r->rounds > 0) {
         note(j, "before that, %d round%s of smoothing: %zu moves", r->rounds, plural((size_t)r->rounds), r->moves);
     }
     if (r->left > 0) {
         note(j, "below the target in the end: %zu", r->left);
     }
+}
+
+/* Reads a number for each tetrahedron; returns NULL after a message. */
+static double *read_errors(const job *j, const char *path, size_t count)
+{
+    double *error = (double *)malloc((count + 1) * sizeof *error);
+    FILE *file = fopen(path, "r");
+    size_t i = 0;
+    while (error != NULL && file != NULL && i <= count && fscanf(file, "%lf", error + i) == 1 && error[i] >= 0) {
+        i++;
+    }
+    if (file != NULL) {
+        fclose(file);
+    }
+    if (i == count && error != NULL && file != NULL) {
+        return error;
+    }
+    fail(j, error == NULL ? "%s: out of memory" : file == NULL ? "%s: it cannot be read"
+         : "%s: it has other than one number a tetrahedron, all of 0 or more", path);
+    free(error);
+    return NULL;
+}
+
+/* Sizes at points, of --size or --error; *sizes stays NULL if neither is given.  Returns 0 or the exit status. */
+static int make_sizes(const job *j, const pbw_tets *in, double **sizes)
+{
+    const char *path = text_of(j, "--error");
+    size_t i;
+    if (path == NULL && !is_given(j, "--size")) {
+        return 0;
+    }
+    *sizes = (double *)malloc((in->point_count + 1) * sizeof **sizes);
+    if (*sizes == NULL) {
+        return fail(j, "out of memory");
+    }
+    for (i = 0; i < in->point_count; i++) {
+        (*sizes)[i] = number_of(j, "--size", 1);
+    }
+    if (path != NULL) {
+        double *error = read_errors(j, path, in->tet_count);
+        if (error == NULL) {
+            return FAILURE;
+        }
+        pbw_tets_sizes(in, error, (size_t)number_of(j, "--count", (double)in->tet_count), *sizes);
+        free(error);
+    }
+    return 0;
 }
 
 static int improve_tets(job *j)
@@ -76,7 +130,7 @@ static int improve_tets(job *j)
     pbw_tets in, better;
     pbw_status status;
     char why[128] = "";
-    const double start = now();
+    double start, *sizes = NULL;
     int failed;
     memset(&how, 0, sizeof how);
     memset(&in, 0, sizeof in);
@@ -92,9 +146,17 @@ static int improve_tets(job *j)
     in.point_count = j->cloud.count;
     in.corners = j->cloud.tetrahedra;
     in.tet_count = j->cloud.tetrahedron_count;
+    failed = make_sizes(j, &in, &sizes);
+    if (failed) {
+        free(sizes);
+        return failed;
+    }
+    how.sizes = sizes;
     j->build.message = why;
     j->build.message_size = sizeof why;
+    start = now();
     status = pbw_improve(&in, &how, &j->build, &better, &report);
+    free(sizes);
     j->build.message = NULL;
     if (status != PBW_OK) {
         return status == PBW_CANCELLED ? stopped(j)

@@ -21,6 +21,8 @@
 #include "pbw_improve.h"
 #define PBW_MESH3_IMPLEMENTATION
 #include "pbw_mesh3.h"
+#define PBW_ADAPT3_IMPLEMENTATION
+#include "pbw_adapt3.h"
 #define PBW_VIEW_IMPLEMENTATION
 #include "pbw_view.h"
 #define PBW_TILES_IMPLEMENTATION

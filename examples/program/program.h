@@ -7,6 +7,7 @@
 
 #include "pbw.h"
 #include "pbw_adapt2.h"
+#include "pbw_adapt3.h"
 #include "pbw_cells.h"
 #include "pbw_improve.h"
 #include "pbw_io.h"

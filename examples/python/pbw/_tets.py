@@ -27,15 +27,15 @@ class _Quality(ctypes.Structure):
 class _ImproveOptions(ctypes.Structure):
     """pbw_improve_options."""
     _fields_ = [("target", _double), ("seconds", _double), ("passes", ctypes.c_int), ("feature_angle", _double),
-                *_pointers("project project_user"), ("rounds", ctypes.c_int), ("smoother", ctypes.c_int)]
+                *_pointers("project project_user sizes"), ("rounds", ctypes.c_int), ("smoother", ctypes.c_int)]
 
 
 class _ImproveReport(ctypes.Structure):
     """pbw_improve_report."""
     _fields_ = [("before", _Quality), ("after", _Quality),
                 *((name, _size) for name in ("turned", "removals", "boundary_removals", "smoothings", "slides",
-                                             "peelings", "flips", "contractions", "insertions", "moves",
-                                             "left")),
+                                             "peelings", "flips", "contractions", "insertions", "splits",
+                                             "moves", "left")),
                 ("passes", ctypes.c_int), ("rounds", ctypes.c_int)]
 
 

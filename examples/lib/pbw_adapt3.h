@@ -1,0 +1,269 @@
+/* pbw_adapt3.h - v0.1.0 - tetrahedra that follow an error: sizes, and fields carried over - MIT-0
+
+   QUICK START
+   In one source file, define PBW_ADAPT3_IMPLEMENTATION before the include; in all others, only include.
+   Needs pbw.h, with its implementation in some source file, and the implementations of pbw_surface.h and
+   pbw_improve.h in the same source file, before it.
+
+       pbw_improve_options how = {0};
+       double *sizes = (double *)malloc(mesh.point_count * sizeof *sizes);
+       pbw_tets_sizes(&mesh, error, 2 * mesh.tet_count, sizes);                // error: one number a tetrahedron
+       how.sizes = sizes;
+       pbw_improve(&mesh, &how, NULL, &next, NULL);                            // finer where the error is
+       pbw_tets_transfer(&mesh, &next, values, 1, NULL, new_values);           // one number a point
+
+   HOW
+   Linear elements of size h have an error of C h^(5/2) in the energy norm over one tetrahedron; sizes make that equal
+   over all.  pbw_improve halves and contracts edges until they fit.  Fields are linear in each old tetrahedron, which
+   a walk finds for one new point after the other, along a Hilbert curve.
+
+   PROMISES  (tests/test_improve.c guards them)
+     linear      linear fields are carried over up to rounding, and values never leave the range of the old ones
+     whole       points outside of the old mesh get the value at the nearest place of its boundary
+
+   CONFIGURATION MACROS
+     PBW_ADAPT3_IMPLEMENTATION    in one source file: compile the implementation there
+     PBWADAPT3DEF                 everywhere: your own linkage for the functions, for example static
+*/
+#ifndef PBW_ADAPT3_H
+#define PBW_ADAPT3_H
+#ifndef PBW_IMPROVE_H
+#include "pbw_improve.h"
+#endif
+
+#ifndef PBWADAPT3DEF
+#define PBWADAPT3DEF extern
+#endif
+
+#ifdef __cplusplus
+extern "C" {
+#endif
+
+/* Sizes at points for a mesh of about `count` tetrahedra with equal errors, each from an eighth to four times as long
+   as the edges there are.  error: per tetrahedron, in the energy norm over it, not squared. */
+PBWADAPT3DEF void pbw_tets_sizes(const pbw_tets *mesh, const double *error, size_t count, double *sizes);
+
+/* Values at points of another mesh of the domain.  from: with neighbors, as results of pbw_improve and pbw_solid have
+   them; width: numbers a point.  Of options, it uses threads, resize and memory_limit.  Returns PBW_ERROR_ARGUMENT
+   if `from` has no tetrahedra or no neighbors, or what pbw_order and pbw_surface_create fail with. */
+PBWADAPT3DEF pbw_status pbw_tets_transfer(const pbw_tets *from, const pbw_tets *to, const double *values,
+                                          size_t width, const pbw_options *options, double *out);
+
+#ifdef __cplusplus
+}
+#endif
+#endif /* PBW_ADAPT3_H */
+
+#if defined(PBW_ADAPT3_IMPLEMENTATION) && !defined(PBWADAPT3__IMPLEMENTED)
+#define PBWADAPT3__IMPLEMENTED
+
+#include <math.h>
+#include <string.h>
+
+static void pbwa3__corners(const pbw_tets *mesh, size_t t, const double *c[4])
+{
+    int k;
+    for (k = 0; k < 4; k++) {
+        c[k] = mesh->points + 3 * (size_t)mesh->corners[4 * t + (size_t)k];
+    }
+}
+
+/* ------------------------------------------------------------------------------------------------------
+   Sizes.
+   ------------------------------------------------------------------------------------------------------ */
+
+/* The mean length of the edges. */
+static double pbwa3__length(const pbw_tets *mesh, size_t t)
+{
+    const double *c[4];
+    double sum = 0;
+    int e;
+    pbwa3__corners(mesh, t, c);
+    for (e = 0; e < 6; e++) {
+        sum += pbwsf__distance(c[pbwim__edge[e][0]], c[pbwim__edge[e][1]]) / 6;
+    }
+    return sum;
+}
+
+PBWADAPT3DEF void pbw_tets_sizes(const pbw_tets *mesh, const double *error, size_t count, double *sizes)
+{
+    double sum = 0, due, become = 0, scale;
+    size_t t, k;
+    for (t = 0; t < mesh->tet_count; t++) {          /* t becomes (error / due)^(6/5) tetrahedra */
+        sum += pow(error[t], 1.2);
+    }
+    due = pow(sum / (double)(count > 0 ? count : 1), 1 / 1.2);
+    for (k = 0; k < mesh->point_count; k++) {
+        sizes[k] = HUGE_VAL;
+    }
+    for (t = 0; t < mesh->tet_count; t++) {
+        const double wish = error[t] > 0 ? pow(due / error[t], 0.4) : 4;
+        const double size = pbwa3__length(mesh, t) * fmin(fmax(wish, 0.125), 4);
+        for (k = 0; k < 4; k++) {
+            double *s = sizes + mesh->corners[4 * t + k];
+            *s = fmin(*s, size);
+        }
+    }
+    for (t = 0; t < mesh->tet_count; t++) {          /* the least at each point makes more than `count` */
+        double mean = 0;
+        for (k = 0; k < 4; k++) {
+            mean += sizes[mesh->corners[4 * t + k]] / 4;
+        }
+        become += pow(pbwa3__length(mesh, t) / mean, 3);
+    }
+    scale = count > 0 ? cbrt(become / (double)count) : 1;
+    for (k = 0; k < mesh->point_count; k++) {
+        sizes[k] = sizes[k] < HUGE_VAL ? sizes[k] * scale : 1;                   /* points of no tetrahedron: any */
+    }
+}
+
+/* ------------------------------------------------------------------------------------------------------
+   Transfer.
+   ------------------------------------------------------------------------------------------------------ */
+typedef struct pbwa3__places {
+    const pbw_tets *from;
+    pbw_surface surface;                   /* the boundary of `from` */
+    pbwsf__array facets, owners, order;    /* owners: the tetrahedron of each boundary facet */
+} pbwa3__places;
+
+/* Walks from t towards p; *inside: whether it got there.  Returns where it ended. */
+static pbw_index pbwa3__walk(const pbw_tets *from, const double p[3], pbw_index t, int *inside)
+{
+    size_t steps, most = 1000 + from->tet_count / 4;
+    for (*inside = 0, steps = 0; steps < most; steps++) {
+        const double *c[4], *s[4];
+        int i, beyond = 0;
+        pbw_index next = PBW_NONE;
+        pbwa3__corners(from, t, c);
+        for (i = 0; i < 4 && next == PBW_NONE; i++) {
+            const int k = (int)((steps + (size_t)i) % 4);        /* turns, so that it does not go in circles */
+            memcpy(s, c, sizeof s);
+            s[k] = p;
+            if (pbw_orient3(s[0], s[1], s[2], s[3]) < 0) {
+                beyond = 1;
+                next = from->neighbors[4 * (size_t)t + (size_t)k];
+            }
+        }
+        if (next == PBW_NONE) {
+            *inside = !beyond;
+            return t;
+        }
+        t = next;
+    }
+    return t;
+}
+
+/* The tetrahedron of p, or the one nearest to it; p then becomes the nearest place. */
+static pbw_index pbwa3__find(const pbwa3__places *places, double p[3], pbw_index hint)
+{
+    double near[3];
+    int inside;
+    pbw_index t = pbwa3__walk(places->from, p, hint, &inside), facet;
+    if (inside) {
+        return t;
+    }
+    facet = pbw_surface_closest(&places->surface, p, HUGE_VAL, near);
+    if (facet == PBW_NONE) {
+        return t;
+    }
+    hint = ((const pbw_index *)places->owners.data)[facet];
+    t = pbwa3__walk(places->from, p, hint, &inside);
+    if (!inside) {
+        memcpy(p, near, sizeof near);
+        t = hint;
+    }
+    return t;
+}
+
+static void pbwa3__value(const pbw_tets *from, pbw_index t, const double p[3], const double *values, size_t width,
+                         double *out)
+{
+    const double *c[4], *s[4];
+    double weight[4], sum = 0;
+    size_t j;
+    int k;
+    pbwa3__corners(from, t, c);
+    for (k = 0; k < 4; k++) {
+        memcpy(s, c, sizeof s);
+        s[k] = p;
+        weight[k] = fmax(pbw_tet_measure(PBW_MEASURE_VOLUME, s[0], s[1], s[2], s[3]), 0);
+        sum += weight[k];
+    }
+    for (j = 0; j < width; j++) {
+        out[j] = 0;
+        for (k = 0; k < 4; k++) {
+            const double *v = values + width * (size_t)from->corners[4 * (size_t)t + (size_t)k];
+            out[j] += (sum > 0 ? weight[k] / sum : 0.25) * v[j];
+        }
+    }
+}
+
+/* The boundary of `from` as a surface. */
+static pbw_status pbwa3__boundary(pbwa3__places *places, pbwsf__memory *memory, const pbw_options *options)
+{
+    const pbw_tets *from = places->from;
+    size_t i, k, count = 0;
+    for (i = 0; i < 4 * from->tet_count; i++) {
+        count += from->neighbors[i] == PBW_NONE;
+    }
+    if (!pbwsf__resize(memory, &places->facets, (3 * count + 1) * sizeof(pbw_index))
+        || !pbwsf__resize(memory, &places->owners, (count + 1) * sizeof(pbw_index))) {
+        return PBW_ERROR_MEMORY;
+    }
+    for (i = count = 0; i < 4 * from->tet_count; i++) {
+        if (from->neighbors[i] == PBW_NONE) {
+            for (k = 0; k < 3; k++) {
+                ((pbw_index *)places->facets.data)[3 * count + k] =
+                    from->corners[i / 4 * 4 + (size_t)pbwim__opposite[i % 4][2 - k]];
+            }
+            ((pbw_index *)places->owners.data)[count++] = (pbw_index)(i / 4);
+        }
+    }
+    return pbw_surface_create(from->points, from->point_count, (const pbw_index *)places->facets.data, count, options,
+                              &places->surface);
+}
+
+PBWADAPT3DEF pbw_status pbw_tets_transfer(const pbw_tets *from, const pbw_tets *to, const double *values,
+                                          size_t width, const pbw_options *options, double *out)
+{
+    pbwsf__memory memory = pbwsf__memory_of(options);
+    pbwa3__places places;
+    pbw_options plain;
+    pbw_status status;
+    pbw_index t = 0;
+    size_t i;
+    memset(&places, 0, sizeof places);
+    if (from == NULL || to == NULL || values == NULL || out == NULL || from->tet_count == 0
+        || from->neighbors == NULL) {
+        return PBW_ERROR_ARGUMENT;
+    }
+    memset(&plain, 0, sizeof plain);
+    if (options != NULL) {                           /* not stride, weights or flags */
+        plain.threads = options->threads;
+        plain.resize = options->resize;
+        plain.resize_user = options->resize_user;
+        plain.memory_limit = options->memory_limit;
+    }
+    places.from = from;
+    status = pbwa3__boundary(&places, &memory, &plain);
+    if (status == PBW_OK && !pbwsf__resize(&memory, &places.order, (to->point_count + 1) * sizeof(pbw_index))) {
+        status = PBW_ERROR_MEMORY;
+    }
+    if (status == PBW_OK) {
+        status = pbw_order(3, to->points, to->point_count, &plain, (pbw_index *)places.order.data);
+    }
+    for (i = 0; i < to->point_count && status == PBW_OK; i++) {
+        const size_t p = ((const pbw_index *)places.order.data)[i];
+        double place[3];
+        memcpy(place, to->points + 3 * p, sizeof place);
+        t = pbwa3__find(&places, place, t);
+        pbwa3__value(from, t, place, values, width, out + width * p);
+    }
+    pbw_surface_free(&places.surface);
+    pbwsf__release(&memory, &places.facets);
+    pbwsf__release(&memory, &places.owners);
+    pbwsf__release(&memory, &places.order);
+    return status;
+}
+
+#endif /* PBW_ADAPT3_IMPLEMENTATION */
