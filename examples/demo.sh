@@ -20,6 +20,9 @@ echo "== the Delaunay triangulation of the points, proved; what is inside the mo
 echo "== in the plane: a sunflower"
 "$bin/pbw" view --generate spiral 4000 --quiet --dim 2 --title "A sunflower" -o "$out/sunflower.html"
 
+echo "== a solid: the knot filled with tetrahedra whose dihedral angles are good"
+"$bin/pbw" solid "$out/knot.obj" --title "A knot of good tetrahedra" -o "$out/solid.msh" -o "$out/solid.html"
+
 echo "meshes: $out/knot.vtu (ParaView) $out/knot.msh (Gmsh)"
-echo "more pages: $out/points.html $out/sunflower.html"
+echo "more pages: $out/points.html $out/sunflower.html $out/solid.html"
 echo "open this in a browser: $out/knot.html"
