@@ -1,9 +1,9 @@
 /* exude.c: flat tetrahedra pushed out by weights: a regular triangulation without moving a point.
    cc -O2 -I. -Iexamples/lib examples/exude.c -o exude -lpthread -lm
    Prints expected/exude.txt; the exit status is 1 if an angle below 5 degrees or a hidden point remains.
-   Even of well-spaced points the Delaunay triangulation has slivers: flat tetrahedra without short edges.  Weights below a
-   quarter of the squared distance to the nearest other point hide no point, and change which tetrahedra there are
-   (Cheng, Dey, Edelsbrunner, Facello, Teng 2000, "Sliver exudation").  Each round tries weights far from each other. */
+   Even of well-spaced points the Delaunay triangulation has slivers: flat tetrahedra without short edges.  Weights
+   below a quarter of the squared distance to the nearest other point hide none, and change which tetrahedra there are
+   (Cheng, Dey, Edelsbrunner, Facello, Teng 2000, "Sliver exudation").  Rounds try weights far from each other. */
 #define PBW_IMPLEMENTATION
 #include "pbw.h"
 #define PBW_SURFACE_IMPLEMENTATION
