@@ -14580,6 +14580,9 @@ PBW__INLINE void pbw__live_prefetch(const pbw_live *live, size_t i)
         const pbw_index far = live->queue[i + 16], near = live->queue[i + 8];
         PBW__PREFETCH(live->state + far);
         PBW__PREFETCH(live->point + (size_t)live->dim * far);
+        if (live->core.vertex == NULL) {             /* the points span no simplex */
+            return;
+        }
         if (far < live->numbers) {
             PBW__PREFETCH(live->core.vertex + far);
         }
