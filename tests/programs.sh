@@ -119,8 +119,8 @@ END
          END { exit !(groups == 3 && orders == 1) }' "$work/freefem"
 }
 # FreeFem++ and pbw improve in turn: -Laplace u = 0 in a prism over an L, u = r^(2/3) sin(2/3 phi), which is
-# singular at an edge: the error in the H1 seminorm falls with the power -1/3 of the count, as for smooth solutions; with equal
-# sizes it would be -2/9.
+# singular at an edge: the error in the H1 seminorm falls with the power -1/3 of the count, as for smooth solutions;
+# with equal sizes it would be -2/9.
 adapt() {
     awk 'BEGIN { n = split("-1 -1 0 -1 0 0 1 0 1 1 -1 1", p, " ") / 2
         for (z = 0; z <= 1; z++) for (i = 0; i < n; i++) print "v", p[2 * i + 1], p[2 * i + 2], z
