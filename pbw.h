@@ -941,13 +941,14 @@ static void pbw__wait_50ms(pbw__condition *condition, pbw__mutex *mutex)
 #endif
 /* ------------------------------------------------------------------------------------------------------
    >>lanes        Four numbers at once.
-   In: AVX2 or NEON.  Out: PBW__SIMD, and what the rooms of insertion do with vectors, by its meaning.
+   In: AVX2 or NEON.  Out: vector types, and one function for each operation on them that the rooms below need.
 
-   Vectors of four doubles or four 32-bit integers, in lanes 0 to 3, and of two doubles.  + - * == | << work lane by
+   A vector has four doubles or four 32-bit integers, in lanes 0 to 3, or two doubles.  + - * == | << work lane by
    lane.  A mask has all bits of a lane set, or none.  A set of lanes is a number with bit i for lane i.  NaNs arise
    only after overflow, where the error bounds are infinite anyway: pbw__max4, pbw__max_lane and pbw__min_lane may
    drop them.
-   Functions that use vectors are compiled for AVX2 and chosen when a build starts; NEON is there on every 64-bit Arm.
+   On x86 a build that starts on a processor with AVX2 calls the functions that use vectors.  Every 64-bit Arm has
+   NEON.
    PBW_NO_SIMD leaves the scalar code only, with the same answers.
 
    There is no path for AVX-512: eight lanes would hold two simplices of a cavity, but AVX-512 issues on two ports,
@@ -1036,7 +1037,7 @@ PBW__SIMD_INLINE pbw__i4 pbw__pick4(pbw__i4 x, int i, int j, int k, int l)
 #endif
 #endif
 
-/* Select lanes i j k l, which are constants, of four doubles; of four integers. */
+/* Permute four doubles, four integers: the lanes of the result are lanes i, j, k, l, which are constants, of x. */
 #ifdef PBW__AVX2
 #define PBW__PICK(x, i, j, k, l) _mm256_permute4x64_pd(x, (i) | (j) << 2 | (k) << 4 | (l) << 6)
 #define PBW__PICK4(x, i, j, k, l) ((pbw__i4)_mm_shuffle_epi32((__m128i)(x), (i) | (j) << 2 | (k) << 4 | (l) << 6))
@@ -1071,7 +1072,7 @@ PBW__SIMD_INLINE double pbw__first(pbw__d4 x)        /* lane 0 */
     return PBW__BY_ISA(_mm256_cvtsd_f64(x), vgetq_lane_f64(pbw__half0(x), 0));
 }
 
-/* Loads the first two entries of four records. */
+/* Loads the first two entries of four records: x from the first ones, y from the second ones. */
 PBW__SIMD_INLINE void pbw__columns(const double *a, const double *b, const double *c, const double *d, pbw__d4 *x,
                                    pbw__d4 *y)
 {
@@ -1102,7 +1103,7 @@ PBW__SIMD_INLINE pbw__d4 pbw__fnma(pbw__d4 a, pbw__d4 b, pbw__d4 c)        /* c 
     return PBW__BY_ISA(_mm256_fnmadd_pd(a, b, c), PBW__HALVES3(vfmsq_f64, c, a, b));
 }
 
-/* a d - b c, with one of the products rounded. */
+/* Returns a d - b c; one product is rounded, the other fused into the difference. */
 PBW__SIMD_INLINE pbw__d4 pbw__det2(pbw__d4 a, pbw__d4 b, pbw__d4 c, pbw__d4 d)
 {
     return PBW__BY_ISA(_mm256_fmsub_pd(a, d, b * c), pbw__fnma(b, c, a * d));
@@ -1124,7 +1125,7 @@ PBW__SIMD_INLINE pbw__d4 pbw__abs4(pbw__d4 x)
                        pbw__join(vabsq_f64(pbw__half0(x)), vabsq_f64(pbw__half1(x))));
 }
 
-/* Return the largest lane, the least, the sum of all; in all lanes. */
+/* Return the largest lane, the smallest lane and the sum of the lanes, each broadcast to all lanes. */
 PBW__SIMD_INLINE pbw__d4 pbw__max_lane(pbw__d4 x)
 {
 #ifdef PBW__AVX2
@@ -1155,7 +1156,7 @@ PBW__SIMD_INLINE pbw__d4 pbw__sum_lanes(pbw__d4 x)
 #endif
 }
 
-/* An order of four doubles: the numbers, modulo 4, of the lanes to take. */
+/* A permutation of four doubles: lane i of the result is lane lanes[i], modulo 4, of the argument. */
 #ifdef PBW__AVX2
 typedef __m256i pbw__order4;
 #else
@@ -1260,7 +1261,7 @@ PBW__SIMD_INLINE pbw__d4 pbw__or4(pbw__d4 mask, pbw__d4 other)
     return PBW__BY_ISA(_mm256_or_pd(mask, other), PBW__HALVES2(pbw__or2, mask, other));
 }
 
-PBW__SIMD_INLINE pbw__d4 pbw__blend_zero(pbw__d4 x, pbw__d4 mask, pbw__d4 y)    /* y where x, zero there, is masked */
+PBW__SIMD_INLINE pbw__d4 pbw__blend_zero(pbw__d4 x, pbw__d4 mask, pbw__d4 y)    /* y in masked lanes, where x is 0 */
 {
     return PBW__BY_ISA(_mm256_or_pd(x, _mm256_and_pd(mask, y)), pbw__blend(x, y, mask));
 }
@@ -1276,7 +1277,7 @@ PBW__SIMD_INLINE unsigned pbw__signs(pbw__d4 x)      /* the lanes with the sign 
 #endif
 }
 
-/* Sets of lanes: the number of their lanes; the set of the first `count` lanes, at most all four. */
+/* Return the number of lanes in a set; the set of the first `count` lanes, of all four if count is larger. */
 PBW__SIMD_INLINE unsigned pbw__count4(unsigned set)
 {
     return PBW__BY_ISA((unsigned)__builtin_popcount(set), (unsigned)(0x4332322132212110u >> 4 * set) & 15);
@@ -1287,7 +1288,7 @@ PBW__SIMD_INLINE unsigned pbw__first_lanes(unsigned count)
     return PBW__BY_ISA(_bzhi_u32(15, count), count < 4 ? (1u << count) - 1 : 15);
 }
 
-/* Lanes 0 to 2 of each set by turns, in pairs; of the pairs those in `chosen`, one after the other. */
+/* Pair k is bit k of `first`, then bit k of `second`.  Returns the pairs k = 0, 1, 2 that are in `chosen`, packed. */
 PBW__SIMD_INLINE unsigned pbw__pairs_of(unsigned first, unsigned second, unsigned chosen)
 {
 #ifdef PBW__AVX2
@@ -1314,7 +1315,7 @@ PBW__SIMD_INLINE pbw__d2 pbw__turn_right(pbw__d2 x)       /* (y, -x) */
                        vcopyq_laneq_f64(vextq_f64(x, x, 1), 1, vnegq_f64(x), 0));
 }
 
-PBW__SIMD_INLINE unsigned pbw__signs2(pbw__d2 x, pbw__d2 y)        /* of the sums of the lanes of x and of y */
+PBW__SIMD_INLINE unsigned pbw__signs2(pbw__d2 x, pbw__d2 y)        /* of x[0] + x[1] and y[0] + y[1] */
 {
 #ifdef PBW__AVX2
     return (unsigned)_mm_movemask_pd(_mm_hadd_pd(x, y));
@@ -1345,7 +1346,7 @@ PBW__SIMD_INLINE pbw__i4 pbw__lead(pbw__i4 x, pbw__i4 y)   /* y in lane 0 */
     return PBW__BY_ISA((pbw__i4)_mm_blend_epi32((__m128i)x, (__m128i)y, 1), vcopyq_laneq_s32(x, 0, y, 0));
 }
 
-PBW__SIMD_INLINE pbw__i4 pbw__shuffle4(pbw__i4 x, const unsigned char *bytes)      /* the bytes of these numbers */
+PBW__SIMD_INLINE pbw__i4 pbw__shuffle4(pbw__i4 x, const unsigned char *bytes)      /* byte i is byte bytes[i] of x */
 {
     return (pbw__i4)PBW__BY_ISA(_mm_shuffle_epi8((__m128i)x, (__m128i)pbw__load4(bytes)),
                                 vqtbl1q_u8((uint8x16_t)x, vld1q_u8(bytes)));
@@ -1361,13 +1362,13 @@ PBW__SIMD_INLINE pbw__i4 pbw__permute4(pbw__i4 x, pbw__i4 lanes)   /* lanes of x
 #endif
 }
 
-PBW__SIMD_INLINE pbw__i4 pbw__widen(int32_t bytes)   /* a byte to each lane */
+PBW__SIMD_INLINE pbw__i4 pbw__widen(int32_t bytes)   /* one byte of four in each lane */
 {
     return (pbw__i4)PBW__BY_ISA(_mm_cvtepu8_epi32(_mm_cvtsi32_si128(bytes)),
                                 vmovl_u16(vget_low_u16(vmovl_u8((uint8x8_t)vdup_n_s32(bytes)))));
 }
 
-PBW__SIMD_INLINE uint32_t pbw__apart4(pbw__i4 x, pbw__i4 y)        /* the sum of the differences */
+PBW__SIMD_INLINE uint32_t pbw__apart4(pbw__i4 x, pbw__i4 y)        /* the sum of |x - y| over the lanes */
 {
 #ifdef PBW__NEON
     return vaddvq_u32(vreinterpretq_u32_s32(vabdq_s32((int32x4_t)x, (int32x4_t)y)));
@@ -1389,7 +1390,7 @@ PBW__SIMD_INLINE uint64_t pbw__lanes23(pbw__i4 x)
     return PBW__BY_ISA((uint64_t)_mm_extract_epi64((__m128i)x, 1), vgetq_lane_u64((uint64x2_t)x, 1));
 }
 
-/* Pair arithmetic of >>predicates, four at once, and here with fused operations for sure. */
+/* Pair arithmetic of >>predicates in four lanes; here fused operations are always there. */
 typedef struct pbw__pair4 { pbw__d4 head, tail; } pbw__pair4;
 
 PBW__SIMD_INLINE pbw__pair4 pbw__plus4(pbw__pair4 a, pbw__pair4 b)
@@ -1408,7 +1409,7 @@ PBW__SIMD_INLINE pbw__pair4 pbw__minus4(pbw__pair4 a, pbw__pair4 b)
 
 PBW__SIMD_INLINE pbw__pair4 pbw__times4(pbw__pair4 a, pbw__pair4 b)
 {
-    pbw__d4 head = pbw__fma(a.head, b.head, pbw__splat(0.0));                 /* not to be fused, see there */
+    pbw__d4 head = pbw__fma(a.head, b.head, pbw__splat(0.0));                 /* must not be fused, see there */
     pbw__d4 error = pbw__fms(a.head, b.head, head);
     pbw__pair4 result = { head, pbw__fma(a.head, b.tail, pbw__fma(a.tail, b.head, error)) };
     return result;
@@ -1467,7 +1468,8 @@ static void pbw__memory_start(pbw__memory *memory, const pbw_options *options)
     memory->limit = options->memory_limit;
 }
 
-/* Resizes a block of old_count*size bytes to count*size; NULL leaves the old block as it was.  Any thread. */
+/* Resizes a block of old_count*size bytes to count*size.  Returns NULL, the old block intact, if memory is short.
+   Any thread may call it. */
 static void *pbw__resize(pbw__memory *memory, void *ptr, size_t old_count, size_t count, size_t size)
 {
     size_t old_bytes = old_count * size, bytes, grown = 0, used, peak;
@@ -3488,7 +3490,7 @@ PBW__INLINE int pbw__same_place(const double *x, const double *y, int dim)
     return x[0] == y[0] && x[1] == y[1] && (dim == 2 || x[2] == y[2]);
 }
 
-/* A range of the keys, in order by the bits from `low` on, not yet by those from there down to the index. */
+/* A range of the keys, sorted by the bits from `low` up, not yet by those between the index and `low`. */
 typedef struct pbw__part {
     size_t from, to;
     int low, settled;                                /* settled: all points lie at one place */
@@ -3783,7 +3785,7 @@ static int pbw__order_rest(pbw__ordering *ordering, const pbw__part *part)
     return 1;
 }
 
-/* Writes the points of a range of different keys, so at different places, to the records from r on.  Prefetches
+/* Writes the points of a range to the records from r on.  Its keys differ, so there are no duplicates.  Prefetches
    later points, of keys before `end`. */
 PBW__INLINE void pbw__order_place(const pbw__ordering *ordering, const pbw__part *range, size_t end, size_t r,
                                   int dim)
@@ -4238,7 +4240,7 @@ typedef struct pbw__kernel {
     pbw_index *corner;                               /* the store's arrays */
     pbw__link *link;
     unsigned char *mark;
-    pbw_index last, last_entered;                    /* a simplex of the last star; what it was in the last region */
+    pbw_index last, last_entered;                    /* a simplex of the last star; the one at entry to the region */
     pbw_index previous, vertex_count;                /* 2D: the last vertex; how many there are */
     /* Inserts a vertex, with the code for this dimension and processor; a hidden one changes nothing. */
     pbw_status (*insert)(struct pbw__kernel *kernel, pbw_index vertex);
@@ -4422,7 +4424,7 @@ static pbw_status pbw__store_create(pbw__context *context, pbw__store *store, si
     return status;
 }
 
-/* Marks the slots of regions that were never used as free. */
+/* Marks the slots that no simplex has used as free, in some regions. */
 static pbw_status pbw__close_regions(void *arg, size_t from, size_t to)
 {
     pbw__store *store = (pbw__store *)arg;
@@ -4484,7 +4486,7 @@ static void pbw__leave_region(pbw__kernel *kernel)
 static PBW__NOINLINE void pbw__enter_region(pbw__kernel *kernel, size_t region)
 {
     pbw__store *store = kernel->store;
-    /* In a task the last star is as near as any hint, and ours, if its vertex was in a region next to this one. */
+    /* If a task comes from this region or one beside it, its last star is as near as any hint, and its own. */
     const int near = kernel->own.owner != NULL && kernel->last != PBW_NONE && kernel->slots.region - region + 1 <= 2;
     pbw_index hint;
     pbw__leave_region(kernel);
@@ -4652,8 +4654,8 @@ PBW__INLINE double pbw__row(const pbw__kernel *kernel, pbw_index v, const double
 }
 
 #ifdef PBW__SIMD
-/* Four rows by columns, a vertex in each lane; in the plane z is zero.  Lanes of the ghost are zero and marked; where
-   there is no hull, the caller knows that no vertex is the ghost. */
+/* Four rows by columns, a vertex in each lane; in the plane z is zero.  Lanes of the ghost are zero and masked.  hull
+   is 0 if the caller knows that no vertex is the ghost. */
 typedef struct pbw__rows4 { pbw__d4 x, y, z, lift, height, ghost; } pbw__rows4;
 typedef struct pbw__point4 { pbw__d4 x, y, z, weight; const double *p; int dim, weighted; } pbw__point4;
 
@@ -4850,7 +4852,7 @@ PBW__SIMD_INLINE pbw__d4 pbw__circle_limit(pbw__d4 h)
     return pbw__splat(8.0) * h * h * pbw__splat(PBW__CIRCLE_ERROR / 8.0);
 }
 
-/* Returns a number above 0 where p is to the right of the way from a to b, with an error below *error. */
+/* Returns a number that is positive if p is to the right of the line from a to b; its error is below *error. */
 PBW__INLINE double pbw__right_of(const double *a, const double *b, const double *p, double *error)
 {
     const double ax = a[0] - p[0], ay = a[1] - p[1], bx = b[0] - p[0], by = b[1] - p[1];
@@ -4859,8 +4861,8 @@ PBW__INLINE double pbw__right_of(const double *a, const double *b, const double 
     return ax * by - ay * bx;
 }
 
-/* Walks along the hull from ghost t.  Returns the ghost that has p certainly beyond its edge, or PBW_NONE if it is
-   not near. */
+/* Walks along the hull from ghost t.  Returns a ghost with p certainly beyond its edge, or PBW_NONE if none is
+   near. */
 PBW__INLINE pbw_index pbw__walk_hull(pbw__kernel *kernel, pbw_index t, const double *p)
 {
     int steps;
@@ -5997,7 +5999,7 @@ PBW__SIMD_INLINE void pbw__lift_ghosts2(pbw__rows4 *rows, pbw__d4 height)
     rows->height = pbw__blend_zero(rows->height, rows->ghost, height);
 }
 
-/* Tests the edges of the queue from `head` on, as long as there are any. */
+/* Tests the edges of the queue, from `head` on, until it is empty. */
 PBW__SIMD_INLINE pbw_status pbw__ring_finish(pbw__kernel *kernel, pbw__ring *ring, unsigned head,
                                              const pbw__point4 *point, int hull)
 {
@@ -6083,8 +6085,8 @@ PBW__SIMD static PBW__NOINLINE pbw_status pbw__ring_hull(pbw__kernel *kernel, pb
     return status == PBW_OK ? pbw__ring_finish(kernel, ring, head, &point, 1) : status;
 }
 
-/* Tests the first three edges, and at the same time the six that would take their places: waiting for the verdicts
-   costs more.  *head is then how many edges of the queue are done with: it stays 0 if it is not as simple as that.
+/* Tests the first three edges together with the six that would replace them, as waiting for the first verdicts costs
+   more.  Sets *head to the number of edges of the queue that are done; it stays 0 at the hull, and where a verdict stays open.
    Only without weights.  A triangle that is looked at and not deleted has a vertex of the first one, which is ours:
    (a) and (b) of >>parallel hold for it. */
 PBW__SIMD_INLINE pbw_status pbw__ring_start(pbw__kernel *kernel, pbw__ring *ring, const pbw__link *beyond,
@@ -6271,12 +6273,12 @@ PBW__SIMD_INLINE void pbw__refill2_simd(pbw__kernel *kernel, pbw__ring *ring, pb
    Fewer levels are faster on one thread (each coarse step is a cache miss) until cavities grow.  In space, where they
    grow on lattices and tasks contend for zones, a ratio of 8 is better.
 
-   Of vertices along a line those on other lines see only the outermost, whose stars are large: they reach all that
-   see them.  Such stars are made and unmade in each level, as vertices farther out come.  So in space, once the stars
-   of a level are large, the extremes come next: of each span of ranks the vertices farthest from the line along it,
-   on eight sides.  (In directions that are not across the span its ends would be farthest.)  The rest is mostly seen
-   by what is near only; of its two finest levels one is left out.  (Of a million points on 8 lines 28,000 have
-   neighbours on other lines; 13,000 are extremes.)
+   Where points lie near a few lines, only the outermost vertices of a line have neighbours on other lines, and their
+   stars are large.  Each level would make such stars and destroy them again, as vertices farther out come.  So in
+   space, once the stars of a level are large, the extremes come next: of each span of ranks the vertices farthest
+   from the line along it, on eight sides across that line.  Most other vertices then have near neighbours only, and
+   one of the two finest levels is left out.  (Of a million points on 8 lines 28,000 have neighbours on other lines;
+   13,000 are extremes.)
    ------------------------------------------------------------------------------------------------------ */
 /* Replaces the cavity of a vertex, which contains t, by its star. */
 static PBW__NOINLINE pbw_status pbw__replace(pbw__kernel *kernel, pbw_index t, pbw_index vertex)
@@ -6450,7 +6452,7 @@ static pbw__level pbw__level_first(size_t count, int dim)
     return level;
 }
 
-/* Goes on to the level of that stride; 0 after the finest. */
+/* Goes on to the level of this stride; 0: there are no more levels. */
 static void pbw__level_next(pbw__level *level, size_t stride)
 {
     level->coarser = level->stride;
@@ -6741,8 +6743,8 @@ static pbw_status pbw__more_kernels(pbw__build *build, const pbw__grid *grid, in
     return PBW_OK;
 }
 
-/* Plans the tasks for a number of vertices, and zones large enough for two (in 2D one) of the vertices inserted,
-   which are `apart` ranks from each other. */
+/* Plans the tasks for a number of vertices, and the size of zones: each has room for two (in 2D one) of the vertices
+   inserted so far, which are `apart` ranks from each other. */
 static void pbw__plan(pbw__build *build, size_t vertices, size_t apart)
 {
     size_t parts = vertices / PBW__LEAST_PART, zones;
@@ -6829,8 +6831,8 @@ static pbw_status pbw__find_extremes(void *arg, size_t span, size_t to)
     return PBW_OK;
 }
 
-/* Inserts the extremes, one in eight on one thread before several tasks insert the others: the first stars reach so
-   many zones that tasks would be in each other's way.  For the same reason there are fewer tasks. */
+/* Inserts the extremes: one in eight on one thread, then the others by several tasks, but few.  The first stars reach
+   so many zones that tasks would contend for them. */
 static pbw_status pbw__level_extremes(pbw__build *build, const pbw__grid *grid)
 {
     pbw__memory *memory = &build->context->memory;
@@ -6862,7 +6864,8 @@ static pbw_status pbw__level_extremes(pbw__build *build, const pbw__grid *grid)
     return status;
 }
 
-/* Returns the simplices made for a vertex of the level, on average; *before: those made in all. */
+/* Returns the mean number of simplices made for a vertex of the level.  *before: all that were made,
+   before the level and then after it. */
 static double pbw__mean_star(const pbw__build *build, size_t *before)
 {
     const size_t old = *before;
@@ -7028,7 +7031,7 @@ PBW__INLINE unsigned pbw__is_ours(const pbw__kernel *kernel, pbw_index v)
     return (v != PBW__GHOST) & (PBW__LOAD(kernel->own.owner + (v >> kernel->own.owner_bits)) == kernel->own.me);
 }
 
-/* Claims zones for lacking corners until `wanted` are ours; no more, as our zones are in other tasks' way. */
+/* Claims zones for lacking corners until `wanted` corners are ours, and no more: other tasks may need the rest. */
 static PBW__NOINLINE int pbw__take_corners(pbw__kernel *kernel, const pbw_index *v, unsigned except, int wanted)
 {
     unsigned k, others = 0;
@@ -7140,7 +7143,8 @@ PBW__INLINE int pbw__is_in_zone(const pbw__build *build, pbw_index t, size_t zon
     return count + 1 >= dim;
 }
 
-/* Makes a simplex of the star of a vertex the hint of its zone: the next vertex may be near.  In 2D any will do. */
+/* Makes a simplex of a vertex's star the hint of the vertex's zone: the next vertex may be near.  In 2D any simplex
+   of the star will do. */
 static void pbw__renew_hint(pbw__build *build, pbw__kernel *kernel, pbw_index vertex)
 {
     const size_t zone = vertex >> build->owner_bits;
@@ -7292,8 +7296,8 @@ static pbw_status pbw__find_hints(void *arg, size_t r, size_t last)
     return PBW_OK;
 }
 
-/* Inserts vertices from..to-1 of a round: of those left, or in the first round of the level.  Then tries those left
-   again, as long as that leaves a quarter less: other tasks have gone on since.  Returns 0 to stop. */
+/* Inserts vertices from..to-1 of a round: in the first round of the level, later of those left.  Then retries those
+   that it left, while each try lowers their number by a quarter, as other tasks move on.  Returns 0 to stop. */
 static int pbw__batch(pbw__build *build, pbw__kernel *kernel, size_t from, size_t to)
 {
     const pbw__level level = build->level;
@@ -7440,13 +7444,13 @@ typedef struct pbw__emitted {
     pbw_index place, corner[4], neighbor[4];
 } pbw__emitted;
 
-/* Simplices that wait until their places are free.  Places free_from .. free_from+free_count-1 are known to be. */
+/* Simplices that wait until their places are free.  Places free_from .. free_from+free_count-1 are known as free. */
 typedef struct pbw__aside {
     pbw__emitted *simplex;
     size_t count, capacity, free_from, free_count;
 } pbw__aside;
 
-#define PBW__CHAINS 16                               /* followed at a time: memory answers many requests at once */
+#define PBW__CHAINS 16                               /* followed at a time, so that their cache misses overlap */
 #define PBW__SOON 48                                 /* distance of prefetches in arrays that are read in any order */
 #define PBW__LISTS 64                                /* sorted at a time */
 #define PBW__SHORT 48                                /* simplices of the longest list that is not a hub's */
@@ -7463,7 +7467,7 @@ typedef struct pbw__emission {
     pbw_index *number;                               /* per slot: the next of its chain; then its place */
     pbw_index *chain;                                /* per region: the last slot of its chain */
     pbw_index *head;                                 /* per rank: the length of its list; then its first simplex */
-    pbw_index *first;                                /* per rank, with several tasks: the same from earlier shares */
+    pbw_index *first;                                /* per rank, if several tasks: its first simplex of earlier shares */
     size_t *end, one_end;                            /* per task: its last slot for other tasks; its last place */
     pbw_index *incident;                             /* per point of the caller */
     int chunk_bits;                                  /* slot >> chunk_bits is the number of its chunk */
@@ -7580,10 +7584,10 @@ PBW__INLINE uint64_t pbw__lowest_ranks(const pbw__emission *emission, size_t slo
    A task reads the slots of a range of regions and makes the lists of the ranks of these regions.  The few simplices
    for lists of other tasks are chained apart, and added by pbw__emit_others with atomic exchanges. */
 
-/* A task has the lists of `own` ranks from `ranks` on; `others` is the last slot for other tasks. */
+/* A task has the lists of ranks .. ranks+own-1; `others`: the last slot of its chain for other tasks. */
 typedef struct pbw__listing { size_t ranks, own; pbw_index others; } pbw__listing;
 
-/* Chains the slots of a batch that are in `used`; `all`: every one is. */
+/* Chains those slots of a batch that are in the set `used`; all: that is every one. */
 PBW__INLINE void pbw__emit_batch(const pbw__emission *emission, pbw__listing *listing, const pbw_index *lowest,
                                  uint64_t used, size_t from, int all)
 {
@@ -7699,7 +7703,7 @@ static void pbw__emit_counts(void *arg, int task)
 }
 
 /* ---- lists in order
-   Puts simplices into their lists: into the item end[rank], which is then the next. */
+   Appends simplices to their lists: end[rank] is the next free item of a list. */
 PBW__INLINE void pbw__fill_lists_of(const pbw_index *corner, const pbw_index *slot, size_t count, pbw_index *end,
                                     pbw__item *item, int dim)
 {
@@ -7715,8 +7719,9 @@ PBW__INLINE void pbw__fill_lists_of(const pbw_index *corner, const pbw_index *sl
     }
 }
 
-/* Sorts short lists by their keys, the first from item `begin` on and each up to its `end`; sorted[0] takes what is
-   to be dropped.  Branchless, by counting for each pair which is larger: the order is unpredictable. */
+/* Sorts short lists by their keys.  The first list begins at item `begin`, each ends at its `end`, where the next
+   begins.  Results start at sorted[1]; sorted[0] is scratch.  The order is unpredictable, so this is branchless: the
+   place of an item is the number of items with lower keys. */
 static void pbw__sort_lists(const pbw__item *item, const pbw_index *end, unsigned lists, pbw_index begin,
                             pbw__item *sorted)
 {
@@ -7757,14 +7762,15 @@ PBW__SIMD static void pbw__fill_lists_simd(const pbw__emission *emission, const 
     PBW__BY_DIM(emission->dim, pbw__fill_lists_simd_of, emission->corner, slot, count, emission->head, item);
 }
 
-/* y in the lanes of the mask.  Not by bytes: gcc 12 takes those of a mask for unsigned with -funsigned-char. */
+/* Returns x with y in masked lanes.  Not by a byte blend: with -funsigned-char gcc 12 takes a mask's bytes for
+   unsigned. */
 PBW__SIMD_INLINE __m256i pbw__blend8(__m256i x, __m256i y, __m256i mask)
 {
     return (__m256i)_mm256_blendv_ps((__m256)x, (__m256)y, (__m256)mask);
 }
 
-/* Sorts a list of `count` simplices, `all` if rounded up to fours.  The surplus of the last four has the highest key
-   and goes to sorted[0]. */
+/* Sorts a list of `count` simplices, four at a time; all: `count` rounded up to fours.  Lanes past the end get the
+   highest key and are written to sorted[0]. */
 PBW__SIMD_INLINE void pbw__sort_list_simd(const pbw__item *item, pbw_index begin, unsigned count, unsigned all,
                                           pbw__item *sorted)
 {
@@ -7832,9 +7838,9 @@ PBW__SIMD static void pbw__sort_lists_simd(const pbw__item *item, const pbw_inde
     }
 }
 
-/* In the plane most lists are so short that each simplex is rather compared with those before and after it, as far as
-   a list reaches; those of other lists are in order.  As signed numbers: ranks are less than 2^31, there are twice as
-   many simplices. */
+/* In the plane lists are short and follow each other in ascending order of ranks.  So it is faster to compare each
+   simplex with the `longest`-1 before and after it: those of other lists compare as in order.  Keys are compared as
+   signed numbers, as ranks are below 2^31: there are twice as many simplices. */
 #define PBW__REACH 12
 
 PBW__SIMD static void pbw__sort_lists2_simd(const pbw__item *item, const pbw_index *end, unsigned lists,
@@ -7943,12 +7949,13 @@ PBW__INLINE void pbw__sort_region(const pbw__emission *emission, pbw__item *item
 }
 
 /* ---- pass 2: numbers
-   A task numbers the lists of a share of the regions, from the last list to the first.  So the number that is noted
-   last for a vertex is its first simplex.  It is noted in `head`: a vertex' own list has been read when a simplex of
-   the vertex gets its number, as no corner comes before the one whose list the simplex is in.  For vertices of later
-   shares it is noted in `first`. */
+   A task numbers the lists of a share of the regions, from the last list to the first.  So the number stored last for
+   a vertex is that of its first simplex.  `head` takes these numbers in place of the lengths of lists: a simplex is
+   in the list of its lowest corner, so the lists of its other corners were read before.  For vertices of later
+   shares `first` takes them. */
 
-/* Lists the slots of the chains of `count` regions, one chain after the other.  All chains are followed at once. */
+/* Lists the slots of the chains of `count` regions, chain by chain.  Follows all chains in step, so that their cache
+   misses overlap. */
 PBW__INLINE void pbw__emit_follow(const pbw__emission *emission, size_t region, unsigned count, const size_t *length,
                                   pbw_index *slot)
 {
@@ -8000,12 +8007,12 @@ PBW__INLINE void pbw__emit_first(pbw_index *head, pbw_index *first, pbw_index ve
     }
 }
 
-/* A task's buffers: the slots of chains; the lists of a region, and in order. */
+/* A task's buffers: the slots of some chains; the lists of a region, unsorted and sorted. */
 typedef struct pbw__buffers {
     pbw_index *slot;
     pbw__item *item, *sorted;
     size_t slot_capacity, item_capacity;
-    pbw_index place;                                 /* after those that are still to be numbered */
+    pbw_index place;                                 /* one past the last place that is still to be given */
 } pbw__buffers;
 
 /* Numbers the simplices of a region, in `count` slots.  later: the first rank of later shares, PBW_NONE if there are
@@ -8099,9 +8106,9 @@ static void pbw__emit_pass2(void *arg, int task)
 #define PBW__CHUNK ((size_t)1 << 12)                 /* the largest */
 #define PBW__APART PBW__SMALLER(3072)                /* slots, at most, whose simplices are written to new arrays */
 
-/* Several tasks take large chunks: slots that are near have places in the same cache lines, which would go from
-   thread to thread.  One task takes small ones, so that fewer simplices of few points are set aside; but the start of
-   a chunk is not prefetched, which costs more where memory is far.  In the plane what is set aside weighs more. */
+/* Several tasks take large chunks, against false sharing: near slots have places in the same cache lines.  One task
+   takes small chunks if points are few, so that fewer simplices are set aside, which costs more in the plane.  If
+   points are many, chunks are large again: the start of a chunk is not prefetched. */
 PBW__INLINE int pbw__chunk_bits(int dim, int tasks, size_t slots)
 {
 #ifdef PBW__TEST_SMALL_SHARES
@@ -8113,7 +8120,7 @@ PBW__INLINE int pbw__chunk_bits(int dim, int tasks, size_t slots)
 #endif
 }
 
-/* Returns whether the slots that a place covers, in an array of `entries` a slot, have been read. */
+/* Returns whether the slots where a place lies have been read; the array has `entries` entries a slot. */
 PBW__INLINE int pbw__emit_read(const pbw__emission *emission, size_t place, size_t entries, int dim)
 {
     size_t from = place * ((size_t)dim + 1), first = from / entries >> emission->chunk_bits;
@@ -8378,8 +8385,8 @@ static pbw_status pbw__emit_status(const pbw__emission *emission)
     return emission->failed ? PBW_ERROR_MEMORY : PBW__LOAD(&emission->context->cancelled) ? PBW_CANCELLED : PBW_OK;
 }
 
-/* Makes the arrays that simplices are written to: of few, new ones, as many would be set aside.  0 if memory is
-   short. */
+/* Chooses the arrays to write to: the store's or, for few simplices, new ones, since many would be set aside.  Returns 0
+   if memory is short. */
 static int pbw__emit_begin(pbw__emission *emission)
 {
     pbw__memory *memory = &emission->context->memory;
