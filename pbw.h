@@ -6086,7 +6086,8 @@ PBW__SIMD static PBW__NOINLINE pbw_status pbw__ring_hull(pbw__kernel *kernel, pb
 }
 
 /* Tests the first three edges together with the six that would replace them, as waiting for the first verdicts costs
-   more.  Sets *head to the number of edges of the queue that are done; it stays 0 at the hull, and where a verdict stays open.
+   more.  Sets *head to the number of edges of the queue that are done; it stays 0 at the hull, and where a verdict
+   stays open.
    Only without weights.  A triangle that is looked at and not deleted has a vertex of the first one, which is ours:
    (a) and (b) of >>parallel hold for it. */
 PBW__SIMD_INLINE pbw_status pbw__ring_start(pbw__kernel *kernel, pbw__ring *ring, const pbw__link *beyond,
@@ -7467,7 +7468,7 @@ typedef struct pbw__emission {
     pbw_index *number;                               /* per slot: the next of its chain; then its place */
     pbw_index *chain;                                /* per region: the last slot of its chain */
     pbw_index *head;                                 /* per rank: the length of its list; then its first simplex */
-    pbw_index *first;                                /* per rank, if several tasks: its first simplex of earlier shares */
+    pbw_index *first;                                /* per rank, of several tasks: the first simplex in earlier shares */
     size_t *end, one_end;                            /* per task: its last slot for other tasks; its last place */
     pbw_index *incident;                             /* per point of the caller */
     int chunk_bits;                                  /* slot >> chunk_bits is the number of its chunk */
@@ -8385,8 +8386,8 @@ static pbw_status pbw__emit_status(const pbw__emission *emission)
     return emission->failed ? PBW_ERROR_MEMORY : PBW__LOAD(&emission->context->cancelled) ? PBW_CANCELLED : PBW_OK;
 }
 
-/* Chooses the arrays to write to: the store's or, for few simplices, new ones, since many would be set aside.  Returns 0
-   if memory is short. */
+/* Chooses the arrays to write to: the store's or, for few simplices, new ones, since many would be set aside.
+   Returns 0 if memory is short. */
 static int pbw__emit_begin(pbw__emission *emission)
 {
     pbw__memory *memory = &emission->context->memory;
