@@ -13394,7 +13394,6 @@ static pbw_status pbw__core_scan(pbw__core *core)
     const size_t dim = (size_t)kernel->dim;
     size_t t, k;
     pbw_index v, witness;
-    memset(core->incident, 0xff, (core->vertex_count + 1) * sizeof(pbw_index));
     core->simplex_count = 0;
     for (t = 0; t < core->store.count; t++) {
         const pbw_index *corner = kernel->corner + 4 * t;
@@ -13441,6 +13440,7 @@ static pbw_status pbw__core_take(pbw__core *core, pbw__vertices *vertices, const
         || !PBW__CORE_GROW(core, vertex, numbers) || !PBW__CORE_GROW(core, twin, numbers)) {
         return PBW_ERROR_MEMORY;
     }
+    memset(core->incident, 0xff, records * sizeof(pbw_index));
     memset(core->local, 0, core->local_capacity * sizeof(pbw_index));
     for (k = 0; k < width; k++) {
         core->low[k] = HUGE_VAL;
@@ -14971,7 +14971,9 @@ static void pbw__batch_undo(pbw_live *live)
     }
     pbw__journal_undo(core);
     core->vertex_count = live->past_vertices;
-    core->unused_count = live->past_unused;
+    while (core->unused_count < live->past_unused) {
+        core->incident[core->unused[core->unused_count++]] = PBW__GONE;
+    }
     core->placed = live->past_placed;
 }
 
@@ -15691,7 +15693,6 @@ static void pbw__import_incident(pbw__core *core, size_t simplices)
 {
     const size_t dim = (size_t)core->kernel.dim;
     size_t t = simplices, k;
-    memset(core->incident, 0xff, (core->vertex_count + 1) * sizeof(pbw_index));
     while (t-- > 0) {
         for (k = 0; k <= dim; k++) {
             core->incident[core->kernel.corner[4 * t + k]] = (pbw_index)t;
@@ -15958,9 +15959,10 @@ static pbw_status pbw__view_slots(void *arg, size_t from, size_t to)
     return PBW_OK;
 }
 
-/* The simplices of a view: of a copy of the store, in ranks.  vertices: of the points, with their numbers. */
+/* The simplices of a view: of a copy of the store, in ranks.  `list` has the vertices of the core by their places in
+   the input of `vertices`. */
 static pbw_status pbw__view_simplices(const pbw_live *live, pbw__context *context, pbw__vertices *vertices,
-                                      pbw_mesh *mesh)
+                                      const pbw_index *list, pbw_mesh *mesh)
 {
     const size_t ranks = live->core.vertex_count + 1;
     pbw_index *rank = (pbw_index *)pbw__allocate(&context->memory, ranks, sizeof(pbw_index));
@@ -15972,7 +15974,9 @@ static pbw_status pbw__view_simplices(const pbw_live *live, pbw__context *contex
     if (status == PBW_OK) {
         rank[0] = 0;
         for (r = 1; r <= vertices->count; r++) {
-            rank[live->core.vertex[vertices->id[r]]] = (pbw_index)r;
+            const pbw_index v = list[vertices->id[r]];
+            vertices->id[r] = live->core.name[v];
+            rank[v] = (pbw_index)r;
         }
         status = pbw__store_create(context, &store, vertices->count, live->dim);
     }
@@ -15995,7 +15999,7 @@ static pbw_status pbw__view_simplices(const pbw_live *live, pbw__context *contex
     return status;
 }
 
-/* Points, weights, canonical of a view; the points that live, packed. */
+/* Points, weights, canonical of a view; for the order the points by vertices, which are nearly along the curve. */
 static pbw_status pbw__view_points(const pbw_live *live, pbw__context *context, pbw__stand *stand, pbw_mesh *mesh)
 {
     pbw__memory *memory = &context->memory;
@@ -16004,7 +16008,7 @@ static pbw_status pbw__view_points(const pbw_live *live, pbw__context *context, 
     const size_t dim = (size_t)live->dim, numbers = live->numbers;
     double *points = (double *)pbw__allocate(memory, numbers * dim, sizeof(double));
     double *weights = live->weighted_past ? (double *)pbw__allocate(memory, numbers, sizeof(double)) : NULL;
-    pbw_index *canonical = (pbw_index *)pbw__allocate(memory, numbers, sizeof(pbw_index));
+    pbw_index *canonical = (pbw_index *)pbw__allocate(memory, numbers, sizeof(pbw_index)), v;
     size_t i;
     mesh->points = points;
     mesh->weights = weights;
@@ -16016,19 +16020,30 @@ static pbw_status pbw__view_points(const pbw_live *live, pbw__context *context, 
         || !pbw__stand_create(memory, stand, live->points, live->dim)) {
         return PBW_ERROR_MEMORY;
     }
-    for (i = 0; i < numbers; i++) {
+    memset(points, 0, numbers * dim * sizeof(double));
+    memset(canonical, 0xff, numbers * sizeof(pbw_index));
+    for (v = 1; v <= core->vertex_count; v++) {
+        const double *x = pbw__core_record(core, v);
+        const pbw_index soon = core->name[v + 16 < core->vertex_count ? v + 16 : v], id = core->name[v];
+        PBW__PREFETCH_TO_WRITE(points + soon * dim);
+        PBW__PREFETCH_TO_WRITE(canonical + soon);
+        if (core->incident[v] != PBW__GONE) {
+            memcpy(points + id * dim, x, dim * sizeof(double));
+            canonical[id] = id;
+            pbw__stand_add(stand, v, x, x[dim]);
+        }
+    }
+    for (i = 0; i < numbers; i++) {                  /* duplicates follow: of those at one place the first counts */
         const int lives = (live->state[i] & PBW__LIVES) != 0;
-        memset(points + i * dim, 0, dim * sizeof(double));
-        canonical[i] = PBW_NONE;
         if (weights != NULL) {
             weights[i] = lives ? live->weight[i] : 0.0;
         }
-        if (lives) {
+        if (lives && canonical[i] == PBW_NONE) {
             const double *x = pbw__core_record(core, core->vertex[i]);
             memcpy(points + i * dim, x, dim * sizeof(double));
             canonical[i] = core->name[core->vertex[i]];
-            mesh->duplicate_count += canonical[i] != i;
-            pbw__stand_add(stand, (pbw_index)i, x, live->weight[i]);
+            mesh->duplicate_count++;
+            pbw__stand_add(stand, core->vertex[i], x, live->weight[i]);
         }
     }
     return PBW_OK;
@@ -16041,7 +16056,6 @@ static pbw_status pbw__view(const pbw_live *live, pbw__context *context, pbw_mes
     pbw__vertices vertices;
     pbw__input input;
     pbw_status status;
-    size_t r;
     if (owned == NULL) {
         return PBW_ERROR_MEMORY;
     }
@@ -16062,11 +16076,8 @@ static pbw_status pbw__view(const pbw_live *live, pbw__context *context, pbw_mes
         status = pbw__enter_stage(context, PBW_STAGE_ORDER) ? PBW_CANCELLED
                : pbw__order(context, &input, &vertices);
         if (status == PBW_OK) {
-            for (r = 1; r <= vertices.count; r++) {
-                vertices.id[r] = stand.list[vertices.id[r]];
-            }
             status = pbw__enter_stage(context, PBW_STAGE_OUTPUT) ? PBW_CANCELLED
-                   : pbw__view_simplices(live, context, &vertices, mesh);
+                   : pbw__view_simplices(live, context, &vertices, stand.list, mesh);
         }
     }
     pbw__stand_free(&context->memory, &stand);
