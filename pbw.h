@@ -4167,7 +4167,7 @@ typedef struct pbw__slots {
     size_t fresh, fresh_end;                         /* slots of this region that were never used */
     size_t tail, tail_end;                           /* slots of the tail that were never used */
     size_t free_count;
-    pbw_index free_list;                             /* slots that became free, linked through corner 1 */
+    pbw_index free_list, free_last;                  /* slots that became free, linked through corner 1 */
     int no_room;                                     /* the store has no more blocks */
 } pbw__slots;
 
@@ -4502,6 +4502,7 @@ PBW__INLINE void pbw__free_slot(pbw__kernel *kernel, pbw_index t)
     kernel->corner[4 * (size_t)t] = PBW_NONE;
     kernel->corner[4 * (size_t)t + 1] = kernel->slots.free_list;
     kernel->slots.free_list = t;
+    kernel->slots.free_last = kernel->slots.free_count == 0 ? t : kernel->slots.free_last;
     kernel->slots.free_count++;
 }
 
@@ -4561,7 +4562,7 @@ static PBW__NOINLINE pbw_index pbw__take_slot(pbw__kernel *kernel)
     return t;
 }
 
-static int pbw__journal_cavity(pbw__kernel *kernel);         /* >>core */
+static pbw_status pbw__journal_cavity(pbw__kernel *kernel);  /* >>core */
 
 /* Takes the slots of the star: those of the cavity first, still marked; surplus slots of the cavity become free. */
 PBW__INLINE pbw_status pbw__take_slots(pbw__kernel *kernel)
@@ -4572,11 +4573,9 @@ PBW__INLINE pbw_status pbw__take_slots(pbw__kernel *kernel)
     const size_t room = have + fresh + slots->free_count + tail;
     pbw_index *cavity;
     size_t i;
-    if (PBW__UNLIKELY(kernel->journal != NULL) && !pbw__journal_cavity(kernel)) {
-        return PBW_ERROR_MEMORY;
-    }
-    if (PBW__UNLIKELY(needed > room)) {
-        pbw_status status = pbw__more_tail(kernel, needed - room);
+    if (PBW__UNLIKELY(needed > room) || PBW__UNLIKELY(kernel->journal != NULL)) {
+        pbw_status status = needed > room ? pbw__more_tail(kernel, needed - room) : PBW_OK;
+        status = status == PBW_OK && kernel->journal != NULL ? pbw__journal_cavity(kernel) : status;
         if (status != PBW_OK) {
             (void)pbw__leave_cavity(kernel, have);
             return status;
@@ -12374,8 +12373,11 @@ PBWDEF pbw_status pbw_coordinates(const pbw_mesh *mesh, const double *points, si
    none; the journal leads back to the triangulation at its start.
 
    The journal has each simplex as it was when it was first deleted.  Of two simplices that were neighbours at the
-   start the one that was deleted first links to the other; so written back in reverse order, each with its links and
-   the links back, the simplices are as they were.
+   start the one that was deleted first links to the other.  A link that leads to the facet of the same vertices is
+   right, in both directions: so once the corners are written back, in any order, these links are.
+
+   Tasks of >>tasks have cores of their own: the members up to `kernel` are copies, of arrays for all, and each has its
+   own of those after.
    ------------------------------------------------------------------------------------------------------ */
 #define PBW__WAITING (PBW_NONE - 1)                  /* incident: a vertex that is to be inserted */
 #define PBW__GONE (PBW_NONE - 2)                     /* incident: a vertex that was removed */
@@ -12392,7 +12394,6 @@ typedef struct pbw__filling { pbw_index v[4]; pbw__link link[4]; unsigned char m
 
 typedef struct pbw__core {
     pbw__store store;
-    pbw__kernel kernel;
     pbw__grid grid;
     double low[4], high[4];                          /* of the records that the grid was made of */
     double *record;                                  /* per vertex, as in >>order */
@@ -12407,32 +12408,53 @@ typedef struct pbw__core {
     size_t start_side, searched;                     /* cells in a row; walks since there was last a table of them */
     size_t record_capacity, name_capacity, incident_capacity, local_capacity, vertex_capacity, twin_capacity;
     size_t start_capacity, place_capacity, unused_capacity, hidden_capacity, witness_capacity, covered_capacity;
-    size_t cover_capacity;
-    size_t vertex_count, unused_count, hidden_count, covered_count, placed, simplex_count, duplicate_count;
+    size_t cover_capacity, touched_capacity;
+    size_t vertex_count, unused_count, hidden_count, covered_count, placed, duplicate_count, past_simplices;
+    unsigned char *touched;                          /* per slot: 1 if it is in a journal */
+    struct pbw__core **task;                         /* >>tasks */
+    size_t task_capacity, tasks;
+    /* one thread's own */
+    pbw__kernel kernel;
+    size_t simplex_count;                            /* of a task: what it adds */
     /* of the removal of one vertex */
     pbw_index *rim_vertex, *table;                   /* table: rims by their vertices; 1 + number */
     pbw__rim *rim;
     pbw__filling *filling;
     size_t rim_vertex_capacity, table_capacity, rim_capacity, filling_capacity;
-    size_t rim_vertices, rims, fillings, effort;
+    size_t rim_vertices, rims, fillings, effort, reinserted;
     double rim_at[4][PBW__FEW];                      /* the records of rim_vertex, by columns; the ghost's is 0 */
     int rim_fits;                                    /* they are there, for vectors */
     /* the journal */
     pbw__past *past;
-    pbw_index *taken;                                /* slots that were free */
-    uint64_t *touched;                               /* a bit for each slot that is in one of these */
-    size_t past_capacity, taken_capacity, touched_capacity, past_count, taken_count;
+    pbw_index *taken, *open;                         /* slots that were free; edges to be tested: see >>moves */
+    size_t past_capacity, taken_capacity, open_capacity, past_count, taken_count, open_count;
     int inserting;                                   /* weighted points, one of which may hide others */
-    size_t past_simplices;                           /* simplex_count at its start */
 } pbw__core;
 
-#define PBW__TOUCHED(core, t) ((core)->touched[(t) >> 6] >> ((t) & 63) & 1)
-
-static void pbw__core_free(pbw__context *context, pbw__core *core)
+/* Frees what a thread has of its own. */
+static void pbw__core_free_own(pbw__context *context, pbw__core *core)
 {
     pbw__memory *memory = &context->memory;
     core->kernel.context = context;
     pbw__kernel_free(&core->kernel);
+    PBW__RELEASE(memory, core, rim_vertex);
+    PBW__RELEASE(memory, core, table);
+    PBW__RELEASE(memory, core, rim);
+    PBW__RELEASE(memory, core, filling);
+    PBW__RELEASE(memory, core, past);
+    PBW__RELEASE(memory, core, taken);
+    PBW__RELEASE(memory, core, open);
+}
+
+static void pbw__core_free(pbw__context *context, pbw__core *core)
+{
+    pbw__memory *memory = &context->memory;
+    pbw__core_free_own(context, core);
+    while (core->tasks > 0) {
+        pbw__core_free_own(context, core->task[--core->tasks]);
+        pbw__release(memory, core->task[core->tasks], 1, sizeof(pbw__core));
+    }
+    PBW__RELEASE(memory, core, task);
     pbw__store_free(memory, &core->store);
     PBW__RELEASE(memory, core, record);
     PBW__RELEASE(memory, core, name);
@@ -12447,12 +12469,6 @@ static void pbw__core_free(pbw__context *context, pbw__core *core)
     PBW__RELEASE(memory, core, witness);
     PBW__RELEASE(memory, core, covered);
     PBW__RELEASE(memory, core, cover);
-    PBW__RELEASE(memory, core, rim_vertex);
-    PBW__RELEASE(memory, core, table);
-    PBW__RELEASE(memory, core, rim);
-    PBW__RELEASE(memory, core, filling);
-    PBW__RELEASE(memory, core, past);
-    PBW__RELEASE(memory, core, taken);
     PBW__RELEASE(memory, core, touched);
     memset(core, 0, sizeof(*core));
 }
@@ -12460,21 +12476,67 @@ static void pbw__core_free(pbw__context *context, pbw__core *core)
 #define PBW__CORE_GROW(core, x, needed) \
     pbw__grow(&(core)->kernel.context->memory, &(core)->x, &(core)->x##_capacity, needed, sizeof(*(core)->x))
 
-/* ---- the journal
-   Bits for all slots that there are; new ones are 0. */
-static int pbw__journal_reserve(pbw__core *core)
-{
-    const size_t old = core->touched_capacity, words = core->store.capacity / 64 + 1;
-    if (!PBW__CORE_GROW(core, touched, words)) {
-        return 0;
-    }
-    memset(core->touched + old, 0, (core->touched_capacity - old) * sizeof(uint64_t));
-    return 1;
-}
-
 PBW__INLINE const double *pbw__core_record(const pbw__core *core, pbw_index v)
 {
     return core->record + (size_t)v * ((size_t)core->kernel.dim + 1);
+}
+
+/* Returns whether this thread owns a vertex, or need not; claims it if it can.  See >>tasks. */
+PBW__INLINE int pbw__hold(pbw__kernel *kernel, pbw_index v)
+{
+    return kernel->own.owner == NULL || v == PBW__GHOST || pbw__owns_zone(kernel, v);
+}
+
+PBW__INLINE int pbw__hold_corners(pbw__kernel *kernel, size_t t)
+{
+    int k;
+    for (k = 0; k <= kernel->dim && pbw__hold(kernel, kernel->corner[4 * t + (size_t)k]); k++) {
+    }
+    return k > kernel->dim;
+}
+
+/* Where a slot is missing: for another task, there may be one later. */
+PBW__INLINE pbw_status pbw__no_room(const pbw__kernel *kernel, pbw_status status)
+{
+    return status == PBW__LEFT && kernel->own.owner == NULL ? PBW_ERROR_TOO_LARGE : status;
+}
+
+/* The facet across from corner i of a positive simplex v: a, b, c with (v[i], a, b, c) positive. */
+PBW__INLINE void pbw__facet_of(const pbw_index *v, unsigned i, int dim, pbw_index *facet)
+{
+    if (dim == 2) {
+        facet[0] = v[i == 2 ? 0 : i + 1];
+        facet[1] = v[i == 0 ? 2 : i - 1];
+        facet[2] = PBW_NONE;
+    } else {
+        facet[0] = v[pbw__facet_corners[i][1]];
+        facet[1] = v[pbw__facet_corners[i][2]];
+        facet[2] = v[pbw__facet_corners[i][3]];
+    }
+}
+
+/* Whether facet j of simplex u is facet k of simplex t: its vertices in the opposite order. */
+PBW__INLINE unsigned pbw__facets_fit(const pbw_index *t, unsigned k, const pbw_index *u, unsigned j, int dim)
+{
+    pbw_index a[3], b[3];
+    pbw__facet_of(t, k, dim, a);
+    pbw__facet_of(u, j, dim, b);
+    return dim == 2 ? (unsigned)((a[0] == b[1]) & (a[1] == b[0]))
+                    : (unsigned)(((a[0] == b[0]) & (a[1] == b[2]) & (a[2] == b[1]))
+                                 | ((a[0] == b[1]) & (a[1] == b[0]) & (a[2] == b[2]))
+                                 | ((a[0] == b[2]) & (a[1] == b[1]) & (a[2] == b[0])));
+}
+
+/* ---- the journal
+   Bytes for all slots that there are; new ones are 0. */
+static int pbw__journal_reserve(pbw__core *core)
+{
+    const size_t old = core->touched_capacity;
+    if (!PBW__CORE_GROW(core, touched, core->store.capacity)) {
+        return 0;
+    }
+    memset(core->touched + old, 0, core->touched_capacity - old);
+    return 1;
 }
 
 /* The place of a vertex in the list of link vertices, the ghost is the first; added if it is not there. */
@@ -12488,15 +12550,20 @@ static pbw_index pbw__rim_place(pbw__core *core, pbw_index v)
     return core->local[v] = (pbw_index)core->rim_vertices++;
 }
 
-/* Notes the simplices of the cavity, which are to be deleted; 0 if memory is short. */
-static int pbw__journal_cavity(pbw__kernel *kernel)
+/* Notes the simplices of the cavity, which are to be deleted.  PBW__LEFT: not all of their corners are ours. */
+static pbw_status pbw__journal_cavity(pbw__kernel *kernel)
 {
     pbw__core *core = (pbw__core *)kernel->journal;
     const size_t count = kernel->scratch.cavity_count;
     size_t i;
+    for (i = 0; i < count && kernel->own.owner != NULL; i++) {
+        if (!pbw__hold_corners(kernel, kernel->scratch.cavity[i])) {
+            return PBW__LEFT;
+        }
+    }
     if (!PBW__CORE_GROW(core, past, core->past_count + count)
         || (core->inserting && !PBW__CORE_GROW(core, rim_vertex, 4 * count + 8))) {
-        return 0;
+        return PBW_ERROR_MEMORY;
     }
     core->rim_vertices = core->inserting ? 0 : core->rim_vertices;
     for (i = 0; i < count; i++) {
@@ -12510,15 +12577,15 @@ static int pbw__journal_cavity(pbw__kernel *kernel)
                 (void)pbw__rim_place(core, v);
             }
         }
-        if (!PBW__TOUCHED(core, t)) {
+        if (!core->touched[t]) {
             pbw__past *past = core->past + core->past_count++;
-            core->touched[t >> 6] |= (uint64_t)1 << (t & 63);
+            core->touched[t] = 1;
             past->slot = (pbw_index)t;
             memcpy(past->corner, kernel->corner + 4 * t, sizeof(past->corner));
             memcpy(past->link, kernel->link + 4 * t, sizeof(past->link));
         }
     }
-    return 1;
+    return PBW_OK;
 }
 
 /* The corners of a new simplex get a finite one: it, or that behind it. */
@@ -12545,7 +12612,7 @@ static int pbw__journal_star(pbw__core *core)
     if (!pbw__journal_reserve(core) || !PBW__CORE_GROW(core, taken, core->taken_count + count)) {
         for (i = 0; i < count; i++) {                /* what is in no journal is free again */
             const size_t t = kernel->scratch.cavity[i];
-            if (t >> 6 >= core->touched_capacity || !PBW__TOUCHED(core, t)) {
+            if (t >= core->touched_capacity || !core->touched[t]) {
                 kernel->corner[4 * t] = PBW_NONE;
             }
         }
@@ -12554,8 +12621,8 @@ static int pbw__journal_star(pbw__core *core)
     for (i = 0; i < count; i++) {
         const size_t t = kernel->scratch.cavity[i];
         pbw__note_corners(core, t);
-        if (!PBW__TOUCHED(core, t)) {
-            core->touched[t >> 6] |= (uint64_t)1 << (t & 63);
+        if (!core->touched[t]) {
+            core->touched[t] = 1;
             core->taken[core->taken_count++] = (pbw_index)t;
         }
     }
@@ -12588,40 +12655,71 @@ static void pbw__list_free_slots(pbw__core *core)
     }
 }
 
+/* The journals: of the core, then of its tasks. */
+PBW__INLINE pbw__core *pbw__journal(pbw__core *core, size_t i)
+{
+    return i == 0 ? core : core->task[i - 1];
+}
+
 static void pbw__journal_clear(pbw__core *core)
 {
-    size_t i;
-    for (i = 0; i < core->past_count; i++) {
-        core->touched[core->past[i].slot >> 6] = 0;
+    size_t i, j;
+    for (j = 0; j <= core->tasks; j++) {
+        pbw__core *own = pbw__journal(core, j);
+        for (i = 0; i < own->past_count; i++) {
+            core->touched[own->past[i].slot] = 0;
+        }
+        for (i = 0; i < own->taken_count; i++) {
+            core->touched[own->taken[i]] = 0;
+        }
+        own->past_count = own->taken_count = 0;
     }
-    for (i = 0; i < core->taken_count; i++) {
-        core->touched[core->taken[i] >> 6] = 0;
-    }
-    core->past_count = core->taken_count = 0;
     core->past_simplices = core->simplex_count;
+}
+
+/* Sets the links of simplices that are back. */
+static void pbw__journal_link(pbw__core *core, const pbw__past *past, size_t count)
+{
+    pbw__kernel *kernel = &core->kernel;
+    const unsigned dim = (unsigned)kernel->dim;
+    size_t i;
+    unsigned k;
+    for (i = 0; i < count; i++) {
+        const size_t t = past[i].slot;
+        for (k = 0; k <= dim; k++) {
+            const pbw__link to = past[i].link[k];
+            const pbw_index *u = kernel->corner + 4 * (size_t)(to >> 2);
+            if (u[0] != PBW_NONE && pbw__facets_fit(kernel->corner + 4 * t, k, u, (unsigned)(to & 3), (int)dim)) {
+                kernel->link[4 * t + k] = to;
+                kernel->link[to] = (pbw__link)(4 * t + k);
+            }
+        }
+    }
 }
 
 /* Back to the triangulation at the start of the journal. */
 static void pbw__journal_undo(pbw__core *core)
 {
     pbw__kernel *kernel = &core->kernel;
-    const size_t dim = (size_t)kernel->dim;
-    size_t i, k;
-    for (i = 0; i < core->taken_count; i++) {
-        const size_t t = core->taken[i];
-        kernel->corner[4 * t] = PBW_NONE;
-    }
-    for (i = core->past_count; i-- > 0; ) {
-        const pbw__past *past = core->past + i;
-        const size_t t = past->slot;
-        memcpy(kernel->corner + 4 * t, past->corner, sizeof(past->corner));
-        memcpy(kernel->link + 4 * t, past->link, sizeof(past->link));
-        for (k = 0; k <= dim; k++) {
-            kernel->link[past->link[k]] = (pbw__link)(4 * t + k);
+    size_t i, j;
+    for (j = 0; j <= core->tasks; j++) {
+        const pbw__core *own = pbw__journal(core, j);
+        for (i = 0; i < own->taken_count; i++) {
+            kernel->corner[4 * (size_t)own->taken[i]] = PBW_NONE;
+        }
+        for (i = 0; i < own->past_count; i++) {
+            const pbw__past *past = own->past + i;
+            memcpy(kernel->corner + 4 * (size_t)past->slot, past->corner, sizeof(past->corner));
         }
     }
-    for (i = 0; i < core->past_count; i++) {
-        pbw__note_corners(core, core->past[i].slot);
+    for (j = 0; j <= core->tasks; j++) {
+        pbw__journal_link(core, pbw__journal(core, j)->past, pbw__journal(core, j)->past_count);
+    }
+    for (j = 0; j <= core->tasks; j++) {
+        const pbw__core *own = pbw__journal(core, j);
+        for (i = 0; i < own->past_count; i++) {
+            pbw__note_corners(core, own->past[i].slot);
+        }
     }
     for (i = 0; i < core->hidden_count; i++) {
         core->incident[core->hidden[i]] = PBW_NONE;
@@ -12976,20 +13074,6 @@ static pbw_index pbw__rim_behind(const pbw__core *core, const pbw_index *rim)
    there is one such e, and all facets of the simplices made meet in pairs.  Time: the simplices made times the size
    of N; where that grows too large, all is triangulated anew.
    ------------------------------------------------------------------------------------------------------ */
-/* The facet across from corner i of a positive simplex v: a, b, c with (v[i], a, b, c) positive. */
-PBW__INLINE void pbw__facet_of(const pbw_index *v, unsigned i, int dim, pbw_index *facet)
-{
-    if (dim == 2) {
-        facet[0] = v[i == 2 ? 0 : i + 1];
-        facet[1] = v[i == 0 ? 2 : i - 1];
-        facet[2] = PBW_NONE;
-    } else {
-        facet[0] = v[pbw__facet_corners[i][1]];
-        facet[1] = v[pbw__facet_corners[i][2]];
-        facet[2] = v[pbw__facet_corners[i][3]];
-    }
-}
-
 #define PBW__MOST_RIM ((size_t)1 << 21)              /* vertices of a link: three places in a key */
 
 /* The places of a rim in ascending order; in the plane the third is beyond all. */
@@ -13011,17 +13095,20 @@ PBW__INLINE size_t pbw__rim_find(const pbw__core *core, uint64_t key, size_t roo
     return at;
 }
 
-/* Collects the star of v in scratch.cavity, its link in rim_vertex and rim. */
+/* Collects the star of v in scratch.cavity, its link in rim_vertex and rim.  PBW__LEFT: not all of that is ours. */
 static pbw_status pbw__open_hole(pbw__core *core, pbw_index v)
 {
     pbw__kernel *kernel = &core->kernel;
     const unsigned dim = (unsigned)kernel->dim;
     size_t i;
     unsigned k, at;
+    if (!pbw__hold(kernel, v) || !pbw__hold_corners(kernel, core->incident[v])) {
+        return PBW__LEFT;
+    }
     kernel->scratch.cavity[0] = core->incident[v];
     kernel->scratch.cavity_count = 1;
     kernel->mark[core->incident[v]] = 1;
-    core->rim_vertices = core->rims = core->fillings = 0;
+    core->rims = core->fillings = 0;
     for (i = 0; i < kernel->scratch.cavity_count; i++) {
         const size_t t = kernel->scratch.cavity[i];
         const pbw_index *corner = kernel->corner + 4 * t;
@@ -13033,8 +13120,9 @@ static pbw_status pbw__open_hole(pbw__core *core, pbw_index v)
             (void)pbw__leave_cavity(kernel, kernel->scratch.cavity_count);
             return PBW_ERROR_MEMORY;
         }
-        if (i == 0) {
-            (void)pbw__rim_place(core, PBW__GHOST);
+        if (i == 0) {                                /* core->local[PBW__GHOST] is always 0 */
+            core->rim_vertex[0] = PBW__GHOST;
+            core->rim_vertices = 1;
         }
         for (at = 0; corner[at] != v; at++) {
         }
@@ -13049,6 +13137,9 @@ static pbw_status pbw__open_hole(pbw__core *core, pbw_index v)
         for (k = 0; k <= dim; k++) {
             const pbw_index next = (pbw_index)(link[k] >> 2);
             if (k != at && !kernel->mark[next]) {
+                if (!pbw__hold(kernel, kernel->corner[link[k]])) {
+                    return pbw__leave_cavity(kernel, kernel->scratch.cavity_count);
+                }
                 kernel->mark[next] = 1;
                 kernel->scratch.cavity[kernel->scratch.cavity_count++] = next;
                 PBW__PREFETCH(kernel->corner + 4 * (size_t)next);
@@ -13193,7 +13284,8 @@ static void pbw__fill_hole(pbw__core *core)
     }
 }
 
-/* Removes a vertex.  PBW__ANEW: no simplex would be left, or it is too much work. */
+/* Removes a vertex.  PBW__ANEW: no simplex would be left, or it is too much work.  PBW__LEFT: by a task, if not all
+   vertices around are its own, or it makes no finite simplex, which may mean that none would be left. */
 static pbw_status pbw__remove_vertex(pbw__core *core, pbw_index v)
 {
     pbw__kernel *kernel = &core->kernel;
@@ -13207,8 +13299,8 @@ static pbw_status pbw__remove_vertex(pbw__core *core, pbw_index v)
     for (made = i = 0; i < core->fillings; i++) {
         made += core->filling[i].v[kernel->dim] != 0;
     }
-    if (status == PBW_OK && core->simplex_count - finite + made == 0) {
-        status = PBW__ANEW;
+    if (status == PBW_OK && made == 0 && (kernel->own.owner != NULL || core->simplex_count == finite)) {
+        status = kernel->own.owner != NULL ? PBW__LEFT : PBW__ANEW;
     }
     if (status != PBW_OK) {
         (void)pbw__leave_cavity(kernel, kernel->scratch.cavity_count);
@@ -13217,7 +13309,7 @@ static pbw_status pbw__remove_vertex(pbw__core *core, pbw_index v)
     kernel->scratch.facet_count = core->fillings;
     status = pbw__take_slots(kernel);
     if (status != PBW_OK) {
-        return status == PBW__LEFT ? PBW_ERROR_TOO_LARGE : status;
+        return pbw__no_room(kernel, status);
     }
     pbw__fill_hole(core);
     core->incident[v] = PBW__GONE;
@@ -13267,7 +13359,7 @@ static pbw_status pbw__insert_vertex(pbw__core *core, pbw_index v, pbw_index hin
     status = kernel->insert(kernel, v);
     core->inserting = 0;
     if (status != PBW_OK) {
-        return status == PBW__LEFT ? PBW_ERROR_TOO_LARGE : status;
+        return pbw__no_room(kernel, status);
     }
     if (kernel->scratch.facet_count == 0) {
         kernel->last = hint;
@@ -13307,7 +13399,7 @@ static pbw_status pbw__uncover(pbw__core *core)
         for (i = 0; i < count; i++) {
             const pbw_index v = core->covered[i], witness = core->cover[i];
             pbw_status status;
-            if (witness != PBW_NONE && !PBW__TOUCHED(core, witness)) {
+            if (witness != PBW_NONE && !core->touched[witness]) {
                 continue;
             }
             core->covered[i] = PBW__GHOST;
@@ -13918,6 +14010,7 @@ static pbw_status pbw__flip(pbw__core *core, size_t t, unsigned k)
     const pbw__link aq = kernel->link[4 * u + j1], qb = kernel->link[4 * u + j2];
     const pbw_index first[3] = { p, a, q }, second[3] = { p, q, b };
     pbw__link link[3];
+    pbw_status status;
     unsigned i;
     for (i = 0; i < 2; i++) {
         const pbw_index *v = i == 0 ? first : second;
@@ -13929,8 +14022,9 @@ static pbw_status pbw__flip(pbw__core *core, size_t t, unsigned k)
     kernel->scratch.cavity[0] = (pbw_index)t;
     kernel->scratch.cavity[1] = (pbw_index)u;
     kernel->scratch.cavity_count = 2;
-    if (!pbw__journal_cavity(kernel)) {
-        return PBW_ERROR_MEMORY;
+    status = pbw__journal_cavity(kernel);
+    if (status != PBW_OK) {
+        return status;
     }
     link[0] = aq, link[1] = 0, link[2] = pa;
     pbw__set_triangle(kernel, t, first, link);
@@ -14364,22 +14458,30 @@ static void pbw__changes_add(const pbw__core *core, const pbw_index *v, int dim,
 }
 
 /* What the journal says. */
-static pbw_status pbw__batch_changes(const pbw_live *live, pbw_changes *changes)
+static pbw_status pbw__batch_changes(pbw_live *live, pbw_changes *changes)
 {
-    const pbw__core *core = &live->core;
-    pbw_status status = pbw__changes_start(live, changes, core->past_count, core->past_count + core->taken_count);
-    size_t i;
+    pbw__core *core = &live->core;
+    size_t past = 0, taken = 0, i, j;
+    pbw_status status;
+    for (j = 0; j <= core->tasks; j++) {
+        past += pbw__journal(core, j)->past_count;
+        taken += pbw__journal(core, j)->taken_count;
+    }
+    status = pbw__changes_start(live, changes, past, past + taken);
     if (status != PBW_OK) {
         return status;
     }
-    for (i = 0; i < core->past_count; i++) {
-        pbw__changes_add(core, core->past[i].corner, live->dim, changes->deleted, &changes->deleted_count);
-        pbw__changes_add(core, core->store.corner + 4 * (size_t)core->past[i].slot, live->dim, changes->made,
-                         &changes->made_count);
-    }
-    for (i = 0; i < core->taken_count; i++) {
-        pbw__changes_add(core, core->store.corner + 4 * (size_t)core->taken[i], live->dim, changes->made,
-                         &changes->made_count);
+    for (j = 0; j <= core->tasks; j++) {
+        const pbw__core *own = pbw__journal(core, j);
+        for (i = 0; i < own->past_count; i++) {
+            pbw__changes_add(core, own->past[i].corner, live->dim, changes->deleted, &changes->deleted_count);
+            pbw__changes_add(core, core->store.corner + 4 * (size_t)own->past[i].slot, live->dim, changes->made,
+                             &changes->made_count);
+        }
+        for (i = 0; i < own->taken_count; i++) {
+            pbw__changes_add(core, core->store.corner + 4 * (size_t)own->taken[i], live->dim, changes->made,
+                             &changes->made_count);
+        }
     }
     return pbw__changes_close(changes, live->dim, live->count);
 }
@@ -15555,18 +15657,6 @@ static pbw_status pbw__import_records(void *arg, size_t from, size_t to)
     return PBW_OK;
 }
 
-/* Whether facet j of simplex u is facet k of simplex t: its vertices in the opposite order. */
-PBW__INLINE unsigned pbw__import_fits(const pbw_index *t, unsigned k, const pbw_index *u, unsigned j, int dim)
-{
-    pbw_index a[3], b[3];
-    pbw__facet_of(t, k, dim, a);
-    pbw__facet_of(u, j, dim, b);
-    return dim == 2 ? (unsigned)((a[0] == b[1]) & (a[1] == b[0]))
-                    : (unsigned)(((a[0] == b[0]) & (a[1] == b[2]) & (a[2] == b[1]))
-                                 | ((a[0] == b[1]) & (a[1] == b[0]) & (a[2] == b[2]))
-                                 | ((a[0] == b[2]) & (a[1] == b[1]) & (a[2] == b[0])));
-}
-
 /* Links the facets of a list, 4 * simplex + corner, to what is across.  Returns how many fit. */
 PBW__INLINE size_t pbw__import_link(const pbw__import *import, const pbw__link *facet, size_t count, int dim)
 {
@@ -15580,7 +15670,7 @@ PBW__INLINE size_t pbw__import_link(const pbw__import *import, const pbw__link *
         const pbw_index *back = mesh->neighbors + u * corners;
         const unsigned at1 = back[1] == t, at2 = back[2] == t, at3 = dim == 3 && back[dim] == t;
         const unsigned j = at1 + 2 * at2 + 3 * at3, once = (back[0] == t) + at1 + at2 + at3 == 1;
-        fits += once & pbw__import_fits(mesh->simplices + t * corners, k, mesh->simplices + u * corners, j & 3, dim);
+        fits += once & pbw__facets_fit(mesh->simplices + t * corners, k, mesh->simplices + u * corners, j & 3, dim);
         link[4 * t + k] = (pbw__link)(4 * u + (j & 3));
         link[4 * u + (j & 3)] = (pbw__link)(4 * t + k);
     }
