@@ -6385,12 +6385,28 @@ PBW__SIMD static pbw_status pbw__insert2_weighted_simd(pbw__kernel *kernel, pbw_
 }
 #endif
 
+/* The memory of insertions; context and dim are set. */
+static pbw_status pbw__scratch_create(pbw__kernel *kernel)
+{
+    if (!pbw__grow_lists(kernel, 64)) {
+        return PBW_ERROR_MEMORY;
+    }
+    if (kernel->dim == 2) {
+        return PBW__GROW(kernel, &kernel->scratch, stack, 64) ? PBW_OK : PBW_ERROR_MEMORY;
+    }
+    kernel->scratch.table = (uint64_t *)pbw__allocate(&kernel->context->memory, PBW__TABLE, sizeof(uint64_t));
+    if (kernel->scratch.table == NULL || !PBW__GROW(kernel, &kernel->scratch, edge, PBW__FEW * PBW__FEW)) {
+        return PBW_ERROR_MEMORY;
+    }
+    memset(kernel->scratch.table, 0, PBW__TABLE * sizeof(uint64_t));
+    return PBW_OK;
+}
+
 /* Makes a kernel for one thread; on failure the caller must still free it. */
 static pbw_status pbw__kernel_create(pbw__kernel *kernel, pbw__context *context, pbw__store *store,
                                      const pbw__vertices *vertices, const pbw__grid *grid)
 {
-    pbw__memory *memory = &context->memory;
-    int dim = vertices->dim;
+    const int dim = vertices->dim;
     memset(kernel, 0, offsetof(pbw__kernel, own));
     memset(&kernel->own, 0, offsetof(pbw__ownership, claim));
     kernel->context = context;
@@ -6414,20 +6430,7 @@ static pbw_status pbw__kernel_create(pbw__kernel *kernel, pbw__context *context,
     }
 #endif
     pbw__kernel_attach(kernel);
-    if (!pbw__grow_lists(kernel, 64)) {
-        return PBW_ERROR_MEMORY;
-    }
-    if (dim == 2) {
-        return PBW__GROW(kernel, &kernel->scratch, stack, 64) ? PBW_OK
-                                                                                                  : PBW_ERROR_MEMORY;
-    }
-    kernel->scratch.table = (uint64_t *)pbw__allocate(memory, PBW__TABLE, sizeof(uint64_t));
-    if (kernel->scratch.table == NULL
-        || !PBW__GROW(kernel, &kernel->scratch, edge, PBW__FEW * PBW__FEW)) {
-        return PBW_ERROR_MEMORY;
-    }
-    memset(kernel->scratch.table, 0, PBW__TABLE * sizeof(uint64_t));
-    return PBW_OK;
+    return pbw__scratch_create(kernel);
 }
 
 /* A level of the insertion order: of `count` ranks those that `stride` divides and `coarser` does not; in the
@@ -12661,6 +12664,15 @@ PBW__INLINE pbw__core *pbw__journal(pbw__core *core, size_t i)
     return i == 0 ? core : core->task[i - 1];
 }
 
+/* Whether simplices were deleted. */
+static int pbw__journal_any(pbw__core *core)
+{
+    size_t j;
+    for (j = 0; j <= core->tasks && pbw__journal(core, j)->past_count == 0; j++) {
+    }
+    return j <= core->tasks;
+}
+
 static void pbw__journal_clear(pbw__core *core)
 {
     size_t i, j;
@@ -14053,7 +14065,8 @@ static pbw_status pbw__flip(pbw__core *core, size_t t, unsigned k)
     return PBW_OK;
 }
 
-/* Flips until all edges are locally Delaunay, from those in rim_vertex on.  PBW__ANEW: more than `most` times. */
+/* Flips until all edges are locally Delaunay, from those in rim_vertex on.  PBW__ANEW: more than `most` times.  A task
+   notes in `open` those beyond which a vertex is not its own. */
 static pbw_status pbw__flip_all(pbw__core *core, size_t count, size_t most)
 {
     pbw__kernel *kernel = &core->kernel;
@@ -14069,6 +14082,13 @@ static pbw_status pbw__flip_all(pbw__core *core, size_t count, size_t most)
             continue;
         }
         status = ++flips > most ? PBW__ANEW : pbw__flip(core, t, k);
+        if (status == PBW__LEFT) {
+            status = PBW__CORE_GROW(core, open, core->open_count + 1) ? PBW_OK : PBW_ERROR_MEMORY;
+            if (status == PBW_OK) {
+                core->open[core->open_count++] = facet;
+                continue;
+            }
+        }
         if (status == PBW_OK && !PBW__CORE_GROW(core, rim_vertex, count + 6)) {
             status = PBW_ERROR_MEMORY;
         }
@@ -14524,22 +14544,22 @@ PBW__INLINE size_t pbw__start_cell(const pbw__core *core, const double *x)
     return cell;
 }
 
-/* Makes the table once there are walks enough to pay for it.  Returns whether there is one. */
-static int pbw__start_table(pbw__core *core, size_t walks)
+/* Makes the table once there are walks enough to pay for it. */
+static void pbw__start_table(pbw__core *core, size_t walks)
 {
     const size_t cells = core->vertex_count / 2 + 1;
     size_t side = 1, all, r;
     int k;
     core->searched += walks;
     if (core->start != NULL || core->searched < cells / 64) {
-        return core->start != NULL;
+        return;
     }
     while ((side + 1) * (side + 1) * (core->kernel.dim == 3 ? side + 1 : 1) <= cells) {
         side++;
     }
     all = side * side * (core->kernel.dim == 3 ? side : 1);
     if (!PBW__CORE_GROW(core, start, all)) {
-        return 0;                                    /* without it then */
+        return;                                      /* without it then */
     }
     core->start_side = side;
     for (k = 0; k < core->kernel.dim; k++) {
@@ -14553,111 +14573,350 @@ static int pbw__start_table(pbw__core *core, size_t walks)
             core->start[pbw__start_cell(core, pbw__core_record(core, (pbw_index)r))] = (pbw_index)r;
         }
     }
-    return 1;
 }
 
-/* Prefetches a simplex (0), then its vertices and neighbours (1), then theirs (2); the earlier are there by then. */
-PBW__INLINE void pbw__prefetch_around(const pbw__core *core, size_t t, int level)
+/* Prefetches, in steps, a simplex of v (0), its vertices and those of its neighbours that have v (1), what these have
+   (2), and the vertices behind them (3).  A task that owns v may read all this. */
+PBW__INLINE void pbw__prefetch_star(const pbw__core *core, pbw_index v, int step)
 {
-    const size_t dim = (size_t)core->kernel.dim, width = dim + 1;
+    const size_t dim = (size_t)core->kernel.dim, width = dim + 1, t = core->incident[v];
     const pbw_index *corner = core->kernel.corner;
     const pbw__link *link = core->kernel.link;
     size_t k, m;
-    if (level == 0) {
+    if (step == 0) {
         PBW__PREFETCH(corner + 4 * t);
         PBW__PREFETCH(link + 4 * t);
         PBW__PREFETCH(core->kernel.mark + t);
         return;
     }
-    for (k = 0; k <= dim && corner[4 * t] != PBW_NONE; k++) {
-        const size_t u = link[4 * t + k] >> 2;
-        if (level == 1) {
+    for (k = 0; k <= dim; k++) {
+        size_t u;
+        if (corner[4 * t + k] == v) {
+            continue;
+        }
+        u = link[4 * t + k] >> 2;
+        if (step == 1) {
             PBW__PREFETCH(core->record + width * corner[4 * t + k]);
             PBW__PREFETCH(corner + 4 * u);
             PBW__PREFETCH(link + 4 * u);
             PBW__PREFETCH(core->kernel.mark + u);
             continue;
         }
-        PBW__PREFETCH(core->record + width * corner[link[4 * t + k]]);
         for (m = 0; m <= dim; m++) {
-            PBW__PREFETCH(corner + link[4 * u + m]);
-            PBW__PREFETCH(link + link[4 * u + m]);
-            PBW__PREFETCH(core->kernel.mark + (link[4 * u + m] >> 2));
+            pbw__link behind;
+            if (corner[4 * u + m] == v) {
+                continue;
+            }
+            behind = link[4 * u + m];
+            if (step == 2) {
+                PBW__PREFETCH(core->record + width * corner[4 * u + m]);
+                PBW__PREFETCH(corner + behind);
+                PBW__PREFETCH(link + behind);
+                PBW__PREFETCH(core->kernel.mark + (behind >> 2));
+            } else {
+                PBW__PREFETCH(core->record + width * corner[behind]);
+                PBW__PREFETCH(core->local + corner[behind]);
+            }
         }
     }
 }
 
-/* A simplex of a vertex; any other if it has none. */
-PBW__INLINE size_t pbw__prefetch_at(const pbw__core *core, pbw_index v)
+/* The nearer to p of two vertices that this thread may start from; 0: neither. */
+PBW__INLINE pbw_index pbw__nearer_start(pbw__core *core, pbw_index a, pbw_index b, const double *p)
 {
-    return v != 0 && core->incident[v] < PBW__GONE ? core->incident[v] : 0;
+    const int dim = core->kernel.dim, has_a = a != 0 && pbw__hold(&core->kernel, a) && core->incident[a] < PBW__GONE;
+    if (b == 0 || b == a || !pbw__hold(&core->kernel, b) || core->incident[b] >= PBW__GONE) {
+        return has_a ? a : 0;
+    }
+    return has_a && pbw__squared(pbw__core_record(core, a), p, dim) <= pbw__squared(pbw__core_record(core, b), p, dim)
+         ? a : b;
 }
 
-/* Prefetches, in steps, for insertions to come: for that of list[i] i steps from now. */
-PBW__INLINE void pbw__prefetch_walks(const pbw__core *core, const pbw_index *list, size_t count)
+/* ------------------------------------------------------------------------------------------------------
+   >>tasks        A batch of changes by many threads.
+   In: a core, changes to its vertices, in any order.  Out: the core with the changes.
+   Holds: what holds in >>core.  The triangulation of the points is one, whatever the order of changes.
+
+   Tasks take groups of changes that are neighbours on the curve.  A change is made by one task.  It claims each vertex
+   that it needs, as in >>parallel, where a zone is one vertex here; after a group a task gives back all.  A change
+   that needs a vertex of another task is left, unmade, for the end of the task, then for the next round; in the end one
+   thread makes those left.  A task looks some changes ahead, and prefetches what it owns then.
+
+   Why no word is written by one task while another reads or writes it: the rule is stricter than in >>parallel.  A
+   simplex is deleted only by the owner of all its finite vertices.  So
+     (a) a simplex of which I own one vertex is not deleted by others, and of its links only the one to a neighbour of
+     which I own no vertex may change under me;
+     (b) the incident simplex of a vertex is read and written by its owner only; each simplex that is made has the
+     owner of all its vertices, so there always is one to be had;
+     (c) a record is written by who owns the whole star of its vertex.  A record is read by who owns another vertex of
+     a simplex that has it, or by who owns it itself; or it does not change in this batch;
+     (d) marks and slots are as in >>parallel, and so is that claiming acquires and giving back releases.
+   The ghost has no owner; a simplex of the ghost goes with its other vertices.
+   ------------------------------------------------------------------------------------------------------ */
+#define PBW__GROUP 8                                 /* changes whose vertices are claimed and prefetched ahead */
+#define PBW__LEAST_CHANGES(dim) PBW__SMALLER((size_t)((dim) == 3 ? 256 : 1024))        /* for another task to pay */
+
+typedef struct pbw__changing {
+    void *arg;
+    /* Returns a vertex near the i-th change, or 0.  Makes it; PBW__LEFT: not now, and nothing was changed. */
+    pbw_index (*near)(void *arg, pbw__core *core, size_t i);
+    pbw_status (*change)(void *arg, pbw__core *core, size_t i, pbw_index near);
+    size_t count, slots, most_effort;                /* slots: that a change needs, about */
+    double begin, end;                               /* of the stage's progress */
+    /* of a round */
+    pbw__core *core;
+    const pbw_index *which;                          /* NULL: all */
+    size_t round_count, grain, next;
+    int parts, stop;
+} pbw__changing;
+
+/* Makes a group of changes; kernel.left gets those left. */
+static pbw_status pbw__batch_group(const pbw__changing *batch, pbw__core *core, const pbw_index *which, size_t from,
+                                   size_t to)
 {
-    const size_t width = (size_t)core->kernel.dim + 1;
-    int level;
-    if (count > 16) {
-        PBW__PREFETCH(core->start + pbw__start_cell(core, pbw__core_record(core, list[16])));
+    pbw__kernel *kernel = &core->kernel;
+    const size_t count = to - from < PBW__GROUP ? to - from : PBW__GROUP;
+    pbw_index at[PBW__GROUP], near[PBW__GROUP];
+    pbw_status status = PBW_OK;
+    size_t i;
+    int step;
+    for (i = 0; i < count; i++) {
+        at[i] = which != NULL ? which[from + i] : (pbw_index)(from + i);
+        near[i] = batch->near(batch->arg, core, at[i]);
+        near[i] = near[i] != 0 && pbw__hold(kernel, near[i]) && core->incident[near[i]] < PBW__GONE ? near[i] : 0;
     }
-    if (count > 12) {
-        const size_t v = core->start[pbw__start_cell(core, pbw__core_record(core, list[12]))];
-        PBW__PREFETCH(core->incident + v);
-        PBW__PREFETCH(core->record + v * width);
-    }
-    for (level = 0; level < 3; level++) {
-        const size_t ahead = (size_t)(9 - 3 * level);
-        if (count > ahead) {
-            const pbw_index v = core->start[pbw__start_cell(core, pbw__core_record(core, list[ahead]))];
-            pbw__prefetch_around(core, pbw__prefetch_at(core, v), level);
+    for (step = 0; step < 4; step++) {
+        for (i = 0; i < count; i++) {
+            if (near[i] != 0) {
+                pbw__prefetch_star(core, near[i], step);
+            }
         }
+    }
+    for (i = 0; i < count && status == PBW_OK; i++) {
+        status = kernel->slots.no_room ? PBW__LEFT : batch->change(batch->arg, core, at[i], near[i]);
+        if (status == PBW__LEFT) {
+            status = PBW__GROW(kernel, kernel, left, kernel->left_count + 1) ? PBW_OK : PBW_ERROR_MEMORY;
+            if (status == PBW_OK) {
+                kernel->left[kernel->left_count++] = at[i];
+            }
+        }
+        status = status == PBW_OK && core->effort > batch->most_effort ? PBW__ANEW : status;
+    }
+    return status;
+}
+
+/* Makes changes from..to-1 of a list, which may be kernel.left itself.  Gives back what it claims. */
+static pbw_status pbw__batch_range(const pbw__changing *batch, pbw__core *core, const pbw_index *which, size_t from,
+                                   size_t to)
+{
+    pbw__ownership *own = &core->kernel.own;
+    pbw_status status = PBW_OK;
+    size_t i;
+    for (i = from; i < to && status == PBW_OK && !PBW__LOAD(&batch->stop); i += PBW__GROUP) {
+        status = pbw__batch_group(batch, core, which, i, to);
+        while (own->owner != NULL && own->claim_count > 0) {
+            PBW__STORE_RELEASE(own->owner + own->claim[--own->claim_count], PBW__NOBODY);
+            PBW__TEST_PAUSE();
+        }
+        if (status == PBW_OK && pbw__report(core->kernel.context, batch->begin + (batch->end - batch->begin)
+                                                                  * ((double)i / (double)batch->round_count))) {
+            status = PBW_CANCELLED;
+        }
+    }
+    return status;
+}
+
+static void pbw__batch_task(void *arg, int part)
+{
+    pbw__changing *batch = (pbw__changing *)arg;
+    pbw__core *core = batch->core->task[part];
+    pbw__kernel *kernel = &core->kernel;
+    size_t from = PBW__ADD(&batch->next, batch->grain), count;
+    while (from < batch->round_count && kernel->status == PBW_OK && !PBW__LOAD(&batch->stop)) {
+        const size_t rest = batch->round_count - from;
+        kernel->status = pbw__batch_range(batch, core, batch->which, from,
+                                          from + (rest < batch->grain ? rest : batch->grain));
+        from = PBW__ADD(&batch->next, batch->grain);
+    }
+    count = kernel->left_count;
+    kernel->left_count = 0;                          /* again: other tasks have gone on */
+    if (kernel->status == PBW_OK) {
+        kernel->status = pbw__batch_range(batch, core, kernel->left, 0, count);
+    }
+    if (kernel->status != PBW_OK) {
+        PBW__STORE(&batch->stop, 1);
     }
 }
 
-/* The same for removals. */
-PBW__INLINE void pbw__prefetch_stars(const pbw__core *core, const pbw_index *list, size_t count)
+/* Moves `count` free slots from the list of one kernel to that of another, which is empty. */
+static void pbw__give_slots(pbw__slots *from, pbw__slots *to, const pbw_index *corner, size_t count)
 {
-    const size_t dim = (size_t)core->kernel.dim;
-    int level;
-    size_t t, k, m;
-    if (count > 15) {
-        PBW__PREFETCH(core->incident + list[15]);
+    size_t i;
+    to->free_count = count;
+    to->free_list = from->free_list;
+    for (i = 0; i < count; i++) {
+        to->free_last = from->free_list;
+        from->free_list = corner[4 * (size_t)from->free_list + 1];
     }
-    for (level = 0; level < 3; level++) {
-        if (count > (size_t)(12 - 3 * level)) {
-            pbw__prefetch_around(core, pbw__prefetch_at(core, list[12 - 3 * level]), level);
-        }
-    }
-    t = count > 3 ? pbw__prefetch_at(core, list[3]) : 0;
-    for (k = 0; k <= dim && count > 3 && core->kernel.corner[4 * t] != PBW_NONE; k++) {
-        const size_t u = core->kernel.link[4 * t + k] >> 2;
-        for (m = 0; m <= dim; m++) {
-            const size_t far = core->kernel.corner[core->kernel.link[4 * u + m]];
-            PBW__PREFETCH(core->record + (dim + 1) * far);
-            PBW__PREFETCH(core->local + far);
-        }
-    }
+    from->free_count -= count;
 }
 
-/* A simplex to walk to an arriving vertex from: of the nearest of the last one, one in its cell, and a neighbour that
-   the point had before it moved, which was noted in `local`. */
-static pbw_index pbw__batch_hint(const pbw_live *live, size_t i, int table)
+/* Makes the task's core a view of this one. */
+static void pbw__task_begin(const pbw__changing *batch, int part, uint8_t *owner)
 {
-    const pbw__core *core = &live->core;
-    const double *p = pbw__core_record(core, live->arriving[i]);
-    const pbw_index near[2] = { core->local[live->arriving[i]], table ? core->start[pbw__start_cell(core, p)] : 0 };
-    double least = i == 0 ? HUGE_VAL : pbw__squared(pbw__core_record(core, live->arriving[i - 1]), p, live->dim);
-    pbw_index from = core->kernel.last;
-    int k;
-    for (k = 0; k < 2; k++) {
-        if (near[k] != 0 && core->incident[near[k]] < PBW__GONE) {
-            const double squared = pbw__squared(pbw__core_record(core, near[k]), p, live->dim);
-            from = squared < least ? core->incident[near[k]] : from;
-            least = squared < least ? squared : least;
-        }
+    pbw__core *core = batch->core, *task = core->task[part];
+    pbw__kernel *kernel = &task->kernel, *main = &core->kernel;
+    const size_t share = main->slots.free_count / (size_t)(batch->parts - part);
+    const size_t wanted = batch->slots * (batch->round_count / (size_t)batch->parts) + 64;
+    memcpy(task, core, offsetof(pbw__core, kernel));
+    memcpy(&kernel->context, &main->context, offsetof(pbw__kernel, slots) - offsetof(pbw__kernel, context));
+    kernel->last = kernel->last_entered = PBW_NONE;
+    kernel->previous = kernel->vertex_count = 0;
+    kernel->journal = task;
+    kernel->left_count = 0;
+    kernel->status = PBW_OK;
+    kernel->own.owner = owner;
+    kernel->own.me = (uint8_t)part;
+    kernel->own.owner_bits = kernel->own.claim_count = 0;
+    memset(&kernel->slots, 0, sizeof(kernel->slots));
+    kernel->slots.free_list = PBW_NONE;
+    task->simplex_count = task->effort = task->reinserted = task->open_count = 0;
+    pbw__give_slots(&main->slots, &kernel->slots, main->corner, share < wanted ? share : wanted);
+}
+
+/* Takes back the slots of a task, and what it counted and left. */
+static pbw_status pbw__task_end(pbw__core *core, pbw__core *task)
+{
+    pbw__kernel *kernel = &task->kernel, *main = &core->kernel;
+    pbw__slots *slots = &kernel->slots;
+    size_t t;
+    for (t = slots->tail; t < slots->tail_end; t++) {
+        kernel->mark[t] = 0;
+        pbw__free_slot(kernel, (pbw_index)t);
     }
-    return pbw__start_near(core, from);
+    if (slots->free_count > 0) {
+        kernel->corner[4 * (size_t)slots->free_last + 1] = main->slots.free_list;
+        main->slots.free_last = main->slots.free_count == 0 ? slots->free_last : main->slots.free_last;
+        main->slots.free_list = slots->free_list;
+        main->slots.free_count += slots->free_count;
+    }
+    core->simplex_count += task->simplex_count;
+    core->effort += task->effort;
+    core->reinserted += task->reinserted;
+    if (!PBW__GROW(main, main, left, main->left_count + kernel->left_count)
+        || !PBW__CORE_GROW(core, open, core->open_count + task->open_count)) {
+        return PBW_ERROR_MEMORY;
+    }
+    if (kernel->left_count > 0) {
+        memcpy(main->left + main->left_count, kernel->left, kernel->left_count * sizeof(pbw_index));
+    }
+    if (task->open_count > 0) {
+        memcpy(core->open + core->open_count, task->open, task->open_count * sizeof(pbw_index));
+    }
+    main->left_count += kernel->left_count;
+    core->open_count += task->open_count;
+    return kernel->status;
+}
+
+/* Cores for tasks, and slots for what they make. */
+static pbw_status pbw__batch_room(const pbw__changing *batch)
+{
+    pbw__core *core = batch->core;
+    pbw__context *context = core->kernel.context;
+    pbw__store *store = &core->store;
+    const size_t parts = (size_t)batch->parts, wanted = batch->slots * batch->round_count + 2048 * parts;
+    const size_t have = core->kernel.slots.free_count + store->capacity - store->count;
+    size_t needed = wanted > have ? store->capacity + wanted - have : 0;
+    pbw_status status = PBW_OK;
+    if (!PBW__CORE_GROW(core, task, parts)) {
+        return PBW_ERROR_MEMORY;
+    }
+    while (core->tasks < parts) {
+        pbw__core *task = (pbw__core *)pbw__allocate(&context->memory, 1, sizeof(pbw__core));
+        if (task == NULL) {
+            return PBW_ERROR_MEMORY;
+        }
+        memset(task, 0, sizeof(*task));
+        task->kernel.context = context;
+        task->kernel.dim = core->kernel.dim;
+        if (pbw__scratch_create(&task->kernel) != PBW_OK) {
+            pbw__core_free_own(context, task);
+            pbw__release(&context->memory, task, 1, sizeof(pbw__core));
+            return PBW_ERROR_MEMORY;
+        }
+        core->task[core->tasks++] = task;
+    }
+    needed = needed < PBW__SIMPLEX_LIMIT ? needed : PBW__SIMPLEX_LIMIT;
+    if (needed > store->capacity) {
+        status = pbw__store_reserve(context, store, needed);
+        pbw__kernel_attach(&core->kernel);
+    }
+    return status == PBW_OK && !pbw__journal_reserve(core) ? PBW_ERROR_MEMORY : status;
+}
+
+static pbw_status pbw__batch_round(pbw__changing *batch)
+{
+    pbw__core *core = batch->core;
+    pbw__context *context = core->kernel.context;
+    const size_t vertices = core->vertex_count + 1, grain = batch->round_count / (size_t)(8 * batch->parts);
+    uint8_t *owner;
+    pbw_status status = pbw__batch_room(batch);
+    int part;
+    if (status != PBW_OK) {
+        return status;
+    }
+    owner = (uint8_t *)pbw__allocate(&context->memory, vertices, 1);
+    if (owner == NULL) {
+        return PBW_ERROR_MEMORY;
+    }
+    memset(owner, PBW__NOBODY, vertices);
+    batch->grain = grain < PBW__GROUP ? PBW__GROUP : grain < 512 ? grain : 512;
+    batch->next = 0;
+    for (part = 0; part < batch->parts; part++) {
+        pbw__task_begin(batch, part, owner);
+    }
+    pbw__for(context, batch->parts, pbw__batch_task, batch);
+    core->kernel.left_count = 0;
+    core->kernel.last = PBW_NONE;
+    for (part = 0; part < batch->parts; part++) {
+        const pbw_status ended = pbw__task_end(core, core->task[part]);
+        status = status == PBW_OK ? ended : status;
+    }
+    pbw__release(&context->memory, owner, vertices, 1);
+    return status;
+}
+
+/* Into how many tasks to cut so many changes.  Weighted points may hide others, which is for one thread. */
+static int pbw__batch_parts(const pbw__core *core, size_t count)
+{
+    const size_t most = count / PBW__LEAST_CHANGES(core->kernel.dim);
+    const size_t threads = (size_t)core->kernel.context->threads;
+    const size_t parts = threads < PBW__NOBODY ? threads : PBW__NOBODY;
+    return core->kernel.weighted ? 1 : (int)(most < parts ? most : parts);
+}
+
+/* Makes the changes of a batch, or of kernel.left those that were left.  kernel.left then has those that cannot be
+   made so. */
+static pbw_status pbw__batch_all(pbw__core *core, pbw__changing *batch, int again)
+{
+    pbw__kernel *kernel = &core->kernel;
+    pbw_status status = PBW_OK;
+    size_t before;
+    batch->core = core;
+    batch->stop = 0;
+    batch->which = again ? kernel->left : NULL;
+    batch->round_count = again ? kernel->left_count : batch->count;
+    batch->parts = pbw__batch_parts(core, batch->round_count);
+    while (batch->parts > 1 && status == PBW_OK) {
+        /* the list of those to be done is the core's, those left are the tasks' until the round has ended */
+        before = batch->round_count;
+        status = pbw__batch_round(batch);
+        batch->which = kernel->left;
+        batch->round_count = kernel->left_count;
+        batch->parts = 4 * batch->round_count < 3 * before ? pbw__batch_parts(core, batch->round_count) : 1;
+    }
+    kernel->left_count = 0;
+    return status == PBW_OK ? pbw__batch_range(batch, core, batch->which, 0, batch->round_count) : status;
 }
 
 /* ------------------------------------------------------------------------------------------------------
@@ -15006,15 +15265,66 @@ static void pbw__live_fit_grid(pbw_live *live, const pbw_index *list, size_t cou
     }
 }
 
+/* ---- the changes of a batch, see >>tasks */
+static pbw_index pbw__near_leaving(void *arg, pbw__core *core, size_t i)
+{
+    (void)core;
+    return ((const pbw_live *)arg)->leaving[i];
+}
+
+/* Removes the i-th that leaves; a number that goes elsewhere remembers a neighbour. */
+static pbw_status pbw__change_leaving(void *arg, pbw__core *core, size_t i, pbw_index near)
+{
+    const pbw_live *live = (const pbw_live *)arg;
+    const pbw_index v = live->leaving[i], other = core->vertex[core->name[v]];
+    pbw_status status = pbw__hold(&core->kernel, v) ? PBW_OK : PBW__LEFT;
+    (void)near;
+    if (status == PBW_OK && core->incident[v] == PBW_NONE) {
+        core->incident[v] = PBW__GONE;               /* it was hidden */
+        return PBW_OK;
+    }
+    status = status == PBW_OK ? pbw__remove_vertex(core, v) : status;
+    if (status == PBW_OK && other != v && pbw__hold(&core->kernel, other) && core->incident[other] == PBW__WAITING) {
+        core->local[other] = core->rim_vertex[core->rim_vertices - 1];
+    }
+    return status;
+}
+
+/* A vertex near the i-th that arrives: in its cell, or a neighbour that the point had, which is noted in `local`. */
+static pbw_index pbw__near_arriving(void *arg, pbw__core *core, size_t i)
+{
+    const pbw_index v = ((const pbw_live *)arg)->arriving[i];
+    const double *p = pbw__core_record(core, v);
+    return pbw__nearer_start(core, core->local[v],
+                             core->start != NULL ? PBW__LOAD(core->start + pbw__start_cell(core, p)) : 0, p);
+}
+
+/* Inserts the i-th that arrives, from a vertex near it or the one before. */
+static pbw_status pbw__change_arriving(void *arg, pbw__core *core, size_t i, pbw_index near)
+{
+    const pbw_live *live = (const pbw_live *)arg;
+    const pbw_index v = live->arriving[i];
+    const double *p = pbw__core_record(core, v);
+    pbw_status status;
+    near = pbw__nearer_start(core, near, i > 0 ? live->arriving[i - 1] : 0, p);
+    if (!pbw__hold(&core->kernel, v) || (near == 0 && core->kernel.own.owner != NULL)) {
+        return PBW__LEFT;
+    }
+    status = pbw__insert_vertex(core, v, pbw__start_near(core, near != 0 ? core->incident[near] : core->kernel.last));
+    if (core->start != NULL) {
+        PBW__STORE(core->start + pbw__start_cell(core, p), v);
+    }
+    return status;
+}
+
 /* Carries out a batch; on any status but PBW_OK it is to be undone.  PBW__ANEW: by a rebuild. */
 static pbw_status pbw__batch_run(pbw_live *live, size_t most_effort)
 {
     pbw__core *core = &live->core;
-    pbw__context *context = core->kernel.context;
-    const size_t all = live->leaving_count + live->arriving_count;
+    const double all = (double)(live->leaving_count + live->arriving_count + 1);
+    pbw__changing batch;
     pbw_status status = pbw__live_sort(live, core, live->leaving, live->leaving_count);
     size_t i;
-    const int table = pbw__start_table(core, live->arriving_count);
     status = status == PBW_OK ? pbw__live_sort(live, core, live->arriving, live->arriving_count) : status;
     for (i = 0; i < live->arriving_count / 2; i++) { /* backwards: the slots freed last are the nearest */
         const pbw_index v = live->arriving[i];
@@ -15022,23 +15332,15 @@ static pbw_status pbw__batch_run(pbw_live *live, size_t most_effort)
         live->arriving[live->arriving_count - 1 - i] = v;
     }
     pbw__live_fit_grid(live, live->arriving, live->arriving_count);
+    memset(&batch, 0, sizeof(batch));
     core->effort = 0;
-    for (i = 0; i < live->leaving_count && status == PBW_OK; i++) {
-        const pbw_index v = live->leaving[i];
-        pbw__prefetch_stars(core, live->leaving + i, live->leaving_count - i);
-        if (core->incident[v] == PBW_NONE) {
-            core->incident[v] = PBW__GONE;           /* it was hidden */
-        } else {
-            status = pbw__remove_vertex(core, v);
-            status = status == PBW_OK && core->effort > most_effort ? PBW__ANEW : status;
-            if (status == PBW_OK && core->incident[core->vertex[core->name[v]]] == PBW__WAITING) {
-                core->local[core->vertex[core->name[v]]] = core->rim_vertex[core->rim_vertices - 1];
-            }
-        }
-        if (status == PBW_OK && (i & 63) == 0 && pbw__report(context, (double)i / (double)all)) {
-            status = PBW_CANCELLED;
-        }
-    }
+    batch.arg = live;
+    batch.most_effort = most_effort;
+    batch.count = live->leaving_count;
+    batch.near = pbw__near_leaving;
+    batch.change = pbw__change_leaving;
+    batch.end = (double)live->leaving_count / all;
+    status = status == PBW_OK ? pbw__batch_all(core, &batch, 0) : status;
     core->covered_count = 0;
     for (i = 0; i < core->hidden_count; i++) {
         if (core->incident[core->hidden[i]] == PBW_NONE) {
@@ -15046,19 +15348,15 @@ static pbw_status pbw__batch_run(pbw_live *live, size_t most_effort)
             core->cover[core->covered_count++] = core->witness[i];
         }
     }
-    for (i = 0; i < live->arriving_count && status == PBW_OK; i++) {
-        if (table) {
-            pbw__prefetch_walks(core, live->arriving + i, live->arriving_count - i);
-        }
-        status = pbw__insert_vertex(core, live->arriving[i], pbw__batch_hint(live, i, table));
-        if (table) {
-            core->start[pbw__start_cell(core, pbw__core_record(core, live->arriving[i]))] = live->arriving[i];
-        }
-        if (status == PBW_OK && (i & 63) == 0
-            && pbw__report(context, (double)(live->leaving_count + i) / (double)all)) {
-            status = PBW_CANCELLED;
-        }
-    }
+    pbw__start_table(core, pbw__batch_parts(core, live->arriving_count) > 1 ? core->vertex_count
+                                                                            : live->arriving_count);
+    batch.count = live->arriving_count;
+    batch.near = pbw__near_arriving;
+    batch.change = pbw__change_arriving;
+    batch.slots = live->dim == 3 ? 7 : 2;
+    batch.begin = batch.end;
+    batch.end = 1.0;
+    status = status == PBW_OK ? pbw__batch_all(core, &batch, 0) : status;
     return status == PBW_OK ? pbw__uncover(core) : status;
 }
 
@@ -15187,7 +15485,7 @@ static pbw_status pbw__live_in_place(pbw_live *live, size_t count, pbw_changes *
 }
 
 /* ---- one by one
-   The star of v in scratch.cavity.  PBW__NO_FIT: it has a ghost. */
+   The star of v in scratch.cavity.  PBW__NO_FIT: it has a ghost.  PBW__LEFT: not all of its vertices are ours. */
 static pbw_status pbw__shift_star(pbw__core *core, pbw_index v)
 {
     pbw__kernel *kernel = &core->kernel;
@@ -15195,6 +15493,9 @@ static pbw_status pbw__shift_star(pbw__core *core, pbw_index v)
     pbw_index *cavity = kernel->scratch.cavity;
     size_t count = 1, i, k;
     pbw_status status = PBW_OK;
+    if (!pbw__hold_corners(kernel, core->incident[v])) {
+        return PBW__LEFT;
+    }
     cavity[0] = core->incident[v];
     kernel->mark[cavity[0]] = 1;
     for (i = 0; i < count && status == PBW_OK; i++) {
@@ -15205,11 +15506,13 @@ static pbw_status pbw__shift_star(pbw__core *core, pbw_index v)
         }
         cavity = kernel->scratch.cavity;
         status = kernel->corner[4 * t + dim] == PBW__GHOST ? PBW__NO_FIT : PBW_OK;
-        for (k = 0; k <= dim; k++) {
+        for (k = 0; k <= dim && status == PBW_OK; k++) {
             const size_t next = kernel->link[4 * t + k] >> 2;
             if (kernel->corner[4 * t + k] != v && !kernel->mark[next]) {
-                kernel->mark[next] = 1;
-                cavity[count++] = (pbw_index)next;
+                status = pbw__hold(kernel, kernel->corner[kernel->link[4 * t + k]]) ? PBW_OK : PBW__LEFT;
+                kernel->mark[next] = status == PBW_OK;
+                cavity[count] = (pbw_index)next;
+                count += status == PBW_OK;
                 PBW__PREFETCH(kernel->corner + 4 * next);
                 PBW__PREFETCH(kernel->link + 4 * next);
             }
@@ -15220,22 +15523,35 @@ static pbw_status pbw__shift_star(pbw__core *core, pbw_index v)
     return status;
 }
 
-/* Gives v the coordinates x if its star stays positive; then flips.  PBW__NO_FIT: it does not, or in space is not
+/* The i-th vertex that moves gets its new place, or the old one back. */
+static void pbw__shift_exchange(pbw_live *live, size_t i)
+{
+    const size_t dim = (size_t)live->dim;
+    double *record = live->core.record + live->leaving[i] * (dim + 1);
+    double *other = live->moved + live->arriving[i] * dim;
+    size_t k;
+    for (k = 0; k < dim; k++) {
+        const double x = record[k];
+        record[k] = other[k];
+        other[k] = x;
+    }
+    live->head[i] ^= 1;
+}
+
+/* Gives v its new place if its star stays positive; then flips.  PBW__NO_FIT: it does not, or in space is not
    Delaunay. */
-static pbw_status pbw__shift_in_place(pbw__core *core, pbw_index v, const double *x)
+static pbw_status pbw__shift_in_place(pbw_live *live, pbw__core *core, size_t at)
 {
     pbw__kernel *kernel = &core->kernel;
-    const size_t dim = (size_t)kernel->dim;
-    double *record = core->record + v * (dim + 1), old[3];
+    const int dim = kernel->dim;
     size_t count = 0, i;
     unsigned k;
-    pbw_status status = pbw__shift_star(core, v);
+    pbw_status status = pbw__shift_star(core, live->leaving[at]);
     core->effort += kernel->scratch.cavity_count;
     if (status != PBW_OK) {
         return status;
     }
-    memcpy(old, record, dim * sizeof(double));
-    memcpy(record, x, dim * sizeof(double));
+    pbw__shift_exchange(live, at);
     for (i = 0; i < kernel->scratch.cavity_count && status == PBW_OK; i++) {
         const size_t t = kernel->scratch.cavity[i];
         const unsigned faults = dim == 3 ? pbw__slot_faults(core, t, 1, 3) : pbw__slot_faults(core, t, 1, 2);
@@ -15250,26 +15566,49 @@ static pbw_status pbw__shift_in_place(pbw__core *core, pbw_index v, const double
         }
     }
     if (status == PBW__NO_FIT) {
-        memcpy(record, old, dim * sizeof(double));
+        pbw__shift_exchange(live, at);
     }
-    return status != PBW_OK || count == 0 ? status : pbw__flip_all(core, count, core->simplex_count);
+    return status != PBW_OK || count == 0 ? status : pbw__flip_all(core, count, live->core.past_simplices);
 }
 
-/* Moves v to x; *removed counts those that are removed and inserted for that. */
-static pbw_status pbw__shift_vertex(pbw__core *core, pbw_index v, const double *x, size_t *removed)
+/* Removes the i-th vertex and inserts it at its new place; that may be left after this. */
+static pbw_status pbw__change_again(void *arg, pbw__core *core, size_t i, pbw_index near)
 {
-    pbw_status status = pbw__shift_in_place(core, v, x);
-    if (status == PBW__NO_FIT) {
-        ++*removed;
-        status = pbw__remove_vertex(core, v);
-        if (status == PBW_OK) {
-            const pbw_index near = core->rim_vertex[core->rim_vertices - 1];
-            const size_t dim = (size_t)core->kernel.dim;
-            memcpy(core->record + v * (dim + 1), x, dim * sizeof(double));
-            status = pbw__insert_vertex(core, v, pbw__start_near(core, core->incident[near]));
-        }
+    pbw_live *live = (pbw_live *)arg;
+    const pbw_index v = live->leaving[i];
+    pbw_status status;
+    (void)near;
+    if (!pbw__hold(&core->kernel, v)) {
+        return PBW__LEFT;
     }
-    return status;
+    if (core->incident[v] != PBW__GONE) {
+        status = pbw__remove_vertex(core, v);
+        if (status != PBW_OK) {
+            return status;
+        }
+        core->local[v] = core->rim_vertex[core->rim_vertices - 1];
+        core->reinserted++;
+        pbw__shift_exchange(live, i);
+    }
+    near = pbw__nearer_start(core, core->local[v], 0, pbw__core_record(core, v));
+    if (near == 0 && core->kernel.own.owner != NULL) {
+        return PBW__LEFT;
+    }
+    return pbw__insert_vertex(core, v, pbw__start_near(core, near != 0 ? core->incident[near] : core->kernel.last));
+}
+
+/* Moves the i-th vertex.  In the plane one that cannot stay in its star is left: flips may be due around it. */
+static pbw_status pbw__change_place(void *arg, pbw__core *core, size_t i, pbw_index near)
+{
+    pbw_live *live = (pbw_live *)arg;
+    const pbw_index v = live->leaving[i];
+    pbw_status status = pbw__hold(&core->kernel, v) ? PBW_OK : PBW__LEFT;
+    if (status == PBW_OK && core->incident[v] != PBW__GONE) {
+        status = pbw__shift_in_place(live, core, i);
+    } else if (status == PBW_OK) {
+        status = PBW__NO_FIT;
+    }
+    return status != PBW__NO_FIT ? status : live->dim == 2 ? PBW__LEFT : pbw__change_again(live, core, i, near);
 }
 
 /* Enters the new places into the table and takes the old ones out.  PBW__ANEW: a new place is taken, or was. */
@@ -15305,12 +15644,12 @@ static pbw_status pbw__shift_places(pbw_live *live)
     return status;
 }
 
-/* Moves vertices one by one along the curve.  *done: how many have got, or are getting, their new places; what these
-   were is in `moved`. */
-static pbw_status pbw__shift_all(pbw_live *live, size_t most_effort, size_t *done, size_t *removed)
+/* Moves vertices one by one along the curve. */
+static pbw_status pbw__shift_all(pbw_live *live, size_t most_effort)
 {
     pbw__core *core = &live->core;
-    const size_t dim = (size_t)live->dim, count = live->leaving_count;
+    const size_t count = live->leaving_count;
+    pbw__changing batch;
     pbw_status status;
     size_t i;
     for (i = 0; i < count; i++) {
@@ -15320,20 +15659,25 @@ static pbw_status pbw__shift_all(pbw_live *live, size_t most_effort, size_t *don
     for (i = 0; i < count; i++) {
         live->arriving[i] = core->local[live->leaving[i]];
     }
-    core->effort = 0;
-    for (i = 0; i < count && status == PBW_OK; i++) {
-        double *moved = live->moved + live->arriving[i] * dim, x[3];
-        memcpy(x, moved, dim * sizeof(double));
-        memcpy(moved, pbw__core_record(core, live->leaving[i]), dim * sizeof(double));
-        *done = i + 1;
-        pbw__prefetch_stars(core, live->leaving + i, count - i);
-        status = pbw__shift_vertex(core, live->leaving[i], x, removed);
-        if (status == PBW_OK && core->effort > most_effort) {
-            status = PBW__ANEW;
+    memset(&batch, 0, sizeof(batch));
+    batch.arg = live;
+    batch.near = pbw__near_leaving;
+    batch.change = pbw__change_place;
+    batch.count = count;
+    batch.most_effort = most_effort;
+    batch.end = 0.9;
+    core->effort = core->reinserted = core->open_count = 0;
+    status = status == PBW_OK ? pbw__batch_all(core, &batch, 0) : status;
+    if (status == PBW_OK && live->dim == 2) {
+        status = PBW__CORE_GROW(core, rim_vertex, core->open_count) ? PBW_OK : PBW_ERROR_MEMORY;
+        if (status == PBW_OK && core->open_count > 0) {
+            memcpy(core->rim_vertex, core->open, core->open_count * sizeof(pbw_index));
+            status = pbw__flip_all(core, core->open_count, core->past_simplices);
         }
-        if (status == PBW_OK && (i & 63) == 0 && pbw__report(core->kernel.context, (double)i / (double)count)) {
-            status = PBW_CANCELLED;
-        }
+        batch.change = pbw__change_again;
+        batch.begin = 0.9;
+        batch.end = 1.0;
+        status = status == PBW_OK ? pbw__batch_all(core, &batch, 1) : status;
     }
     return status;
 }
@@ -15343,10 +15687,9 @@ static pbw_status pbw__live_shift(pbw_live *live, size_t count, size_t most_effo
                                   pbw_way *way)
 {
     pbw__core *core = &live->core;
-    const size_t dim = (size_t)live->dim;
     const pbw__grid grid = core->grid;
     const double exact_height = core->kernel.exact_height;
-    size_t done = 0, removed = 0, i;
+    size_t i;
     pbw_status status = core->kernel.weighted ? PBW__ANEW : pbw__live_list_moves(live, count);
     status = status == PBW_OK ? pbw__batch_reserve(live, count) : status;
     if (status != PBW_OK) {
@@ -15356,16 +15699,19 @@ static pbw_status pbw__live_shift(pbw_live *live, size_t count, size_t most_effo
     live->past_vertices = core->vertex_count;
     live->past_unused = core->unused_count;
     live->past_placed = core->placed;
+    memset(live->head, 0, count * sizeof(pbw_index));
+    core->reinserted = 0;
     status = pbw__shift_places(live);
-    status = status == PBW_OK ? pbw__shift_all(live, most_effort, &done, &removed) : status;
-    *way = removed > 0 ? PBW_WAY_BATCH : core->past_count > 0 ? PBW_WAY_FLIPS : PBW_WAY_NOTHING;
+    status = status == PBW_OK ? pbw__shift_all(live, most_effort) : status;
+    *way = core->reinserted > 0 ? PBW_WAY_BATCH : pbw__journal_any(core) ? PBW_WAY_FLIPS : PBW_WAY_NOTHING;
     if (status == PBW_OK && changes != NULL) {
         status = pbw__batch_changes(live, changes);
     }
     if (status != PBW_OK) {
-        for (i = 0; i < done; i++) {
-            memcpy(core->record + live->leaving[i] * (dim + 1), live->moved + live->arriving[i] * dim,
-                   dim * sizeof(double));
+        for (i = 0; i < count; i++) {
+            if (live->head[i] != 0) {
+                pbw__shift_exchange(live, i);
+            }
         }
         core->grid = grid;
         core->kernel.exact_height = exact_height;
@@ -15470,7 +15816,7 @@ static pbw_status pbw__live_try_moves(pbw_live *live, size_t count, pbw_changes 
 {
     const pbw_status status = pbw__live_in_place(live, count, changes);
     if (status == PBW_OK) {
-        *way = live->core.past_count > 0 ? PBW_WAY_FLIPS : PBW_WAY_NOTHING;
+        *way = pbw__journal_any(&live->core) ? PBW_WAY_FLIPS : PBW_WAY_NOTHING;
         pbw__journal_clear(&live->core);
     } else if (status == PBW__ANEW) {
         pbw_changes_free(changes);

@@ -7,8 +7,9 @@
 #include "test.h"
 #include <math.h>
 
-#ifndef CHOOSE_WAY
-#define CHOOSE_WAY(turn) ((void)(turn))                 /* see test_live_local.c */
+#ifndef CHOOSE_WAY                                      /* see test_live_local.c */
+#define CHOOSE_WAY(turn) ((void)(turn))
+#define THREADS 1
 #endif
 
 /* What a live triangulation should hold: points by number. */
@@ -383,7 +384,7 @@ static void test_sequences(void)
             for (weighted = 0; weighted < 2; weighted++) {
                 if (test_begin("sequence: %dD %s%s", dim, kind_name[kind], weighted ? ", weighted" : "")) {
                     sequence(dim, kind, weighted, 1, commits, 12);
-                    sequence(dim, kind, weighted, 1, commits / 2, 150);
+                    sequence(dim, kind, weighted, THREADS, commits / 2, 150);
                     sequence(dim, kind, weighted, 3, commits / 8, 150);
                     test_end();
                 }
