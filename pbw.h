@@ -58,6 +58,7 @@
      >>verify       vertices that moved: does the triangulation hold; flips
      >>live         points to be inserted, removed and moved: the queue
      >>hints         where walks start, and what batches prefetch
+     >>tasks         a batch of changes by many threads
      >>change        a batch of queued changes, vertex by vertex
      >>moves         points that keep their neighbours, or most
      >>commit        queued changes carried out
@@ -4563,6 +4564,7 @@ static PBW__NOINLINE pbw_index pbw__take_slot(pbw__kernel *kernel)
 }
 
 static pbw_status pbw__journal_cavity(pbw__kernel *kernel);  /* >>core */
+static pbw_status pbw__journal_slots(pbw__kernel *kernel);
 
 /* Takes the slots of the star: those of the cavity first, still marked; surplus slots of the cavity become free. */
 PBW__INLINE pbw_status pbw__take_slots(pbw__kernel *kernel)
@@ -4604,7 +4606,7 @@ PBW__INLINE pbw_status pbw__take_slots(pbw__kernel *kernel)
     }
     kernel->statistics.created += needed;
     kernel->last = cavity[needed - 1];
-    return PBW_OK;
+    return PBW__UNLIKELY(kernel->journal != NULL) ? pbw__journal_slots(kernel) : PBW_OK;
 }
 /* ------------------------------------------------------------------------------------------------------
    >>walk         Point location.
@@ -12379,8 +12381,8 @@ PBWDEF pbw_status pbw_coordinates(const pbw_mesh *mesh, const double *points, si
    start the one that was deleted first links to the other.  A link that leads to the facet of the same vertices is
    right, in both directions: so once the corners are written back, in any order, these links are.
 
-   Tasks of >>tasks have cores of their own: the members up to `kernel` are copies, of arrays for all, and each has its
-   own of those after.
+   A task of >>tasks has a core of its own: the members before `kernel` are copies of those here, the arrays are for
+   all; the members from there on are the task's own.
    ------------------------------------------------------------------------------------------------------ */
 #define PBW__WAITING (PBW_NONE - 1)                  /* incident: a vertex that is to be inserted */
 #define PBW__GONE (PBW_NONE - 2)                     /* incident: a vertex that was removed */
@@ -12492,10 +12494,16 @@ PBW__INLINE int pbw__hold(pbw__kernel *kernel, pbw_index v)
 
 PBW__INLINE int pbw__hold_corners(pbw__kernel *kernel, size_t t)
 {
+    const pbw_index *v = kernel->corner + 4 * t;
+    const int dim = kernel->dim;
     int k;
-    for (k = 0; k <= kernel->dim && pbw__hold(kernel, kernel->corner[4 * t + (size_t)k]); k++) {
+    if (kernel->own.owner == NULL || (pbw__is_ours(kernel, v[0]) & pbw__is_ours(kernel, v[1])
+                                      & pbw__is_ours(kernel, v[2]) & pbw__is_ours(kernel, v[dim]))) {
+        return 1;
     }
-    return k > kernel->dim;
+    for (k = 0; k <= dim && pbw__hold(kernel, v[k]); k++) {
+    }
+    return k > dim;
 }
 
 /* Where a slot is missing: for another task, there may be one later. */
@@ -12606,30 +12614,32 @@ static void pbw__note_corners(pbw__core *core, size_t t)
     core->simplex_count += (size_t)finite;
 }
 
-/* Notes the slots of the star that were free; its corners get a finite simplex. */
-static int pbw__journal_star(pbw__core *core)
+/* Notes the slots of the star that were free, before they are used. */
+static pbw_status pbw__journal_slots(pbw__kernel *kernel)
 {
-    pbw__kernel *kernel = &core->kernel;
+    pbw__core *core = (pbw__core *)kernel->journal;
     const size_t count = kernel->scratch.facet_count;
     size_t i;
     if (!pbw__journal_reserve(core) || !PBW__CORE_GROW(core, taken, core->taken_count + count)) {
-        for (i = 0; i < count; i++) {                /* what is in no journal is free again */
-            const size_t t = kernel->scratch.cavity[i];
-            if (t >= core->touched_capacity || !core->touched[t]) {
-                kernel->corner[4 * t] = PBW_NONE;
-            }
-        }
-        return 0;
+        return PBW_ERROR_MEMORY;
     }
     for (i = 0; i < count; i++) {
         const size_t t = kernel->scratch.cavity[i];
-        pbw__note_corners(core, t);
         if (!core->touched[t]) {
             core->touched[t] = 1;
             core->taken[core->taken_count++] = (pbw_index)t;
         }
     }
-    return 1;
+    return PBW_OK;
+}
+
+/* The corners of a star get a finite simplex. */
+static void pbw__note_star(pbw__core *core)
+{
+    size_t i;
+    for (i = 0; i < core->kernel.scratch.facet_count; i++) {
+        pbw__note_corners(core, core->kernel.scratch.cavity[i]);
+    }
 }
 
 /* All simplices of the cavity are finite or not: how many are. */
@@ -12647,9 +12657,11 @@ static void pbw__list_free_slots(pbw__core *core)
 {
     pbw__kernel *kernel = &core->kernel;
     size_t t;
-    kernel->slots.free_count = 0;
-    kernel->slots.free_list = PBW_NONE;
-    kernel->slots.tail = kernel->slots.tail_end = 0;
+    for (t = 0; t <= core->tasks; t++) {
+        pbw__slots *slots = &(t < core->tasks ? core->task[t] : core)->kernel.slots;
+        slots->free_count = slots->tail = slots->tail_end = 0;
+        slots->free_list = PBW_NONE;
+    }
     for (t = 0; t < core->store.count; t++) {        /* the last is taken first: see >>change */
         kernel->mark[t] = 0;
         if (kernel->corner[4 * t] == PBW_NONE) {
@@ -13325,7 +13337,8 @@ static pbw_status pbw__remove_vertex(pbw__core *core, pbw_index v)
     }
     pbw__fill_hole(core);
     core->incident[v] = PBW__GONE;
-    return pbw__journal_star(core) ? PBW_OK : PBW_ERROR_MEMORY;
+    pbw__note_star(core);
+    return PBW_OK;
 }
 
 /* ---- insertion, and what it hides */
@@ -13377,9 +13390,7 @@ static pbw_status pbw__insert_vertex(pbw__core *core, pbw_index v, pbw_index hin
         kernel->last = hint;
         return pbw__cover_vertex(core, v, pbw__find_witness(core, hint, v)) ? PBW_OK : PBW_ERROR_MEMORY;
     }
-    if (!pbw__journal_star(core)) {
-        return PBW_ERROR_MEMORY;
-    }
+    pbw__note_star(core);
     for (i = 0; i < core->rim_vertices && kernel->weighted; i++) {
         if (core->incident[core->rim_vertex[i]] == PBW_NONE
             && !pbw__cover_vertex(core, core->rim_vertex[i], PBW_NONE)) {
@@ -14065,8 +14076,8 @@ static pbw_status pbw__flip(pbw__core *core, size_t t, unsigned k)
     return PBW_OK;
 }
 
-/* Flips until all edges are locally Delaunay, from those in rim_vertex on.  PBW__ANEW: more than `most` times.  A task
-   notes in `open` those beyond which a vertex is not its own. */
+/* Flips until all edges are locally Delaunay, from those in rim_vertex on.  PBW__ANEW: more than `most` times.  A
+   task notes in `open` the edges beyond which a vertex is not its own. */
 static pbw_status pbw__flip_all(pbw__core *core, size_t count, size_t most)
 {
     pbw__kernel *kernel = &core->kernel;
@@ -14637,21 +14648,23 @@ PBW__INLINE pbw_index pbw__nearer_start(pbw__core *core, pbw_index a, pbw_index 
    In: a core, changes to its vertices, in any order.  Out: the core with the changes.
    Holds: what holds in >>core.  The triangulation of the points is one, whatever the order of changes.
 
-   Tasks take groups of changes that are neighbours on the curve.  A change is made by one task.  It claims each vertex
-   that it needs, as in >>parallel, where a zone is one vertex here; after a group a task gives back all.  A change
-   that needs a vertex of another task is left, unmade, for the end of the task, then for the next round; in the end one
-   thread makes those left.  A task looks some changes ahead, and prefetches what it owns then.
+   A task takes blocks of changes, which are neighbours on the curve, and works in groups of a few: it claims a vertex
+   near each change, prefetches what is around these, then makes the changes.  For each it claims the vertices that it
+   needs, as in >>parallel, but a zone is one vertex here.  After a group it gives back all.  A change that needs a
+   vertex of another task is left as it is: for the end of the task, then for the next round.  The last ones are made
+   by one thread.
 
    Why no word is written by one task while another reads or writes it: the rule is stricter than in >>parallel.  A
-   simplex is deleted only by the owner of all its finite vertices.  So
-     (a) a simplex of which I own one vertex is not deleted by others, and of its links only the one to a neighbour of
-     which I own no vertex may change under me;
-     (b) the incident simplex of a vertex is read and written by its owner only; each simplex that is made has the
-     owner of all its vertices, so there always is one to be had;
-     (c) a record is written by who owns the whole star of its vertex.  A record is read by who owns another vertex of
-     a simplex that has it, or by who owns it itself; or it does not change in this batch;
-     (d) marks and slots are as in >>parallel, and so is that claiming acquires and giving back releases.
-   The ghost has no owner; a simplex of the ghost goes with its other vertices.
+   simplex is deleted only by a task that owns all its finite vertices.  So
+     (a) nobody else deletes a simplex of which I own one vertex, and of its links nobody else changes those across
+     facets that have this vertex;
+     (b) the incident simplex of a vertex is read and written by its owner: all corners of the simplices that a task
+     makes are its own, or the ghost;
+     (c) only a task that owns all vertices of a star changes the coordinates in its middle.  A task that reads the
+     coordinates of a vertex owns it, or another vertex of a simplex that has it, which is in that star; or no
+     coordinates change in this batch;
+     (d) marks and slots are as in >>parallel, and so are acquire and release.
+   The ghost has no owner: it is in simplices that the owner of their other vertices deletes.
    ------------------------------------------------------------------------------------------------------ */
 #define PBW__GROUP 8                                 /* changes whose vertices are claimed and prefetched ahead */
 #define PBW__LEAST_CHANGES(dim) PBW__SMALLER((size_t)((dim) == 3 ? 256 : 1024))        /* for another task to pay */
@@ -14705,7 +14718,7 @@ static pbw_status pbw__batch_group(const pbw__changing *batch, pbw__core *core, 
     return status;
 }
 
-/* Makes changes from..to-1 of a list, which may be kernel.left itself.  Gives back what it claims. */
+/* Makes changes from..to-1 of a list, which may be kernel.left itself.  Gives back what it claims, if all is well. */
 static pbw_status pbw__batch_range(const pbw__changing *batch, pbw__core *core, const pbw_index *which, size_t from,
                                    size_t to)
 {
@@ -14714,7 +14727,7 @@ static pbw_status pbw__batch_range(const pbw__changing *batch, pbw__core *core, 
     size_t i;
     for (i = from; i < to && status == PBW_OK && !PBW__LOAD(&batch->stop); i += PBW__GROUP) {
         status = pbw__batch_group(batch, core, which, i, to);
-        while (own->owner != NULL && own->claim_count > 0) {
+        while (status == PBW_OK && own->owner != NULL && own->claim_count > 0) {     /* else a star is incomplete */
             PBW__STORE_RELEASE(own->owner + own->claim[--own->claim_count], PBW__NOBODY);
             PBW__TEST_PAUSE();
         }
@@ -14748,17 +14761,58 @@ static void pbw__batch_task(void *arg, int part)
     }
 }
 
-/* Moves `count` free slots from the list of one kernel to that of another, which is empty. */
-static void pbw__give_slots(pbw__slots *from, pbw__slots *to, const pbw_index *corner, size_t count)
+/* Puts the free slots of a task into the core's list. */
+static void pbw__collect_slots(pbw__core *core, pbw__core *task)
 {
-    size_t i;
-    to->free_count = count;
-    to->free_list = from->free_list;
-    for (i = 0; i < count; i++) {
-        to->free_last = from->free_list;
-        from->free_list = corner[4 * (size_t)from->free_list + 1];
+    pbw__slots *slots = &task->kernel.slots, *all = &core->kernel.slots;
+    while (slots->tail < slots->tail_end) {
+        core->kernel.mark[slots->tail] = 0;
+        pbw__free_slot(&core->kernel, (pbw_index)slots->tail++);
     }
-    from->free_count -= count;
+    if (slots->free_count > 0) {
+        core->kernel.corner[4 * (size_t)slots->free_last + 1] = all->free_list;
+        all->free_last = all->free_count == 0 ? slots->free_last : all->free_last;
+        all->free_list = slots->free_list;
+        all->free_count += slots->free_count;
+        slots->free_list = PBW_NONE;
+        slots->free_count = 0;
+    }
+}
+
+/* Moves free slots of the core to a task. */
+static void pbw__give_slots(pbw__core *core, pbw__core *task, size_t count)
+{
+    pbw__slots *slots = &task->kernel.slots, *all = &core->kernel.slots;
+    for (; count > 0 && all->free_count > 0; count--, all->free_count--) {
+        const pbw_index t = all->free_list;
+        all->free_list = core->kernel.corner[4 * (size_t)t + 1];
+        core->kernel.corner[4 * (size_t)t + 1] = slots->free_list;
+        slots->free_list = t;
+        slots->free_last = slots->free_count++ == 0 ? t : slots->free_last;
+    }
+}
+
+/* Free slots for the tasks of a round: each keeps its own between rounds, as to walk along a list takes time. */
+static void pbw__share_slots(const pbw__changing *batch)
+{
+    pbw__core *core = batch->core;
+    const size_t parts = (size_t)batch->parts, wanted = batch->slots * (batch->round_count / parts) + 64;
+    size_t missing = 0, part;
+    for (part = 0; part < core->tasks; part++) {
+        const size_t have = core->task[part]->kernel.slots.free_count;
+        missing += part < parts && have < wanted ? wanted - have : 0;
+        if (part >= parts) {
+            pbw__collect_slots(core, core->task[part]);
+        }
+    }
+    for (part = 0; part < parts && missing > core->kernel.slots.free_count; part++) {
+        pbw__collect_slots(core, core->task[part]);
+    }
+    for (part = 0; part < parts; part++) {
+        const size_t have = core->task[part]->kernel.slots.free_count;
+        const size_t share = core->kernel.slots.free_count / (parts - part), less = have < wanted ? wanted - have : 0;
+        pbw__give_slots(core, core->task[part], less < share ? less : share);
+    }
 }
 
 /* Makes the task's core a view of this one. */
@@ -14766,8 +14820,6 @@ static void pbw__task_begin(const pbw__changing *batch, int part, uint8_t *owner
 {
     pbw__core *core = batch->core, *task = core->task[part];
     pbw__kernel *kernel = &task->kernel, *main = &core->kernel;
-    const size_t share = main->slots.free_count / (size_t)(batch->parts - part);
-    const size_t wanted = batch->slots * (batch->round_count / (size_t)batch->parts) + 64;
     memcpy(task, core, offsetof(pbw__core, kernel));
     memcpy(&kernel->context, &main->context, offsetof(pbw__kernel, slots) - offsetof(pbw__kernel, context));
     kernel->last = kernel->last_entered = PBW_NONE;
@@ -14778,28 +14830,15 @@ static void pbw__task_begin(const pbw__changing *batch, int part, uint8_t *owner
     kernel->own.owner = owner;
     kernel->own.me = (uint8_t)part;
     kernel->own.owner_bits = kernel->own.claim_count = 0;
-    memset(&kernel->slots, 0, sizeof(kernel->slots));
-    kernel->slots.free_list = PBW_NONE;
+    kernel->slots.no_room = 0;
     task->simplex_count = task->effort = task->reinserted = task->open_count = 0;
-    pbw__give_slots(&main->slots, &kernel->slots, main->corner, share < wanted ? share : wanted);
 }
 
-/* Takes back the slots of a task, and what it counted and left. */
+/* Takes back what a task counted and left. */
 static pbw_status pbw__task_end(pbw__core *core, pbw__core *task)
 {
-    pbw__kernel *kernel = &task->kernel, *main = &core->kernel;
-    pbw__slots *slots = &kernel->slots;
-    size_t t;
-    for (t = slots->tail; t < slots->tail_end; t++) {
-        kernel->mark[t] = 0;
-        pbw__free_slot(kernel, (pbw_index)t);
-    }
-    if (slots->free_count > 0) {
-        kernel->corner[4 * (size_t)slots->free_last + 1] = main->slots.free_list;
-        main->slots.free_last = main->slots.free_count == 0 ? slots->free_last : main->slots.free_last;
-        main->slots.free_list = slots->free_list;
-        main->slots.free_count += slots->free_count;
-    }
+    const pbw__kernel *kernel = &task->kernel;
+    pbw__kernel *main = &core->kernel;
     core->simplex_count += task->simplex_count;
     core->effort += task->effort;
     core->reinserted += task->reinserted;
@@ -14825,9 +14864,12 @@ static pbw_status pbw__batch_room(const pbw__changing *batch)
     pbw__context *context = core->kernel.context;
     pbw__store *store = &core->store;
     const size_t parts = (size_t)batch->parts, wanted = batch->slots * batch->round_count + 2048 * parts;
-    const size_t have = core->kernel.slots.free_count + store->capacity - store->count;
-    size_t needed = wanted > have ? store->capacity + wanted - have : 0;
+    size_t have = core->kernel.slots.free_count + store->capacity - store->count, needed, part;
     pbw_status status = PBW_OK;
+    for (part = 0; part < core->tasks; part++) {
+        have += core->task[part]->kernel.slots.free_count;
+    }
+    needed = wanted > have ? store->capacity + wanted - have : 0;
     if (!PBW__CORE_GROW(core, task, parts)) {
         return PBW_ERROR_MEMORY;
     }
@@ -14839,6 +14881,7 @@ static pbw_status pbw__batch_room(const pbw__changing *batch)
         memset(task, 0, sizeof(*task));
         task->kernel.context = context;
         task->kernel.dim = core->kernel.dim;
+        task->kernel.slots.free_list = PBW_NONE;
         if (pbw__scratch_create(&task->kernel) != PBW_OK) {
             pbw__core_free_own(context, task);
             pbw__release(&context->memory, task, 1, sizeof(pbw__core));
@@ -14872,6 +14915,7 @@ static pbw_status pbw__batch_round(pbw__changing *batch)
     memset(owner, PBW__NOBODY, vertices);
     batch->grain = grain < PBW__GROUP ? PBW__GROUP : grain < 512 ? grain : 512;
     batch->next = 0;
+    pbw__share_slots(batch);
     for (part = 0; part < batch->parts; part++) {
         pbw__task_begin(batch, part, owner);
     }
@@ -14901,19 +14945,21 @@ static pbw_status pbw__batch_all(pbw__core *core, pbw__changing *batch, int agai
 {
     pbw__kernel *kernel = &core->kernel;
     pbw_status status = PBW_OK;
-    size_t before;
+    size_t before, part;
     batch->core = core;
     batch->stop = 0;
     batch->which = again ? kernel->left : NULL;
     batch->round_count = again ? kernel->left_count : batch->count;
     batch->parts = pbw__batch_parts(core, batch->round_count);
     while (batch->parts > 1 && status == PBW_OK) {
-        /* the list of those to be done is the core's, those left are the tasks' until the round has ended */
         before = batch->round_count;
         status = pbw__batch_round(batch);
         batch->which = kernel->left;
         batch->round_count = kernel->left_count;
         batch->parts = 4 * batch->round_count < 3 * before ? pbw__batch_parts(core, batch->round_count) : 1;
+    }
+    for (part = 0; part < core->tasks && kernel->slots.free_count < batch->slots * batch->round_count + 64; part++) {
+        pbw__collect_slots(core, core->task[part]);
     }
     kernel->left_count = 0;
     return status == PBW_OK ? pbw__batch_range(batch, core, batch->which, 0, batch->round_count) : status;

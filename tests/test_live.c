@@ -398,7 +398,7 @@ static pbw_options metered(meter *m)
 {
     pbw_options options;
     memset(&options, 0, sizeof options);
-    options.threads = 1;
+    options.threads = THREADS;
     options.resize = meter_resize;
     options.resize_user = m;
     return options;
@@ -512,7 +512,7 @@ static void test_cancel(void)
                 memset(&options, 0, sizeof options);
                 memset(&none, 0, sizeof none);
                 none.dim = dim;
-                options.threads = 1;
+                options.threads = THREADS;
                 options.progress = stop;
                 options.progress_user = &s;
                 model_start(&m, dim, 5);
