@@ -61,6 +61,7 @@ typedef struct pbwm_report {               /* equal on all ranks */
     uint64_t points, duplicates, simplices, hull, hash;      /* hull: facets, 0 without an output */
     uint64_t halo, sent_bytes, given_up;   /* points of others, bytes after the partition, leftovers: sums */
     uint64_t rounds, largest;              /* of questions; points of one rank: the most */
+    uint64_t memory;                       /* bytes through options.build.resize at one time: the most of one rank */
     double seconds[PBWM_PHASES];           /* of the slowest rank */
     char text[1400];                       /* why it failed */
 } pbwm_report;
@@ -86,6 +87,16 @@ PBWMDEF pbw_status pbwm_agree(MPI_Comm comm, pbw_status status, char *text, size
 #include <string.h>
 #include <unistd.h>
 
+#if defined(__GNUC__)
+#define PBWM__ADD(x, y) __atomic_add_fetch(x, y, __ATOMIC_RELAXED)
+#define PBWM__LOAD(x) __atomic_load_n(x, __ATOMIC_RELAXED)
+#define PBWM__CAS(x, old, y) __atomic_compare_exchange_n(x, old, y, 1, __ATOMIC_RELAXED, __ATOMIC_RELAXED)
+#else
+#define PBWM__ADD(x, y) (*(x) += (y))      /* such a pbw.h has one thread */
+#define PBWM__LOAD(x) (*(x))
+#define PBWM__CAS(x, old, y) (*(x) = (y), 1)
+#endif
+
 /* ------------------------------------------------------------------------------------------------------
    The ranks: memory, agreement, clocks.
    ------------------------------------------------------------------------------------------------------ */
@@ -93,19 +104,46 @@ typedef struct pbwm__group {
     MPI_Comm comm;
     MPI_Datatype word;                               /* 8 bytes, so that an int counts 16 GB */
     int rank, ranks, dim;
-    pbwm_options options;
+    pbwm_options options;                            /* its build.resize is pbwm__metered, over `build` */
+    pbw_options build;                               /* as given */
+    size_t used, peak;                               /* bytes; any thread changes them */
     pbwm_report *report;
     double began;
     int *count;                                      /* of exchanges: 2 a rank */
     MPI_Request *request;                            /* 2 a rank */
 } pbwm__group;
 
-/* Memory through options.build.resize; the size stands before the block. */
-static void *pbwm__take(const pbwm__group *g, size_t bytes)
+static void *pbwm__resize(const pbw_options *given, void *ptr, size_t old_size, size_t new_size)
 {
-    const pbw_options *o = &g->options.build;
+    if (given->resize != NULL) {
+        return given->resize(given->resize_user, ptr, old_size, new_size);
+    }
+    if (new_size == 0) {
+        free(ptr);
+        return NULL;
+    }
+    return realloc(ptr, new_size);
+}
+
+/* For all memory of this rank: through the resize that was given, and counted. */
+static void *pbwm__metered(void *user, void *ptr, size_t old_size, size_t new_size)
+{
+    pbwm__group *g = (pbwm__group *)user;
+    void *block = pbwm__resize(&g->build, ptr, old_size, new_size);
+    if (block != NULL || new_size == 0) {
+        const size_t used = PBWM__ADD(&g->used, new_size - old_size);
+        size_t peak = PBWM__LOAD(&g->peak);
+        while (used > peak && !PBWM__CAS(&g->peak, &peak, used)) {
+        }
+    }
+    return block;
+}
+
+/* The size stands before the block. */
+static void *pbwm__take(pbwm__group *g, size_t bytes)
+{
     const size_t all = bytes + 16;
-    char *block = (char *)(o->resize != NULL ? o->resize(o->resize_user, NULL, 0, all) : malloc(all));
+    char *block = (char *)pbwm__metered(g, NULL, 0, all);
     if (block == NULL) {
         return NULL;
     }
@@ -114,20 +152,13 @@ static void *pbwm__take(const pbwm__group *g, size_t bytes)
     return block + 16;
 }
 
-static void pbwm__give(const pbwm__group *g, void *data)
+static void pbwm__give(pbwm__group *g, void *data)
 {
-    const pbw_options *o = &g->options.build;
-    char *block;
     size_t all;
-    if (data == NULL) {
-        return;
-    }
-    block = (char *)data - 16;
-    memcpy(&all, block, sizeof all);
-    if (o->resize != NULL) {
-        (void)o->resize(o->resize_user, block, all, 0);
-    } else {
-        free(block);
+    if (data != NULL) {
+        char *block = (char *)data - 16;
+        memcpy(&all, block, sizeof all);
+        (void)pbwm__metered(g, block, all, 0);
     }
 }
 
@@ -693,8 +724,8 @@ static pbw_status pbwm__finish(pbwm__work *w)
     pbwm__group *g = w->g;
     pbwm_report *r = g->report;
     const pbwt_numbers *n = &w->tile.numbers, *rest = &w->rest.numbers;
-    const uint64_t most[2] = { n->rounds, w->tree.count };
-    uint64_t sum[9], all[9], largest[2];
+    const uint64_t most[3] = { n->rounds, w->tree.count, g->peak };
+    uint64_t sum[9], all[9], largest[3];
     pbwtf_header header;
     pbw_hash_sums sums;
     pbw_status status = PBW_OK;
@@ -708,7 +739,7 @@ static pbw_status pbwm__finish(pbwm__work *w)
     sum[7] = w->tile.hash.points + w->rest.hash.points;
     sum[8] = w->tile.hash.simplices + w->rest.hash.simplices;
     MPI_Allreduce(sum, all, 9, MPI_UINT64_T, MPI_SUM, g->comm);
-    MPI_Allreduce(most, largest, 2, MPI_UINT64_T, MPI_MAX, g->comm);
+    MPI_Allreduce(most, largest, 3, MPI_UINT64_T, MPI_MAX, g->comm);
     memset(&header, 0, sizeof header);
     header.dim = (uint32_t)g->dim;
     header.flags = pbwm__flags(g);
@@ -722,6 +753,7 @@ static pbw_status pbwm__finish(pbwm__work *w)
     r->given_up = all[6];
     r->rounds = largest[0];
     r->largest = largest[1];
+    r->memory = largest[2];
     sums.points = all[7];
     sums.simplices = all[8];
     pbwtf_seal(&header, &sums);
@@ -784,6 +816,9 @@ PBWMDEF pbw_status pbwm_triangulate(MPI_Comm comm, const pbwt_point *points, siz
     memset(report, 0, sizeof *report);
     g.comm = comm;
     g.options = *options;
+    g.build = options->build;
+    g.options.build.resize = pbwm__metered;
+    g.options.build.resize_user = &g;
     g.report = report;
     g.dim = options->dim == 2 ? 2 : 3;
     MPI_Comm_rank(comm, &g.rank);
