@@ -20,7 +20,7 @@ export OMPI_ALLOW_RUN_AS_ROOT OMPI_ALLOW_RUN_AS_ROOT_CONFIRM
 
 # The best of three lines by the sum of the seconds of all phases but reading; adds that sum.
 best() {
-    awk '/ ranks: / { line = $0; sub(/.*seconds: /, ""); gsub(/[a-z,]/, "")
+    awk '/ resumed: / { line = $0; sub(/.*seconds: /, ""); gsub(/[a-z,]/, "")
                       sum = $2 + $3 + $4 + $5 + $6
                       if (found == "" || sum < least) { least = sum; found = line }
                       next }
