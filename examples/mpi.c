@@ -20,13 +20,11 @@ typedef struct slice { pbwt_point *point; uint64_t first, count; } slice;
 
 static const char *argument(int argc, char **argv, const char *name)
 {
-    int i;
-    for (i = 1; i + 1 < argc; i++) {
-        if (strcmp(argv[i], name) == 0) {
-            return argv[i + 1];
-        }
+    int i = 1;
+    while (i + 1 < argc && strcmp(argv[i], name) != 0) {
+        i++;
     }
-    return NULL;
+    return i + 1 < argc ? argv[i + 1] : NULL;
 }
 
 static size_t number(int argc, char **argv, const char *name)
@@ -66,8 +64,7 @@ static pbw_status read_slice(const char *path, int rank, int ranks, const pbwm_o
     const uint64_t all = size >= 0 ? (uint64_t)size / (each * 8) : 0;
     const char *what = size < 0 ? strerror(errno) : (uint64_t)size % (each * 8) != 0 ? "truncated" : NULL;
     double row[4] = { 0, 0, 0, 0 };
-    uint64_t i;
-    size_t k;
+    uint64_t i, k;
     s->first = all * (uint64_t)rank / (uint64_t)ranks;
     s->count = all * (uint64_t)(rank + 1) / (uint64_t)ranks - s->first;
     s->point = (pbwt_point *)calloc((size_t)s->count + 1, sizeof *s->point);
@@ -136,10 +133,13 @@ int main(int argc, char **argv)
     if (argument(argc, argv, "--die") != NULL && number(argc, argv, "--die") == (size_t)rank) {
         raise(SIGKILL);                              /* for a test: the others must end, too */
     }
+    options.taken = free;
+    options.taken_user = mine.point;
     if (status == PBW_OK) {
         status = pbwm_triangulate(MPI_COMM_WORLD, mine.point, (size_t)mine.count, &options, &report);
+    } else {
+        free(mine.point);
     }
-    free(mine.point);
     if (rank == 0 && status != PBW_OK) {
         fprintf(stderr, "mpi: %s\n", report.text);
     } else if (rank == 0) {

@@ -62,6 +62,10 @@ typedef struct pbwm_options {              /* all zero = best defaults */
     pbw_status (*emit)(void *user, const pbwt_tile *tile, size_t first, size_t count, const uint32_t *corners,
                        const uint32_t *links);
     void *emit_user;
+    /* Called once on each rank when its points are no longer read, at the latest when the call returns: it may free
+       them, 40 bytes of some 350 for each.  NULL = none. */
+    void (*taken)(void *user);
+    void *taken_user;
 } pbwm_options;
 
 enum { PBWM_PARTITION, PBWM_TILE, PBWM_LEFTOVERS, PBWM_LINKS, PBWM_WRITE, PBWM_PHASES };
@@ -71,7 +75,7 @@ typedef struct pbwm_report {               /* equal on all ranks */
     uint64_t halo, sent_bytes, given_up;   /* points of others, bytes after the partition, leftovers: sums */
     uint64_t rounds, largest;              /* of questions; points of one rank: the most */
     uint64_t resumed;                      /* tiles that an earlier run had finished */
-    uint64_t memory;                       /* bytes through options.build.resize at one time: the most of one rank */
+    uint64_t memory;                       /* bytes resident at one time in one process: the most of all ranks */
     double seconds[PBWM_PHASES];           /* of the slowest rank */
     char text[1400];                       /* why it failed */
 } pbwm_report;
@@ -95,17 +99,8 @@ PBWMDEF pbw_status pbwm_agree(MPI_Comm comm, pbw_status status, char *text, size
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
+#include <sys/resource.h>
 #include <unistd.h>
-
-#if defined(__GNUC__)
-#define PBWM__ADD(x, y) __atomic_add_fetch(x, y, __ATOMIC_RELAXED)
-#define PBWM__LOAD(x) __atomic_load_n(x, __ATOMIC_RELAXED)
-#define PBWM__CAS(x, old, y) __atomic_compare_exchange_n(x, old, y, 1, __ATOMIC_RELAXED, __ATOMIC_RELAXED)
-#else
-#define PBWM__ADD(x, y) (*(x) += (y))      /* such a pbw.h has one thread */
-#define PBWM__LOAD(x) (*(x))
-#define PBWM__CAS(x, old, y) (*(x) = (y), 1)
-#endif
 
 /* ------------------------------------------------------------------------------------------------------
    The ranks: memory, agreement, clocks.
@@ -114,46 +109,19 @@ typedef struct pbwm__group {
     MPI_Comm comm;
     MPI_Datatype word;                               /* 8 bytes, so that an int counts 16 GB */
     int rank, ranks, dim;
-    pbwm_options options;                            /* its build.resize is pbwm__metered, over `build` */
-    pbw_options build;                               /* as given */
-    size_t used, peak;                               /* bytes; any thread changes them */
+    pbwm_options options;
     pbwm_report *report;
     double began;
     int *count;                                      /* of exchanges: 2 a rank */
     MPI_Request *request;                            /* 2 a rank */
 } pbwm__group;
 
-static void *pbwm__resize(const pbw_options *given, void *ptr, size_t old_size, size_t new_size)
+/* Memory through options.build.resize; the size stands before the block. */
+static void *pbwm__take(const pbwm__group *g, size_t bytes)
 {
-    if (given->resize != NULL) {
-        return given->resize(given->resize_user, ptr, old_size, new_size);
-    }
-    if (new_size == 0) {
-        free(ptr);
-        return NULL;
-    }
-    return realloc(ptr, new_size);
-}
-
-/* For all memory of this rank: through the resize that was given, and counted. */
-static void *pbwm__metered(void *user, void *ptr, size_t old_size, size_t new_size)
-{
-    pbwm__group *g = (pbwm__group *)user;
-    void *block = pbwm__resize(&g->build, ptr, old_size, new_size);
-    if (block != NULL || new_size == 0) {
-        const size_t used = PBWM__ADD(&g->used, new_size - old_size);
-        size_t peak = PBWM__LOAD(&g->peak);
-        while (used > peak && !PBWM__CAS(&g->peak, &peak, used)) {
-        }
-    }
-    return block;
-}
-
-/* The size stands before the block. */
-static void *pbwm__take(pbwm__group *g, size_t bytes)
-{
+    const pbw_options *o = &g->options.build;
     const size_t all = bytes + 16;
-    char *block = (char *)pbwm__metered(g, NULL, 0, all);
+    char *block = (char *)(o->resize != NULL ? o->resize(o->resize_user, NULL, 0, all) : malloc(all));
     if (block == NULL) {
         return NULL;
     }
@@ -162,13 +130,20 @@ static void *pbwm__take(pbwm__group *g, size_t bytes)
     return block + 16;
 }
 
-static void pbwm__give(pbwm__group *g, void *data)
+static void pbwm__give(const pbwm__group *g, void *data)
 {
+    const pbw_options *o = &g->options.build;
+    char *block;
     size_t all;
-    if (data != NULL) {
-        char *block = (char *)data - 16;
-        memcpy(&all, block, sizeof all);
-        (void)pbwm__metered(g, block, all, 0);
+    if (data == NULL) {
+        return;
+    }
+    block = (char *)data - 16;
+    memcpy(&all, block, sizeof all);
+    if (o->resize != NULL) {
+        (void)o->resize(o->resize_user, block, all, 0);
+    } else {
+        free(block);
     }
 }
 
@@ -407,6 +382,10 @@ static pbw_status pbwm__partition(pbwm__work *w, const pbwt_point *points, size_
     }
     pbwm__give(g, to);
     pbwm__give(g, cuts);
+    if (g->options.taken != NULL) {
+        g->options.taken(g->options.taken_user);
+        g->options.taken = NULL;
+    }
     return status;
 }
 
@@ -912,12 +891,24 @@ static pbw_status pbwm__end_file(pbwm__work *w)
 /* ------------------------------------------------------------------------------------------------------
    All together.
    ------------------------------------------------------------------------------------------------------ */
+static uint64_t pbwm__resident(void)                 /* at most so far, in bytes */
+{
+    struct rusage usage;
+    memset(&usage, 0, sizeof usage);
+    getrusage(RUSAGE_SELF, &usage);
+#ifdef __APPLE__
+    return (uint64_t)usage.ru_maxrss;
+#else
+    return (uint64_t)usage.ru_maxrss * 1024;
+#endif
+}
+
 static pbw_status pbwm__finish(pbwm__work *w)
 {
     pbwm__group *g = w->g;
     pbwm_report *r = g->report;
     const pbwt_numbers *n = &w->tile.numbers, *rest = &w->rest.numbers;
-    const uint64_t most[3] = { n->rounds, w->tree.count, g->peak };
+    const uint64_t most[3] = { n->rounds, w->tree.count, pbwm__resident() };
     uint64_t sum[10], all[10], largest[3];
     pbwtf_header header;
     pbw_hash_sums sums;
@@ -1012,9 +1003,6 @@ PBWMDEF pbw_status pbwm_triangulate(MPI_Comm comm, const pbwt_point *points, siz
     memset(report, 0, sizeof *report);
     g.comm = comm;
     g.options = *options;
-    g.build = options->build;
-    g.options.build.resize = pbwm__metered;
-    g.options.build.resize_user = &g;
     g.report = report;
     g.dim = options->dim == 2 ? 2 : 3;
     MPI_Comm_rank(comm, &g.rank);
@@ -1036,6 +1024,9 @@ PBWMDEF pbw_status pbwm_triangulate(MPI_Comm comm, const pbwt_point *points, siz
            ? PBW_OK : PBW_ERROR_MEMORY;
     status = pbwm__agree(&g, status, "room for lists of ranks");
     status = status == PBW_OK ? pbwm__run(&w, points, count) : status;
+    if (g.options.taken != NULL) {
+        g.options.taken(g.options.taken_user);
+    }
     MPI_Allreduce(report->seconds, longest, PBWM_PHASES, MPI_DOUBLE, MPI_MAX, comm);
     memcpy(report->seconds, longest, sizeof longest);
     pbwm__give(&g, g.count);
