@@ -149,8 +149,8 @@ test-all: LOGS = $(TESTS:%=$B/%.log) $(SCRIPTS:%=$B/%.log)
 test: LOGS = $(TESTS:%=$B/%.log) $(patsubst %,$B/%.log,$(filter-out $(LONG),$(SCRIPTS)))
 test: export QUICK = 1
 QUICK_test_predicates = --count 50000
-QUICK_test_threads = --count 800
-QUICK_test_scalar = --count 800
+QUICK_test_threads = --count 500
+QUICK_test_scalar = --count 500
 QUICK_test_tiles = --count 1000
 programs: LOGS = $(TESTS:%=$B/%.log)
 examples: LOGS = $B/examples.log
