@@ -9,7 +9,7 @@
 # MPIRUN: the launcher.
 bin=$(cd "$1" && pwd) || exit 2
 count=${2:-4000000} scratch=${3:-$bin/ranks}
-[ $# -ge 3 ] && shift 3 || shift $#
+shift $(($# < 3 ? $# : 3))
 parts=${*:-ranks ten halo core} folder=${POINTS:-$scratch}
 points=$folder/points.bin
 mpirun=${MPIRUN:-mpirun --oversubscribe --bind-to none}
@@ -28,8 +28,8 @@ best() {
          END { if (found != "") printf "%s; all but read %.2f\n", found, least }'
 }
 run_ranks() {   # run_ranks RANKS THREADS POINTS-FILE TIMES
-    for time in $(seq "$4"); do
-        $mpirun -np "$1" "$bin/mpi" "$3" --threads "$2" 2>&1
+    seq "$4" | while read -r _; do
+        $mpirun -np "$1" "$bin/mpi" "$3" --threads "$2" 2>&1 < /dev/null
     done | best
 }
 
