@@ -432,7 +432,8 @@ PBWDEF pbw_status pbw_coordinates(const pbw_mesh *mesh, const double *points, si
    The number of a removed point is given again, to an insertion after the commit that removed it. */
 typedef struct pbw_live pbw_live;
 
-typedef enum pbw_way {                     /* how a commit was carried out; the result is the same for all */
+typedef enum pbw_way {                     /* how a commit was carried out, which may depend on the threads; the
+                                              result does not */
     PBW_WAY_NOTHING,                       /* no simplex changed */
     PBW_WAY_FLIPS,                         /* edges were flipped, in the plane */
     PBW_WAY_BATCH,                         /* points were taken out and put in, one by one */

@@ -1,6 +1,6 @@
 /* test_live_local.c: the tests of test_live.c, with a rebuild only where there is no other way, however slow; moves
-   are verified all at once in every other commit, and made one by one in the rest.  Batches are cut into tasks however
-   few changes there are, and the threads wait at random. */
+   are verified all at once in every other commit, and made one by one in the rest.  Few changes are enough to be cut
+   into tasks, and the threads wait at random. */
 #if defined(__linux__) || defined(__APPLE__)
 #define _GNU_SOURCE                                  /* sched_yield */
 #endif
