@@ -330,7 +330,7 @@ static PBWC__INLINE int pbwc__centre_of(const pbw_mesh *mesh, size_t dim, pbw_in
 {
     const pbw_index *corner = mesh->simplices + simplex * (dim + 1);
     const double *a = mesh->points + corner[0] * dim, *w = mesh->weights;
-    double r[3][3], height[3], largest = 0, det, least;
+    double r[3][3], height[3], largest = 0, det;
     size_t i, k;
     for (i = 0; i < dim; i++) {
         const double *b = mesh->points + corner[i + 1] * dim;
@@ -344,7 +344,6 @@ static PBWC__INLINE int pbwc__centre_of(const pbw_mesh *mesh, size_t dim, pbw_in
     }
     if (dim == 2) {
         det = r[0][0] * r[1][1] - r[0][1] * r[1][0];
-        least = largest * 1e-30;
         if (det > 1e-6 * largest) {
             centre[0] = (height[0] * r[1][1] - height[1] * r[0][1]) / (2 * det);
             centre[1] = (height[1] * r[0][0] - height[0] * r[1][0]) / (2 * det);
@@ -359,7 +358,6 @@ static PBWC__INLINE int pbwc__centre_of(const pbw_mesh *mesh, size_t dim, pbw_in
             m[i][2] = p[0] * q[1] - p[1] * q[0];
         }
         det = r[0][0] * m[0][0] + r[0][1] * m[0][1] + r[0][2] * m[0][2];
-        least = largest * sqrt(largest) * 1e-30;
         if (det > 0 && det * det > 1e-12 * largest * largest * largest) {
             const double scale = 0.5 / det;
             for (k = 0; k < 3; k++) {
@@ -368,7 +366,7 @@ static PBWC__INLINE int pbwc__centre_of(const pbw_mesh *mesh, size_t dim, pbw_in
             return 1;
         }
     }
-    return pbwc__centre_exactly(mesh, corner, least, centre);
+    return pbwc__centre_exactly(mesh, corner, 1e-30 * (dim == 3 ? largest * sqrt(largest) : largest), centre);
 }
 
 /* ------------------------------------------------------------------------------------------------------
@@ -780,6 +778,7 @@ struct pbwc__job {
     pbwc__array merged, ranges;            /* per simplex: the first whose centre is the same place */
     pbw_cells *cells;
     double *volumes, *centroids;
+    double *vertices;                      /* with shapes: first the centres of all simplices */
     size_t *first;
     pbwc__array entries;                   /* with shapes, per point: where its loops' entries begin */
     pbwc__array cut;                       /* per point: was its cell cut? */
@@ -2961,6 +2960,11 @@ static pbw_status pbwc__cells_range(void *arg, size_t from, size_t to)
     pbw_status status = pbwc__work_start(&work, job) ? PBW_OK : PBW_ERROR_MEMORY;
     work.out = (pbwc__range *)job->ranges.data + from / PBWC__CHUNK;
     for (i = from; status == PBW_OK && i < to; i++) {
+        if (job->vertices != NULL) {                 /* its centre, which is kept or soon needed */
+            const double origin[3] = { 0, 0, 0 };
+            (void)pbwc__from_site(job, work.centres, corners - 1, origin, (pbw_index)i,
+                                  job->vertices + i * (corners - 1));
+        }
         for (k = 0; k < corners; k++) {
             const pbw_index v = job->mesh->simplices[i * corners + k];
             if (job->mesh->incident[v] == i && v < job->count && status == PBW_OK) {
@@ -3032,23 +3036,6 @@ static pbw_status pbwc__join(void *arg, size_t from, size_t to)
         }
         if (range->rays.count > 0) {
             memcpy(joining->all_rays + joining->rays[r], range->rays.data, range->rays.count * sizeof(double));
-        }
-    }
-    return PBW_OK;
-}
-
-static pbw_status pbwc__all_centres(void *arg, size_t from, size_t to)
-{
-    const pbwc__joining *joining = (const pbwc__joining *)arg;
-    const pbw_mesh *mesh = joining->job->mesh;
-    const size_t dim = (size_t)mesh->dim;
-    for (; from < to; from++) {
-        const double *a = mesh->points + mesh->simplices[from * (dim + 1)] * dim;
-        double centre[3];
-        size_t k;
-        (void)pbwc__centre_of(mesh, dim, (pbw_index)from, centre);
-        for (k = 0; k < dim; k++) {
-            joining->all_vertices[from * dim + k] = a[k] + centre[k];
         }
     }
     return PBW_OK;
@@ -3131,7 +3118,9 @@ static pbw_status pbwc__join_all(pbwc__job *job, size_t ranges, const pbw_option
         joining.loop_first = (size_t *)pbwc__own(job, PBWC__LOOP_FIRST, sums[0] + 1, sizeof(size_t));
         cells->loop_first = joining.loop_first;
         cells->loops = joining.loops = (pbw_index *)pbwc__own(job, PBWC__LOOPS, sums[1], sizeof(pbw_index));
-        cells->vertices = joining.all_vertices = (double *)pbwc__own(job, PBWC__VERTICES, sums[2], sizeof(double));
+        joining.all_vertices = sums[2] == dim * job->mesh->simplex_count ? job->vertices
+                             : (double *)pbwc__own(job, PBWC__VERTICES, sums[2], sizeof(double));
+        cells->vertices = joining.all_vertices;
         cells->rays = joining.all_rays = (double *)pbwc__own(job, PBWC__RAYS, sums[3], sizeof(double));
     }
     if (joining.neighbors == NULL || joining.areas == NULL
@@ -3143,7 +3132,6 @@ static pbw_status pbwc__join_all(pbwc__job *job, size_t ranges, const pbw_option
     }
     if (status == PBW_OK && shapes) {
         joining.loop_first[sums[0]] = sums[1];
-        status = pbw_for(options, job->mesh->simplex_count, 8192, pbwc__all_centres, &joining);
     }
     for (v = 0; v < cells->cell_count; v++) {
         job->first[v + 1] += job->first[v];
@@ -3403,9 +3391,13 @@ static pbw_status pbwc__start_cells(pbwc__job *job, size_t ranges, const pbw_opt
         return PBW_ERROR_MEMORY;
     }
     memset(job->ranges.data, 0, job->ranges.bytes);
-    if (((job->what & PBW_CELLS_SHAPES) != 0
-         && !pbwc__resize(&job->memory, &job->entries, (count + 1) * sizeof(size_t)))
-        || (job->period != NULL && !pbwc__resize(&job->memory, &job->cut, count + 1))) {
+    if ((job->what & PBW_CELLS_SHAPES) != 0) {
+        job->vertices = (double *)pbwc__own(job, PBWC__VERTICES, job->mesh->simplex_count * dim, sizeof(double));
+        if (job->vertices == NULL || !pbwc__resize(&job->memory, &job->entries, (count + 1) * sizeof(size_t))) {
+            return PBW_ERROR_MEMORY;
+        }
+    }
+    if (job->period != NULL && !pbwc__resize(&job->memory, &job->cut, count + 1)) {
         return PBW_ERROR_MEMORY;
     }
     job->first[0] = 0;
