@@ -887,6 +887,33 @@ static void pbwt__ball_of(pbwt__ball *ball, const pbwt__question *q)
     }
 }
 
+/* A box around the ball, for points of weights up to `most`, whatever was rounded.  Returns 0 if the ball is not
+   known well enough. */
+static int pbwt__around(const pbwt__ball *ball, double most, pbwt_box *box)
+{
+    const double d = ball->d - ball->d_error;
+    double centre[3], radius = most - ball->weight, size = 0;
+    int k;
+    if (!ball->tame || !(d > 0.999999 * (ball->d + ball->d_error))) {
+        return 0;
+    }
+    for (k = 0; k < 3; k++) {
+        const double error = ball->n_error[k] / (2 * d) + 1e-6 * fabs(ball->n[k] / (2 * d));
+        centre[k] = ball->n[k] / (2 * d);
+        size = fmax(size, error);
+        radius += (fabs(centre[k]) + error) * (fabs(centre[k]) + error);
+    }
+    radius = (radius > 0 ? sqrt(radius) * (1 + 1e-9) : 0) + size;
+    for (k = 0; k < 3; k++) {
+        const double x = ball->a[k] + centre[k];
+        const double rounding = 1e-15 * (fabs(ball->a[k]) + fabs(centre[k]) + radius);
+        box->low[k] = x - radius - rounding;
+        box->high[k] = x + radius + rounding;
+    }
+    box->weight = most;
+    return 1;
+}
+
 /* A bound from below of d t^2 - n t over [low, high]. */
 static double pbwt__parabola(double d, double n, double low, double high)
 {
@@ -967,33 +994,29 @@ static int pbwt__corners_clear(const pbwt__question *q, const pbwt_box *box)
 /* ------------------------------------------------------------------------------------------------------
    Walks over a hierarchy: the lowest boxes that meet a box or a ball.
    ------------------------------------------------------------------------------------------------------ */
-typedef struct pbwt__shape { const pbwt_box *box; const pbwt__ball *ball; } pbwt__shape;     /* one of them */
+typedef struct pbwt__shape { const pbwt_box *box; const pbwt__ball *ball; } pbwt__shape;     /* NULL, or inside */
+
+static int pbwt__is_apart(const pbwt__shape *shape, const double *low, const double *high)
+{
+    const pbwt_box *box = shape->box;
+    return box != NULL && (box->low[0] > high[0] || box->high[0] < low[0] || box->low[1] > high[1]
+                           || box->high[1] < low[1] || box->low[2] > high[2] || box->high[2] < low[2]);
+}
 
 static int pbwt__meets(const pbwt__shape *shape, const pbwt_box *box)
 {
-    int k;
-    if (box->low[0] > box->high[0]) {
-        return 0;                                    /* empty */
+    if (box->low[0] > box->high[0] || pbwt__is_apart(shape, box->low, box->high)) {
+        return 0;                                    /* or empty */
     }
-    for (k = 0; shape->box != NULL && k < 3; k++) {
-        if (shape->box->low[k] > box->high[k] || shape->box->high[k] < box->low[k]) {
-            return 0;
-        }
-    }
-    return shape->box != NULL || !(pbwt__is_clear(shape->ball, box->low, box->high, box->weight)
-                                   || (shape->ball->q->facet != 0 && pbwt__corners_clear(shape->ball->q, box)));
+    return shape->ball == NULL || !(pbwt__is_clear(shape->ball, box->low, box->high, box->weight)
+                                    || (shape->ball->q->facet != 0 && pbwt__corners_clear(shape->ball->q, box)));
 }
 
 static int pbwt__has(const pbwt__shape *shape, const pbwt_point *p)
 {
-    int k, inside = 1;
-    if (shape->ball != NULL) {
-        return !pbwt__is_clear(shape->ball, p->x, p->x, p->weight) && pbwt__conflicts(shape->ball->q, p);
-    }
-    for (k = 0; k < 3; k++) {
-        inside &= p->x[k] >= shape->box->low[k] && p->x[k] <= shape->box->high[k];
-    }
-    return inside;
+    return !pbwt__is_apart(shape, p->x, p->x)
+        && (shape->ball == NULL || (!pbwt__is_clear(shape->ball, p->x, p->x, p->weight)
+                                    && pbwt__conflicts(shape->ball->q, p)));
 }
 
 typedef struct pbwt__node { int level; size_t at; } pbwt__node;
@@ -1224,8 +1247,9 @@ static int pbwt__answer_record(pbwt__serving *s, int kind, const char *record)
             return PBWT__REFUSED;
         }
         pbwt__ball_of(&ball, &question);
-        shape.box = NULL;
         shape.ball = &ball;
+        shape.box = s->levels.levels > 0 && pbwt__around(&ball, s->levels.box[s->levels.levels - 1]->weight, &box)
+                  ? &box : NULL;
     }
     return pbwt__answer_one(s, &shape);
 }
@@ -1777,31 +1801,18 @@ static void pbwt__question_of(const struct pbwt__tile *t, uint32_t simplex, int 
     q->weighted = (uint32_t)t->options.weighted;
 }
 
-/* Is the ball inside the grown box of a leaf with an own corner, around which all points are known? */
-static int pbwt__is_held(const struct pbwt__tile *t, uint32_t simplex, const pbwt__ball *ball)
+/* Is the box around a ball inside the grown box of a leaf with an own corner, around which all points are known? */
+static int pbwt__is_held(const struct pbwt__tile *t, uint32_t simplex, const pbwt_box *around)
 {
     const pbw_index *corner = t->level.mesh.simplices + (size_t)simplex * (size_t)pbwt__corners(t);
-    const double d = ball->d - ball->d_error;
-    double centre[3] = { 0, 0, 0 }, radius = t->foreign_weight - ball->weight, size = 0;
     int i, k;
-    if (!ball->tame || !(d > 0.999999 * (ball->d + ball->d_error))) {
-        return 0;
-    }
-    for (k = 0; k < t->tile->dim; k++) {
-        const double error = ball->n_error[k] / (2 * d) + 1e-6 * fabs(ball->n[k] / (2 * d));
-        centre[k] = ball->n[k] / (2 * d);
-        size = fmax(size, error);
-        radius += (fabs(centre[k]) + error) * (fabs(centre[k]) + error);
-    }
-    radius = (radius > 0 ? sqrt(radius) * (1 + 1e-9) : 0) + size;
     for (i = 0; i < pbwt__corners(t); i++) {
         const uint32_t v = pbwt__local(t, corner[i]), leaf = v / PBWT_LEAF;
         int inside = v < t->own && ((double *)t->held.data)[leaf] >= 0;
         for (k = 0; k < t->tile->dim && inside; k++) {
-            const double x = ball->a[k] + centre[k], h = ((double *)t->held.data)[leaf] * (1 - 1e-9);
-            const double rounding = 1e-15 * (fabs(ball->a[k]) + fabs(centre[k]) + radius);
-            inside &= x - radius - rounding >= t->tile->tree->boxes[leaf].low[k] - h
-                   && x + radius + rounding <= t->tile->tree->boxes[leaf].high[k] + h;
+            const double h = ((double *)t->held.data)[leaf] * (1 - 1e-9);
+            inside &= around->low[k] >= t->tile->tree->boxes[leaf].low[k] - h
+                   && around->high[k] <= t->tile->tree->boxes[leaf].high[k] + h;
         }
         if (inside) {
             return 1;
@@ -1830,14 +1841,15 @@ static int pbwt__inquire(struct pbwt__tile *t, uint32_t simplex, int facet, pbwt
     pbwt__ball ball;
     pbwt__shape shape;
     pbwt__walk walk;
+    pbwt_box around;
     size_t part;
     pbwt__question_of(t, simplex, facet, &q);
     pbwt__ball_of(&ball, &q);
-    if (facet == 0 && pbwt__is_held(t, simplex, &ball)) {
+    shape.ball = &ball;
+    shape.box = pbwt__around(&ball, t->foreign_weight, &around) ? &around : NULL;
+    if (shape.box != NULL && pbwt__is_held(t, simplex, &around)) {
         return 1;
     }
-    shape.box = NULL;
-    shape.ball = &ball;
     pbwt__walk_start(&walk, &t->levels, &shape);
     while ((part = pbwt__next(&walk)) != (size_t)-1) {
         pbwt__doubt doubt;
