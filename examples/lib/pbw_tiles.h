@@ -1895,19 +1895,28 @@ static pbw_status pbwt__test_range(void *arg, size_t from, size_t to)
     return PBW_OK;
 }
 
-/* Does certification start at this simplex?  In later levels, at all with a corner that must be asked about. */
-static int pbwt__starts(const struct pbwt__tile *t, size_t simplex, int *has_asked)
+static int pbwt__has_asked(const struct pbwt__tile *t, size_t simplex)
 {
     const size_t corners = (size_t)pbwt__corners(t);
-    int asked = 0, border = t->level.map.data != NULL;
     size_t k;
+    int asked = 0;
     for (k = 0; k < corners; k++) {
-        const uint32_t v = pbwt__local(t, t->level.mesh.simplices[simplex * corners + k]);
-        asked |= pbwt__state(t, v) == PBWT__ASKED;
-        border |= v >= t->own || t->level.mesh.neighbors[simplex * corners + k] == PBW_NONE;
+        asked |= pbwt__state(t, pbwt__local(t, t->level.mesh.simplices[simplex * corners + k])) == PBWT__ASKED;
     }
-    *has_asked = asked;
-    return asked && border;
+    return asked;
+}
+
+/* Does certification start at this simplex?  In later levels, at all with a corner that must be asked about. */
+static int pbwt__starts(const struct pbwt__tile *t, size_t simplex)
+{
+    const size_t corners = (size_t)pbwt__corners(t);
+    size_t k;
+    int border = t->level.map.data != NULL;
+    for (k = 0; k < corners && !border; k++) {
+        border = t->level.mesh.simplices[simplex * corners + k] >= t->own
+              || t->level.mesh.neighbors[simplex * corners + k] == PBW_NONE;
+    }
+    return border && pbwt__has_asked(t, simplex);
 }
 
 /* Gives up all that certification was to look at, instead of asking. */
@@ -1925,9 +1934,8 @@ static void pbwt__give_up(struct pbwt__tile *t)
 static pbw_status pbwt__find_starts(void *arg, size_t from, size_t to)
 {
     struct pbwt__tile *t = (struct pbwt__tile *)arg;
-    int has_asked;
     for (; from < to; from++) {
-        PBWT__BYTES(t->mark)[from] = (unsigned char)pbwt__starts(t, from, &has_asked);
+        PBWT__BYTES(t->mark)[from] = (unsigned char)pbwt__starts(t, from);
     }
     return PBW_OK;
 }
@@ -1940,7 +1948,6 @@ static int pbwt__ask_range(struct pbwt__tile *t, const pbwt__array *doubts)
     size_t i, k;
     for (i = 0; i < doubts->count; i++) {
         pbwt__question q;
-        int has_asked;
         pbwt__question_of(t, doubt[i].simplex, (int)doubt[i].facet, &q);
         if (!pbwt__request(t, doubt[i].part, &q, sizeof q, doubt[i].simplex)) {
             return 0;
@@ -1954,9 +1961,8 @@ static int pbwt__ask_range(struct pbwt__tile *t, const pbwt__array *doubts)
         for (k = 0; k < corners; k++) {
             const pbw_index n = t->level.mesh.neighbors[doubt[i].simplex * corners + k];
             if (n != PBW_NONE && !PBWT__BYTES(t->mark)[n]) {
-                pbwt__starts(t, n, &has_asked);
                 PBWT__BYTES(t->mark)[n] = 1;
-                if (has_asked && !pbwt__push(&t->memory, &t->queue, &n, sizeof n)) {
+                if (pbwt__has_asked(t, n) && !pbwt__push(&t->memory, &t->queue, &n, sizeof n)) {
                     return 0;
                 }
             }
@@ -2206,6 +2212,18 @@ enum { PBWT__CHOSEN = 1, PBWT__BORDER = 2 };         /* to be emitted; with fina
 
 typedef struct pbwt__choosing { const struct pbwt__tile *t; unsigned char *chosen; } pbwt__choosing;
 
+/* Is it of the first level, with own corners only, whose stars no answer changed?  Most are. */
+static int pbwt__is_inside(const struct pbwt__tile *t, const pbw_index *corner)
+{
+    const size_t corners = (size_t)pbwt__corners(t);
+    size_t k;
+    int inside = t->level.map.data == NULL;
+    for (k = 0; k < corners && inside; k++) {
+        inside = corner[k] < t->own && PBWT__BYTES(t->state)[corner[k]] == PBWT__ASKED;
+    }
+    return inside;
+}
+
 static unsigned char pbwt__choose(const struct pbwt__tile *t, size_t s)
 {
     const size_t corners = (size_t)pbwt__corners(t);
@@ -2213,6 +2231,9 @@ static unsigned char pbwt__choose(const struct pbwt__tile *t, size_t s)
     uint64_t least = 0;
     int final = 0, others = 0, doubtful = 0, chosen = 1;
     size_t k;
+    if (pbwt__is_inside(t, t->level.mesh.simplices + s * corners)) {
+        return PBWT__CHOSEN;
+    }
     for (k = 0; k < corners; k++) {
         int state;
         local[k] = pbwt__local(t, t->level.mesh.simplices[s * corners + k]);
