@@ -256,7 +256,7 @@ struct pbw_mesh {                          /* start from {0}, in C++ {}; read, d
    points: dim coordinates each, read in place, not kept.  mesh: overwritten (an earlier result in it is not
    freed); on any status but PBW_OK and PBW_DEGENERATE it is left empty.  PBW_DEGENERATE: no simplices, but
    canonical, incident (all PBW_NONE), points and duplicate_count are filled.
-   Holds at most 300 (3D) or 105 (2D) bytes a point while it runs on uniform points, the result included, which is 260
+   Holds at most 280 (3D) or 97 (2D) bytes a point while it runs on uniform points, the result included, which is 260
    (3D) or 85 (2D), and 0.5 MB a thread. */
 PBWDEF pbw_status pbw_triangulate(int dim, const double *points, const double *weights, size_t count,
                                   const pbw_options *options, pbw_mesh *mesh);
@@ -4387,21 +4387,23 @@ PBW__INLINE size_t pbw__region_end(const pbw__store *store, size_t region)
     return end < store->region_slots && region + 1 < store->region_count ? end : store->region_slots;
 }
 
-/* Regions and a tail.  A region has slots for 7 simplices a vertex in space, 2 1/16 in the plane: uniform points need
-   6.77 and 2, ghosts included.  There are at most 65536 regions, as each round of >>parallel visits all of
-   them; with less than 128 ranks (2D: 512) too many would be full while others are not.
+/* Regions and a tail.  A region has slots for 6 7/8 simplices a vertex in space: uniform points need 6.77, and the
+   tail takes the surplus of one region in five.  In the plane each vertex makes two more triangles than it deletes,
+   ghosts included, so a region needs two slots a vertex and two more for the first star.  There are at most 65536
+   regions, as each round of >>parallel visits all of them; with less than 128 ranks (2D: 512) too many would be full
+   while others are not.
    The output moves each simplex to its place in the order of lowest ranks.  Of n ranks on the curve, and so of the
    places they fill, a border of about n^(2/3) has simplices with higher ranks, in slots of later regions: in space
    the first region has slots for these too, so that places are not ahead of slots. */
 static pbw_status pbw__store_create(pbw__context *context, pbw__store *store, size_t vertices, int dim)
 {
     pbw__memory *memory = &context->memory;
-    size_t slots, tail = 64 + vertices / 32, side = 1, r;
+    size_t slots, tail = 64 + vertices / (dim == 3 ? 32 : 1024), side = 1, r;
     pbw_status status;
     for (store->region_bits = dim == 3 ? 7 : 9; vertices >> store->region_bits >= 65536; ) {
         store->region_bits++;
     }
-    store->slots_each = ((size_t)1 << store->region_bits) / 16 * (dim == 3 ? 112 : 33);
+    store->slots_each = ((size_t)1 << store->region_bits) / 16 * (dim == 3 ? 110 : 32) + (dim == 3 ? 0 : 2);
     while (side * side * side < vertices) {
         side++;
     }
@@ -4508,27 +4510,26 @@ PBW__INLINE void pbw__free_slot(pbw__kernel *kernel, pbw_index t)
     kernel->slots.free_count++;
 }
 
-/* Takes a block of the tail for `needed` simplices.  Only a thread that is alone can grow the tail. */
+/* Takes a block of the tail, of at least `needed` slots.  Only a thread that is alone can grow the tail. */
 static PBW__NOINLINE pbw_status pbw__more_tail(pbw__kernel *kernel, size_t needed)
 {
     pbw__store *store = kernel->store;
-    size_t block = needed > 1024 ? needed : 1024, from, t;
-    pbw_status status = PBW_OK;
-    if (kernel->own.owner == NULL && store->capacity - store->count < block) {
-        size_t bigger = pbw__store_bigger(store), least = store->count + needed;
-        status = store->capacity >= least && store->capacity == PBW__SIMPLEX_LIMIT ? PBW_OK
-               : pbw__store_reserve(kernel->context, store, bigger > least ? bigger : least);
+    const size_t most = needed > 256 ? needed : 256;
+    size_t block, from, t;
+    if (kernel->own.owner == NULL && store->capacity - store->count < needed) {
+        const size_t bigger = pbw__store_bigger(store), least = store->count + needed;
+        const pbw_status status = pbw__store_reserve(kernel->context, store, bigger > least ? bigger : least);
         pbw__kernel_attach(kernel);
         if (status != PBW_OK) {
             return status;
         }
-        block = block < store->capacity - store->count ? block : store->capacity - store->count;
     }
     from = PBW__LOAD(&store->count);
     do {
         PBW__TEST_PAUSE();
-        if (store->capacity - from < block) {
-            kernel->slots.no_room = 1;                     /* at the end of the round there will be more */
+        block = store->capacity - from < most ? store->capacity - from : most;
+        if (block < needed) {
+            kernel->slots.no_room = 1;               /* at the end of the round there will be more */
             return PBW__LEFT;
         }
     } while (!PBW__CAS(&store->count, &from, from + block));
