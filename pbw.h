@@ -12406,7 +12406,8 @@ typedef struct pbw__core {
     pbw_index *name, *incident, *local;              /* per vertex: its number for the caller; a simplex; its place in
                                                         `rim_vertex`, if that has it */
     pbw_index *vertex, *twin;                        /* per number: its vertex; the next number at its place */
-    pbw_index *place;                                /* a hash table of vertices by coordinates; 0: none */
+    pbw_index *place;                                /* a hash table of vertices by coordinates; 0: none.  A vertex
+                                                        that is gone or moved on may still be at its old place */
     pbw_index *unused, *hidden, *witness;            /* vertices; a simplex that hides each hidden one */
     pbw_index *covered, *cover;                      /* hidden and witness as the commit will leave them */
     pbw_index *start;                                /* per cell of the box: a vertex that is or was there; 0: none */
@@ -14170,7 +14171,6 @@ static pbw_status pbw__verify(pbw__core *core, size_t most)
 #define PBW__QUEUED 4u                               /* its number is in the queue */
 #define PBW__LEAVES 8u                               /* in a commit: its old place; and the next: a new one */
 #define PBW__ARRIVES 16u
-#define PBW__REMOVED PBW_NONE                        /* in the table of places */
 
 #define PBW__LIVE_GROW(live, x, needed) \
     pbw__grow(&(live)->core.kernel.context->memory, &(live)->x, &(live)->x##_capacity, needed, sizeof(*(live)->x))
@@ -14996,6 +14996,7 @@ PBW__INLINE void pbw__live_prefetch(const pbw_live *live, size_t i)
         }
         if (near < live->numbers && (live->state[near] & PBW__LIVES) != 0) {
             PBW__PREFETCH(pbw__core_record(&live->core, live->core.vertex[near]));
+            PBW__PREFETCH(live->core.local + live->core.vertex[near]);
         }
     }
 }
@@ -15046,23 +15047,22 @@ PBW__INLINE size_t pbw__place_slot(const pbw__core *core, const double *x)
 static size_t pbw__place_find(const pbw__core *core, const double *x)
 {
     const int dim = core->kernel.dim;
-    size_t at = pbw__place_slot(core, x), hole = (size_t)-1;
-    while (core->place[at] != 0) {
-        if (core->place[at] == PBW__REMOVED) {
-            hole = hole == (size_t)-1 ? at : hole;
-        } else if (pbw__same_place(pbw__core_record(core, core->place[at]), x, dim)) {
-            return at;
+    size_t at = pbw__place_slot(core, x);
+    for (; core->place[at] != 0; at = (at + 1) & (core->place_capacity - 1)) {
+        const pbw_index v = core->place[at];
+        if (pbw__same_place(pbw__core_record(core, v), x, dim) && core->incident[v] != PBW__GONE) {
+            break;
         }
-        at = (at + 1) & (core->place_capacity - 1);
     }
-    return hole != (size_t)-1 ? hole : at;
+    return at;
 }
 
 /* A table of places with room for `more` vertices. */
 static int pbw__place_reserve(pbw_live *live, size_t more)
 {
     pbw__core *core = &live->core;
-    size_t room = 64, i;
+    const size_t count = core->vertex_count;
+    size_t room = 64, v;
     if (core->place != NULL && 2 * (core->placed + more) < core->place_capacity) {
         return 1;
     }
@@ -15079,13 +15079,29 @@ static int pbw__place_reserve(pbw_live *live, size_t more)
     core->place_capacity = room;
     memset(core->place, 0, room * sizeof(pbw_index));
     core->placed = 0;
-    for (i = 0; i < live->numbers; i++) {
-        if ((live->state[i] & PBW__LIVES) != 0 && core->name[core->vertex[i]] == i) {
-            core->place[pbw__place_find(core, pbw__core_record(core, core->vertex[i]))] = core->vertex[i];
+    for (v = 1; v <= count; v++) {
+        size_t at = pbw__place_slot(core, pbw__core_record(core, (pbw_index)v));
+        PBW__PREFETCH_TO_WRITE(core->place + pbw__place_slot(core, pbw__core_record(core, (pbw_index)(v + 16 <= count
+                                                                                            ? v + 16 : v))));
+        for (; core->incident[v] != PBW__GONE && core->place[at] != 0; at = (at + 1) & (room - 1)) {
+        }
+        if (core->incident[v] != PBW__GONE) {
+            core->place[at] = (pbw_index)v;
             core->placed++;
         }
     }
     return 1;
+}
+
+/* Prefetches what is at the place of x: the entry, or, some steps later, its vertex. */
+PBW__INLINE void pbw__place_prefetch(const pbw__core *core, const double *x, int later)
+{
+    const size_t at = pbw__place_slot(core, x);
+    if (!later) {
+        PBW__PREFETCH(core->place + at);
+    } else {
+        PBW__PREFETCH(pbw__core_record(core, core->place[at]));
+    }
 }
 
 /* Room for the changes of a batch: `more` new vertices, as many places with changes. */
@@ -15147,6 +15163,11 @@ static pbw_index pbw__live_new_vertex(pbw_live *live, const double *x, pbw_index
     const pbw_index v = core->unused_count > 0 ? core->unused[--core->unused_count]
                                                : (pbw_index)++core->vertex_count;
     double *record = core->record + v * (dim + 1);
+    const size_t soon = core->unused_count > 8 ? core->unused[core->unused_count - 8] : 0;
+    PBW__PREFETCH_TO_WRITE(core->record + soon * (dim + 1));
+    PBW__PREFETCH_TO_WRITE(core->incident + soon);
+    PBW__PREFETCH_TO_WRITE(core->name + soon);
+    PBW__PREFETCH_TO_WRITE(core->local + soon);
     memmove(record, x, dim * sizeof(double));
     record[dim] = live->weight[id];
     core->incident[v] = PBW__WAITING;
@@ -15163,8 +15184,8 @@ static int pbw__live_join(pbw_live *live, pbw_index id)
     const size_t slot = pbw__place_find(core, x);
     pbw_index v = core->place[slot], head;
     size_t at;
-    if (v == 0 || v == PBW__REMOVED) {
-        core->placed += v == 0;
+    if (v == 0) {
+        core->placed++;
         v = pbw__live_new_vertex(live, x, id);
         at = pbw__live_affect(live, v, PBW_NONE);
         if (!pbw__live_set(live, PBW__EDIT_PLACE, slot, v)) {
@@ -15189,11 +15210,10 @@ static int pbw__live_elect(pbw_live *live, size_t at)
 {
     pbw__core *core = &live->core;
     const pbw_index v = core->rim_vertex[at], head = live->head[at];
-    const size_t slot = pbw__place_find(core, pbw__core_record(core, v));
     pbw_index best = head, id, other;
     if (head == PBW_NONE) {
         live->leaving[live->leaving_count++] = v;
-        return pbw__live_set(live, PBW__EDIT_PLACE, slot, PBW__REMOVED);
+        return 1;
     }
     for (id = core->twin[head]; id != head; id = core->twin[id]) {
         if (live->weight[id] != live->weight[best] ? live->weight[id] > live->weight[best] : id < best) {
@@ -15203,6 +15223,7 @@ static int pbw__live_elect(pbw_live *live, size_t at)
     if (core->incident[v] == PBW__WAITING) {
         core->name[v] = best;
         core->record[v * ((size_t)live->dim + 1) + (size_t)live->dim] = live->weight[best];
+        core->local[v] = 0;
         live->arriving[live->arriving_count++] = v;
         return 1;
     }
@@ -15219,47 +15240,14 @@ static int pbw__live_elect(pbw_live *live, size_t at)
         }
         id = core->twin[id];
     } while (id != head);
-    return pbw__live_set(live, PBW__EDIT_PLACE, slot, other);
+    return pbw__live_set(live, PBW__EDIT_PLACE, pbw__place_find(core, pbw__core_record(core, v)), other);
 }
 
-/* Lists the vertices that leave and arrive, and brings the numbers of places up to date. */
-static pbw_status pbw__batch_plan(pbw_live *live)
+/* Sorts a list along the curve by the points base[list[i] * stride]. */
+static pbw_status pbw__live_sort(const pbw_live *live, const double *base, size_t stride, pbw_index *list,
+                                 size_t count)
 {
-    pbw__core *core = &live->core;
-    size_t i;
-    core->rim_vertices = 0;
-    for (i = 0; i < live->queue_count; i++) {
-        if ((live->state[live->queue[i]] & PBW__LEAVES) != 0) {
-            (void)pbw__live_affect(live, core->vertex[live->queue[i]], PBW_NONE);
-        }
-    }
-    for (i = 0; i < core->rim_vertices; i++) {
-        if (!pbw__live_sieve(live, i)) {
-            return PBW_ERROR_MEMORY;
-        }
-    }
-    for (i = 0; i < live->queue_count; i++) {
-        const size_t soon = i + 8 < live->queue_count ? i + 8 : i;
-        PBW__PREFETCH(core->place + pbw__place_slot(core, pbw__live_point(live, live->queue[soon])));
-        if ((live->state[live->queue[i]] & PBW__ARRIVES) != 0 && !pbw__live_join(live, live->queue[i])) {
-            return PBW_ERROR_MEMORY;
-        }
-    }
-    for (i = 0; i < core->rim_vertices; i++) {
-        const pbw_index soon = core->rim_vertex[i + 8 < core->rim_vertices ? i + 8 : i];
-        PBW__PREFETCH(core->place + pbw__place_slot(core, pbw__core_record(core, soon)));
-        if (!pbw__live_elect(live, i)) {
-            return PBW_ERROR_MEMORY;
-        }
-    }
-    return PBW_OK;
-}
-
-/* ---- commits: vertex by vertex
-   Sorts vertices along the curve. */
-static pbw_status pbw__live_sort(const pbw_live *live, const pbw__core *core, pbw_index *list, size_t count)
-{
-    pbw__memory *memory = &core->kernel.context->memory;
+    pbw__memory *memory = &live->core.kernel.context->memory;
     const size_t dim = (size_t)live->dim;
     double *points;
     pbw_index *order;
@@ -15271,7 +15259,8 @@ static pbw_status pbw__live_sort(const pbw_live *live, const pbw__core *core, pb
     points = (double *)pbw__allocate(memory, count * dim, sizeof(double));
     order = (pbw_index *)pbw__allocate(memory, count, sizeof(pbw_index));
     for (i = 0; i < count && points != NULL; i++) {
-        memcpy(points + i * dim, pbw__core_record(core, list[i]), dim * sizeof(double));
+        PBW__PREFETCH(base + list[i + 16 < count ? i + 16 : i] * stride);
+        memcpy(points + i * dim, base + list[i] * stride, dim * sizeof(double));
     }
     if (points != NULL && order != NULL) {
         status = pbw_order(live->dim, points, count, &live->options, order);
@@ -15285,6 +15274,61 @@ static pbw_status pbw__live_sort(const pbw_live *live, const pbw__core *core, pb
     pbw__release(memory, points, count * dim, sizeof(double));
     pbw__release(memory, order, count, sizeof(pbw_index));
     return status;
+}
+
+/* The numbers that arrive, in live->arriving, along the curve: so are their vertices then. */
+static pbw_status pbw__batch_arrivals(pbw_live *live, size_t *count)
+{
+    size_t i;
+    for (*count = i = 0; i < live->queue_count; i++) {
+        live->arriving[*count] = live->queue[i];
+        *count += (live->state[live->queue[i]] & PBW__ARRIVES) != 0;
+    }
+    return pbw__live_sort(live, live->point, (size_t)live->dim, live->arriving, *count);
+}
+
+/* Lists the vertices that leave and arrive, and brings the numbers of places up to date. */
+static pbw_status pbw__batch_plan(pbw_live *live)
+{
+    pbw__core *core = &live->core;
+    size_t i, arrivals;
+    pbw_status status = pbw__batch_arrivals(live, &arrivals);
+    if (status != PBW_OK) {
+        return status;
+    }
+    core->rim_vertices = 0;
+    for (i = 0; i < live->queue_count; i++) {
+        pbw__live_prefetch(live, i);
+        if ((live->state[live->queue[i]] & PBW__LEAVES) != 0) {
+            (void)pbw__live_affect(live, core->vertex[live->queue[i]], PBW_NONE);
+        }
+    }
+    for (i = 0; i < core->rim_vertices; i++) {
+        PBW__PREFETCH(core->name + core->rim_vertex[i + 16 < core->rim_vertices ? i + 16 : i]);
+        PBW__PREFETCH(core->twin + core->name[core->rim_vertex[i + 8 < core->rim_vertices ? i + 8 : i]]);
+        if (!pbw__live_sieve(live, i)) {
+            return PBW_ERROR_MEMORY;
+        }
+    }
+    for (i = 0; i < arrivals; i++) {
+        const pbw_index far = live->arriving[i + 24 < arrivals ? i + 24 : i];
+        const pbw_index soon = live->arriving[i + 16 < arrivals ? i + 16 : i];
+        PBW__PREFETCH(pbw__live_point(live, far));
+        PBW__PREFETCH(live->weight + far);
+        PBW__PREFETCH(core->vertex + soon);
+        PBW__PREFETCH(core->twin + soon);
+        pbw__place_prefetch(core, pbw__live_point(live, soon), 0);
+        pbw__place_prefetch(core, pbw__live_point(live, live->arriving[i + 8 < arrivals ? i + 8 : i]), 1);
+        if (!pbw__live_join(live, live->arriving[i])) {
+            return PBW_ERROR_MEMORY;
+        }
+    }
+    for (i = 0; i < core->rim_vertices; i++) {
+        if (!pbw__live_elect(live, i)) {
+            return PBW_ERROR_MEMORY;
+        }
+    }
+    return PBW_OK;
 }
 
 static int pbw__is_whole(double x)
@@ -15370,9 +15414,8 @@ static pbw_status pbw__batch_run(pbw_live *live, size_t most_effort)
     pbw__core *core = &live->core;
     const double all = (double)(live->leaving_count + live->arriving_count + 1);
     pbw__changing batch;
-    pbw_status status = pbw__live_sort(live, core, live->leaving, live->leaving_count);
+    pbw_status status = pbw__live_sort(live, core->record, (size_t)live->dim + 1, live->leaving, live->leaving_count);
     size_t i;
-    status = status == PBW_OK ? pbw__live_sort(live, core, live->arriving, live->arriving_count) : status;
     for (i = 0; i < live->arriving_count / 2; i++) { /* backwards: the slots freed last are the nearest */
         const pbw_index v = live->arriving[i];
         live->arriving[i] = live->arriving[live->arriving_count - 1 - i];
@@ -15467,7 +15510,9 @@ static void pbw__live_exchange(pbw_live *live)
     const size_t dim = (size_t)live->dim;
     size_t i, k;
     for (i = 0; i < live->leaving_count; i++) {
+        const size_t soon = live->leaving[i + 16 < live->leaving_count ? i + 16 : i];
         double *record = live->core.record + live->leaving[i] * (dim + 1), *other = live->moved + i * dim;
+        PBW__PREFETCH_TO_WRITE(live->core.record + soon * (dim + 1));
         for (k = 0; k < dim; k++) {
             const double x = record[k];
             record[k] = other[k];
@@ -15490,8 +15535,11 @@ static pbw_status pbw__live_list_moves(pbw_live *live, size_t count)
     }
     live->leaving_count = 0;
     for (i = 0; i < live->queue_count; i++) {
-        const pbw_index id = live->queue[i];
+        const pbw_index id = live->queue[i], soon = live->queue[i + 16 < live->queue_count ? i + 16 : i];
         const unsigned both = live->state[id] & (PBW__LEAVES | PBW__ARRIVES);
+        PBW__PREFETCH(core->twin + soon);
+        PBW__PREFETCH(core->vertex + soon);
+        PBW__PREFETCH(pbw__live_point(live, soon));
         if (both == (PBW__LEAVES | PBW__ARRIVES) && core->twin[id] == id) {
             memcpy(live->moved + live->leaving_count * dim, pbw__live_point(live, id), dim * sizeof(double));
             live->leaving[live->leaving_count++] = core->vertex[id];
@@ -15658,7 +15706,7 @@ static pbw_status pbw__change_place(void *arg, pbw__core *core, size_t i, pbw_in
     return status != PBW__NO_FIT ? status : live->dim == 2 ? PBW__LEFT : pbw__change_again(live, core, i, near);
 }
 
-/* Enters the new places into the table and takes the old ones out.  PBW__ANEW: a new place is taken, or was. */
+/* Enters the new places into the table.  PBW__ANEW: a new place is taken, or was. */
 static pbw_status pbw__shift_places(pbw_live *live)
 {
     pbw__core *core = &live->core;
@@ -15666,26 +15714,19 @@ static pbw_status pbw__shift_places(pbw_live *live)
     pbw_status status = PBW_OK;
     size_t i;
     for (i = 0; i < count && status == PBW_OK; i++) {
-        const double *soon = live->moved + (i + 8 < count ? i + 8 : i) * dim;
-        const pbw_index v = core->place[pbw__place_find(core, live->moved + i * dim)];
-        PBW__PREFETCH(core->place + pbw__place_slot(core, soon));
-        status = v == 0 || v == PBW__REMOVED ? PBW_OK : PBW__ANEW;
-    }
-    for (i = 0; i < count && status == PBW_OK; i++) {
-        const double *x = pbw__core_record(core, live->leaving[i]);
-        const double *soon = pbw__core_record(core, live->leaving[i + 8 < count ? i + 8 : i]);
-        PBW__PREFETCH(core->place + pbw__place_slot(core, soon));
-        status = pbw__live_set(live, PBW__EDIT_PLACE, pbw__place_find(core, x), PBW__REMOVED) ? PBW_OK
-                                                                                         : PBW_ERROR_MEMORY;
+        const size_t slot = pbw__place_find(core, live->moved + i * dim);
+        pbw__place_prefetch(core, live->moved + (i + 16 < count ? i + 16 : i) * dim, 0);
+        pbw__place_prefetch(core, live->moved + (i + 8 < count ? i + 8 : i) * dim, 1);
+        core->placed += core->place[slot] == 0;
+        status = core->place[slot] != 0 ? PBW__ANEW
+               : pbw__live_set(live, PBW__EDIT_PLACE, slot, live->leaving[i]) ? PBW_OK : PBW_ERROR_MEMORY;
     }
     pbw__live_exchange(live);
     pbw__live_fit_grid(live, live->leaving, count);
-    for (i = 0; i < count && status == PBW_OK; i++) {
-        const size_t slot = pbw__place_find(core, pbw__core_record(core, live->leaving[i]));
-        const pbw_index v = core->place[slot];
-        core->placed += v == 0;
-        status = v != 0 && v != PBW__REMOVED ? PBW__ANEW
-               : pbw__live_set(live, PBW__EDIT_PLACE, slot, live->leaving[i]) ? PBW_OK : PBW_ERROR_MEMORY;
+    for (i = 0; i < count && status == PBW_OK; i++) {            /* are two at one? */
+        const double *x = pbw__core_record(core, live->leaving[i]);
+        PBW__PREFETCH(pbw__core_record(core, live->leaving[i + 8 < count ? i + 8 : i]));
+        status = core->place[pbw__place_find(core, x)] == live->leaving[i] ? PBW_OK : PBW__ANEW;
     }
     pbw__live_exchange(live);
     return status;
@@ -15702,7 +15743,7 @@ static pbw_status pbw__shift_all(pbw_live *live, size_t most_effort)
     for (i = 0; i < count; i++) {
         core->local[live->leaving[i]] = (pbw_index)i;
     }
-    status = pbw__live_sort(live, core, live->leaving, count);
+    status = pbw__live_sort(live, core->record, (size_t)live->dim + 1, live->leaving, count);
     for (i = 0; i < count; i++) {
         live->arriving[i] = core->local[live->leaving[i]];
     }
@@ -16195,7 +16236,7 @@ static pbw_status pbw__import_hidden(pbw_live *live, pbw__core *core, size_t vis
     for (i = 0; i < count && list != NULL; i++) {
         list[i] = (pbw_index)(visible + 1 + i);
     }
-    status = status == PBW_OK ? pbw__live_sort(live, core, list, count) : status;
+    status = status == PBW_OK ? pbw__live_sort(live, core->record, (size_t)live->dim + 1, list, count) : status;
     for (i = 0; i < count && status == PBW_OK; i++) {
         const double *p = pbw__core_record(core, list[i]);
         witness = pbw__find_witness(core, witness, list[i]);
