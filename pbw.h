@@ -15100,7 +15100,7 @@ PBW__INLINE void pbw__place_prefetch(const pbw__core *core, const double *x, int
     if (!later) {
         PBW__PREFETCH(core->place + at);
     } else {
-        PBW__PREFETCH(pbw__core_record(core, core->place[at]));
+        PBW__PREFETCH(pbw__core_record(core, PBW__LOAD(core->place + at)));
     }
 }
 
@@ -15457,7 +15457,9 @@ static void pbw__batch_undo(pbw_live *live)
         const pbw__edit *edit = live->edit + --live->edit_count;
         pbw_index *table = edit->table == PBW__EDIT_VERTEX ? core->vertex : edit->table == PBW__EDIT_TWIN ? core->twin
                          : core->place;
-        table[edit->at] = edit->old;
+        if (edit->at != PBW_NONE) {
+            table[edit->at] = edit->old;
+        }
     }
     pbw__journal_undo(core);
     core->vertex_count = live->past_vertices;
@@ -15504,13 +15506,16 @@ static pbw_status pbw__live_batch(pbw_live *live, size_t leave, size_t arrive, s
    and at the hull, it is removed and inserted.  In between all is the triangulation of some old and some new places,
    so no new place may be an old one.
    ------------------------------------------------------------------------------------------------------ */
-/* Writes the new coordinates into the records of those that move, or the old ones back. */
-static void pbw__live_exchange(pbw_live *live)
+/* Writes the new coordinates into the records of those that move, or the old ones back: to the end, even if the call
+   is being cancelled. */
+static void pbw__exchange_share(void *arg, int part)
 {
-    const size_t dim = (size_t)live->dim;
+    pbw_live *live = (pbw_live *)arg;
+    const int parts = pbw__tasks(live->core.kernel.context, live->leaving_count, 8192);
+    const size_t dim = (size_t)live->dim, end = pbw__share(live->leaving_count, part + 1, parts);
     size_t i, k;
-    for (i = 0; i < live->leaving_count; i++) {
-        const size_t soon = live->leaving[i + 16 < live->leaving_count ? i + 16 : i];
+    for (i = pbw__share(live->leaving_count, part, parts); i < end; i++) {
+        const size_t soon = live->leaving[i + 16 < end ? i + 16 : i];
         double *record = live->core.record + live->leaving[i] * (dim + 1), *other = live->moved + i * dim;
         PBW__PREFETCH_TO_WRITE(live->core.record + soon * (dim + 1));
         for (k = 0; k < dim; k++) {
@@ -15519,6 +15524,12 @@ static void pbw__live_exchange(pbw_live *live)
             other[k] = x;
         }
     }
+}
+
+static void pbw__live_exchange(pbw_live *live)
+{
+    pbw__context *context = live->core.kernel.context;
+    pbw__for(context, pbw__tasks(context, live->leaving_count, 8192), pbw__exchange_share, live);
 }
 
 /* Lists the vertices that move; PBW__ANEW if anything else happens, or duplicates or hidden points would matter. */
@@ -15706,28 +15717,70 @@ static pbw_status pbw__change_place(void *arg, pbw__core *core, size_t i, pbw_in
     return status != PBW__NO_FIT ? status : live->dim == 2 ? PBW__LEFT : pbw__change_again(live, core, i, near);
 }
 
-/* Enters the new places into the table.  PBW__ANEW: a new place is taken, or was. */
+/* Enters new places into the table: tasks try empty entries until one is theirs.  PBW__ANEW: a place is taken. */
+static pbw_status pbw__shift_enter(void *arg, size_t from, size_t to)
+{
+    pbw_live *live = (pbw_live *)arg;
+    pbw__core *core = &live->core;
+    const size_t dim = (size_t)live->dim;
+    size_t i;
+    for (i = from; i < to; i++) {
+        const double *x = live->moved + i * dim;
+        size_t at = pbw__place_slot(core, x);
+        pbw_index v = PBW__LOAD(core->place + at);
+        pbw__place_prefetch(core, live->moved + (i + 16 < to ? i + 16 : i) * dim, 0);
+        pbw__place_prefetch(core, live->moved + (i + 8 < to ? i + 8 : i) * dim, 1);
+        while (v != 0 || !PBW__CAS(core->place + at, &v, live->leaving[i])) {
+            if (v == 0) {
+                continue;                            /* failed for no reason */
+            }
+            if (pbw__same_place(pbw__core_record(core, v), x, live->dim) && core->incident[v] != PBW__GONE) {
+                return PBW__ANEW;
+            }
+            at = (at + 1) & (core->place_capacity - 1);
+            v = PBW__LOAD(core->place + at);
+        }
+        live->edit[i].at = (pbw_index)at;
+    }
+    return PBW_OK;
+}
+
+/* The records have the new places.  PBW__ANEW: two are at one. */
+static pbw_status pbw__shift_unique(void *arg, size_t from, size_t to)
+{
+    const pbw_live *live = (const pbw_live *)arg;
+    const pbw__core *core = &live->core;
+    for (; from < to; from++) {
+        const double *x = pbw__core_record(core, live->leaving[from]);
+        PBW__PREFETCH(pbw__core_record(core, live->leaving[from + 8 < to ? from + 8 : from]));
+        if (core->place[pbw__place_find(core, x)] != live->leaving[from]) {
+            return PBW__ANEW;
+        }
+    }
+    return PBW_OK;
+}
+
+/* Enters all new places.  PBW__ANEW: a new place is taken, or was. */
 static pbw_status pbw__shift_places(pbw_live *live)
 {
     pbw__core *core = &live->core;
-    const size_t dim = (size_t)live->dim, count = live->leaving_count;
-    pbw_status status = PBW_OK;
-    size_t i;
-    for (i = 0; i < count && status == PBW_OK; i++) {
-        const size_t slot = pbw__place_find(core, live->moved + i * dim);
-        pbw__place_prefetch(core, live->moved + (i + 16 < count ? i + 16 : i) * dim, 0);
-        pbw__place_prefetch(core, live->moved + (i + 8 < count ? i + 8 : i) * dim, 1);
-        core->placed += core->place[slot] == 0;
-        status = core->place[slot] != 0 ? PBW__ANEW
-               : pbw__live_set(live, PBW__EDIT_PLACE, slot, live->leaving[i]) ? PBW_OK : PBW_ERROR_MEMORY;
+    pbw__context *context = core->kernel.context;
+    const size_t count = live->leaving_count;
+    pbw_status status;
+    if (!PBW__LIVE_GROW(live, edit, count)) {
+        return PBW_ERROR_MEMORY;
     }
+    for (; live->edit_count < count; live->edit_count++) {
+        pbw__edit *edit = live->edit + live->edit_count;
+        edit->table = PBW__EDIT_PLACE;
+        edit->at = PBW_NONE;                         /* nothing to undo yet */
+        edit->old = 0;
+    }
+    core->placed += count;
+    status = pbw__for_range(context, count, PBW__SMALLER(2048), 0.0, pbw__shift_enter, live);
     pbw__live_exchange(live);
     pbw__live_fit_grid(live, live->leaving, count);
-    for (i = 0; i < count && status == PBW_OK; i++) {            /* are two at one? */
-        const double *x = pbw__core_record(core, live->leaving[i]);
-        PBW__PREFETCH(pbw__core_record(core, live->leaving[i + 8 < count ? i + 8 : i]));
-        status = core->place[pbw__place_find(core, x)] == live->leaving[i] ? PBW_OK : PBW__ANEW;
-    }
+    status = status == PBW_OK ? pbw__for_range(context, count, PBW__SMALLER(2048), 0.0, pbw__shift_unique, live) : status;
     pbw__live_exchange(live);
     return status;
 }
