@@ -14193,9 +14193,11 @@ struct pbw_live {
     /* of one commit */
     pbw__edit *edit;
     pbw_index *head, *leaving, *arriving;            /* head: per place that changes, a number there; vertices */
+    pbw_index *joining;                              /* numbers that arrive; then vertices that they did not need */
     double *moved;                                   /* other coordinates of those in `leaving` */
-    size_t edit_capacity, head_capacity, leaving_capacity, arriving_capacity, moved_capacity;
-    size_t edit_count, leaving_count, arriving_count, past_vertices, past_unused, past_placed;
+    size_t edit_capacity, head_capacity, leaving_capacity, arriving_capacity, joining_capacity, moved_capacity;
+    size_t edit_count, leaving_count, arriving_count, joining_count, first_edit;
+    size_t past_vertices, past_unused, past_placed;
 };
 
 /* ---- the queue */
@@ -15116,7 +15118,8 @@ static pbw_status pbw__batch_reserve(pbw_live *live, size_t more)
         && PBW__CORE_GROW(core, unused, core->unused_count + more)
         && PBW__CORE_GROW(core, covered, core->hidden_count)
         && PBW__CORE_GROW(core, cover, core->hidden_count) && PBW__LIVE_GROW(live, head, more + 1)
-        && PBW__LIVE_GROW(live, leaving, more + 1) && PBW__LIVE_GROW(live, arriving, more + 1);
+        && PBW__LIVE_GROW(live, leaving, more + 1) && PBW__LIVE_GROW(live, arriving, more + 1)
+        && PBW__LIVE_GROW(live, joining, more + 1);
     core->kernel.record = core->record;              /* which may have moved, whatever failed then */
     memset(core->local + old, 0, (core->local_capacity - old) * sizeof(pbw_index));
     return room && pbw__place_reserve(live, more) ? PBW_OK : PBW_ERROR_MEMORY;
@@ -15163,11 +15166,6 @@ static pbw_index pbw__live_new_vertex(pbw_live *live, const double *x, pbw_index
     const pbw_index v = core->unused_count > 0 ? core->unused[--core->unused_count]
                                                : (pbw_index)++core->vertex_count;
     double *record = core->record + v * (dim + 1);
-    const size_t soon = core->unused_count > 8 ? core->unused[core->unused_count - 8] : 0;
-    PBW__PREFETCH_TO_WRITE(core->record + soon * (dim + 1));
-    PBW__PREFETCH_TO_WRITE(core->incident + soon);
-    PBW__PREFETCH_TO_WRITE(core->name + soon);
-    PBW__PREFETCH_TO_WRITE(core->local + soon);
     memmove(record, x, dim * sizeof(double));
     record[dim] = live->weight[id];
     core->incident[v] = PBW__WAITING;
@@ -15176,26 +15174,22 @@ static pbw_index pbw__live_new_vertex(pbw_live *live, const double *x, pbw_index
     return v;
 }
 
-/* Adds a number to those of its new place. */
+/* Adds a number to those of its place, which has a vertex, nearly always: an old entry in the table may have led two
+   numbers to take the other's vertex for one that was there. */
 static int pbw__live_join(pbw_live *live, pbw_index id)
 {
     pbw__core *core = &live->core;
-    const double *x = pbw__live_point(live, id);
-    const size_t slot = pbw__place_find(core, x);
-    pbw_index v = core->place[slot], head;
-    size_t at;
-    if (v == 0) {
+    const size_t slot = pbw__place_find(core, pbw__live_point(live, id));
+    const int none = core->place[slot] == 0;
+    const pbw_index v = none ? pbw__live_new_vertex(live, pbw__live_point(live, id), id) : core->place[slot];
+    const size_t at = pbw__live_affect(live, v, none ? PBW_NONE : core->name[v]);
+    const pbw_index head = live->head[at];
+    if (none) {
         core->placed++;
-        v = pbw__live_new_vertex(live, x, id);
-        at = pbw__live_affect(live, v, PBW_NONE);
-        if (!pbw__live_set(live, PBW__EDIT_PLACE, slot, v)) {
-            return 0;
-        }
-    } else {
-        at = pbw__live_affect(live, v, core->name[v]);
+        live->arriving[live->arriving_count++] = v;
     }
-    head = live->head[at];
-    if (!pbw__live_set(live, PBW__EDIT_VERTEX, id, v)
+    if ((none && !pbw__live_set(live, PBW__EDIT_PLACE, slot, v))
+        || !pbw__live_set(live, PBW__EDIT_VERTEX, id, v)
         || !pbw__live_set(live, PBW__EDIT_TWIN, id, head == PBW_NONE ? id : core->twin[head])
         || (head != PBW_NONE && !pbw__live_set(live, PBW__EDIT_TWIN, head, id))) {
         return 0;
@@ -15224,7 +15218,6 @@ static int pbw__live_elect(pbw_live *live, size_t at)
         core->name[v] = best;
         core->record[v * ((size_t)live->dim + 1) + (size_t)live->dim] = live->weight[best];
         core->local[v] = 0;
-        live->arriving[live->arriving_count++] = v;
         return 1;
     }
     if (best == core->name[v]) {
@@ -15276,23 +15269,155 @@ static pbw_status pbw__live_sort(const pbw_live *live, const double *base, size_
     return status;
 }
 
-/* The numbers that arrive, in live->arriving, along the curve: so are their vertices then. */
-static pbw_status pbw__batch_arrivals(pbw_live *live, size_t *count)
+/* The numbers that arrive, along the curve: so are their vertices then. */
+static pbw_status pbw__batch_arrivals(pbw_live *live)
+{
+    size_t i, count = 0;
+    for (i = 0; i < live->queue_count; i++) {
+        live->joining[count] = live->queue[i];
+        count += (live->state[live->queue[i]] & PBW__ARRIVES) != 0;
+    }
+    live->joining_count = count;
+    return pbw__live_sort(live, live->point, (size_t)live->dim, live->joining, count);
+}
+
+/* The vertex for the i-th number that arrives: of those unused, then new ones. */
+PBW__INLINE pbw_index pbw__arrive_vertex(const pbw_live *live, size_t i)
+{
+    const size_t unused = live->past_unused;
+    return i < unused ? live->core.unused[unused - 1 - i] : (pbw_index)(live->past_vertices + 1 + (i - unused));
+}
+
+/* Makes a vertex for each number that arrives. */
+static pbw_status pbw__arrive_make(void *arg, size_t from, size_t to)
+{
+    pbw_live *live = (pbw_live *)arg;
+    pbw__core *core = &live->core;
+    const size_t dim = (size_t)live->dim;
+    for (; from < to; from++) {
+        const size_t soon = from + 16 < to ? from + 16 : from;
+        const pbw_index id = live->joining[from], v = pbw__arrive_vertex(live, from);
+        double *record = core->record + v * (dim + 1);
+        PBW__PREFETCH(pbw__live_point(live, live->joining[soon]));
+        PBW__PREFETCH(live->weight + live->joining[soon]);
+        memcpy(record, pbw__live_point(live, id), dim * sizeof(double));
+        record[dim] = live->weight[id];
+        core->incident[v] = PBW__WAITING;
+        core->name[v] = id;
+        core->local[v] = 0;
+        live->arriving[from] = v;
+    }
+    return PBW_OK;
+}
+
+/* Enters a vertex into an empty entry of the table: tasks try until one is theirs.  Returns the entry, or PBW_NONE if
+   there is a vertex at its place. */
+PBW__INLINE pbw_index pbw__place_enter(pbw__core *core, const double *x, pbw_index vertex)
+{
+    size_t at = pbw__place_slot(core, x);
+    pbw_index v = PBW__LOAD(core->place + at);
+    while (v != 0 || !PBW__CAS(core->place + at, &v, vertex)) {
+        if (v == 0) {
+            continue;                                /* failed for no reason */
+        }
+        if (v != vertex && pbw__same_place(pbw__core_record(core, v), x, core->kernel.dim)
+            && core->incident[v] != PBW__GONE) {
+            return PBW_NONE;
+        }
+        at = (at + 1) & (core->place_capacity - 1);
+        v = PBW__LOAD(core->place + at);
+    }
+    return (pbw_index)at;
+}
+
+/* Enters the new vertices into the tables.  `arriving` gets 0 for a number at whose place there is a vertex. */
+static pbw_status pbw__arrive_enter(void *arg, size_t from, size_t to)
+{
+    pbw_live *live = (pbw_live *)arg;
+    pbw__core *core = &live->core;
+    pbw__edit *edit = live->edit + live->first_edit;
+    size_t i;
+    for (i = from; i < to; i++) {
+        const pbw_index id = live->joining[i], v = live->arriving[i], soon = live->joining[i + 16 < to ? i + 16 : i];
+        const pbw_index at = pbw__place_enter(core, pbw__core_record(core, v), v);
+        pbw__place_prefetch(core, pbw__core_record(core, live->arriving[i + 16 < to ? i + 16 : i]), 0);
+        pbw__place_prefetch(core, pbw__core_record(core, live->arriving[i + 8 < to ? i + 8 : i]), 1);
+        PBW__PREFETCH_TO_WRITE(core->vertex + soon);
+        PBW__PREFETCH_TO_WRITE(core->twin + soon);
+        if (at == PBW_NONE) {
+            live->arriving[i] = 0;
+            continue;
+        }
+        edit[3 * i].at = at;
+        edit[3 * i + 1].at = edit[3 * i + 2].at = id;
+        edit[3 * i + 1].old = core->vertex[id];
+        edit[3 * i + 2].old = core->twin[id];
+        core->vertex[id] = v;
+        core->twin[id] = id;
+    }
+    return PBW_OK;
+}
+
+/* Adds edits that are to be filled in: the i-th of table[i % tables]. */
+static int pbw__live_edits(pbw_live *live, size_t count, const unsigned *table, size_t tables)
 {
     size_t i;
-    for (*count = i = 0; i < live->queue_count; i++) {
-        live->arriving[*count] = live->queue[i];
-        *count += (live->state[live->queue[i]] & PBW__ARRIVES) != 0;
+    if (!PBW__LIVE_GROW(live, edit, live->edit_count + count)) {
+        return 0;
     }
-    return pbw__live_sort(live, live->point, (size_t)live->dim, live->arriving, *count);
+    for (i = 0; i < count; i++) {
+        pbw__edit *edit = live->edit + live->edit_count++;
+        edit->table = table[i % tables];
+        edit->at = PBW_NONE;                         /* nothing to undo yet */
+        edit->old = 0;
+    }
+    return 1;
+}
+
+/* The numbers that arrive get vertices; those at the place of another vertex join its numbers, and `joining` then has
+   the vertices that they did not need. */
+static pbw_status pbw__batch_arrive(pbw_live *live)
+{
+    static const unsigned table[3] = { PBW__EDIT_PLACE, PBW__EDIT_VERTEX, PBW__EDIT_TWIN };
+    pbw__core *core = &live->core;
+    pbw__context *context = core->kernel.context;
+    const size_t count = live->joining_count, used = count < live->past_unused ? count : live->past_unused;
+    pbw_status status;
+    size_t i;
+    live->joining_count = 0;
+    if (!pbw__live_edits(live, 3 * count, table, 3)) {
+        return PBW_ERROR_MEMORY;
+    }
+    live->first_edit = live->edit_count - 3 * count;
+    core->unused_count -= used;
+    core->vertex_count += count - used;
+    core->placed += count;
+    status = pbw__for_range(context, count, PBW__SMALLER(2048), 0.0, pbw__arrive_make, live);
+    status = status == PBW_OK ? pbw__for_range(context, count, PBW__SMALLER(2048), 0.0, pbw__arrive_enter, live)
+                              : status;
+    for (i = 0; i < count && status == PBW_OK; i++) {
+        if (live->arriving[i] == 0) {
+            core->incident[pbw__arrive_vertex(live, i)] = PBW__GONE;
+        }
+    }
+    for (i = 0; i < count && status == PBW_OK; i++) {
+        if (live->arriving[i] != 0) {
+            live->arriving[live->arriving_count++] = live->arriving[i];
+        } else if (pbw__live_join(live, live->joining[i])) {
+            live->joining[live->joining_count++] = pbw__arrive_vertex(live, i);
+        } else {
+            status = PBW_ERROR_MEMORY;
+        }
+    }
+    return status;
 }
 
 /* Lists the vertices that leave and arrive, and brings the numbers of places up to date. */
 static pbw_status pbw__batch_plan(pbw_live *live)
 {
     pbw__core *core = &live->core;
-    size_t i, arrivals;
-    pbw_status status = pbw__batch_arrivals(live, &arrivals);
+    size_t i;
+    pbw_status status = pbw__batch_arrivals(live);
     if (status != PBW_OK) {
         return status;
     }
@@ -15310,25 +15435,13 @@ static pbw_status pbw__batch_plan(pbw_live *live)
             return PBW_ERROR_MEMORY;
         }
     }
-    for (i = 0; i < arrivals; i++) {
-        const pbw_index far = live->arriving[i + 24 < arrivals ? i + 24 : i];
-        const pbw_index soon = live->arriving[i + 16 < arrivals ? i + 16 : i];
-        PBW__PREFETCH(pbw__live_point(live, far));
-        PBW__PREFETCH(live->weight + far);
-        PBW__PREFETCH(core->vertex + soon);
-        PBW__PREFETCH(core->twin + soon);
-        pbw__place_prefetch(core, pbw__live_point(live, soon), 0);
-        pbw__place_prefetch(core, pbw__live_point(live, live->arriving[i + 8 < arrivals ? i + 8 : i]), 1);
-        if (!pbw__live_join(live, live->arriving[i])) {
-            return PBW_ERROR_MEMORY;
-        }
-    }
+    status = pbw__batch_arrive(live);
     for (i = 0; i < core->rim_vertices; i++) {
-        if (!pbw__live_elect(live, i)) {
+        if (status == PBW_OK && !pbw__live_elect(live, i)) {
             return PBW_ERROR_MEMORY;
         }
     }
-    return PBW_OK;
+    return status;
 }
 
 static int pbw__is_whole(double x)
@@ -15493,6 +15606,8 @@ static pbw_status pbw__live_batch(pbw_live *live, size_t leave, size_t arrive, s
     }
     memcpy(core->unused + core->unused_count, live->leaving, live->leaving_count * sizeof(pbw_index));
     core->unused_count += live->leaving_count;
+    memcpy(core->unused + core->unused_count, live->joining, live->joining_count * sizeof(pbw_index));
+    core->unused_count += live->joining_count;
     pbw__swap_covers(core);
     pbw__journal_clear(core);
     return PBW_OK;
@@ -15717,7 +15832,7 @@ static pbw_status pbw__change_place(void *arg, pbw__core *core, size_t i, pbw_in
     return status != PBW__NO_FIT ? status : live->dim == 2 ? PBW__LEFT : pbw__change_again(live, core, i, near);
 }
 
-/* Enters new places into the table: tasks try empty entries until one is theirs.  PBW__ANEW: a place is taken. */
+/* Enters new places into the table.  PBW__ANEW: a place is taken. */
 static pbw_status pbw__shift_enter(void *arg, size_t from, size_t to)
 {
     pbw_live *live = (pbw_live *)arg;
@@ -15726,21 +15841,12 @@ static pbw_status pbw__shift_enter(void *arg, size_t from, size_t to)
     size_t i;
     for (i = from; i < to; i++) {
         const double *x = live->moved + i * dim;
-        size_t at = pbw__place_slot(core, x);
-        pbw_index v = PBW__LOAD(core->place + at);
         pbw__place_prefetch(core, live->moved + (i + 16 < to ? i + 16 : i) * dim, 0);
         pbw__place_prefetch(core, live->moved + (i + 8 < to ? i + 8 : i) * dim, 1);
-        while (v != 0 || !PBW__CAS(core->place + at, &v, live->leaving[i])) {
-            if (v == 0) {
-                continue;                            /* failed for no reason */
-            }
-            if (pbw__same_place(pbw__core_record(core, v), x, live->dim) && core->incident[v] != PBW__GONE) {
-                return PBW__ANEW;
-            }
-            at = (at + 1) & (core->place_capacity - 1);
-            v = PBW__LOAD(core->place + at);
+        live->edit[i].at = pbw__place_enter(core, x, live->leaving[i]);
+        if (live->edit[i].at == PBW_NONE) {
+            return PBW__ANEW;
         }
-        live->edit[i].at = (pbw_index)at;
     }
     return PBW_OK;
 }
@@ -15766,21 +15872,18 @@ static pbw_status pbw__shift_places(pbw_live *live)
     pbw__core *core = &live->core;
     pbw__context *context = core->kernel.context;
     const size_t count = live->leaving_count;
+    const unsigned table = PBW__EDIT_PLACE;
     pbw_status status;
-    if (!PBW__LIVE_GROW(live, edit, count)) {
+    if (!pbw__live_edits(live, count, &table, 1)) {
         return PBW_ERROR_MEMORY;
-    }
-    for (; live->edit_count < count; live->edit_count++) {
-        pbw__edit *edit = live->edit + live->edit_count;
-        edit->table = PBW__EDIT_PLACE;
-        edit->at = PBW_NONE;                         /* nothing to undo yet */
-        edit->old = 0;
     }
     core->placed += count;
     status = pbw__for_range(context, count, PBW__SMALLER(2048), 0.0, pbw__shift_enter, live);
     pbw__live_exchange(live);
     pbw__live_fit_grid(live, live->leaving, count);
-    status = status == PBW_OK ? pbw__for_range(context, count, PBW__SMALLER(2048), 0.0, pbw__shift_unique, live) : status;
+    if (status == PBW_OK) {
+        status = pbw__for_range(context, count, PBW__SMALLER(2048), 0.0, pbw__shift_unique, live);
+    }
     pbw__live_exchange(live);
     return status;
 }
@@ -16431,6 +16534,7 @@ PBWDEF void pbw_live_free(pbw_live *live)
         PBW__RELEASE(memory, live, head);
         PBW__RELEASE(memory, live, leaving);
         PBW__RELEASE(memory, live, arriving);
+        PBW__RELEASE(memory, live, joining);
         PBW__RELEASE(memory, live, moved);
         pbw__release(memory, live, 1, sizeof(*live));
     }
