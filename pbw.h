@@ -16048,11 +16048,37 @@ static void pbw__live_settle(pbw_live *live)
 #endif
 #define PBW__EFFORT 128                              /* looks for an apex that take as long as to insert a point */
 
-static double pbw__change_cost(const pbw_live *live, size_t leave, size_t arrive)
+static double pbw__change_cost(const pbw_live *live, size_t leave, size_t arrive, int near)
 {
     const int space = live->dim == 3;
-    return leave == arrive && !live->weighted ? (space ? 8.0 : 4.0) * (double)leave
+    return near ? (space ? 8.0 : 4.0) * (double)leave
          : 6.0 * (double)leave + (space ? 3.8 : 8.0) * (double)arrive;
+}
+
+/* Returns 1 if points only move, and most of them, of some that are looked at, by less than four edges: those that
+   go far are better removed and inserted, by walks from what is near their new places. */
+static int pbw__live_near(const pbw_live *live)
+{
+    const pbw__core *core = &live->core;
+    const size_t dim = (size_t)live->dim, step = live->queue_count / 64 + 1;
+    size_t i, k, seen = 0, far = 0;
+    for (i = 0; i < live->queue_count; i += step) {
+        const pbw_index id = live->queue[i], v = core->vertex[id];
+        const unsigned both = live->state[id] & (PBW__LEAVES | PBW__ARRIVES);
+        if (both == (PBW__LEAVES | PBW__ARRIVES) && core->twin[id] == id && core->incident[v] < PBW__GONE) {
+            const pbw_index *corner = core->kernel.corner + 4 * (size_t)core->incident[v];
+            const double *x = pbw__core_record(core, v), *y = pbw__live_point(live, id);
+            const double *z = pbw__core_record(core, corner[corner[0] == v]);
+            double way = 0, edge = 0;
+            for (k = 0; k < dim; k++) {
+                way += (y[k] - x[k]) * (y[k] - x[k]);
+                edge += (z[k] - x[k]) * (z[k] - x[k]);
+            }
+            far += !(way <= 16 * edge);
+            seen++;
+        }
+    }
+    return 2 * far <= seen;
 }
 
 /* Tries to move in place. */
@@ -16074,22 +16100,24 @@ static pbw_status pbw__live_go(pbw_live *live, pbw__context *context, pbw_change
     const double points = (double)live->points;
     const size_t most = PBW__EFFORT * (live->points + 100);
     size_t leave, arrive;
+    int near;
     pbw_status status = PBW__ANEW;
     pbw_way way = PBW_WAY_REBUILD;
     pbw__live_classify(live, &leave, &arrive);
     if (leave + arrive == 0) {
         return live->core.simplex_count > 0 ? PBW_OK : PBW_DEGENERATE;
     }
-    if (leave == arrive && live->core.simplex_count > 0 && (double)leave >= PBW__VERIFY_AT(live->dim) * points) {
+    near = live->core.simplex_count > 0 && leave == arrive && pbw__live_near(live);
+    if (near && (double)leave >= PBW__VERIFY_AT(live->dim) * points) {
         status = pbw__enter_stage(context, PBW_STAGE_WORK) ? PBW_CANCELLED
                : pbw__live_try_moves(live, leave, changes, &way);
     }
     if (status == PBW__ANEW && live->core.simplex_count > 0 && live->weighted == live->core.kernel.weighted
-        && pbw__change_cost(live, leave, arrive) <= PBW__REBUILD_AT(live->dim) * points) {
+        && pbw__change_cost(live, leave, arrive, near && !live->weighted) <= PBW__REBUILD_AT(live->dim) * points) {
         if (pbw__enter_stage(context, PBW_STAGE_WORK)) {
             return PBW_CANCELLED;
         }
-        status = leave != arrive ? PBW__ANEW : pbw__live_shift(live, leave, most, changes, &way);
+        status = !near ? PBW__ANEW : pbw__live_shift(live, leave, most, changes, &way);
         if (status == PBW__ANEW) {
             pbw_changes_free(changes);
             status = pbw__live_batch(live, leave, arrive, most, changes);
