@@ -380,7 +380,7 @@ static void test_patches(void)
     for (given = 0; given < 2; given++) {
         in = input_of(&m);
         for (i = 0; i < 12; i++) {
-            number[i] = i == 2 ? 9 : 4;              /* half of a side, whose edges are a diagonal and two sharp ones */
+            number[i] = i == 2 ? 9 : 4;              /* half of a side */
         }
         in.patches = given ? number : NULL;
         CHECK_EQUAL(pbw_solid(&in, &how, NULL, &mesh, &b, NULL), PBW_OK);
@@ -426,9 +426,9 @@ static void test_sizes(void)
     CHECK_EQUAL(pbw_solid(&in, &how, NULL, &mesh, NULL, &r), PBW_OK);
     tets = mesh.tet_count;
     pbw_tets_free(&mesh);
-    how.curvature = 0.2;
+    how.curvature = 0.2 * sqrt(2.0);                 /* of a sphere: edges of 0.2 */
     CHECK_EQUAL(pbw_solid(&in, &how, NULL, &mesh, NULL, &r), PBW_OK);
-    CHECK(mesh.tet_count > 4 * tets && r.settled);
+    CHECK(mesh.tet_count > 5 * tets && mesh.tet_count < 12 * tets && r.settled);
     test_say("%zu tetrahedra, by curvature %zu", tets, mesh.tet_count);
     pbw_tets_free(&mesh);
     how.curvature = 0;

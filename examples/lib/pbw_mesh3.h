@@ -86,8 +86,8 @@ typedef struct pbw_solid_options {         /* NULL or all zero = best defaults *
     /* The length of edges at a place, where it is below the size; several threads may call it.  NULL = none. */
     double (*size_at)(void *user, const double point[3]);
     void *size_user;
-    double curvature;                      /* sizes are at most this times the radius of curvature; 0 = whatever it
-                                              is.  1 makes six edges of a circle */
+    double curvature;                      /* sizes are at most this divided by the curvature, the root of the sum of
+                                              both principal ones' squares; 0 = whatever it is */
     int nested;                            /* 1: shells inside of others bound regions; 0: every second is a cavity */
     double feature_angle;                  /* degrees: edges whose normals differ by more are sharp; 0 = 40; functions
                                               have none */
@@ -1193,13 +1193,13 @@ static pbw_index pbwm3__other_end(const pbwm3__graph *g, size_t edge, pbw_index 
     return g->ends[2 * edge] == v ? g->ends[2 * edge + 1] : g->ends[2 * edge];
 }
 
-/* Whether chains end at v: not two edges meet there, or two at an angle. */
+/* Whether chains end at v: not two edges meet there, or two at an angle; angles of scans are noise. */
 static int pbwm3__is_corner(const pbwm3__work *w, const pbwm3__graph *g, pbw_index v)
 {
     const size_t *first = (const size_t *)g->first.data, *at = (const size_t *)g->at.data;
     double a[3], b[3];
-    if (first[v + 1] - first[v] != 2) {
-        return first[v + 1] > first[v];
+    if (first[v + 1] - first[v] != 2 || w->open) {
+        return first[v + 1] - first[v] != 2 && first[v + 1] > first[v];
     }
     pbwsf__minus(w->surface.points + 3 * (size_t)v,
                  w->surface.points + 3 * (size_t)pbwm3__other_end(g, at[first[v]], v), a);
@@ -1381,6 +1381,43 @@ static int pbwm3__find_patches(pbwm3__work *w, pbwsf__array *list)
     return good;
 }
 
+/* Leaves out sharp edges of an open surface that are joined to less than four sizes of others: noise of a scan. */
+static int pbwm3__drop_noise(pbwm3__work *w, pbwsf__array *list)
+{
+    const size_t points = w->surface.point_count;
+    pbw_index *ends = (pbw_index *)list->data;
+    pbwsf__array parents, lengths;
+    size_t *parent, i, kept = 0;
+    double *length;
+    int good;
+    memset(&parents, 0, sizeof parents);
+    memset(&lengths, 0, sizeof lengths);
+    good = pbwsf__resize(&w->memory, &parents, points * sizeof *parent)
+        && pbwsf__resize(&w->memory, &lengths, points * sizeof *length);
+    parent = (size_t *)parents.data;
+    length = (double *)lengths.data;
+    for (i = 0; good && i < points; i++) {
+        parent[i] = i;
+        length[i] = 0;
+    }
+    for (i = 0; good && i < list->count; i++) {
+        parent[pbwm3__root_of(parent, ends[2 * i])] = pbwm3__root_of(parent, ends[2 * i + 1]);
+    }
+    for (i = 0; good && i < list->count; i++) {
+        length[pbwm3__root_of(parent, ends[2 * i])] += pbwsf__distance(
+            w->surface.points + 3 * (size_t)ends[2 * i], w->surface.points + 3 * (size_t)ends[2 * i + 1]);
+    }
+    for (i = 0; good && i < list->count; i++) {
+        if (length[pbwm3__root_of(parent, ends[2 * i])] > 4 * w->size) {
+            memmove(ends + 2 * kept++, ends + 2 * i, 2 * sizeof *ends);
+        }
+    }
+    list->count = good ? kept : list->count;
+    pbwsf__release(&w->memory, &parents);
+    pbwsf__release(&w->memory, &lengths);
+    return good;
+}
+
 /* Finds patches, sharp edges and their chains. */
 static pbw_status pbwm3__find_chains(pbwm3__work *w)
 {
@@ -1389,7 +1426,7 @@ static pbw_status pbwm3__find_chains(pbwm3__work *w)
     int good;
     memset(&list, 0, sizeof list);
     memset(&graph, 0, sizeof graph);
-    good = pbwm3__find_patches(w, &list);
+    good = pbwm3__find_patches(w, &list) && (!w->open || pbwm3__drop_noise(w, &list));
     graph.ends = (const pbw_index *)list.data;
     graph.count = list.count;
     good = good && pbwm3__chain_all(w, &graph);
@@ -1469,41 +1506,99 @@ static void pbwm3__grade(pbwm3__work *w)
     }
 }
 
-/* Lowers the field around smooth edges: they bend by an angle over half the height of both triangles, or over a tenth
-   of the size where that is less: noise. */
+typedef struct pbwm3__bend { double area, tensor[6]; } pbwm3__bend;          /* sums over a cell of the field */
+
+/* Adds parts of a triangle's area to the cells that they are in: parts of at most half a size. */
+static void pbwm3__spread_area(const pbwm3__work *w, pbw_index t, pbwm3__bend *bends)
+{
+    const double *c[3];
+    double n[3], longest = 0, p[3];
+    size_t parts, i, j;
+    int k;
+    for (k = 0; k < 3; k++) {
+        c[k] = pbwsf__corner(&w->surface, t, k);
+        longest = fmax(longest, pbwsf__distance(c[k], pbwsf__corner(&w->surface, t, (k + 1) % 3)));
+    }
+    pbwsf__normal(c[0], c[1], c[2], n);
+    parts = (size_t)fmin(ceil(2 * longest / w->size), 1000) + 1;
+    for (i = 0; i < parts; i++) {
+        for (j = 0; j < 2 * i + 1; j++) {            /* row i of small triangles, every second one upside down */
+            const double u = ((double)i + (j % 2 == 0 ? 2.0 / 3 : 1.0 / 3)) / (double)parts;
+            const double v = ((double)(j / 2) + (j % 2 == 0 ? 1.0 / 3 : 2.0 / 3)) / (double)parts;
+            for (k = 0; k < 3; k++) {
+                p[k] = c[0][k] + u * (c[1][k] - c[0][k]) + v * (c[2][k] - c[1][k]);
+            }
+            bends[pbwm3__field_cell(w, p)].area += 0.5 * sqrt(pbwsf__dot(n, n)) / (double)(parts * parts);
+        }
+    }
+}
+
+/* Adds the bend of an edge to the cells along it. */
+static void pbwm3__spread_bend(const pbwm3__work *w, const pbwim__facet *edge, pbwm3__bend *bends)
+{
+    static const int pair[6][2] = { { 0, 0 }, { 1, 1 }, { 2, 2 }, { 0, 1 }, { 0, 2 }, { 1, 2 } };
+    const double *a = w->surface.points + 3 * (size_t)edge[0].v[0], *b = w->surface.points + 3 * (size_t)edge[0].v[1];
+    double n[2][3], across[3], along[3], p[3], bend, length = pbwsf__distance(a, b);
+    const size_t parts = (size_t)fmin(ceil(2 * length / w->size), 1e6);
+    size_t i;
+    int k;
+    for (k = 0; k < 2; k++) {                        /* turned alike: edge 0 runs from a to b in one of them */
+        pbwsf__normal(pbwsf__corner(&w->surface, edge[k].t, 0), pbwsf__corner(&w->surface, edge[k].t, 1),
+                      pbwsf__corner(&w->surface, edge[k].t, 2), n[k]);
+    }
+    pbwsf__cross(n[0], n[1], across);
+    pbwsf__minus(b, a, along);
+    bend = atan2(pbwsf__dot(across, along) / (length > 0 ? length : 1), pbwsf__dot(n[0], n[1]));
+    bend *= edge[0].v[2] ? 1 : -1;
+    for (i = 0; i < parts && length > 0; i++) {
+        pbwsf__between(a, b, ((double)i + 0.5) / (double)parts, p);
+        for (k = 0; k < 6; k++) {
+            bends[pbwm3__field_cell(w, p)].tensor[k] += bend * along[pair[k][0]] * along[pair[k][1]] / length
+                                                      / (double)parts;
+        }
+    }
+}
+
+/* Lowers the field where smooth edges bend, by the tensor of Cohen-Steiner and Morvan (2003, "Restricted Delaunay
+   triangulations and normal cycle") over each cell: the norm of its mean is the root of the sum of both principal
+   curvatures' squares. */
 static int pbwm3__measure_curvature(pbwm3__work *w)
 {
-    pbwsf__array blocks[3];
-    const size_t count = 3 * w->surface.triangle_count;
+    pbwsf__array blocks[3], sums;
+    const size_t count = 3 * w->surface.triangle_count, total = w->n[0] * w->n[1] * w->n[2];
     const pbwim__facet *edge = pbwm3__edges(&w->memory, w->surface.triangles, w->surface.triangle_count,
                                             w->surface.point_count, blocks);
+    pbwm3__bend *bends;
     size_t i, k;
-    int j;
-    for (i = 0; edge != NULL && i < count; i = k) {
-        double n[2][3], across[3], middle[3], bend, height = 0, length;
+    int good;
+    memset(&sums, 0, sizeof sums);
+    good = edge != NULL && pbwsf__resize(&w->memory, &sums, total * sizeof *bends);
+    bends = (pbwm3__bend *)sums.data;
+    if (good) {
+        memset(bends, 0, total * sizeof *bends);
+    }
+    for (i = 0; good && i < w->surface.triangle_count; i++) {
+        pbwm3__spread_area(w, (pbw_index)i, bends);
+    }
+    for (i = 0; good && i < count; i = k) {
         for (k = i + 1; k < count && memcmp(edge[i].v, edge[k].v, 2 * sizeof(pbw_index)) == 0; k++) {
         }
-        if (k - i != 2 || (w->input->value == NULL && pbwm3__is_sharp(w, edge + i))) {
-            continue;
+        if (k - i == 2 && (w->input->value != NULL || !pbwm3__is_sharp(w, edge + i))) {
+            pbwm3__spread_bend(w, edge + i, bends);
         }
-        length = pbwsf__distance(w->surface.points + 3 * (size_t)edge[i].v[0],
-                                 w->surface.points + 3 * (size_t)edge[i].v[1]);
-        for (j = 0; j < 2; j++) {
-            const pbw_index t = edge[i + (size_t)j].t;
-            pbwsf__normal(pbwsf__corner(&w->surface, t, 0), pbwsf__corner(&w->surface, t, 1),
-                          pbwsf__corner(&w->surface, t, 2), n[j]);
-            height += length > 0 ? 0.5 * sqrt(pbwsf__dot(n[j], n[j])) / length : 0;
-        }
-        pbwsf__cross(n[0], n[1], across);
-        bend = atan2(sqrt(pbwsf__dot(across, across)), fabs(pbwsf__dot(n[0], n[1])));
-        pbwsf__between(w->surface.points + 3 * (size_t)edge[i].v[0],
-                       w->surface.points + 3 * (size_t)edge[i].v[1], 0.5, middle);
-        if (bend > 0) {
-            pbwm3__lower(w, middle, w->how.curvature * fmax(height, 0.1 * w->size) / bend);
+    }
+    for (i = 0; good && i < total; i++) {
+        const double *t = bends[i].tensor;
+        const double norm = sqrt(t[0] * t[0] + t[1] * t[1] + t[2] * t[2]
+                                 + 2 * (t[3] * t[3] + t[4] * t[4] + t[5] * t[5]));
+        if (norm > 0 && bends[i].area > 0.1 * w->size * w->size) {
+            double *size = (double *)w->field.data + i;
+            *size = fmin(*size, fmax(w->floor, w->how.curvature * bends[i].area / norm));
         }
     }
     pbwm3__free_blocks(&w->memory, blocks);
-    return edge != NULL;
+    pbwsf__release(&w->memory, &sums);
+    return good;
 }
 
 typedef struct pbwm3__dot { double p[3]; size_t chain; pbw_index next; } pbwm3__dot;  /* next: in its cell */

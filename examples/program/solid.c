@@ -3,9 +3,10 @@
 
 static const option solid_options[] = {
     { "--size", "H", "length of edges; default: 1/40 of the diagonal", POSITIVE, 0, 0, NULL },
-    { "--least-size", "H", "where walls are thin edges are shorter, not below this; default: 1/6 of the size", POSITIVE,
+    { "--least-size", "H", "edges are not shorter where walls are thin; default: 1/6 of the size", POSITIVE, 0, 0,
+      NULL },
+    { "--curvature", "C", "edges of at most C / curvature, the root of its squares' sum; default: any", POSITIVE,
       0, 0, NULL },
-    { "--curvature", "C", "edges of at most C radii of curvature; default: whatever it is", POSITIVE, 0, 0, NULL },
     { "--nested", NULL, "shells inside of others bound regions; default: every second one is a cavity", SWITCH, 0, 0,
       NULL },
     { "--feature-angle", "DEGREES", "edges of the model that bend by more are sharp; default 40", WHOLE, 1, 180,
@@ -168,10 +169,10 @@ const command command_solid = {
     "solid", "fill a closed surface with tetrahedra",
     "usage: pbw solid [options] model [-o output]...\n"
     "\n"
-    "Fills a surface with good tetrahedra; holes are closed.  Sharp edges are kept; elsewhere the boundary is within\n"
-    "a fraction of the size.  Regions are numbers of shells: data of cells in .vtu, tags or references in .msh2,\n"
-    ".mesh and .ele; .msh2, .mesh and .face have the patches between sharp edges too.  The report ends with warnings\n"
-    "where the boundary is not that of the model.\n"
+    "Fills a surface with good tetrahedra; holes are closed.  Sharp edges are kept; elsewhere the boundary is\n"
+    "within a fraction of the size.  Regions are numbers of shells: data of cells in .vtu, tags or references in\n"
+    ".msh2, .mesh and .ele; .msh2, .mesh and .face have the patches between sharp edges too.  The report ends\n"
+    "with warnings where the boundary is not that of the model.\n"
     "\n"
     "input:   .obj .ply .stl .off with faces that enclose something\n"
     "output:  .vtu .msh .msh2 .mesh .inp .su2 .node .ele .neigh .face (tetrahedra, boundary), .obj .ply .stl .off\n"
