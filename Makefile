@@ -59,6 +59,7 @@ help:
 	@echo 'make bench-cells Voronoi cells per second, beside voro++'
 	@echo 'make bench-plane plane domains, beside CGAL'
 	@echo 'make bench-live  insert, remove and move, beside CGAL'
+	@echo 'make bench-scaling  queries, cells, live batches and solids on more and more threads'
 	@echo 'make oracle      compares with CGAL            make names   names, warnings, copies, documentation'
 	@echo 'make asm         looks for fused operations    make arm     64-bit Arm, in an emulator'
 	@echo 'make install PREFIX=/usr/local DESTDIR=         and make uninstall: see examples/install/install.mk'

@@ -125,6 +125,15 @@ bench-tiles: build/bench_tiles
 	$< 8 400000
 .PHONY: bench-tiles
 
+# Queries, cells, live batches and solids on more and more threads: bench/scaling.c
+build/bench_scaling: bench/scaling.c $(HEADERS)
+	@mkdir -p build
+	$(BENCH_C) -D_POSIX_C_SOURCE=200809L -I. -Iexamples/lib $< -o $@ $(LIBS)
+
+.PHONY: bench-scaling
+bench-scaling: build/bench_scaling
+	$< $(ARGS)
+
 # Ranks beside as many threads, halo and memory a rank, out of core: bench/ranks.sh; ARGS="COUNT SCRATCH" for others
 build/bench_ranks: bench/ranks.c pbw.h
 	@mkdir -p build
