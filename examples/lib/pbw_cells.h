@@ -820,6 +820,8 @@ static int pbwc__in_planes(const pbwc__job *job, const double *a, const double *
     return inside;
 }
 
+static void pbwc__centre_of_flat(const pbw_mesh *mesh, pbw_index simplex, double *centre);
+
 static PBWC__INLINE void pbwc__make_centre(const pbwc__job *job, size_t dim, pbw_index simplex, pbwc__centre *centre)
 {
     const double *a = job->mesh->points + job->mesh->simplices[simplex * (dim + 1)] * dim;
@@ -828,6 +830,9 @@ static PBWC__INLINE void pbwc__make_centre(const pbwc__job *job, size_t dim, pbw
     int inside = 1;
     centre->simplex = simplex;
     centre->says = pbwc__centre_of(job->mesh, dim, simplex, centre->x) ? PBWC__GOOD | PBWC__INSIDE : 0;
+    if (centre->says == 0 && job->clip != NULL) {
+        pbwc__centre_of_flat(job->mesh, simplex, centre->x);
+    }
     for (k = 0; k < dim; k++) {
         radius += fabs(centre->x[k]);
     }
@@ -1751,18 +1756,13 @@ static int pbwc__side(const pbw_mesh *mesh, const double *p, pbw_index i, pbw_in
     return pbwc__sign(sum, pbwc__grow(sum, n, -pbwc__weight(mesh, i)));
 }
 
-/* The same as below, whatever the doubles say. */
-static int pbwc__centre_side_exactly(const pbw_mesh *mesh, const double *p, const double *q, pbw_index simplex)
+/* The centre of a triangle relative to its first corner is N / (2 D): *twice: 2 D; normal: N. */
+static void pbwc__exact_centre(const pbw_mesh *mesh, pbw_index simplex, pbwc__exact *twice, pbwc__exact normal[2])
 {
     const pbw_index *corner = mesh->simplices + 3 * (size_t)simplex;
     const double *a = mesh->points + 2 * (size_t)corner[0];
-    pbwc__exact u[2], r[2], d[2][2], height[2], det, turn, normal;
-    double sum[2048];
-    int i, k, n = 0;
-    for (k = 0; k < 2; k++) {
-        u[k] = pbwc__exact_minus(q[k], p[k]);
-        r[k] = pbwc__exact_minus(a[k], p[k]);
-    }
+    pbwc__exact d[2][2], height[2];
+    int i, k;
     for (i = 0; i < 2; i++) {
         const double *b = mesh->points + 2 * (size_t)corner[i + 1];
         height[i] = pbwc__exact_minus(pbwc__weight(mesh, corner[0]), pbwc__weight(mesh, corner[i + 1]));
@@ -1771,13 +1771,43 @@ static int pbwc__centre_side_exactly(const pbw_mesh *mesh, const double *p, cons
             height[i].count = pbwc__grow_product(height[i].x, height[i].count, &d[i][k], &d[i][k], 1);
         }
     }
-    det = pbwc__exact_minor(&d[0][0], &d[0][1], &d[1][0], &d[1][1], 2);
+    *twice = pbwc__exact_minor(&d[0][0], &d[0][1], &d[1][0], &d[1][1], 2);
+    normal[0] = pbwc__exact_minor(&height[0], &height[1], &d[0][1], &d[1][1], 1);    /* h0 d1y - h1 d0y */
+    normal[1] = pbwc__exact_minor(&height[1], &height[0], &d[1][0], &d[0][0], 1);    /* h1 d0x - h0 d1x */
+}
+
+/* The centre of a triangle so flat that pairs of doubles do not resolve it. */
+static void pbwc__centre_of_flat(const pbw_mesh *mesh, pbw_index simplex, double *centre)
+{
+    pbwc__exact part[3];
+    double value[3] = { 0, 0, 0 };
+    int i, k;
+    pbwc__exact_centre(mesh, simplex, part, part + 1);
+    for (i = 0; i < 3; i++) {
+        for (k = 0; k < part[i].count; k++) {
+            value[i] += part[i].x[k];
+        }
+    }
+    centre[0] = value[1] / value[0];
+    centre[1] = value[2] / value[0];
+}
+
+/* The same as below, whatever the doubles say. */
+static int pbwc__centre_side_exactly(const pbw_mesh *mesh, const double *p, const double *q, pbw_index simplex)
+{
+    const double *a = mesh->points + 2 * (size_t)mesh->simplices[3 * (size_t)simplex];
+    pbwc__exact u[2], r[2], twice, turn, normal[2];
+    double sum[2048];
+    int k, n;
+    for (k = 0; k < 2; k++) {
+        u[k] = pbwc__exact_minus(q[k], p[k]);
+        r[k] = pbwc__exact_minus(a[k], p[k]);
+    }
+    pbwc__exact_centre(mesh, simplex, &twice, normal);
     turn = pbwc__exact_minor(&u[0], &u[1], &r[0], &r[1], 1);
-    n = pbwc__grow_product(sum, n, &det, &turn, 1);
-    normal = pbwc__exact_minor(&height[1], &height[0], &d[1][0], &d[0][0], 1);       /* N_y = h1 d0x - h0 d1x */
-    n = pbwc__grow_product(sum, n, &u[0], &normal, 1);
-    normal = pbwc__exact_minor(&height[0], &height[1], &d[0][1], &d[1][1], 1);       /* N_x = h0 d1y - h1 d0y */
-    return pbwc__sign(sum, pbwc__grow_product(sum, n, &u[1], &normal, -1));
+    n = pbwc__grow_product(sum, 0, &twice, &turn, 1);
+    n = pbwc__grow_product(sum, n, &u[0], &normal[1], 1);
+    return pbwc__sign(sum, pbwc__grow_product(sum, n, &u[1], &normal[0], -1));
 }
 
 /* On which side of the line from p to q is the centre of a simplex?  1: left, -1: right, 0: on it.  With u = q - p,
