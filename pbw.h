@@ -1220,13 +1220,6 @@ PBW__SIMD_INLINE pbw__d4 pbw__equal(pbw__d4 a, pbw__d4 b)
     return PBW__BY_ISA(_mm256_cmp_pd(a, b, _CMP_EQ_OQ), PBW__HALVES2((pbw__d2)vceqq_f64, a, b));
 }
 
-PBW__SIMD_INLINE pbw__d4 pbw__zeros(pbw_index a, pbw_index b, pbw_index c, pbw_index d)
-{
-    const pbw__i4 x = { (int32_t)a, (int32_t)b, (int32_t)c, (int32_t)d }, zero = { 0, 0, 0, 0 }, mask = x == zero;
-    return PBW__BY_ISA(_mm256_castsi256_pd(_mm256_cvtepi32_epi64((__m128i)mask)),
-                       pbw__join((pbw__d2)vmovl_s32(vget_low_s32(mask)), (pbw__d2)vmovl_high_s32(mask)));
-}
-
 PBW__SIMD_INLINE pbw__d4 pbw__mask(const int64_t *from)
 {
     return PBW__BY_ISA(_mm256_castsi256_pd(_mm256_loadu_si256((const __m256i *)(const void *)from)),
@@ -7473,7 +7466,7 @@ typedef struct pbw__emission {
     pbw_index *number;                               /* per slot: the next of its chain; then its place */
     pbw_index *chain;                                /* per region: the last slot of its chain */
     pbw_index *head;                                 /* per rank: the length of its list; then its first simplex */
-    pbw_index *first;                                /* per rank, of several tasks: the first simplex in earlier shares */
+    pbw_index *first;                                /* per rank, of several tasks: its first one in earlier shares */
     size_t *end, one_end;                            /* per task: its last slot for other tasks; its last place */
     pbw_index *incident;                             /* per point of the caller */
     int chunk_bits;                                  /* slot >> chunk_bits is the number of its chunk */
