@@ -1,6 +1,6 @@
 /* fuzz_cells.c: cells of small inputs decoded from bytes, in boxes, half-spaces, polygons and periodic boxes: their
-   volumes add up to the domain, areas times normals to zero, and the cells of two parts of a domain, which are cut, to
-   those of the whole, which are read off the stars.
+   volumes add up to the domain, areas times normals to zero, and the cells of two parts of a domain, which are cut,
+   to those of the whole, which are read off the stars.
        make fuzz-cells      a million random inputs
        cc -O2 -DFUZZ_MAIN tests/fuzz_cells.c -o fuzz -lm -lpthread && ./fuzz --count 100000 --seed 1 */
 #define PBW_IMPLEMENTATION
@@ -84,7 +84,8 @@ static const char *fuzz_whole(const fuzz_case *c, const pbw_cells *cells, double
     return fabs(fuzz_sum(cells) - volume) <= CLOSE * c->volume ? NULL : "volumes that do not add up";
 }
 
-/* Areas times normals of a cell in the box add up to zero. */
+/* Areas times normals of a cell in the box add up to zero.  Not in question: cells so thin that cuts of their corners
+   are at random. */
 static const char *fuzz_closed(const fuzz_case *c, const pbw_mesh *mesh, const pbw_cells *cells)
 {
     const size_t dim = (size_t)mesh->dim;
@@ -108,7 +109,7 @@ static const char *fuzz_closed(const fuzz_case *c, const pbw_mesh *mesh, const p
             }
         }
         for (k = 0; k < dim; k++) {
-            if (!(fabs(sum[k]) <= 1e-7 * (dim == 3 ? c->size * c->size : c->size))) {
+            if (cells->volumes[i] > 1e-12 * c->volume && !(fabs(sum[k]) <= 1e-7 * (dim == 3 ? c->size * c->size : c->size))) {
                 return "areas that do not close";
             }
         }

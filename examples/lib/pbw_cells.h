@@ -636,9 +636,10 @@ static int pbwc__cut(pbwc__memory *memory, pbwc__cutter *cutter, int dim, const 
    walked from simplex to simplex: from v, u, p, q, positively oriented, the walk leaves across from p, and q and the
    new corner are the next p and q.  A corner met for the first time is a new link, so rings find all links.
    In the plane parts and links are counter-clockwise, and link i is between parts from and to.
-   The centres S T ... of a ring are the corners of the cell's facet towards the link.  The edge ST gives to the cell the
-   tetrahedron of v, the foot of the facet's plane on the line d from v to the link, S and T: 6 times its volume is
-   foot d.(S x T), with a sign; in the plane the triangle v S T.  Twice the facet's area is the sum of d.(S x T) / |d|.
+   The centres S T ... of a ring are the corners of the cell's facet towards the link.  The edge ST gives to the cell
+   the tetrahedron of v, the foot of the facet's plane on the line d from v to the link, S and T: 6 times its volume
+   is foot d.(S x T), with a sign; in the plane the triangle v S T.  Twice the facet's area is the sum of
+   d.(S x T) / |d|.
    ------------------------------------------------------------------------------------------------------ */
 typedef struct pbwc__part { pbw_index simplex; double centre[3]; } pbwc__part;           /* centre: from v */
 typedef struct pbwc__link {
@@ -962,8 +963,8 @@ static PBWC__INLINE void pbwc__add_edge(pbwc__ring *ring, const double *t)
 }
 
 /* Walks from a simplex around the edge from the site to u, until back there or at the hull; notes the simplices, new
-   links and sums: while the next simplex is on its way from memory, the sums cost no time.  at: simplex, p and q, also
-   at the end.  Returns 1 back there, 0 at the hull, -1 if there is no memory. */
+   links and sums: while the next simplex is on its way from memory, the sums cost no time.  at: simplex, p and q,
+   also at the end.  Returns 1 back there, 0 at the hull, -1 if there is no memory. */
 static PBWC__INLINE int pbwc__walk(pbwc__work *work, pbw_index u, pbw_index at[3], pbwc__ring *ring)
 {
     const pbw_mesh *mesh = work->job->mesh;
@@ -2960,8 +2961,8 @@ static int pbwc__cell(pbwc__work *work, pbw_index v)
         ((unsigned char *)job->cut.data)[v] = 1;
         pbwc__certify_cut(work, v);
     }
-    return !facets || ((PBWC__INDICES(job->merged) == NULL || pbwc__cut_cell(work, v, 1))
-                       && pbwc__cut_facets(work, v));
+    return !facets || !(sum[3] > 0)                  /* the domain at most touches the cell */
+           || ((PBWC__INDICES(job->merged) == NULL || pbwc__cut_cell(work, v, 1)) && pbwc__cut_facets(work, v));
 }
 
 /* The cell of v, with the counts of its facets and entries.  Returns a status. */
