@@ -59,6 +59,7 @@ help:
 	@echo 'make bench-cells Voronoi cells per second, beside voro++'
 	@echo 'make bench-plane plane domains, beside CGAL'
 	@echo 'make bench-live  insert, remove and move, beside CGAL'
+	@echo 'make bench-scaling  queries, cells, live batches and solids on more and more threads'
 	@echo 'make oracle      compares with CGAL            make names   names, warnings, copies, documentation'
 	@echo 'make asm         looks for fused operations    make arm     64-bit Arm, in an emulator'
 	@echo 'make install PREFIX=/usr/local DESTDIR=         and make uninstall: see examples/install/install.mk'
@@ -150,8 +151,8 @@ test-all: LOGS = $(TESTS:%=$B/%.log) $(SCRIPTS:%=$B/%.log)
 test: LOGS = $(TESTS:%=$B/%.log) $(patsubst %,$B/%.log,$(filter-out $(LONG),$(SCRIPTS)))
 test: export QUICK = 1
 QUICK_test_predicates = --count 50000
-QUICK_test_threads = --count 800
-QUICK_test_scalar = --count 800
+QUICK_test_threads = --count 500
+QUICK_test_scalar = --count 500
 QUICK_test_tiles = --count 1000
 programs: LOGS = $(TESTS:%=$B/%.log)
 examples: LOGS = $B/examples.log
