@@ -11809,7 +11809,7 @@ static PBW__NOINLINE pbw__vector pbw__exact_centre(int dim, const double *const 
 
        ((b - a) . (n x s) - (n - s) . (a x b)) / 2 * (1 +- (w_a - w_b) / |b - a|^2)
 
-   Summed over all facets that is the volume of each cavity, whatever the shape of the simplices.  So what q takes is
+   Summed over all facets that is the volume of each cell, whatever the shape of the simplices.  So what q takes is
    the sum over facets inside the cavity, plus that over boundary facets from the new centre to the old one inside
    (the centre outside is on one line with both: it cancels, and a hull facet is no special case), minus that over
    facets with q.  In the plane an edge ab gives (n - a) x (s - a) to a, and (s - b) x (n - b) to b, twice the area.
