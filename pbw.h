@@ -11534,13 +11534,13 @@ PBWDEF pbw_status pbw_nearest(const pbw_mesh *mesh, const pbw_lists *stars, cons
     return pbw__queries_end(&queries, status);
 }
 /* ------------------------------------------------------------------------------------------------------
-   >>centres      Vectors of doubles or of pairs, and centres of simplices as exact as they are wanted.
+   >>centres      Vectors of doubles or of pairs of doubles, and centres of simplices in either.
    In: points, weights.  Out: centres, relative to a point; orientations as good as doubles can be.
-   Holds: what is `fine` has at least 90 right bits, at least relative to the terms of its sums.
+   Holds: with `fine`, the error of a sum is at most 2^-90 times the sum of its terms' sizes.
    ------------------------------------------------------------------------------------------------------ */
 typedef struct pbw__vector { pbw__pair x, y, z; } pbw__vector;
 
-/* ---- arithmetic: with pairs if `fine`, else with their heads, the tails being dead */
+/* ---- arithmetic: on pairs if `fine`, else on their heads alone */
 PBW__INLINE pbw__pair pbw__number(double head)
 {
     pbw__pair number;
@@ -11564,7 +11564,7 @@ PBW__INLINE pbw__pair pbw__mul(int fine, pbw__pair a, pbw__pair b)
     return fine ? pbw__pair_times(a, b) : pbw__number(a.head * b.head);
 }
 
-/* b is normalised first: |tail| <= u |head|; then the rest after one quotient is as small. */
+/* Normalises b first, so that |tail| <= u |head|; then one correction by the remainder is enough. */
 PBW__INLINE pbw__pair pbw__div(int fine, pbw__pair a, pbw__pair b)
 {
     pbw__pair quotient, rest;
@@ -11664,7 +11664,7 @@ static pbw__integer pbw__exact_dot(const pbw__integer *a, const pbw__integer *co
     return pbw__exact_sum(term, count, top);
 }
 
-/* The number, in units of the digit below its `length` lowest ones; what is far below 2^-106 of that is dropped. */
+/* Returns the number divided by the radix to the power of `length`; drops digits far below 2^-106. */
 static pbw__pair pbw__exact_pair(const pbw__integer *a, int length)
 {
     const double radix = 1.0 / (double)((pbw__column)1 << PBW__DIGIT_BITS);
@@ -11810,7 +11810,7 @@ static PBW__NOINLINE pbw__vector pbw__exact_centre(int dim, const double *const 
 
        ((b - a) . (n x s) - (n - s) . (a x b)) / 2 * (1 +- (w_a - w_b) / |b - a|^2)
 
-   Summed over all facets that is the volume of each cavity, whatever the shape of the simplices.  So what q takes is
+   Summed over all facets that is the volume of each cell, whatever the shape of the simplices.  So what q takes is
    the sum over facets inside the cavity, plus that over boundary facets from the new centre to the old one inside
    (the centre outside is on one line with both: it cancels, and a hull facet is no special case), minus that over
    facets with q.  In the plane an edge ab gives (n - a) x (s - a) to a, and (s - b) x (n - b) to b, twice the area.
@@ -11849,7 +11849,7 @@ static void pbw__cavity_free(pbw__memory *memory, pbw__cavity *cavity)
     }
 }
 
-/* Adds the barycentric coordinates of p in the simplex that contains it, those that are 0 left out. */
+/* Adds the barycentric coordinates of p in the simplex that contains it; leaves out zeros. */
 static void pbw__barycentric(pbw__queries *queries, pbw__desk *desk, size_t block, size_t query,
                              const pbw__spot *spot, const double *p)
 {
@@ -11921,12 +11921,12 @@ static int pbw__cavity_reserve(pbw__desk *desk, pbw__cavity *cavity)
         && pbw__room(desk, &cavity->face, &cavity->face_room, cavity->faces + 4, sizeof(pbw__face));
 }
 
-/* The corners of the facet opposite to each corner, counter-clockwise for that. */
+/* The corners of the facet opposite to each corner, counter-clockwise seen from that corner. */
 static const unsigned char pbw__opposite[2][4][3] = {
     { { 1, 2, 0 }, { 2, 0, 0 }, { 0, 1, 0 }, { 0, 0, 0 } }, { { 1, 3, 2 }, { 0, 2, 3 }, { 1, 0, 3 }, { 0, 1, 2 } }
 };
 
-/* Notes the facet of simplex s, of the cavity, opposite to corner i as one of the boundary. */
+/* Adds to the boundary the facet opposite to corner i of the cavity's simplex s. */
 PBW__INLINE void pbw__cavity_face(pbw__cavity *cavity, int dim, size_t s, size_t i)
 {
     pbw__face *face = cavity->face + cavity->faces++;
@@ -11937,7 +11937,8 @@ PBW__INLINE void pbw__cavity_face(pbw__cavity *cavity, int dim, size_t s, size_t
     face->inner = (pbw_index)s;
 }
 
-/* The simplices in conflict with q, from t on, which is one of them; their corners as sites, its boundary facets. */
+/* Finds the simplices in conflict with q by a flood from t, which is one of them; their corners become the sites,
+   the facets to simplices without conflict the boundary. */
 PBW__INLINE int pbw__cavity_find(const pbw__queries *queries, int dim, pbw__desk *desk, size_t t, const double *q)
 {
     const pbw_mesh *mesh = queries->mesh;
@@ -11991,7 +11992,7 @@ PBW__INLINE int pbw__cavity_find(const pbw__queries *queries, int dim, pbw__desk
     return 1;
 }
 
-/* Sites relative to q, so scaled that the farthest is about 1 away. */
+/* Makes the sites relative to q, and scales them by a power of two, so that the farthest is about 1 away. */
 PBW__INLINE void pbw__cavity_place(const pbw_mesh *mesh, int dim, pbw__cavity *cavity, const double *q)
 {
     double largest = 0.0, scale;
@@ -12024,7 +12025,7 @@ PBW__INLINE void pbw__cavity_place(const pbw_mesh *mesh, int dim, pbw__cavity *c
     }
 }
 
-/* The centre of `dim` sites and `base`, relative to that; NULL: q, of weight 0. */
+/* Returns the centre of the simplex of `dim` sites and `base`, relative to base.  base NULL: q, with weight 0. */
 PBW__INLINE pbw__vector pbw__cavity_centre(int fine, int dim, int weighted, const pbw__cavity *cavity,
                                            const pbw_index *corner, const pbw__site *base)
 {
@@ -12093,7 +12094,7 @@ PBW__INLINE void pbw__cavity_edge(int fine, int weighted, pbw__site *a, pbw__sit
     b->gain = pbw__add(fine, b->gain, value);
 }
 
-/* The same for a facet with these corners, counter-clockwise for s. */
+/* Adds it for all edges of a facet, whose corners are counter-clockwise seen from s. */
 PBW__INLINE void pbw__cavity_facet(int fine, int dim, int weighted, pbw__site *const *x, pbw__vector n, pbw__vector s)
 {
     if (dim == 3) {
@@ -12110,8 +12111,8 @@ PBW__INLINE void pbw__cavity_facet(int fine, int dim, int weighted, pbw__site *c
     }
 }
 
-/* A facet with q and x[0], in space x[1] too, counter-clockwise for s, between the new centres n and s.  Takes what
-   its dual edge gives off the gains. */
+/* Subtracts from the gains what the dual edge of a new facet gives: the facet of q and x[0], in space also x[1],
+   counter-clockwise seen from s, between the new simplices with centres n and s. */
 PBW__INLINE void pbw__cavity_spoke(int fine, int dim, int weighted, pbw__site *const *x, pbw__vector n, pbw__vector s)
 {
     pbw__site origin, *corner[3];
