@@ -58,6 +58,7 @@
      >>verify       vertices that moved: does the triangulation hold; flips
      >>live         points to be inserted, removed and moved: the queue
      >>hints         where walks start, and what batches prefetch
+     >>tasks         a batch of changes by many threads
      >>change        a batch of queued changes, vertex by vertex
      >>moves         points that keep their neighbours, or most
      >>commit        queued changes carried out
@@ -255,7 +256,7 @@ struct pbw_mesh {                          /* start from {0}, in C++ {}; read, d
    points: dim coordinates each, read in place, not kept.  mesh: overwritten (an earlier result in it is not
    freed); on any status but PBW_OK and PBW_DEGENERATE it is left empty.  PBW_DEGENERATE: no simplices, but
    canonical, incident (all PBW_NONE), points and duplicate_count are filled.
-   Holds at most 300 (3D) or 105 (2D) bytes a point while it runs on uniform points, the result included, which is 260
+   Holds at most 280 (3D) or 97 (2D) bytes a point while it runs on uniform points, the result included, which is 260
    (3D) or 85 (2D), and 0.5 MB a thread. */
 PBWDEF pbw_status pbw_triangulate(int dim, const double *points, const double *weights, size_t count,
                                   const pbw_options *options, pbw_mesh *mesh);
@@ -431,7 +432,8 @@ PBWDEF pbw_status pbw_coordinates(const pbw_mesh *mesh, const double *points, si
    The number of a removed point is given again, to an insertion after the commit that removed it. */
 typedef struct pbw_live pbw_live;
 
-typedef enum pbw_way {                     /* how a commit was carried out; the result is the same for all */
+typedef enum pbw_way {                     /* how a commit was carried out, which may depend on the threads; the
+                                              result does not */
     PBW_WAY_NOTHING,                       /* no simplex changed */
     PBW_WAY_FLIPS,                         /* edges were flipped, in the plane */
     PBW_WAY_BATCH,                         /* points were taken out and put in, one by one */
@@ -4167,7 +4169,7 @@ typedef struct pbw__slots {
     size_t fresh, fresh_end;                         /* slots of this region that were never used */
     size_t tail, tail_end;                           /* slots of the tail that were never used */
     size_t free_count;
-    pbw_index free_list;                             /* slots that became free, linked through corner 1 */
+    pbw_index free_list, free_last;                  /* slots that became free, linked through corner 1 */
     int no_room;                                     /* the store has no more blocks */
 } pbw__slots;
 
@@ -4385,21 +4387,23 @@ PBW__INLINE size_t pbw__region_end(const pbw__store *store, size_t region)
     return end < store->region_slots && region + 1 < store->region_count ? end : store->region_slots;
 }
 
-/* Regions and a tail.  A region has slots for 7 simplices a vertex in space, 2 1/16 in the plane: uniform points need
-   6.77 and 2, ghosts included.  There are at most 65536 regions, as each round of >>parallel visits all of
-   them; with less than 128 ranks (2D: 512) too many would be full while others are not.
+/* Regions and a tail.  A region has slots for 6 7/8 simplices a vertex in space: uniform points need 6.77, and the
+   tail takes the surplus of one region in five.  In the plane each vertex makes two more triangles than it deletes,
+   ghosts included, so a region needs two slots a vertex and two more for the first star.  There are at most 65536
+   regions, as each round of >>parallel visits all of them; with less than 128 ranks (2D: 512) too many would be full
+   while others are not.
    The output moves each simplex to its place in the order of lowest ranks.  Of n ranks on the curve, and so of the
    places they fill, a border of about n^(2/3) has simplices with higher ranks, in slots of later regions: in space
    the first region has slots for these too, so that places are not ahead of slots. */
 static pbw_status pbw__store_create(pbw__context *context, pbw__store *store, size_t vertices, int dim)
 {
     pbw__memory *memory = &context->memory;
-    size_t slots, tail = 64 + vertices / 32, side = 1, r;
+    size_t slots, tail = 64 + vertices / (dim == 3 ? 32 : 1024), side = 1, r;
     pbw_status status;
     for (store->region_bits = dim == 3 ? 7 : 9; vertices >> store->region_bits >= 65536; ) {
         store->region_bits++;
     }
-    store->slots_each = ((size_t)1 << store->region_bits) / 16 * (dim == 3 ? 112 : 33);
+    store->slots_each = ((size_t)1 << store->region_bits) / 16 * (dim == 3 ? 110 : 32) + (dim == 3 ? 0 : 2);
     while (side * side * side < vertices) {
         side++;
     }
@@ -4502,30 +4506,30 @@ PBW__INLINE void pbw__free_slot(pbw__kernel *kernel, pbw_index t)
     kernel->corner[4 * (size_t)t] = PBW_NONE;
     kernel->corner[4 * (size_t)t + 1] = kernel->slots.free_list;
     kernel->slots.free_list = t;
+    kernel->slots.free_last = kernel->slots.free_count == 0 ? t : kernel->slots.free_last;
     kernel->slots.free_count++;
 }
 
-/* Takes a block of the tail for `needed` simplices.  Only a thread that is alone can grow the tail. */
+/* Takes a block of the tail, of at least `needed` slots.  Only a thread that is alone can grow the tail. */
 static PBW__NOINLINE pbw_status pbw__more_tail(pbw__kernel *kernel, size_t needed)
 {
     pbw__store *store = kernel->store;
-    size_t block = needed > 1024 ? needed : 1024, from, t;
-    pbw_status status = PBW_OK;
-    if (kernel->own.owner == NULL && store->capacity - store->count < block) {
-        size_t bigger = pbw__store_bigger(store), least = store->count + needed;
-        status = store->capacity >= least && store->capacity == PBW__SIMPLEX_LIMIT ? PBW_OK
-               : pbw__store_reserve(kernel->context, store, bigger > least ? bigger : least);
+    const size_t most = needed > 256 ? needed : 256;
+    size_t block, from, t;
+    if (kernel->own.owner == NULL && store->capacity - store->count < needed) {
+        const size_t bigger = pbw__store_bigger(store), least = store->count + needed;
+        const pbw_status status = pbw__store_reserve(kernel->context, store, bigger > least ? bigger : least);
         pbw__kernel_attach(kernel);
         if (status != PBW_OK) {
             return status;
         }
-        block = block < store->capacity - store->count ? block : store->capacity - store->count;
     }
     from = PBW__LOAD(&store->count);
     do {
         PBW__TEST_PAUSE();
-        if (store->capacity - from < block) {
-            kernel->slots.no_room = 1;                     /* at the end of the round there will be more */
+        block = store->capacity - from < most ? store->capacity - from : most;
+        if (block < needed) {
+            kernel->slots.no_room = 1;               /* at the end of the round there will be more */
             return PBW__LEFT;
         }
     } while (!PBW__CAS(&store->count, &from, from + block));
@@ -4561,7 +4565,8 @@ static PBW__NOINLINE pbw_index pbw__take_slot(pbw__kernel *kernel)
     return t;
 }
 
-static int pbw__journal_cavity(pbw__kernel *kernel);         /* >>core */
+static pbw_status pbw__journal_cavity(pbw__kernel *kernel);  /* >>core */
+static pbw_status pbw__journal_slots(pbw__kernel *kernel);
 
 /* Takes the slots of the star: those of the cavity first, still marked; surplus slots of the cavity become free. */
 PBW__INLINE pbw_status pbw__take_slots(pbw__kernel *kernel)
@@ -4572,11 +4577,9 @@ PBW__INLINE pbw_status pbw__take_slots(pbw__kernel *kernel)
     const size_t room = have + fresh + slots->free_count + tail;
     pbw_index *cavity;
     size_t i;
-    if (PBW__UNLIKELY(kernel->journal != NULL) && !pbw__journal_cavity(kernel)) {
-        return PBW_ERROR_MEMORY;
-    }
-    if (PBW__UNLIKELY(needed > room)) {
-        pbw_status status = pbw__more_tail(kernel, needed - room);
+    if (PBW__UNLIKELY(needed > room) || PBW__UNLIKELY(kernel->journal != NULL)) {
+        pbw_status status = needed > room ? pbw__more_tail(kernel, needed - room) : PBW_OK;
+        status = status == PBW_OK && kernel->journal != NULL ? pbw__journal_cavity(kernel) : status;
         if (status != PBW_OK) {
             (void)pbw__leave_cavity(kernel, have);
             return status;
@@ -4605,7 +4608,7 @@ PBW__INLINE pbw_status pbw__take_slots(pbw__kernel *kernel)
     }
     kernel->statistics.created += needed;
     kernel->last = cavity[needed - 1];
-    return PBW_OK;
+    return PBW__UNLIKELY(kernel->journal != NULL) ? pbw__journal_slots(kernel) : PBW_OK;
 }
 /* ------------------------------------------------------------------------------------------------------
    >>walk         Point location.
@@ -6386,12 +6389,28 @@ PBW__SIMD static pbw_status pbw__insert2_weighted_simd(pbw__kernel *kernel, pbw_
 }
 #endif
 
+/* The memory of insertions; context and dim are set. */
+static pbw_status pbw__scratch_create(pbw__kernel *kernel)
+{
+    if (!pbw__grow_lists(kernel, 64)) {
+        return PBW_ERROR_MEMORY;
+    }
+    if (kernel->dim == 2) {
+        return PBW__GROW(kernel, &kernel->scratch, stack, 64) ? PBW_OK : PBW_ERROR_MEMORY;
+    }
+    kernel->scratch.table = (uint64_t *)pbw__allocate(&kernel->context->memory, PBW__TABLE, sizeof(uint64_t));
+    if (kernel->scratch.table == NULL || !PBW__GROW(kernel, &kernel->scratch, edge, PBW__FEW * PBW__FEW)) {
+        return PBW_ERROR_MEMORY;
+    }
+    memset(kernel->scratch.table, 0, PBW__TABLE * sizeof(uint64_t));
+    return PBW_OK;
+}
+
 /* Makes a kernel for one thread; on failure the caller must still free it. */
 static pbw_status pbw__kernel_create(pbw__kernel *kernel, pbw__context *context, pbw__store *store,
                                      const pbw__vertices *vertices, const pbw__grid *grid)
 {
-    pbw__memory *memory = &context->memory;
-    int dim = vertices->dim;
+    const int dim = vertices->dim;
     memset(kernel, 0, offsetof(pbw__kernel, own));
     memset(&kernel->own, 0, offsetof(pbw__ownership, claim));
     kernel->context = context;
@@ -6415,20 +6434,7 @@ static pbw_status pbw__kernel_create(pbw__kernel *kernel, pbw__context *context,
     }
 #endif
     pbw__kernel_attach(kernel);
-    if (!pbw__grow_lists(kernel, 64)) {
-        return PBW_ERROR_MEMORY;
-    }
-    if (dim == 2) {
-        return PBW__GROW(kernel, &kernel->scratch, stack, 64) ? PBW_OK
-                                                                                                  : PBW_ERROR_MEMORY;
-    }
-    kernel->scratch.table = (uint64_t *)pbw__allocate(memory, PBW__TABLE, sizeof(uint64_t));
-    if (kernel->scratch.table == NULL
-        || !PBW__GROW(kernel, &kernel->scratch, edge, PBW__FEW * PBW__FEW)) {
-        return PBW_ERROR_MEMORY;
-    }
-    memset(kernel->scratch.table, 0, PBW__TABLE * sizeof(uint64_t));
-    return PBW_OK;
+    return pbw__scratch_create(kernel);
 }
 
 /* A level of the insertion order: of `count` ranks those that `stride` divides and `coarser` does not; in the
@@ -12374,8 +12380,11 @@ PBWDEF pbw_status pbw_coordinates(const pbw_mesh *mesh, const double *points, si
    none; the journal leads back to the triangulation at its start.
 
    The journal has each simplex as it was when it was first deleted.  Of two simplices that were neighbours at the
-   start the one that was deleted first links to the other; so written back in reverse order, each with its links and
-   the links back, the simplices are as they were.
+   start the one that was deleted first links to the other.  A link that leads to the facet of the same vertices is
+   right, in both directions: so once the corners are written back, in any order, these links are.
+
+   A task of >>tasks has a core of its own: the members before `kernel` are copies of those here, the arrays are for
+   all; the members from there on are the task's own.
    ------------------------------------------------------------------------------------------------------ */
 #define PBW__WAITING (PBW_NONE - 1)                  /* incident: a vertex that is to be inserted */
 #define PBW__GONE (PBW_NONE - 2)                     /* incident: a vertex that was removed */
@@ -12392,14 +12401,14 @@ typedef struct pbw__filling { pbw_index v[4]; pbw__link link[4]; unsigned char m
 
 typedef struct pbw__core {
     pbw__store store;
-    pbw__kernel kernel;
     pbw__grid grid;
     double low[4], high[4];                          /* of the records that the grid was made of */
     double *record;                                  /* per vertex, as in >>order */
     pbw_index *name, *incident, *local;              /* per vertex: its number for the caller; a simplex; its place in
                                                         `rim_vertex`, if that has it */
     pbw_index *vertex, *twin;                        /* per number: its vertex; the next number at its place */
-    pbw_index *place;                                /* a hash table of vertices by coordinates; 0: none */
+    pbw_index *place;                                /* a hash table of vertices by coordinates; 0: none.  A vertex
+                                                        that is gone or moved on may still be at its old place */
     pbw_index *unused, *hidden, *witness;            /* vertices; a simplex that hides each hidden one */
     pbw_index *covered, *cover;                      /* hidden and witness as the commit will leave them */
     pbw_index *start;                                /* per cell of the box: a vertex that is or was there; 0: none */
@@ -12407,32 +12416,53 @@ typedef struct pbw__core {
     size_t start_side, searched;                     /* cells in a row; walks since there was last a table of them */
     size_t record_capacity, name_capacity, incident_capacity, local_capacity, vertex_capacity, twin_capacity;
     size_t start_capacity, place_capacity, unused_capacity, hidden_capacity, witness_capacity, covered_capacity;
-    size_t cover_capacity;
-    size_t vertex_count, unused_count, hidden_count, covered_count, placed, simplex_count, duplicate_count;
+    size_t cover_capacity, touched_capacity;
+    size_t vertex_count, unused_count, hidden_count, covered_count, placed, duplicate_count, past_simplices;
+    unsigned char *touched;                          /* per slot: 1 if it is in a journal */
+    struct pbw__core **task;                         /* >>tasks */
+    size_t task_capacity, tasks;
+    /* one thread's own */
+    pbw__kernel kernel;
+    size_t simplex_count;                            /* of a task: what it adds */
     /* of the removal of one vertex */
     pbw_index *rim_vertex, *table;                   /* table: rims by their vertices; 1 + number */
     pbw__rim *rim;
     pbw__filling *filling;
     size_t rim_vertex_capacity, table_capacity, rim_capacity, filling_capacity;
-    size_t rim_vertices, rims, fillings, effort;
+    size_t rim_vertices, rims, fillings, effort, reinserted;
     double rim_at[4][PBW__FEW];                      /* the records of rim_vertex, by columns; the ghost's is 0 */
     int rim_fits;                                    /* they are there, for vectors */
     /* the journal */
     pbw__past *past;
-    pbw_index *taken;                                /* slots that were free */
-    uint64_t *touched;                               /* a bit for each slot that is in one of these */
-    size_t past_capacity, taken_capacity, touched_capacity, past_count, taken_count;
+    pbw_index *taken, *open;                         /* slots that were free; edges to be tested: see >>moves */
+    size_t past_capacity, taken_capacity, open_capacity, past_count, taken_count, open_count;
     int inserting;                                   /* weighted points, one of which may hide others */
-    size_t past_simplices;                           /* simplex_count at its start */
 } pbw__core;
 
-#define PBW__TOUCHED(core, t) ((core)->touched[(t) >> 6] >> ((t) & 63) & 1)
-
-static void pbw__core_free(pbw__context *context, pbw__core *core)
+/* Frees what a thread has of its own. */
+static void pbw__core_free_own(pbw__context *context, pbw__core *core)
 {
     pbw__memory *memory = &context->memory;
     core->kernel.context = context;
     pbw__kernel_free(&core->kernel);
+    PBW__RELEASE(memory, core, rim_vertex);
+    PBW__RELEASE(memory, core, table);
+    PBW__RELEASE(memory, core, rim);
+    PBW__RELEASE(memory, core, filling);
+    PBW__RELEASE(memory, core, past);
+    PBW__RELEASE(memory, core, taken);
+    PBW__RELEASE(memory, core, open);
+}
+
+static void pbw__core_free(pbw__context *context, pbw__core *core)
+{
+    pbw__memory *memory = &context->memory;
+    pbw__core_free_own(context, core);
+    while (core->tasks > 0) {
+        pbw__core_free_own(context, core->task[--core->tasks]);
+        pbw__release(memory, core->task[core->tasks], 1, sizeof(pbw__core));
+    }
+    PBW__RELEASE(memory, core, task);
     pbw__store_free(memory, &core->store);
     PBW__RELEASE(memory, core, record);
     PBW__RELEASE(memory, core, name);
@@ -12447,12 +12477,6 @@ static void pbw__core_free(pbw__context *context, pbw__core *core)
     PBW__RELEASE(memory, core, witness);
     PBW__RELEASE(memory, core, covered);
     PBW__RELEASE(memory, core, cover);
-    PBW__RELEASE(memory, core, rim_vertex);
-    PBW__RELEASE(memory, core, table);
-    PBW__RELEASE(memory, core, rim);
-    PBW__RELEASE(memory, core, filling);
-    PBW__RELEASE(memory, core, past);
-    PBW__RELEASE(memory, core, taken);
     PBW__RELEASE(memory, core, touched);
     memset(core, 0, sizeof(*core));
 }
@@ -12460,21 +12484,73 @@ static void pbw__core_free(pbw__context *context, pbw__core *core)
 #define PBW__CORE_GROW(core, x, needed) \
     pbw__grow(&(core)->kernel.context->memory, &(core)->x, &(core)->x##_capacity, needed, sizeof(*(core)->x))
 
-/* ---- the journal
-   Bits for all slots that there are; new ones are 0. */
-static int pbw__journal_reserve(pbw__core *core)
-{
-    const size_t old = core->touched_capacity, words = core->store.capacity / 64 + 1;
-    if (!PBW__CORE_GROW(core, touched, words)) {
-        return 0;
-    }
-    memset(core->touched + old, 0, (core->touched_capacity - old) * sizeof(uint64_t));
-    return 1;
-}
-
 PBW__INLINE const double *pbw__core_record(const pbw__core *core, pbw_index v)
 {
     return core->record + (size_t)v * ((size_t)core->kernel.dim + 1);
+}
+
+/* Returns whether this thread owns a vertex, or need not; claims it if it can.  See >>tasks. */
+PBW__INLINE int pbw__hold(pbw__kernel *kernel, pbw_index v)
+{
+    return kernel->own.owner == NULL || v == PBW__GHOST || pbw__owns_zone(kernel, v);
+}
+
+PBW__INLINE int pbw__hold_corners(pbw__kernel *kernel, size_t t)
+{
+    const pbw_index *v = kernel->corner + 4 * t;
+    const int dim = kernel->dim;
+    int k;
+    if (kernel->own.owner == NULL || (pbw__is_ours(kernel, v[0]) & pbw__is_ours(kernel, v[1])
+                                      & pbw__is_ours(kernel, v[2]) & pbw__is_ours(kernel, v[dim]))) {
+        return 1;
+    }
+    for (k = 0; k <= dim && pbw__hold(kernel, v[k]); k++) {
+    }
+    return k > dim;
+}
+
+/* Where a slot is missing: for another task, there may be one later. */
+PBW__INLINE pbw_status pbw__no_room(const pbw__kernel *kernel, pbw_status status)
+{
+    return status == PBW__LEFT && kernel->own.owner == NULL ? PBW_ERROR_TOO_LARGE : status;
+}
+
+/* The facet across from corner i of a positive simplex v: a, b, c with (v[i], a, b, c) positive. */
+PBW__INLINE void pbw__facet_of(const pbw_index *v, unsigned i, int dim, pbw_index *facet)
+{
+    if (dim == 2) {
+        facet[0] = v[i == 2 ? 0 : i + 1];
+        facet[1] = v[i == 0 ? 2 : i - 1];
+        facet[2] = PBW_NONE;
+    } else {
+        facet[0] = v[pbw__facet_corners[i][1]];
+        facet[1] = v[pbw__facet_corners[i][2]];
+        facet[2] = v[pbw__facet_corners[i][3]];
+    }
+}
+
+/* Whether facet j of simplex u is facet k of simplex t: its vertices in the opposite order. */
+PBW__INLINE unsigned pbw__facets_fit(const pbw_index *t, unsigned k, const pbw_index *u, unsigned j, int dim)
+{
+    pbw_index a[3], b[3];
+    pbw__facet_of(t, k, dim, a);
+    pbw__facet_of(u, j, dim, b);
+    return dim == 2 ? (unsigned)((a[0] == b[1]) & (a[1] == b[0]))
+                    : (unsigned)(((a[0] == b[0]) & (a[1] == b[2]) & (a[2] == b[1]))
+                                 | ((a[0] == b[1]) & (a[1] == b[0]) & (a[2] == b[2]))
+                                 | ((a[0] == b[2]) & (a[1] == b[1]) & (a[2] == b[0])));
+}
+
+/* ---- the journal
+   Bytes for all slots that there are; new ones are 0. */
+static int pbw__journal_reserve(pbw__core *core)
+{
+    const size_t old = core->touched_capacity;
+    if (!PBW__CORE_GROW(core, touched, core->store.capacity)) {
+        return 0;
+    }
+    memset(core->touched + old, 0, core->touched_capacity - old);
+    return 1;
 }
 
 /* The place of a vertex in the list of link vertices, the ghost is the first; added if it is not there. */
@@ -12488,15 +12564,20 @@ static pbw_index pbw__rim_place(pbw__core *core, pbw_index v)
     return core->local[v] = (pbw_index)core->rim_vertices++;
 }
 
-/* Notes the simplices of the cavity, which are to be deleted; 0 if memory is short. */
-static int pbw__journal_cavity(pbw__kernel *kernel)
+/* Notes the simplices of the cavity, which are to be deleted.  PBW__LEFT: not all of their corners are ours. */
+static pbw_status pbw__journal_cavity(pbw__kernel *kernel)
 {
     pbw__core *core = (pbw__core *)kernel->journal;
     const size_t count = kernel->scratch.cavity_count;
     size_t i;
+    for (i = 0; i < count && kernel->own.owner != NULL; i++) {
+        if (!pbw__hold_corners(kernel, kernel->scratch.cavity[i])) {
+            return PBW__LEFT;
+        }
+    }
     if (!PBW__CORE_GROW(core, past, core->past_count + count)
         || (core->inserting && !PBW__CORE_GROW(core, rim_vertex, 4 * count + 8))) {
-        return 0;
+        return PBW_ERROR_MEMORY;
     }
     core->rim_vertices = core->inserting ? 0 : core->rim_vertices;
     for (i = 0; i < count; i++) {
@@ -12510,15 +12591,15 @@ static int pbw__journal_cavity(pbw__kernel *kernel)
                 (void)pbw__rim_place(core, v);
             }
         }
-        if (!PBW__TOUCHED(core, t)) {
+        if (!core->touched[t]) {
             pbw__past *past = core->past + core->past_count++;
-            core->touched[t >> 6] |= (uint64_t)1 << (t & 63);
+            core->touched[t] = 1;
             past->slot = (pbw_index)t;
             memcpy(past->corner, kernel->corner + 4 * t, sizeof(past->corner));
             memcpy(past->link, kernel->link + 4 * t, sizeof(past->link));
         }
     }
-    return 1;
+    return PBW_OK;
 }
 
 /* The corners of a new simplex get a finite one: it, or that behind it. */
@@ -12536,30 +12617,32 @@ static void pbw__note_corners(pbw__core *core, size_t t)
     core->simplex_count += (size_t)finite;
 }
 
-/* Notes the slots of the star that were free; its corners get a finite simplex. */
-static int pbw__journal_star(pbw__core *core)
+/* Notes the slots of the star that were free, before they are used. */
+static pbw_status pbw__journal_slots(pbw__kernel *kernel)
 {
-    pbw__kernel *kernel = &core->kernel;
+    pbw__core *core = (pbw__core *)kernel->journal;
     const size_t count = kernel->scratch.facet_count;
     size_t i;
     if (!pbw__journal_reserve(core) || !PBW__CORE_GROW(core, taken, core->taken_count + count)) {
-        for (i = 0; i < count; i++) {                /* what is in no journal is free again */
-            const size_t t = kernel->scratch.cavity[i];
-            if (t >> 6 >= core->touched_capacity || !PBW__TOUCHED(core, t)) {
-                kernel->corner[4 * t] = PBW_NONE;
-            }
-        }
-        return 0;
+        return PBW_ERROR_MEMORY;
     }
     for (i = 0; i < count; i++) {
         const size_t t = kernel->scratch.cavity[i];
-        pbw__note_corners(core, t);
-        if (!PBW__TOUCHED(core, t)) {
-            core->touched[t >> 6] |= (uint64_t)1 << (t & 63);
+        if (!core->touched[t]) {
+            core->touched[t] = 1;
             core->taken[core->taken_count++] = (pbw_index)t;
         }
     }
-    return 1;
+    return PBW_OK;
+}
+
+/* The corners of a star get a finite simplex. */
+static void pbw__note_star(pbw__core *core)
+{
+    size_t i;
+    for (i = 0; i < core->kernel.scratch.facet_count; i++) {
+        pbw__note_corners(core, core->kernel.scratch.cavity[i]);
+    }
 }
 
 /* All simplices of the cavity are finite or not: how many are. */
@@ -12577,9 +12660,11 @@ static void pbw__list_free_slots(pbw__core *core)
 {
     pbw__kernel *kernel = &core->kernel;
     size_t t;
-    kernel->slots.free_count = 0;
-    kernel->slots.free_list = PBW_NONE;
-    kernel->slots.tail = kernel->slots.tail_end = 0;
+    for (t = 0; t <= core->tasks; t++) {
+        pbw__slots *slots = &(t < core->tasks ? core->task[t] : core)->kernel.slots;
+        slots->free_count = slots->tail = slots->tail_end = 0;
+        slots->free_list = PBW_NONE;
+    }
     for (t = 0; t < core->store.count; t++) {        /* the last is taken first: see >>change */
         kernel->mark[t] = 0;
         if (kernel->corner[4 * t] == PBW_NONE) {
@@ -12588,40 +12673,80 @@ static void pbw__list_free_slots(pbw__core *core)
     }
 }
 
+/* The journals: of the core, then of its tasks. */
+PBW__INLINE pbw__core *pbw__journal(pbw__core *core, size_t i)
+{
+    return i == 0 ? core : core->task[i - 1];
+}
+
+/* Whether simplices were deleted. */
+static int pbw__journal_any(pbw__core *core)
+{
+    size_t j;
+    for (j = 0; j <= core->tasks && pbw__journal(core, j)->past_count == 0; j++) {
+    }
+    return j <= core->tasks;
+}
+
 static void pbw__journal_clear(pbw__core *core)
 {
-    size_t i;
-    for (i = 0; i < core->past_count; i++) {
-        core->touched[core->past[i].slot >> 6] = 0;
+    size_t i, j;
+    for (j = 0; j <= core->tasks; j++) {
+        pbw__core *own = pbw__journal(core, j);
+        for (i = 0; i < own->past_count; i++) {
+            core->touched[own->past[i].slot] = 0;
+        }
+        for (i = 0; i < own->taken_count; i++) {
+            core->touched[own->taken[i]] = 0;
+        }
+        own->past_count = own->taken_count = 0;
     }
-    for (i = 0; i < core->taken_count; i++) {
-        core->touched[core->taken[i] >> 6] = 0;
-    }
-    core->past_count = core->taken_count = 0;
     core->past_simplices = core->simplex_count;
+}
+
+/* Sets the links of simplices that are back. */
+static void pbw__journal_link(pbw__core *core, const pbw__past *past, size_t count)
+{
+    pbw__kernel *kernel = &core->kernel;
+    const unsigned dim = (unsigned)kernel->dim;
+    size_t i;
+    unsigned k;
+    for (i = 0; i < count; i++) {
+        const size_t t = past[i].slot;
+        for (k = 0; k <= dim; k++) {
+            const pbw__link to = past[i].link[k];
+            const pbw_index *u = kernel->corner + 4 * (size_t)(to >> 2);
+            if (u[0] != PBW_NONE && pbw__facets_fit(kernel->corner + 4 * t, k, u, (unsigned)(to & 3), (int)dim)) {
+                kernel->link[4 * t + k] = to;
+                kernel->link[to] = (pbw__link)(4 * t + k);
+            }
+        }
+    }
 }
 
 /* Back to the triangulation at the start of the journal. */
 static void pbw__journal_undo(pbw__core *core)
 {
     pbw__kernel *kernel = &core->kernel;
-    const size_t dim = (size_t)kernel->dim;
-    size_t i, k;
-    for (i = 0; i < core->taken_count; i++) {
-        const size_t t = core->taken[i];
-        kernel->corner[4 * t] = PBW_NONE;
-    }
-    for (i = core->past_count; i-- > 0; ) {
-        const pbw__past *past = core->past + i;
-        const size_t t = past->slot;
-        memcpy(kernel->corner + 4 * t, past->corner, sizeof(past->corner));
-        memcpy(kernel->link + 4 * t, past->link, sizeof(past->link));
-        for (k = 0; k <= dim; k++) {
-            kernel->link[past->link[k]] = (pbw__link)(4 * t + k);
+    size_t i, j;
+    for (j = 0; j <= core->tasks; j++) {
+        const pbw__core *own = pbw__journal(core, j);
+        for (i = 0; i < own->taken_count; i++) {
+            kernel->corner[4 * (size_t)own->taken[i]] = PBW_NONE;
+        }
+        for (i = 0; i < own->past_count; i++) {
+            const pbw__past *past = own->past + i;
+            memcpy(kernel->corner + 4 * (size_t)past->slot, past->corner, sizeof(past->corner));
         }
     }
-    for (i = 0; i < core->past_count; i++) {
-        pbw__note_corners(core, core->past[i].slot);
+    for (j = 0; j <= core->tasks; j++) {
+        pbw__journal_link(core, pbw__journal(core, j)->past, pbw__journal(core, j)->past_count);
+    }
+    for (j = 0; j <= core->tasks; j++) {
+        const pbw__core *own = pbw__journal(core, j);
+        for (i = 0; i < own->past_count; i++) {
+            pbw__note_corners(core, own->past[i].slot);
+        }
     }
     for (i = 0; i < core->hidden_count; i++) {
         core->incident[core->hidden[i]] = PBW_NONE;
@@ -12976,20 +13101,6 @@ static pbw_index pbw__rim_behind(const pbw__core *core, const pbw_index *rim)
    there is one such e, and all facets of the simplices made meet in pairs.  Time: the simplices made times the size
    of N; where that grows too large, all is triangulated anew.
    ------------------------------------------------------------------------------------------------------ */
-/* The facet across from corner i of a positive simplex v: a, b, c with (v[i], a, b, c) positive. */
-PBW__INLINE void pbw__facet_of(const pbw_index *v, unsigned i, int dim, pbw_index *facet)
-{
-    if (dim == 2) {
-        facet[0] = v[i == 2 ? 0 : i + 1];
-        facet[1] = v[i == 0 ? 2 : i - 1];
-        facet[2] = PBW_NONE;
-    } else {
-        facet[0] = v[pbw__facet_corners[i][1]];
-        facet[1] = v[pbw__facet_corners[i][2]];
-        facet[2] = v[pbw__facet_corners[i][3]];
-    }
-}
-
 #define PBW__MOST_RIM ((size_t)1 << 21)              /* vertices of a link: three places in a key */
 
 /* The places of a rim in ascending order; in the plane the third is beyond all. */
@@ -13011,17 +13122,20 @@ PBW__INLINE size_t pbw__rim_find(const pbw__core *core, uint64_t key, size_t roo
     return at;
 }
 
-/* Collects the star of v in scratch.cavity, its link in rim_vertex and rim. */
+/* Collects the star of v in scratch.cavity, its link in rim_vertex and rim.  PBW__LEFT: not all of that is ours. */
 static pbw_status pbw__open_hole(pbw__core *core, pbw_index v)
 {
     pbw__kernel *kernel = &core->kernel;
     const unsigned dim = (unsigned)kernel->dim;
     size_t i;
     unsigned k, at;
+    if (!pbw__hold(kernel, v) || !pbw__hold_corners(kernel, core->incident[v])) {
+        return PBW__LEFT;
+    }
     kernel->scratch.cavity[0] = core->incident[v];
     kernel->scratch.cavity_count = 1;
     kernel->mark[core->incident[v]] = 1;
-    core->rim_vertices = core->rims = core->fillings = 0;
+    core->rims = core->fillings = 0;
     for (i = 0; i < kernel->scratch.cavity_count; i++) {
         const size_t t = kernel->scratch.cavity[i];
         const pbw_index *corner = kernel->corner + 4 * t;
@@ -13033,8 +13147,9 @@ static pbw_status pbw__open_hole(pbw__core *core, pbw_index v)
             (void)pbw__leave_cavity(kernel, kernel->scratch.cavity_count);
             return PBW_ERROR_MEMORY;
         }
-        if (i == 0) {
-            (void)pbw__rim_place(core, PBW__GHOST);
+        if (i == 0) {                                /* core->local[PBW__GHOST] is always 0 */
+            core->rim_vertex[0] = PBW__GHOST;
+            core->rim_vertices = 1;
         }
         for (at = 0; corner[at] != v; at++) {
         }
@@ -13049,6 +13164,9 @@ static pbw_status pbw__open_hole(pbw__core *core, pbw_index v)
         for (k = 0; k <= dim; k++) {
             const pbw_index next = (pbw_index)(link[k] >> 2);
             if (k != at && !kernel->mark[next]) {
+                if (!pbw__hold(kernel, kernel->corner[link[k]])) {
+                    return pbw__leave_cavity(kernel, kernel->scratch.cavity_count);
+                }
                 kernel->mark[next] = 1;
                 kernel->scratch.cavity[kernel->scratch.cavity_count++] = next;
                 PBW__PREFETCH(kernel->corner + 4 * (size_t)next);
@@ -13193,7 +13311,8 @@ static void pbw__fill_hole(pbw__core *core)
     }
 }
 
-/* Removes a vertex.  PBW__ANEW: no simplex would be left, or it is too much work. */
+/* Removes a vertex.  PBW__ANEW: no simplex would be left, or it is too much work.  PBW__LEFT: by a task, if not all
+   vertices around are its own, or it makes no finite simplex, which may mean that none would be left. */
 static pbw_status pbw__remove_vertex(pbw__core *core, pbw_index v)
 {
     pbw__kernel *kernel = &core->kernel;
@@ -13207,8 +13326,8 @@ static pbw_status pbw__remove_vertex(pbw__core *core, pbw_index v)
     for (made = i = 0; i < core->fillings; i++) {
         made += core->filling[i].v[kernel->dim] != 0;
     }
-    if (status == PBW_OK && core->simplex_count - finite + made == 0) {
-        status = PBW__ANEW;
+    if (status == PBW_OK && made == 0 && (kernel->own.owner != NULL || core->simplex_count == finite)) {
+        status = kernel->own.owner != NULL ? PBW__LEFT : PBW__ANEW;
     }
     if (status != PBW_OK) {
         (void)pbw__leave_cavity(kernel, kernel->scratch.cavity_count);
@@ -13217,11 +13336,12 @@ static pbw_status pbw__remove_vertex(pbw__core *core, pbw_index v)
     kernel->scratch.facet_count = core->fillings;
     status = pbw__take_slots(kernel);
     if (status != PBW_OK) {
-        return status == PBW__LEFT ? PBW_ERROR_TOO_LARGE : status;
+        return pbw__no_room(kernel, status);
     }
     pbw__fill_hole(core);
     core->incident[v] = PBW__GONE;
-    return pbw__journal_star(core) ? PBW_OK : PBW_ERROR_MEMORY;
+    pbw__note_star(core);
+    return PBW_OK;
 }
 
 /* ---- insertion, and what it hides */
@@ -13267,15 +13387,13 @@ static pbw_status pbw__insert_vertex(pbw__core *core, pbw_index v, pbw_index hin
     status = kernel->insert(kernel, v);
     core->inserting = 0;
     if (status != PBW_OK) {
-        return status == PBW__LEFT ? PBW_ERROR_TOO_LARGE : status;
+        return pbw__no_room(kernel, status);
     }
     if (kernel->scratch.facet_count == 0) {
         kernel->last = hint;
         return pbw__cover_vertex(core, v, pbw__find_witness(core, hint, v)) ? PBW_OK : PBW_ERROR_MEMORY;
     }
-    if (!pbw__journal_star(core)) {
-        return PBW_ERROR_MEMORY;
-    }
+    pbw__note_star(core);
     for (i = 0; i < core->rim_vertices && kernel->weighted; i++) {
         if (core->incident[core->rim_vertex[i]] == PBW_NONE
             && !pbw__cover_vertex(core, core->rim_vertex[i], PBW_NONE)) {
@@ -13307,7 +13425,7 @@ static pbw_status pbw__uncover(pbw__core *core)
         for (i = 0; i < count; i++) {
             const pbw_index v = core->covered[i], witness = core->cover[i];
             pbw_status status;
-            if (witness != PBW_NONE && !PBW__TOUCHED(core, witness)) {
+            if (witness != PBW_NONE && !core->touched[witness]) {
                 continue;
             }
             core->covered[i] = PBW__GHOST;
@@ -13394,7 +13512,6 @@ static pbw_status pbw__core_scan(pbw__core *core)
     const size_t dim = (size_t)kernel->dim;
     size_t t, k;
     pbw_index v, witness;
-    memset(core->incident, 0xff, (core->vertex_count + 1) * sizeof(pbw_index));
     core->simplex_count = 0;
     for (t = 0; t < core->store.count; t++) {
         const pbw_index *corner = kernel->corner + 4 * t;
@@ -13441,6 +13558,7 @@ static pbw_status pbw__core_take(pbw__core *core, pbw__vertices *vertices, const
         || !PBW__CORE_GROW(core, vertex, numbers) || !PBW__CORE_GROW(core, twin, numbers)) {
         return PBW_ERROR_MEMORY;
     }
+    memset(core->incident, 0xff, records * sizeof(pbw_index));
     memset(core->local, 0, core->local_capacity * sizeof(pbw_index));
     for (k = 0; k < width; k++) {
         core->low[k] = HUGE_VAL;
@@ -13918,6 +14036,7 @@ static pbw_status pbw__flip(pbw__core *core, size_t t, unsigned k)
     const pbw__link aq = kernel->link[4 * u + j1], qb = kernel->link[4 * u + j2];
     const pbw_index first[3] = { p, a, q }, second[3] = { p, q, b };
     pbw__link link[3];
+    pbw_status status;
     unsigned i;
     for (i = 0; i < 2; i++) {
         const pbw_index *v = i == 0 ? first : second;
@@ -13929,8 +14048,9 @@ static pbw_status pbw__flip(pbw__core *core, size_t t, unsigned k)
     kernel->scratch.cavity[0] = (pbw_index)t;
     kernel->scratch.cavity[1] = (pbw_index)u;
     kernel->scratch.cavity_count = 2;
-    if (!pbw__journal_cavity(kernel)) {
-        return PBW_ERROR_MEMORY;
+    status = pbw__journal_cavity(kernel);
+    if (status != PBW_OK) {
+        return status;
     }
     link[0] = aq, link[1] = 0, link[2] = pa;
     pbw__set_triangle(kernel, t, first, link);
@@ -13959,7 +14079,8 @@ static pbw_status pbw__flip(pbw__core *core, size_t t, unsigned k)
     return PBW_OK;
 }
 
-/* Flips until all edges are locally Delaunay, from those in rim_vertex on.  PBW__ANEW: more than `most` times. */
+/* Flips until all edges are locally Delaunay, from those in rim_vertex on.  PBW__ANEW: more than `most` times.  A
+   task notes in `open` the edges beyond which a vertex is not its own. */
 static pbw_status pbw__flip_all(pbw__core *core, size_t count, size_t most)
 {
     pbw__kernel *kernel = &core->kernel;
@@ -13975,6 +14096,13 @@ static pbw_status pbw__flip_all(pbw__core *core, size_t count, size_t most)
             continue;
         }
         status = ++flips > most ? PBW__ANEW : pbw__flip(core, t, k);
+        if (status == PBW__LEFT) {
+            status = PBW__CORE_GROW(core, open, core->open_count + 1) ? PBW_OK : PBW_ERROR_MEMORY;
+            if (status == PBW_OK) {
+                core->open[core->open_count++] = facet;
+                continue;
+            }
+        }
         if (status == PBW_OK && !PBW__CORE_GROW(core, rim_vertex, count + 6)) {
             status = PBW_ERROR_MEMORY;
         }
@@ -14044,7 +14172,6 @@ static pbw_status pbw__verify(pbw__core *core, size_t most)
 #define PBW__QUEUED 4u                               /* its number is in the queue */
 #define PBW__LEAVES 8u                               /* in a commit: its old place; and the next: a new one */
 #define PBW__ARRIVES 16u
-#define PBW__REMOVED PBW_NONE                        /* in the table of places */
 
 #define PBW__LIVE_GROW(live, x, needed) \
     pbw__grow(&(live)->core.kernel.context->memory, &(live)->x, &(live)->x##_capacity, needed, sizeof(*(live)->x))
@@ -14067,9 +14194,11 @@ struct pbw_live {
     /* of one commit */
     pbw__edit *edit;
     pbw_index *head, *leaving, *arriving;            /* head: per place that changes, a number there; vertices */
+    pbw_index *joining;                              /* numbers that arrive; then vertices that they did not need */
     double *moved;                                   /* other coordinates of those in `leaving` */
-    size_t edit_capacity, head_capacity, leaving_capacity, arriving_capacity, moved_capacity;
-    size_t edit_count, leaving_count, arriving_count, past_vertices, past_unused, past_placed;
+    size_t edit_capacity, head_capacity, leaving_capacity, arriving_capacity, joining_capacity, moved_capacity;
+    size_t edit_count, leaving_count, arriving_count, joining_count, first_edit;
+    size_t past_vertices, past_unused, past_placed;
 };
 
 /* ---- the queue */
@@ -14364,22 +14493,30 @@ static void pbw__changes_add(const pbw__core *core, const pbw_index *v, int dim,
 }
 
 /* What the journal says. */
-static pbw_status pbw__batch_changes(const pbw_live *live, pbw_changes *changes)
+static pbw_status pbw__batch_changes(pbw_live *live, pbw_changes *changes)
 {
-    const pbw__core *core = &live->core;
-    pbw_status status = pbw__changes_start(live, changes, core->past_count, core->past_count + core->taken_count);
-    size_t i;
+    pbw__core *core = &live->core;
+    size_t past = 0, taken = 0, i, j;
+    pbw_status status;
+    for (j = 0; j <= core->tasks; j++) {
+        past += pbw__journal(core, j)->past_count;
+        taken += pbw__journal(core, j)->taken_count;
+    }
+    status = pbw__changes_start(live, changes, past, past + taken);
     if (status != PBW_OK) {
         return status;
     }
-    for (i = 0; i < core->past_count; i++) {
-        pbw__changes_add(core, core->past[i].corner, live->dim, changes->deleted, &changes->deleted_count);
-        pbw__changes_add(core, core->store.corner + 4 * (size_t)core->past[i].slot, live->dim, changes->made,
-                         &changes->made_count);
-    }
-    for (i = 0; i < core->taken_count; i++) {
-        pbw__changes_add(core, core->store.corner + 4 * (size_t)core->taken[i], live->dim, changes->made,
-                         &changes->made_count);
+    for (j = 0; j <= core->tasks; j++) {
+        const pbw__core *own = pbw__journal(core, j);
+        for (i = 0; i < own->past_count; i++) {
+            pbw__changes_add(core, own->past[i].corner, live->dim, changes->deleted, &changes->deleted_count);
+            pbw__changes_add(core, core->store.corner + 4 * (size_t)own->past[i].slot, live->dim, changes->made,
+                             &changes->made_count);
+        }
+        for (i = 0; i < own->taken_count; i++) {
+            pbw__changes_add(core, core->store.corner + 4 * (size_t)own->taken[i], live->dim, changes->made,
+                             &changes->made_count);
+        }
     }
     return pbw__changes_close(changes, live->dim, live->count);
 }
@@ -14422,22 +14559,22 @@ PBW__INLINE size_t pbw__start_cell(const pbw__core *core, const double *x)
     return cell;
 }
 
-/* Makes the table once there are walks enough to pay for it.  Returns whether there is one. */
-static int pbw__start_table(pbw__core *core, size_t walks)
+/* Makes the table once there are walks enough to pay for it. */
+static void pbw__start_table(pbw__core *core, size_t walks)
 {
     const size_t cells = core->vertex_count / 2 + 1;
     size_t side = 1, all, r;
     int k;
     core->searched += walks;
     if (core->start != NULL || core->searched < cells / 64) {
-        return core->start != NULL;
+        return;
     }
     while ((side + 1) * (side + 1) * (core->kernel.dim == 3 ? side + 1 : 1) <= cells) {
         side++;
     }
     all = side * side * (core->kernel.dim == 3 ? side : 1);
     if (!PBW__CORE_GROW(core, start, all)) {
-        return 0;                                    /* without it then */
+        return;                                      /* without it then */
     }
     core->start_side = side;
     for (k = 0; k < core->kernel.dim; k++) {
@@ -14451,111 +14588,385 @@ static int pbw__start_table(pbw__core *core, size_t walks)
             core->start[pbw__start_cell(core, pbw__core_record(core, (pbw_index)r))] = (pbw_index)r;
         }
     }
-    return 1;
 }
 
-/* Prefetches a simplex (0), then its vertices and neighbours (1), then theirs (2); the earlier are there by then. */
-PBW__INLINE void pbw__prefetch_around(const pbw__core *core, size_t t, int level)
+/* Prefetches, in steps, a simplex of v (0), its vertices and those of its neighbours that have v (1), what these have
+   (2), and the vertices behind them (3).  A task that owns v may read all this. */
+PBW__INLINE void pbw__prefetch_star(const pbw__core *core, pbw_index v, int step)
 {
-    const size_t dim = (size_t)core->kernel.dim, width = dim + 1;
+    const size_t dim = (size_t)core->kernel.dim, width = dim + 1, t = core->incident[v];
     const pbw_index *corner = core->kernel.corner;
     const pbw__link *link = core->kernel.link;
     size_t k, m;
-    if (level == 0) {
+    if (step == 0) {
         PBW__PREFETCH(corner + 4 * t);
         PBW__PREFETCH(link + 4 * t);
         PBW__PREFETCH(core->kernel.mark + t);
         return;
     }
-    for (k = 0; k <= dim && corner[4 * t] != PBW_NONE; k++) {
-        const size_t u = link[4 * t + k] >> 2;
-        if (level == 1) {
+    for (k = 0; k <= dim; k++) {
+        size_t u;
+        if (corner[4 * t + k] == v) {
+            continue;
+        }
+        u = link[4 * t + k] >> 2;
+        if (step == 1) {
             PBW__PREFETCH(core->record + width * corner[4 * t + k]);
             PBW__PREFETCH(corner + 4 * u);
             PBW__PREFETCH(link + 4 * u);
             PBW__PREFETCH(core->kernel.mark + u);
             continue;
         }
-        PBW__PREFETCH(core->record + width * corner[link[4 * t + k]]);
         for (m = 0; m <= dim; m++) {
-            PBW__PREFETCH(corner + link[4 * u + m]);
-            PBW__PREFETCH(link + link[4 * u + m]);
-            PBW__PREFETCH(core->kernel.mark + (link[4 * u + m] >> 2));
+            pbw__link behind;
+            if (corner[4 * u + m] == v) {
+                continue;
+            }
+            behind = link[4 * u + m];
+            if (step == 2) {
+                PBW__PREFETCH(core->record + width * corner[4 * u + m]);
+                PBW__PREFETCH(corner + behind);
+                PBW__PREFETCH(link + behind);
+                PBW__PREFETCH(core->kernel.mark + (behind >> 2));
+            } else {
+                PBW__PREFETCH(core->record + width * corner[behind]);
+                PBW__PREFETCH(core->local + corner[behind]);
+            }
         }
     }
 }
 
-/* A simplex of a vertex; any other if it has none. */
-PBW__INLINE size_t pbw__prefetch_at(const pbw__core *core, pbw_index v)
+/* The nearer to p of two vertices that this thread may start from; 0: neither. */
+PBW__INLINE pbw_index pbw__nearer_start(pbw__core *core, pbw_index a, pbw_index b, const double *p)
 {
-    return v != 0 && core->incident[v] < PBW__GONE ? core->incident[v] : 0;
+    const int dim = core->kernel.dim, has_a = a != 0 && pbw__hold(&core->kernel, a) && core->incident[a] < PBW__GONE;
+    if (b == 0 || b == a || !pbw__hold(&core->kernel, b) || core->incident[b] >= PBW__GONE) {
+        return has_a ? a : 0;
+    }
+    return has_a && pbw__squared(pbw__core_record(core, a), p, dim) <= pbw__squared(pbw__core_record(core, b), p, dim)
+         ? a : b;
 }
 
-/* Prefetches, in steps, for insertions to come: for that of list[i] i steps from now. */
-PBW__INLINE void pbw__prefetch_walks(const pbw__core *core, const pbw_index *list, size_t count)
+/* ------------------------------------------------------------------------------------------------------
+   >>tasks        A batch of changes by many threads.
+   In: a core, changes to its vertices, in any order.  Out: the core with the changes.
+   Holds: what holds in >>core.  The triangulation of the points is one, whatever the order of changes.
+
+   A task takes blocks of changes, which are neighbours on the curve, and works in groups of a few: it claims a vertex
+   near each change, prefetches what is around these, then makes the changes.  For each it claims the vertices that it
+   needs, as in >>parallel, but a zone is one vertex here.  After a group it gives back all.  A change that needs a
+   vertex of another task is left as it is: for the end of the task, then for the next round.  The last ones are made
+   by one thread.
+
+   Why no word is written by one task while another reads or writes it: the rule is stricter than in >>parallel.  A
+   simplex is deleted only by a task that owns all its finite vertices.  So
+     (a) nobody else deletes a simplex of which I own one vertex, and of its links nobody else changes those across
+     facets that have this vertex;
+     (b) the incident simplex of a vertex is read and written by its owner: all corners of the simplices that a task
+     makes are its own, or the ghost;
+     (c) only a task that owns all vertices of a star changes the coordinates in its middle.  A task that reads the
+     coordinates of a vertex owns it, or another vertex of a simplex that has it, which is in that star; or no
+     coordinates change in this batch;
+     (d) marks and slots are as in >>parallel, and so are acquire and release.
+   The ghost has no owner: it is in simplices that the owner of their other vertices deletes.
+   ------------------------------------------------------------------------------------------------------ */
+#define PBW__GROUP 8                                 /* changes whose vertices are claimed and prefetched ahead */
+#define PBW__LEAST_CHANGES(dim) PBW__SMALLER((size_t)((dim) == 3 ? 256 : 1024))        /* for another task to pay */
+
+typedef struct pbw__changing {
+    void *arg;
+    /* Returns a vertex near the i-th change, or 0.  Makes it; PBW__LEFT: not now, and nothing was changed. */
+    pbw_index (*near)(void *arg, pbw__core *core, size_t i);
+    pbw_status (*change)(void *arg, pbw__core *core, size_t i, pbw_index near);
+    size_t count, slots, most_effort;                /* slots: that a change needs, about */
+    double begin, end;                               /* of the stage's progress */
+    /* of a round */
+    pbw__core *core;
+    const pbw_index *which;                          /* NULL: all */
+    size_t round_count, grain, next;
+    int parts, stop;
+} pbw__changing;
+
+/* Makes a group of changes; kernel.left gets those left. */
+static pbw_status pbw__batch_group(const pbw__changing *batch, pbw__core *core, const pbw_index *which, size_t from,
+                                   size_t to)
 {
-    const size_t width = (size_t)core->kernel.dim + 1;
-    int level;
-    if (count > 16) {
-        PBW__PREFETCH(core->start + pbw__start_cell(core, pbw__core_record(core, list[16])));
+    pbw__kernel *kernel = &core->kernel;
+    const size_t count = to - from < PBW__GROUP ? to - from : PBW__GROUP;
+    pbw_index at[PBW__GROUP], near[PBW__GROUP];
+    pbw_status status = PBW_OK;
+    size_t i;
+    int step;
+    for (i = 0; i < count; i++) {
+        at[i] = which != NULL ? which[from + i] : (pbw_index)(from + i);
+        near[i] = batch->near(batch->arg, core, at[i]);
+        near[i] = near[i] != 0 && pbw__hold(kernel, near[i]) && core->incident[near[i]] < PBW__GONE ? near[i] : 0;
     }
-    if (count > 12) {
-        const size_t v = core->start[pbw__start_cell(core, pbw__core_record(core, list[12]))];
-        PBW__PREFETCH(core->incident + v);
-        PBW__PREFETCH(core->record + v * width);
-    }
-    for (level = 0; level < 3; level++) {
-        const size_t ahead = (size_t)(9 - 3 * level);
-        if (count > ahead) {
-            const pbw_index v = core->start[pbw__start_cell(core, pbw__core_record(core, list[ahead]))];
-            pbw__prefetch_around(core, pbw__prefetch_at(core, v), level);
+    for (step = 0; step < 4; step++) {
+        for (i = 0; i < count; i++) {
+            if (near[i] != 0) {
+                pbw__prefetch_star(core, near[i], step);
+            }
         }
+    }
+    for (i = 0; i < count && status == PBW_OK; i++) {
+        status = kernel->slots.no_room ? PBW__LEFT : batch->change(batch->arg, core, at[i], near[i]);
+        if (status == PBW__LEFT) {
+            status = PBW__GROW(kernel, kernel, left, kernel->left_count + 1) ? PBW_OK : PBW_ERROR_MEMORY;
+            if (status == PBW_OK) {
+                kernel->left[kernel->left_count++] = at[i];
+            }
+        }
+        status = status == PBW_OK && core->effort > batch->most_effort ? PBW__ANEW : status;
+    }
+    return status;
+}
+
+/* Makes changes from..to-1 of a list, which may be kernel.left itself.  Gives back what it claims, if all is well. */
+static pbw_status pbw__batch_range(const pbw__changing *batch, pbw__core *core, const pbw_index *which, size_t from,
+                                   size_t to)
+{
+    pbw__ownership *own = &core->kernel.own;
+    pbw_status status = PBW_OK;
+    size_t i;
+    for (i = from; i < to && status == PBW_OK && !PBW__LOAD(&batch->stop); i += PBW__GROUP) {
+        status = pbw__batch_group(batch, core, which, i, to);
+        while (status == PBW_OK && own->owner != NULL && own->claim_count > 0) {     /* else a star is incomplete */
+            PBW__STORE_RELEASE(own->owner + own->claim[--own->claim_count], PBW__NOBODY);
+            PBW__TEST_PAUSE();
+        }
+        if (status == PBW_OK && pbw__report(core->kernel.context, batch->begin + (batch->end - batch->begin)
+                                                                  * ((double)i / (double)batch->round_count))) {
+            status = PBW_CANCELLED;
+        }
+    }
+    return status;
+}
+
+static void pbw__batch_task(void *arg, int part)
+{
+    pbw__changing *batch = (pbw__changing *)arg;
+    pbw__core *core = batch->core->task[part];
+    pbw__kernel *kernel = &core->kernel;
+    size_t from = PBW__ADD(&batch->next, batch->grain), count;
+    while (from < batch->round_count && kernel->status == PBW_OK && !PBW__LOAD(&batch->stop)) {
+        const size_t rest = batch->round_count - from;
+        kernel->status = pbw__batch_range(batch, core, batch->which, from,
+                                          from + (rest < batch->grain ? rest : batch->grain));
+        from = PBW__ADD(&batch->next, batch->grain);
+    }
+    count = kernel->left_count;
+    kernel->left_count = 0;                          /* again: other tasks have gone on */
+    if (kernel->status == PBW_OK) {
+        kernel->status = pbw__batch_range(batch, core, kernel->left, 0, count);
+    }
+    if (kernel->status != PBW_OK) {
+        PBW__STORE(&batch->stop, 1);
     }
 }
 
-/* The same for removals. */
-PBW__INLINE void pbw__prefetch_stars(const pbw__core *core, const pbw_index *list, size_t count)
+/* Puts the free slots of a task into the core's list. */
+static void pbw__collect_slots(pbw__core *core, pbw__core *task)
 {
-    const size_t dim = (size_t)core->kernel.dim;
-    int level;
-    size_t t, k, m;
-    if (count > 15) {
-        PBW__PREFETCH(core->incident + list[15]);
+    pbw__slots *slots = &task->kernel.slots, *all = &core->kernel.slots;
+    while (slots->tail < slots->tail_end) {
+        core->kernel.mark[slots->tail] = 0;
+        pbw__free_slot(&core->kernel, (pbw_index)slots->tail++);
     }
-    for (level = 0; level < 3; level++) {
-        if (count > (size_t)(12 - 3 * level)) {
-            pbw__prefetch_around(core, pbw__prefetch_at(core, list[12 - 3 * level]), level);
-        }
-    }
-    t = count > 3 ? pbw__prefetch_at(core, list[3]) : 0;
-    for (k = 0; k <= dim && count > 3 && core->kernel.corner[4 * t] != PBW_NONE; k++) {
-        const size_t u = core->kernel.link[4 * t + k] >> 2;
-        for (m = 0; m <= dim; m++) {
-            const size_t far = core->kernel.corner[core->kernel.link[4 * u + m]];
-            PBW__PREFETCH(core->record + (dim + 1) * far);
-            PBW__PREFETCH(core->local + far);
-        }
+    if (slots->free_count > 0) {
+        core->kernel.corner[4 * (size_t)slots->free_last + 1] = all->free_list;
+        all->free_last = all->free_count == 0 ? slots->free_last : all->free_last;
+        all->free_list = slots->free_list;
+        all->free_count += slots->free_count;
+        slots->free_list = PBW_NONE;
+        slots->free_count = 0;
     }
 }
 
-/* A simplex to walk to an arriving vertex from: of the nearest of the last one, one in its cell, and a neighbour that
-   the point had before it moved, which was noted in `local`. */
-static pbw_index pbw__batch_hint(const pbw_live *live, size_t i, int table)
+/* Moves free slots of the core to a task. */
+static void pbw__give_slots(pbw__core *core, pbw__core *task, size_t count)
 {
-    const pbw__core *core = &live->core;
-    const double *p = pbw__core_record(core, live->arriving[i]);
-    const pbw_index near[2] = { core->local[live->arriving[i]], table ? core->start[pbw__start_cell(core, p)] : 0 };
-    double least = i == 0 ? HUGE_VAL : pbw__squared(pbw__core_record(core, live->arriving[i - 1]), p, live->dim);
-    pbw_index from = core->kernel.last;
-    int k;
-    for (k = 0; k < 2; k++) {
-        if (near[k] != 0 && core->incident[near[k]] < PBW__GONE) {
-            const double squared = pbw__squared(pbw__core_record(core, near[k]), p, live->dim);
-            from = squared < least ? core->incident[near[k]] : from;
-            least = squared < least ? squared : least;
+    pbw__slots *slots = &task->kernel.slots, *all = &core->kernel.slots;
+    for (; count > 0 && all->free_count > 0; count--, all->free_count--) {
+        const pbw_index t = all->free_list;
+        all->free_list = core->kernel.corner[4 * (size_t)t + 1];
+        core->kernel.corner[4 * (size_t)t + 1] = slots->free_list;
+        slots->free_list = t;
+        slots->free_last = slots->free_count++ == 0 ? t : slots->free_last;
+    }
+}
+
+/* Free slots for the tasks of a round: each keeps its own between rounds, as to walk along a list takes time. */
+static void pbw__share_slots(const pbw__changing *batch)
+{
+    pbw__core *core = batch->core;
+    const size_t parts = (size_t)batch->parts, wanted = batch->slots * (batch->round_count / parts) + 64;
+    size_t missing = 0, part;
+    for (part = 0; part < core->tasks; part++) {
+        const size_t have = core->task[part]->kernel.slots.free_count;
+        missing += part < parts && have < wanted ? wanted - have : 0;
+        if (part >= parts) {
+            pbw__collect_slots(core, core->task[part]);
         }
     }
-    return pbw__start_near(core, from);
+    for (part = 0; part < parts && missing > core->kernel.slots.free_count; part++) {
+        pbw__collect_slots(core, core->task[part]);
+    }
+    for (part = 0; part < parts; part++) {
+        const size_t have = core->task[part]->kernel.slots.free_count;
+        const size_t share = core->kernel.slots.free_count / (parts - part), less = have < wanted ? wanted - have : 0;
+        pbw__give_slots(core, core->task[part], less < share ? less : share);
+    }
+}
+
+/* Makes the task's core a view of this one. */
+static void pbw__task_begin(const pbw__changing *batch, int part, uint8_t *owner)
+{
+    pbw__core *core = batch->core, *task = core->task[part];
+    pbw__kernel *kernel = &task->kernel, *main = &core->kernel;
+    memcpy(task, core, offsetof(pbw__core, kernel));
+    memcpy(&kernel->context, &main->context, offsetof(pbw__kernel, slots) - offsetof(pbw__kernel, context));
+    kernel->last = kernel->last_entered = PBW_NONE;
+    kernel->previous = kernel->vertex_count = 0;
+    kernel->journal = task;
+    kernel->left_count = 0;
+    kernel->status = PBW_OK;
+    kernel->own.owner = owner;
+    kernel->own.me = (uint8_t)part;
+    kernel->own.owner_bits = kernel->own.claim_count = 0;
+    kernel->slots.no_room = 0;
+    task->simplex_count = task->effort = task->reinserted = task->open_count = 0;
+}
+
+/* Takes back what a task counted and left. */
+static pbw_status pbw__task_end(pbw__core *core, pbw__core *task)
+{
+    const pbw__kernel *kernel = &task->kernel;
+    pbw__kernel *main = &core->kernel;
+    core->simplex_count += task->simplex_count;
+    core->effort += task->effort;
+    core->reinserted += task->reinserted;
+    if (!PBW__GROW(main, main, left, main->left_count + kernel->left_count)
+        || !PBW__CORE_GROW(core, open, core->open_count + task->open_count)) {
+        return PBW_ERROR_MEMORY;
+    }
+    if (kernel->left_count > 0) {
+        memcpy(main->left + main->left_count, kernel->left, kernel->left_count * sizeof(pbw_index));
+    }
+    if (task->open_count > 0) {
+        memcpy(core->open + core->open_count, task->open, task->open_count * sizeof(pbw_index));
+    }
+    main->left_count += kernel->left_count;
+    core->open_count += task->open_count;
+    return kernel->status;
+}
+
+/* Cores for tasks, and slots for what they make. */
+static pbw_status pbw__batch_room(const pbw__changing *batch)
+{
+    pbw__core *core = batch->core;
+    pbw__context *context = core->kernel.context;
+    pbw__store *store = &core->store;
+    const size_t parts = (size_t)batch->parts, wanted = batch->slots * batch->round_count + 2048 * parts;
+    size_t have = core->kernel.slots.free_count + store->capacity - store->count, needed, part;
+    pbw_status status = PBW_OK;
+    for (part = 0; part < core->tasks; part++) {
+        have += core->task[part]->kernel.slots.free_count;
+    }
+    needed = wanted > have ? store->capacity + wanted - have : 0;
+    if (!PBW__CORE_GROW(core, task, parts)) {
+        return PBW_ERROR_MEMORY;
+    }
+    while (core->tasks < parts) {
+        pbw__core *task = (pbw__core *)pbw__allocate(&context->memory, 1, sizeof(pbw__core));
+        if (task == NULL) {
+            return PBW_ERROR_MEMORY;
+        }
+        memset(task, 0, sizeof(*task));
+        task->kernel.context = context;
+        task->kernel.dim = core->kernel.dim;
+        task->kernel.slots.free_list = PBW_NONE;
+        if (pbw__scratch_create(&task->kernel) != PBW_OK) {
+            pbw__core_free_own(context, task);
+            pbw__release(&context->memory, task, 1, sizeof(pbw__core));
+            return PBW_ERROR_MEMORY;
+        }
+        core->task[core->tasks++] = task;
+    }
+    needed = needed < PBW__SIMPLEX_LIMIT ? needed : PBW__SIMPLEX_LIMIT;
+    if (needed > store->capacity) {
+        status = pbw__store_reserve(context, store, needed);
+        pbw__kernel_attach(&core->kernel);
+    }
+    return status == PBW_OK && !pbw__journal_reserve(core) ? PBW_ERROR_MEMORY : status;
+}
+
+static pbw_status pbw__batch_round(pbw__changing *batch)
+{
+    pbw__core *core = batch->core;
+    pbw__context *context = core->kernel.context;
+    const size_t vertices = core->vertex_count + 1, grain = batch->round_count / (size_t)(8 * batch->parts);
+    uint8_t *owner;
+    pbw_status status = pbw__batch_room(batch);
+    int part;
+    if (status != PBW_OK) {
+        return status;
+    }
+    owner = (uint8_t *)pbw__allocate(&context->memory, vertices, 1);
+    if (owner == NULL) {
+        return PBW_ERROR_MEMORY;
+    }
+    memset(owner, PBW__NOBODY, vertices);
+    batch->grain = grain < PBW__GROUP ? PBW__GROUP : grain < 512 ? grain : 512;
+    batch->next = 0;
+    pbw__share_slots(batch);
+    for (part = 0; part < batch->parts; part++) {
+        pbw__task_begin(batch, part, owner);
+    }
+    pbw__for(context, batch->parts, pbw__batch_task, batch);
+    core->kernel.left_count = 0;
+    core->kernel.last = PBW_NONE;
+    for (part = 0; part < batch->parts; part++) {
+        const pbw_status ended = pbw__task_end(core, core->task[part]);
+        status = status == PBW_OK ? ended : status;
+    }
+    pbw__release(&context->memory, owner, vertices, 1);
+    return status;
+}
+
+/* Into how many tasks to cut so many changes.  Weighted points may hide others, which is for one thread. */
+static int pbw__batch_parts(const pbw__core *core, size_t count)
+{
+    const size_t most = count / PBW__LEAST_CHANGES(core->kernel.dim);
+    const size_t threads = (size_t)core->kernel.context->threads;
+    const size_t parts = threads < PBW__NOBODY ? threads : PBW__NOBODY;
+    return core->kernel.weighted ? 1 : (int)(most < parts ? most : parts);
+}
+
+/* Makes the changes of a batch, or of kernel.left those that were left.  kernel.left then has those that cannot be
+   made so. */
+static pbw_status pbw__batch_all(pbw__core *core, pbw__changing *batch, int again)
+{
+    pbw__kernel *kernel = &core->kernel;
+    pbw_status status = PBW_OK;
+    size_t before, part;
+    batch->core = core;
+    batch->stop = 0;
+    batch->which = again ? kernel->left : NULL;
+    batch->round_count = again ? kernel->left_count : batch->count;
+    batch->parts = pbw__batch_parts(core, batch->round_count);
+    while (batch->parts > 1 && status == PBW_OK) {
+        before = batch->round_count;
+        status = pbw__batch_round(batch);
+        batch->which = kernel->left;
+        batch->round_count = kernel->left_count;
+        batch->parts = 4 * batch->round_count < 3 * before ? pbw__batch_parts(core, batch->round_count) : 1;
+    }
+    for (part = 0; part < core->tasks && kernel->slots.free_count < batch->slots * batch->round_count + 64; part++) {
+        pbw__collect_slots(core, core->task[part]);
+    }
+    kernel->left_count = 0;
+    return status == PBW_OK ? pbw__batch_range(batch, core, batch->which, 0, batch->round_count) : status;
 }
 
 /* ------------------------------------------------------------------------------------------------------
@@ -14588,6 +14999,7 @@ PBW__INLINE void pbw__live_prefetch(const pbw_live *live, size_t i)
         }
         if (near < live->numbers && (live->state[near] & PBW__LIVES) != 0) {
             PBW__PREFETCH(pbw__core_record(&live->core, live->core.vertex[near]));
+            PBW__PREFETCH(live->core.local + live->core.vertex[near]);
         }
     }
 }
@@ -14638,23 +15050,22 @@ PBW__INLINE size_t pbw__place_slot(const pbw__core *core, const double *x)
 static size_t pbw__place_find(const pbw__core *core, const double *x)
 {
     const int dim = core->kernel.dim;
-    size_t at = pbw__place_slot(core, x), hole = (size_t)-1;
-    while (core->place[at] != 0) {
-        if (core->place[at] == PBW__REMOVED) {
-            hole = hole == (size_t)-1 ? at : hole;
-        } else if (pbw__same_place(pbw__core_record(core, core->place[at]), x, dim)) {
-            return at;
+    size_t at = pbw__place_slot(core, x);
+    for (; core->place[at] != 0; at = (at + 1) & (core->place_capacity - 1)) {
+        const pbw_index v = core->place[at];
+        if (pbw__same_place(pbw__core_record(core, v), x, dim) && core->incident[v] != PBW__GONE) {
+            break;
         }
-        at = (at + 1) & (core->place_capacity - 1);
     }
-    return hole != (size_t)-1 ? hole : at;
+    return at;
 }
 
 /* A table of places with room for `more` vertices. */
 static int pbw__place_reserve(pbw_live *live, size_t more)
 {
     pbw__core *core = &live->core;
-    size_t room = 64, i;
+    const size_t count = core->vertex_count;
+    size_t room = 64, v;
     if (core->place != NULL && 2 * (core->placed + more) < core->place_capacity) {
         return 1;
     }
@@ -14671,13 +15082,29 @@ static int pbw__place_reserve(pbw_live *live, size_t more)
     core->place_capacity = room;
     memset(core->place, 0, room * sizeof(pbw_index));
     core->placed = 0;
-    for (i = 0; i < live->numbers; i++) {
-        if ((live->state[i] & PBW__LIVES) != 0 && core->name[core->vertex[i]] == i) {
-            core->place[pbw__place_find(core, pbw__core_record(core, core->vertex[i]))] = core->vertex[i];
+    for (v = 1; v <= count; v++) {
+        size_t at = pbw__place_slot(core, pbw__core_record(core, (pbw_index)v));
+        PBW__PREFETCH_TO_WRITE(core->place + pbw__place_slot(core, pbw__core_record(core, (pbw_index)(v + 16 <= count
+                                                                                            ? v + 16 : v))));
+        for (; core->incident[v] != PBW__GONE && core->place[at] != 0; at = (at + 1) & (room - 1)) {
+        }
+        if (core->incident[v] != PBW__GONE) {
+            core->place[at] = (pbw_index)v;
             core->placed++;
         }
     }
     return 1;
+}
+
+/* Prefetches what is at the place of x: the entry, or, some steps later, its vertex. */
+PBW__INLINE void pbw__place_prefetch(const pbw__core *core, const double *x, int later)
+{
+    const size_t at = pbw__place_slot(core, x);
+    if (!later) {
+        PBW__PREFETCH(core->place + at);
+    } else {
+        PBW__PREFETCH(pbw__core_record(core, PBW__LOAD(core->place + at)));
+    }
 }
 
 /* Room for the changes of a batch: `more` new vertices, as many places with changes. */
@@ -14692,7 +15119,8 @@ static pbw_status pbw__batch_reserve(pbw_live *live, size_t more)
         && PBW__CORE_GROW(core, unused, core->unused_count + more)
         && PBW__CORE_GROW(core, covered, core->hidden_count)
         && PBW__CORE_GROW(core, cover, core->hidden_count) && PBW__LIVE_GROW(live, head, more + 1)
-        && PBW__LIVE_GROW(live, leaving, more + 1) && PBW__LIVE_GROW(live, arriving, more + 1);
+        && PBW__LIVE_GROW(live, leaving, more + 1) && PBW__LIVE_GROW(live, arriving, more + 1)
+        && PBW__LIVE_GROW(live, joining, more + 1);
     core->kernel.record = core->record;              /* which may have moved, whatever failed then */
     memset(core->local + old, 0, (core->local_capacity - old) * sizeof(pbw_index));
     return room && pbw__place_reserve(live, more) ? PBW_OK : PBW_ERROR_MEMORY;
@@ -14747,26 +15175,22 @@ static pbw_index pbw__live_new_vertex(pbw_live *live, const double *x, pbw_index
     return v;
 }
 
-/* Adds a number to those of its new place. */
+/* Adds a number to those of its place, which has a vertex, nearly always: an old entry in the table may have led two
+   numbers to take the other's vertex for one that was there. */
 static int pbw__live_join(pbw_live *live, pbw_index id)
 {
     pbw__core *core = &live->core;
-    const double *x = pbw__live_point(live, id);
-    const size_t slot = pbw__place_find(core, x);
-    pbw_index v = core->place[slot], head;
-    size_t at;
-    if (v == 0 || v == PBW__REMOVED) {
-        core->placed += v == 0;
-        v = pbw__live_new_vertex(live, x, id);
-        at = pbw__live_affect(live, v, PBW_NONE);
-        if (!pbw__live_set(live, PBW__EDIT_PLACE, slot, v)) {
-            return 0;
-        }
-    } else {
-        at = pbw__live_affect(live, v, core->name[v]);
+    const size_t slot = pbw__place_find(core, pbw__live_point(live, id));
+    const int none = core->place[slot] == 0;
+    const pbw_index v = none ? pbw__live_new_vertex(live, pbw__live_point(live, id), id) : core->place[slot];
+    const size_t at = pbw__live_affect(live, v, none ? PBW_NONE : core->name[v]);
+    const pbw_index head = live->head[at];
+    if (none) {
+        core->placed++;
+        live->arriving[live->arriving_count++] = v;
     }
-    head = live->head[at];
-    if (!pbw__live_set(live, PBW__EDIT_VERTEX, id, v)
+    if ((none && !pbw__live_set(live, PBW__EDIT_PLACE, slot, v))
+        || !pbw__live_set(live, PBW__EDIT_VERTEX, id, v)
         || !pbw__live_set(live, PBW__EDIT_TWIN, id, head == PBW_NONE ? id : core->twin[head])
         || (head != PBW_NONE && !pbw__live_set(live, PBW__EDIT_TWIN, head, id))) {
         return 0;
@@ -14781,11 +15205,10 @@ static int pbw__live_elect(pbw_live *live, size_t at)
 {
     pbw__core *core = &live->core;
     const pbw_index v = core->rim_vertex[at], head = live->head[at];
-    const size_t slot = pbw__place_find(core, pbw__core_record(core, v));
     pbw_index best = head, id, other;
     if (head == PBW_NONE) {
         live->leaving[live->leaving_count++] = v;
-        return pbw__live_set(live, PBW__EDIT_PLACE, slot, PBW__REMOVED);
+        return 1;
     }
     for (id = core->twin[head]; id != head; id = core->twin[id]) {
         if (live->weight[id] != live->weight[best] ? live->weight[id] > live->weight[best] : id < best) {
@@ -14795,7 +15218,7 @@ static int pbw__live_elect(pbw_live *live, size_t at)
     if (core->incident[v] == PBW__WAITING) {
         core->name[v] = best;
         core->record[v * ((size_t)live->dim + 1) + (size_t)live->dim] = live->weight[best];
-        live->arriving[live->arriving_count++] = v;
+        core->local[v] = 0;
         return 1;
     }
     if (best == core->name[v]) {
@@ -14811,47 +15234,14 @@ static int pbw__live_elect(pbw_live *live, size_t at)
         }
         id = core->twin[id];
     } while (id != head);
-    return pbw__live_set(live, PBW__EDIT_PLACE, slot, other);
+    return pbw__live_set(live, PBW__EDIT_PLACE, pbw__place_find(core, pbw__core_record(core, v)), other);
 }
 
-/* Lists the vertices that leave and arrive, and brings the numbers of places up to date. */
-static pbw_status pbw__batch_plan(pbw_live *live)
+/* Sorts a list along the curve by the points base[list[i] * stride]. */
+static pbw_status pbw__live_sort(const pbw_live *live, const double *base, size_t stride, pbw_index *list,
+                                 size_t count)
 {
-    pbw__core *core = &live->core;
-    size_t i;
-    core->rim_vertices = 0;
-    for (i = 0; i < live->queue_count; i++) {
-        if ((live->state[live->queue[i]] & PBW__LEAVES) != 0) {
-            (void)pbw__live_affect(live, core->vertex[live->queue[i]], PBW_NONE);
-        }
-    }
-    for (i = 0; i < core->rim_vertices; i++) {
-        if (!pbw__live_sieve(live, i)) {
-            return PBW_ERROR_MEMORY;
-        }
-    }
-    for (i = 0; i < live->queue_count; i++) {
-        const size_t soon = i + 8 < live->queue_count ? i + 8 : i;
-        PBW__PREFETCH(core->place + pbw__place_slot(core, pbw__live_point(live, live->queue[soon])));
-        if ((live->state[live->queue[i]] & PBW__ARRIVES) != 0 && !pbw__live_join(live, live->queue[i])) {
-            return PBW_ERROR_MEMORY;
-        }
-    }
-    for (i = 0; i < core->rim_vertices; i++) {
-        const pbw_index soon = core->rim_vertex[i + 8 < core->rim_vertices ? i + 8 : i];
-        PBW__PREFETCH(core->place + pbw__place_slot(core, pbw__core_record(core, soon)));
-        if (!pbw__live_elect(live, i)) {
-            return PBW_ERROR_MEMORY;
-        }
-    }
-    return PBW_OK;
-}
-
-/* ---- commits: vertex by vertex
-   Sorts vertices along the curve. */
-static pbw_status pbw__live_sort(const pbw_live *live, const pbw__core *core, pbw_index *list, size_t count)
-{
-    pbw__memory *memory = &core->kernel.context->memory;
+    pbw__memory *memory = &live->core.kernel.context->memory;
     const size_t dim = (size_t)live->dim;
     double *points;
     pbw_index *order;
@@ -14863,7 +15253,8 @@ static pbw_status pbw__live_sort(const pbw_live *live, const pbw__core *core, pb
     points = (double *)pbw__allocate(memory, count * dim, sizeof(double));
     order = (pbw_index *)pbw__allocate(memory, count, sizeof(pbw_index));
     for (i = 0; i < count && points != NULL; i++) {
-        memcpy(points + i * dim, pbw__core_record(core, list[i]), dim * sizeof(double));
+        PBW__PREFETCH(base + list[i + 16 < count ? i + 16 : i] * stride);
+        memcpy(points + i * dim, base + list[i] * stride, dim * sizeof(double));
     }
     if (points != NULL && order != NULL) {
         status = pbw_order(live->dim, points, count, &live->options, order);
@@ -14876,6 +15267,181 @@ static pbw_status pbw__live_sort(const pbw_live *live, const pbw__core *core, pb
     }
     pbw__release(memory, points, count * dim, sizeof(double));
     pbw__release(memory, order, count, sizeof(pbw_index));
+    return status;
+}
+
+/* The numbers that arrive, along the curve: so are their vertices then. */
+static pbw_status pbw__batch_arrivals(pbw_live *live)
+{
+    size_t i, count = 0;
+    for (i = 0; i < live->queue_count; i++) {
+        live->joining[count] = live->queue[i];
+        count += (live->state[live->queue[i]] & PBW__ARRIVES) != 0;
+    }
+    live->joining_count = count;
+    return pbw__live_sort(live, live->point, (size_t)live->dim, live->joining, count);
+}
+
+/* The vertex for the i-th number that arrives: of those unused, then new ones. */
+PBW__INLINE pbw_index pbw__arrive_vertex(const pbw_live *live, size_t i)
+{
+    const size_t unused = live->past_unused;
+    return i < unused ? live->core.unused[unused - 1 - i] : (pbw_index)(live->past_vertices + 1 + (i - unused));
+}
+
+/* Makes a vertex for each number that arrives. */
+static pbw_status pbw__arrive_make(void *arg, size_t from, size_t to)
+{
+    pbw_live *live = (pbw_live *)arg;
+    pbw__core *core = &live->core;
+    const size_t dim = (size_t)live->dim;
+    for (; from < to; from++) {
+        const size_t soon = from + 16 < to ? from + 16 : from;
+        const pbw_index id = live->joining[from], v = pbw__arrive_vertex(live, from);
+        double *record = core->record + v * (dim + 1);
+        PBW__PREFETCH(pbw__live_point(live, live->joining[soon]));
+        PBW__PREFETCH(live->weight + live->joining[soon]);
+        memcpy(record, pbw__live_point(live, id), dim * sizeof(double));
+        record[dim] = live->weight[id];
+        core->incident[v] = PBW__WAITING;
+        core->name[v] = id;
+        core->local[v] = 0;
+        live->arriving[from] = v;
+    }
+    return PBW_OK;
+}
+
+/* Enters a vertex into an empty entry of the table: tasks try until one is theirs.  Returns the entry, or PBW_NONE if
+   there is a vertex at its place. */
+PBW__INLINE pbw_index pbw__place_enter(pbw__core *core, const double *x, pbw_index vertex)
+{
+    size_t at = pbw__place_slot(core, x);
+    pbw_index v = PBW__LOAD(core->place + at);
+    while (v != 0 || !PBW__CAS(core->place + at, &v, vertex)) {
+        if (v == 0) {
+            continue;                                /* failed for no reason */
+        }
+        if (v != vertex && pbw__same_place(pbw__core_record(core, v), x, core->kernel.dim)
+            && core->incident[v] != PBW__GONE) {
+            return PBW_NONE;
+        }
+        at = (at + 1) & (core->place_capacity - 1);
+        v = PBW__LOAD(core->place + at);
+    }
+    return (pbw_index)at;
+}
+
+/* Enters the new vertices into the tables.  `arriving` gets 0 for a number at whose place there is a vertex. */
+static pbw_status pbw__arrive_enter(void *arg, size_t from, size_t to)
+{
+    pbw_live *live = (pbw_live *)arg;
+    pbw__core *core = &live->core;
+    pbw__edit *edit = live->edit + live->first_edit;
+    size_t i;
+    for (i = from; i < to; i++) {
+        const pbw_index id = live->joining[i], v = live->arriving[i], soon = live->joining[i + 16 < to ? i + 16 : i];
+        const pbw_index at = pbw__place_enter(core, pbw__core_record(core, v), v);
+        pbw__place_prefetch(core, pbw__core_record(core, live->arriving[i + 16 < to ? i + 16 : i]), 0);
+        pbw__place_prefetch(core, pbw__core_record(core, live->arriving[i + 8 < to ? i + 8 : i]), 1);
+        PBW__PREFETCH_TO_WRITE(core->vertex + soon);
+        PBW__PREFETCH_TO_WRITE(core->twin + soon);
+        if (at == PBW_NONE) {
+            live->arriving[i] = 0;
+            continue;
+        }
+        edit[3 * i].at = at;
+        edit[3 * i + 1].at = edit[3 * i + 2].at = id;
+        edit[3 * i + 1].old = core->vertex[id];
+        edit[3 * i + 2].old = core->twin[id];
+        core->vertex[id] = v;
+        core->twin[id] = id;
+    }
+    return PBW_OK;
+}
+
+/* Adds edits that are to be filled in: the i-th of table[i % tables]. */
+static int pbw__live_edits(pbw_live *live, size_t count, const unsigned *table, size_t tables)
+{
+    size_t i;
+    if (!PBW__LIVE_GROW(live, edit, live->edit_count + count)) {
+        return 0;
+    }
+    for (i = 0; i < count; i++) {
+        pbw__edit *edit = live->edit + live->edit_count++;
+        edit->table = table[i % tables];
+        edit->at = PBW_NONE;                         /* nothing to undo yet */
+        edit->old = 0;
+    }
+    return 1;
+}
+
+/* The numbers that arrive get vertices; those at the place of another vertex join its numbers, and `joining` then has
+   the vertices that they did not need. */
+static pbw_status pbw__batch_arrive(pbw_live *live)
+{
+    static const unsigned table[3] = { PBW__EDIT_PLACE, PBW__EDIT_VERTEX, PBW__EDIT_TWIN };
+    pbw__core *core = &live->core;
+    pbw__context *context = core->kernel.context;
+    const size_t count = live->joining_count, used = count < live->past_unused ? count : live->past_unused;
+    pbw_status status;
+    size_t i;
+    live->joining_count = 0;
+    if (!pbw__live_edits(live, 3 * count, table, 3)) {
+        return PBW_ERROR_MEMORY;
+    }
+    live->first_edit = live->edit_count - 3 * count;
+    core->unused_count -= used;
+    core->vertex_count += count - used;
+    core->placed += count;
+    status = pbw__for_range(context, count, PBW__SMALLER(2048), 0.0, pbw__arrive_make, live);
+    status = status == PBW_OK ? pbw__for_range(context, count, PBW__SMALLER(2048), 0.0, pbw__arrive_enter, live)
+                              : status;
+    for (i = 0; i < count && status == PBW_OK; i++) {
+        if (live->arriving[i] == 0) {
+            core->incident[pbw__arrive_vertex(live, i)] = PBW__GONE;
+        }
+    }
+    for (i = 0; i < count && status == PBW_OK; i++) {
+        if (live->arriving[i] != 0) {
+            live->arriving[live->arriving_count++] = live->arriving[i];
+        } else if (pbw__live_join(live, live->joining[i])) {
+            live->joining[live->joining_count++] = pbw__arrive_vertex(live, i);
+        } else {
+            status = PBW_ERROR_MEMORY;
+        }
+    }
+    return status;
+}
+
+/* Lists the vertices that leave and arrive, and brings the numbers of places up to date. */
+static pbw_status pbw__batch_plan(pbw_live *live)
+{
+    pbw__core *core = &live->core;
+    size_t i;
+    pbw_status status = pbw__batch_arrivals(live);
+    if (status != PBW_OK) {
+        return status;
+    }
+    core->rim_vertices = 0;
+    for (i = 0; i < live->queue_count; i++) {
+        pbw__live_prefetch(live, i);
+        if ((live->state[live->queue[i]] & PBW__LEAVES) != 0) {
+            (void)pbw__live_affect(live, core->vertex[live->queue[i]], PBW_NONE);
+        }
+    }
+    for (i = 0; i < core->rim_vertices; i++) {
+        PBW__PREFETCH(core->name + core->rim_vertex[i + 16 < core->rim_vertices ? i + 16 : i]);
+        PBW__PREFETCH(core->twin + core->name[core->rim_vertex[i + 8 < core->rim_vertices ? i + 8 : i]]);
+        if (!pbw__live_sieve(live, i)) {
+            return PBW_ERROR_MEMORY;
+        }
+    }
+    status = pbw__batch_arrive(live);
+    for (i = 0; i < core->rim_vertices; i++) {
+        if (status == PBW_OK && !pbw__live_elect(live, i)) {
+            return PBW_ERROR_MEMORY;
+        }
+    }
     return status;
 }
 
@@ -14904,39 +15470,81 @@ static void pbw__live_fit_grid(pbw_live *live, const pbw_index *list, size_t cou
     }
 }
 
+/* ---- the changes of a batch, see >>tasks */
+static pbw_index pbw__near_leaving(void *arg, pbw__core *core, size_t i)
+{
+    (void)core;
+    return ((const pbw_live *)arg)->leaving[i];
+}
+
+/* Removes the i-th that leaves; a number that goes elsewhere remembers a neighbour. */
+static pbw_status pbw__change_leaving(void *arg, pbw__core *core, size_t i, pbw_index near)
+{
+    const pbw_live *live = (const pbw_live *)arg;
+    const pbw_index v = live->leaving[i], other = core->vertex[core->name[v]];
+    pbw_status status = pbw__hold(&core->kernel, v) ? PBW_OK : PBW__LEFT;
+    (void)near;
+    if (status == PBW_OK && core->incident[v] == PBW_NONE) {
+        core->incident[v] = PBW__GONE;               /* it was hidden */
+        return PBW_OK;
+    }
+    status = status == PBW_OK ? pbw__remove_vertex(core, v) : status;
+    if (status == PBW_OK && other != v && pbw__hold(&core->kernel, other) && core->incident[other] == PBW__WAITING) {
+        core->local[other] = core->rim_vertex[core->rim_vertices - 1];
+    }
+    return status;
+}
+
+/* A vertex near the i-th that arrives: in its cell, or a neighbour that the point had, which is noted in `local`. */
+static pbw_index pbw__near_arriving(void *arg, pbw__core *core, size_t i)
+{
+    const pbw_index v = ((const pbw_live *)arg)->arriving[i];
+    const double *p = pbw__core_record(core, v);
+    return pbw__nearer_start(core, core->local[v],
+                             core->start != NULL ? PBW__LOAD(core->start + pbw__start_cell(core, p)) : 0, p);
+}
+
+/* Inserts the i-th that arrives, from a vertex near it or the one before. */
+static pbw_status pbw__change_arriving(void *arg, pbw__core *core, size_t i, pbw_index near)
+{
+    const pbw_live *live = (const pbw_live *)arg;
+    const pbw_index v = live->arriving[i];
+    const double *p = pbw__core_record(core, v);
+    pbw_status status;
+    near = pbw__nearer_start(core, near, i > 0 ? live->arriving[i - 1] : 0, p);
+    if (!pbw__hold(&core->kernel, v) || (near == 0 && core->kernel.own.owner != NULL)) {
+        return PBW__LEFT;
+    }
+    status = pbw__insert_vertex(core, v, pbw__start_near(core, near != 0 ? core->incident[near] : core->kernel.last));
+    if (core->start != NULL) {
+        PBW__STORE(core->start + pbw__start_cell(core, p), v);
+    }
+    return status;
+}
+
 /* Carries out a batch; on any status but PBW_OK it is to be undone.  PBW__ANEW: by a rebuild. */
 static pbw_status pbw__batch_run(pbw_live *live, size_t most_effort)
 {
     pbw__core *core = &live->core;
-    pbw__context *context = core->kernel.context;
-    const size_t all = live->leaving_count + live->arriving_count;
-    pbw_status status = pbw__live_sort(live, core, live->leaving, live->leaving_count);
+    const double all = (double)(live->leaving_count + live->arriving_count + 1);
+    pbw__changing batch;
+    pbw_status status = pbw__live_sort(live, core->record, (size_t)live->dim + 1, live->leaving, live->leaving_count);
     size_t i;
-    const int table = pbw__start_table(core, live->arriving_count);
-    status = status == PBW_OK ? pbw__live_sort(live, core, live->arriving, live->arriving_count) : status;
     for (i = 0; i < live->arriving_count / 2; i++) { /* backwards: the slots freed last are the nearest */
         const pbw_index v = live->arriving[i];
         live->arriving[i] = live->arriving[live->arriving_count - 1 - i];
         live->arriving[live->arriving_count - 1 - i] = v;
     }
     pbw__live_fit_grid(live, live->arriving, live->arriving_count);
+    memset(&batch, 0, sizeof(batch));
     core->effort = 0;
-    for (i = 0; i < live->leaving_count && status == PBW_OK; i++) {
-        const pbw_index v = live->leaving[i];
-        pbw__prefetch_stars(core, live->leaving + i, live->leaving_count - i);
-        if (core->incident[v] == PBW_NONE) {
-            core->incident[v] = PBW__GONE;           /* it was hidden */
-        } else {
-            status = pbw__remove_vertex(core, v);
-            status = status == PBW_OK && core->effort > most_effort ? PBW__ANEW : status;
-            if (status == PBW_OK && core->incident[core->vertex[core->name[v]]] == PBW__WAITING) {
-                core->local[core->vertex[core->name[v]]] = core->rim_vertex[core->rim_vertices - 1];
-            }
-        }
-        if (status == PBW_OK && (i & 63) == 0 && pbw__report(context, (double)i / (double)all)) {
-            status = PBW_CANCELLED;
-        }
-    }
+    batch.arg = live;
+    batch.most_effort = most_effort;
+    batch.count = live->leaving_count;
+    batch.near = pbw__near_leaving;
+    batch.change = pbw__change_leaving;
+    batch.end = (double)live->leaving_count / all;
+    status = status == PBW_OK ? pbw__batch_all(core, &batch, 0) : status;
     core->covered_count = 0;
     for (i = 0; i < core->hidden_count; i++) {
         if (core->incident[core->hidden[i]] == PBW_NONE) {
@@ -14944,19 +15552,15 @@ static pbw_status pbw__batch_run(pbw_live *live, size_t most_effort)
             core->cover[core->covered_count++] = core->witness[i];
         }
     }
-    for (i = 0; i < live->arriving_count && status == PBW_OK; i++) {
-        if (table) {
-            pbw__prefetch_walks(core, live->arriving + i, live->arriving_count - i);
-        }
-        status = pbw__insert_vertex(core, live->arriving[i], pbw__batch_hint(live, i, table));
-        if (table) {
-            core->start[pbw__start_cell(core, pbw__core_record(core, live->arriving[i]))] = live->arriving[i];
-        }
-        if (status == PBW_OK && (i & 63) == 0
-            && pbw__report(context, (double)(live->leaving_count + i) / (double)all)) {
-            status = PBW_CANCELLED;
-        }
-    }
+    pbw__start_table(core, pbw__batch_parts(core, live->arriving_count) > 1 ? core->vertex_count
+                                                                            : live->arriving_count);
+    batch.count = live->arriving_count;
+    batch.near = pbw__near_arriving;
+    batch.change = pbw__change_arriving;
+    batch.slots = live->dim == 3 ? 7 : 2;
+    batch.begin = batch.end;
+    batch.end = 1.0;
+    status = status == PBW_OK ? pbw__batch_all(core, &batch, 0) : status;
     return status == PBW_OK ? pbw__uncover(core) : status;
 }
 
@@ -14967,11 +15571,15 @@ static void pbw__batch_undo(pbw_live *live)
         const pbw__edit *edit = live->edit + --live->edit_count;
         pbw_index *table = edit->table == PBW__EDIT_VERTEX ? core->vertex : edit->table == PBW__EDIT_TWIN ? core->twin
                          : core->place;
-        table[edit->at] = edit->old;
+        if (edit->at != PBW_NONE) {
+            table[edit->at] = edit->old;
+        }
     }
     pbw__journal_undo(core);
     core->vertex_count = live->past_vertices;
-    core->unused_count = live->past_unused;
+    while (core->unused_count < live->past_unused) {
+        core->incident[core->unused[core->unused_count++]] = PBW__GONE;
+    }
     core->placed = live->past_placed;
 }
 
@@ -14999,6 +15607,8 @@ static pbw_status pbw__live_batch(pbw_live *live, size_t leave, size_t arrive, s
     }
     memcpy(core->unused + core->unused_count, live->leaving, live->leaving_count * sizeof(pbw_index));
     core->unused_count += live->leaving_count;
+    memcpy(core->unused + core->unused_count, live->joining, live->joining_count * sizeof(pbw_index));
+    core->unused_count += live->joining_count;
     pbw__swap_covers(core);
     pbw__journal_clear(core);
     return PBW_OK;
@@ -15012,19 +15622,30 @@ static pbw_status pbw__live_batch(pbw_live *live, size_t leave, size_t arrive, s
    and at the hull, it is removed and inserted.  In between all is the triangulation of some old and some new places,
    so no new place may be an old one.
    ------------------------------------------------------------------------------------------------------ */
-/* Writes the new coordinates into the records of those that move, or the old ones back. */
-static void pbw__live_exchange(pbw_live *live)
+/* Writes the new coordinates into the records of those that move, or the old ones back: to the end, even if the call
+   is being cancelled. */
+static void pbw__exchange_share(void *arg, int part)
 {
-    const size_t dim = (size_t)live->dim;
+    pbw_live *live = (pbw_live *)arg;
+    const int parts = pbw__tasks(live->core.kernel.context, live->leaving_count, 8192);
+    const size_t dim = (size_t)live->dim, end = pbw__share(live->leaving_count, part + 1, parts);
     size_t i, k;
-    for (i = 0; i < live->leaving_count; i++) {
+    for (i = pbw__share(live->leaving_count, part, parts); i < end; i++) {
+        const size_t soon = live->leaving[i + 16 < end ? i + 16 : i];
         double *record = live->core.record + live->leaving[i] * (dim + 1), *other = live->moved + i * dim;
+        PBW__PREFETCH_TO_WRITE(live->core.record + soon * (dim + 1));
         for (k = 0; k < dim; k++) {
             const double x = record[k];
             record[k] = other[k];
             other[k] = x;
         }
     }
+}
+
+static void pbw__live_exchange(pbw_live *live)
+{
+    pbw__context *context = live->core.kernel.context;
+    pbw__for(context, pbw__tasks(context, live->leaving_count, 8192), pbw__exchange_share, live);
 }
 
 /* Lists the vertices that move; PBW__ANEW if anything else happens, or duplicates or hidden points would matter. */
@@ -15041,8 +15662,11 @@ static pbw_status pbw__live_list_moves(pbw_live *live, size_t count)
     }
     live->leaving_count = 0;
     for (i = 0; i < live->queue_count; i++) {
-        const pbw_index id = live->queue[i];
+        const pbw_index id = live->queue[i], soon = live->queue[i + 16 < live->queue_count ? i + 16 : i];
         const unsigned both = live->state[id] & (PBW__LEAVES | PBW__ARRIVES);
+        PBW__PREFETCH(core->twin + soon);
+        PBW__PREFETCH(core->vertex + soon);
+        PBW__PREFETCH(pbw__live_point(live, soon));
         if (both == (PBW__LEAVES | PBW__ARRIVES) && core->twin[id] == id) {
             memcpy(live->moved + live->leaving_count * dim, pbw__live_point(live, id), dim * sizeof(double));
             live->leaving[live->leaving_count++] = core->vertex[id];
@@ -15083,7 +15707,7 @@ static pbw_status pbw__live_in_place(pbw_live *live, size_t count, pbw_changes *
 }
 
 /* ---- one by one
-   The star of v in scratch.cavity.  PBW__NO_FIT: it has a ghost. */
+   The star of v in scratch.cavity.  PBW__NO_FIT: it has a ghost.  PBW__LEFT: not all of its vertices are ours. */
 static pbw_status pbw__shift_star(pbw__core *core, pbw_index v)
 {
     pbw__kernel *kernel = &core->kernel;
@@ -15091,6 +15715,9 @@ static pbw_status pbw__shift_star(pbw__core *core, pbw_index v)
     pbw_index *cavity = kernel->scratch.cavity;
     size_t count = 1, i, k;
     pbw_status status = PBW_OK;
+    if (!pbw__hold_corners(kernel, core->incident[v])) {
+        return PBW__LEFT;
+    }
     cavity[0] = core->incident[v];
     kernel->mark[cavity[0]] = 1;
     for (i = 0; i < count && status == PBW_OK; i++) {
@@ -15101,11 +15728,13 @@ static pbw_status pbw__shift_star(pbw__core *core, pbw_index v)
         }
         cavity = kernel->scratch.cavity;
         status = kernel->corner[4 * t + dim] == PBW__GHOST ? PBW__NO_FIT : PBW_OK;
-        for (k = 0; k <= dim; k++) {
+        for (k = 0; k <= dim && status == PBW_OK; k++) {
             const size_t next = kernel->link[4 * t + k] >> 2;
             if (kernel->corner[4 * t + k] != v && !kernel->mark[next]) {
-                kernel->mark[next] = 1;
-                cavity[count++] = (pbw_index)next;
+                status = pbw__hold(kernel, kernel->corner[kernel->link[4 * t + k]]) ? PBW_OK : PBW__LEFT;
+                kernel->mark[next] = status == PBW_OK;
+                cavity[count] = (pbw_index)next;
+                count += status == PBW_OK;
                 PBW__PREFETCH(kernel->corner + 4 * next);
                 PBW__PREFETCH(kernel->link + 4 * next);
             }
@@ -15116,22 +15745,35 @@ static pbw_status pbw__shift_star(pbw__core *core, pbw_index v)
     return status;
 }
 
-/* Gives v the coordinates x if its star stays positive; then flips.  PBW__NO_FIT: it does not, or in space is not
+/* The i-th vertex that moves gets its new place, or the old one back. */
+static void pbw__shift_exchange(pbw_live *live, size_t i)
+{
+    const size_t dim = (size_t)live->dim;
+    double *record = live->core.record + live->leaving[i] * (dim + 1);
+    double *other = live->moved + live->arriving[i] * dim;
+    size_t k;
+    for (k = 0; k < dim; k++) {
+        const double x = record[k];
+        record[k] = other[k];
+        other[k] = x;
+    }
+    live->head[i] ^= 1;
+}
+
+/* Gives v its new place if its star stays positive; then flips.  PBW__NO_FIT: it does not, or in space is not
    Delaunay. */
-static pbw_status pbw__shift_in_place(pbw__core *core, pbw_index v, const double *x)
+static pbw_status pbw__shift_in_place(pbw_live *live, pbw__core *core, size_t at)
 {
     pbw__kernel *kernel = &core->kernel;
-    const size_t dim = (size_t)kernel->dim;
-    double *record = core->record + v * (dim + 1), old[3];
+    const int dim = kernel->dim;
     size_t count = 0, i;
     unsigned k;
-    pbw_status status = pbw__shift_star(core, v);
+    pbw_status status = pbw__shift_star(core, live->leaving[at]);
     core->effort += kernel->scratch.cavity_count;
     if (status != PBW_OK) {
         return status;
     }
-    memcpy(old, record, dim * sizeof(double));
-    memcpy(record, x, dim * sizeof(double));
+    pbw__shift_exchange(live, at);
     for (i = 0; i < kernel->scratch.cavity_count && status == PBW_OK; i++) {
         const size_t t = kernel->scratch.cavity[i];
         const unsigned faults = dim == 3 ? pbw__slot_faults(core, t, 1, 3) : pbw__slot_faults(core, t, 1, 2);
@@ -15146,90 +15788,141 @@ static pbw_status pbw__shift_in_place(pbw__core *core, pbw_index v, const double
         }
     }
     if (status == PBW__NO_FIT) {
-        memcpy(record, old, dim * sizeof(double));
+        pbw__shift_exchange(live, at);
     }
-    return status != PBW_OK || count == 0 ? status : pbw__flip_all(core, count, core->simplex_count);
+    return status != PBW_OK || count == 0 ? status : pbw__flip_all(core, count, live->core.past_simplices);
 }
 
-/* Moves v to x; *removed counts those that are removed and inserted for that. */
-static pbw_status pbw__shift_vertex(pbw__core *core, pbw_index v, const double *x, size_t *removed)
+/* Removes the i-th vertex and inserts it at its new place; that may be left after this. */
+static pbw_status pbw__change_again(void *arg, pbw__core *core, size_t i, pbw_index near)
 {
-    pbw_status status = pbw__shift_in_place(core, v, x);
-    if (status == PBW__NO_FIT) {
-        ++*removed;
+    pbw_live *live = (pbw_live *)arg;
+    const pbw_index v = live->leaving[i];
+    pbw_status status;
+    (void)near;
+    if (!pbw__hold(&core->kernel, v)) {
+        return PBW__LEFT;
+    }
+    if (core->incident[v] != PBW__GONE) {
         status = pbw__remove_vertex(core, v);
-        if (status == PBW_OK) {
-            const pbw_index near = core->rim_vertex[core->rim_vertices - 1];
-            const size_t dim = (size_t)core->kernel.dim;
-            memcpy(core->record + v * (dim + 1), x, dim * sizeof(double));
-            status = pbw__insert_vertex(core, v, pbw__start_near(core, core->incident[near]));
+        if (status != PBW_OK) {
+            return status;
+        }
+        core->local[v] = core->rim_vertex[core->rim_vertices - 1];
+        core->reinserted++;
+        pbw__shift_exchange(live, i);
+    }
+    near = pbw__nearer_start(core, core->local[v], 0, pbw__core_record(core, v));
+    if (near == 0 && core->kernel.own.owner != NULL) {
+        return PBW__LEFT;
+    }
+    return pbw__insert_vertex(core, v, pbw__start_near(core, near != 0 ? core->incident[near] : core->kernel.last));
+}
+
+/* Moves the i-th vertex.  In the plane one that cannot stay in its star is left: flips may be due around it. */
+static pbw_status pbw__change_place(void *arg, pbw__core *core, size_t i, pbw_index near)
+{
+    pbw_live *live = (pbw_live *)arg;
+    const pbw_index v = live->leaving[i];
+    pbw_status status = pbw__hold(&core->kernel, v) ? PBW_OK : PBW__LEFT;
+    if (status == PBW_OK && core->incident[v] != PBW__GONE) {
+        status = pbw__shift_in_place(live, core, i);
+    } else if (status == PBW_OK) {
+        status = PBW__NO_FIT;
+    }
+    return status != PBW__NO_FIT ? status : live->dim == 2 ? PBW__LEFT : pbw__change_again(live, core, i, near);
+}
+
+/* Enters new places into the table.  PBW__ANEW: a place is taken. */
+static pbw_status pbw__shift_enter(void *arg, size_t from, size_t to)
+{
+    pbw_live *live = (pbw_live *)arg;
+    pbw__core *core = &live->core;
+    const size_t dim = (size_t)live->dim;
+    size_t i;
+    for (i = from; i < to; i++) {
+        const double *x = live->moved + i * dim;
+        pbw__place_prefetch(core, live->moved + (i + 16 < to ? i + 16 : i) * dim, 0);
+        pbw__place_prefetch(core, live->moved + (i + 8 < to ? i + 8 : i) * dim, 1);
+        live->edit[i].at = pbw__place_enter(core, x, live->leaving[i]);
+        if (live->edit[i].at == PBW_NONE) {
+            return PBW__ANEW;
         }
     }
-    return status;
+    return PBW_OK;
 }
 
-/* Enters the new places into the table and takes the old ones out.  PBW__ANEW: a new place is taken, or was. */
+/* The records have the new places.  PBW__ANEW: two are at one. */
+static pbw_status pbw__shift_unique(void *arg, size_t from, size_t to)
+{
+    const pbw_live *live = (const pbw_live *)arg;
+    const pbw__core *core = &live->core;
+    for (; from < to; from++) {
+        const double *x = pbw__core_record(core, live->leaving[from]);
+        PBW__PREFETCH(pbw__core_record(core, live->leaving[from + 8 < to ? from + 8 : from]));
+        if (core->place[pbw__place_find(core, x)] != live->leaving[from]) {
+            return PBW__ANEW;
+        }
+    }
+    return PBW_OK;
+}
+
+/* Enters all new places.  PBW__ANEW: a new place is taken, or was. */
 static pbw_status pbw__shift_places(pbw_live *live)
 {
     pbw__core *core = &live->core;
-    const size_t dim = (size_t)live->dim, count = live->leaving_count;
-    pbw_status status = PBW_OK;
-    size_t i;
-    for (i = 0; i < count && status == PBW_OK; i++) {
-        const double *soon = live->moved + (i + 8 < count ? i + 8 : i) * dim;
-        const pbw_index v = core->place[pbw__place_find(core, live->moved + i * dim)];
-        PBW__PREFETCH(core->place + pbw__place_slot(core, soon));
-        status = v == 0 || v == PBW__REMOVED ? PBW_OK : PBW__ANEW;
+    pbw__context *context = core->kernel.context;
+    const size_t count = live->leaving_count;
+    const unsigned table = PBW__EDIT_PLACE;
+    pbw_status status;
+    if (!pbw__live_edits(live, count, &table, 1)) {
+        return PBW_ERROR_MEMORY;
     }
-    for (i = 0; i < count && status == PBW_OK; i++) {
-        const double *x = pbw__core_record(core, live->leaving[i]);
-        const double *soon = pbw__core_record(core, live->leaving[i + 8 < count ? i + 8 : i]);
-        PBW__PREFETCH(core->place + pbw__place_slot(core, soon));
-        status = pbw__live_set(live, PBW__EDIT_PLACE, pbw__place_find(core, x), PBW__REMOVED) ? PBW_OK
-                                                                                         : PBW_ERROR_MEMORY;
-    }
+    core->placed += count;
+    status = pbw__for_range(context, count, PBW__SMALLER(2048), 0.0, pbw__shift_enter, live);
     pbw__live_exchange(live);
     pbw__live_fit_grid(live, live->leaving, count);
-    for (i = 0; i < count && status == PBW_OK; i++) {
-        const size_t slot = pbw__place_find(core, pbw__core_record(core, live->leaving[i]));
-        const pbw_index v = core->place[slot];
-        core->placed += v == 0;
-        status = v != 0 && v != PBW__REMOVED ? PBW__ANEW
-               : pbw__live_set(live, PBW__EDIT_PLACE, slot, live->leaving[i]) ? PBW_OK : PBW_ERROR_MEMORY;
+    if (status == PBW_OK) {
+        status = pbw__for_range(context, count, PBW__SMALLER(2048), 0.0, pbw__shift_unique, live);
     }
     pbw__live_exchange(live);
     return status;
 }
 
-/* Moves vertices one by one along the curve.  *done: how many have got, or are getting, their new places; what these
-   were is in `moved`. */
-static pbw_status pbw__shift_all(pbw_live *live, size_t most_effort, size_t *done, size_t *removed)
+/* Moves vertices one by one along the curve. */
+static pbw_status pbw__shift_all(pbw_live *live, size_t most_effort)
 {
     pbw__core *core = &live->core;
-    const size_t dim = (size_t)live->dim, count = live->leaving_count;
+    const size_t count = live->leaving_count;
+    pbw__changing batch;
     pbw_status status;
     size_t i;
     for (i = 0; i < count; i++) {
         core->local[live->leaving[i]] = (pbw_index)i;
     }
-    status = pbw__live_sort(live, core, live->leaving, count);
+    status = pbw__live_sort(live, core->record, (size_t)live->dim + 1, live->leaving, count);
     for (i = 0; i < count; i++) {
         live->arriving[i] = core->local[live->leaving[i]];
     }
-    core->effort = 0;
-    for (i = 0; i < count && status == PBW_OK; i++) {
-        double *moved = live->moved + live->arriving[i] * dim, x[3];
-        memcpy(x, moved, dim * sizeof(double));
-        memcpy(moved, pbw__core_record(core, live->leaving[i]), dim * sizeof(double));
-        *done = i + 1;
-        pbw__prefetch_stars(core, live->leaving + i, count - i);
-        status = pbw__shift_vertex(core, live->leaving[i], x, removed);
-        if (status == PBW_OK && core->effort > most_effort) {
-            status = PBW__ANEW;
+    memset(&batch, 0, sizeof(batch));
+    batch.arg = live;
+    batch.near = pbw__near_leaving;
+    batch.change = pbw__change_place;
+    batch.count = count;
+    batch.most_effort = most_effort;
+    batch.end = 0.9;
+    core->effort = core->reinserted = core->open_count = 0;
+    status = status == PBW_OK ? pbw__batch_all(core, &batch, 0) : status;
+    if (status == PBW_OK && live->dim == 2) {
+        status = PBW__CORE_GROW(core, rim_vertex, core->open_count) ? PBW_OK : PBW_ERROR_MEMORY;
+        if (status == PBW_OK && core->open_count > 0) {
+            memcpy(core->rim_vertex, core->open, core->open_count * sizeof(pbw_index));
+            status = pbw__flip_all(core, core->open_count, core->past_simplices);
         }
-        if (status == PBW_OK && (i & 63) == 0 && pbw__report(core->kernel.context, (double)i / (double)count)) {
-            status = PBW_CANCELLED;
-        }
+        batch.change = pbw__change_again;
+        batch.begin = 0.9;
+        batch.end = 1.0;
+        status = status == PBW_OK ? pbw__batch_all(core, &batch, 1) : status;
     }
     return status;
 }
@@ -15239,10 +15932,9 @@ static pbw_status pbw__live_shift(pbw_live *live, size_t count, size_t most_effo
                                   pbw_way *way)
 {
     pbw__core *core = &live->core;
-    const size_t dim = (size_t)live->dim;
     const pbw__grid grid = core->grid;
     const double exact_height = core->kernel.exact_height;
-    size_t done = 0, removed = 0, i;
+    size_t i;
     pbw_status status = core->kernel.weighted ? PBW__ANEW : pbw__live_list_moves(live, count);
     status = status == PBW_OK ? pbw__batch_reserve(live, count) : status;
     if (status != PBW_OK) {
@@ -15252,16 +15944,19 @@ static pbw_status pbw__live_shift(pbw_live *live, size_t count, size_t most_effo
     live->past_vertices = core->vertex_count;
     live->past_unused = core->unused_count;
     live->past_placed = core->placed;
+    memset(live->head, 0, count * sizeof(pbw_index));
+    core->reinserted = 0;
     status = pbw__shift_places(live);
-    status = status == PBW_OK ? pbw__shift_all(live, most_effort, &done, &removed) : status;
-    *way = removed > 0 ? PBW_WAY_BATCH : core->past_count > 0 ? PBW_WAY_FLIPS : PBW_WAY_NOTHING;
+    status = status == PBW_OK ? pbw__shift_all(live, most_effort) : status;
+    *way = core->reinserted > 0 ? PBW_WAY_BATCH : pbw__journal_any(core) ? PBW_WAY_FLIPS : PBW_WAY_NOTHING;
     if (status == PBW_OK && changes != NULL) {
         status = pbw__batch_changes(live, changes);
     }
     if (status != PBW_OK) {
-        for (i = 0; i < done; i++) {
-            memcpy(core->record + live->leaving[i] * (dim + 1), live->moved + live->arriving[i] * dim,
-                   dim * sizeof(double));
+        for (i = 0; i < count; i++) {
+            if (live->head[i] != 0) {
+                pbw__shift_exchange(live, i);
+            }
         }
         core->grid = grid;
         core->kernel.exact_height = exact_height;
@@ -15354,11 +16049,37 @@ static void pbw__live_settle(pbw_live *live)
 #endif
 #define PBW__EFFORT 128                              /* looks for an apex that take as long as to insert a point */
 
-static double pbw__change_cost(const pbw_live *live, size_t leave, size_t arrive)
+static double pbw__change_cost(const pbw_live *live, size_t leave, size_t arrive, int near)
 {
     const int space = live->dim == 3;
-    return leave == arrive && !live->weighted ? (space ? 8.0 : 4.0) * (double)leave
+    return near ? (space ? 8.0 : 4.0) * (double)leave
          : 6.0 * (double)leave + (space ? 3.8 : 8.0) * (double)arrive;
+}
+
+/* Returns 1 if points only move, and most of them, of some that are looked at, by less than four edges: those that
+   go far are better removed and inserted, by walks from what is near their new places. */
+static int pbw__live_near(const pbw_live *live)
+{
+    const pbw__core *core = &live->core;
+    const size_t dim = (size_t)live->dim, step = live->queue_count / 64 + 1;
+    size_t i, k, seen = 0, far = 0;
+    for (i = 0; i < live->queue_count; i += step) {
+        const pbw_index id = live->queue[i], v = core->vertex[id];
+        const unsigned both = live->state[id] & (PBW__LEAVES | PBW__ARRIVES);
+        if (both == (PBW__LEAVES | PBW__ARRIVES) && core->twin[id] == id && core->incident[v] < PBW__GONE) {
+            const pbw_index *corner = core->kernel.corner + 4 * (size_t)core->incident[v];
+            const double *x = pbw__core_record(core, v), *y = pbw__live_point(live, id);
+            const double *z = pbw__core_record(core, corner[corner[0] == v]);
+            double way = 0, edge = 0;
+            for (k = 0; k < dim; k++) {
+                way += (y[k] - x[k]) * (y[k] - x[k]);
+                edge += (z[k] - x[k]) * (z[k] - x[k]);
+            }
+            far += !(way <= 16 * edge);
+            seen++;
+        }
+    }
+    return 2 * far <= seen;
 }
 
 /* Tries to move in place. */
@@ -15366,7 +16087,7 @@ static pbw_status pbw__live_try_moves(pbw_live *live, size_t count, pbw_changes 
 {
     const pbw_status status = pbw__live_in_place(live, count, changes);
     if (status == PBW_OK) {
-        *way = live->core.past_count > 0 ? PBW_WAY_FLIPS : PBW_WAY_NOTHING;
+        *way = pbw__journal_any(&live->core) ? PBW_WAY_FLIPS : PBW_WAY_NOTHING;
         pbw__journal_clear(&live->core);
     } else if (status == PBW__ANEW) {
         pbw_changes_free(changes);
@@ -15380,22 +16101,24 @@ static pbw_status pbw__live_go(pbw_live *live, pbw__context *context, pbw_change
     const double points = (double)live->points;
     const size_t most = PBW__EFFORT * (live->points + 100);
     size_t leave, arrive;
+    int near;
     pbw_status status = PBW__ANEW;
     pbw_way way = PBW_WAY_REBUILD;
     pbw__live_classify(live, &leave, &arrive);
     if (leave + arrive == 0) {
         return live->core.simplex_count > 0 ? PBW_OK : PBW_DEGENERATE;
     }
-    if (leave == arrive && live->core.simplex_count > 0 && (double)leave >= PBW__VERIFY_AT(live->dim) * points) {
+    near = live->core.simplex_count > 0 && leave == arrive && pbw__live_near(live);
+    if (near && (double)leave >= PBW__VERIFY_AT(live->dim) * points) {
         status = pbw__enter_stage(context, PBW_STAGE_WORK) ? PBW_CANCELLED
                : pbw__live_try_moves(live, leave, changes, &way);
     }
     if (status == PBW__ANEW && live->core.simplex_count > 0 && live->weighted == live->core.kernel.weighted
-        && pbw__change_cost(live, leave, arrive) <= PBW__REBUILD_AT(live->dim) * points) {
+        && pbw__change_cost(live, leave, arrive, near && !live->weighted) <= PBW__REBUILD_AT(live->dim) * points) {
         if (pbw__enter_stage(context, PBW_STAGE_WORK)) {
             return PBW_CANCELLED;
         }
-        status = leave != arrive ? PBW__ANEW : pbw__live_shift(live, leave, most, changes, &way);
+        status = !near ? PBW__ANEW : pbw__live_shift(live, leave, most, changes, &way);
         if (status == PBW__ANEW) {
             pbw_changes_free(changes);
             status = pbw__live_batch(live, leave, arrive, most, changes);
@@ -15553,18 +16276,6 @@ static pbw_status pbw__import_records(void *arg, size_t from, size_t to)
     return PBW_OK;
 }
 
-/* Whether facet j of simplex u is facet k of simplex t: its vertices in the opposite order. */
-PBW__INLINE unsigned pbw__import_fits(const pbw_index *t, unsigned k, const pbw_index *u, unsigned j, int dim)
-{
-    pbw_index a[3], b[3];
-    pbw__facet_of(t, k, dim, a);
-    pbw__facet_of(u, j, dim, b);
-    return dim == 2 ? (unsigned)((a[0] == b[1]) & (a[1] == b[0]))
-                    : (unsigned)(((a[0] == b[0]) & (a[1] == b[2]) & (a[2] == b[1]))
-                                 | ((a[0] == b[1]) & (a[1] == b[0]) & (a[2] == b[2]))
-                                 | ((a[0] == b[2]) & (a[1] == b[1]) & (a[2] == b[0])));
-}
-
 /* Links the facets of a list, 4 * simplex + corner, to what is across.  Returns how many fit. */
 PBW__INLINE size_t pbw__import_link(const pbw__import *import, const pbw__link *facet, size_t count, int dim)
 {
@@ -15578,7 +16289,7 @@ PBW__INLINE size_t pbw__import_link(const pbw__import *import, const pbw__link *
         const pbw_index *back = mesh->neighbors + u * corners;
         const unsigned at1 = back[1] == t, at2 = back[2] == t, at3 = dim == 3 && back[dim] == t;
         const unsigned j = at1 + 2 * at2 + 3 * at3, once = (back[0] == t) + at1 + at2 + at3 == 1;
-        fits += once & pbw__import_fits(mesh->simplices + t * corners, k, mesh->simplices + u * corners, j & 3, dim);
+        fits += once & pbw__facets_fit(mesh->simplices + t * corners, k, mesh->simplices + u * corners, j & 3, dim);
         link[4 * t + k] = (pbw__link)(4 * u + (j & 3));
         link[4 * u + (j & 3)] = (pbw__link)(4 * t + k);
     }
@@ -15691,7 +16402,6 @@ static void pbw__import_incident(pbw__core *core, size_t simplices)
 {
     const size_t dim = (size_t)core->kernel.dim;
     size_t t = simplices, k;
-    memset(core->incident, 0xff, (core->vertex_count + 1) * sizeof(pbw_index));
     while (t-- > 0) {
         for (k = 0; k <= dim; k++) {
             core->incident[core->kernel.corner[4 * t + k]] = (pbw_index)t;
@@ -15711,7 +16421,7 @@ static pbw_status pbw__import_hidden(pbw_live *live, pbw__core *core, size_t vis
     for (i = 0; i < count && list != NULL; i++) {
         list[i] = (pbw_index)(visible + 1 + i);
     }
-    status = status == PBW_OK ? pbw__live_sort(live, core, list, count) : status;
+    status = status == PBW_OK ? pbw__live_sort(live, core->record, (size_t)live->dim + 1, list, count) : status;
     for (i = 0; i < count && status == PBW_OK; i++) {
         const double *p = pbw__core_record(core, list[i]);
         witness = pbw__find_witness(core, witness, list[i]);
@@ -15853,6 +16563,7 @@ PBWDEF void pbw_live_free(pbw_live *live)
         PBW__RELEASE(memory, live, head);
         PBW__RELEASE(memory, live, leaving);
         PBW__RELEASE(memory, live, arriving);
+        PBW__RELEASE(memory, live, joining);
         PBW__RELEASE(memory, live, moved);
         pbw__release(memory, live, 1, sizeof(*live));
     }
@@ -15958,9 +16669,10 @@ static pbw_status pbw__view_slots(void *arg, size_t from, size_t to)
     return PBW_OK;
 }
 
-/* The simplices of a view: of a copy of the store, in ranks.  vertices: of the points, with their numbers. */
+/* The simplices of a view: of a copy of the store, in ranks.  `list` has the vertices of the core by their places in
+   the input of `vertices`. */
 static pbw_status pbw__view_simplices(const pbw_live *live, pbw__context *context, pbw__vertices *vertices,
-                                      pbw_mesh *mesh)
+                                      const pbw_index *list, pbw_mesh *mesh)
 {
     const size_t ranks = live->core.vertex_count + 1;
     pbw_index *rank = (pbw_index *)pbw__allocate(&context->memory, ranks, sizeof(pbw_index));
@@ -15972,7 +16684,9 @@ static pbw_status pbw__view_simplices(const pbw_live *live, pbw__context *contex
     if (status == PBW_OK) {
         rank[0] = 0;
         for (r = 1; r <= vertices->count; r++) {
-            rank[live->core.vertex[vertices->id[r]]] = (pbw_index)r;
+            const pbw_index v = list[vertices->id[r]];
+            vertices->id[r] = live->core.name[v];
+            rank[v] = (pbw_index)r;
         }
         status = pbw__store_create(context, &store, vertices->count, live->dim);
     }
@@ -15995,7 +16709,7 @@ static pbw_status pbw__view_simplices(const pbw_live *live, pbw__context *contex
     return status;
 }
 
-/* Points, weights, canonical of a view; the points that live, packed. */
+/* Points, weights, canonical of a view; for the order the points by vertices, which are nearly along the curve. */
 static pbw_status pbw__view_points(const pbw_live *live, pbw__context *context, pbw__stand *stand, pbw_mesh *mesh)
 {
     pbw__memory *memory = &context->memory;
@@ -16004,7 +16718,7 @@ static pbw_status pbw__view_points(const pbw_live *live, pbw__context *context, 
     const size_t dim = (size_t)live->dim, numbers = live->numbers;
     double *points = (double *)pbw__allocate(memory, numbers * dim, sizeof(double));
     double *weights = live->weighted_past ? (double *)pbw__allocate(memory, numbers, sizeof(double)) : NULL;
-    pbw_index *canonical = (pbw_index *)pbw__allocate(memory, numbers, sizeof(pbw_index));
+    pbw_index *canonical = (pbw_index *)pbw__allocate(memory, numbers, sizeof(pbw_index)), v;
     size_t i;
     mesh->points = points;
     mesh->weights = weights;
@@ -16016,19 +16730,30 @@ static pbw_status pbw__view_points(const pbw_live *live, pbw__context *context, 
         || !pbw__stand_create(memory, stand, live->points, live->dim)) {
         return PBW_ERROR_MEMORY;
     }
-    for (i = 0; i < numbers; i++) {
+    memset(points, 0, numbers * dim * sizeof(double));
+    memset(canonical, 0xff, numbers * sizeof(pbw_index));
+    for (v = 1; v <= core->vertex_count; v++) {
+        const double *x = pbw__core_record(core, v);
+        const pbw_index soon = core->name[v + 16 < core->vertex_count ? v + 16 : v], id = core->name[v];
+        PBW__PREFETCH_TO_WRITE(points + soon * dim);
+        PBW__PREFETCH_TO_WRITE(canonical + soon);
+        if (core->incident[v] != PBW__GONE) {
+            memcpy(points + id * dim, x, dim * sizeof(double));
+            canonical[id] = id;
+            pbw__stand_add(stand, v, x, x[dim]);
+        }
+    }
+    for (i = 0; i < numbers; i++) {                  /* duplicates follow: of those at one place the first counts */
         const int lives = (live->state[i] & PBW__LIVES) != 0;
-        memset(points + i * dim, 0, dim * sizeof(double));
-        canonical[i] = PBW_NONE;
         if (weights != NULL) {
             weights[i] = lives ? live->weight[i] : 0.0;
         }
-        if (lives) {
+        if (lives && canonical[i] == PBW_NONE) {
             const double *x = pbw__core_record(core, core->vertex[i]);
             memcpy(points + i * dim, x, dim * sizeof(double));
             canonical[i] = core->name[core->vertex[i]];
-            mesh->duplicate_count += canonical[i] != i;
-            pbw__stand_add(stand, (pbw_index)i, x, live->weight[i]);
+            mesh->duplicate_count++;
+            pbw__stand_add(stand, core->vertex[i], x, live->weight[i]);
         }
     }
     return PBW_OK;
@@ -16041,7 +16766,6 @@ static pbw_status pbw__view(const pbw_live *live, pbw__context *context, pbw_mes
     pbw__vertices vertices;
     pbw__input input;
     pbw_status status;
-    size_t r;
     if (owned == NULL) {
         return PBW_ERROR_MEMORY;
     }
@@ -16062,11 +16786,8 @@ static pbw_status pbw__view(const pbw_live *live, pbw__context *context, pbw_mes
         status = pbw__enter_stage(context, PBW_STAGE_ORDER) ? PBW_CANCELLED
                : pbw__order(context, &input, &vertices);
         if (status == PBW_OK) {
-            for (r = 1; r <= vertices.count; r++) {
-                vertices.id[r] = stand.list[vertices.id[r]];
-            }
             status = pbw__enter_stage(context, PBW_STAGE_OUTPUT) ? PBW_CANCELLED
-                   : pbw__view_simplices(live, context, &vertices, mesh);
+                   : pbw__view_simplices(live, context, &vertices, stand.list, mesh);
         }
     }
     pbw__stand_free(&context->memory, &stand);

@@ -125,6 +125,24 @@ bench-tiles: build/bench_tiles
 	$< 8 400000
 .PHONY: bench-tiles
 
+# Queries, cells, live batches and solids on more and more threads: bench/scaling.c
+build/bench_scaling: bench/scaling.c $(HEADERS)
+	@mkdir -p build
+	$(BENCH_C) -D_POSIX_C_SOURCE=200809L -I. -Iexamples/lib $< -o $@ $(LIBS)
+
+.PHONY: bench-scaling
+bench-scaling: build/bench_scaling
+	$< $(ARGS)
+
+# Ranks beside as many threads, halo and memory a rank, out of core: bench/ranks.sh; ARGS="COUNT SCRATCH" for others
+build/bench_ranks: bench/ranks.c pbw.h
+	@mkdir -p build
+	$C $< -o $@ $(LIBS)
+
+bench-ranks: build/bench_ranks build/bench_tiles build/pbw build/mpi
+	sh bench/ranks.sh build $(ARGS)
+.PHONY: bench-ranks
+
 # Live triangulations beside CGAL's insert, remove and move: bench/live.cpp
 build/bench_live: bench/live.cpp $(BENCH_INPUTS)
 	@mkdir -p build

@@ -133,7 +133,7 @@ static pbwt_point *partition(study *s, size_t *first)
     return sorted;
 }
 
-/* A tree for each part, by one thread. */
+/* A tree for each part; by one thread if all ranks work, which is timed. */
 static void plant(study *s)
 {
     size_t *first = (size_t *)take(((size_t)s->ranks + 1) * sizeof *first);
@@ -141,7 +141,7 @@ static void plant(study *s)
     pbw_options serial;
     int p;
     memset(&serial, 0, sizeof serial);
-    serial.threads = 1;
+    serial.threads = s->of == s->ranks;
     for (p = 0; p < s->ranks; p++) {
         const double start = clocked();
         need(pbwt_tree_make(3, p, sorted + first[p], first[p + 1] - first[p], &serial, s->tree + p));

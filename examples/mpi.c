@@ -20,13 +20,11 @@ typedef struct slice { pbwt_point *point; uint64_t first, count; } slice;
 
 static const char *argument(int argc, char **argv, const char *name)
 {
-    int i;
-    for (i = 1; i + 1 < argc; i++) {
-        if (strcmp(argv[i], name) == 0) {
-            return argv[i + 1];
-        }
+    int i = 1;
+    while (i + 1 < argc && strcmp(argv[i], name) != 0) {
+        i++;
     }
-    return NULL;
+    return i + 1 < argc ? argv[i + 1] : NULL;
 }
 
 static size_t number(int argc, char **argv, const char *name)
@@ -66,8 +64,7 @@ static pbw_status read_slice(const char *path, int rank, int ranks, const pbwm_o
     const uint64_t all = size >= 0 ? (uint64_t)size / (each * 8) : 0;
     const char *what = size < 0 ? strerror(errno) : (uint64_t)size % (each * 8) != 0 ? "truncated" : NULL;
     double row[4] = { 0, 0, 0, 0 };
-    uint64_t i;
-    size_t k;
+    uint64_t i, k;
     s->first = all * (uint64_t)rank / (uint64_t)ranks;
     s->count = all * (uint64_t)(rank + 1) / (uint64_t)ranks - s->first;
     s->point = (pbwt_point *)calloc((size_t)s->count + 1, sizeof *s->point);
@@ -91,13 +88,13 @@ static pbw_status read_slice(const char *path, int rank, int ranks, const pbwm_o
 
 static void print_report(const pbwm_report *r, int ranks, double read)
 {
-    const double points = (double)(r->points > 0 ? r->points : 1);
-    printf("%d ranks: %.0f points, %.0f simplices, hash %016llx, halo %.1f %%, %.0f rounds, %.1f bytes a point, "
-           "imbalance %.3f, %.0f given up; seconds: read %.2f, partition %.2f, tiles %.2f, leftovers %.2f, "
-           "links %.2f, write %.2f\n", ranks, (double)r->points, (double)r->simplices, (unsigned long long)r->hash,
-           100 * (double)r->halo / points, (double)r->rounds, (double)r->sent_bytes / points,
-           (double)r->largest * ranks / points, (double)r->given_up, read, r->seconds[PBWM_PARTITION],
-           r->seconds[PBWM_TILE], r->seconds[PBWM_LEFTOVERS], r->seconds[PBWM_LINKS], r->seconds[PBWM_WRITE]);
+    const double points = r->points > 0 ? (double)r->points : 1, *t = r->seconds;
+    printf("%d ranks, %.0f resumed: %.0f points, %.0f simplices, hash %016llx, halo %.1f %%, %.0f rounds, "
+           "%.1f bytes a point, imbalance %.3f, %.0f given up, memory %.0f bytes an own point; seconds: read %.2f, "
+           "partition %.2f, tiles %.2f, leftovers %.2f, links %.2f, write %.2f\n", ranks, (double)r->resumed,
+           (double)r->points, (double)r->simplices, (unsigned long long)r->hash, 100 * (double)r->halo / points,
+           (double)r->rounds, (double)r->sent_bytes / points, (double)r->largest * ranks / points,
+           (double)r->given_up, (double)r->memory * ranks / points, read, t[0], t[1], t[2], t[3], t[4]);
 }
 
 int main(int argc, char **argv)
@@ -136,10 +133,13 @@ int main(int argc, char **argv)
     if (argument(argc, argv, "--die") != NULL && number(argc, argv, "--die") == (size_t)rank) {
         raise(SIGKILL);                              /* for a test: the others must end, too */
     }
+    options.taken = free;
+    options.taken_user = mine.point;
     if (status == PBW_OK) {
         status = pbwm_triangulate(MPI_COMM_WORLD, mine.point, (size_t)mine.count, &options, &report);
+    } else {
+        free(mine.point);
     }
-    free(mine.point);
     if (rank == 0 && status != PBW_OK) {
         fprintf(stderr, "mpi: %s\n", report.text);
     } else if (rank == 0) {

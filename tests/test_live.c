@@ -7,8 +7,9 @@
 #include "test.h"
 #include <math.h>
 
-#ifndef CHOOSE_WAY
-#define CHOOSE_WAY(turn) ((void)(turn))                 /* see test_live_local.c */
+#ifndef CHOOSE_WAY                                      /* see test_live_local.c */
+#define CHOOSE_WAY(turn) ((void)(turn))
+#define THREADS 1
 #endif
 
 /* What a live triangulation should hold: points by number. */
@@ -383,7 +384,7 @@ static void test_sequences(void)
             for (weighted = 0; weighted < 2; weighted++) {
                 if (test_begin("sequence: %dD %s%s", dim, kind_name[kind], weighted ? ", weighted" : "")) {
                     sequence(dim, kind, weighted, 1, commits, 12);
-                    sequence(dim, kind, weighted, 1, commits / 2, 150);
+                    sequence(dim, kind, weighted, THREADS, commits / 2, 150);
                     sequence(dim, kind, weighted, 3, commits / 8, 150);
                     test_end();
                 }
@@ -397,7 +398,7 @@ static pbw_options metered(meter *m)
 {
     pbw_options options;
     memset(&options, 0, sizeof options);
-    options.threads = 1;
+    options.threads = THREADS;
     options.resize = meter_resize;
     options.resize_user = m;
     return options;
@@ -511,7 +512,7 @@ static void test_cancel(void)
                 memset(&options, 0, sizeof options);
                 memset(&none, 0, sizeof none);
                 none.dim = dim;
-                options.threads = 1;
+                options.threads = THREADS;
                 options.progress = stop;
                 options.progress_user = &s;
                 model_start(&m, dim, 5);

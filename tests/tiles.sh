@@ -228,6 +228,26 @@ if command -v mpirun > /dev/null && [ -x "$bin/mpi" ]; then
     check "MPI: a rank that dies ends all" mpi_killed
     touch r.pbwt.0 r.pbwt.1                          # as a killed run leaves them
     check "MPI: and the next run is as any" ranks 3 k0.3.bin --threads 2
+    # A run that fails when tiles are finished, as no file can be made where the output grows, leaves them.
+    late() {     # late INPUT
+        rm -rf r.pbwt* && mkdir r.pbwt.part && mpi_fails r.pbwt.part "$1" -o r.pbwt && rmdir r.pbwt.part &&
+            [ -e r.pbwt.0.state ] && [ -e r.pbwt.1.state ] && [ -e r.pbwt.2.state ]
+    }
+    goes_on() {  # goes_on RESUMED INPUT
+        ranks 3 "$2" > log 2>&1 && cat log && grep -q "3 ranks, $1 resumed" log && [ "$(echo r.pbwt*)" = r.pbwt ]
+    }
+    all_finished() { late k0.3.bin && goes_on 3 k0.3.bin; }
+    one_killed() {  # before its tile was finished; and the chunk of another, or the state, is damaged
+        late k0.3.bin && rm r.pbwt.1.state && goes_on 2 k0.3.bin && late k0.3.bin &&
+            printf '\377\376' | dd of=r.pbwt.2 bs=1 seek=3000 conv=notrunc 2> said &&
+            printf '\377\376' | dd of=r.pbwt.0.state bs=1 seek=3000 conv=notrunc 2> said && goes_on 1 k0.3.bin
+    }
+    check "MPI: finished tiles are taken up" all_finished
+    check "MPI: those that are whole, if not all are" one_killed
+    with_leftovers() { late k3.3.bin && goes_on 3 k3.3.bin && ! grep -q ' 0 given up' log; }
+    check "MPI: and leftovers made of them" with_leftovers
+    other_points() { late k0.3.bin && goes_on 0 k4.3.bin; }
+    check "MPI: not those of other points" other_points
     mpi_short() {   # a limit of rank 1's address space: its own allocations fail, outside of its tile
         for limit in 280000 320000 360000; do
             mpirun -np 3 sh -c "[ \$OMPI_COMM_WORLD_RANK != 1 ] || ulimit -v $limit

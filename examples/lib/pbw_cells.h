@@ -15,8 +15,8 @@
 
    HOW
    The cell of a vertex is the dual of its star: its corners are the centres of the star's simplices, its facets
-   belong to the edges at the vertex.  Volumes and centroids come from one pass over the facets of the mesh: no cell
-   is built.  Facets are read off the stars.  Cells with a corner outside the domain are cut: their polytope by the
+   belong to the edges at the vertex.  Volumes, centroids and facets are read off the rings of simplices around these
+   edges.  Cells with a corner outside the domain are cut: their polytope by the
    walls, or, at the hull, the domain by one half-space for each neighbour; only neighbours in the triangulation
    matter, as the cell is the intersection of their half-spaces.  All ways sum signed determinants relative to the
    site, so the order of the points, obtuse simplices and centres outside their simplex need no case.
@@ -190,17 +190,23 @@ static int pbwc__resize(pbwc__memory *memory, pbwc__array *array, size_t bytes)
     return 1;
 }
 
-/* Makes room for `extra` items after the last.  Returns the place of the first of them, or NULL. */
-static void *pbwc__room(pbwc__memory *memory, pbwc__array *array, size_t extra, size_t size)
+static int pbwc__grow_array(pbwc__memory *memory, pbwc__array *array, size_t need)
 {
-    const size_t need = (array->count + extra) * size, twice = 2 * array->bytes;
-    if (need > array->bytes && !pbwc__resize(memory, array, need > twice ? need + 256 : twice)) {
+    const size_t twice = 2 * array->bytes;
+    return pbwc__resize(memory, array, need > twice ? need + 256 : twice);
+}
+
+/* Makes room for `extra` items after the last.  Returns the place of the first of them, or NULL. */
+static PBWC__INLINE void *pbwc__room(pbwc__memory *memory, pbwc__array *array, size_t extra, size_t size)
+{
+    const size_t need = (array->count + extra) * size;
+    if (need > array->bytes && !pbwc__grow_array(memory, array, need)) {
         return NULL;
     }
     return (char *)array->data + array->count * size;
 }
 
-static int pbwc__push(pbwc__memory *memory, pbwc__array *array, pbw_index item)
+static PBWC__INLINE int pbwc__push(pbwc__memory *memory, pbwc__array *array, pbw_index item)
 {
     pbw_index *place = (pbw_index *)pbwc__room(memory, array, 1, sizeof item);
     if (place == NULL) {
@@ -289,10 +295,13 @@ static int pbwc__centre_slow(int dim, const pbwc__dd row[3][3], const pbwc__dd *
 typedef struct pbwc__job pbwc__job;
 typedef struct pbwc__period pbwc__period;
 typedef struct pbwc__clip pbwc__clip;
+#define PBWC__GOOD   1u                    /* the centre is right to 12 digits */
+#define PBWC__INSIDE 2u                    /* it is in the domain, for certain */
+
 typedef struct pbwc__centre {
-    pbw_index simplex;
-    int good, inside;                      /* right to 12 digits; in the domain, for certain */
     double x[3];                           /* relative to the simplex's first corner */
+    pbw_index simplex;
+    unsigned says;                         /* PBWC__GOOD and so on, or'ed */
 } pbwc__centre;
 
 static int pbwc__centre_exactly(const pbw_mesh *mesh, const pbw_index *corner, double least, double *centre)
@@ -317,12 +326,11 @@ static int pbwc__centre_exactly(const pbw_mesh *mesh, const pbw_index *corner, d
 }
 
 /* Returns 0 if the centre may be far off. */
-static int pbwc__centre_of(const pbw_mesh *mesh, pbw_index simplex, double *centre)
+static PBWC__INLINE int pbwc__centre_of(const pbw_mesh *mesh, size_t dim, pbw_index simplex, double *centre)
 {
-    const size_t dim = (size_t)mesh->dim;
     const pbw_index *corner = mesh->simplices + simplex * (dim + 1);
     const double *a = mesh->points + corner[0] * dim, *w = mesh->weights;
-    double r[3][3], height[3], largest = 0, det, least;
+    double r[3][3], height[3], largest = 0, det;
     size_t i, k;
     for (i = 0; i < dim; i++) {
         const double *b = mesh->points + corner[i + 1] * dim;
@@ -336,7 +344,6 @@ static int pbwc__centre_of(const pbw_mesh *mesh, pbw_index simplex, double *cent
     }
     if (dim == 2) {
         det = r[0][0] * r[1][1] - r[0][1] * r[1][0];
-        least = largest * 1e-30;
         if (det > 1e-6 * largest) {
             centre[0] = (height[0] * r[1][1] - height[1] * r[0][1]) / (2 * det);
             centre[1] = (height[1] * r[0][0] - height[0] * r[1][0]) / (2 * det);
@@ -351,7 +358,6 @@ static int pbwc__centre_of(const pbw_mesh *mesh, pbw_index simplex, double *cent
             m[i][2] = p[0] * q[1] - p[1] * q[0];
         }
         det = r[0][0] * m[0][0] + r[0][1] * m[0][1] + r[0][2] * m[0][2];
-        least = largest * sqrt(largest) * 1e-30;
         if (det > 0 && det * det > 1e-12 * largest * largest * largest) {
             const double scale = 0.5 / det;
             for (k = 0; k < 3; k++) {
@@ -360,7 +366,7 @@ static int pbwc__centre_of(const pbw_mesh *mesh, pbw_index simplex, double *cent
             return 1;
         }
     }
-    return pbwc__centre_exactly(mesh, corner, least, centre);
+    return pbwc__centre_exactly(mesh, corner, 1e-30 * (dim == 3 ? largest * sqrt(largest) : largest), centre);
 }
 
 /* ------------------------------------------------------------------------------------------------------
@@ -625,65 +631,75 @@ static int pbwc__cut(pbwc__memory *memory, pbwc__cutter *cutter, int dim, const 
 }
 
 /* ------------------------------------------------------------------------------------------------------
-   Stars: the simplices at a vertex v, numbered from 0, and their other vertices, the links, numbered too.
-   Simplex i has the links i0 i1 (i2) with v i0 i1 (i2) positively oriented, and beyond the facet across from its j-th
-   link simplex beyond[j] of the star, -1 on the hull.
+   Stars: the simplices at a vertex v, in the plane its parts, and their other vertices, the links.
+   In space the simplices at the edge from v to a link are its ring, counter-clockwise seen from the link.  A ring is
+   walked from simplex to simplex: from v, u, p, q, positively oriented, the walk leaves across from p, and q and the
+   new corner are the next p and q.  A corner met for the first time is a new link, so rings find all links.
+   In the plane parts and links are counter-clockwise, and link i is between parts from and to.
+   The centres S T ... of a ring are the corners of the cell's facet towards the link.  The edge ST gives to the cell the
+   tetrahedron of v, the foot of the facet's plane on the line d from v to the link, S and T: 6 times its volume is
+   foot d.(S x T), with a sign; in the plane the triangle v S T.  Twice the facet's area is the sum of d.(S x T) / |d|.
    ------------------------------------------------------------------------------------------------------ */
-typedef struct pbwc__part { pbw_index simplex; int link[3], beyond[3]; double centre[3]; } pbwc__part;
+typedef struct pbwc__part { pbw_index simplex; double centre[3]; } pbwc__part;           /* centre: from v */
 typedef struct pbwc__link {
     pbw_index vertex;
-    int part;                              /* the first that has it */
-    int side;                              /* in the plane: its place in the fan */
+    pbw_index simplex, p, q;               /* in space: where its ring starts */
+    size_t begin, count;                   /* its ring */
+    int open;                              /* does it end at the hull? */
+    pbw_index ends[2];                     /* of an open ring: the last corners of the hull facets there */
+    int from, to;                          /* in the plane: parts, -1 beyond the hull */
     double d[3], foot;                     /* from v; the plane between the cells is at foot * d */
-    double area[3];                        /* twice the facet's area vector */
+    double along;                          /* in space: twice the facet's area times |d| */
 } pbwc__link;
-
-typedef struct pbwc__fan { int link, from, to; } pbwc__fan;  /* a side of a cell in the plane; parts, -1: infinity */
 
 typedef struct pbwc__map { pbwc__array slots; size_t mask, count; uint32_t epoch; } pbwc__map;
 typedef struct pbwc__slot { uint32_t epoch; pbw_index key; int value; } pbwc__slot;
 
-/* The place of a key, with an epoch of its own if it is new.  NULL: no memory. */
-static pbwc__slot *pbwc__find(pbwc__memory *memory, pbwc__map *map, pbw_index key)
+static PBWC__INLINE size_t pbwc__slot_of(const pbwc__map *map, pbw_index key)
 {
-    pbwc__slot *slots = (pbwc__slot *)map->slots.data, *slot;
-    size_t i;
-    if (2 * map->count >= map->mask) {               /* at first, or too full: twice the slots */
-        const size_t size = map->mask != 0 ? 2 * (map->mask + 1) : 256;
-        pbwc__map larger;
-        memset(&larger, 0, sizeof larger);
-        if (!pbwc__resize(memory, &larger.slots, size * sizeof *slot)) {
-            return NULL;
-        }
-        memset(larger.slots.data, 0, size * sizeof *slot);
-        larger.mask = size - 1;
-        larger.epoch = 1;
-        for (i = 0; map->mask != 0 && i <= map->mask; i++) {
-            if (slots[i].epoch == map->epoch) {
-                slot = pbwc__find(memory, &larger, slots[i].key);
-                slot->epoch = 1;
-                slot->key = slots[i].key;
-                slot->value = slots[i].value;
-                larger.count++;
-            }
-        }
-        pbwc__release(memory, &map->slots);
-        *map = larger;
-        slots = (pbwc__slot *)map->slots.data;
-    }
-    for (i = (key * 2654435761u >> 7) & map->mask; slots[i].epoch == map->epoch && slots[i].key != key; ) {
+    const pbwc__slot *slots = (const pbwc__slot *)map->slots.data;
+    size_t i = (size_t)(key * 2654435761u >> 7) & map->mask;
+    while (slots[i].epoch == map->epoch && slots[i].key != key) {
         i = (i + 1) & map->mask;
     }
-    return slots + i;
+    return i;
+}
+
+/* At first, or where the map is too full: twice the slots.  Returns 0 if there is no memory. */
+static int pbwc__map_grow(pbwc__memory *memory, pbwc__map *map)
+{
+    const size_t size = map->mask != 0 ? 2 * (map->mask + 1) : 256;
+    const pbwc__slot *slots = (const pbwc__slot *)map->slots.data;
+    pbwc__map larger;
+    size_t i;
+    memset(&larger, 0, sizeof larger);
+    if (!pbwc__resize(memory, &larger.slots, size * sizeof *slots)) {
+        return 0;
+    }
+    memset(larger.slots.data, 0, size * sizeof *slots);
+    larger.mask = size - 1;
+    larger.epoch = 1;
+    for (i = 0; map->mask != 0 && i <= map->mask; i++) {
+        if (slots[i].epoch == map->epoch) {
+            pbwc__slot *slot = (pbwc__slot *)larger.slots.data + pbwc__slot_of(&larger, slots[i].key);
+            *slot = slots[i];
+            slot->epoch = 1;
+            larger.count++;
+        }
+    }
+    pbwc__release(memory, &map->slots);
+    *map = larger;
+    return 1;
 }
 
 /* The number of a key, `fresh` if it had none.  Returns -1 if there is no memory. */
-static int pbwc__number(pbwc__memory *memory, pbwc__map *map, pbw_index key, int fresh)
+static PBWC__INLINE int pbwc__number(pbwc__memory *memory, pbwc__map *map, pbw_index key, int fresh)
 {
-    pbwc__slot *slot = pbwc__find(memory, map, key);
-    if (slot == NULL) {
+    pbwc__slot *slot;
+    if (2 * map->count >= map->mask && !pbwc__map_grow(memory, map)) {
         return -1;
     }
+    slot = (pbwc__slot *)map->slots.data + pbwc__slot_of(map, key);
     if (slot->epoch != map->epoch) {
         slot->epoch = map->epoch;
         slot->key = key;
@@ -700,13 +716,13 @@ static void pbwc__map_clear(pbwc__map *map)
 }
 
 #define PBWC__CENTRES 8192                 /* centres that a range keeps, by the low bits of their simplex */
-#define PBWC__CHUNK   8192                 /* simplices */
+#define PBWC__CHUNK   16384                /* simplices in a range */
 
 /* The other corners of a simplex, so that it is positively oriented with the i-th before them. */
 static const unsigned char pbwc__other3[4][3] = { { 1, 2, 3 }, { 0, 3, 2 }, { 3, 0, 1 }, { 2, 1, 0 } };
-static const unsigned char pbwc__other2[3][3] = { { 1, 2, 0 }, { 2, 0, 0 }, { 0, 1, 0 } };
 
-typedef struct pbwc__range {               /* what a range of points gives, if asked */
+typedef struct pbwc__range {               /* what the cells of a range give, in their order */
+    pbwc__array cells, entries;            /* their points; with shapes, entries in the loops of each */
     pbwc__array neighbors, areas, loop_counts, loops, vertices, rays;
 } pbwc__range;
 
@@ -714,13 +730,15 @@ typedef struct pbwc__work {                /* of one range */
     pbwc__job *job;
     pbwc__memory *memory;
     pbwc__range *out;
-    pbwc__array parts, links, fan;
-    pbwc__map part_of, link_of;
+    pbwc__array parts, rings, links;       /* parts: in the plane; rings: of all links, in space */
+    pbwc__map numbers;                     /* of links, or of parts, by vertex or simplex */
     pbwc__cutter cutter;
     pbwc__array kept;
     pbwc__centre *centres;                 /* kept */
     pbw_index site;                        /* the vertex of the star */
-    int open, good;                        /* the star: at the hull; with good centres, none far from the domain */
+    int open;                              /* is the star at the hull? */
+    unsigned says;                         /* what all centres say */
+    double sum[4];                         /* of a closed star: moments * 24 (in the plane 6), volume * 6 (2) */
     const struct pbwc__visit *visits;      /* of a polygon's edges in the cell */
     size_t visit_count;
     pbwc__array ends, end_of, used;        /* of chains, in order; per visit: the ends at its begin and end; joined */
@@ -758,16 +776,17 @@ struct pbwc__job {
     size_t plane_count;
     pbwc__poly domain;
     pbwc__array merged, ranges;            /* per simplex: the first whose centre is the same place */
-    size_t grain;
     pbw_cells *cells;
     double *volumes, *centroids;
+    double *vertices;                      /* with shapes: first the centres of all simplices */
     size_t *first;
-    pbwc__array states, shares;            /* per point: PBWC__OPEN and so on; per chunk of simplices: its shares */
+    pbwc__array entries;                   /* with shapes, per point: where its loops' entries begin */
+    pbwc__array cut;                       /* per point: was its cell cut? */
 };
 
 #define PBWC__PARTS(work) ((pbwc__part *)(work)->parts.data)
 #define PBWC__LINKS(work) ((pbwc__link *)(work)->links.data)
-#define PBWC__FAN(work) ((pbwc__fan *)(work)->fan.data)
+#define PBWC__RING(work, link) ((pbw_index *)(work)->rings.data + (link)->begin)
 
 static int pbwc__centres_new(pbwc__memory *memory, pbwc__array *centres)
 {
@@ -801,50 +820,70 @@ static int pbwc__in_planes(const pbwc__job *job, const double *a, const double *
     return inside;
 }
 
-/* Centre of a simplex relative to its first corner; kept, as the other corners need it too. */
-static const pbwc__centre *pbwc__centre_kept(const pbwc__job *job, pbwc__centre *centres, pbw_index simplex)
+static void pbwc__centre_of_flat(const pbw_mesh *mesh, pbw_index simplex, double *centre);
+
+static PBWC__INLINE void pbwc__make_centre(const pbwc__job *job, size_t dim, pbw_index simplex, pbwc__centre *centre)
 {
-    pbwc__centre *centre = centres + simplex % PBWC__CENTRES;
-    const size_t dim = (size_t)job->mesh->dim;
-    if (centre->simplex != simplex) {
-        const double *a = job->mesh->points + job->mesh->simplices[simplex * (dim + 1)] * dim;
-        double radius = 0;
-        size_t k;
-        centre->simplex = simplex;
-        centre->inside = centre->good = pbwc__centre_of(job->mesh, simplex, centre->x);
-        for (k = 0; k < dim; k++) {
-            radius += fabs(centre->x[k]);
-        }
-        for (k = 0; k < dim; k++) {                  /* if in doubt, cut */
-            const double at = a[k] + centre->x[k], slack = 1e-12 * radius + job->slack[k];
-            centre->inside &= at - job->low[k] > slack && job->high[k] - at > slack;
-        }
-        if (job->plane_count > 0) {
-            centre->inside &= pbwc__in_planes(job, a, centre->x, radius);
-        }
+    const double *a = job->mesh->points + job->mesh->simplices[simplex * (dim + 1)] * dim;
+    double radius = 0;
+    size_t k;
+    int inside = 1;
+    centre->simplex = simplex;
+    centre->says = pbwc__centre_of(job->mesh, dim, simplex, centre->x) ? PBWC__GOOD | PBWC__INSIDE : 0;
+    if (centre->says == 0 && job->clip != NULL) {
+        pbwc__centre_of_flat(job->mesh, simplex, centre->x);
     }
-    return centre;
+    for (k = 0; k < dim; k++) {
+        radius += fabs(centre->x[k]);
+    }
+    for (k = 0; k < dim; k++) {                      /* if in doubt, cut */
+        const double at = a[k] + centre->x[k], slack = 1e-12 * radius + job->slack[k];
+        inside &= (at - job->low[k] > slack) & (job->high[k] - at > slack);
+    }
+    if (!inside || (job->plane_count > 0 && !pbwc__in_planes(job, a, centre->x, radius))) {
+        centre->says &= ~PBWC__INSIDE;
+    }
 }
 
-/* The number of the link `vertex`; a new one is put down with its bisector.  Returns -1 if there is no memory. */
-static int pbwc__link_number(pbwc__work *work, pbw_index v, pbw_index vertex, int part)
+static void pbwc__make_centre2(const pbwc__job *job, pbw_index simplex, pbwc__centre *centre)
+{
+    pbwc__make_centre(job, 2, simplex, centre);
+}
+
+static void pbwc__make_centre3(const pbwc__job *job, pbw_index simplex, pbwc__centre *centre)
+{
+    pbwc__make_centre(job, 3, simplex, centre);
+}
+
+/* The centre of a simplex, from the site: x.  It is kept, as other stars need it too.  Returns what it says. */
+static PBWC__INLINE unsigned pbwc__from_site(const pbwc__job *job, pbwc__centre *centres, size_t dim,
+                                             const double *site, pbw_index simplex, double *x)
+{
+    const double *a = job->mesh->points + job->mesh->simplices[simplex * (dim + 1)] * dim;
+    pbwc__centre *centre = centres + simplex % PBWC__CENTRES;
+    size_t k;
+    if (centre->simplex != simplex) {
+        (dim == 3 ? pbwc__make_centre3 : pbwc__make_centre2)(job, simplex, centre);
+    }
+    for (k = 0; k < dim; k++) {
+        x[k] = centre->x[k] + (a[k] - site[k]);
+    }
+    return centre->says;
+}
+
+/* One more link, with its bisector.  Returns NULL if there is no memory. */
+static PBWC__INLINE pbwc__link *pbwc__add_link(pbwc__work *work, size_t dim, pbw_index vertex)
 {
     const pbw_mesh *mesh = work->job->mesh;
-    const size_t dim = (size_t)mesh->dim;
-    const int number = pbwc__number(work->memory, &work->link_of, vertex, (int)work->links.count);
-    pbwc__link *link;
+    const pbw_index v = work->site;
+    pbwc__link *link = (pbwc__link *)pbwc__room(work->memory, &work->links, 1, sizeof *link);
     double square = 0;
     size_t k;
-    if (number != (int)work->links.count) {
-        return number;
-    }
-    link = (pbwc__link *)pbwc__room(work->memory, &work->links, 1, sizeof *link);
     if (link == NULL) {
-        return -1;
+        return NULL;
     }
-    memset(link, 0, sizeof *link);
     link->vertex = vertex;
-    link->part = part;
+    link->d[2] = 0;
     for (k = 0; k < dim; k++) {
         link->d[k] = mesh->points[vertex * dim + k] - mesh->points[v * dim + k];
         square += link->d[k] * link->d[k];
@@ -854,68 +893,261 @@ static int pbwc__link_number(pbwc__work *work, pbw_index v, pbw_index vertex, in
         link->foot += (mesh->weights[v] - mesh->weights[vertex]) / (2 * square);
     }
     work->links.count++;
-    return number;
+    return link;
 }
 
-/* Gathers the star of v, breadth first from its first simplex.  Returns 0 if there is no memory. */
-static int pbwc__gather(pbwc__work *work, pbw_index v)
+/* ---- in space */
+
+/* The simplex beyond the facet across from a corner. */
+static PBWC__INLINE pbw_index pbwc__across(const pbw_mesh *mesh, pbw_index simplex, pbw_index vertex)
 {
-    const pbw_mesh *mesh = work->job->mesh;
-    const size_t dim = (size_t)mesh->dim;
-    const double *site = mesh->points + v * dim;
-    size_t i, j, k;
-    work->parts.count = work->links.count = 0;
-    work->site = v;
-    work->open = 0;
-    work->good = 1;
-    pbwc__map_clear(&work->part_of);
-    pbwc__map_clear(&work->link_of);
-    if (pbwc__room(work->memory, &work->parts, 1, sizeof(pbwc__part)) == NULL
-        || pbwc__number(work->memory, &work->part_of, mesh->incident[v], 0) < 0) {
+    const pbw_index *corner = mesh->simplices + 4 * (size_t)simplex;
+    const unsigned place = (corner[1] == vertex) + 2u * (corner[2] == vertex) + 3u * (corner[3] == vertex);
+    return mesh->neighbors[4 * (size_t)simplex + place];
+}
+
+/* The corner that is left; others: three of the corners, xor'ed. */
+static PBWC__INLINE pbw_index pbwc__fourth(const pbw_mesh *mesh, pbw_index simplex, pbw_index others)
+{
+    const pbw_index *corner = mesh->simplices + 4 * (size_t)simplex;
+    return corner[0] ^ corner[1] ^ corner[2] ^ corner[3] ^ others;
+}
+
+/* A new link, whose ring starts at the simplex of the site, the vertex, p and q, positively oriented.  Returns 0 if
+   there is no memory. */
+static int pbwc__new_link3(pbwc__work *work, pbw_index vertex, pbw_index simplex, pbw_index p, pbw_index q)
+{
+    pbwc__link *link = pbwc__add_link(work, 3, vertex);
+    if (link == NULL || pbwc__number(work->memory, &work->numbers, vertex, 0) < 0) {
         return 0;
     }
-    PBWC__PARTS(work)[work->parts.count++].simplex = mesh->incident[v];
-    for (i = 0; i < work->parts.count; i++) {
-        const pbw_index simplex = PBWC__PARTS(work)[i].simplex;
-        const pbw_index *corner = mesh->simplices + simplex * (dim + 1);
-        const pbw_index *beyond = mesh->neighbors + simplex * (dim + 1);
-        const pbwc__centre *centre = pbwc__centre_kept(work->job, work->centres, simplex);
-        const double *a = mesh->points + corner[0] * dim;
-        const unsigned char *other;
-        pbwc__part *part;
-        for (k = 0; corner[k] != v; k++) {
+    link->simplex = simplex;
+    link->p = p;
+    link->q = q;
+    return 1;
+}
+
+static PBWC__INLINE int pbwc__is_known(const pbwc__map *map, pbw_index key)
+{
+    return ((const pbwc__slot *)map->slots.data)[pbwc__slot_of(map, key)].epoch == map->epoch;
+}
+
+/* What the ring of a link gives: sums over its edges ST, with d from the site to the link, of w = d.(S x T) and of
+   w (S + T). */
+typedef struct pbwc__ring {
+    double d[3], along, moment[3];
+    double first[3], last[3];              /* centres */
+    unsigned says;
+} pbwc__ring;
+
+static PBWC__INLINE void pbwc__cross(const double *s, const double *t, double *x)
+{
+    x[0] = s[1] * t[2] - s[2] * t[1];
+    x[1] = s[2] * t[0] - s[0] * t[2];
+    x[2] = s[0] * t[1] - s[1] * t[0];
+}
+
+/* The edge from the last centre to t. */
+static PBWC__INLINE void pbwc__add_edge(pbwc__ring *ring, const double *t)
+{
+    double across[3], w;
+    int k;
+    pbwc__cross(ring->last, t, across);
+    w = ring->d[0] * across[0] + ring->d[1] * across[1] + ring->d[2] * across[2];
+    ring->along += w;
+    for (k = 0; k < 3; k++) {
+        ring->moment[k] += w * (ring->last[k] + t[k]);
+        ring->last[k] = t[k];
+    }
+}
+
+/* Walks from a simplex around the edge from the site to u, until back there or at the hull; notes the simplices, new
+   links and sums: while the next simplex is on its way from memory, the sums cost no time.  at: simplex, p and q, also
+   at the end.  Returns 1 back there, 0 at the hull, -1 if there is no memory. */
+static PBWC__INLINE int pbwc__walk(pbwc__work *work, pbw_index u, pbw_index at[3], pbwc__ring *ring)
+{
+    const pbw_mesh *mesh = work->job->mesh;
+    const double *site = mesh->points + 3 * (size_t)work->site;
+    const pbw_index edge = work->site ^ u, first = at[0];
+    pbw_index simplex = first, p = at[1], q = at[2], next;
+    double t[3];
+    ring->says &= pbwc__from_site(work->job, work->centres, 3, site, simplex, ring->first);
+    memcpy(ring->last, ring->first, sizeof ring->last);
+    for (;;) {
+        next = pbwc__across(mesh, simplex, p);
+        if (!pbwc__push(work->memory, &work->rings, simplex)
+            || (!pbwc__is_known(&work->numbers, q) && !pbwc__new_link3(work, q, simplex, u, p))) {
+            return -1;
         }
-        other = dim == 3 ? pbwc__other3[k] : pbwc__other2[k];
-        work->good &= centre->good;
-        for (k = 0; k < dim; k++) {
-            PBWC__PARTS(work)[i].centre[k] = centre->x[k] + (a[k] - site[k]);
-            work->good &= fabs(PBWC__PARTS(work)[i].centre[k]) < 4 * work->job->extent[k];
+        if (next == PBW_NONE || next == first) {
+            break;
         }
-        for (j = 0; j < dim; j++) {
-            const pbw_index next = beyond[other[j]];
-            const int link = pbwc__link_number(work, v, corner[other[j]], (int)i);
-            int number = -1;
-            if (next != PBW_NONE) {
-                number = pbwc__number(work->memory, &work->part_of, next, (int)work->parts.count);
-                part = (pbwc__part *)pbwc__room(work->memory, &work->parts, 1, sizeof *part);
-                if (number < 0 || part == NULL) {
-                    return 0;
-                }
-                if (number == (int)work->parts.count) {
-                    part->simplex = next;
-                    work->parts.count++;
-                }
-            } else {
-                work->open = 1;
-            }
-            if (link < 0) {
-                return 0;
-            }
-            PBWC__PARTS(work)[i].link[j] = link;
-            PBWC__PARTS(work)[i].beyond[j] = number;
+        simplex = next;
+        p = q;
+        q = pbwc__fourth(mesh, simplex, edge ^ q);
+        ring->says &= pbwc__from_site(work->job, work->centres, 3, site, simplex, t);
+        pbwc__add_edge(ring, t);
+    }
+    pbwc__add_edge(ring, ring->first);
+    at[0] = simplex;
+    at[1] = p;
+    at[2] = q;
+    return next == first;
+}
+
+/* The ring of a link; an open one from its first simplex to its last.  Returns 0 if there is no memory. */
+static int pbwc__walk_ring(pbwc__work *work, size_t number)
+{
+    const pbw_mesh *mesh = work->job->mesh;
+    pbwc__link *link = PBWC__LINKS(work) + number;
+    const pbw_index u = link->vertex, edge = work->site ^ u;
+    const size_t begin = work->rings.count;
+    pbw_index at[3], low = PBW_NONE, next;
+    pbwc__ring ring;
+    int closed, k;
+    memset(&ring, 0, sizeof ring);
+    memcpy(ring.d, link->d, sizeof ring.d);
+    ring.says = work->says;
+    at[0] = link->simplex;
+    at[1] = link->p;
+    at[2] = link->q;
+    closed = pbwc__walk(work, u, at, &ring);
+    if (closed == 0) {                               /* back to the hull at the other end, then again from there */
+        work->open = 1;
+        work->rings.count = begin;
+        while ((next = pbwc__across(mesh, at[0], at[2])) != PBW_NONE) {
+            at[0] = next;
+            at[2] = at[1];
+            at[1] = pbwc__fourth(mesh, next, edge ^ at[1]);
+        }
+        low = at[1];
+        if ((!pbwc__is_known(&work->numbers, low) && !pbwc__new_link3(work, low, at[0], at[2], u))
+            || pbwc__walk(work, u, at, &ring) < 0) {
+            return 0;
+        }
+    }
+    link = PBWC__LINKS(work) + number;               /* new links may have moved it */
+    link->begin = begin;
+    link->count = work->rings.count - begin;
+    link->open = closed == 0;
+    link->ends[0] = low;
+    link->ends[1] = at[2];
+    link->along = ring.along;
+    for (k = 0; k < 3; k++) {
+        work->sum[k] += link->foot * (ring.moment[k] + ring.along * (link->foot * ring.d[k]));
+    }
+    work->sum[3] += link->foot * ring.along;
+    work->says = ring.says;
+    return closed >= 0;
+}
+
+static int pbwc__gather3(pbwc__work *work)
+{
+    const pbw_index simplex = work->job->mesh->incident[work->site];
+    const pbw_index *corner = work->job->mesh->simplices + 4 * (size_t)simplex;
+    const unsigned char *other;
+    size_t i;
+    pbwc__map_clear(&work->numbers);
+    for (i = 0; corner[i] != work->site; i++) {
+    }
+    other = pbwc__other3[i];
+    if (!pbwc__new_link3(work, corner[other[0]], simplex, corner[other[1]], corner[other[2]])) {
+        return 0;
+    }
+    for (i = 0; i < work->links.count; i++) {
+        if (!pbwc__walk_ring(work, i)) {
+            return 0;
         }
     }
     return 1;
+}
+
+/* ---- in the plane */
+
+/* The place of v in a triangle; the next triangle counter-clockwise around v is across from the corner after it. */
+static PBWC__INLINE unsigned pbwc__place2(const pbw_mesh *mesh, pbw_index simplex, pbw_index v)
+{
+    const pbw_index *corner = mesh->simplices + 3 * (size_t)simplex;
+    return (corner[1] == v) + 2u * (corner[2] == v);
+}
+
+/* The parts of v, counter-clockwise, in a star at the hull from there.  Returns 0 if there is no memory. */
+static int pbwc__gather2(pbwc__work *work)
+{
+    const pbw_mesh *mesh = work->job->mesh;
+    const pbw_index v = work->site;
+    const double *site = mesh->points + 2 * (size_t)v;
+    pbw_index first = mesh->incident[v], at, next = PBW_NONE;
+    int round;
+    for (round = 0; round < 2 && next == PBW_NONE; round++) {
+        work->parts.count = 0;
+        at = first;
+        do {
+            pbwc__part *part = (pbwc__part *)pbwc__room(work->memory, &work->parts, 1, sizeof *part);
+            if (part == NULL) {
+                return 0;
+            }
+            next = mesh->neighbors[3 * (size_t)at + (pbwc__place2(mesh, at, v) + 1) % 3];
+            part->simplex = at;
+            work->says &= pbwc__from_site(work->job, work->centres, 2, site, at, part->centre);
+            work->parts.count++;
+            at = next;
+        } while (at != PBW_NONE && at != first);
+        while (round == 0 && next == PBW_NONE        /* back to the hull at the other end, then again from there */
+               && (at = mesh->neighbors[3 * (size_t)first + (pbwc__place2(mesh, first, v) + 2) % 3]) != PBW_NONE) {
+            first = at;
+        }
+    }
+    work->open = next == PBW_NONE;
+    return 1;
+}
+
+/* The link of a part before (0) or after (1) it, between parts from and to.  Returns 0 if there is no memory. */
+static int pbwc__add_side(pbwc__work *work, size_t part, unsigned after, int from, int to)
+{
+    const pbw_mesh *mesh = work->job->mesh;
+    const pbw_index simplex = PBWC__PARTS(work)[part].simplex;
+    const unsigned place = (pbwc__place2(mesh, simplex, work->site) + 1 + after) % 3;
+    pbwc__link *link = pbwc__add_link(work, 2, mesh->simplices[3 * (size_t)simplex + place]);
+    if (link == NULL) {
+        return 0;
+    }
+    link->from = from;
+    link->to = to;
+    link->open = from < 0 || to < 0;
+    return 1;
+}
+
+/* The links, in the plane.  Returns 0 if there is no memory. */
+static int pbwc__add_sides(pbwc__work *work)
+{
+    const size_t count = work->parts.count;
+    size_t i;
+    if (work->open && !pbwc__add_side(work, 0, 0, -1, 0)) {
+        return 0;
+    }
+    for (i = 0; i < count; i++) {
+        if (!pbwc__add_side(work, i, 1, (int)i, i + 1 < count ? (int)i + 1 : work->open ? -1 : 0)) {
+            return 0;
+        }
+    }
+    return 1;
+}
+
+/* Gathers the star of v; in the plane with its links only if asked.  Returns 0 if there is no memory. */
+static PBWC__INLINE int pbwc__gather_some(pbwc__work *work, pbw_index v, int links)
+{
+    work->parts.count = work->rings.count = work->links.count = 0;
+    work->site = v;
+    work->open = 0;
+    work->says = PBWC__GOOD | PBWC__INSIDE;
+    memset(work->sum, 0, sizeof work->sum);
+    return work->job->mesh->dim == 3 ? pbwc__gather3(work) : pbwc__gather2(work) && (!links || pbwc__add_sides(work));
+}
+
+static int pbwc__gather(pbwc__work *work, pbw_index v)
+{
+    return pbwc__gather_some(work, v, 1);
 }
 
 /* Prepares the work on a range.  Returns 0 if there is no memory; pbwc__work_end is due in any case. */
@@ -925,7 +1157,7 @@ static int pbwc__work_start(pbwc__work *work, pbwc__job *job)
     memset(work, 0, sizeof *work);
     work->job = job;
     work->memory = &job->memory;
-    good = pbwc__centres_new(work->memory, &work->kept);
+    good = pbwc__centres_new(work->memory, &work->kept) && pbwc__map_grow(work->memory, &work->numbers);
     work->centres = (pbwc__centre *)work->kept.data;
     return good;
 }
@@ -934,10 +1166,9 @@ static void pbwc__work_end(pbwc__work *work)
 {
     pbwc__release(work->memory, &work->kept);
     pbwc__release(work->memory, &work->parts);
+    pbwc__release(work->memory, &work->rings);
     pbwc__release(work->memory, &work->links);
-    pbwc__release(work->memory, &work->fan);
-    pbwc__release(work->memory, &work->part_of.slots);
-    pbwc__release(work->memory, &work->link_of.slots);
+    pbwc__release(work->memory, &work->numbers.slots);
     pbwc__release(work->memory, &work->ends);
     pbwc__release(work->memory, &work->end_of);
     pbwc__release(work->memory, &work->used);
@@ -957,41 +1188,56 @@ static pbw_index pbwc__root(pbw_index *merged, pbw_index s)
 }
 
 /* ------------------------------------------------------------------------------------------------------
-   Facets read off stars.  Going counter-clockwise around link u, seen from u, the simplices' centres S T ... are the
-   corners of the facet towards u; twice its area vector is the sum of S x T.
+   Volumes and centroids of cells from their stars.
    ------------------------------------------------------------------------------------------------------ */
-static void pbwc__cross(const double *s, const double *t, double *x)
+/* Ends the sums of a cell: moments * 24 (in the plane 6), volume * 6 (2). */
+static void pbwc__set_cell(pbwc__job *job, pbw_index v, const double *sum)
 {
-    x[0] = s[1] * t[2] - s[2] * t[1];
-    x[1] = s[2] * t[0] - s[0] * t[2];
-    x[2] = s[0] * t[1] - s[1] * t[0];
-}
-
-static void pbwc__add_areas(pbwc__work *work)
-{
-    const pbwc__part *parts = PBWC__PARTS(work);
-    pbwc__link *links = PBWC__LINKS(work);
-    int i, j, k;
-    for (i = 0; i < (int)work->parts.count; i++) {
-        const pbwc__part *p = parts + i;
-        for (j = 0; work->job->mesh->dim == 3 && j < 3; j++) {
-            if (p->beyond[j] > i) {                  /* the other way it is the other simplex's */
-                double across[3];
-                pbwc__cross(p->centre, parts[p->beyond[j]].centre, across);
-                for (k = 0; k < 3; k++) {
-                    links[p->link[(j + 2) % 3]].area[k] += across[k];
-                    links[p->link[(j + 1) % 3]].area[k] -= across[k];
-                }
-            }
-        }
-        if (work->job->mesh->dim == 2 && p->beyond[0] >= 0) {
-            const pbwc__part *q = parts + p->beyond[0];
-            links[p->link[1]].area[0] = q->centre[1] - p->centre[1];
-            links[p->link[1]].area[1] = p->centre[0] - q->centre[0];
-        }
+    const size_t dim = (size_t)job->mesh->dim;
+    size_t k;
+    job->volumes[v] = sum[3] > 0 ? sum[3] / (dim == 3 ? 6 : 2) : 0;
+    for (k = 0; k < dim; k++) {
+        const double site = job->mesh->points[v * dim + k];
+        job->centroids[v * dim + k] = sum[3] > 0 ? site + sum[k] / (sum[3] * (dim == 3 ? 4 : 3)) : site;
     }
 }
 
+static void pbwc__sum_star2(pbwc__work *work)
+{
+    const pbwc__part *part = PBWC__PARTS(work);
+    const size_t count = work->parts.count;
+    size_t i;
+    for (i = 0; i < count; i++) {
+        const double *s = part[i].centre, *t = part[i + 1 < count ? i + 1 : 0].centre;
+        const double w = s[0] * t[1] - s[1] * t[0];
+        work->sum[0] += w * (s[0] + t[0]);
+        work->sum[1] += w * (s[1] + t[1]);
+        work->sum[3] += w;
+    }
+}
+
+/* Is the cell the star's own?  Then its volume and centroid; infinite, if it is open and there is no domain. */
+static int pbwc__star_volume(pbwc__work *work)
+{
+    pbwc__job *job = work->job;
+    const size_t dim = (size_t)job->mesh->dim, v = work->site;
+    if (job->bounded && (work->open || (job->clip == NULL && (work->says & PBWC__INSIDE) == 0))) {
+        return 0;
+    }
+    if (dim == 2) {
+        pbwc__sum_star2(work);
+    }
+    pbwc__set_cell(job, work->site, work->sum);
+    if (work->open) {
+        memcpy(job->centroids + v * dim, job->mesh->points + v * dim, dim * sizeof(double));
+        job->volumes[v] = HUGE_VAL;
+    }
+    return 1;
+}
+
+/* ------------------------------------------------------------------------------------------------------
+   Facets read off stars.
+   ------------------------------------------------------------------------------------------------------ */
 /* Two numbers or three at the end of an array of doubles.  Returns their number there, PBW_NONE if there is no
    memory. */
 static pbw_index pbwc__push_vector(pbwc__work *work, pbwc__array *array, const double *x)
@@ -1009,32 +1255,24 @@ static pbw_index pbwc__push_vector(pbwc__work *work, pbwc__array *array, const d
     return (pbw_index)(array->count / dim - 1);
 }
 
-/* The direction from the hull facet across from link j of a part, outward, as an entry of a loop.  Its number counts
-   the range's own rays.  Returns 0 if there is no memory. */
-static int pbwc__push_ray(pbwc__work *work, const pbwc__part *part, int j)
+/* The direction a x c, as an entry of a loop.  Its number counts the range's own rays.  Returns 0 if there is no
+   memory. */
+static int pbwc__push_ray(pbwc__work *work, const double *a, const double *c)
 {
-    const pbwc__link *links = PBWC__LINKS(work);
-    const int dim = work->job->mesh->dim;
-    const double *a = links[part->link[(j + dim - 1) % dim]].d, *c = links[part->link[(j + 1) % dim]].d;
-    double ray[3] = { 0, 0, 0 }, unit[2][3], length[2] = { 0, 0 };
+    double ray[3], unit[2][3], length[2] = { 0, 0 };
     pbw_index number;
     int k;
-    for (k = 0; k < dim; k++) {                      /* first to length 1: products must not vanish */
+    for (k = 0; k < 3; k++) {                        /* first to length 1: products must not vanish */
         length[0] = fabs(a[k]) > length[0] ? fabs(a[k]) : length[0];
         length[1] = fabs(c[k]) > length[1] ? fabs(c[k]) : length[1];
     }
     for (k = 0; k < 3; k++) {
-        unit[0][k] = k < dim ? a[k] / length[0] : 0;
-        unit[1][k] = k < dim ? c[k] / length[1] : 0;
+        unit[0][k] = a[k] / length[0];
+        unit[1][k] = c[k] / length[1];
     }
-    if (dim == 3) {
-        pbwc__cross(unit[0], unit[1], ray);
-    } else {
-        ray[0] = j == 0 ? -unit[0][1] : unit[0][1];  /* the facet goes to the other link */
-        ray[1] = j == 0 ? unit[0][0] : -unit[0][0];
-    }
+    pbwc__cross(unit[0], unit[1], ray);
     length[0] = sqrt(ray[0] * ray[0] + ray[1] * ray[1] + ray[2] * ray[2]);
-    for (k = 0; k < dim && length[0] > 0; k++) {
+    for (k = 0; k < 3 && length[0] > 0; k++) {
         ray[k] /= length[0];
     }
     number = pbwc__push_vector(work, &work->out->rays, ray);
@@ -1053,111 +1291,70 @@ static int pbwc__push_centre(pbwc__work *work, const pbwc__part *part, size_t be
     return pbwc__push(work->memory, loops, vertex);
 }
 
-/* In space: the part after p counter-clockwise around the link u (step 1), or clockwise (2); -1 beyond the hull. */
-static int pbwc__around(const pbwc__part *p, int u, int step)
+/* From the site to a vertex. */
+static void pbwc__to_vertex(const pbwc__work *work, pbw_index vertex, double *d)
 {
-    int j = 0;
-    while (p->link[j] != u) {
-        j++;
+    const double *x = work->job->mesh->points;
+    int k;
+    for (k = 0; k < 3; k++) {
+        d[k] = x[3 * (size_t)vertex + (size_t)k] - x[3 * (size_t)work->site + (size_t)k];
     }
-    return p->beyond[(j + step) % 3];
 }
 
 /* The loop of a link's facet in space, with two rays if it is open.  Returns 0 if there is no memory. */
-static int pbwc__loop3(pbwc__work *work, int u)
+static int pbwc__loop3(pbwc__work *work, const pbwc__link *link)
 {
-    const pbwc__part *parts = PBWC__PARTS(work);
-    const pbwc__array *loops = &work->out->loops;
+    const pbw_index *merged = PBWC__INDICES(work->job->merged), *ring = PBWC__RING(work, link);
+    pbwc__array *loops = &work->out->loops;
     const size_t begin = loops->count;
-    const int start = PBWC__LINKS(work)[u].part;
-    int first = start, at, then, j;
-    while ((then = pbwc__around(parts + first, u, 2)) >= 0 && then != start) {
-        first = then;
+    pbw_index *out = (pbw_index *)pbwc__room(work->memory, loops, link->count, sizeof(pbw_index));
+    size_t i, count = 0;
+    if (out == NULL) {
+        return 0;
     }
-    first = then < 0 ? first : start;
-    for (at = first; ; at = then) {
-        if (!pbwc__push_centre(work, parts + at, begin)) {
-            return 0;
-        }
-        then = pbwc__around(parts + at, u, 1);
-        if (then < 0 || then == first) {
-            break;
-        }
+    for (i = 0; i < link->count; i++) {              /* no corner twice in a row */
+        out[count] = merged != NULL ? merged[ring[i]] : ring[i];
+        count += count == 0 || out[count] != out[count - 1];
     }
-    if (then < 0) {
-        for (j = 0; parts[at].link[j] != u; j++) {
-        }
-        if (!pbwc__push_ray(work, parts + at, (j + 1) % 3)) {
-            return 0;
-        }
-        for (j = 0; parts[first].link[j] != u; j++) {
-        }
-        return pbwc__push_ray(work, parts + first, (j + 2) % 3);
+    loops->count += count;
+    if (link->open) {                                /* outward normals of the hull facets at both ends */
+        double low[3], high[3];
+        pbwc__to_vertex(work, link->ends[0], low);
+        pbwc__to_vertex(work, link->ends[1], high);
+        return pbwc__push_ray(work, link->d, high) && pbwc__push_ray(work, low, link->d);
     }
-    if (loops->count > begin + 1 && PBWC__INDICES(*loops)[begin] == PBWC__INDICES(*loops)[loops->count - 1]) {
-        work->out->loops.count--;                    /* merged across the start */
+    if (count > 1 && out[0] == out[count - 1]) {
+        loops->count--;                              /* merged across the start */
     }
-    return 1;
+    return loops->count > begin;
 }
 
-/* The other link of the hull facet at the end of an open ring around u: at its last part (step 1) or first (2). */
-static const double *pbwc__ring_end(const pbwc__work *work, int part, int u, int step)
-{
-    const pbwc__part *p = PBWC__PARTS(work) + part;
-    int j = 0;
-    while (p->link[j] != u) {
-        j++;
-    }
-    return work->job->mesh->points + 3 * (size_t)PBWC__LINKS(work)[p->link[(j + 3 - step) % 3]].vertex;
-}
-
-/* Has an open facet in space an area in the true diagram?  Not if it is a ray: all centres are at one place, and the
-   hull facets at both ends lie in one plane. */
-static int pbwc__is_open_facet(const pbwc__work *work, int u)
+/* Has the facet of a link an area in the true diagram?  In space not if its corners are at one place or two, nor an
+   open one if it is a ray: all at one place, and the hull facets at both ends in one plane. */
+static int pbwc__is_facet(const pbwc__work *work, const pbwc__link *link)
 {
     const pbw_index *merged = PBWC__INDICES(work->job->merged);
+    const pbwc__part *part = PBWC__PARTS(work);
     const pbw_mesh *mesh = work->job->mesh;
-    const pbwc__part *parts = PBWC__PARTS(work);
-    const int start = PBWC__LINKS(work)[u].part;
-    int end[3] = { 0, start, start }, step, then;
-    for (step = 1; step <= 2; step++) {
-        while ((then = pbwc__around(parts + end[step], u, step)) >= 0) {
-            end[step] = then;
-            if (merged[parts[then].simplex] != merged[parts[start].simplex]) {
-                return 1;
-            }
-        }
-    }
-    return pbw_orient3(mesh->points + 3 * (size_t)work->site, mesh->points + 3 * (size_t)PBWC__LINKS(work)[u].vertex,
-                       pbwc__ring_end(work, end[1], u, 1), pbwc__ring_end(work, end[2], u, 2)) != 0;
-}
-
-/* Has the facet of a link an area in the true diagram? */
-static int pbwc__is_facet(const pbwc__work *work, int u)
-{
-    const pbw_index *merged = PBWC__INDICES(work->job->merged);
-    const pbwc__part *parts = PBWC__PARTS(work);
-    const int start = PBWC__LINKS(work)[u].part, dim = work->job->mesh->dim;
-    int at = start, then, differ = 0;
-    pbw_index last;
+    const pbw_index *ring;
+    size_t i, differ = 0;
     if (merged == NULL) {
         return 1;
     }
-    last = merged[parts[start].simplex];
-    if (dim == 2) {                                  /* the triangles on both sides of the edge to u */
-        then = parts[start].beyond[parts[start].link[0] == u];
-        return then < 0 || merged[parts[then].simplex] != last;
+    if (mesh->dim == 2) {
+        return link->open || merged[part[link->from].simplex] != merged[part[link->to].simplex];
     }
-    do {
-        then = pbwc__around(parts + at, u, 1);
-        if (then < 0) {
-            return pbwc__is_open_facet(work, u);
-        }
-        differ += merged[parts[then].simplex] != last;
-        last = merged[parts[then].simplex];
-        at = then;
-    } while (at != start);
-    return differ > 2;                               /* a ring of two places is an edge */
+    ring = PBWC__RING(work, link);
+    for (i = 1; i < link->count; i++) {
+        differ += merged[ring[i]] != merged[ring[i - 1]];
+    }
+    if (link->open) {
+        return differ > 0
+               || pbw_orient3(mesh->points + 3 * (size_t)work->site, mesh->points + 3 * (size_t)link->vertex,
+                              mesh->points + 3 * (size_t)link->ends[1],
+                              mesh->points + 3 * (size_t)link->ends[0]) != 0;
+    }
+    return differ + (merged[ring[0]] != merged[ring[i - 1]]) > 2;
 }
 
 static int pbwc__facet_done(pbwc__work *work, pbw_index neighbor, double area, size_t loop_begin)
@@ -1174,374 +1371,47 @@ static int pbwc__facet_done(pbwc__work *work, pbw_index neighbor, double area, s
     return 1;
 }
 
-static double pbwc__area_of(const pbwc__link *link, int dim)
+/* In space. */
+static int pbwc__link_facet3(pbwc__work *work, const pbwc__link *link)
 {
-    const double square = link->d[0] * link->d[0] + link->d[1] * link->d[1] + link->d[2] * link->d[2];
-    const double along = link->d[0] * link->area[0] + link->d[1] * link->area[1] + link->d[2] * link->area[2];
-    return along / sqrt(square) / (dim == 3 ? 2 : 1);
-}
-
-static int pbwc__star_facets3(pbwc__work *work)
-{
-    int u;
-    for (u = 0; u < (int)work->links.count; u++) {
-        const pbwc__link *link = PBWC__LINKS(work) + u;
-        const size_t begin = work->out->loops.count;
-        int open = 0, then = link->part;
-        if (!pbwc__is_facet(work, u)) {
-            continue;
-        }
-        do {
-            then = work->open ? pbwc__around(PBWC__PARTS(work) + then, u, 1) : link->part;
-            open = then < 0;
-        } while (!open && then != link->part);
-        if (((work->job->what & PBW_CELLS_SHAPES) != 0 && !pbwc__loop3(work, u))
-            || !pbwc__facet_done(work, link->vertex, open ? HUGE_VAL : pbwc__area_of(link, 3), begin)) {
-            return 0;
-        }
-    }
-    return 1;
-}
-
-/* An edge of a cell in the plane, between the centres of two parts, of which one may be -1: then it is a ray. */
-static int pbwc__edge2(pbwc__work *work, int from, int to, const pbwc__link *link)
-{
-    const pbwc__part *parts = PBWC__PARTS(work);
-    const pbw_index *merged = PBWC__INDICES(work->job->merged);
     const size_t begin = work->out->loops.count;
-    if (from >= 0 && to >= 0 && merged != NULL && merged[parts[from].simplex] == merged[parts[to].simplex]) {
-        return 1;                                    /* one place: no edge */
+    const double square = link->d[0] * link->d[0] + link->d[1] * link->d[1] + link->d[2] * link->d[2];
+    return ((work->job->what & PBW_CELLS_SHAPES) == 0 || pbwc__loop3(work, link))
+           && pbwc__facet_done(work, link->vertex, link->open ? HUGE_VAL : link->along / (2 * sqrt(square)), begin);
+}
+
+/* In the plane: the edge between the centres of two parts, of which one may be -1: then it is a ray. */
+static int pbwc__link_facet2(pbwc__work *work, const pbwc__link *link)
+{
+    static const double up[3] = { 0, 0, 1 }, down[3] = { 0, 0, -1 };
+    const pbwc__part *from = PBWC__PARTS(work) + (link->from < 0 ? 0 : link->from);
+    const pbwc__part *to = PBWC__PARTS(work) + (link->to < 0 ? 0 : link->to);
+    const size_t begin = work->out->loops.count;
+    double length = HUGE_VAL;
+    if (!link->open) {
+        const double x = to->centre[0] - from->centre[0], y = to->centre[1] - from->centre[1];
+        length = (link->d[0] * y - link->d[1] * x) / sqrt(link->d[0] * link->d[0] + link->d[1] * link->d[1]);
     }
     if ((work->job->what & PBW_CELLS_SHAPES) != 0
-        && !((from >= 0 ? pbwc__push_centre(work, parts + from, begin) : pbwc__push_ray(work, parts + to, 1))
-             && (to >= 0 ? pbwc__push_centre(work, parts + to, begin) : pbwc__push_ray(work, parts + from, 0)))) {
+        && !((link->from >= 0 ? pbwc__push_centre(work, from, begin) : pbwc__push_ray(work, link->d, up))
+             && (link->to >= 0 ? pbwc__push_centre(work, to, begin) : pbwc__push_ray(work, link->d, down)))) {
         return 0;
     }
-    return pbwc__facet_done(work, link->vertex, from >= 0 && to >= 0 ? pbwc__area_of(link, 2) : HUGE_VAL, begin);
-}
-
-/* The sides of a cell in the plane, counter-clockwise; an open one starts and ends with a ray.  Returns 0 if there is
-   no memory. */
-static int pbwc__fan_out(pbwc__work *work)
-{
-    const pbwc__part *parts = PBWC__PARTS(work);
-    pbwc__fan *fan;
-    int first = 0, count = 0, at, i;
-    work->fan.count = 0;
-    fan = (pbwc__fan *)pbwc__room(work->memory, &work->fan, work->parts.count + 1, sizeof *fan);
-    if (fan == NULL) {
-        return 0;
-    }
-    while (parts[first].beyond[1] >= 0 && parts[first].beyond[1] != 0) {     /* clockwise, to the hull or around */
-        first = parts[first].beyond[1];
-    }
-    first = parts[first].beyond[1] < 0 ? first : 0;
-    if (work->open) {
-        fan[count].link = parts[first].link[0];
-        fan[count].from = -1;
-        fan[count++].to = first;
-    }
-    at = first;
-    do {
-        fan[count].link = parts[at].link[1];
-        fan[count].from = at;
-        fan[count++].to = at = parts[at].beyond[0];
-    } while (at >= 0 && at != first);
-    for (i = 0; i < count; i++) {
-        PBWC__LINKS(work)[fan[i].link].side = i;
-    }
-    work->fan.count = (size_t)count;
-    return 1;
-}
-
-static int pbwc__star_facets2(pbwc__work *work)
-{
-    size_t i;
-    if (!pbwc__fan_out(work)) {
-        return 0;
-    }
-    for (i = 0; i < work->fan.count; i++) {
-        const pbwc__fan *side = PBWC__FAN(work) + i;
-        if (!pbwc__edge2(work, side->from, side->to, PBWC__LINKS(work) + side->link)) {
-            return 0;
-        }
-    }
-    return 1;
+    return pbwc__facet_done(work, link->vertex, length, begin);
 }
 
 /* The facets of the star.  Returns 0 if there is no memory. */
 static int pbwc__star_facets(pbwc__work *work)
 {
-    pbwc__add_areas(work);
-    return work->job->mesh->dim == 3 ? pbwc__star_facets3(work) : pbwc__star_facets2(work);
-}
-
-/* ------------------------------------------------------------------------------------------------------
-   Volumes and centroids of cells, from one pass over the facets of the mesh.  The facet a b c between simplices with
-   centres S and T gives to the cell of a, for its edge ab and likewise ac, the tetrahedron of a, the foot of the
-   plane between the cells on ab, S and T: 6 times its volume is foot (b - a).((S - a) x (T - a)), with a sign.  In
-   the plane the edge ab gives to a the triangle a S T.
-   Simplices are taken in chunks; a chunk adds up what it gives to each vertex.  A vertex all of whose simplices are
-   in one chunk is done; of the others (on facets between chunks) the chunks' shares are added in the chunks' order.
-   Holds: which sums are added, and in which order, depends on the mesh alone.
-   ------------------------------------------------------------------------------------------------------ */
-#define PBWC__OPEN   1                     /* state of a vertex: on the hull */
-#define PBWC__OUT    2                     /* some centre may be outside the domain */
-#define PBWC__BORDER 4                     /* in several chunks */
-
-typedef struct pbwc__share { double sum[4]; pbw_index vertex; int state; } pbwc__share;   /* moments, volume */
-
-typedef struct pbwc__adder {               /* of one chunk */
-    const pbwc__job *job;
-    pbwc__memory *memory;
-    pbwc__centre *centres;
-    pbwc__map number_of;
-    pbwc__array shares;
-} pbwc__adder;
-
-/* Ends the sums of a vertex: moments * 24 (in the plane 6), volume * 6 (2). */
-static void pbwc__set_cell(pbwc__job *job, pbw_index v, const double *sum)
-{
-    const size_t dim = (size_t)job->mesh->dim;
-    size_t k;
-    job->volumes[v] = sum[3] > 0 ? sum[3] / (dim == 3 ? 6 : 2) : 0;
-    for (k = 0; k < dim; k++) {
-        const double site = job->mesh->points[v * dim + k];
-        job->centroids[v * dim + k] = sum[3] > 0 ? site + sum[k] / (sum[3] * (dim == 3 ? 4 : 3)) : site;
-    }
-}
-
-/* Where the plane between the cells of a and b crosses the edge d from a to b, from 0 at a to 1 at b. */
-static double pbwc__foot(const double *weights, pbw_index a, pbw_index b, const double *d)
-{
-    return weights == NULL ? 0.5 : 0.5 + (weights[a] - weights[b]) / (2 * (d[0] * d[0] + d[1] * d[1] + d[2] * d[2]));
-}
-
-static void pbwc__give(double *sum, double volume, const double *middle, const double *site)
-{
-    int k;
-    for (k = 0; k < 3; k++) {
-        sum[k] += volume * (middle[k] - 3 * site[k]);
-    }
-    sum[3] += volume;
-}
-
-/* A facet in space; all relative to its corner a: edge[0] to b, edge[1] to c, the centres s and t.  With X = s x t
-   the determinants of the edges ab and ca are b.X and -c.X, that of bc is c.X - b.X + (t - s).(b x c). */
-static void pbwc__add_facet3(const double edge[2][3], const double *s, const double *t, const double *foot,
-                             double *const sum[3])
-{
-    static const double origin[3] = { 0, 0, 0 };
-    const double *b = edge[0], *c = edge[1];
-    double across[3], normal[3], middle[3], ab, bc, ca;
-    int k;
-    pbwc__cross(s, t, across);
-    pbwc__cross(b, c, normal);
-    ab = b[0] * across[0] + b[1] * across[1] + b[2] * across[2];
-    ca = -(c[0] * across[0] + c[1] * across[1] + c[2] * across[2]);
-    bc = (t[0] - s[0]) * normal[0] + (t[1] - s[1]) * normal[1] + (t[2] - s[2]) * normal[2] - ab - ca;
-    for (k = 0; k < 3; k++) {
-        middle[k] = foot[0] * b[k] + s[k] + t[k];
-    }
-    pbwc__give(sum[0], foot[0] * ab, middle, origin);
-    pbwc__give(sum[1], (1 - foot[0]) * ab, middle, b);
-    for (k = 0; k < 3; k++) {
-        middle[k] = b[k] + foot[1] * (c[k] - b[k]) + s[k] + t[k];
-    }
-    pbwc__give(sum[1], foot[1] * bc, middle, b);
-    pbwc__give(sum[2], (1 - foot[1]) * bc, middle, c);
-    for (k = 0; k < 3; k++) {
-        middle[k] = (1 - foot[2]) * c[k] + s[k] + t[k];
-    }
-    pbwc__give(sum[2], foot[2] * ca, middle, c);
-    pbwc__give(sum[0], (1 - foot[2]) * ca, middle, origin);
-}
-
-/* The same in the plane, for an edge ab. */
-static void pbwc__add_facet2(const double *b, const double *s, const double *t, double *const sum[3])
-{
-    const double u[2] = { s[0] - b[0], s[1] - b[1] }, v[2] = { t[0] - b[0], t[1] - b[1] };
-    const double at_a = t[0] * s[1] - t[1] * s[0], at_b = u[0] * v[1] - u[1] * v[0];
-    sum[0][0] += at_a * (s[0] + t[0]);
-    sum[0][1] += at_a * (s[1] + t[1]);
-    sum[0][3] += at_a;
-    sum[1][0] += at_b * (u[0] + v[0]);
-    sum[1][1] += at_b * (u[1] + v[1]);
-    sum[1][3] += at_b;
-}
-
-/* Facet j of a simplex, towards `next`; share: of the simplex's corners. */
-static PBWC__INLINE void pbwc__add_facet(pbwc__adder *adder, size_t dim, pbw_index simplex, pbw_index next,
-                                         const unsigned char *other, pbwc__share *const *share)
-{
-    const pbw_mesh *mesh = adder->job->mesh;
-    const pbw_index *corner = mesh->simplices + simplex * (dim + 1), *beyond = mesh->simplices + next * (dim + 1);
-    const double *x = mesh->points, *a = x + corner[other[0]] * dim;
-    const double *near = pbwc__centre_kept(adder->job, adder->centres, simplex)->x, *far;
-    double edge[3][3] = { { 0, 0, 0 }, { 0, 0, 0 }, { 0, 0, 0 } }, s[3] = { 0, 0, 0 }, t[3] = { 0, 0, 0 }, foot[3];
-    double *sum[3] = { NULL, NULL, NULL };
-    size_t i, k;
-    for (k = 0; k < dim; k++) {
-        s[k] = near[k] + (x[corner[0] * dim + k] - a[k]);
-        sum[k] = share[other[k]]->sum;
-    }
-    far = pbwc__centre_kept(adder->job, adder->centres, next)->x;
-    for (k = 0; k < dim; k++) {
-        t[k] = far[k] + (x[beyond[0] * dim + k] - a[k]);
-        for (i = 0; i + 1 < dim; i++) {
-            edge[i][k] = x[corner[other[i + 1]] * dim + k] - a[k];
-        }
-        edge[2][k] = edge[1][k] - edge[0][k];
-    }
-    if (dim == 2) {
-        pbwc__add_facet2(edge[0], s, t, sum);
-        return;
-    }
-    foot[0] = pbwc__foot(mesh->weights, corner[other[0]], corner[other[1]], edge[0]);
-    foot[1] = pbwc__foot(mesh->weights, corner[other[1]], corner[other[2]], edge[2]);
-    foot[2] = pbwc__foot(mesh->weights, corner[other[2]], corner[other[0]], edge[1]);
-    pbwc__add_facet3((const double (*)[3])edge, s, t, foot, sum);
-}
-
-/* What a simplex gives, and the states of its corners.  Returns 0 if there is no memory. */
-static PBWC__INLINE int pbwc__add_simplex(pbwc__adder *adder, size_t dim, pbw_index simplex, size_t from, size_t to)
-{
-    const pbw_mesh *mesh = adder->job->mesh;
-    const pbw_index *corner = mesh->simplices + simplex * (dim + 1), *beyond = mesh->neighbors + simplex * (dim + 1);
-    const int out = pbwc__centre_kept(adder->job, adder->centres, simplex)->inside ? 0 : PBWC__OUT;
-    pbwc__share *share[4];
-    size_t i, k;
-    int number[4];
-    if (pbwc__room(adder->memory, &adder->shares, 4, sizeof(pbwc__share)) == NULL) {
-        return 0;
-    }
-    for (i = 0; i <= dim; i++) {
-        pbwc__share *fresh = (pbwc__share *)adder->shares.data + adder->shares.count;
-        number[i] = pbwc__number(adder->memory, &adder->number_of, corner[i], (int)adder->shares.count);
-        if (number[i] == (int)adder->shares.count) {
-            memset(fresh, 0, sizeof *fresh);
-            fresh->vertex = corner[i];
-            adder->shares.count++;
-        } else if (number[i] < 0) {
+    size_t u;
+    for (u = 0; u < work->links.count; u++) {
+        const pbwc__link *link = PBWC__LINKS(work) + u;
+        if (pbwc__is_facet(work, link)
+            && !(work->job->mesh->dim == 3 ? pbwc__link_facet3(work, link) : pbwc__link_facet2(work, link))) {
             return 0;
-        }
-        share[i] = (pbwc__share *)adder->shares.data + number[i];
-        share[i]->state |= out;
-    }
-    for (i = 0; i <= dim; i++) {
-        const unsigned char *other = dim == 3 ? pbwc__other3[i] : pbwc__other2[i];
-        const int state = beyond[i] == PBW_NONE ? PBWC__OPEN : beyond[i] < from || beyond[i] >= to ? PBWC__BORDER : 0;
-        for (k = 0; state != 0 && k < dim; k++) {
-            share[other[k]]->state |= state;
-        }
-        if (beyond[i] != PBW_NONE && beyond[i] > simplex) {
-            pbwc__add_facet(adder, dim, simplex, beyond[i], other, share);
         }
     }
     return 1;
-}
-
-static pbw_status pbwc__add_chunk(void *arg, size_t from, size_t to)
-{
-    pbwc__job *job = (pbwc__job *)arg;
-    pbwc__array centres, *shares = (pbwc__array *)job->shares.data + from / PBWC__CHUNK;
-    pbwc__share *share;
-    pbwc__adder adder;
-    size_t i, left = 0;
-    int good;
-    memset(&adder, 0, sizeof adder);
-    memset(&centres, 0, sizeof centres);
-    adder.job = job;
-    adder.memory = &job->memory;
-    good = pbwc__centres_new(&job->memory, &centres);
-    adder.centres = (pbwc__centre *)centres.data;
-    adder.number_of.epoch = 1;
-    for (i = from; good && i < to; i++) {
-        good = job->mesh->dim == 3 ? pbwc__add_simplex(&adder, 3, (pbw_index)i, from, to)
-                                   : pbwc__add_simplex(&adder, 2, (pbw_index)i, from, to);
-    }
-    share = (pbwc__share *)adder.shares.data;
-    for (i = 0; good && i < adder.shares.count; i++) {
-        if ((share[i].state & PBWC__BORDER) != 0) {
-            share[left++] = share[i];
-        } else if (share[i].vertex < job->count) {
-            pbwc__set_cell(job, share[i].vertex, share[i].sum);
-            ((unsigned char *)job->states.data)[share[i].vertex] = (unsigned char)share[i].state;
-        }
-    }
-    pbwc__release(&job->memory, &centres);
-    pbwc__release(&job->memory, &adder.number_of.slots);
-    adder.shares.count = left;
-    *shares = adder.shares;
-    return good ? PBW_OK : PBW_ERROR_MEMORY;
-}
-
-/* Adds the shares of vertices from..to-1, in the order of the chunks. */
-static pbw_status pbwc__add_shares(void *arg, size_t from, size_t to)
-{
-    pbwc__job *job = (pbwc__job *)arg;
-    const size_t dim = (size_t)job->mesh->dim, chunks = job->shares.count;
-    unsigned char *state = (unsigned char *)job->states.data;
-    size_t c, i, k;
-    for (c = 0; c < chunks; c++) {
-        const pbwc__array *shares = (const pbwc__array *)job->shares.data + c;
-        const pbwc__share *share = (const pbwc__share *)shares->data;
-        for (i = 0; i < shares->count; i++, share++) {
-            const size_t v = share->vertex;
-            if (v >= from && v < to) {
-                for (k = 0; k < dim; k++) {
-                    job->centroids[v * dim + k] = share->sum[k] + (state[v] != 0 ? job->centroids[v * dim + k] : 0);
-                }
-                job->volumes[v] = share->sum[3] + (state[v] != 0 ? job->volumes[v] : 0);
-                state[v] = (unsigned char)(state[v] | share->state);
-            }
-        }
-    }
-    for (i = from; i < to; i++) {
-        if ((state[i] & PBWC__BORDER) != 0) {
-            double sum[4] = { 0, 0, 0, 0 };
-            for (k = 0; k < dim; k++) {
-                sum[k] = job->centroids[i * dim + k];
-            }
-            sum[3] = job->volumes[i];
-            pbwc__set_cell(job, (pbw_index)i, sum);
-            state[i] = (unsigned char)(state[i] & ~PBWC__BORDER);
-        }
-        if ((state[i] & PBWC__OPEN) != 0 && !job->bounded) {
-            memcpy(job->centroids + i * dim, job->mesh->points + i * dim, dim * sizeof(double));
-            job->volumes[i] = HUGE_VAL;
-        }
-    }
-    return PBW_OK;
-}
-
-/* All volumes and centroids but those of cells that must be cut; the states tell which. */
-static pbw_status pbwc__add_up(pbwc__job *job, const pbw_options *options)
-{
-    const size_t simplices = job->mesh->simplex_count, count = job->cells->cell_count;
-    const size_t chunks = (simplices + PBWC__CHUNK - 1) / PBWC__CHUNK, dim = (size_t)job->mesh->dim;
-    size_t i;
-    pbw_status status;
-    if (!pbwc__resize(&job->memory, &job->states, count + 1)
-        || !pbwc__resize(&job->memory, &job->shares, chunks * sizeof(pbwc__array) + 1)) {
-        return PBW_ERROR_MEMORY;
-    }
-    memset(job->states.data, 0, count + 1);
-    memset(job->shares.data, 0, chunks * sizeof(pbwc__array) + 1);
-    memset(job->volumes, 0, count * sizeof(double));
-    if (count > 0) {
-        memcpy(job->centroids, job->mesh->points, count * dim * sizeof(double));
-    }
-    job->shares.count = chunks;
-    status = pbw_for(options, simplices, PBWC__CHUNK, pbwc__add_chunk, job);
-    if (status == PBW_OK) {
-        status = pbw_for(options, count, count / 16 + 1, pbwc__add_shares, job);
-    }
-    for (i = 0; i < chunks; i++) {
-        pbwc__release(&job->memory, (pbwc__array *)job->shares.data + i);
-    }
-    pbwc__release(&job->memory, &job->shares);
-    return status;
 }
 
 /* ------------------------------------------------------------------------------------------------------
@@ -1589,7 +1459,7 @@ static int pbwc__cut_cell(pbwc__work *work, pbw_index v, int merge)
             square += link->d[k] * link->d[k];
         }
         plane[dim] = link->foot * square;
-        if ((!merge || pbwc__is_facet(work, u))
+        if ((!merge || pbwc__is_facet(work, link))
             && !pbwc__cut(work->memory, &work->cutter, (int)dim, plane, (pbw_index)u)) {
             return 0;
         }
@@ -1597,45 +1467,49 @@ static int pbwc__cut_cell(pbwc__work *work, pbw_index v, int merge)
     return 1;
 }
 
+/* A corner of a facet of the star's polytope, made at its first use.  Returns 0 if there is no memory. */
+static int pbwc__star_corner(pbwc__work *work, pbw_index simplex)
+{
+    const size_t dim = (size_t)work->job->mesh->dim;
+    const double *site = work->job->mesh->points + work->site * dim;
+    pbwc__array *corners = &work->cutter.poly.x;
+    const int number = pbwc__number(work->memory, &work->numbers, simplex, (int)corners->count);
+    if (number == (int)corners->count) {
+        double *x = (double *)pbwc__room(work->memory, corners, 1, 3 * sizeof(double));
+        if (x == NULL) {
+            return 0;
+        }
+        x[2] = 0;
+        (void)pbwc__from_site(work->job, work->centres, dim, site, simplex, x);
+        corners->count++;
+    }
+    return number >= 0 && pbwc__push(work->memory, &work->cutter.poly.loop, (pbw_index)number);
+}
+
 /* The polytope of a closed star with good centres. */
 static int pbwc__star_poly(pbwc__work *work)
 {
-    const pbwc__part *parts = PBWC__PARTS(work);
-    const int count = (int)work->parts.count;
-    pbwc__memory *memory = work->memory;
+    const int plane = work->job->mesh->dim == 2;
     pbwc__poly *poly = &work->cutter.poly;
-    double *x;
-    int i, u, at = 0, start;
+    size_t u, i;
     pbwc__poly_clear(poly);
     poly->x.count = 0;
-    x = (double *)pbwc__room(memory, &poly->x, work->parts.count, 3 * sizeof(double));
-    for (i = 0; x != NULL && i < count; i++) {
-        memcpy(x + 3 * i, parts[i].centre, 2 * sizeof(double));
-        x[3 * i + 2] = work->job->mesh->dim == 3 ? parts[i].centre[2] : 0;
-    }
-    poly->x.count = work->parts.count;
-    for (i = 0; x != NULL && i < count && work->job->mesh->dim == 2; i++, at = parts[at].beyond[0]) {
-        if (!pbwc__open_facet(memory, poly, (pbw_index)parts[at].link[1])
-            || !pbwc__push(memory, &poly->loop, (pbw_index)at)) {
+    pbwc__map_clear(&work->numbers);
+    for (u = 0; u < work->links.count; u++) {
+        const pbwc__link *link = PBWC__LINKS(work) + u;
+        if (!pbwc__open_facet(work->memory, poly, (pbw_index)u)) {
             return 0;
         }
-    }
-    for (u = 0; x != NULL && u < (int)work->links.count && work->job->mesh->dim == 3; u++) {
-        if (!pbwc__open_facet(memory, poly, (pbw_index)u)) {
-            return 0;
-        }
-        at = start = PBWC__LINKS(work)[u].part;
-        do {
-            if (!pbwc__push(memory, &poly->loop, (pbw_index)at)) {
+        for (i = 0; i < (plane ? 1 : link->count); i++) {
+            if (!pbwc__star_corner(work, plane ? PBWC__PARTS(work)[link->from].simplex : PBWC__RING(work, link)[i])) {
                 return 0;
             }
-            at = pbwc__around(parts + at, u, 1);
-        } while (at != start);
+        }
     }
-    return x != NULL;
+    return 1;
 }
 
-/* The star's polytope cut by the walls of the domain. */
+/* Cuts the star's polytope by the walls of the domain. */
 static int pbwc__cut_star(pbwc__work *work, pbw_index v)
 {
     const pbwc__job *job = work->job;
@@ -1643,9 +1517,6 @@ static int pbwc__cut_star(pbwc__work *work, pbw_index v)
     const double *site = job->mesh->points + v * dim;
     double plane[4];
     size_t i, k;
-    if (!pbwc__star_poly(work)) {
-        return 0;
-    }
     for (i = 0; i < 2 * dim; i++) {
         const double wall = i % 2 != 0 ? job->high[i / 2] - site[i / 2] : site[i / 2] - job->low[i / 2];
         memset(plane, 0, sizeof plane);
@@ -1885,18 +1756,13 @@ static int pbwc__side(const pbw_mesh *mesh, const double *p, pbw_index i, pbw_in
     return pbwc__sign(sum, pbwc__grow(sum, n, -pbwc__weight(mesh, i)));
 }
 
-/* The same as below, whatever the doubles say. */
-static int pbwc__centre_side_exactly(const pbw_mesh *mesh, const double *p, const double *q, pbw_index simplex)
+/* The centre of a triangle relative to its first corner is N / (2 D): *twice: 2 D; normal: N. */
+static void pbwc__exact_centre(const pbw_mesh *mesh, pbw_index simplex, pbwc__exact *twice, pbwc__exact normal[2])
 {
     const pbw_index *corner = mesh->simplices + 3 * (size_t)simplex;
     const double *a = mesh->points + 2 * (size_t)corner[0];
-    pbwc__exact u[2], r[2], d[2][2], height[2], det, turn, normal;
-    double sum[2048];
-    int i, k, n = 0;
-    for (k = 0; k < 2; k++) {
-        u[k] = pbwc__exact_minus(q[k], p[k]);
-        r[k] = pbwc__exact_minus(a[k], p[k]);
-    }
+    pbwc__exact d[2][2], height[2];
+    int i, k;
     for (i = 0; i < 2; i++) {
         const double *b = mesh->points + 2 * (size_t)corner[i + 1];
         height[i] = pbwc__exact_minus(pbwc__weight(mesh, corner[0]), pbwc__weight(mesh, corner[i + 1]));
@@ -1905,13 +1771,43 @@ static int pbwc__centre_side_exactly(const pbw_mesh *mesh, const double *p, cons
             height[i].count = pbwc__grow_product(height[i].x, height[i].count, &d[i][k], &d[i][k], 1);
         }
     }
-    det = pbwc__exact_minor(&d[0][0], &d[0][1], &d[1][0], &d[1][1], 2);
+    *twice = pbwc__exact_minor(&d[0][0], &d[0][1], &d[1][0], &d[1][1], 2);
+    normal[0] = pbwc__exact_minor(&height[0], &height[1], &d[0][1], &d[1][1], 1);    /* h0 d1y - h1 d0y */
+    normal[1] = pbwc__exact_minor(&height[1], &height[0], &d[1][0], &d[0][0], 1);    /* h1 d0x - h0 d1x */
+}
+
+/* The centre of a triangle so flat that pairs of doubles do not resolve it. */
+static void pbwc__centre_of_flat(const pbw_mesh *mesh, pbw_index simplex, double *centre)
+{
+    pbwc__exact part[3];
+    double value[3] = { 0, 0, 0 };
+    int i, k;
+    pbwc__exact_centre(mesh, simplex, part, part + 1);
+    for (i = 0; i < 3; i++) {
+        for (k = 0; k < part[i].count; k++) {
+            value[i] += part[i].x[k];
+        }
+    }
+    centre[0] = value[1] / value[0];
+    centre[1] = value[2] / value[0];
+}
+
+/* The same as below, whatever the doubles say. */
+static int pbwc__centre_side_exactly(const pbw_mesh *mesh, const double *p, const double *q, pbw_index simplex)
+{
+    const double *a = mesh->points + 2 * (size_t)mesh->simplices[3 * (size_t)simplex];
+    pbwc__exact u[2], r[2], twice, turn, normal[2];
+    double sum[2048];
+    int k, n;
+    for (k = 0; k < 2; k++) {
+        u[k] = pbwc__exact_minus(q[k], p[k]);
+        r[k] = pbwc__exact_minus(a[k], p[k]);
+    }
+    pbwc__exact_centre(mesh, simplex, &twice, normal);
     turn = pbwc__exact_minor(&u[0], &u[1], &r[0], &r[1], 1);
-    n = pbwc__grow_product(sum, n, &det, &turn, 1);
-    normal = pbwc__exact_minor(&height[1], &height[0], &d[1][0], &d[0][0], 1);       /* N_y = h1 d0x - h0 d1x */
-    n = pbwc__grow_product(sum, n, &u[0], &normal, 1);
-    normal = pbwc__exact_minor(&height[0], &height[1], &d[0][1], &d[1][1], 1);       /* N_x = h0 d1y - h1 d0y */
-    return pbwc__sign(sum, pbwc__grow_product(sum, n, &u[1], &normal, -1));
+    n = pbwc__grow_product(sum, 0, &twice, &turn, 1);
+    n = pbwc__grow_product(sum, n, &u[0], &normal[1], 1);
+    return pbwc__sign(sum, pbwc__grow_product(sum, n, &u[1], &normal[0], -1));
 }
 
 /* On which side of the line from p to q is the centre of a simplex?  1: left, -1: right, 0: on it.  With u = q - p,
@@ -2026,17 +1922,16 @@ static pbw_index pbwc__exit(const pbwc__work *work, pbw_index v, pbw_index edge)
 {
     const pbw_mesh *mesh = work->job->mesh;
     const pbwc__part *parts = PBWC__PARTS(work);
-    const pbwc__fan *fan = PBWC__FAN(work);
+    const pbwc__link *side = PBWC__LINKS(work);
     const pbw_index end = PBWC__INDICES(work->job->clip->next)[edge];
     const double *p, *q;
     size_t i;
     pbwc__edge_ends(work->job->clip, edge, &p, &q);
-    for (i = 0; i < work->fan.count; i++) {          /* centres on the edge are on the right of the moved one */
-        const pbw_index to = PBWC__LINKS(work)[fan[i].link].vertex;
-        if (pbwc__corner_side(work->job->clip, mesh, end, v, to) > 0
-            && (fan[i].from < 0 || pbwc__centre_side(mesh, p, q, parts[fan[i].from].simplex) <= 0)
-            && (fan[i].to < 0 || pbwc__centre_side(mesh, p, q, parts[fan[i].to].simplex) > 0)) {
-            return to;
+    for (i = 0; i < work->links.count; i++, side++) {        /* centres on the edge are right of the moved one */
+        if (pbwc__corner_side(work->job->clip, mesh, end, v, side->vertex) > 0
+            && (side->from < 0 || pbwc__centre_side(mesh, p, q, parts[side->from].simplex) <= 0)
+            && (side->to < 0 || pbwc__centre_side(mesh, p, q, parts[side->to].simplex) > 0)) {
+            return side->vertex;
         }
     }
     return PBW_NONE;
@@ -2066,7 +1961,7 @@ static int pbwc__follow(pbwc__work *work, pbw_index edge, pbwc__array *visits)
     visit.t_in = 0;
     do {
         pbwc__visit *place = (pbwc__visit *)pbwc__room(work->memory, visits, 1, sizeof visit);
-        if (place == NULL || !pbwc__gather(work, visit.cell) || !pbwc__fan_out(work)) {
+        if (place == NULL || !pbwc__gather(work, visit.cell)) {
             return 0;
         }
         visit.edge = edge;
@@ -2394,7 +2289,7 @@ static pbw_status pbwc__connect(pbwc__job *job)
 
 /* ---- one cell */
 
-typedef struct pbwc__end { int side, leaves, visit; } pbwc__end;     /* of a chain, on a side of the fan */
+typedef struct pbwc__end { int side, leaves, visit; } pbwc__end;     /* of a chain, at a link */
 
 typedef struct pbwc__corner {              /* of a loop; what it is known to be at, exactly: */
     double x[2];                           /* relative to the site */
@@ -2450,21 +2345,21 @@ static void pbwc__sift(const pbwc__work *work, pbwc__end *ends, size_t at, size_
     }
 }
 
-static int pbwc__add_end(pbwc__work *work, pbw_index v, pbw_index beyond, size_t visit, int leaves)
+static int pbwc__add_end(pbwc__work *work, pbw_index beyond, size_t visit, int leaves)
 {
     pbwc__end *end = (pbwc__end *)pbwc__room(work->memory, &work->ends, 1, sizeof *end);
-    const int link = pbwc__link_number(work, v, beyond, 0);
-    if (end == NULL || link < 0) {
+    const int side = pbwc__number(work->memory, &work->numbers, beyond, 0);
+    if (end == NULL || side < 0) {
         return 0;
     }
-    end->side = PBWC__LINKS(work)[link].side;
+    end->side = side;
     end->leaves = leaves;
     end->visit = (int)visit;
     work->ends.count++;
     return 1;
 }
 
-/* Gathers the star of v and where chains end on its fan, counter-clockwise.  Returns 0 if there is no memory. */
+/* Gathers the star of v and where chains end on its sides, counter-clockwise.  Returns 0 if there is no memory. */
 static int pbwc__find_ends(pbwc__work *work, pbw_index v)
 {
     const pbwc__visit *visit = pbwc__visits_of(work->job->clip, v, &work->visit_count);
@@ -2472,12 +2367,18 @@ static int pbwc__find_ends(pbwc__work *work, pbw_index v)
     size_t i;
     work->visits = visit;
     work->ends.count = 0;
-    if (!pbwc__gather(work, v) || !pbwc__fan_out(work)) {
+    if (!pbwc__gather(work, v)) {
         return 0;
     }
+    pbwc__map_clear(&work->numbers);
+    for (i = 0; i < work->links.count; i++) {
+        if (pbwc__number(work->memory, &work->numbers, PBWC__LINKS(work)[i].vertex, (int)i) < 0) {
+            return 0;
+        }
+    }
     for (i = 0; i < work->visit_count; i++) {
-        if ((visit[i].in != PBW_NONE && !pbwc__add_end(work, v, visit[i].in, i, 0))
-            || (visit[i].out != PBW_NONE && !pbwc__add_end(work, v, visit[i].out, i, 1))) {
+        if ((visit[i].in != PBW_NONE && !pbwc__add_end(work, visit[i].in, i, 0))
+            || (visit[i].out != PBW_NONE && !pbwc__add_end(work, visit[i].out, i, 1))) {
             return 0;
         }
     }
@@ -2509,8 +2410,8 @@ static pbw_status pbwc__tell_neighbors(void *arg, size_t from, size_t to)
         }
         good = pbwc__find_ends(&work, (pbw_index)from);
         end = (const pbwc__end *)work.ends.data;
-        for (i = at = 0; good && i < work.fan.count; i++) {
-            const pbw_index other = PBWC__LINKS(&work)[PBWC__FAN(&work)[i].link].vertex;
+        for (i = at = 0; good && i < work.links.count; i++) {
+            const pbw_index other = PBWC__LINKS(&work)[i].vertex;
             while (at < work.ends.count && end[at].side <= (int)i) {
                 at++;
             }
@@ -2569,10 +2470,10 @@ static int pbwc__add_crossing(pbwc__work *work, pbw_index v, const pbwc__end *en
     const pbw_mesh *mesh = work->job->mesh;
     const pbwc__clip *clip = work->job->clip;
     const pbwc__visit *visit = work->visits + end->visit;
-    const pbwc__fan *side = PBWC__FAN(work) + end->side;
+    const pbwc__link *side = PBWC__LINKS(work) + end->side;
     const double t = end->leaves ? visit->t_out : visit->t_in, *site = mesh->points + 2 * (size_t)v;
     const double *p, *q, *at = NULL;
-    const pbw_index beyond = PBWC__LINKS(work)[side->link].vertex;
+    const pbw_index beyond = side->vertex;
     pbwc__corner *corner = pbwc__add_corner(work);
     int k;
     if (corner == NULL) {
@@ -2580,7 +2481,7 @@ static int pbwc__add_crossing(pbwc__work *work, pbw_index v, const pbwc__end *en
     }
     pbwc__edge_ends(clip, visit->edge, &p, &q);
     corner->edge = end->leaves ? PBW_NONE : visit->edge;
-    corner->link = side->link;
+    corner->link = end->side;
     if (pbwc__side(mesh, p, v, beyond) == 0) {
         corner->ring = visit->edge;
         at = p;
@@ -2622,18 +2523,18 @@ static pbw_status pbwc__along_sides(pbwc__work *work, size_t end)
 {
     const pbwc__end *ends = (const pbwc__end *)work->ends.data, *from = ends + end;
     const pbwc__end *to = ends + (end + 1 < work->ends.count ? end + 1 : 0);
-    const pbwc__fan *fan = PBWC__FAN(work);
+    const pbwc__link *links = PBWC__LINKS(work);
     int side = from->side, steps = to->side - side;
     if (to->leaves) {
         return PBW_ERROR_ARGUMENT;                   /* rings cross */
     }
-    for (steps += steps < 0 || to <= from ? (int)work->fan.count : 0; steps > 0; steps--) {
-        const int part = fan[side].to;
-        side = side + 1 < (int)work->fan.count ? side + 1 : 0;
+    for (steps += steps < 0 || to <= from ? (int)work->links.count : 0; steps > 0; steps--) {
+        const int part = links[side].to;
+        side = side + 1 < (int)work->links.count ? side + 1 : 0;
         if (part < 0) {
             return PBW_ERROR_ARGUMENT;
         }
-        if (!pbwc__add_centre(work, part, fan[side].link)) {
+        if (!pbwc__add_centre(work, part, side)) {
             return PBW_ERROR_MEMORY;
         }
     }
@@ -2747,9 +2648,9 @@ static pbw_status pbwc__find_loops(pbwc__work *work, pbw_index v)
         if (!pbwc__push(work->memory, &work->begins, 0)) {
             return PBW_ERROR_MEMORY;
         }
-        for (i = 0; i < work->fan.count; i++) {      /* all of the cell, around what rings cut from it */
-            const pbwc__fan *side = PBWC__FAN(work) + i;
-            if (side->from < 0 || !pbwc__add_centre(work, side->from, side->link)) {
+        for (i = 0; i < work->links.count; i++) {    /* all of the cell, around what rings cut from it */
+            const pbwc__link *side = PBWC__LINKS(work) + i;
+            if (side->from < 0 || !pbwc__add_centre(work, side->from, (int)i)) {
                 return side->from < 0 ? PBW_ERROR_ARGUMENT : PBW_ERROR_MEMORY;
             }
         }
@@ -2833,8 +2734,11 @@ static pbw_status pbwc__clip_cell(pbwc__work *work, pbw_index v)
             pbwc__set_cell(job, v, sum);
             return PBW_OK;
         }
-        return (job->what & PBW_CELLS_FACETS) == 0
-               || (pbwc__gather(work, v) && pbwc__star_facets(work)) ? PBW_OK : PBW_ERROR_MEMORY;
+        if (!pbwc__gather(work, v)) {
+            return PBW_ERROR_MEMORY;
+        }
+        return !pbwc__star_volume(work) ? PBW_ERROR_ARGUMENT
+               : (job->what & PBW_CELLS_FACETS) == 0 || pbwc__star_facets(work) ? PBW_OK : PBW_ERROR_MEMORY;
     }
     if (!pbwc__find_ends(work, v)) {
         return PBW_ERROR_MEMORY;
@@ -2884,7 +2788,7 @@ static pbw_status pbwc__start_clip(pbwc__job *job, const pbw_options *options)
     status = status == PBW_OK ? pbw_for(options, clip->count, PBWC__EDGES, pbwc__follow_edges, job) : status;
     status = status == PBW_OK ? pbwc__sort_visits(job) : status;
     status = status == PBW_OK ? pbwc__connect(job) : status;
-    return status == PBW_OK ? pbw_for(options, job->count, job->grain, pbwc__tell_neighbors, job) : status;
+    return status == PBW_OK ? pbw_for(options, job->count, 2048, pbwc__tell_neighbors, job) : status;
 }
 
 static void pbwc__end_clip(pbwc__job *job)
@@ -2989,10 +2893,10 @@ static pbw_status pbwc__certify_simplices(void *arg, size_t from, size_t to)
         double x[3], square = mesh->weights != NULL ? -mesh->weights[corner[0]] : 0;
         int read = 0;
         for (k = 0; k <= dim; k++) {
-            read |= corner[k] < job->count && ((const unsigned char *)job->states.data)[corner[k]] == 0;
+            read |= corner[k] < job->count && ((const unsigned char *)job->cut.data)[corner[k]] == 0;
         }
         if (read) {
-            (void)pbwc__centre_of(mesh, (pbw_index)from, x);
+            (void)pbwc__centre_of(mesh, dim, (pbw_index)from, x);
             for (k = 0; k < dim; k++) {
                 square += x[k] * x[k];
                 x[k] += mesh->points[corner[0] * dim + k];
@@ -3006,54 +2910,97 @@ static pbw_status pbwc__certify_simplices(void *arg, size_t from, size_t to)
 /* ------------------------------------------------------------------------------------------------------
    Ranges of points, each with memory of its own; then their parts in one.
    ------------------------------------------------------------------------------------------------------ */
+/* Does the star's polytope do: are all centres good, and none so far from the domain that its cuts lose digits? */
+static int pbwc__is_near(const pbwc__work *work)
+{
+    const double *x = PBWC__DOUBLES(work->cutter.poly.x);
+    size_t i, k;
+    int near = (work->says & PBWC__GOOD) != 0;
+    for (i = 0; i < work->cutter.poly.x.count; i++) {
+        for (k = 0; k < (size_t)work->job->mesh->dim; k++) {
+            near &= fabs(x[3 * i + k]) < 4 * work->job->extent[k];
+        }
+    }
+    return near;
+}
+
+/* The polytope of a cell that the domain cuts.  Returns 0 if there is no memory. */
+static int pbwc__cut_out(pbwc__work *work, pbw_index v)
+{
+    if (work->job->mesh->dim == 2 && work->links.count == 0 && !pbwc__add_sides(work)) {
+        return 0;
+    }
+    if (!work->open && !pbwc__star_poly(work)) {
+        return 0;
+    }
+    return work->open || !pbwc__is_near(work) ? pbwc__cut_cell(work, v, 0) : pbwc__cut_star(work, v);
+}
+
+/* The cell of v, if there is no polygon.  Returns 0 if there is no memory. */
 static int pbwc__cell(pbwc__work *work, pbw_index v)
 {
     pbwc__job *job = work->job;
-    const int cut = ((unsigned char *)job->states.data)[v] != 0 && job->bounded;
-    double sum[4];
+    const int facets = (job->what & PBW_CELLS_FACETS) != 0;
+    double sum[4] = { 0, 0, 0, 0 };
     size_t k;
-    if (!cut && (job->what & PBW_CELLS_FACETS) == 0) {
-        return 1;
-    }
-    if (!pbwc__gather(work, v)) {
+    if (!pbwc__gather_some(work, v, facets)) {
         return 0;
     }
-    if (cut) {
-        if (!(work->open || !work->good ? pbwc__cut_cell(work, v, 0) : pbwc__cut_star(work, v))) {
-            return 0;
-        }
-        memset(sum, 0, sizeof sum);
-        for (k = 0; k < work->cutter.poly.start.count; k++) {
-            (void)pbwc__sum_facet(&work->cutter.poly, k, job->mesh->dim, sum);
-        }
-        pbwc__set_cell(job, v, sum);
-        if (job->period != NULL) {
-            pbwc__certify_cut(work, v);
-        }
-        if ((job->what & PBW_CELLS_FACETS) != 0
-            && ((PBWC__INDICES(job->merged) != NULL && !pbwc__cut_cell(work, v, 1)) || !pbwc__cut_facets(work, v))) {
-            return 0;
-        }
-    } else {
-        return pbwc__star_facets(work);
+    if (pbwc__star_volume(work)) {
+        return !facets || pbwc__star_facets(work);
     }
-    return 1;
+    if (!pbwc__cut_out(work, v)) {
+        return 0;
+    }
+    for (k = 0; k < work->cutter.poly.start.count; k++) {
+        (void)pbwc__sum_facet(&work->cutter.poly, k, job->mesh->dim, sum);
+    }
+    pbwc__set_cell(job, v, sum);
+    if (job->period != NULL) {
+        ((unsigned char *)job->cut.data)[v] = 1;
+        pbwc__certify_cut(work, v);
+    }
+    return !facets || ((PBWC__INDICES(job->merged) == NULL || pbwc__cut_cell(work, v, 1))
+                       && pbwc__cut_facets(work, v));
 }
 
+/* The cell of v, with the counts of its facets and entries.  Returns a status. */
+static pbw_status pbwc__count_cell(pbwc__work *work, pbw_index v)
+{
+    pbwc__job *job = work->job;
+    pbwc__range *out = work->out;
+    const size_t facets = out->neighbors.count, entries = out->loops.count;
+    const pbw_status status = job->clip != NULL ? pbwc__clip_cell(work, v)
+                            : pbwc__cell(work, v) ? PBW_OK : PBW_ERROR_MEMORY;
+    job->first[v + 1] = out->neighbors.count - facets;
+    if ((job->what & PBW_CELLS_SHAPES) != 0) {
+        ((size_t *)job->entries.data)[v + 1] = out->loops.count - entries;
+    }
+    return status == PBW_OK && !pbwc__push(work->memory, &out->cells, v) ? PBW_ERROR_MEMORY : status;
+}
+
+/* The cells of the points that have their first simplex in the range: cells near each other, however points are
+   numbered. */
 static pbw_status pbwc__cells_range(void *arg, size_t from, size_t to)
 {
     pbwc__job *job = (pbwc__job *)arg;
+    const size_t corners = (size_t)job->mesh->dim + 1;
     pbwc__work work;
-    size_t v;
+    size_t i, k;
     pbw_status status = pbwc__work_start(&work, job) ? PBW_OK : PBW_ERROR_MEMORY;
-    work.out = (pbwc__range *)job->ranges.data + from / job->grain;
-    for (v = from; status == PBW_OK && v < to; v++) {
-        const size_t before = work.out->neighbors.count;
-        if (job->mesh->incident[v] != PBW_NONE) {
-            status = job->clip != NULL ? pbwc__clip_cell(&work, (pbw_index)v)
-                   : pbwc__cell(&work, (pbw_index)v) ? PBW_OK : PBW_ERROR_MEMORY;
+    work.out = (pbwc__range *)job->ranges.data + from / PBWC__CHUNK;
+    for (i = from; status == PBW_OK && i < to; i++) {
+        if (job->vertices != NULL) {                 /* its centre, which is kept or soon needed */
+            const double origin[3] = { 0, 0, 0 };
+            (void)pbwc__from_site(job, work.centres, corners - 1, origin, (pbw_index)i,
+                                  job->vertices + i * (corners - 1));
         }
-        job->first[v + 1] = work.out->neighbors.count - before;
+        for (k = 0; k < corners; k++) {
+            const pbw_index v = job->mesh->simplices[i * corners + k];
+            if (job->mesh->incident[v] == i && v < job->count && status == PBW_OK) {
+                status = pbwc__count_cell(&work, v);
+            }
+        }
     }
     pbwc__work_end(&work);
     return status;
@@ -3062,35 +3009,56 @@ static pbw_status pbwc__cells_range(void *arg, size_t from, size_t to)
 /* Where a range's items begin in the arrays of all. */
 typedef struct pbwc__joining {
     pbwc__job *job;
-    size_t *facets, *entries, *vertices, *rays;      /* per range */
+    size_t *vertices, *rays;               /* per range */
     pbw_index *neighbors, *loops;
     double *areas, *all_vertices, *all_rays;
     size_t *loop_first;
 } pbwc__joining;
 
+/* The loops of a cell, the range's entries from `at` on, to their place in all. */
+static void pbwc__join_loops(const pbwc__joining *joining, size_t r, pbw_index v, size_t facet, size_t at)
+{
+    const pbwc__job *job = joining->job;
+    const pbwc__range *range = (const pbwc__range *)job->ranges.data + r;
+    const size_t dim = (size_t)job->mesh->dim, simplices = job->mesh->simplex_count;
+    const pbw_index *counts = PBWC__INDICES(range->loop_counts) + facet, *from = PBWC__INDICES(range->loops) + at;
+    const pbw_index vertices = (pbw_index)(joining->vertices[r] / dim - simplices);
+    const pbw_index rays = (pbw_index)(joining->rays[r] / dim);
+    const pbw_index ray = PBW_NONE - (pbw_index)(range->rays.count / dim);
+    const size_t begin = ((const size_t *)job->entries.data)[v], end = ((const size_t *)job->entries.data)[v + 1];
+    size_t i, entry = begin;
+    for (i = job->first[v]; i < job->first[v + 1]; i++) {
+        joining->loop_first[i] = entry;
+        entry += *counts++;
+    }
+    for (i = begin; i < end; i++) {
+        const pbw_index corner = *from++;
+        joining->loops[i] = corner < simplices ? corner : corner >= ray ? corner - rays : corner + vertices;
+    }
+}
+
 static pbw_status pbwc__join(void *arg, size_t from, size_t to)
 {
     const pbwc__joining *joining = (const pbwc__joining *)arg;
     const pbwc__job *job = joining->job;
-    const size_t dim = (size_t)job->mesh->dim, simplices = job->mesh->simplex_count;
     size_t r, i;
     for (r = from; r < to; r++) {
         const pbwc__range *range = (const pbwc__range *)job->ranges.data + r;
-        const size_t facets = range->neighbors.count, rays = range->rays.count / dim;
-        size_t entry = joining->entries[r];
-        if (facets > 0) {
-            memcpy(joining->neighbors + joining->facets[r], range->neighbors.data, facets * sizeof(pbw_index));
-            memcpy(joining->areas + joining->facets[r], range->areas.data, facets * sizeof(double));
-        }
-        for (i = 0; i < range->loop_counts.count; i++) {
-            joining->loop_first[joining->facets[r] + i] = entry;
-            entry += PBWC__INDICES(range->loop_counts)[i];
-        }
-        for (i = 0; i < range->loops.count; i++) {
-            pbw_index corner = PBWC__INDICES(range->loops)[i];
-            corner = corner >= PBW_NONE - rays ? corner - (pbw_index)(joining->rays[r] / dim)
-                   : corner >= simplices ? corner + (pbw_index)(joining->vertices[r] / dim - simplices) : corner;
-            joining->loops[joining->entries[r] + i] = corner;
+        size_t facet = 0, entry = 0;
+        for (i = 0; i < range->cells.count; i++) {
+            const pbw_index v = PBWC__INDICES(range->cells)[i];
+            const size_t first = job->first[v], count = job->first[v + 1] - first;
+            if (count > 0) {
+                memcpy(joining->neighbors + first, PBWC__INDICES(range->neighbors) + facet,
+                       count * sizeof(pbw_index));
+                memcpy(joining->areas + first, PBWC__DOUBLES(range->areas) + facet, count * sizeof(double));
+            }
+            if (joining->loops != NULL) {
+                const size_t *entries = (const size_t *)job->entries.data + v;
+                pbwc__join_loops(joining, r, v, facet, entry);
+                entry += entries[1] - entries[0];
+            }
+            facet += count;
         }
         if (range->vertices.count > 0) {
             memcpy(joining->all_vertices + joining->vertices[r], range->vertices.data,
@@ -3098,23 +3066,6 @@ static pbw_status pbwc__join(void *arg, size_t from, size_t to)
         }
         if (range->rays.count > 0) {
             memcpy(joining->all_rays + joining->rays[r], range->rays.data, range->rays.count * sizeof(double));
-        }
-    }
-    return PBW_OK;
-}
-
-static pbw_status pbwc__all_centres(void *arg, size_t from, size_t to)
-{
-    const pbwc__joining *joining = (const pbwc__joining *)arg;
-    const pbw_mesh *mesh = joining->job->mesh;
-    const size_t dim = (size_t)mesh->dim;
-    for (; from < to; from++) {
-        const double *a = mesh->points + mesh->simplices[from * (dim + 1)] * dim;
-        double centre[3];
-        size_t k;
-        (void)pbwc__centre_of(mesh, (pbw_index)from, centre);
-        for (k = 0; k < dim; k++) {
-            joining->all_vertices[from * dim + k] = a[k] + centre[k];
         }
     }
     return PBW_OK;
@@ -3163,8 +3114,6 @@ static void pbwc__place_ranges(pbwc__joining *joining, size_t ranges, size_t *su
     sums[2] = (job->what & PBW_CELLS_SHAPES) != 0 ? job->mesh->simplex_count * (size_t)job->mesh->dim : 0;
     for (r = 0; r < ranges; r++) {
         const pbwc__range *range = (const pbwc__range *)job->ranges.data + r;
-        joining->facets[r] = sums[0];
-        joining->entries[r] = sums[1];
         joining->vertices[r] = sums[2];
         joining->rays[r] = sums[3];
         sums[0] += range->neighbors.count;
@@ -3186,13 +3135,11 @@ static pbw_status pbwc__join_all(pbwc__job *job, size_t ranges, const pbw_option
     pbw_status status = PBW_OK;
     memset(&places, 0, sizeof places);
     memset(&joining, 0, sizeof joining);
-    if (!pbwc__resize(&job->memory, &places, (4 * ranges + 1) * sizeof(size_t))) {
+    if (!pbwc__resize(&job->memory, &places, (2 * ranges + 1) * sizeof(size_t))) {
         return PBW_ERROR_MEMORY;
     }
     joining.job = job;
-    joining.facets = (size_t *)places.data;
-    joining.entries = joining.facets + ranges;
-    joining.vertices = joining.entries + ranges;
+    joining.vertices = (size_t *)places.data;
     joining.rays = joining.vertices + ranges;
     pbwc__place_ranges(&joining, ranges, sums);
     cells->neighbors = joining.neighbors = (pbw_index *)pbwc__own(job, PBWC__NEIGHBORS, sums[0], sizeof(pbw_index));
@@ -3201,7 +3148,9 @@ static pbw_status pbwc__join_all(pbwc__job *job, size_t ranges, const pbw_option
         joining.loop_first = (size_t *)pbwc__own(job, PBWC__LOOP_FIRST, sums[0] + 1, sizeof(size_t));
         cells->loop_first = joining.loop_first;
         cells->loops = joining.loops = (pbw_index *)pbwc__own(job, PBWC__LOOPS, sums[1], sizeof(pbw_index));
-        cells->vertices = joining.all_vertices = (double *)pbwc__own(job, PBWC__VERTICES, sums[2], sizeof(double));
+        joining.all_vertices = sums[2] == dim * job->mesh->simplex_count ? job->vertices
+                             : (double *)pbwc__own(job, PBWC__VERTICES, sums[2], sizeof(double));
+        cells->vertices = joining.all_vertices;
         cells->rays = joining.all_rays = (double *)pbwc__own(job, PBWC__RAYS, sums[3], sizeof(double));
     }
     if (joining.neighbors == NULL || joining.areas == NULL
@@ -3213,13 +3162,15 @@ static pbw_status pbwc__join_all(pbwc__job *job, size_t ranges, const pbw_option
     }
     if (status == PBW_OK && shapes) {
         joining.loop_first[sums[0]] = sums[1];
-        status = pbw_for(options, job->mesh->simplex_count, 8192, pbwc__all_centres, &joining);
-    }
-    if (status == PBW_OK) {
-        status = pbw_for(options, ranges, 1, pbwc__join, &joining);
     }
     for (v = 0; v < cells->cell_count; v++) {
         job->first[v + 1] += job->first[v];
+        if (shapes) {
+            ((size_t *)job->entries.data)[v + 1] += ((size_t *)job->entries.data)[v];
+        }
+    }
+    if (status == PBW_OK) {
+        status = pbw_for(options, ranges, 1, pbwc__join, &joining);
     }
     cells->facet_count = sums[0];
     cells->vertex_count = sums[2] / dim;
@@ -3438,48 +3389,60 @@ static pbw_status pbwc__prepare_domain(pbwc__job *job, const pbw_domain *domain)
 /* ------------------------------------------------------------------------------------------------------
    The call.
    ------------------------------------------------------------------------------------------------------ */
-static pbw_status pbwc__compute(pbwc__job *job, const pbw_domain *domain, const pbw_options *options)
+/* Empty cells, for points that are no vertices. */
+static pbw_status pbwc__no_cells(void *arg, size_t from, size_t to)
+{
+    pbwc__job *job = (pbwc__job *)arg;
+    const size_t dim = (size_t)job->mesh->dim;
+    memset(job->volumes + from, 0, (to - from) * sizeof(double));
+    memcpy(job->centroids + from * dim, job->mesh->points + from * dim, (to - from) * dim * sizeof(double));
+    memset(job->first + from + 1, 0, (to - from) * sizeof(size_t));
+    if (job->entries.data != NULL) {
+        memset((size_t *)job->entries.data + from + 1, 0, (to - from) * sizeof(size_t));
+    }
+    if (job->cut.data != NULL) {
+        memset((unsigned char *)job->cut.data + from, 0, to - from);
+    }
+    return PBW_OK;
+}
+
+/* The arrays of all cells, empty.  Returns a status. */
+static pbw_status pbwc__start_cells(pbwc__job *job, size_t ranges, const pbw_options *options)
 {
     const size_t count = job->cells->cell_count, dim = (size_t)job->mesh->dim;
-    size_t ranges, r;
-    pbw_status status = pbwc__prepare_domain(job, domain);
-    job->grain = 2048;
-    ranges = (count + job->grain - 1) / job->grain;
     job->volumes = (double *)pbwc__own(job, PBWC__VOLUMES, count, sizeof(double));
     job->centroids = (double *)pbwc__own(job, PBWC__CENTROIDS, count * dim, sizeof(double));
     job->first = (size_t *)pbwc__own(job, PBWC__FIRST, count + 1, sizeof(size_t));
     job->cells->volumes = job->volumes;
     job->cells->centroids = job->centroids;
     job->cells->first = job->first;
-    if (status == PBW_OK && (job->volumes == NULL || job->centroids == NULL || job->first == NULL
-                             || !pbwc__resize(&job->memory, &job->ranges, (ranges + 1) * sizeof(pbwc__range)))) {
-        status = PBW_ERROR_MEMORY;
+    if (job->volumes == NULL || job->centroids == NULL || job->first == NULL
+        || !pbwc__resize(&job->memory, &job->ranges, (ranges + 1) * sizeof(pbwc__range))) {
+        return PBW_ERROR_MEMORY;
     }
-    if (status != PBW_OK) {
-        return status;
-    }
-    memset(job->first, 0, (count + 1) * sizeof(size_t));
     memset(job->ranges.data, 0, job->ranges.bytes);
-    if ((job->what & PBW_CELLS_MERGE) != 0) {
-        status = pbwc__merge(job, options);
+    if ((job->what & PBW_CELLS_SHAPES) != 0) {
+        job->vertices = (double *)pbwc__own(job, PBWC__VERTICES, job->mesh->simplex_count * dim, sizeof(double));
+        if (job->vertices == NULL || !pbwc__resize(&job->memory, &job->entries, (count + 1) * sizeof(size_t))) {
+            return PBW_ERROR_MEMORY;
+        }
     }
-    if (status == PBW_OK) {
-        status = pbwc__add_up(job, options);
+    if (job->period != NULL && !pbwc__resize(&job->memory, &job->cut, count + 1)) {
+        return PBW_ERROR_MEMORY;
     }
-    if (status == PBW_OK && job->clip != NULL && job->mesh->simplex_count > 0) {
-        status = pbwc__start_clip(job, options);
+    job->first[0] = 0;
+    if (job->entries.data != NULL) {
+        ((size_t *)job->entries.data)[0] = 0;
     }
-    if (status == PBW_OK && (job->bounded || (job->what & PBW_CELLS_FACETS) != 0)) {
-        status = pbw_for(options, count, job->grain, pbwc__cells_range, job);
-    }
-    if (status == PBW_OK && job->period != NULL) {
-        status = pbw_for(options, job->mesh->simplex_count, PBWC__CHUNK, pbwc__certify_simplices, job);
-    }
-    if (status == PBW_OK && (job->what & PBW_CELLS_FACETS) != 0) {
-        status = pbwc__join_all(job, ranges, options);
-    }
-    for (r = 0; r < ranges; r++) {
+    return pbw_for(options, count, PBWC__CHUNK, pbwc__no_cells, job);
+}
+
+static void pbwc__release_ranges(pbwc__job *job, size_t ranges)
+{
+    size_t r;
+    for (r = 0; r < ranges && job->ranges.data != NULL; r++) {
         pbwc__range *range = (pbwc__range *)job->ranges.data + r;
+        pbwc__release(&job->memory, &range->cells);
         pbwc__release(&job->memory, &range->neighbors);
         pbwc__release(&job->memory, &range->areas);
         pbwc__release(&job->memory, &range->loop_counts);
@@ -3487,6 +3450,30 @@ static pbw_status pbwc__compute(pbwc__job *job, const pbw_domain *domain, const 
         pbwc__release(&job->memory, &range->vertices);
         pbwc__release(&job->memory, &range->rays);
     }
+    pbwc__release(&job->memory, &job->ranges);
+}
+
+static pbw_status pbwc__compute(pbwc__job *job, const pbw_domain *domain, const pbw_options *options)
+{
+    const size_t simplices = job->mesh->simplex_count, ranges = (simplices + PBWC__CHUNK - 1) / PBWC__CHUNK;
+    pbw_status status = pbwc__prepare_domain(job, domain);
+    status = status == PBW_OK ? pbwc__start_cells(job, ranges, options) : status;
+    if (status == PBW_OK && (job->what & PBW_CELLS_MERGE) != 0) {
+        status = pbwc__merge(job, options);
+    }
+    if (status == PBW_OK && job->clip != NULL && simplices > 0) {
+        status = pbwc__start_clip(job, options);
+    }
+    if (status == PBW_OK) {
+        status = pbw_for(options, simplices, PBWC__CHUNK, pbwc__cells_range, job);
+    }
+    if (status == PBW_OK && job->period != NULL) {
+        status = pbw_for(options, simplices, PBWC__CHUNK, pbwc__certify_simplices, job);
+    }
+    if (status == PBW_OK && (job->what & PBW_CELLS_FACETS) != 0) {
+        status = pbwc__join_all(job, ranges, options);
+    }
+    pbwc__release_ranges(job, ranges);
     return status;
 }
 
@@ -3525,8 +3512,8 @@ static pbw_status pbwc__run(pbwc__job *job, const pbw_domain *domain, const pbw_
     }
     pbwc__poly_release(&job->memory, &job->domain);
     pbwc__release(&job->memory, &job->merged);
-    pbwc__release(&job->memory, &job->ranges);
-    pbwc__release(&job->memory, &job->states);
+    pbwc__release(&job->memory, &job->entries);
+    pbwc__release(&job->memory, &job->cut);
     if (job->clip != NULL) {
         pbwc__end_clip(job);
     }

@@ -21,9 +21,18 @@
    PROMISES  (tests/tiles.sh guards them)
      exact       the simplices, links and hash of one machine, for any number of ranks
      together    every step ends with an agreement: a status but PBW_OK is that of all ranks, with one text
-                 that names the rank and what it lacked.  A rank that dies is MPI's affair: it ends the others
+                 that names the rank and what it lacked
+     restart     the next run takes up tiles that were finished: see RESTART
      bounded     options.build.memory_limit limits each rank's tile; 100 bytes a point for their way come before
-     sound       memory by options.build.resize; nothing is kept after a failure
+     sound       memory by options.build.resize; none is kept after a failure
+
+   RESTART
+   A rank that dies ends all, as MPI without extensions has it: tiles that are not finished need its answers.  With an
+   output, each rank keeps its tile in files beside it (output.N, output.N.state) once that is finished.  A call with
+   the same points and number of ranks takes up those tiles and makes the others: after a rank that died while others
+   had finished, leftovers that did not fit, a disk that was full.  Points are read and partitioned anew.  Files that
+   are damaged, or of other points, are not taken up.  A run that succeeds removes those of its ranks.  output itself
+   appears when it is complete.
 
    CONFIGURATION MACROS
      PBW_MPI_IMPLEMENTATION      in one source file: compile the implementation there
@@ -53,6 +62,10 @@ typedef struct pbwm_options {              /* all zero = best defaults */
     pbw_status (*emit)(void *user, const pbwt_tile *tile, size_t first, size_t count, const uint32_t *corners,
                        const uint32_t *links);
     void *emit_user;
+    /* Called once on each rank when its points are no longer read, at the latest when the call returns: it may free
+       them, 40 bytes of some 350 for each.  NULL = none. */
+    void (*taken)(void *user);
+    void *taken_user;
 } pbwm_options;
 
 enum { PBWM_PARTITION, PBWM_TILE, PBWM_LEFTOVERS, PBWM_LINKS, PBWM_WRITE, PBWM_PHASES };
@@ -61,6 +74,8 @@ typedef struct pbwm_report {               /* equal on all ranks */
     uint64_t points, duplicates, simplices, hull, hash;      /* hull: facets, 0 without an output */
     uint64_t halo, sent_bytes, given_up;   /* points of others, bytes after the partition, leftovers: sums */
     uint64_t rounds, largest;              /* of questions; points of one rank: the most */
+    uint64_t resumed;                      /* tiles that an earlier run had finished */
+    uint64_t memory;                       /* bytes resident at one time in one process: the most of all ranks */
     double seconds[PBWM_PHASES];           /* of the slowest rank */
     char text[1400];                       /* why it failed */
 } pbwm_report;
@@ -84,6 +99,7 @@ PBWMDEF pbw_status pbwm_agree(MPI_Comm comm, pbw_status status, char *text, size
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
+#include <sys/resource.h>
 #include <unistd.h>
 
 /* ------------------------------------------------------------------------------------------------------
@@ -294,15 +310,23 @@ static uint64_t pbwm__mixed(uint64_t x)              /* splitmix64 (Steele, Lea 
 typedef struct pbwm__chunk {                         /* in a file of its own until its place is known */
     pbwtf_writer writer;
     pbwtf_entry entry;
-    char name[1100];
+    char name[1100], state[1110];                    /* state: of a finished tile */
     FILE *file;
 } pbwm__chunk;
+
+typedef struct pbwm__state {                         /* then arrays of the tile: foreign, facets, leftovers, border */
+    char magic[8];                                   /* "PBWMTIL1" */
+    uint64_t key, checksum;                          /* of all points and trees; of the arrays */
+    uint64_t foreign, facets, leftovers, border;
+    pbwt_numbers numbers;
+    pbwtf_chunk chunk;
+} pbwm__state;
 
 typedef struct pbwm__work {
     pbwm__group *g;
     uint64_t given;                                  /* points of all ranks, duplicates included */
     pbwt_bytes mine;                                 /* points of this rank's brick, until the tree has them */
-    pbwt_bytes *message;                             /* 4 (ranks + 1) strings */
+    pbwt_bytes *message;                             /* 4 (ranks + 1) strings; the last ranks + 1 are empty */
     pbwt_served *served;
     pbwt_summary *summary;
     pbwt_tree tree;
@@ -311,6 +335,10 @@ typedef struct pbwm__work {
     pbwm__chunk chunk, leftover;
     pbwt_bytes matched;                              /* facets of tile and rest */
     uint64_t hull;                                   /* that this rank matched */
+    uint64_t key;                                    /* see pbwm__state */
+    int finished, resumed;                           /* the tile is; by an earlier run */
+    char *kept;                                      /* arrays of such a tile */
+    char part[1110];                                 /* the output while it grows */
 } pbwm__work;
 
 /* Cuts by a sorted sample of all ranks: 4096 points of each, or fewer, so that all together stay small. */
@@ -354,6 +382,10 @@ static pbw_status pbwm__partition(pbwm__work *w, const pbwt_point *points, size_
     }
     pbwm__give(g, to);
     pbwm__give(g, cuts);
+    if (g->options.taken != NULL) {
+        g->options.taken(g->options.taken_user);
+        g->options.taken = NULL;
+    }
     return status;
 }
 
@@ -375,6 +407,191 @@ static pbw_status pbwm__plant(pbwm__work *w)
     return status;
 }
 
+/* ------------------------------------------------------------------------------------------------------
+   Files of a tile: a chunk in a file of its own until its place in the output is known; and its state once it is
+   finished, for a run that goes on.
+   ------------------------------------------------------------------------------------------------------ */
+static uint32_t pbwm__flags(const pbwm__group *g)
+{
+    return (g->options.weighted ? PBWTF_WEIGHTS : 0) | PBWTF_LINKS;
+}
+
+/* Of the points of all ranks, in their order in the trees, the dimension and weights.  All ranks call it. */
+static uint64_t pbwm__key(const pbwm__work *w)
+{
+    const pbwm__group *g = w->g;
+    const uint64_t own = pbwtf_checksum((uint64_t)g->rank + 1, w->tree.points, w->tree.count * sizeof(pbwt_point));
+    uint64_t mine = pbwm__mixed(own), all;
+    MPI_Allreduce(&mine, &all, 1, MPI_UINT64_T, MPI_SUM, g->comm);
+    return pbwm__mixed(all + ((uint64_t)g->ranks << 8 | (uint64_t)g->dim << 4 | pbwm__flags(g)));
+}
+
+static size_t pbwm__state_size(const pbwm__state *state)            /* of the arrays after it, whole words */
+{
+    return (size_t)(state->foreign * sizeof(pbwt_vertex) + state->facets * sizeof(pbwt_facet)
+                    + (state->leftovers + state->border + 1) / 2 * 8);
+}
+
+/* Copies the arrays of a tile to one block, or sets the tile's to such a block. */
+static void pbwm__place_arrays(pbwt_tile *tile, char *block, int copy)
+{
+    char *facets = block + tile->foreign_count * sizeof *tile->foreign;
+    char *leftovers = facets + tile->facet_count * sizeof *tile->facets;
+    char *border = leftovers + tile->leftover_count * sizeof *tile->leftovers;
+    if (copy && tile->foreign_count > 0) {
+        memcpy(block, tile->foreign, (size_t)(facets - block));
+    }
+    if (copy && tile->facet_count > 0) {
+        memcpy(facets, tile->facets, (size_t)(leftovers - facets));
+    }
+    if (copy && tile->leftover_count > 0) {
+        memcpy(leftovers, tile->leftovers, (size_t)(border - leftovers));
+    }
+    if (copy && tile->border_count > 0) {
+        memcpy(border, tile->border, tile->border_count * sizeof *tile->border);
+    }
+    if (!copy) {
+        tile->foreign = (const pbwt_vertex *)(void *)block;
+        tile->facets = (const pbwt_facet *)(void *)facets;
+        tile->leftovers = (const uint32_t *)(void *)leftovers;
+        tile->border = (const uint32_t *)(void *)border;
+    }
+}
+
+/* Ends the chunk, and writes the state.  Returns 0 if they cannot be written, or without memory. */
+static int pbwm__keep(pbwm__work *w)
+{
+    pbwt_tile *tile = &w->tile;
+    pbwm__state state;
+    char part[1120], *block;
+    FILE *file = NULL;
+    size_t size;
+    int good = pbwtf_end(&w->chunk.writer, tile, w->g->dim);
+    memset(&state, 0, sizeof state);
+    memcpy(state.magic, "PBWMTIL1", 8);
+    state.key = w->key;
+    state.foreign = tile->foreign_count;
+    state.facets = tile->facet_count;
+    state.leftovers = tile->leftover_count;
+    state.border = tile->border_count;
+    state.numbers = tile->numbers;
+    state.chunk = w->chunk.writer.chunk;
+    size = pbwm__state_size(&state);
+    block = (char *)pbwm__take(w->g, size);
+    snprintf(part, sizeof part, "%s.part", w->chunk.state);
+    if (good && block != NULL) {
+        pbwm__place_arrays(tile, block, 1);
+        state.checksum = pbwtf_checksum(0, block, size);
+        file = fopen(part, "wb");
+    }
+    good = file != NULL && fwrite(&state, sizeof state, 1, file) == 1 && fwrite(block, 1, size, file) == size;
+    good = (file == NULL || fclose(file) == 0) && good;
+    pbwm__give(w->g, block);
+    return good && rename(part, w->chunk.state) == 0;
+}
+
+/* Is the chunk in its file what the state says? */
+static int pbwm__is_whole(const char *name, const pbwtf_chunk *chunk)
+{
+    const size_t head = sizeof *chunk, across = pbwtf_across_offset(chunk);
+    char error[PBWTF_ERROR];
+    pbwtf_map map;
+    int good = pbwtf_map_file(name, &map, error);
+    if (good) {
+        good = map.size == pbwtf_chunk_size(chunk) && memcmp(map.data, chunk, head) == 0
+            && pbwtf_checksum(0, map.data + head, across - head) == chunk->checksum;
+        pbwtf_unmap(&map);
+    }
+    return good;
+}
+
+static void pbwm__recall_tile(pbwm__work *w, const pbwm__state *state)
+{
+    pbwt_tile *tile = &w->tile;
+    tile->dim = w->g->dim;
+    tile->parts = w->g->ranks;
+    tile->tree = &w->tree;
+    tile->request = w->message + 3 * (w->g->ranks + 1);      /* stay empty */
+    tile->foreign_count = (size_t)state->foreign;
+    tile->facet_count = (size_t)state->facets;
+    tile->leftover_count = (size_t)state->leftovers;
+    tile->border_count = (size_t)state->border;
+    tile->hash = state->chunk.hash;
+    tile->numbers = state->numbers;
+    pbwm__place_arrays(tile, w->kept, 0);
+    w->chunk.writer.chunk = state->chunk;
+}
+
+/* Takes up the tile of an earlier run.  Returns 0 if there is none of these points that is whole. */
+static int pbwm__recall(pbwm__work *w)
+{
+    const pbwm__chunk *c = &w->chunk;
+    pbwm__state state;
+    size_t size = 0;
+    FILE *file = fopen(c->state, "rb");
+    int good = file != NULL && fread(&state, sizeof state, 1, file) == 1
+            && memcmp(state.magic, "PBWMTIL1", 8) == 0 && state.key == w->key
+            && pbwm__is_whole(c->name, &state.chunk);
+    if (good) {
+        size = pbwm__state_size(&state);
+        w->kept = (char *)pbwm__take(w->g, size);
+        good = w->kept != NULL && fread(w->kept, 1, size, file) == size
+            && pbwtf_checksum(0, w->kept, size) == state.checksum;
+    }
+    if (good) {
+        pbwm__recall_tile(w, &state);
+    }
+    if (file != NULL) {
+        fclose(file);
+    }
+    return good;
+}
+
+static void pbwm__open_chunk(pbwm__work *w, pbwm__chunk *c, const pbwt_tree *tree, int number)
+{
+    snprintf(c->name, sizeof c->name, "%s.%d", w->g->options.output, number);
+    snprintf(c->state, sizeof c->state, "%s.state", c->name);
+    w->resumed = tree != NULL && pbwm__recall(w);
+    w->finished = w->resumed;
+    if (!w->resumed) {
+        remove(c->state);
+    }
+    c->file = fopen(c->name, w->resumed ? "rb+" : "wb+");
+    if (c->file != NULL && !w->resumed) {
+        pbwtf_begin(&c->writer, c->file, tree, (uint32_t)number, pbwm__flags(w->g));
+    }
+}
+
+static void pbwm__drop_chunk(pbwm__chunk *c, int keep)
+{
+    if (c->file != NULL) {
+        fclose(c->file);
+        c->file = NULL;
+        if (!keep) {
+            remove(c->name);
+            remove(c->state);
+        }
+    }
+}
+
+static pbw_status pbwm__open_files(pbwm__work *w)
+{
+    pbwm__group *g = w->g;
+    w->key = pbwm__key(w);
+    snprintf(w->part, sizeof w->part, "%s.part", g->options.output);
+    errno = 0;
+    if (g->rank == 0) {
+        pbwm__open_chunk(w, &w->leftover, NULL, g->ranks);
+    }
+    pbwm__open_chunk(w, &w->chunk, &w->tree, g->rank);
+    w->tile_options.emit = pbwtf_emit;
+    w->tile_options.emit_user = &w->chunk.writer;
+    return pbwm__agree_file(g, w->chunk.file != NULL && (g->rank != 0 || w->leftover.file != NULL), w->chunk.name);
+}
+
+/* ------------------------------------------------------------------------------------------------------
+   The tile, and answers to others.
+   ------------------------------------------------------------------------------------------------------ */
 /* One round: requests go out, answers come back. */
 static pbw_status pbwm__round(pbwm__work *w)
 {
@@ -406,18 +623,35 @@ static pbw_status pbwm__round(pbwm__work *w)
     return pbwm__agree(g, own, "taking answers");
 }
 
+/* Works until the tile asks others, or is finished; then it is kept. */
+static pbw_status pbwm__work_on(pbwm__work *w, int *more)
+{
+    pbwm__group *g = w->g;
+    pbw_status status;
+    char what[160];
+    int good = 1;
+    *more = 0;
+    status = w->resumed ? PBW_OK : pbwt_ask(&w->tile, more);
+    snprintf(what, sizeof what, "its tile of %zu points, and %zu of others", w->tree.count, w->tile.foreign_count);
+    status = pbwm__agree(g, status, what);
+    if (status == PBW_OK && g->options.output != NULL) {
+        if (!*more && !w->finished) {
+            good = pbwm__keep(w);
+            w->finished = good;
+        }
+        status = pbwm__agree_file(g, good, w->chunk.name);
+    }
+    return status;
+}
+
 static pbw_status pbwm__make_tile(pbwm__work *w)
 {
     pbwm__group *g = w->g;
-    pbw_status status = pbwt_open(&w->tile, &w->tree, w->summary, g->ranks, &w->tile_options);
+    pbw_status status = w->resumed ? PBW_OK : pbwt_open(&w->tile, &w->tree, w->summary, g->ranks, &w->tile_options);
     int more, any = 1, p;
-    char what[160];
     status = pbwm__agree(g, status, "opening its tile");
     while (status == PBW_OK && any) {
-        status = pbwt_ask(&w->tile, &more);
-        snprintf(what, sizeof what, "its tile of %zu points, and %zu of others", w->tree.count,
-                 w->tile.foreign_count);
-        status = pbwm__agree(g, status, what);
+        status = pbwm__work_on(w, &more);
         if (status == PBW_OK) {
             MPI_Allreduce(&more, &any, 1, MPI_INT, MPI_MAX, g->comm);
             status = any ? pbwm__round(w) : PBW_OK;
@@ -544,30 +778,15 @@ static pbw_status pbwm__match(pbwm__work *w)
 }
 
 /* ------------------------------------------------------------------------------------------------------
-   The file: each rank has its chunk in a file of its own, and copies it to its place.
+   The output: each rank copies its chunk to its place.
    ------------------------------------------------------------------------------------------------------ */
-static uint32_t pbwm__flags(const pbwm__group *g)
-{
-    return (g->options.weighted ? PBWTF_WEIGHTS : 0) | PBWTF_LINKS;
-}
-
-static void pbwm__open_chunk(pbwm__work *w, pbwm__chunk *c, const pbwt_tree *tree, int number)
-{
-    snprintf(c->name, sizeof c->name, "%s.%d", w->g->options.output, number);
-    c->file = fopen(c->name, "wb+");
-    if (c->file != NULL) {
-        pbwtf_begin(&c->writer, c->file, tree, (uint32_t)number, pbwm__flags(w->g));
-    }
-}
-
 /* Fills `across` of a finished chunk with those facets that are of this tile.  Returns 0 if it cannot be written. */
-static int pbwm__link_chunk(pbwm__work *w, pbwm__chunk *c, const pbwt_tile *tile, int number)
+static int pbwm__link_chunk(pbwm__work *w, pbwm__chunk *c, int number)
 {
     const pbwt_facet *facet = (const pbwt_facet *)(const void *)w->matched.data;
     const size_t count = w->matched.size / sizeof *facet;
     size_t i;
-    int good = pbwtf_end(&c->writer, tile, w->g->dim)
-            && fseek(c->file, (long)pbwtf_across_offset(&c->writer.chunk), SEEK_SET) == 0;
+    int good = fseek(c->file, (long)pbwtf_across_offset(&c->writer.chunk), SEEK_SET) == 0;
     for (i = 0; i < count && good; i++) {
         if (facet[i].from >> 40 == (uint64_t)number) {
             good = fwrite(&facet[i].to, 8, 1, c->file) == 1;
@@ -577,15 +796,6 @@ static int pbwm__link_chunk(pbwm__work *w, pbwm__chunk *c, const pbwt_tile *tile
     c->entry.size = pbwtf_chunk_size(&c->writer.chunk);
     c->entry.first_simplex = c->writer.chunk.simplices;
     return good && fflush(c->file) == 0;
-}
-
-static void pbwm__drop_chunk(pbwm__chunk *c)
-{
-    if (c->file != NULL) {
-        fclose(c->file);
-        remove(c->name);
-        c->file = NULL;
-    }
 }
 
 static int pbwm__copy_chunk(pbwm__chunk *c, const char *path)
@@ -604,7 +814,7 @@ static int pbwm__copy_chunk(pbwm__chunk *c, const char *path)
 }
 
 /* Gives each chunk its place; the header and the table, of rank 0. */
-static int pbwm__write_head(const pbwm__group *g, pbwtf_entry *table, pbwtf_header *header, const pbw_hash_sums *sums)
+static int pbwm__write_head(const pbwm__work *w, pbwtf_entry *table, pbwtf_header *header, const pbw_hash_sums *sums)
 {
     uint64_t simplices = 0, at = sizeof *header;
     uint32_t p;
@@ -620,10 +830,10 @@ static int pbwm__write_head(const pbwm__group *g, pbwtf_entry *table, pbwtf_head
     header->table = at;
     header->size = at + header->chunks * sizeof *table;
     pbwtf_seal(header, sums);
-    if (g->rank != 0) {
+    if (w->g->rank != 0) {
         return 1;
     }
-    file = fopen(g->options.output, "wb");
+    file = fopen(w->part, "wb");
     good = file != NULL && fwrite(header, sizeof *header, 1, file) == 1 && fseek(file, (long)at, SEEK_SET) == 0
         && fwrite(table, sizeof *table, header->chunks, file) == header->chunks;
     return (file == NULL || fclose(file) == 0) && good;
@@ -640,33 +850,25 @@ static pbw_status pbwm__write(pbwm__work *w, pbwtf_header *header, const pbw_has
         table[g->ranks] = w->leftover.entry;
         MPI_Bcast(table + g->ranks, 4, g->word, 0, g->comm);
         header->chunks = (uint32_t)g->ranks + (table[g->ranks].size > 0);
-        good = pbwm__write_head(g, table, header, sums);
-        status = pbwm__agree_file(g, good, g->options.output);
+        good = pbwm__write_head(w, table, header, sums);
+        status = pbwm__agree_file(g, good, w->part);
     }
     if (status == PBW_OK) {
         w->chunk.entry = table[g->rank];
-        good = pbwm__copy_chunk(&w->chunk, g->options.output);
+        good = pbwm__copy_chunk(&w->chunk, w->part);
         if (g->rank == 0 && table[g->ranks].size > 0) {
             w->leftover.entry = table[g->ranks];
-            good = pbwm__copy_chunk(&w->leftover, g->options.output) && good;
+            good = pbwm__copy_chunk(&w->leftover, w->part) && good;
         }
-        status = pbwm__agree_file(g, good, g->options.output);
+        status = pbwm__agree_file(g, good, w->part);
+    }
+    if (status == PBW_OK) {
+        status = pbwm__agree_file(g, g->rank != 0 || rename(w->part, g->options.output) == 0, g->options.output);
+    } else if (g->rank == 0) {
+        unlink(w->part);
     }
     pbwm__give(g, table);
     return status;
-}
-
-static pbw_status pbwm__open_file(pbwm__work *w)
-{
-    pbwm__group *g = w->g;
-    errno = 0;
-    pbwm__open_chunk(w, &w->chunk, &w->tree, g->rank);
-    if (g->rank == 0) {
-        pbwm__open_chunk(w, &w->leftover, NULL, g->ranks);
-    }
-    w->tile_options.emit = pbwtf_emit;
-    w->tile_options.emit_user = &w->chunk.writer;
-    return pbwm__agree_file(g, w->chunk.file != NULL && (g->rank != 0 || w->leftover.file != NULL), w->chunk.name);
 }
 
 static pbw_status pbwm__end_file(pbwm__work *w)
@@ -675,9 +877,10 @@ static pbw_status pbwm__end_file(pbwm__work *w)
     pbw_status status = pbwm__match(w);
     int good = 1;
     if (status == PBW_OK) {
-        good = pbwm__link_chunk(w, &w->chunk, &w->tile, g->rank);
+        good = pbwm__link_chunk(w, &w->chunk, g->rank);
         if (g->rank == 0 && w->rest.memory != NULL) {
-            good = pbwm__link_chunk(w, &w->leftover, &w->rest, g->ranks) && good;
+            good = pbwtf_end(&w->leftover.writer, &w->rest, g->dim) && pbwm__link_chunk(w, &w->leftover, g->ranks)
+                && good;
         }
         status = pbwm__agree_file(g, good, w->chunk.name);
     }
@@ -688,13 +891,25 @@ static pbw_status pbwm__end_file(pbwm__work *w)
 /* ------------------------------------------------------------------------------------------------------
    All together.
    ------------------------------------------------------------------------------------------------------ */
+static uint64_t pbwm__resident(void)                 /* at most so far, in bytes */
+{
+    struct rusage usage;
+    memset(&usage, 0, sizeof usage);
+    getrusage(RUSAGE_SELF, &usage);
+#ifdef __APPLE__
+    return (uint64_t)usage.ru_maxrss;
+#else
+    return (uint64_t)usage.ru_maxrss * 1024;
+#endif
+}
+
 static pbw_status pbwm__finish(pbwm__work *w)
 {
     pbwm__group *g = w->g;
     pbwm_report *r = g->report;
     const pbwt_numbers *n = &w->tile.numbers, *rest = &w->rest.numbers;
-    const uint64_t most[2] = { n->rounds, w->tree.count };
-    uint64_t sum[9], all[9], largest[2];
+    const uint64_t most[3] = { n->rounds, w->tree.count, pbwm__resident() };
+    uint64_t sum[10], all[10], largest[3];
     pbwtf_header header;
     pbw_hash_sums sums;
     pbw_status status = PBW_OK;
@@ -707,8 +922,9 @@ static pbw_status pbwm__finish(pbwm__work *w)
     sum[6] = w->tile.leftover_count;
     sum[7] = w->tile.hash.points + w->rest.hash.points;
     sum[8] = w->tile.hash.simplices + w->rest.hash.simplices;
-    MPI_Allreduce(sum, all, 9, MPI_UINT64_T, MPI_SUM, g->comm);
-    MPI_Allreduce(most, largest, 2, MPI_UINT64_T, MPI_MAX, g->comm);
+    sum[9] = (uint64_t)w->resumed;
+    MPI_Allreduce(sum, all, 10, MPI_UINT64_T, MPI_SUM, g->comm);
+    MPI_Allreduce(most, largest, 3, MPI_UINT64_T, MPI_MAX, g->comm);
     memset(&header, 0, sizeof header);
     header.dim = (uint32_t)g->dim;
     header.flags = pbwm__flags(g);
@@ -722,6 +938,8 @@ static pbw_status pbwm__finish(pbwm__work *w)
     r->given_up = all[6];
     r->rounds = largest[0];
     r->largest = largest[1];
+    r->memory = largest[2];
+    r->resumed = all[9];
     sums.points = all[7];
     sums.simplices = all[8];
     pbwtf_seal(&header, &sums);
@@ -743,18 +961,19 @@ static pbw_status pbwm__run(pbwm__work *w, const pbwt_point *points, size_t coun
     w->tile_options.emit = g->options.emit;
     w->tile_options.emit_user = g->options.emit_user;
     status = status == PBW_OK ? pbwm__plant(w) : status;
-    status = status == PBW_OK && g->options.output != NULL ? pbwm__open_file(w) : status;
+    status = status == PBW_OK && g->options.output != NULL ? pbwm__open_files(w) : status;
     status = status == PBW_OK ? pbwm__make_tile(w) : status;
     status = status == PBW_OK ? pbwm__leftovers(w) : status;
     status = status == PBW_OK && g->options.output != NULL ? pbwm__end_file(w) : status;
     status = status == PBW_OK ? pbwm__finish(w) : status;
-    pbwm__drop_chunk(&w->chunk);
-    pbwm__drop_chunk(&w->leftover);
+    pbwm__drop_chunk(&w->chunk, status != PBW_OK && w->finished);
+    pbwm__drop_chunk(&w->leftover, 0);
     pbwt_close(&w->tile);
     pbwt_close(&w->rest);
     pbwt_tree_free(&w->tree);
     pbwm__give(g, w->mine.data);
     pbwm__give(g, w->matched.data);
+    pbwm__give(g, w->kept);
     return status;
 }
 
@@ -805,6 +1024,9 @@ PBWMDEF pbw_status pbwm_triangulate(MPI_Comm comm, const pbwt_point *points, siz
            ? PBW_OK : PBW_ERROR_MEMORY;
     status = pbwm__agree(&g, status, "room for lists of ranks");
     status = status == PBW_OK ? pbwm__run(&w, points, count) : status;
+    if (g.options.taken != NULL) {
+        g.options.taken(g.options.taken_user);
+    }
     MPI_Allreduce(report->seconds, longest, PBWM_PHASES, MPI_DOUBLE, MPI_MAX, comm);
     memcpy(report->seconds, longest, sizeof longest);
     pbwm__give(&g, g.count);

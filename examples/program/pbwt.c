@@ -8,7 +8,6 @@
 #include "pbw_tilefile.h"
 
 typedef struct hull_facet { uint64_t key[3]; } hull_facet;           /* ascending; 2D: the last is 0 */
-typedef struct hull_point { uint64_t key; double x[3], weight; } hull_point;
 
 typedef struct proof {
     job *j;
@@ -17,8 +16,8 @@ typedef struct proof {
     size_t dim, corners, chunk;                      /* chunk: under test */
     unsigned char **seen;                            /* per chunk, a byte a point: it is a corner */
     hull_facet *facets;
-    hull_point *hull;
-    size_t facet_count, hull_count;
+    size_t facet_count;
+    pbw_hash_sums sums;
 } proof;
 
 int is_pbwt(const job *j)
@@ -174,6 +173,17 @@ static pbw_status check_range(void *arg, size_t from, size_t to)
 
 /* ---- chunks */
 
+/* A step for each chunk; then its pages leave this process's memory, so that a tile needs to fit and not the file. */
+static int for_chunks(proof *p, int (*step)(proof *p))
+{
+    int failed = 0;
+    for (p->chunk = 0; p->chunk < p->file.header->chunks && !failed; p->chunk++) {
+        failed = step(p);
+        pbwtf_forget(&p->file.map);
+    }
+    return failed;
+}
+
 static int fault_in(const proof *p, const char *what)
 {
     return fail(p->j, "tile %lu: %s", (unsigned long)p->chunk, what);
@@ -236,6 +246,12 @@ static int collect_hull(proof *p)
         }
     }
     return 0;
+}
+
+static int read_chunk(proof *p)
+{
+    const int failed = check_bytes(p);
+    return failed ? failed : collect_hull(p);
 }
 
 static int check_chunk(proof *p)                     /* once the bytes of all chunks are known to be right */
@@ -353,7 +369,7 @@ static int check_points(const proof *p, size_t *hidden)
          ? fail(p->j, "%lu points are no corners", (unsigned long)*hidden) : 0;
 }
 
-static int add_hash(proof *p, pbw_hash_sums *sums)
+static int add_hash(proof *p)
 {
     const pbwtf_view *v = p->view + p->chunk;
     pbw_hash_sums own;
@@ -363,8 +379,8 @@ static int add_hash(proof *p, pbw_hash_sums *sums)
     if (chosen != NULL && pbwtf_mesh(v, &mesh)) {
         memset(chosen, 1, (size_t)v->chunk->own);
         status = pbw_hash_parts(&mesh, chosen, NULL, &p->j->build, &own);
-        sums->points += own.points;
-        sums->simplices += own.simplices;
+        p->sums.points += own.points;
+        p->sums.simplices += own.simplices;
         pbwtf_mesh_free(&mesh);
     }
     free(chosen);
@@ -374,12 +390,8 @@ static int add_hash(proof *p, pbw_hash_sums *sums)
 
 static int hash_all(proof *p)
 {
-    pbw_hash_sums sums = { 0, 0 };
-    int failed = 0;
-    for (p->chunk = 0; p->chunk < p->file.header->chunks && !failed; p->chunk++) {
-        failed = add_hash(p, &sums);
-    }
-    if (!failed && p->file.header->points > 0 && pbw_hash_of(&sums) != p->file.header->hash) {
+    int failed = for_chunks(p, add_hash);
+    if (!failed && p->file.header->points > 0 && pbw_hash_of(&p->sums) != p->file.header->hash) {
         failed = fail(p->j, "%s: the hash is not that of its simplices", p->j->input);
     }
     return failed;
@@ -442,13 +454,8 @@ int check_pbwt(job *j)
     if (!failed && !(p.file.header->flags & PBWTF_LINKS)) {
         failed = fail(j, "%s: it has no links, so it cannot be proved; pbw hash compares it", j->input);
     }
-    for (p.chunk = 0; !failed && p.chunk < p.file.header->chunks; p.chunk++) {
-        failed = check_bytes(&p);
-        failed = failed ? failed : collect_hull(&p);
-    }
-    for (p.chunk = 0; !failed && p.chunk < p.file.header->chunks; p.chunk++) {
-        failed = check_chunk(&p);
-    }
+    failed = failed ? failed : for_chunks(&p, read_chunk);
+    failed = failed ? failed : for_chunks(&p, check_chunk);
     failed = failed ? failed : check_points(&p, &hidden);
     failed = failed || p.facet_count == 0 ? failed : check_hull(&p);
     failed = failed ? failed : hash_all(&p);
