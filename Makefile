@@ -202,7 +202,7 @@ $(FUZZERS:%=$B/%.fuzz): $B/%.fuzz: tests/%.c $(HEADERS) FORCE
 fuzz-solid: tests/fuzz_solid.c $(HEADERS) FORCE
 	$(CC) -std=c99 -O1 -g -I. -Iexamples/lib -DFUZZ_MAIN -fsanitize=address,undefined -fno-sanitize-recover=all \
 	    $< -o $B/fuzz_solid -lpthread -lm
-	$B/fuzz_solid --count $(COUNT) --seed 1
+	$B/fuzz_solid --count $(or $(COUNT),1000)
 
 fuzz-plane: $B/test_mesh2 FORCE
 	$B/test_mesh2 --count 1000000

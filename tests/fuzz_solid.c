@@ -1,5 +1,5 @@
-/* fuzz_solid.c: small soups of triangles decoded from bytes, flat, crossing, repeated, not finite: pbw_solid returns a
-   sound mesh, or a status that fits; faults of its boundary are counted.
+/* fuzz_solid.c: small soups of triangles decoded from bytes, flat, crossing, repeated, not finite: pbw_solid returns
+   a sound mesh, or a status that fits; faults of its boundary are counted.
        make fuzz            libFuzzer where clang is installed, else random bytes
        make fuzz-solid      COUNT soups of random bytes, under the sanitizers */
 #define PBW_IMPLEMENTATION
@@ -26,8 +26,9 @@ typedef struct soup {
 /* The boundary of a box, or an octahedron, of points that are already there. */
 static void soup_close(soup *s, size_t first, unsigned which)
 {
-    static const pbw_index box[12][3] = { { 0, 2, 3 }, { 0, 3, 1 }, { 4, 5, 7 }, { 4, 7, 6 }, { 0, 1, 5 }, { 0, 5, 4 },
-                                          { 2, 6, 7 }, { 2, 7, 3 }, { 0, 4, 6 }, { 0, 6, 2 }, { 1, 3, 7 }, { 1, 7, 5 } };
+    static const pbw_index box[12][3] = { { 0, 2, 3 }, { 0, 3, 1 }, { 4, 5, 7 }, { 4, 7, 6 }, { 0, 1, 5 },
+                                          { 0, 5, 4 }, { 2, 6, 7 }, { 2, 7, 3 }, { 0, 4, 6 }, { 0, 6, 2 },
+                                          { 1, 3, 7 }, { 1, 7, 5 } };
     static const pbw_index peaks[8][3] = { { 0, 2, 4 }, { 2, 1, 4 }, { 1, 3, 4 }, { 3, 0, 4 }, { 2, 0, 5 },
                                            { 1, 2, 5 }, { 3, 1, 5 }, { 0, 3, 5 } };
     size_t i, k;
@@ -62,7 +63,7 @@ static void soup_decode(soup *s, const unsigned char *data, size_t size)
     for (i = 0; i < 3 * s->count; i++) {
         s->points[i] = soup_number(kind, &bytes);
     }
-    for (i = 0; shape % 4 != 0 && i + 8 <= s->count && i < (shape % 4) * 8; i += 8) {    /* boxes, bent by some bytes */
+    for (i = 0; shape % 4 != 0 && i + 8 <= s->count && i < (shape % 4) * 8; i += 8) {    /* boxes, bent */
         const double low[3] = { (double)(i % 3), (double)(i / 16), 0 }, side = shape & 64 ? 0.1 : 1 + (double)i;
         for (k = 0; k < 24; k++) {
             double *x = s->points + 3 * i + k;
