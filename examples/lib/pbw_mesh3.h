@@ -883,7 +883,7 @@ static int pbwm3__find_holes(pbwm3__work *w, pbwsf__array *open)
     if (good && w->holes.count > 0) {
         qsort(w->holes.data, w->holes.count, sizeof(pbw_solid_hole), pbwm3__compare_holes);
         memcpy(w->report->hole, w->holes.data, sizeof(pbw_solid_hole)
-               * (w->holes.count < PBW_SOLID_PLACES ? w->holes.count : PBW_SOLID_PLACES));
+               * (w->holes.count < PBW_SOLID_PLACES ? w->holes.count : (size_t)PBW_SOLID_PLACES));
     }
     w->report->holes = w->holes.count;
     pbwsf__release(&w->memory, &heads);
