@@ -199,6 +199,11 @@ $(FUZZERS:%=$B/%.fuzz): $B/%.fuzz: tests/%.c $(HEADERS) FORCE
 	    $B/$* -entropic=0 -max_total_time=$(TIME) -print_final_stats=1 $B/corpus/$* tests/corpus; \
 	else $C -DFUZZ_MAIN $< -o $B/$* $(LIBS) && $B/$* --count 200000; fi
 
+fuzz-solid: tests/fuzz_solid.c $(HEADERS) FORCE
+	$(CC) -std=c99 -O1 -g -I. -Iexamples/lib -DFUZZ_MAIN -fsanitize=address,undefined -fno-sanitize-recover=all \
+	    $< -o $B/fuzz_solid -lpthread -lm
+	$B/fuzz_solid --count $(or $(COUNT),1000)
+
 fuzz-plane: $B/test_mesh2 FORCE
 	$B/test_mesh2 --count 1000000
 

@@ -285,6 +285,50 @@ static double part_plate(part *m)
     return part_box(m, low, high, 0);
 }
 
+/* A blade, from 0.015 to 0.05 thick. */
+static double part_blade(part *m)
+{
+    static const double p[4][2] = { { 0, 0 }, { 1, 0.01 }, { 1, 0.06 }, { 0, 0.015 } }, c[2] = { 0.6, 0.02 };
+    return part_prism(m, 4, p, c, 0.6);
+}
+
+/* A cup of 24 flat sides, slanted, its walls 0.03 thick. */
+static double part_cup(part *m)
+{
+    static const double line[6][2] = { { 0, 0 }, { 0.35, 0 }, { 0.5, 0.6 }, { 0.469, 0.6 }, { 0.327, 0.03 },
+                                       { 0, 0.03 } };
+    return part_turned(m, 6, line, 24, 0);
+}
+
+/* A ring of twelve flat walls, 0.04 thick. */
+static double part_knob(part *m)
+{
+    double p[2][12][2];
+    size_t k;
+    for (k = 0; k < 24; k++) {
+        const double a = PARTS_PI * (double)(k % 12) / 6, r = k < 12 ? 0.5 : 0.46;
+        p[k / 12][k % 12][0] = r * cos(a);
+        p[k / 12][k % 12][1] = r * sin(a);
+    }
+    part_ring(m, 12, (const double (*)[2])p[0], (const double (*)[2])p[1], 0.4);
+    return 0.4 * 6 * sin(PARTS_PI / 6) * (0.25 - 0.46 * 0.46);
+}
+
+/* Seven blades from a hub, 0.015 thick at their tips and 0.08 at the hub. */
+static double part_fins(part *m)
+{
+    double p[21][2];
+    static const double c[2] = { 0, 0 };
+    size_t k;
+    for (k = 0; k < 7; k++) {
+        const double a = 2 * PARTS_PI * ((double)k + 0.1) / 7, b = a + PARTS_PI / 7;
+        p[3 * k][0] = cos(a) + 0.0075 * sin(a), p[3 * k][1] = sin(a) - 0.0075 * cos(a);
+        p[3 * k + 1][0] = cos(a) - 0.0075 * sin(a), p[3 * k + 1][1] = sin(a) + 0.0075 * cos(a);
+        p[3 * k + 2][0] = 0.1 * cos(b), p[3 * k + 2][1] = 0.1 * sin(b);
+    }
+    return part_prism(m, 21, (const double (*)[2])p, c, 0.5);
+}
+
 typedef struct part_entry { const char *name; double (*make)(part *m); double size; long euler; } part_entry;
 
 /* size: the length of edges that suits it; euler: of its boundary. */
@@ -292,9 +336,12 @@ static const part_entry parts[] = {
     { "L", part_l, 0.15, 2 }, { "hole", part_hole, 0.08, 0 }, { "shaft", part_shaft, 0.12, 2 },
     { "gear", part_gear, 0.1, 2 }, { "fan", part_fan, 0.08, 2 }, { "wedge 20", part_wedge, 0.1, 2 },
     { "spike", part_spike, 0.1, 2 }, { "ball", part_ball, 0.15, 4 }, { "plate 1:50", part_plate, 0.05, 2 },
-    { "shell", part_shell, 0.06, 4 }, { "ribs", part_ribs, 0.08, 2 }, { "tubes", part_tubes, 0.06, 0 }
+    { "shell", part_shell, 0.06, 4 }, { "ribs", part_ribs, 0.08, 2 }, { "tubes", part_tubes, 0.06, 0 },
+    { "blade", part_blade, 0.05, 2 }, { "cup", part_cup, 0.06, 2 }, { "knob", part_knob, 0.06, 0 },
+    { "fins", part_fins, 0.05, 2 }
 };
-enum { PART_L = 0, PART_HOLE = 1, PART_WEDGE = 5, PART_SPIKE = 6, PART_BALL = 7, PART_COUNT = sizeof parts / sizeof *parts };
+enum { PART_L = 0, PART_HOLE = 1, PART_WEDGE = 5, PART_SPIKE = 6, PART_BALL = 7,
+       PART_COUNT = sizeof parts / sizeof *parts };
 
 /* Makes part number i, turned or not; returns its volume. */
 static double part_make(size_t i, int turned, part *m)

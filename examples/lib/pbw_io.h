@@ -3240,7 +3240,7 @@ static const pbwio__kind pbwio__kinds[] = {
     { "msh2", PBWIO__FROM_1, pbwio__read_msh, NULL,
       "$MeshFormat\n2.2 0 8\n$EndMeshFormat\n" PBWIO__GROUPS
       "$Nodes\n%n\n@p%i%X\n$EndNodes\n"
-      "$Elements\n%e\n@f%j[21][32] 2 1%P%v\n@c%j[22][34] 2 2%r%v\n$EndElements\n" },
+      "$Elements\n%e\n@f%j[21][32] 2 1 %P%v\n@c%j[22][34] 2 2 %r%v\n$EndElements\n" },
     { "inp", PBWIO__FROM_1 | PBWIO__NO_ORPHANS | PBWIO__BOUNDARY | PBWIO__COMMAS, NULL, NULL,
       "*NODE, NSET=NALL\n@p%i%x\n*ELEMENT, TYPE=[2CPS3][3C3D4], ELSET=DOMAIN\n@c%j%v\n"
       "[f*NSET, NSET=BOUNDARY\n@b%i\n*SURFACE, NAME=BOUNDARY, TYPE=ELEMENT\n@f%pS%k\n]" },

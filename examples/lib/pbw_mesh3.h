@@ -19,8 +19,8 @@
    takes the tetrahedra whose circumcentre is inside (restricted Delaunay triangulation: Boissonnat and Oudot 2005,
    "Provably good sampling and meshing of surfaces"), and adds points: where a facet's dual segment meets the surface
    farther than the size from the facet's corners, where a facet is far from the surface, on pieces of sharp edges
-   that are no edges, and where the boundary is no manifold.  When nothing is to be added, or after options.rounds,
-   pbw_improve raises the least dihedral angle.
+   that are no edges (points in their diametral balls go), and where the boundary is no manifold.  When nothing is to
+   be added, or after options.rounds, pbw_improve raises the least dihedral angle.
    Sharp edges cut the surface into patches; tetrahedra between points of the surface that share no patch are inside
    if their middle is.  Where that leaves faults, all is done again with the surface as one patch, and the attempt
    with fewer faults is the result.
@@ -44,10 +44,9 @@
 
    Sharp edges below 60 degrees are kept as others are; the tetrahedra at them have their angles.
 
-   DOES NOT  settle at walls and gaps below 1/10 of the size, nor always at acute edges and thin tubes in general
-             position: they come out with warnings.  Turned thin plates may lose a few tetrahedra at their sharp
-             edges: `distance` says so.  Shells of several regions may be nested, not
-             touch; points between two regions stay as they are laid.
+   DOES NOT  settle at walls and gaps below 1/10 of the size, nor always at acute edges: they come out with warnings.
+             Shells may be nested or cross, not touch: with a wall in common, inside is what parity makes of it.
+             Points between two regions stay as they are laid.
 
    CONFIGURATION MACROS
      PBW_MESH3_IMPLEMENTATION    in one source file: compile the implementation there
@@ -884,7 +883,7 @@ static int pbwm3__find_holes(pbwm3__work *w, pbwsf__array *open)
     if (good && w->holes.count > 0) {
         qsort(w->holes.data, w->holes.count, sizeof(pbw_solid_hole), pbwm3__compare_holes);
         memcpy(w->report->hole, w->holes.data, sizeof(pbw_solid_hole)
-               * (w->holes.count < PBW_SOLID_PLACES ? w->holes.count : PBW_SOLID_PLACES));
+               * (w->holes.count < PBW_SOLID_PLACES ? w->holes.count : (size_t)PBW_SOLID_PLACES));
     }
     w->report->holes = w->holes.count;
     pbwsf__release(&w->memory, &heads);
@@ -2120,8 +2119,9 @@ static int pbwm3__label_of(const pbwm3__work *w, pbw_index t)
     return t != PBW_NONE ? PBWM3__LABEL(w)[t] : 0;
 }
 
-/* Where facet i of t is to get a point; returns 0 if nowhere.  Facets between two sides of the surface are no
-   part of it, wherever their dual segments are; on the boundary they cut a sharp edge off. */
+/* Where facet i of t is to get a point; returns 0 if nowhere.  Points inside are no corners of the boundary.  Facets
+   between two sides of the surface are no part of it, wherever their dual segments are; on the boundary they cut a
+   sharp edge off. */
 static int pbwm3__facet_wants(const pbwm3__work *w, size_t t, int i, pbwm3__wish *wish)
 {
     const pbw_index n = w->mesh.neighbors[4 * t + (size_t)i], *c = w->mesh.simplices + 4 * t;
@@ -2150,7 +2150,8 @@ static int pbwm3__facet_wants(const pbwm3__work *w, size_t t, int i, pbwm3__wish
         p[k] = (PBWM3__X(w, f[0])[k] + PBWM3__X(w, f[1])[k] + PBWM3__X(w, f[2])[k]) / 3;
     }
     return inner != outer
-        && (bridge || pbw_surface_closest(&w->surface, p, w->distance * pbwm3__size(w, p), place) == PBW_NONE);
+        && (bridge || wish->inside != PBW_NONE
+            || pbw_surface_closest(&w->surface, p, w->distance * pbwm3__size(w, p), place) == PBW_NONE);
 }
 
 /* Adds the point of the surface nearest to p unless others are near; it takes the place of a near one inside.
@@ -2311,7 +2312,16 @@ static long pbwm3__mend_boundary(pbwm3__work *w)
     return got < 0 ? -1 : added;
 }
 
-/* ---- sharp edges: pieces that are no edges are halved ---- */
+/* ---- sharp edges: pieces that are no edges are halved, and points in their diametral balls go ---- */
+
+/* A point that is not sharp goes to the first of all points, and counts no more. */
+static void pbwm3__take_out(pbwm3__work *w, pbw_index p)
+{
+    pbwm3__take_from_cell(w, p);
+    memcpy(PBWM3__X(w, p), PBWM3__X(w, 0), 3 * sizeof(double));
+    PBWM3__KIND(w)[p] = PBWM3__GONE;
+    pbwm3__put_in_cell(w, p);
+}
 
 static int pbwm3__compare_pieces(const void *a, const void *b)
 {
@@ -2343,6 +2353,20 @@ static void pbwm3__find_pieces(const pbwm3__work *w, unsigned char *found)
     }
 }
 
+static void pbwm3__clear_ball(pbwm3__work *w, const pbwm3__piece *piece)
+{
+    const double *a = PBWM3__X(w, piece->a), *b = PBWM3__X(w, piece->b);
+    double middle[3];
+    pbw_index p;
+    pbwsf__between(a, b, 0.5, middle);
+    do {
+        p = pbwm3__near(w, middle, 0.5 * pbwsf__distance(a, b), PBWM3__SMOOTH, PBWM3__INSIDE);
+        if (p != PBW_NONE) {
+            pbwm3__take_out(w, p);
+        }
+    } while (p != PBW_NONE);
+}
+
 /* Returns how many points are added, -1 without memory; counts missing pieces in the report. */
 static long pbwm3__mend_pieces(pbwm3__work *w)
 {
@@ -2368,6 +2392,7 @@ static long pbwm3__mend_pieces(pbwm3__work *w)
             continue;
         }
         w->report->missing_edges++;
+        pbwm3__clear_ball(w, piece);
         if (piece->to - piece->from > 0.1 * w->least) {
             second.from = (piece->from + piece->to) / 2;
             pbwm3__along(w, piece->chain, second.from, p);
@@ -2379,15 +2404,6 @@ static long pbwm3__mend_pieces(pbwm3__work *w)
     }
     pbwsf__release(&w->memory, &found);
     return added;
-}
-
-/* A point inside goes to the first of all points, and counts no more. */
-static void pbwm3__take_out(pbwm3__work *w, pbw_index p)
-{
-    pbwm3__take_from_cell(w, p);
-    memcpy(PBWM3__X(w, p), PBWM3__X(w, 0), 3 * sizeof(double));
-    PBWM3__KIND(w)[p] = PBWM3__GONE;
-    pbwm3__put_in_cell(w, p);
 }
 
 /* One round: offers all points that facets want, halves pieces, mends the boundary.  Returns how many points came,
