@@ -84,7 +84,7 @@ ifneq ($(filter bench-plane build/bench_plane,$(MAKECMDGOALS)),)
 PLANE_HAS := $(shell printf '\043include <CGAL/Constrained_Delaunay_triangulation_2.h>\n' | \
     $(CXX) -std=c++17 -x c++ -E - >/dev/null 2>&1 && echo yes)
 endif
-build/bench_plane: bench/plane.cpp pbw.h examples/lib/pbw_mesh2.h tests/inputs.h
+build/bench_plane: bench/plane.cpp pbw.h examples/lib/pbw_mesh2.h examples/lib/pbw_adapt2.h tests/inputs.h
 	@mkdir -p build
 	$(BENCH_CXX) $(if $(PLANE_HAS),-DBENCH_CGAL) $< -o $@ $(if $(PLANE_HAS),-lgmp -lmpfr) -lpthread -lm
 
