@@ -25,7 +25,8 @@
        contraction     one end of an edge moves into the other
        insertion       an edge or a tetrahedron gets a corner in its middle
    Whatever does not raise the least quality of the tetrahedra it changes is not done (Klingner and Shewchuk 2007,
-   "Aggressive tetrahedral mesh improvement").  Threads work on tetrahedra far from each other, which the mesh decides.
+   "Aggressive tetrahedral mesh improvement").  Threads work at once on tetrahedra that are far from each other; the
+   mesh decides on which.
    Before, options.rounds move all points that are not fixed, to raise the mean: by optimal Delaunay triangulation
    (ODT; Alliez, Cohen-Steiner, Yvinec, Desbrun 2005), Lloyd's way or the Laplacian one.  Points without a common
    tetrahedron move together, on all threads: colours decide the order.
@@ -361,21 +362,54 @@ PBWIMPROVEDEF int pbw_tets_spread(const pbw_tets *mesh, pbw_measure measure, con
     return 1;
 }
 
-PBWIMPROVEDEF int pbw_tets_quality(const pbw_tets *mesh, const pbw_options *options, pbw_quality *quality)
+/* Puts the value there that sorting puts at `rank`, none larger before it and none smaller after it. */
+static void pbwim__select(double *value, size_t count, size_t rank)
+{
+    size_t low = 0, high = count - 1;
+    while (low < high) {
+        const double pivot = value[low + (high - low) / 2];
+        size_t i = low, k = high;
+        for (;;) {
+            double swap;
+            for (; value[i] < pivot; i++) {
+            }
+            for (; value[k] > pivot; k--) {
+            }
+            if (i >= k) {
+                break;
+            }
+            swap = value[i];
+            value[i++] = value[k];
+            value[k--] = swap;
+        }
+        if (rank <= k) {                             /* value[low..k] <= pivot <= value[k + 1..high] */
+            high = k;
+        } else {
+            low = k + 1;
+        }
+    }
+}
+
+/* Blocks of tetrahedra are measured at once, and summed up in order: sums do not depend on threads. */
+enum { PBWIM__BLOCK = 2048 };
+
+typedef struct pbwim__measuring {
+    const pbw_tets *mesh;
+    double *least;                         /* one a tetrahedron, or NULL */
+    pbw_quality *block;
+} pbwim__measuring;
+
+static void pbwim__measure_block(const pbwim__measuring *work, size_t block, pbw_quality *q)
 {
     static const double limits[4] = { 5, 10, 20, 30 };
-    pbwsf__memory memory = pbwsf__memory_of(options);
-    pbwsf__array sorted;
-    double *least;
+    const pbw_tets *mesh = work->mesh;
+    const size_t end = mesh->tet_count - block * PBWIM__BLOCK < PBWIM__BLOCK ? mesh->tet_count
+                                                                             : (block + 1) * PBWIM__BLOCK;
     size_t i, k;
-    int kept;
-    memset(&sorted, 0, sizeof sorted);
-    memset(quality, 0, sizeof *quality);
-    kept = pbwsf__resize(&memory, &sorted, (mesh->tet_count + 1) * sizeof(double));
-    least = (double *)sorted.data;
-    quality->least = mesh->tet_count > 0 ? 180 : 0;
-    quality->least_sine = mesh->tet_count > 0 ? 1 : 0;
-    for (i = 0; i < mesh->tet_count; i++) {
+    memset(q, 0, sizeof *q);
+    q->least = 180;
+    q->least_sine = 1;
+    for (i = block * PBWIM__BLOCK; i < end; i++) {
         const double *c[4];
         double angle[6], lowest = 180;
         for (k = 0; k < 4; k++) {
@@ -384,25 +418,91 @@ PBWIMPROVEDEF int pbw_tets_quality(const pbw_tets *mesh, const pbw_options *opti
         pbwim__angles(c, angle);
         for (k = 0; k < 6; k++) {
             lowest = fmin(lowest, angle[k]);
-            quality->largest = fmax(quality->largest, angle[k]);
-            quality->bins[angle[k] < 180 ? (size_t)(angle[k] / 10) : 17]++;
+            q->largest = fmax(q->largest, angle[k]);
+            q->bins[angle[k] < 180 ? (size_t)(angle[k] / 10) : 17]++;
         }
         for (k = 0; k < 4; k++) {
-            quality->below[k] += lowest < limits[k];
+            q->below[k] += lowest < limits[k];
         }
-        quality->least = fmin(quality->least, lowest);
-        quality->least_sine = fmin(quality->least_sine, pbwim__sine(c[0], c[1], c[2], c[3]));
-        quality->volume += pbw_tet_measure(PBW_MEASURE_VOLUME, c[0], c[1], c[2], c[3]);
-        if (kept) {
-            least[i] = lowest;
+        q->least = fmin(q->least, lowest);
+        q->least_sine = fmin(q->least_sine, pbwim__sine(c[0], c[1], c[2], c[3]));
+        q->volume += pbw_tet_measure(PBW_MEASURE_VOLUME, c[0], c[1], c[2], c[3]);
+        if (work->least != NULL) {
+            work->least[i] = lowest;
         }
     }
-    if (kept && mesh->tet_count > 0) {
-        qsort(least, mesh->tet_count, sizeof *least, pbwim__compare);
-        quality->permille = least[mesh->tet_count / 1000];
-        quality->percent = least[mesh->tet_count / 100];
+}
+
+static pbw_status pbwim__measure_some(void *arg, size_t from, size_t to)
+{
+    const pbwim__measuring *work = (const pbwim__measuring *)arg;
+    for (; from < to; from++) {
+        pbwim__measure_block(work, from, work->block + from);
     }
-    pbwsf__release(&memory, &sorted);
+    return PBW_OK;
+}
+
+static void pbwim__add_quality(pbw_quality *sum, const pbw_quality *q)
+{
+    size_t k;
+    sum->least = fmin(sum->least, q->least);
+    sum->least_sine = fmin(sum->least_sine, q->least_sine);
+    sum->largest = fmax(sum->largest, q->largest);
+    sum->volume += q->volume;
+    for (k = 0; k < 4; k++) {
+        sum->below[k] += q->below[k];
+    }
+    for (k = 0; k < 18; k++) {
+        sum->bins[k] += q->bins[k];
+    }
+}
+
+/* Options of work on threads that reports no progress of its own; `used` bytes are taken already. */
+static pbw_options pbwim__quiet(const pbw_options *options, size_t used)
+{
+    pbw_options quiet;
+    memset(&quiet, 0, sizeof quiet);
+    if (options != NULL) {
+        quiet = *options;
+        quiet.progress = NULL;
+        quiet.memory_limit -= quiet.memory_limit > used ? used : 0;
+    }
+    return quiet;
+}
+
+PBWIMPROVEDEF int pbw_tets_quality(const pbw_tets *mesh, const pbw_options *options, pbw_quality *quality)
+{
+    const size_t count = mesh->tet_count, blocks = count / PBWIM__BLOCK + (count % PBWIM__BLOCK != 0);
+    pbwsf__memory memory = pbwsf__memory_of(options);
+    pbwsf__array room;
+    pbwim__measuring work;
+    pbw_options quiet;
+    size_t i;
+    int kept, done;
+    memset(&room, 0, sizeof room);
+    memset(quality, 0, sizeof *quality);
+    kept = pbwsf__resize(&memory, &room, (count + 1) * sizeof(double) + (blocks + 1) * sizeof *work.block);
+    quality->least = count > 0 ? 180 : 0;
+    quality->least_sine = count > 0 ? 1 : 0;
+    work.mesh = mesh;
+    work.block = (pbw_quality *)room.data;
+    work.least = kept ? (double *)(work.block + blocks + 1) : NULL;
+    quiet = pbwim__quiet(options, memory.used);
+    done = kept && pbw_for(&quiet, blocks, 1, pbwim__measure_some, &work) == PBW_OK;
+    for (i = 0; i < blocks; i++) {
+        pbw_quality q;
+        if (!done) {
+            pbwim__measure_block(&work, i, &q);
+        }
+        pbwim__add_quality(quality, done ? work.block + i : &q);
+    }
+    if (kept && count > 0) {
+        pbwim__select(work.least, count, count / 100);
+        quality->percent = work.least[count / 100];
+        pbwim__select(work.least, count / 100 + 1, count / 1000);
+        quality->permille = work.least[count / 1000];
+    }
+    pbwsf__release(&memory, &room);
     return kept;
 }
 
@@ -1998,24 +2098,11 @@ static int pbwim__stops(const pbwim__mesh *m, double done)
         && m->options->progress(m->options->progress_user, PBW_STAGE_WORK, done) != 0;
 }
 
-/* The options of work on threads, which reports no progress of its own. */
-static pbw_options pbwim__quiet(const pbwim__mesh *m)
-{
-    pbw_options quiet;
-    memset(&quiet, 0, sizeof quiet);
-    if (m->options != NULL) {
-        quiet = *m->options;
-        quiet.progress = NULL;
-        quiet.memory_limit -= quiet.memory_limit > m->memory.used ? m->memory.used : 0;
-    }
-    return quiet;
-}
-
 /* Rounds over all colours, from `done` of the work to the next. */
 static pbw_status pbwim__rounds(pbwim__smoothing *s, int rounds, double done, double end)
 {
     pbwim__mesh *m = s->m;
-    const pbw_options quiet = pbwim__quiet(m);
+    const pbw_options quiet = pbwim__quiet(m->options, m->memory.used);
     pbw_status status = PBW_OK;
     size_t moves = 1, p;
     int round, k;
@@ -2327,7 +2414,7 @@ static pbw_status pbwim__pass(pbwim__mesh *m, int all, const double done[2], dou
         for (i = 0; i < count; i++) {
             pbwim__open_lane(m, (pbwim__lane *)m->lanes.data + i);
         }
-        quiet = pbwim__quiet(m);
+        quiet = pbwim__quiet(m->options, m->memory.used);
         status = pbw_for(&quiet, count, 1, pbwim__mend_some, m);
         for (i = 0; i < count && status == PBW_OK; i++) {
             pbwim__lane *lane = (pbwim__lane *)m->lanes.data + i;
