@@ -2288,7 +2288,9 @@ static size_t pbwim__choose(pbwim__mesh *m, int all, size_t *first)
     pbwim__lane *lane = (pbwim__lane *)m->lanes.data;
     size_t left = m->queue.count - *first, count = 0, waiting = 0, i;
     int closed = 0;
-    left = left < PBWIM__WINDOW ? left : PBWIM__WINDOW;
+    if (left > PBWIM__WINDOW) {
+        left = PBWIM__WINDOW;
+    }
     m->batch++;
     for (i = 0; i < left && count < PBWIM__LANES && !closed; i++) {
         const pbw_index t = item[i].t;
@@ -2363,8 +2365,11 @@ static pbw_status pbwim__mend_some(void *arg, size_t from, size_t to)
 /* Room for the next batch, and lanes; returns 0 if there is no memory. */
 static int pbwim__prepare(pbwim__mesh *m, size_t left)
 {
-    const size_t count = left < PBWIM__LANES ? left : PBWIM__LANES;
+    size_t count = left;
     pbwim__lane *lane;
+    if (count > PBWIM__LANES) {
+        count = PBWIM__LANES;
+    }
     if (!pbwim__reserve(m, count)) {
         return 0;
     }
