@@ -41,7 +41,7 @@ endif
 endif
 
 .PHONY: all page demo web examples test test-all programs oracle arm asan ubsan tsan sanitize valgrind fuzz fuzz-long \
-    asm names fuzz-plane clean help FORCE
+    asm names fuzz-plane fuzz-cells clean help FORCE
 .DELETE_ON_ERROR:
 .SECONDARY:
 
@@ -67,6 +67,7 @@ help:
 	@echo 'make asan ubsan tsan valgrind                  the test programs under sanitizers;  sanitize: asan and ubsan'
 	@echo 'make fuzz        fuzzers, TIME=60 each         make fuzz-long  ten million random small inputs'
 	@echo 'make fuzz-plane  a million random small plane domains, and a million crossings'
+	@echo 'make fuzz-cells  a million small inputs with cells in boxes, half-spaces, polygons, periodic boxes'
 	@echo 'CC=clang CXX=clang++ CFLAGS=-O3 B=build/clang  for any of them;  COUNT=n random inputs in tests'
 
 # Programs.  Each example is whole by itself, `cc -O2 -Iexamples/lib example.c -lpthread -lm`; here pbw.h is compiled
@@ -200,6 +201,12 @@ $(FUZZERS:%=$B/%.fuzz): $B/%.fuzz: tests/%.c $(HEADERS) FORCE
 
 fuzz-plane: $B/test_mesh2 FORCE
 	$B/test_mesh2 --count 1000000
+
+fuzz-cells: $B/fuzz_cells_random FORCE
+	$< --count 1000000
+$B/fuzz_cells_random: tests/fuzz_cells.c $(HEADERS)
+	@mkdir -p $B
+	$C -DFUZZ_MAIN $< -o $@ $(LIBS)
 
 $B/fuzz.%.log: $B/fuzz_random FORCE
 	@sh tests/run.sh $@ $< --count 1250000 --seed $*

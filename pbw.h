@@ -256,7 +256,7 @@ struct pbw_mesh {                          /* start from {0}, in C++ {}; read, d
    points: dim coordinates each, read in place, not kept.  mesh: overwritten (an earlier result in it is not
    freed); on any status but PBW_OK and PBW_DEGENERATE it is left empty.  PBW_DEGENERATE: no simplices, but
    canonical, incident (all PBW_NONE), points and duplicate_count are filled.
-   Holds at most 300 (3D) or 105 (2D) bytes a point while it runs on uniform points, the result included, which is 260
+   Holds at most 280 (3D) or 97 (2D) bytes a point while it runs on uniform points, the result included, which is 260
    (3D) or 85 (2D), and 0.5 MB a thread. */
 PBWDEF pbw_status pbw_triangulate(int dim, const double *points, const double *weights, size_t count,
                                   const pbw_options *options, pbw_mesh *mesh);
@@ -4387,21 +4387,23 @@ PBW__INLINE size_t pbw__region_end(const pbw__store *store, size_t region)
     return end < store->region_slots && region + 1 < store->region_count ? end : store->region_slots;
 }
 
-/* Regions and a tail.  A region has slots for 7 simplices a vertex in space, 2 1/16 in the plane: uniform points need
-   6.77 and 2, ghosts included.  There are at most 65536 regions, as each round of >>parallel visits all of
-   them; with less than 128 ranks (2D: 512) too many would be full while others are not.
+/* Regions and a tail.  A region has slots for 6 7/8 simplices a vertex in space: uniform points need 6.77, and the
+   tail takes the surplus of one region in five.  In the plane each vertex makes two more triangles than it deletes,
+   ghosts included, so a region needs two slots a vertex and two more for the first star.  There are at most 65536
+   regions, as each round of >>parallel visits all of them; with less than 128 ranks (2D: 512) too many would be full
+   while others are not.
    The output moves each simplex to its place in the order of lowest ranks.  Of n ranks on the curve, and so of the
    places they fill, a border of about n^(2/3) has simplices with higher ranks, in slots of later regions: in space
    the first region has slots for these too, so that places are not ahead of slots. */
 static pbw_status pbw__store_create(pbw__context *context, pbw__store *store, size_t vertices, int dim)
 {
     pbw__memory *memory = &context->memory;
-    size_t slots, tail = 64 + vertices / 32, side = 1, r;
+    size_t slots, tail = 64 + vertices / (dim == 3 ? 32 : 1024), side = 1, r;
     pbw_status status;
     for (store->region_bits = dim == 3 ? 7 : 9; vertices >> store->region_bits >= 65536; ) {
         store->region_bits++;
     }
-    store->slots_each = ((size_t)1 << store->region_bits) / 16 * (dim == 3 ? 112 : 33);
+    store->slots_each = ((size_t)1 << store->region_bits) / 16 * (dim == 3 ? 110 : 32) + (dim == 3 ? 0 : 2);
     while (side * side * side < vertices) {
         side++;
     }
@@ -4508,27 +4510,26 @@ PBW__INLINE void pbw__free_slot(pbw__kernel *kernel, pbw_index t)
     kernel->slots.free_count++;
 }
 
-/* Takes a block of the tail for `needed` simplices.  Only a thread that is alone can grow the tail. */
+/* Takes a block of the tail, of at least `needed` slots.  Only a thread that is alone can grow the tail. */
 static PBW__NOINLINE pbw_status pbw__more_tail(pbw__kernel *kernel, size_t needed)
 {
     pbw__store *store = kernel->store;
-    size_t block = needed > 1024 ? needed : 1024, from, t;
-    pbw_status status = PBW_OK;
-    if (kernel->own.owner == NULL && store->capacity - store->count < block) {
-        size_t bigger = pbw__store_bigger(store), least = store->count + needed;
-        status = store->capacity >= least && store->capacity == PBW__SIMPLEX_LIMIT ? PBW_OK
-               : pbw__store_reserve(kernel->context, store, bigger > least ? bigger : least);
+    const size_t most = needed > 256 ? needed : 256;
+    size_t block, from, t;
+    if (kernel->own.owner == NULL && store->capacity - store->count < needed) {
+        const size_t bigger = pbw__store_bigger(store), least = store->count + needed;
+        const pbw_status status = pbw__store_reserve(kernel->context, store, bigger > least ? bigger : least);
         pbw__kernel_attach(kernel);
         if (status != PBW_OK) {
             return status;
         }
-        block = block < store->capacity - store->count ? block : store->capacity - store->count;
     }
     from = PBW__LOAD(&store->count);
     do {
         PBW__TEST_PAUSE();
-        if (store->capacity - from < block) {
-            kernel->slots.no_room = 1;                     /* at the end of the round there will be more */
+        block = store->capacity - from < most ? store->capacity - from : most;
+        if (block < needed) {
+            kernel->slots.no_room = 1;               /* at the end of the round there will be more */
             return PBW__LEFT;
         }
     } while (!PBW__CAS(&store->count, &from, from + block));
@@ -12406,7 +12407,8 @@ typedef struct pbw__core {
     pbw_index *name, *incident, *local;              /* per vertex: its number for the caller; a simplex; its place in
                                                         `rim_vertex`, if that has it */
     pbw_index *vertex, *twin;                        /* per number: its vertex; the next number at its place */
-    pbw_index *place;                                /* a hash table of vertices by coordinates; 0: none */
+    pbw_index *place;                                /* a hash table of vertices by coordinates; 0: none.  A vertex
+                                                        that is gone or moved on may still be at its old place */
     pbw_index *unused, *hidden, *witness;            /* vertices; a simplex that hides each hidden one */
     pbw_index *covered, *cover;                      /* hidden and witness as the commit will leave them */
     pbw_index *start;                                /* per cell of the box: a vertex that is or was there; 0: none */
@@ -14170,7 +14172,6 @@ static pbw_status pbw__verify(pbw__core *core, size_t most)
 #define PBW__QUEUED 4u                               /* its number is in the queue */
 #define PBW__LEAVES 8u                               /* in a commit: its old place; and the next: a new one */
 #define PBW__ARRIVES 16u
-#define PBW__REMOVED PBW_NONE                        /* in the table of places */
 
 #define PBW__LIVE_GROW(live, x, needed) \
     pbw__grow(&(live)->core.kernel.context->memory, &(live)->x, &(live)->x##_capacity, needed, sizeof(*(live)->x))
@@ -14193,9 +14194,11 @@ struct pbw_live {
     /* of one commit */
     pbw__edit *edit;
     pbw_index *head, *leaving, *arriving;            /* head: per place that changes, a number there; vertices */
+    pbw_index *joining;                              /* numbers that arrive; then vertices that they did not need */
     double *moved;                                   /* other coordinates of those in `leaving` */
-    size_t edit_capacity, head_capacity, leaving_capacity, arriving_capacity, moved_capacity;
-    size_t edit_count, leaving_count, arriving_count, past_vertices, past_unused, past_placed;
+    size_t edit_capacity, head_capacity, leaving_capacity, arriving_capacity, joining_capacity, moved_capacity;
+    size_t edit_count, leaving_count, arriving_count, joining_count, first_edit;
+    size_t past_vertices, past_unused, past_placed;
 };
 
 /* ---- the queue */
@@ -14996,6 +14999,7 @@ PBW__INLINE void pbw__live_prefetch(const pbw_live *live, size_t i)
         }
         if (near < live->numbers && (live->state[near] & PBW__LIVES) != 0) {
             PBW__PREFETCH(pbw__core_record(&live->core, live->core.vertex[near]));
+            PBW__PREFETCH(live->core.local + live->core.vertex[near]);
         }
     }
 }
@@ -15046,23 +15050,22 @@ PBW__INLINE size_t pbw__place_slot(const pbw__core *core, const double *x)
 static size_t pbw__place_find(const pbw__core *core, const double *x)
 {
     const int dim = core->kernel.dim;
-    size_t at = pbw__place_slot(core, x), hole = (size_t)-1;
-    while (core->place[at] != 0) {
-        if (core->place[at] == PBW__REMOVED) {
-            hole = hole == (size_t)-1 ? at : hole;
-        } else if (pbw__same_place(pbw__core_record(core, core->place[at]), x, dim)) {
-            return at;
+    size_t at = pbw__place_slot(core, x);
+    for (; core->place[at] != 0; at = (at + 1) & (core->place_capacity - 1)) {
+        const pbw_index v = core->place[at];
+        if (pbw__same_place(pbw__core_record(core, v), x, dim) && core->incident[v] != PBW__GONE) {
+            break;
         }
-        at = (at + 1) & (core->place_capacity - 1);
     }
-    return hole != (size_t)-1 ? hole : at;
+    return at;
 }
 
 /* A table of places with room for `more` vertices. */
 static int pbw__place_reserve(pbw_live *live, size_t more)
 {
     pbw__core *core = &live->core;
-    size_t room = 64, i;
+    const size_t count = core->vertex_count;
+    size_t room = 64, v;
     if (core->place != NULL && 2 * (core->placed + more) < core->place_capacity) {
         return 1;
     }
@@ -15079,13 +15082,29 @@ static int pbw__place_reserve(pbw_live *live, size_t more)
     core->place_capacity = room;
     memset(core->place, 0, room * sizeof(pbw_index));
     core->placed = 0;
-    for (i = 0; i < live->numbers; i++) {
-        if ((live->state[i] & PBW__LIVES) != 0 && core->name[core->vertex[i]] == i) {
-            core->place[pbw__place_find(core, pbw__core_record(core, core->vertex[i]))] = core->vertex[i];
+    for (v = 1; v <= count; v++) {
+        size_t at = pbw__place_slot(core, pbw__core_record(core, (pbw_index)v));
+        PBW__PREFETCH_TO_WRITE(core->place + pbw__place_slot(core, pbw__core_record(core, (pbw_index)(v + 16 <= count
+                                                                                            ? v + 16 : v))));
+        for (; core->incident[v] != PBW__GONE && core->place[at] != 0; at = (at + 1) & (room - 1)) {
+        }
+        if (core->incident[v] != PBW__GONE) {
+            core->place[at] = (pbw_index)v;
             core->placed++;
         }
     }
     return 1;
+}
+
+/* Prefetches what is at the place of x: the entry, or, some steps later, its vertex. */
+PBW__INLINE void pbw__place_prefetch(const pbw__core *core, const double *x, int later)
+{
+    const size_t at = pbw__place_slot(core, x);
+    if (!later) {
+        PBW__PREFETCH(core->place + at);
+    } else {
+        PBW__PREFETCH(pbw__core_record(core, PBW__LOAD(core->place + at)));
+    }
 }
 
 /* Room for the changes of a batch: `more` new vertices, as many places with changes. */
@@ -15100,7 +15119,8 @@ static pbw_status pbw__batch_reserve(pbw_live *live, size_t more)
         && PBW__CORE_GROW(core, unused, core->unused_count + more)
         && PBW__CORE_GROW(core, covered, core->hidden_count)
         && PBW__CORE_GROW(core, cover, core->hidden_count) && PBW__LIVE_GROW(live, head, more + 1)
-        && PBW__LIVE_GROW(live, leaving, more + 1) && PBW__LIVE_GROW(live, arriving, more + 1);
+        && PBW__LIVE_GROW(live, leaving, more + 1) && PBW__LIVE_GROW(live, arriving, more + 1)
+        && PBW__LIVE_GROW(live, joining, more + 1);
     core->kernel.record = core->record;              /* which may have moved, whatever failed then */
     memset(core->local + old, 0, (core->local_capacity - old) * sizeof(pbw_index));
     return room && pbw__place_reserve(live, more) ? PBW_OK : PBW_ERROR_MEMORY;
@@ -15155,26 +15175,22 @@ static pbw_index pbw__live_new_vertex(pbw_live *live, const double *x, pbw_index
     return v;
 }
 
-/* Adds a number to those of its new place. */
+/* Adds a number to those of its place, which has a vertex, nearly always: an old entry in the table may have led two
+   numbers to take the other's vertex for one that was there. */
 static int pbw__live_join(pbw_live *live, pbw_index id)
 {
     pbw__core *core = &live->core;
-    const double *x = pbw__live_point(live, id);
-    const size_t slot = pbw__place_find(core, x);
-    pbw_index v = core->place[slot], head;
-    size_t at;
-    if (v == 0 || v == PBW__REMOVED) {
-        core->placed += v == 0;
-        v = pbw__live_new_vertex(live, x, id);
-        at = pbw__live_affect(live, v, PBW_NONE);
-        if (!pbw__live_set(live, PBW__EDIT_PLACE, slot, v)) {
-            return 0;
-        }
-    } else {
-        at = pbw__live_affect(live, v, core->name[v]);
+    const size_t slot = pbw__place_find(core, pbw__live_point(live, id));
+    const int none = core->place[slot] == 0;
+    const pbw_index v = none ? pbw__live_new_vertex(live, pbw__live_point(live, id), id) : core->place[slot];
+    const size_t at = pbw__live_affect(live, v, none ? PBW_NONE : core->name[v]);
+    const pbw_index head = live->head[at];
+    if (none) {
+        core->placed++;
+        live->arriving[live->arriving_count++] = v;
     }
-    head = live->head[at];
-    if (!pbw__live_set(live, PBW__EDIT_VERTEX, id, v)
+    if ((none && !pbw__live_set(live, PBW__EDIT_PLACE, slot, v))
+        || !pbw__live_set(live, PBW__EDIT_VERTEX, id, v)
         || !pbw__live_set(live, PBW__EDIT_TWIN, id, head == PBW_NONE ? id : core->twin[head])
         || (head != PBW_NONE && !pbw__live_set(live, PBW__EDIT_TWIN, head, id))) {
         return 0;
@@ -15189,11 +15205,10 @@ static int pbw__live_elect(pbw_live *live, size_t at)
 {
     pbw__core *core = &live->core;
     const pbw_index v = core->rim_vertex[at], head = live->head[at];
-    const size_t slot = pbw__place_find(core, pbw__core_record(core, v));
     pbw_index best = head, id, other;
     if (head == PBW_NONE) {
         live->leaving[live->leaving_count++] = v;
-        return pbw__live_set(live, PBW__EDIT_PLACE, slot, PBW__REMOVED);
+        return 1;
     }
     for (id = core->twin[head]; id != head; id = core->twin[id]) {
         if (live->weight[id] != live->weight[best] ? live->weight[id] > live->weight[best] : id < best) {
@@ -15203,7 +15218,7 @@ static int pbw__live_elect(pbw_live *live, size_t at)
     if (core->incident[v] == PBW__WAITING) {
         core->name[v] = best;
         core->record[v * ((size_t)live->dim + 1) + (size_t)live->dim] = live->weight[best];
-        live->arriving[live->arriving_count++] = v;
+        core->local[v] = 0;
         return 1;
     }
     if (best == core->name[v]) {
@@ -15219,47 +15234,14 @@ static int pbw__live_elect(pbw_live *live, size_t at)
         }
         id = core->twin[id];
     } while (id != head);
-    return pbw__live_set(live, PBW__EDIT_PLACE, slot, other);
+    return pbw__live_set(live, PBW__EDIT_PLACE, pbw__place_find(core, pbw__core_record(core, v)), other);
 }
 
-/* Lists the vertices that leave and arrive, and brings the numbers of places up to date. */
-static pbw_status pbw__batch_plan(pbw_live *live)
+/* Sorts a list along the curve by the points base[list[i] * stride]. */
+static pbw_status pbw__live_sort(const pbw_live *live, const double *base, size_t stride, pbw_index *list,
+                                 size_t count)
 {
-    pbw__core *core = &live->core;
-    size_t i;
-    core->rim_vertices = 0;
-    for (i = 0; i < live->queue_count; i++) {
-        if ((live->state[live->queue[i]] & PBW__LEAVES) != 0) {
-            (void)pbw__live_affect(live, core->vertex[live->queue[i]], PBW_NONE);
-        }
-    }
-    for (i = 0; i < core->rim_vertices; i++) {
-        if (!pbw__live_sieve(live, i)) {
-            return PBW_ERROR_MEMORY;
-        }
-    }
-    for (i = 0; i < live->queue_count; i++) {
-        const size_t soon = i + 8 < live->queue_count ? i + 8 : i;
-        PBW__PREFETCH(core->place + pbw__place_slot(core, pbw__live_point(live, live->queue[soon])));
-        if ((live->state[live->queue[i]] & PBW__ARRIVES) != 0 && !pbw__live_join(live, live->queue[i])) {
-            return PBW_ERROR_MEMORY;
-        }
-    }
-    for (i = 0; i < core->rim_vertices; i++) {
-        const pbw_index soon = core->rim_vertex[i + 8 < core->rim_vertices ? i + 8 : i];
-        PBW__PREFETCH(core->place + pbw__place_slot(core, pbw__core_record(core, soon)));
-        if (!pbw__live_elect(live, i)) {
-            return PBW_ERROR_MEMORY;
-        }
-    }
-    return PBW_OK;
-}
-
-/* ---- commits: vertex by vertex
-   Sorts vertices along the curve. */
-static pbw_status pbw__live_sort(const pbw_live *live, const pbw__core *core, pbw_index *list, size_t count)
-{
-    pbw__memory *memory = &core->kernel.context->memory;
+    pbw__memory *memory = &live->core.kernel.context->memory;
     const size_t dim = (size_t)live->dim;
     double *points;
     pbw_index *order;
@@ -15271,7 +15253,8 @@ static pbw_status pbw__live_sort(const pbw_live *live, const pbw__core *core, pb
     points = (double *)pbw__allocate(memory, count * dim, sizeof(double));
     order = (pbw_index *)pbw__allocate(memory, count, sizeof(pbw_index));
     for (i = 0; i < count && points != NULL; i++) {
-        memcpy(points + i * dim, pbw__core_record(core, list[i]), dim * sizeof(double));
+        PBW__PREFETCH(base + list[i + 16 < count ? i + 16 : i] * stride);
+        memcpy(points + i * dim, base + list[i] * stride, dim * sizeof(double));
     }
     if (points != NULL && order != NULL) {
         status = pbw_order(live->dim, points, count, &live->options, order);
@@ -15284,6 +15267,181 @@ static pbw_status pbw__live_sort(const pbw_live *live, const pbw__core *core, pb
     }
     pbw__release(memory, points, count * dim, sizeof(double));
     pbw__release(memory, order, count, sizeof(pbw_index));
+    return status;
+}
+
+/* The numbers that arrive, along the curve: so are their vertices then. */
+static pbw_status pbw__batch_arrivals(pbw_live *live)
+{
+    size_t i, count = 0;
+    for (i = 0; i < live->queue_count; i++) {
+        live->joining[count] = live->queue[i];
+        count += (live->state[live->queue[i]] & PBW__ARRIVES) != 0;
+    }
+    live->joining_count = count;
+    return pbw__live_sort(live, live->point, (size_t)live->dim, live->joining, count);
+}
+
+/* The vertex for the i-th number that arrives: of those unused, then new ones. */
+PBW__INLINE pbw_index pbw__arrive_vertex(const pbw_live *live, size_t i)
+{
+    const size_t unused = live->past_unused;
+    return i < unused ? live->core.unused[unused - 1 - i] : (pbw_index)(live->past_vertices + 1 + (i - unused));
+}
+
+/* Makes a vertex for each number that arrives. */
+static pbw_status pbw__arrive_make(void *arg, size_t from, size_t to)
+{
+    pbw_live *live = (pbw_live *)arg;
+    pbw__core *core = &live->core;
+    const size_t dim = (size_t)live->dim;
+    for (; from < to; from++) {
+        const size_t soon = from + 16 < to ? from + 16 : from;
+        const pbw_index id = live->joining[from], v = pbw__arrive_vertex(live, from);
+        double *record = core->record + v * (dim + 1);
+        PBW__PREFETCH(pbw__live_point(live, live->joining[soon]));
+        PBW__PREFETCH(live->weight + live->joining[soon]);
+        memcpy(record, pbw__live_point(live, id), dim * sizeof(double));
+        record[dim] = live->weight[id];
+        core->incident[v] = PBW__WAITING;
+        core->name[v] = id;
+        core->local[v] = 0;
+        live->arriving[from] = v;
+    }
+    return PBW_OK;
+}
+
+/* Enters a vertex into an empty entry of the table: tasks try until one is theirs.  Returns the entry, or PBW_NONE if
+   there is a vertex at its place. */
+PBW__INLINE pbw_index pbw__place_enter(pbw__core *core, const double *x, pbw_index vertex)
+{
+    size_t at = pbw__place_slot(core, x);
+    pbw_index v = PBW__LOAD(core->place + at);
+    while (v != 0 || !PBW__CAS(core->place + at, &v, vertex)) {
+        if (v == 0) {
+            continue;                                /* failed for no reason */
+        }
+        if (v != vertex && pbw__same_place(pbw__core_record(core, v), x, core->kernel.dim)
+            && core->incident[v] != PBW__GONE) {
+            return PBW_NONE;
+        }
+        at = (at + 1) & (core->place_capacity - 1);
+        v = PBW__LOAD(core->place + at);
+    }
+    return (pbw_index)at;
+}
+
+/* Enters the new vertices into the tables.  `arriving` gets 0 for a number at whose place there is a vertex. */
+static pbw_status pbw__arrive_enter(void *arg, size_t from, size_t to)
+{
+    pbw_live *live = (pbw_live *)arg;
+    pbw__core *core = &live->core;
+    pbw__edit *edit = live->edit + live->first_edit;
+    size_t i;
+    for (i = from; i < to; i++) {
+        const pbw_index id = live->joining[i], v = live->arriving[i], soon = live->joining[i + 16 < to ? i + 16 : i];
+        const pbw_index at = pbw__place_enter(core, pbw__core_record(core, v), v);
+        pbw__place_prefetch(core, pbw__core_record(core, live->arriving[i + 16 < to ? i + 16 : i]), 0);
+        pbw__place_prefetch(core, pbw__core_record(core, live->arriving[i + 8 < to ? i + 8 : i]), 1);
+        PBW__PREFETCH_TO_WRITE(core->vertex + soon);
+        PBW__PREFETCH_TO_WRITE(core->twin + soon);
+        if (at == PBW_NONE) {
+            live->arriving[i] = 0;
+            continue;
+        }
+        edit[3 * i].at = at;
+        edit[3 * i + 1].at = edit[3 * i + 2].at = id;
+        edit[3 * i + 1].old = core->vertex[id];
+        edit[3 * i + 2].old = core->twin[id];
+        core->vertex[id] = v;
+        core->twin[id] = id;
+    }
+    return PBW_OK;
+}
+
+/* Adds edits that are to be filled in: the i-th of table[i % tables]. */
+static int pbw__live_edits(pbw_live *live, size_t count, const unsigned *table, size_t tables)
+{
+    size_t i;
+    if (!PBW__LIVE_GROW(live, edit, live->edit_count + count)) {
+        return 0;
+    }
+    for (i = 0; i < count; i++) {
+        pbw__edit *edit = live->edit + live->edit_count++;
+        edit->table = table[i % tables];
+        edit->at = PBW_NONE;                         /* nothing to undo yet */
+        edit->old = 0;
+    }
+    return 1;
+}
+
+/* The numbers that arrive get vertices; those at the place of another vertex join its numbers, and `joining` then has
+   the vertices that they did not need. */
+static pbw_status pbw__batch_arrive(pbw_live *live)
+{
+    static const unsigned table[3] = { PBW__EDIT_PLACE, PBW__EDIT_VERTEX, PBW__EDIT_TWIN };
+    pbw__core *core = &live->core;
+    pbw__context *context = core->kernel.context;
+    const size_t count = live->joining_count, used = count < live->past_unused ? count : live->past_unused;
+    pbw_status status;
+    size_t i;
+    live->joining_count = 0;
+    if (!pbw__live_edits(live, 3 * count, table, 3)) {
+        return PBW_ERROR_MEMORY;
+    }
+    live->first_edit = live->edit_count - 3 * count;
+    core->unused_count -= used;
+    core->vertex_count += count - used;
+    core->placed += count;
+    status = pbw__for_range(context, count, PBW__SMALLER(2048), 0.0, pbw__arrive_make, live);
+    status = status == PBW_OK ? pbw__for_range(context, count, PBW__SMALLER(2048), 0.0, pbw__arrive_enter, live)
+                              : status;
+    for (i = 0; i < count && status == PBW_OK; i++) {
+        if (live->arriving[i] == 0) {
+            core->incident[pbw__arrive_vertex(live, i)] = PBW__GONE;
+        }
+    }
+    for (i = 0; i < count && status == PBW_OK; i++) {
+        if (live->arriving[i] != 0) {
+            live->arriving[live->arriving_count++] = live->arriving[i];
+        } else if (pbw__live_join(live, live->joining[i])) {
+            live->joining[live->joining_count++] = pbw__arrive_vertex(live, i);
+        } else {
+            status = PBW_ERROR_MEMORY;
+        }
+    }
+    return status;
+}
+
+/* Lists the vertices that leave and arrive, and brings the numbers of places up to date. */
+static pbw_status pbw__batch_plan(pbw_live *live)
+{
+    pbw__core *core = &live->core;
+    size_t i;
+    pbw_status status = pbw__batch_arrivals(live);
+    if (status != PBW_OK) {
+        return status;
+    }
+    core->rim_vertices = 0;
+    for (i = 0; i < live->queue_count; i++) {
+        pbw__live_prefetch(live, i);
+        if ((live->state[live->queue[i]] & PBW__LEAVES) != 0) {
+            (void)pbw__live_affect(live, core->vertex[live->queue[i]], PBW_NONE);
+        }
+    }
+    for (i = 0; i < core->rim_vertices; i++) {
+        PBW__PREFETCH(core->name + core->rim_vertex[i + 16 < core->rim_vertices ? i + 16 : i]);
+        PBW__PREFETCH(core->twin + core->name[core->rim_vertex[i + 8 < core->rim_vertices ? i + 8 : i]]);
+        if (!pbw__live_sieve(live, i)) {
+            return PBW_ERROR_MEMORY;
+        }
+    }
+    status = pbw__batch_arrive(live);
+    for (i = 0; i < core->rim_vertices; i++) {
+        if (status == PBW_OK && !pbw__live_elect(live, i)) {
+            return PBW_ERROR_MEMORY;
+        }
+    }
     return status;
 }
 
@@ -15370,9 +15528,8 @@ static pbw_status pbw__batch_run(pbw_live *live, size_t most_effort)
     pbw__core *core = &live->core;
     const double all = (double)(live->leaving_count + live->arriving_count + 1);
     pbw__changing batch;
-    pbw_status status = pbw__live_sort(live, core, live->leaving, live->leaving_count);
+    pbw_status status = pbw__live_sort(live, core->record, (size_t)live->dim + 1, live->leaving, live->leaving_count);
     size_t i;
-    status = status == PBW_OK ? pbw__live_sort(live, core, live->arriving, live->arriving_count) : status;
     for (i = 0; i < live->arriving_count / 2; i++) { /* backwards: the slots freed last are the nearest */
         const pbw_index v = live->arriving[i];
         live->arriving[i] = live->arriving[live->arriving_count - 1 - i];
@@ -15414,7 +15571,9 @@ static void pbw__batch_undo(pbw_live *live)
         const pbw__edit *edit = live->edit + --live->edit_count;
         pbw_index *table = edit->table == PBW__EDIT_VERTEX ? core->vertex : edit->table == PBW__EDIT_TWIN ? core->twin
                          : core->place;
-        table[edit->at] = edit->old;
+        if (edit->at != PBW_NONE) {
+            table[edit->at] = edit->old;
+        }
     }
     pbw__journal_undo(core);
     core->vertex_count = live->past_vertices;
@@ -15448,6 +15607,8 @@ static pbw_status pbw__live_batch(pbw_live *live, size_t leave, size_t arrive, s
     }
     memcpy(core->unused + core->unused_count, live->leaving, live->leaving_count * sizeof(pbw_index));
     core->unused_count += live->leaving_count;
+    memcpy(core->unused + core->unused_count, live->joining, live->joining_count * sizeof(pbw_index));
+    core->unused_count += live->joining_count;
     pbw__swap_covers(core);
     pbw__journal_clear(core);
     return PBW_OK;
@@ -15461,19 +15622,30 @@ static pbw_status pbw__live_batch(pbw_live *live, size_t leave, size_t arrive, s
    and at the hull, it is removed and inserted.  In between all is the triangulation of some old and some new places,
    so no new place may be an old one.
    ------------------------------------------------------------------------------------------------------ */
-/* Writes the new coordinates into the records of those that move, or the old ones back. */
-static void pbw__live_exchange(pbw_live *live)
+/* Writes the new coordinates into the records of those that move, or the old ones back: to the end, even if the call
+   is being cancelled. */
+static void pbw__exchange_share(void *arg, int part)
 {
-    const size_t dim = (size_t)live->dim;
+    pbw_live *live = (pbw_live *)arg;
+    const int parts = pbw__tasks(live->core.kernel.context, live->leaving_count, 8192);
+    const size_t dim = (size_t)live->dim, end = pbw__share(live->leaving_count, part + 1, parts);
     size_t i, k;
-    for (i = 0; i < live->leaving_count; i++) {
+    for (i = pbw__share(live->leaving_count, part, parts); i < end; i++) {
+        const size_t soon = live->leaving[i + 16 < end ? i + 16 : i];
         double *record = live->core.record + live->leaving[i] * (dim + 1), *other = live->moved + i * dim;
+        PBW__PREFETCH_TO_WRITE(live->core.record + soon * (dim + 1));
         for (k = 0; k < dim; k++) {
             const double x = record[k];
             record[k] = other[k];
             other[k] = x;
         }
     }
+}
+
+static void pbw__live_exchange(pbw_live *live)
+{
+    pbw__context *context = live->core.kernel.context;
+    pbw__for(context, pbw__tasks(context, live->leaving_count, 8192), pbw__exchange_share, live);
 }
 
 /* Lists the vertices that move; PBW__ANEW if anything else happens, or duplicates or hidden points would matter. */
@@ -15490,8 +15662,11 @@ static pbw_status pbw__live_list_moves(pbw_live *live, size_t count)
     }
     live->leaving_count = 0;
     for (i = 0; i < live->queue_count; i++) {
-        const pbw_index id = live->queue[i];
+        const pbw_index id = live->queue[i], soon = live->queue[i + 16 < live->queue_count ? i + 16 : i];
         const unsigned both = live->state[id] & (PBW__LEAVES | PBW__ARRIVES);
+        PBW__PREFETCH(core->twin + soon);
+        PBW__PREFETCH(core->vertex + soon);
+        PBW__PREFETCH(pbw__live_point(live, soon));
         if (both == (PBW__LEAVES | PBW__ARRIVES) && core->twin[id] == id) {
             memcpy(live->moved + live->leaving_count * dim, pbw__live_point(live, id), dim * sizeof(double));
             live->leaving[live->leaving_count++] = core->vertex[id];
@@ -15658,34 +15833,57 @@ static pbw_status pbw__change_place(void *arg, pbw__core *core, size_t i, pbw_in
     return status != PBW__NO_FIT ? status : live->dim == 2 ? PBW__LEFT : pbw__change_again(live, core, i, near);
 }
 
-/* Enters the new places into the table and takes the old ones out.  PBW__ANEW: a new place is taken, or was. */
+/* Enters new places into the table.  PBW__ANEW: a place is taken. */
+static pbw_status pbw__shift_enter(void *arg, size_t from, size_t to)
+{
+    pbw_live *live = (pbw_live *)arg;
+    pbw__core *core = &live->core;
+    const size_t dim = (size_t)live->dim;
+    size_t i;
+    for (i = from; i < to; i++) {
+        const double *x = live->moved + i * dim;
+        pbw__place_prefetch(core, live->moved + (i + 16 < to ? i + 16 : i) * dim, 0);
+        pbw__place_prefetch(core, live->moved + (i + 8 < to ? i + 8 : i) * dim, 1);
+        live->edit[i].at = pbw__place_enter(core, x, live->leaving[i]);
+        if (live->edit[i].at == PBW_NONE) {
+            return PBW__ANEW;
+        }
+    }
+    return PBW_OK;
+}
+
+/* The records have the new places.  PBW__ANEW: two are at one. */
+static pbw_status pbw__shift_unique(void *arg, size_t from, size_t to)
+{
+    const pbw_live *live = (const pbw_live *)arg;
+    const pbw__core *core = &live->core;
+    for (; from < to; from++) {
+        const double *x = pbw__core_record(core, live->leaving[from]);
+        PBW__PREFETCH(pbw__core_record(core, live->leaving[from + 8 < to ? from + 8 : from]));
+        if (core->place[pbw__place_find(core, x)] != live->leaving[from]) {
+            return PBW__ANEW;
+        }
+    }
+    return PBW_OK;
+}
+
+/* Enters all new places.  PBW__ANEW: a new place is taken, or was. */
 static pbw_status pbw__shift_places(pbw_live *live)
 {
     pbw__core *core = &live->core;
-    const size_t dim = (size_t)live->dim, count = live->leaving_count;
-    pbw_status status = PBW_OK;
-    size_t i;
-    for (i = 0; i < count && status == PBW_OK; i++) {
-        const double *soon = live->moved + (i + 8 < count ? i + 8 : i) * dim;
-        const pbw_index v = core->place[pbw__place_find(core, live->moved + i * dim)];
-        PBW__PREFETCH(core->place + pbw__place_slot(core, soon));
-        status = v == 0 || v == PBW__REMOVED ? PBW_OK : PBW__ANEW;
+    pbw__context *context = core->kernel.context;
+    const size_t count = live->leaving_count;
+    const unsigned table = PBW__EDIT_PLACE;
+    pbw_status status;
+    if (!pbw__live_edits(live, count, &table, 1)) {
+        return PBW_ERROR_MEMORY;
     }
-    for (i = 0; i < count && status == PBW_OK; i++) {
-        const double *x = pbw__core_record(core, live->leaving[i]);
-        const double *soon = pbw__core_record(core, live->leaving[i + 8 < count ? i + 8 : i]);
-        PBW__PREFETCH(core->place + pbw__place_slot(core, soon));
-        status = pbw__live_set(live, PBW__EDIT_PLACE, pbw__place_find(core, x), PBW__REMOVED) ? PBW_OK
-                                                                                         : PBW_ERROR_MEMORY;
-    }
+    core->placed += count;
+    status = pbw__for_range(context, count, PBW__SMALLER(2048), 0.0, pbw__shift_enter, live);
     pbw__live_exchange(live);
     pbw__live_fit_grid(live, live->leaving, count);
-    for (i = 0; i < count && status == PBW_OK; i++) {
-        const size_t slot = pbw__place_find(core, pbw__core_record(core, live->leaving[i]));
-        const pbw_index v = core->place[slot];
-        core->placed += v == 0;
-        status = v != 0 && v != PBW__REMOVED ? PBW__ANEW
-               : pbw__live_set(live, PBW__EDIT_PLACE, slot, live->leaving[i]) ? PBW_OK : PBW_ERROR_MEMORY;
+    if (status == PBW_OK) {
+        status = pbw__for_range(context, count, PBW__SMALLER(2048), 0.0, pbw__shift_unique, live);
     }
     pbw__live_exchange(live);
     return status;
@@ -15702,7 +15900,7 @@ static pbw_status pbw__shift_all(pbw_live *live, size_t most_effort)
     for (i = 0; i < count; i++) {
         core->local[live->leaving[i]] = (pbw_index)i;
     }
-    status = pbw__live_sort(live, core, live->leaving, count);
+    status = pbw__live_sort(live, core->record, (size_t)live->dim + 1, live->leaving, count);
     for (i = 0; i < count; i++) {
         live->arriving[i] = core->local[live->leaving[i]];
     }
@@ -16223,7 +16421,7 @@ static pbw_status pbw__import_hidden(pbw_live *live, pbw__core *core, size_t vis
     for (i = 0; i < count && list != NULL; i++) {
         list[i] = (pbw_index)(visible + 1 + i);
     }
-    status = status == PBW_OK ? pbw__live_sort(live, core, list, count) : status;
+    status = status == PBW_OK ? pbw__live_sort(live, core->record, (size_t)live->dim + 1, list, count) : status;
     for (i = 0; i < count && status == PBW_OK; i++) {
         const double *p = pbw__core_record(core, list[i]);
         witness = pbw__find_witness(core, witness, list[i]);
@@ -16365,6 +16563,7 @@ PBWDEF void pbw_live_free(pbw_live *live)
         PBW__RELEASE(memory, live, head);
         PBW__RELEASE(memory, live, leaving);
         PBW__RELEASE(memory, live, arriving);
+        PBW__RELEASE(memory, live, joining);
         PBW__RELEASE(memory, live, moved);
         pbw__release(memory, live, 1, sizeof(*live));
     }

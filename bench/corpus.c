@@ -65,7 +65,7 @@ int main(int argc, char **argv)
         in.triangle_count = m.triangles;
         how.size = e->size;
         options.threads = 1;
-        status = pbw_solid(&in, &how, &options, &mesh, &r);
+        status = pbw_solid(&in, &how, &options, &mesh, NULL, &r);
         if (status != PBW_OK) {
             printf("%-10s %-6s %s\n", e->name, turned ? "turned" : "", pbw_status_string(status));
             continue;

@@ -1,8 +1,8 @@
 /* query.cpp: queries of pbw.h beside CGAL and nanoflann: one thread, in one run, on the same points and queries
 
-   make bench-query [POINTS=n]     uniform points and queries, processor time; each row is the median of five runs,
-                                   ours and the rival's in turn.  speed: how many times faster ours is.  Then ours
-                                   alone on a lattice and on clusters, and how many times longer that takes.
+   make bench-query [POINTS=n]     uniform points and queries, then a lattice and clusters, processor time; each row
+                                   is the median of five runs, ours and the rival's in turn.  speed: how many times
+                                   faster ours is; times uniform: how many times longer ours takes than there.
 
    CGAL gets its points as one range, and locates each query of a batch from the last answer, after its own spatial
    sort, which is timed as ours is; so does nanoflann get the queries sorted in the one row, and as they come in the
@@ -74,18 +74,15 @@ void row(const char *name, std::size_t count, const std::function<void()> &ours,
     std::vector<double> a, b;
     for (int i = 0; i < 5; i++) {
         a.push_back(seconds(ours));
-        b.push_back(kind == INPUT_UNIFORM ? seconds(theirs) / part : 0);
+        b.push_back(seconds(theirs) / part);
     }
     std::sort(a.begin(), a.end());
     std::sort(b.begin(), b.end());
-    if (kind != INPUT_UNIFORM) {
-        std::printf("%-38s %8.3f us   %s %.2f\n", name, a[2] / double(count) * 1e6, "times uniform",
-                    a[2] / uniform[name]);
-        return;
+    if (kind == INPUT_UNIFORM) {
+        uniform[name] = a[2];
     }
-    uniform[name] = a[2];
-    std::printf("%-38s %8.3f us   %-12s %8.3f us   speed %6.2f\n", name, a[2] / double(count) * 1e6, rival,
-                b[2] / double(count) * 1e6, b[2] / a[2]);
+    std::printf("%-38s %8.3f us   %-12s %8.3f us   speed %6.2f   times uniform %.2f\n", name,
+                a[2] / double(count) * 1e6, rival, b[2] / double(count) * 1e6, b[2] / a[2], a[2] / uniform[name]);
     std::fflush(stdout);
 }
 
@@ -172,7 +169,7 @@ template <int dim, class triangulation> void run(std::size_t n, unsigned flags, 
                 numbering, build / double(n) * 1e6, star / double(n) * 1e6);
 
     const auto other = with::points(points);
-    const triangulation theirs(other.begin(), kind == INPUT_UNIFORM ? other.end() : other.begin() + 10);
+    const triangulation theirs(other.begin(), other.end());
     std::snprintf(name, sizeof name, "%dD locate, batch", dim);
     row(name, n, [&] { pbw_locate(&mesh, queries.data(), n, &options, found.data(), nullptr); }, "CGAL", [&] {
         auto sorted = with::points(queries);

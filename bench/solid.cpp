@@ -126,7 +126,7 @@ static void run_pbw(const pbwio_cloud &c, double h, const Goal &goal)
     in.triangle_count = c.triangle_count;
     how.size = h;
     const double start = now();
-    if (pbw_solid(&in, &how, &options, &mesh, &report) != PBW_OK) {
+    if (pbw_solid(&in, &how, &options, &mesh, NULL, &report) != PBW_OK) {
         std::puts("pbw: failed");
         return;
     }

@@ -294,7 +294,7 @@ static const part_entry parts[] = {
     { "spike", part_spike, 0.1, 2 }, { "ball", part_ball, 0.15, 4 }, { "plate 1:50", part_plate, 0.05, 2 },
     { "shell", part_shell, 0.06, 4 }, { "ribs", part_ribs, 0.08, 2 }, { "tubes", part_tubes, 0.06, 0 }
 };
-enum { PART_WEDGE = 5, PART_SPIKE = 6, PART_COUNT = sizeof parts / sizeof *parts };
+enum { PART_L = 0, PART_HOLE = 1, PART_WEDGE = 5, PART_SPIKE = 6, PART_BALL = 7, PART_COUNT = sizeof parts / sizeof *parts };
 
 /* Makes part number i, turned or not; returns its volume. */
 static double part_make(size_t i, int turned, part *m)

@@ -1030,6 +1030,12 @@ def solids():
     equal([report[name] for name in ("bad_edges", "bad_points", "missing_edges", "open_edges")], [0] * 4)
     check(report["euler"] == 2 and report["corners"] == 8 and abs(volumes(made).sum() - 1) < 1e-12, report)
     check(report["improve"]["after"]["least"] > 25 and (volumes(made) > 0).all(), report)
+    check(len(np.unique(made.patches)) == 6 and (made.sides == [0, -1]).all() and len(made.features) >= 48, report)
+    nested = pbw.solid(np.concatenate([cube, cube * 0.4 + 0.3]), np.concatenate([hull, hull + 8]), nested=True,
+                       size=lambda p: 0.3 if p[0] < 0.5 else 0.15, patches=[4] * 12 + [7] * 12)
+    check(sorted(set(nested.regions)) == [0, 1] and sorted(set(nested.patches)) == [4, 7], nested.report)
+    check(abs(volumes(nested)[nested.regions == 1].sum() - 0.064) < 1e-9, nested.report)
+    raises(AttributeError, pbw.solid, cube, hull, size=lambda p: p.missing)
     raises(ValueError, pbw.solid, cube, hull[:1], size=0.25)
     raises(ValueError, pbw.solid, cube, [[0, 1, 8]])
 

@@ -796,9 +796,42 @@ static void test_failures(void)
     }
 }
 
+/* A triangle so flat that pairs of doubles do not resolve its centre: cells in a box and in the box as a polygon. */
+static void test_flat(void)
+{
+    if (test_begin("a flat triangle")) {
+        const double x[10] = { -0.99999999999999911, -8.8817841970012523e-16, -8.8817841970012523e-16, 0,
+                               -1, 0.99999999999999911, 1.0000000000000009, 1.0000000000000009, 0, 0 };
+        const double w[5] = { 0.99999999999999822, 7.8886090522101181e-31, 1.9999999999999982,
+                              2.0000000000000036, 0 };
+        const double box[4] = { -7, -3, 7, 4 };
+        static polygon p;
+        pbw_domain domain, other;
+        pbw_mesh mesh;
+        pbw_cells cells, clipped;
+        size_t i;
+        polygon_start(&p);
+        add_box(&p, -7, -3, 7, 4);
+        other = domain_of(&p);
+        memset(&domain, 0, sizeof domain);
+        domain.box = box;
+        CHECK_EQUAL(pbw_triangulate(2, x, w, 5, NULL, &mesh), PBW_OK);
+        CHECK_EQUAL(pbw_cells_of(&mesh, &domain, 0, NULL, &cells), PBW_OK);
+        CHECK_EQUAL(pbw_cells_of(&mesh, &other, 0, NULL, &clipped), PBW_OK);
+        for (i = 0; i < cells.cell_count && i < clipped.cell_count; i++) {
+            CHECK(fabs(cells.volumes[i] - clipped.volumes[i]) < 1e-12);
+        }
+        pbw_cells_free(&cells);
+        pbw_cells_free(&clipped);
+        pbw_free(&mesh);
+        test_end();
+    }
+}
+
 int main(int argc, char **argv)
 {
     test_start(argc, argv, 2000);
+    test_flat();
     test_polygons();
     test_grid();
     test_aligned();

@@ -15,8 +15,6 @@
 #include "zoo.h"
 #include <math.h>
 
-#define PI 3.14159265358979323846
-
 /* ---- shapes ---- */
 
 static double sphere(void *user, const double p[3])
@@ -37,92 +35,7 @@ static double torus(void *user, const double p[3])
     return r * r + p[2] * p[2] - 0.1225;
 }
 
-typedef struct model { double x[1000][3]; pbw_index t[2000][3]; size_t points, triangles; } model;
-
-static void turn(model *m)
-{
-    size_t i;
-    int k;
-    for (i = 0; i < m->points; i++) {
-        for (k = 0; k < 3; k++) {
-            double *a = m->x[i] + k, *b = m->x[i] + (k + 1) % 3, was = *a;
-            *a = 0.8 * was - 0.6 * *b;
-            *b = 0.6 * was + 0.8 * *b;
-        }
-    }
-}
-
-static void add_triangle(model *m, size_t a, size_t b, size_t c)
-{
-    m->t[m->triangles][0] = (pbw_index)a;
-    m->t[m->triangles][1] = (pbw_index)b;
-    m->t[m->triangles++][2] = (pbw_index)c;
-}
-
-/* A prism over the ring between two polygons of n corners. */
-static void make_prism(model *m, size_t n, const double (*outer)[2], const double (*inner)[2], double height)
-{
-    const size_t o = 0, i = n, up = 2 * n;
-    size_t k;
-    memset(m, 0, sizeof *m);
-    for (k = 0; k < 4 * n; k++) {
-        const double *p = k / n % 2 == 0 ? outer[k % n] : inner[k % n];
-        m->x[k][0] = p[0];
-        m->x[k][1] = p[1];
-        m->x[k][2] = k < 2 * n ? 0 : height;
-    }
-    m->points = 4 * n;
-    for (k = 0; k < n; k++) {
-        const size_t l = (k + 1) % n;
-        add_triangle(m, o + k, i + k, o + l);
-        add_triangle(m, o + l, i + k, i + l);
-        add_triangle(m, up + o + k, up + o + l, up + i + k);
-        add_triangle(m, up + o + l, up + i + l, up + i + k);
-        add_triangle(m, o + k, o + l, up + o + l);
-        add_triangle(m, o + k, up + o + l, up + o + k);
-        add_triangle(m, i + k, up + i + k, up + i + l);
-        add_triangle(m, i + k, up + i + l, i + l);
-    }
-}
-
-/* A unit cube with a round hole of radius 1/4. */
-static double make_hole(model *m)
-{
-    double outer[32][2], inner[32][2];
-    size_t k;
-    for (k = 0; k < 32; k++) {
-        const double a = 2 * PI * (double)k / 32 - 0.75 * PI, along = (double)(k % 8) / 8;
-        inner[k][0] = 0.5 + 0.25 * cos(a);
-        inner[k][1] = 0.5 + 0.25 * sin(a);
-        outer[k][0] = k < 8 ? along : k < 16 ? 1 : k < 24 ? 1 - along : 0;
-        outer[k][1] = k < 8 ? 0 : k < 16 ? along : k < 24 ? 1 : 1 - along;
-    }
-    make_prism(m, 32, (const double (*)[2])outer, (const double (*)[2])inner, 1);
-    return 1 - 16 * sin(2 * PI / 32) / 16;
-}
-
-/* A prism over an L of two squares; the inner polygon is one point. */
-static double make_l(model *m)
-{
-    static const double outer[6][2] = { { 0, 0 }, { 2, 0 }, { 2, 1 }, { 1, 1 }, { 1, 2 }, { 0, 2 } };
-    double inner[6][2];
-    size_t k;
-    for (k = 0; k < 6; k++) {
-        inner[k][0] = inner[k][1] = 0.5;
-    }
-    make_prism(m, 6, outer, (const double (*)[2])inner, 1);
-    m->triangles = 0;                                /* without the inner walls, which have no area */
-    for (k = 0; k < 6; k++) {
-        const size_t l = (k + 1) % 6;
-        add_triangle(m, k, 6, l);
-        add_triangle(m, 12 + k, 12 + l, 18);
-        add_triangle(m, k, l, 12 + l);
-        add_triangle(m, k, 12 + l, 12 + k);
-    }
-    return 3;
-}
-
-static pbw_solid_input input_of(const model *m)
+static pbw_solid_input input_of(const part *m)
 {
     pbw_solid_input in;
     memset(&in, 0, sizeof in);
@@ -178,7 +91,7 @@ static void check_good(const pbw_solid_input *in, double size, double volume, lo
     memset(&threads, 0, sizeof threads);
     how.size = size;
     threads.threads = 1;
-    CHECK_EQUAL(pbw_solid(in, &how, &threads, &mesh, &r), PBW_OK);
+    CHECK_EQUAL(pbw_solid(in, &how, &threads, &mesh, NULL, &r), PBW_OK);
     CHECK(is_sound(&mesh));
     CHECK_EQUAL(r.settled, 1);
     CHECK_EQUAL(r.bad_edges + r.bad_points + r.missing_edges + r.open_edges + r.crowded_edges, 0);
@@ -193,7 +106,7 @@ static void check_good(const pbw_solid_input *in, double size, double volume, lo
     test_say("%zu tetrahedra %.2f..%.2f, distance %.3f, volume %.5f of %.5f, %d rounds", mesh.tet_count,
              r.improve.after.least, r.improve.after.largest, r.distance, r.improve.after.volume, volume, r.rounds);
     threads.threads = 4;
-    CHECK_EQUAL(pbw_solid(in, &how, &threads, &other, NULL), PBW_OK);
+    CHECK_EQUAL(pbw_solid(in, &how, &threads, &other, NULL, NULL), PBW_OK);
     CHECK(mesh.tet_count == other.tet_count && mesh.point_count == other.point_count
           && memcmp(mesh.corners, other.corners, 16 * mesh.tet_count) == 0
           && memcmp(mesh.points, other.points, 24 * mesh.point_count) == 0);
@@ -206,11 +119,11 @@ static void test_functions(void)
     pbw_solid_input in;
     if (test_begin("functions")) {
         in = input_by(sphere);
-        check_good(&in, 0.2, 4 * PI / 3, 2, 28);
+        check_good(&in, 0.2, 4 * PARTS_PI / 3, 2, 28);
         in = input_by(hollow);
-        check_good(&in, 0.15, 4 * PI / 3 * 0.875, 4, 26);
+        check_good(&in, 0.15, 4 * PARTS_PI / 3 * 0.875, 4, 26);
         in = input_by(torus);
-        check_good(&in, 0.15, 2 * PI * PI * 0.1225, 0, 26);
+        check_good(&in, 0.15, 2 * PARTS_PI * PARTS_PI * 0.1225, 0, 26);
         test_end();
     }
 }
@@ -231,13 +144,9 @@ static void test_acute(void)
         const size_t number = i < 2 ? PART_WEDGE : PART_SPIKE;
         const double volume = part_make(number, i % 2, &m);
         memset(&how, 0, sizeof how);
-        memset(&in, 0, sizeof in);
-        in.points = m.x[0];
-        in.point_count = m.points;
-        in.triangles = m.t[0];
-        in.triangle_count = m.triangles;
+        in = input_of(&m);
         how.size = 0.1;
-        CHECK_EQUAL(pbw_solid(&in, &how, NULL, &mesh, &r), PBW_OK);
+        CHECK_EQUAL(pbw_solid(&in, &how, NULL, &mesh, NULL, &r), PBW_OK);
         CHECK(is_sound(&mesh));
         CHECK_EQUAL(r.settled, 1);
         CHECK_EQUAL(r.bad_edges + r.bad_points + r.missing_edges, 0);
@@ -255,22 +164,16 @@ static void test_acute(void)
 
 static void test_models(void)
 {
-    static model m;
+    static part m;
     pbw_solid_input in;
     double volume;
     int turned;
     for (turned = 0; turned < 2; turned++) {
         if (test_begin("models%s", turned ? ", turned" : "")) {
-            volume = make_hole(&m);
-            if (turned) {
-                turn(&m);
-            }
+            volume = part_make(PART_HOLE, turned, &m);
             in = input_of(&m);
             check_good(&in, 0.1, volume, 0, 24);
-            volume = make_l(&m);
-            if (turned) {
-                turn(&m);
-            }
+            volume = part_make(PART_L, turned, &m);
             in = input_of(&m);
             check_good(&in, 0.2, volume, 2, 24);
             test_end();
@@ -309,7 +212,7 @@ static void test_stuffing(void)
     CHECK_EQUAL(pbw_improve(&in, &how, NULL, &out, &r), PBW_OK);
     CHECK(r.turned == 0 && is_sound(&out));
     CHECK(r.after.least > 10.7 && r.after.largest < 164.8);
-    CHECK(fabs(r.after.volume - 4 * PI / 3 * 0.875) < 0.05);
+    CHECK(fabs(r.after.volume - 4 * PARTS_PI / 3 * 0.875) < 0.05);
     facets = (pbw_index *)zoo_grow(NULL, 48 * out.tet_count);
     for (i = 0; i < 4 * out.tet_count; i++) {
         for (k = 0; k < 3 && out.neighbors[i] == PBW_NONE; k++) {
@@ -330,15 +233,15 @@ static void test_stuffing(void)
 /* A plate in the shape of an L, less than a third as thick as the size, turned. */
 static void test_thin(void)
 {
-    static model m;
+    static part m;
     pbw_solid_input in;
     size_t i;
     if (test_begin("thin plate, turned")) {
-        make_l(&m);
+        (void)part_make(PART_L, 0, &m);
         for (i = 0; i < m.points; i++) {
             m.x[i][2] *= 0.1;
         }
-        turn(&m);
+        part_turn(&m);
         in = input_of(&m);
         check_good(&in, 0.35, 0.3, 2, 20);
         test_end();
@@ -348,7 +251,7 @@ static void test_thin(void)
 /* An L's corners and edges are on the mesh: its volume is right to rounding. */
 static void test_features(void)
 {
-    static model m;
+    static part m;
     pbw_solid_options how;
     pbw_solid_report r;
     pbw_solid_input in;
@@ -356,11 +259,11 @@ static void test_features(void)
     if (!test_begin("features")) {
         return;
     }
-    make_l(&m);
+    (void)part_make(PART_L, 0, &m);
     in = input_of(&m);
     memset(&how, 0, sizeof how);
     how.size = 0.25;
-    CHECK_EQUAL(pbw_solid(&in, &how, NULL, &mesh, &r), PBW_OK);
+    CHECK_EQUAL(pbw_solid(&in, &how, NULL, &mesh, NULL, &r), PBW_OK);
     CHECK_EQUAL(r.corners, 12);
     CHECK_EQUAL(r.sharp_edges, 18);
     CHECK(fabs(r.improve.after.volume - 3) < 1e-12 && fabs(r.input_volume - 3) < 1e-12);
@@ -369,10 +272,244 @@ static void test_features(void)
     test_end();
 }
 
+/* Volume of a region, and whether facets between regions and outside are what `sides` says. */
+static double volume_of(const pbw_tets *t, pbw_index region)
+{
+    double volume = 0;
+    size_t i;
+    for (i = 0; i < t->tet_count; i++) {
+        const pbw_index *c = t->corners + 4 * i;
+        volume += t->regions[i] == region
+                ? pbw_tet_measure(PBW_MEASURE_VOLUME, t->points + 3 * (size_t)c[0], t->points + 3 * (size_t)c[1],
+                                  t->points + 3 * (size_t)c[2], t->points + 3 * (size_t)c[3]) : 0;
+    }
+    return volume;
+}
+
+/* Facets lie where their corner's tetrahedron says, on the sides of two regions, and enclose their volumes. */
+static int is_boundary(const pbw_tets *t, const pbw_solid_boundary *b, pbw_index region, double volume)
+{
+    double sum = 0;
+    size_t i, k, j, right = 0;
+    for (i = 0; i < b->facet_count; i++) {
+        const pbw_index *f = b->facets + 3 * i, at = b->corners[i];
+        const double *p[3];
+        double n[3];
+        int side = b->sides[2 * i] == region ? 1 : b->sides[2 * i + 1] == region ? -1 : 0;
+        for (k = 0, j = 0; k < 3; k++) {
+            p[k] = t->points + 3 * (size_t)f[k];
+            j += f[k] != t->corners[at] && (f[k] == t->corners[at / 4 * 4] || f[k] == t->corners[at / 4 * 4 + 1]
+                                            || f[k] == t->corners[at / 4 * 4 + 2]
+                                            || f[k] == t->corners[at / 4 * 4 + 3]);
+        }
+        right += j == 3 && t->regions[at / 4] == b->sides[2 * i];
+        pbwsf__cross(p[1], p[2], n);
+        sum += side * pbwsf__dot(p[0], n) / 6;
+    }
+    return right == b->facet_count && fabs(sum - volume) < 1e-9;
+}
+
+/* A box in a box: a cavity, or two regions; and boxes apart. */
+static void test_regions(void)
+{
+    static const double at[3][3] = { { 0, 0, 0 }, { 0.3, 0.3, 0.3 }, { 2, 0, 0 } }, end[3] = { 1, 0.7, 2.5 };
+    static part m;
+    pbw_solid_options how;
+    pbw_solid_boundary boundary;
+    pbw_solid_report r;
+    pbw_solid_input in;
+    pbw_tets mesh;
+    int turned, nested, i;
+    if (!test_begin("regions")) {
+        return;
+    }
+    for (turned = 0; turned < 2; turned++) {
+        for (nested = 0; nested < 2; nested++) {
+            const double volumes[3] = { 1 - 0.064, nested ? 0.064 : 0, 0.125 };
+            m.points = m.triangles = 0;
+            for (i = 0; i < 3; i++) {
+                const double side = end[i] - at[i][0];
+                const double high[3] = { end[i], at[i][1] + side, at[i][2] + side };
+                (void)part_box(&m, at[i], high, i == 2);         /* one is turned inside out */
+            }
+            if (turned) {
+                part_turn(&m);
+            }
+            in = input_of(&m);
+            memset(&how, 0, sizeof how);
+            how.size = 0.2;
+            how.nested = nested;
+            CHECK_EQUAL(pbw_solid(&in, &how, NULL, &mesh, &boundary, &r), PBW_OK);
+            CHECK(is_sound(&mesh));
+            CHECK_EQUAL(r.bad_edges + r.bad_points + r.missing_edges, 0);
+            CHECK(r.shells == 3 && r.regions == (nested ? 3u : 2u) && r.euler == 6);
+            CHECK(fabs(r.input_volume - (nested ? 1.125 : 1.061)) < 1e-12);
+            for (i = 0; i < 3; i++) {
+                CHECK(fabs(volume_of(&mesh, (pbw_index)i) - volumes[i]) < 1e-9);
+                CHECK(is_boundary(&mesh, &boundary, (pbw_index)i, volumes[i]));
+            }
+            test_say("%zu tetrahedra, %.2f..%.2f", mesh.tet_count, r.improve.after.least, r.improve.after.largest);
+            pbw_solid_boundary_free(&boundary);
+            pbw_tets_free(&mesh);
+        }
+    }
+    test_end();
+}
+
+/* The caller's patches are on facets and bound them; without, planes are the patches of a cube. */
+static void test_patches(void)
+{
+    static const double low[3] = { 0, 0, 0 }, high[3] = { 1, 1, 1 };
+    static part m;
+    pbw_index number[12];
+    pbw_solid_options how;
+    pbw_solid_boundary b;
+    pbw_solid_input in;
+    pbw_tets mesh;
+    double area[2] = { 0, 0 }, length = 0;
+    size_t i;
+    int given;
+    if (!test_begin("patches")) {
+        return;
+    }
+    m.points = m.triangles = 0;
+    (void)part_box(&m, low, high, 0);
+    part_turn(&m);
+    memset(&how, 0, sizeof how);
+    how.size = 0.3;
+    for (given = 0; given < 2; given++) {
+        in = input_of(&m);
+        for (i = 0; i < 12; i++) {
+            number[i] = i == 2 ? 9 : 4;              /* half of a side */
+        }
+        in.patches = given ? number : NULL;
+        CHECK_EQUAL(pbw_solid(&in, &how, NULL, &mesh, &b, NULL), PBW_OK);
+        area[0] = area[1] = length = 0;
+        for (i = 0; i < b.facet_count; i++) {
+            double n[3];
+            pbwsf__normal(mesh.points + 3 * (size_t)b.facets[3 * i], mesh.points + 3 * (size_t)b.facets[3 * i + 1],
+                          mesh.points + 3 * (size_t)b.facets[3 * i + 2], n);
+            CHECK(given ? b.patches[i] == 4 || b.patches[i] == 9 : b.patches[i] < 6);
+            area[b.patches[i] == (given ? 9u : 3u)] += 0.5 * sqrt(pbwsf__dot(n, n));
+        }
+        for (i = 0; i < b.edge_count; i++) {
+            length += pbwsf__distance(mesh.points + 3 * (size_t)b.edges[2 * i],
+                                      mesh.points + 3 * (size_t)b.edges[2 * i + 1]);
+        }
+        CHECK(fabs(area[1] - (given ? 0.5 : 1)) < 1e-9 && fabs(area[0] + area[1] - 6) < 1e-9);
+        CHECK(fabs(length - (given ? 12 + sqrt(2.0) : 12)) < 1e-9);
+        pbw_solid_boundary_free(&b);
+        pbw_tets_free(&mesh);
+    }
+    test_end();
+}
+
+static double size_at(void *user, const double p[3])
+{
+    return p[0] < 0.3 ? *(const double *)user : HUGE_VAL;
+}
+
+/* Edges follow the caller's sizes and the curvature. */
+static void test_sizes(void)
+{
+    pbw_solid_options how;
+    pbw_solid_input in = input_by(sphere);
+    pbw_solid_report r;
+    pbw_tets mesh;
+    double fine = 0.1, mean[2] = { 0, 0 };
+    size_t count[2] = { 0, 0 }, tets, i;
+    if (!test_begin("sizes")) {
+        return;
+    }
+    memset(&how, 0, sizeof how);
+    how.size = 0.4;
+    CHECK_EQUAL(pbw_solid(&in, &how, NULL, &mesh, NULL, &r), PBW_OK);
+    tets = mesh.tet_count;
+    pbw_tets_free(&mesh);
+    how.curvature = 0.2 * sqrt(2.0);                 /* of a sphere: edges of 0.2 */
+    CHECK_EQUAL(pbw_solid(&in, &how, NULL, &mesh, NULL, &r), PBW_OK);
+    CHECK(mesh.tet_count > 5 * tets && mesh.tet_count < 12 * tets && r.settled);
+    test_say("%zu tetrahedra, by curvature %zu", tets, mesh.tet_count);
+    pbw_tets_free(&mesh);
+    how.curvature = 0;
+    how.size_at = size_at;
+    how.size_user = &fine;
+    CHECK_EQUAL(pbw_solid(&in, &how, NULL, &mesh, NULL, &r), PBW_OK);
+    CHECK(is_sound(&mesh) && r.settled && r.euler == 2 && r.bad_edges + r.bad_points == 0);
+    CHECK(r.improve.after.least > 20);
+    for (i = 0; i < 6 * mesh.tet_count; i++) {
+        const double *a = mesh.points + 3 * (size_t)mesh.corners[i / 6 * 4 + (size_t)pbwim__edge[i % 6][0]];
+        const double *b = mesh.points + 3 * (size_t)mesh.corners[i / 6 * 4 + (size_t)pbwim__edge[i % 6][1]];
+        if (a[0] < 0 || a[0] > 0.95) {
+            count[a[0] > 0]++;
+            mean[a[0] > 0] += pbwsf__distance(a, b);
+        }
+    }
+    mean[0] /= (double)count[0];
+    mean[1] /= (double)count[1];
+    CHECK(mean[0] > 0.06 && mean[0] < 0.13 && mean[1] > 0.2);
+    test_say("%zu tetrahedra %.2f..%.2f, edges %.4f and %.4f", mesh.tet_count, r.improve.after.least,
+             r.improve.after.largest, mean[0], mean[1]);
+    pbw_tets_free(&mesh);
+    test_end();
+}
+
+/* A ball without some triangles: holes named and closed; a half of it; its triangles turned any way. */
+static void test_holes(void)
+{
+    static part m;
+    pbw_solid_options how;
+    pbw_solid_boundary b;
+    pbw_solid_report r;
+    pbw_solid_input in;
+    pbw_tets mesh;
+    size_t i, count = 0, closing = 0;
+    double volume;
+    if (!test_begin("holes")) {
+        return;
+    }
+    volume = part_make(PART_BALL, 1, &m);
+    m.triangles /= 2;                                /* the outer shell */
+    volume /= 1 - 0.216;
+    for (i = 0; i < m.triangles; i++) {
+        if (i < 32 || i / 3 == 100) {                /* a cap, and three triangles together */
+            continue;
+        }
+        memmove(m.t[count], m.t[i], sizeof m.t[0]);
+        if (i % 3 == 0) {
+            const pbw_index was = m.t[count][0];
+            m.t[count][0] = m.t[count][1];
+            m.t[count][1] = was;
+        }
+        count++;
+    }
+    m.triangles = count;
+    in = input_of(&m);
+    memset(&how, 0, sizeof how);
+    how.size = 0.2;
+    CHECK_EQUAL(pbw_solid(&in, &how, NULL, &mesh, &b, &r), PBW_OK);
+    CHECK(is_sound(&mesh));
+    CHECK(r.settled && r.euler == 2 && r.bad_edges + r.bad_points == 0);
+    CHECK(r.open_edges == 37 && r.holes == 2 && b.hole_count == 2);
+    CHECK(r.hole[0].edges == 32 && r.hole[0].closed && r.hole[1].edges == 5 && r.hole[1].closed);
+    CHECK(fabs(r.hole[0].length - 32 * 2 * sin(PARTS_PI / 16) * sin(PARTS_PI / 32)) < 1e-9);
+    CHECK(fabs(pbwsf__dot(r.hole[0].place, r.hole[0].place) - pow(cos(PARTS_PI / 16), 2)) < 1e-9);
+    CHECK(r.improve.after.least > 20 && fabs(r.improve.after.volume - volume) < 0.02 * volume);
+    for (i = 0; i < b.facet_count; i++) {
+        closing += b.patches[i] == PBW_NONE;
+    }
+    CHECK(closing > 0 && closing < b.facet_count / 10);
+    test_say("%zu tetrahedra %.2f..%.2f, %zu of %zu facets close holes", mesh.tet_count, r.improve.after.least,
+             r.improve.after.largest, closing, b.facet_count);
+    pbw_solid_boundary_free(&b);
+    pbw_tets_free(&mesh);
+    test_end();
+}
+
 /* Open, crowded, empty and random input: counted, or refused, and it ends. */
 static void test_warnings(void)
 {
-    static model m;
+    static part m;
     pbw_solid_options how;
     pbw_solid_report r;
     pbw_solid_input in;
@@ -384,18 +521,18 @@ static void test_warnings(void)
     }
     memset(&how, 0, sizeof how);
     how.size = 0.3;
-    make_l(&m);
+    (void)part_make(PART_L, 0, &m);
     m.triangles -= 1;
     in = input_of(&m);
-    CHECK_EQUAL(pbw_solid(&in, &how, NULL, &mesh, &r), PBW_OK);
+    CHECK_EQUAL(pbw_solid(&in, &how, NULL, &mesh, NULL, &r), PBW_OK);
     CHECK_EQUAL(r.open_edges, 3);
     CHECK(is_sound(&mesh));
     pbw_tets_free(&mesh);
     m.triangles = 1;
     in = input_of(&m);
-    CHECK_EQUAL(pbw_solid(&in, &how, NULL, &mesh, &r), PBW_DEGENERATE);
+    CHECK_EQUAL(pbw_solid(&in, &how, NULL, &mesh, NULL, &r), PBW_DEGENERATE);
     in.triangle_count = 0;
-    CHECK_EQUAL(pbw_solid(&in, &how, NULL, &mesh, &r), PBW_DEGENERATE);
+    CHECK_EQUAL(pbw_solid(&in, &how, NULL, &mesh, NULL, &r), PBW_DEGENERATE);
     for (i = 0; i < 6; i++) {                        /* a soup */
         for (k = 0; k < 60; k++) {
             m.x[k / 3][k % 3] = fmod(sin((double)(60 * i + k) + 1 + (double)test_seed) * 4375.85453, 1);
@@ -406,28 +543,29 @@ static void test_warnings(void)
         how.rounds = 4;
         how.size = 0.5;
         how.improve.passes = 2;
-        status = pbw_solid(&in, &how, NULL, &mesh, &r);
+        status = pbw_solid(&in, &how, NULL, &mesh, NULL, &r);
         CHECK(status == PBW_OK || status == PBW_DEGENERATE);
         CHECK(status != PBW_OK || (is_sound(&mesh) && r.open_edges + r.crowded_edges > 0));
         pbw_tets_free(&mesh);
     }
     m.t[3][1] = 77777;
-    CHECK_EQUAL(pbw_solid(&in, &how, NULL, &mesh, &r), PBW_ERROR_ARGUMENT);
+    CHECK_EQUAL(pbw_solid(&in, &how, NULL, &mesh, NULL, &r), PBW_ERROR_ARGUMENT);
     m.t[3][1] = 0;
     m.x[3][1] = HUGE_VAL;
-    CHECK_EQUAL(pbw_solid(&in, &how, NULL, &mesh, &r), PBW_ERROR_NOT_FINITE);
+    CHECK_EQUAL(pbw_solid(&in, &how, NULL, &mesh, NULL, &r), PBW_ERROR_NOT_FINITE);
     m.x[3][1] = 0;
     how.size = 1e-9;
-    CHECK_EQUAL(pbw_solid(&in, &how, NULL, &mesh, &r), PBW_ERROR_TOO_LARGE);
+    CHECK_EQUAL(pbw_solid(&in, &how, NULL, &mesh, NULL, &r), PBW_ERROR_TOO_LARGE);
     test_end();
 }
 
 static void test_failures(void)
 {
-    static model m;
+    static part m;
     pbw_options options;
     pbw_solid_options how;
     pbw_solid_input in;
+    pbw_solid_boundary boundary;
     pbw_tets mesh;
     pbw_status status = PBW_ERROR_MEMORY;
     meter memory;
@@ -436,7 +574,8 @@ static void test_failures(void)
     if (!test_begin("failing allocations, cancelling")) {
         return;
     }
-    make_l(&m);
+    (void)part_make(PART_L, 0, &m);
+    m.triangles--;                                   /* a hole to close */
     in = input_of(&m);
     memset(&options, 0, sizeof options);
     memset(&how, 0, sizeof how);
@@ -446,8 +585,9 @@ static void test_failures(void)
     options.resize_user = &memory;
     for (k = 1; status == PBW_ERROR_MEMORY && k < 5000; k++) {
         meter_start(&memory, k, 1);
-        status = pbw_solid(&in, &how, &options, &mesh, NULL);
-        CHECK(status == PBW_ERROR_MEMORY || mesh.tet_count > 0);
+        status = pbw_solid(&in, &how, &options, &mesh, &boundary, NULL);
+        CHECK(status == PBW_ERROR_MEMORY || (mesh.tet_count > 0 && boundary.facet_count > 0));
+        pbw_solid_boundary_free(&boundary);
         pbw_tets_free(&mesh);
         CHECK(memory.blocks == 0 && memory.faults == 0);
     }
@@ -457,7 +597,7 @@ static void test_failures(void)
     options.progress_user = &w;
     for (k = 1, status = PBW_CANCELLED; status == PBW_CANCELLED && k < 1000; k++) {
         watch_start(&w, k);
-        status = pbw_solid(&in, &how, &options, &mesh, NULL);
+        status = pbw_solid(&in, &how, &options, &mesh, NULL, NULL);
         CHECK(w.wrong == 0);
         CHECK(status == PBW_OK || mesh.points == NULL);
         pbw_tets_free(&mesh);
@@ -476,6 +616,10 @@ int main(int argc, char **argv)
     test_acute();
     test_thin();
     test_stuffing();
+    test_regions();
+    test_patches();
+    test_sizes();
+    test_holes();
     test_warnings();
     test_failures();
     return test_finish();

@@ -190,17 +190,23 @@ static int pbwc__resize(pbwc__memory *memory, pbwc__array *array, size_t bytes)
     return 1;
 }
 
-/* Makes room for `extra` items after the last.  Returns the place of the first of them, or NULL. */
-static void *pbwc__room(pbwc__memory *memory, pbwc__array *array, size_t extra, size_t size)
+static int pbwc__grow_array(pbwc__memory *memory, pbwc__array *array, size_t need)
 {
-    const size_t need = (array->count + extra) * size, twice = 2 * array->bytes;
-    if (need > array->bytes && !pbwc__resize(memory, array, need > twice ? need + 256 : twice)) {
+    const size_t twice = 2 * array->bytes;
+    return pbwc__resize(memory, array, need > twice ? need + 256 : twice);
+}
+
+/* Makes room for `extra` items after the last.  Returns the place of the first of them, or NULL. */
+static PBWC__INLINE void *pbwc__room(pbwc__memory *memory, pbwc__array *array, size_t extra, size_t size)
+{
+    const size_t need = (array->count + extra) * size;
+    if (need > array->bytes && !pbwc__grow_array(memory, array, need)) {
         return NULL;
     }
     return (char *)array->data + array->count * size;
 }
 
-static int pbwc__push(pbwc__memory *memory, pbwc__array *array, pbw_index item)
+static PBWC__INLINE int pbwc__push(pbwc__memory *memory, pbwc__array *array, pbw_index item)
 {
     pbw_index *place = (pbw_index *)pbwc__room(memory, array, 1, sizeof item);
     if (place == NULL) {
@@ -289,10 +295,13 @@ static int pbwc__centre_slow(int dim, const pbwc__dd row[3][3], const pbwc__dd *
 typedef struct pbwc__job pbwc__job;
 typedef struct pbwc__period pbwc__period;
 typedef struct pbwc__clip pbwc__clip;
+#define PBWC__GOOD   1u                    /* the centre is right to 12 digits */
+#define PBWC__INSIDE 2u                    /* it is in the domain, for certain */
+
 typedef struct pbwc__centre {
     double x[3];                           /* relative to the simplex's first corner */
     pbw_index simplex;
-    unsigned char good, inside;            /* right to 12 digits; in the domain, for certain */
+    unsigned says;                         /* PBWC__GOOD and so on, or'ed */
 } pbwc__centre;
 
 static int pbwc__centre_exactly(const pbw_mesh *mesh, const pbw_index *corner, double least, double *centre)
@@ -321,7 +330,7 @@ static PBWC__INLINE int pbwc__centre_of(const pbw_mesh *mesh, size_t dim, pbw_in
 {
     const pbw_index *corner = mesh->simplices + simplex * (dim + 1);
     const double *a = mesh->points + corner[0] * dim, *w = mesh->weights;
-    double r[3][3], height[3], largest = 0, det, least;
+    double r[3][3], height[3], largest = 0, det;
     size_t i, k;
     for (i = 0; i < dim; i++) {
         const double *b = mesh->points + corner[i + 1] * dim;
@@ -335,7 +344,6 @@ static PBWC__INLINE int pbwc__centre_of(const pbw_mesh *mesh, size_t dim, pbw_in
     }
     if (dim == 2) {
         det = r[0][0] * r[1][1] - r[0][1] * r[1][0];
-        least = largest * 1e-30;
         if (det > 1e-6 * largest) {
             centre[0] = (height[0] * r[1][1] - height[1] * r[0][1]) / (2 * det);
             centre[1] = (height[1] * r[0][0] - height[0] * r[1][0]) / (2 * det);
@@ -350,7 +358,6 @@ static PBWC__INLINE int pbwc__centre_of(const pbw_mesh *mesh, size_t dim, pbw_in
             m[i][2] = p[0] * q[1] - p[1] * q[0];
         }
         det = r[0][0] * m[0][0] + r[0][1] * m[0][1] + r[0][2] * m[0][2];
-        least = largest * sqrt(largest) * 1e-30;
         if (det > 0 && det * det > 1e-12 * largest * largest * largest) {
             const double scale = 0.5 / det;
             for (k = 0; k < 3; k++) {
@@ -359,7 +366,7 @@ static PBWC__INLINE int pbwc__centre_of(const pbw_mesh *mesh, size_t dim, pbw_in
             return 1;
         }
     }
-    return pbwc__centre_exactly(mesh, corner, least, centre);
+    return pbwc__centre_exactly(mesh, corner, 1e-30 * (dim == 3 ? largest * sqrt(largest) : largest), centre);
 }
 
 /* ------------------------------------------------------------------------------------------------------
@@ -624,22 +631,26 @@ static int pbwc__cut(pbwc__memory *memory, pbwc__cutter *cutter, int dim, const 
 }
 
 /* ------------------------------------------------------------------------------------------------------
-   Stars: the simplices at a vertex v, here parts, and their other vertices, the links.
-   In space the simplices at the edge from v to a link are its ring, counter-clockwise seen from the link; parts are
-   the rings of all links, one after the other, so each simplex is in three.  A ring is walked from simplex to simplex:
-   from v, u, p, q, positively oriented, the walk leaves across from p, and q and the new corner are the next p and q.
-   A corner met for the first time is a new link, so rings find all links.  In the plane parts and links are
-   counter-clockwise, and link i is between parts from and to.
+   Stars: the simplices at a vertex v, in the plane its parts, and their other vertices, the links.
+   In space the simplices at the edge from v to a link are its ring, counter-clockwise seen from the link.  A ring is
+   walked from simplex to simplex: from v, u, p, q, positively oriented, the walk leaves across from p, and q and the
+   new corner are the next p and q.  A corner met for the first time is a new link, so rings find all links.
+   In the plane parts and links are counter-clockwise, and link i is between parts from and to.
+   The centres S T ... of a ring are the corners of the cell's facet towards the link.  The edge ST gives to the cell
+   the tetrahedron of v, the foot of the facet's plane on the line d from v to the link, S and T: 6 times its volume
+   is foot d.(S x T), with a sign; in the plane the triangle v S T.  Twice the facet's area is the sum of
+   d.(S x T) / |d|.
    ------------------------------------------------------------------------------------------------------ */
 typedef struct pbwc__part { pbw_index simplex; double centre[3]; } pbwc__part;           /* centre: from v */
 typedef struct pbwc__link {
     pbw_index vertex;
     pbw_index simplex, p, q;               /* in space: where its ring starts */
-    int begin, count;                      /* its ring */
-    int open, ends[2];                     /* does the ring end at the hull?  The links in the hull facets there */
+    size_t begin, count;                   /* its ring */
+    int open;                              /* does it end at the hull? */
+    pbw_index ends[2];                     /* of an open ring: the last corners of the hull facets there */
     int from, to;                          /* in the plane: parts, -1 beyond the hull */
     double d[3], foot;                     /* from v; the plane between the cells is at foot * d */
-    double area;                           /* of the facet; HUGE_VAL if it is open */
+    double along;                          /* in space: twice the facet's area times |d| */
 } pbwc__link;
 
 typedef struct pbwc__map { pbwc__array slots; size_t mask, count; uint32_t epoch; } pbwc__map;
@@ -720,13 +731,15 @@ typedef struct pbwc__work {                /* of one range */
     pbwc__job *job;
     pbwc__memory *memory;
     pbwc__range *out;
-    pbwc__array parts, links;
+    pbwc__array parts, rings, links;       /* parts: in the plane; rings: of all links, in space */
     pbwc__map numbers;                     /* of links, or of parts, by vertex or simplex */
     pbwc__cutter cutter;
     pbwc__array kept;
     pbwc__centre *centres;                 /* kept */
     pbw_index site;                        /* the vertex of the star */
-    int open, good, inside;                /* the star: at the hull; all centres good; in the domain, for certain */
+    int open;                              /* is the star at the hull? */
+    unsigned says;                         /* what all centres say */
+    double sum[4];                         /* of a closed star: moments * 24 (in the plane 6), volume * 6 (2) */
     const struct pbwc__visit *visits;      /* of a polygon's edges in the cell */
     size_t visit_count;
     pbwc__array ends, end_of, used;        /* of chains, in order; per visit: the ends at its begin and end; joined */
@@ -766,6 +779,7 @@ struct pbwc__job {
     pbwc__array merged, ranges;            /* per simplex: the first whose centre is the same place */
     pbw_cells *cells;
     double *volumes, *centroids;
+    double *vertices;                      /* with shapes: first the centres of all simplices */
     size_t *first;
     pbwc__array entries;                   /* with shapes, per point: where its loops' entries begin */
     pbwc__array cut;                       /* per point: was its cell cut? */
@@ -773,6 +787,7 @@ struct pbwc__job {
 
 #define PBWC__PARTS(work) ((pbwc__part *)(work)->parts.data)
 #define PBWC__LINKS(work) ((pbwc__link *)(work)->links.data)
+#define PBWC__RING(work, link) ((pbw_index *)(work)->rings.data + (link)->begin)
 
 static int pbwc__centres_new(pbwc__memory *memory, pbwc__array *centres)
 {
@@ -806,15 +821,19 @@ static int pbwc__in_planes(const pbwc__job *job, const double *a, const double *
     return inside;
 }
 
+static void pbwc__centre_of_flat(const pbw_mesh *mesh, pbw_index simplex, double *centre);
+
 static PBWC__INLINE void pbwc__make_centre(const pbwc__job *job, size_t dim, pbw_index simplex, pbwc__centre *centre)
 {
     const double *a = job->mesh->points + job->mesh->simplices[simplex * (dim + 1)] * dim;
     double radius = 0;
     size_t k;
-    int inside;
+    int inside = 1;
     centre->simplex = simplex;
-    inside = pbwc__centre_of(job->mesh, dim, simplex, centre->x);
-    centre->good = (unsigned char)inside;
+    centre->says = pbwc__centre_of(job->mesh, dim, simplex, centre->x) ? PBWC__GOOD | PBWC__INSIDE : 0;
+    if (centre->says == 0 && job->clip != NULL) {
+        pbwc__centre_of_flat(job->mesh, simplex, centre->x);
+    }
     for (k = 0; k < dim; k++) {
         radius += fabs(centre->x[k]);
     }
@@ -822,10 +841,9 @@ static PBWC__INLINE void pbwc__make_centre(const pbwc__job *job, size_t dim, pbw
         const double at = a[k] + centre->x[k], slack = 1e-12 * radius + job->slack[k];
         inside &= (at - job->low[k] > slack) & (job->high[k] - at > slack);
     }
-    if (job->plane_count > 0) {
-        inside &= pbwc__in_planes(job, a, centre->x, radius);
+    if (!inside || (job->plane_count > 0 && !pbwc__in_planes(job, a, centre->x, radius))) {
+        centre->says &= ~PBWC__INSIDE;
     }
-    centre->inside = (unsigned char)inside;
 }
 
 static void pbwc__make_centre2(const pbwc__job *job, pbw_index simplex, pbwc__centre *centre)
@@ -838,32 +856,20 @@ static void pbwc__make_centre3(const pbwc__job *job, pbw_index simplex, pbwc__ce
     pbwc__make_centre(job, 3, simplex, centre);
 }
 
-/* One more part of the star.  Its centre is kept, as other stars need it too.  Returns 0 if there is no memory. */
-static PBWC__INLINE int pbwc__add_part(pbwc__work *work, size_t dim, pbw_index simplex)
+/* The centre of a simplex, from the site: x.  It is kept, as other stars need it too.  Returns what it says. */
+static PBWC__INLINE unsigned pbwc__from_site(const pbwc__job *job, pbwc__centre *centres, size_t dim,
+                                             const double *site, pbw_index simplex, double *x)
 {
-    const pbw_mesh *mesh = work->job->mesh;
-    const double *site = mesh->points + work->site * dim;
-    const double *a = mesh->points + mesh->simplices[simplex * (dim + 1)] * dim;
-    pbwc__centre *centre = work->centres + simplex % PBWC__CENTRES;
-    pbwc__part *part = PBWC__PARTS(work) + work->parts.count;
+    const double *a = job->mesh->points + job->mesh->simplices[simplex * (dim + 1)] * dim;
+    pbwc__centre *centre = centres + simplex % PBWC__CENTRES;
     size_t k;
-    if ((work->parts.count + 1) * sizeof *part > work->parts.bytes) {
-        part = (pbwc__part *)pbwc__room(work->memory, &work->parts, 1, sizeof *part);
-        if (part == NULL) {
-            return 0;
-        }
-    }
     if (centre->simplex != simplex) {
-        (dim == 3 ? pbwc__make_centre3 : pbwc__make_centre2)(work->job, simplex, centre);
+        (dim == 3 ? pbwc__make_centre3 : pbwc__make_centre2)(job, simplex, centre);
     }
-    part->simplex = simplex;
     for (k = 0; k < dim; k++) {
-        part->centre[k] = centre->x[k] + (a[k] - site[k]);
+        x[k] = centre->x[k] + (a[k] - site[k]);
     }
-    work->good &= centre->good;
-    work->inside &= centre->inside;
-    work->parts.count++;
-    return 1;
+    return centre->says;
 }
 
 /* One more link, with its bisector.  Returns NULL if there is no memory. */
@@ -877,8 +883,8 @@ static PBWC__INLINE pbwc__link *pbwc__add_link(pbwc__work *work, size_t dim, pbw
     if (link == NULL) {
         return NULL;
     }
-    memset(link, 0, sizeof *link);
     link->vertex = vertex;
+    link->d[2] = 0;
     for (k = 0; k < dim; k++) {
         link->d[k] = mesh->points[vertex * dim + k] - mesh->points[v * dim + k];
         square += link->d[k] * link->d[k];
@@ -908,72 +914,132 @@ static PBWC__INLINE pbw_index pbwc__fourth(const pbw_mesh *mesh, pbw_index simpl
     return corner[0] ^ corner[1] ^ corner[2] ^ corner[3] ^ others;
 }
 
-/* The number of a link; the ring of a new one starts at the simplex of the site, itself, p and q, positively
-   oriented.  Returns -1 if there is no memory. */
-static PBWC__INLINE int pbwc__meet(pbwc__work *work, pbw_index vertex, pbw_index simplex, pbw_index p, pbw_index q)
+/* A new link, whose ring starts at the simplex of the site, the vertex, p and q, positively oriented.  Returns 0 if
+   there is no memory. */
+static int pbwc__new_link3(pbwc__work *work, pbw_index vertex, pbw_index simplex, pbw_index p, pbw_index q)
 {
-    const int number = pbwc__number(work->memory, &work->numbers, vertex, (int)work->links.count);
-    pbwc__link *link;
-    if (number != (int)work->links.count) {
-        return number;
-    }
-    link = pbwc__add_link(work, 3, vertex);
-    if (link == NULL) {
-        return -1;
+    pbwc__link *link = pbwc__add_link(work, 3, vertex);
+    if (link == NULL || pbwc__number(work->memory, &work->numbers, vertex, 0) < 0) {
+        return 0;
     }
     link->simplex = simplex;
     link->p = p;
     link->q = q;
-    return number;
+    return 1;
 }
 
-/* Walks the ring of a link; an open one from its first simplex to its last.  Returns 0 if there is no memory. */
+static PBWC__INLINE int pbwc__is_known(const pbwc__map *map, pbw_index key)
+{
+    return ((const pbwc__slot *)map->slots.data)[pbwc__slot_of(map, key)].epoch == map->epoch;
+}
+
+/* What the ring of a link gives: sums over its edges ST, with d from the site to the link, of w = d.(S x T) and of
+   w (S + T). */
+typedef struct pbwc__ring {
+    double d[3], along, moment[3];
+    double first[3], last[3];              /* centres */
+    unsigned says;
+} pbwc__ring;
+
+static PBWC__INLINE void pbwc__cross(const double *s, const double *t, double *x)
+{
+    x[0] = s[1] * t[2] - s[2] * t[1];
+    x[1] = s[2] * t[0] - s[0] * t[2];
+    x[2] = s[0] * t[1] - s[1] * t[0];
+}
+
+/* The edge from the last centre to t. */
+static PBWC__INLINE void pbwc__add_edge(pbwc__ring *ring, const double *t)
+{
+    double across[3], w;
+    int k;
+    pbwc__cross(ring->last, t, across);
+    w = ring->d[0] * across[0] + ring->d[1] * across[1] + ring->d[2] * across[2];
+    ring->along += w;
+    for (k = 0; k < 3; k++) {
+        ring->moment[k] += w * (ring->last[k] + t[k]);
+        ring->last[k] = t[k];
+    }
+}
+
+/* Walks from a simplex around the edge from the site to u, until back there or at the hull; notes the simplices, new
+   links and sums: while the next simplex is on its way from memory, the sums cost no time.  at: simplex, p and q,
+   also at the end.  Returns 1 back there, 0 at the hull, -1 if there is no memory. */
+static PBWC__INLINE int pbwc__walk(pbwc__work *work, pbw_index u, pbw_index at[3], pbwc__ring *ring)
+{
+    const pbw_mesh *mesh = work->job->mesh;
+    const double *site = mesh->points + 3 * (size_t)work->site;
+    const pbw_index edge = work->site ^ u, first = at[0];
+    pbw_index simplex = first, p = at[1], q = at[2], next;
+    double t[3];
+    ring->says &= pbwc__from_site(work->job, work->centres, 3, site, simplex, ring->first);
+    memcpy(ring->last, ring->first, sizeof ring->last);
+    for (;;) {
+        next = pbwc__across(mesh, simplex, p);
+        if (!pbwc__push(work->memory, &work->rings, simplex)
+            || (!pbwc__is_known(&work->numbers, q) && !pbwc__new_link3(work, q, simplex, u, p))) {
+            return -1;
+        }
+        if (next == PBW_NONE || next == first) {
+            break;
+        }
+        simplex = next;
+        p = q;
+        q = pbwc__fourth(mesh, simplex, edge ^ q);
+        ring->says &= pbwc__from_site(work->job, work->centres, 3, site, simplex, t);
+        pbwc__add_edge(ring, t);
+    }
+    pbwc__add_edge(ring, ring->first);
+    at[0] = simplex;
+    at[1] = p;
+    at[2] = q;
+    return next == first;
+}
+
+/* The ring of a link; an open one from its first simplex to its last.  Returns 0 if there is no memory. */
 static int pbwc__walk_ring(pbwc__work *work, size_t number)
 {
     const pbw_mesh *mesh = work->job->mesh;
-    const pbwc__link *start = PBWC__LINKS(work) + number;
-    const pbw_index u = start->vertex, edge = work->site ^ u;
-    const size_t begin = work->parts.count;
-    pbw_index simplex = start->simplex, p = start->p, q = start->q, first, next;
-    pbwc__link *link;
-    int open = 0, low = 0, high = 0;
-    for (;;) {
-        first = simplex;
-        do {
-            next = pbwc__across(mesh, simplex, p);
-            if (!pbwc__add_part(work, 3, simplex) || (high = pbwc__meet(work, q, simplex, u, p)) < 0) {
-                return 0;
-            }
-            if (next == PBW_NONE) {
-                break;
-            }
-            simplex = next;
-            p = q;
-            q = pbwc__fourth(mesh, simplex, edge ^ q);
-        } while (simplex != first);
-        if (next != PBW_NONE || open) {
-            break;
+    pbwc__link *link = PBWC__LINKS(work) + number;
+    const pbw_index u = link->vertex, edge = work->site ^ u;
+    const size_t begin = work->rings.count;
+    pbw_index at[3], low = PBW_NONE, next;
+    pbwc__ring ring;
+    int closed, k;
+    memset(&ring, 0, sizeof ring);
+    memcpy(ring.d, link->d, sizeof ring.d);
+    ring.says = work->says;
+    at[0] = link->simplex;
+    at[1] = link->p;
+    at[2] = link->q;
+    closed = pbwc__walk(work, u, at, &ring);
+    if (closed == 0) {                               /* back to the hull at the other end, then again from there */
+        work->open = 1;
+        work->rings.count = begin;
+        while ((next = pbwc__across(mesh, at[0], at[2])) != PBW_NONE) {
+            at[0] = next;
+            at[2] = at[1];
+            at[1] = pbwc__fourth(mesh, next, edge ^ at[1]);
         }
-        open = 1;                                    /* back to the hull at the other end, then again from there */
-        work->parts.count = begin;
-        while ((next = pbwc__across(mesh, simplex, q)) != PBW_NONE) {
-            simplex = next;
-            q = p;
-            p = pbwc__fourth(mesh, simplex, edge ^ p);
-        }
-        low = pbwc__meet(work, p, simplex, q, u);
-        if (low < 0) {
+        low = at[1];
+        if ((!pbwc__is_known(&work->numbers, low) && !pbwc__new_link3(work, low, at[0], at[2], u))
+            || pbwc__walk(work, u, at, &ring) < 0) {
             return 0;
         }
     }
-    link = PBWC__LINKS(work) + number;
-    link->begin = (int)begin;
-    link->count = (int)(work->parts.count - begin);
-    link->open = open;
+    link = PBWC__LINKS(work) + number;               /* new links may have moved it */
+    link->begin = begin;
+    link->count = work->rings.count - begin;
+    link->open = closed == 0;
     link->ends[0] = low;
-    link->ends[1] = high;
-    work->open |= open;
-    return 1;
+    link->ends[1] = at[2];
+    link->along = ring.along;
+    for (k = 0; k < 3; k++) {
+        work->sum[k] += link->foot * (ring.moment[k] + ring.along * (link->foot * ring.d[k]));
+    }
+    work->sum[3] += link->foot * ring.along;
+    work->says = ring.says;
+    return closed >= 0;
 }
 
 static int pbwc__gather3(pbwc__work *work)
@@ -986,7 +1052,7 @@ static int pbwc__gather3(pbwc__work *work)
     for (i = 0; corner[i] != work->site; i++) {
     }
     other = pbwc__other3[i];
-    if (pbwc__meet(work, corner[other[0]], simplex, corner[other[1]], corner[other[2]]) < 0) {
+    if (!pbwc__new_link3(work, corner[other[0]], simplex, corner[other[1]], corner[other[2]])) {
         return 0;
     }
     for (i = 0; i < work->links.count; i++) {
@@ -1006,10 +1072,42 @@ static PBWC__INLINE unsigned pbwc__place2(const pbw_mesh *mesh, pbw_index simple
     return (corner[1] == v) + 2u * (corner[2] == v);
 }
 
-/* The links between a triangle and the ones before (0) and after (1) it around v. */
-static PBWC__INLINE int pbwc__add_side(pbwc__work *work, pbw_index simplex, unsigned after, int from, int to)
+/* The parts of v, counter-clockwise, in a star at the hull from there.  Returns 0 if there is no memory. */
+static int pbwc__gather2(pbwc__work *work)
 {
     const pbw_mesh *mesh = work->job->mesh;
+    const pbw_index v = work->site;
+    const double *site = mesh->points + 2 * (size_t)v;
+    pbw_index first = mesh->incident[v], at, next = PBW_NONE;
+    int round;
+    for (round = 0; round < 2 && next == PBW_NONE; round++) {
+        work->parts.count = 0;
+        at = first;
+        do {
+            pbwc__part *part = (pbwc__part *)pbwc__room(work->memory, &work->parts, 1, sizeof *part);
+            if (part == NULL) {
+                return 0;
+            }
+            next = mesh->neighbors[3 * (size_t)at + (pbwc__place2(mesh, at, v) + 1) % 3];
+            part->simplex = at;
+            work->says &= pbwc__from_site(work->job, work->centres, 2, site, at, part->centre);
+            work->parts.count++;
+            at = next;
+        } while (at != PBW_NONE && at != first);
+        while (round == 0 && next == PBW_NONE        /* back to the hull at the other end, then again from there */
+               && (at = mesh->neighbors[3 * (size_t)first + (pbwc__place2(mesh, first, v) + 2) % 3]) != PBW_NONE) {
+            first = at;
+        }
+    }
+    work->open = next == PBW_NONE;
+    return 1;
+}
+
+/* The link of a part before (0) or after (1) it, between parts from and to.  Returns 0 if there is no memory. */
+static int pbwc__add_side(pbwc__work *work, size_t part, unsigned after, int from, int to)
+{
+    const pbw_mesh *mesh = work->job->mesh;
+    const pbw_index simplex = PBWC__PARTS(work)[part].simplex;
     const unsigned place = (pbwc__place2(mesh, simplex, work->site) + 1 + after) % 3;
     pbwc__link *link = pbwc__add_link(work, 2, mesh->simplices[3 * (size_t)simplex + place]);
     if (link == NULL) {
@@ -1021,44 +1119,36 @@ static PBWC__INLINE int pbwc__add_side(pbwc__work *work, pbw_index simplex, unsi
     return 1;
 }
 
-static int pbwc__gather2(pbwc__work *work)
+/* The links, in the plane.  Returns 0 if there is no memory. */
+static int pbwc__add_sides(pbwc__work *work)
 {
-    const pbw_mesh *mesh = work->job->mesh;
-    const pbw_index v = work->site;
-    pbw_index first = mesh->incident[v], at, next = PBW_NONE;
-    while (work->open < 2 && next == PBW_NONE) {
-        work->parts.count = work->links.count = 0;
-        if (work->open && !pbwc__add_side(work, first, 0, -1, 0)) {
+    const size_t count = work->parts.count;
+    size_t i;
+    if (work->open && !pbwc__add_side(work, 0, 0, -1, 0)) {
+        return 0;
+    }
+    for (i = 0; i < count; i++) {
+        if (!pbwc__add_side(work, i, 1, (int)i, i + 1 < count ? (int)i + 1 : work->open ? -1 : 0)) {
             return 0;
         }
-        at = first;
-        do {
-            const int count = (int)work->parts.count;
-            next = mesh->neighbors[3 * (size_t)at + (pbwc__place2(mesh, at, v) + 1) % 3];
-            if (!pbwc__add_part(work, 2, at)
-                || !pbwc__add_side(work, at, 1, count, next == PBW_NONE ? -1 : next == first ? 0 : count + 1)) {
-                return 0;
-            }
-            at = next;
-        } while (at != PBW_NONE && at != first);
-        if (next == PBW_NONE && work->open++ == 0) { /* back to the hull at the other end, then again from there */
-            while ((at = mesh->neighbors[3 * (size_t)first + (pbwc__place2(mesh, first, v) + 2) % 3]) != PBW_NONE) {
-                first = at;
-            }
-        }
     }
-    work->open = work->open > 0;
     return 1;
 }
 
-/* Gathers the star of v.  Returns 0 if there is no memory. */
-static int pbwc__gather(pbwc__work *work, pbw_index v)
+/* Gathers the star of v; in the plane with its links only if asked.  Returns 0 if there is no memory. */
+static PBWC__INLINE int pbwc__gather_some(pbwc__work *work, pbw_index v, int links)
 {
-    work->parts.count = work->links.count = 0;
+    work->parts.count = work->rings.count = work->links.count = 0;
     work->site = v;
     work->open = 0;
-    work->good = work->inside = 1;
-    return work->job->mesh->dim == 3 ? pbwc__gather3(work) : pbwc__gather2(work);
+    work->says = PBWC__GOOD | PBWC__INSIDE;
+    memset(work->sum, 0, sizeof work->sum);
+    return work->job->mesh->dim == 3 ? pbwc__gather3(work) : pbwc__gather2(work) && (!links || pbwc__add_sides(work));
+}
+
+static int pbwc__gather(pbwc__work *work, pbw_index v)
+{
+    return pbwc__gather_some(work, v, 1);
 }
 
 /* Prepares the work on a range.  Returns 0 if there is no memory; pbwc__work_end is due in any case. */
@@ -1068,7 +1158,7 @@ static int pbwc__work_start(pbwc__work *work, pbwc__job *job)
     memset(work, 0, sizeof *work);
     work->job = job;
     work->memory = &job->memory;
-    good = pbwc__centres_new(work->memory, &work->kept);
+    good = pbwc__centres_new(work->memory, &work->kept) && pbwc__map_grow(work->memory, &work->numbers);
     work->centres = (pbwc__centre *)work->kept.data;
     return good;
 }
@@ -1077,6 +1167,7 @@ static void pbwc__work_end(pbwc__work *work)
 {
     pbwc__release(work->memory, &work->kept);
     pbwc__release(work->memory, &work->parts);
+    pbwc__release(work->memory, &work->rings);
     pbwc__release(work->memory, &work->links);
     pbwc__release(work->memory, &work->numbers.slots);
     pbwc__release(work->memory, &work->ends);
@@ -1098,18 +1189,8 @@ static pbw_index pbwc__root(pbw_index *merged, pbw_index s)
 }
 
 /* ------------------------------------------------------------------------------------------------------
-   Volumes and centroids of cells, summed over their stars.  The centres S T ... of a link's ring are the corners of
-   the facet towards it.  The edge ST gives to the cell the tetrahedron of v, the foot of the facet's plane on the edge
-   d from v to the link, S and T: 6 times its volume is foot d.(S x T), with a sign; in the plane the triangle v S T.
-   Twice the facet's area is the sum of d.(S x T) / |d|.
+   Volumes and centroids of cells from their stars.
    ------------------------------------------------------------------------------------------------------ */
-static PBWC__INLINE void pbwc__cross(const double *s, const double *t, double *x)
-{
-    x[0] = s[1] * t[2] - s[2] * t[1];
-    x[1] = s[2] * t[0] - s[0] * t[2];
-    x[2] = s[0] * t[1] - s[1] * t[0];
-}
-
 /* Ends the sums of a cell: moments * 24 (in the plane 6), volume * 6 (2). */
 static void pbwc__set_cell(pbwc__job *job, pbw_index v, const double *sum)
 {
@@ -1122,34 +1203,7 @@ static void pbwc__set_cell(pbwc__job *job, pbw_index v, const double *sum)
     }
 }
 
-static void pbwc__sum_star3(pbwc__work *work, double *sum)
-{
-    size_t u;
-    int i, k;
-    for (u = 0; u < work->links.count; u++) {
-        pbwc__link *link = PBWC__LINKS(work) + u;
-        const pbwc__part *part = PBWC__PARTS(work) + link->begin;
-        const double d[3] = { link->d[0], link->d[1], link->d[2] }, foot = link->foot;
-        double along = 0, moment[3] = { 0, 0, 0 };
-        for (i = 0; i < link->count; i++) {
-            const double *s = part[i].centre, *t = part[i + 1 < link->count ? i + 1 : 0].centre;
-            double across[3], w;
-            pbwc__cross(s, t, across);
-            w = d[0] * across[0] + d[1] * across[1] + d[2] * across[2];
-            along += w;
-            for (k = 0; k < 3; k++) {
-                moment[k] += w * (s[k] + t[k]);
-            }
-        }
-        for (k = 0; k < 3; k++) {
-            sum[k] += foot * (moment[k] + along * (foot * d[k]));
-        }
-        sum[3] += foot * along;
-        link->area = along;
-    }
-}
-
-static void pbwc__sum_star2(pbwc__work *work, double *sum)
+static void pbwc__sum_star2(pbwc__work *work)
 {
     const pbwc__part *part = PBWC__PARTS(work);
     const size_t count = work->parts.count;
@@ -1157,28 +1211,29 @@ static void pbwc__sum_star2(pbwc__work *work, double *sum)
     for (i = 0; i < count; i++) {
         const double *s = part[i].centre, *t = part[i + 1 < count ? i + 1 : 0].centre;
         const double w = s[0] * t[1] - s[1] * t[0];
-        sum[0] += w * (s[0] + t[0]);
-        sum[1] += w * (s[1] + t[1]);
-        sum[3] += w;
+        work->sum[0] += w * (s[0] + t[0]);
+        work->sum[1] += w * (s[1] + t[1]);
+        work->sum[3] += w;
     }
 }
 
-/* Volume and centroid from the star: what it says where it is closed, else infinite without a domain. */
-static void pbwc__star_volume(pbwc__work *work)
+/* Is the cell the star's own?  Then its volume and centroid; infinite, if it is open and there is no domain. */
+static int pbwc__star_volume(pbwc__work *work)
 {
     pbwc__job *job = work->job;
     const size_t dim = (size_t)job->mesh->dim, v = work->site;
-    double sum[4] = { 0, 0, 0, 0 };
-    if (dim == 3) {
-        pbwc__sum_star3(work, sum);
-    } else {
-        pbwc__sum_star2(work, sum);
+    if (job->bounded && (work->open || (job->clip == NULL && (work->says & PBWC__INSIDE) == 0))) {
+        return 0;
     }
-    pbwc__set_cell(job, work->site, sum);
-    if (work->open && !job->bounded) {
+    if (dim == 2) {
+        pbwc__sum_star2(work);
+    }
+    pbwc__set_cell(job, work->site, work->sum);
+    if (work->open) {
         memcpy(job->centroids + v * dim, job->mesh->points + v * dim, dim * sizeof(double));
         job->volumes[v] = HUGE_VAL;
     }
+    return 1;
 }
 
 /* ------------------------------------------------------------------------------------------------------
@@ -1237,37 +1292,42 @@ static int pbwc__push_centre(pbwc__work *work, const pbwc__part *part, size_t be
     return pbwc__push(work->memory, loops, vertex);
 }
 
+/* From the site to a vertex. */
+static void pbwc__to_vertex(const pbwc__work *work, pbw_index vertex, double *d)
+{
+    const double *x = work->job->mesh->points;
+    int k;
+    for (k = 0; k < 3; k++) {
+        d[k] = x[3 * (size_t)vertex + (size_t)k] - x[3 * (size_t)work->site + (size_t)k];
+    }
+}
+
 /* The loop of a link's facet in space, with two rays if it is open.  Returns 0 if there is no memory. */
 static int pbwc__loop3(pbwc__work *work, const pbwc__link *link)
 {
-    const pbwc__part *part = PBWC__PARTS(work) + link->begin;
+    const pbw_index *merged = PBWC__INDICES(work->job->merged), *ring = PBWC__RING(work, link);
     pbwc__array *loops = &work->out->loops;
     const size_t begin = loops->count;
-    int i;
-    if (PBWC__INDICES(work->job->merged) == NULL) {
-        pbw_index *out = (pbw_index *)pbwc__room(work->memory, loops, (size_t)link->count, sizeof(pbw_index));
-        if (out == NULL) {
-            return 0;
-        }
-        for (i = 0; i < link->count; i++) {
-            out[i] = part[i].simplex;
-        }
-        loops->count += (size_t)link->count;
-    } else {
-        for (i = 0; i < link->count; i++) {
-            if (!pbwc__push_centre(work, part + i, begin)) {
-                return 0;
-            }
-        }
+    pbw_index *out = (pbw_index *)pbwc__room(work->memory, loops, link->count, sizeof(pbw_index));
+    size_t i, count = 0;
+    if (out == NULL) {
+        return 0;
     }
+    for (i = 0; i < link->count; i++) {              /* no corner twice in a row */
+        out[count] = merged != NULL ? merged[ring[i]] : ring[i];
+        count += count == 0 || out[count] != out[count - 1];
+    }
+    loops->count += count;
     if (link->open) {                                /* outward normals of the hull facets at both ends */
-        return pbwc__push_ray(work, link->d, PBWC__LINKS(work)[link->ends[1]].d)
-               && pbwc__push_ray(work, PBWC__LINKS(work)[link->ends[0]].d, link->d);
+        double low[3], high[3];
+        pbwc__to_vertex(work, link->ends[0], low);
+        pbwc__to_vertex(work, link->ends[1], high);
+        return pbwc__push_ray(work, link->d, high) && pbwc__push_ray(work, low, link->d);
     }
-    if (loops->count > begin + 1 && PBWC__INDICES(*loops)[begin] == PBWC__INDICES(*loops)[loops->count - 1]) {
+    if (count > 1 && out[0] == out[count - 1]) {
         loops->count--;                              /* merged across the start */
     }
-    return 1;
+    return loops->count > begin;
 }
 
 /* Has the facet of a link an area in the true diagram?  In space not if its corners are at one place or two, nor an
@@ -1275,27 +1335,27 @@ static int pbwc__loop3(pbwc__work *work, const pbwc__link *link)
 static int pbwc__is_facet(const pbwc__work *work, const pbwc__link *link)
 {
     const pbw_index *merged = PBWC__INDICES(work->job->merged);
-    const pbwc__link *links = PBWC__LINKS(work);
     const pbwc__part *part = PBWC__PARTS(work);
     const pbw_mesh *mesh = work->job->mesh;
-    int i, differ = 0;
+    const pbw_index *ring;
+    size_t i, differ = 0;
     if (merged == NULL) {
         return 1;
     }
     if (mesh->dim == 2) {
         return link->open || merged[part[link->from].simplex] != merged[part[link->to].simplex];
     }
-    part += link->begin;
+    ring = PBWC__RING(work, link);
     for (i = 1; i < link->count; i++) {
-        differ += merged[part[i].simplex] != merged[part[i - 1].simplex];
+        differ += merged[ring[i]] != merged[ring[i - 1]];
     }
     if (link->open) {
         return differ > 0
                || pbw_orient3(mesh->points + 3 * (size_t)work->site, mesh->points + 3 * (size_t)link->vertex,
-                              mesh->points + 3 * (size_t)links[link->ends[1]].vertex,
-                              mesh->points + 3 * (size_t)links[link->ends[0]].vertex) != 0;
+                              mesh->points + 3 * (size_t)link->ends[1],
+                              mesh->points + 3 * (size_t)link->ends[0]) != 0;
     }
-    return differ + (merged[part[0].simplex] != merged[part[i - 1].simplex]) > 2;
+    return differ + (merged[ring[0]] != merged[ring[i - 1]]) > 2;
 }
 
 static int pbwc__facet_done(pbwc__work *work, pbw_index neighbor, double area, size_t loop_begin)
@@ -1312,20 +1372,21 @@ static int pbwc__facet_done(pbwc__work *work, pbw_index neighbor, double area, s
     return 1;
 }
 
-/* In space.  link->area: twice the area times |d|. */
+/* In space. */
 static int pbwc__link_facet3(pbwc__work *work, const pbwc__link *link)
 {
     const size_t begin = work->out->loops.count;
     const double square = link->d[0] * link->d[0] + link->d[1] * link->d[1] + link->d[2] * link->d[2];
     return ((work->job->what & PBW_CELLS_SHAPES) == 0 || pbwc__loop3(work, link))
-           && pbwc__facet_done(work, link->vertex, link->open ? HUGE_VAL : link->area / (2 * sqrt(square)), begin);
+           && pbwc__facet_done(work, link->vertex, link->open ? HUGE_VAL : link->along / (2 * sqrt(square)), begin);
 }
 
 /* In the plane: the edge between the centres of two parts, of which one may be -1: then it is a ray. */
 static int pbwc__link_facet2(pbwc__work *work, const pbwc__link *link)
 {
     static const double up[3] = { 0, 0, 1 }, down[3] = { 0, 0, -1 };
-    const pbwc__part *from = PBWC__PARTS(work) + link->from, *to = PBWC__PARTS(work) + link->to;
+    const pbwc__part *from = PBWC__PARTS(work) + (link->from < 0 ? 0 : link->from);
+    const pbwc__part *to = PBWC__PARTS(work) + (link->to < 0 ? 0 : link->to);
     const size_t begin = work->out->loops.count;
     double length = HUGE_VAL;
     if (!link->open) {
@@ -1352,13 +1413,6 @@ static int pbwc__star_facets(pbwc__work *work)
         }
     }
     return 1;
-}
-
-/* The cell that the star says.  Returns 0 if there is no memory. */
-static int pbwc__star_cell(pbwc__work *work)
-{
-    pbwc__star_volume(work);
-    return (work->job->what & PBW_CELLS_FACETS) == 0 || pbwc__star_facets(work);
 }
 
 /* ------------------------------------------------------------------------------------------------------
@@ -1414,22 +1468,23 @@ static int pbwc__cut_cell(pbwc__work *work, pbw_index v, int merge)
     return 1;
 }
 
-/* The number of a part's corner in the polytope of the star, made at its first use.  Returns PBW_NONE if there is no
-   memory. */
-static pbw_index pbwc__part_corner(pbwc__work *work, const pbwc__part *part)
+/* A corner of a facet of the star's polytope, made at its first use.  Returns 0 if there is no memory. */
+static int pbwc__star_corner(pbwc__work *work, pbw_index simplex)
 {
+    const size_t dim = (size_t)work->job->mesh->dim;
+    const double *site = work->job->mesh->points + work->site * dim;
     pbwc__array *corners = &work->cutter.poly.x;
-    const int number = pbwc__number(work->memory, &work->numbers, part->simplex, (int)corners->count);
+    const int number = pbwc__number(work->memory, &work->numbers, simplex, (int)corners->count);
     if (number == (int)corners->count) {
         double *x = (double *)pbwc__room(work->memory, corners, 1, 3 * sizeof(double));
         if (x == NULL) {
-            return PBW_NONE;
+            return 0;
         }
-        memcpy(x, part->centre, 2 * sizeof(double));
-        x[2] = work->job->mesh->dim == 3 ? part->centre[2] : 0;
+        x[2] = 0;
+        (void)pbwc__from_site(work->job, work->centres, dim, site, simplex, x);
         corners->count++;
     }
-    return number < 0 ? PBW_NONE : (pbw_index)number;
+    return number >= 0 && pbwc__push(work->memory, &work->cutter.poly.loop, (pbw_index)number);
 }
 
 /* The polytope of a closed star with good centres. */
@@ -1437,20 +1492,17 @@ static int pbwc__star_poly(pbwc__work *work)
 {
     const int plane = work->job->mesh->dim == 2;
     pbwc__poly *poly = &work->cutter.poly;
-    size_t u;
-    int i;
+    size_t u, i;
     pbwc__poly_clear(poly);
     poly->x.count = 0;
     pbwc__map_clear(&work->numbers);
     for (u = 0; u < work->links.count; u++) {
         const pbwc__link *link = PBWC__LINKS(work) + u;
-        const pbwc__part *part = PBWC__PARTS(work) + (plane ? link->from : link->begin);
         if (!pbwc__open_facet(work->memory, poly, (pbw_index)u)) {
             return 0;
         }
         for (i = 0; i < (plane ? 1 : link->count); i++) {
-            const pbw_index corner = pbwc__part_corner(work, part + i);
-            if (corner == PBW_NONE || !pbwc__push(work->memory, &poly->loop, corner)) {
+            if (!pbwc__star_corner(work, plane ? PBWC__PARTS(work)[link->from].simplex : PBWC__RING(work, link)[i])) {
                 return 0;
             }
         }
@@ -1458,7 +1510,7 @@ static int pbwc__star_poly(pbwc__work *work)
     return 1;
 }
 
-/* The star's polytope cut by the walls of the domain. */
+/* Cuts the star's polytope by the walls of the domain. */
 static int pbwc__cut_star(pbwc__work *work, pbw_index v)
 {
     const pbwc__job *job = work->job;
@@ -1466,9 +1518,6 @@ static int pbwc__cut_star(pbwc__work *work, pbw_index v)
     const double *site = job->mesh->points + v * dim;
     double plane[4];
     size_t i, k;
-    if (!pbwc__star_poly(work)) {
-        return 0;
-    }
     for (i = 0; i < 2 * dim; i++) {
         const double wall = i % 2 != 0 ? job->high[i / 2] - site[i / 2] : site[i / 2] - job->low[i / 2];
         memset(plane, 0, sizeof plane);
@@ -1708,18 +1757,13 @@ static int pbwc__side(const pbw_mesh *mesh, const double *p, pbw_index i, pbw_in
     return pbwc__sign(sum, pbwc__grow(sum, n, -pbwc__weight(mesh, i)));
 }
 
-/* The same as below, whatever the doubles say. */
-static int pbwc__centre_side_exactly(const pbw_mesh *mesh, const double *p, const double *q, pbw_index simplex)
+/* The centre of a triangle relative to its first corner is N / (2 D): *twice: 2 D; normal: N. */
+static void pbwc__exact_centre(const pbw_mesh *mesh, pbw_index simplex, pbwc__exact *twice, pbwc__exact normal[2])
 {
     const pbw_index *corner = mesh->simplices + 3 * (size_t)simplex;
     const double *a = mesh->points + 2 * (size_t)corner[0];
-    pbwc__exact u[2], r[2], d[2][2], height[2], det, turn, normal;
-    double sum[2048];
-    int i, k, n = 0;
-    for (k = 0; k < 2; k++) {
-        u[k] = pbwc__exact_minus(q[k], p[k]);
-        r[k] = pbwc__exact_minus(a[k], p[k]);
-    }
+    pbwc__exact d[2][2], height[2];
+    int i, k;
     for (i = 0; i < 2; i++) {
         const double *b = mesh->points + 2 * (size_t)corner[i + 1];
         height[i] = pbwc__exact_minus(pbwc__weight(mesh, corner[0]), pbwc__weight(mesh, corner[i + 1]));
@@ -1728,13 +1772,43 @@ static int pbwc__centre_side_exactly(const pbw_mesh *mesh, const double *p, cons
             height[i].count = pbwc__grow_product(height[i].x, height[i].count, &d[i][k], &d[i][k], 1);
         }
     }
-    det = pbwc__exact_minor(&d[0][0], &d[0][1], &d[1][0], &d[1][1], 2);
+    *twice = pbwc__exact_minor(&d[0][0], &d[0][1], &d[1][0], &d[1][1], 2);
+    normal[0] = pbwc__exact_minor(&height[0], &height[1], &d[0][1], &d[1][1], 1);    /* h0 d1y - h1 d0y */
+    normal[1] = pbwc__exact_minor(&height[1], &height[0], &d[1][0], &d[0][0], 1);    /* h1 d0x - h0 d1x */
+}
+
+/* The centre of a triangle so flat that pairs of doubles do not resolve it. */
+static void pbwc__centre_of_flat(const pbw_mesh *mesh, pbw_index simplex, double *centre)
+{
+    pbwc__exact part[3];
+    double value[3] = { 0, 0, 0 };
+    int i, k;
+    pbwc__exact_centre(mesh, simplex, part, part + 1);
+    for (i = 0; i < 3; i++) {
+        for (k = 0; k < part[i].count; k++) {
+            value[i] += part[i].x[k];
+        }
+    }
+    centre[0] = value[1] / value[0];
+    centre[1] = value[2] / value[0];
+}
+
+/* The same as below, whatever the doubles say. */
+static int pbwc__centre_side_exactly(const pbw_mesh *mesh, const double *p, const double *q, pbw_index simplex)
+{
+    const double *a = mesh->points + 2 * (size_t)mesh->simplices[3 * (size_t)simplex];
+    pbwc__exact u[2], r[2], twice, turn, normal[2];
+    double sum[2048];
+    int k, n;
+    for (k = 0; k < 2; k++) {
+        u[k] = pbwc__exact_minus(q[k], p[k]);
+        r[k] = pbwc__exact_minus(a[k], p[k]);
+    }
+    pbwc__exact_centre(mesh, simplex, &twice, normal);
     turn = pbwc__exact_minor(&u[0], &u[1], &r[0], &r[1], 1);
-    n = pbwc__grow_product(sum, n, &det, &turn, 1);
-    normal = pbwc__exact_minor(&height[1], &height[0], &d[1][0], &d[0][0], 1);       /* N_y = h1 d0x - h0 d1x */
-    n = pbwc__grow_product(sum, n, &u[0], &normal, 1);
-    normal = pbwc__exact_minor(&height[0], &height[1], &d[0][1], &d[1][1], 1);       /* N_x = h0 d1y - h1 d0y */
-    return pbwc__sign(sum, pbwc__grow_product(sum, n, &u[1], &normal, -1));
+    n = pbwc__grow_product(sum, 0, &twice, &turn, 1);
+    n = pbwc__grow_product(sum, n, &u[0], &normal[1], 1);
+    return pbwc__sign(sum, pbwc__grow_product(sum, n, &u[1], &normal[0], -1));
 }
 
 /* On which side of the line from p to q is the centre of a simplex?  1: left, -1: right, 0: on it.  With u = q - p,
@@ -2661,7 +2735,11 @@ static pbw_status pbwc__clip_cell(pbwc__work *work, pbw_index v)
             pbwc__set_cell(job, v, sum);
             return PBW_OK;
         }
-        return pbwc__gather(work, v) && pbwc__star_cell(work) ? PBW_OK : PBW_ERROR_MEMORY;
+        if (!pbwc__gather(work, v)) {
+            return PBW_ERROR_MEMORY;
+        }
+        return !pbwc__star_volume(work) ? PBW_ERROR_ARGUMENT
+               : (job->what & PBW_CELLS_FACETS) == 0 || pbwc__star_facets(work) ? PBW_OK : PBW_ERROR_MEMORY;
     }
     if (!pbwc__find_ends(work, v)) {
         return PBW_ERROR_MEMORY;
@@ -2833,31 +2911,46 @@ static pbw_status pbwc__certify_simplices(void *arg, size_t from, size_t to)
 /* ------------------------------------------------------------------------------------------------------
    Ranges of points, each with memory of its own; then their parts in one.
    ------------------------------------------------------------------------------------------------------ */
-/* Are all centres good, and none so far from the domain that cuts of the star lose digits? */
+/* Does the star's polytope do: are all centres good, and none so far from the domain that its cuts lose digits? */
 static int pbwc__is_near(const pbwc__work *work)
 {
+    const double *x = PBWC__DOUBLES(work->cutter.poly.x);
     size_t i, k;
-    int near = work->good;
-    for (i = 0; i < work->parts.count; i++) {
+    int near = (work->says & PBWC__GOOD) != 0;
+    for (i = 0; i < work->cutter.poly.x.count; i++) {
         for (k = 0; k < (size_t)work->job->mesh->dim; k++) {
-            near &= fabs(PBWC__PARTS(work)[i].centre[k]) < 4 * work->job->extent[k];
+            near &= fabs(x[3 * i + k]) < 4 * work->job->extent[k];
         }
     }
     return near;
 }
 
+/* The polytope of a cell that the domain cuts.  Returns 0 if there is no memory. */
+static int pbwc__cut_out(pbwc__work *work, pbw_index v)
+{
+    if (work->job->mesh->dim == 2 && work->links.count == 0 && !pbwc__add_sides(work)) {
+        return 0;
+    }
+    if (!work->open && !pbwc__star_poly(work)) {
+        return 0;
+    }
+    return work->open || !pbwc__is_near(work) ? pbwc__cut_cell(work, v, 0) : pbwc__cut_star(work, v);
+}
+
+/* The cell of v, if there is no polygon.  Returns 0 if there is no memory. */
 static int pbwc__cell(pbwc__work *work, pbw_index v)
 {
     pbwc__job *job = work->job;
+    const int facets = (job->what & PBW_CELLS_FACETS) != 0;
     double sum[4] = { 0, 0, 0, 0 };
     size_t k;
-    if (!pbwc__gather(work, v)) {
+    if (!pbwc__gather_some(work, v, facets)) {
         return 0;
     }
-    if (!job->bounded || (!work->open && work->inside)) {
-        return pbwc__star_cell(work);
+    if (pbwc__star_volume(work)) {
+        return !facets || pbwc__star_facets(work);
     }
-    if (!(work->open || !pbwc__is_near(work) ? pbwc__cut_cell(work, v, 0) : pbwc__cut_star(work, v))) {
+    if (!pbwc__cut_out(work, v)) {
         return 0;
     }
     for (k = 0; k < work->cutter.poly.start.count; k++) {
@@ -2868,7 +2961,7 @@ static int pbwc__cell(pbwc__work *work, pbw_index v)
         ((unsigned char *)job->cut.data)[v] = 1;
         pbwc__certify_cut(work, v);
     }
-    return (job->what & PBW_CELLS_FACETS) == 0
+    return !facets || !(sum[3] > 0)                  /* the domain at most touches the cell */
            || ((PBWC__INDICES(job->merged) == NULL || pbwc__cut_cell(work, v, 1)) && pbwc__cut_facets(work, v));
 }
 
@@ -2898,6 +2991,11 @@ static pbw_status pbwc__cells_range(void *arg, size_t from, size_t to)
     pbw_status status = pbwc__work_start(&work, job) ? PBW_OK : PBW_ERROR_MEMORY;
     work.out = (pbwc__range *)job->ranges.data + from / PBWC__CHUNK;
     for (i = from; status == PBW_OK && i < to; i++) {
+        if (job->vertices != NULL) {                 /* its centre, which is kept or soon needed */
+            const double origin[3] = { 0, 0, 0 };
+            (void)pbwc__from_site(job, work.centres, corners - 1, origin, (pbw_index)i,
+                                  job->vertices + i * (corners - 1));
+        }
         for (k = 0; k < corners; k++) {
             const pbw_index v = job->mesh->simplices[i * corners + k];
             if (job->mesh->incident[v] == i && v < job->count && status == PBW_OK) {
@@ -2969,23 +3067,6 @@ static pbw_status pbwc__join(void *arg, size_t from, size_t to)
         }
         if (range->rays.count > 0) {
             memcpy(joining->all_rays + joining->rays[r], range->rays.data, range->rays.count * sizeof(double));
-        }
-    }
-    return PBW_OK;
-}
-
-static pbw_status pbwc__all_centres(void *arg, size_t from, size_t to)
-{
-    const pbwc__joining *joining = (const pbwc__joining *)arg;
-    const pbw_mesh *mesh = joining->job->mesh;
-    const size_t dim = (size_t)mesh->dim;
-    for (; from < to; from++) {
-        const double *a = mesh->points + mesh->simplices[from * (dim + 1)] * dim;
-        double centre[3];
-        size_t k;
-        (void)pbwc__centre_of(mesh, dim, (pbw_index)from, centre);
-        for (k = 0; k < dim; k++) {
-            joining->all_vertices[from * dim + k] = a[k] + centre[k];
         }
     }
     return PBW_OK;
@@ -3068,7 +3149,9 @@ static pbw_status pbwc__join_all(pbwc__job *job, size_t ranges, const pbw_option
         joining.loop_first = (size_t *)pbwc__own(job, PBWC__LOOP_FIRST, sums[0] + 1, sizeof(size_t));
         cells->loop_first = joining.loop_first;
         cells->loops = joining.loops = (pbw_index *)pbwc__own(job, PBWC__LOOPS, sums[1], sizeof(pbw_index));
-        cells->vertices = joining.all_vertices = (double *)pbwc__own(job, PBWC__VERTICES, sums[2], sizeof(double));
+        joining.all_vertices = sums[2] == dim * job->mesh->simplex_count ? job->vertices
+                             : (double *)pbwc__own(job, PBWC__VERTICES, sums[2], sizeof(double));
+        cells->vertices = joining.all_vertices;
         cells->rays = joining.all_rays = (double *)pbwc__own(job, PBWC__RAYS, sums[3], sizeof(double));
     }
     if (joining.neighbors == NULL || joining.areas == NULL
@@ -3080,7 +3163,6 @@ static pbw_status pbwc__join_all(pbwc__job *job, size_t ranges, const pbw_option
     }
     if (status == PBW_OK && shapes) {
         joining.loop_first[sums[0]] = sums[1];
-        status = pbw_for(options, job->mesh->simplex_count, 8192, pbwc__all_centres, &joining);
     }
     for (v = 0; v < cells->cell_count; v++) {
         job->first[v + 1] += job->first[v];
@@ -3340,9 +3422,13 @@ static pbw_status pbwc__start_cells(pbwc__job *job, size_t ranges, const pbw_opt
         return PBW_ERROR_MEMORY;
     }
     memset(job->ranges.data, 0, job->ranges.bytes);
-    if (((job->what & PBW_CELLS_SHAPES) != 0
-         && !pbwc__resize(&job->memory, &job->entries, (count + 1) * sizeof(size_t)))
-        || (job->period != NULL && !pbwc__resize(&job->memory, &job->cut, count + 1))) {
+    if ((job->what & PBW_CELLS_SHAPES) != 0) {
+        job->vertices = (double *)pbwc__own(job, PBWC__VERTICES, job->mesh->simplex_count * dim, sizeof(double));
+        if (job->vertices == NULL || !pbwc__resize(&job->memory, &job->entries, (count + 1) * sizeof(size_t))) {
+            return PBW_ERROR_MEMORY;
+        }
+    }
+    if (job->period != NULL && !pbwc__resize(&job->memory, &job->cut, count + 1)) {
         return PBW_ERROR_MEMORY;
     }
     job->first[0] = 0;

@@ -72,6 +72,8 @@
      The simplices are the group "domain", the facets of the hull the group "boundary": physical groups 2 and 1 in
      .msh and .msh2, references 2 and 1 in .mesh, ELSET and SURFACE (with an NSET of its points) in .inp, a marker in
      .su2, marks 1 in .face, .edge and .node.
+     Regions and patches, r and p, where the caller has them, are the second tags r + 1 and p + 1 in .msh2, references
+     r + 2 and p + 1 in .mesh, the attribute r + 1 in .ele and the mark p + 1 in .face; other formats have none.
      Points keep their ids, so a file can hold points that are corners of nothing: duplicates and hidden points.
      PBWIO_NO_ORPHANS leaves those out and numbers the rest anew (solvers want that); .inp and .su2 always do.
      .obj .stl .ply .off of a hull hold the corners of the hull only.
@@ -149,6 +151,8 @@ typedef struct pbwio_output {          /* NULL or all zero = best defaults */
     const unsigned char *keep;         /* one a simplex, 0 = leave it out; the hull is that of the rest; NULL = all */
     const double *values;              /* one number a simplex, an array more in .vtu; NULL = none */
     const char *value_name;            /* its name, NULL = "value" */
+    const pbw_index *regions;          /* one a simplex: see the conventions; NULL = 0 */
+    const pbw_index *patches;          /* one a corner of a simplex, of the facet across from it; NULL = 0 */
 } pbwio_output;
 
 /* Reads a file; "-" is the standard input.  cloud: overwritten (what it held is not freed), left empty on failure. */
@@ -3005,6 +3009,15 @@ static void pbwio__numbers(pbwio__writer *w, char which)
             }
             break;
         case 'z': pbwio__put(w, "\0", 2); break;
+        /* of a simplex: its region; of a facet: its patch */
+        case 'r': pbwio__int(w, (w->output->regions != NULL ? (long long)w->output->regions[w->simplex] : 0) + 1, 4);
+            break;
+        case 'R': pbwio__int(w, (w->output->regions != NULL ? (long long)w->output->regions[w->simplex] : 0) + 2, 4);
+            break;
+        case 'P':
+            pbwio__int(w, w->output->patches == NULL ? 1
+                       : (long long)(pbw_index)(w->output->patches[w->corners * w->simplex + w->k] + 1), 4);
+            break;
         /* of a facet: the number of its simplex, which facet of that it is */
         case 'p': pbwio__int(w, (long long)(w->cell + w->base), 8); break;
         case 'k': pbwio__int(w, w->corners == 4 ? side3[w->k] : side2[w->k], 4); break;
@@ -3039,6 +3052,8 @@ static int pbwio__holds(const pbwio__writer *w, char condition)
         case 'w': return w->mesh->weights != NULL;
         case 'W': return w->mesh->weights == NULL;
         case 'm': return w->normals != NULL;
+        case 'a': return w->output->regions != NULL;
+        case 'A': return w->output->regions == NULL;
         case 'f': return w->facet_count != 0;
         case 'F': return w->facet_count == 0;
         case 's': return w->corners == 4 ? w->facet_count != 0 : w->cell_count != 0;
@@ -3217,15 +3232,15 @@ static const pbwio__kind pbwio__kinds[] = {
       "$Elements\n@1[f&2][F&1]%e&1%e\n[f@1[2#1][3#2]#1[2#1][3#2]%f\n@f%j%v\n]@1%d#1[2#2][3#4]%c\n@c%j%v\n"
       "[b\n]$EndElements\n" },
     { "mesh", PBWIO__FROM_1, pbwio__read_medit, NULL,
-      "MeshVersionFormatted 2\nDimension %d\nVertices\n%n\n@p%x0\n[f[2Edges][3Triangles]\n%f\n@f%v1\n]"
-      "[2Triangles][3Tetrahedra]\n%c\n@c%v2\nEnd\n" },
-    { "ele", 0, pbwio__read_ele, NULL, "%c[23][34] 0\n@c%j%v\n" },
+      "MeshVersionFormatted 2\nDimension %d\nVertices\n%n\n@p%x0\n[f[2Edges][3Triangles]\n%f\n@f%v%P\n]"
+      "[2Triangles][3Tetrahedra]\n%c\n@c%v%R\nEnd\n" },
+    { "ele", 0, pbwio__read_ele, NULL, "%c[23][34] [a1][A0]\n@c%j%v[a%r]\n" },
     { "neigh", PBWIO__SIMPLICES, NULL, NULL, "%c[23][34]\n@c%j%g\n" },
-    { "face edge", 0, NULL, NULL, "%f1\n@f%j%v1\n" },
+    { "face edge", 0, NULL, NULL, "%f1\n@f%j%v%P\n" },
     { "msh2", PBWIO__FROM_1, pbwio__read_msh, NULL,
       "$MeshFormat\n2.2 0 8\n$EndMeshFormat\n" PBWIO__GROUPS
       "$Nodes\n%n\n@p%i%X\n$EndNodes\n"
-      "$Elements\n%e\n@f%j[21][32] 2 1 1 %v\n@c%j[22][34] 2 2 1 %v\n$EndElements\n" },
+      "$Elements\n%e\n@f%j[21][32] 2 1%P%v\n@c%j[22][34] 2 2%r%v\n$EndElements\n" },
     { "inp", PBWIO__FROM_1 | PBWIO__NO_ORPHANS | PBWIO__BOUNDARY | PBWIO__COMMAS, NULL, NULL,
       "*NODE, NSET=NALL\n@p%i%x\n*ELEMENT, TYPE=[2CPS3][3C3D4], ELSET=DOMAIN\n@c%j%v\n"
       "[f*NSET, NSET=BOUNDARY\n@b%i\n*SURFACE, NAME=BOUNDARY, TYPE=ELEMENT\n@f%pS%k\n]" },

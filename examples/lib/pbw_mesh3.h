@@ -10,7 +10,7 @@
        pbw_solid_report report;
        input.points = points;        input.point_count = n;          // a closed surface, of one or several shells
        input.triangles = triangles;  input.triangle_count = m;
-       pbw_solid(&input, NULL, NULL, &mesh, &report);
+       pbw_solid(&input, NULL, NULL, &mesh, NULL, &report);
        if (report.bad_edges + report.bad_points > 0) { ... }         // the boundary is no manifold there
        pbw_tets_free(&mesh);
 
@@ -36,14 +36,18 @@
      same        the same bytes for any number of threads
 
    Sizes are those of the options, less where two sheets of the surface are near each other: three quarters of their
-   distance, but at least 1/6 of the size.  Of an open surface, inside is where its winding number is above 1/2, so
-   that a smooth membrane closes its holes; its triangles must be turned alike.
+   distance, but at least 1/6 of the size; also between sharp edges that do not meet, of a callback, and of the
+   curvature if options.curvature says so.  They grow by 0.35 for each unit of length.
+   Triangles of a shell are turned alike.  Holes of an open surface are named, and closed by triangles of least area
+   (Barequet and Sharir 1995) where these are less than three quarters of the shell's; inside is where the winding
+   number is above 1/2 then, so that a smooth membrane closes other holes.
 
    Sharp edges below 60 degrees are kept as others are; the tetrahedra at them have their angles.
 
    DOES NOT  settle at walls and gaps below 1/10 of the size, nor always at acute edges and thin tubes in general
              position: they come out with warnings.  Turned thin plates may lose a few tetrahedra at their sharp
-             edges: `distance` says so.  It takes no regions.
+             edges: `distance` says so.  Shells of several regions may be nested, not
+             touch; points between two regions stay as they are laid.
 
    CONFIGURATION MACROS
      PBW_MESH3_IMPLEMENTATION    in one source file: compile the implementation there
@@ -68,6 +72,8 @@ typedef struct pbw_solid_input {           /* a surface, or a function */
     size_t point_count;
     const pbw_index *triangles;            /* 3 ids each, turned any way */
     size_t triangle_count;
+    const pbw_index *patches;              /* one a triangle, any numbers: edges between two of them are kept as sharp
+                                              ones are; NULL = sharp edges bound the patches */
     /* Or: below zero inside, continuous, and above zero on the box's sides. */
     double (*value)(void *user, const double point[3]);
     void *value_user;
@@ -76,6 +82,13 @@ typedef struct pbw_solid_input {           /* a surface, or a function */
 
 typedef struct pbw_solid_options {         /* NULL or all zero = best defaults */
     double size;                           /* length of edges, at most; 0 = 1/40 of the box's diagonal */
+    double least_size;                     /* local sizes are not below it; 0 = 1/6 of size, 1/16 with size_at */
+    /* The length of edges at a place, where it is below the size; several threads may call it.  NULL = none. */
+    double (*size_at)(void *user, const double point[3]);
+    void *size_user;
+    double curvature;                      /* sizes are at most this divided by the curvature, the root of the sum of
+                                              both principal ones' squares; 0 = whatever it is */
+    int nested;                            /* 1: shells inside of others bound regions; 0: every second is a cavity */
     double feature_angle;                  /* degrees: edges whose normals differ by more are sharp; 0 = 40; functions
                                               have none */
     double distance;                       /* facets farther from the surface, in sizes, get points; 0 = 0.1 */
@@ -85,8 +98,30 @@ typedef struct pbw_solid_options {         /* NULL or all zero = best defaults *
 
 enum { PBW_SOLID_PLACES = 8 };
 
+typedef struct pbw_solid_hole {            /* a loop of open edges of the input */
+    size_t edges;
+    double length, place[3];               /* place: the mean of its corners */
+    int closed;                            /* 1: triangles of least area close it, 0: the winding number does */
+} pbw_solid_hole;
+
+typedef struct pbw_solid_boundary {        /* of the result; pbw_solid_boundary_free when done */
+    size_t facet_count, edge_count, hole_count;
+    const pbw_index *facets;               /* 3 points each, turned out of the region that sides[0] is */
+    const pbw_index *corners;              /* per facet: 4 t + i, the place of the corner across in mesh.corners */
+    const pbw_index *patches;              /* per facet: the input's number, or a number of the patches that sharp
+                                              edges bound; PBW_NONE: it closes a hole */
+    const pbw_index *sides;                /* 2 a facet: the regions on both sides, the second PBW_NONE outside */
+    const pbw_index *edges;                /* 2 points each: edges of facets on sharp edges, and between patches */
+    const pbw_solid_hole *holes;           /* the largest first */
+    void *memory;                          /* private */
+} pbw_solid_boundary;
+
 typedef struct pbw_solid_report {
     size_t open_edges, crowded_edges;      /* of the input: of one triangle, of more than two */
+    size_t shells, holes;                  /* of the input: parts that edges of two triangles join; loops of open
+                                              edges */
+    pbw_solid_hole hole[PBW_SOLID_PLACES]; /* the largest of those */
+    size_t regions;                        /* of the result */
     size_t corners, sharp_edges;           /* of the input */
     size_t acute_edges;                    /* of the input: sharp ones below 60 degrees, inside or outside; tetrahedra
                                               at them cannot have better dihedral angles than those */
@@ -103,12 +138,15 @@ typedef struct pbw_solid_report {
     pbw_improve_report improve;
 } pbw_solid_report;
 
-/* Meshes a solid; how, options and report may be NULL.  mesh: overwritten, left empty on failure.  Returns
-   PBW_DEGENERATE if nothing is inside, PBW_ERROR_ARGUMENT for ids out of range or sizes below zero,
-   PBW_ERROR_TOO_LARGE for a size that needs more points than an index can number, or what pbw_triangulate and
-   pbw_improve fail with. */
+/* Meshes a solid; how, options, boundary and report may be NULL.  mesh and boundary: overwritten, left empty on
+   failure.  mesh.regions: the number of the innermost shell around each tetrahedron; shells are numbered in the order
+   of their first triangles.  Returns PBW_DEGENERATE if nothing is inside, PBW_ERROR_ARGUMENT for ids out of range or
+   sizes below zero, PBW_ERROR_TOO_LARGE for a size that needs more points than an index can number, or what
+   pbw_triangulate and pbw_improve fail with. */
 PBWMESH3DEF pbw_status pbw_solid(const pbw_solid_input *input, const pbw_solid_options *how,
-                                 const pbw_options *options, pbw_tets *mesh, pbw_solid_report *report);
+                                 const pbw_options *options, pbw_tets *mesh, pbw_solid_boundary *boundary,
+                                 pbw_solid_report *report);
+PBWMESH3DEF void pbw_solid_boundary_free(pbw_solid_boundary *boundary);      /* fine on {0}, fine twice */
 
 #ifdef __cplusplus
 }
@@ -141,20 +179,28 @@ typedef struct pbwm3__knot { pbw_index vertex; double along; } pbwm3__knot;
 typedef struct pbwm3__work {
     pbwsf__memory memory;
     const pbw_solid_input *input;
-    int open;                              /* 1: the surface has open edges: inside by winding number */
+    pbw_solid_options how;
+    int open;                              /* 1: the input has open edges: inside by winding number */
+    int nested;
     int whole;                             /* 1: the surface is one patch, whatever its edges */
     const pbw_options *caller;
     pbw_options options;                   /* the caller's, less what does not concern parts */
     double from, to;                       /* progress: the present stage's part of 0 to 1 */
     double begin, end;                     /* and the part of this attempt in all */
     double size, distance, cosine, low[3], high[3];
-    double least, step;                    /* size: the least of the field; width of the spacing grid's cells */
+    double floor, least, step;             /* sizes: what none is below; the least of the field; width of the spacing
+                                              grid's cells */
     pbwsf__array field;                    /* local sizes, in cells as wide as the size, n along each axis */
     size_t n[3];
     pbw_surface surface;                   /* of points at different places */
     pbwsf__array vertices, triangles;      /* its own arrays */
     pbwsf__array x, kind;                  /* points of the mesh */
-    pbwsf__array patch;                    /* of each triangle: its part of the surface between sharp edges */
+    size_t given;                          /* triangles from here on close holes */
+    pbwsf__array origin;                   /* of each triangle of the surface: its number in the input */
+    pbwsf__array shell, shells;            /* of each triangle; and what they are */
+    pbwsf__array holes;
+    pbwsf__array part;                     /* of each triangle: its part of the surface between sharp edges */
+    pbwsf__array patch;                    /* the same, or 0 if the surface is one patch */
     pbwsf__array sets, members;            /* sets of patches: set i < patch_count is {i}, others are those that
                                               meet at sharp edges and corners */
     pbwsf__array set;                      /* of each point: the set of patches that it is on */
@@ -164,7 +210,7 @@ typedef struct pbwm3__work {
     pbwsf__array pieces, chains, path;
     pbw_mesh mesh;
     pbwsf__array centre, label, extra;     /* extra: points to add, kind by kind */
-    pbwsf__array corners, marks;           /* the solid before improvement */
+    pbwsf__array corners, marks, regions;  /* the solid before improvement */
     pbw_solid_report *report;
 } pbwm3__work;
 
@@ -174,6 +220,13 @@ typedef struct pbwm3__work {
 #define PBWM3__CENTRE(w, t) ((double *)(w)->centre.data + 3 * (size_t)(t))
 
 typedef struct pbwm3__set { size_t first, count; } pbwm3__set;       /* range of `members` */
+
+typedef struct pbwm3__shell {
+    double volume, area;                   /* volume: signed until all are turned outward */
+    size_t around;                         /* shells that it is inside of */
+    pbw_index triangle;                    /* its first */
+    int open, odd;                         /* odd: whether a ray crosses it so */
+} pbwm3__shell;
 
 static int pbwm3__append(pbwm3__work *w, pbwsf__array *array, const void *item, size_t size)
 {
@@ -208,7 +261,8 @@ static size_t pbwm3__field_cell(const pbwm3__work *w, const double p[3])
 
 static double pbwm3__size(const pbwm3__work *w, const double p[3])
 {
-    return w->least < w->size ? ((const double *)w->field.data)[pbwm3__field_cell(w, p)] : w->size;
+    const double size = w->least < w->size ? ((const double *)w->field.data)[pbwm3__field_cell(w, p)] : w->size;
+    return w->how.size_at == NULL ? size : fmax(w->least, fmin(size, w->how.size_at(w->how.size_user, p)));
 }
 
 /* ---- the spacing grid: a hash table of cells ---- */
@@ -311,8 +365,11 @@ static int pbwm3__weld(pbwm3__work *w, const pbw_solid_input *in, const pbw_inde
         for (k = 0; k < 3; k++) {
             t[k] = number[in->triangles[3 * i + (size_t)k]];
         }
-        if (t[0] != t[1] && t[1] != t[2] && t[2] != t[0] && !pbwm3__append(w, &w->triangles, t, sizeof t)) {
-            return 0;
+        if (t[0] != t[1] && t[1] != t[2] && t[2] != t[0]) {
+            const pbw_index from = (pbw_index)i;
+            if (!pbwm3__append(w, &w->triangles, t, sizeof t) || !pbwm3__append(w, &w->origin, &from, sizeof from)) {
+                return 0;
+            }
         }
     }
     return 1;
@@ -470,10 +527,477 @@ static pbw_status pbwm3__take_function(pbwm3__work *w, const pbw_solid_input *in
     return status;
 }
 
-/* Of an open surface, what it winds around by more than half. */
+/* Returns edges, sorted: v[0] < v[1], v[2] whether the triangle t has them upwards, i its corner that starts it.
+   NULL: no memory. */
+static pbwim__facet *pbwm3__edges(pbwsf__memory *memory, const pbw_index *triangles, size_t count, size_t points,
+                                  pbwsf__array blocks[3])
+{
+    pbwim__facet *edge;
+    size_t i;
+    memset(blocks, 0, 3 * sizeof *blocks);
+    blocks[2].count = points;
+    if (!pbwsf__resize(memory, blocks, (3 * count + 1) * sizeof *edge)
+        || !pbwsf__resize(memory, blocks + 1, (3 * count + 1) * sizeof *edge)
+        || !pbwsf__resize(memory, blocks + 2, (points + 2) * sizeof(size_t))) {
+        return NULL;
+    }
+    edge = (pbwim__facet *)blocks[0].data;
+    for (i = 0; i < 3 * count; i++) {
+        const pbw_index a = triangles[i], b = triangles[i / 3 * 3 + (i + 1) % 3];
+        edge[i].v[0] = a < b ? a : b;
+        edge[i].v[1] = a < b ? b : a;
+        edge[i].v[2] = a < b;
+        edge[i].t = (pbw_index)(i / 3);
+        edge[i].i = (int)(i % 3);
+    }
+    return pbwim__sort(edge, (pbwim__facet *)blocks[1].data, 3 * count, blocks + 2, 2);
+}
+
+static void pbwm3__free_blocks(pbwsf__memory *memory, pbwsf__array blocks[3])
+{
+    pbwsf__release(memory, blocks);
+    pbwsf__release(memory, blocks + 1);
+    pbwsf__release(memory, blocks + 2);
+}
+
+static size_t pbwm3__root_of(size_t *parent, size_t i)
+{
+    while (parent[i] != i) {
+        parent[i] = parent[parent[i]];
+        i = parent[i];
+    }
+    return i;
+}
+
+/* ------------------------------------------------------------------------------------------------------
+   Shells: what edges of two triangles join.  Their triangles are turned alike, closed ones outward; their holes are
+   listed, and closed by triangles where these are small.
+   ------------------------------------------------------------------------------------------------------ */
+typedef struct pbwm3__turned {             /* trees of triangles: turned as the parent, or not */
+    size_t *parent;
+    unsigned char *against;
+} pbwm3__turned;
+
+/* The root of i; *against: whether i is turned against it. */
+static size_t pbwm3__turned_root(const pbwm3__turned *trees, size_t i, int *against)
+{
+    *against = 0;
+    while (trees->parent[i] != i) {
+        const size_t up = trees->parent[i];
+        trees->against[i] ^= trees->parent[up] != up ? trees->against[up] : 0;
+        trees->parent[i] = trees->parent[up];
+        *against ^= trees->against[i];
+        i = trees->parent[i];
+    }
+    return i;
+}
+
+/* Joins the triangles at edges of two, and lists the open edges: two points each, as their triangle has them. */
+static int pbwm3__join_shells(pbwm3__work *w, const pbwm3__turned *trees, pbwsf__array *open)
+{
+    const size_t count = 3 * (w->triangles.count);
+    pbwsf__array blocks[3];
+    const pbw_index *triangles = (const pbw_index *)w->triangles.data;
+    const pbwim__facet *edge = pbwm3__edges(&w->memory, triangles, w->triangles.count, w->vertices.count, blocks);
+    size_t i, k;
+    int good = edge != NULL;
+    for (i = 0; good && i < count; i = k) {
+        for (k = i + 1; k < count && memcmp(edge[i].v, edge[k].v, 2 * sizeof(pbw_index)) == 0; k++) {
+        }
+        w->report->crowded_edges += k - i > 2;
+        if (k - i == 1) {
+            const size_t at = edge[i].v[2] ? 0 : 1;
+            const pbw_index pair[3] = { edge[i].v[at], edge[i].v[1 - at], edge[i].t };
+            w->report->open_edges++;
+            good = pbwm3__append(w, open, pair, sizeof pair);
+        } else if (k - i == 2) {
+            int first, second;
+            const size_t a = pbwm3__turned_root(trees, edge[i].t, &first);
+            const size_t b = pbwm3__turned_root(trees, edge[i + 1].t, &second);
+            if (a != b) {
+                trees->parent[a < b ? b : a] = a < b ? a : b;
+                trees->against[a < b ? b : a] = (unsigned char)(first ^ second
+                                                                ^ (edge[i].v[2] == edge[i + 1].v[2]));
+            }
+        }
+    }
+    pbwm3__free_blocks(&w->memory, blocks);
+    return good;
+}
+
+static void pbwm3__turn_triangle(pbwm3__work *w, size_t t)
+{
+    pbw_index *c = (pbw_index *)w->triangles.data + 3 * t;
+    const pbw_index was = c[1];
+    c[1] = c[2];
+    c[2] = was;
+}
+
+/* Turns the triangles of each shell as most of them are, and numbers the shells by their first triangles. */
+static int pbwm3__number_shells(pbwm3__work *w, const pbwm3__turned *trees)
+{
+    const size_t count = w->triangles.count;
+    pbwm3__shell shell;
+    pbw_index *number;
+    size_t t;
+    int against;
+    memset(&shell, 0, sizeof shell);
+    if (!pbwsf__resize(&w->memory, &w->shell, (count + 1) * sizeof *number)) {
+        return 0;
+    }
+    number = (pbw_index *)w->shell.data;
+    for (t = 0; t < count; t++) {
+        const size_t root = pbwm3__turned_root(trees, t, &against);
+        shell.triangle = (pbw_index)t;
+        number[t] = root == t ? (pbw_index)w->shells.count : number[root];
+        if (root == t && !pbwm3__append(w, &w->shells, &shell, sizeof shell)) {
+            return 0;
+        }
+        ((pbwm3__shell *)w->shells.data)[number[t]].volume += against ? -1 : 1;
+    }
+    for (t = 0; t < count; t++) {
+        (void)pbwm3__turned_root(trees, t, &against);
+        if (against == (((pbwm3__shell *)w->shells.data)[number[t]].volume >= 0)) {
+            pbwm3__turn_triangle(w, t);
+        }
+    }
+    w->shell.count = count;
+    w->report->shells = w->shells.count;
+    return 1;
+}
+
+/* Areas and volumes of the shells, from the middle of the box; closed ones are turned outward. */
+static void pbwm3__measure_shells(pbwm3__work *w)
+{
+    const pbw_index *c = (const pbw_index *)w->triangles.data, *number = (const pbw_index *)w->shell.data;
+    const double *x = (const double *)w->vertices.data;
+    pbwm3__shell *shell = (pbwm3__shell *)w->shells.data;
+    double middle[3];
+    size_t t;
+    int i, k;
+    pbwsf__between(w->low, w->high, 0.5, middle);
+    for (t = 0; t < w->shells.count; t++) {
+        shell[t].volume = shell[t].area = 0;
+    }
+    for (t = 0; t < w->triangles.count; t++) {
+        double p[3][3], n[3];
+        for (i = 0; i < 3; i++) {
+            for (k = 0; k < 3; k++) {
+                p[i][k] = x[3 * (size_t)c[3 * t + (size_t)i] + (size_t)k] - middle[k];
+            }
+        }
+        pbwsf__normal(p[0], p[1], p[2], n);
+        shell[number[t]].volume += pbwsf__dot(p[0], n) / 6;
+        shell[number[t]].area += sqrt(pbwsf__dot(n, n)) / 2;
+    }
+    for (t = 0; t < w->triangles.count; t++) {
+        if (shell[number[t]].volume < 0 && !shell[number[t]].open) {
+            pbwm3__turn_triangle(w, t);
+        }
+    }
+}
+
+/* ---- holes ---- */
+
+/* Triangles of least area between the n points of a loop, into `out`: n - 2, three places in the loop each.  area and
+   best: of the run from i to j at i * n + j.  Returns their area (Barequet and Sharir 1995, "Filling gaps in the
+   boundary of a polyhedron"). */
+static double pbwm3__least_area(const double *points, const pbw_index *loop, size_t n, double *area, pbw_index *best,
+                                pbw_index *out)
+{
+    size_t length, i, j, k, count, done;
+    for (length = 1; length < n; length++) {
+        for (i = 0; i + length < n; i++) {
+            double least = length > 1 ? HUGE_VAL : 0;
+            j = i + length;
+            for (k = i + 1; k < j; k++) {
+                double normal[3], sum = area[i * n + k] + area[k * n + j];
+                pbwsf__normal(points + 3 * (size_t)loop[i], points + 3 * (size_t)loop[k],
+                              points + 3 * (size_t)loop[j], normal);
+                sum += sqrt(pbwsf__dot(normal, normal)) / 2;
+                if (sum < least || k == i + 1) {
+                    least = sum;
+                    best[i * n + j] = (pbw_index)k;
+                }
+            }
+            area[i * n + j] = least;
+        }
+    }
+    out[0] = 0;
+    out[2] = (pbw_index)(n - 1);
+    for (done = 0, count = 1; done < count; done++) {            /* a run's triangle, then both of its parts */
+        pbw_index *run = out + 3 * done;
+        run[1] = best[(size_t)run[0] * n + run[2]];
+        for (i = 0; i < 2; i++) {
+            if (run[i + 1] - run[i] > 1) {
+                out[3 * count] = run[i];
+                out[3 * count++ + 2] = run[i + 1];
+            }
+        }
+    }
+    return area[n - 1];
+}
+
+/* Adds a triangle to a shell, unless it has a corner twice. */
+static int pbwm3__close_with(pbwm3__work *w, pbw_index a, pbw_index b, pbw_index c, pbw_index shell)
+{
+    const pbw_index t[3] = { a, b, c }, none = PBW_NONE;
+    if (a == b || b == c || c == a) {
+        return 1;
+    }
+    return pbwm3__append(w, &w->triangles, t, sizeof t) && pbwm3__append(w, &w->origin, &none, sizeof none)
+        && pbwm3__append(w, &w->shell, &shell, sizeof shell);
+}
+
+enum { PBWM3__LOOP = 400 };                /* points of a loop whose least area is found; longer ones become fans */
+
+/* Closes a loop of n points by a fan around its middle; returns 0 without memory. */
+static int pbwm3__close_by_fan(pbwm3__work *w, const pbw_index *loop, size_t n, pbwm3__shell *shell, pbw_index number,
+                               pbw_solid_hole *hole)
+{
+    const double *x = (const double *)w->vertices.data;
+    double area = 0;
+    size_t i;
+    for (i = 0; i < n; i++) {
+        double normal[3];
+        pbwsf__normal(hole->place, x + 3 * (size_t)loop[i], x + 3 * (size_t)loop[(i + 1) % n], normal);
+        area += sqrt(pbwsf__dot(normal, normal)) / 2;
+    }
+    hole->closed = area < 0.75 * shell->area;
+    if (hole->closed && !pbwm3__append(w, &w->vertices, hole->place, sizeof hole->place)) {
+        return 0;
+    }
+    for (i = 0; i < n && hole->closed; i++) {
+        if (!pbwm3__close_with(w, loop[(i + 1) % n], loop[i], (pbw_index)(w->vertices.count - 1), number)) {
+            return 0;
+        }
+    }
+    return 1;
+}
+
+static int pbwm3__close_loop(pbwm3__work *w, const pbw_index *loop, size_t n, pbw_index number, pbw_solid_hole *hole)
+{
+    pbwm3__shell *shell = (pbwm3__shell *)w->shells.data + number;
+    pbwsf__array block;
+    double *area;
+    pbw_index *best, *out;
+    size_t i;
+    int good;
+    if (n > PBWM3__LOOP) {
+        return pbwm3__close_by_fan(w, loop, n, shell, number, hole);
+    }
+    memset(&block, 0, sizeof block);
+    if (!pbwsf__resize(&w->memory, &block, n * n * (sizeof *area + sizeof *best) + 3 * n * sizeof *out)) {
+        return 0;
+    }
+    area = (double *)block.data;
+    best = (pbw_index *)(void *)(area + n * n);
+    out = best + n * n;
+    hole->closed = pbwm3__least_area((const double *)w->vertices.data, loop, n, area, best, out) < 0.75 * shell->area;
+    for (i = 0, good = 1; i + 2 < n && good && hole->closed; i++) {
+        good = pbwm3__close_with(w, loop[out[3 * i + 2]], loop[out[3 * i + 1]], loop[out[3 * i]], number);
+    }
+    pbwsf__release(&w->memory, &block);
+    return good;
+}
+
+typedef struct pbwm3__rim { pbw_index a, b, triangle; } pbwm3__rim;          /* an open edge */
+
+/* Lists the points of the loop that starts with a rim, and marks its rims used (triangle = PBW_NONE); head and link:
+   the rims at each point.  Returns 0 without memory; *closed: whether it comes back. */
+static int pbwm3__walk_loop(pbwm3__work *w, pbwm3__rim *rim, size_t start, const pbw_index *head,
+                            const pbw_index *link, pbwsf__array *loop, int *closed)
+{
+    pbw_index at = (pbw_index)start;
+    loop->count = 0;
+    while (at != PBW_NONE) {
+        rim[at].triangle = PBW_NONE;
+        if (!pbwm3__append(w, loop, &rim[at].a, sizeof(pbw_index))) {
+            return 0;
+        }
+        *closed = rim[at].b == rim[start].a;
+        for (at = *closed ? PBW_NONE : head[rim[at].b]; at != PBW_NONE && rim[at].triangle == PBW_NONE;
+             at = link[at]) {
+        }
+    }
+    return 1;
+}
+
+static int pbwm3__name_hole(pbwm3__work *w, const pbw_index *loop, size_t n, int closed, pbw_index shell)
+{
+    const double *x = (const double *)w->vertices.data;
+    pbw_solid_hole hole;
+    size_t i;
+    int k;
+    memset(&hole, 0, sizeof hole);
+    hole.edges = n;
+    for (i = 0; i < n; i++) {
+        hole.length += pbwsf__distance(x + 3 * (size_t)loop[i], x + 3 * (size_t)loop[(i + 1) % n]);
+        for (k = 0; k < 3; k++) {
+            hole.place[k] += x[3 * (size_t)loop[i] + (size_t)k] / (double)n;
+        }
+    }
+    return (!closed || n < 3 || pbwm3__close_loop(w, loop, n, shell, &hole))
+        && pbwm3__append(w, &w->holes, &hole, sizeof hole);
+}
+
+static int pbwm3__compare_holes(const void *a, const void *b)
+{
+    const pbw_solid_hole *x = (const pbw_solid_hole *)a, *y = (const pbw_solid_hole *)b;
+    return x->edges != y->edges ? (x->edges < y->edges) - (x->edges > y->edges)
+         : (x->length < y->length) - (x->length > y->length);
+}
+
+static int pbwm3__find_holes(pbwm3__work *w, pbwsf__array *open)
+{
+    pbwm3__rim *rim = (pbwm3__rim *)open->data;
+    pbwsf__array heads, links, loop;
+    size_t i, k;
+    int good, closed = 0;
+    memset(&heads, 0, sizeof heads);
+    memset(&links, 0, sizeof links);
+    memset(&loop, 0, sizeof loop);
+    good = pbwsf__resize(&w->memory, &heads, (w->vertices.count + 1) * sizeof(pbw_index))
+        && pbwsf__resize(&w->memory, &links, (open->count + 1) * sizeof(pbw_index));
+    if (good) {
+        memset(heads.data, 0xff, heads.bytes);
+    }
+    for (i = open->count; good && i-- > 0;) {
+        const pbw_index *c = (const pbw_index *)w->triangles.data + 3 * (size_t)rim[i].triangle;
+        const pbw_index a = rim[i].a;
+        for (k = 0; c[k] != a; k++) {
+        }
+        ((pbwm3__shell *)w->shells.data)[((const pbw_index *)w->shell.data)[rim[i].triangle]].open = 1;
+        rim[i].a = c[(k + 1) % 3] == rim[i].b ? a : rim[i].b;    /* as the triangle is turned now */
+        rim[i].b = rim[i].a == a ? rim[i].b : a;
+        ((pbw_index *)links.data)[i] = ((const pbw_index *)heads.data)[rim[i].a];
+        ((pbw_index *)heads.data)[rim[i].a] = (pbw_index)i;
+    }
+    for (i = 0; good && i < open->count; i++) {
+        const pbw_index triangle = rim[i].triangle;
+        good = triangle == PBW_NONE
+            || (pbwm3__walk_loop(w, rim, i, (const pbw_index *)heads.data, (const pbw_index *)links.data, &loop,
+                                 &closed)
+                && pbwm3__name_hole(w, (const pbw_index *)loop.data, loop.count, closed,
+                                    ((const pbw_index *)w->shell.data)[triangle]));
+    }
+    if (good && w->holes.count > 0) {
+        qsort(w->holes.data, w->holes.count, sizeof(pbw_solid_hole), pbwm3__compare_holes);
+        memcpy(w->report->hole, w->holes.data, sizeof(pbw_solid_hole)
+               * (w->holes.count < PBW_SOLID_PLACES ? w->holes.count : PBW_SOLID_PLACES));
+    }
+    w->report->holes = w->holes.count;
+    pbwsf__release(&w->memory, &heads);
+    pbwsf__release(&w->memory, &links);
+    pbwsf__release(&w->memory, &loop);
+    return good;
+}
+
+/* Finds the shells, turns them, and closes holes. */
+static int pbwm3__find_shells(pbwm3__work *w)
+{
+    const size_t count = w->triangles.count;
+    pbwm3__turned trees;
+    pbwsf__array parents, against, open;
+    size_t i;
+    int good;
+    memset(&parents, 0, sizeof parents);
+    memset(&against, 0, sizeof against);
+    memset(&open, 0, sizeof open);
+    good = pbwsf__resize(&w->memory, &parents, (count + 1) * sizeof(size_t))
+        && pbwsf__resize(&w->memory, &against, count + 1);
+    trees.parent = (size_t *)parents.data;
+    trees.against = (unsigned char *)against.data;
+    for (i = 0; good && i < count; i++) {
+        trees.parent[i] = i;
+        trees.against[i] = 0;
+    }
+    good = good && pbwm3__join_shells(w, &trees, &open) && pbwm3__number_shells(w, &trees);
+    w->given = count;
+    w->open = w->report->open_edges > 0;
+    if (good && w->open) {
+        pbwm3__measure_shells(w);
+        good = pbwm3__find_holes(w, &open);
+    }
+    if (good) {
+        pbwm3__measure_shells(w);
+    }
+    pbwsf__release(&w->memory, &parents);
+    pbwsf__release(&w->memory, &against);
+    pbwsf__release(&w->memory, &open);
+    return good;
+}
+
+/* ---- which shell is in which ---- */
+
+typedef struct pbwm3__crossed {
+    pbwm3__work *w;
+    size_t own, around;                    /* shells crossed an odd number of times, without the own one */
+    pbw_index innermost;                   /* the least of them */
+} pbwm3__crossed;
+
+static void pbwm3__cross(void *user, pbw_index triangle, int front)
+{
+    pbwm3__crossed *c = (pbwm3__crossed *)user;
+    const size_t number = ((const pbw_index *)c->w->shell.data)[triangle];
+    pbwm3__shell *shell = (pbwm3__shell *)c->w->shells.data + number;
+    (void)front;
+    shell->odd ^= 1;
+    c->around += number == c->own ? 0 : shell->odd ? 1 : (size_t)-1;
+}
+
+static void pbwm3__uncross(void *user, pbw_index triangle, int front)
+{
+    pbwm3__crossed *c = (pbwm3__crossed *)user;
+    const pbw_index number = ((const pbw_index *)c->w->shell.data)[triangle];
+    pbwm3__shell *shells = (pbwm3__shell *)c->w->shells.data;
+    (void)front;
+    if (shells[number].odd
+        && (c->innermost == PBW_NONE || fabs(shells[number].volume) < fabs(shells[c->innermost].volume))) {
+        c->innermost = number;
+    }
+    shells[number].odd = 0;
+}
+
+/* Which shells are around p: how many, without `own`, and the innermost. */
+static pbwm3__crossed pbwm3__shells_around(pbwm3__work *w, const double p[3], size_t own)
+{
+    pbwm3__crossed c;
+    c.w = w;
+    c.own = own;
+    c.around = 0;
+    c.innermost = PBW_NONE;
+    pbwsf__ray(&w->surface, p, pbwm3__cross, &c);
+    pbwsf__ray(&w->surface, p, pbwm3__uncross, &c);
+    return c;
+}
+
+static void pbwm3__nest_shells(pbwm3__work *w)
+{
+    pbwm3__shell *shell = (pbwm3__shell *)w->shells.data;
+    size_t i;
+    int k;
+    for (i = 0; i < w->shells.count; i++) {
+        double p[3];
+        for (k = 0; k < 3; k++) {
+            p[k] = (pbwsf__corner(&w->surface, shell[i].triangle, 0)[k]
+                    + pbwsf__corner(&w->surface, shell[i].triangle, 1)[k]
+                    + pbwsf__corner(&w->surface, shell[i].triangle, 2)[k]) / 3;
+        }
+        shell[i].around = pbwm3__shells_around(w, p, i).around;
+        w->report->input_volume += (w->nested ? (shell[i].around == 0) : shell[i].around % 2 == 0 ? 1 : -1)
+                                 * fabs(shell[i].volume);
+    }
+}
+
+/* 0 outside, else the label of what p is in: 1, or the number of shells around it if they are nested.  Of an open
+   surface, what it winds around by more than half. */
 static int pbwm3__inside(const pbwm3__work *w, const double p[3])
 {
-    return w->open ? fabs(pbw_surface_winding(&w->surface, p)) > 0.5 : pbw_surface_inside(&w->surface, p);
+    const double turns = w->open ? fabs(pbw_surface_winding(&w->surface, p))
+                       : w->nested ? fabs((double)pbw_surface_turns(&w->surface, p)) : 0;
+    return !w->open && !w->nested ? pbw_surface_inside(&w->surface, p)
+         : w->nested ? (int)fmin(turns + 0.5, 255) : turns > 0.5;
 }
 
 /* Moves p to the surface, and returns the patch that it is on; of a function, along the triangles' direction there to
@@ -524,41 +1048,8 @@ static void pbwm3__project(void *user, double p[3])
 }
 
 /* ------------------------------------------------------------------------------------------------------
-   Sharp edges: found, chained between corners, sampled.
+   Sharp edges: found, and chained between corners.
    ------------------------------------------------------------------------------------------------------ */
-
-/* Returns edges, sorted: v[0] < v[1], v[2] whether the triangle t has them upwards, i its corner that starts it.
-   NULL: no memory. */
-static pbwim__facet *pbwm3__edges(pbwsf__memory *memory, const pbw_index *triangles, size_t count, size_t points,
-                                  pbwsf__array blocks[3])
-{
-    pbwim__facet *edge;
-    size_t i;
-    memset(blocks, 0, 3 * sizeof *blocks);
-    blocks[2].count = points;
-    if (!pbwsf__resize(memory, blocks, (3 * count + 1) * sizeof *edge)
-        || !pbwsf__resize(memory, blocks + 1, (3 * count + 1) * sizeof *edge)
-        || !pbwsf__resize(memory, blocks + 2, (points + 2) * sizeof(size_t))) {
-        return NULL;
-    }
-    edge = (pbwim__facet *)blocks[0].data;
-    for (i = 0; i < 3 * count; i++) {
-        const pbw_index a = triangles[i], b = triangles[i / 3 * 3 + (i + 1) % 3];
-        edge[i].v[0] = a < b ? a : b;
-        edge[i].v[1] = a < b ? b : a;
-        edge[i].v[2] = a < b;
-        edge[i].t = (pbw_index)(i / 3);
-        edge[i].i = (int)(i % 3);
-    }
-    return pbwim__sort(edge, (pbwim__facet *)blocks[1].data, 3 * count, blocks + 2, 2);
-}
-
-static void pbwm3__free_blocks(pbwsf__memory *memory, pbwsf__array blocks[3])
-{
-    pbwsf__release(memory, blocks);
-    pbwsf__release(memory, blocks + 1);
-    pbwsf__release(memory, blocks + 2);
-}
 
 /* Whether an edge of two triangles bends by more than the feature angle.  Triangles without area bend nothing. */
 static int pbwm3__is_sharp(const pbwm3__work *w, const pbwim__facet *edge)
@@ -576,15 +1067,6 @@ static int pbwm3__is_sharp(const pbwm3__work *w, const pbwim__facet *edge)
     return pbwsf__dot(n[0], n[0]) > 0 && pbwsf__dot(n[1], n[1]) > 0 && !pbwim__turned_less(n[0], n[1], w->cosine);
 }
 
-static size_t pbwm3__root_of(size_t *parent, size_t i)
-{
-    while (parent[i] != i) {
-        parent[i] = parent[parent[i]];
-        i = parent[i];
-    }
-    return i;
-}
-
 /* The angle, in degrees, between the triangles of an edge on its narrower side. */
 static double pbwm3__angle_at(const pbwm3__work *w, const pbwim__facet *edge)
 {
@@ -598,11 +1080,16 @@ static double pbwm3__angle_at(const pbwm3__work *w, const pbwim__facet *edge)
     return atan2(sqrt(pbwsf__dot(across, across)), pbwsf__dot(n[0], n[1])) * 57.295779513082321;
 }
 
-/* Numbers the patches: the roots of `parent`.  An open surface is one patch, as sharp edges of a scan are noise. */
+/* Numbers the parts, whose roots are in `parent`, and the patches.  An open surface is one patch, as sharp edges of a
+   scan are noise. */
 static int pbwm3__number_patches(pbwm3__work *w, size_t *parent)
 {
-    pbw_index *patch = (pbw_index *)w->patch.data;
+    pbw_index *patch = (pbw_index *)w->patch.data, *part = (pbw_index *)w->part.data, parts = 0;
     size_t t;
+    for (t = 0; t < w->surface.triangle_count; t++) {            /* a root is the least of its tree */
+        const size_t root = pbwm3__root_of(parent, t);
+        part[t] = root == t ? parts++ : part[root];
+    }
     for (t = 0; (w->open || w->whole) && t < w->surface.triangle_count; t++) {
         parent[t] = 0;
     }
@@ -625,6 +1112,20 @@ static int pbwm3__number_patches(pbwm3__work *w, size_t *parent)
     return 1;
 }
 
+/* The caller's patch of a triangle, 0 if there are none, PBW_NONE of one that closes a hole. */
+static pbw_index pbwm3__patch_of(const pbwm3__work *w, pbw_index triangle)
+{
+    return w->input->value != NULL ? 0 : triangle >= w->given ? PBW_NONE
+         : w->input->patches != NULL ? w->input->patches[((const pbw_index *)w->origin.data)[triangle]] : 0;
+}
+
+/* Whether an edge is between two of the caller's patches. */
+static int pbwm3__has_border(const pbwm3__work *w, const pbwim__facet *edge)
+{
+    const pbw_index a = pbwm3__patch_of(w, edge[0].t), b = pbwm3__patch_of(w, edge[1].t);
+    return a != b && a != PBW_NONE && b != PBW_NONE;
+}
+
 /* Lists the sharp edges, two points each, and joins the triangles at other edges. */
 static int pbwm3__find_sharp(pbwm3__work *w, pbwsf__array *list, size_t *parent)
 {
@@ -638,9 +1139,8 @@ static int pbwm3__find_sharp(pbwm3__work *w, pbwsf__array *list, size_t *parent)
         int sharp;
         for (k = i + 1; k < count && memcmp(edge[i].v, edge[k].v, 2 * sizeof(pbw_index)) == 0; k++) {
         }
-        w->report->open_edges += k - i == 1;
-        w->report->crowded_edges += k - i > 2;
-        sharp = w->input->value == NULL && k - i > 1 && (k - i != 2 || pbwm3__is_sharp(w, edge + i));
+        sharp = w->input->value == NULL && k - i > 1 && (k - i != 2 || pbwm3__is_sharp(w, edge + i)
+                                                             || pbwm3__has_border(w, edge + i));
         edges++;
         if (sharp) {
             const double angle = pbwm3__angle_at(w, edge + i);
@@ -653,7 +1153,6 @@ static int pbwm3__find_sharp(pbwm3__work *w, pbwsf__array *list, size_t *parent)
         }
     }
     w->report->sharp_edges = list->count;
-    w->open = w->report->open_edges > 0;
     w->report->input_euler = (long)w->surface.point_count - (long)edges + (long)w->surface.triangle_count;
     pbwm3__free_blocks(&w->memory, blocks);
     return good;
@@ -694,13 +1193,13 @@ static pbw_index pbwm3__other_end(const pbwm3__graph *g, size_t edge, pbw_index 
     return g->ends[2 * edge] == v ? g->ends[2 * edge + 1] : g->ends[2 * edge];
 }
 
-/* Whether chains end at v: not two edges meet there, or two at an angle. */
+/* Whether chains end at v: not two edges meet there, or two at an angle; angles of scans are noise. */
 static int pbwm3__is_corner(const pbwm3__work *w, const pbwm3__graph *g, pbw_index v)
 {
     const size_t *first = (const size_t *)g->first.data, *at = (const size_t *)g->at.data;
     double a[3], b[3];
-    if (first[v + 1] - first[v] != 2) {
-        return first[v + 1] > first[v];
+    if (first[v + 1] - first[v] != 2 || w->open) {
+        return first[v + 1] - first[v] != 2 && first[v + 1] > first[v];
     }
     pbwsf__minus(w->surface.points + 3 * (size_t)v,
                  w->surface.points + 3 * (size_t)pbwm3__other_end(g, at[first[v]], v), a);
@@ -838,6 +1337,414 @@ static void pbwm3__along(const pbwm3__work *w, size_t number, double along, doub
                    length > 0 ? (along - knot[low].along) / length : 0, out);
 }
 
+/* All chains, those from corners first, then closed ones without a corner. */
+static int pbwm3__chain_all(pbwm3__work *w, pbwm3__graph *g)
+{
+    const size_t *first, *at;
+    size_t v, i;
+    int loops;
+    if (!pbwm3__make_graph(w, g)) {
+        return 0;
+    }
+    first = (const size_t *)g->first.data;
+    at = (const size_t *)g->at.data;
+    for (loops = 0; loops < 2; loops++) {
+        for (v = 0; v < w->surface.point_count; v++) {
+            const int corner = pbwm3__is_corner(w, g, (pbw_index)v);
+            w->report->corners += corner && !loops;
+            for (i = first[v]; (corner || loops) && i < first[v + 1]; i++) {
+                if (!((const char *)g->used.data)[at[i]] && !pbwm3__walk_chain(w, g, (pbw_index)v, at[i])) {
+                    return 0;
+                }
+            }
+        }
+    }
+    return 1;
+}
+
+/* Finds sharp edges and patches. */
+static int pbwm3__find_patches(pbwm3__work *w, pbwsf__array *list)
+{
+    pbwsf__array parents;
+    size_t i;
+    int good;
+    memset(&parents, 0, sizeof parents);
+    good = pbwsf__resize(&w->memory, &parents, w->surface.triangle_count * sizeof(size_t))
+        && pbwsf__resize(&w->memory, &w->part, w->surface.triangle_count * sizeof(pbw_index))
+        && pbwsf__resize(&w->memory, &w->patch, w->surface.triangle_count * sizeof(pbw_index));
+    for (i = 0; good && i < w->surface.triangle_count; i++) {
+        ((size_t *)parents.data)[i] = i;
+    }
+    good = good && pbwm3__find_sharp(w, list, (size_t *)parents.data)
+        && pbwm3__number_patches(w, (size_t *)parents.data);
+    pbwsf__release(&w->memory, &parents);
+    return good;
+}
+
+/* Leaves out sharp edges of an open surface that are joined to less than four sizes of others: noise of a scan. */
+static int pbwm3__drop_noise(pbwm3__work *w, pbwsf__array *list)
+{
+    const size_t points = w->surface.point_count;
+    pbw_index *ends = (pbw_index *)list->data;
+    pbwsf__array parents, lengths;
+    size_t *parent, i, kept = 0;
+    double *length;
+    int good;
+    memset(&parents, 0, sizeof parents);
+    memset(&lengths, 0, sizeof lengths);
+    good = pbwsf__resize(&w->memory, &parents, points * sizeof *parent)
+        && pbwsf__resize(&w->memory, &lengths, points * sizeof *length);
+    parent = (size_t *)parents.data;
+    length = (double *)lengths.data;
+    for (i = 0; good && i < points; i++) {
+        parent[i] = i;
+        length[i] = 0;
+    }
+    for (i = 0; good && i < list->count; i++) {
+        parent[pbwm3__root_of(parent, ends[2 * i])] = pbwm3__root_of(parent, ends[2 * i + 1]);
+    }
+    for (i = 0; good && i < list->count; i++) {
+        length[pbwm3__root_of(parent, ends[2 * i])] += pbwsf__distance(
+            w->surface.points + 3 * (size_t)ends[2 * i], w->surface.points + 3 * (size_t)ends[2 * i + 1]);
+    }
+    for (i = 0; good && i < list->count; i++) {
+        if (length[pbwm3__root_of(parent, ends[2 * i])] > 4 * w->size) {
+            memmove(ends + 2 * kept++, ends + 2 * i, 2 * sizeof *ends);
+        }
+    }
+    list->count = good ? kept : list->count;
+    pbwsf__release(&w->memory, &parents);
+    pbwsf__release(&w->memory, &lengths);
+    return good;
+}
+
+/* Finds patches, sharp edges and their chains. */
+static pbw_status pbwm3__find_chains(pbwm3__work *w)
+{
+    pbwsf__array list;
+    pbwm3__graph graph;
+    int good;
+    memset(&list, 0, sizeof list);
+    memset(&graph, 0, sizeof graph);
+    good = pbwm3__find_patches(w, &list) && (!w->open || pbwm3__drop_noise(w, &list));
+    graph.ends = (const pbw_index *)list.data;
+    graph.count = list.count;
+    good = good && pbwm3__chain_all(w, &graph);
+    pbwsf__release(&w->memory, &list);
+    pbwsf__release(&w->memory, &graph.first);
+    pbwsf__release(&w->memory, &graph.at);
+    pbwsf__release(&w->memory, &graph.used);
+    return good ? PBW_OK : PBW_ERROR_MEMORY;
+}
+
+/* Number i of a stream, from 0 to 1: splitmix64 (Steele, Lea and Flood 2014), whose state is a counter. */
+static double pbwm3__random(uint64_t i)
+{
+    uint64_t z = (i + 1) * 0x9e3779b97f4a7c15u;
+    z = (z ^ z >> 30) * 0xbf58476d1ce4e5b9u;
+    z = (z ^ z >> 27) * 0x94d049bb133111ebu;
+    return (double)((z ^ z >> 31) >> 11) / 9007199254740992.0;
+}
+
+/* ------------------------------------------------------------------------------------------------------
+   Local sizes, the least of: the size; the caller's; three quarters of the distance between two sheets of the surface
+   that face each other; two thirds of that between sharp chains without a common corner; a multiple of the radius of
+   curvature.  None is below the floor; they grow by 0.35 for each unit of length.
+   ------------------------------------------------------------------------------------------------------ */
+
+/* Lowers the field at p to a size, but not below the floor. */
+static void pbwm3__lower(pbwm3__work *w, const double p[3], double size)
+{
+    double *field = (double *)w->field.data + pbwm3__field_cell(w, p);
+    *field = fmin(*field, fmax(w->floor, size));
+}
+
+/* Lowers the field at p, a point of the triangle, to what rays along both normals meet first, if that faces it. */
+static void pbwm3__measure_gap(pbwm3__work *w, pbw_index triangle, const double p[3])
+{
+    double n[3], m[3], a[3], b[3], where, length;
+    int side, k;
+    pbwsf__normal(pbwsf__corner(&w->surface, triangle, 0), pbwsf__corner(&w->surface, triangle, 1),
+                  pbwsf__corner(&w->surface, triangle, 2), n);
+    length = sqrt(pbwsf__dot(n, n));
+    for (side = -1; side <= 1 && length > 0; side += 2) {
+        pbw_index met;
+        for (k = 0; k < 3; k++) {
+            a[k] = p[k] + side * 1e-3 * w->size * n[k] / length;
+            b[k] = p[k] + side * 1.4 * w->size * n[k] / length;
+        }
+        met = pbw_surface_meets(&w->surface, a, b, &where);
+        if (met != PBW_NONE) {
+            pbwsf__normal(pbwsf__corner(&w->surface, met, 0), pbwsf__corner(&w->surface, met, 1),
+                          pbwsf__corner(&w->surface, met, 2), m);
+            if (fabs(pbwsf__dot(m, n)) > 0.7 * length * sqrt(pbwsf__dot(m, m))) {
+                pbwm3__lower(w, p, 0.75 * (where * 1.399 + 1e-3) * w->size);
+            }
+        }
+    }
+}
+
+/* Four sweeps there and back: a cell is at most 0.35 cells above its neighbours. */
+static void pbwm3__grade(pbwm3__work *w)
+{
+    double *field = (double *)w->field.data;
+    const size_t total = w->n[0] * w->n[1] * w->n[2];
+    size_t i, j;
+    int sweep, k;
+    for (sweep = 0; sweep < 8; sweep++) {
+        for (j = 0; j < total; j++) {
+            i = sweep % 2 == 0 ? j : total - 1 - j;
+            for (k = 0; k < 27; k++) {
+                const size_t x = i % w->n[0] + (size_t)(k % 3), y = i / w->n[0] % w->n[1] + (size_t)(k / 3 % 3);
+                const size_t z = i / w->n[0] / w->n[1] + (size_t)(k / 9);
+                if (x > 0 && x <= w->n[0] && y > 0 && y <= w->n[1] && z > 0 && z <= w->n[2]) {
+                    const double other = field[x - 1 + w->n[0] * (y - 1 + w->n[1] * (z - 1))] + 0.35 * w->size;
+                    field[i] = fmin(field[i], other);
+                }
+            }
+        }
+    }
+}
+
+typedef struct pbwm3__bend { double area, tensor[6]; } pbwm3__bend;          /* sums over a cell of the field */
+
+/* Adds parts of a triangle's area to the cells that they are in: parts of at most half a size. */
+static void pbwm3__spread_area(const pbwm3__work *w, pbw_index t, pbwm3__bend *bends)
+{
+    const double *c[3];
+    double n[3], longest = 0, p[3];
+    size_t parts, i, j;
+    int k;
+    for (k = 0; k < 3; k++) {
+        c[k] = pbwsf__corner(&w->surface, t, k);
+        longest = fmax(longest, pbwsf__distance(c[k], pbwsf__corner(&w->surface, t, (k + 1) % 3)));
+    }
+    pbwsf__normal(c[0], c[1], c[2], n);
+    parts = (size_t)fmin(ceil(2 * longest / w->size), 1000) + 1;
+    for (i = 0; i < parts; i++) {
+        for (j = 0; j < 2 * i + 1; j++) {            /* row i of small triangles, every second one upside down */
+            const double u = ((double)i + (j % 2 == 0 ? 2.0 / 3 : 1.0 / 3)) / (double)parts;
+            const double v = ((double)(j / 2) + (j % 2 == 0 ? 1.0 / 3 : 2.0 / 3)) / (double)parts;
+            for (k = 0; k < 3; k++) {
+                p[k] = c[0][k] + u * (c[1][k] - c[0][k]) + v * (c[2][k] - c[1][k]);
+            }
+            bends[pbwm3__field_cell(w, p)].area += 0.5 * sqrt(pbwsf__dot(n, n)) / (double)(parts * parts);
+        }
+    }
+}
+
+/* Adds the bend of an edge to the cells along it. */
+static void pbwm3__spread_bend(const pbwm3__work *w, const pbwim__facet *edge, pbwm3__bend *bends)
+{
+    static const int pair[6][2] = { { 0, 0 }, { 1, 1 }, { 2, 2 }, { 0, 1 }, { 0, 2 }, { 1, 2 } };
+    const double *a = w->surface.points + 3 * (size_t)edge[0].v[0], *b = w->surface.points + 3 * (size_t)edge[0].v[1];
+    double n[2][3], across[3], along[3], p[3], bend, length = pbwsf__distance(a, b);
+    const size_t parts = (size_t)fmin(ceil(2 * length / w->size), 1e6);
+    size_t i;
+    int k;
+    for (k = 0; k < 2; k++) {                        /* turned alike: edge 0 runs from a to b in one of them */
+        pbwsf__normal(pbwsf__corner(&w->surface, edge[k].t, 0), pbwsf__corner(&w->surface, edge[k].t, 1),
+                      pbwsf__corner(&w->surface, edge[k].t, 2), n[k]);
+    }
+    pbwsf__cross(n[0], n[1], across);
+    pbwsf__minus(b, a, along);
+    bend = atan2(pbwsf__dot(across, along) / (length > 0 ? length : 1), pbwsf__dot(n[0], n[1]));
+    bend *= edge[0].v[2] ? 1 : -1;
+    for (i = 0; i < parts && length > 0; i++) {
+        pbwsf__between(a, b, ((double)i + 0.5) / (double)parts, p);
+        for (k = 0; k < 6; k++) {
+            bends[pbwm3__field_cell(w, p)].tensor[k] += bend * along[pair[k][0]] * along[pair[k][1]] / length
+                                                      / (double)parts;
+        }
+    }
+}
+
+/* Lowers the field where smooth edges bend, by the tensor of Cohen-Steiner and Morvan (2003, "Restricted Delaunay
+   triangulations and normal cycle") over each cell: the norm of its mean is the root of the sum of both principal
+   curvatures' squares. */
+static int pbwm3__measure_curvature(pbwm3__work *w)
+{
+    pbwsf__array blocks[3], sums;
+    const size_t count = 3 * w->surface.triangle_count, total = w->n[0] * w->n[1] * w->n[2];
+    const pbwim__facet *edge = pbwm3__edges(&w->memory, w->surface.triangles, w->surface.triangle_count,
+                                            w->surface.point_count, blocks);
+    pbwm3__bend *bends;
+    size_t i, k;
+    int good;
+    memset(&sums, 0, sizeof sums);
+    good = edge != NULL && pbwsf__resize(&w->memory, &sums, total * sizeof *bends);
+    bends = (pbwm3__bend *)sums.data;
+    if (good) {
+        memset(bends, 0, total * sizeof *bends);
+    }
+    for (i = 0; good && i < w->surface.triangle_count; i++) {
+        pbwm3__spread_area(w, (pbw_index)i, bends);
+    }
+    for (i = 0; good && i < count; i = k) {
+        for (k = i + 1; k < count && memcmp(edge[i].v, edge[k].v, 2 * sizeof(pbw_index)) == 0; k++) {
+        }
+        if (k - i == 2 && (w->input->value != NULL || !pbwm3__is_sharp(w, edge + i))) {
+            pbwm3__spread_bend(w, edge + i, bends);
+        }
+    }
+    for (i = 0; good && i < total; i++) {
+        const double *t = bends[i].tensor;
+        const double norm = sqrt(t[0] * t[0] + t[1] * t[1] + t[2] * t[2]
+                                 + 2 * (t[3] * t[3] + t[4] * t[4] + t[5] * t[5]));
+        if (norm > 0 && bends[i].area > 0.1 * w->size * w->size) {
+            double *size = (double *)w->field.data + i;
+            *size = fmin(*size, fmax(w->floor, w->how.curvature * bends[i].area / norm));
+        }
+    }
+    pbwm3__free_blocks(&w->memory, blocks);
+    pbwsf__release(&w->memory, &sums);
+    return good;
+}
+
+typedef struct pbwm3__dot { double p[3]; size_t chain; pbw_index next; } pbwm3__dot;  /* next: in its cell */
+
+/* Dots on all chains, a quarter of the size apart, in lists by cells of the field. */
+static int pbwm3__dot_chains(pbwm3__work *w, pbwsf__array *dots, pbw_index *head)
+{
+    size_t i;
+    for (i = 0; i < w->chains.count; i++) {
+        const pbwm3__chain *chain = (const pbwm3__chain *)w->chains.data + i;
+        const double length = ((const pbwm3__knot *)w->path.data)[chain->first + chain->count - 1].along;
+        const size_t most = chain->loose ? 0 : (size_t)ceil(fmin(4 * length / w->size, 1e8));
+        size_t k;
+        for (k = 0; k < most; k++) {
+            pbwm3__dot dot;
+            size_t cell;
+            pbwm3__along(w, i, length * ((double)k + 0.5) / (double)most, dot.p);
+            cell = pbwm3__field_cell(w, dot.p);
+            dot.chain = i;
+            dot.next = head[cell];
+            head[cell] = (pbw_index)dots->count;
+            if (dots->count >= PBW_NONE || !pbwm3__append(w, dots, &dot, sizeof dot)) {
+                return 0;
+            }
+        }
+    }
+    return 1;
+}
+
+/* Whether two chains are one, or have an end in common. */
+static int pbwm3__chains_meet(const pbwm3__work *w, size_t a, size_t b)
+{
+    const pbwm3__chain *x = (const pbwm3__chain *)w->chains.data + a, *y = (const pbwm3__chain *)w->chains.data + b;
+    const pbwm3__knot *path = (const pbwm3__knot *)w->path.data;
+    const pbw_index p = path[x->first].vertex, q = path[x->first + x->count - 1].vertex;
+    const pbw_index r = path[y->first].vertex, s = path[y->first + y->count - 1].vertex;
+    return a == b || p == r || p == s || q == r || q == s;
+}
+
+/* Lowers the field at dots of chains that are near each other. */
+static int pbwm3__measure_chains(pbwm3__work *w)
+{
+    const size_t total = w->n[0] * w->n[1] * w->n[2];
+    pbwsf__array heads, dots;
+    size_t i;
+    int good, k;
+    memset(&heads, 0, sizeof heads);
+    memset(&dots, 0, sizeof dots);
+    good = pbwsf__resize(&w->memory, &heads, total * sizeof(pbw_index));
+    if (good) {
+        memset(heads.data, 0xff, heads.bytes);
+        good = pbwm3__dot_chains(w, &dots, (pbw_index *)heads.data);
+    }
+    for (i = 0; good && i < dots.count; i++) {
+        const pbwm3__dot *dot = (const pbwm3__dot *)dots.data + i;
+        double least = HUGE_VAL;
+        for (k = 0; k < 27; k++) {
+            const double q[3] = { dot->p[0] + (k % 3 - 1) * w->size, dot->p[1] + (k / 3 % 3 - 1) * w->size,
+                                  dot->p[2] + (k / 9 - 1) * w->size };
+            pbw_index other = ((const pbw_index *)heads.data)[pbwm3__field_cell(w, q)];
+            for (; other != PBW_NONE; other = ((const pbwm3__dot *)dots.data)[other].next) {
+                const pbwm3__dot *o = (const pbwm3__dot *)dots.data + other;
+                const double d = pbwsf__distance(dot->p, o->p);
+                least = d < least && !pbwm3__chains_meet(w, dot->chain, o->chain) ? d : least;
+            }
+        }
+        pbwm3__lower(w, dot->p, least / 1.5);
+    }
+    pbwsf__release(&w->memory, &heads);
+    pbwsf__release(&w->memory, &dots);
+    return good;
+}
+
+/* The caller's sizes at the middles of cells and of their eight parts. */
+static void pbwm3__take_sizes(pbwm3__work *w)
+{
+    size_t i, cell = 0;
+    int k;
+    for (i = 0; w->how.size_at != NULL && i < 9 * w->n[0] * w->n[1] * w->n[2]; i++) {
+        const int part = (int)(i % 9);
+        double p[3];
+        cell = i / 9;
+        for (k = 0; k < 3; k++) {
+            const size_t at = k == 0 ? cell % w->n[0] : k == 1 ? cell / w->n[0] % w->n[1] : cell / w->n[0] / w->n[1];
+            p[k] = w->low[k] + w->size * ((double)at + (part == 8 ? 0.5 : part >> k & 1 ? 0.75 : 0.25));
+        }
+        pbwm3__lower(w, p, w->how.size_at(w->how.size_user, p));
+    }
+}
+
+/* Rays from 4 points for each square of the size, and from one of each triangle at least. */
+static void pbwm3__measure_gaps(pbwm3__work *w)
+{
+    uint64_t number = 1ull << 40;
+    size_t i;
+    for (i = 0; i < w->surface.triangle_count; i++) {
+        double n[3], wish;
+        pbwsf__normal(pbwsf__corner(&w->surface, (pbw_index)i, 0), pbwsf__corner(&w->surface, (pbw_index)i, 1),
+                      pbwsf__corner(&w->surface, (pbw_index)i, 2), n);
+        wish = 2 * sqrt(pbwsf__dot(n, n)) / (w->size * w->size) + pbwm3__random(number++);
+        for (; wish >= 1; wish--) {
+            const double u = pbwm3__random(number), v = pbwm3__random(number + 1);
+            double p[3], q[3];
+            pbwsf__between(pbwsf__corner(&w->surface, (pbw_index)i, 0), pbwsf__corner(&w->surface, (pbw_index)i, 1),
+                           u, q);
+            pbwsf__between(pbwsf__corner(&w->surface, (pbw_index)i, 2), q, sqrt(v), p);
+            number += 2;
+            pbwm3__measure_gap(w, (pbw_index)i, p);
+        }
+    }
+}
+
+/* With chains and patches found. */
+static pbw_status pbwm3__make_field(pbwm3__work *w)
+{
+    size_t i, total = 1;
+    int k;
+    w->least = w->size;
+    for (k = 0; k < 3; k++) {
+        w->n[k] = (size_t)ceil((w->high[k] - w->low[k]) / w->size) + 1;
+        total *= w->n[k];
+    }
+    if (total > 50000000) {
+        return PBW_OK;                               /* too fine a grid: one size */
+    }
+    if (!pbwsf__resize(&w->memory, &w->field, total * sizeof(double))) {
+        return PBW_ERROR_MEMORY;
+    }
+    for (i = 0; i < total; i++) {
+        ((double *)w->field.data)[i] = w->size;
+    }
+    pbwm3__measure_gaps(w);
+    pbwm3__take_sizes(w);
+    if (!pbwm3__measure_chains(w) || (w->how.curvature > 0 && !pbwm3__measure_curvature(w))) {
+        return PBW_ERROR_MEMORY;
+    }
+    pbwm3__grade(w);
+    for (i = 0; i < total; i++) {
+        w->least = fmin(w->least, ((const double *)w->field.data)[i]);
+    }
+    return PBW_OK;
+}
+
+/* ------------------------------------------------------------------------------------------------------
+   Samples of sharp edges.
+   ------------------------------------------------------------------------------------------------------ */
 /* How many local sizes long the chain is; a step of the sum is a quarter of the size there. */
 static double pbwm3__sizes_along(const pbwm3__work *w, size_t number, double length)
 {
@@ -917,76 +1824,23 @@ static int pbwm3__sample_chain(pbwm3__work *w, const pbwm3__stars *stars, size_t
     return 1;
 }
 
-/* All chains, those from corners first, then closed ones without a corner. */
-static int pbwm3__chain_all(pbwm3__work *w, pbwm3__graph *g)
-{
-    const size_t *first, *at;
-    size_t v, i;
-    int loops;
-    if (!pbwm3__make_graph(w, g)) {
-        return 0;
-    }
-    first = (const size_t *)g->first.data;
-    at = (const size_t *)g->at.data;
-    for (loops = 0; loops < 2; loops++) {
-        for (v = 0; v < w->surface.point_count; v++) {
-            const int corner = pbwm3__is_corner(w, g, (pbw_index)v);
-            w->report->corners += corner && !loops;
-            for (i = first[v]; (corner || loops) && i < first[v + 1]; i++) {
-                if (!((const char *)g->used.data)[at[i]] && !pbwm3__walk_chain(w, g, (pbw_index)v, at[i])) {
-                    return 0;
-                }
-            }
-        }
-    }
-    return 1;
-}
-
-/* Finds sharp edges and patches. */
-static int pbwm3__find_patches(pbwm3__work *w, pbwsf__array *list)
-{
-    pbwsf__array parents;
-    size_t i;
-    int good;
-    memset(&parents, 0, sizeof parents);
-    good = pbwsf__resize(&w->memory, &parents, w->surface.triangle_count * sizeof(size_t))
-        && pbwsf__resize(&w->memory, &w->patch, w->surface.triangle_count * sizeof(pbw_index));
-    for (i = 0; good && i < w->surface.triangle_count; i++) {
-        ((size_t *)parents.data)[i] = i;
-    }
-    good = good && pbwm3__find_sharp(w, list, (size_t *)parents.data)
-        && pbwm3__number_patches(w, (size_t *)parents.data);
-    pbwsf__release(&w->memory, &parents);
-    return good;
-}
-
 static pbw_status pbwm3__sample_sharp(pbwm3__work *w)
 {
-    pbwsf__array list, corner;
-    pbwm3__graph graph;
+    pbwsf__array corner;
     pbwm3__stars stars;
     size_t i;
     int good;
-    memset(&list, 0, sizeof list);
     memset(&corner, 0, sizeof corner);
-    memset(&graph, 0, sizeof graph);
     memset(&stars, 0, sizeof stars);
-    good = pbwm3__find_patches(w, &list) && pbwm3__make_stars(w, &stars)
+    good = pbwm3__make_stars(w, &stars)
         && pbwsf__resize(&w->memory, &corner, (w->surface.point_count + 1) * sizeof(pbw_index));
-    graph.ends = (const pbw_index *)list.data;
-    graph.count = list.count;
-    good = good && pbwm3__chain_all(w, &graph);
     if (good) {
         memset(corner.data, 0xff, corner.bytes);
     }
     for (i = 0; good && i < w->chains.count; i++) {
         good = pbwm3__sample_chain(w, &stars, i, (pbw_index *)corner.data);
     }
-    pbwsf__release(&w->memory, &list);
     pbwsf__release(&w->memory, &corner);
-    pbwsf__release(&w->memory, &graph.first);
-    pbwsf__release(&w->memory, &graph.at);
-    pbwsf__release(&w->memory, &graph.used);
     pbwsf__release(&w->memory, &stars.first);
     pbwsf__release(&w->memory, &stars.at);
     return good ? PBW_OK : PBW_ERROR_MEMORY;
@@ -996,15 +1850,6 @@ static pbw_status pbwm3__sample_sharp(pbwm3__work *w)
    Samples of smooth parts: darts, no two closer than 0.65 sizes; and a body-centred cubic lattice inside, 0.55 sizes
    from the surface.
    ------------------------------------------------------------------------------------------------------ */
-
-/* Number i of a stream, from 0 to 1: splitmix64 (Steele, Lea and Flood 2014), whose state is a counter. */
-static double pbwm3__random(uint64_t i)
-{
-    uint64_t z = (i + 1) * 0x9e3779b97f4a7c15u;
-    z = (z ^ z >> 30) * 0xbf58476d1ce4e5b9u;
-    z = (z ^ z >> 27) * 0x94d049bb133111ebu;
-    return (double)((z ^ z >> 31) >> 11) / 9007199254740992.0;
-}
 
 static pbw_status pbwm3__throw_darts(pbwm3__work *w, const double *area)
 {
@@ -1089,11 +1934,19 @@ static pbw_status pbwm3__sample_level(pbwm3__work *w, int level)
         if (level == 0 && i % 16384 == 0 && pbwm3__stops(w, 0.5 + 0.5 * (double)i / (double)total)) {
             return PBW_CANCELLED;
         }
+        if (((at[0] ^ at[1]) & 1) != 0 || ((at[1] ^ at[2]) & 1) != 0) {
+            continue;
+        }
         for (k = 0; k < 3; k++) {
             p[k] = w->low[k] + (0.5 * (double)at[k] + 0.31) * cell;
         }
+        if (level > 1 && ((const double *)w->field.data)[pbwm3__field_cell(w, p)] > 4 * cell) {
+            const double along = (p[0] - w->low[0]) / w->size, left = (floor(along) + 1 - along) * w->size;
+            i += (size_t)fmin(2 * left / cell, (double)(n[0] - 1 - at[0]));  /* coarse up to the end of this cell */
+            continue;
+        }
         size = pbwm3__size(w, p);
-        if ((at[0] ^ at[1]) % 2 == 0 && (at[1] ^ at[2]) % 2 == 0 && level == (int)floor(log2(w->size / size) + 0.5)
+        if (level == (int)floor(log2(w->size / size) + 0.5)
             && pbwm3__inside(w, p) && pbw_surface_closest(&w->surface, p, 0.55 * size, place) == PBW_NONE
             && (level == 0 || pbwm3__near(w, p, 0.7 * size, PBWM3__INSIDE, PBWM3__INSIDE) == PBW_NONE)
             && pbwm3__add(w, p, PBWM3__INSIDE, 0) == PBW_NONE) {
@@ -1183,14 +2036,34 @@ static int pbwm3__bridges(const pbwm3__work *w, const pbw_index c[4])
     return i == 4 && pbwm3__common_patch(w, c, 4) == PBW_NONE;
 }
 
-static int pbwm3__is_inside_by_middle(const pbwm3__work *w, const double *const p[4])
+static void pbwm3__middle(const double *const p[4], double middle[3])
 {
-    double middle[3];
     int k;
     for (k = 0; k < 3; k++) {
         middle[k] = 0.25 * (p[0][k] + p[1][k] + p[2][k] + p[3][k]);
     }
+}
+
+static int pbwm3__label_of_middle(const pbwm3__work *w, const double *const p[4])
+{
+    double middle[3];
+    pbwm3__middle(p, middle);
     return pbwm3__inside(w, middle);
+}
+
+/* The label outside of the shell that a flat tetrahedron is on. */
+static int pbwm3__label_beyond(const pbwm3__work *w, const double *const p[4])
+{
+    double middle[3], place[3];
+    pbw_index t;
+    size_t around;
+    if (!w->nested) {
+        return 0;
+    }
+    pbwm3__middle(p, middle);
+    t = pbw_surface_closest(&w->surface, middle, HUGE_VAL, place);
+    around = t == PBW_NONE ? 0 : ((const pbwm3__shell *)w->shells.data)[((const pbw_index *)w->shell.data)[t]].around;
+    return around < 255 ? (int)around : 255;
 }
 
 static pbw_status pbwm3__label_range(void *arg, size_t from, size_t to)
@@ -1214,8 +2087,9 @@ static pbw_status pbwm3__label_range(void *arg, size_t from, size_t to)
                 break;
             }
         }
-        PBWM3__LABEL(w)[t] = (unsigned char)(pbwm3__bridges(w, c) ? pbwm3__is_inside_by_middle(w, p)
-                                             : !far && !pbwm3__is_flat(w, c) && pbwm3__inside(w, centre));
+        PBWM3__LABEL(w)[t] = (unsigned char)(pbwm3__bridges(w, c) ? pbwm3__label_of_middle(w, p)
+                                             : far ? 0 : pbwm3__is_flat(w, c) ? pbwm3__label_beyond(w, p)
+                                             : pbwm3__inside(w, centre));
     }
     return PBW_OK;
 }
@@ -1243,7 +2117,7 @@ static pbw_status pbwm3__rebuild(pbwm3__work *w)
 
 static int pbwm3__label_of(const pbwm3__work *w, pbw_index t)
 {
-    return t != PBW_NONE && PBWM3__LABEL(w)[t];
+    return t != PBW_NONE ? PBWM3__LABEL(w)[t] : 0;
 }
 
 /* Where facet i of t is to get a point; returns 0 if nowhere.  Facets between two sides of the surface are no
@@ -1389,7 +2263,8 @@ static int pbwm3__boundary(pbwm3__work *w, pbwsf__array *facets)
         for (i = 0; i < 4 && PBWM3__LABEL(w)[t]; i++) {
             const pbw_index *c = w->mesh.simplices + 4 * t;
             const pbw_index f[3] = { c[pbwim__opposite[i][0]], c[pbwim__opposite[i][2]], c[pbwim__opposite[i][1]] };
-            if (!pbwm3__label_of(w, w->mesh.neighbors[4 * t + (size_t)i]) && !pbwm3__append(w, facets, f, sizeof f)) {
+            if (pbwm3__label_of(w, w->mesh.neighbors[4 * t + (size_t)i]) < PBWM3__LABEL(w)[t]
+                && !pbwm3__append(w, facets, f, sizeof f)) {
                 return 0;
             }
         }
@@ -1552,9 +2427,9 @@ static long pbwm3__round(pbwm3__work *w)
     return mended < 0 ? -1 : added + mended;
 }
 
-static pbw_status pbwm3__rounds(pbwm3__work *w, const pbw_solid_options *how)
+static pbw_status pbwm3__rounds(pbwm3__work *w)
 {
-    const int most = how != NULL && how->rounds > 0 ? how->rounds : 16;
+    const int most = w->how.rounds > 0 ? w->how.rounds : 16;
     pbw_status status = PBW_OK;
     long added = 1;
     while (status == PBW_OK) {
@@ -1584,16 +2459,90 @@ static int pbwm3__last_part(void *user, pbw_stage stage, double done)
     return pbwm3__stops((const pbwm3__work *)user, done);
 }
 
-static pbw_status pbwm3__finish(pbwm3__work *w, const pbw_solid_options *how, pbw_tets *out)
+/* Gives the tetrahedra that facets join to t, of its label, a number of their own; counts of queue: the items done.
+   Returns the largest of them, PBW_NONE without memory. */
+static pbw_index pbwm3__flood(pbwm3__work *w, pbw_index t, pbw_index *region, pbw_index number, pbwsf__array *queue)
 {
-    pbw_improve_options improve;
+    pbw_index largest = t;
+    double most = -1;
+    size_t done;
+    int i;
+    region[t] = number;
+    queue->count = 0;
+    if (!pbwm3__append(w, queue, &t, sizeof t)) {
+        return PBW_NONE;
+    }
+    for (done = 0; done < queue->count; done++) {
+        const pbw_index at = ((const pbw_index *)queue->data)[done], *c = w->mesh.simplices + 4 * (size_t)at;
+        const double volume = pbw_tet_measure(PBW_MEASURE_VOLUME, PBWM3__X(w, c[0]), PBWM3__X(w, c[1]),
+                                              PBWM3__X(w, c[2]), PBWM3__X(w, c[3]));
+        largest = volume > most ? at : largest;
+        most = fmax(most, volume);
+        for (i = 0; i < 4; i++) {
+            const pbw_index next = w->mesh.neighbors[4 * (size_t)at + (size_t)i];
+            if (pbwm3__label_of(w, next) == PBWM3__LABEL(w)[t] && region[next] == PBW_NONE) {
+                region[next] = number;
+                if (!pbwm3__append(w, queue, &next, sizeof next)) {
+                    return PBW_NONE;
+                }
+            }
+        }
+    }
+    return largest;
+}
+
+/* Regions of the tetrahedra inside, in their order: of each component the innermost shell around its largest
+   tetrahedron, 0 if none is. */
+static int pbwm3__find_regions(pbwm3__work *w, pbw_tets *in)
+{
+    pbwsf__array queue;
+    pbw_index *region, largest;
+    size_t t, i, count = 0;
+    int good = pbwsf__resize(&w->memory, &w->regions, (w->mesh.simplex_count + 1) * sizeof *region);
+    memset(&queue, 0, sizeof queue);
+    region = (pbw_index *)w->regions.data;
+    for (t = 0; good && t < w->mesh.simplex_count; t++) {
+        region[t] = PBW_NONE;
+    }
+    for (t = 0; good && t < w->mesh.simplex_count; t++) {
+        const double *p[4];
+        double middle[3];
+        pbw_index number;
+        if (!PBWM3__LABEL(w)[t] || region[t] != PBW_NONE) {
+            continue;
+        }
+        largest = pbwm3__flood(w, (pbw_index)t, region, 0, &queue);
+        good = largest != PBW_NONE;
+        for (i = 0; i < 4 && good; i++) {
+            p[i] = PBWM3__X(w, w->mesh.simplices[4 * (size_t)largest + i]);
+        }
+        if (good) {
+            pbwm3__middle(p, middle);
+            number = pbwm3__shells_around(w, middle, w->shells.count).innermost;
+            for (i = 0; i < queue.count && number != PBW_NONE; i++) {
+                region[((const pbw_index *)queue.data)[i]] = number;
+            }
+        }
+    }
+    for (t = 0; good && t < w->mesh.simplex_count; t++) {
+        if (PBWM3__LABEL(w)[t]) {
+            region[count++] = region[t];
+        }
+    }
+    pbwsf__release(&w->memory, &queue);
+    in->regions = region;
+    return good;
+}
+
+static pbw_status pbwm3__finish(pbwm3__work *w, pbw_tets *out)
+{
+    pbw_improve_options improve = w->how.improve;
     pbw_options own = w->options;
     pbw_tets in;
     size_t t, i;
     memset(&in, 0, sizeof in);
-    memset(&improve, 0, sizeof improve);
-    if (how != NULL) {
-        improve = how->improve;
+    if (!pbwm3__find_regions(w, &in)) {
+        return PBW_ERROR_MEMORY;
     }
     for (t = 0; t < w->mesh.simplex_count; t++) {
         if (PBWM3__LABEL(w)[t] && !pbwm3__append(w, &w->corners, w->mesh.simplices + 4 * t, 4 * sizeof(pbw_index))) {
@@ -1668,55 +2617,211 @@ static void pbwm3__note_places(pbw_solid_report *r, const pbwm3__topology *top, 
     }
 }
 
-static pbw_status pbwm3__measure(pbwm3__work *w, const pbw_tets *out)
+/* ---- the boundary of the result ---- */
+
+typedef struct pbwm3__skin {               /* what boundary.memory is */
+    pbwsf__memory memory;
+    pbwsf__array self, facets, corners, patches, sides, edges, holes;
+} pbwm3__skin;
+
+/* Facets of the result, out of its regions: between two, out of that with the smaller shell. */
+static int pbwm3__list_facets(pbwm3__work *w, const pbw_tets *out, pbwm3__skin *skin)
 {
-    pbw_solid_report *r = w->report;
-    pbwsf__array facets;
-    pbwm3__topology top;
-    pbw_surface boundary;
-    pbw_status status = PBW_OK;
+    const pbwm3__shell *shell = (const pbwm3__shell *)w->shells.data;
     size_t i, k;
-    memset(&facets, 0, sizeof facets);
-    memset(&top, 0, sizeof top);
-    memset(&boundary, 0, sizeof boundary);
-    for (i = 0; i < 4 * out->tet_count && status == PBW_OK; i++) {
+    for (i = 0; i < 4 * out->tet_count; i++) {
+        const pbw_index next = out->neighbors[i], in = out->regions[i / 4];
+        const pbw_index corner = (pbw_index)i, sides[2] = { in, next == PBW_NONE ? PBW_NONE : out->regions[next] };
         pbw_index f[3];
+        if (in == sides[1] || (next != PBW_NONE && (fabs(shell[in].volume) > fabs(shell[sides[1]].volume)
+            || (!(fabs(shell[in].volume) < fabs(shell[sides[1]].volume)) && in > sides[1])))) {
+            continue;
+        }
         for (k = 0; k < 3; k++) {
             f[k] = out->corners[i / 4 * 4 + (size_t)pbwim__opposite[i % 4][2 - k]];
         }
-        if (out->neighbors[i] == PBW_NONE && !pbwm3__append(w, &facets, f, sizeof f)) {
-            status = PBW_ERROR_MEMORY;
+        if (!pbwm3__append(w, &skin->facets, f, sizeof f) || !pbwm3__append(w, &skin->sides, sides, sizeof sides)
+            || !pbwm3__append(w, &skin->corners, &corner, sizeof corner)) {
+            return 0;
         }
     }
-    r->facets = facets.count;
-    if (status == PBW_OK && !pbwm3__examine(&w->memory, (const pbw_index *)facets.data, facets.count,
-                                            out->point_count, &top)) {
-        status = PBW_ERROR_MEMORY;
+    return 1;
+}
+
+/* The patch of a facet: of the triangle nearest to its middle. */
+static pbw_index pbwm3__facet_patch(const pbwm3__work *w, const double *points, const pbw_index *f)
+{
+    double middle[3], place[3];
+    pbw_index t;
+    int k;
+    for (k = 0; k < 3; k++) {
+        middle[k] = (points[3 * (size_t)f[0] + (size_t)k] + points[3 * (size_t)f[1] + (size_t)k]
+                     + points[3 * (size_t)f[2] + (size_t)k]) / 3;
     }
-    if (status == PBW_OK) {
-        status = pbw_surface_create(out->points, out->point_count, (const pbw_index *)facets.data, facets.count,
-                                    &w->options, &boundary);
+    t = pbw_surface_closest(&w->surface, middle, w->open ? w->size / 2 : HUGE_VAL, place);
+    return t == PBW_NONE || (w->input->value == NULL && t >= w->given) ? PBW_NONE
+         : w->input->value == NULL && w->input->patches != NULL ? pbwm3__patch_of(w, t)
+         : ((const pbw_index *)w->part.data)[t];
+}
+
+/* Whether two points of the result are the ends of a piece of a sharp edge; the pieces are sorted. */
+static int pbwm3__is_piece(const pbwm3__work *w, const pbw_tets *out, const pbw_index *pair)
+{
+    pbwm3__piece key;
+    key.a = out->original[pair[0]];
+    key.b = out->original[pair[1]];
+    return key.a != PBW_NONE && key.b != PBW_NONE && w->pieces.count > 0
+        && bsearch(&key, w->pieces.data, w->pieces.count, sizeof key, pbwm3__compare_pieces) != NULL;
+}
+
+static int pbwm3__list_edges(pbwm3__work *w, const pbw_tets *out, pbwm3__skin *skin)
+{
+    pbwsf__array blocks[3];
+    const size_t count = 3 * skin->facets.count;
+    const pbw_index *patch = (const pbw_index *)skin->patches.data;
+    const pbwim__facet *edge = pbwm3__edges(&w->memory, (const pbw_index *)skin->facets.data, skin->facets.count,
+                                            out->point_count, blocks);
+    size_t i, k;
+    int good = edge != NULL;
+    if (w->pieces.count > 0) {
+        qsort(w->pieces.data, w->pieces.count, sizeof(pbwm3__piece), pbwm3__compare_pieces);
+    }
+    for (i = 0; good && i < count; i = k) {
+        int feature = pbwm3__is_piece(w, out, edge[i].v);
+        for (k = i + 1; k < count && memcmp(edge[i].v, edge[k].v, 2 * sizeof(pbw_index)) == 0; k++) {
+            feature |= patch[edge[k].t] != patch[edge[i].t];
+        }
+        good = !feature || pbwm3__append(w, &skin->edges, edge[i].v, 2 * sizeof(pbw_index));
+    }
+    pbwm3__free_blocks(&w->memory, blocks);
+    return good;
+}
+
+static int pbwm3__fill_skin(pbwm3__work *w, const pbw_tets *out, pbwm3__skin *skin)
+{
+    size_t i;
+    for (i = 0; i < skin->facets.count; i++) {
+        const pbw_index patch = pbwm3__facet_patch(w, out->points, (const pbw_index *)skin->facets.data + 3 * i);
+        if (!pbwm3__append(w, &skin->patches, &patch, sizeof patch)) {
+            return 0;
+        }
+    }
+    for (i = 0; i < w->holes.count; i++) {
+        if (!pbwm3__append(w, &skin->holes, (const pbw_solid_hole *)w->holes.data + i, sizeof(pbw_solid_hole))) {
+            return 0;
+        }
+    }
+    return pbwm3__list_edges(w, out, skin);
+}
+
+static void pbwm3__release_skin(pbwsf__memory *memory, pbwm3__skin *skin)
+{
+    pbwsf__release(memory, &skin->facets);
+    pbwsf__release(memory, &skin->corners);
+    pbwsf__release(memory, &skin->patches);
+    pbwsf__release(memory, &skin->sides);
+    pbwsf__release(memory, &skin->edges);
+    pbwsf__release(memory, &skin->holes);
+}
+
+PBWMESH3DEF void pbw_solid_boundary_free(pbw_solid_boundary *boundary)
+{
+    if (boundary != NULL && boundary->memory != NULL) {
+        pbwm3__skin *skin = (pbwm3__skin *)boundary->memory;
+        pbwsf__memory memory = skin->memory;
+        pbwsf__array self = skin->self;
+        pbwm3__release_skin(&memory, skin);
+        pbwsf__release(&memory, &self);
+    }
+    if (boundary != NULL) {
+        memset(boundary, 0, sizeof *boundary);
+    }
+}
+
+/* Gives the arrays to the caller. */
+static pbw_status pbwm3__give_skin(pbwm3__work *w, pbwm3__skin *skin, pbw_solid_boundary *boundary)
+{
+    pbwm3__skin *own;
+    if (!pbwsf__resize(&w->memory, &skin->self, sizeof *skin)) {
+        return PBW_ERROR_MEMORY;
+    }
+    own = (pbwm3__skin *)skin->self.data;
+    skin->memory = w->memory;
+    *own = *skin;
+    boundary->memory = own;
+    boundary->facet_count = skin->facets.count;
+    boundary->edge_count = skin->edges.count;
+    boundary->hole_count = skin->holes.count;
+    boundary->facets = (const pbw_index *)skin->facets.data;
+    boundary->corners = (const pbw_index *)skin->corners.data;
+    boundary->patches = (const pbw_index *)skin->patches.data;
+    boundary->sides = (const pbw_index *)skin->sides.data;
+    boundary->edges = (const pbw_index *)skin->edges.data;
+    boundary->holes = (const pbw_solid_hole *)skin->holes.data;
+    memset(skin, 0, sizeof *skin);
+    return PBW_OK;
+}
+
+/* How many regions the result has: numbers of shells that occur. */
+static void pbwm3__count_regions(pbwm3__work *w, const pbw_tets *out)
+{
+    pbwm3__shell *shell = (pbwm3__shell *)w->shells.data;
+    size_t i;
+    for (i = 0; i < out->tet_count; i++) {
+        w->report->regions += shell[out->regions[i]].odd == 0;
+        shell[out->regions[i]].odd = 1;
+    }
+}
+
+/* Fills the report of the boundary's facets. */
+static pbw_status pbwm3__report_on(pbwm3__work *w, const pbw_tets *out, const pbwsf__array *facets)
+{
+    pbw_solid_report *r = w->report;
+    const pbw_index *facet = (const pbw_index *)facets->data;
+    pbwm3__topology top;
+    pbw_surface boundary;
+    pbw_status status = PBW_ERROR_MEMORY;
+    memset(&top, 0, sizeof top);
+    memset(&boundary, 0, sizeof boundary);
+    r->facets = facets->count;
+    if (pbwm3__examine(&w->memory, facet, facets->count, out->point_count, &top)) {
+        status = pbw_surface_create(out->points, out->point_count, facet, facets->count, &w->options, &boundary);
     }
     if (status == PBW_OK) {
         r->bad_edges = top.bad_edges;
         r->bad_points = top.bad_points;
         r->euler = top.euler;
         pbwm3__note_places(r, &top, out);
-        r->distance = pbwm3__farthest(out->points, (const pbw_index *)facets.data, facets.count, &w->surface, 0);
+        r->distance = pbwm3__farthest(out->points, facet, facets->count, &w->surface, 0);
         r->distance = pbwm3__farthest(w->surface.points, w->surface.triangles, w->surface.triangle_count, &boundary,
                                       r->distance) / w->size;
     }
     pbw_surface_free(&boundary);
-    pbwsf__release(&w->memory, &facets);
     pbwsf__release(&w->memory, &top.edges);
     pbwsf__release(&w->memory, &top.flags);
+    return status;
+}
+
+static pbw_status pbwm3__measure(pbwm3__work *w, const pbw_tets *out, pbw_solid_boundary *boundary)
+{
+    pbwm3__skin skin;
+    pbw_status status = PBW_ERROR_MEMORY;
+    memset(&skin, 0, sizeof skin);
+    pbwm3__count_regions(w, out);
+    if (pbwm3__list_facets(w, out, &skin)) {
+        status = pbwm3__report_on(w, out, &skin.facets);
+    }
+    if (status == PBW_OK && boundary != NULL) {
+        status = pbwm3__fill_skin(w, out, &skin) ? pbwm3__give_skin(w, &skin, boundary) : PBW_ERROR_MEMORY;
+    }
+    pbwm3__release_skin(&w->memory, &skin);
     return status;
 }
 
 /* ------------------------------------------------------------------------------------------------------
    The stages in order.
    ------------------------------------------------------------------------------------------------------ */
-static pbw_status pbwm3__take_input(pbwm3__work *w, const pbw_solid_options *how)
+static pbw_status pbwm3__take_input(pbwm3__work *w)
 {
     const pbw_solid_input *in = w->input;
     pbw_status status;
@@ -1741,7 +2846,8 @@ static pbw_status pbwm3__take_input(pbwm3__work *w, const pbw_solid_options *how
     if (in->value == NULL && in->triangle_count == 0) {
         return PBW_DEGENERATE;
     }
-    w->size = how != NULL && how->size > 0 ? how->size : pbwsf__distance(w->low, w->high) / 40;
+    w->size = w->how.size > 0 ? w->how.size : pbwsf__distance(w->low, w->high) / 40;
+    w->floor = fmin(w->size, w->how.least_size > 0 ? w->how.least_size : w->size / (w->how.size_at != NULL ? 16 : 6));
     if (!(w->size > 0 && w->size < HUGE_VAL)) {
         return in->value != NULL ? PBW_ERROR_ARGUMENT : PBW_DEGENERATE;
     }
@@ -1755,114 +2861,28 @@ static pbw_status pbwm3__take_input(pbwm3__work *w, const pbw_solid_options *how
     if (w->triangles.count == 0) {
         return PBW_DEGENERATE;
     }
-    return pbw_surface_create((const double *)w->vertices.data, w->vertices.count,
-                              (const pbw_index *)w->triangles.data, w->triangles.count, &w->options, &w->surface);
-}
-
-/* ------------------------------------------------------------------------------------------------------
-   Local sizes: where two sheets of the surface are near each other, three quarters of their distance, at least 1/6 of
-   the size; from there they grow by 0.35 for each unit of length.
-   ------------------------------------------------------------------------------------------------------ */
-
-/* Lowers the field at p, a point of the triangle, to what rays along both normals meet first, if that faces it. */
-static void pbwm3__measure_gap(pbwm3__work *w, pbw_index triangle, const double p[3])
-{
-    double *field = (double *)w->field.data + pbwm3__field_cell(w, p), n[3], m[3], a[3], b[3], where, length;
-    int side, k;
-    pbwsf__normal(pbwsf__corner(&w->surface, triangle, 0), pbwsf__corner(&w->surface, triangle, 1),
-                  pbwsf__corner(&w->surface, triangle, 2), n);
-    length = sqrt(pbwsf__dot(n, n));
-    for (side = -1; side <= 1 && length > 0; side += 2) {
-        pbw_index met;
-        for (k = 0; k < 3; k++) {
-            a[k] = p[k] + side * 1e-3 * w->size * n[k] / length;
-            b[k] = p[k] + side * 1.4 * w->size * n[k] / length;
-        }
-        met = pbw_surface_meets(&w->surface, a, b, &where);
-        if (met != PBW_NONE) {
-            pbwsf__normal(pbwsf__corner(&w->surface, met, 0), pbwsf__corner(&w->surface, met, 1),
-                          pbwsf__corner(&w->surface, met, 2), m);
-            if (fabs(pbwsf__dot(m, n)) > 0.7 * length * sqrt(pbwsf__dot(m, m))) {
-                *field = fmax(w->size / 6, fmin(*field, 0.75 * (where * 1.399 + 1e-3) * w->size));
-            }
-        }
-    }
-}
-
-/* Four sweeps there and back: a cell is at most 0.35 cells above its neighbours. */
-static void pbwm3__grade(pbwm3__work *w)
-{
-    double *field = (double *)w->field.data;
-    const size_t total = w->n[0] * w->n[1] * w->n[2];
-    size_t i, j;
-    int sweep, k;
-    for (sweep = 0; sweep < 8; sweep++) {
-        for (j = 0; j < total; j++) {
-            i = sweep % 2 == 0 ? j : total - 1 - j;
-            for (k = 0; k < 27; k++) {
-                const size_t x = i % w->n[0] + (size_t)(k % 3), y = i / w->n[0] % w->n[1] + (size_t)(k / 3 % 3);
-                const size_t z = i / w->n[0] / w->n[1] + (size_t)(k / 9);
-                if (x > 0 && x <= w->n[0] && y > 0 && y <= w->n[1] && z > 0 && z <= w->n[2]) {
-                    const double other = field[x - 1 + w->n[0] * (y - 1 + w->n[1] * (z - 1))] + 0.35 * w->size;
-                    field[i] = fmin(field[i], other);
-                }
-            }
-        }
-    }
-}
-
-/* Rays from 4 points for each square of the size, and from one of each triangle at least. */
-static pbw_status pbwm3__make_field(pbwm3__work *w)
-{
-    size_t i, total = 1;
-    uint64_t number = 1ull << 40;
-    int k;
-    w->least = w->size;
-    for (k = 0; k < 3; k++) {
-        w->n[k] = (size_t)ceil((w->high[k] - w->low[k]) / w->size) + 1;
-        total *= w->n[k];
-    }
-    if (total > 50000000) {
-        return PBW_OK;                               /* too fine a grid: one size */
-    }
-    if (!pbwsf__resize(&w->memory, &w->field, total * sizeof(double))) {
+    if (!pbwm3__find_shells(w)) {
         return PBW_ERROR_MEMORY;
     }
-    for (i = 0; i < total; i++) {
-        ((double *)w->field.data)[i] = w->size;
+    status = pbw_surface_create((const double *)w->vertices.data, w->vertices.count,
+                                (const pbw_index *)w->triangles.data, w->triangles.count, &w->options, &w->surface);
+    if (status == PBW_OK) {
+        pbwm3__nest_shells(w);
     }
-    for (i = 0; i < w->surface.triangle_count; i++) {
-        double n[3], wish;
-        pbwsf__normal(pbwsf__corner(&w->surface, (pbw_index)i, 0), pbwsf__corner(&w->surface, (pbw_index)i, 1),
-                      pbwsf__corner(&w->surface, (pbw_index)i, 2), n);
-        wish = 2 * sqrt(pbwsf__dot(n, n)) / (w->size * w->size) + pbwm3__random(number++);
-        for (; wish >= 1; wish--) {
-            const double u = pbwm3__random(number), v = pbwm3__random(number + 1);
-            double p[3], q[3];
-            pbwsf__between(pbwsf__corner(&w->surface, (pbw_index)i, 0), pbwsf__corner(&w->surface, (pbw_index)i, 1),
-                           u, q);
-            pbwsf__between(pbwsf__corner(&w->surface, (pbw_index)i, 2), q, sqrt(v), p);
-            number += 2;
-            pbwm3__measure_gap(w, (pbw_index)i, p);
-        }
-    }
-    pbwm3__grade(w);
-    for (i = 0; i < total; i++) {
-        w->least = fmin(w->least, ((const double *)w->field.data)[i]);
-    }
-    return PBW_OK;
+    return status;
 }
 
 static pbw_status pbwm3__sample(pbwm3__work *w)
 {
     pbw_status status;
-    double sum = 0;
-    size_t t;
-    status = pbwm3__make_field(w);
+    w->report->size = w->size;
+    w->report->least_angle = 180;
+    status = pbwm3__find_chains(w);
+    status = status != PBW_OK ? status : pbwm3__make_field(w);
     if (status != PBW_OK) {
         return status;
     }
-    w->step = w->least < 0.7 * w->size ? w->size / 2 : w->size;
+    w->step = w->least < 0.16 * w->size ? sqrt(w->least * w->size) : w->least < 0.7 * w->size ? w->size / 2 : w->size;
     w->cells = 1 << 12;
     while ((double)w->cells < 2e6 && (double)w->cells * w->step * w->step * w->step
            < 2 * (w->high[0] - w->low[0]) * (w->high[1] - w->low[1]) * (w->high[2] - w->low[2])) {
@@ -1872,14 +2892,6 @@ static pbw_status pbwm3__sample(pbwm3__work *w)
         return PBW_ERROR_MEMORY;
     }
     memset(w->heads.data, 0xff, w->heads.bytes);
-    for (t = 0; t < w->surface.triangle_count; t++) {
-        double n[3];
-        pbwsf__cross(pbwsf__corner(&w->surface, (pbw_index)t, 1), pbwsf__corner(&w->surface, (pbw_index)t, 2), n);
-        sum += pbwsf__dot(pbwsf__corner(&w->surface, (pbw_index)t, 0), n) / 6;
-    }
-    w->report->input_volume = fabs(sum);
-    w->report->size = w->size;
-    w->report->least_angle = 180;
     status = pbwm3__sample_sharp(w);
     status = status != PBW_OK ? status : pbwm3__sample_smooth(w);
     return status != PBW_OK ? status : pbwm3__sample_inside(w);
@@ -1887,10 +2899,10 @@ static pbw_status pbwm3__sample(pbwm3__work *w)
 
 static void pbwm3__free(pbwm3__work *w)
 {
-    pbwsf__array *const arrays[] = { &w->field, &w->vertices, &w->triangles, &w->x, &w->kind, &w->patch, &w->sets,
-                                     &w->members, &w->set, &w->heads, &w->links,
-                                     &w->pieces, &w->chains, &w->path, &w->centre, &w->label, &w->extra,
-                                     &w->corners, &w->marks };
+    pbwsf__array *const arrays[] = { &w->field, &w->vertices, &w->triangles, &w->origin, &w->shell, &w->shells,
+                                     &w->holes, &w->x, &w->kind, &w->part, &w->patch, &w->sets, &w->members, &w->set,
+                                     &w->heads, &w->links, &w->pieces, &w->chains, &w->path, &w->centre, &w->label,
+                                     &w->extra, &w->corners, &w->marks, &w->regions };
     size_t i;
     pbw_free(&w->mesh);
     pbw_surface_free(&w->surface);
@@ -1906,18 +2918,33 @@ static double pbwm3__lap(double *since)
     return lap;
 }
 
-static pbw_status pbwm3__run(pbwm3__work *w, const pbw_solid_options *how, pbw_tets *mesh)
+typedef struct pbwm3__result {             /* of an attempt */
+    pbw_tets mesh;
+    pbw_solid_boundary boundary;
+    pbw_solid_report report;
+    int with_boundary;
+} pbwm3__result;
+
+static void pbwm3__drop(pbwm3__result *r)
+{
+    if (r->mesh.memory != NULL) {
+        pbw_tets_free(&r->mesh);
+    }
+    pbw_solid_boundary_free(&r->boundary);
+}
+
+static pbw_status pbwm3__run(pbwm3__work *w, pbwm3__result *r)
 {
     double since = (double)clock() / CLOCKS_PER_SEC;
-    pbw_status status = pbwm3__stops(w, 0) ? PBW_CANCELLED : pbwm3__take_input(w, how);
+    pbw_status status = pbwm3__stops(w, 0) ? PBW_CANCELLED : pbwm3__take_input(w);
     status = status != PBW_OK ? status : pbwm3__sample(w);
     w->report->seconds[0] = pbwm3__lap(&since);
-    status = status != PBW_OK ? status : pbwm3__rounds(w, how);
+    status = status != PBW_OK ? status : pbwm3__rounds(w);
     w->report->seconds[1] = pbwm3__lap(&since);
-    status = status != PBW_OK ? status : pbwm3__finish(w, how, mesh);
+    status = status != PBW_OK ? status : pbwm3__finish(w, &r->mesh);
     w->report->seconds[2] = pbwm3__lap(&since);
     if (status == PBW_OK) {
-        status = pbwm3__measure(w, mesh);
+        status = pbwm3__measure(w, &r->mesh, r->with_boundary ? &r->boundary : NULL);
         w->report->seconds[3] = pbwm3__lap(&since);
     }
     return status;
@@ -1925,14 +2952,12 @@ static pbw_status pbwm3__run(pbwm3__work *w, const pbw_solid_options *how, pbw_t
 
 /* Meshes, with patches between sharp edges, or with the surface as one patch. */
 static pbw_status pbwm3__attempt(const pbw_solid_input *input, const pbw_solid_options *how,
-                                 const pbw_options *options, int whole, pbw_tets *mesh, pbw_solid_report *report)
+                                 const pbw_options *options, int whole, pbwm3__result *r)
 {
     pbwm3__work w;
     pbw_status status;
     memset(&w, 0, sizeof w);
-    memset(mesh, 0, sizeof *mesh);
-    memset(report, 0, sizeof *report);
-    w.report = report;
+    w.report = &r->report;
     w.memory = pbwsf__memory_of(options);
     if (options != NULL) {
         w.options = *options;
@@ -1941,68 +2966,85 @@ static pbw_status pbwm3__attempt(const pbw_solid_input *input, const pbw_solid_o
         w.options.stride = w.options.weight_stride = 0;
         w.options.trace = NULL;
     }
+    if (how != NULL) {
+        w.how = *how;
+    }
     w.input = input;
     w.caller = options;
     w.whole = whole;
+    w.nested = w.how.nested != 0;
     w.begin = whole ? 0.7 : 0;
     w.end = whole ? 1 : 0.7;
     w.to = 0.1;
-    w.distance = how != NULL && how->distance > 0 ? how->distance : 0.1;
-    w.cosine = cos((how != NULL && how->feature_angle > 0 ? how->feature_angle : 40) / 57.295779513082321);
-    status = pbwm3__run(&w, how, mesh);
-    if (status != PBW_OK && mesh->memory != NULL) {
-        pbw_tets_free(mesh);
+    w.distance = w.how.distance > 0 ? w.how.distance : 0.1;
+    w.cosine = cos((w.how.feature_angle > 0 ? w.how.feature_angle : 40) / 57.295779513082321);
+    status = pbwm3__run(&w, r);
+    if (status != PBW_OK) {
+        pbwm3__drop(r);
     }
     pbwm3__free(&w);
     return status;
 }
 
+static size_t pbwm3__faults(const pbw_solid_report *r)
+{
+    return r->bad_edges + r->bad_points;
+}
+
 /* The second attempt, after one with faults.  Takes the place of the first if it has fewer; if it fails, the first
    stays, unless it was cancelled. */
 static pbw_status pbwm3__again(const pbw_solid_input *input, const pbw_solid_options *how, const pbw_options *options,
-                               pbw_tets *mesh, pbw_solid_report *report)
+                               pbwm3__result *first)
 {
-    const size_t bad = report->bad_edges + report->bad_points;
-    pbw_solid_report second;
-    pbw_tets other;
+    pbw_solid_report *r = &first->report;
+    pbwm3__result second;
     pbw_status status;
     int k, better;
-    if (bad + report->missing_edges == 0 || report->open_edges > 0 || report->sharp_edges == 0) {
+    if (pbwm3__faults(r) + r->missing_edges == 0 || r->open_edges > 0 || r->sharp_edges == 0) {
         return PBW_OK;
     }
-    status = pbwm3__attempt(input, how, options, 1, &other, &second);
+    memset(&second, 0, sizeof second);
+    second.with_boundary = first->with_boundary;
+    status = pbwm3__attempt(input, how, options, 1, &second);
     better = status == PBW_OK
-          && (second.bad_edges + second.bad_points < bad
-              || (second.bad_edges + second.bad_points == bad && second.missing_edges < report->missing_edges));
+          && (pbwm3__faults(&second.report) < pbwm3__faults(r)
+              || (pbwm3__faults(&second.report) == pbwm3__faults(r)
+                  && second.report.missing_edges < r->missing_edges));
     for (k = 0; k < 4; k++) {
-        second.seconds[k] += report->seconds[k];
-        report->seconds[k] = second.seconds[k];
+        second.report.seconds[k] += r->seconds[k];
+        r->seconds[k] = second.report.seconds[k];
     }
-    pbw_tets_free(better || status == PBW_CANCELLED ? mesh : &other);
+    pbwm3__drop(better || status == PBW_CANCELLED ? first : &second);
     if (better) {
-        *mesh = other;
-        *report = second;
+        *first = second;
     }
     return status == PBW_CANCELLED ? status : PBW_OK;
 }
 
 PBWMESH3DEF pbw_status pbw_solid(const pbw_solid_input *input, const pbw_solid_options *how,
-                                 const pbw_options *options, pbw_tets *mesh, pbw_solid_report *report)
+                                 const pbw_options *options, pbw_tets *mesh, pbw_solid_boundary *boundary,
+                                 pbw_solid_report *report)
 {
-    pbw_solid_report own;
-    pbw_status status;
-    report = report != NULL ? report : &own;
-    memset(report, 0, sizeof *report);
-    if (mesh == NULL) {
-        return PBW_ERROR_ARGUMENT;
+    pbwm3__result r;
+    pbw_status status = PBW_ERROR_ARGUMENT;
+    memset(&r, 0, sizeof r);
+    r.with_boundary = boundary != NULL;
+    if (mesh != NULL && input != NULL
+        && (input->value != NULL || (input->points != NULL && input->triangles != NULL))
+        && (how == NULL || (how->size >= 0 && how->distance >= 0 && how->least_size >= 0 && how->curvature >= 0))) {
+        status = pbwm3__attempt(input, how, options, 0, &r);
+        status = status != PBW_OK ? status : pbwm3__again(input, how, options, &r);
     }
-    memset(mesh, 0, sizeof *mesh);
-    if (input == NULL || (input->value == NULL && (input->points == NULL || input->triangles == NULL))
-        || (how != NULL && (how->size < 0 || how->distance < 0))) {
-        return PBW_ERROR_ARGUMENT;
+    if (mesh != NULL) {
+        *mesh = r.mesh;
     }
-    status = pbwm3__attempt(input, how, options, 0, mesh, report);
-    return status != PBW_OK ? status : pbwm3__again(input, how, options, mesh, report);
+    if (boundary != NULL) {
+        *boundary = r.boundary;
+    }
+    if (report != NULL) {
+        *report = r.report;
+    }
+    return status;
 }
 
 #endif /* PBW_MESH3_IMPLEMENTATION */

@@ -22,17 +22,17 @@
      exact       the simplices, links and hash of one machine, for any number of ranks
      together    every step ends with an agreement: a status but PBW_OK is that of all ranks, with one text
                  that names the rank and what it lacked
-     restart     see there
+     restart     the next run takes up tiles that were finished: see RESTART
      bounded     options.build.memory_limit limits each rank's tile; 100 bytes a point for their way come before
      sound       memory by options.build.resize; none is kept after a failure
 
    RESTART
    A rank that dies ends all, as MPI without extensions has it: tiles that are not finished need its answers.  With an
-   output, each rank keeps its tile in files beside it (output.N, output.N.state) once that is finished.  The same
-   call, of as many ranks on the same points, takes up those tiles and makes the others: after a rank that died while
-   others had finished, leftovers that did not fit, a disk that was full.  Points are read and partitioned anew.
-   Files that are damaged, or of other points, are not taken up.  A run that succeeds removes all of them.  output
-   itself appears when it is complete.
+   output, each rank keeps its tile in files beside it (output.N, output.N.state) once that is finished.  A call with
+   the same points and number of ranks takes up those tiles and makes the others: after a rank that died while others
+   had finished, leftovers that did not fit, a disk that was full.  Points are read and partitioned anew.  Files that
+   are damaged, or of other points, are not taken up.  A run that succeeds removes those of its ranks.  output itself
+   appears when it is complete.
 
    CONFIGURATION MACROS
      PBW_MPI_IMPLEMENTATION      in one source file: compile the implementation there

@@ -59,6 +59,9 @@ PBWSURFACEDEF pbw_index pbw_surface_meets(const pbw_surface *surface, const doub
                                           double *where);
 /* Returns 1 if a ray from p crosses the surface an odd number of times, else 0.  Of points on the surface either. */
 PBWSURFACEDEF int pbw_surface_inside(const pbw_surface *surface, const double p[3]);
+/* Returns how many more triangles a ray from p crosses out of their fronts than out of their backs: of closed shells
+   turned outward, the number of those around p, by exact signs. */
+PBWSURFACEDEF long pbw_surface_turns(const pbw_surface *surface, const double p[3]);
 /* Returns how often the surface winds around p: of a closed one, outward, 1 inside and 0 outside; of an open one a
    fraction, smooth across its holes, so that above 1/2 is a fair inside.  Triangles must be turned alike.  Far parts
    count as dipoles: the error is some 0.01. */
@@ -568,23 +571,25 @@ static int pbwsf__side(const double *a, const double *b, const double *p)
     return sign != 0 ? sign : b[1] > a[1] ? -1 : b[1] < a[1] ? 1 : (b[0] > a[0]) - (b[0] < a[0]);
 }
 
-/* Whether the ray from p along +z crosses the triangle. */
+/* 1 if the ray from p along +z crosses the triangle out of its front, -1 if out of its back, 0 if it misses. */
 static int pbwsf__is_below(const pbw_surface *s, pbw_index triangle, const double *p)
 {
     const double *a = pbwsf__corner(s, triangle, 0), *b = pbwsf__corner(s, triangle, 1);
     const double *c = pbwsf__corner(s, triangle, 2);
     const int first = pbwsf__side(a, b, p);
     return first != 0 && first == pbwsf__side(b, c, p) && first == pbwsf__side(c, a, p)
-        && pbw_orient3(a, b, c, p) == -first;
+        && pbw_orient3(a, b, c, p) == -first ? first : 0;
 }
 
-PBWSURFACEDEF int pbw_surface_inside(const pbw_surface *surface, const double p[3])
+/* Calls met for each triangle that the ray from p along +z crosses, with what pbwsf__is_below says of it. */
+static void pbwsf__ray(const pbw_surface *surface, const double p[3],
+                       void (*met)(void *user, pbw_index triangle, int front), void *user)
 {
     const pbwsf__tree *tree = (const pbwsf__tree *)surface->memory;
     const pbwsf__box *box = PBWSF__BOXES(tree);
     const pbw_index *order = (const pbw_index *)tree->order.data;
     size_t stack[PBWSF__DEPTH], k;
-    int depth = 1, odd = 0;
+    int depth = 1;
     stack[0] = 0;
     while (depth > 0) {
         const size_t i = stack[--depth];
@@ -599,10 +604,30 @@ PBWSURFACEDEF int pbw_surface_inside(const pbw_surface *surface, const double p[
         }
         for (k = (i - tree->first_leaf) * PBWSF__LEAF;
              k < surface->triangle_count && k < (i - tree->first_leaf + 1) * PBWSF__LEAF; k++) {
-            odd ^= pbwsf__is_below(surface, order[k], p);
+            const int front = pbwsf__is_below(surface, order[k], p);
+            if (front != 0) {
+                met(user, order[k], front);
+            }
         }
     }
-    return odd;
+}
+
+static void pbwsf__count_fronts(void *user, pbw_index triangle, int front)
+{
+    (void)triangle;
+    *(long *)user += front;
+}
+
+PBWSURFACEDEF long pbw_surface_turns(const pbw_surface *surface, const double p[3])
+{
+    long turns = 0;
+    pbwsf__ray(surface, p, pbwsf__count_fronts, &turns);
+    return turns;
+}
+
+PBWSURFACEDEF int pbw_surface_inside(const pbw_surface *surface, const double p[3])
+{
+    return (int)(pbw_surface_turns(surface, p) & 1);
 }
 
 /* The solid angle of a triangle by 4 pi (van Oosterom and Strackee 1983, "The solid angle of a plane triangle"). */

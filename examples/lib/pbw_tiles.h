@@ -887,6 +887,33 @@ static void pbwt__ball_of(pbwt__ball *ball, const pbwt__question *q)
     }
 }
 
+/* A box around the ball, for points of weights up to `most`, whatever was rounded.  Returns 0 if the ball is not
+   known well enough. */
+static int pbwt__around(const pbwt__ball *ball, double most, pbwt_box *box)
+{
+    const double d = ball->d - ball->d_error;
+    double centre[3], radius = most - ball->weight, size = 0;
+    int k;
+    if (!ball->tame || !(d > 0.999999 * (ball->d + ball->d_error))) {
+        return 0;
+    }
+    for (k = 0; k < 3; k++) {
+        const double error = ball->n_error[k] / (2 * d) + 1e-6 * fabs(ball->n[k] / (2 * d));
+        centre[k] = ball->n[k] / (2 * d);
+        size = fmax(size, error);
+        radius += (fabs(centre[k]) + error) * (fabs(centre[k]) + error);
+    }
+    radius = (radius > 0 ? sqrt(radius) * (1 + 1e-9) : 0) + size;
+    for (k = 0; k < 3; k++) {
+        const double x = ball->a[k] + centre[k];
+        const double rounding = 1e-15 * (fabs(ball->a[k]) + fabs(centre[k]) + radius);
+        box->low[k] = x - radius - rounding;
+        box->high[k] = x + radius + rounding;
+    }
+    box->weight = most;
+    return 1;
+}
+
 /* A bound from below of d t^2 - n t over [low, high]. */
 static double pbwt__parabola(double d, double n, double low, double high)
 {
@@ -967,33 +994,29 @@ static int pbwt__corners_clear(const pbwt__question *q, const pbwt_box *box)
 /* ------------------------------------------------------------------------------------------------------
    Walks over a hierarchy: the lowest boxes that meet a box or a ball.
    ------------------------------------------------------------------------------------------------------ */
-typedef struct pbwt__shape { const pbwt_box *box; const pbwt__ball *ball; } pbwt__shape;     /* one of them */
+typedef struct pbwt__shape { const pbwt_box *box; const pbwt__ball *ball; } pbwt__shape;     /* NULL, or inside */
+
+static int pbwt__is_apart(const pbwt__shape *shape, const double *low, const double *high)
+{
+    const pbwt_box *box = shape->box;
+    return box != NULL && (box->low[0] > high[0] || box->high[0] < low[0] || box->low[1] > high[1]
+                           || box->high[1] < low[1] || box->low[2] > high[2] || box->high[2] < low[2]);
+}
 
 static int pbwt__meets(const pbwt__shape *shape, const pbwt_box *box)
 {
-    int k;
-    if (box->low[0] > box->high[0]) {
-        return 0;                                    /* empty */
+    if (box->low[0] > box->high[0] || pbwt__is_apart(shape, box->low, box->high)) {
+        return 0;                                    /* or empty */
     }
-    for (k = 0; shape->box != NULL && k < 3; k++) {
-        if (shape->box->low[k] > box->high[k] || shape->box->high[k] < box->low[k]) {
-            return 0;
-        }
-    }
-    return shape->box != NULL || !(pbwt__is_clear(shape->ball, box->low, box->high, box->weight)
-                                   || (shape->ball->q->facet != 0 && pbwt__corners_clear(shape->ball->q, box)));
+    return shape->ball == NULL || !(pbwt__is_clear(shape->ball, box->low, box->high, box->weight)
+                                    || (shape->ball->q->facet != 0 && pbwt__corners_clear(shape->ball->q, box)));
 }
 
 static int pbwt__has(const pbwt__shape *shape, const pbwt_point *p)
 {
-    int k, inside = 1;
-    if (shape->ball != NULL) {
-        return !pbwt__is_clear(shape->ball, p->x, p->x, p->weight) && pbwt__conflicts(shape->ball->q, p);
-    }
-    for (k = 0; k < 3; k++) {
-        inside &= p->x[k] >= shape->box->low[k] && p->x[k] <= shape->box->high[k];
-    }
-    return inside;
+    return !pbwt__is_apart(shape, p->x, p->x)
+        && (shape->ball == NULL || (!pbwt__is_clear(shape->ball, p->x, p->x, p->weight)
+                                    && pbwt__conflicts(shape->ball->q, p)));
 }
 
 typedef struct pbwt__node { int level; size_t at; } pbwt__node;
@@ -1224,8 +1247,9 @@ static int pbwt__answer_record(pbwt__serving *s, int kind, const char *record)
             return PBWT__REFUSED;
         }
         pbwt__ball_of(&ball, &question);
-        shape.box = NULL;
         shape.ball = &ball;
+        shape.box = s->levels.levels > 0 && pbwt__around(&ball, s->levels.box[s->levels.levels - 1]->weight, &box)
+                  ? &box : NULL;
     }
     return pbwt__answer_one(s, &shape);
 }
@@ -1777,31 +1801,18 @@ static void pbwt__question_of(const struct pbwt__tile *t, uint32_t simplex, int 
     q->weighted = (uint32_t)t->options.weighted;
 }
 
-/* Is the ball inside the grown box of a leaf with an own corner, around which all points are known? */
-static int pbwt__is_held(const struct pbwt__tile *t, uint32_t simplex, const pbwt__ball *ball)
+/* Is the box around a ball inside the grown box of a leaf with an own corner, around which all points are known? */
+static int pbwt__is_held(const struct pbwt__tile *t, uint32_t simplex, const pbwt_box *around)
 {
     const pbw_index *corner = t->level.mesh.simplices + (size_t)simplex * (size_t)pbwt__corners(t);
-    const double d = ball->d - ball->d_error;
-    double centre[3] = { 0, 0, 0 }, radius = t->foreign_weight - ball->weight, size = 0;
     int i, k;
-    if (!ball->tame || !(d > 0.999999 * (ball->d + ball->d_error))) {
-        return 0;
-    }
-    for (k = 0; k < t->tile->dim; k++) {
-        const double error = ball->n_error[k] / (2 * d) + 1e-6 * fabs(ball->n[k] / (2 * d));
-        centre[k] = ball->n[k] / (2 * d);
-        size = fmax(size, error);
-        radius += (fabs(centre[k]) + error) * (fabs(centre[k]) + error);
-    }
-    radius = (radius > 0 ? sqrt(radius) * (1 + 1e-9) : 0) + size;
     for (i = 0; i < pbwt__corners(t); i++) {
         const uint32_t v = pbwt__local(t, corner[i]), leaf = v / PBWT_LEAF;
         int inside = v < t->own && ((double *)t->held.data)[leaf] >= 0;
         for (k = 0; k < t->tile->dim && inside; k++) {
-            const double x = ball->a[k] + centre[k], h = ((double *)t->held.data)[leaf] * (1 - 1e-9);
-            const double rounding = 1e-15 * (fabs(ball->a[k]) + fabs(centre[k]) + radius);
-            inside &= x - radius - rounding >= t->tile->tree->boxes[leaf].low[k] - h
-                   && x + radius + rounding <= t->tile->tree->boxes[leaf].high[k] + h;
+            const double h = ((double *)t->held.data)[leaf] * (1 - 1e-9);
+            inside &= around->low[k] >= t->tile->tree->boxes[leaf].low[k] - h
+                   && around->high[k] <= t->tile->tree->boxes[leaf].high[k] + h;
         }
         if (inside) {
             return 1;
@@ -1830,14 +1841,15 @@ static int pbwt__inquire(struct pbwt__tile *t, uint32_t simplex, int facet, pbwt
     pbwt__ball ball;
     pbwt__shape shape;
     pbwt__walk walk;
+    pbwt_box around;
     size_t part;
     pbwt__question_of(t, simplex, facet, &q);
     pbwt__ball_of(&ball, &q);
-    if (facet == 0 && pbwt__is_held(t, simplex, &ball)) {
+    shape.ball = &ball;
+    shape.box = pbwt__around(&ball, t->foreign_weight, &around) ? &around : NULL;
+    if (shape.box != NULL && pbwt__is_held(t, simplex, &around)) {
         return 1;
     }
-    shape.box = NULL;
-    shape.ball = &ball;
     pbwt__walk_start(&walk, &t->levels, &shape);
     while ((part = pbwt__next(&walk)) != (size_t)-1) {
         pbwt__doubt doubt;
@@ -1883,19 +1895,28 @@ static pbw_status pbwt__test_range(void *arg, size_t from, size_t to)
     return PBW_OK;
 }
 
-/* Does certification start at this simplex?  In later levels, at all with a corner that must be asked about. */
-static int pbwt__starts(const struct pbwt__tile *t, size_t simplex, int *has_asked)
+static int pbwt__has_asked(const struct pbwt__tile *t, size_t simplex)
 {
     const size_t corners = (size_t)pbwt__corners(t);
-    int asked = 0, border = t->level.map.data != NULL;
     size_t k;
+    int asked = 0;
     for (k = 0; k < corners; k++) {
-        const uint32_t v = pbwt__local(t, t->level.mesh.simplices[simplex * corners + k]);
-        asked |= pbwt__state(t, v) == PBWT__ASKED;
-        border |= v >= t->own || t->level.mesh.neighbors[simplex * corners + k] == PBW_NONE;
+        asked |= pbwt__state(t, pbwt__local(t, t->level.mesh.simplices[simplex * corners + k])) == PBWT__ASKED;
     }
-    *has_asked = asked;
-    return asked && border;
+    return asked;
+}
+
+/* Does certification start at this simplex?  In later levels, at all with a corner that must be asked about. */
+static int pbwt__starts(const struct pbwt__tile *t, size_t simplex)
+{
+    const size_t corners = (size_t)pbwt__corners(t);
+    size_t k;
+    int border = t->level.map.data != NULL;
+    for (k = 0; k < corners && !border; k++) {
+        border = t->level.mesh.simplices[simplex * corners + k] >= t->own
+              || t->level.mesh.neighbors[simplex * corners + k] == PBW_NONE;
+    }
+    return border && pbwt__has_asked(t, simplex);
 }
 
 /* Gives up all that certification was to look at, instead of asking. */
@@ -1913,9 +1934,8 @@ static void pbwt__give_up(struct pbwt__tile *t)
 static pbw_status pbwt__find_starts(void *arg, size_t from, size_t to)
 {
     struct pbwt__tile *t = (struct pbwt__tile *)arg;
-    int has_asked;
     for (; from < to; from++) {
-        PBWT__BYTES(t->mark)[from] = (unsigned char)pbwt__starts(t, from, &has_asked);
+        PBWT__BYTES(t->mark)[from] = (unsigned char)pbwt__starts(t, from);
     }
     return PBW_OK;
 }
@@ -1928,7 +1948,6 @@ static int pbwt__ask_range(struct pbwt__tile *t, const pbwt__array *doubts)
     size_t i, k;
     for (i = 0; i < doubts->count; i++) {
         pbwt__question q;
-        int has_asked;
         pbwt__question_of(t, doubt[i].simplex, (int)doubt[i].facet, &q);
         if (!pbwt__request(t, doubt[i].part, &q, sizeof q, doubt[i].simplex)) {
             return 0;
@@ -1942,9 +1961,8 @@ static int pbwt__ask_range(struct pbwt__tile *t, const pbwt__array *doubts)
         for (k = 0; k < corners; k++) {
             const pbw_index n = t->level.mesh.neighbors[doubt[i].simplex * corners + k];
             if (n != PBW_NONE && !PBWT__BYTES(t->mark)[n]) {
-                pbwt__starts(t, n, &has_asked);
                 PBWT__BYTES(t->mark)[n] = 1;
-                if (has_asked && !pbwt__push(&t->memory, &t->queue, &n, sizeof n)) {
+                if (pbwt__has_asked(t, n) && !pbwt__push(&t->memory, &t->queue, &n, sizeof n)) {
                     return 0;
                 }
             }
@@ -2194,6 +2212,18 @@ enum { PBWT__CHOSEN = 1, PBWT__BORDER = 2 };         /* to be emitted; with fina
 
 typedef struct pbwt__choosing { const struct pbwt__tile *t; unsigned char *chosen; } pbwt__choosing;
 
+/* Is it of the first level, with own corners only, whose stars no answer changed?  Most are. */
+static int pbwt__is_inside(const struct pbwt__tile *t, const pbw_index *corner)
+{
+    const size_t corners = (size_t)pbwt__corners(t);
+    size_t k;
+    int inside = t->level.map.data == NULL;
+    for (k = 0; k < corners && inside; k++) {
+        inside = corner[k] < t->own && PBWT__BYTES(t->state)[corner[k]] == PBWT__ASKED;
+    }
+    return inside;
+}
+
 static unsigned char pbwt__choose(const struct pbwt__tile *t, size_t s)
 {
     const size_t corners = (size_t)pbwt__corners(t);
@@ -2201,6 +2231,9 @@ static unsigned char pbwt__choose(const struct pbwt__tile *t, size_t s)
     uint64_t least = 0;
     int final = 0, others = 0, doubtful = 0, chosen = 1;
     size_t k;
+    if (pbwt__is_inside(t, t->level.mesh.simplices + s * corners)) {
+        return PBWT__CHOSEN;
+    }
     for (k = 0; k < corners; k++) {
         int state;
         local[k] = pbwt__local(t, t->level.mesh.simplices[s * corners + k]);

@@ -3,6 +3,12 @@
 
 static const option solid_options[] = {
     { "--size", "H", "length of edges; default: 1/40 of the diagonal", POSITIVE, 0, 0, NULL },
+    { "--least-size", "H", "edges are not shorter where walls are thin; default: 1/6 of the size", POSITIVE, 0, 0,
+      NULL },
+    { "--curvature", "C", "edges of at most C / curvature, the root of its squares' sum; default: any", POSITIVE,
+      0, 0, NULL },
+    { "--nested", NULL, "shells inside of others bound regions; default: every second one is a cavity", SWITCH, 0, 0,
+      NULL },
     { "--feature-angle", "DEGREES", "edges of the model that bend by more are sharp; default 40", WHOLE, 1, 180,
       NULL },
     { "--distance", "D", "facets farther than D sizes from the surface get points; default 0.1", POSITIVE, 0, 0,
@@ -15,6 +21,19 @@ static const option solid_options[] = {
     { NULL, NULL, NULL, SWITCH, 0, 0, NULL }
 };
 
+static void list_holes(const job *j, const pbw_solid_report *r)
+{
+    size_t i;
+    note(j, "%zu hole%s of the surface%s:", r->holes, plural(r->holes),
+         r->holes > PBW_SOLID_PLACES ? ", the largest of them" : "");
+    for (i = 0; i < PBW_SOLID_PLACES && i < r->holes; i++) {
+        const pbw_solid_hole *h = r->hole + i;
+        note(j, "  %zu edge%s, length %.6g, around (%.6g, %.6g, %.6g), %s", h->edges, plural(h->edges), h->length,
+             h->place[0], h->place[1], h->place[2],
+             h->closed ? "closed by triangles" : "closed by the winding number");
+    }
+}
+
 static void warn_of(const job *j, const pbw_solid_report *r)
 {
     size_t i;
@@ -23,6 +42,9 @@ static void warn_of(const job *j, const pbw_solid_report *r)
              plural(r->open_edges), r->crowded_edges,
              r->open_edges > 0 ? "what it winds around by more than half"
              : "what a ray leaves an odd number of times");
+    }
+    if (r->holes > 0) {
+        list_holes(j, r);
     }
     if (r->acute_edges > 0) {
         warn(j, "%zu sharp edge%s of the surface below 60 degrees, the least %.2f: tetrahedra there are no better",
@@ -54,8 +76,9 @@ static void report_on(const job *j, const pbw_tets *mesh, const pbw_solid_report
     say(j, "rounds", r->seconds[1], "%d, %s", r->rounds, r->settled ? "settled" : "not settled");
     say(j, "improve", r->seconds[2], "%d passes", r->improve.passes);
     say(j, "measure", r->seconds[3], "%s", "");
-    note(j, "%zu tetrahedra, %zu points, %zu facets on the boundary; %.0f tetrahedra a second", mesh->tet_count,
-         mesh->point_count, r->facets, seconds > 0 ? (double)mesh->tet_count / seconds : 0);
+    note(j, "%zu tetrahedra in %zu region%s, %zu points, %zu facets on boundaries; %.0f tetrahedra a second",
+         mesh->tet_count, r->regions, plural(r->regions), mesh->point_count, r->facets,
+         seconds > 0 ? (double)mesh->tet_count / seconds : 0);
     describe_quality(j, "before: ", &r->improve.before);
     describe_quality(j, "after:  ", &r->improve.after);
     describe_histogram(j, &r->improve.after);
@@ -66,8 +89,39 @@ static void report_on(const job *j, const pbw_tets *mesh, const pbw_solid_report
     warn_of(j, r);
 }
 
+/* Writes the tetrahedra with regions, and patches of the boundary. */
+static int write_solid(job *j, const pbw_tets *mesh, const pbw_solid_boundary *boundary)
+{
+    pbw_index *patches = (pbw_index *)calloc(4 * mesh->tet_count + 1, sizeof *patches);
+    double *regions = (double *)malloc((mesh->tet_count + 1) * sizeof *regions);
+    size_t i;
+    int failed;
+    if (patches == NULL || regions == NULL) {
+        free(patches);
+        free(regions);
+        return fail(j, "out of memory");
+    }
+    for (i = 0; i < boundary->facet_count; i++) {
+        patches[boundary->corners[i]] = boundary->patches[i];
+    }
+    for (i = 0; i < mesh->tet_count; i++) {
+        regions[i] = mesh->regions[i];
+    }
+    j->write.values = regions;
+    j->write.value_name = "region";
+    j->write.regions = mesh->regions;
+    j->write.patches = patches;
+    failed = write_mesh(j);
+    j->write.values = NULL;
+    j->write.regions = j->write.patches = NULL;
+    free(patches);
+    free(regions);
+    return failed;
+}
+
 static int run(job *j)
 {
+    pbw_solid_boundary boundary;
     pbw_solid_input input;
     pbw_solid_options how;
     pbw_solid_report report;
@@ -87,12 +141,15 @@ static int run(job *j)
     input.triangles = j->cloud.triangles;
     input.triangle_count = j->cloud.triangle_count;
     how.size = number_of(j, "--size", 0);
+    how.least_size = number_of(j, "--least-size", 0);
+    how.curvature = number_of(j, "--curvature", 0);
+    how.nested = is_given(j, "--nested");
     how.feature_angle = number_of(j, "--feature-angle", 0);
     how.distance = number_of(j, "--distance", 0);
     how.rounds = (int)number_of(j, "--rounds", 0);
     how.improve.target = number_of(j, "--target", 0);
     how.improve.seconds = number_of(j, "--seconds", 0);
-    status = pbw_solid(&input, &how, &j->build, &mesh, &report);
+    status = pbw_solid(&input, &how, &j->build, &mesh, &boundary, &report);
     if (status != PBW_OK) {
         return status == PBW_CANCELLED ? stopped(j)
              : status == PBW_DEGENERATE ? fail(j, "%s: nothing is inside of it", j->input)
@@ -101,7 +158,8 @@ static int run(job *j)
     report_on(j, &mesh, &report);
     pbwio_free(&j->cloud);                           /* pages show the solid alone */
     show_tets(j, &mesh);
-    failed = write_mesh(j);
+    failed = write_solid(j, &mesh, &boundary);
+    pbw_solid_boundary_free(&boundary);
     memset(&j->mesh, 0, sizeof j->mesh);
     pbw_tets_free(&mesh);
     return failed;
@@ -111,8 +169,10 @@ const command command_solid = {
     "solid", "fill a closed surface with tetrahedra",
     "usage: pbw solid [options] model [-o output]...\n"
     "\n"
-    "Fills a closed surface with good tetrahedra.  Sharp edges are kept; elsewhere the boundary is within a\n"
-    "fraction of the size.  The report ends with warnings where the boundary is not that of the model.\n"
+    "Fills a surface with good tetrahedra; holes are closed.  Sharp edges are kept; elsewhere the boundary is\n"
+    "within a fraction of the size.  Regions are numbers of shells: data of cells in .vtu, tags or references in\n"
+    ".msh2, .mesh and .ele; .msh2, .mesh and .face have the patches between sharp edges too.  The report ends\n"
+    "with warnings where the boundary is not that of the model.\n"
     "\n"
     "input:   .obj .ply .stl .off with faces that enclose something\n"
     "output:  .vtu .msh .msh2 .mesh .inp .su2 .node .ele .neigh .face (tetrahedra, boundary), .obj .ply .stl .off\n"

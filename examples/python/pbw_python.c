@@ -58,7 +58,7 @@ int pbw_python_plane(const pbw_plane_input *input, const plane_wish *wish, const
 int pbw_python_improve(const pbw_tets *mesh, const pbw_improve_options *how, const watch *w, char message[128],
                        pbw_tets *better, pbw_improve_report *report);
 int pbw_python_solid(const pbw_solid_input *input, const pbw_solid_options *how, const watch *w, pbw_tets *mesh,
-                     pbw_solid_report *report);
+                     pbw_solid_boundary *boundary, pbw_solid_report *report);
 
 /* Sizes of the structures that Python declares too, in the order of _library.py and _tets.py; 0 beyond. */
 size_t pbw_python_size(int structure)
@@ -67,7 +67,7 @@ size_t pbw_python_size(int structure)
         sizeof(arrays), sizeof(pbw_lists), sizeof(pbw_cells), sizeof(pbw_plane_input), sizeof(plane_wish),
         sizeof(watch), sizeof(pbw_changes), sizeof(pbw_plane), sizeof(pbw_tets), sizeof(pbw_quality),
         sizeof(pbw_improve_options), sizeof(pbw_improve_report), sizeof(pbw_solid_input), sizeof(pbw_solid_options),
-        sizeof(pbw_solid_report)
+        sizeof(pbw_solid_report), sizeof(pbw_solid_boundary)
     };
     return structure >= 0 && (size_t)structure < sizeof size / sizeof *size ? size[structure] : 0;
 }
@@ -237,10 +237,10 @@ int pbw_python_improve(const pbw_tets *mesh, const pbw_improve_options *how, con
 }
 
 int pbw_python_solid(const pbw_solid_input *input, const pbw_solid_options *how, const watch *w, pbw_tets *mesh,
-                     pbw_solid_report *report)
+                     pbw_solid_boundary *boundary, pbw_solid_report *report)
 {
     const pbw_options options = watched(w);
-    return (int)pbw_solid(input, how, &options, mesh, report);
+    return (int)pbw_solid(input, how, &options, mesh, boundary, report);
 }
 
 /* A live triangulation of a mesh, or of no points.  The watch must outlive it; pbw_live_free it. */

@@ -42,18 +42,34 @@ class _ImproveReport(ctypes.Structure):
 class _SolidInput(ctypes.Structure):
     """pbw_solid_input."""
     _fields_ = [("points", ctypes.c_void_p), ("point_count", _size), ("triangles", ctypes.c_void_p),
-                ("triangle_count", _size), *_pointers("value value_user"), ("box", _double * 6)]
+                ("triangle_count", _size), *_pointers("patches value value_user"), ("box", _double * 6)]
 
 
 class _SolidOptions(ctypes.Structure):
     """pbw_solid_options."""
-    _fields_ = [("size", _double), ("feature_angle", _double), ("distance", _double), ("rounds", ctypes.c_int),
+    _fields_ = [("size", _double), ("least_size", _double), *_pointers("size_at size_user"), ("curvature", _double),
+                ("nested", ctypes.c_int), ("feature_angle", _double), ("distance", _double), ("rounds", ctypes.c_int),
                 ("improve", _ImproveOptions)]
+
+
+class _Hole(ctypes.Structure):
+    """pbw_solid_hole."""
+    _fields_ = [("edges", _size), ("length", _double), ("place", _double * 3), ("closed", ctypes.c_int)]
+
+
+class _Boundary(ctypes.Structure):
+    """pbw_solid_boundary."""
+    _fields_ = [*((name, _size) for name in ("facet_count", "edge_count", "hole_count")),
+                *_pointers("facets corners patches sides edges holes memory")]
+
+
+_SIZE_AT = ctypes.CFUNCTYPE(_double, ctypes.c_void_p, ctypes.POINTER(_double))
 
 
 class _SolidReport(ctypes.Structure):
     """pbw_solid_report."""
-    _fields_ = [*((name, _size) for name in ("open_edges", "crowded_edges", "corners", "sharp_edges", "acute_edges")),
+    _fields_ = [*((name, _size) for name in ("open_edges", "crowded_edges", "shells", "holes")), ("hole", _Hole * 8),
+                *((name, _size) for name in ("regions", "corners", "sharp_edges", "acute_edges")),
                 ("least_angle", _double), *((name, _size) for name in ("missing_edges", "bad_edges", "bad_points")),
                 ("places", _double * 3 * 8),
                 ("facets", _size),
@@ -62,7 +78,8 @@ class _SolidReport(ctypes.Structure):
                 ("seconds", _double * 4), ("improve", _ImproveReport)]
 
 
-_fit(_library, 8, _Mesh, _Quality, _ImproveOptions, _ImproveReport, _SolidInput, _SolidOptions, _SolidReport)
+_fit(_library, 8, _Mesh, _Quality, _ImproveOptions, _ImproveReport, _SolidInput, _SolidOptions, _SolidReport,
+     _Boundary)
 
 
 class Tets:
@@ -83,6 +100,8 @@ class Tets:
 def _plain(value):
     if isinstance(value, ctypes.Structure):
         return {name: _plain(getattr(value, name)) for name, _ in value._fields_}
+    if isinstance(value, ctypes.Array) and issubclass(value._type_, ctypes.Structure):
+        return [_plain(one) for one in value]
     return np.array(value).tolist() if isinstance(value, ctypes.Array) else value
 
 
@@ -152,19 +171,51 @@ def improve(points, tets, target=30, seconds=0, feature_angle=40, regions=None, 
     return made
 
 
-def solid(vertices, faces, size=0, target=30, feature_angle=40, rounds=16):
+def solid(vertices, faces, size=0, target=30, feature_angle=40, rounds=16, patches=None, nested=False,
+          least_size=0, curvature=0):
     """Tetrahedra inside a closed surface: vertices (n, 3), faces (m, 3), one or several shells.
 
-    size: length of edges, 0 = 1/40 of the diagonal; edges of the surface that bend by more than feature_angle degrees
-    are kept.  Returns a Tets; its report has bad_edges, bad_points, missing_edges and open_edges, all 0 if the
-    boundary is a manifold on the surface.
+    size: length of edges, 0 = 1/40 of the diagonal, or a function of a point (x, y, z), below 1/40 of the diagonal.
+    They are shorter in thin walls, and with curvature=c at most c radii of curvature, but not below least_size.
+    Edges of the surface that bend by more than feature_angle degrees are kept, and those between faces of different
+    patches, one number a face.  nested=True: shells inside of others bound regions, else every second is a cavity.
+
+    Returns a Tets whose regions are numbers of shells, with facets (of the boundary and between regions), their
+    patches (-1 where a hole is closed), sides (regions, -1 outside) and features (edges) beside.  Its report has
+    bad_edges, bad_points, missing_edges and open_edges, all 0 if the boundary is a manifold on the surface, and the
+    largest holes.
     """
     vertices = _checked("vertices", vertices, 3, np.float64)
     faces = _checked("faces", faces, 3, np.uint32, len(vertices))
     given = _SolidInput(vertices.ctypes.data, len(vertices), faces.ctypes.data, len(faces))
-    how = _SolidOptions(size, feature_angle, 0, rounds, _ImproveOptions(target))
+    if patches is not None:
+        patches = np.ascontiguousarray(patches, dtype=np.uint32)
+        if patches.shape != (len(faces),):
+            raise ValueError("patches needs one number for each face")
+        given.patches = patches.ctypes.data
+    how = _SolidOptions(0 if callable(size) else size, least_size, None, None, curvature, nested, feature_angle, 0,
+                        rounds, _ImproveOptions(target))
+    thrown = []
+    if callable(size):
+        def at(user, point):
+            try:
+                return float(size((point[0], point[1], point[2])))
+            except BaseException as e:
+                thrown.append(e)
+                return np.inf
+        keep = _SIZE_AT(at)
+        how.size_at = ctypes.cast(keep, ctypes.c_void_p)
+    boundary = _Boundary()
     status, made = _made(lambda watch, mesh, report: _library.pbw_python_solid(
-        ctypes.byref(given), ctypes.byref(how), watch, mesh, report), _SolidReport())
+        ctypes.byref(given), ctypes.byref(how), watch, mesh, ctypes.byref(boundary), report), _SolidReport())
+    if made is not None:
+        made.facets = _copied(boundary.facets, (boundary.facet_count, 3), np.int32)
+        made.patches = _copied(boundary.patches, boundary.facet_count, np.int32)
+        made.sides = _copied(boundary.sides, (boundary.facet_count, 2), np.int32)
+        made.features = _copied(boundary.edges, (boundary.edge_count, 2), np.int32)
+        _library.pbw_solid_boundary_free(ctypes.byref(boundary))
+    if thrown:
+        raise thrown[0]
     if status == _errors.DEGENERATE:
         raise ValueError("nothing is inside of the surface")
     if status:
