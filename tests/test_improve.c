@@ -445,8 +445,8 @@ static void test_regions(void)
     test_end();
 }
 
-/* Only smoothing: what the mesh connects stays, the least quality too, the mean of a measure rises; points of the cube
-   stay on its sides and edges; threads change nothing. */
+/* Only smoothing: what the mesh connects stays, the least quality too, the mean of a measure rises; points of the
+   cube stay on its sides and edges; threads change nothing. */
 static void test_smoothers(pbw_smoother smoother)
 {
     static const char *const names[] = { "ODT", "Lloyd", "Laplacian" };
@@ -632,7 +632,8 @@ static void test_transfer(void)
 }
 
 /* The one free point of an octahedron, at 0.2 on an axis: the mean of its neighbours is 0, the weighted mean of the
-   circumcentres too; its Voronoi cell is |y|, |z| < 0.48 + 0.2 x for x from -0.4 to 0.6, with centroid 0.126 / 0.76. */
+   circumcentres too; its Voronoi cell is |y|, |z| < 0.48 + 0.2 x for x from -0.4 to 0.6, with centroid
+   0.126 / 0.76. */
 static void test_aims(void)
 {
     static const double x[21] = { 1, 0, 0, -1, 0, 0, 0, 1, 0, 0, -1, 0, 0, 0, 1, 0, 0, -1, 0.2, 0, 0 };

@@ -2149,12 +2149,12 @@ static pbw_status pbwim__smooth_all(pbwim__mesh *m, const pbw_improve_options *h
    Passes: the tetrahedra below the target, worst first.  One whose operations all failed is tried again only when a
    corner of it has changed.  Contraction and insertion have a part in each fourth pass, and after one that changed
    little.
-   Threads: the queue is taken in batches.  The ground of a tetrahedron is all that mending it reads: the tetrahedra at
-   its corners, and at boundary edges those at one end of the ring.  Grounds of one batch have no point in common, so
-   that what one changes no other reads.  (Across from a facet of the ground's edge is a tetrahedron with one corner
-   beyond, of which only the link through that facet changes, and no other ground has the three corners.)  Each has a
-   lane: a copy of the mesh's head with free slots, one new point and counters of its own.  The mesh decides the
-   batches, lanes and slots: the answer does not depend on threads.
+   Threads: the queue is taken in batches.  The ground of a tetrahedron is all that mending it reads: the tetrahedra
+   at its corners, and for boundary edges those at one end of the ring.  Grounds of one batch have no point in common,
+   so that no other reads what one changes.  (A tetrahedron beyond a facet of a ground has three corners in it; only
+   its link through that facet changes, and no other ground has these three.)  Each tetrahedron of a batch has a lane:
+   a copy of pbwim__mesh with free slots, one new point and counters of its own.  The mesh decides batches, lanes and
+   slots: the answer does not depend on threads.
    ------------------------------------------------------------------------------------------------------ */
 enum { PBWIM__LANES = 256, PBWIM__WINDOW = 512 };      /* of a batch; of the queue, looked at for a batch */
 
@@ -2280,8 +2280,8 @@ static int pbwim__joins(pbwim__mesh *m, pbw_index t, size_t others)
     return count > 0 || others == 0;
 }
 
-/* Chooses a batch from the queue's items first, first + 1, ...; returns how many it has.  Those that have to wait stay
-   in order, and *first is the first of them. */
+/* Chooses a batch from the queue's items first, first + 1, ...; returns how many tetrahedra it has.  Those that have
+   to wait stay in order, and *first is the first of them. */
 static size_t pbwim__choose(pbwim__mesh *m, int all, size_t *first)
 {
     pbwim__item *item = (pbwim__item *)m->queue.data + *first;
