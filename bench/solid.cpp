@@ -197,7 +197,12 @@ static void run_tetgen(const pbwio_cloud &c, double h)
     }
     (void)std::snprintf(flags, sizeof flags, "pq1.4/15a%.9gQ", 0.11785113 * h * h * h);
     const double start = now();
-    tetrahedralize(flags, &in, &out);
+    try {
+        tetrahedralize(flags, &in, &out);
+    } catch (int) {
+        std::puts("  TetGen     no mesh");
+        return;
+    }
     const double seconds = now() - start;
     const std::vector<pbw_index> corners(out.tetrahedronlist, out.tetrahedronlist + 4 * out.numberoftetrahedra);
     print("TetGen", seconds, out.pointlist, corners.data(), corners.size() / 4);
@@ -292,7 +297,6 @@ static void run(const char *name, const pbwio_cloud &c, double h, const Goal &go
     run_gmsh(c, h, false);
     run_gmsh(c, h, true);
     run_tetgen(c, h);
-    std::fflush(stdout);
 }
 
 static void run_all()
@@ -315,7 +319,7 @@ static void run_all()
             c.count = made.points;
             c.triangles = made.t[0];
             c.triangle_count = made.triangles;
-            run(name.c_str(), c, 0.6 * parts[i].size, sharp);
+            run(name.c_str(), c, 0.7 * parts[i].size, sharp);
         }
     }
 }
@@ -324,6 +328,7 @@ int main(int argc, char **argv)
 {
     pbwio_cloud cloud;
     pbwio_error error;
+    std::setvbuf(stdout, nullptr, _IOLBF, 0);
     if (argc < 2) {
         run_all();
         return 0;
