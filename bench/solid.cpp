@@ -280,7 +280,7 @@ static void make_knot(std::vector<double> &x, std::vector<pbw_index> &t)
         }
         const pbw_index next = (i / around + 1) % along * around, p = i / around * around, j = i % around;
         const pbw_index m = (j + 1) % around;
-        t.insert(t.end(), { p + j, p + m, next + m, p + j, next + m, next + j });
+        t.insert(t.end(), { p + j, next + m, p + m, p + j, next + j, next + m });
     }
 }
 
