@@ -179,7 +179,7 @@ static void solids(bench *b)
     }
     how.size = 3.3 / pow((double)b->count, 1.0 / 3);
     how.improve.target = -1;
-    good(pbw_solid(&input, &how, &b->options, &raw, NULL));
+    good(pbw_solid(&input, &how, &b->options, &raw, NULL, NULL));
     row(b, "solid: a ball, as it is", now() - start);
     start = now();
     good(pbw_improve(&raw, NULL, &b->options, &better, NULL));
