@@ -92,7 +92,7 @@ build/bench_plane: bench/plane.cpp pbw.h examples/lib/pbw_mesh2.h examples/lib/p
 bench-plane: build/bench_plane
 	$< $(ARGS)
 
-# Solids beside CGAL and TetGen: bench/solid.cpp;  make bench-solid MODEL=part.off SIZES="0.1 0.05"
+# Solids beside CGAL, Gmsh and TetGen: bench/solid.cpp;  make bench-solid MODEL=part.off SIZES="0.1 0.05"
 build/bench_solid: bench/solid.cpp examples/lib/pbw_surface.h examples/lib/pbw_improve.h examples/lib/pbw_mesh3.h \
     $(BENCH_INPUTS)
 	@mkdir -p build

@@ -308,6 +308,36 @@ static void test_cube(int turned)
     test_end();
 }
 
+static int same_bytes(const pbw_tets *a, const pbw_tets *b)
+{
+    return a->tet_count == b->tet_count && a->point_count == b->point_count
+        && memcmp(a->corners, b->corners, 16 * a->tet_count) == 0
+        && memcmp(a->neighbors, b->neighbors, 16 * a->tet_count) == 0
+        && memcmp(a->points, b->points, 24 * a->point_count) == 0
+        && memcmp(a->original, b->original, 4 * a->point_count) == 0;
+}
+
+/* Any number of threads makes the same bytes and counts; a budget that ends at any moment leaves a mesh no worse. */
+static void check_threads(const pbw_tets *in, const pbw_tets *out, const pbw_improve_report *report)
+{
+    pbw_options threads;
+    pbw_improve_options how;
+    pbw_improve_report other;
+    pbw_tets again;
+    memset(&threads, 0, sizeof threads);
+    memset(&how, 0, sizeof how);
+    for (threads.threads = 2; threads.threads < 5; threads.threads++) {
+        CHECK_EQUAL(pbw_improve(in, NULL, &threads, &again, &other), PBW_OK);
+        CHECK(same_bytes(&again, out) && memcmp(&other, report, sizeof other) == 0);
+        pbw_tets_free(&again);
+    }
+    for (how.seconds = 1e-9; how.seconds < 1; how.seconds *= 32) {
+        CHECK_EQUAL(pbw_improve(in, &how, &threads, &again, &other), PBW_OK);
+        CHECK(is_sound(&again) && other.after.least_sine >= other.before.least_sine - 1e-12);
+        pbw_tets_free(&again);
+    }
+}
+
 static void test_ball(void)
 {
     const size_t count = 600;
@@ -324,10 +354,10 @@ static void test_ball(void)
     }
     memset(&mesh, 0, sizeof mesh);
     memset(&threads, 0, sizeof threads);
-    threads.threads = 4;
+    threads.threads = 1;
     CHECK_EQUAL(pbw_triangulate(3, x, NULL, count, NULL, &mesh), PBW_OK);
     in = view(&mesh);
-    CHECK_EQUAL(pbw_improve(&in, NULL, NULL, &out, &report), PBW_OK);
+    CHECK_EQUAL(pbw_improve(&in, NULL, &threads, &out, &report), PBW_OK);
     CHECK(is_sound(&out));
     CHECK_EQUAL(boundary_euler(&out), 2);
     CHECK_EQUAL(report.turned, 0);
@@ -335,11 +365,7 @@ static void test_ball(void)
     CHECK(report.after.least > 15 && report.before.least < 1);
     test_say("%.2f..%.2f to %.2f..%.2f, %zu below", report.before.least, report.before.largest, report.after.least,
              report.after.largest, report.left);
-    CHECK_EQUAL(pbw_improve(&in, NULL, &threads, &again, NULL), PBW_OK);     /* the same bytes */
-    CHECK(again.tet_count == out.tet_count && again.point_count == out.point_count
-          && memcmp(again.corners, out.corners, 16 * out.tet_count) == 0
-          && memcmp(again.points, out.points, 24 * out.point_count) == 0);
-    pbw_tets_free(&again);
+    check_threads(&in, &out, &report);
     turned = (pbw_index *)take(16 * in.tet_count);
     for (i = 0; i < 4 * in.tet_count; i++) {         /* negative ones are turned */
         turned[i] = mesh.simplices[i / 8 % 2 != 0 && i % 4 < 2 ? i ^ 1 : i];
@@ -419,8 +445,8 @@ static void test_regions(void)
     test_end();
 }
 
-/* Only smoothing: what the mesh connects stays, the least quality too, the mean of a measure rises; points of the cube
-   stay on its sides and edges; threads change nothing. */
+/* Only smoothing: what the mesh connects stays, the least quality too, the mean of a measure rises; points of the
+   cube stay on its sides and edges; threads change nothing. */
 static void test_smoothers(pbw_smoother smoother)
 {
     static const char *const names[] = { "ODT", "Lloyd", "Laplacian" };
@@ -606,7 +632,8 @@ static void test_transfer(void)
 }
 
 /* The one free point of an octahedron, at 0.2 on an axis: the mean of its neighbours is 0, the weighted mean of the
-   circumcentres too; its Voronoi cell is |y|, |z| < 0.48 + 0.2 x for x from -0.4 to 0.6, with centroid 0.126 / 0.76. */
+   circumcentres too; its Voronoi cell is |y|, |z| < 0.48 + 0.2 x for x from -0.4 to 0.6, with centroid
+   0.126 / 0.76. */
 static void test_aims(void)
 {
     static const double x[21] = { 1, 0, 0, -1, 0, 0, 0, 1, 0, 0, -1, 0, 0, 0, 1, 0, 0, -1, 0.2, 0, 0 };

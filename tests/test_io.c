@@ -544,7 +544,7 @@ static void make_mesh(int dim, int weighted, size_t count, pbw_mesh *mesh)
 
 static void write_it(const char *name, const pbw_mesh *mesh, unsigned flags, const unsigned char *keep)
 {
-    pbwio_output output = { PBWIO_AUTO, flags, keep, NULL, NULL };
+    pbwio_output output = { PBWIO_AUTO, flags, keep, NULL, NULL, NULL, NULL };
     pbwio_error error;
     struct stat info;
     if (!CHECK(pbwio_write(in_folder(name), mesh, &output, &error) == PBWIO_OK)) {
@@ -944,7 +944,7 @@ static void test_full_disk(void)
     getrlimit(RLIMIT_FSIZE, &old);
     small = old;
     for (i = 0; i < 6; i++) {
-        pbwio_output output = { formats[i % 5], 0, NULL, NULL, NULL };
+        pbwio_output output = { formats[i % 5], 0, NULL, NULL, NULL, NULL, NULL };
         pbwio_status status;
         small.rlim_cur = i < 3 ? 5000 : 1;
         setrlimit(RLIMIT_FSIZE, &small);
@@ -957,13 +957,13 @@ static void test_full_disk(void)
     }
     unlink(in_folder("a.out"));
     if (access("/dev/full", W_OK) == 0) {
-        pbwio_output output = { PBWIO_VTU, 0, NULL, NULL, NULL };
+        pbwio_output output = { PBWIO_VTU, 0, NULL, NULL, NULL, NULL, NULL };
         CHECK(pbwio_write("/dev/full", &mesh, &output, &error) == PBWIO_ERROR_FILE);
         CHECK(strcmp(error.text, "/dev/full: No space left on device") == 0);
         CHECK(stat("/dev/full", &info) == 0 && S_ISCHR(info.st_mode) && stat("/dev/full.part", &info) != 0);
     }
     for (k = 1; k < 10; k++) {
-        pbwio_output output = { k < 5 ? PBWIO_OBJ : PBWIO_INP, PBWIO_NO_ORPHANS, NULL, NULL, NULL };
+        pbwio_output output = { k < 5 ? PBWIO_OBJ : PBWIO_INP, PBWIO_NO_ORPHANS, NULL, NULL, NULL, NULL, NULL };
         pbwio_status status;
         fail_at = k < 5 ? k : k - 4;
         requests = 0;

@@ -25,7 +25,8 @@
        contraction     one end of an edge moves into the other
        insertion       an edge or a tetrahedron gets a corner in its middle
    Whatever does not raise the least quality of the tetrahedra it changes is not done (Klingner and Shewchuk 2007,
-   "Aggressive tetrahedral mesh improvement").  One thread works on that.
+   "Aggressive tetrahedral mesh improvement").  Threads work at once on tetrahedra that are far from each other; the
+   mesh decides on which.
    Before, options.rounds move all points that are not fixed, to raise the mean: by optimal Delaunay triangulation
    (ODT; Alliez, Cohen-Steiner, Yvinec, Desbrun 2005), Lloyd's way or the Laplacian one.  Points without a common
    tetrahedron move together, on all threads: colours decide the order.
@@ -118,15 +119,17 @@ typedef enum pbw_smoother {
 
 typedef struct pbw_improve_options {       /* NULL or all zero = best defaults */
     double target;                         /* degrees, 1 to 60: dihedral angles from this to 180 - this; 0 = 30 */
-    double seconds;                        /* of processor time, then it ends with what it has; 0 = no limit */
+    double seconds;                        /* of all threads' processor time, then it ends with what it has;
+                                              0 = no limit */
     int passes;                            /* at most; 0 = 60, -1 = none */
     double feature_angle;                  /* degrees: boundary edges whose normals differ by more are kept; 0 = 40 */
-    /* Moves a point to the boundary's surface; NULL = to the nearest point of the input's boundary. */
+    /* Moves a point to the boundary's surface; several threads call it.  NULL = to the nearest point of the input's
+       boundary. */
     void (*project)(void *user, double point[3]);
     void *project_user;
     const double *sizes;                   /* per point of the input, how long edges shall be there; NULL = as they
                                               are.  Features get points, and lose none */
-    int rounds;                            /* of the smoother before the passes, at most; several threads project */
+    int rounds;                            /* of the smoother before the passes, at most */
     pbw_smoother smoother;
 } pbw_improve_options;
 
@@ -359,21 +362,54 @@ PBWIMPROVEDEF int pbw_tets_spread(const pbw_tets *mesh, pbw_measure measure, con
     return 1;
 }
 
-PBWIMPROVEDEF int pbw_tets_quality(const pbw_tets *mesh, const pbw_options *options, pbw_quality *quality)
+/* Puts the value there that sorting puts at `rank`, none larger before it and none smaller after it. */
+static void pbwim__select(double *value, size_t count, size_t rank)
+{
+    size_t low = 0, high = count - 1;
+    while (low < high) {
+        const double pivot = value[low + (high - low) / 2];
+        size_t i = low, k = high;
+        for (;;) {
+            double swap;
+            for (; value[i] < pivot; i++) {
+            }
+            for (; value[k] > pivot; k--) {
+            }
+            if (i >= k) {
+                break;
+            }
+            swap = value[i];
+            value[i++] = value[k];
+            value[k--] = swap;
+        }
+        if (rank <= k) {                             /* value[low..k] <= pivot <= value[k + 1..high] */
+            high = k;
+        } else {
+            low = k + 1;
+        }
+    }
+}
+
+/* Blocks of tetrahedra are measured at once, and summed up in order: sums do not depend on threads. */
+enum { PBWIM__BLOCK = 2048 };
+
+typedef struct pbwim__measuring {
+    const pbw_tets *mesh;
+    double *least;                         /* one a tetrahedron, or NULL */
+    pbw_quality *block;
+} pbwim__measuring;
+
+static void pbwim__measure_block(const pbwim__measuring *work, size_t block, pbw_quality *q)
 {
     static const double limits[4] = { 5, 10, 20, 30 };
-    pbwsf__memory memory = pbwsf__memory_of(options);
-    pbwsf__array sorted;
-    double *least;
+    const pbw_tets *mesh = work->mesh;
+    const size_t end = mesh->tet_count - block * PBWIM__BLOCK < PBWIM__BLOCK ? mesh->tet_count
+                                                                             : (block + 1) * PBWIM__BLOCK;
     size_t i, k;
-    int kept;
-    memset(&sorted, 0, sizeof sorted);
-    memset(quality, 0, sizeof *quality);
-    kept = pbwsf__resize(&memory, &sorted, (mesh->tet_count + 1) * sizeof(double));
-    least = (double *)sorted.data;
-    quality->least = mesh->tet_count > 0 ? 180 : 0;
-    quality->least_sine = mesh->tet_count > 0 ? 1 : 0;
-    for (i = 0; i < mesh->tet_count; i++) {
+    memset(q, 0, sizeof *q);
+    q->least = 180;
+    q->least_sine = 1;
+    for (i = block * PBWIM__BLOCK; i < end; i++) {
         const double *c[4];
         double angle[6], lowest = 180;
         for (k = 0; k < 4; k++) {
@@ -382,25 +418,91 @@ PBWIMPROVEDEF int pbw_tets_quality(const pbw_tets *mesh, const pbw_options *opti
         pbwim__angles(c, angle);
         for (k = 0; k < 6; k++) {
             lowest = fmin(lowest, angle[k]);
-            quality->largest = fmax(quality->largest, angle[k]);
-            quality->bins[angle[k] < 180 ? (size_t)(angle[k] / 10) : 17]++;
+            q->largest = fmax(q->largest, angle[k]);
+            q->bins[angle[k] < 180 ? (size_t)(angle[k] / 10) : 17]++;
         }
         for (k = 0; k < 4; k++) {
-            quality->below[k] += lowest < limits[k];
+            q->below[k] += lowest < limits[k];
         }
-        quality->least = fmin(quality->least, lowest);
-        quality->least_sine = fmin(quality->least_sine, pbwim__sine(c[0], c[1], c[2], c[3]));
-        quality->volume += pbw_tet_measure(PBW_MEASURE_VOLUME, c[0], c[1], c[2], c[3]);
-        if (kept) {
-            least[i] = lowest;
+        q->least = fmin(q->least, lowest);
+        q->least_sine = fmin(q->least_sine, pbwim__sine(c[0], c[1], c[2], c[3]));
+        q->volume += pbw_tet_measure(PBW_MEASURE_VOLUME, c[0], c[1], c[2], c[3]);
+        if (work->least != NULL) {
+            work->least[i] = lowest;
         }
     }
-    if (kept && mesh->tet_count > 0) {
-        qsort(least, mesh->tet_count, sizeof *least, pbwim__compare);
-        quality->permille = least[mesh->tet_count / 1000];
-        quality->percent = least[mesh->tet_count / 100];
+}
+
+static pbw_status pbwim__measure_some(void *arg, size_t from, size_t to)
+{
+    const pbwim__measuring *work = (const pbwim__measuring *)arg;
+    for (; from < to; from++) {
+        pbwim__measure_block(work, from, work->block + from);
     }
-    pbwsf__release(&memory, &sorted);
+    return PBW_OK;
+}
+
+static void pbwim__add_quality(pbw_quality *sum, const pbw_quality *q)
+{
+    size_t k;
+    sum->least = fmin(sum->least, q->least);
+    sum->least_sine = fmin(sum->least_sine, q->least_sine);
+    sum->largest = fmax(sum->largest, q->largest);
+    sum->volume += q->volume;
+    for (k = 0; k < 4; k++) {
+        sum->below[k] += q->below[k];
+    }
+    for (k = 0; k < 18; k++) {
+        sum->bins[k] += q->bins[k];
+    }
+}
+
+/* Options of work on threads that reports no progress of its own; `used` bytes are taken already. */
+static pbw_options pbwim__quiet(const pbw_options *options, size_t used)
+{
+    pbw_options quiet;
+    memset(&quiet, 0, sizeof quiet);
+    if (options != NULL) {
+        quiet = *options;
+        quiet.progress = NULL;
+        quiet.memory_limit -= quiet.memory_limit > used ? used : 0;
+    }
+    return quiet;
+}
+
+PBWIMPROVEDEF int pbw_tets_quality(const pbw_tets *mesh, const pbw_options *options, pbw_quality *quality)
+{
+    const size_t count = mesh->tet_count, blocks = count / PBWIM__BLOCK + (count % PBWIM__BLOCK != 0);
+    pbwsf__memory memory = pbwsf__memory_of(options);
+    pbwsf__array room;
+    pbwim__measuring work;
+    pbw_options quiet;
+    size_t i;
+    int kept, done;
+    memset(&room, 0, sizeof room);
+    memset(quality, 0, sizeof *quality);
+    kept = pbwsf__resize(&memory, &room, (count + 1) * sizeof(double) + (blocks + 1) * sizeof *work.block);
+    quality->least = count > 0 ? 180 : 0;
+    quality->least_sine = count > 0 ? 1 : 0;
+    work.mesh = mesh;
+    work.block = (pbw_quality *)room.data;
+    work.least = kept ? (double *)(work.block + blocks + 1) : NULL;
+    quiet = pbwim__quiet(options, memory.used);
+    done = kept && pbw_for(&quiet, blocks, 1, pbwim__measure_some, &work) == PBW_OK;
+    for (i = 0; i < blocks; i++) {
+        pbw_quality q;
+        if (!done) {
+            pbwim__measure_block(&work, i, &q);
+        }
+        pbwim__add_quality(quality, done ? work.block + i : &q);
+    }
+    if (kept && count > 0) {
+        pbwim__select(work.least, count, count / 100);
+        quality->percent = work.least[count / 100];
+        pbwim__select(work.least, count / 100 + 1, count / 1000);
+        quality->permille = work.least[count / 1000];
+    }
+    pbwsf__release(&memory, &room);
     return kept;
 }
 
@@ -414,7 +516,8 @@ PBWIMPROVEDEF int pbw_tets_quality(const pbw_tets *mesh, const pbw_options *opti
 enum {
     PBWIM__MOST = 192,                     /* tetrahedra that one operation replaces; larger stars are left alone */
     PBWIM__RING = 10,                      /* corners of a ring */
-    PBWIM__OPEN = 8 * PBWIM__MOST           /* facets of that, at most */
+    PBWIM__OPEN = 8 * PBWIM__MOST,          /* facets of that, at most */
+    PBWIM__SPARE = 2 * PBWIM__RING         /* free slots of a lane: no operation of a pass makes more tetrahedra */
 };
 #define PBWIM__GAIN 1e-3                   /* of the least sine, below which no operation is worth it */
 #define PBWIM__PROGRESS 0.1                /* of what lacks to the target, below which no smoothing is worth it */
@@ -432,12 +535,14 @@ typedef struct pbwim__mesh {
     pbwsf__array corner, next, quality, region, tried, seen;
     size_t points, tets;                   /* slots in use, free ones included */
     pbw_index free;                        /* the first free slot */
+    size_t spare;                          /* how many there are */
     pbw_index clock, visit;                /* counts changes; counts searches, the value of `seen` in the last one */
     double target;                         /* a sine */
     double cosine;                         /* of the feature angle */
     int sized;
     pbw_improve_report *report;
-    pbwsf__array queue;
+    pbwsf__array queue, lanes, taken;      /* taken: per point, the last batch that had it */
+    pbw_index batch;
     pbw_surface surface;                   /* the input's boundary, for project */
     pbwsf__array facets;
 } pbwim__mesh;
@@ -514,10 +619,11 @@ static int pbwim__resize_tets(pbwim__mesh *m, size_t count)
         && pbwsf__resize(y, &m->seen, count * sizeof(pbw_index));
 }
 
-/* Room for one operation, so that none fails half-way.  The arrays that are resized last have the least room. */
-static int pbwim__reserve(pbwim__mesh *m)
+/* Room for one operation and `lanes` of a batch, so that none fails half-way.  The arrays that are resized last have
+   the least room. */
+static int pbwim__reserve(pbwim__mesh *m, size_t lanes)
 {
-    const size_t tets = m->tets + 2 * PBWIM__MOST, points = m->points + 4;
+    const size_t tets = m->tets + 2 * PBWIM__MOST + lanes * PBWIM__SPARE, points = m->points + 4 + lanes;
     if (tets >= PBW_NONE / 4 || points >= PBW_NONE) {
         return 0;
     }
@@ -541,6 +647,7 @@ static pbw_index pbwim__take(pbwim__mesh *m)
         t = (pbw_index)m->tets++;
     } else {
         m->free = *PBWIM__NEXT(m, t);
+        m->spare--;
     }
     PBWIM__SEEN(m)[t] = 0;
     PBWIM__TRIED(m)[2 * (size_t)t] = PBWIM__TRIED(m)[2 * (size_t)t + 1] = 0;
@@ -552,6 +659,7 @@ static void pbwim__give(pbwim__mesh *m, pbw_index t)
     *PBWIM__CORNER(m, t) = PBW_NONE;
     *PBWIM__NEXT(m, t) = m->free;
     m->free = t;
+    m->spare++;
 }
 
 /* ---- one operation: these tetrahedra go, those come ---- */
@@ -1994,16 +2102,10 @@ static int pbwim__stops(const pbwim__mesh *m, double done)
 static pbw_status pbwim__rounds(pbwim__smoothing *s, int rounds, double done, double end)
 {
     pbwim__mesh *m = s->m;
-    pbw_options quiet;
+    const pbw_options quiet = pbwim__quiet(m->options, m->memory.used);
     pbw_status status = PBW_OK;
     size_t moves = 1, p;
     int round, k;
-    memset(&quiet, 0, sizeof quiet);
-    if (m->options != NULL) {
-        quiet = *m->options;
-        quiet.progress = NULL;
-        quiet.memory_limit -= quiet.memory_limit > m->memory.used ? m->memory.used : 0;
-    }
     for (round = 0; round < rounds && moves > 0 && status == PBW_OK; round++) {
         memset(s->moved.data, 0, s->moved.bytes);
         for (k = 0; k < PBWIM__COLOURS && s->begin[k] < s->begin[PBWIM__COLOURS] && status == PBW_OK; k++) {
@@ -2047,8 +2149,23 @@ static pbw_status pbwim__smooth_all(pbwim__mesh *m, const pbw_improve_options *h
    Passes: the tetrahedra below the target, worst first.  One whose operations all failed is tried again only when a
    corner of it has changed.  Contraction and insertion have a part in each fourth pass, and after one that changed
    little.
+   Threads: the queue is taken in batches.  The ground of a tetrahedron is all that mending it reads: the tetrahedra
+   at its corners, and for boundary edges those at one end of the ring.  Grounds of one batch have no point in common,
+   so that no other reads what one changes.  (A tetrahedron beyond a facet of a ground has three corners in it; only
+   its link through that facet changes, and no other ground has these three.)  Each tetrahedron of a batch has a lane:
+   a copy of pbwim__mesh with free slots, one new point and counters of its own.  The mesh decides batches, lanes and
+   slots: the answer does not depend on threads.
    ------------------------------------------------------------------------------------------------------ */
+enum { PBWIM__LANES = 256, PBWIM__WINDOW = 512 };      /* of a batch; of the queue, looked at for a batch */
+
 typedef struct pbwim__item { double quality; pbw_index t; } pbwim__item;
+
+typedef struct pbwim__lane {
+    pbwim__mesh m;
+    pbw_improve_report report;
+    pbw_index t, point;                    /* to mend; to insert, PBW_NONE if it is used */
+    int all, changed;
+} pbwim__lane;
 
 static int pbwim__compare_items(const void *a, const void *b)
 {
@@ -2111,34 +2228,206 @@ static int pbwim__fill_queue(pbwim__mesh *m, int all)
     return 1;
 }
 
-/* One pass; *changes: how many operations succeeded.  *stop: the budget is spent. */
+/* Fills `ground`; returns how many tetrahedra it has, 0 if they cannot all be found. */
+static int pbwim__ground_of(pbwim__mesh *m, pbw_index t, pbw_index ground[10 * PBWIM__MOST])
+{
+    const pbw_index *c = PBWIM__CORNER(m, t);
+    const unsigned char *mark = PBWIM__MARK(m);
+    pbwim__ring ring;
+    int count = 0, more, k;
+    for (k = 0; k < 4; k++) {
+        more = pbwim__star_of(m, c[k], ground + count);
+        if (more == 0 || PBWIM__SEEN(m)[t] != m->visit) {
+            return 0;
+        }
+        count += more;
+    }
+    for (k = 0; k < 6; k++) {
+        ring.a = c[pbwim__edge[k][0]];
+        ring.b = c[pbwim__edge[k][1]];
+        if (mark[ring.a] != PBW_TETS_FOUND && mark[ring.b] != PBW_TETS_FOUND && pbwim__walk(m, t, &ring)
+            && !ring.closed) {
+            more = pbwim__star_of(m, ring.corner[0], ground + count);
+            if (more == 0) {
+                return 0;
+            }
+            count += more;
+        }
+    }
+    return count;
+}
+
+/* Whether t joins a batch of so many; one without a ground is a batch of its own. */
+static int pbwim__joins(pbwim__mesh *m, pbw_index t, size_t others)
+{
+    pbw_index ground[10 * PBWIM__MOST], *taken = (pbw_index *)m->taken.data;
+    const pbw_index *c = PBWIM__CORNER(m, t);
+    int count, i;
+    for (i = 0; i < 4; i++) {
+        if (taken[c[i]] == m->batch) {
+            return 0;
+        }
+    }
+    count = pbwim__ground_of(m, t, ground);
+    for (i = 0; i < 4 * count; i++) {
+        if (taken[PBWIM__CORNER(m, ground[i / 4])[i % 4]] == m->batch) {
+            return 0;
+        }
+    }
+    for (i = 0; i < 4 * count; i++) {
+        taken[PBWIM__CORNER(m, ground[i / 4])[i % 4]] = m->batch;
+    }
+    return count > 0 || others == 0;
+}
+
+/* Chooses a batch from the queue's items first, first + 1, ...; returns how many tetrahedra it has.  Those that have
+   to wait stay in order, and *first is the first of them. */
+static size_t pbwim__choose(pbwim__mesh *m, int all, size_t *first)
+{
+    pbwim__item *item = (pbwim__item *)m->queue.data + *first;
+    pbwim__lane *lane = (pbwim__lane *)m->lanes.data;
+    size_t left = m->queue.count - *first, count = 0, waiting = 0, i;
+    int closed = 0;
+    if (left > PBWIM__WINDOW) {
+        left = PBWIM__WINDOW;
+    }
+    m->batch++;
+    for (i = 0; i < left && count < PBWIM__LANES && !closed; i++) {
+        const pbw_index t = item[i].t;
+        if (!pbwim__is_bad(m, t) || !pbwim__is_due(m, t, all)) {
+            continue;
+        }
+        if (pbwim__joins(m, t, count)) {
+            closed = ((pbw_index *)m->taken.data)[*PBWIM__CORNER(m, t)] != m->batch;
+            lane[count].t = t;
+            lane[count++].all = all;
+        } else {
+            item[waiting++] = item[i];
+        }
+    }
+    memmove(item + i - waiting, item, waiting * sizeof *item);
+    *first += i - waiting;
+    return count;
+}
+
+/* Makes a lane ready for its tetrahedron. */
+static void pbwim__open_lane(pbwim__mesh *m, pbwim__lane *lane)
+{
+    const pbw_index free = lane->m.free;
+    const size_t spare = lane->m.spare;
+    if (lane->point == PBW_NONE) {
+        lane->point = (pbw_index)m->points++;
+        PBWIM__STAR(m)[lane->point] = ((pbw_index *)m->original.data)[lane->point] = PBW_NONE;
+        PBWIM__TOUCHED(m)[lane->point] = 0;
+        PBWIM__MARK(m)[lane->point] = PBW_TETS_FOUND;
+    }
+    lane->m = *m;
+    lane->m.free = free;
+    lane->m.spare = spare;
+    lane->m.points = lane->point;
+    lane->m.report = &lane->report;
+    memset(&lane->report, 0, sizeof lane->report);
+    while (lane->m.spare < PBWIM__SPARE) {
+        pbwim__give(&lane->m, pbwim__take(m));
+    }
+    while (lane->m.spare > 2 * PBWIM__SPARE) {
+        pbwim__give(m, pbwim__take(&lane->m));
+    }
+}
+
+/* Takes over what a lane did. */
+static void pbwim__close_lane(pbwim__mesh *m, pbwim__lane *lane)
+{
+    pbw_improve_report *sum = m->report;
+    const pbw_improve_report *r = &lane->report;
+    m->clock = lane->m.clock > m->clock ? lane->m.clock : m->clock;
+    m->visit = lane->m.visit > m->visit ? lane->m.visit : m->visit;
+    lane->point = lane->m.points == lane->point ? lane->point : PBW_NONE;
+    sum->removals += r->removals;
+    sum->boundary_removals += r->boundary_removals;
+    sum->smoothings += r->smoothings;
+    sum->slides += r->slides;
+    sum->peelings += r->peelings;
+    sum->flips += r->flips;
+    sum->contractions += r->contractions;
+    sum->insertions += r->insertions;
+}
+
+static pbw_status pbwim__mend_some(void *arg, size_t from, size_t to)
+{
+    pbwim__lane *lane = (pbwim__lane *)((pbwim__mesh *)arg)->lanes.data;
+    for (; from < to; from++) {
+        lane[from].changed = pbwim__mend(&lane[from].m, lane[from].t, lane[from].all);
+    }
+    return PBW_OK;
+}
+
+/* Room for the next batch, and lanes; returns 0 if there is no memory. */
+static int pbwim__prepare(pbwim__mesh *m, size_t left)
+{
+    size_t count = left;
+    pbwim__lane *lane;
+    if (count > PBWIM__LANES) {
+        count = PBWIM__LANES;
+    }
+    if (!pbwim__reserve(m, count)) {
+        return 0;
+    }
+    if (m->taken.bytes < m->mark.bytes * sizeof(pbw_index) || m->batch == PBW_NONE) {
+        if (!pbwsf__resize(&m->memory, &m->taken, m->mark.bytes * sizeof(pbw_index))) {
+            return 0;
+        }
+        memset(m->taken.data, 0, m->taken.bytes);
+        m->batch = 0;
+    }
+    if (m->visit > PBW_NONE / 2) {                   /* no lane shall begin anew */
+        memset(m->seen.data, 0, m->seen.bytes);
+        m->visit = 0;
+    }
+    for (; m->lanes.count < count; m->lanes.count++) {
+        lane = (pbwim__lane *)pbwsf__room(&m->memory, &m->lanes, count - m->lanes.count, sizeof *lane);
+        if (lane == NULL) {
+            return 0;
+        }
+        lane->point = lane->m.free = PBW_NONE;
+        lane->m.spare = 0;
+    }
+    return 1;
+}
+
+/* One pass; *changes: how many operations succeeded.  It ends early when the budget is spent. */
 static pbw_status pbwim__pass(pbwim__mesh *m, int all, const double done[2], double end, size_t *changes)
 {
-    const pbwim__item *item;
-    size_t i;
+    pbw_status status = PBW_OK;
+    size_t first = 0, count, i;
     *changes = 0;
     if (!pbwim__fill_queue(m, all)) {
         return PBW_ERROR_MEMORY;
     }
-    item = (const pbwim__item *)m->queue.data;
-    for (i = 0; i < m->queue.count; i++) {
-        if (i % 64 == 0) {
-            const double at = done[0] + (done[1] - done[0]) * (double)i / (double)m->queue.count;
-            if (pbwim__stops(m, at)) {
-                return PBW_CANCELLED;
-            }
-            if (end > 0 && (double)clock() / CLOCKS_PER_SEC > end) {
-                return PBW_OK;
-            }
+    while (first < m->queue.count && status == PBW_OK) {
+        pbw_options quiet;
+        if (pbwim__stops(m, done[0] + (done[1] - done[0]) * (double)first / (double)m->queue.count)) {
+            return PBW_CANCELLED;
         }
-        if (pbwim__is_bad(m, item[i].t) && pbwim__is_due(m, item[i].t, all)) {
-            if (!pbwim__reserve(m)) {
-                return PBW_ERROR_MEMORY;
-            }
-            *changes += (size_t)pbwim__mend(m, item[i].t, all);
+        if (end > 0 && (double)clock() / CLOCKS_PER_SEC > end) {
+            return PBW_OK;
+        }
+        if (!pbwim__prepare(m, m->queue.count - first)) {
+            return PBW_ERROR_MEMORY;
+        }
+        count = pbwim__choose(m, all, &first);
+        for (i = 0; i < count; i++) {
+            pbwim__open_lane(m, (pbwim__lane *)m->lanes.data + i);
+        }
+        quiet = pbwim__quiet(m->options, m->memory.used);
+        status = pbw_for(&quiet, count, 1, pbwim__mend_some, m);
+        for (i = 0; i < count && status == PBW_OK; i++) {
+            pbwim__lane *lane = (pbwim__lane *)m->lanes.data + i;
+            pbwim__close_lane(m, lane);
+            *changes += (size_t)lane->changed;
         }
     }
-    return PBW_OK;
+    return status;
 }
 
 /* ------------------------------------------------------------------------------------------------------
@@ -2277,7 +2566,7 @@ static pbw_status pbwim__resize_edges(pbwim__mesh *m, int longest, size_t *chang
         if (i % 64 == 0 && pbwim__stops(m, 0)) {
             return PBW_CANCELLED;
         }
-        if (!pbwim__reserve(m)) {
+        if (!pbwim__reserve(m, 0)) {
             return PBW_ERROR_MEMORY;
         }
         if (!pbwim__fits(m, at, longest, &e, &ratio)) {
@@ -2468,8 +2757,8 @@ static pbw_status pbwim__output(pbwim__mesh *m, pbw_tets *out)
 static void pbwim__free(pbwim__mesh *m)
 {
     pbwsf__array *const arrays[] = { &m->x, &m->star, &m->mark, &m->touched, &m->original, &m->corner, &m->next,
-                                     &m->quality, &m->region, &m->tried, &m->seen, &m->queue, &m->facets,
-                                     &m->size, &m->joint };
+                                     &m->quality, &m->region, &m->tried, &m->seen, &m->queue, &m->lanes,
+                                     &m->taken, &m->facets, &m->size, &m->joint };
     size_t i;
     pbw_surface_free(&m->surface);
     for (i = 0; i < sizeof arrays / sizeof *arrays; i++) {
