@@ -9,7 +9,7 @@ static const option solid_options[] = {
       0, 0, NULL },
     { "--nested", NULL, "shells inside of others bound regions; default: every second one is a cavity", SWITCH, 0, 0,
       NULL },
-    { "--patches", NULL, "tell the patches between sharp edges in .msh2, .mesh and .face; default: all 1", SWITCH, 0, 0,
+    { "--patches", NULL, "write the patches between sharp edges to .msh2, .mesh, .face; default: all 1", SWITCH, 0, 0,
       NULL },
     { "--feature-angle", "DEGREES", "edges of the model that bend by more are sharp; default 40", WHOLE, 1, 180,
       NULL },
