@@ -9,6 +9,8 @@ static const option solid_options[] = {
       0, 0, NULL },
     { "--nested", NULL, "shells inside of others bound regions; default: every second one is a cavity", SWITCH, 0, 0,
       NULL },
+    { "--patches", NULL, "write the patches between sharp edges to .msh2, .mesh, .face; default: all 1", SWITCH, 0, 0,
+      NULL },
     { "--feature-angle", "DEGREES", "edges of the model that bend by more are sharp; default 40", WHOLE, 1, 180,
       NULL },
     { "--distance", "D", "facets farther than D sizes from the surface get points; default 0.1", POSITIVE, 0, 0,
@@ -110,7 +112,7 @@ static int write_solid(job *j, const pbw_tets *mesh, const pbw_solid_boundary *b
     j->write.values = regions;
     j->write.value_name = "region";
     j->write.regions = mesh->regions;
-    j->write.patches = patches;
+    j->write.patches = is_given(j, "--patches") ? patches : NULL;
     failed = write_mesh(j);
     j->write.values = NULL;
     j->write.regions = j->write.patches = NULL;
@@ -171,8 +173,7 @@ const command command_solid = {
     "\n"
     "Fills a surface with good tetrahedra; holes are closed.  Sharp edges are kept; elsewhere the boundary is\n"
     "within a fraction of the size.  Regions are numbers of shells: data of cells in .vtu, tags or references in\n"
-    ".msh2, .mesh and .ele; .msh2, .mesh and .face have the patches between sharp edges too.  The report ends\n"
-    "with warnings where the boundary is not that of the model.\n"
+    ".msh2, .mesh and .ele.  The report ends with warnings where the boundary is not that of the model.\n"
     "\n"
     "input:   .obj .ply .stl .off with faces that enclose something\n"
     "output:  .vtu .msh .msh2 .mesh .inp .su2 .node .ele .neigh .face (tetrahedra, boundary), .obj .ply .stl .off\n"
