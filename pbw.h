@@ -14680,7 +14680,7 @@ typedef struct pbw__changing {
     /* Returns a vertex near the i-th change, or 0.  Makes it; PBW__LEFT: not now, and nothing was changed. */
     pbw_index (*near)(void *arg, pbw__core *core, size_t i);
     pbw_status (*change)(void *arg, pbw__core *core, size_t i, pbw_index near);
-    size_t count, slots, most_effort;                /* slots: that a change needs, about */
+    size_t count, slots, most_effort;                /* slots: for each change; a task without one leaves it */
     double begin, end;                               /* of the stage's progress */
     /* of a round */
     pbw__core *core;
@@ -15559,7 +15559,7 @@ static pbw_status pbw__batch_run(pbw_live *live, size_t most_effort)
     batch.count = live->arriving_count;
     batch.near = pbw__near_arriving;
     batch.change = pbw__change_arriving;
-    batch.slots = live->dim == 3 ? 7 : 2;
+    batch.slots = live->dim == 3 ? 9 : 3;            /* 6.8 and 2, and tasks make more or fewer of the changes */
     batch.begin = batch.end;
     batch.end = 1.0;
     status = status == PBW_OK ? pbw__batch_all(core, &batch, 0) : status;
@@ -15911,6 +15911,7 @@ static pbw_status pbw__shift_all(pbw_live *live, size_t most_effort)
     batch.near = pbw__near_leaving;
     batch.change = pbw__change_place;
     batch.count = count;
+    batch.slots = live->dim == 3 ? 2 : 0;            /* they go back, but not to the task that has to insert */
     batch.most_effort = most_effort;
     batch.end = 0.9;
     core->effort = core->reinserted = core->open_count = 0;
