@@ -2948,47 +2948,16 @@ static long long pbwio__number_of(const pbwio__writer *w, size_t i)
     return (long long)(w->number == NULL ? i : w->number[i]) + w->base;
 }
 
-static void pbwio__numbers(pbwio__writer *w, char which)
+/* Of a simplex or facet. */
+static void pbwio__element_numbers(pbwio__writer *w, char which)
 {
     static const unsigned char side2[3] = { 2, 3, 1 }, side3[4] = { 3, 4, 2, 1 };    /* as Abaqus counts facets */
     const pbw_mesh *mesh = w->mesh;
-    size_t i, n, width = 3, surface = w->corners == 4 ? w->facet_count : w->cell_count;
+    size_t i, n;
     double row[4][3];
     pbw_index corner[4];
     switch (which) {
-        /* of the mesh */
-        case 'd': pbwio__int(w, mesh->dim, 4); break;
-        case 'n': pbwio__int(w, (long long)w->point_count, 8); break;
-        case 'c': pbwio__int(w, (long long)w->cell_count, 8); break;
-        case 'f': pbwio__int(w, (long long)w->facet_count, 8); break;
-        case 's': pbwio__int(w, (long long)surface, 4); break;
-        case 'e': pbwio__int(w, (long long)(w->cell_count + w->facet_count), 8); break;
-        case 'B':                                                    /* the box around all points */
-            for (i = 0; i < 6; i++) {
-                pbwio__real(w, pbwio__extreme(w, i % 3, i < 3 ? 1 : -1));
-            }
-            break;
-        /* of a point: its number and id, coordinates (3 of them), weight, normal, whether it is on a facet */
-        case 'i': pbwio__int(w, pbwio__number_of(w, w->point), 8); break;
-        case 'o': pbwio__int(w, (long long)w->point, 4); break;
-        case 'x': width = w->dim;                                    /* fall through */
-        case 'X':
-            for (i = 0; i < width; i++) {
-                pbwio__real(w, i < w->dim ? mesh->points[w->dim * w->point + i] : 0.0);
-            }
-            break;
-        case 'w':
-            if (mesh->weights != NULL) {
-                pbwio__real(w, mesh->weights[w->point]);
-            }
-            break;
-        case 'm':
-            for (i = 0; i < 3 && w->normals != NULL; i++) {
-                pbwio__real(w, w->normals[3 * w->point + i]);
-            }
-            break;
-        case 'b': pbwio__int(w, w->boundary != NULL && w->boundary[w->point], 4); break;
-        /* of a simplex or facet: its number among both, its points, the same with their normals */
+        /* its number among both, its points, the same with their normals */
         case 'j': pbwio__int(w, (long long)(w->element + w->base), 8); break;
         case 'v':
         case 'V':
@@ -3033,6 +3002,47 @@ static void pbwio__numbers(pbwio__writer *w, char which)
         case 'u': pbwio__real(w, w->output->values[w->simplex]); break;
         case 'a': pbwio__int(w, (long long)((w->cell + 1) * w->corners), 8); break;
         case 't': pbwio__int(w, w->corners == 4 ? 10 : 5, 1); break;
+    }
+}
+
+static void pbwio__numbers(pbwio__writer *w, char which)
+{
+    const pbw_mesh *mesh = w->mesh;
+    size_t i, width = 3, surface = w->corners == 4 ? w->facet_count : w->cell_count;
+    switch (which) {
+        /* of the mesh */
+        case 'd': pbwio__int(w, mesh->dim, 4); break;
+        case 'n': pbwio__int(w, (long long)w->point_count, 8); break;
+        case 'c': pbwio__int(w, (long long)w->cell_count, 8); break;
+        case 'f': pbwio__int(w, (long long)w->facet_count, 8); break;
+        case 's': pbwio__int(w, (long long)surface, 4); break;
+        case 'e': pbwio__int(w, (long long)(w->cell_count + w->facet_count), 8); break;
+        case 'B':                                                    /* the box around all points */
+            for (i = 0; i < 6; i++) {
+                pbwio__real(w, pbwio__extreme(w, i % 3, i < 3 ? 1 : -1));
+            }
+            break;
+        /* of a point: its number and id, coordinates (3 of them), weight, normal, whether it is on a facet */
+        case 'i': pbwio__int(w, pbwio__number_of(w, w->point), 8); break;
+        case 'o': pbwio__int(w, (long long)w->point, 4); break;
+        case 'x': width = w->dim;                                    /* fall through */
+        case 'X':
+            for (i = 0; i < width; i++) {
+                pbwio__real(w, i < w->dim ? mesh->points[w->dim * w->point + i] : 0.0);
+            }
+            break;
+        case 'w':
+            if (mesh->weights != NULL) {
+                pbwio__real(w, mesh->weights[w->point]);
+            }
+            break;
+        case 'm':
+            for (i = 0; i < 3 && w->normals != NULL; i++) {
+                pbwio__real(w, w->normals[3 * w->point + i]);
+            }
+            break;
+        case 'b': pbwio__int(w, w->boundary != NULL && w->boundary[w->point], 4); break;
+        default: pbwio__element_numbers(w, which);
     }
 }
 

@@ -591,7 +591,9 @@ static size_t pbwm3__turned_root(const pbwm3__turned *trees, size_t i, int *agai
     return i;
 }
 
-/* Joins the triangles at edges of two, and lists the open edges: two points each, as their triangle has them. */
+typedef struct pbwm3__rim { pbw_index a, b, triangle, next; } pbwm3__rim;    /* an open edge; another from a */
+
+/* Joins the triangles at edges of two, and lists the open edges, as their triangles have them. */
 static int pbwm3__join_shells(pbwm3__work *w, const pbwm3__turned *trees, pbwsf__array *open)
 {
     const size_t count = 3 * (w->triangles.count);
@@ -606,9 +608,13 @@ static int pbwm3__join_shells(pbwm3__work *w, const pbwm3__turned *trees, pbwsf_
         w->report->crowded_edges += k - i > 2;
         if (k - i == 1) {
             const size_t at = edge[i].v[2] ? 0 : 1;
-            const pbw_index pair[3] = { edge[i].v[at], edge[i].v[1 - at], edge[i].t };
+            pbwm3__rim rim;
+            rim.a = edge[i].v[at];
+            rim.b = edge[i].v[1 - at];
+            rim.triangle = edge[i].t;
+            rim.next = PBW_NONE;
             w->report->open_edges++;
-            good = pbwm3__append(w, open, pair, sizeof pair);
+            good = pbwm3__append(w, open, &rim, sizeof rim);
         } else if (k - i == 2) {
             int first, second;
             const size_t a = pbwm3__turned_root(trees, edge[i].t, &first);
@@ -800,12 +806,10 @@ static int pbwm3__close_loop(pbwm3__work *w, const pbw_index *loop, size_t n, pb
     return good;
 }
 
-typedef struct pbwm3__rim { pbw_index a, b, triangle; } pbwm3__rim;          /* an open edge */
-
-/* Lists the points of the loop that starts with a rim, and marks its rims used (triangle = PBW_NONE); head and link:
-   the rims at each point.  Returns 0 without memory; *closed: whether it comes back. */
+/* Lists the points of the loop that starts with a rim, and marks its rims used (triangle = PBW_NONE); head: the first
+   rim from each point.  Returns 0 without memory; *closed: whether it comes back. */
 static int pbwm3__walk_loop(pbwm3__work *w, pbwm3__rim *rim, size_t start, const pbw_index *head,
-                            const pbw_index *link, pbwsf__array *loop, int *closed)
+                            pbwsf__array *loop, int *closed)
 {
     pbw_index at = (pbw_index)start;
     loop->count = 0;
@@ -816,7 +820,7 @@ static int pbwm3__walk_loop(pbwm3__work *w, pbwm3__rim *rim, size_t start, const
         }
         *closed = rim[at].b == rim[start].a;
         for (at = *closed ? PBW_NONE : head[rim[at].b]; at != PBW_NONE && rim[at].triangle == PBW_NONE;
-             at = link[at]) {
+             at = rim[at].next) {
         }
     }
     return 1;
@@ -850,14 +854,12 @@ static int pbwm3__compare_holes(const void *a, const void *b)
 static int pbwm3__find_holes(pbwm3__work *w, pbwsf__array *open)
 {
     pbwm3__rim *rim = (pbwm3__rim *)open->data;
-    pbwsf__array heads, links, loop;
+    pbwsf__array heads, loop;
     size_t i, k;
     int good, closed = 0;
     memset(&heads, 0, sizeof heads);
-    memset(&links, 0, sizeof links);
     memset(&loop, 0, sizeof loop);
-    good = pbwsf__resize(&w->memory, &heads, (w->vertices.count + 1) * sizeof(pbw_index))
-        && pbwsf__resize(&w->memory, &links, (open->count + 1) * sizeof(pbw_index));
+    good = pbwsf__resize(&w->memory, &heads, (w->vertices.count + 1) * sizeof(pbw_index));
     if (good) {
         memset(heads.data, 0xff, heads.bytes);
     }
@@ -869,14 +871,13 @@ static int pbwm3__find_holes(pbwm3__work *w, pbwsf__array *open)
         ((pbwm3__shell *)w->shells.data)[((const pbw_index *)w->shell.data)[rim[i].triangle]].open = 1;
         rim[i].a = c[(k + 1) % 3] == rim[i].b ? a : rim[i].b;    /* as the triangle is turned now */
         rim[i].b = rim[i].a == a ? rim[i].b : a;
-        ((pbw_index *)links.data)[i] = ((const pbw_index *)heads.data)[rim[i].a];
+        rim[i].next = ((const pbw_index *)heads.data)[rim[i].a];
         ((pbw_index *)heads.data)[rim[i].a] = (pbw_index)i;
     }
     for (i = 0; good && i < open->count; i++) {
         const pbw_index triangle = rim[i].triangle;
         good = triangle == PBW_NONE
-            || (pbwm3__walk_loop(w, rim, i, (const pbw_index *)heads.data, (const pbw_index *)links.data, &loop,
-                                 &closed)
+            || (pbwm3__walk_loop(w, rim, i, (const pbw_index *)heads.data, &loop, &closed)
                 && pbwm3__name_hole(w, (const pbw_index *)loop.data, loop.count, closed,
                                     ((const pbw_index *)w->shell.data)[triangle]));
     }
@@ -887,7 +888,6 @@ static int pbwm3__find_holes(pbwm3__work *w, pbwsf__array *open)
     }
     w->report->holes = w->holes.count;
     pbwsf__release(&w->memory, &heads);
-    pbwsf__release(&w->memory, &links);
     pbwsf__release(&w->memory, &loop);
     return good;
 }
