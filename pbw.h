@@ -16067,9 +16067,10 @@ static int pbw__live_near(const pbw_live *live)
     const size_t dim = (size_t)live->dim, step = live->queue_count / 64 + 1;
     size_t i, k, seen = 0, far = 0;
     for (i = 0; i < live->queue_count; i += step) {
-        const pbw_index id = live->queue[i], v = core->vertex[id];
-        const unsigned both = live->state[id] & (PBW__LEAVES | PBW__ARRIVES);
-        if (both == (PBW__LEAVES | PBW__ARRIVES) && core->twin[id] == id && core->incident[v] < PBW__GONE) {
+        const pbw_index id = live->queue[i];
+        const int moves = (live->state[id] & PBW__LEAVES) != 0 && (live->state[id] & PBW__ARRIVES) != 0;
+        const pbw_index v = moves ? core->vertex[id] : PBW__GHOST;             /* others may have no vertex yet */
+        if (moves && core->twin[id] == id && core->incident[v] < PBW__GONE) {
             const pbw_index *corner = core->kernel.corner + 4 * (size_t)core->incident[v];
             const double *x = pbw__core_record(core, v), *y = pbw__live_point(live, id);
             const double *z = pbw__core_record(core, corner[corner[0] == v]);

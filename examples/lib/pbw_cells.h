@@ -3022,7 +3022,7 @@ static void pbwc__join_loops(const pbwc__joining *joining, size_t r, pbw_index v
     const pbwc__job *job = joining->job;
     const pbwc__range *range = (const pbwc__range *)job->ranges.data + r;
     const size_t dim = (size_t)job->mesh->dim, simplices = job->mesh->simplex_count;
-    const pbw_index *counts = PBWC__INDICES(range->loop_counts) + facet, *from = PBWC__INDICES(range->loops) + at;
+    const pbw_index *counts = PBWC__INDICES(range->loop_counts), *from = PBWC__INDICES(range->loops);
     const pbw_index vertices = (pbw_index)(joining->vertices[r] / dim - simplices);
     const pbw_index rays = (pbw_index)(joining->rays[r] / dim);
     const pbw_index ray = PBW_NONE - (pbw_index)(range->rays.count / dim);
@@ -3030,10 +3030,10 @@ static void pbwc__join_loops(const pbwc__joining *joining, size_t r, pbw_index v
     size_t i, entry = begin;
     for (i = job->first[v]; i < job->first[v + 1]; i++) {
         joining->loop_first[i] = entry;
-        entry += *counts++;
+        entry += counts[facet++];
     }
     for (i = begin; i < end; i++) {
-        const pbw_index corner = *from++;
+        const pbw_index corner = from[at++];
         joining->loops[i] = corner < simplices ? corner : corner >= ray ? corner - rays : corner + vertices;
     }
 }
