@@ -146,9 +146,9 @@ $B/plane.log $B/program.log $B/programs.log $B/queries.log $B/tiles.log: $B/pbw
 $B/tiles.log: $(MPI)
 $B/hashes.log $B/oracle.log $B/cells.log: $B/libpbw.a
 
-# One that does not compile is a failure, and the others still run.
-test-all: LOGS = $(TESTS:%=$B/%.log) $(SCRIPTS:%=$B/%.log)
-test: LOGS = $(TESTS:%=$B/%.log) $(patsubst %,$B/%.log,$(filter-out $(LONG),$(SCRIPTS)))
+# One that does not compile is a failure, and the others still run.  The long ones first, so that none runs alone in the end.
+test-all: LOGS = $(SCRIPTS:%=$B/%.log) $(TESTS:%=$B/%.log)
+test: LOGS = $(patsubst %,$B/%.log,$(filter-out $(LONG),$(SCRIPTS))) $(TESTS:%=$B/%.log)
 test: export QUICK = 1
 QUICK_test_predicates = --count 50000
 QUICK_test_threads = --count 500
