@@ -2149,9 +2149,22 @@ static int pbwm3__facet_wants(const pbwm3__work *w, size_t t, int i, pbwm3__wish
         wish->inside = PBWM3__KIND(w)[f[k]] == PBWM3__INSIDE ? f[k] : wish->inside;
         p[k] = (PBWM3__X(w, f[0])[k] + PBWM3__X(w, f[1])[k] + PBWM3__X(w, f[2])[k]) / 3;
     }
-    return inner != outer
-        && (bridge || wish->inside != PBW_NONE
-            || pbw_surface_closest(&w->surface, p, w->distance * pbwm3__size(w, p), place) == PBW_NONE);
+    if (inner == outer) {
+        return 0;
+    }
+    if (bridge || wish->inside != PBW_NONE
+        || pbw_surface_closest(&w->surface, p, w->distance * pbwm3__size(w, p), place) == PBW_NONE) {
+        return 1;
+    }
+    for (i = 0; i < 3; i++) {
+        for (k = 0; k < 3; k++) {
+            p[k] = (PBWM3__X(w, f[i])[k] + PBWM3__X(w, f[(i + 1) % 3])[k]) / 2;
+        }
+        if (pbw_surface_closest(&w->surface, p, w->distance * pbwm3__size(w, p), place) == PBW_NONE) {
+            return 1;
+        }
+    }
+    return 0;
 }
 
 /* Adds the point of the surface nearest to p unless others are near; it takes the place of a near one inside.
@@ -2583,6 +2596,7 @@ static pbw_status pbwm3__finish(pbwm3__work *w, pbw_tets *out)
     improve.feature_angle = improve.feature_angle > 0 ? improve.feature_angle : 75;      /* features are marked */
     improve.project = pbwm3__project;
     improve.project_user = w;
+    improve.distance = improve.distance > 0 ? improve.distance : 1.48 * w->distance * w->size;
     improve.passes = improve.target < 0 ? -1 : improve.passes;
     improve.target = improve.target < 0 ? 0 : improve.target;
     own.progress = pbwm3__last_part;
