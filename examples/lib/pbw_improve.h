@@ -523,6 +523,7 @@ enum {
 };
 #define PBWIM__GAIN 1e-3                   /* of the least sine, below which no operation is worth it */
 #define PBWIM__PROGRESS 0.1                /* of what lacks to the target, below which no smoothing is worth it */
+#define PBWIM__ROOM 0.7                    /* of the distance that boundary facets may have: kept at first */
 #define PBWIM__BEND 0.90630778703665       /* cos 25 degrees: by more, boundary facets do not turn */
 
 typedef struct pbwim__mesh {
@@ -2691,6 +2692,14 @@ static double pbwim__badness(const pbwim__mesh *m)
     return bad * (1 - least);
 }
 
+/* Once passes gain no more, lets the boundary come as far from the surface as it may; first it keeps to less. */
+static int pbwim__gives_room(pbwim__mesh *m, const pbw_improve_options *how)
+{
+    const int gives = how != NULL && m->distance < how->distance;
+    m->distance = gives ? how->distance : m->distance;
+    return gives;
+}
+
 /* Passes end, too, when eight of them changed the badness by less than 3 %. */
 static pbw_status pbwim__passes(pbwim__mesh *m, const pbw_improve_options *how)
 {
@@ -2708,7 +2717,7 @@ static pbw_status pbwim__passes(pbwim__mesh *m, const pbw_improve_options *how)
         status = pbwim__smooth_all(m, how, end);
         done[0] = 0.5;
     }
-    while (status == PBW_OK && m->report->passes < most && (changes > 0 || !all)) {
+    while (status == PBW_OK && m->report->passes < most && (changes > 0 || !all || pbwim__gives_room(m, how))) {
         all = m->report->passes % 4 == 3 || changes * 5 < m->queue.count || changes == 0;
         done[1] = done[0] + (1 - done[0]) / 8;
         status = pbwim__pass(m, all, done, end, &changes);
@@ -2716,7 +2725,7 @@ static pbw_status pbwim__passes(pbwim__mesh *m, const pbw_improve_options *how)
         m->report->passes++;
         if (m->report->passes % 8 == 0) {
             const double now = pbwim__badness(m);
-            if (now > 0.97 * bad) {
+            if (now > 0.97 * bad && !pbwim__gives_room(m, how)) {
                 break;
             }
             bad = now;
@@ -2902,7 +2911,7 @@ PBWIMPROVEDEF pbw_status pbw_improve(const pbw_tets *mesh, const pbw_improve_opt
     m.options = options;
     m.project = how != NULL ? how->project : NULL;
     m.project_user = how != NULL ? how->project_user : NULL;
-    m.distance = how != NULL ? how->distance : 0;
+    m.distance = how != NULL ? PBWIM__ROOM * how->distance : 0;
     m.sized = how != NULL && how->sizes != NULL;
     m.target = sin(target / 57.295779513082321);
     m.report = report;
