@@ -1198,6 +1198,30 @@ PBW__SIMD_INLINE pbw__d4 pbw__load4d(const double *from)
     return PBW__BY_ISA(_mm256_loadu_pd(from), pbw__join(vld1q_f64(from), vld1q_f64(from + 2)));
 }
 
+/* Stores a[i], b[i], c[i], d[i], rounded, as row i of 4. */
+PBW__SIMD_INLINE void pbw__store_rows(float *to, pbw__d4 a, pbw__d4 b, pbw__d4 c, pbw__d4 d)
+{
+#ifdef PBW__AVX2
+    __m128 row[4];
+    int i;
+    row[0] = _mm256_cvtpd_ps(a);
+    row[1] = _mm256_cvtpd_ps(b);
+    row[2] = _mm256_cvtpd_ps(c);
+    row[3] = _mm256_cvtpd_ps(d);
+    _MM_TRANSPOSE4_PS(row[0], row[1], row[2], row[3]);
+    for (i = 0; i < 4; i++) {
+        _mm_storeu_ps(to + 4 * i, row[i]);
+    }
+#else
+    float32x4x4_t columns;
+    columns.val[0] = vcvt_high_f32_f64(vcvt_f32_f64(pbw__half0(a)), pbw__half1(a));
+    columns.val[1] = vcvt_high_f32_f64(vcvt_f32_f64(pbw__half0(b)), pbw__half1(b));
+    columns.val[2] = vcvt_high_f32_f64(vcvt_f32_f64(pbw__half0(c)), pbw__half1(c));
+    columns.val[3] = vcvt_high_f32_f64(vcvt_f32_f64(pbw__half0(d)), pbw__half1(d));
+    vst4q_f32(to, columns);
+#endif
+}
+
 PBW__SIMD_INLINE pbw__d4 pbw__drop_last(pbw__d4 x)   /* zero in lane 3 */
 {
     return PBW__BY_ISA(_mm256_blend_pd(x, _mm256_setzero_pd(), 8),
@@ -13665,6 +13689,7 @@ typedef struct pbw__verifying {
     pbw__core *core;
     double o[4], ahead[4];                           /* a point inside of a simplex; another one on a ray from it */
     size_t inverted, failing, most, covers;          /* most: failing ones to go on with */
+    float *row;                                      /* of four, a triangle, in the plane */
 } pbw__verifying;
 
 /* Whether the simplex in slot t, a ghost too, is in conflict with p: see pbw__in_conflict. */
@@ -13940,6 +13965,177 @@ static pbw_status pbw__verify_range(void *arg, size_t from, size_t to)
     return PBW_OK;
 }
 
+/* ---- in the plane, without weights
+   An edge is locally Delaunay if the angles across from it, at d in one triangle and at e in the other, add up to less
+   than a half turn: sin(d + e) > 0 (Cline and Renka 1984).  With dot and area, the dot product and the determinant of
+   the two edges that meet in a corner, that is dot_d area_e + dot_e area_d > 0.  So each triangle is looked at once,
+   and no coordinates behind its edges are.  (The sum is the determinant of the test by lifts.)
+
+   A row has the three dots of a triangle and its area, all divided by the square of its longest edge, in single
+   precision.  Dot and area are sums of two products of differences: with 4 roundings each, their errors are at most
+   4 u times |edge| |edge|, u = 2^-52 in any rounding mode (see >>predicates); division and conversion, to floats of
+   2^-23, add less than 2^-23 (1 + 2^-20) times |dot| / longest^2 <= 1.  A product of two entries has an error of at
+   most 3 * 2^-23 (1 + 2^-19), its own rounding included, and the sum of two products of 8 * 2^-23 = 9.6e-7.  What
+   underflows costs less than 2^-100; where the square of the longest edge is below 1e-250, rows become 0, and where
+   it overflows, 0 or NaN: both leave the sign open. */
+#define PBW__ROW_ERROR 1e-6f
+#define PBW__LEAST_EDGE 1e-250                       /* squared */
+
+/* The row of the triangle in slot t; returns whether it is certainly positive. */
+static int pbw__row_of(const pbw__core *core, size_t t, float *row)
+{
+    const pbw_index *v = core->kernel.corner + 4 * t;
+    const double *a = core->record + 3 * (size_t)v[0], *b = core->record + 3 * (size_t)v[1];
+    const double *c = core->record + 3 * (size_t)v[2];
+    const double abx = b[0] - a[0], aby = b[1] - a[1], acx = c[0] - a[0], acy = c[1] - a[1];
+    const double bcx = c[0] - b[0], bcy = c[1] - b[1];
+    const double area = abx * acy - aby * acx, at_a = abx * acx + aby * acy;
+    const double at_b = -(abx * bcx + aby * bcy), at_c = acx * bcx + acy * bcy;
+    const double edge = pbw__max(pbw__max(at_a + at_b, at_b + at_c), pbw__max(at_c + at_a, PBW__LEAST_EDGE));
+    const double scale = 1.0 / edge;
+    row[0] = (float)(at_a * scale);
+    row[1] = (float)(at_b * scale);
+    row[2] = (float)(at_c * scale);
+    row[3] = (float)(area * scale);
+    return area > edge * PBW__ORIENT2_ERROR;
+}
+
+#ifdef PBW__SIMD
+/* The rows of the triangles in slots t..t+3; returns the set of those that are certainly positive.  Free slots and
+   ghosts get NaN, from the record of the ghost. */
+PBW__SIMD static PBW__NOINLINE unsigned pbw__rows_of(const pbw__core *core, size_t t, float *rows)
+{
+    const pbw_index *v = core->kernel.corner + 4 * t;
+    const double *at[3][4];
+    pbw__d4 ax, ay, bx, by, cx, cy, area, at_a, at_b, at_c, edge, scale;
+    unsigned i, k;
+    for (i = 0; i < 4; i++, v += 4) {
+        const pbw_index used = 0 - (pbw_index)(v[0] != PBW_NONE);
+        for (k = 0; k < 3; k++) {
+            at[k][i] = core->record + 3 * (size_t)(v[k] & used);
+        }
+    }
+    pbw__columns(at[0][0], at[0][1], at[0][2], at[0][3], &ax, &ay);
+    pbw__columns(at[1][0], at[1][1], at[1][2], at[1][3], &bx, &by);
+    pbw__columns(at[2][0], at[2][1], at[2][2], at[2][3], &cx, &cy);
+    {
+        const pbw__d4 abx = bx - ax, aby = by - ay, acx = cx - ax, acy = cy - ay, bcx = cx - bx, bcy = cy - by;
+        area = pbw__det2(abx, aby, acx, acy);
+        at_a = pbw__fma(abx, acx, aby * acy);
+        at_b = pbw__splat(0.0) - pbw__fma(abx, bcx, aby * bcy);
+        at_c = pbw__fma(acx, bcx, acy * bcy);
+    }
+    edge = pbw__max4(pbw__max4(at_a + at_b, at_b + at_c), pbw__max4(at_c + at_a, pbw__splat(PBW__LEAST_EDGE)));
+    scale = pbw__splat(1.0) / edge;
+    pbw__store_rows(rows, at_a * scale, at_b * scale, at_c * scale, area * scale);
+    return pbw__signs(pbw__greater(area, edge * pbw__splat(PBW__ORIENT2_ERROR)));
+}
+#endif
+
+/* Rows of all triangles. */
+static pbw_status pbw__verify_rows(void *arg, size_t from, size_t to)
+{
+    pbw__verifying *verifying = (pbw__verifying *)arg;
+    const pbw__core *core = verifying->core;
+    const pbw_index *corner = core->kernel.corner;
+    size_t inverted = 0, t, i;
+#ifdef PBW__SIMD
+    const int simd = pbw__simd_works();
+#else
+    const int simd = 0;
+#endif
+    if (PBW__LOAD(&verifying->inverted) > 0) {
+        return PBW__ANEW;
+    }
+    for (t = from; t < to; t += 4) {
+        const size_t some = to - t < 4 ? to - t : 4;
+        unsigned positive = 0;
+#ifdef PBW__SIMD
+        positive = simd && some == 4 ? pbw__rows_of(core, t, verifying->row + 4 * t) : 0;
+#endif
+        for (i = 0; i < some && positive != 15; i++) {
+            const size_t s = t + i;
+            const int finite = corner[4 * s] != PBW_NONE && corner[4 * s + 2] != PBW__GHOST;
+            if (simd && some == 4) {
+                inverted += finite && (positive >> i & 1) == 0 && pbw__slot_side(core, s, 3, NULL) <= 0;
+            } else if (finite) {
+                inverted += !pbw__row_of(core, s, verifying->row + 4 * s) && pbw__slot_side(core, s, 3, NULL) <= 0;
+            } else {
+                memset(verifying->row + 4 * s, 0, 4 * sizeof(float));
+            }
+        }
+    }
+    (void)PBW__ADD(&verifying->inverted, inverted);
+    return PBW_OK;
+}
+
+/* Which edges of the triangle in slot t, of those tested on this side, are not locally Delaunay: exactly. */
+static PBW__NOINLINE unsigned pbw__edge_faults(const pbw__core *core, size_t t)
+{
+    const pbw_index *corner = core->kernel.corner;
+    const pbw__link *link = core->kernel.link + 4 * t;
+    unsigned faults = 0, k;
+    for (k = 0; k < 3; k++) {
+        const pbw_index far = corner[link[k]];
+        if (far != PBW__GHOST && t < link[k] >> 2 && pbw__slot_conflict(core, t, pbw__core_record(core, far))) {
+            faults |= 1u << k;
+        }
+    }
+    return faults;
+}
+
+/* Judges the edges by the rows on both sides, and the ghosts. */
+static pbw_status pbw__verify_edges(void *arg, size_t from, size_t to)
+{
+    pbw__verifying *verifying = (pbw__verifying *)arg;
+    pbw__core *core = verifying->core;
+    const pbw_index *corner = core->kernel.corner;
+    const float *row = verifying->row;
+    size_t failing = 0, t;
+    if (PBW__LOAD(&verifying->failing) > verifying->most) {
+        return PBW__ANEW;
+    }
+    for (t = from; t < to; t++) {
+        const pbw__link *link = core->kernel.link + 4 * t;
+        const float *own = row + 4 * t;
+        unsigned certain = 1, k, faults;
+        if (corner[4 * t] == PBW_NONE) {
+            continue;
+        }
+        for (k = 0; k < 3; k++) {
+            certain &= own[k] * row[link[k] | 3] + row[link[k]] * own[3] > PBW__ROW_ERROR;
+        }
+        if (PBW__UNLIKELY(!certain)) {
+            faults = corner[4 * t + 2] == PBW__GHOST ? pbw__slot_faults(core, t, 0, 2) : pbw__edge_faults(core, t);
+            core->kernel.mark[t] = (unsigned char)faults;
+            failing += faults != 0;
+        }
+    }
+    (void)PBW__ADD(&verifying->failing, failing);
+    return PBW_OK;
+}
+
+/* Looks at all simplices: which are not positive, and which facets are not locally regular. */
+static pbw_status pbw__verify_all(pbw__verifying *verifying)
+{
+    pbw__core *core = verifying->core;
+    pbw__context *context = core->kernel.context;
+    const size_t count = core->store.count;
+    pbw_status status;
+    if (core->kernel.dim == 3 || core->kernel.weighted) {
+        return pbw__for_range(context, count, 4096, 0.5, pbw__verify_range, verifying);
+    }
+    verifying->row = (float *)pbw__allocate(&context->memory, 4 * count, sizeof(float));
+    if (verifying->row == NULL) {
+        return PBW_ERROR_MEMORY;
+    }
+    status = pbw__for_range(context, count, 4096, 0.25, pbw__verify_rows, verifying);
+    status = status == PBW_OK && verifying->inverted > 0 ? PBW__ANEW : status;
+    status = status == PBW_OK ? pbw__for_range(context, count, 4096, 0.5, pbw__verify_edges, verifying) : status;
+    pbw__release(&context->memory, verifying->row, 4 * count, sizeof(float));
+    return status;
+}
+
 /* Whether the ray from o through `ahead` meets the facet of the ghost in slot t, closed: ahead - o is a sum of its
    corners - o with no coefficient negative. */
 static int pbw__ray_meets(const pbw__verifying *verifying, size_t t)
@@ -14126,7 +14322,7 @@ static pbw_status pbw__flip_marked(pbw__core *core, size_t most)
     size_t count = 0, t;
     unsigned k;
     for (t = 0; t < core->store.count; t++) {
-        for (k = 0; k < 3 && kernel->corner[4 * t] != PBW_NONE && kernel->mark[t] != 0; k++) {
+        for (k = 0; k < 3 && kernel->mark[t] != 0 && kernel->corner[4 * t] != PBW_NONE; k++) {
             if (!PBW__CORE_GROW(core, rim_vertex, count + 1)) {
                 return PBW_ERROR_MEMORY;
             }
@@ -14148,7 +14344,7 @@ static pbw_status pbw__verify(pbw__core *core, size_t most)
     memset(&verifying, 0, sizeof(verifying));
     verifying.core = core;
     verifying.most = core->kernel.dim == 3 || core->kernel.weighted ? 0 : most;
-    status = pbw__for_range(context, core->store.count, 4096, 0.5, pbw__verify_range, &verifying);
+    status = pbw__verify_all(&verifying);
     if (status == PBW_OK && verifying.failing > 0) {
         status = verifying.inverted > 0 || verifying.failing > verifying.most ? PBW__ANEW
                : pbw__flip_marked(core, most);
