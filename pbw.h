@@ -3057,14 +3057,15 @@ PBWDEF int pbw_conflict3(const double a[3], const double b[3], const double c[3]
    the box's grid, along the curve.
    ------------------------------------------------------------------------------------------------------ */
 typedef struct pbw__input {
-    int dim, is_float, borrow;
+    int dim, is_float, borrow, bare;                 /* bare: no two points are at one place, and only their order is
+                                                        wanted, so no records and canonical points are made */
     size_t count, stride, weight_stride;
     const char *points, *weights;
 } pbw__input;
 
 static pbw__input pbw__input_of(int dim, int is_float, const void *points, const void *weights, size_t count)
 {
-    const pbw__input input = { dim, is_float, 0, count, 0, 0, (const char *)points, (const char *)weights };
+    const pbw__input input = { dim, is_float, 0, 0, count, 0, 0, (const char *)points, (const char *)weights };
     return input;
 }
 
@@ -3485,7 +3486,7 @@ static uint64_t *pbw__sort_keys(pbw__sorting *sorting, int low, int bits)
 typedef struct pbw__vertices {
     int dim, weighted;
     size_t count;                                    /* vertices, the ghost not counted */
-    size_t point_count, duplicate_count;
+    size_t point_count, duplicate_count, width;      /* width: of a record; 1 if there are none: see pbw__input */
     double *record;                                  /* (count+1)*(dim+1): coordinates, weight */
     pbw_index *id;                                   /* count+1: the caller's number of each vertex */
     pbw_index *canonical;                            /* point_count */
@@ -3601,7 +3602,7 @@ PBW__INLINE void pbw__keying_share(const pbw__keying *keying, size_t i, size_t t
         }
         pbw__fetch_of(ordering->input, index, x, dim);
         keys[i] = pbw__hilbert_key(&ordering->curve, &box, x, dim, levels) << index_bits | (uint64_t)index;
-        if (keying->all) {
+        if (keying->all && !ordering->input->bare) {
             ordering->vertices->canonical[i] = (pbw_index)i;
         }
     }
@@ -3654,7 +3655,7 @@ PBW__SIMD static size_t pbw__keying_plane(const pbw__keying *keying, size_t i, s
         key[1] = _mm256_or_si256(_mm256_sll_epi64(key[1], shift), _mm256_add_epi64(index, _mm256_set1_epi64x(4)));
         _mm256_storeu_si256((__m256i *)(void *)(keys + i), key[0]);
         _mm256_storeu_si256((__m256i *)(void *)(keys + i + 4), key[1]);
-        for (k = i; k < i + 8; k++) {
+        for (k = i; k < i + 8 && !input.bare; k++) {
             canonical[k] = (pbw_index)k;
         }
     }
@@ -3718,7 +3719,7 @@ static int pbw__order_keys(pbw__ordering *ordering, pbw__part *part, int all, pb
    pbw__sorting, or NULL: on this thread alone.  The records of the part, which are written later, serve as room. */
 static int pbw__order_sort(pbw__ordering *ordering, pbw__part *part, int low, uint32_t *start, int tasks)
 {
-    const size_t step = (size_t)ordering->input->dim + 1;
+    const size_t step = ordering->vertices->width;
     uint64_t *keys = ordering->keys + part->from, *sorted;
     pbw__sorting sorting = { ordering->context, keys, NULL, start, part->to - part->from, tasks, 0, 0 };
     sorting.b = (uint64_t *)(void *)(ordering->vertices->record + (part->from + 1) * step);
@@ -3815,6 +3816,9 @@ PBW__INLINE void pbw__order_place(const pbw__ordering *ordering, const pbw__part
     size_t from = range->from;
     double *record = ordering->vertices->record + r * (size_t)(dim + 1);
     pbw_index *id = ordering->vertices->id + r;
+    for (; from < to && input.bare; from++) {
+        *id++ = (pbw_index)(keys[from] & mask);
+    }
     for (; from < to; from++, record += dim + 1) {
         const size_t index = (size_t)(keys[from] & mask);
         pbw__fetch_soon(&input, (size_t)(keys[from + PBW__AHEAD < end ? from + PBW__AHEAD : from] & mask));
@@ -3832,7 +3836,10 @@ static size_t pbw__order_place_run(const pbw__ordering *ordering, const pbw__par
     const size_t step = (size_t)input->dim + 1;
     pbw__vertices *vertices = ordering->vertices;
     size_t i;
-    for (i = run->from; i < run->to; i++) {
+    for (i = run->from; i < run->to && input->bare; i++) {
+        vertices->id[++r] = (pbw_index)(keys[i] & mask);
+    }
+    for (; i < run->to; i++) {
         const size_t index = (size_t)(keys[i] & mask);
         double *record = vertices->record + (r + 1) * step;
         pbw__fetch_soon(input, (size_t)(keys[i + PBW__AHEAD < end ? i + PBW__AHEAD : i] & mask));
@@ -3922,7 +3929,7 @@ static void pbw__order_part(void *arg, int task)
         while (depth > 0 && i == end_of[depth]) {
             depth--;
         }
-        if (r - scanned >= PBW__SCANNED || i == part->to) {
+        if (!input->bare && (r - scanned >= PBW__SCANNED || i == part->to)) {
             pbw__grid_add(&share, vertices->record + (scanned + 1) * step, r - scanned, dim);
             scanned = r;
         }
@@ -4007,7 +4014,7 @@ static int pbw__order_is_thin(const pbw__ordering *ordering, int high)
 static void pbw__vertices_free(pbw__context *context, pbw__vertices *vertices)
 {
     size_t records = vertices->point_count + 1;
-    pbw__release(&context->memory, vertices->record, records * ((size_t)vertices->dim + 1), sizeof(double));
+    pbw__release(&context->memory, vertices->record, records * vertices->width, sizeof(double));
     pbw__release(&context->memory, vertices->id, records, sizeof(pbw_index));
     pbw__release(&context->memory, vertices->canonical, vertices->point_count, sizeof(pbw_index));
     vertices->record = NULL;
@@ -4021,7 +4028,8 @@ static int pbw__order_begin(pbw__ordering *ordering)
     pbw__context *context = ordering->context;
     pbw__memory *memory = &context->memory;
     pbw__vertices *vertices = ordering->vertices;
-    const size_t count = ordering->input->count, tasks = (size_t)ordering->tasks, step = (size_t)vertices->dim + 1;
+    const size_t count = ordering->input->count, tasks = (size_t)ordering->tasks, step = vertices->width;
+    const int bare = ordering->input->bare;
     pbw__block block[4];
     ordering->boxes = &ordering->box;
     ordering->parts = &ordering->part;
@@ -4034,7 +4042,7 @@ static int pbw__order_begin(pbw__ordering *ordering)
         pbw__curve_create(&ordering->curve, count, vertices->dim);
     }
     ordering->keys = (uint64_t *)pbw__allocate(memory, count, sizeof(uint64_t));
-    vertices->canonical = (pbw_index *)pbw__allocate(memory, count, sizeof(pbw_index));
+    vertices->canonical = bare ? NULL : (pbw_index *)pbw__allocate(memory, count, sizeof(pbw_index));
     vertices->id = (pbw_index *)pbw__allocate(memory, count + 1, sizeof(pbw_index));
     vertices->record = (double *)pbw__allocate(memory, (count + 1) * step, sizeof(double));
     block[0] = pbw__block_of(ordering->keys, 0, count * sizeof(uint64_t));
@@ -4043,8 +4051,8 @@ static int pbw__order_begin(pbw__ordering *ordering)
     block[3] = pbw__block_of(vertices->record, 0, (count + 1) * step * sizeof(double));
     pbw__populate(context, block, 4);
     return ordering->boxes != NULL && (ordering->start != NULL || tasks == 1) && ordering->parts != NULL
-        && ordering->shares != NULL && ordering->keys != NULL && vertices->canonical != NULL && vertices->id != NULL
-        && vertices->record != NULL;
+        && ordering->shares != NULL && ordering->keys != NULL && (vertices->canonical != NULL || bare)
+        && vertices->id != NULL && vertices->record != NULL;
 }
 
 static void pbw__order_end(pbw__ordering *ordering)
@@ -4082,7 +4090,7 @@ static int pbw__order_parts(pbw__ordering *ordering)
 static void pbw__order_close(const pbw__ordering *ordering, int parts)
 {
     pbw__vertices *vertices = ordering->vertices;
-    const size_t step = (size_t)vertices->dim + 1;
+    const size_t step = vertices->width;
     int p;
     for (p = 0; p < parts; p++) {
         const size_t from = ordering->parts[p].from + 1, unique = ordering->parts[p].unique;
@@ -4094,7 +4102,9 @@ static void pbw__order_close(const pbw__ordering *ordering, int parts)
         vertices->count += unique;
     }
     vertices->duplicate_count = vertices->point_count - vertices->count;
-    pbw__grid_close(&vertices->grid, ordering->shares, parts, vertices->dim);
+    if (!ordering->input->bare) {
+        pbw__grid_close(&vertices->grid, ordering->shares, parts, vertices->dim);
+    }
 }
 
 /* Orders the points, at least one.  Returns PBW_OK, or an error with all memory released. */
@@ -4116,9 +4126,10 @@ static pbw_status pbw__order(pbw__context *context, const pbw__input *input, pbw
     vertices->dim = dim;
     vertices->weighted = input->weights != NULL;
     vertices->point_count = input->count;
+    vertices->width = input->bare ? 1 : (size_t)dim + 1;
     if (pbw__order_begin(&ordering)) {
         parts = pbw__order_parts(&ordering);
-        memset(vertices->record, 0, ((size_t)dim + 1) * sizeof(double));
+        memset(vertices->record, 0, vertices->width * sizeof(double));
         vertices->record[0] = HUGE_VAL;              /* vectors know the ghost by it */
         vertices->id[0] = PBW_NONE;
         pbw__for(context, parts, pbw__order_part, &ordering);
@@ -16838,162 +16849,442 @@ PBWDEF pbw_status pbw_live_create(const pbw_mesh *mesh, const pbw_options *optio
 /* ------------------------------------------------------------------------------------------------------
    >>view         The arrays of a live triangulation.
    In: a core.  Out: a mesh, as pbw_triangulate gives it for the points that live.
-   The points are sorted along the curve as for a build, the simplices copied with ranks for vertices; the copy is
-   what >>output takes.
+   The vertices are sorted along the curve as for a build, which gives their ranks.  The simplices are put into the
+   canonical order of >>number, but into new arrays, as the core keeps its own: each is counted in the list of its
+   lowest rank; lists are sorted block by block, and written with their corners; then neighbours are looked up.
    ------------------------------------------------------------------------------------------------------ */
+#define PBW__LISTED ((size_t)512)                    /* ranks in a block */
+
 typedef struct pbw__viewing {
     const pbw_live *live;
-    const pbw_index *rank;                           /* per vertex */
-    pbw__store *store;
+    pbw_mesh *mesh;
+    pbw__emission emission;                          /* how lists are sorted: see >>number */
+    int alone;                                       /* one thread, which takes blocks in descending order */
+    size_t ranks, blocks, visible, duplicates;       /* ranks: with 0 */
+    const pbw_index *id;                             /* per rank */
+    pbw_index *rank;                                 /* per vertex */
+    pbw_index *number;                               /* per slot: its list, then its place */
+    unsigned char *turn;                             /* per slot: see pbw__canonical_order */
+    pbw_index *head;                                 /* per rank: where its list begins in the block; then its first
+                                                        simplex of this block, and, if there are several threads, */
+    pbw_index *outer;                                /* its first one of other blocks */
+    pbw_index *base;                                 /* per block: where it begins; behind the last: where that ends */
+    pbw_index *simplices, *neighbors, *incident;     /* the mesh's; before there are simplices: per slot, where it is
+                                                        in its list; before there are neighbours: in the first entry
+                                                        of each place, its slot */
 } pbw__viewing;
 
-static pbw_status pbw__view_slots(void *arg, size_t from, size_t to)
+/* ---- points
+   Those that wait in the queue have other coordinates than their vertices. */
+static pbw_status pbw__view_points(void *arg, size_t from, size_t to)
 {
-    const pbw__viewing *viewing = (const pbw__viewing *)arg;
-    const pbw__store *old = &viewing->live->core.store;
-    const pbw_index *rank = viewing->rank;
-    const unsigned dim = (unsigned)viewing->live->dim;
-    for (; from < to; from++) {
-        const pbw_index *v = old->corner + 4 * from;
-        pbw_index *u = viewing->store->corner + 4 * from;
-        unsigned k;
-        if (from >= old->count || v[0] == PBW_NONE) {
-            u[0] = PBW_NONE;
-            continue;
-        }
-        for (k = 0; k <= dim; k++) {
-            u[k] = rank[v[k]];
-        }
-        memcpy(viewing->store->link + 4 * from, old->link + 4 * from, 4 * sizeof(pbw__link));
-    }
-    return PBW_OK;
-}
-
-/* The simplices of a view: of a copy of the store, in ranks.  `list` has the vertices of the core by their places in
-   the input of `vertices`. */
-static pbw_status pbw__view_simplices(const pbw_live *live, pbw__context *context, pbw__vertices *vertices,
-                                      const pbw_index *list, pbw_mesh *mesh)
-{
-    const size_t ranks = live->core.vertex_count + 1;
-    pbw_index *rank = (pbw_index *)pbw__allocate(&context->memory, ranks, sizeof(pbw_index));
-    pbw__viewing viewing;
-    pbw__store store;
-    pbw_status status = rank == NULL ? PBW_ERROR_MEMORY : PBW_OK;
-    size_t r;
-    memset(&store, 0, sizeof(store));
-    if (status == PBW_OK) {
-        rank[0] = 0;
-        for (r = 1; r <= vertices->count; r++) {
-            const pbw_index v = list[vertices->id[r]];
-            vertices->id[r] = live->core.name[v];
-            rank[v] = (pbw_index)r;
-        }
-        status = pbw__store_create(context, &store, vertices->count, live->dim);
-    }
-    if (status == PBW_OK && store.capacity < live->core.store.count) {
-        status = pbw__store_reserve(context, &store, live->core.store.count);
-    }
-    if (status == PBW_OK) {
-        viewing.live = live;
-        viewing.rank = rank;
-        viewing.store = &store;
-        store.count = store.count > live->core.store.count ? store.count : live->core.store.count;
-        status = pbw__for_range(context, store.count, 16384, 0.1, pbw__view_slots, &viewing);
-    }
-    pbw__release(&context->memory, rank, ranks, sizeof(pbw_index));
-    if (status == PBW_OK) {
-        vertices->duplicate_count += live->numbers - vertices->point_count;      /* no vertices: not in incident */
-        status = pbw__output(context, &store, vertices, 0, (pbw__owned *)mesh->memory, mesh);
-    }
-    pbw__store_free(&context->memory, &store);
-    return status;
-}
-
-/* Points, weights, canonical of a view; for the order the points by vertices, which are nearly along the curve. */
-static pbw_status pbw__view_points(const pbw_live *live, pbw__context *context, pbw__stand *stand, pbw_mesh *mesh)
-{
-    pbw__memory *memory = &context->memory;
-    pbw__owned *owned = (pbw__owned *)mesh->memory;
+    pbw__viewing *viewing = (pbw__viewing *)arg;
+    const pbw_live *live = viewing->live;
     const pbw__core *core = &live->core;
-    const size_t dim = (size_t)live->dim, numbers = live->numbers;
-    double *points = (double *)pbw__allocate(memory, numbers * dim, sizeof(double));
-    double *weights = live->weighted_past ? (double *)pbw__allocate(memory, numbers, sizeof(double)) : NULL;
-    pbw_index *canonical = (pbw_index *)pbw__allocate(memory, numbers, sizeof(pbw_index)), v;
-    size_t i;
-    mesh->points = points;
-    mesh->weights = weights;
-    mesh->canonical = canonical;
-    owned->points = points != NULL ? numbers * dim : 0;
-    owned->weights = weights != NULL ? numbers : 0;
-    owned->canonical = canonical != NULL ? numbers : 0;
-    if (points == NULL || canonical == NULL || (weights == NULL && live->weighted_past)
-        || !pbw__stand_create(memory, stand, live->points, live->dim)) {
-        return PBW_ERROR_MEMORY;
-    }
-    memset(points, 0, numbers * dim * sizeof(double));
-    memset(canonical, 0xff, numbers * sizeof(pbw_index));
-    for (v = 1; v <= core->vertex_count; v++) {
-        const double *x = pbw__core_record(core, v);
-        const pbw_index soon = core->name[v + 16 < core->vertex_count ? v + 16 : v], id = core->name[v];
-        PBW__PREFETCH_TO_WRITE(points + soon * dim);
-        PBW__PREFETCH_TO_WRITE(canonical + soon);
-        if (core->incident[v] != PBW__GONE) {
-            memcpy(points + id * dim, x, dim * sizeof(double));
-            canonical[id] = id;
-            pbw__stand_add(stand, v, x, x[dim]);
+    const size_t dim = (size_t)live->dim;
+    double *points = (double *)(uintptr_t)viewing->mesh->points, *weights = (double *)(uintptr_t)viewing->mesh->weights;
+    pbw_index *canonical = (pbw_index *)(uintptr_t)viewing->mesh->canonical;
+    const int settled = live->queue_count == 0 && core->twin != NULL;
+    size_t duplicates = 0, i;
+    for (i = from; i < to; i++) {
+        const int lives = (live->state[i] & PBW__LIVES) != 0, single = settled && lives && core->twin[i] == i;
+        const pbw_index v = lives && !single ? core->vertex[i] : PBW__GHOST;
+        const double *x = single ? live->point + i * dim : pbw__core_record(core, v);
+        if (lives) {
+            memcpy(points + i * dim, x, dim * sizeof(double));
+        } else {
+            memset(points + i * dim, 0, dim * sizeof(double));
         }
-    }
-    for (i = 0; i < numbers; i++) {                  /* duplicates follow: of those at one place the first counts */
-        const int lives = (live->state[i] & PBW__LIVES) != 0;
+        canonical[i] = single ? (pbw_index)i : lives ? core->name[v] : PBW_NONE;
+        duplicates += lives && canonical[i] != i;
         if (weights != NULL) {
             weights[i] = lives ? live->weight[i] : 0.0;
         }
-        if (lives && canonical[i] == PBW_NONE) {
-            const double *x = pbw__core_record(core, core->vertex[i]);
-            memcpy(points + i * dim, x, dim * sizeof(double));
-            canonical[i] = core->name[core->vertex[i]];
-            mesh->duplicate_count++;
-            pbw__stand_add(stand, core->vertex[i], x, live->weight[i]);
+    }
+    (void)PBW__ADD(&viewing->duplicates, duplicates);
+    return PBW_OK;
+}
+
+/* Points, weights and canonical of a view. */
+static pbw_status pbw__view_begin(pbw__viewing *viewing, pbw__context *context)
+{
+    const pbw_live *live = viewing->live;
+    const size_t numbers = live->numbers, entries = numbers * (size_t)live->dim;
+    pbw_mesh *mesh = viewing->mesh;
+    pbw__owned *owned = (pbw__owned *)mesh->memory;
+    pbw_status status;
+    mesh->points = (double *)pbw__allocate_large(context, entries, sizeof(double));
+    mesh->canonical = (pbw_index *)pbw__allocate_large(context, numbers, sizeof(pbw_index));
+    mesh->weights = live->weighted_past ? (double *)pbw__allocate_large(context, numbers, sizeof(double)) : NULL;
+    owned->points = entries;
+    owned->weights = owned->canonical = numbers;
+    if (mesh->points == NULL || mesh->canonical == NULL || (mesh->weights == NULL && live->weighted_past)) {
+        return PBW_ERROR_MEMORY;
+    }
+    status = pbw__for_range(context, numbers, 16384, 0.0, pbw__view_points, viewing);
+    mesh->duplicate_count = viewing->duplicates;
+    return status;
+}
+
+/* Sorts the vertices.  `stand`: copies of them if some are gone, or if duplicates count in the grid of the keys. */
+static pbw_status pbw__view_order(const pbw_live *live, pbw__context *context, pbw__stand *stand,
+                                  pbw__vertices *vertices)
+{
+    const pbw__core *core = &live->core;
+    const size_t width = (size_t)live->dim + 1;
+    pbw__input input;
+    pbw_index v;
+    size_t i;
+    if (core->unused_count == 0 && core->vertex_count == live->points) {
+        input = pbw__input_of(live->dim, 0, core->record + width, core->record + 2 * width - 1, live->points);
+        input.weights = live->weighted_past ? input.weights : NULL;
+        input.stride = input.weight_stride = width * sizeof(double);
+        input.bare = 1;
+        return pbw__order(context, &input, vertices);
+    }
+    if (!pbw__stand_create(&context->memory, stand, live->points, live->dim)) {
+        return PBW_ERROR_MEMORY;
+    }
+    for (v = 1; v <= core->vertex_count; v++) {
+        if (core->incident[v] != PBW__GONE) {
+            pbw__stand_add(stand, v, pbw__core_record(core, v), pbw__core_record(core, v)[width - 1]);
+        }
+    }
+    for (i = 0; stand->count < live->points && i < live->numbers; i++) {
+        if ((live->state[i] & PBW__LIVES) != 0 && core->name[core->vertex[i]] != i) {
+            pbw__stand_add(stand, core->vertex[i], pbw__core_record(core, core->vertex[i]), live->weight[i]);
+        }
+    }
+    pbw__stand_input(stand, live->weighted_past, &input);
+    input.bare = core->vertex_count - core->unused_count == live->points;
+    return pbw__order(context, &input, vertices);
+}
+
+/* ---- simplices
+   Turns each simplex to canonical form and counts it in its list. */
+PBW__INLINE void pbw__view_count_of(const pbw__viewing *viewing, size_t from, size_t to, int alone, int dim)
+{
+    const pbw_index *corner = viewing->live->core.store.corner, *rank = viewing->rank;
+    pbw_index *number = viewing->number, *at = viewing->simplices, *head = viewing->head;
+    for (; from < to; from++) {
+        const pbw_index *v = corner + 4 * from;
+        pbw_index r[4], low;
+        unsigned order;
+        int k;
+        if (v[0] == PBW_NONE || v[dim] == PBW__GHOST) {
+            number[from] = PBW_NONE;
+            continue;
+        }
+        for (k = 0; k <= dim; k++) {
+            r[k] = rank[v[k]];
+        }
+        order = pbw__canonical_order(r, dim);
+        low = r[order & 3];
+        viewing->turn[from] = (unsigned char)order;
+        number[from] = low;
+        at[from] = alone ? head[low]++ : PBW__ADD(head + low, 1);
+    }
+}
+
+static pbw_status pbw__view_count(void *arg, size_t from, size_t to)
+{
+    const pbw__viewing *viewing = (const pbw__viewing *)arg;
+    if (viewing->alone) {
+        PBW__BY_DIM(viewing->live->dim, pbw__view_count_of, viewing, from, to, 1);
+    } else {
+        PBW__BY_DIM(viewing->live->dim, pbw__view_count_of, viewing, from, to, 0);
+    }
+    return PBW_OK;
+}
+
+/* Lengths of lists become their places in blocks. */
+static pbw_status pbw__view_sum(void *arg, size_t from, size_t to)
+{
+    const pbw__viewing *viewing = (const pbw__viewing *)arg;
+    pbw_index sum = 0;
+    size_t r;
+    for (r = from; r < to; r++) {
+        const pbw_index length = viewing->head[r];
+        viewing->head[r] = sum;
+        sum += length;
+    }
+    viewing->base[from / PBW__LISTED] = sum;
+    return PBW_OK;
+}
+
+static pbw_status pbw__view_scatter(void *arg, size_t from, size_t to)
+{
+    const pbw__viewing *viewing = (const pbw__viewing *)arg;
+    const pbw_index *number = viewing->number, *at = viewing->simplices, *head = viewing->head, *base = viewing->base;
+    const size_t corners = (size_t)viewing->live->dim + 1;
+    for (; from < to; from++) {
+        const pbw_index low = number[from];
+        if (low != PBW_NONE) {
+            viewing->neighbors[corners * ((size_t)base[low / PBW__LISTED] + head[low] + at[from])] = (pbw_index)from;
         }
     }
     return PBW_OK;
+}
+
+/* The items of a block: see >>number. */
+PBW__INLINE void pbw__view_items(const pbw__viewing *viewing, size_t from, size_t to, pbw__item *item, int dim)
+{
+    const pbw_index *corner = viewing->live->core.store.corner, *rank = viewing->rank, *list = viewing->neighbors;
+    const size_t corners = (size_t)dim + 1;
+    size_t i;
+    for (i = from; i < to; i++, item++) {
+        const size_t t = list[corners * i], soon = list[corners * (i + 16 < to ? i + 16 : i)];
+        const pbw_index *v = corner + 4 * t;
+        const unsigned order = viewing->turn[t];
+        const pbw_index second = rank[v[order >> 2 & 3]], third = rank[v[order >> 4 & 3]];
+        PBW__PREFETCH(corner + 4 * soon);
+        PBW__PREFETCH(viewing->turn + soon);
+        item->key = dim == 3 ? (uint64_t)second << 32 | third : (uint64_t)viewing->number[t] << 32 | second;
+        item->last = dim == 3 ? rank[v[order >> 6]] : third;
+        item->simplex = (pbw_index)t;
+    }
+}
+
+/* Writes the simplices of a block, from the last to the first.  later: the first rank of later blocks, if other
+   threads have them; else PBW_NONE. */
+PBW__INLINE void pbw__view_write(const pbw__viewing *viewing, size_t from, size_t to, const pbw__item *item,
+                                 pbw_index later, int dim)
+{
+    pbw_index *number = viewing->number, *first = viewing->head, *outer = viewing->outer;
+    const pbw_index *id = viewing->id;
+    while (to-- > from) {
+        const pbw__item *here = item + (to - from);
+        const pbw_index place = (pbw_index)to, a = (pbw_index)(here->key >> 32), b = (pbw_index)here->key;
+        pbw_index *v = viewing->simplices + ((size_t)dim + 1) * to;
+        if (dim == 3) {
+            const pbw_index low = number[here->simplex];
+            v[0] = id[low];
+            v[1] = id[a];
+            v[2] = id[b];
+            v[3] = id[here->last];
+            first[low] = place;
+        } else {
+            v[0] = id[a];
+            v[1] = id[b];
+            v[2] = id[here->last];
+        }
+        pbw__emit_first(first, outer, a, place, later);
+        pbw__emit_first(first, outer, b, place, later);
+        pbw__emit_first(first, outer, here->last, place, later);
+        number[here->simplex] = place;
+        viewing->neighbors[((size_t)dim + 1) * to] = here->simplex;
+    }
+}
+
+/* Sorts and writes the lists of a block. */
+static pbw_status pbw__view_block(const pbw__viewing *viewing, size_t block)
+{
+    pbw__memory *memory = &viewing->emission.context->memory;
+    const int dim = viewing->live->dim;
+    const size_t first = block * PBW__LISTED, rest = viewing->ranks - first;
+    const size_t lists = rest < PBW__LISTED ? rest : PBW__LISTED, from = viewing->base[block];
+    const size_t to = viewing->base[block + 1], count = to - from, room = count + 4;     /* 4: see >>number */
+    const pbw_index later = viewing->alone ? PBW_NONE : (pbw_index)(first + lists);
+    pbw_index end[PBW__LISTED];
+    pbw__item *item = (pbw__item *)pbw__allocate(memory, 2 * room, sizeof(pbw__item));
+    if (item == NULL) {
+        return PBW_ERROR_MEMORY;
+    }
+    memcpy(end, viewing->head + first + 1, (lists - 1) * sizeof(pbw_index));
+    end[lists - 1] = (pbw_index)count;
+    memset(viewing->head + first, 0xff, lists * sizeof(pbw_index));  /* PBW_NONE */
+    memset(item + count, 0, 4 * sizeof(*item));
+    PBW__BY_DIM(dim, pbw__view_items, viewing, from, to, item);
+    pbw__sort_region(&viewing->emission, item, end, lists, item + room);
+    if (viewing->alone) {                            /* compiled without comparisons with later */
+        PBW__BY_DIM(dim, pbw__view_write, viewing, from, to, item + room + 1, PBW_NONE);
+    } else {
+        PBW__BY_DIM(dim, pbw__view_write, viewing, from, to, item + room + 1, later);
+    }
+    pbw__release(memory, item, 2 * room, sizeof(pbw__item));
+    return PBW_OK;
+}
+
+static pbw_status pbw__view_blocks(void *arg, size_t from, size_t to)
+{
+    const pbw__viewing *viewing = (const pbw__viewing *)arg;
+    pbw_status status = PBW_OK;
+    for (; from < to && status == PBW_OK; from++) {
+        status = pbw__view_block(viewing, viewing->blocks - 1 - from);
+    }
+    return status;
+}
+
+PBW__INLINE void pbw__view_neighbors_of(const pbw__viewing *viewing, size_t from, size_t to, int dim)
+{
+    const pbw__link *link = viewing->live->core.store.link;
+    const pbw_index *number = viewing->number;
+    const size_t corners = (size_t)dim + 1;
+    for (; from < to; from++) {
+        pbw_index *neighbor = viewing->neighbors + corners * from;
+        const size_t t = neighbor[0], soon = neighbor[from + 16 < to ? 16 * corners : 0];
+        const unsigned order = viewing->turn[t];
+        int k;
+        PBW__PREFETCH(link + 4 * soon);
+        PBW__PREFETCH(viewing->turn + soon);
+        for (k = 0; k <= dim; k++) {
+            neighbor[k] = number[link[4 * t + (order >> 2 * k & 3)] >> 2];
+        }
+    }
+}
+
+static pbw_status pbw__view_neighbors(void *arg, size_t from, size_t to)
+{
+    const pbw__viewing *viewing = (const pbw__viewing *)arg;
+    PBW__BY_DIM(viewing->live->dim, pbw__view_neighbors_of, viewing, from, to);
+    return PBW_OK;
+}
+
+static pbw_status pbw__view_incident(void *arg, size_t from, size_t to)
+{
+    pbw__viewing *viewing = (pbw__viewing *)arg;
+    size_t visible = 0, r;
+    for (r = from + 1; r <= to; r++) {
+        const pbw_index own = viewing->head[r], other = viewing->alone ? own : viewing->outer[r];
+        const pbw_index first = own < other ? own : other;
+        viewing->incident[viewing->id[r]] = first;
+        visible += first != PBW_NONE;
+    }
+    (void)PBW__ADD(&viewing->visible, visible);
+    return PBW_OK;
+}
+
+/* Puts the simplices into lists. */
+static pbw_status pbw__view_lists(pbw__viewing *viewing, pbw__context *context)
+{
+    const pbw__core *core = &viewing->live->core;
+    const size_t slots = core->store.count, entries = core->simplex_count * ((size_t)viewing->live->dim + 1);
+    pbw_mesh *mesh = viewing->mesh;
+    pbw__owned *owned = (pbw__owned *)mesh->memory;
+    size_t room = entries > slots ? entries : slots, sum = 0, block;
+    pbw_status status = PBW_ERROR_MEMORY;
+    mesh->simplices = viewing->simplices = (pbw_index *)pbw__allocate_large(context, room, sizeof(pbw_index));
+    mesh->neighbors = viewing->neighbors = (pbw_index *)pbw__allocate_large(context, entries, sizeof(pbw_index));
+    owned->simplices = room;
+    owned->neighbors = entries;
+    mesh->simplex_count = core->simplex_count;
+    if (viewing->simplices != NULL && viewing->neighbors != NULL) {
+        status = pbw__for_range(context, slots, 16384, 0.2, pbw__view_count, viewing);
+        status = status == PBW_OK ? pbw__for_range(context, viewing->ranks, PBW__LISTED, 0.25, pbw__view_sum, viewing)
+                                  : status;
+    }
+    for (block = 0; block <= viewing->blocks && status == PBW_OK; block++) {
+        const pbw_index count = block < viewing->blocks ? viewing->base[block] : 0;
+        viewing->base[block] = (pbw_index)sum;
+        sum += count;
+    }
+    status = status == PBW_OK ? pbw__for_range(context, slots, 16384, 0.3, pbw__view_scatter, viewing) : status;
+    if (status == PBW_OK && room > entries) {
+        status = pbw__resize_array(&context->memory, &viewing->simplices, &room, entries, sizeof(pbw_index))
+               ? PBW_OK : PBW_ERROR_MEMORY;
+        mesh->simplices = viewing->simplices;
+        owned->simplices = room;
+    }
+    return status;
+}
+
+/* Ranks of vertices, and their ids.  `list` has the vertices of the core by their places in the input of `vertices`;
+   NULL: the vertices are that input. */
+static void pbw__view_ranks(const pbw__viewing *viewing, pbw__vertices *vertices, const pbw_index *list)
+{
+    const pbw_index *name = viewing->live->core.name;
+    const size_t ranks = viewing->ranks;
+    size_t r;
+    viewing->rank[0] = 0;
+    for (r = 1; r < ranks; r++) {
+        const size_t soon = vertices->id[r + 16 < ranks ? r + 16 : r];
+        const pbw_index v = list != NULL ? list[vertices->id[r]] : vertices->id[r] + 1;
+        PBW__PREFETCH(name + (list != NULL ? list[soon] : soon + 1));
+        PBW__PREFETCH_TO_WRITE(viewing->rank + (list != NULL ? list[soon] : soon + 1));
+        vertices->id[r] = name[v];
+        viewing->rank[v] = (pbw_index)r;
+    }
+}
+
+/* The simplices of a view. */
+static pbw_status pbw__view_simplices(pbw__viewing *viewing, pbw__context *context, pbw__vertices *vertices,
+                                      const pbw_index *list)
+{
+    const pbw__core *core = &viewing->live->core;
+    pbw__memory *memory = &context->memory;
+    const size_t slots = core->store.count, ranks = vertices->count + 1, heads = viewing->alone ? ranks : 2 * ranks;
+    pbw_status status = PBW_ERROR_MEMORY;
+    viewing->ranks = ranks;
+    viewing->blocks = (ranks + PBW__LISTED - 1) / PBW__LISTED;
+    viewing->id = vertices->id;
+    viewing->rank = (pbw_index *)pbw__allocate_large(context, core->vertex_count + 1, sizeof(pbw_index));
+    viewing->number = (pbw_index *)pbw__allocate_large(context, slots, sizeof(pbw_index));
+    viewing->turn = (unsigned char *)pbw__allocate_large(context, slots, 1);
+    viewing->head = (pbw_index *)pbw__allocate_large(context, heads, sizeof(pbw_index));
+    viewing->base = (pbw_index *)pbw__allocate(memory, viewing->blocks + 1, sizeof(pbw_index));
+    viewing->incident = pbw__make_incident(context, (pbw__owned *)viewing->mesh->memory, viewing->mesh,
+                                           vertices->count < viewing->live->numbers);
+    if (viewing->rank != NULL && viewing->number != NULL && viewing->turn != NULL && viewing->head != NULL
+        && viewing->base != NULL && viewing->incident != NULL) {
+        viewing->outer = viewing->head + (viewing->alone ? 0 : ranks);
+        memset(viewing->head, 0, ranks * sizeof(pbw_index));
+        memset(viewing->head + ranks, 0xff, (heads - ranks) * sizeof(pbw_index));    /* PBW_NONE */
+        pbw__view_ranks(viewing, vertices, list);
+        status = pbw__view_lists(viewing, context);
+    }
+    status = status == PBW_OK ? pbw__for_range(context, viewing->blocks, 1, 0.7, pbw__view_blocks, viewing) : status;
+    status = status == PBW_OK ? pbw__for_range(context, core->simplex_count, 16384, 0.95, pbw__view_neighbors,
+                                               viewing) : status;
+    status = status == PBW_OK ? pbw__for_range(context, ranks - 1, 16384, 1.0, pbw__view_incident, viewing) : status;
+    viewing->mesh->hidden_count = vertices->count - viewing->visible;
+    pbw__release(memory, viewing->rank, core->vertex_count + 1, sizeof(pbw_index));
+    pbw__release(memory, viewing->number, slots, sizeof(pbw_index));
+    pbw__release(memory, viewing->turn, slots, 1);
+    pbw__release(memory, viewing->head, heads, sizeof(pbw_index));
+    pbw__release(memory, viewing->base, viewing->blocks + 1, sizeof(pbw_index));
+    return status;
 }
 
 static pbw_status pbw__view(const pbw_live *live, pbw__context *context, pbw_mesh *mesh)
 {
     pbw__owned *owned = (pbw__owned *)pbw__allocate(&context->memory, 1, sizeof(pbw__owned));
+    pbw__viewing viewing;
     pbw__stand stand;
     pbw__vertices vertices;
-    pbw__input input;
     pbw_status status;
     if (owned == NULL) {
         return PBW_ERROR_MEMORY;
     }
     memset(owned, 0, sizeof(*owned));
     memset(&stand, 0, sizeof(stand));
-    memset(&vertices, 0, sizeof(vertices));
+    memset(&viewing, 0, sizeof(viewing));
+    viewing.live = live;
+    viewing.mesh = mesh;
+    viewing.alone = context->threads == 1;
+    viewing.emission.context = context;
+    viewing.emission.dim = live->dim;
+#ifdef PBW__AVX2
+    viewing.emission.simd = pbw__simd_works();
+#endif
     mesh->memory = owned;
     mesh->dim = live->dim;
     mesh->point_count = live->numbers;
     if (live->numbers == 0) {
         return PBW_DEGENERATE;
     }
-    status = pbw__view_points(live, context, &stand, mesh);
+    status = pbw__view_begin(&viewing, context);
     if (status == PBW_OK && live->core.simplex_count == 0) {
         status = pbw__make_incident(context, owned, mesh, 1) == NULL ? PBW_ERROR_MEMORY : PBW_DEGENERATE;
     } else if (status == PBW_OK) {
-        pbw__stand_input(&stand, live->weighted_past, &input);
         status = pbw__enter_stage(context, PBW_STAGE_ORDER) ? PBW_CANCELLED
-               : pbw__order(context, &input, &vertices);
+               : pbw__view_order(live, context, &stand, &vertices);
         if (status == PBW_OK) {
             status = pbw__enter_stage(context, PBW_STAGE_OUTPUT) ? PBW_CANCELLED
-                   : pbw__view_simplices(live, context, &vertices, stand.list, mesh);
+                   : pbw__view_simplices(&viewing, context, &vertices, stand.list);
+            pbw__vertices_free(context, &vertices);
         }
     }
     pbw__stand_free(&context->memory, &stand);
-    if (vertices.id != NULL) {
-        pbw__vertices_free(context, &vertices);
-    }
     return status;
 }
 
